@@ -1198,7 +1198,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__load4d(const double *from)
     return PBW__BY_ISA(_mm256_loadu_pd(from), pbw__join(vld1q_f64(from), vld1q_f64(from + 2)));
 }
 
-/* Stores a[i], b[i], c[i], d[i], rounded, as row i of 4. */
+/* Stores a[i], b[i], c[i], d[i], rounded to single precision, in row i of 4. */
 PBW__SIMD_INLINE void pbw__store_rows(float *to, pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d)
 {
 #ifdef PBW__AVX2
@@ -13700,7 +13700,8 @@ typedef struct pbw__verifying {
     pbw__core *core;
     double o[4], ahead[4];                           /* a point inside of a simplex; another one on a ray from it */
     size_t inverted, failing, most, covers;          /* most: failing ones to go on with */
-    float *row;                                      /* of four, a triangle, in the plane */
+    float *depth;                                    /* of four, a simplex; NULL: no vectors */
+    double scale;                                    /* of depths */
 } pbw__verifying;
 
 /* Whether the simplex in slot t, a ghost too, is in conflict with p: see pbw__in_conflict. */
@@ -13777,6 +13778,35 @@ PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int all, 
     return faults;
 }
 
+/* ---- depths
+   The depth of facet k of a simplex is the signed way from it to the centre of the simplex's sphere, inwards, times
+   twice the facet's measure.  A facet is locally regular if its depths on both sides add up to more than 0: in the
+   plane, of angles d and e across from an edge, if cot(d) + cot(e) > 0 (Cline and Renka 1984).  So each simplex is
+   looked at once, and nobody reads the coordinates behind a facet.
+
+   Proof.  Let f be linear on each simplex, with the lifts of vertices as its values: f is convex across a facet, so
+   that is locally regular, if its slope along the facet's normal n grows.  With the last corner d as the origin, the
+   rows a, b, c of the other corners and the minors m of >>predicates, V = a.m_a is the orientation, N = l_a m_a + l_b
+   m_b + l_c m_c, and the slope of f is N / V + 2 d.  m_i is the inner normal across from corner i, of length twice
+   the facet's area (in the plane: its length), so that across from d is -sum m.  From a corner q of the facet the
+   slope along the inner normal is H / V, H = N.n + 2 V (d - q).n: H_i = N.m_i, and, with q = a, H_d = 2 V^2 - sum
+   H_i, as a.m_a = V and a.m_b = a.m_c = 0.  Both sides have one facet and opposite normals: the sum of the two H / V
+   is minus what the slope grows by, from outside to inside, so it must be positive.
+
+   A depth is stored as a lower bound in single precision, so the sum of two is certain if it is positive.  Roundings
+   and absolute products, see >>predicates, u = 2^-53, with the largest height h:
+                in the plane                                      in space
+      V         4 roundings, h                                    8, 6 h^(3/2)
+      H_i       lift 5, |b|^2 4, product, sum: 11, 2 h^2          lift 6, minors 4 each, products, sums: 20, 36 h^3
+      H_d       13, 6 h^2: 78 u h^2                               25, 180 h^3: 4500 u h^3
+   Where V is above 1e-6 h, or 5e-6 h^(3/2), its relative error is below 2e-9.  That, the division, the scale and the
+   conversion change a depth by less than 2^-22 of it, and underflow by less than 1e-30, in units of the scale, which
+   is that of the points' box.  Other simplices get NaN, so do ghosts and free slots: their signs are left open. */
+#define PBW__DEPTH2_ERROR 9e-15                      /* times h^2, h^3 */
+#define PBW__DEPTH3_ERROR 5.1e-13
+#define PBW__DEPTH2_LEAST 1e-12                      /* of V^2, times h^2, h^3 */
+#define PBW__DEPTH3_LEAST 2.5e-11
+
 #ifdef PBW__SIMD
 /* Makes the points of these vertices, one in each lane, the origin. */
 PBW__SIMD_INLINE void pbw__origins4(const double *record, const pbw_index *v, pbw__point4 *origin)
@@ -13792,337 +13822,151 @@ PBW__SIMD_INLINE void pbw__origins4(const double *record, const pbw_index *v, pb
     }
 }
 
-/* Four simplices, one in each lane: what pbw__plane computes. */
-typedef struct pbw__planes4 { pbw__d4 orientation, x, y, z, height; } pbw__planes4;
-
-PBW__SIMD_INLINE pbw__planes4 pbw__planes4_of(const pbw__core *core, pbw_index v[4][4], const pbw__point4 *origin)
+/* V and H of four simplices, one in each lane, with the last corners as origins; returns the largest heights. */
+PBW__SIMD_INLINE pbw__d4 pbw__depths4(const double *record, pbw_index v[4][4], const pbw__point4 *origin, pbw__d4 *V,
+                                      pbw__d4 *H)
 {
-    const pbw__rows4 a = pbw__rows4_of(core->record, v[0], 0, origin);
-    const pbw__rows4 b = pbw__rows4_of(core->record, v[1], 0, origin);
-    pbw__planes4 plane;
-    plane.height = pbw__max4(pbw__max4(a.height, b.height), pbw__splat(1e-55));
+    const pbw__rows4 a = pbw__rows4_of(record, v[0], 0, origin), b = pbw__rows4_of(record, v[1], 0, origin);
+    const pbw__d4 h = pbw__max4(pbw__max4(a.height, b.height), pbw__splat(1e-55));
     if (origin->dim == 2) {
-        plane.orientation = pbw__det2(a.x, a.y, b.x, b.y);
-        plane.x = pbw__det2(a.lift, a.y, b.lift, b.y);
-        plane.y = pbw__det2(b.lift, b.x, a.lift, a.x);
-        plane.z = pbw__splat(0.0);
+        const pbw__d4 aa = pbw__fma(a.y, a.y, a.x * a.x), bb = pbw__fma(b.y, b.y, b.x * b.x);
+        const pbw__d4 ab = pbw__fma(a.y, b.y, a.x * b.x);
+        *V = pbw__det2(a.x, a.y, b.x, b.y);
+        H[0] = pbw__det2(a.lift, b.lift, ab, bb);
+        H[1] = pbw__det2(b.lift, a.lift, ab, aa);
+        H[2] = (*V + *V) * *V - (H[0] + H[1]);
+        H[3] = H[2];
+        return h;
     } else {
-        const pbw__rows4 c = pbw__rows4_of(core->record, v[2], 0, origin);
-        const pbw__d4 x = pbw__det2(c.y, c.z, b.y, b.z), y = pbw__det2(c.z, c.x, b.z, b.x),
-                      z = pbw__det2(c.x, c.y, b.x, b.y);
-        plane.height = pbw__max4(plane.height, c.height);
-        plane.orientation = pbw__dot4(a.x, a.y, a.z, x, y, z);
-        plane.x = pbw__dot4(a.lift, b.lift, c.lift, x, pbw__det2(a.y, a.z, c.y, c.z),
-                            pbw__det2(b.y, b.z, a.y, a.z));
-        plane.y = pbw__dot4(a.lift, b.lift, c.lift, y, pbw__det2(a.z, a.x, c.z, c.x),
-                            pbw__det2(b.z, b.x, a.z, a.x));
-        plane.z = pbw__dot4(a.lift, b.lift, c.lift, z, pbw__det2(a.x, a.y, c.x, c.y),
-                            pbw__det2(b.x, b.y, a.x, a.y));
+        const pbw__rows4 c = pbw__rows4_of(record, v[2], 0, origin);
+        const pbw__d4 ax = pbw__det2(c.y, c.z, b.y, b.z), bx = pbw__det2(a.y, a.z, c.y, c.z),
+                      cx = pbw__det2(b.y, b.z, a.y, a.z), ay = pbw__det2(c.z, c.x, b.z, b.x),
+                      by = pbw__det2(a.z, a.x, c.z, c.x), cy = pbw__det2(b.z, b.x, a.z, a.x),
+                      az = pbw__det2(c.x, c.y, b.x, b.y), bz = pbw__det2(a.x, a.y, c.x, c.y),
+                      cz = pbw__det2(b.x, b.y, a.x, a.y);
+        const pbw__d4 nx = pbw__dot4(a.lift, b.lift, c.lift, ax, bx, cx);
+        const pbw__d4 ny = pbw__dot4(a.lift, b.lift, c.lift, ay, by, cy);
+        const pbw__d4 nz = pbw__dot4(a.lift, b.lift, c.lift, az, bz, cz);
+        *V = pbw__dot4(a.x, a.y, a.z, ax, ay, az);
+        H[0] = pbw__dot4(nx, ny, nz, ax, ay, az);
+        H[1] = pbw__dot4(nx, ny, nz, bx, by, bz);
+        H[2] = pbw__dot4(nx, ny, nz, cx, cy, cz);
+        H[3] = (*V + *V) * *V - (H[0] + H[1] + H[2]);
+        return pbw__max4(h, c.height);
     }
-    return plane;
 }
 
-/* pbw__slot_faults of four finite simplices. */
-PBW__SIMD_INLINE void pbw__faults4(const pbw__core *core, const pbw_index *slot, unsigned *faults, int dim)
+/* Stores the depths of the simplices in slots t..t+3; returns the set of those that are certainly positive.  Free
+   slots and ghosts have the record of the ghost. */
+PBW__SIMD_INLINE void pbw__depths_of(const pbw__verifying *verifying, size_t t, unsigned *positive, int dim)
 {
-    const pbw_index *corner = core->kernel.corner;
-    const pbw__link *link[4];
+    const pbw__core *core = verifying->core;
+    const pbw_index *corner = core->kernel.corner + 4 * t;
+    const pbw__d4 nan = pbw__splat(HUGE_VAL) - pbw__splat(HUGE_VAL);
+    pbw__point4 origin = pbw__point4_of(core->record, dim, core->kernel.weighted);
+    pbw__d4 h, V, H[4], power, scale, certain;
     pbw_index v[4][4];
-    pbw__point4 origin;
-    pbw__planes4 plane;
-    pbw__d4 h;
-    unsigned open, i, k;
-    for (i = 0; i < 4; i++) {
-        link[i] = core->kernel.link + 4 * (size_t)slot[i];
-        for (k = 0; k <= (unsigned)dim; k++) {
-            v[k][i] = corner[4 * (size_t)slot[i] + k];
-        }
-    }
-    origin = pbw__point4_of(core->record, dim, core->kernel.weighted);
-    pbw__origins4(core->record, v[dim], &origin);
-    plane = pbw__planes4_of(core, v, &origin);
-    h = plane.height * plane.height;
-    h = dim == 2 ? h * pbw__splat(PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR)
-                 : h * plane.height * pbw__splat(PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR);
-    open = pbw__signs(pbw__and4(pbw__greater(plane.orientation * plane.orientation, h),
-                                pbw__greater(plane.orientation, pbw__splat(0.0)))) ^ 15u;
-    for (i = 0; i < 4; i++) {
-        faults[i] = (open >> i & 1) != 0 && pbw__slot_side(core, slot[i], dim + 1, NULL) <= 0 ? PBW__INVERTED : 0;
-    }
-    for (k = 0; k <= (unsigned)dim; k++) {
-        pbw__rows4 e;
-        pbw__d4 det, limit;
-        pbw_index far[4];
-        unsigned tested = 0, certain, inside;
-        for (i = 0; i < 4; i++) {
-            const pbw_index other = corner[link[i][k]];
-            const unsigned test = (unsigned)(other != PBW__GHOST) & (unsigned)(slot[i] < link[i][k] >> 2);
-            far[i] = test ? other : v[dim][i];
-            tested |= test << i;
-        }
-        if (tested == 0) {
-            continue;
-        }
-        e = pbw__rows4_of(core->record, far, 0, &origin);
-        det = pbw__fnma(e.lift, plane.orientation, pbw__dot4(e.x, e.y, e.z, plane.x, plane.y, plane.z));
-        h = pbw__max4(plane.height, e.height);
-        limit = h * h * (h * h);
-        limit = dim == 2 ? limit * pbw__splat(PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR)
-                         : limit * h * pbw__splat(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR);
-        certain = pbw__signs(pbw__greater(det * det, limit));
-        inside = certain & tested & pbw__signs(pbw__greater(det, pbw__splat(0.0)));
-        open = tested & ~certain;
-        for (i = 0; (inside | open) != 0 && i < 4; i++) {
-            if ((inside >> i & 1) != 0
-                || ((open >> i & 1) != 0 && pbw__slot_conflict(core, slot[i], pbw__core_record(core, far[i])))) {
-                faults[i] |= 1u << k;
-            }
-        }
-    }
-    for (i = 0; i < 4; i++) {
-        faults[i] = (faults[i] & PBW__INVERTED) != 0 ? PBW__INVERTED : faults[i];
-    }
-}
-
-PBW__SIMD static PBW__NOINLINE void pbw__faults4_of(const pbw__core *core, const pbw_index *slot, unsigned *faults)
-{
-    PBW__BY_DIM(core->kernel.dim, pbw__faults4, core, slot, faults);
-}
-#endif
-
-#define PBW__BLOCK_SLOTS 64                          /* whose neighbours are prefetched, then their vertices */
-
-/* Lists the finite simplices in slots from..to-1; the ghosts are judged.  Returns how many, with what they need
-   prefetched. */
-static size_t pbw__verify_list(pbw__core *core, size_t from, size_t to, pbw_index *slot, size_t *failing)
-{
-    const pbw_index *corner = core->kernel.corner;
-    const pbw__link *link = core->kernel.link;
-    const size_t dim = (size_t)core->kernel.dim, width = dim + 1;
-    size_t count = 0, t, i, k;
-    for (t = from; t < to; t++) {
-        slot[count] = (pbw_index)t;
-        if (corner[4 * t] == PBW_NONE) {
-            continue;
-        }
-        if (corner[4 * t + dim] == PBW__GHOST) {
-            const unsigned faults = dim == 3 ? pbw__slot_faults(core, t, 0, 3) : pbw__slot_faults(core, t, 0, 2);
-            core->kernel.mark[t] = (unsigned char)faults;
-            *failing += faults != 0;
-            continue;
-        }
-        count++;
-        for (k = 0; k <= dim; k++) {
-            PBW__PREFETCH(corner + link[4 * t + k]);
-        }
-    }
-    for (i = 0; i < count; i++) {
-        for (k = 0; k <= dim; k++) {
-            PBW__PREFETCH(core->record + width * corner[link[4 * (size_t)slot[i] + k]]);
-        }
-    }
-    return count;
-}
-
-/* Judges the listed simplices; there is room for three more in the list. */
-static void pbw__verify_listed(pbw__core *core, pbw_index *slot, size_t count, size_t *inverted, size_t *failing)
-{
-    size_t i, k;
-    unsigned faults[4];
-#ifdef PBW__SIMD
-    const int simd = pbw__simd_works();
-    for (k = count; k < count + 3 && count > 0; k++) {
-        slot[k] = slot[count - 1];
-    }
-#else
-    const int simd = 0;
-#endif
-    for (i = 0; i < count; i += 4) {
-        const size_t some = count - i < 4 ? count - i : 4;
-#ifdef PBW__SIMD
-        if (simd) {
-            pbw__faults4_of(core, slot + i, faults);
-        }
-#endif
-        for (k = 0; k < some; k++) {
-            if (!simd) {
-                faults[k] = core->kernel.dim == 3 ? pbw__slot_faults(core, slot[i + k], 0, 3)
-                                                  : pbw__slot_faults(core, slot[i + k], 0, 2);
-            }
-            core->kernel.mark[slot[i + k]] = (unsigned char)faults[k];
-            *inverted += faults[k] == PBW__INVERTED;
-            *failing += faults[k] != 0;
-        }
-    }
-}
-
-static pbw_status pbw__verify_range(void *arg, size_t from, size_t to)
-{
-    pbw__verifying *verifying = (pbw__verifying *)arg;
-    pbw__core *core = verifying->core;
-    pbw_index slot[PBW__BLOCK_SLOTS + 4];
-    size_t inverted = 0, failing = 0;
-    if (PBW__LOAD(&verifying->inverted) > 0 || PBW__LOAD(&verifying->failing) > verifying->most) {
-        return PBW__ANEW;
-    }
-    while (from < to) {
-        const size_t end = to - from < PBW__BLOCK_SLOTS ? to : from + PBW__BLOCK_SLOTS;
-        const size_t count = pbw__verify_list(core, from, end, slot, &failing);
-        pbw__verify_listed(core, slot, count, &inverted, &failing);
-        from = end;
-    }
-    (void)PBW__ADD(&verifying->inverted, inverted);
-    (void)PBW__ADD(&verifying->failing, failing);
-    return PBW_OK;
-}
-
-/* ---- in the plane, without weights
-   An edge is locally Delaunay if the angles across from it, at d in one triangle and at e in the other, add up to less
-   than a half turn: sin(d + e) > 0 (Cline and Renka 1984).  With dot and area, the dot product and the determinant of
-   the two edges that meet in a corner, that is dot_d area_e + dot_e area_d > 0.  So each triangle is looked at once,
-   and no coordinates behind its edges are.  (The sum is the determinant of the test by lifts.)
-
-   A row has the three dots of a triangle and its area, all divided by the square of its longest edge, in single
-   precision.  Dot and area are sums of two products of differences: with 4 roundings each, their errors are at most
-   4 u times |edge| |edge|, u = 2^-52 in any rounding mode (see >>predicates); division and conversion, to floats of
-   2^-23, add less than 2^-23 (1 + 2^-20) times |dot| / longest^2 <= 1.  A product of two entries has an error of at
-   most 3 * 2^-23 (1 + 2^-19), its own rounding included, and the sum of two products of 8 * 2^-23 = 9.6e-7.  What
-   underflows costs less than 2^-100; where the square of the longest edge is below 1e-250, rows become 0, and where
-   it overflows, 0 or NaN: both leave the sign open. */
-#define PBW__ROW_ERROR 1e-6f
-#define PBW__LEAST_EDGE 1e-250                       /* squared */
-
-/* The row of the triangle in slot t; returns whether it is certainly positive. */
-static int pbw__row_of(const pbw__core *core, size_t t, float *row)
-{
-    const pbw_index *v = core->kernel.corner + 4 * t;
-    const double *a = core->record + 3 * (size_t)v[0], *b = core->record + 3 * (size_t)v[1];
-    const double *c = core->record + 3 * (size_t)v[2];
-    const double abx = b[0] - a[0], aby = b[1] - a[1], acx = c[0] - a[0], acy = c[1] - a[1];
-    const double bcx = c[0] - b[0], bcy = c[1] - b[1];
-    const double area = abx * acy - aby * acx, at_a = abx * acx + aby * acy;
-    const double at_b = -(abx * bcx + aby * bcy), at_c = acx * bcx + acy * bcy;
-    const double edge = pbw__max(pbw__max(at_a + at_b, at_b + at_c), pbw__max(at_c + at_a, PBW__LEAST_EDGE));
-    const double scale = 1.0 / edge;
-    row[0] = (float)(at_a * scale);
-    row[1] = (float)(at_b * scale);
-    row[2] = (float)(at_c * scale);
-    row[3] = (float)(area * scale);
-    return area > edge * PBW__ORIENT2_ERROR;
-}
-
-#ifdef PBW__SIMD
-/* The rows of the triangles in slots t..t+3; returns the set of those that are certainly positive.  Free slots and
-   ghosts get NaN, from the record of the ghost. */
-PBW__SIMD static PBW__NOINLINE unsigned pbw__rows_of(const pbw__core *core, size_t t, float *rows)
-{
-    const pbw_index *v = core->kernel.corner + 4 * t;
-    const double *at[3][4];
-    pbw__d4 ax, ay, bx, by, cx, cy, area, at_a, at_b, at_c, edge, scale;
     unsigned i, k;
-    for (i = 0; i < 4; i++, v += 4) {
-        const pbw_index used = 0 - (pbw_index)(v[0] != PBW_NONE);
-        for (k = 0; k < 3; k++) {
-            at[k][i] = core->record + 3 * (size_t)(v[k] & used);
+    for (i = 0; i < 4; i++, corner += 4) {
+        const pbw_index used = 0 - (pbw_index)(corner[0] != PBW_NONE);
+        for (k = 0; k <= (unsigned)dim; k++) {
+            v[k][i] = corner[k] & used;
         }
     }
-    pbw__columns(at[0][0], at[0][1], at[0][2], at[0][3], &ax, &ay);
-    pbw__columns(at[1][0], at[1][1], at[1][2], at[1][3], &bx, &by);
-    pbw__columns(at[2][0], at[2][1], at[2][2], at[2][3], &cx, &cy);
-    {
-        const pbw__d4 abx = bx - ax, aby = by - ay, acx = cx - ax, acy = cy - ay, bcx = cx - bx, bcy = cy - by;
-        area = pbw__det2(abx, aby, acx, acy);
-        at_a = pbw__fma(abx, acx, aby * acy);
-        at_b = pbw__splat(0.0) - pbw__fma(abx, bcx, aby * bcy);
-        at_c = pbw__fma(acx, bcx, acy * bcy);
+    pbw__origins4(core->record, v[dim], &origin);
+    h = pbw__depths4(core->record, v, &origin, &V, H);
+    power = dim == 2 ? h * h : h * h * h;
+    certain = pbw__and4(pbw__greater(V * V, power * pbw__splat(dim == 2 ? PBW__DEPTH2_LEAST : PBW__DEPTH3_LEAST)),
+                        pbw__greater(V, pbw__splat(0.0)));
+    scale = pbw__blend(nan, pbw__splat(verifying->scale) / V, certain);
+    power = power * pbw__splat(dim == 2 ? PBW__DEPTH2_ERROR : PBW__DEPTH3_ERROR);
+    for (k = 0; k < 4; k++) {
+        const pbw__d4 depth = (H[k] - power) * scale;
+        H[k] = depth - pbw__fma(pbw__abs4(depth), pbw__splat(1.0 / (1 << 21)), pbw__splat(1e-30));
     }
-    edge = pbw__max4(pbw__max4(at_a + at_b, at_b + at_c), pbw__max4(at_c + at_a, pbw__splat(PBW__LEAST_EDGE)));
-    scale = pbw__splat(1.0) / edge;
-    pbw__store_rows(rows, at_a * scale, at_b * scale, at_c * scale, area * scale);
-    return pbw__signs(pbw__greater(area, edge * pbw__splat(PBW__ORIENT2_ERROR)));
+    pbw__store_rows(verifying->depth + 4 * t, H[0], H[1], H[2], H[3]);
+    *positive = pbw__signs(certain);
 }
-#endif
 
-/* Rows of all triangles. */
-static pbw_status pbw__verify_rows(void *arg, size_t from, size_t to)
+PBW__SIMD static PBW__NOINLINE unsigned pbw__depths(const pbw__verifying *verifying, size_t t)
+{
+    unsigned positive;
+    PBW__BY_DIM(verifying->core->kernel.dim, pbw__depths_of, verifying, t, &positive);
+    return positive;
+}
+
+/* Depths of all facets, by four slots. */
+static pbw_status pbw__verify_depths(void *arg, size_t from, size_t to)
 {
     pbw__verifying *verifying = (pbw__verifying *)arg;
     const pbw__core *core = verifying->core;
     const pbw_index *corner = core->kernel.corner;
+    const int dim = core->kernel.dim;
     size_t inverted = 0, t, i;
-#ifdef PBW__SIMD
-    const int simd = pbw__simd_works();
-#else
-    const int simd = 0;
-#endif
     if (PBW__LOAD(&verifying->inverted) > 0) {
         return PBW__ANEW;
     }
     for (t = from; t < to; t += 4) {
-        const size_t some = to - t < 4 ? to - t : 4;
-        unsigned positive = 0;
-#ifdef PBW__SIMD
-        positive = simd && some == 4 ? pbw__rows_of(core, t, verifying->row + 4 * t) : 0;
-#endif
-        for (i = 0; i < some && positive != 15; i++) {
-            const size_t s = t + i;
-            const int finite = corner[4 * s] != PBW_NONE && corner[4 * s + 2] != PBW__GHOST;
-            if (simd && some == 4) {
-                inverted += finite && (positive >> i & 1) == 0 && pbw__slot_side(core, s, 3, NULL) <= 0;
-            } else if (finite) {
-                inverted += !pbw__row_of(core, s, verifying->row + 4 * s) && pbw__slot_side(core, s, 3, NULL) <= 0;
-            } else {
-                memset(verifying->row + 4 * s, 0, 4 * sizeof(float));
-            }
+        const unsigned positive = pbw__depths(verifying, t);
+        for (i = t; i < t + 4 && positive != 15; i++) {
+            inverted += (positive >> (i - t) & 1) == 0 && corner[4 * i] != PBW_NONE
+                && corner[4 * i + (size_t)dim] != PBW__GHOST && pbw__slot_side(core, i, dim + 1, NULL) <= 0;
         }
     }
     (void)PBW__ADD(&verifying->inverted, inverted);
     return PBW_OK;
 }
+#endif
 
-/* Which edges of the triangle in slot t, of those tested on this side, are not locally Delaunay: exactly. */
-static PBW__NOINLINE unsigned pbw__edge_faults(const pbw__core *core, size_t t)
+/* Judges the facets: by their depths on both sides, or exactly. */
+PBW__INLINE void pbw__verify_facets_of(pbw__verifying *verifying, size_t from, size_t to, int dim)
 {
-    const pbw_index *corner = core->kernel.corner;
-    const pbw__link *link = core->kernel.link + 4 * t;
-    unsigned faults = 0, k;
-    for (k = 0; k < 3; k++) {
-        const pbw_index far = corner[link[k]];
-        if (far != PBW__GHOST && t < link[k] >> 2 && pbw__slot_conflict(core, t, pbw__core_record(core, far))) {
-            faults |= 1u << k;
-        }
-    }
-    return faults;
-}
-
-/* Judges the edges by the rows on both sides, and the ghosts. */
-static pbw_status pbw__verify_edges(void *arg, size_t from, size_t to)
-{
-    pbw__verifying *verifying = (pbw__verifying *)arg;
     pbw__core *core = verifying->core;
     const pbw_index *corner = core->kernel.corner;
-    const float *row = verifying->row;
-    size_t failing = 0, t;
-    if (PBW__LOAD(&verifying->failing) > verifying->most) {
-        return PBW__ANEW;
-    }
+    const float *depth = verifying->depth;
+    size_t inverted = 0, failing = 0, t, k;
     for (t = from; t < to; t++) {
         const pbw__link *link = core->kernel.link + 4 * t;
-        const float *own = row + 4 * t;
-        unsigned certain = 1, k, faults;
+        int certain = depth != NULL;
+        unsigned faults;
         if (corner[4 * t] == PBW_NONE) {
             continue;
         }
-        for (k = 0; k < 3; k++) {
-            certain &= own[k] * row[link[k] | 3] + row[link[k]] * own[3] > PBW__ROW_ERROR;
+        for (k = 0; k <= (size_t)dim && depth != NULL; k++) {
+            certain &= depth[4 * t + k] + depth[link[k]] > 0.0f;
         }
         if (PBW__UNLIKELY(!certain)) {
-            faults = corner[4 * t + 2] == PBW__GHOST ? pbw__slot_faults(core, t, 0, 2) : pbw__edge_faults(core, t);
+            faults = pbw__slot_faults(core, t, 0, dim);
             core->kernel.mark[t] = (unsigned char)faults;
+            inverted += faults == PBW__INVERTED;
             failing += faults != 0;
         }
     }
+    (void)PBW__ADD(&verifying->inverted, inverted);
     (void)PBW__ADD(&verifying->failing, failing);
+}
+
+static pbw_status pbw__verify_facets(void *arg, size_t from, size_t to)
+{
+    pbw__verifying *verifying = (pbw__verifying *)arg;
+    if (PBW__LOAD(&verifying->inverted) > 0 || PBW__LOAD(&verifying->failing) > verifying->most) {
+        return PBW__ANEW;
+    }
+    PBW__BY_DIM(verifying->core->kernel.dim, pbw__verify_facets_of, verifying, from, to);
+    return PBW_OK;
+}
+
+/* Looks at some simplices, where no facet may fail: if many do, one of these does. */
+static pbw_status pbw__verify_some(const pbw__core *core)
+{
+    const size_t count = core->store.count, step = count / 256 + 1;
+    const int dim = core->kernel.dim;
+    size_t t;
+    for (t = 0; t < count && step >= 16; t += step) {
+        if (core->kernel.corner[4 * t] != PBW_NONE && pbw__slot_faults(core, t, 1, dim) != 0) {
+            return PBW__ANEW;
+        }
+    }
     return PBW_OK;
 }
 
@@ -14132,18 +13976,27 @@ static pbw_status pbw__verify_all(pbw__verifying *verifying)
     pbw__core *core = verifying->core;
     pbw__context *context = core->kernel.context;
     const size_t count = core->store.count;
-    pbw_status status;
-    if (core->kernel.dim == 3 || core->kernel.weighted) {
-        return pbw__for_range(context, count, 4096, 0.5, pbw__verify_range, verifying);
+    pbw_status status = verifying->most == 0 ? pbw__verify_some(core) : PBW_OK;
+#ifdef PBW__SIMD
+    const size_t fours = count / 4 * 4;
+    int k;
+    if (status == PBW_OK && pbw__simd_works()) {
+        verifying->depth = (float *)pbw__allocate_large(context, 4 * count, sizeof(float));
+        if (verifying->depth == NULL) {
+            return PBW_ERROR_MEMORY;
+        }
+        verifying->scale = (double)core->vertex_count;
+        for (k = 0; k < core->kernel.dim; k++) {
+            verifying->scale /= core->high[k] - core->low[k];
+        }
+        verifying->scale = verifying->scale >= 1e-300 && verifying->scale <= 1e300 ? verifying->scale : 1.0;
+        memset(verifying->depth + 4 * fours, 0xff, 4 * (count - fours) * sizeof(float));     /* NaN */
+        status = pbw__for_range(context, fours, 4096, 0.25, pbw__verify_depths, verifying);
+        status = status == PBW_OK && verifying->inverted > 0 ? PBW__ANEW : status;
     }
-    verifying->row = (float *)pbw__allocate(&context->memory, 4 * count, sizeof(float));
-    if (verifying->row == NULL) {
-        return PBW_ERROR_MEMORY;
-    }
-    status = pbw__for_range(context, count, 4096, 0.25, pbw__verify_rows, verifying);
-    status = status == PBW_OK && verifying->inverted > 0 ? PBW__ANEW : status;
-    status = status == PBW_OK ? pbw__for_range(context, count, 4096, 0.5, pbw__verify_edges, verifying) : status;
-    pbw__release(&context->memory, verifying->row, 4 * count, sizeof(float));
+#endif
+    status = status == PBW_OK ? pbw__for_range(context, count, 4096, 0.5, pbw__verify_facets, verifying) : status;
+    pbw__release(&context->memory, verifying->depth, 4 * count, sizeof(float));
     return status;
 }
 
@@ -16868,7 +16721,7 @@ typedef struct pbw__viewing {
     pbw_index *head;                                 /* per rank: where its list begins in the block; then its first
                                                         simplex of this block, and, if there are several threads, */
     pbw_index *outer;                                /* its first one of other blocks */
-    pbw_index *base;                                 /* per block: where it begins; behind the last: where that ends */
+    pbw_index *base;                                 /* per block: where it begins; one more: where the last ends */
     pbw_index *simplices, *neighbors, *incident;     /* the mesh's; before there are simplices: per slot, where it is
                                                         in its list; before there are neighbours: in the first entry
                                                         of each place, its slot */
@@ -16882,8 +16735,9 @@ static pbw_status pbw__view_points(void *arg, size_t from, size_t to)
     const pbw_live *live = viewing->live;
     const pbw__core *core = &live->core;
     const size_t dim = (size_t)live->dim;
-    double *points = (double *)(uintptr_t)viewing->mesh->points, *weights = (double *)(uintptr_t)viewing->mesh->weights;
-    pbw_index *canonical = (pbw_index *)(uintptr_t)viewing->mesh->canonical;
+    const pbw_mesh *mesh = viewing->mesh;
+    double *points = (double *)(uintptr_t)mesh->points, *weights = (double *)(uintptr_t)mesh->weights;
+    pbw_index *canonical = (pbw_index *)(uintptr_t)mesh->canonical;
     const int settled = live->queue_count == 0 && core->twin != NULL;
     size_t duplicates = 0, i;
     for (i = from; i < to; i++) {
