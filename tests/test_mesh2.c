@@ -3,7 +3,7 @@
 #include "pbw.h"
 #define PBW_MESH2_IMPLEMENTATION
 #include "../examples/lib/pbw_mesh2.h"
-#include "inputs.h"
+#include "domains.h"
 #include "meter.h"
 #include "meshes.h"
 #include "planes.h"
@@ -11,90 +11,6 @@
 #include "watch.h"
 
 #define PI 3.14159265358979323846
-
-/* ---- inputs */
-
-typedef struct drawing {                   /* points and segments that grow */
-    double *points;
-    pbw_index *segments;
-    size_t point_count, segment_count;
-    pbw_plane_input input;
-} drawing;
-
-static pbw_index put(drawing *d, double x, double y)
-{
-    if ((d->point_count & (d->point_count - 1)) == 0) {
-        d->points = (double *)zoo_grow(d->points, 4 * (d->point_count + 1) * sizeof(double));
-    }
-    d->points[2 * d->point_count] = x;
-    d->points[2 * d->point_count + 1] = y;
-    return (pbw_index)d->point_count++;
-}
-
-static void line(drawing *d, pbw_index a, pbw_index b)
-{
-    if ((d->segment_count & (d->segment_count - 1)) == 0) {
-        d->segments = (pbw_index *)zoo_grow(d->segments, 4 * (d->segment_count + 1) * sizeof(pbw_index));
-    }
-    d->segments[2 * d->segment_count] = a;
-    d->segments[2 * d->segment_count++ + 1] = b;
-}
-
-/* A closed ring of the last `count` points. */
-static void ring(drawing *d, size_t count)
-{
-    const size_t first = d->point_count - count;
-    size_t i;
-    for (i = 0; i < count; i++) {
-        line(d, (pbw_index)(first + i), (pbw_index)(first + (i + 1) % count));
-    }
-}
-
-static void box(drawing *d, double x, double y, double half, int clockwise)
-{
-    put(d, x - half, y - half);
-    put(d, clockwise ? x - half : x + half, clockwise ? y + half : y - half);
-    put(d, x + half, y + half);
-    put(d, clockwise ? x + half : x - half, clockwise ? y - half : y + half);
-    ring(d, 4);
-}
-
-static const pbw_plane_input *input_of(drawing *d)
-{
-    d->input.points = d->points;
-    d->input.point_count = d->point_count;
-    d->input.segments = d->segments;
-    d->input.segment_count = d->segment_count;
-    return &d->input;
-}
-
-static void drawing_free(drawing *d)
-{
-    free(d->points);
-    free(d->segments);
-    memset(d, 0, sizeof *d);
-}
-
-/* A rough closed coast of n points about x, y. */
-static void coast(drawing *d, double x, double y, double radius, int n, uint64_t *state)
-{
-    double phase[12];
-    int i, k;
-    for (k = 0; k < 12; k++) {
-        phase[k] = input_uniform(state);
-    }
-    for (i = 0; i < n; i++) {
-        double c, s, r = 1, w = 0.3;
-        for (k = 0; k < 12; k++, w *= 0.6) {
-            input_turn((double)i / n * (1 << k) + phase[k], &c, &s);
-            r += 0.5 * w * c;
-        }
-        r *= radius * (1 + 0.004 * (input_uniform(state) - 0.5));
-        input_turn((double)i / n, &c, &s);
-        put(d, x + r * c, y + r * s);
-    }
-    ring(d, (size_t)n);
-}
 
 /* ---- checks */
 
@@ -142,6 +58,7 @@ static uint64_t check_drawing(drawing *d, const pbw_plane_options *options)
     }
     pbw_plane_free(&plane);
     memset(&other, 0, sizeof other);
+    other.input = d->input;
     to = (pbw_index *)zoo_grow(NULL, (d->point_count + 1) * sizeof *to);
     for (i = 0; i < d->point_count; i++) {
         to[i] = (pbw_index)i;
@@ -571,23 +488,6 @@ static void test_failures(void)
 
 /* ---- refinement */
 
-static double least_angle(const pbw_plane *plane, size_t i)
-{
-    const double *p[3];
-    double least = 180;
-    int k;
-    for (k = 0; k < 3; k++) {
-        p[k] = planes_at(plane->points, plane->triangles[3 * i + (size_t)k]);
-    }
-    for (k = 0; k < 3; k++) {
-        const double *a = p[k], *b = p[(k + 1) % 3], *c = p[(k + 2) % 3];
-        const double x = (b[0] - a[0]) * (c[0] - a[0]) + (b[1] - a[1]) * (c[1] - a[1]);
-        const double y = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        least = fmin(least, atan2(y, x) * 180 / PI);
-    }
-    return least;
-}
-
 static double longest_edge(const pbw_plane *plane, size_t i)
 {
     double longest = 0;
@@ -613,27 +513,13 @@ static void refine(drawing *d, pbw_plane_options *options, size_t small, size_t 
     check_fault(planes_fault(plane, options->rule == PBW_PLANE_HULL ? d->segments : NULL, d->segment_count, 0));
     CHECK(fabsl(planes_area(plane) - planes_area(&coarse)) <= 1e-12L * planes_area(&coarse));
     for (i = 0; i < plane->triangle_count; i++) {
-        found += least_angle(plane, i) < angle - 1e-6;
+        found += domain_least_angle(plane, i) < angle - 1e-6;
     }
     CHECK_EQUAL(found, plane->report.small_angles);
     CHECK(found <= small);
     CHECK(plane->triangle_count <= most && !plane->report.limited);
     test_say("%g degrees: %zu triangles, %zu with smaller angles", angle, plane->triangle_count, found);
     pbw_plane_free(&coarse);
-}
-
-static void plate(drawing *d)
-{
-    int i, k;
-    box(d, 5, 5, 5.5, 0);
-    for (k = 0; k < 20; k++) {
-        for (i = 0; i < 200; i++) {
-            double c, s;
-            input_turn(i / 200.0, &c, &s);
-            put(d, k % 5 * 2 + 1 + 0.5 * c, k / 5 * 2.4 + 1.2 + 0.5 * s);
-        }
-        ring(d, 200);
-    }
 }
 
 /* Finer towards a corner. */
@@ -713,6 +599,57 @@ static void test_angles(void)
             pbw_plane_free(&plane);
             drawing_free(&d);
         }
+        test_end();
+    }
+}
+
+/* Every domain of the table: one set of triangles for every order; no angle below the bound, but at small angles. */
+static void test_domain(const domain *e, int full, size_t *sharp_at_33)
+{
+    drawing d;
+    pbw_plane plane;
+    pbw_plane_options options;
+    domain_verdict v;
+    int i;
+    memset(&d, 0, sizeof d);
+    memset(&options, 0, sizeof options);
+    options.rule = e->rule;
+    options.flags = e->flags;
+    e->make(&d, full);
+    check_drawing(&d, &options);
+    if (e->make == draw_tiny) {
+        options.flags |= PBW_PLANE_REFINE;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_ERROR_ARGUMENT);
+        CHECK(strstr(plane.what, "scale") != NULL);
+        drawing_free(&d);
+        return;
+    }
+    for (i = 0; i < 2; i++) {
+        options.angle = i == 0 ? 30 : 33;
+        refine(&d, &options, SIZE_MAX, SIZE_MAX, &plane);
+        v = domain_judge(&d, &plane, options.angle);
+        CHECK(v.sharp_free == 0 || i == 1);
+        CHECK_EQUAL(plane.report.too_large, 0);
+        CHECK_EQUAL(plane.report.short_edges, 0);
+        *sharp_at_33 += i == 1 && v.sharp_free > 0;
+        pbw_plane_free(&plane);
+    }
+    drawing_free(&d);
+}
+
+static void test_domain_table(void)
+{
+    const int full = test_count >= 1000000;
+    size_t sharp = 0;
+    int i;
+    for (i = 0; i < DOMAIN_COUNT; i++) {
+        if (test_begin("domains: %s", domains[i].name)) {
+            test_domain(domains + i, full, &sharp);
+            test_end();
+        }
+    }
+    if (test_begin("domains: 33 degrees on 95 of 100")) {
+        CHECK(20 * sharp <= DOMAIN_COUNT);
         test_end();
     }
 }
@@ -932,6 +869,7 @@ int main(int argc, char **argv)
     test_crossings();
     test_domains();
     test_angles();
+    test_domain_table();
     test_sizes();
     test_limits();
     test_failures();

@@ -76,8 +76,8 @@ typedef struct pbw_plane_input {           /* start from {0} */
     size_t point_count;
     const pbw_index *segments;             /* two points each */
     size_t segment_count;
-    const pbw_index *segment_ids;          /* numbers of segments in what comes out, several may have one; PBW_NONE: the
-                                              segment is in no list of an edge; NULL: 0, 1, 2, ... */
+    const pbw_index *segment_ids;          /* numbers of segments in what comes out, several may have one; PBW_NONE:
+                                              the segment is in no list of an edge; NULL: 0, 1, 2, ... */
     const double *holes;                   /* x and y each: what such a point can reach is no part of the domain */
     size_t hole_count;
     const pbw_plane_region *regions;       /* of two for one region the last counts */
@@ -1652,7 +1652,8 @@ static pbw_status pbwp__find_domain(pbwp__job *job)
    points of one encroach upon nothing of the other, as splits at different distances would go on until they are as
    short as the segments are apart; triangles from one to the other are left alone.  No split makes an edge shorter
    than 1e-10 of the domain, so that points are apart and finitely many.  Triangles that are flatter than that are
-   left alone too, and encroach upon nothing: two segments can be so near to each other, over their whole length, for one ulp of a point.
+   left alone too, and encroach upon nothing: two segments can be so near to each other, over their whole length, for
+   one ulp of a point.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwp__host {                /* an edge of the constrained triangulation */
     pbw_index a, b, edge;
@@ -1778,7 +1779,8 @@ static int pbwp__may_split(const pbwp__refiner *r, pbw_index code)
 
 /* ---- what is wrong with a triangle */
 
-/* Whether u and w are at one distance from a point of the input, on two segments from there. */
+/* Whether u and w are at one distance from a point of the input, on two segments that meet there at less than 60
+   degrees: at more, an edge that joins them is longer than the distance, so that lengths do not fall. */
 static int pbwp__are_twins(const pbwp__refiner *r, pbw_index u, pbw_index w)
 {
     const pbw_index hu = pbwp__vertex_host(r, u), hw = pbwp__vertex_host(r, w);
@@ -1795,7 +1797,7 @@ static int pbwp__are_twins(const pbwp__refiner *r, pbw_index u, pbw_index w)
     }
     one = pbwp__distance2(pbwp__point(r, z), pbwp__point(r, u));
     other = pbwp__distance2(pbwp__point(r, z), pbwp__point(r, w));
-    return fabs(one - other) <= 1e-3 * one;
+    return fabs(one - other) <= 1e-3 * one && pbwp__distance2(pbwp__point(r, u), pbwp__point(r, w)) < one;
 }
 
 /* Squares of the lengths of edges; returns the shortest. */
