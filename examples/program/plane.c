@@ -152,8 +152,8 @@ static void report(const job *j, const result *r, double seconds)
     }
     for (i = 0; is_given(j, "--quality") && p->triangle_count > 0 && i < PBW_PLANE_MEASURES; i++) {
         const pbw_plane_quality q = pbw_plane_quality_of(p, (pbw_plane_measure)i);
-        note(j, "  %-16s %.4g to %.4g, mean %.4g", pbw_plane_measure_name((pbw_plane_measure)i), q.least, q.most,
-             q.mean);
+        note(j, "%-16s least %.7g, mean %.7g, most %.7g", pbw_plane_measure_name((pbw_plane_measure)i), q.least,
+             q.mean, q.most);
     }
     if (is_given(j, "--histogram")) {
         histogram(j, r);
