@@ -49,6 +49,14 @@ grown() {   # the same sizes from a column by number and by name
         awk '$2 < 100 { exit 1 }' one
 }
 check "sizes from a column" grown
+graded() {  # slower growth, more triangles: of a column, of a formula
+    for size in size 'max(0.1,10*(x-0.2))'; do
+        "$pbw" plane sized.csv --size "$size" --gradation 0.05 | grep triangles, > one &&
+            "$pbw" plane sized.csv --size "$size" --gradation 0.5 | grep triangles, > two && cat one two &&
+            awk '{ n[FILENAME] = $1 } END { exit !(n["one"] > 1.5 * n["two"]) }' one two || return 1
+    done
+}
+check "--gradation" graded
 check "no such column" says 1 "there is no column" sized.poly --size '#9'
 check "a column of a file that has none" says 1 ".geojson has none" plate.geojson --size depth
 remesh() {  # a mesh is refined, and made coarse again

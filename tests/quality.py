@@ -1,7 +1,7 @@
 """quality.py REPORT MESH: compares what `pbw improve --quality` says of the tetrahedra of a mesh, or `pbw plane
 --quality` of its triangles, with what others say: with VTK's vtkMeshQuality, which is Verdict, of a .vtu; or with
-Gmsh's statistics, of a .pos; see programs.sh and plane.sh.  Not dihedral angles: VTK 9.1 takes other than the least of
-six."""
+Gmsh's statistics, of a .pos; see programs.sh and plane.sh.  Not dihedral angles: VTK 9.1 takes other than the least
+of six."""
 import re
 import sys
 

@@ -399,6 +399,7 @@ static void test_failures(void)
     pbw_plane plane;
     pbw_plane_options options;
     pbw_options build;
+    double sizes[64];
     meter m;
     watch w;
     long k, done = 0;
@@ -443,6 +444,9 @@ static void test_failures(void)
         coast(&d, 0, 0, 1, 60, &state);
         box(&d, 0, 0, 0.3, 1);
         line(&d, 0, 30);
+        memset(sizes, 0, sizeof sizes);
+        sizes[3] = sizes[50] = 0.01;
+        d.input.sizes = sizes;
         options.rule = PBW_PLANE_SEEDS;
         options.flags = PBW_PLANE_SPLIT_CROSSINGS | PBW_PLANE_REFINE;
         build.resize = meter_resize;
@@ -723,6 +727,88 @@ static void test_sizes(void)
     }
 }
 
+/* Fine in a disc, coarse outside. */
+static double disc_at(void *user, double x, double y)
+{
+    (void)user;
+    return hypot(x - 0.5, y - 0.5) < 0.1 ? 0.01 : 1;
+}
+
+/* The most that a triangle's longest edge exceeds a size which grows from a disc by: as a ratio. */
+static double excess(const pbw_plane *plane, const double *centre, double radius, double size, double growth)
+{
+    double most = 0;
+    size_t i, k;
+    for (i = 0; i < plane->triangle_count; i++) {
+        double x = 0, y = 0;
+        for (k = 0; k < 3; k++) {
+            x += planes_at(plane->points, plane->triangles[3 * i + k])[0] / 3;
+            y += planes_at(plane->points, plane->triangles[3 * i + k])[1] / 3;
+        }
+        x = fmax(0, hypot(x - centre[0], y - centre[1]) - radius);
+        most = fmax(most, longest_edge(plane, i) / (size + growth * x));
+    }
+    return most;
+}
+
+static void test_growth(void)
+{
+    static const double centre[] = { 0.5, 0.5 }, low[] = { 0.5, 0.01 }, growth[] = { 0.1, 0.2, 0.3 };
+    static const pbw_plane_region regions[] = { { -0.5, 0, 1e-4 }, { 0.5, 0, 0 } };
+    static const double sizes[] = { 0, 0, 0, 0, 0.005 };
+    static const size_t of_point[] = { 3400, 1300, 700 }, of_disc[] = { 7500, 4600, 3700 };
+    drawing d;
+    pbw_plane plane;
+    pbw_plane_options options;
+    size_t plain = 0, i, k;
+    memset(&d, 0, sizeof d);
+    memset(&options, 0, sizeof options);
+    if (test_begin("sizes grow from a point, from a disc of a function, no faster than bidden")) {
+        box(&d, 0.5, 0.5, 0.5, 0);
+        put(&d, low[0], low[1]);
+        for (i = 0; i < 3; i++) {
+            options.gradation = growth[i];
+            d.input.sizes = sizes;
+            options.size_at = NULL;
+            refine(&d, &options, 0, of_point[i], &plane);
+            CHECK(excess(&plane, low, 0, 0.005, growth[i]) < 1.15);
+            CHECK(plane.triangle_count > of_point[i] / 2);
+            pbw_plane_free(&plane);
+            d.input.sizes = NULL;
+            options.size_at = disc_at;
+            refine(&d, &options, 0, of_disc[i], &plane);
+            CHECK(excess(&plane, centre, 0.1, 0.01, growth[i]) < 1.25);
+            pbw_plane_free(&plane);
+        }
+        options.gradation = 0;                       /* a function grows as it likes */
+        refine(&d, &options, 0, 2500, &plane);
+        CHECK(excess(&plane, centre, 0.1, 0.01, 0.2) > 2);
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("sizes grow from a fine region into the next")) {
+        options.size_at = NULL;
+        box(&d, 0, 0, 1, 0);
+        line(&d, put(&d, 0, -1), put(&d, 0, 1));
+        d.input.regions = regions;
+        d.input.region_count = 2;
+        for (i = 0; i < 3; i++) {
+            size_t coarse = 0;
+            options.gradation = 0.1 * (double)i;
+            refine(&d, &options, 0, 36000, &plane);
+            for (k = 0; k < plane.triangle_count; k++) {
+                coarse += plane.region_seeds[plane.regions[k]] == 1;
+            }
+            plain = i == 0 ? coarse : plain;
+            CHECK(i == 0 || coarse > (i == 1 ? 3 : 2) * plain / 2);
+            pbw_plane_free(&plane);
+        }
+        drawing_free(&d);
+        test_end();
+    }
+}
+
 static void test_limits(void)
 {
     drawing d;
@@ -871,6 +957,7 @@ int main(int argc, char **argv)
     test_angles();
     test_domain_table();
     test_sizes();
+    test_growth();
     test_limits();
     test_failures();
     test_random();
