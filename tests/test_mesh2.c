@@ -303,6 +303,113 @@ static void test_crossings(void)
     }
 }
 
+/* Makes the mesh of segments that may cross: it is right, or the call says why there is none. */
+static void check_answer(drawing *d, unsigned flags, size_t memory, pbw_status other, const char *why)
+{
+    pbw_plane plane;
+    pbw_plane_options options;
+    pbw_options build;
+    pbw_status status;
+    memset(&options, 0, sizeof options);
+    memset(&build, 0, sizeof build);
+    build.threads = 1;
+    build.memory_limit = memory;
+    options.build = &build;
+    options.flags = flags;
+    status = make(d, &options, &plane);
+    if (status == PBW_OK) {
+        check_fault(planes_fault(&plane, d->segments, d->segment_count, 0));
+        CHECK(why == NULL || strstr(why, "settle") != NULL);
+    } else {
+        CHECK_EQUAL(status, other);
+        CHECK(why != NULL && strstr(plane.what, why) != NULL && plane.triangles == NULL);
+    }
+    pbw_plane_free(&plane);
+}
+
+static void test_slivers(void)
+{
+    static const double scales[] = { 1e-300, 1e-320, 1e300 };
+    const unsigned split = PBW_PLANE_SPLIT_CROSSINGS;
+    drawing d;
+    pbw_plane plane;
+    uint64_t state = 5;
+    size_t i, k;
+    memset(&d, 0, sizeof d);
+    if (test_begin("a million equal segments")) {
+        put(&d, 0, 0);
+        put(&d, 1, 0);
+        put(&d, 0, 1);
+        for (i = 0; i < 1000000; i++) {
+            line(&d, (pbw_index)(i & 1), (pbw_index)(~i & 1));
+        }
+        CHECK_EQUAL(make(&d, NULL, &plane), PBW_OK);
+        CHECK(plane.triangle_count == 1 && plane.edge_first[plane.edge_count] == 1000000);
+        for (i = 0; i < 1000000 && plane.edge_segments[i] == i; i++) {
+        }
+        CHECK_EQUAL(i, 1000000);
+        pbw_plane_free(&plane);
+        d.segment_count = 100000;
+        check_answer(&d, 0, 1 << 20, PBW_ERROR_MEMORY, "memory");
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("copies of two segments that cross, in little memory")) {
+        box(&d, 0, 0, 1, 0);
+        for (i = 0; i < 200; i++) {
+            line(&d, (pbw_index)(i & 1), (pbw_index)(2 + (i & 1)));
+        }
+        check_answer(&d, 0, 0, PBW_ERROR_ARGUMENT, "crossings in all: 10000");
+        check_answer(&d, 0, 1 << 17, PBW_ERROR_MEMORY, "memory");
+        check_answer(&d, split, 0, PBW_OK, NULL);
+        check_answer(&d, split, 1 << 17, PBW_ERROR_MEMORY, "memory");
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("segments side by side, 1e-9 apart: more triangles than memory, or than bidden")) {
+        pbw_plane_options options;
+        memset(&options, 0, sizeof options);
+        box(&d, 0, 0, 2, 0);
+        stroke(&d, -1, 0, 1, 0);
+        stroke(&d, -1, 1e-9, 1, 2e-9);
+        check_answer(&d, 0, 0, PBW_OK, NULL);
+        check_answer(&d, PBW_PLANE_REFINE, 8 << 20, PBW_ERROR_MEMORY, "memory");
+        options.flags = PBW_PLANE_REFINE;
+        options.steiner_limit = 1000;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        CHECK(plane.report.limited && plane.report.small_angles > 0);
+        check_fault(planes_fault(&plane, d.segments, d.segment_count, 0));
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("segments that cross at 1e-9, at 1e15, at the least and largest scales")) {
+        for (i = 0; i < 60; i++) {
+            stroke(&d, -1, 1e-9 * (double)i, 1, 1e-9 * (double)(i * 7919 % 61));
+        }
+        check_answer(&d, split, 0, PBW_ERROR_ARGUMENT, "do not settle");
+        drawing_free(&d);
+        for (i = 0; i < 50; i++) {
+            const double y = 1e15 + floor(0.37 * (double)i);
+            stroke(&d, 1e15 + (double)i, y, 1e15 + (double)(10000 + i * 7919 % 1000), y + 3700);
+        }
+        box(&d, 1e15 + 5000, 1e15 + 2000, 20000, 0);
+        check_answer(&d, split, 0, PBW_OK, NULL);
+        check_answer(&d, split | PBW_PLANE_REFINE, 0, PBW_OK, NULL);
+        drawing_free(&d);
+        for (k = 0; k < 3; k++) {
+            for (i = 0; i < 40; i++) {
+                const double x = scales[k] * input_uniform(&state), y = scales[k] * input_uniform(&state);
+                stroke(&d, x, y, scales[k] * input_uniform(&state), scales[k] * input_uniform(&state));
+            }
+            check_answer(&d, split, 0, PBW_OK, NULL);
+            check_answer(&d, split | PBW_PLANE_REFINE, 0, PBW_ERROR_ARGUMENT, "scale them");
+            drawing_free(&d);
+        }
+        test_end();
+    }
+}
+
 static void test_domains(void)
 {
     drawing d;
@@ -953,6 +1060,7 @@ int main(int argc, char **argv)
     test_constraints();
     test_ids();
     test_crossings();
+    test_slivers();
     test_domains();
     test_angles();
     test_domain_table();

@@ -2856,11 +2856,27 @@ static int pbwp__out_triangles(pbwp__job *job, pbwp__block *block)
     return 1;
 }
 
+static void pbwp__sort_indices(pbw_index *item, size_t count)         /* Shell 1959; gaps of Gonnet 1991 */
+{
+    size_t gap = count, i, k;
+    while (gap > 1) {
+        gap = gap < 5 ? 1 : (5 * gap - 1) / 11;
+        for (i = gap; i < count; i++) {
+            const pbw_index last = item[i];
+            for (k = i; k >= gap && item[k - gap] > last; k -= gap) {
+                item[k] = item[k - gap];
+            }
+            item[k] = last;
+        }
+    }
+}
+
 /* Adds the caller's segments on an edge to a list, ascending, each once. */
 static int pbwp__out_segments(pbwp__job *job, pbwp__array *list, pbw_index edge)
 {
     const size_t first = list->count;
-    size_t i;
+    size_t count, kept = 0, i;
+    pbw_index *item;
     while (edge != PBW_NONE && edge != PBWP__BORDER) {
         pbw_index id = edge;
         edge = PBW_NONE;
@@ -2870,21 +2886,22 @@ static int pbwp__out_segments(pbwp__job *job, pbwp__array *list, pbw_index edge)
             edge = group.rest;
         }
         id = ((const pbwp__piece *)job->pieces.data)[id].id;
-        if (id == PBW_NONE) {
-            continue;
-        }
-        if (!pbwp__push(&job->memory, list, id)) {
+        if (id != PBW_NONE && !pbwp__push(&job->memory, list, id)) {
             return 0;
         }
-        for (i = list->count - 1; i > first && PBWP__INDICES(*list)[i - 1] > id; i--) {
-            PBWP__INDICES(*list)[i] = PBWP__INDICES(*list)[i - 1];
-        }
-        PBWP__INDICES(*list)[i] = id;
-        if (i > first && PBWP__INDICES(*list)[i - 1] == id) {
-            memmove(PBWP__INDICES(*list) + i, PBWP__INDICES(*list) + i + 1, (list->count - 1 - i) * sizeof id);
-            list->count--;
+    }
+    count = list->count - first;
+    if (count == 0) {
+        return 1;
+    }
+    item = PBWP__INDICES(*list);
+    pbwp__sort_indices(item + first, count);
+    for (i = 0; i < count; i++) {
+        if (i == 0 || item[first + i] != item[first + i - 1]) {
+            item[first + kept++] = item[first + i];
         }
     }
+    list->count = first + kept;
     return 1;
 }
 
