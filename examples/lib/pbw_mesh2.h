@@ -1738,6 +1738,7 @@ typedef struct pbwp__refiner {
     double cosine2, lens2, off;            /* squared cosine of the bound, of the lens; off-centre's height */
     double least2;                         /* squared least length */
     int classes, has_sizes;                /* exponent of class 0; sizes at vertices are in use */
+    int sizing;                            /* no angle was mended so far: sharp triangles are looked for later */
     uint64_t filled;                       /* bit: that class has triangles */
     pbwp__array class_of[PBWP__CLASSES], large, splits;
     pbwp__array slots, rim, hits;          /* a cavity: its triangles, its border, segments encroached upon */
@@ -1928,10 +1929,21 @@ static int pbwp__is_large(const pbwp__refiner *r, const pbwp__triangle *t, const
 
 static int pbwp__class_of(const pbwp__refiner *r, double length2)
 {
+    uint64_t bits;
     int exponent;
-    (void)frexp(length2, &exponent);
-    exponent = r->classes - exponent;
+    memcpy(&bits, &length2, sizeof bits);
+    exponent = r->classes - ((int)(bits >> 52) - 1022);          /* as frexp has it */
     return exponent < 0 ? 0 : exponent >= PBWP__CLASSES ? PBWP__CLASSES - 1 : exponent;
+}
+
+/* Puts a triangle where sharp ones wait, if it is one. */
+static void pbwp__examine_angle(pbwp__refiner *r, pbw_index slot, const double length2[3], unsigned shortest)
+{
+    if (pbwp__is_sharp(r, length2, shortest)) {
+        const int c = pbwp__class_of(r, length2[shortest]);
+        pbwp__add(r, r->class_of + c, slot);
+        r->filled |= (uint64_t)1 << c;
+    }
 }
 
 /* Puts a triangle, and the segments beside it, where the work on them waits. */
@@ -1951,10 +1963,8 @@ static void pbwp__examine(pbwp__refiner *r, pbw_index slot)
     if (pbwp__is_large(r, t, length2)) {
         pbwp__add(r, &r->large, slot);
     }
-    if (pbwp__is_sharp(r, length2, shortest)) {
-        const int c = pbwp__class_of(r, length2[shortest]);
-        pbwp__add(r, r->class_of + c, slot);
-        r->filled |= (uint64_t)1 << c;
+    if (!r->sizing) {
+        pbwp__examine_angle(r, slot, length2, shortest);
     }
 }
 
@@ -2470,6 +2480,21 @@ static void pbwp__mend_large(pbwp__refiner *r)
     }
 }
 
+/* Looks for sharp triangles, once no triangle is too large: of those that there were before, most are gone. */
+static void pbwp__end_sizing(pbwp__refiner *r)
+{
+    double length2[3];
+    size_t i;
+    r->sizing = 0;
+    for (i = r->job->triangles.count; i > 0 && !r->no_memory; i--) {   /* stacks: the first come out first */
+        const pbwp__triangle *t = r->job->t + i - 1;
+        if (t->v[0] != PBW_NONE) {
+            const unsigned shortest = pbwp__lengths(r, t, length2);
+            pbwp__examine_angle(r, (pbw_index)(i - 1), length2, shortest);
+        }
+    }
+}
+
 /* Gives each vertex a host, each edge of a segment the number of a host. */
 static int pbwp__find_hosts(pbwp__refiner *r)
 {
@@ -2574,7 +2599,9 @@ static pbw_status pbwp__refine_all(pbwp__refiner *r)
 {
     pbwp__job *job = r->job;
     const size_t limit = job->options->steiner_limit;
+    const pbw_plane_options *o = job->options;
     size_t i;
+    r->sizing = o->area > 0 || o->size > 0 || o->size_at != NULL || r->has_sizes || job->input->region_count > 0;
     for (i = job->triangles.count; i > 0 && !r->no_memory; i--) {      /* stacks: the first come out first */
         if (job->t[i - 1].v[0] != PBW_NONE) {
             pbwp__examine(r, (pbw_index)(i - 1));
@@ -2582,6 +2609,9 @@ static pbw_status pbwp__refine_all(pbwp__refiner *r)
     }
     while (!r->no_memory) {
         if (limit != 0 && (r->inserted >= limit + job->plane->report.removed || r->inserted / 8 >= limit)) {
+            if (r->sizing) {
+                pbwp__end_sizing(r);
+            }
             job->plane->report.limited = r->splits.count + r->large.count > 0 || r->filled != 0;
             break;
         }
@@ -2591,6 +2621,8 @@ static pbw_status pbwp__refine_all(pbwp__refiner *r)
                              PBWP__INDICES(r->splits)[r->splits.count + 1], 0);
         } else if (r->large.count > 0) {
             pbwp__mend_large(r);
+        } else if (r->sizing) {
+            pbwp__end_sizing(r);
         } else if (r->filled != 0) {
             pbwp__mend_sharp(r);
         } else {
