@@ -16,7 +16,7 @@
    HOW
    Points travel to the rank whose brick has them (a sorted sample of all ranks gives the cuts); then each rank works
    through pbw_tiles.h: asks, answers, takes; rank 0 triangulates the leftovers; facets meet their other side at the
-   rank that owns their vertex of the smallest id.  Messages go to ranks that have something to say to each other only.
+   rank that owns their vertex of the smallest id.  Ranks send messages to those only that need them.
 
    PROMISES  (tests/tiles.sh guards them)
      exact       the simplices, links and hash of one machine, for any number of ranks
@@ -80,7 +80,7 @@ typedef struct pbwm_report {               /* equal on all ranks */
     uint64_t resumed;                      /* tiles that an earlier run had finished */
     uint64_t memory;                       /* bytes resident at one time in one process: the most of all ranks */
     double seconds[PBWM_PHASES];           /* of the slowest rank */
-    double busy[3];                        /* seconds at work on a tile, without waiting: least, mean, most of ranks */
+    double busy[3];                        /* seconds at work on tiles, no waiting: least, mean, most */
     char text[1400];                       /* why it failed */
 } pbwm_report;
 
@@ -120,16 +120,18 @@ typedef struct pbwm__group {
     MPI_Request *request;                            /* 2 a rank */
 } pbwm__group;
 
-/* Memory through options.build.resize; the size stands before the block. */
+/* Zeros through options.build.resize; the size stands before the block. */
 static void *pbwm__take(const pbwm__group *g, size_t bytes)
 {
     const pbw_options *o = &g->options.build;
     const size_t all = bytes + 16;
-    char *block = (char *)(o->resize != NULL ? o->resize(o->resize_user, NULL, 0, all) : malloc(all));
+    char *block = (char *)(o->resize != NULL ? o->resize(o->resize_user, NULL, 0, all) : calloc(all, 1));
     if (block == NULL) {
         return NULL;
     }
-    memset(block, 0, all);
+    if (o->resize != NULL) {
+        memset(block, 0, all);
+    }
     memcpy(block, &all, sizeof all);
     return block + 16;
 }
