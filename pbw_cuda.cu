@@ -2,7 +2,7 @@
 
    Build:  nvcc -O3 -c pbw_cuda.cu        (compute capability 7.0 or later; CUDA 11.7 or later)
    Use:    options.backend = pbw_cuda_backend(0), or pbw_cuda_backend_multi for several devices,
-           or pbw_cuda_triangulate for points on the device, pbw_cuda_loop_step for points that move.
+           or pbw_cuda_triangulate for points on the device, or pbw_cuda_loop_step for points that move.
 
    The result equals that of the CPU byte for byte, because it is a function of the points alone (see CONVENTIONS in
    pbw.h) and every sign that it depends on is exact.
@@ -43,8 +43,8 @@
    POINTS THAT MOVE.  A loop has a pool of its own, which keeps what a step frees for the next.  It keeps the mesh of
    the last step too.  A step puts the points into order and, if the duplicates are those of before, tests that mesh
    with the new coordinates (>>check): positive simplices, locally regular facets under the tie rule, a convex hull
-   that is covered once, hidden points in conflict with none.  Such a mesh is the triangulation of the new points; only
-   the order of its simplices depends on the curve, and follows from the new ranks (>>keep).  The first fault ends the
+   that is covered once, hidden points in conflict with none.  Such a mesh is the triangulation of the new points; the
+   order of its simplices depends on the curve, and follows from the new ranks (>>keep).  The first fault ends the
    test, and the stars are built.
 
    MEMORY.  Device memory is taken from the pool of the current device, as much as options.memory_limit allows; if it
@@ -3428,6 +3428,7 @@ struct view {                                        /* a mesh and its points */
     bool trusted;                                    /* the links are known to be sound */
     pbw__grid grid;
     const record *basis;                             /* corners of simplex 0 */
+    const uint32_t *order;                           /* points along the curve, or NULL */
 };
 
 struct verdict {
@@ -3648,15 +3649,26 @@ template <int DIM> __device__ verdict check_ridges(const view &m, uint32_t s, pb
     return fault_at(check_sound, none, -1, none);
 }
 
-/* A visibility walk to a point that is no vertex. */
-template <int DIM> __device__ verdict check_walk(const view &m, uint32_t point, pbw__digit *pool)
+/* A simplex near the point of a rank: one of a vertex before it on the curve. */
+__device__ inline uint32_t simplex_near(const view &m, uint32_t rank)
 {
-    uint32_t here = 0, last = 0;
+    uint32_t found = none;
+    for (int tries = 0; tries < 64 && rank > 0 && found == none; tries++) {
+        found = m.incident[m.order[--rank]];
+    }
+    return found != none ? found : 0;
+}
+
+/* A visibility walk to a point that is no vertex; with an order, the item is a rank. */
+template <int DIM> __device__ verdict check_walk(const view &m, uint32_t item, pbw__digit *pool)
+{
+    const uint32_t point = m.order != NULL ? m.order[item] : item;
     corners<DIM> c;
     double p[4];
     if (m.canonical[point] != point || m.incident[point] != none) {
         return fault_at(check_sound, none, -1, none);
     }
+    uint32_t here = m.order != NULL ? simplex_near(m, item) : 0, last = here;
     fetch(m.in, point, p);
     for (int i = 0; i <= DIM;) {
         const pbw_index *next = m.neighbors + (size_t)here * (DIM + 1);
@@ -5204,11 +5216,12 @@ struct checking {
     buffer<record> basis;
     buffer<finding> on_device;
     finding found;
+    uint32_t points;                                 /* of a pass */
     pbw_report *report;                              /* NULL: only whether there is a fault */
     checking(call &of, const pbw_cuda_mesh &mesh, const input &in, pbw_report *to)
         : c(of), m{ in, mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical, (uint32_t)mesh.simplex_count,
-                    to == NULL, { 0.0, 0 }, NULL },
-          open(of), pool(of), basis(of), on_device(of), report(to) {}
+                    to == NULL, { 0.0, 0 }, NULL, NULL },
+          open(of), pool(of), basis(of), on_device(of), points((uint32_t)in.count), report(to) {}
 };
 
 /* One pass; false: a fault, which the report then names, or no verdict. */
@@ -5216,7 +5229,7 @@ template <int DIM> bool check_pass(checking &k, int pass)
 {
     call &c = k.c;
     const bool of_points = pass == check_points || pass == check_hidden;
-    const uint32_t count = of_points ? (uint32_t)k.m.in.count : k.m.count;
+    const uint32_t count = of_points ? k.points : k.m.count;
     unsigned blocks = blocks_for(count, 128);
     blocks = blocks < 1u << 16 ? blocks : 1u << 16;
     check_kernel<DIM><<<blocks, 128, 0, c.stream>>>(k.m, pass, count, NULL, k.open.at, NULL, k.on_device.at);
@@ -5320,11 +5333,14 @@ void adopt_last(call &c)
 }
 
 /* Whether an earlier mesh, whose links are sound, is the triangulation of the points where they are now, of which the
-   duplicates are those of the mesh. */
-template <int DIM> bool holds(call &c, const pbw_cuda_mesh &mesh, const input &in, const pbw__grid &grid)
+   duplicates are those of the mesh; id: of each rank. */
+template <int DIM>
+bool holds(call &c, const pbw_cuda_mesh &mesh, const input &in, const space &s, const uint32_t *id)
 {
     checking k(c, mesh, in, NULL);
-    return open_check<DIM>(k, grid) && check_pass<DIM>(k, check_simplices) && check_pass<DIM>(k, check_hull)
+    k.m.order = id;
+    k.points = s.count;
+    return open_check<DIM>(k, s.grid) && check_pass<DIM>(k, check_simplices) && check_pass<DIM>(k, check_hull)
         && (mesh.hidden_count == 0 || check_pass<DIM>(k, check_hidden));
 }
 
@@ -5376,7 +5392,7 @@ bool keep_mesh(call &c, const pbw_cuda_mesh &old, const input &in, const space &
         compare_kernel<<<blocks_for(s.count, 256), 256, 0, c.stream>>>(c.last->id, id, s.count, &flags.at->y);
     }
     if (!launched(c, "order") || !read_back(c, differ, flags.at, PBW_STAGE_BUILD, 0.0) || differ.x != 0
-        || !holds<DIM>(c, old, in, s.grid)) {
+        || !holds<DIM>(c, old, in, s, id)) {
         return false;
     }
     if (ordered_alike && differ.y == 0) {
@@ -5390,7 +5406,7 @@ bool keep_mesh(call &c, const pbw_cuda_mesh &old, const input &in, const space &
     mesh->hidden_count = old.hidden_count;
     mesh->kept = 1;
     note(c, 7);
-    return true;
+    return wait(c, c.stream, PBW_STAGE_OUTPUT, 0.5);
 }
 
 /* The same for any call; a last mesh that does not hold is freed. */
@@ -5925,8 +5941,10 @@ extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, voi
     if (result == NULL || !take_options(r.options, given_options)) {
         return PBW_ERROR_ARGUMENT;
     }
-    *result = NULL;
+    const pbw_options options = r.options;
     call &c = local.c;
+    *result = NULL;
+    r.options.progress = NULL;
     if (open_local(local, r)) {
         memset(&properties, 0, sizeof properties);
         properties.allocType = cudaMemAllocationTypePinned;
@@ -5937,13 +5955,14 @@ extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, voi
         } else if (good(c, cudaGetDevice(&properties.location.id), "cudaGetDevice")
                    && good(c, cudaMemPoolCreate(&pool, &properties), "cudaMemPoolCreate")
                    && good(c, cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &all), "the pool")
+                   && good(c, cudaStreamCreateWithFlags(&c.copies, cudaStreamNonBlocking), "cudaStreamCreate")
                    && good(c, cudaMallocHost(&c.pinned, pinned_bytes), "cudaMallocHost")) {
             c.pool = pool;
             c.lent = true;
             memset(loop, 0, sizeof *loop);
             loop->device = properties.location.id;
             loop->stream = r.stream;
-            loop->options = r.options;
+            loop->options = options;
             loop->cpu = cpu;
             loop->tools = c;
         } else {

@@ -12,11 +12,11 @@
    CPU        pbw_triangulate without the backend on all threads, once, for up to --cpu points (1e6): the arrays are
               equal, byte for byte, or the row says DIFFERENT and the exit status is 1
    The first run of each row warms up and is not counted.  Memory stays in the device's pool between runs.
-   loop       points that move (rows LOOP...): every point steps by up to a part of an edge, the side of the cube that
-              a point has for itself.  For each part, --runs steps: with the test of the mesh before, without it
-              (anew), and by pbw_cuda_triangulate, best and median, and how many steps kept the mesh; every mesh equals
-              that of pbw_cuda_triangulate, byte for byte, or the exit status is 1.  First, the cost of a call that
-              gives all device memory back: the default of CUDA's pools. */
+   loop       points that move: all step by up to a part of an edge (the side of the cube that a point has for
+              itself), or turn by 90 degrees, which keeps the mesh in another order.  --runs steps of each: best and
+              median with the test of the mesh before, without it (anew), and by pbw_cuda_triangulate (fresh); how
+              many steps kept the mesh.  Every mesh equals that of pbw_cuda_triangulate, byte for byte, or the exit
+              status is 1.  First, a call that gives all device memory back, as CUDA's pools do by default. */
 #define _POSIX_C_SOURCE 200112L
 #define PBW_CUDA
 #include "../pbw.h"
@@ -299,13 +299,18 @@ typedef struct moving {
     char message[256];
 } moving;
 
-/* Steps all points by up to a part of an edge. */
+/* Steps all points by up to a part of an edge; a negative part is a quarter turn about the last axis. */
 static int move_all(moving *m, double part, uint64_t *state)
 {
     const double edge = pow((double)m->count, -1.0 / m->dim);
     size_t i;
-    for (i = 0; i < m->count * (size_t)m->dim; i++) {
+    for (i = 0; i < m->count * (size_t)m->dim && part >= 0.0; i++) {
         m->points[i] += 2.0 * part * edge * (input_uniform(state) - 0.5);
+    }
+    for (i = 0; i < m->count * (size_t)m->dim && part < 0.0; i += (size_t)m->dim) {
+        const double x = m->points[i];
+        m->points[i] = -m->points[i + 1];
+        m->points[i + 1] = x;
     }
     return cudaMemcpy(m->there, m->points, m->count * (size_t)m->dim * sizeof(double), cudaMemcpyHostToDevice)
            == cudaSuccess;
@@ -379,7 +384,11 @@ static int loop_steps(moving *m, pbw_cuda_loop *loop, double part, int runs)
         fault = fault || loop_step(m, loop, 1, &mesh, &times[1][run]) != PBW_OK || !equal_on_device(&mesh, &fresh);
         pbw_cuda_free(&fresh, NULL);
     }
-    printf("  moves by up to %-6g kept %d of %d", part, kept, runs);
+    if (part < 0.0) {
+        printf("  a quarter turn        kept %d of %d", kept, runs);
+    } else {
+        printf("  moves by up to %-6g kept %d of %d", part, kept, runs);
+    }
     for (i = 0; i < 3 && !fault; i++) {
         qsort(times[i], (size_t)runs, sizeof times[i][0], compare_doubles);
         printf("; %s best %.2f median %.2f ms", way[i], 1e3 * times[i][0], 1e3 * times[i][runs / 2]);
@@ -390,7 +399,7 @@ static int loop_steps(moving *m, pbw_cuda_loop *loop, double part, int runs)
 
 static int loop_row(const char *kind_name, int dim, size_t count, int weighted, int runs)
 {
-    static const double parts[5] = { 0.0, 1e-10, 1e-3, 0.03, 0.5 };
+    static const double parts[5] = { 1e-10, -1.0, 1e-3, 0.03, 0.5 };
     uint64_t none = 0, all = UINT64_MAX;
     int kind, i, fault = 0;
     double time = 0.0, first = 0.0;
