@@ -16248,37 +16248,53 @@ typedef struct pbw__import {
     pbw__core *core;
     pbw__vertices vertices;
     pbw_index *vertex;                               /* per point: its vertex; 0: none */
+    size_t (*first)[2];                              /* per block of simplices: its first vertex and first ghost */
     size_t visible;                                  /* vertices in simplices, the first ones */
-    size_t ghosts, faults, duplicates, fits;         /* fits: links between finite simplices */
+    size_t ghosts, faults, duplicates, places;       /* places: points that are no duplicates */
+    unsigned char facing[16 * 16 * 16];              /* see pbw__import_facing */
 } pbw__import;
 
-/* Counts facets of the hull, and entries that are no simplices or points. */
+#define PBW__IMPORTED ((size_t)4096)                 /* simplices of a block */
+
+/* Counts, for a block, the vertices that are to be numbered there, each at its incident simplex, and the facets of
+   the hull; and entries that are no simplices or points. */
+PBW__INLINE void pbw__import_count_of(pbw__import *import, size_t from, size_t to, int dim)
+{
+    const pbw_mesh *mesh = import->mesh;
+    const size_t corners = (size_t)dim + 1, points = mesh->point_count, simplices = mesh->simplex_count;
+    const size_t far = 16 * corners;
+    size_t *first = import->first[from / PBW__IMPORTED], starts = 0, ghosts = 0, faults = 0, t, i;
+    for (t = from; t < to; t++) {
+        for (i = t * corners; i < (t + 1) * corners; i++) {
+            const size_t p = mesh->simplices[i], next = mesh->neighbors[i], here = p < points ? p : 0;
+            const size_t soon = mesh->simplices[i + far < to * corners ? i + far : i];
+            PBW__PREFETCH(mesh->incident + (soon < points ? soon : 0));
+            starts += mesh->incident[here] == t;
+            ghosts += next == PBW_NONE;
+            faults += (size_t)(p >= points) + (size_t)((next >= simplices) & (next != PBW_NONE));
+        }
+    }
+    first[0] = starts;
+    first[1] = ghosts;
+    (void)PBW__ADD(&import->faults, faults);
+}
+
 static pbw_status pbw__import_count(void *arg, size_t from, size_t to)
 {
-    pbw__import *import = (pbw__import *)arg;
-    const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)mesh->dim + 1;
-    size_t ghosts = 0, faults = 0, i;
-    for (i = from * corners; i < to * corners; i++) {
-        const size_t next = mesh->neighbors[i];
-        ghosts += next == PBW_NONE;
-        faults += (size_t)(next >= mesh->simplex_count && next != PBW_NONE)
-                + (size_t)(mesh->simplices[i] >= mesh->point_count);
-    }
-    (void)PBW__ADD(&import->ghosts, ghosts);
-    (void)PBW__ADD(&import->faults, faults);
+    PBW__BY_DIM(((pbw__import *)arg)->mesh->dim, pbw__import_count_of, (pbw__import *)arg, from, to);
     return PBW_OK;
 }
 
-/* Counts duplicates, and those that are none. */
+/* Counts duplicates, points that are none, and false ones. */
 static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
 {
     pbw__import *import = (pbw__import *)arg;
     const pbw_mesh *mesh = import->mesh;
     const size_t dim = (size_t)mesh->dim;
-    size_t faults = 0, duplicates = 0, i;
+    size_t faults = 0, duplicates = 0, places = 0, i;
     for (i = from; i < to; i++) {
         const pbw_index first = mesh->canonical[i];
+        places += first == i;
         if (first != i && first != PBW_NONE) {
             duplicates++;
             if (first >= mesh->point_count || mesh->canonical[first] != first
@@ -16292,134 +16308,161 @@ static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
     }
     (void)PBW__ADD(&import->faults, faults);
     (void)PBW__ADD(&import->duplicates, duplicates);
+    (void)PBW__ADD(&import->places, places);
     return PBW_OK;
 }
 
-/* Numbers the points of simplices in the order in which these have them, then the others that are no duplicates. */
-static int pbw__import_number(pbw__import *import)
+PBW__INLINE void pbw__import_vertex(pbw__import *import, pbw_index p, size_t v, int dim)
+{
+    const size_t width = (size_t)dim + 1;
+    import->vertex[p] = (pbw_index)v;
+    import->vertices.id[v] = p;
+    memcpy(import->vertices.record + v * width, import->points + p * (size_t)dim, (size_t)dim * sizeof(double));
+    import->vertices.record[v * width + (size_t)dim] = import->weights[p];
+}
+
+/* Numbers the vertices of a block, in the order of their incident simplices. */
+PBW__INLINE void pbw__import_number_of(pbw__import *import, size_t from, size_t to, int dim)
 {
     const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)mesh->dim + 1;
-    pbw_index *id = import->vertices.id, *vertex = import->vertex, count = 0;
-    size_t i;
-    memset(vertex, 0, mesh->point_count * sizeof(pbw_index));
-    for (i = 0; i < mesh->simplex_count * corners; i++) {
-        const pbw_index p = mesh->simplices[i];
-        if (vertex[p] == 0) {
-            if (mesh->canonical[p] != p) {
-                return 0;
-            }
-            vertex[p] = ++count;
-            id[count] = p;
+    const size_t corners = (size_t)dim + 1, far = 16 * corners, first = import->first[from / PBW__IMPORTED][0];
+    pbw_index found[PBW__IMPORTED * 4 + 1];
+    size_t count = 0, faults = 0, t, i;
+    for (t = from; t < to; t++) {
+        for (i = t * corners; i < (t + 1) * corners; i++) {
+            const pbw_index p = mesh->simplices[i];
+            PBW__PREFETCH(mesh->incident + mesh->simplices[i + far < to * corners ? i + far : i]);
+            found[count] = p;
+            count += mesh->incident[p] == t;         /* branchless: unpredictable */
         }
     }
-    import->visible = count;
-    for (i = 0; i < mesh->point_count; i++) {
-        if (vertex[i] == 0 && mesh->canonical[i] == i) {
-            vertex[i] = ++count;
-            id[count] = (pbw_index)i;
+    for (i = 0; i < count; i++) {
+        const size_t soon = found[i + 16 < count ? i + 16 : i];
+        PBW__PREFETCH(mesh->canonical + soon);
+        PBW__PREFETCH(import->points + soon * (size_t)dim);
+        PBW__PREFETCH(import->weights + soon);
+        PBW__PREFETCH_TO_WRITE(import->vertex + soon);
+        faults += mesh->canonical[found[i]] != found[i];
+        pbw__import_vertex(import, found[i], first + 1 + i, dim);
+    }
+    (void)PBW__ADD(&import->faults, faults);
+}
+
+static pbw_status pbw__import_number(void *arg, size_t from, size_t to)
+{
+    PBW__BY_DIM(((pbw__import *)arg)->mesh->dim, pbw__import_number_of, (pbw__import *)arg, from, to);
+    return PBW_OK;
+}
+
+/* Numbers the points that are in no simplex and no duplicates. */
+static void pbw__import_others(pbw__import *import)
+{
+    const pbw_mesh *mesh = import->mesh;
+    size_t count = import->visible, i;
+    for (i = 0; i < mesh->point_count && count < import->places; i++) {
+        if (import->vertex[i] == 0 && mesh->canonical[i] == i) {
+            PBW__BY_DIM(mesh->dim, pbw__import_vertex, import, (pbw_index)i, ++count);
         }
     }
     import->vertices.count = count;
-    return import->visible == count || mesh->weights != NULL;
 }
 
-static pbw_status pbw__import_records(void *arg, size_t from, size_t to)
+/* The set of corners of a simplex that are x. */
+PBW__INLINE unsigned pbw__corners_at(const pbw_index *v, pbw_index x, int dim)
 {
-    pbw__import *import = (pbw__import *)arg;
-    const size_t dim = (size_t)import->mesh->dim;
-    size_t r, k;
-    for (r = from + 1; r <= to; r++) {
-        const size_t p = import->vertices.id[r];
-        double *record = import->vertices.record + r * (dim + 1);
-        for (k = 0; k < dim; k++) {
-            record[k] = import->points[p * dim + k];
+#ifdef PBW__AVX2
+    if (dim == 3) {                                  /* SSE2, which each such processor has */
+        const __m128i four = _mm_loadu_si128((const __m128i *)(const void *)v);
+        return (unsigned)_mm_movemask_ps(_mm_castsi128_ps(_mm_cmpeq_epi32(four, _mm_set1_epi32((int)x))));
+    }
+#endif
+    return (unsigned)(v[0] == x) | (unsigned)(v[1] == x) << 1 | (unsigned)(v[2] == x) << 2
+         | (unsigned)(dim == 3 && v[dim] == x) << 3;
+}
+
+/* Fills a table: for the corners of another simplex at which the vertices of a facet are, a set each, which of its
+   facets that is, in the opposite order; 4: none. */
+static void pbw__import_facing(pbw__import *import)
+{
+    static const pbw_index corner[4] = { 0, 1, 2, 3 };
+    const int dim = import->mesh->dim;
+    unsigned j, k;
+    memset(import->facing, 4, sizeof(import->facing));
+    for (j = 0; j <= (unsigned)dim; j++) {
+        pbw_index f[3];
+        pbw__facet_of(corner, j, dim, f);
+        for (k = 0; k < 3; k++) {
+            const unsigned a = f[k], b = f[(k + 2) % 3], c = f[(k + 1) % 3];
+            if (dim == 3) {
+                import->facing[1u << a | 16u << b | 256u << c] = (unsigned char)j;
+            } else if (k == 1) {
+                import->facing[1u << a | 16u << b] = (unsigned char)j;
+            }
         }
-        record[dim] = import->weights[p];
     }
-    return PBW_OK;
 }
 
-/* Links the facets of a list, 4 * simplex + corner, to what is across.  Returns how many fit. */
-PBW__INLINE size_t pbw__import_link(const pbw__import *import, const pbw__link *facet, size_t count, int dim)
+/* A ghost behind facet k of the simplex in slot t, if the hull is there. */
+static void pbw__import_ghost(pbw__import *import, size_t g, size_t t, unsigned k)
 {
-    const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)dim + 1;
-    pbw__link *link = import->core->store.link;
-    size_t fits = 0, i;
-    for (i = 0; i < count; i++) {
-        const size_t t = facet[i] >> 2, u = mesh->neighbors[t * corners + (facet[i] & 3)];
-        const unsigned k = (unsigned)(facet[i] & 3);
-        const pbw_index *back = mesh->neighbors + u * corners;
-        const unsigned at1 = back[1] == t, at2 = back[2] == t, at3 = dim == 3 && back[dim] == t;
-        const unsigned j = at1 + 2 * at2 + 3 * at3, once = (back[0] == t) + at1 + at2 + at3 == 1;
-        fits += once & pbw__facets_fit(mesh->simplices + t * corners, k, mesh->simplices + u * corners, j & 3, dim);
-        link[4 * t + k] = (pbw__link)(4 * u + (j & 3));
-        link[4 * u + (j & 3)] = (pbw__link)(4 * t + k);
+    const int dim = import->mesh->dim;
+    pbw__store *store = &import->core->store;
+    pbw_index *ghost = store->corner + 4 * g;
+    pbw__facet_of(store->corner + 4 * t, k, dim, ghost);
+    if (dim == 2) {
+        const pbw_index first = ghost[0];
+        ghost[0] = ghost[1];
+        ghost[1] = first;
     }
-    return fits;
+    ghost[dim] = PBW__GHOST;
+    store->link[4 * g + (size_t)dim] = (pbw__link)(4 * t + k);
+    store->link[4 * t + k] = (pbw__link)(4 * g + (size_t)dim);
 }
 
-/* Corners of finite simplices; links between them, from the lower of two.  Where all fit, none was written twice. */
-PBW__INLINE size_t pbw__import_slots_of(pbw__import *import, size_t from, size_t to, int dim)
+/* Corners and links of simplices.  A link is taken if the simplex across has the vertices of the facet, in the
+   opposite order, and this simplex across from there. */
+PBW__INLINE void pbw__import_slots_of(pbw__import *import, size_t from, size_t to, int dim)
 {
     const pbw_mesh *mesh = import->mesh;
     const size_t corners = (size_t)dim + 1;
     pbw_index *corner = import->core->store.corner;
-    pbw__link facet[4 * 64 + 1];
-    size_t fits = 0, t, count;
+    pbw__link *link = import->core->store.link;
+    size_t g = mesh->simplex_count + import->first[from / PBW__IMPORTED][1], faults = 0, t;
     unsigned k;
-    while (from < to) {
-        const size_t end = to - from < 64 ? to : from + 64;
-        for (t = from, count = 0; t < end; t++) {
-            for (k = 0; k < corners; k++) {
-                const size_t u = mesh->neighbors[t * corners + k], near = u != PBW_NONE ? u : t;
-                corner[4 * t + k] = import->vertex[mesh->simplices[t * corners + k]];
-                facet[count] = (pbw__link)(4 * t + k);
-                PBW__PREFETCH(mesh->neighbors + near * corners);
-                PBW__PREFETCH(mesh->simplices + near * corners);
-                count += near > t;                   /* branchless: unpredictable */
-            }
+    for (t = from; t < to; t++) {
+        const pbw_index *v = mesh->simplices + t * corners, *next = mesh->neighbors + t * corners;
+        for (k = 0; k < corners; k++) {
+            const size_t later = t + 16 < to ? 16 * corners + k : k, soon = next[later] != PBW_NONE ? next[later] : t;
+            PBW__PREFETCH(mesh->simplices + soon * corners);
+            PBW__PREFETCH(mesh->neighbors + soon * corners);
+            PBW__PREFETCH(import->vertex + v[later]);
+            corner[4 * t + k] = import->vertex[v[k]];
+            faults += corner[4 * t + k] == 0;
         }
-        fits += pbw__import_link(import, facet, count, dim);
-        from = end;
+        for (k = 0; k < corners; k++) {
+            const size_t u = next[k];
+            pbw_index f[3];
+            const pbw_index *w;
+            unsigned j;
+            if (PBW__UNLIKELY(u == PBW_NONE)) {
+                pbw__import_ghost(import, g++, t, k);
+                continue;
+            }
+            w = mesh->simplices + u * corners;
+            pbw__facet_of(v, k, dim, f);
+            j = pbw__corners_at(w, f[0], dim) | pbw__corners_at(w, f[1], dim) << 4;
+            j = import->facing[dim == 3 ? j | pbw__corners_at(w, f[2], dim) << 8 : j];
+            faults += (size_t)(j == 4) | (size_t)(mesh->neighbors[u * corners + (j & 3) % corners] != t);
+            link[4 * t + k] = (pbw__link)(4 * u + (j & 3));
+        }
     }
-    return fits;
+    (void)PBW__ADD(&import->faults, faults);
 }
 
 static pbw_status pbw__import_slots(void *arg, size_t from, size_t to)
 {
-    pbw__import *import = (pbw__import *)arg;
-    const size_t fits = import->mesh->dim == 3 ? pbw__import_slots_of(import, from, to, 3)
-                                               : pbw__import_slots_of(import, from, to, 2);
-    (void)PBW__ADD(&import->fits, fits);
+    PBW__BY_DIM(((pbw__import *)arg)->mesh->dim, pbw__import_slots_of, (pbw__import *)arg, from, to);
     return PBW_OK;
-}
-
-/* Ghosts behind the facets of the hull. */
-static void pbw__import_ghosts(pbw__import *import)
-{
-    const pbw_mesh *mesh = import->mesh;
-    const unsigned dim = (unsigned)mesh->dim;
-    pbw__store *store = &import->core->store;
-    size_t g = mesh->simplex_count, t;
-    unsigned k;
-    for (t = 0; t < mesh->simplex_count && g < store->count; t++) {
-        for (k = 0; k <= dim; k++) {
-            if (mesh->neighbors[t * (dim + 1) + k] == PBW_NONE) {
-                pbw_index *ghost = store->corner + 4 * g;
-                pbw__facet_of(store->corner + 4 * t, k, (int)dim, ghost);
-                if (dim == 2) {
-                    const pbw_index first = ghost[0];
-                    ghost[0] = ghost[1];
-                    ghost[1] = first;
-                }
-                ghost[dim] = PBW__GHOST;
-                store->link[4 * g + dim] = (pbw__link)(4 * t + k);
-                store->link[4 * t + k] = (pbw__link)(4 * g++ + dim);
-            }
-        }
-    }
 }
 
 PBW__INLINE unsigned pbw__corner_at(const pbw_index *corner, pbw_index v)
@@ -16462,15 +16505,13 @@ static pbw_status pbw__import_ridges(void *arg, size_t from, size_t to)
 }
 
 /* A finite simplex of each vertex. */
-static void pbw__import_incident(pbw__core *core, size_t simplices)
+static pbw_status pbw__import_incident(void *arg, size_t from, size_t to)
 {
-    const size_t dim = (size_t)core->kernel.dim;
-    size_t t = simplices, k;
-    while (t-- > 0) {
-        for (k = 0; k <= dim; k++) {
-            core->incident[core->kernel.corner[4 * t + k]] = (pbw_index)t;
-        }
+    const pbw__import *import = (const pbw__import *)arg;
+    for (from++, to++; from < to; from++) {
+        import->core->incident[from] = import->mesh->incident[import->core->name[from]];
     }
+    return PBW_OK;
 }
 
 /* Finds what hides the vertices in no simplex, along the curve.  PBW__ANEW: one is not hidden, or a duplicate. */
@@ -16505,39 +16546,60 @@ static pbw_status pbw__import_hidden(pbw_live *live, pbw__core *core, size_t vis
     return status;
 }
 
+/* Counts, and says where blocks begin.  PBW__ANEW: some numbers cannot be. */
+static pbw_status pbw__import_survey(pbw__import *import, pbw__context *context)
+{
+    const pbw_mesh *mesh = import->mesh;
+    const size_t simplices = mesh->simplex_count, blocks = (simplices + PBW__IMPORTED - 1) / PBW__IMPORTED;
+    size_t block, i;
+    pbw_status status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.05, pbw__import_count, import);
+    status = status == PBW_OK ? pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_points, import)
+                              : status;
+    for (block = 0; block < blocks && status == PBW_OK; block++) {
+        size_t *sum[2], old;
+        sum[0] = &import->visible;
+        sum[1] = &import->ghosts;
+        for (i = 0; i < 2; i++) {
+            old = *sum[i];
+            *sum[i] += import->first[block][i];
+            import->first[block][i] = old;
+        }
+    }
+    return status != PBW_OK ? status
+         : import->faults > 0 || import->visible > import->places
+           || (import->visible < import->places && mesh->weights == NULL) ? PBW__ANEW : PBW_OK;
+}
+
 /* The vertices of a mesh, then its simplices, unverified. */
 static pbw_status pbw__import_fill(pbw__import *import, pbw__context *context)
 {
     const pbw_mesh *mesh = import->mesh;
+    const size_t simplices = mesh->simplex_count;
     pbw__core *core = import->core;
-    pbw_status status = pbw__for_range(context, mesh->simplex_count, 16384, 0.05, pbw__import_count, import);
-    status = status == PBW_OK ? pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_points, import)
-                              : status;
-    if (status != PBW_OK || import->faults > 0) {
-        return status != PBW_OK ? status : PBW__ANEW;
-    }
-    if (!pbw__import_number(import)) {
-        return PBW__ANEW;
-    }
-    status = pbw__for_range(context, import->vertices.count, 16384, 0.1, pbw__import_records, import);
+    pbw_status status = pbw__import_survey(import, context);
     if (status != PBW_OK) {
         return status;
     }
+    memset(import->vertex, 0, mesh->point_count * sizeof(pbw_index));
+    status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.1, pbw__import_number, import);
+    if (status != PBW_OK) {
+        return status;
+    }
+    pbw__import_others(import);
     pbw__grid_scan(context, import->vertices.record + mesh->dim + 1, import->vertices.count, mesh->dim,
                    &import->vertices.grid);
-    status = pbw__store_reserve(context, &core->store, mesh->simplex_count + import->ghosts);
+    status = pbw__store_reserve(context, &core->store, simplices + import->ghosts);
     if (status == PBW_OK) {
-        core->store.count = mesh->simplex_count + import->ghosts;
+        core->store.count = simplices + import->ghosts;
         memset(core->store.mark, 0, core->store.count);
-        status = pbw__for_range(context, mesh->simplex_count, 8192, 0.4, pbw__import_slots, import);
+        pbw__import_facing(import);
+        status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.4, pbw__import_slots, import);
     }
-    if (status != PBW_OK || 2 * import->fits + import->ghosts != mesh->simplex_count * ((size_t)mesh->dim + 1)) {
+    if (status != PBW_OK || import->faults > 0) {
         return status != PBW_OK ? status : PBW__ANEW;
     }
-    pbw__import_ghosts(import);
-    status = pbw__for_range(context, import->ghosts, 4096, 0.4, pbw__import_ridges, import);
-    core->simplex_count = mesh->simplex_count;
-    return status;
+    core->simplex_count = simplices;
+    return pbw__for_range(context, import->ghosts, 4096, 0.4, pbw__import_ridges, import);
 }
 
 /* Makes a core of a mesh.  PBW__ANEW: it is not the triangulation of its points. */
@@ -16545,7 +16607,7 @@ static pbw_status pbw__import_core(pbw_live *live, pbw__context *context, pbw__i
 {
     const pbw_mesh *mesh = import->mesh;
     pbw__core *core = import->core;
-    const size_t records = mesh->point_count + 1;
+    const size_t records = mesh->point_count + 1, blocks = mesh->simplex_count / PBW__IMPORTED + 1;
     pbw__vertices *vertices = &import->vertices;
     pbw_status status;
     vertices->dim = mesh->dim;
@@ -16554,8 +16616,10 @@ static pbw_status pbw__import_core(pbw_live *live, pbw__context *context, pbw__i
     vertices->record = (double *)pbw__allocate_large(context, records * ((size_t)mesh->dim + 1), sizeof(double));
     vertices->id = (pbw_index *)pbw__allocate_large(context, records, sizeof(pbw_index));
     import->vertex = (pbw_index *)pbw__allocate_large(context, mesh->point_count, sizeof(pbw_index));
-    status = vertices->record == NULL || vertices->id == NULL || import->vertex == NULL ? PBW_ERROR_MEMORY
-           : pbw__import_fill(import, context);
+    import->first = (size_t (*)[2])pbw__allocate(&context->memory, blocks, sizeof(*import->first));
+    status = vertices->record == NULL || vertices->id == NULL || import->vertex == NULL || import->first == NULL
+           ? PBW_ERROR_MEMORY : pbw__import_fill(import, context);
+    pbw__release(&context->memory, import->first, blocks, sizeof(*import->first));
     pbw__release(&context->memory, import->vertex, mesh->point_count, sizeof(pbw_index));
     if (status != PBW_OK) {
         pbw__release(&context->memory, vertices->record, records * ((size_t)mesh->dim + 1), sizeof(double));
@@ -16568,8 +16632,9 @@ static pbw_status pbw__import_core(pbw_live *live, pbw__context *context, pbw__i
     vertices->record[0] = HUGE_VAL;                  /* the ghost, see >>order */
     status = pbw__core_take(core, vertices, NULL, live->count);
     status = status == PBW_OK ? pbw__core_start(context, core, vertices) : status;
+    status = status == PBW_OK ? pbw__for_range(context, import->visible, 16384, 0.4, pbw__import_incident, import)
+                              : status;
     if (status == PBW_OK) {
-        pbw__import_incident(core, mesh->simplex_count);
         status = pbw__journal_reserve(core) ? pbw__verify(core, 0) : PBW_ERROR_MEMORY;
     }
     if (status == PBW_OK && import->visible < core->vertex_count) {
