@@ -12725,18 +12725,32 @@ static int pbw__journal_any(pbw__core *core)
     return j <= core->tasks;
 }
 
+static void pbw__journal_clear_one(void *arg, int j)
+{
+    pbw__core *core = (pbw__core *)arg, *own = pbw__journal(core, (size_t)j);
+    size_t i;
+    for (i = 0; i < own->past_count; i++) {
+        PBW__PREFETCH_TO_WRITE(core->touched + own->past[i + 16 < own->past_count ? i + 16 : i].slot);
+        core->touched[own->past[i].slot] = 0;
+    }
+    for (i = 0; i < own->taken_count; i++) {
+        core->touched[own->taken[i]] = 0;
+    }
+    own->past_count = own->taken_count = 0;
+}
+
 static void pbw__journal_clear(pbw__core *core)
 {
-    size_t i, j;
+    size_t count = 0, j;
     for (j = 0; j <= core->tasks; j++) {
-        pbw__core *own = pbw__journal(core, j);
-        for (i = 0; i < own->past_count; i++) {
-            core->touched[own->past[i].slot] = 0;
+        count += pbw__journal(core, j)->past_count;
+    }
+    if (count > PBW__SMALLER(16384)) {
+        pbw__for(core->kernel.context, (int)core->tasks + 1, pbw__journal_clear_one, core);
+    } else {
+        for (j = 0; j <= core->tasks; j++) {
+            pbw__journal_clear_one(core, (int)j);
         }
-        for (i = 0; i < own->taken_count; i++) {
-            core->touched[own->taken[i]] = 0;
-        }
-        own->past_count = own->taken_count = 0;
     }
     core->past_simplices = core->simplex_count;
 }
@@ -12765,6 +12779,7 @@ static void pbw__journal_link(pbw__core *core, const pbw__past *past, size_t cou
 static void pbw__journal_undo(pbw__core *core)
 {
     pbw__kernel *kernel = &core->kernel;
+    const int any = pbw__journal_any(core);
     size_t i, j;
     for (j = 0; j <= core->tasks; j++) {
         const pbw__core *own = pbw__journal(core, j);
@@ -12789,7 +12804,9 @@ static void pbw__journal_undo(pbw__core *core)
         core->incident[core->hidden[i]] = PBW_NONE;
     }
     core->simplex_count = core->past_simplices;
-    pbw__list_free_slots(core);
+    if (any) {
+        pbw__list_free_slots(core);
+    }
     kernel->last = PBW_NONE;
     pbw__journal_clear(core);
 }
@@ -14621,11 +14638,22 @@ PBW__INLINE size_t pbw__start_cell(const pbw__core *core, const double *x)
     return cell;
 }
 
+static pbw_status pbw__start_fill(void *arg, size_t from, size_t to)
+{
+    pbw__core *core = (pbw__core *)arg;
+    for (from++, to++; from < to; from++) {
+        if (core->incident[from] < PBW__GONE) {
+            PBW__STORE(core->start + pbw__start_cell(core, pbw__core_record(core, (pbw_index)from)), (pbw_index)from);
+        }
+    }
+    return PBW_OK;
+}
+
 /* Makes the table once there are walks enough to pay for it. */
 static void pbw__start_table(pbw__core *core, size_t walks)
 {
     const size_t cells = core->vertex_count / 2 + 1;
-    size_t side = 1, all, r;
+    size_t side = 1, all;
     int k;
     core->searched += walks;
     if (core->start != NULL || core->searched < cells / 64) {
@@ -14645,11 +14673,7 @@ static void pbw__start_table(pbw__core *core, size_t walks)
         core->start_scale[k] = scale > 0.0 && scale <= DBL_MAX ? scale : 0.0;
     }
     memset(core->start, 0, core->start_capacity * sizeof(pbw_index));
-    for (r = 1; r <= core->vertex_count; r++) {
-        if (core->incident[r] < PBW__GONE) {
-            core->start[pbw__start_cell(core, pbw__core_record(core, (pbw_index)r))] = (pbw_index)r;
-        }
-    }
+    (void)pbw__for_range(core->kernel.context, core->vertex_count, 16384, 0.0, pbw__start_fill, core);
 }
 
 /* Prefetches, in steps, a simplex of v (0), its vertices and those of its neighbours that have v (1), what these have
@@ -14733,7 +14757,7 @@ PBW__INLINE pbw_index pbw__nearer_start(pbw__core *core, pbw_index a, pbw_index 
    The ghost has no owner: it is in simplices that the owner of their other vertices deletes.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__GROUP 8                                 /* changes whose vertices are claimed and prefetched ahead */
-#define PBW__LEAST_CHANGES(dim) PBW__SMALLER((size_t)((dim) == 3 ? 256 : 1024))        /* for another task to pay */
+#define PBW__LEAST_CHANGES PBW__SMALLER((size_t)256)  /* for another task to pay */
 
 typedef struct pbw__changing {
     void *arg;
@@ -14999,7 +15023,7 @@ static pbw_status pbw__batch_round(pbw__changing *batch)
 /* Into how many tasks to cut so many changes.  Weighted points may hide others, which is for one thread. */
 static int pbw__batch_parts(const pbw__core *core, size_t count)
 {
-    const size_t most = count / PBW__LEAST_CHANGES(core->kernel.dim);
+    const size_t most = count / PBW__LEAST_CHANGES;
     const size_t threads = (size_t)core->kernel.context->threads;
     const size_t parts = threads < PBW__NOBODY ? threads : PBW__NOBODY;
     return core->kernel.weighted ? 1 : (int)(most < parts ? most : parts);
@@ -15122,40 +15146,77 @@ static size_t pbw__place_find(const pbw__core *core, const double *x)
     return at;
 }
 
+/* Enters a vertex into an empty entry of the table: tasks try until one is theirs.  Returns the entry, or PBW_NONE if
+   there is a vertex at its place. */
+PBW__INLINE pbw_index pbw__place_enter(pbw__core *core, const double *x, pbw_index vertex)
+{
+    size_t at = pbw__place_slot(core, x);
+    pbw_index v = PBW__LOAD(core->place + at);
+    while (v != 0 || !PBW__CAS(core->place + at, &v, vertex)) {
+        if (v == 0) {
+            continue;                                /* failed for no reason */
+        }
+        if (v != vertex && pbw__same_place(pbw__core_record(core, v), x, core->kernel.dim)
+            && core->incident[v] != PBW__GONE) {
+            return PBW_NONE;
+        }
+        at = (at + 1) & (core->place_capacity - 1);
+        v = PBW__LOAD(core->place + at);
+    }
+    return (pbw_index)at;
+}
+
+static pbw_status pbw__place_clear(void *arg, size_t from, size_t to)
+{
+    memset((pbw_index *)arg + from, 0, (to - from) * sizeof(pbw_index));
+    return PBW_OK;
+}
+
+static pbw_status pbw__place_fill(void *arg, size_t from, size_t to)
+{
+    pbw__core *core = (pbw__core *)arg;
+    size_t placed = 0, v;
+    for (v = from + 1; v <= to; v++) {
+        const size_t soon = v + 16 <= to ? v + 16 : v;
+        PBW__PREFETCH_TO_WRITE(core->place + pbw__place_slot(core, pbw__core_record(core, (pbw_index)soon)));
+        if (core->incident[v] != PBW__GONE) {
+            (void)pbw__place_enter(core, pbw__core_record(core, (pbw_index)v), (pbw_index)v);
+            placed++;
+        }
+    }
+    (void)PBW__ADD(&core->placed, placed);
+    return PBW_OK;
+}
+
 /* A table of places with room for `more` vertices. */
-static int pbw__place_reserve(pbw_live *live, size_t more)
+static pbw_status pbw__place_reserve(pbw_live *live, size_t more)
 {
     pbw__core *core = &live->core;
-    const size_t count = core->vertex_count;
-    size_t room = 64, v;
+    pbw__context *context = core->kernel.context;
+    size_t room = 64;
+    pbw_status status;
     if (core->place != NULL && 2 * (core->placed + more) < core->place_capacity) {
-        return 1;
+        return PBW_OK;
     }
     while (room < 3 * (live->points + more)) {
         room *= 2;
     }
-    PBW__RELEASE(&core->kernel.context->memory, core, place);
-    core->place = NULL;
-    core->place_capacity = 0;
-    core->place = (pbw_index *)pbw__allocate(&core->kernel.context->memory, room, sizeof(pbw_index));
+    PBW__RELEASE(&context->memory, core, place);
+    core->place_capacity = core->placed = 0;
+    core->place = (pbw_index *)pbw__allocate_large(context, room, sizeof(pbw_index));
     if (core->place == NULL) {
-        return 0;
+        return PBW_ERROR_MEMORY;
     }
     core->place_capacity = room;
-    memset(core->place, 0, room * sizeof(pbw_index));
-    core->placed = 0;
-    for (v = 1; v <= count; v++) {
-        size_t at = pbw__place_slot(core, pbw__core_record(core, (pbw_index)v));
-        PBW__PREFETCH_TO_WRITE(core->place + pbw__place_slot(core, pbw__core_record(core, (pbw_index)(v + 16 <= count
-                                                                                            ? v + 16 : v))));
-        for (; core->incident[v] != PBW__GONE && core->place[at] != 0; at = (at + 1) & (room - 1)) {
-        }
-        if (core->incident[v] != PBW__GONE) {
-            core->place[at] = (pbw_index)v;
-            core->placed++;
-        }
+    status = pbw__for_range(context, room, 65536, 0.0, pbw__place_clear, core->place);
+    status = status == PBW_OK ? pbw__for_range(context, core->vertex_count, 4096, 0.0, pbw__place_fill, core)
+                              : status;
+    if (status != PBW_OK) {
+        PBW__RELEASE(&context->memory, core, place);
+        core->place = NULL;
+        core->place_capacity = core->placed = 0;
     }
-    return 1;
+    return status;
 }
 
 /* Prefetches what is at the place of x: the entry, or, some steps later, its vertex. */
@@ -15169,8 +15230,8 @@ PBW__INLINE void pbw__place_prefetch(const pbw__core *core, const double *x, int
     }
 }
 
-/* Room for the changes of a batch: `more` new vertices, as many places with changes. */
-static pbw_status pbw__batch_reserve(pbw_live *live, size_t more)
+/* Room for the changes of a batch: `more` new vertices, as many places with changes.  places: they are looked up. */
+static pbw_status pbw__batch_reserve(pbw_live *live, size_t more, int places)
 {
     pbw__core *core = &live->core;
     const size_t vertices = core->vertex_count + more + 1, width = (size_t)live->dim + 1, old = core->local_capacity;
@@ -15185,7 +15246,7 @@ static pbw_status pbw__batch_reserve(pbw_live *live, size_t more)
         && PBW__LIVE_GROW(live, joining, more + 1);
     core->kernel.record = core->record;              /* which may have moved, whatever failed then */
     memset(core->local + old, 0, (core->local_capacity - old) * sizeof(pbw_index));
-    return room && pbw__place_reserve(live, more) ? PBW_OK : PBW_ERROR_MEMORY;
+    return !room ? PBW_ERROR_MEMORY : places ? pbw__place_reserve(live, more) : PBW_OK;
 }
 
 /* Notes that the place of a vertex changes: its place in the list of those that do.  `head` is the first of its
@@ -15303,32 +15364,37 @@ static int pbw__live_elect(pbw_live *live, size_t at)
 static pbw_status pbw__live_sort(const pbw_live *live, const double *base, size_t stride, pbw_index *list,
                                  size_t count)
 {
-    pbw__memory *memory = &live->core.kernel.context->memory;
+    pbw__context *context = live->core.kernel.context;
     const size_t dim = (size_t)live->dim;
-    double *points;
-    pbw_index *order;
+    const pbw_stage stage = context->stage;
+    pbw__stand stand;
+    pbw__input input;
+    pbw__vertices vertices;
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i;
     if (count < 3) {
         return PBW_OK;
     }
-    points = (double *)pbw__allocate(memory, count * dim, sizeof(double));
-    order = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
-    for (i = 0; i < count && points != NULL; i++) {
-        PBW__PREFETCH(base + list[i + 16 < count ? i + 16 : i] * stride);
-        memcpy(points + i * dim, base + list[i] * stride, dim * sizeof(double));
-    }
-    if (points != NULL && order != NULL) {
-        status = pbw_order(live->dim, points, count, &live->options, order);
-    }
-    for (i = 0; i < count && status == PBW_OK; i++) {
-        order[i] = list[order[i]];
+    memset(&stand, 0, sizeof(stand));
+    if (pbw__stand_create(&context->memory, &stand, count, live->dim)) {
+        for (i = 0; i < count; i++) {
+            PBW__PREFETCH(base + list[i + 16 < count ? i + 16 : i] * stride);
+            memcpy(stand.points + i * dim, base + list[i] * stride, dim * sizeof(double));
+        }
+        stand.count = count;
+        pbw__stand_input(&stand, 0, &input);
+        input.bare = 1;
+        status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED : pbw__order(context, &input, &vertices);
     }
     if (status == PBW_OK) {
-        memcpy(list, order, count * sizeof(pbw_index));
+        memcpy(stand.list, list, count * sizeof(pbw_index));
+        for (i = 0; i < count; i++) {
+            list[i] = stand.list[vertices.id[i + 1]];
+        }
+        pbw__vertices_free(context, &vertices);
+        status = pbw__enter_stage(context, stage) ? PBW_CANCELLED : PBW_OK;
     }
-    pbw__release(memory, points, count * dim, sizeof(double));
-    pbw__release(memory, order, count, sizeof(pbw_index));
+    pbw__stand_free(&context->memory, &stand);
     return status;
 }
 
@@ -15371,26 +15437,6 @@ static pbw_status pbw__arrive_make(void *arg, size_t from, size_t to)
         live->arriving[from] = v;
     }
     return PBW_OK;
-}
-
-/* Enters a vertex into an empty entry of the table: tasks try until one is theirs.  Returns the entry, or PBW_NONE if
-   there is a vertex at its place. */
-PBW__INLINE pbw_index pbw__place_enter(pbw__core *core, const double *x, pbw_index vertex)
-{
-    size_t at = pbw__place_slot(core, x);
-    pbw_index v = PBW__LOAD(core->place + at);
-    while (v != 0 || !PBW__CAS(core->place + at, &v, vertex)) {
-        if (v == 0) {
-            continue;                                /* failed for no reason */
-        }
-        if (v != vertex && pbw__same_place(pbw__core_record(core, v), x, core->kernel.dim)
-            && core->incident[v] != PBW__GONE) {
-            return PBW_NONE;
-        }
-        at = (at + 1) & (core->place_capacity - 1);
-        v = PBW__LOAD(core->place + at);
-    }
-    return (pbw_index)at;
 }
 
 /* Enters the new vertices into the tables.  `arriving` gets 0 for a number at whose place there is a vertex. */
@@ -15650,7 +15696,8 @@ static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, s
                                   pbw_changes *changes)
 {
     pbw__core *core = &live->core;
-    pbw_status status = pbw__batch_reserve(live, leave + 2 * arrive);
+    const int duplicates = core->vertex_count - core->unused_count != live->points;
+    pbw_status status = pbw__batch_reserve(live, leave + 2 * arrive, arrive > 0 || duplicates);
     live->edit_count = live->leaving_count = live->arriving_count = 0;
     live->past_vertices = core->vertex_count;
     live->past_unused = core->unused_count;
@@ -15999,7 +16046,7 @@ static pbw_status pbw__live_shift(pbw_live *live, size_t count, size_t most_effo
     const double exact_height = core->kernel.exact_height;
     size_t i;
     pbw_status status = core->kernel.weighted ? PBW__ANEW : pbw__live_list_moves(live, count);
-    status = status == PBW_OK ? pbw__batch_reserve(live, count) : status;
+    status = status == PBW_OK ? pbw__batch_reserve(live, count, 1) : status;
     if (status != PBW_OK) {
         return status;
     }
