@@ -16,11 +16,11 @@
    HOW
    The cell of a vertex is the dual of its star: its corners are the centres of the star's simplices, its facets
    belong to the edges at the vertex.  Facets, and with them volumes and centroids, are read off the rings of
-   simplices around these edges.  For volumes and centroids alone, in space, every simplex gives its part to the cells
-   of its corners, and no star is walked.  Cells with a corner outside the domain are cut: their polytope by the walls,
-   or, at the hull, the domain by one half-space for each neighbour; only neighbours in the triangulation matter, as
-   the cell is the intersection of their half-spaces.  All ways sum signed volumes relative to the site, so the order of the
-   points, obtuse simplices and centres outside their simplex need no case.
+   simplices around these edges.  For volumes and centroids alone, in space, every simplex gives its part to the
+   cells of its corners, and no star is walked.  Cells with a corner outside the domain are cut: their polytope by the
+   walls, or, at the hull, the domain by one half-space for each neighbour; only neighbours in the triangulation
+   matter, as the cell is the intersection of their half-spaces.  All ways sum signed volumes relative to the site, so
+   the order of the points, obtuse simplices and centres outside their simplex need no case.
    A polygon's edges are followed from cell to cell; where they cross and what they enclose is decided by exact signs.
    Cutting classifies each corner once, as inside or outside, and shares each new corner between its two facets:
    however the signs are rounded, the surface stays closed.
@@ -1255,8 +1255,8 @@ static int pbwc__star_volume(pbwc__work *work)
 /* ------------------------------------------------------------------------------------------------------
    Volumes and centroids alone, in space: one pass over the simplices, without stars.
    A simplex gives to the cells of its corners.  With S its centre, F the foot of S on the facet i j k, and M where
-   the plane between the cells crosses the edge i j, cell i gets the tetrahedron i M F S, with a sign; the tetrahedra of
-   all simplices at i fill its cell.  With n the facet's inward normal, as long as twice its area,
+   the plane between the cells crosses the edge i j, cell i gets the tetrahedron i M F S, with a sign; the tetrahedra
+   of all simplices at i fill its cell.  With n the facet's inward normal, as long as twice its area,
        drop = (S - i).n / |n|^2,  F = S - drop n,
        6 times the volume = |iM| / |ij| G drop,  2 G = |ij|^2 (i-k).(j-k) - |ij|^2 (w_k-w_i) + (j-i).(k-i) (w_j-w_i).
    G / |n|^2 is F's barycentric coordinate at k.  The three G of a facet add up to |n|^2, and the four (S - i).n to 6
