@@ -1440,7 +1440,7 @@ static void pbwp__join_components(pbwp__job *job, pbw_index *parent)
                 t->edge[k] = PBWP__BORDER;
                 root = 0;
             }
-            before[k] = parent[(t->edge[k] == PBW_NONE) & (other < own) ? other : own];
+            before[k] = parent[((t->edge[k] == PBW_NONE) & (other < own)) ? other : own];
             root = before[k] < root ? before[k] : root;
         }
         for (k = 0; k < 3; k++) {
