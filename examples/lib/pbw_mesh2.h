@@ -268,6 +268,12 @@ static int pbwp__push(pbwp__memory *memory, pbwp__array *array, pbw_index item)
     ((pbw_index *)array->data)[array->count++] = item;
     return 1;
 }
+#if defined(__GNUC__)
+#define PBWP__PREFETCH(address) __builtin_prefetch(address)
+#else
+#define PBWP__PREFETCH(address) ((void)(address))
+#endif
+
 #define PBWP__INDICES(array) ((pbw_index *)(array).data)
 #define PBWP__DOUBLES(array) ((double *)(array).data)
 
@@ -1875,21 +1881,36 @@ static int pbwp__are_twins(const pbwp__refiner *r, pbw_index u, pbw_index w)
     return fabs(one - other) <= 1e-3 * one && pbwp__distance2(pbwp__point(r, u), pbwp__point(r, w)) < one;
 }
 
-/* Squares of the lengths of edges; returns the shortest. */
-static unsigned pbwp__lengths(const pbwp__refiner *r, const pbwp__triangle *t, double length2[3])
+/* The edge k of a triangle, squared. */
+static double pbwp__side2(const pbwp__refiner *r, const pbwp__triangle *t, unsigned k)
 {
-    unsigned k;
-    for (k = 0; k < 3; k++) {
-        length2[k] = pbwp__distance2(pbwp__point(r, t->v[pbwp__next[k]]), pbwp__point(r, t->v[pbwp__last[k]]));
-    }
-    return length2[0] <= length2[1] && length2[0] <= length2[2] ? 0u : length2[1] <= length2[2] ? 1u : 2u;
+    return pbwp__distance2(pbwp__point(r, t->v[pbwp__next[k]]), pbwp__point(r, t->v[pbwp__last[k]]));
 }
 
-static int pbwp__is_sharp(const pbwp__refiner *r, const double length2[3], unsigned shortest)
+static double pbwp__least(double a, double b)
 {
-    const double a = length2[pbwp__next[shortest]], b = length2[pbwp__last[shortest]];
-    const double dot = a + b - length2[shortest];
-    return dot * dot > 4 * r->cosine2 * a * b;
+    return a < b ? a : b;
+}
+
+static double pbwp__most(double a, double b)
+{
+    return a < b ? b : a;
+}
+
+/* Whether a triangle has an angle below the bound; squares the length of its shortest edge.  No branches. */
+static int pbwp__is_sharp(const pbwp__refiner *r, const pbwp__triangle *t, double *shortest2)
+{
+    const double a = pbwp__side2(r, t, 0), b = pbwp__side2(r, t, 1), c = pbwp__side2(r, t, 2);
+    const double least = pbwp__least(pbwp__least(a, b), c);
+    const double one = pbwp__most(a, b), other = pbwp__most(pbwp__least(a, b), c), dot = one + other - least;
+    *shortest2 = least;
+    return dot * dot > 4 * r->cosine2 * one * other;
+}
+
+static unsigned pbwp__shortest(const pbwp__refiner *r, const pbwp__triangle *t)
+{
+    const double a = pbwp__side2(r, t, 0), b = pbwp__side2(r, t, 1), c = pbwp__side2(r, t, 2);
+    return a <= b && a <= c ? 0u : b <= c ? 1u : 2u;
 }
 
 /* Whether the small angle is one that points cannot mend: between two segments, or of a flat triangle. */
@@ -1908,14 +1929,14 @@ static double pbwp__twice_area(const pbwp__refiner *r, const pbwp__triangle *t)
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-static int pbwp__is_large(const pbwp__refiner *r, const pbwp__triangle *t, const double length2[3])
+static int pbwp__is_large(const pbwp__refiner *r, const pbwp__triangle *t)
 {
     const pbw_plane_options *o = r->job->options;
-    const pbwp__component *component = (const pbwp__component *)r->job->components.data + (t->region & ~PBWP__CAVITY);
-    const double longest2 = fmax(fmax(length2[0], length2[1]), length2[2]);
     double area = o->area, size = o->size, there;
-    if (component->seed != PBW_NONE) {
-        there = r->job->input->regions[component->seed].area;
+    if (r->job->input->region_count > 0) {
+        const pbw_index component = t->region & ~PBWP__CAVITY;
+        const pbw_index seed = ((const pbwp__component *)r->job->components.data)[component].seed;
+        there = seed != PBW_NONE ? r->job->input->regions[seed].area : 0;
         area = there > 0 && (!(area > 0) || there < area) ? there : area;
     }
     if (area > 0 && pbwp__twice_area(r, t) > 2 * area) {
@@ -1931,7 +1952,11 @@ static int pbwp__is_large(const pbwp__refiner *r, const pbwp__triangle *t, const
         there = o->size_at(o->size_user, (a[0] + b[0] + c[0]) / 3, (a[1] + b[1] + c[1]) / 3);
         size = there > 0 && (!(size > 0) || there < size) ? there : size;
     }
-    return size > 0 && longest2 > size * size && longest2 > 16 * r->least2;
+    if (size > 0) {
+        const double a = pbwp__side2(r, t, 0), b = pbwp__side2(r, t, 1), c = pbwp__side2(r, t, 2);
+        return pbwp__most(pbwp__most(a, b), c) > pbwp__most(size * size, 16 * r->least2);
+    }
+    return 0;
 }
 
 static int pbwp__class_of(const pbwp__refiner *r, double length2)
@@ -1944,10 +1969,11 @@ static int pbwp__class_of(const pbwp__refiner *r, double length2)
 }
 
 /* Puts a triangle where sharp ones wait, if it is one. */
-static void pbwp__examine_angle(pbwp__refiner *r, pbw_index slot, const double length2[3], unsigned shortest)
+static void pbwp__examine_angle(pbwp__refiner *r, pbw_index slot)
 {
-    if (pbwp__is_sharp(r, length2, shortest)) {
-        const int c = pbwp__class_of(r, length2[shortest]);
+    double shortest2;
+    if (pbwp__is_sharp(r, r->job->t + slot, &shortest2)) {
+        const int c = pbwp__class_of(r, shortest2);
         pbwp__add(r, r->class_of + c, slot);
         r->filled |= (uint64_t)1 << c;
     }
@@ -1957,8 +1983,7 @@ static void pbwp__examine_angle(pbwp__refiner *r, pbw_index slot, const double l
 static void pbwp__examine(pbwp__refiner *r, pbw_index slot)
 {
     const pbwp__triangle *t = r->job->t + slot;
-    double length2[3];
-    unsigned shortest, k;
+    unsigned k;
     for (k = 0; k < 3; k++) {
         const pbw_index u = t->v[pbwp__next[k]], v = t->v[pbwp__last[k]];
         if (t->edge[k] != PBW_NONE && pbwp__encroaches(r, t, k)) {
@@ -1966,12 +1991,11 @@ static void pbwp__examine(pbwp__refiner *r, pbw_index slot)
             pbwp__add(r, &r->splits, v);
         }
     }
-    shortest = pbwp__lengths(r, t, length2);
-    if (pbwp__is_large(r, t, length2)) {
+    if (pbwp__is_large(r, t)) {
         pbwp__add(r, &r->large, slot);
     }
     if (!r->sizing) {
-        pbwp__examine_angle(r, slot, length2, shortest);
+        pbwp__examine_angle(r, slot);
     }
 }
 
@@ -2537,11 +2561,25 @@ static int pbwp__mend(pbwp__refiner *r, pbw_index slot, unsigned shortest)
 
 /* ---- the loop */
 
+/* Loads triangles that are to be mended soon: the fourth after this, and the points of the second. */
+static void pbwp__prefetch_next(const pbwp__refiner *r, const pbwp__array *queue)
+{
+    const pbw_index *last = PBWP__INDICES(*queue) + queue->count;
+    if (queue->count >= 4) {
+        const pbw_index *v = r->job->t[last[-2]].v;
+        unsigned k;
+        PBWP__PREFETCH(r->job->t + last[-4]);
+        for (k = 0; k < 3 && v[0] != PBW_NONE; k++) {
+            PBWP__PREFETCH(pbwp__point(r, v[k]));
+        }
+    }
+}
+
 static void pbwp__mend_sharp(pbwp__refiner *r)
 {
+    const pbwp__triangle *t;
     pbwp__array *queue;
-    double length2[3];
-    unsigned shortest;
+    double shortest2;
     pbw_index slot;
     int c = PBWP__CLASSES - 1;
     while ((r->filled >> c & 1) == 0) {
@@ -2552,13 +2590,14 @@ static void pbwp__mend_sharp(pbwp__refiner *r)
     if (queue->count == 0) {
         r->filled &= ~((uint64_t)1 << c);
     }
-    if (r->job->t[slot].v[0] == PBW_NONE) {
-        return;
-    }
-    shortest = pbwp__lengths(r, r->job->t + slot, length2);      /* another triangle may be there now */
-    if (pbwp__class_of(r, length2[shortest]) == c && length2[shortest] > r->least2
-        && pbwp__is_sharp(r, length2, shortest) && !pbwp__is_given(r, r->job->t + slot, shortest)) {
-        pbwp__mend(r, slot, shortest);
+    pbwp__prefetch_next(r, queue);
+    t = r->job->t + slot;                            /* another triangle may be there now */
+    if (t->v[0] != PBW_NONE && pbwp__is_sharp(r, t, &shortest2) && pbwp__class_of(r, shortest2) == c
+        && shortest2 > r->least2) {
+        const unsigned shortest = pbwp__shortest(r, t);
+        if (!pbwp__is_given(r, t, shortest)) {
+            pbwp__mend(r, slot, shortest);
+        }
     }
 }
 
@@ -2566,28 +2605,23 @@ static void pbwp__mend_large(pbwp__refiner *r)
 {
     const pbw_index slot = PBWP__INDICES(r->large)[--r->large.count];
     const pbwp__triangle *t = r->job->t + slot;
-    double length2[3];
-    unsigned shortest;
-    if (t->v[0] == PBW_NONE) {
-        return;
-    }
-    shortest = pbwp__lengths(r, t, length2);
-    if (length2[shortest] > r->least2 && pbwp__is_large(r, t, length2)) {
-        pbwp__mend(r, slot, shortest);
+    pbwp__prefetch_next(r, &r->large);
+    if (t->v[0] != PBW_NONE && pbwp__is_large(r, t)) {
+        const unsigned shortest = pbwp__shortest(r, t);
+        if (pbwp__side2(r, t, shortest) > r->least2) {
+            pbwp__mend(r, slot, shortest);
+        }
     }
 }
 
 /* Looks for sharp triangles, once no triangle is too large: of those that there were before, most are gone. */
 static void pbwp__end_sizing(pbwp__refiner *r)
 {
-    double length2[3];
     size_t i;
     r->sizing = 0;
     for (i = r->job->triangles.count; i > 0 && !r->no_memory; i--) {   /* stacks: the first come out first */
-        const pbwp__triangle *t = r->job->t + i - 1;
-        if (t->v[0] != PBW_NONE) {
-            const unsigned shortest = pbwp__lengths(r, t, length2);
-            pbwp__examine_angle(r, (pbw_index)(i - 1), length2, shortest);
+        if (r->job->t[i - 1].v[0] != PBW_NONE) {
+            pbwp__examine_angle(r, (pbw_index)(i - 1));
         }
     }
 }
@@ -2734,14 +2768,13 @@ static pbw_status pbwp__refine_all(pbwp__refiner *r)
 static void pbwp__count_faults(const pbwp__refiner *r)
 {
     pbw_plane_report *report = &r->job->plane->report;
-    double length2[3];
+    double shortest2;
     size_t i;
     for (i = 0; i < r->job->triangles.count; i++) {
         const pbwp__triangle *t = r->job->t + i;
         if (t->v[0] != PBW_NONE) {
-            const unsigned shortest = pbwp__lengths(r, t, length2);
-            report->small_angles += (size_t)pbwp__is_sharp(r, length2, shortest);
-            report->too_large += (size_t)pbwp__is_large(r, t, length2);
+            report->small_angles += (size_t)pbwp__is_sharp(r, t, &shortest2);
+            report->too_large += (size_t)pbwp__is_large(r, t);
         }
     }
 }
