@@ -1424,8 +1424,8 @@ static pbw_index pbwp__root(pbw_index *parent, pbw_index item)
     return item;
 }
 
-/* Joins triangles across free edges: item i + 1 of parent stands for slot i, item 0 for the outside.  The sweep in the
-   order of slots stays in the cache; without branches where all neighbours before have one parent, as most have.
+/* Joins triangles across free edges: item i + 1 of parent stands for slot i, item 0 for the outside.  The sweep in
+   the order of slots stays in the cache; without branches where all neighbours before have one parent, as most have.
    Marks free edges of the hull as border. */
 static void pbwp__join_components(pbwp__job *job, pbw_index *parent)
 {
@@ -2326,7 +2326,6 @@ static void pbwp__lower(pbwp__refiner *r, pbw_index v, double size)
 static void pbwp__spread(pbwp__refiner *r)
 {
     const pbwp__job *job = r->job;
-    double length2[3];
     size_t at;
     unsigned k;
     for (at = 0; at < r->lowered.count && !r->no_memory; at++) {
@@ -2340,8 +2339,7 @@ static void pbwp__spread(pbwp__refiner *r)
                 const double apart = sqrt(pbwp__distance2(pbwp__point(r, v), pbwp__point(r, t->v[k])));
                 pbwp__lower(r, t->v[k], PBWP__DOUBLES(job->sizes)[v] + r->growth * apart);
             }
-            (void)pbwp__lengths(r, t, length2);
-            if (r->inserted > 0 && pbwp__is_large(r, t, length2)) {
+            if (r->inserted > 0 && pbwp__is_large(r, t)) {
                 pbwp__add(r, &r->large, PBWP__SLOT(spin.corner));
             }
         } while (pbwp__spin_on(job, &spin));
@@ -2859,8 +2857,8 @@ static int pbwp__sort_fan(pbwp__job *job, pbw_index *item, size_t count)
     return ok;
 }
 
-/* Fills item_of with the codes of first corners, in order; first_of with the code of the first corner for each slot in
-   use, the number of its triangle in place of the slot. */
+/* Fills item_of with the codes of first corners, in order; first_of with the code of the first corner for each slot
+   in use, the number of its triangle in place of the slot. */
 static int pbwp__sort_triangles(pbwp__job *job)
 {
     const size_t n = job->points.count, slots = job->triangles.count;
