@@ -3001,6 +3001,15 @@ static int pbwp__out_triangles(pbwp__job *job, pbwp__block *block)
     for (i = 0; i < count; i++) {
         const pbwp__triangle *t = job->t + PBWP__SLOT(item[i]);
         unsigned side = PBWP__SIDE(item[i]);
+        if (i + 16 < count) {
+            const pbwp__triangle *soon = job->t + PBWP__SLOT(item[i + 8]);
+            PBWP__PREFETCH(job->t + PBWP__SLOT(item[i + 16]));
+            for (k = 0; k < 3; k++) {
+                if (soon->link[k] != PBW_NONE) {
+                    PBWP__PREFETCH(number + PBWP__SLOT(soon->link[k]));
+                }
+            }
+        }
         for (k = 0; k < 3; k++, side = pbwp__next[side]) {
             const pbw_index link = t->link[side];
             const pbw_index beyond = link == PBW_NONE ? PBW_NONE : PBWP__SLOT(number[PBWP__SLOT(link)]);
