@@ -2347,32 +2347,30 @@ static void pbwp__spread(pbwp__refiner *r)
     r->lowered.count = 0;
 }
 
-/* Fits the size of a new vertex to its neighbours', to its region and to its place.  Returns 1, for its callers. */
+/* Lowers the size of a new vertex to what its neighbours, its region and its place let it have.  Returns 1, for its
+   callers. */
 static int pbwp__grade(pbwp__refiner *r, pbw_index v)
 {
     const pbwp__job *job = r->job;
-    double *sizes = PBWP__DOUBLES(job->sizes), least = 0, most = 1e60, linear;
+    double *sizes = PBWP__DOUBLES(job->sizes), most;
     pbwp__spin spin;
     unsigned k;
     if (!r->has_sizes) {
         return 1;
     }
-    linear = sizes[v];
+    most = pbwp__size_at(r, v);
     spin.start = spin.corner = pbwp__corner_of(job, v);
     spin.clockwise = 0;
     do {
         const pbwp__triangle *t = job->t + PBWP__SLOT(spin.corner);
         most = fmin(most, pbwp__size_of_region(r, t));
         for (k = 0; k < 3; k++) {
-            const double growth = r->growth * sqrt(pbwp__distance2(pbwp__point(r, v), pbwp__point(r, t->v[k])));
-            if (t->v[k] != v) {
-                least = fmax(least, sizes[t->v[k]] - growth);
-                most = fmin(most, sizes[t->v[k]] + growth);
-            }
+            const double apart = sqrt(pbwp__distance2(pbwp__point(r, v), pbwp__point(r, t->v[k])));
+            most = fmin(most, sizes[t->v[k]] + r->growth * apart);
         }
     } while (pbwp__spin_on(job, &spin));
-    sizes[v] = fmin(fmin(most, fmax(least, linear)), pbwp__size_at(r, v));
-    if (sizes[v] < linear || sizes[v] < 0.95 * least) {
+    if (most < sizes[v]) {
+        sizes[v] = most;
         pbwp__add(r, &r->lowered, v);
         pbwp__spread(r);
     }
