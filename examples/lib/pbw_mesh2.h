@@ -76,13 +76,14 @@ typedef struct pbw_plane_input {           /* start from {0} */
     size_t point_count;
     const pbw_index *segments;             /* two points each */
     size_t segment_count;
-    const pbw_index *segment_ids;          /* numbers of segments in what comes out, several may have one; PBW_NONE: the
-                                              segment is in no list of an edge; NULL: 0, 1, 2, ... */
+    const pbw_index *segment_ids;          /* numbers of segments in what comes out, several may have one; PBW_NONE:
+                                              the segment is in no list of an edge; NULL: 0, 1, 2, ... */
     const double *holes;                   /* x and y each: what such a point can reach is no part of the domain */
     size_t hole_count;
     const pbw_plane_region *regions;       /* of two for one region the last counts */
     size_t region_count;
-    const double *sizes;                   /* for refinement: wanted length of edges at each point, 0 = any; NULL */
+    const double *sizes;                   /* for refinement: wanted length of edges at each point, 0 = any; linear
+                                              in between; NULL */
 } pbw_plane_input;
 
 #define PBW_PLANE_SPLIT_CROSSINGS 1u       /* segments that cross: put in the crossing, rounded to the doubles of the
@@ -102,7 +103,9 @@ typedef struct pbw_plane_options {         /* NULL or all zero = best defaults *
     double area, size;                     /* most area of a triangle, most length of an edge; 0 = no bound */
     double (*size_at)(void *user, double x, double y);    /* most length of an edge about there; 0 = no bound */
     void  *size_user;
-    double gradation;                      /* sizes of points: most growth per distance, 0 = 0.3 */
+    double gradation;                      /* most growth of sizes per distance inside the domain, to a twentieth: of
+                                              those of points, and if it is above 0 of size_at and of the areas of
+                                              regions too; 0 = 0.3 */
     size_t steiner_limit;                  /* most points that refinement inserts, 0 = no limit but memory */
     const pbw_options *build;              /* threads, memory_limit, resize, progress, as in pbw.h; NULL = defaults */
 } pbw_plane_options;
@@ -1779,7 +1782,8 @@ static pbw_status pbwp__find_domain(pbwp__job *job)
    points of one encroach upon nothing of the other, as splits at different distances would go on until they are as
    short as the segments are apart; triangles from one to the other are left alone.  No split makes an edge shorter
    than 1e-10 of the domain, so that points are apart and finitely many.  Triangles that are flatter than that are
-   left alone too, and encroach upon nothing: two segments can be so near to each other, over their whole length, for one ulp of a point.
+   left alone too, and encroach upon nothing: two segments can be so near to each other, over their whole length, for
+   one ulp of a point.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwp__host {                /* an edge of the constrained triangulation */
     pbw_index a, b, edge;
@@ -1796,10 +1800,12 @@ typedef struct pbwp__refiner {
     double cosine2, lens2, off;            /* squared cosine of the bound, of the lens; off-centre's height */
     double least2;                         /* squared least length */
     int classes, has_sizes;                /* exponent of class 0; sizes at vertices are in use */
+    double growth;                         /* of sizes, per distance */
     int sizing;                            /* no angle was mended so far: sharp triangles are looked for later */
     uint64_t filled;                       /* bit: that class has triangles */
     pbwp__array class_of[PBWP__CLASSES], large, splits;
     pbwp__array slots, rim, hits;          /* a cavity: its triangles, its border, segments encroached upon */
+    pbwp__array lowered;                   /* vertices whose sizes have fallen, for their neighbours */
     size_t inserted;
     int no_memory;
 } pbwp__refiner;
@@ -1906,7 +1912,8 @@ static int pbwp__may_split(const pbwp__refiner *r, pbw_index code)
 
 /* ---- what is wrong with a triangle */
 
-/* Whether u and w are at one distance from a point of the input, on two segments from there. */
+/* Whether u and w are at one distance from a point of the input, on two segments that meet there at less than 60
+   degrees: at more, an edge that joins them is longer than the distance, so that lengths do not fall. */
 static int pbwp__are_twins(const pbwp__refiner *r, pbw_index u, pbw_index w)
 {
     const pbw_index hu = pbwp__vertex_host(r, u), hw = pbwp__vertex_host(r, w);
@@ -1923,7 +1930,7 @@ static int pbwp__are_twins(const pbwp__refiner *r, pbw_index u, pbw_index w)
     }
     one = pbwp__distance2(pbwp__point(r, z), pbwp__point(r, u));
     other = pbwp__distance2(pbwp__point(r, z), pbwp__point(r, w));
-    return fabs(one - other) <= 1e-3 * one;
+    return fabs(one - other) <= 1e-3 * one && pbwp__distance2(pbwp__point(r, u), pbwp__point(r, w)) < one;
 }
 
 /* The edge k of a triangle, squared. */
@@ -2342,6 +2349,96 @@ static void pbwp__clear(pbwp__refiner *r, pbw_index u, pbw_index v)
     }
 }
 
+/* ---- sizes at vertices */
+
+/* What a region bids its edges: the longest that a triangle of 30 degrees and the region's area has, so that sizes
+   grow from there, and no triangle in the region becomes smaller. */
+static double pbwp__size_of_region(const pbwp__refiner *r, const pbwp__triangle *t)
+{
+    const pbwp__job *job = r->job;
+    const pbwp__component *c = (const pbwp__component *)job->components.data + (t->region & ~PBWP__CAVITY);
+    const double area = c->seed != PBW_NONE && job->options->gradation > 0 ? job->input->regions[c->seed].area : 0;
+    return area > 0 ? 2.6321480259049848 * sqrt(area) : 1e60;          /* 2 * 3^(1/4) */
+}
+
+static double pbwp__size_at(const pbwp__refiner *r, pbw_index v)
+{
+    const pbw_plane_options *o = r->job->options;
+    const double *p = pbwp__point(r, v);
+    const double size = o->gradation > 0 && o->size_at != NULL ? o->size_at(o->size_user, p[0], p[1]) : 0;
+    return size > 0 ? size : 1e60;
+}
+
+/* Once refinement has begun, a fall of less than a twentieth is none: each new vertex makes ways a little shorter. */
+static void pbwp__lower(pbwp__refiner *r, pbw_index v, double size)
+{
+    double *sizes = PBWP__DOUBLES(r->job->sizes);
+    if (size < (r->inserted > 0 ? 0.95 : 1) * sizes[v]) {
+        sizes[v] = size;
+        pbwp__add(r, &r->lowered, v);
+    }
+}
+
+/* Lowers the neighbours of what was lowered, and theirs, to what sizes may grow to there.  It ends, as no size falls
+   by way of itself.  Looks again at the triangles there once refinement has begun. */
+static void pbwp__spread(pbwp__refiner *r)
+{
+    const pbwp__job *job = r->job;
+    double length2[3];
+    size_t at;
+    unsigned k;
+    for (at = 0; at < r->lowered.count && !r->no_memory; at++) {
+        const pbw_index v = PBWP__INDICES(r->lowered)[at];
+        pbwp__spin spin;
+        spin.start = spin.corner = pbwp__corner_of(job, v);
+        spin.clockwise = 0;
+        do {
+            const pbwp__triangle *t = job->t + PBWP__SLOT(spin.corner);
+            for (k = 0; k < 3; k++) {
+                const double apart = sqrt(pbwp__distance2(pbwp__point(r, v), pbwp__point(r, t->v[k])));
+                pbwp__lower(r, t->v[k], PBWP__DOUBLES(job->sizes)[v] + r->growth * apart);
+            }
+            (void)pbwp__lengths(r, t, length2);
+            if (r->inserted > 0 && pbwp__is_large(r, t, length2)) {
+                pbwp__add(r, &r->large, PBWP__SLOT(spin.corner));
+            }
+        } while (pbwp__spin_on(job, &spin));
+    }
+    r->lowered.count = 0;
+}
+
+/* Fits the size of a new vertex to its neighbours', to its region and to its place.  Returns 1, for its callers. */
+static int pbwp__grade(pbwp__refiner *r, pbw_index v)
+{
+    const pbwp__job *job = r->job;
+    double *sizes = PBWP__DOUBLES(job->sizes), least = 0, most = 1e60, linear;
+    pbwp__spin spin;
+    unsigned k;
+    if (!r->has_sizes) {
+        return 1;
+    }
+    linear = sizes[v];
+    spin.start = spin.corner = pbwp__corner_of(job, v);
+    spin.clockwise = 0;
+    do {
+        const pbwp__triangle *t = job->t + PBWP__SLOT(spin.corner);
+        most = fmin(most, pbwp__size_of_region(r, t));
+        for (k = 0; k < 3; k++) {
+            const double growth = r->growth * sqrt(pbwp__distance2(pbwp__point(r, v), pbwp__point(r, t->v[k])));
+            if (t->v[k] != v) {
+                least = fmax(least, sizes[t->v[k]] - growth);
+                most = fmin(most, sizes[t->v[k]] + growth);
+            }
+        }
+    } while (pbwp__spin_on(job, &spin));
+    sizes[v] = fmin(fmin(most, fmax(least, linear)), pbwp__size_at(r, v));
+    if (sizes[v] < linear || sizes[v] < 0.95 * least) {
+        pbwp__add(r, &r->lowered, v);
+        pbwp__spread(r);
+    }
+    return 1;
+}
+
 /* ---- splitting a segment */
 
 /* Where to split u-v: in the middle; or, if just one end is of the input, at a power of two from it, between one
@@ -2413,7 +2510,7 @@ static int pbwp__split_edge(pbwp__refiner *r, pbw_index u, pbw_index v, int must
         size = (1 - at) * PBWP__DOUBLES(job->sizes)[u] + at * PBWP__DOUBLES(job->sizes)[v];
     }
     p = pbwp__add_vertex(r, point, edge, size);
-    return p != PBW_NONE && pbwp__refill_star(r, p, u, v, edge);
+    return p != PBW_NONE && pbwp__refill_star(r, p, u, v, edge) && pbwp__grade(r, p);
 }
 
 /* ---- mending a triangle */
@@ -2507,7 +2604,7 @@ static int pbwp__mend(pbwp__refiner *r, pbw_index slot, unsigned shortest)
         if (r->hits.count == 0 && !r->no_memory && pbwp__is_star(r, point)) {
             size = r->has_sizes ? pbwp__size_in(r, job->t + found, point) : 0;
             p = pbwp__add_vertex(r, point, PBWP__FREE, size);
-            return p != PBW_NONE && pbwp__refill_star(r, p, PBW_NONE, PBW_NONE, PBW_NONE);
+            return p != PBW_NONE && pbwp__refill_star(r, p, PBW_NONE, PBW_NONE, PBW_NONE) && pbwp__grade(r, p);
         }
         pbwp__undig(r);
     }
@@ -2623,44 +2720,43 @@ static int pbwp__find_hosts(pbwp__refiner *r)
     return 1;
 }
 
-/* Sizes of vertices: the caller's, and what they may grow to at the others. */
+/* Sizes of vertices: the caller's, and what they may grow to at the others.  A vertex where the domain has no width
+   has two stars, and the spread sees one: hence the rounds. */
 static int pbwp__find_sizes(pbwp__refiner *r)
 {
     pbwp__job *job = r->job;
-    const double growth = job->options->gradation > 0 ? job->options->gradation : 0.3;
+    const double *given = job->input->sizes;
     const size_t n = job->points.count;
     double *sizes;
     size_t i;
-    unsigned k, e;
+    unsigned k;
     int more = 1;
     if (!pbwp__room(&job->memory, &job->sizes, n, sizeof(double))) {
         return 0;
     }
+    r->has_sizes = 1;
+    r->growth = job->options->gradation > 0 ? job->options->gradation : 0.3;
     sizes = PBWP__DOUBLES(job->sizes);
     job->sizes.count = n;
     for (i = 0; i < n; i++) {
-        const pbw_index given = PBWP__INDICES(job->original)[i];
-        const double size = given < job->input->point_count ? job->input->sizes[given] : 0;
-        sizes[i] = size > 0 ? size : 1e60;
+        const pbw_index from = PBWP__INDICES(job->original)[i];
+        const double size = given != NULL && from < job->input->point_count ? given[from] : 0;
+        sizes[i] = fmin(size > 0 ? size : 1e60, pbwp__size_at(r, (pbw_index)i));
     }
-    while (more) {
+    while (more && !r->no_memory) {
         more = 0;
         for (i = 0; i < job->triangles.count; i++) {
-            for (k = 0; job->t[i].v[0] != PBW_NONE && k < 3; k++) {
-                for (e = 1; e < 3; e++) {
-                    const pbw_index u = job->t[i].v[k], v = job->t[i].v[(k + e) % 3];
-                    const double apart = sqrt(pbwp__distance2(pbwp__point(r, u), pbwp__point(r, v)));
-                    const double most = sizes[u] + growth * apart;
-                    if (most < sizes[v]) {
-                        sizes[v] = most;
-                        more = 1;
-                    }
-                }
+            const pbwp__triangle *t = job->t + i;
+            for (k = 0; t->v[0] != PBW_NONE && k < 6; k++) {
+                const pbw_index u = t->v[k % 3], v = t->v[(k + 1 + k / 3) % 3];
+                const double apart = sqrt(pbwp__distance2(pbwp__point(r, u), pbwp__point(r, v)));
+                pbwp__lower(r, v, fmin(sizes[u] + r->growth * apart, pbwp__size_of_region(r, t)));
             }
         }
+        more = r->lowered.count > 0;
+        pbwp__spread(r);
     }
-    r->has_sizes = 1;
-    return 1;
+    return !r->no_memory;
 }
 
 /* Sets bounds from options and the box of the points.  Returns 0 if the coordinates are too large or too small. */
@@ -2746,18 +2842,20 @@ static pbw_status pbwp__refine(pbwp__job *job)
     pbwp__refiner r;
     pbwp__memory *memory = &job->memory;
     pbw_status status;
-    int i;
+    int i, graded;
     memset(&r, 0, sizeof r);
     r.job = job;
     if (!pbwp__set_bounds(&r)) {
         return pbwp__say(job, PBW_ERROR_ARGUMENT,
                          "coordinates are too large, or too small, for refinement: scale them");
     }
-    if (!pbwp__find_hosts(&r) || (job->input->sizes != NULL && !pbwp__find_sizes(&r))) {
-        return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    graded = job->input->sizes != NULL
+          || (job->options->gradation > 0 && (job->options->size_at != NULL || job->input->region_count > 0));
+    status = pbwp__find_hosts(&r) && (!graded || pbwp__find_sizes(&r)) ? pbwp__refine_all(&r)
+           : pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    if (status == PBW_OK) {
+        pbwp__count_faults(&r);
     }
-    status = pbwp__refine_all(&r);
-    pbwp__count_faults(&r);
     for (i = 0; i < PBWP__CLASSES; i++) {
         pbwp__release(memory, r.class_of + i);
     }
@@ -2766,6 +2864,7 @@ static pbw_status pbwp__refine(pbwp__job *job)
     pbwp__release(memory, &r.slots);
     pbwp__release(memory, &r.rim);
     pbwp__release(memory, &r.hits);
+    pbwp__release(memory, &r.lowered);
     return status;
 }
 
@@ -2942,6 +3041,21 @@ static int pbwp__out_regions(pbwp__job *job, pbwp__block *block)
     return 1;
 }
 
+static void pbwp__sort_indices(pbw_index *item, size_t count)         /* Shell 1959; gaps of Gonnet 1991 */
+{
+    size_t gap = count, i, k;
+    while (gap > 1) {
+        gap = gap < 5 ? 1 : (5 * gap - 1) / 11;
+        for (i = gap; i < count; i++) {
+            const pbw_index last = item[i];
+            for (k = i; k >= gap && item[k - gap] > last; k -= gap) {
+                item[k] = item[k - gap];
+            }
+            item[k] = last;
+        }
+    }
+}
+
 /* Fills old with the codes of the edges of segments in the triangle that comes first of the two. */
 static int pbwp__out_triangles(pbwp__job *job, pbwp__block *block)
 {
@@ -2991,7 +3105,8 @@ static int pbwp__out_triangles(pbwp__job *job, pbwp__block *block)
 static int pbwp__out_segments(pbwp__job *job, pbwp__array *list, pbw_index edge)
 {
     const size_t first = list->count;
-    size_t i;
+    size_t count, kept = 0, i;
+    pbw_index *item;
     while (edge != PBW_NONE && edge != PBWP__BORDER) {
         pbw_index id = edge;
         edge = PBW_NONE;
@@ -3001,21 +3116,22 @@ static int pbwp__out_segments(pbwp__job *job, pbwp__array *list, pbw_index edge)
             edge = group.rest;
         }
         id = ((const pbwp__piece *)job->pieces.data)[id].id;
-        if (id == PBW_NONE) {
-            continue;
-        }
-        if (!pbwp__push(&job->memory, list, id)) {
+        if (id != PBW_NONE && !pbwp__push(&job->memory, list, id)) {
             return 0;
         }
-        for (i = list->count - 1; i > first && PBWP__INDICES(*list)[i - 1] > id; i--) {
-            PBWP__INDICES(*list)[i] = PBWP__INDICES(*list)[i - 1];
-        }
-        PBWP__INDICES(*list)[i] = id;
-        if (i > first && PBWP__INDICES(*list)[i - 1] == id) {
-            memmove(PBWP__INDICES(*list) + i, PBWP__INDICES(*list) + i + 1, (list->count - 1 - i) * sizeof id);
-            list->count--;
+    }
+    count = list->count - first;
+    if (count == 0) {
+        return 1;
+    }
+    item = PBWP__INDICES(*list);
+    pbwp__sort_indices(item + first, count);
+    for (i = 0; i < count; i++) {
+        if (i == 0 || item[first + i] != item[first + i - 1]) {
+            item[first + kept++] = item[first + i];
         }
     }
+    list->count = first + kept;
     return 1;
 }
 
