@@ -290,6 +290,9 @@ typedef struct pbwp__triangle {
 } pbwp__triangle;
 
 typedef struct pbwp__piece { pbw_index a, b, id; } pbwp__piece;      /* of the caller's segment id, from a to b */
+/* A vertex of a chain; the slot for the triangle whose apex it becomes, PBW_NONE: any free one; what is beyond the edge
+   to the next vertex, and stands on it.  4 i + 3 as a link: that edge is also the one from vertex i. */
+typedef struct pbwp__joint { pbw_index v, slot, link, edge; } pbwp__joint;
 typedef struct pbwp__group { pbw_index piece, rest; } pbwp__group;   /* rest: a piece, or a further group */
 
 #define PBWP__CAVITY 0x80000000u
@@ -317,7 +320,7 @@ typedef struct pbwp__job {
     pbwp__array original;                  /* per vertex: its number in given */
     pbwp__array vertex;                    /* and back; a duplicate has the vertex at its place */
     pbwp__array pieces, groups;
-    pbwp__array chain[2], inner[2];        /* left and right of a segment: vertices, edges of old triangles */
+    pbwp__array chain[2];                  /* left and right of a segment: pbwp__joint */
     pbwp__array stack, old, fresh;         /* fresh: slots that were filled last */
     pbwp__array crossings;
     size_t side_count;                     /* sides of triangles with an edge, those of the border twice */
@@ -455,9 +458,9 @@ static int pbwp__before(const pbwp__job *job, pbw_index a, pbw_index b)
    The triangles that a segment crosses leave a cavity, a polygon on each side of it, whose border is a chain of
    edges.  A polygon is refilled from its base: the apex of the triangle there is the vertex of the chain in whose
    circle no other lies, and both sides of the triangle are bases of smaller polygons (Anglada 1997).  A chain passes
-   twice along an edge that sticks out into the cavity; then the corner counts that the triangle lies in.  Old
-   triangles keep their slots until the cavity is full, as such an edge leads from one of its sides to the other
-   through them.
+   twice along an edge that sticks out into the cavity; then the corner counts that the triangle lies in, and whichever
+   side of the edge is filled first leaves its code to the other.  New triangles take the slots of the old: what is
+   near in the plane stays near in memory.
    ------------------------------------------------------------------------------------------------------ */
 
 /* Whether the direction from u to x lies in the turn from u-from counter-clockwise to u-to, ends included. */
@@ -475,38 +478,53 @@ static int pbwp__in_turn(const pbwp__job *job, pbw_index u, pbw_index from, pbw_
 
 /* The place in the chain, between the places low and high, of the apex of the triangle on that base; 0 if no vertex
    is on the inner side of it, which does not happen to the cavity of a segment. */
-static size_t pbwp__apex(const pbwp__job *job, const pbw_index *chain, size_t low, size_t high)
+static size_t pbwp__apex(const pbwp__job *job, const pbwp__joint *chain, size_t low, size_t high)
 {
-    const pbw_index a = chain[low], b = chain[high];
+    const pbw_index a = chain[low].v, b = chain[high].v;
     size_t best = 0, i;
     int repeats = 0;
     if (high - low == 2) {
         return low + 1;
     }
     for (i = low + 1; i < high; i++) {
-        const pbw_index c = chain[i];
-        repeats |= chain[i - 1] == chain[i + 1];
-        if (c == a || c == b || (best != 0 && c == chain[best])) {
+        const pbw_index c = chain[i].v;
+        repeats |= chain[i - 1].v == chain[i + 1].v;
+        if (c == a || c == b || (best != 0 && c == chain[best].v)) {
             continue;
         }
-        if ((best == 0 || pbwp__conflict(job, a, b, chain[best], c)) && pbwp__orient(job, a, b, c) > 0) {
+        if ((best == 0 || pbwp__conflict(job, a, b, chain[best].v, c)) && pbwp__orient(job, a, b, c) > 0) {
             best = i;
         }
     }
     for (i = low + 1; repeats && best != 0 && i < high; i++) {
-        if (chain[i] == chain[best] && pbwp__in_turn(job, chain[i], chain[i - 1], chain[i + 1], a)
-            && pbwp__in_turn(job, chain[i], chain[i - 1], chain[i + 1], b)) {
+        const pbw_index c = chain[i].v;
+        if (c == chain[best].v && pbwp__in_turn(job, c, chain[i - 1].v, chain[i + 1].v, a)
+            && pbwp__in_turn(job, c, chain[i - 1].v, chain[i + 1].v, b)) {
             return i;
         }
     }
     return best;
 }
 
+/* The triangle on a base of the chain, with its apex.  Returns its slot. */
+static pbw_index pbwp__put(pbwp__job *job, const pbwp__joint *low, const pbwp__joint *high, const pbwp__joint *apex,
+                           pbw_index region)
+{
+    const pbw_index slot = apex->slot != PBW_NONE ? apex->slot : pbwp__take_slot(job);
+    pbwp__triangle *t = job->t + slot;
+    t->v[0] = low->v;
+    t->v[1] = high->v;
+    t->v[2] = apex->v;
+    t->edge[0] = t->edge[1] = t->edge[2] = PBW_NONE;
+    t->region = region;
+    job->incident[low->v] = job->incident[high->v] = job->incident[apex->v] = slot;
+    return slot;
+}
+
 /* Fills the polygon between a chain of `count` vertices, counter-clockwise from its last to its first, and the base.
-   Slots are reserved.  Returns the code of the base in its triangle, PBW_NONE without memory or if there is no apex.
-   */
-static pbw_index pbwp__fill(pbwp__job *job, const pbw_index *chain, const pbw_index *inner, size_t count,
-                            pbw_index region)
+   Free slots are reserved.  Returns the code of the base in its triangle, PBW_NONE without memory or if there is no
+   apex. */
+static pbw_index pbwp__fill(pbwp__job *job, pbwp__joint *chain, size_t count, pbw_index region)
 {
     pbw_index base = PBW_NONE, *stack;
     size_t top = 3;
@@ -521,28 +539,24 @@ static pbw_index pbwp__fill(pbwp__job *job, const pbw_index *chain, const pbw_in
     stack[2] = PBW_NONE;
     while (top > 0) {
         const pbw_index low = stack[top - 3], high = stack[top - 2], parent = stack[top - 1];
+        const pbw_index link = chain[low].link;
         pbw_index slot;
         size_t apex;
-        pbwp__triangle *t;
         top -= 3;
         if (high - low == 1) {                       /* an edge of the chain */
-            const pbwp__triangle *old = job->t + PBWP__SLOT(inner[low]);
-            job->t[PBWP__SLOT(parent)].edge[PBWP__SIDE(parent)] = old->edge[PBWP__SIDE(inner[low])];
-            pbwp__join(job, parent, old->link[PBWP__SIDE(inner[low])]);
+            job->t[PBWP__SLOT(parent)].edge[PBWP__SIDE(parent)] = chain[low].edge;
+            if (PBWP__SIDE(link) == 3 && link != PBW_NONE) {
+                chain[PBWP__SLOT(link)].link = parent;
+            } else {
+                pbwp__join(job, parent, link);
+            }
             continue;
         }
         apex = pbwp__apex(job, chain, low, high);
         if (apex == 0) {
             return PBW_NONE;
         }
-        slot = pbwp__take_slot(job);
-        t = job->t + slot;
-        t->v[0] = chain[low];
-        t->v[1] = chain[high];
-        t->v[2] = chain[apex];
-        t->edge[0] = t->edge[1] = t->edge[2] = PBW_NONE;
-        t->region = region;
-        job->incident[t->v[0]] = job->incident[t->v[1]] = job->incident[t->v[2]] = slot;
+        slot = pbwp__put(job, chain + low, chain + high, chain + apex, region);
         pbwp__join(job, 4 * slot + 2, parent);
         base = base == PBW_NONE ? 4 * slot + 2 : base;
         PBWP__INDICES(job->fresh)[job->fresh.count++] = slot;
@@ -654,9 +668,26 @@ static pbw_index pbwp__find_exit(const pbwp__job *job, pbw_index a, pbw_index b,
     return PBW_NONE;
 }
 
+/* Adds a vertex, and the edge from there, by its code in an old triangle, to a chain. */
 static int pbwp__chain_push(pbwp__job *job, int side, pbw_index vertex, pbw_index inner)
 {
-    return pbwp__push(&job->memory, &job->chain[side], vertex) && pbwp__push(&job->memory, &job->inner[side], inner);
+    pbwp__array *chain = &job->chain[side];
+    pbwp__joint *joint;
+    if ((chain->count + 1) * sizeof *joint > chain->bytes && !pbwp__room(&job->memory, chain, 1, sizeof *joint)) {
+        return 0;
+    }
+    joint = (pbwp__joint *)chain->data + chain->count++;
+    joint->v = vertex;
+    joint->slot = PBWP__SLOT(inner);
+    joint->link = inner;
+    joint->edge = PBW_NONE;
+    return 1;
+}
+
+static int pbwp__dig_old(pbwp__job *job, pbw_index slot)
+{
+    job->t[slot].region |= PBWP__CAVITY;
+    return pbwp__push(&job->memory, &job->old, slot);
 }
 
 /* Collects the cavity of a segment from a towards b: both chains, and the old triangles.  Returns the vertex where
@@ -667,13 +698,10 @@ static pbw_index pbwp__cavity(pbwp__job *job, pbw_index corner, pbw_index b, pbw
     const unsigned i = PBWP__SIDE(corner);
     pbw_index slot = PBWP__SLOT(corner), a = job->t[slot].v[i];
     pbw_index right = job->t[slot].v[pbwp__next[i]], left = job->t[slot].v[pbwp__last[i]], edge = corner;
-    int ok = 1, side;
-    for (side = 0; side < 2; side++) {
-        job->chain[side].count = job->inner[side].count = 0;
-    }
-    job->old.count = 0;
+    int ok = 1;
+    job->chain[0].count = job->chain[1].count = job->old.count = 0;
     ok = pbwp__chain_push(job, 0, a, 4 * slot + pbwp__next[i])
-      && pbwp__chain_push(job, 1, a, 4 * slot + pbwp__last[i]) && pbwp__push(&job->memory, &job->old, slot);
+      && pbwp__chain_push(job, 1, a, 4 * slot + pbwp__last[i]) && pbwp__dig_old(job, slot);
     while (ok) {
         const pbw_index link = job->t[PBWP__SLOT(edge)].link[PBWP__SIDE(edge)];
         const unsigned e = PBWP__SIDE(link);
@@ -688,11 +716,13 @@ static pbw_index pbwp__cavity(pbwp__job *job, pbw_index corner, pbw_index b, pbw
         to_left = 4 * slot + pbwp__last[e];          /* the edges from x to left and to right */
         to_right = 4 * slot + pbwp__next[e];
         sign = x == b ? 0 : pbwp__orient(job, a, b, x);
-        ok = pbwp__push(&job->memory, &job->old, slot)
+        ok = pbwp__dig_old(job, slot)
           && (sign < 0 || pbwp__chain_push(job, 0, left, to_left))
           && (sign > 0 || pbwp__chain_push(job, 1, right, to_right));
         if (sign == 0) {
-            ok = ok && pbwp__push(&job->memory, &job->chain[0], x) && pbwp__push(&job->memory, &job->chain[1], x);
+            pbwp__joint *right_last = (pbwp__joint *)job->chain[1].data + job->chain[1].count - 1;
+            right_last->slot = ok ? PBWP__INDICES(job->old)[0] : PBW_NONE;       /* the one left over */
+            ok = ok && pbwp__chain_push(job, 0, x, PBW_NONE) && pbwp__chain_push(job, 1, x, PBW_NONE);
             return ok ? x : PBW_NONE;
         }
         left = sign > 0 ? x : left;
@@ -702,36 +732,58 @@ static pbw_index pbwp__cavity(pbwp__job *job, pbw_index corner, pbw_index b, pbw
     return PBW_NONE;
 }
 
-static void pbwp__reverse(pbw_index *item, size_t count)
+/* Turns a chain round: it begins with its last vertex, edges stay between their vertices. */
+static void pbwp__reverse(pbwp__joint *chain, size_t count)
 {
     size_t i;
     for (i = 0; i < count / 2; i++) {
-        const pbw_index swap = item[i];
-        item[i] = item[count - 1 - i];
-        item[count - 1 - i] = swap;
+        pbwp__joint *one = chain + i, *other = chain + count - 1 - i;
+        const pbwp__joint swap = *one;
+        one->v = other->v;
+        one->slot = other->slot;
+        other->v = swap.v;
+        other->slot = swap.slot;
+    }
+    for (i = 0; i < (count - 1) / 2; i++) {
+        pbwp__joint *one = chain + i, *other = chain + count - 2 - i;
+        const pbwp__joint swap = *one;
+        one->link = other->link;
+        one->edge = other->edge;
+        other->link = swap.link;
+        other->edge = swap.edge;
+    }
+}
+
+/* Replaces codes in old triangles by what is beyond, as these triangles go. */
+static void pbwp__look_beyond(pbwp__job *job, pbwp__joint *chain, size_t count)
+{
+    size_t i;
+    for (i = 0; i + 1 < count; i++) {
+        const pbwp__triangle *t = job->t + PBWP__SLOT(chain[i].link);
+        const unsigned side = PBWP__SIDE(chain[i].link);
+        const pbw_index link = t->link[side];
+        chain[i].edge = t->edge[side];
+        chain[i].link = link;
+        if (link != PBW_NONE && PBWP__SIDE(link) == 3) {
+            chain[PBWP__SLOT(link)].link = (pbw_index)(4 * i + 3);
+        } else if (link != PBW_NONE && (job->t[PBWP__SLOT(link)].region & PBWP__CAVITY) != 0) {
+            job->t[PBWP__SLOT(link)].link[PBWP__SIDE(link)] = (pbw_index)(4 * i + 3);
+        }
     }
 }
 
 /* Replaces the triangles of a cavity.  Returns the code of the segment's edge; PBW_NONE without memory. */
 static pbw_index pbwp__refill(pbwp__job *job)
 {
+    pbwp__joint *left = (pbwp__joint *)job->chain[0].data, *right = (pbwp__joint *)job->chain[1].data;
     pbw_index base[2];
-    size_t i;
-    int side;
-    if (!pbwp__reserve_slots(job, job->old.count)) {
+    pbwp__reverse(right, job->chain[1].count);
+    pbwp__look_beyond(job, left, job->chain[0].count);
+    pbwp__look_beyond(job, right, job->chain[1].count);
+    base[0] = pbwp__fill(job, left, job->chain[0].count, 0);
+    base[1] = base[0] == PBW_NONE ? PBW_NONE : pbwp__fill(job, right, job->chain[1].count, 0);
+    if (base[1] == PBW_NONE) {
         return PBW_NONE;
-    }
-    pbwp__reverse(PBWP__INDICES(job->chain[1]), job->chain[1].count);
-    pbwp__reverse(PBWP__INDICES(job->inner[1]), job->inner[1].count);
-    for (side = 0; side < 2; side++) {
-        base[side] = pbwp__fill(job, PBWP__INDICES(job->chain[side]), PBWP__INDICES(job->inner[side]),
-                                job->chain[side].count, 0);
-        if (base[side] == PBW_NONE) {
-            return PBW_NONE;
-        }
-    }
-    for (i = 0; i < job->old.count; i++) {
-        pbwp__free_slot(job, PBWP__INDICES(job->old)[i]);
     }
     pbwp__join(job, base[0], base[1]);
     return base[0];
@@ -2222,10 +2274,11 @@ static int pbwp__remove(pbwp__refiner *r, pbw_index vertex)
 {
     pbwp__job *job = r->job;
     const pbw_index start = pbwp__corner_of(job, vertex);
-    pbw_index corner = start, base = PBW_NONE, last, region = job->t[PBWP__SLOT(start)].region;
+    pbw_index corner = start, base = PBW_NONE, region = job->t[PBWP__SLOT(start)].region;
+    pbwp__joint *chain;
     size_t i, count;
     int good;
-    job->chain[0].count = job->inner[0].count = job->old.count = job->fresh.count = 0;
+    job->chain[0].count = job->old.count = job->fresh.count = 0;
     do {
         const pbwp__triangle *t = job->t + PBWP__SLOT(corner);
         const unsigned k = PBWP__SIDE(corner);
@@ -2236,18 +2289,23 @@ static int pbwp__remove(pbwp__refiner *r, pbw_index vertex)
         corner = pbwp__round(job, corner, 0);
     } while (corner != start);
     count = job->chain[0].count;
+    chain = (pbwp__joint *)job->chain[0].data;
     if (!pbwp__reserve_slots(job, count) || !pbwp__room(&job->memory, &job->fresh, count, sizeof(pbw_index))) {
         r->no_memory = 1;
         return 0;
     }
-    last = PBWP__INDICES(job->inner[0])[count - 1];
-    pbwp__reverse(PBWP__INDICES(job->chain[0]), count);
-    pbwp__reverse(PBWP__INDICES(job->inner[0]), count - 1);
-    base = pbwp__fill(job, PBWP__INDICES(job->chain[0]), PBWP__INDICES(job->inner[0]), count, region);
+    for (i = 0; i < count; i++) {                    /* old triangles stay until the new are known to be good */
+        const pbwp__triangle *t = job->t + PBWP__SLOT(chain[i].link);
+        chain[i].slot = PBW_NONE;
+        chain[i].edge = t->edge[PBWP__SIDE(chain[i].link)];
+        chain[i].link = t->link[PBWP__SIDE(chain[i].link)];
+    }
+    pbwp__reverse(chain, count);
+    base = pbwp__fill(job, chain, count, region);
     good = base != PBW_NONE;
     if (good) {
-        job->t[PBWP__SLOT(base)].edge[PBWP__SIDE(base)] = job->t[PBWP__SLOT(last)].edge[PBWP__SIDE(last)];
-        pbwp__join(job, base, job->t[PBWP__SLOT(last)].link[PBWP__SIDE(last)]);
+        job->t[PBWP__SLOT(base)].edge[PBWP__SIDE(base)] = chain[count - 1].edge;
+        pbwp__join(job, base, chain[count - 1].link);
         good = pbwp__is_good_fill(job);
     }
     if (!good) {                                     /* the old triangles are still there: link them again */
@@ -3233,7 +3291,7 @@ static void pbwp__job_free(pbwp__job *job)
 {
     pbwp__array *arrays[] = { &job->triangles, &job->points, &job->incidents, &job->given, &job->segments,
                               &job->original, &job->vertex, &job->pieces, &job->groups, &job->chain[0],
-                              &job->chain[1], &job->inner[0], &job->inner[1], &job->stack, &job->old, &job->crossings,
+                              &job->chain[1], &job->stack, &job->old, &job->crossings,
                               &job->first_of, &job->item_of,
                               &job->components, &job->fresh, &job->hosts, &job->vertex_host, &job->sizes };
     size_t i;
