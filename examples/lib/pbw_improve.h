@@ -127,8 +127,8 @@ typedef struct pbw_improve_options {       /* NULL or all zero = best defaults *
        boundary. */
     void (*project)(void *user, double point[3]);
     void *project_user;
-    double distance;                       /* boundary facets stay as near to the surface, by their middles and those
-                                              of their edges, or come no farther from it; 0 = any distance */
+    double distance;                       /* of boundary facets from the surface, at their middles and those of their
+                                              edges, at most; where they are farther, they come no farther; 0 = any */
     const double *sizes;                   /* per point of the input, how long edges shall be there; NULL = as they
                                               are.  Features get points, and lose none */
     int rounds;                            /* of the smoother before the passes, at most */
@@ -874,7 +874,8 @@ static int pbwim__walk(const pbwim__mesh *m, pbw_index t, pbwim__ring *ring)
 /* Returns the largest distance from the surface of a triangle's middle and its edges' middles, or `least`. */
 static double pbwim__farthest(const pbwim__mesh *m, const double *a, const double *b, const double *c, double least)
 {
-    static const double share[4][3] = { { 1.0 / 3, 1.0 / 3, 1.0 / 3 }, { 0.5, 0.5, 0 }, { 0, 0.5, 0.5 }, { 0.5, 0, 0.5 } };
+    static const double share[4][3] = { { 1.0 / 3, 1.0 / 3, 1.0 / 3 }, { 0.5, 0.5, 0 }, { 0, 0.5, 0.5 },
+                                        { 0.5, 0, 0.5 } };
     int i, k;
     for (i = 0; i < 4; i++) {
         double p[3], place[3];
