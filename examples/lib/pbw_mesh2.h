@@ -290,8 +290,8 @@ typedef struct pbwp__triangle {
 } pbwp__triangle;
 
 typedef struct pbwp__piece { pbw_index a, b, id; } pbwp__piece;      /* of the caller's segment id, from a to b */
-/* A vertex of a chain; the slot for the triangle whose apex it becomes, PBW_NONE: any free one; what is beyond the edge
-   to the next vertex, and stands on it.  4 i + 3 as a link: that edge is also the one from vertex i. */
+/* A vertex of a chain; the slot for the triangle whose apex it becomes, PBW_NONE: any free one; what is beyond the
+   edge to the next vertex, and stands on it.  4 i + 3 as a link: that edge is also the one from vertex i. */
 typedef struct pbwp__joint { pbw_index v, slot, link, edge; } pbwp__joint;
 typedef struct pbwp__group { pbw_index piece, rest; } pbwp__group;   /* rest: a piece, or a further group */
 
@@ -458,8 +458,8 @@ static int pbwp__before(const pbwp__job *job, pbw_index a, pbw_index b)
    The triangles that a segment crosses leave a cavity, a polygon on each side of it, whose border is a chain of
    edges.  A polygon is refilled from its base: the apex of the triangle there is the vertex of the chain in whose
    circle no other lies, and both sides of the triangle are bases of smaller polygons (Anglada 1997).  A chain passes
-   twice along an edge that sticks out into the cavity; then the corner counts that the triangle lies in, and whichever
-   side of the edge is filled first leaves its code to the other.  New triangles take the slots of the old: what is
+   twice along an edge that sticks out into the cavity; then the corner counts that the triangle lies in, and the side
+   of the edge that is filled first leaves its code to the other.  New triangles take the slots of the old: what is
    near in the plane stays near in memory.
    ------------------------------------------------------------------------------------------------------ */
 
@@ -1476,8 +1476,8 @@ static pbw_index pbwp__root(pbw_index *parent, pbw_index item)
     return item;
 }
 
-/* Joins triangles across free edges: item i + 1 of parent stands for slot i, item 0 for the outside.  The sweep in the
-   order of slots stays in the cache; without branches where all neighbours before have one parent, as most have.
+/* Joins triangles across free edges: item i + 1 of parent stands for slot i, item 0 for the outside.  The sweep in
+   the order of slots stays in the cache; without branches where all neighbours before have one parent, as most have.
    Marks free edges of the hull as border. */
 static void pbwp__join_components(pbwp__job *job, pbw_index *parent)
 {
@@ -1498,7 +1498,7 @@ static void pbwp__join_components(pbwp__job *job, pbw_index *parent)
                 t->edge[k] = PBWP__BORDER;
                 root = 0;
             }
-            before[k] = parent[(t->edge[k] == PBW_NONE) & (other < own) ? other : own];
+            before[k] = parent[((t->edge[k] == PBW_NONE) & (other < own)) != 0 ? other : own];
             root = before[k] < root ? before[k] : root;
         }
         for (k = 0; k < 3; k++) {
@@ -2384,7 +2384,6 @@ static void pbwp__lower(pbwp__refiner *r, pbw_index v, double size)
 static void pbwp__spread(pbwp__refiner *r)
 {
     const pbwp__job *job = r->job;
-    double length2[3];
     size_t at;
     unsigned k;
     for (at = 0; at < r->lowered.count && !r->no_memory; at++) {
@@ -2398,8 +2397,7 @@ static void pbwp__spread(pbwp__refiner *r)
                 const double apart = sqrt(pbwp__distance2(pbwp__point(r, v), pbwp__point(r, t->v[k])));
                 pbwp__lower(r, t->v[k], PBWP__DOUBLES(job->sizes)[v] + r->growth * apart);
             }
-            (void)pbwp__lengths(r, t, length2);
-            if (r->inserted > 0 && pbwp__is_large(r, t, length2)) {
+            if (r->inserted > 0 && pbwp__is_large(r, t)) {
                 pbwp__add(r, &r->large, PBWP__SLOT(spin.corner));
             }
         } while (pbwp__spin_on(job, &spin));
@@ -2917,8 +2915,8 @@ static int pbwp__sort_fan(pbwp__job *job, pbw_index *item, size_t count)
     return ok;
 }
 
-/* Fills item_of with the codes of first corners, in order; first_of with the code of the first corner for each slot in
-   use, the number of its triangle in place of the slot. */
+/* Fills item_of with the codes of first corners, in order; first_of with the code of the first corner for each slot
+   in use, the number of its triangle in place of the slot. */
 static int pbwp__sort_triangles(pbwp__job *job)
 {
     const size_t n = job->points.count, slots = job->triangles.count;
