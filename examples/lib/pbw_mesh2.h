@@ -1498,7 +1498,7 @@ static void pbwp__join_components(pbwp__job *job, pbw_index *parent)
                 t->edge[k] = PBWP__BORDER;
                 root = 0;
             }
-            before[k] = parent[((t->edge[k] == PBW_NONE) & (other < own)) != 0 ? other : own];
+            before[k] = parent[((t->edge[k] == PBW_NONE) & (other < own)) ? other : own];
             root = before[k] < root ? before[k] : root;
         }
         for (k = 0; k < 3; k++) {
@@ -2436,32 +2436,30 @@ static void pbwp__spread(pbwp__refiner *r)
     r->lowered.count = 0;
 }
 
-/* Fits the size of a new vertex to its neighbours', to its region and to its place.  Returns 1, for its callers. */
+/* Lowers the size of a new vertex to what its neighbours, its region and its place let it have.  Returns 1, for its
+   callers. */
 static int pbwp__grade(pbwp__refiner *r, pbw_index v)
 {
     const pbwp__job *job = r->job;
-    double *sizes = PBWP__DOUBLES(job->sizes), least = 0, most = 1e60, linear;
+    double *sizes = PBWP__DOUBLES(job->sizes), most;
     pbwp__spin spin;
     unsigned k;
     if (!r->has_sizes) {
         return 1;
     }
-    linear = sizes[v];
+    most = pbwp__size_at(r, v);
     spin.start = spin.corner = pbwp__corner_of(job, v);
     spin.clockwise = 0;
     do {
         const pbwp__triangle *t = job->t + PBWP__SLOT(spin.corner);
         most = fmin(most, pbwp__size_of_region(r, t));
         for (k = 0; k < 3; k++) {
-            const double growth = r->growth * sqrt(pbwp__distance2(pbwp__point(r, v), pbwp__point(r, t->v[k])));
-            if (t->v[k] != v) {
-                least = fmax(least, sizes[t->v[k]] - growth);
-                most = fmin(most, sizes[t->v[k]] + growth);
-            }
+            const double apart = sqrt(pbwp__distance2(pbwp__point(r, v), pbwp__point(r, t->v[k])));
+            most = fmin(most, sizes[t->v[k]] + r->growth * apart);
         }
     } while (pbwp__spin_on(job, &spin));
-    sizes[v] = fmin(fmin(most, fmax(least, linear)), pbwp__size_at(r, v));
-    if (sizes[v] < linear || sizes[v] < 0.95 * least) {
+    if (most < sizes[v]) {
+        sizes[v] = most;
         pbwp__add(r, &r->lowered, v);
         pbwp__spread(r);
     }
@@ -3050,21 +3048,6 @@ static int pbwp__out_regions(pbwp__job *job, pbwp__block *block)
     return 1;
 }
 
-static void pbwp__sort_indices(pbw_index *item, size_t count)         /* Shell 1959; gaps of Gonnet 1991 */
-{
-    size_t gap = count, i, k;
-    while (gap > 1) {
-        gap = gap < 5 ? 1 : (5 * gap - 1) / 11;
-        for (i = gap; i < count; i++) {
-            const pbw_index last = item[i];
-            for (k = i; k >= gap && item[k - gap] > last; k -= gap) {
-                item[k] = item[k - gap];
-            }
-            item[k] = last;
-        }
-    }
-}
-
 /* Fills old with the codes of the edges of segments in the triangle that comes first of the two. */
 static int pbwp__out_triangles(pbwp__job *job, pbwp__block *block)
 {
@@ -3108,6 +3091,21 @@ static int pbwp__out_triangles(pbwp__job *job, pbwp__block *block)
     job->plane->neighbors = neighbor;
     job->plane->triangle_count = count;
     return 1;
+}
+
+static void pbwp__sort_indices(pbw_index *item, size_t count)         /* Shell 1959; gaps of Gonnet 1991 */
+{
+    size_t gap = count, i, k;
+    while (gap > 1) {
+        gap = gap < 5 ? 1 : (5 * gap - 1) / 11;
+        for (i = gap; i < count; i++) {
+            const pbw_index last = item[i];
+            for (k = i; k >= gap && item[k - gap] > last; k -= gap) {
+                item[k] = item[k - gap];
+            }
+            item[k] = last;
+        }
+    }
 }
 
 /* Adds the caller's segments on an edge to a list, ascending, each once. */
