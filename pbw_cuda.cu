@@ -1129,6 +1129,14 @@ __device__ inline place<REAL> vertex_place(const star<DIM, WEIGHTED, NT, NV, SCR
     return p;
 }
 
+/* The vertex at infinity has a place too: loads that are not used find it there. */
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline void set_infinity(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s)
+{
+    const place<REAL> origin = { { 0, 0, 0 }, 0 };
+    set_vertex(s, 0, none, origin);
+}
+
 /* The sphere of triangle (a, b, c); in the plane of edge (a, b).  0 is the vertex at infinity. */
 template <int DIM, bool WEIGHTED, typename REAL>
 __device__ inline float4 sphere_of_triangle(uint32_t a, uint32_t b, uint32_t c, const place<REAL> &pa,
@@ -1484,6 +1492,8 @@ __device__ inline void start(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool
         }
         if (lane < DIM) {
             set_vertex(s, (uint32_t)lane + 1, id[lane], p[lane]);
+        } else if (lane == DIM) {
+            set_infinity(s);
         }
     }
     __syncwarp();
@@ -2336,6 +2346,9 @@ __device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
         for (uint32_t i = (uint32_t)lane; i < (uint32_t)s.words; i += T) {
             uint32_t rest = vertices + first > i * 32 ? vertices + first - i * 32 : 0;
             s.used[i] = rest >= 32 ? ~0u : (1u << rest) - 1;
+        }
+        if (lane == 0) {
+            set_infinity(s);
         }
         for (uint32_t i = (uint32_t)lane; i < vertices; i += T) {
             uint32_t id = word[1 + i];
