@@ -608,21 +608,11 @@ __global__ void box_kernel(const box *child, uint32_t children, box *out, uint32
 
 const int stack_size = 32 * tree_levels;             /* each level leaves at most 31 siblings of the node in hand */
 
-/* A warp a group, of those from first to end.  s: the side of a cube (square) that holds 64 points here, by the box
-   of 8 groups; the reach starts as a part of it and shrinks until the list fits. */
-__global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t first_group, uint32_t end_group,
-                            uint32_t *list, near_list *info)
+/* The side of a cube (square) that holds 64 points near a group, by the box of 8 groups. */
+__device__ inline float side_near(const tree &t, int dim, uint32_t g)
 {
-    __shared__ uint32_t shared[4][list_size + stack_size];
-    int lane = (int)threadIdx.x & 31;
-    uint32_t row = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32, g = first_group + row;
-    uint32_t *found = shared[threadIdx.x / 32], *stack = found + list_size;
-    if (g >= end_group) {
-        return;
-    }
-    box own = t.level[0][g], around = own;
-    uint32_t first = g & ~7u;
-    int length = 0;
+    const uint32_t first = g & ~7u;
+    box around = t.level[0][g];
     for (uint32_t i = first; i < first + 8 && i < t.size[0]; i++) {
         box b = t.level[0][i];
         for (int k = 0; k < 3; k++) {
@@ -632,58 +622,59 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t fi
     }
     float x = around.high[0] - around.low[0], y = around.high[1] - around.low[1], z = around.high[2] - around.low[2];
     float longest = fmaxf(x, fmaxf(y, z));
-    float side = fmaxf(dim == 3 ? cbrtf(x * y * z) : sqrtf(x * y), 0.08f * longest);
-    float reach = (dim == 3 ? 0.65f : 0.40f) * side, lo[3], hi[3];
-    for (int round = 0; round < 12; round++) {
-        int depth = 0;
-        length = 0;
-        for (int k = 0; k < 3; k++) {
-            lo[k] = own.low[k] - reach;
-            hi[k] = own.high[k] + reach;
-        }
-        int level = t.levels - 1;
-        uint32_t from = 0;
-        for (;;) {
-            uint32_t node = from + (uint32_t)lane;
-            bool touches = false;
-            if (node < t.size[level]) {
-                box b = t.level[level][node];
-                touches = b.low[0] <= hi[0] && b.high[0] >= lo[0] && b.low[1] <= hi[1] && b.high[1] >= lo[1]
-                       && b.low[2] <= hi[2] && b.high[2] >= lo[2];
-            }
-            unsigned vote = __ballot_sync(all_lanes, touches);
-            int at = __popc(vote & lanes_below<32>());
-            if (level == 0) {
-                if (touches && length + at < list_size) {
-                    found[length + at] = node;
-                }
-                length += __popc(vote);
-            } else {
-                if (touches) {
-                    stack[depth + at] = (uint32_t)level << 29 | node;
-                }
-                depth += __popc(vote);
-            }
-            __syncwarp();
-            if (depth == 0 || length > list_size) {
-                break;
-            }
-            uint32_t top = stack[--depth];
-            __syncwarp();
-            level = (int)(top >> 29) - 1;
-            from = (top & 0x1fffffffu) * 32;
-        }
-        if (length > list_size) {
-            reach *= 0.75f;
-        } else if (length < 24 && round < 3 && (uint32_t)length < t.size[0]) {
-            reach *= 1.4f;
-        } else {
-            break;
-        }
+    return fmaxf(dim == 3 ? cbrtf(x * y * z) : sqrtf(x * y), 0.08f * longest);
+}
+
+/* Lists the groups within reach of a box; returns their number, or one above list_size if they are more. */
+__device__ inline int list_within(const tree &t, const box &own, float reach, uint32_t *found, uint32_t *stack)
+{
+    int lane = (int)threadIdx.x & 31, depth = 0, length = 0, level = t.levels - 1;
+    uint32_t from = 0;
+    float lo[3], hi[3];
+    for (int k = 0; k < 3; k++) {
+        lo[k] = own.low[k] - reach;
+        hi[k] = own.high[k] + reach;
     }
-    length = length > list_size ? 0 : length;
-    const float start = (dim == 3 ? 0.5f : 0.32f) * side;
-    uint32_t key[list_size / 32], value[list_size / 32], close = 0;     /* nearest centre first, by counting */
+    for (;;) {
+        uint32_t node = from + (uint32_t)lane;
+        bool touches = false;
+        if (node < t.size[level]) {
+            box b = t.level[level][node];
+            touches = b.low[0] <= hi[0] && b.high[0] >= lo[0] && b.low[1] <= hi[1] && b.high[1] >= lo[1]
+                   && b.low[2] <= hi[2] && b.high[2] >= lo[2];
+        }
+        unsigned vote = __ballot_sync(all_lanes, touches);
+        int at = __popc(vote & lanes_below<32>());
+        if (level == 0) {
+            if (touches && length + at < list_size) {
+                found[length + at] = node;
+            }
+            length += __popc(vote);
+        } else {
+            if (touches) {
+                stack[depth + at] = (uint32_t)level << 29 | node;
+            }
+            depth += __popc(vote);
+        }
+        __syncwarp();
+        if (depth == 0 || length > list_size) {
+            return length;
+        }
+        uint32_t top = stack[--depth];
+        __syncwarp();
+        level = (int)(top >> 29) - 1;
+        from = (top & 0x1fffffffu) * 32;
+    }
+}
+
+/* Writes the groups found for group g, the nearest centre first, by counting; returns, in all lanes, after how many
+   of them none is closer than start. */
+__device__ inline uint32_t sort_list(const tree &t, uint32_t g, float start, uint32_t *found, int length,
+                                     uint32_t *list)
+{
+    const box own = t.level[0][g];
+    int lane = (int)threadIdx.x & 31;
+    uint32_t key[list_size / 32], value[list_size / 32], before[list_size / 32] = { 0 }, close = 0;
     bool is_close[list_size / 32];
     for (int i = 0; i < list_size / 32; i++) {
         key[i] = none;
@@ -708,7 +699,6 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t fi
         }
     }
     __syncwarp();
-    uint32_t before[list_size / 32] = { 0 };
     for (int j = 0; j < length; j++) {
         uint32_t other = found[j];
         for (int i = 0; i < list_size / 32; i++) {
@@ -717,12 +707,41 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t fi
     }
     for (int i = 0; i < list_size / 32; i++) {
         if (i * 32 + lane < length) {
-            list[(size_t)row * list_size + before[i]] = value[i];
+            list[before[i]] = value[i];
             close = is_close[i] && before[i] >= close ? before[i] + 1 : close;
         }
     }
-    close = none - tile_min<32>(none - close);
-    if (lane == 0) {
+    return none - tile_min<32>(none - close);
+}
+
+/* A warp a group, of those from first to end.  The reach starts as a part of the side near the group, and changes
+   until the list fits. */
+__global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t first_group, uint32_t end_group,
+                            uint32_t *list, near_list *info)
+{
+    __shared__ uint32_t shared[4][list_size + stack_size];
+    uint32_t row = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32, g = first_group + row;
+    uint32_t *found = shared[threadIdx.x / 32];
+    if (g >= end_group) {
+        return;
+    }
+    const box own = t.level[0][g];
+    const float side = side_near(t, dim, g), start = (dim == 3 ? 0.5f : 0.32f) * side;
+    float reach = (dim == 3 ? 0.65f : 0.40f) * side;
+    int length = 0;
+    for (int round = 0; round < 12; round++) {
+        length = list_within(t, own, reach, found, found + list_size);
+        if (length > list_size) {
+            reach *= 0.75f;
+        } else if (length < 24 && round < 3 && (uint32_t)length < t.size[0]) {
+            reach *= 1.4f;
+        } else {
+            break;
+        }
+    }
+    length = length > list_size ? 0 : length;
+    const uint32_t close = sort_list(t, g, start, found, length, list + (size_t)row * list_size);
+    if ((threadIdx.x & 31) == 0) {
         near_list n = { (uint32_t)length, reach, start, close };
         info[row] = n;
     }
