@@ -2932,198 +2932,126 @@ struct wide_launch {
     queue failed, large;
 };
 
-/* A star of these rungs while its warp builds it.  No address of a member goes to a function that may be a call: all
-   would leave the registers. */
-template <typename RUNG> struct wide_state {
-    wide_star<RUNG> &w;
-    const wide_launch &a;
-    uint32_t *waiting, *group;                       /* bricks to look into, at depths of their own; groups to read */
-    pbw__digit *digits;
-    uint32_t v;
-    double origin[3];
-    unsigned walls;
-    int count, waits, groups;                        /* triangles; bricks; groups */
-    uint32_t candidate;                              /* of each lane, with its place and depth */
-    place<double> p;
-    float deep;
-    unsigned pending;                                /* lanes with a candidate to insert */
-    bool lost;
-};
-
-/* The points of up to 4 groups become candidates. */
-template <typename RUNG> __device__ __forceinline__ void take_points(wide_state<RUNG> &n)
-{
-    const int lane = (int)threadIdx.x, take = n.groups < 4 ? n.groups : 4;
-    const space &all = n.a.all;
-    n.candidate = lane / 8 < take ? n.group[n.groups - 1 - lane / 8] * 8 + (uint32_t)(lane & 7) : none;
-    n.candidate = n.candidate < all.count && n.candidate != n.v ? n.candidate : none;
-    n.groups -= take;
-    __syncwarp();
-    const uint32_t other = n.candidate != none ? n.candidate : n.v;
-    const place<double> p = relative<3, double>(all, all.point[n.v], all.point[other]);
-    n.p = p;
-    n.deep = n.candidate != none ? depth_of_place(n.w, n.count, p) : 0.0f;
-    n.pending = without_vertices(n.w, __ballot_sync(all_lanes, n.deep > 0.0f), n.candidate);
-}
-
-/* The deepest bricks, one for each 8 lanes, give way to those in them; at: where the lane's waits, or -1. */
-template <typename RUNG> __device__ __forceinline__ void remove_bricks(wide_state<RUNG> &n, int at)
-{
-    for (int k = 0; k < 4; k++) {                    /* the last takes its place */
-        int most = at, other = __shfl_xor_sync(all_lanes, most, 8);
-        most = other > most ? other : most;
-        other = __shfl_xor_sync(all_lanes, most, 16);
-        most = other > most ? other : most;
-        n.waits -= most >= 0;
-        if (most >= 0 && threadIdx.x == 0) {
-            n.waiting[most] = n.waiting[n.waits];
-            n.w.depth[most] = n.w.depth[n.waits];
-        }
-        at = at == most ? -1 : at;
-        __syncwarp();
-    }
-}
-
-/* Looks into the deepest bricks: those in them wait, or are groups. */
-template <typename RUNG> __device__ __forceinline__ void open_bricks(wide_state<RUNG> &n)
-{
-    const brick_tree &bricks = n.a.bricks;
-    const int lane = (int)threadIdx.x;
-    const unsigned below = lanes_below<32>();
-    const uint32_t best = deepest(n.w, n.waits);
-    const int at = best != 0 ? (int)(best & 0xffff) : -1;
-    const uint32_t node = at >= 0 ? n.waiting[at] : 0;
-    const uint32_t level = (node >> 28) - 1, index = (node & 0xfffffff) * 8 + (uint32_t)(lane & 7);
-    float may = 0.0f;
-    if (at >= 0 && index < bricks.size[level]) {
-        const double origin[3] = { n.origin[0], n.origin[1], n.origin[2] };
-        may = depth_of_brick(n.w, n.count, bricks.level[level][index], origin);
-    }
-    __syncwarp();
-    remove_bricks(n, at);
-    const unsigned deeper = __ballot_sync(all_lanes, may > 0.0f && level > 0);
-    const unsigned found = __ballot_sync(all_lanes, may > 0.0f && level == 0);
-    if (may > 0.0f && level > 0) {
-        const int to = n.waits + __popc(deeper & below);
-        n.waiting[to] = level << 28 | index;
-        n.w.depth[to] = (uint16_t)(__float_as_uint(fmaxf(may, 1e-30f)) >> 16);
-    } else if (may > 0.0f) {
-        n.group[n.groups + __popc(found & below)] = index;
-    }
-    n.waits += __popc(deeper);
-    n.groups += __popc(found);
-    __syncwarp();
-}
-
-/* Inserts the deepest candidate. */
-template <typename RUNG> __device__ __forceinline__ void insert_deepest(wide_state<RUNG> &n)
-{
-    const int lane = (int)threadIdx.x;
-    const float most = -tile_min<32>((n.pending >> lane & 1) != 0 ? -n.deep : 1.0f);
-    const int from = __ffs((int)(__ballot_sync(all_lanes, n.deep == most) & n.pending)) - 1;
-    const uint32_t id = __shfl_sync(all_lanes, n.candidate, from);
-    const place<double> p = n.p;
-    int count = n.count;
-    const int result = insert_exactly(n.w.s, n.a.all, n.v, id, tile_place<32>(p, from), count, n.walls, n.digits);
-    n.count = count;
-    n.pending &= ~(1u << from);
-    n.lost = (result & ~star_changed) != 0;
-    if (result == star_changed) {
-        find_inverses(n.w, count);
-    }
-    if (result == star_changed && n.pending != 0) {
-        n.deep = depth_of_place(n.w, count, p);
-        n.pending &= __ballot_sync(all_lanes, n.deep > 0.0f);
-    }
-}
-
-/* The star of v as an earlier rung left it or from the curve, all bricks of the top waiting; returns whether there is
-   one. */
-template <typename RUNG> __device__ __forceinline__ bool start_wide(wide_state<RUNG> &n, uint32_t v)
-{
-    const space &all = n.a.all;
-    const int lane = (int)threadIdx.x;
-    const record own = all.point[v];
-    const unsigned walls = walls_of<3>(all, own);
-    place<double> p = relative<3, double>(all, own, own);
-    uint32_t candidate = none;
-    int count = 0;
-    bool started = n.a.in.place[v - n.a.in.first] != none;
-    unsigned pending = 0;
-    n.v = v;
-    n.groups = 0;
-    n.waits = 4;
-    n.deep = 0.0f;
-    for (int k = 0; k < 3; k++) {
-        n.origin[k] = in_units(all, own, k);
-    }
-    for (int k = lane; k < RUNG::vertices; k += 32) {
-        n.w.s.id[k] = none;
-    }
-    __syncwarp();
-    if (started) {
-        start_from_store<32>(n.w.s, true, all, n.a.in, v, own, walls, count);
-    } else {
-        started = start_on_curve<true>(n.w.s, all, n.a.seed, v, own, walls, n.digits, candidate, p, count);
-        pending = started ? __ballot_sync(all_lanes, candidate != none) : 0;
-    }
-    if (lane < 4) {
-        n.waiting[lane] = (uint32_t)n.a.bricks.levels << 28 | (uint32_t)lane;
-        n.w.depth[lane] = 0x7f00;
-    }
-    find_inverses(n.w, count);
-    if (pending != 0) {
-        n.deep = depth_of_place(n.w, count, p);
-        pending = without_vertices(n.w, __ballot_sync(all_lanes, n.deep > 0.0f) & pending, candidate);
-    }
-    n.walls = walls;
-    n.p = p;
-    n.candidate = candidate;
-    n.count = count;
-    n.pending = pending;
-    n.lost = !started;
-    return started;
-}
-
 /* A warp a star, from that of an earlier rung on.  The tree is searched once: a point or brick that no simplex of the
    star is in conflict with will never be, because stars only shrink; so when nothing waits any more the star is
    certified.  The deepest brick is searched first, the deepest point inserted first. */
 template <typename RUNG>
 __global__ void __launch_bounds__(32, RUNG::blocks) wide_kernel(const __grid_constant__ wide_launch a)
 {
-    extern __shared__ float4 shared_words[];
+    const space &all = a.all;
+    const brick_tree &bricks = a.bricks;
     const int lane = (int)threadIdx.x;
-    wide_state<RUNG> n = {
-        RUNG::shared ? *(wide_star<RUNG> *)shared_words : ((wide_star<RUNG> *)a.scratch)[blockIdx.x], a
-    };
-    n.waiting = n.w.s.scratch;
-    n.group = n.w.s.scratch + RUNG::room;
-    n.digits = a.pool == NULL ? NULL : a.pool + (blockIdx.x * 32 + (uint32_t)lane) * (size_t)PBW__POOL;
+    const unsigned below = lanes_below<32>();
+    extern __shared__ float4 shared_words[];
+    wide_star<RUNG> &w = RUNG::shared ? *(wide_star<RUNG> *)shared_words : ((wide_star<RUNG> *)a.scratch)[blockIdx.x];
+    typename wide_star<RUNG>::type &s = w.s;
+    uint32_t *waiting = s.scratch, *group = s.scratch + RUNG::room;
+    pbw__digit *digits = a.pool == NULL ? NULL : a.pool + (blockIdx.x * 32 + (uint32_t)lane) * (size_t)PBW__POOL;
     for (;;) {
         uint32_t i = lane == 0 ? atomicAdd(a.next, 1u) : 0;
         i = __shfl_sync(all_lanes, i, 0);
         if (any(i >= a.total || *(volatile uint32_t *)a.failed.count > a.limit || *a.out.stop != 0)) {
             return;
         }
-        const bool started = start_wide(n, a.vertex == NULL ? a.first + i * a.stride : a.vertex[i]);
-        int spent = 0;
-        while (!n.lost && (n.pending != 0 || n.waits > 0 || n.groups > 0)) {
+        const uint32_t v = a.vertex == NULL ? a.first + i * a.stride : a.vertex[i];
+        const record own = all.point[v];
+        const double origin[3] = { in_units(all, own, 0), in_units(all, own, 1), in_units(all, own, 2) };
+        const unsigned walls = walls_of<3>(all, own);
+        uint32_t candidate = none;
+        place<double> p = relative<3, double>(all, own, own);
+        int count = 0, waits = 4, groups = 0, spent = 0;
+        bool started = a.in.place[v - a.in.first] != none, lost;
+        unsigned pending = 0;
+        float deep = 0.0f;                           /* the lane's candidate */
+        for (int k = lane; k < RUNG::vertices; k += 32) {
+            s.id[k] = none;
+        }
+        __syncwarp();
+        if (started) {
+            start_from_store<32>(s, true, all, a.in, v, own, walls, count);
+        } else {
+            started = start_on_curve<true>(s, all, a.seed, v, own, walls, digits, candidate, p, count);
+            pending = started ? __ballot_sync(all_lanes, candidate != none) : 0;
+        }
+        lost = !started;
+        if (lane < 4) {
+            waiting[lane] = (uint32_t)bricks.levels << 28 | (uint32_t)lane;
+            w.depth[lane] = 0x7f00;
+        }
+        find_inverses(w, count);
+        if (pending != 0) {
+            deep = depth_of_place(w, count, p);
+            pending = without_vertices(w, __ballot_sync(all_lanes, deep > 0.0f) & pending, candidate);
+        }
+        while (!lost && (pending != 0 || waits > 0 || groups > 0)) {
             spent++;
-            if (n.pending != 0) {
-                insert_deepest(n);
-            } else if (n.groups >= 4 || n.waits == 0) {
-                take_points(n);
-            } else {
-                open_bricks(n);
+            if (pending == 0 && (groups >= 4 || waits == 0)) {  /* the points of 4 groups */
+                const int take = groups < 4 ? groups : 4;
+                candidate = lane / 8 < take ? group[groups - 1 - lane / 8] * 8 + (uint32_t)(lane & 7) : none;
+                candidate = candidate < all.count && candidate != v ? candidate : none;
+                groups -= take;
+                __syncwarp();
+                p = relative<3, double>(all, own, all.point[candidate != none ? candidate : v]);
+                deep = candidate != none ? depth_of_place(w, count, p) : 0.0f;
+                pending = without_vertices(w, __ballot_sync(all_lanes, deep > 0.0f), candidate);
+            } else if (pending == 0) {               /* the bricks in 4 bricks */
+                const uint32_t best = deepest(w, waits);
+                int at = best != 0 ? (int)(best & 0xffff) : -1;
+                const uint32_t node = at >= 0 ? waiting[at] : 0;
+                const uint32_t level = (node >> 28) - 1, index = (node & 0xfffffff) * 8 + (uint32_t)(lane & 7);
+                float may = 0.0f;
+                if (at >= 0 && index < bricks.size[level]) {
+                    may = depth_of_brick(w, count, bricks.level[level][index], origin);
+                }
+                __syncwarp();
+                for (int k = 0; k < 4; k++) {        /* the last takes its place */
+                    int most = at, other = __shfl_xor_sync(all_lanes, most, 8);
+                    most = other > most ? other : most;
+                    other = __shfl_xor_sync(all_lanes, most, 16);
+                    most = other > most ? other : most;
+                    waits -= most >= 0;
+                    if (most >= 0 && lane == 0) {
+                        waiting[most] = waiting[waits];
+                        w.depth[most] = w.depth[waits];
+                    }
+                    at = at == most ? -1 : at;
+                    __syncwarp();
+                }
+                const unsigned deeper = __ballot_sync(all_lanes, may > 0.0f && level > 0);
+                const unsigned found = __ballot_sync(all_lanes, may > 0.0f && level == 0);
+                if (may > 0.0f && level > 0) {
+                    const int to = waits + __popc(deeper & below);
+                    waiting[to] = level << 28 | index;
+                    w.depth[to] = (uint16_t)(__float_as_uint(fmaxf(may, 1e-30f)) >> 16);
+                } else if (may > 0.0f) {
+                    group[groups + __popc(found & below)] = index;
+                }
+                waits += __popc(deeper);
+                groups += __popc(found);
+                __syncwarp();
+            } else {                                 /* the deepest point */
+                const float most = -tile_min<32>((pending >> lane & 1) != 0 ? -deep : 1.0f);
+                const int from = __ffs((int)(__ballot_sync(all_lanes, deep == most) & pending)) - 1;
+                const uint32_t id = __shfl_sync(all_lanes, candidate, from);
+                const int result = insert_exactly(s, all, v, id, tile_place<32>(p, from), count, walls, digits);
+                pending &= ~(1u << from);
+                lost = (result & ~star_changed) != 0;
+                if (result == star_changed) {
+                    find_inverses(w, count);
+                }
+                if (result == star_changed && pending != 0) {
+                    deep = depth_of_place(w, count, p);
+                    pending &= __ballot_sync(all_lanes, deep > 0.0f);
+                }
             }
-            n.lost = n.lost || spent > a.cap || ((spent & 63) == 0 && any(*a.out.stop != 0));
+            lost = lost || spent > a.cap || ((spent & 63) == 0 && any(*a.out.stop != 0));
         }
         if (a.work != NULL && lane == 0) {
             atomicAdd(a.work, (unsigned long long)spent);
         }
-        finish<32>(n.w.s, started, n.v, n.count, a.out);
-        enqueue(a.failed, lane == 0 && n.lost, n.v);
-        enqueue(a.large, lane == 0 && !n.lost && n.count > small_triangles - 4, n.v);
+        finish<32>(s, started, v, count, a.out);
+        enqueue(a.failed, lane == 0 && lost, v);
+        enqueue(a.large, lane == 0 && !lost && count > small_triangles - 4, v);
     }
 }
 
