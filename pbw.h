@@ -12777,18 +12777,32 @@ static int pbw__journal_any(pbw__core *core)
     return j <= core->tasks;
 }
 
+static void pbw__journal_clear_one(void *arg, int j)
+{
+    pbw__core *core = (pbw__core *)arg, *own = pbw__journal(core, (size_t)j);
+    size_t i;
+    for (i = 0; i < own->past_count; i++) {
+        PBW__PREFETCH_TO_WRITE(core->touched + own->past[i + 16 < own->past_count ? i + 16 : i].slot);
+        core->touched[own->past[i].slot] = 0;
+    }
+    for (i = 0; i < own->taken_count; i++) {
+        core->touched[own->taken[i]] = 0;
+    }
+    own->past_count = own->taken_count = 0;
+}
+
 static void pbw__journal_clear(pbw__core *core)
 {
-    size_t i, j;
+    size_t count = 0, j;
     for (j = 0; j <= core->tasks; j++) {
-        pbw__core *own = pbw__journal(core, j);
-        for (i = 0; i < own->past_count; i++) {
-            core->touched[own->past[i].slot] = 0;
+        count += pbw__journal(core, j)->past_count;
+    }
+    if (count > PBW__SMALLER(16384)) {
+        pbw__for(core->kernel.context, (int)core->tasks + 1, pbw__journal_clear_one, core);
+    } else {
+        for (j = 0; j <= core->tasks; j++) {
+            pbw__journal_clear_one(core, (int)j);
         }
-        for (i = 0; i < own->taken_count; i++) {
-            core->touched[own->taken[i]] = 0;
-        }
-        own->past_count = own->taken_count = 0;
     }
     core->past_simplices = core->simplex_count;
 }
@@ -12817,6 +12831,7 @@ static void pbw__journal_link(pbw__core *core, const pbw__past *past, size_t cou
 static void pbw__journal_undo(pbw__core *core)
 {
     pbw__kernel *kernel = &core->kernel;
+    const int any = pbw__journal_any(core);
     size_t i, j;
     for (j = 0; j <= core->tasks; j++) {
         const pbw__core *own = pbw__journal(core, j);
@@ -12841,7 +12856,9 @@ static void pbw__journal_undo(pbw__core *core)
         core->incident[core->hidden[i]] = PBW_NONE;
     }
     core->simplex_count = core->past_simplices;
-    pbw__list_free_slots(core);
+    if (any) {
+        pbw__list_free_slots(core);
+    }
     kernel->last = PBW_NONE;
     pbw__journal_clear(core);
 }
@@ -14673,11 +14690,22 @@ PBW__INLINE size_t pbw__start_cell(const pbw__core *core, const double *x)
     return cell;
 }
 
+static pbw_status pbw__start_fill(void *arg, size_t from, size_t to)
+{
+    pbw__core *core = (pbw__core *)arg;
+    for (from++, to++; from < to; from++) {
+        if (core->incident[from] < PBW__GONE) {
+            PBW__STORE(core->start + pbw__start_cell(core, pbw__core_record(core, (pbw_index)from)), (pbw_index)from);
+        }
+    }
+    return PBW_OK;
+}
+
 /* Makes the table once there are walks enough to pay for it. */
 static void pbw__start_table(pbw__core *core, size_t walks)
 {
     const size_t cells = core->vertex_count / 2 + 1;
-    size_t side = 1, all, r;
+    size_t side = 1, all;
     int k;
     core->searched += walks;
     if (core->start != NULL || core->searched < cells / 64) {
@@ -14697,11 +14725,7 @@ static void pbw__start_table(pbw__core *core, size_t walks)
         core->start_scale[k] = scale > 0.0 && scale <= DBL_MAX ? scale : 0.0;
     }
     memset(core->start, 0, core->start_capacity * sizeof(pbw_index));
-    for (r = 1; r <= core->vertex_count; r++) {
-        if (core->incident[r] < PBW__GONE) {
-            core->start[pbw__start_cell(core, pbw__core_record(core, (pbw_index)r))] = (pbw_index)r;
-        }
-    }
+    (void)pbw__for_range(core->kernel.context, core->vertex_count, 16384, 0.0, pbw__start_fill, core);
 }
 
 /* Prefetches, in steps, a simplex of v (0), its vertices and those of its neighbours that have v (1), what these have
@@ -14785,7 +14809,7 @@ PBW__INLINE pbw_index pbw__nearer_start(pbw__core *core, pbw_index a, pbw_index 
    The ghost has no owner: it is in simplices that the owner of their other vertices deletes.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__GROUP 8                                 /* changes whose vertices are claimed and prefetched ahead */
-#define PBW__LEAST_CHANGES(dim) PBW__SMALLER((size_t)((dim) == 3 ? 256 : 1024))        /* for another task to pay */
+#define PBW__LEAST_CHANGES PBW__SMALLER((size_t)256)  /* for another task to pay */
 
 typedef struct pbw__changing {
     void *arg;
@@ -15051,7 +15075,7 @@ static pbw_status pbw__batch_round(pbw__changing *batch)
 /* Into how many tasks to cut so many changes.  Weighted points may hide others, which is for one thread. */
 static int pbw__batch_parts(const pbw__core *core, size_t count)
 {
-    const size_t most = count / PBW__LEAST_CHANGES(core->kernel.dim);
+    const size_t most = count / PBW__LEAST_CHANGES;
     const size_t threads = (size_t)core->kernel.context->threads;
     const size_t parts = threads < PBW__NOBODY ? threads : PBW__NOBODY;
     return core->kernel.weighted ? 1 : (int)(most < parts ? most : parts);
@@ -15174,40 +15198,77 @@ static size_t pbw__place_find(const pbw__core *core, const double *x)
     return at;
 }
 
+/* Enters a vertex into an empty entry of the table: tasks try until one is theirs.  Returns the entry, or PBW_NONE if
+   there is a vertex at its place. */
+PBW__INLINE pbw_index pbw__place_enter(pbw__core *core, const double *x, pbw_index vertex)
+{
+    size_t at = pbw__place_slot(core, x);
+    pbw_index v = PBW__LOAD(core->place + at);
+    while (v != 0 || !PBW__CAS(core->place + at, &v, vertex)) {
+        if (v == 0) {
+            continue;                                /* failed for no reason */
+        }
+        if (v != vertex && pbw__same_place(pbw__core_record(core, v), x, core->kernel.dim)
+            && core->incident[v] != PBW__GONE) {
+            return PBW_NONE;
+        }
+        at = (at + 1) & (core->place_capacity - 1);
+        v = PBW__LOAD(core->place + at);
+    }
+    return (pbw_index)at;
+}
+
+static pbw_status pbw__place_clear(void *arg, size_t from, size_t to)
+{
+    memset((pbw_index *)arg + from, 0, (to - from) * sizeof(pbw_index));
+    return PBW_OK;
+}
+
+static pbw_status pbw__place_fill(void *arg, size_t from, size_t to)
+{
+    pbw__core *core = (pbw__core *)arg;
+    size_t placed = 0, v;
+    for (v = from + 1; v <= to; v++) {
+        const size_t soon = v + 16 <= to ? v + 16 : v;
+        PBW__PREFETCH_TO_WRITE(core->place + pbw__place_slot(core, pbw__core_record(core, (pbw_index)soon)));
+        if (core->incident[v] != PBW__GONE) {
+            (void)pbw__place_enter(core, pbw__core_record(core, (pbw_index)v), (pbw_index)v);
+            placed++;
+        }
+    }
+    (void)PBW__ADD(&core->placed, placed);
+    return PBW_OK;
+}
+
 /* A table of places with room for `more` vertices. */
-static int pbw__place_reserve(pbw_live *live, size_t more)
+static pbw_status pbw__place_reserve(pbw_live *live, size_t more)
 {
     pbw__core *core = &live->core;
-    const size_t count = core->vertex_count;
-    size_t room = 64, v;
+    pbw__context *context = core->kernel.context;
+    size_t room = 64;
+    pbw_status status;
     if (core->place != NULL && 2 * (core->placed + more) < core->place_capacity) {
-        return 1;
+        return PBW_OK;
     }
     while (room < 3 * (live->points + more)) {
         room *= 2;
     }
-    PBW__RELEASE(&core->kernel.context->memory, core, place);
-    core->place = NULL;
-    core->place_capacity = 0;
-    core->place = (pbw_index *)pbw__allocate(&core->kernel.context->memory, room, sizeof(pbw_index));
+    PBW__RELEASE(&context->memory, core, place);
+    core->place_capacity = core->placed = 0;
+    core->place = (pbw_index *)pbw__allocate_large(context, room, sizeof(pbw_index));
     if (core->place == NULL) {
-        return 0;
+        return PBW_ERROR_MEMORY;
     }
     core->place_capacity = room;
-    memset(core->place, 0, room * sizeof(pbw_index));
-    core->placed = 0;
-    for (v = 1; v <= count; v++) {
-        size_t at = pbw__place_slot(core, pbw__core_record(core, (pbw_index)v));
-        PBW__PREFETCH_TO_WRITE(core->place + pbw__place_slot(core, pbw__core_record(core, (pbw_index)(v + 16 <= count
-                                                                                            ? v + 16 : v))));
-        for (; core->incident[v] != PBW__GONE && core->place[at] != 0; at = (at + 1) & (room - 1)) {
-        }
-        if (core->incident[v] != PBW__GONE) {
-            core->place[at] = (pbw_index)v;
-            core->placed++;
-        }
+    status = pbw__for_range(context, room, 65536, 0.0, pbw__place_clear, core->place);
+    status = status == PBW_OK ? pbw__for_range(context, core->vertex_count, 4096, 0.0, pbw__place_fill, core)
+                              : status;
+    if (status != PBW_OK) {
+        PBW__RELEASE(&context->memory, core, place);
+        core->place = NULL;
+        core->place_capacity = core->placed = 0;
     }
-    return 1;
+    return status;
 }
 
 /* Prefetches what is at the place of x: the entry, or, some steps later, its vertex. */
@@ -15221,8 +15282,8 @@ PBW__INLINE void pbw__place_prefetch(const pbw__core *core, const double *x, int
     }
 }
 
-/* Room for the changes of a batch: `more` new vertices, as many places with changes. */
-static pbw_status pbw__batch_reserve(pbw_live *live, size_t more)
+/* Room for the changes of a batch: `more` new vertices, as many places with changes.  places: they are looked up. */
+static pbw_status pbw__batch_reserve(pbw_live *live, size_t more, int places)
 {
     pbw__core *core = &live->core;
     const size_t vertices = core->vertex_count + more + 1, width = (size_t)live->dim + 1, old = core->local_capacity;
@@ -15237,7 +15298,7 @@ static pbw_status pbw__batch_reserve(pbw_live *live, size_t more)
         && PBW__LIVE_GROW(live, joining, more + 1);
     core->kernel.record = core->record;              /* which may have moved, whatever failed then */
     memset(core->local + old, 0, (core->local_capacity - old) * sizeof(pbw_index));
-    return room && pbw__place_reserve(live, more) ? PBW_OK : PBW_ERROR_MEMORY;
+    return !room ? PBW_ERROR_MEMORY : places ? pbw__place_reserve(live, more) : PBW_OK;
 }
 
 /* Notes that the place of a vertex changes: its place in the list of those that do.  `head` is the first of its
@@ -15355,32 +15416,37 @@ static int pbw__live_elect(pbw_live *live, size_t at)
 static pbw_status pbw__live_sort(const pbw_live *live, const double *base, size_t stride, pbw_index *list,
                                  size_t count)
 {
-    pbw__memory *memory = &live->core.kernel.context->memory;
+    pbw__context *context = live->core.kernel.context;
     const size_t dim = (size_t)live->dim;
-    double *points;
-    pbw_index *order;
+    const pbw_stage stage = context->stage;
+    pbw__stand stand;
+    pbw__input input;
+    pbw__vertices vertices;
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i;
     if (count < 3) {
         return PBW_OK;
     }
-    points = (double *)pbw__allocate(memory, count * dim, sizeof(double));
-    order = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
-    for (i = 0; i < count && points != NULL; i++) {
-        PBW__PREFETCH(base + list[i + 16 < count ? i + 16 : i] * stride);
-        memcpy(points + i * dim, base + list[i] * stride, dim * sizeof(double));
-    }
-    if (points != NULL && order != NULL) {
-        status = pbw_order(live->dim, points, count, &live->options, order);
-    }
-    for (i = 0; i < count && status == PBW_OK; i++) {
-        order[i] = list[order[i]];
+    memset(&stand, 0, sizeof(stand));
+    if (pbw__stand_create(&context->memory, &stand, count, live->dim)) {
+        for (i = 0; i < count; i++) {
+            PBW__PREFETCH(base + list[i + 16 < count ? i + 16 : i] * stride);
+            memcpy(stand.points + i * dim, base + list[i] * stride, dim * sizeof(double));
+        }
+        stand.count = count;
+        pbw__stand_input(&stand, 0, &input);
+        input.bare = 1;
+        status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED : pbw__order(context, &input, &vertices);
     }
     if (status == PBW_OK) {
-        memcpy(list, order, count * sizeof(pbw_index));
+        memcpy(stand.list, list, count * sizeof(pbw_index));
+        for (i = 0; i < count; i++) {
+            list[i] = stand.list[vertices.id[i + 1]];
+        }
+        pbw__vertices_free(context, &vertices);
+        status = pbw__enter_stage(context, stage) ? PBW_CANCELLED : PBW_OK;
     }
-    pbw__release(memory, points, count * dim, sizeof(double));
-    pbw__release(memory, order, count, sizeof(pbw_index));
+    pbw__stand_free(&context->memory, &stand);
     return status;
 }
 
@@ -15423,26 +15489,6 @@ static pbw_status pbw__arrive_make(void *arg, size_t from, size_t to)
         live->arriving[from] = v;
     }
     return PBW_OK;
-}
-
-/* Enters a vertex into an empty entry of the table: tasks try until one is theirs.  Returns the entry, or PBW_NONE if
-   there is a vertex at its place. */
-PBW__INLINE pbw_index pbw__place_enter(pbw__core *core, const double *x, pbw_index vertex)
-{
-    size_t at = pbw__place_slot(core, x);
-    pbw_index v = PBW__LOAD(core->place + at);
-    while (v != 0 || !PBW__CAS(core->place + at, &v, vertex)) {
-        if (v == 0) {
-            continue;                                /* failed for no reason */
-        }
-        if (v != vertex && pbw__same_place(pbw__core_record(core, v), x, core->kernel.dim)
-            && core->incident[v] != PBW__GONE) {
-            return PBW_NONE;
-        }
-        at = (at + 1) & (core->place_capacity - 1);
-        v = PBW__LOAD(core->place + at);
-    }
-    return (pbw_index)at;
 }
 
 /* Enters the new vertices into the tables.  `arriving` gets 0 for a number at whose place there is a vertex. */
@@ -15702,7 +15748,8 @@ static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, s
                                   pbw_changes *changes)
 {
     pbw__core *core = &live->core;
-    pbw_status status = pbw__batch_reserve(live, leave + 2 * arrive);
+    const int duplicates = core->vertex_count - core->unused_count != live->points;
+    pbw_status status = pbw__batch_reserve(live, leave + 2 * arrive, arrive > 0 || duplicates);
     live->edit_count = live->leaving_count = live->arriving_count = 0;
     live->past_vertices = core->vertex_count;
     live->past_unused = core->unused_count;
@@ -16051,7 +16098,7 @@ static pbw_status pbw__live_shift(pbw_live *live, size_t count, size_t most_effo
     const double exact_height = core->kernel.exact_height;
     size_t i;
     pbw_status status = core->kernel.weighted ? PBW__ANEW : pbw__live_list_moves(live, count);
-    status = status == PBW_OK ? pbw__batch_reserve(live, count) : status;
+    status = status == PBW_OK ? pbw__batch_reserve(live, count, 1) : status;
     if (status != PBW_OK) {
         return status;
     }
@@ -16300,37 +16347,53 @@ typedef struct pbw__import {
     pbw__core *core;
     pbw__vertices vertices;
     pbw_index *vertex;                               /* per point: its vertex; 0: none */
+    size_t (*first)[2];                              /* per block of simplices: its first vertex and first ghost */
     size_t visible;                                  /* vertices in simplices, the first ones */
-    size_t ghosts, faults, duplicates, fits;         /* fits: links between finite simplices */
+    size_t ghosts, faults, duplicates, places;       /* places: points that are no duplicates */
+    unsigned char facing[16 * 16 * 16];              /* see pbw__import_facing */
 } pbw__import;
 
-/* Counts facets of the hull, and entries that are no simplices or points. */
+#define PBW__IMPORTED ((size_t)4096)                 /* simplices of a block */
+
+/* Counts, for a block, the vertices that are to be numbered there, each at its incident simplex, and the facets of
+   the hull; and entries that are no simplices or points. */
+PBW__INLINE void pbw__import_count_of(pbw__import *import, size_t from, size_t to, int dim)
+{
+    const pbw_mesh *mesh = import->mesh;
+    const size_t corners = (size_t)dim + 1, points = mesh->point_count, simplices = mesh->simplex_count;
+    const size_t far = 16 * corners;
+    size_t *first = import->first[from / PBW__IMPORTED], starts = 0, ghosts = 0, faults = 0, t, i;
+    for (t = from; t < to; t++) {
+        for (i = t * corners; i < (t + 1) * corners; i++) {
+            const size_t p = mesh->simplices[i], next = mesh->neighbors[i], here = p < points ? p : 0;
+            const size_t soon = mesh->simplices[i + far < to * corners ? i + far : i];
+            PBW__PREFETCH(mesh->incident + (soon < points ? soon : 0));
+            starts += mesh->incident[here] == t;
+            ghosts += next == PBW_NONE;
+            faults += (size_t)(p >= points) + (size_t)((next >= simplices) & (next != PBW_NONE));
+        }
+    }
+    first[0] = starts;
+    first[1] = ghosts;
+    (void)PBW__ADD(&import->faults, faults);
+}
+
 static pbw_status pbw__import_count(void *arg, size_t from, size_t to)
 {
-    pbw__import *import = (pbw__import *)arg;
-    const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)mesh->dim + 1;
-    size_t ghosts = 0, faults = 0, i;
-    for (i = from * corners; i < to * corners; i++) {
-        const size_t next = mesh->neighbors[i];
-        ghosts += next == PBW_NONE;
-        faults += (size_t)(next >= mesh->simplex_count && next != PBW_NONE)
-                + (size_t)(mesh->simplices[i] >= mesh->point_count);
-    }
-    (void)PBW__ADD(&import->ghosts, ghosts);
-    (void)PBW__ADD(&import->faults, faults);
+    PBW__BY_DIM(((pbw__import *)arg)->mesh->dim, pbw__import_count_of, (pbw__import *)arg, from, to);
     return PBW_OK;
 }
 
-/* Counts duplicates, and those that are none. */
+/* Counts duplicates, points that are none, and false ones. */
 static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
 {
     pbw__import *import = (pbw__import *)arg;
     const pbw_mesh *mesh = import->mesh;
     const size_t dim = (size_t)mesh->dim;
-    size_t faults = 0, duplicates = 0, i;
+    size_t faults = 0, duplicates = 0, places = 0, i;
     for (i = from; i < to; i++) {
         const pbw_index first = mesh->canonical[i];
+        places += first == i;
         if (first != i && first != PBW_NONE) {
             duplicates++;
             if (first >= mesh->point_count || mesh->canonical[first] != first
@@ -16344,134 +16407,161 @@ static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
     }
     (void)PBW__ADD(&import->faults, faults);
     (void)PBW__ADD(&import->duplicates, duplicates);
+    (void)PBW__ADD(&import->places, places);
     return PBW_OK;
 }
 
-/* Numbers the points of simplices in the order in which these have them, then the others that are no duplicates. */
-static int pbw__import_number(pbw__import *import)
+PBW__INLINE void pbw__import_vertex(pbw__import *import, pbw_index p, size_t v, int dim)
+{
+    const size_t width = (size_t)dim + 1;
+    import->vertex[p] = (pbw_index)v;
+    import->vertices.id[v] = p;
+    memcpy(import->vertices.record + v * width, import->points + p * (size_t)dim, (size_t)dim * sizeof(double));
+    import->vertices.record[v * width + (size_t)dim] = import->weights[p];
+}
+
+/* Numbers the vertices of a block, in the order of their incident simplices. */
+PBW__INLINE void pbw__import_number_of(pbw__import *import, size_t from, size_t to, int dim)
 {
     const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)mesh->dim + 1;
-    pbw_index *id = import->vertices.id, *vertex = import->vertex, count = 0;
-    size_t i;
-    memset(vertex, 0, mesh->point_count * sizeof(pbw_index));
-    for (i = 0; i < mesh->simplex_count * corners; i++) {
-        const pbw_index p = mesh->simplices[i];
-        if (vertex[p] == 0) {
-            if (mesh->canonical[p] != p) {
-                return 0;
-            }
-            vertex[p] = ++count;
-            id[count] = p;
+    const size_t corners = (size_t)dim + 1, far = 16 * corners, first = import->first[from / PBW__IMPORTED][0];
+    pbw_index found[PBW__IMPORTED * 4 + 1];
+    size_t count = 0, faults = 0, t, i;
+    for (t = from; t < to; t++) {
+        for (i = t * corners; i < (t + 1) * corners; i++) {
+            const pbw_index p = mesh->simplices[i];
+            PBW__PREFETCH(mesh->incident + mesh->simplices[i + far < to * corners ? i + far : i]);
+            found[count] = p;
+            count += mesh->incident[p] == t;         /* branchless: unpredictable */
         }
     }
-    import->visible = count;
-    for (i = 0; i < mesh->point_count; i++) {
-        if (vertex[i] == 0 && mesh->canonical[i] == i) {
-            vertex[i] = ++count;
-            id[count] = (pbw_index)i;
+    for (i = 0; i < count; i++) {
+        const size_t soon = found[i + 16 < count ? i + 16 : i];
+        PBW__PREFETCH(mesh->canonical + soon);
+        PBW__PREFETCH(import->points + soon * (size_t)dim);
+        PBW__PREFETCH(import->weights + soon);
+        PBW__PREFETCH_TO_WRITE(import->vertex + soon);
+        faults += mesh->canonical[found[i]] != found[i];
+        pbw__import_vertex(import, found[i], first + 1 + i, dim);
+    }
+    (void)PBW__ADD(&import->faults, faults);
+}
+
+static pbw_status pbw__import_number(void *arg, size_t from, size_t to)
+{
+    PBW__BY_DIM(((pbw__import *)arg)->mesh->dim, pbw__import_number_of, (pbw__import *)arg, from, to);
+    return PBW_OK;
+}
+
+/* Numbers the points that are in no simplex and no duplicates. */
+static void pbw__import_others(pbw__import *import)
+{
+    const pbw_mesh *mesh = import->mesh;
+    size_t count = import->visible, i;
+    for (i = 0; i < mesh->point_count && count < import->places; i++) {
+        if (import->vertex[i] == 0 && mesh->canonical[i] == i) {
+            PBW__BY_DIM(mesh->dim, pbw__import_vertex, import, (pbw_index)i, ++count);
         }
     }
     import->vertices.count = count;
-    return import->visible == count || mesh->weights != NULL;
 }
 
-static pbw_status pbw__import_records(void *arg, size_t from, size_t to)
+/* The set of corners of a simplex that are x. */
+PBW__INLINE unsigned pbw__corners_at(const pbw_index *v, pbw_index x, int dim)
 {
-    pbw__import *import = (pbw__import *)arg;
-    const size_t dim = (size_t)import->mesh->dim;
-    size_t r, k;
-    for (r = from + 1; r <= to; r++) {
-        const size_t p = import->vertices.id[r];
-        double *record = import->vertices.record + r * (dim + 1);
-        for (k = 0; k < dim; k++) {
-            record[k] = import->points[p * dim + k];
+#ifdef PBW__AVX2
+    if (dim == 3) {                                  /* SSE2, which each such processor has */
+        const __m128i four = _mm_loadu_si128((const __m128i *)(const void *)v);
+        return (unsigned)_mm_movemask_ps(_mm_castsi128_ps(_mm_cmpeq_epi32(four, _mm_set1_epi32((int)x))));
+    }
+#endif
+    return (unsigned)(v[0] == x) | (unsigned)(v[1] == x) << 1 | (unsigned)(v[2] == x) << 2
+         | (unsigned)(dim == 3 && v[dim] == x) << 3;
+}
+
+/* Fills a table: for the corners of another simplex at which the vertices of a facet are, a set each, which of its
+   facets that is, in the opposite order; 4: none. */
+static void pbw__import_facing(pbw__import *import)
+{
+    static const pbw_index corner[4] = { 0, 1, 2, 3 };
+    const int dim = import->mesh->dim;
+    unsigned j, k;
+    memset(import->facing, 4, sizeof(import->facing));
+    for (j = 0; j <= (unsigned)dim; j++) {
+        pbw_index f[3];
+        pbw__facet_of(corner, j, dim, f);
+        for (k = 0; k < 3; k++) {
+            const unsigned a = f[k], b = f[(k + 2) % 3], c = f[(k + 1) % 3];
+            if (dim == 3) {
+                import->facing[1u << a | 16u << b | 256u << c] = (unsigned char)j;
+            } else if (k == 1) {
+                import->facing[1u << a | 16u << b] = (unsigned char)j;
+            }
         }
-        record[dim] = import->weights[p];
     }
-    return PBW_OK;
 }
 
-/* Links the facets of a list, 4 * simplex + corner, to what is across.  Returns how many fit. */
-PBW__INLINE size_t pbw__import_link(const pbw__import *import, const pbw__link *facet, size_t count, int dim)
+/* A ghost behind facet k of the simplex in slot t, if the hull is there. */
+static void pbw__import_ghost(pbw__import *import, size_t g, size_t t, unsigned k)
 {
-    const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)dim + 1;
-    pbw__link *link = import->core->store.link;
-    size_t fits = 0, i;
-    for (i = 0; i < count; i++) {
-        const size_t t = facet[i] >> 2, u = mesh->neighbors[t * corners + (facet[i] & 3)];
-        const unsigned k = (unsigned)(facet[i] & 3);
-        const pbw_index *back = mesh->neighbors + u * corners;
-        const unsigned at1 = back[1] == t, at2 = back[2] == t, at3 = dim == 3 && back[dim] == t;
-        const unsigned j = at1 + 2 * at2 + 3 * at3, once = (back[0] == t) + at1 + at2 + at3 == 1;
-        fits += once & pbw__facets_fit(mesh->simplices + t * corners, k, mesh->simplices + u * corners, j & 3, dim);
-        link[4 * t + k] = (pbw__link)(4 * u + (j & 3));
-        link[4 * u + (j & 3)] = (pbw__link)(4 * t + k);
+    const int dim = import->mesh->dim;
+    pbw__store *store = &import->core->store;
+    pbw_index *ghost = store->corner + 4 * g;
+    pbw__facet_of(store->corner + 4 * t, k, dim, ghost);
+    if (dim == 2) {
+        const pbw_index first = ghost[0];
+        ghost[0] = ghost[1];
+        ghost[1] = first;
     }
-    return fits;
+    ghost[dim] = PBW__GHOST;
+    store->link[4 * g + (size_t)dim] = (pbw__link)(4 * t + k);
+    store->link[4 * t + k] = (pbw__link)(4 * g + (size_t)dim);
 }
 
-/* Corners of finite simplices; links between them, from the lower of two.  Where all fit, none was written twice. */
-PBW__INLINE size_t pbw__import_slots_of(pbw__import *import, size_t from, size_t to, int dim)
+/* Corners and links of simplices.  A link is taken if the simplex across has the vertices of the facet, in the
+   opposite order, and this simplex across from there. */
+PBW__INLINE void pbw__import_slots_of(pbw__import *import, size_t from, size_t to, int dim)
 {
     const pbw_mesh *mesh = import->mesh;
     const size_t corners = (size_t)dim + 1;
     pbw_index *corner = import->core->store.corner;
-    pbw__link facet[4 * 64 + 1];
-    size_t fits = 0, t, count;
+    pbw__link *link = import->core->store.link;
+    size_t g = mesh->simplex_count + import->first[from / PBW__IMPORTED][1], faults = 0, t;
     unsigned k;
-    while (from < to) {
-        const size_t end = to - from < 64 ? to : from + 64;
-        for (t = from, count = 0; t < end; t++) {
-            for (k = 0; k < corners; k++) {
-                const size_t u = mesh->neighbors[t * corners + k], near = u != PBW_NONE ? u : t;
-                corner[4 * t + k] = import->vertex[mesh->simplices[t * corners + k]];
-                facet[count] = (pbw__link)(4 * t + k);
-                PBW__PREFETCH(mesh->neighbors + near * corners);
-                PBW__PREFETCH(mesh->simplices + near * corners);
-                count += near > t;                   /* branchless: unpredictable */
-            }
+    for (t = from; t < to; t++) {
+        const pbw_index *v = mesh->simplices + t * corners, *next = mesh->neighbors + t * corners;
+        for (k = 0; k < corners; k++) {
+            const size_t later = t + 16 < to ? 16 * corners + k : k, soon = next[later] != PBW_NONE ? next[later] : t;
+            PBW__PREFETCH(mesh->simplices + soon * corners);
+            PBW__PREFETCH(mesh->neighbors + soon * corners);
+            PBW__PREFETCH(import->vertex + v[later]);
+            corner[4 * t + k] = import->vertex[v[k]];
+            faults += corner[4 * t + k] == 0;
         }
-        fits += pbw__import_link(import, facet, count, dim);
-        from = end;
+        for (k = 0; k < corners; k++) {
+            const size_t u = next[k];
+            pbw_index f[3];
+            const pbw_index *w;
+            unsigned j;
+            if (PBW__UNLIKELY(u == PBW_NONE)) {
+                pbw__import_ghost(import, g++, t, k);
+                continue;
+            }
+            w = mesh->simplices + u * corners;
+            pbw__facet_of(v, k, dim, f);
+            j = pbw__corners_at(w, f[0], dim) | pbw__corners_at(w, f[1], dim) << 4;
+            j = import->facing[dim == 3 ? j | pbw__corners_at(w, f[2], dim) << 8 : j];
+            faults += (size_t)(j == 4) | (size_t)(mesh->neighbors[u * corners + (j & 3) % corners] != t);
+            link[4 * t + k] = (pbw__link)(4 * u + (j & 3));
+        }
     }
-    return fits;
+    (void)PBW__ADD(&import->faults, faults);
 }
 
 static pbw_status pbw__import_slots(void *arg, size_t from, size_t to)
 {
-    pbw__import *import = (pbw__import *)arg;
-    const size_t fits = import->mesh->dim == 3 ? pbw__import_slots_of(import, from, to, 3)
-                                               : pbw__import_slots_of(import, from, to, 2);
-    (void)PBW__ADD(&import->fits, fits);
+    PBW__BY_DIM(((pbw__import *)arg)->mesh->dim, pbw__import_slots_of, (pbw__import *)arg, from, to);
     return PBW_OK;
-}
-
-/* Ghosts behind the facets of the hull. */
-static void pbw__import_ghosts(pbw__import *import)
-{
-    const pbw_mesh *mesh = import->mesh;
-    const unsigned dim = (unsigned)mesh->dim;
-    pbw__store *store = &import->core->store;
-    size_t g = mesh->simplex_count, t;
-    unsigned k;
-    for (t = 0; t < mesh->simplex_count && g < store->count; t++) {
-        for (k = 0; k <= dim; k++) {
-            if (mesh->neighbors[t * (dim + 1) + k] == PBW_NONE) {
-                pbw_index *ghost = store->corner + 4 * g;
-                pbw__facet_of(store->corner + 4 * t, k, (int)dim, ghost);
-                if (dim == 2) {
-                    const pbw_index first = ghost[0];
-                    ghost[0] = ghost[1];
-                    ghost[1] = first;
-                }
-                ghost[dim] = PBW__GHOST;
-                store->link[4 * g + dim] = (pbw__link)(4 * t + k);
-                store->link[4 * t + k] = (pbw__link)(4 * g++ + dim);
-            }
-        }
-    }
 }
 
 PBW__INLINE unsigned pbw__corner_at(const pbw_index *corner, pbw_index v)
@@ -16514,15 +16604,13 @@ static pbw_status pbw__import_ridges(void *arg, size_t from, size_t to)
 }
 
 /* A finite simplex of each vertex. */
-static void pbw__import_incident(pbw__core *core, size_t simplices)
+static pbw_status pbw__import_incident(void *arg, size_t from, size_t to)
 {
-    const size_t dim = (size_t)core->kernel.dim;
-    size_t t = simplices, k;
-    while (t-- > 0) {
-        for (k = 0; k <= dim; k++) {
-            core->incident[core->kernel.corner[4 * t + k]] = (pbw_index)t;
-        }
+    const pbw__import *import = (const pbw__import *)arg;
+    for (from++, to++; from < to; from++) {
+        import->core->incident[from] = import->mesh->incident[import->core->name[from]];
     }
+    return PBW_OK;
 }
 
 /* Finds what hides the vertices in no simplex, along the curve.  PBW__ANEW: one is not hidden, or a duplicate. */
@@ -16557,39 +16645,60 @@ static pbw_status pbw__import_hidden(pbw_live *live, pbw__core *core, size_t vis
     return status;
 }
 
+/* Counts, and says where blocks begin.  PBW__ANEW: some numbers cannot be. */
+static pbw_status pbw__import_survey(pbw__import *import, pbw__context *context)
+{
+    const pbw_mesh *mesh = import->mesh;
+    const size_t simplices = mesh->simplex_count, blocks = (simplices + PBW__IMPORTED - 1) / PBW__IMPORTED;
+    size_t block, i;
+    pbw_status status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.05, pbw__import_count, import);
+    status = status == PBW_OK ? pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_points, import)
+                              : status;
+    for (block = 0; block < blocks && status == PBW_OK; block++) {
+        size_t *sum[2], old;
+        sum[0] = &import->visible;
+        sum[1] = &import->ghosts;
+        for (i = 0; i < 2; i++) {
+            old = *sum[i];
+            *sum[i] += import->first[block][i];
+            import->first[block][i] = old;
+        }
+    }
+    return status != PBW_OK ? status
+         : import->faults > 0 || import->visible > import->places
+           || (import->visible < import->places && mesh->weights == NULL) ? PBW__ANEW : PBW_OK;
+}
+
 /* The vertices of a mesh, then its simplices, unverified. */
 static pbw_status pbw__import_fill(pbw__import *import, pbw__context *context)
 {
     const pbw_mesh *mesh = import->mesh;
+    const size_t simplices = mesh->simplex_count;
     pbw__core *core = import->core;
-    pbw_status status = pbw__for_range(context, mesh->simplex_count, 16384, 0.05, pbw__import_count, import);
-    status = status == PBW_OK ? pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_points, import)
-                              : status;
-    if (status != PBW_OK || import->faults > 0) {
-        return status != PBW_OK ? status : PBW__ANEW;
-    }
-    if (!pbw__import_number(import)) {
-        return PBW__ANEW;
-    }
-    status = pbw__for_range(context, import->vertices.count, 16384, 0.1, pbw__import_records, import);
+    pbw_status status = pbw__import_survey(import, context);
     if (status != PBW_OK) {
         return status;
     }
+    memset(import->vertex, 0, mesh->point_count * sizeof(pbw_index));
+    status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.1, pbw__import_number, import);
+    if (status != PBW_OK) {
+        return status;
+    }
+    pbw__import_others(import);
     pbw__grid_scan(context, import->vertices.record + mesh->dim + 1, import->vertices.count, mesh->dim,
                    &import->vertices.grid);
-    status = pbw__store_reserve(context, &core->store, mesh->simplex_count + import->ghosts);
+    status = pbw__store_reserve(context, &core->store, simplices + import->ghosts);
     if (status == PBW_OK) {
-        core->store.count = mesh->simplex_count + import->ghosts;
+        core->store.count = simplices + import->ghosts;
         memset(core->store.mark, 0, core->store.count);
-        status = pbw__for_range(context, mesh->simplex_count, 8192, 0.4, pbw__import_slots, import);
+        pbw__import_facing(import);
+        status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.4, pbw__import_slots, import);
     }
-    if (status != PBW_OK || 2 * import->fits + import->ghosts != mesh->simplex_count * ((size_t)mesh->dim + 1)) {
+    if (status != PBW_OK || import->faults > 0) {
         return status != PBW_OK ? status : PBW__ANEW;
     }
-    pbw__import_ghosts(import);
-    status = pbw__for_range(context, import->ghosts, 4096, 0.4, pbw__import_ridges, import);
-    core->simplex_count = mesh->simplex_count;
-    return status;
+    core->simplex_count = simplices;
+    return pbw__for_range(context, import->ghosts, 4096, 0.4, pbw__import_ridges, import);
 }
 
 /* Makes a core of a mesh.  PBW__ANEW: it is not the triangulation of its points. */
@@ -16597,7 +16706,7 @@ static pbw_status pbw__import_core(pbw_live *live, pbw__context *context, pbw__i
 {
     const pbw_mesh *mesh = import->mesh;
     pbw__core *core = import->core;
-    const size_t records = mesh->point_count + 1;
+    const size_t records = mesh->point_count + 1, blocks = mesh->simplex_count / PBW__IMPORTED + 1;
     pbw__vertices *vertices = &import->vertices;
     pbw_status status;
     vertices->dim = mesh->dim;
@@ -16606,8 +16715,10 @@ static pbw_status pbw__import_core(pbw_live *live, pbw__context *context, pbw__i
     vertices->record = (double *)pbw__allocate_large(context, records * ((size_t)mesh->dim + 1), sizeof(double));
     vertices->id = (pbw_index *)pbw__allocate_large(context, records, sizeof(pbw_index));
     import->vertex = (pbw_index *)pbw__allocate_large(context, mesh->point_count, sizeof(pbw_index));
-    status = vertices->record == NULL || vertices->id == NULL || import->vertex == NULL ? PBW_ERROR_MEMORY
-           : pbw__import_fill(import, context);
+    import->first = (size_t (*)[2])pbw__allocate(&context->memory, blocks, sizeof(*import->first));
+    status = vertices->record == NULL || vertices->id == NULL || import->vertex == NULL || import->first == NULL
+           ? PBW_ERROR_MEMORY : pbw__import_fill(import, context);
+    pbw__release(&context->memory, import->first, blocks, sizeof(*import->first));
     pbw__release(&context->memory, import->vertex, mesh->point_count, sizeof(pbw_index));
     if (status != PBW_OK) {
         pbw__release(&context->memory, vertices->record, records * ((size_t)mesh->dim + 1), sizeof(double));
@@ -16620,8 +16731,9 @@ static pbw_status pbw__import_core(pbw_live *live, pbw__context *context, pbw__i
     vertices->record[0] = HUGE_VAL;                  /* the ghost, see >>order */
     status = pbw__core_take(core, vertices, NULL, live->count);
     status = status == PBW_OK ? pbw__core_start(context, core, vertices) : status;
+    status = status == PBW_OK ? pbw__for_range(context, import->visible, 16384, 0.4, pbw__import_incident, import)
+                              : status;
     if (status == PBW_OK) {
-        pbw__import_incident(core, mesh->simplex_count);
         status = pbw__journal_reserve(core) ? pbw__verify(core, 0) : PBW_ERROR_MEMORY;
     }
     if (status == PBW_OK && import->visible < core->vertex_count) {

@@ -160,3 +160,12 @@ build/bench_live: bench/live.cpp $(BENCH_INPUTS)
 .PHONY: bench-live
 bench-live: build/bench_live
 	$< $(POINTS)
+
+# Each number that is demanded of live triangulations, and whether it is reached: bench/live.c
+build/bench_live_goals: bench/live.c examples/swarm.h $(HEADERS)
+	@mkdir -p build
+	$(BENCH_C) -D_POSIX_C_SOURCE=200809L -I. -Iexamples/lib $< -o $@ $(LIBS)
+
+.PHONY: bench-live-goals
+bench-live-goals: build/bench_live_goals
+	$< $(ARGS)

@@ -714,6 +714,31 @@ static void test_angles(void)
     }
 }
 
+/* Whether the edges of each segment are together as long as it is, but for points an ulp beside it. */
+static void check_lengths(const drawing *d, const pbw_plane *plane)
+{
+    double *length = (double *)zoo_grow(NULL, (d->segment_count + 1) * sizeof *length);
+    size_t i, k, wrong = 0;
+    for (i = 0; i < d->segment_count; i++) {
+        const double *a = planes_at(d->points, d->segments[2 * i]), *b = planes_at(d->points, d->segments[2 * i + 1]);
+        length[i] = hypot(a[0] - b[0], a[1] - b[1]);
+    }
+    for (i = 0; i < plane->edge_count; i++) {
+        const double *a = planes_at(plane->points, plane->edges[2 * i]);
+        const double *b = planes_at(plane->points, plane->edges[2 * i + 1]);
+        for (k = plane->edge_first[i]; k < plane->edge_first[i + 1]; k++) {
+            length[plane->edge_segments[k]] -= hypot(a[0] - b[0], a[1] - b[1]);
+        }
+    }
+    for (i = 0; i < d->segment_count; i++) {
+        const double *a = planes_at(d->points, d->segments[2 * i]), *b = planes_at(d->points, d->segments[2 * i + 1]);
+        const double ulp = 2.3e-16 * (fabs(a[0]) + fabs(a[1]) + fabs(b[0]) + fabs(b[1]));
+        wrong += !(fabs(length[i]) <= 1e-12 * hypot(a[0] - b[0], a[1] - b[1]) + 1000 * ulp);
+    }
+    CHECK_EQUAL(wrong, 0);
+    free(length);
+}
+
 /* Every domain of the table: one set of triangles for every order; no angle below the bound, but at small angles. */
 static void test_domain(const domain *e, int full, size_t *sharp_at_33)
 {
@@ -738,6 +763,7 @@ static void test_domain(const domain *e, int full, size_t *sharp_at_33)
     for (i = 0; i < 2; i++) {
         options.angle = i == 0 ? 30 : 33;
         refine(&d, &options, SIZE_MAX, SIZE_MAX, &plane);
+        check_lengths(&d, &plane);
         v = domain_judge(&d, &plane, options.angle);
         CHECK(v.sharp_free == 0 || i == 1);
         CHECK_EQUAL(plane.report.too_large, 0);

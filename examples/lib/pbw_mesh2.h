@@ -268,6 +268,12 @@ static int pbwp__push(pbwp__memory *memory, pbwp__array *array, pbw_index item)
     ((pbw_index *)array->data)[array->count++] = item;
     return 1;
 }
+#if defined(__GNUC__)
+#define PBWP__PREFETCH(address) __builtin_prefetch(address)
+#else
+#define PBWP__PREFETCH(address) ((void)(address))
+#endif
+
 #define PBWP__INDICES(array) ((pbw_index *)(array).data)
 #define PBWP__DOUBLES(array) ((double *)(array).data)
 
@@ -284,6 +290,9 @@ typedef struct pbwp__triangle {
 } pbwp__triangle;
 
 typedef struct pbwp__piece { pbw_index a, b, id; } pbwp__piece;      /* of the caller's segment id, from a to b */
+/* A vertex of a chain; the slot for the triangle whose apex it becomes, PBW_NONE: any free one; what is beyond the edge
+   to the next vertex, and stands on it.  4 i + 3 as a link: that edge is also the one from vertex i. */
+typedef struct pbwp__joint { pbw_index v, slot, link, edge; } pbwp__joint;
 typedef struct pbwp__group { pbw_index piece, rest; } pbwp__group;   /* rest: a piece, or a further group */
 
 #define PBWP__CAVITY 0x80000000u
@@ -311,7 +320,7 @@ typedef struct pbwp__job {
     pbwp__array original;                  /* per vertex: its number in given */
     pbwp__array vertex;                    /* and back; a duplicate has the vertex at its place */
     pbwp__array pieces, groups;
-    pbwp__array chain[2], inner[2];        /* left and right of a segment: vertices, edges of old triangles */
+    pbwp__array chain[2];                  /* left and right of a segment: pbwp__joint */
     pbwp__array stack, old, fresh;         /* fresh: slots that were filled last */
     pbwp__array crossings;
     size_t side_count;                     /* sides of triangles with an edge, those of the border twice */
@@ -449,9 +458,9 @@ static int pbwp__before(const pbwp__job *job, pbw_index a, pbw_index b)
    The triangles that a segment crosses leave a cavity, a polygon on each side of it, whose border is a chain of
    edges.  A polygon is refilled from its base: the apex of the triangle there is the vertex of the chain in whose
    circle no other lies, and both sides of the triangle are bases of smaller polygons (Anglada 1997).  A chain passes
-   twice along an edge that sticks out into the cavity; then the corner counts that the triangle lies in.  Old
-   triangles keep their slots until the cavity is full, as such an edge leads from one of its sides to the other
-   through them.
+   twice along an edge that sticks out into the cavity; then the corner counts that the triangle lies in, and whichever
+   side of the edge is filled first leaves its code to the other.  New triangles take the slots of the old: what is
+   near in the plane stays near in memory.
    ------------------------------------------------------------------------------------------------------ */
 
 /* Whether the direction from u to x lies in the turn from u-from counter-clockwise to u-to, ends included. */
@@ -469,38 +478,53 @@ static int pbwp__in_turn(const pbwp__job *job, pbw_index u, pbw_index from, pbw_
 
 /* The place in the chain, between the places low and high, of the apex of the triangle on that base; 0 if no vertex
    is on the inner side of it, which does not happen to the cavity of a segment. */
-static size_t pbwp__apex(const pbwp__job *job, const pbw_index *chain, size_t low, size_t high)
+static size_t pbwp__apex(const pbwp__job *job, const pbwp__joint *chain, size_t low, size_t high)
 {
-    const pbw_index a = chain[low], b = chain[high];
+    const pbw_index a = chain[low].v, b = chain[high].v;
     size_t best = 0, i;
     int repeats = 0;
     if (high - low == 2) {
         return low + 1;
     }
     for (i = low + 1; i < high; i++) {
-        const pbw_index c = chain[i];
-        repeats |= chain[i - 1] == chain[i + 1];
-        if (c == a || c == b || (best != 0 && c == chain[best])) {
+        const pbw_index c = chain[i].v;
+        repeats |= chain[i - 1].v == chain[i + 1].v;
+        if (c == a || c == b || (best != 0 && c == chain[best].v)) {
             continue;
         }
-        if ((best == 0 || pbwp__conflict(job, a, b, chain[best], c)) && pbwp__orient(job, a, b, c) > 0) {
+        if ((best == 0 || pbwp__conflict(job, a, b, chain[best].v, c)) && pbwp__orient(job, a, b, c) > 0) {
             best = i;
         }
     }
     for (i = low + 1; repeats && best != 0 && i < high; i++) {
-        if (chain[i] == chain[best] && pbwp__in_turn(job, chain[i], chain[i - 1], chain[i + 1], a)
-            && pbwp__in_turn(job, chain[i], chain[i - 1], chain[i + 1], b)) {
+        const pbw_index c = chain[i].v;
+        if (c == chain[best].v && pbwp__in_turn(job, c, chain[i - 1].v, chain[i + 1].v, a)
+            && pbwp__in_turn(job, c, chain[i - 1].v, chain[i + 1].v, b)) {
             return i;
         }
     }
     return best;
 }
 
+/* The triangle on a base of the chain, with its apex.  Returns its slot. */
+static pbw_index pbwp__put(pbwp__job *job, const pbwp__joint *low, const pbwp__joint *high, const pbwp__joint *apex,
+                           pbw_index region)
+{
+    const pbw_index slot = apex->slot != PBW_NONE ? apex->slot : pbwp__take_slot(job);
+    pbwp__triangle *t = job->t + slot;
+    t->v[0] = low->v;
+    t->v[1] = high->v;
+    t->v[2] = apex->v;
+    t->edge[0] = t->edge[1] = t->edge[2] = PBW_NONE;
+    t->region = region;
+    job->incident[low->v] = job->incident[high->v] = job->incident[apex->v] = slot;
+    return slot;
+}
+
 /* Fills the polygon between a chain of `count` vertices, counter-clockwise from its last to its first, and the base.
-   Slots are reserved.  Returns the code of the base in its triangle, PBW_NONE without memory or if there is no apex.
-   */
-static pbw_index pbwp__fill(pbwp__job *job, const pbw_index *chain, const pbw_index *inner, size_t count,
-                            pbw_index region)
+   Free slots are reserved.  Returns the code of the base in its triangle, PBW_NONE without memory or if there is no
+   apex. */
+static pbw_index pbwp__fill(pbwp__job *job, pbwp__joint *chain, size_t count, pbw_index region)
 {
     pbw_index base = PBW_NONE, *stack;
     size_t top = 3;
@@ -515,28 +539,24 @@ static pbw_index pbwp__fill(pbwp__job *job, const pbw_index *chain, const pbw_in
     stack[2] = PBW_NONE;
     while (top > 0) {
         const pbw_index low = stack[top - 3], high = stack[top - 2], parent = stack[top - 1];
+        const pbw_index link = chain[low].link;
         pbw_index slot;
         size_t apex;
-        pbwp__triangle *t;
         top -= 3;
         if (high - low == 1) {                       /* an edge of the chain */
-            const pbwp__triangle *old = job->t + PBWP__SLOT(inner[low]);
-            job->t[PBWP__SLOT(parent)].edge[PBWP__SIDE(parent)] = old->edge[PBWP__SIDE(inner[low])];
-            pbwp__join(job, parent, old->link[PBWP__SIDE(inner[low])]);
+            job->t[PBWP__SLOT(parent)].edge[PBWP__SIDE(parent)] = chain[low].edge;
+            if (PBWP__SIDE(link) == 3 && link != PBW_NONE) {
+                chain[PBWP__SLOT(link)].link = parent;
+            } else {
+                pbwp__join(job, parent, link);
+            }
             continue;
         }
         apex = pbwp__apex(job, chain, low, high);
         if (apex == 0) {
             return PBW_NONE;
         }
-        slot = pbwp__take_slot(job);
-        t = job->t + slot;
-        t->v[0] = chain[low];
-        t->v[1] = chain[high];
-        t->v[2] = chain[apex];
-        t->edge[0] = t->edge[1] = t->edge[2] = PBW_NONE;
-        t->region = region;
-        job->incident[t->v[0]] = job->incident[t->v[1]] = job->incident[t->v[2]] = slot;
+        slot = pbwp__put(job, chain + low, chain + high, chain + apex, region);
         pbwp__join(job, 4 * slot + 2, parent);
         base = base == PBW_NONE ? 4 * slot + 2 : base;
         PBWP__INDICES(job->fresh)[job->fresh.count++] = slot;
@@ -648,9 +668,26 @@ static pbw_index pbwp__find_exit(const pbwp__job *job, pbw_index a, pbw_index b,
     return PBW_NONE;
 }
 
+/* Adds a vertex, and the edge from there, by its code in an old triangle, to a chain. */
 static int pbwp__chain_push(pbwp__job *job, int side, pbw_index vertex, pbw_index inner)
 {
-    return pbwp__push(&job->memory, &job->chain[side], vertex) && pbwp__push(&job->memory, &job->inner[side], inner);
+    pbwp__array *chain = &job->chain[side];
+    pbwp__joint *joint;
+    if ((chain->count + 1) * sizeof *joint > chain->bytes && !pbwp__room(&job->memory, chain, 1, sizeof *joint)) {
+        return 0;
+    }
+    joint = (pbwp__joint *)chain->data + chain->count++;
+    joint->v = vertex;
+    joint->slot = PBWP__SLOT(inner);
+    joint->link = inner;
+    joint->edge = PBW_NONE;
+    return 1;
+}
+
+static int pbwp__dig_old(pbwp__job *job, pbw_index slot)
+{
+    job->t[slot].region |= PBWP__CAVITY;
+    return pbwp__push(&job->memory, &job->old, slot);
 }
 
 /* Collects the cavity of a segment from a towards b: both chains, and the old triangles.  Returns the vertex where
@@ -661,13 +698,10 @@ static pbw_index pbwp__cavity(pbwp__job *job, pbw_index corner, pbw_index b, pbw
     const unsigned i = PBWP__SIDE(corner);
     pbw_index slot = PBWP__SLOT(corner), a = job->t[slot].v[i];
     pbw_index right = job->t[slot].v[pbwp__next[i]], left = job->t[slot].v[pbwp__last[i]], edge = corner;
-    int ok = 1, side;
-    for (side = 0; side < 2; side++) {
-        job->chain[side].count = job->inner[side].count = 0;
-    }
-    job->old.count = 0;
+    int ok = 1;
+    job->chain[0].count = job->chain[1].count = job->old.count = 0;
     ok = pbwp__chain_push(job, 0, a, 4 * slot + pbwp__next[i])
-      && pbwp__chain_push(job, 1, a, 4 * slot + pbwp__last[i]) && pbwp__push(&job->memory, &job->old, slot);
+      && pbwp__chain_push(job, 1, a, 4 * slot + pbwp__last[i]) && pbwp__dig_old(job, slot);
     while (ok) {
         const pbw_index link = job->t[PBWP__SLOT(edge)].link[PBWP__SIDE(edge)];
         const unsigned e = PBWP__SIDE(link);
@@ -682,11 +716,13 @@ static pbw_index pbwp__cavity(pbwp__job *job, pbw_index corner, pbw_index b, pbw
         to_left = 4 * slot + pbwp__last[e];          /* the edges from x to left and to right */
         to_right = 4 * slot + pbwp__next[e];
         sign = x == b ? 0 : pbwp__orient(job, a, b, x);
-        ok = pbwp__push(&job->memory, &job->old, slot)
+        ok = pbwp__dig_old(job, slot)
           && (sign < 0 || pbwp__chain_push(job, 0, left, to_left))
           && (sign > 0 || pbwp__chain_push(job, 1, right, to_right));
         if (sign == 0) {
-            ok = ok && pbwp__push(&job->memory, &job->chain[0], x) && pbwp__push(&job->memory, &job->chain[1], x);
+            pbwp__joint *right_last = (pbwp__joint *)job->chain[1].data + job->chain[1].count - 1;
+            right_last->slot = ok ? PBWP__INDICES(job->old)[0] : PBW_NONE;       /* the one left over */
+            ok = ok && pbwp__chain_push(job, 0, x, PBW_NONE) && pbwp__chain_push(job, 1, x, PBW_NONE);
             return ok ? x : PBW_NONE;
         }
         left = sign > 0 ? x : left;
@@ -696,36 +732,58 @@ static pbw_index pbwp__cavity(pbwp__job *job, pbw_index corner, pbw_index b, pbw
     return PBW_NONE;
 }
 
-static void pbwp__reverse(pbw_index *item, size_t count)
+/* Turns a chain round: it begins with its last vertex, edges stay between their vertices. */
+static void pbwp__reverse(pbwp__joint *chain, size_t count)
 {
     size_t i;
     for (i = 0; i < count / 2; i++) {
-        const pbw_index swap = item[i];
-        item[i] = item[count - 1 - i];
-        item[count - 1 - i] = swap;
+        pbwp__joint *one = chain + i, *other = chain + count - 1 - i;
+        const pbwp__joint swap = *one;
+        one->v = other->v;
+        one->slot = other->slot;
+        other->v = swap.v;
+        other->slot = swap.slot;
+    }
+    for (i = 0; i < (count - 1) / 2; i++) {
+        pbwp__joint *one = chain + i, *other = chain + count - 2 - i;
+        const pbwp__joint swap = *one;
+        one->link = other->link;
+        one->edge = other->edge;
+        other->link = swap.link;
+        other->edge = swap.edge;
+    }
+}
+
+/* Replaces codes in old triangles by what is beyond, as these triangles go. */
+static void pbwp__look_beyond(pbwp__job *job, pbwp__joint *chain, size_t count)
+{
+    size_t i;
+    for (i = 0; i + 1 < count; i++) {
+        const pbwp__triangle *t = job->t + PBWP__SLOT(chain[i].link);
+        const unsigned side = PBWP__SIDE(chain[i].link);
+        const pbw_index link = t->link[side];
+        chain[i].edge = t->edge[side];
+        chain[i].link = link;
+        if (link != PBW_NONE && PBWP__SIDE(link) == 3) {
+            chain[PBWP__SLOT(link)].link = (pbw_index)(4 * i + 3);
+        } else if (link != PBW_NONE && (job->t[PBWP__SLOT(link)].region & PBWP__CAVITY) != 0) {
+            job->t[PBWP__SLOT(link)].link[PBWP__SIDE(link)] = (pbw_index)(4 * i + 3);
+        }
     }
 }
 
 /* Replaces the triangles of a cavity.  Returns the code of the segment's edge; PBW_NONE without memory. */
 static pbw_index pbwp__refill(pbwp__job *job)
 {
+    pbwp__joint *left = (pbwp__joint *)job->chain[0].data, *right = (pbwp__joint *)job->chain[1].data;
     pbw_index base[2];
-    size_t i;
-    int side;
-    if (!pbwp__reserve_slots(job, job->old.count)) {
+    pbwp__reverse(right, job->chain[1].count);
+    pbwp__look_beyond(job, left, job->chain[0].count);
+    pbwp__look_beyond(job, right, job->chain[1].count);
+    base[0] = pbwp__fill(job, left, job->chain[0].count, 0);
+    base[1] = base[0] == PBW_NONE ? PBW_NONE : pbwp__fill(job, right, job->chain[1].count, 0);
+    if (base[1] == PBW_NONE) {
         return PBW_NONE;
-    }
-    pbwp__reverse(PBWP__INDICES(job->chain[1]), job->chain[1].count);
-    pbwp__reverse(PBWP__INDICES(job->inner[1]), job->inner[1].count);
-    for (side = 0; side < 2; side++) {
-        base[side] = pbwp__fill(job, PBWP__INDICES(job->chain[side]), PBWP__INDICES(job->inner[side]),
-                                job->chain[side].count, 0);
-        if (base[side] == PBW_NONE) {
-            return PBW_NONE;
-        }
-    }
-    for (i = 0; i < job->old.count; i++) {
-        pbwp__free_slot(job, PBWP__INDICES(job->old)[i]);
     }
     pbwp__join(job, base[0], base[1]);
     return base[0];
@@ -1418,8 +1476,8 @@ static pbw_index pbwp__root(pbw_index *parent, pbw_index item)
     return item;
 }
 
-/* Joins triangles across free edges: item i + 1 of parent stands for slot i, item 0 for the outside.  The sweep in the
-   order of slots stays in the cache; without branches where all neighbours before have one parent, as most have.
+/* Joins triangles across free edges: item i + 1 of parent stands for slot i, item 0 for the outside.  The sweep in
+   the order of slots stays in the cache; without branches where all neighbours before have one parent, as most have.
    Marks free edges of the hull as border. */
 static void pbwp__join_components(pbwp__job *job, pbw_index *parent)
 {
@@ -1440,7 +1498,7 @@ static void pbwp__join_components(pbwp__job *job, pbw_index *parent)
                 t->edge[k] = PBWP__BORDER;
                 root = 0;
             }
-            before[k] = parent[(t->edge[k] == PBW_NONE) & (other < own) ? other : own];
+            before[k] = parent[((t->edge[k] == PBW_NONE) & (other < own)) ? other : own];
             root = before[k] < root ? before[k] : root;
         }
         for (k = 0; k < 3; k++) {
@@ -1875,21 +1933,36 @@ static int pbwp__are_twins(const pbwp__refiner *r, pbw_index u, pbw_index w)
     return fabs(one - other) <= 1e-3 * one && pbwp__distance2(pbwp__point(r, u), pbwp__point(r, w)) < one;
 }
 
-/* Squares of the lengths of edges; returns the shortest. */
-static unsigned pbwp__lengths(const pbwp__refiner *r, const pbwp__triangle *t, double length2[3])
+/* The edge k of a triangle, squared. */
+static double pbwp__side2(const pbwp__refiner *r, const pbwp__triangle *t, unsigned k)
 {
-    unsigned k;
-    for (k = 0; k < 3; k++) {
-        length2[k] = pbwp__distance2(pbwp__point(r, t->v[pbwp__next[k]]), pbwp__point(r, t->v[pbwp__last[k]]));
-    }
-    return length2[0] <= length2[1] && length2[0] <= length2[2] ? 0u : length2[1] <= length2[2] ? 1u : 2u;
+    return pbwp__distance2(pbwp__point(r, t->v[pbwp__next[k]]), pbwp__point(r, t->v[pbwp__last[k]]));
 }
 
-static int pbwp__is_sharp(const pbwp__refiner *r, const double length2[3], unsigned shortest)
+static double pbwp__least(double a, double b)
 {
-    const double a = length2[pbwp__next[shortest]], b = length2[pbwp__last[shortest]];
-    const double dot = a + b - length2[shortest];
-    return dot * dot > 4 * r->cosine2 * a * b;
+    return a < b ? a : b;
+}
+
+static double pbwp__most(double a, double b)
+{
+    return a < b ? b : a;
+}
+
+/* Whether a triangle has an angle below the bound; squares the length of its shortest edge.  No branches. */
+static int pbwp__is_sharp(const pbwp__refiner *r, const pbwp__triangle *t, double *shortest2)
+{
+    const double a = pbwp__side2(r, t, 0), b = pbwp__side2(r, t, 1), c = pbwp__side2(r, t, 2);
+    const double least = pbwp__least(pbwp__least(a, b), c);
+    const double one = pbwp__most(a, b), other = pbwp__most(pbwp__least(a, b), c), dot = one + other - least;
+    *shortest2 = least;
+    return dot * dot > 4 * r->cosine2 * one * other;
+}
+
+static unsigned pbwp__shortest(const pbwp__refiner *r, const pbwp__triangle *t)
+{
+    const double a = pbwp__side2(r, t, 0), b = pbwp__side2(r, t, 1), c = pbwp__side2(r, t, 2);
+    return a <= b && a <= c ? 0u : b <= c ? 1u : 2u;
 }
 
 /* Whether the small angle is one that points cannot mend: between two segments, or of a flat triangle. */
@@ -1908,14 +1981,14 @@ static double pbwp__twice_area(const pbwp__refiner *r, const pbwp__triangle *t)
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-static int pbwp__is_large(const pbwp__refiner *r, const pbwp__triangle *t, const double length2[3])
+static int pbwp__is_large(const pbwp__refiner *r, const pbwp__triangle *t)
 {
     const pbw_plane_options *o = r->job->options;
-    const pbwp__component *component = (const pbwp__component *)r->job->components.data + (t->region & ~PBWP__CAVITY);
-    const double longest2 = fmax(fmax(length2[0], length2[1]), length2[2]);
     double area = o->area, size = o->size, there;
-    if (component->seed != PBW_NONE) {
-        there = r->job->input->regions[component->seed].area;
+    if (r->job->input->region_count > 0) {
+        const pbw_index component = t->region & ~PBWP__CAVITY;
+        const pbw_index seed = ((const pbwp__component *)r->job->components.data)[component].seed;
+        there = seed != PBW_NONE ? r->job->input->regions[seed].area : 0;
         area = there > 0 && (!(area > 0) || there < area) ? there : area;
     }
     if (area > 0 && pbwp__twice_area(r, t) > 2 * area) {
@@ -1931,7 +2004,11 @@ static int pbwp__is_large(const pbwp__refiner *r, const pbwp__triangle *t, const
         there = o->size_at(o->size_user, (a[0] + b[0] + c[0]) / 3, (a[1] + b[1] + c[1]) / 3);
         size = there > 0 && (!(size > 0) || there < size) ? there : size;
     }
-    return size > 0 && longest2 > size * size && longest2 > 16 * r->least2;
+    if (size > 0) {
+        const double a = pbwp__side2(r, t, 0), b = pbwp__side2(r, t, 1), c = pbwp__side2(r, t, 2);
+        return pbwp__most(pbwp__most(a, b), c) > pbwp__most(size * size, 16 * r->least2);
+    }
+    return 0;
 }
 
 static int pbwp__class_of(const pbwp__refiner *r, double length2)
@@ -1944,10 +2021,11 @@ static int pbwp__class_of(const pbwp__refiner *r, double length2)
 }
 
 /* Puts a triangle where sharp ones wait, if it is one. */
-static void pbwp__examine_angle(pbwp__refiner *r, pbw_index slot, const double length2[3], unsigned shortest)
+static void pbwp__examine_angle(pbwp__refiner *r, pbw_index slot)
 {
-    if (pbwp__is_sharp(r, length2, shortest)) {
-        const int c = pbwp__class_of(r, length2[shortest]);
+    double shortest2;
+    if (pbwp__is_sharp(r, r->job->t + slot, &shortest2)) {
+        const int c = pbwp__class_of(r, shortest2);
         pbwp__add(r, r->class_of + c, slot);
         r->filled |= (uint64_t)1 << c;
     }
@@ -1957,8 +2035,7 @@ static void pbwp__examine_angle(pbwp__refiner *r, pbw_index slot, const double l
 static void pbwp__examine(pbwp__refiner *r, pbw_index slot)
 {
     const pbwp__triangle *t = r->job->t + slot;
-    double length2[3];
-    unsigned shortest, k;
+    unsigned k;
     for (k = 0; k < 3; k++) {
         const pbw_index u = t->v[pbwp__next[k]], v = t->v[pbwp__last[k]];
         if (t->edge[k] != PBW_NONE && pbwp__encroaches(r, t, k)) {
@@ -1966,12 +2043,11 @@ static void pbwp__examine(pbwp__refiner *r, pbw_index slot)
             pbwp__add(r, &r->splits, v);
         }
     }
-    shortest = pbwp__lengths(r, t, length2);
-    if (pbwp__is_large(r, t, length2)) {
+    if (pbwp__is_large(r, t)) {
         pbwp__add(r, &r->large, slot);
     }
     if (!r->sizing) {
-        pbwp__examine_angle(r, slot, length2, shortest);
+        pbwp__examine_angle(r, slot);
     }
 }
 
@@ -2198,10 +2274,11 @@ static int pbwp__remove(pbwp__refiner *r, pbw_index vertex)
 {
     pbwp__job *job = r->job;
     const pbw_index start = pbwp__corner_of(job, vertex);
-    pbw_index corner = start, base = PBW_NONE, last, region = job->t[PBWP__SLOT(start)].region;
+    pbw_index corner = start, base = PBW_NONE, region = job->t[PBWP__SLOT(start)].region;
+    pbwp__joint *chain;
     size_t i, count;
     int good;
-    job->chain[0].count = job->inner[0].count = job->old.count = job->fresh.count = 0;
+    job->chain[0].count = job->old.count = job->fresh.count = 0;
     do {
         const pbwp__triangle *t = job->t + PBWP__SLOT(corner);
         const unsigned k = PBWP__SIDE(corner);
@@ -2212,18 +2289,23 @@ static int pbwp__remove(pbwp__refiner *r, pbw_index vertex)
         corner = pbwp__round(job, corner, 0);
     } while (corner != start);
     count = job->chain[0].count;
+    chain = (pbwp__joint *)job->chain[0].data;
     if (!pbwp__reserve_slots(job, count) || !pbwp__room(&job->memory, &job->fresh, count, sizeof(pbw_index))) {
         r->no_memory = 1;
         return 0;
     }
-    last = PBWP__INDICES(job->inner[0])[count - 1];
-    pbwp__reverse(PBWP__INDICES(job->chain[0]), count);
-    pbwp__reverse(PBWP__INDICES(job->inner[0]), count - 1);
-    base = pbwp__fill(job, PBWP__INDICES(job->chain[0]), PBWP__INDICES(job->inner[0]), count, region);
+    for (i = 0; i < count; i++) {                    /* old triangles stay until the new are known to be good */
+        const pbwp__triangle *t = job->t + PBWP__SLOT(chain[i].link);
+        chain[i].slot = PBW_NONE;
+        chain[i].edge = t->edge[PBWP__SIDE(chain[i].link)];
+        chain[i].link = t->link[PBWP__SIDE(chain[i].link)];
+    }
+    pbwp__reverse(chain, count);
+    base = pbwp__fill(job, chain, count, region);
     good = base != PBW_NONE;
     if (good) {
-        job->t[PBWP__SLOT(base)].edge[PBWP__SIDE(base)] = job->t[PBWP__SLOT(last)].edge[PBWP__SIDE(last)];
-        pbwp__join(job, base, job->t[PBWP__SLOT(last)].link[PBWP__SIDE(last)]);
+        job->t[PBWP__SLOT(base)].edge[PBWP__SIDE(base)] = chain[count - 1].edge;
+        pbwp__join(job, base, chain[count - 1].link);
         good = pbwp__is_good_fill(job);
     }
     if (!good) {                                     /* the old triangles are still there: link them again */
@@ -2302,7 +2384,6 @@ static void pbwp__lower(pbwp__refiner *r, pbw_index v, double size)
 static void pbwp__spread(pbwp__refiner *r)
 {
     const pbwp__job *job = r->job;
-    double length2[3];
     size_t at;
     unsigned k;
     for (at = 0; at < r->lowered.count && !r->no_memory; at++) {
@@ -2316,8 +2397,7 @@ static void pbwp__spread(pbwp__refiner *r)
                 const double apart = sqrt(pbwp__distance2(pbwp__point(r, v), pbwp__point(r, t->v[k])));
                 pbwp__lower(r, t->v[k], PBWP__DOUBLES(job->sizes)[v] + r->growth * apart);
             }
-            (void)pbwp__lengths(r, t, length2);
-            if (r->inserted > 0 && pbwp__is_large(r, t, length2)) {
+            if (r->inserted > 0 && pbwp__is_large(r, t)) {
                 pbwp__add(r, &r->large, PBWP__SLOT(spin.corner));
             }
         } while (pbwp__spin_on(job, &spin));
@@ -2325,32 +2405,30 @@ static void pbwp__spread(pbwp__refiner *r)
     r->lowered.count = 0;
 }
 
-/* Fits the size of a new vertex to its neighbours', to its region and to its place.  Returns 1, for its callers. */
+/* Lowers the size of a new vertex to what its neighbours, its region and its place let it have.  Returns 1, for its
+   callers. */
 static int pbwp__grade(pbwp__refiner *r, pbw_index v)
 {
     const pbwp__job *job = r->job;
-    double *sizes = PBWP__DOUBLES(job->sizes), least = 0, most = 1e60, linear;
+    double *sizes = PBWP__DOUBLES(job->sizes), most;
     pbwp__spin spin;
     unsigned k;
     if (!r->has_sizes) {
         return 1;
     }
-    linear = sizes[v];
+    most = pbwp__size_at(r, v);
     spin.start = spin.corner = pbwp__corner_of(job, v);
     spin.clockwise = 0;
     do {
         const pbwp__triangle *t = job->t + PBWP__SLOT(spin.corner);
         most = fmin(most, pbwp__size_of_region(r, t));
         for (k = 0; k < 3; k++) {
-            const double growth = r->growth * sqrt(pbwp__distance2(pbwp__point(r, v), pbwp__point(r, t->v[k])));
-            if (t->v[k] != v) {
-                least = fmax(least, sizes[t->v[k]] - growth);
-                most = fmin(most, sizes[t->v[k]] + growth);
-            }
+            const double apart = sqrt(pbwp__distance2(pbwp__point(r, v), pbwp__point(r, t->v[k])));
+            most = fmin(most, sizes[t->v[k]] + r->growth * apart);
         }
     } while (pbwp__spin_on(job, &spin));
-    sizes[v] = fmin(fmin(most, fmax(least, linear)), pbwp__size_at(r, v));
-    if (sizes[v] < linear || sizes[v] < 0.95 * least) {
+    if (most < sizes[v]) {
+        sizes[v] = most;
         pbwp__add(r, &r->lowered, v);
         pbwp__spread(r);
     }
@@ -2537,11 +2615,25 @@ static int pbwp__mend(pbwp__refiner *r, pbw_index slot, unsigned shortest)
 
 /* ---- the loop */
 
+/* Loads triangles that are to be mended soon: the fourth after this, and the points of the second. */
+static void pbwp__prefetch_next(const pbwp__refiner *r, const pbwp__array *queue)
+{
+    const pbw_index *last = PBWP__INDICES(*queue) + queue->count;
+    if (queue->count >= 4) {
+        const pbw_index *v = r->job->t[last[-2]].v;
+        unsigned k;
+        PBWP__PREFETCH(r->job->t + last[-4]);
+        for (k = 0; k < 3 && v[0] != PBW_NONE; k++) {
+            PBWP__PREFETCH(pbwp__point(r, v[k]));
+        }
+    }
+}
+
 static void pbwp__mend_sharp(pbwp__refiner *r)
 {
+    const pbwp__triangle *t;
     pbwp__array *queue;
-    double length2[3];
-    unsigned shortest;
+    double shortest2;
     pbw_index slot;
     int c = PBWP__CLASSES - 1;
     while ((r->filled >> c & 1) == 0) {
@@ -2552,13 +2644,14 @@ static void pbwp__mend_sharp(pbwp__refiner *r)
     if (queue->count == 0) {
         r->filled &= ~((uint64_t)1 << c);
     }
-    if (r->job->t[slot].v[0] == PBW_NONE) {
-        return;
-    }
-    shortest = pbwp__lengths(r, r->job->t + slot, length2);      /* another triangle may be there now */
-    if (pbwp__class_of(r, length2[shortest]) == c && length2[shortest] > r->least2
-        && pbwp__is_sharp(r, length2, shortest) && !pbwp__is_given(r, r->job->t + slot, shortest)) {
-        pbwp__mend(r, slot, shortest);
+    pbwp__prefetch_next(r, queue);
+    t = r->job->t + slot;                            /* another triangle may be there now */
+    if (t->v[0] != PBW_NONE && pbwp__is_sharp(r, t, &shortest2) && pbwp__class_of(r, shortest2) == c
+        && shortest2 > r->least2) {
+        const unsigned shortest = pbwp__shortest(r, t);
+        if (!pbwp__is_given(r, t, shortest)) {
+            pbwp__mend(r, slot, shortest);
+        }
     }
 }
 
@@ -2566,28 +2659,23 @@ static void pbwp__mend_large(pbwp__refiner *r)
 {
     const pbw_index slot = PBWP__INDICES(r->large)[--r->large.count];
     const pbwp__triangle *t = r->job->t + slot;
-    double length2[3];
-    unsigned shortest;
-    if (t->v[0] == PBW_NONE) {
-        return;
-    }
-    shortest = pbwp__lengths(r, t, length2);
-    if (length2[shortest] > r->least2 && pbwp__is_large(r, t, length2)) {
-        pbwp__mend(r, slot, shortest);
+    pbwp__prefetch_next(r, &r->large);
+    if (t->v[0] != PBW_NONE && pbwp__is_large(r, t)) {
+        const unsigned shortest = pbwp__shortest(r, t);
+        if (pbwp__side2(r, t, shortest) > r->least2) {
+            pbwp__mend(r, slot, shortest);
+        }
     }
 }
 
 /* Looks for sharp triangles, once no triangle is too large: of those that there were before, most are gone. */
 static void pbwp__end_sizing(pbwp__refiner *r)
 {
-    double length2[3];
     size_t i;
     r->sizing = 0;
     for (i = r->job->triangles.count; i > 0 && !r->no_memory; i--) {   /* stacks: the first come out first */
-        const pbwp__triangle *t = r->job->t + i - 1;
-        if (t->v[0] != PBW_NONE) {
-            const unsigned shortest = pbwp__lengths(r, t, length2);
-            pbwp__examine_angle(r, (pbw_index)(i - 1), length2, shortest);
+        if (r->job->t[i - 1].v[0] != PBW_NONE) {
+            pbwp__examine_angle(r, (pbw_index)(i - 1));
         }
     }
 }
@@ -2734,14 +2822,13 @@ static pbw_status pbwp__refine_all(pbwp__refiner *r)
 static void pbwp__count_faults(const pbwp__refiner *r)
 {
     pbw_plane_report *report = &r->job->plane->report;
-    double length2[3];
+    double shortest2;
     size_t i;
     for (i = 0; i < r->job->triangles.count; i++) {
         const pbwp__triangle *t = r->job->t + i;
         if (t->v[0] != PBW_NONE) {
-            const unsigned shortest = pbwp__lengths(r, t, length2);
-            report->small_angles += (size_t)pbwp__is_sharp(r, length2, shortest);
-            report->too_large += (size_t)pbwp__is_large(r, t, length2);
+            report->small_angles += (size_t)pbwp__is_sharp(r, t, &shortest2);
+            report->too_large += (size_t)pbwp__is_large(r, t);
         }
     }
 }
@@ -2826,8 +2913,8 @@ static int pbwp__sort_fan(pbwp__job *job, pbw_index *item, size_t count)
     return ok;
 }
 
-/* Fills item_of with the codes of first corners, in order; first_of with the code of the first corner for each slot in
-   use, the number of its triangle in place of the slot. */
+/* Fills item_of with the codes of first corners, in order; first_of with the code of the first corner for each slot
+   in use, the number of its triangle in place of the slot. */
 static int pbwp__sort_triangles(pbwp__job *job)
 {
     const size_t n = job->points.count, slots = job->triangles.count;
@@ -2950,21 +3037,6 @@ static int pbwp__out_regions(pbwp__job *job, pbwp__block *block)
     return 1;
 }
 
-static void pbwp__sort_indices(pbw_index *item, size_t count)         /* Shell 1959; gaps of Gonnet 1991 */
-{
-    size_t gap = count, i, k;
-    while (gap > 1) {
-        gap = gap < 5 ? 1 : (5 * gap - 1) / 11;
-        for (i = gap; i < count; i++) {
-            const pbw_index last = item[i];
-            for (k = i; k >= gap && item[k - gap] > last; k -= gap) {
-                item[k] = item[k - gap];
-            }
-            item[k] = last;
-        }
-    }
-}
-
 /* Fills old with the codes of the edges of segments in the triangle that comes first of the two. */
 static int pbwp__out_triangles(pbwp__job *job, pbwp__block *block)
 {
@@ -2985,6 +3057,15 @@ static int pbwp__out_triangles(pbwp__job *job, pbwp__block *block)
     for (i = 0; i < count; i++) {
         const pbwp__triangle *t = job->t + PBWP__SLOT(item[i]);
         unsigned side = PBWP__SIDE(item[i]);
+        if (i + 16 < count) {
+            const pbwp__triangle *soon = job->t + PBWP__SLOT(item[i + 8]);
+            PBWP__PREFETCH(job->t + PBWP__SLOT(item[i + 16]));
+            for (k = 0; k < 3; k++) {
+                if (soon->link[k] != PBW_NONE) {
+                    PBWP__PREFETCH(number + PBWP__SLOT(soon->link[k]));
+                }
+            }
+        }
         for (k = 0; k < 3; k++, side = pbwp__next[side]) {
             const pbw_index link = t->link[side];
             const pbw_index beyond = link == PBW_NONE ? PBW_NONE : PBWP__SLOT(number[PBWP__SLOT(link)]);
@@ -2999,6 +3080,21 @@ static int pbwp__out_triangles(pbwp__job *job, pbwp__block *block)
     job->plane->neighbors = neighbor;
     job->plane->triangle_count = count;
     return 1;
+}
+
+static void pbwp__sort_indices(pbw_index *item, size_t count)         /* Shell 1959; gaps of Gonnet 1991 */
+{
+    size_t gap = count, i, k;
+    while (gap > 1) {
+        gap = gap < 5 ? 1 : (5 * gap - 1) / 11;
+        for (i = gap; i < count; i++) {
+            const pbw_index last = item[i];
+            for (k = i; k >= gap && item[k - gap] > last; k -= gap) {
+                item[k] = item[k - gap];
+            }
+            item[k] = last;
+        }
+    }
 }
 
 /* Adds the caller's segments on an edge to a list, ascending, each once. */
@@ -3195,7 +3291,7 @@ static void pbwp__job_free(pbwp__job *job)
 {
     pbwp__array *arrays[] = { &job->triangles, &job->points, &job->incidents, &job->given, &job->segments,
                               &job->original, &job->vertex, &job->pieces, &job->groups, &job->chain[0],
-                              &job->chain[1], &job->inner[0], &job->inner[1], &job->stack, &job->old, &job->crossings,
+                              &job->chain[1], &job->stack, &job->old, &job->crossings,
                               &job->first_of, &job->item_of,
                               &job->components, &job->fresh, &job->hosts, &job->vertex_host, &job->sizes };
     size_t i;
