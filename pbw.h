@@ -8750,6 +8750,29 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
    These points are pairwise at different places: those of equal hash are compared; and at no vertex: they are
    compared with the corners of their simplex.
    ------------------------------------------------------------------------------------------------------ */
+/* What a check may find, and its words. */
+enum {
+    PBW__SOUND,
+    PBW__FAULT_FINITE, PBW__FAULT_CANONICAL, PBW__FAULT_PLACE, PBW__FAULT_RIGHT, PBW__FAULT_VERTEX,
+    PBW__FAULT_INCIDENT, PBW__FAULT_CORNER, PBW__FAULT_FIRST, PBW__FAULT_NEGATIVE, PBW__FAULT_FLAT,
+    PBW__FAULT_OVERLAP, PBW__FAULT_INWARD, PBW__FAULT_OTHER, PBW__FAULT_BACK, PBW__FAULT_FACET, PBW__FAULT_CONFLICT,
+    PBW__FAULT_CONVEX, PBW__FAULT_OUTSIDE, PBW__FAULT_REPEATED, PBW__FAULT_UNHIDDEN, PBW__FAULT_TWICE,
+    PBW__FAULT_SPAN, PBW__FAULT_DUPLICATES, PBW__FAULT_HIDDEN
+};
+
+static const char *const pbw__fault_words[] = {
+    "", "a coordinate or weight is not finite", "the canonical point is none",
+    "a duplicate is not where its canonical point is", "a duplicate has the better right to be canonical",
+    "a duplicate is a vertex", "the incident simplex of a vertex does not have it", "a corner is no point",
+    "the incident simplex of a corner is not the first that has it", "a simplex is negatively oriented",
+    "a simplex is flat", "two simplices overlap, the first of the mesh and this", "a hull facet faces inward",
+    "a neighbor is no other simplex", "a neighbor does not name the simplex once",
+    "neighbors do not share the facet from opposite sides", "the corner across a facet is in conflict",
+    "the hull is not convex", "a point outside the hull is no vertex", "a point at a vertex is no duplicate of it",
+    "a point that is no vertex is not hidden", "two points at one place are no duplicates",
+    "the points span a simplex but there is none", "duplicate_count is wrong", "hidden_count is wrong"
+};
+
 typedef struct pbw__check {
     const pbw_mesh *mesh;
     pbw_report *report;
@@ -8785,9 +8808,9 @@ typedef struct pbw__checking {
 } pbw__checking;
 #define PBW__CHECKED ((size_t)1024)
 
-static int pbw__fault(pbw_report *report, const char *what, size_t simplex, int facet, size_t point)
+static int pbw__fault(pbw_report *report, int fault, size_t simplex, int facet, size_t point)
 {
-    report->what = what;
+    report->what = pbw__fault_words[fault];
     report->simplex = (pbw_index)simplex;
     report->facet = (pbw_index)facet;
     report->point = (pbw_index)point;
@@ -8832,8 +8855,10 @@ static int pbw__check_pass(pbw__check *check, pbw__check_items *items, size_t co
         report->facet_count += part->report.facet_count;
         report->hull_facet_count += part->report.hull_facet_count;
         if (part->report.what != NULL) {
-            (void)pbw__fault(report, part->report.what, part->report.simplex, (int)part->report.facet,
-                             part->report.point);
+            report->what = part->report.what;
+            report->simplex = part->report.simplex;
+            report->facet = part->report.facet;
+            report->point = part->report.point;
         }
     }
     pbw__release(memory, checking.part, parts, sizeof(pbw__check_part));
@@ -8865,11 +8890,10 @@ static int pbw__check_faces_inside(const pbw__check *check, const double **x, in
     return sign > 0;
 }
 
-/* Returns whether the simplex x holds o, which is infinitely close to a: so a must be in the closed box of x. */
-PBW__INLINE int pbw__check_covers(const pbw__check *check, int dim, const double **x)
+/* Returns whether the closed box of the simplex x has the point a. */
+PBW__INLINE int pbw__check_box_has(const double *const *x, const double *a, int dim)
 {
-    const double *a = check->basis[0];
-    int i, k, covers = 1;
+    int i, k;
     for (k = 0; k < dim; k++) {
         int below = 0, above = 0;
         for (i = 0; i <= dim; i++) {
@@ -8880,6 +8904,13 @@ PBW__INLINE int pbw__check_covers(const pbw__check *check, int dim, const double
             return 0;
         }
     }
+    return 1;
+}
+
+/* Returns whether the simplex x holds o, which is infinitely close to a: so a must be in the closed box of x. */
+PBW__INLINE int pbw__check_covers(const pbw__check *check, int dim, const double **x)
+{
+    int covers = pbw__check_box_has((const double *const *)x, check->basis[0], dim), i;
     for (i = 0; i <= dim && covers; i++) {
         covers = pbw__check_faces_inside(check, x, i);
     }
@@ -8897,24 +8928,24 @@ static int pbw__check_points(pbw__check *check, pbw__check_part *part, size_t fr
         for (k = 0; k <= dim; k++) {
             x[k] = (k < dim ? mesh->points[p * dim + k] : w != NULL ? w[p] : 0.0) + 0.0;
             if (!(x[k] - x[k] == 0.0)) {
-                return pbw__fault(&part->report, "a coordinate or weight is not finite", PBW_NONE, -1, p);
+                return pbw__fault(&part->report, PBW__FAULT_FINITE, PBW_NONE, -1, p);
             }
         }
         if (kept == PBW_NONE && first == PBW_NONE) { /* a free number of pbw_live_view */
             continue;
         }
         if (kept >= mesh->point_count || mesh->canonical[kept] != kept) {
-            return pbw__fault(&part->report, "the canonical point is none", PBW_NONE, -1, p);
+            return pbw__fault(&part->report, PBW__FAULT_CANONICAL, PBW_NONE, -1, p);
         }
         if (kept != p) {
             if (!pbw__same_place(mesh->points + dim * p, mesh->points + dim * kept, check->dim)) {
-                return pbw__fault(&part->report, "a duplicate is not where its canonical point is", PBW_NONE, -1, p);
+                return pbw__fault(&part->report, PBW__FAULT_PLACE, PBW_NONE, -1, p);
             }
             if (w != NULL && w[p] != w[kept] ? w[p] > w[kept] : p < kept) {
-                return pbw__fault(&part->report, "a duplicate has the better right to be canonical", PBW_NONE, -1, p);
+                return pbw__fault(&part->report, PBW__FAULT_RIGHT, PBW_NONE, -1, p);
             }
             if (first != PBW_NONE) {
-                return pbw__fault(&part->report, "a duplicate is a vertex", first, -1, p);
+                return pbw__fault(&part->report, PBW__FAULT_VERTEX, first, -1, p);
             }
             part->duplicate_count++;
         } else if (first != PBW_NONE) {
@@ -8924,7 +8955,7 @@ static int pbw__check_points(pbw__check *check, pbw__check_part *part, size_t fr
                 }
             }
             if (k > dim || first >= mesh->simplex_count) {
-                return pbw__fault(&part->report, "the incident simplex of a vertex does not have it", first, -1, p);
+                return pbw__fault(&part->report, PBW__FAULT_INCIDENT, first, -1, p);
             }
             part->report.vertex_count++;
         } else {
@@ -8969,10 +9000,10 @@ PBW__INLINE int pbw__check_facet(const pbw__check *check, pbw__check_part *part,
         part->report.hull_facet_count++;
         part->report.facet_count++;
         return pbw__check_faces_inside(check, x, i)
-            || pbw__fault(&part->report, "a hull facet faces inward", s, i, PBW_NONE);
+            || pbw__fault(&part->report, PBW__FAULT_INWARD, s, i, PBW_NONE);
     }
     if (t >= mesh->simplex_count || t == s) {
-        return pbw__fault(&part->report, "a neighbor is no other simplex", s, i, PBW_NONE);
+        return pbw__fault(&part->report, PBW__FAULT_OTHER, s, i, PBW_NONE);
     }
     u = mesh->simplices + t * corners;
     back = mesh->neighbors + t * corners;
@@ -8981,7 +9012,7 @@ PBW__INLINE int pbw__check_facet(const pbw__check *check, pbw__check_part *part,
         j = back[m] == s ? m : j;
     }
     if (links != 1) {
-        return pbw__fault(&part->report, "a neighbor does not name the simplex once", s, i, PBW_NONE);
+        return pbw__fault(&part->report, PBW__FAULT_BACK, s, i, PBW_NONE);
     }
     if (t > s) {
         return 1;
@@ -8991,10 +9022,10 @@ PBW__INLINE int pbw__check_facet(const pbw__check *check, pbw__check_part *part,
         return 1;                                    /* another task's to tell: t comes before s */
     }
     if (!pbw__check_facets_match(v, i, u, j, dim)) {
-        return pbw__fault(&part->report, "neighbors do not share the facet from opposite sides", s, i, PBW_NONE);
+        return pbw__fault(&part->report, PBW__FAULT_FACET, s, i, PBW_NONE);
     }
     if (pbw__conflict(dim, x, pbw__check_record(check, dim, u[j]), &check->grid)) {
-        return pbw__fault(&part->report, "the corner across a facet is in conflict", s, i, u[j]);
+        return pbw__fault(&part->report, PBW__FAULT_CONFLICT, s, i, u[j]);
     }
     return 1;
 }
@@ -9007,21 +9038,21 @@ PBW__INLINE int pbw__check_simplex(const pbw__check *check, pbw__check_part *par
     int i, sound = 1;
     for (i = 0; i <= dim; i++) {
         if (v[i] >= mesh->point_count) {
-            return pbw__fault(&part->report, "a corner is no point", s, -1, v[i]);
+            return pbw__fault(&part->report, PBW__FAULT_CORNER, s, -1, v[i]);
         }
         if (mesh->incident[v[i]] > s) {              /* PBW_NONE is; that it has v[i] is known */
-            return pbw__fault(&part->report, "the incident simplex of a corner is not the first that has it", s, -1,
+            return pbw__fault(&part->report, PBW__FAULT_FIRST, s, -1,
                               v[i]);
         }
     }
     pbw__check_corners(check, dim, s, x);
     i = pbw__orient(dim, x, &check->grid);
     if (i <= 0) {
-        return pbw__fault(&part->report, i < 0 ? "a simplex is negatively oriented" : "a simplex is flat", s, -1,
+        return pbw__fault(&part->report, i < 0 ? PBW__FAULT_NEGATIVE : PBW__FAULT_FLAT, s, -1,
                           PBW_NONE);
     }
     if (s > 0 && pbw__check_covers(check, dim, x)) {                 /* simplex 0 holds o: it is oriented */
-        return pbw__fault(&part->report, "two simplices overlap, the first of the mesh and this", s, -1, PBW_NONE);
+        return pbw__fault(&part->report, PBW__FAULT_OVERLAP, s, -1, PBW_NONE);
     }
     for (i = 0; i <= dim && sound; i++) {
         sound = pbw__check_facet(check, part, dim, s, i, x);
@@ -9075,7 +9106,7 @@ static int pbw__check_hull(pbw__check *check, pbw__check_part *part, size_t from
                 far = v[t * corners + in];
                 pbw__check_corners(check, check->dim, s, x);
                 if (pbw__side(check->dim, x, (int)i, pbw__check_record(check, check->dim, far), &check->grid) < 0) {
-                    return pbw__fault(&part->report, "the hull is not convex", s, (int)i, far);
+                    return pbw__fault(&part->report, PBW__FAULT_CONVEX, s, (int)i, far);
                 }
             }
         }
@@ -9092,7 +9123,7 @@ static int pbw__check_hidden(pbw__check *check, pbw__check_part *part, size_t fr
         size_t point = (uint32_t)check->other[from];
         const double *p = pbw__check_record(check, dim, point), *x[4];
         const pbw_index *next;
-        const char *what = NULL;
+        int fault = PBW__SOUND;
         pbw_index here = part->hint, last = here;
         int i, k;
         for (;;) {
@@ -9111,23 +9142,23 @@ static int pbw__check_hidden(pbw__check *check, pbw__check_part *part, size_t fr
             here = next[i];
         }
         if (i <= dim) {
-            what = "a point outside the hull is no vertex";
+            fault = PBW__FAULT_OUTSIDE;
         } else {
             i = -1;
-            for (k = 0; k <= dim && what == NULL; k++) {
-                what = pbw__same_place(p, x[k], dim) ? "a point at a vertex is no duplicate of it" : NULL;
+            for (k = 0; k <= dim && fault == PBW__SOUND; k++) {
+                fault = pbw__same_place(p, x[k], dim) ? PBW__FAULT_REPEATED : PBW__SOUND;
             }
-            if (what == NULL && pbw__conflict(dim, x, p, &check->grid)) {
-                what = "a point that is no vertex is not hidden";
+            if (fault == PBW__SOUND && pbw__conflict(dim, x, p, &check->grid)) {
+                fault = PBW__FAULT_UNHIDDEN;
             }
         }
-        if (what == NULL) {
+        if (fault == PBW__SOUND) {
             part->hint = here;
             from++;
         } else if (part->hint != 0) {
             part->hint = 0;                          /* reported as a walk from simplex 0 finds it, in every part */
         } else {
-            return pbw__fault(&part->report, what, here, i, point);
+            return pbw__fault(&part->report, fault, here, i, point);
         }
     }
     return 1;
@@ -9166,7 +9197,7 @@ static int pbw__check_span(pbw__check *check)
             return going;
         }
         if (check->rank == check->dim) {
-            return pbw__fault(check->report, "the points span a simplex but there is none", PBW_NONE, -1, point - 1);
+            return pbw__fault(check->report, PBW__FAULT_SPAN, PBW_NONE, -1, point - 1);
         }
         check->basis[check->rank++] = pbw__check_record(check, check->dim, point - 1);
     }
@@ -9255,7 +9286,7 @@ static int pbw__check_apart(pbw__check *check, pbw__check_part *part, size_t fro
         for (m = k + 1; m < check->other_count && key[m] >> 32 == key[k] >> 32; m++) {
             uint32_t p = (uint32_t)key[m];
             if (pbw__same_place(x, pbw__check_record(check, check->dim, p), check->dim)) {
-                return pbw__fault(&part->report, "two points at one place are no duplicates", PBW_NONE, -1, p);
+                return pbw__fault(&part->report, PBW__FAULT_TWICE, PBW_NONE, -1, p);
             }
         }
         check->other[k] = pbw__hilbert_key(&check->curve, &check->box, x, check->dim,
@@ -9322,10 +9353,10 @@ static int pbw__check_all(pbw__check *check)
         return 0;
     }
     if (check->duplicate_count != mesh->duplicate_count) {
-        return pbw__fault(check->report, "duplicate_count is wrong", PBW_NONE, -1, PBW_NONE);
+        return pbw__fault(check->report, PBW__FAULT_DUPLICATES, PBW_NONE, -1, PBW_NONE);
     }
     if (mesh->hidden_count != (simplices > 0 ? check->other_count : 0)) {
-        return pbw__fault(check->report, "hidden_count is wrong", PBW_NONE, -1, PBW_NONE);
+        return pbw__fault(check->report, PBW__FAULT_HIDDEN, PBW_NONE, -1, PBW_NONE);
     }
     pbw__grid_scan(check->context, check->record, points, check->dim, &check->grid);
     if (simplices == 0) {
@@ -9348,7 +9379,7 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
         return PBW_ERROR_ARGUMENT;
     }
     memset(report, 0, sizeof(*report));
-    report->what = "";
+    report->what = pbw__fault_words[PBW__SOUND];
     report->simplex = report->facet = report->point = PBW_NONE;
     if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3)
         || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
