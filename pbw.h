@@ -9900,6 +9900,7 @@ struct pbw__queries {
     double *value;
     pbw_index *simplices, *facets, *vertices;        /* of locate, of nearest */
     double *distances, radius;
+    double large;                                    /* of nearest: see pbw__find_unit */
     size_t k;
     pbw_scheme scheme;
 };
@@ -10604,20 +10605,59 @@ PBWDEF pbw_status pbw_stars(const pbw_mesh *mesh, const pbw_options *options, pb
 
 /* ---- distances
    squared = |v - q|^2 - w with an error of at most slack: see >>predicates.  What underflows is less than 2^-1020 in
-   all.  An overflow makes slack infinite or NaN. */
+   all.  An overflow makes slack infinite or NaN.  q[3] is the relative error of squares, 0 where all are exact. */
 PBW__INLINE pbw__reach pbw__reach_to(const pbw_mesh *mesh, int dim, const double *q, pbw_index vertex)
 {
     pbw__reach reach;
     const double squared = pbw__squared(mesh->points + vertex * (size_t)dim, q, dim);
     reach.squared = squared;
-    reach.slack = PBW__REACH_ERROR * DBL_EPSILON * squared + 1e-300;
+    reach.slack = q[3] * (squared + 1e-280);
     if (mesh->weights != NULL) {
         reach.squared -= mesh->weights[vertex];
-        reach.slack += PBW__REACH_ERROR * DBL_EPSILON * pbw__abs(mesh->weights[vertex]);
+        reach.slack += q[3] * pbw__abs(mesh->weights[vertex]);
     }
     reach.vertex = vertex;
     reach.done = 0;
     return reach;
+}
+
+/* Looks for a unit, a power of two, of which all coordinates are multiples, at most 2^23 of them, as on lattices.
+   Squared distances to queries of which this holds too are exact.  queries->large becomes 3 * 2^51 units, 0 if there
+   is none. */
+static void pbw__find_unit(pbw__queries *queries)
+{
+    const double *x = queries->mesh->points;
+    const size_t count = queries->mesh->point_count * (size_t)queries->mesh->dim;
+    double most = 0.0, unit, large;
+    size_t i;
+    if (queries->mesh->weights != NULL || queries->count < queries->mesh->point_count / 16) {
+        return;
+    }
+    for (i = 0; i < count; i += count / 64 + 1) {
+        most = pbw__max(most, pbw__abs(x[i]));
+    }
+    if (!(most > 1e-100 && most < 1e100)) {
+        return;
+    }
+    unit = pbw__power_of_two(pbw__exponent(most) - 20);
+    large = 6755399441055744.0 * unit;
+    for (i = 0; i < count; i++) {
+        if (!(pbw__abs(x[i]) <= 8388608.0 * unit) || (large + x[i]) - large != x[i]) {
+            return;
+        }
+    }
+    queries->large = large;
+}
+
+/* Sets q[3]. */
+PBW__INLINE void pbw__set_error(const pbw__queries *queries, double *q)
+{
+    const double large = queries->large, limit = large / 805306368.0;        /* 2^23 units */
+    int fits = large > 0.0, k;
+    for (k = 0; k < 3; k++) {
+        fits &= (pbw__abs(q[k]) <= limit) & ((large + q[k]) - large == q[k]);
+    }
+    q[3] = fits ? 0.0 : PBW__REACH_ERROR * DBL_EPSILON;
 }
 
 /* Returns whether (a-b)^2 and their sums are free of rounding errors in any mode: a and b are multiples of a unit, a
@@ -10706,7 +10746,7 @@ static PBW__NOINLINE int pbw__reach_exact(const pbw_mesh *mesh, const double *q,
 PBW__INLINE int pbw__reach_order(const pbw_mesh *mesh, const double *q, const pbw__reach *a, const pbw__reach *b)
 {
     const double gap = a->squared - b->squared, slack = a->slack + b->slack;
-    return gap > slack ? 1 : gap < -slack ? -1 : pbw__reach_exact(mesh, q, a, b);
+    return gap > slack ? 1 : gap < -slack ? -1 : slack == 0.0 ? 0 : pbw__reach_exact(mesh, q, a, b);
 }
 
 PBW__INLINE int pbw__reach_before(const pbw_mesh *mesh, const double *q, const pbw__reach *a, const pbw__reach *b)
@@ -10718,7 +10758,7 @@ PBW__INLINE int pbw__reach_before(const pbw_mesh *mesh, const double *q, const p
     if (a->vertex == b->vertex) {
         return 0;
     } else {
-        const int order = pbw__reach_exact(mesh, q, a, b);
+        const int order = slack == 0.0 ? 0 : pbw__reach_exact(mesh, q, a, b);
         return order != 0 ? order < 0 : a->vertex < b->vertex;
     }
 }
@@ -10806,12 +10846,15 @@ PBW__INLINE int pbw__descend_of(const pbw__queries *queries, int dim, const doub
                 *best = pbw__reach_to(mesh, dim, q, at);
                 continue;
             }
+            if (best->slack == 0.0 && least == best->squared) {
+                return 1;
+            }
         }
         for (; i < end; i++) {
             pbw__reach other = pbw__reach_to(mesh, dim, q, item[i]);
             const double gap = other.squared - best->squared, slack = other.slack + best->slack;
             if (PBW__UNLIKELY(!(gap > slack))) {
-                const int order = gap < -slack ? -1 : pbw__reach_exact(mesh, q, &other, best);
+                const int order = pbw__reach_order(mesh, q, &other, best);
                 equal |= order == 0;
                 *best = order < 0 ? other : *best;
             }
@@ -10889,6 +10932,44 @@ static void pbw__flood(pbw__queries *queries, pbw__desk *desk, const double *q, 
             return;
         }
     }
+}
+
+/* The lowest vertex as near as `start` into *start.  Returns 0 if there are more of them than PBW__FEW. */
+PBW__INLINE int pbw__lowest_of_few(const pbw__queries *queries, int dim, const double *q, pbw__reach *start)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const pbw_lists *stars = queries->stars;
+    const double limit = mesh->weights == NULL ? start->squared + 3.0 * start->slack : HUGE_VAL;
+    pbw_index list[PBW__FEW], near_ones[PBW__FEW];
+    size_t count = 1, next, i, j;
+    list[0] = start->vertex;
+    for (next = 0; next < count; next++) {
+        const size_t end = stars->first[list[next] + (size_t)1];
+        for (i = stars->first[list[next]]; i < end; ) {
+            const size_t stop = end - i < PBW__FEW ? end : i + PBW__FEW;
+            size_t found = 0;
+            for (; i < stop; i++) {                  /* without a branch for each */
+                near_ones[found] = stars->item[i];
+                found += pbw__squared(mesh->points + stars->item[i] * (size_t)dim, q, dim) <= limit;
+            }
+            while (found-- > 0) {
+                const pbw__reach reach = pbw__reach_to(mesh, dim, q, near_ones[found]);
+                for (j = 0; j < count && list[j] != reach.vertex; j++) {
+                }
+                if (j < count || pbw__reach_order(mesh, q, &reach, start) != 0) {
+                    continue;
+                }
+                if (count == PBW__FEW) {
+                    return 0;
+                }
+                list[count++] = reach.vertex;
+            }
+        }
+    }
+    for (i = 1; i < count; i++) {
+        start->vertex = list[i] < start->vertex ? list[i] : start->vertex;
+    }
+    return 1;
 }
 
 /* Puts a vertex into its place among the `most` nearest in order, unless it is there or too far.  Returns where. */
@@ -10975,6 +11056,10 @@ static void pbw__near_one(pbw__queries *queries, pbw__desk *desk, const double *
     pbw__reach reach;
     size_t at, i;
     desk->reach_count = 0;
+    if (equal && k == 1) {
+        equal = !(mesh->dim == 3 ? pbw__lowest_of_few(queries, 3, q, &best)
+                                 : pbw__lowest_of_few(queries, 2, q, &best));
+    }
     if (equal) {
         pbw__flood(queries, desk, q, &best, -1.0);
     } else if (k > 1) {
@@ -11071,6 +11156,7 @@ PBW__INLINE int pbw__query_descend(pbw__queries *queries, size_t place, int firs
 {
     const pbw_mesh *mesh = queries->mesh;
     (void)pbw__query_point(queries, pbw__query_index(queries, place), q);
+    pbw__set_error(queries, q);
     if (first) {
         best->vertex = pbw__guess(mesh, q);
     }
@@ -11081,7 +11167,7 @@ PBW__INLINE int pbw__query_descend(pbw__queries *queries, size_t place, int firs
 static void pbw__nearest_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
 {
     pbw__reach best;
-    double q[3];
+    double q[4];
     size_t i;
     (void)block;
     memset(&best, 0, sizeof(best));
@@ -11089,6 +11175,7 @@ static void pbw__nearest_block(pbw__queries *queries, pbw__desk *desk, size_t bl
         const size_t query = pbw__query_index(queries, i);
         if (queries->mesh->simplex_count == 0) {
             (void)pbw__query_point(queries, query, q);
+            pbw__set_error(queries, q);
             pbw__near_all(queries, desk, q, query);
         } else {
             const int equal = pbw__query_descend(queries, i, i == from, q, &best);
@@ -11130,7 +11217,7 @@ static void pbw__within_block(pbw__queries *queries, pbw__desk *desk, size_t blo
 {
     const pbw_mesh *mesh = queries->mesh;
     pbw__reach best;
-    double q[3], *values;
+    double q[4], *values;
     pbw_index *items;
     size_t i, v, k, count;
     memset(&best, 0, sizeof(best));
@@ -11143,6 +11230,7 @@ static void pbw__within_block(pbw__queries *queries, pbw__desk *desk, size_t blo
             }
         } else {
             (void)pbw__query_point(queries, pbw__query_index(queries, i), q);
+            pbw__set_error(queries, q);
             for (v = 0; v < mesh->point_count && !desk->failed; v++) {
                 const pbw__reach reach = pbw__reach_to(mesh, mesh->dim, q, (pbw_index)v);
                 if (v % PBW__TICK == 0 && pbw__report(&queries->context, 0.0)) {
@@ -11365,11 +11453,11 @@ PBW__SIMD_INLINE pbw__d4 pbw__load_four(const double *from)
 /* The nearest so far, in exact order, and room for one more. */
 typedef struct pbw__found { double squared[PBW__FEW + 1]; pbw_index vertex[PBW__FEW + 1]; size_t count; } pbw__found;
 
-PBW__INLINE pbw__reach pbw__found_at(const pbw__found *found, size_t i)
+PBW__INLINE pbw__reach pbw__found_at(const pbw__found *found, const double *q, size_t i)
 {
     pbw__reach reach;
     reach.squared = found->squared[i];
-    reach.slack = PBW__REACH_ERROR * DBL_EPSILON * reach.squared + 1e-300;
+    reach.slack = q[3] * (reach.squared + 1e-280);
     reach.vertex = found->vertex[i];
     reach.done = 0;
     return reach;
@@ -11378,7 +11466,7 @@ PBW__INLINE pbw__reach pbw__found_at(const pbw__found *found, size_t i)
 /* Exchanges entry i with the one before if that is farther.  Returns whether it was. */
 static int pbw__found_exchange(const pbw_mesh *mesh, pbw__found *found, const double *q, size_t i)
 {
-    const pbw__reach before = pbw__found_at(found, i - 1), reach = pbw__found_at(found, i);
+    const pbw__reach before = pbw__found_at(found, q, i - 1), reach = pbw__found_at(found, q, i);
     if (!pbw__reach_before(mesh, q, &reach, &before)) {
         return 0;
     }
@@ -11402,16 +11490,17 @@ static PBW__NOINLINE void pbw__found_settle(const pbw_mesh *mesh, pbw__found *fo
 PBW__INLINE void pbw__found_add(const pbw__queries *queries, pbw__found *found, const double *q, double squared,
                                 pbw_index vertex)
 {
-    const double close = 3.0 * (PBW__REACH_ERROR * DBL_EPSILON * squared + 1e-300);
+    const double close = 3.0 * q[3] * (squared + 1e-280);
     size_t at = found->count;
-    for (; at > 0 && found->squared[at - 1] > squared; at--) {
+    for (; at > 0 && (found->squared[at - 1] > squared
+                      || (found->squared[at - 1] == squared && found->vertex[at - 1] > vertex)); at--) {
         found->squared[at] = found->squared[at - 1];
         found->vertex[at] = found->vertex[at - 1];
     }
     found->squared[at] = squared;
     found->vertex[at] = vertex;
     if (PBW__UNLIKELY((at > 0 && !(squared - found->squared[at - 1] > close))
-                      || (at < found->count && !(found->squared[at + 1] - squared > close)))) {
+                      || (at < found->count && !(found->squared[at + 1] - squared > close))) && q[3] > 0.0) {
         pbw__found_settle(queries->mesh, found, q, at);
     }
     found->count += found->count < queries->k;
@@ -11529,7 +11618,7 @@ PBW__SIMD_INLINE double pbw__search_limit(const pbw__queries *queries, int dim, 
 PBW__SIMD static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
 {
     pbw__found found;
-    double q[3];
+    double q[4];
     size_t i, at;
     (void)desk;
     (void)block;
@@ -11537,6 +11626,7 @@ PBW__SIMD static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, 
     for (i = from; i < to; i++) {
         const size_t query = pbw__query_index(queries, i);
         (void)pbw__query_point(queries, query, q);
+        pbw__set_error(queries, q);
         if (queries->mesh->dim == 3) {
             pbw__search_of(queries, 3, &found, q, pbw__search_limit(queries, 3, &found, q));
         } else {
@@ -11546,7 +11636,7 @@ PBW__SIMD static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, 
         _mm256_zeroupper();                          /* else code that is not made for AVX waits ever after */
 #endif
         for (at = 0; at < queries->k; at++) {
-            const pbw__reach reach = pbw__found_at(&found, at < found.count ? at : 0);
+            const pbw__reach reach = pbw__found_at(&found, q, at < found.count ? at : 0);
             pbw__give_near(queries, q, query, at, at < found.count ? &reach : NULL);
         }
     }
@@ -11582,6 +11672,7 @@ static pbw_status pbw__nearest_all(pbw__queries *queries, const pbw_lists *stars
     pbw_lists own;
     pbw_status status;
     memset(&own, 0, sizeof(own));
+    pbw__find_unit(queries);
 #ifdef PBW__SIMD
     if (pbw__tree_answers(queries, stars)) {
         return pbw__search_all(queries);
