@@ -13592,12 +13592,47 @@ static pbw_status pbw__core_scan(pbw__core *core)
     return PBW_OK;
 }
 
+/* box: per task, the least and the largest entries of its records. */
+typedef struct pbw__taking { pbw__core *core; const pbw_index *list; double (*box)[8]; int tasks; } pbw__taking;
+
+/* Names the vertices of a share. */
+static void pbw__core_take_share(void *arg, int task)
+{
+    const pbw__taking *taking = (const pbw__taking *)arg;
+    pbw__core *core = taking->core;
+    const size_t width = (size_t)core->kernel.dim + 1, count = core->vertex_count;
+    const size_t end = pbw__share(count, task + 1, taking->tasks) + 1;
+    double low[4], high[4];
+    size_t r, k;
+    for (k = 0; k < 4; k++) {
+        low[k] = HUGE_VAL;
+        high[k] = -HUGE_VAL;
+    }
+    for (r = pbw__share(count, task, taking->tasks) + 1; r < end; r++) {
+        const size_t soon = core->name[r + 16 < end ? r + 16 : r];
+        const double *x = core->record + r * width;
+        const pbw_index id = taking->list != NULL ? taking->list[core->name[r]] : core->name[r];
+        PBW__PREFETCH_TO_WRITE(core->vertex + soon);
+        PBW__PREFETCH_TO_WRITE(core->twin + soon);
+        core->name[r] = id;
+        core->vertex[id] = (pbw_index)r;
+        core->twin[id] = id;
+        for (k = 0; k < width; k++) {
+            low[k] = x[k] < low[k] ? x[k] : low[k];
+            high[k] = x[k] > high[k] ? x[k] : high[k];
+        }
+    }
+    memcpy(taking->box[task], low, sizeof(low));
+    memcpy(taking->box[task] + 4, high, sizeof(high));
+}
+
 /* The records are the core's now; names of vertices, the numbers at each place.  `canonical` and `id` of the vertices
    are places in the list of numbers; NULL: numbers. */
 static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const pbw_index *list, size_t numbers)
 {
+    pbw__context *context = core->kernel.context;
     const size_t records = vertices->point_count + 1, width = (size_t)vertices->dim + 1;
-    pbw_index r;
+    pbw__taking taking;
     size_t i, k;
     core->record = vertices->record;
     core->record_capacity = records * width;
@@ -13614,21 +13649,23 @@ static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const
     }
     memset(core->incident, 0xff, records * sizeof(pbw_index));
     memset(core->local, 0, core->local_capacity * sizeof(pbw_index));
-    for (k = 0; k < width; k++) {
-        core->low[k] = HUGE_VAL;
-        core->high[k] = -HUGE_VAL;
+    taking.core = core;
+    taking.list = list;
+    taking.tasks = pbw__tasks(context, vertices->count, 16384);
+    taking.box = (double (*)[8])pbw__allocate(&context->memory, (size_t)taking.tasks, sizeof(*taking.box));
+    if (taking.box == NULL) {
+        return PBW_ERROR_MEMORY;
     }
-    for (r = 1; r <= vertices->count; r++) {
-        const double *x = core->record + r * width;
-        const pbw_index id = list != NULL ? list[core->name[r]] : core->name[r];
-        core->name[r] = id;
-        core->vertex[id] = r;
-        core->twin[id] = id;
-        for (k = 0; k < width; k++) {
-            core->low[k] = x[k] < core->low[k] ? x[k] : core->low[k];
-            core->high[k] = x[k] > core->high[k] ? x[k] : core->high[k];
+    pbw__for(context, taking.tasks, pbw__core_take_share, &taking);
+    for (k = 0; k < width; k++) {
+        core->low[k] = taking.box[0][k];
+        core->high[k] = taking.box[0][4 + k];
+        for (i = 1; i < (size_t)taking.tasks; i++) {
+            core->low[k] = taking.box[i][k] < core->low[k] ? taking.box[i][k] : core->low[k];
+            core->high[k] = taking.box[i][4 + k] > core->high[k] ? taking.box[i][4 + k] : core->high[k];
         }
     }
+    pbw__release(&context->memory, taking.box, (size_t)taking.tasks, sizeof(*taking.box));
     for (i = 0; i < vertices->point_count && vertices->duplicate_count > 0; i++) {
         const pbw_index other = vertices->canonical[i];
         if (other != i && other != PBW_NONE) {
@@ -14869,20 +14906,21 @@ static void pbw__collect_slots(pbw__core *core, pbw__core *task)
     }
 }
 
-/* Moves free slots of the core to a task. */
-static void pbw__give_slots(pbw__core *core, pbw__core *task, size_t count)
+/* Moves free slots from the core to a task, or back. */
+static void pbw__move_slots(const pbw__core *core, pbw__core *from, pbw__core *to, size_t count)
 {
-    pbw__slots *slots = &task->kernel.slots, *all = &core->kernel.slots;
-    for (; count > 0 && all->free_count > 0; count--, all->free_count--) {
-        const pbw_index t = all->free_list;
-        all->free_list = core->kernel.corner[4 * (size_t)t + 1];
+    pbw__slots *source = &from->kernel.slots, *slots = &to->kernel.slots;
+    for (; count > 0 && source->free_count > 0; count--, source->free_count--) {
+        const pbw_index t = source->free_list;
+        source->free_list = core->kernel.corner[4 * (size_t)t + 1];
         core->kernel.corner[4 * (size_t)t + 1] = slots->free_list;
         slots->free_list = t;
         slots->free_last = slots->free_count++ == 0 ? t : slots->free_last;
     }
 }
 
-/* Free slots for the tasks of a round: each keeps its own between rounds, as to walk along a list takes time. */
+/* Free slots for the tasks of a round: each keeps its own between rounds, as to walk along a list takes time.  What a
+   task has beyond its share goes to others. */
 static void pbw__share_slots(const pbw__changing *batch)
 {
     pbw__core *core = batch->core;
@@ -14896,12 +14934,14 @@ static void pbw__share_slots(const pbw__changing *batch)
         }
     }
     for (part = 0; part < parts && missing > core->kernel.slots.free_count; part++) {
-        pbw__collect_slots(core, core->task[part]);
+        const size_t have = core->task[part]->kernel.slots.free_count;
+        const size_t surplus = have > wanted ? have - wanted : 0, more = missing - core->kernel.slots.free_count;
+        pbw__move_slots(core, core->task[part], core, surplus < more ? surplus : more);
     }
     for (part = 0; part < parts; part++) {
         const size_t have = core->task[part]->kernel.slots.free_count;
         const size_t share = core->kernel.slots.free_count / (parts - part), less = have < wanted ? wanted - have : 0;
-        pbw__give_slots(core, core->task[part], less < share ? less : share);
+        pbw__move_slots(core, core, core->task[part], less < share ? less : share);
     }
 }
 
@@ -15071,9 +15111,9 @@ PBW__INLINE const double *pbw__live_point(const pbw_live *live, size_t id)
 }
 
 /* Prefetches for entries of the queue to come, which are in any order. */
-PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i)
+PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i, size_t end)
 {
-    if (i + 16 < live->queue_count) {
+    if (i + 16 < end) {
         const pbw_index far = live->queue[i + 16], near = live->queue[i + 8];
         PBW__PREFETCH(live->state + far);
         PBW__PREFETCH(live->point + (size_t)live->dim * far);
@@ -15090,12 +15130,15 @@ PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i)
     }
 }
 
+typedef struct pbw__classes { pbw_live *live; size_t leave, arrive; } pbw__classes;
+
 /* Marks which of the queue leave a place, and arrive at one; counts them. */
-static void pbw__live_classify(pbw_live *live, size_t *leave, size_t *arrive)
+static pbw_status pbw__live_classify_range(void *arg, size_t from, size_t to)
 {
-    size_t i;
-    *leave = *arrive = 0;
-    for (i = 0; i < live->queue_count; i++) {
+    pbw__classes *classes = (pbw__classes *)arg;
+    pbw_live *live = classes->live;
+    size_t leave = 0, arrive = 0, i;
+    for (i = from; i < to; i++) {
         const pbw_index id = live->queue[i];
         const unsigned state = live->state[id] & (PBW__LIVES | PBW__STAYS | PBW__QUEUED);
         const int lives = (state & PBW__LIVES) != 0, stays = (state & PBW__STAYS) != 0;
@@ -15104,10 +15147,13 @@ static void pbw__live_classify(pbw_live *live, size_t *leave, size_t *arrive)
                                                              live->dim);
         const unsigned leaves = lives && (moves || !stays), arrives = stays && (moves || !lives);
         live->state[id] = (unsigned char)(state | leaves * PBW__LEAVES | arrives * PBW__ARRIVES);
-        *leave += leaves;
-        *arrive += arrives;
-        pbw__live_prefetch(live, i);
+        leave += leaves;
+        arrive += arrives;
+        pbw__live_prefetch(live, i, to);
     }
+    (void)PBW__ADD(&classes->leave, leave);
+    (void)PBW__ADD(&classes->arrive, arrive);
+    return PBW_OK;
 }
 
 /* Writes to a table of the core, so that it can be undone; 0 if memory is short. */
@@ -15230,11 +15276,12 @@ PBW__INLINE void pbw__place_prefetch(const pbw__core *core, const double *x, int
     }
 }
 
-/* Room for the changes of a batch: `more` new vertices, as many places with changes.  places: they are looked up. */
-static pbw_status pbw__batch_reserve(pbw_live *live, size_t more, int places)
+/* Room for a batch that changes `more` places.  anew: they may get new vertices, and are looked up. */
+static pbw_status pbw__batch_reserve(pbw_live *live, size_t more, int anew)
 {
     pbw__core *core = &live->core;
-    const size_t vertices = core->vertex_count + more + 1, width = (size_t)live->dim + 1, old = core->local_capacity;
+    const size_t vertices = core->vertex_count + (anew ? more : 0) + 1, width = (size_t)live->dim + 1;
+    const size_t old = core->local_capacity;
     const int room = vertices < PBW__GONE && PBW__CORE_GROW(core, vertex, live->count)
         && PBW__CORE_GROW(core, twin, live->count) && PBW__CORE_GROW(core, record, vertices * width)
         && PBW__CORE_GROW(core, name, vertices) && PBW__CORE_GROW(core, incident, vertices)
@@ -15246,7 +15293,7 @@ static pbw_status pbw__batch_reserve(pbw_live *live, size_t more, int places)
         && PBW__LIVE_GROW(live, joining, more + 1);
     core->kernel.record = core->record;              /* which may have moved, whatever failed then */
     memset(core->local + old, 0, (core->local_capacity - old) * sizeof(pbw_index));
-    return !room ? PBW_ERROR_MEMORY : places ? pbw__place_reserve(live, more) : PBW_OK;
+    return !room ? PBW_ERROR_MEMORY : anew ? pbw__place_reserve(live, more) : PBW_OK;
 }
 
 /* Notes that the place of a vertex changes: its place in the list of those that do.  `head` is the first of its
@@ -15532,7 +15579,7 @@ static pbw_status pbw__batch_plan(pbw_live *live)
     }
     core->rim_vertices = 0;
     for (i = 0; i < live->queue_count; i++) {
-        pbw__live_prefetch(live, i);
+        pbw__live_prefetch(live, i, live->queue_count);
         if ((live->state[live->queue[i]] & PBW__LEAVES) != 0) {
             (void)pbw__live_affect(live, core->vertex[live->queue[i]], PBW_NONE);
         }
@@ -15558,24 +15605,42 @@ static int pbw__is_whole(double x)
     return pbw__abs(x) >= 9007199254740992.0 || (double)(int64_t)x == x;
 }
 
-/* Gives up the grid if a new record is not on it, or beyond those that it was made of. */
-static void pbw__live_fit_grid(pbw_live *live, const pbw_index *list, size_t count)
+typedef struct pbw__fitting { const pbw_live *live; const pbw_index *list; int beyond; } pbw__fitting;
+
+static pbw_status pbw__live_fit_range(void *arg, size_t from, size_t to)
 {
-    pbw__core *core = &live->core;
-    const int dim = live->dim;
-    size_t i;
+    pbw__fitting *fitting = (pbw__fitting *)arg;
+    const pbw__core *core = &fitting->live->core;
+    const int dim = fitting->live->dim;
+    const double unit = core->grid.inverse_unit;
     int k;
-    for (i = 0; i < count && core->grid.inverse_unit != 0.0; i++) {
-        const double *x = pbw__core_record(core, list[i]);
+    for (; from < to && !PBW__LOAD(&fitting->beyond); from++) {
+        const double *x = pbw__core_record(core, fitting->list[from]);
         for (k = 0; k <= dim; k++) {
-            const double unit = core->grid.inverse_unit, scale = k < dim ? unit : unit * unit;
-            if (!(x[k] >= core->low[k] && x[k] <= core->high[k] && pbw__is_whole(x[k] * scale))) {
-                memset(&core->grid, 0, sizeof(core->grid));
-                core->kernel.exact_height = 0.0;
+            if (!(x[k] >= core->low[k] && x[k] <= core->high[k]
+                  && pbw__is_whole(x[k] * (k < dim ? unit : unit * unit)))) {
+                PBW__STORE(&fitting->beyond, 1);
                 break;
             }
         }
     }
+    return PBW_OK;
+}
+
+/* Gives up the grid if a new record is not on it, or beyond those that it was made of. */
+static pbw_status pbw__live_fit_grid(pbw_live *live, const pbw_index *list, size_t count)
+{
+    pbw__core *core = &live->core;
+    pbw__fitting fitting = { live, list, 0 };
+    pbw_status status = PBW_OK;
+    if (core->grid.inverse_unit != 0.0) {
+        status = pbw__for_range(core->kernel.context, count, 8192, 0.0, pbw__live_fit_range, &fitting);
+        if (fitting.beyond) {
+            memset(&core->grid, 0, sizeof(core->grid));
+            core->kernel.exact_height = 0.0;
+        }
+    }
+    return status;
 }
 
 /* ---- the changes of a batch, see >>tasks */
@@ -15643,7 +15708,7 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
         live->arriving[i] = live->arriving[live->arriving_count - 1 - i];
         live->arriving[live->arriving_count - 1 - i] = v;
     }
-    pbw__live_fit_grid(live, live->arriving, live->arriving_count);
+    status = status == PBW_OK ? pbw__live_fit_grid(live, live->arriving, live->arriving_count) : status;
     memset(&batch, 0, sizeof(batch));
     core->effort = 0;
     batch.arg = live;
@@ -15797,8 +15862,8 @@ static pbw_status pbw__live_in_place(pbw_live *live, size_t count, pbw_changes *
         return status;
     }
     pbw__live_exchange(live);
-    pbw__live_fit_grid(live, live->leaving, live->leaving_count);
-    status = pbw__verify(core, core->simplex_count / 2 + 64);
+    status = pbw__live_fit_grid(live, live->leaving, live->leaving_count);
+    status = status == PBW_OK ? pbw__verify(core, core->simplex_count / 2 + 64) : status;
     if (status == PBW_OK && changes != NULL) {
         status = pbw__batch_changes(live, changes);
     }
@@ -15990,7 +16055,7 @@ static pbw_status pbw__shift_places(pbw_live *live)
     core->placed += count;
     status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_enter, live);
     pbw__live_exchange(live);
-    pbw__live_fit_grid(live, live->leaving, count);
+    status = status == PBW_OK ? pbw__live_fit_grid(live, live->leaving, count) : status;
     if (status == PBW_OK) {
         status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_unique, live);
     }
@@ -16211,11 +16276,17 @@ static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_change
 {
     const double points = (double)live->points;
     const size_t most = PBW__EFFORT * (live->points + 100);
+    pbw__classes classes = { live, 0, 0 };
     size_t leave, arrive;
     int near;
-    pbw_status status = PBW__ANEW;
     pbw_way way = PBW_WAY_REBUILD;
-    pbw__live_classify(live, &leave, &arrive);
+    pbw_status status = pbw__for_range(context, live->queue_count, 8192, 0.0, pbw__live_classify_range, &classes);
+    if (status != PBW_OK) {
+        return status;
+    }
+    status = PBW__ANEW;
+    leave = classes.leave;
+    arrive = classes.arrive;
     if (leave + arrive == 0) {
         return live->core.simplex_count > 0 ? PBW_OK : PBW_DEGENERATE;
     }
@@ -16247,19 +16318,20 @@ static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_change
     return status;
 }
 
-static pbw_status pbw__live_import(pbw_live *live, pbw__context *context, const pbw_mesh *mesh);      /* >>adopt */
+static pbw_status pbw__live_load(pbw_live *live, pbw__context *context, const pbw_mesh *mesh);      /* >>adopt */
+static pbw_status pbw__live_import(pbw_live *live, pbw__context *context, const pbw_mesh *mesh);
 
-/* Carries out the queue; mesh: NULL, or that which its points are of, all to be inserted. */
+/* Carries out the queue; mesh: NULL, or that of which all points are to be queued and inserted. */
 static pbw_status pbw__live_run(pbw_live *live, const pbw_mesh *mesh, pbw_changes *changes)
 {
     pbw__context context;
     pbw_status status;
     pbw__fp fp = pbw__fp_enter();
-    pbw__context_start(&context, &live->options, live->count);
+    pbw__context_start(&context, &live->options, mesh != NULL ? mesh->point_count : live->count);
     context.memory = live->memory;
     live->core.kernel.context = &context;
-    status = !pbw__fp_is_exact() ? PBW_ERROR_FP_MODE
-           : mesh != NULL ? pbw__live_import(live, &context, mesh) : PBW__ANEW;
+    status = !pbw__fp_is_exact() ? PBW_ERROR_FP_MODE : mesh != NULL ? pbw__live_load(live, &context, mesh) : PBW_OK;
+    status = status != PBW_OK ? status : mesh != NULL ? pbw__live_import(live, &context, mesh) : PBW__ANEW;
     status = status == PBW__ANEW ? pbw__live_go(live, &context, changes) : status;
     pbw__team_stop(&context);
     if (status == PBW_OK || status == PBW_DEGENERATE) {
@@ -16693,6 +16765,55 @@ static pbw_status pbw__import_core(pbw_live *live, pbw__context *context, pbw__i
     return status;
 }
 
+/* Queues points of a mesh, those that are there; counts the others, and those with numbers that are not finite. */
+typedef struct pbw__loading { pbw_live *live; const pbw_mesh *mesh; size_t absent, wild; } pbw__loading;
+
+static pbw_status pbw__load_range(void *arg, size_t from, size_t to)
+{
+    pbw__loading *loading = (pbw__loading *)arg;
+    pbw_live *live = loading->live;
+    const pbw_mesh *mesh = loading->mesh;
+    const size_t dim = (size_t)live->dim;
+    size_t absent = 0, wild = 0, i, k;
+    for (i = from; i < to; i++) {
+        const int there = mesh->canonical[i] != PBW_NONE;
+        for (k = 0; k < dim; k++) {
+            live->point[i * dim + k] = there ? mesh->points[i * dim + k] + 0.0 : 0.0;        /* no -0.0 */
+        }
+        live->weight[i] = there && mesh->weights != NULL ? mesh->weights[i] + 0.0 : 0.0;
+        live->state[i] = there ? PBW__STAYS | PBW__QUEUED : 0;
+        live->queue[i] = (pbw_index)i;
+        absent += !there;
+        wild += !pbw__all_finite(live->point + i * dim, dim) || !pbw__all_finite(live->weight + i, 1);
+    }
+    (void)PBW__ADD(&loading->absent, absent);
+    (void)PBW__ADD(&loading->wild, wild);
+    return PBW_OK;
+}
+
+/* Queues all points of a mesh; there is room for them. */
+static pbw_status pbw__live_load(pbw_live *live, pbw__context *context, const pbw_mesh *mesh)
+{
+    pbw__loading loading = { live, mesh, 0, 0 };
+    pbw_status status = pbw__for_range(context, mesh->point_count, 16384, 0.0, pbw__load_range, &loading);
+    size_t i;
+    if (status != PBW_OK || loading.wild > 0) {
+        return status != PBW_OK ? status : PBW_ERROR_NOT_FINITE;
+    }
+    live->count = live->queue_count = mesh->point_count;
+    if (loading.absent > 0) {
+        live->queue_count = 0;
+        for (i = live->count; i-- > 0; ) {
+            if (live->state[i] == 0) {
+                live->spare[live->spare_count++] = (pbw_index)i;
+            } else {
+                live->queue[live->queue_count++] = (pbw_index)i;
+            }
+        }
+    }
+    return PBW_OK;
+}
+
 /* Makes the mesh that all points of the queue are of the live triangulation.  PBW__ANEW: that cannot be. */
 static pbw_status pbw__live_import(pbw_live *live, pbw__context *context, const pbw_mesh *mesh)
 {
@@ -16745,34 +16866,6 @@ PBWDEF void pbw_live_free(pbw_live *live)
     }
 }
 
-/* Queues the points of a mesh, and makes it the triangulation of them. */
-static pbw_status pbw__live_adopt(pbw_live *live, const pbw_mesh *mesh)
-{
-    const size_t dim = (size_t)live->dim;
-    pbw_status status = pbw__live_reserve(live, mesh->point_count, mesh->point_count);
-    size_t i = status == PBW_OK ? mesh->point_count : 0, k;
-    live->count = i;
-    while (i-- > 0) {
-        live->state[i] = 0;
-        memset(live->point + i * dim, 0, dim * sizeof(double));
-        live->weight[i] = 0.0;
-        if (mesh->canonical[i] == PBW_NONE) {
-            live->spare[live->spare_count++] = (pbw_index)i;
-        } else {
-            for (k = 0; k < dim; k++) {
-                live->point[i * dim + k] = mesh->points[i * dim + k] + 0.0;      /* no -0.0 */
-            }
-            live->weight[i] = mesh->weights != NULL ? mesh->weights[i] + 0.0 : 0.0;
-            live->state[i] = PBW__STAYS;
-            pbw__live_queue(live, (pbw_index)i);
-            if (!pbw__all_finite(live->point + i * dim, dim) || !pbw__all_finite(live->weight + i, 1)) {
-                return PBW_ERROR_NOT_FINITE;
-            }
-        }
-    }
-    return status != PBW_OK ? status : pbw__live_run(live, mesh, NULL);
-}
-
 PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **result)
 {
     pbw_options defaults;
@@ -16803,7 +16896,8 @@ PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *optio
     live->options.message = NULL;
     live->dim = mesh->dim;
     live->weighted = mesh->weights != NULL;
-    status = pbw__live_adopt(live, mesh);
+    status = pbw__live_reserve(live, mesh->point_count, mesh->point_count);
+    status = status == PBW_OK ? pbw__live_run(live, mesh, NULL) : status;
     if (status != PBW_OK && status != PBW_DEGENERATE) {
         pbw_live_free(live);
         return status;
