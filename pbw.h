@@ -16909,8 +16909,9 @@ PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *optio
    >>view         The arrays of a live triangulation.
    In: a core.  Out: a mesh, as pbw_triangulate gives it for the points that live.
    The vertices are sorted along the curve as for a build, which gives their ranks.  The simplices are put into the
-   canonical order of >>number, but into new arrays, as the core keeps its own: each is counted in the list of its
-   lowest rank; lists are sorted block by block, and written with their corners; then neighbours are looked up.
+   canonical order of >>number, but into new arrays, as the core keeps its own.  Each belongs to the list of its
+   lowest rank: a radix sort, a task for each chunk of slots, puts them into blocks of lists; then the lists of a block
+   are sorted and written; then neighbours are looked up.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__LISTED ((size_t)512)                    /* ranks in a block */
 
@@ -16919,18 +16920,18 @@ typedef struct pbw__viewing {
     pbw_mesh *mesh;
     pbw__emission emission;                          /* how lists are sorted: see >>number */
     int alone;                                       /* one thread, which takes blocks in descending order */
-    size_t ranks, blocks, visible, duplicates;       /* ranks: with 0 */
-    const pbw_index *id;                             /* per rank */
+    size_t ranks, blocks, chunks, visible, duplicates;       /* ranks: with 0 */
+    const pbw_index *list;                           /* per place in the input of the sort: its vertex; NULL: all */
+    pbw_index *id;                                   /* per rank */
     pbw_index *rank;                                 /* per vertex */
     pbw_index *number;                               /* per slot: its list, then its place */
     unsigned char *turn;                             /* per slot: see pbw__canonical_order */
-    pbw_index *head;                                 /* per rank: where its list begins in the block; then its first
-                                                        simplex of this block, and, if there are several threads, */
-    pbw_index *outer;                                /* its first one of other blocks */
+    pbw_index *first, *outer;                        /* per rank: its first simplex; of several threads: that of its
+                                                        block, that of other blocks */
     pbw_index *base;                                 /* per block: where it begins; one more: where the last ends */
-    pbw_index *simplices, *neighbors, *incident;     /* the mesh's; before there are simplices: per slot, where it is
-                                                        in its list; before there are neighbours: in the first entry
-                                                        of each place, its slot */
+    pbw_index *bin;                                  /* per chunk of slots and block: how many; then the next place */
+    pbw_index *simplices, *neighbors, *incident;     /* the mesh's; before there are neighbours: in the first entry of
+                                                        each place, its slot */
 } pbw__viewing;
 
 /* ---- points
@@ -17021,14 +17022,14 @@ static pbw_status pbw__view_order(const pbw_live *live, pbw__context *context, p
 }
 
 /* ---- simplices
-   Turns each simplex to canonical form and counts it in its list. */
-PBW__INLINE void pbw__view_count_of(const pbw__viewing *viewing, size_t from, size_t to, int alone, int dim)
+   Finds the list of each simplex of a chunk, and counts blocks. */
+PBW__INLINE void pbw__view_count_of(const pbw__viewing *viewing, size_t from, size_t to, pbw_index *bin, int dim)
 {
     const pbw_index *corner = viewing->live->core.store.corner, *rank = viewing->rank;
-    pbw_index *number = viewing->number, *at = viewing->simplices, *head = viewing->head;
+    pbw_index *number = viewing->number;
     for (; from < to; from++) {
         const pbw_index *v = corner + 4 * from;
-        pbw_index r[4], low;
+        pbw_index r[4];
         unsigned order;
         int k;
         if (v[0] == PBW_NONE || v[dim] == PBW__GHOST) {
@@ -17039,69 +17040,79 @@ PBW__INLINE void pbw__view_count_of(const pbw__viewing *viewing, size_t from, si
             r[k] = rank[v[k]];
         }
         order = pbw__canonical_order(r, dim);
-        low = r[order & 3];
         viewing->turn[from] = (unsigned char)order;
-        number[from] = low;
-        at[from] = alone ? head[low]++ : PBW__ADD(head + low, 1);
+        number[from] = r[order & 3];
+        bin[r[order & 3] / PBW__LISTED]++;
     }
+}
+
+/* Where the slots of a chunk begin. */
+PBW__INLINE size_t pbw__view_chunk(const pbw__viewing *viewing, size_t chunk)
+{
+    return pbw__share(viewing->live->core.store.count, (int)chunk, (int)viewing->chunks);
 }
 
 static pbw_status pbw__view_count(void *arg, size_t from, size_t to)
 {
     const pbw__viewing *viewing = (const pbw__viewing *)arg;
-    if (viewing->alone) {
-        PBW__BY_DIM(viewing->live->dim, pbw__view_count_of, viewing, from, to, 1);
-    } else {
-        PBW__BY_DIM(viewing->live->dim, pbw__view_count_of, viewing, from, to, 0);
+    for (; from < to; from++) {
+        pbw_index *bin = viewing->bin + from * viewing->blocks;
+        memset(bin, 0, viewing->blocks * sizeof(pbw_index));
+        PBW__BY_DIM(viewing->live->dim, pbw__view_count_of, viewing, pbw__view_chunk(viewing, from),
+                    pbw__view_chunk(viewing, from + 1), bin);
     }
     return PBW_OK;
 }
 
-/* Lengths of lists become their places in blocks. */
-static pbw_status pbw__view_sum(void *arg, size_t from, size_t to)
-{
-    const pbw__viewing *viewing = (const pbw__viewing *)arg;
-    pbw_index sum = 0;
-    size_t r;
-    for (r = from; r < to; r++) {
-        const pbw_index length = viewing->head[r];
-        viewing->head[r] = sum;
-        sum += length;
-    }
-    viewing->base[from / PBW__LISTED] = sum;
-    return PBW_OK;
-}
-
+/* Puts the slots of a chunk into their blocks. */
 static pbw_status pbw__view_scatter(void *arg, size_t from, size_t to)
 {
     const pbw__viewing *viewing = (const pbw__viewing *)arg;
-    const pbw_index *number = viewing->number, *at = viewing->simplices, *head = viewing->head, *base = viewing->base;
+    const pbw_index *number = viewing->number;
     const size_t corners = (size_t)viewing->live->dim + 1;
     for (; from < to; from++) {
-        const pbw_index low = number[from];
-        if (low != PBW_NONE) {
-            viewing->neighbors[corners * ((size_t)base[low / PBW__LISTED] + head[low] + at[from])] = (pbw_index)from;
+        pbw_index *bin = viewing->bin + from * viewing->blocks;
+        const size_t end = pbw__view_chunk(viewing, from + 1);
+        size_t t;
+        for (t = pbw__view_chunk(viewing, from); t < end; t++) {
+            if (number[t] != PBW_NONE) {
+                viewing->neighbors[corners * bin[number[t] / PBW__LISTED]++] = (pbw_index)t;
+            }
         }
     }
     return PBW_OK;
 }
 
-/* The items of a block: see >>number. */
-PBW__INLINE void pbw__view_items(const pbw__viewing *viewing, size_t from, size_t to, pbw__item *item, int dim)
+/* The items of a block, see >>number, list by list; the i-th list ends at end[i]. */
+PBW__INLINE void pbw__view_items(const pbw__viewing *viewing, size_t block, pbw_index *end, pbw__item *item, int dim)
 {
-    const pbw_index *corner = viewing->live->core.store.corner, *rank = viewing->rank, *list = viewing->neighbors;
-    const size_t corners = (size_t)dim + 1;
+    const pbw_index *corner = viewing->live->core.store.corner, *rank = viewing->rank, *number = viewing->number;
+    const size_t corners = (size_t)dim + 1, from = viewing->base[block], to = viewing->base[block + 1];
+    const pbw_index *list = viewing->neighbors, low = (pbw_index)(block * PBW__LISTED);
+    pbw_index sum = 0;
     size_t i;
-    for (i = from; i < to; i++, item++) {
-        const size_t t = list[corners * i], soon = list[corners * (i + 16 < to ? i + 16 : i)];
+    memset(end, 0, PBW__LISTED * sizeof(pbw_index));
+    for (i = from; i < to; i++) {
+        const size_t soon = list[corners * (i + 16 < to ? i + 16 : i)];
+        PBW__PREFETCH(number + soon);
+        PBW__PREFETCH(corner + 4 * soon);
+        PBW__PREFETCH(viewing->turn + soon);
+        end[number[list[corners * i]] - low]++;
+    }
+    for (i = 0; i < PBW__LISTED; i++) {
+        const pbw_index length = end[i];
+        end[i] = sum;
+        sum += length;
+    }
+    for (i = from; i < to; i++) {
+        const size_t t = list[corners * i];
         const pbw_index *v = corner + 4 * t;
         const unsigned order = viewing->turn[t];
         const pbw_index second = rank[v[order >> 2 & 3]], third = rank[v[order >> 4 & 3]];
-        PBW__PREFETCH(corner + 4 * soon);
-        PBW__PREFETCH(viewing->turn + soon);
-        item->key = dim == 3 ? (uint64_t)second << 32 | third : (uint64_t)viewing->number[t] << 32 | second;
-        item->last = dim == 3 ? rank[v[order >> 6]] : third;
-        item->simplex = (pbw_index)t;
+        pbw__item *to_item = item + end[number[t] - low]++;
+        to_item->key = dim == 3 ? (uint64_t)second << 32 | third : (uint64_t)number[t] << 32 | second;
+        to_item->last = dim == 3 ? rank[v[order >> 6]] : third;
+        to_item->simplex = (pbw_index)t;
     }
 }
 
@@ -17110,7 +17121,7 @@ PBW__INLINE void pbw__view_items(const pbw__viewing *viewing, size_t from, size_
 PBW__INLINE void pbw__view_write(const pbw__viewing *viewing, size_t from, size_t to, const pbw__item *item,
                                  pbw_index later, int dim)
 {
-    pbw_index *number = viewing->number, *first = viewing->head, *outer = viewing->outer;
+    pbw_index *number = viewing->number, *first = viewing->first, *outer = viewing->outer;
     const pbw_index *id = viewing->id;
     while (to-- > from) {
         const pbw__item *here = item + (to - from);
@@ -17136,43 +17147,45 @@ PBW__INLINE void pbw__view_write(const pbw__viewing *viewing, size_t from, size_
     }
 }
 
-/* Sorts and writes the lists of a block. */
-static pbw_status pbw__view_block(const pbw__viewing *viewing, size_t block)
+/* Sorts and writes the lists of a block.  There is room for two times `room` items, a few more than the block has. */
+static void pbw__view_block(const pbw__viewing *viewing, size_t block, pbw__item *item, size_t room)
 {
-    pbw__memory *memory = &viewing->emission.context->memory;
     const int dim = viewing->live->dim;
     const size_t first = block * PBW__LISTED, rest = viewing->ranks - first;
-    const size_t lists = rest < PBW__LISTED ? rest : PBW__LISTED, from = viewing->base[block];
-    const size_t to = viewing->base[block + 1], count = to - from, room = count + 4;     /* 4: see >>number */
-    const pbw_index later = viewing->alone ? PBW_NONE : (pbw_index)(first + lists);
+    const size_t lists = rest < PBW__LISTED ? rest : PBW__LISTED;
+    const size_t from = viewing->base[block], to = viewing->base[block + 1];
+    const pbw_index later = (pbw_index)(first + lists);
     pbw_index end[PBW__LISTED];
-    pbw__item *item = (pbw__item *)pbw__allocate(memory, 2 * room, sizeof(pbw__item));
-    if (item == NULL) {
-        return PBW_ERROR_MEMORY;
-    }
-    memcpy(end, viewing->head + first + 1, (lists - 1) * sizeof(pbw_index));
-    end[lists - 1] = (pbw_index)count;
-    memset(viewing->head + first, 0xff, lists * sizeof(pbw_index));  /* PBW_NONE */
-    memset(item + count, 0, 4 * sizeof(*item));
-    PBW__BY_DIM(dim, pbw__view_items, viewing, from, to, item);
+    PBW__BY_DIM(dim, pbw__view_items, viewing, block, end, item);
+    memset(item + (to - from), 0, 4 * sizeof(*item));
+    memset(viewing->first + first, 0xff, lists * sizeof(pbw_index));         /* PBW_NONE */
     pbw__sort_region(&viewing->emission, item, end, lists, item + room);
     if (viewing->alone) {                            /* compiled without comparisons with later */
         PBW__BY_DIM(dim, pbw__view_write, viewing, from, to, item + room + 1, PBW_NONE);
     } else {
         PBW__BY_DIM(dim, pbw__view_write, viewing, from, to, item + room + 1, later);
     }
-    pbw__release(memory, item, 2 * room, sizeof(pbw__item));
-    return PBW_OK;
 }
 
+/* Blocks from the last on. */
 static pbw_status pbw__view_blocks(void *arg, size_t from, size_t to)
 {
     const pbw__viewing *viewing = (const pbw__viewing *)arg;
-    pbw_status status = PBW_OK;
-    for (; from < to && status == PBW_OK; from++) {
-        status = pbw__view_block(viewing, viewing->blocks - 1 - from);
+    pbw__memory *memory = &viewing->emission.context->memory;
+    const pbw_index *base = viewing->base;
+    size_t room = 0, i, block;
+    pbw__item *item;
+    for (i = from; i < to; i++) {
+        block = viewing->blocks - 1 - i;
+        room = base[block + 1] - base[block] > room ? base[block + 1] - base[block] : room;
     }
-    return status;
+    room += 4;                                       /* see >>number */
+    item = (pbw__item *)pbw__allocate(memory, 2 * room, sizeof(pbw__item));
+    for (i = from; i < to && item != NULL; i++) {
+        pbw__view_block(viewing, viewing->blocks - 1 - i, item, room);
+    }
+    pbw__release(memory, item, 2 * room, sizeof(pbw__item));
+    return item != NULL ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
 PBW__INLINE void pbw__view_neighbors_of(const pbw__viewing *viewing, size_t from, size_t to, int dim)
@@ -17205,7 +17218,7 @@ static pbw_status pbw__view_incident(void *arg, size_t from, size_t to)
     pbw__viewing *viewing = (pbw__viewing *)arg;
     size_t visible = 0, r;
     for (r = from + 1; r <= to; r++) {
-        const pbw_index own = viewing->head[r], other = viewing->alone ? own : viewing->outer[r];
+        const pbw_index own = viewing->first[r], other = viewing->alone ? own : viewing->outer[r];
         const pbw_index first = own < other ? own : other;
         viewing->incident[viewing->id[r]] = first;
         visible += first != PBW_NONE;
@@ -17214,94 +17227,96 @@ static pbw_status pbw__view_incident(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Puts the simplices into lists. */
-static pbw_status pbw__view_lists(pbw__viewing *viewing, pbw__context *context)
+/* Puts the simplices into blocks. */
+static pbw_status pbw__view_sort(pbw__viewing *viewing, pbw__context *context)
 {
-    const pbw__core *core = &viewing->live->core;
-    const size_t slots = core->store.count, entries = core->simplex_count * ((size_t)viewing->live->dim + 1);
-    pbw_mesh *mesh = viewing->mesh;
-    pbw__owned *owned = (pbw__owned *)mesh->memory;
-    size_t room = entries > slots ? entries : slots, sum = 0, block;
-    pbw_status status = PBW_ERROR_MEMORY;
-    mesh->simplices = viewing->simplices = (pbw_index *)pbw__allocate_large(context, room, sizeof(pbw_index));
-    mesh->neighbors = viewing->neighbors = (pbw_index *)pbw__allocate_large(context, entries, sizeof(pbw_index));
-    owned->simplices = room;
-    owned->neighbors = entries;
-    mesh->simplex_count = core->simplex_count;
-    if (viewing->simplices != NULL && viewing->neighbors != NULL) {
-        status = pbw__for_range(context, slots, 16384, 0.2, pbw__view_count, viewing);
-        status = status == PBW_OK ? pbw__for_range(context, viewing->ranks, PBW__LISTED, 0.25, pbw__view_sum, viewing)
-                                  : status;
+    pbw_status status = pbw__for_range(context, viewing->chunks, 1, 0.2, pbw__view_count, viewing);
+    pbw_index sum = 0;
+    size_t block, chunk;
+    for (block = 0; block < viewing->blocks && status == PBW_OK; block++) {
+        viewing->base[block] = sum;
+        for (chunk = 0; chunk < viewing->chunks; chunk++) {
+            pbw_index *bin = viewing->bin + chunk * viewing->blocks + block;
+            const pbw_index count = *bin;
+            *bin = sum;
+            sum += count;
+        }
     }
-    for (block = 0; block <= viewing->blocks && status == PBW_OK; block++) {
-        const pbw_index count = block < viewing->blocks ? viewing->base[block] : 0;
-        viewing->base[block] = (pbw_index)sum;
-        sum += count;
+    viewing->base[viewing->blocks] = sum;
+    return status == PBW_OK ? pbw__for_range(context, viewing->chunks, 1, 0.3, pbw__view_scatter, viewing) : status;
+}
+
+/* Ranks of vertices, and their ids. */
+static pbw_status pbw__view_ranks(void *arg, size_t from, size_t to)
+{
+    const pbw__viewing *viewing = (const pbw__viewing *)arg;
+    const pbw_index *name = viewing->live->core.name, *list = viewing->list;
+    size_t r;
+    for (r = from + 1; r <= to; r++) {
+        const size_t soon = viewing->id[r + 16 <= to ? r + 16 : r], near = list != NULL ? list[soon] : soon + 1;
+        const pbw_index v = list != NULL ? list[viewing->id[r]] : viewing->id[r] + 1;
+        PBW__PREFETCH(name + near);
+        PBW__PREFETCH_TO_WRITE(viewing->rank + near);
+        viewing->id[r] = name[v];
+        viewing->rank[v] = (pbw_index)r;
     }
-    status = status == PBW_OK ? pbw__for_range(context, slots, 16384, 0.3, pbw__view_scatter, viewing) : status;
-    if (status == PBW_OK && room > entries) {
-        status = pbw__resize_array(&context->memory, &viewing->simplices, &room, entries, sizeof(pbw_index))
-               ? PBW_OK : PBW_ERROR_MEMORY;
-        mesh->simplices = viewing->simplices;
-        owned->simplices = room;
-    }
+    return PBW_OK;
+}
+
+/* Ranks, then simplices, their neighbours, and those of the points. */
+static pbw_status pbw__view_fill(pbw__viewing *viewing, pbw__context *context)
+{
+    const size_t ranks = viewing->ranks, all = viewing->live->core.simplex_count;
+    pbw_status status;
+    viewing->outer = viewing->first + (viewing->alone ? 0 : ranks);
+    memset(viewing->outer, 0xff, ranks * sizeof(pbw_index));         /* PBW_NONE */
+    viewing->rank[0] = 0;
+    status = pbw__for_range(context, ranks - 1, 16384, 0.1, pbw__view_ranks, viewing);
+    status = status == PBW_OK ? pbw__view_sort(viewing, context) : status;
+    status = status == PBW_OK ? pbw__for_range(context, viewing->blocks, 8, 0.7, pbw__view_blocks, viewing) : status;
+    status = status == PBW_OK ? pbw__for_range(context, all, 16384, 0.95, pbw__view_neighbors, viewing) : status;
+    status = status == PBW_OK ? pbw__for_range(context, ranks - 1, 16384, 1.0, pbw__view_incident, viewing) : status;
     return status;
 }
 
-/* Ranks of vertices, and their ids.  `list` has the vertices of the core by their places in the input of `vertices`;
-   NULL: the vertices are that input. */
-static void pbw__view_ranks(const pbw__viewing *viewing, pbw__vertices *vertices, const pbw_index *list)
-{
-    const pbw_index *name = viewing->live->core.name;
-    const size_t ranks = viewing->ranks;
-    size_t r;
-    viewing->rank[0] = 0;
-    for (r = 1; r < ranks; r++) {
-        const size_t soon = vertices->id[r + 16 < ranks ? r + 16 : r];
-        const pbw_index v = list != NULL ? list[vertices->id[r]] : vertices->id[r] + 1;
-        PBW__PREFETCH(name + (list != NULL ? list[soon] : soon + 1));
-        PBW__PREFETCH_TO_WRITE(viewing->rank + (list != NULL ? list[soon] : soon + 1));
-        vertices->id[r] = name[v];
-        viewing->rank[v] = (pbw_index)r;
-    }
-}
-
 /* The simplices of a view. */
-static pbw_status pbw__view_simplices(pbw__viewing *viewing, pbw__context *context, pbw__vertices *vertices,
-                                      const pbw_index *list)
+static pbw_status pbw__view_simplices(pbw__viewing *viewing, pbw__context *context, pbw__vertices *vertices)
 {
     const pbw__core *core = &viewing->live->core;
     pbw__memory *memory = &context->memory;
-    const size_t slots = core->store.count, ranks = vertices->count + 1, heads = viewing->alone ? ranks : 2 * ranks;
+    const size_t slots = core->store.count, ranks = vertices->count + 1, firsts = viewing->alone ? ranks : 2 * ranks;
+    const size_t entries = core->simplex_count * ((size_t)viewing->live->dim + 1), least = slots >> 22;
+    pbw_mesh *mesh = viewing->mesh;
+    pbw__owned *owned = (pbw__owned *)mesh->memory;
     pbw_status status = PBW_ERROR_MEMORY;
+    viewing->chunks = (size_t)pbw__tasks(context, slots, 16384);
+    viewing->chunks = viewing->chunks > least ? viewing->chunks : least;
     viewing->ranks = ranks;
     viewing->blocks = (ranks + PBW__LISTED - 1) / PBW__LISTED;
     viewing->id = vertices->id;
     viewing->rank = (pbw_index *)pbw__allocate_large(context, core->vertex_count + 1, sizeof(pbw_index));
     viewing->number = (pbw_index *)pbw__allocate_large(context, slots, sizeof(pbw_index));
     viewing->turn = (unsigned char *)pbw__allocate_large(context, slots, 1);
-    viewing->head = (pbw_index *)pbw__allocate_large(context, heads, sizeof(pbw_index));
+    viewing->first = (pbw_index *)pbw__allocate_large(context, firsts, sizeof(pbw_index));
     viewing->base = (pbw_index *)pbw__allocate(memory, viewing->blocks + 1, sizeof(pbw_index));
-    viewing->incident = pbw__make_incident(context, (pbw__owned *)viewing->mesh->memory, viewing->mesh,
-                                           vertices->count < viewing->live->numbers);
-    if (viewing->rank != NULL && viewing->number != NULL && viewing->turn != NULL && viewing->head != NULL
-        && viewing->base != NULL && viewing->incident != NULL) {
-        viewing->outer = viewing->head + (viewing->alone ? 0 : ranks);
-        memset(viewing->head, 0, ranks * sizeof(pbw_index));
-        memset(viewing->head + ranks, 0xff, (heads - ranks) * sizeof(pbw_index));    /* PBW_NONE */
-        pbw__view_ranks(viewing, vertices, list);
-        status = pbw__view_lists(viewing, context);
+    viewing->bin = (pbw_index *)pbw__allocate(memory, viewing->blocks * viewing->chunks, sizeof(pbw_index));
+    viewing->incident = pbw__make_incident(context, owned, mesh, vertices->count < viewing->live->numbers);
+    mesh->simplices = viewing->simplices = (pbw_index *)pbw__allocate_large(context, entries, sizeof(pbw_index));
+    mesh->neighbors = viewing->neighbors = (pbw_index *)pbw__allocate_large(context, entries, sizeof(pbw_index));
+    owned->simplices = owned->neighbors = entries;
+    mesh->simplex_count = core->simplex_count;
+    if (viewing->rank != NULL && viewing->number != NULL && viewing->turn != NULL && viewing->first != NULL
+        && viewing->base != NULL && viewing->bin != NULL && viewing->incident != NULL && mesh->simplices != NULL
+        && mesh->neighbors != NULL) {
+        status = pbw__view_fill(viewing, context);
     }
-    status = status == PBW_OK ? pbw__for_range(context, viewing->blocks, 1, 0.7, pbw__view_blocks, viewing) : status;
-    status = status == PBW_OK ? pbw__for_range(context, core->simplex_count, 16384, 0.95, pbw__view_neighbors,
-                                               viewing) : status;
-    status = status == PBW_OK ? pbw__for_range(context, ranks - 1, 16384, 1.0, pbw__view_incident, viewing) : status;
-    viewing->mesh->hidden_count = vertices->count - viewing->visible;
+    mesh->hidden_count = vertices->count - viewing->visible;
     pbw__release(memory, viewing->rank, core->vertex_count + 1, sizeof(pbw_index));
     pbw__release(memory, viewing->number, slots, sizeof(pbw_index));
     pbw__release(memory, viewing->turn, slots, 1);
-    pbw__release(memory, viewing->head, heads, sizeof(pbw_index));
+    pbw__release(memory, viewing->first, firsts, sizeof(pbw_index));
     pbw__release(memory, viewing->base, viewing->blocks + 1, sizeof(pbw_index));
+    pbw__release(memory, viewing->bin, viewing->blocks * viewing->chunks, sizeof(pbw_index));
     return status;
 }
 
@@ -17338,9 +17353,10 @@ static pbw_status pbw__view(const pbw_live *live, pbw__context *context, pbw_mes
     } else if (status == PBW_OK) {
         status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED
                : pbw__view_order(live, context, &stand, &vertices);
+        viewing.list = stand.list;
         if (status == PBW_OK) {
             status = pbw__enter_stage(context, PBW_STAGE_OUTPUT) ? PBW_CANCELLED
-                   : pbw__view_simplices(&viewing, context, &vertices, stand.list);
+                   : pbw__view_simplices(&viewing, context, &vertices);
             pbw__vertices_free(context, &vertices);
         }
     }
