@@ -16910,8 +16910,8 @@ PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *optio
    In: a core.  Out: a mesh, as pbw_triangulate gives it for the points that live.
    The vertices are sorted along the curve as for a build, which gives their ranks.  The simplices are put into the
    canonical order of >>number, but into new arrays, as the core keeps its own.  Each belongs to the list of its
-   lowest rank: a radix sort, a task for each chunk of slots, puts them into blocks of lists; then the lists of a block
-   are sorted and written; then neighbours are looked up.
+   lowest rank: a radix sort, a task for each chunk of slots, puts them into blocks of lists; then a block is sorted
+   and written; then neighbours are looked up.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__LISTED ((size_t)512)                    /* ranks in a block */
 
