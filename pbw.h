@@ -497,6 +497,7 @@ typedef struct pbw_cuda_mesh {             /* start from {0}; arrays on the devi
     pbw_index *simplices, *neighbors, *incident, *canonical;
     float milliseconds[8];                 /* device: order, boxes, near, far, count, simplices, neighbors, all */
     size_t stars[3];                       /* that each rung was given */
+    int kept;                              /* 1: in a loop, the mesh of the step before still held */
 } pbw_cuda_mesh;
 
 /* Triangulates packed points on the current device (floats if is_float), in the order of stream (a cudaStream_t; NULL
@@ -515,6 +516,26 @@ extern pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *points
 extern pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, const void *points, const void *weights,
                                  const pbw_options *options, void *stream, pbw_report *report);
 extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
+
+/* Points that move, triangulated step by step on one device: as by pbw_cuda_triangulate, with the same arrays, but a
+   loop keeps device memory, events and pinned memory from step to step, so a step as large as one before it allocates
+   nothing.  And it keeps the mesh: where that is still the triangulation of all points, which is tested exactly and
+   takes a fraction of a build, it is not built again (mesh.kept); else it is.  Weights may change too.
+   create: for the current device; options, stream and cpu are as above, for all steps; options are copied.
+   step: the arrays belong to the loop, until the next step or pbw_cuda_loop_free: not for pbw_cuda_free.  With
+   PBW_NO_NEIGHBORS every step builds.  A step that fails leaves the mesh empty, and the next one builds.
+   free: fine on NULL; waits for the stream. */
+typedef struct pbw_cuda_points {           /* start from {0}; packed, on the device */
+    int dim, is_float;                     /* is_float: floats, not doubles */
+    const void *points, *weights;          /* weights NULL = Delaunay */
+    size_t count;
+    int anew;                              /* 1: build without that test, as when all is known to have moved far */
+} pbw_cuda_points;
+typedef struct pbw_cuda_loop pbw_cuda_loop;
+extern pbw_status pbw_cuda_loop_create(const pbw_options *options, void *stream, pbw_triangulator *cpu,
+                                       pbw_cuda_loop **loop);
+extern pbw_status pbw_cuda_loop_step(pbw_cuda_loop *loop, const pbw_cuda_points *points, pbw_cuda_mesh *mesh);
+extern void pbw_cuda_loop_free(pbw_cuda_loop *loop);
 #endif
 
 #ifdef __cplusplus
