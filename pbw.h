@@ -15815,7 +15815,8 @@ static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, s
    All at once: the coordinates are exchanged, then >>verify.  One by one: a vertex whose star stays positive gets its
    new place, and what is no longer Delaunay is flipped, in the plane; in space, or where a simplex would be inverted,
    and at the hull, it is removed and inserted.  In between all is the triangulation of some old and some new places,
-   so no new place may be an old one.
+   so no new place may be an old one: the table of places says so, if there is one, or if tasks move vertices; else a
+   walk to each new place, where the vertex does not stay in its star, which no other vertex is in.
    ------------------------------------------------------------------------------------------------------ */
 /* Writes the new coordinates into the records of those that move, or the old ones back: to the end, even if the call
    is being cancelled. */
@@ -15988,6 +15989,21 @@ static pbw_status pbw__shift_in_place(pbw_live *live, pbw__core *core, size_t at
     return status != PBW_OK || count == 0 ? status : pbw__flip_all(core, count, live->core.past_simplices);
 }
 
+/* Whether another vertex is where v, which is in no simplex, is to be inserted: it is a corner of each simplex that
+   has that place.  `near`: a vertex, or 0. */
+static int pbw__shift_taken(const pbw__core *core, pbw_index v, pbw_index near)
+{
+    const pbw_index start = pbw__start_near(core, near != 0 ? core->incident[near] : core->kernel.last);
+    const pbw_index *corner = core->kernel.corner + 4 * (size_t)pbw__find_witness(core, start, v);
+    const double *x = pbw__core_record(core, v);
+    const int dim = core->kernel.dim;
+    int k, taken = 0;
+    for (k = 0; k <= dim; k++) {
+        taken |= corner[k] != PBW__GHOST && pbw__same_place(pbw__core_record(core, corner[k]), x, dim);
+    }
+    return taken;
+}
+
 /* Removes the i-th vertex and inserts it at its new place; that may be left after this. */
 static pbw_status pbw__change_again(void *arg, pbw__core *core, size_t i, pbw_index near)
 {
@@ -16010,6 +16026,9 @@ static pbw_status pbw__change_again(void *arg, pbw__core *core, size_t i, pbw_in
     near = pbw__nearer_start(core, core->local[v], 0, pbw__core_record(core, v));
     if (near == 0 && core->kernel.own.owner != NULL) {
         return PBW__LEFT;
+    }
+    if (core->place == NULL && pbw__shift_taken(core, v, near)) {
+        return PBW__ANEW;
     }
     return pbw__insert_vertex(core, v, pbw__start_near(core, near != 0 ? core->incident[near] : core->kernel.last));
 }
@@ -16062,22 +16081,25 @@ static pbw_status pbw__shift_unique(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Enters all new places.  PBW__ANEW: a new place is taken, or was. */
+/* Enters all new places, if there is a table.  PBW__ANEW: a new place is taken, or was. */
 static pbw_status pbw__shift_places(pbw_live *live)
 {
     pbw__core *core = &live->core;
     pbw__context *context = core->kernel.context;
     const size_t count = live->leaving_count;
     const unsigned table = PBW__EDIT_PLACE;
-    pbw_status status;
-    if (!pbw__live_edits(live, count, &table, 1)) {
+    const int placed = core->place != NULL;
+    pbw_status status = PBW_OK;
+    if (placed && !pbw__live_edits(live, count, &table, 1)) {
         return PBW_ERROR_MEMORY;
     }
-    core->placed += count;
-    status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_enter, live);
+    if (placed) {
+        core->placed += count;
+        status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_enter, live);
+    }
     pbw__live_exchange(live);
     status = status == PBW_OK ? pbw__live_fit_grid(live, live->leaving, count) : status;
-    if (status == PBW_OK) {
+    if (status == PBW_OK && placed) {
         status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_unique, live);
     }
     pbw__live_exchange(live);
@@ -16131,8 +16153,9 @@ static pbw_status pbw__live_shift(pbw_live *live, size_t count, size_t most_effo
     const pbw__grid grid = core->grid;
     const double exact_height = core->kernel.exact_height;
     size_t i;
+    const int placed = core->place != NULL || pbw__batch_parts(core, count) > 1;
     pbw_status status = core->kernel.weighted ? PBW__ANEW : pbw__live_list_moves(live, count);
-    status = status == PBW_OK ? pbw__batch_reserve(live, count, 1) : status;
+    status = status == PBW_OK ? pbw__batch_reserve(live, count, placed) : status;
     if (status != PBW_OK) {
         return status;
     }
