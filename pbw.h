@@ -15134,8 +15134,8 @@ PBW__INLINE const double *pbw__live_point(const pbw_live *live, size_t id)
 /* Prefetches for entries of the queue to come, which are in any order. */
 PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i, size_t end)
 {
-    if (i + 16 < end) {
-        const pbw_index far = live->queue[i + 16], near = live->queue[i + 8];
+    if (i + 32 < end) {
+        const pbw_index far = live->queue[i + 32], near = live->queue[i + 16];
         PBW__PREFETCH(live->state + far);
         PBW__PREFETCH(live->point + (size_t)live->dim * far);
         if (live->core.vertex == NULL) {             /* the points span no simplex */
