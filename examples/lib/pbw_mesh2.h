@@ -290,8 +290,8 @@ typedef struct pbwp__triangle {
 } pbwp__triangle;
 
 typedef struct pbwp__piece { pbw_index a, b, id; } pbwp__piece;      /* of the caller's segment id, from a to b */
-/* A vertex of a chain; the slot for the triangle whose apex it becomes, PBW_NONE: any free one; what is beyond the edge
-   to the next vertex, and stands on it.  4 i + 3 as a link: that edge is also the one from vertex i. */
+/* A vertex of a chain; the slot for the triangle whose apex it becomes, PBW_NONE: any free one; what is beyond the
+   edge to the next vertex, and stands on it.  4 i + 3 as a link: that edge is also the one from vertex i. */
 typedef struct pbwp__joint { pbw_index v, slot, link, edge; } pbwp__joint;
 typedef struct pbwp__group { pbw_index piece, rest; } pbwp__group;   /* rest: a piece, or a further group */
 
@@ -458,8 +458,8 @@ static int pbwp__before(const pbwp__job *job, pbw_index a, pbw_index b)
    The triangles that a segment crosses leave a cavity, a polygon on each side of it, whose border is a chain of
    edges.  A polygon is refilled from its base: the apex of the triangle there is the vertex of the chain in whose
    circle no other lies, and both sides of the triangle are bases of smaller polygons (Anglada 1997).  A chain passes
-   twice along an edge that sticks out into the cavity; then the corner counts that the triangle lies in, and whichever
-   side of the edge is filled first leaves its code to the other.  New triangles take the slots of the old: what is
+   twice along an edge that sticks out into the cavity; then the corner counts that the triangle lies in, and the side
+   of the edge that is filled first leaves its code to the other.  New triangles take the slots of the old: what is
    near in the plane stays near in memory.
    ------------------------------------------------------------------------------------------------------ */
 
@@ -1803,7 +1803,8 @@ typedef struct pbwp__refiner {
     double growth;                         /* of sizes, per distance */
     int sizing;                            /* no angle was mended so far: sharp triangles are looked for later */
     uint64_t filled;                       /* bit: that class has triangles */
-    pbwp__array class_of[PBWP__CLASSES], large, splits;
+    pbwp__array class_of[PBWP__CLASSES], large;      /* a slot and a mark each, see queues */
+    pbwp__array splits;                    /* two ends each */
     pbwp__array slots, rim, hits;          /* a cavity: its triangles, its border, segments encroached upon */
     pbwp__array lowered;                   /* vertices whose sizes have fallen, for their neighbours */
     size_t inserted;
@@ -2020,13 +2021,43 @@ static int pbwp__class_of(const pbwp__refiner *r, double length2)
     return exponent < 0 ? 0 : exponent >= PBWP__CLASSES ? PBWP__CLASSES - 1 : exponent;
 }
 
+/* ---- queues: most triangles are gone before their turn comes; a mark tells them from what has their slot by then,
+   without their points */
+
+static pbw_index pbwp__mark_of(const pbwp__triangle *t)
+{
+    return t->v[0] + 2 * t->v[1] + 4 * t->v[2];
+}
+
+static void pbwp__enqueue(pbwp__refiner *r, pbwp__array *queue, pbw_index slot)
+{
+    pbwp__add(r, queue, slot);
+    pbwp__add(r, queue, pbwp__mark_of(r->job->t + slot));
+}
+
+/* Takes the last triangle off a queue.  Returns its slot, PBW_NONE if another is there: that has its own place in a
+   queue.  Loads the fourth after it, and the points of the second. */
+static pbw_index pbwp__dequeue(const pbwp__refiner *r, pbwp__array *queue)
+{
+    const pbw_index *item = PBWP__INDICES(*queue) + (queue->count -= 2);
+    if (queue->count >= 8) {
+        const pbwp__triangle *t = r->job->t + item[-4];
+        unsigned k;
+        PBWP__PREFETCH(r->job->t + item[-8]);
+        for (k = 0; k < 3 && t->v[0] != PBW_NONE && pbwp__mark_of(t) == item[-3]; k++) {
+            PBWP__PREFETCH(pbwp__point(r, t->v[k]));
+        }
+    }
+    return r->job->t[item[0]].v[0] != PBW_NONE && pbwp__mark_of(r->job->t + item[0]) == item[1] ? item[0] : PBW_NONE;
+}
+
 /* Puts a triangle where sharp ones wait, if it is one. */
 static void pbwp__examine_angle(pbwp__refiner *r, pbw_index slot)
 {
     double shortest2;
     if (pbwp__is_sharp(r, r->job->t + slot, &shortest2)) {
         const int c = pbwp__class_of(r, shortest2);
-        pbwp__add(r, r->class_of + c, slot);
+        pbwp__enqueue(r, r->class_of + c, slot);
         r->filled |= (uint64_t)1 << c;
     }
 }
@@ -2044,7 +2075,7 @@ static void pbwp__examine(pbwp__refiner *r, pbw_index slot)
         }
     }
     if (pbwp__is_large(r, t)) {
-        pbwp__add(r, &r->large, slot);
+        pbwp__enqueue(r, &r->large, slot);
     }
     if (!r->sizing) {
         pbwp__examine_angle(r, slot);
@@ -2398,7 +2429,7 @@ static void pbwp__spread(pbwp__refiner *r)
                 pbwp__lower(r, t->v[k], PBWP__DOUBLES(job->sizes)[v] + r->growth * apart);
             }
             if (r->inserted > 0 && pbwp__is_large(r, t)) {
-                pbwp__add(r, &r->large, PBWP__SLOT(spin.corner));
+                pbwp__enqueue(r, &r->large, PBWP__SLOT(spin.corner));
             }
         } while (pbwp__spin_on(job, &spin));
     }
@@ -2615,39 +2646,20 @@ static int pbwp__mend(pbwp__refiner *r, pbw_index slot, unsigned shortest)
 
 /* ---- the loop */
 
-/* Loads triangles that are to be mended soon: the fourth after this, and the points of the second. */
-static void pbwp__prefetch_next(const pbwp__refiner *r, const pbwp__array *queue)
-{
-    const pbw_index *last = PBWP__INDICES(*queue) + queue->count;
-    if (queue->count >= 4) {
-        const pbw_index *v = r->job->t[last[-2]].v;
-        unsigned k;
-        PBWP__PREFETCH(r->job->t + last[-4]);
-        for (k = 0; k < 3 && v[0] != PBW_NONE; k++) {
-            PBWP__PREFETCH(pbwp__point(r, v[k]));
-        }
-    }
-}
-
 static void pbwp__mend_sharp(pbwp__refiner *r)
 {
-    const pbwp__triangle *t;
-    pbwp__array *queue;
     double shortest2;
     pbw_index slot;
     int c = PBWP__CLASSES - 1;
     while ((r->filled >> c & 1) == 0) {
         c--;
     }
-    queue = r->class_of + c;
-    slot = PBWP__INDICES(*queue)[--queue->count];
-    if (queue->count == 0) {
+    slot = pbwp__dequeue(r, r->class_of + c);
+    if (r->class_of[c].count == 0) {
         r->filled &= ~((uint64_t)1 << c);
     }
-    pbwp__prefetch_next(r, queue);
-    t = r->job->t + slot;                            /* another triangle may be there now */
-    if (t->v[0] != PBW_NONE && pbwp__is_sharp(r, t, &shortest2) && pbwp__class_of(r, shortest2) == c
-        && shortest2 > r->least2) {
+    if (slot != PBW_NONE && pbwp__is_sharp(r, r->job->t + slot, &shortest2) && shortest2 > r->least2) {
+        const pbwp__triangle *t = r->job->t + slot;
         const unsigned shortest = pbwp__shortest(r, t);
         if (!pbwp__is_given(r, t, shortest)) {
             pbwp__mend(r, slot, shortest);
@@ -2657,10 +2669,9 @@ static void pbwp__mend_sharp(pbwp__refiner *r)
 
 static void pbwp__mend_large(pbwp__refiner *r)
 {
-    const pbw_index slot = PBWP__INDICES(r->large)[--r->large.count];
-    const pbwp__triangle *t = r->job->t + slot;
-    pbwp__prefetch_next(r, &r->large);
-    if (t->v[0] != PBW_NONE && pbwp__is_large(r, t)) {
+    const pbw_index slot = pbwp__dequeue(r, &r->large);
+    if (slot != PBW_NONE && pbwp__is_large(r, r->job->t + slot)) {
+        const pbwp__triangle *t = r->job->t + slot;
         const unsigned shortest = pbwp__shortest(r, t);
         if (pbwp__side2(r, t, shortest) > r->least2) {
             pbwp__mend(r, slot, shortest);
