@@ -13735,12 +13735,47 @@ static pbw_status pbw__core_scan(pbw__core *core)
     return PBW_OK;
 }
 
+/* box: per task, the least and the largest entries of its records. */
+typedef struct pbw__taking { pbw__core *core; const pbw_index *list; double (*box)[8]; int tasks; } pbw__taking;
+
+/* Names the vertices of a share. */
+static void pbw__core_take_share(void *arg, int task)
+{
+    const pbw__taking *taking = (const pbw__taking *)arg;
+    pbw__core *core = taking->core;
+    const size_t width = (size_t)core->kernel.dim + 1, count = core->vertex_count;
+    const size_t end = pbw__share(count, task + 1, taking->tasks) + 1;
+    double low[4], high[4];
+    size_t r, k;
+    for (k = 0; k < 4; k++) {
+        low[k] = HUGE_VAL;
+        high[k] = -HUGE_VAL;
+    }
+    for (r = pbw__share(count, task, taking->tasks) + 1; r < end; r++) {
+        const size_t soon = core->name[r + 16 < end ? r + 16 : r];
+        const double *x = core->record + r * width;
+        const pbw_index id = taking->list != NULL ? taking->list[core->name[r]] : core->name[r];
+        PBW__PREFETCH_TO_WRITE(core->vertex + soon);
+        PBW__PREFETCH_TO_WRITE(core->twin + soon);
+        core->name[r] = id;
+        core->vertex[id] = (pbw_index)r;
+        core->twin[id] = id;
+        for (k = 0; k < width; k++) {
+            low[k] = x[k] < low[k] ? x[k] : low[k];
+            high[k] = x[k] > high[k] ? x[k] : high[k];
+        }
+    }
+    memcpy(taking->box[task], low, sizeof(low));
+    memcpy(taking->box[task] + 4, high, sizeof(high));
+}
+
 /* The records are the core's now; names of vertices, the numbers at each place.  `canonical` and `id` of the vertices
    are places in the list of numbers; NULL: numbers. */
 static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const pbw_index *list, size_t numbers)
 {
+    pbw__context *context = core->kernel.context;
     const size_t records = vertices->point_count + 1, width = (size_t)vertices->dim + 1;
-    pbw_index r;
+    pbw__taking taking;
     size_t i, k;
     core->record = vertices->record;
     core->record_capacity = records * width;
@@ -13757,21 +13792,23 @@ static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const
     }
     memset(core->incident, 0xff, records * sizeof(pbw_index));
     memset(core->local, 0, core->local_capacity * sizeof(pbw_index));
-    for (k = 0; k < width; k++) {
-        core->low[k] = HUGE_VAL;
-        core->high[k] = -HUGE_VAL;
+    taking.core = core;
+    taking.list = list;
+    taking.tasks = pbw__tasks(context, vertices->count, 16384);
+    taking.box = (double (*)[8])pbw__allocate(&context->memory, (size_t)taking.tasks, sizeof(*taking.box));
+    if (taking.box == NULL) {
+        return PBW_ERROR_MEMORY;
     }
-    for (r = 1; r <= vertices->count; r++) {
-        const double *x = core->record + r * width;
-        const pbw_index id = list != NULL ? list[core->name[r]] : core->name[r];
-        core->name[r] = id;
-        core->vertex[id] = r;
-        core->twin[id] = id;
-        for (k = 0; k < width; k++) {
-            core->low[k] = x[k] < core->low[k] ? x[k] : core->low[k];
-            core->high[k] = x[k] > core->high[k] ? x[k] : core->high[k];
+    pbw__for(context, taking.tasks, pbw__core_take_share, &taking);
+    for (k = 0; k < width; k++) {
+        core->low[k] = taking.box[0][k];
+        core->high[k] = taking.box[0][4 + k];
+        for (i = 1; i < (size_t)taking.tasks; i++) {
+            core->low[k] = taking.box[i][k] < core->low[k] ? taking.box[i][k] : core->low[k];
+            core->high[k] = taking.box[i][4 + k] > core->high[k] ? taking.box[i][4 + k] : core->high[k];
         }
     }
+    pbw__release(&context->memory, taking.box, (size_t)taking.tasks, sizeof(*taking.box));
     for (i = 0; i < vertices->point_count && vertices->duplicate_count > 0; i++) {
         const pbw_index other = vertices->canonical[i];
         if (other != i && other != PBW_NONE) {
@@ -15012,20 +15049,21 @@ static void pbw__collect_slots(pbw__core *core, pbw__core *task)
     }
 }
 
-/* Moves free slots of the core to a task. */
-static void pbw__give_slots(pbw__core *core, pbw__core *task, size_t count)
+/* Moves free slots from the core to a task, or back. */
+static void pbw__move_slots(const pbw__core *core, pbw__core *from, pbw__core *to, size_t count)
 {
-    pbw__slots *slots = &task->kernel.slots, *all = &core->kernel.slots;
-    for (; count > 0 && all->free_count > 0; count--, all->free_count--) {
-        const pbw_index t = all->free_list;
-        all->free_list = core->kernel.corner[4 * (size_t)t + 1];
+    pbw__slots *source = &from->kernel.slots, *slots = &to->kernel.slots;
+    for (; count > 0 && source->free_count > 0; count--, source->free_count--) {
+        const pbw_index t = source->free_list;
+        source->free_list = core->kernel.corner[4 * (size_t)t + 1];
         core->kernel.corner[4 * (size_t)t + 1] = slots->free_list;
         slots->free_list = t;
         slots->free_last = slots->free_count++ == 0 ? t : slots->free_last;
     }
 }
 
-/* Free slots for the tasks of a round: each keeps its own between rounds, as to walk along a list takes time. */
+/* Free slots for the tasks of a round: each keeps its own between rounds, as to walk along a list takes time.  What a
+   task has beyond its share goes to others. */
 static void pbw__share_slots(const pbw__changing *batch)
 {
     pbw__core *core = batch->core;
@@ -15039,12 +15077,14 @@ static void pbw__share_slots(const pbw__changing *batch)
         }
     }
     for (part = 0; part < parts && missing > core->kernel.slots.free_count; part++) {
-        pbw__collect_slots(core, core->task[part]);
+        const size_t have = core->task[part]->kernel.slots.free_count;
+        const size_t surplus = have > wanted ? have - wanted : 0, more = missing - core->kernel.slots.free_count;
+        pbw__move_slots(core, core->task[part], core, surplus < more ? surplus : more);
     }
     for (part = 0; part < parts; part++) {
         const size_t have = core->task[part]->kernel.slots.free_count;
         const size_t share = core->kernel.slots.free_count / (parts - part), less = have < wanted ? wanted - have : 0;
-        pbw__give_slots(core, core->task[part], less < share ? less : share);
+        pbw__move_slots(core, core, core->task[part], less < share ? less : share);
     }
 }
 
@@ -15214,10 +15254,10 @@ PBW__INLINE const double *pbw__live_point(const pbw_live *live, size_t id)
 }
 
 /* Prefetches for entries of the queue to come, which are in any order. */
-PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i)
+PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i, size_t end)
 {
-    if (i + 16 < live->queue_count) {
-        const pbw_index far = live->queue[i + 16], near = live->queue[i + 8];
+    if (i + 32 < end) {
+        const pbw_index far = live->queue[i + 32], near = live->queue[i + 16];
         PBW__PREFETCH(live->state + far);
         PBW__PREFETCH(live->point + (size_t)live->dim * far);
         if (live->core.vertex == NULL) {             /* the points span no simplex */
@@ -15233,12 +15273,15 @@ PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i)
     }
 }
 
+typedef struct pbw__classes { pbw_live *live; size_t leave, arrive; } pbw__classes;
+
 /* Marks which of the queue leave a place, and arrive at one; counts them. */
-static void pbw__live_classify(pbw_live *live, size_t *leave, size_t *arrive)
+static pbw_status pbw__live_classify_range(void *arg, size_t from, size_t to)
 {
-    size_t i;
-    *leave = *arrive = 0;
-    for (i = 0; i < live->queue_count; i++) {
+    pbw__classes *classes = (pbw__classes *)arg;
+    pbw_live *live = classes->live;
+    size_t leave = 0, arrive = 0, i;
+    for (i = from; i < to; i++) {
         const pbw_index id = live->queue[i];
         const unsigned state = live->state[id] & (PBW__LIVES | PBW__STAYS | PBW__QUEUED);
         const int lives = (state & PBW__LIVES) != 0, stays = (state & PBW__STAYS) != 0;
@@ -15247,10 +15290,13 @@ static void pbw__live_classify(pbw_live *live, size_t *leave, size_t *arrive)
                                                              live->dim);
         const unsigned leaves = lives && (moves || !stays), arrives = stays && (moves || !lives);
         live->state[id] = (unsigned char)(state | leaves * PBW__LEAVES | arrives * PBW__ARRIVES);
-        *leave += leaves;
-        *arrive += arrives;
-        pbw__live_prefetch(live, i);
+        leave += leaves;
+        arrive += arrives;
+        pbw__live_prefetch(live, i, to);
     }
+    (void)PBW__ADD(&classes->leave, leave);
+    (void)PBW__ADD(&classes->arrive, arrive);
+    return PBW_OK;
 }
 
 /* Writes to a table of the core, so that it can be undone; 0 if memory is short. */
@@ -15373,11 +15419,12 @@ PBW__INLINE void pbw__place_prefetch(const pbw__core *core, const double *x, int
     }
 }
 
-/* Room for the changes of a batch: `more` new vertices, as many places with changes.  places: they are looked up. */
-static pbw_status pbw__batch_reserve(pbw_live *live, size_t more, int places)
+/* Room for a batch that changes `more` places.  anew: they may get new vertices, and are looked up. */
+static pbw_status pbw__batch_reserve(pbw_live *live, size_t more, int anew)
 {
     pbw__core *core = &live->core;
-    const size_t vertices = core->vertex_count + more + 1, width = (size_t)live->dim + 1, old = core->local_capacity;
+    const size_t vertices = core->vertex_count + (anew ? more : 0) + 1, width = (size_t)live->dim + 1;
+    const size_t old = core->local_capacity;
     const int room = vertices < PBW__GONE && PBW__CORE_GROW(core, vertex, live->count)
         && PBW__CORE_GROW(core, twin, live->count) && PBW__CORE_GROW(core, record, vertices * width)
         && PBW__CORE_GROW(core, name, vertices) && PBW__CORE_GROW(core, incident, vertices)
@@ -15389,7 +15436,7 @@ static pbw_status pbw__batch_reserve(pbw_live *live, size_t more, int places)
         && PBW__LIVE_GROW(live, joining, more + 1);
     core->kernel.record = core->record;              /* which may have moved, whatever failed then */
     memset(core->local + old, 0, (core->local_capacity - old) * sizeof(pbw_index));
-    return !room ? PBW_ERROR_MEMORY : places ? pbw__place_reserve(live, more) : PBW_OK;
+    return !room ? PBW_ERROR_MEMORY : anew ? pbw__place_reserve(live, more) : PBW_OK;
 }
 
 /* Notes that the place of a vertex changes: its place in the list of those that do.  `head` is the first of its
@@ -15675,7 +15722,7 @@ static pbw_status pbw__batch_plan(pbw_live *live)
     }
     core->rim_vertices = 0;
     for (i = 0; i < live->queue_count; i++) {
-        pbw__live_prefetch(live, i);
+        pbw__live_prefetch(live, i, live->queue_count);
         if ((live->state[live->queue[i]] & PBW__LEAVES) != 0) {
             (void)pbw__live_affect(live, core->vertex[live->queue[i]], PBW_NONE);
         }
@@ -15701,24 +15748,42 @@ static int pbw__is_whole(double x)
     return pbw__abs(x) >= 9007199254740992.0 || (double)(int64_t)x == x;
 }
 
-/* Gives up the grid if a new record is not on it, or beyond those that it was made of. */
-static void pbw__live_fit_grid(pbw_live *live, const pbw_index *list, size_t count)
+typedef struct pbw__fitting { const pbw_live *live; const pbw_index *list; int beyond; } pbw__fitting;
+
+static pbw_status pbw__live_fit_range(void *arg, size_t from, size_t to)
 {
-    pbw__core *core = &live->core;
-    const int dim = live->dim;
-    size_t i;
+    pbw__fitting *fitting = (pbw__fitting *)arg;
+    const pbw__core *core = &fitting->live->core;
+    const int dim = fitting->live->dim;
+    const double unit = core->grid.inverse_unit;
     int k;
-    for (i = 0; i < count && core->grid.inverse_unit != 0.0; i++) {
-        const double *x = pbw__core_record(core, list[i]);
+    for (; from < to && !PBW__LOAD(&fitting->beyond); from++) {
+        const double *x = pbw__core_record(core, fitting->list[from]);
         for (k = 0; k <= dim; k++) {
-            const double unit = core->grid.inverse_unit, scale = k < dim ? unit : unit * unit;
-            if (!(x[k] >= core->low[k] && x[k] <= core->high[k] && pbw__is_whole(x[k] * scale))) {
-                memset(&core->grid, 0, sizeof(core->grid));
-                core->kernel.exact_height = 0.0;
+            if (!(x[k] >= core->low[k] && x[k] <= core->high[k]
+                  && pbw__is_whole(x[k] * (k < dim ? unit : unit * unit)))) {
+                PBW__STORE(&fitting->beyond, 1);
                 break;
             }
         }
     }
+    return PBW_OK;
+}
+
+/* Gives up the grid if a new record is not on it, or beyond those that it was made of. */
+static pbw_status pbw__live_fit_grid(pbw_live *live, const pbw_index *list, size_t count)
+{
+    pbw__core *core = &live->core;
+    pbw__fitting fitting = { live, list, 0 };
+    pbw_status status = PBW_OK;
+    if (core->grid.inverse_unit != 0.0) {
+        status = pbw__for_range(core->kernel.context, count, 8192, 0.0, pbw__live_fit_range, &fitting);
+        if (fitting.beyond) {
+            memset(&core->grid, 0, sizeof(core->grid));
+            core->kernel.exact_height = 0.0;
+        }
+    }
+    return status;
 }
 
 /* ---- the changes of a batch, see >>tasks */
@@ -15786,7 +15851,7 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
         live->arriving[i] = live->arriving[live->arriving_count - 1 - i];
         live->arriving[live->arriving_count - 1 - i] = v;
     }
-    pbw__live_fit_grid(live, live->arriving, live->arriving_count);
+    status = status == PBW_OK ? pbw__live_fit_grid(live, live->arriving, live->arriving_count) : status;
     memset(&batch, 0, sizeof(batch));
     core->effort = 0;
     batch.arg = live;
@@ -15872,7 +15937,8 @@ static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, s
    All at once: the coordinates are exchanged, then >>verify.  One by one: a vertex whose star stays positive gets its
    new place, and what is no longer Delaunay is flipped, in the plane; in space, or where a simplex would be inverted,
    and at the hull, it is removed and inserted.  In between all is the triangulation of some old and some new places,
-   so no new place may be an old one.
+   so no new place may be an old one: the table of places says so, if there is one, or if tasks move vertices; else a
+   walk to each new place, where the vertex does not stay in its star, which no other vertex is in.
    ------------------------------------------------------------------------------------------------------ */
 /* Writes the new coordinates into the records of those that move, or the old ones back: to the end, even if the call
    is being cancelled. */
@@ -15940,8 +16006,8 @@ static pbw_status pbw__live_in_place(pbw_live *live, size_t count, pbw_changes *
         return status;
     }
     pbw__live_exchange(live);
-    pbw__live_fit_grid(live, live->leaving, live->leaving_count);
-    status = pbw__verify(core, core->simplex_count / 2 + 64);
+    status = pbw__live_fit_grid(live, live->leaving, live->leaving_count);
+    status = status == PBW_OK ? pbw__verify(core, core->simplex_count / 2 + 64) : status;
     if (status == PBW_OK && changes != NULL) {
         status = pbw__batch_changes(live, changes);
     }
@@ -16045,6 +16111,21 @@ static pbw_status pbw__shift_in_place(pbw_live *live, pbw__core *core, size_t at
     return status != PBW_OK || count == 0 ? status : pbw__flip_all(core, count, live->core.past_simplices);
 }
 
+/* Whether another vertex is where v, which is in no simplex, is to be inserted: it is a corner of each simplex that
+   has that place.  `near`: a vertex, or 0. */
+static int pbw__shift_taken(const pbw__core *core, pbw_index v, pbw_index near)
+{
+    const pbw_index start = pbw__start_near(core, near != 0 ? core->incident[near] : core->kernel.last);
+    const pbw_index *corner = core->kernel.corner + 4 * (size_t)pbw__find_witness(core, start, v);
+    const double *x = pbw__core_record(core, v);
+    const int dim = core->kernel.dim;
+    int k, taken = 0;
+    for (k = 0; k <= dim; k++) {
+        taken |= corner[k] != PBW__GHOST && pbw__same_place(pbw__core_record(core, corner[k]), x, dim);
+    }
+    return taken;
+}
+
 /* Removes the i-th vertex and inserts it at its new place; that may be left after this. */
 static pbw_status pbw__change_again(void *arg, pbw__core *core, size_t i, pbw_index near)
 {
@@ -16067,6 +16148,9 @@ static pbw_status pbw__change_again(void *arg, pbw__core *core, size_t i, pbw_in
     near = pbw__nearer_start(core, core->local[v], 0, pbw__core_record(core, v));
     if (near == 0 && core->kernel.own.owner != NULL) {
         return PBW__LEFT;
+    }
+    if (core->place == NULL && pbw__shift_taken(core, v, near)) {
+        return PBW__ANEW;
     }
     return pbw__insert_vertex(core, v, pbw__start_near(core, near != 0 ? core->incident[near] : core->kernel.last));
 }
@@ -16119,22 +16203,25 @@ static pbw_status pbw__shift_unique(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Enters all new places.  PBW__ANEW: a new place is taken, or was. */
+/* Enters all new places, if there is a table.  PBW__ANEW: a new place is taken, or was. */
 static pbw_status pbw__shift_places(pbw_live *live)
 {
     pbw__core *core = &live->core;
     pbw__context *context = core->kernel.context;
     const size_t count = live->leaving_count;
     const unsigned table = PBW__EDIT_PLACE;
-    pbw_status status;
-    if (!pbw__live_edits(live, count, &table, 1)) {
+    const int placed = core->place != NULL;
+    pbw_status status = PBW_OK;
+    if (placed && !pbw__live_edits(live, count, &table, 1)) {
         return PBW_ERROR_MEMORY;
     }
-    core->placed += count;
-    status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_enter, live);
+    if (placed) {
+        core->placed += count;
+        status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_enter, live);
+    }
     pbw__live_exchange(live);
-    pbw__live_fit_grid(live, live->leaving, count);
-    if (status == PBW_OK) {
+    status = status == PBW_OK ? pbw__live_fit_grid(live, live->leaving, count) : status;
+    if (status == PBW_OK && placed) {
         status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_unique, live);
     }
     pbw__live_exchange(live);
@@ -16188,8 +16275,9 @@ static pbw_status pbw__live_shift(pbw_live *live, size_t count, size_t most_effo
     const pbw__grid grid = core->grid;
     const double exact_height = core->kernel.exact_height;
     size_t i;
+    const int placed = core->place != NULL || pbw__batch_parts(core, count) > 1;
     pbw_status status = core->kernel.weighted ? PBW__ANEW : pbw__live_list_moves(live, count);
-    status = status == PBW_OK ? pbw__batch_reserve(live, count, 1) : status;
+    status = status == PBW_OK ? pbw__batch_reserve(live, count, placed) : status;
     if (status != PBW_OK) {
         return status;
     }
@@ -16354,11 +16442,17 @@ static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_change
 {
     const double points = (double)live->points;
     const size_t most = PBW__EFFORT * (live->points + 100);
+    pbw__classes classes = { live, 0, 0 };
     size_t leave, arrive;
     int near;
-    pbw_status status = PBW__ANEW;
     pbw_way way = PBW_WAY_REBUILD;
-    pbw__live_classify(live, &leave, &arrive);
+    pbw_status status = pbw__for_range(context, live->queue_count, 8192, 0.0, pbw__live_classify_range, &classes);
+    if (status != PBW_OK) {
+        return status;
+    }
+    status = PBW__ANEW;
+    leave = classes.leave;
+    arrive = classes.arrive;
     if (leave + arrive == 0) {
         return live->core.simplex_count > 0 ? PBW_OK : PBW_DEGENERATE;
     }
@@ -16390,19 +16484,20 @@ static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_change
     return status;
 }
 
-static pbw_status pbw__live_import(pbw_live *live, pbw__context *context, const pbw_mesh *mesh);      /* >>adopt */
+static pbw_status pbw__live_load(pbw_live *live, pbw__context *context, const pbw_mesh *mesh);      /* >>adopt */
+static pbw_status pbw__live_import(pbw_live *live, pbw__context *context, const pbw_mesh *mesh);
 
-/* Carries out the queue; mesh: NULL, or that which its points are of, all to be inserted. */
+/* Carries out the queue; mesh: NULL, or that of which all points are to be queued and inserted. */
 static pbw_status pbw__live_run(pbw_live *live, const pbw_mesh *mesh, pbw_changes *changes)
 {
     pbw__context context;
     pbw_status status;
     pbw__fp fp = pbw__fp_enter();
-    pbw__context_start(&context, &live->options, live->count);
+    pbw__context_start(&context, &live->options, mesh != NULL ? mesh->point_count : live->count);
     context.memory = live->memory;
     live->core.kernel.context = &context;
-    status = !pbw__fp_is_exact() ? PBW_ERROR_FP_MODE
-           : mesh != NULL ? pbw__live_import(live, &context, mesh) : PBW__ANEW;
+    status = !pbw__fp_is_exact() ? PBW_ERROR_FP_MODE : mesh != NULL ? pbw__live_load(live, &context, mesh) : PBW_OK;
+    status = status != PBW_OK ? status : mesh != NULL ? pbw__live_import(live, &context, mesh) : PBW__ANEW;
     status = status == PBW__ANEW ? pbw__live_go(live, &context, changes) : status;
     pbw__team_stop(&context);
     if (status == PBW_OK || status == PBW_DEGENERATE) {
@@ -16836,6 +16931,55 @@ static pbw_status pbw__import_core(pbw_live *live, pbw__context *context, pbw__i
     return status;
 }
 
+/* Queues points of a mesh, those that are there; counts the others, and those with numbers that are not finite. */
+typedef struct pbw__loading { pbw_live *live; const pbw_mesh *mesh; size_t absent, wild; } pbw__loading;
+
+static pbw_status pbw__load_range(void *arg, size_t from, size_t to)
+{
+    pbw__loading *loading = (pbw__loading *)arg;
+    pbw_live *live = loading->live;
+    const pbw_mesh *mesh = loading->mesh;
+    const size_t dim = (size_t)live->dim;
+    size_t absent = 0, wild = 0, i, k;
+    for (i = from; i < to; i++) {
+        const int there = mesh->canonical[i] != PBW_NONE;
+        for (k = 0; k < dim; k++) {
+            live->point[i * dim + k] = there ? mesh->points[i * dim + k] + 0.0 : 0.0;        /* no -0.0 */
+        }
+        live->weight[i] = there && mesh->weights != NULL ? mesh->weights[i] + 0.0 : 0.0;
+        live->state[i] = there ? PBW__STAYS | PBW__QUEUED : 0;
+        live->queue[i] = (pbw_index)i;
+        absent += !there;
+        wild += !pbw__all_finite(live->point + i * dim, dim) || !pbw__all_finite(live->weight + i, 1);
+    }
+    (void)PBW__ADD(&loading->absent, absent);
+    (void)PBW__ADD(&loading->wild, wild);
+    return PBW_OK;
+}
+
+/* Queues all points of a mesh; there is room for them. */
+static pbw_status pbw__live_load(pbw_live *live, pbw__context *context, const pbw_mesh *mesh)
+{
+    pbw__loading loading = { live, mesh, 0, 0 };
+    pbw_status status = pbw__for_range(context, mesh->point_count, 16384, 0.0, pbw__load_range, &loading);
+    size_t i;
+    if (status != PBW_OK || loading.wild > 0) {
+        return status != PBW_OK ? status : PBW_ERROR_NOT_FINITE;
+    }
+    live->count = live->queue_count = mesh->point_count;
+    if (loading.absent > 0) {
+        live->queue_count = 0;
+        for (i = live->count; i-- > 0; ) {
+            if (live->state[i] == 0) {
+                live->spare[live->spare_count++] = (pbw_index)i;
+            } else {
+                live->queue[live->queue_count++] = (pbw_index)i;
+            }
+        }
+    }
+    return PBW_OK;
+}
+
 /* Makes the mesh that all points of the queue are of the live triangulation.  PBW__ANEW: that cannot be. */
 static pbw_status pbw__live_import(pbw_live *live, pbw__context *context, const pbw_mesh *mesh)
 {
@@ -16888,34 +17032,6 @@ PBWDEF void pbw_live_free(pbw_live *live)
     }
 }
 
-/* Queues the points of a mesh, and makes it the triangulation of them. */
-static pbw_status pbw__live_adopt(pbw_live *live, const pbw_mesh *mesh)
-{
-    const size_t dim = (size_t)live->dim;
-    pbw_status status = pbw__live_reserve(live, mesh->point_count, mesh->point_count);
-    size_t i = status == PBW_OK ? mesh->point_count : 0, k;
-    live->count = i;
-    while (i-- > 0) {
-        live->state[i] = 0;
-        memset(live->point + i * dim, 0, dim * sizeof(double));
-        live->weight[i] = 0.0;
-        if (mesh->canonical[i] == PBW_NONE) {
-            live->spare[live->spare_count++] = (pbw_index)i;
-        } else {
-            for (k = 0; k < dim; k++) {
-                live->point[i * dim + k] = mesh->points[i * dim + k] + 0.0;      /* no -0.0 */
-            }
-            live->weight[i] = mesh->weights != NULL ? mesh->weights[i] + 0.0 : 0.0;
-            live->state[i] = PBW__STAYS;
-            pbw__live_queue(live, (pbw_index)i);
-            if (!pbw__all_finite(live->point + i * dim, dim) || !pbw__all_finite(live->weight + i, 1)) {
-                return PBW_ERROR_NOT_FINITE;
-            }
-        }
-    }
-    return status != PBW_OK ? status : pbw__live_run(live, mesh, NULL);
-}
-
 PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **result)
 {
     pbw_options defaults;
@@ -16946,7 +17062,8 @@ PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *optio
     live->options.message = NULL;
     live->dim = mesh->dim;
     live->weighted = mesh->weights != NULL;
-    status = pbw__live_adopt(live, mesh);
+    status = pbw__live_reserve(live, mesh->point_count, mesh->point_count);
+    status = status == PBW_OK ? pbw__live_run(live, mesh, NULL) : status;
     if (status != PBW_OK && status != PBW_DEGENERATE) {
         pbw_live_free(live);
         return status;
@@ -16958,8 +17075,9 @@ PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *optio
    >>view         The arrays of a live triangulation.
    In: a core.  Out: a mesh, as pbw_triangulate gives it for the points that live.
    The vertices are sorted along the curve as for a build, which gives their ranks.  The simplices are put into the
-   canonical order of >>number, but into new arrays, as the core keeps its own: each is counted in the list of its
-   lowest rank; lists are sorted block by block, and written with their corners; then neighbours are looked up.
+   canonical order of >>number, but into new arrays, as the core keeps its own.  Each belongs to the list of its
+   lowest rank: a radix sort, a task for each chunk of slots, puts them into blocks of lists; then a block is sorted
+   and written; then neighbours are looked up.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__LISTED ((size_t)512)                    /* ranks in a block */
 
@@ -16968,18 +17086,18 @@ typedef struct pbw__viewing {
     pbw_mesh *mesh;
     pbw__emission emission;                          /* how lists are sorted: see >>number */
     int alone;                                       /* one thread, which takes blocks in descending order */
-    size_t ranks, blocks, visible, duplicates;       /* ranks: with 0 */
-    const pbw_index *id;                             /* per rank */
+    size_t ranks, blocks, chunks, visible, duplicates;       /* ranks: with 0 */
+    const pbw_index *list;                           /* per place in the input of the sort: its vertex; NULL: all */
+    pbw_index *id;                                   /* per rank */
     pbw_index *rank;                                 /* per vertex */
     pbw_index *number;                               /* per slot: its list, then its place */
     unsigned char *turn;                             /* per slot: see pbw__canonical_order */
-    pbw_index *head;                                 /* per rank: where its list begins in the block; then its first
-                                                        simplex of this block, and, if there are several threads, */
-    pbw_index *outer;                                /* its first one of other blocks */
+    pbw_index *first, *outer;                        /* per rank: its first simplex; of several threads: that of its
+                                                        block, that of other blocks */
     pbw_index *base;                                 /* per block: where it begins; one more: where the last ends */
-    pbw_index *simplices, *neighbors, *incident;     /* the mesh's; before there are simplices: per slot, where it is
-                                                        in its list; before there are neighbours: in the first entry
-                                                        of each place, its slot */
+    pbw_index *bin;                                  /* per chunk of slots and block: how many; then the next place */
+    pbw_index *simplices, *neighbors, *incident;     /* the mesh's; before there are neighbours: in the first entry of
+                                                        each place, its slot */
 } pbw__viewing;
 
 /* ---- points
@@ -17070,14 +17188,14 @@ static pbw_status pbw__view_order(const pbw_live *live, pbw__context *context, p
 }
 
 /* ---- simplices
-   Turns each simplex to canonical form and counts it in its list. */
-PBW__INLINE void pbw__view_count_of(const pbw__viewing *viewing, size_t from, size_t to, int alone, int dim)
+   Finds the list of each simplex of a chunk, and counts blocks. */
+PBW__INLINE void pbw__view_count_of(const pbw__viewing *viewing, size_t from, size_t to, pbw_index *bin, int dim)
 {
     const pbw_index *corner = viewing->live->core.store.corner, *rank = viewing->rank;
-    pbw_index *number = viewing->number, *at = viewing->simplices, *head = viewing->head;
+    pbw_index *number = viewing->number;
     for (; from < to; from++) {
         const pbw_index *v = corner + 4 * from;
-        pbw_index r[4], low;
+        pbw_index r[4];
         unsigned order;
         int k;
         if (v[0] == PBW_NONE || v[dim] == PBW__GHOST) {
@@ -17088,69 +17206,79 @@ PBW__INLINE void pbw__view_count_of(const pbw__viewing *viewing, size_t from, si
             r[k] = rank[v[k]];
         }
         order = pbw__canonical_order(r, dim);
-        low = r[order & 3];
         viewing->turn[from] = (unsigned char)order;
-        number[from] = low;
-        at[from] = alone ? head[low]++ : PBW__ADD(head + low, 1);
+        number[from] = r[order & 3];
+        bin[r[order & 3] / PBW__LISTED]++;
     }
+}
+
+/* Where the slots of a chunk begin. */
+PBW__INLINE size_t pbw__view_chunk(const pbw__viewing *viewing, size_t chunk)
+{
+    return pbw__share(viewing->live->core.store.count, (int)chunk, (int)viewing->chunks);
 }
 
 static pbw_status pbw__view_count(void *arg, size_t from, size_t to)
 {
     const pbw__viewing *viewing = (const pbw__viewing *)arg;
-    if (viewing->alone) {
-        PBW__BY_DIM(viewing->live->dim, pbw__view_count_of, viewing, from, to, 1);
-    } else {
-        PBW__BY_DIM(viewing->live->dim, pbw__view_count_of, viewing, from, to, 0);
+    for (; from < to; from++) {
+        pbw_index *bin = viewing->bin + from * viewing->blocks;
+        memset(bin, 0, viewing->blocks * sizeof(pbw_index));
+        PBW__BY_DIM(viewing->live->dim, pbw__view_count_of, viewing, pbw__view_chunk(viewing, from),
+                    pbw__view_chunk(viewing, from + 1), bin);
     }
     return PBW_OK;
 }
 
-/* Lengths of lists become their places in blocks. */
-static pbw_status pbw__view_sum(void *arg, size_t from, size_t to)
-{
-    const pbw__viewing *viewing = (const pbw__viewing *)arg;
-    pbw_index sum = 0;
-    size_t r;
-    for (r = from; r < to; r++) {
-        const pbw_index length = viewing->head[r];
-        viewing->head[r] = sum;
-        sum += length;
-    }
-    viewing->base[from / PBW__LISTED] = sum;
-    return PBW_OK;
-}
-
+/* Puts the slots of a chunk into their blocks. */
 static pbw_status pbw__view_scatter(void *arg, size_t from, size_t to)
 {
     const pbw__viewing *viewing = (const pbw__viewing *)arg;
-    const pbw_index *number = viewing->number, *at = viewing->simplices, *head = viewing->head, *base = viewing->base;
+    const pbw_index *number = viewing->number;
     const size_t corners = (size_t)viewing->live->dim + 1;
     for (; from < to; from++) {
-        const pbw_index low = number[from];
-        if (low != PBW_NONE) {
-            viewing->neighbors[corners * ((size_t)base[low / PBW__LISTED] + head[low] + at[from])] = (pbw_index)from;
+        pbw_index *bin = viewing->bin + from * viewing->blocks;
+        const size_t end = pbw__view_chunk(viewing, from + 1);
+        size_t t;
+        for (t = pbw__view_chunk(viewing, from); t < end; t++) {
+            if (number[t] != PBW_NONE) {
+                viewing->neighbors[corners * bin[number[t] / PBW__LISTED]++] = (pbw_index)t;
+            }
         }
     }
     return PBW_OK;
 }
 
-/* The items of a block: see >>number. */
-PBW__INLINE void pbw__view_items(const pbw__viewing *viewing, size_t from, size_t to, pbw__item *item, int dim)
+/* The items of a block, see >>number, list by list; the i-th list ends at end[i]. */
+PBW__INLINE void pbw__view_items(const pbw__viewing *viewing, size_t block, pbw_index *end, pbw__item *item, int dim)
 {
-    const pbw_index *corner = viewing->live->core.store.corner, *rank = viewing->rank, *list = viewing->neighbors;
-    const size_t corners = (size_t)dim + 1;
+    const pbw_index *corner = viewing->live->core.store.corner, *rank = viewing->rank, *number = viewing->number;
+    const size_t corners = (size_t)dim + 1, from = viewing->base[block], to = viewing->base[block + 1];
+    const pbw_index *list = viewing->neighbors, low = (pbw_index)(block * PBW__LISTED);
+    pbw_index sum = 0;
     size_t i;
-    for (i = from; i < to; i++, item++) {
-        const size_t t = list[corners * i], soon = list[corners * (i + 16 < to ? i + 16 : i)];
+    memset(end, 0, PBW__LISTED * sizeof(pbw_index));
+    for (i = from; i < to; i++) {
+        const size_t soon = list[corners * (i + 16 < to ? i + 16 : i)];
+        PBW__PREFETCH(number + soon);
+        PBW__PREFETCH(corner + 4 * soon);
+        PBW__PREFETCH(viewing->turn + soon);
+        end[number[list[corners * i]] - low]++;
+    }
+    for (i = 0; i < PBW__LISTED; i++) {
+        const pbw_index length = end[i];
+        end[i] = sum;
+        sum += length;
+    }
+    for (i = from; i < to; i++) {
+        const size_t t = list[corners * i];
         const pbw_index *v = corner + 4 * t;
         const unsigned order = viewing->turn[t];
         const pbw_index second = rank[v[order >> 2 & 3]], third = rank[v[order >> 4 & 3]];
-        PBW__PREFETCH(corner + 4 * soon);
-        PBW__PREFETCH(viewing->turn + soon);
-        item->key = dim == 3 ? (uint64_t)second << 32 | third : (uint64_t)viewing->number[t] << 32 | second;
-        item->last = dim == 3 ? rank[v[order >> 6]] : third;
-        item->simplex = (pbw_index)t;
+        pbw__item *to_item = item + end[number[t] - low]++;
+        to_item->key = dim == 3 ? (uint64_t)second << 32 | third : (uint64_t)number[t] << 32 | second;
+        to_item->last = dim == 3 ? rank[v[order >> 6]] : third;
+        to_item->simplex = (pbw_index)t;
     }
 }
 
@@ -17159,7 +17287,7 @@ PBW__INLINE void pbw__view_items(const pbw__viewing *viewing, size_t from, size_
 PBW__INLINE void pbw__view_write(const pbw__viewing *viewing, size_t from, size_t to, const pbw__item *item,
                                  pbw_index later, int dim)
 {
-    pbw_index *number = viewing->number, *first = viewing->head, *outer = viewing->outer;
+    pbw_index *number = viewing->number, *first = viewing->first, *outer = viewing->outer;
     const pbw_index *id = viewing->id;
     while (to-- > from) {
         const pbw__item *here = item + (to - from);
@@ -17185,43 +17313,45 @@ PBW__INLINE void pbw__view_write(const pbw__viewing *viewing, size_t from, size_
     }
 }
 
-/* Sorts and writes the lists of a block. */
-static pbw_status pbw__view_block(const pbw__viewing *viewing, size_t block)
+/* Sorts and writes the lists of a block.  There is room for two times `room` items, a few more than the block has. */
+static void pbw__view_block(const pbw__viewing *viewing, size_t block, pbw__item *item, size_t room)
 {
-    pbw__memory *memory = &viewing->emission.context->memory;
     const int dim = viewing->live->dim;
     const size_t first = block * PBW__LISTED, rest = viewing->ranks - first;
-    const size_t lists = rest < PBW__LISTED ? rest : PBW__LISTED, from = viewing->base[block];
-    const size_t to = viewing->base[block + 1], count = to - from, room = count + 4;     /* 4: see >>number */
-    const pbw_index later = viewing->alone ? PBW_NONE : (pbw_index)(first + lists);
+    const size_t lists = rest < PBW__LISTED ? rest : PBW__LISTED;
+    const size_t from = viewing->base[block], to = viewing->base[block + 1];
+    const pbw_index later = (pbw_index)(first + lists);
     pbw_index end[PBW__LISTED];
-    pbw__item *item = (pbw__item *)pbw__allocate(memory, 2 * room, sizeof(pbw__item));
-    if (item == NULL) {
-        return PBW_ERROR_MEMORY;
-    }
-    memcpy(end, viewing->head + first + 1, (lists - 1) * sizeof(pbw_index));
-    end[lists - 1] = (pbw_index)count;
-    memset(viewing->head + first, 0xff, lists * sizeof(pbw_index));  /* PBW_NONE */
-    memset(item + count, 0, 4 * sizeof(*item));
-    PBW__BY_DIM(dim, pbw__view_items, viewing, from, to, item);
+    PBW__BY_DIM(dim, pbw__view_items, viewing, block, end, item);
+    memset(item + (to - from), 0, 4 * sizeof(*item));
+    memset(viewing->first + first, 0xff, lists * sizeof(pbw_index));         /* PBW_NONE */
     pbw__sort_region(&viewing->emission, item, end, lists, item + room);
     if (viewing->alone) {                            /* compiled without comparisons with later */
         PBW__BY_DIM(dim, pbw__view_write, viewing, from, to, item + room + 1, PBW_NONE);
     } else {
         PBW__BY_DIM(dim, pbw__view_write, viewing, from, to, item + room + 1, later);
     }
-    pbw__release(memory, item, 2 * room, sizeof(pbw__item));
-    return PBW_OK;
 }
 
+/* Blocks from the last on. */
 static pbw_status pbw__view_blocks(void *arg, size_t from, size_t to)
 {
     const pbw__viewing *viewing = (const pbw__viewing *)arg;
-    pbw_status status = PBW_OK;
-    for (; from < to && status == PBW_OK; from++) {
-        status = pbw__view_block(viewing, viewing->blocks - 1 - from);
+    pbw__memory *memory = &viewing->emission.context->memory;
+    const pbw_index *base = viewing->base;
+    size_t room = 0, i, block;
+    pbw__item *item;
+    for (i = from; i < to; i++) {
+        block = viewing->blocks - 1 - i;
+        room = base[block + 1] - base[block] > room ? base[block + 1] - base[block] : room;
     }
-    return status;
+    room += 4;                                       /* see >>number */
+    item = (pbw__item *)pbw__allocate(memory, 2 * room, sizeof(pbw__item));
+    for (i = from; i < to && item != NULL; i++) {
+        pbw__view_block(viewing, viewing->blocks - 1 - i, item, room);
+    }
+    pbw__release(memory, item, 2 * room, sizeof(pbw__item));
+    return item != NULL ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
 PBW__INLINE void pbw__view_neighbors_of(const pbw__viewing *viewing, size_t from, size_t to, int dim)
@@ -17254,7 +17384,7 @@ static pbw_status pbw__view_incident(void *arg, size_t from, size_t to)
     pbw__viewing *viewing = (pbw__viewing *)arg;
     size_t visible = 0, r;
     for (r = from + 1; r <= to; r++) {
-        const pbw_index own = viewing->head[r], other = viewing->alone ? own : viewing->outer[r];
+        const pbw_index own = viewing->first[r], other = viewing->alone ? own : viewing->outer[r];
         const pbw_index first = own < other ? own : other;
         viewing->incident[viewing->id[r]] = first;
         visible += first != PBW_NONE;
@@ -17263,94 +17393,96 @@ static pbw_status pbw__view_incident(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Puts the simplices into lists. */
-static pbw_status pbw__view_lists(pbw__viewing *viewing, pbw__context *context)
+/* Puts the simplices into blocks. */
+static pbw_status pbw__view_sort(pbw__viewing *viewing, pbw__context *context)
 {
-    const pbw__core *core = &viewing->live->core;
-    const size_t slots = core->store.count, entries = core->simplex_count * ((size_t)viewing->live->dim + 1);
-    pbw_mesh *mesh = viewing->mesh;
-    pbw__owned *owned = (pbw__owned *)mesh->memory;
-    size_t room = entries > slots ? entries : slots, sum = 0, block;
-    pbw_status status = PBW_ERROR_MEMORY;
-    mesh->simplices = viewing->simplices = (pbw_index *)pbw__allocate_large(context, room, sizeof(pbw_index));
-    mesh->neighbors = viewing->neighbors = (pbw_index *)pbw__allocate_large(context, entries, sizeof(pbw_index));
-    owned->simplices = room;
-    owned->neighbors = entries;
-    mesh->simplex_count = core->simplex_count;
-    if (viewing->simplices != NULL && viewing->neighbors != NULL) {
-        status = pbw__for_range(context, slots, 16384, 0.2, pbw__view_count, viewing);
-        status = status == PBW_OK ? pbw__for_range(context, viewing->ranks, PBW__LISTED, 0.25, pbw__view_sum, viewing)
-                                  : status;
+    pbw_status status = pbw__for_range(context, viewing->chunks, 1, 0.2, pbw__view_count, viewing);
+    pbw_index sum = 0;
+    size_t block, chunk;
+    for (block = 0; block < viewing->blocks && status == PBW_OK; block++) {
+        viewing->base[block] = sum;
+        for (chunk = 0; chunk < viewing->chunks; chunk++) {
+            pbw_index *bin = viewing->bin + chunk * viewing->blocks + block;
+            const pbw_index count = *bin;
+            *bin = sum;
+            sum += count;
+        }
     }
-    for (block = 0; block <= viewing->blocks && status == PBW_OK; block++) {
-        const pbw_index count = block < viewing->blocks ? viewing->base[block] : 0;
-        viewing->base[block] = (pbw_index)sum;
-        sum += count;
+    viewing->base[viewing->blocks] = sum;
+    return status == PBW_OK ? pbw__for_range(context, viewing->chunks, 1, 0.3, pbw__view_scatter, viewing) : status;
+}
+
+/* Ranks of vertices, and their ids. */
+static pbw_status pbw__view_ranks(void *arg, size_t from, size_t to)
+{
+    const pbw__viewing *viewing = (const pbw__viewing *)arg;
+    const pbw_index *name = viewing->live->core.name, *list = viewing->list;
+    size_t r;
+    for (r = from + 1; r <= to; r++) {
+        const size_t soon = viewing->id[r + 16 <= to ? r + 16 : r], near = list != NULL ? list[soon] : soon + 1;
+        const pbw_index v = list != NULL ? list[viewing->id[r]] : viewing->id[r] + 1;
+        PBW__PREFETCH(name + near);
+        PBW__PREFETCH_TO_WRITE(viewing->rank + near);
+        viewing->id[r] = name[v];
+        viewing->rank[v] = (pbw_index)r;
     }
-    status = status == PBW_OK ? pbw__for_range(context, slots, 16384, 0.3, pbw__view_scatter, viewing) : status;
-    if (status == PBW_OK && room > entries) {
-        status = pbw__resize_array(&context->memory, &viewing->simplices, &room, entries, sizeof(pbw_index))
-               ? PBW_OK : PBW_ERROR_MEMORY;
-        mesh->simplices = viewing->simplices;
-        owned->simplices = room;
-    }
+    return PBW_OK;
+}
+
+/* Ranks, then simplices, their neighbours, and those of the points. */
+static pbw_status pbw__view_fill(pbw__viewing *viewing, pbw__context *context)
+{
+    const size_t ranks = viewing->ranks, all = viewing->live->core.simplex_count;
+    pbw_status status;
+    viewing->outer = viewing->first + (viewing->alone ? 0 : ranks);
+    memset(viewing->outer, 0xff, ranks * sizeof(pbw_index));         /* PBW_NONE */
+    viewing->rank[0] = 0;
+    status = pbw__for_range(context, ranks - 1, 16384, 0.1, pbw__view_ranks, viewing);
+    status = status == PBW_OK ? pbw__view_sort(viewing, context) : status;
+    status = status == PBW_OK ? pbw__for_range(context, viewing->blocks, 8, 0.7, pbw__view_blocks, viewing) : status;
+    status = status == PBW_OK ? pbw__for_range(context, all, 16384, 0.95, pbw__view_neighbors, viewing) : status;
+    status = status == PBW_OK ? pbw__for_range(context, ranks - 1, 16384, 1.0, pbw__view_incident, viewing) : status;
     return status;
 }
 
-/* Ranks of vertices, and their ids.  `list` has the vertices of the core by their places in the input of `vertices`;
-   NULL: the vertices are that input. */
-static void pbw__view_ranks(const pbw__viewing *viewing, pbw__vertices *vertices, const pbw_index *list)
-{
-    const pbw_index *name = viewing->live->core.name;
-    const size_t ranks = viewing->ranks;
-    size_t r;
-    viewing->rank[0] = 0;
-    for (r = 1; r < ranks; r++) {
-        const size_t soon = vertices->id[r + 16 < ranks ? r + 16 : r];
-        const pbw_index v = list != NULL ? list[vertices->id[r]] : vertices->id[r] + 1;
-        PBW__PREFETCH(name + (list != NULL ? list[soon] : soon + 1));
-        PBW__PREFETCH_TO_WRITE(viewing->rank + (list != NULL ? list[soon] : soon + 1));
-        vertices->id[r] = name[v];
-        viewing->rank[v] = (pbw_index)r;
-    }
-}
-
 /* The simplices of a view. */
-static pbw_status pbw__view_simplices(pbw__viewing *viewing, pbw__context *context, pbw__vertices *vertices,
-                                      const pbw_index *list)
+static pbw_status pbw__view_simplices(pbw__viewing *viewing, pbw__context *context, pbw__vertices *vertices)
 {
     const pbw__core *core = &viewing->live->core;
     pbw__memory *memory = &context->memory;
-    const size_t slots = core->store.count, ranks = vertices->count + 1, heads = viewing->alone ? ranks : 2 * ranks;
+    const size_t slots = core->store.count, ranks = vertices->count + 1, firsts = viewing->alone ? ranks : 2 * ranks;
+    const size_t entries = core->simplex_count * ((size_t)viewing->live->dim + 1), least = slots >> 22;
+    pbw_mesh *mesh = viewing->mesh;
+    pbw__owned *owned = (pbw__owned *)mesh->memory;
     pbw_status status = PBW_ERROR_MEMORY;
+    viewing->chunks = (size_t)pbw__tasks(context, slots, 16384);
+    viewing->chunks = viewing->chunks > least ? viewing->chunks : least;
     viewing->ranks = ranks;
     viewing->blocks = (ranks + PBW__LISTED - 1) / PBW__LISTED;
     viewing->id = vertices->id;
     viewing->rank = (pbw_index *)pbw__allocate_large(context, core->vertex_count + 1, sizeof(pbw_index));
     viewing->number = (pbw_index *)pbw__allocate_large(context, slots, sizeof(pbw_index));
     viewing->turn = (unsigned char *)pbw__allocate_large(context, slots, 1);
-    viewing->head = (pbw_index *)pbw__allocate_large(context, heads, sizeof(pbw_index));
+    viewing->first = (pbw_index *)pbw__allocate_large(context, firsts, sizeof(pbw_index));
     viewing->base = (pbw_index *)pbw__allocate(memory, viewing->blocks + 1, sizeof(pbw_index));
-    viewing->incident = pbw__make_incident(context, (pbw__owned *)viewing->mesh->memory, viewing->mesh,
-                                           vertices->count < viewing->live->numbers);
-    if (viewing->rank != NULL && viewing->number != NULL && viewing->turn != NULL && viewing->head != NULL
-        && viewing->base != NULL && viewing->incident != NULL) {
-        viewing->outer = viewing->head + (viewing->alone ? 0 : ranks);
-        memset(viewing->head, 0, ranks * sizeof(pbw_index));
-        memset(viewing->head + ranks, 0xff, (heads - ranks) * sizeof(pbw_index));    /* PBW_NONE */
-        pbw__view_ranks(viewing, vertices, list);
-        status = pbw__view_lists(viewing, context);
+    viewing->bin = (pbw_index *)pbw__allocate(memory, viewing->blocks * viewing->chunks, sizeof(pbw_index));
+    viewing->incident = pbw__make_incident(context, owned, mesh, vertices->count < viewing->live->numbers);
+    mesh->simplices = viewing->simplices = (pbw_index *)pbw__allocate_large(context, entries, sizeof(pbw_index));
+    mesh->neighbors = viewing->neighbors = (pbw_index *)pbw__allocate_large(context, entries, sizeof(pbw_index));
+    owned->simplices = owned->neighbors = entries;
+    mesh->simplex_count = core->simplex_count;
+    if (viewing->rank != NULL && viewing->number != NULL && viewing->turn != NULL && viewing->first != NULL
+        && viewing->base != NULL && viewing->bin != NULL && viewing->incident != NULL && mesh->simplices != NULL
+        && mesh->neighbors != NULL) {
+        status = pbw__view_fill(viewing, context);
     }
-    status = status == PBW_OK ? pbw__for_range(context, viewing->blocks, 1, 0.7, pbw__view_blocks, viewing) : status;
-    status = status == PBW_OK ? pbw__for_range(context, core->simplex_count, 16384, 0.95, pbw__view_neighbors,
-                                               viewing) : status;
-    status = status == PBW_OK ? pbw__for_range(context, ranks - 1, 16384, 1.0, pbw__view_incident, viewing) : status;
-    viewing->mesh->hidden_count = vertices->count - viewing->visible;
+    mesh->hidden_count = vertices->count - viewing->visible;
     pbw__release(memory, viewing->rank, core->vertex_count + 1, sizeof(pbw_index));
     pbw__release(memory, viewing->number, slots, sizeof(pbw_index));
     pbw__release(memory, viewing->turn, slots, 1);
-    pbw__release(memory, viewing->head, heads, sizeof(pbw_index));
+    pbw__release(memory, viewing->first, firsts, sizeof(pbw_index));
     pbw__release(memory, viewing->base, viewing->blocks + 1, sizeof(pbw_index));
+    pbw__release(memory, viewing->bin, viewing->blocks * viewing->chunks, sizeof(pbw_index));
     return status;
 }
 
@@ -17387,9 +17519,10 @@ static pbw_status pbw__view(const pbw_live *live, pbw__context *context, pbw_mes
     } else if (status == PBW_OK) {
         status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED
                : pbw__view_order(live, context, &stand, &vertices);
+        viewing.list = stand.list;
         if (status == PBW_OK) {
             status = pbw__enter_stage(context, PBW_STAGE_OUTPUT) ? PBW_CANCELLED
-                   : pbw__view_simplices(&viewing, context, &vertices, stand.list);
+                   : pbw__view_simplices(&viewing, context, &vertices);
             pbw__vertices_free(context, &vertices);
         }
     }

@@ -22,6 +22,7 @@ typedef struct swarm {
     size_t count, room;                              /* of points; of cuts */
     double time, *points;
     double *areas, (*centroids)[2];                  /* of cells */
+    double (*sums)[4];                               /* of cells: see swarm_add; not 0: it must be cut */
     pbw_index *number;                               /* of a cell's cut, counted from 1; 0: it is not cut */
     swarm_cut *cuts;
     pbw_options options;                             /* threads */
@@ -34,6 +35,7 @@ static void swarm_free(swarm *s)
     free(s->points);
     free(s->areas);
     free(s->centroids);
+    free(s->sums);
     free(s->number);
     free(s->cuts);
     pbw_live_free(s->live);
@@ -54,12 +56,12 @@ static void swarm_flow(double a, const double p[2], double v[2])
 /* Adds to a cell: 4 times the area, and, from its point, 24 times area times centroid. */
 static inline void swarm_add(swarm *s, pbw_index v, double area, double x, double y)
 {
-    s->areas[v] += area;
-    s->centroids[v][0] += x;
-    s->centroids[v][1] += y;
+    s->sums[v][0] += area;
+    s->sums[v][1] += x;
+    s->sums[v][2] += y;
 }
 
-/* Shares a triangle out among the cells of its corners; cells that must be cut get the number 1.  From corner i: the
+/* Shares a triangle out among the cells of its corners; cells that must be cut are noted.  From corner i: the
    other corners are at b and c, twice the centre is x, y.  Right triangles at an edge e with area a add (0 + e / 2 +
    centre) a / 3 to the moment of the cell at its start. */
 static void swarm_share(swarm *s, size_t triangle)
@@ -80,7 +82,7 @@ static void swarm_share(swarm *s, size_t triangle)
     swarm_add(s, k, to_k, to_k * (x - cx - cx) - vx - wx, to_k * (y - cy - cy) - vy - wy);
     if (!(centre_x >= swarm_box[0] && centre_y >= swarm_box[1] && centre_x <= swarm_box[2]
           && centre_y <= swarm_box[3]) || (neighbors[0] | neighbors[1] | neighbors[2]) == PBW_NONE) {
-        s->number[i] = s->number[j] = s->number[k] = 1;
+        s->sums[i][3] = s->sums[j][3] = s->sums[k][3] = 1;
     }
 }
 
@@ -129,7 +131,7 @@ static pbw_status swarm_begin_cuts(swarm *s)
 {
     size_t count = 0;
     for (size_t i = 0; i < s->count; i++) {
-        s->number[i] = s->number[i] > 0 ? (pbw_index)++count : 0;
+        s->number[i] = s->sums[i][3] > 0 ? (pbw_index)++count : 0;
     }
     if (count > s->room) {
         swarm_cut *more = (swarm_cut *)realloc(s->cuts, 2 * count * sizeof *more);
@@ -149,14 +151,19 @@ static pbw_status swarm_begin_cuts(swarm *s)
     return PBW_OK;
 }
 
-/* Cuts the cells of a triangle's corners, those that must be, by the others' bisectors. */
-static int swarm_cut_at(swarm *s, const pbw_index *v)
+/* Cuts the cells at a triangle's edges, those that must be, by the bisectors of these: the cell at the start of an
+   edge; that at its end where there is no triangle on the other side. */
+static int swarm_cut_at(swarm *s, size_t triangle)
 {
+    const pbw_index *v = s->mesh.simplices + 3 * triangle, *neighbors = s->mesh.neighbors + 3 * triangle;
     int fits = 1;
-    for (int k = 0; k < 9; k++) {
-        const size_t i = v[k / 3], j = v[k % 3];
-        if (i != j && s->number[i] > 0) {
+    for (int k = 0; k < 3; k++) {
+        const size_t i = v[k], j = v[(k + 1) % 3];
+        if (s->number[i] > 0) {
             fits &= swarm_clip(s->cuts + s->number[i] - 1, s->points + 2 * i, s->points + 2 * j);
+        }
+        if (s->number[j] > 0 && neighbors[(k + 2) % 3] == PBW_NONE) {
+            fits &= swarm_clip(s->cuts + s->number[j] - 1, s->points + 2 * j, s->points + 2 * i);
         }
     }
     return fits;
@@ -165,16 +172,14 @@ static int swarm_cut_at(swarm *s, const pbw_index *v)
 static pbw_status swarm_cells(swarm *s)
 {
     pbw_status status;
-    memset(s->areas, 0, s->count * sizeof *s->areas);
-    memset(s->centroids, 0, s->count * sizeof *s->centroids);
-    memset(s->number, 0, s->count * sizeof *s->number);
+    memset(s->sums, 0, s->count * sizeof *s->sums);
     for (size_t t = 0; t < s->mesh.simplex_count; t++) {
         swarm_share(s, t);
     }
     status = swarm_begin_cuts(s);
     for (size_t t = 0; t < s->mesh.simplex_count && status == PBW_OK; t++) {
         const pbw_index *v = s->mesh.simplices + 3 * t;
-        if ((s->number[v[0]] | s->number[v[1]] | s->number[v[2]]) != 0 && !swarm_cut_at(s, v)) {
+        if ((s->number[v[0]] | s->number[v[1]] | s->number[v[2]]) != 0 && !swarm_cut_at(s, t)) {
             status = PBW_ERROR_TOO_LARGE;
         }
     }
@@ -182,10 +187,10 @@ static pbw_status swarm_cells(swarm *s)
         if (s->number[i] > 0) {
             swarm_measure(s->cuts + s->number[i] - 1, s->points + 2 * i, s->areas + i, s->centroids[i]);
         } else {
-            const double scale = 1 / (6 * s->areas[i]);
-            s->centroids[i][0] = s->points[2 * i] + s->centroids[i][0] * scale;
-            s->centroids[i][1] = s->points[2 * i + 1] + s->centroids[i][1] * scale;
-            s->areas[i] *= 0.25;
+            const double scale = 1 / (6 * s->sums[i][0]);
+            s->centroids[i][0] = s->points[2 * i] + s->sums[i][1] * scale;
+            s->centroids[i][1] = s->points[2 * i + 1] + s->sums[i][2] * scale;
+            s->areas[i] = 0.25 * s->sums[i][0];
         }
     }
     return status;
@@ -251,8 +256,9 @@ static pbw_status swarm_start(swarm *s, size_t count, int threads)
     s->areas = (double *)malloc((count + 1) * sizeof *s->areas);
     s->centroids = (double (*)[2])malloc((count + 1) * sizeof *s->centroids);
     s->number = (pbw_index *)malloc((count + 1) * sizeof *s->number);
+    s->sums = (double (*)[4])malloc((count + 1) * sizeof *s->sums);
     if (p != NULL && order != NULL && s->points != NULL && s->areas != NULL && s->centroids != NULL
-        && s->number != NULL) {
+        && s->number != NULL && s->sums != NULL) {
         for (size_t i = 0; i < 2 * count; i++) {
             random = random * 6364136223846793005u + 1442695040888963407u;
             p[i] = (double)(random >> 11) / 9007199254740992.0 * swarm_box[2 + i % 2];
