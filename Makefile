@@ -67,7 +67,7 @@ help:
 	@echo 'make clean       removes $B/'
 	@echo 'make asan ubsan tsan valgrind                  the test programs under sanitizers;  sanitize: asan and ubsan'
 	@echo 'make fuzz        fuzzers, TIME=60 each         make fuzz-long  ten million random small inputs'
-	@echo 'make fuzz-plane  a million random small plane domains, and a million crossings'
+	@echo 'make fuzz-plane  a million random small plane domains, the table in full, a million crossings'
 	@echo 'make fuzz-cells  a million small inputs with cells in boxes, half-spaces, polygons, periodic boxes'
 	@echo 'CC=clang CXX=clang++ CFLAGS=-O3 B=build/clang  for any of them;  COUNT=n random inputs in tests'
 

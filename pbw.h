@@ -8750,6 +8750,29 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
    These points are pairwise at different places: those of equal hash are compared; and at no vertex: they are
    compared with the corners of their simplex.
    ------------------------------------------------------------------------------------------------------ */
+/* What a check may find, and its words. */
+enum {
+    PBW__SOUND,
+    PBW__FAULT_FINITE, PBW__FAULT_CANONICAL, PBW__FAULT_PLACE, PBW__FAULT_RIGHT, PBW__FAULT_VERTEX,
+    PBW__FAULT_INCIDENT, PBW__FAULT_CORNER, PBW__FAULT_FIRST, PBW__FAULT_NEGATIVE, PBW__FAULT_FLAT,
+    PBW__FAULT_OVERLAP, PBW__FAULT_INWARD, PBW__FAULT_OTHER, PBW__FAULT_BACK, PBW__FAULT_FACET, PBW__FAULT_CONFLICT,
+    PBW__FAULT_CONVEX, PBW__FAULT_OUTSIDE, PBW__FAULT_REPEATED, PBW__FAULT_UNHIDDEN, PBW__FAULT_TWICE,
+    PBW__FAULT_SPAN, PBW__FAULT_DUPLICATES, PBW__FAULT_HIDDEN
+};
+
+static const char *const pbw__fault_words[] = {
+    "", "a coordinate or weight is not finite", "the canonical point is none",
+    "a duplicate is not where its canonical point is", "a duplicate has the better right to be canonical",
+    "a duplicate is a vertex", "the incident simplex of a vertex does not have it", "a corner is no point",
+    "the incident simplex of a corner is not the first that has it", "a simplex is negatively oriented",
+    "a simplex is flat", "two simplices overlap, the first of the mesh and this", "a hull facet faces inward",
+    "a neighbor is no other simplex", "a neighbor does not name the simplex once",
+    "neighbors do not share the facet from opposite sides", "the corner across a facet is in conflict",
+    "the hull is not convex", "a point outside the hull is no vertex", "a point at a vertex is no duplicate of it",
+    "a point that is no vertex is not hidden", "two points at one place are no duplicates",
+    "the points span a simplex but there is none", "duplicate_count is wrong", "hidden_count is wrong"
+};
+
 typedef struct pbw__check {
     const pbw_mesh *mesh;
     pbw_report *report;
@@ -8785,9 +8808,9 @@ typedef struct pbw__checking {
 } pbw__checking;
 #define PBW__CHECKED ((size_t)1024)
 
-static int pbw__fault(pbw_report *report, const char *what, size_t simplex, int facet, size_t point)
+static int pbw__fault(pbw_report *report, int fault, size_t simplex, int facet, size_t point)
 {
-    report->what = what;
+    report->what = pbw__fault_words[fault];
     report->simplex = (pbw_index)simplex;
     report->facet = (pbw_index)facet;
     report->point = (pbw_index)point;
@@ -8832,8 +8855,10 @@ static int pbw__check_pass(pbw__check *check, pbw__check_items *items, size_t co
         report->facet_count += part->report.facet_count;
         report->hull_facet_count += part->report.hull_facet_count;
         if (part->report.what != NULL) {
-            (void)pbw__fault(report, part->report.what, part->report.simplex, (int)part->report.facet,
-                             part->report.point);
+            report->what = part->report.what;
+            report->simplex = part->report.simplex;
+            report->facet = part->report.facet;
+            report->point = part->report.point;
         }
     }
     pbw__release(memory, checking.part, parts, sizeof(pbw__check_part));
@@ -8865,11 +8890,10 @@ static int pbw__check_faces_inside(const pbw__check *check, const double **x, in
     return sign > 0;
 }
 
-/* Returns whether the simplex x holds o, which is infinitely close to a: so a must be in the closed box of x. */
-PBW__INLINE int pbw__check_covers(const pbw__check *check, int dim, const double **x)
+/* Returns whether the closed box of the simplex x has the point a. */
+PBW__INLINE int pbw__check_box_has(const double *const *x, const double *a, int dim)
 {
-    const double *a = check->basis[0];
-    int i, k, covers = 1;
+    int i, k;
     for (k = 0; k < dim; k++) {
         int below = 0, above = 0;
         for (i = 0; i <= dim; i++) {
@@ -8880,6 +8904,13 @@ PBW__INLINE int pbw__check_covers(const pbw__check *check, int dim, const double
             return 0;
         }
     }
+    return 1;
+}
+
+/* Returns whether the simplex x holds o, which is infinitely close to a: so a must be in the closed box of x. */
+PBW__INLINE int pbw__check_covers(const pbw__check *check, int dim, const double **x)
+{
+    int covers = pbw__check_box_has((const double *const *)x, check->basis[0], dim), i;
     for (i = 0; i <= dim && covers; i++) {
         covers = pbw__check_faces_inside(check, x, i);
     }
@@ -8897,24 +8928,24 @@ static int pbw__check_points(pbw__check *check, pbw__check_part *part, size_t fr
         for (k = 0; k <= dim; k++) {
             x[k] = (k < dim ? mesh->points[p * dim + k] : w != NULL ? w[p] : 0.0) + 0.0;
             if (!(x[k] - x[k] == 0.0)) {
-                return pbw__fault(&part->report, "a coordinate or weight is not finite", PBW_NONE, -1, p);
+                return pbw__fault(&part->report, PBW__FAULT_FINITE, PBW_NONE, -1, p);
             }
         }
         if (kept == PBW_NONE && first == PBW_NONE) { /* a free number of pbw_live_view */
             continue;
         }
         if (kept >= mesh->point_count || mesh->canonical[kept] != kept) {
-            return pbw__fault(&part->report, "the canonical point is none", PBW_NONE, -1, p);
+            return pbw__fault(&part->report, PBW__FAULT_CANONICAL, PBW_NONE, -1, p);
         }
         if (kept != p) {
             if (!pbw__same_place(mesh->points + dim * p, mesh->points + dim * kept, check->dim)) {
-                return pbw__fault(&part->report, "a duplicate is not where its canonical point is", PBW_NONE, -1, p);
+                return pbw__fault(&part->report, PBW__FAULT_PLACE, PBW_NONE, -1, p);
             }
             if (w != NULL && w[p] != w[kept] ? w[p] > w[kept] : p < kept) {
-                return pbw__fault(&part->report, "a duplicate has the better right to be canonical", PBW_NONE, -1, p);
+                return pbw__fault(&part->report, PBW__FAULT_RIGHT, PBW_NONE, -1, p);
             }
             if (first != PBW_NONE) {
-                return pbw__fault(&part->report, "a duplicate is a vertex", first, -1, p);
+                return pbw__fault(&part->report, PBW__FAULT_VERTEX, first, -1, p);
             }
             part->duplicate_count++;
         } else if (first != PBW_NONE) {
@@ -8924,7 +8955,7 @@ static int pbw__check_points(pbw__check *check, pbw__check_part *part, size_t fr
                 }
             }
             if (k > dim || first >= mesh->simplex_count) {
-                return pbw__fault(&part->report, "the incident simplex of a vertex does not have it", first, -1, p);
+                return pbw__fault(&part->report, PBW__FAULT_INCIDENT, first, -1, p);
             }
             part->report.vertex_count++;
         } else {
@@ -8969,10 +9000,10 @@ PBW__INLINE int pbw__check_facet(const pbw__check *check, pbw__check_part *part,
         part->report.hull_facet_count++;
         part->report.facet_count++;
         return pbw__check_faces_inside(check, x, i)
-            || pbw__fault(&part->report, "a hull facet faces inward", s, i, PBW_NONE);
+            || pbw__fault(&part->report, PBW__FAULT_INWARD, s, i, PBW_NONE);
     }
     if (t >= mesh->simplex_count || t == s) {
-        return pbw__fault(&part->report, "a neighbor is no other simplex", s, i, PBW_NONE);
+        return pbw__fault(&part->report, PBW__FAULT_OTHER, s, i, PBW_NONE);
     }
     u = mesh->simplices + t * corners;
     back = mesh->neighbors + t * corners;
@@ -8981,7 +9012,7 @@ PBW__INLINE int pbw__check_facet(const pbw__check *check, pbw__check_part *part,
         j = back[m] == s ? m : j;
     }
     if (links != 1) {
-        return pbw__fault(&part->report, "a neighbor does not name the simplex once", s, i, PBW_NONE);
+        return pbw__fault(&part->report, PBW__FAULT_BACK, s, i, PBW_NONE);
     }
     if (t > s) {
         return 1;
@@ -8991,10 +9022,10 @@ PBW__INLINE int pbw__check_facet(const pbw__check *check, pbw__check_part *part,
         return 1;                                    /* another task's to tell: t comes before s */
     }
     if (!pbw__check_facets_match(v, i, u, j, dim)) {
-        return pbw__fault(&part->report, "neighbors do not share the facet from opposite sides", s, i, PBW_NONE);
+        return pbw__fault(&part->report, PBW__FAULT_FACET, s, i, PBW_NONE);
     }
     if (pbw__conflict(dim, x, pbw__check_record(check, dim, u[j]), &check->grid)) {
-        return pbw__fault(&part->report, "the corner across a facet is in conflict", s, i, u[j]);
+        return pbw__fault(&part->report, PBW__FAULT_CONFLICT, s, i, u[j]);
     }
     return 1;
 }
@@ -9007,21 +9038,21 @@ PBW__INLINE int pbw__check_simplex(const pbw__check *check, pbw__check_part *par
     int i, sound = 1;
     for (i = 0; i <= dim; i++) {
         if (v[i] >= mesh->point_count) {
-            return pbw__fault(&part->report, "a corner is no point", s, -1, v[i]);
+            return pbw__fault(&part->report, PBW__FAULT_CORNER, s, -1, v[i]);
         }
         if (mesh->incident[v[i]] > s) {              /* PBW_NONE is; that it has v[i] is known */
-            return pbw__fault(&part->report, "the incident simplex of a corner is not the first that has it", s, -1,
+            return pbw__fault(&part->report, PBW__FAULT_FIRST, s, -1,
                               v[i]);
         }
     }
     pbw__check_corners(check, dim, s, x);
     i = pbw__orient(dim, x, &check->grid);
     if (i <= 0) {
-        return pbw__fault(&part->report, i < 0 ? "a simplex is negatively oriented" : "a simplex is flat", s, -1,
+        return pbw__fault(&part->report, i < 0 ? PBW__FAULT_NEGATIVE : PBW__FAULT_FLAT, s, -1,
                           PBW_NONE);
     }
     if (s > 0 && pbw__check_covers(check, dim, x)) {                 /* simplex 0 holds o: it is oriented */
-        return pbw__fault(&part->report, "two simplices overlap, the first of the mesh and this", s, -1, PBW_NONE);
+        return pbw__fault(&part->report, PBW__FAULT_OVERLAP, s, -1, PBW_NONE);
     }
     for (i = 0; i <= dim && sound; i++) {
         sound = pbw__check_facet(check, part, dim, s, i, x);
@@ -9075,7 +9106,7 @@ static int pbw__check_hull(pbw__check *check, pbw__check_part *part, size_t from
                 far = v[t * corners + in];
                 pbw__check_corners(check, check->dim, s, x);
                 if (pbw__side(check->dim, x, (int)i, pbw__check_record(check, check->dim, far), &check->grid) < 0) {
-                    return pbw__fault(&part->report, "the hull is not convex", s, (int)i, far);
+                    return pbw__fault(&part->report, PBW__FAULT_CONVEX, s, (int)i, far);
                 }
             }
         }
@@ -9092,7 +9123,7 @@ static int pbw__check_hidden(pbw__check *check, pbw__check_part *part, size_t fr
         size_t point = (uint32_t)check->other[from];
         const double *p = pbw__check_record(check, dim, point), *x[4];
         const pbw_index *next;
-        const char *what = NULL;
+        int fault = PBW__SOUND;
         pbw_index here = part->hint, last = here;
         int i, k;
         for (;;) {
@@ -9111,23 +9142,23 @@ static int pbw__check_hidden(pbw__check *check, pbw__check_part *part, size_t fr
             here = next[i];
         }
         if (i <= dim) {
-            what = "a point outside the hull is no vertex";
+            fault = PBW__FAULT_OUTSIDE;
         } else {
             i = -1;
-            for (k = 0; k <= dim && what == NULL; k++) {
-                what = pbw__same_place(p, x[k], dim) ? "a point at a vertex is no duplicate of it" : NULL;
+            for (k = 0; k <= dim && fault == PBW__SOUND; k++) {
+                fault = pbw__same_place(p, x[k], dim) ? PBW__FAULT_REPEATED : PBW__SOUND;
             }
-            if (what == NULL && pbw__conflict(dim, x, p, &check->grid)) {
-                what = "a point that is no vertex is not hidden";
+            if (fault == PBW__SOUND && pbw__conflict(dim, x, p, &check->grid)) {
+                fault = PBW__FAULT_UNHIDDEN;
             }
         }
-        if (what == NULL) {
+        if (fault == PBW__SOUND) {
             part->hint = here;
             from++;
         } else if (part->hint != 0) {
             part->hint = 0;                          /* reported as a walk from simplex 0 finds it, in every part */
         } else {
-            return pbw__fault(&part->report, what, here, i, point);
+            return pbw__fault(&part->report, fault, here, i, point);
         }
     }
     return 1;
@@ -9166,7 +9197,7 @@ static int pbw__check_span(pbw__check *check)
             return going;
         }
         if (check->rank == check->dim) {
-            return pbw__fault(check->report, "the points span a simplex but there is none", PBW_NONE, -1, point - 1);
+            return pbw__fault(check->report, PBW__FAULT_SPAN, PBW_NONE, -1, point - 1);
         }
         check->basis[check->rank++] = pbw__check_record(check, check->dim, point - 1);
     }
@@ -9255,7 +9286,7 @@ static int pbw__check_apart(pbw__check *check, pbw__check_part *part, size_t fro
         for (m = k + 1; m < check->other_count && key[m] >> 32 == key[k] >> 32; m++) {
             uint32_t p = (uint32_t)key[m];
             if (pbw__same_place(x, pbw__check_record(check, check->dim, p), check->dim)) {
-                return pbw__fault(&part->report, "two points at one place are no duplicates", PBW_NONE, -1, p);
+                return pbw__fault(&part->report, PBW__FAULT_TWICE, PBW_NONE, -1, p);
             }
         }
         check->other[k] = pbw__hilbert_key(&check->curve, &check->box, x, check->dim,
@@ -9322,10 +9353,10 @@ static int pbw__check_all(pbw__check *check)
         return 0;
     }
     if (check->duplicate_count != mesh->duplicate_count) {
-        return pbw__fault(check->report, "duplicate_count is wrong", PBW_NONE, -1, PBW_NONE);
+        return pbw__fault(check->report, PBW__FAULT_DUPLICATES, PBW_NONE, -1, PBW_NONE);
     }
     if (mesh->hidden_count != (simplices > 0 ? check->other_count : 0)) {
-        return pbw__fault(check->report, "hidden_count is wrong", PBW_NONE, -1, PBW_NONE);
+        return pbw__fault(check->report, PBW__FAULT_HIDDEN, PBW_NONE, -1, PBW_NONE);
     }
     pbw__grid_scan(check->context, check->record, points, check->dim, &check->grid);
     if (simplices == 0) {
@@ -9348,7 +9379,7 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
         return PBW_ERROR_ARGUMENT;
     }
     memset(report, 0, sizeof(*report));
-    report->what = "";
+    report->what = pbw__fault_words[PBW__SOUND];
     report->simplex = report->facet = report->point = PBW_NONE;
     if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3)
         || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
@@ -9869,6 +9900,7 @@ struct pbw__queries {
     double *value;
     pbw_index *simplices, *facets, *vertices;        /* of locate, of nearest */
     double *distances, radius;
+    double large;                                    /* of nearest: see pbw__find_unit */
     size_t k;
     pbw_scheme scheme;
 };
@@ -10573,20 +10605,59 @@ PBWDEF pbw_status pbw_stars(const pbw_mesh *mesh, const pbw_options *options, pb
 
 /* ---- distances
    squared = |v - q|^2 - w with an error of at most slack: see >>predicates.  What underflows is less than 2^-1020 in
-   all.  An overflow makes slack infinite or NaN. */
+   all.  An overflow makes slack infinite or NaN.  q[3] is the relative error of squares, 0 where all are exact. */
 PBW__INLINE pbw__reach pbw__reach_to(const pbw_mesh *mesh, int dim, const double *q, pbw_index vertex)
 {
     pbw__reach reach;
     const double squared = pbw__squared(mesh->points + vertex * (size_t)dim, q, dim);
     reach.squared = squared;
-    reach.slack = PBW__REACH_ERROR * DBL_EPSILON * squared + 1e-300;
+    reach.slack = q[3] * (squared + 1e-280);
     if (mesh->weights != NULL) {
         reach.squared -= mesh->weights[vertex];
-        reach.slack += PBW__REACH_ERROR * DBL_EPSILON * pbw__abs(mesh->weights[vertex]);
+        reach.slack += q[3] * pbw__abs(mesh->weights[vertex]);
     }
     reach.vertex = vertex;
     reach.done = 0;
     return reach;
+}
+
+/* Looks for a unit, a power of two, of which all coordinates are multiples, at most 2^23 of them, as on lattices.
+   Squared distances to queries of which this holds too are exact.  queries->large becomes 3 * 2^51 units, 0 if there
+   is none. */
+static void pbw__find_unit(pbw__queries *queries)
+{
+    const double *x = queries->mesh->points;
+    const size_t count = queries->mesh->point_count * (size_t)queries->mesh->dim;
+    double most = 0.0, unit, large;
+    size_t i;
+    if (queries->mesh->weights != NULL || queries->count < queries->mesh->point_count / 16) {
+        return;
+    }
+    for (i = 0; i < count; i += count / 64 + 1) {
+        most = pbw__max(most, pbw__abs(x[i]));
+    }
+    if (!(most > 1e-100 && most < 1e100)) {
+        return;
+    }
+    unit = pbw__power_of_two(pbw__exponent(most) - 20);
+    large = 6755399441055744.0 * unit;
+    for (i = 0; i < count; i++) {
+        if (!(pbw__abs(x[i]) <= 8388608.0 * unit) || (large + x[i]) - large != x[i]) {
+            return;
+        }
+    }
+    queries->large = large;
+}
+
+/* Sets q[3]. */
+PBW__INLINE void pbw__set_error(const pbw__queries *queries, double *q)
+{
+    const double large = queries->large, limit = large / 805306368.0;        /* 2^23 units */
+    int fits = large > 0.0, k;
+    for (k = 0; k < 3; k++) {
+        fits &= (pbw__abs(q[k]) <= limit) & ((large + q[k]) - large == q[k]);
+    }
+    q[3] = fits ? 0.0 : PBW__REACH_ERROR * DBL_EPSILON;
 }
 
 /* Returns whether (a-b)^2 and their sums are free of rounding errors in any mode: a and b are multiples of a unit, a
@@ -10675,7 +10746,7 @@ static PBW__NOINLINE int pbw__reach_exact(const pbw_mesh *mesh, const double *q,
 PBW__INLINE int pbw__reach_order(const pbw_mesh *mesh, const double *q, const pbw__reach *a, const pbw__reach *b)
 {
     const double gap = a->squared - b->squared, slack = a->slack + b->slack;
-    return gap > slack ? 1 : gap < -slack ? -1 : pbw__reach_exact(mesh, q, a, b);
+    return gap > slack ? 1 : gap < -slack ? -1 : slack == 0.0 ? 0 : pbw__reach_exact(mesh, q, a, b);
 }
 
 PBW__INLINE int pbw__reach_before(const pbw_mesh *mesh, const double *q, const pbw__reach *a, const pbw__reach *b)
@@ -10687,7 +10758,7 @@ PBW__INLINE int pbw__reach_before(const pbw_mesh *mesh, const double *q, const p
     if (a->vertex == b->vertex) {
         return 0;
     } else {
-        const int order = pbw__reach_exact(mesh, q, a, b);
+        const int order = slack == 0.0 ? 0 : pbw__reach_exact(mesh, q, a, b);
         return order != 0 ? order < 0 : a->vertex < b->vertex;
     }
 }
@@ -10775,12 +10846,15 @@ PBW__INLINE int pbw__descend_of(const pbw__queries *queries, int dim, const doub
                 *best = pbw__reach_to(mesh, dim, q, at);
                 continue;
             }
+            if (best->slack == 0.0 && least == best->squared) {
+                return 1;
+            }
         }
         for (; i < end; i++) {
             pbw__reach other = pbw__reach_to(mesh, dim, q, item[i]);
             const double gap = other.squared - best->squared, slack = other.slack + best->slack;
             if (PBW__UNLIKELY(!(gap > slack))) {
-                const int order = gap < -slack ? -1 : pbw__reach_exact(mesh, q, &other, best);
+                const int order = pbw__reach_order(mesh, q, &other, best);
                 equal |= order == 0;
                 *best = order < 0 ? other : *best;
             }
@@ -10858,6 +10932,44 @@ static void pbw__flood(pbw__queries *queries, pbw__desk *desk, const double *q, 
             return;
         }
     }
+}
+
+/* The lowest vertex as near as `start` into *start.  Returns 0 if there are more of them than PBW__FEW. */
+PBW__INLINE int pbw__lowest_of_few(const pbw__queries *queries, int dim, const double *q, pbw__reach *start)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const pbw_lists *stars = queries->stars;
+    const double limit = mesh->weights == NULL ? start->squared + 3.0 * start->slack : HUGE_VAL;
+    pbw_index list[PBW__FEW], near_ones[PBW__FEW];
+    size_t count = 1, next, i, j;
+    list[0] = start->vertex;
+    for (next = 0; next < count; next++) {
+        const size_t end = stars->first[list[next] + (size_t)1];
+        for (i = stars->first[list[next]]; i < end; ) {
+            const size_t stop = end - i < PBW__FEW ? end : i + PBW__FEW;
+            size_t found = 0;
+            for (; i < stop; i++) {                  /* without a branch for each */
+                near_ones[found] = stars->item[i];
+                found += pbw__squared(mesh->points + stars->item[i] * (size_t)dim, q, dim) <= limit;
+            }
+            while (found-- > 0) {
+                const pbw__reach reach = pbw__reach_to(mesh, dim, q, near_ones[found]);
+                for (j = 0; j < count && list[j] != reach.vertex; j++) {
+                }
+                if (j < count || pbw__reach_order(mesh, q, &reach, start) != 0) {
+                    continue;
+                }
+                if (count == PBW__FEW) {
+                    return 0;
+                }
+                list[count++] = reach.vertex;
+            }
+        }
+    }
+    for (i = 1; i < count; i++) {
+        start->vertex = list[i] < start->vertex ? list[i] : start->vertex;
+    }
+    return 1;
 }
 
 /* Puts a vertex into its place among the `most` nearest in order, unless it is there or too far.  Returns where. */
@@ -10944,6 +11056,10 @@ static void pbw__near_one(pbw__queries *queries, pbw__desk *desk, const double *
     pbw__reach reach;
     size_t at, i;
     desk->reach_count = 0;
+    if (equal && k == 1) {
+        equal = !(mesh->dim == 3 ? pbw__lowest_of_few(queries, 3, q, &best)
+                                 : pbw__lowest_of_few(queries, 2, q, &best));
+    }
     if (equal) {
         pbw__flood(queries, desk, q, &best, -1.0);
     } else if (k > 1) {
@@ -11040,6 +11156,7 @@ PBW__INLINE int pbw__query_descend(pbw__queries *queries, size_t place, int firs
 {
     const pbw_mesh *mesh = queries->mesh;
     (void)pbw__query_point(queries, pbw__query_index(queries, place), q);
+    pbw__set_error(queries, q);
     if (first) {
         best->vertex = pbw__guess(mesh, q);
     }
@@ -11050,7 +11167,7 @@ PBW__INLINE int pbw__query_descend(pbw__queries *queries, size_t place, int firs
 static void pbw__nearest_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
 {
     pbw__reach best;
-    double q[3];
+    double q[4];
     size_t i;
     (void)block;
     memset(&best, 0, sizeof(best));
@@ -11058,6 +11175,7 @@ static void pbw__nearest_block(pbw__queries *queries, pbw__desk *desk, size_t bl
         const size_t query = pbw__query_index(queries, i);
         if (queries->mesh->simplex_count == 0) {
             (void)pbw__query_point(queries, query, q);
+            pbw__set_error(queries, q);
             pbw__near_all(queries, desk, q, query);
         } else {
             const int equal = pbw__query_descend(queries, i, i == from, q, &best);
@@ -11099,7 +11217,7 @@ static void pbw__within_block(pbw__queries *queries, pbw__desk *desk, size_t blo
 {
     const pbw_mesh *mesh = queries->mesh;
     pbw__reach best;
-    double q[3], *values;
+    double q[4], *values;
     pbw_index *items;
     size_t i, v, k, count;
     memset(&best, 0, sizeof(best));
@@ -11112,6 +11230,7 @@ static void pbw__within_block(pbw__queries *queries, pbw__desk *desk, size_t blo
             }
         } else {
             (void)pbw__query_point(queries, pbw__query_index(queries, i), q);
+            pbw__set_error(queries, q);
             for (v = 0; v < mesh->point_count && !desk->failed; v++) {
                 const pbw__reach reach = pbw__reach_to(mesh, mesh->dim, q, (pbw_index)v);
                 if (v % PBW__TICK == 0 && pbw__report(&queries->context, 0.0)) {
@@ -11334,11 +11453,11 @@ PBW__SIMD_INLINE pbw__d4 pbw__load_four(const double *from)
 /* The nearest so far, in exact order, and room for one more. */
 typedef struct pbw__found { double squared[PBW__FEW + 1]; pbw_index vertex[PBW__FEW + 1]; size_t count; } pbw__found;
 
-PBW__INLINE pbw__reach pbw__found_at(const pbw__found *found, size_t i)
+PBW__INLINE pbw__reach pbw__found_at(const pbw__found *found, const double *q, size_t i)
 {
     pbw__reach reach;
     reach.squared = found->squared[i];
-    reach.slack = PBW__REACH_ERROR * DBL_EPSILON * reach.squared + 1e-300;
+    reach.slack = q[3] * (reach.squared + 1e-280);
     reach.vertex = found->vertex[i];
     reach.done = 0;
     return reach;
@@ -11347,7 +11466,7 @@ PBW__INLINE pbw__reach pbw__found_at(const pbw__found *found, size_t i)
 /* Exchanges entry i with the one before if that is farther.  Returns whether it was. */
 static int pbw__found_exchange(const pbw_mesh *mesh, pbw__found *found, const double *q, size_t i)
 {
-    const pbw__reach before = pbw__found_at(found, i - 1), reach = pbw__found_at(found, i);
+    const pbw__reach before = pbw__found_at(found, q, i - 1), reach = pbw__found_at(found, q, i);
     if (!pbw__reach_before(mesh, q, &reach, &before)) {
         return 0;
     }
@@ -11371,16 +11490,17 @@ static PBW__NOINLINE void pbw__found_settle(const pbw_mesh *mesh, pbw__found *fo
 PBW__INLINE void pbw__found_add(const pbw__queries *queries, pbw__found *found, const double *q, double squared,
                                 pbw_index vertex)
 {
-    const double close = 3.0 * (PBW__REACH_ERROR * DBL_EPSILON * squared + 1e-300);
+    const double close = 3.0 * q[3] * (squared + 1e-280);
     size_t at = found->count;
-    for (; at > 0 && found->squared[at - 1] > squared; at--) {
+    for (; at > 0 && (found->squared[at - 1] > squared
+                      || (found->squared[at - 1] == squared && found->vertex[at - 1] > vertex)); at--) {
         found->squared[at] = found->squared[at - 1];
         found->vertex[at] = found->vertex[at - 1];
     }
     found->squared[at] = squared;
     found->vertex[at] = vertex;
     if (PBW__UNLIKELY((at > 0 && !(squared - found->squared[at - 1] > close))
-                      || (at < found->count && !(found->squared[at + 1] - squared > close)))) {
+                      || (at < found->count && !(found->squared[at + 1] - squared > close))) && q[3] > 0.0) {
         pbw__found_settle(queries->mesh, found, q, at);
     }
     found->count += found->count < queries->k;
@@ -11498,7 +11618,7 @@ PBW__SIMD_INLINE double pbw__search_limit(const pbw__queries *queries, int dim, 
 PBW__SIMD static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
 {
     pbw__found found;
-    double q[3];
+    double q[4];
     size_t i, at;
     (void)desk;
     (void)block;
@@ -11506,6 +11626,7 @@ PBW__SIMD static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, 
     for (i = from; i < to; i++) {
         const size_t query = pbw__query_index(queries, i);
         (void)pbw__query_point(queries, query, q);
+        pbw__set_error(queries, q);
         if (queries->mesh->dim == 3) {
             pbw__search_of(queries, 3, &found, q, pbw__search_limit(queries, 3, &found, q));
         } else {
@@ -11515,7 +11636,7 @@ PBW__SIMD static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, 
         _mm256_zeroupper();                          /* else code that is not made for AVX waits ever after */
 #endif
         for (at = 0; at < queries->k; at++) {
-            const pbw__reach reach = pbw__found_at(&found, at < found.count ? at : 0);
+            const pbw__reach reach = pbw__found_at(&found, q, at < found.count ? at : 0);
             pbw__give_near(queries, q, query, at, at < found.count ? &reach : NULL);
         }
     }
@@ -11551,6 +11672,7 @@ static pbw_status pbw__nearest_all(pbw__queries *queries, const pbw_lists *stars
     pbw_lists own;
     pbw_status status;
     memset(&own, 0, sizeof(own));
+    pbw__find_unit(queries);
 #ifdef PBW__SIMD
     if (pbw__tree_answers(queries, stars)) {
         return pbw__search_all(queries);

@@ -608,21 +608,11 @@ __global__ void box_kernel(const box *child, uint32_t children, box *out, uint32
 
 const int stack_size = 32 * tree_levels;             /* each level leaves at most 31 siblings of the node in hand */
 
-/* A warp a group, of those from first to end.  s: the side of a cube (square) that holds 64 points here, by the box
-   of 8 groups; the reach starts as a part of it and shrinks until the list fits. */
-__global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t first_group, uint32_t end_group,
-                            uint32_t *list, near_list *info)
+/* The side of a cube (square) that holds 64 points near a group, by the box of 8 groups. */
+__device__ inline float side_near(const tree &t, int dim, uint32_t g)
 {
-    __shared__ uint32_t shared[4][list_size + stack_size];
-    int lane = (int)threadIdx.x & 31;
-    uint32_t row = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32, g = first_group + row;
-    uint32_t *found = shared[threadIdx.x / 32], *stack = found + list_size;
-    if (g >= end_group) {
-        return;
-    }
-    box own = t.level[0][g], around = own;
-    uint32_t first = g & ~7u;
-    int length = 0;
+    const uint32_t first = g & ~7u;
+    box around = t.level[0][g];
     for (uint32_t i = first; i < first + 8 && i < t.size[0]; i++) {
         box b = t.level[0][i];
         for (int k = 0; k < 3; k++) {
@@ -632,58 +622,59 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t fi
     }
     float x = around.high[0] - around.low[0], y = around.high[1] - around.low[1], z = around.high[2] - around.low[2];
     float longest = fmaxf(x, fmaxf(y, z));
-    float side = fmaxf(dim == 3 ? cbrtf(x * y * z) : sqrtf(x * y), 0.08f * longest);
-    float reach = (dim == 3 ? 0.65f : 0.40f) * side, lo[3], hi[3];
-    for (int round = 0; round < 12; round++) {
-        int depth = 0;
-        length = 0;
-        for (int k = 0; k < 3; k++) {
-            lo[k] = own.low[k] - reach;
-            hi[k] = own.high[k] + reach;
-        }
-        int level = t.levels - 1;
-        uint32_t from = 0;
-        for (;;) {
-            uint32_t node = from + (uint32_t)lane;
-            bool touches = false;
-            if (node < t.size[level]) {
-                box b = t.level[level][node];
-                touches = b.low[0] <= hi[0] && b.high[0] >= lo[0] && b.low[1] <= hi[1] && b.high[1] >= lo[1]
-                       && b.low[2] <= hi[2] && b.high[2] >= lo[2];
-            }
-            unsigned vote = __ballot_sync(all_lanes, touches);
-            int at = __popc(vote & lanes_below<32>());
-            if (level == 0) {
-                if (touches && length + at < list_size) {
-                    found[length + at] = node;
-                }
-                length += __popc(vote);
-            } else {
-                if (touches) {
-                    stack[depth + at] = (uint32_t)level << 29 | node;
-                }
-                depth += __popc(vote);
-            }
-            __syncwarp();
-            if (depth == 0 || length > list_size) {
-                break;
-            }
-            uint32_t top = stack[--depth];
-            __syncwarp();
-            level = (int)(top >> 29) - 1;
-            from = (top & 0x1fffffffu) * 32;
-        }
-        if (length > list_size) {
-            reach *= 0.75f;
-        } else if (length < 24 && round < 3 && (uint32_t)length < t.size[0]) {
-            reach *= 1.4f;
-        } else {
-            break;
-        }
+    return fmaxf(dim == 3 ? cbrtf(x * y * z) : sqrtf(x * y), 0.08f * longest);
+}
+
+/* Lists the groups within reach of a box; returns their number, or one above list_size if they are more. */
+__device__ inline int list_within(const tree &t, const box &own, float reach, uint32_t *found, uint32_t *stack)
+{
+    int lane = (int)threadIdx.x & 31, depth = 0, length = 0, level = t.levels - 1;
+    uint32_t from = 0;
+    float lo[3], hi[3];
+    for (int k = 0; k < 3; k++) {
+        lo[k] = own.low[k] - reach;
+        hi[k] = own.high[k] + reach;
     }
-    length = length > list_size ? 0 : length;
-    const float start = (dim == 3 ? 0.5f : 0.32f) * side;
-    uint32_t key[list_size / 32], value[list_size / 32], close = 0;     /* nearest centre first, by counting */
+    for (;;) {
+        uint32_t node = from + (uint32_t)lane;
+        bool touches = false;
+        if (node < t.size[level]) {
+            box b = t.level[level][node];
+            touches = b.low[0] <= hi[0] && b.high[0] >= lo[0] && b.low[1] <= hi[1] && b.high[1] >= lo[1]
+                   && b.low[2] <= hi[2] && b.high[2] >= lo[2];
+        }
+        unsigned vote = __ballot_sync(all_lanes, touches);
+        int at = __popc(vote & lanes_below<32>());
+        if (level == 0) {
+            if (touches && length + at < list_size) {
+                found[length + at] = node;
+            }
+            length += __popc(vote);
+        } else {
+            if (touches) {
+                stack[depth + at] = (uint32_t)level << 29 | node;
+            }
+            depth += __popc(vote);
+        }
+        __syncwarp();
+        if (depth == 0 || length > list_size) {
+            return length;
+        }
+        uint32_t top = stack[--depth];
+        __syncwarp();
+        level = (int)(top >> 29) - 1;
+        from = (top & 0x1fffffffu) * 32;
+    }
+}
+
+/* Writes the groups found for group g, the nearest centre first, by counting; returns, in all lanes, after how many
+   of them none is closer than start. */
+__device__ inline uint32_t sort_list(const tree &t, uint32_t g, float start, uint32_t *found, int length,
+                                     uint32_t *list)
+{
+    const box own = t.level[0][g];
+    int lane = (int)threadIdx.x & 31;
+    uint32_t key[list_size / 32], value[list_size / 32], before[list_size / 32] = { 0 }, close = 0;
     bool is_close[list_size / 32];
     for (int i = 0; i < list_size / 32; i++) {
         key[i] = none;
@@ -708,7 +699,6 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t fi
         }
     }
     __syncwarp();
-    uint32_t before[list_size / 32] = { 0 };
     for (int j = 0; j < length; j++) {
         uint32_t other = found[j];
         for (int i = 0; i < list_size / 32; i++) {
@@ -717,12 +707,41 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t fi
     }
     for (int i = 0; i < list_size / 32; i++) {
         if (i * 32 + lane < length) {
-            list[(size_t)row * list_size + before[i]] = value[i];
+            list[before[i]] = value[i];
             close = is_close[i] && before[i] >= close ? before[i] + 1 : close;
         }
     }
-    close = none - tile_min<32>(none - close);
-    if (lane == 0) {
+    return none - tile_min<32>(none - close);
+}
+
+/* A warp a group, of those from first to end.  The reach starts as a part of the side near the group, and changes
+   until the list fits. */
+__global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t first_group, uint32_t end_group,
+                            uint32_t *list, near_list *info)
+{
+    __shared__ uint32_t shared[4][list_size + stack_size];
+    uint32_t row = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32, g = first_group + row;
+    uint32_t *found = shared[threadIdx.x / 32];
+    if (g >= end_group) {
+        return;
+    }
+    const box own = t.level[0][g];
+    const float side = side_near(t, dim, g), start = (dim == 3 ? 0.5f : 0.32f) * side;
+    float reach = (dim == 3 ? 0.65f : 0.40f) * side;
+    int length = 0;
+    for (int round = 0; round < 12; round++) {
+        length = list_within(t, own, reach, found, found + list_size);
+        if (length > list_size) {
+            reach *= 0.75f;
+        } else if (length < 24 && round < 3 && (uint32_t)length < t.size[0]) {
+            reach *= 1.4f;
+        } else {
+            break;
+        }
+    }
+    length = length > list_size ? 0 : length;
+    const uint32_t close = sort_list(t, g, start, found, length, list + (size_t)row * list_size);
+    if ((threadIdx.x & 31) == 0) {
         near_list n = { (uint32_t)length, reach, start, close };
         info[row] = n;
     }
@@ -1129,6 +1148,14 @@ __device__ inline place<REAL> vertex_place(const star<DIM, WEIGHTED, NT, NV, SCR
     return p;
 }
 
+/* The vertex at infinity has a place too: loads that are not used find it there. */
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline void set_infinity(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s)
+{
+    const place<REAL> origin = { { 0, 0, 0 }, 0 };
+    set_vertex(s, 0, none, origin);
+}
+
 /* The sphere of triangle (a, b, c); in the plane of edge (a, b).  0 is the vertex at infinity. */
 template <int DIM, bool WEIGHTED, typename REAL>
 __device__ inline float4 sphere_of_triangle(uint32_t a, uint32_t b, uint32_t c, const place<REAL> &pa,
@@ -1484,6 +1511,8 @@ __device__ inline void start(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool
         }
         if (lane < DIM) {
             set_vertex(s, (uint32_t)lane + 1, id[lane], p[lane]);
+        } else if (lane == DIM) {
+            set_infinity(s);
         }
     }
     __syncwarp();
@@ -2336,6 +2365,9 @@ __device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
         for (uint32_t i = (uint32_t)lane; i < (uint32_t)s.words; i += T) {
             uint32_t rest = vertices + first > i * 32 ? vertices + first - i * 32 : 0;
             s.used[i] = rest >= 32 ? ~0u : (1u << rest) - 1;
+        }
+        if (lane == 0) {
+            set_infinity(s);
         }
         for (uint32_t i = (uint32_t)lane; i < vertices; i += T) {
             uint32_t id = word[1 + i];
@@ -3402,24 +3434,8 @@ __global__ void scatter_kernel(const uint32_t *id, uint32_t count, const pbw_ind
    place is not found.  The passes: points, simplices, hull, hidden points; a thread an item.  An item that the stages
    without memory leave open is listed, and tested again by a thread that has a pool.
    ------------------------------------------------------------------------------------------------------ */
-enum {
-    check_sound, check_canonical, check_place, check_right, check_vertex, check_incident, check_corner, check_first,
-    check_negative, check_flat, check_overlap, check_inward, check_other, check_back, check_facet, check_conflict,
-    check_convex, check_outside, check_repeated, check_unhidden, check_open
-};
 enum { check_points, check_simplices, check_hull, check_hidden, check_passes };
-
-const char *const faults[check_open] = {
-    "", "the canonical point is none", "a duplicate is not where its canonical point is",
-    "a duplicate has the better right to be canonical", "a duplicate is a vertex",
-    "the incident simplex of a vertex does not have it", "a corner is no point",
-    "the incident simplex of a corner is not the first that has it", "a simplex is negatively oriented",
-    "a simplex is flat", "two simplices overlap, the first of the mesh and this", "a hull facet faces inward",
-    "a neighbor is no other simplex", "a neighbor does not name the simplex once",
-    "neighbors do not share the facet from opposite sides", "the corner across a facet is in conflict",
-    "the hull is not convex", "a point outside the hull is no vertex", "a point at a vertex is no duplicate of it",
-    "a point that is no vertex is not hidden"
-};
+const int check_open = -1;                           /* no verdict yet */
 
 struct view {                                        /* a mesh and its points */
     input in;
@@ -3481,18 +3497,7 @@ __device__ __noinline__ int faces_inside(const view &m, const corners<DIM> &c, i
 
 template <int DIM> __device__ int covers(const view &m, const corners<DIM> &c, pbw__digit *pool)
 {
-    const double *a = m.basis[0].c;
-    for (int k = 0; k < DIM; k++) {
-        bool below = false, above = false;
-        for (int i = 0; i <= DIM; i++) {
-            below = below || c.x[i][k] <= a[k];
-            above = above || c.x[i][k] >= a[k];
-        }
-        if (!(below && above)) {
-            return 0;
-        }
-    }
-    int result = 1;
+    int result = pbw__check_box_has(c.row, m.basis[0].c, DIM);
     for (int i = 0; i <= DIM && result == 1; i++) {
         result = faces_inside<DIM>(m, c, i, pool);
     }
@@ -3507,22 +3512,22 @@ __device__ inline verdict fault_at(int fault, uint32_t simplex, int facet, uint3
 
 template <int DIM> __device__ verdict check_point(const view &m, uint32_t p)
 {
-    verdict v = fault_at(check_sound, none, -1, none);
+    verdict v = fault_at(PBW__SOUND, none, -1, none);
     uint32_t kept = m.canonical[p], first = m.incident[p];
     if (kept >= m.in.count || m.canonical[kept] != kept) {
-        return fault_at(check_canonical, none, -1, p);
+        return fault_at(PBW__FAULT_CANONICAL, none, -1, p);
     }
     if (kept != p) {
         double x[4], y[4];
         fetch(m.in, p, x);
         fetch(m.in, kept, y);
         if (!pbw__same_place(x, y, DIM)) {
-            return fault_at(check_place, none, -1, p);
+            return fault_at(PBW__FAULT_PLACE, none, -1, p);
         }
         if (x[DIM] != y[DIM] ? x[DIM] > y[DIM] : p < kept) {
-            return fault_at(check_right, none, -1, p);
+            return fault_at(PBW__FAULT_RIGHT, none, -1, p);
         }
-        return first != none ? fault_at(check_vertex, first, -1, p) : v;
+        return first != none ? fault_at(PBW__FAULT_VERTEX, first, -1, p) : v;
     }
     if (first != none) {
         bool has = false;
@@ -3530,7 +3535,7 @@ template <int DIM> __device__ verdict check_point(const view &m, uint32_t p)
             has = has || m.simplices[(size_t)first * (DIM + 1) + (size_t)k] == p;
         }
         if (!has) {
-            return fault_at(check_incident, first, -1, p);
+            return fault_at(PBW__FAULT_INCIDENT, first, -1, p);
         }
     }
     v.counted[first == none] = 1;
@@ -3539,26 +3544,27 @@ template <int DIM> __device__ verdict check_point(const view &m, uint32_t p)
 
 template <int DIM> __device__ verdict check_simplex(const view &m, uint32_t s, pbw__digit *pool)
 {
-    verdict sound = fault_at(check_sound, none, -1, none);
+    verdict sound = fault_at(PBW__SOUND, none, -1, none);
     corners<DIM> c;
     uint32_t v[DIM + 1];
     for (int i = 0; i <= DIM; i++) {
         v[i] = m.simplices[(size_t)s * (DIM + 1) + (size_t)i];
         if (v[i] >= m.in.count) {
-            return fault_at(check_corner, s, -1, v[i]);
+            return fault_at(PBW__FAULT_CORNER, s, -1, v[i]);
         }
         if (m.incident[v[i]] > s) {
-            return fault_at(check_first, s, -1, v[i]);
+            return fault_at(PBW__FAULT_FIRST, s, -1, v[i]);
         }
     }
     load_corners<DIM>(m, s, c);
     int sign = orientation_sign<DIM>(m.grid, c.row, pool);
     if (sign <= 0 || sign == PBW__OPEN) {
-        return fault_at(sign == PBW__OPEN ? check_open : sign < 0 ? check_negative : check_flat, s, -1, none);
+        return fault_at(sign == PBW__OPEN ? check_open : sign < 0 ? PBW__FAULT_NEGATIVE : PBW__FAULT_FLAT, s, -1,
+                        none);
     }
     sign = s > 0 ? covers<DIM>(m, c, pool) : 0;
     if (sign != 0) {
-        return fault_at(sign == open_sign ? check_open : check_overlap, s, -1, none);
+        return fault_at(sign == open_sign ? check_open : PBW__FAULT_OVERLAP, s, -1, none);
     }
     for (int i = 0; i <= DIM; i++) {
         uint32_t t = m.neighbors[(size_t)s * (DIM + 1) + (size_t)i], u[DIM + 1];
@@ -3568,12 +3574,12 @@ template <int DIM> __device__ verdict check_simplex(const view &m, uint32_t s, p
             sound.counted[1]++;
             sign = faces_inside<DIM>(m, c, i, pool);
             if (sign != 1) {
-                return fault_at(sign == open_sign ? check_open : check_inward, s, i, none);
+                return fault_at(sign == open_sign ? check_open : PBW__FAULT_INWARD, s, i, none);
             }
             continue;
         }
         if (t >= m.count || t == s) {
-            return fault_at(check_other, s, i, none);
+            return fault_at(PBW__FAULT_OTHER, s, i, none);
         }
         if (m.trusted && t > s) {
             continue;
@@ -3584,7 +3590,7 @@ template <int DIM> __device__ verdict check_simplex(const view &m, uint32_t s, p
             j = back ? k : j;
         }
         if (links != 1) {
-            return fault_at(check_back, s, i, none);
+            return fault_at(PBW__FAULT_BACK, s, i, none);
         }
         if (t > s) {
             continue;
@@ -3594,7 +3600,7 @@ template <int DIM> __device__ verdict check_simplex(const view &m, uint32_t s, p
             u[k] = m.simplices[(size_t)t * (DIM + 1) + (size_t)k];
         }
         if (!pbw__check_facets_match(v, i, u, j, DIM)) {
-            return fault_at(check_facet, s, i, none);
+            return fault_at(PBW__FAULT_FACET, s, i, none);
         }
         if (u[j] >= m.in.count) {
             continue;                                /* the fault of t, which comes first */
@@ -3603,7 +3609,7 @@ template <int DIM> __device__ verdict check_simplex(const view &m, uint32_t s, p
         fetch(m.in, u[j], p);
         sign = finite_conflict<DIM>(m.grid, c.row, p, pool);
         if (sign != 0) {
-            return fault_at(sign == open_sign ? check_open : check_conflict, s, i, u[j]);
+            return fault_at(sign == open_sign ? check_open : PBW__FAULT_CONFLICT, s, i, u[j]);
         }
     }
     return sound;
@@ -3641,12 +3647,12 @@ template <int DIM> __device__ verdict check_ridges(const view &m, uint32_t s, pb
                 fetch(m.in, far, p);
                 int sign = side_of<DIM>(m, c, i, p, pool);
                 if (sign < 0 || sign == PBW__OPEN) {
-                    return fault_at(sign < 0 ? check_convex : check_open, s, i, far);
+                    return fault_at(sign < 0 ? PBW__FAULT_CONVEX : check_open, s, i, far);
                 }
             }
         }
     }
-    return fault_at(check_sound, none, -1, none);
+    return fault_at(PBW__SOUND, none, -1, none);
 }
 
 /* A simplex near the point of a rank: one of a vertex before it on the curve. */
@@ -3666,7 +3672,7 @@ template <int DIM> __device__ verdict check_walk(const view &m, uint32_t item, p
     corners<DIM> c;
     double p[4];
     if (m.canonical[point] != point || m.incident[point] != none) {
-        return fault_at(check_sound, none, -1, none);
+        return fault_at(PBW__SOUND, none, -1, none);
     }
     uint32_t here = m.order != NULL ? simplex_near(m, item) : 0, last = here;
     fetch(m.in, point, p);
@@ -3684,7 +3690,7 @@ template <int DIM> __device__ verdict check_walk(const view &m, uint32_t item, p
         }
         if (i <= DIM) {
             if (next[i] == none) {
-                return fault_at(check_outside, here, i, point);
+                return fault_at(PBW__FAULT_OUTSIDE, here, i, point);
             }
             last = here;
             here = next[i];
@@ -3692,11 +3698,11 @@ template <int DIM> __device__ verdict check_walk(const view &m, uint32_t item, p
     }
     for (int i = 0; i <= DIM; i++) {
         if (pbw__same_place(p, c.x[i], DIM)) {
-            return fault_at(check_repeated, here, -1, point);
+            return fault_at(PBW__FAULT_REPEATED, here, -1, point);
         }
     }
     int sign = finite_conflict<DIM>(m.grid, c.row, p, pool);
-    return fault_at(sign == open_sign ? check_open : sign != 0 ? check_unhidden : check_sound, here, -1, point);
+    return fault_at(sign == open_sign ? check_open : sign != 0 ? PBW__FAULT_UNHIDDEN : PBW__SOUND, here, -1, point);
 }
 
 const unsigned check_blocks = 64;                    /* of 32 threads that have pools */
@@ -3727,7 +3733,7 @@ __global__ void check_kernel(const __grid_constant__ view m, int pass, uint32_t 
         verdict v = pass == check_points ? check_point<DIM>(m, item)
                   : pass == check_simplices ? check_simplex<DIM>(m, item, digits)
                   : pass == check_hull ? check_ridges<DIM>(m, item, digits) : check_walk<DIM>(m, item, digits);
-        if (v.fault == check_sound) {
+        if (v.fault == PBW__SOUND) {
             counted[0] += v.counted[0];
             counted[1] += v.counted[1];
         } else if (v.fault == check_open) {
@@ -5253,7 +5259,7 @@ template <int DIM> bool check_pass(checking &k, int pass)
     }
     check_kernel<DIM><<<1, 32, 0, c.stream>>>(k.m, pass, 1, k.open.at, NULL, k.pool.at, k.on_device.at);
     if (launched(c, "check") && read_back(c, k.found, k.on_device.at, PBW_STAGE_BUILD, 0.0)) {
-        k.report->what = faults[k.found.first.fault];
+        k.report->what = pbw__fault_words[k.found.first.fault];
         k.report->simplex = k.found.first.simplex;
         k.report->facet = (pbw_index)k.found.first.facet;
         k.report->point = k.found.first.point;
@@ -5261,10 +5267,9 @@ template <int DIM> bool check_pass(checking &k, int pass)
     return false;
 }
 
-bool miscounts(pbw_report *report, size_t said, size_t counted, const char *what)
+bool miscounts(pbw_report *report, size_t said, size_t counted, int fault)
 {
-    report->what = said != counted ? what : report->what;
-    return said != counted;
+    return said != counted && !pbw__fault(report, fault, PBW_NONE, -1, PBW_NONE);
 }
 
 template <int DIM> bool open_check(checking &k, const pbw__grid &grid)
@@ -5297,8 +5302,8 @@ template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const inp
     const size_t vertices = (size_t)k.found.counted[check_points][0];
     const size_t others = (size_t)k.found.counted[check_points][1];
     report->vertex_count = vertices;
-    if (miscounts(report, mesh.duplicate_count, in.count - vertices - others, "duplicate_count is wrong")
-        || miscounts(report, mesh.hidden_count, others, "hidden_count is wrong")
+    if (miscounts(report, mesh.duplicate_count, in.count - vertices - others, PBW__FAULT_DUPLICATES)
+        || miscounts(report, mesh.hidden_count, others, PBW__FAULT_HIDDEN)
         || !check_pass<DIM>(k, check_simplices)) {
         return false;
     }
@@ -5901,8 +5906,7 @@ extern "C" pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, co
     local_call local;
     if (report != NULL) {
         memset(report, 0, sizeof *report);
-        report->what = "";
-        report->simplex = report->facet = report->point = PBW_NONE;
+        (void)pbw__fault(report, PBW__SOUND, PBW_NONE, -1, PBW_NONE);
     }
     if (!take_options(r.options, given_options) || report == NULL || mesh == NULL || points == NULL
         || (mesh->dim != 2 && mesh->dim != 3)

@@ -750,10 +750,10 @@ static void *no_more(void *user, void *block, size_t old_size, size_t new_size)
 /* A build that is cancelled later and later, until it is not. */
 static void cancel_later(const double *points, size_t count, pbw_options options)
 {
+    pbw_status status = PBW_CANCELLED;
     options.progress = stop_later;
-    for (stop_at = 1, calls = 1; calls >= stop_at; stop_at = 2 * stop_at + 1) {
+    for (stop_at = 1; status == PBW_CANCELLED; stop_at = 2 * stop_at + 1) {
         pbw_mesh mesh;
-        pbw_status status;
         calls = 0;
         status = pbw_triangulate(3, points, NULL, count, &options, &mesh);
         CHECK_EQUAL(status, calls >= stop_at ? PBW_CANCELLED : PBW_OK);
@@ -1169,6 +1169,7 @@ static void test_walk_calls(void)
     pbw_cuda_mesh mesh;
     pbw_cuda_loop *loop = NULL;
     pbw_options options;
+    pbw_status status = PBW_CANCELLED;
     size_t left = 8;
     walk w;
     memset(&options, 0, sizeof options);
@@ -1196,8 +1197,7 @@ static void test_walk_calls(void)
     cudaFree(there);
     walk_start(&w, 3, INPUT_UNIFORM, -1, 20000);
     w.options.progress = stop_later;
-    for (stop_at = 1, calls = 1; calls >= stop_at; stop_at = 2 * stop_at + 1) {
-        pbw_status status;
+    for (stop_at = 1; status == PBW_CANCELLED; stop_at = 2 * stop_at + 1) {
         calls = 0;
         status = walk_step(&w, 0, whichever);
         CHECK_EQUAL(status, calls >= stop_at ? PBW_CANCELLED : PBW_OK);
