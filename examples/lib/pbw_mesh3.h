@@ -44,6 +44,11 @@
 
    Sharp edges below 60 degrees are kept as others are; the tetrahedra at them have their angles.
 
+   THREADS
+   Samples, rounds, improvement and the report's distance are computed on all threads.  Several threads call `value`,
+   `size_at` and the surface's queries at once, whatever options.rounds says, unless options.threads is 1: callbacks
+   must not write to what they share.
+
    DOES NOT  settle at walls and gaps below 1/10 of the size, nor always at acute edges: they come out with warnings.
              Shells may be nested or cross, not touch: with a wall in common, inside is what parity makes of it.
              Points between two regions stay as they are laid.
@@ -73,7 +78,8 @@ typedef struct pbw_solid_input {           /* a surface, or a function */
     size_t triangle_count;
     const pbw_index *patches;              /* one a triangle, any numbers: edges between two of them are kept as sharp
                                               ones are; NULL = sharp edges bound the patches */
-    /* Or: below zero inside, continuous, and above zero on the box's sides. */
+    /* Or: below zero inside, continuous, and above zero on the box's sides.  Several threads call it at once, also
+       with rounds = 0, unless options.threads is 1. */
     double (*value)(void *user, const double point[3]);
     void *value_user;
     double box[6];                         /* low corner, high corner */
@@ -82,7 +88,8 @@ typedef struct pbw_solid_input {           /* a surface, or a function */
 typedef struct pbw_solid_options {         /* NULL or all zero = best defaults */
     double size;                           /* length of edges, at most; 0 = 1/40 of the box's diagonal */
     double least_size;                     /* local sizes are not below it; 0 = 1/6 of size, 1/16 with size_at */
-    /* The length of edges at a place, where it is below the size; several threads may call it.  NULL = none. */
+    /* The length of edges at a place, where it is below the size.  Several threads call it at once, also with
+       rounds = 0, unless options.threads is 1.  NULL = none. */
     double (*size_at)(void *user, const double point[3]);
     void *size_user;
     double curvature;                      /* sizes are at most this divided by the curvature, the root of the sum of

@@ -13,7 +13,9 @@
 
    HOW
    Boxes in a binary tree over the triangles in the order of a Hilbert curve: leaves of four triangles, all levels
-   complete, so that no links are needed.  Queries write nothing: any number of threads may run them.
+   complete, so that no links are needed.  Queries write nothing: any number of threads may run them at once on one
+   surface.  pbw_mesh3.h and pbw_improve.h do so unless options.threads is 1, and call `value`, `project` and size
+   callbacks from several threads at once.
 
    PROMISES  (tests/test_improve.c guards them)
      inside      exact for a closed surface: the parity of a ray is counted by exact signs, and a ray through edges or
