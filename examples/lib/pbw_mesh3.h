@@ -173,6 +173,7 @@ PBWMESH3DEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary);      /* 
    is 1 for tetrahedra inside.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWM3__SHARP, PBWM3__SMOOTH, PBWM3__INSIDE, PBWM3__GONE };    /* gone: it lies on another point */
+enum { PBWM3__BATCH = 8192 };              /* samples of the surface that threads compute at once */
 
 typedef struct pbwm3__wish {               /* of a facet: a point */
     double p[3];                           /* on the surface */
@@ -436,9 +437,11 @@ static pbw_status pbwm3__take_triangles(pbwm3__work *w, const pbw_solid_input *i
 /* ---- an implicit function, over the six tetrahedra of each cube of a grid ---- */
 
 typedef struct pbwm3__grid {
+    pbwm3__work *w;
     size_t n[3];                           /* nodes along the axes */
     double step;
     pbwsf__array value, crossing;          /* per node; per node and direction 1..7, the vertex on that edge */
+    pbwsf__array ends;                     /* of each vertex: the nodes of its edge, that below zero first */
 } pbwm3__grid;
 
 static void pbwm3__node(const pbwm3__work *w, const pbwm3__grid *g, size_t node, double p[3])
@@ -464,12 +467,9 @@ static pbw_index pbwm3__cross_edge(pbwm3__work *w, pbwm3__grid *g, size_t a, siz
 {
     pbw_index *vertex = (pbw_index *)g->crossing.data + 7 * a + (size_t)(direction - 1);
     const double *value = (const double *)g->value.data;
-    double p[3], q[3], x[3];
-    if (*vertex == PBW_NONE) {
-        pbwm3__node(w, g, value[a] < 0 ? a : b, p);
-        pbwm3__node(w, g, value[a] < 0 ? b : a, q);
-        pbwm3__root(w->input, p, q, x);
-        *vertex = pbwm3__append(w, &w->vertices, x, sizeof x) ? (pbw_index)(w->vertices.count - 1) : PBW_NONE;
+    const size_t ends[2] = { value[a] < 0 ? a : b, value[a] < 0 ? b : a };
+    if (*vertex == PBW_NONE && g->ends.count < PBW_NONE / 8 && pbwm3__append(w, &g->ends, ends, sizeof ends)) {
+        *vertex = (pbw_index)(g->ends.count - 1);
     }
     return *vertex;
 }
@@ -529,14 +529,42 @@ static int pbwm3__cross_cube(pbwm3__work *w, pbwm3__grid *g, size_t node)
     return 1;
 }
 
-static pbw_status pbwm3__take_function(pbwm3__work *w, const pbw_solid_input *in)
+static pbw_status pbwm3__value_range(void *arg, size_t from, size_t to)
+{
+    const pbwm3__grid *g = (const pbwm3__grid *)arg;
+    const pbw_solid_input *in = g->w->input;
+    size_t i;
+    for (i = from; i < to; i++) {
+        double p[3];
+        pbwm3__node(g->w, g, i, p);
+        ((double *)g->value.data)[i] = in->value(in->value_user, p);
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwm3__root_range(void *arg, size_t from, size_t to)
+{
+    const pbwm3__grid *g = (const pbwm3__grid *)arg;
+    size_t i;
+    for (i = from; i < to; i++) {
+        const size_t *ends = (const size_t *)g->ends.data + 2 * i;
+        double p[3], q[3];
+        pbwm3__node(g->w, g, ends[0], p);
+        pbwm3__node(g->w, g, ends[1], q);
+        pbwm3__root(g->w->input, p, q, (double *)g->w->vertices.data + 3 * i);
+    }
+    return PBW_OK;
+}
+
+/* The triangles' corners are edges of the grid first; then threads find the places on them. */
+static pbw_status pbwm3__take_function(pbwm3__work *w)
 {
     pbwm3__grid g;
     pbw_status status = PBW_ERROR_MEMORY;
     size_t nodes = 1, i;
-    double p[3];
     int k;
     memset(&g, 0, sizeof g);
+    g.w = w;
     g.step = fmax(w->size / 2, pbwsf__distance(w->low, w->high) / 400);
     for (k = 0; k < 3; k++) {
         g.n[k] = (size_t)ceil((w->high[k] - w->low[k]) / g.step) + 1;
@@ -545,18 +573,23 @@ static pbw_status pbwm3__take_function(pbwm3__work *w, const pbw_solid_input *in
     if (pbwsf__resize(&w->memory, &g.value, nodes * sizeof(double))
         && pbwsf__resize(&w->memory, &g.crossing, 7 * nodes * sizeof(pbw_index))) {
         memset(g.crossing.data, 0xff, 7 * nodes * sizeof(pbw_index));
-        for (i = 0; i < nodes; i++) {
-            pbwm3__node(w, &g, i, p);
-            ((double *)g.value.data)[i] = in->value(in->value_user, p);
-        }
-        for (i = 0, status = PBW_OK; i < nodes && status == PBW_OK; i++) {
+        status = pbw_for(&w->options, nodes, 1024, pbwm3__value_range, &g);
+        for (i = 0; i < nodes && status == PBW_OK; i++) {
             if (i % g.n[0] + 1 < g.n[0] && i / g.n[0] % g.n[1] + 1 < g.n[1] && i / g.n[0] / g.n[1] + 1 < g.n[2]) {
                 status = pbwm3__cross_cube(w, &g, i) ? PBW_OK : PBW_ERROR_MEMORY;
             }
         }
     }
+    if (status == PBW_OK && !pbwsf__resize(&w->memory, &w->vertices, (g.ends.count + 1) * 3 * sizeof(double))) {
+        status = PBW_ERROR_MEMORY;
+    }
+    if (status == PBW_OK) {
+        w->vertices.count = g.ends.count;
+        status = pbw_for(&w->options, g.ends.count, 128, pbwm3__root_range, &g);
+    }
     pbwsf__release(&w->memory, &g.value);
     pbwsf__release(&w->memory, &g.crossing);
+    pbwsf__release(&w->memory, &g.ends);
     return status;
 }
 
@@ -1492,10 +1525,10 @@ static void pbwm3__lower(pbwm3__work *w, const double p[3], double size)
     *field = fmin(*field, fmax(w->floor, size));
 }
 
-/* Lowers the field at p, a point of the triangle, to what rays along both normals meet first, if that faces it. */
-static void pbwm3__measure_gap(pbwm3__work *w, pbw_index triangle, const double p[3])
+/* Returns the size at p, a point of the triangle, by what rays along both normals meet first, if that faces it. */
+static double pbwm3__measure_gap(const pbwm3__work *w, pbw_index triangle, const double p[3])
 {
-    double n[3], m[3], a[3], b[3], where, length;
+    double n[3], m[3], a[3], b[3], where, length, least = HUGE_VAL;
     int side, k;
     pbwsf__normal(pbwsf__corner(&w->surface, triangle, 0), pbwsf__corner(&w->surface, triangle, 1),
                   pbwsf__corner(&w->surface, triangle, 2), n);
@@ -1511,20 +1544,22 @@ static void pbwm3__measure_gap(pbwm3__work *w, pbw_index triangle, const double 
             pbwsf__normal(pbwsf__corner(&w->surface, met, 0), pbwsf__corner(&w->surface, met, 1),
                           pbwsf__corner(&w->surface, met, 2), m);
             if (fabs(pbwsf__dot(m, n)) > 0.7 * length * sqrt(pbwsf__dot(m, m))) {
-                pbwm3__lower(w, p, 0.75 * (where * 1.399 + 1e-3) * w->size);
+                least = fmin(least, 0.75 * (where * 1.399 + 1e-3) * w->size);
             }
         }
     }
+    return least;
 }
 
-/* Four sweeps there and back: a cell is at most 0.35 cells above its neighbours. */
+/* Four sweeps there and back, or until nothing changes: a cell is at most 0.35 cells above its neighbours. */
 static void pbwm3__grade(pbwm3__work *w)
 {
     double *field = (double *)w->field.data;
     const size_t total = w->n[0] * w->n[1] * w->n[2];
     size_t i, j;
-    int sweep, k;
-    for (sweep = 0; sweep < 8; sweep++) {
+    int sweep, k, changed = 1;
+    for (sweep = 0; sweep < 8 && changed; sweep++) {
+        changed = 0;
         for (j = 0; j < total; j++) {
             i = sweep % 2 == 0 ? j : total - 1 - j;
             for (k = 0; k < 27; k++) {
@@ -1532,7 +1567,10 @@ static void pbwm3__grade(pbwm3__work *w)
                 const size_t z = i / w->n[0] / w->n[1] + (size_t)(k / 9);
                 if (x > 0 && x <= w->n[0] && y > 0 && y <= w->n[1] && z > 0 && z <= w->n[2]) {
                     const double other = field[x - 1 + w->n[0] * (y - 1 + w->n[1] * (z - 1))] + 0.35 * w->size;
-                    field[i] = fmin(field[i], other);
+                    if (other < field[i]) {
+                        field[i] = other;
+                        changed = 1;
+                    }
                 }
             }
         }
@@ -1722,31 +1760,81 @@ static void pbwm3__take_sizes(pbwm3__work *w)
     }
 }
 
-/* Rays from 4 points for each square of the size, and from one of each triangle at least. */
-static void pbwm3__measure_gaps(pbwm3__work *w)
+typedef struct pbwm3__gap {                /* a point of a triangle, by two random numbers from `number` on */
+    uint64_t number;
+    double p[3], size;
+    pbw_index triangle;
+} pbwm3__gap;
+
+typedef struct pbwm3__gaps { const pbwm3__work *w; pbwm3__gap *gap; } pbwm3__gaps;
+
+static pbw_status pbwm3__gap_range(void *arg, size_t from, size_t to)
 {
-    uint64_t number = 1ull << 40;
+    const pbwm3__gaps *gaps = (const pbwm3__gaps *)arg;
+    const pbw_surface *s = &gaps->w->surface;
     size_t i;
-    for (i = 0; i < w->surface.triangle_count; i++) {
+    for (i = from; i < to; i++) {
+        pbwm3__gap *g = gaps->gap + i;
+        const double u = pbwm3__random(g->number), v = pbwm3__random(g->number + 1);
+        double q[3];
+        pbwsf__between(pbwsf__corner(s, g->triangle, 0), pbwsf__corner(s, g->triangle, 1), u, q);
+        pbwsf__between(pbwsf__corner(s, g->triangle, 2), q, sqrt(v), g->p);
+        g->size = pbwm3__measure_gap(gaps->w, g->triangle, g->p);
+    }
+    return PBW_OK;
+}
+
+/* Threads measure the gaps at a batch of points; the field takes them in order. */
+static pbw_status pbwm3__lower_gaps(pbwm3__work *w, pbwm3__gap *gap, size_t count)
+{
+    pbwm3__gaps gaps;
+    pbw_status status;
+    size_t i;
+    gaps.w = w;
+    gaps.gap = gap;
+    status = pbw_for(&w->options, count, 64, pbwm3__gap_range, &gaps);
+    for (i = 0; status == PBW_OK && i < count; i++) {
+        pbwm3__lower(w, gap[i].p, gap[i].size);
+    }
+    return status;
+}
+
+/* Rays from 4 points for each square of the size, and from one of each triangle at least. */
+static pbw_status pbwm3__measure_gaps(pbwm3__work *w)
+{
+    pbwsf__array room;
+    pbw_status status = PBW_OK;
+    uint64_t number = 1ull << 40;
+    size_t i, count = 0;
+    memset(&room, 0, sizeof room);
+    if (!pbwsf__resize(&w->memory, &room, PBWM3__BATCH * sizeof(pbwm3__gap))) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < w->surface.triangle_count && status == PBW_OK; i++) {
+        pbwm3__gap *gap = (pbwm3__gap *)room.data;
         double n[3], wish;
         pbwsf__normal(pbwsf__corner(&w->surface, (pbw_index)i, 0), pbwsf__corner(&w->surface, (pbw_index)i, 1),
                       pbwsf__corner(&w->surface, (pbw_index)i, 2), n);
         wish = 2 * sqrt(pbwsf__dot(n, n)) / (w->size * w->size) + pbwm3__random(number++);
-        for (; wish >= 1; wish--) {
-            const double u = pbwm3__random(number), v = pbwm3__random(number + 1);
-            double p[3], q[3];
-            pbwsf__between(pbwsf__corner(&w->surface, (pbw_index)i, 0), pbwsf__corner(&w->surface, (pbw_index)i, 1),
-                           u, q);
-            pbwsf__between(pbwsf__corner(&w->surface, (pbw_index)i, 2), q, sqrt(v), p);
+        for (; wish >= 1 && status == PBW_OK; wish--) {
+            gap[count].number = number;
+            gap[count++].triangle = (pbw_index)i;
             number += 2;
-            pbwm3__measure_gap(w, (pbw_index)i, p);
+            if (count == PBWM3__BATCH) {
+                status = pbwm3__lower_gaps(w, gap, count);
+                count = 0;
+            }
         }
     }
+    status = status != PBW_OK ? status : pbwm3__lower_gaps(w, (pbwm3__gap *)room.data, count);
+    pbwsf__release(&w->memory, &room);
+    return status;
 }
 
 /* With chains and patches found. */
 static pbw_status pbwm3__make_field(pbwm3__work *w)
 {
+    pbw_status status;
     size_t i, total = 1;
     int k;
     w->least = w->size;
@@ -1763,14 +1851,19 @@ static pbw_status pbwm3__make_field(pbwm3__work *w)
     for (i = 0; i < total; i++) {
         ((double *)w->field.data)[i] = w->size;
     }
-    pbwm3__measure_gaps(w);
+    status = pbwm3__measure_gaps(w);
+    if (status != PBW_OK) {
+        return status;
+    }
     pbwm3__take_sizes(w);
     if (!pbwm3__measure_chains(w) || (w->how.curvature > 0 && !pbwm3__measure_curvature(w))) {
         return PBW_ERROR_MEMORY;
     }
-    pbwm3__grade(w);
     for (i = 0; i < total; i++) {
         w->least = fmin(w->least, ((const double *)w->field.data)[i]);
+    }
+    if (w->least < w->size) {
+        pbwm3__grade(w);
     }
     return PBW_OK;
 }
@@ -1883,8 +1976,6 @@ static pbw_status pbwm3__sample_sharp(pbwm3__work *w)
    Samples of smooth parts: darts, no two closer than 0.65 sizes; and a body-centred cubic lattice inside, 0.55 sizes
    from the surface.
    ------------------------------------------------------------------------------------------------------ */
-
-enum { PBWM3__BATCH = 8192 };              /* darts that are thrown at once */
 
 typedef struct pbwm3__dart { double p[3], size; pbw_index patch; int stays; } pbwm3__dart;
 
@@ -3084,7 +3175,7 @@ static pbw_status pbwm3__take_input(pbwm3__work *w)
     if (pbwsf__distance(w->low, w->high) / w->size > 1e5) {
         return PBW_ERROR_TOO_LARGE;
     }
-    status = in->value != NULL ? pbwm3__take_function(w, in) : pbwm3__take_triangles(w, in);
+    status = in->value != NULL ? pbwm3__take_function(w) : pbwm3__take_triangles(w, in);
     if (status != PBW_OK && status != PBW_DEGENERATE) {
         return status;
     }

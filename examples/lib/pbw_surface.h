@@ -590,7 +590,12 @@ static int pbwsf__is_below(const pbw_surface *s, pbw_index triangle, const doubl
 {
     const double *a = pbwsf__corner(s, triangle, 0), *b = pbwsf__corner(s, triangle, 1);
     const double *c = pbwsf__corner(s, triangle, 2);
-    const int first = pbwsf__side(a, b, p);
+    int first;
+    if ((p[0] < a[0] && p[0] < b[0] && p[0] < c[0]) || (p[0] > a[0] && p[0] > b[0] && p[0] > c[0])
+        || (p[1] < a[1] && p[1] < b[1] && p[1] < c[1]) || (p[1] > a[1] && p[1] > b[1] && p[1] > c[1])) {
+        return 0;
+    }
+    first = pbwsf__side(a, b, p);
     return first != 0 && first == pbwsf__side(b, c, p) && first == pbwsf__side(c, a, p)
         && pbw_orient3(a, b, c, p) == -first ? first : 0;
 }
