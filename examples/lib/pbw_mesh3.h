@@ -2060,9 +2060,9 @@ static pbw_status pbwm3__throw_darts(pbwm3__work *w, const double *area)
         batch.dart = (pbwm3__dart *)darts.data;
         for (batch.first = 0, status = PBW_OK; status == PBW_OK && batch.first < (uint64_t)wish;
              batch.first += PBWM3__BATCH) {
-            const uint64_t left = (uint64_t)wish - batch.first;
+            const uint64_t left = (uint64_t)wish - batch.first, most = PBWM3__BATCH;
             status = pbwm3__stops(w, 0.5 * (double)batch.first / wish) ? PBW_CANCELLED
-                   : pbwm3__throw_batch(&batch, left < PBWM3__BATCH ? (size_t)left : PBWM3__BATCH);
+                   : pbwm3__throw_batch(&batch, (size_t)(left < most ? left : most));
         }
     }
     pbwsf__release(&w->memory, &darts);
@@ -2090,9 +2090,9 @@ static pbw_status pbwm3__sample_smooth(pbwm3__work *w)
     return status;
 }
 
-typedef struct pbwm3__lattice {            /* cells are 2^level times finer than the size, where that is the local size */
+typedef struct pbwm3__lattice {
     const pbwm3__work *w;
-    int level;
+    int level;                             /* cells are 2^level times finer than the size, where that is local */
     double cell;
     size_t n[3], first;                    /* half cells along the axes; the batch's first */
     unsigned char *inside;                 /* per half cell of a batch */

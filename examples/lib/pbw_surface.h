@@ -482,8 +482,8 @@ PBWSURFACEDEF pbw_index pbw_surface_closest(const pbw_surface *surface, const do
     return found;
 }
 
-/* Where the segment a + t d, 0 <= t <= most, meets the box, or before; HUGE_VAL: nowhere.  per[k]: 1 / d[k]; 0 if d[k]
-   is tiny, and 1e100 if it is zero: a must be between the sides then. */
+/* Where the segment a + t d, 0 <= t <= most, meets the box, or before; HUGE_VAL: nowhere.  per[k]: 1 / d[k]; 0 if
+   d[k] is tiny, and 1e100 if it is zero, as a is between the sides then or nowhere. */
 static double pbwsf__box_meets(const pbwsf__box *box, const double *a, const double *per, double most)
 {
     double from = 0, to = most;
