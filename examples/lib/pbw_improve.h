@@ -123,8 +123,8 @@ typedef struct pbw_improve_options {       /* NULL or all zero = best defaults *
                                               0 = no limit */
     int passes;                            /* at most; 0 = 60, -1 = none */
     double feature_angle;                  /* degrees: boundary edges whose normals differ by more are kept; 0 = 40 */
-    /* Moves a point to the boundary's surface; several threads call it.  NULL = to the nearest point of the input's
-       boundary. */
+    /* Moves a point to the boundary's surface.  Several threads call it at once, also with rounds = 0, unless
+       options.threads is 1.  NULL = to the nearest point of the input's boundary. */
     void (*project)(void *user, double point[3]);
     void *project_user;
     double distance;                       /* of boundary facets from the surface, at their middles and those of their
