@@ -169,6 +169,25 @@ else
     skip "freefem++: not installed"
 fi
 
+# The thin-walled parts of CGAL's demo data, where a size of 1.8 % of the diagonal is near the thickness of walls.
+data=/usr/share/doc/libcgal-dev/data.tar.gz
+thin() {    # thin NAME SIZE
+    tar xzf $data -C "$work" "data/meshes/$1.off" &&
+        "$bin/pbw" solid "$work/data/meshes/$1.off" --size "$2" -o "$work/thin.vtu" > "$work/thin" 2>&1
+    cat "$work/thin"
+    awk '/^after:/ { good = $4 + 0 >= 24 && $5 >= 28 && $12 <= 155 }
+         /warning/ { warnings++ }
+         /^Euler number/ { whole = $3 + 0 == $7 + 0 && / no manifold 0, points 0/ }
+         /^Hausdorff/ { near = $3 <= 0.15 }
+         END { exit !(good && whole && near && !warnings) }' "$work/thin"
+}
+if [ -f $data ]; then
+    check "pbw solid fills the anchor" thin anchor 0.02624
+    check "pbw solid fills the drag knob" thin dragknob 0.02667
+else
+    skip "thin walls: CGAL's data are not installed (libcgal-demo)"
+fi
+
 # CalculiX: linear displacements come out exactly: first held on the boundary, then under pressure, held just so that
 # the body cannot move.  It prints 7 digits, so nodes that are tied to the difference from what is due are printed.
 patch() {   # patch DIM LOAD

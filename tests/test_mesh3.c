@@ -80,13 +80,27 @@ static int is_sound(const pbw_tets *t)
     return sound && orphans == 0;
 }
 
-/* A solid with a known volume: settled, a manifold, good angles. */
+/* Four threads make the mesh that one made. */
+static void check_threads(const pbw_solid_input *in, const pbw_solid_options *how, const pbw_tets *mesh)
+{
+    pbw_options threads;
+    pbw_tets other;
+    memset(&threads, 0, sizeof threads);
+    threads.threads = 4;
+    CHECK_EQUAL(pbw_solid(in, how, &threads, &other, NULL, NULL), PBW_OK);
+    CHECK(mesh->tet_count == other.tet_count && mesh->point_count == other.point_count
+          && memcmp(mesh->corners, other.corners, 16 * mesh->tet_count) == 0
+          && memcmp(mesh->points, other.points, 24 * mesh->point_count) == 0);
+    pbw_tets_free(&other);
+}
+
+/* A solid with a known volume: settled, a manifold, near the surface, good angles. */
 static void check_good(const pbw_solid_input *in, double size, double volume, long euler, double least)
 {
     pbw_solid_options how;
     pbw_solid_report r;
     pbw_options threads;
-    pbw_tets mesh, other;
+    pbw_tets mesh;
     memset(&how, 0, sizeof how);
     memset(&threads, 0, sizeof threads);
     how.size = size;
@@ -96,8 +110,8 @@ static void check_good(const pbw_solid_input *in, double size, double volume, lo
     CHECK_EQUAL(r.settled, 1);
     CHECK_EQUAL(r.bad_edges + r.bad_points + r.missing_edges + r.open_edges + r.crowded_edges, 0);
     CHECK_EQUAL(r.euler, euler);
-    CHECK(fabs(r.improve.after.volume - volume) < 0.03 * volume);
-    CHECK(r.distance < 0.3);
+    CHECK(fabs(r.improve.after.volume - volume) < (size > 0.2 ? 0.06 : 0.03) * volume);
+    CHECK(r.distance <= 0.15);
     CHECK(r.improve.after.least > least && r.improve.after.largest < 180 - least);
     if (r.bad_edges + r.bad_points + r.missing_edges > 0) {
         test_say("%zu bad edges, %zu bad points, %zu missing edges", r.bad_edges, r.bad_points, r.missing_edges);
@@ -105,12 +119,7 @@ static void check_good(const pbw_solid_input *in, double size, double volume, lo
     }
     test_say("%zu tetrahedra %.2f..%.2f, distance %.3f, volume %.5f of %.5f, %d rounds", mesh.tet_count,
              r.improve.after.least, r.improve.after.largest, r.distance, r.improve.after.volume, volume, r.rounds);
-    threads.threads = 4;
-    CHECK_EQUAL(pbw_solid(in, &how, &threads, &other, NULL, NULL), PBW_OK);
-    CHECK(mesh.tet_count == other.tet_count && mesh.point_count == other.point_count
-          && memcmp(mesh.corners, other.corners, 16 * mesh.tet_count) == 0
-          && memcmp(mesh.points, other.points, 24 * mesh.point_count) == 0);
-    pbw_tets_free(&other);
+    check_threads(in, &how, &mesh);
     pbw_tets_free(&mesh);
 }
 
@@ -124,6 +133,8 @@ static void test_functions(void)
         check_good(&in, 0.15, 4 * PARTS_PI / 3 * 0.875, 4, 26);
         in = input_by(torus);
         check_good(&in, 0.15, 2 * PARTS_PI * PARTS_PI * 0.1225, 0, 26);
+        check_good(&in, 0.24, 2 * PARTS_PI * PARTS_PI * 0.1225, 0, 26);      /* edges across the hole bend the most */
+        check_good(&in, 0.3, 2 * PARTS_PI * PARTS_PI * 0.1225, 0, 26);
         test_end();
     }
 }
@@ -416,12 +427,14 @@ static void test_sizes(void)
     pbw_solid_input in = input_by(sphere);
     pbw_solid_report r;
     pbw_tets mesh;
+    pbw_options one;
     double fine = 0.1, mean[2] = { 0, 0 };
     size_t count[2] = { 0, 0 }, tets, i;
     if (!test_begin("sizes")) {
         return;
     }
     memset(&how, 0, sizeof how);
+    memset(&one, 0, sizeof one);
     how.size = 0.4;
     CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
     tets = mesh.tet_count;
@@ -434,7 +447,9 @@ static void test_sizes(void)
     how.curvature = 0;
     how.size_at = size_at;
     how.size_user = &fine;
-    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+    one.threads = 1;
+    CHECK_EQUAL(pbw_solid(&in, &how, &one, &mesh, NULL, &r), PBW_OK);
+    check_threads(&in, &how, &mesh);
     CHECK(is_sound(&mesh) && r.settled && r.euler == 2 && r.bad_edges + r.bad_points == 0);
     CHECK(r.improve.after.least > 20);
     for (i = 0; i < 6 * mesh.tet_count; i++) {

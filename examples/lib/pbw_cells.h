@@ -15,17 +15,18 @@
 
    HOW
    The cell of a vertex is the dual of its star: its corners are the centres of the star's simplices, its facets
-   belong to the edges at the vertex.  Volumes, centroids and facets are read off the rings of simplices around these
-   edges.  Cells with a corner outside the domain are cut: their polytope by the
+   belong to the edges at the vertex.  Facets, and with them volumes and centroids, are read off the rings of
+   simplices around these edges.  For volumes and centroids alone, in space, every simplex gives its part to the
+   cells of its corners, and no star is walked.  Cells with a corner outside the domain are cut: their polytope by the
    walls, or, at the hull, the domain by one half-space for each neighbour; only neighbours in the triangulation
-   matter, as the cell is the intersection of their half-spaces.  All ways sum signed determinants relative to the
-   site, so the order of the points, obtuse simplices and centres outside their simplex need no case.
+   matter, as the cell is the intersection of their half-spaces.  All ways sum signed volumes relative to the site, so
+   the order of the points, obtuse simplices and centres outside their simplex need no case.
    A polygon's edges are followed from cell to cell; where they cross and what they enclose is decided by exact signs.
    Cutting classifies each corner once, as inside or outside, and shares each new corner between its two facets:
    however the signs are rounded, the surface stays closed.
 
    PROMISES  (tests/test_cells.c guards them)
-     same        the same bytes for any number of threads; volumes and centroids also whatever else a call computes
+     same        the same bytes for any number of threads; volumes and centroids with facets and alone to 1e-12 of all
      whole       volumes in a domain add up to it, to 1e-12            (polygons: tests/test_clip.c)
      closed      areas times normals of a bounded cell add up to zero
      exact       with PBW_CELLS_MERGE, combinatorics are those of the true diagram, degenerate corners and all
@@ -325,6 +326,12 @@ static int pbwc__centre_exactly(const pbw_mesh *mesh, const pbw_index *corner, d
     return pbwc__centre_slow(mesh->dim, (const pbwc__dd (*)[3])row, height, least, centre);
 }
 
+/* Is the centre exact enough in doubles?  det: 6 times the volume; largest: square of an edge at corner 0. */
+static PBWC__INLINE int pbwc__is_thick3(double det, double largest)
+{
+    return det > 0 && det * det > 1e-12 * largest * largest * largest;
+}
+
 /* Returns 0 if the centre may be far off. */
 static PBWC__INLINE int pbwc__centre_of(const pbw_mesh *mesh, size_t dim, pbw_index simplex, double *centre)
 {
@@ -358,7 +365,7 @@ static PBWC__INLINE int pbwc__centre_of(const pbw_mesh *mesh, size_t dim, pbw_in
             m[i][2] = p[0] * q[1] - p[1] * q[0];
         }
         det = r[0][0] * m[0][0] + r[0][1] * m[0][1] + r[0][2] * m[0][2];
-        if (det > 0 && det * det > 1e-12 * largest * largest * largest) {
+        if (pbwc__is_thick3(det, largest)) {
             const double scale = 0.5 / det;
             for (k = 0; k < 3; k++) {
                 centre[k] = (height[0] * m[0][k] + height[1] * m[1][k] + height[2] * m[2][k]) * scale;
@@ -718,6 +725,7 @@ static void pbwc__map_clear(pbwc__map *map)
 
 #define PBWC__CENTRES 8192                 /* centres that a range keeps, by the low bits of their simplex */
 #define PBWC__CHUNK   16384                /* simplices in a range */
+#define PBWC__LEFTS   1024                 /* cells that are left, in a range of their own */
 
 /* The other corners of a simplex, so that it is positively oriented with the i-th before them. */
 static const unsigned char pbwc__other3[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 3, 0, 1 }, { 2, 1, 0 } };
@@ -725,6 +733,7 @@ static const unsigned char pbwc__other3[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 3,
 typedef struct pbwc__range {               /* what the cells of a range give, in their order */
     pbwc__array cells, entries;            /* their points; with shapes, entries in the loops of each */
     pbwc__array neighbors, areas, loop_counts, loops, vertices, rays;
+    pbwc__array shares;                    /* for volumes alone: of vertices that are shared or left */
 } pbwc__range;
 
 typedef struct pbwc__work {                /* of one range */
@@ -783,6 +792,7 @@ struct pbwc__job {
     size_t *first;
     pbwc__array entries;                   /* with shapes, per point: where its loops' entries begin */
     pbwc__array cut;                       /* per point: was its cell cut? */
+    pbwc__array states, left;              /* for volumes alone: per point what shares say; cells left for stars */
 };
 
 #define PBWC__PARTS(work) ((pbwc__part *)(work)->parts.data)
@@ -823,25 +833,31 @@ static int pbwc__in_planes(const pbwc__job *job, const double *a, const double *
 
 static void pbwc__centre_of_flat(const pbw_mesh *mesh, pbw_index simplex, double *centre);
 
-static PBWC__INLINE void pbwc__make_centre(const pbwc__job *job, size_t dim, pbw_index simplex, pbwc__centre *centre)
+/* Is a + x in the domain, for certain? */
+static PBWC__INLINE int pbwc__inside(const pbwc__job *job, size_t dim, const double *a, const double *x)
 {
-    const double *a = job->mesh->points + job->mesh->simplices[simplex * (dim + 1)] * dim;
     double radius = 0;
     size_t k;
     int inside = 1;
+    for (k = 0; k < dim; k++) {
+        radius += fabs(x[k]);
+    }
+    for (k = 0; k < dim; k++) {                      /* if in doubt, cut */
+        const double at = a[k] + x[k], slack = 1e-12 * radius + job->slack[k];
+        inside &= (at - job->low[k] > slack) & (job->high[k] - at > slack);
+    }
+    return inside && (job->plane_count == 0 || pbwc__in_planes(job, a, x, radius));
+}
+
+static PBWC__INLINE void pbwc__make_centre(const pbwc__job *job, size_t dim, pbw_index simplex, pbwc__centre *centre)
+{
+    const double *a = job->mesh->points + job->mesh->simplices[simplex * (dim + 1)] * dim;
     centre->simplex = simplex;
     centre->says = pbwc__centre_of(job->mesh, dim, simplex, centre->x) ? PBWC__GOOD | PBWC__INSIDE : 0;
     if (centre->says == 0 && job->clip != NULL) {
         pbwc__centre_of_flat(job->mesh, simplex, centre->x);
     }
-    for (k = 0; k < dim; k++) {
-        radius += fabs(centre->x[k]);
-    }
-    for (k = 0; k < dim; k++) {                      /* if in doubt, cut */
-        const double at = a[k] + centre->x[k], slack = 1e-12 * radius + job->slack[k];
-        inside &= (at - job->low[k] > slack) & (job->high[k] - at > slack);
-    }
-    if (!inside || (job->plane_count > 0 && !pbwc__in_planes(job, a, centre->x, radius))) {
+    if (!pbwc__inside(job, dim, a, centre->x)) {
         centre->says &= ~PBWC__INSIDE;
     }
 }
@@ -1234,6 +1250,332 @@ static int pbwc__star_volume(pbwc__work *work)
         job->volumes[v] = HUGE_VAL;
     }
     return 1;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Volumes and centroids alone, in space: one pass over the simplices, without stars.
+   A simplex gives to the cells of its corners.  With S its centre, F the foot of S on the facet i j k, and M where
+   the plane between the cells crosses the edge i j, cell i gets the tetrahedron i M F S, with a sign; the tetrahedra
+   of all simplices at i fill its cell.  With n the facet's inward normal, as long as twice its area,
+       drop = (S - i).n / |n|^2,  F = S - drop n,
+       6 times the volume = |iM| / |ij| G drop,  2 G = |ij|^2 (i-k).(j-k) - |ij|^2 (w_k-w_i) + (j-i).(k-i) (w_j-w_i).
+   G / |n|^2 is F's barycentric coordinate at k.  The three G of a facet add up to |n|^2, and the four (S - i).n to 6
+   times the simplex, wherever S is: volumes are whole even where S is rounded badly.
+   A chunk of simplices adds up what they give to each vertex.  A vertex with a facet across which another chunk
+   begins is shared: what the chunks give to it is added in their order.
+   Holds: which sums are added, and in which order, depends on the mesh alone.
+   ------------------------------------------------------------------------------------------------------ */
+#if defined(__GNUC__)
+#define PBWC__LANES 2                      /* simplices at a time */
+typedef double pbwc__lanes __attribute__((vector_size(16)));
+#else
+#define PBWC__LANES 1
+typedef double pbwc__lanes;
+#endif
+
+#define PBWC__SHARED 1u                    /* says of a vertex: it is shared */
+#define PBWC__LEFT   2u                    /* its cell is not the star's, or unbounded */
+#define PBWC__ADDED  4u                    /* what its first chunk gives is there */
+#define PBWC__LISTED 8u                    /* it is done, or in the list of cells that are left */
+
+typedef struct pbwc__share { double sum[4]; pbw_index vertex; unsigned says; } pbwc__share;  /* moments, volume */
+
+typedef struct pbwc__adder {               /* of one chunk */
+    pbwc__job *job;
+    pbwc__map numbers;                     /* of shares, by vertex */
+    pbwc__array shares;
+} pbwc__adder;
+
+typedef struct pbwc__flesh {               /* of simplices; edges 01 02 03 12 13 23; facets: across from corners */
+    pbwc__lanes edge[6][3], square[6], weight[4];
+    pbwc__lanes foot[6];                   /* |iM| / |ij| */
+    pbwc__lanes given[6];                  /* G drop, of both facets at the edge */
+    pbwc__lanes normal[4][3], drop[4];
+    pbwc__lanes to[4][3];                  /* from the corners to the centre */
+    pbwc__lanes sum[4][4];                 /* per corner: moments * 24, volume * 6 */
+} pbwc__flesh;
+
+static const int pbwc__ends[6][2] = { { 0, 1 }, { 0, 2 }, { 0, 3 }, { 1, 2 }, { 1, 3 }, { 2, 3 } };
+
+static PBWC__INLINE pbwc__lanes pbwc__dot(const pbwc__lanes *a, const pbwc__lanes *b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static PBWC__INLINE void pbwc__cross_lanes(const pbwc__lanes *s, const pbwc__lanes *t, pbwc__lanes *x)
+{
+    x[0] = s[1] * t[2] - s[2] * t[1];
+    x[1] = s[2] * t[0] - s[0] * t[2];
+    x[2] = s[0] * t[1] - s[1] * t[0];
+}
+
+/* Edges, and with weights feet, of simplices from..from+LANES-1, of which `last` is the last. */
+static PBWC__INLINE void pbwc__load(const pbw_mesh *mesh, int weighted, size_t from, size_t last, pbwc__flesh *flesh)
+{
+    double x[4][4][PBWC__LANES];
+    pbwc__lanes at[4][4];
+    size_t e, i, k;
+    for (i = 0; i < 4; i++) {
+        for (k = 0; k < PBWC__LANES; k++) {
+            const pbw_index v = mesh->simplices[4 * (from + k < last ? from + k : last) + i];
+            x[i][0][k] = mesh->points[3 * (size_t)v];
+            x[i][1][k] = mesh->points[3 * (size_t)v + 1];
+            x[i][2][k] = mesh->points[3 * (size_t)v + 2];
+            x[i][3][k] = weighted ? mesh->weights[v] : 0;
+        }
+    }
+    memcpy(at, x, sizeof at);
+    for (e = 0; e < 6; e++) {
+        const int i0 = pbwc__ends[e][0], i1 = pbwc__ends[e][1];
+        for (k = 0; k < 3; k++) {
+            flesh->edge[e][k] = at[i1][k] - at[i0][k];
+        }
+        flesh->square[e] = pbwc__dot(flesh->edge[e], flesh->edge[e]);
+        flesh->given[e] = flesh->square[e] - flesh->square[e];
+        if (weighted) {
+            flesh->foot[e] = 0.5 + (at[i0][3] - at[i1][3]) / (2 * flesh->square[e]);
+        }
+    }
+    for (i = 0; i < 4; i++) {
+        flesh->weight[i] = at[i][3];
+    }
+}
+
+/* Normals, and to[0], the centre as in pbwc__centre_of.  Returns 6 times the volume. */
+static PBWC__INLINE pbwc__lanes pbwc__find_centre(pbwc__flesh *flesh, int weighted)
+{
+    pbwc__lanes height[3], det;
+    int i, k;
+    for (i = 0; i < 3; i++) {
+        pbwc__cross_lanes(flesh->edge[(i + 1) % 3], flesh->edge[(i + 2) % 3], flesh->normal[i + 1]);
+        height[i] = flesh->square[i];
+        if (weighted) {
+            height[i] -= flesh->weight[i + 1] - flesh->weight[0];
+        }
+    }
+    det = pbwc__dot(flesh->edge[0], flesh->normal[1]);
+    for (k = 0; k < 3; k++) {
+        flesh->normal[0][k] = -(flesh->normal[1][k] + flesh->normal[2][k] + flesh->normal[3][k]);
+        flesh->to[0][k] = (height[0] * flesh->normal[1][k] + height[1] * flesh->normal[2][k]
+                           + height[2] * flesh->normal[3][k]) * (0.5 / det);
+    }
+    return det;
+}
+
+/* What facet f of corners i, j, k gives; edges: ij, ik, jk. */
+static PBWC__INLINE void pbwc__add_facet(pbwc__flesh *flesh, int weighted, int f, const int corner[3],
+                                         const int edge[3])
+{
+    const pbwc__lanes *ij = flesh->edge[edge[0]], *ik = flesh->edge[edge[1]], *jk = flesh->edge[edge[2]];
+    const pbwc__lanes *square = flesh->square, half = 0.5 * flesh->drop[f];
+    pbwc__lanes at[3], g[3], part[3];
+    int i, k;
+    at[0] = pbwc__dot(ij, ik);
+    at[1] = -pbwc__dot(ij, jk);
+    at[2] = pbwc__dot(ik, jk);
+    g[0] = square[edge[0]] * at[2];
+    g[1] = square[edge[1]] * at[1];
+    g[2] = square[edge[2]] * at[0];
+    if (weighted) {
+        const pbwc__lanes *w = flesh->weight;
+        const pbwc__lanes wj = w[corner[1]] - w[corner[0]], wk = w[corner[2]] - w[corner[0]];
+        g[0] -= square[edge[0]] * wk - at[0] * wj;
+        g[1] -= square[edge[1]] * wj - at[0] * wk;
+        g[2] += square[edge[2]] * wj + at[1] * (wk - wj);
+    }
+    for (i = 0; i < 3; i++) {
+        g[i] *= half;
+        flesh->given[edge[i]] += g[i];
+    }
+    if (weighted) {
+        const pbwc__lanes *foot = flesh->foot;
+        part[0] = foot[edge[0]] * g[0] + foot[edge[1]] * g[1];
+        part[1] = (1 - foot[edge[0]]) * g[0] + foot[edge[2]] * g[2];
+        part[2] = (1 - foot[edge[1]]) * g[1] + (1 - foot[edge[2]]) * g[2];
+    } else {
+        part[0] = 0.5 * (g[0] + g[1]);
+        part[1] = 0.5 * (g[0] + g[2]);
+        part[2] = 0.5 * (g[1] + g[2]);
+    }
+    for (i = 0; i < 3; i++) {
+        pbwc__lanes *sum = flesh->sum[corner[i]];
+        const pbwc__lanes drop = part[i] * flesh->drop[f];
+        for (k = 0; k < 3; k++) {
+            sum[k] -= drop * flesh->normal[f][k];
+        }
+        sum[3] += part[i];
+    }
+}
+
+/* What simplices give, with to[0] known. */
+static PBWC__INLINE void pbwc__fill(pbwc__flesh *flesh, int weighted)
+{
+    static const int corners[4][3] = { { 1, 2, 3 }, { 0, 2, 3 }, { 0, 1, 3 }, { 0, 1, 2 } };
+    static const int edges[4][3] = { { 3, 4, 5 }, { 1, 2, 5 }, { 0, 2, 4 }, { 0, 1, 3 } };
+    int e, i, k;
+    memset(flesh->sum, 0, sizeof flesh->sum);
+    for (i = 0; i < 4; i++) {
+        for (k = 0; k < 3 && i > 0; k++) {
+            flesh->to[i][k] = flesh->to[0][k] - flesh->edge[i - 1][k];
+        }
+    }
+    for (i = 0; i < 4; i++) {
+        flesh->drop[i] = pbwc__dot(flesh->to[i == 0], flesh->normal[i])
+                         / pbwc__dot(flesh->normal[i], flesh->normal[i]);
+        pbwc__add_facet(flesh, weighted, i, corners[i], edges[i]);
+    }
+    for (e = 0; e < 6; e++) {
+        pbwc__lanes first = 0.25 * flesh->given[e], second = first;
+        if (weighted) {
+            first = flesh->given[e] * flesh->foot[e] * flesh->foot[e];
+            second = flesh->given[e] * (1 - flesh->foot[e]) * (1 - flesh->foot[e]);
+        }
+        for (k = 0; k < 3; k++) {
+            flesh->sum[pbwc__ends[e][0]][k] += first * flesh->edge[e][k];
+            flesh->sum[pbwc__ends[e][1]][k] -= second * flesh->edge[e][k];
+        }
+    }
+    for (i = 0; i < 4; i++) {
+        for (k = 0; k < 3; k++) {
+            flesh->sum[i][k] += 2 * flesh->sum[i][3] * flesh->to[i][k];
+        }
+    }
+}
+
+typedef struct pbwc__gift { double sum[4][4][PBWC__LANES]; unsigned says[PBWC__LANES]; } pbwc__gift;
+
+/* What simplices from..from+LANES-1 give, of which `last` is the last, and what their centres say. */
+static PBWC__INLINE void pbwc__give(const pbwc__job *job, int weighted, size_t from, size_t last, pbwc__gift *gift)
+{
+    const pbw_mesh *mesh = job->mesh;
+    pbwc__flesh flesh;
+    double x[3][PBWC__LANES], det[PBWC__LANES], square[3][PBWC__LANES];
+    pbwc__lanes volume;
+    size_t i;
+    pbwc__load(mesh, weighted, from, last, &flesh);
+    volume = pbwc__find_centre(&flesh, weighted);
+    memcpy(x, flesh.to[0], sizeof x);
+    memcpy(det, &volume, sizeof det);
+    memcpy(square, flesh.square, sizeof square);
+    for (i = 0; i < PBWC__LANES && from + i <= last; i++) {
+        const double most = square[0][i] > square[1][i] ? square[0][i] : square[1][i];
+        const double largest = most > square[2][i] ? most : square[2][i];
+        const double *a = mesh->points + 3 * (size_t)mesh->simplices[4 * (from + i)];
+        double centre[3];
+        unsigned good = PBWC__GOOD;
+        centre[0] = x[0][i];
+        centre[1] = x[1][i];
+        centre[2] = x[2][i];
+        if (!pbwc__is_thick3(det[i], largest)) {
+            good = pbwc__centre_of(mesh, 3, (pbw_index)(from + i), centre) ? PBWC__GOOD : 0;
+            x[0][i] = centre[0];
+            x[1][i] = centre[1];
+            x[2][i] = centre[2];
+        }
+        good = largest > 1e-60 && largest < 1e60 ? good : 0;         /* else products may be out of range */
+        gift->says[i] = good != 0 && pbwc__inside(job, 3, a, centre) ? good | PBWC__INSIDE : good;
+    }
+    memcpy(flesh.to[0], x, sizeof x);
+    pbwc__fill(&flesh, weighted);
+    memcpy(gift->sum, flesh.sum, sizeof gift->sum);
+}
+
+static void pbwc__give_plain(const pbwc__job *job, size_t from, size_t last, pbwc__gift *gift)
+{
+    pbwc__give(job, 0, from, last, gift);
+}
+
+static void pbwc__give_weighted(const pbwc__job *job, size_t from, size_t last, pbwc__gift *gift)
+{
+    pbwc__give(job, 1, from, last, gift);
+}
+
+/* What a simplex says of its corners. */
+static PBWC__INLINE void pbwc__judge(const pbwc__job *job, size_t simplex, size_t from, size_t to, unsigned centre,
+                                     unsigned says[4])
+{
+    const pbw_index *next = job->mesh->neighbors + 4 * simplex;
+    size_t i, k;
+    says[0] = (centre & (job->bounded ? PBWC__INSIDE : PBWC__GOOD)) == 0 ? PBWC__LEFT : 0;
+    says[1] = says[2] = says[3] = says[0];
+    for (i = 0; i < 4; i++) {
+        for (k = 0; k < 4 && next[i] - from >= to - from; k++) {
+            says[k] |= k == i ? 0 : next[i] == PBW_NONE ? PBWC__LEFT : PBWC__SHARED;
+        }
+    }
+}
+
+/* The share of a vertex.  Returns NULL if there is no memory. */
+static PBWC__INLINE pbwc__share *pbwc__share_of(pbwc__adder *adder, pbw_index vertex)
+{
+    pbwc__memory *memory = &adder->job->memory;
+    const int fresh = (int)adder->shares.count, number = pbwc__number(memory, &adder->numbers, vertex, fresh);
+    if (number == fresh) {
+        pbwc__share *share = (pbwc__share *)pbwc__room(memory, &adder->shares, 1, sizeof *share);
+        if (share == NULL) {
+            return NULL;
+        }
+        memset(share, 0, sizeof *share);
+        share->vertex = vertex;
+        adder->shares.count++;
+    }
+    return number < 0 ? NULL : (pbwc__share *)adder->shares.data + number;
+}
+
+/* Adds up what the simplices of a chunk give.  Returns 0 if there is no memory. */
+static int pbwc__add_simplices(pbwc__adder *adder, size_t from, size_t to)
+{
+    const pbwc__job *job = adder->job;
+    const pbw_mesh *mesh = job->mesh;
+    pbwc__gift gift;
+    unsigned says[4];
+    size_t s, lane, i, k;
+    for (s = from; s < to; s += PBWC__LANES) {
+        (mesh->weights != NULL ? pbwc__give_weighted : pbwc__give_plain)(job, s, to - 1, &gift);
+        for (lane = 0; lane < PBWC__LANES && s + lane < to; lane++) {
+            pbwc__judge(job, s + lane, from, to, gift.says[lane], says);
+            for (i = 0; i < 4; i++) {
+                pbwc__share *share = pbwc__share_of(adder, mesh->simplices[4 * (s + lane) + i]);
+                if (share == NULL) {
+                    return 0;
+                }
+                for (k = 0; k < 4; k++) {
+                    share->sum[k] += gift.sum[i][k][lane];
+                }
+                share->says |= says[i];
+            }
+        }
+    }
+    return 1;
+}
+
+/* The cells of a chunk that are done; keeps the other shares. */
+static pbw_status pbwc__add_chunk(void *arg, size_t from, size_t to)
+{
+    pbwc__job *job = (pbwc__job *)arg;
+    pbwc__array *kept = &((pbwc__range *)job->ranges.data)[from / PBWC__CHUNK].shares;
+    pbwc__adder adder;
+    size_t i;
+    int good;
+    memset(&adder, 0, sizeof adder);
+    adder.job = job;
+    good = pbwc__map_grow(&job->memory, &adder.numbers) && pbwc__add_simplices(&adder, from, to);
+    for (i = 0; good && i < adder.shares.count; i++) {
+        const pbwc__share *share = (const pbwc__share *)adder.shares.data + i;
+        if (share->vertex < job->count && share->says == 0) {
+            pbwc__set_cell(job, share->vertex, share->sum);
+        } else if (share->vertex < job->count) {
+            pbwc__share *place = (pbwc__share *)pbwc__room(&job->memory, kept, 1, sizeof *share);
+            good = place != NULL;
+            if (good) {
+                *place = *share;
+                kept->count++;
+            }
+        }
+    }
+    pbwc__release(&job->memory, &adder.numbers.slots);
+    pbwc__release(&job->memory, &adder.shares);
+    return good ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -2965,6 +3307,73 @@ static int pbwc__cell(pbwc__work *work, pbw_index v)
            || ((PBWC__INDICES(job->merged) == NULL || pbwc__cut_cell(work, v, 1)) && pbwc__cut_facets(work, v));
 }
 
+/* Ends the cells of shared vertices, and lists those that are left, near ones together.  Returns 0 if there is no
+   memory. */
+static int pbwc__add_shares(pbwc__job *job, size_t chunks, pbwc__array *left)
+{
+    unsigned char *says = (unsigned char *)job->states.data;
+    size_t c, i, k;
+    for (c = 0; c < chunks; c++) {
+        const pbwc__array *kept = &((const pbwc__range *)job->ranges.data)[c].shares;
+        for (i = 0; i < kept->count; i++) {
+            const pbwc__share *share = (const pbwc__share *)kept->data + i;
+            const size_t v = share->vertex;
+            const int more = (says[v] & PBWC__ADDED) != 0;
+            says[v] |= (unsigned char)(share->says | PBWC__ADDED);
+            job->volumes[v] = share->sum[3] + (more ? job->volumes[v] : 0);
+            for (k = 0; k < 3; k++) {
+                job->centroids[3 * v + k] = share->sum[k] + (more ? job->centroids[3 * v + k] : 0);
+            }
+        }
+    }
+    for (c = 0; c < chunks; c++) {
+        const pbwc__array *kept = &((const pbwc__range *)job->ranges.data)[c].shares;
+        for (i = 0; i < kept->count; i++) {
+            const size_t v = ((const pbwc__share *)kept->data)[i].vertex;
+            if ((says[v] & (PBWC__LISTED | PBWC__LEFT)) == PBWC__LEFT) {
+                if (!pbwc__push(&job->memory, left, (pbw_index)v)) {
+                    return 0;
+                }
+            } else if ((says[v] & PBWC__LISTED) == 0) {
+                double sum[4];
+                memcpy(sum, job->centroids + 3 * v, 3 * sizeof *sum);
+                sum[3] = job->volumes[v];
+                pbwc__set_cell(job, (pbw_index)v, sum);
+            }
+            says[v] |= PBWC__LISTED;
+        }
+    }
+    return 1;
+}
+
+/* Cells from the list of those that are left. */
+static pbw_status pbwc__left_cells(void *arg, size_t from, size_t to)
+{
+    pbwc__job *job = (pbwc__job *)arg;
+    pbwc__work work;
+    int good = pbwc__work_start(&work, job);
+    size_t i;
+    for (i = from; good && i < to; i++) {
+        good = pbwc__cell(&work, PBWC__INDICES(job->left)[i]);
+    }
+    pbwc__work_end(&work);
+    return good ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+/* Returns a status. */
+static pbw_status pbwc__add_all(pbwc__job *job, size_t chunks, const pbw_options *options)
+{
+    pbw_status status = pbw_for(options, job->mesh->simplex_count, PBWC__CHUNK, pbwc__add_chunk, job);
+    if (status == PBW_OK && !pbwc__resize(&job->memory, &job->states, job->count + 1)) {
+        status = PBW_ERROR_MEMORY;
+    }
+    if (status == PBW_OK) {
+        memset(job->states.data, 0, job->states.bytes);
+        status = pbwc__add_shares(job, chunks, &job->left) ? PBW_OK : PBW_ERROR_MEMORY;
+    }
+    return status == PBW_OK ? pbw_for(options, job->left.count, PBWC__LEFTS, pbwc__left_cells, job) : status;
+}
+
 /* The cell of v, with the counts of its facets and entries.  Returns a status. */
 static pbw_status pbwc__count_cell(pbwc__work *work, pbw_index v)
 {
@@ -3444,6 +3853,7 @@ static void pbwc__release_ranges(pbwc__job *job, size_t ranges)
     for (r = 0; r < ranges && job->ranges.data != NULL; r++) {
         pbwc__range *range = (pbwc__range *)job->ranges.data + r;
         pbwc__release(&job->memory, &range->cells);
+        pbwc__release(&job->memory, &range->shares);
         pbwc__release(&job->memory, &range->neighbors);
         pbwc__release(&job->memory, &range->areas);
         pbwc__release(&job->memory, &range->loop_counts);
@@ -3465,7 +3875,9 @@ static pbw_status pbwc__compute(pbwc__job *job, const pbw_domain *domain, const 
     if (status == PBW_OK && job->clip != NULL && simplices > 0) {
         status = pbwc__start_clip(job, options);
     }
-    if (status == PBW_OK) {
+    if (status == PBW_OK && job->mesh->dim == 3 && (job->what & PBW_CELLS_FACETS) == 0) {
+        status = pbwc__add_all(job, ranges, options);
+    } else if (status == PBW_OK) {
         status = pbw_for(options, simplices, PBWC__CHUNK, pbwc__cells_range, job);
     }
     if (status == PBW_OK && job->period != NULL) {
@@ -3515,6 +3927,8 @@ static pbw_status pbwc__run(pbwc__job *job, const pbw_domain *domain, const pbw_
     pbwc__release(&job->memory, &job->merged);
     pbwc__release(&job->memory, &job->entries);
     pbwc__release(&job->memory, &job->cut);
+    pbwc__release(&job->memory, &job->states);
+    pbwc__release(&job->memory, &job->left);
     if (job->clip != NULL) {
         pbwc__end_clip(job);
     }

@@ -44,6 +44,11 @@
 
    Sharp edges below 60 degrees are kept as others are; the tetrahedra at them have their angles.
 
+   THREADS
+   Samples, rounds, improvement and the report's distance are computed on all threads.  Several threads call `value`,
+   `size_at` and the surface's queries at once, whatever options.rounds says, unless options.threads is 1: callbacks
+   must not write to what they share.
+
    DOES NOT  settle at walls and gaps below 1/10 of the size, nor always at acute edges: they come out with warnings.
              Shells may be nested or cross, not touch: with a wall in common, inside is what parity makes of it.
              Points between two regions stay as they are laid.
@@ -73,7 +78,8 @@ typedef struct pbw_solid_input {           /* a surface, or a function */
     size_t triangle_count;
     const pbw_index *patches;              /* one a triangle, any numbers: edges between two of them are kept as sharp
                                               ones are; NULL = sharp edges bound the patches */
-    /* Or: below zero inside, continuous, and above zero on the box's sides. */
+    /* Or: below zero inside, continuous, and above zero on the box's sides.  Several threads call it at once, also
+       with rounds = 0, unless options.threads is 1. */
     double (*value)(void *user, const double point[3]);
     void *value_user;
     double box[6];                         /* low corner, high corner */
@@ -82,7 +88,8 @@ typedef struct pbw_solid_input {           /* a surface, or a function */
 typedef struct pbw_solid_options {         /* NULL or all zero = best defaults */
     double size;                           /* length of edges, at most; 0 = 1/40 of the box's diagonal */
     double least_size;                     /* local sizes are not below it; 0 = 1/6 of size, 1/16 with size_at */
-    /* The length of edges at a place, where it is below the size; several threads may call it.  NULL = none. */
+    /* The length of edges at a place, where it is below the size.  Several threads call it at once, also with
+       rounds = 0, unless options.threads is 1.  NULL = none. */
     double (*size_at)(void *user, const double point[3]);
     void *size_user;
     double curvature;                      /* sizes are at most this divided by the curvature, the root of the sum of
@@ -90,7 +97,8 @@ typedef struct pbw_solid_options {         /* NULL or all zero = best defaults *
     int nested;                            /* 1: shells inside of others bound regions; 0: every second is a cavity */
     double feature_angle;                  /* degrees: edges whose normals differ by more are sharp; 0 = 40; functions
                                               have none */
-    double distance;                       /* facets farther from the surface, in sizes, get points; 0 = 0.1 */
+    double distance;                       /* facets farther from the surface, in sizes, get points, and improvement
+                                              keeps them within 1.48 times that; 0 = 0.1 */
     int rounds;                            /* at most; 0 = 16 */
     pbw_improve_options improve;           /* target < 0: no improvement */
 } pbw_solid_options;
@@ -166,9 +174,13 @@ PBWMESH3DEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary);      /* 
    is 1 for tetrahedra inside.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWM3__SHARP, PBWM3__SMOOTH, PBWM3__INSIDE, PBWM3__GONE };    /* gone: it lies on another point */
+enum { PBWM3__BATCH = 8192 };              /* samples of the surface that threads compute at once */
 
-typedef struct pbwm3__wish { double p[3]; pbw_index inside; } pbwm3__wish;           /* inside: a corner of the
-                                              facet that is, or PBW_NONE */
+typedef struct pbwm3__wish {               /* of a facet: a point */
+    double p[3];                           /* on the surface */
+    size_t facet;                          /* 4 t + i */
+    pbw_index inside, patch;               /* a corner of the facet that is inside, or PBW_NONE; where p is */
+} pbwm3__wish;
 
 typedef struct pbwm3__piece { pbw_index a, b; size_t chain; double from, to; } pbwm3__piece;  /* lengths along it */
 typedef struct pbwm3__chain { size_t first, count, set; int closed, loose; } pbwm3__chain;    /* range of `path`;
@@ -208,7 +220,8 @@ typedef struct pbwm3__work {
     size_t cells;
     pbwsf__array pieces, chains, path;
     pbw_mesh mesh;
-    pbwsf__array centre, label, extra;     /* extra: points to add, kind by kind */
+    pbwsf__array centre, label;
+    pbwsf__array wants, extra;             /* per tetrahedron, bits of facets; the points that they want */
     pbwsf__array corners, marks, regions;  /* the solid before improvement */
     pbw_solid_report *report;
 } pbwm3__work;
@@ -246,6 +259,13 @@ static int pbwm3__stops(const pbwm3__work *w, double share)
         && w->caller->progress(w->caller->progress_user, PBW_STAGE_WORK, done) != 0;
 }
 
+/* Progress of a call that is the present stage. */
+static int pbwm3__part_stops(void *user, pbw_stage stage, double done)
+{
+    (void)stage;
+    return pbwm3__stops((const pbwm3__work *)user, done);
+}
+
 /* The field's cell that p is in, or nearest to. */
 static size_t pbwm3__field_cell(const pbwm3__work *w, const double p[3])
 {
@@ -266,32 +286,48 @@ static double pbwm3__size(const pbwm3__work *w, const double p[3])
 
 /* ---- the spacing grid: a hash table of cells ---- */
 
-static size_t pbwm3__cell(const pbwm3__work *w, const double p[3], int dx, int dy, int dz)
+static size_t pbwm3__cell(const pbwm3__work *w, const int64_t at[3])
 {
-    const uint64_t x = (uint64_t)(int64_t)(floor((p[0] - w->low[0]) / w->step) + dx);
-    const uint64_t y = (uint64_t)(int64_t)(floor((p[1] - w->low[1]) / w->step) + dy);
-    const uint64_t z = (uint64_t)(int64_t)(floor((p[2] - w->low[2]) / w->step) + dz);
-    uint64_t key = x * 0x9e3779b97f4a7c15u ^ y * 0xbf58476d1ce4e5b9u ^ z * 0x94d049bb133111ebu;
+    uint64_t key = (uint64_t)at[0] * 0x9e3779b97f4a7c15u ^ (uint64_t)at[1] * 0xbf58476d1ce4e5b9u
+                 ^ (uint64_t)at[2] * 0x94d049bb133111ebu;
     key ^= key >> 29;
     return (size_t)(key * 0x9e3779b97f4a7c15u >> 20) & (w->cells - 1);
+}
+
+static size_t pbwm3__cell_of(const pbwm3__work *w, const double p[3])
+{
+    int64_t at[3];
+    int k;
+    for (k = 0; k < 3; k++) {
+        at[k] = (int64_t)floor((p[k] - w->low[k]) / w->step);
+    }
+    return pbwm3__cell(w, at);
 }
 
 /* The nearest point to p of kinds `least` to `most` within a distance; PBW_NONE if there is none. */
 static pbw_index pbwm3__near(const pbwm3__work *w, const double p[3], double within, int least, int most)
 {
     const pbw_index *heads = (const pbw_index *)w->heads.data, *links = (const pbw_index *)w->links.data;
+    const unsigned char *kinds = PBWM3__KIND(w);
     double best = within;
     pbw_index found = PBW_NONE, q;
-    const int reach = (int)ceil(within / w->step), side = 2 * reach + 1;
-    int i;
-    for (i = 0; i < side * side * side; i++) {
-        const int x = i % side - reach, y = i / side % side - reach, z = i / side / side - reach;
-        for (q = heads[pbwm3__cell(w, p, x, y, z)]; q != PBW_NONE; q = links[q]) {
-            const int kind = PBWM3__KIND(w)[q];
-            const double d = kind < least || kind > most ? HUGE_VAL : pbwsf__distance(p, PBWM3__X(w, q));
-            if (d < best || (d <= best && q < found && found != PBW_NONE)) {
-                best = d;
-                found = q;
+    int64_t low[3], high[3], at[3];
+    int k;
+    for (k = 0; k < 3; k++) {
+        low[k] = (int64_t)floor((p[k] - within - w->low[k]) / w->step);
+        high[k] = (int64_t)floor((p[k] + within - w->low[k]) / w->step);
+    }
+    for (at[2] = low[2]; at[2] <= high[2]; at[2]++) {
+        for (at[1] = low[1]; at[1] <= high[1]; at[1]++) {
+            for (at[0] = low[0]; at[0] <= high[0]; at[0]++) {
+                for (q = heads[pbwm3__cell(w, at)]; q != PBW_NONE; q = links[q]) {
+                    const double d = kinds[q] < least || kinds[q] > most ? HUGE_VAL
+                                   : pbwsf__distance(p, PBWM3__X(w, q));
+                    if (d < best || (d <= best && q < found && found != PBW_NONE)) {
+                        best = d;
+                        found = q;
+                    }
+                }
             }
         }
     }
@@ -300,14 +336,14 @@ static pbw_index pbwm3__near(const pbwm3__work *w, const double p[3], double wit
 
 static void pbwm3__put_in_cell(pbwm3__work *w, pbw_index p)
 {
-    pbw_index *head = (pbw_index *)w->heads.data + pbwm3__cell(w, PBWM3__X(w, p), 0, 0, 0);
+    pbw_index *head = (pbw_index *)w->heads.data + pbwm3__cell_of(w, PBWM3__X(w, p));
     ((pbw_index *)w->links.data)[p] = *head;
     *head = p;
 }
 
 static void pbwm3__take_from_cell(pbwm3__work *w, pbw_index p)
 {
-    pbw_index *link = (pbw_index *)w->heads.data + pbwm3__cell(w, PBWM3__X(w, p), 0, 0, 0);
+    pbw_index *link = (pbw_index *)w->heads.data + pbwm3__cell_of(w, PBWM3__X(w, p));
     while (*link != p) {
         link = (pbw_index *)w->links.data + *link;
     }
@@ -402,9 +438,11 @@ static pbw_status pbwm3__take_triangles(pbwm3__work *w, const pbw_solid_input *i
 /* ---- an implicit function, over the six tetrahedra of each cube of a grid ---- */
 
 typedef struct pbwm3__grid {
+    pbwm3__work *w;
     size_t n[3];                           /* nodes along the axes */
     double step;
     pbwsf__array value, crossing;          /* per node; per node and direction 1..7, the vertex on that edge */
+    pbwsf__array ends;                     /* of each vertex: the nodes of its edge, that below zero first */
 } pbwm3__grid;
 
 static void pbwm3__node(const pbwm3__work *w, const pbwm3__grid *g, size_t node, double p[3])
@@ -430,12 +468,9 @@ static pbw_index pbwm3__cross_edge(pbwm3__work *w, pbwm3__grid *g, size_t a, siz
 {
     pbw_index *vertex = (pbw_index *)g->crossing.data + 7 * a + (size_t)(direction - 1);
     const double *value = (const double *)g->value.data;
-    double p[3], q[3], x[3];
-    if (*vertex == PBW_NONE) {
-        pbwm3__node(w, g, value[a] < 0 ? a : b, p);
-        pbwm3__node(w, g, value[a] < 0 ? b : a, q);
-        pbwm3__root(w->input, p, q, x);
-        *vertex = pbwm3__append(w, &w->vertices, x, sizeof x) ? (pbw_index)(w->vertices.count - 1) : PBW_NONE;
+    const size_t ends[2] = { value[a] < 0 ? a : b, value[a] < 0 ? b : a };
+    if (*vertex == PBW_NONE && g->ends.count < PBW_NONE / 8 && pbwm3__append(w, &g->ends, ends, sizeof ends)) {
+        *vertex = (pbw_index)(g->ends.count - 1);
     }
     return *vertex;
 }
@@ -495,14 +530,42 @@ static int pbwm3__cross_cube(pbwm3__work *w, pbwm3__grid *g, size_t node)
     return 1;
 }
 
-static pbw_status pbwm3__take_function(pbwm3__work *w, const pbw_solid_input *in)
+static pbw_status pbwm3__value_range(void *arg, size_t from, size_t to)
+{
+    const pbwm3__grid *g = (const pbwm3__grid *)arg;
+    const pbw_solid_input *in = g->w->input;
+    size_t i;
+    for (i = from; i < to; i++) {
+        double p[3];
+        pbwm3__node(g->w, g, i, p);
+        ((double *)g->value.data)[i] = in->value(in->value_user, p);
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwm3__root_range(void *arg, size_t from, size_t to)
+{
+    const pbwm3__grid *g = (const pbwm3__grid *)arg;
+    size_t i;
+    for (i = from; i < to; i++) {
+        const size_t *ends = (const size_t *)g->ends.data + 2 * i;
+        double p[3], q[3];
+        pbwm3__node(g->w, g, ends[0], p);
+        pbwm3__node(g->w, g, ends[1], q);
+        pbwm3__root(g->w->input, p, q, (double *)g->w->vertices.data + 3 * i);
+    }
+    return PBW_OK;
+}
+
+/* The triangles' corners are edges of the grid first; then threads find the places on them. */
+static pbw_status pbwm3__take_function(pbwm3__work *w)
 {
     pbwm3__grid g;
     pbw_status status = PBW_ERROR_MEMORY;
     size_t nodes = 1, i;
-    double p[3];
     int k;
     memset(&g, 0, sizeof g);
+    g.w = w;
     g.step = fmax(w->size / 2, pbwsf__distance(w->low, w->high) / 400);
     for (k = 0; k < 3; k++) {
         g.n[k] = (size_t)ceil((w->high[k] - w->low[k]) / g.step) + 1;
@@ -511,18 +574,23 @@ static pbw_status pbwm3__take_function(pbwm3__work *w, const pbw_solid_input *in
     if (pbwsf__resize(&w->memory, &g.value, nodes * sizeof(double))
         && pbwsf__resize(&w->memory, &g.crossing, 7 * nodes * sizeof(pbw_index))) {
         memset(g.crossing.data, 0xff, 7 * nodes * sizeof(pbw_index));
-        for (i = 0; i < nodes; i++) {
-            pbwm3__node(w, &g, i, p);
-            ((double *)g.value.data)[i] = in->value(in->value_user, p);
-        }
-        for (i = 0, status = PBW_OK; i < nodes && status == PBW_OK; i++) {
+        status = pbw_for(&w->options, nodes, 1024, pbwm3__value_range, &g);
+        for (i = 0; i < nodes && status == PBW_OK; i++) {
             if (i % g.n[0] + 1 < g.n[0] && i / g.n[0] % g.n[1] + 1 < g.n[1] && i / g.n[0] / g.n[1] + 1 < g.n[2]) {
                 status = pbwm3__cross_cube(w, &g, i) ? PBW_OK : PBW_ERROR_MEMORY;
             }
         }
     }
+    if (status == PBW_OK && !pbwsf__resize(&w->memory, &w->vertices, (g.ends.count + 1) * 3 * sizeof(double))) {
+        status = PBW_ERROR_MEMORY;
+    }
+    if (status == PBW_OK) {
+        w->vertices.count = g.ends.count;
+        status = pbw_for(&w->options, g.ends.count, 128, pbwm3__root_range, &g);
+    }
     pbwsf__release(&w->memory, &g.value);
     pbwsf__release(&w->memory, &g.crossing);
+    pbwsf__release(&w->memory, &g.ends);
     return status;
 }
 
@@ -1458,10 +1526,10 @@ static void pbwm3__lower(pbwm3__work *w, const double p[3], double size)
     *field = fmin(*field, fmax(w->floor, size));
 }
 
-/* Lowers the field at p, a point of the triangle, to what rays along both normals meet first, if that faces it. */
-static void pbwm3__measure_gap(pbwm3__work *w, pbw_index triangle, const double p[3])
+/* Returns the size at p, a point of the triangle, by what rays along both normals meet first, if that faces it. */
+static double pbwm3__measure_gap(const pbwm3__work *w, pbw_index triangle, const double p[3])
 {
-    double n[3], m[3], a[3], b[3], where, length;
+    double n[3], m[3], a[3], b[3], where, length, least = HUGE_VAL;
     int side, k;
     pbwsf__normal(pbwsf__corner(&w->surface, triangle, 0), pbwsf__corner(&w->surface, triangle, 1),
                   pbwsf__corner(&w->surface, triangle, 2), n);
@@ -1477,20 +1545,22 @@ static void pbwm3__measure_gap(pbwm3__work *w, pbw_index triangle, const double 
             pbwsf__normal(pbwsf__corner(&w->surface, met, 0), pbwsf__corner(&w->surface, met, 1),
                           pbwsf__corner(&w->surface, met, 2), m);
             if (fabs(pbwsf__dot(m, n)) > 0.7 * length * sqrt(pbwsf__dot(m, m))) {
-                pbwm3__lower(w, p, 0.75 * (where * 1.399 + 1e-3) * w->size);
+                least = fmin(least, 0.75 * (where * 1.399 + 1e-3) * w->size);
             }
         }
     }
+    return least;
 }
 
-/* Four sweeps there and back: a cell is at most 0.35 cells above its neighbours. */
+/* Four sweeps there and back, or until nothing changes: a cell is at most 0.35 cells above its neighbours. */
 static void pbwm3__grade(pbwm3__work *w)
 {
     double *field = (double *)w->field.data;
     const size_t total = w->n[0] * w->n[1] * w->n[2];
     size_t i, j;
-    int sweep, k;
-    for (sweep = 0; sweep < 8; sweep++) {
+    int sweep, k, changed = 1;
+    for (sweep = 0; sweep < 8 && changed; sweep++) {
+        changed = 0;
         for (j = 0; j < total; j++) {
             i = sweep % 2 == 0 ? j : total - 1 - j;
             for (k = 0; k < 27; k++) {
@@ -1498,7 +1568,10 @@ static void pbwm3__grade(pbwm3__work *w)
                 const size_t z = i / w->n[0] / w->n[1] + (size_t)(k / 9);
                 if (x > 0 && x <= w->n[0] && y > 0 && y <= w->n[1] && z > 0 && z <= w->n[2]) {
                     const double other = field[x - 1 + w->n[0] * (y - 1 + w->n[1] * (z - 1))] + 0.35 * w->size;
-                    field[i] = fmin(field[i], other);
+                    if (other < field[i]) {
+                        field[i] = other;
+                        changed = 1;
+                    }
                 }
             }
         }
@@ -1688,31 +1761,81 @@ static void pbwm3__take_sizes(pbwm3__work *w)
     }
 }
 
-/* Rays from 4 points for each square of the size, and from one of each triangle at least. */
-static void pbwm3__measure_gaps(pbwm3__work *w)
+typedef struct pbwm3__gap {                /* a point of a triangle, by two random numbers from `number` on */
+    uint64_t number;
+    double p[3], size;
+    pbw_index triangle;
+} pbwm3__gap;
+
+typedef struct pbwm3__gaps { const pbwm3__work *w; pbwm3__gap *gap; } pbwm3__gaps;
+
+static pbw_status pbwm3__gap_range(void *arg, size_t from, size_t to)
 {
-    uint64_t number = 1ull << 40;
+    const pbwm3__gaps *gaps = (const pbwm3__gaps *)arg;
+    const pbw_surface *s = &gaps->w->surface;
     size_t i;
-    for (i = 0; i < w->surface.triangle_count; i++) {
+    for (i = from; i < to; i++) {
+        pbwm3__gap *g = gaps->gap + i;
+        const double u = pbwm3__random(g->number), v = pbwm3__random(g->number + 1);
+        double q[3];
+        pbwsf__between(pbwsf__corner(s, g->triangle, 0), pbwsf__corner(s, g->triangle, 1), u, q);
+        pbwsf__between(pbwsf__corner(s, g->triangle, 2), q, sqrt(v), g->p);
+        g->size = pbwm3__measure_gap(gaps->w, g->triangle, g->p);
+    }
+    return PBW_OK;
+}
+
+/* Threads measure the gaps at a batch of points; the field takes them in order. */
+static pbw_status pbwm3__lower_gaps(pbwm3__work *w, pbwm3__gap *gap, size_t count)
+{
+    pbwm3__gaps gaps;
+    pbw_status status;
+    size_t i;
+    gaps.w = w;
+    gaps.gap = gap;
+    status = pbw_for(&w->options, count, 64, pbwm3__gap_range, &gaps);
+    for (i = 0; status == PBW_OK && i < count; i++) {
+        pbwm3__lower(w, gap[i].p, gap[i].size);
+    }
+    return status;
+}
+
+/* Rays from 4 points for each square of the size, and from one of each triangle at least. */
+static pbw_status pbwm3__measure_gaps(pbwm3__work *w)
+{
+    pbwsf__array room;
+    pbw_status status = PBW_OK;
+    uint64_t number = 1ull << 40;
+    size_t i, count = 0;
+    memset(&room, 0, sizeof room);
+    if (!pbwsf__resize(&w->memory, &room, PBWM3__BATCH * sizeof(pbwm3__gap))) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < w->surface.triangle_count && status == PBW_OK; i++) {
+        pbwm3__gap *gap = (pbwm3__gap *)room.data;
         double n[3], wish;
         pbwsf__normal(pbwsf__corner(&w->surface, (pbw_index)i, 0), pbwsf__corner(&w->surface, (pbw_index)i, 1),
                       pbwsf__corner(&w->surface, (pbw_index)i, 2), n);
         wish = 2 * sqrt(pbwsf__dot(n, n)) / (w->size * w->size) + pbwm3__random(number++);
-        for (; wish >= 1; wish--) {
-            const double u = pbwm3__random(number), v = pbwm3__random(number + 1);
-            double p[3], q[3];
-            pbwsf__between(pbwsf__corner(&w->surface, (pbw_index)i, 0), pbwsf__corner(&w->surface, (pbw_index)i, 1),
-                           u, q);
-            pbwsf__between(pbwsf__corner(&w->surface, (pbw_index)i, 2), q, sqrt(v), p);
+        for (; wish >= 1 && status == PBW_OK; wish--) {
+            gap[count].number = number;
+            gap[count++].triangle = (pbw_index)i;
             number += 2;
-            pbwm3__measure_gap(w, (pbw_index)i, p);
+            if (count == PBWM3__BATCH) {
+                status = pbwm3__lower_gaps(w, gap, count);
+                count = 0;
+            }
         }
     }
+    status = status != PBW_OK ? status : pbwm3__lower_gaps(w, (pbwm3__gap *)room.data, count);
+    pbwsf__release(&w->memory, &room);
+    return status;
 }
 
 /* With chains and patches found. */
 static pbw_status pbwm3__make_field(pbwm3__work *w)
 {
+    pbw_status status;
     size_t i, total = 1;
     int k;
     w->least = w->size;
@@ -1729,14 +1852,19 @@ static pbw_status pbwm3__make_field(pbwm3__work *w)
     for (i = 0; i < total; i++) {
         ((double *)w->field.data)[i] = w->size;
     }
-    pbwm3__measure_gaps(w);
+    status = pbwm3__measure_gaps(w);
+    if (status != PBW_OK) {
+        return status;
+    }
     pbwm3__take_sizes(w);
     if (!pbwm3__measure_chains(w) || (w->how.curvature > 0 && !pbwm3__measure_curvature(w))) {
         return PBW_ERROR_MEMORY;
     }
-    pbwm3__grade(w);
     for (i = 0; i < total; i++) {
         w->least = fmin(w->least, ((const double *)w->field.data)[i]);
+    }
+    if (w->least < w->size) {
+        pbwm3__grade(w);
     }
     return PBW_OK;
 }
@@ -1850,44 +1978,96 @@ static pbw_status pbwm3__sample_sharp(pbwm3__work *w)
    from the surface.
    ------------------------------------------------------------------------------------------------------ */
 
-static pbw_status pbwm3__throw_darts(pbwm3__work *w, const double *area)
+typedef struct pbwm3__dart { double p[3], size; pbw_index patch; int stays; } pbwm3__dart;
+
+typedef struct pbwm3__throw {              /* a batch of darts: numbers first, first + 1, ... */
+    pbwm3__work *w;
+    const double *area;                    /* sums over triangles */
+    uint64_t first;
+    pbwm3__dart *dart;
+} pbwm3__throw;
+
+/* Dart i, on the surface; stays: no sample of earlier batches is near.  Local sizes take darts away so that each
+   square of the local size gets equally many. */
+static void pbwm3__throw_dart(const pbwm3__throw *b, uint64_t i, pbwm3__dart *dart)
 {
+    const pbwm3__work *w = b->w;
     const size_t triangles = w->surface.triangle_count;
-    const double finest = 0.65 * w->least, wish = 12 * area[triangles - 1] / (finest * finest) + 100;
-    uint64_t i;
-    if (!(wish < 4e9)) {
-        return PBW_ERROR_TOO_LARGE;
+    const double at = pbwm3__random(3 * i) * b->area[triangles - 1];
+    double u = pbwm3__random(3 * i + 1), v = pbwm3__random(3 * i + 2), size;
+    size_t low = 0, high = triangles - 1;
+    int k;
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        *(b->area[middle] > at ? &high : &low) = b->area[middle] > at ? middle : middle + 1;
     }
-    for (i = 0; i < (uint64_t)wish; i++) {
-        const double at = pbwm3__random(3 * i) * area[triangles - 1];
-        double u = pbwm3__random(3 * i + 1), v = pbwm3__random(3 * i + 2), p[3], size;
-        size_t low = 0, high = triangles - 1, patch;
-        int k;
-        if (i % 4096 == 0 && pbwm3__stops(w, 0.5 * (double)i / wish)) {
-            return PBW_CANCELLED;
-        }
-        while (low < high) {
-            const size_t middle = (low + high) / 2;
-            *(area[middle] > at ? &high : &low) = area[middle] > at ? middle : middle + 1;
-        }
-        u = u + v > 1 ? 1 - u : u;
-        v = u + v > 1 ? 1 - v : v;
-        for (k = 0; k < 3; k++) {
-            const double a = pbwsf__corner(&w->surface, (pbw_index)low, 0)[k];
-            p[k] = a + u * (pbwsf__corner(&w->surface, (pbw_index)low, 1)[k] - a)
-                 + v * (pbwsf__corner(&w->surface, (pbw_index)low, 2)[k] - a);
-        }
-        size = pbwm3__size(w, p);
-        if (size > w->least && pbwm3__random(~i) * size * size > w->least * w->least) {
-            continue;                                /* as many darts for each square of the local size */
-        }
-        patch = w->input->value != NULL ? pbwm3__to_surface(w, p) : ((const pbw_index *)w->patch.data)[low];
-        if (pbwm3__near(w, p, 0.65 * size, PBWM3__SHARP, PBWM3__SMOOTH) == PBW_NONE
-            && pbwm3__add(w, p, PBWM3__SMOOTH, patch) == PBW_NONE) {
+    u = u + v > 1 ? 1 - u : u;
+    v = u + v > 1 ? 1 - v : v;
+    for (k = 0; k < 3; k++) {
+        const double a = pbwsf__corner(&w->surface, (pbw_index)low, 0)[k];
+        dart->p[k] = a + u * (pbwsf__corner(&w->surface, (pbw_index)low, 1)[k] - a)
+                   + v * (pbwsf__corner(&w->surface, (pbw_index)low, 2)[k] - a);
+    }
+    size = pbwm3__size(w, dart->p);
+    dart->stays = !(size > w->least && pbwm3__random(~i) * size * size > w->least * w->least);
+    if (dart->stays) {
+        dart->patch = w->input->value != NULL ? (pbw_index)pbwm3__to_surface(w, dart->p)
+                    : ((const pbw_index *)w->patch.data)[low];
+        dart->size = size;
+        dart->stays = pbwm3__near(w, dart->p, 0.65 * size, PBWM3__SHARP, PBWM3__SMOOTH) == PBW_NONE;
+    }
+}
+
+static pbw_status pbwm3__throw_range(void *arg, size_t from, size_t to)
+{
+    const pbwm3__throw *b = (const pbwm3__throw *)arg;
+    size_t i;
+    for (i = from; i < to; i++) {
+        pbwm3__throw_dart(b, b->first + i, b->dart + i);
+    }
+    return PBW_OK;
+}
+
+/* Threads throw a batch; those darts that stay are taken in order, unless one of the same batch is near. */
+static pbw_status pbwm3__throw_batch(pbwm3__throw *b, size_t count)
+{
+    pbwm3__work *w = b->w;
+    const pbw_status status = pbw_for(&w->options, count, 128, pbwm3__throw_range, b);
+    size_t i;
+    for (i = 0; status == PBW_OK && i < count; i++) {
+        const pbwm3__dart *dart = b->dart + i;
+        if (dart->stays && pbwm3__near(w, dart->p, 0.65 * dart->size, PBWM3__SHARP, PBWM3__SMOOTH) == PBW_NONE
+            && pbwm3__add(w, dart->p, PBWM3__SMOOTH, dart->patch) == PBW_NONE) {
             return PBW_ERROR_MEMORY;
         }
     }
-    return PBW_OK;
+    return status;
+}
+
+static pbw_status pbwm3__throw_darts(pbwm3__work *w, const double *area)
+{
+    const double finest = 0.65 * w->least;
+    const double wish = 12 * area[w->surface.triangle_count - 1] / (finest * finest) + 100;
+    pbwsf__array darts;
+    pbwm3__throw batch;
+    pbw_status status = PBW_ERROR_MEMORY;
+    if (!(wish < 4e9)) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    memset(&darts, 0, sizeof darts);
+    batch.w = w;
+    batch.area = area;
+    if (pbwsf__resize(&w->memory, &darts, PBWM3__BATCH * sizeof *batch.dart)) {
+        batch.dart = (pbwm3__dart *)darts.data;
+        for (batch.first = 0, status = PBW_OK; status == PBW_OK && batch.first < (uint64_t)wish;
+             batch.first += PBWM3__BATCH) {
+            const uint64_t left = (uint64_t)wish - batch.first, most = PBWM3__BATCH;
+            status = pbwm3__stops(w, 0.5 * (double)batch.first / wish) ? PBW_CANCELLED
+                   : pbwm3__throw_batch(&batch, (size_t)(left < most ? left : most));
+        }
+    }
+    pbwsf__release(&w->memory, &darts);
+    return status;
 }
 
 static pbw_status pbwm3__sample_smooth(pbwm3__work *w)
@@ -1911,48 +2091,99 @@ static pbw_status pbwm3__sample_smooth(pbwm3__work *w)
     return status;
 }
 
-/* The lattice whose cells are 2^level times finer, where that is the local size. */
-static pbw_status pbwm3__sample_level(pbwm3__work *w, int level)
+typedef struct pbwm3__lattice {
+    const pbwm3__work *w;
+    int level;                             /* cells are 2^level times finer than the size, where that is local */
+    double cell;
+    size_t n[3], first;                    /* half cells along the axes; the batch's first */
+    unsigned char *inside;                 /* per half cell of a batch */
+} pbwm3__lattice;
+
+static void pbwm3__lattice_point(const pbwm3__lattice *l, size_t i, double p[3])
 {
-    const double cell = 1.15 * ldexp(w->size, -level);
-    size_t n[3], i, k, total = 1;
-    for (k = 0; k < 3; k++) {
-        const double wish = ceil(2 * (w->high[k] - w->low[k]) / cell);
-        if (!(wish < 1e6)) {
-            return PBW_ERROR_TOO_LARGE;
-        }
-        n[k] = (size_t)wish + 1;
-        total *= n[k];
-    }
-    if (total / 4 >= PBW_NONE / 8) {
-        return PBW_ERROR_TOO_LARGE;
-    }
-    for (i = 0; i < total; i++) {                    /* half cells: all three even, or all three odd */
-        const size_t at[3] = { i % n[0], i / n[0] % n[1], i / n[0] / n[1] };
+    p[0] = l->w->low[0] + (0.5 * (double)(i % l->n[0]) + 0.31) * l->cell;
+    p[1] = l->w->low[1] + (0.5 * (double)(i / l->n[0] % l->n[1]) + 0.31) * l->cell;
+    p[2] = l->w->low[2] + (0.5 * (double)(i / l->n[0] / l->n[1]) + 0.31) * l->cell;
+}
+
+/* Which half cells have points: all three of their numbers are even, or all three odd. */
+static pbw_status pbwm3__lattice_range(void *arg, size_t from, size_t to)
+{
+    const pbwm3__lattice *l = (const pbwm3__lattice *)arg;
+    const pbwm3__work *w = l->w;
+    size_t i;
+    memset(l->inside + from, 0, to - from);
+    for (i = l->first + from; i < l->first + to; i++) {
+        const size_t x = i % l->n[0], y = i / l->n[0] % l->n[1], z = i / l->n[0] / l->n[1];
         double p[3], place[3], size;
-        if (level == 0 && i % 16384 == 0 && pbwm3__stops(w, 0.5 + 0.5 * (double)i / (double)total)) {
-            return PBW_CANCELLED;
-        }
-        if (((at[0] ^ at[1]) & 1) != 0 || ((at[1] ^ at[2]) & 1) != 0) {
+        if (((x ^ y) & 1) != 0 || ((y ^ z) & 1) != 0) {
             continue;
         }
-        for (k = 0; k < 3; k++) {
-            p[k] = w->low[k] + (0.5 * (double)at[k] + 0.31) * cell;
-        }
-        if (level > 1 && ((const double *)w->field.data)[pbwm3__field_cell(w, p)] > 4 * cell) {
+        pbwm3__lattice_point(l, i, p);
+        if (l->level > 1 && ((const double *)w->field.data)[pbwm3__field_cell(w, p)] > 4 * l->cell) {
             const double along = (p[0] - w->low[0]) / w->size, left = (floor(along) + 1 - along) * w->size;
-            i += (size_t)fmin(2 * left / cell, (double)(n[0] - 1 - at[0]));  /* coarse up to the end of this cell */
+            i += (size_t)fmin(2 * left / l->cell, (double)(l->n[0] - 1 - x));    /* coarse up to this cell's end */
             continue;
         }
         size = pbwm3__size(w, p);
-        if (level == (int)floor(log2(w->size / size) + 0.5)
-            && pbwm3__inside(w, p) && pbw_surface_closest(&w->surface, p, 0.55 * size, place) == PBW_NONE
-            && (level == 0 || pbwm3__near(w, p, 0.7 * size, PBWM3__INSIDE, PBWM3__INSIDE) == PBW_NONE)
+        l->inside[i - l->first] = l->level == (int)floor(log2(w->size / size) + 0.5) && pbwm3__inside(w, p)
+                               && pbw_surface_closest(&w->surface, p, 0.55 * size, place) == PBW_NONE;
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwm3__take_lattice(pbwm3__work *w, const pbwm3__lattice *l, size_t count)
+{
+    size_t i;
+    for (i = 0; i < count; i++) {
+        double p[3];
+        if (!l->inside[i]) {
+            continue;
+        }
+        pbwm3__lattice_point(l, l->first + i, p);
+        if ((l->level == 0 || pbwm3__near(w, p, 0.7 * pbwm3__size(w, p), PBWM3__INSIDE, PBWM3__INSIDE) == PBW_NONE)
             && pbwm3__add(w, p, PBWM3__INSIDE, 0) == PBW_NONE) {
             return PBW_ERROR_MEMORY;
         }
     }
     return PBW_OK;
+}
+
+static pbw_status pbwm3__sample_level(pbwm3__work *w, int level)
+{
+    const size_t batch = (size_t)1 << 17;
+    pbwsf__array inside;
+    pbwm3__lattice l;
+    pbw_status status = PBW_OK;
+    size_t k, total = 1;
+    memset(&inside, 0, sizeof inside);
+    memset(&l, 0, sizeof l);
+    l.w = w;
+    l.level = level;
+    l.cell = 1.15 * ldexp(w->size, -level);
+    for (k = 0; k < 3; k++) {
+        const double wish = ceil(2 * (w->high[k] - w->low[k]) / l.cell);
+        if (!(wish < 1e6)) {
+            return PBW_ERROR_TOO_LARGE;
+        }
+        l.n[k] = (size_t)wish + 1;
+        total *= l.n[k];
+    }
+    if (total / 4 >= PBW_NONE / 8) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    if (!pbwsf__resize(&w->memory, &inside, batch)) {
+        return PBW_ERROR_MEMORY;
+    }
+    l.inside = (unsigned char *)inside.data;
+    for (l.first = 0; status == PBW_OK && l.first < total; l.first += batch) {
+        const size_t count = total - l.first < batch ? total - l.first : batch;
+        status = level == 0 && pbwm3__stops(w, 0.5 + 0.5 * (double)l.first / (double)total) ? PBW_CANCELLED
+               : pbw_for(&w->options, count, 1024, pbwm3__lattice_range, &l);
+        status = status != PBW_OK ? status : pbwm3__take_lattice(w, &l, count);
+    }
+    pbwsf__release(&w->memory, &inside);
+    return status;
 }
 
 static pbw_status pbwm3__sample_inside(pbwm3__work *w)
@@ -2119,6 +2350,12 @@ static int pbwm3__label_of(const pbwm3__work *w, pbw_index t)
     return t != PBW_NONE ? PBWM3__LABEL(w)[t] : 0;
 }
 
+static int pbwm3__is_near(const pbwm3__work *w, const double p[3])
+{
+    double place[3];
+    return pbw_surface_closest(&w->surface, p, w->distance * pbwm3__size(w, p), place) != PBW_NONE;
+}
+
 /* Where facet i of t is to get a point; returns 0 if nowhere.  Points inside are no corners of the boundary.  Facets
    between two sides of the surface are no part of it, wherever their dual segments are; on the boundary they cut a
    sharp edge off. */
@@ -2126,9 +2363,10 @@ static int pbwm3__facet_wants(const pbwm3__work *w, size_t t, int i, pbwm3__wish
 {
     const pbw_index n = w->mesh.neighbors[4 * t + (size_t)i], *c = w->mesh.simplices + 4 * t;
     const int inner = pbwm3__label_of(w, (pbw_index)t), outer = pbwm3__label_of(w, n);
-    double where = 0, place[3], *p = wish->p;
+    double where = 0, *p = wish->p;
     pbw_index f[3], met;
     int k, bridge;
+    wish->inside = PBW_NONE;
     for (k = 0; k < 3; k++) {
         f[k] = c[pbwim__opposite[i][k]];
         if (inner == outer && PBWM3__KIND(w)[f[k]] == PBWM3__INSIDE) {
@@ -2149,17 +2387,19 @@ static int pbwm3__facet_wants(const pbwm3__work *w, size_t t, int i, pbwm3__wish
         wish->inside = PBWM3__KIND(w)[f[k]] == PBWM3__INSIDE ? f[k] : wish->inside;
         p[k] = (PBWM3__X(w, f[0])[k] + PBWM3__X(w, f[1])[k] + PBWM3__X(w, f[2])[k]) / 3;
     }
-    return inner != outer
-        && (bridge || wish->inside != PBW_NONE
-            || pbw_surface_closest(&w->surface, p, w->distance * pbwm3__size(w, p), place) == PBW_NONE);
+    if (inner == outer || bridge || wish->inside != PBW_NONE) {
+        return inner != outer;
+    }
+    for (i = 0; i < 3 && pbwm3__is_near(w, p); i++) {        /* its middle, and those of its edges */
+        pbwsf__between(PBWM3__X(w, f[i]), PBWM3__X(w, f[(i + 1) % 3]), 0.5, p);
+    }
+    return i < 3 || !pbwm3__is_near(w, p);
 }
 
-/* Adds the point of the surface nearest to p unless others are near; it takes the place of a near one inside.
-   Returns how many are added: 0 or 1, or -1 without memory. */
-static int pbwm3__offer(pbwm3__work *w, const double near[3], double apart)
+/* Adds a point of the surface unless others are near; it takes the place of a near one inside.  Returns how many are
+   added: 0 or 1, or -1 without memory. */
+static int pbwm3__offer(pbwm3__work *w, const double p[3], size_t patch, double apart)
 {
-    double p[3] = { near[0], near[1], near[2] };
-    const size_t patch = pbwm3__to_surface(w, p);
     const double size = pbwm3__size(w, p);
     pbw_index inside;
     if (pbwm3__near(w, p, apart * size, PBWM3__SHARP, PBWM3__SMOOTH) != PBW_NONE) {
@@ -2279,7 +2519,7 @@ static long pbwm3__mend_boundary(pbwm3__work *w)
     pbwsf__array facets;
     pbwm3__topology top;
     long added = 0;
-    size_t i;
+    size_t i, patch;
     int got = 0, k;
     memset(&facets, 0, sizeof facets);
     memset(&top, 0, sizeof top);
@@ -2291,7 +2531,8 @@ static long pbwm3__mend_boundary(pbwm3__work *w)
         const pbw_index *pair = (const pbw_index *)top.edges.data + 2 * i;
         double p[3];
         pbwsf__between(PBWM3__X(w, pair[0]), PBWM3__X(w, pair[1]), 0.5, p);
-        got = pbwm3__offer(w, p, 0.08);
+        patch = pbwm3__to_surface(w, p);
+        got = pbwm3__offer(w, p, patch, 0.08);
         added += got;
     }
     for (i = 0; got >= 0 && top.bad_points > 0 && i < facets.count; i++) {
@@ -2302,7 +2543,8 @@ static long pbwm3__mend_boundary(pbwm3__work *w)
             for (k = 0; k < 3; k++) {
                 p[k] = (PBWM3__X(w, f[0])[k] + PBWM3__X(w, f[1])[k] + PBWM3__X(w, f[2])[k]) / 3;
             }
-            got = pbwm3__offer(w, p, 0.08);
+            patch = pbwm3__to_surface(w, p);
+            got = pbwm3__offer(w, p, patch, 0.08);
             added += got;
         }
     }
@@ -2406,41 +2648,86 @@ static long pbwm3__mend_pieces(pbwm3__work *w)
     return added;
 }
 
-/* One round: offers all points that facets want, halves pieces, mends the boundary.  Returns how many points came,
-   -1 without memory, -2 if it is cancelled. */
-static long pbwm3__round(pbwm3__work *w)
+/* Per tetrahedron a bit for each facet to a higher number that wants a point. */
+static pbw_status pbwm3__want_range(void *arg, size_t from, size_t to)
 {
-    const pbwm3__wish *wishes;
-    long added, mended;
-    size_t t, i;
-    int k, got = 0;
-    w->extra.count = 0;
-    for (t = 0; t < w->mesh.simplex_count; t++) {
-        if (t % 4096 == 0 && pbwm3__stops(w, (double)t / (double)w->mesh.simplex_count)) {
-            return -2;
-        }
+    pbwm3__work *w = (pbwm3__work *)arg;
+    unsigned char *wants = (unsigned char *)w->wants.data;
+    size_t t;
+    int k;
+    for (t = from; t < to; t++) {
+        wants[t] = 0;
         for (k = 0; k < 4; k++) {
             const pbw_index n = w->mesh.neighbors[4 * t + (size_t)k];
             pbwm3__wish wish;
-            wish.inside = PBW_NONE;
-            if ((n == PBW_NONE || n > t) && pbwm3__facet_wants(w, t, k, &wish)
-                && !pbwm3__append(w, &w->extra, &wish, sizeof wish)) {
-                return -1;
+            if ((n == PBW_NONE || n > t) && pbwm3__facet_wants(w, t, k, &wish)) {
+                wants[t] |= (unsigned char)(1 << k);
             }
         }
     }
-    added = pbwm3__mend_pieces(w);
-    wishes = (const pbwm3__wish *)w->extra.data;
-    for (i = 0; i < w->extra.count && added >= 0 && got >= 0; i++) {
-        got = pbwm3__offer(w, wishes[i].p, 0.3);
+    return PBW_OK;
+}
+
+static pbw_status pbwm3__wish_range(void *arg, size_t from, size_t to)
+{
+    pbwm3__work *w = (pbwm3__work *)arg;
+    pbwm3__wish *wish = (pbwm3__wish *)w->extra.data;
+    size_t i;
+    for (i = from; i < to; i++) {
+        (void)pbwm3__facet_wants(w, wish[i].facet / 4, (int)(wish[i].facet % 4), wish + i);
+        wish[i].patch = (pbw_index)pbwm3__to_surface(w, wish[i].p);
+    }
+    return PBW_OK;
+}
+
+/* Lists the points that facets want, in the order of facets: threads find these facets, then the points. */
+static pbw_status pbwm3__wishes(pbwm3__work *w)
+{
+    pbw_options options = w->options;
+    pbw_status status;
+    size_t i;
+    w->extra.count = 0;
+    if (w->wants.bytes < w->mesh.simplex_count && !pbwsf__resize(&w->memory, &w->wants, w->label.bytes)) {
+        return PBW_ERROR_MEMORY;
+    }
+    options.progress = pbwm3__part_stops;
+    options.progress_user = w;
+    status = pbw_for(&options, w->mesh.simplex_count, 256, pbwm3__want_range, w);
+    for (i = 0; status == PBW_OK && i < 4 * w->mesh.simplex_count; i++) {
+        pbwm3__wish wish;
+        memset(&wish, 0, sizeof wish);
+        wish.facet = i;
+        if (((const unsigned char *)w->wants.data)[i / 4] >> i % 4 & 1
+            && !pbwm3__append(w, &w->extra, &wish, sizeof wish)) {
+            status = PBW_ERROR_MEMORY;
+        }
+    }
+    return status == PBW_OK ? pbw_for(&w->options, w->extra.count, 64, pbwm3__wish_range, w) : status;
+}
+
+/* One round: offers all points that facets want, halves pieces, mends the boundary; added: how many points came. */
+static pbw_status pbwm3__round(pbwm3__work *w, long *added)
+{
+    const pbw_status status = pbwm3__wishes(w);
+    const pbwm3__wish *wishes = (const pbwm3__wish *)w->extra.data;
+    long mended;
+    size_t i;
+    int got = 0;
+    if (status != PBW_OK) {
+        return status;
+    }
+    *added = pbwm3__mend_pieces(w);
+    for (i = 0; i < w->extra.count && *added >= 0 && got >= 0; i++) {
+        got = pbwm3__offer(w, wishes[i].p, wishes[i].patch, 0.3);
         if (got == 0 && wishes[i].inside != PBW_NONE && PBWM3__KIND(w)[wishes[i].inside] == PBWM3__INSIDE) {
             pbwm3__take_out(w, wishes[i].inside);
             got = 1;
         }
-        added += got;
+        *added += got;
     }
-    mended = added >= 0 && got >= 0 ? pbwm3__mend_boundary(w) : -1;
-    return mended < 0 ? -1 : added + mended;
+    mended = *added >= 0 && got >= 0 ? pbwm3__mend_boundary(w) : -1;
+    *added += mended;
+    return mended < 0 ? PBW_ERROR_MEMORY : PBW_OK;
 }
 
 static pbw_status pbwm3__rounds(pbwm3__work *w)
@@ -2456,9 +2743,8 @@ static pbw_status pbwm3__rounds(pbwm3__work *w)
             break;
         }
         w->report->rounds++;
-        added = pbwm3__round(w);
-        status = added == -2 ? PBW_CANCELLED : added < 0 ? PBW_ERROR_MEMORY : status;
-        if (added == 0) {
+        status = pbwm3__round(w, &added);
+        if (status == PBW_OK && added == 0) {
             w->report->settled = 1;
             break;
         }
@@ -2469,12 +2755,6 @@ static pbw_status pbwm3__rounds(pbwm3__work *w)
 /* ------------------------------------------------------------------------------------------------------
    The result, and what the report says of it.
    ------------------------------------------------------------------------------------------------------ */
-static int pbwm3__last_part(void *user, pbw_stage stage, double done)
-{
-    (void)stage;
-    return pbwm3__stops((const pbwm3__work *)user, done);
-}
-
 /* Gives the tetrahedra that facets join to t, of its label, a number of their own; counts of queue: the items done.
    Returns the largest of them, PBW_NONE without memory. */
 static pbw_index pbwm3__flood(pbwm3__work *w, pbw_index t, pbw_index *region, pbw_index number, pbwsf__array *queue)
@@ -2583,9 +2863,10 @@ static pbw_status pbwm3__finish(pbwm3__work *w, pbw_tets *out)
     improve.feature_angle = improve.feature_angle > 0 ? improve.feature_angle : 75;      /* features are marked */
     improve.project = pbwm3__project;
     improve.project_user = w;
+    improve.distance = improve.distance > 0 ? improve.distance : 1.48 * w->distance * w->size;
     improve.passes = improve.target < 0 ? -1 : improve.passes;
     improve.target = improve.target < 0 ? 0 : improve.target;
-    own.progress = pbwm3__last_part;
+    own.progress = pbwm3__part_stops;
     own.progress_user = w;
     w->from = 0.6;
     w->to = 1;
@@ -2593,16 +2874,24 @@ static pbw_status pbwm3__finish(pbwm3__work *w, pbw_tets *out)
     return pbw_improve(&in, &improve, &own, out, &w->report->improve);
 }
 
-/* The largest distance of the triangles' corners, middles and middles of edges from the surface, or `least`. */
-static double pbwm3__farthest(const double *points, const pbw_index *triangles, size_t count,
-                              const pbw_surface *surface, double least)
+/* How far triangles are from a surface. */
+typedef struct pbwm3__far {
+    const double *points;
+    const pbw_index *triangles;
+    const pbw_surface *surface;
+    double *distance;                      /* per triangle, of its corners, middle, and middles of edges */
+} pbwm3__far;
+
+static pbw_status pbwm3__far_range(void *arg, size_t from, size_t to)
 {
+    const pbwm3__far *far = (const pbwm3__far *)arg;
     size_t i;
     int k, j;
-    for (i = 0; i < count; i++) {
+    for (i = from; i < to; i++) {
         const double *c[3];
+        far->distance[i] = 0;
         for (k = 0; k < 3; k++) {
-            c[k] = points + 3 * (size_t)triangles[3 * i + (size_t)k];
+            c[k] = far->points + 3 * (size_t)far->triangles[3 * i + (size_t)k];
         }
         for (k = 0; k < 7; k++) {
             double p[3], place[3];
@@ -2610,12 +2899,30 @@ static double pbwm3__farthest(const double *points, const pbw_index *triangles, 
                 p[j] = k < 3 ? c[k][j] : k < 6 ? (c[k - 3][j] + c[(k - 2) % 3][j]) / 2
                      : (c[0][j] + c[1][j] + c[2][j]) / 3;
             }
-            if (pbw_surface_closest(surface, p, HUGE_VAL, place) != PBW_NONE) {
-                least = fmax(least, pbwsf__distance(p, place));
+            if (pbw_surface_closest(far->surface, p, HUGE_VAL, place) != PBW_NONE) {
+                far->distance[i] = fmax(far->distance[i], pbwsf__distance(p, place));
             }
         }
     }
-    return least;
+    return PBW_OK;
+}
+
+/* Raises *least to the largest distance of the triangles from the surface. */
+static pbw_status pbwm3__farthest(pbwm3__work *w, pbwm3__far *far, size_t count, double *least)
+{
+    pbwsf__array room;
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i;
+    memset(&room, 0, sizeof room);
+    if (pbwsf__resize(&w->memory, &room, (count + 1) * sizeof(double))) {
+        far->distance = (double *)room.data;
+        status = pbw_for(&w->options, count, 64, pbwm3__far_range, far);
+        for (i = 0; status == PBW_OK && i < count; i++) {
+            *least = fmax(*least, far->distance[i]);
+        }
+    }
+    pbwsf__release(&w->memory, &room);
+    return status;
 }
 
 static void pbwm3__note_places(pbw_solid_report *r, const pbwm3__topology *top, const pbw_tets *out)
@@ -2796,7 +3103,9 @@ static pbw_status pbwm3__report_on(pbwm3__work *w, const pbw_tets *out, const pb
     const pbw_index *facet = (const pbw_index *)facets->data;
     pbwm3__topology top;
     pbw_surface boundary;
+    pbwm3__far far;
     pbw_status status = PBW_ERROR_MEMORY;
+    double distance = 0;
     memset(&top, 0, sizeof top);
     memset(&boundary, 0, sizeof boundary);
     r->facets = facets->count;
@@ -2808,9 +3117,17 @@ static pbw_status pbwm3__report_on(pbwm3__work *w, const pbw_tets *out, const pb
         r->bad_points = top.bad_points;
         r->euler = top.euler;
         pbwm3__note_places(r, &top, out);
-        r->distance = pbwm3__farthest(out->points, facet, facets->count, &w->surface, 0);
-        r->distance = pbwm3__farthest(w->surface.points, w->surface.triangles, w->surface.triangle_count, &boundary,
-                                      r->distance) / w->size;
+        far.points = out->points;
+        far.triangles = facet;
+        far.surface = &w->surface;
+        status = pbwm3__farthest(w, &far, facets->count, &distance);
+    }
+    if (status == PBW_OK) {
+        far.points = w->surface.points;
+        far.triangles = w->surface.triangles;
+        far.surface = &boundary;
+        status = pbwm3__farthest(w, &far, w->surface.triangle_count, &distance);
+        r->distance = distance / w->size;
     }
     pbw_surface_free(&boundary);
     pbwsf__release(&w->memory, &top.edges);
@@ -2870,7 +3187,7 @@ static pbw_status pbwm3__take_input(pbwm3__work *w)
     if (pbwsf__distance(w->low, w->high) / w->size > 1e5) {
         return PBW_ERROR_TOO_LARGE;
     }
-    status = in->value != NULL ? pbwm3__take_function(w, in) : pbwm3__take_triangles(w, in);
+    status = in->value != NULL ? pbwm3__take_function(w) : pbwm3__take_triangles(w, in);
     if (status != PBW_OK && status != PBW_DEGENERATE) {
         return status;
     }
@@ -2918,7 +3235,7 @@ static void pbwm3__free(pbwm3__work *w)
     pbwsf__array *const arrays[] = { &w->field, &w->vertices, &w->triangles, &w->origin, &w->shell, &w->shells,
                                      &w->holes, &w->x, &w->kind, &w->part, &w->patch, &w->sets, &w->members, &w->set,
                                      &w->heads, &w->links, &w->pieces, &w->chains, &w->path, &w->centre, &w->label,
-                                     &w->extra, &w->corners, &w->marks, &w->regions };
+                                     &w->wants, &w->extra, &w->corners, &w->marks, &w->regions };
     size_t i;
     pbw_free(&w->mesh);
     pbw_surface_free(&w->surface);

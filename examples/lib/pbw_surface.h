@@ -13,7 +13,9 @@
 
    HOW
    Boxes in a binary tree over the triangles in the order of a Hilbert curve: leaves of four triangles, all levels
-   complete, so that no links are needed.  Queries write nothing: any number of threads may run them.
+   complete, so that no links are needed.  Queries write nothing: any number of threads may run them at once on one
+   surface.  pbw_mesh3.h and pbw_improve.h do so unless options.threads is 1, and call `value`, `project` and size
+   callbacks from several threads at once.
 
    PROMISES  (tests/test_improve.c guards them)
      inside      exact for a closed surface: the parity of a ray is counted by exact signs, and a ray through edges or
@@ -430,7 +432,8 @@ static double pbwsf__box_distance(const pbwsf__box *box, const double *p)
     double sum = 0;
     int k;
     for (k = 0; k < 3; k++) {
-        const double d = p[k] < box->low[k] ? box->low[k] - p[k] : p[k] > box->high[k] ? p[k] - box->high[k] : 0;
+        const double under = box->low[k] - p[k], over = p[k] - box->high[k], out = under > over ? under : over;
+        const double d = out > 0 ? out : 0;
         sum += d * d;
     }
     return sum;
@@ -479,20 +482,18 @@ PBWSURFACEDEF pbw_index pbw_surface_closest(const pbw_surface *surface, const do
     return found;
 }
 
-/* Where the segment a + t d, 0 <= t <= most, meets the box; HUGE_VAL: nowhere. */
-static double pbwsf__box_meets(const pbwsf__box *box, const double *a, const double *d, double most)
+/* Where the segment a + t d, 0 <= t <= most, meets the box, or before; HUGE_VAL: nowhere.  per[k]: 1 / d[k]; 0 if
+   d[k] is tiny, and 1e100 if it is zero, as a is between the sides then or nowhere. */
+static double pbwsf__box_meets(const pbwsf__box *box, const double *a, const double *per, double most)
 {
     double from = 0, to = most;
     int k;
     for (k = 0; k < 3; k++) {
-        if (fabs(d[k]) > 0) {
-            const double x = (box->low[k] - a[k]) / d[k], y = (box->high[k] - a[k]) / d[k];
-            const double slack = 1e-14 * (fabs(x) + fabs(y));
-            from = fmax(from, fmin(x, y) - slack);
-            to = fmin(to, fmax(x, y) + slack);
-        } else if (a[k] < box->low[k] || a[k] > box->high[k]) {
-            return HUGE_VAL;
-        }
+        const double x = (box->low[k] - a[k]) * per[k], y = (box->high[k] - a[k]) * per[k];
+        const double slack = 1e-14 * (fabs(x) + fabs(y));
+        const double enter = (x < y ? x : y) - slack, leave = (x < y ? y : x) + slack;
+        from = enter > from ? enter : from;
+        to = leave < to ? leave : to;
     }
     return from <= to && box->low[0] <= box->high[0] ? from : HUGE_VAL;
 }
@@ -526,22 +527,35 @@ PBWSURFACEDEF pbw_index pbw_surface_meets(const pbw_surface *surface, const doub
     const pbwsf__tree *tree = (const pbwsf__tree *)surface->memory;
     const pbwsf__box *box = PBWSF__BOXES(tree);
     const pbw_index *order = (const pbw_index *)tree->order.data;
-    size_t stack[PBWSF__DEPTH], k;
-    double d[3], best = 1;
+    struct { size_t node; double from; } stack[PBWSF__DEPTH];
+    double per[3], best = 1;
     pbw_index found = PBW_NONE;
+    size_t k;
     int depth = 1;
-    pbwsf__minus(b, a, d);
-    stack[0] = 0;
+    for (k = 0; k < 3; k++) {
+        const double d = b[k] - a[k];
+        per[k] = fabs(d) > 1e-100 ? 1 / d : fabs(d) > 0 ? 0 : 1e100;
+    }
+    stack[0].node = 0;
+    stack[0].from = pbwsf__box_meets(box, a, per, best);
     while (depth > 0) {
-        const size_t i = stack[--depth];
-        if (pbwsf__box_meets(box + i, a, d, best) > best) {
+        const size_t i = stack[--depth].node;
+        if (stack[depth].from > best) {
             continue;
         }
-        if (i < tree->first_leaf) {
-            const int turned = pbwsf__box_meets(box + 2 * i + 1, a, d, best)
-                             > pbwsf__box_meets(box + 2 * i + 2, a, d, best);
-            stack[depth++] = turned ? 2 * i + 1 : 2 * i + 2;
-            stack[depth++] = turned ? 2 * i + 2 : 2 * i + 1;
+        if (i < tree->first_leaf) {                          /* the nearer child is taken first */
+            const double left = pbwsf__box_meets(box + 2 * i + 1, a, per, best);
+            const double right = pbwsf__box_meets(box + 2 * i + 2, a, per, best);
+            const size_t turned = left > right;
+            const double later = turned ? left : right;
+            if (later <= best) {
+                stack[depth].node = 2 * i + 2 - turned;
+                stack[depth++].from = later;
+            }
+            if ((turned ? right : left) <= best) {
+                stack[depth].node = 2 * i + 1 + turned;
+                stack[depth++].from = turned ? right : left;
+            }
             continue;
         }
         for (k = (i - tree->first_leaf) * PBWSF__LEAF;
@@ -576,7 +590,12 @@ static int pbwsf__is_below(const pbw_surface *s, pbw_index triangle, const doubl
 {
     const double *a = pbwsf__corner(s, triangle, 0), *b = pbwsf__corner(s, triangle, 1);
     const double *c = pbwsf__corner(s, triangle, 2);
-    const int first = pbwsf__side(a, b, p);
+    int first;
+    if ((p[0] < a[0] && p[0] < b[0] && p[0] < c[0]) || (p[0] > a[0] && p[0] > b[0] && p[0] > c[0])
+        || (p[1] < a[1] && p[1] < b[1] && p[1] < c[1]) || (p[1] > a[1] && p[1] > b[1] && p[1] > c[1])) {
+        return 0;
+    }
+    first = pbwsf__side(a, b, p);
     return first != 0 && first == pbwsf__side(b, c, p) && first == pbwsf__side(c, a, p)
         && pbw_orient3(a, b, c, p) == -first ? first : 0;
 }

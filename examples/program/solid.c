@@ -57,7 +57,8 @@ static void warn_of(const job *j, const pbw_solid_report *r)
              r->rounds);
     }
     if (r->missing_edges > 0) {
-        warn(j, "%zu piece%s of sharp edges missing", r->missing_edges, r->missing_edges == 1 ? " is" : "s are");
+        warn(j, "%zu piece%s of sharp edges %s missing", r->missing_edges, r->missing_edges == 1 ? "" : "s",
+             r->missing_edges == 1 ? "is" : "are");
     }
     if (r->bad_edges + r->bad_points > 0) {
         warn(j, "the boundary is no manifold at %zu edge%s and %zu point%s; the first places:", r->bad_edges,
