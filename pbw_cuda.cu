@@ -2281,11 +2281,12 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
     return true;
 }
 
-/* Inserts a point into the star of a warp.  With exact tests it must stay a call: inlined into the search and
-   compiled by CUDA 13.0 for sm_90 it builds wrong stars, and tests of the zoo fail.  The cause is not found.  ptxas
-   -O1 makes right code of the same PTX, and so does -O3 if fan alone is a call.  These leave it wrong: barriers
-   around the insertion and inside it, exact tests by one lane at a time, digit loops that are not unrolled, unfused
-   arithmetic, twice the registers.  Count, result and candidates are uniform throughout. */
+/* Inserts a point into the star of a warp.  With exact tests it must stay a call: inlined into the search of a star
+   in shared memory, the last loop of fan is compiled wrongly for sm_90 by ptxas V13.0.88 at -O2 and -O3.  The PTX is
+   right: count = count - 1, then triangle[count] and sphere[count] move into the hole.  ptxas takes both addresses
+   from the old count, with offsets of -4 and -16 bytes, but gives the old and the new count one register and
+   decrements that first, so that the simplex before the last one moves.  As a call it gives them two registers.
+   Inlined, most of the zoo in cuda_test fails. */
 template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v, uint32_t id,
                              const place<REAL> &p, int &count, unsigned walls, pbw__digit *pool)
