@@ -58,7 +58,8 @@ help:
 	@echo 'make bench       compares speed and memory with rivals that are installed (bench/bench.mk)'
 	@echo 'make bench-cells Voronoi cells per second, beside voro++'
 	@echo 'make bench-plane plane domains, beside CGAL'
-	@echo 'make bench-live  insert, remove and move, beside CGAL'
+	@echo 'make bench-domains  30 and 33 degrees on all plane domains of the tests'
+	@echo 'make bench-live  insert, remove and move, beside CGAL; make bench-live-goals  beside what is demanded'
 	@echo 'make bench-scaling  queries, cells, live batches and solids on more and more threads'
 	@echo 'make oracle      compares with CGAL            make names   names, warnings, copies, documentation'
 	@echo 'make asm         looks for fused operations    make arm     64-bit Arm, in an emulator'
@@ -66,7 +67,7 @@ help:
 	@echo 'make clean       removes $B/'
 	@echo 'make asan ubsan tsan valgrind                  the test programs under sanitizers;  sanitize: asan and ubsan'
 	@echo 'make fuzz        fuzzers, TIME=60 each         make fuzz-long  ten million random small inputs'
-	@echo 'make fuzz-plane  a million random small plane domains, and a million crossings'
+	@echo 'make fuzz-plane  a million random small plane domains, the table in full, a million crossings'
 	@echo 'make fuzz-cells  a million small inputs with cells in boxes, half-spaces, polygons, periodic boxes'
 	@echo 'CC=clang CXX=clang++ CFLAGS=-O3 B=build/clang  for any of them;  COUNT=n random inputs in tests'
 

@@ -92,6 +92,15 @@ build/bench_plane: bench/plane.cpp pbw.h examples/lib/pbw_mesh2.h examples/lib/p
 bench-plane: build/bench_plane
 	$< $(ARGS)
 
+# Plane domains of tests/domains.h, refined: bench/domains.c;  ARGS="wedge comb" for some of them
+build/bench_domains: bench/domains.c tests/domains.h $(HEADERS)
+	@mkdir -p build
+	$(BENCH_C) -I. -Iexamples/lib -Itests $< -o $@ -lpthread -lm
+
+.PHONY: bench-domains
+bench-domains: build/bench_domains
+	$< $(ARGS)
+
 # Solids beside CGAL, Gmsh and TetGen: bench/solid.cpp;  make bench-solid MODEL=part.off SIZES="0.1 0.05"
 build/bench_solid: bench/solid.cpp examples/lib/pbw_surface.h examples/lib/pbw_improve.h examples/lib/pbw_mesh3.h \
     $(BENCH_INPUTS)
@@ -151,3 +160,12 @@ build/bench_live: bench/live.cpp $(BENCH_INPUTS)
 .PHONY: bench-live
 bench-live: build/bench_live
 	$< $(POINTS)
+
+# Each number that is demanded of live triangulations, and whether it is reached: bench/live.c
+build/bench_live_goals: bench/live.c examples/swarm.h $(HEADERS)
+	@mkdir -p build
+	$(BENCH_C) -D_POSIX_C_SOURCE=200809L -I. -Iexamples/lib $< -o $@ $(LIBS)
+
+.PHONY: bench-live-goals
+bench-live-goals: build/bench_live_goals
+	$< $(ARGS)

@@ -5,7 +5,8 @@
 #   ten     8 ranks of 10,000,000 points: halo and memory
 #   halo    64 ranks, the work of 8 of them, of which one has others on all sides
 #   core    out of core, within LIMIT (default 24G), without links: 75 x COUNT points, or what the disk has room for
-# PART: some of these, by default all.  SCRATCH: a folder for points and meshes, on a disk; POINTS: another for points.
+# PART: some of these, by default all.  SCRATCH: a folder for points and meshes, on a disk; POINTS: another for points;
+# FILES: another for the scratch files of pbw tiles.
 # MPIRUN: the launcher.
 bin=$(cd "$1" && pwd) || exit 2
 count=${2:-4000000} scratch=${3:-$bin/ranks}
@@ -18,14 +19,15 @@ OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 export OMPI_ALLOW_RUN_AS_ROOT OMPI_ALLOW_RUN_AS_ROOT_CONFIRM
 [ "$(getconf _NPROCESSORS_ONLN)" -ge 16 ] && OMPI_MCA_mpi_yield_when_idle=0 && export OMPI_MCA_mpi_yield_when_idle
 
-# The best of three lines by the sum of the seconds of all phases but reading; adds that sum.
+# The best of some lines by the sum of the seconds of all phases but reading; adds that sum.
 best() {
-    awk '/ resumed: / { line = $0; sub(/.*seconds: /, ""); gsub(/[a-z,]/, "")
-                      sum = $2 + $3 + $4 + $5 + $6
+    awk '/ ranks?, | threads?: / { line = $0; sub(/.*seconds: /, ""); sub(/read [0-9.]*,/, ""); gsub(/[a-z,]/, "")
+                      sum = 0
+                      for (i = 1; i <= NF; i++) sum += $i
                       if (found == "" || sum < least) { least = sum; found = line }
                       next }
          { print }
-         END { if (found != "") printf "%s; all but read %.2f\n", found, least }'
+         END { if (found != "") printf "%s; sum %.2f\n", found, least }'
 }
 run_ranks() {   # run_ranks RANKS THREADS POINTS-FILE TIMES
     seq "$4" | while read -r _; do
@@ -34,15 +36,16 @@ run_ranks() {   # run_ranks RANKS THREADS POINTS-FILE TIMES
 }
 
 core() {    # core POINTS: 24 bytes a point of input, 44 of scratch files, 146 of simplices and points
-    each=190
-    [ "$folder" = "$scratch" ] && each=214
+    each=146
+    [ -z "$FILES" ] && each=$((each + 44))
+    [ "$folder" = "$scratch" ] && each=$((each + 24))
     room=$(df -Pk "$scratch" | awk -v each=$each 'END { printf "%.0f", $4 * 1024 * 0.97 / each }')
     n=$1
     [ "$n" -gt "$room" ] && n=$room
     "$bin/bench_ranks" --write "$points" "$n" || exit 1
     start=$(date +%s)
     "$bin/pbw" tiles --memory-limit "${LIMIT:-24G}" --tiles 96 --no-links "$points" -o "$scratch/mesh.pbwt" \
-        > "$scratch/log" 2>&1 &
+        --scratch "${FILES:-$scratch/files}" > "$scratch/log" 2>&1 &
     while kill -0 $! 2> /dev/null; do
         sed -n 's/^VmHWM: */resident at most: /p' /proc/$!/status > "$scratch/now" 2> /dev/null
         [ -s "$scratch/now" ] && mv "$scratch/now" "$scratch/most"
@@ -51,7 +54,7 @@ core() {    # core POINTS: 24 bytes a point of input, 44 of scratch files, 146 o
     wait $!
     echo "status $?, $(($(date +%s) - start)) s"
     cat "$scratch/most"
-    sed -n '1p; 2p' "$scratch/log"
+    sed -n '1p; 2p; 50p' "$scratch/log"
     tail -n 3 "$scratch/log"
     ls -l "$scratch/mesh.pbwt"
 }
@@ -62,7 +65,9 @@ for part in $parts; do
     ranks)
         for n in 2 4 8 16; do
             "$bin/bench_ranks" --write "$points" $((count * n)) || exit 1
-            "$bin/bench_ranks" "$points" $n 3
+            for _ in 1 2 3; do           # of a process of its own each, as ranks are
+                "$bin/bench_ranks" "$points" $n
+            done | best
             run_ranks $n 1 "$points" 3
         done
         run_ranks 2 8 "$points" 2
@@ -79,4 +84,4 @@ for part in $parts; do
         exit 2 ;;
     esac
 done
-rm -rf "$points" "$scratch/mesh.pbwt" "$scratch/mesh.pbwt.scratch" "$scratch/log" "$scratch/now" "$scratch/most"
+rm -rf "$points" "$scratch/mesh.pbwt" "${FILES:-$scratch/files}" "$scratch/log" "$scratch/now" "$scratch/most"

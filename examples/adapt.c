@@ -140,7 +140,7 @@ int main(void)
         status = pbw_plane_adapt(&next, work + 4 * n, NULL, &options, &p, NULL);
         free(old);
     }
-    power = log(error[ROUNDS - 1] / error[3]) / log(unknowns[ROUNDS - 1] / unknowns[3]);
+    power = log(error[ROUNDS - 1] / error[5]) / log(unknowns[ROUNDS - 1] / unknowns[5]);
     printf("power %.1f\n", power);
     free(work);
     pbw_plane_free(&next);

@@ -17,7 +17,6 @@
 #include <signal.h>
 
 typedef struct slice { pbwt_point *point; uint64_t first, count; } slice;
-
 static const char *argument(int argc, char **argv, const char *name)
 {
     int i = 1;
@@ -90,11 +89,13 @@ static void print_report(const pbwm_report *r, int ranks, double read)
 {
     const double points = r->points > 0 ? (double)r->points : 1, *t = r->seconds;
     printf("%d ranks, %.0f resumed: %.0f points, %.0f simplices, hash %016llx, halo %.1f %%, %.0f rounds, "
-           "%.1f bytes a point, imbalance %.3f, %.0f given up, memory %.0f bytes an own point; seconds: read %.2f, "
-           "partition %.2f, tiles %.2f, leftovers %.2f, links %.2f, write %.2f\n", ranks, (double)r->resumed,
-           (double)r->points, (double)r->simplices, (unsigned long long)r->hash, 100 * (double)r->halo / points,
-           (double)r->rounds, (double)r->sent_bytes / points, (double)r->largest * ranks / points,
-           (double)r->given_up, (double)r->memory * ranks / points, read, t[0], t[1], t[2], t[3], t[4]);
+           "%.1f bytes a point, imbalance %.3f, %.0f given up, memory %.0f bytes an own point, tiles busy %.2f to "
+           "%.2f (mean %.2f) s; seconds: read %.2f, partition %.2f, trees %.2f, halo %.2f, build %.2f, rounds %.2f, "
+           "leftovers %.2f, links %.2f, write %.2f\n", ranks, (double)r->resumed, (double)r->points,
+           (double)r->simplices, (unsigned long long)r->hash, 100 * (double)r->halo / points, (double)r->rounds,
+           (double)r->sent_bytes / points, (double)r->largest * ranks / points, (double)r->given_up,
+           (double)r->memory * ranks / points, r->busy[0], r->busy[2], r->busy[1], read,
+           t[0], t[1], t[2], t[3], t[4], t[5], t[6], t[7]);
 }
 
 int main(int argc, char **argv)
@@ -122,8 +123,7 @@ int main(int argc, char **argv)
     if (input != NULL) {
         status = read_slice(input, rank, ranks, &options, &mine, report.text);
     } else {
-        mine.count = number(argc, argv, "--generate");
-        mine.first = mine.count * (uint64_t)rank;
+        mine.first = (mine.count = number(argc, argv, "--generate")) * (uint64_t)rank;
         status = mine.count > 0 ? generate(&mine, options.dim) : PBW_ERROR_ARGUMENT;
         snprintf(report.text, 400, mine.count > 0 ? "rank %d: no memory for its points"
                  : "usage: mpi points.bin [-o mesh.pbwt], or mpi --generate N; see mpi.c", rank);

@@ -45,6 +45,7 @@ ifneq ($(CUDA_SANITIZER),)
 	$(CUDA_SANITIZER) --tool racecheck --error-exitcode 1 $B/cuda_test --filter grids --count 3
 	$(CUDA_SANITIZER) --tool synccheck --error-exitcode 1 $B/cuda_test --filter grids --count 3
 	$(CUDA_SANITIZER) --tool initcheck --error-exitcode 1 $B/cuda_test --filter grids --count 3
+	$(CUDA_SANITIZER) --tool initcheck --error-exitcode 1 $B/cuda_test --filter 'loop: 3D hidden'
 endif
 	$B/gpu | diff - examples/expected/gpu.txt
 endif

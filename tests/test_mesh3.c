@@ -80,7 +80,7 @@ static int is_sound(const pbw_tets *t)
     return sound && orphans == 0;
 }
 
-/* A solid with a known volume: settled, a manifold, good angles. */
+/* A solid with a known volume: settled, a manifold, near the surface, good angles. */
 static void check_good(const pbw_solid_input *in, double size, double volume, long euler, double least)
 {
     pbw_solid_options how;
@@ -96,8 +96,8 @@ static void check_good(const pbw_solid_input *in, double size, double volume, lo
     CHECK_EQUAL(r.settled, 1);
     CHECK_EQUAL(r.bad_edges + r.bad_points + r.missing_edges + r.open_edges + r.crowded_edges, 0);
     CHECK_EQUAL(r.euler, euler);
-    CHECK(fabs(r.improve.after.volume - volume) < 0.03 * volume);
-    CHECK(r.distance < 0.3);
+    CHECK(fabs(r.improve.after.volume - volume) < (size > 0.2 ? 0.06 : 0.03) * volume);
+    CHECK(r.distance <= 0.15);
     CHECK(r.improve.after.least > least && r.improve.after.largest < 180 - least);
     if (r.bad_edges + r.bad_points + r.missing_edges > 0) {
         test_say("%zu bad edges, %zu bad points, %zu missing edges", r.bad_edges, r.bad_points, r.missing_edges);
@@ -124,6 +124,8 @@ static void test_functions(void)
         check_good(&in, 0.15, 4 * PARTS_PI / 3 * 0.875, 4, 26);
         in = input_by(torus);
         check_good(&in, 0.15, 2 * PARTS_PI * PARTS_PI * 0.1225, 0, 26);
+        check_good(&in, 0.24, 2 * PARTS_PI * PARTS_PI * 0.1225, 0, 26);      /* edges across the hole bend the most */
+        check_good(&in, 0.3, 2 * PARTS_PI * PARTS_PI * 0.1225, 0, 26);
         test_end();
     }
 }

@@ -127,6 +127,8 @@ typedef struct pbw_improve_options {       /* NULL or all zero = best defaults *
        boundary. */
     void (*project)(void *user, double point[3]);
     void *project_user;
+    double distance;                       /* of boundary facets from the surface, at their middles and those of their
+                                              edges, at most; where they are farther, they come no farther; 0 = any */
     const double *sizes;                   /* per point of the input, how long edges shall be there; NULL = as they
                                               are.  Features get points, and lose none */
     int rounds;                            /* of the smoother before the passes, at most */
@@ -521,6 +523,7 @@ enum {
 };
 #define PBWIM__GAIN 1e-3                   /* of the least sine, below which no operation is worth it */
 #define PBWIM__PROGRESS 0.1                /* of what lacks to the target, below which no smoothing is worth it */
+#define PBWIM__ROOM 0.7                    /* of the distance that boundary facets may have: kept at first */
 #define PBWIM__BEND 0.90630778703665       /* cos 25 degrees: by more, boundary facets do not turn */
 
 typedef struct pbwim__mesh {
@@ -528,6 +531,7 @@ typedef struct pbwim__mesh {
     const pbw_options *options;
     void (*project)(void *user, double point[3]);
     void *project_user;
+    double distance;                       /* of boundary facets from the surface, at most */
     /* per point */
     pbwsf__array x, star, mark, touched, original, size;   /* size: only if there are sizes */
     pbwsf__array joint;                    /* of the input's points: 1 where tetrahedra meet with no facet between */
@@ -867,6 +871,36 @@ static int pbwim__walk(const pbwim__mesh *m, pbw_index t, pbwim__ring *ring)
     return 0;
 }
 
+/* Returns the largest distance from the surface of a triangle's middle and its edges' middles, or `least`. */
+static double pbwim__farthest(const pbwim__mesh *m, const double *a, const double *b, const double *c, double least)
+{
+    static const double share[4][3] = { { 1.0 / 3, 1.0 / 3, 1.0 / 3 }, { 0.5, 0.5, 0 }, { 0, 0.5, 0.5 },
+                                        { 0.5, 0, 0.5 } };
+    int i, k;
+    for (i = 0; i < 4; i++) {
+        double p[3], place[3];
+        for (k = 0; k < 3; k++) {
+            p[k] = place[k] = share[i][0] * a[k] + share[i][1] * b[k] + share[i][2] * c[k];
+        }
+        m->project(m->project_user, place);
+        least = fmax(least, pbwsf__distance(p, place));
+    }
+    return least;
+}
+
+/* Whether the facets at the edge between an open ring's ends would be near the surface. */
+static int pbwim__flips_near(const pbwim__mesh *m, const pbwim__ring *ring)
+{
+    const double *a = PBWIM__X(m, ring->a), *b = PBWIM__X(m, ring->b), *first = PBWIM__X(m, ring->corner[0]);
+    const double *last = PBWIM__X(m, ring->corner[ring->corners - 1]);
+    double after;
+    if (!(m->distance > 0)) {
+        return 1;
+    }
+    after = pbwim__farthest(m, a, last, first, pbwim__farthest(m, b, first, last, 0));
+    return after <= m->distance || after <= pbwim__farthest(m, a, b, first, pbwim__farthest(m, b, a, last, 0));
+}
+
 /* Whether the boundary edge of an open ring lies within a smooth part, where it may give way to the edge between the
    ring's ends; and whether the facets there would be smooth too. */
 static int pbwim__may_flip(pbwim__mesh *m, const pbwim__ring *ring)
@@ -892,7 +926,7 @@ static int pbwim__may_flip(pbwim__mesh *m, const pbwim__ring *ring)
     count = pbwim__star_of(m, first, star);                  /* is there such an edge already? */
     for (i = 0; i < count && pbwim__place(m, star[i], last) == 4; i++) {
     }
-    return count > 0 && i == count;
+    return count > 0 && i == count && pbwim__flips_near(m, ring);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1139,6 +1173,38 @@ static void pbwim__cone_of(const pbwim__mesh *m, pbw_index p, const pbw_index *s
     cone->count = count;
 }
 
+/* Returns the largest distance from the surface of the boundary facets at p, were p at x. */
+static double pbwim__farthest_at(const pbwim__mesh *m, pbw_index p, const double *x, const pbw_index *star, int count)
+{
+    double most = 0;
+    int i, k, j;
+    for (i = 0; i < count; i++) {
+        const pbw_index *c = PBWIM__CORNER(m, star[i]);
+        for (k = 0; k < 4; k++) {
+            if (c[k] != p && PBWIM__NEXT(m, star[i])[k] == PBW_NONE) {
+                const double *corner[3];
+                for (j = 0; j < 3; j++) {
+                    const pbw_index v = c[pbwim__opposite[k][j]];
+                    corner[j] = v == p ? x : PBWIM__X(m, v);
+                }
+                most = pbwim__farthest(m, corner[0], corner[1], corner[2], most);
+            }
+        }
+    }
+    return most;
+}
+
+/* Whether the boundary stays near the surface where p moves to x. */
+static int pbwim__moves_near(const pbwim__mesh *m, pbw_index p, const double *x, const pbw_index *star, int count)
+{
+    double after;
+    if (!(m->distance > 0)) {
+        return 1;
+    }
+    after = pbwim__farthest_at(m, p, x, star, count);
+    return after <= m->distance || after <= pbwim__farthest_at(m, p, PBWIM__X(m, p), star, count);
+}
+
 static int pbwim__smooth(pbwim__mesh *m, pbw_index p)
 {
     pbw_index star[PBWIM__MOST];
@@ -1163,7 +1229,8 @@ static int pbwim__smooth(pbwim__mesh *m, pbw_index p)
     memcpy(before, PBWIM__X(m, p), sizeof before);
     memcpy(x, before, sizeof x);
     if (pbwim__climb(m, &cone, slides ? normal : NULL, worst, x)
-        <= worst + fmax(PBWIM__GAIN, PBWIM__PROGRESS * (m->target - worst))) {
+        <= worst + fmax(PBWIM__GAIN, PBWIM__PROGRESS * (m->target - worst))
+        || (slides && !pbwim__moves_near(m, p, x, star, count))) {
         return 0;
     }
     memcpy(PBWIM__X(m, p), x, sizeof x);
@@ -1223,6 +1290,20 @@ static int pbwim__is_loose(pbwim__mesh *m, pbw_index t)
     return count > 0;
 }
 
+/* Whether the facets beneath the boundary facets of t are near the surface. */
+static int pbwim__peels_near(const pbwim__mesh *m, pbw_index t)
+{
+    const pbw_index *c = PBWIM__CORNER(m, t);
+    double before = 0, after = 0;
+    int i;
+    for (i = 0; i < 4 && m->distance > 0; i++) {
+        const int *o = pbwim__opposite[i];
+        double *most = PBWIM__NEXT(m, t)[i] == PBW_NONE ? &before : &after;
+        *most = pbwim__farthest(m, PBWIM__X(m, c[o[0]]), PBWIM__X(m, c[o[1]]), PBWIM__X(m, c[o[2]]), *most);
+    }
+    return after <= fmax(m->distance, before);
+}
+
 /* Takes off a tetrahedron at the boundary, if its facets there and those beneath are nearly one plane. */
 static int pbwim__peel(pbwim__mesh *m, pbw_index t)
 {
@@ -1246,7 +1327,7 @@ static int pbwim__peel(pbwim__mesh *m, pbw_index t)
             }
         }
     }
-    if (!pbwim__is_loose(m, t)) {
+    if (!pbwim__is_loose(m, t) || !pbwim__peels_near(m, t)) {
         return 0;
     }
     change.olds = 1;
@@ -1400,7 +1481,8 @@ static int pbwim__contract_to(pbwim__mesh *m, pbw_index t, pbw_index p, pbw_inde
         }
     }
     if (change.news == 0 || !pbwim__is_sound(m, &change) || pbwim__loses_corner(m, &change, p)
-        || (slides && !pbwim__may_slide_to(m, p, q, change.old, change.olds))
+        || (slides && (!pbwim__may_slide_to(m, p, q, change.old, change.olds)
+                       || !pbwim__moves_near(m, p, PBWIM__X(m, q), change.old, change.olds)))
         || !pbwim__is_linked_once(m, q, &ring, &cone)) {
         return 0;
     }
@@ -2611,6 +2693,14 @@ static double pbwim__badness(const pbwim__mesh *m)
     return bad * (1 - least);
 }
 
+/* Once passes gain no more, lets the boundary come as far from the surface as it may; first it keeps to less. */
+static int pbwim__gives_room(pbwim__mesh *m, const pbw_improve_options *how)
+{
+    const int gives = how != NULL && m->distance < how->distance;
+    m->distance = gives ? how->distance : m->distance;
+    return gives;
+}
+
 /* Passes end, too, when eight of them changed the badness by less than 3 %. */
 static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
 {
@@ -2628,7 +2718,7 @@ static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
         status = pbwim__smooth_all(m, how, end);
         done[0] = 0.5;
     }
-    while (status == PBW_OK && m->report->passes < most && (changes > 0 || !all)) {
+    while (status == PBW_OK && m->report->passes < most && (changes > 0 || !all || pbwim__gives_room(m, how))) {
         all = m->report->passes % 4 == 3 || changes * 5 < m->queue.count || changes == 0;
         done[1] = done[0] + (1 - done[0]) / 8;
         status = pbwim__pass(m, all, done, end, &changes);
@@ -2636,7 +2726,7 @@ static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
         m->report->passes++;
         if (m->report->passes % 8 == 0) {
             const double now = pbwim__badness(m);
-            if (now > 0.97 * bad) {
+            if (now > 0.97 * bad && !pbwim__gives_room(m, how)) {
                 break;
             }
             bad = now;
@@ -2822,6 +2912,7 @@ PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_opt
     m.options = options;
     m.project = how != NULL ? how->project : NULL;
     m.project_user = how != NULL ? how->project_user : NULL;
+    m.distance = how != NULL ? PBWIM__ROOM * how->distance : 0;
     m.sized = how != NULL && how->sizes != NULL;
     m.target = sin(target / 57.295779513082321);
     m.report = report;

@@ -90,7 +90,8 @@ typedef struct pbw_solid_options {         /* NULL or all zero = best defaults *
     int nested;                            /* 1: shells inside of others bound regions; 0: every second is a cavity */
     double feature_angle;                  /* degrees: edges whose normals differ by more are sharp; 0 = 40; functions
                                               have none */
-    double distance;                       /* facets farther from the surface, in sizes, get points; 0 = 0.1 */
+    double distance;                       /* facets farther from the surface, in sizes, get points, and improvement
+                                              keeps them within 1.48 times that; 0 = 0.1 */
     int rounds;                            /* at most; 0 = 16 */
     pbw_improve_options improve;           /* target < 0: no improvement */
 } pbw_solid_options;
@@ -2119,6 +2120,12 @@ static int pbwm3__label_of(const pbwm3__work *w, pbw_index t)
     return t != PBW_NONE ? PBWM3__LABEL(w)[t] : 0;
 }
 
+static int pbwm3__is_near(const pbwm3__work *w, const double p[3])
+{
+    double place[3];
+    return pbw_surface_closest(&w->surface, p, w->distance * pbwm3__size(w, p), place) != PBW_NONE;
+}
+
 /* Where facet i of t is to get a point; returns 0 if nowhere.  Points inside are no corners of the boundary.  Facets
    between two sides of the surface are no part of it, wherever their dual segments are; on the boundary they cut a
    sharp edge off. */
@@ -2126,7 +2133,7 @@ static int pbwm3__facet_wants(const pbwm3__work *w, size_t t, int i, pbwm3__wish
 {
     const pbw_index n = w->mesh.neighbors[4 * t + (size_t)i], *c = w->mesh.simplices + 4 * t;
     const int inner = pbwm3__label_of(w, (pbw_index)t), outer = pbwm3__label_of(w, n);
-    double where = 0, place[3], *p = wish->p;
+    double where = 0, *p = wish->p;
     pbw_index f[3], met;
     int k, bridge;
     for (k = 0; k < 3; k++) {
@@ -2149,9 +2156,13 @@ static int pbwm3__facet_wants(const pbwm3__work *w, size_t t, int i, pbwm3__wish
         wish->inside = PBWM3__KIND(w)[f[k]] == PBWM3__INSIDE ? f[k] : wish->inside;
         p[k] = (PBWM3__X(w, f[0])[k] + PBWM3__X(w, f[1])[k] + PBWM3__X(w, f[2])[k]) / 3;
     }
-    return inner != outer
-        && (bridge || wish->inside != PBW_NONE
-            || pbw_surface_closest(&w->surface, p, w->distance * pbwm3__size(w, p), place) == PBW_NONE);
+    if (inner == outer || bridge || wish->inside != PBW_NONE) {
+        return inner != outer;
+    }
+    for (i = 0; i < 3 && pbwm3__is_near(w, p); i++) {        /* its middle, and those of its edges */
+        pbwsf__between(PBWM3__X(w, f[i]), PBWM3__X(w, f[(i + 1) % 3]), 0.5, p);
+    }
+    return i < 3 || !pbwm3__is_near(w, p);
 }
 
 /* Adds the point of the surface nearest to p unless others are near; it takes the place of a near one inside.
@@ -2583,6 +2594,7 @@ static pbw_status pbwm3__finish(pbwm3__work *w, pbw_tets *out)
     improve.feature_angle = improve.feature_angle > 0 ? improve.feature_angle : 75;      /* features are marked */
     improve.project = pbwm3__project;
     improve.project_user = w;
+    improve.distance = improve.distance > 0 ? improve.distance : 1.48 * w->distance * w->size;
     improve.passes = improve.target < 0 ? -1 : improve.passes;
     improve.target = improve.target < 0 ? 0 : improve.target;
     own.progress = pbwm3__last_part;

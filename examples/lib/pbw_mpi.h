@@ -16,7 +16,7 @@
    HOW
    Points travel to the rank whose brick has them (a sorted sample of all ranks gives the cuts); then each rank works
    through pbw_tiles.h: asks, answers, takes; rank 0 triangulates the leftovers; facets meet their other side at the
-   rank that owns their vertex of the smallest id.  Messages go to ranks that have something to say to each other only.
+   rank that owns their vertex of the smallest id.  Ranks send messages to those only that need them.
 
    PROMISES  (tests/tiles.sh guards them)
      exact       the simplices, links and hash of one machine, for any number of ranks
@@ -68,7 +68,10 @@ typedef struct pbwm_options {              /* all zero = best defaults */
     void *taken_user;
 } pbwm_options;
 
-enum { PBWM_PARTITION, PBWM_TILE, PBWM_LEFTOVERS, PBWM_LINKS, PBWM_WRITE, PBWM_PHASES };
+/* Points go to their ranks; their trees; the halo; the triangulation and its certificate; rounds of questions, with
+   repairs and the hash. */
+enum { PBWM_PARTITION, PBWM_TREE, PBWM_HALO, PBWM_BUILD, PBWM_ROUNDS, PBWM_LEFTOVERS, PBWM_LINKS, PBWM_WRITE,
+       PBWM_PHASES };
 
 typedef struct pbwm_report {               /* equal on all ranks */
     uint64_t points, duplicates, simplices, hull, hash;      /* hull: facets, 0 without an output */
@@ -77,6 +80,7 @@ typedef struct pbwm_report {               /* equal on all ranks */
     uint64_t resumed;                      /* tiles that an earlier run had finished */
     uint64_t memory;                       /* bytes resident at one time in one process: the most of all ranks */
     double seconds[PBWM_PHASES];           /* of the slowest rank */
+    double busy[3];                        /* seconds at work on tiles, no waiting: least, mean, most */
     char text[1400];                       /* why it failed */
 } pbwm_report;
 
@@ -116,16 +120,18 @@ typedef struct pbwm__group {
     MPI_Request *request;                            /* 2 a rank */
 } pbwm__group;
 
-/* Memory through options.build.resize; the size stands before the block. */
+/* Zeros through options.build.resize; the size stands before the block. */
 static void *pbwm__take(const pbwm__group *g, size_t bytes)
 {
     const pbw_options *o = &g->options.build;
     const size_t all = bytes + 16;
-    char *block = (char *)(o->resize != NULL ? o->resize(o->resize_user, NULL, 0, all) : malloc(all));
+    char *block = (char *)(o->resize != NULL ? o->resize(o->resize_user, NULL, 0, all) : calloc(all, 1));
     if (block == NULL) {
         return NULL;
     }
-    memset(block, 0, all);
+    if (o->resize != NULL) {
+        memset(block, 0, all);
+    }
     memcpy(block, &all, sizeof all);
     return block + 16;
 }
@@ -336,6 +342,7 @@ typedef struct pbwm__work {
     pbwt_bytes matched;                              /* facets of tile and rest */
     uint64_t hull;                                   /* that this rank matched */
     uint64_t key;                                    /* see pbwm__state */
+    double busy;                                     /* seconds in pbwt_ask */
     int finished, resumed;                           /* the tile is; by an earlier run */
     char *kept;                                      /* arrays of such a tile */
     char part[1110];                                 /* the output while it grows */
@@ -382,6 +389,7 @@ static pbw_status pbwm__partition(pbwm__work *w, const pbwt_point *points, size_
     }
     pbwm__give(g, to);
     pbwm__give(g, cuts);
+    pbwm__end_phase(g, PBWM_PARTITION);
     if (g->options.taken != NULL) {
         g->options.taken(g->options.taken_user);
         g->options.taken = NULL;
@@ -403,7 +411,7 @@ static pbw_status pbwm__plant(pbwm__work *w)
         pbwt_summarise(&w->tree, &mine);
         MPI_Allgather(&mine, words, g->word, w->summary, words, g->word, g->comm);
     }
-    pbwm__end_phase(g, PBWM_PARTITION);
+    pbwm__end_phase(g, PBWM_TREE);
     return status;
 }
 
@@ -627,11 +635,13 @@ static pbw_status pbwm__round(pbwm__work *w)
 static pbw_status pbwm__work_on(pbwm__work *w, int *more)
 {
     pbwm__group *g = w->g;
+    const double start = MPI_Wtime();
     pbw_status status;
     char what[160];
     int good = 1;
     *more = 0;
     status = w->resumed ? PBW_OK : pbwt_ask(&w->tile, more);
+    w->busy += MPI_Wtime() - start;
     snprintf(what, sizeof what, "its tile of %zu points, and %zu of others", w->tree.count, w->tile.foreign_count);
     status = pbwm__agree(g, status, what);
     if (status == PBW_OK && g->options.output != NULL) {
@@ -648,19 +658,25 @@ static pbw_status pbwm__make_tile(pbwm__work *w)
 {
     pbwm__group *g = w->g;
     pbw_status status = w->resumed ? PBW_OK : pbwt_open(&w->tile, &w->tree, w->summary, g->ranks, &w->tile_options);
-    int more, any = 1, p;
+    int more, any = 1, rounds = 0, p;
     status = pbwm__agree(g, status, "opening its tile");
     while (status == PBW_OK && any) {
         status = pbwm__work_on(w, &more);
+        if (rounds++ == 1) {
+            pbwm__end_phase(g, PBWM_BUILD);
+        }
         if (status == PBW_OK) {
             MPI_Allreduce(&more, &any, 1, MPI_INT, MPI_MAX, g->comm);
             status = any ? pbwm__round(w) : PBW_OK;
+        }
+        if (rounds == 1) {
+            pbwm__end_phase(g, PBWM_HALO);
         }
     }
     for (p = 0; p < g->ranks; p++) {
         pbwt_served_free(&w->tree, w->served + p);
     }
-    pbwm__end_phase(g, PBWM_TILE);
+    pbwm__end_phase(g, PBWM_ROUNDS);
     return status;
 }
 
@@ -925,6 +941,10 @@ static pbw_status pbwm__finish(pbwm__work *w)
     sum[9] = (uint64_t)w->resumed;
     MPI_Allreduce(sum, all, 10, MPI_UINT64_T, MPI_SUM, g->comm);
     MPI_Allreduce(most, largest, 3, MPI_UINT64_T, MPI_MAX, g->comm);
+    MPI_Allreduce(&w->busy, r->busy, 1, MPI_DOUBLE, MPI_MIN, g->comm);
+    MPI_Allreduce(&w->busy, r->busy + 1, 1, MPI_DOUBLE, MPI_SUM, g->comm);
+    MPI_Allreduce(&w->busy, r->busy + 2, 1, MPI_DOUBLE, MPI_MAX, g->comm);
+    r->busy[1] /= g->ranks;
     memset(&header, 0, sizeof header);
     header.dim = (uint32_t)g->dim;
     header.flags = pbwm__flags(g);

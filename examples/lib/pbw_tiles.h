@@ -218,7 +218,9 @@ PBWTDEF size_t pbwt_match(pbwt_facet *facets, size_t count);
 
 #if defined(__GNUC__)
 #define PBWT__ADD(x, y) __atomic_add_fetch(x, y, __ATOMIC_RELAXED)
+#define PBWT__PREFETCH(p) __builtin_prefetch(p)
 #else
+#define PBWT__PREFETCH(p) ((void)0)
 #define PBWT__ADD(x, y) (*(x) += (y))      /* such a pbw.h has one thread */
 #endif
 
@@ -588,23 +590,35 @@ static pbwt__levels pbwt__tree_levels(const pbwt_tree *tree)
 /* ------------------------------------------------------------------------------------------------------
    Trees.
    ------------------------------------------------------------------------------------------------------ */
+/* Returns the first of the points that are lowest, or highest, along an axis: in the first of such boxes. */
+static uint32_t pbwt__extreme(const pbwt_tree *tree, int axis, int high)
+{
+    const double sign = high ? -1 : 1;
+    const pbwt__levels levels = pbwt__tree_levels(tree);
+    const pbwt_box *box = levels.box[0];
+    size_t leaf = 0, first, i;
+    for (i = 1; i < levels.count[0]; i++) {
+        const double x = high ? box[i].high[axis] : box[i].low[axis];
+        leaf = sign * x < sign * (high ? box[leaf].high[axis] : box[leaf].low[axis]) ? i : leaf;
+    }
+    first = leaf * PBWT_LEAF;
+    for (i = first + 1; i < (leaf + 1) * PBWT_LEAF && i < tree->count; i++) {
+        first = sign * tree->points[i].x[axis] < sign * tree->points[first].x[axis] ? i : first;
+    }
+    return (uint32_t)first;
+}
+
 /* Ten points spread along the curve, and those that are extreme along the axes. */
 static void pbwt__choose_samples(pbwt_tree *tree)
 {
     uint32_t pick[PBWT_SAMPLES];
-    size_t i;
     int k, j, n = 0;
     for (k = 0; k < PBWT_SAMPLES - 6; k++) {
         pick[n++] = (uint32_t)(tree->count * (size_t)(2 * k + 1) / (2 * (PBWT_SAMPLES - 6)));
     }
-    for (k = 0; k < tree->dim; k++) {
-        uint32_t low = 0, high = 0;
-        for (i = 1; i < tree->count; i++) {
-            low = tree->points[i].x[k] < tree->points[low].x[k] ? (uint32_t)i : low;
-            high = tree->points[i].x[k] > tree->points[high].x[k] ? (uint32_t)i : high;
-        }
-        pick[n++] = low;
-        pick[n++] = high;
+    for (k = 0; k < tree->dim && tree->count > 0; k++) {
+        pick[n++] = pbwt__extreme(tree, k, 0);
+        pick[n++] = pbwt__extreme(tree, k, 1);
     }
     tree->samples = 0;
     for (k = 0; k < n && tree->count > 0; k++) {
@@ -662,12 +676,15 @@ static int pbwt__same_place(const double *a, const double *b)
     return !(a[0] < b[0] || a[0] > b[0] || a[1] < b[1] || a[1] > b[1] || a[2] < b[2] || a[2] > b[2]);
 }
 
+enum { PBWT__AHEAD = 16 };                           /* points on their way from memory */
+
 /* Copies points in that order, one for each place.  Returns how many. */
 static size_t pbwt__gather(const pbwt_point *points, const pbw_index *order, size_t count, pbwt_point *out)
 {
     size_t i, n = 0;
     for (i = 0; i < count; i++) {
         const pbwt_point *p = points + order[i];
+        PBWT__PREFETCH(points + order[i + PBWT__AHEAD < count ? i + PBWT__AHEAD : i]);
         if (n == 0 || !pbwt__same_place(p->x, out[n - 1].x)) {
             out[n++] = *p;
         } else if (p->weight > out[n - 1].weight
@@ -2208,7 +2225,8 @@ static int pbwt__is_final(int state)
     return state == PBWT__SUBJECT || state == PBWT__ASKED;
 }
 
-enum { PBWT__CHOSEN = 1, PBWT__BORDER = 2 };         /* to be emitted; with final corners and ones perhaps given up */
+/* To be emitted; with final corners and ones perhaps given up; at a star in repair. */
+enum { PBWT__CHOSEN = 1, PBWT__BORDER = 2, PBWT__REPAIR = 4 };
 
 typedef struct pbwt__choosing { const struct pbwt__tile *t; unsigned char *chosen; } pbwt__choosing;
 
@@ -2229,7 +2247,7 @@ static unsigned char pbwt__choose(const struct pbwt__tile *t, size_t s)
     const size_t corners = (size_t)pbwt__corners(t);
     uint32_t local[4];
     uint64_t least = 0;
-    int final = 0, others = 0, doubtful = 0, chosen = 1;
+    int final = 0, others = 0, doubtful = 0, repair = 0, chosen = 1;
     size_t k;
     if (pbwt__is_inside(t, t->level.mesh.simplices + s * corners)) {
         return PBWT__CHOSEN;
@@ -2241,6 +2259,7 @@ static unsigned char pbwt__choose(const struct pbwt__tile *t, size_t s)
         final |= pbwt__is_final(state);
         others |= !pbwt__is_final(state);
         doubtful |= local[k] >= t->own || state >= PBWT__AFFECTED;
+        repair |= state == PBWT__AFFECTED || state == PBWT__MORE;
     }
     for (k = 0; k < corners && others; k++) {        /* without others, whichever id is the smallest */
         const uint64_t id = pbwt__point(t, local[k])->id;
@@ -2249,7 +2268,8 @@ static unsigned char pbwt__choose(const struct pbwt__tile *t, size_t s)
             chosen = pbwt__is_final(pbwt__state(t, local[k]));
         }
     }
-    return (unsigned char)((chosen ? PBWT__CHOSEN : 0) | (final && doubtful ? PBWT__BORDER : 0));
+    return (unsigned char)((chosen ? PBWT__CHOSEN : 0) | (final && doubtful ? PBWT__BORDER : 0)
+                           | (repair ? PBWT__REPAIR : 0));
 }
 
 static pbw_status pbwt__choose_range(void *arg, size_t from, size_t to)
@@ -2293,15 +2313,47 @@ static pbw_status pbwt__hash_level(struct pbwt__tile *t, pbwt__emission *e)
     return status;
 }
 
+/* Takes notes of a simplex that is more than to be emitted. */
+static int pbwt__note(struct pbwt__tile *t, size_t s, int choice)
+{
+    const uint32_t simplex = (uint32_t)s;
+    return ((choice & PBWT__BORDER) == 0 || pbwt__keep_border(t, s))
+        && ((choice & PBWT__REPAIR) == 0 || pbwt__push(&t->memory, &t->queue, &simplex, sizeof simplex));
+}
+
+/* Numbers the chosen simplices, if anyone sees them, and lists those in repair.  Returns 0 without memory. */
+static int pbwt__number(struct pbwt__tile *t, pbwt__emission *e, size_t *count)
+{
+    const int numbers = !e->options->no_links || e->options->emit != NULL;
+    unsigned char *chosen = PBWT__BYTES(e->chosen);
+    size_t s, n = e->base;
+    t->queue.count = 0;
+    if (numbers && !pbwt__resize(&t->memory, &e->number, (e->mesh->simplex_count + 1) * sizeof(uint32_t))) {
+        return 0;
+    }
+    for (s = 0; s < e->mesh->simplex_count; s++) {
+        const int choice = chosen[s];
+        if (choice > PBWT__CHOSEN && !pbwt__note(t, s, choice)) {
+            return 0;
+        }
+        chosen[s] = choice & PBWT__CHOSEN;
+        if (numbers) {
+            PBWT__U32(e->number)[s] = choice & PBWT__CHOSEN ? (uint32_t)n : PBW_NONE;
+        }
+        n += choice & PBWT__CHOSEN;
+    }
+    *count = n;
+    return 1;
+}
+
 static pbw_status pbwt__emit_chosen(struct pbwt__tile *t, pbwt__emission *e)
 {
     const size_t count = t->level.mesh.simplex_count;
     const pbw_options options = pbwt__inner_options(t);
     pbwt__choosing choosing;
-    size_t s, n = e->base;
+    size_t n;
     pbw_status status;
-    if (!pbwt__resize(&t->memory, &e->number, (count + 1) * sizeof(uint32_t))
-        || !pbwt__zeros(&t->memory, &e->chosen, count, 1)) {
+    if (!pbwt__zeros(&t->memory, &e->chosen, count, 1)) {
         return PBW_ERROR_MEMORY;
     }
     choosing.t = t;
@@ -2310,17 +2362,11 @@ static pbw_status pbwt__emit_chosen(struct pbwt__tile *t, pbwt__emission *e)
     if (status != PBW_OK) {
         return status;
     }
-    for (s = 0; s < count; s++) {
-        const int choice = choosing.chosen[s];
-        if ((choice & PBWT__BORDER) && !pbwt__keep_border(t, s)) {
-            return PBW_ERROR_MEMORY;
-        }
-        choosing.chosen[s] = choice & PBWT__CHOSEN;
-        PBWT__U32(e->number)[s] = choice & PBWT__CHOSEN ? (uint32_t)n : PBW_NONE;
-        n += choice & PBWT__CHOSEN;
-        if (n > 0xfffffff0u) {
-            return PBW_ERROR_TOO_LARGE;
-        }
+    if (!pbwt__number(t, e, &n)) {
+        return PBW_ERROR_MEMORY;
+    }
+    if (n > 0xfffffff0u) {
+        return PBW_ERROR_TOO_LARGE;
     }
     e->facets = t->facets;
     status = pbwt__emit(e, pbwt__name_local, t);
@@ -2356,26 +2402,22 @@ static pbw_status pbwt__emit_level(struct pbwt__tile *t)
 
 /* ---- repair */
 
-/* Replaces the level by the triangulation of the neighbours of stars in repair and the new points. */
+/* Replaces the level by the triangulation of the neighbours of stars in repair, whose simplices are in the queue, and
+   the new points. */
 static pbw_status pbwt__repair(struct pbwt__tile *t)
 {
-    const size_t corners = (size_t)pbwt__corners(t), count = t->level.mesh.simplex_count;
+    const size_t corners = (size_t)pbwt__corners(t);
     pbwt__level next;
     pbw_status status;
     size_t s, k, i, stars = 0;
     int room = pbwt__zeros(&t->memory, &t->mark, t->level.mesh.point_count, 1);
     memset(&next, 0, sizeof next);
-    for (s = 0; s < count && room; s++) {
-        int affected = 0;
-        for (k = 0; k < corners; k++) {
-            const int state = pbwt__state(t, pbwt__local(t, t->level.mesh.simplices[s * corners + k]));
-            affected |= state == PBWT__AFFECTED || state == PBWT__MORE;
-        }
-        for (k = 0; k < corners && affected && room; k++) {
-            const pbw_index v = t->level.mesh.simplices[s * corners + k];
-            const uint32_t local = pbwt__local(t, v);
-            if (!PBWT__BYTES(t->mark)[v]) {
-                PBWT__BYTES(t->mark)[v] = 1;
+    for (s = 0; s < t->queue.count && room; s++) {
+        const pbw_index *corner = t->level.mesh.simplices + PBWT__U32(t->queue)[s] * corners;
+        for (k = 0; k < corners && room; k++) {
+            const uint32_t local = pbwt__local(t, corner[k]);
+            if (!PBWT__BYTES(t->mark)[corner[k]]) {
+                PBWT__BYTES(t->mark)[corner[k]] = 1;
                 room = pbwt__push(&t->memory, &next.map, &local, sizeof local);
             }
         }

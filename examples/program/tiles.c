@@ -21,7 +21,9 @@ extern int truncate(const char *path, off_t length);         /* strict C modes h
 static const option tiles_options[] = {
     { "--tiles", "N", "how many; default: as --memory-limit (default 4G) needs", WHOLE, 1, 65536, NULL },
     { "--no-links", NULL, "simplices only: half the file", SWITCH, 0, 0, NULL },
-    { "--scratch", "DIR", "folder of scratch files; default: the output's name with .scratch", PLAIN, 0, 0, NULL },
+    { "--no-mesh", NULL, "no file at all: only the counts and the hash", SWITCH, 0, 0, NULL },
+    { "--scratch", "DIR", "folder of scratch files; default: the output's name, or the input's, with .scratch", PLAIN,
+      0, 0, NULL },
     { "--halo", "H", "width of the first halo in spacings; default 1.5", POSITIVE, 0, 0, NULL },
     { "--work", "N", "on surfaces, where tiles ask each other about everything: how long they try, in visits a\n"
       "point; default 20.  What is left then is triangulated at once", WHOLE, 1, 1e9, NULL },
@@ -29,6 +31,7 @@ static const option tiles_options[] = {
 };
 
 enum { NAME = 1200, SAMPLES = 65536, BUFFER = 4096, AT_A_TIME = 4 };
+#define BUFFERS 268435456.0                          /* bytes of all buffers of points on their way to their tiles */
 
 typedef struct tile_state {
     uint64_t given, facets, hull, halo, later, rounds, questions, simplices;
@@ -37,8 +40,8 @@ typedef struct tile_state {
 } tile_state;
 
 typedef struct state {
-    char magic[8];                                   /* "PBWSTAT1" */
-    uint32_t dim, weighted, links, parts;
+    char magic[8];                                   /* "PBWSTAT2" */
+    uint32_t dim, weighted, links, parts, mesh, unused;
     uint64_t points, input_size;
     uint32_t distributed, trees, done, chunks;       /* steps that are finished; tiles done, in their order */
     uint64_t size;                                   /* of the output so far */
@@ -99,8 +102,9 @@ static void load_state(work *w)
     snprintf(name, sizeof name, "%s/state", w->scratch);
     file = fopen(name, "rb");
     if (file != NULL && fread(&s, sizeof s, 1, file) == 1 && memcmp(s.magic, w->s.magic, 8) == 0 && s.dim == w->s.dim
-        && s.weighted == w->s.weighted && s.links == w->s.links && s.parts == w->s.parts && s.points == w->s.points
-        && s.input_size == w->s.input_size && fread(w->tile, sizeof *w->tile, s.parts + 1, file) == s.parts + 1) {
+        && s.weighted == w->s.weighted && s.links == w->s.links && s.mesh == w->s.mesh && s.parts == w->s.parts
+        && s.points == w->s.points && s.input_size == w->s.input_size
+        && fread(w->tile, sizeof *w->tile, s.parts + 1, file) == s.parts + 1) {
         w->s = s;
         note(w->j, "going on: %u of %u tiles are finished", s.done, s.parts);
     }
@@ -143,35 +147,83 @@ static int open_input(work *w)
     return 0;
 }
 
-/* Reads points from..from+count-1. */
-static int read_points(const work *w, uint64_t from, size_t count, pbwt_point *out)
+/* Reads points from..from+count-1, from where `file` stands.  Returns how many are there and finite, up to the first
+   that is not. */
+static size_t read_points(const work *w, FILE *file, uint64_t from, size_t count, pbwt_point *out)
 {
     const size_t dim = w->s.dim, each = dim + w->s.weighted;
+    char *rows = (char *)(out + count) - count * each * sizeof(double);  /* at the end: points do not catch up */
     double row[4];
     size_t i;
-    memset(out, 0, count * sizeof *out);
+    count = file != NULL ? fread(rows, each * sizeof *row, count, file) : count;
     for (i = 0; i < count; i++) {
-        out[i].id = from + i;
-        if (w->input == NULL) {
-            memcpy(out[i].x, w->j->cloud.points + (from + i) * dim, dim * sizeof(double));
-            out[i].weight = w->s.weighted ? w->j->cloud.weights[from + i] : 0;
-            continue;
+        if (file != NULL) {
+            memcpy(row, rows + i * each * sizeof *row, each * sizeof *row);
+        } else {
+            memcpy(row, w->j->cloud.points + (from + i) * dim, dim * sizeof *row);
+            row[dim] = w->s.weighted ? w->j->cloud.weights[from + i] : 0;
         }
-        if (fread(row, sizeof *row, each, w->input) != each) {
-            return fail(w->j, "%s: truncated: point %.0f cannot be read", w->j->input, (double)(from + i));
-        }
-        memcpy(out[i].x, row, dim * sizeof(double));
+        out[i].x[2] = 0;
+        memcpy(out[i].x, row, dim * sizeof *row);
         out[i].weight = w->s.weighted ? row[dim] : 0;
-    }
-    for (i = 0; i < count; i++) {
-        const double *x = out[i].x;
-        if (!(fabs(x[0]) <= DBL_MAX && fabs(x[1]) <= DBL_MAX && fabs(x[2]) <= DBL_MAX
+        out[i].id = from + i;
+        if (!(fabs(row[0]) <= DBL_MAX && fabs(row[1]) <= DBL_MAX && fabs(out[i].x[2]) <= DBL_MAX
               && fabs(out[i].weight) <= DBL_MAX)) {
-            return fail(w->j, "point %.0f: a number is not finite", (double)(from + i));
+            break;
         }
     }
-    return 0;
+    return i;
 }
+
+static int bad_point(const work *w, FILE *file, uint64_t at)
+{
+    return file != NULL && (feof(file) || ferror(file))
+         ? fail(w->j, "%s: truncated: point %.0f cannot be read", w->j->input, (double)at)
+         : fail(w->j, "point %.0f: a number is not finite", (double)at);
+}
+
+/* ---- threads at work: readers of the input, then builders of tiles */
+
+typedef struct crew {
+    work *w;
+    FILE *out;
+    size_t next;                                     /* the tile to begin */
+    uint64_t read;                                   /* points that are distributed */
+    unsigned char *started;                          /* per tile: its file is there */
+    int stop, failed, short_of_memory;
+#ifndef _WIN32
+    pthread_mutex_t lock;                            /* for all of the crew, the report and work.s.done */
+    pthread_cond_t turn;
+#endif
+} crew;
+
+#ifdef _WIN32                                        /* one at a time */
+enum { READERS = 1 };
+static void crew_start(crew *c) { (void)c; }
+static void crew_end(crew *c) { (void)c; }
+static void enter(crew *c) { (void)c; }
+static void leave(crew *c) { (void)c; }
+static void await(crew *c) { c->stop = 1; }
+static void wake(crew *c) { (void)c; }
+#else
+enum { READERS = 256 };
+static void crew_start(crew *c)
+{
+    pthread_mutex_init(&c->lock, NULL);
+    pthread_cond_init(&c->turn, NULL);
+}
+
+static void crew_end(crew *c)
+{
+    pthread_cond_destroy(&c->turn);
+    pthread_mutex_destroy(&c->lock);
+}
+
+static void enter(crew *c) { pthread_mutex_lock(&c->lock); }
+static void leave(crew *c) { pthread_mutex_unlock(&c->lock); }
+static void await(crew *c) { pthread_cond_wait(&c->turn, &c->lock); }
+static void wake(crew *c) { pthread_cond_broadcast(&c->turn); }
+#endif
 
 /* ---- distribution */
 
@@ -190,7 +242,9 @@ static int make_cuts(const work *w, pbwt_cut *cuts)
         if (w->input != NULL && fseek(w->input, (long)(at * record), SEEK_SET) != 0) {
             failed = cannot(w, w->j->input);
         }
-        failed = failed ? failed : read_points(w, at, 1, sample + i);
+        if (!failed && read_points(w, w->input, at, 1, sample + i) != 1) {
+            failed = bad_point(w, w->input, at);
+        }
     }
     if (!failed) {
         pbwt_cut_points((int)w->s.dim, sample, count, (int)w->s.parts, cuts);
@@ -199,61 +253,124 @@ static int make_cuts(const work *w, pbwt_cut *cuts)
     return failed;
 }
 
-static int flush_points(const work *w, size_t tile, const pbwt_point *points, size_t count, int first)
+static int flush_points(crew *c, size_t tile, const pbwt_point *points, size_t count)
 {
     char name[NAME];
     FILE *file;
     int good;
     errno = 0;
-    file = fopen(name_of(w, "points", tile, name), first ? "wb" : "ab");
+    file = fopen(name_of(c->w, "points", tile, name), c->started[tile] ? "ab" : "wb");
     good = file != NULL && fwrite(points, sizeof *points, count, file) == count;
     good = (file == NULL || fclose(file) == 0) && good;
-    return good ? 0 : cannot(w, name);
+    c->started[tile] = 1;
+    return good ? 0 : cannot(c->w, name);
 }
 
-/* Sorts the input into a file a tile; buffer: BUFFER points for each tile, then BUFFER of the input; used: two
-   numbers a tile, points in its buffer and how often that was written. */
-static int distribute_with(work *w, const pbwt_cut *cuts, pbwt_point *buffer, size_t *used)
+typedef struct reading {
+    crew c;
+    const pbwt_cut *cuts;
+    size_t readers, each;                            /* room of each for points: of each tile and of the input */
+} reading;
+
+/* Writes the points of a tile that a reader has, unless the crew stops. */
+static void pass_on(crew *c, size_t tile, const pbwt_point *points, size_t count)
 {
-    pbwt_point *input = buffer + w->s.parts * (size_t)BUFFER;
-    uint64_t at;
+    enter(c);
+    if (!c->stop) {
+        c->failed = flush_points(c, tile, points, count);
+        c->stop = c->failed;
+    }
+    leave(c);
+}
+
+/* Sorts points of the input, where `file` stands; used: points in the room of each tile. */
+static void distribute_run(reading *r, FILE *file, uint64_t from, uint64_t to, pbwt_point *room, size_t *used)
+{
+    crew *c = &r->c;
+    const work *w = c->w;
+    pbwt_point *block = room + w->s.parts * r->each;
+    int stop = 0;
     size_t i, p;
-    int failed = w->input != NULL && fseek(w->input, 0, SEEK_SET) != 0 ? cannot(w, w->j->input) : 0;
-    for (at = 0; at < w->s.points && !failed; at += BUFFER) {
-        const size_t count = w->s.points - at < BUFFER ? (size_t)(w->s.points - at) : BUFFER;
-        failed = read_points(w, at, count, input);
-        for (i = 0; i < count && !failed; i++) {
-            p = (size_t)pbwt_part((int)w->s.dim, cuts, (int)w->s.parts, input + i);
-            buffer[p * BUFFER + used[2 * p]++] = input[i];
-            if (used[2 * p] == BUFFER) {
-                failed = flush_points(w, p, buffer + p * BUFFER, BUFFER, used[2 * p + 1]++ == 0);
-                used[2 * p] = 0;
+    for (; from < to && !stop; from += r->each) {
+        const size_t count = to - from < r->each ? (size_t)(to - from) : r->each;
+        const size_t good = read_points(w, file, from, count, block);
+        for (i = 0; i < good; i++) {
+            p = (size_t)pbwt_part((int)w->s.dim, r->cuts, (int)w->s.parts, block + i);
+            room[p * r->each + used[p]++] = block[i];
+            if (used[p] == r->each) {
+                pass_on(c, p, room + p * r->each, r->each);
+                used[p] = 0;
             }
         }
-        if (draw_bar(w->j, "order", (double)at / (double)w->s.points) && !failed) {
-            failed = stopped(w->j);
+        enter(c);
+        c->read += count;
+        if (good < count && !c->stop) {
+            c->failed = bad_point(w, file, from + good);
         }
+        c->stop |= c->failed || draw_bar(w->j, "order", (double)c->read / (double)w->s.points);
+        stop = c->stop;
+        leave(c);
     }
-    for (p = 0; p < w->s.parts && !failed; p++) {
-        failed = flush_points(w, p, buffer + p * BUFFER, used[2 * p], used[2 * p + 1] == 0);
+    for (p = 0; p < w->s.parts && !stop; p++) {
+        pass_on(c, p, room + p * r->each, used[p]);
     }
-    return failed;
 }
 
+/* The reader that starts at `from` of work.s.points * reader / readers. */
+static pbw_status read_share(void *arg, size_t reader, size_t end)
+{
+    reading *r = (reading *)arg;
+    const work *w = r->c.w;
+    const uint64_t from = w->s.points * reader / r->readers, to = w->s.points * end / r->readers;
+    const uint64_t record = (w->s.dim + w->s.weighted) * sizeof(double);
+    pbwt_point *room = (pbwt_point *)malloc((w->s.parts + 1) * r->each * sizeof *room);
+    size_t *used = (size_t *)calloc(w->s.parts, sizeof *used);
+    FILE *file = w->input != NULL ? fopen(w->j->input, "rb") : NULL;
+    const int good = w->input == NULL || (file != NULL && fseek(file, (long)(from * record), SEEK_SET) == 0);
+    if (room == NULL || used == NULL || !good) {
+        enter(&r->c);
+        if (!r->c.stop) {
+            r->c.failed = room == NULL || used == NULL ? fail(w->j, "out of memory") : cannot(w, w->j->input);
+        }
+        r->c.stop = 1;
+        leave(&r->c);
+    } else {
+        distribute_run(r, file, from, to, room, used);
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+    free(room);
+    free(used);
+    return PBW_OK;
+}
+
+/* Sorts the input into a file a tile, by several readers. */
 static int distribute(work *w)
 {
     pbwt_cut *cuts = (pbwt_cut *)calloc(w->s.parts, sizeof *cuts);
-    pbwt_point *buffer = (pbwt_point *)malloc((w->s.parts + 1) * (size_t)BUFFER * sizeof *buffer);
-    size_t *used = (size_t *)calloc(w->s.parts, 2 * sizeof *used);
-    int failed = 0;
-    if (cuts == NULL || buffer == NULL || used == NULL) {
-        failed = fail(w->j, "out of memory");
+    pbw_options options;
+    reading r;
+    int failed;
+    memset(&options, 0, sizeof options);
+    memset(&r, 0, sizeof r);
+    r.c.w = w;
+    r.cuts = cuts;
+    r.c.started = (unsigned char *)calloc(w->s.parts, 1);
+    failed = cuts == NULL || r.c.started == NULL ? fail(w->j, "out of memory") : make_cuts(w, cuts);
+    if (!failed) {
+        const double threads = fmin(fmin(w->options.build.threads, READERS), 1 + (double)w->s.points / 1000000);
+        const double records = BUFFERS / sizeof(pbwt_point) / (w->s.parts + 1.0);
+        r.readers = threads > 1 ? (size_t)threads : 1;
+        r.each = (size_t)fmax(64, fmin(BUFFER, records / (double)r.readers));
+        options.threads = (int)r.readers;
+        crew_start(&r.c);
+        pbw_for(&options, r.readers, 1, read_share, &r);
+        crew_end(&r.c);
+        failed = r.c.failed ? r.c.failed : r.c.stop ? stopped(w->j) : 0;
     }
-    failed = failed ? failed : make_cuts(w, cuts);
-    failed = failed ? failed : distribute_with(w, cuts, buffer, used);
     free(cuts);
-    free(buffer);
-    free(used);
+    free(r.c.started);
     w->s.distributed = !failed;
     return failed ? failed : save_state(w);
 }
@@ -440,7 +557,7 @@ static int save(const work *w, const char *what, size_t p, const void *items, si
 static int end_tile(work *w, pbwtf_writer *chunk, const pbwt_tile *tile, size_t p)
 {
     tile_state *t = w->tile + p;
-    int failed = pbwtf_end(chunk, tile, (int)w->s.dim) ? 0 : cannot(w, w->out);
+    int failed = !w->s.mesh || pbwtf_end(chunk, tile, (int)w->s.dim) ? 0 : cannot(w, w->out);
     failed = failed ? failed : save(w, "facets", p, tile->facets, tile->facet_count, sizeof *tile->facets);
     failed = failed ? failed : save(w, "border", p, tile->border, tile->border_count, sizeof *tile->border);
     if (failed) {
@@ -456,7 +573,7 @@ static int end_tile(work *w, pbwtf_writer *chunk, const pbwt_tile *tile, size_t 
     t->simplices = tile->numbers.simplices;
     t->hash = tile->hash;
     t->entry.offset = w->s.size;
-    t->entry.size = pbwtf_chunk_size(&chunk->chunk);
+    t->entry.size = w->s.mesh ? pbwtf_chunk_size(&chunk->chunk) : 0;
     w->s.size += t->entry.size;
     w->s.done = (uint32_t)p + 1;
     w->s.chunks = w->s.done;
@@ -466,17 +583,6 @@ static int end_tile(work *w, pbwtf_writer *chunk, const pbwt_tile *tile, size_t 
 /* ---- several at a time: triangulated in any order, written in their own, so that the output does not depend on how
    many.  A tile whose turn has not come waits with its first simplex. */
 
-typedef struct crew {
-    work *w;
-    FILE *out;
-    size_t next;                                     /* the tile to begin */
-    int stop, failed, short_of_memory;
-#ifndef _WIN32
-    pthread_mutex_t lock;                            /* for all of the crew, the report and work.s.done */
-    pthread_cond_t turn;
-#endif
-} crew;
-
 typedef struct hand {
     crew *c;
     size_t tile;
@@ -484,32 +590,6 @@ typedef struct hand {
     pbwt_options options;
     pbwtf_writer chunk;
 } hand;
-
-#ifdef _WIN32                                        /* one at a time */
-static void crew_start(crew *c) { (void)c; }
-static void crew_end(crew *c) { (void)c; }
-static void enter(crew *c) { (void)c; }
-static void leave(crew *c) { (void)c; }
-static void await(crew *c) { c->stop = 1; }
-static void wake(crew *c) { (void)c; }
-#else
-static void crew_start(crew *c)
-{
-    pthread_mutex_init(&c->lock, NULL);
-    pthread_cond_init(&c->turn, NULL);
-}
-
-static void crew_end(crew *c)
-{
-    pthread_cond_destroy(&c->turn);
-    pthread_mutex_destroy(&c->lock);
-}
-
-static void enter(crew *c) { pthread_mutex_lock(&c->lock); }
-static void leave(crew *c) { pthread_mutex_unlock(&c->lock); }
-static void await(crew *c) { pthread_cond_wait(&c->turn, &c->lock); }
-static void wake(crew *c) { pthread_cond_broadcast(&c->turn); }
-#endif
 
 static int on_tile(void *user, pbw_stage stage, double done)
 {
@@ -534,11 +614,11 @@ static int take_turn(hand *h)
     while (!h->has_turn && !c->stop && w->s.done != h->tile) {
         await(c);
     }
-    if (!h->has_turn && !c->stop) {
+    if (!h->has_turn && !c->stop && w->s.mesh) {
         pbwtf_begin(&h->chunk, c->out, w->tree + h->tile, (uint32_t)h->tile,
                     (w->s.weighted ? PBWTF_WEIGHTS : 0) | (w->s.links ? PBWTF_LINKS : 0));
-        h->has_turn = 1;
     }
+    h->has_turn |= !c->stop;
     leave(c);
     return h->has_turn;
 }
@@ -593,7 +673,7 @@ static void build_tile(crew *c, size_t p)
     h.options.build = share_of(w, w->jobs);
     h.options.build.progress = on_tile;
     h.options.build.progress_user = &h;
-    h.options.emit = emit_in_turn;
+    h.options.emit = w->s.mesh ? emit_in_turn : NULL;
     h.options.emit_user = &h;
     status = pbwt_open(&tile, w->tree + p, w->summary, (int)w->s.parts, &h.options);
     status = status != PBW_OK ? status : run_tile(w, &tile, p);
@@ -762,6 +842,10 @@ static int build_leftovers(work *w, FILE *out, size_t count)
     pbw_status status = PBW_ERROR_MEMORY;
     int failed;
     memset(&tile, 0, sizeof tile);
+    if (!w->s.mesh) {
+        return fail(w->j, "%lu points, as on surfaces, were given up by the tiles: --no-mesh does not do them",
+                    (unsigned long)count);
+    }
     if (fseek(out, (long)w->s.size, SEEK_SET) != 0 || !pbwtf_map_file(w->out, &chunks, error)) {
         return cannot(w, w->out);
     }
@@ -934,8 +1018,10 @@ static int jobs_for(work *w)
 
 static int prepare(work *w)
 {
-    memcpy(w->s.magic, "PBWSTAT1", 8);
-    w->s.links = !is_given(w->j, "--no-links");
+    const char *name = w->j->outputs > 0 ? w->j->output[0] : w->j->input != NULL ? w->j->input : "points";
+    memcpy(w->s.magic, "PBWSTAT2", 8);
+    w->s.mesh = !is_given(w->j, "--no-mesh");
+    w->s.links = w->s.mesh && !is_given(w->j, "--no-links");
     w->options.build = w->j->build;
     w->options.build.memory_limit = w->j->build.memory_limit > 0 ? w->j->build.memory_limit : (size_t)1 << 32;
     w->s.parts = parts_for(w, (double)w->options.build.memory_limit);
@@ -951,11 +1037,11 @@ static int prepare(work *w)
     w->options.no_links = !w->s.links;
     w->limits.work = (size_t)number_of(w->j, "--work", 0);
     w->options.halo = number_of(w->j, "--halo", 0);
-    snprintf(w->out, sizeof w->out, "%s.part", w->j->output[0]);
+    snprintf(w->out, sizeof w->out, "%s.part", name);
     if (is_given(w->j, "--scratch")) {
         snprintf(w->scratch, sizeof w->scratch, "%s", text_of(w->j, "--scratch"));
     } else {
-        snprintf(w->scratch, sizeof w->scratch, "%s.scratch", w->j->output[0]);
+        snprintf(w->scratch, sizeof w->scratch, "%s.scratch", name);
     }
     errno = 0;
     if (make_folder(w->scratch) != 0 && errno != EEXIST) {
@@ -988,8 +1074,8 @@ static int run(job *j)
     work *w;
     size_t p;
     int failed;
-    if (j->outputs != 1) {
-        return complain("one output is needed; see pbw tiles --help");
+    if (j->outputs != !is_given(j, "--no-mesh")) {
+        return complain("one output is needed, with --no-mesh none; see pbw tiles --help");
     }
     w = (work *)calloc(1, sizeof *w);
     if (w == NULL) {
@@ -1002,12 +1088,12 @@ static int run(job *j)
     failed = failed || w->s.distributed ? failed : distribute(w);
     failed = failed ? failed : make_trees(w);
     failed = failed ? failed : build_tiles(w);
-    if (!failed && rename(w->out, j->output[0]) != 0) {
-        failed = cannot(w, j->output[0]);
+    if (!failed && (w->s.mesh ? rename(w->out, j->output[0]) : remove(w->out)) != 0) {
+        failed = cannot(w, w->out);
     }
     if (!failed) {
         clean(w);
-        j->written = 1;
+        j->written = j->outputs;
         say(j, "all", now() - w->start, "%u tiles", w->s.parts);
     }
     for (p = 0; p < w->s.parts && w->map != NULL; p++) {
