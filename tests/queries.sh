@@ -219,6 +219,55 @@ check "a ring of two corners" says 1 "a ring of 2 corners" cells sites.csv --cli
 check "rings that cross" says 1 "rings that cross" cells sites.csv --clip bow.csv -o c.csv
 check "--clip in 3D" says 1 "--clip rings.csv: the points are in 3D" cells m.csv --clip rings.csv -o c.csv
 
+# Every allocation failing, one in each run: reading, cells, writing.  Then nothing is written, or what is right.
+cat > fails.c << 'END'
+#include <errno.h>
+#include <stdlib.h>
+extern void *__libc_malloc(size_t), *__libc_calloc(size_t, size_t), *__libc_realloc(void *, size_t);
+static long left = -1;
+static int fails(void)
+{
+    if (left < 0)
+        left = getenv("FAIL_AT") != NULL ? atol(getenv("FAIL_AT")) : 0;
+    if (left == 0 || --left > 0)
+        return 0;
+    errno = ENOMEM;
+    return 1;
+}
+void *malloc(size_t n) { return fails() ? NULL : __libc_malloc(n); }
+void *calloc(size_t n, size_t m) { return fails() ? NULL : __libc_calloc(n, m); }
+void *realloc(void *p, size_t n) { return fails() ? NULL : __libc_realloc(p, n); }
+END
+failing() {    # failing NUMBER: the run in which that allocation fails
+    rm -f c.csv c.svg
+    FAIL_AT=$1 LD_PRELOAD=./fails.so "$pbw" cells sites.csv --clip rings.csv --threads 1 --quiet -o c.csv -o c.svg
+}
+all_failing() {
+    k=1 last=0 hits=0
+    while failing $k > said 2>&1; code=$?; [ $((k - last)) -lt 60 ]; do
+        if [ $code != 0 ]; then
+            hits=$((hits + 1)) last=$k
+            if [ $code -gt 2 ] || ! grep -qE 'out of memory|Cannot allocate memory' said; then
+                echo "allocation $k: status $code"
+                cat said
+                return 1
+            fi
+        fi
+        for file in c.csv c.svg; do
+            [ ! -e $file ] || cmp $file right.$file || return 1
+        done
+        k=$((k + 1))
+    done
+    [ $hits -gt 50 ] || { echo "only $hits allocations"; return 1; }
+}
+if ${CC:-cc} -shared -fPIC fails.c -o fails.so 2> /dev/null && failing 0 > /dev/null 2>&1; then
+    mv c.csv right.c.csv
+    mv c.svg right.c.svg
+    check "clipped cells: every allocation failing" all_failing
+else
+    skip "clipped cells: every allocation failing (no malloc to replace)"
+fi
+
 # What VTK reads.
 for python in "${PYTHON:-python3}" /usr/bin/python3 ""; do
     [ -z "$python" ] || "$python" -c "import vtk" > /dev/null 2>&1 && break
