@@ -43,11 +43,13 @@
      >>parallel     ownership; a level by many threads
      >>number       canonical order
      >>output       the caller's arrays, in place
+     >>faults       what a check may find, in words
      >>check        the exact verdict on a finished mesh
      >>hash         one number for a triangulation
      >>tools        what companion headers build on
      >>query        which simplex contains a point
      >>batch        many queries: sorting, blocks, location, lists
+     >>reach        distances from a query, in exact order
      >>nearest      stars, nearest vertices, vertices in a ball
      >>boxes        many nearest vertices, by a tree of boxes
      >>centres      vectors, pairs, centres of simplices
@@ -2494,7 +2496,7 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
       pairs     see there
       reach     difference twice, product, 2 sums, weight        6    |v - q|^2 + |w|            6 u that sum
 
-   The reach of >>nearest is compared in any rounding mode, with one rounding more in the difference.
+   The squared distance of >>reach is compared in any rounding mode, with one rounding more in the difference.
    The constants leave about one percent, for the roundings of the bound itself and what underflow takes. */
 #define PBW__FILTER_ORIENT2_ERROR 8.1                /* times 2^-52: any rounding mode */
 #define PBW__FILTER_ORIENT3_ERROR 48.5
@@ -8701,6 +8703,31 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     return status;
 }
 /* ------------------------------------------------------------------------------------------------------
+   >>faults       What >>check may find, with its words; for CPU and GPU.
+   ------------------------------------------------------------------------------------------------------ */
+enum {
+    PBW__SOUND,
+    PBW__FAULT_FINITE, PBW__FAULT_CANONICAL, PBW__FAULT_PLACE, PBW__FAULT_RIGHT, PBW__FAULT_VERTEX,
+    PBW__FAULT_INCIDENT, PBW__FAULT_CORNER, PBW__FAULT_FIRST, PBW__FAULT_NEGATIVE, PBW__FAULT_FLAT,
+    PBW__FAULT_OVERLAP, PBW__FAULT_INWARD, PBW__FAULT_OTHER, PBW__FAULT_BACK, PBW__FAULT_FACET, PBW__FAULT_CONFLICT,
+    PBW__FAULT_CONVEX, PBW__FAULT_OUTSIDE, PBW__FAULT_REPEATED, PBW__FAULT_UNHIDDEN, PBW__FAULT_TWICE,
+    PBW__FAULT_SPAN, PBW__FAULT_DUPLICATES, PBW__FAULT_HIDDEN
+};
+
+static const char *const pbw__fault_words[] = {
+    "", "a coordinate or weight is not finite", "the canonical point is none",
+    "a duplicate is not where its canonical point is", "a duplicate has the better right to be canonical",
+    "a duplicate is a vertex", "the incident simplex of a vertex does not have it", "a corner is no point",
+    "the incident simplex of a corner is not the first that has it", "a simplex is negatively oriented",
+    "a simplex is flat", "two simplices overlap, the first of the mesh and this", "a hull facet faces inward",
+    "a neighbor is no other simplex", "a neighbor does not name the simplex once",
+    "neighbors do not share the facet from opposite sides", "the corner across a facet is in conflict",
+    "the hull is not convex", "a point outside the hull is no vertex", "a point at a vertex is no duplicate of it",
+    "a point that is no vertex is not hidden", "two points at one place are no duplicates",
+    "the points span a simplex but there is none", "duplicate_count is wrong", "hidden_count is wrong"
+};
+
+/* ------------------------------------------------------------------------------------------------------
    >>check        The exact verdict on a finished mesh.
    In: the public arrays of a mesh.  Out: a report; the first fault has a name and a place.
    Shared with the construction: the exact signs, the allocator, the threads, and the keys of the Hilbert curve and
@@ -8750,29 +8777,6 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
    These points are pairwise at different places: those of equal hash are compared; and at no vertex: they are
    compared with the corners of their simplex.
    ------------------------------------------------------------------------------------------------------ */
-/* What a check may find, and its words. */
-enum {
-    PBW__SOUND,
-    PBW__FAULT_FINITE, PBW__FAULT_CANONICAL, PBW__FAULT_PLACE, PBW__FAULT_RIGHT, PBW__FAULT_VERTEX,
-    PBW__FAULT_INCIDENT, PBW__FAULT_CORNER, PBW__FAULT_FIRST, PBW__FAULT_NEGATIVE, PBW__FAULT_FLAT,
-    PBW__FAULT_OVERLAP, PBW__FAULT_INWARD, PBW__FAULT_OTHER, PBW__FAULT_BACK, PBW__FAULT_FACET, PBW__FAULT_CONFLICT,
-    PBW__FAULT_CONVEX, PBW__FAULT_OUTSIDE, PBW__FAULT_REPEATED, PBW__FAULT_UNHIDDEN, PBW__FAULT_TWICE,
-    PBW__FAULT_SPAN, PBW__FAULT_DUPLICATES, PBW__FAULT_HIDDEN
-};
-
-static const char *const pbw__fault_words[] = {
-    "", "a coordinate or weight is not finite", "the canonical point is none",
-    "a duplicate is not where its canonical point is", "a duplicate has the better right to be canonical",
-    "a duplicate is a vertex", "the incident simplex of a vertex does not have it", "a corner is no point",
-    "the incident simplex of a corner is not the first that has it", "a simplex is negatively oriented",
-    "a simplex is flat", "two simplices overlap, the first of the mesh and this", "a hull facet faces inward",
-    "a neighbor is no other simplex", "a neighbor does not name the simplex once",
-    "neighbors do not share the facet from opposite sides", "the corner across a facet is in conflict",
-    "the hull is not convex", "a point outside the hull is no vertex", "a point at a vertex is no duplicate of it",
-    "a point that is no vertex is not hidden", "two points at one place are no duplicates",
-    "the points span a simplex but there is none", "duplicate_count is wrong", "hidden_count is wrong"
-};
-
 typedef struct pbw__check {
     const pbw_mesh *mesh;
     pbw_report *report;
@@ -10516,95 +10520,11 @@ PBWDEF void pbw_finder_free(pbw_finder *finder)
     }
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>nearest      Stars; the k nearest vertices; the vertices in a ball.
-   In: a mesh, its stars.  Out: vertices in exact order of distance, lists.
+   >>reach        Power distances of vertices from a query, in exact order.
+   In: a query, vertices.  Out: which is nearer, and distances.
    Holds: rounded distances only choose where their error bounds tell them apart; else integers do.
-
-   Up to a constant, power distances from q are the values at vertices of a convex function that is linear on each
-   simplex.  At a vertex that is no minimum it falls inside the cone of some simplex, hence along an edge.  So
-     - steps to strictly nearer neighbours end at a nearest vertex;
-     - equally near minima are connected by edges among them;
-     - each other vertex has a strictly nearer neighbour, so the next nearest is a neighbour of one of those before;
-     - the vertices within a radius are connected.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__FEW 64                                  /* nearest kept in order; more in a heap */
-
-/* ---- stars */
-/* The walk round a vertex, breadth first. */
-static void pbw__star_of(pbw__queries *queries, pbw__desk *desk, size_t block, pbw_index vertex)
-{
-    const pbw_mesh *mesh = queries->mesh;
-    const size_t corners = (size_t)mesh->dim + 1;
-    size_t count = 0, met = 1, next, k;
-    pbw_index *items;
-    int added;
-    if (!pbw__set_clear(desk, &desk->seen) || !pbw__set_clear(desk, &desk->other)
-        || pbw__set_add(desk, &desk->seen, mesh->incident[vertex], 0, &added) == NULL
-        || pbw__set_add(desk, &desk->other, vertex, 0, &added) == NULL
-        || !pbw__room(desk, &desk->list, &desk->list_room, 64, sizeof(pbw_index))) {
-        return;
-    }
-    desk->list[0] = mesh->incident[vertex];          /* simplices from the front, neighbours from the back */
-    for (next = 0; next < met; next++) {
-        const size_t t = desk->list[2 * next];
-        const pbw_index *v = mesh->simplices + t * corners;
-        if (!pbw__room(desk, &desk->list, &desk->list_room, 2 * (met + count) + 16, sizeof(pbw_index))) {
-            return;
-        }
-        for (k = 0; k < corners; k++) {
-            const pbw_index s = mesh->neighbors[t * corners + k];
-            if (pbw__set_add(desk, &desk->other, v[k], 0, &added) == NULL) {
-                return;
-            }
-            if (added) {
-                desk->list[2 * count++ + 1] = v[k];
-            }
-            if (v[k] != vertex && s != PBW_NONE) {
-                if (pbw__set_add(desk, &desk->seen, s, 0, &added) == NULL) {
-                    return;
-                }
-                if (added) {
-                    desk->list[2 * met++] = s;
-                }
-            }
-        }
-    }
-    items = pbw__chunk_add(queries, desk, block, vertex, count, NULL);
-    for (k = 0; k < count && items != NULL; k++) {
-        items[k] = desk->list[2 * k + 1];
-    }
-}
-
-/* The stars of the vertices that are first met in these simplices: along the curve. */
-static void pbw__stars_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
-{
-    const pbw_mesh *mesh = queries->mesh;
-    const size_t corners = (size_t)mesh->dim + 1;
-    size_t i;
-    for (i = from * corners; i < to * corners && !desk->failed; i++) {
-        if (mesh->incident[mesh->simplices[i]] == i / corners) {
-            pbw__star_of(queries, desk, block, mesh->simplices[i]);
-        }
-    }
-}
-
-PBWDEF pbw_status pbw_stars(const pbw_mesh *mesh, const pbw_options *options, pbw_lists *stars)
-{
-    pbw__queries queries;
-    pbw_status status;
-    if (stars == NULL) {
-        return PBW_ERROR_ARGUMENT;
-    }
-    memset(stars, 0, sizeof(*stars));
-    status = pbw__queries_start(&queries, mesh, NULL, 0, options);
-    if (status == PBW_OK) {
-        status = pbw__make_lists(&queries, pbw__stars_block, mesh->simplex_count, 4096, mesh->point_count, stars);
-    }
-    return pbw__lists_end(&queries, status, stars);
-}
-
-/* ---- distances
-   squared = |v - q|^2 - w with an error of at most slack: see >>predicates.  What underflows is less than 2^-1020 in
+/* squared = |v - q|^2 - w with an error of at most slack: see >>predicates.  What underflows is less than 2^-1020 in
    all.  An overflow makes slack infinite or NaN.  q[3] is the relative error of squares, 0 where all are exact. */
 PBW__INLINE pbw__reach pbw__reach_to(const pbw_mesh *mesh, int dim, const double *q, pbw_index vertex)
 {
@@ -10816,6 +10736,93 @@ static double pbw__reach_distance(const pbw_mesh *mesh, const double *q, const p
         sum += x * x;
     }
     return pbw__square_root(sum) / scale;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>nearest      Stars; the k nearest vertices; the vertices in a ball.
+   In: a mesh, its stars.  Out: vertices in the exact order of >>reach, lists.
+
+   Up to a constant, power distances from q are the values at vertices of a convex function that is linear on each
+   simplex.  At a vertex that is no minimum it falls inside the cone of some simplex, hence along an edge.  So
+     - steps to strictly nearer neighbours end at a nearest vertex;
+     - equally near minima are connected by edges among them;
+     - each other vertex has a strictly nearer neighbour, so the next nearest is a neighbour of one of those before;
+     - the vertices within a radius are connected.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__FEW 64                                  /* nearest kept in order; more in a heap */
+
+/* ---- stars */
+/* The walk round a vertex, breadth first. */
+static void pbw__star_of(pbw__queries *queries, pbw__desk *desk, size_t block, pbw_index vertex)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t corners = (size_t)mesh->dim + 1;
+    size_t count = 0, met = 1, next, k;
+    pbw_index *items;
+    int added;
+    if (!pbw__set_clear(desk, &desk->seen) || !pbw__set_clear(desk, &desk->other)
+        || pbw__set_add(desk, &desk->seen, mesh->incident[vertex], 0, &added) == NULL
+        || pbw__set_add(desk, &desk->other, vertex, 0, &added) == NULL
+        || !pbw__room(desk, &desk->list, &desk->list_room, 64, sizeof(pbw_index))) {
+        return;
+    }
+    desk->list[0] = mesh->incident[vertex];          /* simplices from the front, neighbours from the back */
+    for (next = 0; next < met; next++) {
+        const size_t t = desk->list[2 * next];
+        const pbw_index *v = mesh->simplices + t * corners;
+        if (!pbw__room(desk, &desk->list, &desk->list_room, 2 * (met + count) + 16, sizeof(pbw_index))) {
+            return;
+        }
+        for (k = 0; k < corners; k++) {
+            const pbw_index s = mesh->neighbors[t * corners + k];
+            if (pbw__set_add(desk, &desk->other, v[k], 0, &added) == NULL) {
+                return;
+            }
+            if (added) {
+                desk->list[2 * count++ + 1] = v[k];
+            }
+            if (v[k] != vertex && s != PBW_NONE) {
+                if (pbw__set_add(desk, &desk->seen, s, 0, &added) == NULL) {
+                    return;
+                }
+                if (added) {
+                    desk->list[2 * met++] = s;
+                }
+            }
+        }
+    }
+    items = pbw__chunk_add(queries, desk, block, vertex, count, NULL);
+    for (k = 0; k < count && items != NULL; k++) {
+        items[k] = desk->list[2 * k + 1];
+    }
+}
+
+/* The stars of the vertices that are first met in these simplices: along the curve. */
+static void pbw__stars_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t corners = (size_t)mesh->dim + 1;
+    size_t i;
+    for (i = from * corners; i < to * corners && !desk->failed; i++) {
+        if (mesh->incident[mesh->simplices[i]] == i / corners) {
+            pbw__star_of(queries, desk, block, mesh->simplices[i]);
+        }
+    }
+}
+
+PBWDEF pbw_status pbw_stars(const pbw_mesh *mesh, const pbw_options *options, pbw_lists *stars)
+{
+    pbw__queries queries;
+    pbw_status status;
+    if (stars == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(stars, 0, sizeof(*stars));
+    status = pbw__queries_start(&queries, mesh, NULL, 0, options);
+    if (status == PBW_OK) {
+        status = pbw__make_lists(&queries, pbw__stars_block, mesh->simplex_count, 4096, mesh->point_count, stars);
+    }
+    return pbw__lists_end(&queries, status, stars);
 }
 
 /* ---- searches; found: desk->reach */
