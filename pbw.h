@@ -497,6 +497,7 @@ typedef struct pbw_cuda_mesh {             /* start from {0}; arrays on the devi
     pbw_index *simplices, *neighbors, *incident, *canonical;
     float milliseconds[8];                 /* device: order, boxes, near, far, count, simplices, neighbors, all */
     size_t stars[3];                       /* that each rung was given */
+    int kept;                              /* 1: in a loop, the mesh of the step before still held */
 } pbw_cuda_mesh;
 
 /* Triangulates packed points on the current device (floats if is_float), in the order of stream (a cudaStream_t; NULL
@@ -515,6 +516,26 @@ extern pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *points
 extern pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, const void *points, const void *weights,
                                  const pbw_options *options, void *stream, pbw_report *report);
 extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
+
+/* Points that move, triangulated step by step on one device: as by pbw_cuda_triangulate, with the same arrays, but a
+   loop keeps device memory, events and pinned memory from step to step, so a step as large as one before it allocates
+   nothing.  And it keeps the mesh: where that is still the triangulation of all points, which is tested exactly and
+   takes a fraction of a build, it is not built again (mesh.kept); else it is.  Weights may change too.
+   create: for the current device; options, stream and cpu are as above, for all steps; options are copied.
+   step: the arrays belong to the loop, until the next step or pbw_cuda_loop_free: not for pbw_cuda_free.  With
+   PBW_NO_NEIGHBORS every step builds.  A step that fails leaves the mesh empty, and the next one builds.
+   free: fine on NULL; waits for the stream. */
+typedef struct pbw_cuda_points {           /* start from {0}; packed, on the device */
+    int dim, is_float;                     /* is_float: floats, not doubles */
+    const void *points, *weights;          /* weights NULL = Delaunay */
+    size_t count;
+    int anew;                              /* 1: build without that test, as when all is known to have moved far */
+} pbw_cuda_points;
+typedef struct pbw_cuda_loop pbw_cuda_loop;
+extern pbw_status pbw_cuda_loop_create(const pbw_options *options, void *stream, pbw_triangulator *cpu,
+                                       pbw_cuda_loop **loop);
+extern pbw_status pbw_cuda_loop_step(pbw_cuda_loop *loop, const pbw_cuda_points *points, pbw_cuda_mesh *mesh);
+extern void pbw_cuda_loop_free(pbw_cuda_loop *loop);
 #endif
 
 #ifdef __cplusplus
@@ -1196,6 +1217,30 @@ PBW__SIMD_INLINE pbw__d4 pbw__reorder(pbw__d4 x, pbw__order4 order)
 PBW__SIMD_INLINE pbw__d4 pbw__load4d(const double *from)
 {
     return PBW__BY_ISA(_mm256_loadu_pd(from), pbw__join(vld1q_f64(from), vld1q_f64(from + 2)));
+}
+
+/* Stores a[i], b[i], c[i], d[i], rounded to single precision, in row i of 4. */
+PBW__SIMD_INLINE void pbw__store_rows(float *to, pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d)
+{
+#ifdef PBW__AVX2
+    __m128 row[4];
+    int i;
+    row[0] = _mm256_cvtpd_ps(a);
+    row[1] = _mm256_cvtpd_ps(b);
+    row[2] = _mm256_cvtpd_ps(c);
+    row[3] = _mm256_cvtpd_ps(d);
+    _MM_TRANSPOSE4_PS(row[0], row[1], row[2], row[3]);
+    for (i = 0; i < 4; i++) {
+        _mm_storeu_ps(to + 4 * i, row[i]);
+    }
+#else
+    float32x4x4_t columns;
+    columns.val[0] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half0(a)), pbw__half1(a));
+    columns.val[1] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half0(b)), pbw__half1(b));
+    columns.val[2] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half0(c)), pbw__half1(c));
+    columns.val[3] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half0(d)), pbw__half1(d));
+    vst4q_f32(to, columns);
+#endif
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__drop_last(pbw__d4 x)   /* zero in lane 3 */
@@ -3033,14 +3078,15 @@ PBWDEF int pbw_conflict3(const double a[3], const double b[3], const double c[3]
    the box's grid, along the curve.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__input {
-    int dim, is_float, borrow;
+    int dim, is_float, borrow, bare;                 /* bare: no two points are at one place, and only their order is
+                                                        wanted, so no records and canonical points are made */
     size_t count, stride, weight_stride;
     const char *points, *weights;
 } pbw__input;
 
 static pbw__input pbw__input_of(int dim, int is_float, const void *points, const void *weights, size_t count)
 {
-    const pbw__input input = { dim, is_float, 0, count, 0, 0, (const char *)points, (const char *)weights };
+    const pbw__input input = { dim, is_float, 0, 0, count, 0, 0, (const char *)points, (const char *)weights };
     return input;
 }
 
@@ -3461,7 +3507,7 @@ static uint64_t *pbw__sort_keys(pbw__sorting *sorting, int low, int bits)
 typedef struct pbw__vertices {
     int dim, weighted;
     size_t count;                                    /* vertices, the ghost not counted */
-    size_t point_count, duplicate_count;
+    size_t point_count, duplicate_count, width;      /* width: of a record; 1 if there are none: see pbw__input */
     double *record;                                  /* (count+1)*(dim+1): coordinates, weight */
     pbw_index *id;                                   /* count+1: the caller's number of each vertex */
     pbw_index *canonical;                            /* point_count */
@@ -3577,7 +3623,7 @@ PBW__INLINE void pbw__keying_share(const pbw__keying *keying, size_t i, size_t t
         }
         pbw__fetch_of(ordering->input, index, x, dim);
         keys[i] = pbw__hilbert_key(&ordering->curve, &box, x, dim, levels) << index_bits | (uint64_t)index;
-        if (keying->all) {
+        if (keying->all && !ordering->input->bare) {
             ordering->vertices->canonical[i] = (pbw_index)i;
         }
     }
@@ -3630,7 +3676,7 @@ PBW__SIMD static size_t pbw__keying_plane(const pbw__keying *keying, size_t i, s
         key[1] = _mm256_or_si256(_mm256_sll_epi64(key[1], shift), _mm256_add_epi64(index, _mm256_set1_epi64x(4)));
         _mm256_storeu_si256((__m256i *)(void *)(keys + i), key[0]);
         _mm256_storeu_si256((__m256i *)(void *)(keys + i + 4), key[1]);
-        for (k = i; k < i + 8; k++) {
+        for (k = i; k < i + 8 && !input.bare; k++) {
             canonical[k] = (pbw_index)k;
         }
     }
@@ -3694,7 +3740,7 @@ static int pbw__order_keys(pbw__ordering *ordering, pbw__part *part, int all, pb
    pbw__sorting, or NULL: on this thread alone.  The records of the part, which are written later, serve as room. */
 static int pbw__order_sort(pbw__ordering *ordering, pbw__part *part, int low, uint32_t *start, int tasks)
 {
-    const size_t step = (size_t)ordering->input->dim + 1;
+    const size_t step = ordering->vertices->width;
     uint64_t *keys = ordering->keys + part->from, *sorted;
     pbw__sorting sorting = { ordering->context, keys, NULL, start, part->to - part->from, tasks, 0, 0 };
     sorting.b = (uint64_t *)(void *)(ordering->vertices->record + (part->from + 1) * step);
@@ -3791,6 +3837,9 @@ PBW__INLINE void pbw__order_place(const pbw__ordering *ordering, const pbw__part
     size_t from = range->from;
     double *record = ordering->vertices->record + r * (size_t)(dim + 1);
     pbw_index *id = ordering->vertices->id + r;
+    for (; from < to && input.bare; from++) {
+        *id++ = (pbw_index)(keys[from] & mask);
+    }
     for (; from < to; from++, record += dim + 1) {
         const size_t index = (size_t)(keys[from] & mask);
         pbw__fetch_soon(&input, (size_t)(keys[from + PBW__AHEAD < end ? from + PBW__AHEAD : from] & mask));
@@ -3808,7 +3857,10 @@ static size_t pbw__order_place_run(const pbw__ordering *ordering, const pbw__par
     const size_t step = (size_t)input->dim + 1;
     pbw__vertices *vertices = ordering->vertices;
     size_t i;
-    for (i = run->from; i < run->to; i++) {
+    for (i = run->from; i < run->to && input->bare; i++) {
+        vertices->id[++r] = (pbw_index)(keys[i] & mask);
+    }
+    for (; i < run->to; i++) {
         const size_t index = (size_t)(keys[i] & mask);
         double *record = vertices->record + (r + 1) * step;
         pbw__fetch_soon(input, (size_t)(keys[i + PBW__AHEAD < end ? i + PBW__AHEAD : i] & mask));
@@ -3898,7 +3950,7 @@ static void pbw__order_part(void *arg, int task)
         while (depth > 0 && i == end_of[depth]) {
             depth--;
         }
-        if (r - scanned >= PBW__SCANNED || i == part->to) {
+        if (!input->bare && (r - scanned >= PBW__SCANNED || i == part->to)) {
             pbw__grid_add(&share, vertices->record + (scanned + 1) * step, r - scanned, dim);
             scanned = r;
         }
@@ -3983,7 +4035,7 @@ static int pbw__order_is_thin(const pbw__ordering *ordering, int high)
 static void pbw__vertices_free(pbw__context *context, pbw__vertices *vertices)
 {
     size_t records = vertices->point_count + 1;
-    pbw__release(&context->memory, vertices->record, records * ((size_t)vertices->dim + 1), sizeof(double));
+    pbw__release(&context->memory, vertices->record, records * vertices->width, sizeof(double));
     pbw__release(&context->memory, vertices->id, records, sizeof(pbw_index));
     pbw__release(&context->memory, vertices->canonical, vertices->point_count, sizeof(pbw_index));
     vertices->record = NULL;
@@ -3997,7 +4049,8 @@ static int pbw__order_begin(pbw__ordering *ordering)
     pbw__context *context = ordering->context;
     pbw__memory *memory = &context->memory;
     pbw__vertices *vertices = ordering->vertices;
-    const size_t count = ordering->input->count, tasks = (size_t)ordering->tasks, step = (size_t)vertices->dim + 1;
+    const size_t count = ordering->input->count, tasks = (size_t)ordering->tasks, step = vertices->width;
+    const int bare = ordering->input->bare;
     pbw__block block[4];
     ordering->boxes = &ordering->box;
     ordering->parts = &ordering->part;
@@ -4010,7 +4063,7 @@ static int pbw__order_begin(pbw__ordering *ordering)
         pbw__curve_create(&ordering->curve, count, vertices->dim);
     }
     ordering->keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
-    vertices->canonical = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
+    vertices->canonical = bare ? NULL : (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
     vertices->id = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index));
     vertices->record = (double *)pbw__allocate(memory, (count + 1) * step, sizeof(double));
     block[0] = pbw__block_of(ordering->keys, 0, count * sizeof(uint64_t));
@@ -4019,8 +4072,8 @@ static int pbw__order_begin(pbw__ordering *ordering)
     block[3] = pbw__block_of(vertices->record, 0, (count + 1) * step * sizeof(double));
     pbw__populate(context, block, 4);
     return ordering->boxes != NULL && (ordering->start != NULL || tasks == 1) && ordering->parts != NULL
-        && ordering->shares != NULL && ordering->keys != NULL && vertices->canonical != NULL && vertices->id != NULL
-        && vertices->record != NULL;
+        && ordering->shares != NULL && ordering->keys != NULL && (vertices->canonical != NULL || bare)
+        && vertices->id != NULL && vertices->record != NULL;
 }
 
 static void pbw__order_end(pbw__ordering *ordering)
@@ -4058,7 +4111,7 @@ static int pbw__order_parts(pbw__ordering *ordering)
 static void pbw__order_close(const pbw__ordering *ordering, int parts)
 {
     pbw__vertices *vertices = ordering->vertices;
-    const size_t step = (size_t)vertices->dim + 1;
+    const size_t step = vertices->width;
     int p;
     for (p = 0; p < parts; p++) {
         const size_t from = ordering->parts[p].from + 1, unique = ordering->parts[p].unique;
@@ -4070,7 +4123,9 @@ static void pbw__order_close(const pbw__ordering *ordering, int parts)
         vertices->count += unique;
     }
     vertices->duplicate_count = vertices->point_count - vertices->count;
-    pbw__grid_close(&vertices->grid, ordering->shares, parts, vertices->dim);
+    if (!ordering->input->bare) {
+        pbw__grid_close(&vertices->grid, ordering->shares, parts, vertices->dim);
+    }
 }
 
 /* Orders the points, at least one.  Returns PBW_OK, or an error with all memory released. */
@@ -4092,9 +4147,10 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
     vertices->dim = dim;
     vertices->weighted = input->weights != NULL;
     vertices->point_count = input->count;
+    vertices->width = input->bare ? 1 : (size_t)dim + 1;
     if (pbw__order_begin(&ordering)) {
         parts = pbw__order_parts(&ordering);
-        memset(vertices->record, 0, ((size_t)dim + 1) * sizeof(double));
+        memset(vertices->record, 0, vertices->width * sizeof(double));
         vertices->record[0] = HUGE_VAL;              /* vectors know the ghost by it */
         vertices->id[0] = PBW_NONE;
         pbw__for(context, parts, pbw__order_part, &ordering);
@@ -13665,6 +13721,8 @@ typedef struct pbw__verifying {
     pbw__core *core;
     double o[4], ahead[4];                           /* a point inside of a simplex; another one on a ray from it */
     size_t inverted, failing, most, covers;          /* most: failing ones to go on with */
+    float *depth;                                    /* of four, a simplex; NULL: no vectors */
+    double scale;                                    /* of depths */
 } pbw__verifying;
 
 /* Whether the simplex in slot t, a ghost too, is in conflict with p: see pbw__in_conflict. */
@@ -13741,6 +13799,35 @@ PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int all, 
     return faults;
 }
 
+/* ---- depths
+   The depth of facet k of a simplex is the signed way from it to the centre of the simplex's sphere, inwards, times
+   twice the facet's measure.  A facet is locally regular if its depths on both sides add up to more than 0: in the
+   plane, of angles d and e across from an edge, if cot(d) + cot(e) > 0 (Cline and Renka 1984).  So each simplex is
+   looked at once, and nobody reads the coordinates behind a facet.
+
+   Proof.  Let f be linear on each simplex, with the lifts of vertices as its values: f is convex across a facet, so
+   that is locally regular, if its slope along the facet's normal n grows.  With the last corner d as the origin, the
+   rows a, b, c of the other corners and the minors m of >>predicates, V = a.m_a is the orientation, N = l_a m_a + l_b
+   m_b + l_c m_c, and the slope of f is N / V + 2 d.  m_i is the inner normal across from corner i, of length twice
+   the facet's area (in the plane: its length), so that across from d is -sum m.  From a corner q of the facet the
+   slope along the inner normal is H / V, H = N.n + 2 V (d - q).n: H_i = N.m_i, and, with q = a, H_d = 2 V^2 - sum
+   H_i, as a.m_a = V and a.m_b = a.m_c = 0.  Both sides have one facet and opposite normals: the sum of the two H / V
+   is minus what the slope grows by, from outside to inside, so it must be positive.
+
+   A depth is stored as a lower bound in single precision, so the sum of two is certain if it is positive.  Roundings
+   and absolute products, see >>predicates, u = 2^-53, with the largest height h:
+                in the plane                                      in space
+      V         4 roundings, h                                    8, 6 h^(3/2)
+      H_i       lift 5, |b|^2 4, product, sum: 11, 2 h^2          lift 6, minors 4 each, products, sums: 20, 36 h^3
+      H_d       13, 6 h^2: 78 u h^2                               25, 180 h^3: 4500 u h^3
+   Where V is above 1e-6 h, or 5e-6 h^(3/2), its relative error is below 2e-9.  That, the division, the scale and the
+   conversion change a depth by less than 2^-22 of it, and underflow by less than 1e-30, in units of the scale, which
+   is that of the points' box.  Other simplices get NaN, so do ghosts and free slots: their signs are left open. */
+#define PBW__DEPTH2_ERROR 9e-15                      /* times h^2, h^3 */
+#define PBW__DEPTH3_ERROR 5.1e-13
+#define PBW__DEPTH2_LEAST 1e-12                      /* of V^2, times h^2, h^3 */
+#define PBW__DEPTH3_LEAST 2.5e-11
+
 #ifdef PBW__SIMD
 /* Makes the points of these vertices, one in each lane, the origin. */
 PBW__SIMD_INLINE void pbw__origins4(const double *record, const pbw_index *v, pbw__point4 *origin)
@@ -13756,188 +13843,182 @@ PBW__SIMD_INLINE void pbw__origins4(const double *record, const pbw_index *v, pb
     }
 }
 
-/* Four simplices, one in each lane: what pbw__plane computes. */
-typedef struct pbw__planes4 { pbw__d4 orientation, x, y, z, height; } pbw__planes4;
-
-PBW__SIMD_INLINE pbw__planes4 pbw__planes4_of(const pbw__core *core, pbw_index v[4][4], const pbw__point4 *origin)
+/* V and H of four simplices, one in each lane, with the last corners as origins; returns the largest heights. */
+PBW__SIMD_INLINE pbw__d4 pbw__depths4(const double *record, pbw_index v[4][4], const pbw__point4 *origin, pbw__d4 *V,
+                                      pbw__d4 *H)
 {
-    const pbw__rows4 a = pbw__rows4_of(core->record, v[0], 0, origin);
-    const pbw__rows4 b = pbw__rows4_of(core->record, v[1], 0, origin);
-    pbw__planes4 plane;
-    plane.height = pbw__max4(pbw__max4(a.height, b.height), pbw__splat(1e-55));
+    const pbw__rows4 a = pbw__rows4_of(record, v[0], 0, origin), b = pbw__rows4_of(record, v[1], 0, origin);
+    const pbw__d4 h = pbw__max4(pbw__max4(a.height, b.height), pbw__splat(1e-55));
     if (origin->dim == 2) {
-        plane.orientation = pbw__det2(a.x, a.y, b.x, b.y);
-        plane.x = pbw__det2(a.lift, a.y, b.lift, b.y);
-        plane.y = pbw__det2(b.lift, b.x, a.lift, a.x);
-        plane.z = pbw__splat(0.0);
+        const pbw__d4 aa = pbw__fma(a.y, a.y, a.x * a.x), bb = pbw__fma(b.y, b.y, b.x * b.x);
+        const pbw__d4 ab = pbw__fma(a.y, b.y, a.x * b.x);
+        *V = pbw__det2(a.x, a.y, b.x, b.y);
+        H[0] = pbw__det2(a.lift, b.lift, ab, bb);
+        H[1] = pbw__det2(b.lift, a.lift, ab, aa);
+        H[2] = (*V + *V) * *V - (H[0] + H[1]);
+        H[3] = H[2];
+        return h;
     } else {
-        const pbw__rows4 c = pbw__rows4_of(core->record, v[2], 0, origin);
-        const pbw__d4 x = pbw__det2(c.y, c.z, b.y, b.z), y = pbw__det2(c.z, c.x, b.z, b.x),
-                      z = pbw__det2(c.x, c.y, b.x, b.y);
-        plane.height = pbw__max4(plane.height, c.height);
-        plane.orientation = pbw__dot4(a.x, a.y, a.z, x, y, z);
-        plane.x = pbw__dot4(a.lift, b.lift, c.lift, x, pbw__det2(a.y, a.z, c.y, c.z),
-                            pbw__det2(b.y, b.z, a.y, a.z));
-        plane.y = pbw__dot4(a.lift, b.lift, c.lift, y, pbw__det2(a.z, a.x, c.z, c.x),
-                            pbw__det2(b.z, b.x, a.z, a.x));
-        plane.z = pbw__dot4(a.lift, b.lift, c.lift, z, pbw__det2(a.x, a.y, c.x, c.y),
-                            pbw__det2(b.x, b.y, a.x, a.y));
+        const pbw__rows4 c = pbw__rows4_of(record, v[2], 0, origin);
+        const pbw__d4 ax = pbw__det2(c.y, c.z, b.y, b.z), bx = pbw__det2(a.y, a.z, c.y, c.z),
+                      cx = pbw__det2(b.y, b.z, a.y, a.z), ay = pbw__det2(c.z, c.x, b.z, b.x),
+                      by = pbw__det2(a.z, a.x, c.z, c.x), cy = pbw__det2(b.z, b.x, a.z, a.x),
+                      az = pbw__det2(c.x, c.y, b.x, b.y), bz = pbw__det2(a.x, a.y, c.x, c.y),
+                      cz = pbw__det2(b.x, b.y, a.x, a.y);
+        const pbw__d4 nx = pbw__dot4(a.lift, b.lift, c.lift, ax, bx, cx);
+        const pbw__d4 ny = pbw__dot4(a.lift, b.lift, c.lift, ay, by, cy);
+        const pbw__d4 nz = pbw__dot4(a.lift, b.lift, c.lift, az, bz, cz);
+        *V = pbw__dot4(a.x, a.y, a.z, ax, ay, az);
+        H[0] = pbw__dot4(nx, ny, nz, ax, ay, az);
+        H[1] = pbw__dot4(nx, ny, nz, bx, by, bz);
+        H[2] = pbw__dot4(nx, ny, nz, cx, cy, cz);
+        H[3] = (*V + *V) * *V - (H[0] + H[1] + H[2]);
+        return pbw__max4(h, c.height);
     }
-    return plane;
 }
 
-/* pbw__slot_faults of four finite simplices. */
-PBW__SIMD_INLINE void pbw__faults4(const pbw__core *core, const pbw_index *slot, unsigned *faults, int dim)
+/* Stores the depths of the simplices in slots t..t+3; returns the set of those that are certainly positive.  Free
+   slots and ghosts have the record of the ghost. */
+PBW__SIMD_INLINE void pbw__depths_of(const pbw__verifying *verifying, size_t t, unsigned *positive, int dim)
 {
-    const pbw_index *corner = core->kernel.corner;
-    const pbw__link *link[4];
+    const pbw__core *core = verifying->core;
+    const pbw_index *corner = core->kernel.corner + 4 * t;
+    const pbw__d4 nan = pbw__splat(HUGE_VAL) - pbw__splat(HUGE_VAL);
+    pbw__point4 origin = pbw__point4_of(core->record, dim, core->kernel.weighted);
+    pbw__d4 h, V, H[4], power, scale, certain;
     pbw_index v[4][4];
-    pbw__point4 origin;
-    pbw__planes4 plane;
-    pbw__d4 h;
-    unsigned open, i, k;
-    for (i = 0; i < 4; i++) {
-        link[i] = core->kernel.link + 4 * (size_t)slot[i];
+    unsigned i, k;
+    for (i = 0; i < 4; i++, corner += 4) {
+        const pbw_index used = 0 - (pbw_index)(corner[0] != PBW_NONE);
         for (k = 0; k <= (unsigned)dim; k++) {
-            v[k][i] = corner[4 * (size_t)slot[i] + k];
+            v[k][i] = corner[k] & used;
         }
     }
-    origin = pbw__point4_of(core->record, dim, core->kernel.weighted);
     pbw__origins4(core->record, v[dim], &origin);
-    plane = pbw__planes4_of(core, v, &origin);
-    h = plane.height * plane.height;
-    h = dim == 2 ? h * pbw__splat(PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR)
-                 : h * plane.height * pbw__splat(PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR);
-    open = pbw__signs(pbw__and4(pbw__greater(plane.orientation * plane.orientation, h),
-                                pbw__greater(plane.orientation, pbw__splat(0.0)))) ^ 15u;
-    for (i = 0; i < 4; i++) {
-        faults[i] = (open >> i & 1) != 0 && pbw__slot_side(core, slot[i], dim + 1, NULL) <= 0 ? PBW__INVERTED : 0;
+    h = pbw__depths4(core->record, v, &origin, &V, H);
+    power = dim == 2 ? h * h : h * h * h;
+    certain = pbw__and4(pbw__greater(V * V, power * pbw__splat(dim == 2 ? PBW__DEPTH2_LEAST : PBW__DEPTH3_LEAST)),
+                        pbw__greater(V, pbw__splat(0.0)));
+    scale = pbw__blend(nan, pbw__splat(verifying->scale) / V, certain);
+    power = power * pbw__splat(dim == 2 ? PBW__DEPTH2_ERROR : PBW__DEPTH3_ERROR);
+    for (k = 0; k < 4; k++) {
+        const pbw__d4 depth = (H[k] - power) * scale;
+        H[k] = depth - pbw__fma(pbw__abs4(depth), pbw__splat(1.0 / (1 << 21)), pbw__splat(1e-30));
     }
-    for (k = 0; k <= (unsigned)dim; k++) {
-        pbw__rows4 e;
-        pbw__d4 det, limit;
-        pbw_index far[4];
-        unsigned tested = 0, certain, inside;
-        for (i = 0; i < 4; i++) {
-            const pbw_index other = corner[link[i][k]];
-            const unsigned test = (unsigned)(other != PBW__GHOST) & (unsigned)(slot[i] < link[i][k] >> 2);
-            far[i] = test ? other : v[dim][i];
-            tested |= test << i;
-        }
-        if (tested == 0) {
-            continue;
-        }
-        e = pbw__rows4_of(core->record, far, 0, &origin);
-        det = pbw__fnma(e.lift, plane.orientation, pbw__dot4(e.x, e.y, e.z, plane.x, plane.y, plane.z));
-        h = pbw__max4(plane.height, e.height);
-        limit = h * h * (h * h);
-        limit = dim == 2 ? limit * pbw__splat(PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR)
-                         : limit * h * pbw__splat(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR);
-        certain = pbw__signs(pbw__greater(det * det, limit));
-        inside = certain & tested & pbw__signs(pbw__greater(det, pbw__splat(0.0)));
-        open = tested & ~certain;
-        for (i = 0; (inside | open) != 0 && i < 4; i++) {
-            if ((inside >> i & 1) != 0
-                || ((open >> i & 1) != 0 && pbw__slot_conflict(core, slot[i], pbw__core_record(core, far[i])))) {
-                faults[i] |= 1u << k;
-            }
-        }
-    }
-    for (i = 0; i < 4; i++) {
-        faults[i] = (faults[i] & PBW__INVERTED) != 0 ? PBW__INVERTED : faults[i];
-    }
+    pbw__store_rows(verifying->depth + 4 * t, H[0], H[1], H[2], H[3]);
+    *positive = pbw__signs(certain);
 }
 
-PBW__SIMD static PBW__NOINLINE void pbw__faults4_of(const pbw__core *core, const pbw_index *slot, unsigned *faults)
+PBW__SIMD static PBW__NOINLINE unsigned pbw__depths(const pbw__verifying *verifying, size_t t)
 {
-    PBW__BY_DIM(core->kernel.dim, pbw__faults4, core, slot, faults);
+    unsigned positive;
+    PBW__BY_DIM(verifying->core->kernel.dim, pbw__depths_of, verifying, t, &positive);
+    return positive;
+}
+
+/* Depths of all facets, by four slots. */
+static pbw_status pbw__verify_depths(void *arg, size_t from, size_t to)
+{
+    pbw__verifying *verifying = (pbw__verifying *)arg;
+    const pbw__core *core = verifying->core;
+    const pbw_index *corner = core->kernel.corner;
+    const int dim = core->kernel.dim;
+    size_t inverted = 0, t, i;
+    if (PBW__LOAD(&verifying->inverted) > 0) {
+        return PBW__ANEW;
+    }
+    for (t = from; t < to; t += 4) {
+        const unsigned positive = pbw__depths(verifying, t);
+        for (i = t; i < t + 4 && positive != 15; i++) {
+            inverted += (positive >> (i - t) & 1) == 0 && corner[4 * i] != PBW_NONE
+                && corner[4 * i + (size_t)dim] != PBW__GHOST && pbw__slot_side(core, i, dim + 1, NULL) <= 0;
+        }
+    }
+    (void)PBW__ADD(&verifying->inverted, inverted);
+    return PBW_OK;
 }
 #endif
 
-#define PBW__BLOCK_SLOTS 64                          /* whose neighbours are prefetched, then their vertices */
-
-/* Lists the finite simplices in slots from..to-1; the ghosts are judged.  Returns how many, with what they need
-   prefetched. */
-static size_t pbw__verify_list(pbw__core *core, size_t from, size_t to, pbw_index *slot, size_t *failing)
+/* Judges the facets: by their depths on both sides, or exactly. */
+PBW__INLINE void pbw__verify_facets_of(pbw__verifying *verifying, size_t from, size_t to, int dim)
 {
+    pbw__core *core = verifying->core;
     const pbw_index *corner = core->kernel.corner;
-    const pbw__link *link = core->kernel.link;
-    const size_t dim = (size_t)core->kernel.dim, width = dim + 1;
-    size_t count = 0, t, i, k;
+    const float *depth = verifying->depth;
+    size_t inverted = 0, failing = 0, t, k;
     for (t = from; t < to; t++) {
-        slot[count] = (pbw_index)t;
+        const pbw__link *link = core->kernel.link + 4 * t;
+        int certain = depth != NULL;
+        unsigned faults;
         if (corner[4 * t] == PBW_NONE) {
             continue;
         }
-        if (corner[4 * t + dim] == PBW__GHOST) {
-            const unsigned faults = dim == 3 ? pbw__slot_faults(core, t, 0, 3) : pbw__slot_faults(core, t, 0, 2);
+        for (k = 0; k <= (size_t)dim && depth != NULL; k++) {
+            certain &= depth[4 * t + k] + depth[link[k]] > 0.0f;
+        }
+        if (PBW__UNLIKELY(!certain)) {
+            faults = pbw__slot_faults(core, t, 0, dim);
             core->kernel.mark[t] = (unsigned char)faults;
-            *failing += faults != 0;
-            continue;
+            inverted += faults == PBW__INVERTED;
+            failing += faults != 0;
         }
-        count++;
-        for (k = 0; k <= dim; k++) {
-            PBW__PREFETCH(corner + link[4 * t + k]);
-        }
-    }
-    for (i = 0; i < count; i++) {
-        for (k = 0; k <= dim; k++) {
-            PBW__PREFETCH(core->record + width * corner[link[4 * (size_t)slot[i] + k]]);
-        }
-    }
-    return count;
-}
-
-/* Judges the listed simplices; there is room for three more in the list. */
-static void pbw__verify_listed(pbw__core *core, pbw_index *slot, size_t count, size_t *inverted, size_t *failing)
-{
-    size_t i, k;
-    unsigned faults[4];
-#ifdef PBW__SIMD
-    const int simd = pbw__simd_works();
-    for (k = count; k < count + 3 && count > 0; k++) {
-        slot[k] = slot[count - 1];
-    }
-#else
-    const int simd = 0;
-#endif
-    for (i = 0; i < count; i += 4) {
-        const size_t some = count - i < 4 ? count - i : 4;
-#ifdef PBW__SIMD
-        if (simd) {
-            pbw__faults4_of(core, slot + i, faults);
-        }
-#endif
-        for (k = 0; k < some; k++) {
-            if (!simd) {
-                faults[k] = core->kernel.dim == 3 ? pbw__slot_faults(core, slot[i + k], 0, 3)
-                                                  : pbw__slot_faults(core, slot[i + k], 0, 2);
-            }
-            core->kernel.mark[slot[i + k]] = (unsigned char)faults[k];
-            *inverted += faults[k] == PBW__INVERTED;
-            *failing += faults[k] != 0;
-        }
-    }
-}
-
-static pbw_status pbw__verify_range(void *arg, size_t from, size_t to)
-{
-    pbw__verifying *verifying = (pbw__verifying *)arg;
-    pbw__core *core = verifying->core;
-    pbw_index slot[PBW__BLOCK_SLOTS + 4];
-    size_t inverted = 0, failing = 0;
-    if (PBW__LOAD(&verifying->inverted) > 0 || PBW__LOAD(&verifying->failing) > verifying->most) {
-        return PBW__ANEW;
-    }
-    while (from < to) {
-        const size_t end = to - from < PBW__BLOCK_SLOTS ? to : from + PBW__BLOCK_SLOTS;
-        const size_t count = pbw__verify_list(core, from, end, slot, &failing);
-        pbw__verify_listed(core, slot, count, &inverted, &failing);
-        from = end;
     }
     (void)PBW__ADD(&verifying->inverted, inverted);
     (void)PBW__ADD(&verifying->failing, failing);
+}
+
+static pbw_status pbw__verify_facets(void *arg, size_t from, size_t to)
+{
+    pbw__verifying *verifying = (pbw__verifying *)arg;
+    if (PBW__LOAD(&verifying->inverted) > 0 || PBW__LOAD(&verifying->failing) > verifying->most) {
+        return PBW__ANEW;
+    }
+    PBW__BY_DIM(verifying->core->kernel.dim, pbw__verify_facets_of, verifying, from, to);
     return PBW_OK;
+}
+
+/* Looks at some simplices, where no facet may fail: if many do, one of these does. */
+static pbw_status pbw__verify_some(const pbw__core *core)
+{
+    const size_t count = core->store.count, step = count / 256 + 1;
+    const int dim = core->kernel.dim;
+    size_t t;
+    for (t = 0; t < count && step >= 16; t += step) {
+        if (core->kernel.corner[4 * t] != PBW_NONE && pbw__slot_faults(core, t, 1, dim) != 0) {
+            return PBW__ANEW;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Looks at all simplices: which are not positive, and which facets are not locally regular. */
+static pbw_status pbw__verify_all(pbw__verifying *verifying)
+{
+    pbw__core *core = verifying->core;
+    pbw__context *context = core->kernel.context;
+    const size_t count = core->store.count;
+    pbw_status status = verifying->most == 0 ? pbw__verify_some(core) : PBW_OK;
+#ifdef PBW__SIMD
+    const size_t fours = count / 4 * 4;
+    int k;
+    if (status == PBW_OK && pbw__simd_works()) {
+        verifying->depth = (float *)pbw__allocate_large(context, 4 * count, sizeof(float));
+        if (verifying->depth == NULL) {
+            return PBW_ERROR_MEMORY;
+        }
+        verifying->scale = (double)core->vertex_count;
+        for (k = 0; k < core->kernel.dim; k++) {
+            verifying->scale /= core->high[k] - core->low[k];
+        }
+        verifying->scale = verifying->scale >= 1e-300 && verifying->scale <= 1e300 ? verifying->scale : 1.0;
+        memset(verifying->depth + 4 * fours, 0xff, 4 * (count - fours) * sizeof(float));     /* NaN */
+        status = pbw__for_range(context, fours, 4096, 0.25, pbw__verify_depths, verifying);
+        status = status == PBW_OK && verifying->inverted > 0 ? PBW__ANEW : status;
+    }
+#endif
+    status = status == PBW_OK ? pbw__for_range(context, count, 4096, 0.5, pbw__verify_facets, verifying) : status;
+    pbw__release(&context->memory, verifying->depth, 4 * count, sizeof(float));
+    return status;
 }
 
 /* Whether the ray from o through `ahead` meets the facet of the ghost in slot t, closed: ahead - o is a sum of its
@@ -14126,7 +14207,7 @@ static pbw_status pbw__flip_marked(pbw__core *core, size_t most)
     size_t count = 0, t;
     unsigned k;
     for (t = 0; t < core->store.count; t++) {
-        for (k = 0; k < 3 && kernel->corner[4 * t] != PBW_NONE && kernel->mark[t] != 0; k++) {
+        for (k = 0; k < 3 && kernel->mark[t] != 0 && kernel->corner[4 * t] != PBW_NONE; k++) {
             if (!PBW__CORE_GROW(core, rim_vertex, count + 1)) {
                 return PBW_ERROR_MEMORY;
             }
@@ -14148,7 +14229,7 @@ static pbw_status pbw__verify(pbw__core *core, size_t most)
     memset(&verifying, 0, sizeof(verifying));
     verifying.core = core;
     verifying.most = core->kernel.dim == 3 || core->kernel.weighted ? 0 : most;
-    status = pbw__for_range(context, core->store.count, 4096, 0.5, pbw__verify_range, &verifying);
+    status = pbw__verify_all(&verifying);
     if (status == PBW_OK && verifying.failing > 0) {
         status = verifying.inverted > 0 || verifying.failing > verifying.most ? PBW__ANEW
                : pbw__flip_marked(core, most);
@@ -16642,162 +16723,443 @@ PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *optio
 /* ------------------------------------------------------------------------------------------------------
    >>view         The arrays of a live triangulation.
    In: a core.  Out: a mesh, as pbw_triangulate gives it for the points that live.
-   The points are sorted along the curve as for a build, the simplices copied with ranks for vertices; the copy is
-   what >>output takes.
+   The vertices are sorted along the curve as for a build, which gives their ranks.  The simplices are put into the
+   canonical order of >>number, but into new arrays, as the core keeps its own: each is counted in the list of its
+   lowest rank; lists are sorted block by block, and written with their corners; then neighbours are looked up.
    ------------------------------------------------------------------------------------------------------ */
+#define PBW__LISTED ((size_t)512)                    /* ranks in a block */
+
 typedef struct pbw__viewing {
     const pbw_live *live;
-    const pbw_index *rank;                           /* per vertex */
-    pbw__store *store;
+    pbw_mesh *mesh;
+    pbw__emission emission;                          /* how lists are sorted: see >>number */
+    int alone;                                       /* one thread, which takes blocks in descending order */
+    size_t ranks, blocks, visible, duplicates;       /* ranks: with 0 */
+    const pbw_index *id;                             /* per rank */
+    pbw_index *rank;                                 /* per vertex */
+    pbw_index *number;                               /* per slot: its list, then its place */
+    unsigned char *turn;                             /* per slot: see pbw__canonical_order */
+    pbw_index *head;                                 /* per rank: where its list begins in the block; then its first
+                                                        simplex of this block, and, if there are several threads, */
+    pbw_index *outer;                                /* its first one of other blocks */
+    pbw_index *base;                                 /* per block: where it begins; one more: where the last ends */
+    pbw_index *simplices, *neighbors, *incident;     /* the mesh's; before there are simplices: per slot, where it is
+                                                        in its list; before there are neighbours: in the first entry
+                                                        of each place, its slot */
 } pbw__viewing;
 
-static pbw_status pbw__view_slots(void *arg, size_t from, size_t to)
+/* ---- points
+   Those that wait in the queue have other coordinates than their vertices. */
+static pbw_status pbw__view_points(void *arg, size_t from, size_t to)
 {
-    const pbw__viewing *viewing = (const pbw__viewing *)arg;
-    const pbw__store *old = &viewing->live->core.store;
-    const pbw_index *rank = viewing->rank;
-    const unsigned dim = (unsigned)viewing->live->dim;
-    for (; from < to; from++) {
-        const pbw_index *v = old->corner + 4 * from;
-        pbw_index *u = viewing->store->corner + 4 * from;
-        unsigned k;
-        if (from >= old->count || v[0] == PBW_NONE) {
-            u[0] = PBW_NONE;
-            continue;
-        }
-        for (k = 0; k <= dim; k++) {
-            u[k] = rank[v[k]];
-        }
-        memcpy(viewing->store->link + 4 * from, old->link + 4 * from, 4 * sizeof(pbw__link));
-    }
-    return PBW_OK;
-}
-
-/* The simplices of a view: of a copy of the store, in ranks.  `list` has the vertices of the core by their places in
-   the input of `vertices`. */
-static pbw_status pbw__view_simplices(const pbw_live *live, pbw__context *context, pbw__vertices *vertices,
-                                      const pbw_index *list, pbw_mesh *mesh)
-{
-    const size_t ranks = live->core.vertex_count + 1;
-    pbw_index *rank = (pbw_index *)pbw__allocate(&context->memory, ranks, sizeof(pbw_index));
-    pbw__viewing viewing;
-    pbw__store store;
-    pbw_status status = rank == NULL ? PBW_ERROR_MEMORY : PBW_OK;
-    size_t r;
-    memset(&store, 0, sizeof(store));
-    if (status == PBW_OK) {
-        rank[0] = 0;
-        for (r = 1; r <= vertices->count; r++) {
-            const pbw_index v = list[vertices->id[r]];
-            vertices->id[r] = live->core.name[v];
-            rank[v] = (pbw_index)r;
-        }
-        status = pbw__store_create(context, &store, vertices->count, live->dim);
-    }
-    if (status == PBW_OK && store.capacity < live->core.store.count) {
-        status = pbw__store_reserve(context, &store, live->core.store.count);
-    }
-    if (status == PBW_OK) {
-        viewing.live = live;
-        viewing.rank = rank;
-        viewing.store = &store;
-        store.count = store.count > live->core.store.count ? store.count : live->core.store.count;
-        status = pbw__for_range(context, store.count, 16384, 0.1, pbw__view_slots, &viewing);
-    }
-    pbw__release(&context->memory, rank, ranks, sizeof(pbw_index));
-    if (status == PBW_OK) {
-        vertices->duplicate_count += live->numbers - vertices->point_count;      /* no vertices: not in incident */
-        status = pbw__output(context, &store, vertices, 0, (pbw__owned *)mesh->memory, mesh);
-    }
-    pbw__store_free(&context->memory, &store);
-    return status;
-}
-
-/* Points, weights, canonical of a view; for the order the points by vertices, which are nearly along the curve. */
-static pbw_status pbw__view_points(const pbw_live *live, pbw__context *context, pbw__stand *stand, pbw_mesh *mesh)
-{
-    pbw__memory *memory = &context->memory;
-    pbw__owned *owned = (pbw__owned *)mesh->memory;
+    pbw__viewing *viewing = (pbw__viewing *)arg;
+    const pbw_live *live = viewing->live;
     const pbw__core *core = &live->core;
-    const size_t dim = (size_t)live->dim, numbers = live->numbers;
-    double *points = (double *)pbw__allocate(memory, numbers * dim, sizeof(double));
-    double *weights = live->weighted_past ? (double *)pbw__allocate(memory, numbers, sizeof(double)) : NULL;
-    pbw_index *canonical = (pbw_index *)pbw__allocate(memory, numbers, sizeof(pbw_index)), v;
-    size_t i;
-    mesh->points = points;
-    mesh->weights = weights;
-    mesh->canonical = canonical;
-    owned->points = points != NULL ? numbers * dim : 0;
-    owned->weights = weights != NULL ? numbers : 0;
-    owned->canonical = canonical != NULL ? numbers : 0;
-    if (points == NULL || canonical == NULL || (weights == NULL && live->weighted_past)
-        || !pbw__stand_create(memory, stand, live->points, live->dim)) {
-        return PBW_ERROR_MEMORY;
-    }
-    memset(points, 0, numbers * dim * sizeof(double));
-    memset(canonical, 0xff, numbers * sizeof(pbw_index));
-    for (v = 1; v <= core->vertex_count; v++) {
-        const double *x = pbw__core_record(core, v);
-        const pbw_index soon = core->name[v + 16 < core->vertex_count ? v + 16 : v], id = core->name[v];
-        PBW__PREFETCH_TO_WRITE(points + soon * dim);
-        PBW__PREFETCH_TO_WRITE(canonical + soon);
-        if (core->incident[v] != PBW__GONE) {
-            memcpy(points + id * dim, x, dim * sizeof(double));
-            canonical[id] = id;
-            pbw__stand_add(stand, v, x, x[dim]);
+    const size_t dim = (size_t)live->dim;
+    const pbw_mesh *mesh = viewing->mesh;
+    double *points = (double *)(uintptr_t)mesh->points, *weights = (double *)(uintptr_t)mesh->weights;
+    pbw_index *canonical = (pbw_index *)(uintptr_t)mesh->canonical;
+    const int settled = live->queue_count == 0 && core->twin != NULL;
+    size_t duplicates = 0, i;
+    for (i = from; i < to; i++) {
+        const int lives = (live->state[i] & PBW__LIVES) != 0, single = settled && lives && core->twin[i] == i;
+        const pbw_index v = lives && !single ? core->vertex[i] : PBW__GHOST;
+        const double *x = single ? live->point + i * dim : pbw__core_record(core, v);
+        if (lives) {
+            memcpy(points + i * dim, x, dim * sizeof(double));
+        } else {
+            memset(points + i * dim, 0, dim * sizeof(double));
         }
-    }
-    for (i = 0; i < numbers; i++) {                  /* duplicates follow: of those at one place the first counts */
-        const int lives = (live->state[i] & PBW__LIVES) != 0;
+        canonical[i] = single ? (pbw_index)i : lives ? core->name[v] : PBW_NONE;
+        duplicates += lives && canonical[i] != i;
         if (weights != NULL) {
             weights[i] = lives ? live->weight[i] : 0.0;
         }
-        if (lives && canonical[i] == PBW_NONE) {
-            const double *x = pbw__core_record(core, core->vertex[i]);
-            memcpy(points + i * dim, x, dim * sizeof(double));
-            canonical[i] = core->name[core->vertex[i]];
-            mesh->duplicate_count++;
-            pbw__stand_add(stand, core->vertex[i], x, live->weight[i]);
+    }
+    (void)PBW__ADD(&viewing->duplicates, duplicates);
+    return PBW_OK;
+}
+
+/* Points, weights and canonical of a view. */
+static pbw_status pbw__view_begin(pbw__viewing *viewing, pbw__context *context)
+{
+    const pbw_live *live = viewing->live;
+    const size_t numbers = live->numbers, entries = numbers * (size_t)live->dim;
+    pbw_mesh *mesh = viewing->mesh;
+    pbw__owned *owned = (pbw__owned *)mesh->memory;
+    pbw_status status;
+    mesh->points = (double *)pbw__allocate_large(context, entries, sizeof(double));
+    mesh->canonical = (pbw_index *)pbw__allocate_large(context, numbers, sizeof(pbw_index));
+    mesh->weights = live->weighted_past ? (double *)pbw__allocate_large(context, numbers, sizeof(double)) : NULL;
+    owned->points = entries;
+    owned->weights = owned->canonical = numbers;
+    if (mesh->points == NULL || mesh->canonical == NULL || (mesh->weights == NULL && live->weighted_past)) {
+        return PBW_ERROR_MEMORY;
+    }
+    status = pbw__for_range(context, numbers, 16384, 0.0, pbw__view_points, viewing);
+    mesh->duplicate_count = viewing->duplicates;
+    return status;
+}
+
+/* Sorts the vertices.  `stand`: copies of them if some are gone, or if duplicates count in the grid of the keys. */
+static pbw_status pbw__view_order(const pbw_live *live, pbw__context *context, pbw__stand *stand,
+                                  pbw__vertices *vertices)
+{
+    const pbw__core *core = &live->core;
+    const size_t width = (size_t)live->dim + 1;
+    pbw__input input;
+    pbw_index v;
+    size_t i;
+    if (core->unused_count == 0 && core->vertex_count == live->points) {
+        input = pbw__input_of(live->dim, 0, core->record + width, core->record + 2 * width - 1, live->points);
+        input.weights = live->weighted_past ? input.weights : NULL;
+        input.stride = input.weight_stride = width * sizeof(double);
+        input.bare = 1;
+        return pbw__order(context, &input, vertices);
+    }
+    if (!pbw__stand_create(&context->memory, stand, live->points, live->dim)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (v = 1; v <= core->vertex_count; v++) {
+        if (core->incident[v] != PBW__GONE) {
+            pbw__stand_add(stand, v, pbw__core_record(core, v), pbw__core_record(core, v)[width - 1]);
+        }
+    }
+    for (i = 0; stand->count < live->points && i < live->numbers; i++) {
+        if ((live->state[i] & PBW__LIVES) != 0 && core->name[core->vertex[i]] != i) {
+            pbw__stand_add(stand, core->vertex[i], pbw__core_record(core, core->vertex[i]), live->weight[i]);
+        }
+    }
+    pbw__stand_input(stand, live->weighted_past, &input);
+    input.bare = core->vertex_count - core->unused_count == live->points;
+    return pbw__order(context, &input, vertices);
+}
+
+/* ---- simplices
+   Turns each simplex to canonical form and counts it in its list. */
+PBW__INLINE void pbw__view_count_of(const pbw__viewing *viewing, size_t from, size_t to, int alone, int dim)
+{
+    const pbw_index *corner = viewing->live->core.store.corner, *rank = viewing->rank;
+    pbw_index *number = viewing->number, *at = viewing->simplices, *head = viewing->head;
+    for (; from < to; from++) {
+        const pbw_index *v = corner + 4 * from;
+        pbw_index r[4], low;
+        unsigned order;
+        int k;
+        if (v[0] == PBW_NONE || v[dim] == PBW__GHOST) {
+            number[from] = PBW_NONE;
+            continue;
+        }
+        for (k = 0; k <= dim; k++) {
+            r[k] = rank[v[k]];
+        }
+        order = pbw__canonical_order(r, dim);
+        low = r[order & 3];
+        viewing->turn[from] = (unsigned char)order;
+        number[from] = low;
+        at[from] = alone ? head[low]++ : PBW__ADD(head + low, 1);
+    }
+}
+
+static pbw_status pbw__view_count(void *arg, size_t from, size_t to)
+{
+    const pbw__viewing *viewing = (const pbw__viewing *)arg;
+    if (viewing->alone) {
+        PBW__BY_DIM(viewing->live->dim, pbw__view_count_of, viewing, from, to, 1);
+    } else {
+        PBW__BY_DIM(viewing->live->dim, pbw__view_count_of, viewing, from, to, 0);
+    }
+    return PBW_OK;
+}
+
+/* Lengths of lists become their places in blocks. */
+static pbw_status pbw__view_sum(void *arg, size_t from, size_t to)
+{
+    const pbw__viewing *viewing = (const pbw__viewing *)arg;
+    pbw_index sum = 0;
+    size_t r;
+    for (r = from; r < to; r++) {
+        const pbw_index length = viewing->head[r];
+        viewing->head[r] = sum;
+        sum += length;
+    }
+    viewing->base[from / PBW__LISTED] = sum;
+    return PBW_OK;
+}
+
+static pbw_status pbw__view_scatter(void *arg, size_t from, size_t to)
+{
+    const pbw__viewing *viewing = (const pbw__viewing *)arg;
+    const pbw_index *number = viewing->number, *at = viewing->simplices, *head = viewing->head, *base = viewing->base;
+    const size_t corners = (size_t)viewing->live->dim + 1;
+    for (; from < to; from++) {
+        const pbw_index low = number[from];
+        if (low != PBW_NONE) {
+            viewing->neighbors[corners * ((size_t)base[low / PBW__LISTED] + head[low] + at[from])] = (pbw_index)from;
         }
     }
     return PBW_OK;
+}
+
+/* The items of a block: see >>number. */
+PBW__INLINE void pbw__view_items(const pbw__viewing *viewing, size_t from, size_t to, pbw__item *item, int dim)
+{
+    const pbw_index *corner = viewing->live->core.store.corner, *rank = viewing->rank, *list = viewing->neighbors;
+    const size_t corners = (size_t)dim + 1;
+    size_t i;
+    for (i = from; i < to; i++, item++) {
+        const size_t t = list[corners * i], soon = list[corners * (i + 16 < to ? i + 16 : i)];
+        const pbw_index *v = corner + 4 * t;
+        const unsigned order = viewing->turn[t];
+        const pbw_index second = rank[v[order >> 2 & 3]], third = rank[v[order >> 4 & 3]];
+        PBW__PREFETCH(corner + 4 * soon);
+        PBW__PREFETCH(viewing->turn + soon);
+        item->key = dim == 3 ? (uint64_t)second << 32 | third : (uint64_t)viewing->number[t] << 32 | second;
+        item->last = dim == 3 ? rank[v[order >> 6]] : third;
+        item->simplex = (pbw_index)t;
+    }
+}
+
+/* Writes the simplices of a block, from the last to the first.  later: the first rank of later blocks, if other
+   threads have them; else PBW_NONE. */
+PBW__INLINE void pbw__view_write(const pbw__viewing *viewing, size_t from, size_t to, const pbw__item *item,
+                                 pbw_index later, int dim)
+{
+    pbw_index *number = viewing->number, *first = viewing->head, *outer = viewing->outer;
+    const pbw_index *id = viewing->id;
+    while (to-- > from) {
+        const pbw__item *here = item + (to - from);
+        const pbw_index place = (pbw_index)to, a = (pbw_index)(here->key >> 32), b = (pbw_index)here->key;
+        pbw_index *v = viewing->simplices + ((size_t)dim + 1) * to;
+        if (dim == 3) {
+            const pbw_index low = number[here->simplex];
+            v[0] = id[low];
+            v[1] = id[a];
+            v[2] = id[b];
+            v[3] = id[here->last];
+            first[low] = place;
+        } else {
+            v[0] = id[a];
+            v[1] = id[b];
+            v[2] = id[here->last];
+        }
+        pbw__emit_first(first, outer, a, place, later);
+        pbw__emit_first(first, outer, b, place, later);
+        pbw__emit_first(first, outer, here->last, place, later);
+        number[here->simplex] = place;
+        viewing->neighbors[((size_t)dim + 1) * to] = here->simplex;
+    }
+}
+
+/* Sorts and writes the lists of a block. */
+static pbw_status pbw__view_block(const pbw__viewing *viewing, size_t block)
+{
+    pbw__memory *memory = &viewing->emission.context->memory;
+    const int dim = viewing->live->dim;
+    const size_t first = block * PBW__LISTED, rest = viewing->ranks - first;
+    const size_t lists = rest < PBW__LISTED ? rest : PBW__LISTED, from = viewing->base[block];
+    const size_t to = viewing->base[block + 1], count = to - from, room = count + 4;     /* 4: see >>number */
+    const pbw_index later = viewing->alone ? PBW_NONE : (pbw_index)(first + lists);
+    pbw_index end[PBW__LISTED];
+    pbw__item *item = (pbw__item *)pbw__allocate(memory, 2 * room, sizeof(pbw__item));
+    if (item == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memcpy(end, viewing->head + first + 1, (lists - 1) * sizeof(pbw_index));
+    end[lists - 1] = (pbw_index)count;
+    memset(viewing->head + first, 0xff, lists * sizeof(pbw_index));  /* PBW_NONE */
+    memset(item + count, 0, 4 * sizeof(*item));
+    PBW__BY_DIM(dim, pbw__view_items, viewing, from, to, item);
+    pbw__sort_region(&viewing->emission, item, end, lists, item + room);
+    if (viewing->alone) {                            /* compiled without comparisons with later */
+        PBW__BY_DIM(dim, pbw__view_write, viewing, from, to, item + room + 1, PBW_NONE);
+    } else {
+        PBW__BY_DIM(dim, pbw__view_write, viewing, from, to, item + room + 1, later);
+    }
+    pbw__release(memory, item, 2 * room, sizeof(pbw__item));
+    return PBW_OK;
+}
+
+static pbw_status pbw__view_blocks(void *arg, size_t from, size_t to)
+{
+    const pbw__viewing *viewing = (const pbw__viewing *)arg;
+    pbw_status status = PBW_OK;
+    for (; from < to && status == PBW_OK; from++) {
+        status = pbw__view_block(viewing, viewing->blocks - 1 - from);
+    }
+    return status;
+}
+
+PBW__INLINE void pbw__view_neighbors_of(const pbw__viewing *viewing, size_t from, size_t to, int dim)
+{
+    const pbw__link *link = viewing->live->core.store.link;
+    const pbw_index *number = viewing->number;
+    const size_t corners = (size_t)dim + 1;
+    for (; from < to; from++) {
+        pbw_index *neighbor = viewing->neighbors + corners * from;
+        const size_t t = neighbor[0], soon = neighbor[from + 16 < to ? 16 * corners : 0];
+        const unsigned order = viewing->turn[t];
+        int k;
+        PBW__PREFETCH(link + 4 * soon);
+        PBW__PREFETCH(viewing->turn + soon);
+        for (k = 0; k <= dim; k++) {
+            neighbor[k] = number[link[4 * t + (order >> 2 * k & 3)] >> 2];
+        }
+    }
+}
+
+static pbw_status pbw__view_neighbors(void *arg, size_t from, size_t to)
+{
+    const pbw__viewing *viewing = (const pbw__viewing *)arg;
+    PBW__BY_DIM(viewing->live->dim, pbw__view_neighbors_of, viewing, from, to);
+    return PBW_OK;
+}
+
+static pbw_status pbw__view_incident(void *arg, size_t from, size_t to)
+{
+    pbw__viewing *viewing = (pbw__viewing *)arg;
+    size_t visible = 0, r;
+    for (r = from + 1; r <= to; r++) {
+        const pbw_index own = viewing->head[r], other = viewing->alone ? own : viewing->outer[r];
+        const pbw_index first = own < other ? own : other;
+        viewing->incident[viewing->id[r]] = first;
+        visible += first != PBW_NONE;
+    }
+    (void)PBW__ADD(&viewing->visible, visible);
+    return PBW_OK;
+}
+
+/* Puts the simplices into lists. */
+static pbw_status pbw__view_lists(pbw__viewing *viewing, pbw__context *context)
+{
+    const pbw__core *core = &viewing->live->core;
+    const size_t slots = core->store.count, entries = core->simplex_count * ((size_t)viewing->live->dim + 1);
+    pbw_mesh *mesh = viewing->mesh;
+    pbw__owned *owned = (pbw__owned *)mesh->memory;
+    size_t room = entries > slots ? entries : slots, sum = 0, block;
+    pbw_status status = PBW_ERROR_MEMORY;
+    mesh->simplices = viewing->simplices = (pbw_index *)pbw__allocate_large(context, room, sizeof(pbw_index));
+    mesh->neighbors = viewing->neighbors = (pbw_index *)pbw__allocate_large(context, entries, sizeof(pbw_index));
+    owned->simplices = room;
+    owned->neighbors = entries;
+    mesh->simplex_count = core->simplex_count;
+    if (viewing->simplices != NULL && viewing->neighbors != NULL) {
+        status = pbw__for_range(context, slots, 16384, 0.2, pbw__view_count, viewing);
+        status = status == PBW_OK ? pbw__for_range(context, viewing->ranks, PBW__LISTED, 0.25, pbw__view_sum, viewing)
+                                  : status;
+    }
+    for (block = 0; block <= viewing->blocks && status == PBW_OK; block++) {
+        const pbw_index count = block < viewing->blocks ? viewing->base[block] : 0;
+        viewing->base[block] = (pbw_index)sum;
+        sum += count;
+    }
+    status = status == PBW_OK ? pbw__for_range(context, slots, 16384, 0.3, pbw__view_scatter, viewing) : status;
+    if (status == PBW_OK && room > entries) {
+        status = pbw__resize_array(&context->memory, &viewing->simplices, &room, entries, sizeof(pbw_index))
+               ? PBW_OK : PBW_ERROR_MEMORY;
+        mesh->simplices = viewing->simplices;
+        owned->simplices = room;
+    }
+    return status;
+}
+
+/* Ranks of vertices, and their ids.  `list` has the vertices of the core by their places in the input of `vertices`;
+   NULL: the vertices are that input. */
+static void pbw__view_ranks(const pbw__viewing *viewing, pbw__vertices *vertices, const pbw_index *list)
+{
+    const pbw_index *name = viewing->live->core.name;
+    const size_t ranks = viewing->ranks;
+    size_t r;
+    viewing->rank[0] = 0;
+    for (r = 1; r < ranks; r++) {
+        const size_t soon = vertices->id[r + 16 < ranks ? r + 16 : r];
+        const pbw_index v = list != NULL ? list[vertices->id[r]] : vertices->id[r] + 1;
+        PBW__PREFETCH(name + (list != NULL ? list[soon] : soon + 1));
+        PBW__PREFETCH_TO_WRITE(viewing->rank + (list != NULL ? list[soon] : soon + 1));
+        vertices->id[r] = name[v];
+        viewing->rank[v] = (pbw_index)r;
+    }
+}
+
+/* The simplices of a view. */
+static pbw_status pbw__view_simplices(pbw__viewing *viewing, pbw__context *context, pbw__vertices *vertices,
+                                      const pbw_index *list)
+{
+    const pbw__core *core = &viewing->live->core;
+    pbw__memory *memory = &context->memory;
+    const size_t slots = core->store.count, ranks = vertices->count + 1, heads = viewing->alone ? ranks : 2 * ranks;
+    pbw_status status = PBW_ERROR_MEMORY;
+    viewing->ranks = ranks;
+    viewing->blocks = (ranks + PBW__LISTED - 1) / PBW__LISTED;
+    viewing->id = vertices->id;
+    viewing->rank = (pbw_index *)pbw__allocate_large(context, core->vertex_count + 1, sizeof(pbw_index));
+    viewing->number = (pbw_index *)pbw__allocate_large(context, slots, sizeof(pbw_index));
+    viewing->turn = (unsigned char *)pbw__allocate_large(context, slots, 1);
+    viewing->head = (pbw_index *)pbw__allocate_large(context, heads, sizeof(pbw_index));
+    viewing->base = (pbw_index *)pbw__allocate(memory, viewing->blocks + 1, sizeof(pbw_index));
+    viewing->incident = pbw__make_incident(context, (pbw__owned *)viewing->mesh->memory, viewing->mesh,
+                                           vertices->count < viewing->live->numbers);
+    if (viewing->rank != NULL && viewing->number != NULL && viewing->turn != NULL && viewing->head != NULL
+        && viewing->base != NULL && viewing->incident != NULL) {
+        viewing->outer = viewing->head + (viewing->alone ? 0 : ranks);
+        memset(viewing->head, 0, ranks * sizeof(pbw_index));
+        memset(viewing->head + ranks, 0xff, (heads - ranks) * sizeof(pbw_index));    /* PBW_NONE */
+        pbw__view_ranks(viewing, vertices, list);
+        status = pbw__view_lists(viewing, context);
+    }
+    status = status == PBW_OK ? pbw__for_range(context, viewing->blocks, 1, 0.7, pbw__view_blocks, viewing) : status;
+    status = status == PBW_OK ? pbw__for_range(context, core->simplex_count, 16384, 0.95, pbw__view_neighbors,
+                                               viewing) : status;
+    status = status == PBW_OK ? pbw__for_range(context, ranks - 1, 16384, 1.0, pbw__view_incident, viewing) : status;
+    viewing->mesh->hidden_count = vertices->count - viewing->visible;
+    pbw__release(memory, viewing->rank, core->vertex_count + 1, sizeof(pbw_index));
+    pbw__release(memory, viewing->number, slots, sizeof(pbw_index));
+    pbw__release(memory, viewing->turn, slots, 1);
+    pbw__release(memory, viewing->head, heads, sizeof(pbw_index));
+    pbw__release(memory, viewing->base, viewing->blocks + 1, sizeof(pbw_index));
+    return status;
 }
 
 static pbw_status pbw__view(const pbw_live *live, pbw__context *context, pbw_mesh *mesh)
 {
     pbw__owned *owned = (pbw__owned *)pbw__allocate(&context->memory, 1, sizeof(pbw__owned));
+    pbw__viewing viewing;
     pbw__stand stand;
     pbw__vertices vertices;
-    pbw__input input;
     pbw_status status;
     if (owned == NULL) {
         return PBW_ERROR_MEMORY;
     }
     memset(owned, 0, sizeof(*owned));
     memset(&stand, 0, sizeof(stand));
-    memset(&vertices, 0, sizeof(vertices));
+    memset(&viewing, 0, sizeof(viewing));
+    viewing.live = live;
+    viewing.mesh = mesh;
+    viewing.alone = context->threads == 1;
+    viewing.emission.context = context;
+    viewing.emission.dim = live->dim;
+#ifdef PBW__AVX2
+    viewing.emission.simd = pbw__simd_works();
+#endif
     mesh->memory = owned;
     mesh->dim = live->dim;
     mesh->point_count = live->numbers;
     if (live->numbers == 0) {
         return PBW_DEGENERATE;
     }
-    status = pbw__view_points(live, context, &stand, mesh);
+    status = pbw__view_begin(&viewing, context);
     if (status == PBW_OK && live->core.simplex_count == 0) {
         status = pbw__make_incident(context, owned, mesh, 1) == NULL ? PBW_ERROR_MEMORY : PBW_DEGENERATE;
     } else if (status == PBW_OK) {
-        pbw__stand_input(&stand, live->weighted_past, &input);
         status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED
-               : pbw__order(context, &input, &vertices);
+               : pbw__view_order(live, context, &stand, &vertices);
         if (status == PBW_OK) {
             status = pbw__enter_stage(context, PBW_STAGE_OUTPUT) ? PBW_CANCELLED
-                   : pbw__view_simplices(live, context, &vertices, stand.list, mesh);
+                   : pbw__view_simplices(&viewing, context, &vertices, stand.list);
+            pbw__vertices_free(context, &vertices);
         }
     }
     pbw__stand_free(&context->memory, &stand);
-    if (vertices.id != NULL) {
-        pbw__vertices_free(context, &vertices);
-    }
     return status;
 }
 

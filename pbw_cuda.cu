@@ -2,7 +2,7 @@
 
    Build:  nvcc -O3 -c pbw_cuda.cu        (compute capability 7.0 or later; CUDA 11.7 or later)
    Use:    options.backend = pbw_cuda_backend(0), or pbw_cuda_backend_multi for several devices,
-           or pbw_cuda_triangulate for points on the device.
+           or pbw_cuda_triangulate for points on the device, or pbw_cuda_loop_step for points that move.
 
    The result equals that of the CPU byte for byte, because it is a function of the points alone (see CONVENTIONS in
    pbw.h) and every sign that it depends on is exact.
@@ -40,6 +40,13 @@
    Where two devices can reach each other, each opens its pool to the other, and leaves it so; for a pool that keeps
    60 GB the first call takes half a second longer.
 
+   POINTS THAT MOVE.  A loop has a pool of its own, which keeps what a step frees for the next.  It keeps the mesh of
+   the last step too.  A step puts the points into order and, if the duplicates are those of before, tests that mesh
+   with the new coordinates (>>check): positive simplices, locally regular facets under the tie rule, a convex hull
+   that is covered once, hidden points in conflict with none.  Such a mesh is the triangulation of the new points; the
+   order of its simplices depends on the curve, and follows from the new ranks (>>keep).  The first fault ends the
+   test, and the stars are built.
+
    MEMORY.  Device memory is taken from the pool of the current device, as much as options.memory_limit allows; if it
    will not do, which is known before the stars and before the output, the message says the bytes needed and
    available, and under PBW_BACKEND_OR_CPU the CPU takes over.
@@ -55,6 +62,7 @@
      >>wide      the rungs for points on surfaces
      >>cells     simplices, neighbours, incident simplices
      >>check     the exact verdict on a mesh
+     >>keep      a mesh whose points have moved, put into the order of the curve again
      >>run       the stages in order
      >>entry     the backend, and the entries for points on the device
 */
@@ -83,6 +91,7 @@
 extern "C" {
 int pbw_cuda_by_host = 0;                            /* devices take each other for unreachable */
 int pbw_cuda_patient = 0;                            /* no input is declined after a sample */
+long pbw_cuda_fail_at = 0;                           /* counts down: the allocation of device memory that fails */
 }
 #endif
 
@@ -3416,8 +3425,10 @@ struct view {                                        /* a mesh and its points */
     input in;
     const pbw_index *simplices, *neighbors, *incident, *canonical;
     uint32_t count;                                  /* simplices */
+    bool trusted;                                    /* the links are known to be sound */
     pbw__grid grid;
-    double basis[4][4];                              /* corners of simplex 0 */
+    const record *basis;                             /* corners of simplex 0 */
+    const uint32_t *order;                           /* points along the curve, or NULL */
 };
 
 struct verdict {
@@ -3463,14 +3474,14 @@ __device__ __noinline__ int faces_inside(const view &m, const corners<DIM> &c, i
 {
     int sign = 0;
     for (int i = 0; i <= DIM && sign == 0; i++) {
-        sign = side_of<DIM>(m, c, facet, m.basis[i], pool);
+        sign = side_of<DIM>(m, c, facet, m.basis[i].c, pool);
     }
     return sign == PBW__OPEN ? open_sign : sign > 0;
 }
 
 template <int DIM> __device__ int covers(const view &m, const corners<DIM> &c, pbw__digit *pool)
 {
-    const double *a = m.basis[0];
+    const double *a = m.basis[0].c;
     for (int k = 0; k < DIM; k++) {
         bool below = false, above = false;
         for (int i = 0; i <= DIM; i++) {
@@ -3564,6 +3575,9 @@ template <int DIM> __device__ verdict check_simplex(const view &m, uint32_t s, p
         if (t >= m.count || t == s) {
             return fault_at(check_other, s, i, none);
         }
+        if (m.trusted && t > s) {
+            continue;
+        }
         for (int k = 0; k <= DIM; k++) {
             bool back = m.neighbors[(size_t)t * (DIM + 1) + (size_t)k] == s;
             links += back;
@@ -3635,15 +3649,26 @@ template <int DIM> __device__ verdict check_ridges(const view &m, uint32_t s, pb
     return fault_at(check_sound, none, -1, none);
 }
 
-/* A visibility walk to a point that is no vertex. */
-template <int DIM> __device__ verdict check_walk(const view &m, uint32_t point, pbw__digit *pool)
+/* A simplex near the point of a rank: one of a vertex before it on the curve. */
+__device__ inline uint32_t simplex_near(const view &m, uint32_t rank)
 {
-    uint32_t here = 0, last = 0;
+    uint32_t found = none;
+    for (int tries = 0; tries < 64 && rank > 0 && found == none; tries++) {
+        found = m.incident[m.order[--rank]];
+    }
+    return found != none ? found : 0;
+}
+
+/* A visibility walk to a point that is no vertex; with an order, the item is a rank. */
+template <int DIM> __device__ verdict check_walk(const view &m, uint32_t item, pbw__digit *pool)
+{
+    const uint32_t point = m.order != NULL ? m.order[item] : item;
     corners<DIM> c;
     double p[4];
     if (m.canonical[point] != point || m.incident[point] != none) {
         return fault_at(check_sound, none, -1, none);
     }
+    uint32_t here = m.order != NULL ? simplex_near(m, item) : 0, last = here;
     fetch(m.in, point, p);
     for (int i = 0; i <= DIM;) {
         const pbw_index *next = m.neighbors + (size_t)here * (DIM + 1);
@@ -3676,7 +3701,17 @@ template <int DIM> __device__ verdict check_walk(const view &m, uint32_t point, 
 
 const unsigned check_blocks = 64;                    /* of 32 threads that have pools */
 
-/* Items 0, ..., count - 1, or those of a list, one thread each or in turn; a single one is described. */
+/* Copies the corners of simplex 0, a lane each; one that is no point is a fault that the passes find. */
+__global__ void basis_kernel(const __grid_constant__ view m, record *basis)
+{
+    if ((int)threadIdx.x <= m.in.dim) {
+        uint32_t v = m.simplices[threadIdx.x];
+        fetch(m.in, v < m.in.count ? v : 0, basis[threadIdx.x].c);
+    }
+}
+
+/* Items 0, ..., count - 1, or those of a list, one thread each or in turn, up to the first known fault; a single one
+   is described. */
 template <int DIM>
 __global__ void check_kernel(const __grid_constant__ view m, int pass, uint32_t count, const uint32_t *list,
                              uint32_t *open, pbw__digit *pool, finding *out)
@@ -3686,6 +3721,9 @@ __global__ void check_kernel(const __grid_constant__ view m, int pass, uint32_t 
     unsigned long long counted[2] = { 0, 0 };
     for (size_t i = thread; i < count; i += threads) {
         uint32_t item = list == NULL ? (uint32_t)i : list[i];
+        if (count > 1 && *(const volatile unsigned long long *)&out->least >> 32 < item) {
+            continue;
+        }
         verdict v = pass == check_points ? check_point<DIM>(m, item)
                   : pass == check_simplices ? check_simplex<DIM>(m, item, digits)
                   : pass == check_hull ? check_ridges<DIM>(m, item, digits) : check_walk<DIM>(m, item, digits);
@@ -3710,6 +3748,91 @@ __global__ void check_kernel(const __grid_constant__ view m, int pass, uint32_t 
             atomicAdd(&out->counted[pass][k], counted[k]);
         }
     }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>keep         A mesh whose points have moved, put into the order of the curve again.
+   In: a mesh that holds for its points where they are now, by the ids of the caller; the new order of the points.
+   Out: its arrays as >>cells writes them: simplices in canonical form, sorted by their first three corners.
+   ------------------------------------------------------------------------------------------------------ */
+__global__ void compare_kernel(const uint32_t *a, const uint32_t *b, uint32_t count, uint32_t *differ)
+{
+    size_t i = thread_number();
+    if (any(i < count && a[i] != b[i]) && (threadIdx.x & 31) == 0) {
+        *differ = 1;
+    }
+}
+
+__global__ void rank_kernel(const uint32_t *id, uint32_t count, uint32_t *rank)
+{
+    size_t i = thread_number();
+    if (i < count) {
+        rank[id[i]] = (uint32_t)i;
+    }
+}
+
+/* A mesh on its way into a new order. */
+struct reorder {
+    const pbw_index *simplices, *neighbors;          /* in the old order */
+    const uint32_t *id, *rank;                       /* of each rank; of each id */
+    uint32_t count;                                  /* simplices */
+    int bits;                                        /* of a rank */
+};
+
+/* The canonical form of a simplex, by ranks. */
+template <int DIM> __device__ inline cell<DIM> ranked(const reorder &m, uint32_t s)
+{
+    cell<DIM> c = ((const cell<DIM> *)m.simplices)[s];
+    for (int k = 0; k <= DIM; k++) {
+        c.corner[k] = m.rank[c.corner[k]];
+    }
+    return canonical<DIM>(c.corner[0], c.corner + 1);
+}
+
+template <int DIM> __global__ void third_kernel(const __grid_constant__ reorder m, uint32_t *key, uint32_t *simplex)
+{
+    size_t i = thread_number();
+    if (i < m.count) {
+        key[i] = ranked<DIM>(m, (uint32_t)i).corner[2];
+        simplex[i] = (uint32_t)i;
+    }
+}
+
+template <int DIM>
+__global__ void first_kernel(const __grid_constant__ reorder m, const uint32_t *simplex, uint64_t *key)
+{
+    size_t i = thread_number();
+    if (i < m.count) {
+        cell<DIM> c = ranked<DIM>(m, simplex[i]);
+        key[i] = (uint64_t)c.corner[0] << m.bits | c.corner[1];
+    }
+}
+
+/* order: the old number of each new one; renumbered: the new number of each old one. */
+template <int DIM>
+__global__ void rewrite_kernel(const __grid_constant__ reorder m, const uint32_t *order, const uint32_t *renumbered,
+                               pbw_index *simplices, pbw_index *neighbors, pbw_index *incident)
+{
+    size_t i = thread_number();
+    if (i >= m.count) {
+        return;
+    }
+    uint32_t s = order[i];
+    cell<DIM> old = ((const cell<DIM> *)m.simplices)[s], across = ((const cell<DIM> *)m.neighbors)[s];
+    cell<DIM> c = ranked<DIM>(m, s), other;
+    for (int k = 0; k <= DIM; k++) {
+        uint32_t v = m.id[c.corner[k]], t = none;
+        for (int j = 0; j <= DIM; j++) {
+            t = old.corner[j] == v ? across.corner[j] : t;
+        }
+        c.corner[k] = v;
+        other.corner[k] = t == none ? none : renumbered[t];
+        if (incident[v] > i) {
+            atomicMin(&incident[v], (uint32_t)i);
+        }
+    }
+    ((cell<DIM> *)simplices)[i] = c;
+    ((cell<DIM> *)neighbors)[i] = other;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -3745,11 +3868,27 @@ struct team {
     offer of[most_cards];
 };
 
-struct call {
-    team *cards;                                     /* NULL: alone */
-    int card;
-    cudaStream_t stream, copies;
+/* What a call uses besides its blocks; that of a loop serves all its steps. */
+struct gear {
+    cudaMemPool_t pool;
+    cudaStream_t copies;
     cudaEvent_t mark[8], ready, copied;
+    char *pinned;                                    /* host memory for counts; NULL but in a loop */
+};
+const size_t pinned_bytes = 512;
+
+/* What a loop passes on from step to step. */
+struct keepsake {
+    pbw_cuda_mesh mesh;
+    uint32_t *id, count;                             /* of each rank; NULL if the CPU built the mesh */
+};
+
+struct call : gear {
+    team *cards;                                     /* NULL: alone */
+    keepsake *last;                                  /* NULL: no step of a loop */
+    bool lent, anew;                                 /* lent: the gear; anew: the last mesh is not looked at */
+    int card;
+    cudaStream_t stream;
     pbw_job *job;                                    /* without reserve, keep: results stay on the device */
     size_t used, count, stars;                       /* bytes; stars: of the share */
     uint32_t *stop;                                  /* on the device: kernels of stars end early if it is not 0 */
@@ -3832,13 +3971,9 @@ bool fits(call &c, size_t more)
     size_t available = 0, all = 0, needed = c.used + more;
     size_t usual = (size_t)((double)c.count * bytes_a_point[c.dim - 2] + (double)c.stars * bytes_a_star[c.dim - 2]);
     uint64_t kept = 0, used = 0;
-    int device = 0;
-    cudaMemPool_t pool;
     if (!good(c, cudaMemGetInfo(&available, &all), "cudaMemGetInfo")
-        || !good(c, cudaGetDevice(&device), "cudaGetDevice")
-        || !good(c, cudaDeviceGetMemPool(&pool, device), "cudaDeviceGetMemPool")
-        || !good(c, cudaMemPoolGetAttribute(pool, cudaMemPoolAttrReservedMemCurrent, &kept), "memory of the pool")
-        || !good(c, cudaMemPoolGetAttribute(pool, cudaMemPoolAttrUsedMemCurrent, &used), "memory of the pool")) {
+        || !good(c, cudaMemPoolGetAttribute(c.pool, cudaMemPoolAttrReservedMemCurrent, &kept), "memory of the pool")
+        || !good(c, cudaMemPoolGetAttribute(c.pool, cudaMemPoolAttrUsedMemCurrent, &used), "memory of the pool")) {
         return false;
     }
     available += c.used + (kept > used ? (size_t)(kept - used) : 0);
@@ -3849,6 +3984,23 @@ bool fits(call &c, size_t more)
             available);
     }
     return c.status == PBW_OK;
+}
+
+void own(call &c, void *block, size_t bytes)
+{
+    c.block[c.blocks].address = block;
+    c.block[c.blocks++].bytes = bytes;
+    c.used += bytes;
+}
+
+cudaError_t take(const call &c, void **block, size_t bytes)
+{
+#ifdef PBW_CUDA_TEST
+    if (pbw_cuda_fail_at > 0 && --pbw_cuda_fail_at == 0) {
+        return cudaErrorMemoryAllocation;
+    }
+#endif
+    return cudaMallocFromPoolAsync(block, bytes, c.pool, c.stream);
 }
 
 template <typename V> bool allocate(call &c, V *&address, size_t count)
@@ -3865,7 +4017,7 @@ template <typename V> bool allocate(call &c, V *&address, size_t count)
     if (c.job->memory_limit > 0 && c.used + bytes > c.job->memory_limit && !fits(c, bytes)) {
         return false;
     }
-    cudaError_t error = cudaMallocAsync(&block, bytes, c.stream);
+    cudaError_t error = take(c, &block, bytes);
     if (error == cudaErrorMemoryAllocation) {
         (void)cudaGetLastError();
         if (!fits(c, bytes)) {
@@ -3873,9 +4025,7 @@ template <typename V> bool allocate(call &c, V *&address, size_t count)
         }
     }
     if (good(c, error, "cudaMallocAsync")) {
-        c.block[c.blocks].address = block;
-        c.block[c.blocks++].bytes = bytes;
-        c.used += bytes;
+        own(c, block, bytes);
         address = (V *)block;
     }
     return c.status == PBW_OK;
@@ -3968,9 +4118,16 @@ bool meet_cards(call &c, bool leaving, double done)
 
 template <typename V> bool read_back(call &c, V &value, const V *address, pbw_stage stage, double done)
 {
-    return c.status == PBW_OK && wait(c, c.stream, stage, done)
-        && good(c, cudaMemcpyAsync(&value, address, sizeof(V), cudaMemcpyDeviceToHost, c.stream), "reading a count")
-        && good(c, cudaStreamSynchronize(c.stream), "reading a count");
+    static_assert(sizeof(V) <= pinned_bytes, "room for what is read back");
+    V *to = c.pinned != NULL ? (V *)c.pinned : &value;
+    if (c.status != PBW_OK || (c.pinned == NULL && !wait(c, c.stream, stage, done))      /* the copy would block */
+        || !good(c, cudaMemcpyAsync(to, address, sizeof(V), cudaMemcpyDeviceToHost, c.stream), "reading a count")
+        || !(c.pinned != NULL ? wait(c, c.stream, stage, done)
+                              : good(c, cudaStreamSynchronize(c.stream), "reading a count"))) {
+        return false;
+    }
+    value = *to;
+    return true;
 }
 
 template <typename V> bool fill(call &c, V *address, int byte, size_t count)
@@ -5050,6 +5207,228 @@ bool build(call &c, const space &s, const uint32_t *id, unsigned flags, pbw_cuda
     return true;
 }
 
+/* A check while it runs. */
+struct checking {
+    call &c;
+    view m;
+    buffer<uint32_t> open;                           /* items that the stages without memory leave open */
+    buffer<pbw__digit> pool;
+    buffer<record> basis;
+    buffer<finding> on_device;
+    finding found;
+    uint32_t points;                                 /* of a pass */
+    pbw_report *report;                              /* NULL: only whether there is a fault */
+    checking(call &of, const pbw_cuda_mesh &mesh, const input &in, pbw_report *to)
+        : c(of), m{ in, mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical, (uint32_t)mesh.simplex_count,
+                    to == NULL, { 0.0, 0 }, NULL, NULL },
+          open(of), pool(of), basis(of), on_device(of), points((uint32_t)in.count), report(to) {}
+};
+
+/* One pass; false: a fault, which the report then names, or no verdict. */
+template <int DIM> bool check_pass(checking &k, int pass)
+{
+    call &c = k.c;
+    const bool of_points = pass == check_points || pass == check_hidden;
+    const uint32_t count = of_points ? k.points : k.m.count;
+    unsigned blocks = blocks_for(count, 128);
+    blocks = blocks < 1u << 16 ? blocks : 1u << 16;
+    check_kernel<DIM><<<blocks, 128, 0, c.stream>>>(k.m, pass, count, NULL, k.open.at, NULL, k.on_device.at);
+    if (!launched(c, "check") || !read_back(c, k.found, k.on_device.at, PBW_STAGE_BUILD, 0.0)) {
+        return false;
+    }
+    if (k.found.open > 0) {
+        check_kernel<DIM><<<check_blocks, 32, 0, c.stream>>>(k.m, pass, k.found.open, k.open.at, NULL, k.pool.at,
+                                                             k.on_device.at);
+        if (!fill(c, &k.on_device.at->open, 0, 1) || !launched(c, "check")
+            || !read_back(c, k.found, k.on_device.at, PBW_STAGE_BUILD, 0.0)) {
+            return false;
+        }
+    }
+    if (k.found.least == ~0ull || k.report == NULL) {
+        return k.found.least == ~0ull;
+    }
+    uint32_t item = (uint32_t)(k.found.least >> 32);     /* once more, for a description of it */
+    if (!good(c, cudaMemcpyAsync(k.open.at, &item, sizeof item, cudaMemcpyHostToDevice, c.stream), "copy")) {
+        return false;
+    }
+    check_kernel<DIM><<<1, 32, 0, c.stream>>>(k.m, pass, 1, k.open.at, NULL, k.pool.at, k.on_device.at);
+    if (launched(c, "check") && read_back(c, k.found, k.on_device.at, PBW_STAGE_BUILD, 0.0)) {
+        k.report->what = faults[k.found.first.fault];
+        k.report->simplex = k.found.first.simplex;
+        k.report->facet = (pbw_index)k.found.first.facet;
+        k.report->point = k.found.first.point;
+    }
+    return false;
+}
+
+bool miscounts(pbw_report *report, size_t said, size_t counted, const char *what)
+{
+    report->what = said != counted ? what : report->what;
+    return said != counted;
+}
+
+template <int DIM> bool open_check(checking &k, const pbw__grid &grid)
+{
+    call &c = k.c;
+    const size_t items = k.m.count > k.m.in.count ? k.m.count : k.m.in.count;
+    memset(&k.found, 0, sizeof k.found);
+    k.found.least = ~0ull;
+    if (!k.on_device.make(1) || !k.basis.make(DIM + 1) || !k.open.make(items)
+        || !k.pool.make((size_t)check_blocks * 32 * PBW__POOL)
+        || !good(c, cudaMemcpyAsync(k.on_device.at, &k.found, sizeof k.found, cudaMemcpyHostToDevice, c.stream),
+                 "copy")) {
+        return false;
+    }
+    basis_kernel<<<1, 32, 0, c.stream>>>(k.m, k.basis.at);
+    k.m.basis = k.basis.at;
+    k.m.grid = grid;
+    return launched(c, "check");
+}
+
+template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const input &in, pbw_report *report)
+{
+    survey *surveyed = NULL;
+    extents e;
+    checking k(c, mesh, in, report);
+    pbw__box_reset(&e.domain, 1);
+    if (!survey_points(c, in, surveyed, e) || !open_check<DIM>(k, e.grid) || !check_pass<DIM>(k, check_points)) {
+        return false;
+    }
+    const size_t vertices = (size_t)k.found.counted[check_points][0];
+    const size_t others = (size_t)k.found.counted[check_points][1];
+    report->vertex_count = vertices;
+    if (miscounts(report, mesh.duplicate_count, in.count - vertices - others, "duplicate_count is wrong")
+        || miscounts(report, mesh.hidden_count, others, "hidden_count is wrong")
+        || !check_pass<DIM>(k, check_simplices)) {
+        return false;
+    }
+    report->facet_count = (size_t)k.found.counted[check_simplices][0];
+    report->hull_facet_count = (size_t)k.found.counted[check_simplices][1];
+    return check_pass<DIM>(k, check_hull) && (others == 0 || check_pass<DIM>(k, check_hidden));
+}
+
+/* The arrays of a mesh leave the blocks of the call. */
+void release_mesh(call &c, const pbw_cuda_mesh &mesh, bool keep)
+{
+    release(c, mesh.simplices, keep);
+    release(c, mesh.neighbors, keep);
+    release(c, mesh.incident, keep);
+    release(c, mesh.canonical, keep);
+}
+
+/* The last mesh of a loop becomes the call's: where the call fails, it frees that too. */
+void adopt_last(call &c)
+{
+    const pbw_cuda_mesh &mesh = c.last->mesh;
+    pbw_index *const array[4] = { mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical };
+    for (int i = 0; i < 4; i++) {
+        if (array[i] != NULL) {
+            own(c, array[i], (i < 2 ? mesh.simplex_count * (size_t)(mesh.dim + 1) : mesh.point_count)
+                             * sizeof(pbw_index));
+        }
+    }
+    if (c.last->id != NULL) {
+        own(c, c.last->id, c.last->count * sizeof(uint32_t));
+    }
+}
+
+/* Whether an earlier mesh, whose links are sound, is the triangulation of the points where they are now, of which the
+   duplicates are those of the mesh; id: of each rank. */
+template <int DIM>
+bool holds(call &c, const pbw_cuda_mesh &mesh, const input &in, const space &s, const uint32_t *id)
+{
+    checking k(c, mesh, in, NULL);
+    k.m.order = id;
+    k.points = s.count;
+    return open_check<DIM>(k, s.grid) && check_pass<DIM>(k, check_simplices) && check_pass<DIM>(k, check_hull)
+        && (mesh.hidden_count == 0 || check_pass<DIM>(k, check_hidden));
+}
+
+/* Writes the arrays of old in the order that the points have now. */
+template <int DIM>
+bool reorder_mesh(call &c, const pbw_cuda_mesh &old, const space &s, const uint32_t *id, pbw_cuda_mesh *mesh)
+{
+    const size_t count = old.simplex_count, links = count * (DIM + 1);
+    const unsigned blocks = blocks_for(count, 256);
+    const int bits = pbw__index_bits(s.count);
+    buffer<uint32_t> rank(c);
+    sortable<uint32_t> third(c), order(c);
+    sortable<uint64_t> first(c);
+    if (!rank.make(old.point_count) || !third.make(count) || !order.make(count) || !first.make(count)
+        || !allocate(c, mesh->simplices, links) || !allocate(c, mesh->neighbors, links)
+        || !allocate(c, mesh->incident, old.point_count) || !fill(c, mesh->incident, 0xff, old.point_count)) {
+        return false;
+    }
+    const reorder m = { old.simplices, old.neighbors, id, rank.at, (uint32_t)count, bits };
+    rank_kernel<<<blocks_for(s.count, 256), 256, 0, c.stream>>>(id, s.count, rank.at);
+    third_kernel<DIM><<<blocks, 256, 0, c.stream>>>(m, third.array.at, order.array.at);
+    if (!launched(c, "order") || !sort_pairs(c, third, order, count, { 0, bits })) {
+        return false;
+    }
+    first_kernel<DIM><<<blocks, 256, 0, c.stream>>>(m, order.array.at, first.array.at);
+    if (!launched(c, "order") || !sort_pairs(c, first, order, count, { 0, 2 * bits })) {
+        return false;
+    }
+    rank_kernel<<<blocks, 256, 0, c.stream>>>(order.array.at, m.count, order.spare.at);
+    rewrite_kernel<DIM><<<blocks, 256, 0, c.stream>>>(m, order.array.at, order.spare.at, mesh->simplices,
+                                                      mesh->neighbors, mesh->incident);
+    return launched(c, "order");
+}
+
+/* Makes the mesh of the last one, if that holds. */
+template <int DIM>
+bool keep_mesh(call &c, const pbw_cuda_mesh &old, const input &in, const space &s, const uint32_t *id,
+               pbw_cuda_mesh *mesh)
+{
+    uint2 differ = { 0, 0 };                         /* duplicates; the order */
+    const bool ordered_alike = c.last->count == s.count;
+    buffer<uint2> flags(c);
+    if (!flags.make(1) || !fill(c, flags.at, 0, 1)) {
+        return false;
+    }
+    compare_kernel<<<blocks_for(in.count, 256), 256, 0, c.stream>>>(old.canonical, mesh->canonical,
+                                                                    (uint32_t)in.count, &flags.at->x);
+    if (ordered_alike) {
+        compare_kernel<<<blocks_for(s.count, 256), 256, 0, c.stream>>>(c.last->id, id, s.count, &flags.at->y);
+    }
+    if (!launched(c, "order") || !read_back(c, differ, flags.at, PBW_STAGE_BUILD, 0.0) || differ.x != 0
+        || !holds<DIM>(c, old, in, s, id)) {
+        return false;
+    }
+    if (ordered_alike && differ.y == 0) {
+        mesh->simplices = old.simplices;
+        mesh->neighbors = old.neighbors;
+        mesh->incident = old.incident;
+    } else if (!reorder_mesh<DIM>(c, old, s, id, mesh)) {
+        return false;
+    }
+    mesh->simplex_count = old.simplex_count;
+    mesh->hidden_count = old.hidden_count;
+    mesh->kept = 1;
+    note(c, 7);
+    return wait(c, c.stream, PBW_STAGE_OUTPUT, 0.5);
+}
+
+/* The same for any call; a last mesh that does not hold is freed. */
+bool keep_last(call &c, const input &in, const space &s, uint32_t *id, pbw_cuda_mesh *mesh)
+{
+    if (c.last == NULL) {
+        return false;
+    }
+    const pbw_cuda_mesh old = c.last->mesh;
+    const bool alike = !c.anew && old.simplex_count > 0 && old.neighbors != NULL && old.dim == in.dim
+                    && old.point_count == in.count && old.duplicate_count == mesh->duplicate_count;
+    const bool kept = alike && (in.dim == 3 ? keep_mesh<3>(c, old, in, s, id, mesh)
+                                            : keep_mesh<2>(c, old, in, s, id, mesh));
+    if (!kept) {
+        release_mesh(c, old, false);
+    }
+    release(c, c.last->id, false);
+    c.last->id = id;
+    c.last->count = s.count;
+    return kept;
+}
+
 bool run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
 {
     space s;
@@ -5072,130 +5451,16 @@ bool run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
     release(c, in.points, false);                    /* those of a job: the records have all */
     release(c, in.weights, false);
     note(c, 1);
-    if (in.dim == 3) {
-        done = weighted ? build<3, true>(c, s, id, flags, mesh) : build<3, false>(c, s, id, flags, mesh);
-    } else {
-        done = weighted ? build<2, true>(c, s, id, flags, mesh) : build<2, false>(c, s, id, flags, mesh);
+    done = keep_last(c, in, s, id, mesh);
+    if (!done && c.status == PBW_OK) {
+        done = in.dim == 3 ? (weighted ? build<3, true> : build<3, false>)(c, s, id, flags, mesh)
+                           : (weighted ? build<2, true> : build<2, false>)(c, s, id, flags, mesh);
     }
-    for (int i = 0; i < 8 && done; i++) {
+    for (int i = 0; i < 8 && done; i += mesh->kept ? 7 : 1) {
         done = good(c, cudaEventElapsedTime(&mesh->milliseconds[i], c.mark[i < 7 ? i : 0], c.mark[i < 7 ? i + 1 : 7]),
                     "cudaEventElapsedTime");
     }
     return done;
-}
-
-/* A check while it runs. */
-struct checking {
-    call &c;
-    view m;
-    buffer<uint32_t> open;                           /* items that the stages without memory leave open */
-    buffer<pbw__digit> pool;
-    buffer<finding> on_device;
-    finding found;
-    pbw_report *report;
-};
-
-/* One pass; false: a fault, which the report then names, or no verdict. */
-template <int DIM> bool check_pass(checking &k, int pass)
-{
-    call &c = k.c;
-    const bool of_points = pass == check_points || pass == check_hidden;
-    const uint32_t count = of_points ? (uint32_t)k.m.in.count : k.m.count;
-    unsigned blocks = blocks_for(count, 128);
-    blocks = blocks < 1u << 16 ? blocks : 1u << 16;
-    check_kernel<DIM><<<blocks, 128, 0, c.stream>>>(k.m, pass, count, NULL, k.open.at, NULL, k.on_device.at);
-    if (!launched(c, "check") || !read_back(c, k.found, k.on_device.at, PBW_STAGE_BUILD, 0.0)) {
-        return false;
-    }
-    if (k.found.open > 0) {
-        check_kernel<DIM><<<check_blocks, 32, 0, c.stream>>>(k.m, pass, k.found.open, k.open.at, NULL, k.pool.at,
-                                                             k.on_device.at);
-        if (!fill(c, &k.on_device.at->open, 0, 1) || !launched(c, "check")
-            || !read_back(c, k.found, k.on_device.at, PBW_STAGE_BUILD, 0.0)) {
-            return false;
-        }
-    }
-    if (k.found.least == ~0ull) {
-        return true;
-    }
-    uint32_t item = (uint32_t)(k.found.least >> 32);     /* once more, for a description of it */
-    if (!good(c, cudaMemcpyAsync(k.open.at, &item, sizeof item, cudaMemcpyHostToDevice, c.stream), "copy")) {
-        return false;
-    }
-    check_kernel<DIM><<<1, 32, 0, c.stream>>>(k.m, pass, 1, k.open.at, NULL, k.pool.at, k.on_device.at);
-    if (launched(c, "check") && read_back(c, k.found, k.on_device.at, PBW_STAGE_BUILD, 0.0)) {
-        k.report->what = faults[k.found.first.fault];
-        k.report->simplex = k.found.first.simplex;
-        k.report->facet = (pbw_index)k.found.first.facet;
-        k.report->point = k.found.first.point;
-    }
-    return false;
-}
-
-bool miscounts(pbw_report *report, size_t said, size_t counted, const char *what)
-{
-    report->what = said != counted ? what : report->what;
-    return said != counted;
-}
-
-/* Copies the corners of simplex 0 to the host. */
-template <int DIM> bool read_basis(call &c, view &m)
-{
-    const size_t size = m.in.is_float ? sizeof(float) : sizeof(double);
-    pbw_index first[DIM + 1];
-    if (!good(c, cudaMemcpyAsync(first, m.simplices, sizeof first, cudaMemcpyDeviceToHost, c.stream), "copy")
-        || !good(c, cudaStreamSynchronize(c.stream), "copy")) {
-        return false;
-    }
-    for (int i = 0; i <= DIM; i++) {
-        size_t at = first[i] < m.in.count ? first[i] : 0;
-        float narrow[4] = { 0.0f, 0.0f, 0.0f, 0.0f };
-        void *to = m.in.is_float ? (void *)narrow : (void *)m.basis[i];
-        if (!good(c, cudaMemcpyAsync(to, (const char *)m.in.points + at * DIM * size, DIM * size,
-                                     cudaMemcpyDeviceToHost, c.stream), "copy")
-            || !good(c, cudaStreamSynchronize(c.stream), "copy")) {
-            return false;
-        }
-        for (int k = 0; k < DIM && m.in.is_float; k++) {
-            m.basis[i][k] = (double)narrow[k];
-        }
-    }
-    return true;
-}
-
-template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const input &in, pbw_report *report)
-{
-    survey *surveyed = NULL;
-    extents e;
-    checking k = { c,
-                   { in, mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical, (uint32_t)mesh.simplex_count,
-                     { 0.0, 0 }, { { 0.0 } } },
-                   buffer<uint32_t>(c), buffer<pbw__digit>(c), buffer<finding>(c), finding(), report };
-    pbw__box_reset(&e.domain, 1);
-    k.found.least = ~0ull;
-    if (!survey_points(c, in, surveyed, e) || !k.on_device.make(1)
-        || !k.open.make(mesh.simplex_count > in.count ? mesh.simplex_count : in.count)
-        || !k.pool.make((size_t)check_blocks * 32 * PBW__POOL)
-        || !good(c, cudaMemcpyAsync(k.on_device.at, &k.found, sizeof k.found, cudaMemcpyHostToDevice, c.stream),
-                 "copy")
-        || !read_basis<DIM>(c, k.m)) {
-        return false;
-    }
-    k.m.grid = e.grid;
-    if (!check_pass<DIM>(k, check_points)) {
-        return false;
-    }
-    const size_t vertices = (size_t)k.found.counted[check_points][0];
-    const size_t others = (size_t)k.found.counted[check_points][1];
-    report->vertex_count = vertices;
-    if (miscounts(report, mesh.duplicate_count, in.count - vertices - others, "duplicate_count is wrong")
-        || miscounts(report, mesh.hidden_count, others, "hidden_count is wrong")
-        || !check_pass<DIM>(k, check_simplices)) {
-        return false;
-    }
-    report->facet_count = (size_t)k.found.counted[check_simplices][0];
-    report->hull_facet_count = (size_t)k.found.counted[check_simplices][1];
-    return check_pass<DIM>(k, check_hull) && (others == 0 || check_pass<DIM>(k, check_hidden));
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -5217,6 +5482,10 @@ bool open_call(call &c, cudaStream_t stream, int dim, size_t count)
     if (!pools) {
         return fail(c, PBW_ERROR_BACKEND, "the device or its driver has no memory pools");
     }
+    if (c.lent) {
+        return true;
+    }
+    good(c, cudaDeviceGetMemPool(&c.pool, device), "cudaDeviceGetMemPool");
     for (int i = 0; i < 8; i++) {
         good(c, cudaEventCreate(&c.mark[i]), "cudaEventCreate");
     }
@@ -5225,23 +5494,27 @@ bool open_call(call &c, cudaStream_t stream, int dim, size_t count)
     return c.status == PBW_OK;
 }
 
+void destroy_events(const gear &g)
+{
+    for (int i = 0; i < 10; i++) {
+        cudaEvent_t event = i < 8 ? g.mark[i] : i == 8 ? g.ready : g.copied;
+        if (event != NULL) {
+            cudaEventDestroy(event);
+        }
+    }
+}
+
 /* Frees all but what the mesh, if there is one, has; the stream may still have work for it. */
 void close_call(call &c, const pbw_cuda_mesh *mesh)
 {
     if (mesh != NULL) {
-        release(c, mesh->simplices, true);
-        release(c, mesh->neighbors, true);
-        release(c, mesh->incident, true);
-        release(c, mesh->canonical, true);
+        release_mesh(c, *mesh, true);
     }
     while (c.blocks > 0) {
         release(c, c.block[0].address, false);
     }
-    for (int i = 0; i < 10; i++) {
-        cudaEvent_t event = i < 8 ? c.mark[i] : i == 8 ? c.ready : c.copied;
-        if (event != NULL) {
-            cudaEventDestroy(event);
-        }
+    if (!c.lent) {
+        destroy_events(c);
     }
     (void)cudaGetLastError();
 }
@@ -5401,25 +5674,44 @@ int report_check(pbw_job *job, pbw_stage stage, double done)
     return pbw__job_report(job, PBW_STAGE_CHECK, done);
 }
 
-bool open_local(local_call &local, const pbw_options &options, cudaStream_t stream, int dim, size_t count, bool check)
+/* What a call for points on the device is to do, and with what. */
+struct request {
+    input in;
+    cudaStream_t stream;
+    pbw_triangulator *cpu;
+    pbw_options options;
+    bool check, anew;
+    keepsake *last;                                  /* of a loop, with its gear; else NULL */
+    const gear *tools;
+};
+
+bool open_local(local_call &local, const request &r)
 {
+    const pbw_options &options = r.options;
     call &c = local.c;
     memset(&local, 0, sizeof local);
-    pbw__context_start(&local.context, &options, count);
+    pbw__context_start(&local.context, &options, r.check ? 0 : r.in.count);
     local.dispatch.context = &local.context;
     local.dispatch.options = &options;
     local.job.memory_limit = options.memory_limit;
-    local.job.report = check ? report_check : pbw__job_report;
+    local.job.report = r.check ? report_check : pbw__job_report;
     local.job.say = pbw__job_say;
     local.job.context = &local.dispatch;
     c.job = &local.job;
+    if (r.last != NULL) {
+        (gear &)c = *r.tools;
+        c.lent = true;
+        c.anew = r.anew;
+        c.last = r.last;
+        adopt_last(c);
+    }
     local.fp = pbw__fp_enter();
     if (!pbw__fp_is_exact()) {
         return fail(c, PBW_ERROR_FP_MODE, pbw_status_string(PBW_ERROR_FP_MODE));
     }
     look_up(c, PBW_STAGE_ORDER, 0.0);
-    return c.status == PBW_OK && open_call(c, stream, dim, count)
-        && (options.progress == NULL
+    return c.status == PBW_OK && open_call(c, r.stream, r.in.dim, r.check ? 0 : r.in.count)
+        && (options.progress == NULL || c.lent
             || good(c, cudaStreamCreateWithFlags(&c.copies, cudaStreamNonBlocking), "cudaStreamCreate"));
 }
 
@@ -5429,10 +5721,19 @@ pbw_status close_local(local_call &local, pbw_cuda_mesh *mesh)
     call &c = local.c;
     if (c.copies != NULL) {                          /* the word that stops kernels is written before it is freed */
         good(c, cudaStreamSynchronize(c.copies), "stopping");
-        cudaStreamDestroy(c.copies);
+        if (!c.lent) {
+            cudaStreamDestroy(c.copies);
+        }
     }
-    if (mesh != NULL && c.status != PBW_OK && c.status != PBW_DEGENERATE) {
+    const bool failed = c.status != PBW_OK && c.status != PBW_DEGENERATE;
+    if (mesh != NULL && failed) {
         memset(mesh, 0, sizeof *mesh);               /* everything is still in the list of blocks */
+    }
+    if (c.last != NULL && failed) {
+        memset(c.last, 0, sizeof *c.last);
+    } else if (c.last != NULL) {
+        c.last->mesh = *mesh;
+        release(c, c.last->id, true);
     }
     close_call(c, mesh);
     pbw__fp_leave(local.fp);
@@ -5495,6 +5796,42 @@ bool build_by(pbw_triangulator *cpu, call &c, const input &in, pbw_options optio
     return c.status == PBW_OK || c.status == PBW_DEGENERATE;
 }
 
+/* Builds a mesh, by the CPU where that is what the caller wants. */
+pbw_status serve(request &r, const pbw_options *given_options, pbw_cuda_mesh *mesh)
+{
+    const size_t size = r.in.is_float ? sizeof(float) : sizeof(double);
+    pbw_status status = PBW_ERROR_BACKEND;
+    if (mesh == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(mesh, 0, sizeof *mesh);
+    if (!take_options(r.options, given_options) || (r.in.dim != 2 && r.in.dim != 3)
+        || (r.in.points == NULL && r.in.count > 0)
+        || (r.options.stride != 0 && r.options.stride != (size_t)r.in.dim * size)
+        || (r.options.weight_stride != 0 && r.options.weight_stride != size)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    if (r.in.count >= PBW_NONE) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    for (int on_cpu = 0; on_cpu < 2 && status == PBW_ERROR_BACKEND; on_cpu++) {
+        local_call local;
+        call &c = local.c;
+        if (open_local(local, r)) {
+            c.must = r.cpu == NULL;
+        }
+        if (c.status == PBW_OK
+            && (on_cpu ? build_by(r.cpu, c, r.in, r.options, mesh) : run(c, r.in, r.options.flags, mesh))) {
+            look_up(c, PBW_STAGE_OUTPUT, 1.0);
+        }
+        status = close_local(local, mesh);
+        if (r.cpu == NULL || (!c.declined && (r.options.flags & PBW_BACKEND_OR_CPU) == 0)) {
+            break;
+        }
+    }
+    return status;
+}
+
 } /* namespace */
 
 extern "C" const pbw_backend *pbw_cuda_backend_multi(const int *devices, int count)
@@ -5539,38 +5876,9 @@ extern "C" pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *po
                                            size_t count, const pbw_options *given_options, void *stream,
                                            pbw_triangulator *cpu, pbw_cuda_mesh *mesh)
 {
-    const size_t size = is_float ? sizeof(float) : sizeof(double);
-    const input in = { points, weights, count, dim, is_float };
-    pbw_options options;
-    pbw_status status = PBW_ERROR_BACKEND;
-    if (mesh == NULL) {
-        return PBW_ERROR_ARGUMENT;
-    }
-    memset(mesh, 0, sizeof *mesh);
-    if (!take_options(options, given_options) || (dim != 2 && dim != 3) || (points == NULL && count > 0)
-        || (options.stride != 0 && options.stride != (size_t)dim * size)
-        || (options.weight_stride != 0 && options.weight_stride != size)) {
-        return PBW_ERROR_ARGUMENT;
-    }
-    if (count >= PBW_NONE) {
-        return PBW_ERROR_TOO_LARGE;
-    }
-    for (int on_cpu = 0; on_cpu < 2 && status == PBW_ERROR_BACKEND; on_cpu++) {
-        local_call local;
-        call &c = local.c;
-        if (open_local(local, options, (cudaStream_t)stream, dim, count, false)) {
-            c.must = cpu == NULL;
-        }
-        if (c.status == PBW_OK
-            && (on_cpu ? build_by(cpu, c, in, options, mesh) : run(c, in, options.flags, mesh))) {
-            look_up(c, PBW_STAGE_OUTPUT, 1.0);
-        }
-        status = close_local(local, mesh);
-        if (cpu == NULL || (!c.declined && (options.flags & PBW_BACKEND_OR_CPU) == 0)) {
-            break;
-        }
-    }
-    return status;
+    request r = { { points, weights, count, dim, is_float }, (cudaStream_t)stream, cpu, {}, false, false, NULL,
+                  NULL };
+    return serve(r, given_options, mesh);
 }
 
 extern "C" void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream)
@@ -5589,24 +5897,118 @@ extern "C" void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream)
 extern "C" pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, const void *points, const void *weights,
                                      const pbw_options *given_options, void *stream, pbw_report *report)
 {
-    pbw_options options;
+    request r = { { points, weights, 0, 0, is_float }, (cudaStream_t)stream, NULL, {}, true, false, NULL, NULL };
     local_call local;
     if (report != NULL) {
         memset(report, 0, sizeof *report);
         report->what = "";
         report->simplex = report->facet = report->point = PBW_NONE;
     }
-    if (!take_options(options, given_options) || report == NULL || mesh == NULL || points == NULL
+    if (!take_options(r.options, given_options) || report == NULL || mesh == NULL || points == NULL
         || (mesh->dim != 2 && mesh->dim != 3)
         || mesh->simplex_count == 0 || mesh->simplex_count >= PBW_NONE || mesh->point_count >= PBW_NONE
         || mesh->simplices == NULL || mesh->neighbors == NULL || mesh->incident == NULL || mesh->canonical == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
-    if (open_local(local, options, (cudaStream_t)stream, mesh->dim, 0, true)) {
-        input in = { points, weights, mesh->point_count, mesh->dim, is_float };
-        report->valid = mesh->dim == 3 ? check_mesh<3>(local.c, *mesh, in, report)
-                                       : check_mesh<2>(local.c, *mesh, in, report);
+    r.in.dim = mesh->dim;
+    r.in.count = mesh->point_count;
+    if (open_local(local, r)) {
+        report->valid = mesh->dim == 3 ? check_mesh<3>(local.c, *mesh, r.in, report)
+                                       : check_mesh<2>(local.c, *mesh, r.in, report);
         look_up(local.c, PBW_STAGE_CHECK, 1.0);
     }
     return close_local(local, NULL);
+}
+
+struct pbw_cuda_loop {
+    int device;
+    cudaStream_t stream;
+    pbw_options options;
+    pbw_triangulator *cpu;
+    gear tools;
+    keepsake last;
+};
+
+extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, void *stream, pbw_triangulator *cpu,
+                                           pbw_cuda_loop **result)
+{
+    request r = { { NULL, NULL, 0, 3, 0 }, (cudaStream_t)stream, cpu, {}, false, false, NULL, NULL };
+    uint64_t all = UINT64_MAX;
+    cudaMemPoolProps properties;
+    cudaMemPool_t pool = NULL;
+    local_call local;
+    pbw_cuda_loop *loop = NULL;
+    if (result == NULL || !take_options(r.options, given_options)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    const pbw_options options = r.options;
+    call &c = local.c;
+    *result = NULL;
+    r.options.progress = NULL;
+    if (open_local(local, r)) {
+        memset(&properties, 0, sizeof properties);
+        properties.allocType = cudaMemAllocationTypePinned;
+        properties.location.type = cudaMemLocationTypeDevice;
+        loop = (pbw_cuda_loop *)pbw__allocate(&local.context.memory, 1, sizeof *loop);
+        if (loop == NULL) {
+            fail(c, PBW_ERROR_MEMORY, "out of memory on the host");
+        } else if (good(c, cudaGetDevice(&properties.location.id), "cudaGetDevice")
+                   && good(c, cudaMemPoolCreate(&pool, &properties), "cudaMemPoolCreate")
+                   && good(c, cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &all), "the pool")
+                   && good(c, cudaStreamCreateWithFlags(&c.copies, cudaStreamNonBlocking), "cudaStreamCreate")
+                   && good(c, cudaMallocHost(&c.pinned, pinned_bytes), "cudaMallocHost")) {
+            c.pool = pool;
+            c.lent = true;
+            memset(loop, 0, sizeof *loop);
+            loop->device = properties.location.id;
+            loop->stream = r.stream;
+            loop->options = options;
+            loop->cpu = cpu;
+            loop->tools = c;
+        } else {
+            if (pool != NULL) {
+                cudaMemPoolDestroy(pool);
+            }
+            pbw__release(&local.context.memory, loop, 1, sizeof *loop);
+            loop = NULL;
+        }
+    }
+    *result = loop;
+    return close_local(local, NULL);
+}
+
+extern "C" pbw_status pbw_cuda_loop_step(pbw_cuda_loop *loop, const pbw_cuda_points *points, pbw_cuda_mesh *mesh)
+{
+    int device = -1;
+    if (mesh != NULL) {
+        memset(mesh, 0, sizeof *mesh);
+    }
+    if (loop == NULL || points == NULL || mesh == NULL || cudaGetDevice(&device) != cudaSuccess
+        || device != loop->device) {
+        (void)cudaGetLastError();
+        return PBW_ERROR_ARGUMENT;
+    }
+    request r = { { points->points, points->weights, points->count, points->dim, points->is_float }, loop->stream,
+                  loop->cpu, {}, false, points->anew != 0, &loop->last, &loop->tools };
+    return serve(r, &loop->options, mesh);
+}
+
+extern "C" void pbw_cuda_loop_free(pbw_cuda_loop *loop)
+{
+    if (loop != NULL) {
+        pbw__memory memory;
+        cudaFreeAsync(loop->last.id, loop->stream);
+        pbw_cuda_free(&loop->last.mesh, loop->stream);
+        cudaStreamSynchronize(loop->stream);
+        if (loop->tools.copies != NULL) {
+            cudaStreamDestroy(loop->tools.copies);
+        }
+        destroy_events(loop->tools);
+        cudaFreeHost(loop->tools.pinned);
+        cudaMemPoolDestroy(loop->tools.pool);
+        (void)cudaGetLastError();
+        pbw__memory_start(&memory, &loop->options);
+        memory.used = sizeof *loop;
+        pbw__release(&memory, loop, 1, sizeof *loop);
+    }
 }

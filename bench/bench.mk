@@ -92,6 +92,15 @@ build/bench_plane: bench/plane.cpp pbw.h examples/lib/pbw_mesh2.h examples/lib/p
 bench-plane: build/bench_plane
 	$< $(ARGS)
 
+# Plane domains of tests/domains.h, refined: bench/domains.c;  ARGS="wedge comb" for some of them
+build/bench_domains: bench/domains.c tests/domains.h $(HEADERS)
+	@mkdir -p build
+	$(BENCH_C) -I. -Iexamples/lib -Itests $< -o $@ -lpthread -lm
+
+.PHONY: bench-domains
+bench-domains: build/bench_domains
+	$< $(ARGS)
+
 # Solids beside CGAL, Gmsh and TetGen: bench/solid.cpp;  make bench-solid MODEL=part.off SIZES="0.1 0.05"
 build/bench_solid: bench/solid.cpp examples/lib/pbw_surface.h examples/lib/pbw_improve.h examples/lib/pbw_mesh3.h \
     $(BENCH_INPUTS)

@@ -1,6 +1,6 @@
 /* cuda_bench.c: pbw_cuda.cu measured, and checked against the CPU in the same run
 
-       build/cuda_bench [--quick] [--cpu N] [--runs N] [--cards N] [KIND:DIM:COUNT[:w] ...]
+       build/cuda_bench [--quick] [--cpu N] [--runs N] [--cards N] [[loop:]KIND:DIM:COUNT[:w] ...]
 
    device     from points on the device to arrays on the device: best and median of the runs, and its phases
    check      pbw_cuda_check of the result; a fault makes the exit status 1
@@ -11,12 +11,18 @@
               its time is compared with that of one
    CPU        pbw_triangulate without the backend on all threads, once, for up to --cpu points (1e6): the arrays are
               equal, byte for byte, or the row says DIFFERENT and the exit status is 1
-   The first run of each row warms up and is not counted.  Memory stays in the device's pool between runs. */
+   The first run of each row warms up and is not counted.  Memory stays in the device's pool between runs.
+   loop       points that move: all step by up to a part of an edge (the side of the cube that a point has for
+              itself), or turn by 90 degrees, which keeps the mesh in another order.  --runs steps of each: best and
+              median with the test of the mesh before, without it (anew), and by pbw_cuda_triangulate (fresh); how
+              many steps kept the mesh.  Every mesh equals that of pbw_cuda_triangulate, byte for byte, or the exit
+              status is 1.  First, a call that gives all device memory back, as CUDA's pools do by default. */
 #define _POSIX_C_SOURCE 200112L
 #define PBW_CUDA
 #include "../pbw.h"
 #include "../tests/inputs.h"
 #include <cuda_runtime_api.h>
+#include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -283,13 +289,183 @@ static int row(const char *kind_name, int dim, size_t count, int weighted, int r
     return fault;
 }
 
+/* ---- points that move */
+typedef struct moving {
+    int dim, weighted;
+    size_t count;
+    double *points, *weights;
+    void *there, *weights_there;
+    pbw_options options;
+    char message[256];
+} moving;
+
+/* Steps all points by up to a part of an edge; a negative part is a quarter turn about the last axis. */
+static int move_all(moving *m, double part, uint64_t *state)
+{
+    const double edge = pow((double)m->count, -1.0 / m->dim);
+    size_t i;
+    for (i = 0; i < m->count * (size_t)m->dim && part >= 0.0; i++) {
+        m->points[i] += 2.0 * part * edge * (input_uniform(state) - 0.5);
+    }
+    for (i = 0; i < m->count * (size_t)m->dim && part < 0.0; i += (size_t)m->dim) {
+        const double x = m->points[i];
+        m->points[i] = -m->points[i + 1];
+        m->points[i + 1] = x;
+    }
+    return cudaMemcpy(m->there, m->points, m->count * (size_t)m->dim * sizeof(double), cudaMemcpyHostToDevice)
+           == cudaSuccess;
+}
+
+static int same_on_device(const pbw_index *a, const pbw_index *b, size_t count)
+{
+    const size_t bytes = count * sizeof *a;
+    char *copy = (char *)malloc(2 * bytes + 1);
+    int same = copy != NULL && cudaMemcpy(copy, a, bytes, cudaMemcpyDeviceToHost) == cudaSuccess
+            && cudaMemcpy(copy + bytes, b, bytes, cudaMemcpyDeviceToHost) == cudaSuccess
+            && memcmp(copy, copy + bytes, bytes) == 0;
+    free(copy);
+    return same;
+}
+
+static int equal_on_device(const pbw_cuda_mesh *a, const pbw_cuda_mesh *b)
+{
+    const size_t links = a->simplex_count * ((size_t)a->dim + 1);
+    return a->dim == b->dim && a->point_count == b->point_count && a->simplex_count == b->simplex_count
+        && a->hidden_count == b->hidden_count && a->duplicate_count == b->duplicate_count
+        && same_on_device(a->simplices, b->simplices, links) && same_on_device(a->neighbors, b->neighbors, links)
+        && same_on_device(a->incident, b->incident, a->point_count)
+        && same_on_device(a->canonical, b->canonical, a->point_count);
+}
+
+static pbw_status fresh_step(moving *m, pbw_cuda_mesh *mesh, double *time)
+{
+    pbw_status status;
+    double start;
+    cudaDeviceSynchronize();
+    start = seconds();
+    status = pbw_cuda_triangulate(m->dim, 0, m->there, m->weights_there, m->count, &m->options, NULL,
+                                  pbw_triangulate, mesh);
+    cudaDeviceSynchronize();
+    *time = seconds() - start;
+    return status;
+}
+
+static pbw_status loop_step(moving *m, pbw_cuda_loop *loop, int anew, pbw_cuda_mesh *mesh, double *time)
+{
+    pbw_cuda_points in;
+    pbw_status status;
+    double start;
+    memset(&in, 0, sizeof in);
+    in.dim = m->dim;
+    in.points = m->there;
+    in.weights = m->weights_there;
+    in.count = m->count;
+    in.anew = anew;
+    cudaDeviceSynchronize();
+    start = seconds();
+    status = pbw_cuda_loop_step(loop, &in, mesh);
+    cudaDeviceSynchronize();
+    *time = seconds() - start;
+    return status;
+}
+
+/* Prints the times of steps with one size of moves; a fault is 1. */
+static int loop_steps(moving *m, pbw_cuda_loop *loop, double part, int runs)
+{
+    static const char *const way[3] = { "tested", "anew", "fresh" };
+    double times[3][RUNS_MOST];
+    uint64_t state = 7;
+    int run, i, kept = 0, fault = 0;
+    for (run = 0; run < runs && !fault; run++) {
+        pbw_cuda_mesh mesh, fresh;
+        fault = !move_all(m, part, &state) || loop_step(m, loop, 0, &mesh, &times[0][run]) != PBW_OK;
+        kept += mesh.kept;
+        fault = fault || fresh_step(m, &fresh, &times[2][run]) != PBW_OK || !equal_on_device(&mesh, &fresh);
+        fault = fault || loop_step(m, loop, 1, &mesh, &times[1][run]) != PBW_OK || !equal_on_device(&mesh, &fresh);
+        pbw_cuda_free(&fresh, NULL);
+    }
+    if (part < 0.0) {
+        printf("  a quarter turn        kept %d of %d", kept, runs);
+    } else {
+        printf("  moves by up to %-6g kept %d of %d", part, kept, runs);
+    }
+    for (i = 0; i < 3 && !fault; i++) {
+        qsort(times[i], (size_t)runs, sizeof times[i][0], compare_doubles);
+        printf("; %s best %.2f median %.2f ms", way[i], 1e3 * times[i][0], 1e3 * times[i][runs / 2]);
+    }
+    printf("; %s\n", fault ? m->message[0] != '\0' ? m->message : "DIFFERENT" : "equal");
+    return fault;
+}
+
+static int loop_row(const char *kind_name, int dim, size_t count, int weighted, int runs)
+{
+    static const double parts[5] = { 1e-10, -1.0, 1e-3, 0.03, 0.5 };
+    uint64_t none = 0, all = UINT64_MAX;
+    int kind, i, fault = 0;
+    double time = 0.0, first = 0.0;
+    cudaMemPool_t pool;
+    pbw_cuda_loop *loop = NULL;
+    pbw_cuda_mesh mesh;
+    moving m;
+    memset(&m, 0, sizeof m);
+    for (kind = 0; kind < INPUT_KINDS && strcmp(kind_name, input_name(kind)) != 0; kind++) {
+    }
+    m.dim = dim;
+    m.count = count;
+    m.options.message = m.message;
+    m.options.message_size = sizeof m.message;
+    m.points = (double *)malloc(count * (size_t)dim * sizeof(double));
+    m.weights = (double *)malloc(count * sizeof(double));
+    if (kind == INPUT_KINDS || m.points == NULL || m.weights == NULL
+        || cudaMalloc(&m.there, count * (size_t)dim * sizeof(double)) != cudaSuccess
+        || (weighted && cudaMalloc(&m.weights_there, count * sizeof(double)) != cudaSuccess)
+        || cudaDeviceGetDefaultMemPool(&pool, 0) != cudaSuccess
+        || pbw_cuda_loop_create(&m.options, NULL, pbw_triangulate, &loop) != PBW_OK) {
+        printf("%s: no such kind, or out of memory\n", kind_name);
+        return 1;
+    }
+    input_fill(kind, dim, count, 1, m.points);
+    if (weighted) {
+        input_fill_weights(INPUT_WEIGHTS_HIDING, dim, count, 1, m.points, m.weights);
+        cudaMemcpy(m.weights_there, m.weights, count * sizeof(double), cudaMemcpyHostToDevice);
+    }
+    fault = !move_all(&m, 0.0, &none);
+    none = 0;
+    cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &none);
+    for (i = 0; i < 3 && !fault; i++) {
+        fault = fresh_step(&m, &mesh, &time) != PBW_OK;
+        first = i == 0 || time < first ? time : first;
+        pbw_cuda_free(&mesh, NULL);
+        cudaDeviceSynchronize();
+    }
+    cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &all);
+    printf("loop %s%s %dD %zu: a call that gives its memory back %.2f ms\n", kind_name, weighted ? " weighted" : "",
+           dim, count, 1e3 * first);
+    fault = fault || fresh_step(&m, &mesh, &time) != PBW_OK;
+    pbw_cuda_free(&mesh, NULL);
+    fault = fault || loop_step(&m, loop, 0, &mesh, &time) != PBW_OK;
+    for (i = 0; i < 5 && !fault; i++) {
+        fault = loop_steps(&m, loop, parts[i], runs);
+        fflush(stdout);
+    }
+    pbw_cuda_loop_free(loop);
+    cudaFree(m.there);
+    cudaFree(m.weights_there);
+    free(m.points);
+    free(m.weights);
+    return fault;
+}
+
 int main(int argc, char **argv)
 {
-    static const char *const quick[] = { "uniform:3:1000000", "uniform:2:1000000", "uniform:3:1000000:w" };
+    static const char *const quick[] = {
+        "uniform:3:1000000", "uniform:2:1000000", "uniform:3:1000000:w", "loop:uniform:3:1000000"
+    };
     static const char *const usual[] = {
         "uniform:3:1000000", "uniform:3:10000000", "gauss:3:1000000", "ball:3:1000000", "clusters:3:1000000",
         "sphere:3:200000", "terrain:3:1000000", "lattice:3:1000000", "uniform:3:1000000:w", "uniform:2:1000000",
-        "uniform:2:10000000", "uniform:2:1000000:w", "lattice:2:1000000"
+        "uniform:2:10000000", "uniform:2:1000000:w", "lattice:2:1000000", "loop:uniform:3:1000000",
+        "loop:uniform:2:1000000", "loop:uniform:3:1000000:w"
     };
     const char *const *rows = usual;
     int i, runs = 5, fault = 0, device = 0, cards = 1, row_count = (int)(sizeof usual / sizeof usual[0]);
@@ -312,7 +488,7 @@ int main(int argc, char **argv)
             runs = atoi(argv[++i]);
             runs = runs < 1 ? 1 : runs > RUNS_MOST ? RUNS_MOST : runs;
         } else {
-            printf("usage: cuda_bench [--quick] [--cpu N] [--runs N] [--cards N] [KIND:DIM:COUNT[:w] ...]\n");
+            printf("usage: cuda_bench [--quick] [--cpu N] [--runs N] [--cards N] [[loop:]KIND:DIM:COUNT[:w] ...]\n");
             return 2;
         }
     }
@@ -338,11 +514,13 @@ int main(int argc, char **argv)
         char kind[32], weights = 0;
         int dim;
         double count;
-        if (sscanf(rows[i], "%31[^:]:%d:%lf:%c", kind, &dim, &count, &weights) < 3) {
-            printf("%s: not KIND:DIM:COUNT[:w]\n", rows[i]);
+        const int moves = strncmp(rows[i], "loop:", 5) == 0;
+        if (sscanf(rows[i] + (moves ? 5 : 0), "%31[^:]:%d:%lf:%c", kind, &dim, &count, &weights) < 3) {
+            printf("%s: not [loop:]KIND:DIM:COUNT[:w]\n", rows[i]);
             return 2;
         }
-        fault |= row(kind, dim, (size_t)count, weights == 'w', runs, cpu_most, cards, &memory);
+        fault |= moves ? loop_row(kind, dim, (size_t)count, weights == 'w', runs)
+                       : row(kind, dim, (size_t)count, weights == 'w', runs, cpu_most, cards, &memory);
     }
     if (system("nvidia-smi --query-gpu=clocks.sm,clocks_throttle_reasons.active --format=csv,noheader") != 0) {
         printf("clocks unknown\n");

@@ -123,7 +123,7 @@ int main(int argc, char **argv)
     w.frames = argc > 2 ? (size_t)atof(argv[2]) : 300;
     w.dye = (double *)malloc((count + 1) * sizeof *w.dye);
     w.seconds = (double *)calloc(w.frames + 1, sizeof *w.seconds);
-    w.failed = w.dye == NULL || w.seconds == NULL || swarm_start(&w.s, count) != PBW_OK;
+    w.failed = w.dye == NULL || w.seconds == NULL || swarm_start(&w.s, count, 1) != PBW_OK;
     for (size_t i = 0; i < count && !w.failed; i++) {
         w.dye[i] = w.s.points[2 * i];
     }

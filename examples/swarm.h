@@ -24,6 +24,7 @@ typedef struct swarm {
     double *areas, (*centroids)[2];                  /* of cells */
     pbw_index *number;                               /* of a cell's cut, counted from 1; 0: it is not cut */
     swarm_cut *cuts;
+    pbw_options options;                             /* threads */
     pbw_live *live;
     pbw_mesh mesh;
 } swarm;
@@ -50,42 +51,35 @@ static void swarm_flow(double a, const double p[2], double v[2])
     v[1] = 0.1 * pi * (double)(cosf(across) * sinf(up)) * slope;
 }
 
-/* An edge: its middle, and the area of each of the two triangles that it has with a centre. */
-typedef struct swarm_edge { double x, y, area; } swarm_edge;
-
-static inline swarm_edge swarm_edge_of(const double *from, const double *to, double x, double y)
+/* Adds to a cell: 4 times the area, and, from its point, 24 times area times centroid. */
+static inline void swarm_add(swarm *s, pbw_index v, double area, double x, double y)
 {
-    swarm_edge e;
-    e.x = 0.5 * (from[0] + to[0]);
-    e.y = 0.5 * (from[1] + to[1]);
-    e.area = 0.25 * ((to[0] - from[0]) * (y - e.y) - (to[1] - from[1]) * (x - e.x));
-    return e;
+    s->areas[v] += area;
+    s->centroids[v][0] += x;
+    s->centroids[v][1] += y;
 }
 
-/* Adds to a corner's cell its two triangles, at edges e and f: the area, and three times area times centroid. */
-static inline void swarm_add(swarm *s, pbw_index v, const double *p, swarm_edge e, swarm_edge f, double x, double y)
-{
-    const double sum = e.area + f.area;
-    s->areas[v] += sum;
-    s->centroids[v][0] += sum * (p[0] + x) + e.area * e.x + f.area * f.x;
-    s->centroids[v][1] += sum * (p[1] + y) + e.area * e.y + f.area * f.y;
-}
-
-/* Shares a triangle out among the cells of its corners; cells that must be cut get the number 1. */
+/* Shares a triangle out among the cells of its corners; cells that must be cut get the number 1.  From corner i: the
+   other corners are at b and c, twice the centre is x, y.  Right triangles at an edge e with area a add (0 + e / 2 +
+   centre) a / 3 to the moment of the cell at its start. */
 static void swarm_share(swarm *s, size_t triangle)
 {
     const pbw_index *v = s->mesh.simplices + 3 * triangle, *neighbors = s->mesh.neighbors + 3 * triangle;
     const pbw_index i = v[0], j = v[1], k = v[2];
-    const double *a = s->points + 2 * (size_t)i, *b = s->points + 2 * (size_t)j, *c = s->points + 2 * (size_t)k;
-    const double bx = b[0] - a[0], by = b[1] - a[1], cx = c[0] - a[0], cy = c[1] - a[1];
-    const double bb = bx * bx + by * by, cc = cx * cx + cy * cy, scale = 0.5 / (bx * cy - by * cx);
-    const double x = a[0] + (bb * cy - cc * by) * scale, y = a[1] + (cc * bx - bb * cx) * scale;
-    const swarm_edge ab = swarm_edge_of(a, b, x, y), bc = swarm_edge_of(b, c, x, y), ca = swarm_edge_of(c, a, x, y);
-    swarm_add(s, i, a, ca, ab, x, y);
-    swarm_add(s, j, b, ab, bc, x, y);
-    swarm_add(s, k, c, bc, ca, x, y);
-    if (!(x >= swarm_box[0] && y >= swarm_box[1] && x <= swarm_box[2] && y <= swarm_box[3])
-        || neighbors[0] == PBW_NONE || neighbors[1] == PBW_NONE || neighbors[2] == PBW_NONE) {
+    const double *o = s->points + 2 * (size_t)i, *p = s->points + 2 * (size_t)j, *q = s->points + 2 * (size_t)k;
+    const double bx = p[0] - o[0], by = p[1] - o[1], cx = q[0] - o[0], cy = q[1] - o[1];
+    const double bb = bx * bx + by * by, cc = cx * cx + cy * cy, area = bx * cy - by * cx, scale = 1 / area;
+    const double x = (bb * cy - cc * by) * scale, y = (cc * bx - bb * cx) * scale;
+    const double at_b = 0.5 * (bx * y - by * x), at_c = 0.5 * (x * cy - y * cx), across = area - at_b - at_c;
+    const double ux = at_b * bx, uy = at_b * by, vx = at_c * cx, vy = at_c * cy;
+    const double wx = across * (cx - bx), wy = across * (cy - by);
+    const double to_i = at_b + at_c, to_j = at_b + across, to_k = at_c + across;
+    const double centre_x = o[0] + 0.5 * x, centre_y = o[1] + 0.5 * y;
+    swarm_add(s, i, to_i, to_i * x + ux + vx, to_i * y + uy + vy);
+    swarm_add(s, j, to_j, to_j * (x - bx - bx) - ux + wx, to_j * (y - by - by) - uy + wy);
+    swarm_add(s, k, to_k, to_k * (x - cx - cx) - vx - wx, to_k * (y - cy - cy) - vy - wy);
+    if (!(centre_x >= swarm_box[0] && centre_y >= swarm_box[1] && centre_x <= swarm_box[2]
+          && centre_y <= swarm_box[3]) || (neighbors[0] | neighbors[1] | neighbors[2]) == PBW_NONE) {
         s->number[i] = s->number[j] = s->number[k] = 1;
     }
 }
@@ -188,8 +182,10 @@ static pbw_status swarm_cells(swarm *s)
         if (s->number[i] > 0) {
             swarm_measure(s->cuts + s->number[i] - 1, s->points + 2 * i, s->areas + i, s->centroids[i]);
         } else {
-            s->centroids[i][0] /= 3 * s->areas[i];
-            s->centroids[i][1] /= 3 * s->areas[i];
+            const double scale = 1 / (6 * s->areas[i]);
+            s->centroids[i][0] = s->points[2 * i] + s->centroids[i][0] * scale;
+            s->centroids[i][1] = s->points[2 * i + 1] + s->centroids[i][1] * scale;
+            s->areas[i] *= 0.25;
         }
     }
     return status;
@@ -210,6 +206,12 @@ static double swarm_step(const swarm *s)
     return 0.025 * sqrt(2 / (double)s->count) / (0.15 * 3.14159265358979);
 }
 
+static double swarm_clamp(double x, double low, double high)
+{
+    x = x > low ? x : low;
+    return x < high ? x : high;
+}
+
 /* New places for some points, none farther away than 0.03 of the mean distance of neighbours. */
 static pbw_status swarm_move(void *arg, size_t from, size_t to)
 {
@@ -220,8 +222,8 @@ static pbw_status swarm_move(void *arg, size_t from, size_t to)
         double v[2], *p = s->points + 2 * i;
         swarm_flow(sway, p, v);
         for (int k = 0; k < 2; k++) {
-            p[k] += step * v[k] + fmin(fmax(0.01 * (s->centroids[i][k] - p[k]), -most), most);
-            p[k] = fmin(fmax(p[k], swarm_box[k]), swarm_box[2 + k]);
+            p[k] += step * v[k] + swarm_clamp(0.01 * (s->centroids[i][k] - p[k]), -most, most);
+            p[k] = swarm_clamp(p[k], swarm_box[k], swarm_box[2 + k]);
         }
     }
     return PBW_OK;
@@ -229,14 +231,14 @@ static pbw_status swarm_move(void *arg, size_t from, size_t to)
 
 static pbw_status swarm_frame(swarm *s)
 {
-    const pbw_status status = pbw_for(NULL, s->count, 4096, swarm_move, s);
+    const pbw_status status = pbw_for(&s->options, s->count, 4096, swarm_move, s);
     s->time += swarm_step(s);
     return status != PBW_OK ? status : swarm_follow(s);
 }
 
 /* Points at random, numbered along a curve, so that neighbours in the plane are neighbours in memory; then spread by
    five steps of Lloyd's relaxation.  swarm_free it, also after a failure. */
-static pbw_status swarm_start(swarm *s, size_t count)
+static pbw_status swarm_start(swarm *s, size_t count, int threads)
 {
     unsigned long long random = 1;
     double *p = (double *)malloc((2 * count + 1) * sizeof *p);
@@ -244,6 +246,7 @@ static pbw_status swarm_start(swarm *s, size_t count)
     pbw_status status = PBW_ERROR_MEMORY;
     memset(s, 0, sizeof *s);
     s->count = count;
+    s->options.threads = threads;
     s->points = (double *)malloc((2 * count + 1) * sizeof *s->points);
     s->areas = (double *)malloc((count + 1) * sizeof *s->areas);
     s->centroids = (double (*)[2])malloc((count + 1) * sizeof *s->centroids);
@@ -254,15 +257,15 @@ static pbw_status swarm_start(swarm *s, size_t count)
             random = random * 6364136223846793005u + 1442695040888963407u;
             p[i] = (double)(random >> 11) / 9007199254740992.0 * swarm_box[2 + i % 2];
         }
-        status = pbw_order(2, p, count, NULL, order);
+        status = pbw_order(2, p, count, &s->options, order);
     }
     for (size_t i = 0; i < count && status == PBW_OK; i++) {
         memcpy(s->points + 2 * i, p + 2 * (size_t)order[i], 2 * sizeof *p);
     }
     free(p);
     free(order);
-    status = status != PBW_OK ? status : pbw_triangulate(2, s->points, NULL, count, NULL, &s->mesh);
-    status = status != PBW_OK ? status : pbw_live_create(&s->mesh, NULL, &s->live);
+    status = status != PBW_OK ? status : pbw_triangulate(2, s->points, NULL, count, &s->options, &s->mesh);
+    status = status != PBW_OK ? status : pbw_live_create(&s->mesh, &s->options, &s->live);
     status = status != PBW_OK ? status : swarm_follow(s);
     for (int i = 0; i < 5 && status == PBW_OK; i++) {
         memcpy(s->points, s->centroids, 2 * count * sizeof *s->points);

@@ -11,6 +11,7 @@
 #include <time.h>
 
 extern int pbw_cuda_by_host, pbw_cuda_patient;  /* of a pbw_cuda.cu compiled for tests */
+extern long pbw_cuda_fail_at;
 
 static long by_gpu, by_cpu;                     /* builds of PBW_OK, by who made them */
 
@@ -41,6 +42,31 @@ static pbw_index *from_device(const pbw_index *from, size_t count)
     return block;
 }
 
+/* 1 if the arrays on the device are those of the CPU. */
+static int same_mesh(const pbw_mesh *cpu, const pbw_cuda_mesh *mesh)
+{
+    const size_t links = mesh->simplex_count * ((size_t)mesh->dim + 1), count = mesh->point_count;
+    pbw_mesh copy = *cpu;
+    pbw_index *simplices = from_device(mesh->simplices, links), *neighbors = from_device(mesh->neighbors, links);
+    pbw_index *incident = from_device(mesh->incident, count), *canonical = from_device(mesh->canonical, count);
+    int same;
+    copy.dim = mesh->dim;
+    copy.point_count = mesh->point_count;
+    copy.simplex_count = mesh->simplex_count;
+    copy.duplicate_count = mesh->duplicate_count;
+    copy.hidden_count = mesh->hidden_count;
+    copy.simplices = simplices;
+    copy.neighbors = neighbors;
+    copy.incident = incident;
+    copy.canonical = canonical;
+    same = meshes_equal(cpu, &copy);
+    free(simplices);
+    free(neighbors);
+    free(incident);
+    free(canonical);
+    return same;
+}
+
 /* The status of pbw_cuda_triangulate for points on the device, in a stream of their own; on success its mesh must be
    that of the CPU, elsewhere empty.  by: the CPU that it may be left to, or NULL; by_host: whether it was. */
 static pbw_status on_device(const pbw_mesh *cpu, int dim, int is_float, const void *points, const void *weights,
@@ -59,26 +85,9 @@ static pbw_status on_device(const pbw_mesh *cpu, int dim, int is_float, const vo
     CHECK(cudaStreamSynchronize(stream) == cudaSuccess);
     *by_host = mesh.by_cpu;
     if (status == PBW_OK || status == PBW_DEGENERATE) {
-        const size_t links = mesh.simplex_count * ((size_t)dim + 1);
-        pbw_mesh copy = *cpu;
-        pbw_index *simplices = from_device(mesh.simplices, links), *neighbors = from_device(mesh.neighbors, links);
-        pbw_index *incident = from_device(mesh.incident, count), *canonical = from_device(mesh.canonical, count);
-        copy.dim = mesh.dim;
-        copy.point_count = mesh.point_count;
-        copy.simplex_count = mesh.simplex_count;
-        copy.duplicate_count = mesh.duplicate_count;
-        copy.hidden_count = mesh.hidden_count;
-        copy.simplices = simplices;
-        copy.neighbors = neighbors;
-        copy.incident = incident;
-        copy.canonical = canonical;
-        if (!CHECK(meshes_equal(cpu, &copy))) {
+        if (!CHECK(same_mesh(cpu, &mesh))) {
             test_say("on the device, %s", mesh.by_cpu ? "by the CPU" : "by the GPU");
         }
-        free(simplices);
-        free(neighbors);
-        free(incident);
-        free(canonical);
         pbw_cuda_free(&mesh, stream);
     }
     CHECK(memcmp(&mesh, &none, sizeof none) == 0);
@@ -877,6 +886,369 @@ static void test_failures_on_device(void)
     free(points);
 }
 
+/* ---- points that move */
+typedef struct walk {
+    int dim;
+    size_t count;
+    double *points, *weights;                   /* weights NULL: none */
+    pbw_options options;
+    pbw_triangulator *cpu;
+    pbw_cuda_loop *loop;
+    cudaStream_t stream;
+    char message[256];
+} walk;
+
+enum { broken, kept, whichever };
+
+static void walk_start(walk *w, int dim, int kind, int weight_kind, size_t count)
+{
+    memset(w, 0, sizeof *w);
+    w->dim = dim;
+    w->count = count;
+    w->points = (double *)zoo_grow(NULL, count * 3 * sizeof *w->points);
+    input_fill(kind, dim, count, (uint64_t)test_seed, w->points);
+    if (weight_kind >= 0) {
+        w->weights = (double *)zoo_grow(NULL, count * sizeof *w->weights);
+        input_fill_weights(weight_kind, dim, count, (uint64_t)test_seed, w->points, w->weights);
+    }
+    w->cpu = pbw_triangulate;
+    w->options.message = w->message;
+    w->options.message_size = sizeof w->message;
+    CHECK(cudaStreamCreateWithFlags(&w->stream, cudaStreamNonBlocking) == cudaSuccess);
+}
+
+static void walk_end(walk *w)
+{
+    pbw_cuda_loop_free(w->loop);
+    CHECK(cudaStreamDestroy(w->stream) == cudaSuccess);
+    free(w->points);
+    free(w->weights);
+}
+
+/* A step with the points where they are; its mesh is the CPU's or empty. */
+static pbw_status walk_step(walk *w, int anew, int expected)
+{
+    void *there = to_device(w->points, w->count * (size_t)w->dim * sizeof(double));
+    void *weights_there = w->weights == NULL ? NULL : to_device(w->weights, w->count * sizeof(double));
+    pbw_cuda_points in;
+    pbw_cuda_mesh mesh, none;
+    pbw_mesh cpu;
+    pbw_options options;
+    pbw_status status;
+    memset(&options, 0, sizeof options);
+    memset(&none, 0, sizeof none);
+    memset(&in, 0, sizeof in);
+    memset(&mesh, 1, sizeof mesh);
+    options.flags = w->options.flags & PBW_NO_NEIGHBORS;
+    in.dim = w->dim;
+    in.points = there;
+    in.weights = weights_there;
+    in.count = w->count;
+    in.anew = anew;
+    if (w->loop == NULL) {
+        CHECK_EQUAL(pbw_cuda_loop_create(&w->options, w->stream, w->cpu, &w->loop), PBW_OK);
+    }
+    status = pbw_cuda_loop_step(w->loop, &in, &mesh);
+    if (status == PBW_OK || status == PBW_DEGENERATE) {
+        CHECK(cudaStreamSynchronize(w->stream) == cudaSuccess);
+        CHECK_EQUAL(pbw_triangulate(w->dim, w->points, w->weights, w->count, &options, &cpu), status);
+        CHECK(same_mesh(&cpu, &mesh));
+        pbw_free(&cpu);
+        if (!CHECK(expected == whichever || mesh.kept == expected)) {
+            test_say("kept %d, by the CPU %d", mesh.kept, mesh.by_cpu);
+        }
+    } else {
+        CHECK(memcmp(&mesh, &none, sizeof none) == 0);
+    }
+    cudaFree(there);
+    cudaFree(weights_there);
+    return status;
+}
+
+/* Multiplies all coordinates by a power of two, and the weights by its square. */
+static void walk_scale(walk *w, double factor)
+{
+    size_t i;
+    for (i = 0; i < w->count * (size_t)w->dim; i++) {
+        w->points[i] *= factor;
+    }
+    for (i = 0; i < w->count && w->weights != NULL; i++) {
+        w->weights[i] *= factor * factor;
+    }
+}
+
+/* A quarter turn about the last axis: exact, but another order along the curve, and other ties. */
+static void walk_turn(walk *w)
+{
+    size_t i;
+    for (i = 0; i < w->count; i++) {
+        double *p = w->points + i * (size_t)w->dim, x = p[0];
+        p[0] = -p[1];
+        p[1] = x;
+    }
+}
+
+/* by: relative to the largest coordinate. */
+static void walk_jitter(walk *w, double by)
+{
+    uint64_t state = test_seed + 1;
+    double most = 0.0;
+    size_t i;
+    for (i = 0; i < w->count * (size_t)w->dim; i++) {
+        most = fabs(w->points[i]) > most ? fabs(w->points[i]) : most;
+    }
+    for (i = 0; i < w->count * (size_t)w->dim; i++) {
+        w->points[i] += by * most * (input_uniform(&state) - 0.5);
+    }
+}
+
+/* Moves that keep the mesh and moves that break it, for sure or as it happens. */
+static void test_walk(int dim, int kind, int weight_kind, size_t count)
+{
+    const int generic = kind == INPUT_UNIFORM || kind == INPUT_GAUSS || kind == INPUT_BALL;
+    const size_t width = (size_t)dim * sizeof(double);
+    double far[3] = { 0.0 };
+    walk w;
+    walk_start(&w, dim, kind, weight_kind, count);
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_OK);
+    CHECK_EQUAL(walk_step(&w, 0, kept), PBW_OK);
+    walk_scale(&w, 4.0);
+    CHECK_EQUAL(walk_step(&w, 0, kept), PBW_OK);
+    CHECK_EQUAL(walk_step(&w, 1, broken), PBW_OK);
+    walk_turn(&w);
+    CHECK_EQUAL(walk_step(&w, 0, generic ? kept : whichever), PBW_OK);
+    CHECK_EQUAL(walk_step(&w, 0, kept), PBW_OK);
+    memcpy(far, w.points, width);                       /* two points change places */
+    memcpy(w.points, w.points + (size_t)dim, width);
+    memcpy(w.points + (size_t)dim, far, width);
+    CHECK_EQUAL(walk_step(&w, 0, w.weights == NULL ? broken : whichever), PBW_OK);
+    walk_jitter(&w, 1e-13);
+    CHECK_EQUAL(walk_step(&w, 0, whichever), PBW_OK);
+    memcpy(w.points, w.points + (size_t)dim, width);    /* a duplicate */
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_OK);
+    CHECK_EQUAL(walk_step(&w, 0, kept), PBW_OK);
+    w.points[0] = 100.0 + 100.0 * fabs(w.points[1]);    /* beyond the hull */
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_OK);
+    walk_jitter(&w, 0.1);
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_OK);
+    w.count /= 2;
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_OK);
+    walk_end(&w);
+}
+
+/* Hidden points: they move and stay hidden, they come out, others go. */
+static void test_walk_hidden(int dim)
+{
+    const size_t count = 3000;
+    size_t i, hidden = count;
+    walk w;
+    pbw_mesh cpu;
+    walk_start(&w, dim, INPUT_UNIFORM, INPUT_WEIGHTS_HALF, count);
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_OK);
+    CHECK_EQUAL(pbw_triangulate(dim, w.points, w.weights, count, NULL, &cpu), PBW_OK);
+    for (i = 0; i < count; i++) {
+        if (cpu.incident[i] == PBW_NONE && (hidden == count || w.weights[i] < w.weights[hidden])) {
+            hidden = i;
+        }
+    }
+    CHECK(hidden < count && cpu.hidden_count > count / 10);
+    pbw_free(&cpu);
+    w.points[hidden * (size_t)dim] += 1e-9;
+    CHECK_EQUAL(walk_step(&w, 0, kept), PBW_OK);
+    w.weights[hidden] -= 1.0;
+    CHECK_EQUAL(walk_step(&w, 0, kept), PBW_OK);
+    w.weights[hidden] += 3.0;                           /* above all others */
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_OK);
+    w.weights[hidden] += 100.0;
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_OK);
+    for (i = 0; i < count; i++) {
+        w.weights[i] = 7.0;
+    }
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_OK);
+    free(w.weights);
+    w.weights = NULL;
+    CHECK_EQUAL(walk_step(&w, 0, kept), PBW_OK);        /* equal weights are none */
+    walk_end(&w);
+}
+
+/* Steps of all kinds in turn: few points, on a line, left to the CPU, another dimension, without neighbors. */
+static void test_walk_any(void)
+{
+    const size_t count = 20000;
+    size_t i;
+    walk w;
+    pbw_cuda_patient = 0;
+    walk_start(&w, 3, INPUT_SPHERE, -1, count);
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_OK);      /* by the CPU */
+    walk_scale(&w, 2.0);
+    CHECK_EQUAL(walk_step(&w, 0, kept), PBW_OK);
+    walk_turn(&w);
+    CHECK_EQUAL(walk_step(&w, 0, whichever), PBW_OK);
+    pbw_cuda_patient = 1;
+    w.dim = 2;
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_OK);
+    w.count = 5;
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_OK);
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_OK);      /* few points are left to the CPU */
+    w.count = 0;
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_DEGENERATE);
+    w.count = 2000;
+    for (i = 0; i < 4000; i++) {
+        w.points[i] = (double)(i / 2);
+    }
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_DEGENERATE);
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_DEGENERATE);
+    input_fill(INPUT_UNIFORM, 2, w.count, 1, w.points);
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_OK);
+    w.points[7] = HUGE_VAL;
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_ERROR_NOT_FINITE);
+    w.points[7] = 0.5;
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_OK);
+    CHECK_EQUAL(walk_step(&w, 0, kept), PBW_OK);
+    pbw_cuda_loop_free(w.loop);
+    w.loop = NULL;
+    w.options.flags = PBW_NO_NEIGHBORS;
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_OK);
+    CHECK_EQUAL(walk_step(&w, 0, broken), PBW_OK);
+    walk_end(&w);
+}
+
+/* Every allocation of device memory fails once, in a step that builds and in steps that keep the mesh; the next step
+   is as if nothing had been. */
+static void test_walk_failing(int dim)
+{
+    pbw_status status = PBW_ERROR_BACKEND;
+    long k;
+    int step;
+    walk w;
+    walk_start(&w, dim, INPUT_UNIFORM, INPUT_WEIGHTS_HIDING, 2000);
+    w.cpu = NULL;
+    for (step = 0; step < 3; step++) {
+        for (k = 1; k == 1 || status != PBW_OK; k++) {
+            CHECK_EQUAL(walk_step(&w, 1, broken), PBW_OK);
+            if (step == 2) {
+                walk_turn(&w);
+            }
+            pbw_cuda_fail_at = k;
+            status = walk_step(&w, step == 0, step == 0 ? broken : kept);
+            CHECK_EQUAL(status, pbw_cuda_fail_at > 0 ? PBW_OK : PBW_ERROR_BACKEND);
+            if (pbw_cuda_fail_at == 0 && !CHECK(w.message[0] != '\0' && k < 1000)) {
+                break;
+            }
+            pbw_cuda_fail_at = 0;
+        }
+        CHECK(k > 10);
+    }
+    walk_end(&w);
+}
+
+/* What a loop has stays as it is: no step takes more than one before it. */
+static void test_walk_memory(void)
+{
+    size_t at_first = 0, available, all;
+    int step;
+    walk w;
+    walk_start(&w, 3, INPUT_UNIFORM, -1, 100000);
+    for (step = 0; step < 24; step++) {
+        walk_jitter(&w, step % 3 == 0 ? 0.0 : 1e-3);
+        CHECK_EQUAL(walk_step(&w, step % 4 == 0, whichever), PBW_OK);
+        CHECK(cudaDeviceSynchronize() == cudaSuccess && cudaMemGetInfo(&available, &all) == cudaSuccess);
+        at_first = step == 3 ? available : at_first;
+    }
+    if (!CHECK(available + ((size_t)32 << 20) >= at_first)) {
+        test_say("%zu bytes more", at_first - available);
+    }
+    walk_end(&w);
+}
+
+static void test_walk_calls(void)
+{
+    char one[24] = { 0 };
+    void *there = to_device(one, sizeof one);
+    pbw_cuda_points in;
+    pbw_cuda_mesh mesh;
+    pbw_cuda_loop *loop = NULL;
+    pbw_options options;
+    size_t left = 8;
+    walk w;
+    memset(&options, 0, sizeof options);
+    memset(&in, 0, sizeof in);
+    pbw_cuda_loop_free(NULL);
+    CHECK_EQUAL(pbw_cuda_loop_create(NULL, NULL, NULL, NULL), PBW_ERROR_ARGUMENT);
+    options.threads = -1;
+    CHECK_EQUAL(pbw_cuda_loop_create(&options, NULL, NULL, &loop), PBW_ERROR_ARGUMENT);
+    options.threads = 0;
+    options.resize = no_more;
+    options.resize_user = &left;
+    CHECK_EQUAL(pbw_cuda_loop_create(&options, NULL, NULL, &loop), PBW_ERROR_MEMORY);
+    CHECK(loop == NULL);
+    CHECK_EQUAL(pbw_cuda_loop_create(NULL, NULL, NULL, &loop), PBW_OK);
+    CHECK_EQUAL(pbw_cuda_loop_step(NULL, &in, &mesh), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_cuda_loop_step(loop, NULL, &mesh), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_cuda_loop_step(loop, &in, NULL), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_cuda_loop_step(loop, &in, &mesh), PBW_ERROR_ARGUMENT);
+    in.dim = 3;
+    in.count = 1;
+    CHECK_EQUAL(pbw_cuda_loop_step(loop, &in, &mesh), PBW_ERROR_ARGUMENT);
+    in.points = there;
+    CHECK_EQUAL(pbw_cuda_loop_step(loop, &in, &mesh), PBW_ERROR_BACKEND);
+    pbw_cuda_loop_free(loop);
+    cudaFree(there);
+    walk_start(&w, 3, INPUT_UNIFORM, -1, 20000);
+    w.options.progress = stop_later;
+    for (stop_at = 1, calls = 1; calls >= stop_at; stop_at = 2 * stop_at + 1) {
+        pbw_status status;
+        calls = 0;
+        status = walk_step(&w, 0, whichever);
+        CHECK_EQUAL(status, calls >= stop_at ? PBW_CANCELLED : PBW_OK);
+    }
+    stop_at = 1000000000;
+    CHECK_EQUAL(walk_step(&w, 0, kept), PBW_OK);
+    pbw_cuda_loop_free(w.loop);
+    w.loop = NULL;
+    w.options.memory_limit = 20000 * 100;
+    w.options.progress = NULL;
+    CHECK_EQUAL(walk_step(&w, 0, whichever), PBW_ERROR_BACKEND);
+    w.options.memory_limit = 0;                         /* the loop has a copy */
+    CHECK_EQUAL(walk_step(&w, 0, whichever), PBW_ERROR_BACKEND);
+    walk_end(&w);
+}
+
+static void test_walks(void)
+{
+    int dim, kind, weights;
+    for (dim = 2; dim <= 3; dim++) {
+        for (kind = 0; kind < INPUT_KINDS; kind++) {
+            for (weights = -1; weights <= INPUT_WEIGHTS_HIDING; weights += INPUT_WEIGHTS_HIDING + 1) {
+                if (test_begin("loop: %dD %s%s", dim, input_name(kind), weights < 0 ? "" : ", weights")) {
+                    test_walk(dim, kind, weights, kind == INPUT_MOMENT ? 200 : 1500);
+                    test_end();
+                }
+            }
+        }
+        if (test_begin("loop: %dD hidden points", dim)) {
+            test_walk_hidden(dim);
+            test_end();
+        }
+        if (test_begin("loop: %dD failing allocations", dim)) {
+            test_walk_failing(dim);
+            test_end();
+        }
+    }
+    if (test_begin("loop: steps of any kind")) {
+        test_walk_any();
+        test_end();
+    }
+    if (test_begin("loop: memory")) {
+        test_walk_memory();
+        test_end();
+    }
+    if (test_begin("loop: calls")) {
+        test_walk_calls();
+        test_end();
+    }
+}
+
 static void test_failures(void)
 {
     const size_t count = 50000;
@@ -1051,6 +1423,7 @@ int main(int argc, char **argv)
     test_forms();
     test_failures();
     test_failures_on_device();
+    test_walks();
     test_teams();
     test_declined();
     test_spheres();

@@ -2,7 +2,7 @@
 # plane.sh FOLDER: pbw plane: what it reads, refuses and writes.  Every check is of an exit status and of what is
 # printed or written.
 bin=$(cd "$1" && pwd)
-pbw=$bin/pbw work=$bin/plane
+pbw=$bin/pbw work=$bin/plane tests=$(pwd)/tests
 . tests/check.sh
 cd "$work" || exit 2
 
@@ -49,6 +49,14 @@ grown() {   # the same sizes from a column by number and by name
         awk '$2 < 100 { exit 1 }' one
 }
 check "sizes from a column" grown
+graded() {  # slower growth, more triangles: of a column, of a formula
+    for size in size 'max(0.1,10*(x-0.2))'; do
+        "$pbw" plane sized.csv --size "$size" --gradation 0.05 | grep triangles, > one &&
+            "$pbw" plane sized.csv --size "$size" --gradation 0.5 | grep triangles, > two && cat one two &&
+            awk '{ n[FILENAME] = $1 } END { exit !(n["one"] > 1.5 * n["two"]) }' one two || return 1
+    done
+}
+check "--gradation" graded
 check "no such column" says 1 "there is no column" sized.poly --size '#9'
 check "a column of a file that has none" says 1 ".geojson has none" plate.geojson --size depth
 remesh() {  # a mesh is refined, and made coarse again
@@ -62,7 +70,25 @@ check "--coarsen needs sizes" says 2 "needs --size" plate.poly --coarsen
 for way in laplace lloyd odt; do
     check "smoothing: $way" says 0 "smoothed: mean of least angles" plate.poly --area 0.05 --smooth $way --rounds 2
 done
-check "measures" says 0 "  gamma " plate.poly --quality
+check "measures" says 0 "gamma            least" plate.poly --quality
+
+# What VTK and Gmsh say of the quality of random triangles is what pbw plane says.
+"$pbw" plane --generate uniform 2000 --dim 2 --quality -o q.vtu -o q.msh > quality
+for python in "${PYTHON:-python3}" /usr/bin/python3 none; do
+    "$python" -c "import numpy, vtk" > /dev/null 2>&1 && break
+done
+if [ "$python" = none ]; then
+    skip "measures of quality: no Python with NumPy and VTK"
+else
+    check "measures of quality are Verdict's" "$python" "$tests/quality.py" quality q.vtu
+fi
+if command -v gmsh > /dev/null && /usr/bin/python3 -c "import numpy" > /dev/null 2>&1; then
+    set -- -setnumber Print.PostElementary 0 -setnumber Print.PostElement 0 -setnumber Print.PostGamma 1
+    gmsh q.msh -0 -v 1 "$@" -setnumber Print.PostSICN 1 -setnumber Print.PostSIGE 0 -format pos -o q.pos
+    check "SICN and gamma are Gmsh's" /usr/bin/python3 "$tests/quality.py" quality q.pos
+else
+    skip "measures of quality: no Gmsh, or no Python with NumPy"
+fi
 
 outputs() {
     "$pbw" plane plate.poly --angle 30 --area 0.05 --quiet -o o.svg -o o.html -o o.poly -o o.vtu -o o.msh -o o.ele \

@@ -1,6 +1,7 @@
-"""quality.py REPORT MESH: compares what `pbw improve --quality` says of the tetrahedra of a mesh with what others say:
-with VTK's vtkMeshQuality, which is Verdict, of a .vtu; or with Gmsh's statistics, of a .pos; see programs.sh.  Not
-dihedral angles: VTK 9.1 takes other than the least of six."""
+"""quality.py REPORT MESH: compares what `pbw improve --quality` says of the tetrahedra of a mesh, or `pbw plane
+--quality` of its triangles, with what others say: with VTK's vtkMeshQuality, which is Verdict, of a .vtu; or with
+Gmsh's statistics, of a .pos; see programs.sh and plane.sh.  Not dihedral angles: VTK 9.1 takes other than the least
+of six."""
 import re
 import sys
 
@@ -9,6 +10,9 @@ import numpy as np
 VERDICT = {"volume": "Volume", "eta": "Shape", "radius ratio": "RadiusRatio", "aspect ratio": "AspectRatio",
            "aspect gamma": "AspectGamma", "edge ratio": "EdgeRatio", "scaled Jacobian": "ScaledJacobian",
            "condition": "Condition"}
+VERDICT_2D = {"minimum angle": "MinAngle", "maximum angle": "MaxAngle", "radius ratio": "RadiusRatio",
+              "shape": "Shape", "aspect ratio": "AspectRatio", "edge ratio": "EdgeRatio", "condition": "Condition",
+              "area": "Area", "scaled Jacobian": "ScaledJacobian"}
 
 
 def verdict(path):
@@ -17,13 +21,15 @@ def verdict(path):
     reader = vtk.vtkXMLUnstructuredGridReader()
     reader.SetFileName(path)
     reader.Update()
-    tetrahedra = vtk_to_numpy(reader.GetOutput().GetCellTypesArray()) == vtk.VTK_TETRA
-    for name, theirs in VERDICT.items():
+    types = vtk_to_numpy(reader.GetOutput().GetCellTypesArray())
+    plane = (types != vtk.VTK_TETRA).all()
+    for name, theirs in (VERDICT_2D if plane else VERDICT).items():
         quality = vtk.vtkMeshQuality()
         quality.SetInputData(reader.GetOutput())
-        getattr(quality, "SetTetQualityMeasureTo" + theirs)()
+        getattr(quality, "Set%sQualityMeasureTo%s" % ("Triangle" if plane else "Tet", theirs))()
         quality.Update()
-        yield name, vtk_to_numpy(quality.GetOutput().GetCellData().GetArray("Quality"))[tetrahedra]
+        values = vtk_to_numpy(quality.GetOutput().GetCellData().GetArray("Quality"))
+        yield name, values[types == (vtk.VTK_TRIANGLE if plane else vtk.VTK_TETRA)]
 
 
 def gmsh(path):
@@ -31,9 +37,10 @@ def gmsh(path):
     with open(path) as file:
         text = file.read()
     names = re.search(r'\{("[^}]*)\};', text).group(1).replace('"', "").split(",")
-    rows = np.array([row.split(",") for row in re.findall(r"SS\([^)]*\)\{([^}]*)\}", text)], dtype=float)
+    kind = "SS" if "SS(" in text else "ST"
+    rows = np.array([row.split(",") for row in re.findall(kind + r"\([^)]*\)\{([^}]*)\}", text)], dtype=float)
     for i, name in enumerate(names):
-        yield {"Gamma": "gamma"}.get(name, name), rows[:, 4 * i]
+        yield {"Gamma": "gamma", "SICN": "SICN" if kind == "SS" else "shape"}[name], rows[:, rows.shape[1] // 2 * i]
 
 
 with open(sys.argv[1]) as report:

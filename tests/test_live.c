@@ -810,6 +810,76 @@ static void test_wrong(void)
     }
 }
 
+#ifdef PBW__SIMD                                        /* with the implementation */
+/* Looks at all facets of vertices that have moved a little, which no triangulation fits: returns how many have a
+   verdict by depths, and checks these with the exact signs. */
+static size_t depths_verdicts(pbw_live *live, double scale)
+{
+    pbw__core *core = &live->core;
+    const size_t fours = core->store.count / 4 * 4, dim = (size_t)live->dim;
+    pbw__verifying verifying;
+    size_t t, k, verdicts = 0, wrong = 0;
+    memset(&verifying, 0, sizeof verifying);
+    verifying.core = core;
+    verifying.scale = scale;
+    verifying.depth = (float *)malloc(4 * core->store.count * sizeof(float) + 1);
+    memset(verifying.depth, 0xff, 4 * core->store.count * sizeof(float));        /* NaN */
+    for (t = 0; t < fours; t += 4) {
+        const unsigned positive = pbw__depths(&verifying, t);
+        for (k = 0; k < 4; k++) {
+            wrong += (positive >> k & 1) != 0 && pbw__slot_side(core, t + k, live->dim + 1, NULL) <= 0;
+        }
+    }
+    for (t = 0; t < fours; t++) {
+        for (k = 0; k <= dim && core->kernel.corner[4 * t] != PBW_NONE; k++) {
+            const pbw__link across = core->kernel.link[4 * t + k];
+            if (verifying.depth[4 * t + k] + verifying.depth[across] > 0) {
+                verdicts++;
+                wrong += (size_t)pbw__slot_conflict(core, t, pbw__core_record(core, core->kernel.corner[across]));
+            }
+        }
+    }
+    CHECK_EQUAL(wrong, 0);
+    free(verifying.depth);
+    return verdicts;
+}
+
+/* Points on a small lattice, at several scales: whole, or beside it by a few roundings or more. */
+static void test_depths(void)
+{
+    enum { COUNT = 400 };
+    int dim, kind;
+    for (dim = 2; dim <= 3 && pbw__simd_works(); dim++) {
+        for (kind = 0; kind < 64 && test_begin("depths in %dD, kind %d", dim, kind); kind++) {
+            const double scale = ldexp(1, kind % 4 * 120 - 200), noise = ldexp(1, -(kind % 8) * 7);
+            double points[3 * COUNT], weights[COUNT];
+            uint64_t state = (uint64_t)kind + 1;
+            pbw_live *live = NULL;
+            pbw_mesh none;
+            size_t i, verdicts;
+            memset(&none, 0, sizeof none);
+            none.dim = dim;
+            CHECK(pbw_live_create(&none, NULL, &live) <= PBW_DEGENERATE);
+            for (i = 0; i < COUNT * (size_t)dim; i++) {
+                points[i] = scale * ((double)input_below(&state, 9) + noise * input_uniform(&state));
+                weights[i / (size_t)dim] = scale * scale * noise * input_uniform(&state);
+            }
+            CHECK(pbw_live_insert(live, points, kind % 3 == 2 ? weights : NULL, COUNT, NULL) == PBW_OK);
+            CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
+            memset(&live->core.grid, 0, sizeof live->core.grid);
+            for (i = (size_t)dim + 1; i < (live->core.vertex_count + 1) * ((size_t)dim + 1); i++) {
+                const double nudge = noise * ldexp(input_uniform(&state) - 0.5, -(int)input_below(&state, 40));
+                live->core.record[i] += i % ((size_t)dim + 1) < (size_t)dim ? scale * nudge : 0;
+            }
+            verdicts = depths_verdicts(live, pow(scale, -dim));
+            CHECK(noise < 1e-6 || scale < 1e-25 || verdicts > 0);
+            pbw_live_free(live);
+            test_end();
+        }
+    }
+}
+#endif
+
 /* ---- the interface */
 static void test_misuse(void)
 {
@@ -878,6 +948,9 @@ int main(int argc, char **argv)
     test_thread_counts();
     test_wrong();
     test_memory();
+#ifdef PBW__SIMD
+    test_depths();
+#endif
     test_misuse();
     return test_finish();
 }

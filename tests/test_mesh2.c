@@ -3,7 +3,7 @@
 #include "pbw.h"
 #define PBW_MESH2_IMPLEMENTATION
 #include "../examples/lib/pbw_mesh2.h"
-#include "inputs.h"
+#include "domains.h"
 #include "meter.h"
 #include "meshes.h"
 #include "planes.h"
@@ -11,90 +11,6 @@
 #include "watch.h"
 
 #define PI 3.14159265358979323846
-
-/* ---- inputs */
-
-typedef struct drawing {                   /* points and segments that grow */
-    double *points;
-    pbw_index *segments;
-    size_t point_count, segment_count;
-    pbw_plane_input input;
-} drawing;
-
-static pbw_index put(drawing *d, double x, double y)
-{
-    if ((d->point_count & (d->point_count - 1)) == 0) {
-        d->points = (double *)zoo_grow(d->points, 4 * (d->point_count + 1) * sizeof(double));
-    }
-    d->points[2 * d->point_count] = x;
-    d->points[2 * d->point_count + 1] = y;
-    return (pbw_index)d->point_count++;
-}
-
-static void line(drawing *d, pbw_index a, pbw_index b)
-{
-    if ((d->segment_count & (d->segment_count - 1)) == 0) {
-        d->segments = (pbw_index *)zoo_grow(d->segments, 4 * (d->segment_count + 1) * sizeof(pbw_index));
-    }
-    d->segments[2 * d->segment_count] = a;
-    d->segments[2 * d->segment_count++ + 1] = b;
-}
-
-/* A closed ring of the last `count` points. */
-static void ring(drawing *d, size_t count)
-{
-    const size_t first = d->point_count - count;
-    size_t i;
-    for (i = 0; i < count; i++) {
-        line(d, (pbw_index)(first + i), (pbw_index)(first + (i + 1) % count));
-    }
-}
-
-static void box(drawing *d, double x, double y, double half, int clockwise)
-{
-    put(d, x - half, y - half);
-    put(d, clockwise ? x - half : x + half, clockwise ? y + half : y - half);
-    put(d, x + half, y + half);
-    put(d, clockwise ? x + half : x - half, clockwise ? y - half : y + half);
-    ring(d, 4);
-}
-
-static const pbw_plane_input *input_of(drawing *d)
-{
-    d->input.points = d->points;
-    d->input.point_count = d->point_count;
-    d->input.segments = d->segments;
-    d->input.segment_count = d->segment_count;
-    return &d->input;
-}
-
-static void drawing_free(drawing *d)
-{
-    free(d->points);
-    free(d->segments);
-    memset(d, 0, sizeof *d);
-}
-
-/* A rough closed coast of n points about x, y. */
-static void coast(drawing *d, double x, double y, double radius, int n, uint64_t *state)
-{
-    double phase[12];
-    int i, k;
-    for (k = 0; k < 12; k++) {
-        phase[k] = input_uniform(state);
-    }
-    for (i = 0; i < n; i++) {
-        double c, s, r = 1, w = 0.3;
-        for (k = 0; k < 12; k++, w *= 0.6) {
-            input_turn((double)i / n * (1 << k) + phase[k], &c, &s);
-            r += 0.5 * w * c;
-        }
-        r *= radius * (1 + 0.004 * (input_uniform(state) - 0.5));
-        input_turn((double)i / n, &c, &s);
-        put(d, x + r * c, y + r * s);
-    }
-    ring(d, (size_t)n);
-}
 
 /* ---- checks */
 
@@ -142,6 +58,7 @@ static uint64_t check_drawing(drawing *d, const pbw_plane_options *options)
     }
     pbw_plane_free(&plane);
     memset(&other, 0, sizeof other);
+    other.input = d->input;
     to = (pbw_index *)zoo_grow(NULL, (d->point_count + 1) * sizeof *to);
     for (i = 0; i < d->point_count; i++) {
         to[i] = (pbw_index)i;
@@ -386,6 +303,113 @@ static void test_crossings(void)
     }
 }
 
+/* Makes the mesh of segments that may cross: it is right, or the call says why there is none. */
+static void check_answer(drawing *d, unsigned flags, size_t memory, pbw_status other, const char *why)
+{
+    pbw_plane plane;
+    pbw_plane_options options;
+    pbw_options build;
+    pbw_status status;
+    memset(&options, 0, sizeof options);
+    memset(&build, 0, sizeof build);
+    build.threads = 1;
+    build.memory_limit = memory;
+    options.build = &build;
+    options.flags = flags;
+    status = make(d, &options, &plane);
+    if (status == PBW_OK) {
+        check_fault(planes_fault(&plane, d->segments, d->segment_count, 0));
+        CHECK(why == NULL || strstr(why, "settle") != NULL);
+    } else {
+        CHECK_EQUAL(status, other);
+        CHECK(why != NULL && strstr(plane.what, why) != NULL && plane.triangles == NULL);
+    }
+    pbw_plane_free(&plane);
+}
+
+static void test_slivers(void)
+{
+    static const double scales[] = { 1e-300, 1e-320, 1e300 };
+    const unsigned split = PBW_PLANE_SPLIT_CROSSINGS;
+    drawing d;
+    pbw_plane plane;
+    uint64_t state = 5;
+    size_t i, k;
+    memset(&d, 0, sizeof d);
+    if (test_begin("a million equal segments")) {
+        put(&d, 0, 0);
+        put(&d, 1, 0);
+        put(&d, 0, 1);
+        for (i = 0; i < 1000000; i++) {
+            line(&d, (pbw_index)(i & 1), (pbw_index)(~i & 1));
+        }
+        CHECK_EQUAL(make(&d, NULL, &plane), PBW_OK);
+        CHECK(plane.triangle_count == 1 && plane.edge_first[plane.edge_count] == 1000000);
+        for (i = 0; i < 1000000 && plane.edge_segments[i] == i; i++) {
+        }
+        CHECK_EQUAL(i, 1000000);
+        pbw_plane_free(&plane);
+        d.segment_count = 100000;
+        check_answer(&d, 0, 1 << 20, PBW_ERROR_MEMORY, "memory");
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("copies of two segments that cross, in little memory")) {
+        box(&d, 0, 0, 1, 0);
+        for (i = 0; i < 200; i++) {
+            line(&d, (pbw_index)(i & 1), (pbw_index)(2 + (i & 1)));
+        }
+        check_answer(&d, 0, 0, PBW_ERROR_ARGUMENT, "crossings in all: 10000");
+        check_answer(&d, 0, 1 << 17, PBW_ERROR_MEMORY, "memory");
+        check_answer(&d, split, 0, PBW_OK, NULL);
+        check_answer(&d, split, 1 << 17, PBW_ERROR_MEMORY, "memory");
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("segments side by side, 1e-9 apart: more triangles than memory, or than bidden")) {
+        pbw_plane_options options;
+        memset(&options, 0, sizeof options);
+        box(&d, 0, 0, 2, 0);
+        stroke(&d, -1, 0, 1, 0);
+        stroke(&d, -1, 1e-9, 1, 2e-9);
+        check_answer(&d, 0, 0, PBW_OK, NULL);
+        check_answer(&d, PBW_PLANE_REFINE, 8 << 20, PBW_ERROR_MEMORY, "memory");
+        options.flags = PBW_PLANE_REFINE;
+        options.steiner_limit = 1000;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        CHECK(plane.report.limited && plane.report.small_angles > 0);
+        check_fault(planes_fault(&plane, d.segments, d.segment_count, 0));
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("segments that cross at 1e-9, at 1e15, at the least and largest scales")) {
+        for (i = 0; i < 60; i++) {
+            stroke(&d, -1, 1e-9 * (double)i, 1, 1e-9 * (double)(i * 7919 % 61));
+        }
+        check_answer(&d, split, 0, PBW_ERROR_ARGUMENT, "do not settle");
+        drawing_free(&d);
+        for (i = 0; i < 50; i++) {
+            const double y = 1e15 + floor(0.37 * (double)i);
+            stroke(&d, 1e15 + (double)i, y, 1e15 + (double)(10000 + i * 7919 % 1000), y + 3700);
+        }
+        box(&d, 1e15 + 5000, 1e15 + 2000, 20000, 0);
+        check_answer(&d, split, 0, PBW_OK, NULL);
+        check_answer(&d, split | PBW_PLANE_REFINE, 0, PBW_OK, NULL);
+        drawing_free(&d);
+        for (k = 0; k < 3; k++) {
+            for (i = 0; i < 40; i++) {
+                const double x = scales[k] * input_uniform(&state), y = scales[k] * input_uniform(&state);
+                stroke(&d, x, y, scales[k] * input_uniform(&state), scales[k] * input_uniform(&state));
+            }
+            check_answer(&d, split, 0, PBW_OK, NULL);
+            check_answer(&d, split | PBW_PLANE_REFINE, 0, PBW_ERROR_ARGUMENT, "scale them");
+            drawing_free(&d);
+        }
+        test_end();
+    }
+}
+
 static void test_domains(void)
 {
     drawing d;
@@ -482,6 +506,7 @@ static void test_failures(void)
     pbw_plane plane;
     pbw_plane_options options;
     pbw_options build;
+    double sizes[64];
     meter m;
     watch w;
     long k, done = 0;
@@ -526,6 +551,9 @@ static void test_failures(void)
         coast(&d, 0, 0, 1, 60, &state);
         box(&d, 0, 0, 0.3, 1);
         line(&d, 0, 30);
+        memset(sizes, 0, sizeof sizes);
+        sizes[3] = sizes[50] = 0.01;
+        d.input.sizes = sizes;
         options.rule = PBW_PLANE_SEEDS;
         options.flags = PBW_PLANE_SPLIT_CROSSINGS | PBW_PLANE_REFINE;
         build.resize = meter_resize;
@@ -571,23 +599,6 @@ static void test_failures(void)
 
 /* ---- refinement */
 
-static double least_angle(const pbw_plane *plane, size_t i)
-{
-    const double *p[3];
-    double least = 180;
-    int k;
-    for (k = 0; k < 3; k++) {
-        p[k] = planes_at(plane->points, plane->triangles[3 * i + (size_t)k]);
-    }
-    for (k = 0; k < 3; k++) {
-        const double *a = p[k], *b = p[(k + 1) % 3], *c = p[(k + 2) % 3];
-        const double x = (b[0] - a[0]) * (c[0] - a[0]) + (b[1] - a[1]) * (c[1] - a[1]);
-        const double y = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        least = fmin(least, atan2(y, x) * 180 / PI);
-    }
-    return least;
-}
-
 static double longest_edge(const pbw_plane *plane, size_t i)
 {
     double longest = 0;
@@ -613,27 +624,13 @@ static void refine(drawing *d, pbw_plane_options *options, size_t small, size_t 
     check_fault(planes_fault(plane, options->rule == PBW_PLANE_HULL ? d->segments : NULL, d->segment_count, 0));
     CHECK(fabsl(planes_area(plane) - planes_area(&coarse)) <= 1e-12L * planes_area(&coarse));
     for (i = 0; i < plane->triangle_count; i++) {
-        found += least_angle(plane, i) < angle - 1e-6;
+        found += domain_least_angle(plane, i) < angle - 1e-6;
     }
     CHECK_EQUAL(found, plane->report.small_angles);
     CHECK(found <= small);
     CHECK(plane->triangle_count <= most && !plane->report.limited);
     test_say("%g degrees: %zu triangles, %zu with smaller angles", angle, plane->triangle_count, found);
     pbw_plane_free(&coarse);
-}
-
-static void plate(drawing *d)
-{
-    int i, k;
-    box(d, 5, 5, 5.5, 0);
-    for (k = 0; k < 20; k++) {
-        for (i = 0; i < 200; i++) {
-            double c, s;
-            input_turn(i / 200.0, &c, &s);
-            put(d, k % 5 * 2 + 1 + 0.5 * c, k / 5 * 2.4 + 1.2 + 0.5 * s);
-        }
-        ring(d, 200);
-    }
 }
 
 /* Finer towards a corner. */
@@ -717,6 +714,57 @@ static void test_angles(void)
     }
 }
 
+/* Every domain of the table: one set of triangles for every order; no angle below the bound, but at small angles. */
+static void test_domain(const domain *e, int full, size_t *sharp_at_33)
+{
+    drawing d;
+    pbw_plane plane;
+    pbw_plane_options options;
+    domain_verdict v;
+    int i;
+    memset(&d, 0, sizeof d);
+    memset(&options, 0, sizeof options);
+    options.rule = e->rule;
+    options.flags = e->flags;
+    e->make(&d, full);
+    check_drawing(&d, &options);
+    if (e->make == draw_tiny) {
+        options.flags |= PBW_PLANE_REFINE;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_ERROR_ARGUMENT);
+        CHECK(strstr(plane.what, "scale") != NULL);
+        drawing_free(&d);
+        return;
+    }
+    for (i = 0; i < 2; i++) {
+        options.angle = i == 0 ? 30 : 33;
+        refine(&d, &options, SIZE_MAX, SIZE_MAX, &plane);
+        v = domain_judge(&d, &plane, options.angle);
+        CHECK(v.sharp_free == 0 || i == 1);
+        CHECK_EQUAL(plane.report.too_large, 0);
+        CHECK_EQUAL(plane.report.short_edges, 0);
+        *sharp_at_33 += i == 1 && v.sharp_free > 0;
+        pbw_plane_free(&plane);
+    }
+    drawing_free(&d);
+}
+
+static void test_domain_table(void)
+{
+    const int full = test_count >= 1000000;
+    size_t sharp = 0;
+    int i;
+    for (i = 0; i < DOMAIN_COUNT; i++) {
+        if (test_begin("domains: %s", domains[i].name)) {
+            test_domain(domains + i, full, &sharp);
+            test_end();
+        }
+    }
+    if (test_begin("domains: 33 degrees on 95 of 100")) {
+        CHECK(20 * sharp <= DOMAIN_COUNT);
+        test_end();
+    }
+}
+
 static void test_sizes(void)
 {
     static const pbw_plane_region regions[] = { { -0.5, 0, 0.001 }, { 0.5, 0, 0.01 } };
@@ -781,6 +829,88 @@ static void test_sizes(void)
             CHECK((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) <= 2.0001 * regions[seed].area);
         }
         pbw_plane_free(&plane);
+        drawing_free(&d);
+        test_end();
+    }
+}
+
+/* Fine in a disc, coarse outside. */
+static double disc_at(void *user, double x, double y)
+{
+    (void)user;
+    return hypot(x - 0.5, y - 0.5) < 0.1 ? 0.01 : 1;
+}
+
+/* The most that a triangle's longest edge exceeds a size which grows from a disc by: as a ratio. */
+static double excess(const pbw_plane *plane, const double *centre, double radius, double size, double growth)
+{
+    double most = 0;
+    size_t i, k;
+    for (i = 0; i < plane->triangle_count; i++) {
+        double x = 0, y = 0;
+        for (k = 0; k < 3; k++) {
+            x += planes_at(plane->points, plane->triangles[3 * i + k])[0] / 3;
+            y += planes_at(plane->points, plane->triangles[3 * i + k])[1] / 3;
+        }
+        x = fmax(0, hypot(x - centre[0], y - centre[1]) - radius);
+        most = fmax(most, longest_edge(plane, i) / (size + growth * x));
+    }
+    return most;
+}
+
+static void test_growth(void)
+{
+    static const double centre[] = { 0.5, 0.5 }, low[] = { 0.5, 0.01 }, growth[] = { 0.1, 0.2, 0.3 };
+    static const pbw_plane_region regions[] = { { -0.5, 0, 1e-4 }, { 0.5, 0, 0 } };
+    static const double sizes[] = { 0, 0, 0, 0, 0.005 };
+    static const size_t of_point[] = { 3400, 1300, 700 }, of_disc[] = { 7500, 4600, 3700 };
+    drawing d;
+    pbw_plane plane;
+    pbw_plane_options options;
+    size_t plain = 0, i, k;
+    memset(&d, 0, sizeof d);
+    memset(&options, 0, sizeof options);
+    if (test_begin("sizes grow from a point, from a disc of a function, no faster than bidden")) {
+        box(&d, 0.5, 0.5, 0.5, 0);
+        put(&d, low[0], low[1]);
+        for (i = 0; i < 3; i++) {
+            options.gradation = growth[i];
+            d.input.sizes = sizes;
+            options.size_at = NULL;
+            refine(&d, &options, 0, of_point[i], &plane);
+            CHECK(excess(&plane, low, 0, 0.005, growth[i]) < 1.15);
+            CHECK(plane.triangle_count > of_point[i] / 2);
+            pbw_plane_free(&plane);
+            d.input.sizes = NULL;
+            options.size_at = disc_at;
+            refine(&d, &options, 0, of_disc[i], &plane);
+            CHECK(excess(&plane, centre, 0.1, 0.01, growth[i]) < 1.25);
+            pbw_plane_free(&plane);
+        }
+        options.gradation = 0;                       /* a function grows as it likes */
+        refine(&d, &options, 0, 2500, &plane);
+        CHECK(excess(&plane, centre, 0.1, 0.01, 0.2) > 2);
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("sizes grow from a fine region into the next")) {
+        options.size_at = NULL;
+        box(&d, 0, 0, 1, 0);
+        line(&d, put(&d, 0, -1), put(&d, 0, 1));
+        d.input.regions = regions;
+        d.input.region_count = 2;
+        for (i = 0; i < 3; i++) {
+            size_t coarse = 0;
+            options.gradation = 0.1 * (double)i;
+            refine(&d, &options, 0, 36000, &plane);
+            for (k = 0; k < plane.triangle_count; k++) {
+                coarse += plane.region_seeds[plane.regions[k]] == 1;
+            }
+            plain = i == 0 ? coarse : plain;
+            CHECK(i == 0 || coarse > (i == 1 ? 3 : 2) * plain / 2);
+            pbw_plane_free(&plane);
+        }
         drawing_free(&d);
         test_end();
     }
@@ -930,9 +1060,12 @@ int main(int argc, char **argv)
     test_constraints();
     test_ids();
     test_crossings();
+    test_slivers();
     test_domains();
     test_angles();
+    test_domain_table();
     test_sizes();
+    test_growth();
     test_limits();
     test_failures();
     test_random();

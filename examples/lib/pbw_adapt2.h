@@ -47,7 +47,7 @@ extern "C" {
 /* Measures of a triangle, by their names in Verdict (V) and Gmsh (G); * = 1 for the equilateral triangle, 0 for a
    flat one.  l: lengths of the edges; A: area; r, R: radii of the circles inside and around. */
 typedef enum pbw_plane_measure {
-    PBW_PLANE_MIN_ANGLE = 0,               /* V "minimum angle", G "minAngle": in degrees */
+    PBW_PLANE_MIN_ANGLE = 0,               /* V "minimum angle": in degrees */
     PBW_PLANE_MAX_ANGLE,                   /* V "maximum angle": in degrees */
     PBW_PLANE_GAMMA,                       /* G "gamma": 2 r / R * */
     PBW_PLANE_RADIUS_RATIO,                /* V "radius ratio": R / (2 r), from 1 */

@@ -76,13 +76,14 @@ typedef struct pbw_plane_input {           /* start from {0} */
     size_t point_count;
     const pbw_index *segments;             /* two points each */
     size_t segment_count;
-    const pbw_index *segment_ids;          /* numbers of segments in what comes out, several may have one; PBW_NONE: the
-                                              segment is in no list of an edge; NULL: 0, 1, 2, ... */
+    const pbw_index *segment_ids;          /* numbers of segments in what comes out, several may have one; PBW_NONE:
+                                              the segment is in no list of an edge; NULL: 0, 1, 2, ... */
     const double *holes;                   /* x and y each: what such a point can reach is no part of the domain */
     size_t hole_count;
     const pbw_plane_region *regions;       /* of two for one region the last counts */
     size_t region_count;
-    const double *sizes;                   /* for refinement: wanted length of edges at each point, 0 = any; NULL */
+    const double *sizes;                   /* for refinement: wanted length of edges at each point, 0 = any; linear
+                                              in between; NULL */
 } pbw_plane_input;
 
 #define PBW_PLANE_SPLIT_CROSSINGS 1u       /* segments that cross: put in the crossing, rounded to the doubles of the
@@ -102,7 +103,9 @@ typedef struct pbw_plane_options {         /* NULL or all zero = best defaults *
     double area, size;                     /* most area of a triangle, most length of an edge; 0 = no bound */
     double (*size_at)(void *user, double x, double y);    /* most length of an edge about there; 0 = no bound */
     void  *size_user;
-    double gradation;                      /* sizes of points: most growth per distance, 0 = 0.3 */
+    double gradation;                      /* most growth of sizes per distance inside the domain, to a twentieth: of
+                                              those of points, and if it is above 0 of size_at and of the areas of
+                                              regions too; 0 = 0.3 */
     size_t steiner_limit;                  /* most points that refinement inserts, 0 = no limit but memory */
     const pbw_options *build;              /* threads, memory_limit, resize, progress, as in pbw.h; NULL = defaults */
 } pbw_plane_options;
@@ -168,6 +171,12 @@ PBWMESH2DEF void pbw_plane_free(pbw_plane *plane);
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#ifdef __linux__
+#include <sys/mman.h>
+#ifndef __cplusplus
+extern int madvise(void *address, size_t length, int advice);        /* strict C modes hide it */
+#endif
+#endif
 
 /* Contraction off: other coordinates would come out where a compiler fuses. */
 #if defined(__clang__)
@@ -189,15 +198,26 @@ typedef struct pbwp__memory {
 
 typedef struct pbwp__array { void *data; size_t count, bytes; } pbwp__array;     /* count: the owner's */
 
+/* Large blocks get huge pages where there are any: page faults take a fifth of a call without.  The advice is for
+   the pages at the ends too, where other bytes may be: realloc copies a mapping in two parts, and moves a whole one.
+   */
 static void *pbwp__default_resize(void *user, void *ptr, size_t old_size, size_t new_size)
 {
+    void *block;
     (void)user;
     (void)old_size;
     if (new_size == 0) {
         free(ptr);
         return NULL;
     }
-    return realloc(ptr, new_size);
+    block = realloc(ptr, new_size);
+#ifdef __linux__
+    if (block != NULL && new_size >= (size_t)1 << 22) {
+        const size_t page = 4096, skip = (size_t)(uintptr_t)block % page;
+        (void)madvise((char *)block - skip, (skip + new_size + page - 1) / page * page, 14);     /* MADV_HUGEPAGE */
+    }
+#endif
+    return block;
 }
 
 static void pbwp__release(pbwp__memory *memory, pbwp__array *array)
@@ -294,6 +314,7 @@ typedef struct pbwp__job {
     pbwp__array chain[2], inner[2];        /* left and right of a segment: vertices, edges of old triangles */
     pbwp__array stack, old, fresh;         /* fresh: slots that were filled last */
     pbwp__array crossings;
+    size_t side_count;                     /* sides of triangles with an edge, those of the border twice */
     pbwp__array hosts, vertex_host, sizes; /* see refinement */
     pbwp__array first_of, item_of;         /* lists of various uses */
     pbwp__array components;                /* pbwp__component */
@@ -794,7 +815,8 @@ static pbw_status pbwp__take_mesh(pbwp__job *job, const pbw_mesh *mesh)
             const pbw_index other = neighbor[3 * i + k];
             pbw_index side = 0;
             if (other != PBW_NONE) {
-                side = neighbor[3 * (size_t)other + 1] == i ? 1u : neighbor[3 * (size_t)other + 2] == i ? 2u : 0u;
+                const pbw_index *back = neighbor + 3 * (size_t)other;
+                side = (pbw_index)(back[1] == i) + 2 * (pbw_index)(back[2] == i);
             }
             job->t[i].v[k] = mesh->simplices[3 * i + k];
             job->t[i].link[k] = other == PBW_NONE ? PBW_NONE : 4 * other + side;
@@ -1360,7 +1382,7 @@ static pbw_status pbwp__constrain_all(pbwp__job *job)
    component to another the winding number changes by the pieces on the edge between, each with its direction.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwp__component {
-    size_t first, count;                   /* its triangles, in item_of */
+    size_t first, count;                   /* codes of the edges of segments round it, in item_of */
     pbw_index seed;
     int winding, known, dead;
 } pbwp__component;
@@ -1386,30 +1408,54 @@ static int pbwp__winding_of(const pbwp__job *job, pbw_index edge, pbw_index u, p
     return sum;
 }
 
-/* Gives a triangle, and what can be reached from it, to a component.  The triangles are added to item_of. */
-static void pbwp__flood(pbwp__job *job, pbw_index slot, pbw_index component)
+/* The root of a set, the least of its items.  Halves the path to it (van Leeuwen and van der Weide 1977). */
+static pbw_index pbwp__root(pbw_index *parent, pbw_index item)
 {
-    pbw_index *item = PBWP__INDICES(job->item_of);
-    size_t at = job->item_of.count;
-    unsigned k;
-    if (job->t[slot].region != PBW_NONE) {
-        return;
+    while (parent[item] != item) {
+        parent[item] = parent[parent[item]];
+        item = parent[item];
     }
-    job->t[slot].region = component;
-    item[job->item_of.count++] = slot;
-    for (; at < job->item_of.count; at++) {
-        const pbwp__triangle *t = job->t + item[at];
+    return item;
+}
+
+/* Joins triangles across free edges: item i + 1 of parent stands for slot i, item 0 for the outside.  The sweep in the
+   order of slots stays in the cache; without branches where all neighbours before have one parent, as most have.
+   Marks free edges of the hull as border. */
+static void pbwp__join_components(pbwp__job *job, pbw_index *parent)
+{
+    size_t i;
+    unsigned k;
+    parent[0] = 0;
+    for (i = 0; i < job->triangles.count; i++) {
+        pbwp__triangle *t = job->t + i;
+        const pbw_index own = (pbw_index)(i + 1);
+        pbw_index root = own, before[3], differ = 0;
+        parent[own] = own;
+        if (t->v[0] == PBW_NONE) {
+            continue;
+        }
         for (k = 0; k < 3; k++) {
-            if (t->edge[k] == PBW_NONE && t->link[k] != PBW_NONE
-                && job->t[PBWP__SLOT(t->link[k])].region == PBW_NONE) {
-                job->t[PBWP__SLOT(t->link[k])].region = component;
-                item[job->item_of.count++] = PBWP__SLOT(t->link[k]);
+            const pbw_index other = PBWP__SLOT(t->link[k]) + 1;
+            if (t->link[k] == PBW_NONE && t->edge[k] == PBW_NONE) {
+                t->edge[k] = PBWP__BORDER;
+                root = 0;
             }
+            before[k] = parent[(t->edge[k] == PBW_NONE) & (other < own) ? other : own];
+            root = before[k] < root ? before[k] : root;
+        }
+        for (k = 0; k < 3; k++) {
+            differ |= (pbw_index)((before[k] != root) & (before[k] != own));
+        }
+        parent[own] = root;
+        for (k = 0; differ && k < 3; k++) {
+            const pbw_index other = pbwp__root(parent, before[k]);
+            root = pbwp__root(parent, root);
+            parent[other < root ? root : other] = other < root ? other : root;
         }
     }
 }
 
-static int pbwp__add_component(pbwp__job *job, size_t first)
+static int pbwp__add_component(pbwp__job *job)
 {
     pbwp__component *c;
     if (!pbwp__room(&job->memory, &job->components, 1, sizeof *c)) {
@@ -1417,8 +1463,6 @@ static int pbwp__add_component(pbwp__job *job, size_t first)
     }
     c = (pbwp__component *)job->components.data + job->components.count++;
     memset(c, 0, sizeof *c);
-    c->first = first;
-    c->count = job->item_of.count - first;
     c->seed = PBW_NONE;
     return 1;
 }
@@ -1426,34 +1470,58 @@ static int pbwp__add_component(pbwp__job *job, size_t first)
 static int pbwp__find_components(pbwp__job *job)
 {
     const size_t n = job->triangles.count;
-    size_t i, k;
+    pbw_index *parent;
+    size_t i;
     job->item_of.count = job->components.count = 0;
-    if (!pbwp__room(&job->memory, &job->item_of, n, sizeof(pbw_index))) {
+    if (!pbwp__room(&job->memory, &job->item_of, n + 1, sizeof(pbw_index)) || !pbwp__add_component(job)) {
         return 0;
     }
-    for (i = 0; i < n; i++) {
-        job->t[i].region = PBW_NONE;
-    }
-    for (i = 0; i < n; i++) {
-        const pbwp__triangle *t = job->t + i;
-        for (k = 0; t->v[0] != PBW_NONE && k < 3; k++) {
-            if (t->link[k] == PBW_NONE && t->edge[k] == PBW_NONE) {
-                pbwp__flood(job, (pbw_index)i, 0);
-            }
-        }
-    }
-    if (!pbwp__add_component(job, 0)) {
-        return 0;
-    }
-    for (i = 0; i < n; i++) {
-        const size_t first = job->item_of.count;
-        if (job->t[i].v[0] != PBW_NONE && job->t[i].region == PBW_NONE) {
-            pbwp__flood(job, (pbw_index)i, (pbw_index)job->components.count);
-            if (!pbwp__add_component(job, first)) {
+    parent = PBWP__INDICES(job->item_of);
+    pbwp__join_components(job, parent);
+    for (i = 0; i < n; i++) {                        /* parents are numbered before: theirs is a component by now */
+        pbwp__triangle *t = job->t + i;
+        if (parent[i + 1] != i + 1) {
+            parent[i + 1] = parent[parent[i + 1]];
+        } else if (t->v[0] != PBW_NONE) {
+            parent[i + 1] = (pbw_index)job->components.count;
+            if (!pbwp__add_component(job)) {
                 return 0;
             }
         }
+        t->region = parent[i + 1];
     }
+    return 1;
+}
+
+/* Fills item_of with the codes of the edges of segments, component by component. */
+static int pbwp__list_borders(pbwp__job *job)
+{
+    pbwp__component *c = (pbwp__component *)job->components.data;
+    size_t i, sum = 0;
+    unsigned k;
+    int fill;
+    for (fill = 0; fill < 2; fill++) {
+        for (i = 0; i < job->triangles.count; i++) {
+            const pbwp__triangle *t = job->t + i;
+            for (k = 0; t->v[0] != PBW_NONE && k < 3; k++) {
+                if (t->edge[k] < PBWP__BORDER && fill) {
+                    PBWP__INDICES(job->item_of)[c[t->region].first + c[t->region].count++] = (pbw_index)(4 * i + k);
+                } else if (t->edge[k] < PBWP__BORDER) {
+                    c[t->region].count++;
+                }
+            }
+        }
+        for (i = 0; !fill && i < job->components.count; i++) {
+            c[i].first = sum;
+            sum += c[i].count;
+            c[i].count = 0;
+        }
+        job->item_of.count = 0;
+        if (!pbwp__room(&job->memory, &job->item_of, sum, sizeof(pbw_index))) {
+            return 0;
+        }
+    }
+    job->item_of.count = sum;
     return 1;
 }
 
@@ -1476,29 +1544,27 @@ static int pbwp__set_winding(pbwp__job *job, pbw_index component, int winding)
 static pbw_index pbwp__wind(pbwp__job *job)
 {
     pbwp__component *c = (pbwp__component *)job->components.data;
+    const pbw_index *item = PBWP__INDICES(job->item_of);
     size_t at, i;
-    unsigned k;
     job->stack.count = 0;
     (void)pbwp__set_winding(job, 0, 0);
-    for (i = 0; i < job->triangles.count; i++) {     /* hull edges: from outside */
-        const pbwp__triangle *t = job->t + i;
-        for (k = 0; t->v[0] != PBW_NONE && t->region != 0 && k < 3; k++) {
-            if (t->link[k] == PBW_NONE && !pbwp__set_winding(job, t->region,
-                pbwp__winding_of(job, t->edge[k], t->v[pbwp__next[k]], t->v[pbwp__last[k]]))) {
-                return t->edge[k];
-            }
+    for (i = c[0].count; i < job->item_of.count; i++) {      /* hull edges: from outside */
+        const pbwp__triangle *t = job->t + PBWP__SLOT(item[i]);
+        const unsigned k = PBWP__SIDE(item[i]);
+        if (t->link[k] == PBW_NONE && !pbwp__set_winding(job, t->region,
+            pbwp__winding_of(job, t->edge[k], t->v[pbwp__next[k]], t->v[pbwp__last[k]]))) {
+            return t->edge[k];
         }
     }
     for (at = 0; at < job->stack.count; at++) {
         const pbw_index here = PBWP__INDICES(job->stack)[at];
         for (i = c[here].first; i < c[here].first + c[here].count; i++) {
-            const pbwp__triangle *t = job->t + PBWP__INDICES(job->item_of)[i];
-            for (k = 0; k < 3; k++) {
-                const pbw_index beyond = t->link[k] == PBW_NONE ? here : job->t[PBWP__SLOT(t->link[k])].region;
-                if (beyond != here && !pbwp__set_winding(job, beyond, c[here].winding
-                    - pbwp__winding_of(job, t->edge[k], t->v[pbwp__next[k]], t->v[pbwp__last[k]]))) {
-                    return t->edge[k];
-                }
+            const pbwp__triangle *t = job->t + PBWP__SLOT(item[i]);
+            const unsigned k = PBWP__SIDE(item[i]);
+            const pbw_index beyond = t->link[k] == PBW_NONE ? here : job->t[PBWP__SLOT(t->link[k])].region;
+            if (beyond != here && !pbwp__set_winding(job, beyond, c[here].winding
+                - pbwp__winding_of(job, t->edge[k], t->v[pbwp__next[k]], t->v[pbwp__last[k]]))) {
+                return t->edge[k];
             }
         }
     }
@@ -1549,8 +1615,11 @@ static pbw_status pbwp__plant_seeds(pbwp__job *job)
 {
     const pbw_plane_input *in = job->input;
     pbwp__component *c = (pbwp__component *)job->components.data;
-    pbw_index slot = PBWP__INDICES(job->item_of)[0], found;
+    pbw_index slot = 0, found;
     size_t i;
+    while (job->t[slot].v[0] == PBW_NONE) {
+        slot++;
+    }
     for (i = 0; i < in->hole_count + in->region_count; i++) {
         const int is_hole = i < in->hole_count;
         double q[2];
@@ -1589,12 +1658,9 @@ static void pbwp__carve(pbwp__job *job)
     }
     memset(job->incident, 255, job->incidents.count * sizeof *job->incident);
     for (i = 0; i < job->triangles.count; i++) {
-        pbwp__triangle *t = job->t + i;
+        const pbwp__triangle *t = job->t + i;
         for (k = 0; t->v[0] != PBW_NONE && k < 3; k++) {
             job->incident[t->v[k]] = (pbw_index)i;
-            if (t->link[k] == PBW_NONE && t->edge[k] == PBW_NONE) {
-                t->edge[k] = PBWP__BORDER;
-            }
         }
     }
 }
@@ -1605,12 +1671,17 @@ static pbw_status pbwp__find_domain(pbwp__job *job)
     pbwp__component *c;
     pbw_status status;
     size_t i;
+    int dead = 0;
     if (!pbwp__find_components(job) || (job->stack.count = 0,
         !pbwp__room(&job->memory, &job->stack, job->components.count, sizeof(pbw_index)))) {
         return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
     }
     if (rule == PBW_PLANE_EVEN_ODD || rule == PBW_PLANE_NONZERO) {
-        pbw_index edge = pbwp__wind(job);
+        pbw_index edge;
+        if (!pbwp__list_borders(job)) {
+            return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+        }
+        edge = pbwp__wind(job);
         if (edge != PBW_NONE) {
             if (edge >= job->piece_count) {
                 edge = ((const pbwp__group *)job->groups.data)[edge - job->piece_count].piece;
@@ -1626,8 +1697,9 @@ static pbw_status pbwp__find_domain(pbwp__job *job)
     for (i = 0; i < job->components.count; i++) {
         c[i].dead |= rule == PBW_PLANE_EVEN_ODD ? c[i].winding % 2 == 0
                    : rule == PBW_PLANE_NONZERO ? c[i].winding == 0 : rule == PBW_PLANE_SEEDS && i == 0;
+        dead |= c[i].dead;
     }
-    if (status == PBW_OK) {
+    if (status == PBW_OK && dead) {
         pbwp__carve(job);
     }
     return status;
@@ -1652,7 +1724,8 @@ static pbw_status pbwp__find_domain(pbwp__job *job)
    points of one encroach upon nothing of the other, as splits at different distances would go on until they are as
    short as the segments are apart; triangles from one to the other are left alone.  No split makes an edge shorter
    than 1e-10 of the domain, so that points are apart and finitely many.  Triangles that are flatter than that are
-   left alone too, and encroach upon nothing: two segments can be so near to each other, over their whole length, for one ulp of a point.
+   left alone too, and encroach upon nothing: two segments can be so near to each other, over their whole length, for
+   one ulp of a point.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwp__host {                /* an edge of the constrained triangulation */
     pbw_index a, b, edge;
@@ -1669,9 +1742,12 @@ typedef struct pbwp__refiner {
     double cosine2, lens2, off;            /* squared cosine of the bound, of the lens; off-centre's height */
     double least2;                         /* squared least length */
     int classes, has_sizes;                /* exponent of class 0; sizes at vertices are in use */
+    double growth;                         /* of sizes, per distance */
+    int sizing;                            /* no angle was mended so far: sharp triangles are looked for later */
     uint64_t filled;                       /* bit: that class has triangles */
     pbwp__array class_of[PBWP__CLASSES], large, splits;
     pbwp__array slots, rim, hits;          /* a cavity: its triangles, its border, segments encroached upon */
+    pbwp__array lowered;                   /* vertices whose sizes have fallen, for their neighbours */
     size_t inserted;
     int no_memory;
 } pbwp__refiner;
@@ -1778,7 +1854,8 @@ static int pbwp__may_split(const pbwp__refiner *r, pbw_index code)
 
 /* ---- what is wrong with a triangle */
 
-/* Whether u and w are at one distance from a point of the input, on two segments from there. */
+/* Whether u and w are at one distance from a point of the input, on two segments that meet there at less than 60
+   degrees: at more, an edge that joins them is longer than the distance, so that lengths do not fall. */
 static int pbwp__are_twins(const pbwp__refiner *r, pbw_index u, pbw_index w)
 {
     const pbw_index hu = pbwp__vertex_host(r, u), hw = pbwp__vertex_host(r, w);
@@ -1795,7 +1872,7 @@ static int pbwp__are_twins(const pbwp__refiner *r, pbw_index u, pbw_index w)
     }
     one = pbwp__distance2(pbwp__point(r, z), pbwp__point(r, u));
     other = pbwp__distance2(pbwp__point(r, z), pbwp__point(r, w));
-    return fabs(one - other) <= 1e-3 * one;
+    return fabs(one - other) <= 1e-3 * one && pbwp__distance2(pbwp__point(r, u), pbwp__point(r, w)) < one;
 }
 
 /* Squares of the lengths of edges; returns the shortest. */
@@ -1859,10 +1936,21 @@ static int pbwp__is_large(const pbwp__refiner *r, const pbwp__triangle *t, const
 
 static int pbwp__class_of(const pbwp__refiner *r, double length2)
 {
+    uint64_t bits;
     int exponent;
-    (void)frexp(length2, &exponent);
-    exponent = r->classes - exponent;
+    memcpy(&bits, &length2, sizeof bits);
+    exponent = r->classes - ((int)(bits >> 52) - 1022);          /* as frexp has it */
     return exponent < 0 ? 0 : exponent >= PBWP__CLASSES ? PBWP__CLASSES - 1 : exponent;
+}
+
+/* Puts a triangle where sharp ones wait, if it is one. */
+static void pbwp__examine_angle(pbwp__refiner *r, pbw_index slot, const double length2[3], unsigned shortest)
+{
+    if (pbwp__is_sharp(r, length2, shortest)) {
+        const int c = pbwp__class_of(r, length2[shortest]);
+        pbwp__add(r, r->class_of + c, slot);
+        r->filled |= (uint64_t)1 << c;
+    }
 }
 
 /* Puts a triangle, and the segments beside it, where the work on them waits. */
@@ -1882,10 +1970,8 @@ static void pbwp__examine(pbwp__refiner *r, pbw_index slot)
     if (pbwp__is_large(r, t, length2)) {
         pbwp__add(r, &r->large, slot);
     }
-    if (pbwp__is_sharp(r, length2, shortest)) {
-        const int c = pbwp__class_of(r, length2[shortest]);
-        pbwp__add(r, r->class_of + c, slot);
-        r->filled |= (uint64_t)1 << c;
+    if (!r->sizing) {
+        pbwp__examine_angle(r, slot, length2, shortest);
     }
 }
 
@@ -2181,6 +2267,96 @@ static void pbwp__clear(pbwp__refiner *r, pbw_index u, pbw_index v)
     }
 }
 
+/* ---- sizes at vertices */
+
+/* What a region bids its edges: the longest that a triangle of 30 degrees and the region's area has, so that sizes
+   grow from there, and no triangle in the region becomes smaller. */
+static double pbwp__size_of_region(const pbwp__refiner *r, const pbwp__triangle *t)
+{
+    const pbwp__job *job = r->job;
+    const pbwp__component *c = (const pbwp__component *)job->components.data + (t->region & ~PBWP__CAVITY);
+    const double area = c->seed != PBW_NONE && job->options->gradation > 0 ? job->input->regions[c->seed].area : 0;
+    return area > 0 ? 2.6321480259049848 * sqrt(area) : 1e60;          /* 2 * 3^(1/4) */
+}
+
+static double pbwp__size_at(const pbwp__refiner *r, pbw_index v)
+{
+    const pbw_plane_options *o = r->job->options;
+    const double *p = pbwp__point(r, v);
+    const double size = o->gradation > 0 && o->size_at != NULL ? o->size_at(o->size_user, p[0], p[1]) : 0;
+    return size > 0 ? size : 1e60;
+}
+
+/* Once refinement has begun, a fall of less than a twentieth is none: each new vertex makes ways a little shorter. */
+static void pbwp__lower(pbwp__refiner *r, pbw_index v, double size)
+{
+    double *sizes = PBWP__DOUBLES(r->job->sizes);
+    if (size < (r->inserted > 0 ? 0.95 : 1) * sizes[v]) {
+        sizes[v] = size;
+        pbwp__add(r, &r->lowered, v);
+    }
+}
+
+/* Lowers the neighbours of what was lowered, and theirs, to what sizes may grow to there.  It ends, as no size falls
+   by way of itself.  Looks again at the triangles there once refinement has begun. */
+static void pbwp__spread(pbwp__refiner *r)
+{
+    const pbwp__job *job = r->job;
+    double length2[3];
+    size_t at;
+    unsigned k;
+    for (at = 0; at < r->lowered.count && !r->no_memory; at++) {
+        const pbw_index v = PBWP__INDICES(r->lowered)[at];
+        pbwp__spin spin;
+        spin.start = spin.corner = pbwp__corner_of(job, v);
+        spin.clockwise = 0;
+        do {
+            const pbwp__triangle *t = job->t + PBWP__SLOT(spin.corner);
+            for (k = 0; k < 3; k++) {
+                const double apart = sqrt(pbwp__distance2(pbwp__point(r, v), pbwp__point(r, t->v[k])));
+                pbwp__lower(r, t->v[k], PBWP__DOUBLES(job->sizes)[v] + r->growth * apart);
+            }
+            (void)pbwp__lengths(r, t, length2);
+            if (r->inserted > 0 && pbwp__is_large(r, t, length2)) {
+                pbwp__add(r, &r->large, PBWP__SLOT(spin.corner));
+            }
+        } while (pbwp__spin_on(job, &spin));
+    }
+    r->lowered.count = 0;
+}
+
+/* Fits the size of a new vertex to its neighbours', to its region and to its place.  Returns 1, for its callers. */
+static int pbwp__grade(pbwp__refiner *r, pbw_index v)
+{
+    const pbwp__job *job = r->job;
+    double *sizes = PBWP__DOUBLES(job->sizes), least = 0, most = 1e60, linear;
+    pbwp__spin spin;
+    unsigned k;
+    if (!r->has_sizes) {
+        return 1;
+    }
+    linear = sizes[v];
+    spin.start = spin.corner = pbwp__corner_of(job, v);
+    spin.clockwise = 0;
+    do {
+        const pbwp__triangle *t = job->t + PBWP__SLOT(spin.corner);
+        most = fmin(most, pbwp__size_of_region(r, t));
+        for (k = 0; k < 3; k++) {
+            const double growth = r->growth * sqrt(pbwp__distance2(pbwp__point(r, v), pbwp__point(r, t->v[k])));
+            if (t->v[k] != v) {
+                least = fmax(least, sizes[t->v[k]] - growth);
+                most = fmin(most, sizes[t->v[k]] + growth);
+            }
+        }
+    } while (pbwp__spin_on(job, &spin));
+    sizes[v] = fmin(fmin(most, fmax(least, linear)), pbwp__size_at(r, v));
+    if (sizes[v] < linear || sizes[v] < 0.95 * least) {
+        pbwp__add(r, &r->lowered, v);
+        pbwp__spread(r);
+    }
+    return 1;
+}
+
 /* ---- splitting a segment */
 
 /* Where to split u-v: in the middle; or, if just one end is of the input, at a power of two from it, between one
@@ -2252,7 +2428,7 @@ static int pbwp__split_edge(pbwp__refiner *r, pbw_index u, pbw_index v, int must
         size = (1 - at) * PBWP__DOUBLES(job->sizes)[u] + at * PBWP__DOUBLES(job->sizes)[v];
     }
     p = pbwp__add_vertex(r, point, edge, size);
-    return p != PBW_NONE && pbwp__refill_star(r, p, u, v, edge);
+    return p != PBW_NONE && pbwp__refill_star(r, p, u, v, edge) && pbwp__grade(r, p);
 }
 
 /* ---- mending a triangle */
@@ -2346,7 +2522,7 @@ static int pbwp__mend(pbwp__refiner *r, pbw_index slot, unsigned shortest)
         if (r->hits.count == 0 && !r->no_memory && pbwp__is_star(r, point)) {
             size = r->has_sizes ? pbwp__size_in(r, job->t + found, point) : 0;
             p = pbwp__add_vertex(r, point, PBWP__FREE, size);
-            return p != PBW_NONE && pbwp__refill_star(r, p, PBW_NONE, PBW_NONE, PBW_NONE);
+            return p != PBW_NONE && pbwp__refill_star(r, p, PBW_NONE, PBW_NONE, PBW_NONE) && pbwp__grade(r, p);
         }
         pbwp__undig(r);
     }
@@ -2401,6 +2577,21 @@ static void pbwp__mend_large(pbwp__refiner *r)
     }
 }
 
+/* Looks for sharp triangles, once no triangle is too large: of those that there were before, most are gone. */
+static void pbwp__end_sizing(pbwp__refiner *r)
+{
+    double length2[3];
+    size_t i;
+    r->sizing = 0;
+    for (i = r->job->triangles.count; i > 0 && !r->no_memory; i--) {   /* stacks: the first come out first */
+        const pbwp__triangle *t = r->job->t + i - 1;
+        if (t->v[0] != PBW_NONE) {
+            const unsigned shortest = pbwp__lengths(r, t, length2);
+            pbwp__examine_angle(r, (pbw_index)(i - 1), length2, shortest);
+        }
+    }
+}
+
 /* Gives each vertex a host, each edge of a segment the number of a host. */
 static int pbwp__find_hosts(pbwp__refiner *r)
 {
@@ -2437,44 +2628,43 @@ static int pbwp__find_hosts(pbwp__refiner *r)
     return 1;
 }
 
-/* Sizes of vertices: the caller's, and what they may grow to at the others. */
+/* Sizes of vertices: the caller's, and what they may grow to at the others.  A vertex where the domain has no width
+   has two stars, and the spread sees one: hence the rounds. */
 static int pbwp__find_sizes(pbwp__refiner *r)
 {
     pbwp__job *job = r->job;
-    const double growth = job->options->gradation > 0 ? job->options->gradation : 0.3;
+    const double *given = job->input->sizes;
     const size_t n = job->points.count;
     double *sizes;
     size_t i;
-    unsigned k, e;
+    unsigned k;
     int more = 1;
     if (!pbwp__room(&job->memory, &job->sizes, n, sizeof(double))) {
         return 0;
     }
+    r->has_sizes = 1;
+    r->growth = job->options->gradation > 0 ? job->options->gradation : 0.3;
     sizes = PBWP__DOUBLES(job->sizes);
     job->sizes.count = n;
     for (i = 0; i < n; i++) {
-        const pbw_index given = PBWP__INDICES(job->original)[i];
-        const double size = given < job->input->point_count ? job->input->sizes[given] : 0;
-        sizes[i] = size > 0 ? size : 1e60;
+        const pbw_index from = PBWP__INDICES(job->original)[i];
+        const double size = given != NULL && from < job->input->point_count ? given[from] : 0;
+        sizes[i] = fmin(size > 0 ? size : 1e60, pbwp__size_at(r, (pbw_index)i));
     }
-    while (more) {
+    while (more && !r->no_memory) {
         more = 0;
         for (i = 0; i < job->triangles.count; i++) {
-            for (k = 0; job->t[i].v[0] != PBW_NONE && k < 3; k++) {
-                for (e = 1; e < 3; e++) {
-                    const pbw_index u = job->t[i].v[k], v = job->t[i].v[(k + e) % 3];
-                    const double apart = sqrt(pbwp__distance2(pbwp__point(r, u), pbwp__point(r, v)));
-                    const double most = sizes[u] + growth * apart;
-                    if (most < sizes[v]) {
-                        sizes[v] = most;
-                        more = 1;
-                    }
-                }
+            const pbwp__triangle *t = job->t + i;
+            for (k = 0; t->v[0] != PBW_NONE && k < 6; k++) {
+                const pbw_index u = t->v[k % 3], v = t->v[(k + 1 + k / 3) % 3];
+                const double apart = sqrt(pbwp__distance2(pbwp__point(r, u), pbwp__point(r, v)));
+                pbwp__lower(r, v, fmin(sizes[u] + r->growth * apart, pbwp__size_of_region(r, t)));
             }
         }
+        more = r->lowered.count > 0;
+        pbwp__spread(r);
     }
-    r->has_sizes = 1;
-    return 1;
+    return !r->no_memory;
 }
 
 /* Sets bounds from options and the box of the points.  Returns 0 if the coordinates are too large or too small. */
@@ -2505,7 +2695,9 @@ static pbw_status pbwp__refine_all(pbwp__refiner *r)
 {
     pbwp__job *job = r->job;
     const size_t limit = job->options->steiner_limit;
+    const pbw_plane_options *o = job->options;
     size_t i;
+    r->sizing = o->area > 0 || o->size > 0 || o->size_at != NULL || r->has_sizes || job->input->region_count > 0;
     for (i = job->triangles.count; i > 0 && !r->no_memory; i--) {      /* stacks: the first come out first */
         if (job->t[i - 1].v[0] != PBW_NONE) {
             pbwp__examine(r, (pbw_index)(i - 1));
@@ -2513,6 +2705,9 @@ static pbw_status pbwp__refine_all(pbwp__refiner *r)
     }
     while (!r->no_memory) {
         if (limit != 0 && (r->inserted >= limit + job->plane->report.removed || r->inserted / 8 >= limit)) {
+            if (r->sizing) {
+                pbwp__end_sizing(r);
+            }
             job->plane->report.limited = r->splits.count + r->large.count > 0 || r->filled != 0;
             break;
         }
@@ -2522,6 +2717,8 @@ static pbw_status pbwp__refine_all(pbwp__refiner *r)
                              PBWP__INDICES(r->splits)[r->splits.count + 1], 0);
         } else if (r->large.count > 0) {
             pbwp__mend_large(r);
+        } else if (r->sizing) {
+            pbwp__end_sizing(r);
         } else if (r->filled != 0) {
             pbwp__mend_sharp(r);
         } else {
@@ -2554,18 +2751,20 @@ static pbw_status pbwp__refine(pbwp__job *job)
     pbwp__refiner r;
     pbwp__memory *memory = &job->memory;
     pbw_status status;
-    int i;
+    int i, graded;
     memset(&r, 0, sizeof r);
     r.job = job;
     if (!pbwp__set_bounds(&r)) {
         return pbwp__say(job, PBW_ERROR_ARGUMENT,
                          "coordinates are too large, or too small, for refinement: scale them");
     }
-    if (!pbwp__find_hosts(&r) || (job->input->sizes != NULL && !pbwp__find_sizes(&r))) {
-        return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    graded = job->input->sizes != NULL
+          || (job->options->gradation > 0 && (job->options->size_at != NULL || job->input->region_count > 0));
+    status = pbwp__find_hosts(&r) && (!graded || pbwp__find_sizes(&r)) ? pbwp__refine_all(&r)
+           : pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    if (status == PBW_OK) {
+        pbwp__count_faults(&r);
     }
-    status = pbwp__refine_all(&r);
-    pbwp__count_faults(&r);
     for (i = 0; i < PBWP__CLASSES; i++) {
         pbwp__release(memory, r.class_of + i);
     }
@@ -2574,6 +2773,7 @@ static pbw_status pbwp__refine(pbwp__job *job)
     pbwp__release(memory, &r.slots);
     pbwp__release(memory, &r.rim);
     pbwp__release(memory, &r.hits);
+    pbwp__release(memory, &r.lowered);
     return status;
 }
 
@@ -2588,13 +2788,20 @@ enum { PBWP__POINTS, PBWP__TRIANGLES, PBWP__NEIGHBORS, PBWP__CONSTRAINTS, PBWP__
 
 typedef struct pbwp__block { pbwp__memory memory; pbwp__array array[PBWP__OUTPUTS]; } pbwp__block;
 
-/* The corner that comes first along the curve. */
-static unsigned pbwp__first_corner(const pbwp__triangle *t)
+/* The code of the corner that comes first along the curve. */
+static pbw_index pbwp__first_corner(const pbwp__job *job, pbw_index slot)
 {
-    return t->v[0] < t->v[1] && t->v[0] < t->v[2] ? 0u : t->v[1] < t->v[2] ? 1u : 2u;
+    const pbw_index *v = job->t[slot].v;
+    return 4 * slot + (v[0] < v[1] && v[0] < v[2] ? 0u : v[1] < v[2] ? 1u : 2u);
 }
 
-/* Sorts triangles of one first corner by their second. */
+/* The corner after the first, whose code is given. */
+static pbw_index pbwp__second(const pbwp__job *job, pbw_index code)
+{
+    return job->t[PBWP__SLOT(code)].v[pbwp__next[PBWP__SIDE(code)]];
+}
+
+/* Sorts triangles of one first corner, by its codes, by their second. */
 static int pbwp__sort_fan(pbwp__job *job, pbw_index *item, size_t count)
 {
     pbwp__array keys;
@@ -2602,19 +2809,14 @@ static int pbwp__sort_fan(pbwp__job *job, pbw_index *item, size_t count)
     int ok = 1;
     memset(&keys, 0, sizeof keys);
     for (i = 1; i < count && count <= 32; i++) {
-        const pbw_index slot = item[i], second = job->t[slot].v[pbwp__next[pbwp__first_corner(job->t + slot)]];
-        for (j = i; j > 0; j--) {
-            const pbwp__triangle *t = job->t + item[j - 1];
-            if (t->v[pbwp__next[pbwp__first_corner(t)]] < second) {
-                break;
-            }
+        const pbw_index code = item[i], second = pbwp__second(job, code);
+        for (j = i; j > 0 && pbwp__second(job, item[j - 1]) > second; j--) {
             item[j] = item[j - 1];
         }
-        item[j] = slot;
+        item[j] = code;
     }
     for (i = 0; i < count && count > 32 && ok; i++) {
-        const pbwp__triangle *t = job->t + item[i];
-        ok = pbwp__add_cut(job, &keys, t->v[pbwp__next[pbwp__first_corner(t)]], item[i], 0);
+        ok = pbwp__add_cut(job, &keys, pbwp__second(job, item[i]), item[i], 0);
     }
     pbwp__sort((pbwp__cut *)keys.data, keys.count);
     for (i = 0; i < keys.count && ok; i++) {
@@ -2624,50 +2826,53 @@ static int pbwp__sort_fan(pbwp__job *job, pbw_index *item, size_t count)
     return ok;
 }
 
-/* Fills item_of with the slots of triangles in order, first_of with the number of each slot, PBW_NONE if it is free.
-   */
+/* Fills item_of with the codes of first corners, in order; first_of with the code of the first corner for each slot in
+   use, the number of its triangle in place of the slot. */
 static int pbwp__sort_triangles(pbwp__job *job)
 {
     const size_t n = job->points.count, slots = job->triangles.count;
-    pbwp__array starts;
-    pbw_index *start, *item;
-    size_t i, sum = 0;
+    pbwp__array heads;
+    pbw_index *head, *next, *item;
+    size_t i, count = 0;
+    unsigned k;
     int ok = 1;
-    memset(&starts, 0, sizeof starts);
+    memset(&heads, 0, sizeof heads);
     job->item_of.count = job->first_of.count = 0;
     if (!pbwp__room(&job->memory, &job->item_of, slots, sizeof *item)
-        || !pbwp__room(&job->memory, &job->first_of, slots, sizeof *item)
-        || !pbwp__room(&job->memory, &starts, n + 1, sizeof *start)) {
-        pbwp__release(&job->memory, &starts);
+        || !pbwp__room(&job->memory, &job->first_of, slots, sizeof *next)
+        || !pbwp__room(&job->memory, &heads, n, sizeof *head)) {
+        pbwp__release(&job->memory, &heads);
         return 0;
     }
-    start = PBWP__INDICES(starts);
+    job->side_count = 0;
+    head = PBWP__INDICES(heads);                     /* lists of codes of first corners, one for each vertex */
+    next = PBWP__INDICES(job->first_of);
     item = PBWP__INDICES(job->item_of);
-    memset(start, 0, (n + 1) * sizeof *start);
-    for (i = 0; i < slots; i++) {
-        if (job->t[i].v[0] != PBW_NONE) {
-            start[job->t[i].v[pbwp__first_corner(job->t + i)]]++;
+    memset(head, 255, n * sizeof *head);
+    for (i = slots; i > 0; i--) {
+        const pbwp__triangle *t = job->t + i - 1;
+        if (t->v[0] != PBW_NONE) {
+            const pbw_index code = pbwp__first_corner(job, (pbw_index)(i - 1));
+            next[i - 1] = head[t->v[PBWP__SIDE(code)]];
+            head[t->v[PBWP__SIDE(code)]] = code;
+            for (k = 0; k < 3; k++) {
+                job->side_count += (size_t)(t->edge[k] != PBW_NONE) + (size_t)(t->link[k] == PBW_NONE);
+            }
         }
     }
-    for (i = 0; i <= n; i++) {
-        const pbw_index here = start[i];
-        start[i] = (pbw_index)sum;
-        sum += here;
-    }
-    for (i = 0; i < slots; i++) {
-        if (job->t[i].v[0] != PBW_NONE) {
-            item[start[job->t[i].v[pbwp__first_corner(job->t + i)]]++] = (pbw_index)i;
+    for (i = 0; i < n && ok; i++) {
+        const size_t first = count;
+        pbw_index code;
+        for (code = head[i]; code != PBW_NONE; code = next[PBWP__SLOT(code)]) {
+            item[count++] = code;
         }
+        ok = pbwp__sort_fan(job, item + first, count - first);
     }
-    for (i = 0; i < n && ok; i++) {                  /* start[i] is now the end of vertex i's triangles */
-        ok = pbwp__sort_fan(job, item + (i > 0 ? start[i - 1] : 0), start[i] - (i > 0 ? start[i - 1] : 0));
+    for (i = 0; i < count; i++) {
+        next[PBWP__SLOT(item[i])] = (pbw_index)(4 * i + PBWP__SIDE(item[i]));
     }
-    memset(job->first_of.data, 255, slots * sizeof *item);
-    for (i = 0; i < sum; i++) {
-        PBWP__INDICES(job->first_of)[item[i]] = (pbw_index)i;
-    }
-    job->item_of.count = sum;
-    pbwp__release(&job->memory, &starts);
+    job->item_of.count = count;
+    pbwp__release(&job->memory, &heads);
     return ok;
 }
 
@@ -2711,49 +2916,88 @@ static int pbwp__out_points(pbwp__job *job, pbwp__block *block)
     return 1;
 }
 
-static int pbwp__out_triangles(pbwp__job *job, pbwp__block *block)
+/* Regions are numbered as triangles come. */
+static int pbwp__out_regions(pbwp__job *job, pbwp__block *block)
 {
-    const pbw_index *item = PBWP__INDICES(job->item_of), *number = PBWP__INDICES(job->first_of);
+    const pbw_index *item = PBWP__INDICES(job->item_of);
     const pbwp__component *component = (const pbwp__component *)job->components.data;
     const size_t count = job->item_of.count;
-    pbw_index *corner, *neighbor, *region, *renumber;
-    size_t i, k, regions = 0;
+    pbw_index *region, *renumber;
+    size_t i, regions = 0;
     job->stack.count = 0;
-    if (!pbwp__out(job, block, PBWP__TRIANGLES, 3 * count, sizeof *corner)
-        || !pbwp__out(job, block, PBWP__NEIGHBORS, 3 * count, sizeof *corner)
-        || !pbwp__out(job, block, PBWP__REGIONS, count, sizeof *corner)
+    if (!pbwp__out(job, block, PBWP__REGIONS, count, sizeof *region)
         || !pbwp__out(job, block, PBWP__WINDINGS, job->components.count, sizeof(int))
-        || !pbwp__out(job, block, PBWP__SEEDS, job->components.count, sizeof *corner)
-        || !pbwp__room(&job->memory, &job->stack, job->components.count, sizeof *corner)) {
+        || !pbwp__out(job, block, PBWP__SEEDS, job->components.count, sizeof *region)
+        || !pbwp__room(&job->memory, &job->stack, job->components.count, sizeof *region)) {
         return 0;
     }
-    corner = PBWP__INDICES(block->array[PBWP__TRIANGLES]);
-    neighbor = PBWP__INDICES(block->array[PBWP__NEIGHBORS]);
     region = PBWP__INDICES(block->array[PBWP__REGIONS]);
     renumber = PBWP__INDICES(job->stack);
     memset(renumber, 255, job->components.count * sizeof *renumber);
     for (i = 0; i < count; i++) {
-        const pbwp__triangle *t = job->t + item[i];
-        const unsigned first = pbwp__first_corner(t);
-        for (k = 0; k < 3; k++) {
-            const pbw_index link = t->link[(first + k) % 3];
-            corner[3 * i + k] = PBWP__INDICES(job->vertex)[t->v[(first + k) % 3]];
-            neighbor[3 * i + k] = link == PBW_NONE ? PBW_NONE : number[PBWP__SLOT(link)];
+        const pbw_index c = job->t[PBWP__SLOT(item[i])].region;
+        if (renumber[c] == PBW_NONE) {
+            ((int *)block->array[PBWP__WINDINGS].data)[regions] = component[c].winding;
+            PBWP__INDICES(block->array[PBWP__SEEDS])[regions] = component[c].seed;
+            renumber[c] = (pbw_index)regions++;
         }
-        if (renumber[t->region] == PBW_NONE) {
-            ((int *)block->array[PBWP__WINDINGS].data)[regions] = component[t->region].winding;
-            PBWP__INDICES(block->array[PBWP__SEEDS])[regions] = component[t->region].seed;
-            renumber[t->region] = (pbw_index)regions++;
-        }
-        region[i] = renumber[t->region];
+        region[i] = renumber[c];
     }
-    job->plane->triangles = corner;
-    job->plane->neighbors = neighbor;
     job->plane->regions = region;
-    job->plane->triangle_count = count;
     job->plane->region_count = regions;
     job->plane->region_windings = (const int *)block->array[PBWP__WINDINGS].data;
     job->plane->region_seeds = PBWP__INDICES(block->array[PBWP__SEEDS]);
+    return 1;
+}
+
+static void pbwp__sort_indices(pbw_index *item, size_t count)         /* Shell 1959; gaps of Gonnet 1991 */
+{
+    size_t gap = count, i, k;
+    while (gap > 1) {
+        gap = gap < 5 ? 1 : (5 * gap - 1) / 11;
+        for (i = gap; i < count; i++) {
+            const pbw_index last = item[i];
+            for (k = i; k >= gap && item[k - gap] > last; k -= gap) {
+                item[k] = item[k - gap];
+            }
+            item[k] = last;
+        }
+    }
+}
+
+/* Fills old with the codes of the edges of segments in the triangle that comes first of the two. */
+static int pbwp__out_triangles(pbwp__job *job, pbwp__block *block)
+{
+    const pbw_index *item = PBWP__INDICES(job->item_of), *number = PBWP__INDICES(job->first_of);
+    const pbw_index *vertex = PBWP__INDICES(job->vertex);
+    const size_t count = job->item_of.count;
+    pbw_index *corner, *neighbor, *edge;
+    size_t i, k, edges = 0;
+    job->old.count = 0;
+    if (!pbwp__out(job, block, PBWP__TRIANGLES, 3 * count, sizeof *corner)
+        || !pbwp__out(job, block, PBWP__NEIGHBORS, 3 * count, sizeof *corner)
+        || !pbwp__room(&job->memory, &job->old, job->side_count / 2 + 1, sizeof *edge)) {
+        return 0;
+    }
+    corner = PBWP__INDICES(block->array[PBWP__TRIANGLES]);
+    neighbor = PBWP__INDICES(block->array[PBWP__NEIGHBORS]);
+    edge = PBWP__INDICES(job->old);
+    for (i = 0; i < count; i++) {
+        const pbwp__triangle *t = job->t + PBWP__SLOT(item[i]);
+        unsigned side = PBWP__SIDE(item[i]);
+        for (k = 0; k < 3; k++, side = pbwp__next[side]) {
+            const pbw_index link = t->link[side];
+            const pbw_index beyond = link == PBW_NONE ? PBW_NONE : PBWP__SLOT(number[PBWP__SLOT(link)]);
+            corner[3 * i + k] = vertex[t->v[side]];
+            neighbor[3 * i + k] = beyond;
+            edge[edges] = 4 * PBWP__SLOT(item[i]) + side;        /* stays if it counts */
+            edges += (size_t)((t->edge[side] != PBW_NONE) & (beyond > i));
+        }
+    }
+    job->old.count = edges;
+    job->plane->triangles = corner;
+    job->plane->neighbors = neighbor;
+    job->plane->triangle_count = count;
     return 1;
 }
 
@@ -2761,7 +3005,8 @@ static int pbwp__out_triangles(pbwp__job *job, pbwp__block *block)
 static int pbwp__out_segments(pbwp__job *job, pbwp__array *list, pbw_index edge)
 {
     const size_t first = list->count;
-    size_t i;
+    size_t count, kept = 0, i;
+    pbw_index *item;
     while (edge != PBW_NONE && edge != PBWP__BORDER) {
         pbw_index id = edge;
         edge = PBW_NONE;
@@ -2771,71 +3016,65 @@ static int pbwp__out_segments(pbwp__job *job, pbwp__array *list, pbw_index edge)
             edge = group.rest;
         }
         id = ((const pbwp__piece *)job->pieces.data)[id].id;
-        if (id == PBW_NONE) {
-            continue;
-        }
-        if (!pbwp__push(&job->memory, list, id)) {
+        if (id != PBW_NONE && !pbwp__push(&job->memory, list, id)) {
             return 0;
         }
-        for (i = list->count - 1; i > first && PBWP__INDICES(*list)[i - 1] > id; i--) {
-            PBWP__INDICES(*list)[i] = PBWP__INDICES(*list)[i - 1];
-        }
-        PBWP__INDICES(*list)[i] = id;
-        if (i > first && PBWP__INDICES(*list)[i - 1] == id) {
-            memmove(PBWP__INDICES(*list) + i, PBWP__INDICES(*list) + i + 1, (list->count - 1 - i) * sizeof id);
-            list->count--;
+    }
+    count = list->count - first;
+    if (count == 0) {
+        return 1;
+    }
+    item = PBWP__INDICES(*list);
+    pbwp__sort_indices(item + first, count);
+    for (i = 0; i < count; i++) {
+        if (i == 0 || item[first + i] != item[first + i - 1]) {
+            item[first + kept++] = item[first + i];
         }
     }
+    list->count = first + kept;
     return 1;
 }
 
+/* Edges of segments, numbered as triangles have them, and the lists of their segments. */
 static int pbwp__out_edges(pbwp__job *job, pbwp__block *block)
 {
-    const pbw_index *item = PBWP__INDICES(job->item_of), *number = PBWP__INDICES(job->first_of);
-    const size_t count = job->item_of.count;
-    pbwp__array *ends = block->array + PBWP__EDGES, *first = block->array + PBWP__EDGE_FIRST;
-    pbw_index *constraint;
-    size_t i, k, edges = 0;
-    if (!pbwp__out(job, block, PBWP__CONSTRAINTS, 3 * count, sizeof *constraint)) {
+    const pbw_index *code = PBWP__INDICES(job->old), *number = PBWP__INDICES(job->first_of);
+    const pbw_index *vertex = PBWP__INDICES(job->vertex);
+    const size_t count = job->old.count;
+    pbwp__array *list = block->array + PBWP__EDGE_SEGMENTS;
+    pbw_index *constraint, *end;
+    size_t *first, i, k;
+    if (!pbwp__out(job, block, PBWP__CONSTRAINTS, 3 * job->item_of.count, sizeof *constraint)
+        || !pbwp__out(job, block, PBWP__EDGES, 2 * count, sizeof *end)
+        || !pbwp__out(job, block, PBWP__EDGE_FIRST, count + 1, sizeof *first)
+        || !pbwp__room(&job->memory, list, count, sizeof *end)) {
         return 0;
     }
     constraint = PBWP__INDICES(block->array[PBWP__CONSTRAINTS]);
+    end = PBWP__INDICES(block->array[PBWP__EDGES]);
+    first = (size_t *)block->array[PBWP__EDGE_FIRST].data;
+    memset(constraint, 255, 3 * job->item_of.count * sizeof *constraint);
     for (i = 0; i < count; i++) {
-        const pbwp__triangle *t = job->t + item[i];
-        const unsigned corner = pbwp__first_corner(t);
-        for (k = 0; k < 3; k++) {
-            const unsigned side = (unsigned)((corner + k) % 3);
-            const pbw_index edge = t->edge[side], link = t->link[side];
-            const pbw_index beyond = link == PBW_NONE ? PBW_NONE : number[PBWP__SLOT(link)];
-            if (edge == PBW_NONE) {
-                constraint[3 * i + k] = PBW_NONE;
-            } else if (beyond != PBW_NONE && beyond < i) {
-                const pbwp__triangle *u = job->t + PBWP__SLOT(link);
-                constraint[3 * i + k] = constraint[3 * (size_t)beyond
-                                                   + (PBWP__SIDE(link) + 3 - pbwp__first_corner(u)) % 3];
-            } else {
-                constraint[3 * i + k] = (pbw_index)edges++;
-                if (!pbwp__push(&job->memory, ends, PBWP__INDICES(job->vertex)[t->v[pbwp__next[side]]])
-                    || !pbwp__push(&job->memory, ends, PBWP__INDICES(job->vertex)[t->v[pbwp__last[side]]])
-                    || !pbwp__room(&job->memory, first, 2, sizeof(size_t))) {
-                    return 0;
-                }
-                ((size_t *)first->data)[first->count++] = block->array[PBWP__EDGE_SEGMENTS].count;
-                if (!pbwp__out_segments(job, block->array + PBWP__EDGE_SEGMENTS, pbwp__host_of(job, edge))) {
-                    return 0;
-                }
-            }
+        const pbwp__triangle *t = job->t + PBWP__SLOT(code[i]);
+        const unsigned side = PBWP__SIDE(code[i]);
+        const pbw_index codes[2] = { code[i], t->link[side] };
+        for (k = 0; k < 2 && codes[k] != PBW_NONE; k++) {
+            const pbw_index own = number[PBWP__SLOT(codes[k])];
+            constraint[3 * (size_t)PBWP__SLOT(own) + (PBWP__SIDE(codes[k]) + 3 - PBWP__SIDE(own)) % 3] = (pbw_index)i;
+        }
+        end[2 * i] = vertex[t->v[pbwp__next[side]]];
+        end[2 * i + 1] = vertex[t->v[pbwp__last[side]]];
+        first[i] = list->count;
+        if (!pbwp__out_segments(job, list, pbwp__host_of(job, t->edge[side]))) {
+            return 0;
         }
     }
-    if (!pbwp__room(&job->memory, first, 1, sizeof(size_t))) {
-        return 0;
-    }
-    ((size_t *)first->data)[first->count] = block->array[PBWP__EDGE_SEGMENTS].count;
+    first[count] = list->count;
     job->plane->constraints = constraint;
-    job->plane->edge_count = edges;
-    job->plane->edges = PBWP__INDICES(*ends);
-    job->plane->edge_first = (const size_t *)first->data;
-    job->plane->edge_segments = PBWP__INDICES(block->array[PBWP__EDGE_SEGMENTS]);
+    job->plane->edge_count = count;
+    job->plane->edges = end;
+    job->plane->edge_first = first;
+    job->plane->edge_segments = PBWP__INDICES(*list);
     return 1;
 }
 
@@ -2870,7 +3109,7 @@ static pbw_status pbwp__hand_over(pbwp__job *job, pbw_status status)
     memset(block, 0, sizeof *block);
     if (status == PBW_OK) {
         ok = pbwp__sort_triangles(job) && pbwp__out_points(job, block) && pbwp__out_triangles(job, block)
-          && pbwp__out_edges(job, block);
+          && pbwp__out_regions(job, block) && pbwp__out_edges(job, block);
     } else if (status == PBW_DEGENERATE) {
         ok = pbwp__out(job, block, PBWP__POINTS, 2 * job->given.count, sizeof(double));
         if (ok && job->given.count > 0) {

@@ -11,6 +11,8 @@ static const option plane_options[] = {
     { "--size", "SIZE", "refine: no longer edge; a number, or a formula in x and y such as\n"
       "\"0.1+0.2*hypot(x,y)\", with + - * / ^ sqrt abs exp log sin cos min max hypot, or a\n"
       "column with the size at each point, by its name or as #4", PLAIN, 0, 0, NULL },
+    { "--gradation", "G", "most growth of sizes per distance: of a column, default 0.3; of a formula and of the\n"
+      "areas of regions, default any", POSITIVE, 0, 0, NULL },
     { "--coarsen", NULL, "leave points out that are nearer to each other than half of --size", SWITCH, 0, 0, NULL },
     { "--smooth", "WAY", "then move points of no segment: laplace, lloyd or odt", CHOICE, 0, 0, ways },
     { "--rounds", "N", "of --smooth; default 5", WHOLE, 1, 1000, NULL },
@@ -152,8 +154,8 @@ static void report(const job *j, const result *r, double seconds)
     }
     for (i = 0; is_given(j, "--quality") && p->triangle_count > 0 && i < PBW_PLANE_MEASURES; i++) {
         const pbw_plane_quality q = pbw_plane_quality_of(p, (pbw_plane_measure)i);
-        note(j, "  %-16s %.4g to %.4g, mean %.4g", pbw_plane_measure_name((pbw_plane_measure)i), q.least, q.most,
-             q.mean);
+        note(j, "%-16s least %.7g, mean %.7g, most %.7g", pbw_plane_measure_name((pbw_plane_measure)i), q.least,
+             q.mean, q.most);
     }
     if (is_given(j, "--histogram")) {
         histogram(j, r);
@@ -308,6 +310,7 @@ static int set_up(const job *j, const plan *d, pbw_plane_options *options)
                   : PBW_PLANE_HULL;
     options->angle = number_of(j, "--angle", -1);
     options->area = number_of(j, "--area", 0);
+    options->gradation = number_of(j, "--gradation", 0);
     options->steiner_limit = (size_t)number_of(j, "--steiner", 0);
     options->build = &j->build;
     options->flags = (is_given(j, "--split-crossings") ? PBW_PLANE_SPLIT_CROSSINGS : 0)
