@@ -1,7 +1,7 @@
 #!/bin/sh
 # ranks.sh FOLDER [COUNT [SCRATCH [PART...]]]: with the programs in FOLDER (mpi, pbw, bench_ranks, bench_tiles):
 #   ranks   2, 4, 8 and 16 ranks of one thread beside 2, 4, 8 and 16 threads, COUNT points (default 4,000,000) a rank;
-#           and 16 cores as 2 x 8 and 4 x 4
+#           and 16 cores as 2 x 8 and 4 x 4.  RANKS="8": that number alone
 #   ten     8 ranks of 10,000,000 points: halo and memory
 #   halo    64 ranks, the work of 8 of them, of which one has others on all sides
 #   core    out of core, within LIMIT (default 24G), without links: 75 x COUNT points, or what the disk has room for
@@ -63,15 +63,15 @@ for part in $parts; do
     echo "== $part"
     case $part in
     ranks)
-        for n in 2 4 8 16; do
+        for n in ${RANKS:-2 4 8 16}; do
             "$bin/bench_ranks" --write "$points" $((count * n)) || exit 1
             for _ in 1 2 3; do           # of a process of its own each, as ranks are
                 "$bin/bench_ranks" "$points" $n
             done | best
             run_ranks $n 1 "$points" 3
         done
-        run_ranks 2 8 "$points" 2
-        run_ranks 4 4 "$points" 2 ;;
+        [ -n "$RANKS" ] || run_ranks 2 8 "$points" 2
+        [ -n "$RANKS" ] || run_ranks 4 4 "$points" 2 ;;
     ten)
         "$bin/bench_ranks" --write "$points" $((count * 20)) || exit 1
         run_ranks 8 1 "$points" 1 ;;

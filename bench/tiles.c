@@ -2,7 +2,9 @@
    a few of the ranks, spread over all of them, with answers by the trees of the others.  If all ranks work, also
    their processor time beside that of one triangulation, one thread each, and whether the hashes agree.
    cc -O2 -I. -Iexamples/lib -Itests bench/tiles.c -o tiles -lpthread -lm
-   ./tiles RANKS POINTS_A_RANK [KIND [OF]]    KIND: of tests/inputs.h, ellipsoid or torus; OF: how many work */
+   ./tiles RANKS POINTS_A_RANK [KIND [OF]]    KIND: of tests/inputs.h, ellipsoid or torus; OF: how many work
+   ./tiles inner POINTS       one rank, a cube of so many uniform points on average, with others on all sides: of
+                              these, six, only points within 12 spacings of the cube are there */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
 #define PBW_TILES_IMPLEMENTATION
@@ -76,6 +78,7 @@ static void fill(int kind, size_t n, double *x)
 typedef struct study {
     int ranks, kind, of;                             /* of: ranks that work */
     size_t each, n;                                  /* points of one, of all */
+    double shell;                                    /* 0, or the width of the six ranks around rank 0, the unit cube */
     double *x;
     int *part;                                       /* per point */
     pbwt_tree *tree;
@@ -99,6 +102,18 @@ static void *metered(void *user, void *ptr, size_t old_size, size_t new_size)
     return block;
 }
 
+/* The rank of a point of the cube or its shell: slabs across x, then y, then z. */
+static int shell_part(const double *x)
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        if (x[k] < 0 || x[k] > 1) {
+            return 1 + 2 * k + (x[k] > 1);
+        }
+    }
+    return 0;
+}
+
 /* Cuts by 64 points a rank; returns the points by part, and where parts begin. */
 static pbwt_point *partition(study *s, size_t *first)
 {
@@ -116,7 +131,7 @@ static pbwt_point *partition(study *s, size_t *first)
     }
     pbwt_cut_points(3, sample, samples, s->ranks, cuts);
     for (i = 0; i < s->n; i++) {
-        s->part[i] = pbwt_part(3, cuts, s->ranks, all + i);
+        s->part[i] = s->shell > 0 ? shell_part(all[i].x) : pbwt_part(3, cuts, s->ranks, all + i);
         first[s->part[i] + 1]++;
     }
     for (p = 0; p < s->ranks; p++) {
@@ -272,8 +287,12 @@ static void report(study *s)
             most[k] = c.of[k] > most[k] ? c.of[k] : most[k];
         }
     }
-    printf("%d ranks of %zu points, %s; %d of them worked; summaries %.2f MB a rank\n", s->ranks, s->each,
-           kind_name(s->kind), s->of, (double)s->ranks * sizeof(pbwt_summary) * 1e-6);
+    if (s->shell > 0) {
+        printf("one rank of %zu points, with others on all sides\n", s->tree[0].count);
+    } else {
+        printf("%d ranks of %zu points, %s; %d of them worked; summaries %.2f MB a rank\n", s->ranks, s->each,
+               kind_name(s->kind), s->of, (double)s->ranks * sizeof(pbwt_summary) * 1e-6);
+    }
     for (k = 0; k < COUNTS; k++) {
         printf("  %-34s mean %12.1f   most %12.0f\n", names[k], sum[k] / s->of, most[k]);
     }
@@ -282,22 +301,31 @@ static void report(study *s)
 int main(int argc, char **argv)
 {
     study s;
+    size_t k;
     int i;
     memset(&s, 0, sizeof s);
     s.ranks = argc > 2 ? atoi(argv[1]) : 0;
     s.each = argc > 2 ? (size_t)atol(argv[2]) : 0;
     s.kind = argc > 3 ? kind_of(argv[3]) : 0;
     s.of = argc > 4 ? atoi(argv[4]) : s.ranks < 100 ? s.ranks : 100;
+    if (argc == 3 && strcmp(argv[1], "inner") == 0) {
+        s.ranks = 7;
+        s.of = 1;
+        s.shell = 12 / cbrt((double)s.each);
+    }
     if (s.ranks < 1 || s.each < 1 || s.kind >= KINDS || s.of < 1 || s.of > s.ranks) {
-        fprintf(stderr, "usage: tiles RANKS POINTS_A_RANK [KIND [OF]]\n");
+        fprintf(stderr, "usage: tiles RANKS POINTS_A_RANK [KIND [OF]], or tiles inner POINTS\n");
         return 2;
     }
-    s.n = s.each * (size_t)s.ranks;
+    s.n = s.shell > 0 ? (size_t)((double)s.each * pow(1 + 2 * s.shell, 3)) : s.each * (size_t)s.ranks;
     s.x = (double *)take(s.n * 3 * sizeof *s.x);
     s.part = (int *)take(s.n * sizeof *s.part);
     s.tree = (pbwt_tree *)take((size_t)s.ranks * sizeof *s.tree);
     s.summary = (pbwt_summary *)take((size_t)s.ranks * sizeof *s.summary);
     fill(s.kind, s.n, s.x);
+    for (k = 0; k < 3 * s.n && s.shell > 0; k++) {
+        s.x[k] = s.x[k] * (1 + 2 * s.shell) - s.shell;
+    }
     plant(&s);
     report(&s);
     for (i = 0; i < s.ranks; i++) {

@@ -75,6 +75,14 @@ same_as_mesh() {
         cmp one two
 }
 check "the same as at once" same_as_mesh
+without_mesh() {
+    "$pbw" tiles clusters.csv --tiles 4 --no-mesh > said 2>&1 && grep "hash $(cat one)" said &&
+        ! [ -e clusters.csv.part ] && ! [ -e clusters.csv.scratch ]
+}
+check "counts and the hash without a file" without_mesh
+check "no file, and one" says 2 "with --no-mesh none" tiles clusters.csv --no-mesh -o c2.pbwt
+check "no file, and leftovers" says 1 "--no-mesh does not do them" tiles k3.3.bin --tiles 3 --no-mesh
+rm -rf k3.3.bin.scratch k3.3.bin.part
 
 # Files that are damaged: every tenth of the file, one byte changed.
 size=$(wc -c < c.pbwt)
@@ -147,6 +155,11 @@ check "no such input" says 1 "No such file" tiles none.bin -o no.pbwt
 check "a point that is not finite" says 1 "point 3000: a number is not finite" tiles nan.bin -o no.pbwt
 check "links are needed for a proof" sh -c "'$pbw' tiles k0.3.bin --no-links -o n.pbwt && ! '$pbw' check n.pbwt"
 check "too little memory" says 1 "more --tiles need less" tiles long.bin --tiles 2 --memory-limit 3M -o m.pbwt
+"$pbw" mesh --generate sphere 20000 --quiet -o sphere.csv
+awk -F, -v OFS=, 'NR > 1 { $2 *= 0.7; $3 *= 0.4 } { print }' sphere.csv > ellipsoid.csv
+check "a surface that memory does not hold at once" says 1 "points, as on surfaces, were given up" \
+    tiles ellipsoid.csv --tiles 8 --threads 1 --memory-limit 8M -o m.pbwt
+rm -rf m.pbwt*
 check "enough memory" says 0 "all " tiles long.bin --memory-limit 12M -o m.pbwt
 
 # Several at a time: the same bytes for any number of threads; fewer if memory is too small for that.
