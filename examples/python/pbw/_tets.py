@@ -27,7 +27,8 @@ class _Quality(ctypes.Structure):
 class _ImproveOptions(ctypes.Structure):
     """pbw_improve_options."""
     _fields_ = [("target", _double), ("seconds", _double), ("passes", ctypes.c_int), ("feature_angle", _double),
-                *_pointers("project project_user sizes"), ("rounds", ctypes.c_int), ("smoother", ctypes.c_int)]
+                *_pointers("project project_user"), ("distance", _double), *_pointers("sizes"),
+                ("rounds", ctypes.c_int), ("smoother", ctypes.c_int)]
 
 
 class _ImproveReport(ctypes.Structure):
