@@ -2718,7 +2718,7 @@ static pbw_status pbwm3__round(pbwm3__work *w, long *added)
     }
     *added = pbwm3__mend_pieces(w);
     for (i = 0; i < w->extra.count && *added >= 0 && got >= 0; i++) {
-        got = pbwm3__offer(w, wishes[i].p, wishes[i].patch, 0.3);
+        got = pbwm3__offer(w, wishes[i].p, wishes[i].patch, 0.25);
         if (got == 0 && wishes[i].inside != PBW_NONE && PBWM3__KIND(w)[wishes[i].inside] == PBWM3__INSIDE) {
             pbwm3__take_out(w, wishes[i].inside);
             got = 1;
