@@ -2398,11 +2398,12 @@ static int pbwm3__facet_wants(const pbwm3__work *w, size_t t, int i, pbwm3__wish
 
 /* Adds a point of the surface unless others are near; it takes the place of a near one inside.  Returns how many are
    added: 0 or 1, or -1 without memory. */
-static int pbwm3__offer(pbwm3__work *w, const double p[3], size_t patch, double apart)
+static int pbwm3__offer(pbwm3__work *w, const double p[3], size_t patch, double from_sharp, double from_smooth)
 {
     const double size = pbwm3__size(w, p);
     pbw_index inside;
-    if (pbwm3__near(w, p, apart * size, PBWM3__SHARP, PBWM3__SMOOTH) != PBW_NONE) {
+    if (pbwm3__near(w, p, from_sharp * size, PBWM3__SHARP, PBWM3__SHARP) != PBW_NONE
+        || pbwm3__near(w, p, from_smooth * size, PBWM3__SMOOTH, PBWM3__SMOOTH) != PBW_NONE) {
         return 0;
     }
     inside = pbwm3__near(w, p, 0.45 * size, PBWM3__INSIDE, PBWM3__INSIDE);
@@ -2532,7 +2533,7 @@ static long pbwm3__mend_boundary(pbwm3__work *w)
         double p[3];
         pbwsf__between(PBWM3__X(w, pair[0]), PBWM3__X(w, pair[1]), 0.5, p);
         patch = pbwm3__to_surface(w, p);
-        got = pbwm3__offer(w, p, patch, 0.08);
+        got = pbwm3__offer(w, p, patch, 0.08, 0.08);
         added += got;
     }
     for (i = 0; got >= 0 && top.bad_points > 0 && i < facets.count; i++) {
@@ -2544,7 +2545,7 @@ static long pbwm3__mend_boundary(pbwm3__work *w)
                 p[k] = (PBWM3__X(w, f[0])[k] + PBWM3__X(w, f[1])[k] + PBWM3__X(w, f[2])[k]) / 3;
             }
             patch = pbwm3__to_surface(w, p);
-            got = pbwm3__offer(w, p, patch, 0.08);
+            got = pbwm3__offer(w, p, patch, 0.08, 0.08);
             added += got;
         }
     }
@@ -2718,7 +2719,7 @@ static pbw_status pbwm3__round(pbwm3__work *w, long *added)
     }
     *added = pbwm3__mend_pieces(w);
     for (i = 0; i < w->extra.count && *added >= 0 && got >= 0; i++) {
-        got = pbwm3__offer(w, wishes[i].p, wishes[i].patch, 0.25);
+        got = pbwm3__offer(w, wishes[i].p, wishes[i].patch, 0.3, 0.25);
         if (got == 0 && wishes[i].inside != PBW_NONE && PBWM3__KIND(w)[wishes[i].inside] == PBWM3__INSIDE) {
             pbwm3__take_out(w, wishes[i].inside);
             got = 1;
