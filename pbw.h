@@ -17123,9 +17123,8 @@ static pbw_status pbw__view_points(void *arg, size_t from, size_t to)
     for (i = from; i < to; i++) {
         const int lives = (live->state[i] & PBW__LIVES) != 0, single = settled && lives && core->twin[i] == i;
         const pbw_index v = lives && !single ? core->vertex[i] : PBW__GHOST;
-        const double *x = single ? live->point + i * dim : pbw__core_record(core, v);
         if (lives) {
-            memcpy(points + i * dim, x, dim * sizeof(double));
+            memcpy(points + i * dim, single ? live->point + i * dim : pbw__core_record(core, v), dim * sizeof(double));
         } else {
             memset(points + i * dim, 0, dim * sizeof(double));
         }
