@@ -144,8 +144,10 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 /* Compiled for each dimension, where the compiler can. */
 #if defined(__GNUC__)
 #define PBWC__INLINE inline __attribute__((always_inline))
+#define PBWC__PREFETCH(x) __builtin_prefetch(x)
 #else
 #define PBWC__INLINE
+#define PBWC__PREFETCH(x) ((void)(x))
 #endif
 
 /* ------------------------------------------------------------------------------------------------------
@@ -929,6 +931,13 @@ static PBWC__INLINE pbw_index pbwc__across(const pbw_mesh *mesh, pbw_index simpl
     return mesh->neighbors[4 * (size_t)simplex + place];
 }
 
+static PBWC__INLINE void pbwc__prefetch(const pbw_mesh *mesh, pbw_index simplex)
+{
+    const size_t at = simplex < mesh->simplex_count ? 4 * (size_t)simplex : 0;
+    PBWC__PREFETCH(mesh->simplices + at);
+    PBWC__PREFETCH(mesh->neighbors + at);
+}
+
 /* The corner that is left; others: three of the corners, xor'ed. */
 static PBWC__INLINE pbw_index pbwc__fourth(const pbw_mesh *mesh, pbw_index simplex, pbw_index others)
 {
@@ -998,6 +1007,7 @@ static PBWC__INLINE int pbwc__walk(pbwc__work *work, pbw_index u, pbw_index at[3
     memcpy(ring->last, ring->first, sizeof ring->last);
     for (;;) {
         next = pbwc__across(mesh, simplex, p);
+        pbwc__prefetch(mesh, pbwc__across(mesh, simplex, u));    /* other rings will come there */
         if (!pbwc__push(work->memory, &work->rings, simplex)
             || (!pbwc__is_known(&work->numbers, q) && !pbwc__new_link3(work, q, simplex, u, p))) {
             return -1;
@@ -1661,8 +1671,11 @@ static int pbwc__loop3(pbwc__work *work, const pbwc__link *link)
     if (out == NULL) {
         return 0;
     }
-    for (i = 0; i < link->count; i++) {              /* no corner twice in a row */
-        out[count] = merged != NULL ? merged[ring[i]] : ring[i];
+    for (i = 0; merged == NULL && i < link->count; i++) {
+        out[count++] = ring[i];
+    }
+    for (i = 0; merged != NULL && i < link->count; i++) {        /* no corner twice in a row */
+        out[count] = merged[ring[i]];
         count += count == 0 || out[count] != out[count - 1];
     }
     loops->count += count;
