@@ -174,9 +174,6 @@ PBWMESH3DEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary);      /* 
    is 1 for tetrahedra inside.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWM3__SHARP, PBWM3__SMOOTH, PBWM3__INSIDE, PBWM3__GONE };    /* gone: it lies on another point */
-#ifndef PBWM3__REACH
-#define PBWM3__REACH 1.0
-#endif
 enum { PBWM3__BATCH = 8192 };              /* samples of the surface that threads compute at once */
 
 typedef struct pbwm3__wish {               /* of a facet: a point */
@@ -1908,6 +1905,12 @@ static double pbwm3__step_along(const pbwm3__work *w, size_t number, double from
     return from;
 }
 
+/* Whether a chain is noise of a scan: it ends on a smooth part, and is short. */
+static int pbwm3__is_noise(const pbwm3__work *w, const pbwm3__chain *chain)
+{
+    return chain->loose && ((const pbwm3__knot *)w->path.data)[chain->first + chain->count - 1].along < 2 * w->size;
+}
+
 /* Samples a chain evenly; corner: the numbers of points at vertices, PBW_NONE where there is none yet. */
 static int pbwm3__sample_chain(pbwm3__work *w, const pbwm3__stars *stars, size_t number, pbw_index *corner)
 {
@@ -1922,7 +1925,7 @@ static int pbwm3__sample_chain(pbwm3__work *w, const pbwm3__stars *stars, size_t
     if (!(wish < 1e9)) {
         return 0;
     }
-    if (chain->loose && length < 2 * w->size) {      /* noise of a scan */
+    if (pbwm3__is_noise(w, chain)) {
         return 1;
     }
     count = wish < (closed ? 3 : 1) ? (closed ? 3 : 1) : (size_t)wish;
@@ -2738,7 +2741,7 @@ static pbw_status pbwm3__round(pbwm3__work *w, long *added)
 
 typedef struct pbwm3__place { double p[3], distance; } pbwm3__place;
 
-typedef struct pbwm3__places { const pbwm3__work *w; const pbw_surface *boundary; pbwm3__place *place; } pbwm3__places;
+typedef struct pbwm3__places { const pbw_surface *boundary; pbwm3__place *place; } pbwm3__places;
 
 static pbw_status pbwm3__reach_range(void *arg, size_t from, size_t to)
 {
@@ -2760,7 +2763,7 @@ static void pbwm3__mark_chains(const pbwm3__work *w, unsigned char *chained)
     size_t i, k;
     for (i = 0; i < w->chains.count; i++) {
         const pbwm3__chain *chain = (const pbwm3__chain *)w->chains.data + i;
-        for (k = 0; k < chain->count; k++) {
+        for (k = 0; k < chain->count && !pbwm3__is_noise(w, chain); k++) {
             chained[path[chain->first + k].vertex] = 1;
         }
     }
@@ -2783,7 +2786,8 @@ static int pbwm3__list_places(pbwm3__work *w, const unsigned char *chained, pbws
         good = chained[i] || pbwm3__append(w, places, &place, sizeof place);
     }
     for (i = 0; good && i < count; i = k) {
-        const double *a = w->surface.points + 3 * (size_t)edge[i].v[0], *b = w->surface.points + 3 * (size_t)edge[i].v[1];
+        const double *a = w->surface.points + 3 * (size_t)edge[i].v[0];
+        const double *b = w->surface.points + 3 * (size_t)edge[i].v[1];
         const size_t parts = (size_t)fmin(ceil(2 * pbwsf__distance(a, b) / w->size), 1e5);
         for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
         }
@@ -2820,7 +2824,7 @@ static long pbwm3__offer_places(pbwm3__work *w, pbwsf__array *places)
     long added = 0;
     int got = 0;
     for (i = 0; i < places->count; i++) {
-        if (place[i].distance > PBWM3__REACH * w->distance * w->size) {
+        if (place[i].distance > w->distance * w->size) {
             place[far++] = place[i];
         }
     }
@@ -2855,7 +2859,6 @@ static pbw_status pbwm3__reach(pbwm3__work *w, long *added)
                                         facets.count, &w->options, &boundary);
         }
     }
-    places.w = w;
     places.boundary = &boundary;
     places.place = (pbwm3__place *)list.data;
     status = status == PBW_OK ? pbw_for(&w->options, list.count, 256, pbwm3__reach_range, &places) : status;
