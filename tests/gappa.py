@@ -482,7 +482,8 @@ def queries():
     squared.P = Fraction(1, 2)                           # so is that of the weight
     reach, mesh = Rows(), Rows()
     mesh.weights = Every(Value(0, Fraction(1, 2)))
-    run('pbw__reach_to', dict(squared=squared, reach=reach, mesh=mesh, vertex=0), ['reach.squared', 'reach.slack'])
+    q = [None] * 3 + [ENV['PBW__REACH_ERROR'] * ENV['DBL_EPSILON']]
+    run('pbw__reach_to', dict(squared=squared, reach=reach, mesh=mesh, vertex=0, q=q), ['reach.squared', 'reach.slack'])
     prove('pbw__reach_to', reach.squared, reach.slack)
     for name in 'pbw__reach_order', 'pbw__reach_before':
         local = run(name, dict(a=reach, b=reach), ['gap', 'slack'])[1]
