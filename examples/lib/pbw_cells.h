@@ -142,6 +142,14 @@ PBWCELLSDEF void pbw_cells_free(pbw_cells *cells);           /* fine on {0}, fin
 #define PBWC__INLINE
 #endif
 
+/* Contraction off: other coordinates would come out where a compiler fuses. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC push_options
+#pragma GCC optimize("fp-contract=off")
+#endif
+
 /* ------------------------------------------------------------------------------------------------------
    Memory: growing arrays through options.resize.
    Holds: used = the sum of all live arrays; over the limit nothing grows.
@@ -4348,4 +4356,9 @@ PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const d
     return status;
 }
 
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT DEFAULT
+#elif defined(__GNUC__)
+#pragma GCC pop_options
+#endif
 #endif /* PBW_CELLS_IMPLEMENTATION */
