@@ -17124,8 +17124,8 @@ static pbw_status pbw__view_points(void *arg, size_t from, size_t to)
         const int lives = (live->state[i] & PBW__LIVES) != 0, single = settled && lives && core->twin[i] == i;
         const pbw_index v = lives && !single ? core->vertex[i] : PBW__GHOST;
         if (lives) {
-            const double *from = single ? live->point + i * dim : pbw__core_record(core, v);
-            memcpy(points + i * dim, from, dim * sizeof(double));
+            const double *place = single ? live->point + i * dim : pbw__core_record(core, v);
+            memcpy(points + i * dim, place, dim * sizeof(double));
         } else {
             memset(points + i * dim, 0, dim * sizeof(double));
         }
