@@ -202,7 +202,7 @@ typedef struct pbw_options {               /* NULL or all zero = best defaults *
     size_t   memory_limit;                 /* bytes held at once, 0 = no limit; over it: PBW_ERROR_MEMORY.  As much
                                               again on each device of a backend; over that: PBW_ERROR_BACKEND */
     /* The one allocator: ptr NULL allocates, new_size 0 frees, else resizes as realloc does (NULL = failed and
-       the old block stays).  old_size is what was asked for.  Blocks must be aligned as malloc's are.  It may
+       the old block stays).  old_size is the size that it was given.  Blocks must be aligned as malloc's are.  It may
        be called from several threads at once unless threads is 1.  pbw_free calls it too, with the same user:
        both must outlive the mesh.  NULL = realloc and free. */
     void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
@@ -17131,7 +17131,8 @@ static pbw_status pbw__view_points(void *arg, size_t from, size_t to)
         const int lives = (live->state[i] & PBW__LIVES) != 0, single = settled && lives && core->twin[i] == i;
         const pbw_index v = lives && !single ? core->vertex[i] : PBW__GHOST;
         if (lives) {
-            memcpy(points + i * dim, single ? live->point + i * dim : pbw__core_record(core, v), dim * sizeof(double));
+            const double *place = single ? live->point + i * dim : pbw__core_record(core, v);
+            memcpy(points + i * dim, place, dim * sizeof(double));
         } else {
             memset(points + i * dim, 0, dim * sizeof(double));
         }
