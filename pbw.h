@@ -14143,6 +14143,9 @@ PBW__INLINE void pbw__verify_facets_of(pbw__verifying *verifying, size_t from, s
         if (corner[4 * t] == PBW_NONE) {
             continue;
         }
+        for (k = 0; k <= (size_t)dim && depth != NULL && t + 24 < to; k++) {
+            PBW__PREFETCH(depth + link[96 + k]);
+        }
         for (k = 0; k <= (size_t)dim && depth != NULL; k++) {
             certain &= depth[4 * t + k] + depth[link[k]] > 0.0f;
         }
@@ -16009,16 +16012,13 @@ static pbw_status pbw__live_list_moves(pbw_live *live, size_t count)
     return PBW_OK;
 }
 
-/* Moves vertices in place, all or nothing.  PBW__ANEW: not that way. */
-static pbw_status pbw__live_in_place(pbw_live *live, size_t count, pbw_changes *changes)
+/* Moves listed vertices in place, all or nothing.  PBW__ANEW: not that way. */
+static pbw_status pbw__live_in_place(pbw_live *live, pbw_changes *changes)
 {
     pbw__core *core = &live->core;
     const pbw__grid grid = core->grid;
     const double exact_height = core->kernel.exact_height;
-    pbw_status status = pbw__live_list_moves(live, count);
-    if (status != PBW_OK) {
-        return status;
-    }
+    pbw_status status;
     pbw__live_exchange(live);
     status = pbw__live_fit_grid(live, live->leaving, live->leaving_count);
     status = status == PBW_OK ? pbw__verify(core, core->simplex_count / 2 + 64) : status;
@@ -16411,8 +16411,8 @@ static double pbw__change_cost(const pbw_live *live, size_t leave, size_t arrive
          : 6.0 * (double)leave + (space ? 3.8 : 8.0) * (double)arrive;
 }
 
-/* Returns 1 if points only move, and most of them, of some that are looked at, by less than four edges: those that
-   go far are better removed and inserted, by walks from what is near their new places. */
+/* Returns 1 if most of the points that move, of some that are looked at, do so by less than four edges: those that go
+   far are better removed and inserted, by walks from what is near their new places. */
 static int pbw__live_near(const pbw_live *live)
 {
     const pbw__core *core = &live->core;
@@ -16420,9 +16420,10 @@ static int pbw__live_near(const pbw_live *live)
     size_t i, k, seen = 0, far = 0;
     for (i = 0; i < live->queue_count; i += step) {
         const pbw_index id = live->queue[i];
-        const int moves = (live->state[id] & PBW__LEAVES) != 0 && (live->state[id] & PBW__ARRIVES) != 0;
-        const pbw_index v = moves ? core->vertex[id] : PBW__GHOST;             /* others may have no vertex yet */
-        if (moves && core->twin[id] == id && core->incident[v] < PBW__GONE) {
+        const int both = (live->state[id] & PBW__LIVES) != 0 && (live->state[id] & PBW__STAYS) != 0;
+        const pbw_index v = both ? core->vertex[id] : PBW__GHOST;              /* others may have no vertex yet */
+        if (both && core->twin[id] == id && core->incident[v] < PBW__GONE
+            && !pbw__same_place(pbw__live_point(live, id), pbw__core_record(core, v), live->dim)) {
             const pbw_index *corner = core->kernel.corner + 4 * (size_t)core->incident[v];
             const double *x = pbw__core_record(core, v), *y = pbw__live_point(live, id);
             const double *z = pbw__core_record(core, corner[corner[0] == v]);
@@ -16438,10 +16439,57 @@ static int pbw__live_near(const pbw_live *live)
     return 2 * far <= seen;
 }
 
-/* Tries to move in place. */
-static pbw_status pbw__live_try_moves(pbw_live *live, size_t count, pbw_changes *changes, pbw_way *way)
+/* Lists a range of all vertices.  Counts those that move, and those that are in the queue and live on. */
+static pbw_status pbw__list_all_range(void *arg, size_t from, size_t to)
 {
-    const pbw_status status = pbw__live_in_place(live, count, changes);
+    pbw__classes *classes = (pbw__classes *)arg;
+    pbw_live *live = classes->live;
+    const pbw_index *name = live->core.name + 1;
+    const size_t dim = (size_t)live->dim;
+    size_t moves = 0, remain = 0, i;
+    for (i = from; i < to; i++) {
+        const pbw_index id = name[i], soon = name[i + 16 < to ? i + 16 : i];
+        double *x = live->moved + i * dim;
+        PBW__PREFETCH(pbw__live_point(live, soon));
+        PBW__PREFETCH(live->state + soon);
+        memcpy(x, pbw__live_point(live, id), dim * sizeof(double));
+        moves += !pbw__same_place(x, pbw__core_record(&live->core, (pbw_index)(i + 1)), live->dim);
+        remain += live->state[id] == (PBW__LIVES | PBW__STAYS | PBW__QUEUED);
+        live->leaving[i] = (pbw_index)(i + 1);
+    }
+    (void)PBW__ADD(&classes->leave, moves);
+    (void)PBW__ADD(&classes->arrive, remain);
+    return PBW_OK;
+}
+
+/* Lists all vertices in the order of their records, instead of the queue's, if all points may move, enough of them do,
+   and nothing else happens.  PBW__ANEW if not. */
+static pbw_status pbw__live_list_all(pbw_live *live)
+{
+    const pbw__core *core = &live->core;
+    const size_t count = core->vertex_count;
+    pbw__classes classes = { live, 0, 0 };
+    pbw_status status;
+    if (live->queue_count != count || live->points != count || core->unused_count > 0 || core->hidden_count > 0
+        || core->simplex_count == 0 || !pbw__live_near(live)) {
+        return PBW__ANEW;
+    }
+    if (!PBW__LIVE_GROW(live, leaving, count) || !PBW__LIVE_GROW(live, moved, count * (size_t)live->dim)) {
+        return PBW_ERROR_MEMORY;
+    }
+    status = pbw__for_range(core->kernel.context, count, 8192, 0.0, pbw__list_all_range, &classes);
+    live->leaving_count = count;
+    return status != PBW_OK ? status
+         : classes.arrive < count || classes.leave == 0
+           || (double)classes.leave < PBW__VERIFY_AT(live->dim) * (double)count ? PBW__ANEW : PBW_OK;
+}
+
+/* Tries to move in place.  listed: what the list of those that move has said. */
+static pbw_status pbw__live_try_moves(pbw_live *live, pbw_status listed, pbw_changes *changes, pbw_way *way)
+{
+    const pbw_status status = listed != PBW_OK ? listed
+                            : pbw__enter_stage(live->core.kernel.context, PBW_STAGE_WORK) ? PBW_CANCELLED
+                            : pbw__live_in_place(live, changes);
     if (status == PBW_OK) {
         *way = pbw__journal_any(&live->core) ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
         pbw__journal_clear(&live->core);
@@ -16451,15 +16499,15 @@ static pbw_status pbw__live_try_moves(pbw_live *live, size_t count, pbw_changes 
     return status;
 }
 
-/* Chooses the way and goes it. */
-static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_changes *changes)
+/* Chooses the way and goes it.  in_place: 0 if that is known to fail. */
+static pbw_status pbw__live_choose(pbw_live *live, pbw__context *context, int in_place, pbw_changes *changes,
+                                   pbw_way *way)
 {
     const double points = (double)live->points;
     const size_t most = PBW__EFFORT * (live->points + 100);
     pbw__classes classes = { live, 0, 0 };
     size_t leave, arrive;
     int near;
-    pbw_way way = PBW_WAY_REBUILD;
     pbw_status status = pbw__for_range(context, live->queue_count, 8192, 0.0, pbw__live_classify_range, &classes);
     if (status != PBW_OK) {
         return status;
@@ -16471,27 +16519,35 @@ static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_change
         return live->core.simplex_count > 0 ? PBW_OK : PBW_DEGENERATE;
     }
     near = live->core.simplex_count > 0 && leave == arrive && pbw__live_near(live);
-    if (near && (double)leave >= PBW__VERIFY_AT(live->dim) * points) {
-        status = pbw__enter_stage(context, PBW_STAGE_WORK) ? PBW_CANCELLED
-               : pbw__live_try_moves(live, leave, changes, &way);
+    if (near && in_place && (double)leave >= PBW__VERIFY_AT(live->dim) * points) {
+        status = pbw__live_try_moves(live, pbw__live_list_moves(live, leave), changes, way);
     }
     if (status == PBW__ANEW && live->core.simplex_count > 0 && live->weighted == live->core.kernel.weighted
         && pbw__change_cost(live, leave, arrive, near && !live->weighted) <= PBW__REBUILD_AT(live->dim) * points) {
         if (pbw__enter_stage(context, PBW_STAGE_WORK)) {
             return PBW_CANCELLED;
         }
-        status = !near ? PBW__ANEW : pbw__live_shift(live, leave, most, changes, &way);
+        status = !near ? PBW__ANEW : pbw__live_shift(live, leave, most, changes, way);
         if (status == PBW__ANEW) {
             pbw_changes_free(changes);
             status = pbw__live_batch(live, leave, arrive, most, changes);
-            way = PBW_WAY_BATCH;
+            *way = PBW_WAY_BATCH;
         }
     }
     if (status == PBW__ANEW) {
         pbw_changes_free(changes);
         status = pbw__live_rebuild(live, context, changes);
-        way = PBW_WAY_REBUILD;
+        *way = PBW_WAY_REBUILD;
     }
+    return status;
+}
+
+static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_changes *changes)
+{
+    pbw_way way = PBW_WAY_NOTHING;
+    const pbw_status listed = pbw__live_list_all(live);
+    pbw_status status = listed == PBW__ANEW ? PBW__ANEW : pbw__live_try_moves(live, listed, changes, &way);
+    status = status == PBW__ANEW ? pbw__live_choose(live, context, listed == PBW__ANEW, changes, &way) : status;
     if (changes != NULL) {
         changes->way = way;
     }
@@ -17374,7 +17430,7 @@ PBW__INLINE void pbw__view_neighbors_of(const pbw__viewing *viewing, size_t from
     const size_t corners = (size_t)dim + 1;
     for (; from < to; from++) {
         pbw_index *neighbor = viewing->neighbors + corners * from;
-        const size_t t = neighbor[0], soon = neighbor[from + 16 < to ? 16 * corners : 0];
+        const size_t t = neighbor[0], soon = neighbor[from + 40 < to ? 40 * corners : 0];
         const unsigned order = viewing->turn[t];
         int k;
         PBW__PREFETCH(link + 4 * soon);
