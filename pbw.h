@@ -16603,34 +16603,30 @@ typedef struct pbw__import {
     pbw__core *core;
     pbw__vertices vertices;
     pbw_index *vertex;                               /* per point: its vertex; 0: none */
-    size_t (*first)[2];                              /* per block of simplices: its first vertex and first ghost */
+    size_t (*first)[2];                              /* per block of simplices: its first vertex, once they are spread
+                                                        that of the next block, and its first ghost */
     size_t visible;                                  /* vertices in simplices, the first ones */
+    int alone;                                       /* one thread */
     size_t ghosts, faults, duplicates, places;       /* places: points that are no duplicates */
     unsigned char facing[16 * 16 * 16];              /* see pbw__import_facing */
 } pbw__import;
 
 #define PBW__IMPORTED ((size_t)4096)                 /* simplices of a block */
 
-/* Counts, for a block, the vertices that are to be numbered there, each at its incident simplex, and the facets of
-   the hull; and entries that are no simplices or points. */
+/* Counts, for a block, the facets of the hull; and entries that are no simplices or points. */
 PBW__INLINE void pbw__import_count_of(pbw__import *import, size_t from, size_t to, int dim)
 {
     const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)dim + 1, points = mesh->point_count, simplices = mesh->simplex_count;
-    const size_t far = 16 * corners;
-    size_t *first = import->first[from / PBW__IMPORTED], starts = 0, ghosts = 0, faults = 0, t, i;
-    for (t = from; t < to; t++) {
-        for (i = t * corners; i < (t + 1) * corners; i++) {
-            const size_t p = mesh->simplices[i], next = mesh->neighbors[i], here = p < points ? p : 0;
-            const size_t soon = mesh->simplices[i + far < to * corners ? i + far : i];
-            PBW__PREFETCH(mesh->incident + (soon < points ? soon : 0));
-            starts += mesh->incident[here] == t;
-            ghosts += next == PBW_NONE;
-            faults += (size_t)(p >= points) + (size_t)((next >= simplices) & (next != PBW_NONE));
-        }
+    const size_t corners = (size_t)dim + 1;
+    const pbw_index points = (pbw_index)mesh->point_count, simplices = (pbw_index)mesh->simplex_count;
+    pbw_index ghosts = 0, faults = 0;                /* as narrow as what is read: vectors */
+    size_t i;
+    for (i = from * corners; i < to * corners; i++) {
+        const pbw_index next = mesh->neighbors[i];
+        ghosts += next == PBW_NONE;
+        faults += (pbw_index)(mesh->simplices[i] >= points) | ((next >= simplices) & (next != PBW_NONE));
     }
-    first[0] = starts;
-    first[1] = ghosts;
+    import->first[from / PBW__IMPORTED][1] = ghosts;
     (void)PBW__ADD(&import->faults, faults);
 }
 
@@ -16640,7 +16636,14 @@ static pbw_status pbw__import_count(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Counts duplicates, points that are none, and false ones. */
+/* Adds 1 to the vertices of the block in which simplex t is; returns how many there were. */
+PBW__INLINE size_t pbw__import_count_vertex(const pbw__import *import, size_t t)
+{
+    size_t *vertices = import->first[t / PBW__IMPORTED];
+    return import->alone ? vertices[0]++ : PBW__ADD(vertices, 1);
+}
+
+/* Counts vertices, each in the block of its incident simplex; duplicates, points that are none, and false ones. */
 static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
 {
     pbw__import *import = (pbw__import *)arg;
@@ -16648,8 +16651,14 @@ static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
     const size_t dim = (size_t)mesh->dim;
     size_t faults = 0, duplicates = 0, places = 0, i;
     for (i = from; i < to; i++) {
-        const pbw_index first = mesh->canonical[i];
+        const pbw_index first = mesh->canonical[i], t = mesh->incident[i];
         places += first == i;
+        if (t < mesh->simplex_count) {
+            (void)pbw__import_count_vertex(import, t);
+            faults += first != i;
+        } else {
+            faults += t != PBW_NONE;
+        }
         if (first != i && first != PBW_NONE) {
             duplicates++;
             if (first >= mesh->point_count || mesh->canonical[first] != first
@@ -16673,32 +16682,68 @@ PBW__INLINE void pbw__import_vertex(pbw__import *import, pbw_index p, size_t v, 
     import->vertex[p] = (pbw_index)v;
     import->vertices.id[v] = p;
     memcpy(import->vertices.record + v * width, import->points + p * (size_t)dim, (size_t)dim * sizeof(double));
-    import->vertices.record[v * width + (size_t)dim] = import->weights[p];
+    import->vertices.record[v * width + (size_t)dim] = import->mesh->weights != NULL ? import->weights[p] : 0.0;
+}
+
+/* Puts the vertices into their blocks, those of a block in any order. */
+static pbw_status pbw__import_spread(void *arg, size_t from, size_t to)
+{
+    pbw__import *import = (pbw__import *)arg;
+    for (; from < to; from++) {
+        const pbw_index t = import->mesh->incident[from];
+        if (t != PBW_NONE) {
+            import->vertices.id[1 + pbw__import_count_vertex(import, t)] = (pbw_index)from;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Sorts the vertices of a block by their incident simplices, those of one simplex as its corners are.  Returns how
+   many are not at theirs. */
+PBW__INLINE size_t pbw__import_sort(const pbw__import *import, size_t block, const pbw_index *list, size_t count,
+                                    pbw_index *sorted, int dim)
+{
+    const pbw_mesh *mesh = import->mesh;
+    const size_t corners = (size_t)dim + 1, low = block * PBW__IMPORTED * corners;
+    const size_t rest = mesh->simplex_count * corners - low, all = corners * PBW__IMPORTED;
+    const size_t places = rest < all ? rest : all;
+    size_t found = 0, i;
+    memset(sorted, 0xff, places * sizeof(pbw_index));            /* PBW_NONE */
+    for (i = 0; i < count; i++) {
+        const pbw_index p = list[i], soon = list[i + 16 < count ? i + 16 : i];
+        const size_t t = mesh->incident[p] * corners;
+        const pbw_index *v = mesh->simplices + t;
+        const size_t k = (size_t)(v[1] == p) + 2 * (size_t)(v[2] == p) + 3 * (size_t)(dim == 3 && v[dim] == p);
+        PBW__PREFETCH(mesh->incident + soon);
+        sorted[t - low + (k & 3)] = p;
+    }
+    for (i = 0; i < places; i++) {                   /* branchless: unpredictable */
+        const pbw_index p = sorted[i];
+        sorted[found] = p;
+        found += p == mesh->simplices[low + i];
+    }
+    return count - found;
 }
 
 /* Numbers the vertices of a block, in the order of their incident simplices. */
 PBW__INLINE void pbw__import_number_of(pbw__import *import, size_t from, size_t to, int dim)
 {
     const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)dim + 1, far = 16 * corners, first = import->first[from / PBW__IMPORTED][0];
-    pbw_index found[PBW__IMPORTED * 4 + 1];
-    size_t count = 0, faults = 0, t, i;
-    for (t = from; t < to; t++) {
-        for (i = t * corners; i < (t + 1) * corners; i++) {
-            const pbw_index p = mesh->simplices[i];
-            PBW__PREFETCH(mesh->incident + mesh->simplices[i + far < to * corners ? i + far : i]);
-            found[count] = p;
-            count += mesh->incident[p] == t;         /* branchless: unpredictable */
-        }
+    const size_t block = from / PBW__IMPORTED, first = block > 0 ? import->first[block - 1][0] : 0;
+    const size_t count = import->first[block][0] - first, most = (to - from) * ((size_t)dim + 1);
+    pbw_index sorted[PBW__IMPORTED * 4 + 4];         /* all corners, and 3 where one is in a simplex twice */
+    size_t faults = count > most, i;
+    if (faults == 0) {
+        faults = pbw__import_sort(import, block, import->vertices.id + 1 + first, count, sorted, dim);
     }
-    for (i = 0; i < count; i++) {
-        const size_t soon = found[i + 16 < count ? i + 16 : i];
-        PBW__PREFETCH(mesh->canonical + soon);
+    for (i = 0; i < count && faults == 0; i++) {
+        const size_t soon = sorted[i + 16 < count ? i + 16 : i];
         PBW__PREFETCH(import->points + soon * (size_t)dim);
-        PBW__PREFETCH(import->weights + soon);
         PBW__PREFETCH_TO_WRITE(import->vertex + soon);
-        faults += mesh->canonical[found[i]] != found[i];
-        pbw__import_vertex(import, found[i], first + 1 + i, dim);
+        if (mesh->weights != NULL) {
+            PBW__PREFETCH(import->weights + soon);
+        }
+        pbw__import_vertex(import, sorted[i], first + 1 + i, dim);
     }
     (void)PBW__ADD(&import->faults, faults);
 }
@@ -16907,7 +16952,10 @@ static pbw_status pbw__import_survey(pbw__import *import, pbw__context *context)
     const pbw_mesh *mesh = import->mesh;
     const size_t simplices = mesh->simplex_count, blocks = (simplices + PBW__IMPORTED - 1) / PBW__IMPORTED;
     size_t block, i;
-    pbw_status status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.05, pbw__import_count, import);
+    pbw_status status;
+    memset(import->first, 0, blocks * sizeof(*import->first));
+    import->alone = context->threads <= 1;
+    status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.05, pbw__import_count, import);
     status = status == PBW_OK ? pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_points, import)
                               : status;
     for (block = 0; block < blocks && status == PBW_OK; block++) {
@@ -16936,7 +16984,9 @@ static pbw_status pbw__import_fill(pbw__import *import, pbw__context *context)
         return status;
     }
     memset(import->vertex, 0, mesh->point_count * sizeof(pbw_index));
-    status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.1, pbw__import_number, import);
+    status = pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_spread, import);
+    status = status == PBW_OK ? pbw__for_range(context, simplices, PBW__IMPORTED, 0.1, pbw__import_number, import)
+                              : status;
     if (status != PBW_OK) {
         return status;
     }
