@@ -152,6 +152,14 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #define PBWC__PREFETCH(x) ((void)(x))
 #endif
 
+/* Contraction off: other coordinates would come out where a compiler fuses. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC push_options
+#pragma GCC optimize("fp-contract=off")
+#endif
+
 /* ------------------------------------------------------------------------------------------------------
    Memory: growing arrays through options.resize.
    Holds: used = the sum of all live arrays; over the limit nothing grows.
@@ -4413,4 +4421,9 @@ PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const d
     return status;
 }
 
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT DEFAULT
+#elif defined(__GNUC__)
+#pragma GCC pop_options
+#endif
 #endif /* PBW_CELLS_IMPLEMENTATION */
