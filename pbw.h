@@ -14143,6 +14143,9 @@ PBW__INLINE void pbw__verify_facets_of(pbw__verifying *verifying, size_t from, s
         if (corner[4 * t] == PBW_NONE) {
             continue;
         }
+        for (k = 0; k <= (size_t)dim && depth != NULL && t + 24 < to; k++) {
+            PBW__PREFETCH(depth + link[96 + k]);
+        }
         for (k = 0; k <= (size_t)dim && depth != NULL; k++) {
             certain &= depth[4 * t + k] + depth[link[k]] > 0.0f;
         }
@@ -16009,16 +16012,13 @@ static pbw_status pbw__live_list_moves(pbw_live *live, size_t count)
     return PBW_OK;
 }
 
-/* Moves vertices in place, all or nothing.  PBW__ANEW: not that way. */
-static pbw_status pbw__live_in_place(pbw_live *live, size_t count, pbw_changes *changes)
+/* Moves listed vertices in place, all or nothing.  PBW__ANEW: not that way. */
+static pbw_status pbw__live_in_place(pbw_live *live, pbw_changes *changes)
 {
     pbw__core *core = &live->core;
     const pbw__grid grid = core->grid;
     const double exact_height = core->kernel.exact_height;
-    pbw_status status = pbw__live_list_moves(live, count);
-    if (status != PBW_OK) {
-        return status;
-    }
+    pbw_status status;
     pbw__live_exchange(live);
     status = pbw__live_fit_grid(live, live->leaving, live->leaving_count);
     status = status == PBW_OK ? pbw__verify(core, core->simplex_count / 2 + 64) : status;
@@ -16411,8 +16411,8 @@ static double pbw__change_cost(const pbw_live *live, size_t leave, size_t arrive
          : 6.0 * (double)leave + (space ? 3.8 : 8.0) * (double)arrive;
 }
 
-/* Returns 1 if points only move, and most of them, of some that are looked at, by less than four edges: those that
-   go far are better removed and inserted, by walks from what is near their new places. */
+/* Returns 1 if most of the points that move, of some that are looked at, do so by less than four edges: those that go
+   far are better removed and inserted, by walks from what is near their new places. */
 static int pbw__live_near(const pbw_live *live)
 {
     const pbw__core *core = &live->core;
@@ -16420,9 +16420,10 @@ static int pbw__live_near(const pbw_live *live)
     size_t i, k, seen = 0, far = 0;
     for (i = 0; i < live->queue_count; i += step) {
         const pbw_index id = live->queue[i];
-        const int moves = (live->state[id] & PBW__LEAVES) != 0 && (live->state[id] & PBW__ARRIVES) != 0;
-        const pbw_index v = moves ? core->vertex[id] : PBW__GHOST;             /* others may have no vertex yet */
-        if (moves && core->twin[id] == id && core->incident[v] < PBW__GONE) {
+        const int both = (live->state[id] & PBW__LIVES) != 0 && (live->state[id] & PBW__STAYS) != 0;
+        const pbw_index v = both ? core->vertex[id] : PBW__GHOST;              /* others may have no vertex yet */
+        if (both && core->twin[id] == id && core->incident[v] < PBW__GONE
+            && !pbw__same_place(pbw__live_point(live, id), pbw__core_record(core, v), live->dim)) {
             const pbw_index *corner = core->kernel.corner + 4 * (size_t)core->incident[v];
             const double *x = pbw__core_record(core, v), *y = pbw__live_point(live, id);
             const double *z = pbw__core_record(core, corner[corner[0] == v]);
@@ -16438,10 +16439,57 @@ static int pbw__live_near(const pbw_live *live)
     return 2 * far <= seen;
 }
 
-/* Tries to move in place. */
-static pbw_status pbw__live_try_moves(pbw_live *live, size_t count, pbw_changes *changes, pbw_way *way)
+/* Lists a range of all vertices.  Counts those that move, and those that are in the queue and live on. */
+static pbw_status pbw__list_all_range(void *arg, size_t from, size_t to)
 {
-    const pbw_status status = pbw__live_in_place(live, count, changes);
+    pbw__classes *classes = (pbw__classes *)arg;
+    pbw_live *live = classes->live;
+    const pbw_index *name = live->core.name + 1;
+    const size_t dim = (size_t)live->dim;
+    size_t moves = 0, remain = 0, i;
+    for (i = from; i < to; i++) {
+        const pbw_index id = name[i], soon = name[i + 16 < to ? i + 16 : i];
+        double *x = live->moved + i * dim;
+        PBW__PREFETCH(pbw__live_point(live, soon));
+        PBW__PREFETCH(live->state + soon);
+        memcpy(x, pbw__live_point(live, id), dim * sizeof(double));
+        moves += !pbw__same_place(x, pbw__core_record(&live->core, (pbw_index)(i + 1)), live->dim);
+        remain += live->state[id] == (PBW__LIVES | PBW__STAYS | PBW__QUEUED);
+        live->leaving[i] = (pbw_index)(i + 1);
+    }
+    (void)PBW__ADD(&classes->leave, moves);
+    (void)PBW__ADD(&classes->arrive, remain);
+    return PBW_OK;
+}
+
+/* Lists all vertices in the order of their records, instead of the queue's, if all points may move, enough of them do,
+   and nothing else happens.  PBW__ANEW if not. */
+static pbw_status pbw__live_list_all(pbw_live *live)
+{
+    const pbw__core *core = &live->core;
+    const size_t count = core->vertex_count;
+    pbw__classes classes = { live, 0, 0 };
+    pbw_status status;
+    if (live->queue_count != count || live->points != count || core->unused_count > 0 || core->hidden_count > 0
+        || core->simplex_count == 0 || !pbw__live_near(live)) {
+        return PBW__ANEW;
+    }
+    if (!PBW__LIVE_GROW(live, leaving, count) || !PBW__LIVE_GROW(live, moved, count * (size_t)live->dim)) {
+        return PBW_ERROR_MEMORY;
+    }
+    status = pbw__for_range(core->kernel.context, count, 8192, 0.0, pbw__list_all_range, &classes);
+    live->leaving_count = count;
+    return status != PBW_OK ? status
+         : classes.arrive < count || classes.leave == 0
+           || (double)classes.leave < PBW__VERIFY_AT(live->dim) * (double)count ? PBW__ANEW : PBW_OK;
+}
+
+/* Tries to move in place.  listed: what the list of those that move has said. */
+static pbw_status pbw__live_try_moves(pbw_live *live, pbw_status listed, pbw_changes *changes, pbw_way *way)
+{
+    const pbw_status status = listed != PBW_OK ? listed
+                            : pbw__enter_stage(live->core.kernel.context, PBW_STAGE_WORK) ? PBW_CANCELLED
+                            : pbw__live_in_place(live, changes);
     if (status == PBW_OK) {
         *way = pbw__journal_any(&live->core) ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
         pbw__journal_clear(&live->core);
@@ -16451,15 +16499,15 @@ static pbw_status pbw__live_try_moves(pbw_live *live, size_t count, pbw_changes 
     return status;
 }
 
-/* Chooses the way and goes it. */
-static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_changes *changes)
+/* Chooses the way and goes it.  in_place: 0 if that is known to fail. */
+static pbw_status pbw__live_choose(pbw_live *live, pbw__context *context, int in_place, pbw_changes *changes,
+                                   pbw_way *way)
 {
     const double points = (double)live->points;
     const size_t most = PBW__EFFORT * (live->points + 100);
     pbw__classes classes = { live, 0, 0 };
     size_t leave, arrive;
     int near;
-    pbw_way way = PBW_WAY_REBUILD;
     pbw_status status = pbw__for_range(context, live->queue_count, 8192, 0.0, pbw__live_classify_range, &classes);
     if (status != PBW_OK) {
         return status;
@@ -16471,27 +16519,35 @@ static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_change
         return live->core.simplex_count > 0 ? PBW_OK : PBW_DEGENERATE;
     }
     near = live->core.simplex_count > 0 && leave == arrive && pbw__live_near(live);
-    if (near && (double)leave >= PBW__VERIFY_AT(live->dim) * points) {
-        status = pbw__enter_stage(context, PBW_STAGE_WORK) ? PBW_CANCELLED
-               : pbw__live_try_moves(live, leave, changes, &way);
+    if (near && in_place && (double)leave >= PBW__VERIFY_AT(live->dim) * points) {
+        status = pbw__live_try_moves(live, pbw__live_list_moves(live, leave), changes, way);
     }
     if (status == PBW__ANEW && live->core.simplex_count > 0 && live->weighted == live->core.kernel.weighted
         && pbw__change_cost(live, leave, arrive, near && !live->weighted) <= PBW__REBUILD_AT(live->dim) * points) {
         if (pbw__enter_stage(context, PBW_STAGE_WORK)) {
             return PBW_CANCELLED;
         }
-        status = !near ? PBW__ANEW : pbw__live_shift(live, leave, most, changes, &way);
+        status = !near ? PBW__ANEW : pbw__live_shift(live, leave, most, changes, way);
         if (status == PBW__ANEW) {
             pbw_changes_free(changes);
             status = pbw__live_batch(live, leave, arrive, most, changes);
-            way = PBW_WAY_BATCH;
+            *way = PBW_WAY_BATCH;
         }
     }
     if (status == PBW__ANEW) {
         pbw_changes_free(changes);
         status = pbw__live_rebuild(live, context, changes);
-        way = PBW_WAY_REBUILD;
+        *way = PBW_WAY_REBUILD;
     }
+    return status;
+}
+
+static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_changes *changes)
+{
+    pbw_way way = PBW_WAY_NOTHING;
+    const pbw_status listed = pbw__live_list_all(live);
+    pbw_status status = listed == PBW__ANEW ? PBW__ANEW : pbw__live_try_moves(live, listed, changes, &way);
+    status = status == PBW__ANEW ? pbw__live_choose(live, context, listed == PBW__ANEW, changes, &way) : status;
     if (changes != NULL) {
         changes->way = way;
     }
@@ -16547,34 +16603,30 @@ typedef struct pbw__import {
     pbw__core *core;
     pbw__vertices vertices;
     pbw_index *vertex;                               /* per point: its vertex; 0: none */
-    size_t (*first)[2];                              /* per block of simplices: its first vertex and first ghost */
+    size_t (*first)[2];                              /* per block of simplices: its first vertex, once they are spread
+                                                        that of the next block, and its first ghost */
     size_t visible;                                  /* vertices in simplices, the first ones */
+    int alone;                                       /* one thread */
     size_t ghosts, faults, duplicates, places;       /* places: points that are no duplicates */
     unsigned char facing[16 * 16 * 16];              /* see pbw__import_facing */
 } pbw__import;
 
 #define PBW__IMPORTED ((size_t)4096)                 /* simplices of a block */
 
-/* Counts, for a block, the vertices that are to be numbered there, each at its incident simplex, and the facets of
-   the hull; and entries that are no simplices or points. */
+/* Counts, for a block, the facets of the hull; and entries that are no simplices or points. */
 PBW__INLINE void pbw__import_count_of(pbw__import *import, size_t from, size_t to, int dim)
 {
     const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)dim + 1, points = mesh->point_count, simplices = mesh->simplex_count;
-    const size_t far = 16 * corners;
-    size_t *first = import->first[from / PBW__IMPORTED], starts = 0, ghosts = 0, faults = 0, t, i;
-    for (t = from; t < to; t++) {
-        for (i = t * corners; i < (t + 1) * corners; i++) {
-            const size_t p = mesh->simplices[i], next = mesh->neighbors[i], here = p < points ? p : 0;
-            const size_t soon = mesh->simplices[i + far < to * corners ? i + far : i];
-            PBW__PREFETCH(mesh->incident + (soon < points ? soon : 0));
-            starts += mesh->incident[here] == t;
-            ghosts += next == PBW_NONE;
-            faults += (size_t)(p >= points) + (size_t)((next >= simplices) & (next != PBW_NONE));
-        }
+    const size_t corners = (size_t)dim + 1;
+    const pbw_index points = (pbw_index)mesh->point_count, simplices = (pbw_index)mesh->simplex_count;
+    pbw_index ghosts = 0, faults = 0;                /* as narrow as what is read: vectors */
+    size_t i;
+    for (i = from * corners; i < to * corners; i++) {
+        const pbw_index next = mesh->neighbors[i];
+        ghosts += next == PBW_NONE;
+        faults += (pbw_index)(mesh->simplices[i] >= points) | ((next >= simplices) & (next != PBW_NONE));
     }
-    first[0] = starts;
-    first[1] = ghosts;
+    import->first[from / PBW__IMPORTED][1] = ghosts;
     (void)PBW__ADD(&import->faults, faults);
 }
 
@@ -16584,7 +16636,14 @@ static pbw_status pbw__import_count(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Counts duplicates, points that are none, and false ones. */
+/* Adds 1 to the vertices of the block in which simplex t is; returns how many there were. */
+PBW__INLINE size_t pbw__import_count_vertex(const pbw__import *import, size_t t)
+{
+    size_t *vertices = import->first[t / PBW__IMPORTED];
+    return import->alone ? vertices[0]++ : PBW__ADD(vertices, 1);
+}
+
+/* Counts vertices, each in the block of its incident simplex; duplicates, points that are none, and false ones. */
 static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
 {
     pbw__import *import = (pbw__import *)arg;
@@ -16592,8 +16651,14 @@ static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
     const size_t dim = (size_t)mesh->dim;
     size_t faults = 0, duplicates = 0, places = 0, i;
     for (i = from; i < to; i++) {
-        const pbw_index first = mesh->canonical[i];
+        const pbw_index first = mesh->canonical[i], t = mesh->incident[i];
         places += first == i;
+        if (t < mesh->simplex_count) {
+            (void)pbw__import_count_vertex(import, t);
+            faults += first != i;
+        } else {
+            faults += t != PBW_NONE;
+        }
         if (first != i && first != PBW_NONE) {
             duplicates++;
             if (first >= mesh->point_count || mesh->canonical[first] != first
@@ -16617,32 +16682,68 @@ PBW__INLINE void pbw__import_vertex(pbw__import *import, pbw_index p, size_t v, 
     import->vertex[p] = (pbw_index)v;
     import->vertices.id[v] = p;
     memcpy(import->vertices.record + v * width, import->points + p * (size_t)dim, (size_t)dim * sizeof(double));
-    import->vertices.record[v * width + (size_t)dim] = import->weights[p];
+    import->vertices.record[v * width + (size_t)dim] = import->mesh->weights != NULL ? import->weights[p] : 0.0;
+}
+
+/* Puts the vertices into their blocks, those of a block in any order. */
+static pbw_status pbw__import_spread(void *arg, size_t from, size_t to)
+{
+    pbw__import *import = (pbw__import *)arg;
+    for (; from < to; from++) {
+        const pbw_index t = import->mesh->incident[from];
+        if (t != PBW_NONE) {
+            import->vertices.id[1 + pbw__import_count_vertex(import, t)] = (pbw_index)from;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Sorts the vertices of a block by their incident simplices, those of one simplex as its corners are.  Returns how
+   many are not at theirs. */
+PBW__INLINE size_t pbw__import_sort(const pbw__import *import, size_t block, const pbw_index *list, size_t count,
+                                    pbw_index *sorted, int dim)
+{
+    const pbw_mesh *mesh = import->mesh;
+    const size_t corners = (size_t)dim + 1, low = block * PBW__IMPORTED * corners;
+    const size_t rest = mesh->simplex_count * corners - low, all = corners * PBW__IMPORTED;
+    const size_t places = rest < all ? rest : all;
+    size_t found = 0, i;
+    memset(sorted, 0xff, places * sizeof(pbw_index));            /* PBW_NONE */
+    for (i = 0; i < count; i++) {
+        const pbw_index p = list[i], soon = list[i + 16 < count ? i + 16 : i];
+        const size_t t = mesh->incident[p] * corners;
+        const pbw_index *v = mesh->simplices + t;
+        const size_t k = (size_t)(v[1] == p) + 2 * (size_t)(v[2] == p) + 3 * (size_t)(dim == 3 && v[dim] == p);
+        PBW__PREFETCH(mesh->incident + soon);
+        sorted[t - low + (k & 3)] = p;
+    }
+    for (i = 0; i < places; i++) {                   /* branchless: unpredictable */
+        const pbw_index p = sorted[i];
+        sorted[found] = p;
+        found += p == mesh->simplices[low + i];
+    }
+    return count - found;
 }
 
 /* Numbers the vertices of a block, in the order of their incident simplices. */
 PBW__INLINE void pbw__import_number_of(pbw__import *import, size_t from, size_t to, int dim)
 {
     const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)dim + 1, far = 16 * corners, first = import->first[from / PBW__IMPORTED][0];
-    pbw_index found[PBW__IMPORTED * 4 + 1];
-    size_t count = 0, faults = 0, t, i;
-    for (t = from; t < to; t++) {
-        for (i = t * corners; i < (t + 1) * corners; i++) {
-            const pbw_index p = mesh->simplices[i];
-            PBW__PREFETCH(mesh->incident + mesh->simplices[i + far < to * corners ? i + far : i]);
-            found[count] = p;
-            count += mesh->incident[p] == t;         /* branchless: unpredictable */
-        }
+    const size_t block = from / PBW__IMPORTED, first = block > 0 ? import->first[block - 1][0] : 0;
+    const size_t count = import->first[block][0] - first, most = (to - from) * ((size_t)dim + 1);
+    pbw_index sorted[PBW__IMPORTED * 4 + 4];         /* all corners, and 3 where one is in a simplex twice */
+    size_t faults = count > most, i;
+    if (faults == 0) {
+        faults = pbw__import_sort(import, block, import->vertices.id + 1 + first, count, sorted, dim);
     }
-    for (i = 0; i < count; i++) {
-        const size_t soon = found[i + 16 < count ? i + 16 : i];
-        PBW__PREFETCH(mesh->canonical + soon);
+    for (i = 0; i < count && faults == 0; i++) {
+        const size_t soon = sorted[i + 16 < count ? i + 16 : i];
         PBW__PREFETCH(import->points + soon * (size_t)dim);
-        PBW__PREFETCH(import->weights + soon);
         PBW__PREFETCH_TO_WRITE(import->vertex + soon);
-        faults += mesh->canonical[found[i]] != found[i];
-        pbw__import_vertex(import, found[i], first + 1 + i, dim);
+        if (mesh->weights != NULL) {
+            PBW__PREFETCH(import->weights + soon);
+        }
+        pbw__import_vertex(import, sorted[i], first + 1 + i, dim);
     }
     (void)PBW__ADD(&import->faults, faults);
 }
@@ -16851,7 +16952,10 @@ static pbw_status pbw__import_survey(pbw__import *import, pbw__context *context)
     const pbw_mesh *mesh = import->mesh;
     const size_t simplices = mesh->simplex_count, blocks = (simplices + PBW__IMPORTED - 1) / PBW__IMPORTED;
     size_t block, i;
-    pbw_status status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.05, pbw__import_count, import);
+    pbw_status status;
+    memset(import->first, 0, blocks * sizeof(*import->first));
+    import->alone = context->threads <= 1;
+    status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.05, pbw__import_count, import);
     status = status == PBW_OK ? pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_points, import)
                               : status;
     for (block = 0; block < blocks && status == PBW_OK; block++) {
@@ -16880,7 +16984,9 @@ static pbw_status pbw__import_fill(pbw__import *import, pbw__context *context)
         return status;
     }
     memset(import->vertex, 0, mesh->point_count * sizeof(pbw_index));
-    status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.1, pbw__import_number, import);
+    status = pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_spread, import);
+    status = status == PBW_OK ? pbw__for_range(context, simplices, PBW__IMPORTED, 0.1, pbw__import_number, import)
+                              : status;
     if (status != PBW_OK) {
         return status;
     }
@@ -17375,7 +17481,7 @@ PBW__INLINE void pbw__view_neighbors_of(const pbw__viewing *viewing, size_t from
     const size_t corners = (size_t)dim + 1;
     for (; from < to; from++) {
         pbw_index *neighbor = viewing->neighbors + corners * from;
-        const size_t t = neighbor[0], soon = neighbor[from + 16 < to ? 16 * corners : 0];
+        const size_t t = neighbor[0], soon = neighbor[from + 40 < to ? 40 * corners : 0];
         const unsigned order = viewing->turn[t];
         int k;
         PBW__PREFETCH(link + 4 * soon);

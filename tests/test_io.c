@@ -544,7 +544,7 @@ static void make_mesh(int dim, int weighted, size_t count, pbw_mesh *mesh)
 
 static void write_it(const char *name, const pbw_mesh *mesh, unsigned flags, const unsigned char *keep)
 {
-    pbwio_output output = { PBWIO_AUTO, flags, keep, NULL, NULL, NULL, NULL };
+    pbwio_output output = { PBWIO_AUTO, flags, keep, NULL, NULL, NULL, NULL, NULL, 0 };
     pbwio_error error;
     struct stat info;
     if (!CHECK(pbwio_write(in_folder(name), mesh, &output, &error) == PBWIO_OK)) {
@@ -937,6 +937,85 @@ static void test_refusals(void)
     pbw_free(&mesh);
 }
 
+/* How many lines follow a head in a file, up to the next line that starts with an asterisk; 0 without it. */
+static size_t lines_after(const char *data, const char *head)
+{
+    const char *at = strstr(data, head);
+    size_t count = 0;
+    for (at = at != NULL ? strchr(at, '\n') : NULL; at != NULL && at[1] != 0 && at[1] != '*'; at = strchr(at + 1, '\n')) {
+        count++;
+    }
+    return count;
+}
+
+/* Regions 0 and 7 of a mesh and three patches, one of them PBW_NONE: each a group of its own, read back whole. */
+static void test_groups(void)
+{
+    static const char *const names[] = { "a.msh", "t.msh", "a.vtu", "t.vtu", "a.inp" };
+    static const char *const groups[] = { "1 1 \"edges\"\n2 1 \"patch_0\"\n2 2 \"patch_1\"\n2 2147483647 \"hole\"\n"
+                                          "3 1 \"region_0\"\n3 8 \"region_7\"\n", "$Entities\n0 1 9 2\n" };
+    pbw_mesh mesh;
+    pbwio_output output;
+    pbwio_cloud cloud;
+    pbw_index *regions, *patches, edges[4];
+    size_t i, k, count[2] = { 0, 0 }, facets[3] = { 0, 0, 0 }, size;
+    char *data;
+    memset(&mesh, 0, sizeof mesh);
+    memset(&output, 0, sizeof output);
+    make_mesh(3, 0, 300, &mesh);
+    regions = (pbw_index *)malloc(mesh.simplex_count * sizeof *regions);
+    patches = (pbw_index *)malloc(4 * mesh.simplex_count * sizeof *patches);
+    for (i = 0; i < mesh.simplex_count; i++) {
+        regions[i] = mesh.points[3 * mesh.simplices[4 * i]] < 0 ? 0 : 7;
+        count[regions[i] == 7]++;
+    }
+    for (i = 0; i < 4 * mesh.simplex_count; i++) {
+        const pbw_index n = mesh.neighbors[i];
+        const size_t patch = n == PBW_NONE ? i % 3 : i / 4 < n ? i / 4 % 3 : n % 3;
+        patches[i] = patch == 2 ? PBW_NONE : (pbw_index)patch;
+        facets[patch] += n == PBW_NONE || regions[i / 4] < regions[n];
+    }
+    for (i = 0; i < 4; i++) {
+        edges[i] = mesh.simplices[i % 3];
+    }
+    output.regions = regions;
+    output.patches = patches;
+    output.edges = edges;
+    output.edge_count = 2;
+    for (i = 0; i < 5; i++) {
+        output.flags = names[i][0] == 't' ? PBWIO_TEXT : 0;
+        CHECK(pbwio_write(in_folder(names[i]), &mesh, &output, NULL) == PBWIO_OK);
+        if (i < 4 && CHECK(pbwio_read(in_folder(names[i]), NULL, &cloud, NULL) == PBWIO_OK)) {
+            CHECK(cloud.count == mesh.point_count
+                  && memcmp(cloud.points, mesh.points, 24 * mesh.point_count) == 0);
+            CHECK(cloud.tetrahedron_count == mesh.simplex_count
+                  && cloud.triangle_count == facets[0] + facets[1] + facets[2]);
+            pbwio_free(&cloud);
+        }
+    }
+    data = read_all("t.msh", &size);
+    CHECK(strstr(data, groups[0]) != NULL && strstr(data, groups[1]) != NULL);
+    free(data);
+    data = read_all("a.inp", &size);
+    CHECK(lines_after(data, "ELSET=region_0") == count[0] && lines_after(data, "ELSET=region_7") == count[1]);
+    CHECK(lines_after(data, "NAME=patch_0") == facets[0] && lines_after(data, "NAME=patch_1") == facets[1]);
+    CHECK(lines_after(data, "NAME=hole") == facets[2] && lines_after(data, "NSET=edges") == 3);
+    free(data);
+    for (k = 1; k < 5; k++) {
+        output.format = k < 3 ? PBWIO_MSH : PBWIO_INP;
+        fail_at = k < 3 ? k : k - 1;
+        requests = 0;
+        CHECK(pbwio_write(in_folder("a.out"), &mesh, &output, NULL) == PBWIO_ERROR_MEMORY && held == 0);
+        fail_at = 0;
+    }
+    for (i = 0; i < 5; i++) {
+        unlink(in_folder(names[i]));
+    }
+    free(regions);
+    free(patches);
+    pbw_free(&mesh);
+}
+
 /* A file-size limit stands for a full disk: the old file stays, and nothing else. */
 static void test_full_disk(void)
 {
@@ -954,7 +1033,7 @@ static void test_full_disk(void)
     getrlimit(RLIMIT_FSIZE, &old);
     small = old;
     for (i = 0; i < 6; i++) {
-        pbwio_output output = { formats[i % 5], 0, NULL, NULL, NULL, NULL, NULL };
+        pbwio_output output = { formats[i % 5], 0, NULL, NULL, NULL, NULL, NULL, NULL, 0 };
         pbwio_status status;
         small.rlim_cur = i < 3 ? 5000 : 1;
         setrlimit(RLIMIT_FSIZE, &small);
@@ -967,13 +1046,13 @@ static void test_full_disk(void)
     }
     unlink(in_folder("a.out"));
     if (access("/dev/full", W_OK) == 0) {
-        pbwio_output output = { PBWIO_VTU, 0, NULL, NULL, NULL, NULL, NULL };
+        pbwio_output output = { PBWIO_VTU, 0, NULL, NULL, NULL, NULL, NULL, NULL, 0 };
         CHECK(pbwio_write("/dev/full", &mesh, &output, &error) == PBWIO_ERROR_FILE);
         CHECK(strcmp(error.text, "/dev/full: No space left on device") == 0);
         CHECK(stat("/dev/full", &info) == 0 && S_ISCHR(info.st_mode) && stat("/dev/full.part", &info) != 0);
     }
     for (k = 1; k < 10; k++) {
-        pbwio_output output = { k < 5 ? PBWIO_OBJ : PBWIO_INP, PBWIO_NO_ORPHANS, NULL, NULL, NULL, NULL, NULL };
+        pbwio_output output = { k < 5 ? PBWIO_OBJ : PBWIO_INP, PBWIO_NO_ORPHANS, NULL, NULL, NULL, NULL, NULL, NULL, 0 };
         pbwio_status status;
         fail_at = k < 5 ? k : k - 4;
         requests = 0;
@@ -1298,7 +1377,7 @@ int main(int argc, char **argv)
         { "columns, weights and dimensions", test_choices }, { "bad files", test_bad_files },
         { "every truncation", test_truncations }, { "every flipped bit", test_flips },
         { "memory runs out", test_no_memory }, { "long lines", test_long }, { "a small stack", test_stack },
-        { "what writers refuse", test_refusals }, { "a full disk", test_full_disk }, { "pictures", test_pictures },
+        { "what writers refuse", test_refusals }, { "groups", test_groups }, { "a full disk", test_full_disk }, { "pictures", test_pictures },
         { "models with normals", test_models }
     };
     size_t i;

@@ -176,6 +176,14 @@ PBWIMPROVEDEF void pbw_tets_free(pbw_tets *mesh);            /* fine on {0}, fin
 #include <string.h>
 #include <time.h>
 
+/* Contraction off: other coordinates would come out where a compiler fuses. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC push_options
+#pragma GCC optimize("fp-contract=off")
+#endif
+
 /* ------------------------------------------------------------------------------------------------------
    Measures.
    ------------------------------------------------------------------------------------------------------ */
@@ -3049,4 +3057,9 @@ PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_opt
     return status;
 }
 
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT DEFAULT
+#elif defined(__GNUC__)
+#pragma GCC pop_options
+#endif
 #endif /* PBW_IMPROVE_IMPLEMENTATION */

@@ -146,6 +146,14 @@ PBWSAMPLEDEF const char *pbwsample_status_string(pbwsample_status status);    /*
 #define PBWSAMPLE_FREE(ptr) free(ptr)
 #endif
 
+/* Contraction off: other coordinates would come out where a compiler fuses. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC push_options
+#pragma GCC optimize("fp-contract=off")
+#endif
+
 /* ------------------------------------------------------------------------------------------------------
    Random numbers, memory, a hash table.
    ------------------------------------------------------------------------------------------------------ */
@@ -1673,4 +1681,9 @@ PBWSAMPLEDEF pbwsample_status pbwsample_volume(const pbwsample_model *model, con
     return copy.count >= PBW_NONE ? PBWSAMPLE_ERROR_TOO_LARGE : pbwsample__poisson(model, &copy, set, 1);
 }
 
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT DEFAULT
+#elif defined(__GNUC__)
+#pragma GCC pop_options
+#endif
 #endif /* PBW_SAMPLE_IMPLEMENTATION */

@@ -224,6 +224,14 @@ PBWTDEF size_t pbwt_match(pbwt_facet *facets, size_t count);
 #define PBWT__ADD(x, y) (*(x) += (y))      /* such a pbw.h has one thread */
 #endif
 
+/* Contraction off: other coordinates would come out where a compiler fuses. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC push_options
+#pragma GCC optimize("fp-contract=off")
+#endif
+
 /* ------------------------------------------------------------------------------------------------------
    Memory: growing arrays through options.resize.
    Holds: used = the sum of all live arrays; over the limit nothing grows.
@@ -2867,4 +2875,9 @@ PBWTDEF size_t pbwt_match(pbwt_facet *facets, size_t count)
     return single;
 }
 
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT DEFAULT
+#elif defined(__GNUC__)
+#pragma GCC pop_options
+#endif
 #endif /* PBW_TILES_IMPLEMENTATION */
