@@ -16575,8 +16575,8 @@ static pbw_status pbw__list_all_range(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Lists all vertices in the order of their records, instead of the queue's, if all points may move, enough of them do,
-   and nothing else happens.  PBW__ANEW if not. */
+/* Lists all vertices in the order of their records, instead of the queue's, if all points may move, enough of them
+   do, and nothing else happens.  PBW__ANEW if not. */
 static pbw_status pbw__live_list_all(pbw_live *live)
 {
     const pbw__core *core = &live->core;
