@@ -16507,8 +16507,8 @@ static void pbw__live_settle(pbw_live *live)
 /* What changes cost, in points of a rebuild; measured with bench/live.cpp, these limits at 1e9 and at -1, on
    one thread, 5 to 20 % of 200,000 uniform points: in the plane to remove 0.82 us, insert 1.05, move 0.53, rebuild
    0.134 a point; in space 5.3, 3.0, 6.5 and 0.8.  A rebuild is chosen where changes cost more than PBW__REBUILD_AT
-   rebuilds.  To verify all costs 0.45 rebuilds in the plane and 0.33 in space, and less where it soon fails: as much
-   as to move one point in ten. */
+   rebuilds.  To verify all costs 0.21 rebuilds in the plane and 0.14 in space, and less where it soon fails: no more
+   than to move one point in ten. */
 #ifndef PBW__REBUILD_AT
 #define PBW__REBUILD_AT(dim) 1.0
 #endif
@@ -16575,8 +16575,8 @@ static pbw_status pbw__list_all_range(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Lists all vertices in the order of their records, instead of the queue's, if all points may move, enough of them do,
-   and nothing else happens.  PBW__ANEW if not. */
+/* Lists all vertices in the order of their records, instead of the queue's, if all points may move, enough of them
+   do, and nothing else happens.  PBW__ANEW if not. */
 static pbw_status pbw__live_list_all(pbw_live *live)
 {
     const pbw__core *core = &live->core;
