@@ -126,12 +126,6 @@ PBWCELLSDEF void pbw_cells_free(pbw_cells *cells);           /* fine on {0}, fin
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#ifdef __linux__
-#include <sys/mman.h>
-#ifndef __cplusplus
-extern int madvise(void *address, size_t length, int advice);    /* strict C modes hide it */
-#endif
-#endif
 
 #if defined(__GNUC__)
 #define PBWC__ADD(x, y) __atomic_add_fetch(x, y, __ATOMIC_RELAXED)
@@ -3539,30 +3533,11 @@ PBWCELLSDEF void pbw_cells_free(pbw_cells *cells)
     }
 }
 
-/* Advises huge pages for a large array, with the pages at its ends; faults page by page cost a fifth of the cells.
-   Memory of the caller's allocator is left alone. */
-static void pbwc__advise(const pbwc__memory *memory, const pbwc__array *array)
-{
-#ifdef __linux__
-    const size_t page = 4096, skip = (size_t)(uintptr_t)array->data % page;
-    if (memory->resize == pbwc__default_resize && array->bytes >= (size_t)1 << 20) {
-        (void)madvise((char *)array->data - skip, (skip + array->bytes + page - 1) / page * page, 14);
-    }
-#else
-    (void)memory;
-    (void)array;
-#endif
-}
-
 /* An array of the result; at least one byte, so that NULL means: no memory. */
 static void *pbwc__own(pbwc__job *job, int which, size_t count, size_t size)
 {
-    pbwc__array *array = ((pbwc__owned *)job->cells->memory)->array + which;
-    if (!pbwc__resize(&job->memory, array, count * size + 1)) {
-        return NULL;
-    }
-    pbwc__advise(&job->memory, array);
-    return array->data;
+    pbwc__owned *owned = (pbwc__owned *)job->cells->memory;
+    return pbwc__resize(&job->memory, owned->array + which, count * size + 1) ? owned->array[which].data : NULL;
 }
 
 static void pbwc__place_ranges(pbwc__joining *joining, size_t ranges, size_t *sums)
