@@ -1666,7 +1666,11 @@ static int pbwim__insert(pbwim__mesh *m, pbw_index t, pbwim__change *change, con
         pbwim__add_normals(m, split->tet[split->tets - 1], PBW_NONE, normal);
     }
     best = pbwim__grow(m, &v);
-    if (pbwim__climb(m, &v.cone, slides ? normal : NULL, best, x) <= pbwim__worst_old(m, change) + PBWIM__GAIN) {
+    best = pbwim__climb(m, &v.cone, slides ? normal : NULL, best, x);
+    if (best < m->target) {                          /* from there, the cavity may grow on */
+        best = pbwim__climb(m, &v.cone, slides ? normal : NULL, pbwim__grow(m, &v), x);
+    }
+    if (best <= pbwim__worst_old(m, change) + PBWIM__GAIN) {
         return 0;
     }
     memcpy(PBWIM__X(m, p), x, 3 * sizeof(double));
@@ -1682,6 +1686,33 @@ static int pbwim__insert(pbwim__mesh *m, pbw_index t, pbwim__change *change, con
     pbwim__apply(m, change);
     m->report->insertions++;
     return 1;
+}
+
+/* Puts a point beyond a facet of t, half or a quarter of the way to the corner there: t may be too flat to have one
+   inside. */
+static int pbwim__split_beyond(pbwim__mesh *m, pbw_index t)
+{
+    pbwim__change change;
+    int i, k;
+    for (i = 0; i < 8; i++) {
+        const pbw_index n = PBWIM__NEXT(m, t)[i % 4], *c = PBWIM__CORNER(m, t);
+        const int *o = pbwim__opposite[i % 4];
+        double middle[3], x[3];
+        if (n == PBW_NONE) {
+            continue;
+        }
+        for (k = 0; k < 3; k++) {
+            middle[k] = (PBWIM__X(m, c[o[0]])[k] + PBWIM__X(m, c[o[1]])[k] + PBWIM__X(m, c[o[2]])[k]) / 3;
+        }
+        pbwsf__between(middle, PBWIM__X(m, PBWIM__CORNER(m, n)[pbwim__facet_to(m, n, t)]), i < 4 ? 0.5 : 0.25, x);
+        change.olds = 2;
+        change.old[0] = t;
+        change.old[1] = n;
+        if (pbwim__insert(m, t, &change, NULL, x)) {
+            return 1;
+        }
+    }
+    return 0;
 }
 
 /* Splits an edge of t, or puts a point into t and its neighbours. */
@@ -1720,7 +1751,7 @@ static int pbwim__split(pbwim__mesh *m, pbw_index t)
             x[k] += 0.25 * PBWIM__X(m, PBWIM__CORNER(m, t)[i])[k];
         }
     }
-    return pbwim__insert(m, t, &change, NULL, x);
+    return pbwim__insert(m, t, &change, NULL, x) || pbwim__split_beyond(m, t);
 }
 
 /* ------------------------------------------------------------------------------------------------------
