@@ -524,7 +524,7 @@ enum {
 };
 #define PBWIM__GAIN 1e-3                   /* of the least sine, below which no operation is worth it */
 #define PBWIM__PROGRESS 0.1                /* of what lacks to the target, below which no smoothing is worth it */
-#define PBWIM__ROOM 0.7                    /* of the distance that boundary facets may have: kept at first */
+#define PBWIM__ROOM 0.6                    /* of the distance that boundary facets may have: kept at first */
 #define PBWIM__BEND 0.90630778703665       /* cos 25 degrees: by more, boundary facets do not turn */
 
 typedef struct pbwim__mesh {
