@@ -202,7 +202,7 @@ typedef struct pbw_options {               /* NULL or all zero = best defaults *
     size_t   memory_limit;                 /* bytes held at once, 0 = no limit; over it: PBW_ERROR_MEMORY.  As much
                                               again on each device of a backend; over that: PBW_ERROR_BACKEND */
     /* The one allocator: ptr NULL allocates, new_size 0 frees, else resizes as realloc does (NULL = failed and
-       the old block stays).  old_size is what was asked for.  Blocks must be aligned as malloc's are.  It may
+       the old block stays).  old_size is the size that it was given.  Blocks must be aligned as malloc's are.  It may
        be called from several threads at once unless threads is 1.  pbw_free calls it too, with the same user:
        both must outlive the mesh.  NULL = realloc and free. */
     void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
@@ -13952,12 +13952,11 @@ PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int all, 
     int k;
     memset(&plane, 0, sizeof(plane));
     if (!ghost) {
-        double h;
+        double side, least;
         pbw__plane_of(core, v, dim, &plane);
-        h = plane.height;
-        if (!(plane.orientation > 0.0 && plane.orientation * plane.orientation
-                                         > h * h * (dim == 2 ? 1.0 : h) * side_error)
-            && pbw__slot_side(core, t, dim + 1, NULL) <= 0) {
+        side = plane.orientation;
+        least = plane.height * plane.height * (dim == 2 ? 1.0 : plane.height) * side_error;
+        if (!(side > 0.0 && side * side > least) && pbw__slot_side(core, t, dim + 1, NULL) <= 0) {
             return PBW__INVERTED;
         }
     }
@@ -14000,16 +13999,22 @@ PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int all, 
    A depth is stored as a lower bound in single precision, so the sum of two is certain if it is positive.  Roundings
    and absolute products, see >>predicates, u = 2^-53, with the largest height h:
                 in the plane                                      in space
-      V         4 roundings, h                                    8, 6 h^(3/2)
+      V         2 differences, product, sum: 4, h                 3, minor 2, product, 2 sums: 8, 6 h^(3/2)
       H_i       lift 5, |b|^2 4, product, sum: 11, 2 h^2          lift 6, minors 4 each, products, sums: 20, 36 h^3
-      H_d       13, 6 h^2: 78 u h^2                               25, 180 h^3: 4500 u h^3
-   Where V is above 1e-6 h, or 5e-6 h^(3/2), its relative error is below 2e-9.  That, the division, the scale and the
-   conversion change a depth by less than 2^-22 of it, and underflow by less than 1e-30, in units of the scale, which
-   is that of the points' box.  Other simplices get NaN, so do ghosts and free slots: their signs are left open. */
-#define PBW__DEPTH2_ERROR 9e-15                      /* times h^2, h^3 */
-#define PBW__DEPTH3_ERROR 5.1e-13
+      H_d       sum, difference: 13, 6 h^2: 78 u h^2              2 sums, difference: 23, 180 h^3: 4140 u h^3
+   Absolute products in the plane are at most |a| |b| (Cauchy).  Where V is above 1e-6 h, or 5e-6 h^(3/2), and so has
+   a relative error of 8 u / 5e-6 * 6 = 1.1e-9, a depth is (H - bound) (scale / V): that error, three roundings, and a
+   conversion of 2^-24 change it by less than 1e-7 of it.  Underflow takes less than half of the least float, 2^-150,
+   and, where scale / V is denormal, 2^-1075 (36 h^3), h^3 < 1e270.  Depths are in units of the scale, which is that
+   of the points' box.  Other simplices get NaN, so do ghosts and free slots: their signs are left open. */
+#define PBW__DEPTH2_ERROR 9e-15                      /* of H, times h^2, h^3 */
+#define PBW__DEPTH3_ERROR 4.7e-13
 #define PBW__DEPTH2_LEAST 1e-12                      /* of V^2, times h^2, h^3 */
 #define PBW__DEPTH3_LEAST 2.5e-11
+#define PBW__DEPTH_V_ERROR 1.2e-9                    /* of V, relative */
+#define PBW__DEPTH_ERROR 1e-7                        /* of a depth, relative */
+#define PBW__DEPTH_LOST 1e-45                        /* to underflow */
+#define PBW__DEPTH_MOST 1e270                        /* of h^2, h^3 */
 
 #ifdef PBW__SIMD
 /* Makes the points of these vertices, one in each lane, the origin. */
@@ -14034,12 +14039,12 @@ PBW__SIMD_INLINE pbw__d4 pbw__depths4(const double *record, pbw_index v[4][4], c
     const pbw__d4 h = pbw__max4(pbw__max4(a.height, b.height), pbw__splat(1e-55));
     if (origin->dim == 2) {
         const pbw__d4 aa = pbw__fma(a.y, a.y, a.x * a.x), bb = pbw__fma(b.y, b.y, b.x * b.x);
-        const pbw__d4 ab = pbw__fma(a.y, b.y, a.x * b.x);
-        *V = pbw__det2(a.x, a.y, b.x, b.y);
+        const pbw__d4 ab = pbw__fma(a.y, b.y, a.x * b.x), side = pbw__det2(a.x, a.y, b.x, b.y);
         H[0] = pbw__det2(a.lift, b.lift, ab, bb);
         H[1] = pbw__det2(b.lift, a.lift, ab, aa);
-        H[2] = (*V + *V) * *V - (H[0] + H[1]);
+        H[2] = (side + side) * side - (H[0] + H[1]);
         H[3] = H[2];
+        *V = side;
         return h;
     } else {
         const pbw__rows4 c = pbw__rows4_of(record, v[2], 0, origin);
@@ -14051,11 +14056,12 @@ PBW__SIMD_INLINE pbw__d4 pbw__depths4(const double *record, pbw_index v[4][4], c
         const pbw__d4 nx = pbw__dot4(a.lift, b.lift, c.lift, ax, bx, cx);
         const pbw__d4 ny = pbw__dot4(a.lift, b.lift, c.lift, ay, by, cy);
         const pbw__d4 nz = pbw__dot4(a.lift, b.lift, c.lift, az, bz, cz);
-        *V = pbw__dot4(a.x, a.y, a.z, ax, ay, az);
+        const pbw__d4 side = pbw__dot4(a.x, a.y, a.z, ax, ay, az);
         H[0] = pbw__dot4(nx, ny, nz, ax, ay, az);
         H[1] = pbw__dot4(nx, ny, nz, bx, by, bz);
         H[2] = pbw__dot4(nx, ny, nz, cx, cy, cz);
-        H[3] = (*V + *V) * *V - (H[0] + H[1] + H[2]);
+        H[3] = (side + side) * side - (H[0] + H[1] + H[2]);
+        *V = side;
         return pbw__max4(h, c.height);
     }
 }
@@ -14080,13 +14086,14 @@ PBW__SIMD_INLINE void pbw__depths_of(const pbw__verifying *verifying, size_t t, 
     pbw__origins4(core->record, v[dim], &origin);
     h = pbw__depths4(core->record, v, &origin, &V, H);
     power = dim == 2 ? h * h : h * h * h;
-    certain = pbw__and4(pbw__greater(V * V, power * pbw__splat(dim == 2 ? PBW__DEPTH2_LEAST : PBW__DEPTH3_LEAST)),
-                        pbw__greater(V, pbw__splat(0.0)));
+    certain = pbw__greater(V * V, power * pbw__splat(dim == 2 ? PBW__DEPTH2_LEAST : PBW__DEPTH3_LEAST));
+    certain = pbw__and4(certain, pbw__greater(pbw__splat(PBW__DEPTH_MOST), power));
+    certain = pbw__and4(certain, pbw__greater(V, pbw__splat(0.0)));
     scale = pbw__blend(nan, pbw__splat(verifying->scale) / V, certain);
     power = power * pbw__splat(dim == 2 ? PBW__DEPTH2_ERROR : PBW__DEPTH3_ERROR);
     for (k = 0; k < 4; k++) {
         const pbw__d4 depth = (H[k] - power) * scale;
-        H[k] = depth - pbw__fma(pbw__abs4(depth), pbw__splat(1.0 / (1 << 21)), pbw__splat(1e-30));
+        H[k] = depth - pbw__fma(pbw__abs4(depth), pbw__splat(PBW__DEPTH_ERROR), pbw__splat(PBW__DEPTH_LOST));
     }
     pbw__store_rows(verifying->depth + 4 * t, H[0], H[1], H[2], H[3]);
     *positive = pbw__signs(certain);
@@ -14135,6 +14142,9 @@ PBW__INLINE void pbw__verify_facets_of(pbw__verifying *verifying, size_t from, s
         unsigned faults;
         if (corner[4 * t] == PBW_NONE) {
             continue;
+        }
+        for (k = 0; k <= (size_t)dim && depth != NULL && t + 24 < to; k++) {
+            PBW__PREFETCH(depth + link[96 + k]);
         }
         for (k = 0; k <= (size_t)dim && depth != NULL; k++) {
             certain &= depth[4 * t + k] + depth[link[k]] > 0.0f;
@@ -16002,16 +16012,13 @@ static pbw_status pbw__live_list_moves(pbw_live *live, size_t count)
     return PBW_OK;
 }
 
-/* Moves vertices in place, all or nothing.  PBW__ANEW: not that way. */
-static pbw_status pbw__live_in_place(pbw_live *live, size_t count, pbw_changes *changes)
+/* Moves listed vertices in place, all or nothing.  PBW__ANEW: not that way. */
+static pbw_status pbw__live_in_place(pbw_live *live, pbw_changes *changes)
 {
     pbw__core *core = &live->core;
     const pbw__grid grid = core->grid;
     const double exact_height = core->kernel.exact_height;
-    pbw_status status = pbw__live_list_moves(live, count);
-    if (status != PBW_OK) {
-        return status;
-    }
+    pbw_status status;
     pbw__live_exchange(live);
     status = pbw__live_fit_grid(live, live->leaving, live->leaving_count);
     status = status == PBW_OK ? pbw__verify(core, core->simplex_count / 2 + 64) : status;
@@ -16404,8 +16411,8 @@ static double pbw__change_cost(const pbw_live *live, size_t leave, size_t arrive
          : 6.0 * (double)leave + (space ? 3.8 : 8.0) * (double)arrive;
 }
 
-/* Returns 1 if points only move, and most of them, of some that are looked at, by less than four edges: those that
-   go far are better removed and inserted, by walks from what is near their new places. */
+/* Returns 1 if most of the points that move, of some that are looked at, do so by less than four edges: those that go
+   far are better removed and inserted, by walks from what is near their new places. */
 static int pbw__live_near(const pbw_live *live)
 {
     const pbw__core *core = &live->core;
@@ -16413,9 +16420,10 @@ static int pbw__live_near(const pbw_live *live)
     size_t i, k, seen = 0, far = 0;
     for (i = 0; i < live->queue_count; i += step) {
         const pbw_index id = live->queue[i];
-        const int moves = (live->state[id] & PBW__LEAVES) != 0 && (live->state[id] & PBW__ARRIVES) != 0;
-        const pbw_index v = moves ? core->vertex[id] : PBW__GHOST;             /* others may have no vertex yet */
-        if (moves && core->twin[id] == id && core->incident[v] < PBW__GONE) {
+        const int both = (live->state[id] & PBW__LIVES) != 0 && (live->state[id] & PBW__STAYS) != 0;
+        const pbw_index v = both ? core->vertex[id] : PBW__GHOST;              /* others may have no vertex yet */
+        if (both && core->twin[id] == id && core->incident[v] < PBW__GONE
+            && !pbw__same_place(pbw__live_point(live, id), pbw__core_record(core, v), live->dim)) {
             const pbw_index *corner = core->kernel.corner + 4 * (size_t)core->incident[v];
             const double *x = pbw__core_record(core, v), *y = pbw__live_point(live, id);
             const double *z = pbw__core_record(core, corner[corner[0] == v]);
@@ -16431,10 +16439,57 @@ static int pbw__live_near(const pbw_live *live)
     return 2 * far <= seen;
 }
 
-/* Tries to move in place. */
-static pbw_status pbw__live_try_moves(pbw_live *live, size_t count, pbw_changes *changes, pbw_way *way)
+/* Lists a range of all vertices.  Counts those that move, and those that are in the queue and live on. */
+static pbw_status pbw__list_all_range(void *arg, size_t from, size_t to)
 {
-    const pbw_status status = pbw__live_in_place(live, count, changes);
+    pbw__classes *classes = (pbw__classes *)arg;
+    pbw_live *live = classes->live;
+    const pbw_index *name = live->core.name + 1;
+    const size_t dim = (size_t)live->dim;
+    size_t moves = 0, remain = 0, i;
+    for (i = from; i < to; i++) {
+        const pbw_index id = name[i], soon = name[i + 16 < to ? i + 16 : i];
+        double *x = live->moved + i * dim;
+        PBW__PREFETCH(pbw__live_point(live, soon));
+        PBW__PREFETCH(live->state + soon);
+        memcpy(x, pbw__live_point(live, id), dim * sizeof(double));
+        moves += !pbw__same_place(x, pbw__core_record(&live->core, (pbw_index)(i + 1)), live->dim);
+        remain += live->state[id] == (PBW__LIVES | PBW__STAYS | PBW__QUEUED);
+        live->leaving[i] = (pbw_index)(i + 1);
+    }
+    (void)PBW__ADD(&classes->leave, moves);
+    (void)PBW__ADD(&classes->arrive, remain);
+    return PBW_OK;
+}
+
+/* Lists all vertices in the order of their records, instead of the queue's, if all points may move, enough of them do,
+   and nothing else happens.  PBW__ANEW if not. */
+static pbw_status pbw__live_list_all(pbw_live *live)
+{
+    const pbw__core *core = &live->core;
+    const size_t count = core->vertex_count;
+    pbw__classes classes = { live, 0, 0 };
+    pbw_status status;
+    if (live->queue_count != count || live->points != count || core->unused_count > 0 || core->hidden_count > 0
+        || core->simplex_count == 0 || !pbw__live_near(live)) {
+        return PBW__ANEW;
+    }
+    if (!PBW__LIVE_GROW(live, leaving, count) || !PBW__LIVE_GROW(live, moved, count * (size_t)live->dim)) {
+        return PBW_ERROR_MEMORY;
+    }
+    status = pbw__for_range(core->kernel.context, count, 8192, 0.0, pbw__list_all_range, &classes);
+    live->leaving_count = count;
+    return status != PBW_OK ? status
+         : classes.arrive < count || classes.leave == 0
+           || (double)classes.leave < PBW__VERIFY_AT(live->dim) * (double)count ? PBW__ANEW : PBW_OK;
+}
+
+/* Tries to move in place.  listed: what the list of those that move has said. */
+static pbw_status pbw__live_try_moves(pbw_live *live, pbw_status listed, pbw_changes *changes, pbw_way *way)
+{
+    const pbw_status status = listed != PBW_OK ? listed
+                            : pbw__enter_stage(live->core.kernel.context, PBW_STAGE_WORK) ? PBW_CANCELLED
+                            : pbw__live_in_place(live, changes);
     if (status == PBW_OK) {
         *way = pbw__journal_any(&live->core) ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
         pbw__journal_clear(&live->core);
@@ -16444,15 +16499,15 @@ static pbw_status pbw__live_try_moves(pbw_live *live, size_t count, pbw_changes 
     return status;
 }
 
-/* Chooses the way and goes it. */
-static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_changes *changes)
+/* Chooses the way and goes it.  in_place: 0 if that is known to fail. */
+static pbw_status pbw__live_choose(pbw_live *live, pbw__context *context, int in_place, pbw_changes *changes,
+                                   pbw_way *way)
 {
     const double points = (double)live->points;
     const size_t most = PBW__EFFORT * (live->points + 100);
     pbw__classes classes = { live, 0, 0 };
     size_t leave, arrive;
     int near;
-    pbw_way way = PBW_WAY_REBUILD;
     pbw_status status = pbw__for_range(context, live->queue_count, 8192, 0.0, pbw__live_classify_range, &classes);
     if (status != PBW_OK) {
         return status;
@@ -16464,27 +16519,35 @@ static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_change
         return live->core.simplex_count > 0 ? PBW_OK : PBW_DEGENERATE;
     }
     near = live->core.simplex_count > 0 && leave == arrive && pbw__live_near(live);
-    if (near && (double)leave >= PBW__VERIFY_AT(live->dim) * points) {
-        status = pbw__enter_stage(context, PBW_STAGE_WORK) ? PBW_CANCELLED
-               : pbw__live_try_moves(live, leave, changes, &way);
+    if (near && in_place && (double)leave >= PBW__VERIFY_AT(live->dim) * points) {
+        status = pbw__live_try_moves(live, pbw__live_list_moves(live, leave), changes, way);
     }
     if (status == PBW__ANEW && live->core.simplex_count > 0 && live->weighted == live->core.kernel.weighted
         && pbw__change_cost(live, leave, arrive, near && !live->weighted) <= PBW__REBUILD_AT(live->dim) * points) {
         if (pbw__enter_stage(context, PBW_STAGE_WORK)) {
             return PBW_CANCELLED;
         }
-        status = !near ? PBW__ANEW : pbw__live_shift(live, leave, most, changes, &way);
+        status = !near ? PBW__ANEW : pbw__live_shift(live, leave, most, changes, way);
         if (status == PBW__ANEW) {
             pbw_changes_free(changes);
             status = pbw__live_batch(live, leave, arrive, most, changes);
-            way = PBW_WAY_BATCH;
+            *way = PBW_WAY_BATCH;
         }
     }
     if (status == PBW__ANEW) {
         pbw_changes_free(changes);
         status = pbw__live_rebuild(live, context, changes);
-        way = PBW_WAY_REBUILD;
+        *way = PBW_WAY_REBUILD;
     }
+    return status;
+}
+
+static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_changes *changes)
+{
+    pbw_way way = PBW_WAY_NOTHING;
+    const pbw_status listed = pbw__live_list_all(live);
+    pbw_status status = listed == PBW__ANEW ? PBW__ANEW : pbw__live_try_moves(live, listed, changes, &way);
+    status = status == PBW__ANEW ? pbw__live_choose(live, context, listed == PBW__ANEW, changes, &way) : status;
     if (changes != NULL) {
         changes->way = way;
     }
@@ -16540,34 +16603,30 @@ typedef struct pbw__import {
     pbw__core *core;
     pbw__vertices vertices;
     pbw_index *vertex;                               /* per point: its vertex; 0: none */
-    size_t (*first)[2];                              /* per block of simplices: its first vertex and first ghost */
+    size_t (*first)[2];                              /* per block of simplices: its first vertex, once they are spread
+                                                        that of the next block, and its first ghost */
     size_t visible;                                  /* vertices in simplices, the first ones */
+    int alone;                                       /* one thread */
     size_t ghosts, faults, duplicates, places;       /* places: points that are no duplicates */
     unsigned char facing[16 * 16 * 16];              /* see pbw__import_facing */
 } pbw__import;
 
 #define PBW__IMPORTED ((size_t)4096)                 /* simplices of a block */
 
-/* Counts, for a block, the vertices that are to be numbered there, each at its incident simplex, and the facets of
-   the hull; and entries that are no simplices or points. */
+/* Counts, for a block, the facets of the hull; and entries that are no simplices or points. */
 PBW__INLINE void pbw__import_count_of(pbw__import *import, size_t from, size_t to, int dim)
 {
     const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)dim + 1, points = mesh->point_count, simplices = mesh->simplex_count;
-    const size_t far = 16 * corners;
-    size_t *first = import->first[from / PBW__IMPORTED], starts = 0, ghosts = 0, faults = 0, t, i;
-    for (t = from; t < to; t++) {
-        for (i = t * corners; i < (t + 1) * corners; i++) {
-            const size_t p = mesh->simplices[i], next = mesh->neighbors[i], here = p < points ? p : 0;
-            const size_t soon = mesh->simplices[i + far < to * corners ? i + far : i];
-            PBW__PREFETCH(mesh->incident + (soon < points ? soon : 0));
-            starts += mesh->incident[here] == t;
-            ghosts += next == PBW_NONE;
-            faults += (size_t)(p >= points) + (size_t)((next >= simplices) & (next != PBW_NONE));
-        }
+    const size_t corners = (size_t)dim + 1;
+    const pbw_index points = (pbw_index)mesh->point_count, simplices = (pbw_index)mesh->simplex_count;
+    pbw_index ghosts = 0, faults = 0;                /* as narrow as what is read: vectors */
+    size_t i;
+    for (i = from * corners; i < to * corners; i++) {
+        const pbw_index next = mesh->neighbors[i];
+        ghosts += next == PBW_NONE;
+        faults += (pbw_index)(mesh->simplices[i] >= points) | ((next >= simplices) & (next != PBW_NONE));
     }
-    first[0] = starts;
-    first[1] = ghosts;
+    import->first[from / PBW__IMPORTED][1] = ghosts;
     (void)PBW__ADD(&import->faults, faults);
 }
 
@@ -16577,7 +16636,14 @@ static pbw_status pbw__import_count(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Counts duplicates, points that are none, and false ones. */
+/* Adds 1 to the vertices of the block in which simplex t is; returns how many there were. */
+PBW__INLINE size_t pbw__import_count_vertex(const pbw__import *import, size_t t)
+{
+    size_t *vertices = import->first[t / PBW__IMPORTED];
+    return import->alone ? vertices[0]++ : PBW__ADD(vertices, 1);
+}
+
+/* Counts vertices, each in the block of its incident simplex; duplicates, points that are none, and false ones. */
 static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
 {
     pbw__import *import = (pbw__import *)arg;
@@ -16585,8 +16651,14 @@ static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
     const size_t dim = (size_t)mesh->dim;
     size_t faults = 0, duplicates = 0, places = 0, i;
     for (i = from; i < to; i++) {
-        const pbw_index first = mesh->canonical[i];
+        const pbw_index first = mesh->canonical[i], t = mesh->incident[i];
         places += first == i;
+        if (t < mesh->simplex_count) {
+            (void)pbw__import_count_vertex(import, t);
+            faults += first != i;
+        } else {
+            faults += t != PBW_NONE;
+        }
         if (first != i && first != PBW_NONE) {
             duplicates++;
             if (first >= mesh->point_count || mesh->canonical[first] != first
@@ -16610,32 +16682,68 @@ PBW__INLINE void pbw__import_vertex(pbw__import *import, pbw_index p, size_t v, 
     import->vertex[p] = (pbw_index)v;
     import->vertices.id[v] = p;
     memcpy(import->vertices.record + v * width, import->points + p * (size_t)dim, (size_t)dim * sizeof(double));
-    import->vertices.record[v * width + (size_t)dim] = import->weights[p];
+    import->vertices.record[v * width + (size_t)dim] = import->mesh->weights != NULL ? import->weights[p] : 0.0;
+}
+
+/* Puts the vertices into their blocks, those of a block in any order. */
+static pbw_status pbw__import_spread(void *arg, size_t from, size_t to)
+{
+    pbw__import *import = (pbw__import *)arg;
+    for (; from < to; from++) {
+        const pbw_index t = import->mesh->incident[from];
+        if (t != PBW_NONE) {
+            import->vertices.id[1 + pbw__import_count_vertex(import, t)] = (pbw_index)from;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Sorts the vertices of a block by their incident simplices, those of one simplex as its corners are.  Returns how
+   many are not at theirs. */
+PBW__INLINE size_t pbw__import_sort(const pbw__import *import, size_t block, const pbw_index *list, size_t count,
+                                    pbw_index *sorted, int dim)
+{
+    const pbw_mesh *mesh = import->mesh;
+    const size_t corners = (size_t)dim + 1, low = block * PBW__IMPORTED * corners;
+    const size_t rest = mesh->simplex_count * corners - low, all = corners * PBW__IMPORTED;
+    const size_t places = rest < all ? rest : all;
+    size_t found = 0, i;
+    memset(sorted, 0xff, places * sizeof(pbw_index));            /* PBW_NONE */
+    for (i = 0; i < count; i++) {
+        const pbw_index p = list[i], soon = list[i + 16 < count ? i + 16 : i];
+        const size_t t = mesh->incident[p] * corners;
+        const pbw_index *v = mesh->simplices + t;
+        const size_t k = (size_t)(v[1] == p) + 2 * (size_t)(v[2] == p) + 3 * (size_t)(dim == 3 && v[dim] == p);
+        PBW__PREFETCH(mesh->incident + soon);
+        sorted[t - low + (k & 3)] = p;
+    }
+    for (i = 0; i < places; i++) {                   /* branchless: unpredictable */
+        const pbw_index p = sorted[i];
+        sorted[found] = p;
+        found += p == mesh->simplices[low + i];
+    }
+    return count - found;
 }
 
 /* Numbers the vertices of a block, in the order of their incident simplices. */
 PBW__INLINE void pbw__import_number_of(pbw__import *import, size_t from, size_t to, int dim)
 {
     const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)dim + 1, far = 16 * corners, first = import->first[from / PBW__IMPORTED][0];
-    pbw_index found[PBW__IMPORTED * 4 + 1];
-    size_t count = 0, faults = 0, t, i;
-    for (t = from; t < to; t++) {
-        for (i = t * corners; i < (t + 1) * corners; i++) {
-            const pbw_index p = mesh->simplices[i];
-            PBW__PREFETCH(mesh->incident + mesh->simplices[i + far < to * corners ? i + far : i]);
-            found[count] = p;
-            count += mesh->incident[p] == t;         /* branchless: unpredictable */
-        }
+    const size_t block = from / PBW__IMPORTED, first = block > 0 ? import->first[block - 1][0] : 0;
+    const size_t count = import->first[block][0] - first, most = (to - from) * ((size_t)dim + 1);
+    pbw_index sorted[PBW__IMPORTED * 4 + 4];         /* all corners, and 3 where one is in a simplex twice */
+    size_t faults = count > most, i;
+    if (faults == 0) {
+        faults = pbw__import_sort(import, block, import->vertices.id + 1 + first, count, sorted, dim);
     }
-    for (i = 0; i < count; i++) {
-        const size_t soon = found[i + 16 < count ? i + 16 : i];
-        PBW__PREFETCH(mesh->canonical + soon);
+    for (i = 0; i < count && faults == 0; i++) {
+        const size_t soon = sorted[i + 16 < count ? i + 16 : i];
         PBW__PREFETCH(import->points + soon * (size_t)dim);
-        PBW__PREFETCH(import->weights + soon);
         PBW__PREFETCH_TO_WRITE(import->vertex + soon);
-        faults += mesh->canonical[found[i]] != found[i];
-        pbw__import_vertex(import, found[i], first + 1 + i, dim);
+        if (mesh->weights != NULL) {
+            PBW__PREFETCH(import->weights + soon);
+        }
+        pbw__import_vertex(import, sorted[i], first + 1 + i, dim);
     }
     (void)PBW__ADD(&import->faults, faults);
 }
@@ -16844,7 +16952,10 @@ static pbw_status pbw__import_survey(pbw__import *import, pbw__context *context)
     const pbw_mesh *mesh = import->mesh;
     const size_t simplices = mesh->simplex_count, blocks = (simplices + PBW__IMPORTED - 1) / PBW__IMPORTED;
     size_t block, i;
-    pbw_status status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.05, pbw__import_count, import);
+    pbw_status status;
+    memset(import->first, 0, blocks * sizeof(*import->first));
+    import->alone = context->threads <= 1;
+    status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.05, pbw__import_count, import);
     status = status == PBW_OK ? pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_points, import)
                               : status;
     for (block = 0; block < blocks && status == PBW_OK; block++) {
@@ -16873,7 +16984,9 @@ static pbw_status pbw__import_fill(pbw__import *import, pbw__context *context)
         return status;
     }
     memset(import->vertex, 0, mesh->point_count * sizeof(pbw_index));
-    status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.1, pbw__import_number, import);
+    status = pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_spread, import);
+    status = status == PBW_OK ? pbw__for_range(context, simplices, PBW__IMPORTED, 0.1, pbw__import_number, import)
+                              : status;
     if (status != PBW_OK) {
         return status;
     }
@@ -17124,7 +17237,8 @@ static pbw_status pbw__view_points(void *arg, size_t from, size_t to)
         const int lives = (live->state[i] & PBW__LIVES) != 0, single = settled && lives && core->twin[i] == i;
         const pbw_index v = lives && !single ? core->vertex[i] : PBW__GHOST;
         if (lives) {
-            memcpy(points + i * dim, single ? live->point + i * dim : pbw__core_record(core, v), dim * sizeof(double));
+            const double *place = single ? live->point + i * dim : pbw__core_record(core, v);
+            memcpy(points + i * dim, place, dim * sizeof(double));
         } else {
             memset(points + i * dim, 0, dim * sizeof(double));
         }
@@ -17367,7 +17481,7 @@ PBW__INLINE void pbw__view_neighbors_of(const pbw__viewing *viewing, size_t from
     const size_t corners = (size_t)dim + 1;
     for (; from < to; from++) {
         pbw_index *neighbor = viewing->neighbors + corners * from;
-        const size_t t = neighbor[0], soon = neighbor[from + 16 < to ? 16 * corners : 0];
+        const size_t t = neighbor[0], soon = neighbor[from + 40 < to ? 40 * corners : 0];
         const unsigned order = viewing->turn[t];
         int k;
         PBW__PREFETCH(link + 4 * soon);

@@ -7,6 +7,13 @@
 #include <math.h>
 #include <string.h>
 
+#if defined(__clang__)                      /* the same coordinates where a compiler would fuse */
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC push_options
+#pragma GCC optimize("fp-contract=off")
+#endif
+
 #define PARTS_PI 3.14159265358979323846
 
 enum { PARTS_POINTS = 6000 };
@@ -355,4 +362,9 @@ static double part_make(size_t i, int turned, part *m)
     return volume;
 }
 
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT DEFAULT
+#elif defined(__GNUC__)
+#pragma GCC pop_options
+#endif
 #endif

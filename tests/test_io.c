@@ -168,16 +168,16 @@ static const bad_file bad_files[] = {
       "a.ply:10: element \"vertex\" comes twice" },
     { "a.xyz", "5\n6\n", NULL, NULL, 0, "a.xyz:2: 1 coordinate where 2 are needed" },
     { "a.xyz", "1 2\n", NULL, NULL, 3, "a.xyz:1: 2 coordinates where 3 are needed" },
-    { "a.xyz", "1 2 3\n", NULL, "4", 0, "a.xyz:1: column 4 is asked for, there are 3" },
-    { "a.xyz", "1 2 3\n", "1,9", NULL, 0, "a.xyz:1: column 9 is asked for, there are 3" },
+    { "a.xyz", "1 2 3\n", NULL, "4", 0, "a.xyz:1: column 4 is needed, there are 3" },
+    { "a.xyz", "1 2 3\n", "1,9", NULL, 0, "a.xyz:1: column 9 is needed, there are 3" },
     { "a.xyz", "1 2 3\n", "1,,3", NULL, 0, "a.xyz:1: there is no column \"\"" },
     { "a.xyz", "1 2 3\n", "1", NULL, 0, "a.xyz:1: 1 coordinate where 2 are needed" },
     { "a.xyz", "1 2 3\n", NULL, NULL, 7, "a.xyz: dimension 7 is not 2 or 3" },
     { "a.csv", "1,2,3\n4,,6\n", NULL, NULL, 0, "a.csv:2: column 2, \"\", is not a finite number" },
     { "a.csv", "1,5;2,5\n", NULL, NULL, 0,
       "a.csv:1: column 1, \"1,5\", is not a finite number (decimal commas are read on request)" },
-    { "a.csv", "x,y,z\n1,2,3\n", NULL, "mass", 0, "a.csv:2: there is no column \"mass\"" },
-    { "a.csv", "east,north\n1,2\n", "east,up", NULL, 0, "a.csv:2: there is no column \"up\"" },
+    { "a.csv", "x,y,z\n1,2,3\n", NULL, "mass", 0, "a.csv:2: there is no column \"mass\"; there are x, y, z" },
+    { "a.csv", "east,north\n1,2\n", "east,up", NULL, 0, "a.csv:2: there is no column \"up\"; there are east, north" },
     { "a.txt", "1 2 3\r4 5 6\r", NULL, NULL, 0, "a.txt: lines end with CR alone: convert them to LF or CR LF" },
     { "a.txt", "\x1f\x8b\x08 and so on", NULL, NULL, 0, "a.txt: the compressed data are damaged" },
     { "a.txt", "PK\3\4 and so on", NULL, NULL, 0,
@@ -218,7 +218,7 @@ static const bad_file bad_files[] = {
     { "a.obj", "v 0 0 0\nf 1 x/2 1\n", NULL, NULL, 0, "a.obj:2: \"x/2\" is no corner of a face" },
     { "a.obj", "v 0 0 0\nf 1 1\n", NULL, NULL, 0, "a.obj:2: a face of 2 corners" },
     { "a.obj", "vn 0 0 1\nf 1 2 3\n", NULL, NULL, 0, "a.obj:2: a face has point 1, there are 0" },
-    { "a.obj", "v 0 0 0\n", "1,name", NULL, 0, "a.obj: byte 0: there is no column \"name\"" },
+    { "a.obj", "v 0 0 0\n", "1,name", NULL, 0, "a.obj: byte 0: there is no column \"name\"; there are x, y, z" },
     { "a.off", "OFF\n", NULL, NULL, 0, "a.off:1: the line ends where the number of points should be" },
     { "a.off", "4OFF\n1 0 0\n", NULL, NULL, 0, "a.off:1: files of kind \"4OFF\" are not read" },
     { "a.off", "OFF BINARY\n1 0 0\n", NULL, NULL, 0, "a.off:1: binary OFF is not read" },
@@ -544,7 +544,7 @@ static void make_mesh(int dim, int weighted, size_t count, pbw_mesh *mesh)
 
 static void write_it(const char *name, const pbw_mesh *mesh, unsigned flags, const unsigned char *keep)
 {
-    pbwio_output output = { PBWIO_AUTO, flags, keep, NULL, NULL, NULL, NULL };
+    pbwio_output output = { PBWIO_AUTO, flags, keep, NULL, NULL, NULL, NULL, NULL, 0 };
     pbwio_error error;
     struct stat info;
     if (!CHECK(pbwio_write(in_folder(name), mesh, &output, &error) == PBWIO_OK)) {
@@ -602,6 +602,16 @@ static size_t kept_count(const pbw_mesh *mesh, const unsigned char *keep, size_t
     return count;
 }
 
+/* Area or volume of a simplex, up to a factor. */
+static double size_of(const pbw_mesh *mesh, size_t simplex)
+{
+    pbwpic__view v;
+    memset(&v, 0, sizeof v);
+    v.mesh = mesh;
+    v.half = 1;
+    return pbwpic__size(&v, simplex);
+}
+
 /* Goes through facets of the boundary of what is kept, ids from base after before numbers and before after others:
    they are facets, as many as there should be, and turn counter-clockwise seen from outside, so that they enclose the
    size of what they bound. */
@@ -626,7 +636,7 @@ static const char *check_facets(const char *at, const pbw_mesh *mesh, int before
         }
     }
     for (i = 0; i < mesh->simplex_count; i++) {
-        inside += pbwpic__size(mesh, i);
+        inside += size_of(mesh, i);
     }
     CHECK(at != NULL && inside > 0 && fabs(inside - around) <= 1e-9 * inside);
     return at;
@@ -650,7 +660,7 @@ static void check_surface(const char *name, const pbw_mesh *mesh, const unsigned
                                  : (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
     }
     for (i = 0; i < mesh->simplex_count; i++) {
-        inside += keep == NULL || keep[i] ? pbwpic__size(mesh, i) : 0;
+        inside += keep == NULL || keep[i] ? size_of(mesh, i) : 0;
     }
     CHECK(fabs(inside - around) <= tolerance * inside && inside > 0);
     for (i = 0; i < 3 * c.triangle_count && mesh->dim == 3 && strstr(name, ".stl") == NULL && keep == NULL; i++) {
@@ -927,6 +937,85 @@ static void test_refusals(void)
     pbw_free(&mesh);
 }
 
+/* How many lines follow a head in a file, up to the next line that starts with an asterisk; 0 without it. */
+static size_t lines_after(const char *data, const char *head)
+{
+    const char *at = strstr(data, head);
+    size_t count = 0;
+    for (at = at != NULL ? strchr(at, '\n') : NULL; at != NULL && at[1] != 0 && at[1] != '*'; at = strchr(at + 1, '\n')) {
+        count++;
+    }
+    return count;
+}
+
+/* Regions 0 and 7 of a mesh and three patches, one of them PBW_NONE: each a group of its own, read back whole. */
+static void test_groups(void)
+{
+    static const char *const names[] = { "a.msh", "t.msh", "a.vtu", "t.vtu", "a.inp" };
+    static const char *const groups[] = { "1 1 \"edges\"\n2 1 \"patch_0\"\n2 2 \"patch_1\"\n2 2147483647 \"hole\"\n"
+                                          "3 1 \"region_0\"\n3 8 \"region_7\"\n", "$Entities\n0 1 9 2\n" };
+    pbw_mesh mesh;
+    pbwio_output output;
+    pbwio_cloud cloud;
+    pbw_index *regions, *patches, edges[4];
+    size_t i, k, count[2] = { 0, 0 }, facets[3] = { 0, 0, 0 }, size;
+    char *data;
+    memset(&mesh, 0, sizeof mesh);
+    memset(&output, 0, sizeof output);
+    make_mesh(3, 0, 300, &mesh);
+    regions = (pbw_index *)malloc(mesh.simplex_count * sizeof *regions);
+    patches = (pbw_index *)malloc(4 * mesh.simplex_count * sizeof *patches);
+    for (i = 0; i < mesh.simplex_count; i++) {
+        regions[i] = mesh.points[3 * mesh.simplices[4 * i]] < 0 ? 0 : 7;
+        count[regions[i] == 7]++;
+    }
+    for (i = 0; i < 4 * mesh.simplex_count; i++) {
+        const pbw_index n = mesh.neighbors[i];
+        const size_t patch = n == PBW_NONE ? i % 3 : i / 4 < n ? i / 4 % 3 : n % 3;
+        patches[i] = patch == 2 ? PBW_NONE : (pbw_index)patch;
+        facets[patch] += n == PBW_NONE || regions[i / 4] < regions[n];
+    }
+    for (i = 0; i < 4; i++) {
+        edges[i] = mesh.simplices[i % 3];
+    }
+    output.regions = regions;
+    output.patches = patches;
+    output.edges = edges;
+    output.edge_count = 2;
+    for (i = 0; i < 5; i++) {
+        output.flags = names[i][0] == 't' ? PBWIO_TEXT : 0;
+        CHECK(pbwio_write(in_folder(names[i]), &mesh, &output, NULL) == PBWIO_OK);
+        if (i < 4 && CHECK(pbwio_read(in_folder(names[i]), NULL, &cloud, NULL) == PBWIO_OK)) {
+            CHECK(cloud.count == mesh.point_count
+                  && memcmp(cloud.points, mesh.points, 24 * mesh.point_count) == 0);
+            CHECK(cloud.tetrahedron_count == mesh.simplex_count
+                  && cloud.triangle_count == facets[0] + facets[1] + facets[2]);
+            pbwio_free(&cloud);
+        }
+    }
+    data = read_all("t.msh", &size);
+    CHECK(strstr(data, groups[0]) != NULL && strstr(data, groups[1]) != NULL);
+    free(data);
+    data = read_all("a.inp", &size);
+    CHECK(lines_after(data, "ELSET=region_0") == count[0] && lines_after(data, "ELSET=region_7") == count[1]);
+    CHECK(lines_after(data, "NAME=patch_0") == facets[0] && lines_after(data, "NAME=patch_1") == facets[1]);
+    CHECK(lines_after(data, "NAME=hole") == facets[2] && lines_after(data, "NSET=edges") == 3);
+    free(data);
+    for (k = 1; k < 5; k++) {
+        output.format = k < 3 ? PBWIO_MSH : PBWIO_INP;
+        fail_at = k < 3 ? k : k - 1;
+        requests = 0;
+        CHECK(pbwio_write(in_folder("a.out"), &mesh, &output, NULL) == PBWIO_ERROR_MEMORY && held == 0);
+        fail_at = 0;
+    }
+    for (i = 0; i < 5; i++) {
+        unlink(in_folder(names[i]));
+    }
+    free(regions);
+    free(patches);
+    pbw_free(&mesh);
+}
+
 /* A file-size limit stands for a full disk: the old file stays, and nothing else. */
 static void test_full_disk(void)
 {
@@ -944,7 +1033,7 @@ static void test_full_disk(void)
     getrlimit(RLIMIT_FSIZE, &old);
     small = old;
     for (i = 0; i < 6; i++) {
-        pbwio_output output = { formats[i % 5], 0, NULL, NULL, NULL, NULL, NULL };
+        pbwio_output output = { formats[i % 5], 0, NULL, NULL, NULL, NULL, NULL, NULL, 0 };
         pbwio_status status;
         small.rlim_cur = i < 3 ? 5000 : 1;
         setrlimit(RLIMIT_FSIZE, &small);
@@ -957,13 +1046,13 @@ static void test_full_disk(void)
     }
     unlink(in_folder("a.out"));
     if (access("/dev/full", W_OK) == 0) {
-        pbwio_output output = { PBWIO_VTU, 0, NULL, NULL, NULL, NULL, NULL };
+        pbwio_output output = { PBWIO_VTU, 0, NULL, NULL, NULL, NULL, NULL, NULL, 0 };
         CHECK(pbwio_write("/dev/full", &mesh, &output, &error) == PBWIO_ERROR_FILE);
         CHECK(strcmp(error.text, "/dev/full: No space left on device") == 0);
         CHECK(stat("/dev/full", &info) == 0 && S_ISCHR(info.st_mode) && stat("/dev/full.part", &info) != 0);
     }
     for (k = 1; k < 10; k++) {
-        pbwio_output output = { k < 5 ? PBWIO_OBJ : PBWIO_INP, PBWIO_NO_ORPHANS, NULL, NULL, NULL, NULL, NULL };
+        pbwio_output output = { k < 5 ? PBWIO_OBJ : PBWIO_INP, PBWIO_NO_ORPHANS, NULL, NULL, NULL, NULL, NULL, NULL, 0 };
         pbwio_status status;
         fail_at = k < 5 ? k : k - 4;
         requests = 0;
@@ -974,21 +1063,30 @@ static void test_full_disk(void)
     pbw_free(&mesh);
 }
 
+/* Also where squares, or even differences, of coordinates over- or underflow. */
 static void test_pictures(void)
 {
-    int dim;
-    for (dim = 2; dim <= 3; dim++) {
+    static const double scales[4] = { 1, 1e300, 1e-300, 1.7e308 };
+    int k;
+    for (k = 0; k < 8; k++) {
+        const int dim = 2 + k / 4;
+        const double scale = scales[k % 4];
+        double points[600];
         pbw_mesh mesh;
-        size_t size, paths = 0;
+        size_t size, paths = 0, i;
         char *data, *at;
         memset(&mesh, 0, sizeof mesh);
-        make_mesh(dim, 0, 200, &mesh);
+        for (i = 0; i < 200 * (size_t)dim; i++) {
+            points[i] = scale * (2 * unit_random() - 1);
+        }
+        CHECK(pbw_triangulate(dim, points, NULL, 200, NULL, &mesh) == PBW_OK);
         CHECK(pbwpic_write(in_folder("a.svg"), &mesh, NULL, NULL) == PBWIO_OK);
         data = read_all("a.svg", &size);
         for (at = data; (at = strstr(at, "<path ")) != NULL; at++) {
             paths++;
         }
         CHECK(strncmp(data, "<svg ", 5) == 0 && strcmp(data + size - 7, "</svg>\n") == 0);
+        CHECK(strstr(data, "nan") == NULL && strstr(data, "inf") == NULL);
         CHECK(dim == 2 ? paths == mesh.simplex_count : paths > 20 && paths < mesh.simplex_count);
         free(data);
         pbw_free(&mesh);
@@ -1279,7 +1377,7 @@ int main(int argc, char **argv)
         { "columns, weights and dimensions", test_choices }, { "bad files", test_bad_files },
         { "every truncation", test_truncations }, { "every flipped bit", test_flips },
         { "memory runs out", test_no_memory }, { "long lines", test_long }, { "a small stack", test_stack },
-        { "what writers refuse", test_refusals }, { "a full disk", test_full_disk }, { "pictures", test_pictures },
+        { "what writers refuse", test_refusals }, { "groups", test_groups }, { "a full disk", test_full_disk }, { "pictures", test_pictures },
         { "models with normals", test_models }
     };
     size_t i;

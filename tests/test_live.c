@@ -760,7 +760,7 @@ static void test_wrong(void)
                 continue;
             }
             for (i = 0; i < tries && test_faults == 0; i++) {
-                const int kind = (int)(i / 8) % KINDS;
+                const int kind = (int)(i / 9) % KINDS;
                 model m, all;
                 pbw_mesh mesh;
                 double *points;
@@ -772,16 +772,17 @@ static void test_wrong(void)
                     pbw_index *simplices = (pbw_index *)(uintptr_t)mesh.simplices;
                     pbw_index *neighbors = (pbw_index *)(uintptr_t)mesh.neighbors;
                     const pbw_index old = simplices[at];
-                    switch (i % 8) {
+                    switch (i % 9) {
                     case 0: simplices[at] = simplices[other]; break;
                     case 1: simplices[at] = input_below(&m.state, 100); break;
                     case 2: neighbors[at] = neighbors[other]; break;
                     case 3: neighbors[at] = PBW_NONE - input_below(&m.state, 3); break;
                     case 4:                             /* inside out */
-                        simplices[at] = simplices[at ^ 1];
-                        simplices[at ^ 1] = old;
+                        simplices[at] = simplices[at > 0 ? at - 1 : 1];
+                        simplices[at > 0 ? at - 1 : 1] = old;
                         break;
                     case 5: mesh.simplex_count -= mesh.simplex_count / 2; break;
+                    case 8: ((pbw_index *)(uintptr_t)mesh.incident)[old] = other / (uint32_t)(dim + 1); break;
                     case 6:                             /* a point elsewhere: no fault of the arrays alone */
                         model_point(&m, kind, m.points + 3 * old);
                         memcpy((double *)(uintptr_t)mesh.points + old * (pbw_index)dim, m.points + 3 * old,
@@ -844,14 +845,16 @@ static size_t depths_verdicts(pbw_live *live, double scale)
     return verdicts;
 }
 
-/* Points on a small lattice, at several scales: whole, or beside it by a few roundings or more. */
+/* Points on a small lattice, at several scales: whole, or beside it by a few roundings or more.  From kind 64 on they
+   are a small part of a box so large that the scale of depths by an orientation is denormal. */
 static void test_depths(void)
 {
     enum { COUNT = 400 };
     int dim, kind;
     for (dim = 2; dim <= 3 && pbw__simd_works(); dim++) {
-        for (kind = 0; kind < 64 && test_begin("depths in %dD, kind %d", dim, kind); kind++) {
-            const double scale = ldexp(1, kind % 4 * 120 - 200), noise = ldexp(1, -(kind % 8) * 7);
+        for (kind = 0; kind < 72 && test_begin("depths in %dD, kind %d", dim, kind); kind++) {
+            const int far = kind >= 64, large = far ? (dim == 2 ? 250 : 165) : kind % 4 * 120 - 200;
+            const double scale = ldexp(1, large), noise = ldexp(1, far ? -1 - kind % 8 : -(kind % 8) * 7);
             double points[3 * COUNT], weights[COUNT];
             uint64_t state = (uint64_t)kind + 1;
             pbw_live *live = NULL;
@@ -871,8 +874,8 @@ static void test_depths(void)
                 const double nudge = noise * ldexp(input_uniform(&state) - 0.5, -(int)input_below(&state, 40));
                 live->core.record[i] += i % ((size_t)dim + 1) < (size_t)dim ? scale * nudge : 0;
             }
-            verdicts = depths_verdicts(live, pow(scale, -dim));
-            CHECK(noise < 1e-6 || scale < 1e-25 || verdicts > 0);
+            verdicts = depths_verdicts(live, far ? ldexp(1, -572) : pow(scale, -dim));
+            CHECK(far || noise < 1e-6 || scale < 1e-25 || verdicts > 0);
             pbw_live_free(live);
             test_end();
         }

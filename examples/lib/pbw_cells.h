@@ -98,6 +98,8 @@ typedef struct pbw_cells {                 /* start from {0}; read, do not write
    cross nor overlap; they may touch at corners, but not where cells meet.  Coordinates of its corners and of points
    must be 0 or 1e-57 to 1e60 in size, weights 0 or within the squares of those.  Cells that it only touches are
    empty.  Needs mesh->neighbors.
+   Volumes are right where the box of the points and the domain are 1e-57 to 1e60 in size: beyond, products of
+   coordinates over- or underflow, and cells lose volume without a word.
    A mesh of PBW_DEGENERATE points gives PBW_DEGENERATE and empty cells.  Fails as pbw_triangulate does, with
    PBW_ERROR_ARGUMENT also for a domain that is unbounded or empty, or periodic, and where rings that cross are found
    out, which is not certain; cells is then left empty. */
@@ -124,6 +126,12 @@ PBWCELLSDEF void pbw_cells_free(pbw_cells *cells);           /* fine on {0}, fin
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#ifdef __linux__
+#include <sys/mman.h>
+#ifndef __cplusplus
+extern int madvise(void *address, size_t length, int advice);    /* strict C modes hide it */
+#endif
+#endif
 
 #if defined(__GNUC__)
 #define PBWC__ADD(x, y) __atomic_add_fetch(x, y, __ATOMIC_RELAXED)
@@ -138,8 +146,18 @@ PBWCELLSDEF void pbw_cells_free(pbw_cells *cells);           /* fine on {0}, fin
 /* Compiled for each dimension, where the compiler can. */
 #if defined(__GNUC__)
 #define PBWC__INLINE inline __attribute__((always_inline))
+#define PBWC__PREFETCH(x) __builtin_prefetch(x)
 #else
 #define PBWC__INLINE
+#define PBWC__PREFETCH(x) ((void)(x))
+#endif
+
+/* Contraction off: other coordinates would come out where a compiler fuses. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC push_options
+#pragma GCC optimize("fp-contract=off")
 #endif
 
 /* ------------------------------------------------------------------------------------------------------
@@ -923,6 +941,13 @@ static PBWC__INLINE pbw_index pbwc__across(const pbw_mesh *mesh, pbw_index simpl
     return mesh->neighbors[4 * (size_t)simplex + place];
 }
 
+static PBWC__INLINE void pbwc__prefetch(const pbw_mesh *mesh, pbw_index simplex)
+{
+    const size_t at = simplex < mesh->simplex_count ? 4 * (size_t)simplex : 0;
+    PBWC__PREFETCH(mesh->simplices + at);
+    PBWC__PREFETCH(mesh->neighbors + at);
+}
+
 /* The corner that is left; others: three of the corners, xor'ed. */
 static PBWC__INLINE pbw_index pbwc__fourth(const pbw_mesh *mesh, pbw_index simplex, pbw_index others)
 {
@@ -992,6 +1017,7 @@ static PBWC__INLINE int pbwc__walk(pbwc__work *work, pbw_index u, pbw_index at[3
     memcpy(ring->last, ring->first, sizeof ring->last);
     for (;;) {
         next = pbwc__across(mesh, simplex, p);
+        pbwc__prefetch(mesh, pbwc__across(mesh, simplex, u));    /* other rings will come there */
         if (!pbwc__push(work->memory, &work->rings, simplex)
             || (!pbwc__is_known(&work->numbers, q) && !pbwc__new_link3(work, q, simplex, u, p))) {
             return -1;
@@ -1655,8 +1681,11 @@ static int pbwc__loop3(pbwc__work *work, const pbwc__link *link)
     if (out == NULL) {
         return 0;
     }
-    for (i = 0; i < link->count; i++) {              /* no corner twice in a row */
-        out[count] = merged != NULL ? merged[ring[i]] : ring[i];
+    for (i = 0; merged == NULL && i < link->count; i++) {
+        out[count++] = ring[i];
+    }
+    for (i = 0; merged != NULL && i < link->count; i++) {        /* no corner twice in a row */
+        out[count] = merged[ring[i]];
         count += count == 0 || out[count] != out[count - 1];
     }
     loops->count += count;
@@ -3509,11 +3538,30 @@ PBWCELLSDEF void pbw_cells_free(pbw_cells *cells)
     }
 }
 
+/* Advises huge pages for a large array, with the pages at its ends; faults page by page cost a fifth of the cells.
+   Memory of the caller's allocator is left alone. */
+static void pbwc__advise(const pbwc__memory *memory, const pbwc__array *array)
+{
+#ifdef __linux__
+    const size_t page = 4096, skip = (size_t)(uintptr_t)array->data % page;
+    if (memory->resize == pbwc__default_resize && array->bytes >= (size_t)1 << 20) {
+        (void)madvise((char *)array->data - skip, (skip + array->bytes + page - 1) / page * page, 14);
+    }
+#else
+    (void)memory;
+    (void)array;
+#endif
+}
+
 /* An array of the result; at least one byte, so that NULL means: no memory. */
 static void *pbwc__own(pbwc__job *job, int which, size_t count, size_t size)
 {
-    pbwc__owned *owned = (pbwc__owned *)job->cells->memory;
-    return pbwc__resize(&job->memory, owned->array + which, count * size + 1) ? owned->array[which].data : NULL;
+    pbwc__array *array = ((pbwc__owned *)job->cells->memory)->array + which;
+    if (!pbwc__resize(&job->memory, array, count * size + 1)) {
+        return NULL;
+    }
+    pbwc__advise(&job->memory, array);
+    return array->data;
 }
 
 static void pbwc__place_ranges(pbwc__joining *joining, size_t ranges, size_t *sums)
@@ -4348,4 +4396,9 @@ PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const d
     return status;
 }
 
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT DEFAULT
+#elif defined(__GNUC__)
+#pragma GCC pop_options
+#endif
 #endif /* PBW_CELLS_IMPLEMENTATION */

@@ -147,9 +147,9 @@ typedef struct pbw_improve_report {
 } pbw_improve_report;
 
 /* Improves a mesh; how, options and report may be NULL.  better: overwritten, left empty on failure.  Of options, it
-   uses resize, memory_limit, progress (PBW_STAGE_WORK) and message.  Returns PBW_ERROR_ARGUMENT for ids out of range,
-   a tetrahedron with a corner twice, more than two tetrahedra at a facet, or two on one side of it: options.message
-   says which. */
+   uses threads, run, resize, memory_limit, progress (PBW_STAGE_WORK) and message.  Returns PBW_ERROR_ARGUMENT for a
+   target or smoother out of range, sizes that are not above 0, ids out of range, a tetrahedron with a corner twice,
+   more than two tetrahedra at a facet, or two on one side of it: options.message says which size, id or facet. */
 PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_options *how,
                                      const pbw_options *options, pbw_tets *better, pbw_improve_report *report);
 PBWIMPROVEDEF double pbw_tet_measure(pbw_measure measure, const double a[3], const double b[3], const double c[3],
@@ -175,6 +175,14 @@ PBWIMPROVEDEF void pbw_tets_free(pbw_tets *mesh);            /* fine on {0}, fin
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+
+/* Contraction off: other coordinates would come out where a compiler fuses. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC push_options
+#pragma GCC optimize("fp-contract=off")
+#endif
 
 /* ------------------------------------------------------------------------------------------------------
    Measures.
@@ -3156,4 +3164,9 @@ PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_opt
     return status;
 }
 
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT DEFAULT
+#elif defined(__GNUC__)
+#pragma GCC pop_options
+#endif
 #endif /* PBW_IMPROVE_IMPLEMENTATION */

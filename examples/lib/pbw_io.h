@@ -73,7 +73,12 @@
      .msh and .msh2, references 2 and 1 in .mesh, ELSET and SURFACE (with an NSET of its points) in .inp, a marker in
      .su2, marks 1 in .face, .edge and .node.
      Regions and patches, r and p, where the caller has them, are the second tags r + 1 and p + 1 in .msh2, references
-     r + 2 and p + 1 in .mesh, the attribute r + 1 in .ele and the mark p + 1 in .face; other formats have none.
+     r + 2 and p + 1 in .mesh, the attribute r + 1 in .ele and the mark p + 1 in .face.  In .msh they are physical
+     groups r + 1, "region_r", and p + 1, "patch_p", with an entity for each region and for each patch between two
+     regions; in .inp an ELSET "region_r", a SURFACE and an NSET "patch_p"; in .vtu arrays of the cells, region and
+     patch (-1: none), the facets after the simplices if there are patches.  The formats of this sentence hold the
+     facets between regions, too: without patches as the group "interface", 2; and feature edges, the group "edges"
+     of .msh, the NSET "edges" of .inp.  Other formats have none of it.
      Points keep their ids, so a file can hold points that are corners of nothing: duplicates and hidden points.
      PBWIO_NO_ORPHANS leaves those out and numbers the rest anew (solvers want that); .inp and .su2 always do.
      .obj .stl .ply .off of a hull hold the corners of the hull only.
@@ -124,7 +129,7 @@ typedef struct pbwio_cloud {           /* start from {0}; pbwio_free when done *
     int dim;                           /* 2 or 3 coordinates a point */
     size_t count;
     double *points;                    /* count*dim, all finite */
-    double *weights;                   /* count, or NULL if no weight column was asked for */
+    double *weights;                   /* count, or NULL without pbwio_options.weight */
     size_t triangle_count;             /* faces of a model, polygons cut into fans; 0 for tables and .node */
     pbw_index *triangles;              /* triangle_count*3 ids of points, each < count */
     size_t tetrahedron_count;          /* of .ele .msh .mesh .vtu; their triangles are faces as above */
@@ -153,6 +158,8 @@ typedef struct pbwio_output {          /* NULL or all zero = best defaults */
     const char *value_name;            /* its name, NULL = "value" */
     const pbw_index *regions;          /* one a simplex: see the conventions; NULL = 0 */
     const pbw_index *patches;          /* one a corner of a simplex, of the facet across from it; NULL = 0 */
+    const pbw_index *edges;            /* of a mesh in space: feature edges, two points each; NULL = none */
+    size_t edge_count;
 } pbwio_output;
 
 /* Reads a file; "-" is the standard input.  cloud: overwritten (what it held is not freed), left empty on failure. */
@@ -906,6 +913,21 @@ static int pbwio__find(const pbwio__field *names, int count, const char *name, s
     return pbwio__natural(wanted, &number) && number >= 1 && number <= 1000000 ? (int)number - 1 : -1;
 }
 
+/* Says that a name is none of those that there are, of which it names some. */
+static void pbwio__no_column(pbwio__reader *r, const char *name, size_t length, const pbwio__field *names, int count)
+{
+    char text[200] = "";
+    size_t used = 0;
+    int i;
+    for (i = 0; i < count && used < sizeof text - 48; i++) {
+        const int size = (int)(names[i].end - names[i].begin);
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%.*s", i == 0 ? "; there are " : ", ",
+                                 size < 40 ? size : 40, names[i].begin);
+    }
+    pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "there is no column \"%.*s\"%s%s", length < 40 ? (int)length : 40, name,
+                text, i < count ? ", ..." : "");
+}
+
 /* Decides which columns are x, y, z and the weight.  names: of the columns, name_count of them, NULL = x y z;
    column_count: how many columns a row has, 0 = three or more, the rows will tell. */
 static void pbwio__choose(pbwio__reader *r, const pbwio__field *names, int name_count, int column_count)
@@ -922,15 +944,14 @@ static void pbwio__choose(pbwio__reader *r, const pbwio__field *names, int name_
     }
     names = names == NULL ? xyz : names;
     if (o->weight != NULL && (weight = pbwio__find(names, name_count, o->weight, strlen(o->weight))) < 0) {
-        pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "there is no column \"%.40s\"", o->weight);
+        pbwio__no_column(r, o->weight, strlen(o->weight), names, name_count);
     }
     if (o->columns != NULL) {
         for (s = o->columns; dim < 3; s++) {
             size_t length = strcspn(s, ",");
             column[dim] = pbwio__find(names, name_count, s, length);
             if (column[dim++] < 0) {
-                pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "there is no column \"%.*s\"", length < 40 ? (int)length : 40,
-                            s);
+                pbwio__no_column(r, s, length, names, name_count);
             }
             s += length;
             if (*s == 0) {
@@ -963,7 +984,7 @@ static void pbwio__choose(pbwio__reader *r, const pbwio__field *names, int name_
         r->last_column = column[k] > r->last_column ? column[k] : r->last_column;
     }
     if (column_count != 0 && r->last_column >= column_count) {
-        pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "column %d is asked for, there are %d", r->last_column + 1,
+        pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "column %d is needed, there are %d", r->last_column + 1,
                     column_count);
     }
 }
@@ -2700,6 +2721,11 @@ static void pbwio__read_json(pbwio__reader *r)
      |       ends a line within a row
      [c ..]  is there if the condition c holds (pbwio__holds)
    ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwio__item {                 /* a facet, or a simplex, of a group */
+    pbw_index patch, inside, outside;        /* regions on both sides, PBW_NONE outside */
+    size_t simplex, k, cell, end;            /* as in the writer; of the first of a group: where that ends */
+} pbwio__item;
+
 typedef struct pbwio__writer {
     const pbw_mesh *mesh;
     const double *normals;                   /* 3 a point, or NULL */
@@ -2717,6 +2743,8 @@ typedef struct pbwio__writer {
     size_t point, simplex, k;                /* the row at hand: its point, or its simplex and which facet of that,
                                                 k = corners: the simplex itself */
     size_t cell, element;                    /* simplices, and simplices and facets, that came before it */
+    pbwio__item *items;                      /* facets, then simplices, in groups; NULL: there are none */
+    size_t edge_count;
     size_t used;
     char buffer[16384];
 } pbwio__writer;
@@ -2872,7 +2900,7 @@ static unsigned char *pbwio__touched(pbwio__writer *w, int facets)
 /* Numbers the points that the file will hold, the corners of what is written; returns whether there is memory. */
 static int pbwio__number_points(pbwio__writer *w, int facets)
 {
-    size_t i, size = (w->mesh->point_count + 1) * sizeof *w->number;
+    size_t i, size = (w->mesh->point_count + 1) * sizeof *w->number * (w->items != NULL ? 2 : 1);
     unsigned char *touched = pbwio__touched(w, facets);
     w->number = touched != NULL ? (pbw_index *)PBWIO_REALLOC(NULL, size) : NULL;
     w->point_count = 0;
@@ -2955,7 +2983,7 @@ static void pbwio__element_numbers(pbwio__writer *w, char which)
     const pbw_mesh *mesh = w->mesh;
     size_t i, n;
     double row[4][3];
-    pbw_index corner[4];
+    pbw_index corner[4], patch;
     switch (which) {
         /* its number among both, its points, the same with their normals */
         case 'j': pbwio__int(w, (long long)(w->element + w->base), 8); break;
@@ -2990,8 +3018,8 @@ static void pbwio__element_numbers(pbwio__writer *w, char which)
         /* of a facet: the number of its simplex, which facet of that it is */
         case 'p': pbwio__int(w, (long long)(w->cell + w->base), 8); break;
         case 'k': pbwio__int(w, w->corners == 4 ? side3[w->k] : side2[w->k], 4); break;
-        /* of a simplex: neighbours, across from the corners, -1 = the hull; quality; the caller's value; where its
-           corners end in a list of all; its type in VTK */
+        /* of a simplex: neighbours, across from the corners, -1 = the hull; quality; the caller's value.  Where its
+           corners end in a list of all, facets after simplices; its type in VTK */
         case 'g':
             for (i = 0; i < w->corners; i++) {
                 pbw_index other = mesh->neighbors[w->corners * w->simplex + i];
@@ -3000,8 +3028,17 @@ static void pbwio__element_numbers(pbwio__writer *w, char which)
             break;
         case 'q': pbwio__real(w, pbwio__quality(mesh, w->simplex)); break;
         case 'u': pbwio__real(w, w->output->values[w->simplex]); break;
-        case 'a': pbwio__int(w, (long long)((w->cell + 1) * w->corners), 8); break;
-        case 't': pbwio__int(w, w->corners == 4 ? 10 : 5, 1); break;
+        case 'a':
+            pbwio__int(w, (long long)(w->k == w->corners ? (w->cell + 1) * w->corners
+                                      : w->cell_count + (w->element + 1) * (w->corners - 1)), 8);
+            break;
+        case 't': pbwio__int(w, w->k == w->corners ? (w->corners == 4 ? 10 : 5) : w->corners == 4 ? 5 : 3, 1); break;
+        /* its region; of a facet: its patch, -1 if it has none */
+        case 'G': pbwio__int(w, (long long)w->output->regions[w->simplex], 4); break;
+        case 'S':
+            patch = w->k < w->corners ? w->output->patches[w->corners * w->simplex + w->k] : PBW_NONE;
+            pbwio__int(w, patch == PBW_NONE ? -1 : (long long)patch, 8);
+            break;
     }
 }
 
@@ -3146,6 +3183,343 @@ static void pbwio__fill_in(pbwio__writer *w, const char *form)
     w->text = !w->binary;
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   Groups: regions and patches as entities of their own, in .msh, .inp and .vtu.
+   In: the caller's regions, patches and edges.  Out: items, sorted, so that each group is a run of them.
+   ------------------------------------------------------------------------------------------------------ */
+
+static int pbwio__compare_items(const void *a, const void *b)
+{
+    const pbwio__item *x = (const pbwio__item *)a, *y = (const pbwio__item *)b;
+    return x->patch != y->patch ? (x->patch > y->patch) - (x->patch < y->patch)
+         : x->inside != y->inside ? (x->inside > y->inside) - (x->inside < y->inside)
+         : x->outside != y->outside ? (x->outside > y->outside) - (x->outside < y->outside)
+         : x->cell != y->cell ? (x->cell > y->cell) - (x->cell < y->cell) : (x->k > y->k) - (x->k < y->k);
+}
+
+/* Fills in facet k of the simplex at hand, or the simplex itself, k = corners; returns whether it is written: facets
+   on the hull, and those to a simplex of a higher region. */
+static int pbwio__make_item(const pbwio__writer *w, size_t k, pbwio__item *item)
+{
+    const pbwio_output *output = w->output;
+    const size_t at = w->corners * w->simplex + k;
+    const int facet = k < w->corners, hull = facet && pbwio__on_hull(w, w->simplex, k);
+    item->simplex = w->simplex;
+    item->k = k;
+    item->cell = w->cell;
+    item->inside = output->regions != NULL ? output->regions[w->simplex] : 0;
+    item->outside = PBW_NONE;
+    item->patch = !facet ? 0 : output->patches != NULL ? output->patches[at] : !hull;
+    if (facet && !hull) {
+        if (output->regions == NULL || w->mesh->neighbors == NULL) {
+            return 0;
+        }
+        item->outside = output->regions[w->mesh->neighbors[at]];
+    }
+    return !facet || hull || item->inside < item->outside;
+}
+
+/* Sorts items, and tells the first of each run where that ends. */
+static void pbwio__sort_items(pbwio__item *items, size_t from, size_t to)
+{
+    size_t i, first;
+    if (from < to) {
+        qsort(items + from, to - from, sizeof *items, pbwio__compare_items);
+    }
+    for (first = i = from; i < to; i++) {
+        if (items[i].patch != items[first].patch || items[i].inside != items[first].inside
+            || items[i].outside != items[first].outside) {
+            first = i;
+        }
+        items[first].end = i + 1;
+    }
+}
+
+/* Lists and sorts facets and simplices; returns whether there is memory. */
+static int pbwio__list_items(pbwio__writer *w)
+{
+    const size_t room = w->cell_count * (w->corners + 1);
+    pbwio__item item;
+    size_t facets = 0, k;
+    int fill;
+    for (fill = 0; fill < 2; fill++) {
+        if (fill) {
+            w->items = room < (size_t)-1 / sizeof item
+                     ? (pbwio__item *)PBWIO_REALLOC(NULL, (facets + w->cell_count + 1) * sizeof item) : NULL;
+            if (w->items == NULL) {
+                return 0;
+            }
+            w->facet_count = facets;
+            facets = 0;
+        }
+        pbwio__rewind(w);
+        while (pbwio__step(w, 0)) {
+            for (k = 0; k <= w->corners; k++) {
+                const int is = pbwio__make_item(w, k, &item);
+                if (is && fill) {
+                    w->items[k < w->corners ? facets : w->facet_count + w->cell] = item;
+                }
+                facets += is && k < w->corners;
+            }
+        }
+    }
+    pbwio__sort_items(w->items, 0, facets);
+    pbwio__sort_items(w->items, facets, facets + w->cell_count);
+    return 1;
+}
+
+/* Where the run of items that starts at i ends; whole: of one patch, whatever its regions. */
+static size_t pbwio__run(const pbwio__writer *w, size_t i, int whole)
+{
+    const size_t end = i < w->facet_count ? w->facet_count : w->facet_count + w->cell_count;
+    const pbw_index patch = w->items[i].patch;
+    do {
+        i = w->items[i].end;
+    } while (whole && i < end && w->items[i].patch == patch);
+    return i;
+}
+
+static size_t pbwio__runs(const pbwio__writer *w, size_t i, size_t end, int whole)
+{
+    size_t count = 0;
+    for (; i < end; i = pbwio__run(w, i, whole)) {
+        count++;
+    }
+    return count;
+}
+
+/* The number and the name of the group that an item is in. */
+static int pbwio__group(const pbwio__writer *w, const pbwio__item *item, char name[32])
+{
+    const int facet = item->k < w->corners, given = (facet ? w->output->patches : w->output->regions) != NULL;
+    const pbw_index number = facet ? item->patch : item->inside;
+    if (!given) {
+        strcpy(name, !facet ? "domain" : number == 0 ? "boundary" : "interface");
+        return facet ? (int)number + 1 : 2;
+    }
+    if (number >= 0x7ffffffe) {
+        strcpy(name, facet ? "hole" : "none");
+        return 0x7fffffff;
+    }
+    sprintf(name, facet ? "patch_%lu" : "region_%lu", (unsigned long)number);
+    return (int)number + 1;
+}
+
+/* Whether edge i of the caller's is in the file. */
+static int pbwio__has_edge(const pbwio__writer *w, size_t i)
+{
+    const pbw_index *edge = w->output->edges + 2 * i;
+    return w->number == NULL || (w->number[edge[0]] != PBW_NONE && w->number[edge[1]] != PBW_NONE);
+}
+
+/* Rows of the items from i on, before end. */
+static void pbwio__item_rows(pbwio__writer *w, size_t i, size_t end, const char *row)
+{
+    w->text = !w->binary;
+    for (; i < end; i++, w->element++) {
+        w->simplex = w->items[i].simplex;
+        w->k = w->items[i].k;
+        w->cell = w->items[i].cell;
+        pbwio__row(w, row);
+    }
+}
+
+static void pbwio__msh_names(pbwio__writer *w)
+{
+    const size_t facets = w->facet_count, all = facets + w->cell_count;
+    char name[32];
+    size_t i;
+    int number;
+    pbwio__print(w, "$PhysicalNames\n%zu\n", (size_t)(w->edge_count > 0) + pbwio__runs(w, 0, facets, 1)
+                 + pbwio__runs(w, facets, all, 0));
+    if (w->edge_count > 0) {
+        pbwio__print(w, "1 1 \"edges\"\n");
+    }
+    for (i = 0; i < all; i = pbwio__run(w, i, i < facets)) {
+        number = pbwio__group(w, w->items + i, name);
+        pbwio__print(w, "%d %d \"%s\"\n", (int)w->dim - (i < facets), number, name);
+    }
+    pbwio__print(w, "$EndPhysicalNames\n");
+}
+
+/* An entity: tag, box, one physical group; the caller adds what bounds it. */
+static void pbwio__msh_entity(pbwio__writer *w, int tag, const double box[6], int group)
+{
+    int k;
+    pbwio__int(w, tag, 4);
+    for (k = 0; k < 6; k++) {
+        pbwio__real(w, box[k]);
+    }
+    pbwio__int(w, 1, 8);
+    pbwio__int(w, group, 4);
+}
+
+/* The entities that bound a region: those of facets with it on a side, negative where they turn into it. */
+static void pbwio__msh_bounds(pbwio__writer *w, pbw_index region)
+{
+    size_t i, count = 0;
+    int pass, tag;
+    for (pass = 0; pass < 2; pass++) {
+        if (pass == 1) {
+            pbwio__int(w, (long long)count, 8);
+        }
+        for (i = 0, tag = 1; i < w->facet_count; i = pbwio__run(w, i, 0), tag++) {
+            const int inside = w->items[i].inside == region, outside = w->items[i].outside == region;
+            count += inside || outside;
+            if (pass == 1 && (inside || outside)) {
+                pbwio__int(w, inside ? tag : -tag, 4);
+            }
+        }
+    }
+    pbwio__end_line(w);
+}
+
+static void pbwio__msh_entities(pbwio__writer *w)
+{
+    const size_t facets = w->facet_count, all = facets + w->cell_count;
+    const size_t surfaces = pbwio__runs(w, 0, facets, 0), regions = pbwio__runs(w, facets, all, 0);
+    char name[32];
+    double box[6];
+    size_t i;
+    int tag;
+    for (i = 0; i < 6; i++) {
+        box[i] = pbwio__extreme(w, i % 3, i < 3 ? 1 : -1);
+    }
+    pbwio__print(w, "$Entities\n");
+    w->text = !w->binary;
+    pbwio__int(w, 0, 8);
+    pbwio__int(w, (long long)(w->dim == 2 ? surfaces : w->edge_count > 0), 8);
+    pbwio__int(w, (long long)(w->dim == 2 ? regions : surfaces), 8);
+    pbwio__int(w, (long long)(w->dim == 2 ? 0 : regions), 8);
+    pbwio__end_line(w);
+    if (w->edge_count > 0) {
+        pbwio__msh_entity(w, 1, box, 1);
+        pbwio__int(w, 0, 8);
+        pbwio__end_line(w);
+    }
+    for (i = 0, tag = 1; i < facets; i = pbwio__run(w, i, 0), tag++) {
+        pbwio__msh_entity(w, tag, box, pbwio__group(w, w->items + i, name));
+        pbwio__int(w, 0, 8);
+        pbwio__end_line(w);
+    }
+    for (i = facets; i < all; i = pbwio__run(w, i, 0)) {
+        tag = pbwio__group(w, w->items + i, name);
+        pbwio__msh_entity(w, tag, box, tag);
+        pbwio__msh_bounds(w, w->items[i].inside);
+    }
+    w->text = 1;
+    pbwio__print(w, "%s$EndEntities\n$Nodes\n", w->binary ? "\n" : "");
+    w->text = !w->binary;
+}
+
+/* The head of a block of elements or, with type 0, of points. */
+static void pbwio__msh_block(pbwio__writer *w, int dim, int tag, int type, size_t count)
+{
+    w->text = !w->binary;
+    pbwio__int(w, dim, 4);
+    pbwio__int(w, tag, 4);
+    pbwio__int(w, type, 4);
+    pbwio__int(w, (long long)count, 8);
+    pbwio__end_line(w);
+}
+
+static void pbwio__msh_edges(pbwio__writer *w)
+{
+    size_t i, k;
+    if (w->edge_count > 0) {
+        pbwio__msh_block(w, 1, 1, 1, w->edge_count);
+    }
+    for (i = 0; i < w->output->edge_count && w->edge_count > 0; i++) {
+        if (pbwio__has_edge(w, i)) {
+            pbwio__int(w, (long long)(w->element++ + w->base), 8);
+            for (k = 0; k < 2; k++) {
+                pbwio__int(w, pbwio__number_of(w, w->output->edges[2 * i + k]), 8);
+            }
+            pbwio__end_line(w);
+        }
+    }
+}
+
+/* .msh with groups: every point is in the first region's entity. */
+static void pbwio__write_msh(pbwio__writer *w)
+{
+    const size_t facets = w->facet_count, all = facets + w->cell_count;
+    const int dim = (int)w->dim;
+    char name[32];
+    size_t i, end;
+    int tag;
+    pbwio__fill_in(w, "$MeshFormat\n4.1 [t0][b1] 8\n[b@1#1\n\n]$EndMeshFormat\n");
+    pbwio__msh_names(w);
+    pbwio__msh_entities(w);
+    pbwio__fill_in(w, "@1&1%n&1%n\n");
+    pbwio__msh_block(w, dim, all > facets ? pbwio__group(w, w->items + facets, name) : 1, 0, w->point_count);
+    pbwio__fill_in(w, "@p%i\n@p%X\n[b\n]$EndNodes\n$Elements\n");
+    w->text = !w->binary;
+    pbwio__int(w, (long long)((w->edge_count > 0) + pbwio__runs(w, 0, facets, 0) + pbwio__runs(w, facets, all, 0)), 8);
+    pbwio__int(w, (long long)(w->edge_count + all), 8);
+    pbwio__int(w, 1, 8);
+    pbwio__int(w, (long long)(w->edge_count + all), 8);
+    pbwio__end_line(w);
+    pbwio__msh_edges(w);
+    for (i = 0, tag = 1; i < all; i = end, tag++) {
+        end = pbwio__run(w, i, 0);
+        if (i < facets) {
+            pbwio__msh_block(w, dim - 1, tag, dim == 2 ? 1 : 2, end - i);
+        } else {
+            pbwio__msh_block(w, dim, pbwio__group(w, w->items + i, name), dim == 2 ? 2 : 4, end - i);
+        }
+        pbwio__item_rows(w, i, end, "%j%v\n");
+    }
+    pbwio__fill_in(w, "[b\n]$EndElements\n");
+}
+
+/* .inp: an ELSET for each region; for each patch a SURFACE and an NSET of its points; an NSET of the edges' points.
+   w->number has room for marks behind the numbers. */
+static void pbwio__write_inp(pbwio__writer *w)
+{
+    const size_t facets = w->facet_count, all = facets + w->cell_count, points = w->mesh->point_count;
+    pbw_index *mark = w->number + points, corner[4];
+    char name[32];
+    size_t i, k, end, count;
+    for (i = facets; i < all && w->output->regions != NULL; i = end) {
+        end = pbwio__run(w, i, 0);
+        (void)pbwio__group(w, w->items + i, name);
+        pbwio__print(w, "*ELSET, ELSET=%s\n", name);
+        pbwio__item_rows(w, i, end, "%p\n");
+    }
+    memset(mark, 0xff, points * sizeof *mark);
+    for (i = 0; i < facets; i = end) {
+        end = pbwio__run(w, i, 1);
+        (void)pbwio__group(w, w->items + i, name);
+        if (strcmp(name, "boundary") == 0) {
+            continue;
+        }
+        pbwio__print(w, "*NSET, NSET=%s\n", name);
+        for (k = i; k < end; k++) {
+            w->simplex = w->items[k].simplex;
+            w->k = w->items[k].k;
+            for (count = pbwio__corners(w, corner); count-- > 0;) {
+                if (mark[corner[count]] != (pbw_index)i) {
+                    mark[corner[count]] = (pbw_index)i;
+                    pbwio__int(w, pbwio__number_of(w, corner[count]), 8);
+                    pbwio__end_line(w);
+                }
+            }
+        }
+        pbwio__print(w, "*SURFACE, NAME=%s, TYPE=ELEMENT\n", name);
+        pbwio__item_rows(w, i, end, "%pS%k\n");
+    }
+    for (i = 0, k = 0; i < 2 * w->output->edge_count; i++) {
+        const pbw_index p = w->output->edges[i];
+        if (w->number[p] != PBW_NONE && mark[p] != PBW_NONE - 1) {
+            mark[p] = PBW_NONE - 1;
+            pbwio__print(w, "%s", k++ == 0 ? "*NSET, NSET=edges\n" : "");
+            pbwio__int(w, pbwio__number_of(w, p), 8);
+            pbwio__end_line(w);
+        }
+    }
+}
+
 /* The one format that is more than a form: in binary all tags come first, then all numbers. */
 static void pbwio__write_vtu(pbwio__writer *w)
 {
@@ -3155,21 +3529,25 @@ static void pbwio__write_vtu(pbwio__writer *w)
         { "</PointData>\n<CellData>\n", "Float64", "quality", 'c', "%q\n", 8, 1 },
         { "", "Float64", w->output->value_name == NULL ? "value" : w->output->value_name, 'c', "%u\n", 8,
           w->output->values != NULL },
+        { "", "UInt32", "region", 'c', "%G\n", 4, w->output->regions != NULL },
+        { "", "Int64", "patch", 'c', "%S\n", 8, w->output->patches != NULL },
         { "</CellData>\n<Points>\n", "Float64", "points", 'p', "%X\n", 24, 1 },
-        { "</Points>\n<Cells>\n", "UInt32", "connectivity", 'c', "%v\n", 4 * w->corners, 1 },
+        { "</Points>\n<Cells>\n", "UInt32", "connectivity", 'v', "%v\n", 4, 1 },
         { "", "Int64", "offsets", 'c', "%a\n", 8, 1 },
         { "", "UInt8", "types", 'c', "%t\n", 1, 1 }
     };
+    const size_t facets = w->items != NULL ? w->facet_count : 0, cells = w->cell_count + facets;
     unsigned long long offset = 0;
     size_t i, bytes;
     int pass;
     pbwio__print(w, "<?xml version=\"1.0\"?>\n"
                  "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"%s\" header_type=\"UInt64\">\n"
                  "<UnstructuredGrid>\n<Piece NumberOfPoints=\"%zu\" NumberOfCells=\"%zu\">\n",
-                 pbwio__little_endian() ? "LittleEndian" : "BigEndian", w->point_count, w->cell_count);
+                 pbwio__little_endian() ? "LittleEndian" : "BigEndian", w->point_count, cells);
     for (pass = 0; pass <= w->binary; pass++) {                      /* binary: all tags, then all numbers */
         for (i = 0; i < sizeof arrays / sizeof arrays[0]; i++) {
-            bytes = arrays[i].size * (arrays[i].kind == 'p' ? w->point_count : w->cell_count);
+            bytes = arrays[i].size * (arrays[i].kind == 'p' ? w->point_count : arrays[i].kind == 'c' ? cells
+                                      : w->corners * w->cell_count + (w->corners - 1) * facets);
             pbwio__print(w, "%s", pass == 0 ? arrays[i].before : "");
             if (!arrays[i].is) {
                 continue;
@@ -3186,7 +3564,9 @@ static void pbwio__write_vtu(pbwio__writer *w)
             } else {
                 pbwio__int(w, (long long)bytes, 8);
             }
+            w->element = 0;
             pbwio__rows(w, arrays[i].kind, arrays[i].row);
+            pbwio__item_rows(w, 0, arrays[i].kind == 'p' ? 0 : facets, arrays[i].row);
             pbwio__print(w, "%s", w->binary ? "" : "</DataArray>\n");
         }
         pbwio__print(w, "%s%s", pass == 0 ? "</Cells>\n</Piece>\n</UnstructuredGrid>\n" : "\n</AppendedData>\n",
@@ -3205,6 +3585,7 @@ static void pbwio__write_vtu(pbwio__writer *w)
 #define PBWIO__BOUNDARY 16u            /* tells which points are on the boundary */
 #define PBWIO__SIMPLICES 32u           /* numbers are of simplices */
 #define PBWIO__COMMAS   64u
+#define PBWIO__GROUPED 128u            /* has groups of facets and simplices */
 
 #define PBWIO__GROUPS "$PhysicalNames\n2\n[21][32] 1 \"boundary\"\n[22][33] 2 \"domain\"\n$EndPhysicalNames\n"
 
@@ -3232,10 +3613,10 @@ static const pbwio__kind pbwio__kinds[] = {
     { "node", PBWIO__BOUNDARY, pbwio__read_node, NULL, "%n%d[w1][W0] 1\n@p%i%x%w%b\n" },
     { "xyz txt pts asc dat tsv", 0, pbwio__read_table, NULL, "@p%x%w%m\n" },
     { "csv", PBWIO__COMMAS, pbwio__read_table, NULL, "x,y[3,z][w,weight][m,nx,ny,nz]\n@p%x%w%m\n" },
-    { "vtu", PBWIO__BINARY, pbwio__read_vtu, pbwio__write_vtu, NULL },
+    { "vtu", PBWIO__BINARY | PBWIO__GROUPED, pbwio__read_vtu, pbwio__write_vtu, NULL },
     /* Entity 1 of dimension dim-1 is the boundary, entity 1 of dimension dim the domain with all points: tag, box,
        physical groups, entities that bound it.  Blocks start with dimension, entity, type, count. */
-    { "msh", PBWIO__BINARY | PBWIO__FROM_1, pbwio__read_msh, NULL,
+    { "msh", PBWIO__BINARY | PBWIO__FROM_1 | PBWIO__GROUPED, pbwio__read_msh, NULL,
       "$MeshFormat\n4.1 [t0][b1] 8\n[b@1#1\n\n]$EndMeshFormat\n" PBWIO__GROUPS
       "$Entities\n@1&0[2&1][3&0]&1[2&0][3&1]\n@1#1%B&1#1&0\n@1#1%B&1#2&1#1\n[b\n]$EndEntities\n"
       "$Nodes\n@1&1%n&1%n\n@1%d#1#0%n\n@p%i\n@p%X\n[b\n]$EndNodes\n"
@@ -3251,7 +3632,7 @@ static const pbwio__kind pbwio__kinds[] = {
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" PBWIO__GROUPS
       "$Nodes\n%n\n@p%i%X\n$EndNodes\n"
       "$Elements\n%e\n@f%j[21][32] 2 1 %P%v\n@c%j[22][34] 2 2 %r%v\n$EndElements\n" },
-    { "inp", PBWIO__FROM_1 | PBWIO__NO_ORPHANS | PBWIO__BOUNDARY | PBWIO__COMMAS, NULL, NULL,
+    { "inp", PBWIO__FROM_1 | PBWIO__NO_ORPHANS | PBWIO__BOUNDARY | PBWIO__COMMAS | PBWIO__GROUPED, NULL, NULL,
       "*NODE, NSET=NALL\n@p%i%x\n*ELEMENT, TYPE=[2CPS3][3C3D4], ELSET=DOMAIN\n@c%j%v\n"
       "[f*NSET, NSET=BOUNDARY\n@b%i\n*SURFACE, NAME=BOUNDARY, TYPE=ELEMENT\n@f%pS%k\n]" },
     { "su2", PBWIO__NO_ORPHANS, NULL, NULL,
@@ -3641,10 +4022,15 @@ static void pbwio__emit(void *user, FILE *file)
     const pbwio__kind *kind = pbwio__kind_of(w->output->format);
     w->file = file;
     w->text = !w->binary;
-    if (kind->write != NULL) {
+    if (w->output->format == PBWIO_MSH && w->items != NULL) {
+        pbwio__write_msh(w);
+    } else if (kind->write != NULL) {
         kind->write(w);
     } else {
         pbwio__fill_in(w, kind->form);
+        if (w->output->format == PBWIO_INP && w->items != NULL) {
+            pbwio__write_inp(w);
+        }
     }
     pbwio__flush(w);
 }
@@ -3696,9 +4082,13 @@ static pbwio_status pbwio__write(const char *path, const pbw_mesh *mesh, int mod
             w->facet_count += (size_t)pbwio__on_hull(w, w->simplex, i);
         }
     }
+    if (kind->traits & PBWIO__GROUPED && (settings.regions != NULL || settings.patches != NULL || settings.edges != NULL)
+        && (settings.format != PBWIO_VTU || settings.patches != NULL)) {
+        failed = !pbwio__list_items(w);
+    }
     if (kind->traits & PBWIO__BOUNDARY) {
         w->boundary = pbwio__touched(w, 1);
-        failed = w->boundary == NULL;
+        failed |= w->boundary == NULL;
     }
     if (kind->traits & PBWIO__SIMPLICES) {
         w->number = (pbw_index *)PBWIO_REALLOC(NULL, (mesh->simplex_count + 1) * sizeof *w->number);
@@ -3710,10 +4100,14 @@ static pbwio_status pbwio__write(const char *path, const pbw_mesh *mesh, int mod
     } else if (!model && (surface || kind->traits & PBWIO__NO_ORPHANS || settings.flags & PBWIO_NO_ORPHANS)) {
         failed |= !pbwio__number_points(w, surface && corners == 4);
     }
+    for (i = 0; !failed && w->items != NULL && w->dim == 3 && i < settings.edge_count; i++) {
+        w->edge_count += (size_t)pbwio__has_edge(w, i);
+    }
     status = failed ? pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory")
                     : pbwio_save(path, pbwio__emit, w, error);
     PBWIO_FREE(w->boundary);
     PBWIO_FREE(w->number);
+    PBWIO_FREE(w->items);
     PBWIO_FREE(w);
     return status;
 }

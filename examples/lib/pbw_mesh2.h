@@ -3408,7 +3408,9 @@ PBWMESH2DEF void pbw_plane_free(pbw_plane *plane)
     }
 }
 
-#if !defined(__clang__) && defined(__GNUC__)
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT DEFAULT
+#elif defined(__GNUC__)
 #pragma GCC pop_options
 #endif
 #endif /* PBW_MESH2_IMPLEMENTATION */

@@ -98,7 +98,7 @@ typedef struct pbwsample_set {         /* start from {0}; pbwsample_free when do
     size_t count;
     double radius;                     /* Poisson: the distance kept; 0 = none is */
     double *points;                    /* 3 coordinates each */
-    double *normals;                   /* 3 each, of length 1, zero inside; NULL unless asked for */
+    double *normals;                   /* 3 each, of length 1, zero inside; NULL without PBWSAMPLE_NORMALS */
     pbw_index *triangles;              /* which one each lies on, PBW_NONE inside */
     double *places;                    /* 2 each: a point is (1 - u - v) a + u b + v c; zero inside */
 } pbwsample_set;
@@ -144,6 +144,14 @@ PBWSAMPLEDEF const char *pbwsample_status_string(pbwsample_status status);    /*
 #ifndef PBWSAMPLE_REALLOC
 #define PBWSAMPLE_REALLOC(ptr, size) realloc(ptr, size)
 #define PBWSAMPLE_FREE(ptr) free(ptr)
+#endif
+
+/* Contraction off: other coordinates would come out where a compiler fuses. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC push_options
+#pragma GCC optimize("fp-contract=off")
 #endif
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1386,8 +1394,8 @@ static void pbwsample__tell(pbwsample__work *w, size_t i, double done)
     }
 }
 
-/* Cuts the whole of the surface or volume to pieces that fit into a ball, or lattice cells.  A radius for a count that
-   makes far more pieces than that is too small, as that of a needle or a sheet may be: then crowded is set. */
+/* Cuts the whole of the surface or volume to pieces that fit into a ball, or lattice cells.  A radius for a count
+   that makes far more pieces than that is too small, as that of a needle or a sheet may be: then crowded is set. */
 static void pbwsample__begin(pbwsample__work *w, double side)
 {
     pbwsample__piece piece, part[8];
@@ -1673,4 +1681,9 @@ PBWSAMPLEDEF pbwsample_status pbwsample_volume(const pbwsample_model *model, con
     return copy.count >= PBW_NONE ? PBWSAMPLE_ERROR_TOO_LARGE : pbwsample__poisson(model, &copy, set, 1);
 }
 
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT DEFAULT
+#elif defined(__GNUC__)
+#pragma GCC pop_options
+#endif
 #endif /* PBW_SAMPLE_IMPLEMENTATION */

@@ -82,6 +82,14 @@ PBWSURFACEDEF void pbw_surface_free(pbw_surface *surface);   /* fine on {0}, fin
 #include <stdlib.h>
 #include <string.h>
 
+/* Contraction off: other coordinates would come out where a compiler fuses. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC push_options
+#pragma GCC optimize("fp-contract=off")
+#endif
+
 /* ------------------------------------------------------------------------------------------------------
    Memory: growing arrays through options.resize; pbw_improve.h and pbw_mesh3.h use them too.
    Holds: used = the sum of all live arrays; over the limit nothing grows.
@@ -696,4 +704,9 @@ PBWSURFACEDEF double pbw_surface_winding(const pbw_surface *surface, const doubl
     return sum;
 }
 
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT DEFAULT
+#elif defined(__GNUC__)
+#pragma GCC pop_options
+#endif
 #endif /* PBW_SURFACE_IMPLEMENTATION */

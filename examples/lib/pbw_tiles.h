@@ -224,6 +224,14 @@ PBWTDEF size_t pbwt_match(pbwt_facet *facets, size_t count);
 #define PBWT__ADD(x, y) (*(x) += (y))      /* such a pbw.h has one thread */
 #endif
 
+/* Contraction off: other coordinates would come out where a compiler fuses. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC push_options
+#pragma GCC optimize("fp-contract=off")
+#endif
+
 /* ------------------------------------------------------------------------------------------------------
    Memory: growing arrays through options.resize.
    Holds: used = the sum of all live arrays; over the limit nothing grows.
@@ -474,10 +482,11 @@ PBWTDEF void pbwt_cut_points(int dim, pbwt_point *sample, size_t count, int part
         middle = job.first + (job.end - job.first) / 2;
         cut = cuts + middle - 1;
         memset(cut, 0, sizeof *cut);
-        cut->axis = pbwt__longest(dim, sample + job.from, job.to - job.from);
-        pbwt__sort(sample + job.from, job.to - job.from, sizeof *sample, pbwt__point_before, dim + 4 * cut->axis);
         at = job.from + (size_t)((double)(job.to - job.from) * (middle - job.first) / (job.end - job.first));
         if (at < job.to) {
+            pbwt_point *part = sample + job.from;
+            cut->axis = pbwt__longest(dim, part, job.to - job.from);
+            pbwt__sort(part, job.to - job.from, sizeof *part, pbwt__point_before, dim + 4 * cut->axis);
             memcpy(cut->x, sample[at].x, sizeof cut->x);
         } else {
             cut->x[cut->axis] = HUGE_VAL;            /* no sample: all points go below */
@@ -2866,4 +2875,9 @@ PBWTDEF size_t pbwt_match(pbwt_facet *facets, size_t count)
     return single;
 }
 
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT DEFAULT
+#elif defined(__GNUC__)
+#pragma GCC pop_options
+#endif
 #endif /* PBW_TILES_IMPLEMENTATION */

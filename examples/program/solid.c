@@ -9,7 +9,7 @@ static const option solid_options[] = {
       0, 0, NULL },
     { "--nested", NULL, "shells inside of others bound regions; default: every second one is a cavity", SWITCH, 0, 0,
       NULL },
-    { "--patches", NULL, "write the patches between sharp edges to .msh2, .mesh, .face; default: all 1", SWITCH, 0, 0,
+    { "--patches", NULL, "write the patches between sharp edges (.msh .msh2 .inp .vtu .mesh .face)", SWITCH, 0, 0,
       NULL },
     { "--feature-angle", "DEGREES", "edges of the model that bend by more are sharp; default 40", WHOLE, 1, 180,
       NULL },
@@ -92,33 +92,32 @@ static void report_on(const job *j, const pbw_tets *mesh, const pbw_solid_report
     warn_of(j, r);
 }
 
-/* Writes the tetrahedra with regions, and patches of the boundary. */
+/* Writes the tetrahedra with regions, and patches of facets, as both of their sides have them. */
 static int write_solid(job *j, const pbw_tets *mesh, const pbw_solid_boundary *boundary)
 {
     pbw_index *patches = (pbw_index *)calloc(4 * mesh->tet_count + 1, sizeof *patches);
-    double *regions = (double *)malloc((mesh->tet_count + 1) * sizeof *regions);
-    size_t i;
+    size_t i, k;
     int failed;
-    if (patches == NULL || regions == NULL) {
-        free(patches);
-        free(regions);
+    if (patches == NULL) {
         return fail(j, "out of memory");
     }
     for (i = 0; i < boundary->facet_count; i++) {
-        patches[boundary->corners[i]] = boundary->patches[i];
+        const pbw_index corner = boundary->corners[i], next = mesh->neighbors[corner];
+        patches[corner] = boundary->patches[i];
+        for (k = 0; k < 4 && next != PBW_NONE; k++) {
+            if (mesh->neighbors[4 * (size_t)next + k] == corner / 4) {
+                patches[4 * (size_t)next + k] = boundary->patches[i];
+            }
+        }
     }
-    for (i = 0; i < mesh->tet_count; i++) {
-        regions[i] = mesh->regions[i];
-    }
-    j->write.values = regions;
-    j->write.value_name = "region";
     j->write.regions = mesh->regions;
     j->write.patches = is_given(j, "--patches") ? patches : NULL;
+    j->write.edges = boundary->edges;
+    j->write.edge_count = boundary->edge_count;
     failed = write_mesh(j);
-    j->write.values = NULL;
-    j->write.regions = j->write.patches = NULL;
+    j->write.regions = j->write.patches = j->write.edges = NULL;
+    j->write.edge_count = 0;
     free(patches);
-    free(regions);
     return failed;
 }
 
@@ -173,8 +172,8 @@ const command command_solid = {
     "usage: pbw solid [options] model [-o output]...\n"
     "\n"
     "Fills a surface with good tetrahedra; holes are closed.  Sharp edges are kept; elsewhere the boundary is\n"
-    "within a fraction of the size.  Regions are numbers of shells: data of cells in .vtu, tags or references in\n"
-    ".msh2, .mesh and .ele.  The report ends with warnings where the boundary is not that of the model.\n"
+    "within a fraction of the size.  Regions are numbers of shells: data of cells in .vtu, groups in .msh and .inp,\n"
+    "tags or references in .msh2, .mesh and .ele.  The report ends with warnings where the boundary is not that of the model.\n"
     "\n"
     "input:   .obj .ply .stl .off with faces that enclose something\n"
     "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face (tetrahedra, boundary), .obj .ply .stl .off\n"
