@@ -139,6 +139,31 @@ static void test_functions(void)
     }
 }
 
+/* A cone of many sides: no edge at its tip is sharp, and darts miss it; the boundary reaches it. */
+static void test_tip(void)
+{
+    static part m;
+    enum { SIDES = 24 };
+    pbw_solid_input in;
+    size_t i;
+    if (!test_begin("tips between smooth edges")) {
+        return;
+    }
+    m.points = m.triangles = 0;
+    for (i = 0; i < SIDES; i++) {
+        (void)part_point(&m, cos(2 * PARTS_PI * (double)i / SIDES), sin(2 * PARTS_PI * (double)i / SIDES), 0);
+    }
+    (void)part_point(&m, 0, 0, 0);
+    (void)part_point(&m, 0, 0, 1.7);
+    for (i = 0; i < SIDES; i++) {
+        part_triangle(&m, i, SIDES, (i + 1) % SIDES);
+        part_triangle(&m, i, (i + 1) % SIDES, SIDES + 1);
+    }
+    in = input_of(&m);
+    check_good(&in, 0.15, SIDES / 2.0 * sin(2 * PARTS_PI / SIDES) * 1.7 / 3, 2, 28);
+    test_end();
+}
+
 /* Acute edges: kept, settled, volumes right to rounding; the angles are those of the input or better. */
 static void test_acute(void)
 {
@@ -628,6 +653,7 @@ int main(int argc, char **argv)
     test_functions();
     test_models();
     test_features();
+    test_tip();
     test_acute();
     test_thin();
     test_stuffing();
