@@ -143,24 +143,25 @@ static void test_functions(void)
 static void test_tip(void)
 {
     static part m;
-    enum { SIDES = 24 };
+    const size_t sides = 24;
+    const double step = 2 * PARTS_PI / (double)sides;
     pbw_solid_input in;
     size_t i;
     if (!test_begin("tips between smooth edges")) {
         return;
     }
     m.points = m.triangles = 0;
-    for (i = 0; i < SIDES; i++) {
-        (void)part_point(&m, cos(2 * PARTS_PI * (double)i / SIDES), sin(2 * PARTS_PI * (double)i / SIDES), 0);
+    for (i = 0; i < sides; i++) {
+        (void)part_point(&m, cos(step * (double)i), sin(step * (double)i), 0);
     }
     (void)part_point(&m, 0, 0, 0);
     (void)part_point(&m, 0, 0, 1.7);
-    for (i = 0; i < SIDES; i++) {
-        part_triangle(&m, i, SIDES, (i + 1) % SIDES);
-        part_triangle(&m, i, (i + 1) % SIDES, SIDES + 1);
+    for (i = 0; i < sides; i++) {
+        part_triangle(&m, i, sides, (i + 1) % sides);
+        part_triangle(&m, i, (i + 1) % sides, sides + 1);
     }
     in = input_of(&m);
-    check_good(&in, 0.15, SIDES / 2.0 * sin(2 * PARTS_PI / SIDES) * 1.7 / 3, 2, 28);
+    check_good(&in, 0.15, (double)sides / 2 * sin(step) * 1.7 / 3, 2, 28);
     test_end();
 }
 
