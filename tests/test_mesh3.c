@@ -139,6 +139,32 @@ static void test_functions(void)
     }
 }
 
+/* A cone of many sides: no edge at its tip is sharp, and darts miss it; the boundary reaches it. */
+static void test_tip(void)
+{
+    static part m;
+    const size_t sides = 24;
+    const double step = 2 * PARTS_PI / (double)sides;
+    pbw_solid_input in;
+    size_t i;
+    if (!test_begin("tips between smooth edges")) {
+        return;
+    }
+    m.points = m.triangles = 0;
+    for (i = 0; i < sides; i++) {
+        (void)part_point(&m, cos(step * (double)i), sin(step * (double)i), 0);
+    }
+    (void)part_point(&m, 0, 0, 0);
+    (void)part_point(&m, 0, 0, 1.7);
+    for (i = 0; i < sides; i++) {
+        part_triangle(&m, i, sides, (i + 1) % sides);
+        part_triangle(&m, i, (i + 1) % sides, sides + 1);
+    }
+    in = input_of(&m);
+    check_good(&in, 0.15, (double)sides / 2 * sin(step) * 1.7 / 3, 2, 28);
+    test_end();
+}
+
 /* Acute edges: kept, settled, volumes right to rounding; the angles are those of the input or better. */
 static void test_acute(void)
 {
@@ -628,6 +654,7 @@ int main(int argc, char **argv)
     test_functions();
     test_models();
     test_features();
+    test_tip();
     test_acute();
     test_thin();
     test_stuffing();

@@ -122,7 +122,7 @@ typedef struct pbw_improve_options {       /* NULL or all zero = best defaults *
     double target;                         /* degrees, 1 to 60: dihedral angles from this to 180 - this; 0 = 30 */
     double seconds;                        /* of all threads' processor time, then it ends with what it has;
                                               0 = no limit */
-    int passes;                            /* at most; 0 = 60, -1 = none */
+    int passes;                            /* at most; 0 = 60, and 16 around what is left; -1 = none */
     double feature_angle;                  /* degrees: boundary edges whose normals differ by more are kept; 0 = 40 */
     /* Moves a point to the boundary's surface.  Several threads call it at once, also with rounds = 0, unless
        options.threads is 1.  NULL = to the nearest point of the input's boundary. */
@@ -530,9 +530,11 @@ enum {
     PBWIM__OPEN = 8 * PBWIM__MOST,          /* facets of that, at most */
     PBWIM__SPARE = 2 * PBWIM__RING         /* free slots of a lane: no operation of a pass makes more tetrahedra */
 };
+#define PBWIM__PASSES 60
 #define PBWIM__GAIN 1e-3                   /* of the least sine, below which no operation is worth it */
 #define PBWIM__PROGRESS 0.1                /* of what lacks to the target, below which no smoothing is worth it */
-#define PBWIM__ROOM 0.7                    /* of the distance that boundary facets may have: kept at first */
+#define PBWIM__ROOM 0.6                    /* of the distance that boundary facets may have: kept at first */
+#define PBWIM__RAISE 0.07                  /* radians, 4 degrees: the target around what is bad to the end */
 #define PBWIM__BEND 0.90630778703665       /* cos 25 degrees: by more, boundary facets do not turn */
 
 typedef struct pbwim__mesh {
@@ -555,6 +557,7 @@ typedef struct pbwim__mesh {
     int sized;
     pbw_improve_report *report;
     pbwsf__array queue, lanes, taken;      /* taken: per point, the last batch that had it */
+    pbwsf__array near;                     /* per point: not 0 where passes work, if there are any */
     pbw_index batch;
     pbw_surface surface;                   /* the input's boundary, for project */
     pbwsf__array facets;
@@ -1674,7 +1677,11 @@ static int pbwim__insert(pbwim__mesh *m, pbw_index t, pbwim__change *change, con
         pbwim__add_normals(m, split->tet[split->tets - 1], PBW_NONE, normal);
     }
     best = pbwim__grow(m, &v);
-    if (pbwim__climb(m, &v.cone, slides ? normal : NULL, best, x) <= pbwim__worst_old(m, change) + PBWIM__GAIN) {
+    best = pbwim__climb(m, &v.cone, slides ? normal : NULL, best, x);
+    if (best < m->target) {                          /* from there, the cavity may grow on */
+        best = pbwim__climb(m, &v.cone, slides ? normal : NULL, pbwim__grow(m, &v), x);
+    }
+    if (best <= pbwim__worst_old(m, change) + PBWIM__GAIN) {
         return 0;
     }
     memcpy(PBWIM__X(m, p), x, 3 * sizeof(double));
@@ -1690,6 +1697,33 @@ static int pbwim__insert(pbwim__mesh *m, pbw_index t, pbwim__change *change, con
     pbwim__apply(m, change);
     m->report->insertions++;
     return 1;
+}
+
+/* Puts a point beyond a facet of t, half or a quarter of the way to the corner there: t may be too flat to have one
+   inside. */
+static int pbwim__split_beyond(pbwim__mesh *m, pbw_index t)
+{
+    pbwim__change change;
+    int i, k;
+    for (i = 0; i < 8; i++) {
+        const pbw_index n = PBWIM__NEXT(m, t)[i % 4], *c = PBWIM__CORNER(m, t);
+        const int *o = pbwim__opposite[i % 4];
+        double middle[3], x[3];
+        if (n == PBW_NONE) {
+            continue;
+        }
+        for (k = 0; k < 3; k++) {
+            middle[k] = (PBWIM__X(m, c[o[0]])[k] + PBWIM__X(m, c[o[1]])[k] + PBWIM__X(m, c[o[2]])[k]) / 3;
+        }
+        pbwsf__between(middle, PBWIM__X(m, PBWIM__CORNER(m, n)[pbwim__facet_to(m, n, t)]), i < 4 ? 0.5 : 0.25, x);
+        change.olds = 2;
+        change.old[0] = t;
+        change.old[1] = n;
+        if (pbwim__insert(m, t, &change, NULL, x)) {
+            return 1;
+        }
+    }
+    return 0;
 }
 
 /* Splits an edge of t, or puts a point into t and its neighbours. */
@@ -1728,7 +1762,7 @@ static int pbwim__split(pbwim__mesh *m, pbw_index t)
             x[k] += 0.25 * PBWIM__X(m, PBWIM__CORNER(m, t)[i])[k];
         }
     }
-    return pbwim__insert(m, t, &change, NULL, x);
+    return pbwim__insert(m, t, &change, NULL, x) || pbwim__split_beyond(m, t);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -2420,13 +2454,54 @@ static int pbwim__mend(pbwim__mesh *m, pbw_index t, int all)
     return moved > 0;
 }
 
+/* Whether t has a point that is near, or any if no points are flagged; those of later insertions are. */
+static int pbwim__is_near(const pbwim__mesh *m, pbw_index t)
+{
+    const unsigned char *near = (const unsigned char *)m->near.data;
+    int k;
+    for (k = 0; k < 4; k++) {
+        const pbw_index p = PBWIM__CORNER(m, t)[k];
+        if (p >= m->near.count || near[p]) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Flags the corners of bad tetrahedra, and of those around; returns 0 if there is no memory. */
+static int pbwim__flag_near(pbwim__mesh *m)
+{
+    unsigned char *near;
+    size_t t;
+    int k, ring;
+    if (!pbwsf__resize(&m->memory, &m->near, m->points)) {
+        return 0;
+    }
+    near = (unsigned char *)m->near.data;
+    memset(near, 0, m->points);
+    for (ring = 1; ring <= 2; ring++) {
+        for (t = 0; t < m->tets; t++) {
+            const pbw_index *c = PBWIM__CORNER(m, t);
+            if (*c != PBW_NONE && (ring == 1 ? pbwim__is_bad(m, (pbw_index)t)
+                                   : near[c[0]] == 1 || near[c[1]] == 1 || near[c[2]] == 1 || near[c[3]] == 1)) {
+                for (k = 0; k < 4; k++) {
+                    near[c[k]] = near[c[k]] == 0 ? (unsigned char)ring : near[c[k]];
+                }
+            }
+        }
+    }
+    m->near.count = m->points;
+    return 1;
+}
+
 /* Fills the queue; returns 0 if there is no memory. */
 static int pbwim__fill_queue(pbwim__mesh *m, int all)
 {
     pbwim__item *item;
     size_t t, count = 0;
     for (t = 0; t < m->tets; t++) {
-        count += pbwim__is_bad(m, (pbw_index)t) && pbwim__is_due(m, (pbw_index)t, all);
+        count += pbwim__is_bad(m, (pbw_index)t) && pbwim__is_due(m, (pbw_index)t, all)
+              && pbwim__is_near(m, (pbw_index)t);
     }
     m->queue.count = 0;
     item = (pbwim__item *)pbwsf__room(&m->memory, &m->queue, count + 1, sizeof *item);
@@ -2434,7 +2509,8 @@ static int pbwim__fill_queue(pbwim__mesh *m, int all)
         return 0;
     }
     for (t = 0; t < m->tets; t++) {
-        if (pbwim__is_bad(m, (pbw_index)t) && pbwim__is_due(m, (pbw_index)t, all)) {
+        if (pbwim__is_bad(m, (pbw_index)t) && pbwim__is_due(m, (pbw_index)t, all)
+            && pbwim__is_near(m, (pbw_index)t)) {
             item[m->queue.count].quality = PBWIM__QUALITY(m)[t];
             item[m->queue.count++].t = (pbw_index)t;
         }
@@ -2834,16 +2910,42 @@ static int pbwim__gives_room(pbwim__mesh *m, const pbw_improve_options *how)
     return gives;
 }
 
+/* Raises the target around the bad tetrahedra for four passes, which gives these other neighbours, then works on them
+   four times more.  While it is raised, the boundary comes no farther from the surface. */
+static pbw_status pbwim__shake(pbwim__mesh *m, double done[2], double end)
+{
+    const double target = m->target, distance = m->distance;
+    pbw_status status = PBW_OK;
+    size_t t, changes;
+    int i;
+    if (!pbwim__flag_near(m)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (t = 0; t < 2 * m->tets; t++) {
+        PBWIM__TRIED(m)[t] = 0;
+    }
+    for (i = 0; i < 8 && status == PBW_OK; i++) {
+        m->target = i < 4 ? sin(fmin(asin(target) + PBWIM__RAISE, 1.2)) : target;
+        m->distance = i < 4 && distance > 0 ? 1e-300 : distance;
+        done[1] = done[0] + (1 - done[0]) / 8;
+        status = pbwim__pass(m, 1, done, end, &changes);
+        done[0] = done[1];
+        m->report->passes++;
+    }
+    m->near.count = 0;
+    return status;
+}
+
 /* Passes end, too, when eight of them changed the badness by less than 3 %. */
 static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
 {
-    const int most = how == NULL || how->passes == 0 ? 60 : how->passes;
+    const int most = how == NULL || how->passes == 0 ? PBWIM__PASSES : how->passes;
     const double limit = how != NULL ? how->seconds : 0;
     const double end = limit > 0 ? (double)clock() / CLOCKS_PER_SEC + limit : 0;
     pbw_status status = PBW_OK;
     double done[2] = { 0, 0 }, bad = HUGE_VAL;
     size_t changes = 1;
-    int all = 0;
+    int all = 0, i;
     if (m->sized) {
         status = pbwim__set_sizes(m, end);
     }
@@ -2867,6 +2969,11 @@ static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
         if (end > 0 && (double)clock() / CLOCKS_PER_SEC > end) {
             break;
         }
+    }
+    for (i = 0; i < 2 && status == PBW_OK && (most == PBWIM__PASSES || m->report->passes + 8 <= most)
+         && pbwim__badness(m) > 0 && (i == 0 || pbwim__badness(m) < 0.97 * bad); i++) {
+        bad = pbwim__badness(m);
+        status = pbwim__shake(m, done, end);
     }
     return status;
 }
@@ -2981,7 +3088,7 @@ static void pbwim__free(pbwim__mesh *m)
 {
     pbwsf__array *const arrays[] = { &m->x, &m->star, &m->mark, &m->touched, &m->original, &m->corner, &m->next,
                                      &m->quality, &m->region, &m->tried, &m->seen, &m->queue, &m->lanes,
-                                     &m->taken, &m->facets, &m->size, &m->joint };
+                                     &m->taken, &m->facets, &m->size, &m->joint, &m->near };
     size_t i;
     pbw_surface_free(&m->surface);
     for (i = 0; i < sizeof arrays / sizeof *arrays; i++) {

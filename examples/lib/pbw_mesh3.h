@@ -19,8 +19,9 @@
    takes the tetrahedra whose circumcentre is inside (restricted Delaunay triangulation: Boissonnat and Oudot 2005,
    "Provably good sampling and meshing of surfaces"), and adds points: where a facet's dual segment meets the surface
    farther than the size from the facet's corners, where a facet is far from the surface, on pieces of sharp edges
-   that are no edges (points in their diametral balls go), and where the boundary is no manifold.  When nothing is to
-   be added, or after options.rounds, pbw_improve raises the least dihedral angle.
+   that are no edges (points in their diametral balls go), and where the boundary is no manifold; when nothing else
+   is left to add, on tips and ridges of the surface that are far from the boundary.  Then, or after options.rounds,
+   pbw_improve raises the least dihedral angle.
    Sharp edges cut the surface into patches; tetrahedra between points of the surface that share no patch are inside
    if their middle is.  Where that leaves faults, all is done again with the surface as one patch, and the attempt
    with fewer faults is the result.
@@ -51,7 +52,8 @@
 
    DOES NOT  settle at walls and gaps below 1/10 of the size, nor always at acute edges: they come out with warnings.
              Shells may be nested or cross, not touch: with a wall in common, inside is what parity makes of it.
-             Points between two regions stay as they are laid.
+             Points between two regions stay as they are laid.  Smooth tips sharper than a cone of 60 degrees may
+             stay farther from the boundary than options.distance says.
 
    CONFIGURATION MACROS
      PBW_MESH3_IMPLEMENTATION    in one source file: compile the implementation there
@@ -98,7 +100,8 @@ typedef struct pbw_solid_options {         /* NULL or all zero = best defaults *
     double feature_angle;                  /* degrees: edges whose normals differ by more are sharp; 0 = 40; functions
                                               have none */
     double distance;                       /* facets farther from the surface, in sizes, get points, and improvement
-                                              keeps them within 1.48 times that; 0 = 0.1 */
+                                              keeps them within 1.48 times that; places of the surface farther from
+                                              the boundary get points, if no others are near; 0 = 0.1 */
     int rounds;                            /* at most; 0 = 16 */
     pbw_improve_options improve;           /* target < 0: no improvement */
 } pbw_solid_options;
