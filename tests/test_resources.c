@@ -140,8 +140,8 @@ static void test_ceilings(void)
                 input_fill_weights(INPUT_WEIGHTS_SMALL, dim, n, test_seed, points, weights);
                 CHECK_EQUAL(pbw_triangulate(dim, points, weighted == 1 ? weights : NULL, n, &options, &mesh), PBW_OK);
                 each = (double)m.peak / (double)n;
-                printf("    %dD, %d threads%s: %.1f bytes a point held at once, %.1f in the result\n", dim, threads, what,
-                       each, (double)m.bytes / (double)n);
+                printf("    %dD, %d threads%s: %.1f bytes a point held at once, %.1f in the result\n", dim,
+                       threads, what, each, (double)m.bytes / (double)n);
                 CHECK(each <= documented);
                 if (threads == 1) {
                     CHECK_EQUAL(mesh.statistics.peak_bytes, m.peak);
