@@ -401,8 +401,8 @@ PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_i
 PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t count, const pbw_options *options,
                              pbw_index *simplices, pbw_index *hull_facets);
 
-/* For single queries in any order: a grid of simplices to start from, about a byte a point.  Refers to the mesh,
-   which must outlive it.  Locating is const: any number of threads. */
+/* For single queries in any order: grids of simplices to start from, finer where there are more points, one to five
+   bytes a point.  Refers to the mesh, which must outlive it.  Locating is const: any number of threads. */
 typedef struct pbw_finder pbw_finder;
 PBWDEF pbw_status pbw_finder_create(const pbw_mesh *mesh, const pbw_options *options, pbw_finder **finder);
 PBWDEF pbw_index pbw_finder_locate(const pbw_finder *finder, const double *point, pbw_index *hull_facet);
@@ -10367,56 +10367,75 @@ PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t 
     return pbw__queries_end(&queries, status);
 }
 
-/* ---- finder: for each cell of a grid over the vertices the one nearest to the cell's centre */
+/* ---- finder: for each cell of a grid over the vertices the one nearest to the cell's centre; of a cell with many
+   vertices a finer grid over them, and so on */
+#define PBW__MANY    64                              /* vertices */
+#define PBW__DEEPEST 12                              /* grids in one another */
+
+typedef struct pbw__bin { pbw_index start, finer; } pbw__bin;        /* a simplex; the number of a grid, or 0 */
+
+typedef struct pbw__bins {                           /* a grid of bins, and its vertices */
+    double low[3], scale[3];
+    size_t side[3], first, count;                    /* of bins: the first, how many */
+    size_t from, to;
+    int depth;
+} pbw__bins;
+
 struct pbw_finder {
     const pbw_mesh *mesh;
     pbw__memory memory;
-    pbw_index *start;                                /* of each cell, a simplex */
-    size_t cells, side[3];
-    double low[3], scale[3];
+    pbw__bins *grids;
+    pbw__bin *bins;                                  /* of all grids */
+    size_t grids_capacity, bins_capacity, grid_count, bin_count;
 };
 
-PBW__INLINE size_t pbw__finder_cell(const pbw_finder *finder, const double *p, double *centre)
+typedef struct pbw__binning {
+    pbw__queries *queries;
+    pbw_finder *finder;
+    pbw_index *vertices, *sorted;                    /* each grid's in a row */
+    float *least;                                    /* per bin of a grid: the square to its centre */
+    size_t *counts;                                  /* per bin of a grid, and one more */
+} pbw__binning;
+
+PBW__INLINE size_t pbw__bin_of(const pbw__bins *grid, int dim, const double *p, double *centre)
 {
-    size_t cell = 0;
+    size_t bin = 0;
     int k;
-    for (k = finder->mesh->dim; k-- > 0; ) {
-        double at = (p[k] - finder->low[k]) * finder->scale[k];
-        const double last = (double)(finder->side[k] - 1);
+    for (k = dim; k-- > 0; ) {
+        double at = (p[k] - grid->low[k]) * grid->scale[k];
+        const double last = (double)(grid->side[k] - 1);
         at = at > 0.0 ? at < last ? at : last : 0.0;         /* NaN, of an overflow, too */
-        cell = cell * finder->side[k] + (size_t)at;
+        bin = bin * grid->side[k] + (size_t)at;
         *centre += (at - (double)(size_t)at - 0.5) * (at - (double)(size_t)at - 0.5);
     }
-    return cell;
+    return grid->first + bin;
 }
 
 /* The grid: cubes, a quarter as many as vertices or fewer. */
-static void pbw__finder_grid(pbw_finder *finder)
+static void pbw__bins_measure(const pbw__binning *binning, pbw__bins *grid)
 {
-    const pbw_mesh *mesh = finder->mesh;
+    const pbw_mesh *mesh = binning->finder->mesh;
     const int dim = mesh->dim;
-    const double most = (double)mesh->point_count * 0.25 + 1.0;
+    const double most = (double)(grid->to - grid->from) * 0.25 + 1.0;
     double cells, edge = 0.0;
     pbw__box box;
-    size_t v;
+    size_t i;
     int k, round;
     pbw__box_reset(&box, 0);
-    for (v = 0; v < mesh->point_count; v++) {
-        pbw__box_add(&box, mesh->points + v * (size_t)dim, dim);
+    for (i = grid->from; i < grid->to; i++) {
+        pbw__box_add(&box, mesh->points + binning->vertices[i] * (size_t)dim, dim);
     }
     for (k = 0; k < dim; k++) {
         edge = pbw__max(edge, box.high[k] - box.low[k]);
+        grid->low[k] = box.low[k];
+        grid->scale[k] = 0.0;
+        grid->side[k] = 1;
     }
-    finder->cells = 1;
-    for (k = 0; k < dim; k++) {
-        finder->low[k] = box.low[k];
-        finder->scale[k] = 0.0;
-        finder->side[k] = 1;
-    }
+    grid->count = 1;
     if (!(edge > 0.0 && edge <= DBL_MAX)) {
-        return;                                      /* too large to measure: one cell */
+        return;                                      /* too large to measure: one bin */
     }
-    for (round = 0; round < 64; round++) {           /* halves the edge until there are cells enough */
+    for (round = 0; round < 64; round++) {           /* halves the edge until there are bins enough */
         double smaller = edge * 0.5;
         for (cells = 1.0, k = 0; k < dim; k++) {
             cells *= (double)(size_t)((box.high[k] - box.low[k]) / smaller < 1e6
@@ -10427,46 +10446,138 @@ static void pbw__finder_grid(pbw_finder *finder)
         }
         edge = smaller;
     }
-    for (k = 0; k < dim; k++) {
-        finder->side[k] = (size_t)((box.high[k] - box.low[k]) / edge) + 1;
-        finder->scale[k] = 1.0 / edge;
-        finder->cells *= finder->side[k];
+    if (!(1.0 / edge <= DBL_MAX)) {
+        return;                                      /* too small to divide: one bin */
     }
+    for (k = 0; k < dim; k++) {
+        grid->side[k] = (size_t)((box.high[k] - box.low[k]) / edge) + 1;
+        grid->scale[k] = 1.0 / edge;
+        grid->count *= grid->side[k];
+    }
+}
+
+/* The start of each bin of a grid, and how many vertices it has; those without one have that of the bin before. */
+static void pbw__bins_fill(const pbw__binning *binning, const pbw__bins *grid)
+{
+    const pbw_mesh *mesh = binning->finder->mesh;
+    pbw__bin *bins = binning->finder->bins + grid->first;
+    size_t i, at;
+    pbw_index last = mesh->incident[binning->vertices[grid->from]];
+    memset(binning->counts, 0, (grid->count + 1) * sizeof(size_t));
+    for (at = 0; at < grid->count; at++) {
+        bins[at].start = PBW_NONE;
+        bins[at].finer = 0;
+        binning->least[at] = 1e30f;
+    }
+    for (i = grid->from; i < grid->to; i++) {
+        const size_t v = binning->vertices[i];
+        double far = 0.0;
+        if (i % PBW__TICK == 0 && pbw__report(&binning->queries->context, 0.5)) {
+            return;
+        }
+        at = pbw__bin_of(grid, mesh->dim, mesh->points + v * (size_t)mesh->dim, &far) - grid->first;
+        binning->counts[at]++;
+        if ((float)far < binning->least[at]) {
+            binning->least[at] = (float)far;
+            bins[at].start = mesh->incident[v];
+        }
+    }
+    for (at = 0; at < grid->count; at++) {
+        last = bins[at].start != PBW_NONE ? bins[at].start : last;
+        bins[at].start = last;
+    }
+}
+
+/* Finer grids for the bins of a grid that have many vertices.  Returns a status. */
+static pbw_status pbw__bins_refine(const pbw__binning *binning, pbw__bins grid)
+{
+    pbw_finder *finder = binning->finder;
+    pbw__memory *memory = &binning->queries->context.memory;
+    const pbw_mesh *mesh = finder->mesh;
+    size_t i, at, end = grid.from, full = 0;
+    for (at = 0; at < grid.count; at++) {
+        full += binning->counts[at] > PBW__MANY;
+    }
+    if (full == 0 || grid.count == 1 || grid.depth == PBW__DEEPEST) {
+        return PBW_OK;
+    }
+    if (finder->grid_count + full > finder->grids_capacity
+        && !PBW__RESIZE(memory, finder, grids, 2 * (finder->grid_count + full))) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (at = 0; at < grid.count; at++) {
+        pbw__bins *finer = finder->grids + finder->grid_count;
+        const size_t count = binning->counts[at];
+        binning->counts[at] = end;
+        end += count;
+        if (count > PBW__MANY) {
+            finder->bins[grid.first + at].finer = (pbw_index)finder->grid_count++;
+            finer->from = end - count;
+            finer->to = end;
+            finer->depth = grid.depth + 1;
+        }
+    }
+    for (i = grid.from; i < grid.to; i++) {
+        const size_t v = binning->vertices[i];
+        double far = 0.0;
+        at = pbw__bin_of(&grid, mesh->dim, mesh->points + v * (size_t)mesh->dim, &far) - grid.first;
+        binning->sorted[binning->counts[at]++] = (pbw_index)v;
+    }
+    memcpy(binning->vertices + grid.from, binning->sorted + grid.from, (grid.to - grid.from) * sizeof(pbw_index));
+    return PBW_OK;
+}
+
+/* Returns a status. */
+static pbw_status pbw__bins_make(const pbw__binning *binning)
+{
+    pbw_finder *finder = binning->finder;
+    pbw__memory *memory = &binning->queries->context.memory;
+    const pbw_mesh *mesh = finder->mesh;
+    pbw_status status = PBW_OK;
+    size_t v, g;
+    finder->grid_count = 1;
+    memset(finder->grids, 0, sizeof(pbw__bins));
+    for (v = 0; v < mesh->point_count; v++) {
+        if (mesh->incident[v] != PBW_NONE) {
+            binning->vertices[finder->grids->to++] = (pbw_index)v;
+        }
+    }
+    for (g = 0; g < finder->grid_count && status == PBW_OK; g++) {
+        pbw__bins *grid = finder->grids + g;
+        pbw__bins_measure(binning, grid);
+        grid->first = finder->bin_count;
+        finder->bin_count += grid->count;
+        if (finder->bin_count > finder->bins_capacity
+            && !PBW__RESIZE(memory, finder, bins, finder->bin_count + finder->bin_count / 2)) {
+            return PBW_ERROR_MEMORY;
+        }
+        pbw__bins_fill(binning, grid);
+        status = PBW__LOAD(&binning->queries->context.cancelled) ? PBW_CANCELLED : pbw__bins_refine(binning, *grid);
+    }
+    return status;
 }
 
 static pbw_status pbw__finder_fill(pbw__queries *queries, pbw_finder *finder)
 {
-    const pbw_mesh *mesh = finder->mesh;
-    const size_t dim = (size_t)mesh->dim;
-    float *least;
-    size_t v, cell, last = 0;
-    finder->start = (pbw_index *)pbw__allocate(&queries->context.memory, finder->cells, sizeof(pbw_index));
-    least = (float *)pbw__allocate(&queries->context.memory, finder->cells, sizeof(float));
-    if (finder->start == NULL || least == NULL) {
-        pbw__release(&queries->context.memory, least, finder->cells, sizeof(float));
-        return PBW_ERROR_MEMORY;
+    pbw__memory *memory = &queries->context.memory;
+    const size_t count = finder->mesh->point_count, most = count / 4 + 8;    /* or 2 along each axis */
+    pbw_status status = PBW_ERROR_MEMORY;
+    pbw__binning binning;
+    binning.queries = queries;
+    binning.finder = finder;
+    binning.vertices = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
+    binning.sorted = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
+    binning.least = (float *)pbw__allocate(memory, most, sizeof(float));
+    binning.counts = (size_t *)pbw__allocate(memory, most + 1, sizeof(size_t));
+    if (binning.vertices != NULL && binning.sorted != NULL && binning.least != NULL && binning.counts != NULL
+        && PBW__RESIZE(memory, finder, grids, 1)) {
+        status = pbw__bins_make(&binning);
     }
-    for (cell = 0; cell < finder->cells; cell++) {
-        finder->start[cell] = PBW_NONE;
-        least[cell] = 1e30f;
-    }
-    for (v = 0; v < mesh->point_count; v++) {
-        double far = 0.0;
-        if (v % PBW__TICK == 0 && pbw__report(&queries->context, 0.9 * (double)v / (double)mesh->point_count)) {
-            break;
-        }
-        cell = pbw__finder_cell(finder, mesh->points + v * dim, &far);
-        if (mesh->incident[v] != PBW_NONE && (float)far < least[cell]) {
-            least[cell] = (float)far;
-            finder->start[cell] = mesh->incident[v];
-        }
-    }
-    for (cell = 0; cell < finder->cells; cell++) {   /* empty cells: as the one before */
-        last = finder->start[cell] != PBW_NONE ? finder->start[cell] : last;
-        finder->start[cell] = (pbw_index)last;
-    }
-    pbw__release(&queries->context.memory, least, finder->cells, sizeof(float));
-    return PBW__LOAD(&queries->context.cancelled) ? PBW_CANCELLED : PBW_OK;
+    pbw__release(memory, binning.vertices, count, sizeof(pbw_index));
+    pbw__release(memory, binning.sorted, count, sizeof(pbw_index));
+    pbw__release(memory, binning.least, most, sizeof(float));
+    pbw__release(memory, binning.counts, most + 1, sizeof(size_t));
+    return status;
 }
 
 PBWDEF pbw_status pbw_finder_create(const pbw_mesh *mesh, const pbw_options *options, pbw_finder **finder)
@@ -10486,11 +10597,7 @@ PBWDEF pbw_status pbw_finder_create(const pbw_mesh *mesh, const pbw_options *opt
     if (status == PBW_OK) {
         memset(made, 0, sizeof(*made));
         made->mesh = mesh;
-        made->cells = 1;
-        if (mesh->simplex_count > 0) {
-            pbw__finder_grid(made);
-            status = pbw__finder_fill(&queries, made);
-        }
+        status = mesh->simplex_count > 0 ? pbw__finder_fill(&queries, made) : PBW_OK;
     }
     status = pbw__queries_end(&queries, status);
     if (made != NULL) {
@@ -10506,18 +10613,24 @@ PBWDEF pbw_status pbw_finder_create(const pbw_mesh *mesh, const pbw_options *opt
 
 PBWDEF pbw_index pbw_finder_locate(const pbw_finder *finder, const double *point, pbw_index *hull_facet)
 {
+    const pbw__bin *bin;
     double far = 0.0;
-    if (finder == NULL || point == NULL || finder->start == NULL) {
+    if (finder == NULL || point == NULL || finder->bins == NULL) {
         return pbw_locate_one(NULL, NULL, 0, hull_facet);
     }
-    return pbw_locate_one(finder->mesh, point, finder->start[pbw__finder_cell(finder, point, &far)], hull_facet);
+    bin = finder->bins + pbw__bin_of(finder->grids, finder->mesh->dim, point, &far);
+    while (bin->finer != 0) {
+        bin = finder->bins + pbw__bin_of(finder->grids + bin->finer, finder->mesh->dim, point, &far);
+    }
+    return pbw_locate_one(finder->mesh, point, bin->start, hull_facet);
 }
 
 PBWDEF void pbw_finder_free(pbw_finder *finder)
 {
     if (finder != NULL) {
         pbw__memory memory = finder->memory;
-        pbw__release(&memory, finder->start, finder->cells, sizeof(pbw_index));
+        PBW__RELEASE(&memory, finder, grids);
+        PBW__RELEASE(&memory, finder, bins);
         pbw__release(&memory, finder, 1, sizeof(pbw_finder));
     }
 }
@@ -16399,8 +16512,8 @@ static void pbw__live_settle(pbw_live *live)
 /* What changes cost, in points of a rebuild; measured with bench/live.cpp, these limits at 1e9 and at -1, on
    one thread, 5 to 20 % of 200,000 uniform points: in the plane to remove 0.82 us, insert 1.05, move 0.53, rebuild
    0.134 a point; in space 5.3, 3.0, 6.5 and 0.8.  A rebuild is chosen where changes cost more than PBW__REBUILD_AT
-   rebuilds.  To verify all costs 0.45 rebuilds in the plane and 0.33 in space, and less where it soon fails: as much
-   as to move one point in ten. */
+   rebuilds.  To verify all costs 0.21 rebuilds in the plane and 0.14 in space, and less where it soon fails: no more
+   than to move one point in ten. */
 #ifndef PBW__REBUILD_AT
 #define PBW__REBUILD_AT(dim) 1.0
 #endif

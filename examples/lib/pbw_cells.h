@@ -782,7 +782,8 @@ struct pbwc__period {
     size_t count, total;                   /* points; with copies */
     pbwc__memory *memory;
     double size[3], unit[3], margin[3];    /* of the box; all are multiples of the units; of the padded box */
-    double low[3], high[3];                /* of the grid */
+    double low[3], high[3];                /* how far balls can reach */
+    double grid[3], step[3];               /* the low corner of the grid, and its cells; those at its ends go on */
     double heaviest, lightest;             /* weight */
     double from[3], to[3];                 /* bounds of the marked part */
     pbwc__array x, w, source, marks;       /* source: of each copy */
@@ -3192,7 +3193,7 @@ static void pbwc__end_clip(pbwc__job *job)
    distance plus the largest weight).  Balls that leave the padded box mark a grid, and the copies there are added.
    A cell that becomes smaller has smaller balls, in the union of its old ones; so a second round is the last.
    Where points crowd, balls in the void are large and would add most copies: then a few copies, one point of each
-   cell of a coarse grid, first make them smaller.
+   cell of a coarse grid, first make them smaller.  A round whose marks add no copy has all that are needed.
    Along a periodic axis a cell reaches at most half the box from its site, as its images have the rest; so a box of
    3/4 to each side is what it is cut from.
    ------------------------------------------------------------------------------------------------------ */
@@ -3200,7 +3201,7 @@ static void pbwc__end_clip(pbwc__job *job)
 /* The cell of the grid along axis k. */
 static int pbwc__grid_at(const pbwc__period *period, int k, double x)
 {
-    const double at = (x - period->low[k]) / (period->high[k] - period->low[k]) * PBWC__GRID;
+    const double at = (x - period->grid[k]) / period->step[k];
     return !(at > 0) ? 0 : at >= PBWC__GRID ? PBWC__GRID - 1 : (int)at;
 }
 
@@ -4073,7 +4074,7 @@ static pbw_status pbwc__units(pbwc__period *period, const double *box)
     return PBW_OK;
 }
 
-/* The grid: where balls of cells can reach. */
+/* Where balls of cells can reach, and the grid, finer where most of them are. */
 static pbw_status pbwc__reach(pbwc__period *period)
 {
     double square = period->heaviest - period->lightest, radius;
@@ -4091,6 +4092,9 @@ static pbw_status pbwc__reach(pbwc__period *period)
                 return PBW_ERROR_ARGUMENT;
             }
         }
+        period->grid[k] = (period->axes >> k & 1) != 0 ? -0.6 * period->size[k] : period->low[k];
+        period->step[k] = ((period->axes >> k & 1) != 0 ? 2.2 * period->size[k] : period->high[k] - period->low[k])
+                          / PBWC__GRID;
     }
     if (!pbwc__resize(period->memory, &period->marks, (size_t)PBWC__GRID * PBWC__GRID * PBWC__GRID)) {
         return PBW_ERROR_MEMORY;
@@ -4102,7 +4106,6 @@ static pbw_status pbwc__reach(pbwc__period *period)
 /* Where copies may be: the padded box and all marks. */
 static void pbwc__extent(pbwc__period *period)
 {
-    const double step = 1.0 / PBWC__GRID;
     int at[3], k;
     for (k = 0; k < period->dim; k++) {
         const double half = period->thin.data != NULL ? 0.5 * period->size[k] : 0;
@@ -4113,9 +4116,10 @@ static void pbwc__extent(pbwc__period *period)
         for (at[1] = 0; at[1] < PBWC__GRID; at[1]++) {
             for (at[0] = 0; at[0] < PBWC__GRID; at[0]++) {
                 for (k = 0; *pbwc__grid_mark(period, at) != 0 && k < period->dim; k++) {
-                    const double size = period->high[k] - period->low[k];
-                    const double low = period->low[k] + size * step * (at[k] - 0.01);
-                    const double high = period->low[k] + size * step * (at[k] + 1.01);
+                    const double low = at[k] == 0 ? period->low[k]
+                                     : period->grid[k] + period->step[k] * (at[k] - 0.01);
+                    const double high = at[k] == PBWC__GRID - 1 ? period->high[k]
+                                      : period->grid[k] + period->step[k] * (at[k] + 1.01);
                     period->from[k] = low < period->from[k] ? low : period->from[k];
                     period->to[k] = high > period->to[k] ? high : period->to[k];
                 }
@@ -4220,15 +4224,16 @@ static pbw_status pbwc__copies(pbwc__period *period)
     return PBW_OK;
 }
 
-/* Chooses the first point in each cell of a grid over the box, and forgets all marks. */
-static pbw_status pbwc__choose_thin(pbwc__period *period)
+/* Chooses the first point in each cell of a grid over the box, if these are at most a share of its cells, and forgets
+   all marks. */
+static pbw_status pbwc__choose_thin(pbwc__period *period, double share)
 {
     const size_t dim = (size_t)period->dim;
     const double least = pow((double)period->count / 8, 1.0 / (double)dim), most = dim == 3 ? 16 : 64;
     const size_t side = (size_t)(least < most ? least : most);
     unsigned char *thin;
     pbwc__array taken;
-    size_t i, k;
+    size_t i, k, chosen = 0;
     memset(&taken, 0, sizeof taken);
     if (!pbwc__resize(period->memory, &taken, side * side * (dim == 3 ? side : 1))) {
         return PBW_ERROR_MEMORY;
@@ -4249,7 +4254,11 @@ static pbw_status pbwc__choose_thin(pbwc__period *period)
             at = at * side + (!(place > 0) ? 0 : place >= (double)side ? side - 1 : (size_t)place);
         }
         thin[i] = slot[at] == 0;
+        chosen += slot[at] == 0;
         slot[at] = 1;
+    }
+    if ((double)chosen > share * (double)taken.bytes) {
+        pbwc__release(period->memory, &period->thin);
     }
     memset(period->marks.data, 0, period->marks.bytes);
     pbwc__release(period->memory, &taken);
@@ -4293,6 +4302,21 @@ static pbw_status pbwc__unwrap(pbwc__job *job, const double *box)
     return PBW_OK;
 }
 
+/* The copies that are marked, after a round.  Not marked any more: they were all there. */
+static pbw_status pbwc__more_copies(pbwc__period *period)
+{
+    const size_t before = period->total;
+    pbw_status status = pbwc__copies(period);
+    if (status == PBW_OK && period->total == before) {
+        period->marked = 0;
+    } else if (status == PBW_OK && period->total > 5 * period->count && period->count >= 500
+               && period->thin.data == NULL) {
+        status = pbwc__choose_thin(period, 1);
+        status = status == PBW_OK ? pbwc__copies(period) : status;
+    }
+    return status;
+}
+
 /* One round: the mesh of points and copies, and its cells; period->marked tells if more copies are needed. */
 static pbw_status pbwc__round(pbwc__job *job, const double *box, const pbw_options *options)
 {
@@ -4302,12 +4326,9 @@ static pbw_status pbwc__round(pbwc__job *job, const double *box, const pbw_optio
     pbw_mesh mesh;
     double walls[6];
     const size_t dim = (size_t)period->dim;
+    const double *weights = job->weighted ? PBWC__DOUBLES(period->w) : NULL;
     size_t k;
-    pbw_status status = pbwc__copies(period);
-    if (status == PBW_OK && period->total > 5 * period->count && period->count >= 500 && period->thin.data == NULL) {
-        status = pbwc__choose_thin(period);
-        status = status == PBW_OK ? pbwc__copies(period) : status;
-    }
+    pbw_status status;
     memset(&own, 0, sizeof own);
     memset(&domain, 0, sizeof domain);
     memset(&mesh, 0, sizeof mesh);
@@ -4317,13 +4338,10 @@ static pbw_status pbwc__round(pbwc__job *job, const double *box, const pbw_optio
     own.stride = own.weight_stride = 0;
     own.flags = PBW_BORROW;
     own.trace = NULL;
-    if (status == PBW_OK) {
-        const double *weights = job->weighted ? PBWC__DOUBLES(period->w) : NULL;
-        status = pbw_triangulate(period->dim, PBWC__DOUBLES(period->x), weights, period->total, &own, &mesh);
-    }
+    status = pbw_triangulate(period->dim, PBWC__DOUBLES(period->x), weights, period->total, &own, &mesh);
     if (status == PBW_DEGENERATE && period->count > 0) {
         period->apexes = period->marked = 1;
-        status = PBW_OK;
+        status = pbwc__copies(period);
     } else if (status == PBW_OK || status == PBW_DEGENERATE) {
         for (k = 0; k < dim; k++) {
             walls[k] = (period->axes >> k & 1) != 0 ? -0.75 * period->size[k] : box[k];
@@ -4332,6 +4350,9 @@ static pbw_status pbwc__round(pbwc__job *job, const double *box, const pbw_optio
         domain.box = walls;
         job->mesh = &mesh;
         status = pbwc__run(job, &domain, options);
+        if (status == PBW_OK && period->marked) {
+            status = pbwc__more_copies(period);
+        }
         if (status == PBW_OK && !period->marked) {
             status = pbwc__unwrap(job, box);
         }
@@ -4381,10 +4402,14 @@ PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const d
     }
     status = status == PBW_OK ? pbwc__snap(&period, points, weights, domain->box) : status;
     status = status == PBW_OK ? pbwc__reach(&period) : status;
-    do {
+    if (status == PBW_OK && count >= 500) {
+        status = pbwc__choose_thin(&period, 0.3);
+    }
+    status = status == PBW_OK ? pbwc__copies(&period) : status;
+    for (period.marked = 1; status == PBW_OK && period.marked; ) {
         period.marked = 0;
-        status = status == PBW_OK ? pbwc__round(&job, domain->box, options) : status;
-    } while (status == PBW_OK && period.marked);
+        status = pbwc__round(&job, domain->box, options);
+    }
     pbwc__release(&job.memory, &period.x);
     pbwc__release(&job.memory, &period.w);
     pbwc__release(&job.memory, &period.source);
