@@ -49,6 +49,7 @@
      >>tools        what companion headers build on
      >>query        which simplex contains a point
      >>batch        many queries: sorting, blocks, location, lists
+     >>finder       where walks of single queries start
      >>reach        distances from a query, in exact order
      >>nearest      stars, nearest vertices, vertices in a ball
      >>boxes        many nearest vertices, by a tree of boxes
@@ -10366,9 +10367,12 @@ PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t 
     }
     return pbw__queries_end(&queries, status);
 }
-
-/* ---- finder: for each cell of a grid over the vertices the one nearest to the cell's centre; of a cell with many
-   vertices a finer grid over them, and so on */
+/* ------------------------------------------------------------------------------------------------------
+   >>finder       Where walks of single queries start: grids in grids.
+   In: a mesh; then query points, one at a time.  Out: for each cell of a grid over the vertices a simplex of the
+   vertex nearest to the cell's centre; for a cell with many vertices a finer grid over them, and so on.
+   Holds: a finder is only read once it is made, so any number of threads may share it.
+   ------------------------------------------------------------------------------------------------------ */
 #define PBW__MANY    64                              /* vertices */
 #define PBW__DEEPEST 12                              /* grids in one another */
 
