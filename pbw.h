@@ -49,6 +49,7 @@
      >>tools        what companion headers build on
      >>query        which simplex contains a point
      >>batch        many queries: sorting, blocks, location, lists
+     >>finder       where walks of single queries start
      >>reach        distances from a query, in exact order
      >>nearest      stars, nearest vertices, vertices in a ball
      >>boxes        many nearest vertices, by a tree of boxes
@@ -114,7 +115,9 @@
      zone     the ranks of one or more regions that one task owns at a time
      cell     a box of a grid; a power cell where that is said
      run      points in one cell of the curve's grid: equal keys
-     task     a call of a function on some thread; a share is one task's part of the items
+     task     a call of a function on some thread; a share: the items that one task begins with
+     part     a range of the sorted keys; of queries a range is a block, elsewhere a block is memory
+     place    the position of a simplex in the caller's arrays; points at one place have equal coordinates
      open     a sign that a stage of a predicate does not know
 
    COMPILING
@@ -1308,7 +1311,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__blend_zero(pbw__d4 x, pbw__d4 mask, pbw__d4 y)    
     return PBW__BY_ISA(_mm256_or_pd(x, _mm256_and_pd(mask, y)), pbw__blend(x, y, mask));
 }
 
-PBW__SIMD_INLINE unsigned pbw__signs(pbw__d4 x)      /* the lanes with the sign bit */
+PBW__SIMD_INLINE unsigned pbw__signs(pbw__d4 x)      /* the set of negative lanes, -0.0 too */
 {
 #ifdef PBW__AVX2
     return (unsigned)_mm256_movemask_pd(x);
@@ -6621,8 +6624,8 @@ static pbw_status pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index 
     return PBW_OK;
 }
 
-#define PBW__PARTS 255
-#define PBW__LEAST_PART ((size_t)PBW__SMALLER(512))  /* vertices for each task, below which they are too near */
+#define PBW__TASKS 255
+#define PBW__LEAST_TASK ((size_t)PBW__SMALLER(512))  /* vertices for each task, below which they are too near */
 #define PBW__HOLD ((size_t)PBW__SMALLER(256))        /* zones that a task holds from vertex to vertex, at most, */
 #define PBW__HOLDS 8                                 /* or one in 8 of its share: others have to get by */
 #define PBW__BATCH ((size_t)PBW__SMALLER(64))        /* vertices that a task comes to at a time, at least, */
@@ -6636,12 +6639,12 @@ typedef struct pbw__build {
     pbw__context *context;
     pbw__store *store;
     const pbw__vertices *vertices;
-    pbw__kernel *kernel[PBW__PARTS];                 /* one for each task */
+    pbw__kernel *kernel[PBW__TASKS];                 /* one for each task */
     pbw_statistics *statistics;
     uint32_t trace;                                  /* 256 * the round */
-    int kernel_count, parts;
+    int kernel_count, tasks;
     uint8_t *owner;                                  /* per zone */
-    uint32_t taken[PBW__PARTS];                      /* per share of the vertices: batches taken from its front, and
+    uint32_t taken[PBW__TASKS];                      /* per share of the vertices: batches taken from its front, and
                                                         65536 times those from its end */
     size_t count;                                    /* vertices of the round */
     pbw__level level;
@@ -6658,7 +6661,7 @@ typedef struct pbw__build {
 /* Insertion by several threads: >>parallel. */
 static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, pbw_index v);
 static pbw_status pbw__rounds(pbw__build *build);
-static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid);
+static pbw_status pbw__build_tasks(pbw__build *build, const pbw__grid *grid);
 
 /* Returns the first region of a zone.  A zone has several where few vertices of a region are inserted yet. */
 PBW__INLINE size_t pbw__first_region(const pbw__build *build, size_t zone)
@@ -6720,9 +6723,9 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
     /* An exact test of extreme exponents may take 0.2 ms, a new simplex takes 0.1 us. */
     work = kernel->statistics.created + kernel->statistics.walk_steps + 64 * kernel->statistics.exact_tests;
     if (work - kernel->reported > 4096) {
-        double done = (double)build->done + (double)kernel->done * (double)(alone ? 1 : build->parts);
+        double done = (double)build->done + (double)kernel->done * (double)(alone ? 1 : build->tasks);
         kernel->reported = work;
-        done /= (double)build->vertices->count;      /* a guess: other parts may be slower */
+        done /= (double)build->vertices->count;      /* a guess: other tasks may be slower */
         if (pbw__report(build->context, done < 0.999 ? done : 0.999)) {
             kernel->status = PBW_CANCELLED;
             return 0;
@@ -6804,23 +6807,23 @@ static pbw_status pbw__more_kernels(pbw__build *build, const pbw__grid *grid, in
    inserted so far, which are `apart` ranks from each other. */
 static void pbw__plan(pbw__build *build, size_t vertices, size_t apart)
 {
-    size_t parts = vertices / PBW__LEAST_PART, zones;
+    size_t tasks = vertices / PBW__LEAST_TASK, zones;
     for (build->owner_bits = build->store->region_bits;
          (size_t)1 << build->owner_bits < apart * (size_t)(build->vertices->dim - 1); build->owner_bits++) {
     }
     zones = (build->vertices->count >> build->owner_bits) + 1;
-    parts = parts < zones / PBW__SMALLER(4) ? parts : zones / PBW__SMALLER(4);
-    build->parts = (size_t)build->context->threads < parts ? build->context->threads : (int)parts;
+    tasks = tasks < zones / PBW__SMALLER(4) ? tasks : zones / PBW__SMALLER(4);
+    build->tasks = (size_t)build->context->threads < tasks ? build->context->threads : (int)tasks;
 }
 
 /* Inserts the level, or the vertices left, by the tasks planned. */
 static pbw_status pbw__run_level(pbw__build *build, const pbw__grid *grid)
 {
     pbw_status status;
-    if (build->parts <= 1) {
+    if (build->tasks <= 1) {
         return pbw__level_serial(build, build->left_count == 0);
     }
-    status = pbw__build_parts(build, grid);
+    status = pbw__build_tasks(build, grid);
     if (status == PBW_OK) {
         pbw__leave_region(build->kernel[0]);
         status = pbw__rounds(build);
@@ -6906,7 +6909,7 @@ static pbw_status pbw__level_extremes(pbw__build *build, const pbw__grid *grid)
         status = PBW_ERROR_MEMORY;
     }
     pbw__plan(build, most, 0);
-    first = build->parts > 1 ? PBW__FIRST : 1;
+    first = build->tasks > 1 ? PBW__FIRST : 1;
     for (turn = 0; turn < 2 && status == PBW_OK; turn++) {
         for (rank = seen = build->left_count = 0; rank < count; rank += build->early[rank >> 3] != 0 ? 1 : 8) {
             if (pbw__is_early(build, rank) && (seen++ % first != 0) == turn) {
@@ -6978,7 +6981,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
     while (status == PBW_OK && build.level.stride > 0) {
         stride = build.level.stride;
         pbw__plan(&build, vertices->count / stride, build.early != NULL ? 0 : build.level.coarser);
-        build.parts = build.level.coarser <= vertices->count ? build.parts : 1;
+        build.tasks = build.level.coarser <= vertices->count ? build.tasks : 1;
         build.left_count = 0;
         status = pbw__run_level(&build, grid);
         if (pbw__mean_star(&build, &created) > PBW__LARGE_STAR && vertices->dim == 3 && stride > 1
@@ -7050,7 +7053,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    the other reads or writes, now or later, both own a vertex of the same simplex: of four vertices one owns three
    and the other two; of a facet's three vertices both own two.
 
-   Why it ends.  Another round follows only if at least one in `parts` tries succeeded; with fewer, one thread, which
+   Why it ends.  Another round follows only if at least one in `tasks` tries succeeded; with fewer, one thread, which
    needs no zones, is as quick.  What is left then, or is too little for two tasks, is
    inserted by one thread, which owns everything, before the next level begins: vertices near the hull are among it,
    and cavities there would grow from level to level without them.
@@ -7148,25 +7151,25 @@ static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__car
 #endif
 
 /* Allocates what several tasks need. */
-static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid)
+static pbw_status pbw__build_tasks(pbw__build *build, const pbw__grid *grid)
 {
     pbw__memory *memory = &build->context->memory;
     size_t zones = build->store->region_count;
     if (build->owner == NULL) {
         build->owner = (uint8_t *)pbw__allocate(memory, zones, 1);
     }
-    return build->owner != NULL ? pbw__more_kernels(build, grid, build->context->threads < PBW__PARTS
-                                                               ? build->context->threads : PBW__PARTS)
+    return build->owner != NULL ? pbw__more_kernels(build, grid, build->context->threads < PBW__TASKS
+                                                               ? build->context->threads : PBW__TASKS)
                                 : PBW_ERROR_MEMORY;
 }
 
-static void pbw__round_begin(pbw__build *build, int part)
+static void pbw__round_begin(pbw__build *build, int task)
 {
-    pbw__kernel *kernel = build->kernel[part];
+    pbw__kernel *kernel = build->kernel[task];
     pbw__kernel_attach(kernel);                      /* the store may have moved */
     kernel->own.owner = build->owner;
     kernel->own.owner_bits = build->owner_bits;
-    kernel->own.me = (uint8_t)part;
+    kernel->own.me = (uint8_t)task;
     kernel->slots.region = (size_t)-1;
     kernel->last = PBW_NONE;
     kernel->left_count = 0;
@@ -7381,16 +7384,16 @@ static int pbw__batch(pbw__build *build, pbw__kernel *kernel, size_t from, size_
 
 /* Inserts the vertices of a round, in batches: those of the task's own share, then those of other shares from their
    ends, where nobody is at work. */
-static void pbw__round(void *arg, int part)
+static void pbw__round(void *arg, int task)
 {
     pbw__build *build = (pbw__build *)arg;
-    pbw__kernel *kernel = build->kernel[part];
+    pbw__kernel *kernel = build->kernel[task];
     int k;
-    pbw__round_begin(build, part);
-    for (k = 0; k < build->parts; k++) {
-        const int share = (part + k) % build->parts;
-        const size_t begin = pbw__share(build->count, share, build->parts);
-        const size_t end = pbw__share(build->count, share + 1, build->parts);
+    pbw__round_begin(build, task);
+    for (k = 0; k < build->tasks; k++) {
+        const int share = (task + k) % build->tasks;
+        const size_t begin = pbw__share(build->count, share, build->tasks);
+        const size_t end = pbw__share(build->count, share + 1, build->tasks);
         const size_t least = (end - begin + PBW__BATCHES - 1) / PBW__BATCHES;
         const size_t batch = least < PBW__BATCH ? PBW__BATCH : least, batches = (end - begin + batch - 1) / batch;
         uint32_t taken = PBW__LOAD(build->taken + share);
@@ -7415,10 +7418,10 @@ static pbw_status pbw__end_round(pbw__build *build)
 {
     pbw__store *store = build->store;
     size_t count = 0, missed = 0, inserted;
-    int part, no_room = 0;
+    int task, no_room = 0;
     pbw_status status = PBW_OK;
-    for (part = 0; part < build->parts; part++) {
-        pbw__kernel *kernel = build->kernel[part];
+    for (task = 0; task < build->tasks; task++) {
+        pbw__kernel *kernel = build->kernel[task];
         count += kernel->left_count;
         missed += kernel->own.missed;
         no_room |= kernel->slots.no_room;
@@ -7434,8 +7437,8 @@ static pbw_status pbw__end_round(pbw__build *build)
         return PBW_ERROR_MEMORY;
     }
     build->left_count = 0;
-    for (part = 0; part < build->parts; part++) {
-        pbw__kernel *kernel = build->kernel[part];
+    for (task = 0; task < build->tasks; task++) {
+        pbw__kernel *kernel = build->kernel[task];
         if (kernel->left_count > 0) {
             memcpy(build->left + build->left_count, kernel->left, kernel->left_count * sizeof(pbw_index));
         }
@@ -7448,8 +7451,8 @@ static pbw_status pbw__end_round(pbw__build *build)
     build->count = count;
     if (no_room && store->capacity < PBW__SIMPLEX_LIMIT) {
         status = pbw__store_reserve(build->context, store, pbw__store_bigger(store));
-    } else if ((size_t)build->parts * inserted < inserted + missed) {
-        build->parts = 1;                            /* tasks are in each other's way */
+    } else if ((size_t)build->tasks * inserted < inserted + missed) {
+        build->tasks = 1;                            /* tasks are in each other's way */
     }
     return status;
 }
@@ -7459,7 +7462,7 @@ static pbw_status pbw__rounds(pbw__build *build)
 {
     pbw__context *context = build->context;
     const size_t zones = (build->vertices->count >> build->owner_bits) + 1;
-    const size_t hold = zones / (size_t)build->parts / PBW__HOLDS + 8;
+    const size_t hold = zones / (size_t)build->tasks / PBW__HOLDS + 8;
     pbw_status status = pbw__for_range(context, zones, 4096, 0.0, pbw__begin_zones, build);
     if (status == PBW_OK && build->hint_bits != build->owner_bits) {     /* finer zones: there are few */
         status = pbw__for_range(context, build->store->region_count, 64, 0.0, pbw__find_hints, build);
@@ -7472,12 +7475,12 @@ static pbw_status pbw__rounds(pbw__build *build)
     build->count = build->left_count > 0 ? build->left_count : pbw__level_size(&build->level);
     do {
         memset(build->taken, 0, sizeof(build->taken));
-        pbw__for(context, build->parts, pbw__round, build);
+        pbw__for(context, build->tasks, pbw__round, build);
         status = pbw__end_round(build);
-        if (build->left_count < PBW__LEAST_SHARE * (size_t)build->parts) {
-            build->parts = (int)(build->left_count / PBW__LEAST_SHARE);
+        if (build->left_count < PBW__LEAST_SHARE * (size_t)build->tasks) {
+            build->tasks = (int)(build->left_count / PBW__LEAST_SHARE);
         }
-    } while (status == PBW_OK && build->parts > 1);
+    } while (status == PBW_OK && build->tasks > 1);
     return status;
 }
 /* ------------------------------------------------------------------------------------------------------
@@ -7492,8 +7495,8 @@ static pbw_status pbw__rounds(pbw__build *build)
    Each simplex belongs to the list of its lowest rank.  Pass 1 counts the lists and chains the slots of each region's
    lists.  Pass 2 sorts the lists, region by region, and numbers their simplices.
    ------------------------------------------------------------------------------------------------------ */
-/* A simplex in its list, without its lowest rank: in space the key is the second and the third corner, `last` the
-   fourth; in the plane the key is the first and the second corner, as an edge has one triangle on its left. */
+/* A simplex in the list of its lowest rank.  In space the key holds the second and the third corner, `last` is the
+   fourth.  In the plane the key holds the first and the second corner: one triangle lies to the left of that edge. */
 typedef struct pbw__item { uint64_t key; pbw_index simplex, last; } pbw__item;
 
 /* A simplex in canonical form, with the caller's ids and the places of its neighbours. */
@@ -7501,7 +7504,7 @@ typedef struct pbw__emitted {
     pbw_index place, corner[4], neighbor[4];
 } pbw__emitted;
 
-/* Simplices that wait until their places are free.  Places free_from .. free_from+free_count-1 are known as free. */
+/* Simplices that were read before their places were free.  Places free_from .. free_from+free_count-1 are free. */
 typedef struct pbw__aside {
     pbw__emitted *simplex;
     size_t count, capacity, free_from, free_count;
@@ -7524,8 +7527,8 @@ typedef struct pbw__emission {
     pbw_index *number;                               /* per slot: the next of its chain; then its place */
     pbw_index *chain;                                /* per region: the last slot of its chain */
     pbw_index *head;                                 /* per rank: the length of its list; then its first simplex */
-    pbw_index *first;                                /* per rank, of several tasks: its first one in earlier shares */
-    size_t *end, one_end;                            /* per task: its last slot for other tasks; its last place */
+    pbw_index *first;                                /* per rank, tasks > 1: its first simplex in earlier shares */
+    size_t *end, one_end;                            /* per task: its chain for others; then where its places end */
     pbw_index *incident;                             /* per point of the caller */
     int chunk_bits;                                  /* slot >> chunk_bits is the number of its chunk */
     size_t chunk;                                    /* the next to be read, in the order of >>output */
@@ -7641,10 +7644,10 @@ PBW__INLINE uint64_t pbw__lowest_ranks(const pbw__emission *emission, size_t slo
    A task reads the slots of a range of regions and makes the lists of the ranks of these regions.  The few simplices
    for lists of other tasks are chained apart, and added by pbw__emit_others with atomic exchanges. */
 
-/* A task has the lists of ranks .. ranks+own-1; `others`: the last slot of its chain for other tasks. */
+/* A task owns the lists of `own` ranks from `ranks` on; `others`: the last slot of its chain for other tasks. */
 typedef struct pbw__listing { size_t ranks, own; pbw_index others; } pbw__listing;
 
-/* Chains those slots of a batch that are in the set `used`; all: that is every one. */
+/* Chains the slots of a batch that are in the set `used`; all: every slot is. */
 PBW__INLINE void pbw__emit_batch(const pbw__emission *emission, pbw__listing *listing, const pbw_index *lowest,
                                  uint64_t used, size_t from, int all)
 {
@@ -7684,7 +7687,7 @@ static void pbw__emit_chains(const pbw__emission *emission, pbw__listing *listin
         used = pbw__lowest_ranks(emission, from, to - from, lowest);
         if (used == ~(uint64_t)0) {
             pbw__emit_batch(emission, listing, lowest, used, from, 1);
-        } else {                                     /* on a circle half are ghosts, at unpredictable places */
+        } else {                                     /* on a circle half are ghosts, in unpredictable slots */
             memset(emission->number + from, 0xff, (to - from) * sizeof(pbw_index));      /* PBW_NONE */
             pbw__emit_batch(emission, listing, lowest, used, from, 0);
         }
@@ -7698,7 +7701,7 @@ PBW__INLINE size_t pbw__emit_ranks(const pbw__emission *emission, size_t region)
     return ranks <= emission->vertex_count ? ranks : emission->vertex_count + 1;
 }
 
-/* Returns the first slot of the region `before` places ahead of this one, or of the first region. */
+/* Returns the first slot of the region that lies `before` regions before this one, or of the first region. */
 PBW__INLINE size_t pbw__emit_start(const pbw__emission *emission, size_t region, size_t before)
 {
     return region > before ? pbw__region_end(emission->store, region - before - 1) : 0;
@@ -7777,8 +7780,8 @@ PBW__INLINE void pbw__fill_lists_of(const pbw_index *corner, const pbw_index *sl
 }
 
 /* Sorts short lists by their keys.  The first list begins at item `begin`, each ends at its `end`, where the next
-   begins.  Results start at sorted[1]; sorted[0] is scratch.  The order is unpredictable, so this is branchless: the
-   place of an item is the number of items with lower keys. */
+   begins.  Results start at sorted[1]; sorted[0] is scratch.  Branchless, as the order is unpredictable: an item goes
+   behind as many others as have lower keys. */
 static void pbw__sort_lists(const pbw__item *item, const pbw_index *end, unsigned lists, pbw_index begin,
                             pbw__item *sorted)
 {
@@ -7826,8 +7829,8 @@ PBW__SIMD_INLINE __m256i pbw__blend8(__m256i x, __m256i y, __m256i mask)
     return (__m256i)_mm256_blendv_ps((__m256)x, (__m256)y, (__m256)mask);
 }
 
-/* Sorts a list of `count` simplices, four at a time; all: `count` rounded up to fours.  Lanes past the end get the
-   highest key and are written to sorted[0]. */
+/* Sorts a list of `count` simplices, four at a time; all: `count` rounded up to a multiple of four.  Lanes past the
+   end get the highest key and are written to sorted[0]. */
 PBW__SIMD_INLINE void pbw__sort_list_simd(const pbw__item *item, pbw_index begin, unsigned count, unsigned all,
                                           pbw__item *sorted)
 {
@@ -7895,9 +7898,9 @@ PBW__SIMD static void pbw__sort_lists_simd(const pbw__item *item, const pbw_inde
     }
 }
 
-/* In the plane lists are short and follow each other in ascending order of ranks.  So it is faster to compare each
-   simplex with the `longest`-1 before and after it: those of other lists compare as in order.  Keys are compared as
-   signed numbers, as ranks are below 2^31: there are twice as many simplices. */
+/* In the plane lists are short and lie in ascending order of ranks.  It is faster to sort many at once, without their
+   borders: each simplex is compared with the `longest`-1 before it and after it, and those of other lists are already
+   in order.  Signed comparisons serve, as ranks are below 2^31: there are twice as many triangles as vertices. */
 #define PBW__REACH 12
 
 PBW__SIMD static void pbw__sort_lists2_simd(const pbw__item *item, const pbw_index *end, unsigned lists,
@@ -7967,7 +7970,7 @@ PBW__INLINE void pbw__sift(pbw__item *heap, size_t root, size_t count)
     heap[root] = item;
 }
 
-/* Sorts the list of a hub, a vertex of many simplices: a heap sort. */
+/* Sorts the list of a hub, a vertex with many simplices: a heap sort. */
 static PBW__NOINLINE void pbw__sort_hub(pbw__item *heap, size_t count, pbw__item *sorted)
 {
     size_t i;
@@ -8006,10 +8009,10 @@ PBW__INLINE void pbw__sort_region(const pbw__emission *emission, pbw__item *item
 }
 
 /* ---- pass 2: numbers
-   A task numbers the lists of a share of the regions, from the last list to the first.  So the number stored last for
-   a vertex is that of its first simplex.  `head` takes these numbers in place of the lengths of lists: a simplex is
-   in the list of its lowest corner, so the lists of its other corners were read before.  For vertices of later
-   shares `first` takes them. */
+   A task numbers the lists of a share of the regions, from the last list to the first, and stores the number of each
+   simplex for all of its corners: the number stored last for a vertex is that of its first simplex.  The numbers
+   replace the lengths of lists in `head`: a simplex is in the list of its lowest corner, and the lists of its other
+   corners were read before.  Numbers for vertices of later shares go to `first`. */
 
 /* Lists the slots of the chains of `count` regions, chain by chain.  Follows all chains in step, so that their cache
    misses overlap. */
@@ -10364,9 +10367,12 @@ PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t 
     }
     return pbw__queries_end(&queries, status);
 }
-
-/* ---- finder: for each cell of a grid over the vertices the one nearest to the cell's centre; of a cell with many
-   vertices a finer grid over them, and so on */
+/* ------------------------------------------------------------------------------------------------------
+   >>finder       Where walks of single queries start: grids in grids.
+   In: a mesh; then query points, one at a time.  Out: for each cell of a grid over the vertices a simplex of the
+   vertex nearest to the cell's centre; for a cell with many vertices a finer grid over them, and so on.
+   Holds: a finder is only read once it is made, so any number of threads may share it.
+   ------------------------------------------------------------------------------------------------------ */
 #define PBW__MANY    64                              /* vertices */
 #define PBW__DEEPEST 12                              /* grids in one another */
 
@@ -11833,8 +11839,8 @@ PBWDEF pbw_status pbw_nearest(const pbw_mesh *mesh, const pbw_lists *stars, cons
 }
 /* ------------------------------------------------------------------------------------------------------
    >>centres      Vectors of doubles or of pairs of doubles, and centres of simplices in either.
-   In: points, weights.  Out: centres, relative to a point; orientations as good as doubles can be.
-   Holds: with `fine`, the error of a sum is at most 2^-90 times the sum of its terms' sizes.
+   In: points, weights.  Out: centres, relative to a point; orientations to nearly the full precision of doubles.
+   Holds: with `fine`, the error of a sum is at most 2^-90 times the sum of the absolute values of its terms.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__vector { pbw__pair x, y, z; } pbw__vector;
 
@@ -11862,7 +11868,7 @@ PBW__INLINE pbw__pair pbw__mul(int fine, pbw__pair a, pbw__pair b)
     return fine ? pbw__pair_times(a, b) : pbw__number(a.head * b.head);
 }
 
-/* Normalises b first, so that |tail| <= u |head|; then one correction by the remainder is enough. */
+/* Normalises b, so that |tail| <= u |head|: then one correction by the remainder is enough. */
 PBW__INLINE pbw__pair pbw__div(int fine, pbw__pair a, pbw__pair b)
 {
     pbw__pair quotient, rest;
@@ -11924,7 +11930,7 @@ PBW__INLINE pbw__vector pbw__vector_cross(int fine, pbw__vector a, pbw__vector b
 }
 
 /* ---- exact numbers
-   The lowest exponent of `count` numbers, none of them above `unit`. */
+   Returns the lowest exponent of `count` numbers, at most `unit`. */
 static int pbw__exact_unit(const double *number, int count, int unit)
 {
     int64_t mantissa;
@@ -11949,7 +11955,7 @@ static pbw__integer pbw__exact_cross(const pbw__integer *a, const pbw__integer *
     return pbw__exact_sum(term, 2, top);
 }
 
-/* The sum of a[i] b[i]. */
+/* Returns the sum of a[i] b[i]. */
 static pbw__integer pbw__exact_dot(const pbw__integer *a, const pbw__integer *const *b, int count, pbw__digit **top)
 {
     pbw__product term[4];
@@ -11962,7 +11968,7 @@ static pbw__integer pbw__exact_dot(const pbw__integer *a, const pbw__integer *co
     return pbw__exact_sum(term, count, top);
 }
 
-/* Returns the number divided by the radix to the power of `length`; drops digits far below 2^-106. */
+/* Returns a / radix^length as a pair, without digits far below 2^-106. */
 static pbw__pair pbw__exact_pair(const pbw__integer *a, int length)
 {
     const double radix = 1.0 / (double)((pbw__column)1 << PBW__DIGIT_BITS);
@@ -11971,7 +11977,7 @@ static pbw__pair pbw__exact_pair(const pbw__integer *a, int length)
     double weight = radix;
     int i;
     for (i = length - 1; i >= 0 && i >= length - 10; i--, weight *= radix) {
-        if (i < a->length) {                         /* in two pieces, which doubles hold */
+        if (i < a->length) {                         /* in two pieces, each exact in a double */
             piece.head = (double)(a->digit[i] / half * half) * weight;
             sum = pbw__pair_plus(sum, piece);
             piece.head = (double)(a->digit[i] % half) * weight;
@@ -11982,7 +11988,7 @@ static pbw__pair pbw__exact_pair(const pbw__integer *a, int length)
 }
 
 /* ---- orientations */
-/* The orientations that pbw__sides3 and pbw__sides2 compute, as exact as doubles are, but for a common factor. */
+/* Computes the orientations of pbw__sides3 and pbw__sides2 from exact integers, all times one common factor. */
 static PBW__NOINLINE void pbw__exact_sides(const pbw_mesh *mesh, const pbw_index *v, const double *p, double *side)
 {
     const int dim = mesh->dim;
@@ -12018,8 +12024,8 @@ static PBW__NOINLINE void pbw__exact_sides(const pbw_mesh *mesh, const pbw_index
     }
 }
 
-/* The point c with 2 c . x = lift(x) for the rows given: the centre relative to their origin.  flat: it is not exact
-   enough; rows are at most 2 long. */
+/* Returns the centre c of a simplex, relative to the origin of its rows: 2 c . row = lift for each row.  Rows are at
+   most 2 long.  Sets *flat if their determinant is too small for an accurate centre. */
 PBW__INLINE pbw__vector pbw__centre_of(int fine, int dim, const pbw__vector *row, const pbw__pair *lift, int *flat)
 {
     pbw__vector sum;
@@ -12036,11 +12042,11 @@ PBW__INLINE pbw__vector pbw__centre_of(int fine, int dim, const pbw__vector *row
         sum.z = pbw__number(0.0);
         det = pbw__vector_area(fine, row[0], row[1]);
     }
-    *flat = !(pbw__abs(det.head) > 1e-6);           /* then pairs lack bits, too */
+    *flat = !(pbw__abs(det.head) > 1e-6);           /* too small for pairs as well */
     return pbw__vector_times(fine, sum, pbw__div(fine, pbw__number(0.5), det));
 }
 
-/* The same for rows point[i] - origin, times 2^scale, exact but for the last roundings. */
+/* Returns the centre for the rows point[i] - origin, times 2^scale: exact up to the roundings of the quotients. */
 static PBW__NOINLINE pbw__vector pbw__exact_centre(int dim, const double *const *point, const double *origin,
                                                    const double *weight, double origin_weight, int scale)
 {
@@ -12067,7 +12073,7 @@ static PBW__NOINLINE pbw__vector pbw__exact_centre(int dim, const double *const 
         other[dim] = &one;
         lift[i] = pbw__exact_dot(row[i], other, dim + 1, &top);
     }
-    for (i = 0; i < dim; i++) {                      /* what multiplies lift i */
+    for (i = 0; i < dim; i++) {                      /* the cofactors of lift i */
         for (k = 0; k < dim; k++) {
             normal[i][k] = dim == 2 ? row[1 - i][1 - k]
                          : pbw__exact_cross(row[(i + 1) % 3], row[(i + 2) % 3], (k + 1) % 3, (k + 2) % 3, &top);
@@ -12103,20 +12109,22 @@ static PBW__NOINLINE pbw__vector pbw__exact_centre(int dim, const double *const 
    Sibson's weights (1981) are the volumes that the cell of q would take from the cells of its neighbours.  The mesh
    is not changed: the simplices in conflict with q form a cavity; its boundary facets with q would be the new ones.
    Each facet abc between two simplices is dual to an edge from the centre n behind it to the centre s in front, where
-   a, b, c turn counter-clockwise.  With n and s relative to any origin, this dual edge gives to the cells of a and b,
-   at the edge ab, six times the volume
+   a, b, c turn counter-clockwise.  Relative to any one origin, this dual edge adds to each of the cells of a and b,
+   for the edge ab, a volume; six times that is
 
        ((b - a) . (n x s) - (n - s) . (a x b)) / 2 * (1 +- (w_a - w_b) / |b - a|^2)
 
-   Summed over all facets that is the volume of each cell, whatever the shape of the simplices.  So what q takes is
-   the sum over facets inside the cavity, plus that over boundary facets from the new centre to the old one inside
-   (the centre outside is on one line with both: it cancels, and a hull facet is no special case), minus that over
-   facets with q.  In the plane an edge ab gives (n - a) x (s - a) to a, and (s - b) x (n - b) to b, twice the area.
-   Laplace's weights are the facets of the cell of q over the distances to its neighbours, from the facets with q.
+   The sum over all facets is the volume of each cell, even where centres lie outside of their simplices.  So q takes
+   from each cell the sum over the facets inside the cavity, plus the sum over the boundary facets, from the new
+   centre to the old centre inside, minus the sum over the facets with q.  (The old centre outside lies on the line
+   through those two and cancels, so a hull facet is no special case.)  In the plane an edge ab adds
+   (n - a) x (s - a) for a and (s - b) x (n - b) for b, twice the area.
+   Laplace's weight of a neighbour is the area (in the plane, the length) of the facet between its cell and that of q,
+   divided by its distance from q.  The facets with q give these areas.
 
-   All is relative to q and scaled by a power of two.  Centres of nearly flat simplices are far and badly conditioned.
-   The weighted mean of the neighbours shows it: where it is not q, all is done again with pairs of doubles, and the
-   centres of flat simplices come from exact integers.
+   Coordinates are relative to q and scaled by a power of two.  Centres of nearly flat simplices are far away and
+   badly conditioned.  Then the weighted mean of the neighbours is not q, and the weights are computed again with
+   pairs of doubles, and with exact integers for the centres of flat simplices.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__site { pbw__vector at; pbw__pair weight, gain; pbw_index vertex; } pbw__site;
 typedef struct pbw__face { pbw__vector centre; pbw_index corner[3], inner; } pbw__face;
@@ -12192,7 +12200,7 @@ PBW__INLINE void pbw__record_of(const pbw_mesh *mesh, int dim, pbw_index v, doub
     record[dim] = mesh->weights != NULL ? mesh->weights[v] : 0.0;
 }
 
-/* Returns whether p, a record, is in conflict with simplex t: with ties broken, or, if not `tied`, strictly. */
+/* Returns whether p, a record, is in conflict with simplex t: by the tie rule if `tied`, else strictly. */
 PBW__INLINE int pbw__has_conflict(const pbw__queries *queries, int dim, size_t t, const double *p, int tied)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -12374,8 +12382,8 @@ PBW__INLINE void pbw__cavity_centres(int fine, int dim, int weighted, pbw__cavit
     }
 }
 
-/* Adds what the dual edge from n to s gives at the edge ab: (b - a) . cross - away . (a x b), where cross = n x s and
-   away = n - s. */
+/* Adds to the gains of a and b what the dual edge from n to s gives for the edge ab:
+   (b - a) . cross - away . (a x b), where cross = n x s and away = n - s. */
 PBW__INLINE void pbw__cavity_edge(int fine, int weighted, pbw__site *a, pbw__site *b, pbw__vector cross,
                                   pbw__vector away)
 {
@@ -12392,7 +12400,7 @@ PBW__INLINE void pbw__cavity_edge(int fine, int weighted, pbw__site *a, pbw__sit
     b->gain = pbw__add(fine, b->gain, value);
 }
 
-/* Adds it for all edges of a facet, whose corners are counter-clockwise seen from s. */
+/* Adds what the dual edge from n to s gives for all edges of its facet, which is counter-clockwise seen from s. */
 PBW__INLINE void pbw__cavity_facet(int fine, int dim, int weighted, pbw__site *const *x, pbw__vector n, pbw__vector s)
 {
     if (dim == 3) {
@@ -12421,8 +12429,8 @@ PBW__INLINE void pbw__cavity_spoke(int fine, int dim, int weighted, pbw__site *c
     pbw__cavity_facet(fine, dim, weighted, corner, s, n);
 }
 
-/* Adds, for Laplace's weights, its part of the facet between q and x[0], divided by their distance; in space also of
-   that between q and x[1]. */
+/* Laplace's weights: adds what the dual edge from n to s gives for the facet between the cells of q and x[0], and in
+   space of q and x[1], each divided by the distance of the two. */
 PBW__INLINE void pbw__cavity_wall(int fine, int dim, pbw__site *const *x, pbw__vector n, pbw__vector s)
 {
     const pbw__vector cross = dim == 3 ? pbw__vector_cross(fine, n, s) : pbw__vector_sub(fine, n, s);
@@ -12436,7 +12444,8 @@ PBW__INLINE void pbw__cavity_wall(int fine, int dim, pbw__site *const *x, pbw__v
     }
 }
 
-/* All facets with q, each by the ridge, an edge or in the plane a vertex, where two boundary facets meet. */
+/* Adds what all facets with q give.  Each is found by the ridge (in the plane, the vertex) where two boundary facets
+   meet.  Returns 0 if memory is short. */
 PBW__INLINE int pbw__cavity_spokes(int fine, int dim, int weighted, int laplace, pbw__desk *desk)
 {
     pbw__cavity *cavity = desk->cavity;
@@ -12472,8 +12481,8 @@ PBW__INLINE int pbw__cavity_spokes(int fine, int dim, int weighted, int laplace,
     return 1;
 }
 
-/* Finds the gain of each site.  Returns whether their weighted mean is q, as well as doubles can tell; -1: out of
-   memory. */
+/* Computes the gain of each site.  Returns whether the weighted mean of the sites is q within rounding errors; -1 if
+   memory is short. */
 PBW__INLINE int pbw__cavity_weigh(int fine, int dim, int weighted, int laplace, pbw__desk *desk)
 {
     pbw__cavity *cavity = desk->cavity;
@@ -12488,7 +12497,7 @@ PBW__INLINE int pbw__cavity_weigh(int fine, int dim, int weighted, int laplace, 
     for (s = 0; s < cavity->simplices && !laplace; s++) {
         for (i = 0; i <= (size_t)dim; i++) {
             const pbw_index n = cavity->across[4 * s + i];
-            if (n < s) {                             /* inside, each once */
+            if (n < s) {                             /* a facet inside, once */
                 for (k = 0; k < dim; k++) {
                     x[k] = cavity->site + cavity->corner[4 * s + pbw__opposite[dim - 2][i][k]];
                 }

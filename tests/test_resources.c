@@ -121,25 +121,27 @@ static void test_ceilings(void)
     size_t n = 200000;
     double *points = (double *)zoo_grow(NULL, n * 3 * sizeof *points);
     double *weights = (double *)zoo_grow(NULL, n * sizeof *weights);
-    int dim, threads, weighted;
+    int dim, threads, weighted;                          /* 2: PBW_BORROW, without weights */
     for (dim = 2; dim <= 3; dim++) {
         for (threads = 1; threads <= 4; threads += 3) {
-            for (weighted = 0; weighted <= 1; weighted++) {
+            for (weighted = 0; weighted <= 2; weighted++) {
+                const char *what = weighted == 2 ? ", borrowed" : weighted ? ", weighted" : "";
                 double documented = dim == 2 ? 97 : 280, each;               /* as pbw.h says */
                 meter m;
                 pbw_mesh mesh;
                 pbw_options options;
-                if (!test_begin("bytes a point: %dD, %d threads%s", dim, threads, weighted ? ", weighted" : "")) {
+                if (!test_begin("bytes a point: %dD, %d threads%s", dim, threads, what)) {
                     continue;
                 }
                 meter_start(&m, 0, 0);
                 options = metered(&m, threads);
+                options.flags = weighted == 2 ? PBW_BORROW : 0;
                 input_fill(INPUT_UNIFORM, dim, n, test_seed, points);
                 input_fill_weights(INPUT_WEIGHTS_SMALL, dim, n, test_seed, points, weights);
-                CHECK_EQUAL(pbw_triangulate(dim, points, weighted ? weights : NULL, n, &options, &mesh), PBW_OK);
+                CHECK_EQUAL(pbw_triangulate(dim, points, weighted == 1 ? weights : NULL, n, &options, &mesh), PBW_OK);
                 each = (double)m.peak / (double)n;
-                printf("    %dD, %d threads%s: %.1f bytes a point held at once, %.1f in the result\n", dim, threads,
-                       weighted ? ", weighted" : "", each, (double)m.bytes / (double)n);
+                printf("    %dD, %d threads%s: %.1f bytes a point held at once, %.1f in the result\n", dim,
+                       threads, what, each, (double)m.bytes / (double)n);
                 CHECK(each <= documented);
                 if (threads == 1) {
                     CHECK_EQUAL(mesh.statistics.peak_bytes, m.peak);

@@ -4035,6 +4035,33 @@ static void pbwio__emit(void *user, FILE *file)
     pbwio__flush(w);
 }
 
+/* Sets what the kind of file, the mesh and the caller's output say; counts the simplices to write. */
+static void pbwio__writer_start(pbwio__writer *w, const pbwio__kind *kind, const pbw_mesh *mesh, size_t corners,
+                                const pbwio_output *output)
+{
+    size_t i;
+    memset(w, 0, sizeof *w);
+    w->mesh = mesh;
+    w->output = output;
+    w->between = kind->traits & PBWIO__COMMAS ? ',' : ' ';
+    w->longest = output->format == PBWIO_INP ? 20 : 40;
+    w->id_size = output->format == PBWIO_MSH ? 8 : 4;
+    w->real_size = output->format == PBWIO_STL ? 4 : 8;
+    w->base = kind->traits & PBWIO__FROM_1 ? 1 : 0;
+    w->dim = (size_t)mesh->dim;
+    w->corners = corners;
+    w->binary = kind->traits & PBWIO__BINARY && !(output->flags & PBWIO_TEXT)
+             && (output->format != PBWIO_STL || pbwio__little_endian());     /* STL has no other byte order */
+    w->point_count = mesh->point_count;
+    pbwio__rewind(w);
+    while (pbwio__step(w, 0)) {
+        w->cell_count++;
+        for (i = 0; i < corners; i++) {
+            w->facet_count += (size_t)pbwio__on_hull(w, w->simplex, i);
+        }
+    }
+}
+
 /* Writes a mesh; or a model, whose simplices are triangles in any dimension and which has all of its points. */
 static pbwio_status pbwio__write(const char *path, const pbw_mesh *mesh, int model, const double *normals,
                                  const pbwio_output *output, pbwio_error *error)
@@ -4061,27 +4088,8 @@ static pbwio_status pbwio__write(const char *path, const pbw_mesh *mesh, int mod
     if (w == NULL) {
         return pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
     }
-    memset(w, 0, sizeof *w);
-    w->mesh = mesh;
+    pbwio__writer_start(w, kind, mesh, corners, &settings);
     w->normals = normals;
-    w->output = &settings;
-    w->between = kind->traits & PBWIO__COMMAS ? ',' : ' ';
-    w->longest = settings.format == PBWIO_INP ? 20 : 40;
-    w->id_size = settings.format == PBWIO_MSH ? 8 : 4;
-    w->real_size = settings.format == PBWIO_STL ? 4 : 8;
-    w->base = kind->traits & PBWIO__FROM_1 ? 1 : 0;
-    w->dim = (size_t)mesh->dim;
-    w->corners = corners;
-    w->binary = kind->traits & PBWIO__BINARY && !(settings.flags & PBWIO_TEXT)
-             && (settings.format != PBWIO_STL || pbwio__little_endian());    /* STL has no other byte order */
-    w->point_count = mesh->point_count;
-    pbwio__rewind(w);
-    while (pbwio__step(w, 0)) {
-        w->cell_count++;
-        for (i = 0; i < corners; i++) {
-            w->facet_count += (size_t)pbwio__on_hull(w, w->simplex, i);
-        }
-    }
     if (kind->traits & PBWIO__GROUPED && (settings.regions != NULL || settings.patches != NULL || settings.edges != NULL)
         && (settings.format != PBWIO_VTU || settings.patches != NULL)) {
         failed = !pbwio__list_items(w);

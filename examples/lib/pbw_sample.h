@@ -439,9 +439,9 @@ static double *pbwsample__point_normals(const pbwsample_model *model)
     return normals;
 }
 
-/* The normals of samples begin to end - 1, from those of the model's points. */
-static void pbwsample__set_normals(const pbwsample_model *model, unsigned flags, const double *normals,
-                                   const pbw_index *ids, pbwsample_set *set, size_t begin, size_t end)
+/* The normals of samples begin to end - 1, from those of the model's points; normals NULL: those of the facets. */
+static void pbwsample__set_normals(const pbwsample_model *model, const double *normals, const pbw_index *ids,
+                                   pbwsample_set *set, size_t begin, size_t end)
 {
     size_t i, j, k;
     for (i = begin; i < end; i++) {
@@ -454,7 +454,7 @@ static void pbwsample__set_normals(const pbwsample_model *model, unsigned flags,
         weight[0] = 1 - u - v;
         weight[1] = u;
         weight[2] = v;
-        for (j = 0; j < 3 && !(flags & PBWSAMPLE_FACET_NORMALS); j++) {
+        for (j = 0; j < 3 && normals != NULL; j++) {
             const double *corner = normals + 3 * (size_t)ids[3 * t + j];
             length = sqrt(pbwsample__dot(corner, corner));
             for (k = 0; k < 3; k++) {
@@ -569,7 +569,8 @@ static void pbwsample__uniform_task(void *arg, int task)
         w->set->places[2 * i + 1] = v;
     }
     if (w->flags & PBWSAMPLE_NORMALS) {
-        pbwsample__set_normals(w->model, w->flags, w->normals, w->ids, w->set, begin, end);
+        pbwsample__set_normals(w->model, w->flags & PBWSAMPLE_FACET_NORMALS ? NULL : w->normals, w->ids,
+                               w->set, begin, end);
     }
 }
 
@@ -1625,7 +1626,8 @@ static pbwsample_status pbwsample__poisson(const pbwsample_model *model, const p
         w->status = PBWSAMPLE_ERROR_VOLUME;
     }
     if (w->status == PBWSAMPLE_OK && !solid && set->normals != NULL) {
-        pbwsample__set_normals(model, options->flags, made != NULL ? made : model->normals,
+        const double *normals = made != NULL ? made : model->normals;
+        pbwsample__set_normals(model, options->flags & PBWSAMPLE_FACET_NORMALS ? NULL : normals,
                                made == NULL && model->normal_ids != NULL ? model->normal_ids : model->triangles,
                                set, 0, set->count);
     }
