@@ -13952,12 +13952,11 @@ PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int all, 
     int k;
     memset(&plane, 0, sizeof(plane));
     if (!ghost) {
-        double h;
+        double side, least;
         pbw__plane_of(core, v, dim, &plane);
-        h = plane.height;
-        if (!(plane.orientation > 0.0 && plane.orientation * plane.orientation
-                                         > h * h * (dim == 2 ? 1.0 : h) * side_error)
-            && pbw__slot_side(core, t, dim + 1, NULL) <= 0) {
+        side = plane.orientation;
+        least = plane.height * plane.height * (dim == 2 ? 1.0 : plane.height) * side_error;
+        if (!(side > 0.0 && side * side > least) && pbw__slot_side(core, t, dim + 1, NULL) <= 0) {
             return PBW__INVERTED;
         }
     }
@@ -14000,16 +13999,22 @@ PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int all, 
    A depth is stored as a lower bound in single precision, so the sum of two is certain if it is positive.  Roundings
    and absolute products, see >>predicates, u = 2^-53, with the largest height h:
                 in the plane                                      in space
-      V         4 roundings, h                                    8, 6 h^(3/2)
+      V         2 differences, product, sum: 4, h                 3, minor 2, product, 2 sums: 8, 6 h^(3/2)
       H_i       lift 5, |b|^2 4, product, sum: 11, 2 h^2          lift 6, minors 4 each, products, sums: 20, 36 h^3
-      H_d       13, 6 h^2: 78 u h^2                               25, 180 h^3: 4500 u h^3
-   Where V is above 1e-6 h, or 5e-6 h^(3/2), its relative error is below 2e-9.  That, the division, the scale and the
-   conversion change a depth by less than 2^-22 of it, and underflow by less than 1e-30, in units of the scale, which
-   is that of the points' box.  Other simplices get NaN, so do ghosts and free slots: their signs are left open. */
-#define PBW__DEPTH2_ERROR 9e-15                      /* times h^2, h^3 */
-#define PBW__DEPTH3_ERROR 5.1e-13
+      H_d       sum, difference: 13, 6 h^2: 78 u h^2              2 sums, difference: 23, 180 h^3: 4140 u h^3
+   Absolute products in the plane are at most |a| |b| (Cauchy).  Where V is above 1e-6 h, or 5e-6 h^(3/2), and so has
+   a relative error of 8 u / 5e-6 * 6 = 1.1e-9, a depth is (H - bound) (scale / V): that error, three roundings, and a
+   conversion of 2^-24 change it by less than 1e-7 of it.  Underflow takes less than half of the least float, 2^-150,
+   and, where scale / V is denormal, 2^-1075 (36 h^3), h^3 < 1e270.  Depths are in units of the scale, which is that
+   of the points' box.  Other simplices get NaN, so do ghosts and free slots: their signs are left open. */
+#define PBW__DEPTH2_ERROR 9e-15                      /* of H, times h^2, h^3 */
+#define PBW__DEPTH3_ERROR 4.7e-13
 #define PBW__DEPTH2_LEAST 1e-12                      /* of V^2, times h^2, h^3 */
 #define PBW__DEPTH3_LEAST 2.5e-11
+#define PBW__DEPTH_V_ERROR 1.2e-9                    /* of V, relative */
+#define PBW__DEPTH_ERROR 1e-7                        /* of a depth, relative */
+#define PBW__DEPTH_LOST 1e-45                        /* to underflow */
+#define PBW__DEPTH_MOST 1e270                        /* of h^2, h^3 */
 
 #ifdef PBW__SIMD
 /* Makes the points of these vertices, one in each lane, the origin. */
@@ -14034,12 +14039,12 @@ PBW__SIMD_INLINE pbw__d4 pbw__depths4(const double *record, pbw_index v[4][4], c
     const pbw__d4 h = pbw__max4(pbw__max4(a.height, b.height), pbw__splat(1e-55));
     if (origin->dim == 2) {
         const pbw__d4 aa = pbw__fma(a.y, a.y, a.x * a.x), bb = pbw__fma(b.y, b.y, b.x * b.x);
-        const pbw__d4 ab = pbw__fma(a.y, b.y, a.x * b.x);
-        *V = pbw__det2(a.x, a.y, b.x, b.y);
+        const pbw__d4 ab = pbw__fma(a.y, b.y, a.x * b.x), side = pbw__det2(a.x, a.y, b.x, b.y);
         H[0] = pbw__det2(a.lift, b.lift, ab, bb);
         H[1] = pbw__det2(b.lift, a.lift, ab, aa);
-        H[2] = (*V + *V) * *V - (H[0] + H[1]);
+        H[2] = (side + side) * side - (H[0] + H[1]);
         H[3] = H[2];
+        *V = side;
         return h;
     } else {
         const pbw__rows4 c = pbw__rows4_of(record, v[2], 0, origin);
@@ -14051,11 +14056,12 @@ PBW__SIMD_INLINE pbw__d4 pbw__depths4(const double *record, pbw_index v[4][4], c
         const pbw__d4 nx = pbw__dot4(a.lift, b.lift, c.lift, ax, bx, cx);
         const pbw__d4 ny = pbw__dot4(a.lift, b.lift, c.lift, ay, by, cy);
         const pbw__d4 nz = pbw__dot4(a.lift, b.lift, c.lift, az, bz, cz);
-        *V = pbw__dot4(a.x, a.y, a.z, ax, ay, az);
+        const pbw__d4 side = pbw__dot4(a.x, a.y, a.z, ax, ay, az);
         H[0] = pbw__dot4(nx, ny, nz, ax, ay, az);
         H[1] = pbw__dot4(nx, ny, nz, bx, by, bz);
         H[2] = pbw__dot4(nx, ny, nz, cx, cy, cz);
-        H[3] = (*V + *V) * *V - (H[0] + H[1] + H[2]);
+        H[3] = (side + side) * side - (H[0] + H[1] + H[2]);
+        *V = side;
         return pbw__max4(h, c.height);
     }
 }
@@ -14080,13 +14086,14 @@ PBW__SIMD_INLINE void pbw__depths_of(const pbw__verifying *verifying, size_t t, 
     pbw__origins4(core->record, v[dim], &origin);
     h = pbw__depths4(core->record, v, &origin, &V, H);
     power = dim == 2 ? h * h : h * h * h;
-    certain = pbw__and4(pbw__greater(V * V, power * pbw__splat(dim == 2 ? PBW__DEPTH2_LEAST : PBW__DEPTH3_LEAST)),
-                        pbw__greater(V, pbw__splat(0.0)));
+    certain = pbw__greater(V * V, power * pbw__splat(dim == 2 ? PBW__DEPTH2_LEAST : PBW__DEPTH3_LEAST));
+    certain = pbw__and4(certain, pbw__greater(pbw__splat(PBW__DEPTH_MOST), power));
+    certain = pbw__and4(certain, pbw__greater(V, pbw__splat(0.0)));
     scale = pbw__blend(nan, pbw__splat(verifying->scale) / V, certain);
     power = power * pbw__splat(dim == 2 ? PBW__DEPTH2_ERROR : PBW__DEPTH3_ERROR);
     for (k = 0; k < 4; k++) {
         const pbw__d4 depth = (H[k] - power) * scale;
-        H[k] = depth - pbw__fma(pbw__abs4(depth), pbw__splat(1.0 / (1 << 21)), pbw__splat(1e-30));
+        H[k] = depth - pbw__fma(pbw__abs4(depth), pbw__splat(PBW__DEPTH_ERROR), pbw__splat(PBW__DEPTH_LOST));
     }
     pbw__store_rows(verifying->depth + 4 * t, H[0], H[1], H[2], H[3]);
     *positive = pbw__signs(certain);

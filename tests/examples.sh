@@ -5,9 +5,10 @@
 bin=$1 work=$1/examples
 . tests/check.sh
 
-prints() {   # prints PROGRAM FILE
+prints() {   # prints PROGRAM FILE: and its exit status is 0
     "$1" > "$work/printed" 2> "$work/errors"
-    diff "$work/printed" "$2"
+    code=$?
+    diff "$work/printed" "$2" && [ $code = 0 ]
 }
 
 whole() {   # whole NAME FILE

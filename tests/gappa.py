@@ -51,27 +51,35 @@ def split(text):
     return parts
 
 
+def unrolled(pieces, local):
+    """Loops over k with a known end are written out; there are no braces in them."""
+    return re.split(r'([;{}])', re.sub(
+        r'for \(k = 0; k < (\w+); k\+\+\) \{([^{}]*)\}',
+        lambda loop: ''.join('k = %d;' % k + loop.group(2) for k in range(eval(loop.group(1), local))),
+        ''.join(pieces)))
+
+
 def run(name, local, wanted):
     """Does the assignments to `wanted` in a function, in their order; returns what it returns, if that is wanted.
-    A condition that is known here is obeyed; loops are passed through once."""
+    A condition that is known here is obeyed; loops are passed through once, but see unrolled, if k is wanted."""
     local, depth, skip, missing = dict(ENV, **local), 0, None, set(wanted)
-    for piece in read(name)[1]:
+    for piece in unrolled(read(name)[1], local) if 'k' in wanted else read(name)[1]:
         piece = piece.strip()
         depth += (piece == '{') - (piece == '}')
         if skip is not None and not (piece == '}' and depth == skip):
             continue
         skip = None
-        known = re.match(r'if \((\w+ == \w+)\)$', piece)
+        known = re.match(r'if \(([\w.]+ == \w+)\)$', piece)
         if known and not eval(known.group(1), local):
             skip = depth
             continue
         for part in split(piece):
-            part = re.sub(r'^\s*(?:const |double |pbw__\w+ )*\*?', '', part)
+            part = re.sub(r'^\s*(?:const |double |int |pbw__\w+ )*\*?', '', part)
             target = re.match(r'return|[\w.\[\]]+(?= *[-+*]?= )', part)
             if target and target.group() in wanted:
                 missing.discard(target.group())
                 if target.group() == 'return':
-                    return eval(part[6:].strip(), local), local
+                    return eval(part[6:].strip() or 'None', local), local
                 exec(part, local)
     if missing:
         raise SystemExit('%s: no %s' % (name, ' '.join(sorted(missing))))
@@ -143,7 +151,8 @@ class Value:
         return self.times(b).rounded()
 
     def __add__(self, b):
-        return self.plus(b).rounded() if self.pair is None else self
+        exact = self.pair is not None or not isinstance(b, Value) and b == 0
+        return self if exact else self.plus(b).rounded()
 
     def __rsub__(self, b):
         return self.plus(b).rounded()
@@ -254,6 +263,10 @@ def report(name, problem):
         print('FAILED %s: %s' % (name, problem.strip()))
 
 
+def judge(name, answer, tenth):
+    report(name + tenth, answer if not tenth else '' if answer else 'is proved as well')
+
+
 def prove(name, det, bound, least=None, square=False):
     """The sign of det is certain where |det|, or det * det, is above bound.  least: at most the product of the scales
     that det is divided by here.  An operation loses at most 2^-1020 to underflow, times its cofactor."""
@@ -274,8 +287,8 @@ def prove(name, det, bound, least=None, square=False):
     tenth = gappa('# must fail\n' + last % g(up(low / (100 if square else 10))))
     part = float(error * det.P) / (float(bound.P) ** 0.5 if square else float(bound.P))
     print('passed %-28s error at most %.4f of the bound' % (name, part))
-    report(name, problem or answer)
-    report(name + ', a tenth of the bound', '' if tenth else 'is proved as well')
+    judge(name, problem or answer, '')
+    judge(name, tenth, ', a tenth of the bound')
 
 
 # ---- the functions of the header
@@ -379,17 +392,20 @@ def pairs():
             prove('pbw__pairs %s%d' % (('orient', 'power')[power], dim), det, bound, low ** (dim + 2 * power))
 
 
+def root(x):
+    return Fraction(math.isqrt(int(x * 10 ** 200))) / 10 ** 100
+
+
 def walks():
     define('pbw__det3')
     name = 'pbw__locate_of'
     least = literal(name, r'height = ([-\d.e]+)')
-    root = Fraction(math.isqrt(int(least * 10 ** 200))) / 10 ** 100
     for dim in (2, 3):
         row, h = scalars(dim)
         local = dict(u=Every(row), corner=Every(0), a=row, b=row, i=0, dim=dim, height=h, lowest=0, exit=0,
                      corners=1)
         local = run(name, local, ['square', 'bound', 'limit', 'side', 'power'])[1]
-        scale = root if dim == 3 else 1
+        scale = root(least) if dim == 3 else 1
         prove('%s%d side' % (name, dim), local['side'], local['bound'], least * scale, True)
         det = local['power'] + local['power']
         for i in range(dim - 1):
@@ -400,8 +416,8 @@ def walks():
     names = ['side', 'power', 'h', 'square', 'bound', 'limit']
     names += [a + c for a in 'abc' for c in 'xyz']
     local = run(name, dict(r=r, rounded=0), names)[1]
-    prove(name + ' side', local['side'], local['bound'], least * root, True)
-    prove(name + ' power', local['power'], local['limit'], least ** 2 * root, True)
+    prove(name + ' side', local['side'], local['bound'], least * root(least), True)
+    prove(name + ' power', local['power'], local['limit'], least ** 2 * root(least), True)
     name = 'pbw__locate2_simd'
     define('pbw__circle_limit')
     least = literal(name, r'pbw__splat\((1e-[-\d.e]+)\)')
@@ -415,16 +431,15 @@ def cavities():
     row, h = scalars(3)
     name = 'pbw__carve3_scalar'
     least = literal(name, r', (1e-[-\d.e]+)\)')
-    root = Fraction(math.isqrt(int(least * 10 ** 200))) / 10 ** 100
     names = ['xy', 'xz', 'yz', 'xl', 'yl', 'zl', 'det', 'limit']
     local = run(name, dict(o=row, a=row, b=row, c=row, h=h), names)[1]
-    prove(name, local['det'], local['limit'], least ** 2 * root, True)
+    prove(name, local['det'], local['limit'], least ** 2 * root(least), True)
     name = 'pbw__sphere4'
     r = vectors(3)
     names += [a + c for a in 'abc' for c in 'xyzl']
     det = run(name, dict(r=r, o=r), names + ['return'])[0]
     local = run('pbw__carve3_simd', dict(h=r.height, rounded=0), ['limit'])[1]
-    prove(name, det, local['limit'], least ** 2 * root, True)
+    prove(name, det, local['limit'], least ** 2 * root(least), True)
 
     name = 'pbw__power4_pairs'
     define('pbw__cross4', 'pbw__sum4')
@@ -482,7 +497,9 @@ def queries():
     squared.P = Fraction(1, 2)                           # so is that of the weight
     reach, mesh = Rows(), Rows()
     mesh.weights = Every(Value(0, Fraction(1, 2)))
-    run('pbw__reach_to', dict(squared=squared, reach=reach, mesh=mesh, vertex=0), ['reach.squared', 'reach.slack'])
+    q = run('pbw__set_error', dict(fits=0, q=Every(None)), ['q[3]'])[1]['q']
+    local = dict(squared=squared, q=q, reach=reach, mesh=mesh, vertex=0)
+    run('pbw__reach_to', local, ['reach.squared', 'reach.slack'])
     prove('pbw__reach_to', reach.squared, reach.slack)
     for name in 'pbw__reach_order', 'pbw__reach_before':
         local = run(name, dict(a=reach, b=reach), ['gap', 'slack'])[1]
@@ -493,11 +510,67 @@ def queries():
     Value.bits = 53
 
 
+def planes():
+    name = 'pbw__slot_faults'
+    least = literal('pbw__plane_of', r'height = ([-\d.e]+)')
+    for dim in (2, 3):
+        plane, row = Rows(), [None] * 4
+        plane.origin, plane.normal = [Number(1)] * dim + [Number(0)], [None] * 3
+        local = dict(plane=plane, x=plane.origin, dim=dim, row=row)
+        plane.height = run('pbw__plane_row', local, ['k', 'weight', 'square', 'row[k]', 'row[dim]', 'return'])[0]
+        scaled(row[dim], plane.height)
+        names = ['a', 'b', 'plane.orientation']
+        names += ['plane.normal[0]', 'plane.normal[1]', 'return'] if dim == 2 else [
+            'k', 'm', 'n', 'c', 'cb', 'ac', 'ba', 'plane.normal[k]']
+        run('pbw__plane_of', dict(plane=plane, row=[row] * 3, dim=dim), names)
+        names = ['error', 'side_error', 'side', 'least', 'det', 'limit']
+        local = run(name, dict(plane=plane, row=row, h=plane.height, dim=dim), names)[1]
+        scale = root(least) if dim == 3 else 1
+        prove('%s%d side' % (name, dim), local['side'], local['least'], least * scale, True)
+        prove('%s%d conflict' % (name, dim), local['det'], local['limit'], least ** 2 * scale, True)
+
+
+def depths():
+    define('pbw__dot4')
+    name = 'pbw__depths4'
+    least = literal(name, r'pbw__splat\((1e-[-\d.e]+)\)')
+    for dim in (2, 3):
+        r = vectors(dim)
+        r.dim, H = dim, [None] * 4
+        local = dict(origin=r, a=r, b=r, c=r, h=r.height, H=H)
+        if dim == 2:                                     # permanents of at most |a| |b|
+            local = run(name, local, ['aa', 'bb', 'ab', 'side', 'return'])[1]
+            scaled(local['aa'], local['bb'], local['ab'], local['side'])
+        names = ['H[%d]' % i for i in range(dim + 1)] + ['return']
+        names += [a + c for a in 'abcn' for c in 'xyz'] + ['side'] if dim == 3 else []
+        side = run(name, local, names)[1]['side']
+        power, below = r.height * r.height, least ** dim
+        power = power * r.height if dim == 3 else power
+        for i in 0, dim:
+            prove('pbw__depths4 %d H%d' % (dim, i), H[i], power * ENV['PBW__DEPTH%d_ERROR' % dim], below)
+        power = power * constant('PBW__DEPTH%d_LEAST' % dim)
+        prove('pbw__depths4 %d V' % dim, side, power * constant('PBW__DEPTH_V_ERROR') ** 2, root(below), True)
+    number = [Fraction(constant('PBW__DEPTH_' + c)) for c in ('V_ERROR', 'ERROR', 'LOST', 'MOST')]
+    for tenth in '', ', a tenth of the bound':
+        # of V and the exact V, v times as large; x = v or -v, the quotient 1 / V and their product are rounded
+        for sign in 1, -1:
+            text = ('d = mul_rel<53>(add_rel<53>(%d * v, 0), mul_rel<53>(1, 1));\n'
+                    'r = add_rel<24>(add_rel<53>(d, -mul_rel<53>(|d|, %s)), 0);\n'
+                    '{ v - 1 in [-%s, %s] -> r <= %d }\nv -> 1 + (v - 1);\n'
+                    % (sign, g(rounded(number[1], math.floor)), g(up(number[0])), g(up(number[0])), sign))
+            judge('pbw__depths_of %d' % sign, gappa(text), tenth)
+        judge('pbw__depths_of lost', gappa('{ H in [0, %s] -> 37 * H * 1b-1075 + 1b-150 <= %s }'
+                                             % (g(up(number[3])), g(rounded(number[2], math.floor)))), tenth)
+        number[1], number[2] = number[1] / 10, number[2] / 10
+
+
 filters()
 pairs()
 walks()
 cavities()
 queries()
+planes()
+depths()
 for line in ('{ H in [0, %s] -> 24 * (H * H * sqrt(H)) <= 1b53 }' % g(Fraction(constant('PBW__EXACT_HEIGHT3'))),
              '{ H in [0, %s] -> 6 * (H * H) <= 1b53 }' % g(Fraction(constant('PBW__EXACT_HEIGHT2')))):
     report(line, gappa(line))

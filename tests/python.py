@@ -981,6 +981,9 @@ def improved_tetrahedra():
     points = np.random.RandomState(1).rand(400, 3)
     tri = pbw.Delaunay(points)
     better = pbw.improve(points, tri.simplices)
+    check(re.fullmatch(r"<pbw.Tets: %d tetrahedra, %d points, dihedral angles from .* to .* degrees>"
+                       % (len(better.tets), len(better.points)), repr(better)))
+    raises_text(ValueError, "target must be from 1 to 60, not 61", pbw.improve, points, tri.simplices, target=61)
     before, after = better.report["before"], better.report["after"]
     check(after["least_sine"] >= before["least_sine"] and after["permille"] > 4 * before["permille"], before, after)
     check((volumes(better) > 0).all() and abs(volumes(better).sum() - after["volume"]) < 1e-12)
@@ -1026,6 +1029,10 @@ def solids():
     cube = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
     hull = pbw.Delaunay(cube).convex_hull
     made = pbw.solid(cube, hull, size=0.25)
+    check(repr(made).startswith("<pbw.Tets: %d tetrahedra, " % len(made.tets)))
+    for name in "size", "least_size", "curvature":
+        raises_text(ValueError, name + " must be from 0 to .*, not -1", pbw.solid, cube, hull, **{name: -1})
+    raises_text(ValueError, "target must be from 1 to 60, not 90", pbw.solid, cube, hull, target=90)
     report = made.report
     equal([report[name] for name in ("bad_edges", "bad_points", "missing_edges", "open_edges")], [0] * 4)
     check(report["euler"] == 2 and report["corners"] == 8 and abs(volumes(made).sum() - 1) < 1e-12, report)

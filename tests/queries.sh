@@ -163,6 +163,8 @@ check "centroids" sh -c "sed 1d c.csv | cut -d, -f3-5 | awk -F, '{ printf \"%.12
 check "cells without a box" says 0 "64 cells, 0 of them empty, 56 unbounded" cells lattice.csv -o c.csv -o c.obj
 check "pictures end at a box" says 0 "60 cells, 0 of them empty" cells --generate uniform 60 --dim 2 -o c.svg -o c.html
 check "with the unbounded cells" lines 'id="cell_' c.svg 60
+awk 'BEGIN { for (i = 0; i < 30; i++) print i * i "e100," i * 7 % 11 "e100," i * 5 % 13 "e100" }' > far.csv
+check "cells out of range" says 0 "warning: points beyond 1e-57 to 1e60" cells far.csv
 check "those inside" says 0 "volume 8, the sum of bounded cells" cells lattice.csv --merge
 check "bounded ones are written" lines '^o' c.obj 8
 printf '0.3,0.4,0.5\n' > point.csv

@@ -602,6 +602,16 @@ static size_t kept_count(const pbw_mesh *mesh, const unsigned char *keep, size_t
     return count;
 }
 
+/* Area or volume of a simplex, up to a factor. */
+static double size_of(const pbw_mesh *mesh, size_t simplex)
+{
+    pbwpic__view v;
+    memset(&v, 0, sizeof v);
+    v.mesh = mesh;
+    v.half = 1;
+    return pbwpic__size(&v, simplex);
+}
+
 /* Goes through facets of the boundary of what is kept, ids from base after before numbers and before after others:
    they are facets, as many as there should be, and turn counter-clockwise seen from outside, so that they enclose the
    size of what they bound. */
@@ -626,7 +636,7 @@ static const char *check_facets(const char *at, const pbw_mesh *mesh, int before
         }
     }
     for (i = 0; i < mesh->simplex_count; i++) {
-        inside += pbwpic__size(mesh, i);
+        inside += size_of(mesh, i);
     }
     CHECK(at != NULL && inside > 0 && fabs(inside - around) <= 1e-9 * inside);
     return at;
@@ -650,7 +660,7 @@ static void check_surface(const char *name, const pbw_mesh *mesh, const unsigned
                                  : (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
     }
     for (i = 0; i < mesh->simplex_count; i++) {
-        inside += keep == NULL || keep[i] ? pbwpic__size(mesh, i) : 0;
+        inside += keep == NULL || keep[i] ? size_of(mesh, i) : 0;
     }
     CHECK(fabs(inside - around) <= tolerance * inside && inside > 0);
     for (i = 0; i < 3 * c.triangle_count && mesh->dim == 3 && strstr(name, ".stl") == NULL && keep == NULL; i++) {
@@ -1053,21 +1063,30 @@ static void test_full_disk(void)
     pbw_free(&mesh);
 }
 
+/* Also where squares, or even differences, of coordinates over- or underflow. */
 static void test_pictures(void)
 {
-    int dim;
-    for (dim = 2; dim <= 3; dim++) {
+    static const double scales[4] = { 1, 1e300, 1e-300, 1.7e308 };
+    int k;
+    for (k = 0; k < 8; k++) {
+        const int dim = 2 + k / 4;
+        const double scale = scales[k % 4];
+        double points[600];
         pbw_mesh mesh;
-        size_t size, paths = 0;
+        size_t size, paths = 0, i;
         char *data, *at;
         memset(&mesh, 0, sizeof mesh);
-        make_mesh(dim, 0, 200, &mesh);
+        for (i = 0; i < 200 * (size_t)dim; i++) {
+            points[i] = scale * (2 * unit_random() - 1);
+        }
+        CHECK(pbw_triangulate(dim, points, NULL, 200, NULL, &mesh) == PBW_OK);
         CHECK(pbwpic_write(in_folder("a.svg"), &mesh, NULL, NULL) == PBWIO_OK);
         data = read_all("a.svg", &size);
         for (at = data; (at = strstr(at, "<path ")) != NULL; at++) {
             paths++;
         }
         CHECK(strncmp(data, "<svg ", 5) == 0 && strcmp(data + size - 7, "</svg>\n") == 0);
+        CHECK(strstr(data, "nan") == NULL && strstr(data, "inf") == NULL);
         CHECK(dim == 2 ? paths == mesh.simplex_count : paths > 20 && paths < mesh.simplex_count);
         free(data);
         pbw_free(&mesh);

@@ -205,6 +205,25 @@ killed() {
     "$pbw" tiles long.bin --tiles 8 -o g.pbwt > said 2>&1 && cat said && cmp f.pbwt g.pbwt && ! [ -e g.pbwt.scratch ]
 }
 check "a killed run goes on" killed
+half() {    # leaves some of 8 tiles finished
+    ! (ulimit -f 20000; trap '' XFSZ; "$pbw" tiles long.bin --tiles 8 -o h.pbwt > said 2>&1) &&
+        grep -q ' 1 of 8' said && [ -e h.pbwt.scratch/state ]
+}
+another() { # scratch files are not used for other points, whatever their number
+    for other in few.bin moved.bin; do
+        half && "$pbw" tiles $other --tiles 8 -o h.pbwt > said 2>&1 && cat said && hash_of h.pbwt > one &&
+            "$pbw" tiles $other --tiles 1 -o one.pbwt > said 2>&1 && hash_of one.pbwt > two && cmp one two &&
+            ! [ -e h.pbwt.scratch ] || return 1
+    done
+}
+./points 0 3 5000 0 > few.bin
+./points 2 3 100000 0 > moved.bin
+check "scratch of another input" another
+missing() { # nor where the output that grew is gone
+    half && rm h.pbwt.part && "$pbw" tiles long.bin --tiles 8 -o h.pbwt > said 2>&1 && cat said && cmp f.pbwt h.pbwt
+}
+check "scratch without its output" missing
+check "no hull is counted without links" says 0 "simplices, 500 duplicates" tiles few.bin --no-mesh
 
 # Over MPI.
 if command -v mpirun > /dev/null && [ -x "$bin/mpi" ]; then

@@ -98,6 +98,8 @@ typedef struct pbw_cells {                 /* start from {0}; read, do not write
    cross nor overlap; they may touch at corners, but not where cells meet.  Coordinates of its corners and of points
    must be 0 or 1e-57 to 1e60 in size, weights 0 or within the squares of those.  Cells that it only touches are
    empty.  Needs mesh->neighbors.
+   Volumes are right where the box of the points and the domain are 1e-57 to 1e60 in size: beyond, products of
+   coordinates over- or underflow, and cells lose volume without a word.
    A mesh of PBW_DEGENERATE points gives PBW_DEGENERATE and empty cells.  Fails as pbw_triangulate does, with
    PBW_ERROR_ARGUMENT also for a domain that is unbounded or empty, or periodic, and where rings that cross are found
    out, which is not certain; cells is then left empty. */

@@ -23,7 +23,8 @@
        peeling         a flat tetrahedron at the boundary is taken off
        2-3 flips       a facet is replaced by an edge
        contraction     one end of an edge moves into the other
-       insertion       an edge or a tetrahedron gets a corner in its middle
+       rejoining       a corner's star grows over the tetrahedra around it, and all are made anew from that corner
+       insertion       an edge or a tetrahedron gets a corner in its middle, joined to a cavity that grows likewise
    Whatever does not raise the least quality of the tetrahedra it changes is not done (Klingner and Shewchuk 2007,
    "Aggressive tetrahedral mesh improvement").  Threads work at once on tetrahedra that are far from each other; the
    mesh decides on which.
@@ -1513,55 +1514,178 @@ static int pbwim__contract(pbwim__mesh *m, pbw_index t)
 
 /* ---- insertion ---- */
 
-/* Puts a point into the tetrahedra change->old, near x; boundary facets of theirs that have both ends of `split` give
-   way, others stay. */
-static int pbwim__insert(pbwim__mesh *m, pbwim__change *change, const pbwim__ring *split, double x[3])
-{
-    const double worst = pbwim__worst_old(m, change);
-    const pbw_index p = (pbw_index)m->points;
-    const int slides = split != NULL && !split->closed;
-    double normal[3] = { 0, 0, 0 };
+enum { PBWIM__CAVITY = 60 };               /* tetrahedra of a cavity that grows, at most */
+
+typedef struct pbwim__cavity {             /* change->old, whose facets are joined to a point */
+    pbwim__change *change;
+    const pbwim__ring *split;              /* boundary facets at this edge give way; NULL = none */
+    pbw_index t, p;                        /* what is to be mended; the point, PBW_NONE if it is new */
+    const double *x;                       /* its place */
     pbwim__cone cone;
-    int i, k;
-    pbwim__visit(m);
-    for (i = 0; i < change->olds; i++) {
-        PBWIM__SEEN(m)[change->old[i]] = m->visit;
-    }
-    for (i = cone.count = 0; i < change->olds; i++) {
-        for (k = 0; k < 4; k++) {
-            const pbw_index *c = PBWIM__CORNER(m, change->old[i]), n = PBWIM__NEXT(m, change->old[i])[k];
-            const int *o = pbwim__opposite[k];
-            const int gives = slides && n == PBW_NONE && c[k] != split->a && c[k] != split->b;
-            if (!gives && (n == PBW_NONE || PBWIM__SEEN(m)[n] != m->visit)) {
-                cone.facet[cone.count][0] = c[o[0]];
-                cone.facet[cone.count][1] = c[o[1]];
-                cone.facet[cone.count++][2] = c[o[2]];
-            }
+    pbw_index beyond[PBWIM__MOST];         /* across each facet, PBW_NONE on the boundary */
+    double sine[PBWIM__MOST];              /* of the tetrahedron from each facet to x */
+} pbwim__cavity;
+
+/* Whether a boundary facet gives way: it has the point, or both ends of the edge that is split. */
+static int pbwim__gives_way(const pbwim__cavity *v, const pbw_index f[3])
+{
+    const pbw_index a = v->split != NULL ? v->split->a : v->p, b = v->split != NULL ? v->split->b : v->p;
+    return a != PBW_NONE && (f[0] == a || f[1] == a || f[2] == a) && (f[0] == b || f[1] == b || f[2] == b);
+}
+
+/* Adds the facets of a tetrahedron of the cavity that no other of it has. */
+static void pbwim__add_facets(const pbwim__mesh *m, pbwim__cavity *v, pbw_index t)
+{
+    int k, j;
+    for (k = 0; k < 4; k++) {
+        const pbw_index *c = PBWIM__CORNER(m, t), n = PBWIM__NEXT(m, t)[k];
+        pbw_index *f = v->cone.facet[v->cone.count];
+        for (j = 0; j < 3; j++) {
+            f[j] = c[pbwim__opposite[k][j]];
+        }
+        if (n == PBW_NONE ? !pbwim__gives_way(v, f) : PBWIM__SEEN(m)[n] != m->visit) {
+            v->beyond[v->cone.count] = n;
+            v->sine[v->cone.count++] = pbwim__sine(PBWIM__X(m, f[0]), PBWIM__X(m, f[1]), PBWIM__X(m, f[2]), v->x);
         }
     }
+}
+
+/* Fills the cone. */
+static void pbwim__open_cavity(pbwim__mesh *m, pbwim__cavity *v)
+{
+    int i;
+    pbwim__visit(m);
+    for (i = 0; i < v->change->olds; i++) {
+        PBWIM__SEEN(m)[v->change->old[i]] = m->visit;
+    }
+    for (i = v->cone.count = 0; i < v->change->olds; i++) {
+        pbwim__add_facets(m, v, v->change->old[i]);
+    }
+}
+
+/* Whether a tetrahedron may join the cavity: one at a corner of t, so that lanes do not meet. */
+static int pbwim__may_grow(const pbwim__mesh *m, const pbwim__cavity *v, pbw_index n)
+{
+    const pbw_index *c = PBWIM__CORNER(m, v->t);
+    return n != PBW_NONE && PBWIM__REGION(m)[n] == PBWIM__REGION(m)[v->t]
+        && (v->p == PBW_NONE || pbwim__place(m, n, v->p) == 4)
+        && (pbwim__place(m, n, c[0]) < 4 || pbwim__place(m, n, c[1]) < 4 || pbwim__place(m, n, c[2]) < 4
+            || pbwim__place(m, n, c[3]) < 4);
+}
+
+/* Grows the cavity across the facet whose tetrahedron is worst, on and on, and goes back to where the worst was best.
+   Returns that. */
+static double pbwim__grow(pbwim__mesh *m, pbwim__cavity *v)
+{
+    pbwim__change *change = v->change;
+    double best = -2;
+    int kept = change->olds, worst, i;
+    pbwim__open_cavity(m, v);
+    for (;;) {
+        pbw_index n;
+        for (i = 1, worst = 0; i < v->cone.count; i++) {
+            worst = v->sine[i] < v->sine[worst] ? i : worst;
+        }
+        if (v->sine[worst] > best && v->cone.count - change->olds <= PBWIM__SPARE) {
+            best = v->sine[worst];
+            kept = change->olds;
+        }
+        n = v->beyond[worst];
+        if (v->sine[worst] >= m->target || change->olds >= PBWIM__CAVITY || v->cone.count > PBWIM__MOST - 4
+            || !pbwim__may_grow(m, v, n)) {
+            break;
+        }
+        for (i = v->cone.count; i-- > 0;) {
+            if (v->beyond[i] == n) {
+                v->cone.count--;
+                memcpy(v->cone.facet[i], v->cone.facet[v->cone.count], sizeof v->cone.facet[i]);
+                v->beyond[i] = v->beyond[v->cone.count];
+                v->sine[i] = v->sine[v->cone.count];
+            }
+        }
+        PBWIM__SEEN(m)[n] = m->visit;
+        change->old[change->olds++] = n;
+        pbwim__add_facets(m, v, n);
+    }
+    if (kept < change->olds) {
+        change->olds = kept;
+        pbwim__open_cavity(m, v);
+    }
+    return best;
+}
+
+/* Joins the cavity's facets to p, if that is sound. */
+static int pbwim__fill(pbwim__mesh *m, pbwim__cavity *v, pbw_index p)
+{
+    pbwim__change *change = v->change;
+    int i;
+    for (i = 0; i < v->cone.count; i++) {
+        memcpy(change->fresh[i], v->cone.facet[i], sizeof v->cone.facet[i]);
+        change->fresh[i][3] = p;
+    }
+    change->news = v->cone.count;
+    change->halves = 0;
+    return pbwim__is_sound(m, change) && !pbwim__loses_corner(m, change, p);
+}
+
+/* Joins a corner of t to the facets of a cavity around its star, if the tetrahedra get better. */
+static int pbwim__rejoin(pbwim__mesh *m, pbw_index t)
+{
+    pbwim__change change;
+    pbwim__cavity v;
+    int k;
+    v.change = &change;
+    v.split = NULL;
+    v.t = t;
+    for (k = 0; k < 4; k++) {
+        double best;
+        v.p = PBWIM__CORNER(m, t)[k];
+        v.x = PBWIM__X(m, v.p);
+        change.olds = pbwim__star_of(m, v.p, change.old);
+        if (change.olds == 0 || change.olds >= PBWIM__CAVITY) {
+            continue;
+        }
+        best = pbwim__grow(m, &v);
+        if (best > pbwim__worst_old(m, &change) + PBWIM__GAIN && pbwim__fill(m, &v, v.p)) {
+            pbwim__apply(m, &change);
+            m->report->flips++;
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Puts a point into the tetrahedra change->old, near x, and such around them; boundary facets of theirs that have
+   both ends of `split` give way, others stay. */
+static int pbwim__insert(pbwim__mesh *m, pbw_index t, pbwim__change *change, const pbwim__ring *split, double x[3])
+{
+    const pbw_index p = (pbw_index)m->points;
+    const int slides = split != NULL && !split->closed;
+    double normal[3] = { 0, 0, 0 }, best;
+    pbwim__cavity v;
+    v.change = change;
+    v.split = slides ? split : NULL;
+    v.t = t;
+    v.p = PBW_NONE;
+    v.x = x;
     if (slides) {
         m->project(m->project_user, x);
         pbwim__add_normals(m, split->tet[0], PBW_NONE, normal);
         pbwim__add_normals(m, split->tet[split->tets - 1], PBW_NONE, normal);
     }
-    if (pbwim__climb(m, &cone, slides ? normal : NULL, pbwim__cone_sine(m, &cone, x, -2), x) <= worst + PBWIM__GAIN) {
+    best = pbwim__grow(m, &v);
+    if (pbwim__climb(m, &v.cone, slides ? normal : NULL, best, x) <= pbwim__worst_old(m, change) + PBWIM__GAIN) {
         return 0;
     }
     memcpy(PBWIM__X(m, p), x, 3 * sizeof(double));
-    for (i = 0; i < cone.count; i++) {
-        memcpy(change->fresh[i], cone.facet[i], sizeof cone.facet[i]);
-        change->fresh[i][3] = p;
-    }
-    change->news = cone.count;
-    change->halves = 0;
-    if (!pbwim__is_sound(m, change) || pbwim__loses_corner(m, change, p)) {
+    if (!pbwim__fill(m, &v, p)) {
         return 0;
     }
     m->points++;
     PBWIM__MARK(m)[p] = slides ? PBW_TETS_SLIDES : PBW_TETS_FOUND;
     ((pbw_index *)m->original.data)[p] = PBW_NONE;
     if (m->sized) {
-        PBWIM__SIZE(m)[p] = PBWIM__SIZE(m)[cone.facet[0][0]];
+        PBWIM__SIZE(m)[p] = PBWIM__SIZE(m)[v.cone.facet[0][0]];
     }
     pbwim__apply(m, change);
     m->report->insertions++;
@@ -1589,7 +1713,7 @@ static int pbwim__split(pbwim__mesh *m, pbw_index t)
         pbwsf__between(PBWIM__X(m, ring.a), PBWIM__X(m, ring.b), 0.5, x);
         change.olds = ring.tets;
         memcpy(change.old, ring.tet, sizeof ring.tet);
-        if (pbwim__insert(m, &change, &ring, x)) {
+        if (pbwim__insert(m, t, &change, &ring, x)) {
             return 1;
         }
     }
@@ -1604,7 +1728,7 @@ static int pbwim__split(pbwim__mesh *m, pbw_index t)
             x[k] += 0.25 * PBWIM__X(m, PBWIM__CORNER(m, t)[i])[k];
         }
     }
-    return pbwim__insert(m, &change, NULL, x);
+    return pbwim__insert(m, t, &change, NULL, x);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -2285,7 +2409,8 @@ static int pbwim__mend(pbwim__mesh *m, pbw_index t, int all)
     for (k = 0; k < 4 && PBWIM__QUALITY(m)[t] < m->target; k++) {
         moved += pbwim__smooth(m, PBWIM__CORNER(m, t)[k]);
     }
-    if (!moved && (pbwim__flip(m, t) || (all && (pbwim__contract(m, t) || pbwim__split(m, t))))) {
+    if (!moved && (pbwim__flip(m, t)
+                   || (all && (pbwim__contract(m, t) || pbwim__rejoin(m, t) || pbwim__split(m, t))))) {
         return 1;
     }
     if (!moved) {

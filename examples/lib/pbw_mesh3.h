@@ -1913,6 +1913,12 @@ static double pbwm3__step_along(const pbwm3__work *w, size_t number, double from
     return from;
 }
 
+/* Whether a chain is noise of a scan: it ends on a smooth part, and is short. */
+static int pbwm3__is_noise(const pbwm3__work *w, const pbwm3__chain *chain)
+{
+    return chain->loose && ((const pbwm3__knot *)w->path.data)[chain->first + chain->count - 1].along < 2 * w->size;
+}
+
 /* Samples a chain evenly; corner: the numbers of points at vertices, PBW_NONE where there is none yet. */
 static int pbwm3__sample_chain(pbwm3__work *w, const pbwm3__stars *stars, size_t number, pbw_index *corner)
 {
@@ -1927,7 +1933,7 @@ static int pbwm3__sample_chain(pbwm3__work *w, const pbwm3__stars *stars, size_t
     if (!(wish < 1e9)) {
         return 0;
     }
-    if (chain->loose && length < 2 * w->size) {      /* noise of a scan */
+    if (pbwm3__is_noise(w, chain)) {
         return 1;
     }
     count = wish < (closed ? 3 : 1) ? (closed ? 3 : 1) : (size_t)wish;
@@ -2739,6 +2745,142 @@ static pbw_status pbwm3__round(pbwm3__work *w, long *added)
     return mended < 0 ? PBW_ERROR_MEMORY : PBW_OK;
 }
 
+/* ---- places of the surface that the boundary does not reach: tips and ridges between samples ---- */
+
+typedef struct pbwm3__place { double p[3], distance; } pbwm3__place;
+
+typedef struct pbwm3__places { const pbw_surface *boundary; pbwm3__place *place; } pbwm3__places;
+
+static pbw_status pbwm3__reach_range(void *arg, size_t from, size_t to)
+{
+    const pbwm3__places *places = (const pbwm3__places *)arg;
+    size_t i;
+    for (i = from; i < to; i++) {
+        pbwm3__place *place = places->place + i;
+        double near[3];
+        const pbw_index t = pbw_surface_closest(places->boundary, place->p, HUGE_VAL, near);
+        place->distance = t == PBW_NONE ? 0 : pbwsf__distance(place->p, near);
+    }
+    return PBW_OK;
+}
+
+/* Marks the vertices that sampled chains have. */
+static void pbwm3__mark_chains(const pbwm3__work *w, unsigned char *chained)
+{
+    const pbwm3__knot *path = (const pbwm3__knot *)w->path.data;
+    size_t i, k;
+    for (i = 0; i < w->chains.count; i++) {
+        const pbwm3__chain *chain = (const pbwm3__chain *)w->chains.data + i;
+        for (k = 0; k < chain->count && !pbwm3__is_noise(w, chain); k++) {
+            chained[path[chain->first + k].vertex] = 1;
+        }
+    }
+}
+
+/* Lists the surface's vertices that no chain has, and places half a size apart on its edges that bend by more than a
+   degree: nowhere else does it stand out. */
+static int pbwm3__list_places(pbwm3__work *w, const unsigned char *chained, pbwsf__array *places)
+{
+    pbwsf__array blocks[3];
+    const size_t count = 3 * w->surface.triangle_count;
+    const pbwim__facet *edge = pbwm3__edges(&w->memory, w->surface.triangles, w->surface.triangle_count,
+                                            w->surface.point_count, blocks);
+    pbwm3__place place;
+    size_t i, k, n;
+    int good = edge != NULL;
+    place.distance = 0;
+    for (i = 0; good && i < w->surface.point_count; i++) {
+        memcpy(place.p, w->surface.points + 3 * i, sizeof place.p);
+        good = chained[i] || pbwm3__append(w, places, &place, sizeof place);
+    }
+    for (i = 0; good && i < count; i = k) {
+        const double *a = w->surface.points + 3 * (size_t)edge[i].v[0];
+        const double *b = w->surface.points + 3 * (size_t)edge[i].v[1];
+        const size_t parts = (size_t)fmin(ceil(2 * pbwsf__distance(a, b) / w->size), 1e5);
+        for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
+        }
+        if (parts < 2 || k - i != 2 || pbwm3__angle_at(w, edge + i) > 179
+            || (chained[edge[i].v[0]] && chained[edge[i].v[1]] && pbwm3__is_sharp(w, edge + i))) {
+            continue;
+        }
+        for (n = 1; good && n < parts; n++) {
+            pbwsf__between(a, b, (double)n / (double)parts, place.p);
+            good = pbwm3__append(w, places, &place, sizeof place);
+        }
+    }
+    pbwm3__free_blocks(&w->memory, blocks);
+    return good;
+}
+
+static int pbwm3__compare_places(const void *a, const void *b)
+{
+    const pbwm3__place *x = (const pbwm3__place *)a, *y = (const pbwm3__place *)b;
+    int k;
+    if (x->distance < y->distance || x->distance > y->distance) {
+        return x->distance < y->distance ? 1 : -1;
+    }
+    for (k = 0; k < 2 && !(x->p[k] < y->p[k] || x->p[k] > y->p[k]); k++) {
+    }
+    return (x->p[k] > y->p[k]) - (x->p[k] < y->p[k]);
+}
+
+/* Offers places, the farthest first; returns how many are added, -1 without memory. */
+static long pbwm3__offer_places(pbwm3__work *w, pbwsf__array *places)
+{
+    pbwm3__place *place = (pbwm3__place *)places->data;
+    size_t i, far = 0;
+    long added = 0;
+    int got = 0;
+    for (i = 0; i < places->count; i++) {
+        if (place[i].distance > w->distance * w->size) {
+            place[far++] = place[i];
+        }
+    }
+    qsort(place, far, sizeof *place, pbwm3__compare_places);
+    for (i = 0; i < far && got >= 0; i++) {
+        double p[3];
+        size_t patch;
+        memcpy(p, place[i].p, sizeof p);
+        patch = pbwm3__to_surface(w, p);
+        got = pbwm3__offer(w, p, patch, 0.3, 0.25);
+        added += got;
+    }
+    return got < 0 ? -1 : added;
+}
+
+/* Offers the places of the surface that are far from the boundary; *added: how many points came. */
+static pbw_status pbwm3__reach(pbwm3__work *w, long *added)
+{
+    pbwsf__array facets, list, chained;
+    pbw_surface boundary;
+    pbwm3__places places;
+    pbw_status status = PBW_ERROR_MEMORY;
+    memset(&facets, 0, sizeof facets);
+    memset(&list, 0, sizeof list);
+    memset(&chained, 0, sizeof chained);
+    memset(&boundary, 0, sizeof boundary);
+    if (pbwsf__resize(&w->memory, &chained, w->surface.point_count + 1)) {
+        memset(chained.data, 0, chained.bytes);
+        pbwm3__mark_chains(w, (unsigned char *)chained.data);
+        if (pbwm3__list_places(w, (const unsigned char *)chained.data, &list) && pbwm3__boundary(w, &facets)) {
+            status = pbw_surface_create((const double *)w->x.data, w->x.count, (const pbw_index *)facets.data,
+                                        facets.count, &w->options, &boundary);
+        }
+    }
+    places.boundary = &boundary;
+    places.place = (pbwm3__place *)list.data;
+    status = status == PBW_OK ? pbw_for(&w->options, list.count, 256, pbwm3__reach_range, &places) : status;
+    if (status == PBW_OK) {
+        *added = pbwm3__offer_places(w, &list);
+        status = *added < 0 ? PBW_ERROR_MEMORY : PBW_OK;
+    }
+    pbw_surface_free(&boundary);
+    pbwsf__release(&w->memory, &facets);
+    pbwsf__release(&w->memory, &list);
+    pbwsf__release(&w->memory, &chained);
+    return status;
+}
+
 static pbw_status pbwm3__rounds(pbwm3__work *w)
 {
     const int most = w->how.rounds > 0 ? w->how.rounds : 16;
@@ -2753,6 +2895,9 @@ static pbw_status pbwm3__rounds(pbwm3__work *w)
         }
         w->report->rounds++;
         status = pbwm3__round(w, &added);
+        if (status == PBW_OK && added == 0) {
+            status = pbwm3__reach(w, &added);
+        }
         if (status == PBW_OK && added == 0) {
             w->report->settled = 1;
             break;

@@ -62,6 +62,7 @@ typedef struct pbwpic__key { float z; unsigned face; } pbwpic__key;
 typedef struct pbwpic__view {
     const pbw_mesh *mesh;
     const pbwpic_options *options;
+    double middle[3], half;                    /* of the points' box: its middle and half its longest side */
     double *value, range[2];                   /* a simplex: logarithm of its size; those that are colours 0 and 1 */
     unsigned char *shown;                      /* a simplex: 0 = not part of the body, 1 = shown, 2 = cut away */
     pbwpic__face *face;
@@ -98,14 +99,39 @@ static unsigned pbwpic__colour(double value, double shade)
     return colour;
 }
 
-static double pbwpic__size(const pbw_mesh *mesh, size_t simplex)     /* volume or area, up to a factor */
+/* Any finite coordinates: half of each is taken first, so that no difference overflows. */
+static void pbwpic__frame(pbwpic__view *v)
 {
-    const pbw_index *corner = mesh->simplices + (size_t)(mesh->dim + 1) * simplex;
-    size_t dim = (size_t)mesh->dim, i, k;
+    const pbw_mesh *mesh = v->mesh;
+    const size_t dim = (size_t)mesh->dim, corners = (dim + 1) * mesh->simplex_count;
+    size_t i, k;
+    for (k = 0; k < dim; k++) {
+        double low = DBL_MAX, high = -DBL_MAX;
+        for (i = 0; i < corners; i++) {
+            const double x = mesh->points[dim * mesh->simplices[i] + k];
+            low = x < low ? x : low;
+            high = x > high ? x : high;
+        }
+        v->middle[k] = 0.5 * low + 0.5 * high;
+        v->half = fmax(v->half, 0.5 * high - 0.5 * low);
+    }
+}
+
+/* Coordinate k of a point in the frame, -1 to 1. */
+static double pbwpic__at(const pbwpic__view *v, size_t point, size_t k)
+{
+    return (0.5 * v->mesh->points[(size_t)v->mesh->dim * point + k] - 0.5 * v->middle[k]) / (0.5 * v->half);
+}
+
+static double pbwpic__size(const pbwpic__view *v, size_t simplex)    /* volume or area, up to a factor */
+{
+    const size_t dim = (size_t)v->mesh->dim;
+    const pbw_index *corner = v->mesh->simplices + (dim + 1) * simplex;
+    size_t i, k;
     double e[3][3] = { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 1 } };
     for (i = 0; i < dim; i++) {
         for (k = 0; k < dim; k++) {
-            e[i][k] = mesh->points[dim * corner[i + 1] + k] - mesh->points[dim * corner[0] + k];
+            e[i][k] = pbwpic__at(v, corner[i + 1], k) - pbwpic__at(v, corner[0], k);
         }
     }
     return fabs(e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) - e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0])
@@ -122,7 +148,7 @@ static int pbwpic__values(pbwpic__view *v)
         return 0;
     }
     for (i = 0; i < v->mesh->simplex_count; i++) {
-        v->value[i] = log(pbwpic__size(v->mesh, i) + 1e-300);
+        v->value[i] = log(pbwpic__size(v, i) + 1e-300);
         if (keep == NULL || keep[i]) {
             sorted[count++] = v->value[i];
         }
@@ -262,25 +288,24 @@ static int pbwpic__faces2(pbwpic__view *v)
                 return 0;
             }
             for (k = 0; k < 3; k++) {
-                const double *p = mesh->points + 2 * (size_t)mesh->simplices[3 * i + k], *o = mesh->points;
-                f->x[k] = (float)(p[0] - o[0]);
-                f->y[k] = (float)(o[1] - p[1]);
+                f->x[k] = (float)pbwpic__at(v, mesh->simplices[3 * i + k], 0);
+                f->y[k] = (float)-pbwpic__at(v, mesh->simplices[3 * i + k], 1);
             }
         }
     }
     return 1;
 }
 
-/* Middle and radius of the body. */
+/* Middle and radius of the body, in the frame. */
 static double pbwpic__extent(const pbwpic__view *v, double middle[3])
 {
     double low[3] = { DBL_MAX, DBL_MAX, DBL_MAX }, high[3] = { -DBL_MAX, -DBL_MAX, -DBL_MAX }, sum = 0;
     size_t i, k;
     for (i = 0; i < 4 * v->mesh->simplex_count; i++) {
-        const double *p = v->mesh->points + 3 * (size_t)v->mesh->simplices[i];
         for (k = 0; k < 3 && v->shown[i / 4]; k++) {
-            low[k] = p[k] < low[k] ? p[k] : low[k];
-            high[k] = p[k] > high[k] ? p[k] : high[k];
+            const double x = pbwpic__at(v, v->mesh->simplices[i], k);
+            low[k] = x < low[k] ? x : low[k];
+            high[k] = x > high[k] ? x : high[k];
         }
     }
     for (k = 0; k < 3; k++) {
@@ -319,8 +344,7 @@ static int pbwpic__faces3(pbwpic__view *v)
     for (i = 0; i < mesh->simplex_count; i++) {
         double centre[3] = { 0, 0, 0 };
         for (j = 0; j < 12; j++) {
-            size_t p = mesh->simplices[4 * i + j / 3];
-            centre[j % 3] += 0.25 * (mesh->points[3 * p + j % 3] - middle[j % 3]);
+            centre[j % 3] += 0.25 * (pbwpic__at(v, mesh->simplices[4 * i + j / 3], j % 3) - middle[j % 3]);
         }
         v->shown[i] = (unsigned char)(v->shown[i] && pbwpic__dot(cut, centre) > limit ? 2 : v->shown[i]);
     }
@@ -333,7 +357,7 @@ static int pbwpic__faces3(pbwpic__view *v)
         }
         for (k = 0; k < 9; k++) {
             size_t p = mesh->simplices[i - i % 4 + facet[i % 4][k / 3]];
-            corner[k / 3][k % 3] = mesh->points[3 * p + k % 3] - middle[k % 3];
+            corner[k / 3][k % 3] = pbwpic__at(v, p, k % 3) - middle[k % 3];
         }
         for (k = 0; k < 3; k++) {
             a[k] = corner[1][k] - corner[0][k];
@@ -466,7 +490,7 @@ PBWPICDEF pbwio_status pbwpic_write(const char *path, const pbw_mesh *mesh, cons
     if (mesh->dim == 3 && mesh->neighbors == NULL) {
         status = PBWIO_ERROR_ARGUMENT;
         what = "a picture needs neighbors, the mesh has none";
-    } else if (v.value != NULL && v.shown != NULL && pbwpic__values(&v)
+    } else if (v.value != NULL && v.shown != NULL && (pbwpic__frame(&v), pbwpic__values(&v))
                && (mesh->dim == 3 ? pbwpic__faces3(&v) : pbwpic__faces2(&v))) {
         pbwpic__fit(&v);
         if (pbwpic__visible(&v)) {

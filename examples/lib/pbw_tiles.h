@@ -482,10 +482,11 @@ PBWTDEF void pbwt_cut_points(int dim, pbwt_point *sample, size_t count, int part
         middle = job.first + (job.end - job.first) / 2;
         cut = cuts + middle - 1;
         memset(cut, 0, sizeof *cut);
-        cut->axis = pbwt__longest(dim, sample + job.from, job.to - job.from);
-        pbwt__sort(sample + job.from, job.to - job.from, sizeof *sample, pbwt__point_before, dim + 4 * cut->axis);
         at = job.from + (size_t)((double)(job.to - job.from) * (middle - job.first) / (job.end - job.first));
         if (at < job.to) {
+            pbwt_point *part = sample + job.from;
+            cut->axis = pbwt__longest(dim, part, job.to - job.from);
+            pbwt__sort(part, job.to - job.from, sizeof *part, pbwt__point_before, dim + 4 * cut->axis);
             memcpy(cut->x, sample[at].x, sizeof cut->x);
         } else {
             cut->x[cut->axis] = HUGE_VAL;            /* no sample: all points go below */

@@ -170,6 +170,18 @@ static unsigned axes_of(const job *j)
     return axes;
 }
 
+/* Products of four and five lengths of the size of the points' box are doubles. */
+static int is_in_range(const pbwio_cloud *c)
+{
+    const size_t dim = (size_t)c->dim;
+    double extent = 0;
+    size_t i;
+    for (i = dim; i < dim * c->count; i++) {
+        extent = fmax(extent, fabs(c->points[i] - c->points[i % dim]));
+    }
+    return extent == 0 || (extent >= 1e-57 && extent <= 1e60);
+}
+
 static int make(job *j, const pbw_domain *domain, unsigned what, pbw_cells *cells)
 {
     const pbwio_cloud *c = &j->cloud;
@@ -193,6 +205,9 @@ static int make(job *j, const pbw_domain *domain, unsigned what, pbw_cells *cell
                   text_of(j, "--clip"));
     if (!failed) {
         say(j, "cells", now() - start, "%s", "");
+        if (!is_in_range(c)) {
+            warn(j, "points beyond 1e-57 to 1e60 of each other: volumes over- or underflow");
+        }
     }
     return failed;
 }

@@ -18,8 +18,10 @@
 extern int truncate(const char *path, off_t length);         /* strict C modes hide it */
 #endif
 
+enum { MOST_TILES = 65536 };
+
 static const option tiles_options[] = {
-    { "--tiles", "N", "how many; default: as --memory-limit (default 4G) needs", WHOLE, 1, 65536, NULL },
+    { "--tiles", "N", "how many; default: as --memory-limit (default 4G) needs", WHOLE, 1, MOST_TILES, NULL },
     { "--no-links", NULL, "simplices only: half the file", SWITCH, 0, 0, NULL },
     { "--no-mesh", NULL, "no file at all: only the counts and the hash", SWITCH, 0, 0, NULL },
     { "--scratch", "DIR", "folder of scratch files; default: the output's name, or the input's, with .scratch", PLAIN,
@@ -40,9 +42,9 @@ typedef struct tile_state {
 } tile_state;
 
 typedef struct state {
-    char magic[8];                                   /* "PBWSTAT2" */
+    char magic[8];                                   /* "PBWSTAT3" */
     uint32_t dim, weighted, links, parts, mesh, unused;
-    uint64_t points, input_size;
+    uint64_t points, input_mark;                     /* input_mark: differs for another input, see mark_of_input */
     uint32_t distributed, trees, done, chunks;       /* steps that are finished; tiles done, in their order */
     uint64_t size;                                   /* of the output so far */
 } state;
@@ -93,20 +95,64 @@ static int save_state(const work *w)
     return good && rename(part, name) == 0 ? 0 : cannot(w, name);
 }
 
-/* Takes up what an earlier run left, if it was of the same input and options. */
+static void remove_scratch(const work *w, size_t parts)
+{
+    static const char *const kinds[] = { "points", "tree", "facets", "border" };
+    char name[NAME];
+    size_t p, k;
+    for (p = 0; p <= parts; p++) {
+        for (k = 0; k < 4; k++) {
+            remove(name_of(w, kinds[k], p, name));
+        }
+    }
+}
+
+/* A checksum of all points in memory; of a file its time of change, and 1024 of its records. */
+static uint64_t mark_of_input(const work *w)
+{
+    const size_t dim = w->s.dim, record = (dim + w->s.weighted) * sizeof(double);
+    uint64_t mark = 0, i;
+    struct stat about;
+    double row[4];
+    if (w->input == NULL) {
+        mark = pbwtf_checksum(mark, w->j->cloud.points, w->s.points * dim * sizeof(double));
+        return w->s.weighted ? pbwtf_checksum(mark, w->j->cloud.weights, w->s.points * sizeof(double)) : mark;
+    }
+    if (stat(w->j->input, &about) == 0) {
+        mark = (uint64_t)about.st_mtime;
+    }
+    for (i = 0; i < 1024; i++) {
+        const uint64_t at = w->s.points / 1024 * i + w->s.points % 1024 * i / 1024;
+        if (fseek(w->input, (long)(at * record), SEEK_SET) == 0 && fread(row, record, 1, w->input) == 1) {
+            mark = pbwtf_checksum(mark, row, record);
+        }
+    }
+    return mark;
+}
+
+/* Takes up what an earlier run left, if it was of the same input and options and its output is there; else removes
+   it. */
 static void load_state(work *w)
 {
     char name[NAME];
+    struct stat output;
     state s;
     FILE *file;
+    int taken_up;
+    memset(&s, 0, sizeof s);
     snprintf(name, sizeof name, "%s/state", w->scratch);
     file = fopen(name, "rb");
-    if (file != NULL && fread(&s, sizeof s, 1, file) == 1 && memcmp(s.magic, w->s.magic, 8) == 0 && s.dim == w->s.dim
-        && s.weighted == w->s.weighted && s.links == w->s.links && s.mesh == w->s.mesh && s.parts == w->s.parts
-        && s.points == w->s.points && s.input_size == w->s.input_size
-        && fread(w->tile, sizeof *w->tile, s.parts + 1, file) == s.parts + 1) {
+    taken_up = file != NULL && fread(&s, sizeof s, 1, file) == 1 && memcmp(s.magic, w->s.magic, 8) == 0
+        && s.dim == w->s.dim && s.weighted == w->s.weighted && s.links == w->s.links && s.mesh == w->s.mesh
+        && s.parts == w->s.parts && s.points == w->s.points && s.input_mark == w->s.input_mark
+        && (s.size == 0 || (stat(w->out, &output) == 0 && (uint64_t)output.st_size >= s.size))
+        && fread(w->tile, sizeof *w->tile, s.parts + 1, file) == s.parts + 1;
+    if (taken_up) {
         w->s = s;
         note(w->j, "going on: %u of %u tiles are finished", s.done, s.parts);
+    } else {
+        memset(w->tile, 0, (w->s.parts + 1) * sizeof *w->tile);
+        remove_scratch(w, s.parts > w->s.parts && s.parts <= MOST_TILES ? s.parts : w->s.parts);
     }
     if (file != NULL) {
         fclose(file);
@@ -141,7 +187,6 @@ static int open_input(work *w)
         return fail(j, "%s: truncated: %ld bytes are no whole number of records of %lu", j->input, size,
                     (unsigned long)record);
     }
-    w->s.input_size = (uint64_t)size;
     w->s.points = (uint64_t)size / record;
     note(j, "%.0f points in %uD%s", (double)w->s.points, w->s.dim, w->s.weighted ? ", weighted" : "");
     return 0;
@@ -947,8 +992,12 @@ static int finish_file(work *w, FILE *out)
     failed = failed || fflush(out) != 0 || fseek(out, 0, SEEK_SET) != 0
           || fwrite(&header, sizeof header, 1, out) != 1 || fflush(out) != 0 ? cannot(w, w->out) : 0;
     if (!failed) {
-        note(w->j, "%.0f simplices, %.0f facets on the hull, %.0f duplicates, halo %.1f %%, %.0f rounds, "
-             "hash %016llx", (double)header.simplices, (double)header.hull, (double)header.duplicates,
+        char on_hull[48] = "";
+        if (w->s.links) {
+            snprintf(on_hull, sizeof on_hull, "%.0f facets on the hull, ", (double)hull);
+        }
+        note(w->j, "%.0f simplices, %s%.0f duplicates, halo %.1f %%, %.0f rounds, "
+             "hash %016llx", (double)header.simplices, on_hull, (double)header.duplicates,
              100 * (double)halo / (double)(w->s.points > 0 ? w->s.points : 1), (double)rounds,
              (unsigned long long)header.hash);
     }
@@ -995,7 +1044,7 @@ static uint32_t parts_for(const work *w, double limit)
 {
     const double n = (double)w->s.points, need = ceil(bytes_each(w) * n / limit);
     const double parts = fmax(need, fmin(AT_A_TIME * need, floor(n / 250000)));
-    return (uint32_t)number_of(w->j, "--tiles", parts < 1 ? 1 : parts > 65536 ? 65536 : parts);
+    return (uint32_t)number_of(w->j, "--tiles", parts < 1 ? 1 : parts > MOST_TILES ? MOST_TILES : parts);
 }
 
 /* How many tiles fit at a time, if each gets at least one thread. */
@@ -1019,7 +1068,7 @@ static int jobs_for(work *w)
 static int prepare(work *w)
 {
     const char *name = w->j->outputs > 0 ? w->j->output[0] : w->j->input != NULL ? w->j->input : "points";
-    memcpy(w->s.magic, "PBWSTAT2", 8);
+    memcpy(w->s.magic, "PBWSTAT3", 8);
     w->s.mesh = !is_given(w->j, "--no-mesh");
     w->s.links = w->s.mesh && !is_given(w->j, "--no-links");
     w->options.build = w->j->build;
@@ -1047,23 +1096,19 @@ static int prepare(work *w)
     if (make_folder(w->scratch) != 0 && errno != EEXIST) {
         return cannot(w, w->scratch);
     }
+    w->s.input_mark = mark_of_input(w);
     load_state(w);
     return 0;
 }
 
 static void clean(work *w)
 {
-    static const char *const kinds[] = { "points", "tree", "facets", "border" };
     char name[NAME];
-    size_t p, k;
+    size_t p;
     for (p = 0; p < w->s.parts; p++) {
         pbwtf_unmap(w->map + p);
     }
-    for (p = 0; p <= w->s.parts; p++) {
-        for (k = 0; k < 4; k++) {
-            remove(name_of(w, kinds[k], p, name));
-        }
-    }
+    remove_scratch(w, w->s.parts);
     snprintf(name, sizeof name, "%s/state", w->scratch);
     remove(name);
     remove(w->scratch);

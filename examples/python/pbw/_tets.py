@@ -97,6 +97,11 @@ class Tets:
         self.original = _copied(mesh.original, mesh.point_count, np.int32)
         self.report = _plain(report)
 
+    def __repr__(self):
+        return "<pbw.Tets: %d tetrahedra, %d points, dihedral angles from %.4g to %.4g degrees>" % (
+            len(self.tets), len(self.points), *(self.report.get("improve", self.report)["after"][k]
+                                                for k in ("least", "largest")))
+
 
 def _plain(value):
     if isinstance(value, ctypes.Structure):
@@ -139,6 +144,11 @@ def _made(call, report):
         _library.pbw_tets_free(ctypes.byref(mesh))
 
 
+def _check_number(name, value, least, most):
+    if not least <= value <= most:
+        raise ValueError("%s must be from %g to %g, not %r" % (name, least, most, value))
+
+
 _SMOOTHERS = "odt", "lloyd", "laplace"
 
 
@@ -160,6 +170,8 @@ def improve(points, tets, target=30, seconds=0, feature_angle=40, regions=None, 
                   None if regions is None else regions.ctypes.data, None if marks is None else marks.ctypes.data)
     if smooth is not None and smooth not in _SMOOTHERS:
         raise ValueError("smooth is %r: one of %s is needed" % (smooth, ", ".join(_SMOOTHERS)))
+    if target is not None:
+        _check_number("target", target, 1, 60)
     how = _ImproveOptions(target or 0, seconds, -1 if target is None else 0, feature_angle)
     if smooth is not None:
         how.rounds, how.smoother = rounds, _SMOOTHERS.index(smooth)
@@ -194,6 +206,11 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=16, patch
         if patches.shape != (len(faces),):
             raise ValueError("patches needs one number for each face")
         given.patches = patches.ctypes.data
+    for name, value in (("size", size), ("least_size", least_size), ("curvature", curvature)):
+        if not callable(value):
+            _check_number(name, value, 0, np.finfo(float).max)
+    if target > 0:
+        _check_number("target", target, 1, 60)
     how = _SolidOptions(0 if callable(size) else size, least_size, None, None, curvature, nested, feature_angle, 0,
                         rounds, _ImproveOptions(target))
     thrown = []
