@@ -457,7 +457,8 @@ static void test_walls(void)
         for (i = 0; i < regions; i++) {
             const double volume = volume_of(&mesh, (pbw_index)i);
             CHECK(fabs(volume - 1) < near / 50);
-            CHECK(is_boundary(&mesh, &boundary, (pbw_index)i, volume) && is_closed(&mesh, &boundary, (pbw_index)i, 2));
+            CHECK(is_boundary(&mesh, &boundary, (pbw_index)i, volume));
+            CHECK(is_closed(&mesh, &boundary, (pbw_index)i, 2));
         }
         test_say("%zu tetrahedra, %.2f..%.2f", mesh.tet_count, r.improve.after.least, r.improve.after.largest);
         if (k == 5) {

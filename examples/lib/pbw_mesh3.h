@@ -29,9 +29,9 @@
 
    PROMISES  (tests/test_mesh3.c guards them)
      positive    tetrahedra are positively oriented, by exact signs; no point is corner of nothing
-     told        edges of the boundary, of a region's with walls, with other than two facets and points with several fans of facets are counted,
-                 with places; so are pieces of sharp edges that are missing, open edges of the input, and its sharp
-                 edges below 60 degrees
+     told        edges of the boundary, with walls of a region's, with other than two facets and points with several
+                 fans of facets are counted, with places; so are pieces of sharp edges that are missing, open edges of
+                 the input, and its sharp edges below 60 degrees
      ends        after options.rounds rounds, whatever the input
      same        the same bytes for any number of threads
 
@@ -1064,7 +1064,7 @@ static void pbwm3__join(size_t *parent, size_t a, size_t b)
     parent[a < b ? b : a] = a < b ? a : b;
 }
 
-/* Joins sides that see each other across an edge, and triangles at an edge to bodies: both in `parent`, sides first. */
+/* Joins sides that see each other across an edge, and triangles at an edge to bodies: in `parent`, sides first. */
 static int pbwm3__join_sides(pbwm3__work *w, size_t *parent)
 {
     const size_t triangles = w->triangles.count, count = 3 * triangles;
@@ -1501,7 +1501,9 @@ static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__array *list, size_t *parent)
         }
     }
     w->report->sharp_edges = list->count;
-    w->report->input_euler = w->walls ? w->report->input_euler : (long)w->surface.point_count - (long)edges + (long)w->surface.triangle_count;
+    if (!w->walls) {
+        w->report->input_euler = (long)w->surface.point_count - (long)edges + (long)w->surface.triangle_count;
+    }
     pbwm3__free_blocks(&w->memory, blocks);
     return good;
 }
@@ -3102,7 +3104,8 @@ static pbw_status pbwm3__wishes(pbwm3__work *w)
     pbw_status status;
     size_t i;
     w->extra.count = 0;
-    if (w->wants.bytes < w->mesh.simplex_count && !pbwsf__resize(&w->memory, &w->wants, w->label.bytes / sizeof(int))) {
+    if (w->wants.bytes < w->mesh.simplex_count
+        && !pbwsf__resize(&w->memory, &w->wants, w->label.bytes / sizeof(int))) {
         return PBW_ERROR_MEMORY;
     }
     options.progress = pbwm3__part_stops;
@@ -3819,7 +3822,8 @@ static pbw_status pbwm3__sample(pbwm3__work *w)
 static void pbwm3__free(pbwm3__work *w)
 {
     pbwsf__array *const arrays[] = { &w->field, &w->vertices, &w->triangles, &w->origin, &w->shell, &w->shells,
-                                     &w->sides, &w->beyond, &w->holes, &w->x, &w->kind, &w->part, &w->patch, &w->firsts, &w->sets, &w->members, &w->set,
+                                     &w->sides, &w->beyond, &w->holes, &w->x, &w->kind, &w->part, &w->patch,
+                                     &w->firsts, &w->sets, &w->members, &w->set,
                                      &w->heads, &w->links, &w->pieces, &w->chains, &w->path, &w->centre, &w->label,
                                      &w->wants, &w->extra, &w->corners, &w->marks, &w->regions };
     size_t i;
