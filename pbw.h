@@ -202,7 +202,7 @@ typedef struct pbw_options {               /* NULL or all zero = best defaults *
     size_t   memory_limit;                 /* bytes held at once, 0 = no limit; over it: PBW_ERROR_MEMORY.  As much
                                               again on each device of a backend; over that: PBW_ERROR_BACKEND */
     /* The one allocator: ptr NULL allocates, new_size 0 frees, else resizes as realloc does (NULL = failed and
-       the old block stays).  old_size is what was asked for.  Blocks must be aligned as malloc's are.  It may
+       the old block stays).  old_size is the size that it was given.  Blocks must be aligned as malloc's are.  It may
        be called from several threads at once unless threads is 1.  pbw_free calls it too, with the same user:
        both must outlive the mesh.  NULL = realloc and free. */
     void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
@@ -399,8 +399,8 @@ PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_i
 PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t count, const pbw_options *options,
                              pbw_index *simplices, pbw_index *hull_facets);
 
-/* For single queries in any order: a grid of simplices to start from, about a byte a point.  Refers to the mesh,
-   which must outlive it.  Locating is const: any number of threads. */
+/* For single queries in any order: grids of simplices to start from, finer where there are more points, one to five
+   bytes a point.  Refers to the mesh, which must outlive it.  Locating is const: any number of threads. */
 typedef struct pbw_finder pbw_finder;
 PBWDEF pbw_status pbw_finder_create(const pbw_mesh *mesh, const pbw_options *options, pbw_finder **finder);
 PBWDEF pbw_index pbw_finder_locate(const pbw_finder *finder, const double *point, pbw_index *hull_facet);
@@ -10365,56 +10365,75 @@ PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t 
     return pbw__queries_end(&queries, status);
 }
 
-/* ---- finder: for each cell of a grid over the vertices the one nearest to the cell's centre */
+/* ---- finder: for each cell of a grid over the vertices the one nearest to the cell's centre; of a cell with many
+   vertices a finer grid over them, and so on */
+#define PBW__MANY    64                              /* vertices */
+#define PBW__DEEPEST 12                              /* grids in one another */
+
+typedef struct pbw__bin { pbw_index start, finer; } pbw__bin;        /* a simplex; the number of a grid, or 0 */
+
+typedef struct pbw__bins {                           /* a grid of bins, and its vertices */
+    double low[3], scale[3];
+    size_t side[3], first, count;                    /* of bins: the first, how many */
+    size_t from, to;
+    int depth;
+} pbw__bins;
+
 struct pbw_finder {
     const pbw_mesh *mesh;
     pbw__memory memory;
-    pbw_index *start;                                /* of each cell, a simplex */
-    size_t cells, side[3];
-    double low[3], scale[3];
+    pbw__bins *grids;
+    pbw__bin *bins;                                  /* of all grids */
+    size_t grids_capacity, bins_capacity, grid_count, bin_count;
 };
 
-PBW__INLINE size_t pbw__finder_cell(const pbw_finder *finder, const double *p, double *centre)
+typedef struct pbw__binning {
+    pbw__queries *queries;
+    pbw_finder *finder;
+    pbw_index *vertices, *sorted;                    /* each grid's in a row */
+    float *least;                                    /* per bin of a grid: the square to its centre */
+    size_t *counts;                                  /* per bin of a grid, and one more */
+} pbw__binning;
+
+PBW__INLINE size_t pbw__bin_of(const pbw__bins *grid, int dim, const double *p, double *centre)
 {
-    size_t cell = 0;
+    size_t bin = 0;
     int k;
-    for (k = finder->mesh->dim; k-- > 0; ) {
-        double at = (p[k] - finder->low[k]) * finder->scale[k];
-        const double last = (double)(finder->side[k] - 1);
+    for (k = dim; k-- > 0; ) {
+        double at = (p[k] - grid->low[k]) * grid->scale[k];
+        const double last = (double)(grid->side[k] - 1);
         at = at > 0.0 ? at < last ? at : last : 0.0;         /* NaN, of an overflow, too */
-        cell = cell * finder->side[k] + (size_t)at;
+        bin = bin * grid->side[k] + (size_t)at;
         *centre += (at - (double)(size_t)at - 0.5) * (at - (double)(size_t)at - 0.5);
     }
-    return cell;
+    return grid->first + bin;
 }
 
 /* The grid: cubes, a quarter as many as vertices or fewer. */
-static void pbw__finder_grid(pbw_finder *finder)
+static void pbw__bins_measure(const pbw__binning *binning, pbw__bins *grid)
 {
-    const pbw_mesh *mesh = finder->mesh;
+    const pbw_mesh *mesh = binning->finder->mesh;
     const int dim = mesh->dim;
-    const double most = (double)mesh->point_count * 0.25 + 1.0;
+    const double most = (double)(grid->to - grid->from) * 0.25 + 1.0;
     double cells, edge = 0.0;
     pbw__box box;
-    size_t v;
+    size_t i;
     int k, round;
     pbw__box_reset(&box, 0);
-    for (v = 0; v < mesh->point_count; v++) {
-        pbw__box_add(&box, mesh->points + v * (size_t)dim, dim);
+    for (i = grid->from; i < grid->to; i++) {
+        pbw__box_add(&box, mesh->points + binning->vertices[i] * (size_t)dim, dim);
     }
     for (k = 0; k < dim; k++) {
         edge = pbw__max(edge, box.high[k] - box.low[k]);
+        grid->low[k] = box.low[k];
+        grid->scale[k] = 0.0;
+        grid->side[k] = 1;
     }
-    finder->cells = 1;
-    for (k = 0; k < dim; k++) {
-        finder->low[k] = box.low[k];
-        finder->scale[k] = 0.0;
-        finder->side[k] = 1;
-    }
+    grid->count = 1;
     if (!(edge > 0.0 && edge <= DBL_MAX)) {
-        return;                                      /* too large to measure: one cell */
+        return;                                      /* too large to measure: one bin */
     }
-    for (round = 0; round < 64; round++) {           /* halves the edge until there are cells enough */
+    for (round = 0; round < 64; round++) {           /* halves the edge until there are bins enough */
         double smaller = edge * 0.5;
         for (cells = 1.0, k = 0; k < dim; k++) {
             cells *= (double)(size_t)((box.high[k] - box.low[k]) / smaller < 1e6
@@ -10425,46 +10444,138 @@ static void pbw__finder_grid(pbw_finder *finder)
         }
         edge = smaller;
     }
-    for (k = 0; k < dim; k++) {
-        finder->side[k] = (size_t)((box.high[k] - box.low[k]) / edge) + 1;
-        finder->scale[k] = 1.0 / edge;
-        finder->cells *= finder->side[k];
+    if (!(1.0 / edge <= DBL_MAX)) {
+        return;                                      /* too small to divide: one bin */
     }
+    for (k = 0; k < dim; k++) {
+        grid->side[k] = (size_t)((box.high[k] - box.low[k]) / edge) + 1;
+        grid->scale[k] = 1.0 / edge;
+        grid->count *= grid->side[k];
+    }
+}
+
+/* The start of each bin of a grid, and how many vertices it has; those without one have that of the bin before. */
+static void pbw__bins_fill(const pbw__binning *binning, const pbw__bins *grid)
+{
+    const pbw_mesh *mesh = binning->finder->mesh;
+    pbw__bin *bins = binning->finder->bins + grid->first;
+    size_t i, at;
+    pbw_index last = mesh->incident[binning->vertices[grid->from]];
+    memset(binning->counts, 0, (grid->count + 1) * sizeof(size_t));
+    for (at = 0; at < grid->count; at++) {
+        bins[at].start = PBW_NONE;
+        bins[at].finer = 0;
+        binning->least[at] = 1e30f;
+    }
+    for (i = grid->from; i < grid->to; i++) {
+        const size_t v = binning->vertices[i];
+        double far = 0.0;
+        if (i % PBW__TICK == 0 && pbw__report(&binning->queries->context, 0.5)) {
+            return;
+        }
+        at = pbw__bin_of(grid, mesh->dim, mesh->points + v * (size_t)mesh->dim, &far) - grid->first;
+        binning->counts[at]++;
+        if ((float)far < binning->least[at]) {
+            binning->least[at] = (float)far;
+            bins[at].start = mesh->incident[v];
+        }
+    }
+    for (at = 0; at < grid->count; at++) {
+        last = bins[at].start != PBW_NONE ? bins[at].start : last;
+        bins[at].start = last;
+    }
+}
+
+/* Finer grids for the bins of a grid that have many vertices.  Returns a status. */
+static pbw_status pbw__bins_refine(const pbw__binning *binning, pbw__bins grid)
+{
+    pbw_finder *finder = binning->finder;
+    pbw__memory *memory = &binning->queries->context.memory;
+    const pbw_mesh *mesh = finder->mesh;
+    size_t i, at, end = grid.from, full = 0;
+    for (at = 0; at < grid.count; at++) {
+        full += binning->counts[at] > PBW__MANY;
+    }
+    if (full == 0 || grid.count == 1 || grid.depth == PBW__DEEPEST) {
+        return PBW_OK;
+    }
+    if (finder->grid_count + full > finder->grids_capacity
+        && !PBW__RESIZE(memory, finder, grids, 2 * (finder->grid_count + full))) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (at = 0; at < grid.count; at++) {
+        pbw__bins *finer = finder->grids + finder->grid_count;
+        const size_t count = binning->counts[at];
+        binning->counts[at] = end;
+        end += count;
+        if (count > PBW__MANY) {
+            finder->bins[grid.first + at].finer = (pbw_index)finder->grid_count++;
+            finer->from = end - count;
+            finer->to = end;
+            finer->depth = grid.depth + 1;
+        }
+    }
+    for (i = grid.from; i < grid.to; i++) {
+        const size_t v = binning->vertices[i];
+        double far = 0.0;
+        at = pbw__bin_of(&grid, mesh->dim, mesh->points + v * (size_t)mesh->dim, &far) - grid.first;
+        binning->sorted[binning->counts[at]++] = (pbw_index)v;
+    }
+    memcpy(binning->vertices + grid.from, binning->sorted + grid.from, (grid.to - grid.from) * sizeof(pbw_index));
+    return PBW_OK;
+}
+
+/* Returns a status. */
+static pbw_status pbw__bins_make(const pbw__binning *binning)
+{
+    pbw_finder *finder = binning->finder;
+    pbw__memory *memory = &binning->queries->context.memory;
+    const pbw_mesh *mesh = finder->mesh;
+    pbw_status status = PBW_OK;
+    size_t v, g;
+    finder->grid_count = 1;
+    memset(finder->grids, 0, sizeof(pbw__bins));
+    for (v = 0; v < mesh->point_count; v++) {
+        if (mesh->incident[v] != PBW_NONE) {
+            binning->vertices[finder->grids->to++] = (pbw_index)v;
+        }
+    }
+    for (g = 0; g < finder->grid_count && status == PBW_OK; g++) {
+        pbw__bins *grid = finder->grids + g;
+        pbw__bins_measure(binning, grid);
+        grid->first = finder->bin_count;
+        finder->bin_count += grid->count;
+        if (finder->bin_count > finder->bins_capacity
+            && !PBW__RESIZE(memory, finder, bins, finder->bin_count + finder->bin_count / 2)) {
+            return PBW_ERROR_MEMORY;
+        }
+        pbw__bins_fill(binning, grid);
+        status = PBW__LOAD(&binning->queries->context.cancelled) ? PBW_CANCELLED : pbw__bins_refine(binning, *grid);
+    }
+    return status;
 }
 
 static pbw_status pbw__finder_fill(pbw__queries *queries, pbw_finder *finder)
 {
-    const pbw_mesh *mesh = finder->mesh;
-    const size_t dim = (size_t)mesh->dim;
-    float *least;
-    size_t v, cell, last = 0;
-    finder->start = (pbw_index *)pbw__allocate(&queries->context.memory, finder->cells, sizeof(pbw_index));
-    least = (float *)pbw__allocate(&queries->context.memory, finder->cells, sizeof(float));
-    if (finder->start == NULL || least == NULL) {
-        pbw__release(&queries->context.memory, least, finder->cells, sizeof(float));
-        return PBW_ERROR_MEMORY;
+    pbw__memory *memory = &queries->context.memory;
+    const size_t count = finder->mesh->point_count, most = count / 4 + 8;    /* or 2 along each axis */
+    pbw_status status = PBW_ERROR_MEMORY;
+    pbw__binning binning;
+    binning.queries = queries;
+    binning.finder = finder;
+    binning.vertices = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
+    binning.sorted = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
+    binning.least = (float *)pbw__allocate(memory, most, sizeof(float));
+    binning.counts = (size_t *)pbw__allocate(memory, most + 1, sizeof(size_t));
+    if (binning.vertices != NULL && binning.sorted != NULL && binning.least != NULL && binning.counts != NULL
+        && PBW__RESIZE(memory, finder, grids, 1)) {
+        status = pbw__bins_make(&binning);
     }
-    for (cell = 0; cell < finder->cells; cell++) {
-        finder->start[cell] = PBW_NONE;
-        least[cell] = 1e30f;
-    }
-    for (v = 0; v < mesh->point_count; v++) {
-        double far = 0.0;
-        if (v % PBW__TICK == 0 && pbw__report(&queries->context, 0.9 * (double)v / (double)mesh->point_count)) {
-            break;
-        }
-        cell = pbw__finder_cell(finder, mesh->points + v * dim, &far);
-        if (mesh->incident[v] != PBW_NONE && (float)far < least[cell]) {
-            least[cell] = (float)far;
-            finder->start[cell] = mesh->incident[v];
-        }
-    }
-    for (cell = 0; cell < finder->cells; cell++) {   /* empty cells: as the one before */
-        last = finder->start[cell] != PBW_NONE ? finder->start[cell] : last;
-        finder->start[cell] = (pbw_index)last;
-    }
-    pbw__release(&queries->context.memory, least, finder->cells, sizeof(float));
-    return PBW__LOAD(&queries->context.cancelled) ? PBW_CANCELLED : PBW_OK;
+    pbw__release(memory, binning.vertices, count, sizeof(pbw_index));
+    pbw__release(memory, binning.sorted, count, sizeof(pbw_index));
+    pbw__release(memory, binning.least, most, sizeof(float));
+    pbw__release(memory, binning.counts, most + 1, sizeof(size_t));
+    return status;
 }
 
 PBWDEF pbw_status pbw_finder_create(const pbw_mesh *mesh, const pbw_options *options, pbw_finder **finder)
@@ -10484,11 +10595,7 @@ PBWDEF pbw_status pbw_finder_create(const pbw_mesh *mesh, const pbw_options *opt
     if (status == PBW_OK) {
         memset(made, 0, sizeof(*made));
         made->mesh = mesh;
-        made->cells = 1;
-        if (mesh->simplex_count > 0) {
-            pbw__finder_grid(made);
-            status = pbw__finder_fill(&queries, made);
-        }
+        status = mesh->simplex_count > 0 ? pbw__finder_fill(&queries, made) : PBW_OK;
     }
     status = pbw__queries_end(&queries, status);
     if (made != NULL) {
@@ -10504,18 +10611,24 @@ PBWDEF pbw_status pbw_finder_create(const pbw_mesh *mesh, const pbw_options *opt
 
 PBWDEF pbw_index pbw_finder_locate(const pbw_finder *finder, const double *point, pbw_index *hull_facet)
 {
+    const pbw__bin *bin;
     double far = 0.0;
-    if (finder == NULL || point == NULL || finder->start == NULL) {
+    if (finder == NULL || point == NULL || finder->bins == NULL) {
         return pbw_locate_one(NULL, NULL, 0, hull_facet);
     }
-    return pbw_locate_one(finder->mesh, point, finder->start[pbw__finder_cell(finder, point, &far)], hull_facet);
+    bin = finder->bins + pbw__bin_of(finder->grids, finder->mesh->dim, point, &far);
+    while (bin->finer != 0) {
+        bin = finder->bins + pbw__bin_of(finder->grids + bin->finer, finder->mesh->dim, point, &far);
+    }
+    return pbw_locate_one(finder->mesh, point, bin->start, hull_facet);
 }
 
 PBWDEF void pbw_finder_free(pbw_finder *finder)
 {
     if (finder != NULL) {
         pbw__memory memory = finder->memory;
-        pbw__release(&memory, finder->start, finder->cells, sizeof(pbw_index));
+        PBW__RELEASE(&memory, finder, grids);
+        PBW__RELEASE(&memory, finder, bins);
         pbw__release(&memory, finder, 1, sizeof(pbw_finder));
     }
 }
@@ -14143,6 +14256,9 @@ PBW__INLINE void pbw__verify_facets_of(pbw__verifying *verifying, size_t from, s
         if (corner[4 * t] == PBW_NONE) {
             continue;
         }
+        for (k = 0; k <= (size_t)dim && depth != NULL && t + 24 < to; k++) {
+            PBW__PREFETCH(depth + link[96 + k]);
+        }
         for (k = 0; k <= (size_t)dim && depth != NULL; k++) {
             certain &= depth[4 * t + k] + depth[link[k]] > 0.0f;
         }
@@ -16009,16 +16125,13 @@ static pbw_status pbw__live_list_moves(pbw_live *live, size_t count)
     return PBW_OK;
 }
 
-/* Moves vertices in place, all or nothing.  PBW__ANEW: not that way. */
-static pbw_status pbw__live_in_place(pbw_live *live, size_t count, pbw_changes *changes)
+/* Moves listed vertices in place, all or nothing.  PBW__ANEW: not that way. */
+static pbw_status pbw__live_in_place(pbw_live *live, pbw_changes *changes)
 {
     pbw__core *core = &live->core;
     const pbw__grid grid = core->grid;
     const double exact_height = core->kernel.exact_height;
-    pbw_status status = pbw__live_list_moves(live, count);
-    if (status != PBW_OK) {
-        return status;
-    }
+    pbw_status status;
     pbw__live_exchange(live);
     status = pbw__live_fit_grid(live, live->leaving, live->leaving_count);
     status = status == PBW_OK ? pbw__verify(core, core->simplex_count / 2 + 64) : status;
@@ -16394,8 +16507,8 @@ static void pbw__live_settle(pbw_live *live)
 /* What changes cost, in points of a rebuild; measured with bench/live.cpp, these limits at 1e9 and at -1, on
    one thread, 5 to 20 % of 200,000 uniform points: in the plane to remove 0.82 us, insert 1.05, move 0.53, rebuild
    0.134 a point; in space 5.3, 3.0, 6.5 and 0.8.  A rebuild is chosen where changes cost more than PBW__REBUILD_AT
-   rebuilds.  To verify all costs 0.45 rebuilds in the plane and 0.33 in space, and less where it soon fails: as much
-   as to move one point in ten. */
+   rebuilds.  To verify all costs 0.21 rebuilds in the plane and 0.14 in space, and less where it soon fails: no more
+   than to move one point in ten. */
 #ifndef PBW__REBUILD_AT
 #define PBW__REBUILD_AT(dim) 1.0
 #endif
@@ -16411,8 +16524,8 @@ static double pbw__change_cost(const pbw_live *live, size_t leave, size_t arrive
          : 6.0 * (double)leave + (space ? 3.8 : 8.0) * (double)arrive;
 }
 
-/* Returns 1 if points only move, and most of them, of some that are looked at, by less than four edges: those that
-   go far are better removed and inserted, by walks from what is near their new places. */
+/* Returns 1 if most of the points that move, of some that are looked at, do so by less than four edges: those that go
+   far are better removed and inserted, by walks from what is near their new places. */
 static int pbw__live_near(const pbw_live *live)
 {
     const pbw__core *core = &live->core;
@@ -16420,9 +16533,10 @@ static int pbw__live_near(const pbw_live *live)
     size_t i, k, seen = 0, far = 0;
     for (i = 0; i < live->queue_count; i += step) {
         const pbw_index id = live->queue[i];
-        const int moves = (live->state[id] & PBW__LEAVES) != 0 && (live->state[id] & PBW__ARRIVES) != 0;
-        const pbw_index v = moves ? core->vertex[id] : PBW__GHOST;             /* others may have no vertex yet */
-        if (moves && core->twin[id] == id && core->incident[v] < PBW__GONE) {
+        const int both = (live->state[id] & PBW__LIVES) != 0 && (live->state[id] & PBW__STAYS) != 0;
+        const pbw_index v = both ? core->vertex[id] : PBW__GHOST;              /* others may have no vertex yet */
+        if (both && core->twin[id] == id && core->incident[v] < PBW__GONE
+            && !pbw__same_place(pbw__live_point(live, id), pbw__core_record(core, v), live->dim)) {
             const pbw_index *corner = core->kernel.corner + 4 * (size_t)core->incident[v];
             const double *x = pbw__core_record(core, v), *y = pbw__live_point(live, id);
             const double *z = pbw__core_record(core, corner[corner[0] == v]);
@@ -16438,10 +16552,57 @@ static int pbw__live_near(const pbw_live *live)
     return 2 * far <= seen;
 }
 
-/* Tries to move in place. */
-static pbw_status pbw__live_try_moves(pbw_live *live, size_t count, pbw_changes *changes, pbw_way *way)
+/* Lists a range of all vertices.  Counts those that move, and those that are in the queue and live on. */
+static pbw_status pbw__list_all_range(void *arg, size_t from, size_t to)
 {
-    const pbw_status status = pbw__live_in_place(live, count, changes);
+    pbw__classes *classes = (pbw__classes *)arg;
+    pbw_live *live = classes->live;
+    const pbw_index *name = live->core.name + 1;
+    const size_t dim = (size_t)live->dim;
+    size_t moves = 0, remain = 0, i;
+    for (i = from; i < to; i++) {
+        const pbw_index id = name[i], soon = name[i + 16 < to ? i + 16 : i];
+        double *x = live->moved + i * dim;
+        PBW__PREFETCH(pbw__live_point(live, soon));
+        PBW__PREFETCH(live->state + soon);
+        memcpy(x, pbw__live_point(live, id), dim * sizeof(double));
+        moves += !pbw__same_place(x, pbw__core_record(&live->core, (pbw_index)(i + 1)), live->dim);
+        remain += live->state[id] == (PBW__LIVES | PBW__STAYS | PBW__QUEUED);
+        live->leaving[i] = (pbw_index)(i + 1);
+    }
+    (void)PBW__ADD(&classes->leave, moves);
+    (void)PBW__ADD(&classes->arrive, remain);
+    return PBW_OK;
+}
+
+/* Lists all vertices in the order of their records, instead of the queue's, if all points may move, enough of them
+   do, and nothing else happens.  PBW__ANEW if not. */
+static pbw_status pbw__live_list_all(pbw_live *live)
+{
+    const pbw__core *core = &live->core;
+    const size_t count = core->vertex_count;
+    pbw__classes classes = { live, 0, 0 };
+    pbw_status status;
+    if (live->queue_count != count || live->points != count || core->unused_count > 0 || core->hidden_count > 0
+        || core->simplex_count == 0 || !pbw__live_near(live)) {
+        return PBW__ANEW;
+    }
+    if (!PBW__LIVE_GROW(live, leaving, count) || !PBW__LIVE_GROW(live, moved, count * (size_t)live->dim)) {
+        return PBW_ERROR_MEMORY;
+    }
+    status = pbw__for_range(core->kernel.context, count, 8192, 0.0, pbw__list_all_range, &classes);
+    live->leaving_count = count;
+    return status != PBW_OK ? status
+         : classes.arrive < count || classes.leave == 0
+           || (double)classes.leave < PBW__VERIFY_AT(live->dim) * (double)count ? PBW__ANEW : PBW_OK;
+}
+
+/* Tries to move in place.  listed: what the list of those that move has said. */
+static pbw_status pbw__live_try_moves(pbw_live *live, pbw_status listed, pbw_changes *changes, pbw_way *way)
+{
+    const pbw_status status = listed != PBW_OK ? listed
+                            : pbw__enter_stage(live->core.kernel.context, PBW_STAGE_WORK) ? PBW_CANCELLED
+                            : pbw__live_in_place(live, changes);
     if (status == PBW_OK) {
         *way = pbw__journal_any(&live->core) ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
         pbw__journal_clear(&live->core);
@@ -16451,15 +16612,15 @@ static pbw_status pbw__live_try_moves(pbw_live *live, size_t count, pbw_changes 
     return status;
 }
 
-/* Chooses the way and goes it. */
-static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_changes *changes)
+/* Chooses the way and goes it.  in_place: 0 if that is known to fail. */
+static pbw_status pbw__live_choose(pbw_live *live, pbw__context *context, int in_place, pbw_changes *changes,
+                                   pbw_way *way)
 {
     const double points = (double)live->points;
     const size_t most = PBW__EFFORT * (live->points + 100);
     pbw__classes classes = { live, 0, 0 };
     size_t leave, arrive;
     int near;
-    pbw_way way = PBW_WAY_REBUILD;
     pbw_status status = pbw__for_range(context, live->queue_count, 8192, 0.0, pbw__live_classify_range, &classes);
     if (status != PBW_OK) {
         return status;
@@ -16471,27 +16632,35 @@ static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_change
         return live->core.simplex_count > 0 ? PBW_OK : PBW_DEGENERATE;
     }
     near = live->core.simplex_count > 0 && leave == arrive && pbw__live_near(live);
-    if (near && (double)leave >= PBW__VERIFY_AT(live->dim) * points) {
-        status = pbw__enter_stage(context, PBW_STAGE_WORK) ? PBW_CANCELLED
-               : pbw__live_try_moves(live, leave, changes, &way);
+    if (near && in_place && (double)leave >= PBW__VERIFY_AT(live->dim) * points) {
+        status = pbw__live_try_moves(live, pbw__live_list_moves(live, leave), changes, way);
     }
     if (status == PBW__ANEW && live->core.simplex_count > 0 && live->weighted == live->core.kernel.weighted
         && pbw__change_cost(live, leave, arrive, near && !live->weighted) <= PBW__REBUILD_AT(live->dim) * points) {
         if (pbw__enter_stage(context, PBW_STAGE_WORK)) {
             return PBW_CANCELLED;
         }
-        status = !near ? PBW__ANEW : pbw__live_shift(live, leave, most, changes, &way);
+        status = !near ? PBW__ANEW : pbw__live_shift(live, leave, most, changes, way);
         if (status == PBW__ANEW) {
             pbw_changes_free(changes);
             status = pbw__live_batch(live, leave, arrive, most, changes);
-            way = PBW_WAY_BATCH;
+            *way = PBW_WAY_BATCH;
         }
     }
     if (status == PBW__ANEW) {
         pbw_changes_free(changes);
         status = pbw__live_rebuild(live, context, changes);
-        way = PBW_WAY_REBUILD;
+        *way = PBW_WAY_REBUILD;
     }
+    return status;
+}
+
+static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_changes *changes)
+{
+    pbw_way way = PBW_WAY_NOTHING;
+    const pbw_status listed = pbw__live_list_all(live);
+    pbw_status status = listed == PBW__ANEW ? PBW__ANEW : pbw__live_try_moves(live, listed, changes, &way);
+    status = status == PBW__ANEW ? pbw__live_choose(live, context, listed == PBW__ANEW, changes, &way) : status;
     if (changes != NULL) {
         changes->way = way;
     }
@@ -16547,34 +16716,30 @@ typedef struct pbw__import {
     pbw__core *core;
     pbw__vertices vertices;
     pbw_index *vertex;                               /* per point: its vertex; 0: none */
-    size_t (*first)[2];                              /* per block of simplices: its first vertex and first ghost */
+    size_t (*first)[2];                              /* per block of simplices: its first vertex, once they are spread
+                                                        that of the next block, and its first ghost */
     size_t visible;                                  /* vertices in simplices, the first ones */
+    int alone;                                       /* one thread */
     size_t ghosts, faults, duplicates, places;       /* places: points that are no duplicates */
     unsigned char facing[16 * 16 * 16];              /* see pbw__import_facing */
 } pbw__import;
 
 #define PBW__IMPORTED ((size_t)4096)                 /* simplices of a block */
 
-/* Counts, for a block, the vertices that are to be numbered there, each at its incident simplex, and the facets of
-   the hull; and entries that are no simplices or points. */
+/* Counts, for a block, the facets of the hull; and entries that are no simplices or points. */
 PBW__INLINE void pbw__import_count_of(pbw__import *import, size_t from, size_t to, int dim)
 {
     const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)dim + 1, points = mesh->point_count, simplices = mesh->simplex_count;
-    const size_t far = 16 * corners;
-    size_t *first = import->first[from / PBW__IMPORTED], starts = 0, ghosts = 0, faults = 0, t, i;
-    for (t = from; t < to; t++) {
-        for (i = t * corners; i < (t + 1) * corners; i++) {
-            const size_t p = mesh->simplices[i], next = mesh->neighbors[i], here = p < points ? p : 0;
-            const size_t soon = mesh->simplices[i + far < to * corners ? i + far : i];
-            PBW__PREFETCH(mesh->incident + (soon < points ? soon : 0));
-            starts += mesh->incident[here] == t;
-            ghosts += next == PBW_NONE;
-            faults += (size_t)(p >= points) + (size_t)((next >= simplices) & (next != PBW_NONE));
-        }
+    const size_t corners = (size_t)dim + 1;
+    const pbw_index points = (pbw_index)mesh->point_count, simplices = (pbw_index)mesh->simplex_count;
+    pbw_index ghosts = 0, faults = 0;                /* as narrow as what is read: vectors */
+    size_t i;
+    for (i = from * corners; i < to * corners; i++) {
+        const pbw_index next = mesh->neighbors[i];
+        ghosts += next == PBW_NONE;
+        faults += (pbw_index)(mesh->simplices[i] >= points) | ((next >= simplices) & (next != PBW_NONE));
     }
-    first[0] = starts;
-    first[1] = ghosts;
+    import->first[from / PBW__IMPORTED][1] = ghosts;
     (void)PBW__ADD(&import->faults, faults);
 }
 
@@ -16584,7 +16749,14 @@ static pbw_status pbw__import_count(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Counts duplicates, points that are none, and false ones. */
+/* Adds 1 to the vertices of the block in which simplex t is; returns how many there were. */
+PBW__INLINE size_t pbw__import_count_vertex(const pbw__import *import, size_t t)
+{
+    size_t *vertices = import->first[t / PBW__IMPORTED];
+    return import->alone ? vertices[0]++ : PBW__ADD(vertices, 1);
+}
+
+/* Counts vertices, each in the block of its incident simplex; duplicates, points that are none, and false ones. */
 static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
 {
     pbw__import *import = (pbw__import *)arg;
@@ -16592,8 +16764,14 @@ static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
     const size_t dim = (size_t)mesh->dim;
     size_t faults = 0, duplicates = 0, places = 0, i;
     for (i = from; i < to; i++) {
-        const pbw_index first = mesh->canonical[i];
+        const pbw_index first = mesh->canonical[i], t = mesh->incident[i];
         places += first == i;
+        if (t < mesh->simplex_count) {
+            (void)pbw__import_count_vertex(import, t);
+            faults += first != i;
+        } else {
+            faults += t != PBW_NONE;
+        }
         if (first != i && first != PBW_NONE) {
             duplicates++;
             if (first >= mesh->point_count || mesh->canonical[first] != first
@@ -16617,32 +16795,68 @@ PBW__INLINE void pbw__import_vertex(pbw__import *import, pbw_index p, size_t v, 
     import->vertex[p] = (pbw_index)v;
     import->vertices.id[v] = p;
     memcpy(import->vertices.record + v * width, import->points + p * (size_t)dim, (size_t)dim * sizeof(double));
-    import->vertices.record[v * width + (size_t)dim] = import->weights[p];
+    import->vertices.record[v * width + (size_t)dim] = import->mesh->weights != NULL ? import->weights[p] : 0.0;
+}
+
+/* Puts the vertices into their blocks, those of a block in any order. */
+static pbw_status pbw__import_spread(void *arg, size_t from, size_t to)
+{
+    pbw__import *import = (pbw__import *)arg;
+    for (; from < to; from++) {
+        const pbw_index t = import->mesh->incident[from];
+        if (t != PBW_NONE) {
+            import->vertices.id[1 + pbw__import_count_vertex(import, t)] = (pbw_index)from;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Sorts the vertices of a block by their incident simplices, those of one simplex as its corners are.  Returns how
+   many are not at theirs. */
+PBW__INLINE size_t pbw__import_sort(const pbw__import *import, size_t block, const pbw_index *list, size_t count,
+                                    pbw_index *sorted, int dim)
+{
+    const pbw_mesh *mesh = import->mesh;
+    const size_t corners = (size_t)dim + 1, low = block * PBW__IMPORTED * corners;
+    const size_t rest = mesh->simplex_count * corners - low, all = corners * PBW__IMPORTED;
+    const size_t places = rest < all ? rest : all;
+    size_t found = 0, i;
+    memset(sorted, 0xff, places * sizeof(pbw_index));            /* PBW_NONE */
+    for (i = 0; i < count; i++) {
+        const pbw_index p = list[i], soon = list[i + 16 < count ? i + 16 : i];
+        const size_t t = mesh->incident[p] * corners;
+        const pbw_index *v = mesh->simplices + t;
+        const size_t k = (size_t)(v[1] == p) + 2 * (size_t)(v[2] == p) + 3 * (size_t)(dim == 3 && v[dim] == p);
+        PBW__PREFETCH(mesh->incident + soon);
+        sorted[t - low + (k & 3)] = p;
+    }
+    for (i = 0; i < places; i++) {                   /* branchless: unpredictable */
+        const pbw_index p = sorted[i];
+        sorted[found] = p;
+        found += p == mesh->simplices[low + i];
+    }
+    return count - found;
 }
 
 /* Numbers the vertices of a block, in the order of their incident simplices. */
 PBW__INLINE void pbw__import_number_of(pbw__import *import, size_t from, size_t to, int dim)
 {
     const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)dim + 1, far = 16 * corners, first = import->first[from / PBW__IMPORTED][0];
-    pbw_index found[PBW__IMPORTED * 4 + 1];
-    size_t count = 0, faults = 0, t, i;
-    for (t = from; t < to; t++) {
-        for (i = t * corners; i < (t + 1) * corners; i++) {
-            const pbw_index p = mesh->simplices[i];
-            PBW__PREFETCH(mesh->incident + mesh->simplices[i + far < to * corners ? i + far : i]);
-            found[count] = p;
-            count += mesh->incident[p] == t;         /* branchless: unpredictable */
-        }
+    const size_t block = from / PBW__IMPORTED, first = block > 0 ? import->first[block - 1][0] : 0;
+    const size_t count = import->first[block][0] - first, most = (to - from) * ((size_t)dim + 1);
+    pbw_index sorted[PBW__IMPORTED * 4 + 4];         /* all corners, and 3 where one is in a simplex twice */
+    size_t faults = count > most, i;
+    if (faults == 0) {
+        faults = pbw__import_sort(import, block, import->vertices.id + 1 + first, count, sorted, dim);
     }
-    for (i = 0; i < count; i++) {
-        const size_t soon = found[i + 16 < count ? i + 16 : i];
-        PBW__PREFETCH(mesh->canonical + soon);
+    for (i = 0; i < count && faults == 0; i++) {
+        const size_t soon = sorted[i + 16 < count ? i + 16 : i];
         PBW__PREFETCH(import->points + soon * (size_t)dim);
-        PBW__PREFETCH(import->weights + soon);
         PBW__PREFETCH_TO_WRITE(import->vertex + soon);
-        faults += mesh->canonical[found[i]] != found[i];
-        pbw__import_vertex(import, found[i], first + 1 + i, dim);
+        if (mesh->weights != NULL) {
+            PBW__PREFETCH(import->weights + soon);
+        }
+        pbw__import_vertex(import, sorted[i], first + 1 + i, dim);
     }
     (void)PBW__ADD(&import->faults, faults);
 }
@@ -16851,7 +17065,10 @@ static pbw_status pbw__import_survey(pbw__import *import, pbw__context *context)
     const pbw_mesh *mesh = import->mesh;
     const size_t simplices = mesh->simplex_count, blocks = (simplices + PBW__IMPORTED - 1) / PBW__IMPORTED;
     size_t block, i;
-    pbw_status status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.05, pbw__import_count, import);
+    pbw_status status;
+    memset(import->first, 0, blocks * sizeof(*import->first));
+    import->alone = context->threads <= 1;
+    status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.05, pbw__import_count, import);
     status = status == PBW_OK ? pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_points, import)
                               : status;
     for (block = 0; block < blocks && status == PBW_OK; block++) {
@@ -16880,7 +17097,9 @@ static pbw_status pbw__import_fill(pbw__import *import, pbw__context *context)
         return status;
     }
     memset(import->vertex, 0, mesh->point_count * sizeof(pbw_index));
-    status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.1, pbw__import_number, import);
+    status = pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_spread, import);
+    status = status == PBW_OK ? pbw__for_range(context, simplices, PBW__IMPORTED, 0.1, pbw__import_number, import)
+                              : status;
     if (status != PBW_OK) {
         return status;
     }
@@ -17131,7 +17350,8 @@ static pbw_status pbw__view_points(void *arg, size_t from, size_t to)
         const int lives = (live->state[i] & PBW__LIVES) != 0, single = settled && lives && core->twin[i] == i;
         const pbw_index v = lives && !single ? core->vertex[i] : PBW__GHOST;
         if (lives) {
-            memcpy(points + i * dim, single ? live->point + i * dim : pbw__core_record(core, v), dim * sizeof(double));
+            const double *place = single ? live->point + i * dim : pbw__core_record(core, v);
+            memcpy(points + i * dim, place, dim * sizeof(double));
         } else {
             memset(points + i * dim, 0, dim * sizeof(double));
         }
@@ -17374,7 +17594,7 @@ PBW__INLINE void pbw__view_neighbors_of(const pbw__viewing *viewing, size_t from
     const size_t corners = (size_t)dim + 1;
     for (; from < to; from++) {
         pbw_index *neighbor = viewing->neighbors + corners * from;
-        const size_t t = neighbor[0], soon = neighbor[from + 16 < to ? 16 * corners : 0];
+        const size_t t = neighbor[0], soon = neighbor[from + 40 < to ? 40 * corners : 0];
         const unsigned order = viewing->turn[t];
         int k;
         PBW__PREFETCH(link + 4 * soon);

@@ -79,6 +79,12 @@ build/bench_query: bench/query.cpp $(BENCH_INPUTS)
 bench-query: build/bench_query
 	$< $(POINTS)
 
+# Every number that is demanded of queries and cells, with its goal.
+.PHONY: bench-query-goals
+bench-query-goals: build/bench_query build/bench_cells
+	{ build/bench_query $(or $(POINTS),100000); build/bench_cells $(or $(POINTS),100000) 3; } | \
+	    grep -E 'D, |goal|D .* us '
+
 # Plane domains, beside CGAL where it is installed; ARGS=q for a tenth of the size.
 ifneq ($(filter bench-plane build/bench_plane,$(MAKECMDGOALS)),)
 PLANE_HAS := $(shell printf '\043include <CGAL/Constrained_Delaunay_triangulation_2.h>\n' | \

@@ -2,7 +2,7 @@
        make bench-cells                   or: build/bench_cells [POINTS [ROUNDS]]
    Times are the processor's, of one thread, the medians of rounds that alternate between the programs.  "of B" is the
    time of a cell in units of the build's time of a point.  Periodic: points, weights none, to volumes and centroids,
-   beside the build and the volumes of an open box. */
+   beside the build and the volumes of an open box.  goal: of a number that is demanded, whether it is reached. */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
 #define PBW_CELLS_IMPLEMENTATION
@@ -58,6 +58,34 @@ static void line(const char *what, double seconds, double build, double points)
 {
     std::printf("  %-34s %8.1f k/s  %6.3f us  %5.2f of B\n", what, points / seconds / 1e3, seconds / points * 1e6,
                 seconds / build);
+}
+
+static void goal(const char *what, double value, double bound, bool most)
+{
+    if (bound > 0) {
+        std::printf("    goal: %s %.3g, %s %g: %s\n", what, value, most ? "at most" : "at least", bound,
+                    (most ? value <= bound : value >= bound) ? "REACHED" : "MISSED");
+    }
+}
+
+/* What is demanded of uniform points along the curve, in thousand cells a second; of other points at most twice the
+   time of those. */
+static void goals(int dim, size_t count, double volumes, double shapes, double all, double periodic)
+{
+    static double uniform[2][2];
+    double *twice = uniform[dim - 2];
+    const double n = static_cast<double>(count) / 1e3;
+    if (twice[0] > 0) {
+        goal("volumes, times uniform", volumes / twice[0], 2, true);
+        goal("all, times uniform", shapes / twice[1], 2, true);
+        return;
+    }
+    twice[0] = volumes;
+    twice[1] = shapes;
+    goal("volumes, k/s", n / volumes, dim == 3 ? 1000 : 0, false);
+    goal("with shapes, k/s", n / shapes, dim == 3 ? 500 : 0, false);
+    goal("with the build, k/s", n / all, dim == 3 ? 400 : 3000, false);
+    goal("periodic / open", periodic / all, count < 500000 ? 1.8 : 1.35, true);
 }
 
 static void run(int dim, size_t count, int rounds, unsigned order, int kind)
@@ -136,6 +164,10 @@ static void run(int dim, size_t count, int rounds, unsigned order, int kind)
         std::printf("  periodic / open: %.2f\n", periodic.median() / (b + volumes.median()));
     }
     std::printf("  the volumes' sum is off by %.1e\n", sum / whole - 1);
+    goal("sum of volumes, off by", std::fabs(sum / whole - 1), 1e-12, true);
+    if (order != 0) {
+        goals(dim, count, volumes.median(), shapes.median(), b + volumes.median(), periodic.median());
+    }
     if (!rival.all.empty()) {
         line("voro++: volumes, centroids", rival.median(), b, n);
         std::printf("  its sum is off by %.1e; its time / that of build, volumes, centroids: %.1f\n", other / whole - 1,

@@ -2,7 +2,8 @@
 
    make bench-query [POINTS=n]     uniform points and queries, then a lattice and clusters, processor time; each row
                                    is the median of five runs, ours and the rival's in turn.  speed: how many times
-                                   faster ours is; times uniform: how many times longer ours takes than there.
+                                   faster ours is; times uniform: how many times longer ours takes than there;
+                                   goal: of a number that is demanded, whether it is reached.
 
    CGAL gets its points as one range, and locates each query of a batch from the last answer, after its own spatial
    sort, which is timed as ours is; so does nanoflann get the queries sorted in the one row, and as they come in the
@@ -68,8 +69,22 @@ std::size_t volatile sink;
 int kind;                                  /* of points */
 std::map<std::string, double> uniform;     /* time of each row on uniform points */
 
-void row(const char *name, std::size_t count, const std::function<void()> &ours, const char *rival,
-         const std::function<void()> &theirs, double part = 1)
+double build;                              /* us a point */
+
+/* What is demanded: to be some times as fast as the rival, or so many queries a microsecond, or a share of the
+   build's time of a point; other kinds of points take at most twice as long as uniform ones.  0 = nothing. */
+struct demand { double speed, rate, share; };
+
+void goal(const char *what, double value, double bound, bool most)
+{
+    if (bound > 0) {
+        std::printf("    goal: %s %.2f, %s %.2f: %s\n", what, value, most ? "at most" : "at least", bound,
+                    (most ? value <= bound : value >= bound) ? "REACHED" : "MISSED");
+    }
+}
+
+void row(const char *name, std::size_t count, const demand &wanted, const std::function<void()> &ours,
+         const char *rival, const std::function<void()> &theirs, double part = 1)
 {
     std::vector<double> a, b;
     for (int i = 0; i < 5; i++) {
@@ -83,6 +98,13 @@ void row(const char *name, std::size_t count, const std::function<void()> &ours,
     }
     std::printf("%-38s %8.3f us   %-12s %8.3f us   speed %6.2f   times uniform %.2f\n", name,
                 a[2] / double(count) * 1e6, rival, b[2] / double(count) * 1e6, b[2] / a[2], a[2] / uniform[name]);
+    if (kind == INPUT_UNIFORM) {
+        goal("speed", b[2] / a[2], wanted.speed, false);
+        goal("M/s", double(count) / a[2] / 1e6, wanted.rate, false);
+        goal("of the build", a[2] / double(count) * 1e6 / build, wanted.share, true);
+    } else {
+        goal("times uniform", a[2] / uniform[name], 2, true);
+    }
     std::fflush(stdout);
 }
 
@@ -115,7 +137,7 @@ void nearest_rows(int dim, const pbw_mesh &mesh, const pbw_lists &stars, const s
     for (std::size_t k = 1; k <= 8; k += 7) {
         char name[80];
         std::snprintf(name, sizeof name, "%dD %d nearest, %s", dim, int(k), how);
-        row(name, count, [&] {
+        row(name, count, { k == 1 ? 1.5 : 1, 0, 0 }, [&] {
             pbw_nearest(&mesh, &stars, queries.data(), count, k, &options, found.data(), distances.data());
         }, "nanoflann", [&] {
             std::vector<std::size_t> index(k);
@@ -162,16 +184,16 @@ template <int dim, class triangulation> void run(std::size_t n, unsigned flags, 
     fill(dim, n, points, queries);
     options.threads = 1;
     options.flags = flags;
-    const double build = seconds([&] { pbw_triangulate(dim, points.data(), nullptr, n, &options, &mesh); });
+    build = seconds([&] { pbw_triangulate(dim, points.data(), nullptr, n, &options, &mesh); }) / double(n) * 1e6;
     options.flags = 0;
     const double star = seconds([&] { pbw_stars(&mesh, &options, &stars); });
     std::printf("%dD, %zu points, %s, %s: build %.3f us, stars %.3f us a point\n", dim, n, input_name(kind),
-                numbering, build / double(n) * 1e6, star / double(n) * 1e6);
+                numbering, build, star / double(n) * 1e6);
 
     const auto other = with::points(points);
     const triangulation theirs(other.begin(), other.end());
     std::snprintf(name, sizeof name, "%dD locate, batch", dim);
-    row(name, n, [&] { pbw_locate(&mesh, queries.data(), n, &options, found.data(), nullptr); }, "CGAL", [&] {
+    row(name, n, { 2, 0, dim == 3 ? 0.6 : 0 }, [&] { pbw_locate(&mesh, queries.data(), n, &options, found.data(), nullptr); }, "CGAL", [&] {
         auto sorted = with::points(queries);
         CGAL::spatial_sort(sorted.begin(), sorted.end());
         auto at = theirs.locate(sorted[0]);
@@ -183,7 +205,7 @@ template <int dim, class triangulation> void run(std::size_t n, unsigned flags, 
     pbw_finder_create(&mesh, &options, &finder);
     const std::size_t some = n / 20;
     std::snprintf(name, sizeof name, "%dD locate, single, finder", dim);
-    row(name, some, [&] {
+    row(name, some, { 0, dim == 3 ? 0.4 : 0, 0 }, [&] {
         for (std::size_t i = 0; i < some; i++) {
             sink = sink + pbw_finder_locate(finder, &queries[i * dim], nullptr);
         }
@@ -204,7 +226,7 @@ template <int dim, class triangulation> void run(std::size_t n, unsigned flags, 
     const std::size_t few = n / 10;
     const auto asked = with::points(std::vector<double>(sorted.begin(), sorted.begin() + long(few * dim)));
     std::snprintf(name, sizeof name, "%dD Sibson", dim);
-    row(name, few, [&] {
+    row(name, few, { 0, dim == 3 ? 0.15 : 1, 0 }, [&] {
         pbw_coordinates(&mesh, sorted.data(), few, PBW_SIBSON, &options, &lists);
         pbw_lists_free(&lists);
     }, "CGAL", [&] {

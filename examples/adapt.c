@@ -116,7 +116,7 @@ int main(void)
     const double points[] = { 0, 0, 1, 0, 1, 1, -1, 1, -1, -1, 0, -1 };
     const size_t first[] = { 0, 6 };
     const pbw_plane_options options = { .flags = PBW_PLANE_REFINE, .size = 0.5 };
-    pbw_plane p, next = { 0 };
+    pbw_plane p = { 0 }, next = { 0 };
     double *work = NULL, *old, error[ROUNDS] = { 0 }, unknowns[ROUNDS], power;
     pbw_status status = pbw_plane_rings(points, first, 1, &options, &p);
     for (int round = 0; round < ROUNDS && status == PBW_OK; round++) {

@@ -76,7 +76,7 @@ static unsigned judge(const pbw_index *v, double *sum, double *count)
 static double triangulate(const pbw_plane_input *input, const char *path)
 {
     const double lines[2] = { 0.3, 2 };
-    pbw_plane plane;
+    pbw_plane plane = { 0 };
     double sum = 0, count = 0;
     if (pbw_plane_make(input, NULL, &plane) != PBW_OK) {
         puts(plane.what);

@@ -63,7 +63,7 @@ int main(int argc, char **argv)
     const double sea[3] = { 0, 0, 10 }, lines[2] = { 0.35, 1.6 };
     pbw_plane_options options = { 0 };
     pbw_plane_input input = { 0 };
-    pbw_plane plane;
+    pbw_plane plane = { 0 };
     pbw_index segments[2 * MOST];
     double least = 180, longest = 0, water = 0, land = 0;
     int failed = 0;

@@ -89,7 +89,7 @@ int main(int argc, char **argv)
     contours c = { 0 };
     pbw_plane_input input = { 0 };
     pbw_plane_options options = { 0 };
-    pbw_plane plane;
+    pbw_plane plane = { 0 };
     double area = 0, meshed = 0;
     if (argc > 2 ? !read_picture(argv[2], &p) : !make_picture(&p)) {
         return 1;

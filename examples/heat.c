@@ -11,7 +11,7 @@
 
 enum { HOLE = 64, STEPS = 20 };
 
-typedef struct system { const pbw_plane *plane; double *u, *r, *d, *q, *b; unsigned char *fixed; } field;
+typedef struct field { const pbw_plane *plane; double *u, *r, *d, *q, *b; unsigned char *fixed; } field;
 
 static double exact(const double *p, double t) { return exp(-2 * t) * sin(p[0]) * sin(p[1]) + p[0] * p[1]; }
 

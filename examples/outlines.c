@@ -81,7 +81,7 @@ int main(int argc, char **argv)
     const double lines[2] = { 0.7, 2.5 };
     pbw_plane_input input = { 0 };
     pbw_plane_options options = { 0 };
-    pbw_plane plane;
+    pbw_plane plane = { 0 };
     int failed;
     bar(0, -1, 0.4, 2);                              /* p: a stem that overlaps a round with a hole */
     round_ring(1, 1, 1, 1);
@@ -104,7 +104,7 @@ int main(int argc, char **argv)
     }
     printf("%d outlines, %d places where they cross\n", 10, (int)(plane.point_count - plane.input_count));
     /* Lines inside of letters go: the border of the triangles is the domain now. */
-    pbw_plane letters;
+    pbw_plane letters = { 0 };
     options.flags = PBW_PLANE_REFINE;
     options.size = 0.2;
     pbw_status status = pbw_plane_from_triangles(plane.points, plane.point_count, plane.triangles,

@@ -40,6 +40,27 @@ check "a file that ends too early" says 1 "cut.poly:" cut.poly
 check "a bad .geojson file" says 1 "wrong.geojson:1:" wrong.geojson
 check "no such file" says 1 "No such file" none.poly
 check "the boundary is kept" says 0 " 8 edges of segments" plate.poly --area 0.5 --keep-segments
+check "what that prevents is told" grep "^0 new points, 0 more removed again; 0 triangles .*, 5 larger" said
+awk 'BEGIN { print "17 2 0 0"; for (i = 0; i < 16; i++) { s = int(i / 4); t = i % 4
+        print i + 1, (s == 0 ? t : s == 1 ? 4 : s == 2 ? 4 - t : 0), (s == 0 ? 0 : s == 1 ? t : s == 2 ? 4 : 4 - t) }
+    print 17, 2, 2; print "17 0"; for (i = 0; i < 16; i++) print i + 1, i + 1, (i + 1) % 16 + 1; print 17, 3, 17
+    print 0 }' > square.poly
+kept() {    # kept EDGES OPTION...: new points inside, and so many edges of segments
+    edges=$1
+    shift
+    says 0 " new points, " square.poly --area 0.1 "$@" && grep " $edges edges of segments" said
+}
+check "--keep-segments" kept 17 --keep-segments
+split() { ! kept 17 "$@" && grep ' new points' said; }
+check "--keep-boundary lets other segments be split" split --keep-boundary
+check "the boundary is split else" split
+bounded() { says 0 "; --steiner ended it" square.poly --area 0.01 --steiner 7 && grep '^7 new points' said; }
+check "--steiner" bounded
+printf '4 2 0 0\n1 0 0\n2 10 0\n3 5 0.2\n4 5 -0.2\n1 0\n1 1 2\n0\n' > across.poly
+check "not conforming" says 0 "2 triangles, 4 points" across.poly --rule hull
+check "--conforming" says 0 "4 triangles, 5 points" across.poly --rule hull --conforming
+counted() { "$pbw" plane plate.poly --histogram > said && awk '/^ *[0-9]*\.\./ { n += $2 } END { exit n != 8 }' said; }
+check "--histogram" counted
 
 printf '4 2 1 0\n1 0 0 0.1\n2 4 0 1\n3 4 3 1\n4 0 3 1\n4 0\n1 1 2\n2 2 3\n3 3 4\n4 4 1\n0\n' > sized.poly
 printf 'x,y,size\n0,0,0.1\n4,0,1\n4,3,1\n0,3,1\n' > sized.csv

@@ -212,4 +212,37 @@ check "live: a script that is not there" early 2 "--script no.csv: No such file"
 check "live: the script is no output" early 2 "it is an input" live p.csv --script p.vtu -o p.vtu
 check "live: out of memory" says 1 "out of memory within --memory-limit 1K" live p.csv --script changes \
     --memory-limit 1K
+
+# Solids: a cube, and one in a cube; the options of pbw solid and pbw improve show in what is reported or written.
+cube() {    # cube FIRST LOW HIGH: of points numbered from FIRST on
+    awk -v n="$1" -v a="$2" -v b="$3" 'BEGIN {
+        for (i = 0; i < 8; i++) print "v", (i % 2 ? b : a), (int(i / 2) % 2 ? b : a), (i > 3 ? b : a)
+        m = split("1 3 4 1 4 2 5 6 8 5 8 7 1 2 6 1 6 5 3 7 8 3 8 4 1 5 7 1 7 3 2 4 8 2 8 6", f)
+        for (i = 1; i < m; i += 3) print "f", f[i] + n, f[i + 1] + n, f[i + 2] + n }'
+}
+cube 0 0 1 > cube.obj
+(cat cube.obj; cube 8 0.3 0.7) > both.obj
+"$pbw" mesh --generate sphere 500 --quiet -o ball.obj
+tets() { "$pbw" solid "$@" > said 2>&1; code=$?; count=$(sed -n 's/^\([0-9]*\) tetrahedra in .*/\1/p' said); return $code; }
+more() {    # more MODEL OPTIONS OPTIONS: the second ones make more tetrahedra
+    # shellcheck disable=SC2086
+    tets "$1" $2 && few=$count && tets "$1" $3 && cat said && [ "$count" -gt "$few" ]
+}
+check "a solid" says 0 "8 corners, 12 sharp edges" solid cube.obj --size 0.3
+check "its volume" grep "volume 1, of the surface 1" said
+check "--feature-angle" says 0 "0 corners, 0 sharp edges" solid cube.obj --size 0.3 --feature-angle 100
+check "a cavity" says 0 "volume 0.936, of the surface 0.936" solid both.obj --size 0.3
+check "--nested" says 0 " in 2 regions, " solid both.obj --size 0.3 --nested
+check "--size" more cube.obj "--size 0.4" "--size 0.2"
+check "--least-size" more both.obj "--size 0.4 --least-size 0.39" "--size 0.4 --least-size 0.05"
+check "--distance" more ball.obj "--size 0.8 --distance 0.5" "--size 0.8 --distance 0.03"
+check "--curvature" more ball.obj "--size 0.8" "--size 0.8 --curvature 0.4"
+patches() { tets cube.obj --size 0.3 -o p.face "$@" && [ "$(sed 1d p.face | awk '{ print $5 }' | sort -u | wc -l)" = "$n" ]; }
+n=6; check "--patches" patches --patches
+n=1; check "no patches" patches
+target() { tets cube.obj --size 0.3 --target 15 -o low.msh && "$pbw" improve low.msh "$@" > said && cat said; }
+check "improve --target" target --target 32 -o high.vtu
+check "its angles" grep '^after: *dihedral angles 3[2-9]' said
+brief() { target --target 40 --seconds 1e-9 && grep '; 1 passes' said; }
+check "improve --seconds" brief
 finish

@@ -203,7 +203,7 @@ printf '{ "type": "Polygon", "coordinates": [[[0, 0], [1000, 0], [1000, 1000], [
 "$pbw" mesh --generate uniform 80 --dim 2 --quiet -o some.csv
 awk -F, 'NR == 1 { print; next } { print 1000 * $1 "," 1000 * $2 }' some.csv > sites.csv
 whole="area 455000, the sum of cells; 455000, the polygon"
-check "clipped cells" says 0 "$whole" cells sites.csv --clip rings.csv -o c.svg -o c.csv
+check "clipped cells" says 0 "$whole" cells sites.csv --clip rings.csv -o c.svg -o c.csv -o c.html
 check "clipped cells: a picture" [ "$(area c.svg | cut -d' ' -f2)" = 0.4550 ]
 mv c.csv first.csv
 check "clipped cells: rings as GeoJSON" says 0 "$whole" cells sites.csv --clip rings.geojson -o c.csv
@@ -219,7 +219,29 @@ check "a clipped cell with a hole" says 1 "has a hole, which .vtu cannot hold" \
     cells heavy.csv --clip rings.csv -o c.vtu
 check "a ring of two corners" says 1 "a ring of 2 corners" cells sites.csv --clip one.csv -o c.csv
 check "rings that cross" says 1 "rings that cross" cells sites.csv --clip bow.csv -o c.csv
-check "--clip in 3D" says 1 "--clip rings.csv: the points are in 3D" cells m.csv --clip rings.csv -o c.csv
+
+# Cells in a convex body: an octahedron, of which a box has no facet; a cube is a box.
+printf '%s\n' OFF '6 8 12' '1 0 0' '-1 0 0' '0 1 0' '0 -1 0' '0 0 1' '0 0 -1' \
+    '3 0 2 4' '3 2 1 4' '3 1 3 4' '3 3 0 4' '3 2 0 5' '3 1 2 5' '3 3 1 5' '3 0 3 5' > body.off
+sed -e 's/^6 8/6 4/' -e 12,15d body.off > open.off
+sed 's/^1 0 0/-0.1 0 0/' body.off > dent.off
+awk 'BEGIN { for (i = 0; i < 8; i++) print "v", i % 2, int(i / 2) % 2, int(i / 4)
+    print "f 1 2 4 3\nf 5 6 8 7\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6" }' > cube.obj
+whole="volume 1.33333333333333, the sum of cells; 1.33333333333333, the body; relative difference "
+check "cells in a body" says 0 "$whole" cells --generate gauss 500 --clip body.off -o c.csv -o c.obj -o c.vtu
+check "cells in a body are closed" enclosed
+check "a page of cells in a body" "$pbw" cells --generate gauss 500 --clip body.off --quiet -o c.html
+"$pbw" cells --generate uniform 300 --box 0,0,0,1,1,1 --quiet -o c.csv
+"$pbw" cells --generate uniform 300 --clip cube.obj --quiet -o d.csv
+same() {    # volumes, centroids and counts of facets
+    paste -d, c.csv d.csv | awk -F, 'NR > 1 { for (i = 2; i <= 6; i++) bad += ($i - $(i + 6)) ^ 2 > 1e-24 * $2 }
+        END { exit NR != 301 || bad }'
+}
+check "cells in a cube are those in a box" same
+check "a dent in a body" says 1 "dent.off: the surface is not convex" cells m.csv --clip dent.off -o c.csv
+check "an open body" says 1 "open.off: the surface is not closed" cells m.csv --clip open.off -o c.csv
+check "a body without triangles" says 1 "not a surface of triangles" cells m.csv --clip m.csv -o c.csv
+check "rings in 3D" says 1 "2 coordinates where 3 are needed" cells m.csv --clip rings.csv -o c.csv
 
 # Every allocation failing, one in each run: reading, cells, writing.  Then nothing is written, or what is right.
 cat > fails.c << 'END'
@@ -240,9 +262,12 @@ void *malloc(size_t n) { return fails() ? NULL : __libc_malloc(n); }
 void *calloc(size_t n, size_t m) { return fails() ? NULL : __libc_calloc(n, m); }
 void *realloc(void *p, size_t n) { return fails() ? NULL : __libc_realloc(p, n); }
 END
+printf '%s\n' 0,0 1,0 1,1 0.5,0 0,1 0,0 0.6,0.1 0.9,0.1 0.9,0.4 0.6,0.1 > ring.csv
+awk 'NR < 7' heavy.csv > few.csv
 failing() {    # failing NUMBER: the run in which that allocation fails
-    rm -f c.csv c.svg
-    FAIL_AT=$1 LD_PRELOAD=./fails.so "$pbw" cells sites.csv --clip rings.csv --threads 1 --quiet -o c.csv -o c.svg
+    rm -f c.csv c.svg c.html
+    FAIL_AT=$1 LD_PRELOAD=./fails.so "$pbw" cells few.csv --clip ring.csv --threads 1 --quiet -o c.csv -o c.svg \
+        -o c.html
 }
 all_failing() {
     k=1 last=0 hits=0
@@ -255,7 +280,7 @@ all_failing() {
                 return 1
             fi
         fi
-        for file in c.csv c.svg; do
+        for file in c.csv c.svg c.html; do
             [ ! -e $file ] || cmp $file right.$file || return 1
         done
         k=$((k + 1))
@@ -265,6 +290,7 @@ all_failing() {
 if ${CC:-cc} -shared -fPIC fails.c -o fails.so 2> /dev/null && failing 0 > /dev/null 2>&1; then
     mv c.csv right.c.csv
     mv c.svg right.c.svg
+    mv c.html right.c.html
     check "clipped cells: every allocation failing" all_failing
 else
     skip "clipped cells: every allocation failing (no malloc to replace)"

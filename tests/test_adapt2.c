@@ -232,6 +232,32 @@ static void test_adaptation(void)
         free(keep);
         test_end();
     }
+    if (test_begin("adaptation: sizes grow from the only one given")) {
+        size_t around = 0, left = 0;
+        double *sizes;
+        const double *at;
+        pbw_index *from;
+        CHECK_EQUAL(plate_with(0.1, NULL, &plane), PBW_OK);
+        sizes = new_doubles(plane.point_count);
+        from = (pbw_index *)new_doubles(plane.point_count);
+        at = plane.points + 2 * (plane.point_count - 1);
+        sizes[plane.point_count - 1] = 0.05;
+        CHECK_EQUAL(pbw_plane_adapt(&plane, sizes, NULL, NULL, &next, from), PBW_OK);
+        for (i = 0; i < plane.point_count; i++) {    /* those that are as near have sizes below two edges: they stay */
+            around += hypot(plane.points[2 * i] - at[0], plane.points[2 * i + 1] - at[1]) < 0.15;
+        }
+        for (i = 0; i < next.input_count; i++) {
+            const double *p = plane.points + 2 * (size_t)from[i];
+            left += hypot(p[0] - at[0], p[1] - at[1]) < 0.15;
+        }
+        test_say("%lu of %lu stay", (unsigned long)left, (unsigned long)around);
+        CHECK(left == around && around > 4 && 2 * next.input_count < plane.point_count);
+        pbw_plane_free(&next);
+        pbw_plane_free(&plane);
+        free(sizes);
+        free(from);
+        test_end();
+    }
     if (test_begin("sizes from errors")) {
         double *error, *sizes;
         CHECK_EQUAL(plate_with(0.3, NULL, &plane), PBW_OK);

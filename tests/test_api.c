@@ -638,6 +638,40 @@ static void test_run_hook(void)
     free(points);
 }
 
+/* Statistics of one thread: what must hold of any build, not how much of it there is. */
+static void test_statistics(void)
+{
+    static const int kinds[2] = { INPUT_UNIFORM, INPUT_LATTICE };
+    size_t n = 20000;
+    double *points = (double *)zoo_grow(NULL, n * 3 * sizeof *points);
+    int dim, k;
+    for (dim = 2; dim <= 3; dim++) {
+        for (k = 0; k < 2; k++) {
+            if (test_begin("statistics: %dD %s", dim, input_name(kinds[k]))) {
+                pbw_options options;
+                pbw_mesh mesh;
+                const pbw_statistics *s = &mesh.statistics;
+                memset(&options, 0, sizeof options);
+                options.threads = 1;
+                input_fill(kinds[k], dim, n, test_seed, points);
+                CHECK_EQUAL(pbw_triangulate(dim, points, NULL, n, &options, &mesh), PBW_OK);
+                CHECK(s->order_seconds > 0 && s->build_seconds > 0 && s->output_seconds > 0);
+                CHECK(s->walk_steps >= n / 2);       /* a walk ends in a simplex; seeds and near ones need none */
+                CHECK(s->created > mesh.simplex_count && s->conflict_tests > s->created / 2);
+                CHECK(s->exact_tests <= s->conflict_tests && (k == 0 || s->exact_tests > n));
+                CHECK(s->threads == 1 && s->postponed == 0 && s->by_backend == 0);
+                if (test_verbose) {
+                    test_say("%zu walked, %zu tests, %zu exact, %zu created", s->walk_steps, s->conflict_tests,
+                             s->exact_tests, s->created);
+                }
+                pbw_free(&mesh);
+                test_end();
+            }
+        }
+    }
+    free(points);
+}
+
 /* --- the floating-point unit --- */
 
 static void check_in_mode(const zoo *animals, const uint64_t *hashes)
@@ -725,6 +759,7 @@ int main(int argc, char **argv)
     test_small();
     test_reentrancy();
     test_run_hook();
+    test_statistics();
     test_modes();
     return test_finish();
 }

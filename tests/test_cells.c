@@ -113,8 +113,33 @@ static double area_to(const pbw_cells *cells, size_t i, pbw_index j)
     return area;
 }
 
-/* Areas times normals add up to 0, and what i says of its facet with j, j says of its facet with i.  Returns the
-   largest fault, relative to the extent of the box. */
+/* How far the area of a bounded facet along its normal n is from what its loop encloses. */
+static double loop_fault(const pbw_cells *cells, size_t f, const double *n)
+{
+    const size_t dim = (size_t)cells->dim, first = cells->loop_first[f], end = cells->loop_first[f + 1];
+    const double *o = cells->vertices + cells->loops[first] * dim;
+    double sum[3] = { 0, 0, 0 }, worst = 0;
+    size_t l, k;
+    for (l = first + 1; l + (dim == 3) < end; l++) {
+        const double *a = cells->vertices + cells->loops[l] * dim;
+        const double *b = dim == 3 ? cells->vertices + cells->loops[l + 1] * dim : a;
+        for (k = 0; k < dim && dim == 3; k++) {
+            const size_t u = (k + 1) % 3, v = (k + 2) % 3;
+            sum[k] += ((a[u] - o[u]) * (b[v] - o[v]) - (a[v] - o[v]) * (b[u] - o[u])) / 2;
+        }
+        if (dim == 2) {
+            sum[0] += a[1] - o[1];
+            sum[1] -= a[0] - o[0];
+        }
+    }
+    for (k = 0; k < dim; k++) {
+        worst = fmax(worst, fabs(sum[k] - cells->areas[f] * n[k]));
+    }
+    return worst;
+}
+
+/* Areas times normals add up to 0, loops enclose them, and what i says of its facet with j, j says of its facet with
+   i.  Returns the largest fault, relative to the extent of the box. */
 static double faults_of(const pbw_mesh *mesh, const pbw_domain *domain, const pbw_cells *cells, double extent)
 {
     const double unit = mesh->dim == 3 ? extent * extent : extent;
@@ -131,6 +156,9 @@ static double faults_of(const pbw_mesh *mesh, const pbw_domain *domain, const pb
             normal_of(mesh, domain, i, j, n);
             for (k = 0; k < mesh->dim; k++) {
                 sum[k] += cells->areas[f] * n[k];
+            }
+            if (cells->loops != NULL) {
+                worst = fmax(worst, loop_fault(cells, f, n) / unit);
             }
             if (j < mesh->point_count && cells->volumes[j] < HUGE_VAL) {
                 worst = fmax(worst, fabs(area_to(cells, j, (pbw_index)i) - cells->areas[f]) / unit);
@@ -227,6 +255,7 @@ static void test_kinds(void)
                     && test_begin("whole: %dD %s, weights %s", dim, input_name(kind),
                                   input_weights_name(weights[w]))) {
                     sites s = sites_make(kind, dim, 3000, weights[w]);
+                    const unsigned what = PBW_CELLS_FACETS | (w == 1 ? PBW_CELLS_SHAPES : 0);
                     pbw_options options = threads(2);
                     pbw_domain domain;
                     pbw_mesh mesh;
@@ -235,7 +264,7 @@ static void test_kinds(void)
                     memset(&domain, 0, sizeof domain);
                     domain.box = s.box;
                     CHECK_EQUAL(pbw_triangulate(dim, s.x, s.w, s.count, &options, &mesh), PBW_OK);
-                    CHECK_EQUAL(pbw_cells_of(&mesh, &domain, PBW_CELLS_FACETS, &options, &cells), PBW_OK);
+                    CHECK_EQUAL(pbw_cells_of(&mesh, &domain, what, &options, &cells), PBW_OK);
                     CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, &options, &plain), PBW_OK);
                     sum = fmax(fabs(sum_of(&cells) / volume_of(dim, s.box) - 1),
                                fabs(sum_of(&plain) / volume_of(dim, s.box) - 1));
@@ -741,7 +770,7 @@ static void test_rays(int dim)
         const size_t size = (size_t)dim;
         pbw_mesh mesh;
         pbw_cells cells;
-        size_t i, f, l, k, open = 0;
+        size_t i, j, f, l, k, open = 0;
         CHECK_EQUAL(pbw_triangulate(dim, s.x, NULL, s.count, NULL, &mesh), PBW_OK);
         CHECK_EQUAL(pbw_cells_of(&mesh, NULL, ALL, NULL, &cells), PBW_OK);
         for (i = 0; i < s.count; i++) {
@@ -758,6 +787,12 @@ static void test_rays(int dim)
                             length += ray[k] * ray[k];
                         }
                         CHECK(fabs(along) < 1e-14 && fabs(length - 1) < 1e-14);
+                        for (j = 0; j < s.count; j++) {
+                            for (k = 0, along = 0; k < size; k++) {
+                                along += ray[k] * (mesh.points[j * size + k] - mesh.points[i * size + k]);
+                            }
+                            CHECK(along < 1e-14);
+                        }
                         rays++;
                     } else {
                         CHECK(cells.loops[l] < cells.vertex_count);

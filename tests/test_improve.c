@@ -382,6 +382,69 @@ static void test_ball(void)
     test_end();
 }
 
+static void to_sphere(void *user, double point[3])
+{
+    const double length = pbwsf__distance(point, x_origin);
+    int k;
+    (void)user;
+    for (k = 0; k < 3; k++) {
+        point[k] /= length;
+    }
+}
+
+/* The farthest from the unit sphere of the middles of boundary facets and of their edges. */
+static double farthest_of(const pbw_tets *t, const pbw_index *neighbors)
+{
+    double worst = 0;
+    size_t i, j, k;
+    for (i = 0; i < 4 * t->tet_count; i++) {
+        for (j = 0; j < 4 && neighbors[i] == PBW_NONE; j++) {        /* j = 3: of all three corners, else without j */
+            double middle[3] = { 0, 0, 0 };
+            for (k = 0; k < 9; k++) {
+                const size_t corner = i / 4 * 4 + (i % 4 + 1 + k / 3) % 4;
+                middle[k % 3] += k / 3 == j ? 0 : t->points[3 * (size_t)t->corners[corner] + k % 3] / (j < 3 ? 2 : 3);
+            }
+            worst = fmax(worst, fabs(pbwsf__distance(middle, x_origin) - 1));
+        }
+    }
+    return worst;
+}
+
+/* Facets come no farther from the surface than the distance, or than they were. */
+static void test_distance(void)
+{
+    double *x = ball_points(600, 0), sizes[600], before, after[2];
+    pbw_improve_options how;
+    pbw_mesh mesh;
+    pbw_tets in, out;
+    int k;
+    if (!test_begin("distance from the surface")) {
+        free(x);
+        return;
+    }
+    memset(&mesh, 0, sizeof mesh);
+    memset(&how, 0, sizeof how);
+    CHECK_EQUAL(pbw_triangulate(3, x, NULL, 600, NULL, &mesh), PBW_OK);
+    in = view(&mesh);
+    before = farthest_of(&in, mesh.neighbors);
+    for (k = 0; k < 600; k++) {
+        sizes[k] = 0.6;                              /* coarse: edges are contracted, and facets leave the sphere */
+    }
+    how.sizes = sizes;
+    how.project = to_sphere;
+    for (k = 0; k < 2; k++) {
+        how.distance = k * before;
+        CHECK_EQUAL(pbw_improve(&in, &how, NULL, &out, NULL), PBW_OK);
+        after[k] = farthest_of(&out, out.neighbors);
+        pbw_tets_free(&out);
+    }
+    test_say("%g, any %g, bounded %g", before, after[0], after[1]);
+    CHECK(after[0] > 1.05 * before && after[1] <= before + 1e-12);
+    pbw_free(&mesh);
+    free(x);
+    test_end();
+}
+
 /* Two regions keep their volumes, which the interface between them decides, and every third point its place. */
 static void test_regions(void)
 {
@@ -791,6 +854,7 @@ int main(int argc, char **argv)
     test_cube(0);
     test_cube(1);
     test_ball();
+    test_distance();
     test_regions();
     test_smoothers(PBW_SMOOTHER_ODT);
     test_smoothers(PBW_SMOOTHER_LLOYD);

@@ -760,7 +760,7 @@ static void test_wrong(void)
                 continue;
             }
             for (i = 0; i < tries && test_faults == 0; i++) {
-                const int kind = (int)(i / 8) % KINDS;
+                const int kind = (int)(i / 9) % KINDS;
                 model m, all;
                 pbw_mesh mesh;
                 double *points;
@@ -772,16 +772,17 @@ static void test_wrong(void)
                     pbw_index *simplices = (pbw_index *)(uintptr_t)mesh.simplices;
                     pbw_index *neighbors = (pbw_index *)(uintptr_t)mesh.neighbors;
                     const pbw_index old = simplices[at];
-                    switch (i % 8) {
+                    switch (i % 9) {
                     case 0: simplices[at] = simplices[other]; break;
                     case 1: simplices[at] = input_below(&m.state, 100); break;
                     case 2: neighbors[at] = neighbors[other]; break;
                     case 3: neighbors[at] = PBW_NONE - input_below(&m.state, 3); break;
                     case 4:                             /* inside out */
-                        simplices[at] = simplices[at ^ 1];
-                        simplices[at ^ 1] = old;
+                        simplices[at] = simplices[at > 0 ? at - 1 : 1];
+                        simplices[at > 0 ? at - 1 : 1] = old;
                         break;
                     case 5: mesh.simplex_count -= mesh.simplex_count / 2; break;
+                    case 8: ((pbw_index *)(uintptr_t)mesh.incident)[old] = other / (uint32_t)(dim + 1); break;
                     case 6:                             /* a point elsewhere: no fault of the arrays alone */
                         model_point(&m, kind, m.points + 3 * old);
                         memcpy((double *)(uintptr_t)mesh.points + old * (pbw_index)dim, m.points + 3 * old,

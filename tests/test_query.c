@@ -648,6 +648,53 @@ static void test_memory(void)
     }
 }
 
+/* Grids in grids: eight clusters, each a hundredth of the one before in size, around two centres in turn.  A finder
+   answers as pbw_locate does, and gives all memory back where an allocation fails. */
+static void test_finder(void)
+{
+    enum { N = 1600 };
+    double points[3 * N], queries[3 * N], size;
+    pbw_index found[N];
+    int dim, i, j;
+    long k;
+    for (dim = 2; dim <= 3 && test_begin("%dD, a finder in clusters", dim); dim++) {
+        pbw_options options;
+        pbw_finder *finder;
+        pbw_mesh mesh;
+        pbw_status status;
+        meter m;
+        input_fill(INPUT_UNIFORM, dim, N, 3, points);
+        input_fill(INPUT_UNIFORM, dim, N, 4, queries);
+        for (i = 0; i < N; i++) {
+            for (size = 1, j = 0; j < i % 8; j++) {
+                size *= 0.01;
+            }
+            for (j = 0; j < dim; j++) {
+                points[i * dim + j] = points[i * dim + j] * size + i % 2 * 0.25;
+                queries[i * dim + j] = queries[i * dim + j] * size + i % 2 * 0.25;
+            }
+        }
+        CHECK_EQUAL(pbw_triangulate(dim, points, NULL, N, NULL, &mesh), PBW_OK);
+        CHECK_EQUAL(pbw_locate(&mesh, queries, N, NULL, found, NULL), PBW_OK);
+        for (status = PBW_ERROR_MEMORY, k = 1; k < 1000 && status == PBW_ERROR_MEMORY; k++) {
+            meter_start(&m, k, k % 2 != 0);
+            memset(&options, 0, sizeof options);
+            options.resize = meter_resize;
+            options.resize_user = &m;
+            status = pbw_finder_create(&mesh, &options, &finder);
+            for (i = 0; i < N && status == PBW_OK; i++) {
+                CHECK_EQUAL(pbw_finder_locate(finder, queries + i * dim, NULL), found[i]);
+            }
+            pbw_finder_free(finder);
+            CHECK(m.faults == 0 && m.blocks == 0 && m.bytes == 0);
+        }
+        CHECK_EQUAL(status, PBW_OK);
+        CHECK(k > 9);                                /* grids in grids */
+        pbw_free(&mesh);
+        test_end();
+    }
+}
+
 static void test_progress(void)
 {
     enum { N = 3000, QUERIES = 8000 };
@@ -781,6 +828,7 @@ int main(int argc, char **argv)
     test_threads();
     test_visitors();
     test_memory();
+    test_finder();
     test_progress();
     test_arguments();
     return test_finish();

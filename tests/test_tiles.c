@@ -175,7 +175,7 @@ static void link_parts(run *r)
     r->hull += pbwt_match(facets, n);
     for (i = 0; i < n; i++) {
         one *s = r->out[facets[i].from >> 40].simplex + ((facets[i].from & 0xffffffffffu) >> 2);
-        CHECK(s->link[facets[i].from & 3] == PBWT_NOTHING - 1);
+        CHECK(s->link[facets[i].from & 3] == PBWT_NOTHING - 1 && (i == 0 || facets[i - 1].from < facets[i].from));
         s->link[facets[i].from & 3] = facets[i].to == PBWT_NOTHING ? PBWT_NOTHING
             : (facets[i].to >> 40) << 40 | (facets[i].to & 0xffffffffffu) >> 2;
     }

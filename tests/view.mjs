@@ -635,6 +635,12 @@ async function test_cells() {
   check('cells in the plane', await get('shown') === '200 of 200 cells shown', await get('shown'));
   check('cells in the plane: mean area', (await get('summary')).includes('mean 0.005,'), await get('summary'));
   check_quiet('cells in the plane');
+  await open('whole');
+  const whole = covered(await picture());
+  await open('parts');
+  const share = covered(await picture()) / whole;
+  check('cells in a polygon with a notch and a hole', between(share, 0.44, 0.48), '' + share);
+  check_quiet('cells in a polygon');
 }
 
 // A swarm in a box of 2 by 1, coloured by x in its first frame: from blue on the left to red on the right.
@@ -731,7 +737,7 @@ session = (await send('Target.attachToTarget', { targetId, flatten: true })).ses
 for (const domain of ['Page', 'Runtime', 'Log', 'Network']) await tell(domain + '.enable');
 await evaluate('1');
 for (const name of ['square', 'corner', 'solid', 'flat', 'threads', 'points', 'terrain', 'million', 'pawn', 'disc',
-  'tower', 'ground', 'inside', 'cells', 'cells2', 'film']) {
+  'tower', 'ground', 'inside', 'cells', 'cells2', 'whole', 'parts', 'film']) {
   check(name + '.html is there', existsSync(join(folder, name + '.html')));
 }
 for (const test of [test_square, test_corner, test_solid, test_flat, test_threads, test_terrain, test_points,

@@ -59,6 +59,10 @@ cells() {   # cells NAME POINTS ARGUMENT...
 awk 'BEGIN { for (i = 0; i < 64; i++) print i % 4 "," int(i / 4) % 4 "," int(i / 16) }' > "$work/lattice.csv"
 cells cells "$work/lattice.csv" --merge --box -0.5,-0.5,-0.5,3.5,3.5,3.5
 cells cells2 --generate uniform 200 --dim 2 --box 0,0,1,1
+printf '%s\n' 0,0 1,0 1,1 0,1 > "$work/whole.csv"
+printf '%s\n' 0,0 1,0 1,1 0.5,0 0,1 0,0 0.6,0.1 0.9,0.1 0.9,0.4 0.6,0.1 > "$work/parts.csv"
+cells whole --generate uniform 9 --dim 2 --clip "$work/whole.csv"
+cells parts --generate uniform 9 --dim 2 --clip "$work/parts.csv"
 "$bin/pbw" mesh --quiet --generate uniform 3000 --text -o "$work/solid.vtu"
 awk '/Name="quality"/ { on = 1; next } /<\/DataArray>/ { on = 0 } on { for (i = 1; i <= NF; i++) print $i }' \
     "$work/solid.vtu" > "$work/quality.txt"

@@ -126,6 +126,12 @@ PBWCELLSDEF void pbw_cells_free(pbw_cells *cells);           /* fine on {0}, fin
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#ifdef __linux__
+#include <sys/mman.h>
+#ifndef __cplusplus
+extern int madvise(void *address, size_t length, int advice);    /* strict C modes hide it */
+#endif
+#endif
 
 #if defined(__GNUC__)
 #define PBWC__ADD(x, y) __atomic_add_fetch(x, y, __ATOMIC_RELAXED)
@@ -140,8 +146,10 @@ PBWCELLSDEF void pbw_cells_free(pbw_cells *cells);           /* fine on {0}, fin
 /* Compiled for each dimension, where the compiler can. */
 #if defined(__GNUC__)
 #define PBWC__INLINE inline __attribute__((always_inline))
+#define PBWC__PREFETCH(x) __builtin_prefetch(x)
 #else
 #define PBWC__INLINE
+#define PBWC__PREFETCH(x) ((void)(x))
 #endif
 
 /* Contraction off: other coordinates would come out where a compiler fuses. */
@@ -774,7 +782,8 @@ struct pbwc__period {
     size_t count, total;                   /* points; with copies */
     pbwc__memory *memory;
     double size[3], unit[3], margin[3];    /* of the box; all are multiples of the units; of the padded box */
-    double low[3], high[3];                /* of the grid */
+    double low[3], high[3];                /* how far balls can reach */
+    double grid[3], step[3];               /* the low corner of the grid, and its cells; those at its ends go on */
     double heaviest, lightest;             /* weight */
     double from[3], to[3];                 /* bounds of the marked part */
     pbwc__array x, w, source, marks;       /* source: of each copy */
@@ -933,6 +942,13 @@ static PBWC__INLINE pbw_index pbwc__across(const pbw_mesh *mesh, pbw_index simpl
     return mesh->neighbors[4 * (size_t)simplex + place];
 }
 
+static PBWC__INLINE void pbwc__prefetch(const pbw_mesh *mesh, pbw_index simplex)
+{
+    const size_t at = simplex < mesh->simplex_count ? 4 * (size_t)simplex : 0;
+    PBWC__PREFETCH(mesh->simplices + at);
+    PBWC__PREFETCH(mesh->neighbors + at);
+}
+
 /* The corner that is left; others: three of the corners, xor'ed. */
 static PBWC__INLINE pbw_index pbwc__fourth(const pbw_mesh *mesh, pbw_index simplex, pbw_index others)
 {
@@ -1002,6 +1018,7 @@ static PBWC__INLINE int pbwc__walk(pbwc__work *work, pbw_index u, pbw_index at[3
     memcpy(ring->last, ring->first, sizeof ring->last);
     for (;;) {
         next = pbwc__across(mesh, simplex, p);
+        pbwc__prefetch(mesh, pbwc__across(mesh, simplex, u));    /* other rings will come there */
         if (!pbwc__push(work->memory, &work->rings, simplex)
             || (!pbwc__is_known(&work->numbers, q) && !pbwc__new_link3(work, q, simplex, u, p))) {
             return -1;
@@ -1665,8 +1682,11 @@ static int pbwc__loop3(pbwc__work *work, const pbwc__link *link)
     if (out == NULL) {
         return 0;
     }
-    for (i = 0; i < link->count; i++) {              /* no corner twice in a row */
-        out[count] = merged != NULL ? merged[ring[i]] : ring[i];
+    for (i = 0; merged == NULL && i < link->count; i++) {
+        out[count++] = ring[i];
+    }
+    for (i = 0; merged != NULL && i < link->count; i++) {        /* no corner twice in a row */
+        out[count] = merged[ring[i]];
         count += count == 0 || out[count] != out[count - 1];
     }
     loops->count += count;
@@ -3173,7 +3193,7 @@ static void pbwc__end_clip(pbwc__job *job)
    distance plus the largest weight).  Balls that leave the padded box mark a grid, and the copies there are added.
    A cell that becomes smaller has smaller balls, in the union of its old ones; so a second round is the last.
    Where points crowd, balls in the void are large and would add most copies: then a few copies, one point of each
-   cell of a coarse grid, first make them smaller.
+   cell of a coarse grid, first make them smaller.  A round whose marks add no copy has all that are needed.
    Along a periodic axis a cell reaches at most half the box from its site, as its images have the rest; so a box of
    3/4 to each side is what it is cut from.
    ------------------------------------------------------------------------------------------------------ */
@@ -3181,7 +3201,7 @@ static void pbwc__end_clip(pbwc__job *job)
 /* The cell of the grid along axis k. */
 static int pbwc__grid_at(const pbwc__period *period, int k, double x)
 {
-    const double at = (x - period->low[k]) / (period->high[k] - period->low[k]) * PBWC__GRID;
+    const double at = (x - period->grid[k]) / period->step[k];
     return !(at > 0) ? 0 : at >= PBWC__GRID ? PBWC__GRID - 1 : (int)at;
 }
 
@@ -3519,11 +3539,30 @@ PBWCELLSDEF void pbw_cells_free(pbw_cells *cells)
     }
 }
 
+/* Advises huge pages for a large array, with the pages at its ends; faults page by page cost a fifth of the cells.
+   Memory of the caller's allocator is left alone. */
+static void pbwc__advise(const pbwc__memory *memory, const pbwc__array *array)
+{
+#ifdef __linux__
+    const size_t page = 4096, skip = (size_t)(uintptr_t)array->data % page;
+    if (memory->resize == pbwc__default_resize && array->bytes >= (size_t)1 << 20) {
+        (void)madvise((char *)array->data - skip, (skip + array->bytes + page - 1) / page * page, 14);
+    }
+#else
+    (void)memory;
+    (void)array;
+#endif
+}
+
 /* An array of the result; at least one byte, so that NULL means: no memory. */
 static void *pbwc__own(pbwc__job *job, int which, size_t count, size_t size)
 {
-    pbwc__owned *owned = (pbwc__owned *)job->cells->memory;
-    return pbwc__resize(&job->memory, owned->array + which, count * size + 1) ? owned->array[which].data : NULL;
+    pbwc__array *array = ((pbwc__owned *)job->cells->memory)->array + which;
+    if (!pbwc__resize(&job->memory, array, count * size + 1)) {
+        return NULL;
+    }
+    pbwc__advise(&job->memory, array);
+    return array->data;
 }
 
 static void pbwc__place_ranges(pbwc__joining *joining, size_t ranges, size_t *sums)
@@ -4035,7 +4074,7 @@ static pbw_status pbwc__units(pbwc__period *period, const double *box)
     return PBW_OK;
 }
 
-/* The grid: where balls of cells can reach. */
+/* Where balls of cells can reach, and the grid, finer where most of them are. */
 static pbw_status pbwc__reach(pbwc__period *period)
 {
     double square = period->heaviest - period->lightest, radius;
@@ -4053,6 +4092,9 @@ static pbw_status pbwc__reach(pbwc__period *period)
                 return PBW_ERROR_ARGUMENT;
             }
         }
+        period->grid[k] = (period->axes >> k & 1) != 0 ? -0.6 * period->size[k] : period->low[k];
+        period->step[k] = ((period->axes >> k & 1) != 0 ? 2.2 * period->size[k] : period->high[k] - period->low[k])
+                          / PBWC__GRID;
     }
     if (!pbwc__resize(period->memory, &period->marks, (size_t)PBWC__GRID * PBWC__GRID * PBWC__GRID)) {
         return PBW_ERROR_MEMORY;
@@ -4064,7 +4106,6 @@ static pbw_status pbwc__reach(pbwc__period *period)
 /* Where copies may be: the padded box and all marks. */
 static void pbwc__extent(pbwc__period *period)
 {
-    const double step = 1.0 / PBWC__GRID;
     int at[3], k;
     for (k = 0; k < period->dim; k++) {
         const double half = period->thin.data != NULL ? 0.5 * period->size[k] : 0;
@@ -4075,9 +4116,10 @@ static void pbwc__extent(pbwc__period *period)
         for (at[1] = 0; at[1] < PBWC__GRID; at[1]++) {
             for (at[0] = 0; at[0] < PBWC__GRID; at[0]++) {
                 for (k = 0; *pbwc__grid_mark(period, at) != 0 && k < period->dim; k++) {
-                    const double size = period->high[k] - period->low[k];
-                    const double low = period->low[k] + size * step * (at[k] - 0.01);
-                    const double high = period->low[k] + size * step * (at[k] + 1.01);
+                    const double low = at[k] == 0 ? period->low[k]
+                                     : period->grid[k] + period->step[k] * (at[k] - 0.01);
+                    const double high = at[k] == PBWC__GRID - 1 ? period->high[k]
+                                      : period->grid[k] + period->step[k] * (at[k] + 1.01);
                     period->from[k] = low < period->from[k] ? low : period->from[k];
                     period->to[k] = high > period->to[k] ? high : period->to[k];
                 }
@@ -4182,15 +4224,16 @@ static pbw_status pbwc__copies(pbwc__period *period)
     return PBW_OK;
 }
 
-/* Chooses the first point in each cell of a grid over the box, and forgets all marks. */
-static pbw_status pbwc__choose_thin(pbwc__period *period)
+/* Chooses the first point in each cell of a grid over the box, if these are at most a share of its cells, and forgets
+   all marks. */
+static pbw_status pbwc__choose_thin(pbwc__period *period, double share)
 {
     const size_t dim = (size_t)period->dim;
     const double least = pow((double)period->count / 8, 1.0 / (double)dim), most = dim == 3 ? 16 : 64;
     const size_t side = (size_t)(least < most ? least : most);
     unsigned char *thin;
     pbwc__array taken;
-    size_t i, k;
+    size_t i, k, chosen = 0;
     memset(&taken, 0, sizeof taken);
     if (!pbwc__resize(period->memory, &taken, side * side * (dim == 3 ? side : 1))) {
         return PBW_ERROR_MEMORY;
@@ -4211,7 +4254,11 @@ static pbw_status pbwc__choose_thin(pbwc__period *period)
             at = at * side + (!(place > 0) ? 0 : place >= (double)side ? side - 1 : (size_t)place);
         }
         thin[i] = slot[at] == 0;
+        chosen += slot[at] == 0;
         slot[at] = 1;
+    }
+    if ((double)chosen > share * (double)taken.bytes) {
+        pbwc__release(period->memory, &period->thin);
     }
     memset(period->marks.data, 0, period->marks.bytes);
     pbwc__release(period->memory, &taken);
@@ -4255,6 +4302,21 @@ static pbw_status pbwc__unwrap(pbwc__job *job, const double *box)
     return PBW_OK;
 }
 
+/* The copies that are marked, after a round.  Not marked any more: they were all there. */
+static pbw_status pbwc__more_copies(pbwc__period *period)
+{
+    const size_t before = period->total;
+    pbw_status status = pbwc__copies(period);
+    if (status == PBW_OK && period->total == before) {
+        period->marked = 0;
+    } else if (status == PBW_OK && period->total > 5 * period->count && period->count >= 500
+               && period->thin.data == NULL) {
+        status = pbwc__choose_thin(period, 1);
+        status = status == PBW_OK ? pbwc__copies(period) : status;
+    }
+    return status;
+}
+
 /* One round: the mesh of points and copies, and its cells; period->marked tells if more copies are needed. */
 static pbw_status pbwc__round(pbwc__job *job, const double *box, const pbw_options *options)
 {
@@ -4264,12 +4326,9 @@ static pbw_status pbwc__round(pbwc__job *job, const double *box, const pbw_optio
     pbw_mesh mesh;
     double walls[6];
     const size_t dim = (size_t)period->dim;
+    const double *weights = job->weighted ? PBWC__DOUBLES(period->w) : NULL;
     size_t k;
-    pbw_status status = pbwc__copies(period);
-    if (status == PBW_OK && period->total > 5 * period->count && period->count >= 500 && period->thin.data == NULL) {
-        status = pbwc__choose_thin(period);
-        status = status == PBW_OK ? pbwc__copies(period) : status;
-    }
+    pbw_status status;
     memset(&own, 0, sizeof own);
     memset(&domain, 0, sizeof domain);
     memset(&mesh, 0, sizeof mesh);
@@ -4279,13 +4338,10 @@ static pbw_status pbwc__round(pbwc__job *job, const double *box, const pbw_optio
     own.stride = own.weight_stride = 0;
     own.flags = PBW_BORROW;
     own.trace = NULL;
-    if (status == PBW_OK) {
-        const double *weights = job->weighted ? PBWC__DOUBLES(period->w) : NULL;
-        status = pbw_triangulate(period->dim, PBWC__DOUBLES(period->x), weights, period->total, &own, &mesh);
-    }
+    status = pbw_triangulate(period->dim, PBWC__DOUBLES(period->x), weights, period->total, &own, &mesh);
     if (status == PBW_DEGENERATE && period->count > 0) {
         period->apexes = period->marked = 1;
-        status = PBW_OK;
+        status = pbwc__copies(period);
     } else if (status == PBW_OK || status == PBW_DEGENERATE) {
         for (k = 0; k < dim; k++) {
             walls[k] = (period->axes >> k & 1) != 0 ? -0.75 * period->size[k] : box[k];
@@ -4294,6 +4350,9 @@ static pbw_status pbwc__round(pbwc__job *job, const double *box, const pbw_optio
         domain.box = walls;
         job->mesh = &mesh;
         status = pbwc__run(job, &domain, options);
+        if (status == PBW_OK && period->marked) {
+            status = pbwc__more_copies(period);
+        }
         if (status == PBW_OK && !period->marked) {
             status = pbwc__unwrap(job, box);
         }
@@ -4343,10 +4402,14 @@ PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const d
     }
     status = status == PBW_OK ? pbwc__snap(&period, points, weights, domain->box) : status;
     status = status == PBW_OK ? pbwc__reach(&period) : status;
-    do {
+    if (status == PBW_OK && count >= 500) {
+        status = pbwc__choose_thin(&period, 0.3);
+    }
+    status = status == PBW_OK ? pbwc__copies(&period) : status;
+    for (period.marked = 1; status == PBW_OK && period.marked; ) {
         period.marked = 0;
-        status = status == PBW_OK ? pbwc__round(&job, domain->box, options) : status;
-    } while (status == PBW_OK && period.marked);
+        status = pbwc__round(&job, domain->box, options);
+    }
     pbwc__release(&job.memory, &period.x);
     pbwc__release(&job.memory, &period.w);
     pbwc__release(&job.memory, &period.source);

@@ -147,9 +147,9 @@ typedef struct pbw_improve_report {
 } pbw_improve_report;
 
 /* Improves a mesh; how, options and report may be NULL.  better: overwritten, left empty on failure.  Of options, it
-   uses resize, memory_limit, progress (PBW_STAGE_WORK) and message.  Returns PBW_ERROR_ARGUMENT for ids out of range,
-   a tetrahedron with a corner twice, more than two tetrahedra at a facet, or two on one side of it: options.message
-   says which. */
+   uses threads, run, resize, memory_limit, progress (PBW_STAGE_WORK) and message.  Returns PBW_ERROR_ARGUMENT for a
+   target or smoother out of range, sizes that are not above 0, ids out of range, a tetrahedron with a corner twice,
+   more than two tetrahedra at a facet, or two on one side of it: options.message says which size, id or facet. */
 PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_options *how,
                                      const pbw_options *options, pbw_tets *better, pbw_improve_report *report);
 PBWIMPROVEDEF double pbw_tet_measure(pbw_measure measure, const double a[3], const double b[3], const double c[3],

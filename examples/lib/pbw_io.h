@@ -129,7 +129,7 @@ typedef struct pbwio_cloud {           /* start from {0}; pbwio_free when done *
     int dim;                           /* 2 or 3 coordinates a point */
     size_t count;
     double *points;                    /* count*dim, all finite */
-    double *weights;                   /* count, or NULL if no weight column was asked for */
+    double *weights;                   /* count, or NULL without pbwio_options.weight */
     size_t triangle_count;             /* faces of a model, polygons cut into fans; 0 for tables and .node */
     pbw_index *triangles;              /* triangle_count*3 ids of points, each < count */
     size_t tetrahedron_count;          /* of .ele .msh .mesh .vtu; their triangles are faces as above */
@@ -913,6 +913,21 @@ static int pbwio__find(const pbwio__field *names, int count, const char *name, s
     return pbwio__natural(wanted, &number) && number >= 1 && number <= 1000000 ? (int)number - 1 : -1;
 }
 
+/* Says that a name is none of those that there are, of which it names some. */
+static void pbwio__no_column(pbwio__reader *r, const char *name, size_t length, const pbwio__field *names, int count)
+{
+    char text[200] = "";
+    size_t used = 0;
+    int i;
+    for (i = 0; i < count && used < sizeof text - 48; i++) {
+        const int size = (int)(names[i].end - names[i].begin);
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%.*s", i == 0 ? "; there are " : ", ",
+                                 size < 40 ? size : 40, names[i].begin);
+    }
+    pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "there is no column \"%.*s\"%s%s", length < 40 ? (int)length : 40, name,
+                text, i < count ? ", ..." : "");
+}
+
 /* Decides which columns are x, y, z and the weight.  names: of the columns, name_count of them, NULL = x y z;
    column_count: how many columns a row has, 0 = three or more, the rows will tell. */
 static void pbwio__choose(pbwio__reader *r, const pbwio__field *names, int name_count, int column_count)
@@ -929,15 +944,14 @@ static void pbwio__choose(pbwio__reader *r, const pbwio__field *names, int name_
     }
     names = names == NULL ? xyz : names;
     if (o->weight != NULL && (weight = pbwio__find(names, name_count, o->weight, strlen(o->weight))) < 0) {
-        pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "there is no column \"%.40s\"", o->weight);
+        pbwio__no_column(r, o->weight, strlen(o->weight), names, name_count);
     }
     if (o->columns != NULL) {
         for (s = o->columns; dim < 3; s++) {
             size_t length = strcspn(s, ",");
             column[dim] = pbwio__find(names, name_count, s, length);
             if (column[dim++] < 0) {
-                pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "there is no column \"%.*s\"", length < 40 ? (int)length : 40,
-                            s);
+                pbwio__no_column(r, s, length, names, name_count);
             }
             s += length;
             if (*s == 0) {
@@ -970,7 +984,7 @@ static void pbwio__choose(pbwio__reader *r, const pbwio__field *names, int name_
         r->last_column = column[k] > r->last_column ? column[k] : r->last_column;
     }
     if (column_count != 0 && r->last_column >= column_count) {
-        pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "column %d is asked for, there are %d", r->last_column + 1,
+        pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "column %d is needed, there are %d", r->last_column + 1,
                     column_count);
     }
 }

@@ -98,7 +98,7 @@ typedef struct pbwsample_set {         /* start from {0}; pbwsample_free when do
     size_t count;
     double radius;                     /* Poisson: the distance kept; 0 = none is */
     double *points;                    /* 3 coordinates each */
-    double *normals;                   /* 3 each, of length 1, zero inside; NULL unless asked for */
+    double *normals;                   /* 3 each, of length 1, zero inside; NULL without PBWSAMPLE_NORMALS */
     pbw_index *triangles;              /* which one each lies on, PBW_NONE inside */
     double *places;                    /* 2 each: a point is (1 - u - v) a + u b + v c; zero inside */
 } pbwsample_set;
@@ -1394,8 +1394,8 @@ static void pbwsample__tell(pbwsample__work *w, size_t i, double done)
     }
 }
 
-/* Cuts the whole of the surface or volume to pieces that fit into a ball, or lattice cells.  A radius for a count that
-   makes far more pieces than that is too small, as that of a needle or a sheet may be: then crowded is set. */
+/* Cuts the whole of the surface or volume to pieces that fit into a ball, or lattice cells.  A radius for a count
+   that makes far more pieces than that is too small, as that of a needle or a sheet may be: then crowded is set. */
 static void pbwsample__begin(pbwsample__work *w, double side)
 {
     pbwsample__piece piece, part[8];

@@ -3,8 +3,8 @@
 
 static const option cells_options[] = {
     { "--box", "X,Y[,Z],X,Y[,Z]", "low corner and high corner: cells end there", BOX, 0, 0, NULL },
-    { "--clip", "POLYGON", "a file of rings, in 2D: cells end there.  A ring ends with its first corner; what is\n"
-      "in an odd number of rings is inside", PLAIN, 0, 0, NULL },
+    { "--clip", "FILE", "cells end there.  2D: rings; a ring ends with its first corner, what is in an odd number of\n"
+      "rings is inside.  3D: a closed convex surface, as .obj .ply .stl .off", PLAIN, 0, 0, NULL },
     { "--periodic", "xyz", "the axes along which the box repeats", AXES, 0, 0, NULL },
     { "--merge", NULL, "the true diagram: centres that coincide are one corner, facets without area left out", SWITCH,
       0, 0, NULL },
@@ -45,7 +45,7 @@ static pbwio_status write_cells(job *j, const char *path, const char *ending, vo
 {
     pbw_cells *cells = ((pbw_cells **)user)[is_seen(ending)];
     return strcmp(ending, "csv") == 0 ? pbwio_save(path, emit, cells, error)
-         : strcmp(ending, "html") == 0 ? write_cell_page(j, path, cells, error)
+         : strcmp(ending, "html") == 0 ? write_cell_page(j, path, cells, cells->dim == 2 && is_given(j, "--clip"), error)
          : write_diagram(path, ending, cells, error);
 }
 
@@ -79,10 +79,15 @@ static int is_hole(const pbw_domain *domain, size_t ring)
     return odd;
 }
 
-/* The domain's volume, 0 if it has no bounds. */
-static double whole_of(const pbw_domain *domain, int dim)
+static int is_bounded(const pbw_domain *domain)
 {
-    double whole = domain->box != NULL;
+    return domain->box != NULL || domain->ring_count != 0 || domain->plane_count != 0;
+}
+
+/* The domain's volume; body: that of planes. */
+static double whole_of(const pbw_domain *domain, int dim, double body)
+{
+    double whole = domain->plane_count != 0 ? body : domain->box != NULL;
     size_t r;
     int k;
     for (k = 0; k < dim && domain->box != NULL; k++) {
@@ -97,10 +102,10 @@ static double whole_of(const pbw_domain *domain, int dim)
 }
 
 /* The sum has an error of one rounding (Neumaier 1974), so that it shows that of the cells. */
-static void report(const job *j, const pbw_cells *cells, const pbw_domain *domain)
+static void report(const job *j, const pbw_cells *cells, const pbw_domain *domain, double body)
 {
     const char *volume = cells->dim == 3 ? "volume" : "area";
-    const double whole = whole_of(domain, cells->dim);
+    const double whole = whole_of(domain, cells->dim, body);
     double sum = 0, rest = 0;
     size_t i, empty = 0, unbounded = 0;
     for (i = 0; i < cells->cell_count; i++) {
@@ -115,26 +120,19 @@ static void report(const job *j, const pbw_cells *cells, const pbw_domain *domai
     }
     note(j, "%zu cell%s, %zu of them empty, %zu unbounded; %zu facet%s", cells->cell_count, plural(cells->cell_count),
          empty, unbounded, cells->facet_count, plural(cells->facet_count));
-    if (domain->box == NULL && domain->ring_count == 0) {
+    if (!is_bounded(domain)) {
         note(j, "%s %.15g, the sum of bounded cells", volume, sum + rest);
         return;
     }
     note(j, "%s %.15g, the sum of cells; %.15g, the %s; relative difference %.1e", volume, sum + rest, whole,
-         domain->box != NULL ? "box" : "polygon", fabs(sum - whole + rest) / whole);
+         domain->box != NULL ? "box" : cells->dim == 3 ? "body" : "polygon", fabs(sum - whole + rest) / whole);
 }
 
 /* The rings of --clip: each ends where its first corner comes again, the last one with the file. */
 static int load_rings(job *j, pbw_domain *domain, pbwio_cloud *cloud, size_t **first)
 {
     const char *path = text_of(j, "--clip");
-    pbwio_options read;
-    pbwio_error error;
     size_t i, count = 0, begin = 0, rings = 0;
-    memset(&read, 0, sizeof read);
-    read.dim = 2;
-    if (pbwio_read(path, &read, cloud, &error) != PBWIO_OK) {
-        return fail(j, "--clip: %s", error.text);
-    }
     *first = (size_t *)malloc((cloud->count + 2) * sizeof **first);
     if (*first == NULL) {
         return fail(j, "out of memory");
@@ -157,6 +155,94 @@ static int load_rings(job *j, pbw_domain *domain, pbwio_cloud *cloud, size_t **f
     domain->ring_first = *first;
     domain->ring_count = rings;
     return 0;
+}
+
+/* Beyond a plane: n.x - c. */
+static double beyond(const double *plane, const double *x)
+{
+    return plane[0] * x[0] + plane[1] * x[1] + plane[2] * x[2] - plane[3];
+}
+
+/* The plane of a triangle, its normal of length 1 and away from a point.  Returns 6 times the volume between them. */
+static double plane_of(const pbwio_cloud *c, size_t triangle, const double *middle, double *plane)
+{
+    const pbw_index *t = c->triangles + 3 * triangle;
+    const double *a = c->points + 3 * (size_t)t[0], *b = c->points + 3 * (size_t)t[1];
+    const double *d = c->points + 3 * (size_t)t[2];
+    double length, far;
+    size_t k;
+    for (k = 0; k < 3; k++) {
+        const size_t m = (k + 1) % 3, n = (k + 2) % 3;
+        plane[k] = (b[m] - a[m]) * (d[n] - a[n]) - (b[n] - a[n]) * (d[m] - a[m]);
+    }
+    length = sqrt(plane[0] * plane[0] + plane[1] * plane[1] + plane[2] * plane[2]);
+    plane[3] = 0;
+    plane[3] = beyond(plane, a);
+    far = beyond(plane, middle);
+    for (k = 0; k < 4 && length > 0; k++) {
+        plane[k] /= far > 0 ? -length : length;
+    }
+    return fabs(far);
+}
+
+/* The body of --clip: the half-space of each triangle, one for those in a plane.  All points must be in all of them,
+   to 1e-9 of the size.  volume: of the body. */
+static int load_body(job *j, pbw_domain *domain, const pbwio_cloud *c, double **planes, double *volume)
+{
+    const char *path = text_of(j, "--clip");
+    double middle[3] = { 0, 0, 0 }, size = 0;
+    size_t i, t, k, count = 0;
+    *planes = (double *)malloc((c->triangle_count + 1) * 4 * sizeof **planes);
+    if (*planes == NULL) {
+        return fail(j, "out of memory");
+    }
+    for (i = 0; i < 3 * c->triangle_count; i++) {
+        for (k = 0; k < 3; k++) {
+            middle[k] += c->points[3 * (size_t)c->triangles[i] + k] / (double)(3 * c->triangle_count);
+        }
+    }
+    for (i = 0; i < 3 * c->triangle_count; i++) {
+        for (k = 0; k < 3; k++) {
+            size = fmax(size, fabs(c->points[3 * (size_t)c->triangles[i] + k] - middle[k]));
+        }
+    }
+    for (*volume = 0, t = 0; t < c->triangle_count; t++) {
+        double *plane = *planes + 4 * count;
+        const double more = plane_of(c, t, middle, plane);
+        int known = !(more > 0);
+        *volume += more / 6;
+        for (i = 0; i < count && !known; i++) {
+            for (known = 1, k = 0; k < 3; k++) {
+                known &= fabs(beyond(*planes + 4 * i, c->points + 3 * (size_t)c->triangles[3 * t + k])) < 1e-9 * size;
+            }
+        }
+        for (i = 0; i < 3 * c->triangle_count && !known; i++) {
+            if (beyond(plane, c->points + 3 * (size_t)c->triangles[i]) > 1e-9 * size) {
+                return fail(j, "%s: the surface is not convex", path);
+            }
+        }
+        count += !known;
+    }
+    domain->planes = *planes;
+    domain->plane_count = count;
+    return count > 3 ? 0 : fail(j, "%s: not a surface of triangles around a body", path);
+}
+
+static int load_clip(job *j, pbw_domain *domain, pbwio_cloud *cloud, void **kept, double *volume)
+{
+    pbwio_options read;
+    pbwio_error error;
+    size_t *first = NULL;
+    double *planes = NULL;
+    int failed;
+    memset(&read, 0, sizeof read);
+    read.dim = j->cloud.dim;
+    if (pbwio_read(text_of(j, "--clip"), &read, cloud, &error) != PBWIO_OK) {
+        return fail(j, "--clip: %s", error.text);
+    }
+    failed = read.dim == 2 ? load_rings(j, domain, cloud, &first) : load_body(j, domain, cloud, &planes, volume);
+    *kept = read.dim == 2 ? (void *)first : (void *)planes;
+    return failed;
 }
 
 /* Bit k: axis k. */
@@ -200,6 +286,9 @@ static int make(job *j, const pbw_domain *domain, unsigned what, pbw_cells *cell
     }
     status = domain->periodic == 0 ? pbw_cells_of(&j->mesh, domain, what, &j->build, cells)
            : pbw_cells_periodic(c->dim, c->points, c->weights, c->count, domain, what, &j->build, cells);
+    if (status == PBW_ERROR_ARGUMENT && domain->plane_count != 0) {
+        return fail(j, "%s: the surface is not closed", text_of(j, "--clip"));
+    }
     failed = status != PBW_ERROR_ARGUMENT || domain->ring_count == 0 ? explain(j, status)
            : fail(j, "%s: rings that cross, touch where cells meet or have no area, or coordinates out of range",
                   text_of(j, "--clip"));
@@ -222,10 +311,6 @@ static int contents_of(const job *j)
         what |= strcmp(ending, "csv") != 0 ? PBW_CELLS_SHAPES : 0;
         if (strcmp(ending, "svg") == 0 && j->cloud.dim == 3) {
             (void)fail(j, "%s: a picture of cells needs points in 2D", j->output[i]);
-            return -1;
-        }
-        if (strcmp(ending, "html") == 0 && is_given(j, "--clip")) {
-            (void)fail(j, "%s: pages do not show clipped cells: write .svg", j->output[i]);
             return -1;
         }
     }
@@ -266,25 +351,22 @@ static int check_domain(const job *j, pbw_domain *domain, double *box)
     if (domain->periodic >> j->cloud.dim != 0) {
         return fail(j, "--periodic %s: the points are in 2D", text_of(j, "--periodic"));
     }
-    if (is_given(j, "--clip") && j->cloud.dim == 3) {
-        return fail(j, "--clip %s: the points are in 3D", text_of(j, "--clip"));
-    }
     domain->box = is_given(j, "--box") ? box : NULL;
     return 0;
 }
 
 static int run(job *j)
 {
-    pbwio_cloud rings;
+    pbwio_cloud clip;
     pbw_domain domain;
     pbw_cells cells, bounded, *shown[2];
-    size_t *first = NULL;
-    double box[6];
+    void *kept = NULL;
+    double box[6], body = 0;
     int failed, what = 0;
     memset(&domain, 0, sizeof domain);
     memset(&cells, 0, sizeof cells);
     memset(&bounded, 0, sizeof bounded);
-    memset(&rings, 0, sizeof rings);
+    memset(&clip, 0, sizeof clip);
     domain.periodic = axes_of(j);
     if (domain.periodic != 0 && !is_given(j, "--box")) {
         return complain("--periodic %s: it needs --box", text_of(j, "--periodic"));
@@ -295,16 +377,16 @@ static int run(job *j)
     failed = load(j, 1);
     failed = failed ? failed : check_domain(j, &domain, box);
     if (!failed && is_given(j, "--clip")) {
-        failed = load_rings(j, &domain, &rings, &first);
+        failed = load_clip(j, &domain, &clip, &kept, &body);
     }
     if (!failed) {
         what = contents_of(j);
         failed = what < 0 ? FAILURE : make(j, &domain, (unsigned)what, &cells);
     }
     if (!failed) {
-        report(j, &cells, &domain);
+        report(j, &cells, &domain, body);
         shown[0] = shown[1] = &cells;
-        if (domain.box == NULL && domain.ring_count == 0 && shows_pictures(j)) {
+        if (!is_bounded(&domain) && shows_pictures(j)) {
             shown[1] = &bounded;
             failed = make_bounded(j, (unsigned)what, &bounded);
         }
@@ -314,8 +396,8 @@ static int run(job *j)
     }
     pbw_cells_free(&bounded);
     pbw_cells_free(&cells);
-    pbwio_free(&rings);
-    free(first);
+    pbwio_free(&clip);
+    free(kept);
     return failed;
 }
 

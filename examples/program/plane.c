@@ -146,7 +146,7 @@ static void report(const job *j, const result *r, double seconds)
              plural(p->point_count - p->input_count - p->report.steiner_count), p->report.rounds,
              plural((size_t)p->report.rounds));
     }
-    if (p->report.steiner_count > 0) {
+    if (p->report.steiner_count + p->report.small_angles + p->report.too_large > 0) {
         note(j, "%zu new point%s, %zu more removed again; %zu triangle%s with smaller angles than wanted, "
              "%zu larger%s", p->report.steiner_count, plural(p->report.steiner_count), p->report.removed,
              p->report.small_angles, plural(p->report.small_angles), p->report.too_large,

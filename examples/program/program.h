@@ -169,8 +169,9 @@ pbwio_status write_diagram(const char *path, const char *ending, const pbw_cells
 
 /* ---- cellpage.c ---- */
 
-/* Cells with shapes as a page, those that are bounded; in the plane they must be convex. */
-pbwio_status write_cell_page(job *j, const char *path, const pbw_cells *cells, pbwio_error *error);
+/* Cells with shapes as a page, those that are bounded.  in_polygon: of cells in the plane that may have notches, holes
+   and several parts. */
+pbwio_status write_cell_page(job *j, const char *path, const pbw_cells *cells, int in_polygon, pbwio_error *error);
 
 /* ---- domain.c ---- */
 
