@@ -1,5 +1,5 @@
 """programs.py MODULE NAME KIND: reads the mesh NAME.KIND of the unit square or cube with meshio or VTK and compares
-it with NAME.node, .ele and .face; see programs.sh."""
+it with NAME.node, .ele and .face; programs.py groups NAME: see check_groups; see programs.sh."""
 import sys
 
 import numpy as np
@@ -121,7 +121,46 @@ def check_vtk(want, path, kind):
     assert np.abs(product - 1).max() < 1e-12, product
 
 
-def main(module, name, kind):
+def check_groups(name):
+    """A cube in a cube, of two regions with six patches each, in .msh, .inp and .vtu."""
+    import meshio
+    want = {"region_0": 1 - 0.4 ** 3, "region_1": 0.4 ** 3}
+    mesh = meshio.read(name + ".msh", file_format="gmsh")
+    groups = {key: list(group) for key, group in mesh.field_data.items()}
+    assert groups == {"edges": [1, 1], **{"patch_%d" % i: [i + 1, 2] for i in range(12)},
+                      "region_0": [1, 3], "region_1": [2, 3]}, groups
+    of = {(block.type, int(tag[0])): block.data for block, tag in zip(mesh.cells, mesh.cell_data["gmsh:physical"])
+          if len(set(tag)) == 1}
+    assert len(of) == len(mesh.cells) == 15
+    for i in range(2):
+        near(sizes(mesh.points, of["tetra", i + 1]).sum(), want["region_%d" % i])
+    areas = []
+    for i in range(12):
+        at = mesh.points[of["triangle", i + 1]]
+        areas.append(np.linalg.norm(np.cross(at[:, 1] - at[:, 0], at[:, 2] - at[:, 0]), axis=1).sum() / 2)
+    assert np.allclose(sorted(areas), [0.16] * 6 + [1] * 6, rtol=0, atol=1e-12), areas
+    at = mesh.points[of["line", 1]]
+    near(np.linalg.norm(at[:, 1] - at[:, 0], axis=1).sum(), 12 + 4.8)
+    solver = meshio.read(name + ".inp")
+    for i in range(2):
+        cells = solver.cells[0].data[solver.cell_sets["region_%d" % i][0]]
+        near(sizes(solver.points, cells).sum(), want["region_%d" % i])
+    for i in range(12):
+        points = set(solver.point_sets["patch_%d" % i])
+        assert len(points) == len(np.unique(of["triangle", i + 1])), i
+    view = meshio.read(name + ".vtu")
+    blocks = dict(zip((block.type for block in view.cells), range(2)))
+    region, patch = view.cell_data["region"], view.cell_data["patch"]
+    assert [(region[blocks["tetra"]] == i).sum() for i in range(2)] == [len(of["tetra", i + 1]) for i in range(2)]
+    assert (patch[blocks["tetra"]] == -1).all()
+    assert [(patch[blocks["triangle"]] == i).sum() for i in range(12)] == [len(of["triangle", i + 1])
+                                                                           for i in range(12)]
+
+
+def main(module, name, kind=None):
+    if module == "groups":
+        check_groups(name)
+        return
     check = {"meshio": check_meshio, "vtk": check_vtk}[module]
     check(Expected(name), "%s.%s" % (name, kind), kind)
 

@@ -71,6 +71,45 @@ for module in meshio vtk; do
     fi
 done
 
+# Regions, patches and sharp edges as groups: a cube in a cube.  Gmsh writes as many elements of each group again;
+# CalculiX carries the pressure on one patch to the patch across, through both regions.
+{
+    for box in "0 1 0" "0.3 0.7 8"; do
+        echo "$box" | awk '{ for (i = 0; i < 8; i++) print "v", $(1 + i % 2), $(1 + int(i / 2) % 2), $(1 + int(i / 4))
+            n = split("1 3 4 2 5 6 8 7 1 2 6 5 3 7 8 4 1 5 7 3 2 4 8 6", c, " ")
+            for (i = 1; i < n; i += 4) print "f", c[i] + $3, c[i + 1] + $3, c[i + 2] + $3, c[i + 3] + $3 }'
+    done
+} | sort -s -k1,1r > "$work/nest.obj"
+groups() { "$bin/pbw" solid "$work/nest.obj" --nested --patches --size 0.3 "$@" --quiet; }
+check "groups are written" groups -o "$work/nest.msh" -o "$work/nest.inp" -o "$work/nest.vtu"
+again() {
+    gmsh "$work/nest.msh" -0 -v 1 -format msh2 -o "$work/again.msh" &&
+        awk '/^\$Elements/ { on = 1; next } on && NF > 4 { n[$2 " " $4]++ } END { for (k in n) print k }' \
+            "$work/again.msh" > "$work/again" && [ "$(wc -l < "$work/again")" = 15 ]
+}
+force() {
+    {
+        printf '*INCLUDE, INPUT=nest.inp\n*MATERIAL, NAME=A\n*ELASTIC\n1000,0.3\n'
+        printf '*MATERIAL, NAME=B\n*ELASTIC\n10,0.3\n'
+        printf '*SOLID SECTION, ELSET=region_0, MATERIAL=A\n*SOLID SECTION, ELSET=region_1, MATERIAL=B\n'
+        printf '*BOUNDARY\npatch_0,1,3\n*STEP\n*STATIC\n*DSLOAD\npatch_1,P,1\n'
+        printf '*NODE PRINT, NSET=patch_0, TOTALS=ONLY\nRF\n*END STEP\n'
+    } > "$work/force.inp"
+    (cd "$work" && rm -f force.dat && OMP_NUM_THREADS=1 ccx force)
+    awk 'NF == 3 && $1 + 0 == $1 { f = sqrt($1 * $1 + $2 * $2 + $3 * $3) }
+         END { print f; exit !(f > 0.999999 && f < 1.000001) }' "$work/force.dat"
+}
+if has gmsh; then
+    check "gmsh -check nest.msh" silent "$work/nest.msh"
+    check "gmsh keeps the groups" again
+fi
+! has ccx || check "CalculiX knows the groups" force
+for python in "${PYTHON:-python3}" /usr/bin/python3; do
+    "$python" -c "import numpy, meshio" > /dev/null 2>&1 || continue
+    check "meshio reads the groups" "$python" tests/programs.py groups "$work/nest"
+    break
+done
+
 # What VTK and Gmsh say of the quality of a mesh, element by element, is what pbw improve says.
 "$bin/pbw" mesh --generate uniform 2000 -o "$work/raw.msh" --quiet
 "$bin/pbw" improve "$work/raw.msh" --smooth odt --only-smooth --quality -o "$work/smooth.vtu" -o "$work/smooth.msh" \

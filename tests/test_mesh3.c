@@ -393,6 +393,156 @@ static void test_regions(void)
     test_end();
 }
 
+/* Unit cubes side by side, their walls given once or with each cube.  Returns how many walls are between two. */
+static size_t make_cubes(part *m, const size_t n[3], int twice)
+{
+    static const int corner[6][4] = { { 0, 2, 3, 1 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 }, { 0, 4, 6, 2 },
+                                      { 1, 3, 7, 5 } };
+    const size_t count = n[0] * n[1] * n[2], wide = n[0] + 1, deep = n[1] + 1;
+    size_t i, k, at[8], walls = 0;
+    m->points = m->triangles = 0;
+    for (i = 0; i < wide * deep * (n[2] + 1) && !twice; i++) {
+        (void)part_point(m, (double)(i % wide), (double)(i / wide % deep), (double)(i / wide / deep));
+    }
+    for (i = 0; i < count; i++) {
+        const size_t c[3] = { i % n[0], i / n[0] % n[1], i / n[0] / n[1] };
+        for (k = 0; k < 8; k++) {
+            const size_t p[3] = { c[0] + k % 2, c[1] + k / 2 % 2, c[2] + k / 4 };
+            at[k] = twice ? part_point(m, (double)p[0], (double)p[1], (double)p[2])
+                  : p[0] + wide * (p[1] + deep * p[2]);
+        }
+        for (k = 0; k < 6; k++) {
+            const size_t axis = 2 - k / 2;
+            const int wall = k % 2 == 0 && c[axis] > 0, *q = corner[k];
+            walls += (size_t)wall;
+            if (!wall || twice) {
+                part_triangle(m, at[q[0]], at[q[1]], at[q[2]]);
+                part_triangle(m, at[q[0]], at[q[2]], at[q[3]]);
+            }
+        }
+    }
+    return walls;
+}
+
+/* A region's boundary is a manifold of that Euler number. */
+static int is_closed(const pbw_tets *t, const pbw_solid_boundary *b, pbw_index region, long euler)
+{
+    pbwsf__memory memory = pbwsf__memory_of(NULL);
+    pbw_index *facets = (pbw_index *)zoo_grow(NULL, (b->facet_count + 1) * 3 * sizeof *facets);
+    pbwm3__topology top;
+    size_t i, count = 0;
+    int right;
+    for (i = 0; i < b->facet_count; i++) {
+        if (b->sides[2 * i] == region || b->sides[2 * i + 1] == region) {
+            memcpy(facets + 3 * count++, b->facets + 3 * i, 3 * sizeof *facets);
+        }
+    }
+    right = pbwm3__examine(&memory, facets, count, t->point_count, &top) && top.bad_edges + top.bad_points == 0
+         && top.euler == euler;
+    pbwsf__release(&memory, &top.edges);
+    pbwsf__release(&memory, &top.flags);
+    free(facets);
+    return right;
+}
+
+/* Cubes with walls in common: a region each, of its volume, its boundary a sphere. */
+static void test_walls(void)
+{
+    static const size_t sizes[2][3] = { { 2, 1, 1 }, { 2, 2, 2 } };
+    static part m;
+    pbw_solid_options how;
+    pbw_solid_boundary boundary;
+    pbw_solid_report r;
+    pbw_solid_input in;
+    pbw_tets mesh;
+    size_t i, regions, walls;
+    double near;
+    int k;
+    if (!test_begin("walls")) {
+        return;
+    }
+    for (k = 0; k < 8; k++) {                        /* two or eight; given once or twice; turned or not */
+        const int twice = k / 2 % 2;
+        walls = make_cubes(&m, sizes[k % 2], twice);
+        regions = k % 2 ? 8 : 2;
+        if (k / 4) {
+            part_turn(&m);
+        }
+        in = input_of(&m);
+        memset(&how, 0, sizeof how);
+        how.size = 0.45;
+        how.nested = k % 2;
+        CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, &boundary, &r), PBW_OK);
+        CHECK(is_sound(&mesh));
+        CHECK_EQUAL(r.bad_edges + r.bad_points + r.missing_edges + r.open_edges, 0);
+        CHECK(r.regions == regions && r.shells == regions && r.settled && r.doubles == (twice ? 2 * walls : 0));
+        CHECK(r.euler == 2 * (long)regions && r.input_euler == r.euler);
+        near = k == 5 || k == 7 ? 0.15 : 1e-9;       /* turned, facets may cut the corner where four walls meet */
+        CHECK(fabs(r.input_volume - (double)regions) < 1e-12 && r.distance < near);
+        CHECK(fabs(r.improve.after.volume - (double)regions) < 1e-9);
+        for (i = 0; i < regions; i++) {
+            const double volume = volume_of(&mesh, (pbw_index)i);
+            CHECK(fabs(volume - 1) < near / 50);
+            CHECK(is_boundary(&mesh, &boundary, (pbw_index)i, volume));
+            CHECK(is_closed(&mesh, &boundary, (pbw_index)i, 2));
+        }
+        test_say("%zu tetrahedra, %.2f..%.2f", mesh.tet_count, r.improve.after.least, r.improve.after.largest);
+        if (k == 5) {
+            check_threads(&in, &how, &mesh);
+        }
+        pbw_solid_boundary_free(&boundary);
+        pbw_tets_free(&mesh);
+    }
+    test_end();
+}
+
+/* A ball that a disk cuts in two, and a small ball in one half: three regions, or a cavity. */
+static void test_cut_ball(void)
+{
+    static part m;
+    pbw_solid_options how;
+    pbw_solid_report r;
+    pbw_solid_input in;
+    pbw_tets mesh;
+    double line[13][2], small[5][2], volume, inner;
+    size_t k;
+    int nested;
+    if (!test_begin("a ball cut by a disk")) {
+        return;
+    }
+    for (k = 0; k <= 12; k++) {
+        line[k][0] = k % 12 == 0 ? 0 : sin(PARTS_PI * (double)k / 12);
+        line[k][1] = -cos(PARTS_PI * (double)k / 12);
+    }
+    for (k = 0; k < 5; k++) {
+        small[k][0] = k % 4 == 0 ? 0 : 0.2 * sin(PARTS_PI * (double)k / 4);
+        small[k][1] = 0.5 - 0.2 * cos(PARTS_PI * (double)k / 4);
+    }
+    m.points = m.triangles = 0;
+    volume = part_turned(&m, 13, (const double (*)[2])line, 24, 0);
+    for (k = 1; k < 23; k++) {                       /* points 121 to 144 are the equator */
+        part_triangle(&m, 121, 121 + k, 122 + k);
+    }
+    inner = part_turned(&m, 5, (const double (*)[2])small, 12, 0);
+    in = input_of(&m);
+    memset(&how, 0, sizeof how);
+    how.size = 0.25;
+    for (nested = 0; nested < 2; nested++) {
+        how.nested = nested;
+        CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+        CHECK(is_sound(&mesh));
+        CHECK_EQUAL(r.bad_edges + r.bad_points + r.missing_edges, 0);
+        CHECK(r.shells == 3 && r.regions == (nested ? 3u : 2u) && r.crowded_edges == 24);
+        CHECK(r.euler == (nested ? 8 : 6) && r.input_euler == r.euler && r.distance < 0.15);
+        CHECK(fabs(r.input_volume - volume + (nested ? 0 : inner)) < 1e-9);
+        CHECK(fabs(volume_of(&mesh, 0) - volume / 2) < 0.03 * volume);
+        CHECK(fabs(volume_of(&mesh, 1) - volume / 2 + inner) < 0.03 * volume);
+        CHECK(nested ? fabs(volume_of(&mesh, 2) - inner) < 0.2 * inner : 1);
+        pbw_tets_free(&mesh);
+    }
+    test_end();
+}
+
 /* The caller's patches are on facets and bound them; without, planes are the patches of a cube. */
 static void test_patches(void)
 {
@@ -659,6 +809,8 @@ int main(int argc, char **argv)
     test_thin();
     test_stuffing();
     test_regions();
+    test_walls();
+    test_cut_ball();
     test_patches();
     test_sizes();
     test_holes();

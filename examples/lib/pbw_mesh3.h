@@ -30,9 +30,9 @@
 
    PROMISES  (tests/test_mesh3.c guards them)
      positive    tetrahedra are positively oriented, by exact signs; no point is corner of nothing
-     told        edges of the boundary with other than two facets and points with several fans of facets are counted,
-                 with places; so are pieces of sharp edges that are missing, open edges of the input, and its sharp
-                 edges below 60 degrees
+     told        edges of the boundary, with walls of a region's, with other than two facets and points with several
+                 fans of facets are counted, with places; so are pieces of sharp edges that are missing, open edges of
+                 the input, and its sharp edges below 60 degrees
      ends        after options.rounds rounds, whatever the input
      same        the same bytes for any number of threads
 
@@ -50,10 +50,17 @@
    `size_at` and the surface's queries at once, whatever options.rounds says, unless options.threads is 1: callbacks
    must not write to what they share.
 
+   Shells may have walls in common, given once or by each of them with the same corners: edges of more than two
+   triangles, and no open ones.  Then regions are what sides of triangles that see each other across edges enclose;
+   walls are interfaces, and edges at which three or more meet are sharp.  Each region's boundary is examined for
+   itself, and the Euler numbers are the sums over regions.
+
    DOES NOT  settle at walls and gaps below 1/10 of the size, nor always at acute edges: they come out with warnings.
-             Shells may be nested or cross, not touch: with a wall in common, inside is what parity makes of it.
-             Points between two regions stay as they are laid.  Smooth tips sharper than a cone of 60 degrees may
-             stay farther from the boundary than options.distance says.
+             Shells may be nested or cross; where they lie on one another with other triangles or in part, what is
+             between is no region, or noise.  Where four walls meet inside, facets of interfaces may cut the corner,
+             by up to 0.15 sizes: report.distance tells.  Points between two regions stay as they are laid.
+             Smooth tips sharper than a cone of 60 degrees may stay farther from the boundary than options.distance
+             says.
 
    CONFIGURATION MACROS
      PBW_MESH3_IMPLEMENTATION    in one source file: compile the implementation there
@@ -128,6 +135,7 @@ typedef struct pbw_solid_boundary {        /* of the result; pbw_solid_boundary_
 
 typedef struct pbw_solid_report {
     size_t open_edges, crowded_edges;      /* of the input: of one triangle, of more than two */
+    size_t doubles;                        /* of the input: triangles whose corners an earlier one has, left out */
     size_t shells, holes;                  /* of the input: parts that edges of two triangles join; loops of open
                                               edges */
     pbw_solid_hole hole[PBW_SOLID_PLACES]; /* the largest of those */
@@ -204,6 +212,8 @@ typedef struct pbwm3__work {
     pbw_solid_options how;
     int open;                              /* 1: the input has open edges: inside by winding number */
     int nested;
+    int walls;                             /* 1: a complex of walls between regions: edges of more than two triangles,
+                                              or triangles given twice, and no open edges */
     int whole;                             /* 1: the surface is one patch, whatever its edges */
     const pbw_options *caller;
     pbw_options options;                   /* the caller's, less what does not concern parts */
@@ -220,9 +230,12 @@ typedef struct pbwm3__work {
     size_t given;                          /* triangles from here on close holes */
     pbwsf__array origin;                   /* of each triangle of the surface: its number in the input */
     pbwsf__array shell, shells;            /* of each triangle; and what they are */
+    pbwsf__array sides;                    /* with walls: per triangle, the shells in front of it and behind it */
+    pbwsf__array beyond;                   /* and the label around its body; before, the number of that */
     pbwsf__array holes;
     pbwsf__array part;                     /* of each triangle: its part of the surface between sharp edges */
     pbwsf__array patch;                    /* the same, or 0 if the surface is one patch */
+    pbwsf__array firsts;                   /* the first triangle of each patch */
     pbwsf__array sets, members;            /* sets of patches: set i < patch_count is {i}, others are those that
                                               meet at sharp edges and corners */
     pbwsf__array set;                      /* of each point: the set of patches that it is on */
@@ -239,7 +252,7 @@ typedef struct pbwm3__work {
 
 #define PBWM3__X(w, p) ((double *)(w)->x.data + 3 * (size_t)(p))
 #define PBWM3__KIND(w) ((unsigned char *)(w)->kind.data)
-#define PBWM3__LABEL(w) ((unsigned char *)(w)->label.data)
+#define PBWM3__LABEL(w) ((int *)(w)->label.data)
 #define PBWM3__CENTRE(w, t) ((double *)(w)->centre.data + 3 * (size_t)(t))
 
 typedef struct pbwm3__set { size_t first, count; } pbwm3__set;       /* range of `members` */
@@ -247,8 +260,9 @@ typedef struct pbwm3__set { size_t first, count; } pbwm3__set;       /* range of
 typedef struct pbwm3__shell {
     double volume, area;                   /* volume: signed until all are turned outward */
     size_t around;                         /* shells that it is inside of */
+    size_t body;                           /* shells of one body have walls in common; without walls, itself */
     pbw_index triangle;                    /* its first */
-    int open, odd;                         /* odd: whether a ray crosses it so */
+    int open, seen;
 } pbwm3__shell;
 
 static int pbwm3__append(pbwm3__work *w, pbwsf__array *array, const void *item, size_t size)
@@ -733,6 +747,7 @@ static int pbwm3__number_shells(pbwm3__work *w, const pbwm3__turned *trees)
     for (t = 0; t < count; t++) {
         const size_t root = pbwm3__turned_root(trees, t, &against);
         shell.triangle = (pbw_index)t;
+        shell.body = w->shells.count;
         number[t] = root == t ? (pbw_index)w->shells.count : number[root];
         if (root == t && !pbwm3__append(w, &w->shells, &shell, sizeof shell)) {
             return 0;
@@ -971,6 +986,199 @@ static int pbwm3__find_holes(pbwm3__work *w, pbwsf__array *open)
     return good;
 }
 
+/* ---- walls: shells that have triangles or edges in common ---- */
+
+/* Leaves out triangles with the corners of earlier ones. */
+static int pbwm3__drop_doubles(pbwm3__work *w)
+{
+    const size_t count = w->triangles.count;
+    pbw_index *corner = (pbw_index *)w->triangles.data, *origin = (pbw_index *)w->origin.data;
+    pbwsf__array blocks[3], gone;
+    pbwim__facet *facet;
+    size_t i, kept = 0;
+    int good;
+    memset(blocks, 0, sizeof blocks);
+    memset(&gone, 0, sizeof gone);
+    blocks[2].count = w->vertices.count;
+    good = pbwsf__resize(&w->memory, blocks, (count + 1) * sizeof *facet)
+        && pbwsf__resize(&w->memory, blocks + 1, (count + 1) * sizeof *facet)
+        && pbwsf__resize(&w->memory, blocks + 2, (w->vertices.count + 2) * sizeof(size_t))
+        && pbwsf__resize(&w->memory, &gone, count + 1);
+    facet = (pbwim__facet *)blocks[0].data;
+    for (i = 0; good && i < count; i++) {
+        memcpy(facet[i].v, corner + 3 * i, sizeof facet[i].v);
+        pbwim__sort3(facet[i].v);
+        facet[i].t = (pbw_index)i;
+        ((char *)gone.data)[i] = 0;
+    }
+    facet = good ? pbwim__sort(facet, (pbwim__facet *)blocks[1].data, count, blocks + 2, 3) : NULL;
+    for (i = 1; good && i < count; i++) {            /* of equal ones, the first comes first */
+        ((char *)gone.data)[facet[i].t] = memcmp(facet[i].v, facet[i - 1].v, sizeof facet[i].v) == 0;
+    }
+    for (i = 0; good && i < count; i++) {
+        if (!((const char *)gone.data)[i]) {
+            memmove(corner + 3 * kept, corner + 3 * i, 3 * sizeof *corner);
+            origin[kept++] = origin[i];
+        }
+    }
+    w->report->doubles = good ? count - kept : 0;
+    w->triangles.count = w->origin.count = good ? kept : count;
+    pbwm3__free_blocks(&w->memory, blocks);
+    pbwsf__release(&w->memory, &gone);
+    return good;
+}
+
+/* A triangle at an edge from a to b: c is its third corner, `first` that of the first triangle there. */
+typedef struct pbwm3__leaf {
+    const double *a, *b, *c, *first;
+    int turn;                              /* of its angle from the first: 0 none, 1 below 180 degrees, 2, 3 above */
+    size_t up, down;                       /* its sides: 2 t in front, 2 t + 1 behind; up: towards larger angles */
+} pbwm3__leaf;
+
+static int pbwm3__turn_of(const pbwm3__leaf *leaf)
+{
+    const int sign = pbw_orient3(leaf->a, leaf->b, leaf->first, leaf->c);
+    double n[2][3];
+    if (sign != 0) {
+        return sign > 0 ? 1 : 3;
+    }
+    pbwsf__normal(leaf->a, leaf->b, leaf->first, n[0]);
+    pbwsf__normal(leaf->a, leaf->b, leaf->c, n[1]);
+    return pbwsf__dot(n[0], n[1]) < 0 ? 2 : 0;
+}
+
+/* Around the edge, by exact signs. */
+static int pbwm3__compare_leaves(const void *p, const void *q)
+{
+    const pbwm3__leaf *x = (const pbwm3__leaf *)p, *y = (const pbwm3__leaf *)q;
+    int sign = x->turn - y->turn;
+    if (sign == 0 && (x->turn == 1 || x->turn == 3)) {
+        sign = -pbw_orient3(x->a, x->b, x->c, y->c);
+    }
+    if (sign == 0 && x->up % 2 != y->up % 2) {       /* one lies on the other: their fronts see each other */
+        return x->up % 2 == 0 ? -1 : 1;
+    }
+    return sign != 0 ? sign : (x->up > y->up) - (x->up < y->up);
+}
+
+static void pbwm3__join(size_t *parent, size_t a, size_t b)
+{
+    a = pbwm3__root_of(parent, a);
+    b = pbwm3__root_of(parent, b);
+    parent[a < b ? b : a] = a < b ? a : b;
+}
+
+/* Joins sides that see each other across an edge, and triangles at an edge to bodies: in `parent`, sides first. */
+static int pbwm3__join_sides(pbwm3__work *w, size_t *parent)
+{
+    const size_t triangles = w->triangles.count, count = 3 * triangles;
+    const pbw_index *corner = (const pbw_index *)w->triangles.data;
+    const double *x = (const double *)w->vertices.data;
+    pbwsf__array blocks[3], room;
+    const pbwim__facet *edge = pbwm3__edges(&w->memory, corner, triangles, w->vertices.count, blocks);
+    size_t i, k, j;
+    int good = edge != NULL;
+    memset(&room, 0, sizeof room);
+    for (i = 0; good && i < count; i = k) {
+        pbwm3__leaf leaf, *leaves;
+        room.count = 0;
+        for (k = i; good && k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
+            leaf.a = x + 3 * (size_t)edge[i].v[0];
+            leaf.b = x + 3 * (size_t)edge[i].v[1];
+            leaf.c = x + 3 * (size_t)corner[3 * (size_t)edge[k].t + (size_t)((edge[k].i + 2) % 3)];
+            leaf.first = k == i ? leaf.c : ((const pbwm3__leaf *)room.data)->c;
+            leaf.turn = k == i ? 0 : pbwm3__turn_of(&leaf);
+            leaf.up = 2 * (size_t)edge[k].t + (edge[k].v[2] ? 0 : 1);
+            leaf.down = leaf.up ^ 1;
+            pbwm3__join(parent, 2 * triangles + edge[i].t, 2 * triangles + edge[k].t);
+            good = pbwm3__append(w, &room, &leaf, sizeof leaf);
+        }
+        leaves = (pbwm3__leaf *)room.data;
+        if (good) {
+            qsort(leaves, room.count, sizeof leaf, pbwm3__compare_leaves);
+        }
+        for (j = 0; good && j < room.count; j++) {
+            pbwm3__join(parent, leaves[j].up, leaves[(j + 1) % room.count].down);
+        }
+    }
+    pbwm3__free_blocks(&w->memory, blocks);
+    pbwsf__release(&w->memory, &room);
+    return good;
+}
+
+/* Adds up the volumes that the sides of triangles look into, at their roots. */
+static void pbwm3__fill_volumes(const pbwm3__work *w, size_t *parent, double *volume)
+{
+    const pbw_index *c = (const pbw_index *)w->triangles.data;
+    const double *x = (const double *)w->vertices.data;
+    double middle[3], p[3][3], n[3];
+    size_t i;
+    int k;
+    pbwsf__between(w->low, w->high, 0.5, middle);
+    for (i = 0; i < 2 * w->triangles.count; i++) {
+        volume[i] = 0;
+    }
+    for (i = 0; i < w->triangles.count; i++) {
+        for (k = 0; k < 3; k++) {
+            pbwsf__minus(x + 3 * (size_t)c[3 * i + (size_t)k], middle, p[k]);
+        }
+        pbwsf__normal(p[0], p[1], p[2], n);
+        volume[pbwm3__root_of(parent, 2 * i)] -= pbwsf__dot(p[0], n) / 6;
+        volume[pbwm3__root_of(parent, 2 * i + 1)] += pbwsf__dot(p[0], n) / 6;
+    }
+}
+
+/* Shells of a complex of walls: sides of triangles that see each other across edges, and enclose a volume; numbered by
+   their first triangles, the side behind first. */
+static int pbwm3__find_walls(pbwm3__work *w)
+{
+    const size_t triangles = w->triangles.count;
+    pbwsf__array parents, volumes;
+    pbwm3__shell shell;
+    pbw_index *sides, *beyond;
+    size_t *parent, i;
+    double *volume;
+    int good;
+    memset(&parents, 0, sizeof parents);
+    memset(&volumes, 0, sizeof volumes);
+    memset(&shell, 0, sizeof shell);
+    good = pbwsf__resize(&w->memory, &parents, (3 * triangles + 1) * sizeof *parent)
+        && pbwsf__resize(&w->memory, &volumes, (2 * triangles + 1) * sizeof *volume)
+        && pbwsf__resize(&w->memory, &w->sides, (2 * triangles + 1) * sizeof *sides)
+        && pbwsf__resize(&w->memory, &w->beyond, (triangles + 1) * sizeof *beyond);
+    parent = (size_t *)parents.data;
+    volume = (double *)volumes.data;
+    sides = (pbw_index *)w->sides.data;
+    beyond = (pbw_index *)w->beyond.data;
+    for (i = 0; good && i < 3 * triangles; i++) {
+        parent[i] = i;
+    }
+    good = good && pbwm3__join_sides(w, parent);
+    if (good) {
+        pbwm3__fill_volumes(w, parent, volume);
+        memset(sides, 0xff, 2 * triangles * sizeof *sides);
+    }
+    w->shells.count = 0;
+    for (i = 0; good && i < 2 * triangles; i++) {
+        const size_t side = i ^ 1, root = pbwm3__root_of(parent, side);      /* behind, in front */
+        if (volume[root] > 0 && sides[root] == PBW_NONE) {
+            shell.volume = volume[root];
+            shell.triangle = (pbw_index)(i / 2);
+            shell.body = pbwm3__root_of(parent, 2 * triangles + i / 2) - 2 * triangles;
+            sides[root] = (pbw_index)w->shells.count;
+            good = pbwm3__append(w, &w->shells, &shell, sizeof shell);
+        }
+    }
+    for (i = 0; good && i < 2 * triangles; i++) {
+        sides[i] = sides[pbwm3__root_of(parent, i)];
+        beyond[i / 2] = (pbw_index)(pbwm3__root_of(parent, 2 * triangles + i / 2) - 2 * triangles);
+    }
+    w->report->shells = w->shells.count;
+    pbwsf__release(&w->memory, &parents);
+    pbwsf__release(&w->memory, &volumes);
+    return good;
+}
+
 /* Finds the shells, turns them, and closes holes. */
 static int pbwm3__find_shells(pbwm3__work *w)
 {
@@ -993,11 +1201,14 @@ static int pbwm3__find_shells(pbwm3__work *w)
     good = good && pbwm3__join_shells(w, &trees, &open) && pbwm3__number_shells(w, &trees);
     w->given = count;
     w->open = w->report->open_edges > 0;
+    w->walls = !w->open && w->report->crowded_edges + w->report->doubles > 0;
     if (good && w->open) {
         pbwm3__measure_shells(w);
         good = pbwm3__find_holes(w, &open);
     }
-    if (good) {
+    if (good && w->walls) {
+        good = pbwm3__find_walls(w);
+    } else if (good) {
         pbwm3__measure_shells(w);
     }
     pbwsf__release(&w->memory, &parents);
@@ -1008,63 +1219,120 @@ static int pbwm3__find_shells(pbwm3__work *w)
 
 /* ---- which shell is in which ---- */
 
+enum { PBWM3__ODD = 64 };                  /* shells that one ray keeps in mind */
+
 typedef struct pbwm3__crossed {
-    pbwm3__work *w;
-    size_t own, around;                    /* shells crossed an odd number of times, without the own one */
-    pbw_index innermost;                   /* the least of them */
+    const pbwm3__work *w;
+    size_t own;                            /* the body whose shells do not count */
+    size_t step, rest;                     /* of the shells rest, rest + step, ... */
+    pbw_index odd[PBWM3__ODD];             /* those that the ray has crossed an odd number of times */
+    size_t count;
+    int full;                              /* there were more */
+    size_t around;                         /* out: how many shells are around the point, and the innermost */
+    pbw_index innermost;
 } pbwm3__crossed;
+
+/* The shell in front of a triangle or behind it, PBW_NONE if that side is out of the body. */
+static pbw_index pbwm3__side(const pbwm3__work *w, pbw_index triangle, int back)
+{
+    return w->walls ? ((const pbw_index *)w->sides.data)[2 * (size_t)triangle + (size_t)back]
+         : back ? ((const pbw_index *)w->shell.data)[triangle] : PBW_NONE;
+}
 
 static void pbwm3__cross(void *user, pbw_index triangle, int front)
 {
     pbwm3__crossed *c = (pbwm3__crossed *)user;
-    const size_t number = ((const pbw_index *)c->w->shell.data)[triangle];
-    pbwm3__shell *shell = (pbwm3__shell *)c->w->shells.data + number;
+    const pbwm3__shell *shells = (const pbwm3__shell *)c->w->shells.data;
+    size_t i;
+    int back;
     (void)front;
-    shell->odd ^= 1;
-    c->around += number == c->own ? 0 : shell->odd ? 1 : (size_t)-1;
-}
-
-static void pbwm3__uncross(void *user, pbw_index triangle, int front)
-{
-    pbwm3__crossed *c = (pbwm3__crossed *)user;
-    const pbw_index number = ((const pbw_index *)c->w->shell.data)[triangle];
-    pbwm3__shell *shells = (pbwm3__shell *)c->w->shells.data;
-    (void)front;
-    if (shells[number].odd
-        && (c->innermost == PBW_NONE || fabs(shells[number].volume) < fabs(shells[c->innermost].volume))) {
-        c->innermost = number;
+    for (back = 0; back < 2; back++) {
+        const pbw_index shell = pbwm3__side(c->w, triangle, back);
+        if (shell == PBW_NONE || shell % c->step != c->rest || shells[shell].body == c->own) {
+            continue;
+        }
+        for (i = 0; i < c->count && c->odd[i] != shell; i++) {
+        }
+        if (i < c->count) {
+            c->odd[i] = c->odd[--c->count];
+        } else if (c->count < PBWM3__ODD) {
+            c->odd[c->count++] = shell;
+        } else {
+            c->full = 1;
+        }
     }
-    shells[number].odd = 0;
 }
 
-/* Which shells are around p: how many, without `own`, and the innermost. */
-static pbwm3__crossed pbwm3__shells_around(pbwm3__work *w, const double p[3], size_t own)
+/* Which shells are around p, without those of the body `own`: how many, and the innermost.  Where one ray crosses too
+   many, several follow, each for some of the shells. */
+static pbwm3__crossed pbwm3__shells_around(const pbwm3__work *w, const double p[3], size_t own)
 {
+    const pbwm3__shell *shells = (const pbwm3__shell *)w->shells.data;
     pbwm3__crossed c;
+    size_t i;
     c.w = w;
     c.own = own;
-    c.around = 0;
-    c.innermost = PBW_NONE;
-    pbwsf__ray(&w->surface, p, pbwm3__cross, &c);
-    pbwsf__ray(&w->surface, p, pbwm3__uncross, &c);
+    c.step = 1;
+    do {
+        c.around = 0;
+        c.innermost = PBW_NONE;
+        c.full = 0;
+        for (c.rest = 0; c.rest < c.step && !c.full; c.rest++) {
+            c.count = 0;
+            pbwsf__ray(&w->surface, p, pbwm3__cross, &c);
+            c.around += c.count;
+            for (i = 0; i < c.count; i++) {
+                const double least = c.innermost == PBW_NONE ? HUGE_VAL : fabs(shells[c.innermost].volume);
+                const double volume = fabs(shells[c.odd[i]].volume);
+                if (volume < least || (!(volume > least) && c.odd[i] < c.innermost)) {
+                    c.innermost = c.odd[i];
+                }
+            }
+        }
+        c.step *= 2;
+    } while (c.full);
     return c;
+}
+
+/* The label of what a shell bounds, with walls: its number + 1, or 0 for a cavity. */
+static int pbwm3__shell_label(const pbwm3__work *w, pbw_index shell)
+{
+    return shell == PBW_NONE || (!w->nested && ((const pbwm3__shell *)w->shells.data)[shell].around % 2 == 1) ? 0
+         : (int)shell + 1;
+}
+
+/* The label in front of a triangle or behind it, with walls. */
+static int pbwm3__side_label(const pbwm3__work *w, pbw_index triangle, int back)
+{
+    const pbw_index shell = pbwm3__side(w, triangle, back);
+    return pbwm3__shell_label(w, shell != PBW_NONE ? shell : ((const pbw_index *)w->beyond.data)[triangle]);
+}
+
+static void pbwm3__middle_of(const pbwm3__work *w, pbw_index triangle, double p[3])
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        p[k] = (pbwsf__corner(&w->surface, triangle, 0)[k] + pbwsf__corner(&w->surface, triangle, 1)[k]
+                + pbwsf__corner(&w->surface, triangle, 2)[k]) / 3;
+    }
 }
 
 static void pbwm3__nest_shells(pbwm3__work *w)
 {
     pbwm3__shell *shell = (pbwm3__shell *)w->shells.data;
+    pbw_index *beyond = (pbw_index *)w->beyond.data;
+    double p[3];
     size_t i;
-    int k;
     for (i = 0; i < w->shells.count; i++) {
-        double p[3];
-        for (k = 0; k < 3; k++) {
-            p[k] = (pbwsf__corner(&w->surface, shell[i].triangle, 0)[k]
-                    + pbwsf__corner(&w->surface, shell[i].triangle, 1)[k]
-                    + pbwsf__corner(&w->surface, shell[i].triangle, 2)[k]) / 3;
-        }
-        shell[i].around = pbwm3__shells_around(w, p, i).around;
+        pbwm3__middle_of(w, shell[i].triangle, p);
+        shell[i].around = pbwm3__shells_around(w, p, shell[i].body).around;
         w->report->input_volume += (w->nested ? (shell[i].around == 0) : shell[i].around % 2 == 0 ? 1 : -1)
                                  * fabs(shell[i].volume);
+    }
+    for (i = 0; i < w->triangles.count && w->walls; i++) {       /* a body's number is its first triangle */
+        const pbw_index body = beyond[i];
+        pbwm3__middle_of(w, (pbw_index)i, p);
+        beyond[i] = body == i ? pbwm3__shells_around(w, p, body).innermost : beyond[body];
     }
 }
 
@@ -1072,9 +1340,10 @@ static void pbwm3__nest_shells(pbwm3__work *w)
    surface, what it winds around by more than half. */
 static int pbwm3__inside(const pbwm3__work *w, const double p[3])
 {
-    const double turns = w->open ? fabs(pbw_surface_winding(&w->surface, p))
+    const double turns = w->walls ? 0 : w->open ? fabs(pbw_surface_winding(&w->surface, p))
                        : w->nested ? fabs((double)pbw_surface_turns(&w->surface, p)) : 0;
-    return !w->open && !w->nested ? pbw_surface_inside(&w->surface, p)
+    return w->walls ? pbwm3__shell_label(w, pbwm3__shells_around(w, p, (size_t)-1).innermost)
+         : !w->open && !w->nested ? pbw_surface_inside(&w->surface, p)
          : w->nested ? (int)fmin(turns + 0.5, 255) : turns > 0.5;
 }
 
@@ -1145,17 +1414,20 @@ static int pbwm3__is_sharp(const pbwm3__work *w, const pbwim__facet *edge)
     return pbwsf__dot(n[0], n[0]) > 0 && pbwsf__dot(n[1], n[1]) > 0 && !pbwim__turned_less(n[0], n[1], w->cosine);
 }
 
-/* The angle, in degrees, between the triangles of an edge on its narrower side. */
-static double pbwm3__angle_at(const pbwm3__work *w, const pbwim__facet *edge)
+/* The least angle, in degrees, between two of the first triangles of an edge, 16 at most. */
+static double pbwm3__angle_at(const pbwm3__work *w, const pbwim__facet *edge, size_t count)
 {
     const double *a = w->surface.points + 3 * (size_t)edge[0].v[0], *b = w->surface.points + 3 * (size_t)edge[0].v[1];
-    double n[2][3], across[3];
-    int i;
-    for (i = 0; i < 2; i++) {
+    double n[16][3], across[3], least = HUGE_VAL;
+    size_t i, k;
+    for (i = 0; i < count && i < 16; i++) {
         pbwsf__normal(a, b, pbwsf__corner(&w->surface, edge[i].t, (edge[i].i + 2) % 3), n[i]);
+        for (k = 0; k < i; k++) {
+            pbwsf__cross(n[k], n[i], across);
+            least = fmin(least, atan2(sqrt(pbwsf__dot(across, across)), pbwsf__dot(n[k], n[i])));
+        }
     }
-    pbwsf__cross(n[0], n[1], across);
-    return atan2(sqrt(pbwsf__dot(across, across)), pbwsf__dot(n[0], n[1])) * 57.295779513082321;
+    return least * 57.295779513082321;
 }
 
 /* Numbers the parts, whose roots are in `parent`, and the patches.  An open surface is one patch, as sharp edges of a
@@ -1178,7 +1450,9 @@ static int pbwm3__number_patches(pbwm3__work *w, size_t *parent)
             set.first = w->members.count;
             set.count = 1;
             patch[t] = number;
+            const pbw_index first = (pbw_index)t;
             if (!pbwm3__append(w, &w->members, &number, sizeof number)
+                || !pbwm3__append(w, &w->firsts, &first, sizeof first)
                 || !pbwm3__append(w, &w->sets, &set, sizeof set)) {
                 return 0;
             }
@@ -1221,7 +1495,7 @@ static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__array *list, size_t *parent)
                                                              || pbwm3__has_border(w, edge + i));
         edges++;
         if (sharp) {
-            const double angle = pbwm3__angle_at(w, edge + i);
+            const double angle = pbwm3__angle_at(w, edge + i, k - i);
             w->report->least_angle = fmin(w->report->least_angle, angle);
             w->report->acute_edges += angle < 60;
             good = pbwm3__append(w, list, edge[i].v, 2 * sizeof(pbw_index));
@@ -1231,7 +1505,9 @@ static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__array *list, size_t *parent)
         }
     }
     w->report->sharp_edges = list->count;
-    w->report->input_euler = (long)w->surface.point_count - (long)edges + (long)w->surface.triangle_count;
+    if (!w->walls) {
+        w->report->input_euler = (long)w->surface.point_count - (long)edges + (long)w->surface.triangle_count;
+    }
     pbwm3__free_blocks(&w->memory, blocks);
     return good;
 }
@@ -2234,8 +2510,8 @@ static void pbwm3__circumcentre(const double *const c[4], double out[3])
 /* Whether a tetrahedron is a flat one between samples of one sheet of the surface: such lie outside.  On a plane or a
    straight edge in general position, samples are coplanar or collinear up to rounding, and the hull has tetrahedra of
    that thickness, whose circumcentre is noise, their dihedral angles too if three corners are collinear: those are
-   told by their volume alone. */
-static int pbwm3__is_flat(const pbwm3__work *w, const pbw_index c[4])
+   told by their volume alone, and so are those that bridge patches. */
+static int pbwm3__is_flat(const pbwm3__work *w, const pbw_index c[4], int bridge)
 {
     const double *p[4];
     double middle[3] = { 0, 0, 0 }, place[3], longest = 0, size;
@@ -2258,7 +2534,7 @@ static int pbwm3__is_flat(const pbwm3__work *w, const pbw_index c[4])
         return 1;
     }
     size = pbwm3__size(w, middle);
-    if (pbwim__sine(p[0], p[1], p[2], p[3]) >= 0.004) {
+    if (bridge || pbwim__sine(p[0], p[1], p[2], p[3]) >= 0.004) {
         return 0;
     }
     for (i = 0; i < 6; i++) {
@@ -2298,17 +2574,24 @@ static int pbwm3__label_of_middle(const pbwm3__work *w, const double *const p[4]
     return pbwm3__inside(w, middle);
 }
 
-/* The label outside of the shell that a flat tetrahedron is on. */
-static int pbwm3__label_beyond(const pbwm3__work *w, const double *const p[4])
+/* The label outside of the shell that a flat tetrahedron is on; with walls, the lesser one at the least patch that its
+   corners have in common: the sides of a patch have one label each. */
+static int pbwm3__label_beyond(const pbwm3__work *w, const double *const p[4], const pbw_index c[4])
 {
     double middle[3], place[3];
     pbw_index t;
     size_t around;
-    if (!w->nested) {
+    if (!w->nested && !w->walls) {
         return 0;
     }
     pbwm3__middle(p, middle);
     t = pbw_surface_closest(&w->surface, middle, HUGE_VAL, place);
+    if (w->walls && t != PBW_NONE) {
+        const pbw_index patch = w->whole ? PBW_NONE : pbwm3__common_patch(w, c, 4);
+        const pbw_index at = patch == PBW_NONE ? t : ((const pbw_index *)w->firsts.data)[patch];
+        const int front = pbwm3__side_label(w, at, 0), back = pbwm3__side_label(w, at, 1);
+        return front < back ? front : back;
+    }
     around = t == PBW_NONE ? 0 : ((const pbwm3__shell *)w->shells.data)[((const pbw_index *)w->shell.data)[t]].around;
     return around < 255 ? (int)around : 255;
 }
@@ -2317,7 +2600,7 @@ static pbw_status pbwm3__label_range(void *arg, size_t from, size_t to)
 {
     pbwm3__work *w = (pbwm3__work *)arg;
     size_t t;
-    int i, far;
+    int i, far, bridge;
     for (t = from; t < to; t++) {
         const pbw_index *c = w->mesh.simplices + 4 * t;
         double *centre = PBWM3__CENTRE(w, t);
@@ -2334,9 +2617,9 @@ static pbw_status pbwm3__label_range(void *arg, size_t from, size_t to)
                 break;
             }
         }
-        PBWM3__LABEL(w)[t] = (unsigned char)(pbwm3__bridges(w, c) ? pbwm3__label_of_middle(w, p)
-                                             : far ? 0 : pbwm3__is_flat(w, c) ? pbwm3__label_beyond(w, p)
-                                             : pbwm3__inside(w, centre));
+        bridge = pbwm3__bridges(w, c);
+        PBWM3__LABEL(w)[t] = far && !bridge ? 0 : pbwm3__is_flat(w, c, bridge) ? pbwm3__label_beyond(w, p, c)
+                           : bridge ? pbwm3__label_of_middle(w, p) : pbwm3__inside(w, centre);
     }
     return PBW_OK;
 }
@@ -2352,10 +2635,12 @@ static pbw_status pbwm3__rebuild(pbwm3__work *w)
     if (status != PBW_OK) {
         return status;
     }
-    if (w->label.bytes < w->mesh.simplex_count
-        && (!pbwsf__resize(&w->memory, &w->label, w->mesh.simplex_count + w->mesh.simplex_count / 8 + 1)
-            || !pbwsf__resize(&w->memory, &w->centre, w->label.bytes * 3 * sizeof(double)))) {
-        return PBW_ERROR_MEMORY;
+    if (w->label.bytes / sizeof(int) < w->mesh.simplex_count) {
+        const size_t room = w->mesh.simplex_count + w->mesh.simplex_count / 8 + 1;
+        if (!pbwsf__resize(&w->memory, &w->label, room * sizeof(int))
+            || !pbwsf__resize(&w->memory, &w->centre, room * 3 * sizeof(double))) {
+            return PBW_ERROR_MEMORY;
+        }
     }
     return pbw_for(&w->options, w->mesh.simplex_count, 256, pbwm3__label_range, w);
 }
@@ -2512,9 +2797,122 @@ static int pbwm3__examine(pbwsf__memory *memory, const pbw_index *facets, size_t
     return good;
 }
 
-/* Lists the boundary's facets, outward. */
-static int pbwm3__boundary(pbwm3__work *w, pbwsf__array *facets)
+/* Makes the corners of facets numbers of their own for each label; owner: the points that they are.  Returns 0 without
+   memory. */
+static int pbwm3__split(pbwm3__work *w, pbwsf__array *facets, const pbwsf__array *labels, size_t points,
+                        pbwsf__array *owner)
 {
+    const int *label = (const int *)labels->data;
+    pbw_index *f = (pbw_index *)facets->data;
+    pbwsf__array firsts, orders, seen;
+    size_t *first, *order, i, k;
+    pbw_index *own;
+    int *last, good;
+    memset(&firsts, 0, sizeof firsts);
+    memset(&orders, 0, sizeof orders);
+    memset(&seen, 0, sizeof seen);
+    good = pbwsf__resize(&w->memory, &firsts, (w->shells.count + 3) * sizeof *first)
+        && pbwsf__resize(&w->memory, &orders, (facets->count + 1) * sizeof *order)
+        && pbwsf__resize(&w->memory, &seen, (points + 1) * (sizeof *own + sizeof *last));
+    first = (size_t *)firsts.data;
+    order = (size_t *)orders.data;
+    own = (pbw_index *)seen.data;
+    last = (int *)(void *)(own + points + 1);
+    if (good) {
+        memset(first, 0, (w->shells.count + 3) * sizeof *first);
+        memset(seen.data, 0, (points + 1) * (sizeof *own + sizeof *last));
+    }
+    for (i = 0; good && i < facets->count; i++) {
+        first[label[i] + 1]++;
+    }
+    for (i = 0; good && i < w->shells.count + 2; i++) {
+        first[i + 1] += first[i];
+    }
+    for (i = 0; good && i < facets->count; i++) {
+        order[first[label[i]]++] = i;
+    }
+    for (i = 0; good && i < 3 * facets->count; i++) {
+        const size_t at = order[i / 3];
+        k = 3 * at + i % 3;
+        if (last[f[k]] != label[at]) {
+            last[f[k]] = label[at];
+            own[f[k]] = (pbw_index)owner->count;
+            good = pbwm3__append(w, owner, f + k, sizeof *f);
+        }
+        f[k] = own[f[k]];
+    }
+    pbwsf__release(&w->memory, &firsts);
+    pbwsf__release(&w->memory, &orders);
+    pbwsf__release(&w->memory, &seen);
+    return good;
+}
+
+/* The Euler number of the boundaries of all regions of the input. */
+static int pbwm3__measure_walls(pbwm3__work *w)
+{
+    pbwsf__array facets, labels, owner;
+    size_t i;
+    int good = 1;
+    memset(&facets, 0, sizeof facets);
+    memset(&labels, 0, sizeof labels);
+    memset(&owner, 0, sizeof owner);
+    for (i = 0; good && i < 2 * w->triangles.count; i++) {
+        const int label = pbwm3__side_label(w, (pbw_index)(i / 2), (int)(i % 2));
+        good = label == 0 || (pbwm3__append(w, &facets, w->surface.triangles + i / 2 * 3, 3 * sizeof(pbw_index))
+                              && pbwm3__append(w, &labels, &label, sizeof label));
+    }
+    good = good && pbwm3__split(w, &facets, &labels, w->surface.point_count, &owner);
+    w->report->input_euler = (long)owner.count - (long)facets.count / 2;     /* 3/2 edges a facet */
+    pbwsf__release(&w->memory, &facets);
+    pbwsf__release(&w->memory, &labels);
+    pbwsf__release(&w->memory, &owner);
+    return good;
+}
+
+/* Examines the boundaries of all labels, each for itself: facets between two are listed for both. */
+static int pbwm3__examine_labels(pbwm3__work *w, pbwsf__array *facets, const pbwsf__array *labels, size_t points,
+                                 pbwm3__topology *top)
+{
+    pbw_index *f = (pbw_index *)facets->data, *ends, *point;
+    pbwsf__array owner, flags;
+    size_t i;
+    int good;
+    if (!w->walls) {
+        return pbwm3__examine(&w->memory, f, facets->count, points, top);
+    }
+    memset(&owner, 0, sizeof owner);
+    memset(&flags, 0, sizeof flags);
+    memset(top, 0, sizeof *top);
+    good = pbwm3__split(w, facets, labels, points, &owner)
+        && pbwm3__examine(&w->memory, f, facets->count, owner.count, top)
+        && pbwsf__resize(&w->memory, &flags, points + 1);
+    point = (pbw_index *)owner.data;
+    ends = (pbw_index *)top->edges.data;
+    if (good) {                                      /* back to points */
+        memset(flags.data, 0, points + 1);
+        for (i = 0; i < owner.count; i++) {
+            ((unsigned char *)flags.data)[point[i]] |= ((const unsigned char *)top->flags.data)[i];
+        }
+        for (i = 0; i < 3 * facets->count; i++) {
+            f[i] = point[f[i]];
+        }
+        for (i = 0; i < 2 * top->edges.count; i++) {
+            ends[i] = point[ends[i]];
+        }
+        pbwsf__release(&w->memory, &top->flags);
+        top->flags = flags;
+    } else {
+        pbwsf__release(&w->memory, &flags);
+    }
+    pbwsf__release(&w->memory, &owner);
+    return good;
+}
+
+/* Lists the boundary's facets, outward, those between two labels once; with walls for both and with them, unless
+   labels is NULL. */
+static int pbwm3__boundary(pbwm3__work *w, pbwsf__array *facets, pbwsf__array *labels)
+{
+    const int both = labels != NULL && w->walls;
     size_t t;
     int i;
     facets->count = 0;
@@ -2522,8 +2920,11 @@ static int pbwm3__boundary(pbwm3__work *w, pbwsf__array *facets)
         for (i = 0; i < 4 && PBWM3__LABEL(w)[t]; i++) {
             const pbw_index *c = w->mesh.simplices + 4 * t;
             const pbw_index f[3] = { c[pbwim__opposite[i][0]], c[pbwim__opposite[i][2]], c[pbwim__opposite[i][1]] };
-            if (pbwm3__label_of(w, w->mesh.neighbors[4 * t + (size_t)i]) < PBWM3__LABEL(w)[t]
-                && !pbwm3__append(w, facets, f, sizeof f)) {
+            const int label = PBWM3__LABEL(w)[t];
+            const int other = pbwm3__label_of(w, w->mesh.neighbors[4 * t + (size_t)i]);
+            if ((both ? other != label : other < label)
+                && (!pbwm3__append(w, facets, f, sizeof f)
+                    || (both && !pbwm3__append(w, labels, &label, sizeof label)))) {
                 return 0;
             }
         }
@@ -2534,15 +2935,16 @@ static int pbwm3__boundary(pbwm3__work *w, pbwsf__array *facets)
 /* Points for bad edges and bad points of the boundary; returns how many, -1 without memory. */
 static long pbwm3__mend_boundary(pbwm3__work *w)
 {
-    pbwsf__array facets;
+    pbwsf__array facets, labels;
     pbwm3__topology top;
     long added = 0;
     size_t i, patch;
     int got = 0, k;
     memset(&facets, 0, sizeof facets);
+    memset(&labels, 0, sizeof labels);
     memset(&top, 0, sizeof top);
-    if (!pbwm3__boundary(w, &facets)
-        || !pbwm3__examine(&w->memory, (const pbw_index *)facets.data, facets.count, w->x.count, &top)) {
+    if (!pbwm3__boundary(w, &facets, &labels)
+        || !pbwm3__examine_labels(w, &facets, &labels, w->x.count, &top)) {
         got = -1;
     }
     for (i = 0; got >= 0 && i < top.edges.count; i++) {
@@ -2567,6 +2969,7 @@ static long pbwm3__mend_boundary(pbwm3__work *w)
         }
     }
     pbwsf__release(&w->memory, &facets);
+    pbwsf__release(&w->memory, &labels);
     pbwsf__release(&w->memory, &top.edges);
     pbwsf__release(&w->memory, &top.flags);
     return got < 0 ? -1 : added;
@@ -2705,7 +3108,8 @@ static pbw_status pbwm3__wishes(pbwm3__work *w)
     pbw_status status;
     size_t i;
     w->extra.count = 0;
-    if (w->wants.bytes < w->mesh.simplex_count && !pbwsf__resize(&w->memory, &w->wants, w->label.bytes)) {
+    if (w->wants.bytes < w->mesh.simplex_count
+        && !pbwsf__resize(&w->memory, &w->wants, w->label.bytes / sizeof(int))) {
         return PBW_ERROR_MEMORY;
     }
     options.progress = pbwm3__part_stops;
@@ -2802,7 +3206,7 @@ static int pbwm3__list_places(pbwm3__work *w, const unsigned char *chained, pbws
         const size_t parts = (size_t)fmin(ceil(2 * pbwsf__distance(a, b) / w->size), 1e5);
         for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
         }
-        if (parts < 2 || k - i != 2 || pbwm3__angle_at(w, edge + i) > 179
+        if (parts < 2 || k - i != 2 || pbwm3__angle_at(w, edge + i, 2) > 179
             || (chained[edge[i].v[0]] && chained[edge[i].v[1]] && pbwm3__is_sharp(w, edge + i))) {
             continue;
         }
@@ -2865,7 +3269,7 @@ static pbw_status pbwm3__reach(pbwm3__work *w, long *added)
     if (pbwsf__resize(&w->memory, &chained, w->surface.point_count + 1)) {
         memset(chained.data, 0, chained.bytes);
         pbwm3__mark_chains(w, (unsigned char *)chained.data);
-        if (pbwm3__list_places(w, (const unsigned char *)chained.data, &list) && pbwm3__boundary(w, &facets)) {
+        if (pbwm3__list_places(w, (const unsigned char *)chained.data, &list) && pbwm3__boundary(w, &facets, NULL)) {
             status = pbw_surface_create((const double *)w->x.data, w->x.count, (const pbw_index *)facets.data,
                                         facets.count, &w->options, &boundary);
         }
@@ -2961,6 +3365,9 @@ static int pbwm3__find_regions(pbwm3__work *w, pbw_tets *in)
         const double *p[4];
         double middle[3];
         pbw_index number;
+        if (w->walls && PBWM3__LABEL(w)[t]) {
+            region[t] = (pbw_index)(PBWM3__LABEL(w)[t] - 1);
+        }
         if (!PBWM3__LABEL(w)[t] || region[t] != PBW_NONE) {
             continue;
         }
@@ -2971,7 +3378,7 @@ static int pbwm3__find_regions(pbwm3__work *w, pbw_tets *in)
         }
         if (good) {
             pbwm3__middle(p, middle);
-            number = pbwm3__shells_around(w, middle, w->shells.count).innermost;
+            number = pbwm3__shells_around(w, middle, (size_t)-1).innermost;
             for (i = 0; i < queue.count && number != PBW_NONE; i++) {
                 region[((const pbw_index *)queue.data)[i]] = number;
             }
@@ -3248,9 +3655,37 @@ static void pbwm3__count_regions(pbwm3__work *w, const pbw_tets *out)
     pbwm3__shell *shell = (pbwm3__shell *)w->shells.data;
     size_t i;
     for (i = 0; i < out->tet_count; i++) {
-        w->report->regions += shell[out->regions[i]].odd == 0;
-        shell[out->regions[i]].odd = 1;
+        w->report->regions += shell[out->regions[i]].seen == 0;
+        shell[out->regions[i]].seen = 1;
     }
+}
+
+/* Examines the boundary; with walls that of each region, whose facets out->neighbors tell. */
+static int pbwm3__examine_result(pbwm3__work *w, const pbw_tets *out, const pbwsf__array *facets,
+                                 pbwm3__topology *top)
+{
+    pbwsf__array all, labels;
+    size_t i, k;
+    int good = 1;
+    if (!w->walls) {
+        return pbwm3__examine(&w->memory, (const pbw_index *)facets->data, facets->count, out->point_count, top);
+    }
+    memset(&all, 0, sizeof all);
+    memset(&labels, 0, sizeof labels);
+    for (i = 0; good && i < 4 * out->tet_count; i++) {
+        const int label = (int)out->regions[i / 4] + 1;
+        pbw_index f[3];
+        if (out->neighbors[i] == PBW_NONE || out->regions[out->neighbors[i]] != out->regions[i / 4]) {
+            for (k = 0; k < 3; k++) {
+                f[k] = out->corners[i / 4 * 4 + (size_t)pbwim__opposite[i % 4][2 - k]];
+            }
+            good = pbwm3__append(w, &all, f, sizeof f) && pbwm3__append(w, &labels, &label, sizeof label);
+        }
+    }
+    good = good && pbwm3__examine_labels(w, &all, &labels, out->point_count, top);
+    pbwsf__release(&w->memory, &all);
+    pbwsf__release(&w->memory, &labels);
+    return good;
 }
 
 /* Fills the report of the boundary's facets. */
@@ -3266,7 +3701,7 @@ static pbw_status pbwm3__report_on(pbwm3__work *w, const pbw_tets *out, const pb
     memset(&top, 0, sizeof top);
     memset(&boundary, 0, sizeof boundary);
     r->facets = facets->count;
-    if (pbwm3__examine(&w->memory, facet, facets->count, out->point_count, &top)) {
+    if (pbwm3__examine_result(w, out, facets, &top)) {
         status = pbw_surface_create(out->points, out->point_count, facet, facets->count, &w->options, &boundary);
     }
     if (status == PBW_OK) {
@@ -3351,13 +3786,14 @@ static pbw_status pbwm3__take_input(pbwm3__work *w)
     if (w->triangles.count == 0) {
         return PBW_DEGENERATE;
     }
-    if (!pbwm3__find_shells(w)) {
+    if ((in->value == NULL && !pbwm3__drop_doubles(w)) || !pbwm3__find_shells(w)) {
         return PBW_ERROR_MEMORY;
     }
     status = pbw_surface_create((const double *)w->vertices.data, w->vertices.count,
                                 (const pbw_index *)w->triangles.data, w->triangles.count, &w->options, &w->surface);
     if (status == PBW_OK) {
         pbwm3__nest_shells(w);
+        status = w->walls && !pbwm3__measure_walls(w) ? PBW_ERROR_MEMORY : PBW_OK;
     }
     return status;
 }
@@ -3390,7 +3826,8 @@ static pbw_status pbwm3__sample(pbwm3__work *w)
 static void pbwm3__free(pbwm3__work *w)
 {
     pbwsf__array *const arrays[] = { &w->field, &w->vertices, &w->triangles, &w->origin, &w->shell, &w->shells,
-                                     &w->holes, &w->x, &w->kind, &w->part, &w->patch, &w->sets, &w->members, &w->set,
+                                     &w->sides, &w->beyond, &w->holes, &w->x, &w->kind, &w->part, &w->patch,
+                                     &w->firsts, &w->sets, &w->members, &w->set,
                                      &w->heads, &w->links, &w->pieces, &w->chains, &w->path, &w->centre, &w->label,
                                      &w->wants, &w->extra, &w->corners, &w->marks, &w->regions };
     size_t i;

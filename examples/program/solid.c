@@ -39,11 +39,12 @@ static void list_holes(const job *j, const pbw_solid_report *r)
 static void warn_of(const job *j, const pbw_solid_report *r)
 {
     size_t i;
-    if (r->open_edges + r->crowded_edges > 0) {
-        warn(j, "the surface has %zu open edge%s and %zu of more than two triangles: inside is %s", r->open_edges,
-             plural(r->open_edges), r->crowded_edges,
-             r->open_edges > 0 ? "what it winds around by more than half"
-             : "what a ray leaves an odd number of times");
+    if (r->open_edges > 0) {
+        warn(j, "the surface has %zu open edge%s and %zu of more than two triangles: inside is what it winds around "
+             "by more than half", r->open_edges, plural(r->open_edges), r->crowded_edges);
+    } else if (r->crowded_edges + r->doubles > 0) {
+        note(j, "walls between regions: %zu edge%s of more than two triangles, %zu triangle%s given again",
+             r->crowded_edges, plural(r->crowded_edges), r->doubles, plural(r->doubles));
     }
     if (r->holes > 0) {
         list_holes(j, r);

@@ -69,7 +69,8 @@ _SIZE_AT = ctypes.CFUNCTYPE(_double, ctypes.c_void_p, ctypes.POINTER(_double))
 
 class _SolidReport(ctypes.Structure):
     """pbw_solid_report."""
-    _fields_ = [*((name, _size) for name in ("open_edges", "crowded_edges", "shells", "holes")), ("hole", _Hole * 8),
+    _fields_ = [*((name, _size) for name in ("open_edges", "crowded_edges", "doubles", "shells", "holes")),
+                ("hole", _Hole * 8),
                 *((name, _size) for name in ("regions", "corners", "sharp_edges", "acute_edges")),
                 ("least_angle", _double), *((name, _size) for name in ("missing_edges", "bad_edges", "bad_points")),
                 ("places", _double * 3 * 8),
