@@ -3239,7 +3239,9 @@ static long pbwm3__offer_places(pbwm3__work *w, pbwsf__array *places)
             place[far++] = place[i];
         }
     }
-    qsort(place, far, sizeof *place, pbwm3__compare_places);
+    if (far > 0) {
+        qsort(place, far, sizeof *place, pbwm3__compare_places);
+    }
     for (i = 0; i < far && got >= 0; i++) {
         double p[3];
         size_t patch;
