@@ -34,7 +34,7 @@ typedef struct result {
     const plan *plan;
     const pbw_plane *plane;
     pbw_mesh mesh;                                   /* the triangles as a mesh, for what writes meshes */
-    double *least, *region;                          /* per triangle: its least angle, its region */
+    double *least;                                   /* per triangle: its least angle */
     unsigned char *on_segment;                       /* per point */
 } result;
 
@@ -61,7 +61,6 @@ static int finish(result *r)
     pbw_index *canonical = (pbw_index *)malloc((p->point_count + 1) * sizeof *canonical);
     size_t i, k;
     r->least = (double *)malloc((p->triangle_count + 1) * sizeof *r->least);
-    r->region = (double *)malloc((p->triangle_count + 1) * sizeof *r->region);
     r->on_segment = (unsigned char *)calloc(p->point_count + 1, 1);
     r->mesh.dim = 2;
     r->mesh.point_count = p->point_count;
@@ -71,7 +70,7 @@ static int finish(result *r)
     r->mesh.points = p->points;
     r->mesh.incident = incident;
     r->mesh.canonical = canonical;
-    if (incident == NULL || canonical == NULL || r->least == NULL || r->region == NULL || r->on_segment == NULL) {
+    if (incident == NULL || canonical == NULL || r->least == NULL || r->on_segment == NULL) {
         return 0;
     }
     for (i = 0; i < p->point_count; i++) {
@@ -81,7 +80,6 @@ static int finish(result *r)
     for (i = p->triangle_count; i > 0; i--) {
         const pbw_index *v = p->triangles + 3 * (i - 1);
         r->least[i - 1] = 180;
-        r->region[i - 1] = p->regions[i - 1];
         for (k = 0; k < 3; k++) {
             r->least[i - 1] = fmin(r->least[i - 1], angle_of(p->points + 2 * (size_t)v[k],
                                    p->points + 2 * (size_t)v[(k + 1) % 3], p->points + 2 * (size_t)v[(k + 2) % 3]));
@@ -99,7 +97,6 @@ static void finish_free(result *r)
     free((void *)(uintptr_t)r->mesh.incident);
     free((void *)(uintptr_t)r->mesh.canonical);
     free(r->least);
-    free(r->region);
     free(r->on_segment);
 }
 
@@ -279,8 +276,7 @@ static pbwio_status write_one(job *j, const char *path, const char *ending, void
     }
     snprintf(name, sizeof name, "a.%s", ending);
     j->write.format = pbwio_format_of(name);
-    j->write.values = r->region;
-    j->write.value_name = "region";
+    j->write.regions = r->plane->regions;
     return pbwio_write(path, &r->mesh, &j->write, error);
 }
 
@@ -445,6 +441,7 @@ const command command_plane = {
     "         and so on, give their domain, which is triangulated anew; --rule hull takes their points alone\n"
     "output:  .svg .html (regions, segments, angles), .poly; .vtu .msh .msh2 .mesh .ele .node .neigh .obj .ply .off\n"
     "         .stl .inp .su2\n"
+    "         Regions: data of cells in .vtu, groups in .msh and .inp, references in .msh2, .mesh and .ele.\n"
     "For those who come from Triangle: -q is --angle, -a --area, -p a .poly, -c --rule hull, -Y --keep-boundary,\n"
     "-YY --keep-segments, -D --conforming, -S --steiner, -j --no-orphans.\n"
     "\n",
