@@ -2346,6 +2346,12 @@ static int pbwim__stops(const pbwim__mesh *m, double done)
         && m->options->progress(m->options->progress_user, PBW_STAGE_WORK, done) != 0;
 }
 
+/* Whether the budget of processor time, 0 = any, is used up. */
+static int pbwim__is_late(double end)
+{
+    return end > 0 && (double)clock() / CLOCKS_PER_SEC > end;
+}
+
 /* Rounds over all colours, from `done` of the work to the next. */
 static pbw_status pbwim__rounds(pbwim__smoothing *s, int rounds, double done, double end)
 {
@@ -2360,7 +2366,7 @@ static pbw_status pbwim__rounds(pbwim__smoothing *s, int rounds, double done, do
             if (pbwim__stops(m, done * round / rounds)) {
                 return PBW_CANCELLED;
             }
-            if (end > 0 && (double)clock() / CLOCKS_PER_SEC > end) {
+            if (pbwim__is_late(end)) {
                 return PBW_OK;
             }
             s->at = s->begin[k];
@@ -2700,7 +2706,7 @@ static pbw_status pbwim__pass(pbwim__mesh *m, int all, const double done[2], dou
         if (pbwim__stops(m, done[0] + (done[1] - done[0]) * (double)first / (double)m->queue.count)) {
             return PBW_CANCELLED;
         }
-        if (end > 0 && (double)clock() / CLOCKS_PER_SEC > end) {
+        if (pbwim__is_late(end)) {
             return PBW_OK;
         }
         if (!pbwim__prepare(m, m->queue.count - first)) {
@@ -2881,7 +2887,7 @@ static pbw_status pbwim__set_sizes(pbwim__mesh *m, double end)
         status = pbwim__resize_edges(m, 0, &changes);
         status = status != PBW_OK ? status : pbwim__resize_edges(m, 1, &changes);
         status = status != PBW_OK ? status : pbwim__pass(m, 0, done, end, &ignored);
-        if (end > 0 && (double)clock() / CLOCKS_PER_SEC > end) {
+        if (pbwim__is_late(end)) {
             break;
         }
     }
@@ -2924,7 +2930,7 @@ static pbw_status pbwim__shake(pbwim__mesh *m, double done[2], double end)
     for (t = 0; t < 2 * m->tets; t++) {
         PBWIM__TRIED(m)[t] = 0;
     }
-    for (i = 0; i < 8 && status == PBW_OK; i++) {
+    for (i = 0; i < 8 && status == PBW_OK && !pbwim__is_late(end); i++) {
         m->target = i < 4 ? sin(fmin(asin(target) + PBWIM__RAISE, 1.2)) : target;
         m->distance = i < 4 && distance > 0 ? 1e-300 : distance;
         done[1] = done[0] + (1 - done[0]) / 8;
@@ -2932,6 +2938,8 @@ static pbw_status pbwim__shake(pbwim__mesh *m, double done[2], double end)
         done[0] = done[1];
         m->report->passes++;
     }
+    m->target = target;
+    m->distance = distance;
     m->near.count = 0;
     return status;
 }
@@ -2966,7 +2974,7 @@ static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
             }
             bad = now;
         }
-        if (end > 0 && (double)clock() / CLOCKS_PER_SEC > end) {
+        if (pbwim__is_late(end)) {
             break;
         }
     }
