@@ -295,7 +295,7 @@ static int pbwt__resize(pbwt__memory *memory, pbwt__array *array, size_t bytes)
 /* Makes room for `extra` items after the last.  Returns the place of the first of them, or NULL. */
 static void *pbwt__room(pbwt__memory *memory, pbwt__array *array, size_t extra, size_t size)
 {
-    const size_t need = (array->count + extra) * size, more = array->bytes + array->bytes / 2;
+    const size_t need = (array->count + extra) * size, more = array->bytes + array->bytes / 4;
     if ((need > array->bytes || array->data == NULL)
         && !pbwt__resize(memory, array, need > more || more == 0 ? need + 256 : more)) {
         return NULL;
