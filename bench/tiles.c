@@ -85,7 +85,8 @@ typedef struct study {
     pbwt_summary *summary;
     times spent;
     pbw_hash_sums sums;
-    size_t used, peak;                               /* memory of the rank at work; if all work, it is not counted */
+    size_t used, peak;                               /* memory of the rank at work, and of answers to it; if all work, it
+                                                        is not counted */
 } study;
 
 static void *metered(void *user, void *ptr, size_t old_size, size_t new_size)
@@ -148,7 +149,7 @@ static pbwt_point *partition(study *s, size_t *first)
     return sorted;
 }
 
-/* A tree for each part; by one thread if all ranks work, which is timed. */
+/* A tree for each part; timed if all ranks work. */
 static void plant(study *s)
 {
     size_t *first = (size_t *)take(((size_t)s->ranks + 1) * sizeof *first);
@@ -156,7 +157,11 @@ static void plant(study *s)
     pbw_options serial;
     int p;
     memset(&serial, 0, sizeof serial);
-    serial.threads = s->of == s->ranks;
+    serial.threads = 1;
+    if (s->of < s->ranks) {
+        serial.resize = metered;
+        serial.resize_user = s;
+    }
     for (p = 0; p < s->ranks; p++) {
         const double start = clocked();
         need(pbwt_tree_make(3, p, sorted + first[p], first[p + 1] - first[p], &serial, s->tree + p));
@@ -232,7 +237,7 @@ static count work(study *s, int p)
     memset(&c, 0, sizeof c);
     memset(&options, 0, sizeof options);
     options.build.threads = 1;
-    s->used = s->peak = 0;
+    s->used = s->peak = s->tree[p].bytes;
     if (s->of < s->ranks) {
         options.build.resize = metered;
         options.build.resize_user = s;
@@ -248,7 +253,7 @@ static count work(study *s, int p)
     c.of[ROUNDS] = (double)tile.numbers.rounds;
     c.of[QUESTIONS] = (double)tile.numbers.questions;
     c.of[PATCH] = (double)tile.numbers.patch_points;
-    c.of[MEMORY] = s->peak > 0 ? (double)(s->peak + s->tree[p].bytes) : 0;
+    c.of[MEMORY] = s->of < s->ranks ? (double)s->peak : 0;
     s->sums.points += tile.hash.points;
     s->sums.simplices += tile.hash.simplices;
     pbwt_close(&tile);

@@ -69,7 +69,8 @@ PBWTDEF void pbwt_cut_points(int dim, pbwt_point *sample, size_t count, int part
 PBWTDEF int pbwt_part(int dim, const pbwt_cut *cuts, int parts, const pbwt_point *point);
 
 /* ---- one part's points, along the Hilbert curve without duplicates, and boxes over them: flat arrays that may be
-   mapped from a file.  Read only once made: many may ask one tree at a time. */
+   mapped from a file.  Many may ask one tree at a time, but not during pbwt_ask of its tile, which puts the halo
+   behind the points for a while if the tree is of pbwt_tree_make, and so may move points and boxes. */
 
 #define PBWT_LEAF 32                       /* points under a box of the lowest level */
 #define PBWT_ARITY 8                       /* boxes under a box */
@@ -83,7 +84,7 @@ typedef struct pbwt_tree {                 /* start from {0}; read, do not write
     uint32_t sample[PBWT_SAMPLES];         /* ascending */
     int samples;
     pbw_options options;                   /* threads, resize and so on of pbwt_tree_make */
-    size_t bytes;                          /* private: of one block with points and boxes */
+    size_t bytes;                          /* private: of one block with boxes, then points */
     void *memory;
 } pbwt_tree;
 
@@ -164,7 +165,7 @@ typedef struct pbwt_numbers {              /* of one tile */
 
 struct pbwt_tile {                         /* start from {0} */
     int dim, parts;
-    const pbwt_tree *tree;
+    pbwt_tree *tree;
     pbwt_bytes *request;                   /* one for each part, of pbwt_ask */
     const pbwt_vertex *foreign;
     size_t foreign_count;
@@ -180,7 +181,7 @@ struct pbwt_tile {                         /* start from {0} */
 };
 
 /* summaries: of all parts, copied.  tree: refers to it; it may be one of count 0. */
-PBWTDEF pbw_status pbwt_open(pbwt_tile *tile, const pbwt_tree *tree, const pbwt_summary *summaries, int parts,
+PBWTDEF pbw_status pbwt_open(pbwt_tile *tile, pbwt_tree *tree, const pbwt_summary *summaries, int parts,
                              const pbwt_options *options);
 /* Works until other parts must be asked.  more: 1 = requests are filled (some may be empty: size 0), take all replies
    and ask again; 0 = finished, but for leftovers and facets.  A failed tile can only be closed. */
@@ -294,7 +295,7 @@ static int pbwt__resize(pbwt__memory *memory, pbwt__array *array, size_t bytes)
 /* Makes room for `extra` items after the last.  Returns the place of the first of them, or NULL. */
 static void *pbwt__room(pbwt__memory *memory, pbwt__array *array, size_t extra, size_t size)
 {
-    const size_t need = (array->count + extra) * size, more = array->bytes + array->bytes / 2;
+    const size_t need = (array->count + extra) * size, more = array->bytes + array->bytes / 4;
     if ((need > array->bytes || array->data == NULL)
         && !pbwt__resize(memory, array, need > more || more == 0 ? need + 256 : more)) {
         return NULL;
@@ -733,9 +734,10 @@ PBWTDEF pbw_status pbwt_tree_make(int dim, int part, const pbwt_point *points, s
     order_options.memory_limit = memory.limit > memory.used ? memory.limit - memory.used : memory.limit != 0;
     status = pbw_order(dim, count > 0 ? points[0].x : NULL, count, &order_options, (pbw_index *)order.data);
     if (status == PBW_OK) {
-        making.points = (pbwt_point *)block.data;
-        making.count = pbwt__gather(points, (pbw_index *)order.data, count, (pbwt_point *)block.data);
-        making.boxes = (pbwt_box *)(void *)((pbwt_point *)block.data + making.count);
+        pbwt_point *place = (pbwt_point *)(void *)((pbwt_box *)block.data + pbwt_boxes_of(count));
+        making.boxes = (pbwt_box *)block.data;
+        making.points = place;
+        making.count = pbwt__gather(points, (pbw_index *)order.data, count, place);
         i = (making.count + PBWT_LEAF - 1) / PBWT_LEAF;
         order_options.memory_limit = 0;
         status = pbw_for(&order_options, i, 512, pbwt__lowest_boxes, &making);
@@ -758,6 +760,26 @@ PBWTDEF pbw_status pbwt_tree_make(int dim, int part, const pbwt_point *points, s
     tree->bytes = block.bytes;
     tree->memory = block.data;
     return PBW_OK;
+}
+
+/* Makes the room behind the tree's points as large as so many.  Returns it, or NULL without memory. */
+static pbwt_point *pbwt__tree_room(pbwt_tree *tree, pbwt__memory *memory, size_t extra)
+{
+    const size_t boxes = (size_t)((const char *)tree->points - (const char *)tree->memory);
+    pbwt_point *points;
+    pbwt__array block;
+    memset(&block, 0, sizeof block);
+    block.data = tree->memory;
+    block.bytes = tree->bytes;
+    if (!pbwt__resize(memory, &block, boxes + (tree->count + extra + 1) * sizeof *points)) {
+        return NULL;
+    }
+    points = (pbwt_point *)(void *)((char *)block.data + boxes);
+    tree->memory = block.data;
+    tree->bytes = block.bytes;
+    tree->boxes = (const pbwt_box *)block.data;
+    tree->points = points;
+    return points + tree->count;
 }
 
 PBWTDEF void pbwt_tree_free(pbwt_tree *tree)
@@ -1398,7 +1420,6 @@ enum { PBWT__DONE, PBWT__SUBJECT, PBWT__ASKED, PBWT__AFFECTED, PBWT__MORE, PBWT_
 typedef struct pbwt__level {
     pbw_mesh mesh;
     pbwt__array map;                                 /* u32 per point of the mesh: its local number; none: the same */
-    pbwt__array x, weight;                           /* doubles of the mesh */
 } pbwt__level;
 
 struct pbwt__tile {
@@ -1455,8 +1476,6 @@ static void pbwt__level_free(struct pbwt__tile *t, pbwt__level *level)
 {
     pbw_free(&level->mesh);
     pbwt__release(&t->memory, &level->map);
-    pbwt__release(&t->memory, &level->x);
-    pbwt__release(&t->memory, &level->weight);
 }
 
 PBWTDEF void pbwt_close(pbwt_tile *tile)
@@ -1574,7 +1593,7 @@ static pbw_status pbwt__meet_parts(struct pbwt__tile *t, const pbwt_summary *sum
     return PBW_OK;
 }
 
-PBWTDEF pbw_status pbwt_open(pbwt_tile *tile, const pbwt_tree *tree, const pbwt_summary *summaries, int parts,
+PBWTDEF pbw_status pbwt_open(pbwt_tile *tile, pbwt_tree *tree, const pbwt_summary *summaries, int parts,
                              const pbwt_options *options)
 {
     pbwt_options defaults;
@@ -1610,7 +1629,7 @@ PBWTDEF pbw_status pbwt_open(pbwt_tile *tile, const pbwt_tree *tree, const pbwt_
 
 /* ---- requests */
 
-static void pbwt__start_requests(struct pbwt__tile *t)
+static void pbwt__drop_requests(struct pbwt__tile *t)
 {
     int p;
     for (p = 0; p < t->tile->parts; p++) {
@@ -1619,7 +1638,6 @@ static void pbwt__start_requests(struct pbwt__tile *t)
         t->tile->request[p].data = NULL;
         t->tile->request[p].size = 0;
     }
-    t->before = t->foreign.count;
 }
 
 /* Appends a record to the request for a part, and notes what it is about. */
@@ -1782,34 +1800,64 @@ PBWTDEF pbw_status pbwt_take(pbwt_tile *tile, int part, const void *reply, size_
 
 /* ---- levels */
 
-/* Triangulates the points of the level's map, or all; a degenerate level has no simplices. */
-static pbw_status pbwt__triangulate(struct pbwt__tile *t, size_t count)
+/* Triangulates count points, `stride` bytes apart; a degenerate level has no simplices. */
+static pbw_status pbwt__build(struct pbwt__tile *t, const double *x, const double *weight, size_t count,
+                              size_t stride)
 {
-    pbwt__level *level = &t->level;
-    const size_t dim = (size_t)t->tile->dim;
-    pbw_options options;
+    pbw_options options = pbwt__inner_options(t);
     pbw_status status;
-    size_t i;
     if (count > 0xfffffff0u) {
         return PBW_ERROR_TOO_LARGE;
     }
-    if (!pbwt__resize(&t->memory, &level->x, (count + 1) * dim * sizeof(double))
-        || (t->options.weighted && !pbwt__resize(&t->memory, &level->weight, (count + 1) * sizeof(double)))) {
+    options.stride = options.weight_stride = stride;
+    options.flags &= ~(PBW_NO_NEIGHBORS | PBW_CURVE_ORDER | PBW_BORROW);
+    status = pbw_triangulate(t->tile->dim, x, t->options.weighted ? weight : NULL, count, &options,
+                             &t->level.mesh);
+    return status == PBW_DEGENERATE ? PBW_OK : status;
+}
+
+/* Triangulates the points of the level's map, or all: copies of what a build reads of them. */
+static pbw_status pbwt__triangulate(struct pbwt__tile *t, size_t count)
+{
+    const size_t dim = (size_t)t->tile->dim, entries = dim + (t->options.weighted != 0);
+    pbwt__array copy;
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i;
+    memset(&copy, 0, sizeof copy);
+    if (pbwt__resize(&t->memory, &copy, (count + 1) * entries * sizeof(double))) {
+        double *to = (double *)copy.data;
+        for (i = 0; i < count; i++, to += entries) {
+            const pbwt_point *p = pbwt__point(t, pbwt__local(t, (pbw_index)i));
+            memcpy(to, p->x, dim * sizeof *to);
+            to[entries - 1] = t->options.weighted ? p->weight : p->x[dim - 1];
+        }
+        to = (double *)copy.data;
+        status = pbwt__build(t, to, to + dim, count, entries * sizeof *to);
+    }
+    pbwt__release(&t->memory, &copy);
+    return status;
+}
+
+/* Triangulates all points, the halo's behind those of the tree for the while. */
+static pbw_status pbwt__triangulate_in_place(struct pbwt__tile *t)
+{
+    pbwt_tree *tree = t->tile->tree;
+    pbwt__memory memory = pbwt__memory_of(&tree->options);
+    pbwt_point *room;
+    pbw_status status;
+    size_t i;
+    memory.limit = t->memory.limit;
+    memory.used = t->memory.used + tree->bytes;
+    room = pbwt__tree_room(tree, &memory, t->foreign.count);
+    if (room == NULL) {
         return PBW_ERROR_MEMORY;
     }
-    for (i = 0; i < count; i++) {
-        const pbwt_point *p = pbwt__point(t, pbwt__local(t, (pbw_index)i));
-        memcpy((double *)level->x.data + i * dim, p->x, dim * sizeof(double));
-        if (t->options.weighted) {
-            ((double *)level->weight.data)[i] = p->weight;
-        }
+    for (i = 0; i < t->foreign.count; i++) {
+        room[i] = ((const pbwt_vertex *)t->foreign.data)[i].point;
     }
-    options = pbwt__inner_options(t);
-    options.flags |= PBW_BORROW;
-    options.flags &= ~(PBW_NO_NEIGHBORS | PBW_CURVE_ORDER);          /* weight.data is NULL without weights */
-    status = pbw_triangulate(t->tile->dim, (double *)level->x.data, (double *)level->weight.data, count, &options,
-                             &level->mesh);
-    return status == PBW_DEGENERATE ? PBW_OK : status;
+    status = pbwt__build(t, tree->points->x, &tree->points->weight, t->own + t->foreign.count, sizeof *room);
+    (void)pbwt__tree_room(tree, &memory, 0);         /* what cannot be given back stays */
+    return status;
 }
 
 static void pbwt__question_of(const struct pbwt__tile *t, uint32_t simplex, int facet, pbwt__question *q)
@@ -1954,7 +2002,7 @@ static void pbwt__give_up(struct pbwt__tile *t)
             PBWT__BYTES(t->state)[i] = PBWT__GIVEN;
         }
     }
-    pbwt__start_requests(t);
+    pbwt__drop_requests(t);
 }
 
 static pbw_status pbwt__find_starts(void *arg, size_t from, size_t to)
@@ -2087,11 +2135,57 @@ typedef struct pbwt__emission {
     const pbw_mesh *mesh;
     uint32_t part;
     size_t base;                                     /* number of the first simplex */
-    pbwt__array number, chosen;                      /* per simplex: u32; byte for the hash */
+    pbwt__array chosen;                              /* per simplex, a byte: 1 = emitted */
+    pbwt__array first;                               /* u32 per PBWT__RUN simplices: the number of the first emitted
+                                                        one there or after */
     pbwt__array facets;                              /* out */
 } pbwt__emission;
 
-enum { PBWT__BLOCK = 2048 };
+enum { PBWT__BLOCK = 2048, PBWT__RUN = 64 };
+
+/* Counts the chosen simplices of each run.  Returns 0 without memory. */
+static int pbwt__count_runs(pbwt__emission *e)
+{
+    const unsigned char *chosen = PBWT__BYTES(e->chosen);
+    const size_t runs = (e->mesh->simplex_count + PBWT__RUN - 1) / PBWT__RUN;
+    size_t s = 0, run, n = e->base;
+    if (!pbwt__resize(e->memory, &e->first, (runs + 1) * sizeof(uint32_t))) {
+        return 0;
+    }
+    for (run = 0; run < runs; run++) {
+        PBWT__U32(e->first)[run] = (uint32_t)n;
+        for (; s < (run + 1) * PBWT__RUN && s < e->mesh->simplex_count; s++) {
+            n += chosen[s];
+        }
+    }
+    PBWT__U32(e->first)[runs] = (uint32_t)n;
+    return 1;
+}
+
+/* Of bytes 0 and 1, fewer than PBWT__RUN. */
+static uint32_t pbwt__count_ones(const unsigned char *bytes, size_t count)
+{
+    uint64_t sum = 0, eight;
+    for (; count >= 8; count -= 8, bytes += 8) {
+        memcpy(&eight, bytes, 8);
+        sum += eight;
+    }
+    for (; count > 0; count--) {
+        sum += bytes[count - 1];
+    }
+    return (uint32_t)(sum * 0x0101010101010101u >> 56);
+}
+
+/* The number of a simplex, PBW_NONE if it is not emitted.  In most runs all or none are. */
+static uint32_t pbwt__number_of(const pbwt__emission *e, size_t s)
+{
+    const unsigned char *chosen = PBWT__BYTES(e->chosen);
+    const uint32_t *first = PBWT__U32(e->first) + s / PBWT__RUN;
+    if (first[1] - first[0] == PBWT__RUN) {
+        return first[0] + (uint32_t)(s % PBWT__RUN);
+    }
+    return chosen[s] ? first[0] + pbwt__count_ones(chosen + s / PBWT__RUN * PBWT__RUN, s % PBWT__RUN) : PBW_NONE;
+}
 
 static int pbwt__id_before(const void *a, const void *b, int how)
 {
@@ -2138,7 +2232,7 @@ static int pbwt__links_inside(const pbwt__emission *e, size_t simplex, uint32_t 
     size_t k;
     for (k = 0; k < corners; k++) {
         const pbw_index n = e->mesh->neighbors[simplex * corners + k];
-        links[k] = n != PBW_NONE ? PBWT__U32(e->number)[n] : PBW_NONE;
+        links[k] = n != PBW_NONE ? pbwt__number_of(e, n) : PBW_NONE;
         all &= links[k] != PBW_NONE;
     }
     return all;
@@ -2159,7 +2253,7 @@ static int pbwt__links_outside(pbwt__emission *e, size_t simplex, const pbwt__co
             e->tile->numbers.hull++;
         } else if (links[k] == PBW_NONE) {
             links[k] = PBWT_OPEN;
-            if (!pbwt__open_facet(e, corner, PBWT__U32(e->number)[simplex], k)) {
+            if (!pbwt__open_facet(e, corner, pbwt__number_of(e, simplex), k)) {
                 return 0;
             }
         }
@@ -2201,9 +2295,12 @@ static pbw_status pbwt__emit(pbwt__emission *e, pbwt__naming *name, const void *
     if (e->options->no_links && e->options->emit == NULL) {
         return PBW_OK;
     }
+    if (!pbwt__count_runs(e)) {
+        return PBW_ERROR_MEMORY;
+    }
     memset(links, 0xff, sizeof links);
     for (s = 0; s < e->mesh->simplex_count && status == PBW_OK; s++) {
-        if (PBWT__U32(e->number)[s] == PBW_NONE) {
+        if (!PBWT__BYTES(e->chosen)[s]) {
             continue;
         }
         if (!pbwt__emit_one(e, s, name, user, corner + count * corners, links + count * corners)) {
@@ -2330,25 +2427,18 @@ static int pbwt__note(struct pbwt__tile *t, size_t s, int choice)
         && ((choice & PBWT__REPAIR) == 0 || pbwt__push(&t->memory, &t->queue, &simplex, sizeof simplex));
 }
 
-/* Numbers the chosen simplices, if anyone sees them, and lists those in repair.  Returns 0 without memory. */
-static int pbwt__number(struct pbwt__tile *t, pbwt__emission *e, size_t *count)
+/* Counts the chosen simplices, and takes notes of the others.  Returns 0 without memory. */
+static int pbwt__count_chosen(struct pbwt__tile *t, pbwt__emission *e, size_t *count)
 {
-    const int numbers = !e->options->no_links || e->options->emit != NULL;
     unsigned char *chosen = PBWT__BYTES(e->chosen);
     size_t s, n = e->base;
     t->queue.count = 0;
-    if (numbers && !pbwt__resize(&t->memory, &e->number, (e->mesh->simplex_count + 1) * sizeof(uint32_t))) {
-        return 0;
-    }
     for (s = 0; s < e->mesh->simplex_count; s++) {
         const int choice = chosen[s];
         if (choice > PBWT__CHOSEN && !pbwt__note(t, s, choice)) {
             return 0;
         }
         chosen[s] = choice & PBWT__CHOSEN;
-        if (numbers) {
-            PBWT__U32(e->number)[s] = choice & PBWT__CHOSEN ? (uint32_t)n : PBW_NONE;
-        }
         n += choice & PBWT__CHOSEN;
     }
     *count = n;
@@ -2371,19 +2461,20 @@ static pbw_status pbwt__emit_chosen(struct pbwt__tile *t, pbwt__emission *e)
     if (status != PBW_OK) {
         return status;
     }
-    if (!pbwt__number(t, e, &n)) {
+    if (!pbwt__count_chosen(t, e, &n)) {
         return PBW_ERROR_MEMORY;
     }
     if (n > 0xfffffff0u) {
         return PBW_ERROR_TOO_LARGE;
     }
+    status = pbwt__hash_level(t, e);                 /* before facets take memory */
     e->facets = t->facets;
-    status = pbwt__emit(e, pbwt__name_local, t);
+    status = status == PBW_OK ? pbwt__emit(e, pbwt__name_local, t) : status;
     t->facets = e->facets;
     t->tile->facets = (const pbwt_facet *)t->facets.data;
     t->tile->facet_count = t->facets.count;
     t->tile->numbers.simplices = n;
-    return status == PBW_OK ? pbwt__hash_level(t, e) : status;
+    return status;
 }
 
 static pbw_status pbwt__emit_level(struct pbwt__tile *t)
@@ -2399,7 +2490,7 @@ static pbw_status pbwt__emit_level(struct pbwt__tile *t)
     e.part = (uint32_t)t->tile->tree->part;
     e.base = t->tile->numbers.simplices;
     status = pbwt__emit_chosen(t, &e);
-    pbwt__release(&t->memory, &e.number);
+    pbwt__release(&t->memory, &e.first);
     pbwt__release(&t->memory, &e.chosen);
     for (i = 0; i < t->own && status == PBW_OK; i++) {
         if (pbwt__is_final(PBWT__BYTES(t->state)[i])) {
@@ -2491,9 +2582,11 @@ static pbw_status pbwt__list_given(struct pbwt__tile *t)
 static pbw_status pbwt__next_level(struct pbwt__tile *t, int *more)
 {
     pbw_status status;
+    pbwt__drop_requests(t);                          /* they were answered */
     if (t->stage == 1) {
         t->tile->numbers.halo = t->foreign.count;
-        status = pbwt__triangulate(t, t->own + t->foreign.count);
+        status = t->tile->tree->memory != NULL ? pbwt__triangulate_in_place(t)
+               : pbwt__triangulate(t, t->own + t->foreign.count);
         pbwt__give_up_flat(t);
     } else {
         t->tile->numbers.later += t->foreign.count - t->before;
@@ -2504,7 +2597,7 @@ static pbw_status pbwt__next_level(struct pbwt__tile *t, int *more)
         }
     }
     if (status == PBW_OK) {
-        pbwt__start_requests(t);
+        t->before = t->foreign.count;
         status = pbwt__certify(t);
     }
     *more = status == PBW_OK && pbwt__end_requests(t, PBWT__ASK);
@@ -2523,7 +2616,6 @@ PBWTDEF pbw_status pbwt_ask(pbwt_tile *tile, int *more)
     tile->foreign = (const pbwt_vertex *)t->foreign.data;
     tile->foreign_count = t->foreign.count;
     if (t->stage == 0 && t->own > 0) {
-        pbwt__start_requests(t);
         status = pbwt__want_halo(t);
         t->stage = 1;
         if (status == PBW_OK && pbwt__end_requests(t, PBWT__WANT)) {
@@ -2753,8 +2845,7 @@ static pbw_status pbwt__emit_rest(pbwt__rest *rest, pbwt__emission *e)
     const pbwt_vertex *vertex = (const pbwt_vertex *)t->foreign.data;
     size_t s, k, n = 0;
     pbw_status status;
-    if (!pbwt__resize(&t->memory, &e->number, (e->mesh->simplex_count + 1) * sizeof(uint32_t))
-        || !pbwt__zeros(&t->memory, &e->chosen, e->mesh->simplex_count, 1)) {
+    if (!pbwt__zeros(&t->memory, &e->chosen, e->mesh->simplex_count, 1)) {
         return PBW_ERROR_MEMORY;
     }
     for (s = 0; s < e->mesh->simplex_count; s++) {
@@ -2766,7 +2857,6 @@ static pbw_status pbwt__emit_rest(pbwt__rest *rest, pbwt__emission *e)
         }
         chosen = least < rest->given && PBWT__BYTES(rest->wanted)[pbwt__least(rest, least)];
         PBWT__BYTES(e->chosen)[s] = (unsigned char)chosen;
-        PBWT__U32(e->number)[s] = chosen ? (uint32_t)n : PBW_NONE;
         n += chosen != 0;
     }
     status = pbwt__emit(e, pbwt__name_local, t);
@@ -2798,7 +2888,7 @@ static pbw_status pbwt__finish_rest(pbwt__rest *rest, int parts, const pbwt_byte
         e.mesh = &t->level.mesh;
         e.part = (uint32_t)parts;
         status = pbwt__emit_rest(rest, &e);
-        pbwt__release(&t->memory, &e.number);
+        pbwt__release(&t->memory, &e.first);
         pbwt__release(&t->memory, &e.chosen);
         if (status == PBW_OK && e.mesh->simplex_count == 0 && !rest->others) {
             status = PBW_DEGENERATE;
