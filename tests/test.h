@@ -14,7 +14,7 @@
    A test is what lies between test_begin and test_end; it passes if all of its checks hold.  The last line of the
    output is `N passed, N failed, N skipped`, and the exit status is 1 if a test failed.  Checks are for one thread.
    Options, the first two as often as you like: --filter TEXT (only tests whose name has it), --without TEXT (not
-   these), --seed N, --count N (random cases), --verbose. */
+   these), --part K/N (of these, each N-th from the K-th), --seed N, --count N (random cases), --verbose. */
 #ifndef TEST_H
 #define TEST_H
 
@@ -41,6 +41,8 @@
 
 static uint64_t test_seed = 1;                  /* --seed */
 static long test_count;                         /* --count, else what test_start was given */
+static long test_part = 1, test_parts = 1;      /* --part */
+static long test_named;                         /* tests that the names chose so far */
 static int test_verbose, test_argc;
 static char **test_argv;
 static char test_name[160];
@@ -100,7 +102,7 @@ TEST_UNUSED static int test_begin(const char *format, ...)
     vsnprintf(test_name, sizeof test_name, format, arguments);
     va_end(arguments);
     test_faults = test_checks = 0;
-    return test_is_named("--filter", 1) && !test_is_named("--without", 0);
+    return test_is_named("--filter", 1) && !test_is_named("--without", 0) && test_named++ % test_parts == test_part - 1;
 }
 
 TEST_UNUSED static void test_end(void)
@@ -135,8 +137,13 @@ TEST_UNUSED static void test_start(int argc, char **argv, long count)
             test_seed = strtoull(argv[++i], NULL, 0);
         } else if (strcmp(argv[i], "--count") == 0 && i + 1 < argc) {
             test_count = atol(argv[++i]);
+        } else if (strcmp(argv[i], "--part") == 0 && i + 1 < argc
+                   && sscanf(argv[i + 1], "%ld/%ld", &test_part, &test_parts) == 2 && test_part > 0
+                   && test_part <= test_parts) {
+            i++;
         } else {
-            fprintf(stderr, "usage: %s [--filter TEXT] [--without TEXT] [--seed N] [--count N] [--verbose]\n", argv[0]);
+            fprintf(stderr, "usage: %s [--filter TEXT] [--without TEXT] [--part K/N] [--seed N] [--count N] [--verbose]\n",
+                    argv[0]);
             exit(2);
         }
     }
