@@ -13683,22 +13683,27 @@ static int pbw__cover_vertex(pbw__core *core, pbw_index v, pbw_index witness)
     return 1;
 }
 
-/* A finite simplex that contains a hidden vertex, by a walk on exact signs. */
-static pbw_index pbw__find_witness(const pbw__core *core, pbw_index t, pbw_index vertex)
+/* Walks, on exact signs, from *start to a simplex that contains a vertex which is in none, or to a ghost.  PBW__LEFT:
+   not all vertices on the way are ours. */
+static pbw_status pbw__find_witness(pbw__core *core, pbw_index *start, pbw_index vertex)
 {
-    const pbw__kernel *kernel = &core->kernel;
+    pbw__kernel *kernel = &core->kernel;
     const int dim = kernel->dim;
     const double *p = pbw__core_record(core, vertex);
     const double *x[4];
+    pbw_index t = pbw__walk_start(kernel, *start, dim);
     int k = 0;
-    t = pbw__walk_start(kernel, t, dim);
     while (k <= dim && kernel->corner[4 * (size_t)t + (size_t)dim] != PBW__GHOST) {
+        if (!pbw__hold_corners(kernel, t)) {
+            return PBW__LEFT;
+        }
         pbw__corners_of(kernel, t, x);
         for (k = 0; k <= dim && pbw__side(dim, x, k, p, &core->grid) >= 0; k++) {
         }
         t = k <= dim ? (pbw_index)(kernel->link[4 * (size_t)t + (size_t)k] >> 2) : t;
     }
-    return t;
+    *start = t;
+    return PBW_OK;
 }
 
 /* Inserts a vertex, from the simplex `hint` on; it may be hidden, and hide others. */
@@ -13717,7 +13722,8 @@ static pbw_status pbw__insert_vertex(pbw__core *core, pbw_index v, pbw_index hin
     }
     if (kernel->scratch.facet_count == 0) {
         kernel->last = hint;
-        return pbw__cover_vertex(core, v, pbw__find_witness(core, hint, v)) ? PBW_OK : PBW_ERROR_MEMORY;
+        status = pbw__find_witness(core, &hint, v);
+        return status != PBW_OK || pbw__cover_vertex(core, v, hint) ? status : PBW_ERROR_MEMORY;
     }
     pbw__note_star(core);
     for (i = 0; i < core->rim_vertices && kernel->weighted; i++) {
@@ -13855,7 +13861,7 @@ static pbw_status pbw__core_scan(pbw__core *core)
     }
     for (v = 1, witness = kernel->last; v <= core->vertex_count && kernel->weighted; v++) {
         if (core->incident[v] == PBW_NONE) {
-            witness = pbw__find_witness(core, witness, v);
+            (void)pbw__find_witness(core, &witness, (pbw_index)v);
             if (!pbw__cover_vertex(core, v, witness)) {
                 return PBW_ERROR_MEMORY;
             }
@@ -16363,19 +16369,19 @@ static pbw_status pbw__shift_in_place(pbw_live *live, pbw__core *core, size_t at
     return status != PBW_OK || count == 0 ? status : pbw__flip_all(core, count, live->core.past_simplices);
 }
 
-/* Whether another vertex is where v, which is in no simplex, is to be inserted: it is a corner of each simplex that
-   has that place.  `near`: a vertex, or 0. */
-static int pbw__shift_taken(const pbw__core *core, pbw_index v, pbw_index near)
+/* Walks to where v, which is in no simplex, is to be inserted.  PBW__ANEW: another vertex is there, so it is a corner of
+   each simplex that contains the place. */
+static pbw_status pbw__shift_witness(pbw__core *core, pbw_index v, pbw_index *start)
 {
-    const pbw_index start = pbw__start_near(core, near != 0 ? core->incident[near] : core->kernel.last);
-    const pbw_index *corner = core->kernel.corner + 4 * (size_t)pbw__find_witness(core, start, v);
+    const pbw_status status = pbw__find_witness(core, start, v);
+    const pbw_index *corner = core->kernel.corner + 4 * (size_t)*start;
     const double *x = pbw__core_record(core, v);
     const int dim = core->kernel.dim;
     int k, taken = 0;
-    for (k = 0; k <= dim; k++) {
+    for (k = 0; k <= dim && status == PBW_OK; k++) {
         taken |= corner[k] != PBW__GHOST && pbw__same_place(pbw__core_record(core, corner[k]), x, dim);
     }
-    return taken;
+    return taken ? PBW__ANEW : status;
 }
 
 /* Removes the i-th vertex and inserts it at its new place; that may be left after this. */
@@ -16383,6 +16389,7 @@ static pbw_status pbw__change_again(void *arg, pbw__core *core, size_t i, pbw_in
 {
     pbw_live *live = (pbw_live *)arg;
     const pbw_index v = live->leaving[i];
+    pbw_index start;
     pbw_status status;
     (void)near;
     if (!pbw__hold(&core->kernel, v)) {
@@ -16401,10 +16408,9 @@ static pbw_status pbw__change_again(void *arg, pbw__core *core, size_t i, pbw_in
     if (near == 0 && core->kernel.own.owner != NULL) {
         return PBW__LEFT;
     }
-    if (core->place == NULL && pbw__shift_taken(core, v, near)) {
-        return PBW__ANEW;
-    }
-    return pbw__insert_vertex(core, v, pbw__start_near(core, near != 0 ? core->incident[near] : core->kernel.last));
+    start = pbw__start_near(core, near != 0 ? core->incident[near] : core->kernel.last);
+    status = core->place == NULL ? pbw__shift_witness(core, v, &start) : PBW_OK;
+    return status == PBW_OK ? pbw__insert_vertex(core, v, start) : status;
 }
 
 /* Moves the i-th vertex.  In the plane one that cannot stay in its star is left: flips may be due around it. */
@@ -16527,7 +16533,7 @@ static pbw_status pbw__live_shift(pbw_live *live, size_t count, size_t most_effo
     const pbw__grid grid = core->grid;
     const double exact_height = core->kernel.exact_height;
     size_t i;
-    const int placed = core->place != NULL || pbw__batch_parts(core, count) > 1;
+    const int placed = core->place != NULL;
     pbw_status status = core->kernel.weighted ? PBW__ANEW : pbw__live_list_moves(live, count);
     status = status == PBW_OK ? pbw__batch_reserve(live, count, placed) : status;
     if (status != PBW_OK) {
@@ -17167,7 +17173,7 @@ static pbw_status pbw__import_hidden(pbw_live *live, pbw__core *core, size_t vis
     status = status == PBW_OK ? pbw__live_sort(live, core->record, (size_t)live->dim + 1, list, count) : status;
     for (i = 0; i < count && status == PBW_OK; i++) {
         const double *p = pbw__core_record(core, list[i]);
-        witness = pbw__find_witness(core, witness, list[i]);
+        (void)pbw__find_witness(core, &witness, list[i]);
         if (pbw__slot_conflict(core, witness, p)
             || (i > 0 && pbw__same_place(p, pbw__core_record(core, list[i - 1]), live->dim))) {
             status = PBW__ANEW;
