@@ -748,6 +748,53 @@ static void test_thread_counts(void)
     }
 }
 
+/* Points that move, one by one and by several threads, to where others are, were, or will be. */
+static void test_taken_places(void)
+{
+    static const int threads[3] = { 1, 2, 5 };
+    static const char *const names[4] = { "of one that stays", "of the next that moves", "one for two", "free" };
+    int dim, way, i;
+    for (dim = 2; dim <= 3; dim++) {
+        for (way = 0; way < 4; way++) {
+            if (!test_begin("moves to a place, %s: %dD", names[way], dim)) {
+                continue;
+            }
+            for (i = 0; i < 3; i++) {
+                pbw_options options;
+                pbw_live *live;
+                pbw_mesh mesh;
+                double *points;
+                model m;
+                size_t at, k;
+                CHOOSE_WAY(0);
+                model_start(&m, dim, 23 + (uint64_t)way);
+                CHECK_EQUAL(model_random(&m, UNIFORM, 3000, 0, &points, &mesh), PBW_OK);
+                memset(&options, 0, sizeof options);
+                options.threads = threads[i];
+                CHECK_EQUAL(pbw_live_create(&mesh, &options, &live), PBW_OK);
+                for (at = 0; at + 10 < m.count; at += 5) {
+                    const pbw_index id = (pbw_index)at;
+                    const size_t turn = at % 45, pair = at - turn;       /* most move a little: one by one then */
+                    const double *other = points + (way == 2 ? pair + 7 : at + (way == 0 ? 1 : 5)) * (size_t)dim;
+                    double *to = m.points + 3 * at;
+                    for (k = 0; k < (size_t)dim; k++) {
+                        to[k] = (turn == 0 && way < 3) || (turn == 5 && way == 2) ? other[k] + (way == 2 ? 1e-3 : 0.0)
+                              : to[k] + 0.01 * (other[k] - to[k]);
+                    }
+                    CHECK_EQUAL(pbw_live_move(live, &id, to, 1), PBW_OK);
+                }
+                CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
+                CHECK(model_agrees(&m, live));
+                pbw_live_free(live);
+                pbw_free(&mesh);
+                free(points);
+                model_free(&m);
+            }
+            test_end();
+        }
+    }
+}
+
 /* Arrays with a fault: the points are triangulated all the same. */
 static void test_wrong(void)
 {
@@ -949,6 +996,7 @@ int main(int argc, char **argv)
     test_cancel();
     test_adopted();
     test_thread_counts();
+    test_taken_places();
     test_wrong();
     test_memory();
 #ifdef PBW__SIMD
