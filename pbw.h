@@ -1381,6 +1381,16 @@ PBW__SIMD_INLINE void pbw__store4(void *to, pbw__i4 x)
     PBW__BY_ISA(_mm_storeu_si128((__m128i *)to, (__m128i)x), vst1q_u8((unsigned char *)to, (uint8x16_t)x));
 }
 
+PBW__SIMD_INLINE unsigned pbw__signs4(pbw__i4 x)     /* of the lanes, as bits */
+{
+#ifdef PBW__AVX2
+    return (unsigned)_mm_movemask_ps((__m128)x);
+#else
+    const uint32x4_t bits = { 1, 2, 4, 8 };
+    return vaddvq_u32(vandq_u32((uint32x4_t)vshrq_n_s32(x, 31), bits));
+#endif
+}
+
 PBW__SIMD_INLINE pbw__i4 pbw__splat_i(int32_t x)      /* x in each lane */
 {
     return PBW__BY_ISA((pbw__i4)_mm_set1_epi32(x), vdupq_n_s32(x));
@@ -4200,7 +4210,7 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
      facet;
      - the ghost vertex is in the last corner;
      - no vertex inserted so far is in conflict with a simplex (>>predicates has the rule for ties);
-     - all marks are 0; a free slot that was used has PBW_NONE in corner 0 and the next one in corner 1.
+     - a free slot that was used has PBW_NONE in corner 0 and the next one in corner 1.
    ------------------------------------------------------------------------------------------------------ */
 #ifdef PBW_WIDE
 typedef uint64_t pbw__link;
@@ -4223,9 +4233,10 @@ typedef uint32_t pbw__link;
 typedef struct pbw__store {
     pbw_index *corner;
     pbw__link *link;
-    unsigned char *mark;                             /* per simplex: 1 = in the cavity of an insertion */
+    unsigned char *mark;                             /* per simplex: for >>core, which leaves all 0; NULL: plain */
     size_t corner_capacity, link_capacity, mark_capacity;
-    size_t capacity;                                 /* in simplices, the least of all three */
+    size_t capacity;                                 /* in simplices, the least of all */
+    int plain;                                       /* without marks */
     size_t count;                                    /* slots given to regions and threads */
     pbw_index *region;                               /* per region: its first slot that was never used */
     pbw_index *hint;                                 /* per region: a simplex of one of its vertices, or PBW_NONE */
@@ -4279,16 +4290,30 @@ typedef struct pbw__edge { pbw_index low, high; pbw__link link; } pbw__edge;
 #define PBW__STAMPS (1u << 24)
 #define PBW__FEW 64                                  /* most cavities have fewer vertices: a small table is enough */
 
+/* The simplices of the cavity are a set: a hash table of the links to their first corners, with open addressing, at
+   most a quarter full.  The search with vectors has one entry for each only, and finds at the end whether that was
+   enough. */
+#ifdef PBW__TEST_SMALL_SHARES
+#define PBW__SEEN ((size_t)256)
+#else
+#define PBW__SEEN ((size_t)4096)                    /* entries, at least */
+#endif
+#define PBW__UNSEEN ((pbw__link)-1)                  /* no simplex: such a link leads to another corner */
+
 /* The memory of one insertion. */
 typedef struct pbw__scratch {
+    pbw__link *seen;                                 /* the set; empty between insertions */
+    size_t seen_capacity;                            /* a power of two */
     pbw_index *cavity;                               /* simplices in conflict; then the slots of the star */
     pbw_index *parent;                               /* 3D: the facet that each was met through, as in `from` */
     pbw__carved *carved;                             /* 3D: the same simplices, for the refill */
+    pbw__link *reach;                                /* 3D: the links to the simplices of the cavity */
     pbw__link *beyond;                               /* 2D: the boundary of the cavity: the link across each edge */
     pbw_index *from;                                 /* 3D: the facets there: 4 * place in the cavity + which one */
     pbw__link *stack;                                /* 2D: links that are still to be searched */
     size_t cavity_count, facet_count;
-    size_t cavity_capacity, parent_capacity, carved_capacity, beyond_capacity, from_capacity, stack_capacity;
+    size_t cavity_capacity, parent_capacity, carved_capacity, reach_capacity, beyond_capacity, from_capacity;
+    size_t stack_capacity;
     uint64_t *table;                                 /* 3D: local numbers */
     uint32_t stamp, local_count;
     pbw__link *edge;                                 /* 3D: by pairs of local numbers, of few or of all */
@@ -4339,9 +4364,11 @@ static int pbw__grow(pbw__memory *memory, void *array, size_t *capacity, size_t 
 static void pbw__kernel_free(pbw__kernel *kernel)
 {
     pbw__memory *memory = &kernel->context->memory;
+    PBW__RELEASE(memory, &kernel->scratch, seen);
     PBW__RELEASE(memory, &kernel->scratch, cavity);
     PBW__RELEASE(memory, &kernel->scratch, parent);
     PBW__RELEASE(memory, &kernel->scratch, carved);
+    PBW__RELEASE(memory, &kernel->scratch, reach);
     PBW__RELEASE(memory, &kernel->scratch, beyond);
     PBW__RELEASE(memory, &kernel->scratch, from);
     PBW__RELEASE(memory, &kernel->scratch, stack);
@@ -4442,13 +4469,16 @@ static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__context *context, pbw__s
     }
     if (!PBW__RESIZE(memory, store, corner, 4 * needed)
         || !PBW__RESIZE(memory, store, link, 4 * needed)
-        || !PBW__RESIZE(memory, store, mark, needed)) {
+        || (!store->plain && !PBW__RESIZE(memory, store, mark, needed))) {
         return PBW_ERROR_MEMORY;
     }
     block[0] = pbw__block_of(store->corner, 4 * old * sizeof(pbw_index), 4 * needed * sizeof(pbw_index));
     block[1] = pbw__block_of(store->link, 4 * old * sizeof(pbw__link), 4 * needed * sizeof(pbw__link));
     block[2] = pbw__block_of(store->mark, old, needed);
     pbw__populate(context, block, 3);
+    if (!store->plain && needed > old) {
+        memset(store->mark + old, 0, needed - old);
+    }
     store->capacity = needed;
     return PBW_OK;
 }
@@ -4528,25 +4558,88 @@ static void pbw__store_free(pbw__memory *memory, pbw__store *store)
     memset(store, 0, sizeof(*store));
 }
 
-/* Clears the marks of an abandoned cavity. */
+/* Clears the marks of an abandoned cavity of >>core. */
 static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t count)
 {
     size_t i;
-    for (i = 0; i < count; i++) {
+    for (i = 0; i < count && kernel->mark != NULL; i++) {
         kernel->mark[kernel->scratch.cavity[i]] = 0;
     }
     return PBW__LEFT;
 }
 
-/* Makes room for `needed` items in each of the lists of cavity and boundary. */
+/* Returns the entry of a simplex in the set, or the empty one where it would be. */
+PBW__INLINE pbw__link *pbw__seen_entry(pbw__link *seen, size_t capacity, pbw__link first)
+{
+    size_t at = (first >> 2) & (capacity - 1);
+    while (PBW__UNLIKELY(seen[at] != first && seen[at] != PBW__UNSEEN)) {
+        at = (at + 1) & (capacity - 1);
+    }
+    return seen + at;
+}
+
+/* Makes room for a set of `needed` simplices. */
+static int pbw__seen_reserve(pbw__kernel *kernel, size_t needed)
+{
+    pbw__memory *memory = &kernel->context->memory;
+    pbw__link *old = kernel->scratch.seen, *seen;
+    const size_t held = kernel->scratch.seen_capacity;
+    size_t capacity = held > 0 ? held : kernel->dim == 3 ? PBW__SEEN : 256, i;
+    while (capacity / 4 < needed) {
+        capacity *= 2;
+    }
+    if (capacity == held) {
+        return 1;
+    }
+    seen = (pbw__link *)pbw__allocate(memory, capacity, sizeof(pbw__link));
+    if (seen == NULL) {
+        return 0;
+    }
+    memset(seen, 0xff, capacity * sizeof(pbw__link));
+    for (i = 0; i < held; i++) {
+        if (old[i] != PBW__UNSEEN) {
+            *pbw__seen_entry(seen, capacity, old[i]) = old[i];
+        }
+    }
+    PBW__RELEASE(memory, &kernel->scratch, seen);
+    kernel->scratch.seen = seen;
+    kernel->scratch.seen_capacity = capacity;
+    return 1;
+}
+
+/* Removes the first `count` simplices of the cavity from the set, which are all of it. */
+PBW__INLINE void pbw__seen_clear(pbw__kernel *kernel, size_t count)
+{
+    pbw__link *seen = kernel->scratch.seen;
+    const pbw_index *cavity = kernel->scratch.cavity;
+    const size_t mask = kernel->scratch.seen_capacity - 1;
+    size_t i;
+    for (i = 0; i < count; i++) {
+        size_t at = cavity[i] & mask;
+        while (PBW__UNLIKELY(seen[at] != (pbw__link)cavity[i] * 4)) {      /* those before it may be gone */
+            at = (at + 1) & mask;
+        }
+        seen[at] = PBW__UNSEEN;
+    }
+}
+
+/* Empties the set, whatever is in it. */
+static PBW__NOINLINE void pbw__seen_empty(pbw__kernel *kernel)
+{
+    memset(kernel->scratch.seen, 0xff, kernel->scratch.seen_capacity * sizeof(pbw__link));
+}
+
+/* Makes room for `needed` items in each of the lists of cavity and boundary, and in the set. */
 static PBW__NOINLINE int pbw__grow_lists(pbw__kernel *kernel, size_t needed)
 {
     return (kernel->dim == 2 || needed <= PBW_NONE / 4)          /* a facet in 32 bits */
+        && pbw__seen_reserve(kernel, needed)
         && PBW__GROW(kernel, &kernel->scratch, cavity, needed)
         && (kernel->dim == 2
                 ? PBW__GROW(kernel, &kernel->scratch, beyond, needed)
                 : PBW__GROW(kernel, &kernel->scratch, carved, needed)
                   && PBW__GROW(kernel, &kernel->scratch, parent, needed)
+                  && PBW__GROW(kernel, &kernel->scratch, reach, needed)
                   && PBW__GROW(kernel, &kernel->scratch, from, needed));
 }
 
@@ -4615,7 +4708,6 @@ static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t neede
         }
     } while (!PBW__CAS(&store->count, &from, from + block));
     for (t = kernel->slots.tail; t < kernel->slots.tail_end; t++) {
-        kernel->mark[t] = 0;
         pbw__free_slot(kernel, (pbw_index)t);
     }
     kernel->slots.tail = from;
@@ -4633,7 +4725,6 @@ static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
     pbw_index t;
     if (slots->fresh < slots->fresh_end) {
         t = (pbw_index)slots->fresh++;
-        kernel->mark[t] = 0;
     } else if (slots->free_count > 0) {
         t = slots->free_list;
         slots->free_list = kernel->corner[4 * (size_t)t + 1];
@@ -4641,7 +4732,6 @@ static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
         slots->free_count--;
     } else {
         t = (pbw_index)slots->tail++;
-        kernel->mark[t] = 0;
     }
     return t;
 }
@@ -4649,7 +4739,7 @@ static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
 static pbw_status pbw__journal_cavity(pbw__kernel *kernel);  /* >>core */
 static pbw_status pbw__journal_slots(pbw__kernel *kernel);
 
-/* Takes the slots of the star: those of the cavity first, still marked; surplus slots of the cavity become free. */
+/* Takes the slots of the star: those of the cavity first; surplus slots of the cavity become free. */
 PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
 {
     pbw__slots *slots = &kernel->slots;
@@ -4684,7 +4774,9 @@ PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
         }
     }
     for (i = needed; i < have; i++) {
-        kernel->mark[cavity[i]] = 0;
+        if (kernel->mark != NULL) {
+            kernel->mark[cavity[i]] = 0;
+        }
         pbw__free_slot(kernel, cavity[i]);
     }
     kernel->statistics.created += needed;
@@ -5091,12 +5183,14 @@ PBW__INLINE uint32_t pbw__local(uint64_t *table, uint64_t stamp, uint32_t *count
 typedef struct pbw__search {
     const pbw_index *corner;
     const pbw__link *link;
-    unsigned char *mark;
+    pbw__link *seen;
+    size_t seen_capacity;
     pbw_index *cavity;
     pbw__carved *carved;
     pbw_index *from, *parent;
+    pbw__link *reach;
     uint64_t *table;
-    size_t cavity_count, facet_count, capacity;
+    size_t cavity_count, capacity, facet_count;
     uint64_t stamp;
     uint32_t local_count;
 } pbw__search;
@@ -5107,7 +5201,10 @@ PBW__INLINE void pbw__search_lists(const pbw__kernel *kernel, pbw__search *searc
     search->carved = kernel->scratch.carved;
     search->from = kernel->scratch.from;
     search->parent = kernel->scratch.parent;
+    search->reach = kernel->scratch.reach;
     search->capacity = kernel->scratch.from_capacity;        /* the last of the lists to grow */
+    search->seen = kernel->scratch.seen;
+    search->seen_capacity = kernel->scratch.seen_capacity;
 }
 
 PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw_index t)
@@ -5118,7 +5215,6 @@ PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw
     }
     search->corner = kernel->corner;
     search->link = kernel->link;
-    search->mark = kernel->mark;
     search->table = kernel->scratch.table;
     pbw__search_lists(kernel, search);
     search->cavity_count = 1;
@@ -5126,26 +5222,28 @@ PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw
     search->stamp = kernel->scratch.stamp * PBW__STAMP;
     search->local_count = 1;                         /* number 0 stands for none */
     search->parent[0] = 4;                           /* the first was met from nowhere: the second stands in */
-    search->carved[1].link[0] = (pbw__link)t * 4;
-    search->mark[t] = 1;
+    search->reach[0] = (pbw__link)t * 4;
+    *pbw__seen_entry(search->seen, search->seen_capacity, (pbw__link)t * 4) = (pbw__link)t * 4;
 }
 
-/* Returns the link to the i-th simplex of the cavity from the one through which it was reached. */
-PBW__INLINE pbw__link pbw__search_take(pbw__search *search, size_t i)
+/* Lists the slots of the cavity and empties the set.  Returns 0 if two of the cavity have one entry, as the search with
+   vectors may give them: then one was not found when it was met again. */
+PBW__INLINE int pbw__search_forget(const pbw__search *search)
 {
-    pbw_index facet = search->parent[i];
-    pbw__link link = search->carved[facet >> 2].link[facet & 3];
-    search->cavity[i] = (pbw_index)(link >> 2);
-    return link;
-}
-
-/* Abandons a search at its i-th simplex. */
-static PBW__NOINLINE pbw_status pbw__search_leave(pbw__kernel *kernel, pbw__search *search, size_t i)
-{
-    while (++i < search->cavity_count) {
-        (void)pbw__search_take(search, i);
+    const size_t mask = search->seen_capacity - 1;
+    pbw__link lost = 0;
+    size_t i;
+    for (i = 0; i < search->cavity_count; i++) {
+        const pbw__link link = search->reach[i], first = link & ~(pbw__link)3;
+        size_t at = (link >> 2) & mask, steps = 0;
+        search->cavity[i] = (pbw_index)(link >> 2);
+        while (PBW__UNLIKELY(search->seen[at] != first && steps++ < mask)) {
+            at = (at + 1) & mask;
+        }
+        lost |= search->seen[at] ^ first;            /* also where one is in the cavity twice */
+        search->seen[at] = PBW__UNSEEN;
     }
-    return pbw__leave_cavity(kernel, search->cavity_count);
+    return lost == 0;
 }
 
 PBW__INLINE void pbw__search_end(pbw__kernel *kernel, const pbw__search *search)
@@ -5183,17 +5281,20 @@ PBW__INLINE void pbw__search_number(pbw__search *search, size_t i, pbw__link lin
     }
 }
 
-/* Appends the neighbour across a facet to the cavity or to its boundary.  Branchless: writes to both lists, and the
-   verdict, which is unpredictable, moves one of the counts. */
-PBW__INLINE void pbw__search_sort(pbw__search *search, pbw_index facet, pbw_index o, unsigned inside)
+/* Appends the neighbour behind a link, across a facet, to the cavity or to its boundary.  Branchless: writes to both
+   lists, and the verdict, which is unpredictable, moves one of the counts. */
+PBW__INLINE void pbw__search_sort(pbw__search *search, pbw_index facet, pbw__link link, unsigned inside)
 {
-    unsigned unmarked = PBW__LOAD(search->mark + o) ^ 1u;
-    inside &= unmarked;
-    PBW__STORE(search->mark + o, (unsigned char)(unmarked ^ 1u ^ inside));
+    const pbw__link first = link & ~(pbw__link)3;
+    pbw__link *entry = pbw__seen_entry(search->seen, search->seen_capacity, first);
+    const unsigned fresh = *entry != first;
+    inside &= fresh;
+    *entry = inside ? first : *entry;
     search->parent[search->cavity_count] = facet;
+    search->reach[search->cavity_count] = link;
     search->cavity_count += inside;
     search->from[search->facet_count] = facet;
-    search->facet_count += unmarked ^ inside;
+    search->facet_count += fresh ^ inside;
 }
 
 #if defined(PBW__SIMD) && !defined(PBW_WIDE)
@@ -5208,34 +5309,55 @@ static const unsigned char pbw__front[16][16] = {
     { PBW__LANE(0), PBW__LANE(1), PBW__LANE(2), PBW__LANE(3) }
 };
 
-/* The lanes of a set of four: 1 for each that is in it. */
-static const unsigned char pbw__lane_bits[16][4] = {
-    { 0, 0, 0, 0 }, { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 1, 1, 0, 0 }, { 0, 0, 1, 0 }, { 1, 0, 1, 0 }, { 0, 1, 1, 0 },
-    { 1, 1, 1, 0 }, { 0, 0, 0, 1 }, { 1, 0, 0, 1 }, { 0, 1, 0, 1 }, { 1, 1, 0, 1 }, { 0, 0, 1, 1 }, { 1, 0, 1, 1 },
-    { 0, 1, 1, 1 }, { 1, 1, 1, 1 }
+/* pbw__search_sort for all four neighbours, one after the other. */
+static PBW__NOINLINE void pbw__search_sort_each(pbw__search *search, pbw_index facet, const pbw__link *link,
+                                                unsigned inside)
+{
+    unsigned k;
+    for (k = 0; k < 4; k++) {
+        pbw__search_sort(search, facet + k, link[k], inside >> k & 1);
+    }
+}
+
+/* By lanes: all bits in the lanes of a set of four. */
+static const int32_t pbw__lane_set[16][4] = {
+    { 0, 0, 0, 0 }, { -1, 0, 0, 0 }, { 0, -1, 0, 0 }, { -1, -1, 0, 0 }, { 0, 0, -1, 0 }, { -1, 0, -1, 0 },
+    { 0, -1, -1, 0 }, { -1, -1, -1, 0 }, { 0, 0, 0, -1 }, { -1, 0, 0, -1 }, { 0, -1, 0, -1 }, { -1, -1, 0, -1 },
+    { 0, 0, -1, -1 }, { -1, 0, -1, -1 }, { 0, -1, -1, -1 }, { -1, -1, -1, -1 }
 };
 
 /* pbw__search_sort for all four neighbours, which are different simplices: two simplices share at most one facet.
    Prefetches the links of those that stay: the refill writes there. */
 PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
 {
-    unsigned char *mark = search->mark;
-    pbw_index o0 = link[0] >> 2, o1 = link[1] >> 2, o2 = link[2] >> 2, o3 = link[3] >> 2;
-    unsigned marked = PBW__LOAD(mark + o0) + 2u * PBW__LOAD(mark + o1)
-                    + 4u * (PBW__LOAD(mark + o2) + 2u * PBW__LOAD(mark + o3)), outside;
+    const pbw__link mask = (pbw__link)(search->seen_capacity - 1) * 4;
+    pbw__link *const entry0 = search->seen + ((link[0] & mask) >> 2), *const entry1 = search->seen + ((link[1] & mask) >> 2);
+    pbw__link *const entry2 = search->seen + ((link[2] & mask) >> 2), *const entry3 = search->seen + ((link[3] & mask) >> 2);
+    const pbw__i4 links = pbw__load4(link), first = links & pbw__splat_i(~3);
+    const pbw__i4 found = { (int32_t)*entry0, (int32_t)*entry1, (int32_t)*entry2, (int32_t)*entry3 };
+    const pbw__i4 same = found == first, known = same | (found == pbw__splat_i(-1));
+    const unsigned seen = pbw__signs4(same), outside = 15u & ~(inside | seen);
     const pbw__i4 lanes = { 0, 1, 2, 3 }, from = pbw__splat_i((int32_t)facet) + lanes;
-    PBW__PREFETCH(search->link + 4 * (size_t)o0);
-    PBW__PREFETCH(search->link + 4 * (size_t)o1);
-    PBW__PREFETCH(search->link + 4 * (size_t)o2);
-    PBW__PREFETCH(search->link + 4 * (size_t)o3);
-    outside = 15u & ~(inside | marked);
-    inside &= ~marked;
-    marked |= inside;
-    PBW__STORE(mark + o0, pbw__lane_bits[marked][0]);
-    PBW__STORE(mark + o1, pbw__lane_bits[marked][1]);
-    PBW__STORE(mark + o2, pbw__lane_bits[marked][2]);
-    PBW__STORE(mark + o3, pbw__lane_bits[marked][3]);
+    pbw__i4 set;
+    PBW__PREFETCH(search->link + link[0]);
+    PBW__PREFETCH(search->link + link[1]);
+    PBW__PREFETCH(search->link + link[2]);
+    PBW__PREFETCH(search->link + link[3]);
+    if (PBW__UNLIKELY(pbw__signs4(known) != 15)) {
+        pbw__search copy = *search;                  /* so that the compiler keeps its members in registers */
+        pbw__search_sort_each(&copy, facet, link, inside);
+        *search = copy;
+        return;
+    }
+    inside &= ~seen;
+    set = pbw__load4(pbw__lane_set[inside]);
+    set = (first & set) | (found & ~set);
+    *entry0 = (pbw__link)set[0];
+    *entry1 = (pbw__link)set[1];
+    *entry2 = (pbw__link)set[2];
+    *entry3 = (pbw__link)set[3];
     pbw__store4(search->parent + search->cavity_count, pbw__shuffle4(from, pbw__front[inside]));
+    pbw__store4(search->reach + search->cavity_count, pbw__shuffle4(links, pbw__front[inside]));
     search->cavity_count += pbw__count4(inside);
     pbw__store4(search->from + search->facet_count, pbw__shuffle4(from, pbw__front[outside]));
     search->facet_count += pbw__count4(outside);
@@ -5245,7 +5367,7 @@ PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
 {
     unsigned k;
     for (k = 0; k < 4; k++) {
-        pbw__search_sort(search, facet + k, (pbw_index)(link[k] >> 2), inside >> k & 1);
+        pbw__search_sort(search, facet + k, link[k], inside >> k & 1);
     }
 }
 #endif
@@ -5354,23 +5476,26 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, c
                                                           unsigned certain, unsigned inside, unsigned rounded,
                                                           const double *p)
 {
+    pbw__link *seen = kernel->scratch.seen;
     const pbw_index *v = carved->v;
     pbw_index far[4];
-    unsigned open = 0, ghost = 0, ghosts = 0, tied, k;
+    unsigned open = 15u & ~certain, ghost = 0, ghosts = 0, tied, k;
     PBW__PHASE(PBW__EXACT);
     for (k = 0; k < 4; k++) {
         far[k] = kernel->corner[carved->link[k]];
         ghost |= (unsigned)(v[k] == PBW__GHOST) << k;
         ghosts |= (unsigned)(far[k] == PBW__GHOST) << k;
-        open |= (unsigned)!PBW__LOAD(kernel->mark + (carved->link[k] >> 2)) << k;
     }
     inside &= certain;
-    open &= ~certain;
     tied = open & ~rounded & (ghost != 0 ? ghost : 15u);
     if (tied != 0) {
         inside |= tied & (ghosts | pbw__ties4(kernel, v, far, p));
         open &= ~tied;
         kernel->statistics.exact_tests += pbw__count4(tied);
+    }
+    for (k = 0; open >> k != 0; k++) {               /* not those that are in the cavity */
+        const pbw__link first = carved->link[k] & ~(pbw__link)3;
+        open &= ~((unsigned)(*pbw__seen_entry(seen, kernel->scratch.seen_capacity, first) == first) << k);
     }
     if ((open & rounded) != 0 && !kernel->weighted) {
         unsigned positive;
@@ -5401,9 +5526,10 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
         double row[5][4], height = 0.0;
         unsigned k;
         if (!pbw__search_room(kernel, &search)) {
+            pbw__seen_empty(kernel);
             return PBW_ERROR_MEMORY;
         }
-        pbw__search_number(&search, i, pbw__search_take(&search, i));
+        pbw__search_number(&search, i, search.reach[i]);
         link = search.carved[i].link;
         v = search.carved[i].v;
         for (k = 0; k < 4; k++) {
@@ -5413,10 +5539,11 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
         for (k = 0; k < 4; k++) {
             const unsigned char *corner = pbw__facet_corners[k] + 1;
             const double *o = row[4], *a = row[corner[0]], *b = row[corner[1]], *c = row[corner[2]];
+            const pbw__link first = link[k] & ~(pbw__link)3;
             pbw_index far = search.corner[link[k]];
             double h, det, limit, xy, xz, yz, xl, yl, zl;
             unsigned inside;
-            if (PBW__LOAD(search.mark + (link[k] >> 2))) {
+            if (*pbw__seen_entry(search.seen, search.seen_capacity, first) == first) {
                 continue;
             }
             h = pbw__max(pbw__max(height, pbw__row(kernel, far, p, row[4], 3)), 1e-55);
@@ -5431,11 +5558,13 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
                 inside = (unsigned)pbw__in_conflict(kernel, (pbw_index)(link[k] >> 2), p);
             }
             if (inside && kernel->own.owner != NULL && !pbw__may_delete(kernel, (pbw_index)(link[k] >> 2))) {
-                return pbw__search_leave(kernel, &search, i);
+                (void)pbw__search_forget(&search);
+                return PBW__LEFT;
             }
-            pbw__search_sort(&search, (pbw_index)(4 * i + k), (pbw_index)(link[k] >> 2), inside);
+            pbw__search_sort(&search, (pbw_index)(4 * i + k), link[k], inside);
         }
     }
+    (void)pbw__search_forget(&search);
     pbw__search_end(kernel, &search);
     return PBW_OK;
 }
@@ -5479,7 +5608,7 @@ PBW__SIMD_INLINE pbw__order4 pbw__search_inherit(pbw__search *search, size_t i, 
     pbw__store4(carved->v, v);
     memcpy(carved->link, search->link + first, sizeof(carved->link));
     if (PBW__LIKELY(search->local_count < PBW__LOCALS)) {
-            uint32_t number = pbw__local(search->table, search->stamp, &search->local_count, search->corner[link]);
+        uint32_t number = pbw__local(search->table, search->stamp, &search->local_count, search->corner[link]);
         pbw__store4(carved->local, pbw__permute4(pbw__load4(parent->local), place));
         carved->local[link & 3] = number;
     }
@@ -5553,10 +5682,11 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
         pbw__rows4 r, o;
         pbw__d4 height, det, h, limit, rounded;
         unsigned certain, inside;
-        if (PBW__UNLIKELY(!pbw__search_room(kernel, &search))) {
-            return PBW_ERROR_MEMORY;
+        if (PBW__UNLIKELY(search.cavity_count + search.facet_count + 8 > search.capacity)) {
+            pbw__seen_empty(kernel);
+            return pbw__carve3_scalar(kernel, t, point->p);      /* which makes room */
         }
-        link = pbw__search_take(&search, i);
+        link = search.reach[i];
         r = pbw__carve_rows(&search, i, link, record, point, &latest);
         height = pbw__max_lane(r.height);
         {
@@ -5590,10 +5720,14 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
             latest.lacking[i % PBW__HELD] = (unsigned char)lack;
             if (PBW__UNLIKELY(lack != 0) && (inside & ~lack) != 0
                 && !pbw__may_delete_all(kernel, carved, lack, inside)) {
-                return pbw__search_leave(kernel, &search, i);
+                (void)pbw__search_forget(&search);
+                return PBW__LEFT;
             }
         }
         pbw__search_sort4(&search, (pbw_index)(4 * i), search.carved[i].link, inside);
+    }
+    if (PBW__UNLIKELY(!pbw__search_forget(&search))) {
+        return pbw__carve3_scalar(kernel, t, point->p);
     }
     pbw__search_end(kernel, &search);
     return PBW_OK;
@@ -5653,7 +5787,6 @@ static PBW__NOINLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vert
         const unsigned char *corner = pbw__facet_corners[kernel->scratch.from[i] & 3] + 1;
         pbw__link base = (pbw__link)kernel->scratch.cavity[i] * 4, beyond = carved->link[kernel->scratch.from[i] & 3];
         uint64_t apart = 0;
-        PBW__STORE(kernel->mark + kernel->scratch.cavity[i], 0);
         kernel->corner[base] = vertex;
         kernel->link[base] = beyond;
         kernel->link[beyond] = base;
@@ -5706,7 +5839,6 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
     pbw_index *corners = kernel->corner;
     const pbw_index *cavity = kernel->scratch.cavity, *from = kernel->scratch.from;
     pbw__link *links = kernel->link, *edge = kernel->scratch.edge;
-    unsigned char *mark = kernel->mark;
     size_t i, count = kernel->scratch.facet_count;
     uint32_t least = UINT32_MAX;
     pbw_index nearest = cavity[0];
@@ -5724,7 +5856,6 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
         pbw_index slot = cavity[i];
         pbw__link base = slot * 4, beyond = inside->link[from[i] & 3];
         uint32_t apart = pbw__apart4(v, new_corner);
-        PBW__STORE(mark + slot, 0);
         pbw__store4(corners + base, v);
         links[base] = beyond;
         links[beyond] = base;
@@ -5780,43 +5911,48 @@ PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
 static pbw_status pbw__carve2(pbw__kernel *kernel, pbw_index t, const double *p)
 {
     const pbw__link *links = kernel->link;
+    pbw__scratch *scratch = &kernel->scratch;
     size_t stack_count = 3;
     int k;
-    kernel->scratch.cavity[0] = t;
-    kernel->scratch.cavity_count = 1;
-    kernel->scratch.facet_count = 0;
-    kernel->mark[t] = 1;
+    scratch->cavity[0] = t;
+    scratch->cavity_count = 1;
+    scratch->facet_count = 0;
+    *pbw__seen_entry(scratch->seen, scratch->seen_capacity, (pbw__link)t * 4) = (pbw__link)t * 4;
     for (k = 0; k < 3; k++) {
-        kernel->scratch.stack[k] = links[4 * (size_t)t + 2 - (size_t)k];
+        scratch->stack[k] = links[4 * (size_t)t + 2 - (size_t)k];
     }
     while (stack_count > 0) {
-        pbw__link link = kernel->scratch.stack[--stack_count];
+        pbw__link link = scratch->stack[--stack_count];
         pbw_index o = (pbw_index)(link >> 2);
         unsigned via = (unsigned)(link & 3), left = via == 2 ? 0 : via + 1, right = via == 0 ? 2 : via - 1;
-        if (kernel->mark[o]) {
+        if (*pbw__seen_entry(scratch->seen, scratch->seen_capacity, (pbw__link)o * 4) != PBW__UNSEEN) {
             continue;
         }
         if (pbw__test2(kernel, o, p)) {
             if (kernel->own.owner != NULL && !pbw__may_delete(kernel, o)) {
-                return pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
+                pbw__seen_clear(kernel, scratch->cavity_count);
+                return PBW__LEFT;
             }
-            if ((kernel->scratch.cavity_count == kernel->scratch.cavity_capacity
-                 && !pbw__grow_lists(kernel, kernel->scratch.cavity_count + 1))
-                || !PBW__GROW(kernel, &kernel->scratch, stack, stack_count + 2)) {
+            if ((scratch->cavity_count == scratch->cavity_capacity
+                 && !pbw__grow_lists(kernel, scratch->cavity_count + 1))
+                || !PBW__GROW(kernel, scratch, stack, stack_count + 2)) {
+                pbw__seen_empty(kernel);
                 return PBW_ERROR_MEMORY;
             }
-            kernel->mark[o] = 1;
-            kernel->scratch.cavity[kernel->scratch.cavity_count++] = o;
-            kernel->scratch.stack[stack_count++] = links[4 * (size_t)o + right];
-            kernel->scratch.stack[stack_count++] = links[4 * (size_t)o + left];
+            *pbw__seen_entry(scratch->seen, scratch->seen_capacity, (pbw__link)o * 4) = (pbw__link)o * 4;
+            scratch->cavity[scratch->cavity_count++] = o;
+            scratch->stack[stack_count++] = links[4 * (size_t)o + right];
+            scratch->stack[stack_count++] = links[4 * (size_t)o + left];
         } else {
-            if (kernel->scratch.facet_count + 1 >= kernel->scratch.beyond_capacity
-                && !pbw__grow_lists(kernel, kernel->scratch.facet_count + 2)) {
+            if (scratch->facet_count + 1 >= scratch->beyond_capacity
+                && !pbw__grow_lists(kernel, scratch->facet_count + 2)) {
+                pbw__seen_empty(kernel);
                 return PBW_ERROR_MEMORY;
             }
-            kernel->scratch.beyond[kernel->scratch.facet_count++] = link;
+            scratch->beyond[scratch->facet_count++] = link;
         }
     }
+    pbw__seen_clear(kernel, scratch->cavity_count);
     return PBW_OK;
 }
 
@@ -5842,7 +5978,6 @@ static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
         /* Across from `end` lies the triangle before, which ends where we begin: its corner across from us is its
            `start`. */
         unsigned before_from = last_start == PBW__GHOST ? 2 : 1, after_to = end == PBW__GHOST ? 0 : 2;
-        kernel->mark[kernel->scratch.cavity[i]] = 0;
         v[turn] = vertex;
         v[from] = start;
         v[to] = end;
@@ -6317,7 +6452,6 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
     const pbw__d2 normal = pbw__turn_right(pbw__load2(record + width * guess) - p);
     ring->slot[count - 2] = (pbw_index)kernel->slots.fresh;
     ring->slot[count - 1] = (pbw_index)kernel->slots.fresh + 1;
-    kernel->mark[kernel->slots.fresh] = kernel->mark[kernel->slots.fresh + 1] = 0;
     kernel->slots.fresh += 2;
     kernel->statistics.created += count;
     kernel->statistics.conflict_tests += ring->tail;
@@ -7069,20 +7203,17 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
      (b) I write a link across a facet that my cavity has with a simplex outside it.  Two vertices of that facet are
      mine, so nobody else may walk through it, nor delete one of the simplices on its sides.  For the same reason the
      links that I read do not change.
-     (c) A mark is set only on a simplex that its setter may delete: so nobody else looks at it (b).  Others stay 0;
-     two tasks may write that same 0, therefore marks are read and written atomically, in relaxed order.
-     (d) A slot belongs to the task that took it from a region of its zones, from its free list, or in a block of the
+     (c) A slot belongs to the task that took it from a region of its zones, from its free list, or in a block of the
      tail.  The count of these is atomic, in relaxed order: it numbers slots, and what the slots hold is handed over
      at the end of a round (>>threads).
-     (e) A zone's hint, where walks start, is a simplex with two vertices in the zone: mine, if the zone is.  The task
+     (d) A zone's hint, where walks start, is a simplex with two vertices in the zone: mine, if the zone is.  The task
      that deletes it owns the zone, and stores another hint, or none, before it gives back any zone; until then the
      slot is still that task's own.  The hint, and what is left of the zone's regions, are the owner's to read and
      write; others only look whether there is a hint, before they take the zone, therefore hints are written
      atomically, in relaxed order.
    In 2D call a triangle mine if I own one of its vertices: nobody else then owns all of them.  Both ends of an edge
    of a triangle that I may delete are mine or the ghost, and one at least is finite; the rest is the same, with one
-   vertex in the hint's zone.  Two tasks may share an edge's ghost end only, and a mark is written only when its
-   triangle joins a cavity.
+   vertex in the hint's zone.  Two tasks may share an edge's ghost end only.
 
    Claiming a zone acquires what its former owners released with it: zones are claimed in acquire order and given
    back in release order.  That is enough, because any two tasks of which one writes a word in (a), (b) or (c) that
@@ -17937,6 +18068,7 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
     memset(owned, 0, sizeof(*owned));
     memset(&vertices, 0, sizeof(vertices));
     memset(&store, 0, sizeof(store));
+    store.plain = 1;
     mesh->memory = owned;
     mesh->dim = input->dim;
     mesh->point_count = input->count;
