@@ -3517,7 +3517,8 @@ static uint64_t *pbw__sort_keys(pbw__sorting *sorting, int low, int bits)
 /* ------------------------------------------------------------------------------------------------------
    >>order        Points in the order of a Hilbert curve, duplicates set aside.
    In: the caller's points and weights.  Out: vertex records 1..vertex_count along the curve, of coordinates and, if
-   there are weights, a weight (record 0 stands for the ghost vertex), the caller's id of each, their grid, and for each point the one that it duplicates.
+   there are weights, a weight (record 0 stands for the ghost vertex), the caller's id of each, their grid, and for
+   each point the one that it duplicates.
    Holds: the order of the records depends on the coordinates alone; a vertex number is a rank on the curve.
 
    Points in one cell of the curve's grid form a run.  Short runs are put into lexicographic order; long ones get
@@ -5226,8 +5227,8 @@ PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw
     *pbw__seen_entry(search->seen, search->seen_capacity, (pbw__link)t * 4) = (pbw__link)t * 4;
 }
 
-/* Lists the slots of the cavity and empties the set.  Returns 0 if two of the cavity have one entry, as the search with
-   vectors may give them: then one was not found when it was met again. */
+/* Lists the slots of the cavity and empties the set.  Returns 0 if one entry was given to two of the cavity, as the
+   search with vectors may do: then one was not found when it was met again. */
 PBW__INLINE int pbw__search_forget(const pbw__search *search)
 {
     const size_t mask = search->seen_capacity - 1;
@@ -5331,12 +5332,13 @@ static const int32_t pbw__lane_set[16][4] = {
 PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
 {
     const pbw__link mask = (pbw__link)(search->seen_capacity - 1) * 4;
-    pbw__link *const entry0 = search->seen + ((link[0] & mask) >> 2), *const entry1 = search->seen + ((link[1] & mask) >> 2);
-    pbw__link *const entry2 = search->seen + ((link[2] & mask) >> 2), *const entry3 = search->seen + ((link[3] & mask) >> 2);
+    pbw__link *const seen = search->seen;
+    pbw__link *const entry0 = seen + ((link[0] & mask) >> 2), *const entry1 = seen + ((link[1] & mask) >> 2);
+    pbw__link *const entry2 = seen + ((link[2] & mask) >> 2), *const entry3 = seen + ((link[3] & mask) >> 2);
     const pbw__i4 links = pbw__load4(link), first = links & pbw__splat_i(~3);
     const pbw__i4 found = { (int32_t)*entry0, (int32_t)*entry1, (int32_t)*entry2, (int32_t)*entry3 };
     const pbw__i4 same = found == first, known = same | (found == pbw__splat_i(-1));
-    const unsigned seen = pbw__signs4(same), outside = 15u & ~(inside | seen);
+    const unsigned old = pbw__signs4(same), outside = 15u & ~(inside | old);
     const pbw__i4 lanes = { 0, 1, 2, 3 }, from = pbw__splat_i((int32_t)facet) + lanes;
     pbw__i4 set;
     PBW__PREFETCH(search->link + link[0]);
@@ -5349,7 +5351,7 @@ PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
         *search = copy;
         return;
     }
-    inside &= ~seen;
+    inside &= ~old;
     set = pbw__load4(pbw__lane_set[inside]);
     set = (first & set) | (found & ~set);
     *entry0 = (pbw__link)set[0];
@@ -7034,7 +7036,8 @@ static pbw_status pbw__find_extremes(void *arg, size_t span, size_t to)
         const size_t begin = span * PBW__SPAN, end = begin + PBW__SPAN < count ? begin + PBW__SPAN : count;
         const double *first = build->vertices->record + width * (begin + 1), *p = first;
         double slope[2], low[4], high[4];
-        const int axis = pbw__line_along(first, width, end - begin, slope), next = (axis + 1) % 3, last = (axis + 2) % 3;
+        const int axis = pbw__line_along(first, width, end - begin, slope);
+        const int next = (axis + 1) % 3, last = (axis + 2) % 3;
         size_t rank, lowest[4], highest[4];
         int k;
         for (k = 0; k < 4; k++) {
@@ -14587,7 +14590,8 @@ static pbw_status pbw__flip(pbw__core *core, size_t t, unsigned k)
     unsigned i;
     for (i = 0; i < 2; i++) {
         const pbw_index *v = i == 0 ? first : second;
-        const double *x[3] = { pbw__record_at(kernel, v[0]), pbw__record_at(kernel, v[1]), pbw__record_at(kernel, v[2]) };
+        const double *x[3] = { pbw__record_at(kernel, v[0]), pbw__record_at(kernel, v[1]),
+                               pbw__record_at(kernel, v[2]) };
         if (v[1] != PBW__GHOST && v[2] != PBW__GHOST && v[0] != PBW__GHOST && pbw__orient(2, x, &core->grid) <= 0) {
             return PBW__ANEW;
         }
