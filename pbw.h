@@ -1381,6 +1381,16 @@ PBW__SIMD_INLINE void pbw__store4(void *to, pbw__i4 x)
     PBW__BY_ISA(_mm_storeu_si128((__m128i *)to, (__m128i)x), vst1q_u8((unsigned char *)to, (uint8x16_t)x));
 }
 
+PBW__SIMD_INLINE unsigned pbw__signs4(pbw__i4 x)     /* of the lanes, as bits */
+{
+#ifdef PBW__AVX2
+    return (unsigned)_mm_movemask_ps((__m128)x);
+#else
+    const uint32x4_t bits = { 1, 2, 4, 8 };
+    return vaddvq_u32(vandq_u32((uint32x4_t)vshrq_n_s32(x, 31), bits));
+#endif
+}
+
 PBW__SIMD_INLINE pbw__i4 pbw__splat_i(int32_t x)      /* x in each lane */
 {
     return PBW__BY_ISA((pbw__i4)_mm_set1_epi32(x), vdupq_n_s32(x));
@@ -2301,12 +2311,12 @@ static int pbw__grid_span(const pbw__grid_share *share, int dim, double *inverse
     return *span < 9007199254740992.0;
 }
 
-/* Refines the unit of a share so that it fits this record too. */
-static PBW__NOINLINE void pbw__grid_refine(pbw__grid_share *share, const double *q, int dim)
+/* Refines the unit of a share so that it fits this record too, of `width` entries. */
+static PBW__NOINLINE void pbw__grid_refine(pbw__grid_share *share, const double *q, int dim, int width)
 {
     int old = share->unit, k;
     double inverse, span;
-    for (k = 0; k <= dim; k++) {
+    for (k = 0; k < width; k++) {
         int64_t mantissa;
         int exponent = pbw__decode(q[k], &mantissa), finest = k < dim ? share->unit : 2 * share->unit;
         if (mantissa != 0 && exponent < finest
@@ -2330,16 +2340,16 @@ static PBW__NOINLINE void pbw__grid_refine(pbw__grid_share *share, const double 
 }
 
 /* A number is on the grid if it is of 2^52 units or more, or the sum of its size and 2^52 units is not rounded. */
-PBW__INLINE void pbw__grid_add_of(pbw__grid_share *share, const double *q, size_t count, int dim)
+PBW__INLINE void pbw__grid_add_of(pbw__grid_share *share, const double *q, size_t count, int width, int dim)
 {
-    const double *end = q + count * (size_t)(dim + 1);
+    const double *end = q + count * (size_t)width;
     double low[4], high[4];
     int k;
     memcpy(low, share->low, sizeof(low));
     memcpy(high, share->high, sizeof(high));
-    for (; q < end && share->unit != PBW__NO_UNIT; q += dim + 1) {
+    for (; q < end && share->unit != PBW__NO_UNIT; q += width) {
         uint64_t off = 0;
-        for (k = 0; k <= dim; k++) {
+        for (k = 0; k < width; k++) {
             const double many = share->limit[k == dim], size = pbw__abs(q[k]) < many ? pbw__abs(q[k]) : many;
             off |= pbw__bits(size + many - many - size);
             low[k] = q[k] < low[k] ? q[k] : low[k];
@@ -2348,7 +2358,7 @@ PBW__INLINE void pbw__grid_add_of(pbw__grid_share *share, const double *q, size_
         if (PBW__UNLIKELY(off != 0)) {
             memcpy(share->low, low, sizeof(low));
             memcpy(share->high, high, sizeof(high));
-            pbw__grid_refine(share, q, dim);
+            pbw__grid_refine(share, q, dim, width);
         }
     }
     memcpy(share->low, low, sizeof(low));
@@ -2356,18 +2366,19 @@ PBW__INLINE void pbw__grid_add_of(pbw__grid_share *share, const double *q, size_
 }
 
 #ifdef PBW__SIMD
-/* pbw__grid_add_of by vectors.  In the plane lane 3 has a number of the next record, so the last record is left.
-   Returns how many records were added. */
-PBW__SIMD_INLINE size_t pbw__grid_add_simd(pbw__grid_share *share, const double *q, size_t count, int dim)
+/* pbw__grid_add_of by vectors.  Lanes from `width` on have coordinates of the next record, so the last record is
+   left.  Returns how many records were added. */
+PBW__SIMD_INLINE size_t pbw__grid_add_simd(pbw__grid_share *share, const double *q, size_t count, int width, int dim)
 {
-    const size_t some = dim == 2 && count > 0 ? count - 1 : count, step = (size_t)dim + 1;
+    const size_t some = width < 4 && count > 0 ? count - 1 : count, step = (size_t)width;
+    const double *limit = share->limit;
     pbw__d4 low, high, many, x, size;
     size_t i = 0;
     memcpy(&low, share->low, sizeof(low));
     memcpy(&high, share->high, sizeof(high));
     while (i < some && share->unit != PBW__NO_UNIT) {
         unsigned on = 15;
-        many = pbw__four(share->limit[0], share->limit[0], share->limit[dim == 2], share->limit[dim == 3]);
+        many = pbw__four(limit[0], limit[0], limit[width == 3 && dim == 2], limit[width == 4]);
         for (; on == 15 && i < some; i++) {
             memcpy(&x, q + i * step, sizeof(x));
             low = pbw__min4(x, low);
@@ -2375,32 +2386,33 @@ PBW__SIMD_INLINE size_t pbw__grid_add_simd(pbw__grid_share *share, const double 
             size = pbw__min4(pbw__abs4(x), many);
             on = pbw__signs(pbw__equal(size + many - many, size));
         }
-        memcpy(share->low, &low, sizeof(low));
-        memcpy(share->high, &high, sizeof(high));
+        memcpy(share->low, &low, step * sizeof(double));
+        memcpy(share->high, &high, step * sizeof(double));
         if (on != 15) {
-            pbw__grid_refine(share, q + (i - 1) * step, dim);
+            pbw__grid_refine(share, q + (i - 1) * step, dim, width);
         }
     }
     return i;
 }
 
-PBW__SIMD static size_t pbw__grid_add_vectors(pbw__grid_share *share, const double *q, size_t count, int dim)
+PBW__SIMD static size_t pbw__grid_add_vectors(pbw__grid_share *share, const double *q, size_t count, int width,
+                                              int dim)
 {
-    return dim == 3 ? pbw__grid_add_simd(share, q, count, 3) : pbw__grid_add_simd(share, q, count, 2);
+    return dim == 3 ? pbw__grid_add_simd(share, q, count, width, 3) : pbw__grid_add_simd(share, q, count, width, 2);
 }
 #endif
 
-/* Adds `count` records, from q on, to a share. */
-static void pbw__grid_add(pbw__grid_share *share, const double *q, size_t count, int dim)
+/* Adds `count` records of `width` entries, from q on, to a share. */
+static void pbw__grid_add(pbw__grid_share *share, const double *q, size_t count, int dim, int width)
 {
     size_t done = 0;
 #ifdef PBW__SIMD
     if (pbw__simd_works()) {
-        done = pbw__grid_add_vectors(share, q, count, dim);
+        done = pbw__grid_add_vectors(share, q, count, width, dim);
     }
 #endif
-    q += done * ((size_t)dim + 1);
-    PBW__BY_DIM(dim, pbw__grid_add_of, share, q, count - done);
+    q += done * (size_t)width;
+    PBW__BY_DIM(dim, pbw__grid_add_of, share, q, count - done, width);
 }
 
 /* Stores the coarsest grid that holds the records of all shares, of dim coordinates and a weight, if differences are
@@ -2446,7 +2458,8 @@ static pbw_status pbw__grid_scan_range(void *arg, size_t from, size_t to)
     pbw__grid_scanning *scanning = (pbw__grid_scanning *)arg;
     pbw__grid_share *share = scanning->share + from / scanning->grain;
     pbw__grid_share_reset(share);
-    pbw__grid_add(share, scanning->records + from * (size_t)(scanning->dim + 1), to - from, scanning->dim);
+    pbw__grid_add(share, scanning->records + from * (size_t)(scanning->dim + 1), to - from, scanning->dim,
+                  scanning->dim + 1);
     return PBW_OK;
 }
 
@@ -3085,13 +3098,14 @@ PBWDEF int pbw_conflict3(const double a[3], const double b[3], const double c[3]
 typedef struct pbw__input {
     int dim, is_float, borrow, bare;                 /* bare: no two points are at one place, and only their order is
                                                         wanted, so no records and canonical points are made */
+    int live;                                        /* records have a weight even if the points have none */
     size_t count, stride, weight_stride;
     const char *points, *weights;
 } pbw__input;
 
 static pbw__input pbw__input_of(int dim, int is_float, const void *points, const void *weights, size_t count)
 {
-    const pbw__input input = { dim, is_float, 0, 0, count, 0, 0, (const char *)points, (const char *)weights };
+    const pbw__input input = { dim, is_float, 0, 0, 0, count, 0, 0, (const char *)points, (const char *)weights };
     return input;
 }
 
@@ -3120,13 +3134,12 @@ static pbw_status pbw__input_check(pbw__input *input, const pbw_options *options
     return PBW_OK;
 }
 
-/* Reads coordinates and weight of point i; adding zero turns -0.0 into 0.0.  By memcpy, as strides may have any
-   alignment; with a constant size it is no call. */
-PBW__INLINE void pbw__fetch_of(const pbw__input *input, size_t i, double *record, int dim)
+/* Reads coordinates and, if there are weights, the weight of point i; adding zero turns -0.0 into 0.0.  By memcpy, as
+   strides may have any alignment; with a constant size it is no call. */
+PBW__INLINE void pbw__fetch_place(const pbw__input *input, size_t i, double *record, int dim)
 {
     const char *point = input->points + i * input->stride;
     int k;
-    record[dim] = 0.0;
     if (input->is_float) {
         float f[3];
         memcpy(f, point, (size_t)dim * sizeof(float));
@@ -3147,6 +3160,13 @@ PBW__INLINE void pbw__fetch_of(const pbw__input *input, size_t i, double *record
             record[dim] += 0.0;
         }
     }
+}
+
+/* Reads point i with a weight, zero if there are none. */
+PBW__INLINE void pbw__fetch_of(const pbw__input *input, size_t i, double *record, int dim)
+{
+    record[dim] = 0.0;
+    pbw__fetch_place(input, i, record, dim);
 }
 
 PBW__INLINE void pbw__fetch(const pbw__input *input, size_t i, double *record)
@@ -3496,8 +3516,9 @@ static uint64_t *pbw__sort_keys(pbw__sorting *sorting, int low, int bits)
 }
 /* ------------------------------------------------------------------------------------------------------
    >>order        Points in the order of a Hilbert curve, duplicates set aside.
-   In: the caller's points and weights.  Out: vertex records 1..vertex_count along the curve (record 0 stands for
-   the ghost vertex and is zero), the caller's id of each, their grid, and for each point the one that it duplicates.
+   In: the caller's points and weights.  Out: vertex records 1..vertex_count along the curve, of coordinates and, if
+   there are weights, a weight (record 0 stands for the ghost vertex), the caller's id of each, their grid, and for
+   each point the one that it duplicates.
    Holds: the order of the records depends on the coordinates alone; a vertex number is a rank on the curve.
 
    Points in one cell of the curve's grid form a run.  Short runs are put into lexicographic order; long ones get
@@ -3513,7 +3534,8 @@ typedef struct pbw__vertices {
     int dim, weighted;
     size_t count;                                    /* vertices, the ghost not counted */
     size_t point_count, duplicate_count, width;      /* width: of a record; 1 if there are none: see pbw__input */
-    double *record;                                  /* (count+1)*(dim+1): coordinates, weight */
+    size_t room;                                     /* doubles in the block of the records */
+    double *record;                                  /* (count+1)*width: coordinates, and weights if any */
     pbw_index *id;                                   /* count+1: the caller's number of each vertex */
     pbw_index *canonical;                            /* point_count */
     pbw__grid grid;                                  /* of the records */
@@ -3840,15 +3862,17 @@ PBW__INLINE void pbw__order_place(const pbw__ordering *ordering, const pbw__part
     const pbw__input input = *ordering->input;
     const size_t to = range->to;
     size_t from = range->from;
-    double *record = ordering->vertices->record + r * (size_t)(dim + 1);
+    const size_t width = ordering->vertices->width;
+    double *record = ordering->vertices->record + r * width;
     pbw_index *id = ordering->vertices->id + r;
     for (; from < to && input.bare; from++) {
         *id++ = (pbw_index)(keys[from] & mask);
     }
-    for (; from < to; from++, record += dim + 1) {
+    for (; from < to; from++, record += width) {
         const size_t index = (size_t)(keys[from] & mask);
         pbw__fetch_soon(&input, (size_t)(keys[from + PBW__AHEAD < end ? from + PBW__AHEAD : from] & mask));
-        pbw__fetch_of(&input, index, record, dim);
+        record[width - 1] = 0.0;                     /* a weight that the points lack */
+        pbw__fetch_place(&input, index, record, dim);
         *id++ = (pbw_index)index;
     }
 }
@@ -3859,8 +3883,8 @@ static size_t pbw__order_place_run(const pbw__ordering *ordering, const pbw__par
 {
     const uint64_t *keys = ordering->keys, mask = ((uint64_t)1 << ordering->index_bits) - 1;
     const pbw__input *input = ordering->input;
-    const size_t step = (size_t)input->dim + 1;
     pbw__vertices *vertices = ordering->vertices;
+    const size_t step = vertices->width;
     size_t i;
     for (i = run->from; i < run->to && input->bare; i++) {
         vertices->id[++r] = (pbw_index)(keys[i] & mask);
@@ -3869,7 +3893,8 @@ static size_t pbw__order_place_run(const pbw__ordering *ordering, const pbw__par
         const size_t index = (size_t)(keys[i] & mask);
         double *record = vertices->record + (r + 1) * step;
         pbw__fetch_soon(input, (size_t)(keys[i + PBW__AHEAD < end ? i + PBW__AHEAD : i] & mask));
-        pbw__fetch(input, index, record);
+        record[step - 1] = 0.0;
+        PBW__BY_DIM(input->dim, pbw__fetch_place, input, index, record);
         if (i > run->from && pbw__same_place(record, record - step, input->dim)) {
             vertices->canonical[index] = vertices->id[r];
         } else {
@@ -3911,7 +3936,7 @@ static void pbw__order_part(void *arg, int task)
     pbw__vertices *vertices = ordering->vertices;
     const int bits = ordering->index_bits, dim = input->dim;
     const uint64_t *keys = ordering->keys;
-    size_t end_of[PBW__RUN_DEPTH], r = part->from, i = part->from, steps = 0, step = (size_t)dim + 1, scanned = r;
+    size_t end_of[PBW__RUN_DEPTH], r = part->from, i = part->from, steps = 0, step = vertices->width, scanned = r;
     pbw__grid_share share;
     int depth = 0;
     end_of[0] = part->to;
@@ -3956,7 +3981,7 @@ static void pbw__order_part(void *arg, int task)
             depth--;
         }
         if (!input->bare && (r - scanned >= PBW__SCANNED || i == part->to)) {
-            pbw__grid_add(&share, vertices->record + (scanned + 1) * step, r - scanned, dim);
+            pbw__grid_add(&share, vertices->record + (scanned + 1) * step, r - scanned, dim, (int)step);
             scanned = r;
         }
         if (steps > PBW__TICK) {
@@ -4040,7 +4065,7 @@ static int pbw__order_is_thin(const pbw__ordering *ordering, int high)
 static void pbw__vertices_free(pbw__context *context, pbw__vertices *vertices)
 {
     size_t records = vertices->point_count + 1;
-    pbw__release(&context->memory, vertices->record, records * vertices->width, sizeof(double));
+    pbw__release(&context->memory, vertices->record, vertices->room, sizeof(double));
     pbw__release(&context->memory, vertices->id, records, sizeof(pbw_index));
     pbw__release(&context->memory, vertices->canonical, vertices->point_count, sizeof(pbw_index));
     vertices->record = NULL;
@@ -4070,7 +4095,8 @@ static int pbw__order_begin(pbw__ordering *ordering)
     ordering->keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
     vertices->canonical = bare ? NULL : (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
     vertices->id = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index));
-    vertices->record = (double *)pbw__allocate(memory, (count + 1) * step, sizeof(double));
+    vertices->room = (count + 1) * step;
+    vertices->record = (double *)pbw__allocate(memory, vertices->room, sizeof(double));
     block[0] = pbw__block_of(ordering->keys, 0, count * sizeof(uint64_t));
     block[1] = pbw__block_of(vertices->canonical, 0, count * sizeof(pbw_index));
     block[2] = pbw__block_of(vertices->id, 0, (count + 1) * sizeof(pbw_index));
@@ -4152,7 +4178,7 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
     vertices->dim = dim;
     vertices->weighted = input->weights != NULL;
     vertices->point_count = input->count;
-    vertices->width = input->bare ? 1 : (size_t)dim + 1;
+    vertices->width = input->bare ? 1 : (size_t)dim + (input->weights != NULL || input->live);
     if (pbw__order_begin(&ordering)) {
         parts = pbw__order_parts(&ordering);
         memset(vertices->record, 0, vertices->width * sizeof(double));
@@ -4185,7 +4211,7 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
      facet;
      - the ghost vertex is in the last corner;
      - no vertex inserted so far is in conflict with a simplex (>>predicates has the rule for ties);
-     - all marks are 0; a free slot that was used has PBW_NONE in corner 0 and the next one in corner 1.
+     - a free slot that was used has PBW_NONE in corner 0 and the next one in corner 1.
    ------------------------------------------------------------------------------------------------------ */
 #ifdef PBW_WIDE
 typedef uint64_t pbw__link;
@@ -4208,9 +4234,10 @@ typedef uint32_t pbw__link;
 typedef struct pbw__store {
     pbw_index *corner;
     pbw__link *link;
-    unsigned char *mark;                             /* per simplex: 1 = in the cavity of an insertion */
+    unsigned char *mark;                             /* per simplex: for >>core, which leaves all 0; NULL: plain */
     size_t corner_capacity, link_capacity, mark_capacity;
-    size_t capacity;                                 /* in simplices, the least of all three */
+    size_t capacity;                                 /* in simplices, the least of all */
+    int plain;                                       /* without marks */
     size_t count;                                    /* slots given to regions and threads */
     pbw_index *region;                               /* per region: its first slot that was never used */
     pbw_index *hint;                                 /* per region: a simplex of one of its vertices, or PBW_NONE */
@@ -4264,16 +4291,30 @@ typedef struct pbw__edge { pbw_index low, high; pbw__link link; } pbw__edge;
 #define PBW__STAMPS (1u << 24)
 #define PBW__FEW 64                                  /* most cavities have fewer vertices: a small table is enough */
 
+/* The simplices of the cavity are a set: a hash table of the links to their first corners, with open addressing, at
+   most a quarter full.  The search with vectors has one entry for each only, and finds at the end whether that was
+   enough. */
+#ifdef PBW__TEST_SMALL_SHARES
+#define PBW__SEEN ((size_t)256)
+#else
+#define PBW__SEEN ((size_t)4096)                    /* entries, at least */
+#endif
+#define PBW__UNSEEN ((pbw__link)-1)                  /* no simplex: such a link leads to another corner */
+
 /* The memory of one insertion. */
 typedef struct pbw__scratch {
+    pbw__link *seen;                                 /* the set; empty between insertions */
+    size_t seen_capacity;                            /* a power of two */
     pbw_index *cavity;                               /* simplices in conflict; then the slots of the star */
     pbw_index *parent;                               /* 3D: the facet that each was met through, as in `from` */
     pbw__carved *carved;                             /* 3D: the same simplices, for the refill */
+    pbw__link *reach;                                /* 3D: the links to the simplices of the cavity */
     pbw__link *beyond;                               /* 2D: the boundary of the cavity: the link across each edge */
     pbw_index *from;                                 /* 3D: the facets there: 4 * place in the cavity + which one */
     pbw__link *stack;                                /* 2D: links that are still to be searched */
     size_t cavity_count, facet_count;
-    size_t cavity_capacity, parent_capacity, carved_capacity, beyond_capacity, from_capacity, stack_capacity;
+    size_t cavity_capacity, parent_capacity, carved_capacity, reach_capacity, beyond_capacity, from_capacity;
+    size_t stack_capacity;
     uint64_t *table;                                 /* 3D: local numbers */
     uint32_t stamp, local_count;
     pbw__link *edge;                                 /* 3D: by pairs of local numbers, of few or of all */
@@ -4289,7 +4330,8 @@ typedef struct pbw__kernel {
     char asked_apart[127];                           /* others write `asked`, and we read it after each vertex */
     pbw__context *context;
     pbw__store *store;
-    const double *record;                            /* vertex records, (dim+1) doubles each */
+    const double *record;                            /* vertex records: coordinates; a weight if width is dim+1 */
+    size_t width;
     const pbw__grid *grid;
     int dim, weighted;                               /* not weighted: every vertex stays one, none becomes hidden */
     double exact_height;                             /* below it the filters make no error, see >>predicates */
@@ -4323,9 +4365,11 @@ static int pbw__grow(pbw__memory *memory, void *array, size_t *capacity, size_t 
 static void pbw__kernel_free(pbw__kernel *kernel)
 {
     pbw__memory *memory = &kernel->context->memory;
+    PBW__RELEASE(memory, &kernel->scratch, seen);
     PBW__RELEASE(memory, &kernel->scratch, cavity);
     PBW__RELEASE(memory, &kernel->scratch, parent);
     PBW__RELEASE(memory, &kernel->scratch, carved);
+    PBW__RELEASE(memory, &kernel->scratch, reach);
     PBW__RELEASE(memory, &kernel->scratch, beyond);
     PBW__RELEASE(memory, &kernel->scratch, from);
     PBW__RELEASE(memory, &kernel->scratch, stack);
@@ -4347,20 +4391,23 @@ static const unsigned char pbw__facet_corners[4][4] = {
     { 0, 1, 2, 3 }, { 0, 2, 0, 3 }, { 0, 0, 1, 3 }, { 0, 0, 2, 1 }
 };
 
-PBW__INLINE const double *pbw__record2(const pbw__kernel *kernel, pbw_index v)
+PBW__INLINE const double *pbw__record_at(const pbw__kernel *kernel, pbw_index v)
 {
-    return kernel->record + (size_t)v * 3;
+    return kernel->record + kernel->width * v;
 }
-PBW__INLINE const double *pbw__record3(const pbw__kernel *kernel, pbw_index v)
+
+/* Copies a record, with a weight, which is zero without weights. */
+PBW__INLINE void pbw__copy_record(const double *record, double *copy, int dim, int weighted)
 {
-    return kernel->record + (size_t)v * 4;
+    memcpy(copy, record, (size_t)dim * sizeof(double));
+    copy[dim] = weighted ? record[dim] : 0.0;
 }
 
 PBW__INLINE void pbw__corners_of(const pbw__kernel *kernel, pbw_index t, const double **x)
 {
     int i;
     for (i = 0; i <= kernel->dim; i++) {
-        x[i] = kernel->record + (size_t)kernel->corner[4 * (size_t)t + (size_t)i] * (size_t)(kernel->dim + 1);
+        x[i] = pbw__record_at(kernel, kernel->corner[4 * (size_t)t + (size_t)i]);
     }
 }
 
@@ -4370,7 +4417,9 @@ static PBW__NOINLINE int pbw__in_conflict(pbw__kernel *kernel, pbw_index t, cons
 {
     const int dim = kernel->dim;
     const size_t last = 4 * (size_t)t + (size_t)dim;
+    double copy[4][4];
     const double *x[4];
+    int i;
     kernel->statistics.exact_tests++;
     pbw__corners_of(kernel, t, x);
     if (kernel->corner[last] == PBW__GHOST) {
@@ -4379,6 +4428,10 @@ static PBW__NOINLINE int pbw__in_conflict(pbw__kernel *kernel, pbw_index t, cons
             return side > 0;
         }
         pbw__corners_of(kernel, (pbw_index)(kernel->link[last] >> 2), x);
+    }
+    for (i = 0; i <= dim; i++) {
+        pbw__copy_record(x[i], copy[i], dim, kernel->weighted);
+        x[i] = copy[i];
     }
     return pbw__conflict(dim, x, p, kernel->grid);
 }
@@ -4417,13 +4470,16 @@ static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__context *context, pbw__s
     }
     if (!PBW__RESIZE(memory, store, corner, 4 * needed)
         || !PBW__RESIZE(memory, store, link, 4 * needed)
-        || !PBW__RESIZE(memory, store, mark, needed)) {
+        || (!store->plain && !PBW__RESIZE(memory, store, mark, needed))) {
         return PBW_ERROR_MEMORY;
     }
     block[0] = pbw__block_of(store->corner, 4 * old * sizeof(pbw_index), 4 * needed * sizeof(pbw_index));
     block[1] = pbw__block_of(store->link, 4 * old * sizeof(pbw__link), 4 * needed * sizeof(pbw__link));
     block[2] = pbw__block_of(store->mark, old, needed);
     pbw__populate(context, block, 3);
+    if (!store->plain && needed > old) {
+        memset(store->mark + old, 0, needed - old);
+    }
     store->capacity = needed;
     return PBW_OK;
 }
@@ -4503,25 +4559,88 @@ static void pbw__store_free(pbw__memory *memory, pbw__store *store)
     memset(store, 0, sizeof(*store));
 }
 
-/* Clears the marks of an abandoned cavity. */
+/* Clears the marks of an abandoned cavity of >>core. */
 static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t count)
 {
     size_t i;
-    for (i = 0; i < count; i++) {
+    for (i = 0; i < count && kernel->mark != NULL; i++) {
         kernel->mark[kernel->scratch.cavity[i]] = 0;
     }
     return PBW__LEFT;
 }
 
-/* Makes room for `needed` items in each of the lists of cavity and boundary. */
+/* Returns the entry of a simplex in the set, or the empty one where it would be. */
+PBW__INLINE pbw__link *pbw__seen_entry(pbw__link *seen, size_t capacity, pbw__link first)
+{
+    size_t at = (first >> 2) & (capacity - 1);
+    while (PBW__UNLIKELY(seen[at] != first && seen[at] != PBW__UNSEEN)) {
+        at = (at + 1) & (capacity - 1);
+    }
+    return seen + at;
+}
+
+/* Makes room for a set of `needed` simplices. */
+static int pbw__seen_reserve(pbw__kernel *kernel, size_t needed)
+{
+    pbw__memory *memory = &kernel->context->memory;
+    pbw__link *old = kernel->scratch.seen, *seen;
+    const size_t held = kernel->scratch.seen_capacity;
+    size_t capacity = held > 0 ? held : kernel->dim == 3 ? PBW__SEEN : 256, i;
+    while (capacity / 4 < needed) {
+        capacity *= 2;
+    }
+    if (capacity == held) {
+        return 1;
+    }
+    seen = (pbw__link *)pbw__allocate(memory, capacity, sizeof(pbw__link));
+    if (seen == NULL) {
+        return 0;
+    }
+    memset(seen, 0xff, capacity * sizeof(pbw__link));
+    for (i = 0; i < held; i++) {
+        if (old[i] != PBW__UNSEEN) {
+            *pbw__seen_entry(seen, capacity, old[i]) = old[i];
+        }
+    }
+    PBW__RELEASE(memory, &kernel->scratch, seen);
+    kernel->scratch.seen = seen;
+    kernel->scratch.seen_capacity = capacity;
+    return 1;
+}
+
+/* Removes the first `count` simplices of the cavity from the set, which are all of it. */
+PBW__INLINE void pbw__seen_clear(pbw__kernel *kernel, size_t count)
+{
+    pbw__link *seen = kernel->scratch.seen;
+    const pbw_index *cavity = kernel->scratch.cavity;
+    const size_t mask = kernel->scratch.seen_capacity - 1;
+    size_t i;
+    for (i = 0; i < count; i++) {
+        size_t at = cavity[i] & mask;
+        while (PBW__UNLIKELY(seen[at] != (pbw__link)cavity[i] * 4)) {      /* those before it may be gone */
+            at = (at + 1) & mask;
+        }
+        seen[at] = PBW__UNSEEN;
+    }
+}
+
+/* Empties the set, whatever is in it. */
+static PBW__NOINLINE void pbw__seen_empty(pbw__kernel *kernel)
+{
+    memset(kernel->scratch.seen, 0xff, kernel->scratch.seen_capacity * sizeof(pbw__link));
+}
+
+/* Makes room for `needed` items in each of the lists of cavity and boundary, and in the set. */
 static PBW__NOINLINE int pbw__grow_lists(pbw__kernel *kernel, size_t needed)
 {
     return (kernel->dim == 2 || needed <= PBW_NONE / 4)          /* a facet in 32 bits */
+        && pbw__seen_reserve(kernel, needed)
         && PBW__GROW(kernel, &kernel->scratch, cavity, needed)
         && (kernel->dim == 2
                 ? PBW__GROW(kernel, &kernel->scratch, beyond, needed)
                 : PBW__GROW(kernel, &kernel->scratch, carved, needed)
                   && PBW__GROW(kernel, &kernel->scratch, parent, needed)
+                  && PBW__GROW(kernel, &kernel->scratch, reach, needed)
                   && PBW__GROW(kernel, &kernel->scratch, from, needed));
 }
 
@@ -4590,7 +4709,6 @@ static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t neede
         }
     } while (!PBW__CAS(&store->count, &from, from + block));
     for (t = kernel->slots.tail; t < kernel->slots.tail_end; t++) {
-        kernel->mark[t] = 0;
         pbw__free_slot(kernel, (pbw_index)t);
     }
     kernel->slots.tail = from;
@@ -4608,7 +4726,6 @@ static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
     pbw_index t;
     if (slots->fresh < slots->fresh_end) {
         t = (pbw_index)slots->fresh++;
-        kernel->mark[t] = 0;
     } else if (slots->free_count > 0) {
         t = slots->free_list;
         slots->free_list = kernel->corner[4 * (size_t)t + 1];
@@ -4616,7 +4733,6 @@ static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
         slots->free_count--;
     } else {
         t = (pbw_index)slots->tail++;
-        kernel->mark[t] = 0;
     }
     return t;
 }
@@ -4624,7 +4740,7 @@ static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
 static pbw_status pbw__journal_cavity(pbw__kernel *kernel);  /* >>core */
 static pbw_status pbw__journal_slots(pbw__kernel *kernel);
 
-/* Takes the slots of the star: those of the cavity first, still marked; surplus slots of the cavity become free. */
+/* Takes the slots of the star: those of the cavity first; surplus slots of the cavity become free. */
 PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
 {
     pbw__slots *slots = &kernel->slots;
@@ -4659,7 +4775,9 @@ PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
         }
     }
     for (i = needed; i < have; i++) {
-        kernel->mark[cavity[i]] = 0;
+        if (kernel->mark != NULL) {
+            kernel->mark[cavity[i]] = 0;
+        }
         pbw__free_slot(kernel, cavity[i]);
     }
     kernel->statistics.created += needed;
@@ -4692,8 +4810,8 @@ PBW__INLINE double pbw__det3(const double *a, const double *b, const double *c)
 /* The row of a vertex relative to p: coordinates and lift, zero for the ghost.  Returns its height. */
 PBW__INLINE double pbw__row(const pbw__kernel *kernel, pbw_index v, const double *p, double *row, int dim)
 {
-    const double *record = kernel->record + (size_t)v * (size_t)(dim + 1);
-    double square, weight = record[dim] - p[dim];
+    const double *record = pbw__record_at(kernel, v);
+    double square, weight = kernel->weighted ? record[dim] - p[dim] : 0.0;
     if (v == PBW__GHOST) {
         row[0] = row[1] = row[2] = row[dim] = 0.0;
         return 0.0;
@@ -4713,7 +4831,7 @@ PBW__INLINE double pbw__row(const pbw__kernel *kernel, pbw_index v, const double
 /* Four rows by columns, a vertex in each lane; in the plane z is zero.  Lanes of the ghost are zero and masked.  hull
    is 0 if the caller knows that no vertex is the ghost. */
 typedef struct pbw__rows4 { pbw__d4 x, y, z, lift, height, ghost; } pbw__rows4;
-typedef struct pbw__point4 { pbw__d4 x, y, z, weight; const double *p; int dim, weighted; } pbw__point4;
+typedef struct pbw__point4 { pbw__d4 x, y, z, weight; const double *p; size_t width; int dim, weighted; } pbw__point4;
 
 #define PBW__CORNER_A(x) PBW__PICK(x, 1, 2, 0, 0) /* pbw__facet_corners by columns */
 #define PBW__CORNER_B(x) PBW__PICK(x, 2, 0, 1, 2)
@@ -4721,8 +4839,8 @@ typedef struct pbw__point4 { pbw__d4 x, y, z, weight; const double *p; int dim, 
 #define PBW__EDGE_START(x) PBW__PICK(x, 1, 2, 0, 1)   /* in the plane: the edge across starts there */
 #define PBW__EDGE_END(x) PBW__PICK(x, 2, 0, 1, 2) /* and ends there */
 
-/* dim and weighted are constants. */
-PBW__SIMD_INLINE pbw__point4 pbw__point4_of(const double *p, int dim, int weighted)
+/* dim, weighted and, where it counts, the width of records are constants. */
+PBW__SIMD_INLINE pbw__point4 pbw__point4_of(const double *p, int dim, int weighted, size_t width)
 {
     pbw__point4 point;
     point.x = pbw__splat(p[0]);
@@ -4730,6 +4848,7 @@ PBW__SIMD_INLINE pbw__point4 pbw__point4_of(const double *p, int dim, int weight
     point.z = pbw__splat(dim == 3 ? p[2] : 0.0);
     point.weight = pbw__splat(p[dim]);
     point.p = p;
+    point.width = width;
     point.dim = dim;
     point.weighted = weighted;
     return point;
@@ -4738,14 +4857,16 @@ PBW__SIMD_INLINE pbw__point4 pbw__point4_of(const double *p, int dim, int weight
 PBW__SIMD_INLINE pbw__rows4 pbw__rows4_of(const double *record, const pbw_index *v, int hull, const pbw__point4 *p)
 {
     const int dim = p->dim;
-    const size_t step = (size_t)dim + 1;
+    const size_t step = p->width;
     const double *a = record + step * v[0], *b = record + step * v[1], *c = record + step * v[2],
                  *d = record + step * v[3];
-    pbw__d4 x, y, z = pbw__splat(0.0), w = z;
+    pbw__d4 x, y, z = pbw__splat(0.0), w = z, skipped;
     pbw__rows4 rows;
     pbw__columns(a, b, c, d, &x, &y);
-    if (dim == 3) {
+    if (dim == 3 && p->weighted) {
         pbw__columns(a + 2, b + 2, c + 2, d + 2, &z, &w);
+    } else if (dim == 3) {                           /* without weights z is the last of the record */
+        pbw__columns(a + 1, b + 1, c + 1, d + 1, &skipped, &z);
     } else if (p->weighted) {
         w = pbw__four(a[2], b[2], c[2], d[2]);
     }
@@ -4852,9 +4973,9 @@ static pbw_index pbw__locate_scalar(pbw__kernel *kernel, pbw_index t, const doub
 
 #ifdef PBW__SIMD
 /* pbw__locate_of with vectors, a facet in each lane. */
-PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, const double *p, int weighted)
+PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, const pbw__point4 *point)
 {
-    const pbw__point4 point = pbw__point4_of(p, 3, weighted);
+    const double *p = point->p;
     t = pbw__walk_start(kernel, t, 3);
     for (;;) {
         const pbw_index *v = kernel->corner + 4 * (size_t)t;
@@ -4865,7 +4986,7 @@ PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, c
         if (v[3] == PBW__GHOST) {
             return t;
         }
-        r = pbw__rows4_of(kernel->record, v, 0, &point);
+        r = pbw__rows4_of(kernel->record, v, 0, point);
         ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z);
         bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z);
         cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z);
@@ -4889,7 +5010,7 @@ PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, c
             inner &= pbw__signs(side) ^ 15u;
             exit = pbw__signs(rounded) == 0 ? 4 : pbw__exit(kernel, t, p, inner);
             if (exit == 4) {
-                return !weighted || pbw__in_conflict(kernel, t, p) ? t : PBW_NONE;
+                return !point->weighted || pbw__in_conflict(kernel, t, p) ? t : PBW_NONE;
             }
         }
         if (PBW__UNLIKELY(kernel->own.owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
@@ -4923,8 +5044,8 @@ PBW__INLINE pbw_index pbw__walk_hull(pbw__kernel *kernel, pbw_index t, const dou
 {
     int steps;
     for (steps = 0; steps < 16; steps++) {
-        const double *a = pbw__record2(kernel, kernel->corner[4 * (size_t)t]);
-        const double *b = pbw__record2(kernel, kernel->corner[4 * (size_t)t + 1]);
+        const double *a = pbw__record_at(kernel, kernel->corner[4 * (size_t)t]);
+        const double *b = pbw__record_at(kernel, kernel->corner[4 * (size_t)t + 1]);
         double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1];
         double height = pbw__max(pbw__max(ax * ax + ay * ay, bx * bx + by * by), 1e-140);
         int past_a = ax * (bx - ax) + ay * (by - ay) > 0.0, past_b = bx * (bx - ax) + by * (by - ay) < 0.0;
@@ -4944,11 +5065,11 @@ PBW__INLINE pbw_index pbw__walk_hull(pbw__kernel *kernel, pbw_index t, const dou
 /* The walk in the plane with vectors, an edge in each lane.  *rows: those of a finite triangle; the fourth is the
    first again.  Leaves through the edge that maximises (distance outside) x (distance of the opposite corner): with
    the distance outside alone, a long thin triangle with p near a corner would be left through the far edge. */
-PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, const double *p, int weighted,
+PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, const pbw__point4 *point,
                                              pbw__rows4 *rows)
 {
     const pbw_index *corner = kernel->corner;
-    const pbw__point4 point = pbw__point4_of(p, 2, weighted);
+    const double *p = point->p;
     size_t steps = 1;
     if (PBW__UNLIKELY(corner[4 * (size_t)t + 2] == PBW__GHOST)) {
         pbw_index ghost = pbw__walk_hull(kernel, t, p);
@@ -4965,7 +5086,7 @@ PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, c
         }
         {
             const pbw_index four[4] = { v[0], v[1], v[2], v[0] };
-            *rows = pbw__rows4_of(kernel->record, four, 0, &point);
+            *rows = pbw__rows4_of(kernel->record, four, 0, point);
         }
         sx = PBW__EDGE_START(rows->x), sy = PBW__EDGE_START(rows->y), sh = PBW__EDGE_START(rows->height);
         ex = PBW__EDGE_END(rows->x), ey = PBW__EDGE_END(rows->y), eh = PBW__EDGE_END(rows->height);
@@ -4984,7 +5105,7 @@ PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, c
             unsigned inner = pbw__signs(pbw__greater(side, bound));
             exit = pbw__first(h) < kernel->exact_height ? 3 : pbw__exit(kernel, t, p, inner);
             if (exit == 3) {
-                t = !weighted || pbw__in_conflict(kernel, t, p) ? t : PBW_NONE;
+                t = !point->weighted || pbw__in_conflict(kernel, t, p) ? t : PBW_NONE;
                 break;
             }
         }
@@ -5063,12 +5184,14 @@ PBW__INLINE uint32_t pbw__local(uint64_t *table, uint64_t stamp, uint32_t *count
 typedef struct pbw__search {
     const pbw_index *corner;
     const pbw__link *link;
-    unsigned char *mark;
+    pbw__link *seen;
+    size_t seen_capacity;
     pbw_index *cavity;
     pbw__carved *carved;
     pbw_index *from, *parent;
+    pbw__link *reach;
     uint64_t *table;
-    size_t cavity_count, facet_count, capacity;
+    size_t cavity_count, capacity, facet_count;
     uint64_t stamp;
     uint32_t local_count;
 } pbw__search;
@@ -5079,7 +5202,10 @@ PBW__INLINE void pbw__search_lists(const pbw__kernel *kernel, pbw__search *searc
     search->carved = kernel->scratch.carved;
     search->from = kernel->scratch.from;
     search->parent = kernel->scratch.parent;
+    search->reach = kernel->scratch.reach;
     search->capacity = kernel->scratch.from_capacity;        /* the last of the lists to grow */
+    search->seen = kernel->scratch.seen;
+    search->seen_capacity = kernel->scratch.seen_capacity;
 }
 
 PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw_index t)
@@ -5090,7 +5216,6 @@ PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw
     }
     search->corner = kernel->corner;
     search->link = kernel->link;
-    search->mark = kernel->mark;
     search->table = kernel->scratch.table;
     pbw__search_lists(kernel, search);
     search->cavity_count = 1;
@@ -5098,26 +5223,28 @@ PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw
     search->stamp = kernel->scratch.stamp * PBW__STAMP;
     search->local_count = 1;                         /* number 0 stands for none */
     search->parent[0] = 4;                           /* the first was met from nowhere: the second stands in */
-    search->carved[1].link[0] = (pbw__link)t * 4;
-    search->mark[t] = 1;
+    search->reach[0] = (pbw__link)t * 4;
+    *pbw__seen_entry(search->seen, search->seen_capacity, (pbw__link)t * 4) = (pbw__link)t * 4;
 }
 
-/* Returns the link to the i-th simplex of the cavity from the one through which it was reached. */
-PBW__INLINE pbw__link pbw__search_take(pbw__search *search, size_t i)
+/* Lists the slots of the cavity and empties the set.  Returns 0 if one entry was given to two of the cavity, as the
+   search with vectors may do: then one was not found when it was met again. */
+PBW__INLINE int pbw__search_forget(const pbw__search *search)
 {
-    pbw_index facet = search->parent[i];
-    pbw__link link = search->carved[facet >> 2].link[facet & 3];
-    search->cavity[i] = (pbw_index)(link >> 2);
-    return link;
-}
-
-/* Abandons a search at its i-th simplex. */
-static PBW__NOINLINE pbw_status pbw__search_leave(pbw__kernel *kernel, pbw__search *search, size_t i)
-{
-    while (++i < search->cavity_count) {
-        (void)pbw__search_take(search, i);
+    const size_t mask = search->seen_capacity - 1;
+    pbw__link lost = 0;
+    size_t i;
+    for (i = 0; i < search->cavity_count; i++) {
+        const pbw__link link = search->reach[i], first = link & ~(pbw__link)3;
+        size_t at = (link >> 2) & mask, steps = 0;
+        search->cavity[i] = (pbw_index)(link >> 2);
+        while (PBW__UNLIKELY(search->seen[at] != first && steps++ < mask)) {
+            at = (at + 1) & mask;
+        }
+        lost |= search->seen[at] ^ first;            /* also where one is in the cavity twice */
+        search->seen[at] = PBW__UNSEEN;
     }
-    return pbw__leave_cavity(kernel, search->cavity_count);
+    return lost == 0;
 }
 
 PBW__INLINE void pbw__search_end(pbw__kernel *kernel, const pbw__search *search)
@@ -5155,17 +5282,20 @@ PBW__INLINE void pbw__search_number(pbw__search *search, size_t i, pbw__link lin
     }
 }
 
-/* Appends the neighbour across a facet to the cavity or to its boundary.  Branchless: writes to both lists, and the
-   verdict, which is unpredictable, moves one of the counts. */
-PBW__INLINE void pbw__search_sort(pbw__search *search, pbw_index facet, pbw_index o, unsigned inside)
+/* Appends the neighbour behind a link, across a facet, to the cavity or to its boundary.  Branchless: writes to both
+   lists, and the verdict, which is unpredictable, moves one of the counts. */
+PBW__INLINE void pbw__search_sort(pbw__search *search, pbw_index facet, pbw__link link, unsigned inside)
 {
-    unsigned unmarked = PBW__LOAD(search->mark + o) ^ 1u;
-    inside &= unmarked;
-    PBW__STORE(search->mark + o, (unsigned char)(unmarked ^ 1u ^ inside));
+    const pbw__link first = link & ~(pbw__link)3;
+    pbw__link *entry = pbw__seen_entry(search->seen, search->seen_capacity, first);
+    const unsigned fresh = *entry != first;
+    inside &= fresh;
+    *entry = inside ? first : *entry;
     search->parent[search->cavity_count] = facet;
+    search->reach[search->cavity_count] = link;
     search->cavity_count += inside;
     search->from[search->facet_count] = facet;
-    search->facet_count += unmarked ^ inside;
+    search->facet_count += fresh ^ inside;
 }
 
 #if defined(PBW__SIMD) && !defined(PBW_WIDE)
@@ -5180,34 +5310,56 @@ static const unsigned char pbw__front[16][16] = {
     { PBW__LANE(0), PBW__LANE(1), PBW__LANE(2), PBW__LANE(3) }
 };
 
-/* The lanes of a set of four: 1 for each that is in it. */
-static const unsigned char pbw__lane_bits[16][4] = {
-    { 0, 0, 0, 0 }, { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 1, 1, 0, 0 }, { 0, 0, 1, 0 }, { 1, 0, 1, 0 }, { 0, 1, 1, 0 },
-    { 1, 1, 1, 0 }, { 0, 0, 0, 1 }, { 1, 0, 0, 1 }, { 0, 1, 0, 1 }, { 1, 1, 0, 1 }, { 0, 0, 1, 1 }, { 1, 0, 1, 1 },
-    { 0, 1, 1, 1 }, { 1, 1, 1, 1 }
+/* pbw__search_sort for all four neighbours, one after the other. */
+static PBW__NOINLINE void pbw__search_sort_each(pbw__search *search, pbw_index facet, const pbw__link *link,
+                                                unsigned inside)
+{
+    unsigned k;
+    for (k = 0; k < 4; k++) {
+        pbw__search_sort(search, facet + k, link[k], inside >> k & 1);
+    }
+}
+
+/* By lanes: all bits in the lanes of a set of four. */
+static const int32_t pbw__lane_set[16][4] = {
+    { 0, 0, 0, 0 }, { -1, 0, 0, 0 }, { 0, -1, 0, 0 }, { -1, -1, 0, 0 }, { 0, 0, -1, 0 }, { -1, 0, -1, 0 },
+    { 0, -1, -1, 0 }, { -1, -1, -1, 0 }, { 0, 0, 0, -1 }, { -1, 0, 0, -1 }, { 0, -1, 0, -1 }, { -1, -1, 0, -1 },
+    { 0, 0, -1, -1 }, { -1, 0, -1, -1 }, { 0, -1, -1, -1 }, { -1, -1, -1, -1 }
 };
 
 /* pbw__search_sort for all four neighbours, which are different simplices: two simplices share at most one facet.
    Prefetches the links of those that stay: the refill writes there. */
 PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
 {
-    unsigned char *mark = search->mark;
-    pbw_index o0 = link[0] >> 2, o1 = link[1] >> 2, o2 = link[2] >> 2, o3 = link[3] >> 2;
-    unsigned marked = PBW__LOAD(mark + o0) + 2u * PBW__LOAD(mark + o1)
-                    + 4u * (PBW__LOAD(mark + o2) + 2u * PBW__LOAD(mark + o3)), outside;
+    const pbw__link mask = (pbw__link)(search->seen_capacity - 1) * 4;
+    pbw__link *const seen = search->seen;
+    pbw__link *const entry0 = seen + ((link[0] & mask) >> 2), *const entry1 = seen + ((link[1] & mask) >> 2);
+    pbw__link *const entry2 = seen + ((link[2] & mask) >> 2), *const entry3 = seen + ((link[3] & mask) >> 2);
+    const pbw__i4 links = pbw__load4(link), first = links & pbw__splat_i(~3);
+    const pbw__i4 found = { (int32_t)*entry0, (int32_t)*entry1, (int32_t)*entry2, (int32_t)*entry3 };
+    const pbw__i4 same = found == first, known = same | (found == pbw__splat_i(-1));
+    const unsigned old = pbw__signs4(same), outside = 15u & ~(inside | old);
     const pbw__i4 lanes = { 0, 1, 2, 3 }, from = pbw__splat_i((int32_t)facet) + lanes;
-    PBW__PREFETCH(search->link + 4 * (size_t)o0);
-    PBW__PREFETCH(search->link + 4 * (size_t)o1);
-    PBW__PREFETCH(search->link + 4 * (size_t)o2);
-    PBW__PREFETCH(search->link + 4 * (size_t)o3);
-    outside = 15u & ~(inside | marked);
-    inside &= ~marked;
-    marked |= inside;
-    PBW__STORE(mark + o0, pbw__lane_bits[marked][0]);
-    PBW__STORE(mark + o1, pbw__lane_bits[marked][1]);
-    PBW__STORE(mark + o2, pbw__lane_bits[marked][2]);
-    PBW__STORE(mark + o3, pbw__lane_bits[marked][3]);
+    pbw__i4 set;
+    PBW__PREFETCH(search->link + link[0]);
+    PBW__PREFETCH(search->link + link[1]);
+    PBW__PREFETCH(search->link + link[2]);
+    PBW__PREFETCH(search->link + link[3]);
+    if (PBW__UNLIKELY(pbw__signs4(known) != 15)) {
+        pbw__search copy = *search;                  /* so that the compiler keeps its members in registers */
+        pbw__search_sort_each(&copy, facet, link, inside);
+        *search = copy;
+        return;
+    }
+    inside &= ~old;
+    set = pbw__load4(pbw__lane_set[inside]);
+    set = (first & set) | (found & ~set);
+    *entry0 = (pbw__link)set[0];
+    *entry1 = (pbw__link)set[1];
+    *entry2 = (pbw__link)set[2];
+    *entry3 = (pbw__link)set[3];
     pbw__store4(search->parent + search->cavity_count, pbw__shuffle4(from, pbw__front[inside]));
+    pbw__store4(search->reach + search->cavity_count, pbw__shuffle4(links, pbw__front[inside]));
     search->cavity_count += pbw__count4(inside);
     pbw__store4(search->from + search->facet_count, pbw__shuffle4(from, pbw__front[outside]));
     search->facet_count += pbw__count4(outside);
@@ -5217,7 +5369,7 @@ PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
 {
     unsigned k;
     for (k = 0; k < 4; k++) {
-        pbw__search_sort(search, facet + k, (pbw_index)(link[k] >> 2), inside >> k & 1);
+        pbw__search_sort(search, facet + k, link[k], inside >> k & 1);
     }
 }
 #endif
@@ -5230,7 +5382,7 @@ PBW__SIMD_INLINE pbw__pairs4 pbw__pairs4_of(const double *record, const pbw_inde
 {
     const int dim = p->dim;
     const pbw__d4 zero = pbw__splat(0.0);
-    const pbw__point4 origin = { zero, zero, zero, zero, NULL, dim, 0 };
+    const pbw__point4 origin = { zero, zero, zero, zero, NULL, p->width, dim, 0 };
     pbw__rows4 at = pbw__rows4_of(record, v, 1, &origin);
     pbw__pairs4 rows;
     rows.x = pbw__difference4(at.x, p->x, at.ghost);
@@ -5254,10 +5406,11 @@ PBW__SIMD_INLINE pbw__pairs4 pbw__pairs4_of(const double *record, const pbw_inde
 /* The determinants of pbw__carve3_simd in pairs, without weights; v: the corners of a simplex, far: the vertices
    across its facets.  Returns which are certain; *inside: which are positive.
    With h above 1e-20 what underflows is far below the bound; above 4e61 h^5 is infinite. */
-PBW__SIMD static PBW__NOINLINE unsigned pbw__power4_pairs(const double *record, const pbw_index *v,
+PBW__SIMD static PBW__NOINLINE unsigned pbw__power4_pairs(const pbw__kernel *kernel, const pbw_index *v,
                                                           const pbw_index *far, const double *p, unsigned *inside)
 {
-    const pbw__point4 point = pbw__point4_of(p, 3, 0);
+    const pbw__point4 point = pbw__point4_of(p, 3, 0, kernel->width);
+    const double *record = kernel->record;
     pbw__pairs4 r = pbw__pairs4_of(record, v, &point), o = pbw__pairs4_of(record, far, &point), a, b, c;
     pbw__pair4 xy, xz, yz, xl, yl, zl, det;
     pbw__d4 height = pbw__max_lane(r.height), h = pbw__max4(height, o.height), limit = h * h;
@@ -5287,10 +5440,11 @@ PBW__SIMD_INLINE pbw__d4 pbw__dot4(pbw__d4 x, pbw__d4 y, pbw__d4 z, pbw__d4 u, p
 /* The verdicts where the determinants of pbw__carve3_simd are zero, nothing is rounded and the neighbours are finite:
    the rule of pbw__conflict in >>predicates.  The coefficients of the lifts are those of the determinant.  Integers
    below EXACT_HEIGHT^(1/2) < 2^10 make one number, which compares as they do one after the other. */
-PBW__SIMD static PBW__NOINLINE unsigned pbw__ties4(const double *record, const pbw_index *v, const pbw_index *far,
-                                                   const double *p)
+PBW__SIMD static PBW__NOINLINE unsigned pbw__ties4(const pbw__kernel *kernel, const pbw_index *v,
+                                                   const pbw_index *far, const double *p)
 {
-    const pbw__point4 point = pbw__point4_of(p, 3, 0);
+    const pbw__point4 point = pbw__point4_of(p, 3, 0, kernel->width);
+    const double *record = kernel->record;
     const pbw__d4 zero = pbw__splat(0.0), radix = pbw__splat(2048.0);
     pbw__rows4 r = pbw__rows4_of(record, v, 1, &point);
     pbw__rows4 o = pbw__rows4_of(record, far, 1, &point);
@@ -5324,27 +5478,30 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, c
                                                           unsigned certain, unsigned inside, unsigned rounded,
                                                           const double *p)
 {
+    pbw__link *seen = kernel->scratch.seen;
     const pbw_index *v = carved->v;
     pbw_index far[4];
-    unsigned open = 0, ghost = 0, ghosts = 0, tied, k;
+    unsigned open = 15u & ~certain, ghost = 0, ghosts = 0, tied, k;
     PBW__PHASE(PBW__EXACT);
     for (k = 0; k < 4; k++) {
         far[k] = kernel->corner[carved->link[k]];
         ghost |= (unsigned)(v[k] == PBW__GHOST) << k;
         ghosts |= (unsigned)(far[k] == PBW__GHOST) << k;
-        open |= (unsigned)!PBW__LOAD(kernel->mark + (carved->link[k] >> 2)) << k;
     }
     inside &= certain;
-    open &= ~certain;
     tied = open & ~rounded & (ghost != 0 ? ghost : 15u);
     if (tied != 0) {
-        inside |= tied & (ghosts | pbw__ties4(kernel->record, v, far, p));
+        inside |= tied & (ghosts | pbw__ties4(kernel, v, far, p));
         open &= ~tied;
         kernel->statistics.exact_tests += pbw__count4(tied);
     }
+    for (k = 0; open >> k != 0; k++) {               /* not those that are in the cavity */
+        const pbw__link first = carved->link[k] & ~(pbw__link)3;
+        open &= ~((unsigned)(*pbw__seen_entry(seen, kernel->scratch.seen_capacity, first) == first) << k);
+    }
     if ((open & rounded) != 0 && !kernel->weighted) {
         unsigned positive;
-        certain = open & rounded & pbw__power4_pairs(kernel->record, v, far, p, &positive);
+        certain = open & rounded & pbw__power4_pairs(kernel, v, far, p, &positive);
         inside |= certain & positive;
         open &= ~certain;
         kernel->statistics.exact_tests += pbw__count4(certain);
@@ -5371,9 +5528,10 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
         double row[5][4], height = 0.0;
         unsigned k;
         if (!pbw__search_room(kernel, &search)) {
+            pbw__seen_empty(kernel);
             return PBW_ERROR_MEMORY;
         }
-        pbw__search_number(&search, i, pbw__search_take(&search, i));
+        pbw__search_number(&search, i, search.reach[i]);
         link = search.carved[i].link;
         v = search.carved[i].v;
         for (k = 0; k < 4; k++) {
@@ -5383,10 +5541,11 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
         for (k = 0; k < 4; k++) {
             const unsigned char *corner = pbw__facet_corners[k] + 1;
             const double *o = row[4], *a = row[corner[0]], *b = row[corner[1]], *c = row[corner[2]];
+            const pbw__link first = link[k] & ~(pbw__link)3;
             pbw_index far = search.corner[link[k]];
             double h, det, limit, xy, xz, yz, xl, yl, zl;
             unsigned inside;
-            if (PBW__LOAD(search.mark + (link[k] >> 2))) {
+            if (*pbw__seen_entry(search.seen, search.seen_capacity, first) == first) {
                 continue;
             }
             h = pbw__max(pbw__max(height, pbw__row(kernel, far, p, row[4], 3)), 1e-55);
@@ -5401,11 +5560,13 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
                 inside = (unsigned)pbw__in_conflict(kernel, (pbw_index)(link[k] >> 2), p);
             }
             if (inside && kernel->own.owner != NULL && !pbw__may_delete(kernel, (pbw_index)(link[k] >> 2))) {
-                return pbw__search_leave(kernel, &search, i);
+                (void)pbw__search_forget(&search);
+                return PBW__LEFT;
             }
-            pbw__search_sort(&search, (pbw_index)(4 * i + k), (pbw_index)(link[k] >> 2), inside);
+            pbw__search_sort(&search, (pbw_index)(4 * i + k), link[k], inside);
         }
     }
+    (void)pbw__search_forget(&search);
     pbw__search_end(kernel, &search);
     return PBW_OK;
 }
@@ -5449,7 +5610,7 @@ PBW__SIMD_INLINE pbw__order4 pbw__search_inherit(pbw__search *search, size_t i, 
     pbw__store4(carved->v, v);
     memcpy(carved->link, search->link + first, sizeof(carved->link));
     if (PBW__LIKELY(search->local_count < PBW__LOCALS)) {
-            uint32_t number = pbw__local(search->table, search->stamp, &search->local_count, search->corner[link]);
+        uint32_t number = pbw__local(search->table, search->stamp, &search->local_count, search->corner[link]);
         pbw__store4(carved->local, pbw__permute4(pbw__load4(parent->local), place));
         carved->local[link & 3] = number;
     }
@@ -5506,9 +5667,8 @@ PBW__SIMD_INLINE pbw__d4 pbw__sphere4(const pbw__rows4 *r, const pbw__rows4 *o)
 }
 
 /* The search with vectors, a facet in each lane. */
-PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, const double *p, int weighted)
+PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, const pbw__point4 *point)
 {
-    const pbw__point4 point = pbw__point4_of(p, 3, weighted);
     const pbw__d4 exact_height = pbw__splat(kernel->exact_height);
     const pbw_index *corner = kernel->corner;
     const double *record = kernel->record;
@@ -5524,21 +5684,22 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
         pbw__rows4 r, o;
         pbw__d4 height, det, h, limit, rounded;
         unsigned certain, inside;
-        if (PBW__UNLIKELY(!pbw__search_room(kernel, &search))) {
-            return PBW_ERROR_MEMORY;
+        if (PBW__UNLIKELY(search.cavity_count + search.facet_count + 8 > search.capacity)) {
+            pbw__seen_empty(kernel);
+            return pbw__carve3_scalar(kernel, t, point->p);      /* which makes room */
         }
-        link = pbw__search_take(&search, i);
-        r = pbw__carve_rows(&search, i, link, record, &point, &latest);
+        link = search.reach[i];
+        r = pbw__carve_rows(&search, i, link, record, point, &latest);
         height = pbw__max_lane(r.height);
         {
             const pbw__link *around = search.link + (link & ~(pbw__link)3);      /* carved->link is being written */
             const pbw_index far[4] = { corner[around[0]], corner[around[1]], corner[around[2]], corner[around[3]] };
-            o = pbw__rows4_of(record, far, 1, &point);
+            o = pbw__rows4_of(record, far, 1, point);
         }
         o.lift = pbw__blend_zero(o.lift, o.ghost, height);
         here->x = r.x, here->y = r.y, here->z = r.z, here->lift = r.lift;
         here->far_x = o.x, here->far_y = o.y, here->far_z = o.z, here->far_lift = o.lift;
-        if (weighted) {
+        if (point->weighted) {
             latest.heights[i % PBW__HELD][0] = r.height;
             latest.heights[i % PBW__HELD][1] = pbw__blend_zero(o.height, o.ghost, height);
         }
@@ -5550,7 +5711,8 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
         certain = pbw__signs(pbw__greater(det * det, limit));
         inside = pbw__signs(det) ^ 15u;
         if (PBW__UNLIKELY(certain != 15)) {
-            inside = pbw__search_exact(kernel, search.carved + i, certain, inside, pbw__signs(rounded), p);
+            inside = pbw__search_exact(kernel, search.carved + i, certain, inside, pbw__signs(rounded),
+                                       point->p);
         }
         if (PBW__UNLIKELY(owned)) {                  /* three corners are also corners of the simplex met before */
             const pbw__carved *carved = search.carved + i;
@@ -5560,10 +5722,14 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
             latest.lacking[i % PBW__HELD] = (unsigned char)lack;
             if (PBW__UNLIKELY(lack != 0) && (inside & ~lack) != 0
                 && !pbw__may_delete_all(kernel, carved, lack, inside)) {
-                return pbw__search_leave(kernel, &search, i);
+                (void)pbw__search_forget(&search);
+                return PBW__LEFT;
             }
         }
         pbw__search_sort4(&search, (pbw_index)(4 * i), search.carved[i].link, inside);
+    }
+    if (PBW__UNLIKELY(!pbw__search_forget(&search))) {
+        return pbw__carve3_scalar(kernel, t, point->p);
     }
     pbw__search_end(kernel, &search);
     return PBW_OK;
@@ -5623,7 +5789,6 @@ static PBW__NOINLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vert
         const unsigned char *corner = pbw__facet_corners[kernel->scratch.from[i] & 3] + 1;
         pbw__link base = (pbw__link)kernel->scratch.cavity[i] * 4, beyond = carved->link[kernel->scratch.from[i] & 3];
         uint64_t apart = 0;
-        PBW__STORE(kernel->mark + kernel->scratch.cavity[i], 0);
         kernel->corner[base] = vertex;
         kernel->link[base] = beyond;
         kernel->link[beyond] = base;
@@ -5676,7 +5841,6 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
     pbw_index *corners = kernel->corner;
     const pbw_index *cavity = kernel->scratch.cavity, *from = kernel->scratch.from;
     pbw__link *links = kernel->link, *edge = kernel->scratch.edge;
-    unsigned char *mark = kernel->mark;
     size_t i, count = kernel->scratch.facet_count;
     uint32_t least = UINT32_MAX;
     pbw_index nearest = cavity[0];
@@ -5694,7 +5858,6 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
         pbw_index slot = cavity[i];
         pbw__link base = slot * 4, beyond = inside->link[from[i] & 3];
         uint32_t apart = pbw__apart4(v, new_corner);
-        PBW__STORE(mark + slot, 0);
         pbw__store4(corners + base, v);
         links[base] = beyond;
         links[beyond] = base;
@@ -5750,43 +5913,48 @@ PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
 static pbw_status pbw__carve2(pbw__kernel *kernel, pbw_index t, const double *p)
 {
     const pbw__link *links = kernel->link;
+    pbw__scratch *scratch = &kernel->scratch;
     size_t stack_count = 3;
     int k;
-    kernel->scratch.cavity[0] = t;
-    kernel->scratch.cavity_count = 1;
-    kernel->scratch.facet_count = 0;
-    kernel->mark[t] = 1;
+    scratch->cavity[0] = t;
+    scratch->cavity_count = 1;
+    scratch->facet_count = 0;
+    *pbw__seen_entry(scratch->seen, scratch->seen_capacity, (pbw__link)t * 4) = (pbw__link)t * 4;
     for (k = 0; k < 3; k++) {
-        kernel->scratch.stack[k] = links[4 * (size_t)t + 2 - (size_t)k];
+        scratch->stack[k] = links[4 * (size_t)t + 2 - (size_t)k];
     }
     while (stack_count > 0) {
-        pbw__link link = kernel->scratch.stack[--stack_count];
+        pbw__link link = scratch->stack[--stack_count];
         pbw_index o = (pbw_index)(link >> 2);
         unsigned via = (unsigned)(link & 3), left = via == 2 ? 0 : via + 1, right = via == 0 ? 2 : via - 1;
-        if (kernel->mark[o]) {
+        if (*pbw__seen_entry(scratch->seen, scratch->seen_capacity, (pbw__link)o * 4) != PBW__UNSEEN) {
             continue;
         }
         if (pbw__test2(kernel, o, p)) {
             if (kernel->own.owner != NULL && !pbw__may_delete(kernel, o)) {
-                return pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
+                pbw__seen_clear(kernel, scratch->cavity_count);
+                return PBW__LEFT;
             }
-            if ((kernel->scratch.cavity_count == kernel->scratch.cavity_capacity
-                 && !pbw__grow_lists(kernel, kernel->scratch.cavity_count + 1))
-                || !PBW__GROW(kernel, &kernel->scratch, stack, stack_count + 2)) {
+            if ((scratch->cavity_count == scratch->cavity_capacity
+                 && !pbw__grow_lists(kernel, scratch->cavity_count + 1))
+                || !PBW__GROW(kernel, scratch, stack, stack_count + 2)) {
+                pbw__seen_empty(kernel);
                 return PBW_ERROR_MEMORY;
             }
-            kernel->mark[o] = 1;
-            kernel->scratch.cavity[kernel->scratch.cavity_count++] = o;
-            kernel->scratch.stack[stack_count++] = links[4 * (size_t)o + right];
-            kernel->scratch.stack[stack_count++] = links[4 * (size_t)o + left];
+            *pbw__seen_entry(scratch->seen, scratch->seen_capacity, (pbw__link)o * 4) = (pbw__link)o * 4;
+            scratch->cavity[scratch->cavity_count++] = o;
+            scratch->stack[stack_count++] = links[4 * (size_t)o + right];
+            scratch->stack[stack_count++] = links[4 * (size_t)o + left];
         } else {
-            if (kernel->scratch.facet_count + 1 >= kernel->scratch.beyond_capacity
-                && !pbw__grow_lists(kernel, kernel->scratch.facet_count + 2)) {
+            if (scratch->facet_count + 1 >= scratch->beyond_capacity
+                && !pbw__grow_lists(kernel, scratch->facet_count + 2)) {
+                pbw__seen_empty(kernel);
                 return PBW_ERROR_MEMORY;
             }
-            kernel->scratch.beyond[kernel->scratch.facet_count++] = link;
+            scratch->beyond[scratch->facet_count++] = link;
         }
     }
+    pbw__seen_clear(kernel, scratch->cavity_count);
     return PBW_OK;
 }
 
@@ -5812,7 +5980,6 @@ static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
         /* Across from `end` lies the triangle before, which ends where we begin: its corner across from us is its
            `start`. */
         unsigned before_from = last_start == PBW__GHOST ? 2 : 1, after_to = end == PBW__GHOST ? 0 : 2;
-        kernel->mark[kernel->scratch.cavity[i]] = 0;
         v[turn] = vertex;
         v[from] = start;
         v[to] = end;
@@ -5937,10 +6104,11 @@ PBW__SIMD_INLINE unsigned pbw__settle2(pbw__kernel *kernel, const pbw__triangles
 /* The determinants of pbw__test2_simd in pairs, without weights; corner: starts, ends and far vertices of four edges.
    Returns which are certain; *inside: which are positive.
    With h above 1e-20 what underflows is far below the bound; above 1e154 h^2 is infinite. */
-PBW__SIMD static PBW__NOINLINE unsigned pbw__circle4_pairs(const double *record, pbw_index corner[3][4],
+PBW__SIMD static PBW__NOINLINE unsigned pbw__circle4_pairs(const pbw__kernel *kernel, pbw_index corner[3][4],
                                                            const double *p, unsigned *inside)
 {
-    const pbw__point4 point = pbw__point4_of(p, 2, 0);
+    const pbw__point4 point = pbw__point4_of(p, 2, 0, kernel->width);
+    const double *record = kernel->record;
     pbw__pairs4 s = pbw__pairs4_of(record, corner[0], &point), e = pbw__pairs4_of(record, corner[1], &point);
     pbw__pairs4 o = pbw__pairs4_of(record, corner[2], &point);
     pbw__d4 h = pbw__max4(pbw__max4(s.lift.head, e.lift.head), o.lift.head), size;
@@ -5970,7 +6138,7 @@ static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ri
         corner[2][k] = kernel->corner[ring->beyond[edge]];
     }
     if (!kernel->weighted) {
-        unsigned positive, certain = open & pbw__circle4_pairs(kernel->record, corner, p, &positive);
+        unsigned positive, certain = open & pbw__circle4_pairs(kernel, corner, p, &positive);
         inside = certain & positive;
         open &= ~certain;
     }
@@ -6103,11 +6271,11 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start_hull(pbw__kernel *kernel, pbw__ring 
     const pbw_index far[4] = { c, corner[link[PBW__AFTER(behind)]], corner[link[PBW__BEFORE(behind)]], c };
     const pbw_index rows[4] = { a, b, c, a };
     const pbw__rows4 r = pbw__rows4_of(kernel->record, rows, 0, point);
-    const double *next = pbw__record2(kernel, corner[ring->beyond[0]]);
-    const double *last = pbw__record2(kernel, corner[ring->beyond[1]]);
+    const double *next = pbw__record_at(kernel, corner[ring->beyond[0]]);
+    const double *last = pbw__record_at(kernel, corner[ring->beyond[1]]);
     double error[2];
-    const double after = pbw__right_of(pbw__record2(kernel, b), next, point->p, error);
-    const double before = pbw__right_of(last, pbw__record2(kernel, a), point->p, error + 1);
+    const double after = pbw__right_of(pbw__record_at(kernel, b), next, point->p, error);
+    const double before = pbw__right_of(last, pbw__record_at(kernel, a), point->p, error + 1);
     const unsigned finite = 1u | (unsigned)(far[1] != PBW__GHOST) << 1 | (unsigned)(far[2] != PBW__GHOST) << 2;
     pbw__triangles t;
     unsigned certain, inside;
@@ -6132,7 +6300,7 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start_hull(pbw__kernel *kernel, pbw__ring 
 PBW__SIMD static PBW__NOINLINE pbw_status pbw__ring_hull(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
                                                          const double *p)
 {
-    const pbw__point4 point = pbw__point4_of(p, 2, kernel->weighted);
+    const pbw__point4 point = pbw__point4_of(p, 2, kernel->weighted, kernel->width);
     pbw_status status = PBW_OK;
     ring->hull = 1;
     if (head == 0 && ring->start[1] == PBW__GHOST && !kernel->weighted) {
@@ -6255,8 +6423,8 @@ static PBW__NOINLINE void pbw__turn_ghost(pbw__kernel *kernel, const pbw__ring *
         k++;
     }
     {
-        const double *p = pbw__record2(kernel, vertex), *next = pbw__record2(kernel, guess);
-        const double *a = pbw__record2(kernel, ring->start[k]), *b = pbw__record2(kernel, ring->end[i]);
+        const double *p = pbw__record_at(kernel, vertex), *next = pbw__record_at(kernel, guess);
+        const double *a = pbw__record_at(kernel, ring->start[k]), *b = pbw__record_at(kernel, ring->end[i]);
         const int back = (next[0] - p[0]) * (b[0] - a[0]) + (next[1] - p[1]) * (b[1] - a[1]) < 0.0;
         kernel->last = ring->slot[back ? k : i];
     }
@@ -6275,18 +6443,17 @@ static PBW__NOINLINE void pbw__turn_ghost(pbw__kernel *kernel, const pbw__ring *
 
 /* The star, in the slots of the cavity and two more; pbw__refill2 has the numbers of the corners.  The next walk is
    to start in the triangle towards the next vertex, by a guess: as far along the curve as this from the last. */
-PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pbw_index vertex)
+PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pbw_index vertex, size_t width)
 {
     pbw_index *corner = kernel->corner;
     pbw__link *link = kernel->link;
     const double *record = kernel->record;
     unsigned count = ring->count, i;
     pbw_index last = ring->slot[0], guess = pbw__guess2(kernel, vertex);
-    const pbw__d2 p = pbw__load2(record + 3 * (size_t)vertex);
-    const pbw__d2 normal = pbw__turn_right(pbw__load2(record + 3 * (size_t)guess) - p);
+    const pbw__d2 p = pbw__load2(record + width * vertex);
+    const pbw__d2 normal = pbw__turn_right(pbw__load2(record + width * guess) - p);
     ring->slot[count - 2] = (pbw_index)kernel->slots.fresh;
     ring->slot[count - 1] = (pbw_index)kernel->slots.fresh + 1;
-    kernel->mark[kernel->slots.fresh] = kernel->mark[kernel->slots.fresh + 1] = 0;
     kernel->slots.fresh += 2;
     kernel->statistics.created += count;
     kernel->statistics.conflict_tests += ring->tail;
@@ -6302,8 +6469,8 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
         link[after + 2] = base | 1;
         link[ring->beyond[i]] = base;
         if (PBW__LIKELY(!ring->hull)) {
-            between = pbw__signs2((pbw__load2(record + 3 * (size_t)start) - p) * normal,
-                                  (pbw__load2(record + 3 * (size_t)end) - p) * normal);
+            between = pbw__signs2((pbw__load2(record + width * start) - p) * normal,
+                                  (pbw__load2(record + width * end) - p) * normal);
             last = between == 2 ? ring->slot[i] : last;
         }
     }
@@ -6337,14 +6504,13 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
    one of the two finest levels is left out.  (Of a million points on 8 lines 28,000 have neighbours on other lines;
    13,000 are extremes.)
    ------------------------------------------------------------------------------------------------------ */
-/* Replaces the cavity of a vertex, which contains t, by its star. */
-static PBW__NOINLINE pbw_status pbw__replace(pbw__kernel *kernel, pbw_index t, pbw_index vertex)
+/* Replaces the cavity of a vertex at p, which contains t, by its star. */
+static PBW__NOINLINE pbw_status pbw__replace(pbw__kernel *kernel, pbw_index t, pbw_index vertex, const double *p)
 {
     const int dim = kernel->dim;
     pbw_status status;
     PBW__PHASE(PBW__CAVITY);
-    status = dim == 3 ? pbw__carve3_scalar(kernel, t, pbw__record3(kernel, vertex))
-                      : pbw__carve2(kernel, t, pbw__record2(kernel, vertex));
+    status = dim == 3 ? pbw__carve3_scalar(kernel, t, p) : pbw__carve2(kernel, t, p);
     PBW__PHASE(PBW__STAR);
     status = status == PBW_OK ? pbw__take_slots(kernel) : status;
     if (status == PBW_OK) {
@@ -6356,10 +6522,10 @@ static PBW__NOINLINE pbw_status pbw__replace(pbw__kernel *kernel, pbw_index t, p
 /* Inserts a vertex, which may turn out to be hidden.  PBW__LEFT: another task owns a zone that this one needs. */
 static pbw_status pbw__insert_scalar(pbw__kernel *kernel, pbw_index vertex)
 {
-    const int dim = kernel->dim;
-    const double *p = dim == 3 ? pbw__record3(kernel, vertex) : pbw__record2(kernel, vertex);
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw_status status;
+    double p[4];
+    pbw__copy_record(pbw__record_at(kernel, vertex), p, kernel->dim, kernel->weighted);
     PBW__PHASE(PBW__WALK);
     if (t != PBW__FOREIGN) {
         t = pbw__locate_scalar(kernel, t, p);
@@ -6368,7 +6534,7 @@ static pbw_status pbw__insert_scalar(pbw__kernel *kernel, pbw_index vertex)
     if (t == PBW_NONE || status != PBW_OK) {
         return status;                               /* hidden, or not ours */
     }
-    status = pbw__replace(kernel, t, vertex);
+    status = pbw__replace(kernel, t, vertex, p);
     PBW__PHASE(PBW__OTHER);
     return status;
 }
@@ -6381,24 +6547,28 @@ PBW__INLINE void pbw__ask_ahead2(const pbw__kernel *kernel, pbw_index vertex)
     const pbw_index later = vertex + 4 * (vertex - kernel->previous);
     PBW__PREFETCH_TO_WRITE(kernel->corner + 4 * slot);
     PBW__PREFETCH_TO_WRITE(kernel->link + 4 * slot);
-    PBW__PREFETCH(pbw__record2(kernel, later <= kernel->vertex_count ? later : vertex));
+    PBW__PREFETCH(pbw__record_at(kernel, later <= kernel->vertex_count ? later : vertex));
 }
 
-/* Insertion with vectors; dim and weighted are constants. */
-PBW__SIMD_INLINE pbw_status pbw__insert_simd(pbw__kernel *kernel, pbw_index vertex, int dim, int weighted)
+/* Insertion with vectors; dim, weighted and the width of records are constants. */
+PBW__SIMD_INLINE pbw_status pbw__insert_simd(pbw__kernel *kernel, pbw_index vertex, int dim, int weighted,
+                                             size_t width)
 {
-    const double *p = dim == 3 ? pbw__record3(kernel, vertex) : pbw__record2(kernel, vertex);
     const pbw__d4 zero = pbw__splat(0.0);
     pbw__rows4 rows = { zero, zero, zero, zero, zero, zero };
     pbw_index t = pbw__insert_start(kernel, vertex);
+    pbw__point4 point;
     pbw__ring ring;
     pbw_status status;
+    double p[4];
     if (dim == 2) {
         pbw__ask_ahead2(kernel, vertex);
     }
+    pbw__copy_record(kernel->record + width * vertex, p, dim, weighted);
+    point = pbw__point4_of(p, dim, weighted, width);
     PBW__PHASE(PBW__WALK);
     if (PBW__LIKELY(t != PBW__FOREIGN)) {
-        t = dim == 3 ? pbw__locate3_simd(kernel, t, p, weighted) : pbw__locate2_simd(kernel, t, p, weighted, &rows);
+        t = dim == 3 ? pbw__locate3_simd(kernel, t, &point) : pbw__locate2_simd(kernel, t, &point, &rows);
     }
     status = pbw__located(kernel, t);
     if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
@@ -6406,43 +6576,45 @@ PBW__SIMD_INLINE pbw_status pbw__insert_simd(pbw__kernel *kernel, pbw_index vert
     }
     PBW__PHASE(PBW__CAVITY);
     if (dim == 3) {
-        status = pbw__carve3_simd(kernel, t, p, weighted);
+        status = pbw__carve3_simd(kernel, t, &point);
         PBW__PHASE(PBW__STAR);
         status = PBW__LIKELY(status == PBW_OK) ? pbw__take_slots(kernel) : status;
         status = PBW__LIKELY(status == PBW_OK) ? pbw__refill3_simd(kernel, vertex) : status;
     } else {
-        const pbw__point4 point = pbw__point4_of(p, 2, weighted);
         status = PBW__LIKELY(kernel->slots.fresh_end - kernel->slots.fresh >= 2)
                ? pbw__carve2_simd(kernel, &ring, t, &rows, &point) : PBW__NO_FIT;
         PBW__PHASE(PBW__STAR);
         if (PBW__LIKELY(status == PBW_OK)) {
-            pbw__refill2_simd(kernel, &ring, vertex);
+            pbw__refill2_simd(kernel, &ring, vertex, width);
         } else if (status == PBW__NO_FIT) {
-            status = pbw__replace(kernel, t, vertex);
+            status = pbw__replace(kernel, t, vertex, p);
         }
     }
     PBW__PHASE(PBW__OTHER);
     return status;
 }
 
-PBW__SIMD static pbw_status pbw__insert3_simd(pbw__kernel *kernel, pbw_index vertex)
-{
-    return pbw__insert_simd(kernel, vertex, 3, 0);
-}
+#define PBW__INSERT_SIMD(name, dim, weighted, width) \
+    PBW__SIMD static pbw_status name(pbw__kernel *kernel, pbw_index vertex) \
+    { \
+        return pbw__insert_simd(kernel, vertex, dim, weighted, width); \
+    }
+PBW__INSERT_SIMD(pbw__insert2_simd, 2, 0, 2)
+PBW__INSERT_SIMD(pbw__insert2_live_simd, 2, 0, 3)
+PBW__INSERT_SIMD(pbw__insert2_weighted_simd, 2, 1, 3)
+PBW__INSERT_SIMD(pbw__insert3_simd, 3, 0, 3)
+PBW__INSERT_SIMD(pbw__insert3_live_simd, 3, 0, 4)
+PBW__INSERT_SIMD(pbw__insert3_weighted_simd, 3, 1, 4)
 
-PBW__SIMD static pbw_status pbw__insert3_weighted_simd(pbw__kernel *kernel, pbw_index vertex)
+static pbw_status (*pbw__insert_choose(const pbw__kernel *kernel))(pbw__kernel *, pbw_index)
 {
-    return pbw__insert_simd(kernel, vertex, 3, 1);
-}
-
-PBW__SIMD static pbw_status pbw__insert2_simd(pbw__kernel *kernel, pbw_index vertex)
-{
-    return pbw__insert_simd(kernel, vertex, 2, 0);
-}
-
-PBW__SIMD static pbw_status pbw__insert2_weighted_simd(pbw__kernel *kernel, pbw_index vertex)
-{
-    return pbw__insert_simd(kernel, vertex, 2, 1);
+    if (kernel->weighted) {
+        return kernel->dim == 3 ? pbw__insert3_weighted_simd : pbw__insert2_weighted_simd;
+    }
+    if (kernel->width > (size_t)kernel->dim) {
+        return kernel->dim == 3 ? pbw__insert3_live_simd : pbw__insert2_live_simd;
+    }
+    return kernel->dim == 3 ? pbw__insert3_simd : pbw__insert2_simd;
 }
 #endif
 
@@ -6473,6 +6645,7 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
     kernel->context = context;
     kernel->store = store;
     kernel->record = vertices->record;
+    kernel->width = vertices->width;
     kernel->vertex_count = (pbw_index)vertices->count;
     kernel->grid = grid;
     kernel->dim = dim;
@@ -6486,8 +6659,7 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
     kernel->insert = pbw__insert_scalar;
 #ifdef PBW__SIMD
     if (pbw__simd_works()) {
-        kernel->insert = kernel->weighted ? (dim == 3 ? pbw__insert3_weighted_simd : pbw__insert2_weighted_simd)
-                                          : (dim == 3 ? pbw__insert3_simd : pbw__insert2_simd);
+        kernel->insert = pbw__insert_choose(kernel);
     }
 #endif
     pbw__kernel_attach(kernel);
@@ -6561,7 +6733,7 @@ static pbw_status pbw__seeds(pbw__kernel *kernel, size_t count, int dim, pbw_ind
         size_t i, rank = pbw__level_rank(&level, 0);
         for (i = 0; i < size; i++, rank = pbw__level_after(&level, rank)) {
             int side;
-            x[found] = kernel->record + (rank + 1) * (size_t)(dim + 1);
+            x[found] = pbw__record_at(kernel, (pbw_index)rank + 1);
             side = pbw__seed_fits(kernel, dim, x, found);
             if ((i & 255) == 255 && pbw__report(kernel->context, 0.001)) {
                 return PBW_CANCELLED;
@@ -6833,13 +7005,13 @@ static pbw_status pbw__run_level(pbw__build *build, const pbw__grid *grid)
 
 /* Finds the line that fits a span of vertices best: the slopes of the two coordinates after its longest axis.
    Returns the axis. */
-static int pbw__line_along(const double *record, size_t count, double slope[2])
+static int pbw__line_along(const double *record, size_t width, size_t count, double slope[2])
 {
     double sum[3] = { 0, 0, 0 }, square[3] = { 0, 0, 0 }, product[3] = { 0, 0, 0 };      /* of k and k + 1 */
     const double *p = record;
     size_t i;
     int k, axis = 0;
-    for (i = 0; i < count; i++, p += 4) {
+    for (i = 0; i < count; i++, p += width) {
         const double x = p[0] - record[0], y = p[1] - record[1], z = p[2] - record[2];
         sum[0] += x, sum[1] += y, sum[2] += z;
         square[0] += x * x, square[1] += y * y, square[2] += z * z;
@@ -6859,19 +7031,20 @@ static int pbw__line_along(const double *record, size_t count, double slope[2])
 static pbw_status pbw__find_extremes(void *arg, size_t span, size_t to)
 {
     pbw__build *build = (pbw__build *)arg;
-    const size_t count = build->vertices->count;
+    const size_t count = build->vertices->count, width = build->vertices->width;
     for (; span < to; span++) {
         const size_t begin = span * PBW__SPAN, end = begin + PBW__SPAN < count ? begin + PBW__SPAN : count;
-        const double *first = build->vertices->record + 4 * (begin + 1), *p = first;
+        const double *first = build->vertices->record + width * (begin + 1), *p = first;
         double slope[2], low[4], high[4];
-        const int axis = pbw__line_along(first, end - begin, slope), next = (axis + 1) % 3, last = (axis + 2) % 3;
+        const int axis = pbw__line_along(first, width, end - begin, slope);
+        const int next = (axis + 1) % 3, last = (axis + 2) % 3;
         size_t rank, lowest[4], highest[4];
         int k;
         for (k = 0; k < 4; k++) {
             low[k] = high[k] = 0.0;                  /* as the first has it, on all sides */
             lowest[k] = highest[k] = begin;
         }
-        for (rank = begin; rank < end; rank++, p += 4) {
+        for (rank = begin; rank < end; rank++, p += width) {
             const double along = p[axis] - first[axis];
             const double u = p[next] - first[next] - slope[0] * along, v = p[last] - first[last] - slope[1] * along;
             const double off[4] = { u, v, u + v, u - v };
@@ -7033,20 +7206,17 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
      (b) I write a link across a facet that my cavity has with a simplex outside it.  Two vertices of that facet are
      mine, so nobody else may walk through it, nor delete one of the simplices on its sides.  For the same reason the
      links that I read do not change.
-     (c) A mark is set only on a simplex that its setter may delete: so nobody else looks at it (b).  Others stay 0;
-     two tasks may write that same 0, therefore marks are read and written atomically, in relaxed order.
-     (d) A slot belongs to the task that took it from a region of its zones, from its free list, or in a block of the
+     (c) A slot belongs to the task that took it from a region of its zones, from its free list, or in a block of the
      tail.  The count of these is atomic, in relaxed order: it numbers slots, and what the slots hold is handed over
      at the end of a round (>>threads).
-     (e) A zone's hint, where walks start, is a simplex with two vertices in the zone: mine, if the zone is.  The task
+     (d) A zone's hint, where walks start, is a simplex with two vertices in the zone: mine, if the zone is.  The task
      that deletes it owns the zone, and stores another hint, or none, before it gives back any zone; until then the
      slot is still that task's own.  The hint, and what is left of the zone's regions, are the owner's to read and
      write; others only look whether there is a hint, before they take the zone, therefore hints are written
      atomically, in relaxed order.
    In 2D call a triangle mine if I own one of its vertices: nobody else then owns all of them.  Both ends of an edge
    of a triangle that I may delete are mine or the ghost, and one at least is finite; the rest is the same, with one
-   vertex in the hint's zone.  Two tasks may share an edge's ghost end only, and a mark is written only when its
-   triangle joins a cavity.
+   vertex in the hint's zone.  Two tasks may share an edge's ghost end only.
 
    Claiming a zone acquires what its former owners released with it: zones are claimed in acquire order and given
    back in release order.  That is enough, because any two tasks of which one writes a word in (a), (b) or (c) that
@@ -8564,50 +8734,41 @@ static pbw_index *pbw__make_incident(pbw__context *context, pbw__owned *owned, p
     return incident;
 }
 
-/* Blocks that the build no longer needs, with pages in place: the vertices' records and the marks. */
-typedef struct pbw__spare { pbw_index *block[2]; size_t count[2]; } pbw__spare;
-
-/* Returns room for `count` indices in a spare block, or in a new one. */
-static pbw_index *pbw__borrow(pbw__context *context, pbw__spare *spare, size_t count, size_t *allocated)
-{
-    int i;
-    for (i = 0; i < 2; i++) {
-        if (spare->count[i] >= count) {
-            spare->count[i] -= count;
-            return spare->block[i] + spare->count[i];
-        }
-    }
-    *allocated = count;
-    return (pbw_index *)pbw__allocate_large(context, count, sizeof(pbw_index));
-}
-
-static void pbw__release_borrowed(pbw__memory *memory, pbw_index *block, size_t allocated)
-{
-    if (allocated > 0) {
-        pbw__release(memory, block, allocated, sizeof(pbw_index));
-    }
-}
-
-/* Borrows or allocates the arrays of an emission and runs it. */
-static pbw_status pbw__emit_all(pbw__emission *emission, pbw__spare *spare, size_t allocated[4])
+/* Makes the arrays of an emission: in the block of the vertices' records, which the build no longer needs, as its
+   pages exist. */
+static int pbw__emit_room(pbw__emission *emission, pbw__vertices *vertices)
 {
     pbw__context *context = emission->context;
-    pbw__memory *memory = &context->memory;
     const size_t chunks = (emission->slot_count >> emission->chunk_bits) + 1, tasks = (size_t)emission->tasks;
-    const size_t words = (chunks + sizeof(pbw_index) - 1) / sizeof(pbw_index);
-    pbw_status status = PBW_ERROR_MEMORY;
-    emission->number = pbw__borrow(context, spare, emission->slot_count, allocated);
-    emission->head = pbw__borrow(context, spare, emission->vertex_count + 1, allocated + 1);
-    if (tasks > 1) {
-        emission->first = pbw__borrow(context, spare, emission->vertex_count + 1, allocated + 2);
+    const size_t ranks = emission->vertex_count + 1, old = vertices->room;
+    const size_t bytes = (emission->slot_count + (tasks > 1 ? 2 : 1) * ranks) * sizeof(pbw_index) + chunks;
+    const size_t room = bytes / sizeof(double) + 1;
+    if (room > old) {
+        pbw__block block;
+        if (!pbw__resize_array(&context->memory, &vertices->record, &vertices->room, room, sizeof(double))) {
+            return 0;
+        }
+        block = pbw__block_of(vertices->record, old * sizeof(double), room * sizeof(double));
+        pbw__populate(context, &block, 1);
     }
-    emission->chunk_done = (unsigned char *)pbw__borrow(context, spare, words, allocated + 3);
+    emission->number = (pbw_index *)(void *)vertices->record;
+    emission->head = emission->number + emission->slot_count;
+    emission->first = tasks > 1 ? emission->head + ranks : NULL;
+    emission->chunk_done = (unsigned char *)(emission->head + (tasks > 1 ? 2 : 1) * ranks);
+    memset(emission->chunk_done, 0, chunks);
+    return 1;
+}
+
+/* Allocates what the tasks of an emission need and runs it. */
+static pbw_status pbw__emit_all(pbw__emission *emission, pbw__vertices *vertices)
+{
+    pbw__memory *memory = &emission->context->memory;
+    const size_t tasks = (size_t)emission->tasks;
+    pbw_status status = PBW_ERROR_MEMORY;
     emission->end = tasks > 1 ? (size_t *)pbw__allocate(memory, tasks, sizeof(size_t)) : &emission->one_end;
     emission->aside = tasks > 1 ? (pbw__aside *)pbw__allocate(memory, tasks, sizeof(pbw__aside))
                                 : &emission->one_aside;
-    if (emission->number != NULL && emission->head != NULL && (emission->first != NULL || tasks == 1)
-        && emission->end != NULL && emission->chunk_done != NULL && emission->aside != NULL) {
-        memset(emission->chunk_done, 0, chunks);
+    if (emission->end != NULL && emission->aside != NULL && pbw__emit_room(emission, vertices)) {
         memset(emission->aside, 0, tasks * sizeof(pbw__aside));
         status = pbw__emit(emission);
     }
@@ -8651,8 +8812,6 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     pbw__memory *memory = &context->memory;
     const size_t corners = (size_t)vertices->dim + 1;
     pbw__emission emission;
-    pbw__spare spare;
-    size_t allocated[4] = { 0, 0, 0, 0 };
     pbw_status status;
     if (store->capacity - store->count > store->capacity / 64 + 64       /* not of few points */
         && pbw__store_reserve(context, store, store->count) != PBW_OK) {     /* gives the rest of the tail back */
@@ -8662,10 +8821,6 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
         pbw__release(memory, store->link, store->link_capacity, sizeof(pbw__link));
         store->link = NULL;
     }
-    spare.block[0] = (pbw_index *)(void *)vertices->record;
-    spare.count[0] = (vertices->point_count + 1) * corners * (sizeof(double) / sizeof(pbw_index));
-    spare.block[1] = (pbw_index *)(void *)store->mark;
-    spare.count[1] = store->mark_capacity / sizeof(pbw_index);
     memset(&emission, 0, sizeof(emission));
     emission.context = context;
     emission.store = store;
@@ -8683,7 +8838,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     emission.tasks = pbw__tasks(context, vertices->count, 16384);
     emission.apart = emission.tasks == 1 && emission.slot_count <= PBW__APART;
     emission.chunk_bits = pbw__chunk_bits(emission.dim, emission.tasks, store->count);
-    status = pbw__emit_all(&emission, &spare, allocated);
+    status = pbw__emit_all(&emission, vertices);
     if (status == PBW_OK) {
         status = pbw__hand_over(&emission, store, owned, mesh);
     }
@@ -8696,12 +8851,6 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
         pbw__release(memory, emission.to_corner, corners * emission.simplex_count, sizeof(pbw_index));
         pbw__release(memory, emission.to_link, corners * emission.simplex_count, sizeof(pbw_index));
     }
-    pbw__release_borrowed(memory, emission.number, allocated[0]);
-    pbw__release_borrowed(memory, emission.head, allocated[1]);
-    pbw__release_borrowed(memory, emission.first, allocated[2]);
-    pbw__release_borrowed(memory, (pbw_index *)(void *)emission.chunk_done, allocated[3]);
-    pbw__release(memory, store->mark, store->mark_capacity, 1);
-    store->mark = NULL;
     mesh->hidden_count = vertices->count - emission.visible;
     return status;
 }
@@ -13961,6 +14110,7 @@ static pbw_status pbw__core_start(pbw__context *context, pbw__core *core, pbw__v
 {
     pbw_status status;
     vertices->record = core->record;
+    vertices->width = (size_t)vertices->dim + 1;
     status = pbw__kernel_create(&core->kernel, context, &core->store, vertices, &core->grid);
     vertices->record = NULL;
     core->kernel.journal = core;
@@ -13986,6 +14136,7 @@ static pbw_status pbw__core_build(pbw__context *context, const pbw__stand *stand
         return PBW_DEGENERATE;
     }
     pbw__stand_input(stand, weighted, &input);
+    input.live = 1;
     status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED : pbw__order(context, &input, &vertices);
     if (status != PBW_OK) {
         return status;
@@ -14201,7 +14352,8 @@ PBW__SIMD_INLINE void pbw__depths_of(const pbw__verifying *verifying, size_t t, 
     const pbw__core *core = verifying->core;
     const pbw_index *corner = core->kernel.corner + 4 * t;
     const pbw__d4 nan = pbw__splat(HUGE_VAL) - pbw__splat(HUGE_VAL);
-    pbw__point4 origin = pbw__point4_of(core->record, dim, core->kernel.weighted);
+    pbw__point4 origin = pbw__point4_of(core->record, dim, core->kernel.weighted,
+                                        (size_t)dim + 1);
     pbw__d4 h, V, H[4], power, scale, certain;
     pbw_index v[4][4];
     unsigned i, k;
@@ -14444,7 +14596,8 @@ static pbw_status pbw__flip(pbw__core *core, size_t t, unsigned k)
     unsigned i;
     for (i = 0; i < 2; i++) {
         const pbw_index *v = i == 0 ? first : second;
-        const double *x[3] = { pbw__record2(kernel, v[0]), pbw__record2(kernel, v[1]), pbw__record2(kernel, v[2]) };
+        const double *x[3] = { pbw__record_at(kernel, v[0]), pbw__record_at(kernel, v[1]),
+                               pbw__record_at(kernel, v[2]) };
         if (v[1] != PBW__GHOST && v[2] != PBW__GHOST && v[0] != PBW__GHOST && pbw__orient(2, x, &core->grid) <= 0) {
             return PBW__ANEW;
         }
@@ -18041,6 +18194,7 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
     memset(owned, 0, sizeof(*owned));
     memset(&vertices, 0, sizeof(vertices));
     memset(&store, 0, sizeof(store));
+    store.plain = 1;
     mesh->memory = owned;
     mesh->dim = input->dim;
     mesh->point_count = input->count;
@@ -18077,7 +18231,7 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
         pbw_status kept = pbw__hand_over_canonical(context, &vertices, owned, mesh);
         kept = kept != PBW_OK ? kept
              : pbw__keep_points(context, input, owned, mesh, vertices.record,
-                                (vertices.point_count + 1) * ((size_t)input->dim + 1));
+                                vertices.room);
         vertices.record = mesh->points != NULL && !input->borrow ? NULL : vertices.record;
         status = pbw__leave_stage(context, kept != PBW_OK ? kept : status, &start, &mesh->statistics.output_seconds);
     }
