@@ -83,6 +83,7 @@
 #include <condition_variable>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 #ifndef PBW_CUDA_FEW
 #define PBW_CUDA_FEW 1024                            /* fewer points are quicker on the CPU */
@@ -3850,11 +3851,14 @@ __global__ void rewrite_kernel(const __grid_constant__ reorder m, const uint32_t
    order and grow the whole tree, each makes the stars of its share and writes its run of the simplices.  The cards
    meet to number the simplices, to fetch their guests, and to hear what lies across them.  What one offers to others
    is complete when they meet, and stays until all leave.
+   A stage that fails sets the status of its call, says why, and throws; so the next one may count on all before it.
+   The entries catch, and free what the call has.
    ------------------------------------------------------------------------------------------------------ */
 /* Of device memory at the peak, uniform points, in 2D and 3D: for all points, and more for those of the share. */
 const double bytes_a_point[2] = { 75.0, 90.0 }, bytes_a_star[2] = { 155.0, 560.0 };
 const int most_cards = 16;
 const char *const few_points = "so few points are quicker on the CPU";
+const char *const too_many = "too many simplices for the index type";
 
 struct offer {                                       /* what a card has for the others */
     int device;
@@ -3935,28 +3939,38 @@ void say(call &c, const char *format, ...)
     }
 }
 
-bool fail(call &c, pbw_status status, const char *text)
+struct failure {};                                   /* thrown: the status of the call is no longer PBW_OK */
+
+void go_on(const call &c)
+{
+    if (c.status != PBW_OK) {
+        throw failure();
+    }
+}
+
+[[noreturn]] void fail(call &c, pbw_status status, const char *text)
 {
     if (c.status == PBW_OK) {
         c.status = status;
         say(c, "%s", text);
     }
-    return false;
+    throw failure();
 }
 
-bool decline(call &c, const char *text)
+[[noreturn]] void decline(call &c, const char *text)
 {
     c.declined = true;
-    return fail(c, PBW_ERROR_BACKEND, text);
+    fail(c, PBW_ERROR_BACKEND, text);
 }
 
-bool decline_stars(call &c, uint32_t count)
+[[noreturn]] void decline_stars(call &c, uint32_t count)
 {
     char text[128];
     snprintf(text, sizeof text, "%u stars are too large for the device (cospherical points?)", count);
-    return decline(c, text);
+    decline(c, text);
 }
 
+/* Takes over a failure of the device; returns whether the call has none. */
 bool good(call &c, cudaError_t error, const char *what)
 {
     if (error != cudaSuccess && c.status == PBW_OK) {
@@ -3966,31 +3980,30 @@ bool good(call &c, cudaError_t error, const char *what)
     return c.status == PBW_OK;
 }
 
-bool launched(call &c, const char *what)
+void need(call &c, cudaError_t error, const char *what)
 {
-    return good(c, cudaGetLastError(), what);
+    good(c, error, what);
+    go_on(c);
 }
 
-/* Returns whether more bytes fit into the device's free memory and its pool.  If not, the message says what is
-   needed in all, for this input as far as is known. */
-bool fits(call &c, size_t more)
+/* Fails unless more bytes fit into the device's free memory and its pool.  The message says what is needed in all,
+   for this input as far as is known. */
+void need_memory(call &c, size_t more)
 {
     size_t available = 0, all = 0, needed = c.used + more;
     size_t usual = (size_t)((double)c.count * bytes_a_point[c.dim - 2] + (double)c.stars * bytes_a_star[c.dim - 2]);
     uint64_t kept = 0, used = 0;
-    if (!good(c, cudaMemGetInfo(&available, &all), "cudaMemGetInfo")
-        || !good(c, cudaMemPoolGetAttribute(c.pool, cudaMemPoolAttrReservedMemCurrent, &kept), "memory of the pool")
-        || !good(c, cudaMemPoolGetAttribute(c.pool, cudaMemPoolAttrUsedMemCurrent, &used), "memory of the pool")) {
-        return false;
-    }
+    need(c, cudaMemGetInfo(&available, &all), "cudaMemGetInfo");
+    need(c, cudaMemPoolGetAttribute(c.pool, cudaMemPoolAttrReservedMemCurrent, &kept), "memory of the pool");
+    need(c, cudaMemPoolGetAttribute(c.pool, cudaMemPoolAttrUsedMemCurrent, &used), "memory of the pool");
     available += c.used + (kept > used ? (size_t)(kept - used) : 0);
     available = c.job->memory_limit > 0 && c.job->memory_limit < available ? c.job->memory_limit : available;
     if (needed > available) {
         c.status = PBW_ERROR_BACKEND;
         say(c, "too little device memory: %zu bytes are needed, %zu are available", usual > needed ? usual : needed,
             available);
+        throw failure();
     }
-    return c.status == PBW_OK;
 }
 
 void own(call &c, void *block, size_t bytes)
@@ -4010,36 +4023,29 @@ cudaError_t take(const call &c, void **block, size_t bytes)
     return cudaMallocFromPoolAsync(block, bytes, c.pool, c.stream);
 }
 
-template <typename V> bool allocate(call &c, V *&address, size_t count)
+template <typename V> void allocate(call &c, V *&address, size_t count)
 {
     void *block = NULL;
-    size_t bytes = (count > 0 ? count : 1) * sizeof(V);
+    const size_t bytes = (count > 0 ? count : 1) * sizeof(V);
     address = NULL;
-    if (c.status != PBW_OK) {
-        return false;
-    }
     if (c.blocks == (int)(sizeof c.block / sizeof c.block[0])) {
-        return fail(c, PBW_ERROR_BACKEND, "too many blocks of device memory");
+        fail(c, PBW_ERROR_BACKEND, "too many blocks of device memory");
     }
-    if (c.job->memory_limit > 0 && c.used + bytes > c.job->memory_limit && !fits(c, bytes)) {
-        return false;
+    if (c.job->memory_limit > 0 && c.used + bytes > c.job->memory_limit) {
+        need_memory(c, bytes);
     }
     cudaError_t error = take(c, &block, bytes);
     if (error == cudaErrorMemoryAllocation) {
         (void)cudaGetLastError();
-        if (!fits(c, bytes)) {
-            return false;
-        }
+        need_memory(c, bytes);
     }
-    if (good(c, error, "cudaMallocAsync")) {
-        own(c, block, bytes);
-        address = (V *)block;
-    }
-    return c.status == PBW_OK;
+    need(c, error, "cudaMallocAsync");
+    own(c, block, bytes);
+    address = (V *)block;
 }
 
 /* Frees a block, or with keep only drops it from the list. */
-void release(call &c, const void *address, bool keep)
+void release(call &c, const void *address, bool keep = false)
 {
     for (int i = 0; i < c.blocks; i++) {
         if (address != NULL && c.block[i].address == address) {
@@ -4058,10 +4064,11 @@ template <typename V> struct buffer {
     call &c;
     V *at;
     explicit buffer(call &of) : c(of), at(NULL) {}
-    buffer(const buffer &) = delete;
+    buffer(call &of, size_t count) : c(of), at(NULL) { make(count); }
     buffer(buffer &&from) : c(from.c), at(from.at) { from.at = NULL; }
-    ~buffer() { release(c, at, false); }
-    bool make(size_t count) { return allocate(c, at, count); }
+    buffer &operator=(buffer &&from) { std::swap(at, from.at); return *this; }
+    ~buffer() { release(c, at); }
+    void make(size_t count) { allocate(c, at, count); }
 };
 
 /* Reports progress on the caller's thread, and takes over a cancellation or another card's failure. */
@@ -4080,7 +4087,7 @@ void look_up(call &c, pbw_stage stage, double done)
 
 /* Waits for a stream and reports progress meanwhile.  When the call is cancelled or another card has failed, sets the
    stop word of the kernels through the other stream. */
-bool wait(call &c, cudaStream_t stream, pbw_stage stage, double done)
+void finish_stream(call &c, cudaStream_t stream, pbw_stage stage, double done)
 {
     static const uint32_t one = 1;
     cudaError_t error = cudaEventRecord(c.ready, stream);
@@ -4093,15 +4100,18 @@ bool wait(call &c, cudaStream_t stream, pbw_stage stage, double done)
         std::this_thread::yield();
         error = cudaSuccess;
     }
-    return good(c, error, "waiting for the device");
+    good(c, error, "waiting for the device");
 }
 
-/* Waits for the other cards, or with leaving for all to have left; false if one failed. */
-bool meet_cards(call &c, bool leaving, double done)
+void wait(call &c, pbw_stage stage, double done)
 {
-    if (c.cards == NULL) {
-        return c.status == PBW_OK;
-    }
+    finish_stream(c, c.stream, stage, done);
+    go_on(c);
+}
+
+/* Waits for the other cards, or with leaving for all to have left, however they fared. */
+void meet_cards(call &c, bool leaving, double done)
+{
     team &t = *c.cards;
     std::unique_lock<std::mutex> hold(t.lock);
     unsigned meeting = t.meetings;
@@ -4120,37 +4130,87 @@ bool meet_cards(call &c, bool leaving, double done)
     }
     hold.unlock();
     look_up(c, PBW_STAGE_OUTPUT, done);
-    return c.status == PBW_OK;
+    if (!leaving) {
+        go_on(c);
+    }
 }
 
-template <typename V> bool read_back(call &c, V &value, const V *address, pbw_stage stage, double done)
+template <typename V> V read_back(call &c, const V *address, pbw_stage stage, double done)
 {
     static_assert(sizeof(V) <= pinned_bytes, "room for what is read back");
-    V *to = c.pinned != NULL ? (V *)c.pinned : &value;
-    if (c.status != PBW_OK || (c.pinned == NULL && !wait(c, c.stream, stage, done))      /* the copy would block */
-        || !good(c, cudaMemcpyAsync(to, address, sizeof(V), cudaMemcpyDeviceToHost, c.stream), "reading a count")
-        || !(c.pinned != NULL ? wait(c, c.stream, stage, done)
-                              : good(c, cudaStreamSynchronize(c.stream), "reading a count"))) {
-        return false;
+    V value, *to = c.pinned != NULL ? (V *)c.pinned : &value;
+    if (c.pinned == NULL) {                          /* the copy would block */
+        wait(c, stage, done);
     }
-    value = *to;
-    return true;
+    need(c, cudaMemcpyAsync(to, address, sizeof(V), cudaMemcpyDeviceToHost, c.stream), "reading a count");
+    if (c.pinned == NULL) {
+        need(c, cudaStreamSynchronize(c.stream), "reading a count");
+    } else {
+        wait(c, stage, done);
+    }
+    return *to;
 }
 
-template <typename V> bool fill(call &c, V *address, int byte, size_t count)
+template <typename V> void fill(call &c, V *address, int byte, size_t count)
 {
-    return c.status == PBW_OK
-           && good(c, cudaMemsetAsync(address, byte, count * sizeof(V), c.stream), "cudaMemsetAsync");
-}
-
-unsigned blocks_for(size_t threads, unsigned block)
-{
-    return threads > 0 ? (unsigned)((threads + block - 1) / block) : 1;
+    need(c, cudaMemsetAsync(address, byte, count * sizeof(V), c.stream), "cudaMemsetAsync");
 }
 
 void note(call &c, int mark)
 {
-    good(c, cudaEventRecord(c.mark[mark], c.stream), "cudaEventRecord");
+    need(c, cudaEventRecord(c.mark[mark], c.stream), "cudaEventRecord");
+}
+
+/* What is queued on the other stream from now on follows what is queued on the call's. */
+void follow(call &c)
+{
+    need(c, cudaEventRecord(c.copied, c.stream), "cudaEventRecord");
+    need(c, cudaStreamWaitEvent(c.copies, c.copied, 0), "cudaStreamWaitEvent");
+}
+
+struct shape {                                       /* of a launch; bytes: of dynamic shared memory */
+    unsigned blocks, threads;
+    size_t bytes;
+};
+
+shape over(size_t threads, unsigned block)
+{
+    return { threads > 0 ? (unsigned)((threads + block - 1) / block) : 1, block, 0 };
+}
+
+/* For loops that stride over the grid. */
+shape at_most(unsigned blocks, shape s)
+{
+    s.blocks = s.blocks < blocks ? s.blocks : blocks;
+    return s;
+}
+
+template <typename... P, typename... A>
+void launch(call &c, const char *what, void (*kernel)(P...), shape s, const A &...arguments)
+{
+    kernel<<<s.blocks, s.threads, s.bytes, c.stream>>>(arguments...);
+    need(c, cudaGetLastError(), what);
+}
+
+/* An array and room to sort it. */
+template <typename V> struct sortable {
+    buffer<V> array, spare;
+    explicit sortable(call &c) : array(c), spare(c) {}
+    sortable(call &c, size_t count) : array(c, count), spare(c, count) {}
+    void take(cub::DoubleBuffer<V> &sorted)
+    {
+        array.at = sorted.Current();
+        spare.at = sorted.Alternate();
+    }
+};
+
+/* Calls a function of CUB, at first for the size of the scratch memory that it needs. */
+template <typename F> void with_scratch(call &c, const char *what, F function)
+{
+    size_t bytes = 0;
+    need(c, function((void *)NULL, bytes), what);
+    buffer<char> scratch(c, bytes);
+    need(c, function((void *)scratch.at, bytes), what);
 }
 
 /* Sorts by the bits of the keys from low to high - 1. */
@@ -4158,150 +4218,111 @@ struct key_bits {
     int low, high;
 };
 
-bool sort_keys(call &c, uint64_t *&key, uint64_t *&spare, size_t count, key_bits by)
+void sort_keys(call &c, sortable<uint64_t> &key, size_t count, key_bits by)
 {
-    size_t bytes = 0;
-    buffer<char> scratch(c);
-    cub::DoubleBuffer<uint64_t> keys(key, spare);
-    if (!good(c, cub::DeviceRadixSort::SortKeys(NULL, bytes, keys, count, by.low, by.high, c.stream), "sort")
-        || !scratch.make(bytes)
-        || !good(c, cub::DeviceRadixSort::SortKeys(scratch.at, bytes, keys, count, by.low, by.high, c.stream),
-                 "sort")) {
-        return false;
-    }
-    key = keys.Current();
-    spare = keys.Alternate();
-    return true;
+    cub::DoubleBuffer<uint64_t> keys(key.array.at, key.spare.at);
+    with_scratch(c, "sort", [&](void *scratch, size_t &bytes) {
+        return cub::DeviceRadixSort::SortKeys(scratch, bytes, keys, count, by.low, by.high, c.stream);
+    });
+    key.take(keys);
 }
-
-/* An array and room to sort it. */
-template <typename V> struct sortable {
-    buffer<V> array, spare;
-    explicit sortable(call &c) : array(c), spare(c) {}
-    bool make(size_t count) { return array.make(count) && spare.make(count); }
-};
 
 template <typename K, typename V>
-bool sort_pairs(call &c, sortable<K> &key, sortable<V> &value, size_t count, key_bits by)
+void sort_pairs(call &c, sortable<K> &key, sortable<V> &value, size_t count, key_bits by)
 {
-    size_t bytes = 0;
-    buffer<char> scratch(c);
     cub::DoubleBuffer<K> keys(key.array.at, key.spare.at);
     cub::DoubleBuffer<V> values(value.array.at, value.spare.at);
-    if (!good(c, cub::DeviceRadixSort::SortPairs(NULL, bytes, keys, values, count, by.low, by.high, c.stream), "sort")
-        || !scratch.make(bytes)
-        || !good(c, cub::DeviceRadixSort::SortPairs(scratch.at, bytes, keys, values, count, by.low, by.high,
-                                                    c.stream), "sort")) {
-        return false;
-    }
-    key.array.at = keys.Current();
-    key.spare.at = keys.Alternate();
-    value.array.at = values.Current();
-    value.spare.at = values.Alternate();
-    return true;
+    with_scratch(c, "sort", [&](void *scratch, size_t &bytes) {
+        return cub::DeviceRadixSort::SortPairs(scratch, bytes, keys, values, count, by.low, by.high, c.stream);
+    });
+    key.take(keys);
+    value.take(values);
 }
 
-bool sum_before(call &c, const uint32_t *value, uint32_t *sum, size_t count)
+void sum_before(call &c, const uint32_t *value, uint32_t *sum, size_t count)
 {
-    size_t bytes = 0;
-    buffer<char> scratch(c);
-    return good(c, cub::DeviceScan::ExclusiveSum(NULL, bytes, value, sum, count, c.stream), "scan")
-        && scratch.make(bytes)
-        && good(c, cub::DeviceScan::ExclusiveSum(scratch.at, bytes, value, sum, count, c.stream), "scan");
+    with_scratch(c, "scan", [&](void *scratch, size_t &bytes) {
+        return cub::DeviceScan::ExclusiveSum(scratch, bytes, value, sum, count, c.stream);
+    });
 }
 
-bool allocate_runs(call &c, run_list &list, size_t count)
-{
-    return allocate(c, list.head, count) && allocate(c, list.end, count) && allocate(c, list.length, count + 1)
-        && allocate(c, list.offset, count + 1);
-}
-
-void release_runs(call &c, run_list &list)
-{
-    release(c, list.head, false);
-    release(c, list.end, false);
-    release(c, list.length, false);
-    release(c, list.offset, false);
-}
+/* Memory of a list of runs. */
+struct run_room {
+    buffer<uint32_t> head, end, length, offset;
+    explicit run_room(call &c) : head(c), end(c), length(c), offset(c) {}
+    run_room(call &c, size_t count) : head(c, count), end(c, count), length(c, count + 1), offset(c, count + 1) {}
+    run_list list() const { return { head.at, end.at, length.at, offset.at }; }
+};
 
 /* Points on their way into the order of the curve. */
 struct ordering {
     const input &in;
     curve automaton;
     int index_bits, bits;                            /* of a key: the index, and a coordinate */
-    uint64_t *key, *spare;
-    uint32_t *root;                                  /* NULL if there are no long runs */
-    survey *found;
+    sortable<uint64_t> key;
+    buffer<uint32_t> root;                           /* empty if there are no long runs */
+    buffer<survey> found;
+    ordering(call &c, const input &of)
+        : in(of), index_bits(pbw__index_bits(of.count)), bits(pbw__grid_bits(index_bits, of.dim)), key(c), root(c),
+          found(c, 1)
+    {
+        memcpy(automaton.plane, pbw__hilbert2, sizeof automaton.plane);
+        memcpy(automaton.space, pbw__hilbert3, sizeof automaton.space);
+    }
 };
 
-/* The points of the long runs of a list get keys from grids of their own and are put back in their order; found: the
-   long runs among those. */
-bool order_long_runs(call &c, ordering &o, const run_list &runs, run_list &next, uint32_t &count)
+/* The points of the long runs of a list get keys from grids of their own and are put back in their order.  Returns
+   the long runs among those, count of them. */
+run_room order_long_runs(call &c, ordering &o, const run_list &runs, uint32_t &count)
 {
-    const unsigned warps = blocks_for(count, 4);
-    buffer<double> low(c), extent(c);
-    sortable<uint64_t> gathered(c);
-    sortable<uint32_t> segment(c);
-    uint32_t total = 0;
+    const shape warps = over((size_t)count * 32, 128);
+    const uint32_t runs_here = count;
+    buffer<double> low(c, (size_t)count * 3), extent(c, count);
+    run_room next(c);
     int run_bits = 1;
     while (run_bits < 32 && (count - 1) >> run_bits != 0) {
         run_bits++;
     }
-    if (!low.make((size_t)count * 3) || !extent.make(count) || !fill(c, runs.length + count, 0, 1)) {
-        return false;
+    fill(c, runs.length + count, 0, 1);
+    launch(c, "runs", measure_kernel, warps, o.in, o.index_bits, o.key.array.at, runs, count, low.at, extent.at,
+           o.root.at);
+    sum_before(c, runs.length, runs.offset, (size_t)count + 1);
+    const uint32_t total = read_back(c, runs.offset + count, PBW_STAGE_ORDER, 0.4);
+    count = 0;
+    if (total > 0) {
+        sortable<uint64_t> gathered(c, total);
+        sortable<uint32_t> segment(c, total);
+        launch(c, "runs", rekey_kernel, warps, o.in, o.index_bits, o.bits, o.key.array.at, runs, runs_here, low.at,
+               extent.at, o.automaton, gathered.array.at, segment.array.at);
+        sort_pairs(c, gathered, segment, total, { o.index_bits, o.index_bits + o.bits * o.in.dim });
+        sort_pairs(c, segment, gathered, total, { 0, run_bits });
+        next = run_room(c, total / PBW__SHORT_RUN + 1);
+        fill(c, &o.found.at->long_runs, 0, 1);
+        launch(c, "runs", run_kernel, over(total, 256), o.in, o.index_bits, gathered.array.at, total,
+               segment.array.at, runs, next.list(), o.found.at);
+        launch(c, "runs", put_back_kernel, over(total, 256), gathered.array.at, segment.array.at, total, runs,
+               o.key.array.at);
+        count = read_back(c, &o.found.at->long_runs, PBW_STAGE_ORDER, 0.4);
     }
-    measure_kernel<<<warps, 128, 0, c.stream>>>(o.in, o.index_bits, o.key, runs, count, low.at, extent.at, o.root);
-    if (!launched(c, "runs") || !sum_before(c, runs.length, runs.offset, (size_t)count + 1)
-        || !read_back(c, total, runs.offset + count, PBW_STAGE_ORDER, 0.4)) {
-        return false;
-    }
-    if (total == 0) {
-        count = 0;
-        return true;
-    }
-    if (!gathered.make(total) || !segment.make(total)) {
-        return false;
-    }
-    rekey_kernel<<<warps, 128, 0, c.stream>>>(o.in, o.index_bits, o.bits, o.key, runs, count, low.at, extent.at,
-                                              o.automaton, gathered.array.at, segment.array.at);
-    const key_bits by_key = { o.index_bits, o.index_bits + o.bits * o.in.dim }, by_run = { 0, run_bits };
-    if (!launched(c, "runs") || !sort_pairs(c, gathered, segment, total, by_key)
-        || !sort_pairs(c, segment, gathered, total, by_run)
-        || !allocate_runs(c, next, total / PBW__SHORT_RUN + 1) || !fill(c, &o.found->long_runs, 0, 1)) {
-        return false;
-    }
-    run_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(o.in, o.index_bits, gathered.array.at, total,
-                                                             segment.array.at, runs, next, o.found);
-    put_back_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(gathered.array.at, segment.array.at, total, runs,
-                                                                  o.key);
-    return launched(c, "runs") && read_back(c, count, &o.found->long_runs, PBW_STAGE_ORDER, 0.4);
+    return next;
 }
 
 /* Puts the runs of equal keys into order.  The depth is bounded as in >>order of pbw.h: each level divides the extent
    by 2^bits. */
-bool order_runs(call &c, ordering &o)
+void order_runs(call &c, ordering &o)
 {
-    run_list none_yet = { NULL, NULL, NULL, NULL }, runs = none_yet, next = none_yet;
     const size_t n = o.in.count;
-    uint32_t count = 0;
-    if (!allocate_runs(c, runs, n / PBW__SHORT_RUN + 1)) {
-        return false;
-    }
-    run_kernel<<<blocks_for(n, 256), 256, 0, c.stream>>>(o.in, o.index_bits, o.key, n, NULL, none_yet, runs, o.found);
-    if (!launched(c, "runs") || !read_back(c, count, &o.found->long_runs, PBW_STAGE_ORDER, 0.4)
-        || (count > 0 && (!allocate(c, o.root, n) || !fill(c, o.root, 0xff, n)))) {
-        return false;
+    run_room runs(c, n / PBW__SHORT_RUN + 1);
+    launch(c, "runs", run_kernel, over(n, 256), o.in, o.index_bits, o.key.array.at, n, nullptr, run_list(),
+           runs.list(), o.found.at);
+    uint32_t count = read_back(c, &o.found.at->long_runs, PBW_STAGE_ORDER, 0.4);
+    if (count > 0) {
+        o.root.make(n);
+        fill(c, o.root.at, 0xff, n);
     }
     while (count > 0) {
-        if (!order_long_runs(c, o, runs, next, count)) {
-            return false;
-        }
-        release_runs(c, runs);
-        runs = next;
-        next = none_yet;
+        runs = order_long_runs(c, o, runs.list(), count);
     }
-    release_runs(c, runs);
-    return true;
 }
 
 /* The ranges of coordinates and weights, and the grid that all are on. */
@@ -4312,24 +4333,19 @@ struct extents {
 };
 
 /* on_device: what the survey found, for later kernels. */
-bool survey_points(call &c, const input &in, survey *&on_device, extents &e)
+extents survey_points(call &c, const input &in, int bits, const buffer<survey> &on_device)
 {
     survey found;
+    extents e;
     pbw__grid_share share;
-    unsigned blocks = blocks_for(in.count, 256);
     memset(&found, 0, sizeof found);
     memset(found.low, 0xff, sizeof found.low);
     found.unit = 1024;
-    if (!allocate(c, on_device, 1)
-        || !good(c, cudaMemcpyAsync(on_device, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy")) {
-        return false;
-    }
-    survey_kernel<<<blocks < 2048 ? blocks : 2048, 256, 0, c.stream>>>(in, on_device);
-    if (!launched(c, "survey") || !read_back(c, found, on_device, PBW_STAGE_ORDER, 0.1)) {
-        return false;
-    }
+    need(c, cudaMemcpyAsync(on_device.at, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy");
+    launch(c, "survey", survey_kernel, at_most(2048, over(in.count, 256)), in, on_device.at);
+    found = read_back(c, on_device.at, PBW_STAGE_ORDER, 0.1);
     if (found.bad != 0) {
-        return fail(c, PBW_ERROR_NOT_FINITE, "a coordinate or weight is not a finite number");
+        fail(c, PBW_ERROR_NOT_FINITE, "a coordinate or weight is not a finite number");
     }
     pbw__grid_share_reset(&share);
     share.unit = found.unit;
@@ -4337,29 +4353,28 @@ bool survey_points(call &c, const input &in, survey *&on_device, extents &e)
         share.low[k] = unordered(found.low[k]);
         share.high[k] = unordered(found.high[k]);
     }
-    for (int k = 0; k < in.dim; k++) {
-        e.domain.low[k] = share.low[k];
-        e.domain.high[k] = share.high[k];
-    }
+    pbw__box_reset(&e.domain, bits);
+    pbw__box_add(&e.domain, share.low, in.dim);
+    pbw__box_add(&e.domain, share.high, in.dim);
     pbw__box_close(&e.domain, in.dim);
     e.lightest = share.low[in.dim];
     e.heaviest = share.high[in.dim];
     pbw__grid_close(&e.grid, &share, 1, in.dim);
-    return true;
+    return e;
 }
 
-/* The units of the space, from the extents; false if the device code cannot work in them. */
-bool measure_space(call &c, const extents &e, int dim, space &s)
+/* The units of the space, from the extents; fails if the device code cannot work in them. */
+void measure_space(call &c, const extents &e, int dim, space &s)
 {
     const double weight_range = e.heaviest - e.lightest;
     int exponent;
     if (!(e.domain.extent > 1e-100 && e.domain.extent < 1e100)) {
-        return decline(c, "the extent of the points is beyond the range of the device code");
+        decline(c, "the extent of the points is beyond the range of the device code");
     }
     (void)frexp(e.domain.extent, &exponent);
     s.unit = ldexp(1.0, 1 - exponent);
     if (!(weight_range * (s.unit * s.unit) < 1e12)) {
-        return decline(c, "the weights are beyond the range of the device code");
+        decline(c, "the weights are beyond the range of the device code");
     }
     s.heaviest = e.heaviest;
     s.grid = e.grid;
@@ -4373,92 +4388,62 @@ bool measure_space(call &c, const extents &e, int dim, space &s)
         double step = s.unit / s.grid.inverse_unit;
         s.exact_height = (dim == 3 ? PBW__EXACT_HEIGHT3 : PBW__EXACT_HEIGHT2) * (step * step);
     }
-    return true;
 }
 
 /* Sets duplicates aside: fills id, canonical and the points of s. */
-bool gather_points(call &c, const ordering &o, space &s, uint32_t *&id, pbw_cuda_mesh *mesh)
+void gather_points(call &c, const ordering &o, space &s, uint32_t *&id, pbw_cuda_mesh *mesh)
 {
     const size_t n = o.in.count;
-    const unsigned blocks = blocks_for(n, 256);
-    survey found;
-    buffer<uint32_t> first(c), rank(c);
+    const shape all = over(n, 256);
+    buffer<uint32_t> first(c, n), rank(c);
     record *point = NULL;
-    if (!first.make(n)) {
-        return false;
-    }
-    place_kernel<<<blocks, 256, 0, c.stream>>>(o.in, o.index_bits, o.key, o.root, first.at, mesh->canonical, o.found);
-    if (!launched(c, "places") || !read_back(c, found, o.found, PBW_STAGE_ORDER, 0.5)) {
-        return false;
-    }
-    mesh->duplicate_count = found.duplicates;
-    s.count = (uint32_t)(n - found.duplicates);
+    launch(c, "places", place_kernel, all, o.in, o.index_bits, o.key.array.at, o.root.at, first.at, mesh->canonical,
+           o.found.at);
+    mesh->duplicate_count = read_back(c, &o.found.at->duplicates, PBW_STAGE_ORDER, 0.5);
+    s.count = (uint32_t)(n - mesh->duplicate_count);
     if (s.count < PBW_CUDA_FEW) {
-        return decline(c, few_points);
+        decline(c, few_points);
     }
-    if ((found.duplicates > 0 && (!rank.make(n) || !sum_before(c, first.at, rank.at, n)))
-        || !allocate(c, point, s.count) || !allocate(c, id, s.count)) {
-        return false;
+    if (s.count < n) {
+        rank.make(n);
+        sum_before(c, first.at, rank.at, n);
     }
-    gather_kernel<<<blocks, 256, 0, c.stream>>>(o.in, o.index_bits, o.key, first.at, rank.at, point, id);
+    allocate(c, point, s.count);
+    allocate(c, id, s.count);
+    launch(c, "gather", gather_kernel, all, o.in, o.index_bits, o.key.array.at, first.at, rank.at, point, id);
     s.point = point;
-    return launched(c, "gather");
 }
 
-/* Fills s (all but high[] beyond dim), id and canonical. */
-bool order_points(call &c, const input &in, space &s, uint32_t *&id, bool &weighted, pbw_cuda_mesh *mesh)
+/* Fills s (all but high[] beyond dim), id and canonical; returns whether weights differ. */
+bool order_points(call &c, const input &in, space &s, uint32_t *&id, pbw_cuda_mesh *mesh)
 {
-    const size_t n = in.count;
-    const int index_bits = pbw__index_bits(n), bits = pbw__grid_bits(index_bits, in.dim);
-    ordering o = { in, {}, index_bits, bits, NULL, NULL, NULL, NULL };
-    extents e;
-    pbw__box_reset(&e.domain, bits);
-    memcpy(o.automaton.plane, pbw__hilbert2, sizeof o.automaton.plane);
-    memcpy(o.automaton.space, pbw__hilbert3, sizeof o.automaton.space);
-    if (!survey_points(c, in, o.found, e) || !measure_space(c, e, in.dim, s) || !allocate(c, o.key, n)
-        || !allocate(c, o.spare, n)) {
-        return false;
-    }
-    weighted = in.weights != NULL && e.heaviest > e.lightest;
-    key_kernel<<<blocks_for(n, 256), 256, 0, c.stream>>>(in, e.domain, o.automaton, index_bits, o.key);
-    if (!launched(c, "keys") || !sort_keys(c, o.key, o.spare, n, { index_bits, index_bits + bits * in.dim })
-        || !order_runs(c, o) || !gather_points(c, o, s, id, mesh)) {
-        return false;
-    }
-    release(c, o.key, false);
-    release(c, o.spare, false);
-    release(c, o.root, false);
-    release(c, o.found, false);
-    return true;
+    ordering o(c, in);
+    const extents e = survey_points(c, in, o.bits, o.found);
+    measure_space(c, e, in.dim, s);
+    o.key = sortable<uint64_t>(c, in.count);
+    launch(c, "keys", key_kernel, over(in.count, 256), in, e.domain, o.automaton, o.index_bits, o.key.array.at);
+    sort_keys(c, o.key, in.count, { o.index_bits, o.index_bits + o.bits * in.dim });
+    order_runs(c, o);
+    gather_points(c, o, s, id, mesh);
+    return in.weights != NULL && e.heaviest > e.lightest;
 }
 
-bool grow_tree(call &c, space &s, int dim, tree &t)
+void grow_tree(call &c, space &s, int dim, tree &t)
 {
     uint32_t size = (s.count + group_size - 1) / group_size;
     float4 *rough = NULL;
-    if (!allocate(c, rough, s.count)) {
-        return false;
-    }
+    allocate(c, rough, s.count);
     s.rough = rough;
-    for (t.levels = 0; ; size = (size + 31) / 32) {
+    for (t.levels = 0; t.levels == 0 || t.size[t.levels - 1] > 32; size = (size + 31) / 32) {
         box *b = NULL;
-        if (!allocate(c, b, size)) {
-            return false;
-        }
+        allocate(c, b, size);
         if (t.levels == 0) {
-            group_kernel<<<blocks_for(size, 128), 128, 0, c.stream>>>(s, dim, b, rough, size);
+            launch(c, "boxes", group_kernel, over(size, 128), s, dim, b, rough, size);
         } else {
-            box_kernel<<<blocks_for(size, 128), 128, 0, c.stream>>>(t.level[t.levels - 1], t.size[t.levels - 1], b,
-                                                                    size);
+            launch(c, "boxes", box_kernel, over(size, 128), t.level[t.levels - 1], t.size[t.levels - 1], b, size);
         }
         t.level[t.levels] = b;
         t.size[t.levels++] = size;
-        if (!launched(c, "boxes")) {
-            return false;
-        }
-        if (size <= 32) {
-            return true;
-        }
     }
 }
 
@@ -4474,15 +4459,14 @@ const unsigned long long most_looks = 128;
 const uint32_t sample_size = 1024, sampled_from = 1u << 14;
 
 /* The copy of the points that a mesh keeps is made while the device is at work. */
-bool keep_points(call &c)
+void keep_points(call &c)
 {
     if (c.job->keep != NULL && c.card == 0 && c.job->kept_points == NULL) {
         pbw_status status = c.job->keep(c.job);
         if (status != PBW_OK) {
-            return fail(c, status, "the points could not be kept");
+            fail(c, status, "the points could not be kept");
         }
     }
-    return true;
 }
 
 /* The stars of a card's share while the rungs make them. */
@@ -4510,140 +4494,139 @@ void start_over(call &c, const workshop &w)
 
 template <int DIM> void find_seeds(call &c, const workshop &w)
 {
-    const unsigned blocks = blocks_for(w.s.count, 256);
     fill(c, w.seed, 0, 4);
     for (int found = 1; found <= DIM; found++) {
-        seed_kernel<<<blocks < 1024 ? blocks : 1024, 256, 0, c.stream>>>(w.s, DIM, found, w.seed);
+        launch(c, "seeds", seed_kernel, at_most(1024, over(w.s.count, 256)), w.s, DIM, found, w.seed);
     }
 }
 
 /* The first rung for total vertices from first on, each stride-th; with EXACT for the first total of q[1]. */
 template <int DIM, bool WEIGHTED, bool EXACT>
-bool launch_near(call &c, const workshop &w, uint32_t first, uint32_t stride, uint32_t total, bool keeps = false)
+void launch_near(call &c, const workshop &w, uint32_t first, uint32_t stride, uint32_t total, bool keeps = false)
 {
     typedef typename near_star<DIM, WEIGHTED, typename rung_real<EXACT>::type>::type star_type;
     const size_t bytes = sizeof(star_type) * (near_block / near_lanes);
     static_assert(sizeof(star_type) * (near_block / near_lanes) <= 48 << 10,
                   "the stars of a block fit what every device has of shared memory");
     const near_launch a = { w.s, w.t.level[0], w.lists, w.infos, first, stride, total, keeps, w.out, w.q[0], w.q[1] };
-    near_kernel<DIM, WEIGHTED, EXACT><<<blocks_for(total, near_block / near_lanes), near_block, bytes, c.stream>>>(a);
-    return launched(c, "near stars");
+    shape s = over((size_t)total * near_lanes, near_block);
+    s.bytes = bytes;
+    launch(c, "near stars", near_kernel<DIM, WEIGHTED, EXACT>, s, a);
 }
 
-/* far: whether a sample shows that the first rung certifies less than half, as where points lie on surfaces and
-   curves and spheres are large. */
-template <int DIM, bool WEIGHTED> bool sample_stars(call &c, const workshop &w, bool &far)
+/* Whether a sample shows that the first rung certifies less than half, as where points lie on surfaces and curves and
+   spheres are large. */
+template <int DIM, bool WEIGHTED> bool sample_reaches_far(call &c, const workshop &w)
 {
-    uint2 counts;                                    /* of q[0] and q[1] */
     fill(c, w.q[0].count, 0, 3);
     fill(c, w.out.used, 0, 1);
-    if (!launch_near<DIM, WEIGHTED, false>(c, w, w.out.first, (w.out.end - w.out.first) / sample_size, sample_size)
-        || !read_back(c, counts, (const uint2 *)w.q[0].count, PBW_STAGE_BUILD, 0.0)) {
-        return false;
+    launch_near<DIM, WEIGHTED, false>(c, w, w.out.first, (w.out.end - w.out.first) / sample_size, sample_size);
+    const uint2 counts = read_back(c, (const uint2 *)w.q[0].count, PBW_STAGE_BUILD, 0.0);
+    if (counts.y == 0 || counts.x + counts.y <= sample_size / 2) {
+        return counts.x > sample_size / 2;
     }
-    if (counts.y > 0 && counts.x + counts.y > sample_size / 2
-        && (!launch_near<DIM, WEIGHTED, true>(c, w, 0, 1, counts.y)
-            || !read_back(c, counts, (const uint2 *)w.q[0].count, PBW_STAGE_BUILD, 0.0))) {
-        return false;
-    }
-    far = counts.x > sample_size / 2;
-    return true;
+    launch_near<DIM, WEIGHTED, true>(c, w, 0, 1, counts.y);
+    return read_back(c, w.q[0].count, PBW_STAGE_BUILD, 0.0) > sample_size / 2;
 }
 
-/* The first rung: all stars of the share, then those that floats left open. */
-template <int DIM, bool WEIGHTED> bool build_near_stars(call &c, const workshop &w, uint32_t &failed)
+/* The first rung: all stars of the share, then those that floats left open.  Returns how many it leaves in q[0]. */
+template <int DIM, bool WEIGHTED> uint32_t build_near_stars(call &c, const workshop &w)
 {
     const uint32_t chunk = 1u << 22, mine = w.out.end - w.out.first;
-    uint32_t open = 0;
     start_over(c, w);
     w.made[0] = mine;
-    for (uint32_t first = w.out.first; first < w.out.end && c.status == PBW_OK; first += chunk) {
+    for (uint32_t first = w.out.first; first < w.out.end; first += chunk) {
         const uint32_t count = w.out.end - first < chunk ? w.out.end - first : chunk;
         const bool more = first + count < w.out.end;
-        if (!launch_near<DIM, WEIGHTED, false>(c, w, first, 1, count)) {
-            return false;
-        }
+        launch_near<DIM, WEIGHTED, false>(c, w, first, 1, count);
         if (first == w.out.first && more) {          /* one ahead: the host has time for its part */
             continue;
         }
-        if (!keep_points(c)) {
-            return false;
-        }
+        keep_points(c);
         if (more) {
-            wait(c, c.stream, PBW_STAGE_BUILD, 0.7 * (double)(first - w.out.first) / (double)mine);
+            wait(c, PBW_STAGE_BUILD, 0.7 * (double)(first - w.out.first) / (double)mine);
         }
     }
-    if (!read_back(c, open, w.q[1].count, PBW_STAGE_BUILD, 0.7)
-        || (open > 0 && !launch_near<DIM, WEIGHTED, true>(c, w, 0, 1, open))) {
-        return false;
+    const uint32_t open = read_back(c, w.q[1].count, PBW_STAGE_BUILD, 0.7);
+    if (open > 0) {
+        launch_near<DIM, WEIGHTED, true>(c, w, 0, 1, open);
     }
     note(c, 3);
-    return read_back(c, failed, w.q[0].count, PBW_STAGE_BUILD, 0.8);
+    return read_back(c, w.q[0].count, PBW_STAGE_BUILD, 0.8);
 }
 
-/* The second rung without exact tests: failed stars of q[0]; those that it fails come to q[1]. */
-template <int DIM, bool WEIGHTED> bool build_quick_stars(call &c, const workshop &w, uint32_t &failed)
+template <int DIM, bool WEIGHTED, typename RUNG> void launch_far(call &c, const far_launch &a, unsigned blocks)
 {
-    const size_t bytes = sizeof(typename far_star<DIM, WEIGHTED, quick_rung>::type);
-    const uint32_t chunk = 1u << 18, total = failed;
-    if (!fill(c, w.q[1].count, 0, 1) || total == 0) {
-        return c.status == PBW_OK;
-    }
+    const size_t bytes = RUNG::shared ? sizeof(typename far_star<DIM, WEIGHTED, RUNG>::type) : 0;
+    launch(c, "far stars", far_kernel<DIM, WEIGHTED, RUNG>, shape{ blocks, 32 * RUNG::warps, bytes }, a);
+}
+
+/* The second rung without exact tests: total stars of q[0].  Returns how many it leaves in q[1]. */
+template <int DIM, bool WEIGHTED> uint32_t build_quick_stars(call &c, const workshop &w, uint32_t total)
+{
+    const uint32_t chunk = 1u << 18;
+    fill(c, w.q[1].count, 0, 1);
     for (uint32_t first = 0; first < total; first += chunk) {
         const uint32_t count = total - first < chunk ? total - first : chunk;
         const queue some = { w.q[0].vertex + first, NULL };
         const far_launch a = { w.s, w.t, w.seed, some, count, none, quick_cap, NULL, NULL, w.out, w.q[1], w.q[2] };
-        far_kernel<DIM, WEIGHTED, quick_rung><<<count, 32 * quick_rung::warps, bytes, c.stream>>>(a);
-        if (!launched(c, "far stars") || (first + count < total && !wait(c, c.stream, PBW_STAGE_BUILD, 0.8))) {
-            return false;
+        if (first > 0) {
+            wait(c, PBW_STAGE_BUILD, 0.8);
         }
+        launch_far<DIM, WEIGHTED, quick_rung>(c, a, count);
     }
-    return read_back(c, failed, w.q[1].count, PBW_STAGE_BUILD, 0.9);
+    return total == 0 ? 0 : read_back(c, w.q[1].count, PBW_STAGE_BUILD, 0.9);
 }
 
-/* The second rung with exact tests: failed stars of q[1]; those that it fails come to q[0]. */
-template <int DIM, bool WEIGHTED> bool build_far_stars(call &c, const workshop &w, uint32_t &failed)
+/* How many stars may need more than the second rung. */
+uint32_t far_limit(const workshop &w)
 {
-    const size_t bytes = sizeof(typename far_star<DIM, WEIGHTED, far_rung>::type);
-    const uint32_t limit = 128 + (w.out.end - w.out.first) / 2048;
-    if (failed > 0) {
-        const far_launch a = { w.s, w.t, w.seed, w.q[1], failed, limit, far_cap, NULL, NULL, w.out, w.q[0], w.q[2] };
+    return 128 + (w.out.end - w.out.first) / 2048;
+}
+
+/* The second rung with exact tests: total stars of q[1].  Returns how many it leaves in q[0]. */
+template <int DIM, bool WEIGHTED> uint32_t build_far_stars(call &c, const workshop &w, uint32_t total)
+{
+    const uint32_t limit = far_limit(w);
+    uint32_t failed = 0;
+    if (total > 0) {
+        const far_launch a = { w.s, w.t, w.seed, w.q[1], total, limit, far_cap, NULL, NULL, w.out, w.q[0], w.q[2] };
         find_seeds<DIM>(c, w);
         fill(c, w.q[0].count, 0, 1);
-        far_kernel<DIM, WEIGHTED, far_rung><<<failed, 32 * far_rung::warps, bytes, c.stream>>>(a);
-        if (!launched(c, "far stars") || !read_back(c, failed, w.q[0].count, PBW_STAGE_BUILD, 0.95)) {
-            return false;
-        }
+        launch_far<DIM, WEIGHTED, far_rung>(c, a, total);
+        failed = read_back(c, w.q[0].count, PBW_STAGE_BUILD, 0.95);
     }
     w.made[2] = failed;
-    return failed <= limit || decline_stars(c, failed);
+    if (failed > limit) {
+        decline_stars(c, failed);
+    }
+    return failed;
 }
 
 /* The third rung: lost stars of q[0], and those that it fails once more with a larger cap, if they are few. */
-template <int DIM, bool WEIGHTED> bool build_last_stars(call &c, const workshop &w, uint32_t lost)
+template <int DIM, bool WEIGHTED> void build_last_stars(call &c, const workshop &w, uint32_t lost)
 {
     const uint32_t blocks = lost < last_blocks ? lost : last_blocks;
     buffer<typename far_star<DIM, WEIGHTED, last_rung>::type> scratch(c);
     buffer<pbw__digit> pool(c);
-    if (lost > 0 && (!scratch.make(blocks) || !pool.make((size_t)blocks * 32 * PBW__POOL))) {
-        return false;
+    if (lost > 0) {
+        scratch.make(blocks);
+        pool.make((size_t)blocks * 32 * PBW__POOL);
     }
     for (int i = 0; i < 2 && lost > 0 && (i == 0 || lost <= last_blocks); i++) {
         const far_launch a = { w.s, w.t, w.seed, w.q[i], lost, i == 0 ? last_blocks : 0, last_cap[i], scratch.at,
-                               pool.at, w.out, { w.q[1 - i].vertex, w.q[1 - i].count }, w.q[2] };
-        if (!fill(c, w.q[1 - i].count, 0, 1)) {
-            return false;
-        }
-        far_kernel<DIM, WEIGHTED, last_rung><<<blocks, 32 * last_rung::warps, 0, c.stream>>>(a);
-        if (!launched(c, "last stars") || !read_back(c, lost, w.q[1 - i].count, PBW_STAGE_BUILD, 0.95)) {
-            return false;
-        }
+                               pool.at, w.out, w.q[1 - i], w.q[2] };
+        fill(c, w.q[1 - i].count, 0, 1);
+        launch_far<DIM, WEIGHTED, last_rung>(c, a, blocks);
+        lost = read_back(c, w.q[1 - i].count, PBW_STAGE_BUILD, 0.95);
     }
     note(c, 4);
-    return lost == 0 ? c.status == PBW_OK : decline_stars(c, lost);
+    if (lost > 0) {
+        decline_stars(c, lost);
+    }
 }
 
-bool lay_bricks(call &c, const space &s, brick_tree &t)
+void lay_bricks(call &c, const space &s, brick_tree &t)
 {
     const moments *child = NULL;
     uint32_t size = s.count;
@@ -4653,72 +4636,64 @@ bool lay_bricks(call &c, const space &s, brick_tree &t)
         brick *b = NULL;
         moments *m = NULL;
         size = (size + 7) / 8;
-        if (!allocate(c, b, size) || !allocate(c, m, size)) {
-            return false;
-        }
-        brick_kernel<<<blocks_for(size, 128), 128, 0, c.stream>>>(s, child, children, m, b, size);
-        release(c, child, false);
+        allocate(c, b, size);
+        allocate(c, m, size);
+        launch(c, "bricks", brick_kernel, over(size, 128), s, child, children, m, b, size);
+        release(c, child);
         child = m;
         t.level[t.levels] = b;
         t.size[t.levels] = size;
     }
-    release(c, child, false);
-    half_kernel<<<blocks_for(s.count, 256), 256, 0, c.stream>>>(s, t);
-    return launched(c, "bricks");
+    release(c, child);
+    launch(c, "bricks", half_kernel, over(s.count, 256), s, t);
 }
 
-/* A rung for surfaces; failed: how many stars it left. */
-template <typename RUNG> bool run_wide_rung(call &c, wide_launch a, uint32_t &failed)
+/* A rung for surfaces; returns how many stars it leaves. */
+template <typename RUNG> uint32_t run_wide_rung(call &c, wide_launch a)
 {
     int device = 0, processors = 1;
     buffer<wide_star<RUNG> > scratch(c);
     buffer<pbw__digit> pool(c);
-    failed = 0;
     if (a.total == 0) {
-        return true;
+        return 0;
     }
-    if (!good(c, cudaGetDevice(&device), "cudaGetDevice")
-        || !good(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device),
-                 "cudaDeviceGetAttribute")
-        || !fill(c, a.next, 0, 1) || !fill(c, a.failed.count, 0, 1)) {
-        return false;
-    }
+    need(c, cudaGetDevice(&device), "cudaGetDevice");
+    need(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "cudaDeviceGetAttribute");
+    fill(c, a.next, 0, 1);
+    fill(c, a.failed.count, 0, 1);
     const unsigned most = RUNG::shared ? (unsigned)(processors * RUNG::blocks) : last_blocks;
     const unsigned blocks = a.total < most ? a.total : most;
-    if (!RUNG::shared && (!scratch.make(blocks) || !pool.make((size_t)blocks * 32 * PBW__POOL))) {
-        return false;
+    if (!RUNG::shared) {
+        scratch.make(blocks);
+        pool.make((size_t)blocks * 32 * PBW__POOL);
     }
     a.scratch = scratch.at;
     a.pool = pool.at;
-    wide_kernel<RUNG><<<blocks, 32, RUNG::shared ? sizeof(wide_star<RUNG>) : 0, c.stream>>>(a);
-    return launched(c, "stars of a rung") && keep_points(c)
-        && read_back(c, failed, a.failed.count, PBW_STAGE_BUILD, 0.8);
+    const shape warps = { blocks, 32, RUNG::shared ? sizeof(wide_star<RUNG>) : 0 };
+    launch(c, "stars of a rung", wide_kernel<RUNG>, warps, a);
+    keep_points(c);
+    return read_back(c, a.failed.count, PBW_STAGE_BUILD, 0.8);
 }
 
-/* wide: whether a sample shows that few stars are large or searched for long.  The CPU takes 150 to 250 ns a point on
+/* Whether a sample shows that few stars are large or searched for long.  The CPU takes 150 to 250 ns a point on
    16 threads; 4 warps a multiprocessor take 3 us each for a look at 32 places. */
-bool sample_wide_stars(call &c, const workshop &w, wide_launch a, bool &wide)
+bool sample_stays_cheap(call &c, const workshop &w, wide_launch a)
 {
-    unsigned long long looks = 0;
-    uint32_t failed = 0;
     a.total = sample_size;
     a.stride = (w.out.end - w.out.first) / sample_size;
     a.work = w.seed + 4;
     a.cap = sample_cap;
     start_over(c, w);
-    if (!launch_near<3, false, false>(c, w, w.out.first, a.stride, a.total, true) || !fill(c, a.work, 0, 1)
-        || !run_wide_rung<wide_rung>(c, a, failed) || !read_back(c, looks, a.work, PBW_STAGE_BUILD, 0.1)) {
-        return false;
-    }
-    wide = failed <= a.total / 64 && looks <= most_looks * a.total;
-    return true;
+    launch_near<3, false, false>(c, w, w.out.first, a.stride, a.total, true);
+    fill(c, a.work, 0, 1);
+    const uint32_t failed = run_wide_rung<wide_rung>(c, a);
+    const unsigned long long looks = read_back(c, a.work, PBW_STAGE_BUILD, 0.1);
+    return failed <= a.total / 64 && looks <= most_looks * a.total;
 }
 
 /* Stars that the first rung for surfaces left in q[0]. */
-bool build_large_wide_stars(call &c, const workshop &w, wide_launch a, uint32_t failed)
+void build_large_wide_stars(call &c, const workshop &w, wide_launch a, uint32_t failed)
 {
-    const uint32_t limit = 128 + (w.out.end - w.out.first) / 2048;
-    uint32_t last = 0;
     a.in = w.out;
     a.stride = 1;
     a.first = 0;
@@ -4726,127 +4701,111 @@ bool build_large_wide_stars(call &c, const workshop &w, wide_launch a, uint32_t 
     a.failed = w.q[1];
     a.total = failed;
     a.cap = far_cap;
-    a.limit = limit;
-    if (!run_wide_rung<large_wide_rung>(c, a, last)) {
-        return false;
-    }
-    if (last > limit) {                              /* beyond its limit a rung leaves stars untried, uncounted */
-        return decline_stars(c, last);
+    a.limit = far_limit(w);
+    const uint32_t last = run_wide_rung<large_wide_rung>(c, a);
+    if (last > a.limit) {                            /* beyond its limit a rung leaves stars untried, uncounted */
+        decline_stars(c, last);
     }
     a.vertex = w.q[1].vertex;
     a.failed = w.q[0];
     a.total = last;
     a.cap = last_cap[0];
     a.limit = 0;
-    if (!run_wide_rung<last_wide_rung>(c, a, failed)) {
-        return false;
-    }
+    failed = run_wide_rung<last_wide_rung>(c, a);
     w.made[2] = last;
     note(c, 4);
-    return failed == 0 ? c.status == PBW_OK : decline_stars(c, failed);
+    if (failed > 0) {
+        decline_stars(c, failed);
+    }
 }
 
-/* Stars of points on surfaces, unless a sample speaks against it: then wide comes out false.  Those that the first
-   rung begins go to a store of their own, which is given back. */
-bool build_wide_stars(call &c, workshop &w, const brick_tree &bricks, bool &wide)
+/* Stars of points on surfaces; returns false if a sample speaks against it.  Those that the first rung begins go to a
+   store of their own, which is given back. */
+bool build_wide_stars(call &c, workshop &w, const brick_tree &bricks)
 {
     const uint32_t mine = w.out.end - w.out.first;
     const unsigned long long enough = (unsigned long long)mine * 15 + 4096;
     const store in = w.out;
-    unsigned long long used = 0;
-    uint32_t failed = 0;
     wide_launch a = { w.s, bricks, w.seed, NULL, in.first, 1, mine, none, w.next, NULL, quick_cap, NULL, NULL, in, in,
                       w.q[0], w.q[2] };
     find_seeds<3>(c, w);
-    if (!sample_wide_stars(c, w, a, wide) || !wide) {
-        return c.status == PBW_OK;
+    if (!sample_stays_cheap(c, w, a)) {
+        return false;
     }
     start_over(c, w);
-    if (!launch_near<3, false, false>(c, w, in.first, 1, mine, true)) {
-        return false;
-    }
+    launch_near<3, false, false>(c, w, in.first, 1, mine, true);
     note(c, 3);
-    if (!read_back(c, used, w.out.used, PBW_STAGE_BUILD, 0.2)) {
-        return false;
-    }
-    if (used > w.out.capacity) {
+    if (read_back(c, w.out.used, PBW_STAGE_BUILD, 0.2) > w.out.capacity) {
         return true;
     }
     w.out.capacity = w.out.capacity > enough ? w.out.capacity : enough;
-    if (!fill(c, w.out.used, 0, 1) || !allocate(c, w.out.word, (size_t)w.out.capacity * 4)) {
-        return false;
-    }
+    fill(c, w.out.used, 0, 1);
+    allocate(c, w.out.word, (size_t)w.out.capacity * 4);
     a.out = w.out;
     a.limit = 128 + mine / 16;
-    if (!run_wide_rung<wide_rung>(c, a, failed) || !read_back(c, used, w.out.used, PBW_STAGE_BUILD, 0.8)) {
-        return false;
-    }
-    release(c, in.word, false);
+    const uint32_t failed = run_wide_rung<wide_rung>(c, a);
+    const unsigned long long used = read_back(c, w.out.used, PBW_STAGE_BUILD, 0.8);
+    release(c, in.word);
     if (used > w.out.capacity) {
         return true;
     }
     w.made[0] = w.made[1] = mine;
-    return failed > a.limit ? decline_stars(c, failed) : build_large_wide_stars(c, w, a, failed);
+    if (failed > a.limit) {
+        decline_stars(c, failed);
+    }
+    build_large_wide_stars(c, w, a, failed);
+    return true;
 }
 
 /* All stars of the share. */
-template <int DIM, bool WEIGHTED> bool build_stars(call &c, workshop &w)
+template <int DIM, bool WEIGHTED> void build_stars(call &c, workshop &w)
 {
-    uint32_t failed = 0;
-    bool far = false, wide = false;                  /* weights hide points, which is quick: no sample */
-    if (!WEIGHTED && !patient && w.s.count >= sampled_from && w.out.end - w.out.first >= sample_size
-        && !sample_stars<DIM, WEIGHTED>(c, w, far)) {
-        return false;
-    }
+    /* weights hide points, which is quick: no sample */
+    const bool far = !WEIGHTED && !patient && w.s.count >= sampled_from && w.out.end - w.out.first >= sample_size
+                  && sample_reaches_far<DIM, WEIGHTED>(c, w);
     if (far && DIM == 3) {
         brick_tree bricks;
-        if (!lay_bricks(c, w.s, bricks) || !build_wide_stars(c, w, bricks, wide)) {
-            return false;
-        }
+        lay_bricks(c, w.s, bricks);
+        const bool built = build_wide_stars(c, w, bricks);
         for (int level = 0; level < bricks.levels; level++) {
-            release(c, bricks.level[level], false);
+            release(c, bricks.level[level]);
         }
-    }
-    if (wide) {
-        return true;
+        if (built) {
+            return;
+        }
     }
     if (far && !c.must) {
-        return decline(c, "most stars reach far (points on lines, or nearly in a plane?): quicker on the CPU");
+        decline(c, "most stars reach far (points on lines, or nearly in a plane?): quicker on the CPU");
     }
-    if (!build_near_stars<DIM, WEIGHTED>(c, w, failed)) {
-        return false;
-    }
-    w.made[1] = failed;
-    return build_quick_stars<DIM, WEIGHTED>(c, w, failed) && build_far_stars<DIM, WEIGHTED>(c, w, failed)
-        && build_last_stars<DIM, WEIGHTED>(c, w, failed);
+    w.made[1] = build_near_stars<DIM, WEIGHTED>(c, w);
+    const uint32_t failed = build_quick_stars<DIM, WEIGHTED>(c, w, (uint32_t)w.made[1]);
+    build_last_stars<DIM, WEIGHTED>(c, w, build_far_stars<DIM, WEIGHTED>(c, w, failed));
 }
 
 /* In parts: memory that is not pinned makes the host wait for each. */
-bool copy_out(call &c, void *to, const void *from, size_t bytes, double done)
+void copy_out(call &c, void *to, const void *from, size_t bytes, double done)
 {
     const size_t most = (size_t)1 << 25;
-    good(c, cudaEventRecord(c.copied, c.stream), "cudaEventRecord");
-    good(c, cudaStreamWaitEvent(c.copies, c.copied, 0), "cudaStreamWaitEvent");
-    for (size_t at = 0; at < bytes && c.status == PBW_OK; at += most) {
-        good(c, cudaMemcpyAsync((char *)to + at, (const char *)from + at, bytes - at < most ? bytes - at : most,
+    follow(c);
+    for (size_t at = 0; at < bytes; at += most) {
+        need(c, cudaMemcpyAsync((char *)to + at, (const char *)from + at, bytes - at < most ? bytes - at : most,
                                 cudaMemcpyDeviceToHost, c.copies), "copying results");
         look_up(c, PBW_STAGE_OUTPUT, done);
+        go_on(c);
     }
-    return c.status == PBW_OK;
 }
 
 /* Lets the other devices read what this one has in its pool, where they can: copies between them go the short way. */
-bool open_pool(call &c)
+void open_pool(call &c)
 {
     offer &own = c.cards->of[c.card];
     cudaMemPool_t pool;
+    need(c, cudaDeviceGetMemPool(&pool, own.device), "cudaDeviceGetMemPool");
     for (int i = 0; i < c.cards->cards; i++) {
         const int other = c.cards->of[i].device;
         int can = 0;
-        if (other != own.device
-            && (!good(c, cudaDeviceCanAccessPeer(&can, other, own.device), "cudaDeviceCanAccessPeer")
-                || !good(c, cudaDeviceGetMemPool(&pool, own.device), "cudaDeviceGetMemPool"))) {
-            return false;
+        if (other != own.device) {
+            need(c, cudaDeviceCanAccessPeer(&can, other, own.device), "cudaDeviceCanAccessPeer");
         }
         if (can) {
             cudaMemAccessDesc access;
@@ -4859,11 +4818,10 @@ bool open_pool(call &c)
         }
         own.open[i] = (can || other == own.device) && !by_host;
     }
-    return true;
 }
 
 /* Copies by way of the host what a card offers that this one cannot read; it is complete. */
-bool fetch_by_host(call &c, int card, char *to, const char *from, size_t bytes)
+void fetch_by_host(call &c, int card, char *to, const char *from, size_t bytes)
 {
     const size_t most = (size_t)1 << 24;
     void *host = NULL;
@@ -4880,31 +4838,31 @@ bool fetch_by_host(call &c, int card, char *to, const char *from, size_t bytes)
             && good(c, cudaStreamSynchronize(c.stream), "copying from the host");
     }
     cudaFreeHost(host);
-    return done;
+    go_on(c);
 }
 
 /* Copies what another card offers. */
-bool fetch_from(call &c, int card, void *to, const void *from, size_t bytes)
+template <typename V> void fetch_from(call &c, int card, V *to, const void *from, size_t count)
 {
     const offer *of = c.cards->of;
-    return bytes == 0
-        || (!of[card].open[c.card] ? fetch_by_host(c, card, (char *)to, (const char *)from, bytes)
-            : good(c, cudaMemcpyPeerAsync(to, of[c.card].device, from, of[card].device, bytes, c.stream),
-                   "copying between devices"));
+    const size_t bytes = count * sizeof(V);
+    if (bytes > 0 && !of[card].open[c.card]) {
+        fetch_by_host(c, card, (char *)to, (const char *)from, bytes);
+    } else if (bytes > 0) {
+        need(c, cudaMemcpyPeerAsync(to, of[c.card].device, from, of[card].device, bytes, c.stream),
+             "copying between devices");
+    }
 }
 
 /* The share of a card, by multiprocessors, whole groups: where it begins. */
-bool share_points(call &c, const space &s, uint32_t &first, uint32_t &end)
+void share_points(call &c, const space &s, uint32_t &first, uint32_t &end)
 {
     double before = 0.0, own = 0.0, all = 0.0;
     for (int i = 0; i < (c.cards != NULL ? c.cards->cards : 1); i++) {
-        int device = 0, processors = 1;
+        int processors = 1;
         if (c.cards != NULL) {
-            device = c.cards->of[i].device;
-            if (!good(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device),
-                      "cudaDeviceGetAttribute")) {
-                return false;
-            }
+            need(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, c.cards->of[i].device),
+                 "cudaDeviceGetAttribute");
         }
         before += i < c.card ? processors : 0;
         own += i == c.card ? processors : 0;
@@ -4914,169 +4872,142 @@ bool share_points(call &c, const space &s, uint32_t &first, uint32_t &end)
     end = (uint32_t)((double)s.count * ((before + own) / all)) / group_size * group_size;
     end = before + own == all ? s.count : end;
     c.stars = end - first;
-    return true;
 }
 
 /* Lists the guests that this card has for higher cards. */
-template <int DIM> bool list_guests(call &c, const directory<DIM> &all, uint32_t vertices)
+template <int DIM> void list_guests(call &c, const directory<DIM> &all, uint32_t vertices)
 {
     offer &own = c.cards->of[c.card];
-    uint32_t *count = NULL, *place = NULL;
-    unsigned blocks = blocks_for(vertices, 128);
     if (c.card + 1 == c.cards->cards) {
-        return true;
+        return;
     }
-    if (!allocate(c, count, (size_t)vertices + 1) || !allocate(c, place, (size_t)vertices + 1)
-        || !fill(c, count + vertices, 0, 1)) {
-        return false;
-    }
+    buffer<uint32_t> count(c, (size_t)vertices + 1), place(c, (size_t)vertices + 1);
+    fill(c, count.at + vertices, 0, 1);
     for (int i = c.card + 1; i < c.cards->cards; i++) {
         const offer &other = c.cards->of[i];
         cell<DIM> *guest = NULL;
-        guest_kernel<DIM><<<blocks, 128, 0, c.stream>>>(all, vertices, other.first, other.end, count, NULL, NULL,
-                                                        NULL);
-        if (!launched(c, "guests") || !sum_before(c, count, place, (size_t)vertices + 1)
-            || !read_back(c, own.guest_count[i], place + vertices, PBW_STAGE_OUTPUT, 0.2)
-            || !allocate(c, guest, own.guest_count[i]) || !allocate(c, own.guest_numbers[i], own.guest_count[i])) {
-            return false;
-        }
+        launch(c, "guests", guest_kernel<DIM>, over(vertices, 128), all, vertices, other.first, other.end, count.at,
+               nullptr, nullptr, nullptr);
+        sum_before(c, count.at, place.at, (size_t)vertices + 1);
+        own.guest_count[i] = read_back(c, place.at + vertices, PBW_STAGE_OUTPUT, 0.2);
+        allocate(c, guest, own.guest_count[i]);
+        allocate(c, own.guest_numbers[i], own.guest_count[i]);
         own.guests[i] = guest;
-        guest_kernel<DIM><<<blocks, 128, 0, c.stream>>>(all, vertices, other.first, other.end, NULL, place, guest,
-                                                        own.guest_numbers[i]);
-        if (!launched(c, "guests")) {
-            return false;
-        }
+        launch(c, "guests", guest_kernel<DIM>, over(vertices, 128), all, vertices, other.first, other.end, nullptr,
+               place.at, guest, own.guest_numbers[i]);
     }
-    release(c, count, false);
-    release(c, place, false);
-    return wait(c, c.stream, PBW_STAGE_OUTPUT, 0.2);
+    wait(c, PBW_STAGE_OUTPUT, 0.2);
 }
 
 /* Fetches the guests that lower cards have for this one. */
-template <int DIM> bool fetch_guests(call &c, directory<DIM> &all)
+template <int DIM> void fetch_guests(call &c, directory<DIM> &all)
 {
     const offer *of = c.cards->of;
+    pbw_index *&beyond = c.cards->of[c.card].beyond;
     cell<DIM> *guest = NULL;
     uint32_t *number = NULL;
     size_t count = 0;
     for (int i = 0; i < c.card; i++) {
         count += of[i].guest_count[c.card];
     }
-    if (!allocate(c, guest, count) || !allocate(c, number, count)
-        || !allocate(c, c.cards->of[c.card].beyond, count)
-        || !fill(c, c.cards->of[c.card].beyond, 0xff, count)) {      /* guests without a facet here leave theirs */
-        return false;
-    }
+    allocate(c, guest, count);
+    allocate(c, number, count);
+    allocate(c, beyond, count);
+    fill(c, beyond, 0xff, count);                    /* guests without a facet here leave theirs */
     all.guest = guest;
     all.guest_number = number;
     for (int i = 0; i < c.card; i++) {
-        size_t some = of[i].guest_count[c.card];
-        if (!fetch_from(c, i, guest + all.guests, of[i].guests[c.card], some * sizeof *guest)
-            || !fetch_from(c, i, number + all.guests, of[i].guest_numbers[c.card], some * sizeof *number)) {
-            return false;
-        }
-        all.guests += (uint32_t)some;
+        const uint32_t some = of[i].guest_count[c.card];
+        fetch_from(c, i, guest + all.guests, of[i].guests[c.card], some);
+        fetch_from(c, i, number + all.guests, of[i].guest_numbers[c.card], some);
+        all.guests += some;
     }
-    return true;
 }
 
 /* Fetches what higher cards know of this one's simplices. */
-template <int DIM> bool fetch_beyond(call &c, const directory<DIM> &all, pbw_index *neighbors)
+template <int DIM> void fetch_beyond(call &c, const directory<DIM> &all, pbw_index *neighbors)
 {
     const offer *of = c.cards->of;
     for (int i = c.card + 1; i < c.cards->cards; i++) {
-        uint32_t count = of[c.card].guest_count[i];
+        const uint32_t count = of[c.card].guest_count[i];
         size_t before = 0;
-        pbw_index *beyond = NULL;
+        buffer<pbw_index> beyond(c, count);
         for (int k = 0; k < c.card; k++) {
             before += of[k].guest_count[i];
         }
-        if (!allocate(c, beyond, count)
-            || !fetch_from(c, i, beyond, of[i].beyond + before, count * sizeof *beyond)) {
-            return false;
-        }
-        return_kernel<DIM><<<blocks_for(count, 128), 128, 0, c.stream>>>(all, of[i].first, of[i].end, count,
-                                                                         of[c.card].guest_numbers[i], beyond,
-                                                                         neighbors);
-        release(c, beyond, false);
+        fetch_from(c, i, beyond.at, of[i].beyond + before, count);
+        launch(c, "neighbours", return_kernel<DIM>, over(count, 128), all, of[i].first, of[i].end, count,
+               of[c.card].guest_numbers[i], beyond.at, neighbors);
     }
-    return launched(c, "neighbours");
 }
 
 /* Fetches the incident simplices of all shares. */
-bool fetch_incident(call &c, const uint32_t *id, pbw_index *incident)
+void fetch_incident(call &c, const uint32_t *id, pbw_index *incident)
 {
     const offer *of = c.cards->of;
     for (int i = 0; i < c.cards->cards; i++) {
-        uint32_t count = of[i].end - of[i].first;
-        pbw_index *some = NULL;
-        if (!allocate(c, some, count) || !fetch_from(c, i, some, of[i].incident, count * sizeof *some)) {
-            return false;
-        }
-        scatter_kernel<<<blocks_for(count, 256), 256, 0, c.stream>>>(id + of[i].first, count, some, incident);
-        release(c, some, false);
+        const uint32_t count = of[i].end - of[i].first;
+        buffer<pbw_index> some(c, count);
+        fetch_from(c, i, some.at, of[i].incident, count);
+        launch(c, "incident simplices", scatter_kernel, over(count, 256), id + of[i].first, count, some.at, incident);
     }
-    return launched(c, "incident simplices");
 }
 
 /* Shares the points, grows the tree, and allocates what the rungs need. */
-bool open_workshop(call &c, workshop &w, int dim)
+void open_workshop(call &c, workshop &w, int dim)
 {
     unsigned long long *used_and_seed = NULL;
     uint32_t *counts = NULL;                         /* of the queues, next, stop */
-    if (!share_points(c, w.s, w.out.first, w.out.end)) {
-        return false;
-    }
+    share_points(c, w.s, w.out.first, w.out.end);
     const uint32_t mine = w.out.end - w.out.first, groups = (mine + group_size - 1) / group_size;
     w.out.capacity = (unsigned long long)mine * (dim == 3 ? 13 : 5) + 4096;
     /* rough points and boxes; the store, queues, places and counts; lists and their heads of 8 points */
-    if (!fits(c, (size_t)w.s.count * 16 + (size_t)w.s.count / group_size * sizeof(box) + (size_t)w.out.capacity * 16
-                 + (size_t)mine * (12 + 8) + (size_t)groups * (list_size * 4 + sizeof(near_list)))
-        || !grow_tree(c, w.s, dim, w.t) || !allocate(c, w.lists, (size_t)groups * list_size)
-        || !allocate(c, w.infos, groups) || !allocate(c, counts, 5) || !allocate(c, used_and_seed, 6)
-        || !allocate(c, w.out.place, mine) || !allocate(c, w.out.owned, (size_t)mine + 1)
-        || !fill(c, counts + 4, 0, 1)) {
-        return false;
-    }
+    need_memory(c, (size_t)w.s.count * 16 + (size_t)w.s.count / group_size * sizeof(box) + (size_t)w.out.capacity * 16
+                   + (size_t)mine * (12 + 8) + (size_t)groups * (list_size * 4 + sizeof(near_list)));
+    grow_tree(c, w.s, dim, w.t);
+    allocate(c, w.lists, (size_t)groups * list_size);
+    allocate(c, w.infos, groups);
+    allocate(c, counts, 5);
+    allocate(c, used_and_seed, 6);
+    allocate(c, w.out.place, mine);
+    allocate(c, w.out.owned, (size_t)mine + 1);
+    fill(c, counts + 4, 0, 1);
     for (int i = 0; i < 3; i++) {
         w.q[i].count = counts + i;
-        if (!allocate(c, w.q[i].vertex, mine)) {
-            return false;
-        }
+        allocate(c, w.q[i].vertex, mine);
     }
     w.next = counts + 3;
     w.out.stop = counts + 4;
     w.out.used = used_and_seed;
     w.seed = used_and_seed + 1;
-    if (c.copies != NULL && good(c, cudaEventRecord(c.copied, c.stream), "cudaEventRecord")
-        && good(c, cudaStreamWaitEvent(c.copies, c.copied, 0), "cudaStreamWaitEvent")) {
+    if (c.copies != NULL) {
+        follow(c);
         c.stop = counts + 4;
     }
-    list_kernel<<<blocks_for(groups, 4), 128, 0, c.stream>>>(w.t, dim, w.out.first / group_size,
-                                                             w.out.first / group_size + groups, w.lists, w.infos);
-    return launched(c, "lists");
+    launch(c, "lists", list_kernel, over((size_t)groups * 32, 128), w.t, dim, w.out.first / group_size,
+           w.out.first / group_size + groups, w.lists, w.infos);
 }
 
 /* All stars into the store, again if it turns out too small. */
-template <int DIM, bool WEIGHTED> bool fill_store(call &c, workshop &w)
+template <int DIM, bool WEIGHTED> void fill_store(call &c, workshop &w)
 {
     unsigned long long used = 0;
     note(c, 2);
     for (;;) {
-        if (!allocate(c, w.out.word, (size_t)w.out.capacity * 4) || !build_stars<DIM, WEIGHTED>(c, w)
-            || !read_back(c, used, w.out.used, PBW_STAGE_BUILD, 0.95)) {
-            return false;
-        }
+        allocate(c, w.out.word, (size_t)w.out.capacity * 4);
+        build_stars<DIM, WEIGHTED>(c, w);
+        used = read_back(c, w.out.used, PBW_STAGE_BUILD, 0.95);
         if (used <= w.out.capacity) {
             break;
         }
-        release(c, w.out.word, false);
+        release(c, w.out.word);
         w.out.capacity = used + used / 16;
     }
-    release(c, w.lists, false);
-    release(c, w.infos, false);
-    return used <= ((unsigned long long)1 << 32) - 16
-        || fail(c, PBW_ERROR_TOO_LARGE, "too many simplices for the index type");
+    release(c, w.lists);
+    release(c, w.infos);
+    if (used > ((unsigned long long)1 << 32) - 16) {
+        fail(c, PBW_ERROR_TOO_LARGE, too_many);
+    }
 }
 
 /* The simplices of a share on their way out. */
@@ -5088,49 +5019,48 @@ struct output {
 };
 
 /* Numbers the simplices of all shares. */
-bool number_simplices(call &c, const workshop &w, output &o, pbw_cuda_mesh *mesh)
+void number_simplices(call &c, const workshop &w, output &o, pbw_cuda_mesh *mesh)
 {
     const uint32_t mine = w.out.end - w.out.first;
-    if (!allocate(c, o.offset, (size_t)mine + 1) || !sum_before(c, w.out.owned, o.offset, (size_t)mine + 1)
-        || !read_back(c, o.total, o.offset + mine, PBW_STAGE_OUTPUT, 0.0)) {
-        return false;
-    }
+    allocate(c, o.offset, (size_t)mine + 1);
+    sum_before(c, w.out.owned, o.offset, (size_t)mine + 1);
+    o.total = read_back(c, o.offset + mine, PBW_STAGE_OUTPUT, 0.0);
     mesh->simplex_count = o.total;
     if (!o.alone) {
         offer &own = c.cards->of[c.card];
         own.first = w.out.first;
         own.end = w.out.end;
         own.simplices = o.total;
-        if (!meet_cards(c, false, 0.0)) {
-            return false;
-        }
+        meet_cards(c, false, 0.0);
         for (int i = 0; i < c.cards->cards; i++) {
             o.before += i < c.card ? c.cards->of[i].simplices : 0;
             mesh->simplex_count += i != c.card ? c.cards->of[i].simplices : 0;
         }
     }
     note(c, 5);
-    return mesh->simplex_count < hidden || fail(c, PBW_ERROR_TOO_LARGE, "too many simplices for the index type");
+    if (mesh->simplex_count >= hidden) {
+        fail(c, PBW_ERROR_TOO_LARGE, too_many);
+    }
 }
 
 /* Writes the simplices, and lists those that other cards need. */
 template <int DIM>
-bool emit_simplices(call &c, const workshop &w, const output &o, directory<DIM> &all, pbw_cuda_mesh *mesh)
+void emit_simplices(call &c, const workshop &w, const output &o, directory<DIM> &all, pbw_cuda_mesh *mesh)
 {
     const uint32_t mine = w.out.end - w.out.first;
     const size_t links = (size_t)o.total * (DIM + 1), incident = o.alone ? c.count : mine;
     cell<DIM> *cells = NULL;
-    if (!fits(c, (size_t)o.total * (o.with_neighbors ? 3 : 2) * sizeof(cell<DIM>) + c.count * 4)
-        || !allocate(c, cells, o.total) || !allocate(c, mesh->simplices, links)
-        || !allocate(c, mesh->incident, incident) || (o.with_neighbors && !allocate(c, mesh->neighbors, links))
-        || !fill(c, mesh->incident, 0xff, incident) || !fill(c, w.next, 0, 1)) {
-        return false;
+    need_memory(c, (size_t)o.total * (o.with_neighbors ? 3 : 2) * sizeof(cell<DIM>) + c.count * 4);
+    allocate(c, cells, o.total);
+    allocate(c, mesh->simplices, links);
+    allocate(c, mesh->incident, incident);
+    if (o.with_neighbors) {
+        allocate(c, mesh->neighbors, links);
     }
-    emit_kernel<DIM><<<blocks_for(mine, emit_block / 8), emit_block, 0, c.stream>>>(w.out, o.offset, o.id, cells,
-                                                                                   mesh->simplices);
-    if (!launched(c, "simplices")) {
-        return false;
-    }
+    fill(c, mesh->incident, 0xff, incident);
+    fill(c, w.next, 0, 1);
+    launch(c, "simplices", emit_kernel<DIM>, over((size_t)mine * 8, emit_block), w.out, o.offset, o.id, cells,
+           mesh->simplices);
     note(c, 6);
     all.first = w.out.first;
     all.base = (uint32_t)o.before;
@@ -5138,64 +5068,69 @@ bool emit_simplices(call &c, const workshop &w, const output &o, directory<DIM> 
     all.cells = cells;
     pbw_status status = o.to_host && c.card == 0 ? c.job->reserve(c.job, mesh->simplex_count) : PBW_OK;
     if (status != PBW_OK) {
-        return fail(c, status, "out of memory on the host");
+        fail(c, status, "out of memory on the host");
     }
-    return (o.alone
-            || (list_guests<DIM>(c, all, mine) && meet_cards(c, false, 0.1) && fetch_guests<DIM>(c, all)))
-        && (!o.to_host
-            || copy_out(c, c.job->simplices + o.before * (DIM + 1), mesh->simplices, links * sizeof(pbw_index), 0.1));
+    if (!o.alone) {
+        list_guests<DIM>(c, all, mine);
+        meet_cards(c, false, 0.1);
+        fetch_guests<DIM>(c, all);
+    }
+    if (o.to_host) {
+        copy_out(c, c.job->simplices + o.before * (DIM + 1), mesh->simplices, links * sizeof(pbw_index), 0.1);
+    }
 }
 
 /* Finds the neighbours and incident simplices; w.next counts hidden points. */
 template <int DIM>
-bool find_neighbors(call &c, const workshop &w, const output &o, const directory<DIM> &all, pbw_cuda_mesh *mesh)
+void find_neighbors(call &c, const workshop &w, const output &o, const directory<DIM> &all, pbw_cuda_mesh *mesh)
 {
     const uint32_t mine = w.out.end - w.out.first, *id = o.alone ? o.id : NULL;
     pbw_index *beyond = o.alone ? NULL : c.cards->of[c.card].beyond;
-    neighbor_kernel<DIM><<<blocks_for(mine, emit_block / 8), emit_block, 0, c.stream>>>(
-        w.out, all, id, mesh->neighbors, beyond, mesh->incident, w.next);
+    launch(c, "neighbours", neighbor_kernel<DIM>, over((size_t)mine * 8, emit_block), w.out, all, id, mesh->neighbors,
+           beyond, mesh->incident, w.next);
     if (mesh->stars[1] > 0) {
-        large_neighbor_kernel<DIM><<<blocks_for(mesh->stars[1], 4), 128, 0, c.stream>>>(
-            w.q[2], w.out, all, id, mesh->neighbors, beyond, mesh->incident);
+        launch(c, "neighbours", large_neighbor_kernel<DIM>, over(mesh->stars[1] * 32, 128), w.q[2], w.out, all, id,
+               mesh->neighbors, beyond, mesh->incident);
     }
     note(c, 7);
-    if (!launched(c, "neighbours")) {
-        return false;
-    }
     if (!o.alone) {
         c.cards->of[c.card].incident = mesh->incident;
-        if (!wait(c, c.stream, PBW_STAGE_OUTPUT, 0.2) || !meet_cards(c, false, 0.3)
-            || (o.with_neighbors && !fetch_beyond<DIM>(c, all, mesh->neighbors))) {
-            return false;
-        }
+        wait(c, PBW_STAGE_OUTPUT, 0.2);
+        meet_cards(c, false, 0.3);
     }
-    return !o.to_host || !o.with_neighbors
-        || copy_out(c, c.job->neighbors + o.before * (DIM + 1), mesh->neighbors,
-                    (size_t)o.total * (DIM + 1) * sizeof(pbw_index), 0.4);
+    if (!o.alone && o.with_neighbors) {
+        fetch_beyond<DIM>(c, all, mesh->neighbors);
+    }
+    if (o.to_host && o.with_neighbors) {
+        copy_out(c, c.job->neighbors + o.before * (DIM + 1), mesh->neighbors,
+                 (size_t)o.total * (DIM + 1) * sizeof(pbw_index), 0.4);
+    }
 }
 
 /* The arrays of points: the first card writes the incident simplices of all, the last the canonical points. */
-bool copy_points(call &c, const output &o, const pbw_cuda_mesh *mesh)
+void copy_points(call &c, const output &o, const pbw_cuda_mesh *mesh)
 {
     pbw_index *incident = mesh->incident;
     const size_t bytes = c.count * sizeof(pbw_index);
-    if (!o.alone && c.card == 0
-        && (!allocate(c, incident, c.count) || !fill(c, incident, 0xff, c.count)
-            || !fetch_incident(c, o.id, incident))) {
-        return false;
+    if (!o.alone && c.card == 0) {
+        allocate(c, incident, c.count);
+        fill(c, incident, 0xff, c.count);
+        fetch_incident(c, o.id, incident);
     }
-    return !o.to_host
-        || ((c.card > 0 || copy_out(c, c.job->incident, incident, bytes, 0.4))
-            && (c.card + 1 < c.cards->cards || copy_out(c, c.job->canonical, mesh->canonical, bytes, 0.4)));
+    if (o.to_host && c.card == 0) {
+        copy_out(c, c.job->incident, incident, bytes, 0.4);
+    }
+    if (o.to_host && c.card + 1 == c.cards->cards) {
+        copy_out(c, c.job->canonical, mesh->canonical, bytes, 0.4);
+    }
 }
 
 template <int DIM, bool WEIGHTED>
-bool build(call &c, const space &s, const uint32_t *id, unsigned flags, pbw_cuda_mesh *mesh)
+void build(call &c, const space &s, const uint32_t *id, unsigned flags, pbw_cuda_mesh *mesh)
 {
     workshop w;
     output o;
     directory<DIM> all;
-    uint32_t hidden_count = 0;
     memset(&w, 0, sizeof w);
     memset(&o, 0, sizeof o);
     memset(&all, 0, sizeof all);
@@ -5205,13 +5140,13 @@ bool build(call &c, const space &s, const uint32_t *id, unsigned flags, pbw_cuda
     o.alone = c.cards == NULL || c.cards->cards == 1;
     o.with_neighbors = (flags & PBW_NO_NEIGHBORS) == 0;
     o.to_host = c.job->reserve != NULL;
-    if (!open_workshop(c, w, DIM) || !fill_store<DIM, WEIGHTED>(c, w) || !number_simplices(c, w, o, mesh)
-        || !emit_simplices<DIM>(c, w, o, all, mesh) || !find_neighbors<DIM>(c, w, o, all, mesh)
-        || !copy_points(c, o, mesh) || !read_back(c, hidden_count, w.next, PBW_STAGE_OUTPUT, 0.5)) {
-        return false;
-    }
-    mesh->hidden_count = hidden_count;
-    return true;
+    open_workshop(c, w, DIM);
+    fill_store<DIM, WEIGHTED>(c, w);
+    number_simplices(c, w, o, mesh);
+    emit_simplices<DIM>(c, w, o, all, mesh);
+    find_neighbors<DIM>(c, w, o, all, mesh);
+    copy_points(c, o, mesh);
+    mesh->hidden_count = read_back(c, w.next, PBW_STAGE_OUTPUT, 0.5);
 }
 
 /* A check while it runs. */
@@ -5225,47 +5160,48 @@ struct checking {
     finding found;
     uint32_t points;                                 /* of a pass */
     pbw_report *report;                              /* NULL: only whether there is a fault */
-    checking(call &of, const pbw_cuda_mesh &mesh, const input &in, pbw_report *to)
+    checking(call &of, const pbw_cuda_mesh &mesh, const input &in, const pbw__grid &grid, pbw_report *to)
         : c(of), m{ in, mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical, (uint32_t)mesh.simplex_count,
-                    to == NULL, { 0.0, 0 }, NULL, NULL },
-          open(of), pool(of), basis(of), on_device(of), points((uint32_t)in.count), report(to) {}
+                    to == NULL, grid, NULL, NULL },
+          open(of, mesh.simplex_count > in.count ? mesh.simplex_count : in.count),
+          pool(of, (size_t)check_blocks * 32 * PBW__POOL), basis(of, (size_t)in.dim + 1), on_device(of, 1),
+          points((uint32_t)in.count), report(to)
+    {
+        memset(&found, 0, sizeof found);
+        found.least = ~0ull;
+        need(c, cudaMemcpyAsync(on_device.at, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy");
+        launch(c, "check", basis_kernel, shape{ 1, 32, 0 }, m, basis.at);
+        m.basis = basis.at;
+    }
 };
 
-/* One pass; false: a fault, which the report then names, or no verdict. */
+/* Items by the threads of a shape; list: NULL if they are all; pool: NULL without the exact stage. */
+template <int DIM>
+void check_items(checking &k, int pass, uint32_t count, shape threads, const uint32_t *list, pbw__digit *pool)
+{
+    launch(k.c, "check", check_kernel<DIM>, threads, k.m, pass, count, list, k.open.at, pool, k.on_device.at);
+    k.found = read_back(k.c, k.on_device.at, PBW_STAGE_BUILD, 0.0);
+}
+
+/* One pass; returns false if there is a fault, which the report then names. */
 template <int DIM> bool check_pass(checking &k, int pass)
 {
     call &c = k.c;
     const bool of_points = pass == check_points || pass == check_hidden;
     const uint32_t count = of_points ? k.points : k.m.count;
-    unsigned blocks = blocks_for(count, 128);
-    blocks = blocks < 1u << 16 ? blocks : 1u << 16;
-    check_kernel<DIM><<<blocks, 128, 0, c.stream>>>(k.m, pass, count, NULL, k.open.at, NULL, k.on_device.at);
-    if (!launched(c, "check") || !read_back(c, k.found, k.on_device.at, PBW_STAGE_BUILD, 0.0)) {
-        return false;
-    }
+    check_items<DIM>(k, pass, count, at_most(1u << 16, over(count, 128)), NULL, NULL);
     if (k.found.open > 0) {
-        check_kernel<DIM><<<check_blocks, 32, 0, c.stream>>>(k.m, pass, k.found.open, k.open.at, NULL, k.pool.at,
-                                                             k.on_device.at);
-        if (!fill(c, &k.on_device.at->open, 0, 1) || !launched(c, "check")
-            || !read_back(c, k.found, k.on_device.at, PBW_STAGE_BUILD, 0.0)) {
-            return false;
-        }
+        check_items<DIM>(k, pass, k.found.open, shape{ check_blocks, 32, 0 }, k.open.at, k.pool.at);
+        fill(c, &k.on_device.at->open, 0, 1);
     }
-    if (k.found.least == ~0ull || k.report == NULL) {
-        return k.found.least == ~0ull;
+    if (k.found.least != ~0ull && k.report != NULL) {      /* once more, for a description of it */
+        const uint32_t item = (uint32_t)(k.found.least >> 32);
+        need(c, cudaMemcpyAsync(k.open.at, &item, sizeof item, cudaMemcpyHostToDevice, c.stream), "copy");
+        check_items<DIM>(k, pass, 1, shape{ 1, 32, 0 }, k.open.at, k.pool.at);
+        const verdict &first = k.found.first;
+        (void)pbw__fault(k.report, first.fault, first.simplex, first.facet, first.point);
     }
-    uint32_t item = (uint32_t)(k.found.least >> 32);     /* once more, for a description of it */
-    if (!good(c, cudaMemcpyAsync(k.open.at, &item, sizeof item, cudaMemcpyHostToDevice, c.stream), "copy")) {
-        return false;
-    }
-    check_kernel<DIM><<<1, 32, 0, c.stream>>>(k.m, pass, 1, k.open.at, NULL, k.pool.at, k.on_device.at);
-    if (launched(c, "check") && read_back(c, k.found, k.on_device.at, PBW_STAGE_BUILD, 0.0)) {
-        k.report->what = pbw__fault_words[k.found.first.fault];
-        k.report->simplex = k.found.first.simplex;
-        k.report->facet = (pbw_index)k.found.first.facet;
-        k.report->point = k.found.first.point;
-    }
-    return false;
+    return k.found.least == ~0ull;
 }
 
 bool miscounts(pbw_report *report, size_t said, size_t counted, int fault)
@@ -5273,31 +5209,11 @@ bool miscounts(pbw_report *report, size_t said, size_t counted, int fault)
     return said != counted && !pbw__fault(report, fault, PBW_NONE, -1, PBW_NONE);
 }
 
-template <int DIM> bool open_check(checking &k, const pbw__grid &grid)
-{
-    call &c = k.c;
-    const size_t items = k.m.count > k.m.in.count ? k.m.count : k.m.in.count;
-    memset(&k.found, 0, sizeof k.found);
-    k.found.least = ~0ull;
-    if (!k.on_device.make(1) || !k.basis.make(DIM + 1) || !k.open.make(items)
-        || !k.pool.make((size_t)check_blocks * 32 * PBW__POOL)
-        || !good(c, cudaMemcpyAsync(k.on_device.at, &k.found, sizeof k.found, cudaMemcpyHostToDevice, c.stream),
-                 "copy")) {
-        return false;
-    }
-    basis_kernel<<<1, 32, 0, c.stream>>>(k.m, k.basis.at);
-    k.m.basis = k.basis.at;
-    k.m.grid = grid;
-    return launched(c, "check");
-}
-
 template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const input &in, pbw_report *report)
 {
-    survey *surveyed = NULL;
-    extents e;
-    checking k(c, mesh, in, report);
-    pbw__box_reset(&e.domain, 1);
-    if (!survey_points(c, in, surveyed, e) || !open_check<DIM>(k, e.grid) || !check_pass<DIM>(k, check_points)) {
+    buffer<survey> surveyed(c, 1);
+    checking k(c, mesh, in, survey_points(c, in, 1, surveyed).grid, report);
+    if (!check_pass<DIM>(k, check_points)) {
         return false;
     }
     const size_t vertices = (size_t)k.found.counted[check_points][0];
@@ -5313,24 +5229,33 @@ template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const inp
     return check_pass<DIM>(k, check_hull) && (others == 0 || check_pass<DIM>(k, check_hidden));
 }
 
-/* The arrays of a mesh leave the blocks of the call. */
-void release_mesh(call &c, const pbw_cuda_mesh &mesh, bool keep)
+/* The arrays of a mesh, one by one. */
+const int mesh_arrays = 4;
+
+pbw_index *&array_of(pbw_cuda_mesh &mesh, int i)
 {
-    release(c, mesh.simplices, keep);
-    release(c, mesh.neighbors, keep);
-    release(c, mesh.incident, keep);
-    release(c, mesh.canonical, keep);
+    return i == 0 ? mesh.simplices : i == 1 ? mesh.neighbors : i == 2 ? mesh.incident : mesh.canonical;
+}
+
+size_t entries_of(const pbw_cuda_mesh &mesh, int i)
+{
+    return i < 2 ? mesh.simplex_count * (size_t)(mesh.dim + 1) : mesh.point_count;
+}
+
+/* The arrays of a mesh leave the blocks of the call. */
+void release_mesh(call &c, pbw_cuda_mesh mesh, bool keep)
+{
+    for (int i = 0; i < mesh_arrays; i++) {
+        release(c, array_of(mesh, i), keep);
+    }
 }
 
 /* The last mesh of a loop becomes the call's: where the call fails, it frees that too. */
 void adopt_last(call &c)
 {
-    const pbw_cuda_mesh &mesh = c.last->mesh;
-    pbw_index *const array[4] = { mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical };
-    for (int i = 0; i < 4; i++) {
-        if (array[i] != NULL) {
-            own(c, array[i], (i < 2 ? mesh.simplex_count * (size_t)(mesh.dim + 1) : mesh.point_count)
-                             * sizeof(pbw_index));
+    for (int i = 0; i < mesh_arrays; i++) {
+        if (array_of(c.last->mesh, i) != NULL) {
+            own(c, array_of(c.last->mesh, i), entries_of(c.last->mesh, i) * sizeof(pbw_index));
         }
     }
     if (c.last->id != NULL) {
@@ -5343,42 +5268,36 @@ void adopt_last(call &c)
 template <int DIM>
 bool holds(call &c, const pbw_cuda_mesh &mesh, const input &in, const space &s, const uint32_t *id)
 {
-    checking k(c, mesh, in, NULL);
+    checking k(c, mesh, in, s.grid, NULL);
     k.m.order = id;
     k.points = s.count;
-    return open_check<DIM>(k, s.grid) && check_pass<DIM>(k, check_simplices) && check_pass<DIM>(k, check_hull)
+    return check_pass<DIM>(k, check_simplices) && check_pass<DIM>(k, check_hull)
         && (mesh.hidden_count == 0 || check_pass<DIM>(k, check_hidden));
 }
 
 /* Writes the arrays of old in the order that the points have now. */
 template <int DIM>
-bool reorder_mesh(call &c, const pbw_cuda_mesh &old, const space &s, const uint32_t *id, pbw_cuda_mesh *mesh)
+void reorder_mesh(call &c, const pbw_cuda_mesh &old, const space &s, const uint32_t *id, pbw_cuda_mesh *mesh)
 {
     const size_t count = old.simplex_count, links = count * (DIM + 1);
-    const unsigned blocks = blocks_for(count, 256);
+    const shape all = over(count, 256);
     const int bits = pbw__index_bits(s.count);
-    buffer<uint32_t> rank(c);
-    sortable<uint32_t> third(c), order(c);
-    sortable<uint64_t> first(c);
-    if (!rank.make(old.point_count) || !third.make(count) || !order.make(count) || !first.make(count)
-        || !allocate(c, mesh->simplices, links) || !allocate(c, mesh->neighbors, links)
-        || !allocate(c, mesh->incident, old.point_count) || !fill(c, mesh->incident, 0xff, old.point_count)) {
-        return false;
-    }
+    buffer<uint32_t> rank(c, old.point_count);
+    sortable<uint32_t> third(c, count), order(c, count);
+    sortable<uint64_t> first(c, count);
     const reorder m = { old.simplices, old.neighbors, id, rank.at, (uint32_t)count, bits };
-    rank_kernel<<<blocks_for(s.count, 256), 256, 0, c.stream>>>(id, s.count, rank.at);
-    third_kernel<DIM><<<blocks, 256, 0, c.stream>>>(m, third.array.at, order.array.at);
-    if (!launched(c, "order") || !sort_pairs(c, third, order, count, { 0, bits })) {
-        return false;
-    }
-    first_kernel<DIM><<<blocks, 256, 0, c.stream>>>(m, order.array.at, first.array.at);
-    if (!launched(c, "order") || !sort_pairs(c, first, order, count, { 0, 2 * bits })) {
-        return false;
-    }
-    rank_kernel<<<blocks, 256, 0, c.stream>>>(order.array.at, m.count, order.spare.at);
-    rewrite_kernel<DIM><<<blocks, 256, 0, c.stream>>>(m, order.array.at, order.spare.at, mesh->simplices,
-                                                      mesh->neighbors, mesh->incident);
-    return launched(c, "order");
+    allocate(c, mesh->simplices, links);
+    allocate(c, mesh->neighbors, links);
+    allocate(c, mesh->incident, old.point_count);
+    fill(c, mesh->incident, 0xff, old.point_count);
+    launch(c, "order", rank_kernel, over(s.count, 256), id, s.count, rank.at);
+    launch(c, "order", third_kernel<DIM>, all, m, third.array.at, order.array.at);
+    sort_pairs(c, third, order, count, { 0, bits });
+    launch(c, "order", first_kernel<DIM>, all, m, order.array.at, first.array.at);
+    sort_pairs(c, first, order, count, { 0, 2 * bits });
+    launch(c, "order", rank_kernel, all, order.array.at, m.count, order.spare.at);
+    launch(c, "order", rewrite_kernel<DIM>, all, m, order.array.at, order.spare.at, mesh->simplices, mesh->neighbors,
+           mesh->incident);
 }
 
 /* Makes the mesh of the last one, if that holds. */
@@ -5386,33 +5305,31 @@ template <int DIM>
 bool keep_mesh(call &c, const pbw_cuda_mesh &old, const input &in, const space &s, const uint32_t *id,
                pbw_cuda_mesh *mesh)
 {
-    uint2 differ = { 0, 0 };                         /* duplicates; the order */
     const bool ordered_alike = c.last->count == s.count;
-    buffer<uint2> flags(c);
-    if (!flags.make(1) || !fill(c, flags.at, 0, 1)) {
-        return false;
-    }
-    compare_kernel<<<blocks_for(in.count, 256), 256, 0, c.stream>>>(old.canonical, mesh->canonical,
-                                                                    (uint32_t)in.count, &flags.at->x);
+    buffer<uint2> flags(c, 1);                       /* whether duplicates differ, and the order */
+    fill(c, flags.at, 0, 1);
+    launch(c, "order", compare_kernel, over(in.count, 256), old.canonical, mesh->canonical, (uint32_t)in.count,
+           &flags.at->x);
     if (ordered_alike) {
-        compare_kernel<<<blocks_for(s.count, 256), 256, 0, c.stream>>>(c.last->id, id, s.count, &flags.at->y);
+        launch(c, "order", compare_kernel, over(s.count, 256), c.last->id, id, s.count, &flags.at->y);
     }
-    if (!launched(c, "order") || !read_back(c, differ, flags.at, PBW_STAGE_BUILD, 0.0) || differ.x != 0
-        || !holds<DIM>(c, old, in, s, id)) {
+    const uint2 differ = read_back(c, flags.at, PBW_STAGE_BUILD, 0.0);
+    if (differ.x != 0 || !holds<DIM>(c, old, in, s, id)) {
         return false;
     }
     if (ordered_alike && differ.y == 0) {
         mesh->simplices = old.simplices;
         mesh->neighbors = old.neighbors;
         mesh->incident = old.incident;
-    } else if (!reorder_mesh<DIM>(c, old, s, id, mesh)) {
-        return false;
+    } else {
+        reorder_mesh<DIM>(c, old, s, id, mesh);
     }
     mesh->simplex_count = old.simplex_count;
     mesh->hidden_count = old.hidden_count;
     mesh->kept = 1;
     note(c, 7);
-    return wait(c, c.stream, PBW_STAGE_OUTPUT, 0.5);
+    wait(c, PBW_STAGE_OUTPUT, 0.5);
+    return true;
 }
 
 /* The same for any call; a last mesh that does not hold is freed. */
@@ -5424,80 +5341,69 @@ bool keep_last(call &c, const input &in, const space &s, uint32_t *id, pbw_cuda_
     const pbw_cuda_mesh old = c.last->mesh;
     const bool alike = !c.anew && old.simplex_count > 0 && old.neighbors != NULL && old.dim == in.dim
                     && old.point_count == in.count && old.duplicate_count == mesh->duplicate_count;
-    const bool kept = alike && (in.dim == 3 ? keep_mesh<3>(c, old, in, s, id, mesh)
-                                            : keep_mesh<2>(c, old, in, s, id, mesh));
+    const bool kept = alike && (in.dim == 3 ? keep_mesh<3> : keep_mesh<2>)(c, old, in, s, id, mesh);
     if (!kept) {
         release_mesh(c, old, false);
     }
-    release(c, c.last->id, false);
+    release(c, c.last->id);
     c.last->id = id;
     c.last->count = s.count;
     return kept;
 }
 
-bool run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
+void run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
 {
     space s;
     uint32_t *id = NULL;
-    bool weighted = false, done;
     memset(&s, 0, sizeof s);
     mesh->dim = in.dim;
     mesh->point_count = in.count;
     if (in.count < PBW_CUDA_FEW) {
-        return decline(c, few_points);
+        decline(c, few_points);
     }
     if (in.count >= (size_t)1 << 31) {
-        return decline(c, "too many points for the device code");
+        decline(c, "too many points for the device code");
     }
     note(c, 0);
-    if (!allocate(c, mesh->canonical, in.count)
-        || !order_points(c, in, s, id, weighted, mesh)) {
-        return false;
-    }
-    release(c, in.points, false);                    /* those of a job: the records have all */
-    release(c, in.weights, false);
+    allocate(c, mesh->canonical, in.count);
+    const bool weighted = order_points(c, in, s, id, mesh);
+    release(c, in.points);                           /* those of a job: the records have all */
+    release(c, in.weights);
     note(c, 1);
-    done = keep_last(c, in, s, id, mesh);
-    if (!done && c.status == PBW_OK) {
-        done = in.dim == 3 ? (weighted ? build<3, true> : build<3, false>)(c, s, id, flags, mesh)
-                           : (weighted ? build<2, true> : build<2, false>)(c, s, id, flags, mesh);
+    if (!keep_last(c, in, s, id, mesh)) {
+        (in.dim == 3 ? (weighted ? build<3, true> : build<3, false>)
+                     : (weighted ? build<2, true> : build<2, false>))(c, s, id, flags, mesh);
     }
-    for (int i = 0; i < 8 && done; i += mesh->kept ? 7 : 1) {
-        done = good(c, cudaEventElapsedTime(&mesh->milliseconds[i], c.mark[i < 7 ? i : 0], c.mark[i < 7 ? i + 1 : 7]),
-                    "cudaEventElapsedTime");
+    for (int i = 0; i < 8; i += mesh->kept ? 7 : 1) {
+        need(c, cudaEventElapsedTime(&mesh->milliseconds[i], c.mark[i < 7 ? i : 0], c.mark[i < 7 ? i + 1 : 7]),
+             "cudaEventElapsedTime");
     }
-    return done;
 }
 
 /* ------------------------------------------------------------------------------------------------------
    >>entry        The backend, and the entries for points on the device.
    ------------------------------------------------------------------------------------------------------ */
 /* count: the points to triangulate; 0 in a check. */
-bool open_call(call &c, cudaStream_t stream, int dim, size_t count)
+void open_call(call &c, cudaStream_t stream, int dim, size_t count)
 {
     int device = 0, pools = 0;
     c.stream = stream;
     c.dim = dim;
     c.count = count;
     c.stars = count / (c.cards != NULL ? (size_t)c.cards->cards : 1);
-    if (!good(c, cudaGetDevice(&device), "no usable device")
-        || !good(c, cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, device),
-                 "cudaDeviceGetAttribute")) {
-        return false;
-    }
+    need(c, cudaGetDevice(&device), "no usable device");
+    need(c, cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, device), "cudaDeviceGetAttribute");
     if (!pools) {
-        return fail(c, PBW_ERROR_BACKEND, "the device or its driver has no memory pools");
+        fail(c, PBW_ERROR_BACKEND, "the device or its driver has no memory pools");
     }
-    if (c.lent) {
-        return true;
+    if (!c.lent) {
+        need(c, cudaDeviceGetMemPool(&c.pool, device), "cudaDeviceGetMemPool");
+        for (int i = 0; i < 8; i++) {
+            need(c, cudaEventCreate(&c.mark[i]), "cudaEventCreate");
+        }
+        need(c, cudaEventCreateWithFlags(&c.ready, cudaEventDisableTiming), "cudaEventCreate");
+        need(c, cudaEventCreateWithFlags(&c.copied, cudaEventDisableTiming), "cudaEventCreate");
     }
-    good(c, cudaDeviceGetMemPool(&c.pool, device), "cudaDeviceGetMemPool");
-    for (int i = 0; i < 8; i++) {
-        good(c, cudaEventCreate(&c.mark[i]), "cudaEventCreate");
-    }
-    good(c, cudaEventCreateWithFlags(&c.ready, cudaEventDisableTiming), "cudaEventCreate");
-    good(c, cudaEventCreateWithFlags(&c.copied, cudaEventDisableTiming), "cudaEventCreate");
-    return c.status == PBW_OK;
 }
 
 void destroy_events(const gear &g)
@@ -5510,6 +5416,11 @@ void destroy_events(const gear &g)
     }
 }
 
+void open_copies(call &c)
+{
+    need(c, cudaStreamCreateWithFlags(&c.copies, cudaStreamNonBlocking), "cudaStreamCreate");
+}
+
 /* Frees all but what the mesh, if there is one, has; the stream may still have work for it. */
 void close_call(call &c, const pbw_cuda_mesh *mesh)
 {
@@ -5517,7 +5428,7 @@ void close_call(call &c, const pbw_cuda_mesh *mesh)
         release_mesh(c, *mesh, true);
     }
     while (c.blocks > 0) {
-        release(c, c.block[0].address, false);
+        release(c, c.block[0].address);
     }
     if (!c.lent) {
         destroy_events(c);
@@ -5525,36 +5436,32 @@ void close_call(call &c, const pbw_cuda_mesh *mesh)
     (void)cudaGetLastError();
 }
 
+size_t number_size(bool is_float)
+{
+    return is_float ? sizeof(float) : sizeof(double);
+}
+
 bool is_packed(const pbw_job *job)
 {
-    const size_t size = job->is_float ? sizeof(float) : sizeof(double);
+    const size_t size = number_size(job->is_float);
     return job->stride == (size_t)job->dim * size && (job->weights == NULL || job->weight_stride == size);
 }
 
-/* The input of a job on the device; strided input has been packed. */
-bool upload(call &c, input &in)
+/* Returns the input of a job, on the device; strided input has been packed. */
+input upload(call &c)
 {
     const pbw_job *job = c.job;
     const bool packed = is_packed(job);
-    const void *points = packed ? job->points : job->kept_points;
-    const void *weights = packed ? job->weights : job->kept_weights;
-    char *on_device = NULL;
-    in.dim = job->dim;
-    in.count = job->count;
-    in.is_float = packed && job->is_float;
-    in.points = in.weights = NULL;
-    const size_t size = in.is_float ? sizeof(float) : sizeof(double);
-    for (int part = 0; part < (weights != NULL ? 2 : 1); part++) {
-        size_t bytes = job->count * size * (part == 0 ? (size_t)job->dim : 1);
-        if (!allocate(c, on_device, bytes)
-            || !good(
-                c, cudaMemcpyAsync(on_device, part == 0 ? points : weights, bytes, cudaMemcpyHostToDevice, c.stream),
-                "copying points")) {
-            return false;
-        }
+    const void *from[2] = { packed ? job->points : job->kept_points, packed ? job->weights : job->kept_weights };
+    input in = { NULL, NULL, job->count, job->dim, packed && job->is_float };
+    for (int part = 0; part < 2 && from[part] != NULL; part++) {
+        const size_t bytes = job->count * number_size(in.is_float) * (part == 0 ? (size_t)job->dim : 1);
+        char *on_device = NULL;
+        allocate(c, on_device, bytes);
+        need(c, cudaMemcpyAsync(on_device, from[part], bytes, cudaMemcpyHostToDevice, c.stream), "copying points");
         (part == 0 ? in.points : in.weights) = on_device;
     }
-    return true;
+    return in;
 }
 
 /* A card's part in a job. */
@@ -5562,21 +5469,22 @@ void take_part(team *cards, int card, pbw_job *job, pbw_cuda_mesh *mesh)
 {
     cudaStream_t stream = NULL;
     call c;
-    input in;
     memset(&c, 0, sizeof c);
     c.cards = cards;
     c.card = card;
     c.job = job;
-    if (good(c, cudaSetDevice(cards->of[card].device), "cudaSetDevice")
-        && good(c, cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "no stream on the device")
-        && open_call(c, stream, job->dim, job->count)
-        && good(c, cudaStreamCreateWithFlags(&c.copies, cudaStreamNonBlocking), "cudaStreamCreate")
-        && open_pool(c) && upload(c, in)) {
-        run(c, in, job->flags, mesh);
+    try {
+        need(c, cudaSetDevice(cards->of[card].device), "cudaSetDevice");
+        need(c, cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "no stream on the device");
+        open_call(c, stream, job->dim, job->count);
+        open_copies(c);
+        open_pool(c);
+        run(c, upload(c), job->flags, mesh);
+    } catch (const failure &) {
+        fall_out(c, NULL);
     }
-    fall_out(c, NULL);
     if (c.copies != NULL) {                          /* they must end before the job's memory may be freed */
-        wait(c, c.copies, PBW_STAGE_OUTPUT, 0.8);
+        finish_stream(c, c.copies, PBW_STAGE_OUTPUT, 0.8);
         good(c, cudaStreamSynchronize(c.copies), "copying results");
         cudaStreamDestroy(c.copies);
     }
@@ -5691,7 +5599,7 @@ struct request {
     const gear *tools;
 };
 
-bool open_local(local_call &local, const request &r)
+void open_local(local_call &local, const request &r)
 {
     const pbw_options &options = r.options;
     call &c = local.c;
@@ -5704,6 +5612,7 @@ bool open_local(local_call &local, const request &r)
     local.job.say = pbw__job_say;
     local.job.context = &local.dispatch;
     c.job = &local.job;
+    c.must = r.cpu == NULL;
     if (r.last != NULL) {
         (gear &)c = *r.tools;
         c.lent = true;
@@ -5713,12 +5622,14 @@ bool open_local(local_call &local, const request &r)
     }
     local.fp = pbw__fp_enter();
     if (!pbw__fp_is_exact()) {
-        return fail(c, PBW_ERROR_FP_MODE, pbw_status_string(PBW_ERROR_FP_MODE));
+        fail(c, PBW_ERROR_FP_MODE, pbw_status_string(PBW_ERROR_FP_MODE));
     }
     look_up(c, PBW_STAGE_ORDER, 0.0);
-    return c.status == PBW_OK && open_call(c, r.stream, r.in.dim, r.check ? 0 : r.in.count)
-        && (options.progress == NULL || c.lent
-            || good(c, cudaStreamCreateWithFlags(&c.copies, cudaStreamNonBlocking), "cudaStreamCreate"));
+    go_on(c);
+    open_call(c, r.stream, r.in.dim, r.check ? 0 : r.in.count);
+    if (options.progress != NULL && !c.lent) {
+        open_copies(c);
+    }
 }
 
 /* On success all but the mesh's arrays is freed, else those too. */
@@ -5746,66 +5657,78 @@ pbw_status close_local(local_call &local, pbw_cuda_mesh *mesh)
     return c.status;
 }
 
+/* Fetches the points of an input as doubles; floats come to lie in the second half, and are widened in place. */
+void fetch_points(call &c, const input &in, double *points, size_t numbers)
+{
+    const size_t size = number_size(in.is_float), bytes = in.count * (size_t)in.dim * size;
+    char *packed = (char *)(points + numbers) - numbers * size;
+    need(c, cudaMemcpyAsync(packed, in.points, bytes, cudaMemcpyDeviceToHost, c.stream), "copying points");
+    if (in.weights != NULL) {
+        need(c, cudaMemcpyAsync(packed + bytes, in.weights, in.count * size, cudaMemcpyDeviceToHost, c.stream),
+             "copying weights");
+    }
+    wait(c, PBW_STAGE_ORDER, 0.0);
+    for (size_t i = 0; i < numbers && in.is_float; i++) {
+        float number;
+        memcpy(&number, packed + i * sizeof number, sizeof number);
+        points[i] = (double)number;
+    }
+}
+
+/* Copies a mesh of the CPU to the device. */
+void send_mesh(call &c, const pbw_mesh &host, const input &in, pbw_cuda_mesh *mesh)
+{
+    const pbw_index *from[mesh_arrays] = { host.simplices, host.neighbors, host.incident, host.canonical };
+    mesh->dim = in.dim;
+    mesh->by_cpu = 1;
+    mesh->point_count = in.count;
+    mesh->simplex_count = host.simplex_count;
+    mesh->duplicate_count = host.duplicate_count;
+    mesh->hidden_count = host.hidden_count;
+    for (int i = 0; i < mesh_arrays; i++) {
+        if (from[i] != NULL) {
+            allocate(c, array_of(*mesh, i), entries_of(*mesh, i));
+            need(c, cudaMemcpyAsync(array_of(*mesh, i), from[i], entries_of(*mesh, i) * sizeof(pbw_index),
+                                    cudaMemcpyHostToDevice, c.stream), "copying results");
+        }
+    }
+}
+
 /* An input on the device that is for the CPU: its points to the host, the arrays to the device. */
-bool build_by(pbw_triangulator *cpu, call &c, const input &in, pbw_options options, pbw_cuda_mesh *mesh)
+void build_by(pbw_triangulator *cpu, call &c, const input &in, pbw_options options, pbw_cuda_mesh *mesh)
 {
     pbw__memory &memory = ((pbw__dispatch *)c.job->context)->context->memory;
-    const size_t size = in.is_float ? sizeof(float) : sizeof(double), coordinates = in.count * (size_t)in.dim;
-    const size_t numbers = coordinates + (in.weights != NULL ? in.count : 0);
+    const size_t coordinates = in.count * (size_t)in.dim, numbers = coordinates + (in.weights != NULL ? in.count : 0);
     double *points = (double *)pbw__allocate(&memory, numbers, sizeof(double));
-    char *packed = (char *)(points + numbers) - numbers * size;        /* floats: the second half, widened in place */
     pbw_mesh host;
-    pbw_status status;
+    pbw_status status = PBW_OK;
     if (points == NULL) {
-        return fail(c, PBW_ERROR_MEMORY, "out of memory on the host");
+        fail(c, PBW_ERROR_MEMORY, "out of memory on the host");
     }
     options.backend = NULL;
     options.trace = NULL;
     options.stride = options.weight_stride = 0;
     options.memory_limit -= options.memory_limit > 0 ? memory.used - (memory.used == memory.limit) : 0;
     memset(&host, 0, sizeof host);
-    if (good(c, cudaMemcpyAsync(packed, in.points, coordinates * size, cudaMemcpyDeviceToHost, c.stream),
-             "copying points")
-        && (in.weights == NULL
-            || good(c, cudaMemcpyAsync(packed + coordinates * size, in.weights, in.count * size,
-                                       cudaMemcpyDeviceToHost, c.stream), "copying weights"))
-        && wait(c, c.stream, PBW_STAGE_ORDER, 0.0)) {
-        for (size_t i = 0; i < numbers && in.is_float; i++) {
-            float number;
-            memcpy(&number, packed + i * sizeof number, sizeof number);
-            points[i] = (double)number;
-        }
+    try {
+        fetch_points(c, in, points, numbers);
         status = cpu(in.dim, points, in.weights != NULL ? points + coordinates : NULL, in.count, &options, &host);
         if (status != PBW_OK && status != PBW_DEGENERATE) {
             fail(c, status, pbw_status_string(status));
         }
-        const pbw_index *from[4] = { host.simplices, host.neighbors, host.incident, host.canonical };
-        pbw_index **to[4] = { &mesh->simplices, &mesh->neighbors, &mesh->incident, &mesh->canonical };
-        for (int i = 0; i < 4; i++) {
-            const size_t entries = i < 2 ? host.simplex_count * ((size_t)in.dim + 1) : in.count;
-            if (from[i] != NULL && allocate(c, *to[i], entries)) {
-                good(c, cudaMemcpyAsync(*to[i], from[i], entries * sizeof(pbw_index), cudaMemcpyHostToDevice,
-                                        c.stream), "copying results");
-            }
-        }
-        mesh->dim = in.dim;
-        mesh->by_cpu = 1;
-        mesh->point_count = in.count;
-        mesh->simplex_count = host.simplex_count;
-        mesh->duplicate_count = host.duplicate_count;
-        mesh->hidden_count = host.hidden_count;
-        wait(c, c.stream, PBW_STAGE_OUTPUT, 0.9);    /* the host arrays are freed next */
-        c.status = c.status == PBW_OK ? status : c.status;
+        send_mesh(c, host, in, mesh);
+    } catch (const failure &) {
     }
+    finish_stream(c, c.stream, PBW_STAGE_OUTPUT, 0.9);      /* the host arrays are freed next */
+    c.status = c.status == PBW_OK ? status : c.status;
     pbw_free(&host);
     pbw__release(&memory, points, numbers, sizeof(double));
-    return c.status == PBW_OK || c.status == PBW_DEGENERATE;
 }
 
 /* Builds a mesh, by the CPU where that is what the caller wants. */
 pbw_status serve(request &r, const pbw_options *given_options, pbw_cuda_mesh *mesh)
 {
-    const size_t size = r.in.is_float ? sizeof(float) : sizeof(double);
+    const size_t size = number_size(r.in.is_float);
     pbw_status status = PBW_ERROR_BACKEND;
     if (mesh == NULL) {
         return PBW_ERROR_ARGUMENT;
@@ -5823,12 +5746,15 @@ pbw_status serve(request &r, const pbw_options *given_options, pbw_cuda_mesh *me
     for (int on_cpu = 0; on_cpu < 2 && status == PBW_ERROR_BACKEND; on_cpu++) {
         local_call local;
         call &c = local.c;
-        if (open_local(local, r)) {
-            c.must = r.cpu == NULL;
-        }
-        if (c.status == PBW_OK
-            && (on_cpu ? build_by(r.cpu, c, r.in, r.options, mesh) : run(c, r.in, r.options.flags, mesh))) {
+        try {
+            open_local(local, r);
+            if (on_cpu) {
+                build_by(r.cpu, c, r.in, r.options, mesh);
+            } else {
+                run(c, r.in, r.options.flags, mesh);
+            }
             look_up(c, PBW_STAGE_OUTPUT, 1.0);
+        } catch (const failure &) {
         }
         status = close_local(local, mesh);
         if (r.cpu == NULL || (!c.declined && (r.options.flags & PBW_BACKEND_OR_CPU) == 0)) {
@@ -5890,10 +5816,9 @@ extern "C" pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *po
 extern "C" void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream)
 {
     if (mesh != NULL) {
-        pbw_index *array[4] = { mesh->simplices, mesh->neighbors, mesh->incident, mesh->canonical };
-        for (int i = 0; i < 4; i++) {
-            if (array[i] != NULL) {
-                cudaFreeAsync(array[i], (cudaStream_t)stream);
+        for (int i = 0; i < mesh_arrays; i++) {
+            if (array_of(*mesh, i) != NULL) {
+                cudaFreeAsync(array_of(*mesh, i), (cudaStream_t)stream);
             }
         }
         memset(mesh, 0, sizeof *mesh);
@@ -5917,10 +5842,11 @@ extern "C" pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, co
     }
     r.in.dim = mesh->dim;
     r.in.count = mesh->point_count;
-    if (open_local(local, r)) {
-        report->valid = mesh->dim == 3 ? check_mesh<3>(local.c, *mesh, r.in, report)
-                                       : check_mesh<2>(local.c, *mesh, r.in, report);
+    try {
+        open_local(local, r);
+        report->valid = (mesh->dim == 3 ? check_mesh<3> : check_mesh<2>)(local.c, *mesh, r.in, report);
         look_up(local.c, PBW_STAGE_CHECK, 1.0);
+    } catch (const failure &) {
     }
     return close_local(local, NULL);
 }
@@ -5950,33 +5876,34 @@ extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, voi
     call &c = local.c;
     *result = NULL;
     r.options.progress = NULL;
-    if (open_local(local, r)) {
+    try {
+        open_local(local, r);
         memset(&properties, 0, sizeof properties);
         properties.allocType = cudaMemAllocationTypePinned;
         properties.location.type = cudaMemLocationTypeDevice;
         loop = (pbw_cuda_loop *)pbw__allocate(&local.context.memory, 1, sizeof *loop);
         if (loop == NULL) {
             fail(c, PBW_ERROR_MEMORY, "out of memory on the host");
-        } else if (good(c, cudaGetDevice(&properties.location.id), "cudaGetDevice")
-                   && good(c, cudaMemPoolCreate(&pool, &properties), "cudaMemPoolCreate")
-                   && good(c, cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &all), "the pool")
-                   && good(c, cudaStreamCreateWithFlags(&c.copies, cudaStreamNonBlocking), "cudaStreamCreate")
-                   && good(c, cudaMallocHost(&c.pinned, pinned_bytes), "cudaMallocHost")) {
-            c.pool = pool;
-            c.lent = true;
-            memset(loop, 0, sizeof *loop);
-            loop->device = properties.location.id;
-            loop->stream = r.stream;
-            loop->options = options;
-            loop->cpu = cpu;
-            loop->tools = c;
-        } else {
-            if (pool != NULL) {
-                cudaMemPoolDestroy(pool);
-            }
-            pbw__release(&local.context.memory, loop, 1, sizeof *loop);
-            loop = NULL;
         }
+        need(c, cudaGetDevice(&properties.location.id), "cudaGetDevice");
+        need(c, cudaMemPoolCreate(&pool, &properties), "cudaMemPoolCreate");
+        need(c, cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &all), "the pool");
+        open_copies(c);
+        need(c, cudaMallocHost(&c.pinned, pinned_bytes), "cudaMallocHost");
+        c.pool = pool;
+        c.lent = true;
+        memset(loop, 0, sizeof *loop);
+        loop->device = properties.location.id;
+        loop->stream = r.stream;
+        loop->options = options;
+        loop->cpu = cpu;
+        loop->tools = c;
+    } catch (const failure &) {
+        if (pool != NULL) {
+            cudaMemPoolDestroy(pool);
+        }
+        pbw__release(&local.context.memory, loop, 1, sizeof *loop);
+        loop = NULL;
     }
     *result = loop;
     return close_local(local, NULL);
