@@ -83,6 +83,7 @@
 #include <condition_variable>
 #include <mutex>
 #include <thread>
+#include <type_traits>
 #include <utility>
 
 #ifndef PBW_CUDA_FEW
@@ -121,6 +122,16 @@ struct alignas(32) record {                          /* as pbw.h keeps them: {x,
 struct alignas(16) box {
     float low[3], high[3], weight, unused;
 };
+
+/* Grows a box to hold another. */
+__device__ inline void add_box(box &b, const box &other)
+{
+    for (int k = 0; k < 3; k++) {
+        b.low[k] = fminf(b.low[k], other.low[k]);
+        b.high[k] = fmaxf(b.high[k], other.high[k]);
+    }
+    b.weight = fmaxf(b.weight, other.weight);
+}
 
 const int tree_levels = 7;                           /* 8 * 32^6 points are more than an index can number */
 struct tree {
@@ -176,19 +187,38 @@ template <int T, typename V> __device__ inline V tile_read(V value, int lane)
     return __shfl_sync(all_lanes, value, lane, T);
 }
 
-template <int T> __device__ inline float tile_min(float value)
+template <typename V> __device__ inline V lower(V a, V b)
+{
+    return b < a ? b : a;
+}
+
+__device__ inline float lower(float a, float b)
+{
+    return fminf(a, b);
+}
+
+/* The smallest and the largest value, and the sum, of the lanes of a tile. */
+template <int T, typename V> __device__ inline V tile_min(V value)
 {
     for (int step = T / 2; step > 0; step /= 2) {
-        value = fminf(value, __shfl_xor_sync(all_lanes, value, step));
+        value = lower(value, __shfl_xor_sync(all_lanes, value, step));
     }
     return value;
 }
 
-template <int T> __device__ inline uint32_t tile_min(uint32_t value)
+template <int T, typename V> __device__ inline V tile_max(V value)
 {
     for (int step = T / 2; step > 0; step /= 2) {
-        uint32_t other = __shfl_xor_sync(all_lanes, value, step);
-        value = other < value ? other : value;
+        V other = __shfl_xor_sync(all_lanes, value, step);
+        value = other > value ? other : value;
+    }
+    return value;
+}
+
+template <int T, typename V> __device__ inline V tile_sum(V value)
+{
+    for (int step = T / 2; step > 0; step /= 2) {
+        value += __shfl_xor_sync(all_lanes, value, step);
     }
     return value;
 }
@@ -292,16 +322,11 @@ __global__ void survey_kernel(input in, survey *out)
             unit = exponent < unit ? exponent : unit;
         }
     }
-    for (int step = 16; step > 0; step /= 2) {
-        for (int k = 0; k <= dim; k++) {
-            unsigned long long l = __shfl_xor_sync(all_lanes, low[k], step),
-                               h = __shfl_xor_sync(all_lanes, high[k], step);
-            low[k] = l < low[k] ? l : low[k];
-            high[k] = h > high[k] ? h : high[k];
-        }
-        int u = __shfl_xor_sync(all_lanes, unit, step);
-        unit = u < unit ? u : unit;
+    for (int k = 0; k <= dim; k++) {
+        low[k] = tile_min<32>(low[k]);
+        high[k] = tile_max<32>(high[k]);
     }
+    unit = tile_min<32>(unit);
     bad = any(bad);
     if ((threadIdx.x & 31) == 0) {
         for (int k = 0; k <= dim; k++) {
@@ -443,16 +468,10 @@ __global__ void measure_kernel(input in, int index_bits, uint64_t *key, run_list
         fetch(in, (size_t)(key[head + best] & mask), c);
         fetch(in, (size_t)(key[head + other] & mask), d);
         best = pbw__comes_before(d, key[head + other] & mask, c, key[head + best] & mask, in.dim) ? other : best;
-        for (int k = 0; k < in.dim; k++) {
-            unsigned long long l = __shfl_xor_sync(all_lanes, lowest[k], step);
-            unsigned long long h = __shfl_xor_sync(all_lanes, highest[k], step);
-            lowest[k] = l < lowest[k] ? l : lowest[k];
-            highest[k] = h > highest[k] ? h : highest[k];
-        }
     }
     double side = 0.0;
     for (int k = 0; k < in.dim; k++) {
-        double l = unordered(lowest[k]), s = unordered(highest[k]) - l;
+        double l = unordered(tile_min<32>(lowest[k])), s = unordered(tile_max<32>(highest[k])) - l;
         side = s > side ? s : side;
         if (lane == 0) {
             low[3 * (size_t)r + (size_t)k] = l;
@@ -596,12 +615,7 @@ __global__ void box_kernel(const box *child, uint32_t children, box *out, uint32
         box b = child[g * 32];
         uint32_t end = (uint32_t)g * 32 + 32 < children ? (uint32_t)g * 32 + 32 : children;
         for (uint32_t i = (uint32_t)g * 32 + 1; i < end; i++) {
-            box c = child[i];
-            for (int k = 0; k < 3; k++) {
-                b.low[k] = fminf(b.low[k], c.low[k]);
-                b.high[k] = fmaxf(b.high[k], c.high[k]);
-            }
-            b.weight = fmaxf(b.weight, c.weight);
+            add_box(b, child[i]);
         }
         out[g] = b;
     }
@@ -615,11 +629,7 @@ __device__ inline float side_near(const tree &t, int dim, uint32_t g)
     const uint32_t first = g & ~7u;
     box around = t.level[0][g];
     for (uint32_t i = first; i < first + 8 && i < t.size[0]; i++) {
-        box b = t.level[0][i];
-        for (int k = 0; k < 3; k++) {
-            around.low[k] = fminf(around.low[k], b.low[k]);
-            around.high[k] = fmaxf(around.high[k], b.high[k]);
-        }
+        add_box(around, t.level[0][i]);
     }
     float x = around.high[0] - around.low[0], y = around.high[1] - around.low[1], z = around.high[2] - around.low[2];
     float longest = fmaxf(x, fmaxf(y, z));
@@ -794,17 +804,11 @@ template <typename REAL> struct place {              /* relative to v, in units 
     REAL x[3], w;
 };
 
-/* Rounds to float, but never to 0 what is not 0: walls depend on it. */
-__device__ inline float narrow(double difference, double unit)
-{
-    float x = (float)(difference * unit);
-    return x == 0.0f && difference != 0.0 ? 1e-37f : x;
-}
-
-/* What differs: the squares that are large enough, D / ABC and (|a x b| / AB)^2 where the bounds begin to hold, and
-   the factor of the error in Q. */
+/* What differs: a difference in units; the squares that are large enough, D / ABC and (|a x b| / AB)^2 where the
+   bounds begin to hold, and the factor of the error in Q. */
 template <typename REAL> struct sizes;
 template <> struct sizes<double> {
+    static __device__ double scaled(double difference, double unit) { return difference * unit; }
     static __device__ double least() { return 7.9e-31; }                        /* 2^-100 */
     static __device__ double flat() { return 3.5527136788005009e-15; }          /* 2^-48 */
     static __device__ double thin() { return 1.3e-29; }                         /* 2^-96 */
@@ -812,6 +816,11 @@ template <> struct sizes<double> {
     static __device__ double inverse(double d) { return 1.0 / d; }
 };
 template <> struct sizes<float> {
+    static __device__ float scaled(double difference, double unit)
+    {                                                /* never 0 if the difference is not: walls depend on it */
+        float x = (float)(difference * unit);
+        return x == 0.0f && difference != 0.0 ? 1e-37f : x;
+    }
     static __device__ float least() { return 3.6e-15f; }                        /* 2^-48 */
     static __device__ float flat() { return 1.52587890625e-5f; }                /* 2^-16 */
     static __device__ float thin() { return 6e-8f; }                            /* 2^-24 */
@@ -835,29 +844,14 @@ __device__ inline float root(float value)            /* relative error 2^-22 */
     return result;
 }
 
-template <int DIM>
-__device__ inline void put_relative(const space &s, const record &v, const record &p, place<double> &r)
-{
-    for (int k = 0; k < 3; k++) {
-        r.x[k] = k < DIM ? (p.c[k] - v.c[k]) * s.unit : 0.0;
-    }
-    r.w = (p.c[DIM] - v.c[DIM]) * (s.unit * s.unit);
-}
-
-template <int DIM>
-__device__ inline void put_relative(const space &s, const record &v, const record &p, place<float> &r)
-{
-    for (int k = 0; k < 3; k++) {
-        r.x[k] = k < DIM ? narrow(p.c[k] - v.c[k], s.unit) : 0.0f;
-    }
-    r.w = (float)((p.c[DIM] - v.c[DIM]) * (s.unit * s.unit));
-}
-
 template <int DIM, typename REAL>
 __device__ inline place<REAL> relative(const space &s, const record &v, const record &p)
 {
     place<REAL> r;
-    put_relative<DIM>(s, v, p, r);
+    for (int k = 0; k < 3; k++) {
+        r.x[k] = k < DIM ? sizes<REAL>::scaled(p.c[k] - v.c[k], s.unit) : 0;
+    }
+    r.w = (REAL)((p.c[DIM] - v.c[DIM]) * (s.unit * s.unit));
     return r;
 }
 
@@ -1088,21 +1082,14 @@ __device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *i
    corner 0; spheres are those of the simplices; the bit matrix is all zeros.
    ------------------------------------------------------------------------------------------------------ */
 template <bool WIDE> struct star_types {
-    typedef uint8_t number;
-    typedef uint16_t pair;
-    typedef uint32_t rounds;
-    static const int bits = 8;
-};
-template <> struct star_types<true> {
-    typedef uint16_t number;
-    typedef uint32_t pair;
-    typedef uint64_t rounds;
-    static const int bits = 10;
+    typedef std::conditional_t<WIDE, uint16_t, uint8_t> number;
+    typedef std::conditional_t<WIDE, uint32_t, uint16_t> pair;
+    typedef std::conditional_t<WIDE, uint64_t, uint32_t> rounds;
+    static const int bits = WIDE ? 10 : 8;
 };
 
 /* What a rung calculates in. */
-template <bool EXACT> struct rung_real { typedef float type; };
-template <> struct rung_real<true> { typedef double type; };
+template <bool EXACT> using rung_real = std::conditional_t<EXACT, double, float>;
 
 /* NT triangles, NV vertices, SCRATCH words for the rung's search. */
 template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL> struct star {
@@ -1568,9 +1555,7 @@ __device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, boo
         }
     }
     closed = tile_ballot<T>(!closed) == 0;
-    for (int step = T / 2; step > 0; step /= 2) {
-        owned += __shfl_xor_sync(all_lanes, owned, step);
-    }
+    owned = tile_sum<T>(owned);
     unsigned long long at = 0;
     vertices -= closed;
     unsigned long long units = (unsigned long long)(1 + vertices + count + 3) / 4;
@@ -1794,9 +1779,8 @@ template <int DIM, bool EXACT> struct near_blocks {
     static const int count = EXACT ? 4 : DIM == 2 ? 8 : 6;
 };
 
-template <int DIM, bool WEIGHTED, typename REAL> struct near_star {
-    typedef star<DIM, WEIGHTED, near_triangles, near_vertices, near_points, REAL> type;
-};
+template <int DIM, bool WEIGHTED, typename REAL>
+using near_star = star<DIM, WEIGHTED, near_triangles, near_vertices, near_points, REAL>;
 
 /* A launch of the first rung.  Without EXACT it builds total vertices from first on, each stride-th; with EXACT those
    of undecided. */
@@ -1813,7 +1797,7 @@ struct near_launch {
 
 /* A star of the first rung while its tile builds it. */
 template <int DIM, bool WEIGHTED, typename REAL> struct near_state {
-    typename near_star<DIM, WEIGHTED, REAL>::type &s;
+    near_star<DIM, WEIGHTED, REAL> &s;
     const near_launch &a;
     const uint32_t *list;                            /* the groups near v */
     near_list info;
@@ -2084,8 +2068,8 @@ template <int DIM, bool WEIGHTED, bool EXACT>
 __global__ void __launch_bounds__(near_block, near_blocks<DIM, EXACT>::count)
 near_kernel(const __grid_constant__ near_launch a)
 {
-    typedef typename rung_real<EXACT>::type REAL;
-    typedef typename near_star<DIM, WEIGHTED, REAL>::type star_type;
+    typedef rung_real<EXACT> REAL;
+    typedef near_star<DIM, WEIGHTED, REAL> star_type;
     extern __shared__ float4 shared_words[];
     const int T = near_lanes;
     near_state<DIM, WEIGHTED, REAL> n = { ((star_type *)shared_words)[threadIdx.x / T], a };
@@ -2171,11 +2155,9 @@ struct talk {
     int changed;
 };
 
-template <int DIM, bool WEIGHTED, typename RUNG> struct far_star {
-    typedef star<DIM, WEIGHTED, RUNG::triangles, RUNG::vertices,
-                 RUNG::warps * stack_size + (int)(sizeof(talk) / sizeof(uint32_t)),
-                 typename rung_real<RUNG::exact>::type> type;
-};
+template <int DIM, bool WEIGHTED, typename RUNG>
+using far_star = star<DIM, WEIGHTED, RUNG::triangles, RUNG::vertices,
+                      RUNG::warps * stack_size + (int)(sizeof(talk) / sizeof(uint32_t)), rung_real<RUNG::exact> >;
 
 template <int WARPS> __device__ inline void meet()
 {
@@ -2230,10 +2212,7 @@ __global__ void seed_kernel(const __grid_constant__ space s, int dim, int found,
         unsigned long long key = (unsigned long long)__float_as_uint((float)d) << 32 | i;
         best = key > best ? key : best;
     }
-    for (int step = 16; step > 0; step /= 2) {
-        unsigned long long other = __shfl_xor_sync(all_lanes, best, step);
-        best = other > best ? other : best;
-    }
+    best = tile_max<32>(best);
     if ((threadIdx.x & 31) == 0) {
         atomicMax(&seed[found], best);
     }
@@ -2629,7 +2608,7 @@ template <int DIM, bool WEIGHTED, typename RUNG>
 __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks)
 far_kernel(const __grid_constant__ far_launch a)
 {
-    typedef typename far_star<DIM, WEIGHTED, RUNG>::type star_type;
+    typedef far_star<DIM, WEIGHTED, RUNG> star_type;
     extern __shared__ float4 shared_words[];
     star_type &s = *(RUNG::shared ? (star_type *)shared_words : (star_type *)a.scratch + blockIdx.x);
     pbw__digit *digits = a.pool == NULL ? NULL : a.pool + (blockIdx.x * 32 + (threadIdx.x & 31)) * (size_t)PBW__POOL;
@@ -2793,10 +2772,7 @@ __global__ void half_kernel(const __grid_constant__ space s, const __grid_consta
         }
         for (int k = 0; k < 3; k++) {
             int reach = __float_as_int(__double2float_ru(fabs(d[k]) + 2e-15));
-            for (int step = level == 0 ? 4 : 16; step > 0; step /= 2) {  /* the points of a warp are all in one */
-                int other = __shfl_xor_sync(all_lanes, reach, step);
-                reach = other > reach ? other : reach;
-            }
+            reach = level == 0 ? tile_max<8>(reach) : tile_max<32>(reach);   /* above, a warp's points are in one */
             if ((threadIdx.x & (level == 0 ? 7 : 31)) == 0) {
                 atomicMax((int *)&b.half[k], reach);
             }
@@ -2910,11 +2886,7 @@ template <typename RUNG> __device__ inline uint32_t deepest(const wide_star<RUNG
         const uint32_t key = (uint32_t)w.depth[i] << 16 | (uint32_t)i;
         best = key > best ? key : best;
     }
-    for (int step = 1; step < 8; step *= 2) {
-        const uint32_t other = __shfl_xor_sync(all_lanes, best, step);
-        best = other > best ? other : best;
-    }
-    return best;
+    return tile_max<8>(best);
 }
 
 /* A launch of a rung for surfaces: the vertices of a list, or if it is NULL total from first on, each stride-th.
@@ -3007,10 +2979,7 @@ __global__ void __launch_bounds__(32, RUNG::blocks) wide_kernel(const __grid_con
                 }
                 __syncwarp();
                 for (int k = 0; k < 4; k++) {        /* the last takes its place */
-                    int most = at, other = __shfl_xor_sync(all_lanes, most, 8);
-                    most = other > most ? other : most;
-                    other = __shfl_xor_sync(all_lanes, most, 16);
-                    most = other > most ? other : most;
+                    const int most = warp_max<8>(at);
                     waits -= most >= 0;
                     if (most >= 0 && lane == 0) {
                         waiting[most] = waiting[waits];
@@ -3749,9 +3718,7 @@ __global__ void check_kernel(const __grid_constant__ view m, int pass, uint32_t 
     }
     __syncwarp();
     for (int k = 0; k < 2; k++) {
-        for (int step = 16; step > 0; step /= 2) {
-            counted[k] += __shfl_xor_sync(all_lanes, counted[k], step);
-        }
+        counted[k] = tile_sum<32>(counted[k]);
         if ((threadIdx.x & 31) == 0 && counted[k] > 0) {
             atomicAdd(&out->counted[pass][k], counted[k]);
         }
@@ -4504,10 +4471,8 @@ template <int DIM> void find_seeds(call &c, const workshop &w)
 template <int DIM, bool WEIGHTED, bool EXACT>
 void launch_near(call &c, const workshop &w, uint32_t first, uint32_t stride, uint32_t total, bool keeps = false)
 {
-    typedef typename near_star<DIM, WEIGHTED, typename rung_real<EXACT>::type>::type star_type;
-    const size_t bytes = sizeof(star_type) * (near_block / near_lanes);
-    static_assert(sizeof(star_type) * (near_block / near_lanes) <= 48 << 10,
-                  "the stars of a block fit what every device has of shared memory");
+    const size_t bytes = sizeof(near_star<DIM, WEIGHTED, rung_real<EXACT> >) * (near_block / near_lanes);
+    static_assert(bytes <= 48 << 10, "the stars of a block fit what every device has of shared memory");
     const near_launch a = { w.s, w.t.level[0], w.lists, w.infos, first, stride, total, keeps, w.out, w.q[0], w.q[1] };
     shape s = over((size_t)total * near_lanes, near_block);
     s.bytes = bytes;
@@ -4557,7 +4522,7 @@ template <int DIM, bool WEIGHTED> uint32_t build_near_stars(call &c, const works
 
 template <int DIM, bool WEIGHTED, typename RUNG> void launch_far(call &c, const far_launch &a, unsigned blocks)
 {
-    const size_t bytes = RUNG::shared ? sizeof(typename far_star<DIM, WEIGHTED, RUNG>::type) : 0;
+    const size_t bytes = RUNG::shared ? sizeof(far_star<DIM, WEIGHTED, RUNG>) : 0;
     launch(c, "far stars", far_kernel<DIM, WEIGHTED, RUNG>, shape{ blocks, 32 * RUNG::warps, bytes }, a);
 }
 
@@ -4607,7 +4572,7 @@ template <int DIM, bool WEIGHTED> uint32_t build_far_stars(call &c, const worksh
 template <int DIM, bool WEIGHTED> void build_last_stars(call &c, const workshop &w, uint32_t lost)
 {
     const uint32_t blocks = lost < last_blocks ? lost : last_blocks;
-    buffer<typename far_star<DIM, WEIGHTED, last_rung>::type> scratch(c);
+    buffer<far_star<DIM, WEIGHTED, last_rung> > scratch(c);
     buffer<pbw__digit> pool(c);
     if (lost > 0) {
         scratch.make(blocks);
