@@ -1031,6 +1031,14 @@ template <int DIM> __device__ int triangle_with(const uint32_t *triangle, int co
     return -1;
 }
 
+/* The number of the triangle across from corner k of another. */
+template <int DIM> __device__ inline int mate_of(const uint32_t *triangle, int count, uint32_t packed, int k)
+{
+    return DIM == 3 ? triangle_with<DIM>(triangle, count, corner(packed, (k + 2) % 3), corner(packed, (k + 1) % 3))
+         : k == 0 ? triangle_with<DIM>(triangle, count, corner(packed, 1), 0)
+                  : triangle_with<DIM>(triangle, count, none, corner(packed, 0));
+}
+
 /* The exact answer where floats leave it open: is point p in conflict with triangle t of the star of v?
    For an infinite simplex with p in the plane of its facet it is that of the finite simplex behind the facet. */
 template <int DIM, bool WEIGHTED>
@@ -1046,21 +1054,16 @@ __device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *i
     }
     row[0] = s.point[v].c;
     if (at >= 0) {
-        int sign;
         if (DIM == 3) {
-            uint32_t a = c[(at + 1) % 3], b = c[(at + 2) % 3];
-            row[1] = s.point[id[a]].c;
-            row[2] = s.point[id[b]].c;
+            row[1] = s.point[id[c[(at + 1) % 3]]].c;
+            row[2] = s.point[id[c[(at + 2) % 3]]].c;
             row[3] = origin;
-            sign = orientation_sign<DIM>(s.grid, row, pool);
-            at = triangle_with<DIM>(triangle, count, b, a);
         } else {
             row[1] = at == 1 ? s.point[id[c[0]]].c : origin;
             row[2] = at == 1 ? origin : s.point[id[c[1]]].c;
-            sign = orientation_sign<DIM>(s.grid, row, pool);
-            at = at == 1 ? triangle_with<DIM>(triangle, count, none, c[0])
-                         : triangle_with<DIM>(triangle, count, c[1], 0);
         }
+        const int sign = orientation_sign<DIM>(s.grid, row, pool);
+        at = mate_of<DIM>(triangle, count, triangle[t], at);
         if (sign != 0 || at < 0) {
             return sign == PBW__OPEN || at < 0 ? open_sign : sign > 0;
         }
@@ -1244,10 +1247,7 @@ __device__ __noinline__ int settle_on_grid(const star<DIM, WEIGHTED, NT, NV, SCR
             if (d != 0.0 || round > 0) {
                 return round > 0 ? open_sign : d > 0.0;
             }
-            t = DIM == 3
-              ? triangle_with<DIM>(s.triangle, count, corner(packed, (at + 2) % 3), corner(packed, (at + 1) % 3))
-              : at == 1 ? triangle_with<DIM>(s.triangle, count, none, corner(packed, 0))
-                        : triangle_with<DIM>(s.triangle, count, corner(packed, 1), 0);
+            t = mate_of<DIM>(s.triangle, count, packed, at);
             if (t < 0) {
                 return open_sign;
             }
@@ -3321,7 +3321,7 @@ __global__ void large_neighbor_kernel(queue large, const __grid_constant__ store
         return;
     }
     for (int t = (int)threadIdx.x & 31; t < s.count; t += 32) {
-        uint32_t packed = s.triangle[t], a[3], b[3];
+        uint32_t a[3], b[3];
         bool mine;
         if (triangle_of<DIM>(s, t, v, a, mine)) {
             cell<DIM> c = canonical<DIM>(v, a);
@@ -3330,10 +3330,7 @@ __global__ void large_neighbor_kernel(queue large, const __grid_constant__ store
             for (int k = 0; k < DIM && neighbors != NULL; k++) {
                 uint32_t x = k == 0 ? 1 : 0, y = k == DIM - 1 ? DIM - 2 : DIM - 1;
                 if (a[x] > v && a[y] > v) {
-                    uint32_t from = corner(packed, (int)(k == 1 ? x : y)), to = corner(packed, (int)(k == 1 ? y : x));
-                    int mate = DIM == 3 ? triangle_with<DIM>(s.triangle, s.count, from, to)
-                             : k == 0 ? triangle_with<DIM>(s.triangle, s.count, corner(packed, 1), 0)
-                                      : triangle_with<DIM>(s.triangle, s.count, none, corner(packed, 0));
+                    int mate = mate_of<DIM>(s.triangle, s.count, s.triangle[t], k);
                     uint32_t other = mate >= 0 && triangle_of<DIM>(s, mate, v, b, mine)
                                    ? number_of<DIM>(canonical<DIM>(v, b), all) : none;
                     put_neighbor<DIM>(c, own, a[k], other, all, neighbors, beyond);
