@@ -974,39 +974,6 @@ __device__ inline float4 half_space(const place<REAL> &pa, const place<REAL> &pb
                        (float)(1 + sizes<REAL>::error() * sqrt(la * lb) * inverse) * far_away);
 }
 
-/* The exact sign of a determinant as in >>predicates of pbw.h; open_sign only if pool is NULL. */
-__device__ __noinline__ int exact_sign(int dim, int count, const double *const *row, const double *origin,
-                                       const pbw__grid *grid, pbw__digit *pool, int *orientation)
-{
-    int sign = pbw__integers(dim, count, row, origin, grid, orientation);
-    if (sign == PBW__OPEN) {
-        sign = pbw__pairs(dim, count, row, origin);
-    }
-    return sign != PBW__OPEN || pool == NULL ? sign
-         : pbw__exact_determinant_in(pool, dim, count, row, origin, orientation);
-}
-
-/* 1 if p is in conflict with the simplex of the records row[0..DIM], 0 if not, or open_sign. */
-template <int DIM>
-__device__ int finite_conflict(const pbw__grid &grid, const double *const *row, const double *p, pbw__digit *pool)
-{
-    int orientation[4];
-    int sign = DIM == 3 ? pbw__filter_power3(row[0], row[1], row[2], row[3], p)
-                        : pbw__filter_power2(row[0], row[1], row[2], p);
-    if (sign == PBW__OPEN) {
-        sign = exact_sign(DIM, DIM + 1, row, p, &grid, pool, orientation);
-    }
-    return sign == PBW__OPEN ? open_sign : sign != 0 ? sign > 0 : pbw__tie(DIM, row, p, orientation);
-}
-
-template <int DIM>
-__device__ int orientation_sign(const pbw__grid &grid, const double *const *row, pbw__digit *pool)
-{
-    int sign = DIM == 3 ? pbw__filter_orient3(row[0], row[1], row[2], row[3])
-                        : pbw__filter_orient2(row[0], row[1], row[2]);
-    return sign != PBW__OPEN ? sign : exact_sign(DIM, DIM, row, row[DIM], &grid, pool, NULL);
-}
-
 /* A triangle: three local numbers of vertices, 0 being the vertex at infinity, and a mark that no point of the input
    is in conflict with the simplex: then it is final, no insertion removes it. */
 const uint32_t corner_mask = 1023, verified = 1u << 30;
@@ -1062,7 +1029,7 @@ __device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *i
             row[1] = at == 1 ? s.point[id[c[0]]].c : origin;
             row[2] = at == 1 ? origin : s.point[id[c[1]]].c;
         }
-        const int sign = orientation_sign<DIM>(s.grid, row, pool);
+        const int sign = pbw__orient_in(pool, DIM, row, &s.grid);
         at = mate_of<DIM>(triangle, count, triangle[t], at);
         if (sign != 0 || at < 0) {
             return sign == PBW__OPEN || at < 0 ? open_sign : sign > 0;
@@ -1076,7 +1043,7 @@ __device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *i
         }
         row[k + 1] = s.point[id[a]].c;
     }
-    return finite_conflict<DIM>(s.grid, row, origin, pool);
+    return pbw__conflict_in(pool, DIM, row, origin, &s.grid);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -2247,7 +2214,7 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
     ids[1] = __shfl_sync(all_lanes, id, second);
     ids[2] = __shfl_sync(all_lanes, id, third);
     const double *row[4] = { all.point[v].c, all.point[ids[0]].c, all.point[ids[1]].c, all.point[ids[2]].c };
-    int sign = orientation_sign<DIM>(all.grid, row, pool);
+    int sign = pbw__orient_in(pool, DIM, row, &all.grid);
     if (sign == 0 || sign == PBW__OPEN) {
         return false;
     }
@@ -3398,229 +3365,49 @@ __global__ void scatter_kernel(const uint32_t *id, uint32_t count, const pbw_ind
 /* ------------------------------------------------------------------------------------------------------
    >>check        The exact verdict on a mesh.
    In: points and the arrays of a mesh.  Out: the first fault of the first pass that has one, and counts.  The tests
-   are those of pbw_check, in its order, and why they are enough is said there; but that two hidden points lie at one
-   place is not found.  The passes: points, simplices, hull, hidden points; a thread an item.  An item that the stages
-   without memory leave open is listed, and tested again by a thread that has a pool.
+   are those of pbw_check, in its order (>>faults of pbw.h); but that two hidden points lie at one place is not found.
+   The passes: points, simplices, hull, hidden points; a thread an item.  An item that the stages without memory leave
+   open is listed, and tested again by a thread that has a pool.
    ------------------------------------------------------------------------------------------------------ */
 enum { check_points, check_simplices, check_hull, check_hidden, check_passes };
-const int check_open = -1;                           /* no verdict yet */
 
-struct view {                                        /* a mesh and its points */
-    input in;
-    const pbw_index *simplices, *neighbors, *incident, *canonical;
-    uint32_t count;                                  /* simplices */
-    bool trusted;                                    /* the links are known to be sound */
-    pbw__grid grid;
-    const record *basis;                             /* corners of simplex 0 */
+struct view : pbw__tested {
     const uint32_t *order;                           /* points along the curve, or NULL */
 };
 
-struct verdict {
-    int fault, facet;
-    uint32_t simplex, point;
-    uint32_t counted[2];                             /* vertices, other points; facets, of the hull */
-};
-
-struct finding {
+struct check_result {
     unsigned long long least;                        /* item of the first fault << 32 | fault */
-    unsigned long long counted[check_passes][2];
+    unsigned long long counted[check_passes][3];
     uint32_t open;                                   /* items listed */
-    verdict first;
+    pbw__finding first;
 };
 
-template <int DIM> struct corners {
-    double x[DIM + 1][4];
-    const double *row[4];
-};
+__global__ void record_kernel(input in, double *record)
+{
+    size_t i = thread_number();
+    if (i < in.count) {
+        double c[4];
+        fetch(in, i, c);
+        for (int k = 0; k <= in.dim; k++) {
+            record[i * (size_t)(in.dim + 1) + (size_t)k] = c[k];
+        }
+    }
+}
 
-template <int DIM> __device__ void load_corners(const view &m, uint32_t simplex, corners<DIM> &c)
+/* The ridges of the hull facets of a simplex. */
+template <int DIM> __device__ int test_ridges(const view &m, uint32_t s, pbw__finding *found)
 {
     for (int i = 0; i <= DIM; i++) {
-        fetch(m.in, m.simplices[(size_t)simplex * (DIM + 1) + (size_t)i], c.x[i]);
-        c.row[i] = c.x[i];
-    }
-}
-
-/* The orientation with p in place of corner i. */
-template <int DIM>
-__device__ int side_of(const view &m, const corners<DIM> &c, int i, const double *p, pbw__digit *pool)
-{
-    const double *row[4];
-    for (int k = 0; k <= DIM; k++) {
-        row[k] = k == i ? p : c.row[k];
-    }
-    return orientation_sign<DIM>(m.grid, row, pool);
-}
-
-/* 1 if the point o of >>check of pbw.h is on the inner side of a facet, 0 if not, or open_sign. */
-template <int DIM>
-__device__ __noinline__ int faces_inside(const view &m, const corners<DIM> &c, int facet, pbw__digit *pool)
-{
-    int sign = 0;
-    for (int i = 0; i <= DIM && sign == 0; i++) {
-        sign = side_of<DIM>(m, c, facet, m.basis[i].c, pool);
-    }
-    return sign == PBW__OPEN ? open_sign : sign > 0;
-}
-
-template <int DIM> __device__ int covers(const view &m, const corners<DIM> &c, pbw__digit *pool)
-{
-    int result = pbw__check_box_has(c.row, m.basis[0].c, DIM);
-    for (int i = 0; i <= DIM && result == 1; i++) {
-        result = faces_inside<DIM>(m, c, i, pool);
-    }
-    return result;
-}
-
-__device__ inline verdict fault_at(int fault, uint32_t simplex, int facet, uint32_t point)
-{
-    verdict v = { fault, facet, simplex, point, { 0, 0 } };
-    return v;
-}
-
-template <int DIM> __device__ verdict check_point(const view &m, uint32_t p)
-{
-    verdict v = fault_at(PBW__SOUND, none, -1, none);
-    uint32_t kept = m.canonical[p], first = m.incident[p];
-    if (kept >= m.in.count || m.canonical[kept] != kept) {
-        return fault_at(PBW__FAULT_CANONICAL, none, -1, p);
-    }
-    if (kept != p) {
-        double x[4], y[4];
-        fetch(m.in, p, x);
-        fetch(m.in, kept, y);
-        if (!pbw__same_place(x, y, DIM)) {
-            return fault_at(PBW__FAULT_PLACE, none, -1, p);
-        }
-        if (x[DIM] != y[DIM] ? x[DIM] > y[DIM] : p < kept) {
-            return fault_at(PBW__FAULT_RIGHT, none, -1, p);
-        }
-        return first != none ? fault_at(PBW__FAULT_VERTEX, first, -1, p) : v;
-    }
-    if (first != none) {
-        bool has = false;
-        for (int k = 0; k <= DIM && first < m.count; k++) {
-            has = has || m.simplices[(size_t)first * (DIM + 1) + (size_t)k] == p;
-        }
-        if (!has) {
-            return fault_at(PBW__FAULT_INCIDENT, first, -1, p);
-        }
-    }
-    v.counted[first == none] = 1;
-    return v;
-}
-
-template <int DIM> __device__ verdict check_simplex(const view &m, uint32_t s, pbw__digit *pool)
-{
-    verdict sound = fault_at(PBW__SOUND, none, -1, none);
-    corners<DIM> c;
-    uint32_t v[DIM + 1];
-    for (int i = 0; i <= DIM; i++) {
-        v[i] = m.simplices[(size_t)s * (DIM + 1) + (size_t)i];
-        if (v[i] >= m.in.count) {
-            return fault_at(PBW__FAULT_CORNER, s, -1, v[i]);
-        }
-        if (m.incident[v[i]] > s) {
-            return fault_at(PBW__FAULT_FIRST, s, -1, v[i]);
-        }
-    }
-    load_corners<DIM>(m, s, c);
-    int sign = orientation_sign<DIM>(m.grid, c.row, pool);
-    if (sign <= 0 || sign == PBW__OPEN) {
-        return fault_at(sign == PBW__OPEN ? check_open : sign < 0 ? PBW__FAULT_NEGATIVE : PBW__FAULT_FLAT, s, -1,
-                        none);
-    }
-    sign = s > 0 ? covers<DIM>(m, c, pool) : 0;
-    if (sign != 0) {
-        return fault_at(sign == open_sign ? check_open : PBW__FAULT_OVERLAP, s, -1, none);
-    }
-    for (int i = 0; i <= DIM; i++) {
-        uint32_t t = m.neighbors[(size_t)s * (DIM + 1) + (size_t)i], u[DIM + 1];
-        int links = 0, j = 0;
-        if (t == none) {
-            sound.counted[0]++;
-            sound.counted[1]++;
-            sign = faces_inside<DIM>(m, c, i, pool);
-            if (sign != 1) {
-                return fault_at(sign == open_sign ? check_open : PBW__FAULT_INWARD, s, i, none);
+        for (int k = 0; k <= DIM && m.neighbors[(size_t)s * (DIM + 1) + (size_t)i] == none; k++) {
+            pbw__turn turn = { s, i, k };
+            while (k != i && pbw__turn_on(&m, DIM, &turn)) {
             }
-            continue;
-        }
-        if (t >= m.count || t == s) {
-            return fault_at(PBW__FAULT_OTHER, s, i, none);
-        }
-        if (m.trusted && t > s) {
-            continue;
-        }
-        for (int k = 0; k <= DIM; k++) {
-            bool back = m.neighbors[(size_t)t * (DIM + 1) + (size_t)k] == s;
-            links += back;
-            j = back ? k : j;
-        }
-        if (links != 1) {
-            return fault_at(PBW__FAULT_BACK, s, i, none);
-        }
-        if (t > s) {
-            continue;
-        }
-        sound.counted[0]++;
-        for (int k = 0; k <= DIM; k++) {
-            u[k] = m.simplices[(size_t)t * (DIM + 1) + (size_t)k];
-        }
-        if (!pbw__check_facets_match(v, i, u, j, DIM)) {
-            return fault_at(PBW__FAULT_FACET, s, i, none);
-        }
-        if (u[j] >= m.in.count) {
-            continue;                                /* the fault of t, which comes first */
-        }
-        double p[4];
-        fetch(m.in, u[j], p);
-        sign = finite_conflict<DIM>(m.grid, c.row, p, pool);
-        if (sign != 0) {
-            return fault_at(sign == open_sign ? check_open : PBW__FAULT_CONFLICT, s, i, u[j]);
-        }
-    }
-    return sound;
-}
-
-/* The ridges of the hull facets of a simplex, as pbw__check_hull. */
-template <int DIM> __device__ verdict check_ridges(const view &m, uint32_t s, pbw__digit *pool)
-{
-    const pbw_index *v = m.simplices, *n = m.neighbors;
-    for (int i = 0; i <= DIM; i++) {
-        for (int k = 0; k <= DIM && n[(size_t)s * (DIM + 1) + (size_t)i] == none; k++) {
-            size_t t = s;
-            int in = i, out = k;
-            if (k == i) {
-                continue;
-            }
-            while (n[t * (DIM + 1) + (size_t)out] != none) {
-                size_t next = n[t * (DIM + 1) + (size_t)out];
-                int entry = 0, exit = 0;
-                while (n[next * (DIM + 1) + (size_t)entry] != t) {
-                    entry++;
-                }
-                while (v[next * (DIM + 1) + (size_t)exit] != v[t * (DIM + 1) + (size_t)in]) {
-                    exit++;
-                }
-                t = next;
-                in = entry;
-                out = exit;
-            }
-            if (t >= s) {
-                corners<DIM> c;
-                double p[4];
-                uint32_t far = v[t * (DIM + 1) + (size_t)in];
-                load_corners<DIM>(m, s, c);
-                fetch(m.in, far, p);
-                int sign = side_of<DIM>(m, c, i, p, pool);
-                if (sign < 0 || sign == PBW__OPEN) {
-                    return fault_at(sign < 0 ? PBW__FAULT_CONVEX : check_open, s, i, far);
-                }
+            if (k != i && !pbw__test_ridge(&m, DIM, s, i, &turn, found)) {
+                return 0;
             }
         }
     }
-    return fault_at(PBW__SOUND, none, -1, none);
+    return 1;
 }
 
 /* A simplex near the point of a rank: one of a vertex before it on the curve. */
@@ -3633,91 +3420,52 @@ __device__ inline uint32_t simplex_near(const view &m, uint32_t rank)
     return found != none ? found : 0;
 }
 
-/* A visibility walk to a point that is no vertex; with an order, the item is a rank. */
-template <int DIM> __device__ verdict check_walk(const view &m, uint32_t item, pbw__digit *pool)
+/* A point, if it is neither a vertex nor a duplicate; with an order, the item is a rank. */
+template <int DIM> __device__ int test_hidden(const view &m, uint32_t item, pbw__finding *found)
 {
     const uint32_t point = m.order != NULL ? m.order[item] : item;
-    corners<DIM> c;
-    double p[4];
     if (m.canonical[point] != point || m.incident[point] != none) {
-        return fault_at(PBW__SOUND, none, -1, none);
+        return 1;
     }
-    uint32_t here = m.order != NULL ? simplex_near(m, item) : 0, last = here;
-    fetch(m.in, point, p);
-    for (int i = 0; i <= DIM;) {
-        const pbw_index *next = m.neighbors + (size_t)here * (DIM + 1);
-        load_corners<DIM>(m, here, c);
-        for (i = 0; i <= DIM; i++) {
-            int sign = next[i] == last ? 0 : side_of<DIM>(m, c, i, p, pool);
-            if (sign == PBW__OPEN) {
-                return fault_at(check_open, here, i, point);
-            }
-            if (sign < 0) {
-                break;
-            }
-        }
-        if (i <= DIM) {
-            if (next[i] == none) {
-                return fault_at(PBW__FAULT_OUTSIDE, here, i, point);
-            }
-            last = here;
-            here = next[i];
-        }
+    const uint32_t start = m.order != NULL ? simplex_near(m, item) : 0;
+    pbw__visit visit = { point, start, start };
+    while (pbw__visit_on(&m, DIM, &visit, found)) {
     }
-    for (int i = 0; i <= DIM; i++) {
-        if (pbw__same_place(p, c.x[i], DIM)) {
-            return fault_at(PBW__FAULT_REPEATED, here, -1, point);
-        }
-    }
-    int sign = finite_conflict<DIM>(m.grid, c.row, p, pool);
-    return fault_at(sign == open_sign ? check_open : sign != 0 ? PBW__FAULT_UNHIDDEN : PBW__SOUND, here, -1, point);
+    return pbw__test_visited(&m, DIM, &visit, found);
 }
 
 const unsigned check_blocks = 64;                    /* of 32 threads that have pools */
-
-/* Copies the corners of simplex 0, a lane each; one that is no point is a fault that the passes find. */
-__global__ void basis_kernel(const __grid_constant__ view m, record *basis)
-{
-    if ((int)threadIdx.x <= m.in.dim) {
-        uint32_t v = m.simplices[threadIdx.x];
-        fetch(m.in, v < m.in.count ? v : 0, basis[threadIdx.x].c);
-    }
-}
 
 /* Items 0, ..., count - 1, or those of a list, one thread each or in turn, up to the first known fault; a single one
    is described. */
 template <int DIM>
 __global__ void check_kernel(const __grid_constant__ view m, int pass, uint32_t count, const uint32_t *list,
-                             uint32_t *open, pbw__digit *pool, finding *out)
+                             uint32_t *open, pbw__digit *pool, check_result *out)
 {
     const size_t thread = thread_number(), threads = (size_t)gridDim.x * blockDim.x;
-    pbw__digit *digits = pool == NULL ? NULL : pool + thread * PBW__POOL;
-    unsigned long long counted[2] = { 0, 0 };
+    pbw__finding found = { pool != NULL ? pool + thread * PBW__POOL : NULL, PBW__SOUND, -1, none, none, { 0, 0, 0 } };
     for (size_t i = thread; i < count; i += threads) {
         uint32_t item = list == NULL ? (uint32_t)i : list[i];
         if (count > 1 && *(const volatile unsigned long long *)&out->least >> 32 < item) {
             continue;
         }
-        verdict v = pass == check_points ? check_point<DIM>(m, item)
-                  : pass == check_simplices ? check_simplex<DIM>(m, item, digits)
-                  : pass == check_hull ? check_ridges<DIM>(m, item, digits) : check_walk<DIM>(m, item, digits);
-        if (v.fault == PBW__SOUND) {
-            counted[0] += v.counted[0];
-            counted[1] += v.counted[1];
-        } else if (v.fault == check_open) {
+        int sound = pass == check_points ? pbw__test_point(&m, DIM, item, &found)
+                  : pass == check_simplices ? pbw__test_simplex(&m, DIM, item, &found)
+                  : pass == check_hull ? test_ridges<DIM>(m, item, &found) : test_hidden<DIM>(m, item, &found);
+        if (!sound && found.fault == PBW__FAULT_OPEN) {
             open[atomicAdd(&out->open, 1u)] = item;
-        } else {
-            atomicMin(&out->least, (unsigned long long)item << 32 | (unsigned)v.fault);
+        } else if (!sound) {
+            atomicMin(&out->least, (unsigned long long)item << 32 | (unsigned)found.fault);
             if (count == 1) {
-                out->first = v;
+                out->first = found;
             }
         }
     }
     __syncwarp();
-    for (int k = 0; k < 2; k++) {
-        counted[k] = tile_sum<32>(counted[k]);
-        if ((threadIdx.x & 31) == 0 && counted[k] > 0) {
-            atomicAdd(&out->counted[pass][k], counted[k]);
+    for (int k = 0; k < 3; k++) {
+        const unsigned long long counted = tile_sum<32>((unsigned long long)found.counted[k]);
+        if ((threadIdx.x & 31) == 0 && counted > 0) {
+            atomicAdd(&out->counted[pass][k], counted);
         }
     }
 }
@@ -5115,25 +4863,25 @@ void build(call &c, const space &s, const uint32_t *id, unsigned flags, pbw_cuda
 struct checking {
     call &c;
     view m;
+    buffer<double> record;
     buffer<uint32_t> open;                           /* items that the stages without memory leave open */
     buffer<pbw__digit> pool;
-    buffer<record> basis;
-    buffer<finding> on_device;
-    finding found;
+    buffer<check_result> on_device;
+    check_result found;
     uint32_t points;                                 /* of a pass */
     pbw_report *report;                              /* NULL: only whether there is a fault */
     checking(call &of, const pbw_cuda_mesh &mesh, const input &in, const pbw__grid &grid, pbw_report *to)
-        : c(of), m{ in, mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical, (uint32_t)mesh.simplex_count,
-                    to == NULL, grid, NULL, NULL },
+        : c(of), record(of, in.count * (size_t)(in.dim + 1)),
           open(of, mesh.simplex_count > in.count ? mesh.simplex_count : in.count),
-          pool(of, (size_t)check_blocks * 32 * PBW__POOL), basis(of, (size_t)in.dim + 1), on_device(of, 1),
-          points((uint32_t)in.count), report(to)
+          pool(of, (size_t)check_blocks * 32 * PBW__POOL), on_device(of, 1), points((uint32_t)in.count), report(to)
     {
+        (pbw__tested &)m = { mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical, record.at, in.count,
+                             mesh.simplex_count, grid, in.dim, to == NULL };
+        m.order = NULL;
         memset(&found, 0, sizeof found);
         found.least = ~0ull;
         need(c, cudaMemcpyAsync(on_device.at, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy");
-        launch(c, "check", basis_kernel, shape{ 1, 32, 0 }, m, basis.at);
-        m.basis = basis.at;
+        launch(c, "check", record_kernel, over(in.count, 256), in, record.at);
     }
 };
 
@@ -5150,7 +4898,7 @@ template <int DIM> bool check_pass(checking &k, int pass)
 {
     call &c = k.c;
     const bool of_points = pass == check_points || pass == check_hidden;
-    const uint32_t count = of_points ? k.points : k.m.count;
+    const uint32_t count = of_points ? k.points : (uint32_t)k.m.simplex_count;
     check_items<DIM>(k, pass, count, at_most(1u << 16, over(count, 128)), NULL, NULL);
     if (k.found.open > 0) {
         check_items<DIM>(k, pass, k.found.open, shape{ check_blocks, 32, 0 }, k.open.at, k.pool.at);
@@ -5160,7 +4908,7 @@ template <int DIM> bool check_pass(checking &k, int pass)
         const uint32_t item = (uint32_t)(k.found.least >> 32);
         need(c, cudaMemcpyAsync(k.open.at, &item, sizeof item, cudaMemcpyHostToDevice, c.stream), "copy");
         check_items<DIM>(k, pass, 1, shape{ 1, 32, 0 }, k.open.at, k.pool.at);
-        const verdict &first = k.found.first;
+        const pbw__finding &first = k.found.first;
         (void)pbw__fault(k.report, first.fault, first.simplex, first.facet, first.point);
     }
     return k.found.least == ~0ull;
@@ -5178,10 +4926,9 @@ template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const inp
     if (!check_pass<DIM>(k, check_points)) {
         return false;
     }
-    const size_t vertices = (size_t)k.found.counted[check_points][0];
     const size_t others = (size_t)k.found.counted[check_points][1];
-    report->vertex_count = vertices;
-    if (miscounts(report, mesh.duplicate_count, in.count - vertices - others, PBW__FAULT_DUPLICATES)
+    report->vertex_count = (size_t)k.found.counted[check_points][0];
+    if (miscounts(report, mesh.duplicate_count, (size_t)k.found.counted[check_points][2], PBW__FAULT_DUPLICATES)
         || miscounts(report, mesh.hidden_count, others, PBW__FAULT_HIDDEN)
         || !check_pass<DIM>(k, check_simplices)) {
         return false;
