@@ -14916,7 +14916,7 @@ static void pbw__sift_tuple(pbw_index *heap, size_t root, size_t count, size_t c
     memcpy(heap + root * corners, item, bytes);
 }
 
-/* Sorts simplices by their corners: a heap sort, which needs no memory. */
+/* Sorts a few simplices by their corners, or the many of one vertex: a heap sort, which needs no memory. */
 static void pbw__sort_tuples(pbw_index *tuple, size_t count, size_t corners)
 {
     pbw_index last[4];
@@ -14961,29 +14961,73 @@ PBWDEF void pbw_changes_free(pbw_changes *changes)
     }
 }
 
-/* Sorts both lists and leaves in each what is not in the other; then notes the points of both.  The lists are
-   changes->deleted and made, of the numbers below `numbers`. */
-static pbw_status pbw__changes_close(pbw_changes *changes, int dim, size_t numbers)
+/* A list of simplices on its way into ascending order. */
+typedef struct pbw__tuples {
+    pbw_index *tuple, *sorted;
+    uint64_t *key, *spare;                           /* the lowest corner, and below it the place in `tuple` */
+    uint32_t *digit;
+    size_t count;
+    int dim;
+} pbw__tuples;
+
+static pbw_status pbw__tuples_turn(void *arg, size_t from, size_t to)
 {
-    pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
-    pbw_index *tuple[2], *points;
-    size_t count[2], corners = (size_t)dim + 1, i, j, k, kept[2] = { 0, 0 }, bytes = corners * sizeof(pbw_index);
+    pbw__tuples *tuples = (pbw__tuples *)arg;
+    const size_t corners = (size_t)tuples->dim + 1;
+    size_t i;
+    for (i = from; i < to; i++) {
+        pbw__turn_tuple(tuples->tuple + i * corners, tuples->dim);
+        tuples->key[i] = (uint64_t)tuples->tuple[i * corners] << 32 | i;
+    }
+    return PBW_OK;
+}
+
+/* Copies the simplices of the vertices that are met first in this range, and sorts those of each. */
+static pbw_status pbw__tuples_gather(void *arg, size_t from, size_t to)
+{
+    const pbw__tuples *tuples = (const pbw__tuples *)arg;
+    const uint64_t *key = tuples->key;
+    const size_t corners = (size_t)tuples->dim + 1, count = tuples->count;
+    size_t i = from, first;
+    while (i > 0 && i < to && key[i] >> 32 == key[i - 1] >> 32) {
+        i++;
+    }
+    for (first = i; first < to; first = i) {
+        do {
+            PBW__PREFETCH(tuples->tuple + (uint32_t)key[i + 16 < count ? i + 16 : i] * corners);
+            memcpy(tuples->sorted + i * corners, tuples->tuple + (uint32_t)key[i] * corners,
+                   corners * sizeof(pbw_index));
+        } while (++i < count && key[i] >> 32 == key[first] >> 32);
+        pbw__sort_tuples(tuples->sorted + first * corners, i - first, corners);
+    }
+    return PBW_OK;
+}
+
+/* Sorts a list, all simplices of numbers below `numbers`, into a new array of so much room. */
+static pbw_status pbw__tuples_sort(pbw__context *context, pbw__tuples *tuples, size_t numbers)
+{
+    const size_t count = tuples->count;
+    pbw_status status = pbw__for_range(context, count, PBW__TICK, 0.0, pbw__tuples_turn, tuples);
+    if (status == PBW_OK) {
+        pbw__sorting sorting = { context, tuples->key, tuples->spare, tuples->digit, count, context->threads, 0, 0 };
+        const int bits = pbw__index_bits(numbers);
+        uint64_t *key = count < PBW__TICK ? pbw__sort_keys(&sorting, 32, bits) : pbw__sort_by(&sorting, 32, bits);
+        tuples->spare = key == tuples->key ? tuples->spare : tuples->key;
+        tuples->key = key;
+        status = key == NULL ? PBW_CANCELLED
+               : pbw__for_range(context, count, PBW__TICK, 0.0, pbw__tuples_gather, tuples);
+    }
+    return status;
+}
+
+/* Leaves in each of two sorted lists what is not in the other; marks the points of both, a bit for each. */
+static void pbw__changes_differ(pbw_changes *changes, size_t corners, uint64_t *mark)
+{
+    pbw_index *tuple[2];
+    const size_t bytes = corners * sizeof(pbw_index), count[2] = { changes->deleted_count, changes->made_count };
+    size_t kept[2] = { 0, 0 }, i, j, k;
     tuple[0] = (pbw_index *)(uintptr_t)changes->deleted;
     tuple[1] = (pbw_index *)(uintptr_t)changes->made;
-    count[0] = changes->deleted_count;
-    count[1] = changes->made_count;
-    owned->points = numbers;
-    changes->points = points = (pbw_index *)pbw__allocate(&owned->memory, numbers, sizeof(pbw_index));
-    if (points == NULL) {
-        return PBW_ERROR_MEMORY;
-    }
-    memset(points, 0, numbers * sizeof(pbw_index));
-    for (k = 0; k < 2; k++) {
-        for (i = 0; i < count[k]; i++) {
-            pbw__turn_tuple(tuple[k] + i * corners, dim);
-        }
-        pbw__sort_tuples(tuple[k], count[k], corners);
-    }
     for (i = j = 0; i < count[0] || j < count[1]; ) {
         const int order = i == count[0] ? 1 : j == count[1] ? -1
                         : pbw__tuple_order(tuple[0] + i * corners, tuple[1] + j * corners, corners);
@@ -14991,7 +15035,7 @@ static pbw_status pbw__changes_close(pbw_changes *changes, int dim, size_t numbe
         if (order != 0) {
             const pbw_index *from = tuple[which] + at * corners;
             for (k = 0; k < corners; k++) {
-                points[from[k]] = 1;
+                mark[from[k] / 64] |= (uint64_t)1 << from[k] % 64;
             }
             memmove(tuple[which] + kept[which]++ * corners, from, bytes);
         }
@@ -15000,12 +15044,84 @@ static pbw_status pbw__changes_close(pbw_changes *changes, int dim, size_t numbe
     }
     changes->deleted_count = kept[0];
     changes->made_count = kept[1];
-    for (i = 0; i < numbers; i++) {
-        if (points[i] != 0) {
-            points[changes->point_count++] = (pbw_index)i;
+}
+
+/* Lists the numbers that are marked. */
+static pbw_status pbw__changes_points(pbw_changes *changes, const uint64_t *mark, size_t words)
+{
+    pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
+    pbw_index *points;
+    size_t i, count = 0;
+    uint64_t rest;
+    for (i = 0; i < words; i++) {
+        for (rest = mark[i]; rest != 0; rest &= rest - 1) {
+            count++;
+        }
+    }
+    points = (pbw_index *)pbw__allocate(&owned->memory, count, sizeof(pbw_index));
+    if (points == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    owned->points = changes->point_count = count;
+    changes->points = points;
+    for (i = 0; i < words; i++) {
+        for (rest = mark[i]; rest != 0; rest &= rest - 1) {
+            *points++ = (pbw_index)(64 * i) + (pbw_index)pbw__first_bit(rest);
         }
     }
     return PBW_OK;
+}
+
+/* Sorts one list, with room for so many words, of numbers below `numbers`, into an array of its size. */
+static pbw_status pbw__changes_sort(pbw__context *context, pbw__memory *memory, const pbw_index **list, size_t *room,
+                                    pbw__tuples *tuples, size_t numbers)
+{
+    const size_t count = tuples->count, words = count * ((size_t)tuples->dim + 1);
+    pbw_status status = PBW_ERROR_MEMORY;
+    uint64_t *key = tuples->key = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
+    uint64_t *spare = tuples->spare = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
+    tuples->tuple = (pbw_index *)(uintptr_t)*list;
+    tuples->sorted = (pbw_index *)pbw__allocate(memory, words, sizeof(pbw_index));
+    if (key != NULL && spare != NULL && tuples->sorted != NULL) {
+        status = pbw__tuples_sort(context, tuples, numbers);
+    }
+    pbw__release(&context->memory, key, count, sizeof(uint64_t));
+    pbw__release(&context->memory, spare, count, sizeof(uint64_t));
+    if (tuples->sorted != NULL) {
+        pbw__release(memory, tuples->tuple, *room, sizeof(pbw_index));
+        *list = tuples->sorted;
+        *room = words;
+    }
+    return status;
+}
+
+/* Sorts both lists, deleted and made, of numbers below `numbers`, and leaves in them what differs. */
+static pbw_status pbw__changes_close(pbw__context *context, pbw_changes *changes, int dim, size_t numbers)
+{
+    pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
+    const size_t words = numbers / 64 + 1, digits = ((size_t)context->threads + 1) * PBW__DIGITS;
+    uint64_t *mark = (uint64_t *)pbw__allocate(&context->memory, words, sizeof(uint64_t));
+    uint32_t *digit = (uint32_t *)pbw__allocate(&context->memory, digits, sizeof(uint32_t));
+    pbw_status status = mark == NULL || digit == NULL ? PBW_ERROR_MEMORY : PBW_OK;
+    pbw__tuples tuples = { NULL, NULL, NULL, NULL, NULL, 0, 0 };
+    tuples.digit = digit;
+    tuples.dim = dim;
+    if (status == PBW_OK) {
+        tuples.count = changes->deleted_count;
+        status = pbw__changes_sort(context, &owned->memory, &changes->deleted, &owned->deleted, &tuples, numbers);
+    }
+    if (status == PBW_OK) {
+        tuples.count = changes->made_count;
+        status = pbw__changes_sort(context, &owned->memory, &changes->made, &owned->made, &tuples, numbers);
+    }
+    if (status == PBW_OK) {
+        memset(mark, 0, words * sizeof(uint64_t));
+        pbw__changes_differ(changes, (size_t)dim + 1, mark);
+        status = pbw__changes_points(changes, mark, words);
+    }
+    pbw__release(&context->memory, mark, words, sizeof(uint64_t));
+    pbw__release(&context->memory, digit, digits, sizeof(uint32_t));
+    return status;
 }
 
 /* Room for so many simplices before and after. */
@@ -15068,7 +15184,7 @@ static pbw_status pbw__batch_changes(pbw_live *live, pbw_changes *changes)
                              &changes->made_count);
         }
     }
-    return pbw__changes_close(changes, live->dim, live->count);
+    return pbw__changes_close(core->kernel.context, changes, live->dim, live->count);
 }
 
 /* From one core to another. */
@@ -15086,7 +15202,7 @@ static pbw_status pbw__rebuild_changes(const pbw_live *live, const pbw__core *co
     for (t = 0; t < core->store.count && core->simplex_count > 0; t++) {
         pbw__changes_add(core, core->store.corner + 4 * t, live->dim, changes->made, &changes->made_count);
     }
-    return pbw__changes_close(changes, live->dim, live->count);
+    return pbw__changes_close(old->kernel.context, changes, live->dim, live->count);
 }
 
 /* ------------------------------------------------------------------------------------------------------
