@@ -3306,9 +3306,9 @@ static void pbw__box_close(pbw__box *box, int dim)
     }
 }
 
-/* levels: the curve's, as a constant.  The first step is filled up with zeros; it starts in the state from which they
-   lead to state 0. */
-PBW__INLINE uint64_t pbw__hilbert_key(const pbw__curve *curve, const pbw__box *box, const double *x, int dim,
+/* steps, levels: the curve's; levels as a constant.  The first step is filled up with zeros; it starts in the state
+   from which they lead to state 0. */
+PBW__INLINE uint64_t pbw__hilbert_key(const uint16_t *steps, const pbw__box *box, const double *x, int dim,
                                       int levels)
 {
     const int width = dim * levels, bits = (box->bits + levels - 1) / levels * levels, fill = bits - box->bits;
@@ -3327,7 +3327,7 @@ PBW__INLINE uint64_t pbw__hilbert_key(const pbw__curve *curve, const pbw__box *b
             entry = entry << levels | cell[k] >> (32 - levels);
             cell[k] <<= levels;
         }
-        step = curve->step[state | entry];
+        step = steps[state | entry];
         key = key << width | (step & digits);
         state = step & ~digits;
     }
@@ -3656,7 +3656,7 @@ PBW__INLINE void pbw__keying_share(const pbw__keying *keying, size_t i, size_t t
             return;
         }
         pbw__fetch_of(ordering->input, index, x, dim);
-        keys[i] = pbw__hilbert_key(&ordering->curve, &box, x, dim, levels) << index_bits | (uint64_t)index;
+        keys[i] = pbw__hilbert_key(ordering->curve.step, &box, x, dim, levels) << index_bits | (uint64_t)index;
         if (keying->all && !ordering->input->bare) {
             ordering->vertices->canonical[i] = (pbw_index)i;
         }
@@ -9444,7 +9444,7 @@ static int pbw__check_apart(pbw__check *check, pbw__check_part *part, size_t fro
                 return pbw__fault(&part->report, PBW__FAULT_TWICE, PBW_NONE, -1, p);
             }
         }
-        check->other[k] = pbw__hilbert_key(&check->curve, &check->box, x, check->dim,
+        check->other[k] = pbw__hilbert_key(check->curve.step, &check->box, x, check->dim,
                                            check->curve.levels) << 32 | (uint32_t)key[k];
     }
     return 1;
@@ -10209,8 +10209,8 @@ static pbw_status pbw__query_keys(void *arg, size_t i, size_t to)
         uint64_t key = 0;
         (void)pbw__query_point(queries, i, p);
         if (queries->box.extent > 0.0) {
-            key = queries->mesh->dim == 3 ? pbw__hilbert_key(curve, &queries->box, p, 3, curve->levels)
-                                          : pbw__hilbert_key(curve, &queries->box, p, 2, curve->levels);
+            key = queries->mesh->dim == 3 ? pbw__hilbert_key(curve->step, &queries->box, p, 3, curve->levels)
+                                          : pbw__hilbert_key(curve->step, &queries->box, p, 2, curve->levels);
         }
         queries->keys[i] = key << queries->index_bits | i;
     }

@@ -278,7 +278,7 @@ struct survey {                                      /* what one pass over the p
 };
 
 struct curve {                                       /* the automaton of pbw.h, where kernels can read it */
-    unsigned char plane[4][4], space[12][8];
+    uint16_t step[12 << 3];
 };
 
 __device__ inline void fetch(const input &in, size_t i, double *c)
@@ -340,41 +340,22 @@ __global__ void survey_kernel(input in, survey *out)
     }
 }
 
-/* As pbw__hilbert_key, with the index below it. */
-__device__ uint64_t key_of(const input &in, const double *low, double scale, double extent, int bits,
-                           const curve &automaton, int index_bits, uint64_t index)
+/* The key of a point, with its index below it. */
+__device__ uint64_t key_of(const input &in, const pbw__box &box, const curve &automaton, int index_bits,
+                           uint64_t index)
 {
     double c[4];
-    uint32_t cell[3] = { 0, 0, 0 }, last = (1u << bits) - 1;
-    uint64_t digits = 0;
-    unsigned state = 0;
     fetch(in, (size_t)index, c);
-    for (int k = 0; k < in.dim; k++) {
-        double t =
-            __dmul_rn(__dsub_rn(__dmul_rn(scale, c[k]), __dmul_rn(scale, low[k])) / extent, (double)(last + 1));
-        cell[k] = t < (double)last ? (uint32_t)t : last;
-    }
-    for (int bit = bits - 1; bit >= 0; bit--) {
-        unsigned octant = (cell[0] >> bit & 1) | (cell[1] >> bit & 1) << 1;
-        if (in.dim == 3) {
-            unsigned step = automaton.space[state][octant | (cell[2] >> bit & 1) << 2];
-            digits = digits << 3 | (step & 7);
-            state = step >> 3;
-        } else {
-            unsigned step = automaton.plane[state][octant];
-            digits = digits << 2 | (step & 3);
-            state = step >> 2;
-        }
-    }
-    return digits << index_bits | index;
+    return (in.dim == 3 ? pbw__hilbert_key(automaton.step, &box, c, 3, 1)
+                        : pbw__hilbert_key(automaton.step, &box, c, 2, 1)) << index_bits | index;
 }
 
-__global__ void key_kernel(input in, pbw__box domain, const __grid_constant__ curve automaton, int index_bits,
-                           uint64_t *key)
+__global__ void key_kernel(input in, const __grid_constant__ pbw__box domain, const __grid_constant__ curve automaton,
+                           int index_bits, uint64_t *key)
 {
     size_t i = thread_number();
     if (i < in.count) {
-        key[i] = key_of(in, domain.low, domain.scale, domain.extent, domain.bits, automaton, index_bits, i);
+        key[i] = key_of(in, domain, automaton, index_bits, i);
     }
 }
 
@@ -428,10 +409,10 @@ __global__ void run_kernel(input in, int index_bits, uint64_t *key, size_t count
     }
 }
 
-/* A warp a run: its length; 0 if all its points lie at one place.  Then the best of them goes first, which
-   root says. */
-__global__ void measure_kernel(input in, int index_bits, uint64_t *key, run_list runs, uint32_t count, double *low,
-                               double *extent, uint32_t *root)
+/* A warp a run: its length and box; length 0 if all its points lie at one place.  Then the best of them goes first,
+   which root says. */
+__global__ void measure_kernel(input in, int index_bits, int bits, uint64_t *key, run_list runs, uint32_t count,
+                               pbw__box *box, uint32_t *root)
 {
     uint32_t r = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32, lane = threadIdx.x & 31;
     const uint64_t mask = ((uint64_t)1 << index_bits) - 1;
@@ -474,12 +455,14 @@ __global__ void measure_kernel(input in, int index_bits, uint64_t *key, run_list
         double l = unordered(tile_min<32>(lowest[k])), s = unordered(tile_max<32>(highest[k])) - l;
         side = s > side ? s : side;
         if (lane == 0) {
-            low[3 * (size_t)r + (size_t)k] = l;
+            box[r].low[k] = l;
         }
     }
     __syncwarp();
     if (lane == 0) {
-        extent[r] = side;
+        box[r].scale = 1.0;
+        box[r].extent = side;
+        box[r].bits = bits;
         runs.length[r] = side > 0.0 ? end - head : 0;
         if (side == 0.0) {
             uint64_t swap = key[head];
@@ -495,16 +478,15 @@ __global__ void measure_kernel(input in, int index_bits, uint64_t *key, run_list
 }
 
 /* A warp a run: its points with their new keys. */
-__global__ void rekey_kernel(input in, int index_bits, int bits, const uint64_t *key, run_list runs, uint32_t count,
-                             const double *low, const double *extent, const __grid_constant__ curve automaton,
-                             uint64_t *gathered, uint32_t *segment)
+__global__ void rekey_kernel(input in, int index_bits, const uint64_t *key, run_list runs, uint32_t count,
+                             const pbw__box *box, const __grid_constant__ curve automaton, uint64_t *gathered,
+                             uint32_t *segment)
 {
     uint32_t r = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32;
     const uint64_t mask = ((uint64_t)1 << index_bits) - 1;
     if (r < count) {
         for (uint32_t i = threadIdx.x & 31; i < runs.length[r]; i += 32) {
-            gathered[runs.offset[r] + i] = key_of(in, low + 3 * (size_t)r, 1.0, extent[r], bits, automaton,
-                                                  index_bits, key[runs.head[r] + i] & mask);
+            gathered[runs.offset[r] + i] = key_of(in, box[r], automaton, index_bits, key[runs.head[r] + i] & mask);
             segment[runs.offset[r] + i] = r;
         }
     }
@@ -3978,8 +3960,9 @@ struct ordering {
         : in(of), index_bits(pbw__index_bits(of.count)), bits(pbw__grid_bits(index_bits, of.dim)), key(c), root(c),
           found(c, 1)
     {
-        memcpy(automaton.plane, pbw__hilbert2, sizeof automaton.plane);
-        memcpy(automaton.space, pbw__hilbert3, sizeof automaton.space);
+        pbw__curve one_level;
+        pbw__curve_create(&one_level, 0, in.dim);
+        memcpy(automaton.step, one_level.step, sizeof automaton.step);
     }
 };
 
@@ -3989,14 +3972,14 @@ run_room order_long_runs(call &c, ordering &o, const run_list &runs, uint32_t &c
 {
     const shape warps = over((size_t)count * 32, 128);
     const uint32_t runs_here = count;
-    buffer<double> low(c, (size_t)count * 3), extent(c, count);
+    buffer<pbw__box> box(c, count);
     run_room next(c);
     int run_bits = 1;
     while (run_bits < 32 && (count - 1) >> run_bits != 0) {
         run_bits++;
     }
     fill(c, runs.length + count, 0, 1);
-    launch(c, "runs", measure_kernel, warps, o.in, o.index_bits, o.key.array.at, runs, count, low.at, extent.at,
+    launch(c, "runs", measure_kernel, warps, o.in, o.index_bits, o.bits, o.key.array.at, runs, count, box.at,
            o.root.at);
     sum_before(c, runs.length, runs.offset, (size_t)count + 1);
     const uint32_t total = read_back(c, runs.offset + count, PBW_STAGE_ORDER, 0.4);
@@ -4004,8 +3987,8 @@ run_room order_long_runs(call &c, ordering &o, const run_list &runs, uint32_t &c
     if (total > 0) {
         sortable<uint64_t> gathered(c, total);
         sortable<uint32_t> segment(c, total);
-        launch(c, "runs", rekey_kernel, warps, o.in, o.index_bits, o.bits, o.key.array.at, runs, runs_here, low.at,
-               extent.at, o.automaton, gathered.array.at, segment.array.at);
+        launch(c, "runs", rekey_kernel, warps, o.in, o.index_bits, o.key.array.at, runs, runs_here, box.at,
+               o.automaton, gathered.array.at, segment.array.at);
         sort_pairs(c, gathered, segment, total, { o.index_bits, o.index_bits + o.bits * o.in.dim });
         sort_pairs(c, segment, gathered, total, { 0, run_bits });
         next = run_room(c, total / PBW__SHORT_RUN + 1);
