@@ -43,7 +43,7 @@
      >>parallel     ownership; a level by many threads
      >>number       canonical order
      >>output       the caller's arrays, in place
-     >>faults       what a check may find, in words
+     >>faults       the tests of a check, a point or simplex each, and its words
      >>check        the exact verdict on a finished mesh
      >>hash         one number for a triangulation
      >>tools        what companion headers build on
@@ -2948,6 +2948,18 @@ static PBW__NOINLINE int pbw__undecided(int dim, int count, const double *const 
     return sign == PBW__OPEN ? pbw__exact_determinant(dim, count, row, origin, orientation) : sign;
 }
 
+/* As pbw__undecided, but with room for the digits of the last stage; PBW__OPEN only if that is NULL. */
+PBW__DEVICE static PBW__NOINLINE int pbw__undecided_in(pbw__digit *pool, int dim, int count, const double *const *row,
+                                                       const double *origin, const pbw__grid *grid, int *orientation)
+{
+    int sign = pbw__integers(dim, count, row, origin, grid, orientation);
+    if (sign == PBW__OPEN) {
+        sign = pbw__pairs(dim, count, row, origin);
+    }
+    return sign != PBW__OPEN || pool == NULL ? sign
+         : pbw__exact_determinant_in(pool, dim, count, row, origin, orientation);
+}
+
 /* The verdict on a tie, a power determinant of 0.
    Lifts are raised by infinitesimals, that of the lexicographically largest point dominating (Devillers and Teillaud
    2011).  In sum_i lift_i * orientation_i corner i's own lift has the coefficient orientation_i, and p's own has
@@ -3025,6 +3037,23 @@ static int pbw__collinear3(const double *a, const double *b, const double *c, co
         collinear = pbw__orient(2, x, grid) == 0;
     }
     return collinear;
+}
+
+/* As pbw__orient and pbw__conflict, likewise. */
+PBW__INLINE int pbw__orient_in(pbw__digit *pool, int dim, const double *const *x, const pbw__grid *grid)
+{
+    const int sign = dim == 2 ? pbw__filter_orient2(x[0], x[1], x[2]) : pbw__filter_orient3(x[0], x[1], x[2], x[3]);
+    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided_in(pool, dim, dim, x, x[dim], grid, NULL);
+}
+
+PBW__INLINE int pbw__conflict_in(pbw__digit *pool, int dim, const double *const *x, const double *p,
+                                 const pbw__grid *grid)
+{
+    int orientation[4], sign = pbw__filter_power(dim, x, p);
+    if (PBW__UNLIKELY(sign == PBW__OPEN)) {
+        sign = pbw__undecided_in(pool, dim, dim + 1, x, p, grid, orientation);
+    }
+    return sign == PBW__OPEN ? PBW__OPEN : sign != 0 ? sign > 0 : pbw__tie(dim, x, p, orientation);
 }
 
 /* ---- for callers from outside */
@@ -3297,9 +3326,9 @@ static void pbw__box_close(pbw__box *box, int dim)
     }
 }
 
-/* levels: the curve's, as a constant.  The first step is filled up with zeros; it starts in the state from which they
-   lead to state 0. */
-PBW__INLINE uint64_t pbw__hilbert_key(const pbw__curve *curve, const pbw__box *box, const double *x, int dim,
+/* steps, levels: the curve's; levels as a constant.  The first step is filled up with zeros; it starts in the state
+   from which they lead to state 0. */
+PBW__INLINE uint64_t pbw__hilbert_key(const uint16_t *steps, const pbw__box *box, const double *x, int dim,
                                       int levels)
 {
     const int width = dim * levels, bits = (box->bits + levels - 1) / levels * levels, fill = bits - box->bits;
@@ -3318,7 +3347,7 @@ PBW__INLINE uint64_t pbw__hilbert_key(const pbw__curve *curve, const pbw__box *b
             entry = entry << levels | cell[k] >> (32 - levels);
             cell[k] <<= levels;
         }
-        step = curve->step[state | entry];
+        step = steps[state | entry];
         key = key << width | (step & digits);
         state = step & ~digits;
     }
@@ -3649,7 +3678,7 @@ PBW__INLINE void pbw__keying_share(const pbw__keying *keying, size_t i, size_t t
             return;
         }
         pbw__fetch_of(ordering->input, index, x, dim);
-        keys[i] = pbw__hilbert_key(&ordering->curve, &box, x, dim, levels) << index_bits | (uint64_t)index;
+        keys[i] = pbw__hilbert_key(ordering->curve.step, &box, x, dim, levels) << index_bits | (uint64_t)index;
         if (keying->all && !ordering->input->bare) {
             ordering->vertices->canonical[i] = (pbw_index)i;
         }
@@ -8855,10 +8884,13 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     return status;
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>faults       What >>check may find, with its words; for CPU and GPU.
+   >>faults       The tests of >>check, a point or simplex each, and what they find, with its words; for CPU and GPU.
+   In: a mesh and its points as records.  Out: 1, or 0 and the fault.  A thread without a pool may find
+   PBW__FAULT_OPEN: no verdict yet.  Functions that are called for each simplex take the dimension as an argument, so
+   that it is a constant there.
    ------------------------------------------------------------------------------------------------------ */
 enum {
-    PBW__SOUND,
+    PBW__FAULT_OPEN = -1, PBW__SOUND,
     PBW__FAULT_FINITE, PBW__FAULT_CANONICAL, PBW__FAULT_PLACE, PBW__FAULT_RIGHT, PBW__FAULT_VERTEX,
     PBW__FAULT_INCIDENT, PBW__FAULT_CORNER, PBW__FAULT_FIRST, PBW__FAULT_NEGATIVE, PBW__FAULT_FLAT,
     PBW__FAULT_OVERLAP, PBW__FAULT_INWARD, PBW__FAULT_OTHER, PBW__FAULT_BACK, PBW__FAULT_FACET, PBW__FAULT_CONFLICT,
@@ -8878,6 +8910,315 @@ static const char *const pbw__fault_words[] = {
     "a point that is no vertex is not hidden", "two points at one place are no duplicates",
     "the points span a simplex but there is none", "duplicate_count is wrong", "hidden_count is wrong"
 };
+
+typedef struct pbw__tested {                         /* a mesh */
+    const pbw_index *simplices, *neighbors, *incident, *canonical;
+    const double *record;                            /* of all points: coordinates, weight */
+    size_t point_count, simplex_count;
+    pbw__grid grid;
+    int dim, linked;                                 /* linked: the neighbours are known to be sound */
+} pbw__tested;
+
+typedef struct pbw__finding {                        /* of a thread: the first fault, and what it counted before */
+    pbw__digit *pool;                                /* room for the last exact stage, or NULL */
+    int fault, facet;
+    pbw_index simplex, point;
+    size_t counted[3];                               /* vertices, others, duplicates; or facets, those of the hull */
+} pbw__finding;
+
+PBW__INLINE int pbw__find_fault(pbw__finding *found, int fault, size_t simplex, int facet, size_t point)
+{
+    found->fault = fault;
+    found->simplex = (pbw_index)simplex;
+    found->facet = facet;
+    found->point = (pbw_index)point;
+    return 0;
+}
+
+PBW__INLINE const double *pbw__test_record(const pbw__tested *mesh, int dim, size_t point)
+{
+    return mesh->record + point * (size_t)(dim + 1);
+}
+
+PBW__INLINE void pbw__test_corners(const pbw__tested *mesh, int dim, size_t simplex, const double **x)
+{
+    int i;
+    for (i = 0; i <= dim; i++) {
+        x[i] = pbw__test_record(mesh, dim, mesh->simplices[simplex * (size_t)(dim + 1) + (size_t)i]);
+    }
+}
+
+/* Returns corner i of simplex 0; one that is no point is a fault that the tests find. */
+PBW__INLINE const double *pbw__test_basis(const pbw__tested *mesh, int dim, int i)
+{
+    return pbw__test_record(mesh, dim, mesh->simplices[i] < mesh->point_count ? mesh->simplices[i] : 0);
+}
+
+/* As pbw__side. */
+PBW__INLINE int pbw__test_side(const pbw__tested *mesh, int dim, const double *const *x, int i, const double *p,
+                               pbw__digit *pool)
+{
+    const double *row[4];
+    int k;
+    for (k = 0; k <= dim; k++) {
+        row[k] = k == i ? p : x[k];
+    }
+    return pbw__orient_in(pool, dim, row, &mesh->grid);
+}
+
+/* Returns whether the point o of >>check is on the inner side of a facet of the simplex x, or PBW__OPEN.  The
+   orientation with o is affine in o, so its sign is that of the first nonzero one among those with a, b, c, ... */
+PBW__DEVICE static PBW__NOINLINE int pbw__faces_inside(const pbw__tested *mesh, const double *const *x, int facet,
+                                                       pbw__digit *pool)
+{
+    int sign = 0, i;
+    for (i = 0; i <= mesh->dim && sign == 0; i++) {
+        sign = pbw__test_side(mesh, mesh->dim, x, facet, pbw__test_basis(mesh, mesh->dim, i), pool);
+    }
+    return sign == PBW__OPEN ? PBW__OPEN : sign > 0;
+}
+
+/* Returns whether the simplex x holds o, which is infinitely close to a: so a must be in the closed box of x. */
+PBW__INLINE int pbw__test_covers(const pbw__tested *mesh, int dim, const double *const *x, pbw__digit *pool)
+{
+    const double *a = pbw__test_basis(mesh, dim, 0);
+    int covers = 1, i, k;
+    for (k = 0; k < dim; k++) {
+        int below = 0, above = 0;
+        for (i = 0; i <= dim; i++) {
+            below |= x[i][k] <= a[k];
+            above |= x[i][k] >= a[k];
+        }
+        if (!(below && above)) {
+            return 0;
+        }
+    }
+    for (i = 0; i <= dim && covers == 1; i++) {
+        covers = pbw__faces_inside(mesh, x, i, pool);
+    }
+    return covers;
+}
+
+PBW__INLINE int pbw__test_point(const pbw__tested *mesh, int dim, size_t p, pbw__finding *found)
+{
+    const size_t kept = mesh->canonical[p], first = mesh->incident[p];
+    if (kept == PBW_NONE && first == PBW_NONE) {     /* a free number of pbw_live_view */
+        return 1;
+    }
+    if (kept >= mesh->point_count || mesh->canonical[kept] != kept) {
+        return pbw__find_fault(found, PBW__FAULT_CANONICAL, PBW_NONE, -1, p);
+    }
+    if (kept != p) {
+        const double *x = pbw__test_record(mesh, dim, p), *y = pbw__test_record(mesh, dim, kept);
+        if (!pbw__same_place(x, y, dim)) {
+            return pbw__find_fault(found, PBW__FAULT_PLACE, PBW_NONE, -1, p);
+        }
+        if (x[dim] != y[dim] ? x[dim] > y[dim] : p < kept) {
+            return pbw__find_fault(found, PBW__FAULT_RIGHT, PBW_NONE, -1, p);
+        }
+        if (first != PBW_NONE) {
+            return pbw__find_fault(found, PBW__FAULT_VERTEX, first, -1, p);
+        }
+        found->counted[2]++;
+    } else if (first != PBW_NONE) {
+        int has = 0, k;
+        for (k = 0; k <= dim && first < mesh->simplex_count; k++) {
+            has |= mesh->simplices[first * (size_t)(dim + 1) + (size_t)k] == p;
+        }
+        if (!has) {
+            return pbw__find_fault(found, PBW__FAULT_INCIDENT, first, -1, p);
+        }
+        found->counted[0]++;
+    } else {
+        found->counted[1]++;
+    }
+    return 1;
+}
+
+/* Have v without corner i and u without corner j the same vertices, and does v with u[j] for v[i] become u by an odd
+   permutation?  Then u[j] and v[i] are on opposite sides of the facet, given that v and u are positively oriented.
+   The parity is that of the facet's vertices, and of the ways of i and j to the end. */
+PBW__INLINE int pbw__facets_match(const pbw_index *v, int i, const pbw_index *u, int j, int dim)
+{
+    int place[3], found = 0, odd = (i + j) & 1, k, m;
+    for (k = 0; k < dim; k++) {
+        pbw_index vertex = v[k + (k >= i)];
+        place[k] = 0;
+        for (m = 0; m <= dim; m++) {
+            int here = u[m] == vertex && m != j;
+            place[k] += here ? m : 0;
+            found += here;
+        }
+        for (m = 0; m < k; m++) {
+            odd ^= place[m] > place[k];
+        }
+    }
+    return odd && found == dim;
+}
+
+/* One facet of simplex s, whose corners are known to be right; each facet between two simplices is compared and
+   tested once, from the higher of the two. */
+PBW__INLINE int pbw__test_facet(const pbw__tested *mesh, int dim, size_t s, int i, const double *const *x,
+                                pbw__finding *found)
+{
+    const size_t corners = (size_t)dim + 1;
+    const pbw_index t = mesh->neighbors[s * corners + (size_t)i], *u, *back;
+    int links = 0, j = 0, m;
+    if (t == PBW_NONE) {
+        found->counted[0]++;
+        found->counted[1]++;
+        m = pbw__faces_inside(mesh, x, i, found->pool);
+        return m == 1 || pbw__find_fault(found, m == PBW__OPEN ? PBW__FAULT_OPEN : PBW__FAULT_INWARD, s, i, PBW_NONE);
+    }
+    if (t >= mesh->simplex_count || t == s) {
+        return pbw__find_fault(found, PBW__FAULT_OTHER, s, i, PBW_NONE);
+    }
+    if (mesh->linked && t > s) {
+        return 1;
+    }
+    u = mesh->simplices + t * corners;
+    back = mesh->neighbors + t * corners;
+    for (m = 0; m <= dim; m++) {
+        links += back[m] == s;
+        j = back[m] == s ? m : j;
+    }
+    if (links != 1) {
+        return pbw__find_fault(found, PBW__FAULT_BACK, s, i, PBW_NONE);
+    }
+    if (t > s) {
+        return 1;
+    }
+    found->counted[0]++;
+    if (u[j] >= mesh->point_count) {
+        return 1;                                    /* another test's to tell: t comes before s */
+    }
+    if (!pbw__facets_match(mesh->simplices + s * corners, i, u, j, dim)) {
+        return pbw__find_fault(found, PBW__FAULT_FACET, s, i, PBW_NONE);
+    }
+    m = pbw__conflict_in(found->pool, dim, x, pbw__test_record(mesh, dim, u[j]), &mesh->grid);
+    return m == 0 || pbw__find_fault(found, m == PBW__OPEN ? PBW__FAULT_OPEN : PBW__FAULT_CONFLICT, s, i, u[j]);
+}
+
+PBW__INLINE int pbw__test_simplex(const pbw__tested *mesh, int dim, size_t s, pbw__finding *found)
+{
+    const pbw_index *v = mesh->simplices + s * (size_t)(dim + 1);
+    const double *x[4];
+    int i, sign, sound = 1;
+    for (i = 0; i <= dim; i++) {
+        if (v[i] >= mesh->point_count) {
+            return pbw__find_fault(found, PBW__FAULT_CORNER, s, -1, v[i]);
+        }
+        if (mesh->incident[v[i]] > s) {              /* PBW_NONE is; that it has v[i] is known */
+            return pbw__find_fault(found, PBW__FAULT_FIRST, s, -1, v[i]);
+        }
+    }
+    pbw__test_corners(mesh, dim, s, x);
+    sign = pbw__orient_in(found->pool, dim, x, &mesh->grid);
+    if (sign != 1) {
+        return pbw__find_fault(found, sign == PBW__OPEN ? PBW__FAULT_OPEN
+                                      : sign < 0 ? PBW__FAULT_NEGATIVE : PBW__FAULT_FLAT, s, -1, PBW_NONE);
+    }
+    sign = s > 0 ? pbw__test_covers(mesh, dim, x, found->pool) : 0;  /* simplex 0 holds o: it is oriented */
+    if (sign != 0) {
+        return pbw__find_fault(found, sign == PBW__OPEN ? PBW__FAULT_OPEN : PBW__FAULT_OVERLAP, s, -1, PBW_NONE);
+    }
+    for (i = 0; i <= dim && sound; i++) {
+        sound = pbw__test_facet(mesh, dim, s, i, x, found);
+    }
+    return sound;
+}
+
+/* A way around a ridge, from simplex to simplex: `in` is across from the facet by which the ridge's next simplex was
+   entered, `out` across from the one by which it is left.  Each simplex around a ridge has one predecessor and one
+   successor there, so the way from a hull facet cannot close: it ends at another. */
+typedef struct pbw__turn { size_t simplex; int in, out; } pbw__turn;
+
+/* Goes on to the next simplex; returns 0 at the hull. */
+PBW__INLINE int pbw__turn_on(const pbw__tested *mesh, int dim, pbw__turn *turn)
+{
+    const size_t corners = (size_t)dim + 1;
+    const pbw_index *v = mesh->simplices, *n = mesh->neighbors;
+    const size_t next = n[turn->simplex * corners + (size_t)turn->out];
+    size_t entry = 0, exit = 0;
+    if (next == PBW_NONE) {
+        return 0;
+    }
+    while (n[next * corners + entry] != turn->simplex) {
+        entry++;
+    }
+    while (v[next * corners + exit] != v[turn->simplex * corners + (size_t)turn->in]) {
+        exit++;
+    }
+    turn->simplex = next;
+    turn->in = (int)entry;
+    turn->out = (int)exit;
+    return 1;
+}
+
+/* The ridge between facet i of simplex s and another hull facet, where the way around it has ended; tested from the
+   simplex of lower number. */
+PBW__INLINE int pbw__test_ridge(const pbw__tested *mesh, int dim, size_t s, int i, const pbw__turn *end,
+                                pbw__finding *found)
+{
+    const pbw_index far = mesh->simplices[end->simplex * (size_t)(dim + 1) + (size_t)end->in];
+    const double *x[4];
+    int sign;
+    if (end->simplex < s) {
+        return 1;
+    }
+    pbw__test_corners(mesh, dim, s, x);
+    sign = pbw__test_side(mesh, dim, x, i, pbw__test_record(mesh, dim, far), found->pool);
+    return (sign >= 0 && sign != PBW__OPEN)
+        || pbw__find_fault(found, sign < 0 ? PBW__FAULT_CONVEX : PBW__FAULT_OPEN, s, i, far);
+}
+
+/* A visibility walk to a point that is no vertex. */
+typedef struct pbw__visit { pbw_index point, here, last; } pbw__visit;
+
+/* Goes on to the next simplex; returns 0 where the walk ends, then facet is the one that the point is beyond, -1 if
+   none, or the fault is open. */
+PBW__INLINE int pbw__visit_on(const pbw__tested *mesh, int dim, pbw__visit *visit, pbw__finding *found)
+{
+    const pbw_index *next = mesh->neighbors + visit->here * (size_t)(dim + 1);
+    const double *p = pbw__test_record(mesh, dim, visit->point), *x[4];
+    int sign = 0, i;
+    pbw__test_corners(mesh, dim, visit->here, x);
+    for (i = 0; i <= dim; i++) {
+        sign = next[i] == visit->last ? 0 : pbw__test_side(mesh, dim, x, i, p, found->pool);
+        if (sign < 0 || sign == PBW__OPEN) {
+            break;
+        }
+    }
+    if (i > dim || sign == PBW__OPEN || next[i] == PBW_NONE) {
+        return pbw__find_fault(found, sign == PBW__OPEN ? PBW__FAULT_OPEN : PBW__SOUND, visit->here, i > dim ? -1 : i,
+                               visit->point);
+    }
+    visit->last = visit->here;
+    visit->here = next[i];
+    return 1;
+}
+
+/* The point, where the walk to it has ended. */
+PBW__INLINE int pbw__test_visited(const pbw__tested *mesh, int dim, const pbw__visit *visit, pbw__finding *found)
+{
+    const double *p = pbw__test_record(mesh, dim, visit->point), *x[4];
+    int verdict, i;
+    if (found->fault == PBW__FAULT_OPEN) {
+        return 0;
+    }
+    if (found->facet >= 0) {
+        return pbw__find_fault(found, PBW__FAULT_OUTSIDE, visit->here, found->facet, visit->point);
+    }
+    pbw__test_corners(mesh, dim, visit->here, x);
+    for (i = 0; i <= dim; i++) {
+        if (pbw__same_place(p, x[i], dim)) {
+            return pbw__find_fault(found, PBW__FAULT_REPEATED, visit->here, -1, visit->point);
+        }
+    }
+    verdict = pbw__conflict_in(found->pool, dim, x, p, &mesh->grid);
+    return verdict == 0 || pbw__find_fault(found, verdict == PBW__OPEN ? PBW__FAULT_OPEN : PBW__FAULT_UNHIDDEN,
+                                           visit->here, -1, visit->point);
+}
 
 /* ------------------------------------------------------------------------------------------------------
    >>check        The exact verdict on a finished mesh.
@@ -8933,9 +9274,9 @@ typedef struct pbw__check {
     const pbw_mesh *mesh;
     pbw_report *report;
     pbw__context *context;
-    double *record;                                  /* of all points: coordinates, weight */
-    pbw__grid grid;
-    const double *basis[4];                          /* corners of simplex 0; degenerate: independent points */
+    pbw__tested tested;
+    double *record;                                  /* that it has */
+    const double *basis[4];                          /* degenerate: independent points */
     int dim, rank;                                   /* points in the basis */
     size_t independent;
     size_t duplicate_count, other_count;             /* others are canonical, but no vertices */
@@ -9021,248 +9362,80 @@ static int pbw__check_pass(pbw__check *check, pbw__check_items *items, size_t co
     return status == PBW_OK;
 }
 
-/* Functions called for each simplex take the dimension as an argument, so that it is a constant there. */
-PBW__INLINE const double *pbw__check_record(const pbw__check *check, int dim, size_t point)
+/* What the tests of a range found goes into its report. */
+static int pbw__check_found(pbw__check_part *part, const pbw__finding *found)
 {
-    return check->record + point * (size_t)(dim + 1);
+    return pbw__fault(&part->report, found->fault, found->simplex, found->facet, found->point);
 }
 
-PBW__INLINE void pbw__check_corners(const pbw__check *check, int dim, size_t simplex, const double **x)
-{
-    int i;
-    for (i = 0; i <= dim; i++) {
-        x[i] = pbw__check_record(check, dim, check->mesh->simplices[simplex * (size_t)(dim + 1) + (size_t)i]);
-    }
-}
-
-/* Returns whether o is on the inner side of a facet of the simplex x.  The orientation with o is affine in o, so
-   its sign is that of the first nonzero one among those with a, b, c, ... */
-static int pbw__check_faces_inside(const pbw__check *check, const double **x, int facet)
-{
-    int sign = 0, i;
-    for (i = 0; i <= check->dim && sign == 0; i++) {
-        sign = pbw__side(check->dim, x, facet, check->basis[i], &check->grid);
-    }
-    return sign > 0;
-}
-
-/* Returns whether the closed box of the simplex x has the point a. */
-PBW__INLINE int pbw__check_box_has(const double *const *x, const double *a, int dim)
-{
-    int i, k;
-    for (k = 0; k < dim; k++) {
-        int below = 0, above = 0;
-        for (i = 0; i <= dim; i++) {
-            below |= x[i][k] <= a[k];
-            above |= x[i][k] >= a[k];
-        }
-        if (!(below && above)) {
-            return 0;
-        }
-    }
-    return 1;
-}
-
-/* Returns whether the simplex x holds o, which is infinitely close to a: so a must be in the closed box of x. */
-PBW__INLINE int pbw__check_covers(const pbw__check *check, int dim, const double **x)
-{
-    int covers = pbw__check_box_has((const double *const *)x, check->basis[0], dim), i;
-    for (i = 0; i <= dim && covers; i++) {
-        covers = pbw__check_faces_inside(check, x, i);
-    }
-    return covers;
-}
-
-static int pbw__check_points(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
+/* The points as records. */
+static int pbw__check_finite(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
     const pbw_mesh *mesh = check->mesh;
     const double *w = mesh->weights;
-    size_t p, dim = (size_t)check->dim;
+    const size_t dim = (size_t)check->dim;
+    size_t p, k;
     for (p = from; p < to; p++) {
         double *x = check->record + p * (dim + 1);
-        size_t kept = mesh->canonical[p], first = mesh->incident[p], k;
         for (k = 0; k <= dim; k++) {
             x[k] = (k < dim ? mesh->points[p * dim + k] : w != NULL ? w[p] : 0.0) + 0.0;
             if (!(x[k] - x[k] == 0.0)) {
                 return pbw__fault(&part->report, PBW__FAULT_FINITE, PBW_NONE, -1, p);
             }
         }
-        if (kept == PBW_NONE && first == PBW_NONE) { /* a free number of pbw_live_view */
-            continue;
-        }
-        if (kept >= mesh->point_count || mesh->canonical[kept] != kept) {
-            return pbw__fault(&part->report, PBW__FAULT_CANONICAL, PBW_NONE, -1, p);
-        }
-        if (kept != p) {
-            if (!pbw__same_place(mesh->points + dim * p, mesh->points + dim * kept, check->dim)) {
-                return pbw__fault(&part->report, PBW__FAULT_PLACE, PBW_NONE, -1, p);
-            }
-            if (w != NULL && w[p] != w[kept] ? w[p] > w[kept] : p < kept) {
-                return pbw__fault(&part->report, PBW__FAULT_RIGHT, PBW_NONE, -1, p);
-            }
-            if (first != PBW_NONE) {
-                return pbw__fault(&part->report, PBW__FAULT_VERTEX, first, -1, p);
-            }
-            part->duplicate_count++;
-        } else if (first != PBW_NONE) {
-            for (k = 0; k <= dim && first < mesh->simplex_count; k++) {
-                if (mesh->simplices[first * (dim + 1) + k] == p) {
-                    break;
-                }
-            }
-            if (k > dim || first >= mesh->simplex_count) {
-                return pbw__fault(&part->report, PBW__FAULT_INCIDENT, first, -1, p);
-            }
-            part->report.vertex_count++;
-        } else {
-            part->other_count++;
-        }
     }
     return 1;
 }
 
-/* Have v without corner i and u without corner j the same vertices, and does v with u[j] for v[i] become u by an odd
-   permutation?  Then u[j] and v[i] are on opposite sides of the facet, given that v and u are positively oriented.
-   The parity is that of the facet's vertices, and of the ways of i and j to the end. */
-PBW__INLINE int pbw__check_facets_match(const pbw_index *v, int i, const pbw_index *u, int j, int dim)
+static int pbw__check_points(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
-    int place[3], found = 0, odd = (i + j) & 1, k, m;
-    for (k = 0; k < dim; k++) {
-        pbw_index vertex = v[k + (k >= i)];
-        place[k] = 0;
-        for (m = 0; m <= dim; m++) {
-            int here = u[m] == vertex && m != j;
-            place[k] += here ? m : 0;
-            found += here;
-        }
-        for (m = 0; m < k; m++) {
-            odd ^= place[m] > place[k];
-        }
+    pbw__finding found = { NULL, 0, 0, 0, 0, { 0, 0, 0 } };
+    int sound = 1;
+    for (; from < to && sound; from++) {
+        sound = pbw__test_point(&check->tested, check->dim, from, &found);
     }
-    return odd && found == dim;
-}
-
-/* One facet of simplex s, whose corners are known to be right; each facet between two simplices is compared and
-   tested once, from the higher of the two. */
-PBW__INLINE int pbw__check_facet(const pbw__check *check, pbw__check_part *part, int dim, size_t s, int i,
-                                 const double **x)
-{
-    const pbw_mesh *mesh = check->mesh;
-    const size_t corners = (size_t)dim + 1;
-    const pbw_index *v = mesh->simplices + s * corners;
-    const pbw_index t = mesh->neighbors[s * corners + (size_t)i], *u, *back;
-    int links = 0, j = 0, m;
-    if (t == PBW_NONE) {
-        part->report.hull_facet_count++;
-        part->report.facet_count++;
-        return pbw__check_faces_inside(check, x, i)
-            || pbw__fault(&part->report, PBW__FAULT_INWARD, s, i, PBW_NONE);
-    }
-    if (t >= mesh->simplex_count || t == s) {
-        return pbw__fault(&part->report, PBW__FAULT_OTHER, s, i, PBW_NONE);
-    }
-    u = mesh->simplices + t * corners;
-    back = mesh->neighbors + t * corners;
-    for (m = 0; m <= dim; m++) {
-        links += back[m] == s;
-        j = back[m] == s ? m : j;
-    }
-    if (links != 1) {
-        return pbw__fault(&part->report, PBW__FAULT_BACK, s, i, PBW_NONE);
-    }
-    if (t > s) {
-        return 1;
-    }
-    part->report.facet_count++;
-    if (u[j] >= mesh->point_count) {
-        return 1;                                    /* another task's to tell: t comes before s */
-    }
-    if (!pbw__check_facets_match(v, i, u, j, dim)) {
-        return pbw__fault(&part->report, PBW__FAULT_FACET, s, i, PBW_NONE);
-    }
-    if (pbw__conflict(dim, x, pbw__check_record(check, dim, u[j]), &check->grid)) {
-        return pbw__fault(&part->report, PBW__FAULT_CONFLICT, s, i, u[j]);
-    }
-    return 1;
-}
-
-PBW__INLINE int pbw__check_simplex(const pbw__check *check, pbw__check_part *part, int dim, size_t s)
-{
-    const pbw_mesh *mesh = check->mesh;
-    const pbw_index *v = mesh->simplices + s * (size_t)(dim + 1);
-    const double *x[4];
-    int i, sound = 1;
-    for (i = 0; i <= dim; i++) {
-        if (v[i] >= mesh->point_count) {
-            return pbw__fault(&part->report, PBW__FAULT_CORNER, s, -1, v[i]);
-        }
-        if (mesh->incident[v[i]] > s) {              /* PBW_NONE is; that it has v[i] is known */
-            return pbw__fault(&part->report, PBW__FAULT_FIRST, s, -1,
-                              v[i]);
-        }
-    }
-    pbw__check_corners(check, dim, s, x);
-    i = pbw__orient(dim, x, &check->grid);
-    if (i <= 0) {
-        return pbw__fault(&part->report, i < 0 ? PBW__FAULT_NEGATIVE : PBW__FAULT_FLAT, s, -1,
-                          PBW_NONE);
-    }
-    if (s > 0 && pbw__check_covers(check, dim, x)) {                 /* simplex 0 holds o: it is oriented */
-        return pbw__fault(&part->report, PBW__FAULT_OVERLAP, s, -1, PBW_NONE);
-    }
-    for (i = 0; i <= dim && sound; i++) {
-        sound = pbw__check_facet(check, part, dim, s, i, x);
-    }
-    return sound;
+    part->report.vertex_count = found.counted[0];
+    part->other_count = found.counted[1];
+    part->duplicate_count = found.counted[2];
+    return sound || pbw__check_found(part, &found);
 }
 
 static int pbw__check_simplices(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
+    pbw__digit pool[PBW__POOL];
+    pbw__finding found = { pool, 0, 0, 0, 0, { 0, 0, 0 } };
     int sound = 1;
     for (; from < to && sound; from++) {
-        sound = check->dim == 2 ? pbw__check_simplex(check, part, 2, from) : pbw__check_simplex(check, part, 3, from);
+        sound = check->dim == 2 ? pbw__test_simplex(&check->tested, 2, from, &found)
+                                : pbw__test_simplex(&check->tested, 3, from, &found);
     }
-    return sound;
+    part->report.facet_count = found.counted[0];
+    part->report.hull_facet_count = found.counted[1];
+    return sound || pbw__check_found(part, &found);
 }
 
-/* Around each ridge of a hull facet: from simplex to simplex, `in` across from the facet by which the ridge's next
-   simplex was entered, `out` across from the one by which it is left.  Each simplex around a ridge has one
-   predecessor and one successor there, so the way from a hull facet cannot close: it ends at another. */
 static int pbw__check_hull(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
-    const pbw_mesh *mesh = check->mesh;
-    const pbw_index *v = mesh->simplices, *n = mesh->neighbors;
-    size_t corners = (size_t)check->dim + 1, steps = 0, s, i, k;
+    pbw__digit pool[PBW__POOL];
+    pbw__finding found = { pool, 0, 0, 0, 0, { 0, 0, 0 } };
+    const pbw__tested *mesh = &check->tested;
+    const int dim = check->dim;
+    size_t steps = 0, s;
+    int i, k;
     for (s = from; s < to; s++) {
-        for (i = 0; i < corners; i++) {
-            for (k = 0; k < corners && n[s * corners + i] == PBW_NONE; k++) {
-                size_t t = s, in = i, out = k, far;
-                const double *x[4];
+        for (i = 0; i <= dim; i++) {
+            for (k = 0; k <= dim && mesh->neighbors[s * (size_t)(dim + 1) + (size_t)i] == PBW_NONE; k++) {
+                pbw__turn turn = { s, i, k };
                 if (k == i) {
                     continue;
                 }
-                while (n[t * corners + out] != PBW_NONE) {
-                    size_t next = n[t * corners + out], entry = 0, exit = 0;
+                while (pbw__turn_on(mesh, dim, &turn)) {
                     if ((++steps & (PBW__TICK - 1)) == 0 && pbw__report(check->context, 0.85)) {
                         return 0;                    /* a single ridge may have them all */
                     }
-                    while (n[next * corners + entry] != t) {
-                        entry++;
-                    }
-                    while (v[next * corners + exit] != v[t * corners + in]) {
-                        exit++;
-                    }
-                    t = next;
-                    in = entry;
-                    out = exit;
                 }
-                if (t < s) {
-                    continue;                        /* seen from the other side */
-                }
-                far = v[t * corners + in];
-                pbw__check_corners(check, check->dim, s, x);
-                if (pbw__side(check->dim, x, (int)i, pbw__check_record(check, check->dim, far), &check->grid) < 0) {
-                    return pbw__fault(&part->report, PBW__FAULT_CONVEX, s, (int)i, far);
+                if (!pbw__test_ridge(mesh, dim, s, i, &turn, &found)) {
+                    return pbw__check_found(part, &found);
                 }
             }
         }
@@ -9273,48 +9446,23 @@ static int pbw__check_hull(pbw__check *check, pbw__check_part *part, size_t from
 /* Visibility walk to each of the other points, from where the last one ended. */
 static int pbw__check_hidden(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
-    const int dim = check->dim;
+    pbw__digit pool[PBW__POOL];
+    pbw__finding found = { pool, 0, 0, 0, 0, { 0, 0, 0 } };
     size_t steps = 0;
     while (from < to) {
-        size_t point = (uint32_t)check->other[from];
-        const double *p = pbw__check_record(check, dim, point), *x[4];
-        const pbw_index *next;
-        int fault = PBW__SOUND;
-        pbw_index here = part->hint, last = here;
-        int i, k;
-        for (;;) {
+        pbw__visit visit = { (uint32_t)check->other[from], part->hint, part->hint };
+        while (pbw__visit_on(&check->tested, check->dim, &visit, &found)) {
             if ((++steps & 1023) == 0 && pbw__report(check->context, 0.94)) {
                 return 0;
             }
-            next = check->mesh->neighbors + here * (size_t)(dim + 1);
-            pbw__check_corners(check, dim, here, x);
-            for (i = 0; i <= dim && (next[i] == last || pbw__side(check->dim, x, i, p, &check->grid) >= 0); i++) {
-                continue;
-            }
-            if (i > dim || next[i] == PBW_NONE) {
-                break;
-            }
-            last = here;
-            here = next[i];
         }
-        if (i <= dim) {
-            fault = PBW__FAULT_OUTSIDE;
-        } else {
-            i = -1;
-            for (k = 0; k <= dim && fault == PBW__SOUND; k++) {
-                fault = pbw__same_place(p, x[k], dim) ? PBW__FAULT_REPEATED : PBW__SOUND;
-            }
-            if (fault == PBW__SOUND && pbw__conflict(dim, x, p, &check->grid)) {
-                fault = PBW__FAULT_UNHIDDEN;
-            }
-        }
-        if (fault == PBW__SOUND) {
-            part->hint = here;
+        if (pbw__test_visited(&check->tested, check->dim, &visit, &found)) {
+            part->hint = visit.here;
             from++;
         } else if (part->hint != 0) {
             part->hint = 0;                          /* reported as a walk from simplex 0 finds it, in every part */
         } else {
-            return pbw__fault(&part->report, fault, here, i, point);
+            return pbw__check_found(part, &found);
         }
     }
     return 1;
@@ -9325,13 +9473,13 @@ static int pbw__check_flat(pbw__check *check, pbw__check_part *part, size_t from
 {
     const double *a[4] = { check->basis[0], check->basis[1], check->basis[2], NULL };
     for (; from < to; from++) {
-        const double *x = pbw__check_record(check, check->dim, from);
+        const double *x = pbw__test_record(&check->tested, check->dim, from);
         a[check->dim] = x;
         if (check->mesh->canonical[from] == PBW_NONE) {
             continue;
         }
-        if (check->rank == check->dim ? pbw__orient(check->dim, a, &check->grid) != 0
-            : check->rank == 2 ? !pbw__collinear3(a[0], a[1], x, &check->grid)
+        if (check->rank == check->dim ? pbw__orient(check->dim, a, &check->tested.grid) != 0
+            : check->rank == 2 ? !pbw__collinear3(a[0], a[1], x, &check->tested.grid)
                                : check->rank == 0 || !pbw__same_place(a[0], x, check->dim)) {
             part->independent = from + 1;
             return 0;
@@ -9355,7 +9503,7 @@ static int pbw__check_span(pbw__check *check)
         if (check->rank == check->dim) {
             return pbw__fault(check->report, PBW__FAULT_SPAN, PBW_NONE, -1, point - 1);
         }
-        check->basis[check->rank++] = pbw__check_record(check, check->dim, point - 1);
+        check->basis[check->rank++] = pbw__test_record(&check->tested, check->dim, point - 1);
     }
 }
 
@@ -9414,7 +9562,7 @@ static int pbw__check_gather(pbw__check *check, pbw__check_part *part, size_t fr
         for (p = from * PBW__BLOCK_POINTS; p < pbw__check_block_end(check, from); p++) {
             if (pbw__check_is_other(check, p)) {
                 check->by_hash[check->block[from]++] = (uint64_t)p;
-                pbw__box_add(&part->box, pbw__check_record(check, check->dim, p), check->dim);
+                pbw__box_add(&part->box, pbw__test_record(&check->tested, check->dim, p), check->dim);
             }
         }
     }
@@ -9426,7 +9574,7 @@ static int pbw__check_hashes(pbw__check *check, pbw__check_part *part, size_t fr
     uint64_t *key = check->by_hash;
     (void)part;
     for (; from < to; from++) {
-        const double *x = pbw__check_record(check, check->dim, (size_t)key[from]);
+        const double *x = pbw__test_record(&check->tested, check->dim, (size_t)key[from]);
         key[from] |= pbw__hash_doubles(0, x, check->dim) & ~(uint64_t)UINT32_MAX;
     }
     return 1;
@@ -9438,14 +9586,14 @@ static int pbw__check_apart(pbw__check *check, pbw__check_part *part, size_t fro
     const uint64_t *key = check->by_hash;
     size_t k, m;
     for (k = from; k < to; k++) {
-        const double *x = pbw__check_record(check, check->dim, (uint32_t)key[k]);
+        const double *x = pbw__test_record(&check->tested, check->dim, (uint32_t)key[k]);
         for (m = k + 1; m < check->other_count && key[m] >> 32 == key[k] >> 32; m++) {
             uint32_t p = (uint32_t)key[m];
-            if (pbw__same_place(x, pbw__check_record(check, check->dim, p), check->dim)) {
+            if (pbw__same_place(x, pbw__test_record(&check->tested, check->dim, p), check->dim)) {
                 return pbw__fault(&part->report, PBW__FAULT_TWICE, PBW_NONE, -1, p);
             }
         }
-        check->other[k] = pbw__hilbert_key(&check->curve, &check->box, x, check->dim,
+        check->other[k] = pbw__hilbert_key(check->curve.step, &check->box, x, check->dim,
                                            check->curve.levels) << 32 | (uint32_t)key[k];
     }
     return 1;
@@ -9504,8 +9652,8 @@ static int pbw__check_all(pbw__check *check)
 {
     const pbw_mesh *mesh = check->mesh;
     size_t points = mesh->point_count, simplices = mesh->simplex_count;
-    int i;
-    if (!pbw__check_pass(check, pbw__check_points, points, 0.1)) {
+    if (!pbw__check_pass(check, pbw__check_finite, points, 0.05)
+        || !pbw__check_pass(check, pbw__check_points, points, 0.1)) {
         return 0;
     }
     if (check->duplicate_count != mesh->duplicate_count) {
@@ -9514,12 +9662,9 @@ static int pbw__check_all(pbw__check *check)
     if (mesh->hidden_count != (simplices > 0 ? check->other_count : 0)) {
         return pbw__fault(check->report, PBW__FAULT_HIDDEN, PBW_NONE, -1, PBW_NONE);
     }
-    pbw__grid_scan(check->context, check->record, points, check->dim, &check->grid);
+    pbw__grid_scan(check->context, check->record, points, check->dim, &check->tested.grid);
     if (simplices == 0) {
         return pbw__check_span(check) && pbw__check_others(check);
-    }
-    for (i = 0; i <= check->dim; i++) {
-        check->basis[i] = pbw__check_record(check, check->dim, mesh->simplices[i] < points ? mesh->simplices[i] : 0);
     }
     return pbw__check_pass(check, pbw__check_simplices, simplices, 0.85)
         && pbw__check_pass(check, pbw__check_hull, simplices, 0.9)
@@ -9549,11 +9694,18 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
     check.mesh = mesh;
     check.report = report;
     check.context = &context;
-    check.dim = mesh->dim;
+    check.dim = check.tested.dim = mesh->dim;
+    check.tested.simplices = mesh->simplices;
+    check.tested.neighbors = mesh->neighbors;
+    check.tested.incident = mesh->incident;
+    check.tested.canonical = mesh->canonical;
+    check.tested.point_count = mesh->point_count;
+    check.tested.simplex_count = mesh->simplex_count;
     check.status = pbw__begin_call(&context, options, mesh->point_count, PBW_STAGE_CHECK);
     if (check.status == PBW_OK) {
         size = (size_t)(mesh->dim + 1) * sizeof(double);
         check.record = (double *)pbw__allocate_large(&context, mesh->point_count, size);
+        check.tested.record = check.record;
         check.status = check.record != NULL ? PBW_OK : PBW_ERROR_MEMORY;
         report->valid = check.status == PBW_OK && pbw__check_all(&check);
         pbw__release(&context.memory, check.record, mesh->point_count, size);
@@ -10206,8 +10358,8 @@ static pbw_status pbw__query_keys(void *arg, size_t i, size_t to)
         uint64_t key = 0;
         (void)pbw__query_point(queries, i, p);
         if (queries->box.extent > 0.0) {
-            key = queries->mesh->dim == 3 ? pbw__hilbert_key(curve, &queries->box, p, 3, curve->levels)
-                                          : pbw__hilbert_key(curve, &queries->box, p, 2, curve->levels);
+            key = queries->mesh->dim == 3 ? pbw__hilbert_key(curve->step, &queries->box, p, 3, curve->levels)
+                                          : pbw__hilbert_key(curve->step, &queries->box, p, 2, curve->levels);
         }
         queries->keys[i] = key << queries->index_bits | i;
     }

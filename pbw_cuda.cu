@@ -83,6 +83,8 @@
 #include <condition_variable>
 #include <mutex>
 #include <thread>
+#include <type_traits>
+#include <utility>
 
 #ifndef PBW_CUDA_FEW
 #define PBW_CUDA_FEW 1024                            /* fewer points are quicker on the CPU */
@@ -120,6 +122,16 @@ struct alignas(32) record {                          /* as pbw.h keeps them: {x,
 struct alignas(16) box {
     float low[3], high[3], weight, unused;
 };
+
+/* Grows a box to hold another. */
+__device__ inline void add_box(box &b, const box &other)
+{
+    for (int k = 0; k < 3; k++) {
+        b.low[k] = fminf(b.low[k], other.low[k]);
+        b.high[k] = fmaxf(b.high[k], other.high[k]);
+    }
+    b.weight = fmaxf(b.weight, other.weight);
+}
 
 const int tree_levels = 7;                           /* 8 * 32^6 points are more than an index can number */
 struct tree {
@@ -175,19 +187,38 @@ template <int T, typename V> __device__ inline V tile_read(V value, int lane)
     return __shfl_sync(all_lanes, value, lane, T);
 }
 
-template <int T> __device__ inline float tile_min(float value)
+template <typename V> __device__ inline V lower(V a, V b)
+{
+    return b < a ? b : a;
+}
+
+__device__ inline float lower(float a, float b)
+{
+    return fminf(a, b);
+}
+
+/* The smallest and the largest value, and the sum, of the lanes of a tile. */
+template <int T, typename V> __device__ inline V tile_min(V value)
 {
     for (int step = T / 2; step > 0; step /= 2) {
-        value = fminf(value, __shfl_xor_sync(all_lanes, value, step));
+        value = lower(value, __shfl_xor_sync(all_lanes, value, step));
     }
     return value;
 }
 
-template <int T> __device__ inline uint32_t tile_min(uint32_t value)
+template <int T, typename V> __device__ inline V tile_max(V value)
 {
     for (int step = T / 2; step > 0; step /= 2) {
-        uint32_t other = __shfl_xor_sync(all_lanes, value, step);
-        value = other < value ? other : value;
+        V other = __shfl_xor_sync(all_lanes, value, step);
+        value = other > value ? other : value;
+    }
+    return value;
+}
+
+template <int T, typename V> __device__ inline V tile_sum(V value)
+{
+    for (int step = T / 2; step > 0; step /= 2) {
+        value += __shfl_xor_sync(all_lanes, value, step);
     }
     return value;
 }
@@ -247,7 +278,7 @@ struct survey {                                      /* what one pass over the p
 };
 
 struct curve {                                       /* the automaton of pbw.h, where kernels can read it */
-    unsigned char plane[4][4], space[12][8];
+    uint16_t step[12 << 3];
 };
 
 __device__ inline void fetch(const input &in, size_t i, double *c)
@@ -291,16 +322,11 @@ __global__ void survey_kernel(input in, survey *out)
             unit = exponent < unit ? exponent : unit;
         }
     }
-    for (int step = 16; step > 0; step /= 2) {
-        for (int k = 0; k <= dim; k++) {
-            unsigned long long l = __shfl_xor_sync(all_lanes, low[k], step),
-                               h = __shfl_xor_sync(all_lanes, high[k], step);
-            low[k] = l < low[k] ? l : low[k];
-            high[k] = h > high[k] ? h : high[k];
-        }
-        int u = __shfl_xor_sync(all_lanes, unit, step);
-        unit = u < unit ? u : unit;
+    for (int k = 0; k <= dim; k++) {
+        low[k] = tile_min<32>(low[k]);
+        high[k] = tile_max<32>(high[k]);
     }
+    unit = tile_min<32>(unit);
     bad = any(bad);
     if ((threadIdx.x & 31) == 0) {
         for (int k = 0; k <= dim; k++) {
@@ -314,41 +340,22 @@ __global__ void survey_kernel(input in, survey *out)
     }
 }
 
-/* As pbw__hilbert_key, with the index below it. */
-__device__ uint64_t key_of(const input &in, const double *low, double scale, double extent, int bits,
-                           const curve &automaton, int index_bits, uint64_t index)
+/* The key of a point, with its index below it. */
+__device__ uint64_t key_of(const input &in, const pbw__box &box, const curve &automaton, int index_bits,
+                           uint64_t index)
 {
     double c[4];
-    uint32_t cell[3] = { 0, 0, 0 }, last = (1u << bits) - 1;
-    uint64_t digits = 0;
-    unsigned state = 0;
     fetch(in, (size_t)index, c);
-    for (int k = 0; k < in.dim; k++) {
-        double t =
-            __dmul_rn(__dsub_rn(__dmul_rn(scale, c[k]), __dmul_rn(scale, low[k])) / extent, (double)(last + 1));
-        cell[k] = t < (double)last ? (uint32_t)t : last;
-    }
-    for (int bit = bits - 1; bit >= 0; bit--) {
-        unsigned octant = (cell[0] >> bit & 1) | (cell[1] >> bit & 1) << 1;
-        if (in.dim == 3) {
-            unsigned step = automaton.space[state][octant | (cell[2] >> bit & 1) << 2];
-            digits = digits << 3 | (step & 7);
-            state = step >> 3;
-        } else {
-            unsigned step = automaton.plane[state][octant];
-            digits = digits << 2 | (step & 3);
-            state = step >> 2;
-        }
-    }
-    return digits << index_bits | index;
+    return (in.dim == 3 ? pbw__hilbert_key(automaton.step, &box, c, 3, 1)
+                        : pbw__hilbert_key(automaton.step, &box, c, 2, 1)) << index_bits | index;
 }
 
-__global__ void key_kernel(input in, pbw__box domain, const __grid_constant__ curve automaton, int index_bits,
-                           uint64_t *key)
+__global__ void key_kernel(input in, const __grid_constant__ pbw__box domain, const __grid_constant__ curve automaton,
+                           int index_bits, uint64_t *key)
 {
     size_t i = thread_number();
     if (i < in.count) {
-        key[i] = key_of(in, domain.low, domain.scale, domain.extent, domain.bits, automaton, index_bits, i);
+        key[i] = key_of(in, domain, automaton, index_bits, i);
     }
 }
 
@@ -402,10 +409,10 @@ __global__ void run_kernel(input in, int index_bits, uint64_t *key, size_t count
     }
 }
 
-/* A warp a run: its length; 0 if all its points lie at one place.  Then the best of them goes first, which
-   root says. */
-__global__ void measure_kernel(input in, int index_bits, uint64_t *key, run_list runs, uint32_t count, double *low,
-                               double *extent, uint32_t *root)
+/* A warp a run: its length and box; length 0 if all its points lie at one place.  Then the best of them goes first,
+   which root says. */
+__global__ void measure_kernel(input in, int index_bits, int bits, uint64_t *key, run_list runs, uint32_t count,
+                               pbw__box *box, uint32_t *root)
 {
     uint32_t r = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32, lane = threadIdx.x & 31;
     const uint64_t mask = ((uint64_t)1 << index_bits) - 1;
@@ -442,24 +449,20 @@ __global__ void measure_kernel(input in, int index_bits, uint64_t *key, run_list
         fetch(in, (size_t)(key[head + best] & mask), c);
         fetch(in, (size_t)(key[head + other] & mask), d);
         best = pbw__comes_before(d, key[head + other] & mask, c, key[head + best] & mask, in.dim) ? other : best;
-        for (int k = 0; k < in.dim; k++) {
-            unsigned long long l = __shfl_xor_sync(all_lanes, lowest[k], step);
-            unsigned long long h = __shfl_xor_sync(all_lanes, highest[k], step);
-            lowest[k] = l < lowest[k] ? l : lowest[k];
-            highest[k] = h > highest[k] ? h : highest[k];
-        }
     }
     double side = 0.0;
     for (int k = 0; k < in.dim; k++) {
-        double l = unordered(lowest[k]), s = unordered(highest[k]) - l;
+        double l = unordered(tile_min<32>(lowest[k])), s = unordered(tile_max<32>(highest[k])) - l;
         side = s > side ? s : side;
         if (lane == 0) {
-            low[3 * (size_t)r + (size_t)k] = l;
+            box[r].low[k] = l;
         }
     }
     __syncwarp();
     if (lane == 0) {
-        extent[r] = side;
+        box[r].scale = 1.0;
+        box[r].extent = side;
+        box[r].bits = bits;
         runs.length[r] = side > 0.0 ? end - head : 0;
         if (side == 0.0) {
             uint64_t swap = key[head];
@@ -475,16 +478,15 @@ __global__ void measure_kernel(input in, int index_bits, uint64_t *key, run_list
 }
 
 /* A warp a run: its points with their new keys. */
-__global__ void rekey_kernel(input in, int index_bits, int bits, const uint64_t *key, run_list runs, uint32_t count,
-                             const double *low, const double *extent, const __grid_constant__ curve automaton,
-                             uint64_t *gathered, uint32_t *segment)
+__global__ void rekey_kernel(input in, int index_bits, const uint64_t *key, run_list runs, uint32_t count,
+                             const pbw__box *box, const __grid_constant__ curve automaton, uint64_t *gathered,
+                             uint32_t *segment)
 {
     uint32_t r = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32;
     const uint64_t mask = ((uint64_t)1 << index_bits) - 1;
     if (r < count) {
         for (uint32_t i = threadIdx.x & 31; i < runs.length[r]; i += 32) {
-            gathered[runs.offset[r] + i] = key_of(in, low + 3 * (size_t)r, 1.0, extent[r], bits, automaton,
-                                                  index_bits, key[runs.head[r] + i] & mask);
+            gathered[runs.offset[r] + i] = key_of(in, box[r], automaton, index_bits, key[runs.head[r] + i] & mask);
             segment[runs.offset[r] + i] = r;
         }
     }
@@ -595,12 +597,7 @@ __global__ void box_kernel(const box *child, uint32_t children, box *out, uint32
         box b = child[g * 32];
         uint32_t end = (uint32_t)g * 32 + 32 < children ? (uint32_t)g * 32 + 32 : children;
         for (uint32_t i = (uint32_t)g * 32 + 1; i < end; i++) {
-            box c = child[i];
-            for (int k = 0; k < 3; k++) {
-                b.low[k] = fminf(b.low[k], c.low[k]);
-                b.high[k] = fmaxf(b.high[k], c.high[k]);
-            }
-            b.weight = fmaxf(b.weight, c.weight);
+            add_box(b, child[i]);
         }
         out[g] = b;
     }
@@ -614,11 +611,7 @@ __device__ inline float side_near(const tree &t, int dim, uint32_t g)
     const uint32_t first = g & ~7u;
     box around = t.level[0][g];
     for (uint32_t i = first; i < first + 8 && i < t.size[0]; i++) {
-        box b = t.level[0][i];
-        for (int k = 0; k < 3; k++) {
-            around.low[k] = fminf(around.low[k], b.low[k]);
-            around.high[k] = fmaxf(around.high[k], b.high[k]);
-        }
+        add_box(around, t.level[0][i]);
     }
     float x = around.high[0] - around.low[0], y = around.high[1] - around.low[1], z = around.high[2] - around.low[2];
     float longest = fmaxf(x, fmaxf(y, z));
@@ -793,17 +786,11 @@ template <typename REAL> struct place {              /* relative to v, in units 
     REAL x[3], w;
 };
 
-/* Rounds to float, but never to 0 what is not 0: walls depend on it. */
-__device__ inline float narrow(double difference, double unit)
-{
-    float x = (float)(difference * unit);
-    return x == 0.0f && difference != 0.0 ? 1e-37f : x;
-}
-
-/* What differs: the squares that are large enough, D / ABC and (|a x b| / AB)^2 where the bounds begin to hold, and
-   the factor of the error in Q. */
+/* What differs: a difference in units; the squares that are large enough, D / ABC and (|a x b| / AB)^2 where the
+   bounds begin to hold, and the factor of the error in Q. */
 template <typename REAL> struct sizes;
 template <> struct sizes<double> {
+    static __device__ double scaled(double difference, double unit) { return difference * unit; }
     static __device__ double least() { return 7.9e-31; }                        /* 2^-100 */
     static __device__ double flat() { return 3.5527136788005009e-15; }          /* 2^-48 */
     static __device__ double thin() { return 1.3e-29; }                         /* 2^-96 */
@@ -811,6 +798,11 @@ template <> struct sizes<double> {
     static __device__ double inverse(double d) { return 1.0 / d; }
 };
 template <> struct sizes<float> {
+    static __device__ float scaled(double difference, double unit)
+    {                                                /* never 0 if the difference is not: walls depend on it */
+        float x = (float)(difference * unit);
+        return x == 0.0f && difference != 0.0 ? 1e-37f : x;
+    }
     static __device__ float least() { return 3.6e-15f; }                        /* 2^-48 */
     static __device__ float flat() { return 1.52587890625e-5f; }                /* 2^-16 */
     static __device__ float thin() { return 6e-8f; }                            /* 2^-24 */
@@ -834,29 +826,14 @@ __device__ inline float root(float value)            /* relative error 2^-22 */
     return result;
 }
 
-template <int DIM>
-__device__ inline void put_relative(const space &s, const record &v, const record &p, place<double> &r)
-{
-    for (int k = 0; k < 3; k++) {
-        r.x[k] = k < DIM ? (p.c[k] - v.c[k]) * s.unit : 0.0;
-    }
-    r.w = (p.c[DIM] - v.c[DIM]) * (s.unit * s.unit);
-}
-
-template <int DIM>
-__device__ inline void put_relative(const space &s, const record &v, const record &p, place<float> &r)
-{
-    for (int k = 0; k < 3; k++) {
-        r.x[k] = k < DIM ? narrow(p.c[k] - v.c[k], s.unit) : 0.0f;
-    }
-    r.w = (float)((p.c[DIM] - v.c[DIM]) * (s.unit * s.unit));
-}
-
 template <int DIM, typename REAL>
 __device__ inline place<REAL> relative(const space &s, const record &v, const record &p)
 {
     place<REAL> r;
-    put_relative<DIM>(s, v, p, r);
+    for (int k = 0; k < 3; k++) {
+        r.x[k] = k < DIM ? sizes<REAL>::scaled(p.c[k] - v.c[k], s.unit) : 0;
+    }
+    r.w = (REAL)((p.c[DIM] - v.c[DIM]) * (s.unit * s.unit));
     return r;
 }
 
@@ -979,39 +956,6 @@ __device__ inline float4 half_space(const place<REAL> &pa, const place<REAL> &pb
                        (float)(1 + sizes<REAL>::error() * sqrt(la * lb) * inverse) * far_away);
 }
 
-/* The exact sign of a determinant as in >>predicates of pbw.h; open_sign only if pool is NULL. */
-__device__ __noinline__ int exact_sign(int dim, int count, const double *const *row, const double *origin,
-                                       const pbw__grid *grid, pbw__digit *pool, int *orientation)
-{
-    int sign = pbw__integers(dim, count, row, origin, grid, orientation);
-    if (sign == PBW__OPEN) {
-        sign = pbw__pairs(dim, count, row, origin);
-    }
-    return sign != PBW__OPEN || pool == NULL ? sign
-         : pbw__exact_determinant_in(pool, dim, count, row, origin, orientation);
-}
-
-/* 1 if p is in conflict with the simplex of the records row[0..DIM], 0 if not, or open_sign. */
-template <int DIM>
-__device__ int finite_conflict(const pbw__grid &grid, const double *const *row, const double *p, pbw__digit *pool)
-{
-    int orientation[4];
-    int sign = DIM == 3 ? pbw__filter_power3(row[0], row[1], row[2], row[3], p)
-                        : pbw__filter_power2(row[0], row[1], row[2], p);
-    if (sign == PBW__OPEN) {
-        sign = exact_sign(DIM, DIM + 1, row, p, &grid, pool, orientation);
-    }
-    return sign == PBW__OPEN ? open_sign : sign != 0 ? sign > 0 : pbw__tie(DIM, row, p, orientation);
-}
-
-template <int DIM>
-__device__ int orientation_sign(const pbw__grid &grid, const double *const *row, pbw__digit *pool)
-{
-    int sign = DIM == 3 ? pbw__filter_orient3(row[0], row[1], row[2], row[3])
-                        : pbw__filter_orient2(row[0], row[1], row[2]);
-    return sign != PBW__OPEN ? sign : exact_sign(DIM, DIM, row, row[DIM], &grid, pool, NULL);
-}
-
 /* A triangle: three local numbers of vertices, 0 being the vertex at infinity, and a mark that no point of the input
    is in conflict with the simplex: then it is final, no insertion removes it. */
 const uint32_t corner_mask = 1023, verified = 1u << 30;
@@ -1036,6 +980,14 @@ template <int DIM> __device__ int triangle_with(const uint32_t *triangle, int co
     return -1;
 }
 
+/* The number of the triangle across from corner k of another. */
+template <int DIM> __device__ inline int mate_of(const uint32_t *triangle, int count, uint32_t packed, int k)
+{
+    return DIM == 3 ? triangle_with<DIM>(triangle, count, corner(packed, (k + 2) % 3), corner(packed, (k + 1) % 3))
+         : k == 0 ? triangle_with<DIM>(triangle, count, corner(packed, 1), 0)
+                  : triangle_with<DIM>(triangle, count, none, corner(packed, 0));
+}
+
 /* The exact answer where floats leave it open: is point p in conflict with triangle t of the star of v?
    For an infinite simplex with p in the plane of its facet it is that of the finite simplex behind the facet. */
 template <int DIM, bool WEIGHTED>
@@ -1051,21 +1003,16 @@ __device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *i
     }
     row[0] = s.point[v].c;
     if (at >= 0) {
-        int sign;
         if (DIM == 3) {
-            uint32_t a = c[(at + 1) % 3], b = c[(at + 2) % 3];
-            row[1] = s.point[id[a]].c;
-            row[2] = s.point[id[b]].c;
+            row[1] = s.point[id[c[(at + 1) % 3]]].c;
+            row[2] = s.point[id[c[(at + 2) % 3]]].c;
             row[3] = origin;
-            sign = orientation_sign<DIM>(s.grid, row, pool);
-            at = triangle_with<DIM>(triangle, count, b, a);
         } else {
             row[1] = at == 1 ? s.point[id[c[0]]].c : origin;
             row[2] = at == 1 ? origin : s.point[id[c[1]]].c;
-            sign = orientation_sign<DIM>(s.grid, row, pool);
-            at = at == 1 ? triangle_with<DIM>(triangle, count, none, c[0])
-                         : triangle_with<DIM>(triangle, count, c[1], 0);
         }
+        const int sign = pbw__orient_in(pool, DIM, row, &s.grid);
+        at = mate_of<DIM>(triangle, count, triangle[t], at);
         if (sign != 0 || at < 0) {
             return sign == PBW__OPEN || at < 0 ? open_sign : sign > 0;
         }
@@ -1078,7 +1025,7 @@ __device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *i
         }
         row[k + 1] = s.point[id[a]].c;
     }
-    return finite_conflict<DIM>(s.grid, row, origin, pool);
+    return pbw__conflict_in(pool, DIM, row, origin, &s.grid);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1087,21 +1034,14 @@ __device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *i
    corner 0; spheres are those of the simplices; the bit matrix is all zeros.
    ------------------------------------------------------------------------------------------------------ */
 template <bool WIDE> struct star_types {
-    typedef uint8_t number;
-    typedef uint16_t pair;
-    typedef uint32_t rounds;
-    static const int bits = 8;
-};
-template <> struct star_types<true> {
-    typedef uint16_t number;
-    typedef uint32_t pair;
-    typedef uint64_t rounds;
-    static const int bits = 10;
+    typedef std::conditional_t<WIDE, uint16_t, uint8_t> number;
+    typedef std::conditional_t<WIDE, uint32_t, uint16_t> pair;
+    typedef std::conditional_t<WIDE, uint64_t, uint32_t> rounds;
+    static const int bits = WIDE ? 10 : 8;
 };
 
 /* What a rung calculates in. */
-template <bool EXACT> struct rung_real { typedef float type; };
-template <> struct rung_real<true> { typedef double type; };
+template <bool EXACT> using rung_real = std::conditional_t<EXACT, double, float>;
 
 /* NT triangles, NV vertices, SCRATCH words for the rung's search. */
 template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL> struct star {
@@ -1256,10 +1196,7 @@ __device__ __noinline__ int settle_on_grid(const star<DIM, WEIGHTED, NT, NV, SCR
             if (d != 0.0 || round > 0) {
                 return round > 0 ? open_sign : d > 0.0;
             }
-            t = DIM == 3
-              ? triangle_with<DIM>(s.triangle, count, corner(packed, (at + 2) % 3), corner(packed, (at + 1) % 3))
-              : at == 1 ? triangle_with<DIM>(s.triangle, count, none, corner(packed, 0))
-                        : triangle_with<DIM>(s.triangle, count, corner(packed, 1), 0);
+            t = mate_of<DIM>(s.triangle, count, packed, at);
             if (t < 0) {
                 return open_sign;
             }
@@ -1567,9 +1504,7 @@ __device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, boo
         }
     }
     closed = tile_ballot<T>(!closed) == 0;
-    for (int step = T / 2; step > 0; step /= 2) {
-        owned += __shfl_xor_sync(all_lanes, owned, step);
-    }
+    owned = tile_sum<T>(owned);
     unsigned long long at = 0;
     vertices -= closed;
     unsigned long long units = (unsigned long long)(1 + vertices + count + 3) / 4;
@@ -1793,9 +1728,8 @@ template <int DIM, bool EXACT> struct near_blocks {
     static const int count = EXACT ? 4 : DIM == 2 ? 8 : 6;
 };
 
-template <int DIM, bool WEIGHTED, typename REAL> struct near_star {
-    typedef star<DIM, WEIGHTED, near_triangles, near_vertices, near_points, REAL> type;
-};
+template <int DIM, bool WEIGHTED, typename REAL>
+using near_star = star<DIM, WEIGHTED, near_triangles, near_vertices, near_points, REAL>;
 
 /* A launch of the first rung.  Without EXACT it builds total vertices from first on, each stride-th; with EXACT those
    of undecided. */
@@ -1812,7 +1746,7 @@ struct near_launch {
 
 /* A star of the first rung while its tile builds it. */
 template <int DIM, bool WEIGHTED, typename REAL> struct near_state {
-    typename near_star<DIM, WEIGHTED, REAL>::type &s;
+    near_star<DIM, WEIGHTED, REAL> &s;
     const near_launch &a;
     const uint32_t *list;                            /* the groups near v */
     near_list info;
@@ -2083,8 +2017,8 @@ template <int DIM, bool WEIGHTED, bool EXACT>
 __global__ void __launch_bounds__(near_block, near_blocks<DIM, EXACT>::count)
 near_kernel(const __grid_constant__ near_launch a)
 {
-    typedef typename rung_real<EXACT>::type REAL;
-    typedef typename near_star<DIM, WEIGHTED, REAL>::type star_type;
+    typedef rung_real<EXACT> REAL;
+    typedef near_star<DIM, WEIGHTED, REAL> star_type;
     extern __shared__ float4 shared_words[];
     const int T = near_lanes;
     near_state<DIM, WEIGHTED, REAL> n = { ((star_type *)shared_words)[threadIdx.x / T], a };
@@ -2170,11 +2104,9 @@ struct talk {
     int changed;
 };
 
-template <int DIM, bool WEIGHTED, typename RUNG> struct far_star {
-    typedef star<DIM, WEIGHTED, RUNG::triangles, RUNG::vertices,
-                 RUNG::warps * stack_size + (int)(sizeof(talk) / sizeof(uint32_t)),
-                 typename rung_real<RUNG::exact>::type> type;
-};
+template <int DIM, bool WEIGHTED, typename RUNG>
+using far_star = star<DIM, WEIGHTED, RUNG::triangles, RUNG::vertices,
+                      RUNG::warps * stack_size + (int)(sizeof(talk) / sizeof(uint32_t)), rung_real<RUNG::exact> >;
 
 template <int WARPS> __device__ inline void meet()
 {
@@ -2229,10 +2161,7 @@ __global__ void seed_kernel(const __grid_constant__ space s, int dim, int found,
         unsigned long long key = (unsigned long long)__float_as_uint((float)d) << 32 | i;
         best = key > best ? key : best;
     }
-    for (int step = 16; step > 0; step /= 2) {
-        unsigned long long other = __shfl_xor_sync(all_lanes, best, step);
-        best = other > best ? other : best;
-    }
+    best = tile_max<32>(best);
     if ((threadIdx.x & 31) == 0) {
         atomicMax(&seed[found], best);
     }
@@ -2267,7 +2196,7 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
     ids[1] = __shfl_sync(all_lanes, id, second);
     ids[2] = __shfl_sync(all_lanes, id, third);
     const double *row[4] = { all.point[v].c, all.point[ids[0]].c, all.point[ids[1]].c, all.point[ids[2]].c };
-    int sign = orientation_sign<DIM>(all.grid, row, pool);
+    int sign = pbw__orient_in(pool, DIM, row, &all.grid);
     if (sign == 0 || sign == PBW__OPEN) {
         return false;
     }
@@ -2628,7 +2557,7 @@ template <int DIM, bool WEIGHTED, typename RUNG>
 __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks)
 far_kernel(const __grid_constant__ far_launch a)
 {
-    typedef typename far_star<DIM, WEIGHTED, RUNG>::type star_type;
+    typedef far_star<DIM, WEIGHTED, RUNG> star_type;
     extern __shared__ float4 shared_words[];
     star_type &s = *(RUNG::shared ? (star_type *)shared_words : (star_type *)a.scratch + blockIdx.x);
     pbw__digit *digits = a.pool == NULL ? NULL : a.pool + (blockIdx.x * 32 + (threadIdx.x & 31)) * (size_t)PBW__POOL;
@@ -2792,10 +2721,7 @@ __global__ void half_kernel(const __grid_constant__ space s, const __grid_consta
         }
         for (int k = 0; k < 3; k++) {
             int reach = __float_as_int(__double2float_ru(fabs(d[k]) + 2e-15));
-            for (int step = level == 0 ? 4 : 16; step > 0; step /= 2) {  /* the points of a warp are all in one */
-                int other = __shfl_xor_sync(all_lanes, reach, step);
-                reach = other > reach ? other : reach;
-            }
+            reach = level == 0 ? tile_max<8>(reach) : tile_max<32>(reach);   /* above, a warp's points are in one */
             if ((threadIdx.x & (level == 0 ? 7 : 31)) == 0) {
                 atomicMax((int *)&b.half[k], reach);
             }
@@ -2909,11 +2835,7 @@ template <typename RUNG> __device__ inline uint32_t deepest(const wide_star<RUNG
         const uint32_t key = (uint32_t)w.depth[i] << 16 | (uint32_t)i;
         best = key > best ? key : best;
     }
-    for (int step = 1; step < 8; step *= 2) {
-        const uint32_t other = __shfl_xor_sync(all_lanes, best, step);
-        best = other > best ? other : best;
-    }
-    return best;
+    return tile_max<8>(best);
 }
 
 /* A launch of a rung for surfaces: the vertices of a list, or if it is NULL total from first on, each stride-th.
@@ -3006,10 +2928,7 @@ __global__ void __launch_bounds__(32, RUNG::blocks) wide_kernel(const __grid_con
                 }
                 __syncwarp();
                 for (int k = 0; k < 4; k++) {        /* the last takes its place */
-                    int most = at, other = __shfl_xor_sync(all_lanes, most, 8);
-                    most = other > most ? other : most;
-                    other = __shfl_xor_sync(all_lanes, most, 16);
-                    most = other > most ? other : most;
+                    const int most = warp_max<8>(at);
                     waits -= most >= 0;
                     if (most >= 0 && lane == 0) {
                         waiting[most] = waiting[waits];
@@ -3351,7 +3270,7 @@ __global__ void large_neighbor_kernel(queue large, const __grid_constant__ store
         return;
     }
     for (int t = (int)threadIdx.x & 31; t < s.count; t += 32) {
-        uint32_t packed = s.triangle[t], a[3], b[3];
+        uint32_t a[3], b[3];
         bool mine;
         if (triangle_of<DIM>(s, t, v, a, mine)) {
             cell<DIM> c = canonical<DIM>(v, a);
@@ -3360,10 +3279,7 @@ __global__ void large_neighbor_kernel(queue large, const __grid_constant__ store
             for (int k = 0; k < DIM && neighbors != NULL; k++) {
                 uint32_t x = k == 0 ? 1 : 0, y = k == DIM - 1 ? DIM - 2 : DIM - 1;
                 if (a[x] > v && a[y] > v) {
-                    uint32_t from = corner(packed, (int)(k == 1 ? x : y)), to = corner(packed, (int)(k == 1 ? y : x));
-                    int mate = DIM == 3 ? triangle_with<DIM>(s.triangle, s.count, from, to)
-                             : k == 0 ? triangle_with<DIM>(s.triangle, s.count, corner(packed, 1), 0)
-                                      : triangle_with<DIM>(s.triangle, s.count, none, corner(packed, 0));
+                    int mate = mate_of<DIM>(s.triangle, s.count, s.triangle[t], k);
                     uint32_t other = mate >= 0 && triangle_of<DIM>(s, mate, v, b, mine)
                                    ? number_of<DIM>(canonical<DIM>(v, b), all) : none;
                     put_neighbor<DIM>(c, own, a[k], other, all, neighbors, beyond);
@@ -3431,229 +3347,49 @@ __global__ void scatter_kernel(const uint32_t *id, uint32_t count, const pbw_ind
 /* ------------------------------------------------------------------------------------------------------
    >>check        The exact verdict on a mesh.
    In: points and the arrays of a mesh.  Out: the first fault of the first pass that has one, and counts.  The tests
-   are those of pbw_check, in its order, and why they are enough is said there; but that two hidden points lie at one
-   place is not found.  The passes: points, simplices, hull, hidden points; a thread an item.  An item that the stages
-   without memory leave open is listed, and tested again by a thread that has a pool.
+   are those of pbw_check, in its order (>>faults of pbw.h); but that two hidden points lie at one place is not found.
+   The passes: points, simplices, hull, hidden points; a thread an item.  An item that the stages without memory leave
+   open is listed, and tested again by a thread that has a pool.
    ------------------------------------------------------------------------------------------------------ */
 enum { check_points, check_simplices, check_hull, check_hidden, check_passes };
-const int check_open = -1;                           /* no verdict yet */
 
-struct view {                                        /* a mesh and its points */
-    input in;
-    const pbw_index *simplices, *neighbors, *incident, *canonical;
-    uint32_t count;                                  /* simplices */
-    bool trusted;                                    /* the links are known to be sound */
-    pbw__grid grid;
-    const record *basis;                             /* corners of simplex 0 */
+struct view : pbw__tested {
     const uint32_t *order;                           /* points along the curve, or NULL */
 };
 
-struct verdict {
-    int fault, facet;
-    uint32_t simplex, point;
-    uint32_t counted[2];                             /* vertices, other points; facets, of the hull */
-};
-
-struct finding {
+struct check_result {
     unsigned long long least;                        /* item of the first fault << 32 | fault */
-    unsigned long long counted[check_passes][2];
+    unsigned long long counted[check_passes][3];
     uint32_t open;                                   /* items listed */
-    verdict first;
+    pbw__finding first;
 };
 
-template <int DIM> struct corners {
-    double x[DIM + 1][4];
-    const double *row[4];
-};
+__global__ void record_kernel(input in, double *record)
+{
+    size_t i = thread_number();
+    if (i < in.count) {
+        double c[4];
+        fetch(in, i, c);
+        for (int k = 0; k <= in.dim; k++) {
+            record[i * (size_t)(in.dim + 1) + (size_t)k] = c[k];
+        }
+    }
+}
 
-template <int DIM> __device__ void load_corners(const view &m, uint32_t simplex, corners<DIM> &c)
+/* The ridges of the hull facets of a simplex. */
+template <int DIM> __device__ int test_ridges(const view &m, uint32_t s, pbw__finding *found)
 {
     for (int i = 0; i <= DIM; i++) {
-        fetch(m.in, m.simplices[(size_t)simplex * (DIM + 1) + (size_t)i], c.x[i]);
-        c.row[i] = c.x[i];
-    }
-}
-
-/* The orientation with p in place of corner i. */
-template <int DIM>
-__device__ int side_of(const view &m, const corners<DIM> &c, int i, const double *p, pbw__digit *pool)
-{
-    const double *row[4];
-    for (int k = 0; k <= DIM; k++) {
-        row[k] = k == i ? p : c.row[k];
-    }
-    return orientation_sign<DIM>(m.grid, row, pool);
-}
-
-/* 1 if the point o of >>check of pbw.h is on the inner side of a facet, 0 if not, or open_sign. */
-template <int DIM>
-__device__ __noinline__ int faces_inside(const view &m, const corners<DIM> &c, int facet, pbw__digit *pool)
-{
-    int sign = 0;
-    for (int i = 0; i <= DIM && sign == 0; i++) {
-        sign = side_of<DIM>(m, c, facet, m.basis[i].c, pool);
-    }
-    return sign == PBW__OPEN ? open_sign : sign > 0;
-}
-
-template <int DIM> __device__ int covers(const view &m, const corners<DIM> &c, pbw__digit *pool)
-{
-    int result = pbw__check_box_has(c.row, m.basis[0].c, DIM);
-    for (int i = 0; i <= DIM && result == 1; i++) {
-        result = faces_inside<DIM>(m, c, i, pool);
-    }
-    return result;
-}
-
-__device__ inline verdict fault_at(int fault, uint32_t simplex, int facet, uint32_t point)
-{
-    verdict v = { fault, facet, simplex, point, { 0, 0 } };
-    return v;
-}
-
-template <int DIM> __device__ verdict check_point(const view &m, uint32_t p)
-{
-    verdict v = fault_at(PBW__SOUND, none, -1, none);
-    uint32_t kept = m.canonical[p], first = m.incident[p];
-    if (kept >= m.in.count || m.canonical[kept] != kept) {
-        return fault_at(PBW__FAULT_CANONICAL, none, -1, p);
-    }
-    if (kept != p) {
-        double x[4], y[4];
-        fetch(m.in, p, x);
-        fetch(m.in, kept, y);
-        if (!pbw__same_place(x, y, DIM)) {
-            return fault_at(PBW__FAULT_PLACE, none, -1, p);
-        }
-        if (x[DIM] != y[DIM] ? x[DIM] > y[DIM] : p < kept) {
-            return fault_at(PBW__FAULT_RIGHT, none, -1, p);
-        }
-        return first != none ? fault_at(PBW__FAULT_VERTEX, first, -1, p) : v;
-    }
-    if (first != none) {
-        bool has = false;
-        for (int k = 0; k <= DIM && first < m.count; k++) {
-            has = has || m.simplices[(size_t)first * (DIM + 1) + (size_t)k] == p;
-        }
-        if (!has) {
-            return fault_at(PBW__FAULT_INCIDENT, first, -1, p);
-        }
-    }
-    v.counted[first == none] = 1;
-    return v;
-}
-
-template <int DIM> __device__ verdict check_simplex(const view &m, uint32_t s, pbw__digit *pool)
-{
-    verdict sound = fault_at(PBW__SOUND, none, -1, none);
-    corners<DIM> c;
-    uint32_t v[DIM + 1];
-    for (int i = 0; i <= DIM; i++) {
-        v[i] = m.simplices[(size_t)s * (DIM + 1) + (size_t)i];
-        if (v[i] >= m.in.count) {
-            return fault_at(PBW__FAULT_CORNER, s, -1, v[i]);
-        }
-        if (m.incident[v[i]] > s) {
-            return fault_at(PBW__FAULT_FIRST, s, -1, v[i]);
-        }
-    }
-    load_corners<DIM>(m, s, c);
-    int sign = orientation_sign<DIM>(m.grid, c.row, pool);
-    if (sign <= 0 || sign == PBW__OPEN) {
-        return fault_at(sign == PBW__OPEN ? check_open : sign < 0 ? PBW__FAULT_NEGATIVE : PBW__FAULT_FLAT, s, -1,
-                        none);
-    }
-    sign = s > 0 ? covers<DIM>(m, c, pool) : 0;
-    if (sign != 0) {
-        return fault_at(sign == open_sign ? check_open : PBW__FAULT_OVERLAP, s, -1, none);
-    }
-    for (int i = 0; i <= DIM; i++) {
-        uint32_t t = m.neighbors[(size_t)s * (DIM + 1) + (size_t)i], u[DIM + 1];
-        int links = 0, j = 0;
-        if (t == none) {
-            sound.counted[0]++;
-            sound.counted[1]++;
-            sign = faces_inside<DIM>(m, c, i, pool);
-            if (sign != 1) {
-                return fault_at(sign == open_sign ? check_open : PBW__FAULT_INWARD, s, i, none);
+        for (int k = 0; k <= DIM && m.neighbors[(size_t)s * (DIM + 1) + (size_t)i] == none; k++) {
+            pbw__turn turn = { s, i, k };
+            while (k != i && pbw__turn_on(&m, DIM, &turn)) {
             }
-            continue;
-        }
-        if (t >= m.count || t == s) {
-            return fault_at(PBW__FAULT_OTHER, s, i, none);
-        }
-        if (m.trusted && t > s) {
-            continue;
-        }
-        for (int k = 0; k <= DIM; k++) {
-            bool back = m.neighbors[(size_t)t * (DIM + 1) + (size_t)k] == s;
-            links += back;
-            j = back ? k : j;
-        }
-        if (links != 1) {
-            return fault_at(PBW__FAULT_BACK, s, i, none);
-        }
-        if (t > s) {
-            continue;
-        }
-        sound.counted[0]++;
-        for (int k = 0; k <= DIM; k++) {
-            u[k] = m.simplices[(size_t)t * (DIM + 1) + (size_t)k];
-        }
-        if (!pbw__check_facets_match(v, i, u, j, DIM)) {
-            return fault_at(PBW__FAULT_FACET, s, i, none);
-        }
-        if (u[j] >= m.in.count) {
-            continue;                                /* the fault of t, which comes first */
-        }
-        double p[4];
-        fetch(m.in, u[j], p);
-        sign = finite_conflict<DIM>(m.grid, c.row, p, pool);
-        if (sign != 0) {
-            return fault_at(sign == open_sign ? check_open : PBW__FAULT_CONFLICT, s, i, u[j]);
-        }
-    }
-    return sound;
-}
-
-/* The ridges of the hull facets of a simplex, as pbw__check_hull. */
-template <int DIM> __device__ verdict check_ridges(const view &m, uint32_t s, pbw__digit *pool)
-{
-    const pbw_index *v = m.simplices, *n = m.neighbors;
-    for (int i = 0; i <= DIM; i++) {
-        for (int k = 0; k <= DIM && n[(size_t)s * (DIM + 1) + (size_t)i] == none; k++) {
-            size_t t = s;
-            int in = i, out = k;
-            if (k == i) {
-                continue;
-            }
-            while (n[t * (DIM + 1) + (size_t)out] != none) {
-                size_t next = n[t * (DIM + 1) + (size_t)out];
-                int entry = 0, exit = 0;
-                while (n[next * (DIM + 1) + (size_t)entry] != t) {
-                    entry++;
-                }
-                while (v[next * (DIM + 1) + (size_t)exit] != v[t * (DIM + 1) + (size_t)in]) {
-                    exit++;
-                }
-                t = next;
-                in = entry;
-                out = exit;
-            }
-            if (t >= s) {
-                corners<DIM> c;
-                double p[4];
-                uint32_t far = v[t * (DIM + 1) + (size_t)in];
-                load_corners<DIM>(m, s, c);
-                fetch(m.in, far, p);
-                int sign = side_of<DIM>(m, c, i, p, pool);
-                if (sign < 0 || sign == PBW__OPEN) {
-                    return fault_at(sign < 0 ? PBW__FAULT_CONVEX : check_open, s, i, far);
-                }
+            if (k != i && !pbw__test_ridge(&m, DIM, s, i, &turn, found)) {
+                return 0;
             }
         }
     }
-    return fault_at(PBW__SOUND, none, -1, none);
+    return 1;
 }
 
 /* A simplex near the point of a rank: one of a vertex before it on the curve. */
@@ -3666,93 +3402,52 @@ __device__ inline uint32_t simplex_near(const view &m, uint32_t rank)
     return found != none ? found : 0;
 }
 
-/* A visibility walk to a point that is no vertex; with an order, the item is a rank. */
-template <int DIM> __device__ verdict check_walk(const view &m, uint32_t item, pbw__digit *pool)
+/* A point, if it is neither a vertex nor a duplicate; with an order, the item is a rank. */
+template <int DIM> __device__ int test_hidden(const view &m, uint32_t item, pbw__finding *found)
 {
     const uint32_t point = m.order != NULL ? m.order[item] : item;
-    corners<DIM> c;
-    double p[4];
     if (m.canonical[point] != point || m.incident[point] != none) {
-        return fault_at(PBW__SOUND, none, -1, none);
+        return 1;
     }
-    uint32_t here = m.order != NULL ? simplex_near(m, item) : 0, last = here;
-    fetch(m.in, point, p);
-    for (int i = 0; i <= DIM;) {
-        const pbw_index *next = m.neighbors + (size_t)here * (DIM + 1);
-        load_corners<DIM>(m, here, c);
-        for (i = 0; i <= DIM; i++) {
-            int sign = next[i] == last ? 0 : side_of<DIM>(m, c, i, p, pool);
-            if (sign == PBW__OPEN) {
-                return fault_at(check_open, here, i, point);
-            }
-            if (sign < 0) {
-                break;
-            }
-        }
-        if (i <= DIM) {
-            if (next[i] == none) {
-                return fault_at(PBW__FAULT_OUTSIDE, here, i, point);
-            }
-            last = here;
-            here = next[i];
-        }
+    const uint32_t start = m.order != NULL ? simplex_near(m, item) : 0;
+    pbw__visit visit = { point, start, start };
+    while (pbw__visit_on(&m, DIM, &visit, found)) {
     }
-    for (int i = 0; i <= DIM; i++) {
-        if (pbw__same_place(p, c.x[i], DIM)) {
-            return fault_at(PBW__FAULT_REPEATED, here, -1, point);
-        }
-    }
-    int sign = finite_conflict<DIM>(m.grid, c.row, p, pool);
-    return fault_at(sign == open_sign ? check_open : sign != 0 ? PBW__FAULT_UNHIDDEN : PBW__SOUND, here, -1, point);
+    return pbw__test_visited(&m, DIM, &visit, found);
 }
 
 const unsigned check_blocks = 64;                    /* of 32 threads that have pools */
-
-/* Copies the corners of simplex 0, a lane each; one that is no point is a fault that the passes find. */
-__global__ void basis_kernel(const __grid_constant__ view m, record *basis)
-{
-    if ((int)threadIdx.x <= m.in.dim) {
-        uint32_t v = m.simplices[threadIdx.x];
-        fetch(m.in, v < m.in.count ? v : 0, basis[threadIdx.x].c);
-    }
-}
 
 /* Items 0, ..., count - 1, or those of a list, one thread each or in turn, up to the first known fault; a single one
    is described. */
 template <int DIM>
 __global__ void check_kernel(const __grid_constant__ view m, int pass, uint32_t count, const uint32_t *list,
-                             uint32_t *open, pbw__digit *pool, finding *out)
+                             uint32_t *open, pbw__digit *pool, check_result *out)
 {
     const size_t thread = thread_number(), threads = (size_t)gridDim.x * blockDim.x;
-    pbw__digit *digits = pool == NULL ? NULL : pool + thread * PBW__POOL;
-    unsigned long long counted[2] = { 0, 0 };
+    pbw__finding found = { pool != NULL ? pool + thread * PBW__POOL : NULL, PBW__SOUND, -1, none, none, { 0, 0, 0 } };
     for (size_t i = thread; i < count; i += threads) {
         uint32_t item = list == NULL ? (uint32_t)i : list[i];
         if (count > 1 && *(const volatile unsigned long long *)&out->least >> 32 < item) {
             continue;
         }
-        verdict v = pass == check_points ? check_point<DIM>(m, item)
-                  : pass == check_simplices ? check_simplex<DIM>(m, item, digits)
-                  : pass == check_hull ? check_ridges<DIM>(m, item, digits) : check_walk<DIM>(m, item, digits);
-        if (v.fault == PBW__SOUND) {
-            counted[0] += v.counted[0];
-            counted[1] += v.counted[1];
-        } else if (v.fault == check_open) {
+        int sound = pass == check_points ? pbw__test_point(&m, DIM, item, &found)
+                  : pass == check_simplices ? pbw__test_simplex(&m, DIM, item, &found)
+                  : pass == check_hull ? test_ridges<DIM>(m, item, &found) : test_hidden<DIM>(m, item, &found);
+        if (!sound && found.fault == PBW__FAULT_OPEN) {
             open[atomicAdd(&out->open, 1u)] = item;
-        } else {
-            atomicMin(&out->least, (unsigned long long)item << 32 | (unsigned)v.fault);
+        } else if (!sound) {
+            atomicMin(&out->least, (unsigned long long)item << 32 | (unsigned)found.fault);
             if (count == 1) {
-                out->first = v;
+                out->first = found;
             }
         }
     }
     __syncwarp();
-    for (int k = 0; k < 2; k++) {
-        for (int step = 16; step > 0; step /= 2) {
-            counted[k] += __shfl_xor_sync(all_lanes, counted[k], step);
-        }
-        if ((threadIdx.x & 31) == 0 && counted[k] > 0) {
-            atomicAdd(&out->counted[pass][k], counted[k]);
+    for (int k = 0; k < 3; k++) {
+        const unsigned long long counted = tile_sum<32>((unsigned long long)found.counted[k]);
+        if ((threadIdx.x & 31) == 0 && counted > 0) {
+            atomicAdd(&out->counted[pass][k], counted);
         }
     }
 }
@@ -3850,11 +3545,14 @@ __global__ void rewrite_kernel(const __grid_constant__ reorder m, const uint32_t
    order and grow the whole tree, each makes the stars of its share and writes its run of the simplices.  The cards
    meet to number the simplices, to fetch their guests, and to hear what lies across them.  What one offers to others
    is complete when they meet, and stays until all leave.
+   A stage that fails sets the status of its call, says why, and throws; so the next one may count on all before it.
+   The entries catch, and free what the call has.
    ------------------------------------------------------------------------------------------------------ */
 /* Of device memory at the peak, uniform points, in 2D and 3D: for all points, and more for those of the share. */
 const double bytes_a_point[2] = { 75.0, 90.0 }, bytes_a_star[2] = { 155.0, 560.0 };
 const int most_cards = 16;
 const char *const few_points = "so few points are quicker on the CPU";
+const char *const too_many = "too many simplices for the index type";
 
 struct offer {                                       /* what a card has for the others */
     int device;
@@ -3935,28 +3633,38 @@ void say(call &c, const char *format, ...)
     }
 }
 
-bool fail(call &c, pbw_status status, const char *text)
+struct failure {};                                   /* thrown: the status of the call is no longer PBW_OK */
+
+void go_on(const call &c)
+{
+    if (c.status != PBW_OK) {
+        throw failure();
+    }
+}
+
+[[noreturn]] void fail(call &c, pbw_status status, const char *text)
 {
     if (c.status == PBW_OK) {
         c.status = status;
         say(c, "%s", text);
     }
-    return false;
+    throw failure();
 }
 
-bool decline(call &c, const char *text)
+[[noreturn]] void decline(call &c, const char *text)
 {
     c.declined = true;
-    return fail(c, PBW_ERROR_BACKEND, text);
+    fail(c, PBW_ERROR_BACKEND, text);
 }
 
-bool decline_stars(call &c, uint32_t count)
+[[noreturn]] void decline_stars(call &c, uint32_t count)
 {
     char text[128];
     snprintf(text, sizeof text, "%u stars are too large for the device (cospherical points?)", count);
-    return decline(c, text);
+    decline(c, text);
 }
 
+/* Takes over a failure of the device; returns whether the call has none. */
 bool good(call &c, cudaError_t error, const char *what)
 {
     if (error != cudaSuccess && c.status == PBW_OK) {
@@ -3966,31 +3674,30 @@ bool good(call &c, cudaError_t error, const char *what)
     return c.status == PBW_OK;
 }
 
-bool launched(call &c, const char *what)
+void need(call &c, cudaError_t error, const char *what)
 {
-    return good(c, cudaGetLastError(), what);
+    good(c, error, what);
+    go_on(c);
 }
 
-/* Returns whether more bytes fit into the device's free memory and its pool.  If not, the message says what is
-   needed in all, for this input as far as is known. */
-bool fits(call &c, size_t more)
+/* Fails unless more bytes fit into the device's free memory and its pool.  The message says what is needed in all,
+   for this input as far as is known. */
+void need_memory(call &c, size_t more)
 {
     size_t available = 0, all = 0, needed = c.used + more;
     size_t usual = (size_t)((double)c.count * bytes_a_point[c.dim - 2] + (double)c.stars * bytes_a_star[c.dim - 2]);
     uint64_t kept = 0, used = 0;
-    if (!good(c, cudaMemGetInfo(&available, &all), "cudaMemGetInfo")
-        || !good(c, cudaMemPoolGetAttribute(c.pool, cudaMemPoolAttrReservedMemCurrent, &kept), "memory of the pool")
-        || !good(c, cudaMemPoolGetAttribute(c.pool, cudaMemPoolAttrUsedMemCurrent, &used), "memory of the pool")) {
-        return false;
-    }
+    need(c, cudaMemGetInfo(&available, &all), "cudaMemGetInfo");
+    need(c, cudaMemPoolGetAttribute(c.pool, cudaMemPoolAttrReservedMemCurrent, &kept), "memory of the pool");
+    need(c, cudaMemPoolGetAttribute(c.pool, cudaMemPoolAttrUsedMemCurrent, &used), "memory of the pool");
     available += c.used + (kept > used ? (size_t)(kept - used) : 0);
     available = c.job->memory_limit > 0 && c.job->memory_limit < available ? c.job->memory_limit : available;
     if (needed > available) {
         c.status = PBW_ERROR_BACKEND;
         say(c, "too little device memory: %zu bytes are needed, %zu are available", usual > needed ? usual : needed,
             available);
+        throw failure();
     }
-    return c.status == PBW_OK;
 }
 
 void own(call &c, void *block, size_t bytes)
@@ -4010,36 +3717,29 @@ cudaError_t take(const call &c, void **block, size_t bytes)
     return cudaMallocFromPoolAsync(block, bytes, c.pool, c.stream);
 }
 
-template <typename V> bool allocate(call &c, V *&address, size_t count)
+template <typename V> void allocate(call &c, V *&address, size_t count)
 {
     void *block = NULL;
-    size_t bytes = (count > 0 ? count : 1) * sizeof(V);
+    const size_t bytes = (count > 0 ? count : 1) * sizeof(V);
     address = NULL;
-    if (c.status != PBW_OK) {
-        return false;
-    }
     if (c.blocks == (int)(sizeof c.block / sizeof c.block[0])) {
-        return fail(c, PBW_ERROR_BACKEND, "too many blocks of device memory");
+        fail(c, PBW_ERROR_BACKEND, "too many blocks of device memory");
     }
-    if (c.job->memory_limit > 0 && c.used + bytes > c.job->memory_limit && !fits(c, bytes)) {
-        return false;
+    if (c.job->memory_limit > 0 && c.used + bytes > c.job->memory_limit) {
+        need_memory(c, bytes);
     }
     cudaError_t error = take(c, &block, bytes);
     if (error == cudaErrorMemoryAllocation) {
         (void)cudaGetLastError();
-        if (!fits(c, bytes)) {
-            return false;
-        }
+        need_memory(c, bytes);
     }
-    if (good(c, error, "cudaMallocAsync")) {
-        own(c, block, bytes);
-        address = (V *)block;
-    }
-    return c.status == PBW_OK;
+    need(c, error, "cudaMallocAsync");
+    own(c, block, bytes);
+    address = (V *)block;
 }
 
 /* Frees a block, or with keep only drops it from the list. */
-void release(call &c, const void *address, bool keep)
+void release(call &c, const void *address, bool keep = false)
 {
     for (int i = 0; i < c.blocks; i++) {
         if (address != NULL && c.block[i].address == address) {
@@ -4058,10 +3758,11 @@ template <typename V> struct buffer {
     call &c;
     V *at;
     explicit buffer(call &of) : c(of), at(NULL) {}
-    buffer(const buffer &) = delete;
+    buffer(call &of, size_t count) : c(of), at(NULL) { make(count); }
     buffer(buffer &&from) : c(from.c), at(from.at) { from.at = NULL; }
-    ~buffer() { release(c, at, false); }
-    bool make(size_t count) { return allocate(c, at, count); }
+    buffer &operator=(buffer &&from) { std::swap(at, from.at); return *this; }
+    ~buffer() { release(c, at); }
+    void make(size_t count) { allocate(c, at, count); }
 };
 
 /* Reports progress on the caller's thread, and takes over a cancellation or another card's failure. */
@@ -4080,7 +3781,7 @@ void look_up(call &c, pbw_stage stage, double done)
 
 /* Waits for a stream and reports progress meanwhile.  When the call is cancelled or another card has failed, sets the
    stop word of the kernels through the other stream. */
-bool wait(call &c, cudaStream_t stream, pbw_stage stage, double done)
+void finish_stream(call &c, cudaStream_t stream, pbw_stage stage, double done)
 {
     static const uint32_t one = 1;
     cudaError_t error = cudaEventRecord(c.ready, stream);
@@ -4093,15 +3794,18 @@ bool wait(call &c, cudaStream_t stream, pbw_stage stage, double done)
         std::this_thread::yield();
         error = cudaSuccess;
     }
-    return good(c, error, "waiting for the device");
+    good(c, error, "waiting for the device");
 }
 
-/* Waits for the other cards, or with leaving for all to have left; false if one failed. */
-bool meet_cards(call &c, bool leaving, double done)
+void wait(call &c, pbw_stage stage, double done)
 {
-    if (c.cards == NULL) {
-        return c.status == PBW_OK;
-    }
+    finish_stream(c, c.stream, stage, done);
+    go_on(c);
+}
+
+/* Waits for the other cards, or with leaving for all to have left, however they fared. */
+void meet_cards(call &c, bool leaving, double done)
+{
     team &t = *c.cards;
     std::unique_lock<std::mutex> hold(t.lock);
     unsigned meeting = t.meetings;
@@ -4120,37 +3824,87 @@ bool meet_cards(call &c, bool leaving, double done)
     }
     hold.unlock();
     look_up(c, PBW_STAGE_OUTPUT, done);
-    return c.status == PBW_OK;
+    if (!leaving) {
+        go_on(c);
+    }
 }
 
-template <typename V> bool read_back(call &c, V &value, const V *address, pbw_stage stage, double done)
+template <typename V> V read_back(call &c, const V *address, pbw_stage stage, double done)
 {
     static_assert(sizeof(V) <= pinned_bytes, "room for what is read back");
-    V *to = c.pinned != NULL ? (V *)c.pinned : &value;
-    if (c.status != PBW_OK || (c.pinned == NULL && !wait(c, c.stream, stage, done))      /* the copy would block */
-        || !good(c, cudaMemcpyAsync(to, address, sizeof(V), cudaMemcpyDeviceToHost, c.stream), "reading a count")
-        || !(c.pinned != NULL ? wait(c, c.stream, stage, done)
-                              : good(c, cudaStreamSynchronize(c.stream), "reading a count"))) {
-        return false;
+    V value, *to = c.pinned != NULL ? (V *)c.pinned : &value;
+    if (c.pinned == NULL) {                          /* the copy would block */
+        wait(c, stage, done);
     }
-    value = *to;
-    return true;
+    need(c, cudaMemcpyAsync(to, address, sizeof(V), cudaMemcpyDeviceToHost, c.stream), "reading a count");
+    if (c.pinned == NULL) {
+        need(c, cudaStreamSynchronize(c.stream), "reading a count");
+    } else {
+        wait(c, stage, done);
+    }
+    return *to;
 }
 
-template <typename V> bool fill(call &c, V *address, int byte, size_t count)
+template <typename V> void fill(call &c, V *address, int byte, size_t count)
 {
-    return c.status == PBW_OK
-           && good(c, cudaMemsetAsync(address, byte, count * sizeof(V), c.stream), "cudaMemsetAsync");
-}
-
-unsigned blocks_for(size_t threads, unsigned block)
-{
-    return threads > 0 ? (unsigned)((threads + block - 1) / block) : 1;
+    need(c, cudaMemsetAsync(address, byte, count * sizeof(V), c.stream), "cudaMemsetAsync");
 }
 
 void note(call &c, int mark)
 {
-    good(c, cudaEventRecord(c.mark[mark], c.stream), "cudaEventRecord");
+    need(c, cudaEventRecord(c.mark[mark], c.stream), "cudaEventRecord");
+}
+
+/* What is queued on the other stream from now on follows what is queued on the call's. */
+void follow(call &c)
+{
+    need(c, cudaEventRecord(c.copied, c.stream), "cudaEventRecord");
+    need(c, cudaStreamWaitEvent(c.copies, c.copied, 0), "cudaStreamWaitEvent");
+}
+
+struct shape {                                       /* of a launch; bytes: of dynamic shared memory */
+    unsigned blocks, threads;
+    size_t bytes;
+};
+
+shape over(size_t threads, unsigned block)
+{
+    return { threads > 0 ? (unsigned)((threads + block - 1) / block) : 1, block, 0 };
+}
+
+/* For loops that stride over the grid. */
+shape at_most(unsigned blocks, shape s)
+{
+    s.blocks = s.blocks < blocks ? s.blocks : blocks;
+    return s;
+}
+
+template <typename... P, typename... A>
+void launch(call &c, const char *what, void (*kernel)(P...), shape s, const A &...arguments)
+{
+    kernel<<<s.blocks, s.threads, s.bytes, c.stream>>>(arguments...);
+    need(c, cudaGetLastError(), what);
+}
+
+/* An array and room to sort it. */
+template <typename V> struct sortable {
+    buffer<V> array, spare;
+    explicit sortable(call &c) : array(c), spare(c) {}
+    sortable(call &c, size_t count) : array(c, count), spare(c, count) {}
+    void take(cub::DoubleBuffer<V> &sorted)
+    {
+        array.at = sorted.Current();
+        spare.at = sorted.Alternate();
+    }
+};
+
+/* Calls a function of CUB, at first for the size of the scratch memory that it needs. */
+template <typename F> void with_scratch(call &c, const char *what, F function)
+{
+    size_t bytes = 0;
+    need(c, function((void *)NULL, bytes), what);
+    buffer<char> scratch(c, bytes);
+    need(c, function((void *)scratch.at, bytes), what);
 }
 
 /* Sorts by the bits of the keys from low to high - 1. */
@@ -4158,150 +3912,112 @@ struct key_bits {
     int low, high;
 };
 
-bool sort_keys(call &c, uint64_t *&key, uint64_t *&spare, size_t count, key_bits by)
+void sort_keys(call &c, sortable<uint64_t> &key, size_t count, key_bits by)
 {
-    size_t bytes = 0;
-    buffer<char> scratch(c);
-    cub::DoubleBuffer<uint64_t> keys(key, spare);
-    if (!good(c, cub::DeviceRadixSort::SortKeys(NULL, bytes, keys, count, by.low, by.high, c.stream), "sort")
-        || !scratch.make(bytes)
-        || !good(c, cub::DeviceRadixSort::SortKeys(scratch.at, bytes, keys, count, by.low, by.high, c.stream),
-                 "sort")) {
-        return false;
-    }
-    key = keys.Current();
-    spare = keys.Alternate();
-    return true;
+    cub::DoubleBuffer<uint64_t> keys(key.array.at, key.spare.at);
+    with_scratch(c, "sort", [&](void *scratch, size_t &bytes) {
+        return cub::DeviceRadixSort::SortKeys(scratch, bytes, keys, count, by.low, by.high, c.stream);
+    });
+    key.take(keys);
 }
-
-/* An array and room to sort it. */
-template <typename V> struct sortable {
-    buffer<V> array, spare;
-    explicit sortable(call &c) : array(c), spare(c) {}
-    bool make(size_t count) { return array.make(count) && spare.make(count); }
-};
 
 template <typename K, typename V>
-bool sort_pairs(call &c, sortable<K> &key, sortable<V> &value, size_t count, key_bits by)
+void sort_pairs(call &c, sortable<K> &key, sortable<V> &value, size_t count, key_bits by)
 {
-    size_t bytes = 0;
-    buffer<char> scratch(c);
     cub::DoubleBuffer<K> keys(key.array.at, key.spare.at);
     cub::DoubleBuffer<V> values(value.array.at, value.spare.at);
-    if (!good(c, cub::DeviceRadixSort::SortPairs(NULL, bytes, keys, values, count, by.low, by.high, c.stream), "sort")
-        || !scratch.make(bytes)
-        || !good(c, cub::DeviceRadixSort::SortPairs(scratch.at, bytes, keys, values, count, by.low, by.high,
-                                                    c.stream), "sort")) {
-        return false;
-    }
-    key.array.at = keys.Current();
-    key.spare.at = keys.Alternate();
-    value.array.at = values.Current();
-    value.spare.at = values.Alternate();
-    return true;
+    with_scratch(c, "sort", [&](void *scratch, size_t &bytes) {
+        return cub::DeviceRadixSort::SortPairs(scratch, bytes, keys, values, count, by.low, by.high, c.stream);
+    });
+    key.take(keys);
+    value.take(values);
 }
 
-bool sum_before(call &c, const uint32_t *value, uint32_t *sum, size_t count)
+void sum_before(call &c, const uint32_t *value, uint32_t *sum, size_t count)
 {
-    size_t bytes = 0;
-    buffer<char> scratch(c);
-    return good(c, cub::DeviceScan::ExclusiveSum(NULL, bytes, value, sum, count, c.stream), "scan")
-        && scratch.make(bytes)
-        && good(c, cub::DeviceScan::ExclusiveSum(scratch.at, bytes, value, sum, count, c.stream), "scan");
+    with_scratch(c, "scan", [&](void *scratch, size_t &bytes) {
+        return cub::DeviceScan::ExclusiveSum(scratch, bytes, value, sum, count, c.stream);
+    });
 }
 
-bool allocate_runs(call &c, run_list &list, size_t count)
-{
-    return allocate(c, list.head, count) && allocate(c, list.end, count) && allocate(c, list.length, count + 1)
-        && allocate(c, list.offset, count + 1);
-}
-
-void release_runs(call &c, run_list &list)
-{
-    release(c, list.head, false);
-    release(c, list.end, false);
-    release(c, list.length, false);
-    release(c, list.offset, false);
-}
+/* Memory of a list of runs. */
+struct run_room {
+    buffer<uint32_t> head, end, length, offset;
+    explicit run_room(call &c) : head(c), end(c), length(c), offset(c) {}
+    run_room(call &c, size_t count) : head(c, count), end(c, count), length(c, count + 1), offset(c, count + 1) {}
+    run_list list() const { return { head.at, end.at, length.at, offset.at }; }
+};
 
 /* Points on their way into the order of the curve. */
 struct ordering {
     const input &in;
     curve automaton;
     int index_bits, bits;                            /* of a key: the index, and a coordinate */
-    uint64_t *key, *spare;
-    uint32_t *root;                                  /* NULL if there are no long runs */
-    survey *found;
+    sortable<uint64_t> key;
+    buffer<uint32_t> root;                           /* empty if there are no long runs */
+    buffer<survey> found;
+    ordering(call &c, const input &of)
+        : in(of), index_bits(pbw__index_bits(of.count)), bits(pbw__grid_bits(index_bits, of.dim)), key(c), root(c),
+          found(c, 1)
+    {
+        pbw__curve one_level;
+        pbw__curve_create(&one_level, 0, in.dim);
+        memcpy(automaton.step, one_level.step, sizeof automaton.step);
+    }
 };
 
-/* The points of the long runs of a list get keys from grids of their own and are put back in their order; found: the
-   long runs among those. */
-bool order_long_runs(call &c, ordering &o, const run_list &runs, run_list &next, uint32_t &count)
+/* The points of the long runs of a list get keys from grids of their own and are put back in their order.  Returns
+   the long runs among those, count of them. */
+run_room order_long_runs(call &c, ordering &o, const run_list &runs, uint32_t &count)
 {
-    const unsigned warps = blocks_for(count, 4);
-    buffer<double> low(c), extent(c);
-    sortable<uint64_t> gathered(c);
-    sortable<uint32_t> segment(c);
-    uint32_t total = 0;
+    const shape warps = over((size_t)count * 32, 128);
+    const uint32_t runs_here = count;
+    buffer<pbw__box> box(c, count);
+    run_room next(c);
     int run_bits = 1;
     while (run_bits < 32 && (count - 1) >> run_bits != 0) {
         run_bits++;
     }
-    if (!low.make((size_t)count * 3) || !extent.make(count) || !fill(c, runs.length + count, 0, 1)) {
-        return false;
+    fill(c, runs.length + count, 0, 1);
+    launch(c, "runs", measure_kernel, warps, o.in, o.index_bits, o.bits, o.key.array.at, runs, count, box.at,
+           o.root.at);
+    sum_before(c, runs.length, runs.offset, (size_t)count + 1);
+    const uint32_t total = read_back(c, runs.offset + count, PBW_STAGE_ORDER, 0.4);
+    count = 0;
+    if (total > 0) {
+        sortable<uint64_t> gathered(c, total);
+        sortable<uint32_t> segment(c, total);
+        launch(c, "runs", rekey_kernel, warps, o.in, o.index_bits, o.key.array.at, runs, runs_here, box.at,
+               o.automaton, gathered.array.at, segment.array.at);
+        sort_pairs(c, gathered, segment, total, { o.index_bits, o.index_bits + o.bits * o.in.dim });
+        sort_pairs(c, segment, gathered, total, { 0, run_bits });
+        next = run_room(c, total / PBW__SHORT_RUN + 1);
+        fill(c, &o.found.at->long_runs, 0, 1);
+        launch(c, "runs", run_kernel, over(total, 256), o.in, o.index_bits, gathered.array.at, total,
+               segment.array.at, runs, next.list(), o.found.at);
+        launch(c, "runs", put_back_kernel, over(total, 256), gathered.array.at, segment.array.at, total, runs,
+               o.key.array.at);
+        count = read_back(c, &o.found.at->long_runs, PBW_STAGE_ORDER, 0.4);
     }
-    measure_kernel<<<warps, 128, 0, c.stream>>>(o.in, o.index_bits, o.key, runs, count, low.at, extent.at, o.root);
-    if (!launched(c, "runs") || !sum_before(c, runs.length, runs.offset, (size_t)count + 1)
-        || !read_back(c, total, runs.offset + count, PBW_STAGE_ORDER, 0.4)) {
-        return false;
-    }
-    if (total == 0) {
-        count = 0;
-        return true;
-    }
-    if (!gathered.make(total) || !segment.make(total)) {
-        return false;
-    }
-    rekey_kernel<<<warps, 128, 0, c.stream>>>(o.in, o.index_bits, o.bits, o.key, runs, count, low.at, extent.at,
-                                              o.automaton, gathered.array.at, segment.array.at);
-    const key_bits by_key = { o.index_bits, o.index_bits + o.bits * o.in.dim }, by_run = { 0, run_bits };
-    if (!launched(c, "runs") || !sort_pairs(c, gathered, segment, total, by_key)
-        || !sort_pairs(c, segment, gathered, total, by_run)
-        || !allocate_runs(c, next, total / PBW__SHORT_RUN + 1) || !fill(c, &o.found->long_runs, 0, 1)) {
-        return false;
-    }
-    run_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(o.in, o.index_bits, gathered.array.at, total,
-                                                             segment.array.at, runs, next, o.found);
-    put_back_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(gathered.array.at, segment.array.at, total, runs,
-                                                                  o.key);
-    return launched(c, "runs") && read_back(c, count, &o.found->long_runs, PBW_STAGE_ORDER, 0.4);
+    return next;
 }
 
 /* Puts the runs of equal keys into order.  The depth is bounded as in >>order of pbw.h: each level divides the extent
    by 2^bits. */
-bool order_runs(call &c, ordering &o)
+void order_runs(call &c, ordering &o)
 {
-    run_list none_yet = { NULL, NULL, NULL, NULL }, runs = none_yet, next = none_yet;
     const size_t n = o.in.count;
-    uint32_t count = 0;
-    if (!allocate_runs(c, runs, n / PBW__SHORT_RUN + 1)) {
-        return false;
-    }
-    run_kernel<<<blocks_for(n, 256), 256, 0, c.stream>>>(o.in, o.index_bits, o.key, n, NULL, none_yet, runs, o.found);
-    if (!launched(c, "runs") || !read_back(c, count, &o.found->long_runs, PBW_STAGE_ORDER, 0.4)
-        || (count > 0 && (!allocate(c, o.root, n) || !fill(c, o.root, 0xff, n)))) {
-        return false;
+    run_room runs(c, n / PBW__SHORT_RUN + 1);
+    launch(c, "runs", run_kernel, over(n, 256), o.in, o.index_bits, o.key.array.at, n, nullptr, run_list(),
+           runs.list(), o.found.at);
+    uint32_t count = read_back(c, &o.found.at->long_runs, PBW_STAGE_ORDER, 0.4);
+    if (count > 0) {
+        o.root.make(n);
+        fill(c, o.root.at, 0xff, n);
     }
     while (count > 0) {
-        if (!order_long_runs(c, o, runs, next, count)) {
-            return false;
-        }
-        release_runs(c, runs);
-        runs = next;
-        next = none_yet;
+        runs = order_long_runs(c, o, runs.list(), count);
     }
-    release_runs(c, runs);
-    return true;
 }
 
 /* The ranges of coordinates and weights, and the grid that all are on. */
@@ -4312,24 +4028,19 @@ struct extents {
 };
 
 /* on_device: what the survey found, for later kernels. */
-bool survey_points(call &c, const input &in, survey *&on_device, extents &e)
+extents survey_points(call &c, const input &in, int bits, const buffer<survey> &on_device)
 {
     survey found;
+    extents e;
     pbw__grid_share share;
-    unsigned blocks = blocks_for(in.count, 256);
     memset(&found, 0, sizeof found);
     memset(found.low, 0xff, sizeof found.low);
     found.unit = 1024;
-    if (!allocate(c, on_device, 1)
-        || !good(c, cudaMemcpyAsync(on_device, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy")) {
-        return false;
-    }
-    survey_kernel<<<blocks < 2048 ? blocks : 2048, 256, 0, c.stream>>>(in, on_device);
-    if (!launched(c, "survey") || !read_back(c, found, on_device, PBW_STAGE_ORDER, 0.1)) {
-        return false;
-    }
+    need(c, cudaMemcpyAsync(on_device.at, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy");
+    launch(c, "survey", survey_kernel, at_most(2048, over(in.count, 256)), in, on_device.at);
+    found = read_back(c, on_device.at, PBW_STAGE_ORDER, 0.1);
     if (found.bad != 0) {
-        return fail(c, PBW_ERROR_NOT_FINITE, "a coordinate or weight is not a finite number");
+        fail(c, PBW_ERROR_NOT_FINITE, "a coordinate or weight is not a finite number");
     }
     pbw__grid_share_reset(&share);
     share.unit = found.unit;
@@ -4337,29 +4048,28 @@ bool survey_points(call &c, const input &in, survey *&on_device, extents &e)
         share.low[k] = unordered(found.low[k]);
         share.high[k] = unordered(found.high[k]);
     }
-    for (int k = 0; k < in.dim; k++) {
-        e.domain.low[k] = share.low[k];
-        e.domain.high[k] = share.high[k];
-    }
+    pbw__box_reset(&e.domain, bits);
+    pbw__box_add(&e.domain, share.low, in.dim);
+    pbw__box_add(&e.domain, share.high, in.dim);
     pbw__box_close(&e.domain, in.dim);
     e.lightest = share.low[in.dim];
     e.heaviest = share.high[in.dim];
     pbw__grid_close(&e.grid, &share, 1, in.dim);
-    return true;
+    return e;
 }
 
-/* The units of the space, from the extents; false if the device code cannot work in them. */
-bool measure_space(call &c, const extents &e, int dim, space &s)
+/* The units of the space, from the extents; fails if the device code cannot work in them. */
+void measure_space(call &c, const extents &e, int dim, space &s)
 {
     const double weight_range = e.heaviest - e.lightest;
     int exponent;
     if (!(e.domain.extent > 1e-100 && e.domain.extent < 1e100)) {
-        return decline(c, "the extent of the points is beyond the range of the device code");
+        decline(c, "the extent of the points is beyond the range of the device code");
     }
     (void)frexp(e.domain.extent, &exponent);
     s.unit = ldexp(1.0, 1 - exponent);
     if (!(weight_range * (s.unit * s.unit) < 1e12)) {
-        return decline(c, "the weights are beyond the range of the device code");
+        decline(c, "the weights are beyond the range of the device code");
     }
     s.heaviest = e.heaviest;
     s.grid = e.grid;
@@ -4373,92 +4083,62 @@ bool measure_space(call &c, const extents &e, int dim, space &s)
         double step = s.unit / s.grid.inverse_unit;
         s.exact_height = (dim == 3 ? PBW__EXACT_HEIGHT3 : PBW__EXACT_HEIGHT2) * (step * step);
     }
-    return true;
 }
 
 /* Sets duplicates aside: fills id, canonical and the points of s. */
-bool gather_points(call &c, const ordering &o, space &s, uint32_t *&id, pbw_cuda_mesh *mesh)
+void gather_points(call &c, const ordering &o, space &s, uint32_t *&id, pbw_cuda_mesh *mesh)
 {
     const size_t n = o.in.count;
-    const unsigned blocks = blocks_for(n, 256);
-    survey found;
-    buffer<uint32_t> first(c), rank(c);
+    const shape all = over(n, 256);
+    buffer<uint32_t> first(c, n), rank(c);
     record *point = NULL;
-    if (!first.make(n)) {
-        return false;
-    }
-    place_kernel<<<blocks, 256, 0, c.stream>>>(o.in, o.index_bits, o.key, o.root, first.at, mesh->canonical, o.found);
-    if (!launched(c, "places") || !read_back(c, found, o.found, PBW_STAGE_ORDER, 0.5)) {
-        return false;
-    }
-    mesh->duplicate_count = found.duplicates;
-    s.count = (uint32_t)(n - found.duplicates);
+    launch(c, "places", place_kernel, all, o.in, o.index_bits, o.key.array.at, o.root.at, first.at, mesh->canonical,
+           o.found.at);
+    mesh->duplicate_count = read_back(c, &o.found.at->duplicates, PBW_STAGE_ORDER, 0.5);
+    s.count = (uint32_t)(n - mesh->duplicate_count);
     if (s.count < PBW_CUDA_FEW) {
-        return decline(c, few_points);
+        decline(c, few_points);
     }
-    if ((found.duplicates > 0 && (!rank.make(n) || !sum_before(c, first.at, rank.at, n)))
-        || !allocate(c, point, s.count) || !allocate(c, id, s.count)) {
-        return false;
+    if (s.count < n) {
+        rank.make(n);
+        sum_before(c, first.at, rank.at, n);
     }
-    gather_kernel<<<blocks, 256, 0, c.stream>>>(o.in, o.index_bits, o.key, first.at, rank.at, point, id);
+    allocate(c, point, s.count);
+    allocate(c, id, s.count);
+    launch(c, "gather", gather_kernel, all, o.in, o.index_bits, o.key.array.at, first.at, rank.at, point, id);
     s.point = point;
-    return launched(c, "gather");
 }
 
-/* Fills s (all but high[] beyond dim), id and canonical. */
-bool order_points(call &c, const input &in, space &s, uint32_t *&id, bool &weighted, pbw_cuda_mesh *mesh)
+/* Fills s (all but high[] beyond dim), id and canonical; returns whether weights differ. */
+bool order_points(call &c, const input &in, space &s, uint32_t *&id, pbw_cuda_mesh *mesh)
 {
-    const size_t n = in.count;
-    const int index_bits = pbw__index_bits(n), bits = pbw__grid_bits(index_bits, in.dim);
-    ordering o = { in, {}, index_bits, bits, NULL, NULL, NULL, NULL };
-    extents e;
-    pbw__box_reset(&e.domain, bits);
-    memcpy(o.automaton.plane, pbw__hilbert2, sizeof o.automaton.plane);
-    memcpy(o.automaton.space, pbw__hilbert3, sizeof o.automaton.space);
-    if (!survey_points(c, in, o.found, e) || !measure_space(c, e, in.dim, s) || !allocate(c, o.key, n)
-        || !allocate(c, o.spare, n)) {
-        return false;
-    }
-    weighted = in.weights != NULL && e.heaviest > e.lightest;
-    key_kernel<<<blocks_for(n, 256), 256, 0, c.stream>>>(in, e.domain, o.automaton, index_bits, o.key);
-    if (!launched(c, "keys") || !sort_keys(c, o.key, o.spare, n, { index_bits, index_bits + bits * in.dim })
-        || !order_runs(c, o) || !gather_points(c, o, s, id, mesh)) {
-        return false;
-    }
-    release(c, o.key, false);
-    release(c, o.spare, false);
-    release(c, o.root, false);
-    release(c, o.found, false);
-    return true;
+    ordering o(c, in);
+    const extents e = survey_points(c, in, o.bits, o.found);
+    measure_space(c, e, in.dim, s);
+    o.key = sortable<uint64_t>(c, in.count);
+    launch(c, "keys", key_kernel, over(in.count, 256), in, e.domain, o.automaton, o.index_bits, o.key.array.at);
+    sort_keys(c, o.key, in.count, { o.index_bits, o.index_bits + o.bits * in.dim });
+    order_runs(c, o);
+    gather_points(c, o, s, id, mesh);
+    return in.weights != NULL && e.heaviest > e.lightest;
 }
 
-bool grow_tree(call &c, space &s, int dim, tree &t)
+void grow_tree(call &c, space &s, int dim, tree &t)
 {
     uint32_t size = (s.count + group_size - 1) / group_size;
     float4 *rough = NULL;
-    if (!allocate(c, rough, s.count)) {
-        return false;
-    }
+    allocate(c, rough, s.count);
     s.rough = rough;
-    for (t.levels = 0; ; size = (size + 31) / 32) {
+    for (t.levels = 0; t.levels == 0 || t.size[t.levels - 1] > 32; size = (size + 31) / 32) {
         box *b = NULL;
-        if (!allocate(c, b, size)) {
-            return false;
-        }
+        allocate(c, b, size);
         if (t.levels == 0) {
-            group_kernel<<<blocks_for(size, 128), 128, 0, c.stream>>>(s, dim, b, rough, size);
+            launch(c, "boxes", group_kernel, over(size, 128), s, dim, b, rough, size);
         } else {
-            box_kernel<<<blocks_for(size, 128), 128, 0, c.stream>>>(t.level[t.levels - 1], t.size[t.levels - 1], b,
-                                                                    size);
+            launch(c, "boxes", box_kernel, over(size, 128), t.level[t.levels - 1], t.size[t.levels - 1], b, size);
         }
         t.level[t.levels] = b;
         t.size[t.levels++] = size;
-        if (!launched(c, "boxes")) {
-            return false;
-        }
-        if (size <= 32) {
-            return true;
-        }
     }
 }
 
@@ -4474,15 +4154,14 @@ const unsigned long long most_looks = 128;
 const uint32_t sample_size = 1024, sampled_from = 1u << 14;
 
 /* The copy of the points that a mesh keeps is made while the device is at work. */
-bool keep_points(call &c)
+void keep_points(call &c)
 {
     if (c.job->keep != NULL && c.card == 0 && c.job->kept_points == NULL) {
         pbw_status status = c.job->keep(c.job);
         if (status != PBW_OK) {
-            return fail(c, status, "the points could not be kept");
+            fail(c, status, "the points could not be kept");
         }
     }
-    return true;
 }
 
 /* The stars of a card's share while the rungs make them. */
@@ -4510,140 +4189,137 @@ void start_over(call &c, const workshop &w)
 
 template <int DIM> void find_seeds(call &c, const workshop &w)
 {
-    const unsigned blocks = blocks_for(w.s.count, 256);
     fill(c, w.seed, 0, 4);
     for (int found = 1; found <= DIM; found++) {
-        seed_kernel<<<blocks < 1024 ? blocks : 1024, 256, 0, c.stream>>>(w.s, DIM, found, w.seed);
+        launch(c, "seeds", seed_kernel, at_most(1024, over(w.s.count, 256)), w.s, DIM, found, w.seed);
     }
 }
 
 /* The first rung for total vertices from first on, each stride-th; with EXACT for the first total of q[1]. */
 template <int DIM, bool WEIGHTED, bool EXACT>
-bool launch_near(call &c, const workshop &w, uint32_t first, uint32_t stride, uint32_t total, bool keeps = false)
+void launch_near(call &c, const workshop &w, uint32_t first, uint32_t stride, uint32_t total, bool keeps = false)
 {
-    typedef typename near_star<DIM, WEIGHTED, typename rung_real<EXACT>::type>::type star_type;
-    const size_t bytes = sizeof(star_type) * (near_block / near_lanes);
-    static_assert(sizeof(star_type) * (near_block / near_lanes) <= 48 << 10,
-                  "the stars of a block fit what every device has of shared memory");
+    const size_t bytes = sizeof(near_star<DIM, WEIGHTED, rung_real<EXACT> >) * (near_block / near_lanes);
+    static_assert(bytes <= 48 << 10, "the stars of a block fit what every device has of shared memory");
     const near_launch a = { w.s, w.t.level[0], w.lists, w.infos, first, stride, total, keeps, w.out, w.q[0], w.q[1] };
-    near_kernel<DIM, WEIGHTED, EXACT><<<blocks_for(total, near_block / near_lanes), near_block, bytes, c.stream>>>(a);
-    return launched(c, "near stars");
+    shape s = over((size_t)total * near_lanes, near_block);
+    s.bytes = bytes;
+    launch(c, "near stars", near_kernel<DIM, WEIGHTED, EXACT>, s, a);
 }
 
-/* far: whether a sample shows that the first rung certifies less than half, as where points lie on surfaces and
-   curves and spheres are large. */
-template <int DIM, bool WEIGHTED> bool sample_stars(call &c, const workshop &w, bool &far)
+/* Whether a sample shows that the first rung certifies less than half, as where points lie on surfaces and curves and
+   spheres are large. */
+template <int DIM, bool WEIGHTED> bool sample_reaches_far(call &c, const workshop &w)
 {
-    uint2 counts;                                    /* of q[0] and q[1] */
     fill(c, w.q[0].count, 0, 3);
     fill(c, w.out.used, 0, 1);
-    if (!launch_near<DIM, WEIGHTED, false>(c, w, w.out.first, (w.out.end - w.out.first) / sample_size, sample_size)
-        || !read_back(c, counts, (const uint2 *)w.q[0].count, PBW_STAGE_BUILD, 0.0)) {
-        return false;
+    launch_near<DIM, WEIGHTED, false>(c, w, w.out.first, (w.out.end - w.out.first) / sample_size, sample_size);
+    const uint2 counts = read_back(c, (const uint2 *)w.q[0].count, PBW_STAGE_BUILD, 0.0);
+    if (counts.y == 0 || counts.x + counts.y <= sample_size / 2) {
+        return counts.x > sample_size / 2;
     }
-    if (counts.y > 0 && counts.x + counts.y > sample_size / 2
-        && (!launch_near<DIM, WEIGHTED, true>(c, w, 0, 1, counts.y)
-            || !read_back(c, counts, (const uint2 *)w.q[0].count, PBW_STAGE_BUILD, 0.0))) {
-        return false;
-    }
-    far = counts.x > sample_size / 2;
-    return true;
+    launch_near<DIM, WEIGHTED, true>(c, w, 0, 1, counts.y);
+    return read_back(c, w.q[0].count, PBW_STAGE_BUILD, 0.0) > sample_size / 2;
 }
 
-/* The first rung: all stars of the share, then those that floats left open. */
-template <int DIM, bool WEIGHTED> bool build_near_stars(call &c, const workshop &w, uint32_t &failed)
+/* The first rung: all stars of the share, then those that floats left open.  Returns how many it leaves in q[0]. */
+template <int DIM, bool WEIGHTED> uint32_t build_near_stars(call &c, const workshop &w)
 {
     const uint32_t chunk = 1u << 22, mine = w.out.end - w.out.first;
-    uint32_t open = 0;
     start_over(c, w);
     w.made[0] = mine;
-    for (uint32_t first = w.out.first; first < w.out.end && c.status == PBW_OK; first += chunk) {
+    for (uint32_t first = w.out.first; first < w.out.end; first += chunk) {
         const uint32_t count = w.out.end - first < chunk ? w.out.end - first : chunk;
         const bool more = first + count < w.out.end;
-        if (!launch_near<DIM, WEIGHTED, false>(c, w, first, 1, count)) {
-            return false;
-        }
+        launch_near<DIM, WEIGHTED, false>(c, w, first, 1, count);
         if (first == w.out.first && more) {          /* one ahead: the host has time for its part */
             continue;
         }
-        if (!keep_points(c)) {
-            return false;
-        }
+        keep_points(c);
         if (more) {
-            wait(c, c.stream, PBW_STAGE_BUILD, 0.7 * (double)(first - w.out.first) / (double)mine);
+            wait(c, PBW_STAGE_BUILD, 0.7 * (double)(first - w.out.first) / (double)mine);
         }
     }
-    if (!read_back(c, open, w.q[1].count, PBW_STAGE_BUILD, 0.7)
-        || (open > 0 && !launch_near<DIM, WEIGHTED, true>(c, w, 0, 1, open))) {
-        return false;
+    const uint32_t open = read_back(c, w.q[1].count, PBW_STAGE_BUILD, 0.7);
+    if (open > 0) {
+        launch_near<DIM, WEIGHTED, true>(c, w, 0, 1, open);
     }
     note(c, 3);
-    return read_back(c, failed, w.q[0].count, PBW_STAGE_BUILD, 0.8);
+    return read_back(c, w.q[0].count, PBW_STAGE_BUILD, 0.8);
 }
 
-/* The second rung without exact tests: failed stars of q[0]; those that it fails come to q[1]. */
-template <int DIM, bool WEIGHTED> bool build_quick_stars(call &c, const workshop &w, uint32_t &failed)
+template <int DIM, bool WEIGHTED, typename RUNG> void launch_far(call &c, const far_launch &a, unsigned blocks)
 {
-    const size_t bytes = sizeof(typename far_star<DIM, WEIGHTED, quick_rung>::type);
-    const uint32_t chunk = 1u << 18, total = failed;
-    if (!fill(c, w.q[1].count, 0, 1) || total == 0) {
-        return c.status == PBW_OK;
-    }
+    const size_t bytes = RUNG::shared ? sizeof(far_star<DIM, WEIGHTED, RUNG>) : 0;
+    launch(c, "far stars", far_kernel<DIM, WEIGHTED, RUNG>, shape{ blocks, 32 * RUNG::warps, bytes }, a);
+}
+
+/* The second rung without exact tests: total stars of q[0].  Returns how many it leaves in q[1]. */
+template <int DIM, bool WEIGHTED> uint32_t build_quick_stars(call &c, const workshop &w, uint32_t total)
+{
+    const uint32_t chunk = 1u << 18;
+    fill(c, w.q[1].count, 0, 1);
     for (uint32_t first = 0; first < total; first += chunk) {
         const uint32_t count = total - first < chunk ? total - first : chunk;
         const queue some = { w.q[0].vertex + first, NULL };
         const far_launch a = { w.s, w.t, w.seed, some, count, none, quick_cap, NULL, NULL, w.out, w.q[1], w.q[2] };
-        far_kernel<DIM, WEIGHTED, quick_rung><<<count, 32 * quick_rung::warps, bytes, c.stream>>>(a);
-        if (!launched(c, "far stars") || (first + count < total && !wait(c, c.stream, PBW_STAGE_BUILD, 0.8))) {
-            return false;
+        if (first > 0) {
+            wait(c, PBW_STAGE_BUILD, 0.8);
         }
+        launch_far<DIM, WEIGHTED, quick_rung>(c, a, count);
     }
-    return read_back(c, failed, w.q[1].count, PBW_STAGE_BUILD, 0.9);
+    return total == 0 ? 0 : read_back(c, w.q[1].count, PBW_STAGE_BUILD, 0.9);
 }
 
-/* The second rung with exact tests: failed stars of q[1]; those that it fails come to q[0]. */
-template <int DIM, bool WEIGHTED> bool build_far_stars(call &c, const workshop &w, uint32_t &failed)
+/* How many stars may need more than the second rung. */
+uint32_t far_limit(const workshop &w)
 {
-    const size_t bytes = sizeof(typename far_star<DIM, WEIGHTED, far_rung>::type);
-    const uint32_t limit = 128 + (w.out.end - w.out.first) / 2048;
-    if (failed > 0) {
-        const far_launch a = { w.s, w.t, w.seed, w.q[1], failed, limit, far_cap, NULL, NULL, w.out, w.q[0], w.q[2] };
+    return 128 + (w.out.end - w.out.first) / 2048;
+}
+
+/* The second rung with exact tests: total stars of q[1].  Returns how many it leaves in q[0]. */
+template <int DIM, bool WEIGHTED> uint32_t build_far_stars(call &c, const workshop &w, uint32_t total)
+{
+    const uint32_t limit = far_limit(w);
+    uint32_t failed = 0;
+    if (total > 0) {
+        const far_launch a = { w.s, w.t, w.seed, w.q[1], total, limit, far_cap, NULL, NULL, w.out, w.q[0], w.q[2] };
         find_seeds<DIM>(c, w);
         fill(c, w.q[0].count, 0, 1);
-        far_kernel<DIM, WEIGHTED, far_rung><<<failed, 32 * far_rung::warps, bytes, c.stream>>>(a);
-        if (!launched(c, "far stars") || !read_back(c, failed, w.q[0].count, PBW_STAGE_BUILD, 0.95)) {
-            return false;
-        }
+        launch_far<DIM, WEIGHTED, far_rung>(c, a, total);
+        failed = read_back(c, w.q[0].count, PBW_STAGE_BUILD, 0.95);
     }
     w.made[2] = failed;
-    return failed <= limit || decline_stars(c, failed);
+    if (failed > limit) {
+        decline_stars(c, failed);
+    }
+    return failed;
 }
 
 /* The third rung: lost stars of q[0], and those that it fails once more with a larger cap, if they are few. */
-template <int DIM, bool WEIGHTED> bool build_last_stars(call &c, const workshop &w, uint32_t lost)
+template <int DIM, bool WEIGHTED> void build_last_stars(call &c, const workshop &w, uint32_t lost)
 {
     const uint32_t blocks = lost < last_blocks ? lost : last_blocks;
-    buffer<typename far_star<DIM, WEIGHTED, last_rung>::type> scratch(c);
+    buffer<far_star<DIM, WEIGHTED, last_rung> > scratch(c);
     buffer<pbw__digit> pool(c);
-    if (lost > 0 && (!scratch.make(blocks) || !pool.make((size_t)blocks * 32 * PBW__POOL))) {
-        return false;
+    if (lost > 0) {
+        scratch.make(blocks);
+        pool.make((size_t)blocks * 32 * PBW__POOL);
     }
     for (int i = 0; i < 2 && lost > 0 && (i == 0 || lost <= last_blocks); i++) {
         const far_launch a = { w.s, w.t, w.seed, w.q[i], lost, i == 0 ? last_blocks : 0, last_cap[i], scratch.at,
-                               pool.at, w.out, { w.q[1 - i].vertex, w.q[1 - i].count }, w.q[2] };
-        if (!fill(c, w.q[1 - i].count, 0, 1)) {
-            return false;
-        }
-        far_kernel<DIM, WEIGHTED, last_rung><<<blocks, 32 * last_rung::warps, 0, c.stream>>>(a);
-        if (!launched(c, "last stars") || !read_back(c, lost, w.q[1 - i].count, PBW_STAGE_BUILD, 0.95)) {
-            return false;
-        }
+                               pool.at, w.out, w.q[1 - i], w.q[2] };
+        fill(c, w.q[1 - i].count, 0, 1);
+        launch_far<DIM, WEIGHTED, last_rung>(c, a, blocks);
+        lost = read_back(c, w.q[1 - i].count, PBW_STAGE_BUILD, 0.95);
     }
     note(c, 4);
-    return lost == 0 ? c.status == PBW_OK : decline_stars(c, lost);
+    if (lost > 0) {
+        decline_stars(c, lost);
+    }
 }
 
-bool lay_bricks(call &c, const space &s, brick_tree &t)
+void lay_bricks(call &c, const space &s, brick_tree &t)
 {
     const moments *child = NULL;
     uint32_t size = s.count;
@@ -4653,72 +4329,64 @@ bool lay_bricks(call &c, const space &s, brick_tree &t)
         brick *b = NULL;
         moments *m = NULL;
         size = (size + 7) / 8;
-        if (!allocate(c, b, size) || !allocate(c, m, size)) {
-            return false;
-        }
-        brick_kernel<<<blocks_for(size, 128), 128, 0, c.stream>>>(s, child, children, m, b, size);
-        release(c, child, false);
+        allocate(c, b, size);
+        allocate(c, m, size);
+        launch(c, "bricks", brick_kernel, over(size, 128), s, child, children, m, b, size);
+        release(c, child);
         child = m;
         t.level[t.levels] = b;
         t.size[t.levels] = size;
     }
-    release(c, child, false);
-    half_kernel<<<blocks_for(s.count, 256), 256, 0, c.stream>>>(s, t);
-    return launched(c, "bricks");
+    release(c, child);
+    launch(c, "bricks", half_kernel, over(s.count, 256), s, t);
 }
 
-/* A rung for surfaces; failed: how many stars it left. */
-template <typename RUNG> bool run_wide_rung(call &c, wide_launch a, uint32_t &failed)
+/* A rung for surfaces; returns how many stars it leaves. */
+template <typename RUNG> uint32_t run_wide_rung(call &c, wide_launch a)
 {
     int device = 0, processors = 1;
     buffer<wide_star<RUNG> > scratch(c);
     buffer<pbw__digit> pool(c);
-    failed = 0;
     if (a.total == 0) {
-        return true;
+        return 0;
     }
-    if (!good(c, cudaGetDevice(&device), "cudaGetDevice")
-        || !good(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device),
-                 "cudaDeviceGetAttribute")
-        || !fill(c, a.next, 0, 1) || !fill(c, a.failed.count, 0, 1)) {
-        return false;
-    }
+    need(c, cudaGetDevice(&device), "cudaGetDevice");
+    need(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "cudaDeviceGetAttribute");
+    fill(c, a.next, 0, 1);
+    fill(c, a.failed.count, 0, 1);
     const unsigned most = RUNG::shared ? (unsigned)(processors * RUNG::blocks) : last_blocks;
     const unsigned blocks = a.total < most ? a.total : most;
-    if (!RUNG::shared && (!scratch.make(blocks) || !pool.make((size_t)blocks * 32 * PBW__POOL))) {
-        return false;
+    if (!RUNG::shared) {
+        scratch.make(blocks);
+        pool.make((size_t)blocks * 32 * PBW__POOL);
     }
     a.scratch = scratch.at;
     a.pool = pool.at;
-    wide_kernel<RUNG><<<blocks, 32, RUNG::shared ? sizeof(wide_star<RUNG>) : 0, c.stream>>>(a);
-    return launched(c, "stars of a rung") && keep_points(c)
-        && read_back(c, failed, a.failed.count, PBW_STAGE_BUILD, 0.8);
+    const shape warps = { blocks, 32, RUNG::shared ? sizeof(wide_star<RUNG>) : 0 };
+    launch(c, "stars of a rung", wide_kernel<RUNG>, warps, a);
+    keep_points(c);
+    return read_back(c, a.failed.count, PBW_STAGE_BUILD, 0.8);
 }
 
-/* wide: whether a sample shows that few stars are large or searched for long.  The CPU takes 150 to 250 ns a point on
+/* Whether a sample shows that few stars are large or searched for long.  The CPU takes 150 to 250 ns a point on
    16 threads; 4 warps a multiprocessor take 3 us each for a look at 32 places. */
-bool sample_wide_stars(call &c, const workshop &w, wide_launch a, bool &wide)
+bool sample_stays_cheap(call &c, const workshop &w, wide_launch a)
 {
-    unsigned long long looks = 0;
-    uint32_t failed = 0;
     a.total = sample_size;
     a.stride = (w.out.end - w.out.first) / sample_size;
     a.work = w.seed + 4;
     a.cap = sample_cap;
     start_over(c, w);
-    if (!launch_near<3, false, false>(c, w, w.out.first, a.stride, a.total, true) || !fill(c, a.work, 0, 1)
-        || !run_wide_rung<wide_rung>(c, a, failed) || !read_back(c, looks, a.work, PBW_STAGE_BUILD, 0.1)) {
-        return false;
-    }
-    wide = failed <= a.total / 64 && looks <= most_looks * a.total;
-    return true;
+    launch_near<3, false, false>(c, w, w.out.first, a.stride, a.total, true);
+    fill(c, a.work, 0, 1);
+    const uint32_t failed = run_wide_rung<wide_rung>(c, a);
+    const unsigned long long looks = read_back(c, a.work, PBW_STAGE_BUILD, 0.1);
+    return failed <= a.total / 64 && looks <= most_looks * a.total;
 }
 
 /* Stars that the first rung for surfaces left in q[0]. */
-bool build_large_wide_stars(call &c, const workshop &w, wide_launch a, uint32_t failed)
+void build_large_wide_stars(call &c, const workshop &w, wide_launch a, uint32_t failed)
 {
-    const uint32_t limit = 128 + (w.out.end - w.out.first) / 2048;
-    uint32_t last = 0;
     a.in = w.out;
     a.stride = 1;
     a.first = 0;
@@ -4726,127 +4394,111 @@ bool build_large_wide_stars(call &c, const workshop &w, wide_launch a, uint32_t 
     a.failed = w.q[1];
     a.total = failed;
     a.cap = far_cap;
-    a.limit = limit;
-    if (!run_wide_rung<large_wide_rung>(c, a, last)) {
-        return false;
-    }
-    if (last > limit) {                              /* beyond its limit a rung leaves stars untried, uncounted */
-        return decline_stars(c, last);
+    a.limit = far_limit(w);
+    const uint32_t last = run_wide_rung<large_wide_rung>(c, a);
+    if (last > a.limit) {                            /* beyond its limit a rung leaves stars untried, uncounted */
+        decline_stars(c, last);
     }
     a.vertex = w.q[1].vertex;
     a.failed = w.q[0];
     a.total = last;
     a.cap = last_cap[0];
     a.limit = 0;
-    if (!run_wide_rung<last_wide_rung>(c, a, failed)) {
-        return false;
-    }
+    failed = run_wide_rung<last_wide_rung>(c, a);
     w.made[2] = last;
     note(c, 4);
-    return failed == 0 ? c.status == PBW_OK : decline_stars(c, failed);
+    if (failed > 0) {
+        decline_stars(c, failed);
+    }
 }
 
-/* Stars of points on surfaces, unless a sample speaks against it: then wide comes out false.  Those that the first
-   rung begins go to a store of their own, which is given back. */
-bool build_wide_stars(call &c, workshop &w, const brick_tree &bricks, bool &wide)
+/* Stars of points on surfaces; returns false if a sample speaks against it.  Those that the first rung begins go to a
+   store of their own, which is given back. */
+bool build_wide_stars(call &c, workshop &w, const brick_tree &bricks)
 {
     const uint32_t mine = w.out.end - w.out.first;
     const unsigned long long enough = (unsigned long long)mine * 15 + 4096;
     const store in = w.out;
-    unsigned long long used = 0;
-    uint32_t failed = 0;
     wide_launch a = { w.s, bricks, w.seed, NULL, in.first, 1, mine, none, w.next, NULL, quick_cap, NULL, NULL, in, in,
                       w.q[0], w.q[2] };
     find_seeds<3>(c, w);
-    if (!sample_wide_stars(c, w, a, wide) || !wide) {
-        return c.status == PBW_OK;
+    if (!sample_stays_cheap(c, w, a)) {
+        return false;
     }
     start_over(c, w);
-    if (!launch_near<3, false, false>(c, w, in.first, 1, mine, true)) {
-        return false;
-    }
+    launch_near<3, false, false>(c, w, in.first, 1, mine, true);
     note(c, 3);
-    if (!read_back(c, used, w.out.used, PBW_STAGE_BUILD, 0.2)) {
-        return false;
-    }
-    if (used > w.out.capacity) {
+    if (read_back(c, w.out.used, PBW_STAGE_BUILD, 0.2) > w.out.capacity) {
         return true;
     }
     w.out.capacity = w.out.capacity > enough ? w.out.capacity : enough;
-    if (!fill(c, w.out.used, 0, 1) || !allocate(c, w.out.word, (size_t)w.out.capacity * 4)) {
-        return false;
-    }
+    fill(c, w.out.used, 0, 1);
+    allocate(c, w.out.word, (size_t)w.out.capacity * 4);
     a.out = w.out;
     a.limit = 128 + mine / 16;
-    if (!run_wide_rung<wide_rung>(c, a, failed) || !read_back(c, used, w.out.used, PBW_STAGE_BUILD, 0.8)) {
-        return false;
-    }
-    release(c, in.word, false);
+    const uint32_t failed = run_wide_rung<wide_rung>(c, a);
+    const unsigned long long used = read_back(c, w.out.used, PBW_STAGE_BUILD, 0.8);
+    release(c, in.word);
     if (used > w.out.capacity) {
         return true;
     }
     w.made[0] = w.made[1] = mine;
-    return failed > a.limit ? decline_stars(c, failed) : build_large_wide_stars(c, w, a, failed);
+    if (failed > a.limit) {
+        decline_stars(c, failed);
+    }
+    build_large_wide_stars(c, w, a, failed);
+    return true;
 }
 
 /* All stars of the share. */
-template <int DIM, bool WEIGHTED> bool build_stars(call &c, workshop &w)
+template <int DIM, bool WEIGHTED> void build_stars(call &c, workshop &w)
 {
-    uint32_t failed = 0;
-    bool far = false, wide = false;                  /* weights hide points, which is quick: no sample */
-    if (!WEIGHTED && !patient && w.s.count >= sampled_from && w.out.end - w.out.first >= sample_size
-        && !sample_stars<DIM, WEIGHTED>(c, w, far)) {
-        return false;
-    }
+    /* weights hide points, which is quick: no sample */
+    const bool far = !WEIGHTED && !patient && w.s.count >= sampled_from && w.out.end - w.out.first >= sample_size
+                  && sample_reaches_far<DIM, WEIGHTED>(c, w);
     if (far && DIM == 3) {
         brick_tree bricks;
-        if (!lay_bricks(c, w.s, bricks) || !build_wide_stars(c, w, bricks, wide)) {
-            return false;
-        }
+        lay_bricks(c, w.s, bricks);
+        const bool built = build_wide_stars(c, w, bricks);
         for (int level = 0; level < bricks.levels; level++) {
-            release(c, bricks.level[level], false);
+            release(c, bricks.level[level]);
         }
-    }
-    if (wide) {
-        return true;
+        if (built) {
+            return;
+        }
     }
     if (far && !c.must) {
-        return decline(c, "most stars reach far (points on lines, or nearly in a plane?): quicker on the CPU");
+        decline(c, "most stars reach far (points on lines, or nearly in a plane?): quicker on the CPU");
     }
-    if (!build_near_stars<DIM, WEIGHTED>(c, w, failed)) {
-        return false;
-    }
-    w.made[1] = failed;
-    return build_quick_stars<DIM, WEIGHTED>(c, w, failed) && build_far_stars<DIM, WEIGHTED>(c, w, failed)
-        && build_last_stars<DIM, WEIGHTED>(c, w, failed);
+    w.made[1] = build_near_stars<DIM, WEIGHTED>(c, w);
+    const uint32_t failed = build_quick_stars<DIM, WEIGHTED>(c, w, (uint32_t)w.made[1]);
+    build_last_stars<DIM, WEIGHTED>(c, w, build_far_stars<DIM, WEIGHTED>(c, w, failed));
 }
 
 /* In parts: memory that is not pinned makes the host wait for each. */
-bool copy_out(call &c, void *to, const void *from, size_t bytes, double done)
+void copy_out(call &c, void *to, const void *from, size_t bytes, double done)
 {
     const size_t most = (size_t)1 << 25;
-    good(c, cudaEventRecord(c.copied, c.stream), "cudaEventRecord");
-    good(c, cudaStreamWaitEvent(c.copies, c.copied, 0), "cudaStreamWaitEvent");
-    for (size_t at = 0; at < bytes && c.status == PBW_OK; at += most) {
-        good(c, cudaMemcpyAsync((char *)to + at, (const char *)from + at, bytes - at < most ? bytes - at : most,
+    follow(c);
+    for (size_t at = 0; at < bytes; at += most) {
+        need(c, cudaMemcpyAsync((char *)to + at, (const char *)from + at, bytes - at < most ? bytes - at : most,
                                 cudaMemcpyDeviceToHost, c.copies), "copying results");
         look_up(c, PBW_STAGE_OUTPUT, done);
+        go_on(c);
     }
-    return c.status == PBW_OK;
 }
 
 /* Lets the other devices read what this one has in its pool, where they can: copies between them go the short way. */
-bool open_pool(call &c)
+void open_pool(call &c)
 {
     offer &own = c.cards->of[c.card];
     cudaMemPool_t pool;
+    need(c, cudaDeviceGetMemPool(&pool, own.device), "cudaDeviceGetMemPool");
     for (int i = 0; i < c.cards->cards; i++) {
         const int other = c.cards->of[i].device;
         int can = 0;
-        if (other != own.device
-            && (!good(c, cudaDeviceCanAccessPeer(&can, other, own.device), "cudaDeviceCanAccessPeer")
-                || !good(c, cudaDeviceGetMemPool(&pool, own.device), "cudaDeviceGetMemPool"))) {
-            return false;
+        if (other != own.device) {
+            need(c, cudaDeviceCanAccessPeer(&can, other, own.device), "cudaDeviceCanAccessPeer");
         }
         if (can) {
             cudaMemAccessDesc access;
@@ -4859,11 +4511,10 @@ bool open_pool(call &c)
         }
         own.open[i] = (can || other == own.device) && !by_host;
     }
-    return true;
 }
 
 /* Copies by way of the host what a card offers that this one cannot read; it is complete. */
-bool fetch_by_host(call &c, int card, char *to, const char *from, size_t bytes)
+void fetch_by_host(call &c, int card, char *to, const char *from, size_t bytes)
 {
     const size_t most = (size_t)1 << 24;
     void *host = NULL;
@@ -4880,31 +4531,31 @@ bool fetch_by_host(call &c, int card, char *to, const char *from, size_t bytes)
             && good(c, cudaStreamSynchronize(c.stream), "copying from the host");
     }
     cudaFreeHost(host);
-    return done;
+    go_on(c);
 }
 
 /* Copies what another card offers. */
-bool fetch_from(call &c, int card, void *to, const void *from, size_t bytes)
+template <typename V> void fetch_from(call &c, int card, V *to, const void *from, size_t count)
 {
     const offer *of = c.cards->of;
-    return bytes == 0
-        || (!of[card].open[c.card] ? fetch_by_host(c, card, (char *)to, (const char *)from, bytes)
-            : good(c, cudaMemcpyPeerAsync(to, of[c.card].device, from, of[card].device, bytes, c.stream),
-                   "copying between devices"));
+    const size_t bytes = count * sizeof(V);
+    if (bytes > 0 && !of[card].open[c.card]) {
+        fetch_by_host(c, card, (char *)to, (const char *)from, bytes);
+    } else if (bytes > 0) {
+        need(c, cudaMemcpyPeerAsync(to, of[c.card].device, from, of[card].device, bytes, c.stream),
+             "copying between devices");
+    }
 }
 
 /* The share of a card, by multiprocessors, whole groups: where it begins. */
-bool share_points(call &c, const space &s, uint32_t &first, uint32_t &end)
+void share_points(call &c, const space &s, uint32_t &first, uint32_t &end)
 {
     double before = 0.0, own = 0.0, all = 0.0;
     for (int i = 0; i < (c.cards != NULL ? c.cards->cards : 1); i++) {
-        int device = 0, processors = 1;
+        int processors = 1;
         if (c.cards != NULL) {
-            device = c.cards->of[i].device;
-            if (!good(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device),
-                      "cudaDeviceGetAttribute")) {
-                return false;
-            }
+            need(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, c.cards->of[i].device),
+                 "cudaDeviceGetAttribute");
         }
         before += i < c.card ? processors : 0;
         own += i == c.card ? processors : 0;
@@ -4914,169 +4565,142 @@ bool share_points(call &c, const space &s, uint32_t &first, uint32_t &end)
     end = (uint32_t)((double)s.count * ((before + own) / all)) / group_size * group_size;
     end = before + own == all ? s.count : end;
     c.stars = end - first;
-    return true;
 }
 
 /* Lists the guests that this card has for higher cards. */
-template <int DIM> bool list_guests(call &c, const directory<DIM> &all, uint32_t vertices)
+template <int DIM> void list_guests(call &c, const directory<DIM> &all, uint32_t vertices)
 {
     offer &own = c.cards->of[c.card];
-    uint32_t *count = NULL, *place = NULL;
-    unsigned blocks = blocks_for(vertices, 128);
     if (c.card + 1 == c.cards->cards) {
-        return true;
+        return;
     }
-    if (!allocate(c, count, (size_t)vertices + 1) || !allocate(c, place, (size_t)vertices + 1)
-        || !fill(c, count + vertices, 0, 1)) {
-        return false;
-    }
+    buffer<uint32_t> count(c, (size_t)vertices + 1), place(c, (size_t)vertices + 1);
+    fill(c, count.at + vertices, 0, 1);
     for (int i = c.card + 1; i < c.cards->cards; i++) {
         const offer &other = c.cards->of[i];
         cell<DIM> *guest = NULL;
-        guest_kernel<DIM><<<blocks, 128, 0, c.stream>>>(all, vertices, other.first, other.end, count, NULL, NULL,
-                                                        NULL);
-        if (!launched(c, "guests") || !sum_before(c, count, place, (size_t)vertices + 1)
-            || !read_back(c, own.guest_count[i], place + vertices, PBW_STAGE_OUTPUT, 0.2)
-            || !allocate(c, guest, own.guest_count[i]) || !allocate(c, own.guest_numbers[i], own.guest_count[i])) {
-            return false;
-        }
+        launch(c, "guests", guest_kernel<DIM>, over(vertices, 128), all, vertices, other.first, other.end, count.at,
+               nullptr, nullptr, nullptr);
+        sum_before(c, count.at, place.at, (size_t)vertices + 1);
+        own.guest_count[i] = read_back(c, place.at + vertices, PBW_STAGE_OUTPUT, 0.2);
+        allocate(c, guest, own.guest_count[i]);
+        allocate(c, own.guest_numbers[i], own.guest_count[i]);
         own.guests[i] = guest;
-        guest_kernel<DIM><<<blocks, 128, 0, c.stream>>>(all, vertices, other.first, other.end, NULL, place, guest,
-                                                        own.guest_numbers[i]);
-        if (!launched(c, "guests")) {
-            return false;
-        }
+        launch(c, "guests", guest_kernel<DIM>, over(vertices, 128), all, vertices, other.first, other.end, nullptr,
+               place.at, guest, own.guest_numbers[i]);
     }
-    release(c, count, false);
-    release(c, place, false);
-    return wait(c, c.stream, PBW_STAGE_OUTPUT, 0.2);
+    wait(c, PBW_STAGE_OUTPUT, 0.2);
 }
 
 /* Fetches the guests that lower cards have for this one. */
-template <int DIM> bool fetch_guests(call &c, directory<DIM> &all)
+template <int DIM> void fetch_guests(call &c, directory<DIM> &all)
 {
     const offer *of = c.cards->of;
+    pbw_index *&beyond = c.cards->of[c.card].beyond;
     cell<DIM> *guest = NULL;
     uint32_t *number = NULL;
     size_t count = 0;
     for (int i = 0; i < c.card; i++) {
         count += of[i].guest_count[c.card];
     }
-    if (!allocate(c, guest, count) || !allocate(c, number, count)
-        || !allocate(c, c.cards->of[c.card].beyond, count)
-        || !fill(c, c.cards->of[c.card].beyond, 0xff, count)) {      /* guests without a facet here leave theirs */
-        return false;
-    }
+    allocate(c, guest, count);
+    allocate(c, number, count);
+    allocate(c, beyond, count);
+    fill(c, beyond, 0xff, count);                    /* guests without a facet here leave theirs */
     all.guest = guest;
     all.guest_number = number;
     for (int i = 0; i < c.card; i++) {
-        size_t some = of[i].guest_count[c.card];
-        if (!fetch_from(c, i, guest + all.guests, of[i].guests[c.card], some * sizeof *guest)
-            || !fetch_from(c, i, number + all.guests, of[i].guest_numbers[c.card], some * sizeof *number)) {
-            return false;
-        }
-        all.guests += (uint32_t)some;
+        const uint32_t some = of[i].guest_count[c.card];
+        fetch_from(c, i, guest + all.guests, of[i].guests[c.card], some);
+        fetch_from(c, i, number + all.guests, of[i].guest_numbers[c.card], some);
+        all.guests += some;
     }
-    return true;
 }
 
 /* Fetches what higher cards know of this one's simplices. */
-template <int DIM> bool fetch_beyond(call &c, const directory<DIM> &all, pbw_index *neighbors)
+template <int DIM> void fetch_beyond(call &c, const directory<DIM> &all, pbw_index *neighbors)
 {
     const offer *of = c.cards->of;
     for (int i = c.card + 1; i < c.cards->cards; i++) {
-        uint32_t count = of[c.card].guest_count[i];
+        const uint32_t count = of[c.card].guest_count[i];
         size_t before = 0;
-        pbw_index *beyond = NULL;
+        buffer<pbw_index> beyond(c, count);
         for (int k = 0; k < c.card; k++) {
             before += of[k].guest_count[i];
         }
-        if (!allocate(c, beyond, count)
-            || !fetch_from(c, i, beyond, of[i].beyond + before, count * sizeof *beyond)) {
-            return false;
-        }
-        return_kernel<DIM><<<blocks_for(count, 128), 128, 0, c.stream>>>(all, of[i].first, of[i].end, count,
-                                                                         of[c.card].guest_numbers[i], beyond,
-                                                                         neighbors);
-        release(c, beyond, false);
+        fetch_from(c, i, beyond.at, of[i].beyond + before, count);
+        launch(c, "neighbours", return_kernel<DIM>, over(count, 128), all, of[i].first, of[i].end, count,
+               of[c.card].guest_numbers[i], beyond.at, neighbors);
     }
-    return launched(c, "neighbours");
 }
 
 /* Fetches the incident simplices of all shares. */
-bool fetch_incident(call &c, const uint32_t *id, pbw_index *incident)
+void fetch_incident(call &c, const uint32_t *id, pbw_index *incident)
 {
     const offer *of = c.cards->of;
     for (int i = 0; i < c.cards->cards; i++) {
-        uint32_t count = of[i].end - of[i].first;
-        pbw_index *some = NULL;
-        if (!allocate(c, some, count) || !fetch_from(c, i, some, of[i].incident, count * sizeof *some)) {
-            return false;
-        }
-        scatter_kernel<<<blocks_for(count, 256), 256, 0, c.stream>>>(id + of[i].first, count, some, incident);
-        release(c, some, false);
+        const uint32_t count = of[i].end - of[i].first;
+        buffer<pbw_index> some(c, count);
+        fetch_from(c, i, some.at, of[i].incident, count);
+        launch(c, "incident simplices", scatter_kernel, over(count, 256), id + of[i].first, count, some.at, incident);
     }
-    return launched(c, "incident simplices");
 }
 
 /* Shares the points, grows the tree, and allocates what the rungs need. */
-bool open_workshop(call &c, workshop &w, int dim)
+void open_workshop(call &c, workshop &w, int dim)
 {
     unsigned long long *used_and_seed = NULL;
     uint32_t *counts = NULL;                         /* of the queues, next, stop */
-    if (!share_points(c, w.s, w.out.first, w.out.end)) {
-        return false;
-    }
+    share_points(c, w.s, w.out.first, w.out.end);
     const uint32_t mine = w.out.end - w.out.first, groups = (mine + group_size - 1) / group_size;
     w.out.capacity = (unsigned long long)mine * (dim == 3 ? 13 : 5) + 4096;
     /* rough points and boxes; the store, queues, places and counts; lists and their heads of 8 points */
-    if (!fits(c, (size_t)w.s.count * 16 + (size_t)w.s.count / group_size * sizeof(box) + (size_t)w.out.capacity * 16
-                 + (size_t)mine * (12 + 8) + (size_t)groups * (list_size * 4 + sizeof(near_list)))
-        || !grow_tree(c, w.s, dim, w.t) || !allocate(c, w.lists, (size_t)groups * list_size)
-        || !allocate(c, w.infos, groups) || !allocate(c, counts, 5) || !allocate(c, used_and_seed, 6)
-        || !allocate(c, w.out.place, mine) || !allocate(c, w.out.owned, (size_t)mine + 1)
-        || !fill(c, counts + 4, 0, 1)) {
-        return false;
-    }
+    need_memory(c, (size_t)w.s.count * 16 + (size_t)w.s.count / group_size * sizeof(box) + (size_t)w.out.capacity * 16
+                   + (size_t)mine * (12 + 8) + (size_t)groups * (list_size * 4 + sizeof(near_list)));
+    grow_tree(c, w.s, dim, w.t);
+    allocate(c, w.lists, (size_t)groups * list_size);
+    allocate(c, w.infos, groups);
+    allocate(c, counts, 5);
+    allocate(c, used_and_seed, 6);
+    allocate(c, w.out.place, mine);
+    allocate(c, w.out.owned, (size_t)mine + 1);
+    fill(c, counts + 4, 0, 1);
     for (int i = 0; i < 3; i++) {
         w.q[i].count = counts + i;
-        if (!allocate(c, w.q[i].vertex, mine)) {
-            return false;
-        }
+        allocate(c, w.q[i].vertex, mine);
     }
     w.next = counts + 3;
     w.out.stop = counts + 4;
     w.out.used = used_and_seed;
     w.seed = used_and_seed + 1;
-    if (c.copies != NULL && good(c, cudaEventRecord(c.copied, c.stream), "cudaEventRecord")
-        && good(c, cudaStreamWaitEvent(c.copies, c.copied, 0), "cudaStreamWaitEvent")) {
+    if (c.copies != NULL) {
+        follow(c);
         c.stop = counts + 4;
     }
-    list_kernel<<<blocks_for(groups, 4), 128, 0, c.stream>>>(w.t, dim, w.out.first / group_size,
-                                                             w.out.first / group_size + groups, w.lists, w.infos);
-    return launched(c, "lists");
+    launch(c, "lists", list_kernel, over((size_t)groups * 32, 128), w.t, dim, w.out.first / group_size,
+           w.out.first / group_size + groups, w.lists, w.infos);
 }
 
 /* All stars into the store, again if it turns out too small. */
-template <int DIM, bool WEIGHTED> bool fill_store(call &c, workshop &w)
+template <int DIM, bool WEIGHTED> void fill_store(call &c, workshop &w)
 {
     unsigned long long used = 0;
     note(c, 2);
     for (;;) {
-        if (!allocate(c, w.out.word, (size_t)w.out.capacity * 4) || !build_stars<DIM, WEIGHTED>(c, w)
-            || !read_back(c, used, w.out.used, PBW_STAGE_BUILD, 0.95)) {
-            return false;
-        }
+        allocate(c, w.out.word, (size_t)w.out.capacity * 4);
+        build_stars<DIM, WEIGHTED>(c, w);
+        used = read_back(c, w.out.used, PBW_STAGE_BUILD, 0.95);
         if (used <= w.out.capacity) {
             break;
         }
-        release(c, w.out.word, false);
+        release(c, w.out.word);
         w.out.capacity = used + used / 16;
     }
-    release(c, w.lists, false);
-    release(c, w.infos, false);
-    return used <= ((unsigned long long)1 << 32) - 16
-        || fail(c, PBW_ERROR_TOO_LARGE, "too many simplices for the index type");
+    release(c, w.lists);
+    release(c, w.infos);
+    if (used > ((unsigned long long)1 << 32) - 16) {
+        fail(c, PBW_ERROR_TOO_LARGE, too_many);
+    }
 }
 
 /* The simplices of a share on their way out. */
@@ -5088,49 +4712,48 @@ struct output {
 };
 
 /* Numbers the simplices of all shares. */
-bool number_simplices(call &c, const workshop &w, output &o, pbw_cuda_mesh *mesh)
+void number_simplices(call &c, const workshop &w, output &o, pbw_cuda_mesh *mesh)
 {
     const uint32_t mine = w.out.end - w.out.first;
-    if (!allocate(c, o.offset, (size_t)mine + 1) || !sum_before(c, w.out.owned, o.offset, (size_t)mine + 1)
-        || !read_back(c, o.total, o.offset + mine, PBW_STAGE_OUTPUT, 0.0)) {
-        return false;
-    }
+    allocate(c, o.offset, (size_t)mine + 1);
+    sum_before(c, w.out.owned, o.offset, (size_t)mine + 1);
+    o.total = read_back(c, o.offset + mine, PBW_STAGE_OUTPUT, 0.0);
     mesh->simplex_count = o.total;
     if (!o.alone) {
         offer &own = c.cards->of[c.card];
         own.first = w.out.first;
         own.end = w.out.end;
         own.simplices = o.total;
-        if (!meet_cards(c, false, 0.0)) {
-            return false;
-        }
+        meet_cards(c, false, 0.0);
         for (int i = 0; i < c.cards->cards; i++) {
             o.before += i < c.card ? c.cards->of[i].simplices : 0;
             mesh->simplex_count += i != c.card ? c.cards->of[i].simplices : 0;
         }
     }
     note(c, 5);
-    return mesh->simplex_count < hidden || fail(c, PBW_ERROR_TOO_LARGE, "too many simplices for the index type");
+    if (mesh->simplex_count >= hidden) {
+        fail(c, PBW_ERROR_TOO_LARGE, too_many);
+    }
 }
 
 /* Writes the simplices, and lists those that other cards need. */
 template <int DIM>
-bool emit_simplices(call &c, const workshop &w, const output &o, directory<DIM> &all, pbw_cuda_mesh *mesh)
+void emit_simplices(call &c, const workshop &w, const output &o, directory<DIM> &all, pbw_cuda_mesh *mesh)
 {
     const uint32_t mine = w.out.end - w.out.first;
     const size_t links = (size_t)o.total * (DIM + 1), incident = o.alone ? c.count : mine;
     cell<DIM> *cells = NULL;
-    if (!fits(c, (size_t)o.total * (o.with_neighbors ? 3 : 2) * sizeof(cell<DIM>) + c.count * 4)
-        || !allocate(c, cells, o.total) || !allocate(c, mesh->simplices, links)
-        || !allocate(c, mesh->incident, incident) || (o.with_neighbors && !allocate(c, mesh->neighbors, links))
-        || !fill(c, mesh->incident, 0xff, incident) || !fill(c, w.next, 0, 1)) {
-        return false;
+    need_memory(c, (size_t)o.total * (o.with_neighbors ? 3 : 2) * sizeof(cell<DIM>) + c.count * 4);
+    allocate(c, cells, o.total);
+    allocate(c, mesh->simplices, links);
+    allocate(c, mesh->incident, incident);
+    if (o.with_neighbors) {
+        allocate(c, mesh->neighbors, links);
     }
-    emit_kernel<DIM><<<blocks_for(mine, emit_block / 8), emit_block, 0, c.stream>>>(w.out, o.offset, o.id, cells,
-                                                                                   mesh->simplices);
-    if (!launched(c, "simplices")) {
-        return false;
-    }
+    fill(c, mesh->incident, 0xff, incident);
+    fill(c, w.next, 0, 1);
+    launch(c, "simplices", emit_kernel<DIM>, over((size_t)mine * 8, emit_block), w.out, o.offset, o.id, cells,
+           mesh->simplices);
     note(c, 6);
     all.first = w.out.first;
     all.base = (uint32_t)o.before;
@@ -5138,64 +4761,69 @@ bool emit_simplices(call &c, const workshop &w, const output &o, directory<DIM> 
     all.cells = cells;
     pbw_status status = o.to_host && c.card == 0 ? c.job->reserve(c.job, mesh->simplex_count) : PBW_OK;
     if (status != PBW_OK) {
-        return fail(c, status, "out of memory on the host");
+        fail(c, status, "out of memory on the host");
     }
-    return (o.alone
-            || (list_guests<DIM>(c, all, mine) && meet_cards(c, false, 0.1) && fetch_guests<DIM>(c, all)))
-        && (!o.to_host
-            || copy_out(c, c.job->simplices + o.before * (DIM + 1), mesh->simplices, links * sizeof(pbw_index), 0.1));
+    if (!o.alone) {
+        list_guests<DIM>(c, all, mine);
+        meet_cards(c, false, 0.1);
+        fetch_guests<DIM>(c, all);
+    }
+    if (o.to_host) {
+        copy_out(c, c.job->simplices + o.before * (DIM + 1), mesh->simplices, links * sizeof(pbw_index), 0.1);
+    }
 }
 
 /* Finds the neighbours and incident simplices; w.next counts hidden points. */
 template <int DIM>
-bool find_neighbors(call &c, const workshop &w, const output &o, const directory<DIM> &all, pbw_cuda_mesh *mesh)
+void find_neighbors(call &c, const workshop &w, const output &o, const directory<DIM> &all, pbw_cuda_mesh *mesh)
 {
     const uint32_t mine = w.out.end - w.out.first, *id = o.alone ? o.id : NULL;
     pbw_index *beyond = o.alone ? NULL : c.cards->of[c.card].beyond;
-    neighbor_kernel<DIM><<<blocks_for(mine, emit_block / 8), emit_block, 0, c.stream>>>(
-        w.out, all, id, mesh->neighbors, beyond, mesh->incident, w.next);
+    launch(c, "neighbours", neighbor_kernel<DIM>, over((size_t)mine * 8, emit_block), w.out, all, id, mesh->neighbors,
+           beyond, mesh->incident, w.next);
     if (mesh->stars[1] > 0) {
-        large_neighbor_kernel<DIM><<<blocks_for(mesh->stars[1], 4), 128, 0, c.stream>>>(
-            w.q[2], w.out, all, id, mesh->neighbors, beyond, mesh->incident);
+        launch(c, "neighbours", large_neighbor_kernel<DIM>, over(mesh->stars[1] * 32, 128), w.q[2], w.out, all, id,
+               mesh->neighbors, beyond, mesh->incident);
     }
     note(c, 7);
-    if (!launched(c, "neighbours")) {
-        return false;
-    }
     if (!o.alone) {
         c.cards->of[c.card].incident = mesh->incident;
-        if (!wait(c, c.stream, PBW_STAGE_OUTPUT, 0.2) || !meet_cards(c, false, 0.3)
-            || (o.with_neighbors && !fetch_beyond<DIM>(c, all, mesh->neighbors))) {
-            return false;
-        }
+        wait(c, PBW_STAGE_OUTPUT, 0.2);
+        meet_cards(c, false, 0.3);
     }
-    return !o.to_host || !o.with_neighbors
-        || copy_out(c, c.job->neighbors + o.before * (DIM + 1), mesh->neighbors,
-                    (size_t)o.total * (DIM + 1) * sizeof(pbw_index), 0.4);
+    if (!o.alone && o.with_neighbors) {
+        fetch_beyond<DIM>(c, all, mesh->neighbors);
+    }
+    if (o.to_host && o.with_neighbors) {
+        copy_out(c, c.job->neighbors + o.before * (DIM + 1), mesh->neighbors,
+                 (size_t)o.total * (DIM + 1) * sizeof(pbw_index), 0.4);
+    }
 }
 
 /* The arrays of points: the first card writes the incident simplices of all, the last the canonical points. */
-bool copy_points(call &c, const output &o, const pbw_cuda_mesh *mesh)
+void copy_points(call &c, const output &o, const pbw_cuda_mesh *mesh)
 {
     pbw_index *incident = mesh->incident;
     const size_t bytes = c.count * sizeof(pbw_index);
-    if (!o.alone && c.card == 0
-        && (!allocate(c, incident, c.count) || !fill(c, incident, 0xff, c.count)
-            || !fetch_incident(c, o.id, incident))) {
-        return false;
+    if (!o.alone && c.card == 0) {
+        allocate(c, incident, c.count);
+        fill(c, incident, 0xff, c.count);
+        fetch_incident(c, o.id, incident);
     }
-    return !o.to_host
-        || ((c.card > 0 || copy_out(c, c.job->incident, incident, bytes, 0.4))
-            && (c.card + 1 < c.cards->cards || copy_out(c, c.job->canonical, mesh->canonical, bytes, 0.4)));
+    if (o.to_host && c.card == 0) {
+        copy_out(c, c.job->incident, incident, bytes, 0.4);
+    }
+    if (o.to_host && c.card + 1 == c.cards->cards) {
+        copy_out(c, c.job->canonical, mesh->canonical, bytes, 0.4);
+    }
 }
 
 template <int DIM, bool WEIGHTED>
-bool build(call &c, const space &s, const uint32_t *id, unsigned flags, pbw_cuda_mesh *mesh)
+void build(call &c, const space &s, const uint32_t *id, unsigned flags, pbw_cuda_mesh *mesh)
 {
     workshop w;
     output o;
     directory<DIM> all;
-    uint32_t hidden_count = 0;
     memset(&w, 0, sizeof w);
     memset(&o, 0, sizeof o);
     memset(&all, 0, sizeof all);
@@ -5205,67 +4833,68 @@ bool build(call &c, const space &s, const uint32_t *id, unsigned flags, pbw_cuda
     o.alone = c.cards == NULL || c.cards->cards == 1;
     o.with_neighbors = (flags & PBW_NO_NEIGHBORS) == 0;
     o.to_host = c.job->reserve != NULL;
-    if (!open_workshop(c, w, DIM) || !fill_store<DIM, WEIGHTED>(c, w) || !number_simplices(c, w, o, mesh)
-        || !emit_simplices<DIM>(c, w, o, all, mesh) || !find_neighbors<DIM>(c, w, o, all, mesh)
-        || !copy_points(c, o, mesh) || !read_back(c, hidden_count, w.next, PBW_STAGE_OUTPUT, 0.5)) {
-        return false;
-    }
-    mesh->hidden_count = hidden_count;
-    return true;
+    open_workshop(c, w, DIM);
+    fill_store<DIM, WEIGHTED>(c, w);
+    number_simplices(c, w, o, mesh);
+    emit_simplices<DIM>(c, w, o, all, mesh);
+    find_neighbors<DIM>(c, w, o, all, mesh);
+    copy_points(c, o, mesh);
+    mesh->hidden_count = read_back(c, w.next, PBW_STAGE_OUTPUT, 0.5);
 }
 
 /* A check while it runs. */
 struct checking {
     call &c;
     view m;
+    buffer<double> record;
     buffer<uint32_t> open;                           /* items that the stages without memory leave open */
     buffer<pbw__digit> pool;
-    buffer<record> basis;
-    buffer<finding> on_device;
-    finding found;
+    buffer<check_result> on_device;
+    check_result found;
     uint32_t points;                                 /* of a pass */
     pbw_report *report;                              /* NULL: only whether there is a fault */
-    checking(call &of, const pbw_cuda_mesh &mesh, const input &in, pbw_report *to)
-        : c(of), m{ in, mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical, (uint32_t)mesh.simplex_count,
-                    to == NULL, { 0.0, 0 }, NULL, NULL },
-          open(of), pool(of), basis(of), on_device(of), points((uint32_t)in.count), report(to) {}
+    checking(call &of, const pbw_cuda_mesh &mesh, const input &in, const pbw__grid &grid, pbw_report *to)
+        : c(of), record(of, in.count * (size_t)(in.dim + 1)),
+          open(of, mesh.simplex_count > in.count ? mesh.simplex_count : in.count),
+          pool(of, (size_t)check_blocks * 32 * PBW__POOL), on_device(of, 1), points((uint32_t)in.count), report(to)
+    {
+        (pbw__tested &)m = { mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical, record.at, in.count,
+                             mesh.simplex_count, grid, in.dim, to == NULL };
+        m.order = NULL;
+        memset(&found, 0, sizeof found);
+        found.least = ~0ull;
+        need(c, cudaMemcpyAsync(on_device.at, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy");
+        launch(c, "check", record_kernel, over(in.count, 256), in, record.at);
+    }
 };
 
-/* One pass; false: a fault, which the report then names, or no verdict. */
+/* Items by the threads of a shape; list: NULL if they are all; pool: NULL without the exact stage. */
+template <int DIM>
+void check_items(checking &k, int pass, uint32_t count, shape threads, const uint32_t *list, pbw__digit *pool)
+{
+    launch(k.c, "check", check_kernel<DIM>, threads, k.m, pass, count, list, k.open.at, pool, k.on_device.at);
+    k.found = read_back(k.c, k.on_device.at, PBW_STAGE_BUILD, 0.0);
+}
+
+/* One pass; returns false if there is a fault, which the report then names. */
 template <int DIM> bool check_pass(checking &k, int pass)
 {
     call &c = k.c;
     const bool of_points = pass == check_points || pass == check_hidden;
-    const uint32_t count = of_points ? k.points : k.m.count;
-    unsigned blocks = blocks_for(count, 128);
-    blocks = blocks < 1u << 16 ? blocks : 1u << 16;
-    check_kernel<DIM><<<blocks, 128, 0, c.stream>>>(k.m, pass, count, NULL, k.open.at, NULL, k.on_device.at);
-    if (!launched(c, "check") || !read_back(c, k.found, k.on_device.at, PBW_STAGE_BUILD, 0.0)) {
-        return false;
-    }
+    const uint32_t count = of_points ? k.points : (uint32_t)k.m.simplex_count;
+    check_items<DIM>(k, pass, count, at_most(1u << 16, over(count, 128)), NULL, NULL);
     if (k.found.open > 0) {
-        check_kernel<DIM><<<check_blocks, 32, 0, c.stream>>>(k.m, pass, k.found.open, k.open.at, NULL, k.pool.at,
-                                                             k.on_device.at);
-        if (!fill(c, &k.on_device.at->open, 0, 1) || !launched(c, "check")
-            || !read_back(c, k.found, k.on_device.at, PBW_STAGE_BUILD, 0.0)) {
-            return false;
-        }
+        check_items<DIM>(k, pass, k.found.open, shape{ check_blocks, 32, 0 }, k.open.at, k.pool.at);
+        fill(c, &k.on_device.at->open, 0, 1);
     }
-    if (k.found.least == ~0ull || k.report == NULL) {
-        return k.found.least == ~0ull;
+    if (k.found.least != ~0ull && k.report != NULL) {      /* once more, for a description of it */
+        const uint32_t item = (uint32_t)(k.found.least >> 32);
+        need(c, cudaMemcpyAsync(k.open.at, &item, sizeof item, cudaMemcpyHostToDevice, c.stream), "copy");
+        check_items<DIM>(k, pass, 1, shape{ 1, 32, 0 }, k.open.at, k.pool.at);
+        const pbw__finding &first = k.found.first;
+        (void)pbw__fault(k.report, first.fault, first.simplex, first.facet, first.point);
     }
-    uint32_t item = (uint32_t)(k.found.least >> 32);     /* once more, for a description of it */
-    if (!good(c, cudaMemcpyAsync(k.open.at, &item, sizeof item, cudaMemcpyHostToDevice, c.stream), "copy")) {
-        return false;
-    }
-    check_kernel<DIM><<<1, 32, 0, c.stream>>>(k.m, pass, 1, k.open.at, NULL, k.pool.at, k.on_device.at);
-    if (launched(c, "check") && read_back(c, k.found, k.on_device.at, PBW_STAGE_BUILD, 0.0)) {
-        k.report->what = pbw__fault_words[k.found.first.fault];
-        k.report->simplex = k.found.first.simplex;
-        k.report->facet = (pbw_index)k.found.first.facet;
-        k.report->point = k.found.first.point;
-    }
-    return false;
+    return k.found.least == ~0ull;
 }
 
 bool miscounts(pbw_report *report, size_t said, size_t counted, int fault)
@@ -5273,37 +4902,16 @@ bool miscounts(pbw_report *report, size_t said, size_t counted, int fault)
     return said != counted && !pbw__fault(report, fault, PBW_NONE, -1, PBW_NONE);
 }
 
-template <int DIM> bool open_check(checking &k, const pbw__grid &grid)
-{
-    call &c = k.c;
-    const size_t items = k.m.count > k.m.in.count ? k.m.count : k.m.in.count;
-    memset(&k.found, 0, sizeof k.found);
-    k.found.least = ~0ull;
-    if (!k.on_device.make(1) || !k.basis.make(DIM + 1) || !k.open.make(items)
-        || !k.pool.make((size_t)check_blocks * 32 * PBW__POOL)
-        || !good(c, cudaMemcpyAsync(k.on_device.at, &k.found, sizeof k.found, cudaMemcpyHostToDevice, c.stream),
-                 "copy")) {
-        return false;
-    }
-    basis_kernel<<<1, 32, 0, c.stream>>>(k.m, k.basis.at);
-    k.m.basis = k.basis.at;
-    k.m.grid = grid;
-    return launched(c, "check");
-}
-
 template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const input &in, pbw_report *report)
 {
-    survey *surveyed = NULL;
-    extents e;
-    checking k(c, mesh, in, report);
-    pbw__box_reset(&e.domain, 1);
-    if (!survey_points(c, in, surveyed, e) || !open_check<DIM>(k, e.grid) || !check_pass<DIM>(k, check_points)) {
+    buffer<survey> surveyed(c, 1);
+    checking k(c, mesh, in, survey_points(c, in, 1, surveyed).grid, report);
+    if (!check_pass<DIM>(k, check_points)) {
         return false;
     }
-    const size_t vertices = (size_t)k.found.counted[check_points][0];
     const size_t others = (size_t)k.found.counted[check_points][1];
-    report->vertex_count = vertices;
-    if (miscounts(report, mesh.duplicate_count, in.count - vertices - others, PBW__FAULT_DUPLICATES)
+    report->vertex_count = (size_t)k.found.counted[check_points][0];
+    if (miscounts(report, mesh.duplicate_count, (size_t)k.found.counted[check_points][2], PBW__FAULT_DUPLICATES)
         || miscounts(report, mesh.hidden_count, others, PBW__FAULT_HIDDEN)
         || !check_pass<DIM>(k, check_simplices)) {
         return false;
@@ -5313,24 +4921,33 @@ template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const inp
     return check_pass<DIM>(k, check_hull) && (others == 0 || check_pass<DIM>(k, check_hidden));
 }
 
-/* The arrays of a mesh leave the blocks of the call. */
-void release_mesh(call &c, const pbw_cuda_mesh &mesh, bool keep)
+/* The arrays of a mesh, one by one. */
+const int mesh_arrays = 4;
+
+pbw_index *&array_of(pbw_cuda_mesh &mesh, int i)
 {
-    release(c, mesh.simplices, keep);
-    release(c, mesh.neighbors, keep);
-    release(c, mesh.incident, keep);
-    release(c, mesh.canonical, keep);
+    return i == 0 ? mesh.simplices : i == 1 ? mesh.neighbors : i == 2 ? mesh.incident : mesh.canonical;
+}
+
+size_t entries_of(const pbw_cuda_mesh &mesh, int i)
+{
+    return i < 2 ? mesh.simplex_count * (size_t)(mesh.dim + 1) : mesh.point_count;
+}
+
+/* The arrays of a mesh leave the blocks of the call. */
+void release_mesh(call &c, pbw_cuda_mesh mesh, bool keep)
+{
+    for (int i = 0; i < mesh_arrays; i++) {
+        release(c, array_of(mesh, i), keep);
+    }
 }
 
 /* The last mesh of a loop becomes the call's: where the call fails, it frees that too. */
 void adopt_last(call &c)
 {
-    const pbw_cuda_mesh &mesh = c.last->mesh;
-    pbw_index *const array[4] = { mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical };
-    for (int i = 0; i < 4; i++) {
-        if (array[i] != NULL) {
-            own(c, array[i], (i < 2 ? mesh.simplex_count * (size_t)(mesh.dim + 1) : mesh.point_count)
-                             * sizeof(pbw_index));
+    for (int i = 0; i < mesh_arrays; i++) {
+        if (array_of(c.last->mesh, i) != NULL) {
+            own(c, array_of(c.last->mesh, i), entries_of(c.last->mesh, i) * sizeof(pbw_index));
         }
     }
     if (c.last->id != NULL) {
@@ -5343,42 +4960,36 @@ void adopt_last(call &c)
 template <int DIM>
 bool holds(call &c, const pbw_cuda_mesh &mesh, const input &in, const space &s, const uint32_t *id)
 {
-    checking k(c, mesh, in, NULL);
+    checking k(c, mesh, in, s.grid, NULL);
     k.m.order = id;
     k.points = s.count;
-    return open_check<DIM>(k, s.grid) && check_pass<DIM>(k, check_simplices) && check_pass<DIM>(k, check_hull)
+    return check_pass<DIM>(k, check_simplices) && check_pass<DIM>(k, check_hull)
         && (mesh.hidden_count == 0 || check_pass<DIM>(k, check_hidden));
 }
 
 /* Writes the arrays of old in the order that the points have now. */
 template <int DIM>
-bool reorder_mesh(call &c, const pbw_cuda_mesh &old, const space &s, const uint32_t *id, pbw_cuda_mesh *mesh)
+void reorder_mesh(call &c, const pbw_cuda_mesh &old, const space &s, const uint32_t *id, pbw_cuda_mesh *mesh)
 {
     const size_t count = old.simplex_count, links = count * (DIM + 1);
-    const unsigned blocks = blocks_for(count, 256);
+    const shape all = over(count, 256);
     const int bits = pbw__index_bits(s.count);
-    buffer<uint32_t> rank(c);
-    sortable<uint32_t> third(c), order(c);
-    sortable<uint64_t> first(c);
-    if (!rank.make(old.point_count) || !third.make(count) || !order.make(count) || !first.make(count)
-        || !allocate(c, mesh->simplices, links) || !allocate(c, mesh->neighbors, links)
-        || !allocate(c, mesh->incident, old.point_count) || !fill(c, mesh->incident, 0xff, old.point_count)) {
-        return false;
-    }
+    buffer<uint32_t> rank(c, old.point_count);
+    sortable<uint32_t> third(c, count), order(c, count);
+    sortable<uint64_t> first(c, count);
     const reorder m = { old.simplices, old.neighbors, id, rank.at, (uint32_t)count, bits };
-    rank_kernel<<<blocks_for(s.count, 256), 256, 0, c.stream>>>(id, s.count, rank.at);
-    third_kernel<DIM><<<blocks, 256, 0, c.stream>>>(m, third.array.at, order.array.at);
-    if (!launched(c, "order") || !sort_pairs(c, third, order, count, { 0, bits })) {
-        return false;
-    }
-    first_kernel<DIM><<<blocks, 256, 0, c.stream>>>(m, order.array.at, first.array.at);
-    if (!launched(c, "order") || !sort_pairs(c, first, order, count, { 0, 2 * bits })) {
-        return false;
-    }
-    rank_kernel<<<blocks, 256, 0, c.stream>>>(order.array.at, m.count, order.spare.at);
-    rewrite_kernel<DIM><<<blocks, 256, 0, c.stream>>>(m, order.array.at, order.spare.at, mesh->simplices,
-                                                      mesh->neighbors, mesh->incident);
-    return launched(c, "order");
+    allocate(c, mesh->simplices, links);
+    allocate(c, mesh->neighbors, links);
+    allocate(c, mesh->incident, old.point_count);
+    fill(c, mesh->incident, 0xff, old.point_count);
+    launch(c, "order", rank_kernel, over(s.count, 256), id, s.count, rank.at);
+    launch(c, "order", third_kernel<DIM>, all, m, third.array.at, order.array.at);
+    sort_pairs(c, third, order, count, { 0, bits });
+    launch(c, "order", first_kernel<DIM>, all, m, order.array.at, first.array.at);
+    sort_pairs(c, first, order, count, { 0, 2 * bits });
+    launch(c, "order", rank_kernel, all, order.array.at, m.count, order.spare.at);
+    launch(c, "order", rewrite_kernel<DIM>, all, m, order.array.at, order.spare.at, mesh->simplices, mesh->neighbors,
+           mesh->incident);
 }
 
 /* Makes the mesh of the last one, if that holds. */
@@ -5386,33 +4997,31 @@ template <int DIM>
 bool keep_mesh(call &c, const pbw_cuda_mesh &old, const input &in, const space &s, const uint32_t *id,
                pbw_cuda_mesh *mesh)
 {
-    uint2 differ = { 0, 0 };                         /* duplicates; the order */
     const bool ordered_alike = c.last->count == s.count;
-    buffer<uint2> flags(c);
-    if (!flags.make(1) || !fill(c, flags.at, 0, 1)) {
-        return false;
-    }
-    compare_kernel<<<blocks_for(in.count, 256), 256, 0, c.stream>>>(old.canonical, mesh->canonical,
-                                                                    (uint32_t)in.count, &flags.at->x);
+    buffer<uint2> flags(c, 1);                       /* whether duplicates differ, and the order */
+    fill(c, flags.at, 0, 1);
+    launch(c, "order", compare_kernel, over(in.count, 256), old.canonical, mesh->canonical, (uint32_t)in.count,
+           &flags.at->x);
     if (ordered_alike) {
-        compare_kernel<<<blocks_for(s.count, 256), 256, 0, c.stream>>>(c.last->id, id, s.count, &flags.at->y);
+        launch(c, "order", compare_kernel, over(s.count, 256), c.last->id, id, s.count, &flags.at->y);
     }
-    if (!launched(c, "order") || !read_back(c, differ, flags.at, PBW_STAGE_BUILD, 0.0) || differ.x != 0
-        || !holds<DIM>(c, old, in, s, id)) {
+    const uint2 differ = read_back(c, flags.at, PBW_STAGE_BUILD, 0.0);
+    if (differ.x != 0 || !holds<DIM>(c, old, in, s, id)) {
         return false;
     }
     if (ordered_alike && differ.y == 0) {
         mesh->simplices = old.simplices;
         mesh->neighbors = old.neighbors;
         mesh->incident = old.incident;
-    } else if (!reorder_mesh<DIM>(c, old, s, id, mesh)) {
-        return false;
+    } else {
+        reorder_mesh<DIM>(c, old, s, id, mesh);
     }
     mesh->simplex_count = old.simplex_count;
     mesh->hidden_count = old.hidden_count;
     mesh->kept = 1;
     note(c, 7);
-    return wait(c, c.stream, PBW_STAGE_OUTPUT, 0.5);
+    wait(c, PBW_STAGE_OUTPUT, 0.5);
+    return true;
 }
 
 /* The same for any call; a last mesh that does not hold is freed. */
@@ -5424,80 +5033,69 @@ bool keep_last(call &c, const input &in, const space &s, uint32_t *id, pbw_cuda_
     const pbw_cuda_mesh old = c.last->mesh;
     const bool alike = !c.anew && old.simplex_count > 0 && old.neighbors != NULL && old.dim == in.dim
                     && old.point_count == in.count && old.duplicate_count == mesh->duplicate_count;
-    const bool kept = alike && (in.dim == 3 ? keep_mesh<3>(c, old, in, s, id, mesh)
-                                            : keep_mesh<2>(c, old, in, s, id, mesh));
+    const bool kept = alike && (in.dim == 3 ? keep_mesh<3> : keep_mesh<2>)(c, old, in, s, id, mesh);
     if (!kept) {
         release_mesh(c, old, false);
     }
-    release(c, c.last->id, false);
+    release(c, c.last->id);
     c.last->id = id;
     c.last->count = s.count;
     return kept;
 }
 
-bool run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
+void run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
 {
     space s;
     uint32_t *id = NULL;
-    bool weighted = false, done;
     memset(&s, 0, sizeof s);
     mesh->dim = in.dim;
     mesh->point_count = in.count;
     if (in.count < PBW_CUDA_FEW) {
-        return decline(c, few_points);
+        decline(c, few_points);
     }
     if (in.count >= (size_t)1 << 31) {
-        return decline(c, "too many points for the device code");
+        decline(c, "too many points for the device code");
     }
     note(c, 0);
-    if (!allocate(c, mesh->canonical, in.count)
-        || !order_points(c, in, s, id, weighted, mesh)) {
-        return false;
-    }
-    release(c, in.points, false);                    /* those of a job: the records have all */
-    release(c, in.weights, false);
+    allocate(c, mesh->canonical, in.count);
+    const bool weighted = order_points(c, in, s, id, mesh);
+    release(c, in.points);                           /* those of a job: the records have all */
+    release(c, in.weights);
     note(c, 1);
-    done = keep_last(c, in, s, id, mesh);
-    if (!done && c.status == PBW_OK) {
-        done = in.dim == 3 ? (weighted ? build<3, true> : build<3, false>)(c, s, id, flags, mesh)
-                           : (weighted ? build<2, true> : build<2, false>)(c, s, id, flags, mesh);
+    if (!keep_last(c, in, s, id, mesh)) {
+        (in.dim == 3 ? (weighted ? build<3, true> : build<3, false>)
+                     : (weighted ? build<2, true> : build<2, false>))(c, s, id, flags, mesh);
     }
-    for (int i = 0; i < 8 && done; i += mesh->kept ? 7 : 1) {
-        done = good(c, cudaEventElapsedTime(&mesh->milliseconds[i], c.mark[i < 7 ? i : 0], c.mark[i < 7 ? i + 1 : 7]),
-                    "cudaEventElapsedTime");
+    for (int i = 0; i < 8; i += mesh->kept ? 7 : 1) {
+        need(c, cudaEventElapsedTime(&mesh->milliseconds[i], c.mark[i < 7 ? i : 0], c.mark[i < 7 ? i + 1 : 7]),
+             "cudaEventElapsedTime");
     }
-    return done;
 }
 
 /* ------------------------------------------------------------------------------------------------------
    >>entry        The backend, and the entries for points on the device.
    ------------------------------------------------------------------------------------------------------ */
 /* count: the points to triangulate; 0 in a check. */
-bool open_call(call &c, cudaStream_t stream, int dim, size_t count)
+void open_call(call &c, cudaStream_t stream, int dim, size_t count)
 {
     int device = 0, pools = 0;
     c.stream = stream;
     c.dim = dim;
     c.count = count;
     c.stars = count / (c.cards != NULL ? (size_t)c.cards->cards : 1);
-    if (!good(c, cudaGetDevice(&device), "no usable device")
-        || !good(c, cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, device),
-                 "cudaDeviceGetAttribute")) {
-        return false;
-    }
+    need(c, cudaGetDevice(&device), "no usable device");
+    need(c, cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, device), "cudaDeviceGetAttribute");
     if (!pools) {
-        return fail(c, PBW_ERROR_BACKEND, "the device or its driver has no memory pools");
+        fail(c, PBW_ERROR_BACKEND, "the device or its driver has no memory pools");
     }
-    if (c.lent) {
-        return true;
+    if (!c.lent) {
+        need(c, cudaDeviceGetMemPool(&c.pool, device), "cudaDeviceGetMemPool");
+        for (int i = 0; i < 8; i++) {
+            need(c, cudaEventCreate(&c.mark[i]), "cudaEventCreate");
+        }
+        need(c, cudaEventCreateWithFlags(&c.ready, cudaEventDisableTiming), "cudaEventCreate");
+        need(c, cudaEventCreateWithFlags(&c.copied, cudaEventDisableTiming), "cudaEventCreate");
     }
-    good(c, cudaDeviceGetMemPool(&c.pool, device), "cudaDeviceGetMemPool");
-    for (int i = 0; i < 8; i++) {
-        good(c, cudaEventCreate(&c.mark[i]), "cudaEventCreate");
-    }
-    good(c, cudaEventCreateWithFlags(&c.ready, cudaEventDisableTiming), "cudaEventCreate");
-    good(c, cudaEventCreateWithFlags(&c.copied, cudaEventDisableTiming), "cudaEventCreate");
-    return c.status == PBW_OK;
 }
 
 void destroy_events(const gear &g)
@@ -5510,6 +5108,11 @@ void destroy_events(const gear &g)
     }
 }
 
+void open_copies(call &c)
+{
+    need(c, cudaStreamCreateWithFlags(&c.copies, cudaStreamNonBlocking), "cudaStreamCreate");
+}
+
 /* Frees all but what the mesh, if there is one, has; the stream may still have work for it. */
 void close_call(call &c, const pbw_cuda_mesh *mesh)
 {
@@ -5517,7 +5120,7 @@ void close_call(call &c, const pbw_cuda_mesh *mesh)
         release_mesh(c, *mesh, true);
     }
     while (c.blocks > 0) {
-        release(c, c.block[0].address, false);
+        release(c, c.block[0].address);
     }
     if (!c.lent) {
         destroy_events(c);
@@ -5525,36 +5128,32 @@ void close_call(call &c, const pbw_cuda_mesh *mesh)
     (void)cudaGetLastError();
 }
 
+size_t number_size(bool is_float)
+{
+    return is_float ? sizeof(float) : sizeof(double);
+}
+
 bool is_packed(const pbw_job *job)
 {
-    const size_t size = job->is_float ? sizeof(float) : sizeof(double);
+    const size_t size = number_size(job->is_float);
     return job->stride == (size_t)job->dim * size && (job->weights == NULL || job->weight_stride == size);
 }
 
-/* The input of a job on the device; strided input has been packed. */
-bool upload(call &c, input &in)
+/* Returns the input of a job, on the device; strided input has been packed. */
+input upload(call &c)
 {
     const pbw_job *job = c.job;
     const bool packed = is_packed(job);
-    const void *points = packed ? job->points : job->kept_points;
-    const void *weights = packed ? job->weights : job->kept_weights;
-    char *on_device = NULL;
-    in.dim = job->dim;
-    in.count = job->count;
-    in.is_float = packed && job->is_float;
-    in.points = in.weights = NULL;
-    const size_t size = in.is_float ? sizeof(float) : sizeof(double);
-    for (int part = 0; part < (weights != NULL ? 2 : 1); part++) {
-        size_t bytes = job->count * size * (part == 0 ? (size_t)job->dim : 1);
-        if (!allocate(c, on_device, bytes)
-            || !good(
-                c, cudaMemcpyAsync(on_device, part == 0 ? points : weights, bytes, cudaMemcpyHostToDevice, c.stream),
-                "copying points")) {
-            return false;
-        }
+    const void *from[2] = { packed ? job->points : job->kept_points, packed ? job->weights : job->kept_weights };
+    input in = { NULL, NULL, job->count, job->dim, packed && job->is_float };
+    for (int part = 0; part < 2 && from[part] != NULL; part++) {
+        const size_t bytes = job->count * number_size(in.is_float) * (part == 0 ? (size_t)job->dim : 1);
+        char *on_device = NULL;
+        allocate(c, on_device, bytes);
+        need(c, cudaMemcpyAsync(on_device, from[part], bytes, cudaMemcpyHostToDevice, c.stream), "copying points");
         (part == 0 ? in.points : in.weights) = on_device;
     }
-    return true;
+    return in;
 }
 
 /* A card's part in a job. */
@@ -5562,21 +5161,22 @@ void take_part(team *cards, int card, pbw_job *job, pbw_cuda_mesh *mesh)
 {
     cudaStream_t stream = NULL;
     call c;
-    input in;
     memset(&c, 0, sizeof c);
     c.cards = cards;
     c.card = card;
     c.job = job;
-    if (good(c, cudaSetDevice(cards->of[card].device), "cudaSetDevice")
-        && good(c, cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "no stream on the device")
-        && open_call(c, stream, job->dim, job->count)
-        && good(c, cudaStreamCreateWithFlags(&c.copies, cudaStreamNonBlocking), "cudaStreamCreate")
-        && open_pool(c) && upload(c, in)) {
-        run(c, in, job->flags, mesh);
+    try {
+        need(c, cudaSetDevice(cards->of[card].device), "cudaSetDevice");
+        need(c, cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "no stream on the device");
+        open_call(c, stream, job->dim, job->count);
+        open_copies(c);
+        open_pool(c);
+        run(c, upload(c), job->flags, mesh);
+    } catch (const failure &) {
+        fall_out(c, NULL);
     }
-    fall_out(c, NULL);
     if (c.copies != NULL) {                          /* they must end before the job's memory may be freed */
-        wait(c, c.copies, PBW_STAGE_OUTPUT, 0.8);
+        finish_stream(c, c.copies, PBW_STAGE_OUTPUT, 0.8);
         good(c, cudaStreamSynchronize(c.copies), "copying results");
         cudaStreamDestroy(c.copies);
     }
@@ -5691,7 +5291,7 @@ struct request {
     const gear *tools;
 };
 
-bool open_local(local_call &local, const request &r)
+void open_local(local_call &local, const request &r)
 {
     const pbw_options &options = r.options;
     call &c = local.c;
@@ -5704,6 +5304,7 @@ bool open_local(local_call &local, const request &r)
     local.job.say = pbw__job_say;
     local.job.context = &local.dispatch;
     c.job = &local.job;
+    c.must = r.cpu == NULL;
     if (r.last != NULL) {
         (gear &)c = *r.tools;
         c.lent = true;
@@ -5713,12 +5314,14 @@ bool open_local(local_call &local, const request &r)
     }
     local.fp = pbw__fp_enter();
     if (!pbw__fp_is_exact()) {
-        return fail(c, PBW_ERROR_FP_MODE, pbw_status_string(PBW_ERROR_FP_MODE));
+        fail(c, PBW_ERROR_FP_MODE, pbw_status_string(PBW_ERROR_FP_MODE));
     }
     look_up(c, PBW_STAGE_ORDER, 0.0);
-    return c.status == PBW_OK && open_call(c, r.stream, r.in.dim, r.check ? 0 : r.in.count)
-        && (options.progress == NULL || c.lent
-            || good(c, cudaStreamCreateWithFlags(&c.copies, cudaStreamNonBlocking), "cudaStreamCreate"));
+    go_on(c);
+    open_call(c, r.stream, r.in.dim, r.check ? 0 : r.in.count);
+    if (options.progress != NULL && !c.lent) {
+        open_copies(c);
+    }
 }
 
 /* On success all but the mesh's arrays is freed, else those too. */
@@ -5746,66 +5349,78 @@ pbw_status close_local(local_call &local, pbw_cuda_mesh *mesh)
     return c.status;
 }
 
+/* Fetches the points of an input as doubles; floats come to lie in the second half, and are widened in place. */
+void fetch_points(call &c, const input &in, double *points, size_t numbers)
+{
+    const size_t size = number_size(in.is_float), bytes = in.count * (size_t)in.dim * size;
+    char *packed = (char *)(points + numbers) - numbers * size;
+    need(c, cudaMemcpyAsync(packed, in.points, bytes, cudaMemcpyDeviceToHost, c.stream), "copying points");
+    if (in.weights != NULL) {
+        need(c, cudaMemcpyAsync(packed + bytes, in.weights, in.count * size, cudaMemcpyDeviceToHost, c.stream),
+             "copying weights");
+    }
+    wait(c, PBW_STAGE_ORDER, 0.0);
+    for (size_t i = 0; i < numbers && in.is_float; i++) {
+        float number;
+        memcpy(&number, packed + i * sizeof number, sizeof number);
+        points[i] = (double)number;
+    }
+}
+
+/* Copies a mesh of the CPU to the device. */
+void send_mesh(call &c, const pbw_mesh &host, const input &in, pbw_cuda_mesh *mesh)
+{
+    const pbw_index *from[mesh_arrays] = { host.simplices, host.neighbors, host.incident, host.canonical };
+    mesh->dim = in.dim;
+    mesh->by_cpu = 1;
+    mesh->point_count = in.count;
+    mesh->simplex_count = host.simplex_count;
+    mesh->duplicate_count = host.duplicate_count;
+    mesh->hidden_count = host.hidden_count;
+    for (int i = 0; i < mesh_arrays; i++) {
+        if (from[i] != NULL) {
+            allocate(c, array_of(*mesh, i), entries_of(*mesh, i));
+            need(c, cudaMemcpyAsync(array_of(*mesh, i), from[i], entries_of(*mesh, i) * sizeof(pbw_index),
+                                    cudaMemcpyHostToDevice, c.stream), "copying results");
+        }
+    }
+}
+
 /* An input on the device that is for the CPU: its points to the host, the arrays to the device. */
-bool build_by(pbw_triangulator *cpu, call &c, const input &in, pbw_options options, pbw_cuda_mesh *mesh)
+void build_by(pbw_triangulator *cpu, call &c, const input &in, pbw_options options, pbw_cuda_mesh *mesh)
 {
     pbw__memory &memory = ((pbw__dispatch *)c.job->context)->context->memory;
-    const size_t size = in.is_float ? sizeof(float) : sizeof(double), coordinates = in.count * (size_t)in.dim;
-    const size_t numbers = coordinates + (in.weights != NULL ? in.count : 0);
+    const size_t coordinates = in.count * (size_t)in.dim, numbers = coordinates + (in.weights != NULL ? in.count : 0);
     double *points = (double *)pbw__allocate(&memory, numbers, sizeof(double));
-    char *packed = (char *)(points + numbers) - numbers * size;        /* floats: the second half, widened in place */
     pbw_mesh host;
-    pbw_status status;
+    pbw_status status = PBW_OK;
     if (points == NULL) {
-        return fail(c, PBW_ERROR_MEMORY, "out of memory on the host");
+        fail(c, PBW_ERROR_MEMORY, "out of memory on the host");
     }
     options.backend = NULL;
     options.trace = NULL;
     options.stride = options.weight_stride = 0;
     options.memory_limit -= options.memory_limit > 0 ? memory.used - (memory.used == memory.limit) : 0;
     memset(&host, 0, sizeof host);
-    if (good(c, cudaMemcpyAsync(packed, in.points, coordinates * size, cudaMemcpyDeviceToHost, c.stream),
-             "copying points")
-        && (in.weights == NULL
-            || good(c, cudaMemcpyAsync(packed + coordinates * size, in.weights, in.count * size,
-                                       cudaMemcpyDeviceToHost, c.stream), "copying weights"))
-        && wait(c, c.stream, PBW_STAGE_ORDER, 0.0)) {
-        for (size_t i = 0; i < numbers && in.is_float; i++) {
-            float number;
-            memcpy(&number, packed + i * sizeof number, sizeof number);
-            points[i] = (double)number;
-        }
+    try {
+        fetch_points(c, in, points, numbers);
         status = cpu(in.dim, points, in.weights != NULL ? points + coordinates : NULL, in.count, &options, &host);
         if (status != PBW_OK && status != PBW_DEGENERATE) {
             fail(c, status, pbw_status_string(status));
         }
-        const pbw_index *from[4] = { host.simplices, host.neighbors, host.incident, host.canonical };
-        pbw_index **to[4] = { &mesh->simplices, &mesh->neighbors, &mesh->incident, &mesh->canonical };
-        for (int i = 0; i < 4; i++) {
-            const size_t entries = i < 2 ? host.simplex_count * ((size_t)in.dim + 1) : in.count;
-            if (from[i] != NULL && allocate(c, *to[i], entries)) {
-                good(c, cudaMemcpyAsync(*to[i], from[i], entries * sizeof(pbw_index), cudaMemcpyHostToDevice,
-                                        c.stream), "copying results");
-            }
-        }
-        mesh->dim = in.dim;
-        mesh->by_cpu = 1;
-        mesh->point_count = in.count;
-        mesh->simplex_count = host.simplex_count;
-        mesh->duplicate_count = host.duplicate_count;
-        mesh->hidden_count = host.hidden_count;
-        wait(c, c.stream, PBW_STAGE_OUTPUT, 0.9);    /* the host arrays are freed next */
-        c.status = c.status == PBW_OK ? status : c.status;
+        send_mesh(c, host, in, mesh);
+    } catch (const failure &) {
     }
+    finish_stream(c, c.stream, PBW_STAGE_OUTPUT, 0.9);      /* the host arrays are freed next */
+    c.status = c.status == PBW_OK ? status : c.status;
     pbw_free(&host);
     pbw__release(&memory, points, numbers, sizeof(double));
-    return c.status == PBW_OK || c.status == PBW_DEGENERATE;
 }
 
 /* Builds a mesh, by the CPU where that is what the caller wants. */
 pbw_status serve(request &r, const pbw_options *given_options, pbw_cuda_mesh *mesh)
 {
-    const size_t size = r.in.is_float ? sizeof(float) : sizeof(double);
+    const size_t size = number_size(r.in.is_float);
     pbw_status status = PBW_ERROR_BACKEND;
     if (mesh == NULL) {
         return PBW_ERROR_ARGUMENT;
@@ -5823,12 +5438,15 @@ pbw_status serve(request &r, const pbw_options *given_options, pbw_cuda_mesh *me
     for (int on_cpu = 0; on_cpu < 2 && status == PBW_ERROR_BACKEND; on_cpu++) {
         local_call local;
         call &c = local.c;
-        if (open_local(local, r)) {
-            c.must = r.cpu == NULL;
-        }
-        if (c.status == PBW_OK
-            && (on_cpu ? build_by(r.cpu, c, r.in, r.options, mesh) : run(c, r.in, r.options.flags, mesh))) {
+        try {
+            open_local(local, r);
+            if (on_cpu) {
+                build_by(r.cpu, c, r.in, r.options, mesh);
+            } else {
+                run(c, r.in, r.options.flags, mesh);
+            }
             look_up(c, PBW_STAGE_OUTPUT, 1.0);
+        } catch (const failure &) {
         }
         status = close_local(local, mesh);
         if (r.cpu == NULL || (!c.declined && (r.options.flags & PBW_BACKEND_OR_CPU) == 0)) {
@@ -5890,10 +5508,9 @@ extern "C" pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *po
 extern "C" void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream)
 {
     if (mesh != NULL) {
-        pbw_index *array[4] = { mesh->simplices, mesh->neighbors, mesh->incident, mesh->canonical };
-        for (int i = 0; i < 4; i++) {
-            if (array[i] != NULL) {
-                cudaFreeAsync(array[i], (cudaStream_t)stream);
+        for (int i = 0; i < mesh_arrays; i++) {
+            if (array_of(*mesh, i) != NULL) {
+                cudaFreeAsync(array_of(*mesh, i), (cudaStream_t)stream);
             }
         }
         memset(mesh, 0, sizeof *mesh);
@@ -5917,10 +5534,11 @@ extern "C" pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, co
     }
     r.in.dim = mesh->dim;
     r.in.count = mesh->point_count;
-    if (open_local(local, r)) {
-        report->valid = mesh->dim == 3 ? check_mesh<3>(local.c, *mesh, r.in, report)
-                                       : check_mesh<2>(local.c, *mesh, r.in, report);
+    try {
+        open_local(local, r);
+        report->valid = (mesh->dim == 3 ? check_mesh<3> : check_mesh<2>)(local.c, *mesh, r.in, report);
         look_up(local.c, PBW_STAGE_CHECK, 1.0);
+    } catch (const failure &) {
     }
     return close_local(local, NULL);
 }
@@ -5950,33 +5568,34 @@ extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, voi
     call &c = local.c;
     *result = NULL;
     r.options.progress = NULL;
-    if (open_local(local, r)) {
+    try {
+        open_local(local, r);
         memset(&properties, 0, sizeof properties);
         properties.allocType = cudaMemAllocationTypePinned;
         properties.location.type = cudaMemLocationTypeDevice;
         loop = (pbw_cuda_loop *)pbw__allocate(&local.context.memory, 1, sizeof *loop);
         if (loop == NULL) {
             fail(c, PBW_ERROR_MEMORY, "out of memory on the host");
-        } else if (good(c, cudaGetDevice(&properties.location.id), "cudaGetDevice")
-                   && good(c, cudaMemPoolCreate(&pool, &properties), "cudaMemPoolCreate")
-                   && good(c, cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &all), "the pool")
-                   && good(c, cudaStreamCreateWithFlags(&c.copies, cudaStreamNonBlocking), "cudaStreamCreate")
-                   && good(c, cudaMallocHost(&c.pinned, pinned_bytes), "cudaMallocHost")) {
-            c.pool = pool;
-            c.lent = true;
-            memset(loop, 0, sizeof *loop);
-            loop->device = properties.location.id;
-            loop->stream = r.stream;
-            loop->options = options;
-            loop->cpu = cpu;
-            loop->tools = c;
-        } else {
-            if (pool != NULL) {
-                cudaMemPoolDestroy(pool);
-            }
-            pbw__release(&local.context.memory, loop, 1, sizeof *loop);
-            loop = NULL;
         }
+        need(c, cudaGetDevice(&properties.location.id), "cudaGetDevice");
+        need(c, cudaMemPoolCreate(&pool, &properties), "cudaMemPoolCreate");
+        need(c, cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &all), "the pool");
+        open_copies(c);
+        need(c, cudaMallocHost(&c.pinned, pinned_bytes), "cudaMallocHost");
+        c.pool = pool;
+        c.lent = true;
+        memset(loop, 0, sizeof *loop);
+        loop->device = properties.location.id;
+        loop->stream = r.stream;
+        loop->options = options;
+        loop->cpu = cpu;
+        loop->tools = c;
+    } catch (const failure &) {
+        if (pool != NULL) {
+            cudaMemPoolDestroy(pool);
+        }
+        pbw__release(&local.context.memory, loop, 1, sizeof *loop);
+        loop = NULL;
     }
     *result = loop;
     return close_local(local, NULL);

@@ -67,7 +67,7 @@ static int sort_entries(const pbw__curve *curve, entry *e, size_t count, int dim
         return 0;
     }
     for (i = 0; i < count; i++) {
-        e[i].key = pbw__hilbert_key(curve, &box, e[i].x, dim, curve->levels);
+        e[i].key = pbw__hilbert_key(curve->step, &box, e[i].x, dim, curve->levels);
     }
     qsort(e, count, sizeof *e, by_key);
     for (i = 0; i < count; i = end) {
