@@ -133,10 +133,11 @@ static int compare(const points *p)
         pbw__context_start(&context, &options, p->count);
         if (CHECK_EQUAL(pbw__order(&context, &input, &vertices), PBW_OK)) {
             CHECK_EQUAL(vertices.count, unique);
+            CHECK_EQUAL(vertices.width, (size_t)p->dim + (p->w != NULL));
             CHECK_EQUAL(vertices.duplicate_count, p->count - unique);
             for (i = 0; i < unique && vertices.count == unique; i++) {
-                const double *record = vertices.record + (i + 1) * (size_t)(p->dim + 1);
-                wrong += vertices.id[i + 1] != e[i].index || record[p->dim] != e[i].x[3]
+                const double *record = vertices.record + (i + 1) * vertices.width;
+                wrong += vertices.id[i + 1] != e[i].index || (p->w != NULL && record[p->dim] != e[i].x[3])
                       || memcmp(record, e[i].x, (size_t)p->dim * sizeof(double)) != 0;
             }
             CHECK_EQUAL(wrong, 0);

@@ -359,8 +359,12 @@ static int lanes_sign(const points *p, int power)
     static const pbw_index corner[4] = { 1, 2, 3, 4 };
     pbw_index turn[3][4] = { { 3, 1, 2, 3 }, { 2, 3, 1, 2 }, { 1, 2, 3, 1 } };
     double record[5 * 4] = { 0 };
+    pbw__kernel kernel;
     unsigned certain, inside;
     int i, k, weighted = 0, dim = p->dim;
+    memset(&kernel, 0, sizeof kernel);
+    kernel.record = record;
+    kernel.width = (size_t)dim + 1;
     for (i = 0; i < dim + 2; i++) {
         weighted |= p->at[i][dim] != 0;
         for (k = 0; k < dim && i <= dim; k++) {
@@ -370,8 +374,8 @@ static int lanes_sign(const points *p, int power)
     if (!have_vectors() || !power || weighted) {
         return PBW__OPEN;
     }
-    certain = dim == 3 ? pbw__power4_pairs(record, corner, corner, p->at[4], &inside)
-                       : pbw__circle4_pairs(record, turn, p->at[3], &inside);
+    certain = dim == 3 ? pbw__power4_pairs(&kernel, corner, corner, p->at[4], &inside)
+                       : pbw__circle4_pairs(&kernel, turn, p->at[3], &inside);
     inside &= certain;
     CHECK(inside == 0 || inside == certain);
     return certain == 0 ? PBW__OPEN : (inside == 0) == (dim == 3) ? 1 : -1;
@@ -432,7 +436,7 @@ static int vector_sign(const points *p, int hull, double *value, double *height)
         memcpy(records + 3 * k, p->at[k], 3 * sizeof(double));
         weighted |= p->at[k][2] != p->at[3][2];
     }
-    origin = pbw__point4_of(p->at[3], 2, weighted);
+    origin = pbw__point4_of(p->at[3], 2, weighted, 3);
     for (k = 0; k < 3; k++) {
         rows[k] = pbw__rows4_of(records, lanes[k], 0, &origin);
     }
@@ -1089,10 +1093,14 @@ static void test_lanes(long calls)
             }
             for (i = 0; i < calls; i++) {
                 neighbourhood n;
+                pbw__kernel kernel;
                 unsigned certain, inside, tied;
                 fill_neighbourhood(&n, families[f], ghosts);
-                certain = pbw__power4_pairs(n.record[0], n.corner, n.far, n.p, &inside);
-                tied = exact ? pbw__ties4(n.record[0], n.corner, n.far, n.p) : 0;
+                memset(&kernel, 0, sizeof kernel);
+                kernel.record = n.record[0];
+                kernel.width = sizeof n.record[0] / sizeof(double);
+                certain = pbw__power4_pairs(&kernel, n.corner, n.far, n.p, &inside);
+                tied = exact ? pbw__ties4(&kernel, n.corner, n.far, n.p) : 0;
                 for (k = 0; k < 4; k++) {
                     points p;
                     int rank[5], truth = lane_truth(&n, k, &p);
