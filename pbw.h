@@ -1381,16 +1381,6 @@ PBW__SIMD_INLINE void pbw__store4(void *to, pbw__i4 x)
     PBW__BY_ISA(_mm_storeu_si128((__m128i *)to, (__m128i)x), vst1q_u8((unsigned char *)to, (uint8x16_t)x));
 }
 
-PBW__SIMD_INLINE unsigned pbw__signs4(pbw__i4 x)     /* of the lanes, as bits */
-{
-#ifdef PBW__AVX2
-    return (unsigned)_mm_movemask_ps((__m128)x);
-#else
-    const uint32x4_t bits = { 1, 2, 4, 8 };
-    return vaddvq_u32(vandq_u32((uint32x4_t)vshrq_n_s32(x, 31), bits));
-#endif
-}
-
 PBW__SIMD_INLINE pbw__i4 pbw__splat_i(int32_t x)      /* x in each lane */
 {
     return PBW__BY_ISA((pbw__i4)_mm_set1_epi32(x), vdupq_n_s32(x));
@@ -3124,6 +3114,8 @@ PBWDEF int pbw_conflict3(const double a[3], const double b[3], const double c[3]
    In: the caller's points and weights, and a box.  Out: their records; the key of a point: the number of its cell in
    the box's grid, along the curve.
    ------------------------------------------------------------------------------------------------------ */
+#define PBW__POINT_LIMIT ((size_t)1 << 31)           /* the highest bit of a vertex is free for marks of >>cavity2 */
+
 typedef struct pbw__input {
     int dim, is_float, borrow, bare;                 /* bare: no two points are at one place, and only their order is
                                                         wanted, so no records and canonical points are made */
@@ -3156,7 +3148,7 @@ static pbw_status pbw__input_check(pbw__input *input, const pbw_options *options
                               || (options->flags & PBW_CURVE_ORDER) != 0))) {
         return PBW_ERROR_ARGUMENT;
     }
-    if (count >= PBW_NONE || count > (size_t)-1 / input->stride || count > (size_t)-1 / input->weight_stride
+    if (count >= PBW__POINT_LIMIT || count > (size_t)-1 / input->stride || count > (size_t)-1 / input->weight_stride
         || count > (size_t)-1 / 256) {
         return PBW_ERROR_TOO_LARGE;
     }
@@ -4240,7 +4232,7 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
      facet;
      - the ghost vertex is in the last corner;
      - no vertex inserted so far is in conflict with a simplex (>>predicates has the rule for ties);
-     - a free slot that was used has PBW_NONE in corner 0 and the next one in corner 1.
+     - all marks are 0; a free slot that was used has PBW_NONE in corner 0 and the next one in corner 1.
    ------------------------------------------------------------------------------------------------------ */
 #ifdef PBW_WIDE
 typedef uint64_t pbw__link;
@@ -4255,6 +4247,7 @@ typedef uint32_t pbw__link;
 #endif
 
 #define PBW__GHOST 0u
+#define PBW__MARK ((pbw_index)1 << 31)               /* of corners, in the plane: see >>cavity2 */
 #define PBW__LEFT ((pbw_status)15)                   /* not inserted: for the next round of >>parallel */
 #define PBW__NO_FIT ((pbw_status)14)                 /* not inserted: the cavity does not fit >>cavity2's ring */
 #define PBW__FOREIGN (PBW_NONE - 1)                  /* returned by a walk that would leave our zones */
@@ -4263,10 +4256,10 @@ typedef uint32_t pbw__link;
 typedef struct pbw__store {
     pbw_index *corner;
     pbw__link *link;
-    unsigned char *mark;                             /* per simplex: for >>core, which leaves all 0; NULL: plain */
+    unsigned char *mark;                             /* 3D: 1 for a simplex of a cavity; >>core uses them in 2D too */
     size_t corner_capacity, link_capacity, mark_capacity;
     size_t capacity;                                 /* in simplices, the least of all */
-    int plain;                                       /* without marks */
+    int plain;                                       /* in the plane, without >>core: no marks */
     size_t count;                                    /* slots given to regions and threads */
     pbw_index *region;                               /* per region: its first slot that was never used */
     pbw_index *hint;                                 /* per region: a simplex of one of its vertices, or PBW_NONE */
@@ -4320,30 +4313,16 @@ typedef struct pbw__edge { pbw_index low, high; pbw__link link; } pbw__edge;
 #define PBW__STAMPS (1u << 24)
 #define PBW__FEW 64                                  /* most cavities have fewer vertices: a small table is enough */
 
-/* The simplices of the cavity are a set: a hash table of the links to their first corners, with open addressing, at
-   most a quarter full.  The search with vectors has one entry for each only, and finds at the end whether that was
-   enough. */
-#ifdef PBW__TEST_SMALL_SHARES
-#define PBW__SEEN ((size_t)256)
-#else
-#define PBW__SEEN ((size_t)4096)                    /* entries, at least */
-#endif
-#define PBW__UNSEEN ((pbw__link)-1)                  /* no simplex: such a link leads to another corner */
-
 /* The memory of one insertion. */
 typedef struct pbw__scratch {
-    pbw__link *seen;                                 /* the set; empty between insertions */
-    size_t seen_capacity;                            /* a power of two */
     pbw_index *cavity;                               /* simplices in conflict; then the slots of the star */
     pbw_index *parent;                               /* 3D: the facet that each was met through, as in `from` */
     pbw__carved *carved;                             /* 3D: the same simplices, for the refill */
-    pbw__link *reach;                                /* 3D: the links to the simplices of the cavity */
     pbw__link *beyond;                               /* 2D: the boundary of the cavity: the link across each edge */
     pbw_index *from;                                 /* 3D: the facets there: 4 * place in the cavity + which one */
     pbw__link *stack;                                /* 2D: links that are still to be searched */
     size_t cavity_count, facet_count;
-    size_t cavity_capacity, parent_capacity, carved_capacity, reach_capacity, beyond_capacity, from_capacity;
-    size_t stack_capacity;
+    size_t cavity_capacity, parent_capacity, carved_capacity, beyond_capacity, from_capacity, stack_capacity;
     uint64_t *table;                                 /* 3D: local numbers */
     uint32_t stamp, local_count;
     pbw__link *edge;                                 /* 3D: by pairs of local numbers, of few or of all */
@@ -4394,11 +4373,9 @@ static int pbw__grow(pbw__memory *memory, void *array, size_t *capacity, size_t 
 static void pbw__kernel_free(pbw__kernel *kernel)
 {
     pbw__memory *memory = &kernel->context->memory;
-    PBW__RELEASE(memory, &kernel->scratch, seen);
     PBW__RELEASE(memory, &kernel->scratch, cavity);
     PBW__RELEASE(memory, &kernel->scratch, parent);
     PBW__RELEASE(memory, &kernel->scratch, carved);
-    PBW__RELEASE(memory, &kernel->scratch, reach);
     PBW__RELEASE(memory, &kernel->scratch, beyond);
     PBW__RELEASE(memory, &kernel->scratch, from);
     PBW__RELEASE(memory, &kernel->scratch, stack);
@@ -4435,8 +4412,8 @@ PBW__INLINE void pbw__copy_record(const double *record, double *copy, int dim, i
 PBW__INLINE void pbw__corners_of(const pbw__kernel *kernel, pbw_index t, const double **x)
 {
     int i;
-    for (i = 0; i <= kernel->dim; i++) {
-        x[i] = pbw__record_at(kernel, kernel->corner[4 * (size_t)t + (size_t)i]);
+    for (i = 0; i <= kernel->dim; i++) {             /* pbw__in_conflict may ask for a simplex of the cavity */
+        x[i] = pbw__record_at(kernel, kernel->corner[4 * (size_t)t + (size_t)i] & ~PBW__MARK);
     }
 }
 
@@ -4588,7 +4565,7 @@ static void pbw__store_free(pbw__memory *memory, pbw__store *store)
     memset(store, 0, sizeof(*store));
 }
 
-/* Clears the marks of an abandoned cavity of >>core. */
+/* Clears the marks of an abandoned cavity. */
 static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t count)
 {
     size_t i;
@@ -4598,78 +4575,15 @@ static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t co
     return PBW__LEFT;
 }
 
-/* Returns the entry of a simplex in the set, or the empty one where it would be. */
-PBW__INLINE pbw__link *pbw__seen_entry(pbw__link *seen, size_t capacity, pbw__link first)
-{
-    size_t at = (first >> 2) & (capacity - 1);
-    while (PBW__UNLIKELY(seen[at] != first && seen[at] != PBW__UNSEEN)) {
-        at = (at + 1) & (capacity - 1);
-    }
-    return seen + at;
-}
-
-/* Makes room for a set of `needed` simplices. */
-static int pbw__seen_reserve(pbw__kernel *kernel, size_t needed)
-{
-    pbw__memory *memory = &kernel->context->memory;
-    pbw__link *old = kernel->scratch.seen, *seen;
-    const size_t held = kernel->scratch.seen_capacity;
-    size_t capacity = held > 0 ? held : kernel->dim == 3 ? PBW__SEEN : 256, i;
-    while (capacity / 4 < needed) {
-        capacity *= 2;
-    }
-    if (capacity == held) {
-        return 1;
-    }
-    seen = (pbw__link *)pbw__allocate(memory, capacity, sizeof(pbw__link));
-    if (seen == NULL) {
-        return 0;
-    }
-    memset(seen, 0xff, capacity * sizeof(pbw__link));
-    for (i = 0; i < held; i++) {
-        if (old[i] != PBW__UNSEEN) {
-            *pbw__seen_entry(seen, capacity, old[i]) = old[i];
-        }
-    }
-    PBW__RELEASE(memory, &kernel->scratch, seen);
-    kernel->scratch.seen = seen;
-    kernel->scratch.seen_capacity = capacity;
-    return 1;
-}
-
-/* Removes the first `count` simplices of the cavity from the set, which are all of it. */
-PBW__INLINE void pbw__seen_clear(pbw__kernel *kernel, size_t count)
-{
-    pbw__link *seen = kernel->scratch.seen;
-    const pbw_index *cavity = kernel->scratch.cavity;
-    const size_t mask = kernel->scratch.seen_capacity - 1;
-    size_t i;
-    for (i = 0; i < count; i++) {
-        size_t at = cavity[i] & mask;
-        while (PBW__UNLIKELY(seen[at] != (pbw__link)cavity[i] * 4)) {      /* those before it may be gone */
-            at = (at + 1) & mask;
-        }
-        seen[at] = PBW__UNSEEN;
-    }
-}
-
-/* Empties the set, whatever is in it. */
-static PBW__NOINLINE void pbw__seen_empty(pbw__kernel *kernel)
-{
-    memset(kernel->scratch.seen, 0xff, kernel->scratch.seen_capacity * sizeof(pbw__link));
-}
-
-/* Makes room for `needed` items in each of the lists of cavity and boundary, and in the set. */
+/* Makes room for `needed` items in each of the lists of cavity and boundary. */
 static PBW__NOINLINE int pbw__grow_lists(pbw__kernel *kernel, size_t needed)
 {
     return (kernel->dim == 2 || needed <= PBW_NONE / 4)          /* a facet in 32 bits */
-        && pbw__seen_reserve(kernel, needed)
         && PBW__GROW(kernel, &kernel->scratch, cavity, needed)
         && (kernel->dim == 2
                 ? PBW__GROW(kernel, &kernel->scratch, beyond, needed)
                 : PBW__GROW(kernel, &kernel->scratch, carved, needed)
                   && PBW__GROW(kernel, &kernel->scratch, parent, needed)
-                  && PBW__GROW(kernel, &kernel->scratch, reach, needed)
                   && PBW__GROW(kernel, &kernel->scratch, from, needed));
 }
 
@@ -4769,7 +4683,7 @@ static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
 static pbw_status pbw__journal_cavity(pbw__kernel *kernel);  /* >>core */
 static pbw_status pbw__journal_slots(pbw__kernel *kernel);
 
-/* Takes the slots of the star: those of the cavity first; surplus slots of the cavity become free. */
+/* Takes the slots of the star: those of the cavity first, still marked; surplus slots of the cavity become free. */
 PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
 {
     pbw__slots *slots = &kernel->slots;
@@ -5213,12 +5127,10 @@ PBW__INLINE uint32_t pbw__local(uint64_t *table, uint64_t stamp, uint32_t *count
 typedef struct pbw__search {
     const pbw_index *corner;
     const pbw__link *link;
-    pbw__link *seen;
-    size_t seen_capacity;
+    unsigned char *mark;
     pbw_index *cavity;
     pbw__carved *carved;
     pbw_index *from, *parent;
-    pbw__link *reach;
     uint64_t *table;
     size_t cavity_count, capacity, facet_count;
     uint64_t stamp;
@@ -5231,10 +5143,7 @@ PBW__INLINE void pbw__search_lists(const pbw__kernel *kernel, pbw__search *searc
     search->carved = kernel->scratch.carved;
     search->from = kernel->scratch.from;
     search->parent = kernel->scratch.parent;
-    search->reach = kernel->scratch.reach;
     search->capacity = kernel->scratch.from_capacity;        /* the last of the lists to grow */
-    search->seen = kernel->scratch.seen;
-    search->seen_capacity = kernel->scratch.seen_capacity;
 }
 
 PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw_index t)
@@ -5245,6 +5154,7 @@ PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw
     }
     search->corner = kernel->corner;
     search->link = kernel->link;
+    search->mark = kernel->mark;
     search->table = kernel->scratch.table;
     pbw__search_lists(kernel, search);
     search->cavity_count = 1;
@@ -5252,28 +5162,26 @@ PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw
     search->stamp = kernel->scratch.stamp * PBW__STAMP;
     search->local_count = 1;                         /* number 0 stands for none */
     search->parent[0] = 4;                           /* the first was met from nowhere: the second stands in */
-    search->reach[0] = (pbw__link)t * 4;
-    *pbw__seen_entry(search->seen, search->seen_capacity, (pbw__link)t * 4) = (pbw__link)t * 4;
+    search->carved[1].link[0] = (pbw__link)t * 4;
+    search->mark[t] = 1;
 }
 
-/* Lists the slots of the cavity and empties the set.  Returns 0 if one entry was given to two of the cavity, as the
-   search with vectors may do: then one was not found when it was met again. */
-PBW__INLINE int pbw__search_forget(const pbw__search *search)
+/* Returns the link to the i-th simplex of the cavity from the one through which it was reached. */
+PBW__INLINE pbw__link pbw__search_take(pbw__search *search, size_t i)
 {
-    const size_t mask = search->seen_capacity - 1;
-    pbw__link lost = 0;
-    size_t i;
-    for (i = 0; i < search->cavity_count; i++) {
-        const pbw__link link = search->reach[i], first = link & ~(pbw__link)3;
-        size_t at = (link >> 2) & mask, steps = 0;
-        search->cavity[i] = (pbw_index)(link >> 2);
-        while (PBW__UNLIKELY(search->seen[at] != first && steps++ < mask)) {
-            at = (at + 1) & mask;
-        }
-        lost |= search->seen[at] ^ first;            /* also where one is in the cavity twice */
-        search->seen[at] = PBW__UNSEEN;
+    pbw_index facet = search->parent[i];
+    pbw__link link = search->carved[facet >> 2].link[facet & 3];
+    search->cavity[i] = (pbw_index)(link >> 2);
+    return link;
+}
+
+/* Abandons a search at its i-th simplex. */
+static PBW__NOINLINE pbw_status pbw__search_leave(pbw__kernel *kernel, pbw__search *search, size_t i)
+{
+    while (++i < search->cavity_count) {
+        (void)pbw__search_take(search, i);
     }
-    return lost == 0;
+    return pbw__leave_cavity(kernel, search->cavity_count);
 }
 
 PBW__INLINE void pbw__search_end(pbw__kernel *kernel, const pbw__search *search)
@@ -5311,20 +5219,17 @@ PBW__INLINE void pbw__search_number(pbw__search *search, size_t i, pbw__link lin
     }
 }
 
-/* Appends the neighbour behind a link, across a facet, to the cavity or to its boundary.  Branchless: writes to both
-   lists, and the verdict, which is unpredictable, moves one of the counts. */
-PBW__INLINE void pbw__search_sort(pbw__search *search, pbw_index facet, pbw__link link, unsigned inside)
+/* Appends the neighbour across a facet to the cavity or to its boundary.  Branchless: writes to both lists, and the
+   verdict, which is unpredictable, moves one of the counts. */
+PBW__INLINE void pbw__search_sort(pbw__search *search, pbw_index facet, pbw_index o, unsigned inside)
 {
-    const pbw__link first = link & ~(pbw__link)3;
-    pbw__link *entry = pbw__seen_entry(search->seen, search->seen_capacity, first);
-    const unsigned fresh = *entry != first;
-    inside &= fresh;
-    *entry = inside ? first : *entry;
+    unsigned unmarked = PBW__LOAD(search->mark + o) ^ 1u;
+    inside &= unmarked;
+    PBW__STORE(search->mark + o, (unsigned char)(unmarked ^ 1u ^ inside));
     search->parent[search->cavity_count] = facet;
-    search->reach[search->cavity_count] = link;
     search->cavity_count += inside;
     search->from[search->facet_count] = facet;
-    search->facet_count += fresh ^ inside;
+    search->facet_count += unmarked ^ inside;
 }
 
 #if defined(PBW__SIMD) && !defined(PBW_WIDE)
@@ -5339,56 +5244,34 @@ static const unsigned char pbw__front[16][16] = {
     { PBW__LANE(0), PBW__LANE(1), PBW__LANE(2), PBW__LANE(3) }
 };
 
-/* pbw__search_sort for all four neighbours, one after the other. */
-static PBW__NOINLINE void pbw__search_sort_each(pbw__search *search, pbw_index facet, const pbw__link *link,
-                                                unsigned inside)
-{
-    unsigned k;
-    for (k = 0; k < 4; k++) {
-        pbw__search_sort(search, facet + k, link[k], inside >> k & 1);
-    }
-}
-
-/* By lanes: all bits in the lanes of a set of four. */
-static const int32_t pbw__lane_set[16][4] = {
-    { 0, 0, 0, 0 }, { -1, 0, 0, 0 }, { 0, -1, 0, 0 }, { -1, -1, 0, 0 }, { 0, 0, -1, 0 }, { -1, 0, -1, 0 },
-    { 0, -1, -1, 0 }, { -1, -1, -1, 0 }, { 0, 0, 0, -1 }, { -1, 0, 0, -1 }, { 0, -1, 0, -1 }, { -1, -1, 0, -1 },
-    { 0, 0, -1, -1 }, { -1, 0, -1, -1 }, { 0, -1, -1, -1 }, { -1, -1, -1, -1 }
+/* The lanes of a set of four: 1 for each that is in it. */
+static const unsigned char pbw__lane_bits[16][4] = {
+    { 0, 0, 0, 0 }, { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 1, 1, 0, 0 }, { 0, 0, 1, 0 }, { 1, 0, 1, 0 }, { 0, 1, 1, 0 },
+    { 1, 1, 1, 0 }, { 0, 0, 0, 1 }, { 1, 0, 0, 1 }, { 0, 1, 0, 1 }, { 1, 1, 0, 1 }, { 0, 0, 1, 1 }, { 1, 0, 1, 1 },
+    { 0, 1, 1, 1 }, { 1, 1, 1, 1 }
 };
 
 /* pbw__search_sort for all four neighbours, which are different simplices: two simplices share at most one facet.
    Prefetches the links of those that stay: the refill writes there. */
 PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
 {
-    const pbw__link mask = (pbw__link)(search->seen_capacity - 1) * 4;
-    pbw__link *const seen = search->seen;
-    pbw__link *const entry0 = seen + ((link[0] & mask) >> 2), *const entry1 = seen + ((link[1] & mask) >> 2);
-    pbw__link *const entry2 = seen + ((link[2] & mask) >> 2), *const entry3 = seen + ((link[3] & mask) >> 2);
-    const pbw__i4 links = pbw__load4(link), first = links & pbw__splat_i(~3);
-    const pbw__i4 found = { (int32_t)*entry0, (int32_t)*entry1, (int32_t)*entry2, (int32_t)*entry3 };
-    const pbw__i4 same = found == first, known = same | (found == pbw__splat_i(-1));
-    const unsigned old = pbw__signs4(same), outside = 15u & ~(inside | old);
+    unsigned char *mark = search->mark;
+    pbw_index o0 = link[0] >> 2, o1 = link[1] >> 2, o2 = link[2] >> 2, o3 = link[3] >> 2;
+    unsigned marked = PBW__LOAD(mark + o0) + 2u * PBW__LOAD(mark + o1)
+                    + 4u * (PBW__LOAD(mark + o2) + 2u * PBW__LOAD(mark + o3)), outside;
     const pbw__i4 lanes = { 0, 1, 2, 3 }, from = pbw__splat_i((int32_t)facet) + lanes;
-    pbw__i4 set;
-    PBW__PREFETCH(search->link + link[0]);
-    PBW__PREFETCH(search->link + link[1]);
-    PBW__PREFETCH(search->link + link[2]);
-    PBW__PREFETCH(search->link + link[3]);
-    if (PBW__UNLIKELY(pbw__signs4(known) != 15)) {
-        pbw__search copy = *search;                  /* so that the compiler keeps its members in registers */
-        pbw__search_sort_each(&copy, facet, link, inside);
-        *search = copy;
-        return;
-    }
-    inside &= ~old;
-    set = pbw__load4(pbw__lane_set[inside]);
-    set = (first & set) | (found & ~set);
-    *entry0 = (pbw__link)set[0];
-    *entry1 = (pbw__link)set[1];
-    *entry2 = (pbw__link)set[2];
-    *entry3 = (pbw__link)set[3];
+    PBW__PREFETCH(search->link + 4 * (size_t)o0);
+    PBW__PREFETCH(search->link + 4 * (size_t)o1);
+    PBW__PREFETCH(search->link + 4 * (size_t)o2);
+    PBW__PREFETCH(search->link + 4 * (size_t)o3);
+    outside = 15u & ~(inside | marked);
+    inside &= ~marked;
+    marked |= inside;
+    PBW__STORE(mark + o0, pbw__lane_bits[marked][0]);
+    PBW__STORE(mark + o1, pbw__lane_bits[marked][1]);
+    PBW__STORE(mark + o2, pbw__lane_bits[marked][2]);
+    PBW__STORE(mark + o3, pbw__lane_bits[marked][3]);
     pbw__store4(search->parent + search->cavity_count, pbw__shuffle4(from, pbw__front[inside]));
-    pbw__store4(search->reach + search->cavity_count, pbw__shuffle4(links, pbw__front[inside]));
     search->cavity_count += pbw__count4(inside);
     pbw__store4(search->from + search->facet_count, pbw__shuffle4(from, pbw__front[outside]));
     search->facet_count += pbw__count4(outside);
@@ -5398,7 +5281,7 @@ PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
 {
     unsigned k;
     for (k = 0; k < 4; k++) {
-        pbw__search_sort(search, facet + k, link[k], inside >> k & 1);
+        pbw__search_sort(search, facet + k, (pbw_index)(link[k] >> 2), inside >> k & 1);
     }
 }
 #endif
@@ -5507,26 +5390,23 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, c
                                                           unsigned certain, unsigned inside, unsigned rounded,
                                                           const double *p)
 {
-    pbw__link *seen = kernel->scratch.seen;
     const pbw_index *v = carved->v;
     pbw_index far[4];
-    unsigned open = 15u & ~certain, ghost = 0, ghosts = 0, tied, k;
+    unsigned open = 0, ghost = 0, ghosts = 0, tied, k;
     PBW__PHASE(PBW__EXACT);
     for (k = 0; k < 4; k++) {
         far[k] = kernel->corner[carved->link[k]];
         ghost |= (unsigned)(v[k] == PBW__GHOST) << k;
         ghosts |= (unsigned)(far[k] == PBW__GHOST) << k;
+        open |= (unsigned)!PBW__LOAD(kernel->mark + (carved->link[k] >> 2)) << k;
     }
     inside &= certain;
+    open &= ~certain;
     tied = open & ~rounded & (ghost != 0 ? ghost : 15u);
     if (tied != 0) {
         inside |= tied & (ghosts | pbw__ties4(kernel, v, far, p));
         open &= ~tied;
         kernel->statistics.exact_tests += pbw__count4(tied);
-    }
-    for (k = 0; open >> k != 0; k++) {               /* not those that are in the cavity */
-        const pbw__link first = carved->link[k] & ~(pbw__link)3;
-        open &= ~((unsigned)(*pbw__seen_entry(seen, kernel->scratch.seen_capacity, first) == first) << k);
     }
     if ((open & rounded) != 0 && !kernel->weighted) {
         unsigned positive;
@@ -5557,10 +5437,9 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
         double row[5][4], height = 0.0;
         unsigned k;
         if (!pbw__search_room(kernel, &search)) {
-            pbw__seen_empty(kernel);
             return PBW_ERROR_MEMORY;
         }
-        pbw__search_number(&search, i, search.reach[i]);
+        pbw__search_number(&search, i, pbw__search_take(&search, i));
         link = search.carved[i].link;
         v = search.carved[i].v;
         for (k = 0; k < 4; k++) {
@@ -5570,11 +5449,10 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
         for (k = 0; k < 4; k++) {
             const unsigned char *corner = pbw__facet_corners[k] + 1;
             const double *o = row[4], *a = row[corner[0]], *b = row[corner[1]], *c = row[corner[2]];
-            const pbw__link first = link[k] & ~(pbw__link)3;
-            pbw_index far = search.corner[link[k]];
+            const pbw_index far = search.corner[link[k]];
             double h, det, limit, xy, xz, yz, xl, yl, zl;
             unsigned inside;
-            if (*pbw__seen_entry(search.seen, search.seen_capacity, first) == first) {
+            if (PBW__LOAD(search.mark + (link[k] >> 2))) {
                 continue;
             }
             h = pbw__max(pbw__max(height, pbw__row(kernel, far, p, row[4], 3)), 1e-55);
@@ -5589,13 +5467,11 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
                 inside = (unsigned)pbw__in_conflict(kernel, (pbw_index)(link[k] >> 2), p);
             }
             if (inside && kernel->own.owner != NULL && !pbw__may_delete(kernel, (pbw_index)(link[k] >> 2))) {
-                (void)pbw__search_forget(&search);
-                return PBW__LEFT;
+                return pbw__search_leave(kernel, &search, i);
             }
-            pbw__search_sort(&search, (pbw_index)(4 * i + k), link[k], inside);
+            pbw__search_sort(&search, (pbw_index)(4 * i + k), (pbw_index)(link[k] >> 2), inside);
         }
     }
-    (void)pbw__search_forget(&search);
     pbw__search_end(kernel, &search);
     return PBW_OK;
 }
@@ -5713,11 +5589,10 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
         pbw__rows4 r, o;
         pbw__d4 height, det, h, limit, rounded;
         unsigned certain, inside;
-        if (PBW__UNLIKELY(search.cavity_count + search.facet_count + 8 > search.capacity)) {
-            pbw__seen_empty(kernel);
-            return pbw__carve3_scalar(kernel, t, point->p);      /* which makes room */
+        if (PBW__UNLIKELY(!pbw__search_room(kernel, &search))) {
+            return PBW_ERROR_MEMORY;
         }
-        link = search.reach[i];
+        link = pbw__search_take(&search, i);
         r = pbw__carve_rows(&search, i, link, record, point, &latest);
         height = pbw__max_lane(r.height);
         {
@@ -5751,14 +5626,10 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
             latest.lacking[i % PBW__HELD] = (unsigned char)lack;
             if (PBW__UNLIKELY(lack != 0) && (inside & ~lack) != 0
                 && !pbw__may_delete_all(kernel, carved, lack, inside)) {
-                (void)pbw__search_forget(&search);
-                return PBW__LEFT;
+                return pbw__search_leave(kernel, &search, i);
             }
         }
         pbw__search_sort4(&search, (pbw_index)(4 * i), search.carved[i].link, inside);
-    }
-    if (PBW__UNLIKELY(!pbw__search_forget(&search))) {
-        return pbw__carve3_scalar(kernel, t, point->p);
     }
     pbw__search_end(kernel, &search);
     return PBW_OK;
@@ -5818,6 +5689,7 @@ static PBW__NOINLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vert
         const unsigned char *corner = pbw__facet_corners[kernel->scratch.from[i] & 3] + 1;
         pbw__link base = (pbw__link)kernel->scratch.cavity[i] * 4, beyond = carved->link[kernel->scratch.from[i] & 3];
         uint64_t apart = 0;
+        PBW__STORE(kernel->mark + kernel->scratch.cavity[i], 0);
         kernel->corner[base] = vertex;
         kernel->link[base] = beyond;
         kernel->link[beyond] = base;
@@ -5870,6 +5742,7 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
     pbw_index *corners = kernel->corner;
     const pbw_index *cavity = kernel->scratch.cavity, *from = kernel->scratch.from;
     pbw__link *links = kernel->link, *edge = kernel->scratch.edge;
+    unsigned char *mark = kernel->mark;
     size_t i, count = kernel->scratch.facet_count;
     uint32_t least = UINT32_MAX;
     pbw_index nearest = cavity[0];
@@ -5887,6 +5760,7 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
         pbw_index slot = cavity[i];
         pbw__link base = slot * 4, beyond = inside->link[from[i] & 3];
         uint32_t apart = pbw__apart4(v, new_corner);
+        PBW__STORE(mark + slot, 0);
         pbw__store4(corners + base, v);
         links[base] = beyond;
         links[beyond] = base;
@@ -5936,6 +5810,27 @@ PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
     return det > limit || det < -limit ? det > 0.0 : pbw__in_conflict(kernel, t, p);
 }
 
+/* Marks a triangle of the cavity by the highest bit of each corner, which no vertex has: the plane needs no memory for
+   marks then.  In space the address of a write that depends on a verdict would hold up the next tests. */
+PBW__INLINE void pbw__mark2(pbw__kernel *kernel, pbw_index t)
+{
+    pbw_index *v = kernel->corner + 4 * (size_t)t;
+    v[0] |= PBW__MARK;
+    v[1] |= PBW__MARK;
+    v[2] |= PBW__MARK;
+}
+
+static void pbw__unmark2(pbw__kernel *kernel)
+{
+    size_t i;
+    for (i = 0; i < kernel->scratch.cavity_count; i++) {
+        pbw_index *v = kernel->corner + 4 * (size_t)kernel->scratch.cavity[i];
+        v[0] &= ~PBW__MARK;
+        v[1] &= ~PBW__MARK;
+        v[2] &= ~PBW__MARK;
+    }
+}
+
 /* 2D.  A depth-first search that looks through the edges of each triangle counter-clockwise meets the boundary in
    cyclic order, so the star needs no table: each new triangle borders the one before.  An edge between two triangles
    of the cavity that is not the way one was reached is met twice and skipped. */
@@ -5948,7 +5843,7 @@ static pbw_status pbw__carve2(pbw__kernel *kernel, pbw_index t, const double *p)
     scratch->cavity[0] = t;
     scratch->cavity_count = 1;
     scratch->facet_count = 0;
-    *pbw__seen_entry(scratch->seen, scratch->seen_capacity, (pbw__link)t * 4) = (pbw__link)t * 4;
+    pbw__mark2(kernel, t);
     for (k = 0; k < 3; k++) {
         scratch->stack[k] = links[4 * (size_t)t + 2 - (size_t)k];
     }
@@ -5956,34 +5851,34 @@ static pbw_status pbw__carve2(pbw__kernel *kernel, pbw_index t, const double *p)
         pbw__link link = scratch->stack[--stack_count];
         pbw_index o = (pbw_index)(link >> 2);
         unsigned via = (unsigned)(link & 3), left = via == 2 ? 0 : via + 1, right = via == 0 ? 2 : via - 1;
-        if (*pbw__seen_entry(scratch->seen, scratch->seen_capacity, (pbw__link)o * 4) != PBW__UNSEEN) {
+        if ((kernel->corner[link] & PBW__MARK) != 0) {
             continue;
         }
         if (pbw__test2(kernel, o, p)) {
             if (kernel->own.owner != NULL && !pbw__may_delete(kernel, o)) {
-                pbw__seen_clear(kernel, scratch->cavity_count);
+                pbw__unmark2(kernel);
                 return PBW__LEFT;
             }
             if ((scratch->cavity_count == scratch->cavity_capacity
                  && !pbw__grow_lists(kernel, scratch->cavity_count + 1))
                 || !PBW__GROW(kernel, scratch, stack, stack_count + 2)) {
-                pbw__seen_empty(kernel);
+                pbw__unmark2(kernel);
                 return PBW_ERROR_MEMORY;
             }
-            *pbw__seen_entry(scratch->seen, scratch->seen_capacity, (pbw__link)o * 4) = (pbw__link)o * 4;
+            pbw__mark2(kernel, o);
             scratch->cavity[scratch->cavity_count++] = o;
             scratch->stack[stack_count++] = links[4 * (size_t)o + right];
             scratch->stack[stack_count++] = links[4 * (size_t)o + left];
         } else {
             if (scratch->facet_count + 1 >= scratch->beyond_capacity
                 && !pbw__grow_lists(kernel, scratch->facet_count + 2)) {
-                pbw__seen_empty(kernel);
+                pbw__unmark2(kernel);
                 return PBW_ERROR_MEMORY;
             }
             scratch->beyond[scratch->facet_count++] = link;
         }
     }
-    pbw__seen_clear(kernel, scratch->cavity_count);
+    pbw__unmark2(kernel);
     return PBW_OK;
 }
 
@@ -7235,10 +7130,12 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
      (b) I write a link across a facet that my cavity has with a simplex outside it.  Two vertices of that facet are
      mine, so nobody else may walk through it, nor delete one of the simplices on its sides.  For the same reason the
      links that I read do not change.
-     (c) A slot belongs to the task that took it from a region of its zones, from its free list, or in a block of the
+     (c) A mark is set only on a simplex that its setter may delete: so nobody else looks at it (b).  Others stay 0;
+     two tasks may write that same 0, therefore marks are read and written atomically, in relaxed order.
+     (d) A slot belongs to the task that took it from a region of its zones, from its free list, or in a block of the
      tail.  The count of these is atomic, in relaxed order: it numbers slots, and what the slots hold is handed over
      at the end of a round (>>threads).
-     (d) A zone's hint, where walks start, is a simplex with two vertices in the zone: mine, if the zone is.  The task
+     (e) A zone's hint, where walks start, is a simplex with two vertices in the zone: mine, if the zone is.  The task
      that deletes it owns the zone, and stores another hint, or none, before it gives back any zone; until then the
      slot is still that task's own.  The hint, and what is left of the zone's regions, are the owner's to read and
      write; others only look whether there is a hint, before they take the zone, therefore hints are written
@@ -14915,7 +14812,7 @@ struct pbw_live {
 static pbw_status pbw__live_reserve(pbw_live *live, size_t count, size_t queued)
 {
     pbw__memory *memory = &live->memory;
-    if (count >= PBW_NONE - 1 || count > (size_t)-1 / 256) {
+    if (count >= PBW__POINT_LIMIT || count > (size_t)-1 / 256) {
         return PBW_ERROR_TOO_LARGE;
     }
     return pbw__grow(memory, &live->point, &live->point_capacity, count * (size_t)live->dim, sizeof(double))
@@ -18346,7 +18243,7 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
     memset(owned, 0, sizeof(*owned));
     memset(&vertices, 0, sizeof(vertices));
     memset(&store, 0, sizeof(store));
-    store.plain = 1;
+    store.plain = input->dim == 2;
     mesh->memory = owned;
     mesh->dim = input->dim;
     mesh->point_count = input->count;
@@ -18366,6 +18263,8 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
         status = pbw__enter_stage(context, PBW_STAGE_BUILD) ? PBW_CANCELLED
                : pbw__build_all(context, &store, &vertices, &vertices.grid, &mesh->statistics);
         status = pbw__leave_stage(context, status, &start, &mesh->statistics.build_seconds);
+        PBW__RELEASE(memory, &store, mark);          /* the output needs none, and holds the most memory */
+        store.mark = NULL, store.mark_capacity = 0;
     }
     if ((status == PBW_OK || status == PBW_DEGENERATE) && pbw__enter_stage(context, PBW_STAGE_OUTPUT)) {
         status = PBW_CANCELLED;
