@@ -2938,10 +2938,12 @@ static PBW__NOINLINE int pbw__undecided(int dim, int count, const double *const 
     return sign == PBW__OPEN ? pbw__exact_determinant(dim, count, row, origin, orientation) : sign;
 }
 
-/* As pbw__undecided, but with room for the digits of the last stage; PBW__OPEN only if that is NULL. */
-PBW__DEVICE static PBW__NOINLINE int pbw__undecided_in(pbw__digit *pool, int dim, int count, const double *const *row,
+/* As pbw__undecided, but with room for the digits of the last stage; PBW__OPEN only if that is NULL.  The sign of a
+   power determinant, which has a row more, if there is room for orientations. */
+PBW__DEVICE static PBW__NOINLINE int pbw__undecided_in(pbw__digit *pool, int dim, const double *const *row,
                                                        const double *origin, const pbw__grid *grid, int *orientation)
 {
+    const int count = dim + (orientation != NULL);
     int sign = pbw__integers(dim, count, row, origin, grid, orientation);
     if (sign == PBW__OPEN) {
         sign = pbw__pairs(dim, count, row, origin);
@@ -3033,7 +3035,7 @@ static int pbw__collinear3(const double *a, const double *b, const double *c, co
 PBW__INLINE int pbw__orient_in(pbw__digit *pool, int dim, const double *const *x, const pbw__grid *grid)
 {
     const int sign = dim == 2 ? pbw__filter_orient2(x[0], x[1], x[2]) : pbw__filter_orient3(x[0], x[1], x[2], x[3]);
-    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided_in(pool, dim, dim, x, x[dim], grid, NULL);
+    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided_in(pool, dim, x, x[dim], grid, NULL);
 }
 
 PBW__INLINE int pbw__conflict_in(pbw__digit *pool, int dim, const double *const *x, const double *p,
@@ -3041,7 +3043,7 @@ PBW__INLINE int pbw__conflict_in(pbw__digit *pool, int dim, const double *const 
 {
     int orientation[4], sign = pbw__filter_power(dim, x, p);
     if (PBW__UNLIKELY(sign == PBW__OPEN)) {
-        sign = pbw__undecided_in(pool, dim, dim + 1, x, p, grid, orientation);
+        sign = pbw__undecided_in(pool, dim, x, p, grid, orientation);
     }
     return sign == PBW__OPEN ? PBW__OPEN : sign != 0 ? sign > 0 : pbw__tie(dim, x, p, orientation);
 }
@@ -5088,15 +5090,15 @@ PBW__INLINE pbw_status pbw__located(pbw__kernel *kernel, pbw_index t)
    In: a simplex in conflict.  Out: the star of the new vertex.   (Bowyer 1981, Watson 1981)
    Holds before and after: the invariants of >>mesh.
 
-   The search takes one simplex of the cavity after the other and tests its four neighbours at once.  The
-   neighbour across facet i is this simplex with corner i replaced by the far vertex o: with rows (x, y, z, lift)
-   relative to the point, det(rows, row i replaced by o's) > 0 exactly if it is in conflict.  Expanded along row i
-   this is a dot product of o's row with four cofactors, and the cofactors of the four facets share their 2x2 minors.
-   A ghost vertex has the row (0, 0, 0, W), any W > 0: the same determinant is then W times the orientation that a
-   ghost's conflict asks for; W is the height of the simplex, so that it fits the bound.  Vertices of the cavity get
-   local numbers, so that the star can be sewn together through a small table indexed by pairs of them.  A simplex
-   has three vertices in common with the one that it was met from, and the fourth was the far vertex there: vectors
-   take rows and numbers over, with one lane replaced, in the order of the corners in memory.
+   The search takes one simplex of the cavity after the other and tests its four neighbours at once.  The neighbour
+   across facet i is this simplex with corner i replaced by the far vertex o: with rows (x, y, z, lift) relative to
+   the point, det(rows, row i replaced by o's) > 0 exactly if it is in conflict.  Expanded along row i this is a dot
+   product of o's row with four cofactors, and the cofactors of the four facets share their 2x2 minors.  A ghost
+   vertex has the row (0, 0, 0, W), any W > 0: the same determinant is then W times the orientation that a ghost's
+   conflict asks for; W is the height of the simplex, so that it fits the bound.  Vertices of the cavity get local
+   numbers: a small table indexed by pairs of them sews the star.  A simplex has three vertices in common with the one
+   that it was met from, and the fourth was the far vertex there: vectors take rows and numbers over, with one lane
+   replaced, in the order of the corners in memory.
 
    Errors: see >>predicates, where what the bound leaves open goes.  Compared as det^2 with the square of the bound, h
    raised to 1e-55 if it is less; above 4e61 the product h^5, computed first, is infinite and nothing exceeds it.
@@ -5449,7 +5451,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
         for (k = 0; k < 4; k++) {
             const unsigned char *corner = pbw__facet_corners[k] + 1;
             const double *o = row[4], *a = row[corner[0]], *b = row[corner[1]], *c = row[corner[2]];
-            const pbw_index far = search.corner[link[k]];
+            pbw_index far = search.corner[link[k]];
             double h, det, limit, xy, xz, yz, xl, yl, zl;
             unsigned inside;
             if (PBW__LOAD(search.mark + (link[k] >> 2))) {
@@ -5615,8 +5617,7 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
         certain = pbw__signs(pbw__greater(det * det, limit));
         inside = pbw__signs(det) ^ 15u;
         if (PBW__UNLIKELY(certain != 15)) {
-            inside = pbw__search_exact(kernel, search.carved + i, certain, inside, pbw__signs(rounded),
-                                       point->p);
+            inside = pbw__search_exact(kernel, search.carved + i, certain, inside, pbw__signs(rounded), point->p);
         }
         if (PBW__UNLIKELY(owned)) {                  /* three corners are also corners of the simplex met before */
             const pbw__carved *carved = search.carved + i;
@@ -5810,8 +5811,8 @@ PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
     return det > limit || det < -limit ? det > 0.0 : pbw__in_conflict(kernel, t, p);
 }
 
-/* Marks a triangle of the cavity by the highest bit of each corner, which no vertex has: the plane needs no memory for
-   marks then.  In space the address of a write that depends on a verdict would hold up the next tests. */
+/* Marks a triangle of the cavity by the highest bit of each corner, which no vertex has: so the plane needs no memory
+   for marks.  In space the next tests would wait for writes whose addresses depend on a verdict. */
 PBW__INLINE void pbw__mark2(pbw__kernel *kernel, pbw_index t)
 {
     pbw_index *v = kernel->corner + 4 * (size_t)t;
@@ -16571,8 +16572,8 @@ static pbw_status pbw__shift_in_place(pbw_live *live, pbw__core *core, size_t at
     return status != PBW_OK || count == 0 ? status : pbw__flip_all(core, count, live->core.past_simplices);
 }
 
-/* Walks to where v, which is in no simplex, is to be inserted.  PBW__ANEW: another vertex is there, so it is a corner of
-   each simplex that contains the place. */
+/* Walks to where v, which is in no simplex, is to be inserted.  PBW__ANEW: another vertex is there, so it is a corner
+   of each simplex that contains the place. */
 static pbw_status pbw__shift_witness(pbw__core *core, pbw_index v, pbw_index *start)
 {
     const pbw_status status = pbw__find_witness(core, start, v);
