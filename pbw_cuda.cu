@@ -3425,8 +3425,10 @@ __global__ void check_kernel(const __grid_constant__ view m, int pass, uint32_t 
                              uint32_t *open, pbw__digit *pool, check_result *out)
 {
     const size_t thread = thread_number(), threads = (size_t)gridDim.x * blockDim.x;
-    pbw__finding found = { pool != NULL ? pool + thread * PBW__POOL : NULL, PBW__SOUND, -1, none, none, { 0, 0, 0 } };
+    pbw__digit *const own_pool = pool != NULL ? pool + thread * PBW__POOL : NULL;
+    unsigned long long counted[3] = { 0, 0, 0 };     /* by sound items: an open one comes again */
     for (size_t i = thread; i < count; i += threads) {
+        pbw__finding found = { own_pool, PBW__SOUND, -1, none, none, { 0, 0, 0 } };
         uint32_t item = list == NULL ? (uint32_t)i : list[i];
         if (count > 1 && *(const volatile unsigned long long *)&out->least >> 32 < item) {
             continue;
@@ -3442,12 +3444,15 @@ __global__ void check_kernel(const __grid_constant__ view m, int pass, uint32_t 
                 out->first = found;
             }
         }
+        for (int k = 0; k < 3; k++) {
+            counted[k] += sound ? found.counted[k] : 0;
+        }
     }
     __syncwarp();
     for (int k = 0; k < 3; k++) {
-        const unsigned long long counted = tile_sum<32>((unsigned long long)found.counted[k]);
-        if ((threadIdx.x & 31) == 0 && counted > 0) {
-            atomicAdd(&out->counted[pass][k], counted);
+        counted[k] = tile_sum<32>(counted[k]);
+        if ((threadIdx.x & 31) == 0 && counted[k] > 0) {
+            atomicAdd(&out->counted[pass][k], counted[k]);
         }
     }
 }
