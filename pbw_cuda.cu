@@ -1046,13 +1046,18 @@ template <bool EXACT> using rung_real = std::conditional_t<EXACT, double, float>
 /* NT triangles, NV vertices, SCRATCH words for the rung's search. */
 template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL> struct star {
     typedef star_types<(NT > 256)> types;
-    static const int words = NV / 32;
+    typedef REAL real;
+    static const int dim = DIM, triangles = NT, vertices = NV, words = NV / 32;
+    static const bool weighted = WEIGHTED;
     float4 sphere[NT];
     REAL x[NV][DIM], w[WEIGHTED ? NV : 1];
     uint32_t id[NV], triangle[NT], matrix[NV * words], used[words], scratch[SCRATCH];
     typename types::pair border[NT + 4];
     typename types::number cavity[NT];
 };
+
+/* The place of a point of a star S. */
+template <typename S> using place_in = place<typename S::real>;
 
 /* Larger stars have kernels of their own in >>cells. */
 const int small_triangles = 60, small_vertices = 32;
@@ -1064,35 +1069,31 @@ __device__ inline uint32_t pack(uint32_t a, uint32_t b, uint32_t c)
     return a | b << 10 | c << 20;
 }
 
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline void set_vertex(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, uint32_t number, uint32_t id,
-                                  const place<REAL> &p)
+template <typename S> __device__ inline void set_vertex(S &s, uint32_t number, uint32_t id, const place_in<S> &p)
 {
     s.id[number] = id;
-    for (int k = 0; k < DIM; k++) {
+    for (int k = 0; k < S::dim; k++) {
         s.x[number][k] = p.x[k];
     }
-    if (WEIGHTED) {
+    if (S::weighted) {
         s.w[number] = p.w;
     }
 }
 
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline place<REAL> vertex_place(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, uint32_t number)
+template <typename S> __device__ inline place_in<S> vertex_place(const S &s, uint32_t number)
 {
-    place<REAL> p;
+    place_in<S> p;
     for (int k = 0; k < 3; k++) {
-        p.x[k] = k < DIM ? s.x[number][k] : 0;
+        p.x[k] = k < S::dim ? s.x[number][k] : 0;
     }
-    p.w = WEIGHTED ? s.w[number] : 0;
+    p.w = S::weighted ? s.w[number] : 0;
     return p;
 }
 
 /* The vertex at infinity has a place too: loads that are not used find it there. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline void set_infinity(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s)
+template <typename S> __device__ inline void set_infinity(S &s)
 {
-    const place<REAL> origin = { { 0, 0, 0 }, 0 };
+    const place_in<S> origin = { { 0, 0, 0 }, 0 };
     set_vertex(s, 0, none, origin);
 }
 
@@ -1123,8 +1124,7 @@ __device__ inline float4 sphere_of_triangle(uint32_t a, uint32_t b, uint32_t c, 
 }
 
 /* used: the vertices that triangles have, and 0. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline void find_used(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, int count)
+template <int T, typename S> __device__ inline void find_used(S &s, bool go, int count)
 {
     int lane = (int)threadIdx.x & (T - 1);
     __syncwarp();
@@ -1136,7 +1136,7 @@ __device__ inline void find_used(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, 
     __syncwarp();
     if (go) {
         for (int t = lane; t < count; t += T) {
-            for (int k = 0; k < DIM; k++) {
+            for (int k = 0; k < S::dim; k++) {
                 uint32_t c = corner(s.triangle[t], k);
                 atomicOr(&s.used[c >> 5], 1u << (c & 31));
             }
@@ -1154,12 +1154,12 @@ struct hole {
 /* As settle, for p relative to v, by doubles that round nothing: on a small grid all products are integers in its
    unit, below 2^53 (>>cavity3 of pbw.h: there p is the origin, here v, but the 24 products have the same bound).  The
    coefficients of the lifts are those of pbw__tie.  open_sign if a height is too large for that. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ __noinline__ int settle_on_grid(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, int count, int t,
-                                           double limit, double px, double py, double pz, double pw)
+template <typename S>
+__device__ __noinline__ int settle_on_grid(const S &s, int count, int t, double limit, double px, double py,
+                                           double pz, double pw)
 {
-    const double p[3] = { px, py, pz }, lift = square<DIM>(p) - (WEIGHTED ? pw : 0.0);
-    if (!(square<DIM>(p) + (WEIGHTED ? fabs(pw) : 0.0) < limit)) {
+    const double p[3] = { px, py, pz }, lift = square<S::dim>(p) - (S::weighted ? pw : 0.0);
+    if (!(square<S::dim>(p) + (S::weighted ? fabs(pw) : 0.0) < limit)) {
         return open_sign;
     }
     for (int round = 0; round < 2; round++) {
@@ -1167,19 +1167,19 @@ __device__ __noinline__ int settle_on_grid(const star<DIM, WEIGHTED, NT, NV, SCR
         double x[3][3], raised[3], k[3], d;
         int at = -1;
         for (int i = 0; i < 3; i++) {
-            uint32_t number = i < DIM ? corner(packed, i) : 0;
-            place<REAL> a = vertex_place(s, number);
-            at = i < DIM && number == 0 ? i : at;
-            raised[i] = square<DIM>(a.x) - a.w;
-            if (i < DIM && number != 0 && !(square<DIM>(a.x) + fabs(a.w) < limit)) {
+            uint32_t number = i < S::dim ? corner(packed, i) : 0;
+            place_in<S> a = vertex_place(s, number);
+            at = i < S::dim && number == 0 ? i : at;
+            raised[i] = square<S::dim>(a.x) - a.w;
+            if (i < S::dim && number != 0 && !(square<S::dim>(a.x) + fabs(a.w) < limit)) {
                 return open_sign;
             }
             for (int j = 0; j < 3; j++) {            /* p in place of the vertex at infinity */
-                x[i][j] = i < DIM && number == 0 ? p[j] : a.x[j];
+                x[i][j] = i < S::dim && number == 0 ? p[j] : a.x[j];
             }
         }
         const double *a = x[0], *b = x[1], *c = x[2];
-        if (DIM == 3) {
+        if (S::dim == 3) {
             double u[3] = { b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0] };
             double q[3] = { p[1] * a[2] - p[2] * a[1], p[2] * a[0] - p[0] * a[2], p[0] * a[1] - p[1] * a[0] };
             d = a[0] * u[0] + a[1] * u[1] + a[2] * u[2];
@@ -1196,22 +1196,22 @@ __device__ __noinline__ int settle_on_grid(const star<DIM, WEIGHTED, NT, NV, SCR
             if (d != 0.0 || round > 0) {
                 return round > 0 ? open_sign : d > 0.0;
             }
-            t = mate_of<DIM>(s.triangle, count, packed, at);
+            t = mate_of<S::dim>(s.triangle, count, packed, at);
             if (t < 0) {
                 return open_sign;
             }
             continue;
         }
-        double sum = raised[0] * k[0] + raised[1] * k[1] + (DIM == 3 ? raised[2] * k[2] : 0.0) - d * lift;
+        double sum = raised[0] * k[0] + raised[1] * k[1] + (S::dim == 3 ? raised[2] * k[2] : 0.0) - d * lift;
         if (sum != 0.0) {
             return sum > 0.0;
         }
         double best[3] = { p[0], p[1], p[2] }, own = d - k[0] - k[1] - k[2], verdict = 0.0;
-        for (int i = -1; i < DIM; i++) {             /* v itself at first */
+        for (int i = -1; i < S::dim; i++) {          /* v itself at first */
             double y[3] = { i < 0 ? 0.0 : x[i < 0 ? 0 : i][0], i < 0 ? 0.0 : x[i < 0 ? 0 : i][1],
                             i < 0 ? 0.0 : x[i < 0 ? 0 : i][2] }, coefficient = i < 0 ? own : k[i < 0 ? 0 : i];
             bool larger = y[0] != best[0] ? y[0] > best[0] : y[1] != best[1] ? y[1] > best[1]
-                        : DIM == 3 && y[2] > best[2];
+                        : S::dim == 3 && y[2] > best[2];
             if (larger && coefficient != 0.0) {
                 verdict = coefficient;
                 for (int j = 0; j < 3; j++) {
@@ -1262,23 +1262,23 @@ __device__ inline int decide(star<DIM, WEIGHTED, NT, NV, SCRATCH, double> &s, co
 
 /* Finds the cavity of point id, at p relative to v, in the stars of those tiles that go, and makes the point a vertex
    of theirs; count: their triangles.  Without SETTLES what floats leave open stays open. */
-template <int T, bool SETTLES, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v, bool go,
-                            uint32_t id, const place<REAL> &p, int count, pbw__digit *pool, hole &cavity)
+template <int T, bool SETTLES, typename S>
+__device__ inline int carve(S &s, const space &all, uint32_t v, bool go, uint32_t id, const place_in<S> &p, int count,
+                            pbw__digit *pool, hole &cavity)
 {
-    typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>::types types;
+    typedef typename S::types types;
     typedef typename types::pair pair;
     typedef typename types::number number_type;
-    const int words = NV / 32, lane = (int)threadIdx.x & (T - 1);
+    const int words = S::vertices / 32, lane = (int)threadIdx.x & (T - 1);
     const unsigned below = lanes_below<T>();
-    const probe float_p = probe_of<DIM, WEIGHTED>(p);
+    const probe float_p = probe_of<S::dim, S::weighted>(p);
     int conflicts = 0, edges = 0, result = 0;
 
     typedef typename types::rounds rounds_type;
     rounds_type hits = 0, opens = 0;                 /* bit i: triangle i T + lane */
     int rounds = (warp_max<T>(go ? count : 0) + T - 1) / T;
-#pragma unroll(NT / T < 8 ? NT / T : 1)
-    for (int i = 0; i < NT / T; i++) {
+#pragma unroll(S::triangles / T < 8 ? S::triangles / T : 1)
+    for (int i = 0; i < S::triangles / T; i++) {
         if (i == rounds) {
             break;
         }
@@ -1315,7 +1315,7 @@ __device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const
     for (int base = 0; base < conflict_end; base += T) {
         if (go && base + lane < conflicts) {
             uint32_t t = s.triangle[s.cavity[base + lane]], a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
-            if (DIM == 3) {
+            if (S::dim == 3) {
                 atomicOr(&s.matrix[a * words + (b >> 5)], 1u << (b & 31));
                 atomicOr(&s.matrix[b * words + (c >> 5)], 1u << (c & 31));
                 atomicOr(&s.matrix[c * words + (a >> 5)], 1u << (a & 31));
@@ -1347,28 +1347,28 @@ __device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const
         bool mine = go && base + lane < conflicts;
         if (mine) {
             uint32_t t = s.triangle[s.cavity[base + lane]];
-            for (int k = 0; k < DIM; k++) {
+            for (int k = 0; k < S::dim; k++) {
                 c[k] = corner(t, k);
             }
         }
-        for (int k = 0; k < DIM; k++) {
-            uint32_t a = c[k], b = c[k + 1 == DIM ? 0 : k + 1];
-            bool is_border = DIM == 3 ? mine && (s.matrix[b * words + (a >> 5)] >> (a & 31) & 1) == 0
+        for (int k = 0; k < S::dim; k++) {
+            uint32_t a = c[k], b = c[k + 1 == S::dim ? 0 : k + 1];
+            bool is_border = S::dim == 3 ? mine && (s.matrix[b * words + (a >> 5)] >> (a & 31) & 1) == 0
                            : mine && (k == 0 ? (s.matrix[words + (a >> 5)] >> (a & 31) & 1) == 0
                                              : (s.matrix[a >> 5] >> (a & 31) & 1) == 0);
             unsigned vote = tile_ballot<T>(is_border);
             int at = edges + __popc(vote & below);
-            if (is_border && at < NT + 4) {
-                if (DIM == 2) {                      /* (a, new) at the start of the chain, (new, a) at its end */
+            if (is_border && at < S::triangles + 4) {
+                if (S::dim == 2) {                   /* (a, new) at the start of the chain, (new, a) at its end */
                     b = k == 0 ? number : a;
                     a = k == 0 ? a : number;
                 }
-                s.border[at] = (pair)((a & (NV - 1)) << types::bits | (b & (NV - 1)));
+                s.border[at] = (pair)((a & (S::vertices - 1)) << types::bits | (b & (S::vertices - 1)));
             }
             edges += __popc(vote);
         }
     }
-    if (go && count - conflicts + edges > NT) {
+    if (go && count - conflicts + edges > S::triangles) {
         result |= star_full;
     }
     __syncwarp();
@@ -1376,7 +1376,7 @@ __device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const
     for (int base = 0; base < conflict_end; base += T) {
         if (go && base + lane < conflicts) {
             uint32_t t = s.triangle[s.cavity[base + lane]], a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
-            if (DIM == 3) {
+            if (S::dim == 3) {
                 s.matrix[a * words + (b >> 5)] = s.matrix[b * words + (c >> 5)] = s.matrix[c * words + (a >> 5)] = 0;
             } else {
                 s.matrix[a >> 5] = s.matrix[words + (b >> 5)] = 0;
@@ -1396,22 +1396,21 @@ __device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const
 
 /* Replaces the cavities of the tiles that go by the triangles from the first fans edges of their borders to the new
    vertex, and from the others to infinity; in the plane the border is the new edges. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline void fan(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, const hole &cavity, int fans,
-                           int &count, unsigned walls)
+template <int T, typename S>
+__device__ inline void fan(S &s, bool go, const hole &cavity, int fans, int &count, unsigned walls)
 {
-    typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>::types types;
+    typedef typename S::types types;
     const int lane = (int)threadIdx.x & (T - 1), conflicts = cavity.conflicts, edges = cavity.edges;
     const int edge_end = warp_max<T>(go ? edges : 0);
     for (int base = 0; base < edge_end; base += T) {
         int i = base + lane;
         if (go && i < edges) {
             uint32_t edge = s.border[i], a = edge >> types::bits, b = edge & ((1u << types::bits) - 1);
-            uint32_t c = DIM == 3 && i < fans ? cavity.number : 0;
+            uint32_t c = S::dim == 3 && i < fans ? cavity.number : 0;
             int slot = i < conflicts ? s.cavity[i] : count + i - conflicts;
             s.triangle[slot] = pack(a, b, c);
-            s.sphere[slot] = sphere_of_triangle<DIM, WEIGHTED>(a, b, c, vertex_place(s, a), vertex_place(s, b),
-                                                               vertex_place(s, c), walls);
+            s.sphere[slot] = sphere_of_triangle<S::dim, S::weighted>(a, b, c, vertex_place(s, a), vertex_place(s, b),
+                                                                     vertex_place(s, c), walls);
         }
     }
     __syncwarp();
@@ -1433,29 +1432,27 @@ __device__ inline void fan(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool g
 
 /* The star of v and the points a, b, c, one finite triangle and an infinite one on each of its edges, as the border
    of a hole that fan fills. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline void start(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, const uint32_t *id,
-                             const place<REAL> *p)
+template <int T, typename S> __device__ inline void start(S &s, bool go, const uint32_t *id, const place_in<S> *p)
 {
-    typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>::types types;
+    typedef typename S::types types;
     int lane = (int)threadIdx.x & (T - 1);
     if (go) {
-        for (int i = lane; i < NV * s.words; i += T) {
+        for (int i = lane; i < S::vertices * s.words; i += T) {
             s.matrix[i] = 0;
         }
         for (int i = lane; i < s.words; i += T) {
-            s.used[i] = i == 0 ? (2u << DIM) - 1 : 0;
+            s.used[i] = i == 0 ? (2u << S::dim) - 1 : 0;
         }
-        if (lane < DIM) {
+        if (lane < S::dim) {
             set_vertex(s, (uint32_t)lane + 1, id[lane], p[lane]);
-        } else if (lane == DIM) {
+        } else if (lane == S::dim) {
             set_infinity(s);
         }
     }
     __syncwarp();
-    if (go && lane <= DIM) {
+    if (go && lane <= S::dim) {
         uint32_t a, b;
-        if (DIM == 3) {                              /* (1 2 3), (2 1 0), (3 2 0), (1 3 0) */
+        if (S::dim == 3) {                           /* (1 2 3), (2 1 0), (3 2 0), (1 3 0) */
             a = lane == 0 ? 1 : lane == 3 ? 1 : (uint32_t)lane + 1;
             b = lane == 0 ? 2 : lane == 3 ? 3 : (uint32_t)lane;
         } else {                                     /* (1 2), (2 0), (0 1) */
@@ -1474,9 +1471,7 @@ template <int DIM> __device__ inline hole first_hole()
 }
 
 /* Stores the finished stars of the tiles that go. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, uint32_t v, int count,
-                              const store &out)
+template <int T, typename S> __device__ inline void finish(S &s, bool go, uint32_t v, int count, const store &out)
 {
     int lane = (int)threadIdx.x & (T - 1), vertices = 0;
     find_used<T>(s, go, count);
@@ -1495,7 +1490,7 @@ __device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, boo
     if (go) {
         for (int t = lane; t < count; t += T) {
             bool mine = true;
-            for (int k = 0; k < DIM; k++) {
+            for (int k = 0; k < S::dim; k++) {
                 uint32_t c = corner(s.triangle[t], k);
                 closed = closed && c != 0;
                 mine = mine && c != 0 && s.id[c] > v;
@@ -1519,7 +1514,7 @@ __device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, boo
             out.place[v - out.first] = (uint32_t)at;
             out.owned[v - out.first] = (uint32_t)owned;
         }
-        for (int i = lane; i < NV; i += T) {
+        for (int i = lane; i < S::vertices; i += T) {
             if (s.used[i >> 5] >> (i & 31) & 1 && (i > 0 || !closed)) {
                 int rank = __popc(s.used[i >> 5] & ((1u << (i & 31)) - 1)) - closed;
                 for (int j = 0; j < i >> 5; j++) {
@@ -1530,7 +1525,7 @@ __device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, boo
         }
         for (int t = lane; t < count; t += T) {
             uint32_t packed = s.triangle[t] & verified;
-            for (int k = 0; k < DIM; k++) {
+            for (int k = 0; k < S::dim; k++) {
                 uint32_t c = corner(s.triangle[t], k);
                 int rank = __popc(s.used[c >> 5] & ((1u << (c & 31)) - 1)) - closed;
                 for (uint32_t j = 0; j < c >> 5; j++) {
@@ -1595,30 +1590,29 @@ template <int T, typename REAL> __device__ inline place<REAL> tile_place(const p
 
 /* Starts the stars of the tiles that go with points id, at p, of their own lanes, candidates being those of lanes
    below have, nearest first: fan is left to do.  Returns the lanes used, or 0 where no fat corner was found. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, uint32_t id,
-                                            const place<REAL> &p, int have)
+template <int T, typename S>
+__device__ inline unsigned start_from_lanes(S &s, bool go, uint32_t id, const place_in<S> &p, int have)
 {
     int lane = (int)threadIdx.x & (T - 1);
     bool here = go && lane < have;
-    place<REAL> a = tile_place<T>(p, 0), b;
+    place_in<S> a = tile_place<T>(p, 0), b;
     uint32_t ids[3];
     const float thin = 0.01f, flat = 1e-4f;
     unsigned vote = tile_ballot<T>(here && lane > 0 && line_fatness(a, p) > thin);
     int second = vote != 0 ? __ffs((int)vote) - 1 : 0, third = second;
     b = tile_place<T>(p, second);
     go = go && vote != 0;
-    if (DIM == 3) {
-        const float fat = here && vote != 0 ? fatness<DIM>(a, b, p) : 0.0f, most = -tile_min<T>(-fat);
+    if (S::dim == 3) {
+        const float fat = here && vote != 0 ? fatness<S::dim>(a, b, p) : 0.0f, most = -tile_min<T>(-fat);
         vote = tile_ballot<T>(fat > flat || (fat == most && fat > 1e-8f));
         third = vote != 0 ? __ffs((int)vote) - 1 : 0;
         go = go && vote != 0;
     }
-    place<REAL> c = tile_place<T>(p, third), frame[3];
+    place_in<S> c = tile_place<T>(p, third), frame[3];
     ids[0] = tile_read<T>(id, 0);
     ids[1] = tile_read<T>(id, second);
     ids[2] = tile_read<T>(id, third);
-    bool turn = corner_size<DIM>(a, b, c) < 0;
+    bool turn = corner_size<S::dim>(a, b, c) < 0;
     frame[0] = turn ? b : a;
     frame[1] = turn ? a : b;
     frame[2] = c;
@@ -1664,9 +1658,7 @@ template <bool WEIGHTED> __device__ inline float radius_of(float4 q, float heavi
 }
 
 /* Bounds of the spheres of a star. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, int count,
-                                float heaviest)
+template <int T, typename S> __device__ inline span reach_of(const S &s, bool go, int count, float heaviest)
 {
     span r = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
     int lane = (int)threadIdx.x & (T - 1);
@@ -1676,14 +1668,14 @@ __device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>
             if (is_wall(q)) {
                 continue;
             }
-            float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<WEIGHTED>(q, heaviest);
-            for (int k = 0; k < DIM; k++) {
+            float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<S::weighted>(q, heaviest);
+            for (int k = 0; k < S::dim; k++) {
                 r.low[k] = fminf(r.low[k], c[k] - radius);
                 r.high[k] = fmaxf(r.high[k], c[k] + radius);
             }
         }
     }
-    for (int k = 0; k < DIM; k++) {
+    for (int k = 0; k < S::dim; k++) {
         r.low[k] = tile_min<T>(r.low[k]) - 4.8e-7f;
         r.high[k] = 4.8e-7f - tile_min<T>(-r.high[k]);
     }
@@ -1692,11 +1684,9 @@ __device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>
 
 /* Whether floats leave it open that point p is in conflict with some simplex of the star; all lanes of a tile go or
    none does, each with its own point.  The test is that of side, with the bound in the sum; a wall adds to it. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline bool may_conflict(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, int count,
-                                    const place<REAL> &p)
+template <int T, typename S> __device__ inline bool may_conflict(const S &s, bool go, int count, const place_in<S> &p)
 {
-    probe f = probe_of<DIM, WEIGHTED>(p);
+    probe f = probe_of<S::dim, S::weighted>(p);
     float lift = fmaf(-1.25f, f.load, f.lift), size = -1.25f * f.size;
     bool may = false;
     int end = warp_max<T>(go ? count : 0), last = go ? count - 1 : 0;
@@ -2169,12 +2159,12 @@ __global__ void seed_kernel(const __grid_constant__ space s, int dim, int found,
 
 /* Starts a star from the points of the warp's lanes where start_from_lanes cannot: the nearest and two that, with v,
    come nearest to spanning the space, among them four seeds that do span it. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v,
-                                        uint32_t id, const place<REAL> &p, bool here, pbw__digit *pool)
+template <typename S>
+__device__ inline bool start_from_seeds(S &s, const space &all, uint32_t v, uint32_t id, const place_in<S> &p,
+                                        bool here, pbw__digit *pool)
 {
     int lane = (int)threadIdx.x & 31, second, third;
-    place<REAL> a = tile_place<32>(p, 0), b, c, frame[3];
+    place_in<S> a = tile_place<32>(p, 0), b, c, frame[3];
     uint32_t ids[3];
     float fat = here && lane > 0 ? line_fatness(a, p) : 0.0f, best = -tile_min<32>(-fat);
     second = __ffs((int)__ballot_sync(all_lanes, fat == best)) - 1;
@@ -2183,8 +2173,8 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
     if (!(best > 1e-6f)) {
         return false;
     }
-    if (DIM == 3) {
-        fat = here ? fatness<DIM>(a, b, p) : 0.0f;
+    if (S::dim == 3) {
+        fat = here ? fatness<S::dim>(a, b, p) : 0.0f;
         best = -tile_min<32>(-fat);
         third = __ffs((int)__ballot_sync(all_lanes, fat == best)) - 1;
         if (!(best > 0.0f)) {
@@ -2196,7 +2186,7 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
     ids[1] = __shfl_sync(all_lanes, id, second);
     ids[2] = __shfl_sync(all_lanes, id, third);
     const double *row[4] = { all.point[v].c, all.point[ids[0]].c, all.point[ids[1]].c, all.point[ids[2]].c };
-    int sign = pbw__orient_in(pool, DIM, row, &all.grid);
+    int sign = pbw__orient_in(pool, S::dim, row, &all.grid);
     if (sign == 0 || sign == PBW__OPEN) {
         return false;
     }
@@ -2216,9 +2206,9 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
    from the old count, with offsets of -4 and -16 bytes, but gives the old and the new count one register and
    decrements that first, so that the simplex before the last one moves.  As a call it gives them two registers.
    Inlined, most of the zoo in cuda_test fails. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v, uint32_t id,
-                             const place<REAL> &p, int &count, unsigned walls, pbw__digit *pool)
+template <typename S>
+__device__ inline int insert(S &s, const space &all, uint32_t v, uint32_t id, const place_in<S> &p, int &count,
+                             unsigned walls, pbw__digit *pool)
 {
     hole cavity;
     int result = carve<32, true>(s, all, v, true, id, p, count, pool, cavity);
@@ -2226,20 +2216,19 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, cons
     return result;
 }
 
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ __noinline__ int insert_exactly(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all,
-                                           uint32_t v, uint32_t id, const place<REAL> &p, int &count, unsigned walls,
-                                           pbw__digit *pool)
+template <typename S>
+__device__ __noinline__ int insert_exactly(S &s, const space &all, uint32_t v, uint32_t id, const place_in<S> &p,
+                                           int &count, unsigned walls, pbw__digit *pool)
 {
     return insert(s, all, v, id, p, count, walls, pool);
 }
 
 /* A star of v from 28 points at growing distances along the curve, so that it is bounded in all directions from the
    start; false if they and, with EXACT, the seeds span no simplex. */
-template <bool EXACT, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all,
-                                      const unsigned long long *seed, uint32_t v, const record &own, unsigned walls,
-                                      pbw__digit *pool, uint32_t &candidate, place<REAL> &p, int &count)
+template <bool EXACT, typename S>
+__device__ inline bool start_on_curve(S &s, const space &all, const unsigned long long *seed, uint32_t v,
+                                      const record &own, unsigned walls, pbw__digit *pool, uint32_t &candidate,
+                                      place_in<S> &p, int &count)
 {
     const int lane = (int)threadIdx.x & 31;
     uint32_t *order = s.scratch;
@@ -2251,8 +2240,8 @@ __device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>
         candidate =
             (lane & 1) != 0 ? (v + offset < all.count ? v + offset : none) : (offset <= v ? v - offset : none);
     }
-    p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
-    uint32_t key = candidate != none ? (__float_as_uint((float)square<DIM>(p.x)) & ~31u) | (uint32_t)lane : none;
+    p = relative<S::dim, typename S::real>(all, own, all.point[candidate != none ? candidate : v]);
+    uint32_t key = candidate != none ? (__float_as_uint((float)square<S::dim>(p.x)) & ~31u) | (uint32_t)lane : none;
     int before = 0, have = __popc(__ballot_sync(all_lanes, candidate != none));
     for (int i = 0; i < 32; i++) {
         before += __shfl_sync(all_lanes, key, i) < key;
@@ -2265,31 +2254,31 @@ __device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>
     __syncwarp();
     candidate = order[lane];
     __syncwarp();
-    p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
+    p = relative<S::dim, typename S::real>(all, own, all.point[candidate != none ? candidate : v]);
     bool started = start_from_lanes<32>(s, true, candidate, p, have) != 0;
     if (!started && EXACT) {
         if (candidate == none) {
-            uint32_t other = lane - have > DIM ? none : lane == have ? 0 : (uint32_t)seed[lane - have];
+            uint32_t other = lane - have > S::dim ? none : lane == have ? 0 : (uint32_t)seed[lane - have];
             candidate = other == v ? none : other;
-            p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
+            p = relative<S::dim, typename S::real>(all, own, all.point[candidate != none ? candidate : v]);
         }
         started = start_from_seeds(s, all, v, candidate, p, candidate != none, pool);
     }
-    fan<32>(s, started, first_hole<DIM>(), 1, count, walls);
+    fan<32>(s, started, first_hole<S::dim>(), 1, count, walls);
     return started;
 }
 
 /* The stars of the tiles that go as the store has them. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, const space &all,
-                                        const store &in, uint32_t v, const record &own, unsigned walls, int &count)
+template <int T, typename S>
+__device__ inline void start_from_store(S &s, bool go, const space &all, const store &in, uint32_t v,
+                                        const record &own, unsigned walls, int &count)
 {
     const int lane = (int)threadIdx.x & (T - 1);
     const uint32_t *word = in.word + (go ? (size_t)in.place[v - in.first] * 4 : 0);
     uint32_t vertices = word[0] & 0xffff, first = word[1] == none ? 0 : 1;
     count = go ? (int)(word[0] >> 16) : count;
     if (go) {
-        for (int i = lane; i < NV * s.words; i += T) {
+        for (int i = lane; i < S::vertices * s.words; i += T) {
             s.matrix[i] = 0;
         }
         for (uint32_t i = (uint32_t)lane; i < (uint32_t)s.words; i += T) {
@@ -2302,7 +2291,7 @@ __device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
         for (uint32_t i = (uint32_t)lane; i < vertices; i += T) {
             uint32_t id = word[1 + i];
             if (id != none) {
-                set_vertex(s, i + first, id, relative<DIM, REAL>(all, own, all.point[id]));
+                set_vertex(s, i + first, id, relative<S::dim, typename S::real>(all, own, all.point[id]));
             }
         }
     }
@@ -2310,12 +2299,12 @@ __device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
     if (go) {
         for (int t = lane; t < count; t += T) {
             uint32_t packed = word[1 + vertices + (uint32_t)t], c[3] = { 0, 0, 0 };
-            for (int k = 0; k < DIM; k++) {
+            for (int k = 0; k < S::dim; k++) {
                 c[k] = corner(packed, k) + first;
             }
             s.triangle[t] = pack(c[0], c[1], c[2]) | (packed & verified);
-            s.sphere[t] = sphere_of_triangle<DIM, WEIGHTED>(c[0], c[1], c[2], vertex_place(s, c[0]),
-                                                            vertex_place(s, c[1]), vertex_place(s, c[2]), walls);
+            s.sphere[t] = sphere_of_triangle<S::dim, S::weighted>(c[0], c[1], c[2], vertex_place(s, c[0]),
+                                                                  vertex_place(s, c[1]), vertex_place(s, c[2]), walls);
         }
     }
     __syncwarp();
@@ -2346,9 +2335,8 @@ struct far_task {                                    /* resume: the store holds 
 
 /* One star, by all warps of a block: each searches for conflicts of its own simplex, then they insert in turns.
    changed: whether the star differs from the stored one. */
-template <bool EXACT, int WARPS, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const far_launch &a,
-                                  const far_task &task, int &count, bool &changed)
+template <bool EXACT, int WARPS, typename S>
+__device__ inline int far_star_of(S &s, const far_launch &a, const far_task &task, int &count, bool &changed)
 {
     const space &all = a.all;
     const tree &boxes = a.boxes;
@@ -2363,10 +2351,10 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
     talk &shared = *(talk *)(s.scratch + WARPS * stack_size);
     const float4 rough = all.rough[v];
     const float origin[3] = { rough.x, rough.y, rough.z };
-    const unsigned walls = walls_of<DIM>(all, own);
-    const double own_weight = (own.c[DIM] - all.heaviest) * (all.unit * all.unit);
+    const unsigned walls = walls_of<S::dim>(all, own);
+    const double own_weight = (own.c[S::dim] - all.heaviest) * (all.unit * all.unit);
     uint32_t candidate = none, word = 0, node = 0;
-    place<REAL> p;
+    place_in<S> p;
     unsigned pending = 0, hit = 0;                   /* lanes with a candidate to insert, with a group to search */
     int depth = 0, spent = 0, t = -1;                /* t: the simplex in hand, word: its triangle */
 
@@ -2406,13 +2394,13 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
                 bool touched = false;
                 while (pending != 0 && verdict == far_busy) {
                     bool waits = (pending >> lane & 1) != 0;     /* the nearest first */
-                    float length = waits ? (float)square<DIM>(p.x) : HUGE_VALF, least = tile_min<32>(length);
+                    float length = waits ? (float)square<S::dim>(p.x) : HUGE_VALF, least = tile_min<32>(length);
                     int from = __ffs((int)(__ballot_sync(all_lanes, length == least) & pending)) - 1;
                     pending &= ~(1u << from);
                     uint32_t next = __shfl_sync(all_lanes, candidate, from);
-                    place<REAL> at = tile_place<32>(p, from);
+                    place_in<S> at = tile_place<32>(p, from);
                     bool known = false;              /* the vertices of the star come by again in the search */
-                    for (int i = lane; i < NV; i += 32) {
+                    for (int i = lane; i < S::vertices; i += 32) {
                         known = known || (i > 0 && (s.used[i >> 5] >> (i & 31) & 1) != 0 && s.id[i] == next);
                     }
                     if (any(known)) {
@@ -2420,7 +2408,7 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
                     }
                     int result = EXACT ? insert_exactly(s, all, v, next, at, count, walls, pool)
                                        : insert(s, all, v, next, at, count, walls, pool);
-                    verdict = WEIGHTED && result == star_hidden ? far_hidden
+                    verdict = S::weighted && result == star_hidden ? far_hidden
                             : (result & ~star_changed) != 0 ? far_lost : far_busy;
                     if (result == star_changed) {
                         touched = true;
@@ -2496,11 +2484,11 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
                 }
                 candidate = group != none ? group * group_size + (uint32_t)(lane & 7) : none;
                 candidate = candidate < all.count && candidate != v ? candidate : none;
-                for (int k = 0; k < DIM; k++) {
+                for (int k = 0; k < S::dim; k++) {
                     candidate = corner(word, k) != 0 && s.id[corner(word, k)] == candidate ? none : candidate;
                 }
-                p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
-                int answer = candidate != none ? side(s.sphere[t], probe_of<DIM, WEIGHTED>(p)) : 0;
+                p = relative<S::dim, typename S::real>(all, own, all.point[candidate != none ? candidate : v]);
+                int answer = candidate != none ? side(s.sphere[t], probe_of<S::dim, S::weighted>(p)) : 0;
                 if (EXACT && answer == open_sign) {  /* a flat simplex on the hull leaves many points open */
                     answer = decide(s, all, v, count, t, candidate, p, NULL);
                 }
@@ -2513,10 +2501,11 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
                 child = node + (uint32_t)lane;
                 if (child < boxes.size[level]) {
                     box b = boxes.level[level][child];
-                    span r = relative_box<DIM>(b, origin);
-                    visit = box_may_conflict<DIM, WEIGHTED>(s.sphere[t], r, relative_weight<WEIGHTED>(b, own_weight));
+                    span r = relative_box<S::dim>(b, origin);
+                    visit = box_may_conflict<S::dim, S::weighted>(s.sphere[t], r,
+                                                                  relative_weight<S::weighted>(b, own_weight));
                     distance = 0.0f;
-                    for (int k = 0; k < DIM && visit; k++) {
+                    for (int k = 0; k < S::dim && visit; k++) {
                         float d = fmaxf(fmaxf(r.low[k], -r.high[k]), 0.0f);
                         distance = fmaf(d, d, distance);
                     }
