@@ -187,21 +187,18 @@ template <int T, typename V> __device__ inline V tile_read(V value, int lane)
     return __shfl_sync(all_lanes, value, lane, T);
 }
 
-template <typename V> __device__ inline V lower(V a, V b)
+template <typename V> __device__ inline void exchange(V &a, V &b)
 {
-    return b < a ? b : a;
-}
-
-__device__ inline float lower(float a, float b)
-{
-    return fminf(a, b);
+    const V c = a;
+    a = b;
+    b = c;
 }
 
 /* The smallest and the largest value, and the sum, of the lanes of a tile. */
 template <int T, typename V> __device__ inline V tile_min(V value)
 {
     for (int step = T / 2; step > 0; step /= 2) {
-        value = lower(value, __shfl_xor_sync(all_lanes, value, step));
+        value = min(value, __shfl_xor_sync(all_lanes, value, step));
     }
     return value;
 }
@@ -209,8 +206,7 @@ template <int T, typename V> __device__ inline V tile_min(V value)
 template <int T, typename V> __device__ inline V tile_max(V value)
 {
     for (int step = T / 2; step > 0; step /= 2) {
-        V other = __shfl_xor_sync(all_lanes, value, step);
-        value = other > value ? other : value;
+        value = max(value, __shfl_xor_sync(all_lanes, value, step));
     }
     return value;
 }
@@ -277,10 +273,6 @@ struct survey {                                      /* what one pass over the p
     uint32_t bad, long_runs, duplicates;
 };
 
-struct curve {                                       /* the automaton of pbw.h, where kernels can read it */
-    uint16_t step[12 << 3];
-};
-
 __device__ inline void fetch(const input &in, size_t i, double *c)
 {
     c[in.dim] = 0.0;
@@ -292,6 +284,32 @@ __device__ inline void fetch(const input &in, size_t i, double *c)
         c[in.dim] = (in.is_float ? (double)((const float *)in.weights)[i] : ((const double *)in.weights)[i]) + 0.0;
     }
 }
+
+/* Points and their keys, all or those of long runs. */
+struct keyed {
+    input in;
+    int index_bits, bits;                            /* of the index, which is below the key; of a coordinate */
+    uint16_t step[12 << 3];                          /* the automaton of pbw.h */
+    uint64_t *key;
+    __device__ size_t index(size_t i) const { return (size_t)(key[i] & (((uint64_t)1 << index_bits) - 1)); }
+    __device__ bool tie(size_t i, size_t j) const { return key[i] >> index_bits == key[j] >> index_bits; }
+    __device__ void read(size_t i, double *c) const { fetch(in, index(i), c); }
+    __device__ uint64_t key_of(size_t point, const pbw__box &box) const
+    {
+        double c[4];
+        fetch(in, point, c);
+        return (in.dim == 3 ? pbw__hilbert_key(step, &box, c, 3, 1)
+                            : pbw__hilbert_key(step, &box, c, 2, 1)) << index_bits | point;
+    }
+    /* In a short run; of points at one place, the one that stays comes first. */
+    __device__ bool before(size_t i, size_t j) const
+    {
+        double x[4], y[4];
+        read(i, x);
+        read(j, y);
+        return pbw__comes_before(x, index(i), y, index(j), in.dim);
+    }
+};
 
 __device__ inline int lowest_bit(double value)       /* its exponent; 1024 of zero */
 {
@@ -316,18 +334,17 @@ __global__ void survey_kernel(input in, survey *out)
             unsigned long long value = ordered(c[k]);
             int exponent = lowest_bit(c[k]);
             bad = bad || !(c[k] - c[k] == 0.0);
-            low[k] = value < low[k] ? value : low[k];
-            high[k] = value > high[k] ? value : high[k];
-            exponent = k == dim && exponent != 1024 ? (exponent - (exponent & 1)) / 2 : exponent;
-            unit = exponent < unit ? exponent : unit;
+            low[k] = min(low[k], value);
+            high[k] = max(high[k], value);
+            unit = min(unit, k == dim && exponent != 1024 ? (exponent - (exponent & 1)) / 2 : exponent);
         }
     }
+    bad = any(bad);
     for (int k = 0; k <= dim; k++) {
         low[k] = tile_min<32>(low[k]);
         high[k] = tile_max<32>(high[k]);
     }
     unit = tile_min<32>(unit);
-    bad = any(bad);
     if ((threadIdx.x & 31) == 0) {
         for (int k = 0; k <= dim; k++) {
             atomicMin(&out->low[k], low[k]);
@@ -340,22 +357,11 @@ __global__ void survey_kernel(input in, survey *out)
     }
 }
 
-/* The key of a point, with its index below it. */
-__device__ uint64_t key_of(const input &in, const pbw__box &box, const curve &automaton, int index_bits,
-                           uint64_t index)
-{
-    double c[4];
-    fetch(in, (size_t)index, c);
-    return (in.dim == 3 ? pbw__hilbert_key(automaton.step, &box, c, 3, 1)
-                        : pbw__hilbert_key(automaton.step, &box, c, 2, 1)) << index_bits | index;
-}
-
-__global__ void key_kernel(input in, const __grid_constant__ pbw__box domain, const __grid_constant__ curve automaton,
-                           int index_bits, uint64_t *key)
+__global__ void key_kernel(const __grid_constant__ keyed k, const __grid_constant__ pbw__box domain)
 {
     size_t i = thread_number();
-    if (i < in.count) {
-        key[i] = key_of(in, domain, automaton, index_bits, i);
+    if (i < k.in.count) {
+        k.key[i] = k.key_of(i, domain);
     }
 }
 
@@ -364,14 +370,13 @@ struct run_list {
     uint32_t *head, *end, *length, *offset;
 };
 
-/* Finds runs among keys, which are all keys or, with segment, those gathered from the runs of a list.  The first of a
-   short run puts it into order: lexicographic, then the larger weight, then the lower index.  Long ones go to found,
-   with the end of all that they could reach. */
-__global__ void run_kernel(input in, int index_bits, uint64_t *key, size_t count, const uint32_t *segment,
-                           run_list of, run_list found, survey *out)
+/* Finds runs among count keys, which are all keys or, with segment, those gathered from the runs of a list.  The
+   first of a short run puts it into order: lexicographic, then the larger weight, then the lower index.  Long ones go
+   to found, with the end of all that they could reach. */
+__global__ void run_kernel(const __grid_constant__ keyed k, size_t count, const uint32_t *segment, run_list of,
+                           run_list found, survey *out)
 {
     size_t i = thread_number(), end = i + 1, begin = 0, limit = count, shift = 0;
-    const uint64_t mask = ((uint64_t)1 << index_bits) - 1;
     if (i >= count) {
         return;
     }
@@ -381,10 +386,10 @@ __global__ void run_kernel(input in, int index_bits, uint64_t *key, size_t count
         limit = begin + of.length[r];
         shift = of.head[r] - begin;
     }
-    if (i > begin && key[i - 1] >> index_bits == key[i] >> index_bits) {
+    if (i > begin && k.tie(i - 1, i)) {
         return;
     }
-    while (end < limit && end - i <= PBW__SHORT_RUN && key[end] >> index_bits == key[i] >> index_bits) {
+    while (end < limit && end - i <= PBW__SHORT_RUN && k.tie(end, i)) {
         end++;
     }
     if (end - i > PBW__SHORT_RUN) {
@@ -394,101 +399,73 @@ __global__ void run_kernel(input in, int index_bits, uint64_t *key, size_t count
         return;
     }
     for (size_t j = i + 1; j < end; j++) {
-        uint64_t moving = key[j];
-        double x[4], y[4];
-        size_t hole = j;
-        fetch(in, (size_t)(moving & mask), x);
-        for (; hole > i; hole--) {
-            fetch(in, (size_t)(key[hole - 1] & mask), y);
-            if (!pbw__comes_before(x, moving & mask, y, key[hole - 1] & mask, in.dim)) {
-                break;
-            }
-            key[hole] = key[hole - 1];
+        for (size_t hole = j; hole > i && k.before(hole, hole - 1); hole--) {
+            exchange(k.key[hole], k.key[hole - 1]);
         }
-        key[hole] = moving;
     }
 }
 
 /* A warp a run: its length and box; length 0 if all its points lie at one place.  Then the best of them goes first,
    which root says. */
-__global__ void measure_kernel(input in, int index_bits, int bits, uint64_t *key, run_list runs, uint32_t count,
-                               pbw__box *box, uint32_t *root)
+__global__ void measure_kernel(const __grid_constant__ keyed k, run_list runs, uint32_t count, pbw__box *box,
+                               uint32_t *root)
 {
     uint32_t r = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32, lane = threadIdx.x & 31;
-    const uint64_t mask = ((uint64_t)1 << index_bits) - 1;
     unsigned long long lowest[3] = { ~0ull, ~0ull, ~0ull }, highest[3] = { 0, 0, 0 };
     if (r >= count) {
         return;
     }
-    uint32_t head = runs.head[r], end = head, limit = runs.end[r], best = 0;
-    uint64_t run_key = key[head] >> index_bits;
-    for (;;) {
-        bool inside = end + lane < limit && key[end + lane] >> index_bits == run_key;
-        unsigned vote = __ballot_sync(all_lanes, inside);
+    uint32_t head = runs.head[r], end = head, limit = runs.end[r], best = head;
+    for (unsigned vote = all_lanes; vote == all_lanes; end += (uint32_t)__popc(vote)) {
+        uint32_t i = end + lane;
+        bool inside = i < limit && k.tie(i, head);
+        vote = __ballot_sync(all_lanes, inside);
         if (inside) {
-            double c[4], d[4];
-            fetch(in, (size_t)(key[end + lane] & mask), c);
-            for (int k = 0; k < in.dim; k++) {
-                unsigned long long value = ordered(c[k]);
-                lowest[k] = value < lowest[k] ? value : lowest[k];
-                highest[k] = value > highest[k] ? value : highest[k];
+            double c[4];
+            k.read(i, c);
+            for (int j = 0; j < k.in.dim; j++) {
+                unsigned long long value = ordered(c[j]);
+                lowest[j] = min(lowest[j], value);
+                highest[j] = max(highest[j], value);
             }
-            fetch(in, (size_t)(key[head + best] & mask), d);
-            if (pbw__comes_before(c, key[end + lane] & mask, d, key[head + best] & mask, in.dim)) {
-                best = end + lane - head;
-            }
-        }
-        end += (uint32_t)__popc(vote);
-        if (vote != all_lanes) {
-            break;
+            best = k.before(i, best) ? i : best;
         }
     }
     for (int step = 16; step > 0; step /= 2) {
         uint32_t other = __shfl_xor_sync(all_lanes, best, step);
-        double c[4], d[4];
-        fetch(in, (size_t)(key[head + best] & mask), c);
-        fetch(in, (size_t)(key[head + other] & mask), d);
-        best = pbw__comes_before(d, key[head + other] & mask, c, key[head + best] & mask, in.dim) ? other : best;
+        best = k.before(other, best) ? other : best;
     }
     double side = 0.0;
-    for (int k = 0; k < in.dim; k++) {
-        double l = unordered(tile_min<32>(lowest[k])), s = unordered(tile_max<32>(highest[k])) - l;
-        side = s > side ? s : side;
+    for (int j = 0; j < k.in.dim; j++) {
+        double l = unordered(tile_min<32>(lowest[j]));
+        side = fmax(side, unordered(tile_max<32>(highest[j])) - l);
         if (lane == 0) {
-            box[r].low[k] = l;
+            box[r].low[j] = l;
         }
     }
     __syncwarp();
     if (lane == 0) {
         box[r].scale = 1.0;
         box[r].extent = side;
-        box[r].bits = bits;
+        box[r].bits = k.bits;
         runs.length[r] = side > 0.0 ? end - head : 0;
         if (side == 0.0) {
-            uint64_t swap = key[head];
-            key[head] = key[head + best];
-            key[head + best] = swap;
+            exchange(k.key[head], k.key[best]);
         }
     }
-    if (side == 0.0) {
-        for (uint32_t i = head + lane; i < end; i += 32) {
-            root[i] = head;
-        }
+    for (uint32_t i = head + lane; side == 0.0 && i < end; i += 32) {
+        root[i] = head;
     }
 }
 
 /* A warp a run: its points with their new keys. */
-__global__ void rekey_kernel(input in, int index_bits, const uint64_t *key, run_list runs, uint32_t count,
-                             const pbw__box *box, const __grid_constant__ curve automaton, uint64_t *gathered,
-                             uint32_t *segment)
+__global__ void rekey_kernel(const __grid_constant__ keyed k, run_list runs, uint32_t count, const pbw__box *box,
+                             uint64_t *gathered, uint32_t *segment)
 {
     uint32_t r = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32;
-    const uint64_t mask = ((uint64_t)1 << index_bits) - 1;
-    if (r < count) {
-        for (uint32_t i = threadIdx.x & 31; i < runs.length[r]; i += 32) {
-            gathered[runs.offset[r] + i] = key_of(in, box[r], automaton, index_bits, key[runs.head[r] + i] & mask);
-            segment[runs.offset[r] + i] = r;
-        }
+    for (uint32_t i = threadIdx.x & 31; r < count && i < runs.length[r]; i += 32) {
+        gathered[runs.offset[r] + i] = k.key_of(k.index(runs.head[r] + i), box[r]);
+        segment[runs.offset[r] + i] = r;
     }
 }
 
@@ -504,27 +481,25 @@ __global__ void put_back_kernel(const uint64_t *gathered, const uint32_t *segmen
 
 /* first[i] = 1 if the i-th point on the curve lies at a place of its own; the best of a place comes first.  root:
    NULL, or where a long run at one place begins. */
-__global__ void place_kernel(input in, int index_bits, const uint64_t *key, const uint32_t *root_of, uint32_t *first,
+__global__ void place_kernel(const __grid_constant__ keyed k, const uint32_t *root_of, uint32_t *first,
                              uint32_t *canonical, survey *out)
 {
     size_t i = thread_number();
-    const uint64_t mask = ((uint64_t)1 << index_bits) - 1;
     bool repeats = false;
-    if (i < in.count) {
+    if (i < k.in.count) {
         double x[4], y[4];
-        size_t root = root_of != NULL && root_of[i] != none ? root_of[i] : i;
-        fetch(in, (size_t)(key[i] & mask), x);
-        while (root > 0 && (root_of == NULL || root_of[i] == none)
-               && key[root - 1] >> index_bits == key[i] >> index_bits) {
-            fetch(in, (size_t)(key[root - 1] & mask), y);
-            if (!pbw__same_place(x, y, in.dim)) {
+        const bool rooted = root_of != NULL && root_of[i] != none;
+        size_t root = rooted ? root_of[i] : i;
+        k.read(i, x);
+        for (; !rooted && root > 0 && k.tie(root - 1, i); root--) {
+            k.read(root - 1, y);
+            if (!pbw__same_place(x, y, k.in.dim)) {
                 break;
             }
-            root--;
         }
         repeats = root != i;
         first[i] = !repeats;
-        canonical[key[i] & mask] = (uint32_t)(key[root] & mask);
+        canonical[k.index(i)] = (uint32_t)k.index(root);
     }
     unsigned vote = __ballot_sync(all_lanes, repeats);
     if ((threadIdx.x & 31) == 0 && vote != 0) {
@@ -533,17 +508,17 @@ __global__ void place_kernel(input in, int index_bits, const uint64_t *key, cons
 }
 
 /* rank: of each point on the curve the number of firsts before it, or NULL if there are no duplicates. */
-__global__ void gather_kernel(input in, int index_bits, const uint64_t *key, const uint32_t *first,
-                              const uint32_t *rank, record *point, uint32_t *id)
+__global__ void gather_kernel(const __grid_constant__ keyed k, const uint32_t *first, const uint32_t *rank,
+                              record *point, uint32_t *id)
 {
     size_t i = thread_number();
-    if (i < in.count && (rank == NULL || first[i] != 0)) {
-        size_t index = (size_t)(key[i] & (((uint64_t)1 << index_bits) - 1)), at = rank == NULL ? i : rank[i];
+    if (i < k.in.count && (rank == NULL || first[i] != 0)) {
+        const size_t at = rank == NULL ? i : rank[i];
         record r;
         r.c[3] = 0.0;
-        fetch(in, index, r.c);
+        k.read(i, r.c);
         point[at] = r;
-        id[at] = (uint32_t)index;
+        id[at] = (uint32_t)k.index(i);
     }
 }
 
@@ -2303,8 +2278,8 @@ __device__ inline void start_from_store(S &s, bool go, const space &all, const s
                 c[k] = corner(packed, k) + first;
             }
             s.triangle[t] = pack(c[0], c[1], c[2]) | (packed & verified);
-            s.sphere[t] = sphere_of_triangle<S::dim, S::weighted>(c[0], c[1], c[2], vertex_place(s, c[0]),
-                                                                  vertex_place(s, c[1]), vertex_place(s, c[2]), walls);
+            s.sphere[t] = sphere_of_triangle<S::dim, S::weighted>(
+                c[0], c[1], c[2], vertex_place(s, c[0]), vertex_place(s, c[1]), vertex_place(s, c[2]), walls);
         }
     }
     __syncwarp();
@@ -3944,20 +3919,20 @@ struct run_room {
 
 /* Points on their way into the order of the curve. */
 struct ordering {
-    const input &in;
-    curve automaton;
-    int index_bits, bits;                            /* of a key: the index, and a coordinate */
+    keyed all;
     sortable<uint64_t> key;
     buffer<uint32_t> root;                           /* empty if there are no long runs */
     buffer<survey> found;
-    ordering(call &c, const input &of)
-        : in(of), index_bits(pbw__index_bits(of.count)), bits(pbw__grid_bits(index_bits, of.dim)), key(c), root(c),
-          found(c, 1)
+    ordering(call &c, const input &in) : key(c), root(c), found(c, 1)
     {
         pbw__curve one_level;
         pbw__curve_create(&one_level, 0, in.dim);
-        memcpy(automaton.step, one_level.step, sizeof automaton.step);
+        memcpy(all.step, one_level.step, sizeof all.step);
+        all.in = in;
+        all.index_bits = pbw__index_bits(in.count);
+        all.bits = pbw__grid_bits(all.index_bits, in.dim);
     }
+    key_bits sorted_bits() const { return { all.index_bits, all.index_bits + all.bits * all.in.dim }; }
 };
 
 /* The points of the long runs of a list get keys from grids of their own and are put back in their order.  Returns
@@ -3973,24 +3948,22 @@ run_room order_long_runs(call &c, ordering &o, const run_list &runs, uint32_t &c
         run_bits++;
     }
     fill(c, runs.length + count, 0, 1);
-    launch(c, "runs", measure_kernel, warps, o.in, o.index_bits, o.bits, o.key.array.at, runs, count, box.at,
-           o.root.at);
+    launch(c, "runs", measure_kernel, warps, o.all, runs, count, box.at, o.root.at);
     sum_before(c, runs.length, runs.offset, (size_t)count + 1);
     const uint32_t total = read_back(c, runs.offset + count, PBW_STAGE_ORDER, 0.4);
     count = 0;
     if (total > 0) {
         sortable<uint64_t> gathered(c, total);
         sortable<uint32_t> segment(c, total);
-        launch(c, "runs", rekey_kernel, warps, o.in, o.index_bits, o.key.array.at, runs, runs_here, box.at,
-               o.automaton, gathered.array.at, segment.array.at);
-        sort_pairs(c, gathered, segment, total, { o.index_bits, o.index_bits + o.bits * o.in.dim });
+        keyed some = o.all;
+        launch(c, "runs", rekey_kernel, warps, o.all, runs, runs_here, box.at, gathered.array.at, segment.array.at);
+        sort_pairs(c, gathered, segment, total, o.sorted_bits());
         sort_pairs(c, segment, gathered, total, { 0, run_bits });
+        some.key = gathered.array.at;
         next = run_room(c, total / PBW__SHORT_RUN + 1);
         fill(c, &o.found.at->long_runs, 0, 1);
-        launch(c, "runs", run_kernel, over(total, 256), o.in, o.index_bits, gathered.array.at, total,
-               segment.array.at, runs, next.list(), o.found.at);
-        launch(c, "runs", put_back_kernel, over(total, 256), gathered.array.at, segment.array.at, total, runs,
-               o.key.array.at);
+        launch(c, "runs", run_kernel, over(total, 256), some, total, segment.array.at, runs, next.list(), o.found.at);
+        launch(c, "runs", put_back_kernel, over(total, 256), some.key, segment.array.at, total, runs, o.all.key);
         count = read_back(c, &o.found.at->long_runs, PBW_STAGE_ORDER, 0.4);
     }
     return next;
@@ -4000,10 +3973,9 @@ run_room order_long_runs(call &c, ordering &o, const run_list &runs, uint32_t &c
    by 2^bits. */
 void order_runs(call &c, ordering &o)
 {
-    const size_t n = o.in.count;
+    const size_t n = o.all.in.count;
     run_room runs(c, n / PBW__SHORT_RUN + 1);
-    launch(c, "runs", run_kernel, over(n, 256), o.in, o.index_bits, o.key.array.at, n, nullptr, run_list(),
-           runs.list(), o.found.at);
+    launch(c, "runs", run_kernel, over(n, 256), o.all, n, nullptr, run_list(), runs.list(), o.found.at);
     uint32_t count = read_back(c, &o.found.at->long_runs, PBW_STAGE_ORDER, 0.4);
     if (count > 0) {
         o.root.make(n);
@@ -4082,12 +4054,10 @@ void measure_space(call &c, const extents &e, int dim, space &s)
 /* Sets duplicates aside: fills id, canonical and the points of s. */
 void gather_points(call &c, const ordering &o, space &s, uint32_t *&id, pbw_cuda_mesh *mesh)
 {
-    const size_t n = o.in.count;
-    const shape all = over(n, 256);
+    const size_t n = o.all.in.count;
     buffer<uint32_t> first(c, n), rank(c);
     record *point = NULL;
-    launch(c, "places", place_kernel, all, o.in, o.index_bits, o.key.array.at, o.root.at, first.at, mesh->canonical,
-           o.found.at);
+    launch(c, "places", place_kernel, over(n, 256), o.all, o.root.at, first.at, mesh->canonical, o.found.at);
     mesh->duplicate_count = read_back(c, &o.found.at->duplicates, PBW_STAGE_ORDER, 0.5);
     s.count = (uint32_t)(n - mesh->duplicate_count);
     if (s.count < PBW_CUDA_FEW) {
@@ -4099,7 +4069,7 @@ void gather_points(call &c, const ordering &o, space &s, uint32_t *&id, pbw_cuda
     }
     allocate(c, point, s.count);
     allocate(c, id, s.count);
-    launch(c, "gather", gather_kernel, all, o.in, o.index_bits, o.key.array.at, first.at, rank.at, point, id);
+    launch(c, "gather", gather_kernel, over(n, 256), o.all, first.at, rank.at, point, id);
     s.point = point;
 }
 
@@ -4107,11 +4077,13 @@ void gather_points(call &c, const ordering &o, space &s, uint32_t *&id, pbw_cuda
 bool order_points(call &c, const input &in, space &s, uint32_t *&id, pbw_cuda_mesh *mesh)
 {
     ordering o(c, in);
-    const extents e = survey_points(c, in, o.bits, o.found);
+    const extents e = survey_points(c, in, o.all.bits, o.found);
     measure_space(c, e, in.dim, s);
     o.key = sortable<uint64_t>(c, in.count);
-    launch(c, "keys", key_kernel, over(in.count, 256), in, e.domain, o.automaton, o.index_bits, o.key.array.at);
-    sort_keys(c, o.key, in.count, { o.index_bits, o.index_bits + o.bits * in.dim });
+    o.all.key = o.key.array.at;
+    launch(c, "keys", key_kernel, over(in.count, 256), o.all, e.domain);
+    sort_keys(c, o.key, in.count, o.sorted_bits());
+    o.all.key = o.key.array.at;
     order_runs(c, o);
     gather_points(c, o, s, id, mesh);
     return in.weights != NULL && e.heaviest > e.lightest;
