@@ -2107,7 +2107,7 @@ template <bool WEIGHTED> __device__ inline float relative_weight(const box &b, d
 }
 
 /* Four points that span the space: the first point, and in turn the one farthest from the span of those before. */
-__global__ void seed_kernel(const __grid_constant__ space s, int dim, int found, unsigned long long *seed)
+template <int DIM> __global__ void seed_kernel(const __grid_constant__ space s, int found, unsigned long long *seed)
 {
     unsigned long long best = 0;
     record r[3];
@@ -2116,15 +2116,13 @@ __global__ void seed_kernel(const __grid_constant__ space s, int dim, int found,
         r[i] = s.point[i == 0 ? 0 : (uint32_t)seed[i]];
     }
     for (int i = 1; i < found; i++) {
-        base[i - 1] = dim == 3 ? relative<3, double>(s, r[0], r[i]) : relative<2, double>(s, r[0], r[i]);
+        base[i - 1] = relative<DIM, double>(s, r[0], r[i]);
     }
     for (size_t i = thread_number(); i < s.count; i += (size_t)gridDim.x * blockDim.x) {
-        place<double> p = dim == 3 ? relative<3, double>(s, r[0], s.point[i])
-                                   : relative<2, double>(s, r[0], s.point[i]);
+        place<double> p = relative<DIM, double>(s, r[0], s.point[i]);
         double d = found == 1 ? square<3>(p.x)
                  : found == 2 ? line_fatness(base[0], p) * square<3>(p.x) : fabs(corner_size<3>(base[0], base[1], p));
-        unsigned long long key = (unsigned long long)__float_as_uint((float)d) << 32 | i;
-        best = key > best ? key : best;
+        best = max(best, (unsigned long long)__float_as_uint((float)d) << 32 | i);
     }
     best = tile_max<32>(best);
     if ((threadIdx.x & 31) == 0) {
@@ -2962,31 +2960,25 @@ template <> struct alignas(16) cell<3> {
 template <int DIM> __device__ inline cell<DIM> canonical(uint32_t v, const uint32_t *a)
 {
     cell<DIM> c;
-    if (DIM == 2) {
-        uint32_t x = a[0], y = a[1];
-        bool first = v < x && v < y, second = x < v && x < y;
-        c.corner[0] = first ? v : second ? x : y;
-        c.corner[1] = first ? x : second ? y : v;
-        c.corner[2] = first ? y : second ? v : x;
-    } else {
-        uint32_t x = a[0], y = a[1], z = a[2], low = v, i, j, k;
-        low = x < low ? x : low;
-        low = y < low ? y : low;
-        low = z < low ? z : low;
-        if (low == v) {                              /* even permutations all */
-            i = x, j = y, k = z;
-        } else if (low == x) {
-            i = v, j = z, k = y;
-        } else if (low == y) {
-            i = z, j = v, k = x;
-        } else {
-            i = y, j = x, k = v;
+    uint32_t *p = c.corner;
+    p[0] = v;
+    for (int k = 0; k < DIM; k++) {
+        p[k + 1] = a[k];
+    }
+    if (DIM == 3 && min(p[1], p[DIM]) < min(p[0], p[2])) {     /* pairs of exchanges keep it positive */
+        exchange(p[0], p[1]);
+        exchange(p[2], p[DIM]);
+    }
+    if (DIM == 3 && p[2] < p[0]) {
+        exchange(p[0], p[2]);
+        exchange(p[1], p[DIM]);
+    }
+    p += DIM - 2;
+    for (int turns = 0; turns < 2; turns++) {
+        if (p[1] < p[0] || p[2] < p[0]) {
+            exchange(p[0], p[1]);
+            exchange(p[1], p[2]);
         }
-        bool first = i < j && i < k, second = j < i && j < k;
-        c.corner[0] = low;
-        c.corner[1] = first ? i : second ? j : k;
-        c.corner[2] = first ? j : second ? k : i;
-        c.corner[3 < DIM ? 3 : DIM] = first ? k : second ? i : j;
     }
     return c;
 }
@@ -3011,20 +3003,39 @@ __device__ inline stored_star stored(const store &in, uint32_t v)
     return s;
 }
 
-/* The vertices of a triangle; returns whether all are finite, and in mine whether all are above v. */
-template <int DIM>
-__device__ inline bool triangle_of(const stored_star &s, int t, uint32_t v, uint32_t *a, bool &mine)
+/* The vertices of a triangle; returns whether all are finite. */
+template <int DIM> __device__ inline bool triangle_of(const stored_star &s, int t, uint32_t *a)
 {
     bool finite = true;
-    uint32_t packed = s.triangle[t];
-    mine = true;
     for (int k = 0; k < DIM; k++) {
-        a[k] = s.vertex[corner(packed, k)];
+        a[k] = s.vertex[corner(s.triangle[t], k)];
         finite = finite && a[k] != none;
-        mine = mine && a[k] > v;
     }
-    mine = mine && finite;
     return finite;
+}
+
+/* Whether v comes before all vertices of a triangle, or all but the one at k. */
+template <int DIM> __device__ inline bool is_lowest(uint32_t v, const uint32_t *a, int k = -1)
+{
+    bool lowest = true;
+    for (int i = 0; i < DIM; i++) {
+        lowest = lowest && (i == k || a[i] > v);
+    }
+    return lowest;
+}
+
+template <int DIM> __device__ inline uint64_t middle_corners(const cell<DIM> &c)
+{
+    return (uint64_t)c.corner[1] << 32 | c.corner[2];
+}
+
+/* The corners by other numbers. */
+template <int DIM> __device__ inline cell<DIM> renumbered(cell<DIM> c, const uint32_t *number)
+{
+    for (int k = 0; k <= DIM; k++) {
+        c.corner[k] = number[c.corner[k]];
+    }
+    return c;
 }
 
 const int emit_block = 64, emit_keys = 64;
@@ -3061,9 +3072,9 @@ __global__ void emit_kernel(const __grid_constant__ store in, const uint32_t *of
         cell<DIM> c = { { 0 } };
         uint64_t key = 0;
         if (base + lane < s.count) {
-            triangle_of<DIM>(s, base + lane, v, a, mine);
+            mine = triangle_of<DIM>(s, base + lane, a) && is_lowest<DIM>(v, a);
             c = canonical<DIM>(v, a);
-            key = (uint64_t)c.corner[1] << 32 | c.corner[2];
+            key = middle_corners(c);
         }
         unsigned vote = tile_ballot<T>(mine);
         if (mine && fits) {
@@ -3074,15 +3085,11 @@ __global__ void emit_kernel(const __grid_constant__ store in, const uint32_t *of
             uint32_t before = 0;
             for (int t = 0; t < s.count; t++) {
                 uint32_t b[3];
-                bool also;
-                triangle_of<DIM>(s, t, v, b, also);
-                cell<DIM> other = canonical<DIM>(v, b);
-                before += also && ((uint64_t)other.corner[1] << 32 | other.corner[2]) < key;
+                const bool also = triangle_of<DIM>(s, t, b) && is_lowest<DIM>(v, b);
+                before += also && middle_corners(canonical<DIM>(v, b)) < key;
             }
             cells[first + before] = c;
-            for (int k = 0; k <= DIM; k++) {
-                out[(size_t)(first + before) * (DIM + 1) + (size_t)k] = id[c.corner[k]];
-            }
+            ((cell<DIM> *)out)[first + before] = renumbered(c, id);
         }
         found += __popc(vote);
     }
@@ -3100,11 +3107,7 @@ __global__ void emit_kernel(const __grid_constant__ store in, const uint32_t *of
             c.corner[2] = (uint32_t)key;
             c.corner[DIM] = last[i];
             cells[first + before] = c;
-            cell<DIM> named;
-            for (int k = 0; k <= DIM; k++) {
-                named.corner[k] = id[c.corner[k]];
-            }
-            ((cell<DIM> *)out)[first + before] = named;
+            ((cell<DIM> *)out)[first + before] = renumbered(c, id);
         }
     }
 }
@@ -3113,13 +3116,11 @@ __global__ void emit_kernel(const __grid_constant__ store in, const uint32_t *of
 template <int DIM>
 __device__ inline uint32_t last_until(const cell<DIM> &c, const cell<DIM> *cells, uint32_t low, uint32_t high)
 {
-    uint64_t key = (uint64_t)c.corner[1] << 32 | c.corner[2];
     while (low + 1 < high) {
         uint32_t middle = (low + high) / 2;
         cell<DIM> other = cells[middle];
         bool below = other.corner[0] < c.corner[0]
-                  || (other.corner[0] == c.corner[0]
-                      && ((uint64_t)other.corner[1] << 32 | other.corner[2]) <= key);
+                  || (other.corner[0] == c.corner[0] && middle_corners(other) <= middle_corners(c));
         low = below ? middle : low;
         high = below ? high : middle;
     }
@@ -3136,28 +3137,38 @@ template <int DIM> __device__ inline uint32_t number_of(const cell<DIM> &c, cons
     return all.base + last_until<DIM>(c, all.cells, offset[0], offset[1]);
 }
 
-/* Entries across the facets of which v is the lowest vertex: for the triangle a of a finite simplex c of number own,
-   across its edge that lacks corner k lies the simplex of number other.  beyond: that of each guest. */
-template <int DIM>
-__device__ inline void put_neighbor(const cell<DIM> &c, uint32_t own, uint32_t across, uint32_t other,
-                                    const directory<DIM> &all, pbw_index *neighbors, pbw_index *beyond)
+/* Where links go.  neighbors: NULL if nobody wants them; beyond: for each guest what lies across its facet; incident:
+   by the caller's ids, or from the share's first vertex on if id is NULL. */
+struct links {
+    pbw_index *neighbors, *beyond, *incident;
+    const uint32_t *id;
+};
+
+/* The links of the simplex (v, a...), finite and of number own, across the facets of which v is the lowest vertex;
+   across(k): the number of the simplex beyond the facet that lacks a[k]. */
+template <int DIM, typename F>
+__device__ inline void link_simplex(const directory<DIM> &all, const links &out, uint32_t v, const uint32_t *a,
+                                    uint32_t own, F across)
 {
-    int at = 0;
-    if (c.corner[0] < all.first) {
-        beyond[last_until<DIM>(c, all.guest, 0, all.guests)] = other;
-        return;
+    const cell<DIM> c = canonical<DIM>(v, a);
+    for (int k = 0; k < DIM; k++) {
+        if (is_lowest<DIM>(v, a, k) && c.corner[0] < all.first) {
+            out.beyond[last_until<DIM>(c, all.guest, 0, all.guests)] = across(k);
+        } else if (is_lowest<DIM>(v, a, k)) {
+            int at = 0;
+            for (int i = 1; i <= DIM; i++) {
+                at = c.corner[i] == a[k] ? i : at;
+            }
+            out.neighbors[(size_t)(own - all.base) * (DIM + 1) + (size_t)at] = across(k);
+        }
     }
-    for (int i = 1; i <= DIM; i++) {
-        at = c.corner[i] == across ? i : at;
-    }
-    neighbors[(size_t)(own - all.base) * (DIM + 1) + (size_t)at] = other;
 }
 
-/* incident: by the caller's ids, or from the share's first vertex on if id is NULL. */
+/* The links of the small stars, 8 lanes each, with tables of mates: 3D: of the triangle that has a directed edge; 2D:
+   row 0: of the edge that begins at a vertex; row 1: that ends there. */
 template <int DIM>
 __global__ void neighbor_kernel(const __grid_constant__ store in, const __grid_constant__ directory<DIM> all,
-                                const uint32_t *id, pbw_index *neighbors, pbw_index *beyond, pbw_index *incident,
-                                uint32_t *hidden_count)
+                                const __grid_constant__ links out, uint32_t *hidden_count)
 {
     const int T = 8;
     __shared__ uint8_t shared_table[emit_block / T][small_vertices * small_vertices];
@@ -3165,7 +3176,7 @@ __global__ void neighbor_kernel(const __grid_constant__ store in, const __grid_c
     uint8_t *table = shared_table[threadIdx.x / T];
     uint32_t *number = shared_number[threadIdx.x / T];
     int lane = (int)threadIdx.x & (T - 1);
-    uint32_t v = in.first + (blockIdx.x * emit_block + threadIdx.x) / T, lowest = none;
+    uint32_t v = in.first + (blockIdx.x * emit_block + threadIdx.x) / T, lowest = none, a[3];
     stored_star s = { NULL, NULL, 0, 0 };
     bool go = v < in.end;
     if (go) {
@@ -3174,44 +3185,26 @@ __global__ void neighbor_kernel(const __grid_constant__ store in, const __grid_c
     bool is_hidden = go && s.count == 0;
     go = s.count > 0 && s.count <= small_triangles && s.vertices <= small_vertices;
     for (int t = lane; go && t < s.count; t += T) {
-        uint32_t packed = s.triangle[t], a[3];
-        bool mine;
         for (int k = 0; k < DIM; k++) {
-            uint32_t from = corner(packed, k), to = corner(packed, k + 1 == DIM ? 0 : k + 1);
-            if (DIM == 3) {
-                table[from * small_vertices + to] = (uint8_t)t;
-            } else {                                 /* row 0: the edge that begins there; row 1: that ends there */
-                table[k * small_vertices + from] = (uint8_t)t;
-            }
+            uint32_t from = corner(s.triangle[t], k), to = corner(s.triangle[t], k + 1 == DIM ? 0 : k + 1);
+            table[DIM == 3 ? from * small_vertices + to : (uint32_t)k * small_vertices + from] = (uint8_t)t;
         }
-        uint32_t n = triangle_of<DIM>(s, t, v, a, mine) ? number_of<DIM>(canonical<DIM>(v, a), all) : none;
-        number[t] = n;
-        lowest = n < lowest ? n : lowest;
+        number[t] = triangle_of<DIM>(s, t, a) ? number_of<DIM>(canonical<DIM>(v, a), all) : none;
+        lowest = min(lowest, number[t]);
     }
     __syncwarp();
     lowest = tile_min<T>(lowest);
-    for (int t = lane; go && neighbors != NULL && t < s.count; t += T) {
-        uint32_t packed = s.triangle[t], a[3];
-        bool mine;
-        if (triangle_of<DIM>(s, t, v, a, mine)) {
-            cell<DIM> c = canonical<DIM>(v, a);
-            for (int k = 0; k < DIM; k++) {          /* the facet that lacks the vertex a[k] */
-                uint32_t x = k == 0 ? 1 : 0, y = k == DIM - 1 ? DIM - 2 : DIM - 1;
-                if (a[x] > v && a[y] > v) {
-                    uint32_t mate;
-                    if (DIM == 3) {                  /* edges run x to y but for k == 1 */
-                        uint32_t i = corner(packed, (int)(k == 1 ? x : y)), j = corner(packed, (int)(k == 1 ? y : x));
-                        mate = table[i * small_vertices + j];
-                    } else {
-                        mate = table[(k == 0 ? 0 : small_vertices) + corner(packed, (int)x)];
-                    }
-                    put_neighbor<DIM>(c, number[t], a[k], number[mate], all, neighbors, beyond);
-                }
-            }
+    for (int t = lane; go && out.neighbors != NULL && t < s.count; t += T) {
+        if (triangle_of<DIM>(s, t, a)) {
+            link_simplex<DIM>(all, out, v, a, number[t], [&](int k) {
+                uint32_t c[3] = { corner(s.triangle[t], 0), corner(s.triangle[t], 1), corner(s.triangle[t], 2) };
+                uint32_t from = DIM == 3 ? c[(k + 2) % 3] : (uint32_t)k, to = DIM == 3 ? c[(k + 1) % 3] : c[1 - k];
+                return number[table[from * small_vertices + to]];
+            });
         }
     }
     if (go && lane == 0) {
-        incident[id != NULL ? id[v] : v - in.first] = lowest;
+        out.incident[out.id != NULL ? out.id[v] : v - in.first] = lowest;
     }
     if (is_hidden && lane == 0) {
         atomicAdd(hidden_count, 1u);
@@ -3221,8 +3214,7 @@ __global__ void neighbor_kernel(const __grid_constant__ store in, const __grid_c
 /* The same for larger stars, a warp each, looking for mates one by one. */
 template <int DIM>
 __global__ void large_neighbor_kernel(queue large, const __grid_constant__ store in,
-                                      const __grid_constant__ directory<DIM> all, const uint32_t *id,
-                                      pbw_index *neighbors, pbw_index *beyond, pbw_index *incident)
+                                      const __grid_constant__ directory<DIM> all, const __grid_constant__ links out)
 {
     uint32_t i = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32, lowest = none;
     if (i >= *large.count) {
@@ -3233,35 +3225,42 @@ __global__ void large_neighbor_kernel(queue large, const __grid_constant__ store
     if (s.count <= small_triangles && s.vertices <= small_vertices) {
         return;
     }
+    auto number = [&](int t, uint32_t *a) {
+        return t >= 0 && triangle_of<DIM>(s, t, a) ? number_of<DIM>(canonical<DIM>(v, a), all) : none;
+    };
     for (int t = (int)threadIdx.x & 31; t < s.count; t += 32) {
-        uint32_t a[3], b[3];
-        bool mine;
-        if (triangle_of<DIM>(s, t, v, a, mine)) {
-            cell<DIM> c = canonical<DIM>(v, a);
-            uint32_t own = number_of<DIM>(c, all);
-            lowest = own < lowest ? own : lowest;
-            for (int k = 0; k < DIM && neighbors != NULL; k++) {
-                uint32_t x = k == 0 ? 1 : 0, y = k == DIM - 1 ? DIM - 2 : DIM - 1;
-                if (a[x] > v && a[y] > v) {
-                    int mate = mate_of<DIM>(s.triangle, s.count, s.triangle[t], k);
-                    uint32_t other = mate >= 0 && triangle_of<DIM>(s, mate, v, b, mine)
-                                   ? number_of<DIM>(canonical<DIM>(v, b), all) : none;
-                    put_neighbor<DIM>(c, own, a[k], other, all, neighbors, beyond);
-                }
-            }
+        uint32_t a[3], b[3], own = number(t, a);
+        lowest = min(lowest, own);
+        if (own != none && out.neighbors != NULL) {
+            link_simplex<DIM>(all, out, v, a, own, [&](int k) {
+                return number(mate_of<DIM>(s.triangle, s.count, s.triangle[t], k), b);
+            });
         }
     }
     lowest = tile_min<32>(lowest);
     if ((threadIdx.x & 31) == 0) {
-        incident[id != NULL ? id[v] : v - in.first] = lowest;
+        out.incident[out.id != NULL ? out.id[v] : v - in.first] = lowest;
     }
 }
 
-/* The simplices of a share that are guests of the vertices from first to end: counted, a thread a vertex, and listed
-   if there is a list. */
+/* A run of vertices. */
+struct share {
+    uint32_t first, end;
+    __device__ bool has(uint32_t v) const { return v >= first && v < end; }
+};
+
+/* The guests that one card has for another: counted, and where those of each vertex go. */
+template <int DIM> struct guest_list {
+    uint32_t *count;
+    const uint32_t *place;
+    cell<DIM> *guest;                                /* NULL: they are only counted */
+    uint32_t *number;
+};
+
+/* Lists the simplices of a share that have vertices of another, a thread a vertex. */
 template <int DIM>
-__global__ void guest_kernel(const __grid_constant__ directory<DIM> all, uint32_t vertices, uint32_t first,
-                             uint32_t end, uint32_t *count, const uint32_t *place, cell<DIM> *guest, uint32_t *number)
+__global__ void guest_kernel(const __grid_constant__ directory<DIM> all, uint32_t vertices, share other,
+                             const __grid_constant__ guest_list<DIM> out)
 {
     size_t v = thread_number();
     uint32_t found = 0;
@@ -3269,42 +3268,43 @@ __global__ void guest_kernel(const __grid_constant__ directory<DIM> all, uint32_
         cell<DIM> c = all.cells[i];
         bool visits = false;
         for (int k = 1; k <= DIM; k++) {
-            visits = visits || (c.corner[k] >= first && c.corner[k] < end);
+            visits = visits || other.has(c.corner[k]);
         }
-        if (visits && guest != NULL) {
-            guest[place[v] + found] = c;
-            number[place[v] + found] = all.base + i;
+        if (visits && out.guest != NULL) {
+            out.guest[out.place[v] + found] = c;
+            out.number[out.place[v] + found] = all.base + i;
         }
         found += visits;
     }
-    if (v < vertices && guest == NULL) {
-        count[v] = found;
+    if (v < vertices && out.guest == NULL) {
+        out.count[v] = found;
     }
 }
 
-/* What the vertices from first to end know of their guests. */
+/* What the vertices of another share know of their guests. */
 template <int DIM>
-__global__ void return_kernel(const __grid_constant__ directory<DIM> all, uint32_t first, uint32_t end,
-                              uint32_t count, const uint32_t *number, const pbw_index *beyond, pbw_index *neighbors)
+__global__ void return_kernel(const __grid_constant__ directory<DIM> all, share other, uint32_t count,
+                              const uint32_t *number, const pbw_index *beyond, pbw_index *neighbors)
 {
     size_t i = thread_number();
     if (i < count) {
         uint32_t own = number[i] - all.base, second = none;
         cell<DIM> c = all.cells[own];
         for (int k = 1; k <= DIM; k++) {
-            second = c.corner[k] < second ? c.corner[k] : second;
+            second = min(second, c.corner[k]);
         }
-        if (second >= first && second < end) {
+        if (other.has(second)) {
             neighbors[(size_t)own * (DIM + 1)] = beyond[i];
         }
     }
 }
 
-__global__ void scatter_kernel(const uint32_t *id, uint32_t count, const pbw_index *value, pbw_index *out)
+/* out[id[i]] = value[i], or i without values. */
+__global__ void scatter_kernel(const uint32_t *id, uint32_t count, const uint32_t *value, uint32_t *out)
 {
     size_t i = thread_number();
     if (i < count) {
-        out[id[i]] = value[i];
+        out[id[i]] = value != NULL ? value[i] : (uint32_t)i;
     }
 }
 
@@ -3434,14 +3434,6 @@ __global__ void compare_kernel(const uint32_t *a, const uint32_t *b, uint32_t co
     }
 }
 
-__global__ void rank_kernel(const uint32_t *id, uint32_t count, uint32_t *rank)
-{
-    size_t i = thread_number();
-    if (i < count) {
-        rank[id[i]] = (uint32_t)i;
-    }
-}
-
 /* A mesh on its way into a new order. */
 struct reorder {
     const pbw_index *simplices, *neighbors;          /* in the old order */
@@ -3453,10 +3445,7 @@ struct reorder {
 /* The canonical form of a simplex, by ranks. */
 template <int DIM> __device__ inline cell<DIM> ranked(const reorder &m, uint32_t s)
 {
-    cell<DIM> c = ((const cell<DIM> *)m.simplices)[s];
-    for (int k = 0; k <= DIM; k++) {
-        c.corner[k] = m.rank[c.corner[k]];
-    }
+    const cell<DIM> c = renumbered(((const cell<DIM> *)m.simplices)[s], m.rank);
     return canonical<DIM>(c.corner[0], c.corner + 1);
 }
 
@@ -3479,9 +3468,9 @@ __global__ void first_kernel(const __grid_constant__ reorder m, const uint32_t *
     }
 }
 
-/* order: the old number of each new one; renumbered: the new number of each old one. */
+/* order: the old number of each new one; now: the new number of each old one. */
 template <int DIM>
-__global__ void rewrite_kernel(const __grid_constant__ reorder m, const uint32_t *order, const uint32_t *renumbered,
+__global__ void rewrite_kernel(const __grid_constant__ reorder m, const uint32_t *order, const uint32_t *now,
                                pbw_index *simplices, pbw_index *neighbors, pbw_index *incident)
 {
     size_t i = thread_number();
@@ -3497,7 +3486,7 @@ __global__ void rewrite_kernel(const __grid_constant__ reorder m, const uint32_t
             t = old.corner[j] == v ? across.corner[j] : t;
         }
         c.corner[k] = v;
-        other.corner[k] = t == none ? none : renumbered[t];
+        other.corner[k] = t == none ? none : now[t];
         if (incident[v] > i) {
             atomicMin(&incident[v], (uint32_t)i);
         }
@@ -3525,7 +3514,8 @@ const char *const too_many = "too many simplices for the index type";
 
 struct offer {                                       /* what a card has for the others */
     int device;
-    uint32_t first, end, simplices;                  /* the share */
+    share part;
+    uint32_t simplices;
     void *guests[most_cards];                        /* for each higher card */
     uint32_t *guest_numbers[most_cards], guest_count[most_cards];
     pbw_index *beyond, *incident;                    /* beyond: of all guests, those of the lowest card first */
@@ -4157,7 +4147,7 @@ template <int DIM> void find_seeds(call &c, const workshop &w)
 {
     fill(c, w.seed, 0, 4);
     for (int found = 1; found <= DIM; found++) {
-        launch(c, "seeds", seed_kernel, at_most(1024, over(w.s.count, 256)), w.s, DIM, found, w.seed);
+        launch(c, "seeds", seed_kernel<DIM>, at_most(1024, over(w.s.count, 256)), w.s, found, w.seed);
     }
 }
 
@@ -4543,17 +4533,15 @@ template <int DIM> void list_guests(call &c, const directory<DIM> &all, uint32_t
     buffer<uint32_t> count(c, (size_t)vertices + 1), place(c, (size_t)vertices + 1);
     fill(c, count.at + vertices, 0, 1);
     for (int i = c.card + 1; i < c.cards->cards; i++) {
-        const offer &other = c.cards->of[i];
-        cell<DIM> *guest = NULL;
-        launch(c, "guests", guest_kernel<DIM>, over(vertices, 128), all, vertices, other.first, other.end, count.at,
-               nullptr, nullptr, nullptr);
+        guest_list<DIM> list = { count.at, place.at, NULL, NULL };
+        launch(c, "guests", guest_kernel<DIM>, over(vertices, 128), all, vertices, c.cards->of[i].part, list);
         sum_before(c, count.at, place.at, (size_t)vertices + 1);
         own.guest_count[i] = read_back(c, place.at + vertices, PBW_STAGE_OUTPUT, 0.2);
-        allocate(c, guest, own.guest_count[i]);
-        allocate(c, own.guest_numbers[i], own.guest_count[i]);
-        own.guests[i] = guest;
-        launch(c, "guests", guest_kernel<DIM>, over(vertices, 128), all, vertices, other.first, other.end, nullptr,
-               place.at, guest, own.guest_numbers[i]);
+        allocate(c, list.guest, own.guest_count[i]);
+        allocate(c, list.number, own.guest_count[i]);
+        own.guests[i] = list.guest;
+        own.guest_numbers[i] = list.number;
+        launch(c, "guests", guest_kernel<DIM>, over(vertices, 128), all, vertices, c.cards->of[i].part, list);
     }
     wait(c, PBW_STAGE_OUTPUT, 0.2);
 }
@@ -4595,7 +4583,7 @@ template <int DIM> void fetch_beyond(call &c, const directory<DIM> &all, pbw_ind
             before += of[k].guest_count[i];
         }
         fetch_from(c, i, beyond.at, of[i].beyond + before, count);
-        launch(c, "neighbours", return_kernel<DIM>, over(count, 128), all, of[i].first, of[i].end, count,
+        launch(c, "neighbours", return_kernel<DIM>, over(count, 128), all, of[i].part, count,
                of[c.card].guest_numbers[i], beyond.at, neighbors);
     }
 }
@@ -4605,10 +4593,11 @@ void fetch_incident(call &c, const uint32_t *id, pbw_index *incident)
 {
     const offer *of = c.cards->of;
     for (int i = 0; i < c.cards->cards; i++) {
-        const uint32_t count = of[i].end - of[i].first;
+        const uint32_t count = of[i].part.end - of[i].part.first;
         buffer<pbw_index> some(c, count);
         fetch_from(c, i, some.at, of[i].incident, count);
-        launch(c, "incident simplices", scatter_kernel, over(count, 256), id + of[i].first, count, some.at, incident);
+        launch(c, "incident simplices", scatter_kernel, over(count, 256), id + of[i].part.first, count, some.at,
+               incident);
     }
 }
 
@@ -4687,8 +4676,7 @@ void number_simplices(call &c, const workshop &w, output &o, pbw_cuda_mesh *mesh
     mesh->simplex_count = o.total;
     if (!o.alone) {
         offer &own = c.cards->of[c.card];
-        own.first = w.out.first;
-        own.end = w.out.end;
+        own.part = { w.out.first, w.out.end };
         own.simplices = o.total;
         meet_cards(c, false, 0.0);
         for (int i = 0; i < c.cards->cards; i++) {
@@ -4743,13 +4731,12 @@ void emit_simplices(call &c, const workshop &w, const output &o, directory<DIM> 
 template <int DIM>
 void find_neighbors(call &c, const workshop &w, const output &o, const directory<DIM> &all, pbw_cuda_mesh *mesh)
 {
-    const uint32_t mine = w.out.end - w.out.first, *id = o.alone ? o.id : NULL;
-    pbw_index *beyond = o.alone ? NULL : c.cards->of[c.card].beyond;
-    launch(c, "neighbours", neighbor_kernel<DIM>, over((size_t)mine * 8, emit_block), w.out, all, id, mesh->neighbors,
-           beyond, mesh->incident, w.next);
+    const uint32_t mine = w.out.end - w.out.first;
+    const links out = { mesh->neighbors, o.alone ? NULL : c.cards->of[c.card].beyond, mesh->incident,
+                        o.alone ? o.id : NULL };
+    launch(c, "neighbours", neighbor_kernel<DIM>, over((size_t)mine * 8, emit_block), w.out, all, out, w.next);
     if (mesh->stars[1] > 0) {
-        launch(c, "neighbours", large_neighbor_kernel<DIM>, over(mesh->stars[1] * 32, 128), w.q[2], w.out, all, id,
-               mesh->neighbors, beyond, mesh->incident);
+        launch(c, "neighbours", large_neighbor_kernel<DIM>, over(mesh->stars[1] * 32, 128), w.q[2], w.out, all, out);
     }
     note(c, 7);
     if (!o.alone) {
@@ -4948,12 +4935,12 @@ void reorder_mesh(call &c, const pbw_cuda_mesh &old, const space &s, const uint3
     allocate(c, mesh->neighbors, links);
     allocate(c, mesh->incident, old.point_count);
     fill(c, mesh->incident, 0xff, old.point_count);
-    launch(c, "order", rank_kernel, over(s.count, 256), id, s.count, rank.at);
+    launch(c, "order", scatter_kernel, over(s.count, 256), id, s.count, nullptr, rank.at);
     launch(c, "order", third_kernel<DIM>, all, m, third.array.at, order.array.at);
     sort_pairs(c, third, order, count, { 0, bits });
     launch(c, "order", first_kernel<DIM>, all, m, order.array.at, first.array.at);
     sort_pairs(c, first, order, count, { 0, 2 * bits });
-    launch(c, "order", rank_kernel, all, order.array.at, m.count, order.spare.at);
+    launch(c, "order", scatter_kernel, all, order.array.at, m.count, nullptr, order.spare.at);
     launch(c, "order", rewrite_kernel<DIM>, all, m, order.array.at, order.spare.at, mesh->simplices, mesh->neighbors,
            mesh->incident);
 }
