@@ -3510,6 +3510,7 @@ __global__ void rewrite_kernel(const __grid_constant__ reorder m, const uint32_t
 const double bytes_a_point[2] = { 75.0, 90.0 }, bytes_a_star[2] = { 155.0, 560.0 };
 const int most_cards = 16;
 const char *const few_points = "so few points are quicker on the CPU";
+const char *const no_host_memory = "out of memory on the host";
 const char *const too_many = "too many simplices for the index type";
 
 struct offer {                                       /* what a card has for the others */
@@ -3601,26 +3602,29 @@ void go_on(const call &c)
     }
 }
 
-[[noreturn]] void fail(call &c, pbw_status status, const char *text)
+/* Fails unless a condition holds. */
+template <typename... A> void require(call &c, bool holds, pbw_status status, const char *format, A... arguments)
 {
-    if (c.status == PBW_OK) {
+    if (!holds && c.status == PBW_OK) {
         c.status = status;
-        say(c, "%s", text);
+        say(c, format, arguments...);
     }
-    throw failure();
+    if (!holds) {
+        throw failure();
+    }
 }
 
-[[noreturn]] void decline(call &c, const char *text)
+/* The same for what only the device lacks: the CPU may take over. */
+template <typename... A> void suit(call &c, bool suits, const char *format, A... arguments)
 {
-    c.declined = true;
-    fail(c, PBW_ERROR_BACKEND, text);
+    c.declined = c.declined || !suits;
+    require(c, suits, PBW_ERROR_BACKEND, format, arguments...);
 }
 
-[[noreturn]] void decline_stars(call &c, uint32_t count)
+/* A rung left some stars. */
+void suit_stars(call &c, uint32_t left, uint32_t limit)
 {
-    char text[128];
-    snprintf(text, sizeof text, "%u stars are too large for the device (cospherical points?)", count);
-    decline(c, text);
+    suit(c, left <= limit, "%u stars are too large for the device (cospherical points?)", left);
 }
 
 /* Takes over a failure of the device; returns whether the call has none. */
@@ -3651,12 +3655,9 @@ void need_memory(call &c, size_t more)
     need(c, cudaMemPoolGetAttribute(c.pool, cudaMemPoolAttrUsedMemCurrent, &used), "memory of the pool");
     available += c.used + (kept > used ? (size_t)(kept - used) : 0);
     available = c.job->memory_limit > 0 && c.job->memory_limit < available ? c.job->memory_limit : available;
-    if (needed > available) {
-        c.status = PBW_ERROR_BACKEND;
-        say(c, "too little device memory: %zu bytes are needed, %zu are available", usual > needed ? usual : needed,
+    require(c, needed <= available, PBW_ERROR_BACKEND,
+            "too little device memory: %zu bytes are needed, %zu are available", usual > needed ? usual : needed,
             available);
-        throw failure();
-    }
 }
 
 void own(call &c, void *block, size_t bytes)
@@ -3676,14 +3677,12 @@ cudaError_t take(const call &c, void **block, size_t bytes)
     return cudaMallocFromPoolAsync(block, bytes, c.pool, c.stream);
 }
 
-template <typename V> void allocate(call &c, V *&address, size_t count)
+template <typename V> V *allocate(call &c, size_t count)
 {
     void *block = NULL;
     const size_t bytes = (count > 0 ? count : 1) * sizeof(V);
-    address = NULL;
-    if (c.blocks == (int)(sizeof c.block / sizeof c.block[0])) {
-        fail(c, PBW_ERROR_BACKEND, "too many blocks of device memory");
-    }
+    require(c, c.blocks < (int)(sizeof c.block / sizeof c.block[0]), PBW_ERROR_BACKEND,
+            "too many blocks of device memory");
     if (c.job->memory_limit > 0 && c.used + bytes > c.job->memory_limit) {
         need_memory(c, bytes);
     }
@@ -3694,7 +3693,7 @@ template <typename V> void allocate(call &c, V *&address, size_t count)
     }
     need(c, error, "cudaMallocAsync");
     own(c, block, bytes);
-    address = (V *)block;
+    return (V *)block;
 }
 
 /* Frees a block, or with keep only drops it from the list. */
@@ -3721,7 +3720,7 @@ template <typename V> struct buffer {
     buffer(buffer &&from) : c(from.c), at(from.at) { from.at = NULL; }
     buffer &operator=(buffer &&from) { std::swap(at, from.at); return *this; }
     ~buffer() { release(c, at); }
-    void make(size_t count) { allocate(c, at, count); }
+    void make(size_t count) { at = allocate<V>(c, count); }
 };
 
 /* Reports progress on the caller's thread, and takes over a cancellation or another card's failure. */
@@ -3995,9 +3994,7 @@ extents survey_points(call &c, const input &in, int bits, const buffer<survey> &
     need(c, cudaMemcpyAsync(on_device.at, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy");
     launch(c, "survey", survey_kernel, at_most(2048, over(in.count, 256)), in, on_device.at);
     found = read_back(c, on_device.at, PBW_STAGE_ORDER, 0.1);
-    if (found.bad != 0) {
-        fail(c, PBW_ERROR_NOT_FINITE, "a coordinate or weight is not a finite number");
-    }
+    require(c, found.bad == 0, PBW_ERROR_NOT_FINITE, "a coordinate or weight is not a finite number");
     pbw__grid_share_reset(&share);
     share.unit = found.unit;
     for (int k = 0; k <= in.dim; k++) {
@@ -4019,14 +4016,11 @@ void measure_space(call &c, const extents &e, int dim, space &s)
 {
     const double weight_range = e.heaviest - e.lightest;
     int exponent;
-    if (!(e.domain.extent > 1e-100 && e.domain.extent < 1e100)) {
-        decline(c, "the extent of the points is beyond the range of the device code");
-    }
+    suit(c, e.domain.extent > 1e-100 && e.domain.extent < 1e100,
+         "the extent of the points is beyond the range of the device code");
     (void)frexp(e.domain.extent, &exponent);
     s.unit = ldexp(1.0, 1 - exponent);
-    if (!(weight_range * (s.unit * s.unit) < 1e12)) {
-        decline(c, "the weights are beyond the range of the device code");
-    }
+    suit(c, weight_range * (s.unit * s.unit) < 1e12, "the weights are beyond the range of the device code");
     s.heaviest = e.heaviest;
     s.grid = e.grid;
     for (int k = 0; k < 3; k++) {
@@ -4046,19 +4040,16 @@ void gather_points(call &c, const ordering &o, space &s, uint32_t *&id, pbw_cuda
 {
     const size_t n = o.all.in.count;
     buffer<uint32_t> first(c, n), rank(c);
-    record *point = NULL;
     launch(c, "places", place_kernel, over(n, 256), o.all, o.root.at, first.at, mesh->canonical, o.found.at);
     mesh->duplicate_count = read_back(c, &o.found.at->duplicates, PBW_STAGE_ORDER, 0.5);
     s.count = (uint32_t)(n - mesh->duplicate_count);
-    if (s.count < PBW_CUDA_FEW) {
-        decline(c, few_points);
-    }
+    suit(c, s.count >= PBW_CUDA_FEW, few_points);
     if (s.count < n) {
         rank.make(n);
         sum_before(c, first.at, rank.at, n);
     }
-    allocate(c, point, s.count);
-    allocate(c, id, s.count);
+    record *const point = allocate<record>(c, s.count);
+    id = allocate<uint32_t>(c, s.count);
     launch(c, "gather", gather_kernel, over(n, 256), o.all, first.at, rank.at, point, id);
     s.point = point;
 }
@@ -4082,12 +4073,10 @@ bool order_points(call &c, const input &in, space &s, uint32_t *&id, pbw_cuda_me
 void grow_tree(call &c, space &s, int dim, tree &t)
 {
     uint32_t size = (s.count + group_size - 1) / group_size;
-    float4 *rough = NULL;
-    allocate(c, rough, s.count);
+    float4 *const rough = allocate<float4>(c, s.count);
     s.rough = rough;
     for (t.levels = 0; t.levels == 0 || t.size[t.levels - 1] > 32; size = (size + 31) / 32) {
-        box *b = NULL;
-        allocate(c, b, size);
+        box *const b = allocate<box>(c, size);
         if (t.levels == 0) {
             launch(c, "boxes", group_kernel, over(size, 128), s, dim, b, rough, size);
         } else {
@@ -4114,9 +4103,7 @@ void keep_points(call &c)
 {
     if (c.job->keep != NULL && c.card == 0 && c.job->kept_points == NULL) {
         pbw_status status = c.job->keep(c.job);
-        if (status != PBW_OK) {
-            fail(c, status, "the points could not be kept");
-        }
+        require(c, status == PBW_OK, status, "the points could not be kept");
     }
 }
 
@@ -4246,9 +4233,7 @@ template <int DIM, bool WEIGHTED> uint32_t build_far_stars(call &c, const worksh
         failed = read_back(c, w.q[0].count, PBW_STAGE_BUILD, 0.95);
     }
     w.made[2] = failed;
-    if (failed > limit) {
-        decline_stars(c, failed);
-    }
+    suit_stars(c, failed, limit);
     return failed;
 }
 
@@ -4270,9 +4255,7 @@ template <int DIM, bool WEIGHTED> void build_last_stars(call &c, const workshop 
         lost = read_back(c, w.q[1 - i].count, PBW_STAGE_BUILD, 0.95);
     }
     note(c, 4);
-    if (lost > 0) {
-        decline_stars(c, lost);
-    }
+    suit_stars(c, lost, 0);
 }
 
 void lay_bricks(call &c, const space &s, brick_tree &t)
@@ -4282,11 +4265,9 @@ void lay_bricks(call &c, const space &s, brick_tree &t)
     memset(&t, 0, sizeof t);
     for (; t.levels == 0 || size > 32; t.levels++) {
         const uint32_t children = size;
-        brick *b = NULL;
-        moments *m = NULL;
         size = (size + 7) / 8;
-        allocate(c, b, size);
-        allocate(c, m, size);
+        brick *const b = allocate<brick>(c, size);
+        moments *const m = allocate<moments>(c, size);
         launch(c, "bricks", brick_kernel, over(size, 128), s, child, children, m, b, size);
         release(c, child);
         child = m;
@@ -4352,9 +4333,7 @@ void build_large_wide_stars(call &c, const workshop &w, wide_launch a, uint32_t 
     a.cap = far_cap;
     a.limit = far_limit(w);
     const uint32_t last = run_wide_rung<large_wide_rung>(c, a);
-    if (last > a.limit) {                            /* beyond its limit a rung leaves stars untried, uncounted */
-        decline_stars(c, last);
-    }
+    suit_stars(c, last, a.limit);                    /* beyond its limit a rung leaves stars untried, uncounted */
     a.vertex = w.q[1].vertex;
     a.failed = w.q[0];
     a.total = last;
@@ -4363,9 +4342,7 @@ void build_large_wide_stars(call &c, const workshop &w, wide_launch a, uint32_t 
     failed = run_wide_rung<last_wide_rung>(c, a);
     w.made[2] = last;
     note(c, 4);
-    if (failed > 0) {
-        decline_stars(c, failed);
-    }
+    suit_stars(c, failed, 0);
 }
 
 /* Stars of points on surfaces; returns false if a sample speaks against it.  Those that the first rung begins go to a
@@ -4389,7 +4366,7 @@ bool build_wide_stars(call &c, workshop &w, const brick_tree &bricks)
     }
     w.out.capacity = w.out.capacity > enough ? w.out.capacity : enough;
     fill(c, w.out.used, 0, 1);
-    allocate(c, w.out.word, (size_t)w.out.capacity * 4);
+    w.out.word = allocate<uint32_t>(c, (size_t)w.out.capacity * 4);
     a.out = w.out;
     a.limit = 128 + mine / 16;
     const uint32_t failed = run_wide_rung<wide_rung>(c, a);
@@ -4399,9 +4376,7 @@ bool build_wide_stars(call &c, workshop &w, const brick_tree &bricks)
         return true;
     }
     w.made[0] = w.made[1] = mine;
-    if (failed > a.limit) {
-        decline_stars(c, failed);
-    }
+    suit_stars(c, failed, a.limit);
     build_large_wide_stars(c, w, a, failed);
     return true;
 }
@@ -4423,9 +4398,7 @@ template <int DIM, bool WEIGHTED> void build_stars(call &c, workshop &w)
             return;
         }
     }
-    if (far && !c.must) {
-        decline(c, "most stars reach far (points on lines, or nearly in a plane?): quicker on the CPU");
-    }
+    suit(c, !far || c.must, "most stars reach far (points on lines, or nearly in a plane?): quicker on the CPU");
     w.made[1] = build_near_stars<DIM, WEIGHTED>(c, w);
     const uint32_t failed = build_quick_stars<DIM, WEIGHTED>(c, w, (uint32_t)w.made[1]);
     build_last_stars<DIM, WEIGHTED>(c, w, build_far_stars<DIM, WEIGHTED>(c, w, failed));
@@ -4537,10 +4510,8 @@ template <int DIM> void list_guests(call &c, const directory<DIM> &all, uint32_t
         launch(c, "guests", guest_kernel<DIM>, over(vertices, 128), all, vertices, c.cards->of[i].part, list);
         sum_before(c, count.at, place.at, (size_t)vertices + 1);
         own.guest_count[i] = read_back(c, place.at + vertices, PBW_STAGE_OUTPUT, 0.2);
-        allocate(c, list.guest, own.guest_count[i]);
-        allocate(c, list.number, own.guest_count[i]);
-        own.guests[i] = list.guest;
-        own.guest_numbers[i] = list.number;
+        own.guests[i] = list.guest = allocate<cell<DIM> >(c, own.guest_count[i]);
+        own.guest_numbers[i] = list.number = allocate<uint32_t>(c, own.guest_count[i]);
         launch(c, "guests", guest_kernel<DIM>, over(vertices, 128), all, vertices, c.cards->of[i].part, list);
     }
     wait(c, PBW_STAGE_OUTPUT, 0.2);
@@ -4551,15 +4522,13 @@ template <int DIM> void fetch_guests(call &c, directory<DIM> &all)
 {
     const offer *of = c.cards->of;
     pbw_index *&beyond = c.cards->of[c.card].beyond;
-    cell<DIM> *guest = NULL;
-    uint32_t *number = NULL;
     size_t count = 0;
     for (int i = 0; i < c.card; i++) {
         count += of[i].guest_count[c.card];
     }
-    allocate(c, guest, count);
-    allocate(c, number, count);
-    allocate(c, beyond, count);
+    cell<DIM> *const guest = allocate<cell<DIM> >(c, count);
+    uint32_t *const number = allocate<uint32_t>(c, count);
+    beyond = allocate<pbw_index>(c, count);
     fill(c, beyond, 0xff, count);                    /* guests without a facet here leave theirs */
     all.guest = guest;
     all.guest_number = number;
@@ -4604,8 +4573,6 @@ void fetch_incident(call &c, const uint32_t *id, pbw_index *incident)
 /* Shares the points, grows the tree, and allocates what the rungs need. */
 void open_workshop(call &c, workshop &w, int dim)
 {
-    unsigned long long *used_and_seed = NULL;
-    uint32_t *counts = NULL;                         /* of the queues, next, stop */
     share_points(c, w.s, w.out.first, w.out.end);
     const uint32_t mine = w.out.end - w.out.first, groups = (mine + group_size - 1) / group_size;
     w.out.capacity = (unsigned long long)mine * (dim == 3 ? 13 : 5) + 4096;
@@ -4613,21 +4580,20 @@ void open_workshop(call &c, workshop &w, int dim)
     need_memory(c, (size_t)w.s.count * 16 + (size_t)w.s.count / group_size * sizeof(box) + (size_t)w.out.capacity * 16
                    + (size_t)mine * (12 + 8) + (size_t)groups * (list_size * 4 + sizeof(near_list)));
     grow_tree(c, w.s, dim, w.t);
-    allocate(c, w.lists, (size_t)groups * list_size);
-    allocate(c, w.infos, groups);
-    allocate(c, counts, 5);
-    allocate(c, used_and_seed, 6);
-    allocate(c, w.out.place, mine);
-    allocate(c, w.out.owned, (size_t)mine + 1);
+    uint32_t *const counts = allocate<uint32_t>(c, 5);         /* of the queues, next, stop */
+    w.lists = allocate<uint32_t>(c, (size_t)groups * list_size);
+    w.infos = allocate<near_list>(c, groups);
+    w.out.used = allocate<unsigned long long>(c, 6);
+    w.out.place = allocate<uint32_t>(c, mine);
+    w.out.owned = allocate<uint32_t>(c, (size_t)mine + 1);
     fill(c, counts + 4, 0, 1);
     for (int i = 0; i < 3; i++) {
         w.q[i].count = counts + i;
-        allocate(c, w.q[i].vertex, mine);
+        w.q[i].vertex = allocate<uint32_t>(c, mine);
     }
     w.next = counts + 3;
     w.out.stop = counts + 4;
-    w.out.used = used_and_seed;
-    w.seed = used_and_seed + 1;
+    w.seed = w.out.used + 1;
     if (c.copies != NULL) {
         follow(c);
         c.stop = counts + 4;
@@ -4642,7 +4608,7 @@ template <int DIM, bool WEIGHTED> void fill_store(call &c, workshop &w)
     unsigned long long used = 0;
     note(c, 2);
     for (;;) {
-        allocate(c, w.out.word, (size_t)w.out.capacity * 4);
+        w.out.word = allocate<uint32_t>(c, (size_t)w.out.capacity * 4);
         build_stars<DIM, WEIGHTED>(c, w);
         used = read_back(c, w.out.used, PBW_STAGE_BUILD, 0.95);
         if (used <= w.out.capacity) {
@@ -4653,9 +4619,7 @@ template <int DIM, bool WEIGHTED> void fill_store(call &c, workshop &w)
     }
     release(c, w.lists);
     release(c, w.infos);
-    if (used > ((unsigned long long)1 << 32) - 16) {
-        fail(c, PBW_ERROR_TOO_LARGE, too_many);
-    }
+    require(c, used <= ((unsigned long long)1 << 32) - 16, PBW_ERROR_TOO_LARGE, too_many);
 }
 
 /* The simplices of a share on their way out. */
@@ -4670,7 +4634,7 @@ struct output {
 void number_simplices(call &c, const workshop &w, output &o, pbw_cuda_mesh *mesh)
 {
     const uint32_t mine = w.out.end - w.out.first;
-    allocate(c, o.offset, (size_t)mine + 1);
+    o.offset = allocate<uint32_t>(c, (size_t)mine + 1);
     sum_before(c, w.out.owned, o.offset, (size_t)mine + 1);
     o.total = read_back(c, o.offset + mine, PBW_STAGE_OUTPUT, 0.0);
     mesh->simplex_count = o.total;
@@ -4685,9 +4649,7 @@ void number_simplices(call &c, const workshop &w, output &o, pbw_cuda_mesh *mesh
         }
     }
     note(c, 5);
-    if (mesh->simplex_count >= hidden) {
-        fail(c, PBW_ERROR_TOO_LARGE, too_many);
-    }
+    require(c, mesh->simplex_count < hidden, PBW_ERROR_TOO_LARGE, too_many);
 }
 
 /* Writes the simplices, and lists those that other cards need. */
@@ -4696,14 +4658,11 @@ void emit_simplices(call &c, const workshop &w, const output &o, directory<DIM> 
 {
     const uint32_t mine = w.out.end - w.out.first;
     const size_t links = (size_t)o.total * (DIM + 1), incident = o.alone ? c.count : mine;
-    cell<DIM> *cells = NULL;
     need_memory(c, (size_t)o.total * (o.with_neighbors ? 3 : 2) * sizeof(cell<DIM>) + c.count * 4);
-    allocate(c, cells, o.total);
-    allocate(c, mesh->simplices, links);
-    allocate(c, mesh->incident, incident);
-    if (o.with_neighbors) {
-        allocate(c, mesh->neighbors, links);
-    }
+    cell<DIM> *const cells = allocate<cell<DIM> >(c, o.total);
+    mesh->simplices = allocate<pbw_index>(c, links);
+    mesh->incident = allocate<pbw_index>(c, incident);
+    mesh->neighbors = o.with_neighbors ? allocate<pbw_index>(c, links) : NULL;
     fill(c, mesh->incident, 0xff, incident);
     fill(c, w.next, 0, 1);
     launch(c, "simplices", emit_kernel<DIM>, over((size_t)mine * 8, emit_block), w.out, o.offset, o.id, cells,
@@ -4714,9 +4673,7 @@ void emit_simplices(call &c, const workshop &w, const output &o, directory<DIM> 
     all.offset = o.offset;
     all.cells = cells;
     pbw_status status = o.to_host && c.card == 0 ? c.job->reserve(c.job, mesh->simplex_count) : PBW_OK;
-    if (status != PBW_OK) {
-        fail(c, status, "out of memory on the host");
-    }
+    require(c, status == PBW_OK, status, no_host_memory);
     if (!o.alone) {
         list_guests<DIM>(c, all, mine);
         meet_cards(c, false, 0.1);
@@ -4759,7 +4716,7 @@ void copy_points(call &c, const output &o, const pbw_cuda_mesh *mesh)
     pbw_index *incident = mesh->incident;
     const size_t bytes = c.count * sizeof(pbw_index);
     if (!o.alone && c.card == 0) {
-        allocate(c, incident, c.count);
+        incident = allocate<pbw_index>(c, c.count);
         fill(c, incident, 0xff, c.count);
         fetch_incident(c, o.id, incident);
     }
@@ -4931,9 +4888,9 @@ void reorder_mesh(call &c, const pbw_cuda_mesh &old, const space &s, const uint3
     sortable<uint32_t> third(c, count), order(c, count);
     sortable<uint64_t> first(c, count);
     const reorder m = { old.simplices, old.neighbors, id, rank.at, (uint32_t)count, bits };
-    allocate(c, mesh->simplices, links);
-    allocate(c, mesh->neighbors, links);
-    allocate(c, mesh->incident, old.point_count);
+    mesh->simplices = allocate<pbw_index>(c, links);
+    mesh->neighbors = allocate<pbw_index>(c, links);
+    mesh->incident = allocate<pbw_index>(c, old.point_count);
     fill(c, mesh->incident, 0xff, old.point_count);
     launch(c, "order", scatter_kernel, over(s.count, 256), id, s.count, nullptr, rank.at);
     launch(c, "order", third_kernel<DIM>, all, m, third.array.at, order.array.at);
@@ -5003,14 +4960,10 @@ void run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
     memset(&s, 0, sizeof s);
     mesh->dim = in.dim;
     mesh->point_count = in.count;
-    if (in.count < PBW_CUDA_FEW) {
-        decline(c, few_points);
-    }
-    if (in.count >= (size_t)1 << 31) {
-        decline(c, "too many points for the device code");
-    }
+    suit(c, in.count >= PBW_CUDA_FEW, few_points);
+    suit(c, in.count < (size_t)1 << 31, "too many points for the device code");
     note(c, 0);
-    allocate(c, mesh->canonical, in.count);
+    mesh->canonical = allocate<pbw_index>(c, in.count);
     const bool weighted = order_points(c, in, s, id, mesh);
     release(c, in.points);                           /* those of a job: the records have all */
     release(c, in.weights);
@@ -5038,9 +4991,7 @@ void open_call(call &c, cudaStream_t stream, int dim, size_t count)
     c.stars = count / (c.cards != NULL ? (size_t)c.cards->cards : 1);
     need(c, cudaGetDevice(&device), "no usable device");
     need(c, cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, device), "cudaDeviceGetAttribute");
-    if (!pools) {
-        fail(c, PBW_ERROR_BACKEND, "the device or its driver has no memory pools");
-    }
+    require(c, pools != 0, PBW_ERROR_BACKEND, "the device or its driver has no memory pools");
     if (!c.lent) {
         need(c, cudaDeviceGetMemPool(&c.pool, device), "cudaDeviceGetMemPool");
         for (int i = 0; i < 8; i++) {
@@ -5101,8 +5052,7 @@ input upload(call &c)
     input in = { NULL, NULL, job->count, job->dim, packed && job->is_float };
     for (int part = 0; part < 2 && from[part] != NULL; part++) {
         const size_t bytes = job->count * number_size(in.is_float) * (part == 0 ? (size_t)job->dim : 1);
-        char *on_device = NULL;
-        allocate(c, on_device, bytes);
+        char *const on_device = allocate<char>(c, bytes);
         need(c, cudaMemcpyAsync(on_device, from[part], bytes, cudaMemcpyHostToDevice, c.stream), "copying points");
         (part == 0 ? in.points : in.weights) = on_device;
     }
@@ -5266,9 +5216,7 @@ void open_local(local_call &local, const request &r)
         adopt_last(c);
     }
     local.fp = pbw__fp_enter();
-    if (!pbw__fp_is_exact()) {
-        fail(c, PBW_ERROR_FP_MODE, pbw_status_string(PBW_ERROR_FP_MODE));
-    }
+    require(c, pbw__fp_is_exact(), PBW_ERROR_FP_MODE, pbw_status_string(PBW_ERROR_FP_MODE));
     look_up(c, PBW_STAGE_ORDER, 0.0);
     go_on(c);
     open_call(c, r.stream, r.in.dim, r.check ? 0 : r.in.count);
@@ -5332,7 +5280,7 @@ void send_mesh(call &c, const pbw_mesh &host, const input &in, pbw_cuda_mesh *me
     mesh->hidden_count = host.hidden_count;
     for (int i = 0; i < mesh_arrays; i++) {
         if (from[i] != NULL) {
-            allocate(c, array_of(*mesh, i), entries_of(*mesh, i));
+            array_of(*mesh, i) = allocate<pbw_index>(c, entries_of(*mesh, i));
             need(c, cudaMemcpyAsync(array_of(*mesh, i), from[i], entries_of(*mesh, i) * sizeof(pbw_index),
                                     cudaMemcpyHostToDevice, c.stream), "copying results");
         }
@@ -5347,9 +5295,7 @@ void build_by(pbw_triangulator *cpu, call &c, const input &in, pbw_options optio
     double *points = (double *)pbw__allocate(&memory, numbers, sizeof(double));
     pbw_mesh host;
     pbw_status status = PBW_OK;
-    if (points == NULL) {
-        fail(c, PBW_ERROR_MEMORY, "out of memory on the host");
-    }
+    require(c, points != NULL, PBW_ERROR_MEMORY, no_host_memory);
     options.backend = NULL;
     options.trace = NULL;
     options.stride = options.weight_stride = 0;
@@ -5358,9 +5304,7 @@ void build_by(pbw_triangulator *cpu, call &c, const input &in, pbw_options optio
     try {
         fetch_points(c, in, points, numbers);
         status = cpu(in.dim, points, in.weights != NULL ? points + coordinates : NULL, in.count, &options, &host);
-        if (status != PBW_OK && status != PBW_DEGENERATE) {
-            fail(c, status, pbw_status_string(status));
-        }
+        require(c, status == PBW_OK || status == PBW_DEGENERATE, status, pbw_status_string(status));
         send_mesh(c, host, in, mesh);
     } catch (const failure &) {
     }
@@ -5527,9 +5471,7 @@ extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, voi
         properties.allocType = cudaMemAllocationTypePinned;
         properties.location.type = cudaMemLocationTypeDevice;
         loop = (pbw_cuda_loop *)pbw__allocate(&local.context.memory, 1, sizeof *loop);
-        if (loop == NULL) {
-            fail(c, PBW_ERROR_MEMORY, "out of memory on the host");
-        }
+        require(c, loop != NULL, PBW_ERROR_MEMORY, no_host_memory);
         need(c, cudaGetDevice(&properties.location.id), "cudaGetDevice");
         need(c, cudaMemPoolCreate(&pool, &properties), "cudaMemPoolCreate");
         need(c, cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &all), "the pool");
