@@ -1031,8 +1031,14 @@ template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL> st
     typename types::number cavity[NT];
 };
 
-/* The place of a point of a star S. */
+/* The place of a point of a star S, and of a candidate or, where there is none, v. */
 template <typename S> using place_in = place<typename S::real>;
+
+template <typename S>
+__device__ inline place_in<S> candidate_place(const space &all, const record &own, uint32_t v, uint32_t candidate)
+{
+    return relative<S::dim, typename S::real>(all, own, all.point[candidate != none ? candidate : v]);
+}
 
 /* Larger stars have kernels of their own in >>cells. */
 const int small_triangles = 60, small_vertices = 32;
@@ -1711,6 +1717,9 @@ struct near_launch {
 
 /* A star of the first rung while its tile builds it. */
 template <int DIM, bool WEIGHTED, typename REAL> struct near_state {
+    typedef REAL real;
+    static const int dim = DIM;
+    static const bool weighted = WEIGHTED;
     near_star<DIM, WEIGHTED, REAL> &s;
     const near_launch &a;
     const uint32_t *list;                            /* the groups near v */
@@ -1732,8 +1741,7 @@ template <int DIM, bool WEIGHTED, typename REAL> struct near_state {
 const int near_lanes = 8;
 
 /* Appends the points of the tile's group candidate closer than the start radius. */
-template <int DIM, bool WEIGHTED, typename REAL>
-__device__ __forceinline__ void collect_group(near_state<DIM, WEIGHTED, REAL> &n, uint32_t group, bool here)
+template <typename N> __device__ __forceinline__ void collect_group(N &n, uint32_t group, bool here)
 {
     uint32_t p = group * group_size + (uint32_t)n.lane;
     bool take = here && p < n.a.all.count && p != n.v;
@@ -1753,8 +1761,7 @@ __device__ __forceinline__ void collect_group(near_state<DIM, WEIGHTED, REAL> &n
 
 /* Step 1: the points within the start radius, which shrinks until there is room for them.  Stars whose points are too
    close for floats to tell apart are given up. */
-template <int DIM, bool WEIGHTED, typename REAL>
-__device__ __forceinline__ void collect_close(near_state<DIM, WEIGHTED, REAL> &n)
+template <typename N> __device__ __forceinline__ void collect_close(N &n)
 {
     int shrinks = 0;
     for (bool again = n.go; any(again); shrinks++) {
@@ -1763,9 +1770,9 @@ __device__ __forceinline__ void collect_close(near_state<DIM, WEIGHTED, REAL> &n
             uint32_t group = again && base + n.lane < n.length ? n.list[base + n.lane] : none;
             bool close = false;
             if (group != none) {
-                span b = relative_box<DIM>(n.a.group[group], n.origin);
+                span b = relative_box<N::dim>(n.a.group[group], n.origin);
                 float d = 0.0f;
-                for (int k = 0; k < DIM; k++) {
+                for (int k = 0; k < N::dim; k++) {
                     float t = fmaxf(fmaxf(b.low[k], -b.high[k]), 0.0f);
                     d = fmaf(t, t, d);
                 }
@@ -1785,8 +1792,7 @@ __device__ __forceinline__ void collect_close(near_state<DIM, WEIGHTED, REAL> &n
 }
 
 /* Sorts the collected points by distance into scratch. */
-template <int DIM, bool WEIGHTED, typename REAL>
-__device__ __forceinline__ void sort_collected(near_state<DIM, WEIGHTED, REAL> &n)
+template <typename N> __device__ __forceinline__ void sort_collected(N &n)
 {
     const int T = near_lanes;
     uint32_t *sorted = n.s.scratch, *collected = (uint32_t *)n.s.sphere;
@@ -1814,8 +1820,7 @@ __device__ __forceinline__ void sort_collected(near_state<DIM, WEIGHTED, REAL> &
 }
 
 /* The next candidates that may be in conflict, until each tile has some or no more at hand. */
-template <int DIM, bool WEIGHTED, typename REAL>
-__device__ __forceinline__ void next_candidates(near_state<DIM, WEIGHTED, REAL> &n)
+template <typename N> __device__ __forceinline__ void next_candidates(N &n)
 {
     const int T = near_lanes;
     for (;;) {
@@ -1829,7 +1834,7 @@ __device__ __forceinline__ void next_candidates(near_state<DIM, WEIGHTED, REAL> 
             n.candidate = n.lane < take ? n.s.scratch[(n.walking ? n.stored - take : n.cursor) + n.lane] : none;
             n.stored -= n.walking ? take : 0;
         }
-        n.p = relative<DIM, REAL>(n.a.all, n.own, n.a.all.point[n.candidate != none ? n.candidate : n.v]);
+        n.p = candidate_place<N>(n.a.all, n.own, n.v, n.candidate);
         bool screened = n.walking || n.cursor >= 2 * T;
         bool may = may_conflict<T>(n.s, feed && screened, n.count, n.p) || !screened;
         unsigned vote = tile_ballot<T>(feed && n.candidate != none && may);
@@ -1839,15 +1844,14 @@ __device__ __forceinline__ void next_candidates(near_state<DIM, WEIGHTED, REAL> 
 }
 
 /* The next 8 groups of the list that touch the reach of the star. */
-template <int DIM, bool WEIGHTED, typename REAL>
-__device__ __forceinline__ void next_groups(near_state<DIM, WEIGHTED, REAL> &n, bool load)
+template <typename N> __device__ __forceinline__ void next_groups(N &n, bool load)
 {
     bool touches = false;
     if (load && n.position + n.lane < n.length) {
         n.group_here = n.list[n.position + n.lane];
-        span b = relative_box<DIM>(n.a.group[n.group_here], n.origin);
+        span b = relative_box<N::dim>(n.a.group[n.group_here], n.origin);
         touches = true;
-        for (int k = 0; k < DIM; k++) {
+        for (int k = 0; k < N::dim; k++) {
             touches = touches && b.low[k] <= n.reach.high[k] && b.high[k] >= n.reach.low[k];
         }
     }
@@ -1857,8 +1861,7 @@ __device__ __forceinline__ void next_groups(near_state<DIM, WEIGHTED, REAL> &n, 
 }
 
 /* Stores the points of several groups that are within the reach; several, to have several loads in flight. */
-template <int DIM, bool WEIGHTED, typename REAL>
-__device__ __forceinline__ void store_points(near_state<DIM, WEIGHTED, REAL> &n, bool fill)
+template <typename N> __device__ __forceinline__ void store_points(N &n, bool fill)
 {
     const int T = near_lanes;
     uint32_t other[at_once];
@@ -1874,7 +1877,7 @@ __device__ __forceinline__ void store_points(near_state<DIM, WEIGHTED, REAL> &n,
     for (int i = 0; i < at_once; i++) {
         float x[3];
         bool take = rough_square(place_of[i], n.origin, x) >= n.start2 && other[i] != none;
-        for (int k = 0; k < DIM; k++) {
+        for (int k = 0; k < N::dim; k++) {
             take = take && x[k] >= n.reach.low[k] && x[k] <= n.reach.high[k];
         }
         unsigned takers = tile_ballot<T>(take);
@@ -1886,8 +1889,7 @@ __device__ __forceinline__ void store_points(near_state<DIM, WEIGHTED, REAL> &n,
 }
 
 /* Step 3: walks on through the list, for all tiles of the block that have room. */
-template <int DIM, bool WEIGHTED, typename REAL>
-__device__ __forceinline__ void walk_list(near_state<DIM, WEIGHTED, REAL> &n)
+template <typename N> __device__ __forceinline__ void walk_list(N &n)
 {
     n.walking = true;
     bool renew = n.go && n.changed;
@@ -1912,8 +1914,7 @@ __device__ __forceinline__ void walk_list(near_state<DIM, WEIGHTED, REAL> &n)
 }
 
 /* Step 4: marks the simplices whose spheres lie within the box that the list covers; returns whether all do. */
-template <int DIM, bool WEIGHTED, typename REAL>
-__device__ __forceinline__ bool certify(near_state<DIM, WEIGHTED, REAL> &n)
+template <typename N> __device__ __forceinline__ bool certify(N &n)
 {
     const box b = n.a.group[n.v / group_size];
     span covered;
@@ -1925,9 +1926,9 @@ __device__ __forceinline__ bool certify(near_state<DIM, WEIGHTED, REAL> &n)
     bool certified = true;
     for (int t = n.lane; n.go && t < n.count; t += near_lanes) {
         float4 q = n.s.sphere[t];
-        float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<WEIGHTED>(q, n.heaviest);
+        float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<N::weighted>(q, n.heaviest);
         bool inside = true;
-        for (int k = 0; k < DIM; k++) {
+        for (int k = 0; k < N::dim; k++) {
             inside = inside && c[k] - radius > covered.low[k] && c[k] + radius < covered.high[k];
         }
         inside = inside || is_wall(q);
@@ -1938,8 +1939,7 @@ __device__ __forceinline__ bool certify(near_state<DIM, WEIGHTED, REAL> &n)
 }
 
 /* The vertex of a tile, with nothing collected yet. */
-template <int DIM, bool WEIGHTED, typename REAL>
-__device__ __forceinline__ void open_near(near_state<DIM, WEIGHTED, REAL> &n, uint32_t v, bool valid)
+template <typename N> __device__ __forceinline__ void open_near(N &n, uint32_t v, bool valid)
 {
     const space &all = n.a.all;
     const uint32_t row = v / group_size - n.a.out.first / group_size;
@@ -1951,20 +1951,19 @@ __device__ __forceinline__ void open_near(near_state<DIM, WEIGHTED, REAL> &n, ui
     n.length = (int)n.info.length;
     n.lane = (int)threadIdx.x & (near_lanes - 1);
     n.origin[0] = rough.x, n.origin[1] = rough.y, n.origin[2] = rough.z;
-    n.heaviest = WEIGHTED ? (float)((all.heaviest - n.own.c[DIM]) * (all.unit * all.unit)) * 1.000001f : 0.0f;
-    n.walls = walls_of<DIM>(all, n.own);
+    n.heaviest = N::weighted ? (float)((all.heaviest - n.own.c[N::dim]) * (all.unit * all.unit)) * 1.000001f : 0.0f;
+    n.walls = walls_of<N::dim>(all, n.own);
     n.go = valid && n.length > 0 && *n.a.out.stop == 0;
     n.start2 = n.info.start * n.info.start;
     n.have = 0;
 }
 
 /* Step 2: the star of the nearest points that make a fat corner; the others are candidates. */
-template <int DIM, bool WEIGHTED, typename REAL>
-__device__ __forceinline__ void start_near(near_state<DIM, WEIGHTED, REAL> &n)
+template <typename N> __device__ __forceinline__ void start_near(N &n)
 {
     const int T = near_lanes;
     n.candidate = n.go && n.lane < n.have ? n.s.scratch[n.lane] : none;
-    n.p = relative<DIM, REAL>(n.a.all, n.own, n.a.all.point[n.candidate != none ? n.candidate : n.v]);
+    n.p = candidate_place<N>(n.a.all, n.own, n.v, n.candidate);
     const unsigned used = start_from_lanes<T>(n.s, n.go, n.candidate, n.p, n.have);
     n.go = n.go && used != 0;
     n.pending = n.go ? ((1u << (n.have < T ? n.have : T)) - 1) & ~used : 0;
@@ -2213,7 +2212,7 @@ __device__ inline bool start_on_curve(S &s, const space &all, const unsigned lon
         candidate =
             (lane & 1) != 0 ? (v + offset < all.count ? v + offset : none) : (offset <= v ? v - offset : none);
     }
-    p = relative<S::dim, typename S::real>(all, own, all.point[candidate != none ? candidate : v]);
+    p = candidate_place<S>(all, own, v, candidate);
     uint32_t key = candidate != none ? (__float_as_uint((float)square<S::dim>(p.x)) & ~31u) | (uint32_t)lane : none;
     int before = 0, have = __popc(__ballot_sync(all_lanes, candidate != none));
     for (int i = 0; i < 32; i++) {
@@ -2227,13 +2226,13 @@ __device__ inline bool start_on_curve(S &s, const space &all, const unsigned lon
     __syncwarp();
     candidate = order[lane];
     __syncwarp();
-    p = relative<S::dim, typename S::real>(all, own, all.point[candidate != none ? candidate : v]);
+    p = candidate_place<S>(all, own, v, candidate);
     bool started = start_from_lanes<32>(s, true, candidate, p, have) != 0;
     if (!started && EXACT) {
         if (candidate == none) {
             uint32_t other = lane - have > S::dim ? none : lane == have ? 0 : (uint32_t)seed[lane - have];
             candidate = other == v ? none : other;
-            p = relative<S::dim, typename S::real>(all, own, all.point[candidate != none ? candidate : v]);
+            p = candidate_place<S>(all, own, v, candidate);
         }
         started = start_from_seeds(s, all, v, candidate, p, candidate != none, pool);
     }
@@ -2460,7 +2459,7 @@ __device__ inline int far_star_of(S &s, const far_launch &a, const far_task &tas
                 for (int k = 0; k < S::dim; k++) {
                     candidate = corner(word, k) != 0 && s.id[corner(word, k)] == candidate ? none : candidate;
                 }
-                p = relative<S::dim, typename S::real>(all, own, all.point[candidate != none ? candidate : v]);
+                p = candidate_place<S>(all, own, v, candidate);
                 int answer = candidate != none ? side(s.sphere[t], probe_of<S::dim, S::weighted>(p)) : 0;
                 if (EXACT && answer == open_sign) {  /* a flat simplex on the hull leaves many points open */
                     answer = decide(s, all, v, count, t, candidate, p, NULL);
