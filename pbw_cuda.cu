@@ -3525,11 +3525,11 @@ struct offer {                                       /* what a card has for the 
 struct team {
     std::mutex lock;
     std::condition_variable news;
-    int cards, here, left;
-    unsigned meetings;
-    std::atomic<int> status;                         /* of the first card that failed */
-    bool declined;
-    offer of[most_cards];
+    int cards, here = 0, left = 0;
+    unsigned meetings = 0;
+    std::atomic<int> status{ PBW_OK };               /* of the first card that failed */
+    bool declined = false;
+    offer of[most_cards] = {};
 };
 
 /* What a call uses besides its blocks; that of a loop serves all its steps. */
@@ -3931,10 +3931,6 @@ run_room order_long_runs(call &c, ordering &o, const run_list &runs, uint32_t &c
     const uint32_t runs_here = count;
     buffer<pbw__box> box(c, count);
     run_room next(c);
-    int run_bits = 1;
-    while (run_bits < 32 && (count - 1) >> run_bits != 0) {
-        run_bits++;
-    }
     fill(c, runs.length + count, 0, 1);
     launch(c, "runs", measure_kernel, warps, o.all, runs, count, box.at, o.root.at);
     sum_before(c, runs.length, runs.offset, (size_t)count + 1);
@@ -3946,7 +3942,7 @@ run_room order_long_runs(call &c, ordering &o, const run_list &runs, uint32_t &c
         keyed some = o.all;
         launch(c, "runs", rekey_kernel, warps, o.all, runs, runs_here, box.at, gathered.array.at, segment.array.at);
         sort_pairs(c, gathered, segment, total, o.sorted_bits());
-        sort_pairs(c, segment, gathered, total, { 0, run_bits });
+        sort_pairs(c, segment, gathered, total, { 0, pbw__index_bits(runs_here) });
         some.key = gathered.array.at;
         next = run_room(c, total / PBW__SHORT_RUN + 1);
         fill(c, &o.found.at->long_runs, 0, 1);
@@ -3984,10 +3980,9 @@ struct extents {
 /* on_device: what the survey found, for later kernels. */
 extents survey_points(call &c, const input &in, int bits, const buffer<survey> &on_device)
 {
-    survey found;
+    survey found = {};
     extents e;
     pbw__grid_share share;
-    memset(&found, 0, sizeof found);
     memset(found.low, 0xff, sizeof found.low);
     found.unit = 1024;
     need(c, cudaMemcpyAsync(on_device.at, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy");
@@ -4429,8 +4424,7 @@ void open_pool(call &c)
             need(c, cudaDeviceCanAccessPeer(&can, other, own.device), "cudaDeviceCanAccessPeer");
         }
         if (can) {
-            cudaMemAccessDesc access;
-            memset(&access, 0, sizeof access);
+            cudaMemAccessDesc access = {};
             access.location.type = cudaMemLocationTypeDevice;
             access.location.id = other;
             access.flags = cudaMemAccessFlagsProtReadWrite;
@@ -4730,18 +4724,12 @@ void copy_points(call &c, const output &o, const pbw_cuda_mesh *mesh)
 template <int DIM, bool WEIGHTED>
 void build(call &c, const space &s, const uint32_t *id, unsigned flags, pbw_cuda_mesh *mesh)
 {
-    workshop w;
-    output o;
-    directory<DIM> all;
-    memset(&w, 0, sizeof w);
-    memset(&o, 0, sizeof o);
-    memset(&all, 0, sizeof all);
+    const bool alone = c.cards == NULL || c.cards->cards == 1;
+    output o = { id, alone, (flags & PBW_NO_NEIGHBORS) == 0, c.job->reserve != NULL, NULL, 0, 0 };
+    workshop w = {};
+    directory<DIM> all = {};
     w.s = s;
     w.made = mesh->stars;
-    o.id = id;
-    o.alone = c.cards == NULL || c.cards->cards == 1;
-    o.with_neighbors = (flags & PBW_NO_NEIGHBORS) == 0;
-    o.to_host = c.job->reserve != NULL;
     open_workshop(c, w, DIM);
     fill_store<DIM, WEIGHTED>(c, w);
     number_simplices(c, w, o, mesh);
@@ -4770,7 +4758,7 @@ struct checking {
         (pbw__tested &)m = { mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical, record.at, in.count,
                              mesh.simplex_count, grid, in.dim, to == NULL };
         m.order = NULL;
-        memset(&found, 0, sizeof found);
+        found = check_result();
         found.least = ~0ull;
         need(c, cudaMemcpyAsync(on_device.at, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy");
         launch(c, "check", record_kernel, over(in.count, 256), in, record.at);
@@ -4954,9 +4942,8 @@ bool keep_last(call &c, const input &in, const space &s, uint32_t *id, pbw_cuda_
 
 void run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
 {
-    space s;
+    space s = {};
     uint32_t *id = NULL;
-    memset(&s, 0, sizeof s);
     mesh->dim = in.dim;
     mesh->point_count = in.count;
     suit(c, in.count >= PBW_CUDA_FEW, few_points);
@@ -5062,8 +5049,7 @@ input upload(call &c)
 void take_part(team *cards, int card, pbw_job *job, pbw_cuda_mesh *mesh)
 {
     cudaStream_t stream = NULL;
-    call c;
-    memset(&c, 0, sizeof c);
+    call c = call();
     c.cards = cards;
     c.card = card;
     c.job = job;
@@ -5105,17 +5091,11 @@ pbw_status triangulate(const pbw_backend *backend, pbw_job *job)
     const device_list &list = *(const device_list *)backend->user;
     int before = 0, devices = 0, helpers = 0;
     cudaError_t error = cudaGetDeviceCount(&devices);
-    pbw_cuda_mesh mesh[most_cards];
+    pbw_cuda_mesh mesh[most_cards] = {};
     std::thread helper[most_cards];
     team cards;
     char text[128];
-    memset(mesh, 0, sizeof mesh);
-    memset(cards.of, 0, sizeof cards.of);
     cards.cards = list.count;
-    cards.here = cards.left = 0;
-    cards.meetings = 0;
-    cards.status = PBW_OK;
-    cards.declined = false;
     if (job->count < PBW_CUDA_FEW) {
         job->say(job, few_points);
         job->declined = 1;
@@ -5170,8 +5150,7 @@ struct local_call {
 
 bool take_options(pbw_options &options, const pbw_options *given_options)
 {
-    memset(&options, 0, sizeof options);
-    options = given_options != NULL ? *given_options : options;
+    options = given_options != NULL ? *given_options : pbw_options();
     return options.threads >= 0 && options.threads <= 256
         && (options.flags & ~(PBW_ANY_ORDER | PBW_NO_NEIGHBORS | PBW_BACKEND_OR_CPU)) == 0;
 }
@@ -5292,14 +5271,13 @@ void build_by(pbw_triangulator *cpu, call &c, const input &in, pbw_options optio
     pbw__memory &memory = ((pbw__dispatch *)c.job->context)->context->memory;
     const size_t coordinates = in.count * (size_t)in.dim, numbers = coordinates + (in.weights != NULL ? in.count : 0);
     double *points = (double *)pbw__allocate(&memory, numbers, sizeof(double));
-    pbw_mesh host;
+    pbw_mesh host = {};
     pbw_status status = PBW_OK;
     require(c, points != NULL, PBW_ERROR_MEMORY, no_host_memory);
     options.backend = NULL;
     options.trace = NULL;
     options.stride = options.weight_stride = 0;
     options.memory_limit -= options.memory_limit > 0 ? memory.used - (memory.used == memory.limit) : 0;
-    memset(&host, 0, sizeof host);
     try {
         fetch_points(c, in, points, numbers);
         status = cpu(in.dim, points, in.weights != NULL ? points + coordinates : NULL, in.count, &options, &host);
@@ -5453,7 +5431,7 @@ extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, voi
 {
     request r = { { NULL, NULL, 0, 3, 0 }, (cudaStream_t)stream, cpu, {}, false, false, NULL, NULL };
     uint64_t all = UINT64_MAX;
-    cudaMemPoolProps properties;
+    cudaMemPoolProps properties = {};
     cudaMemPool_t pool = NULL;
     local_call local;
     pbw_cuda_loop *loop = NULL;
@@ -5466,7 +5444,6 @@ extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, voi
     r.options.progress = NULL;
     try {
         open_local(local, r);
-        memset(&properties, 0, sizeof properties);
         properties.allocType = cudaMemAllocationTypePinned;
         properties.location.type = cudaMemLocationTypeDevice;
         loop = (pbw_cuda_loop *)pbw__allocate(&local.context.memory, 1, sizeof *loop);
