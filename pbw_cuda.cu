@@ -2580,8 +2580,8 @@ struct alignas(16) brick {
     float axis[2][3], half[3], unused;
 };
 
-struct moments {                                     /* of the points of a brick: mean, xx xy xz yy yz zz around it */
-    double mean[3], spread[6];
+struct moments {                                     /* of the points of a brick; spread: around the mean */
+    double mean[3], spread[3][3];
 };
 
 const int brick_levels = 9;
@@ -2599,28 +2599,25 @@ __global__ void brick_kernel(const __grid_constant__ space s, const moments *chi
     if (g < size) {
         const uint32_t first = (uint32_t)g * 8, end = children - first < 8 ? children : first + 8;
         const double part = 1.0 / (double)(end - first);
-        moments m, sum = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 } };
-        double a[3][3], turn[3][3] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 0.0, 0.0, 1.0 } };
+        moments m = {};
+        double turn[3][3] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 0.0, 0.0, 1.0 } };
+        double(&a)[3][3] = m.spread;
         brick b;
         for (int pass = 0; pass < 2; pass++) {
             for (uint32_t i = first; i < end; i++) {
                 double x[3];
                 for (int k = 0; k < 3; k++) {
                     x[k] = child == NULL ? in_units(s, s.point[i], k) : child[i].mean[k];
-                    sum.mean[k] += pass == 0 ? x[k] * part : 0.0;
-                    x[k] -= sum.mean[k];
+                    m.mean[k] += pass == 0 ? x[k] * part : 0.0;
+                    x[k] -= m.mean[k];
                 }
-                for (int k = 0; k < 6 && pass > 0; k++) {
-                    const int row = k < 3 ? 0 : k < 5 ? 1 : 2, column = k < 3 ? k : k < 5 ? k - 2 : 2;
-                    sum.spread[k] += (x[row] * x[column] + (child == NULL ? 0.0 : child[i].spread[k])) * part;
+                for (int k = 0; k < 9 && pass > 0; k++) {
+                    const double within = child == NULL ? 0.0 : child[i].spread[k / 3][k % 3];
+                    a[k / 3][k % 3] += (x[k / 3] * x[k % 3] + within) * part;
                 }
             }
         }
-        m = sum;
-        for (int k = 0; k < 6; k++) {
-            const int row = k < 3 ? 0 : k < 5 ? 1 : 2, column = k < 3 ? k : k < 5 ? k - 2 : 2;
-            a[row][column] = a[column][row] = m.spread[k];
-        }
+        own[g] = m;
         for (int round = 0; round < 15; round++) {   /* Jacobi's method: turns that make entries 0, one by one */
             const int i = round % 3 == 2 ? 1 : 0, j = round % 3 == 0 ? 1 : 2;
             const double difference = a[j][j] - a[i][i], twice = 2.0 * a[i][j];
@@ -2650,7 +2647,6 @@ __global__ void brick_kernel(const __grid_constant__ space s, const moments *chi
             b.half[k] = 0.0f;
         }
         b.unused = 0.0f;
-        own[g] = m;
         out[g] = b;
     }
 }
@@ -3046,16 +3042,15 @@ template <int DIM> struct directory {
     const cell<DIM> *cells, *guest;
 };
 
-/* 8 lanes a star.  cells: simplices by ranks; out: by the caller's ids. */
+/* 8 lanes a star.  cells: simplices by ranks; out: by the caller's ids.  Where there is no room for the keys of the
+   simplices, each is compared with those of the star. */
 template <int DIM>
 __global__ void emit_kernel(const __grid_constant__ store in, const uint32_t *offset, const uint32_t *id,
-                            cell<DIM> *cells, pbw_index *out)
+                            cell<DIM> *cells, cell<DIM> *out)
 {
     const int T = 8;
     __shared__ uint64_t shared_keys[emit_block / T][emit_keys];
-    __shared__ uint32_t shared_last[emit_block / T][emit_keys];
     uint64_t *keys = shared_keys[threadIdx.x / T];
-    uint32_t *last = shared_last[threadIdx.x / T];
     int lane = (int)threadIdx.x & (T - 1), found = 0;
     uint32_t v = in.first + (blockIdx.x * emit_block + threadIdx.x) / T;
     bool go = v < in.end;
@@ -3064,49 +3059,33 @@ __global__ void emit_kernel(const __grid_constant__ store in, const uint32_t *of
     if (owned > 0) {
         s = stored(in, v);
     }
-    bool fits = owned <= emit_keys;
-    for (int base = 0; any(base < s.count); base += T) {
+    const bool fits = owned <= emit_keys;
+    auto own_cell = [&](int t, cell<DIM> &c) {
         uint32_t a[3];
-        bool mine = false;
-        cell<DIM> c = { { 0 } };
-        uint64_t key = 0;
-        if (base + lane < s.count) {
-            mine = triangle_of<DIM>(s, base + lane, a) && is_lowest<DIM>(v, a);
-            c = canonical<DIM>(v, a);
-            key = middle_corners(c);
-        }
-        unsigned vote = tile_ballot<T>(mine);
-        if (mine && fits) {
-            int at = found + __popc(vote & lanes_below<T>());
-            keys[at] = key;
-            last[at] = c.corner[DIM];
-        } else if (mine) {                           /* many: each counts those before it */
-            uint32_t before = 0;
-            for (int t = 0; t < s.count; t++) {
-                uint32_t b[3];
-                const bool also = triangle_of<DIM>(s, t, b) && is_lowest<DIM>(v, b);
-                before += also && middle_corners(canonical<DIM>(v, b)) < key;
-            }
-            cells[first + before] = c;
-            ((cell<DIM> *)out)[first + before] = renumbered(c, id);
+        const bool mine = t < s.count && triangle_of<DIM>(s, t, a) && is_lowest<DIM>(v, a);
+        c = mine ? canonical<DIM>(v, a) : cell<DIM>();
+        return mine;
+    };
+    for (int base = 0; any(fits && base < s.count); base += T) {
+        cell<DIM> c;
+        const bool mine = fits && own_cell(base + lane, c);
+        const unsigned vote = tile_ballot<T>(mine);
+        if (mine) {
+            keys[found + __popc(vote & lanes_below<T>())] = middle_corners(c);
         }
         found += __popc(vote);
     }
     __syncwarp();
-    if (fits) {
-        for (int i = lane; i < found; i += T) {
-            uint64_t key = keys[i];
-            uint32_t before = 0;
-            for (int j = 0; j < found; j++) {
-                before += keys[j] < key;
-            }
-            cell<DIM> c;
-            c.corner[0] = v;
-            c.corner[1] = (uint32_t)(key >> 32);
-            c.corner[2] = (uint32_t)key;
-            c.corner[DIM] = last[i];
+    for (int t = lane; t < s.count; t += T) {
+        cell<DIM> c, other;
+        const bool mine = own_cell(t, c);
+        uint32_t before = 0;
+        for (int i = 0; mine && i < (fits ? found : s.count); i++) {
+            before += (fits ? keys[i] : own_cell(i, other) ? middle_corners(other) : ~0ull) < middle_corners(c);
+        }
+        if (mine) {
             cells[first + before] = c;
-            ((cell<DIM> *)out)[first + before] = renumbered(c, id);
+            out[first + before] = renumbered(c, id);
         }
     }
 }
@@ -4185,27 +4164,35 @@ template <int DIM, bool WEIGHTED> uint32_t build_near_stars(call &c, const works
     return read_back(c, w.q[0].count, PBW_STAGE_BUILD, 0.8);
 }
 
-template <int DIM, bool WEIGHTED, typename RUNG> void launch_far(call &c, const far_launch &a, unsigned blocks)
+/* Stars of q[from] by the second or third rung, with at most cap looks each, until more than limit fail.  Returns how
+   many it leaves in q[1 - from]. */
+template <int DIM, bool WEIGHTED, typename RUNG>
+uint32_t run_far_rung(call &c, const workshop &w, int from, uint32_t total, uint32_t limit, int cap)
 {
-    const size_t bytes = RUNG::shared ? sizeof(far_star<DIM, WEIGHTED, RUNG>) : 0;
-    launch(c, "far stars", far_kernel<DIM, WEIGHTED, RUNG>, shape{ blocks, 32 * RUNG::warps, bytes }, a);
-}
-
-/* The second rung without exact tests: total stars of q[0].  Returns how many it leaves in q[1]. */
-template <int DIM, bool WEIGHTED> uint32_t build_quick_stars(call &c, const workshop &w, uint32_t total)
-{
-    const uint32_t chunk = 1u << 18;
-    fill(c, w.q[1].count, 0, 1);
+    const uint32_t chunk = 1u << 18, most = RUNG::shared || total < last_blocks ? total : last_blocks;
+    const queue &failed = w.q[1 - from];
+    buffer<far_star<DIM, WEIGHTED, RUNG> > scratch(c);
+    buffer<pbw__digit> pool(c);
+    if (total == 0) {
+        return 0;
+    }
+    if (!RUNG::shared) {
+        scratch.make(most);
+        pool.make((size_t)most * 32 * PBW__POOL);
+    }
+    fill(c, failed.count, 0, 1);
     for (uint32_t first = 0; first < total; first += chunk) {
         const uint32_t count = total - first < chunk ? total - first : chunk;
-        const queue some = { w.q[0].vertex + first, NULL };
-        const far_launch a = { w.s, w.t, w.seed, some, count, none, quick_cap, NULL, NULL, w.out, w.q[1], w.q[2] };
+        const queue some = { w.q[from].vertex + first, NULL };
+        const far_launch a = { w.s, w.t, w.seed, some, count, limit, cap, scratch.at, pool.at, w.out, failed,
+                               w.q[2] };
         if (first > 0) {
             wait(c, PBW_STAGE_BUILD, 0.8);
         }
-        launch_far<DIM, WEIGHTED, quick_rung>(c, a, count);
+        launch(c, "far stars", far_kernel<DIM, WEIGHTED, RUNG>,
+               shape{ count < most ? count : most, 32 * RUNG::warps, RUNG::shared ? sizeof *scratch.at : 0 }, a);
     }
-    return total == 0 ? 0 : read_back(c, w.q[1].count, PBW_STAGE_BUILD, 0.9);
+    return read_back(c, failed.count, PBW_STAGE_BUILD, 0.9);
 }
 
 /* How many stars may need more than the second rung. */
@@ -4214,42 +4201,23 @@ uint32_t far_limit(const workshop &w)
     return 128 + (w.out.end - w.out.first) / 2048;
 }
 
-/* The second rung with exact tests: total stars of q[1].  Returns how many it leaves in q[0]. */
-template <int DIM, bool WEIGHTED> uint32_t build_far_stars(call &c, const workshop &w, uint32_t total)
+/* The second rung, at first without exact tests, and the third: left stars of q[0].  The few that the third rung
+   fails come again with a larger cap. */
+template <int DIM, bool WEIGHTED> void build_far_stars(call &c, const workshop &w, uint32_t left)
 {
-    const uint32_t limit = far_limit(w);
-    uint32_t failed = 0;
-    if (total > 0) {
-        const far_launch a = { w.s, w.t, w.seed, w.q[1], total, limit, far_cap, NULL, NULL, w.out, w.q[0], w.q[2] };
+    left = run_far_rung<DIM, WEIGHTED, quick_rung>(c, w, 0, left, none, quick_cap);
+    if (left > 0) {
         find_seeds<DIM>(c, w);
-        fill(c, w.q[0].count, 0, 1);
-        launch_far<DIM, WEIGHTED, far_rung>(c, a, total);
-        failed = read_back(c, w.q[0].count, PBW_STAGE_BUILD, 0.95);
     }
-    w.made[2] = failed;
-    suit_stars(c, failed, limit);
-    return failed;
-}
-
-/* The third rung: lost stars of q[0], and those that it fails once more with a larger cap, if they are few. */
-template <int DIM, bool WEIGHTED> void build_last_stars(call &c, const workshop &w, uint32_t lost)
-{
-    const uint32_t blocks = lost < last_blocks ? lost : last_blocks;
-    buffer<far_star<DIM, WEIGHTED, last_rung> > scratch(c);
-    buffer<pbw__digit> pool(c);
-    if (lost > 0) {
-        scratch.make(blocks);
-        pool.make((size_t)blocks * 32 * PBW__POOL);
-    }
-    for (int i = 0; i < 2 && lost > 0 && (i == 0 || lost <= last_blocks); i++) {
-        const far_launch a = { w.s, w.t, w.seed, w.q[i], lost, i == 0 ? last_blocks : 0, last_cap[i], scratch.at,
-                               pool.at, w.out, w.q[1 - i], w.q[2] };
-        fill(c, w.q[1 - i].count, 0, 1);
-        launch_far<DIM, WEIGHTED, last_rung>(c, a, blocks);
-        lost = read_back(c, w.q[1 - i].count, PBW_STAGE_BUILD, 0.95);
+    left = run_far_rung<DIM, WEIGHTED, far_rung>(c, w, 1, left, far_limit(w), far_cap);
+    w.made[2] = left;
+    suit_stars(c, left, far_limit(w));
+    left = run_far_rung<DIM, WEIGHTED, last_rung>(c, w, 0, left, last_blocks, last_cap[0]);
+    if (left <= last_blocks) {
+        left = run_far_rung<DIM, WEIGHTED, last_rung>(c, w, 1, left, 0, last_cap[1]);
     }
     note(c, 4);
-    suit_stars(c, lost, 0);
+    suit_stars(c, left, 0);
 }
 
 void lay_bricks(call &c, const space &s, brick_tree &t)
@@ -4394,8 +4362,7 @@ template <int DIM, bool WEIGHTED> void build_stars(call &c, workshop &w)
     }
     suit(c, !far || c.must, "most stars reach far (points on lines, or nearly in a plane?): quicker on the CPU");
     w.made[1] = build_near_stars<DIM, WEIGHTED>(c, w);
-    const uint32_t failed = build_quick_stars<DIM, WEIGHTED>(c, w, (uint32_t)w.made[1]);
-    build_last_stars<DIM, WEIGHTED>(c, w, build_far_stars<DIM, WEIGHTED>(c, w, failed));
+    build_far_stars<DIM, WEIGHTED>(c, w, (uint32_t)w.made[1]);
 }
 
 /* In parts: memory that is not pinned makes the host wait for each. */
@@ -4659,7 +4626,7 @@ void emit_simplices(call &c, const workshop &w, const output &o, directory<DIM> 
     fill(c, mesh->incident, 0xff, incident);
     fill(c, w.next, 0, 1);
     launch(c, "simplices", emit_kernel<DIM>, over((size_t)mine * 8, emit_block), w.out, o.offset, o.id, cells,
-           mesh->simplices);
+           (cell<DIM> *)mesh->simplices);
     note(c, 6);
     all.first = w.out.first;
     all.base = (uint32_t)o.before;
