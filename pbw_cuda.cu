@@ -78,6 +78,7 @@
 #include <cub/device/device_scan.cuh>
 #include <stdarg.h>
 #include <stdio.h>
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -133,12 +134,13 @@ __device__ inline void add_box(box &b, const box &other)
     b.weight = fmaxf(b.weight, other.weight);
 }
 
-const int tree_levels = 7;                           /* 8 * 32^6 points are more than an index can number */
-struct tree {
-    const box *level[tree_levels];                   /* level[0]: groups of 8 points */
-    uint32_t size[tree_levels];
-    int levels;                                      /* level[levels-1] has at most 32 boxes */
+template <typename NODE, int LEVELS> struct tree_of {
+    const NODE *level[LEVELS];                       /* level[0]: groups of 8 points */
+    uint32_t size[LEVELS];
+    int levels;                                      /* level[levels-1] has at most 32 nodes */
 };
+const int tree_levels = 7;                           /* 8 * 32^6 points are more than an index can number */
+typedef tree_of<box, tree_levels> tree;
 
 /* The points in the order of the curve.  A coordinate in units of the space is (x - low) * unit, from 0 to 2; the
    unit is a power of two, so that scaling rounds nothing. */
@@ -2048,18 +2050,14 @@ near_kernel(const __grid_constant__ near_launch a)
    because |x|^2 - q . x >= t (t - q) + (x - t)^2 on each axis and (x - t)^2 - h |x - t| >= -h^2 / 4.  A cap on the
    search keeps the total work linear.
    ------------------------------------------------------------------------------------------------------ */
-struct quick_rung {
-    static const int triangles = 128, vertices = 64, warps = 1, blocks = 24;
-    static const bool exact = false, shared = true;
+/* Without shared memory stars live in scratch.  blocks: on a multiprocessor. */
+template <int TRIANGLES, int WARPS, int BLOCKS, bool EXACT, bool SHARED> struct rung {
+    static const int triangles = TRIANGLES, vertices = TRIANGLES / 2, warps = WARPS, blocks = BLOCKS;
+    static const bool exact = EXACT, shared = SHARED;
 };
-struct far_rung {
-    static const int triangles = 256, vertices = 128, warps = 8, blocks = 2;
-    static const bool exact = true, shared = true;
-};
-struct last_rung {
-    static const int triangles = 2048, vertices = 1024, warps = 8, blocks = 2;
-    static const bool exact = true, shared = false;
-};
+typedef rung<128, 1, 24, false, true> quick_rung;
+typedef rung<256, 8, 2, true, true> far_rung;
+typedef rung<2048, 8, 2, true, false> last_rung;
 
 /* What the warps of a star tell each other, behind their stacks. */
 struct talk {
@@ -2585,11 +2583,7 @@ struct moments {                                     /* of the points of a brick
 };
 
 const int brick_levels = 9;
-struct brick_tree {
-    const brick *level[brick_levels];                /* level[0]: groups of 8 points */
-    uint32_t size[brick_levels];
-    int levels;                                      /* level[levels-1] has at most 32 bricks */
-};
+typedef tree_of<brick, brick_levels> brick_tree;
 
 /* The bricks of a level, of 8 points or of 8 bricks: all but how far their points are. */
 __global__ void brick_kernel(const __grid_constant__ space s, const moments *child, uint32_t children, moments *own,
@@ -2688,23 +2682,19 @@ __global__ void half_kernel(const __grid_constant__ space s, const __grid_consta
 
 /* Stars in shared memory, or in scratch.  What a rung has no room for goes on to the next.  room: for bricks that
    wait. */
-struct wide_rung {
-    static const int blocks = 16, triangles = 128, vertices = 64, room = 448;
-    static const bool shared = true;
+template <int TRIANGLES, int BLOCKS, int ROOM, bool SHARED>
+struct wide_rung_of : rung<TRIANGLES, 1, BLOCKS, true, SHARED> {
+    static const int room = ROOM;
 };
-struct large_wide_rung {
-    static const int blocks = 5, triangles = 512, vertices = 256, room = 1024;
-    static const bool shared = true;
-};
-struct last_wide_rung {
-    static const int blocks = 5, triangles = 2048, vertices = 1024, room = 8192;
-    static const bool shared = false;
-};
+typedef wide_rung_of<128, 16, 448, true> wide_rung;
+typedef wide_rung_of<512, 5, 1024, true> large_wide_rung;
+typedef wide_rung_of<2048, 5, 8192, false> last_wide_rung;
 
 const int group_room = 36;                           /* for groups, of which 4 are searched as soon as they wait */
 
 template <typename RUNG> struct wide_star {
-    typedef star<3, false, RUNG::triangles, RUNG::vertices, RUNG::room + group_room, double> type;
+    typedef star<3, false, RUNG::triangles, RUNG::vertices, RUNG::room + group_room,
+                 rung_real<RUNG::exact> > type;
     type s;                                          /* scratch: bricks that wait, levels << 28 | number; groups */
     float inverse[RUNG::triangles];                  /* 1 / Q, or 0: no point that matters is in conflict with it */
     uint16_t depth[RUNG::room];                      /* of bricks that wait, half of a float */
@@ -2816,7 +2806,7 @@ struct wide_launch {
    star is in conflict with will never be, because stars only shrink; so when nothing waits any more the star is
    certified.  The deepest brick is searched first, the deepest point inserted first. */
 template <typename RUNG>
-__global__ void __launch_bounds__(32, RUNG::blocks) wide_kernel(const __grid_constant__ wide_launch a)
+__global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) wide_kernel(const __grid_constant__ wide_launch a)
 {
     const space &all = a.all;
     const brick_tree &bricks = a.bricks;
@@ -4261,7 +4251,7 @@ template <typename RUNG> uint32_t run_wide_rung(call &c, wide_launch a)
     }
     a.scratch = scratch.at;
     a.pool = pool.at;
-    const shape warps = { blocks, 32, RUNG::shared ? sizeof(wide_star<RUNG>) : 0 };
+    const shape warps = { blocks, 32 * RUNG::warps, RUNG::shared ? sizeof(wide_star<RUNG>) : 0 };
     launch(c, "stars of a rung", wide_kernel<RUNG>, warps, a);
     keep_points(c);
     return read_back(c, a.failed.count, PBW_STAGE_BUILD, 0.8);
@@ -4628,10 +4618,7 @@ void emit_simplices(call &c, const workshop &w, const output &o, directory<DIM> 
     launch(c, "simplices", emit_kernel<DIM>, over((size_t)mine * 8, emit_block), w.out, o.offset, o.id, cells,
            (cell<DIM> *)mesh->simplices);
     note(c, 6);
-    all.first = w.out.first;
-    all.base = (uint32_t)o.before;
-    all.offset = o.offset;
-    all.cells = cells;
+    all = { w.out.first, (uint32_t)o.before, 0, o.offset, NULL, cells, NULL };
     pbw_status status = o.to_host && c.card == 0 ? c.job->reserve(c.job, mesh->simplex_count) : PBW_OK;
     require(c, status == PBW_OK, status, no_host_memory);
     if (!o.alone) {
@@ -5304,12 +5291,7 @@ extern "C" const pbw_backend *pbw_cuda_backend_multi(const int *devices, int cou
     static std::mutex lock;
     static device_list *lists = NULL;                /* one for each list of devices seen so far */
     device_list *list;
-    for (int i = 0; i < count; i++) {
-        if (devices[i] < 0) {
-            return NULL;
-        }
-    }
-    if (count < 1 || count > most_cards) {
+    if (count < 1 || count > most_cards || *std::min_element(devices, devices + count) < 0) {
         return NULL;
     }
     std::lock_guard<std::mutex> hold(lock);
@@ -5322,12 +5304,8 @@ extern "C" const pbw_backend *pbw_cuda_backend_multi(const int *devices, int cou
     if (list == NULL) {
         return NULL;
     }
-    list->backend.version = PBW_VERSION;
-    list->backend.triangulate = triangulate;
-    list->backend.user = list;
-    list->count = count;
+    *list = device_list{ { PBW_VERSION, triangulate, list }, count, {}, lists };
     memcpy(list->device, devices, (size_t)count * sizeof *devices);
-    list->next = lists;
     lists = list;
     return &list->backend;
 }
@@ -5422,12 +5400,7 @@ extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, voi
         need(c, cudaMallocHost(&c.pinned, pinned_bytes), "cudaMallocHost");
         c.pool = pool;
         c.lent = true;
-        memset(loop, 0, sizeof *loop);
-        loop->device = properties.location.id;
-        loop->stream = r.stream;
-        loop->options = options;
-        loop->cpu = cpu;
-        loop->tools = c;
+        *loop = pbw_cuda_loop{ properties.location.id, r.stream, options, cpu, c, keepsake() };
     } catch (const failure &) {
         if (pool != NULL) {
             cudaMemPoolDestroy(pool);
