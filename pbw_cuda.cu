@@ -3939,63 +3939,53 @@ void order_runs(call &c, ordering &o)
     }
 }
 
-/* The ranges of coordinates and weights, and the grid that all are on. */
-struct extents {
-    pbw__box domain;
-    double lightest, heaviest;
-    pbw__grid grid;
-};
-
-/* on_device: what the survey found, for later kernels. */
-extents survey_points(call &c, const input &in, int bits, const buffer<survey> &on_device)
+/* The ranges of coordinates and weights, and what all are multiples of.  on_device: the same, for later kernels. */
+pbw__grid_share survey_points(call &c, const input &in, const buffer<survey> &on_device)
 {
     survey found = {};
-    extents e;
-    pbw__grid_share share;
+    pbw__grid_share range;
     memset(found.low, 0xff, sizeof found.low);
     found.unit = 1024;
     need(c, cudaMemcpyAsync(on_device.at, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy");
     launch(c, "survey", survey_kernel, at_most(2048, over(in.count, 256)), in, on_device.at);
     found = read_back(c, on_device.at, PBW_STAGE_ORDER, 0.1);
     require(c, found.bad == 0, PBW_ERROR_NOT_FINITE, "a coordinate or weight is not a finite number");
-    pbw__grid_share_reset(&share);
-    share.unit = found.unit;
+    pbw__grid_share_reset(&range);
+    range.unit = found.unit;
     for (int k = 0; k <= in.dim; k++) {
-        share.low[k] = unordered(found.low[k]);
-        share.high[k] = unordered(found.high[k]);
+        range.low[k] = unordered(found.low[k]);
+        range.high[k] = unordered(found.high[k]);
     }
-    pbw__box_reset(&e.domain, bits);
-    pbw__box_add(&e.domain, share.low, in.dim);
-    pbw__box_add(&e.domain, share.high, in.dim);
-    pbw__box_close(&e.domain, in.dim);
-    e.lightest = share.low[in.dim];
-    e.heaviest = share.high[in.dim];
-    pbw__grid_close(&e.grid, &share, 1, in.dim);
-    return e;
+    return range;
 }
 
-/* The units of the space, from the extents; fails if the device code cannot work in them. */
-void measure_space(call &c, const extents &e, int dim, space &s)
+/* Sets the units of the space; fails if the device code cannot work in them.  Returns the box of the curve. */
+pbw__box measure_space(call &c, const pbw__grid_share &range, int bits, int dim, space &s)
 {
-    const double weight_range = e.heaviest - e.lightest;
+    const double weight_range = range.high[dim] - range.low[dim];
+    pbw__box domain;
     int exponent;
-    suit(c, e.domain.extent > 1e-100 && e.domain.extent < 1e100,
+    pbw__box_reset(&domain, bits);
+    pbw__box_add(&domain, range.low, dim);
+    pbw__box_add(&domain, range.high, dim);
+    pbw__box_close(&domain, dim);
+    suit(c, domain.extent > 1e-100 && domain.extent < 1e100,
          "the extent of the points is beyond the range of the device code");
-    (void)frexp(e.domain.extent, &exponent);
+    (void)frexp(domain.extent, &exponent);
     s.unit = ldexp(1.0, 1 - exponent);
     suit(c, weight_range * (s.unit * s.unit) < 1e12, "the weights are beyond the range of the device code");
-    s.heaviest = e.heaviest;
-    s.grid = e.grid;
-    for (int k = 0; k < 3; k++) {
-        s.low[k] = k < dim ? e.domain.low[k] : 0.0;
-        s.end[k] = k < dim ? e.domain.high[k] : 0.0;
-        s.high[k] = k < dim ? (float)((e.domain.high[k] - e.domain.low[k]) * s.unit) : 0.0f;
+    s.heaviest = range.high[dim];
+    pbw__grid_close(&s.grid, &range, 1, dim);
+    for (int k = 0; k < dim; k++) {
+        s.low[k] = domain.low[k];
+        s.end[k] = domain.high[k];
+        s.high[k] = (float)((domain.high[k] - domain.low[k]) * s.unit);
     }
-    s.exact_height = 0.0;                            /* within 2^+-100 nothing underflows or overflows */
-    if (s.grid.inverse_unit > 1e-30 && s.grid.inverse_unit < 1e30) {
+    if (s.grid.inverse_unit > 1e-30 && s.grid.inverse_unit < 1e30) {     /* nothing underflows or overflows */
         double step = s.unit / s.grid.inverse_unit;
         s.exact_height = (dim == 3 ? PBW__EXACT_HEIGHT3 : PBW__EXACT_HEIGHT2) * (step * step);
     }
+    return domain;
 }
 
 /* Sets duplicates aside: fills id, canonical and the points of s. */
@@ -4017,20 +4007,20 @@ void gather_points(call &c, const ordering &o, space &s, uint32_t *&id, pbw_cuda
     s.point = point;
 }
 
-/* Fills s (all but high[] beyond dim), id and canonical; returns whether weights differ. */
+/* Fills s, which was zeros, id and canonical; returns whether weights differ. */
 bool order_points(call &c, const input &in, space &s, uint32_t *&id, pbw_cuda_mesh *mesh)
 {
     ordering o(c, in);
-    const extents e = survey_points(c, in, o.all.bits, o.found);
-    measure_space(c, e, in.dim, s);
+    const pbw__grid_share range = survey_points(c, in, o.found);
+    const pbw__box domain = measure_space(c, range, o.all.bits, in.dim, s);
     o.key = sortable<uint64_t>(c, in.count);
     o.all.key = o.key.array.at;
-    launch(c, "keys", key_kernel, over(in.count, 256), o.all, e.domain);
+    launch(c, "keys", key_kernel, over(in.count, 256), o.all, domain);
     sort_keys(c, o.key, in.count, o.sorted_bits());
     o.all.key = o.key.array.at;
     order_runs(c, o);
     gather_points(c, o, s, id, mesh);
-    return in.weights != NULL && e.heaviest > e.lightest;
+    return in.weights != NULL && range.high[in.dim] > range.low[in.dim];
 }
 
 void grow_tree(call &c, space &s, int dim, tree &t)
@@ -4756,7 +4746,10 @@ bool miscounts(pbw_report *report, size_t said, size_t counted, int fault)
 template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const input &in, pbw_report *report)
 {
     buffer<survey> surveyed(c, 1);
-    checking k(c, mesh, in, survey_points(c, in, 1, surveyed).grid, report);
+    const pbw__grid_share range = survey_points(c, in, surveyed);
+    pbw__grid grid;
+    pbw__grid_close(&grid, &range, 1, in.dim);
+    checking k(c, mesh, in, grid, report);
     if (!check_pass<DIM>(k, check_points)) {
         return false;
     }
