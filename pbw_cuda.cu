@@ -91,12 +91,14 @@
 #define PBW_CUDA_FEW 1024                            /* fewer points are quicker on the CPU */
 #endif
 #ifdef PBW_CUDA_TEST
-extern "C" {
+extern "C" {                                         /* tests set these */
+#else
+namespace {
+#endif
 int pbw_cuda_by_host = 0;                            /* devices take each other for unreachable */
 int pbw_cuda_patient = 0;                            /* no input is declined after a sample */
 long pbw_cuda_fail_at = 0;                           /* counts down: the allocation of device memory that fails */
 }
-#endif
 
 namespace {
 
@@ -108,11 +110,6 @@ namespace {
    ------------------------------------------------------------------------------------------------------ */
 const unsigned all_lanes = 0xffffffffu;
 const uint32_t none = 0xffffffffu;                   /* no point; as a vertex of a star: the vertex at infinity */
-#ifdef PBW_CUDA_TEST
-int &by_host = pbw_cuda_by_host, &patient = pbw_cuda_patient;
-#else
-const int by_host = 0, patient = 0;
-#endif
 const uint32_t hidden = 0xfffffffeu;                 /* as the place of a star: the vertex has none */
 
 struct alignas(32) record {                          /* as pbw.h keeps them: {x, y, w, 0} or {x, y, z, w} */
@@ -3300,11 +3297,7 @@ __global__ void record_kernel(input in, double *record)
 {
     size_t i = thread_number();
     if (i < in.count) {
-        double c[4];
-        fetch(in, i, c);
-        for (int k = 0; k <= in.dim; k++) {
-            record[i * (size_t)(in.dim + 1) + (size_t)k] = c[k];
-        }
+        fetch(in, i, record + i * (size_t)(in.dim + 1));
     }
 }
 
@@ -3635,16 +3628,6 @@ void own(call &c, void *block, size_t bytes)
     c.used += bytes;
 }
 
-cudaError_t take(const call &c, void **block, size_t bytes)
-{
-#ifdef PBW_CUDA_TEST
-    if (pbw_cuda_fail_at > 0 && --pbw_cuda_fail_at == 0) {
-        return cudaErrorMemoryAllocation;
-    }
-#endif
-    return cudaMallocFromPoolAsync(block, bytes, c.pool, c.stream);
-}
-
 template <typename V> V *allocate(call &c, size_t count)
 {
     void *block = NULL;
@@ -3654,7 +3637,9 @@ template <typename V> V *allocate(call &c, size_t count)
     if (c.job->memory_limit > 0 && c.used + bytes > c.job->memory_limit) {
         need_memory(c, bytes);
     }
-    cudaError_t error = take(c, &block, bytes);
+    const bool fails = pbw_cuda_fail_at > 0 && --pbw_cuda_fail_at == 0;
+    cudaError_t error = fails ? cudaErrorMemoryAllocation
+                              : cudaMallocFromPoolAsync(&block, bytes, c.pool, c.stream);
     if (error == cudaErrorMemoryAllocation) {
         (void)cudaGetLastError();
         need_memory(c, bytes);
@@ -4107,8 +4092,7 @@ void launch_near(call &c, const workshop &w, uint32_t first, uint32_t stride, ui
    spheres are large. */
 template <int DIM, bool WEIGHTED> bool sample_reaches_far(call &c, const workshop &w)
 {
-    fill(c, w.q[0].count, 0, 3);
-    fill(c, w.out.used, 0, 1);
+    start_over(c, w);
     launch_near<DIM, WEIGHTED, false>(c, w, w.out.first, (w.out.end - w.out.first) / sample_size, sample_size);
     const uint2 counts = read_back(c, (const uint2 *)w.q[0].count, PBW_STAGE_BUILD, 0.0);
     if (counts.y == 0 || counts.x + counts.y <= sample_size / 2) {
@@ -4327,8 +4311,8 @@ bool build_wide_stars(call &c, workshop &w, const brick_tree &bricks)
 template <int DIM, bool WEIGHTED> void build_stars(call &c, workshop &w)
 {
     /* weights hide points, which is quick: no sample */
-    const bool far = !WEIGHTED && !patient && w.s.count >= sampled_from && w.out.end - w.out.first >= sample_size
-                  && sample_reaches_far<DIM, WEIGHTED>(c, w);
+    const bool far = !WEIGHTED && !pbw_cuda_patient && w.s.count >= sampled_from
+                  && w.out.end - w.out.first >= sample_size && sample_reaches_far<DIM, WEIGHTED>(c, w);
     if (far && DIM == 3) {
         brick_tree bricks;
         lay_bricks(c, w.s, bricks);
@@ -4378,7 +4362,7 @@ void open_pool(call &c)
             can = cudaMemPoolSetAccess(pool, &access, 1) == cudaSuccess;
             (void)cudaGetLastError();
         }
-        own.open[i] = (can || other == own.device) && !by_host;
+        own.open[i] = (can || other == own.device) && !pbw_cuda_by_host;
     }
 }
 
