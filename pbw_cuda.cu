@@ -78,6 +78,7 @@
 #include <cub/device/device_scan.cuh>
 #include <stdarg.h>
 #include <stdio.h>
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -90,12 +91,14 @@
 #define PBW_CUDA_FEW 1024                            /* fewer points are quicker on the CPU */
 #endif
 #ifdef PBW_CUDA_TEST
-extern "C" {
+extern "C" {                                         /* tests set these */
+#else
+namespace {
+#endif
 int pbw_cuda_by_host = 0;                            /* devices take each other for unreachable */
 int pbw_cuda_patient = 0;                            /* no input is declined after a sample */
 long pbw_cuda_fail_at = 0;                           /* counts down: the allocation of device memory that fails */
 }
-#endif
 
 namespace {
 
@@ -107,11 +110,6 @@ namespace {
    ------------------------------------------------------------------------------------------------------ */
 const unsigned all_lanes = 0xffffffffu;
 const uint32_t none = 0xffffffffu;                   /* no point; as a vertex of a star: the vertex at infinity */
-#ifdef PBW_CUDA_TEST
-int &by_host = pbw_cuda_by_host, &patient = pbw_cuda_patient;
-#else
-const int by_host = 0, patient = 0;
-#endif
 const uint32_t hidden = 0xfffffffeu;                 /* as the place of a star: the vertex has none */
 
 struct alignas(32) record {                          /* as pbw.h keeps them: {x, y, w, 0} or {x, y, z, w} */
@@ -133,12 +131,13 @@ __device__ inline void add_box(box &b, const box &other)
     b.weight = fmaxf(b.weight, other.weight);
 }
 
-const int tree_levels = 7;                           /* 8 * 32^6 points are more than an index can number */
-struct tree {
-    const box *level[tree_levels];                   /* level[0]: groups of 8 points */
-    uint32_t size[tree_levels];
-    int levels;                                      /* level[levels-1] has at most 32 boxes */
+template <typename NODE, int LEVELS> struct tree_of {
+    const NODE *level[LEVELS];                       /* level[0]: groups of 8 points */
+    uint32_t size[LEVELS];
+    int levels;                                      /* level[levels-1] has at most 32 nodes */
 };
+const int tree_levels = 7;                           /* 8 * 32^6 points are more than an index can number */
+typedef tree_of<box, tree_levels> tree;
 
 /* The points in the order of the curve.  A coordinate in units of the space is (x - low) * unit, from 0 to 2; the
    unit is a power of two, so that scaling rounds nothing. */
@@ -187,21 +186,18 @@ template <int T, typename V> __device__ inline V tile_read(V value, int lane)
     return __shfl_sync(all_lanes, value, lane, T);
 }
 
-template <typename V> __device__ inline V lower(V a, V b)
+template <typename V> __device__ inline void exchange(V &a, V &b)
 {
-    return b < a ? b : a;
-}
-
-__device__ inline float lower(float a, float b)
-{
-    return fminf(a, b);
+    const V c = a;
+    a = b;
+    b = c;
 }
 
 /* The smallest and the largest value, and the sum, of the lanes of a tile. */
 template <int T, typename V> __device__ inline V tile_min(V value)
 {
     for (int step = T / 2; step > 0; step /= 2) {
-        value = lower(value, __shfl_xor_sync(all_lanes, value, step));
+        value = min(value, __shfl_xor_sync(all_lanes, value, step));
     }
     return value;
 }
@@ -209,8 +205,7 @@ template <int T, typename V> __device__ inline V tile_min(V value)
 template <int T, typename V> __device__ inline V tile_max(V value)
 {
     for (int step = T / 2; step > 0; step /= 2) {
-        V other = __shfl_xor_sync(all_lanes, value, step);
-        value = other > value ? other : value;
+        value = max(value, __shfl_xor_sync(all_lanes, value, step));
     }
     return value;
 }
@@ -277,10 +272,6 @@ struct survey {                                      /* what one pass over the p
     uint32_t bad, long_runs, duplicates;
 };
 
-struct curve {                                       /* the automaton of pbw.h, where kernels can read it */
-    uint16_t step[12 << 3];
-};
-
 __device__ inline void fetch(const input &in, size_t i, double *c)
 {
     c[in.dim] = 0.0;
@@ -292,6 +283,32 @@ __device__ inline void fetch(const input &in, size_t i, double *c)
         c[in.dim] = (in.is_float ? (double)((const float *)in.weights)[i] : ((const double *)in.weights)[i]) + 0.0;
     }
 }
+
+/* Points and their keys, all or those of long runs. */
+struct keyed {
+    input in;
+    int index_bits, bits;                            /* of the index, which is below the key; of a coordinate */
+    uint16_t step[12 << 3];                          /* the automaton of pbw.h */
+    uint64_t *key;
+    __device__ size_t index(size_t i) const { return (size_t)(key[i] & (((uint64_t)1 << index_bits) - 1)); }
+    __device__ bool tie(size_t i, size_t j) const { return key[i] >> index_bits == key[j] >> index_bits; }
+    __device__ void read(size_t i, double *c) const { fetch(in, index(i), c); }
+    __device__ uint64_t key_of(size_t point, const pbw__box &box) const
+    {
+        double c[4];
+        fetch(in, point, c);
+        return (in.dim == 3 ? pbw__hilbert_key(step, &box, c, 3, 1)
+                            : pbw__hilbert_key(step, &box, c, 2, 1)) << index_bits | point;
+    }
+    /* In a short run; of points at one place, the one that stays comes first. */
+    __device__ bool before(size_t i, size_t j) const
+    {
+        double x[4], y[4];
+        read(i, x);
+        read(j, y);
+        return pbw__comes_before(x, index(i), y, index(j), in.dim);
+    }
+};
 
 __device__ inline int lowest_bit(double value)       /* its exponent; 1024 of zero */
 {
@@ -316,18 +333,17 @@ __global__ void survey_kernel(input in, survey *out)
             unsigned long long value = ordered(c[k]);
             int exponent = lowest_bit(c[k]);
             bad = bad || !(c[k] - c[k] == 0.0);
-            low[k] = value < low[k] ? value : low[k];
-            high[k] = value > high[k] ? value : high[k];
-            exponent = k == dim && exponent != 1024 ? (exponent - (exponent & 1)) / 2 : exponent;
-            unit = exponent < unit ? exponent : unit;
+            low[k] = min(low[k], value);
+            high[k] = max(high[k], value);
+            unit = min(unit, k == dim && exponent != 1024 ? (exponent - (exponent & 1)) / 2 : exponent);
         }
     }
+    bad = any(bad);
     for (int k = 0; k <= dim; k++) {
         low[k] = tile_min<32>(low[k]);
         high[k] = tile_max<32>(high[k]);
     }
     unit = tile_min<32>(unit);
-    bad = any(bad);
     if ((threadIdx.x & 31) == 0) {
         for (int k = 0; k <= dim; k++) {
             atomicMin(&out->low[k], low[k]);
@@ -340,22 +356,11 @@ __global__ void survey_kernel(input in, survey *out)
     }
 }
 
-/* The key of a point, with its index below it. */
-__device__ uint64_t key_of(const input &in, const pbw__box &box, const curve &automaton, int index_bits,
-                           uint64_t index)
-{
-    double c[4];
-    fetch(in, (size_t)index, c);
-    return (in.dim == 3 ? pbw__hilbert_key(automaton.step, &box, c, 3, 1)
-                        : pbw__hilbert_key(automaton.step, &box, c, 2, 1)) << index_bits | index;
-}
-
-__global__ void key_kernel(input in, const __grid_constant__ pbw__box domain, const __grid_constant__ curve automaton,
-                           int index_bits, uint64_t *key)
+__global__ void key_kernel(const __grid_constant__ keyed k, const __grid_constant__ pbw__box domain)
 {
     size_t i = thread_number();
-    if (i < in.count) {
-        key[i] = key_of(in, domain, automaton, index_bits, i);
+    if (i < k.in.count) {
+        k.key[i] = k.key_of(i, domain);
     }
 }
 
@@ -364,14 +369,13 @@ struct run_list {
     uint32_t *head, *end, *length, *offset;
 };
 
-/* Finds runs among keys, which are all keys or, with segment, those gathered from the runs of a list.  The first of a
-   short run puts it into order: lexicographic, then the larger weight, then the lower index.  Long ones go to found,
-   with the end of all that they could reach. */
-__global__ void run_kernel(input in, int index_bits, uint64_t *key, size_t count, const uint32_t *segment,
-                           run_list of, run_list found, survey *out)
+/* Finds runs among count keys, which are all keys or, with segment, those gathered from the runs of a list.  The
+   first of a short run puts it into order: lexicographic, then the larger weight, then the lower index.  Long ones go
+   to found, with the end of all that they could reach. */
+__global__ void run_kernel(const __grid_constant__ keyed k, size_t count, const uint32_t *segment, run_list of,
+                           run_list found, survey *out)
 {
     size_t i = thread_number(), end = i + 1, begin = 0, limit = count, shift = 0;
-    const uint64_t mask = ((uint64_t)1 << index_bits) - 1;
     if (i >= count) {
         return;
     }
@@ -381,10 +385,10 @@ __global__ void run_kernel(input in, int index_bits, uint64_t *key, size_t count
         limit = begin + of.length[r];
         shift = of.head[r] - begin;
     }
-    if (i > begin && key[i - 1] >> index_bits == key[i] >> index_bits) {
+    if (i > begin && k.tie(i - 1, i)) {
         return;
     }
-    while (end < limit && end - i <= PBW__SHORT_RUN && key[end] >> index_bits == key[i] >> index_bits) {
+    while (end < limit && end - i <= PBW__SHORT_RUN && k.tie(end, i)) {
         end++;
     }
     if (end - i > PBW__SHORT_RUN) {
@@ -394,101 +398,73 @@ __global__ void run_kernel(input in, int index_bits, uint64_t *key, size_t count
         return;
     }
     for (size_t j = i + 1; j < end; j++) {
-        uint64_t moving = key[j];
-        double x[4], y[4];
-        size_t hole = j;
-        fetch(in, (size_t)(moving & mask), x);
-        for (; hole > i; hole--) {
-            fetch(in, (size_t)(key[hole - 1] & mask), y);
-            if (!pbw__comes_before(x, moving & mask, y, key[hole - 1] & mask, in.dim)) {
-                break;
-            }
-            key[hole] = key[hole - 1];
+        for (size_t hole = j; hole > i && k.before(hole, hole - 1); hole--) {
+            exchange(k.key[hole], k.key[hole - 1]);
         }
-        key[hole] = moving;
     }
 }
 
 /* A warp a run: its length and box; length 0 if all its points lie at one place.  Then the best of them goes first,
    which root says. */
-__global__ void measure_kernel(input in, int index_bits, int bits, uint64_t *key, run_list runs, uint32_t count,
-                               pbw__box *box, uint32_t *root)
+__global__ void measure_kernel(const __grid_constant__ keyed k, run_list runs, uint32_t count, pbw__box *box,
+                               uint32_t *root)
 {
     uint32_t r = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32, lane = threadIdx.x & 31;
-    const uint64_t mask = ((uint64_t)1 << index_bits) - 1;
     unsigned long long lowest[3] = { ~0ull, ~0ull, ~0ull }, highest[3] = { 0, 0, 0 };
     if (r >= count) {
         return;
     }
-    uint32_t head = runs.head[r], end = head, limit = runs.end[r], best = 0;
-    uint64_t run_key = key[head] >> index_bits;
-    for (;;) {
-        bool inside = end + lane < limit && key[end + lane] >> index_bits == run_key;
-        unsigned vote = __ballot_sync(all_lanes, inside);
+    uint32_t head = runs.head[r], end = head, limit = runs.end[r], best = head;
+    for (unsigned vote = all_lanes; vote == all_lanes; end += (uint32_t)__popc(vote)) {
+        uint32_t i = end + lane;
+        bool inside = i < limit && k.tie(i, head);
+        vote = __ballot_sync(all_lanes, inside);
         if (inside) {
-            double c[4], d[4];
-            fetch(in, (size_t)(key[end + lane] & mask), c);
-            for (int k = 0; k < in.dim; k++) {
-                unsigned long long value = ordered(c[k]);
-                lowest[k] = value < lowest[k] ? value : lowest[k];
-                highest[k] = value > highest[k] ? value : highest[k];
+            double c[4];
+            k.read(i, c);
+            for (int j = 0; j < k.in.dim; j++) {
+                unsigned long long value = ordered(c[j]);
+                lowest[j] = min(lowest[j], value);
+                highest[j] = max(highest[j], value);
             }
-            fetch(in, (size_t)(key[head + best] & mask), d);
-            if (pbw__comes_before(c, key[end + lane] & mask, d, key[head + best] & mask, in.dim)) {
-                best = end + lane - head;
-            }
-        }
-        end += (uint32_t)__popc(vote);
-        if (vote != all_lanes) {
-            break;
+            best = k.before(i, best) ? i : best;
         }
     }
     for (int step = 16; step > 0; step /= 2) {
         uint32_t other = __shfl_xor_sync(all_lanes, best, step);
-        double c[4], d[4];
-        fetch(in, (size_t)(key[head + best] & mask), c);
-        fetch(in, (size_t)(key[head + other] & mask), d);
-        best = pbw__comes_before(d, key[head + other] & mask, c, key[head + best] & mask, in.dim) ? other : best;
+        best = k.before(other, best) ? other : best;
     }
     double side = 0.0;
-    for (int k = 0; k < in.dim; k++) {
-        double l = unordered(tile_min<32>(lowest[k])), s = unordered(tile_max<32>(highest[k])) - l;
-        side = s > side ? s : side;
+    for (int j = 0; j < k.in.dim; j++) {
+        double l = unordered(tile_min<32>(lowest[j]));
+        side = fmax(side, unordered(tile_max<32>(highest[j])) - l);
         if (lane == 0) {
-            box[r].low[k] = l;
+            box[r].low[j] = l;
         }
     }
     __syncwarp();
     if (lane == 0) {
         box[r].scale = 1.0;
         box[r].extent = side;
-        box[r].bits = bits;
+        box[r].bits = k.bits;
         runs.length[r] = side > 0.0 ? end - head : 0;
         if (side == 0.0) {
-            uint64_t swap = key[head];
-            key[head] = key[head + best];
-            key[head + best] = swap;
+            exchange(k.key[head], k.key[best]);
         }
     }
-    if (side == 0.0) {
-        for (uint32_t i = head + lane; i < end; i += 32) {
-            root[i] = head;
-        }
+    for (uint32_t i = head + lane; side == 0.0 && i < end; i += 32) {
+        root[i] = head;
     }
 }
 
 /* A warp a run: its points with their new keys. */
-__global__ void rekey_kernel(input in, int index_bits, const uint64_t *key, run_list runs, uint32_t count,
-                             const pbw__box *box, const __grid_constant__ curve automaton, uint64_t *gathered,
-                             uint32_t *segment)
+__global__ void rekey_kernel(const __grid_constant__ keyed k, run_list runs, uint32_t count, const pbw__box *box,
+                             uint64_t *gathered, uint32_t *segment)
 {
     uint32_t r = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32;
-    const uint64_t mask = ((uint64_t)1 << index_bits) - 1;
-    if (r < count) {
-        for (uint32_t i = threadIdx.x & 31; i < runs.length[r]; i += 32) {
-            gathered[runs.offset[r] + i] = key_of(in, box[r], automaton, index_bits, key[runs.head[r] + i] & mask);
-            segment[runs.offset[r] + i] = r;
-        }
+    for (uint32_t i = threadIdx.x & 31; r < count && i < runs.length[r]; i += 32) {
+        gathered[runs.offset[r] + i] = k.key_of(k.index(runs.head[r] + i), box[r]);
+        segment[runs.offset[r] + i] = r;
     }
 }
 
@@ -504,27 +480,25 @@ __global__ void put_back_kernel(const uint64_t *gathered, const uint32_t *segmen
 
 /* first[i] = 1 if the i-th point on the curve lies at a place of its own; the best of a place comes first.  root:
    NULL, or where a long run at one place begins. */
-__global__ void place_kernel(input in, int index_bits, const uint64_t *key, const uint32_t *root_of, uint32_t *first,
+__global__ void place_kernel(const __grid_constant__ keyed k, const uint32_t *root_of, uint32_t *first,
                              uint32_t *canonical, survey *out)
 {
     size_t i = thread_number();
-    const uint64_t mask = ((uint64_t)1 << index_bits) - 1;
     bool repeats = false;
-    if (i < in.count) {
+    if (i < k.in.count) {
         double x[4], y[4];
-        size_t root = root_of != NULL && root_of[i] != none ? root_of[i] : i;
-        fetch(in, (size_t)(key[i] & mask), x);
-        while (root > 0 && (root_of == NULL || root_of[i] == none)
-               && key[root - 1] >> index_bits == key[i] >> index_bits) {
-            fetch(in, (size_t)(key[root - 1] & mask), y);
-            if (!pbw__same_place(x, y, in.dim)) {
+        const bool rooted = root_of != NULL && root_of[i] != none;
+        size_t root = rooted ? root_of[i] : i;
+        k.read(i, x);
+        for (; !rooted && root > 0 && k.tie(root - 1, i); root--) {
+            k.read(root - 1, y);
+            if (!pbw__same_place(x, y, k.in.dim)) {
                 break;
             }
-            root--;
         }
         repeats = root != i;
         first[i] = !repeats;
-        canonical[key[i] & mask] = (uint32_t)(key[root] & mask);
+        canonical[k.index(i)] = (uint32_t)k.index(root);
     }
     unsigned vote = __ballot_sync(all_lanes, repeats);
     if ((threadIdx.x & 31) == 0 && vote != 0) {
@@ -533,17 +507,17 @@ __global__ void place_kernel(input in, int index_bits, const uint64_t *key, cons
 }
 
 /* rank: of each point on the curve the number of firsts before it, or NULL if there are no duplicates. */
-__global__ void gather_kernel(input in, int index_bits, const uint64_t *key, const uint32_t *first,
-                              const uint32_t *rank, record *point, uint32_t *id)
+__global__ void gather_kernel(const __grid_constant__ keyed k, const uint32_t *first, const uint32_t *rank,
+                              record *point, uint32_t *id)
 {
     size_t i = thread_number();
-    if (i < in.count && (rank == NULL || first[i] != 0)) {
-        size_t index = (size_t)(key[i] & (((uint64_t)1 << index_bits) - 1)), at = rank == NULL ? i : rank[i];
+    if (i < k.in.count && (rank == NULL || first[i] != 0)) {
+        const size_t at = rank == NULL ? i : rank[i];
         record r;
         r.c[3] = 0.0;
-        fetch(in, index, r.c);
+        k.read(i, r.c);
         point[at] = r;
-        id[at] = (uint32_t)index;
+        id[at] = (uint32_t)k.index(i);
     }
 }
 
@@ -1046,13 +1020,24 @@ template <bool EXACT> using rung_real = std::conditional_t<EXACT, double, float>
 /* NT triangles, NV vertices, SCRATCH words for the rung's search. */
 template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL> struct star {
     typedef star_types<(NT > 256)> types;
-    static const int words = NV / 32;
+    typedef REAL real;
+    static const int dim = DIM, triangles = NT, vertices = NV, words = NV / 32;
+    static const bool weighted = WEIGHTED;
     float4 sphere[NT];
     REAL x[NV][DIM], w[WEIGHTED ? NV : 1];
     uint32_t id[NV], triangle[NT], matrix[NV * words], used[words], scratch[SCRATCH];
     typename types::pair border[NT + 4];
     typename types::number cavity[NT];
 };
+
+/* The place of a point of a star S, and of a candidate or, where there is none, v. */
+template <typename S> using place_in = place<typename S::real>;
+
+template <typename S>
+__device__ inline place_in<S> candidate_place(const space &all, const record &own, uint32_t v, uint32_t candidate)
+{
+    return relative<S::dim, typename S::real>(all, own, all.point[candidate != none ? candidate : v]);
+}
 
 /* Larger stars have kernels of their own in >>cells. */
 const int small_triangles = 60, small_vertices = 32;
@@ -1064,35 +1049,31 @@ __device__ inline uint32_t pack(uint32_t a, uint32_t b, uint32_t c)
     return a | b << 10 | c << 20;
 }
 
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline void set_vertex(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, uint32_t number, uint32_t id,
-                                  const place<REAL> &p)
+template <typename S> __device__ inline void set_vertex(S &s, uint32_t number, uint32_t id, const place_in<S> &p)
 {
     s.id[number] = id;
-    for (int k = 0; k < DIM; k++) {
+    for (int k = 0; k < S::dim; k++) {
         s.x[number][k] = p.x[k];
     }
-    if (WEIGHTED) {
+    if (S::weighted) {
         s.w[number] = p.w;
     }
 }
 
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline place<REAL> vertex_place(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, uint32_t number)
+template <typename S> __device__ inline place_in<S> vertex_place(const S &s, uint32_t number)
 {
-    place<REAL> p;
+    place_in<S> p;
     for (int k = 0; k < 3; k++) {
-        p.x[k] = k < DIM ? s.x[number][k] : 0;
+        p.x[k] = k < S::dim ? s.x[number][k] : 0;
     }
-    p.w = WEIGHTED ? s.w[number] : 0;
+    p.w = S::weighted ? s.w[number] : 0;
     return p;
 }
 
 /* The vertex at infinity has a place too: loads that are not used find it there. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline void set_infinity(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s)
+template <typename S> __device__ inline void set_infinity(S &s)
 {
-    const place<REAL> origin = { { 0, 0, 0 }, 0 };
+    const place_in<S> origin = { { 0, 0, 0 }, 0 };
     set_vertex(s, 0, none, origin);
 }
 
@@ -1123,8 +1104,7 @@ __device__ inline float4 sphere_of_triangle(uint32_t a, uint32_t b, uint32_t c, 
 }
 
 /* used: the vertices that triangles have, and 0. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline void find_used(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, int count)
+template <int T, typename S> __device__ inline void find_used(S &s, bool go, int count)
 {
     int lane = (int)threadIdx.x & (T - 1);
     __syncwarp();
@@ -1136,7 +1116,7 @@ __device__ inline void find_used(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, 
     __syncwarp();
     if (go) {
         for (int t = lane; t < count; t += T) {
-            for (int k = 0; k < DIM; k++) {
+            for (int k = 0; k < S::dim; k++) {
                 uint32_t c = corner(s.triangle[t], k);
                 atomicOr(&s.used[c >> 5], 1u << (c & 31));
             }
@@ -1154,12 +1134,12 @@ struct hole {
 /* As settle, for p relative to v, by doubles that round nothing: on a small grid all products are integers in its
    unit, below 2^53 (>>cavity3 of pbw.h: there p is the origin, here v, but the 24 products have the same bound).  The
    coefficients of the lifts are those of pbw__tie.  open_sign if a height is too large for that. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ __noinline__ int settle_on_grid(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, int count, int t,
-                                           double limit, double px, double py, double pz, double pw)
+template <typename S>
+__device__ __noinline__ int settle_on_grid(const S &s, int count, int t, double limit, double px, double py,
+                                           double pz, double pw)
 {
-    const double p[3] = { px, py, pz }, lift = square<DIM>(p) - (WEIGHTED ? pw : 0.0);
-    if (!(square<DIM>(p) + (WEIGHTED ? fabs(pw) : 0.0) < limit)) {
+    const double p[3] = { px, py, pz }, lift = square<S::dim>(p) - (S::weighted ? pw : 0.0);
+    if (!(square<S::dim>(p) + (S::weighted ? fabs(pw) : 0.0) < limit)) {
         return open_sign;
     }
     for (int round = 0; round < 2; round++) {
@@ -1167,19 +1147,19 @@ __device__ __noinline__ int settle_on_grid(const star<DIM, WEIGHTED, NT, NV, SCR
         double x[3][3], raised[3], k[3], d;
         int at = -1;
         for (int i = 0; i < 3; i++) {
-            uint32_t number = i < DIM ? corner(packed, i) : 0;
-            place<REAL> a = vertex_place(s, number);
-            at = i < DIM && number == 0 ? i : at;
-            raised[i] = square<DIM>(a.x) - a.w;
-            if (i < DIM && number != 0 && !(square<DIM>(a.x) + fabs(a.w) < limit)) {
+            uint32_t number = i < S::dim ? corner(packed, i) : 0;
+            place_in<S> a = vertex_place(s, number);
+            at = i < S::dim && number == 0 ? i : at;
+            raised[i] = square<S::dim>(a.x) - a.w;
+            if (i < S::dim && number != 0 && !(square<S::dim>(a.x) + fabs(a.w) < limit)) {
                 return open_sign;
             }
             for (int j = 0; j < 3; j++) {            /* p in place of the vertex at infinity */
-                x[i][j] = i < DIM && number == 0 ? p[j] : a.x[j];
+                x[i][j] = i < S::dim && number == 0 ? p[j] : a.x[j];
             }
         }
         const double *a = x[0], *b = x[1], *c = x[2];
-        if (DIM == 3) {
+        if (S::dim == 3) {
             double u[3] = { b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0] };
             double q[3] = { p[1] * a[2] - p[2] * a[1], p[2] * a[0] - p[0] * a[2], p[0] * a[1] - p[1] * a[0] };
             d = a[0] * u[0] + a[1] * u[1] + a[2] * u[2];
@@ -1196,22 +1176,22 @@ __device__ __noinline__ int settle_on_grid(const star<DIM, WEIGHTED, NT, NV, SCR
             if (d != 0.0 || round > 0) {
                 return round > 0 ? open_sign : d > 0.0;
             }
-            t = mate_of<DIM>(s.triangle, count, packed, at);
+            t = mate_of<S::dim>(s.triangle, count, packed, at);
             if (t < 0) {
                 return open_sign;
             }
             continue;
         }
-        double sum = raised[0] * k[0] + raised[1] * k[1] + (DIM == 3 ? raised[2] * k[2] : 0.0) - d * lift;
+        double sum = raised[0] * k[0] + raised[1] * k[1] + (S::dim == 3 ? raised[2] * k[2] : 0.0) - d * lift;
         if (sum != 0.0) {
             return sum > 0.0;
         }
         double best[3] = { p[0], p[1], p[2] }, own = d - k[0] - k[1] - k[2], verdict = 0.0;
-        for (int i = -1; i < DIM; i++) {             /* v itself at first */
+        for (int i = -1; i < S::dim; i++) {          /* v itself at first */
             double y[3] = { i < 0 ? 0.0 : x[i < 0 ? 0 : i][0], i < 0 ? 0.0 : x[i < 0 ? 0 : i][1],
                             i < 0 ? 0.0 : x[i < 0 ? 0 : i][2] }, coefficient = i < 0 ? own : k[i < 0 ? 0 : i];
             bool larger = y[0] != best[0] ? y[0] > best[0] : y[1] != best[1] ? y[1] > best[1]
-                        : DIM == 3 && y[2] > best[2];
+                        : S::dim == 3 && y[2] > best[2];
             if (larger && coefficient != 0.0) {
                 verdict = coefficient;
                 for (int j = 0; j < 3; j++) {
@@ -1262,23 +1242,23 @@ __device__ inline int decide(star<DIM, WEIGHTED, NT, NV, SCRATCH, double> &s, co
 
 /* Finds the cavity of point id, at p relative to v, in the stars of those tiles that go, and makes the point a vertex
    of theirs; count: their triangles.  Without SETTLES what floats leave open stays open. */
-template <int T, bool SETTLES, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v, bool go,
-                            uint32_t id, const place<REAL> &p, int count, pbw__digit *pool, hole &cavity)
+template <int T, bool SETTLES, typename S>
+__device__ inline int carve(S &s, const space &all, uint32_t v, bool go, uint32_t id, const place_in<S> &p, int count,
+                            pbw__digit *pool, hole &cavity)
 {
-    typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>::types types;
+    typedef typename S::types types;
     typedef typename types::pair pair;
     typedef typename types::number number_type;
-    const int words = NV / 32, lane = (int)threadIdx.x & (T - 1);
+    const int words = S::vertices / 32, lane = (int)threadIdx.x & (T - 1);
     const unsigned below = lanes_below<T>();
-    const probe float_p = probe_of<DIM, WEIGHTED>(p);
+    const probe float_p = probe_of<S::dim, S::weighted>(p);
     int conflicts = 0, edges = 0, result = 0;
 
     typedef typename types::rounds rounds_type;
     rounds_type hits = 0, opens = 0;                 /* bit i: triangle i T + lane */
     int rounds = (warp_max<T>(go ? count : 0) + T - 1) / T;
-#pragma unroll(NT / T < 8 ? NT / T : 1)
-    for (int i = 0; i < NT / T; i++) {
+#pragma unroll(S::triangles / T < 8 ? S::triangles / T : 1)
+    for (int i = 0; i < S::triangles / T; i++) {
         if (i == rounds) {
             break;
         }
@@ -1315,7 +1295,7 @@ __device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const
     for (int base = 0; base < conflict_end; base += T) {
         if (go && base + lane < conflicts) {
             uint32_t t = s.triangle[s.cavity[base + lane]], a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
-            if (DIM == 3) {
+            if (S::dim == 3) {
                 atomicOr(&s.matrix[a * words + (b >> 5)], 1u << (b & 31));
                 atomicOr(&s.matrix[b * words + (c >> 5)], 1u << (c & 31));
                 atomicOr(&s.matrix[c * words + (a >> 5)], 1u << (a & 31));
@@ -1347,28 +1327,28 @@ __device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const
         bool mine = go && base + lane < conflicts;
         if (mine) {
             uint32_t t = s.triangle[s.cavity[base + lane]];
-            for (int k = 0; k < DIM; k++) {
+            for (int k = 0; k < S::dim; k++) {
                 c[k] = corner(t, k);
             }
         }
-        for (int k = 0; k < DIM; k++) {
-            uint32_t a = c[k], b = c[k + 1 == DIM ? 0 : k + 1];
-            bool is_border = DIM == 3 ? mine && (s.matrix[b * words + (a >> 5)] >> (a & 31) & 1) == 0
+        for (int k = 0; k < S::dim; k++) {
+            uint32_t a = c[k], b = c[k + 1 == S::dim ? 0 : k + 1];
+            bool is_border = S::dim == 3 ? mine && (s.matrix[b * words + (a >> 5)] >> (a & 31) & 1) == 0
                            : mine && (k == 0 ? (s.matrix[words + (a >> 5)] >> (a & 31) & 1) == 0
                                              : (s.matrix[a >> 5] >> (a & 31) & 1) == 0);
             unsigned vote = tile_ballot<T>(is_border);
             int at = edges + __popc(vote & below);
-            if (is_border && at < NT + 4) {
-                if (DIM == 2) {                      /* (a, new) at the start of the chain, (new, a) at its end */
+            if (is_border && at < S::triangles + 4) {
+                if (S::dim == 2) {                   /* (a, new) at the start of the chain, (new, a) at its end */
                     b = k == 0 ? number : a;
                     a = k == 0 ? a : number;
                 }
-                s.border[at] = (pair)((a & (NV - 1)) << types::bits | (b & (NV - 1)));
+                s.border[at] = (pair)((a & (S::vertices - 1)) << types::bits | (b & (S::vertices - 1)));
             }
             edges += __popc(vote);
         }
     }
-    if (go && count - conflicts + edges > NT) {
+    if (go && count - conflicts + edges > S::triangles) {
         result |= star_full;
     }
     __syncwarp();
@@ -1376,7 +1356,7 @@ __device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const
     for (int base = 0; base < conflict_end; base += T) {
         if (go && base + lane < conflicts) {
             uint32_t t = s.triangle[s.cavity[base + lane]], a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
-            if (DIM == 3) {
+            if (S::dim == 3) {
                 s.matrix[a * words + (b >> 5)] = s.matrix[b * words + (c >> 5)] = s.matrix[c * words + (a >> 5)] = 0;
             } else {
                 s.matrix[a >> 5] = s.matrix[words + (b >> 5)] = 0;
@@ -1396,22 +1376,21 @@ __device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const
 
 /* Replaces the cavities of the tiles that go by the triangles from the first fans edges of their borders to the new
    vertex, and from the others to infinity; in the plane the border is the new edges. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline void fan(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, const hole &cavity, int fans,
-                           int &count, unsigned walls)
+template <int T, typename S>
+__device__ inline void fan(S &s, bool go, const hole &cavity, int fans, int &count, unsigned walls)
 {
-    typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>::types types;
+    typedef typename S::types types;
     const int lane = (int)threadIdx.x & (T - 1), conflicts = cavity.conflicts, edges = cavity.edges;
     const int edge_end = warp_max<T>(go ? edges : 0);
     for (int base = 0; base < edge_end; base += T) {
         int i = base + lane;
         if (go && i < edges) {
             uint32_t edge = s.border[i], a = edge >> types::bits, b = edge & ((1u << types::bits) - 1);
-            uint32_t c = DIM == 3 && i < fans ? cavity.number : 0;
+            uint32_t c = S::dim == 3 && i < fans ? cavity.number : 0;
             int slot = i < conflicts ? s.cavity[i] : count + i - conflicts;
             s.triangle[slot] = pack(a, b, c);
-            s.sphere[slot] = sphere_of_triangle<DIM, WEIGHTED>(a, b, c, vertex_place(s, a), vertex_place(s, b),
-                                                               vertex_place(s, c), walls);
+            s.sphere[slot] = sphere_of_triangle<S::dim, S::weighted>(a, b, c, vertex_place(s, a), vertex_place(s, b),
+                                                                     vertex_place(s, c), walls);
         }
     }
     __syncwarp();
@@ -1433,29 +1412,27 @@ __device__ inline void fan(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool g
 
 /* The star of v and the points a, b, c, one finite triangle and an infinite one on each of its edges, as the border
    of a hole that fan fills. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline void start(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, const uint32_t *id,
-                             const place<REAL> *p)
+template <int T, typename S> __device__ inline void start(S &s, bool go, const uint32_t *id, const place_in<S> *p)
 {
-    typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>::types types;
+    typedef typename S::types types;
     int lane = (int)threadIdx.x & (T - 1);
     if (go) {
-        for (int i = lane; i < NV * s.words; i += T) {
+        for (int i = lane; i < S::vertices * s.words; i += T) {
             s.matrix[i] = 0;
         }
         for (int i = lane; i < s.words; i += T) {
-            s.used[i] = i == 0 ? (2u << DIM) - 1 : 0;
+            s.used[i] = i == 0 ? (2u << S::dim) - 1 : 0;
         }
-        if (lane < DIM) {
+        if (lane < S::dim) {
             set_vertex(s, (uint32_t)lane + 1, id[lane], p[lane]);
-        } else if (lane == DIM) {
+        } else if (lane == S::dim) {
             set_infinity(s);
         }
     }
     __syncwarp();
-    if (go && lane <= DIM) {
+    if (go && lane <= S::dim) {
         uint32_t a, b;
-        if (DIM == 3) {                              /* (1 2 3), (2 1 0), (3 2 0), (1 3 0) */
+        if (S::dim == 3) {                           /* (1 2 3), (2 1 0), (3 2 0), (1 3 0) */
             a = lane == 0 ? 1 : lane == 3 ? 1 : (uint32_t)lane + 1;
             b = lane == 0 ? 2 : lane == 3 ? 3 : (uint32_t)lane;
         } else {                                     /* (1 2), (2 0), (0 1) */
@@ -1474,9 +1451,7 @@ template <int DIM> __device__ inline hole first_hole()
 }
 
 /* Stores the finished stars of the tiles that go. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, uint32_t v, int count,
-                              const store &out)
+template <int T, typename S> __device__ inline void finish(S &s, bool go, uint32_t v, int count, const store &out)
 {
     int lane = (int)threadIdx.x & (T - 1), vertices = 0;
     find_used<T>(s, go, count);
@@ -1495,7 +1470,7 @@ __device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, boo
     if (go) {
         for (int t = lane; t < count; t += T) {
             bool mine = true;
-            for (int k = 0; k < DIM; k++) {
+            for (int k = 0; k < S::dim; k++) {
                 uint32_t c = corner(s.triangle[t], k);
                 closed = closed && c != 0;
                 mine = mine && c != 0 && s.id[c] > v;
@@ -1519,7 +1494,7 @@ __device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, boo
             out.place[v - out.first] = (uint32_t)at;
             out.owned[v - out.first] = (uint32_t)owned;
         }
-        for (int i = lane; i < NV; i += T) {
+        for (int i = lane; i < S::vertices; i += T) {
             if (s.used[i >> 5] >> (i & 31) & 1 && (i > 0 || !closed)) {
                 int rank = __popc(s.used[i >> 5] & ((1u << (i & 31)) - 1)) - closed;
                 for (int j = 0; j < i >> 5; j++) {
@@ -1530,7 +1505,7 @@ __device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, boo
         }
         for (int t = lane; t < count; t += T) {
             uint32_t packed = s.triangle[t] & verified;
-            for (int k = 0; k < DIM; k++) {
+            for (int k = 0; k < S::dim; k++) {
                 uint32_t c = corner(s.triangle[t], k);
                 int rank = __popc(s.used[c >> 5] & ((1u << (c & 31)) - 1)) - closed;
                 for (uint32_t j = 0; j < c >> 5; j++) {
@@ -1595,30 +1570,29 @@ template <int T, typename REAL> __device__ inline place<REAL> tile_place(const p
 
 /* Starts the stars of the tiles that go with points id, at p, of their own lanes, candidates being those of lanes
    below have, nearest first: fan is left to do.  Returns the lanes used, or 0 where no fat corner was found. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, uint32_t id,
-                                            const place<REAL> &p, int have)
+template <int T, typename S>
+__device__ inline unsigned start_from_lanes(S &s, bool go, uint32_t id, const place_in<S> &p, int have)
 {
     int lane = (int)threadIdx.x & (T - 1);
     bool here = go && lane < have;
-    place<REAL> a = tile_place<T>(p, 0), b;
+    place_in<S> a = tile_place<T>(p, 0), b;
     uint32_t ids[3];
     const float thin = 0.01f, flat = 1e-4f;
     unsigned vote = tile_ballot<T>(here && lane > 0 && line_fatness(a, p) > thin);
     int second = vote != 0 ? __ffs((int)vote) - 1 : 0, third = second;
     b = tile_place<T>(p, second);
     go = go && vote != 0;
-    if (DIM == 3) {
-        const float fat = here && vote != 0 ? fatness<DIM>(a, b, p) : 0.0f, most = -tile_min<T>(-fat);
+    if (S::dim == 3) {
+        const float fat = here && vote != 0 ? fatness<S::dim>(a, b, p) : 0.0f, most = -tile_min<T>(-fat);
         vote = tile_ballot<T>(fat > flat || (fat == most && fat > 1e-8f));
         third = vote != 0 ? __ffs((int)vote) - 1 : 0;
         go = go && vote != 0;
     }
-    place<REAL> c = tile_place<T>(p, third), frame[3];
+    place_in<S> c = tile_place<T>(p, third), frame[3];
     ids[0] = tile_read<T>(id, 0);
     ids[1] = tile_read<T>(id, second);
     ids[2] = tile_read<T>(id, third);
-    bool turn = corner_size<DIM>(a, b, c) < 0;
+    bool turn = corner_size<S::dim>(a, b, c) < 0;
     frame[0] = turn ? b : a;
     frame[1] = turn ? a : b;
     frame[2] = c;
@@ -1664,9 +1638,7 @@ template <bool WEIGHTED> __device__ inline float radius_of(float4 q, float heavi
 }
 
 /* Bounds of the spheres of a star. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, int count,
-                                float heaviest)
+template <int T, typename S> __device__ inline span reach_of(const S &s, bool go, int count, float heaviest)
 {
     span r = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
     int lane = (int)threadIdx.x & (T - 1);
@@ -1676,14 +1648,14 @@ __device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>
             if (is_wall(q)) {
                 continue;
             }
-            float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<WEIGHTED>(q, heaviest);
-            for (int k = 0; k < DIM; k++) {
+            float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<S::weighted>(q, heaviest);
+            for (int k = 0; k < S::dim; k++) {
                 r.low[k] = fminf(r.low[k], c[k] - radius);
                 r.high[k] = fmaxf(r.high[k], c[k] + radius);
             }
         }
     }
-    for (int k = 0; k < DIM; k++) {
+    for (int k = 0; k < S::dim; k++) {
         r.low[k] = tile_min<T>(r.low[k]) - 4.8e-7f;
         r.high[k] = 4.8e-7f - tile_min<T>(-r.high[k]);
     }
@@ -1692,11 +1664,9 @@ __device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>
 
 /* Whether floats leave it open that point p is in conflict with some simplex of the star; all lanes of a tile go or
    none does, each with its own point.  The test is that of side, with the bound in the sum; a wall adds to it. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline bool may_conflict(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, int count,
-                                    const place<REAL> &p)
+template <int T, typename S> __device__ inline bool may_conflict(const S &s, bool go, int count, const place_in<S> &p)
 {
-    probe f = probe_of<DIM, WEIGHTED>(p);
+    probe f = probe_of<S::dim, S::weighted>(p);
     float lift = fmaf(-1.25f, f.load, f.lift), size = -1.25f * f.size;
     bool may = false;
     int end = warp_max<T>(go ? count : 0), last = go ? count - 1 : 0;
@@ -1746,6 +1716,9 @@ struct near_launch {
 
 /* A star of the first rung while its tile builds it. */
 template <int DIM, bool WEIGHTED, typename REAL> struct near_state {
+    typedef REAL real;
+    static const int dim = DIM;
+    static const bool weighted = WEIGHTED;
     near_star<DIM, WEIGHTED, REAL> &s;
     const near_launch &a;
     const uint32_t *list;                            /* the groups near v */
@@ -1767,8 +1740,7 @@ template <int DIM, bool WEIGHTED, typename REAL> struct near_state {
 const int near_lanes = 8;
 
 /* Appends the points of the tile's group candidate closer than the start radius. */
-template <int DIM, bool WEIGHTED, typename REAL>
-__device__ __forceinline__ void collect_group(near_state<DIM, WEIGHTED, REAL> &n, uint32_t group, bool here)
+template <typename N> __device__ __forceinline__ void collect_group(N &n, uint32_t group, bool here)
 {
     uint32_t p = group * group_size + (uint32_t)n.lane;
     bool take = here && p < n.a.all.count && p != n.v;
@@ -1788,8 +1760,7 @@ __device__ __forceinline__ void collect_group(near_state<DIM, WEIGHTED, REAL> &n
 
 /* Step 1: the points within the start radius, which shrinks until there is room for them.  Stars whose points are too
    close for floats to tell apart are given up. */
-template <int DIM, bool WEIGHTED, typename REAL>
-__device__ __forceinline__ void collect_close(near_state<DIM, WEIGHTED, REAL> &n)
+template <typename N> __device__ __forceinline__ void collect_close(N &n)
 {
     int shrinks = 0;
     for (bool again = n.go; any(again); shrinks++) {
@@ -1798,9 +1769,9 @@ __device__ __forceinline__ void collect_close(near_state<DIM, WEIGHTED, REAL> &n
             uint32_t group = again && base + n.lane < n.length ? n.list[base + n.lane] : none;
             bool close = false;
             if (group != none) {
-                span b = relative_box<DIM>(n.a.group[group], n.origin);
+                span b = relative_box<N::dim>(n.a.group[group], n.origin);
                 float d = 0.0f;
-                for (int k = 0; k < DIM; k++) {
+                for (int k = 0; k < N::dim; k++) {
                     float t = fmaxf(fmaxf(b.low[k], -b.high[k]), 0.0f);
                     d = fmaf(t, t, d);
                 }
@@ -1820,8 +1791,7 @@ __device__ __forceinline__ void collect_close(near_state<DIM, WEIGHTED, REAL> &n
 }
 
 /* Sorts the collected points by distance into scratch. */
-template <int DIM, bool WEIGHTED, typename REAL>
-__device__ __forceinline__ void sort_collected(near_state<DIM, WEIGHTED, REAL> &n)
+template <typename N> __device__ __forceinline__ void sort_collected(N &n)
 {
     const int T = near_lanes;
     uint32_t *sorted = n.s.scratch, *collected = (uint32_t *)n.s.sphere;
@@ -1849,8 +1819,7 @@ __device__ __forceinline__ void sort_collected(near_state<DIM, WEIGHTED, REAL> &
 }
 
 /* The next candidates that may be in conflict, until each tile has some or no more at hand. */
-template <int DIM, bool WEIGHTED, typename REAL>
-__device__ __forceinline__ void next_candidates(near_state<DIM, WEIGHTED, REAL> &n)
+template <typename N> __device__ __forceinline__ void next_candidates(N &n)
 {
     const int T = near_lanes;
     for (;;) {
@@ -1864,7 +1833,7 @@ __device__ __forceinline__ void next_candidates(near_state<DIM, WEIGHTED, REAL> 
             n.candidate = n.lane < take ? n.s.scratch[(n.walking ? n.stored - take : n.cursor) + n.lane] : none;
             n.stored -= n.walking ? take : 0;
         }
-        n.p = relative<DIM, REAL>(n.a.all, n.own, n.a.all.point[n.candidate != none ? n.candidate : n.v]);
+        n.p = candidate_place<N>(n.a.all, n.own, n.v, n.candidate);
         bool screened = n.walking || n.cursor >= 2 * T;
         bool may = may_conflict<T>(n.s, feed && screened, n.count, n.p) || !screened;
         unsigned vote = tile_ballot<T>(feed && n.candidate != none && may);
@@ -1874,15 +1843,14 @@ __device__ __forceinline__ void next_candidates(near_state<DIM, WEIGHTED, REAL> 
 }
 
 /* The next 8 groups of the list that touch the reach of the star. */
-template <int DIM, bool WEIGHTED, typename REAL>
-__device__ __forceinline__ void next_groups(near_state<DIM, WEIGHTED, REAL> &n, bool load)
+template <typename N> __device__ __forceinline__ void next_groups(N &n, bool load)
 {
     bool touches = false;
     if (load && n.position + n.lane < n.length) {
         n.group_here = n.list[n.position + n.lane];
-        span b = relative_box<DIM>(n.a.group[n.group_here], n.origin);
+        span b = relative_box<N::dim>(n.a.group[n.group_here], n.origin);
         touches = true;
-        for (int k = 0; k < DIM; k++) {
+        for (int k = 0; k < N::dim; k++) {
             touches = touches && b.low[k] <= n.reach.high[k] && b.high[k] >= n.reach.low[k];
         }
     }
@@ -1892,8 +1860,7 @@ __device__ __forceinline__ void next_groups(near_state<DIM, WEIGHTED, REAL> &n, 
 }
 
 /* Stores the points of several groups that are within the reach; several, to have several loads in flight. */
-template <int DIM, bool WEIGHTED, typename REAL>
-__device__ __forceinline__ void store_points(near_state<DIM, WEIGHTED, REAL> &n, bool fill)
+template <typename N> __device__ __forceinline__ void store_points(N &n, bool fill)
 {
     const int T = near_lanes;
     uint32_t other[at_once];
@@ -1909,7 +1876,7 @@ __device__ __forceinline__ void store_points(near_state<DIM, WEIGHTED, REAL> &n,
     for (int i = 0; i < at_once; i++) {
         float x[3];
         bool take = rough_square(place_of[i], n.origin, x) >= n.start2 && other[i] != none;
-        for (int k = 0; k < DIM; k++) {
+        for (int k = 0; k < N::dim; k++) {
             take = take && x[k] >= n.reach.low[k] && x[k] <= n.reach.high[k];
         }
         unsigned takers = tile_ballot<T>(take);
@@ -1921,8 +1888,7 @@ __device__ __forceinline__ void store_points(near_state<DIM, WEIGHTED, REAL> &n,
 }
 
 /* Step 3: walks on through the list, for all tiles of the block that have room. */
-template <int DIM, bool WEIGHTED, typename REAL>
-__device__ __forceinline__ void walk_list(near_state<DIM, WEIGHTED, REAL> &n)
+template <typename N> __device__ __forceinline__ void walk_list(N &n)
 {
     n.walking = true;
     bool renew = n.go && n.changed;
@@ -1947,8 +1913,7 @@ __device__ __forceinline__ void walk_list(near_state<DIM, WEIGHTED, REAL> &n)
 }
 
 /* Step 4: marks the simplices whose spheres lie within the box that the list covers; returns whether all do. */
-template <int DIM, bool WEIGHTED, typename REAL>
-__device__ __forceinline__ bool certify(near_state<DIM, WEIGHTED, REAL> &n)
+template <typename N> __device__ __forceinline__ bool certify(N &n)
 {
     const box b = n.a.group[n.v / group_size];
     span covered;
@@ -1960,9 +1925,9 @@ __device__ __forceinline__ bool certify(near_state<DIM, WEIGHTED, REAL> &n)
     bool certified = true;
     for (int t = n.lane; n.go && t < n.count; t += near_lanes) {
         float4 q = n.s.sphere[t];
-        float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<WEIGHTED>(q, n.heaviest);
+        float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<N::weighted>(q, n.heaviest);
         bool inside = true;
-        for (int k = 0; k < DIM; k++) {
+        for (int k = 0; k < N::dim; k++) {
             inside = inside && c[k] - radius > covered.low[k] && c[k] + radius < covered.high[k];
         }
         inside = inside || is_wall(q);
@@ -1973,8 +1938,7 @@ __device__ __forceinline__ bool certify(near_state<DIM, WEIGHTED, REAL> &n)
 }
 
 /* The vertex of a tile, with nothing collected yet. */
-template <int DIM, bool WEIGHTED, typename REAL>
-__device__ __forceinline__ void open_near(near_state<DIM, WEIGHTED, REAL> &n, uint32_t v, bool valid)
+template <typename N> __device__ __forceinline__ void open_near(N &n, uint32_t v, bool valid)
 {
     const space &all = n.a.all;
     const uint32_t row = v / group_size - n.a.out.first / group_size;
@@ -1986,20 +1950,19 @@ __device__ __forceinline__ void open_near(near_state<DIM, WEIGHTED, REAL> &n, ui
     n.length = (int)n.info.length;
     n.lane = (int)threadIdx.x & (near_lanes - 1);
     n.origin[0] = rough.x, n.origin[1] = rough.y, n.origin[2] = rough.z;
-    n.heaviest = WEIGHTED ? (float)((all.heaviest - n.own.c[DIM]) * (all.unit * all.unit)) * 1.000001f : 0.0f;
-    n.walls = walls_of<DIM>(all, n.own);
+    n.heaviest = N::weighted ? (float)((all.heaviest - n.own.c[N::dim]) * (all.unit * all.unit)) * 1.000001f : 0.0f;
+    n.walls = walls_of<N::dim>(all, n.own);
     n.go = valid && n.length > 0 && *n.a.out.stop == 0;
     n.start2 = n.info.start * n.info.start;
     n.have = 0;
 }
 
 /* Step 2: the star of the nearest points that make a fat corner; the others are candidates. */
-template <int DIM, bool WEIGHTED, typename REAL>
-__device__ __forceinline__ void start_near(near_state<DIM, WEIGHTED, REAL> &n)
+template <typename N> __device__ __forceinline__ void start_near(N &n)
 {
     const int T = near_lanes;
     n.candidate = n.go && n.lane < n.have ? n.s.scratch[n.lane] : none;
-    n.p = relative<DIM, REAL>(n.a.all, n.own, n.a.all.point[n.candidate != none ? n.candidate : n.v]);
+    n.p = candidate_place<N>(n.a.all, n.own, n.v, n.candidate);
     const unsigned used = start_from_lanes<T>(n.s, n.go, n.candidate, n.p, n.have);
     n.go = n.go && used != 0;
     n.pending = n.go ? ((1u << (n.have < T ? n.have : T)) - 1) & ~used : 0;
@@ -2084,18 +2047,14 @@ near_kernel(const __grid_constant__ near_launch a)
    because |x|^2 - q . x >= t (t - q) + (x - t)^2 on each axis and (x - t)^2 - h |x - t| >= -h^2 / 4.  A cap on the
    search keeps the total work linear.
    ------------------------------------------------------------------------------------------------------ */
-struct quick_rung {
-    static const int triangles = 128, vertices = 64, warps = 1, blocks = 24;
-    static const bool exact = false, shared = true;
+/* Without shared memory stars live in scratch.  blocks: on a multiprocessor. */
+template <int TRIANGLES, int WARPS, int BLOCKS, bool EXACT, bool SHARED> struct rung {
+    static const int triangles = TRIANGLES, vertices = TRIANGLES / 2, warps = WARPS, blocks = BLOCKS;
+    static const bool exact = EXACT, shared = SHARED;
 };
-struct far_rung {
-    static const int triangles = 256, vertices = 128, warps = 8, blocks = 2;
-    static const bool exact = true, shared = true;
-};
-struct last_rung {
-    static const int triangles = 2048, vertices = 1024, warps = 8, blocks = 2;
-    static const bool exact = true, shared = false;
-};
+typedef rung<128, 1, 24, false, true> quick_rung;
+typedef rung<256, 8, 2, true, true> far_rung;
+typedef rung<2048, 8, 2, true, false> last_rung;
 
 /* What the warps of a star tell each other, behind their stacks. */
 struct talk {
@@ -2142,7 +2101,7 @@ template <bool WEIGHTED> __device__ inline float relative_weight(const box &b, d
 }
 
 /* Four points that span the space: the first point, and in turn the one farthest from the span of those before. */
-__global__ void seed_kernel(const __grid_constant__ space s, int dim, int found, unsigned long long *seed)
+template <int DIM> __global__ void seed_kernel(const __grid_constant__ space s, int found, unsigned long long *seed)
 {
     unsigned long long best = 0;
     record r[3];
@@ -2151,15 +2110,13 @@ __global__ void seed_kernel(const __grid_constant__ space s, int dim, int found,
         r[i] = s.point[i == 0 ? 0 : (uint32_t)seed[i]];
     }
     for (int i = 1; i < found; i++) {
-        base[i - 1] = dim == 3 ? relative<3, double>(s, r[0], r[i]) : relative<2, double>(s, r[0], r[i]);
+        base[i - 1] = relative<DIM, double>(s, r[0], r[i]);
     }
     for (size_t i = thread_number(); i < s.count; i += (size_t)gridDim.x * blockDim.x) {
-        place<double> p = dim == 3 ? relative<3, double>(s, r[0], s.point[i])
-                                   : relative<2, double>(s, r[0], s.point[i]);
+        place<double> p = relative<DIM, double>(s, r[0], s.point[i]);
         double d = found == 1 ? square<3>(p.x)
                  : found == 2 ? line_fatness(base[0], p) * square<3>(p.x) : fabs(corner_size<3>(base[0], base[1], p));
-        unsigned long long key = (unsigned long long)__float_as_uint((float)d) << 32 | i;
-        best = key > best ? key : best;
+        best = max(best, (unsigned long long)__float_as_uint((float)d) << 32 | i);
     }
     best = tile_max<32>(best);
     if ((threadIdx.x & 31) == 0) {
@@ -2169,12 +2126,12 @@ __global__ void seed_kernel(const __grid_constant__ space s, int dim, int found,
 
 /* Starts a star from the points of the warp's lanes where start_from_lanes cannot: the nearest and two that, with v,
    come nearest to spanning the space, among them four seeds that do span it. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v,
-                                        uint32_t id, const place<REAL> &p, bool here, pbw__digit *pool)
+template <typename S>
+__device__ inline bool start_from_seeds(S &s, const space &all, uint32_t v, uint32_t id, const place_in<S> &p,
+                                        bool here, pbw__digit *pool)
 {
     int lane = (int)threadIdx.x & 31, second, third;
-    place<REAL> a = tile_place<32>(p, 0), b, c, frame[3];
+    place_in<S> a = tile_place<32>(p, 0), b, c, frame[3];
     uint32_t ids[3];
     float fat = here && lane > 0 ? line_fatness(a, p) : 0.0f, best = -tile_min<32>(-fat);
     second = __ffs((int)__ballot_sync(all_lanes, fat == best)) - 1;
@@ -2183,8 +2140,8 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
     if (!(best > 1e-6f)) {
         return false;
     }
-    if (DIM == 3) {
-        fat = here ? fatness<DIM>(a, b, p) : 0.0f;
+    if (S::dim == 3) {
+        fat = here ? fatness<S::dim>(a, b, p) : 0.0f;
         best = -tile_min<32>(-fat);
         third = __ffs((int)__ballot_sync(all_lanes, fat == best)) - 1;
         if (!(best > 0.0f)) {
@@ -2196,7 +2153,7 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
     ids[1] = __shfl_sync(all_lanes, id, second);
     ids[2] = __shfl_sync(all_lanes, id, third);
     const double *row[4] = { all.point[v].c, all.point[ids[0]].c, all.point[ids[1]].c, all.point[ids[2]].c };
-    int sign = pbw__orient_in(pool, DIM, row, &all.grid);
+    int sign = pbw__orient_in(pool, S::dim, row, &all.grid);
     if (sign == 0 || sign == PBW__OPEN) {
         return false;
     }
@@ -2216,9 +2173,9 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
    from the old count, with offsets of -4 and -16 bytes, but gives the old and the new count one register and
    decrements that first, so that the simplex before the last one moves.  As a call it gives them two registers.
    Inlined, most of the zoo in cuda_test fails. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v, uint32_t id,
-                             const place<REAL> &p, int &count, unsigned walls, pbw__digit *pool)
+template <typename S>
+__device__ inline int insert(S &s, const space &all, uint32_t v, uint32_t id, const place_in<S> &p, int &count,
+                             unsigned walls, pbw__digit *pool)
 {
     hole cavity;
     int result = carve<32, true>(s, all, v, true, id, p, count, pool, cavity);
@@ -2226,20 +2183,19 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, cons
     return result;
 }
 
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ __noinline__ int insert_exactly(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all,
-                                           uint32_t v, uint32_t id, const place<REAL> &p, int &count, unsigned walls,
-                                           pbw__digit *pool)
+template <typename S>
+__device__ __noinline__ int insert_exactly(S &s, const space &all, uint32_t v, uint32_t id, const place_in<S> &p,
+                                           int &count, unsigned walls, pbw__digit *pool)
 {
     return insert(s, all, v, id, p, count, walls, pool);
 }
 
 /* A star of v from 28 points at growing distances along the curve, so that it is bounded in all directions from the
    start; false if they and, with EXACT, the seeds span no simplex. */
-template <bool EXACT, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all,
-                                      const unsigned long long *seed, uint32_t v, const record &own, unsigned walls,
-                                      pbw__digit *pool, uint32_t &candidate, place<REAL> &p, int &count)
+template <bool EXACT, typename S>
+__device__ inline bool start_on_curve(S &s, const space &all, const unsigned long long *seed, uint32_t v,
+                                      const record &own, unsigned walls, pbw__digit *pool, uint32_t &candidate,
+                                      place_in<S> &p, int &count)
 {
     const int lane = (int)threadIdx.x & 31;
     uint32_t *order = s.scratch;
@@ -2251,8 +2207,8 @@ __device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>
         candidate =
             (lane & 1) != 0 ? (v + offset < all.count ? v + offset : none) : (offset <= v ? v - offset : none);
     }
-    p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
-    uint32_t key = candidate != none ? (__float_as_uint((float)square<DIM>(p.x)) & ~31u) | (uint32_t)lane : none;
+    p = candidate_place<S>(all, own, v, candidate);
+    uint32_t key = candidate != none ? (__float_as_uint((float)square<S::dim>(p.x)) & ~31u) | (uint32_t)lane : none;
     int before = 0, have = __popc(__ballot_sync(all_lanes, candidate != none));
     for (int i = 0; i < 32; i++) {
         before += __shfl_sync(all_lanes, key, i) < key;
@@ -2265,31 +2221,31 @@ __device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>
     __syncwarp();
     candidate = order[lane];
     __syncwarp();
-    p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
+    p = candidate_place<S>(all, own, v, candidate);
     bool started = start_from_lanes<32>(s, true, candidate, p, have) != 0;
     if (!started && EXACT) {
         if (candidate == none) {
-            uint32_t other = lane - have > DIM ? none : lane == have ? 0 : (uint32_t)seed[lane - have];
+            uint32_t other = lane - have > S::dim ? none : lane == have ? 0 : (uint32_t)seed[lane - have];
             candidate = other == v ? none : other;
-            p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
+            p = candidate_place<S>(all, own, v, candidate);
         }
         started = start_from_seeds(s, all, v, candidate, p, candidate != none, pool);
     }
-    fan<32>(s, started, first_hole<DIM>(), 1, count, walls);
+    fan<32>(s, started, first_hole<S::dim>(), 1, count, walls);
     return started;
 }
 
 /* The stars of the tiles that go as the store has them. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, const space &all,
-                                        const store &in, uint32_t v, const record &own, unsigned walls, int &count)
+template <int T, typename S>
+__device__ inline void start_from_store(S &s, bool go, const space &all, const store &in, uint32_t v,
+                                        const record &own, unsigned walls, int &count)
 {
     const int lane = (int)threadIdx.x & (T - 1);
     const uint32_t *word = in.word + (go ? (size_t)in.place[v - in.first] * 4 : 0);
     uint32_t vertices = word[0] & 0xffff, first = word[1] == none ? 0 : 1;
     count = go ? (int)(word[0] >> 16) : count;
     if (go) {
-        for (int i = lane; i < NV * s.words; i += T) {
+        for (int i = lane; i < S::vertices * s.words; i += T) {
             s.matrix[i] = 0;
         }
         for (uint32_t i = (uint32_t)lane; i < (uint32_t)s.words; i += T) {
@@ -2302,7 +2258,7 @@ __device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
         for (uint32_t i = (uint32_t)lane; i < vertices; i += T) {
             uint32_t id = word[1 + i];
             if (id != none) {
-                set_vertex(s, i + first, id, relative<DIM, REAL>(all, own, all.point[id]));
+                set_vertex(s, i + first, id, relative<S::dim, typename S::real>(all, own, all.point[id]));
             }
         }
     }
@@ -2310,12 +2266,12 @@ __device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
     if (go) {
         for (int t = lane; t < count; t += T) {
             uint32_t packed = word[1 + vertices + (uint32_t)t], c[3] = { 0, 0, 0 };
-            for (int k = 0; k < DIM; k++) {
+            for (int k = 0; k < S::dim; k++) {
                 c[k] = corner(packed, k) + first;
             }
             s.triangle[t] = pack(c[0], c[1], c[2]) | (packed & verified);
-            s.sphere[t] = sphere_of_triangle<DIM, WEIGHTED>(c[0], c[1], c[2], vertex_place(s, c[0]),
-                                                            vertex_place(s, c[1]), vertex_place(s, c[2]), walls);
+            s.sphere[t] = sphere_of_triangle<S::dim, S::weighted>(
+                c[0], c[1], c[2], vertex_place(s, c[0]), vertex_place(s, c[1]), vertex_place(s, c[2]), walls);
         }
     }
     __syncwarp();
@@ -2346,9 +2302,8 @@ struct far_task {                                    /* resume: the store holds 
 
 /* One star, by all warps of a block: each searches for conflicts of its own simplex, then they insert in turns.
    changed: whether the star differs from the stored one. */
-template <bool EXACT, int WARPS, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const far_launch &a,
-                                  const far_task &task, int &count, bool &changed)
+template <bool EXACT, int WARPS, typename S>
+__device__ inline int far_star_of(S &s, const far_launch &a, const far_task &task, int &count, bool &changed)
 {
     const space &all = a.all;
     const tree &boxes = a.boxes;
@@ -2363,10 +2318,10 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
     talk &shared = *(talk *)(s.scratch + WARPS * stack_size);
     const float4 rough = all.rough[v];
     const float origin[3] = { rough.x, rough.y, rough.z };
-    const unsigned walls = walls_of<DIM>(all, own);
-    const double own_weight = (own.c[DIM] - all.heaviest) * (all.unit * all.unit);
+    const unsigned walls = walls_of<S::dim>(all, own);
+    const double own_weight = (own.c[S::dim] - all.heaviest) * (all.unit * all.unit);
     uint32_t candidate = none, word = 0, node = 0;
-    place<REAL> p;
+    place_in<S> p;
     unsigned pending = 0, hit = 0;                   /* lanes with a candidate to insert, with a group to search */
     int depth = 0, spent = 0, t = -1;                /* t: the simplex in hand, word: its triangle */
 
@@ -2406,13 +2361,13 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
                 bool touched = false;
                 while (pending != 0 && verdict == far_busy) {
                     bool waits = (pending >> lane & 1) != 0;     /* the nearest first */
-                    float length = waits ? (float)square<DIM>(p.x) : HUGE_VALF, least = tile_min<32>(length);
+                    float length = waits ? (float)square<S::dim>(p.x) : HUGE_VALF, least = tile_min<32>(length);
                     int from = __ffs((int)(__ballot_sync(all_lanes, length == least) & pending)) - 1;
                     pending &= ~(1u << from);
                     uint32_t next = __shfl_sync(all_lanes, candidate, from);
-                    place<REAL> at = tile_place<32>(p, from);
+                    place_in<S> at = tile_place<32>(p, from);
                     bool known = false;              /* the vertices of the star come by again in the search */
-                    for (int i = lane; i < NV; i += 32) {
+                    for (int i = lane; i < S::vertices; i += 32) {
                         known = known || (i > 0 && (s.used[i >> 5] >> (i & 31) & 1) != 0 && s.id[i] == next);
                     }
                     if (any(known)) {
@@ -2420,7 +2375,7 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
                     }
                     int result = EXACT ? insert_exactly(s, all, v, next, at, count, walls, pool)
                                        : insert(s, all, v, next, at, count, walls, pool);
-                    verdict = WEIGHTED && result == star_hidden ? far_hidden
+                    verdict = S::weighted && result == star_hidden ? far_hidden
                             : (result & ~star_changed) != 0 ? far_lost : far_busy;
                     if (result == star_changed) {
                         touched = true;
@@ -2496,11 +2451,11 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
                 }
                 candidate = group != none ? group * group_size + (uint32_t)(lane & 7) : none;
                 candidate = candidate < all.count && candidate != v ? candidate : none;
-                for (int k = 0; k < DIM; k++) {
+                for (int k = 0; k < S::dim; k++) {
                     candidate = corner(word, k) != 0 && s.id[corner(word, k)] == candidate ? none : candidate;
                 }
-                p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
-                int answer = candidate != none ? side(s.sphere[t], probe_of<DIM, WEIGHTED>(p)) : 0;
+                p = candidate_place<S>(all, own, v, candidate);
+                int answer = candidate != none ? side(s.sphere[t], probe_of<S::dim, S::weighted>(p)) : 0;
                 if (EXACT && answer == open_sign) {  /* a flat simplex on the hull leaves many points open */
                     answer = decide(s, all, v, count, t, candidate, p, NULL);
                 }
@@ -2513,10 +2468,11 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
                 child = node + (uint32_t)lane;
                 if (child < boxes.size[level]) {
                     box b = boxes.level[level][child];
-                    span r = relative_box<DIM>(b, origin);
-                    visit = box_may_conflict<DIM, WEIGHTED>(s.sphere[t], r, relative_weight<WEIGHTED>(b, own_weight));
+                    span r = relative_box<S::dim>(b, origin);
+                    visit = box_may_conflict<S::dim, S::weighted>(s.sphere[t], r,
+                                                                  relative_weight<S::weighted>(b, own_weight));
                     distance = 0.0f;
-                    for (int k = 0; k < DIM && visit; k++) {
+                    for (int k = 0; k < S::dim && visit; k++) {
                         float d = fmaxf(fmaxf(r.low[k], -r.high[k]), 0.0f);
                         distance = fmaf(d, d, distance);
                     }
@@ -2619,16 +2575,12 @@ struct alignas(16) brick {
     float axis[2][3], half[3], unused;
 };
 
-struct moments {                                     /* of the points of a brick: mean, xx xy xz yy yz zz around it */
-    double mean[3], spread[6];
+struct moments {                                     /* of the points of a brick; spread: around the mean */
+    double mean[3], spread[3][3];
 };
 
 const int brick_levels = 9;
-struct brick_tree {
-    const brick *level[brick_levels];                /* level[0]: groups of 8 points */
-    uint32_t size[brick_levels];
-    int levels;                                      /* level[levels-1] has at most 32 bricks */
-};
+typedef tree_of<brick, brick_levels> brick_tree;
 
 /* The bricks of a level, of 8 points or of 8 bricks: all but how far their points are. */
 __global__ void brick_kernel(const __grid_constant__ space s, const moments *child, uint32_t children, moments *own,
@@ -2638,28 +2590,25 @@ __global__ void brick_kernel(const __grid_constant__ space s, const moments *chi
     if (g < size) {
         const uint32_t first = (uint32_t)g * 8, end = children - first < 8 ? children : first + 8;
         const double part = 1.0 / (double)(end - first);
-        moments m, sum = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 } };
-        double a[3][3], turn[3][3] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 0.0, 0.0, 1.0 } };
+        moments m = {};
+        double turn[3][3] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 0.0, 0.0, 1.0 } };
+        double(&a)[3][3] = m.spread;
         brick b;
         for (int pass = 0; pass < 2; pass++) {
             for (uint32_t i = first; i < end; i++) {
                 double x[3];
                 for (int k = 0; k < 3; k++) {
                     x[k] = child == NULL ? in_units(s, s.point[i], k) : child[i].mean[k];
-                    sum.mean[k] += pass == 0 ? x[k] * part : 0.0;
-                    x[k] -= sum.mean[k];
+                    m.mean[k] += pass == 0 ? x[k] * part : 0.0;
+                    x[k] -= m.mean[k];
                 }
-                for (int k = 0; k < 6 && pass > 0; k++) {
-                    const int row = k < 3 ? 0 : k < 5 ? 1 : 2, column = k < 3 ? k : k < 5 ? k - 2 : 2;
-                    sum.spread[k] += (x[row] * x[column] + (child == NULL ? 0.0 : child[i].spread[k])) * part;
+                for (int k = 0; k < 9 && pass > 0; k++) {
+                    const double within = child == NULL ? 0.0 : child[i].spread[k / 3][k % 3];
+                    a[k / 3][k % 3] += (x[k / 3] * x[k % 3] + within) * part;
                 }
             }
         }
-        m = sum;
-        for (int k = 0; k < 6; k++) {
-            const int row = k < 3 ? 0 : k < 5 ? 1 : 2, column = k < 3 ? k : k < 5 ? k - 2 : 2;
-            a[row][column] = a[column][row] = m.spread[k];
-        }
+        own[g] = m;
         for (int round = 0; round < 15; round++) {   /* Jacobi's method: turns that make entries 0, one by one */
             const int i = round % 3 == 2 ? 1 : 0, j = round % 3 == 0 ? 1 : 2;
             const double difference = a[j][j] - a[i][i], twice = 2.0 * a[i][j];
@@ -2689,7 +2638,6 @@ __global__ void brick_kernel(const __grid_constant__ space s, const moments *chi
             b.half[k] = 0.0f;
         }
         b.unused = 0.0f;
-        own[g] = m;
         out[g] = b;
     }
 }
@@ -2731,23 +2679,19 @@ __global__ void half_kernel(const __grid_constant__ space s, const __grid_consta
 
 /* Stars in shared memory, or in scratch.  What a rung has no room for goes on to the next.  room: for bricks that
    wait. */
-struct wide_rung {
-    static const int blocks = 16, triangles = 128, vertices = 64, room = 448;
-    static const bool shared = true;
+template <int TRIANGLES, int BLOCKS, int ROOM, bool SHARED>
+struct wide_rung_of : rung<TRIANGLES, 1, BLOCKS, true, SHARED> {
+    static const int room = ROOM;
 };
-struct large_wide_rung {
-    static const int blocks = 5, triangles = 512, vertices = 256, room = 1024;
-    static const bool shared = true;
-};
-struct last_wide_rung {
-    static const int blocks = 5, triangles = 2048, vertices = 1024, room = 8192;
-    static const bool shared = false;
-};
+typedef wide_rung_of<128, 16, 448, true> wide_rung;
+typedef wide_rung_of<512, 5, 1024, true> large_wide_rung;
+typedef wide_rung_of<2048, 5, 8192, false> last_wide_rung;
 
 const int group_room = 36;                           /* for groups, of which 4 are searched as soon as they wait */
 
 template <typename RUNG> struct wide_star {
-    typedef star<3, false, RUNG::triangles, RUNG::vertices, RUNG::room + group_room, double> type;
+    typedef star<3, false, RUNG::triangles, RUNG::vertices, RUNG::room + group_room,
+                 rung_real<RUNG::exact> > type;
     type s;                                          /* scratch: bricks that wait, levels << 28 | number; groups */
     float inverse[RUNG::triangles];                  /* 1 / Q, or 0: no point that matters is in conflict with it */
     uint16_t depth[RUNG::room];                      /* of bricks that wait, half of a float */
@@ -2859,7 +2803,7 @@ struct wide_launch {
    star is in conflict with will never be, because stars only shrink; so when nothing waits any more the star is
    certified.  The deepest brick is searched first, the deepest point inserted first. */
 template <typename RUNG>
-__global__ void __launch_bounds__(32, RUNG::blocks) wide_kernel(const __grid_constant__ wide_launch a)
+__global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) wide_kernel(const __grid_constant__ wide_launch a)
 {
     const space &all = a.all;
     const brick_tree &bricks = a.bricks;
@@ -2998,31 +2942,25 @@ template <> struct alignas(16) cell<3> {
 template <int DIM> __device__ inline cell<DIM> canonical(uint32_t v, const uint32_t *a)
 {
     cell<DIM> c;
-    if (DIM == 2) {
-        uint32_t x = a[0], y = a[1];
-        bool first = v < x && v < y, second = x < v && x < y;
-        c.corner[0] = first ? v : second ? x : y;
-        c.corner[1] = first ? x : second ? y : v;
-        c.corner[2] = first ? y : second ? v : x;
-    } else {
-        uint32_t x = a[0], y = a[1], z = a[2], low = v, i, j, k;
-        low = x < low ? x : low;
-        low = y < low ? y : low;
-        low = z < low ? z : low;
-        if (low == v) {                              /* even permutations all */
-            i = x, j = y, k = z;
-        } else if (low == x) {
-            i = v, j = z, k = y;
-        } else if (low == y) {
-            i = z, j = v, k = x;
-        } else {
-            i = y, j = x, k = v;
+    uint32_t *p = c.corner;
+    p[0] = v;
+    for (int k = 0; k < DIM; k++) {
+        p[k + 1] = a[k];
+    }
+    if (DIM == 3 && min(p[1], p[DIM]) < min(p[0], p[2])) {     /* pairs of exchanges keep it positive */
+        exchange(p[0], p[1]);
+        exchange(p[2], p[DIM]);
+    }
+    if (DIM == 3 && p[2] < p[0]) {
+        exchange(p[0], p[2]);
+        exchange(p[1], p[DIM]);
+    }
+    p += DIM - 2;
+    for (int turns = 0; turns < 2; turns++) {
+        if (p[1] < p[0] || p[2] < p[0]) {
+            exchange(p[0], p[1]);
+            exchange(p[1], p[2]);
         }
-        bool first = i < j && i < k, second = j < i && j < k;
-        c.corner[0] = low;
-        c.corner[1] = first ? i : second ? j : k;
-        c.corner[2] = first ? j : second ? k : i;
-        c.corner[3 < DIM ? 3 : DIM] = first ? k : second ? i : j;
     }
     return c;
 }
@@ -3047,20 +2985,39 @@ __device__ inline stored_star stored(const store &in, uint32_t v)
     return s;
 }
 
-/* The vertices of a triangle; returns whether all are finite, and in mine whether all are above v. */
-template <int DIM>
-__device__ inline bool triangle_of(const stored_star &s, int t, uint32_t v, uint32_t *a, bool &mine)
+/* The vertices of a triangle; returns whether all are finite. */
+template <int DIM> __device__ inline bool triangle_of(const stored_star &s, int t, uint32_t *a)
 {
     bool finite = true;
-    uint32_t packed = s.triangle[t];
-    mine = true;
     for (int k = 0; k < DIM; k++) {
-        a[k] = s.vertex[corner(packed, k)];
+        a[k] = s.vertex[corner(s.triangle[t], k)];
         finite = finite && a[k] != none;
-        mine = mine && a[k] > v;
     }
-    mine = mine && finite;
     return finite;
+}
+
+/* Whether v comes before all vertices of a triangle, or all but the one at k. */
+template <int DIM> __device__ inline bool is_lowest(uint32_t v, const uint32_t *a, int k = -1)
+{
+    bool lowest = true;
+    for (int i = 0; i < DIM; i++) {
+        lowest = lowest && (i == k || a[i] > v);
+    }
+    return lowest;
+}
+
+template <int DIM> __device__ inline uint64_t middle_corners(const cell<DIM> &c)
+{
+    return (uint64_t)c.corner[1] << 32 | c.corner[2];
+}
+
+/* The corners by other numbers. */
+template <int DIM> __device__ inline cell<DIM> renumbered(cell<DIM> c, const uint32_t *number)
+{
+    for (int k = 0; k <= DIM; k++) {
+        c.corner[k] = number[c.corner[k]];
+    }
+    return c;
 }
 
 const int emit_block = 64, emit_keys = 64;
@@ -3072,16 +3029,15 @@ template <int DIM> struct directory {
     const cell<DIM> *cells, *guest;
 };
 
-/* 8 lanes a star.  cells: simplices by ranks; out: by the caller's ids. */
+/* 8 lanes a star.  cells: simplices by ranks; out: by the caller's ids.  Where there is no room for the keys of the
+   simplices, each is compared with those of the star. */
 template <int DIM>
 __global__ void emit_kernel(const __grid_constant__ store in, const uint32_t *offset, const uint32_t *id,
-                            cell<DIM> *cells, pbw_index *out)
+                            cell<DIM> *cells, cell<DIM> *out)
 {
     const int T = 8;
     __shared__ uint64_t shared_keys[emit_block / T][emit_keys];
-    __shared__ uint32_t shared_last[emit_block / T][emit_keys];
     uint64_t *keys = shared_keys[threadIdx.x / T];
-    uint32_t *last = shared_last[threadIdx.x / T];
     int lane = (int)threadIdx.x & (T - 1), found = 0;
     uint32_t v = in.first + (blockIdx.x * emit_block + threadIdx.x) / T;
     bool go = v < in.end;
@@ -3090,57 +3046,33 @@ __global__ void emit_kernel(const __grid_constant__ store in, const uint32_t *of
     if (owned > 0) {
         s = stored(in, v);
     }
-    bool fits = owned <= emit_keys;
-    for (int base = 0; any(base < s.count); base += T) {
+    const bool fits = owned <= emit_keys;
+    auto own_cell = [&](int t, cell<DIM> &c) {
         uint32_t a[3];
-        bool mine = false;
-        cell<DIM> c = { { 0 } };
-        uint64_t key = 0;
-        if (base + lane < s.count) {
-            triangle_of<DIM>(s, base + lane, v, a, mine);
-            c = canonical<DIM>(v, a);
-            key = (uint64_t)c.corner[1] << 32 | c.corner[2];
-        }
-        unsigned vote = tile_ballot<T>(mine);
-        if (mine && fits) {
-            int at = found + __popc(vote & lanes_below<T>());
-            keys[at] = key;
-            last[at] = c.corner[DIM];
-        } else if (mine) {                           /* many: each counts those before it */
-            uint32_t before = 0;
-            for (int t = 0; t < s.count; t++) {
-                uint32_t b[3];
-                bool also;
-                triangle_of<DIM>(s, t, v, b, also);
-                cell<DIM> other = canonical<DIM>(v, b);
-                before += also && ((uint64_t)other.corner[1] << 32 | other.corner[2]) < key;
-            }
-            cells[first + before] = c;
-            for (int k = 0; k <= DIM; k++) {
-                out[(size_t)(first + before) * (DIM + 1) + (size_t)k] = id[c.corner[k]];
-            }
+        const bool mine = t < s.count && triangle_of<DIM>(s, t, a) && is_lowest<DIM>(v, a);
+        c = mine ? canonical<DIM>(v, a) : cell<DIM>();
+        return mine;
+    };
+    for (int base = 0; any(fits && base < s.count); base += T) {
+        cell<DIM> c;
+        const bool mine = fits && own_cell(base + lane, c);
+        const unsigned vote = tile_ballot<T>(mine);
+        if (mine) {
+            keys[found + __popc(vote & lanes_below<T>())] = middle_corners(c);
         }
         found += __popc(vote);
     }
     __syncwarp();
-    if (fits) {
-        for (int i = lane; i < found; i += T) {
-            uint64_t key = keys[i];
-            uint32_t before = 0;
-            for (int j = 0; j < found; j++) {
-                before += keys[j] < key;
-            }
-            cell<DIM> c;
-            c.corner[0] = v;
-            c.corner[1] = (uint32_t)(key >> 32);
-            c.corner[2] = (uint32_t)key;
-            c.corner[DIM] = last[i];
+    for (int t = lane; t < s.count; t += T) {
+        cell<DIM> c, other;
+        const bool mine = own_cell(t, c);
+        uint32_t before = 0;
+        for (int i = 0; mine && i < (fits ? found : s.count); i++) {
+            before += (fits ? keys[i] : own_cell(i, other) ? middle_corners(other) : ~0ull) < middle_corners(c);
+        }
+        if (mine) {
             cells[first + before] = c;
-            cell<DIM> named;
-            for (int k = 0; k <= DIM; k++) {
-                named.corner[k] = id[c.corner[k]];
-            }
-            ((cell<DIM> *)out)[first + before] = named;
+            out[first + before] = renumbered(c, id);
         }
     }
 }
@@ -3149,13 +3081,11 @@ __global__ void emit_kernel(const __grid_constant__ store in, const uint32_t *of
 template <int DIM>
 __device__ inline uint32_t last_until(const cell<DIM> &c, const cell<DIM> *cells, uint32_t low, uint32_t high)
 {
-    uint64_t key = (uint64_t)c.corner[1] << 32 | c.corner[2];
     while (low + 1 < high) {
         uint32_t middle = (low + high) / 2;
         cell<DIM> other = cells[middle];
         bool below = other.corner[0] < c.corner[0]
-                  || (other.corner[0] == c.corner[0]
-                      && ((uint64_t)other.corner[1] << 32 | other.corner[2]) <= key);
+                  || (other.corner[0] == c.corner[0] && middle_corners(other) <= middle_corners(c));
         low = below ? middle : low;
         high = below ? high : middle;
     }
@@ -3172,28 +3102,38 @@ template <int DIM> __device__ inline uint32_t number_of(const cell<DIM> &c, cons
     return all.base + last_until<DIM>(c, all.cells, offset[0], offset[1]);
 }
 
-/* Entries across the facets of which v is the lowest vertex: for the triangle a of a finite simplex c of number own,
-   across its edge that lacks corner k lies the simplex of number other.  beyond: that of each guest. */
-template <int DIM>
-__device__ inline void put_neighbor(const cell<DIM> &c, uint32_t own, uint32_t across, uint32_t other,
-                                    const directory<DIM> &all, pbw_index *neighbors, pbw_index *beyond)
+/* Where links go.  neighbors: NULL if nobody wants them; beyond: for each guest what lies across its facet; incident:
+   by the caller's ids, or from the share's first vertex on if id is NULL. */
+struct links {
+    pbw_index *neighbors, *beyond, *incident;
+    const uint32_t *id;
+};
+
+/* The links of the simplex (v, a...), finite and of number own, across the facets of which v is the lowest vertex;
+   across(k): the number of the simplex beyond the facet that lacks a[k]. */
+template <int DIM, typename F>
+__device__ inline void link_simplex(const directory<DIM> &all, const links &out, uint32_t v, const uint32_t *a,
+                                    uint32_t own, F across)
 {
-    int at = 0;
-    if (c.corner[0] < all.first) {
-        beyond[last_until<DIM>(c, all.guest, 0, all.guests)] = other;
-        return;
+    const cell<DIM> c = canonical<DIM>(v, a);
+    for (int k = 0; k < DIM; k++) {
+        if (is_lowest<DIM>(v, a, k) && c.corner[0] < all.first) {
+            out.beyond[last_until<DIM>(c, all.guest, 0, all.guests)] = across(k);
+        } else if (is_lowest<DIM>(v, a, k)) {
+            int at = 0;
+            for (int i = 1; i <= DIM; i++) {
+                at = c.corner[i] == a[k] ? i : at;
+            }
+            out.neighbors[(size_t)(own - all.base) * (DIM + 1) + (size_t)at] = across(k);
+        }
     }
-    for (int i = 1; i <= DIM; i++) {
-        at = c.corner[i] == across ? i : at;
-    }
-    neighbors[(size_t)(own - all.base) * (DIM + 1) + (size_t)at] = other;
 }
 
-/* incident: by the caller's ids, or from the share's first vertex on if id is NULL. */
+/* The links of the small stars, 8 lanes each, with tables of mates: 3D: of the triangle that has a directed edge; 2D:
+   row 0: of the edge that begins at a vertex; row 1: that ends there. */
 template <int DIM>
 __global__ void neighbor_kernel(const __grid_constant__ store in, const __grid_constant__ directory<DIM> all,
-                                const uint32_t *id, pbw_index *neighbors, pbw_index *beyond, pbw_index *incident,
-                                uint32_t *hidden_count)
+                                const __grid_constant__ links out, uint32_t *hidden_count)
 {
     const int T = 8;
     __shared__ uint8_t shared_table[emit_block / T][small_vertices * small_vertices];
@@ -3201,7 +3141,7 @@ __global__ void neighbor_kernel(const __grid_constant__ store in, const __grid_c
     uint8_t *table = shared_table[threadIdx.x / T];
     uint32_t *number = shared_number[threadIdx.x / T];
     int lane = (int)threadIdx.x & (T - 1);
-    uint32_t v = in.first + (blockIdx.x * emit_block + threadIdx.x) / T, lowest = none;
+    uint32_t v = in.first + (blockIdx.x * emit_block + threadIdx.x) / T, lowest = none, a[3];
     stored_star s = { NULL, NULL, 0, 0 };
     bool go = v < in.end;
     if (go) {
@@ -3210,44 +3150,26 @@ __global__ void neighbor_kernel(const __grid_constant__ store in, const __grid_c
     bool is_hidden = go && s.count == 0;
     go = s.count > 0 && s.count <= small_triangles && s.vertices <= small_vertices;
     for (int t = lane; go && t < s.count; t += T) {
-        uint32_t packed = s.triangle[t], a[3];
-        bool mine;
         for (int k = 0; k < DIM; k++) {
-            uint32_t from = corner(packed, k), to = corner(packed, k + 1 == DIM ? 0 : k + 1);
-            if (DIM == 3) {
-                table[from * small_vertices + to] = (uint8_t)t;
-            } else {                                 /* row 0: the edge that begins there; row 1: that ends there */
-                table[k * small_vertices + from] = (uint8_t)t;
-            }
+            uint32_t from = corner(s.triangle[t], k), to = corner(s.triangle[t], k + 1 == DIM ? 0 : k + 1);
+            table[DIM == 3 ? from * small_vertices + to : (uint32_t)k * small_vertices + from] = (uint8_t)t;
         }
-        uint32_t n = triangle_of<DIM>(s, t, v, a, mine) ? number_of<DIM>(canonical<DIM>(v, a), all) : none;
-        number[t] = n;
-        lowest = n < lowest ? n : lowest;
+        number[t] = triangle_of<DIM>(s, t, a) ? number_of<DIM>(canonical<DIM>(v, a), all) : none;
+        lowest = min(lowest, number[t]);
     }
     __syncwarp();
     lowest = tile_min<T>(lowest);
-    for (int t = lane; go && neighbors != NULL && t < s.count; t += T) {
-        uint32_t packed = s.triangle[t], a[3];
-        bool mine;
-        if (triangle_of<DIM>(s, t, v, a, mine)) {
-            cell<DIM> c = canonical<DIM>(v, a);
-            for (int k = 0; k < DIM; k++) {          /* the facet that lacks the vertex a[k] */
-                uint32_t x = k == 0 ? 1 : 0, y = k == DIM - 1 ? DIM - 2 : DIM - 1;
-                if (a[x] > v && a[y] > v) {
-                    uint32_t mate;
-                    if (DIM == 3) {                  /* edges run x to y but for k == 1 */
-                        uint32_t i = corner(packed, (int)(k == 1 ? x : y)), j = corner(packed, (int)(k == 1 ? y : x));
-                        mate = table[i * small_vertices + j];
-                    } else {
-                        mate = table[(k == 0 ? 0 : small_vertices) + corner(packed, (int)x)];
-                    }
-                    put_neighbor<DIM>(c, number[t], a[k], number[mate], all, neighbors, beyond);
-                }
-            }
+    for (int t = lane; go && out.neighbors != NULL && t < s.count; t += T) {
+        if (triangle_of<DIM>(s, t, a)) {
+            link_simplex<DIM>(all, out, v, a, number[t], [&](int k) {
+                uint32_t c[3] = { corner(s.triangle[t], 0), corner(s.triangle[t], 1), corner(s.triangle[t], 2) };
+                uint32_t from = DIM == 3 ? c[(k + 2) % 3] : (uint32_t)k, to = DIM == 3 ? c[(k + 1) % 3] : c[1 - k];
+                return number[table[from * small_vertices + to]];
+            });
         }
     }
     if (go && lane == 0) {
-        incident[id != NULL ? id[v] : v - in.first] = lowest;
+        out.incident[out.id != NULL ? out.id[v] : v - in.first] = lowest;
     }
     if (is_hidden && lane == 0) {
         atomicAdd(hidden_count, 1u);
@@ -3257,8 +3179,7 @@ __global__ void neighbor_kernel(const __grid_constant__ store in, const __grid_c
 /* The same for larger stars, a warp each, looking for mates one by one. */
 template <int DIM>
 __global__ void large_neighbor_kernel(queue large, const __grid_constant__ store in,
-                                      const __grid_constant__ directory<DIM> all, const uint32_t *id,
-                                      pbw_index *neighbors, pbw_index *beyond, pbw_index *incident)
+                                      const __grid_constant__ directory<DIM> all, const __grid_constant__ links out)
 {
     uint32_t i = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32, lowest = none;
     if (i >= *large.count) {
@@ -3269,35 +3190,42 @@ __global__ void large_neighbor_kernel(queue large, const __grid_constant__ store
     if (s.count <= small_triangles && s.vertices <= small_vertices) {
         return;
     }
+    auto number = [&](int t, uint32_t *a) {
+        return t >= 0 && triangle_of<DIM>(s, t, a) ? number_of<DIM>(canonical<DIM>(v, a), all) : none;
+    };
     for (int t = (int)threadIdx.x & 31; t < s.count; t += 32) {
-        uint32_t a[3], b[3];
-        bool mine;
-        if (triangle_of<DIM>(s, t, v, a, mine)) {
-            cell<DIM> c = canonical<DIM>(v, a);
-            uint32_t own = number_of<DIM>(c, all);
-            lowest = own < lowest ? own : lowest;
-            for (int k = 0; k < DIM && neighbors != NULL; k++) {
-                uint32_t x = k == 0 ? 1 : 0, y = k == DIM - 1 ? DIM - 2 : DIM - 1;
-                if (a[x] > v && a[y] > v) {
-                    int mate = mate_of<DIM>(s.triangle, s.count, s.triangle[t], k);
-                    uint32_t other = mate >= 0 && triangle_of<DIM>(s, mate, v, b, mine)
-                                   ? number_of<DIM>(canonical<DIM>(v, b), all) : none;
-                    put_neighbor<DIM>(c, own, a[k], other, all, neighbors, beyond);
-                }
-            }
+        uint32_t a[3], b[3], own = number(t, a);
+        lowest = min(lowest, own);
+        if (own != none && out.neighbors != NULL) {
+            link_simplex<DIM>(all, out, v, a, own, [&](int k) {
+                return number(mate_of<DIM>(s.triangle, s.count, s.triangle[t], k), b);
+            });
         }
     }
     lowest = tile_min<32>(lowest);
     if ((threadIdx.x & 31) == 0) {
-        incident[id != NULL ? id[v] : v - in.first] = lowest;
+        out.incident[out.id != NULL ? out.id[v] : v - in.first] = lowest;
     }
 }
 
-/* The simplices of a share that are guests of the vertices from first to end: counted, a thread a vertex, and listed
-   if there is a list. */
+/* A run of vertices. */
+struct share {
+    uint32_t first, end;
+    __device__ bool has(uint32_t v) const { return v >= first && v < end; }
+};
+
+/* The guests that one card has for another: counted, and where those of each vertex go. */
+template <int DIM> struct guest_list {
+    uint32_t *count;
+    const uint32_t *place;
+    cell<DIM> *guest;                                /* NULL: they are only counted */
+    uint32_t *number;
+};
+
+/* Lists the simplices of a share that have vertices of another, a thread a vertex. */
 template <int DIM>
-__global__ void guest_kernel(const __grid_constant__ directory<DIM> all, uint32_t vertices, uint32_t first,
-                             uint32_t end, uint32_t *count, const uint32_t *place, cell<DIM> *guest, uint32_t *number)
+__global__ void guest_kernel(const __grid_constant__ directory<DIM> all, uint32_t vertices, share other,
+                             const __grid_constant__ guest_list<DIM> out)
 {
     size_t v = thread_number();
     uint32_t found = 0;
@@ -3305,42 +3233,43 @@ __global__ void guest_kernel(const __grid_constant__ directory<DIM> all, uint32_
         cell<DIM> c = all.cells[i];
         bool visits = false;
         for (int k = 1; k <= DIM; k++) {
-            visits = visits || (c.corner[k] >= first && c.corner[k] < end);
+            visits = visits || other.has(c.corner[k]);
         }
-        if (visits && guest != NULL) {
-            guest[place[v] + found] = c;
-            number[place[v] + found] = all.base + i;
+        if (visits && out.guest != NULL) {
+            out.guest[out.place[v] + found] = c;
+            out.number[out.place[v] + found] = all.base + i;
         }
         found += visits;
     }
-    if (v < vertices && guest == NULL) {
-        count[v] = found;
+    if (v < vertices && out.guest == NULL) {
+        out.count[v] = found;
     }
 }
 
-/* What the vertices from first to end know of their guests. */
+/* What the vertices of another share know of their guests. */
 template <int DIM>
-__global__ void return_kernel(const __grid_constant__ directory<DIM> all, uint32_t first, uint32_t end,
-                              uint32_t count, const uint32_t *number, const pbw_index *beyond, pbw_index *neighbors)
+__global__ void return_kernel(const __grid_constant__ directory<DIM> all, share other, uint32_t count,
+                              const uint32_t *number, const pbw_index *beyond, pbw_index *neighbors)
 {
     size_t i = thread_number();
     if (i < count) {
         uint32_t own = number[i] - all.base, second = none;
         cell<DIM> c = all.cells[own];
         for (int k = 1; k <= DIM; k++) {
-            second = c.corner[k] < second ? c.corner[k] : second;
+            second = min(second, c.corner[k]);
         }
-        if (second >= first && second < end) {
+        if (other.has(second)) {
             neighbors[(size_t)own * (DIM + 1)] = beyond[i];
         }
     }
 }
 
-__global__ void scatter_kernel(const uint32_t *id, uint32_t count, const pbw_index *value, pbw_index *out)
+/* out[id[i]] = value[i], or i without values. */
+__global__ void scatter_kernel(const uint32_t *id, uint32_t count, const uint32_t *value, uint32_t *out)
 {
     size_t i = thread_number();
     if (i < count) {
-        out[id[i]] = value[i];
+        out[id[i]] = value != NULL ? value[i] : (uint32_t)i;
     }
 }
 
@@ -3368,11 +3297,7 @@ __global__ void record_kernel(input in, double *record)
 {
     size_t i = thread_number();
     if (i < in.count) {
-        double c[4];
-        fetch(in, i, c);
-        for (int k = 0; k <= in.dim; k++) {
-            record[i * (size_t)(in.dim + 1) + (size_t)k] = c[k];
-        }
+        fetch(in, i, record + i * (size_t)(in.dim + 1));
     }
 }
 
@@ -3425,8 +3350,10 @@ __global__ void check_kernel(const __grid_constant__ view m, int pass, uint32_t 
                              uint32_t *open, pbw__digit *pool, check_result *out)
 {
     const size_t thread = thread_number(), threads = (size_t)gridDim.x * blockDim.x;
-    pbw__finding found = { pool != NULL ? pool + thread * PBW__POOL : NULL, PBW__SOUND, -1, none, none, { 0, 0, 0 } };
+    pbw__digit *const own_pool = pool != NULL ? pool + thread * PBW__POOL : NULL;
+    unsigned long long counted[3] = { 0, 0, 0 };     /* by sound items: an open one comes again */
     for (size_t i = thread; i < count; i += threads) {
+        pbw__finding found = { own_pool, PBW__SOUND, -1, none, none, { 0, 0, 0 } };
         uint32_t item = list == NULL ? (uint32_t)i : list[i];
         if (count > 1 && *(const volatile unsigned long long *)&out->least >> 32 < item) {
             continue;
@@ -3442,12 +3369,15 @@ __global__ void check_kernel(const __grid_constant__ view m, int pass, uint32_t 
                 out->first = found;
             }
         }
+        for (int k = 0; k < 3; k++) {
+            counted[k] += sound ? found.counted[k] : 0;
+        }
     }
     __syncwarp();
     for (int k = 0; k < 3; k++) {
-        const unsigned long long counted = tile_sum<32>((unsigned long long)found.counted[k]);
-        if ((threadIdx.x & 31) == 0 && counted > 0) {
-            atomicAdd(&out->counted[pass][k], counted);
+        counted[k] = tile_sum<32>(counted[k]);
+        if ((threadIdx.x & 31) == 0 && counted[k] > 0) {
+            atomicAdd(&out->counted[pass][k], counted[k]);
         }
     }
 }
@@ -3465,14 +3395,6 @@ __global__ void compare_kernel(const uint32_t *a, const uint32_t *b, uint32_t co
     }
 }
 
-__global__ void rank_kernel(const uint32_t *id, uint32_t count, uint32_t *rank)
-{
-    size_t i = thread_number();
-    if (i < count) {
-        rank[id[i]] = (uint32_t)i;
-    }
-}
-
 /* A mesh on its way into a new order. */
 struct reorder {
     const pbw_index *simplices, *neighbors;          /* in the old order */
@@ -3484,10 +3406,7 @@ struct reorder {
 /* The canonical form of a simplex, by ranks. */
 template <int DIM> __device__ inline cell<DIM> ranked(const reorder &m, uint32_t s)
 {
-    cell<DIM> c = ((const cell<DIM> *)m.simplices)[s];
-    for (int k = 0; k <= DIM; k++) {
-        c.corner[k] = m.rank[c.corner[k]];
-    }
+    const cell<DIM> c = renumbered(((const cell<DIM> *)m.simplices)[s], m.rank);
     return canonical<DIM>(c.corner[0], c.corner + 1);
 }
 
@@ -3510,9 +3429,9 @@ __global__ void first_kernel(const __grid_constant__ reorder m, const uint32_t *
     }
 }
 
-/* order: the old number of each new one; renumbered: the new number of each old one. */
+/* order: the old number of each new one; now: the new number of each old one. */
 template <int DIM>
-__global__ void rewrite_kernel(const __grid_constant__ reorder m, const uint32_t *order, const uint32_t *renumbered,
+__global__ void rewrite_kernel(const __grid_constant__ reorder m, const uint32_t *order, const uint32_t *now,
                                pbw_index *simplices, pbw_index *neighbors, pbw_index *incident)
 {
     size_t i = thread_number();
@@ -3528,7 +3447,7 @@ __global__ void rewrite_kernel(const __grid_constant__ reorder m, const uint32_t
             t = old.corner[j] == v ? across.corner[j] : t;
         }
         c.corner[k] = v;
-        other.corner[k] = t == none ? none : renumbered[t];
+        other.corner[k] = t == none ? none : now[t];
         if (incident[v] > i) {
             atomicMin(&incident[v], (uint32_t)i);
         }
@@ -3552,11 +3471,13 @@ __global__ void rewrite_kernel(const __grid_constant__ reorder m, const uint32_t
 const double bytes_a_point[2] = { 75.0, 90.0 }, bytes_a_star[2] = { 155.0, 560.0 };
 const int most_cards = 16;
 const char *const few_points = "so few points are quicker on the CPU";
+const char *const no_host_memory = "out of memory on the host";
 const char *const too_many = "too many simplices for the index type";
 
 struct offer {                                       /* what a card has for the others */
     int device;
-    uint32_t first, end, simplices;                  /* the share */
+    share part;
+    uint32_t simplices;
     void *guests[most_cards];                        /* for each higher card */
     uint32_t *guest_numbers[most_cards], guest_count[most_cards];
     pbw_index *beyond, *incident;                    /* beyond: of all guests, those of the lowest card first */
@@ -3566,11 +3487,11 @@ struct offer {                                       /* what a card has for the 
 struct team {
     std::mutex lock;
     std::condition_variable news;
-    int cards, here, left;
-    unsigned meetings;
-    std::atomic<int> status;                         /* of the first card that failed */
-    bool declined;
-    offer of[most_cards];
+    int cards, here = 0, left = 0;
+    unsigned meetings = 0;
+    std::atomic<int> status{ PBW_OK };               /* of the first card that failed */
+    bool declined = false;
+    offer of[most_cards] = {};
 };
 
 /* What a call uses besides its blocks; that of a loop serves all its steps. */
@@ -3642,26 +3563,29 @@ void go_on(const call &c)
     }
 }
 
-[[noreturn]] void fail(call &c, pbw_status status, const char *text)
+/* Fails unless a condition holds. */
+template <typename... A> void require(call &c, bool holds, pbw_status status, const char *format, A... arguments)
 {
-    if (c.status == PBW_OK) {
+    if (!holds && c.status == PBW_OK) {
         c.status = status;
-        say(c, "%s", text);
+        say(c, format, arguments...);
     }
-    throw failure();
+    if (!holds) {
+        throw failure();
+    }
 }
 
-[[noreturn]] void decline(call &c, const char *text)
+/* The same for what only the device lacks: the CPU may take over. */
+template <typename... A> void suit(call &c, bool suits, const char *format, A... arguments)
 {
-    c.declined = true;
-    fail(c, PBW_ERROR_BACKEND, text);
+    c.declined = c.declined || !suits;
+    require(c, suits, PBW_ERROR_BACKEND, format, arguments...);
 }
 
-[[noreturn]] void decline_stars(call &c, uint32_t count)
+/* A rung left some stars. */
+void suit_stars(call &c, uint32_t left, uint32_t limit)
 {
-    char text[128];
-    snprintf(text, sizeof text, "%u stars are too large for the device (cospherical points?)", count);
-    decline(c, text);
+    suit(c, left <= limit, "%u stars are too large for the device (cospherical points?)", left);
 }
 
 /* Takes over a failure of the device; returns whether the call has none. */
@@ -3692,12 +3616,9 @@ void need_memory(call &c, size_t more)
     need(c, cudaMemPoolGetAttribute(c.pool, cudaMemPoolAttrUsedMemCurrent, &used), "memory of the pool");
     available += c.used + (kept > used ? (size_t)(kept - used) : 0);
     available = c.job->memory_limit > 0 && c.job->memory_limit < available ? c.job->memory_limit : available;
-    if (needed > available) {
-        c.status = PBW_ERROR_BACKEND;
-        say(c, "too little device memory: %zu bytes are needed, %zu are available", usual > needed ? usual : needed,
+    require(c, needed <= available, PBW_ERROR_BACKEND,
+            "too little device memory: %zu bytes are needed, %zu are available", usual > needed ? usual : needed,
             available);
-        throw failure();
-    }
 }
 
 void own(call &c, void *block, size_t bytes)
@@ -3707,35 +3628,25 @@ void own(call &c, void *block, size_t bytes)
     c.used += bytes;
 }
 
-cudaError_t take(const call &c, void **block, size_t bytes)
-{
-#ifdef PBW_CUDA_TEST
-    if (pbw_cuda_fail_at > 0 && --pbw_cuda_fail_at == 0) {
-        return cudaErrorMemoryAllocation;
-    }
-#endif
-    return cudaMallocFromPoolAsync(block, bytes, c.pool, c.stream);
-}
-
-template <typename V> void allocate(call &c, V *&address, size_t count)
+template <typename V> V *allocate(call &c, size_t count)
 {
     void *block = NULL;
     const size_t bytes = (count > 0 ? count : 1) * sizeof(V);
-    address = NULL;
-    if (c.blocks == (int)(sizeof c.block / sizeof c.block[0])) {
-        fail(c, PBW_ERROR_BACKEND, "too many blocks of device memory");
-    }
+    require(c, c.blocks < (int)(sizeof c.block / sizeof c.block[0]), PBW_ERROR_BACKEND,
+            "too many blocks of device memory");
     if (c.job->memory_limit > 0 && c.used + bytes > c.job->memory_limit) {
         need_memory(c, bytes);
     }
-    cudaError_t error = take(c, &block, bytes);
+    const bool fails = pbw_cuda_fail_at > 0 && --pbw_cuda_fail_at == 0;
+    cudaError_t error = fails ? cudaErrorMemoryAllocation
+                              : cudaMallocFromPoolAsync(&block, bytes, c.pool, c.stream);
     if (error == cudaErrorMemoryAllocation) {
         (void)cudaGetLastError();
         need_memory(c, bytes);
     }
     need(c, error, "cudaMallocAsync");
     own(c, block, bytes);
-    address = (V *)block;
+    return (V *)block;
 }
 
 /* Frees a block, or with keep only drops it from the list. */
@@ -3762,7 +3673,7 @@ template <typename V> struct buffer {
     buffer(buffer &&from) : c(from.c), at(from.at) { from.at = NULL; }
     buffer &operator=(buffer &&from) { std::swap(at, from.at); return *this; }
     ~buffer() { release(c, at); }
-    void make(size_t count) { allocate(c, at, count); }
+    void make(size_t count) { at = allocate<V>(c, count); }
 };
 
 /* Reports progress on the caller's thread, and takes over a cancellation or another card's failure. */
@@ -3950,20 +3861,20 @@ struct run_room {
 
 /* Points on their way into the order of the curve. */
 struct ordering {
-    const input &in;
-    curve automaton;
-    int index_bits, bits;                            /* of a key: the index, and a coordinate */
+    keyed all;
     sortable<uint64_t> key;
     buffer<uint32_t> root;                           /* empty if there are no long runs */
     buffer<survey> found;
-    ordering(call &c, const input &of)
-        : in(of), index_bits(pbw__index_bits(of.count)), bits(pbw__grid_bits(index_bits, of.dim)), key(c), root(c),
-          found(c, 1)
+    ordering(call &c, const input &in) : key(c), root(c), found(c, 1)
     {
         pbw__curve one_level;
         pbw__curve_create(&one_level, 0, in.dim);
-        memcpy(automaton.step, one_level.step, sizeof automaton.step);
+        memcpy(all.step, one_level.step, sizeof all.step);
+        all.in = in;
+        all.index_bits = pbw__index_bits(in.count);
+        all.bits = pbw__grid_bits(all.index_bits, in.dim);
     }
+    key_bits sorted_bits() const { return { all.index_bits, all.index_bits + all.bits * all.in.dim }; }
 };
 
 /* The points of the long runs of a list get keys from grids of their own and are put back in their order.  Returns
@@ -3974,29 +3885,23 @@ run_room order_long_runs(call &c, ordering &o, const run_list &runs, uint32_t &c
     const uint32_t runs_here = count;
     buffer<pbw__box> box(c, count);
     run_room next(c);
-    int run_bits = 1;
-    while (run_bits < 32 && (count - 1) >> run_bits != 0) {
-        run_bits++;
-    }
     fill(c, runs.length + count, 0, 1);
-    launch(c, "runs", measure_kernel, warps, o.in, o.index_bits, o.bits, o.key.array.at, runs, count, box.at,
-           o.root.at);
+    launch(c, "runs", measure_kernel, warps, o.all, runs, count, box.at, o.root.at);
     sum_before(c, runs.length, runs.offset, (size_t)count + 1);
     const uint32_t total = read_back(c, runs.offset + count, PBW_STAGE_ORDER, 0.4);
     count = 0;
     if (total > 0) {
         sortable<uint64_t> gathered(c, total);
         sortable<uint32_t> segment(c, total);
-        launch(c, "runs", rekey_kernel, warps, o.in, o.index_bits, o.key.array.at, runs, runs_here, box.at,
-               o.automaton, gathered.array.at, segment.array.at);
-        sort_pairs(c, gathered, segment, total, { o.index_bits, o.index_bits + o.bits * o.in.dim });
-        sort_pairs(c, segment, gathered, total, { 0, run_bits });
+        keyed some = o.all;
+        launch(c, "runs", rekey_kernel, warps, o.all, runs, runs_here, box.at, gathered.array.at, segment.array.at);
+        sort_pairs(c, gathered, segment, total, o.sorted_bits());
+        sort_pairs(c, segment, gathered, total, { 0, pbw__index_bits(runs_here) });
+        some.key = gathered.array.at;
         next = run_room(c, total / PBW__SHORT_RUN + 1);
         fill(c, &o.found.at->long_runs, 0, 1);
-        launch(c, "runs", run_kernel, over(total, 256), o.in, o.index_bits, gathered.array.at, total,
-               segment.array.at, runs, next.list(), o.found.at);
-        launch(c, "runs", put_back_kernel, over(total, 256), gathered.array.at, segment.array.at, total, runs,
-               o.key.array.at);
+        launch(c, "runs", run_kernel, over(total, 256), some, total, segment.array.at, runs, next.list(), o.found.at);
+        launch(c, "runs", put_back_kernel, over(total, 256), some.key, segment.array.at, total, runs, o.all.key);
         count = read_back(c, &o.found.at->long_runs, PBW_STAGE_ORDER, 0.4);
     }
     return next;
@@ -4006,10 +3911,9 @@ run_room order_long_runs(call &c, ordering &o, const run_list &runs, uint32_t &c
    by 2^bits. */
 void order_runs(call &c, ordering &o)
 {
-    const size_t n = o.in.count;
+    const size_t n = o.all.in.count;
     run_room runs(c, n / PBW__SHORT_RUN + 1);
-    launch(c, "runs", run_kernel, over(n, 256), o.in, o.index_bits, o.key.array.at, n, nullptr, run_list(),
-           runs.list(), o.found.at);
+    launch(c, "runs", run_kernel, over(n, 256), o.all, n, nullptr, run_list(), runs.list(), o.found.at);
     uint32_t count = read_back(c, &o.found.at->long_runs, PBW_STAGE_ORDER, 0.4);
     if (count > 0) {
         o.root.make(n);
@@ -4020,118 +3924,97 @@ void order_runs(call &c, ordering &o)
     }
 }
 
-/* The ranges of coordinates and weights, and the grid that all are on. */
-struct extents {
-    pbw__box domain;
-    double lightest, heaviest;
-    pbw__grid grid;
-};
-
-/* on_device: what the survey found, for later kernels. */
-extents survey_points(call &c, const input &in, int bits, const buffer<survey> &on_device)
+/* The ranges of coordinates and weights, and what all are multiples of.  on_device: the same, for later kernels. */
+pbw__grid_share survey_points(call &c, const input &in, const buffer<survey> &on_device)
 {
-    survey found;
-    extents e;
-    pbw__grid_share share;
-    memset(&found, 0, sizeof found);
+    survey found = {};
+    pbw__grid_share range;
     memset(found.low, 0xff, sizeof found.low);
     found.unit = 1024;
     need(c, cudaMemcpyAsync(on_device.at, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy");
     launch(c, "survey", survey_kernel, at_most(2048, over(in.count, 256)), in, on_device.at);
     found = read_back(c, on_device.at, PBW_STAGE_ORDER, 0.1);
-    if (found.bad != 0) {
-        fail(c, PBW_ERROR_NOT_FINITE, "a coordinate or weight is not a finite number");
-    }
-    pbw__grid_share_reset(&share);
-    share.unit = found.unit;
+    require(c, found.bad == 0, PBW_ERROR_NOT_FINITE, "a coordinate or weight is not a finite number");
+    pbw__grid_share_reset(&range);
+    range.unit = found.unit;
     for (int k = 0; k <= in.dim; k++) {
-        share.low[k] = unordered(found.low[k]);
-        share.high[k] = unordered(found.high[k]);
+        range.low[k] = unordered(found.low[k]);
+        range.high[k] = unordered(found.high[k]);
     }
-    pbw__box_reset(&e.domain, bits);
-    pbw__box_add(&e.domain, share.low, in.dim);
-    pbw__box_add(&e.domain, share.high, in.dim);
-    pbw__box_close(&e.domain, in.dim);
-    e.lightest = share.low[in.dim];
-    e.heaviest = share.high[in.dim];
-    pbw__grid_close(&e.grid, &share, 1, in.dim);
-    return e;
+    return range;
 }
 
-/* The units of the space, from the extents; fails if the device code cannot work in them. */
-void measure_space(call &c, const extents &e, int dim, space &s)
+/* Sets the units of the space; fails if the device code cannot work in them.  Returns the box of the curve. */
+pbw__box measure_space(call &c, const pbw__grid_share &range, int bits, int dim, space &s)
 {
-    const double weight_range = e.heaviest - e.lightest;
+    const double weight_range = range.high[dim] - range.low[dim];
+    pbw__box domain;
     int exponent;
-    if (!(e.domain.extent > 1e-100 && e.domain.extent < 1e100)) {
-        decline(c, "the extent of the points is beyond the range of the device code");
-    }
-    (void)frexp(e.domain.extent, &exponent);
+    pbw__box_reset(&domain, bits);
+    pbw__box_add(&domain, range.low, dim);
+    pbw__box_add(&domain, range.high, dim);
+    pbw__box_close(&domain, dim);
+    suit(c, domain.extent > 1e-100 && domain.extent < 1e100,
+         "the extent of the points is beyond the range of the device code");
+    (void)frexp(domain.extent, &exponent);
     s.unit = ldexp(1.0, 1 - exponent);
-    if (!(weight_range * (s.unit * s.unit) < 1e12)) {
-        decline(c, "the weights are beyond the range of the device code");
+    suit(c, weight_range * (s.unit * s.unit) < 1e12, "the weights are beyond the range of the device code");
+    s.heaviest = range.high[dim];
+    pbw__grid_close(&s.grid, &range, 1, dim);
+    for (int k = 0; k < dim; k++) {
+        s.low[k] = domain.low[k];
+        s.end[k] = domain.high[k];
+        s.high[k] = (float)((domain.high[k] - domain.low[k]) * s.unit);
     }
-    s.heaviest = e.heaviest;
-    s.grid = e.grid;
-    for (int k = 0; k < 3; k++) {
-        s.low[k] = k < dim ? e.domain.low[k] : 0.0;
-        s.end[k] = k < dim ? e.domain.high[k] : 0.0;
-        s.high[k] = k < dim ? (float)((e.domain.high[k] - e.domain.low[k]) * s.unit) : 0.0f;
-    }
-    s.exact_height = 0.0;                            /* within 2^+-100 nothing underflows or overflows */
-    if (s.grid.inverse_unit > 1e-30 && s.grid.inverse_unit < 1e30) {
+    if (s.grid.inverse_unit > 1e-30 && s.grid.inverse_unit < 1e30) {     /* nothing underflows or overflows */
         double step = s.unit / s.grid.inverse_unit;
         s.exact_height = (dim == 3 ? PBW__EXACT_HEIGHT3 : PBW__EXACT_HEIGHT2) * (step * step);
     }
+    return domain;
 }
 
 /* Sets duplicates aside: fills id, canonical and the points of s. */
 void gather_points(call &c, const ordering &o, space &s, uint32_t *&id, pbw_cuda_mesh *mesh)
 {
-    const size_t n = o.in.count;
-    const shape all = over(n, 256);
+    const size_t n = o.all.in.count;
     buffer<uint32_t> first(c, n), rank(c);
-    record *point = NULL;
-    launch(c, "places", place_kernel, all, o.in, o.index_bits, o.key.array.at, o.root.at, first.at, mesh->canonical,
-           o.found.at);
+    launch(c, "places", place_kernel, over(n, 256), o.all, o.root.at, first.at, mesh->canonical, o.found.at);
     mesh->duplicate_count = read_back(c, &o.found.at->duplicates, PBW_STAGE_ORDER, 0.5);
     s.count = (uint32_t)(n - mesh->duplicate_count);
-    if (s.count < PBW_CUDA_FEW) {
-        decline(c, few_points);
-    }
+    suit(c, s.count >= PBW_CUDA_FEW, few_points);
     if (s.count < n) {
         rank.make(n);
         sum_before(c, first.at, rank.at, n);
     }
-    allocate(c, point, s.count);
-    allocate(c, id, s.count);
-    launch(c, "gather", gather_kernel, all, o.in, o.index_bits, o.key.array.at, first.at, rank.at, point, id);
+    record *const point = allocate<record>(c, s.count);
+    id = allocate<uint32_t>(c, s.count);
+    launch(c, "gather", gather_kernel, over(n, 256), o.all, first.at, rank.at, point, id);
     s.point = point;
 }
 
-/* Fills s (all but high[] beyond dim), id and canonical; returns whether weights differ. */
+/* Fills s, which was zeros, id and canonical; returns whether weights differ. */
 bool order_points(call &c, const input &in, space &s, uint32_t *&id, pbw_cuda_mesh *mesh)
 {
     ordering o(c, in);
-    const extents e = survey_points(c, in, o.bits, o.found);
-    measure_space(c, e, in.dim, s);
+    const pbw__grid_share range = survey_points(c, in, o.found);
+    const pbw__box domain = measure_space(c, range, o.all.bits, in.dim, s);
     o.key = sortable<uint64_t>(c, in.count);
-    launch(c, "keys", key_kernel, over(in.count, 256), in, e.domain, o.automaton, o.index_bits, o.key.array.at);
-    sort_keys(c, o.key, in.count, { o.index_bits, o.index_bits + o.bits * in.dim });
+    o.all.key = o.key.array.at;
+    launch(c, "keys", key_kernel, over(in.count, 256), o.all, domain);
+    sort_keys(c, o.key, in.count, o.sorted_bits());
+    o.all.key = o.key.array.at;
     order_runs(c, o);
     gather_points(c, o, s, id, mesh);
-    return in.weights != NULL && e.heaviest > e.lightest;
+    return in.weights != NULL && range.high[in.dim] > range.low[in.dim];
 }
 
 void grow_tree(call &c, space &s, int dim, tree &t)
 {
     uint32_t size = (s.count + group_size - 1) / group_size;
-    float4 *rough = NULL;
-    allocate(c, rough, s.count);
+    float4 *const rough = allocate<float4>(c, s.count);
     s.rough = rough;
     for (t.levels = 0; t.levels == 0 || t.size[t.levels - 1] > 32; size = (size + 31) / 32) {
-        box *b = NULL;
-        allocate(c, b, size);
+        box *const b = allocate<box>(c, size);
         if (t.levels == 0) {
             launch(c, "boxes", group_kernel, over(size, 128), s, dim, b, rough, size);
         } else {
@@ -4158,9 +4041,7 @@ void keep_points(call &c)
 {
     if (c.job->keep != NULL && c.card == 0 && c.job->kept_points == NULL) {
         pbw_status status = c.job->keep(c.job);
-        if (status != PBW_OK) {
-            fail(c, status, "the points could not be kept");
-        }
+        require(c, status == PBW_OK, status, "the points could not be kept");
     }
 }
 
@@ -4191,7 +4072,7 @@ template <int DIM> void find_seeds(call &c, const workshop &w)
 {
     fill(c, w.seed, 0, 4);
     for (int found = 1; found <= DIM; found++) {
-        launch(c, "seeds", seed_kernel, at_most(1024, over(w.s.count, 256)), w.s, DIM, found, w.seed);
+        launch(c, "seeds", seed_kernel<DIM>, at_most(1024, over(w.s.count, 256)), w.s, found, w.seed);
     }
 }
 
@@ -4211,8 +4092,7 @@ void launch_near(call &c, const workshop &w, uint32_t first, uint32_t stride, ui
    spheres are large. */
 template <int DIM, bool WEIGHTED> bool sample_reaches_far(call &c, const workshop &w)
 {
-    fill(c, w.q[0].count, 0, 3);
-    fill(c, w.out.used, 0, 1);
+    start_over(c, w);
     launch_near<DIM, WEIGHTED, false>(c, w, w.out.first, (w.out.end - w.out.first) / sample_size, sample_size);
     const uint2 counts = read_back(c, (const uint2 *)w.q[0].count, PBW_STAGE_BUILD, 0.0);
     if (counts.y == 0 || counts.x + counts.y <= sample_size / 2) {
@@ -4248,27 +4128,35 @@ template <int DIM, bool WEIGHTED> uint32_t build_near_stars(call &c, const works
     return read_back(c, w.q[0].count, PBW_STAGE_BUILD, 0.8);
 }
 
-template <int DIM, bool WEIGHTED, typename RUNG> void launch_far(call &c, const far_launch &a, unsigned blocks)
+/* Stars of q[from] by the second or third rung, with at most cap looks each, until more than limit fail.  Returns how
+   many it leaves in q[1 - from]. */
+template <int DIM, bool WEIGHTED, typename RUNG>
+uint32_t run_far_rung(call &c, const workshop &w, int from, uint32_t total, uint32_t limit, int cap)
 {
-    const size_t bytes = RUNG::shared ? sizeof(far_star<DIM, WEIGHTED, RUNG>) : 0;
-    launch(c, "far stars", far_kernel<DIM, WEIGHTED, RUNG>, shape{ blocks, 32 * RUNG::warps, bytes }, a);
-}
-
-/* The second rung without exact tests: total stars of q[0].  Returns how many it leaves in q[1]. */
-template <int DIM, bool WEIGHTED> uint32_t build_quick_stars(call &c, const workshop &w, uint32_t total)
-{
-    const uint32_t chunk = 1u << 18;
-    fill(c, w.q[1].count, 0, 1);
+    const uint32_t chunk = 1u << 18, most = RUNG::shared || total < last_blocks ? total : last_blocks;
+    const queue &failed = w.q[1 - from];
+    buffer<far_star<DIM, WEIGHTED, RUNG> > scratch(c);
+    buffer<pbw__digit> pool(c);
+    if (total == 0) {
+        return 0;
+    }
+    if (!RUNG::shared) {
+        scratch.make(most);
+        pool.make((size_t)most * 32 * PBW__POOL);
+    }
+    fill(c, failed.count, 0, 1);
     for (uint32_t first = 0; first < total; first += chunk) {
         const uint32_t count = total - first < chunk ? total - first : chunk;
-        const queue some = { w.q[0].vertex + first, NULL };
-        const far_launch a = { w.s, w.t, w.seed, some, count, none, quick_cap, NULL, NULL, w.out, w.q[1], w.q[2] };
+        const queue some = { w.q[from].vertex + first, NULL };
+        const far_launch a = { w.s, w.t, w.seed, some, count, limit, cap, scratch.at, pool.at, w.out, failed,
+                               w.q[2] };
         if (first > 0) {
             wait(c, PBW_STAGE_BUILD, 0.8);
         }
-        launch_far<DIM, WEIGHTED, quick_rung>(c, a, count);
+        launch(c, "far stars", far_kernel<DIM, WEIGHTED, RUNG>,
+               shape{ count < most ? count : most, 32 * RUNG::warps, RUNG::shared ? sizeof *scratch.at : 0 }, a);
     }
-    return total == 0 ? 0 : read_back(c, w.q[1].count, PBW_STAGE_BUILD, 0.9);
+    return read_back(c, failed.count, PBW_STAGE_BUILD, 0.9);
 }
 
 /* How many stars may need more than the second rung. */
@@ -4277,46 +4165,23 @@ uint32_t far_limit(const workshop &w)
     return 128 + (w.out.end - w.out.first) / 2048;
 }
 
-/* The second rung with exact tests: total stars of q[1].  Returns how many it leaves in q[0]. */
-template <int DIM, bool WEIGHTED> uint32_t build_far_stars(call &c, const workshop &w, uint32_t total)
+/* The second rung, at first without exact tests, and the third: left stars of q[0].  The few that the third rung
+   fails come again with a larger cap. */
+template <int DIM, bool WEIGHTED> void build_far_stars(call &c, const workshop &w, uint32_t left)
 {
-    const uint32_t limit = far_limit(w);
-    uint32_t failed = 0;
-    if (total > 0) {
-        const far_launch a = { w.s, w.t, w.seed, w.q[1], total, limit, far_cap, NULL, NULL, w.out, w.q[0], w.q[2] };
+    left = run_far_rung<DIM, WEIGHTED, quick_rung>(c, w, 0, left, none, quick_cap);
+    if (left > 0) {
         find_seeds<DIM>(c, w);
-        fill(c, w.q[0].count, 0, 1);
-        launch_far<DIM, WEIGHTED, far_rung>(c, a, total);
-        failed = read_back(c, w.q[0].count, PBW_STAGE_BUILD, 0.95);
     }
-    w.made[2] = failed;
-    if (failed > limit) {
-        decline_stars(c, failed);
-    }
-    return failed;
-}
-
-/* The third rung: lost stars of q[0], and those that it fails once more with a larger cap, if they are few. */
-template <int DIM, bool WEIGHTED> void build_last_stars(call &c, const workshop &w, uint32_t lost)
-{
-    const uint32_t blocks = lost < last_blocks ? lost : last_blocks;
-    buffer<far_star<DIM, WEIGHTED, last_rung> > scratch(c);
-    buffer<pbw__digit> pool(c);
-    if (lost > 0) {
-        scratch.make(blocks);
-        pool.make((size_t)blocks * 32 * PBW__POOL);
-    }
-    for (int i = 0; i < 2 && lost > 0 && (i == 0 || lost <= last_blocks); i++) {
-        const far_launch a = { w.s, w.t, w.seed, w.q[i], lost, i == 0 ? last_blocks : 0, last_cap[i], scratch.at,
-                               pool.at, w.out, w.q[1 - i], w.q[2] };
-        fill(c, w.q[1 - i].count, 0, 1);
-        launch_far<DIM, WEIGHTED, last_rung>(c, a, blocks);
-        lost = read_back(c, w.q[1 - i].count, PBW_STAGE_BUILD, 0.95);
+    left = run_far_rung<DIM, WEIGHTED, far_rung>(c, w, 1, left, far_limit(w), far_cap);
+    w.made[2] = left;
+    suit_stars(c, left, far_limit(w));
+    left = run_far_rung<DIM, WEIGHTED, last_rung>(c, w, 0, left, last_blocks, last_cap[0]);
+    if (left <= last_blocks) {
+        left = run_far_rung<DIM, WEIGHTED, last_rung>(c, w, 1, left, 0, last_cap[1]);
     }
     note(c, 4);
-    if (lost > 0) {
-        decline_stars(c, lost);
-    }
+    suit_stars(c, left, 0);
 }
 
 void lay_bricks(call &c, const space &s, brick_tree &t)
@@ -4326,11 +4191,9 @@ void lay_bricks(call &c, const space &s, brick_tree &t)
     memset(&t, 0, sizeof t);
     for (; t.levels == 0 || size > 32; t.levels++) {
         const uint32_t children = size;
-        brick *b = NULL;
-        moments *m = NULL;
         size = (size + 7) / 8;
-        allocate(c, b, size);
-        allocate(c, m, size);
+        brick *const b = allocate<brick>(c, size);
+        moments *const m = allocate<moments>(c, size);
         launch(c, "bricks", brick_kernel, over(size, 128), s, child, children, m, b, size);
         release(c, child);
         child = m;
@@ -4362,7 +4225,7 @@ template <typename RUNG> uint32_t run_wide_rung(call &c, wide_launch a)
     }
     a.scratch = scratch.at;
     a.pool = pool.at;
-    const shape warps = { blocks, 32, RUNG::shared ? sizeof(wide_star<RUNG>) : 0 };
+    const shape warps = { blocks, 32 * RUNG::warps, RUNG::shared ? sizeof(wide_star<RUNG>) : 0 };
     launch(c, "stars of a rung", wide_kernel<RUNG>, warps, a);
     keep_points(c);
     return read_back(c, a.failed.count, PBW_STAGE_BUILD, 0.8);
@@ -4396,9 +4259,7 @@ void build_large_wide_stars(call &c, const workshop &w, wide_launch a, uint32_t 
     a.cap = far_cap;
     a.limit = far_limit(w);
     const uint32_t last = run_wide_rung<large_wide_rung>(c, a);
-    if (last > a.limit) {                            /* beyond its limit a rung leaves stars untried, uncounted */
-        decline_stars(c, last);
-    }
+    suit_stars(c, last, a.limit);                    /* beyond its limit a rung leaves stars untried, uncounted */
     a.vertex = w.q[1].vertex;
     a.failed = w.q[0];
     a.total = last;
@@ -4407,9 +4268,7 @@ void build_large_wide_stars(call &c, const workshop &w, wide_launch a, uint32_t 
     failed = run_wide_rung<last_wide_rung>(c, a);
     w.made[2] = last;
     note(c, 4);
-    if (failed > 0) {
-        decline_stars(c, failed);
-    }
+    suit_stars(c, failed, 0);
 }
 
 /* Stars of points on surfaces; returns false if a sample speaks against it.  Those that the first rung begins go to a
@@ -4433,7 +4292,7 @@ bool build_wide_stars(call &c, workshop &w, const brick_tree &bricks)
     }
     w.out.capacity = w.out.capacity > enough ? w.out.capacity : enough;
     fill(c, w.out.used, 0, 1);
-    allocate(c, w.out.word, (size_t)w.out.capacity * 4);
+    w.out.word = allocate<uint32_t>(c, (size_t)w.out.capacity * 4);
     a.out = w.out;
     a.limit = 128 + mine / 16;
     const uint32_t failed = run_wide_rung<wide_rung>(c, a);
@@ -4443,9 +4302,7 @@ bool build_wide_stars(call &c, workshop &w, const brick_tree &bricks)
         return true;
     }
     w.made[0] = w.made[1] = mine;
-    if (failed > a.limit) {
-        decline_stars(c, failed);
-    }
+    suit_stars(c, failed, a.limit);
     build_large_wide_stars(c, w, a, failed);
     return true;
 }
@@ -4454,8 +4311,8 @@ bool build_wide_stars(call &c, workshop &w, const brick_tree &bricks)
 template <int DIM, bool WEIGHTED> void build_stars(call &c, workshop &w)
 {
     /* weights hide points, which is quick: no sample */
-    const bool far = !WEIGHTED && !patient && w.s.count >= sampled_from && w.out.end - w.out.first >= sample_size
-                  && sample_reaches_far<DIM, WEIGHTED>(c, w);
+    const bool far = !WEIGHTED && !pbw_cuda_patient && w.s.count >= sampled_from
+                  && w.out.end - w.out.first >= sample_size && sample_reaches_far<DIM, WEIGHTED>(c, w);
     if (far && DIM == 3) {
         brick_tree bricks;
         lay_bricks(c, w.s, bricks);
@@ -4467,12 +4324,9 @@ template <int DIM, bool WEIGHTED> void build_stars(call &c, workshop &w)
             return;
         }
     }
-    if (far && !c.must) {
-        decline(c, "most stars reach far (points on lines, or nearly in a plane?): quicker on the CPU");
-    }
+    suit(c, !far || c.must, "most stars reach far (points on lines, or nearly in a plane?): quicker on the CPU");
     w.made[1] = build_near_stars<DIM, WEIGHTED>(c, w);
-    const uint32_t failed = build_quick_stars<DIM, WEIGHTED>(c, w, (uint32_t)w.made[1]);
-    build_last_stars<DIM, WEIGHTED>(c, w, build_far_stars<DIM, WEIGHTED>(c, w, failed));
+    build_far_stars<DIM, WEIGHTED>(c, w, (uint32_t)w.made[1]);
 }
 
 /* In parts: memory that is not pinned makes the host wait for each. */
@@ -4501,15 +4355,14 @@ void open_pool(call &c)
             need(c, cudaDeviceCanAccessPeer(&can, other, own.device), "cudaDeviceCanAccessPeer");
         }
         if (can) {
-            cudaMemAccessDesc access;
-            memset(&access, 0, sizeof access);
+            cudaMemAccessDesc access = {};
             access.location.type = cudaMemLocationTypeDevice;
             access.location.id = other;
             access.flags = cudaMemAccessFlagsProtReadWrite;
             can = cudaMemPoolSetAccess(pool, &access, 1) == cudaSuccess;
             (void)cudaGetLastError();
         }
-        own.open[i] = (can || other == own.device) && !by_host;
+        own.open[i] = (can || other == own.device) && !pbw_cuda_by_host;
     }
 }
 
@@ -4577,17 +4430,13 @@ template <int DIM> void list_guests(call &c, const directory<DIM> &all, uint32_t
     buffer<uint32_t> count(c, (size_t)vertices + 1), place(c, (size_t)vertices + 1);
     fill(c, count.at + vertices, 0, 1);
     for (int i = c.card + 1; i < c.cards->cards; i++) {
-        const offer &other = c.cards->of[i];
-        cell<DIM> *guest = NULL;
-        launch(c, "guests", guest_kernel<DIM>, over(vertices, 128), all, vertices, other.first, other.end, count.at,
-               nullptr, nullptr, nullptr);
+        guest_list<DIM> list = { count.at, place.at, NULL, NULL };
+        launch(c, "guests", guest_kernel<DIM>, over(vertices, 128), all, vertices, c.cards->of[i].part, list);
         sum_before(c, count.at, place.at, (size_t)vertices + 1);
         own.guest_count[i] = read_back(c, place.at + vertices, PBW_STAGE_OUTPUT, 0.2);
-        allocate(c, guest, own.guest_count[i]);
-        allocate(c, own.guest_numbers[i], own.guest_count[i]);
-        own.guests[i] = guest;
-        launch(c, "guests", guest_kernel<DIM>, over(vertices, 128), all, vertices, other.first, other.end, nullptr,
-               place.at, guest, own.guest_numbers[i]);
+        own.guests[i] = list.guest = allocate<cell<DIM> >(c, own.guest_count[i]);
+        own.guest_numbers[i] = list.number = allocate<uint32_t>(c, own.guest_count[i]);
+        launch(c, "guests", guest_kernel<DIM>, over(vertices, 128), all, vertices, c.cards->of[i].part, list);
     }
     wait(c, PBW_STAGE_OUTPUT, 0.2);
 }
@@ -4597,15 +4446,13 @@ template <int DIM> void fetch_guests(call &c, directory<DIM> &all)
 {
     const offer *of = c.cards->of;
     pbw_index *&beyond = c.cards->of[c.card].beyond;
-    cell<DIM> *guest = NULL;
-    uint32_t *number = NULL;
     size_t count = 0;
     for (int i = 0; i < c.card; i++) {
         count += of[i].guest_count[c.card];
     }
-    allocate(c, guest, count);
-    allocate(c, number, count);
-    allocate(c, beyond, count);
+    cell<DIM> *const guest = allocate<cell<DIM> >(c, count);
+    uint32_t *const number = allocate<uint32_t>(c, count);
+    beyond = allocate<pbw_index>(c, count);
     fill(c, beyond, 0xff, count);                    /* guests without a facet here leave theirs */
     all.guest = guest;
     all.guest_number = number;
@@ -4629,7 +4476,7 @@ template <int DIM> void fetch_beyond(call &c, const directory<DIM> &all, pbw_ind
             before += of[k].guest_count[i];
         }
         fetch_from(c, i, beyond.at, of[i].beyond + before, count);
-        launch(c, "neighbours", return_kernel<DIM>, over(count, 128), all, of[i].first, of[i].end, count,
+        launch(c, "neighbours", return_kernel<DIM>, over(count, 128), all, of[i].part, count,
                of[c.card].guest_numbers[i], beyond.at, neighbors);
     }
 }
@@ -4639,18 +4486,17 @@ void fetch_incident(call &c, const uint32_t *id, pbw_index *incident)
 {
     const offer *of = c.cards->of;
     for (int i = 0; i < c.cards->cards; i++) {
-        const uint32_t count = of[i].end - of[i].first;
+        const uint32_t count = of[i].part.end - of[i].part.first;
         buffer<pbw_index> some(c, count);
         fetch_from(c, i, some.at, of[i].incident, count);
-        launch(c, "incident simplices", scatter_kernel, over(count, 256), id + of[i].first, count, some.at, incident);
+        launch(c, "incident simplices", scatter_kernel, over(count, 256), id + of[i].part.first, count, some.at,
+               incident);
     }
 }
 
 /* Shares the points, grows the tree, and allocates what the rungs need. */
 void open_workshop(call &c, workshop &w, int dim)
 {
-    unsigned long long *used_and_seed = NULL;
-    uint32_t *counts = NULL;                         /* of the queues, next, stop */
     share_points(c, w.s, w.out.first, w.out.end);
     const uint32_t mine = w.out.end - w.out.first, groups = (mine + group_size - 1) / group_size;
     w.out.capacity = (unsigned long long)mine * (dim == 3 ? 13 : 5) + 4096;
@@ -4658,21 +4504,20 @@ void open_workshop(call &c, workshop &w, int dim)
     need_memory(c, (size_t)w.s.count * 16 + (size_t)w.s.count / group_size * sizeof(box) + (size_t)w.out.capacity * 16
                    + (size_t)mine * (12 + 8) + (size_t)groups * (list_size * 4 + sizeof(near_list)));
     grow_tree(c, w.s, dim, w.t);
-    allocate(c, w.lists, (size_t)groups * list_size);
-    allocate(c, w.infos, groups);
-    allocate(c, counts, 5);
-    allocate(c, used_and_seed, 6);
-    allocate(c, w.out.place, mine);
-    allocate(c, w.out.owned, (size_t)mine + 1);
+    uint32_t *const counts = allocate<uint32_t>(c, 5);         /* of the queues, next, stop */
+    w.lists = allocate<uint32_t>(c, (size_t)groups * list_size);
+    w.infos = allocate<near_list>(c, groups);
+    w.out.used = allocate<unsigned long long>(c, 6);
+    w.out.place = allocate<uint32_t>(c, mine);
+    w.out.owned = allocate<uint32_t>(c, (size_t)mine + 1);
     fill(c, counts + 4, 0, 1);
     for (int i = 0; i < 3; i++) {
         w.q[i].count = counts + i;
-        allocate(c, w.q[i].vertex, mine);
+        w.q[i].vertex = allocate<uint32_t>(c, mine);
     }
     w.next = counts + 3;
     w.out.stop = counts + 4;
-    w.out.used = used_and_seed;
-    w.seed = used_and_seed + 1;
+    w.seed = w.out.used + 1;
     if (c.copies != NULL) {
         follow(c);
         c.stop = counts + 4;
@@ -4687,7 +4532,7 @@ template <int DIM, bool WEIGHTED> void fill_store(call &c, workshop &w)
     unsigned long long used = 0;
     note(c, 2);
     for (;;) {
-        allocate(c, w.out.word, (size_t)w.out.capacity * 4);
+        w.out.word = allocate<uint32_t>(c, (size_t)w.out.capacity * 4);
         build_stars<DIM, WEIGHTED>(c, w);
         used = read_back(c, w.out.used, PBW_STAGE_BUILD, 0.95);
         if (used <= w.out.capacity) {
@@ -4698,9 +4543,7 @@ template <int DIM, bool WEIGHTED> void fill_store(call &c, workshop &w)
     }
     release(c, w.lists);
     release(c, w.infos);
-    if (used > ((unsigned long long)1 << 32) - 16) {
-        fail(c, PBW_ERROR_TOO_LARGE, too_many);
-    }
+    require(c, used <= ((unsigned long long)1 << 32) - 16, PBW_ERROR_TOO_LARGE, too_many);
 }
 
 /* The simplices of a share on their way out. */
@@ -4715,14 +4558,13 @@ struct output {
 void number_simplices(call &c, const workshop &w, output &o, pbw_cuda_mesh *mesh)
 {
     const uint32_t mine = w.out.end - w.out.first;
-    allocate(c, o.offset, (size_t)mine + 1);
+    o.offset = allocate<uint32_t>(c, (size_t)mine + 1);
     sum_before(c, w.out.owned, o.offset, (size_t)mine + 1);
     o.total = read_back(c, o.offset + mine, PBW_STAGE_OUTPUT, 0.0);
     mesh->simplex_count = o.total;
     if (!o.alone) {
         offer &own = c.cards->of[c.card];
-        own.first = w.out.first;
-        own.end = w.out.end;
+        own.part = { w.out.first, w.out.end };
         own.simplices = o.total;
         meet_cards(c, false, 0.0);
         for (int i = 0; i < c.cards->cards; i++) {
@@ -4731,9 +4573,7 @@ void number_simplices(call &c, const workshop &w, output &o, pbw_cuda_mesh *mesh
         }
     }
     note(c, 5);
-    if (mesh->simplex_count >= hidden) {
-        fail(c, PBW_ERROR_TOO_LARGE, too_many);
-    }
+    require(c, mesh->simplex_count < hidden, PBW_ERROR_TOO_LARGE, too_many);
 }
 
 /* Writes the simplices, and lists those that other cards need. */
@@ -4742,27 +4582,19 @@ void emit_simplices(call &c, const workshop &w, const output &o, directory<DIM> 
 {
     const uint32_t mine = w.out.end - w.out.first;
     const size_t links = (size_t)o.total * (DIM + 1), incident = o.alone ? c.count : mine;
-    cell<DIM> *cells = NULL;
     need_memory(c, (size_t)o.total * (o.with_neighbors ? 3 : 2) * sizeof(cell<DIM>) + c.count * 4);
-    allocate(c, cells, o.total);
-    allocate(c, mesh->simplices, links);
-    allocate(c, mesh->incident, incident);
-    if (o.with_neighbors) {
-        allocate(c, mesh->neighbors, links);
-    }
+    cell<DIM> *const cells = allocate<cell<DIM> >(c, o.total);
+    mesh->simplices = allocate<pbw_index>(c, links);
+    mesh->incident = allocate<pbw_index>(c, incident);
+    mesh->neighbors = o.with_neighbors ? allocate<pbw_index>(c, links) : NULL;
     fill(c, mesh->incident, 0xff, incident);
     fill(c, w.next, 0, 1);
     launch(c, "simplices", emit_kernel<DIM>, over((size_t)mine * 8, emit_block), w.out, o.offset, o.id, cells,
-           mesh->simplices);
+           (cell<DIM> *)mesh->simplices);
     note(c, 6);
-    all.first = w.out.first;
-    all.base = (uint32_t)o.before;
-    all.offset = o.offset;
-    all.cells = cells;
+    all = { w.out.first, (uint32_t)o.before, 0, o.offset, NULL, cells, NULL };
     pbw_status status = o.to_host && c.card == 0 ? c.job->reserve(c.job, mesh->simplex_count) : PBW_OK;
-    if (status != PBW_OK) {
-        fail(c, status, "out of memory on the host");
-    }
+    require(c, status == PBW_OK, status, no_host_memory);
     if (!o.alone) {
         list_guests<DIM>(c, all, mine);
         meet_cards(c, false, 0.1);
@@ -4777,13 +4609,12 @@ void emit_simplices(call &c, const workshop &w, const output &o, directory<DIM> 
 template <int DIM>
 void find_neighbors(call &c, const workshop &w, const output &o, const directory<DIM> &all, pbw_cuda_mesh *mesh)
 {
-    const uint32_t mine = w.out.end - w.out.first, *id = o.alone ? o.id : NULL;
-    pbw_index *beyond = o.alone ? NULL : c.cards->of[c.card].beyond;
-    launch(c, "neighbours", neighbor_kernel<DIM>, over((size_t)mine * 8, emit_block), w.out, all, id, mesh->neighbors,
-           beyond, mesh->incident, w.next);
+    const uint32_t mine = w.out.end - w.out.first;
+    const links out = { mesh->neighbors, o.alone ? NULL : c.cards->of[c.card].beyond, mesh->incident,
+                        o.alone ? o.id : NULL };
+    launch(c, "neighbours", neighbor_kernel<DIM>, over((size_t)mine * 8, emit_block), w.out, all, out, w.next);
     if (mesh->stars[1] > 0) {
-        launch(c, "neighbours", large_neighbor_kernel<DIM>, over(mesh->stars[1] * 32, 128), w.q[2], w.out, all, id,
-               mesh->neighbors, beyond, mesh->incident);
+        launch(c, "neighbours", large_neighbor_kernel<DIM>, over(mesh->stars[1] * 32, 128), w.q[2], w.out, all, out);
     }
     note(c, 7);
     if (!o.alone) {
@@ -4806,7 +4637,7 @@ void copy_points(call &c, const output &o, const pbw_cuda_mesh *mesh)
     pbw_index *incident = mesh->incident;
     const size_t bytes = c.count * sizeof(pbw_index);
     if (!o.alone && c.card == 0) {
-        allocate(c, incident, c.count);
+        incident = allocate<pbw_index>(c, c.count);
         fill(c, incident, 0xff, c.count);
         fetch_incident(c, o.id, incident);
     }
@@ -4821,18 +4652,12 @@ void copy_points(call &c, const output &o, const pbw_cuda_mesh *mesh)
 template <int DIM, bool WEIGHTED>
 void build(call &c, const space &s, const uint32_t *id, unsigned flags, pbw_cuda_mesh *mesh)
 {
-    workshop w;
-    output o;
-    directory<DIM> all;
-    memset(&w, 0, sizeof w);
-    memset(&o, 0, sizeof o);
-    memset(&all, 0, sizeof all);
+    const bool alone = c.cards == NULL || c.cards->cards == 1;
+    output o = { id, alone, (flags & PBW_NO_NEIGHBORS) == 0, c.job->reserve != NULL, NULL, 0, 0 };
+    workshop w = {};
+    directory<DIM> all = {};
     w.s = s;
     w.made = mesh->stars;
-    o.id = id;
-    o.alone = c.cards == NULL || c.cards->cards == 1;
-    o.with_neighbors = (flags & PBW_NO_NEIGHBORS) == 0;
-    o.to_host = c.job->reserve != NULL;
     open_workshop(c, w, DIM);
     fill_store<DIM, WEIGHTED>(c, w);
     number_simplices(c, w, o, mesh);
@@ -4861,7 +4686,7 @@ struct checking {
         (pbw__tested &)m = { mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical, record.at, in.count,
                              mesh.simplex_count, grid, in.dim, to == NULL };
         m.order = NULL;
-        memset(&found, 0, sizeof found);
+        found = check_result();
         found.least = ~0ull;
         need(c, cudaMemcpyAsync(on_device.at, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy");
         launch(c, "check", record_kernel, over(in.count, 256), in, record.at);
@@ -4905,7 +4730,10 @@ bool miscounts(pbw_report *report, size_t said, size_t counted, int fault)
 template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const input &in, pbw_report *report)
 {
     buffer<survey> surveyed(c, 1);
-    checking k(c, mesh, in, survey_points(c, in, 1, surveyed).grid, report);
+    const pbw__grid_share range = survey_points(c, in, surveyed);
+    pbw__grid grid;
+    pbw__grid_close(&grid, &range, 1, in.dim);
+    checking k(c, mesh, in, grid, report);
     if (!check_pass<DIM>(k, check_points)) {
         return false;
     }
@@ -4978,16 +4806,16 @@ void reorder_mesh(call &c, const pbw_cuda_mesh &old, const space &s, const uint3
     sortable<uint32_t> third(c, count), order(c, count);
     sortable<uint64_t> first(c, count);
     const reorder m = { old.simplices, old.neighbors, id, rank.at, (uint32_t)count, bits };
-    allocate(c, mesh->simplices, links);
-    allocate(c, mesh->neighbors, links);
-    allocate(c, mesh->incident, old.point_count);
+    mesh->simplices = allocate<pbw_index>(c, links);
+    mesh->neighbors = allocate<pbw_index>(c, links);
+    mesh->incident = allocate<pbw_index>(c, old.point_count);
     fill(c, mesh->incident, 0xff, old.point_count);
-    launch(c, "order", rank_kernel, over(s.count, 256), id, s.count, rank.at);
+    launch(c, "order", scatter_kernel, over(s.count, 256), id, s.count, nullptr, rank.at);
     launch(c, "order", third_kernel<DIM>, all, m, third.array.at, order.array.at);
     sort_pairs(c, third, order, count, { 0, bits });
     launch(c, "order", first_kernel<DIM>, all, m, order.array.at, first.array.at);
     sort_pairs(c, first, order, count, { 0, 2 * bits });
-    launch(c, "order", rank_kernel, all, order.array.at, m.count, order.spare.at);
+    launch(c, "order", scatter_kernel, all, order.array.at, m.count, nullptr, order.spare.at);
     launch(c, "order", rewrite_kernel<DIM>, all, m, order.array.at, order.spare.at, mesh->simplices, mesh->neighbors,
            mesh->incident);
 }
@@ -5045,19 +4873,14 @@ bool keep_last(call &c, const input &in, const space &s, uint32_t *id, pbw_cuda_
 
 void run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
 {
-    space s;
+    space s = {};
     uint32_t *id = NULL;
-    memset(&s, 0, sizeof s);
     mesh->dim = in.dim;
     mesh->point_count = in.count;
-    if (in.count < PBW_CUDA_FEW) {
-        decline(c, few_points);
-    }
-    if (in.count >= (size_t)1 << 31) {
-        decline(c, "too many points for the device code");
-    }
+    suit(c, in.count >= PBW_CUDA_FEW, few_points);
+    suit(c, in.count < (size_t)1 << 31, "too many points for the device code");
     note(c, 0);
-    allocate(c, mesh->canonical, in.count);
+    mesh->canonical = allocate<pbw_index>(c, in.count);
     const bool weighted = order_points(c, in, s, id, mesh);
     release(c, in.points);                           /* those of a job: the records have all */
     release(c, in.weights);
@@ -5085,9 +4908,7 @@ void open_call(call &c, cudaStream_t stream, int dim, size_t count)
     c.stars = count / (c.cards != NULL ? (size_t)c.cards->cards : 1);
     need(c, cudaGetDevice(&device), "no usable device");
     need(c, cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, device), "cudaDeviceGetAttribute");
-    if (!pools) {
-        fail(c, PBW_ERROR_BACKEND, "the device or its driver has no memory pools");
-    }
+    require(c, pools != 0, PBW_ERROR_BACKEND, "the device or its driver has no memory pools");
     if (!c.lent) {
         need(c, cudaDeviceGetMemPool(&c.pool, device), "cudaDeviceGetMemPool");
         for (int i = 0; i < 8; i++) {
@@ -5148,8 +4969,7 @@ input upload(call &c)
     input in = { NULL, NULL, job->count, job->dim, packed && job->is_float };
     for (int part = 0; part < 2 && from[part] != NULL; part++) {
         const size_t bytes = job->count * number_size(in.is_float) * (part == 0 ? (size_t)job->dim : 1);
-        char *on_device = NULL;
-        allocate(c, on_device, bytes);
+        char *const on_device = allocate<char>(c, bytes);
         need(c, cudaMemcpyAsync(on_device, from[part], bytes, cudaMemcpyHostToDevice, c.stream), "copying points");
         (part == 0 ? in.points : in.weights) = on_device;
     }
@@ -5160,8 +4980,7 @@ input upload(call &c)
 void take_part(team *cards, int card, pbw_job *job, pbw_cuda_mesh *mesh)
 {
     cudaStream_t stream = NULL;
-    call c;
-    memset(&c, 0, sizeof c);
+    call c = call();
     c.cards = cards;
     c.card = card;
     c.job = job;
@@ -5203,17 +5022,11 @@ pbw_status triangulate(const pbw_backend *backend, pbw_job *job)
     const device_list &list = *(const device_list *)backend->user;
     int before = 0, devices = 0, helpers = 0;
     cudaError_t error = cudaGetDeviceCount(&devices);
-    pbw_cuda_mesh mesh[most_cards];
+    pbw_cuda_mesh mesh[most_cards] = {};
     std::thread helper[most_cards];
     team cards;
     char text[128];
-    memset(mesh, 0, sizeof mesh);
-    memset(cards.of, 0, sizeof cards.of);
     cards.cards = list.count;
-    cards.here = cards.left = 0;
-    cards.meetings = 0;
-    cards.status = PBW_OK;
-    cards.declined = false;
     if (job->count < PBW_CUDA_FEW) {
         job->say(job, few_points);
         job->declined = 1;
@@ -5268,8 +5081,7 @@ struct local_call {
 
 bool take_options(pbw_options &options, const pbw_options *given_options)
 {
-    memset(&options, 0, sizeof options);
-    options = given_options != NULL ? *given_options : options;
+    options = given_options != NULL ? *given_options : pbw_options();
     return options.threads >= 0 && options.threads <= 256
         && (options.flags & ~(PBW_ANY_ORDER | PBW_NO_NEIGHBORS | PBW_BACKEND_OR_CPU)) == 0;
 }
@@ -5313,9 +5125,7 @@ void open_local(local_call &local, const request &r)
         adopt_last(c);
     }
     local.fp = pbw__fp_enter();
-    if (!pbw__fp_is_exact()) {
-        fail(c, PBW_ERROR_FP_MODE, pbw_status_string(PBW_ERROR_FP_MODE));
-    }
+    require(c, pbw__fp_is_exact(), PBW_ERROR_FP_MODE, pbw_status_string(PBW_ERROR_FP_MODE));
     look_up(c, PBW_STAGE_ORDER, 0.0);
     go_on(c);
     open_call(c, r.stream, r.in.dim, r.check ? 0 : r.in.count);
@@ -5379,7 +5189,7 @@ void send_mesh(call &c, const pbw_mesh &host, const input &in, pbw_cuda_mesh *me
     mesh->hidden_count = host.hidden_count;
     for (int i = 0; i < mesh_arrays; i++) {
         if (from[i] != NULL) {
-            allocate(c, array_of(*mesh, i), entries_of(*mesh, i));
+            array_of(*mesh, i) = allocate<pbw_index>(c, entries_of(*mesh, i));
             need(c, cudaMemcpyAsync(array_of(*mesh, i), from[i], entries_of(*mesh, i) * sizeof(pbw_index),
                                     cudaMemcpyHostToDevice, c.stream), "copying results");
         }
@@ -5392,22 +5202,17 @@ void build_by(pbw_triangulator *cpu, call &c, const input &in, pbw_options optio
     pbw__memory &memory = ((pbw__dispatch *)c.job->context)->context->memory;
     const size_t coordinates = in.count * (size_t)in.dim, numbers = coordinates + (in.weights != NULL ? in.count : 0);
     double *points = (double *)pbw__allocate(&memory, numbers, sizeof(double));
-    pbw_mesh host;
+    pbw_mesh host = {};
     pbw_status status = PBW_OK;
-    if (points == NULL) {
-        fail(c, PBW_ERROR_MEMORY, "out of memory on the host");
-    }
+    require(c, points != NULL, PBW_ERROR_MEMORY, no_host_memory);
     options.backend = NULL;
     options.trace = NULL;
     options.stride = options.weight_stride = 0;
     options.memory_limit -= options.memory_limit > 0 ? memory.used - (memory.used == memory.limit) : 0;
-    memset(&host, 0, sizeof host);
     try {
         fetch_points(c, in, points, numbers);
         status = cpu(in.dim, points, in.weights != NULL ? points + coordinates : NULL, in.count, &options, &host);
-        if (status != PBW_OK && status != PBW_DEGENERATE) {
-            fail(c, status, pbw_status_string(status));
-        }
+        require(c, status == PBW_OK || status == PBW_DEGENERATE, status, pbw_status_string(status));
         send_mesh(c, host, in, mesh);
     } catch (const failure &) {
     }
@@ -5463,12 +5268,7 @@ extern "C" const pbw_backend *pbw_cuda_backend_multi(const int *devices, int cou
     static std::mutex lock;
     static device_list *lists = NULL;                /* one for each list of devices seen so far */
     device_list *list;
-    for (int i = 0; i < count; i++) {
-        if (devices[i] < 0) {
-            return NULL;
-        }
-    }
-    if (count < 1 || count > most_cards) {
+    if (count < 1 || count > most_cards || *std::min_element(devices, devices + count) < 0) {
         return NULL;
     }
     std::lock_guard<std::mutex> hold(lock);
@@ -5481,12 +5281,8 @@ extern "C" const pbw_backend *pbw_cuda_backend_multi(const int *devices, int cou
     if (list == NULL) {
         return NULL;
     }
-    list->backend.version = PBW_VERSION;
-    list->backend.triangulate = triangulate;
-    list->backend.user = list;
-    list->count = count;
+    *list = device_list{ { PBW_VERSION, triangulate, list }, count, {}, lists };
     memcpy(list->device, devices, (size_t)count * sizeof *devices);
-    list->next = lists;
     lists = list;
     return &list->backend;
 }
@@ -5557,7 +5353,7 @@ extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, voi
 {
     request r = { { NULL, NULL, 0, 3, 0 }, (cudaStream_t)stream, cpu, {}, false, false, NULL, NULL };
     uint64_t all = UINT64_MAX;
-    cudaMemPoolProps properties;
+    cudaMemPoolProps properties = {};
     cudaMemPool_t pool = NULL;
     local_call local;
     pbw_cuda_loop *loop = NULL;
@@ -5570,13 +5366,10 @@ extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, voi
     r.options.progress = NULL;
     try {
         open_local(local, r);
-        memset(&properties, 0, sizeof properties);
         properties.allocType = cudaMemAllocationTypePinned;
         properties.location.type = cudaMemLocationTypeDevice;
         loop = (pbw_cuda_loop *)pbw__allocate(&local.context.memory, 1, sizeof *loop);
-        if (loop == NULL) {
-            fail(c, PBW_ERROR_MEMORY, "out of memory on the host");
-        }
+        require(c, loop != NULL, PBW_ERROR_MEMORY, no_host_memory);
         need(c, cudaGetDevice(&properties.location.id), "cudaGetDevice");
         need(c, cudaMemPoolCreate(&pool, &properties), "cudaMemPoolCreate");
         need(c, cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &all), "the pool");
@@ -5584,12 +5377,7 @@ extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, voi
         need(c, cudaMallocHost(&c.pinned, pinned_bytes), "cudaMallocHost");
         c.pool = pool;
         c.lent = true;
-        memset(loop, 0, sizeof *loop);
-        loop->device = properties.location.id;
-        loop->stream = r.stream;
-        loop->options = options;
-        loop->cpu = cpu;
-        loop->tools = c;
+        *loop = pbw_cuda_loop{ properties.location.id, r.stream, options, cpu, c, keepsake() };
     } catch (const failure &) {
         if (pool != NULL) {
             cudaMemPoolDestroy(pool);
