@@ -1604,8 +1604,27 @@ static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *ar
 static int pbw__report(pbw__context *context, double done);
 PBW__INLINE size_t pbw__share(size_t count, int i, int tasks);
 
+#define PBW__LARGE ((size_t)1 << 20)                 /* bytes of a block that is worth the system's advice */
+
+/* Asks for huge pages under a large block, with the pages at its ends, where other bytes may be: of a mapping in two
+   parts realloc makes a copy, page by page, instead of moving it.  Advice only: it may fail.  Memory of the caller's
+   allocator is left alone. */
+static void pbw__advise(const pbw__memory *memory, void *start, size_t bytes)
+{
+#ifdef __linux__
+    const size_t page = 4096, skip = (size_t)(uintptr_t)start % page;
+    if (bytes >= PBW__LARGE && memory->resize == pbw__default_resize) {
+        (void)madvise((char *)start - skip, (skip + bytes + page - 1) / page * page, 14);        /* MADV_HUGEPAGE */
+    }
+#else
+    (void)memory;
+    (void)start;
+    (void)bytes;
+#endif
+}
+
 /* Commits the pages of large blocks up front, as huge pages where there are any; taking the faults one by one costs
-   up to a quarter of a build.  Advice only: it may fail.  Memory of the caller's allocator is left alone. */
+   up to a quarter of a build.  Advice only, as above. */
 typedef struct pbw__block { void *start; size_t from, to; } pbw__block;
 static pbw__block pbw__block_of(void *start, size_t from, size_t to)
 {
@@ -1655,7 +1674,7 @@ static void pbw__make_pages(void *arg, int task)
 
 static void pbw__populate(pbw__context *context, const pbw__block *block, int blocks)
 {
-    const size_t page = 4096, large = (size_t)1 << 20;
+    const size_t page = 4096;
     const int most = context->threads > 1 ? 16 * context->threads : 1;       /* pages take times that differ */
     pbw__populating populating;
     populating.context = context;
@@ -1663,8 +1682,8 @@ static void pbw__populate(pbw__context *context, const pbw__block *block, int bl
     populating.blocks = 0;
     for (; blocks > 0; block++, blocks--) {
         pbw__pages *pages = populating.pages + populating.blocks;
-        size_t skip = (page - ((size_t)(uintptr_t)block->start + block->from) % page) % page;
-        if (block->start == NULL || block->to < large || block->to - large < block->from
+        const size_t skip = (page - ((size_t)(uintptr_t)block->start + block->from) % page) % page;
+        if (block->start == NULL || block->to < PBW__LARGE || block->to - PBW__LARGE < block->from
             || context->memory.resize != pbw__default_resize) {
             continue;
         }
@@ -1673,12 +1692,7 @@ static void pbw__populate(pbw__context *context, const pbw__block *block, int bl
         pages->huge = ((size_t)(uintptr_t)pages->start % PBW__HUGE + pages->length + PBW__HUGE - 1) / PBW__HUGE;
         populating.huge += pages->huge;
         populating.blocks++;
-#ifdef __linux__
-        /* MADV_HUGEPAGE, with the pages at the ends, where other bytes may be: of a mapping in two parts realloc
-           makes a copy, page by page, instead of moving it. */
-        skip = (size_t)(uintptr_t)block->start % page;
-        (void)madvise((char *)block->start - skip, (skip + block->to + page - 1) / page * page, 14);
-#endif
+        pbw__advise(&context->memory, block->start, block->to);
     }
     populating.tasks = populating.huge < (size_t)most ? (int)populating.huge : most;
     pbw__for(context, populating.tasks, pbw__make_pages, &populating);
@@ -4387,8 +4401,17 @@ typedef struct pbw__kernel {
     pbw__grow(&(kernel)->context->memory, &(owner)->x, &(owner)->x##_capacity, needed, sizeof(*(owner)->x))
 static int pbw__grow(pbw__memory *memory, void *array, size_t *capacity, size_t needed, size_t size)
 {
-    size_t bigger = *capacity + *capacity / 2;
-    return needed <= *capacity || pbw__resize_array(memory, array, capacity, bigger > needed ? bigger : needed, size);
+    const size_t bigger = *capacity + *capacity / 2;
+    void *block;
+    if (needed <= *capacity) {
+        return 1;
+    }
+    if (!pbw__resize_array(memory, array, capacity, bigger > needed ? bigger : needed, size)) {
+        return 0;
+    }
+    memcpy(&block, array, sizeof(block));
+    pbw__advise(memory, block, *capacity * size);
+    return 1;
 }
 
 static void pbw__kernel_free(pbw__kernel *kernel)
