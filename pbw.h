@@ -14198,27 +14198,32 @@ static pbw_status pbw__core_scan(pbw__core *core)
 typedef struct pbw__taking { pbw__core *core; const pbw_index *list; double (*box)[8]; int tasks; } pbw__taking;
 
 /* Names the vertices of a share. */
-static void pbw__core_take_share(void *arg, int task)
+static void pbw__core_name_share(void *arg, int task)
 {
     const pbw__taking *taking = (const pbw__taking *)arg;
     pbw__core *core = taking->core;
-    const size_t width = (size_t)core->kernel.dim + 1, count = core->vertex_count;
-    const size_t end = pbw__share(count, task + 1, taking->tasks) + 1;
-    double low[4], high[4];
-    size_t r, k;
-    for (k = 0; k < 4; k++) {
-        low[k] = HUGE_VAL;
-        high[k] = -HUGE_VAL;
-    }
-    for (r = pbw__share(count, task, taking->tasks) + 1; r < end; r++) {
+    const size_t end = pbw__share(core->vertex_count, task + 1, taking->tasks) + 1;
+    size_t r;
+    for (r = pbw__share(core->vertex_count, task, taking->tasks) + 1; r < end; r++) {
         const size_t soon = core->name[r + 16 < end ? r + 16 : r];
-        const double *x = core->record + r * width;
         const pbw_index id = taking->list != NULL ? taking->list[core->name[r]] : core->name[r];
         PBW__PREFETCH_TO_WRITE(core->vertex + soon);
         PBW__PREFETCH_TO_WRITE(core->twin + soon);
         core->name[r] = id;
         core->vertex[id] = (pbw_index)r;
         core->twin[id] = id;
+    }
+}
+
+PBW__INLINE void pbw__core_box_of(const pbw__taking *taking, int task, int dim)
+{
+    const pbw__core *core = taking->core;
+    const size_t width = (size_t)dim + 1, end = pbw__share(core->vertex_count, task + 1, taking->tasks) + 1;
+    double low[4] = { HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL };
+    double high[4] = { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL };
+    size_t r, k;
+    for (r = pbw__share(core->vertex_count, task, taking->tasks) + 1; r < end; r++) {
+        const double *x = core->record + r * width;
         for (k = 0; k < width; k++) {
             low[k] = x[k] < low[k] ? x[k] : low[k];
             high[k] = x[k] > high[k] ? x[k] : high[k];
@@ -14228,9 +14233,26 @@ static void pbw__core_take_share(void *arg, int task)
     memcpy(taking->box[task] + 4, high, sizeof(high));
 }
 
-/* The records are the core's now; names of vertices, the numbers at each place.  `canonical` and `id` of the vertices
-   are places in the list of numbers; NULL: numbers. */
-static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const pbw_index *list, size_t numbers)
+static void pbw__core_box_share(void *arg, int task)
+{
+    const pbw__taking *taking = (const pbw__taking *)arg;
+    PBW__BY_DIM(taking->core->kernel.dim, pbw__core_box_of, taking, task);
+}
+
+/* Room for vertices and numbers. */
+static int pbw__core_reserve(pbw__core *core, size_t records, size_t numbers)
+{
+    if (!PBW__CORE_GROW(core, incident, records) || !PBW__CORE_GROW(core, local, records)
+        || !PBW__CORE_GROW(core, vertex, numbers) || !PBW__CORE_GROW(core, twin, numbers)) {
+        return 0;
+    }
+    memset(core->local, 0, core->local_capacity * sizeof(pbw_index));
+    return 1;
+}
+
+/* The records are the core's now; the numbers at each place.  `canonical` and `id` of the vertices are places in the
+   list of numbers; NULL: numbers.  The vertices get their names, unless they have them. */
+static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const pbw_index *list, int named)
 {
     pbw__context *context = core->kernel.context;
     const size_t records = vertices->point_count + 1, width = (size_t)vertices->dim + 1;
@@ -14245,12 +14267,6 @@ static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const
     core->grid = vertices->grid;
     vertices->record = NULL;
     vertices->id = NULL;
-    if (!PBW__CORE_GROW(core, incident, records) || !PBW__CORE_GROW(core, local, records)
-        || !PBW__CORE_GROW(core, vertex, numbers) || !PBW__CORE_GROW(core, twin, numbers)) {
-        return PBW_ERROR_MEMORY;
-    }
-    memset(core->incident, 0xff, records * sizeof(pbw_index));
-    memset(core->local, 0, core->local_capacity * sizeof(pbw_index));
     taking.core = core;
     taking.list = list;
     taking.tasks = pbw__tasks(context, vertices->count, 16384);
@@ -14258,7 +14274,10 @@ static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const
     if (taking.box == NULL) {
         return PBW_ERROR_MEMORY;
     }
-    pbw__for(context, taking.tasks, pbw__core_take_share, &taking);
+    if (!named) {
+        pbw__for(context, taking.tasks, pbw__core_name_share, &taking);
+    }
+    pbw__for(context, taking.tasks, pbw__core_box_share, &taking);
     for (k = 0; k < width; k++) {
         core->low[k] = taking.box[0][k];
         core->high[k] = taking.box[0][4 + k];
@@ -14319,8 +14338,12 @@ static pbw_status pbw__core_build(pbw__context *context, const pbw__stand *stand
     status = pbw__enter_stage(context, PBW_STAGE_BUILD) ? PBW_CANCELLED
            : pbw__build_all(context, &core->store, &vertices, &vertices.grid, &statistics);
     if (status == PBW_OK || status == PBW_DEGENERATE) {
-        const pbw_status taken = pbw__core_take(core, &vertices, stand->list, numbers);
+        const pbw_status taken = !pbw__core_reserve(core, vertices.point_count + 1, numbers) ? PBW_ERROR_MEMORY
+                               : pbw__core_take(core, &vertices, stand->list, 0);
         status = taken != PBW_OK ? taken : status;
+    }
+    if (status == PBW_OK) {
+        memset(core->incident, 0xff, core->incident_capacity * sizeof(pbw_index));           /* PBW_NONE */
     }
     status = status == PBW_OK ? pbw__core_start(context, core, &vertices) : status;
     if (status == PBW_OK) {
@@ -16697,8 +16720,8 @@ static pbw_status pbw__shift_in_place(pbw_live *live, pbw__core *core, size_t at
     return status != PBW_OK || count == 0 ? status : pbw__flip_all(core, count, live->core.past_simplices);
 }
 
-/* Walks to where v, which is in no simplex, is to be inserted.  PBW__ANEW: another vertex is there, so it is a corner of
-   each simplex that contains the place. */
+/* Walks to where v, which is in no simplex, is to be inserted.  PBW__ANEW: another vertex is there, so it is a corner
+   of each simplex that contains the place. */
 static pbw_status pbw__shift_witness(pbw__core *core, pbw_index v, pbw_index *start)
 {
     const pbw_status status = pbw__find_witness(core, start, v);
@@ -17172,12 +17195,11 @@ PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes)
 typedef struct pbw__import {
     const pbw_mesh *mesh;
     const double *points, *weights;                  /* the copies of the live triangulation */
-    pbw__core *core;
+    pbw__core *core;                                 /* its `vertex`: 0 for a point that is none, as yet */
     pbw__vertices vertices;
-    pbw_index *vertex;                               /* per point: its vertex; 0: none */
-    size_t (*first)[2];                              /* per block of simplices: its first vertex, once they are spread
-                                                        that of the next block, and its first ghost */
-    size_t visible;                                  /* vertices in simplices, the first ones */
+    size_t (*first)[2];                              /* per block of simplices: vertices, ghosts of those before it */
+    size_t visible, found;                           /* vertices in simplices, which are the first ones: as the points
+                                                        say, and as the blocks do */
     int alone;                                       /* one thread */
     size_t ghosts, faults, duplicates, places;       /* places: points that are no duplicates */
     unsigned char facing[16 * 16 * 16];              /* see pbw__import_facing */
@@ -17185,52 +17207,20 @@ typedef struct pbw__import {
 
 #define PBW__IMPORTED ((size_t)4096)                 /* simplices of a block */
 
-/* Counts, for a block, the facets of the hull; and entries that are no simplices or points. */
-PBW__INLINE void pbw__import_count_of(pbw__import *import, size_t from, size_t to, int dim)
-{
-    const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)dim + 1;
-    const pbw_index points = (pbw_index)mesh->point_count, simplices = (pbw_index)mesh->simplex_count;
-    pbw_index ghosts = 0, faults = 0;                /* as narrow as what is read: vectors */
-    size_t i;
-    for (i = from * corners; i < to * corners; i++) {
-        const pbw_index next = mesh->neighbors[i];
-        ghosts += next == PBW_NONE;
-        faults += (pbw_index)(mesh->simplices[i] >= points) | ((next >= simplices) & (next != PBW_NONE));
-    }
-    import->first[from / PBW__IMPORTED][1] = ghosts;
-    (void)PBW__ADD(&import->faults, faults);
-}
-
-static pbw_status pbw__import_count(void *arg, size_t from, size_t to)
-{
-    PBW__BY_DIM(((pbw__import *)arg)->mesh->dim, pbw__import_count_of, (pbw__import *)arg, from, to);
-    return PBW_OK;
-}
-
-/* Adds 1 to the vertices of the block in which simplex t is; returns how many there were. */
-PBW__INLINE size_t pbw__import_count_vertex(const pbw__import *import, size_t t)
-{
-    size_t *vertices = import->first[t / PBW__IMPORTED];
-    return import->alone ? vertices[0]++ : PBW__ADD(vertices, 1);
-}
-
-/* Counts vertices, each in the block of its incident simplex; duplicates, points that are none, and false ones. */
+/* Counts vertices, duplicates, points that are neither, and false ones. */
 static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
 {
     pbw__import *import = (pbw__import *)arg;
     const pbw_mesh *mesh = import->mesh;
     const size_t dim = (size_t)mesh->dim;
-    size_t faults = 0, duplicates = 0, places = 0, i;
+    size_t faults = 0, visible = 0, duplicates = 0, places = 0, i;
     for (i = from; i < to; i++) {
         const pbw_index first = mesh->canonical[i], t = mesh->incident[i];
+        import->core->vertex[i] = 0;
+        import->core->twin[i] = (pbw_index)i;
         places += first == i;
-        if (t < mesh->simplex_count) {
-            (void)pbw__import_count_vertex(import, t);
-            faults += first != i;
-        } else {
-            faults += t != PBW_NONE;
-        }
+        visible += t < mesh->simplex_count;
+        faults += t < mesh->simplex_count ? first != i : t != PBW_NONE;
         if (first != i && first != PBW_NONE) {
             duplicates++;
             if (first >= mesh->point_count || mesh->canonical[first] != first
@@ -17243,87 +17233,106 @@ static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
         }
     }
     (void)PBW__ADD(&import->faults, faults);
+    (void)PBW__ADD(&import->visible, visible);
     (void)PBW__ADD(&import->duplicates, duplicates);
     (void)PBW__ADD(&import->places, places);
     return PBW_OK;
 }
 
+/* Lists the points whose incident simplices are in a block, and have them: in this order, those of one simplex as its
+   corners are.  There is room for all corners. */
+PBW__INLINE size_t pbw__import_list(const pbw_mesh *mesh, size_t from, size_t to, pbw_index *list, int dim)
+{
+    const size_t corners = (size_t)dim + 1, soon = PBW__SOON * corners, end = to * corners;
+    const pbw_index *corner = mesh->simplices;
+    size_t count = 0, t, i;
+    int k;
+    for (t = from, i = from * corners; t < to; t++) {
+        for (k = 0; k <= dim; k++, i++) {            /* branchless: unpredictable */
+            PBW__PREFETCH(mesh->incident + corner[i + soon < end ? i + soon : i]);
+            list[count] = corner[i];
+            count += mesh->incident[corner[i]] == t;
+        }
+    }
+    return count;
+}
+
+/* Counts, for a block, the vertices and the facets of the hull.  PBW__ANEW: there are entries that are no simplices
+   or points. */
+PBW__INLINE pbw_status pbw__import_count_of(pbw__import *import, size_t from, size_t to, pbw_index *list,
+                                            size_t *count, int dim)
+{
+    const pbw_mesh *mesh = import->mesh;
+    const size_t corners = (size_t)dim + 1;
+    const pbw_index points = (pbw_index)mesh->point_count, simplices = (pbw_index)mesh->simplex_count;
+    pbw_index ghosts = 0, faults = 0;                /* as narrow as what is read: vectors */
+    size_t i;
+    for (i = from * corners; i < to * corners; i++) {
+        const pbw_index next = mesh->neighbors[i];
+        ghosts += next == PBW_NONE;
+        faults += (pbw_index)(mesh->simplices[i] >= points) | ((next >= simplices) & (next != PBW_NONE));
+    }
+    import->first[from / PBW__IMPORTED][1] = ghosts;
+    *count = faults == 0 ? pbw__import_list(mesh, from, to, list, dim) : 0;
+    return faults == 0 ? PBW_OK : PBW__ANEW;
+}
+
+static pbw_status pbw__import_count(void *arg, size_t from, size_t to)
+{
+    pbw__import *import = (pbw__import *)arg;
+    size_t *count = import->first[from / PBW__IMPORTED];
+    pbw_index list[PBW__IMPORTED * 4];
+    return import->mesh->dim == 3 ? pbw__import_count_of(import, from, to, list, count, 3)
+                                  : pbw__import_count_of(import, from, to, list, count, 2);
+}
+
 PBW__INLINE void pbw__import_vertex(pbw__import *import, pbw_index p, size_t v, int dim)
 {
     const size_t width = (size_t)dim + 1;
-    import->vertex[p] = (pbw_index)v;
+    import->core->vertex[p] = (pbw_index)v;
+    import->core->incident[v] = import->mesh->incident[p];
     import->vertices.id[v] = p;
     memcpy(import->vertices.record + v * width, import->points + p * (size_t)dim, (size_t)dim * sizeof(double));
     import->vertices.record[v * width + (size_t)dim] = import->mesh->weights != NULL ? import->weights[p] : 0.0;
 }
 
-/* Puts the vertices into their blocks, those of a block in any order. */
-static pbw_status pbw__import_spread(void *arg, size_t from, size_t to)
+/* Numbers the vertices of a block; one thread counts them too. */
+PBW__INLINE pbw_status pbw__import_number_of(pbw__import *import, size_t from, size_t to, int dim)
 {
-    pbw__import *import = (pbw__import *)arg;
-    for (; from < to; from++) {
-        const pbw_index t = import->mesh->incident[from];
-        if (t != PBW_NONE) {
-            import->vertices.id[1 + pbw__import_count_vertex(import, t)] = (pbw_index)from;
+    const pbw_mesh *mesh = import->mesh;
+    pbw_index list[PBW__IMPORTED * 4];
+    size_t first = import->first[from / PBW__IMPORTED][0], count = 0, i;
+    pbw_status status = PBW_OK;
+    if (import->alone) {
+        status = pbw__import_count_of(import, from, to, list, &count, dim);
+        first = import->found;
+        import->found += count;
+    } else {
+        count = pbw__import_list(mesh, from, to, list, dim);
+    }
+    if (status != PBW_OK || first + count > import->visible) {
+        return PBW__ANEW;
+    }
+    for (i = 0; i < count + PBW__SOON; i++) {
+        if (i < count) {
+            PBW__PREFETCH(import->points + list[i] * (size_t)dim);
+            PBW__PREFETCH_TO_WRITE(import->core->vertex + list[i]);
+        }
+        if (i < count && mesh->weights != NULL) {
+            PBW__PREFETCH(import->weights + list[i]);
+        }
+        if (i >= PBW__SOON) {
+            pbw__import_vertex(import, list[i - PBW__SOON], first + 1 + i - PBW__SOON, dim);
         }
     }
     return PBW_OK;
-}
-
-/* Sorts the vertices of a block by their incident simplices, those of one simplex as its corners are.  Returns how
-   many are not at theirs. */
-PBW__INLINE size_t pbw__import_sort(const pbw__import *import, size_t block, const pbw_index *list, size_t count,
-                                    pbw_index *sorted, int dim)
-{
-    const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)dim + 1, low = block * PBW__IMPORTED * corners;
-    const size_t rest = mesh->simplex_count * corners - low, all = corners * PBW__IMPORTED;
-    const size_t places = rest < all ? rest : all;
-    size_t found = 0, i;
-    memset(sorted, 0xff, places * sizeof(pbw_index));            /* PBW_NONE */
-    for (i = 0; i < count; i++) {
-        const pbw_index p = list[i], soon = list[i + 16 < count ? i + 16 : i];
-        const size_t t = mesh->incident[p] * corners;
-        const pbw_index *v = mesh->simplices + t;
-        const size_t k = (size_t)(v[1] == p) + 2 * (size_t)(v[2] == p) + 3 * (size_t)(dim == 3 && v[dim] == p);
-        PBW__PREFETCH(mesh->incident + soon);
-        sorted[t - low + (k & 3)] = p;
-    }
-    for (i = 0; i < places; i++) {                   /* branchless: unpredictable */
-        const pbw_index p = sorted[i];
-        sorted[found] = p;
-        found += p == mesh->simplices[low + i];
-    }
-    return count - found;
-}
-
-/* Numbers the vertices of a block, in the order of their incident simplices. */
-PBW__INLINE void pbw__import_number_of(pbw__import *import, size_t from, size_t to, int dim)
-{
-    const pbw_mesh *mesh = import->mesh;
-    const size_t block = from / PBW__IMPORTED, first = block > 0 ? import->first[block - 1][0] : 0;
-    const size_t count = import->first[block][0] - first, most = (to - from) * ((size_t)dim + 1);
-    pbw_index sorted[PBW__IMPORTED * 4 + 4];         /* all corners, and 3 where one is in a simplex twice */
-    size_t faults = count > most, i;
-    if (faults == 0) {
-        faults = pbw__import_sort(import, block, import->vertices.id + 1 + first, count, sorted, dim);
-    }
-    for (i = 0; i < count && faults == 0; i++) {
-        const size_t soon = sorted[i + 16 < count ? i + 16 : i];
-        PBW__PREFETCH(import->points + soon * (size_t)dim);
-        PBW__PREFETCH_TO_WRITE(import->vertex + soon);
-        if (mesh->weights != NULL) {
-            PBW__PREFETCH(import->weights + soon);
-        }
-        pbw__import_vertex(import, sorted[i], first + 1 + i, dim);
-    }
-    (void)PBW__ADD(&import->faults, faults);
 }
 
 static pbw_status pbw__import_number(void *arg, size_t from, size_t to)
 {
-    PBW__BY_DIM(((pbw__import *)arg)->mesh->dim, pbw__import_number_of, (pbw__import *)arg, from, to);
-    return PBW_OK;
+    pbw__import *import = (pbw__import *)arg;
+    return import->mesh->dim == 3 ? pbw__import_number_of(import, from, to, 3)
+                                  : pbw__import_number_of(import, from, to, 2);
 }
 
 /* Numbers the points that are in no simplex and no duplicates. */
@@ -17332,7 +17341,7 @@ static void pbw__import_others(pbw__import *import)
     const pbw_mesh *mesh = import->mesh;
     size_t count = import->visible, i;
     for (i = 0; i < mesh->point_count && count < import->places; i++) {
-        if (import->vertex[i] == 0 && mesh->canonical[i] == i) {
+        if (import->core->vertex[i] == 0 && mesh->canonical[i] == i) {
             PBW__BY_DIM(mesh->dim, pbw__import_vertex, import, (pbw_index)i, ++count);
         }
     }
@@ -17352,24 +17361,19 @@ PBW__INLINE unsigned pbw__corners_at(const pbw_index *v, pbw_index x, int dim)
          | (unsigned)(dim == 3 && v[dim] == x) << 3;
 }
 
-/* Fills a table: for the corners of another simplex at which the vertices of a facet are, a set each, which of its
-   facets that is, in the opposite order; 4: none. */
+/* Fills a table, in space: for the corners of another simplex at which the vertices of a facet are, a set each, which
+   of its facets that is, in the opposite order; 4: none. */
 static void pbw__import_facing(pbw__import *import)
 {
     static const pbw_index corner[4] = { 0, 1, 2, 3 };
-    const int dim = import->mesh->dim;
     unsigned j, k;
     memset(import->facing, 4, sizeof(import->facing));
-    for (j = 0; j <= (unsigned)dim; j++) {
+    for (j = 0; j < 4; j++) {
         pbw_index f[3];
-        pbw__facet_of(corner, j, dim, f);
+        pbw__facet_of(corner, j, 3, f);
         for (k = 0; k < 3; k++) {
             const unsigned a = f[k], b = f[(k + 2) % 3], c = f[(k + 1) % 3];
-            if (dim == 3) {
-                import->facing[1u << a | 16u << b | 256u << c] = (unsigned char)j;
-            } else if (k == 1) {
-                import->facing[1u << a | 16u << b] = (unsigned char)j;
-            }
+            import->facing[1u << a | 16u << b | 256u << c] = (unsigned char)j;
         }
     }
 }
@@ -17391,44 +17395,62 @@ static void pbw__import_ghost(pbw__import *import, size_t g, size_t t, unsigned 
     store->link[4 * t + k] = (pbw__link)(4 * g + (size_t)dim);
 }
 
-/* Corners and links of simplices.  A link is taken if the simplex across has the vertices of the facet, in the
-   opposite order, and this simplex across from there. */
+/* Links facet k of simplex t to the simplex across, if that has the vertices of the facet, in the opposite order, and
+   t across from there; else *wrong is not 0 then.  g: the next ghost.  Branchless: unpredictable. */
+PBW__INLINE void pbw__import_facet(pbw__import *import, size_t t, unsigned k, size_t *g, pbw_index *wrong, int dim)
+{
+    const pbw_mesh *mesh = import->mesh;
+    const size_t corners = (size_t)dim + 1, u = mesh->neighbors[t * corners + k];
+    const pbw_index *w, *back;
+    pbw_index f[3];
+    unsigned j;
+    if (PBW__UNLIKELY(u == PBW_NONE)) {
+        pbw__import_ghost(import, (*g)++, t, k);
+        return;
+    }
+    w = mesh->simplices + u * corners;
+    back = mesh->neighbors + u * corners;
+    pbw__facet_of(mesh->simplices + t * corners, k, dim, f);
+    if (dim == 2) {
+        const unsigned one = back[1] == t, two = back[2] == t, next = 1 + one - two;
+        j = one + 2 * two - (one & two);
+        *wrong |= (w[next] ^ f[1]) | (w[3 - j - next] ^ f[0]);
+    } else {
+        j = pbw__corners_at(w, f[0], dim) | pbw__corners_at(w, f[1], dim) << 4;
+        j = import->facing[j | pbw__corners_at(w, f[2], dim) << 8];
+        *wrong |= j & 4;
+        j &= 3;
+    }
+    *wrong |= back[j] ^ (pbw_index)t;
+    import->core->store.link[4 * t + k] = (pbw__link)(4 * u + j);
+}
+
+/* Corners and links of simplices. */
 PBW__INLINE void pbw__import_slots_of(pbw__import *import, size_t from, size_t to, int dim)
 {
     const pbw_mesh *mesh = import->mesh;
     const size_t corners = (size_t)dim + 1;
-    pbw_index *corner = import->core->store.corner;
-    pbw__link *link = import->core->store.link;
-    size_t g = mesh->simplex_count + import->first[from / PBW__IMPORTED][1], faults = 0, t;
-    unsigned k;
+    const pbw_index *vertex = import->core->vertex;
+    pbw_index *corner = import->core->store.corner, wrong = 0;
+    size_t g = mesh->simplex_count + import->first[from / PBW__IMPORTED][1], t, k;
     for (t = from; t < to; t++) {
         const pbw_index *v = mesh->simplices + t * corners, *next = mesh->neighbors + t * corners;
         for (k = 0; k < corners; k++) {
             const size_t later = t + 16 < to ? 16 * corners + k : k, soon = next[later] != PBW_NONE ? next[later] : t;
             PBW__PREFETCH(mesh->simplices + soon * corners);
             PBW__PREFETCH(mesh->neighbors + soon * corners);
-            PBW__PREFETCH(import->vertex + v[later]);
-            corner[4 * t + k] = import->vertex[v[k]];
-            faults += corner[4 * t + k] == 0;
+            PBW__PREFETCH(vertex + v[later]);
+            corner[4 * t + k] = vertex[v[k]];
+            wrong |= vertex[v[k]] == 0;
         }
-        for (k = 0; k < corners; k++) {
-            const size_t u = next[k];
-            pbw_index f[3];
-            const pbw_index *w;
-            unsigned j;
-            if (PBW__UNLIKELY(u == PBW_NONE)) {
-                pbw__import_ghost(import, g++, t, k);
-                continue;
-            }
-            w = mesh->simplices + u * corners;
-            pbw__facet_of(v, k, dim, f);
-            j = pbw__corners_at(w, f[0], dim) | pbw__corners_at(w, f[1], dim) << 4;
-            j = import->facing[dim == 3 ? j | pbw__corners_at(w, f[2], dim) << 8 : j];
-            faults += (size_t)(j == 4) | (size_t)(mesh->neighbors[u * corners + (j & 3) % corners] != t);
-            link[4 * t + k] = (pbw__link)(4 * u + (j & 3));
+        pbw__import_facet(import, t, 0, &g, &wrong, dim);
+        pbw__import_facet(import, t, 1, &g, &wrong, dim);
+        pbw__import_facet(import, t, 2, &g, &wrong, dim);
+        if (dim == 3) {
+            pbw__import_facet(import, t, 3, &g, &wrong, dim);
         }
     }
-    (void)PBW__ADD(&import->faults, faults);
+    (void)PBW__ADD(&import->faults, (size_t)(wrong != 0));
 }
 
 static pbw_status pbw__import_slots(void *arg, size_t from, size_t to)
@@ -17476,16 +17498,6 @@ static pbw_status pbw__import_ridges(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* A finite simplex of each vertex. */
-static pbw_status pbw__import_incident(void *arg, size_t from, size_t to)
-{
-    const pbw__import *import = (const pbw__import *)arg;
-    for (from++, to++; from < to; from++) {
-        import->core->incident[from] = import->mesh->incident[import->core->name[from]];
-    }
-    return PBW_OK;
-}
-
 /* Finds what hides the vertices in no simplex, along the curve.  PBW__ANEW: one is not hidden, or a duplicate. */
 static pbw_status pbw__import_hidden(pbw_live *live, pbw__core *core, size_t visible)
 {
@@ -17518,7 +17530,7 @@ static pbw_status pbw__import_hidden(pbw_live *live, pbw__core *core, size_t vis
     return status;
 }
 
-/* Counts, and says where blocks begin.  PBW__ANEW: some numbers cannot be. */
+/* Numbers vertices.  PBW__ANEW: some numbers cannot be. */
 static pbw_status pbw__import_survey(pbw__import *import, pbw__context *context)
 {
     const pbw_mesh *mesh = import->mesh;
@@ -17527,21 +17539,26 @@ static pbw_status pbw__import_survey(pbw__import *import, pbw__context *context)
     pbw_status status;
     memset(import->first, 0, blocks * sizeof(*import->first));
     import->alone = context->threads <= 1;
-    status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.05, pbw__import_count, import);
-    status = status == PBW_OK ? pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_points, import)
-                              : status;
-    for (block = 0; block < blocks && status == PBW_OK; block++) {
-        size_t *sum[2], old;
-        sum[0] = &import->visible;
-        sum[1] = &import->ghosts;
-        for (i = 0; i < 2; i++) {
-            old = *sum[i];
-            *sum[i] += import->first[block][i];
+    status = pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_points, import);
+    if (status == PBW_OK && import->faults > 0) {
+        return PBW__ANEW;
+    }
+    if (status == PBW_OK && !import->alone) {
+        status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.05, pbw__import_count, import);
+    }
+    for (i = 0; i < 2 && status == PBW_OK; i++) {
+        size_t *sum = i == 0 ? &import->found : &import->ghosts;
+        if (i == 1) {
+            status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.1, pbw__import_number, import);
+        }
+        for (block = 0; block < blocks; block++) {
+            const size_t old = *sum;
+            *sum += import->first[block][i];
             import->first[block][i] = old;
         }
     }
     return status != PBW_OK ? status
-         : import->faults > 0 || import->visible > import->places
+         : import->visible != import->found || import->visible > import->places
            || (import->visible < import->places && mesh->weights == NULL) ? PBW__ANEW : PBW_OK;
 }
 
@@ -17555,20 +17572,12 @@ static pbw_status pbw__import_fill(pbw__import *import, pbw__context *context)
     if (status != PBW_OK) {
         return status;
     }
-    memset(import->vertex, 0, mesh->point_count * sizeof(pbw_index));
-    status = pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_spread, import);
-    status = status == PBW_OK ? pbw__for_range(context, simplices, PBW__IMPORTED, 0.1, pbw__import_number, import)
-                              : status;
-    if (status != PBW_OK) {
-        return status;
-    }
     pbw__import_others(import);
     pbw__grid_scan(context, import->vertices.record + mesh->dim + 1, import->vertices.count, mesh->dim,
                    &import->vertices.grid);
     status = pbw__store_reserve(context, &core->store, simplices + import->ghosts);
     if (status == PBW_OK) {
         core->store.count = simplices + import->ghosts;
-        memset(core->store.mark, 0, core->store.count);
         pbw__import_facing(import);
         status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.4, pbw__import_slots, import);
     }
@@ -17592,12 +17601,11 @@ static pbw_status pbw__import_core(pbw_live *live, pbw__context *context, pbw__i
     vertices->point_count = mesh->point_count;
     vertices->record = (double *)pbw__allocate_large(context, records * ((size_t)mesh->dim + 1), sizeof(double));
     vertices->id = (pbw_index *)pbw__allocate_large(context, records, sizeof(pbw_index));
-    import->vertex = (pbw_index *)pbw__allocate_large(context, mesh->point_count, sizeof(pbw_index));
     import->first = (size_t (*)[2])pbw__allocate(&context->memory, blocks, sizeof(*import->first));
-    status = vertices->record == NULL || vertices->id == NULL || import->vertex == NULL || import->first == NULL
-           ? PBW_ERROR_MEMORY : pbw__import_fill(import, context);
+    status = vertices->record == NULL || vertices->id == NULL || import->first == NULL
+             || !pbw__core_reserve(core, records, mesh->point_count) ? PBW_ERROR_MEMORY
+           : pbw__import_fill(import, context);
     pbw__release(&context->memory, import->first, blocks, sizeof(*import->first));
-    pbw__release(&context->memory, import->vertex, mesh->point_count, sizeof(pbw_index));
     if (status != PBW_OK) {
         pbw__release(&context->memory, vertices->record, records * ((size_t)mesh->dim + 1), sizeof(double));
         pbw__release(&context->memory, vertices->id, records, sizeof(pbw_index));
@@ -17607,10 +17615,8 @@ static pbw_status pbw__import_core(pbw_live *live, pbw__context *context, pbw__i
     vertices->duplicate_count = import->duplicates;
     memset(vertices->record, 0, ((size_t)mesh->dim + 1) * sizeof(double));
     vertices->record[0] = HUGE_VAL;                  /* the ghost, see >>order */
-    status = pbw__core_take(core, vertices, NULL, live->count);
+    status = pbw__core_take(core, vertices, NULL, 1);
     status = status == PBW_OK ? pbw__core_start(context, core, vertices) : status;
-    status = status == PBW_OK ? pbw__for_range(context, import->visible, 16384, 0.4, pbw__import_incident, import)
-                              : status;
     if (status == PBW_OK) {
         status = pbw__journal_reserve(core) ? pbw__verify(core, 0) : PBW_ERROR_MEMORY;
     }
