@@ -14381,7 +14381,8 @@ typedef struct pbw__verifying {
     pbw__core *core;
     double o[4], ahead[4];                           /* a point inside of a simplex; another one on a ray from it */
     size_t inverted, failing, most, covers;          /* most: failing ones to go on with */
-    float *depth;                                    /* of four, a simplex; NULL: no vectors */
+    float *depth;                                    /* of four, for the slots from..to-1; NULL: no vectors */
+    size_t from, to;
     double scale;                                    /* of depths */
 } pbw__verifying;
 
@@ -14461,8 +14462,8 @@ PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int all, 
 /* ---- depths
    The depth of facet k of a simplex is the signed way from it to the centre of the simplex's sphere, inwards, times
    twice the facet's measure.  A facet is locally regular if its depths on both sides add up to more than 0: in the
-   plane, of angles d and e across from an edge, if cot(d) + cot(e) > 0 (Cline and Renka 1984).  So each simplex is
-   looked at once, and nobody reads the coordinates behind a facet.
+   plane, of angles d and e across from an edge, if cot(d) + cot(e) > 0 (Cline and Renka 1984).  So each simplex of a
+   window of slots is looked at once, and again where it is behind a facet of an earlier window.
 
    Proof.  Let f be linear on each simplex, with the lifts of vertices as its values: f is convex across a facet, so
    that is locally regular, if its slope along the facet's normal n grows.  With the last corner d as the origin, the
@@ -14503,7 +14504,7 @@ PBW__SIMD_INLINE void pbw__origins4(const double *record, const pbw_index *v, pb
     pbw__columns(a, b, c, d, &origin->x, &origin->y);
     if (origin->dim == 3) {
         pbw__columns(a + 2, b + 2, c + 2, d + 2, &origin->z, &origin->weight);
-    } else {
+    } else if (origin->weighted) {
         origin->weight = pbw__four(a[2], b[2], c[2], d[2]);
     }
 }
@@ -14543,19 +14544,19 @@ PBW__SIMD_INLINE pbw__d4 pbw__depths4(const double *record, pbw_index v[4][4], c
     }
 }
 
-/* Stores the depths of the simplices in slots t..t+3; returns the set of those that are certainly positive.  Free
-   slots and ghosts have the record of the ghost. */
-PBW__SIMD_INLINE void pbw__depths_of(const pbw__verifying *verifying, size_t t, unsigned *positive, int dim)
+/* Stores the depths of the simplices in four slots: NaN unless they are positive for certain.  Free slots and ghosts
+   have the record of the ghost. */
+PBW__SIMD_INLINE void pbw__depths_of(const pbw__verifying *verifying, const pbw_index *slot, float *depths, int dim)
 {
     const pbw__core *core = verifying->core;
-    const pbw_index *corner = core->kernel.corner + 4 * t;
     const pbw__d4 nan = pbw__splat(HUGE_VAL) - pbw__splat(HUGE_VAL);
     pbw__point4 origin = pbw__point4_of(core->record, dim, core->kernel.weighted,
                                         (size_t)dim + 1);
     pbw__d4 h, V, H[4], power, scale, certain;
     pbw_index v[4][4];
     unsigned i, k;
-    for (i = 0; i < 4; i++, corner += 4) {
+    for (i = 0; i < 4; i++) {
+        const pbw_index *corner = core->kernel.corner + 4 * (size_t)slot[i];
         const pbw_index used = 0 - (pbw_index)(corner[0] != PBW_NONE);
         for (k = 0; k <= (unsigned)dim; k++) {
             v[k][i] = corner[k] & used;
@@ -14573,124 +14574,28 @@ PBW__SIMD_INLINE void pbw__depths_of(const pbw__verifying *verifying, size_t t, 
         const pbw__d4 depth = (H[k] - power) * scale;
         H[k] = depth - pbw__fma(pbw__abs4(depth), pbw__splat(PBW__DEPTH_ERROR), pbw__splat(PBW__DEPTH_LOST));
     }
-    pbw__store_rows(verifying->depth + 4 * t, H[0], H[1], H[2], H[3]);
-    *positive = pbw__signs(certain);
+    pbw__store_rows(depths, H[0], H[1], H[2], H[3]);
 }
 
-PBW__SIMD static PBW__NOINLINE unsigned pbw__depths(const pbw__verifying *verifying, size_t t)
+/* The same for a list of slots, a multiple of four. */
+PBW__SIMD_INLINE void pbw__depths_all(const pbw__verifying *verifying, const pbw_index *slot, size_t count,
+                                      float *depths, int dim)
 {
-    unsigned positive;
-    PBW__BY_DIM(verifying->core->kernel.dim, pbw__depths_of, verifying, t, &positive);
-    return positive;
+    size_t i;
+    for (i = 0; i < count; i += 4) {
+        pbw__depths_of(verifying, slot + i, depths + 4 * i, dim);
+    }
 }
 
-/* Depths of all facets, by four slots. */
-static pbw_status pbw__verify_depths(void *arg, size_t from, size_t to)
+PBW__SIMD static PBW__NOINLINE void pbw__depths(const pbw__verifying *verifying, const pbw_index *slot, size_t count,
+                                                float *depths)
 {
-    pbw__verifying *verifying = (pbw__verifying *)arg;
-    const pbw__core *core = verifying->core;
-    const pbw_index *corner = core->kernel.corner;
-    const int dim = core->kernel.dim;
-    size_t inverted = 0, t, i;
-    if (PBW__LOAD(&verifying->inverted) > 0) {
-        return PBW__ANEW;
-    }
-    for (t = from; t < to; t += 4) {
-        const unsigned positive = pbw__depths(verifying, t);
-        for (i = t; i < t + 4 && positive != 15; i++) {
-            inverted += (positive >> (i - t) & 1) == 0 && corner[4 * i] != PBW_NONE
-                && corner[4 * i + (size_t)dim] != PBW__GHOST && pbw__slot_side(core, i, dim + 1, NULL) <= 0;
-        }
-    }
-    (void)PBW__ADD(&verifying->inverted, inverted);
-    return PBW_OK;
+    PBW__BY_DIM(verifying->core->kernel.dim, pbw__depths_all, verifying, slot, count, depths);
 }
 #endif
 
-/* Judges the facets: by their depths on both sides, or exactly. */
-PBW__INLINE void pbw__verify_facets_of(pbw__verifying *verifying, size_t from, size_t to, int dim)
-{
-    pbw__core *core = verifying->core;
-    const pbw_index *corner = core->kernel.corner;
-    const float *depth = verifying->depth;
-    size_t inverted = 0, failing = 0, t, k;
-    for (t = from; t < to; t++) {
-        const pbw__link *link = core->kernel.link + 4 * t;
-        int certain = depth != NULL;
-        unsigned faults;
-        if (corner[4 * t] == PBW_NONE) {
-            continue;
-        }
-        for (k = 0; k <= (size_t)dim && depth != NULL && t + 24 < to; k++) {
-            PBW__PREFETCH(depth + link[96 + k]);
-        }
-        for (k = 0; k <= (size_t)dim && depth != NULL; k++) {
-            certain &= depth[4 * t + k] + depth[link[k]] > 0.0f;
-        }
-        if (PBW__UNLIKELY(!certain)) {
-            faults = pbw__slot_faults(core, t, 0, dim);
-            core->kernel.mark[t] = (unsigned char)faults;
-            inverted += faults == PBW__INVERTED;
-            failing += faults != 0;
-        }
-    }
-    (void)PBW__ADD(&verifying->inverted, inverted);
-    (void)PBW__ADD(&verifying->failing, failing);
-}
-
-static pbw_status pbw__verify_facets(void *arg, size_t from, size_t to)
-{
-    pbw__verifying *verifying = (pbw__verifying *)arg;
-    if (PBW__LOAD(&verifying->inverted) > 0 || PBW__LOAD(&verifying->failing) > verifying->most) {
-        return PBW__ANEW;
-    }
-    PBW__BY_DIM(verifying->core->kernel.dim, pbw__verify_facets_of, verifying, from, to);
-    return PBW_OK;
-}
-
-/* Looks at some simplices, where no facet may fail: if many do, one of these does. */
-static pbw_status pbw__verify_some(const pbw__core *core)
-{
-    const size_t count = core->store.count, step = count / 256 + 1;
-    const int dim = core->kernel.dim;
-    size_t t;
-    for (t = 0; t < count && step >= 16; t += step) {
-        if (core->kernel.corner[4 * t] != PBW_NONE && pbw__slot_faults(core, t, 1, dim) != 0) {
-            return PBW__ANEW;
-        }
-    }
-    return PBW_OK;
-}
-
-/* Looks at all simplices: which are not positive, and which facets are not locally regular. */
-static pbw_status pbw__verify_all(pbw__verifying *verifying)
-{
-    pbw__core *core = verifying->core;
-    pbw__context *context = core->kernel.context;
-    const size_t count = core->store.count;
-    pbw_status status = verifying->most == 0 ? pbw__verify_some(core) : PBW_OK;
-#ifdef PBW__SIMD
-    const size_t fours = count / 4 * 4;
-    int k;
-    if (status == PBW_OK && pbw__simd_works()) {
-        verifying->depth = (float *)pbw__allocate_large(context, 4 * count, sizeof(float));
-        if (verifying->depth == NULL) {
-            return PBW_ERROR_MEMORY;
-        }
-        verifying->scale = (double)core->vertex_count;
-        for (k = 0; k < core->kernel.dim; k++) {
-            verifying->scale /= core->high[k] - core->low[k];
-        }
-        verifying->scale = verifying->scale >= 1e-300 && verifying->scale <= 1e300 ? verifying->scale : 1.0;
-        memset(verifying->depth + 4 * fours, 0xff, 4 * (count - fours) * sizeof(float));     /* NaN */
-        status = pbw__for_range(context, fours, 4096, 0.25, pbw__verify_depths, verifying);
-        status = status == PBW_OK && verifying->inverted > 0 ? PBW__ANEW : status;
-    }
-#endif
-    status = status == PBW_OK ? pbw__for_range(context, count, 4096, 0.5, pbw__verify_facets, verifying) : status;
-    pbw__release(&context->memory, verifying->depth, 4 * count, sizeof(float));
-    return status;
-}
+#define PBW__VERIFIED ((size_t)65536)                /* slots of a window, for each thread: a megabyte of depths */
+#define PBW__PENDING ((size_t)64)                    /* facets between windows that are judged at a time */
 
 /* Whether the ray from o through `ahead` meets the facet of the ghost in slot t, closed: ahead - o is a sum of its
    corners - o with no coefficient negative. */
@@ -14710,7 +14615,196 @@ static int pbw__ray_meets(const pbw__verifying *verifying, size_t t)
     return side <= 0;
 }
 
-/* Counts the facets of the hull that the ray from o meets, and adds 2 for each that o is not inside of. */
+/* Returns 1 if the ray from o meets the facet of the hull at the ghost in slot t, 2 if o is not inside of it. */
+static size_t pbw__covers(const pbw__verifying *verifying, size_t t)
+{
+    return pbw__slot_side(verifying->core, t, verifying->core->kernel.dim, verifying->o) >= 0
+           ? 2 : (size_t)pbw__ray_meets(verifying, t);
+}
+
+/* Judges the facets of a simplex that this side is to test, exactly. */
+static PBW__NOINLINE void pbw__verify_slot(pbw__verifying *verifying, size_t t)
+{
+    pbw__core *core = verifying->core;
+    const unsigned faults = core->kernel.dim == 3 ? pbw__slot_faults(core, t, 0, 3) : pbw__slot_faults(core, t, 0, 2);
+    if (faults != 0 && core->kernel.mark[t] == 0) {  /* it may be judged for each facet */
+        core->kernel.mark[t] = (unsigned char)faults;
+        (void)PBW__ADD(faults == PBW__INVERTED ? &verifying->inverted : &verifying->failing, 1);
+    }
+}
+
+#ifdef PBW__SIMD
+/* Depths of slots from..to-1 of the window. */
+static pbw_status pbw__verify_depths(void *arg, size_t from, size_t to)
+{
+    const pbw__verifying *verifying = (const pbw__verifying *)arg;
+    pbw_index slot[64];
+    for (; from < to; from += 64) {
+        const size_t count = to - from < 64 ? to - from : 64;
+        size_t i;
+        for (i = 0; i < 64; i++) {                   /* there is room for what rounds it up to fours */
+            slot[i] = (pbw_index)(verifying->from + from + (i < count ? i : count - 1));
+        }
+        pbw__depths(verifying, slot, (count + 3) / 4 * 4, verifying->depth + 4 * from);
+    }
+    return PBW_OK;
+}
+
+/* Facets behind which later windows are. */
+typedef struct pbw__verify_links { size_t count; pbw__link pending[PBW__PENDING + 4]; } pbw__verify_links;
+
+/* Judges them. */
+static void pbw__verify_pending(pbw__verifying *verifying, pbw__verify_links *links)
+{
+    const pbw__link *link = verifying->core->kernel.link;
+    float behind[4 * (PBW__PENDING + 4)];
+    pbw_index slot[PBW__PENDING + 4];
+    size_t i;
+    for (i = 0; i < (links->count + 3) / 4 * 4; i++) {
+        slot[i] = (pbw_index)(link[links->pending[i < links->count ? i : 0]] >> 2);
+    }
+    pbw__depths(verifying, slot, i, behind);
+    for (i = 0; i < links->count; i++) {
+        const pbw__link here = links->pending[i];
+        if (!(verifying->depth[here - 4 * verifying->from] + behind[4 * i + (link[here] & 3)] > 0.0f)) {
+            pbw__verify_slot(verifying, here >> 2);
+        }
+    }
+    links->count = 0;
+}
+
+/* Whether facet `here` is locally regular for certain, or to be judged elsewhere.  Branchless: where simplices are is
+   unpredictable. */
+PBW__INLINE int pbw__verify_facet(const pbw__verifying *verifying, pbw__verify_links *links, pbw__link here)
+{
+    const pbw__link first = (pbw__link)(4 * verifying->from), all = (pbw__link)(4 * verifying->to) - first;
+    const pbw__link across = verifying->core->kernel.link[here], there = across - first;
+    links->pending[links->count] = here;
+    links->count += across >= first + all;
+    return verifying->depth[here - first] + verifying->depth[there < all ? there : all] > 0.0f;
+}
+
+/* Judges the facets of slots from..to-1 by their depths on both sides, or exactly.  What is behind the window has a
+   depth that is certain. */
+PBW__INLINE void pbw__verify_facets_of(pbw__verifying *shared, size_t from, size_t to, int dim)
+{
+    const pbw__verifying verifying = *shared;        /* a copy, as the stores below might alias it */
+    const pbw_index *corner = verifying.core->kernel.corner;
+    pbw__verify_links links;
+    size_t covers = 0, t;
+    links.count = 0;
+    for (t = from; t < to; t++) {
+        const pbw__link here = (pbw__link)(4 * t);
+        int certain;
+        if (corner[here] == PBW_NONE) {
+            continue;
+        }
+        certain = pbw__verify_facet(&verifying, &links, here) & pbw__verify_facet(&verifying, &links, here + 1)
+                & pbw__verify_facet(&verifying, &links, here + 2)
+                & (dim == 2 || pbw__verify_facet(&verifying, &links, here + 3));
+        if (PBW__UNLIKELY(!certain)) {
+            pbw__verify_slot(shared, t);
+            covers += corner[here + (unsigned)dim] == PBW__GHOST ? pbw__covers(shared, t) : 0;
+        }
+        if (links.count >= PBW__PENDING) {
+            pbw__verify_pending(shared, &links);
+        }
+    }
+    pbw__verify_pending(shared, &links);
+    (void)PBW__ADD(&shared->covers, covers);
+}
+#endif
+
+/* Looks at slots from..to-1 of the window: which simplices are not positive, which facets are not locally regular;
+   counts the facets of the hull that the ray meets, and adds 2 for each that o is not inside of. */
+static pbw_status pbw__verify_range(void *arg, size_t from, size_t to)
+{
+    pbw__verifying *verifying = (pbw__verifying *)arg;
+    const pbw_index *corner = verifying->core->kernel.corner;
+    const size_t dim = (size_t)verifying->core->kernel.dim;
+    size_t covers = 0, t;
+    from += verifying->from;
+    to += verifying->from;
+    if (PBW__LOAD(&verifying->inverted) > 0 || PBW__LOAD(&verifying->failing) > verifying->most) {
+        return PBW__ANEW;
+    }
+#ifdef PBW__SIMD
+    if (verifying->depth != NULL) {
+        PBW__BY_DIM((int)dim, pbw__verify_facets_of, verifying, from, to);
+        return PBW_OK;
+    }
+#endif
+    for (t = from; t < to; t++) {
+        if (corner[4 * t] != PBW_NONE) {
+            pbw__verify_slot(verifying, t);
+            covers += corner[4 * t + dim] == PBW__GHOST ? pbw__covers(verifying, t) : 0;
+        }
+    }
+    (void)PBW__ADD(&verifying->covers, covers);
+    return PBW_OK;
+}
+
+/* Looks at some simplices, where no facet may fail: if many do, one of these does. */
+static pbw_status pbw__verify_some(const pbw__core *core)
+{
+    const size_t count = core->store.count, step = count / 256 + 1;
+    const int dim = core->kernel.dim;
+    size_t t;
+    for (t = 0; t < count && step >= 16; t += step) {
+        if (core->kernel.corner[4 * t] != PBW_NONE && pbw__slot_faults(core, t, 1, dim) != 0) {
+            return PBW__ANEW;
+        }
+    }
+    return PBW_OK;
+}
+
+#ifdef PBW__SIMD
+/* Looks at all simplices, window by window, with vectors. */
+static pbw_status pbw__verify_windows(pbw__verifying *verifying)
+{
+    pbw__core *core = verifying->core;
+    pbw__context *context = core->kernel.context;
+    const size_t count = core->store.count, most = PBW__SMALLER(PBW__VERIFIED) * (size_t)context->threads;
+    const size_t room = 4 * ((count < most ? count : most) + 4);
+    pbw_status status = PBW_OK;
+    int k;
+    verifying->scale = (double)core->vertex_count;
+    for (k = 0; k < core->kernel.dim; k++) {
+        verifying->scale /= core->high[k] - core->low[k];
+    }
+    verifying->scale = verifying->scale >= 1e-300 && verifying->scale <= 1e300 ? verifying->scale : 1.0;
+    verifying->depth = (float *)pbw__allocate_large(context, room, sizeof(float));
+    if (verifying->depth == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (verifying->from = 0; verifying->from < count && status == PBW_OK; verifying->from = verifying->to) {
+        const size_t rest = count - verifying->from, length = rest < most ? rest : most;
+        const double done = 0.5 * (double)verifying->from / (double)count;
+        verifying->to = verifying->from + length;
+        status = pbw__for_range(context, length, 4096, done, pbw__verify_depths, verifying);
+        verifying->depth[4 * length] = (float)HUGE_VAL;
+        status = status == PBW_OK ? pbw__for_range(context, length, 4096, done, pbw__verify_range, verifying) : status;
+    }
+    pbw__release(&context->memory, verifying->depth, room, sizeof(float));
+    return status;
+}
+#endif
+
+/* Looks at all simplices. */
+static pbw_status pbw__verify_all(pbw__verifying *verifying)
+{
+    pbw__core *core = verifying->core;
+    const pbw_status status = verifying->most == 0 ? pbw__verify_some(core) : PBW_OK;
+#ifdef PBW__SIMD
+    if (status == PBW_OK && pbw__simd_works()) {
+        return pbw__verify_windows(verifying);
+    }
+#endif
+    return status != PBW_OK ? status
+         : pbw__for_range(core->kernel.context, core->store.count, 4096, 0.5, pbw__verify_range, verifying);
+}
+
+/* Counts as pbw__verify_range does. */
 static pbw_status pbw__cover_range(void *arg, size_t from, size_t to)
 {
     pbw__verifying *verifying = (pbw__verifying *)arg;
@@ -14718,10 +14812,7 @@ static pbw_status pbw__cover_range(void *arg, size_t from, size_t to)
     const size_t dim = (size_t)verifying->core->kernel.dim;
     size_t covers = 0, t;
     for (t = from; t < to; t++) {
-        if (corner[4 * t] != PBW_NONE && corner[4 * t + dim] == PBW__GHOST) {
-            covers += pbw__slot_side(verifying->core, t, (int)dim, verifying->o) >= 0
-                    ? 2 : (size_t)pbw__ray_meets(verifying, t);
-        }
+        covers += corner[4 * t] != PBW_NONE && corner[4 * t + dim] == PBW__GHOST ? pbw__covers(verifying, t) : 0;
     }
     (void)PBW__ADD(&verifying->covers, covers);
     return PBW_OK;
@@ -14901,17 +14992,17 @@ static pbw_status pbw__verify(pbw__core *core, size_t most)
     memset(&verifying, 0, sizeof(verifying));
     verifying.core = core;
     verifying.most = core->kernel.dim == 3 || core->kernel.weighted ? 0 : most;
-    status = pbw__verify_all(&verifying);
-    if (status == PBW_OK && verifying.failing > 0) {
-        status = verifying.inverted > 0 || verifying.failing > verifying.most ? PBW__ANEW
-               : pbw__flip_marked(core, most);
+    status = pbw__choose_inside(&verifying) ? pbw__verify_all(&verifying) : PBW__ANEW;
+    if (status == PBW_OK && (verifying.inverted > 0 || verifying.failing > verifying.most)) {
+        status = PBW__ANEW;
+    } else if (status == PBW_OK && verifying.failing > 0) {
+        verifying.covers = 0;
+        status = pbw__flip_marked(core, most);
+        status = status != PBW_OK ? status : !pbw__choose_inside(&verifying) ? PBW__ANEW
+               : pbw__for_range(context, core->store.count, 16384, 1.0, pbw__cover_range, &verifying);
     }
     if (status != PBW_OK) {
         memset(core->kernel.mark, 0, core->store.count);
-    }
-    if (status == PBW_OK) {
-        status = pbw__choose_inside(&verifying)
-               ? pbw__for_range(context, core->store.count, 16384, 1.0, pbw__cover_range, &verifying) : PBW__ANEW;
     }
     return status == PBW_OK && verifying.covers != 1 ? PBW__ANEW : status;
 }
@@ -17035,25 +17126,30 @@ static int pbw__live_near(const pbw_live *live)
 }
 
 /* Lists a range of all vertices.  Counts those that move, and those that are in the queue and live on. */
-static pbw_status pbw__list_all_range(void *arg, size_t from, size_t to)
+PBW__INLINE void pbw__list_all_of(pbw__classes *classes, size_t from, size_t to, int dim)
 {
-    pbw__classes *classes = (pbw__classes *)arg;
     pbw_live *live = classes->live;
     const pbw_index *name = live->core.name + 1;
-    const size_t dim = (size_t)live->dim;
+    const size_t size = (size_t)dim, width = size + 1;
     size_t moves = 0, remain = 0, i;
     for (i = from; i < to; i++) {
-        const pbw_index id = name[i], soon = name[i + 16 < to ? i + 16 : i];
-        double *x = live->moved + i * dim;
-        PBW__PREFETCH(pbw__live_point(live, soon));
+        const pbw_index id = name[i], soon = name[i + PBW__SOON < to ? i + PBW__SOON : i];
+        double *x = live->moved + i * size;
+        PBW__PREFETCH(live->point + soon * size);
         PBW__PREFETCH(live->state + soon);
-        memcpy(x, pbw__live_point(live, id), dim * sizeof(double));
-        moves += !pbw__same_place(x, pbw__core_record(&live->core, (pbw_index)(i + 1)), live->dim);
+        memcpy(x, live->point + id * size, size * sizeof(double));
+        moves += !pbw__same_place(x, live->core.record + (i + 1) * width, dim);
         remain += live->state[id] == (PBW__LIVES | PBW__STAYS | PBW__QUEUED);
         live->leaving[i] = (pbw_index)(i + 1);
     }
     (void)PBW__ADD(&classes->leave, moves);
     (void)PBW__ADD(&classes->arrive, remain);
+}
+
+static pbw_status pbw__list_all_range(void *arg, size_t from, size_t to)
+{
+    pbw__classes *classes = (pbw__classes *)arg;
+    PBW__BY_DIM(classes->live->dim, pbw__list_all_of, classes, from, to);
     return PBW_OK;
 }
 
@@ -17220,7 +17316,7 @@ static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
         import->core->twin[i] = (pbw_index)i;
         places += first == i;
         visible += t < mesh->simplex_count;
-        faults += t < mesh->simplex_count ? first != i : t != PBW_NONE;
+        faults += (size_t)(t < mesh->simplex_count ? first != i : t != PBW_NONE);
         if (first != i && first != PBW_NONE) {
             duplicates++;
             if (first >= mesh->point_count || mesh->canonical[first] != first
