@@ -1594,8 +1594,27 @@ static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *ar
 static int pbw__report(pbw__context *context, double done);
 PBW__INLINE size_t pbw__share(size_t count, int i, int tasks);
 
+#define PBW__LARGE ((size_t)1 << 20)                 /* bytes of a block that is worth the system's advice */
+
+/* Asks for huge pages under a large block, with the pages at its ends, where other bytes may be: of a mapping in two
+   parts realloc makes a copy, page by page, instead of moving it.  Advice only: it may fail.  Memory of the caller's
+   allocator is left alone. */
+static void pbw__advise(const pbw__memory *memory, void *start, size_t bytes)
+{
+#ifdef __linux__
+    const size_t page = 4096, skip = (size_t)(uintptr_t)start % page;
+    if (bytes >= PBW__LARGE && memory->resize == pbw__default_resize) {
+        (void)madvise((char *)start - skip, (skip + bytes + page - 1) / page * page, 14);        /* MADV_HUGEPAGE */
+    }
+#else
+    (void)memory;
+    (void)start;
+    (void)bytes;
+#endif
+}
+
 /* Commits the pages of large blocks up front, as huge pages where there are any; taking the faults one by one costs
-   up to a quarter of a build.  Advice only: it may fail.  Memory of the caller's allocator is left alone. */
+   up to a quarter of a build.  Advice only, as above. */
 typedef struct pbw__block { void *start; size_t from, to; } pbw__block;
 static pbw__block pbw__block_of(void *start, size_t from, size_t to)
 {
@@ -1645,7 +1664,7 @@ static void pbw__make_pages(void *arg, int task)
 
 static void pbw__populate(pbw__context *context, const pbw__block *block, int blocks)
 {
-    const size_t page = 4096, large = (size_t)1 << 20;
+    const size_t page = 4096;
     const int most = context->threads > 1 ? 16 * context->threads : 1;       /* pages take times that differ */
     pbw__populating populating;
     populating.context = context;
@@ -1653,8 +1672,8 @@ static void pbw__populate(pbw__context *context, const pbw__block *block, int bl
     populating.blocks = 0;
     for (; blocks > 0; block++, blocks--) {
         pbw__pages *pages = populating.pages + populating.blocks;
-        size_t skip = (page - ((size_t)(uintptr_t)block->start + block->from) % page) % page;
-        if (block->start == NULL || block->to < large || block->to - large < block->from
+        const size_t skip = (page - ((size_t)(uintptr_t)block->start + block->from) % page) % page;
+        if (block->start == NULL || block->to < PBW__LARGE || block->to - PBW__LARGE < block->from
             || context->memory.resize != pbw__default_resize) {
             continue;
         }
@@ -1663,12 +1682,7 @@ static void pbw__populate(pbw__context *context, const pbw__block *block, int bl
         pages->huge = ((size_t)(uintptr_t)pages->start % PBW__HUGE + pages->length + PBW__HUGE - 1) / PBW__HUGE;
         populating.huge += pages->huge;
         populating.blocks++;
-#ifdef __linux__
-        /* MADV_HUGEPAGE, with the pages at the ends, where other bytes may be: of a mapping in two parts realloc
-           makes a copy, page by page, instead of moving it. */
-        skip = (size_t)(uintptr_t)block->start % page;
-        (void)madvise((char *)block->start - skip, (skip + block->to + page - 1) / page * page, 14);
-#endif
+        pbw__advise(&context->memory, block->start, block->to);
     }
     populating.tasks = populating.huge < (size_t)most ? (int)populating.huge : most;
     pbw__for(context, populating.tasks, pbw__make_pages, &populating);
@@ -4368,8 +4382,17 @@ typedef struct pbw__kernel {
     pbw__grow(&(kernel)->context->memory, &(owner)->x, &(owner)->x##_capacity, needed, sizeof(*(owner)->x))
 static int pbw__grow(pbw__memory *memory, void *array, size_t *capacity, size_t needed, size_t size)
 {
-    size_t bigger = *capacity + *capacity / 2;
-    return needed <= *capacity || pbw__resize_array(memory, array, capacity, bigger > needed ? bigger : needed, size);
+    const size_t bigger = *capacity + *capacity / 2;
+    void *block;
+    if (needed <= *capacity) {
+        return 1;
+    }
+    if (!pbw__resize_array(memory, array, capacity, bigger > needed ? bigger : needed, size)) {
+        return 0;
+    }
+    memcpy(&block, array, sizeof(block));
+    pbw__advise(memory, block, *capacity * size);
+    return 1;
 }
 
 static void pbw__kernel_free(pbw__kernel *kernel)
@@ -14073,27 +14096,32 @@ static pbw_status pbw__core_scan(pbw__core *core)
 typedef struct pbw__taking { pbw__core *core; const pbw_index *list; double (*box)[8]; int tasks; } pbw__taking;
 
 /* Names the vertices of a share. */
-static void pbw__core_take_share(void *arg, int task)
+static void pbw__core_name_share(void *arg, int task)
 {
     const pbw__taking *taking = (const pbw__taking *)arg;
     pbw__core *core = taking->core;
-    const size_t width = (size_t)core->kernel.dim + 1, count = core->vertex_count;
-    const size_t end = pbw__share(count, task + 1, taking->tasks) + 1;
-    double low[4], high[4];
-    size_t r, k;
-    for (k = 0; k < 4; k++) {
-        low[k] = HUGE_VAL;
-        high[k] = -HUGE_VAL;
-    }
-    for (r = pbw__share(count, task, taking->tasks) + 1; r < end; r++) {
+    const size_t end = pbw__share(core->vertex_count, task + 1, taking->tasks) + 1;
+    size_t r;
+    for (r = pbw__share(core->vertex_count, task, taking->tasks) + 1; r < end; r++) {
         const size_t soon = core->name[r + 16 < end ? r + 16 : r];
-        const double *x = core->record + r * width;
         const pbw_index id = taking->list != NULL ? taking->list[core->name[r]] : core->name[r];
         PBW__PREFETCH_TO_WRITE(core->vertex + soon);
         PBW__PREFETCH_TO_WRITE(core->twin + soon);
         core->name[r] = id;
         core->vertex[id] = (pbw_index)r;
         core->twin[id] = id;
+    }
+}
+
+PBW__INLINE void pbw__core_box_of(const pbw__taking *taking, int task, int dim)
+{
+    const pbw__core *core = taking->core;
+    const size_t width = (size_t)dim + 1, end = pbw__share(core->vertex_count, task + 1, taking->tasks) + 1;
+    double low[4] = { HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL };
+    double high[4] = { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL };
+    size_t r, k;
+    for (r = pbw__share(core->vertex_count, task, taking->tasks) + 1; r < end; r++) {
+        const double *x = core->record + r * width;
         for (k = 0; k < width; k++) {
             low[k] = x[k] < low[k] ? x[k] : low[k];
             high[k] = x[k] > high[k] ? x[k] : high[k];
@@ -14103,9 +14131,26 @@ static void pbw__core_take_share(void *arg, int task)
     memcpy(taking->box[task] + 4, high, sizeof(high));
 }
 
-/* The records are the core's now; names of vertices, the numbers at each place.  `canonical` and `id` of the vertices
-   are places in the list of numbers; NULL: numbers. */
-static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const pbw_index *list, size_t numbers)
+static void pbw__core_box_share(void *arg, int task)
+{
+    const pbw__taking *taking = (const pbw__taking *)arg;
+    PBW__BY_DIM(taking->core->kernel.dim, pbw__core_box_of, taking, task);
+}
+
+/* Room for vertices and numbers. */
+static int pbw__core_reserve(pbw__core *core, size_t records, size_t numbers)
+{
+    if (!PBW__CORE_GROW(core, incident, records) || !PBW__CORE_GROW(core, local, records)
+        || !PBW__CORE_GROW(core, vertex, numbers) || !PBW__CORE_GROW(core, twin, numbers)) {
+        return 0;
+    }
+    memset(core->local, 0, core->local_capacity * sizeof(pbw_index));
+    return 1;
+}
+
+/* The records are the core's now; the numbers at each place.  `canonical` and `id` of the vertices are places in the
+   list of numbers; NULL: numbers.  The vertices get their names, unless they have them. */
+static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const pbw_index *list, int named)
 {
     pbw__context *context = core->kernel.context;
     const size_t records = vertices->point_count + 1, width = (size_t)vertices->dim + 1;
@@ -14120,12 +14165,6 @@ static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const
     core->grid = vertices->grid;
     vertices->record = NULL;
     vertices->id = NULL;
-    if (!PBW__CORE_GROW(core, incident, records) || !PBW__CORE_GROW(core, local, records)
-        || !PBW__CORE_GROW(core, vertex, numbers) || !PBW__CORE_GROW(core, twin, numbers)) {
-        return PBW_ERROR_MEMORY;
-    }
-    memset(core->incident, 0xff, records * sizeof(pbw_index));
-    memset(core->local, 0, core->local_capacity * sizeof(pbw_index));
     taking.core = core;
     taking.list = list;
     taking.tasks = pbw__tasks(context, vertices->count, 16384);
@@ -14133,7 +14172,10 @@ static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const
     if (taking.box == NULL) {
         return PBW_ERROR_MEMORY;
     }
-    pbw__for(context, taking.tasks, pbw__core_take_share, &taking);
+    if (!named) {
+        pbw__for(context, taking.tasks, pbw__core_name_share, &taking);
+    }
+    pbw__for(context, taking.tasks, pbw__core_box_share, &taking);
     for (k = 0; k < width; k++) {
         core->low[k] = taking.box[0][k];
         core->high[k] = taking.box[0][4 + k];
@@ -14194,8 +14236,12 @@ static pbw_status pbw__core_build(pbw__context *context, const pbw__stand *stand
     status = pbw__enter_stage(context, PBW_STAGE_BUILD) ? PBW_CANCELLED
            : pbw__build_all(context, &core->store, &vertices, &vertices.grid, &statistics);
     if (status == PBW_OK || status == PBW_DEGENERATE) {
-        const pbw_status taken = pbw__core_take(core, &vertices, stand->list, numbers);
+        const pbw_status taken = !pbw__core_reserve(core, vertices.point_count + 1, numbers) ? PBW_ERROR_MEMORY
+                               : pbw__core_take(core, &vertices, stand->list, 0);
         status = taken != PBW_OK ? taken : status;
+    }
+    if (status == PBW_OK) {
+        memset(core->incident, 0xff, core->incident_capacity * sizeof(pbw_index));           /* PBW_NONE */
     }
     status = status == PBW_OK ? pbw__core_start(context, core, &vertices) : status;
     if (status == PBW_OK) {
@@ -14233,7 +14279,8 @@ typedef struct pbw__verifying {
     pbw__core *core;
     double o[4], ahead[4];                           /* a point inside of a simplex; another one on a ray from it */
     size_t inverted, failing, most, covers;          /* most: failing ones to go on with */
-    float *depth;                                    /* of four, a simplex; NULL: no vectors */
+    float *depth;                                    /* of four, for the slots from..to-1; NULL: no vectors */
+    size_t from, to;
     double scale;                                    /* of depths */
 } pbw__verifying;
 
@@ -14313,8 +14360,8 @@ PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int all, 
 /* ---- depths
    The depth of facet k of a simplex is the signed way from it to the centre of the simplex's sphere, inwards, times
    twice the facet's measure.  A facet is locally regular if its depths on both sides add up to more than 0: in the
-   plane, of angles d and e across from an edge, if cot(d) + cot(e) > 0 (Cline and Renka 1984).  So each simplex is
-   looked at once, and nobody reads the coordinates behind a facet.
+   plane, of angles d and e across from an edge, if cot(d) + cot(e) > 0 (Cline and Renka 1984).  So each simplex of a
+   window of slots is looked at once, and again where it is behind a facet of an earlier window.
 
    Proof.  Let f be linear on each simplex, with the lifts of vertices as its values: f is convex across a facet, so
    that is locally regular, if its slope along the facet's normal n grows.  With the last corner d as the origin, the
@@ -14355,7 +14402,7 @@ PBW__SIMD_INLINE void pbw__origins4(const double *record, const pbw_index *v, pb
     pbw__columns(a, b, c, d, &origin->x, &origin->y);
     if (origin->dim == 3) {
         pbw__columns(a + 2, b + 2, c + 2, d + 2, &origin->z, &origin->weight);
-    } else {
+    } else if (origin->weighted) {
         origin->weight = pbw__four(a[2], b[2], c[2], d[2]);
     }
 }
@@ -14395,19 +14442,19 @@ PBW__SIMD_INLINE pbw__d4 pbw__depths4(const double *record, pbw_index v[4][4], c
     }
 }
 
-/* Stores the depths of the simplices in slots t..t+3; returns the set of those that are certainly positive.  Free
-   slots and ghosts have the record of the ghost. */
-PBW__SIMD_INLINE void pbw__depths_of(const pbw__verifying *verifying, size_t t, unsigned *positive, int dim)
+/* Stores the depths of the simplices in four slots: NaN unless they are positive for certain.  Free slots and ghosts
+   have the record of the ghost. */
+PBW__SIMD_INLINE void pbw__depths_of(const pbw__verifying *verifying, const pbw_index *slot, float *depths, int dim)
 {
     const pbw__core *core = verifying->core;
-    const pbw_index *corner = core->kernel.corner + 4 * t;
     const pbw__d4 nan = pbw__splat(HUGE_VAL) - pbw__splat(HUGE_VAL);
     pbw__point4 origin = pbw__point4_of(core->record, dim, core->kernel.weighted,
                                         (size_t)dim + 1);
     pbw__d4 h, V, H[4], power, scale, certain;
     pbw_index v[4][4];
     unsigned i, k;
-    for (i = 0; i < 4; i++, corner += 4) {
+    for (i = 0; i < 4; i++) {
+        const pbw_index *corner = core->kernel.corner + 4 * (size_t)slot[i];
         const pbw_index used = 0 - (pbw_index)(corner[0] != PBW_NONE);
         for (k = 0; k <= (unsigned)dim; k++) {
             v[k][i] = corner[k] & used;
@@ -14425,124 +14472,28 @@ PBW__SIMD_INLINE void pbw__depths_of(const pbw__verifying *verifying, size_t t, 
         const pbw__d4 depth = (H[k] - power) * scale;
         H[k] = depth - pbw__fma(pbw__abs4(depth), pbw__splat(PBW__DEPTH_ERROR), pbw__splat(PBW__DEPTH_LOST));
     }
-    pbw__store_rows(verifying->depth + 4 * t, H[0], H[1], H[2], H[3]);
-    *positive = pbw__signs(certain);
+    pbw__store_rows(depths, H[0], H[1], H[2], H[3]);
 }
 
-PBW__SIMD static PBW__NOINLINE unsigned pbw__depths(const pbw__verifying *verifying, size_t t)
+/* The same for a list of slots, a multiple of four. */
+PBW__SIMD_INLINE void pbw__depths_all(const pbw__verifying *verifying, const pbw_index *slot, size_t count,
+                                      float *depths, int dim)
 {
-    unsigned positive;
-    PBW__BY_DIM(verifying->core->kernel.dim, pbw__depths_of, verifying, t, &positive);
-    return positive;
+    size_t i;
+    for (i = 0; i < count; i += 4) {
+        pbw__depths_of(verifying, slot + i, depths + 4 * i, dim);
+    }
 }
 
-/* Depths of all facets, by four slots. */
-static pbw_status pbw__verify_depths(void *arg, size_t from, size_t to)
+PBW__SIMD static PBW__NOINLINE void pbw__depths(const pbw__verifying *verifying, const pbw_index *slot, size_t count,
+                                                float *depths)
 {
-    pbw__verifying *verifying = (pbw__verifying *)arg;
-    const pbw__core *core = verifying->core;
-    const pbw_index *corner = core->kernel.corner;
-    const int dim = core->kernel.dim;
-    size_t inverted = 0, t, i;
-    if (PBW__LOAD(&verifying->inverted) > 0) {
-        return PBW__ANEW;
-    }
-    for (t = from; t < to; t += 4) {
-        const unsigned positive = pbw__depths(verifying, t);
-        for (i = t; i < t + 4 && positive != 15; i++) {
-            inverted += (positive >> (i - t) & 1) == 0 && corner[4 * i] != PBW_NONE
-                && corner[4 * i + (size_t)dim] != PBW__GHOST && pbw__slot_side(core, i, dim + 1, NULL) <= 0;
-        }
-    }
-    (void)PBW__ADD(&verifying->inverted, inverted);
-    return PBW_OK;
+    PBW__BY_DIM(verifying->core->kernel.dim, pbw__depths_all, verifying, slot, count, depths);
 }
 #endif
 
-/* Judges the facets: by their depths on both sides, or exactly. */
-PBW__INLINE void pbw__verify_facets_of(pbw__verifying *verifying, size_t from, size_t to, int dim)
-{
-    pbw__core *core = verifying->core;
-    const pbw_index *corner = core->kernel.corner;
-    const float *depth = verifying->depth;
-    size_t inverted = 0, failing = 0, t, k;
-    for (t = from; t < to; t++) {
-        const pbw__link *link = core->kernel.link + 4 * t;
-        int certain = depth != NULL;
-        unsigned faults;
-        if (corner[4 * t] == PBW_NONE) {
-            continue;
-        }
-        for (k = 0; k <= (size_t)dim && depth != NULL && t + 24 < to; k++) {
-            PBW__PREFETCH(depth + link[96 + k]);
-        }
-        for (k = 0; k <= (size_t)dim && depth != NULL; k++) {
-            certain &= depth[4 * t + k] + depth[link[k]] > 0.0f;
-        }
-        if (PBW__UNLIKELY(!certain)) {
-            faults = pbw__slot_faults(core, t, 0, dim);
-            core->kernel.mark[t] = (unsigned char)faults;
-            inverted += faults == PBW__INVERTED;
-            failing += faults != 0;
-        }
-    }
-    (void)PBW__ADD(&verifying->inverted, inverted);
-    (void)PBW__ADD(&verifying->failing, failing);
-}
-
-static pbw_status pbw__verify_facets(void *arg, size_t from, size_t to)
-{
-    pbw__verifying *verifying = (pbw__verifying *)arg;
-    if (PBW__LOAD(&verifying->inverted) > 0 || PBW__LOAD(&verifying->failing) > verifying->most) {
-        return PBW__ANEW;
-    }
-    PBW__BY_DIM(verifying->core->kernel.dim, pbw__verify_facets_of, verifying, from, to);
-    return PBW_OK;
-}
-
-/* Looks at some simplices, where no facet may fail: if many do, one of these does. */
-static pbw_status pbw__verify_some(const pbw__core *core)
-{
-    const size_t count = core->store.count, step = count / 256 + 1;
-    const int dim = core->kernel.dim;
-    size_t t;
-    for (t = 0; t < count && step >= 16; t += step) {
-        if (core->kernel.corner[4 * t] != PBW_NONE && pbw__slot_faults(core, t, 1, dim) != 0) {
-            return PBW__ANEW;
-        }
-    }
-    return PBW_OK;
-}
-
-/* Looks at all simplices: which are not positive, and which facets are not locally regular. */
-static pbw_status pbw__verify_all(pbw__verifying *verifying)
-{
-    pbw__core *core = verifying->core;
-    pbw__context *context = core->kernel.context;
-    const size_t count = core->store.count;
-    pbw_status status = verifying->most == 0 ? pbw__verify_some(core) : PBW_OK;
-#ifdef PBW__SIMD
-    const size_t fours = count / 4 * 4;
-    int k;
-    if (status == PBW_OK && pbw__simd_works()) {
-        verifying->depth = (float *)pbw__allocate_large(context, 4 * count, sizeof(float));
-        if (verifying->depth == NULL) {
-            return PBW_ERROR_MEMORY;
-        }
-        verifying->scale = (double)core->vertex_count;
-        for (k = 0; k < core->kernel.dim; k++) {
-            verifying->scale /= core->high[k] - core->low[k];
-        }
-        verifying->scale = verifying->scale >= 1e-300 && verifying->scale <= 1e300 ? verifying->scale : 1.0;
-        memset(verifying->depth + 4 * fours, 0xff, 4 * (count - fours) * sizeof(float));     /* NaN */
-        status = pbw__for_range(context, fours, 4096, 0.25, pbw__verify_depths, verifying);
-        status = status == PBW_OK && verifying->inverted > 0 ? PBW__ANEW : status;
-    }
-#endif
-    status = status == PBW_OK ? pbw__for_range(context, count, 4096, 0.5, pbw__verify_facets, verifying) : status;
-    pbw__release(&context->memory, verifying->depth, 4 * count, sizeof(float));
-    return status;
-}
+#define PBW__VERIFIED ((size_t)65536)                /* slots of a window, for each thread: a megabyte of depths */
+#define PBW__PENDING ((size_t)64)                    /* facets between windows that are judged at a time */
 
 /* Whether the ray from o through `ahead` meets the facet of the ghost in slot t, closed: ahead - o is a sum of its
    corners - o with no coefficient negative. */
@@ -14562,7 +14513,196 @@ static int pbw__ray_meets(const pbw__verifying *verifying, size_t t)
     return side <= 0;
 }
 
-/* Counts the facets of the hull that the ray from o meets, and adds 2 for each that o is not inside of. */
+/* Returns 1 if the ray from o meets the facet of the hull at the ghost in slot t, 2 if o is not inside of it. */
+static size_t pbw__covers(const pbw__verifying *verifying, size_t t)
+{
+    return pbw__slot_side(verifying->core, t, verifying->core->kernel.dim, verifying->o) >= 0
+           ? 2 : (size_t)pbw__ray_meets(verifying, t);
+}
+
+/* Judges the facets of a simplex that this side is to test, exactly. */
+static PBW__NOINLINE void pbw__verify_slot(pbw__verifying *verifying, size_t t)
+{
+    pbw__core *core = verifying->core;
+    const unsigned faults = core->kernel.dim == 3 ? pbw__slot_faults(core, t, 0, 3) : pbw__slot_faults(core, t, 0, 2);
+    if (faults != 0 && core->kernel.mark[t] == 0) {  /* it may be judged for each facet */
+        core->kernel.mark[t] = (unsigned char)faults;
+        (void)PBW__ADD(faults == PBW__INVERTED ? &verifying->inverted : &verifying->failing, 1);
+    }
+}
+
+#ifdef PBW__SIMD
+/* Depths of slots from..to-1 of the window. */
+static pbw_status pbw__verify_depths(void *arg, size_t from, size_t to)
+{
+    const pbw__verifying *verifying = (const pbw__verifying *)arg;
+    pbw_index slot[64];
+    for (; from < to; from += 64) {
+        const size_t count = to - from < 64 ? to - from : 64;
+        size_t i;
+        for (i = 0; i < 64; i++) {                   /* there is room for what rounds it up to fours */
+            slot[i] = (pbw_index)(verifying->from + from + (i < count ? i : count - 1));
+        }
+        pbw__depths(verifying, slot, (count + 3) / 4 * 4, verifying->depth + 4 * from);
+    }
+    return PBW_OK;
+}
+
+/* Facets behind which later windows are. */
+typedef struct pbw__verify_links { size_t count; pbw__link pending[PBW__PENDING + 4]; } pbw__verify_links;
+
+/* Judges them. */
+static void pbw__verify_pending(pbw__verifying *verifying, pbw__verify_links *links)
+{
+    const pbw__link *link = verifying->core->kernel.link;
+    float behind[4 * (PBW__PENDING + 4)];
+    pbw_index slot[PBW__PENDING + 4];
+    size_t i;
+    for (i = 0; i < (links->count + 3) / 4 * 4; i++) {
+        slot[i] = (pbw_index)(link[links->pending[i < links->count ? i : 0]] >> 2);
+    }
+    pbw__depths(verifying, slot, i, behind);
+    for (i = 0; i < links->count; i++) {
+        const pbw__link here = links->pending[i];
+        if (!(verifying->depth[here - 4 * verifying->from] + behind[4 * i + (link[here] & 3)] > 0.0f)) {
+            pbw__verify_slot(verifying, here >> 2);
+        }
+    }
+    links->count = 0;
+}
+
+/* Whether facet `here` is locally regular for certain, or to be judged elsewhere.  Branchless: where simplices are is
+   unpredictable. */
+PBW__INLINE int pbw__verify_facet(const pbw__verifying *verifying, pbw__verify_links *links, pbw__link here)
+{
+    const pbw__link first = (pbw__link)(4 * verifying->from), all = (pbw__link)(4 * verifying->to) - first;
+    const pbw__link across = verifying->core->kernel.link[here], there = across - first;
+    links->pending[links->count] = here;
+    links->count += across >= first + all;
+    return verifying->depth[here - first] + verifying->depth[there < all ? there : all] > 0.0f;
+}
+
+/* Judges the facets of slots from..to-1 by their depths on both sides, or exactly.  What is behind the window has a
+   depth that is certain. */
+PBW__INLINE void pbw__verify_facets_of(pbw__verifying *shared, size_t from, size_t to, int dim)
+{
+    const pbw__verifying verifying = *shared;        /* a copy, as the stores below might alias it */
+    const pbw_index *corner = verifying.core->kernel.corner;
+    pbw__verify_links links;
+    size_t covers = 0, t;
+    links.count = 0;
+    for (t = from; t < to; t++) {
+        const pbw__link here = (pbw__link)(4 * t);
+        int certain;
+        if (corner[here] == PBW_NONE) {
+            continue;
+        }
+        certain = pbw__verify_facet(&verifying, &links, here) & pbw__verify_facet(&verifying, &links, here + 1)
+                & pbw__verify_facet(&verifying, &links, here + 2)
+                & (dim == 2 || pbw__verify_facet(&verifying, &links, here + 3));
+        if (PBW__UNLIKELY(!certain)) {
+            pbw__verify_slot(shared, t);
+            covers += corner[here + (unsigned)dim] == PBW__GHOST ? pbw__covers(shared, t) : 0;
+        }
+        if (links.count >= PBW__PENDING) {
+            pbw__verify_pending(shared, &links);
+        }
+    }
+    pbw__verify_pending(shared, &links);
+    (void)PBW__ADD(&shared->covers, covers);
+}
+#endif
+
+/* Looks at slots from..to-1 of the window: which simplices are not positive, which facets are not locally regular;
+   counts the facets of the hull that the ray meets, and adds 2 for each that o is not inside of. */
+static pbw_status pbw__verify_range(void *arg, size_t from, size_t to)
+{
+    pbw__verifying *verifying = (pbw__verifying *)arg;
+    const pbw_index *corner = verifying->core->kernel.corner;
+    const size_t dim = (size_t)verifying->core->kernel.dim;
+    size_t covers = 0, t;
+    from += verifying->from;
+    to += verifying->from;
+    if (PBW__LOAD(&verifying->inverted) > 0 || PBW__LOAD(&verifying->failing) > verifying->most) {
+        return PBW__ANEW;
+    }
+#ifdef PBW__SIMD
+    if (verifying->depth != NULL) {
+        PBW__BY_DIM((int)dim, pbw__verify_facets_of, verifying, from, to);
+        return PBW_OK;
+    }
+#endif
+    for (t = from; t < to; t++) {
+        if (corner[4 * t] != PBW_NONE) {
+            pbw__verify_slot(verifying, t);
+            covers += corner[4 * t + dim] == PBW__GHOST ? pbw__covers(verifying, t) : 0;
+        }
+    }
+    (void)PBW__ADD(&verifying->covers, covers);
+    return PBW_OK;
+}
+
+/* Looks at some simplices, where no facet may fail: if many do, one of these does. */
+static pbw_status pbw__verify_some(const pbw__core *core)
+{
+    const size_t count = core->store.count, step = count / 256 + 1;
+    const int dim = core->kernel.dim;
+    size_t t;
+    for (t = 0; t < count && step >= 16; t += step) {
+        if (core->kernel.corner[4 * t] != PBW_NONE && pbw__slot_faults(core, t, 1, dim) != 0) {
+            return PBW__ANEW;
+        }
+    }
+    return PBW_OK;
+}
+
+#ifdef PBW__SIMD
+/* Looks at all simplices, window by window, with vectors. */
+static pbw_status pbw__verify_windows(pbw__verifying *verifying)
+{
+    pbw__core *core = verifying->core;
+    pbw__context *context = core->kernel.context;
+    const size_t count = core->store.count, most = PBW__SMALLER(PBW__VERIFIED) * (size_t)context->threads;
+    const size_t room = 4 * ((count < most ? count : most) + 4);
+    pbw_status status = PBW_OK;
+    int k;
+    verifying->scale = (double)core->vertex_count;
+    for (k = 0; k < core->kernel.dim; k++) {
+        verifying->scale /= core->high[k] - core->low[k];
+    }
+    verifying->scale = verifying->scale >= 1e-300 && verifying->scale <= 1e300 ? verifying->scale : 1.0;
+    verifying->depth = (float *)pbw__allocate_large(context, room, sizeof(float));
+    if (verifying->depth == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (verifying->from = 0; verifying->from < count && status == PBW_OK; verifying->from = verifying->to) {
+        const size_t rest = count - verifying->from, length = rest < most ? rest : most;
+        const double done = 0.5 * (double)verifying->from / (double)count;
+        verifying->to = verifying->from + length;
+        status = pbw__for_range(context, length, 4096, done, pbw__verify_depths, verifying);
+        verifying->depth[4 * length] = (float)HUGE_VAL;
+        status = status == PBW_OK ? pbw__for_range(context, length, 4096, done, pbw__verify_range, verifying) : status;
+    }
+    pbw__release(&context->memory, verifying->depth, room, sizeof(float));
+    return status;
+}
+#endif
+
+/* Looks at all simplices. */
+static pbw_status pbw__verify_all(pbw__verifying *verifying)
+{
+    pbw__core *core = verifying->core;
+    const pbw_status status = verifying->most == 0 ? pbw__verify_some(core) : PBW_OK;
+#ifdef PBW__SIMD
+    if (status == PBW_OK && pbw__simd_works()) {
+        return pbw__verify_windows(verifying);
+    }
+#endif
+    return status != PBW_OK ? status
+         : pbw__for_range(core->kernel.context, core->store.count, 4096, 0.5, pbw__verify_range, verifying);
+}
+
+/* Counts as pbw__verify_range does. */
 static pbw_status pbw__cover_range(void *arg, size_t from, size_t to)
 {
     pbw__verifying *verifying = (pbw__verifying *)arg;
@@ -14570,10 +14710,7 @@ static pbw_status pbw__cover_range(void *arg, size_t from, size_t to)
     const size_t dim = (size_t)verifying->core->kernel.dim;
     size_t covers = 0, t;
     for (t = from; t < to; t++) {
-        if (corner[4 * t] != PBW_NONE && corner[4 * t + dim] == PBW__GHOST) {
-            covers += pbw__slot_side(verifying->core, t, (int)dim, verifying->o) >= 0
-                    ? 2 : (size_t)pbw__ray_meets(verifying, t);
-        }
+        covers += corner[4 * t] != PBW_NONE && corner[4 * t + dim] == PBW__GHOST ? pbw__covers(verifying, t) : 0;
     }
     (void)PBW__ADD(&verifying->covers, covers);
     return PBW_OK;
@@ -14753,17 +14890,17 @@ static pbw_status pbw__verify(pbw__core *core, size_t most)
     memset(&verifying, 0, sizeof(verifying));
     verifying.core = core;
     verifying.most = core->kernel.dim == 3 || core->kernel.weighted ? 0 : most;
-    status = pbw__verify_all(&verifying);
-    if (status == PBW_OK && verifying.failing > 0) {
-        status = verifying.inverted > 0 || verifying.failing > verifying.most ? PBW__ANEW
-               : pbw__flip_marked(core, most);
+    status = pbw__choose_inside(&verifying) ? pbw__verify_all(&verifying) : PBW__ANEW;
+    if (status == PBW_OK && (verifying.inverted > 0 || verifying.failing > verifying.most)) {
+        status = PBW__ANEW;
+    } else if (status == PBW_OK && verifying.failing > 0) {
+        verifying.covers = 0;
+        status = pbw__flip_marked(core, most);
+        status = status != PBW_OK ? status : !pbw__choose_inside(&verifying) ? PBW__ANEW
+               : pbw__for_range(context, core->store.count, 16384, 1.0, pbw__cover_range, &verifying);
     }
     if (status != PBW_OK) {
         memset(core->kernel.mark, 0, core->store.count);
-    }
-    if (status == PBW_OK) {
-        status = pbw__choose_inside(&verifying)
-               ? pbw__for_range(context, core->store.count, 16384, 1.0, pbw__cover_range, &verifying) : PBW__ANEW;
     }
     return status == PBW_OK && verifying.covers != 1 ? PBW__ANEW : status;
 }
@@ -16887,25 +17024,30 @@ static int pbw__live_near(const pbw_live *live)
 }
 
 /* Lists a range of all vertices.  Counts those that move, and those that are in the queue and live on. */
-static pbw_status pbw__list_all_range(void *arg, size_t from, size_t to)
+PBW__INLINE void pbw__list_all_of(pbw__classes *classes, size_t from, size_t to, int dim)
 {
-    pbw__classes *classes = (pbw__classes *)arg;
     pbw_live *live = classes->live;
     const pbw_index *name = live->core.name + 1;
-    const size_t dim = (size_t)live->dim;
+    const size_t size = (size_t)dim, width = size + 1;
     size_t moves = 0, remain = 0, i;
     for (i = from; i < to; i++) {
-        const pbw_index id = name[i], soon = name[i + 16 < to ? i + 16 : i];
-        double *x = live->moved + i * dim;
-        PBW__PREFETCH(pbw__live_point(live, soon));
+        const pbw_index id = name[i], soon = name[i + PBW__SOON < to ? i + PBW__SOON : i];
+        double *x = live->moved + i * size;
+        PBW__PREFETCH(live->point + soon * size);
         PBW__PREFETCH(live->state + soon);
-        memcpy(x, pbw__live_point(live, id), dim * sizeof(double));
-        moves += !pbw__same_place(x, pbw__core_record(&live->core, (pbw_index)(i + 1)), live->dim);
+        memcpy(x, live->point + id * size, size * sizeof(double));
+        moves += !pbw__same_place(x, live->core.record + (i + 1) * width, dim);
         remain += live->state[id] == (PBW__LIVES | PBW__STAYS | PBW__QUEUED);
         live->leaving[i] = (pbw_index)(i + 1);
     }
     (void)PBW__ADD(&classes->leave, moves);
     (void)PBW__ADD(&classes->arrive, remain);
+}
+
+static pbw_status pbw__list_all_range(void *arg, size_t from, size_t to)
+{
+    pbw__classes *classes = (pbw__classes *)arg;
+    PBW__BY_DIM(classes->live->dim, pbw__list_all_of, classes, from, to);
     return PBW_OK;
 }
 
@@ -17047,12 +17189,11 @@ PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes)
 typedef struct pbw__import {
     const pbw_mesh *mesh;
     const double *points, *weights;                  /* the copies of the live triangulation */
-    pbw__core *core;
+    pbw__core *core;                                 /* its `vertex`: 0 for a point that is none, as yet */
     pbw__vertices vertices;
-    pbw_index *vertex;                               /* per point: its vertex; 0: none */
-    size_t (*first)[2];                              /* per block of simplices: its first vertex, once they are spread
-                                                        that of the next block, and its first ghost */
-    size_t visible;                                  /* vertices in simplices, the first ones */
+    size_t (*first)[2];                              /* per block of simplices: vertices, ghosts of those before it */
+    size_t visible, found;                           /* vertices in simplices, which are the first ones: as the points
+                                                        say, and as the blocks do */
     int alone;                                       /* one thread */
     size_t ghosts, faults, duplicates, places;       /* places: points that are no duplicates */
     unsigned char facing[16 * 16 * 16];              /* see pbw__import_facing */
@@ -17060,52 +17201,20 @@ typedef struct pbw__import {
 
 #define PBW__IMPORTED ((size_t)4096)                 /* simplices of a block */
 
-/* Counts, for a block, the facets of the hull; and entries that are no simplices or points. */
-PBW__INLINE void pbw__import_count_of(pbw__import *import, size_t from, size_t to, int dim)
-{
-    const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)dim + 1;
-    const pbw_index points = (pbw_index)mesh->point_count, simplices = (pbw_index)mesh->simplex_count;
-    pbw_index ghosts = 0, faults = 0;                /* as narrow as what is read: vectors */
-    size_t i;
-    for (i = from * corners; i < to * corners; i++) {
-        const pbw_index next = mesh->neighbors[i];
-        ghosts += next == PBW_NONE;
-        faults += (pbw_index)(mesh->simplices[i] >= points) | ((next >= simplices) & (next != PBW_NONE));
-    }
-    import->first[from / PBW__IMPORTED][1] = ghosts;
-    (void)PBW__ADD(&import->faults, faults);
-}
-
-static pbw_status pbw__import_count(void *arg, size_t from, size_t to)
-{
-    PBW__BY_DIM(((pbw__import *)arg)->mesh->dim, pbw__import_count_of, (pbw__import *)arg, from, to);
-    return PBW_OK;
-}
-
-/* Adds 1 to the vertices of the block in which simplex t is; returns how many there were. */
-PBW__INLINE size_t pbw__import_count_vertex(const pbw__import *import, size_t t)
-{
-    size_t *vertices = import->first[t / PBW__IMPORTED];
-    return import->alone ? vertices[0]++ : PBW__ADD(vertices, 1);
-}
-
-/* Counts vertices, each in the block of its incident simplex; duplicates, points that are none, and false ones. */
+/* Counts vertices, duplicates, points that are neither, and false ones. */
 static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
 {
     pbw__import *import = (pbw__import *)arg;
     const pbw_mesh *mesh = import->mesh;
     const size_t dim = (size_t)mesh->dim;
-    size_t faults = 0, duplicates = 0, places = 0, i;
+    size_t faults = 0, visible = 0, duplicates = 0, places = 0, i;
     for (i = from; i < to; i++) {
         const pbw_index first = mesh->canonical[i], t = mesh->incident[i];
+        import->core->vertex[i] = 0;
+        import->core->twin[i] = (pbw_index)i;
         places += first == i;
-        if (t < mesh->simplex_count) {
-            (void)pbw__import_count_vertex(import, t);
-            faults += first != i;
-        } else {
-            faults += t != PBW_NONE;
-        }
+        visible += t < mesh->simplex_count;
+        faults += (size_t)(t < mesh->simplex_count ? first != i : t != PBW_NONE);
         if (first != i && first != PBW_NONE) {
             duplicates++;
             if (first >= mesh->point_count || mesh->canonical[first] != first
@@ -17118,87 +17227,106 @@ static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
         }
     }
     (void)PBW__ADD(&import->faults, faults);
+    (void)PBW__ADD(&import->visible, visible);
     (void)PBW__ADD(&import->duplicates, duplicates);
     (void)PBW__ADD(&import->places, places);
     return PBW_OK;
 }
 
+/* Lists the points whose incident simplices are in a block, and have them: in this order, those of one simplex as its
+   corners are.  There is room for all corners. */
+PBW__INLINE size_t pbw__import_list(const pbw_mesh *mesh, size_t from, size_t to, pbw_index *list, int dim)
+{
+    const size_t corners = (size_t)dim + 1, soon = PBW__SOON * corners, end = to * corners;
+    const pbw_index *corner = mesh->simplices;
+    size_t count = 0, t, i;
+    int k;
+    for (t = from, i = from * corners; t < to; t++) {
+        for (k = 0; k <= dim; k++, i++) {            /* branchless: unpredictable */
+            PBW__PREFETCH(mesh->incident + corner[i + soon < end ? i + soon : i]);
+            list[count] = corner[i];
+            count += mesh->incident[corner[i]] == t;
+        }
+    }
+    return count;
+}
+
+/* Counts, for a block, the vertices and the facets of the hull.  PBW__ANEW: there are entries that are no simplices
+   or points. */
+PBW__INLINE pbw_status pbw__import_count_of(pbw__import *import, size_t from, size_t to, pbw_index *list,
+                                            size_t *count, int dim)
+{
+    const pbw_mesh *mesh = import->mesh;
+    const size_t corners = (size_t)dim + 1;
+    const pbw_index points = (pbw_index)mesh->point_count, simplices = (pbw_index)mesh->simplex_count;
+    pbw_index ghosts = 0, faults = 0;                /* as narrow as what is read: vectors */
+    size_t i;
+    for (i = from * corners; i < to * corners; i++) {
+        const pbw_index next = mesh->neighbors[i];
+        ghosts += next == PBW_NONE;
+        faults += (pbw_index)(mesh->simplices[i] >= points) | ((next >= simplices) & (next != PBW_NONE));
+    }
+    import->first[from / PBW__IMPORTED][1] = ghosts;
+    *count = faults == 0 ? pbw__import_list(mesh, from, to, list, dim) : 0;
+    return faults == 0 ? PBW_OK : PBW__ANEW;
+}
+
+static pbw_status pbw__import_count(void *arg, size_t from, size_t to)
+{
+    pbw__import *import = (pbw__import *)arg;
+    size_t *count = import->first[from / PBW__IMPORTED];
+    pbw_index list[PBW__IMPORTED * 4];
+    return import->mesh->dim == 3 ? pbw__import_count_of(import, from, to, list, count, 3)
+                                  : pbw__import_count_of(import, from, to, list, count, 2);
+}
+
 PBW__INLINE void pbw__import_vertex(pbw__import *import, pbw_index p, size_t v, int dim)
 {
     const size_t width = (size_t)dim + 1;
-    import->vertex[p] = (pbw_index)v;
+    import->core->vertex[p] = (pbw_index)v;
+    import->core->incident[v] = import->mesh->incident[p];
     import->vertices.id[v] = p;
     memcpy(import->vertices.record + v * width, import->points + p * (size_t)dim, (size_t)dim * sizeof(double));
     import->vertices.record[v * width + (size_t)dim] = import->mesh->weights != NULL ? import->weights[p] : 0.0;
 }
 
-/* Puts the vertices into their blocks, those of a block in any order. */
-static pbw_status pbw__import_spread(void *arg, size_t from, size_t to)
+/* Numbers the vertices of a block; one thread counts them too. */
+PBW__INLINE pbw_status pbw__import_number_of(pbw__import *import, size_t from, size_t to, int dim)
 {
-    pbw__import *import = (pbw__import *)arg;
-    for (; from < to; from++) {
-        const pbw_index t = import->mesh->incident[from];
-        if (t != PBW_NONE) {
-            import->vertices.id[1 + pbw__import_count_vertex(import, t)] = (pbw_index)from;
+    const pbw_mesh *mesh = import->mesh;
+    pbw_index list[PBW__IMPORTED * 4];
+    size_t first = import->first[from / PBW__IMPORTED][0], count = 0, i;
+    pbw_status status = PBW_OK;
+    if (import->alone) {
+        status = pbw__import_count_of(import, from, to, list, &count, dim);
+        first = import->found;
+        import->found += count;
+    } else {
+        count = pbw__import_list(mesh, from, to, list, dim);
+    }
+    if (status != PBW_OK || first + count > import->visible) {
+        return PBW__ANEW;
+    }
+    for (i = 0; i < count + PBW__SOON; i++) {
+        if (i < count) {
+            PBW__PREFETCH(import->points + list[i] * (size_t)dim);
+            PBW__PREFETCH_TO_WRITE(import->core->vertex + list[i]);
+        }
+        if (i < count && mesh->weights != NULL) {
+            PBW__PREFETCH(import->weights + list[i]);
+        }
+        if (i >= PBW__SOON) {
+            pbw__import_vertex(import, list[i - PBW__SOON], first + 1 + i - PBW__SOON, dim);
         }
     }
     return PBW_OK;
-}
-
-/* Sorts the vertices of a block by their incident simplices, those of one simplex as its corners are.  Returns how
-   many are not at theirs. */
-PBW__INLINE size_t pbw__import_sort(const pbw__import *import, size_t block, const pbw_index *list, size_t count,
-                                    pbw_index *sorted, int dim)
-{
-    const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)dim + 1, low = block * PBW__IMPORTED * corners;
-    const size_t rest = mesh->simplex_count * corners - low, all = corners * PBW__IMPORTED;
-    const size_t places = rest < all ? rest : all;
-    size_t found = 0, i;
-    memset(sorted, 0xff, places * sizeof(pbw_index));            /* PBW_NONE */
-    for (i = 0; i < count; i++) {
-        const pbw_index p = list[i], soon = list[i + 16 < count ? i + 16 : i];
-        const size_t t = mesh->incident[p] * corners;
-        const pbw_index *v = mesh->simplices + t;
-        const size_t k = (size_t)(v[1] == p) + 2 * (size_t)(v[2] == p) + 3 * (size_t)(dim == 3 && v[dim] == p);
-        PBW__PREFETCH(mesh->incident + soon);
-        sorted[t - low + (k & 3)] = p;
-    }
-    for (i = 0; i < places; i++) {                   /* branchless: unpredictable */
-        const pbw_index p = sorted[i];
-        sorted[found] = p;
-        found += p == mesh->simplices[low + i];
-    }
-    return count - found;
-}
-
-/* Numbers the vertices of a block, in the order of their incident simplices. */
-PBW__INLINE void pbw__import_number_of(pbw__import *import, size_t from, size_t to, int dim)
-{
-    const pbw_mesh *mesh = import->mesh;
-    const size_t block = from / PBW__IMPORTED, first = block > 0 ? import->first[block - 1][0] : 0;
-    const size_t count = import->first[block][0] - first, most = (to - from) * ((size_t)dim + 1);
-    pbw_index sorted[PBW__IMPORTED * 4 + 4];         /* all corners, and 3 where one is in a simplex twice */
-    size_t faults = count > most, i;
-    if (faults == 0) {
-        faults = pbw__import_sort(import, block, import->vertices.id + 1 + first, count, sorted, dim);
-    }
-    for (i = 0; i < count && faults == 0; i++) {
-        const size_t soon = sorted[i + 16 < count ? i + 16 : i];
-        PBW__PREFETCH(import->points + soon * (size_t)dim);
-        PBW__PREFETCH_TO_WRITE(import->vertex + soon);
-        if (mesh->weights != NULL) {
-            PBW__PREFETCH(import->weights + soon);
-        }
-        pbw__import_vertex(import, sorted[i], first + 1 + i, dim);
-    }
-    (void)PBW__ADD(&import->faults, faults);
 }
 
 static pbw_status pbw__import_number(void *arg, size_t from, size_t to)
 {
-    PBW__BY_DIM(((pbw__import *)arg)->mesh->dim, pbw__import_number_of, (pbw__import *)arg, from, to);
-    return PBW_OK;
+    pbw__import *import = (pbw__import *)arg;
+    return import->mesh->dim == 3 ? pbw__import_number_of(import, from, to, 3)
+                                  : pbw__import_number_of(import, from, to, 2);
 }
 
 /* Numbers the points that are in no simplex and no duplicates. */
@@ -17207,7 +17335,7 @@ static void pbw__import_others(pbw__import *import)
     const pbw_mesh *mesh = import->mesh;
     size_t count = import->visible, i;
     for (i = 0; i < mesh->point_count && count < import->places; i++) {
-        if (import->vertex[i] == 0 && mesh->canonical[i] == i) {
+        if (import->core->vertex[i] == 0 && mesh->canonical[i] == i) {
             PBW__BY_DIM(mesh->dim, pbw__import_vertex, import, (pbw_index)i, ++count);
         }
     }
@@ -17227,24 +17355,19 @@ PBW__INLINE unsigned pbw__corners_at(const pbw_index *v, pbw_index x, int dim)
          | (unsigned)(dim == 3 && v[dim] == x) << 3;
 }
 
-/* Fills a table: for the corners of another simplex at which the vertices of a facet are, a set each, which of its
-   facets that is, in the opposite order; 4: none. */
+/* Fills a table, in space: for the corners of another simplex at which the vertices of a facet are, a set each, which
+   of its facets that is, in the opposite order; 4: none. */
 static void pbw__import_facing(pbw__import *import)
 {
     static const pbw_index corner[4] = { 0, 1, 2, 3 };
-    const int dim = import->mesh->dim;
     unsigned j, k;
     memset(import->facing, 4, sizeof(import->facing));
-    for (j = 0; j <= (unsigned)dim; j++) {
+    for (j = 0; j < 4; j++) {
         pbw_index f[3];
-        pbw__facet_of(corner, j, dim, f);
+        pbw__facet_of(corner, j, 3, f);
         for (k = 0; k < 3; k++) {
             const unsigned a = f[k], b = f[(k + 2) % 3], c = f[(k + 1) % 3];
-            if (dim == 3) {
-                import->facing[1u << a | 16u << b | 256u << c] = (unsigned char)j;
-            } else if (k == 1) {
-                import->facing[1u << a | 16u << b] = (unsigned char)j;
-            }
+            import->facing[1u << a | 16u << b | 256u << c] = (unsigned char)j;
         }
     }
 }
@@ -17266,44 +17389,62 @@ static void pbw__import_ghost(pbw__import *import, size_t g, size_t t, unsigned 
     store->link[4 * t + k] = (pbw__link)(4 * g + (size_t)dim);
 }
 
-/* Corners and links of simplices.  A link is taken if the simplex across has the vertices of the facet, in the
-   opposite order, and this simplex across from there. */
+/* Links facet k of simplex t to the simplex across, if that has the vertices of the facet, in the opposite order, and
+   t across from there; else *wrong is not 0 then.  g: the next ghost.  Branchless: unpredictable. */
+PBW__INLINE void pbw__import_facet(pbw__import *import, size_t t, unsigned k, size_t *g, pbw_index *wrong, int dim)
+{
+    const pbw_mesh *mesh = import->mesh;
+    const size_t corners = (size_t)dim + 1, u = mesh->neighbors[t * corners + k];
+    const pbw_index *w, *back;
+    pbw_index f[3];
+    unsigned j;
+    if (PBW__UNLIKELY(u == PBW_NONE)) {
+        pbw__import_ghost(import, (*g)++, t, k);
+        return;
+    }
+    w = mesh->simplices + u * corners;
+    back = mesh->neighbors + u * corners;
+    pbw__facet_of(mesh->simplices + t * corners, k, dim, f);
+    if (dim == 2) {
+        const unsigned one = back[1] == t, two = back[2] == t, next = 1 + one - two;
+        j = one + 2 * two - (one & two);
+        *wrong |= (w[next] ^ f[1]) | (w[3 - j - next] ^ f[0]);
+    } else {
+        j = pbw__corners_at(w, f[0], dim) | pbw__corners_at(w, f[1], dim) << 4;
+        j = import->facing[j | pbw__corners_at(w, f[2], dim) << 8];
+        *wrong |= j & 4;
+        j &= 3;
+    }
+    *wrong |= back[j] ^ (pbw_index)t;
+    import->core->store.link[4 * t + k] = (pbw__link)(4 * u + j);
+}
+
+/* Corners and links of simplices. */
 PBW__INLINE void pbw__import_slots_of(pbw__import *import, size_t from, size_t to, int dim)
 {
     const pbw_mesh *mesh = import->mesh;
     const size_t corners = (size_t)dim + 1;
-    pbw_index *corner = import->core->store.corner;
-    pbw__link *link = import->core->store.link;
-    size_t g = mesh->simplex_count + import->first[from / PBW__IMPORTED][1], faults = 0, t;
-    unsigned k;
+    const pbw_index *vertex = import->core->vertex;
+    pbw_index *corner = import->core->store.corner, wrong = 0;
+    size_t g = mesh->simplex_count + import->first[from / PBW__IMPORTED][1], t, k;
     for (t = from; t < to; t++) {
         const pbw_index *v = mesh->simplices + t * corners, *next = mesh->neighbors + t * corners;
         for (k = 0; k < corners; k++) {
             const size_t later = t + 16 < to ? 16 * corners + k : k, soon = next[later] != PBW_NONE ? next[later] : t;
             PBW__PREFETCH(mesh->simplices + soon * corners);
             PBW__PREFETCH(mesh->neighbors + soon * corners);
-            PBW__PREFETCH(import->vertex + v[later]);
-            corner[4 * t + k] = import->vertex[v[k]];
-            faults += corner[4 * t + k] == 0;
+            PBW__PREFETCH(vertex + v[later]);
+            corner[4 * t + k] = vertex[v[k]];
+            wrong |= vertex[v[k]] == 0;
         }
-        for (k = 0; k < corners; k++) {
-            const size_t u = next[k];
-            pbw_index f[3];
-            const pbw_index *w;
-            unsigned j;
-            if (PBW__UNLIKELY(u == PBW_NONE)) {
-                pbw__import_ghost(import, g++, t, k);
-                continue;
-            }
-            w = mesh->simplices + u * corners;
-            pbw__facet_of(v, k, dim, f);
-            j = pbw__corners_at(w, f[0], dim) | pbw__corners_at(w, f[1], dim) << 4;
-            j = import->facing[dim == 3 ? j | pbw__corners_at(w, f[2], dim) << 8 : j];
-            faults += (size_t)(j == 4) | (size_t)(mesh->neighbors[u * corners + (j & 3) % corners] != t);
-            link[4 * t + k] = (pbw__link)(4 * u + (j & 3));
+        pbw__import_facet(import, t, 0, &g, &wrong, dim);
+        pbw__import_facet(import, t, 1, &g, &wrong, dim);
+        pbw__import_facet(import, t, 2, &g, &wrong, dim);
+        if (dim == 3) {
+            pbw__import_facet(import, t, 3, &g, &wrong, dim);
         }
     }
-    (void)PBW__ADD(&import->faults, faults);
+    (void)PBW__ADD(&import->faults, (size_t)(wrong != 0));
 }
 
 static pbw_status pbw__import_slots(void *arg, size_t from, size_t to)
@@ -17351,16 +17492,6 @@ static pbw_status pbw__import_ridges(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* A finite simplex of each vertex. */
-static pbw_status pbw__import_incident(void *arg, size_t from, size_t to)
-{
-    const pbw__import *import = (const pbw__import *)arg;
-    for (from++, to++; from < to; from++) {
-        import->core->incident[from] = import->mesh->incident[import->core->name[from]];
-    }
-    return PBW_OK;
-}
-
 /* Finds what hides the vertices in no simplex, along the curve.  PBW__ANEW: one is not hidden, or a duplicate. */
 static pbw_status pbw__import_hidden(pbw_live *live, pbw__core *core, size_t visible)
 {
@@ -17393,7 +17524,7 @@ static pbw_status pbw__import_hidden(pbw_live *live, pbw__core *core, size_t vis
     return status;
 }
 
-/* Counts, and says where blocks begin.  PBW__ANEW: some numbers cannot be. */
+/* Numbers vertices.  PBW__ANEW: some numbers cannot be. */
 static pbw_status pbw__import_survey(pbw__import *import, pbw__context *context)
 {
     const pbw_mesh *mesh = import->mesh;
@@ -17402,21 +17533,26 @@ static pbw_status pbw__import_survey(pbw__import *import, pbw__context *context)
     pbw_status status;
     memset(import->first, 0, blocks * sizeof(*import->first));
     import->alone = context->threads <= 1;
-    status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.05, pbw__import_count, import);
-    status = status == PBW_OK ? pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_points, import)
-                              : status;
-    for (block = 0; block < blocks && status == PBW_OK; block++) {
-        size_t *sum[2], old;
-        sum[0] = &import->visible;
-        sum[1] = &import->ghosts;
-        for (i = 0; i < 2; i++) {
-            old = *sum[i];
-            *sum[i] += import->first[block][i];
+    status = pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_points, import);
+    if (status == PBW_OK && import->faults > 0) {
+        return PBW__ANEW;
+    }
+    if (status == PBW_OK && !import->alone) {
+        status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.05, pbw__import_count, import);
+    }
+    for (i = 0; i < 2 && status == PBW_OK; i++) {
+        size_t *sum = i == 0 ? &import->found : &import->ghosts;
+        if (i == 1) {
+            status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.1, pbw__import_number, import);
+        }
+        for (block = 0; block < blocks; block++) {
+            const size_t old = *sum;
+            *sum += import->first[block][i];
             import->first[block][i] = old;
         }
     }
     return status != PBW_OK ? status
-         : import->faults > 0 || import->visible > import->places
+         : import->visible != import->found || import->visible > import->places
            || (import->visible < import->places && mesh->weights == NULL) ? PBW__ANEW : PBW_OK;
 }
 
@@ -17430,20 +17566,12 @@ static pbw_status pbw__import_fill(pbw__import *import, pbw__context *context)
     if (status != PBW_OK) {
         return status;
     }
-    memset(import->vertex, 0, mesh->point_count * sizeof(pbw_index));
-    status = pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_spread, import);
-    status = status == PBW_OK ? pbw__for_range(context, simplices, PBW__IMPORTED, 0.1, pbw__import_number, import)
-                              : status;
-    if (status != PBW_OK) {
-        return status;
-    }
     pbw__import_others(import);
     pbw__grid_scan(context, import->vertices.record + mesh->dim + 1, import->vertices.count, mesh->dim,
                    &import->vertices.grid);
     status = pbw__store_reserve(context, &core->store, simplices + import->ghosts);
     if (status == PBW_OK) {
         core->store.count = simplices + import->ghosts;
-        memset(core->store.mark, 0, core->store.count);
         pbw__import_facing(import);
         status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.4, pbw__import_slots, import);
     }
@@ -17467,12 +17595,11 @@ static pbw_status pbw__import_core(pbw_live *live, pbw__context *context, pbw__i
     vertices->point_count = mesh->point_count;
     vertices->record = (double *)pbw__allocate_large(context, records * ((size_t)mesh->dim + 1), sizeof(double));
     vertices->id = (pbw_index *)pbw__allocate_large(context, records, sizeof(pbw_index));
-    import->vertex = (pbw_index *)pbw__allocate_large(context, mesh->point_count, sizeof(pbw_index));
     import->first = (size_t (*)[2])pbw__allocate(&context->memory, blocks, sizeof(*import->first));
-    status = vertices->record == NULL || vertices->id == NULL || import->vertex == NULL || import->first == NULL
-           ? PBW_ERROR_MEMORY : pbw__import_fill(import, context);
+    status = vertices->record == NULL || vertices->id == NULL || import->first == NULL
+             || !pbw__core_reserve(core, records, mesh->point_count) ? PBW_ERROR_MEMORY
+           : pbw__import_fill(import, context);
     pbw__release(&context->memory, import->first, blocks, sizeof(*import->first));
-    pbw__release(&context->memory, import->vertex, mesh->point_count, sizeof(pbw_index));
     if (status != PBW_OK) {
         pbw__release(&context->memory, vertices->record, records * ((size_t)mesh->dim + 1), sizeof(double));
         pbw__release(&context->memory, vertices->id, records, sizeof(pbw_index));
@@ -17482,10 +17609,8 @@ static pbw_status pbw__import_core(pbw_live *live, pbw__context *context, pbw__i
     vertices->duplicate_count = import->duplicates;
     memset(vertices->record, 0, ((size_t)mesh->dim + 1) * sizeof(double));
     vertices->record[0] = HUGE_VAL;                  /* the ghost, see >>order */
-    status = pbw__core_take(core, vertices, NULL, live->count);
+    status = pbw__core_take(core, vertices, NULL, 1);
     status = status == PBW_OK ? pbw__core_start(context, core, vertices) : status;
-    status = status == PBW_OK ? pbw__for_range(context, import->visible, 16384, 0.4, pbw__import_incident, import)
-                              : status;
     if (status == PBW_OK) {
         status = pbw__journal_reserve(core) ? pbw__verify(core, 0) : PBW_ERROR_MEMORY;
     }

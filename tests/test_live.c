@@ -867,28 +867,33 @@ static size_t depths_verdicts(pbw_live *live, double scale)
     const size_t fours = core->store.count / 4 * 4, dim = (size_t)live->dim;
     pbw__verifying verifying;
     size_t t, k, verdicts = 0, wrong = 0;
+    float *depth = (float *)malloc(4 * core->store.count * sizeof(float) + 1);
     memset(&verifying, 0, sizeof verifying);
     verifying.core = core;
     verifying.scale = scale;
-    verifying.depth = (float *)malloc(4 * core->store.count * sizeof(float) + 1);
-    memset(verifying.depth, 0xff, 4 * core->store.count * sizeof(float));        /* NaN */
+    memset(depth, 0xff, 4 * core->store.count * sizeof(float));      /* NaN */
     for (t = 0; t < fours; t += 4) {
-        const unsigned positive = pbw__depths(&verifying, t);
+        pbw_index slot[4];
         for (k = 0; k < 4; k++) {
-            wrong += (positive >> k & 1) != 0 && pbw__slot_side(core, t + k, live->dim + 1, NULL) <= 0;
+            slot[k] = (pbw_index)(t + k);
+        }
+        pbw__depths(&verifying, slot, 4, depth + 4 * t);
+        for (k = 0; k < 4; k++) {
+            const float first = depth[4 * (t + k)];
+            wrong += first == first && pbw__slot_side(core, t + k, live->dim + 1, NULL) <= 0;
         }
     }
     for (t = 0; t < fours; t++) {
         for (k = 0; k <= dim && core->kernel.corner[4 * t] != PBW_NONE; k++) {
             const pbw__link across = core->kernel.link[4 * t + k];
-            if (verifying.depth[4 * t + k] + verifying.depth[across] > 0) {
+            if (depth[4 * t + k] + depth[across] > 0) {
                 verdicts++;
                 wrong += (size_t)pbw__slot_conflict(core, t, pbw__core_record(core, core->kernel.corner[across]));
             }
         }
     }
     CHECK_EQUAL(wrong, 0);
-    free(verifying.depth);
+    free(depth);
     return verdicts;
 }
 
