@@ -216,6 +216,12 @@ PBWTDEF size_t pbwt_match(pbwt_facet *facets, size_t count);
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#ifdef __linux__
+#include <sys/mman.h>
+#ifndef __cplusplus
+extern int madvise(void *address, size_t length, int advice);        /* strict C modes hide it */
+#endif
+#endif
 
 #if defined(__GNUC__)
 #define PBWT__ADD(x, y) __atomic_add_fetch(x, y, __ATOMIC_RELAXED)
@@ -245,15 +251,33 @@ typedef struct pbwt__memory {
 
 typedef struct pbwt__array { void *data; size_t count, bytes; } pbwt__array;     /* count: the owner's */
 
+/* Large blocks lie on huge pages where there are any: the system has fewer of them to find and to take back.  With the
+   pages at the ends, where other bytes may be: realloc copies a mapping in two parts instead of moving it. */
+static void pbwt__advise(void *block, size_t size)
+{
+#ifdef __linux__
+    const size_t page = 4096, skip = (size_t)block % page;
+    if (block != NULL && size >= (size_t)1 << 22) {
+        (void)madvise((char *)block - skip, (skip + size + page - 1) / page * page, 14);     /* MADV_HUGEPAGE */
+    }
+#else
+    (void)block;
+    (void)size;
+#endif
+}
+
 static void *pbwt__default_resize(void *user, void *ptr, size_t old_size, size_t new_size)
 {
+    void *block;
     (void)user;
     (void)old_size;
     if (new_size == 0) {
         free(ptr);
         return NULL;
     }
-    return realloc(ptr, new_size);
+    block = realloc(ptr, new_size);
+    pbwt__advise(block, new_size);
+    return block;
 }
 
 static pbwt__memory pbwt__memory_of(const pbw_options *options)
