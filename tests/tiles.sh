@@ -254,6 +254,10 @@ if command -v mpirun > /dev/null && [ -x "$bin/mpi" ]; then
     check "MPI: 4 ranks" ranks 4 k4.3.bin
     check "MPI: 3 ranks in 2D, leftovers" ranks 3 k3.2.bin --dim 2
     check "MPI: 2 ranks, weighted" ranks 2 weighted.bin --weights w
+    check "MPI: 16 ranks" ranks 16 k0.3.bin
+    check "MPI: 1 rank" ranks 1 few.bin
+    ./points 0 3 500000 0 > many.bin                 # whose points travel in several bundles
+    check "MPI: 5 ranks of many points" ranks 5 many.bin
     mpi_fails() {   # mpi_fails TEXT ARGUMENT...
         text=$1
         shift
