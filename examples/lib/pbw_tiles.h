@@ -2116,6 +2116,15 @@ static pbw_status pbwt__guess(struct pbwt__tile *t, size_t most, const pbw_optio
     return status;
 }
 
+/* Are there more questions than `most` about the first simplices of the queue, or will there be if those that wait
+   have as many each?  A quarter more, as they may have fewer. */
+static int pbwt__is_over(const struct pbwt__tile *t, size_t questions, size_t tested, size_t most)
+{
+    const double each = (double)questions / (double)tested;
+    return questions > most
+        || (tested >= PBWT__WAVE && each * (double)t->queue.count > 1.25 * (double)most);
+}
+
 static pbw_status pbwt__certify(struct pbwt__tile *t)
 {
     const size_t simplices = t->level.mesh.simplex_count, before = t->tile->numbers.questions;
@@ -2141,7 +2150,7 @@ static pbw_status pbwt__certify(struct pbwt__tile *t)
     for (i = 0; i < t->queue.count && status == PBW_OK && !too_many; i += count) {
         count = t->queue.count - i < PBWT__WAVE ? t->queue.count - i : (size_t)PBWT__WAVE;
         status = pbwt__test_wave(t, i, count, &options);
-        too_many = t->tile->numbers.questions - before > most;
+        too_many = pbwt__is_over(t, t->tile->numbers.questions - before, i + count, most);
     }
     if (too_many && status == PBW_OK) {
         pbwt__give_up(t);
