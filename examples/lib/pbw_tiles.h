@@ -1146,7 +1146,7 @@ static size_t pbwt__next(pbwt__walk *walk)
    filled up to 8), then points that were not sent before.
    Holds: of a verdict PBWT__ALL the part that asked has all points in conflict; of PBWT__SOME at least one.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWT__NOTHING, PBWT__ALL, PBWT__SOME, PBWT__REFUSED };            /* verdicts */
+enum { PBWT__NOTHING, PBWT__ALL, PBWT__SOME, PBWT__REFUSED, PBWT__OPEN };        /* verdicts; OPEN: not yet */
 enum { PBWT__WANT = 0x77746270, PBWT__ASK, PBWT__REPLY };               /* kinds of messages */
 
 /* points: in a reply, how many; in a request, whether the samples of the part asked are known. */
@@ -1159,6 +1159,7 @@ typedef struct pbwt__serving {
     pbwt__levels levels;
     pbwt__array set, out, found;                     /* set: hash table of index + 1; out: pbwt_vertex; found: u32 */
     size_t most, few;                                /* points in an answer, and if there are more */
+    size_t work, points;                             /* most visits, and points in a reply */
     int samples;                                     /* known: never sent */
 } pbwt__serving;
 
@@ -1366,13 +1367,38 @@ PBWTDEF void pbwt_served_free(const pbwt_tree *tree, pbwt_served *served)
     memset(served, 0, sizeof *served);
 }
 
+/* Answers every `step`-th record that has no verdict yet, within limits of visits and points.  Returns 0 without
+   memory. */
+static int pbwt__answer_every(pbwt__serving *s, const pbwt_bytes *request, size_t step, pbwt__array *verdicts)
+{
+    pbwt__head head;
+    size_t i, size;
+    memcpy(&head, request->data, sizeof head);
+    size = head.kind == PBWT__WANT ? sizeof(pbwt_box) : sizeof(pbwt__question);
+    for (i = 0; i < head.count; i += step) {
+        int verdict = PBWT__REFUSED;
+        if (PBWT__BYTES(*verdicts)[i] != PBWT__OPEN) {
+            continue;
+        }
+        if (head.kind == PBWT__WANT || (s->served->visits <= s->work && s->out.count <= s->points)) {
+            verdict = pbwt__answer_record(s, (int)head.kind, request->data + sizeof head + i * size);
+        }
+        if (verdict < 0) {
+            return 0;
+        }
+        PBWT__BYTES(*verdicts)[i] = (unsigned char)verdict;
+    }
+    return 1;
+}
+
+/* Some of many questions come first, spread over all: if by these half would have to be refused, which leaves hardly
+   a star without one that is, all others are. */
 static pbw_status pbwt__answer_all(pbwt__serving *s, const pbwt_bytes *request, const pbwt_limits *limits,
                                    uint64_t asker, pbwt__array *verdicts)
 {
-    const size_t work = (limits->work > 0 ? limits->work : 20) * (size_t)(asker + 5000);
-    const size_t points = limits->points > 0 ? limits->points : (size_t)asker / 2 + 1000;
+    const size_t before = s->served->visits;
     pbwt__head head;
-    size_t i, size;
+    size_t size, step;
     if (request->size < sizeof head) {
         return PBW_ERROR_ARGUMENT;
     }
@@ -1381,6 +1407,8 @@ static pbw_status pbwt__answer_all(pbwt__serving *s, const pbwt_bytes *request, 
     if ((head.kind != PBWT__WANT && head.kind != PBWT__ASK) || request->size != sizeof head + head.count * size) {
         return PBW_ERROR_ARGUMENT;
     }
+    s->work = (limits->work > 0 ? limits->work : 20) * (size_t)(asker + 5000);
+    s->points = limits->points > 0 ? limits->points : (size_t)asker / 2 + 1000;
     s->most = head.kind == PBWT__WANT ? (limits->halo_answer > 0 ? limits->halo_answer : 512)
             : limits->answer > 0 ? limits->answer : 64;
     s->few = head.kind == PBWT__WANT ? 64 : (s->most + 2) / 3;
@@ -1389,17 +1417,17 @@ static pbw_status pbwt__answer_all(pbwt__serving *s, const pbwt_bytes *request, 
     if (!pbwt__zeros(&s->memory, verdicts, head.count, 1)) {
         return PBW_ERROR_MEMORY;
     }
-    for (i = 0; i < head.count; i++) {
-        int verdict = PBWT__REFUSED;
-        if (head.kind == PBWT__WANT || (s->served->visits <= work && s->out.count <= points)) {
-            verdict = pbwt__answer_record(s, (int)head.kind, request->data + sizeof head + i * size);
-        }
-        if (verdict < 0) {
+    memset(verdicts->data, PBWT__OPEN, head.count);
+    step = head.kind == PBWT__ASK ? head.count / 256 : 0;
+    if (step > 16) {
+        if (!pbwt__answer_every(s, request, step, verdicts)) {
             return PBW_ERROR_MEMORY;
         }
-        PBWT__BYTES(*verdicts)[i] = (unsigned char)verdict;
+        if ((double)before + (double)(s->served->visits - before) * (double)step > 2 * (double)s->work) {
+            s->work = 0;
+        }
     }
-    return PBW_OK;
+    return pbwt__answer_every(s, request, 1, verdicts) ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
 PBWTDEF pbw_status pbwt_answer(const pbwt_tree *tree, pbwt_served *served, const pbwt_bytes *request,
