@@ -81,8 +81,12 @@ without_mesh() {
 }
 check "counts and the hash without a file" without_mesh
 check "no file, and one" says 2 "with --no-mesh none" tiles clusters.csv --no-mesh -o c2.pbwt
-check "no file, and leftovers" says 1 "--no-mesh does not do them" tiles k3.3.bin --tiles 3 --no-mesh
-rm -rf k3.3.bin.scratch k3.3.bin.part
+nothing_left() {     # nothing_left NAME SAYS-ARGUMENT...: no scratch files and no part of an output
+    beside=$1
+    shift
+    says "$@" && ! [ -e "$beside.scratch" ] && ! [ -e "$beside.part" ]
+}
+check "no file, and leftovers" nothing_left k3.3.bin 1 "--no-mesh does not do them" tiles k3.3.bin --tiles 3 --no-mesh
 
 # Files that are damaged: every tenth of the file, one byte changed.
 size=$(wc -c < c.pbwt)
@@ -152,14 +156,22 @@ head -c 71993 k0.3.bin > short.bin
 check "a truncated input" says 1 "truncated: 71993 bytes" tiles short.bin -o no.pbwt
 check "no such input" says 1 "No such file" tiles none.bin -o no.pbwt
 (cat k0.3.bin; printf '\0\0\0\0\0\0\370\177\0\0\0\0\0\0\370\177\0\0\0\0\0\0\370\177') > nan.bin
-check "a point that is not finite" says 1 "point 3000: a number is not finite" tiles nan.bin -o no.pbwt
+check "a point that is not finite" nothing_left no.pbwt 1 "point 3000: a number is not finite" \
+    tiles nan.bin -o no.pbwt
+head -c 7200 /dev/zero > zero.bin
+check "points that span nothing" nothing_left no.pbwt 1 "do not span the space" tiles zero.bin --tiles 3 -o no.pbwt
 check "links are needed for a proof" sh -c "'$pbw' tiles k0.3.bin --no-links -o n.pbwt && ! '$pbw' check n.pbwt"
 check "too little memory" says 1 "more --tiles need less" tiles long.bin --tiles 2 --memory-limit 3M -o m.pbwt
+check "and scratch files stay for more of it" [ -e m.pbwt.scratch/state ]
+rm -rf m.pbwt*
 "$pbw" mesh --generate sphere 20000 --quiet -o sphere.csv
 awk -F, -v OFS=, 'NR > 1 { $2 *= 0.7; $3 *= 0.4 } { print }' sphere.csv > ellipsoid.csv
 check "a surface that memory does not hold at once" says 1 "points, as on surfaces, were given up" \
-    tiles ellipsoid.csv --tiles 8 --threads 1 --memory-limit 8M -o m.pbwt
-rm -rf m.pbwt*
+    tiles ellipsoid.csv --tiles 8 --threads 1 --memory-limit 7M -o m.pbwt
+with_more() { says 0 "8 of 8 tiles are finished" tiles ellipsoid.csv --tiles 8 --threads 1 -o m.pbwt; }
+check "more memory goes on from there" with_more
+check "too little memory for tiles of its choice" nothing_left n.pbwt 1 "out of memory within --memory-limit 4M" \
+    tiles ellipsoid.csv --threads 1 --memory-limit 4M -o n.pbwt
 check "enough memory" says 0 "all " tiles long.bin --memory-limit 12M -o m.pbwt
 
 # Several at a time: the same bytes for any number of threads; fewer if memory is too small for that.
@@ -242,6 +254,10 @@ if command -v mpirun > /dev/null && [ -x "$bin/mpi" ]; then
     check "MPI: 4 ranks" ranks 4 k4.3.bin
     check "MPI: 3 ranks in 2D, leftovers" ranks 3 k3.2.bin --dim 2
     check "MPI: 2 ranks, weighted" ranks 2 weighted.bin --weights w
+    check "MPI: 16 ranks" ranks 16 k0.3.bin
+    check "MPI: 1 rank" ranks 1 few.bin
+    ./points 0 3 500000 0 > many.bin                 # whose points travel in several bundles
+    check "MPI: 5 ranks of many points" ranks 5 many.bin
     mpi_fails() {   # mpi_fails TEXT ARGUMENT...
         text=$1
         shift

@@ -23,7 +23,7 @@
      together    every step ends with an agreement: a status but PBW_OK is that of all ranks, with one text
                  that names the rank and what it lacked
      restart     the next run takes up tiles that were finished: see RESTART
-     bounded     options.build.memory_limit limits each rank's tile; 100 bytes a point for their way come before
+     bounded     options.build.memory_limit limits each rank's tile; 50 bytes a point for their way come before
      sound       memory by options.build.resize; none is kept after a failure
 
    RESTART
@@ -105,6 +105,12 @@ PBWMDEF pbw_status pbwm_agree(MPI_Comm comm, pbw_status status, char *text, size
 #include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
+#ifdef __linux__
+#include <sys/mman.h>
+#ifndef __cplusplus
+extern int madvise(void *address, size_t length, int advice);        /* strict C modes hide it */
+#endif
+#endif
 
 /* ------------------------------------------------------------------------------------------------------
    The ranks: memory, agreement, clocks.
@@ -120,7 +126,8 @@ typedef struct pbwm__group {
     MPI_Request *request;                            /* 2 a rank */
 } pbwm__group;
 
-/* Zeros through options.build.resize; the size stands before the block. */
+/* Zeros through options.build.resize; the size stands before the block.  Large ones lie on huge pages if there are
+   any: the system has fewer of them to find and to take back. */
 static void *pbwm__take(const pbwm__group *g, size_t bytes)
 {
     const pbw_options *o = &g->options.build;
@@ -132,6 +139,12 @@ static void *pbwm__take(const pbwm__group *g, size_t bytes)
     if (o->resize != NULL) {
         memset(block, 0, all);
     }
+#ifdef __linux__
+    if (o->resize == NULL && all >= (size_t)1 << 22) {
+        const size_t skip = (size_t)block % 4096;
+        (void)madvise(block - skip, (skip + all + 4095) / 4096 * 4096, 14);      /* MADV_HUGEPAGE */
+    }
+#endif
     memcpy(block, &all, sizeof all);
     return block + 16;
 }
@@ -372,6 +385,122 @@ static pbw_status pbwm__cut(pbwm__work *w, const pbwt_point *points, size_t coun
     return status;
 }
 
+/* Points on their way: each rank sends each other what is for it in bundles of the same size, but for the last, in
+   this order.  The one that they go to knows how many come and where they belong. */
+typedef struct pbwm__moving {
+    size_t most;                                     /* points in a bundle */
+    pbwt_point *bundle;                              /* two for each rank: one is filled while the other goes */
+    MPI_Request *going, *coming;                     /* of bundles; of what comes */
+    uint64_t *send, *get;                            /* points for each rank, and from it */
+    size_t comings;
+} pbwm__moving;
+
+/* Waits for what comes: into place, from rank to rank; `own` is where this rank's own points go. */
+static void pbwm__expect(pbwm__group *g, pbwm__moving *m, pbwt_point *place, pbwt_point **own)
+{
+    const int words = (int)(sizeof *place / 8);
+    int p;
+    for (p = 0; p < g->ranks; p++) {
+        size_t left = (size_t)m->get[p], some;
+        if (p == g->rank) {
+            *own = place;
+            place += left;
+            continue;
+        }
+        for (; left > 0; left -= some, place += some) {
+            some = left < m->most ? left : m->most;
+            MPI_Irecv(place, (int)some * words, g->word, p, 1, g->comm, m->coming + m->comings++);
+        }
+    }
+}
+
+/* Sends the bundle of rank p that has `filled` points of all that went into its bundles. */
+static void pbwm__send_bundle(pbwm__group *g, pbwm__moving *m, int p, size_t filled)
+{
+    const size_t which = 2 * (size_t)p + (filled - 1) / m->most % 2, some = (filled - 1) % m->most + 1;
+    MPI_Isend(m->bundle + which * m->most, (int)(some * sizeof *m->bundle / 8), g->word, p, 1, g->comm,
+              m->going + which);
+    MPI_Wait(m->going + (which ^ 1), MPI_STATUS_IGNORE);     /* the other is to be filled next */
+}
+
+/* Sends points[i] to rank to[i], and returns when all that come have come. */
+static void pbwm__move(pbwm__group *g, pbwm__moving *m, const pbwt_point *points, size_t count, const int *to,
+                       pbwt_point *own)
+{
+    size_t i;
+    int p;
+    memset(m->send, 0, (size_t)g->ranks * sizeof *m->send);
+    for (i = 0; i < count; i++) {
+        const size_t filled = (size_t)m->send[to[i]];
+        if (to[i] == g->rank) {
+            *own++ = points[i];
+            continue;
+        }
+        m->bundle[(2 * (size_t)to[i] + filled / m->most % 2) * m->most + filled % m->most] = points[i];
+        if (++m->send[to[i]] % m->most == 0) {
+            pbwm__send_bundle(g, m, to[i], filled + 1);
+        }
+    }
+    for (p = 0; p < g->ranks; p++) {
+        if (m->send[p] % m->most != 0) {
+            pbwm__send_bundle(g, m, p, (size_t)m->send[p]);
+        }
+    }
+    MPI_Waitall(2 * g->ranks, m->going, MPI_STATUSES_IGNORE);
+    MPI_Waitall((int)m->comings, m->coming, MPI_STATUSES_IGNORE);
+}
+
+/* Takes room for what comes, so many bundles. */
+static int pbwm__take_room(pbwm__work *w, pbwm__moving *m)
+{
+    pbwm__group *g = w->g;
+    size_t all = 0, bundles = 0;
+    int p;
+    for (p = 0; p < g->ranks; p++) {
+        all += (size_t)m->get[p];
+        bundles += (size_t)m->get[p] / m->most + 1;
+        m->going[2 * p] = m->going[2 * p + 1] = MPI_REQUEST_NULL;
+    }
+    w->mine.size = all * sizeof(pbwt_point);
+    w->mine.data = (char *)pbwm__take(g, w->mine.size);
+    m->coming = (MPI_Request *)pbwm__take(g, bundles * sizeof *m->coming);
+    m->bundle = (pbwt_point *)pbwm__take(g, 2 * (size_t)g->ranks * m->most * sizeof *m->bundle);
+    return bundles < 0x7fffffff && w->mine.data != NULL && m->coming != NULL && m->bundle != NULL;
+}
+
+/* Gives each point to the rank to[i]. */
+static pbw_status pbwm__exchange_points(pbwm__work *w, const pbwt_point *points, size_t count, const int *to)
+{
+    const size_t ranks = (size_t)w->g->ranks;
+    pbwm__group *g = w->g;
+    pbwt_point *own = NULL;
+    pbwm__moving m;
+    pbw_status status;
+    size_t i;
+    memset(&m, 0, sizeof m);
+    m.most = ranks < 256 ? 65536 / ranks : 256;
+    m.send = (uint64_t *)pbwm__take(g, 2 * ranks * sizeof *m.send);
+    m.going = (MPI_Request *)pbwm__take(g, 2 * ranks * sizeof *m.going);
+    status = pbwm__agree(g, m.send != NULL && m.going != NULL ? PBW_OK : PBW_ERROR_MEMORY, "room for a list of ranks");
+    if (status == PBW_OK) {
+        m.get = m.send + ranks;
+        for (i = 0; i < count; i++) {
+            m.send[to[i]]++;
+        }
+        MPI_Alltoall(m.send, 1, g->word, m.get, 1, g->word, g->comm);
+        status = pbwm__agree(g, pbwm__take_room(w, &m) ? PBW_OK : PBW_ERROR_MEMORY, "room for its points");
+    }
+    if (status == PBW_OK) {
+        pbwm__expect(g, &m, (pbwt_point *)(void *)w->mine.data, &own);
+        pbwm__move(g, &m, points, count, to, own);
+    }
+    pbwm__give(g, m.bundle);
+    pbwm__give(g, m.coming);
+    pbwm__give(g, m.going);
+    pbwm__give(g, m.send);
+    return status;
+}
+
 static pbw_status pbwm__partition(pbwm__work *w, const pbwt_point *points, size_t count)
 {
     pbwm__group *g = w->g;
@@ -383,10 +512,7 @@ static pbw_status pbwm__partition(pbwm__work *w, const pbwt_point *points, size_
     for (i = 0; i < count && status == PBW_OK; i++) {
         to[i] = pbwt_part(g->dim, cuts, g->ranks, points + i);
     }
-    if (status == PBW_OK) {
-        status = pbwm__send_records(g, points, count, sizeof *points, to, w->message);
-        w->mine = w->message[g->ranks];
-    }
+    status = status == PBW_OK ? pbwm__exchange_points(w, points, count, to) : status;
     pbwm__give(g, to);
     pbwm__give(g, cuts);
     pbwm__end_phase(g, PBWM_PARTITION);

@@ -216,6 +216,12 @@ PBWTDEF size_t pbwt_match(pbwt_facet *facets, size_t count);
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#ifdef __linux__
+#include <sys/mman.h>
+#ifndef __cplusplus
+extern int madvise(void *address, size_t length, int advice);        /* strict C modes hide it */
+#endif
+#endif
 
 #if defined(__GNUC__)
 #define PBWT__ADD(x, y) __atomic_add_fetch(x, y, __ATOMIC_RELAXED)
@@ -245,15 +251,33 @@ typedef struct pbwt__memory {
 
 typedef struct pbwt__array { void *data; size_t count, bytes; } pbwt__array;     /* count: the owner's */
 
+/* Large blocks lie on huge pages where there are any: the system has fewer of them to find and to take back.  With the
+   pages at the ends, where other bytes may be: realloc copies a mapping in two parts instead of moving it. */
+static void pbwt__advise(void *block, size_t size)
+{
+#ifdef __linux__
+    const size_t page = 4096, skip = (size_t)block % page;
+    if (block != NULL && size >= (size_t)1 << 22) {
+        (void)madvise((char *)block - skip, (skip + size + page - 1) / page * page, 14);     /* MADV_HUGEPAGE */
+    }
+#else
+    (void)block;
+    (void)size;
+#endif
+}
+
 static void *pbwt__default_resize(void *user, void *ptr, size_t old_size, size_t new_size)
 {
+    void *block;
     (void)user;
     (void)old_size;
     if (new_size == 0) {
         free(ptr);
         return NULL;
     }
-    return realloc(ptr, new_size);
+    block = realloc(ptr, new_size);
+    pbwt__advise(block, new_size);
+    return block;
 }
 
 static pbwt__memory pbwt__memory_of(const pbw_options *options)
@@ -1122,7 +1146,7 @@ static size_t pbwt__next(pbwt__walk *walk)
    filled up to 8), then points that were not sent before.
    Holds: of a verdict PBWT__ALL the part that asked has all points in conflict; of PBWT__SOME at least one.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWT__NOTHING, PBWT__ALL, PBWT__SOME, PBWT__REFUSED };            /* verdicts */
+enum { PBWT__NOTHING, PBWT__ALL, PBWT__SOME, PBWT__REFUSED, PBWT__OPEN };        /* verdicts; OPEN: not yet */
 enum { PBWT__WANT = 0x77746270, PBWT__ASK, PBWT__REPLY };               /* kinds of messages */
 
 /* points: in a reply, how many; in a request, whether the samples of the part asked are known. */
@@ -1135,6 +1159,7 @@ typedef struct pbwt__serving {
     pbwt__levels levels;
     pbwt__array set, out, found;                     /* set: hash table of index + 1; out: pbwt_vertex; found: u32 */
     size_t most, few;                                /* points in an answer, and if there are more */
+    size_t work, points;                             /* most visits, and points in a reply */
     int samples;                                     /* known: never sent */
 } pbwt__serving;
 
@@ -1342,13 +1367,38 @@ PBWTDEF void pbwt_served_free(const pbwt_tree *tree, pbwt_served *served)
     memset(served, 0, sizeof *served);
 }
 
+/* Answers every `step`-th record that has no verdict yet, within limits of visits and points.  Returns 0 without
+   memory. */
+static int pbwt__answer_every(pbwt__serving *s, const pbwt_bytes *request, size_t step, pbwt__array *verdicts)
+{
+    pbwt__head head;
+    size_t i, size;
+    memcpy(&head, request->data, sizeof head);
+    size = head.kind == PBWT__WANT ? sizeof(pbwt_box) : sizeof(pbwt__question);
+    for (i = 0; i < head.count; i += step) {
+        int verdict = PBWT__REFUSED;
+        if (PBWT__BYTES(*verdicts)[i] != PBWT__OPEN) {
+            continue;
+        }
+        if (head.kind == PBWT__WANT || (s->served->visits <= s->work && s->out.count <= s->points)) {
+            verdict = pbwt__answer_record(s, (int)head.kind, request->data + sizeof head + i * size);
+        }
+        if (verdict < 0) {
+            return 0;
+        }
+        PBWT__BYTES(*verdicts)[i] = (unsigned char)verdict;
+    }
+    return 1;
+}
+
+/* Some of many questions come first, spread over all: if by these half would have to be refused, which leaves hardly
+   a star without one that is, all others are. */
 static pbw_status pbwt__answer_all(pbwt__serving *s, const pbwt_bytes *request, const pbwt_limits *limits,
                                    uint64_t asker, pbwt__array *verdicts)
 {
-    const size_t work = (limits->work > 0 ? limits->work : 20) * (size_t)(asker + 5000);
-    const size_t points = limits->points > 0 ? limits->points : (size_t)asker / 2 + 1000;
+    const size_t before = s->served->visits;
     pbwt__head head;
-    size_t i, size;
+    size_t size, step;
     if (request->size < sizeof head) {
         return PBW_ERROR_ARGUMENT;
     }
@@ -1357,6 +1407,8 @@ static pbw_status pbwt__answer_all(pbwt__serving *s, const pbwt_bytes *request, 
     if ((head.kind != PBWT__WANT && head.kind != PBWT__ASK) || request->size != sizeof head + head.count * size) {
         return PBW_ERROR_ARGUMENT;
     }
+    s->work = (limits->work > 0 ? limits->work : 20) * (size_t)(asker + 5000);
+    s->points = limits->points > 0 ? limits->points : (size_t)asker / 2 + 1000;
     s->most = head.kind == PBWT__WANT ? (limits->halo_answer > 0 ? limits->halo_answer : 512)
             : limits->answer > 0 ? limits->answer : 64;
     s->few = head.kind == PBWT__WANT ? 64 : (s->most + 2) / 3;
@@ -1365,17 +1417,17 @@ static pbw_status pbwt__answer_all(pbwt__serving *s, const pbwt_bytes *request, 
     if (!pbwt__zeros(&s->memory, verdicts, head.count, 1)) {
         return PBW_ERROR_MEMORY;
     }
-    for (i = 0; i < head.count; i++) {
-        int verdict = PBWT__REFUSED;
-        if (head.kind == PBWT__WANT || (s->served->visits <= work && s->out.count <= points)) {
-            verdict = pbwt__answer_record(s, (int)head.kind, request->data + sizeof head + i * size);
-        }
-        if (verdict < 0) {
+    memset(verdicts->data, PBWT__OPEN, head.count);
+    step = head.kind == PBWT__ASK ? head.count / 256 : 0;
+    if (step > 16) {
+        if (!pbwt__answer_every(s, request, step, verdicts)) {
             return PBW_ERROR_MEMORY;
         }
-        PBWT__BYTES(*verdicts)[i] = (unsigned char)verdict;
+        if ((double)before + (double)(s->served->visits - before) * (double)step > 2 * (double)s->work) {
+            s->work = 0;
+        }
     }
-    return PBW_OK;
+    return pbwt__answer_every(s, request, 1, verdicts) ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
 PBWTDEF pbw_status pbwt_answer(const pbwt_tree *tree, pbwt_served *served, const pbwt_bytes *request,
@@ -2092,6 +2144,15 @@ static pbw_status pbwt__guess(struct pbwt__tile *t, size_t most, const pbw_optio
     return status;
 }
 
+/* Are there more questions than `most` about the first simplices of the queue, or will there be if those that wait
+   have as many each?  A quarter more, as they may have fewer. */
+static int pbwt__is_over(const struct pbwt__tile *t, size_t questions, size_t tested, size_t most)
+{
+    const double each = (double)questions / (double)tested;
+    return questions > most
+        || (tested >= PBWT__WAVE && each * (double)t->queue.count > 1.25 * (double)most);
+}
+
 static pbw_status pbwt__certify(struct pbwt__tile *t)
 {
     const size_t simplices = t->level.mesh.simplex_count, before = t->tile->numbers.questions;
@@ -2117,7 +2178,7 @@ static pbw_status pbwt__certify(struct pbwt__tile *t)
     for (i = 0; i < t->queue.count && status == PBW_OK && !too_many; i += count) {
         count = t->queue.count - i < PBWT__WAVE ? t->queue.count - i : (size_t)PBWT__WAVE;
         status = pbwt__test_wave(t, i, count, &options);
-        too_many = t->tile->numbers.questions - before > most;
+        too_many = pbwt__is_over(t, t->tile->numbers.questions - before, i + count, most);
     }
     if (too_many && status == PBW_OK) {
         pbwt__give_up(t);

@@ -1,7 +1,7 @@
 /* tiles.c: pbw tiles: triangulates points that memory does not hold, tile by tile, into a .pbwt file.
 
    Beside the output, in a folder of scratch files: `state`, replaced as a whole after each step, so that a run that
-   was killed goes on; N.points (records of tile N as they come), N.tree (sorted, with boxes), N.facets (to link),
+   was killed or had no room on the disk goes on; all go when none could, as of bad input; N.points (records of tile N as they come), N.tree (sorted, with boxes), N.facets (to link),
    N.border (simplices with a corner that may be given up). */
 #include "program.h"
 #include "pbw_tilefile.h"
@@ -63,6 +63,7 @@ typedef struct work {
     pbwt_options options;                            /* build: with all memory and threads */
     pbwt_limits limits;
     int jobs;                                        /* tiles at a time */
+    int hopeless;                                    /* it failed, and the same would again whatever was finished */
     double start;
 } work;
 
@@ -220,8 +221,9 @@ static size_t read_points(const work *w, FILE *file, uint64_t from, size_t count
     return i;
 }
 
-static int bad_point(const work *w, FILE *file, uint64_t at)
+static int bad_point(work *w, FILE *file, uint64_t at)
 {
+    w->hopeless = 1;
     return file != NULL && (feof(file) || ferror(file))
          ? fail(w->j, "%s: truncated: point %.0f cannot be read", w->j->input, (double)at)
          : fail(w->j, "point %.0f: a number is not finite", (double)at);
@@ -272,7 +274,7 @@ static void wake(crew *c) { pthread_cond_broadcast(&c->turn); }
 
 /* ---- distribution */
 
-static int make_cuts(const work *w, pbwt_cut *cuts)
+static int make_cuts(work *w, pbwt_cut *cuts)
 {
     const size_t count = w->s.points < SAMPLES ? (size_t)w->s.points : SAMPLES;
     const uint64_t record = (w->s.dim + w->s.weighted) * sizeof(double);
@@ -332,7 +334,7 @@ static void pass_on(crew *c, size_t tile, const pbwt_point *points, size_t count
 static void distribute_run(reading *r, FILE *file, uint64_t from, uint64_t to, pbwt_point *room, size_t *used)
 {
     crew *c = &r->c;
-    const work *w = c->w;
+    work *w = c->w;
     pbwt_point *block = room + w->s.parts * r->each;
     int stop = 0;
     size_t i, p;
@@ -458,47 +460,55 @@ static int is_interrupted(void *user, pbw_stage stage, double done)
     return interrupted;
 }
 
-static int make_tree(const work *w, size_t p)
+/* Would another limit of memory make other tiles, for which nothing that is finished is of use? */
+static int is_bound_to_limit(const work *w)
+{
+    return !is_given(w->j, "--tiles");
+}
+
+static pbw_status make_tree(const work *w, size_t p)
 {
     char name[NAME], points[NAME], error[PBWTF_ERROR];
     pbw_options share = share_of(w, w->jobs);
     pbwtf_map map;
     pbwt_tree tree;
     pbw_status status;
-    int failed;
     FILE *there = fopen(name_of(w, "tree", p, name), "rb");
     if (there != NULL) {                             /* an earlier run made it */
         fclose(there);
-        return 0;
+        return PBW_OK;
     }
     if (!pbwtf_map_file(name_of(w, "points", p, points), &map, error)) {
-        return fail(w->j, "%s", error);
+        fail(w->j, "%s", error);
+        return PBW_ERROR_BACKEND;
     }
     share.progress = w->jobs > 1 ? is_interrupted : share.progress;
     status = pbwt_tree_make((int)w->s.dim, (int)p, (const pbwt_point *)(const void *)map.data,
                             map.size / sizeof(pbwt_point), &share, &tree);
     pbwtf_unmap(&map);
     if (status != PBW_OK) {
-        return status == PBW_CANCELLED ? FAILURE         /* make_trees says so */
-             : fail(w->j, "tile %lu: %s%s", (unsigned long)p, pbw_status_string(status),
-                    status == PBW_ERROR_MEMORY ? "; more --tiles need less" : "");
+        if (status != PBW_CANCELLED) {               /* make_trees says so */
+            fail(w->j, "tile %lu: %s%s", (unsigned long)p, pbw_status_string(status),
+                 status == PBW_ERROR_MEMORY ? "; more --tiles need less" : "");
+        }
+        return status;
     }
-    failed = write_tree(w, &tree, name);
-    pbwt_tree_free(&tree);
-    if (!failed) {
+    if (write_tree(w, &tree, name) == 0) {
         remove(points);
+    } else {
+        status = PBW_ERROR_BACKEND;
     }
-    return failed;
+    pbwt_tree_free(&tree);
+    return status;
 }
 
 static pbw_status make_some_trees(void *arg, size_t from, size_t to)
 {
-    const work *w = (const work *)arg;
-    int failed = 0;
-    for (; from < to && !failed; from++) {
-        failed = make_tree(w, from);
+    pbw_status status = PBW_OK;
+    for (; from < to && status == PBW_OK; from++) {
+        status = make_tree((const work *)arg, from);
     }
-    return failed ? interrupted ? PBW_CANCELLED : PBW_ERROR_BACKEND : PBW_OK;
+    return status;
 }
 
 /* As many at a time as work.jobs. */
@@ -510,24 +520,32 @@ static pbw_status for_tiles(const work *w, pbw_body *body, void *arg)
     return pbw_for(&options, w->s.parts, 1, body, arg);
 }
 
+/* A scratch file of an earlier run is not what that wrote. */
+static int bad_scratch(work *w, const char *name)
+{
+    w->hopeless = 1;
+    return fail(w->j, "%s: missing or truncated: scratch files are removed, start again", name);
+}
+
 static int make_trees(work *w)
 {
+    const pbw_status status = w->s.trees ? PBW_OK : for_tiles(w, make_some_trees, w);
     char name[NAME], error[PBWTF_ERROR];
     size_t p;
-    int failed = !w->s.trees && for_tiles(w, make_some_trees, w) != PBW_OK;
-    if (failed && interrupted) {
-        return stopped(w->j);
+    w->hopeless |= status == PBW_ERROR_MEMORY && is_bound_to_limit(w);
+    if (status != PBW_OK) {
+        return interrupted ? stopped(w->j) : FAILURE;
     }
-    for (p = 0; p < w->s.parts && !failed; p++) {
+    for (p = 0; p < w->s.parts; p++) {
         tree_head head;
         if (!pbwtf_map_file(name_of(w, "tree", p, name), w->map + p, error) || w->map[p].size < sizeof head) {
-            return fail(w->j, "%s: missing or truncated: remove the scratch folder and start again", name);
+            return bad_scratch(w, name);
         }
         memcpy(&head, w->map[p].data, sizeof head);
         w->summary[p] = head.summary;
         if (w->map[p].size != sizeof head + head.summary.count * sizeof(pbwt_point)
                               + pbwt_boxes_of((size_t)head.summary.count) * sizeof(pbwt_box)) {
-            return fail(w->j, "%s: truncated: remove the scratch folder and start again", name);
+            return bad_scratch(w, name);
         }
         pbwt_tree_over((int)w->s.dim, (int)p, w->summary + p,
                        (const pbwt_point *)(const void *)(w->map[p].data + sizeof head),
@@ -535,17 +553,18 @@ static int make_trees(work *w)
                                                         + head.summary.count * sizeof(pbwt_point)), w->tree + p);
         w->tree[p].duplicates = (size_t)head.duplicates;
     }
-    w->s.trees = !failed;
-    return failed ? failed : save_state(w);
+    w->s.trees = 1;
+    return save_state(w);
 }
 
 /* ---- tiles */
 
-static int explain_tile(const work *w, const pbwt_tile *tile, size_t p, pbw_status status)
+static int explain_tile(work *w, const pbwt_tile *tile, size_t p, pbw_status status)
 {
     if (status == PBW_CANCELLED) {
         return stopped(w->j);
     }
+    w->hopeless |= status == PBW_ERROR_MEMORY ? is_bound_to_limit(w) : status != PBW_ERROR_BACKEND;
     if (status == PBW_ERROR_MEMORY) {
         const char *limit = text_of(w->j, "--memory-limit");
         limit = limit != NULL ? limit : "4G";
@@ -888,6 +907,7 @@ static int build_leftovers(work *w, FILE *out, size_t count)
     int failed;
     memset(&tile, 0, sizeof tile);
     if (!w->s.mesh) {
+        w->hopeless = 1;
         return fail(w->j, "%lu points, as on surfaces, were given up by the tiles: --no-mesh does not do them",
                     (unsigned long)count);
     }
@@ -1136,6 +1156,10 @@ static int run(job *j)
     if (!failed && (w->s.mesh ? rename(w->out, j->output[0]) : remove(w->out)) != 0) {
         failed = cannot(w, w->out);
     }
+    if (w->hopeless) {
+        clean(w);
+        remove(w->out);
+    }
     if (!failed) {
         clean(w);
         j->written = j->outputs;
@@ -1161,7 +1185,7 @@ const command command_tiles = {
     "\n"
     "Triangulates points tile by tile within a limit of memory, into a file that has simplices, links across tiles\n"
     "and a hash: the same triangulation as pbw mesh makes at once.  A run that was stopped, or found the disk full,\n"
-    "goes on when it is started again.\n"
+    "goes on when it is started again, as does one that was short of memory with the same --tiles and more of it.\n"
     "\n"
     "input:   .bin, doubles x y z (with --dim 2: x y; with --weights w: and a weight): read piece by piece;\n"
     "         or as for pbw mesh, then in memory\n"
