@@ -1147,6 +1147,11 @@ PBW__SIMD_INLINE pbw__d4 pbw__min4(pbw__d4 a, pbw__d4 b)
     return PBW__BY_ISA(_mm256_min_pd(a, b), PBW__HALVES2(vminq_f64, a, b));
 }
 
+PBW__SIMD_INLINE pbw__d4 pbw__sqrt4(pbw__d4 x)
+{
+    return PBW__BY_ISA(_mm256_sqrt_pd(x), pbw__join(vsqrtq_f64(pbw__half0(x)), vsqrtq_f64(pbw__half1(x))));
+}
+
 PBW__SIMD_INLINE pbw__d4 pbw__abs4(pbw__d4 x)
 {
     return PBW__BY_ISA(_mm256_andnot_pd(_mm256_set1_pd(-0.0), x),
@@ -1326,6 +1331,11 @@ PBW__SIMD_INLINE unsigned pbw__signs(pbw__d4 x)      /* the set of negative lane
 PBW__SIMD_INLINE unsigned pbw__count4(unsigned set)
 {
     return PBW__BY_ISA((unsigned)__builtin_popcount(set), (unsigned)(0x4332322132212110u >> 4 * set) & 15);
+}
+
+PBW__SIMD_INLINE unsigned pbw__lane_of(unsigned set)         /* the first lane of a set */
+{
+    return (unsigned)__builtin_ctz(set | 8);
 }
 
 PBW__SIMD_INLINE unsigned pbw__first_lanes(unsigned count)
@@ -2512,6 +2522,7 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
       power3    lift 2+1+2+1, minor 8, product, 2 sums          17    24 mx my mz ml          408 u mx my mz ml
       circle    the kernels' power2, one rounding more          13    6 h^2                    78 u h^2
       sphere    the kernels' power3, two roundings more         19    24 h^(5/2)              456 u h^(5/2)
+      ear       orient3, two sums more                   10    24 h^(3/2)              240 u h^(3/2)
       thin      circle, by the sum of the absolute products     13    that sum                 13 u that sum
       pairs     see there
       reach     difference twice, product, 2 sums, weight        6    |v - q|^2 + |w|            6 u that sum
@@ -2530,6 +2541,9 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
 #define PBW__ORIENT3_ERROR 5.4e-15
 #define PBW__CIRCLE_ERROR 9e-15
 #define PBW__SPHERE_ERROR 5.2e-14
+#define PBW__EAR_ERROR 2.8e-14                       /* of Q in >>ears: times h^(3/2) */
+#define PBW__TIME_ERROR 1.2                          /* of P / Q: times the error of P, and P / Q times that of Q */
+#define PBW__TIME_LEAST 64.0                         /* times the error of Q: where P / Q is used */
 #define PBW__THIN_ERROR 1.5e-15                      /* times the sum of the absolute products */
 #define PBW__CIRCLE_PAIRS_ERROR 9e-30                /* the kernels' in pairs: times h^2, h^(5/2) */
 #define PBW__SPHERE_PAIRS_ERROR 9e-29
@@ -12930,6 +12944,27 @@ typedef struct pbw__rim { uint64_t key; pbw_index v[3]; unsigned char made, clos
 
 typedef struct pbw__filling { pbw_index v[4]; pbw__link link[4]; unsigned char made[4]; } pbw__filling;
 
+/* The facets of a hole, see >>ears: place 4 i + k is corner k of the i-th simplex of the star, v's own place is not
+   used.  The edge opposite to a place is in two facets.  The triangulated hole has 2 n - 4 facets. */
+#define PBW__MOST_EARS 60
+#define PBW__NEW_EARS 92                             /* edges, and one that is none */
+#define PBW__MOST_FILLINGS 128
+typedef struct pbw__ears {
+    double row[PBW__MOST_EARS / 2 + 3][4];           /* per vertex: relative to v; the lift.  By places in rim_vertex */
+    double low[PBW__NEW_EARS + 4], high[PBW__NEW_EARS + 4];        /* per edge: when it is cut off; then the new ones */
+    double spare;                                    /* no height is above the lift by more */
+    pbw__link across[PBW__MOST_EARS];                /* per facet, as in pbw__rim */
+    unsigned char made[PBW__MOST_EARS];
+    unsigned char vertex[4 * PBW__MOST_EARS];        /* per place: its vertex; the next corner of the facet; the place */
+    unsigned char turn[4 * PBW__MOST_EARS];          /* across the edge opposite to it; that edge */
+    unsigned char twin[4 * PBW__MOST_EARS], edge[4 * PBW__MOST_EARS];
+    unsigned char entry[PBW__MOST_EARS + 1];         /* per facet: where it was met */
+    unsigned char place[PBW__NEW_EARS + 4];          /* per edge: a place opposite to it; so for the new times */
+    unsigned char renewed[4];                        /* per new time: the edge */
+    unsigned char degree[PBW__MOST_EARS / 2 + 3];    /* per vertex: its facets */
+    unsigned facets, edges;
+} pbw__ears;
+
 typedef struct pbw__core {
     pbw__store store;
     pbw__grid grid;
@@ -12963,6 +12998,7 @@ typedef struct pbw__core {
     size_t rim_vertices, rims, fillings, effort, reinserted;
     double rim_at[4][PBW__FEW];                      /* the records of rim_vertex, by columns; the ghost's is 0 */
     int rim_fits;                                    /* they are there, for vectors */
+    pbw__ears ears;
     /* the journal */
     pbw__past *past;
     pbw_index *taken, *open;                         /* slots that were free; edges to be tested: see >>moves */
@@ -13637,6 +13673,393 @@ static pbw_index pbw__rim_behind(const pbw__core *core, const pbw_index *rim)
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   >>ears         The hole of a vertex in space, cut off ear by ear.
+   In: a vertex v inside the hull.  Out: its star in scratch.cavity, its link in rim_vertex, what fills the hole in
+   `filling`; or PBW__NO_FIT, if rounded numbers are not certain of that.
+   Holds: every verdict is exact.
+
+   Let the lift of v rise by t, from 0 on, and all others stay.  The regular triangulation then changes by flips in the
+   star of v only, until v is hidden in a last simplex.  Two facets abc and bad of the hole meet in the edge ab, behind
+   which is the facet vab of the star.  It is regular until, at a time t, the lifts of v, a, b, c and d are in one
+   plane: t = P / Q, where Q is the orientation of (d, a, b, c) and P the power determinant of (v, a, b, c) and d.  It
+   stays regular if Q < 0.  The edge with the least time is flipped next, which makes the simplex dabc.  If only three
+   facets meet in a, the facet dbc takes their place, and so with b; if not, cad and dbc take the place of abc and bad.
+   The simplex between four facets is the last one.
+
+   A time has an interval around it.  The edges at a vertex of three facets are one flip.  If any other interval
+   overlaps the least one, the order is not certain: so it is where five vertices, or four in a plane with v, have a
+   sphere in common.  What breaks ties moves no time as far as intervals that do not overlap are apart.
+   ------------------------------------------------------------------------------------------------------ */
+#ifdef PBW__SIMD
+/* For four edges, the ends of the intervals of their times; both infinite where there is none. */
+typedef struct pbw__spans4 { pbw__d4 low, high; } pbw__spans4;
+
+PBW__SIMD_INLINE pbw__spans4 pbw__ear_spans(const pbw__d4 *a, const pbw__d4 *b, const pbw__d4 *c, const pbw__d4 *d,
+                                            pbw__d4 spare)
+{
+    const pbw__d4 ab = pbw__det2(a[0], a[1], b[0], b[1]), ac = pbw__det2(a[0], a[1], c[0], c[1]);
+    const pbw__d4 ad = pbw__det2(a[0], a[1], d[0], d[1]), bc = pbw__det2(b[0], b[1], c[0], c[1]);
+    const pbw__d4 bd = pbw__det2(b[0], b[1], d[0], d[1]), cd = pbw__det2(c[0], c[1], d[0], d[1]);
+    const pbw__d4 abc = pbw__fma(c[2], ab, pbw__fnma(b[2], ac, a[2] * bc));
+    const pbw__d4 abd = pbw__fma(d[2], ab, pbw__fnma(b[2], ad, a[2] * bd));
+    const pbw__d4 acd = pbw__fma(d[2], ac, pbw__fnma(c[2], ad, a[2] * cd));
+    const pbw__d4 bcd = pbw__fma(d[2], bc, pbw__fnma(c[2], bd, b[2] * cd));
+    const pbw__d4 h = pbw__max4(pbw__max4(a[3], b[3]), pbw__max4(c[3], d[3])) + spare, h3 = h * pbw__sqrt4(h);
+    const pbw__d4 side = (abc - abd) + (acd - bcd), side_error = h3 * pbw__splat(PBW__EAR_ERROR);
+    const pbw__d4 power = pbw__fnma(c[3], abd, d[3] * abc) + pbw__fnma(a[3], bcd, b[3] * acd);
+    const pbw__d4 power_error = h3 * h * pbw__splat(PBW__SPHERE_ERROR), inverse = pbw__splat(1.0) / side;
+    const pbw__d4 t = power * inverse;
+    const pbw__d4 error = pbw__fma(pbw__abs4(t), side_error, power_error) * (inverse * pbw__splat(PBW__TIME_ERROR));
+    const pbw__d4 none = pbw__greater(pbw__splat(0.0) - side_error, side);
+    pbw__spans4 spans = { t - error, t + error };
+    pbw__d4 sure = pbw__greater(side, side_error * pbw__splat(PBW__TIME_LEAST));
+    sure = pbw__and4(sure, pbw__greater(pbw__splat(HUGE_VAL), spans.high));
+    spans.low = pbw__blend(pbw__blend(pbw__splat(-HUGE_VAL), spans.low, sure), pbw__splat(HUGE_VAL), none);
+    return spans;
+}
+
+PBW__INLINE const double *pbw__ear_row(const pbw__ears *ears, unsigned place)
+{
+    return ears->row[ears->vertex[place]];
+}
+
+PBW__SIMD_INLINE void pbw__ear_columns(const double *a, const double *b, const double *c, const double *d, pbw__d4 *x)
+{
+    pbw__columns(a, b, c, d, x, x + 1);
+    pbw__columns(a + 2, b + 2, c + 2, d + 2, x + 2, x + 3);
+}
+
+/* The times of edges e to e + 3. */
+PBW__SIMD_INLINE void pbw__ear_times(pbw__ears *ears, unsigned e)
+{
+    const unsigned a0 = ears->place[e], a1 = ears->place[e + 1], a2 = ears->place[e + 2], a3 = ears->place[e + 3];
+    const unsigned b0 = ears->turn[a0], b1 = ears->turn[a1], b2 = ears->turn[a2], b3 = ears->turn[a3];
+    const unsigned c0 = ears->turn[b0], c1 = ears->turn[b1], c2 = ears->turn[b2], c3 = ears->turn[b3];
+    const unsigned d0 = ears->twin[a0], d1 = ears->twin[a1], d2 = ears->twin[a2], d3 = ears->twin[a3];
+    pbw__d4 a[4], b[4], c[4], d[4];
+    pbw__spans4 spans;
+    pbw__ear_columns(pbw__ear_row(ears, a0), pbw__ear_row(ears, a1), pbw__ear_row(ears, a2), pbw__ear_row(ears, a3), a);
+    pbw__ear_columns(pbw__ear_row(ears, b0), pbw__ear_row(ears, b1), pbw__ear_row(ears, b2), pbw__ear_row(ears, b3), b);
+    pbw__ear_columns(pbw__ear_row(ears, c0), pbw__ear_row(ears, c1), pbw__ear_row(ears, c2), pbw__ear_row(ears, c3), c);
+    pbw__ear_columns(pbw__ear_row(ears, d0), pbw__ear_row(ears, d1), pbw__ear_row(ears, d2), pbw__ear_row(ears, d3), d);
+    spans = pbw__ear_spans(a, b, c, d, pbw__splat(ears->spare));
+    memcpy(ears->low + e, &spans.low, sizeof(spans.low));
+    memcpy(ears->high + e, &spans.high, sizeof(spans.high));
+}
+
+/* The facet of a place becomes facet k of filling f. */
+PBW__INLINE void pbw__ear_sew(pbw__core *core, unsigned place, unsigned f, unsigned k)
+{
+    const pbw__link across = core->ears.across[place >> 2];
+    const unsigned made = core->ears.made[place >> 2];
+    pbw__filling *other = core->filling + (made ? across >> 2 : PBW__MOST_FILLINGS);        /* it, or none */
+    core->filling[f].link[k] = across;
+    core->filling[f].made[k] = (unsigned char)made;
+    other->link[across & 3] = 4 * f + k;
+    other->made[across & 3] = 1;
+}
+
+/* Facet k of filling f is now that of a place. */
+PBW__INLINE void pbw__ear_open(pbw__ears *ears, unsigned place, unsigned f, unsigned k)
+{
+    ears->across[place >> 2] = 4 * f + k;
+    ears->made[place >> 2] = 1;
+}
+
+/* The edge opposite to place p is now e, with q on its other side. */
+PBW__INLINE void pbw__ear_join(pbw__ears *ears, unsigned p, unsigned q, unsigned e)
+{
+    ears->twin[p] = (unsigned char)q;
+    ears->twin[q] = (unsigned char)p;
+    ears->edge[p] = ears->edge[q] = (unsigned char)e;
+    ears->place[e] = (unsigned char)p;
+}
+
+/* The edge opposite to place p gets time k of the four new ones. */
+PBW__INLINE void pbw__ear_renew(pbw__ears *ears, unsigned p, unsigned k)
+{
+    ears->place[PBW__NEW_EARS + k] = (unsigned char)p;
+    ears->renewed[k] = ears->edge[p];
+    ears->low[ears->edge[p]] = HUGE_VAL;
+}
+
+/* Makes a simplex of the vertices at four places. */
+PBW__INLINE unsigned pbw__ear_make(pbw__core *core, unsigned a, unsigned b, unsigned c, unsigned d)
+{
+    pbw__filling *filling = core->filling + core->fillings;
+    filling->v[0] = core->ears.vertex[a];
+    filling->v[1] = core->ears.vertex[b];
+    filling->v[2] = core->ears.vertex[c];
+    filling->v[3] = core->ears.vertex[d];
+    return (unsigned)core->fillings++;
+}
+
+/* Cuts off the edge opposite to place c, between c and d: facets (c, a, b) and (d, b, a) become (c, a, d) and
+   (d, b, c).  Returns the new times. */
+PBW__SIMD_INLINE pbw__spans4 pbw__ear_flip(pbw__core *core, unsigned c)
+{
+    pbw__ears *ears = &core->ears;
+    const unsigned a = ears->turn[c], b = ears->turn[a], d = ears->twin[c], other_b = ears->turn[d];
+    const unsigned other_a = ears->turn[other_b], e = ears->edge[c];
+    const unsigned ad = ears->twin[other_b], ca = ears->twin[b], bc = ears->twin[a], db = ears->twin[other_a];
+    const double *at_a = pbw__ear_row(ears, a), *at_b = pbw__ear_row(ears, b);
+    const double *at_c = pbw__ear_row(ears, c), *at_d = pbw__ear_row(ears, d);
+    pbw__d4 x[4][4];
+    pbw__spans4 spans;
+    unsigned f;
+    pbw__ear_columns(at_a, at_a, at_b, at_b, x[0]);
+    pbw__ear_columns(at_d, at_d, at_c, at_c, x[1]);
+    pbw__ear_columns(at_c, at_c, at_d, at_d, x[2]);
+    pbw__ear_columns(pbw__ear_row(ears, ad), pbw__ear_row(ears, ca), pbw__ear_row(ears, bc), pbw__ear_row(ears, db),
+                     x[3]);
+    spans = pbw__ear_spans(x[0], x[1], x[2], x[3], pbw__splat(ears->spare));
+    f = pbw__ear_make(core, d, c, a, b);
+    pbw__ear_sew(core, c, f, 0);
+    pbw__ear_sew(core, d, f, 1);
+    pbw__ear_open(ears, d, f, 2);
+    pbw__ear_open(ears, c, f, 3);
+    ears->degree[ears->vertex[a]]--;
+    ears->degree[ears->vertex[b]]--;
+    ears->degree[ears->vertex[c]]++;
+    ears->degree[ears->vertex[d]]++;
+    ears->vertex[b] = ears->vertex[d];
+    ears->vertex[other_a] = ears->vertex[c];
+    ears->low[e] = HUGE_VAL;
+    pbw__ear_join(ears, c, ad, ears->edge[ad]);
+    pbw__ear_join(ears, d, bc, ears->edge[bc]);
+    pbw__ear_join(ears, a, other_b, e);
+    pbw__ear_renew(ears, c, 0);
+    pbw__ear_renew(ears, b, 1);
+    pbw__ear_renew(ears, d, 2);
+    pbw__ear_renew(ears, other_a, 3);
+    return spans;
+}
+
+/* Cuts off the vertex at place p, where three facets meet: (p, b, c), (p, c, d) and (p, d, b) become (d, b, c).  Returns
+   the new times; what of *overlap is due to the three edges goes. */
+PBW__SIMD_INLINE pbw__spans4 pbw__ear_cut(pbw__core *core, unsigned p, double high, unsigned *overlap)
+{
+    pbw__ears *ears = &core->ears;
+    const unsigned b = ears->turn[p], c = ears->turn[b], d = ears->twin[b], second_p = ears->turn[d];
+    const unsigned third_p = ears->turn[ears->turn[ears->twin[c]]];
+    const unsigned cd = ears->twin[second_p], db = ears->twin[third_p], bc = ears->twin[p];
+    const unsigned gone[3] = { ears->edge[b], ears->edge[c], ears->edge[ears->turn[second_p]] };
+    const double *at_b = pbw__ear_row(ears, b), *at_c = pbw__ear_row(ears, c), *at_d = pbw__ear_row(ears, d);
+    pbw__d4 x[4][4];
+    pbw__spans4 spans;
+    unsigned f, k;
+    pbw__ear_columns(at_d, at_d, at_d, at_d, x[0]);
+    pbw__ear_columns(at_b, at_b, at_b, at_b, x[1]);
+    pbw__ear_columns(at_c, at_c, at_c, at_c, x[2]);
+    pbw__ear_columns(pbw__ear_row(ears, bc), pbw__ear_row(ears, cd), pbw__ear_row(ears, db), at_b, x[3]);
+    spans = pbw__ear_spans(x[0], x[1], x[2], x[3], pbw__splat(ears->spare));
+    spans.low = pbw__blend(spans.low, pbw__splat(HUGE_VAL), pbw__lanes_mask(8));
+    f = pbw__ear_make(core, d, p, b, c);
+    pbw__ear_sew(core, p, f, 0);
+    pbw__ear_sew(core, second_p, f, 2);
+    pbw__ear_sew(core, third_p, f, 3);
+    pbw__ear_open(ears, p, f, 1);
+    for (k = 0; k < 3; k++) {
+        *overlap -= ears->low[gone[k]] <= high;
+        ears->low[gone[k]] = HUGE_VAL;
+    }
+    ears->degree[ears->vertex[b]]--;
+    ears->degree[ears->vertex[c]]--;
+    ears->degree[ears->vertex[d]]--;
+    ears->vertex[p] = ears->vertex[d];
+    pbw__ear_join(ears, b, cd, ears->edge[cd]);
+    pbw__ear_join(ears, c, db, ears->edge[db]);
+    ears->facets -= 2;
+    pbw__ear_renew(ears, p, 0);
+    pbw__ear_renew(ears, b, 1);
+    pbw__ear_renew(ears, c, 2);
+    ears->renewed[3] = PBW__NEW_EARS - 1;
+    return spans;
+}
+
+/* The edge with the least time, or which of the new ones it is; into *overlap how many edges may have it. */
+PBW__SIMD_INLINE unsigned pbw__ear_least(const pbw__ears *ears, pbw__d4 renewed, unsigned *overlap)
+{
+    pbw__d4 least = pbw__load4d(ears->low), number = pbw__splat(0.0), most = pbw__min_lane(renewed);
+    double at[4], new_least = pbw__first(most);
+    unsigned i, set = pbw__signs(pbw__equal(renewed, most)), e;
+    for (i = 4; i < ears->edges; i += 4) {
+        const pbw__d4 low = pbw__load4d(ears->low + i), less = pbw__greater(least, low);
+        least = pbw__blend(least, low, less);
+        number = pbw__blend(number, pbw__splat((double)i), less);
+    }
+    memcpy(at, &number, sizeof(at));
+    most = pbw__min_lane(least);
+    e = pbw__lane_of(pbw__signs(pbw__equal(least, most)));
+    e += (unsigned)at[e];
+    e = new_least < pbw__first(most) ? PBW__NEW_EARS + pbw__lane_of(set) : e;
+    most = pbw__splat(ears->high[e]);
+    *overlap = pbw__count4(pbw__signs(pbw__at_least(most, renewed)));
+    for (i = 0; i < ears->edges; i += 4) {
+        *overlap += pbw__count4(pbw__signs(pbw__at_least(most, pbw__load4d(ears->low + i))));
+    }
+    return e;
+}
+
+/* Fills the hole. */
+PBW__SIMD static PBW__NOINLINE pbw_status pbw__cut_ears(pbw__core *core)
+{
+    pbw__ears *ears = &core->ears;
+    pbw__spans4 spans = { pbw__splat(HUGE_VAL), pbw__splat(HUGE_VAL) };
+    unsigned p = ears->place[0], k, f;
+    for (k = 0; k < ears->edges; k += 4) {
+        pbw__ear_times(ears, k);
+    }
+    for (k = ears->edges; k % 4 != 0; k++) {
+        ears->low[k] = HUGE_VAL;
+    }
+    memset(ears->renewed, PBW__NEW_EARS - 1, sizeof(ears->renewed));
+    while (ears->facets > 4) {
+        unsigned overlap, e, a;
+        double high;
+        memcpy(ears->low + PBW__NEW_EARS, &spans.low, sizeof(spans.low));
+        memcpy(ears->high + PBW__NEW_EARS, &spans.high, sizeof(spans.high));
+        e = pbw__ear_least(ears, spans.low, &overlap);
+        high = ears->high[e];
+        if (!(ears->low[e] > -HUGE_VAL && ears->low[e] < HUGE_VAL) || core->fillings + 2 > PBW__MOST_FILLINGS) {
+            return PBW__NO_FIT;
+        }
+        for (k = 0; k < 4; k++) {
+            ears->low[ears->renewed[k]] = ears->low[PBW__NEW_EARS + k];
+            ears->high[ears->renewed[k]] = ears->high[PBW__NEW_EARS + k];
+        }
+        p = ears->place[e];
+        a = ears->turn[p];
+        if (ears->degree[ears->vertex[a]] != 3 && ears->degree[ears->vertex[ears->turn[a]]] != 3) {
+            spans = pbw__ear_flip(core, p);
+            overlap--;
+        } else {
+            p = ears->degree[ears->vertex[a]] == 3 ? a : ears->turn[a];
+            spans = pbw__ear_cut(core, p, high, &overlap);
+        }
+        if (overlap != 0) {
+            return PBW__NO_FIT;
+        }
+    }
+    f = pbw__ear_make(core, ears->twin[p], p, ears->turn[p], ears->turn[ears->turn[p]]);
+    pbw__ear_sew(core, p, f, 0);
+    for (k = 1; k < 4; k++) {
+        pbw__ear_sew(core, ears->twin[p], f, k);
+        p = ears->turn[p];
+    }
+    return PBW_OK;
+}
+
+/* The simplex in place i of scratch.cavity: its facet without v, and those of its neighbours that are new. */
+PBW__INLINE pbw_status pbw__star_facet(pbw__core *core, pbw_index v, size_t i)
+{
+    pbw__kernel *kernel = &core->kernel;
+    pbw__ears *ears = &core->ears;
+    const pbw_index *corner = kernel->corner + 4 * (size_t)kernel->scratch.cavity[i];
+    const pbw__link *link = kernel->link + 4 * (size_t)kernel->scratch.cavity[i];
+    const unsigned at = (unsigned)((corner[1] == v) + 2 * (corner[2] == v) + 3 * (corner[3] == v));
+    const unsigned char *around = pbw__facet_corners[at];
+    unsigned here = (unsigned)(4 * i), k;
+    size_t count = kernel->scratch.cavity_count;
+    if (corner[3] == PBW__GHOST) {
+        return PBW__NO_FIT;
+    }
+    ears->across[i] = link[at];
+    ears->made[i] = 0;
+    for (k = 1; k < 4; k++) {
+        ears->turn[here + around[k]] = (unsigned char)(here + around[k < 3 ? k + 1 : 1]);
+    }
+    for (k = 1; k < 4; k++) {
+        const pbw__link to = link[around[k]];
+        const size_t next = (size_t)(to >> 2);
+        const int fresh = kernel->mark[next] == 0;
+        if (fresh && kernel->own.owner != NULL && !pbw__hold(kernel, kernel->corner[to])) {
+            kernel->scratch.cavity_count = count;
+            return PBW__LEFT;
+        }
+        kernel->mark[next] = (unsigned char)(fresh ? count + 1 : kernel->mark[next]);
+        kernel->scratch.cavity[count] = (pbw_index)next;
+        ears->entry[count] = (unsigned char)(here + around[k]);
+        count += (size_t)fresh;
+        ears->twin[here + around[k]] = (unsigned char)(4 * (kernel->mark[next] - 1u) + (unsigned)(to & 3));
+        PBW__PREFETCH(kernel->corner + 4 * next);
+        PBW__PREFETCH(kernel->link + 4 * next);
+    }
+    kernel->scratch.cavity_count = count;
+    if (i > 0) {                                     /* it has two vertices of that through which it was met */
+        const unsigned from = ears->entry[i], b = ears->turn[from];
+        here = ears->twin[from];
+        ears->vertex[here] = (unsigned char)pbw__rim_place(core, corner[here & 3]);
+        ears->vertex[ears->turn[ears->turn[here]]] = ears->vertex[b];
+        ears->vertex[ears->turn[here]] = ears->vertex[ears->turn[b]];
+    } else {
+        ears->entry[0] = ears->twin[around[1]];
+        for (k = 1; k < 4; k++) {
+            ears->vertex[around[k]] = (unsigned char)pbw__rim_place(core, corner[around[k]]);
+        }
+    }
+    return PBW_OK;
+}
+
+/* The star of v. */
+static pbw_status pbw__open_star(pbw__core *core, pbw_index v)
+{
+    pbw__kernel *kernel = &core->kernel;
+    pbw_status status = PBW_OK;
+    size_t i;
+    kernel->scratch.cavity_count = 0;
+    if (!pbw__hold(kernel, v) || !pbw__hold_corners(kernel, core->incident[v])) {
+        return PBW__LEFT;
+    }
+    if (!pbw__grow_lists(kernel, PBW__MOST_EARS + 8) || !PBW__CORE_GROW(core, rim_vertex, PBW__MOST_EARS + 8)
+        || !PBW__CORE_GROW(core, filling, PBW__MOST_FILLINGS + 1)) {
+        return PBW_ERROR_MEMORY;
+    }
+    kernel->scratch.cavity[0] = core->incident[v];
+    kernel->scratch.cavity_count = 1;
+    kernel->mark[core->incident[v]] = 1;
+    core->rim_vertex[0] = PBW__GHOST;                /* core->local[PBW__GHOST] is always 0 */
+    core->rim_vertices = 1;
+    core->fillings = 0;
+    for (i = 0; i < kernel->scratch.cavity_count && status == PBW_OK; i++) {
+        status = kernel->scratch.cavity_count > PBW__MOST_EARS - 3 ? PBW__NO_FIT : pbw__star_facet(core, v, i);
+    }
+    return status;
+}
+
+/* The edges of the hole; its vertices relative to v. */
+static void pbw__list_ears(pbw__core *core, pbw_index v)
+{
+    pbw__ears *ears = &core->ears;
+    pbw__plane plane;
+    unsigned i, k, edges = 0;
+    memcpy(plane.origin, pbw__core_record(core, v), sizeof(plane.origin));
+    ears->spare = 1e-55;
+    for (i = 1; i < core->rim_vertices; i++) {
+        const double height = pbw__plane_row(&plane, core->record + 4 * (size_t)core->rim_vertex[i], 3, ears->row[i]);
+        ears->spare = pbw__max(ears->spare, height - ears->row[i][3]);
+        ears->degree[i] = 0;
+    }
+    ears->facets = (unsigned)core->kernel.scratch.cavity_count;
+    for (i = 0; i < ears->facets; i++) {
+        unsigned p = ears->twin[ears->entry[i]];
+        for (k = 0; k < 3; k++) {
+            const unsigned q = ears->twin[p];
+            ears->degree[ears->vertex[p]]++;
+            if (p < q) {
+                pbw__ear_join(ears, p, q, edges++);
+            }
+            p = ears->turn[p];
+        }
+    }
+    ears->edges = edges;
+    for (k = edges; k % 4 != 0; k++) {
+        ears->place[k] = ears->place[0];
+    }
+}
+#endif
+
+/* ------------------------------------------------------------------------------------------------------
    >>removal      One vertex more or less.
    In: a core, a vertex to remove or to insert.  Out: the triangulation without it, or with it.
    Holds: what holds in >>core.
@@ -13859,17 +14282,43 @@ static void pbw__fill_hole(pbw__core *core)
     }
 }
 
+/* Fills the hole by >>ears. */
+static pbw_status pbw__ear_hole(pbw__core *core, pbw_index v)
+{
+    pbw_status status = PBW__NO_FIT;
+#ifdef PBW__SIMD
+    if (core->kernel.dim == 3 && pbw__simd_works()) {
+        status = pbw__open_star(core, v);
+        if (status == PBW_OK) {
+            pbw__list_ears(core, v);
+            status = pbw__cut_ears(core);
+            core->effort += core->fillings * core->rim_vertices;
+        }
+        if (status != PBW_OK) {
+            (void)pbw__leave_cavity(&core->kernel, core->kernel.scratch.cavity_count);
+        }
+    }
+#else
+    (void)core;
+    (void)v;
+#endif
+    return status;
+}
+
 /* Removes a vertex.  PBW__ANEW: no simplex would be left, or it is too much work.  PBW__LEFT: by a task, if not all
    vertices around are its own, or it makes no finite simplex, which may mean that none would be left. */
 static pbw_status pbw__remove_vertex(pbw__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
     size_t finite, made, i;
-    pbw_status status = pbw__open_hole(core, v);
-    if (status != PBW_OK) {
-        return status;
+    pbw_status status = pbw__ear_hole(core, v);
+    if (status == PBW__NO_FIT) {
+        status = pbw__open_hole(core, v);
+        if (status != PBW_OK) {
+            return status;
+        }
+        status = pbw__wrap(core);
     }
-    status = pbw__wrap(core);
     finite = pbw__count_finite(kernel, kernel->scratch.cavity, kernel->scratch.cavity_count);
     for (made = i = 0; i < core->fillings; i++) {
         made += core->filling[i].v[kernel->dim] != 0;

@@ -315,6 +315,7 @@ ENV = {'DBL_EPSILON': 2.0 ** -52, 'pbw__splat': same, 'pbw__max_lane': same, 'pb
        'pbw__times4': pair_times, 'pbw__first': same, 'HUGE_VAL': 0}
 for name in 'max', 'abs', 'max_abs', 'max4', 'abs4':
     ENV['pbw__' + name] = same
+ENV['pbw__sqrt4'] = lambda x: Value(x.k + U, 1)          # of a value of scale 1; its root errs by less
 ENV['PBW__CORNER_A'] = ENV['PBW__CORNER_B'] = ENV['PBW__CORNER_C'] = same
 for name in re.findall(r'#define (PBW__\w+_ERROR)', TEXT) + ['PBW__EPSILON']:
     ENV[name] = constant(name)
@@ -342,8 +343,9 @@ def vectors(dim, weighted=True):
 def scalars(dim):
     row = [None] * 4
     names = ['row[%d]' % k for k in range(dim)] + ['row[dim]', 'weight', 'square']
-    record = [Number(1)] * dim + [Number(0)]
-    local = run('pbw__row', dict(row=row, record=record, p=record, v=1, dim=dim), names)[1]
+    record, kernel = [Number(1)] * dim + [Number(0)], Rows()
+    kernel.weighted = True
+    local = run('pbw__row', dict(kernel=kernel, row=row, record=record, p=record, v=1, dim=dim), names)[1]
     height = run('pbw__row', local, ['return'])[0]
     scaled(row[dim], height)
     return row, height
@@ -530,6 +532,30 @@ def planes():
         prove('%s%d conflict' % (name, dim), local['det'], local['limit'], least ** 2 * scale, True)
 
 
+def ears():
+    plane, row, name = Rows(), [None] * 4, 'pbw__ear_spans'
+    plane.origin = [Number(1)] * 3 + [Number(0)]
+    local = dict(plane=plane, x=plane.origin, dim=3, row=row)
+    height = run('pbw__plane_row', local, ['k', 'weight', 'square', 'row[k]', 'row[dim]', 'return'])[0]
+    scaled(row[3], height)
+    spare = (height - row[3]) - row[3]                   # it makes up for what a height has more than the lift
+    spare.P = Fraction(0)
+    names = [c + d for c, d in ('ab', 'ac', 'ad', 'bc', 'bd', 'cd')] + ['abc', 'abd', 'acd', 'bcd', 'h', 'h3']
+    local = run(name, dict(a=row, b=row, c=row, d=row, spare=spare),
+                names + ['side', 'side_error', 'power', 'power_error'])[1]
+    least = literal('pbw__list_ears', r'spare = ([-\d.e]+)')
+    prove(name + ' side', local['side'], local['side_error'], least * root(least))
+    prove(name + ' power', local['power'], local['power_error'], least ** 2 * root(least))
+    # t = P / Q, computed as p / q, with errors of at most e and f <= q / LEAST, is at most (e + t f) / (q - f) from
+    # that.  Here r = f / q; q is at most 8 h^(3/2).  What ERROR adds to e and t r outweighs six roundings of t.
+    factor, most = Fraction(constant('PBW__TIME_ERROR')), Fraction(constant('PBW__TIME_LEAST'))
+    for tenth in '', ', a tenth of the bound':
+        r = Fraction(ENV['PBW__EAR_ERROR']) / (80 if tenth else 8)
+        judge(name + ' time', gappa('{ r in [%s, 1] -> r * (%s * (1 - 16b-53) - %s) >= 6b-53 }'
+                                    % (g(rounded(r, math.floor)), g(rounded(factor, math.floor)),
+                                       g(up(most / (most - 1))))), tenth)
+
+
 def depths():
     define('pbw__dot4')
     name = 'pbw__depths4'
@@ -570,6 +596,7 @@ walks()
 cavities()
 queries()
 planes()
+ears()
 depths()
 for line in ('{ H in [0, %s] -> 24 * (H * H * sqrt(H)) <= 1b53 }' % g(Fraction(constant('PBW__EXACT_HEIGHT3'))),
              '{ H in [0, %s] -> 6 * (H * H) <= 1b53 }' % g(Fraction(constant('PBW__EXACT_HEIGHT2')))):
