@@ -57,6 +57,7 @@
      >>interpolate  barycentric, Sibson's and Laplace's weights
      >>core          a triangulation that stays, and a journal of what is deleted
      >>apex          the vertex behind a facet of a hole
+     >>ears          the hole of a vertex in space, cut off ear by ear
      >>removal       one vertex more or less
      >>verify       vertices that moved: does the triangulation hold; flips
      >>live         points to be inserted, removed and moved: the queue
@@ -2542,7 +2543,7 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
 #define PBW__CIRCLE_ERROR 9e-15
 #define PBW__SPHERE_ERROR 5.2e-14
 #define PBW__EAR_ERROR 2.8e-14                       /* of Q in >>ears: times h^(3/2) */
-#define PBW__TIME_ERROR 1.2                          /* of P / Q: times the error of P, and P / Q times that of Q */
+#define PBW__TIME_ERROR 1.25                         /* of P / Q: times the error of P, and P / Q times that of Q */
 #define PBW__TIME_LEAST 64.0                         /* times the error of Q: where P / Q is used */
 #define PBW__THIN_ERROR 1.5e-15                      /* times the sum of the absolute products */
 #define PBW__CIRCLE_PAIRS_ERROR 9e-30                /* the kernels' in pairs: times h^2, h^(5/2) */
@@ -12944,19 +12945,20 @@ typedef struct pbw__rim { uint64_t key; pbw_index v[3]; unsigned char made, clos
 
 typedef struct pbw__filling { pbw_index v[4]; pbw__link link[4]; unsigned char made[4]; } pbw__filling;
 
-/* The facets of a hole, see >>ears: place 4 i + k is corner k of the i-th simplex of the star, v's own place is not
-   used.  The edge opposite to a place is in two facets.  The triangulated hole has 2 n - 4 facets. */
+/* The facets of the hole of v, see >>ears: place 4 i + k is corner k of the i-th simplex of the star; that of v is
+   not used.  Each edge is opposite to two places.  A hole with n vertices has 2 n - 4 facets and 3 n - 6 edges. */
 #define PBW__MOST_EARS 60
 #define PBW__NEW_EARS 92                             /* edges, and one that is none */
 #define PBW__MOST_FILLINGS 128
 typedef struct pbw__ears {
-    double row[PBW__MOST_EARS / 2 + 3][4];           /* per vertex: relative to v; the lift.  By places in rim_vertex */
-    double low[PBW__NEW_EARS + 4], high[PBW__NEW_EARS + 4];        /* per edge: when it is cut off; then the new ones */
+    double row[PBW__MOST_EARS / 2 + 3][4];           /* per vertex, as in rim_vertex: relative to v; the lift */
+    double low[PBW__NEW_EARS + 4];                   /* per edge: the ends of the interval of its time; then four */
+    double high[PBW__NEW_EARS + 4];                  /* that are new */
     double spare;                                    /* no height is above the lift by more */
     pbw__link across[PBW__MOST_EARS];                /* per facet, as in pbw__rim */
     unsigned char made[PBW__MOST_EARS];
-    unsigned char vertex[4 * PBW__MOST_EARS];        /* per place: its vertex; the next corner of the facet; the place */
-    unsigned char turn[4 * PBW__MOST_EARS];          /* across the edge opposite to it; that edge */
+    unsigned char vertex[4 * PBW__MOST_EARS];        /* per place: its vertex, the next corner of the facet, */
+    unsigned char turn[4 * PBW__MOST_EARS];          /* the place across the edge opposite to it, that edge */
     unsigned char twin[4 * PBW__MOST_EARS], edge[4 * PBW__MOST_EARS];
     unsigned char entry[PBW__MOST_EARS + 1];         /* per facet: where it was met */
     unsigned char place[PBW__NEW_EARS + 4];          /* per edge: a place opposite to it; so for the new times */
@@ -13675,20 +13677,20 @@ static pbw_index pbw__rim_behind(const pbw__core *core, const pbw_index *rim)
 /* ------------------------------------------------------------------------------------------------------
    >>ears         The hole of a vertex in space, cut off ear by ear.
    In: a vertex v inside the hull.  Out: its star in scratch.cavity, its link in rim_vertex, what fills the hole in
-   `filling`; or PBW__NO_FIT, if rounded numbers are not certain of that.
+   `filling`; or PBW__NO_FIT: rounded numbers are not certain of that, or there are too many facets.
    Holds: every verdict is exact.
 
-   Let the lift of v rise by t, from 0 on, and all others stay.  The regular triangulation then changes by flips in the
-   star of v only, until v is hidden in a last simplex.  Two facets abc and bad of the hole meet in the edge ab, behind
-   which is the facet vab of the star.  It is regular until, at a time t, the lifts of v, a, b, c and d are in one
-   plane: t = P / Q, where Q is the orientation of (d, a, b, c) and P the power determinant of (v, a, b, c) and d.  It
-   stays regular if Q < 0.  The edge with the least time is flipped next, which makes the simplex dabc.  If only three
-   facets meet in a, the facet dbc takes their place, and so with b; if not, cad and dbc take the place of abc and bad.
-   The simplex between four facets is the last one.
+   Let the lift of v rise by t, from 0 on, and all others stay.  The regular triangulation changes by flips in the
+   star of v, until v is hidden by a last simplex; what they make besides stars of v fills the hole.  Two facets abc
+   and bad of the hole meet in the edge ab, behind which is the facet vab of the star.  That is regular until the
+   lifts of v, a, b, c and d are in one plane, at t = P / Q: Q is the orientation of (d, a, b, c), P the power
+   determinant of (v, a, b, c) and d.  It stays regular if Q < 0.  So the edge with the least time is flipped next,
+   which makes the simplex dabc.  If only three facets meet in a, the facet dbc takes their place, and so with b; if
+   not, cad and dbc take the place of abc and bad.  The last simplex is between four facets.
 
-   A time has an interval around it.  The edges at a vertex of three facets are one flip.  If any other interval
-   overlaps the least one, the order is not certain: so it is where five vertices, or four in a plane with v, have a
-   sphere in common.  What breaks ties moves no time as far as intervals that do not overlap are apart.
+   A time has an interval around it.  The edges at a vertex of three facets have one time.  If the interval of any
+   other overlaps the least one, the order is not certain.  Nor is it then where a flip is of four vertices in a
+   plane, as two edges have its time.  What breaks ties changes a time by less than any two intervals are apart.
    ------------------------------------------------------------------------------------------------------ */
 #ifdef PBW__SIMD
 /* For four edges, the ends of the intervals of their times; both infinite where there is none. */
@@ -13738,10 +13740,14 @@ PBW__SIMD_INLINE void pbw__ear_times(pbw__ears *ears, unsigned e)
     const unsigned d0 = ears->twin[a0], d1 = ears->twin[a1], d2 = ears->twin[a2], d3 = ears->twin[a3];
     pbw__d4 a[4], b[4], c[4], d[4];
     pbw__spans4 spans;
-    pbw__ear_columns(pbw__ear_row(ears, a0), pbw__ear_row(ears, a1), pbw__ear_row(ears, a2), pbw__ear_row(ears, a3), a);
-    pbw__ear_columns(pbw__ear_row(ears, b0), pbw__ear_row(ears, b1), pbw__ear_row(ears, b2), pbw__ear_row(ears, b3), b);
-    pbw__ear_columns(pbw__ear_row(ears, c0), pbw__ear_row(ears, c1), pbw__ear_row(ears, c2), pbw__ear_row(ears, c3), c);
-    pbw__ear_columns(pbw__ear_row(ears, d0), pbw__ear_row(ears, d1), pbw__ear_row(ears, d2), pbw__ear_row(ears, d3), d);
+    pbw__ear_columns(ears->row[ears->vertex[a0]], ears->row[ears->vertex[a1]], ears->row[ears->vertex[a2]],
+                     ears->row[ears->vertex[a3]], a);
+    pbw__ear_columns(ears->row[ears->vertex[b0]], ears->row[ears->vertex[b1]], ears->row[ears->vertex[b2]],
+                     ears->row[ears->vertex[b3]], b);
+    pbw__ear_columns(ears->row[ears->vertex[c0]], ears->row[ears->vertex[c1]], ears->row[ears->vertex[c2]],
+                     ears->row[ears->vertex[c3]], c);
+    pbw__ear_columns(ears->row[ears->vertex[d0]], ears->row[ears->vertex[d1]], ears->row[ears->vertex[d2]],
+                     ears->row[ears->vertex[d3]], d);
     spans = pbw__ear_spans(a, b, c, d, pbw__splat(ears->spare));
     memcpy(ears->low + e, &spans.low, sizeof(spans.low));
     memcpy(ears->high + e, &spans.high, sizeof(spans.high));
@@ -13835,8 +13841,8 @@ PBW__SIMD_INLINE pbw__spans4 pbw__ear_flip(pbw__core *core, unsigned c)
     return spans;
 }
 
-/* Cuts off the vertex at place p, where three facets meet: (p, b, c), (p, c, d) and (p, d, b) become (d, b, c).  Returns
-   the new times; what of *overlap is due to the three edges goes. */
+/* Cuts off the vertex at place p, where three facets meet: (p, b, c), (p, c, d) and (p, d, b) become (d, b, c).
+   Returns the new times; takes from *overlap how many of the three edges may have a time of `high`. */
 PBW__SIMD_INLINE pbw__spans4 pbw__ear_cut(pbw__core *core, unsigned p, double high, unsigned *overlap)
 {
     pbw__ears *ears = &core->ears;
