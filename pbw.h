@@ -14792,7 +14792,9 @@ static pbw_status pbw__verify_windows(pbw__verifying *verifying)
         verifying->to = verifying->from + length;
         status = pbw__for_range(context, length, 4096, done, pbw__verify_depths, verifying);
         verifying->depth[4 * length] = (float)HUGE_VAL;
-        status = status == PBW_OK ? pbw__for_range(context, length, 4096, done, pbw__verify_range, verifying) : status;
+        if (status == PBW_OK) {
+            status = pbw__for_range(context, length, 4096, done, pbw__verify_range, verifying);
+        }
     }
     pbw__release(&context->memory, verifying->depth, room, sizeof(float));
     return status;
