@@ -14496,12 +14496,21 @@ static int pbw__stand_create(pbw__memory *memory, pbw__stand *stand, size_t room
     stand->points = (double *)pbw__allocate(memory, room * stand->dim, sizeof(double));
     stand->weights = (double *)pbw__allocate(memory, room, sizeof(double));
     stand->list = (pbw_index *)pbw__allocate(memory, room, sizeof(pbw_index));
-    return stand->points != NULL && stand->weights != NULL && stand->list != NULL;
+    if (stand->points == NULL || stand->weights == NULL || stand->list == NULL) {
+        return 0;
+    }
+    pbw__advise(memory, stand->points, room * stand->dim * sizeof(double));
+    pbw__advise(memory, stand->weights, room * sizeof(double));
+    pbw__advise(memory, stand->list, room * sizeof(pbw_index));
+    return 1;
 }
 
 PBW__INLINE void pbw__stand_add(pbw__stand *stand, pbw_index id, const double *x, double weight)
 {
-    memcpy(stand->points + stand->count * stand->dim, x, stand->dim * sizeof(double));
+    double *to = stand->points + stand->count * stand->dim;
+    to[0] = x[0];
+    to[1] = x[1];
+    to[stand->dim - 1] = x[stand->dim - 1];
     stand->weights[stand->count] = weight;
     stand->list[stand->count++] = id;
 }
@@ -15136,8 +15145,9 @@ static pbw_status pbw__verify_windows(pbw__verifying *verifying)
         verifying->to = verifying->from + length;
         status = pbw__for_range(context, length, 4096, done, pbw__verify_depths, verifying);
         verifying->depth[4 * length] = (float)HUGE_VAL;
-        status = status != PBW_OK ? status
-               : pbw__for_range(context, length, 4096, done, pbw__verify_range, verifying);
+        if (status == PBW_OK) {
+            status = pbw__for_range(context, length, 4096, done, pbw__verify_range, verifying);
+        }
     }
     pbw__release(&context->memory, verifying->depth, room, sizeof(float));
     return status;
@@ -18250,12 +18260,11 @@ typedef struct pbw__viewing {
 
 /* ---- points
    Those that wait in the queue have other coordinates than their vertices. */
-static pbw_status pbw__view_points(void *arg, size_t from, size_t to)
+PBW__INLINE void pbw__view_points_of(pbw__viewing *viewing, size_t from, size_t to, int dims)
 {
-    pbw__viewing *viewing = (pbw__viewing *)arg;
     const pbw_live *live = viewing->live;
     const pbw__core *core = &live->core;
-    const size_t dim = (size_t)live->dim;
+    const size_t dim = (size_t)dims;
     const pbw_mesh *mesh = viewing->mesh;
     double *points = (double *)(uintptr_t)mesh->points, *weights = (double *)(uintptr_t)mesh->weights;
     pbw_index *canonical = (pbw_index *)(uintptr_t)mesh->canonical;
@@ -18265,7 +18274,7 @@ static pbw_status pbw__view_points(void *arg, size_t from, size_t to)
         const int lives = (live->state[i] & PBW__LIVES) != 0, single = settled && lives && core->twin[i] == i;
         const pbw_index v = lives && !single ? core->vertex[i] : PBW__GHOST;
         if (lives) {
-            const double *place = single ? live->point + i * dim : pbw__core_record(core, v);
+            const double *place = single ? live->point + i * dim : core->record + v * (dim + 1);
             memcpy(points + i * dim, place, dim * sizeof(double));
         } else {
             memset(points + i * dim, 0, dim * sizeof(double));
@@ -18277,6 +18286,12 @@ static pbw_status pbw__view_points(void *arg, size_t from, size_t to)
         }
     }
     (void)PBW__ADD(&viewing->duplicates, duplicates);
+}
+
+static pbw_status pbw__view_points(void *arg, size_t from, size_t to)
+{
+    pbw__viewing *viewing = (pbw__viewing *)arg;
+    PBW__BY_DIM(viewing->live->dim, pbw__view_points_of, viewing, from, to);
     return PBW_OK;
 }
 
@@ -18407,7 +18422,7 @@ PBW__INLINE void pbw__view_items(const pbw__viewing *viewing, size_t block, pbw_
     size_t i;
     memset(end, 0, PBW__LISTED * sizeof(pbw_index));
     for (i = from; i < to; i++) {
-        const size_t soon = list[corners * (i + 16 < to ? i + 16 : i)];
+        const size_t soon = list[corners * (i + PBW__SOON < to ? i + PBW__SOON : i)];
         PBW__PREFETCH(number + soon);
         PBW__PREFETCH(corner + 4 * soon);
         PBW__PREFETCH(viewing->turn + soon);
