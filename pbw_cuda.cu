@@ -274,14 +274,13 @@ struct survey {                                      /* what one pass over the p
 
 __device__ inline void fetch(const input &in, size_t i, double *c)
 {
-    c[in.dim] = 0.0;
+    auto number = [&](const void *of, size_t at) {
+        return (in.is_float ? (double)((const float *)of)[at] : ((const double *)of)[at]) + 0.0;
+    };
     for (int k = 0; k < in.dim; k++) {
-        size_t at = i * (size_t)in.dim + (size_t)k;
-        c[k] = (in.is_float ? (double)((const float *)in.points)[at] : ((const double *)in.points)[at]) + 0.0;
+        c[k] = number(in.points, i * (size_t)in.dim + (size_t)k);
     }
-    if (in.weights != NULL) {
-        c[in.dim] = (in.is_float ? (double)((const float *)in.weights)[i] : ((const double *)in.weights)[i]) + 0.0;
-    }
+    c[in.dim] = in.weights != NULL ? number(in.weights, i) : 0.0;
 }
 
 /* Points and their keys, all or those of long runs. */
@@ -2965,7 +2964,6 @@ template <int DIM> __device__ inline cell<DIM> canonical(uint32_t v, const uint3
     return c;
 }
 
-/* A stored star. */
 struct stored_star {
     const uint32_t *vertex, *triangle;
     int count, vertices;
@@ -3851,7 +3849,6 @@ void sum_before(call &c, const uint32_t *value, uint32_t *sum, size_t count)
     });
 }
 
-/* Memory of a list of runs. */
 struct run_room {
     buffer<uint32_t> head, end, length, offset;
     explicit run_room(call &c) : head(c), end(c), length(c), offset(c) {}
@@ -4307,7 +4304,6 @@ bool build_wide_stars(call &c, workshop &w, const brick_tree &bricks)
     return true;
 }
 
-/* All stars of the share. */
 template <int DIM, bool WEIGHTED> void build_stars(call &c, workshop &w)
 {
     /* weights hide points, which is quick: no sample */
@@ -4387,7 +4383,6 @@ void fetch_by_host(call &c, int card, char *to, const char *from, size_t bytes)
     go_on(c);
 }
 
-/* Copies what another card offers. */
 template <typename V> void fetch_from(call &c, int card, V *to, const void *from, size_t count)
 {
     const offer *of = c.cards->of;
@@ -4481,7 +4476,6 @@ template <int DIM> void fetch_beyond(call &c, const directory<DIM> &all, pbw_ind
     }
 }
 
-/* Fetches the incident simplices of all shares. */
 void fetch_incident(call &c, const uint32_t *id, pbw_index *incident)
 {
     const offer *of = c.cards->of;
@@ -4554,7 +4548,6 @@ struct output {
     size_t before;                                   /* simplices of lower shares */
 };
 
-/* Numbers the simplices of all shares. */
 void number_simplices(call &c, const workshop &w, output &o, pbw_cuda_mesh *mesh)
 {
     const uint32_t mine = w.out.end - w.out.first;
@@ -4667,7 +4660,6 @@ void build(call &c, const space &s, const uint32_t *id, unsigned flags, pbw_cuda
     mesh->hidden_count = read_back(c, w.next, PBW_STAGE_OUTPUT, 0.5);
 }
 
-/* A check while it runs. */
 struct checking {
     call &c;
     view m;
@@ -4749,7 +4741,6 @@ template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const inp
     return check_pass<DIM>(k, check_hull) && (others == 0 || check_pass<DIM>(k, check_hidden));
 }
 
-/* The arrays of a mesh, one by one. */
 const int mesh_arrays = 4;
 
 pbw_index *&array_of(pbw_cuda_mesh &mesh, int i)
@@ -4852,7 +4843,7 @@ bool keep_mesh(call &c, const pbw_cuda_mesh &old, const input &in, const space &
     return true;
 }
 
-/* The same for any call; a last mesh that does not hold is freed. */
+/* The same for any call; frees a last mesh that does not hold. */
 bool keep_last(call &c, const input &in, const space &s, uint32_t *id, pbw_cuda_mesh *mesh)
 {
     if (c.last == NULL) {
@@ -4929,9 +4920,9 @@ void destroy_events(const gear &g)
     }
 }
 
-void open_copies(call &c)
+void open_stream(call &c, cudaStream_t &stream)
 {
-    need(c, cudaStreamCreateWithFlags(&c.copies, cudaStreamNonBlocking), "cudaStreamCreate");
+    need(c, cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "cudaStreamCreate");
 }
 
 /* Frees all but what the mesh, if there is one, has; the stream may still have work for it. */
@@ -4986,9 +4977,9 @@ void take_part(team *cards, int card, pbw_job *job, pbw_cuda_mesh *mesh)
     c.job = job;
     try {
         need(c, cudaSetDevice(cards->of[card].device), "cudaSetDevice");
-        need(c, cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "no stream on the device");
+        open_stream(c, stream);
         open_call(c, stream, job->dim, job->count);
-        open_copies(c);
+        open_stream(c, c.copies);
         open_pool(c);
         run(c, upload(c), job->flags, mesh);
     } catch (const failure &) {
@@ -5097,10 +5088,10 @@ struct request {
     input in;
     cudaStream_t stream;
     pbw_triangulator *cpu;
-    pbw_options options;
-    bool check, anew;
     keepsake *last;                                  /* of a loop, with its gear; else NULL */
     const gear *tools;
+    bool anew, check;
+    pbw_options options;
 };
 
 void open_local(local_call &local, const request &r)
@@ -5130,7 +5121,7 @@ void open_local(local_call &local, const request &r)
     go_on(c);
     open_call(c, r.stream, r.in.dim, r.check ? 0 : r.in.count);
     if (options.progress != NULL && !c.lent) {
-        open_copies(c);
+        open_stream(c, c.copies);
     }
 }
 
@@ -5296,8 +5287,7 @@ extern "C" pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *po
                                            size_t count, const pbw_options *given_options, void *stream,
                                            pbw_triangulator *cpu, pbw_cuda_mesh *mesh)
 {
-    request r = { { points, weights, count, dim, is_float }, (cudaStream_t)stream, cpu, {}, false, false, NULL,
-                  NULL };
+    request r = { { points, weights, count, dim, is_float }, (cudaStream_t)stream, cpu };
     return serve(r, given_options, mesh);
 }
 
@@ -5316,7 +5306,7 @@ extern "C" void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream)
 extern "C" pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, const void *points, const void *weights,
                                      const pbw_options *given_options, void *stream, pbw_report *report)
 {
-    request r = { { points, weights, 0, 0, is_float }, (cudaStream_t)stream, NULL, {}, true, false, NULL, NULL };
+    request r = { { points, weights, 0, 0, is_float }, (cudaStream_t)stream, NULL, NULL, NULL, false, true };
     local_call local;
     if (report != NULL) {
         memset(report, 0, sizeof *report);
@@ -5351,7 +5341,7 @@ struct pbw_cuda_loop {
 extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, void *stream, pbw_triangulator *cpu,
                                            pbw_cuda_loop **result)
 {
-    request r = { { NULL, NULL, 0, 3, 0 }, (cudaStream_t)stream, cpu, {}, false, false, NULL, NULL };
+    request r = { { NULL, NULL, 0, 3, 0 }, (cudaStream_t)stream, cpu };
     uint64_t all = UINT64_MAX;
     cudaMemPoolProps properties = {};
     cudaMemPool_t pool = NULL;
@@ -5373,7 +5363,7 @@ extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, voi
         need(c, cudaGetDevice(&properties.location.id), "cudaGetDevice");
         need(c, cudaMemPoolCreate(&pool, &properties), "cudaMemPoolCreate");
         need(c, cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &all), "the pool");
-        open_copies(c);
+        open_stream(c, c.copies);
         need(c, cudaMallocHost(&c.pinned, pinned_bytes), "cudaMallocHost");
         c.pool = pool;
         c.lent = true;
@@ -5401,7 +5391,7 @@ extern "C" pbw_status pbw_cuda_loop_step(pbw_cuda_loop *loop, const pbw_cuda_poi
         return PBW_ERROR_ARGUMENT;
     }
     request r = { { points->points, points->weights, points->count, points->dim, points->is_float }, loop->stream,
-                  loop->cpu, {}, false, points->anew != 0, &loop->last, &loop->tools };
+                  loop->cpu, &loop->last, &loop->tools, points->anew != 0 };
     return serve(r, &loop->options, mesh);
 }
 
