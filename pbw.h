@@ -14289,7 +14289,7 @@ static void pbw__fill_hole(pbw__core *core)
 }
 
 /* Fills the hole by >>ears. */
-static pbw_status pbw__ear_hole(pbw__core *core, pbw_index v)
+static PBW__NOINLINE pbw_status pbw__ear_hole(pbw__core *core, pbw_index v)
 {
     pbw_status status = PBW__NO_FIT;
 #ifdef PBW__SIMD
