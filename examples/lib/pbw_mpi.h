@@ -481,7 +481,8 @@ static pbw_status pbwm__exchange_points(pbwm__work *w, const pbwt_point *points,
     m.most = ranks < 256 ? 65536 / ranks : 256;
     m.send = (uint64_t *)pbwm__take(g, 2 * ranks * sizeof *m.send);
     m.going = (MPI_Request *)pbwm__take(g, 2 * ranks * sizeof *m.going);
-    status = pbwm__agree(g, m.send != NULL && m.going != NULL ? PBW_OK : PBW_ERROR_MEMORY, "room for a list of ranks");
+    status = pbwm__agree(g, m.send != NULL && m.going != NULL ? PBW_OK : PBW_ERROR_MEMORY,
+                         "room for a list of ranks");
     if (status == PBW_OK) {
         m.get = m.send + ranks;
         for (i = 0; i < count; i++) {

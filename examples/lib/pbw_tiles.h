@@ -251,8 +251,8 @@ typedef struct pbwt__memory {
 
 typedef struct pbwt__array { void *data; size_t count, bytes; } pbwt__array;     /* count: the owner's */
 
-/* Large blocks lie on huge pages where there are any: the system has fewer of them to find and to take back.  With the
-   pages at the ends, where other bytes may be: realloc copies a mapping in two parts instead of moving it. */
+/* Large blocks lie on huge pages where there are any: the system has fewer of them to find and to take back.  With
+   the pages at the ends, where other bytes may be: realloc copies a mapping in two parts instead of moving it. */
 static void pbwt__advise(void *block, size_t size)
 {
 #ifdef __linux__

@@ -1,8 +1,9 @@
 /* tiles.c: pbw tiles: triangulates points that memory does not hold, tile by tile, into a .pbwt file.
 
    Beside the output, in a folder of scratch files: `state`, replaced as a whole after each step, so that a run that
-   was killed or had no room on the disk goes on; all go when none could, as of bad input; N.points (records of tile N as they come), N.tree (sorted, with boxes), N.facets (to link),
-   N.border (simplices with a corner that may be given up). */
+   was killed or had no room on the disk goes on; all go when none could, as of bad input;
+   N.points (records of tile N as they come), N.tree (sorted, with boxes), N.facets (to link), N.border (simplices
+   with a corner that may be given up). */
 #include "program.h"
 #include "pbw_tilefile.h"
 #include <errno.h>
