@@ -1,6 +1,7 @@
 /* cuda_test.c: pbw_cuda.cu against the CPU, byte for byte: the zoo, and all kinds of points and weights at sizes that
    reach every rung, each by one device and by a team of 2 to 16, the devices there are in turn.  Linked with a
-   pbw_cuda.cu that was compiled for few points too (PBW_CUDA_FEW). */
+   pbw_cuda.cu that was compiled for few points too (PBW_CUDA_FEW).  Some tests take nearly all of a device's memory: not
+   for two programs at once on one device. */
 #define _POSIX_C_SOURCE 200112L
 #define PBW_IMPLEMENTATION
 #define PBW_CUDA
