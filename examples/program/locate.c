@@ -86,6 +86,6 @@ const command command_locate = {
     "         corners of a facet of the hull that sees the query, and -1\n"
     "\n",
     "csv",
-    { input_options, build_options, output_options, common_options, NULL, NULL, NULL, NULL },
+    { input_options, weight_options, build_options, output_options, common_options, NULL, NULL, NULL, NULL },
     run, 0, 0, 0, "queries", 0
 };

@@ -39,7 +39,7 @@ static int search(job *j)
     size_t i, missing = 0;
     int failed;
     if (points == NULL || distances == NULL) {
-        failed = fail(j, "out of memory: %zu neighbours of each of %zu queries", k, count);
+        failed = fail(j, "out of memory: %zu neighbour%s of each query", COUNT(k));
     } else {
         failed = explain(j, pbw_nearest(&j->mesh, NULL, j->queries.points, count, k, &j->build, points, distances));
     }
@@ -84,6 +84,6 @@ const command command_nearest = {
     "output:  .csv: query, rank, point, distance; fewer than K lines for a query if there are fewer points\n"
     "\n",
     "csv",
-    { nearest_options, input_options, build_options, output_options, common_options, NULL, NULL, NULL },
+    { nearest_options, input_options, weight_options, build_options, output_options, common_options, NULL },
     run, 0, 0, 0, "queries", 1
 };

@@ -190,7 +190,7 @@ static int check_output(const job *j, const char *path)
 
 int check_outputs(const job *j)
 {
-    const char *surface = text_of(j, "--surface"), *colour = text_of(j, "--colour");
+    const char *surface = text_of(j, "--surface");
     FILE *file;
     int i, k, status = 0;
     for (i = 0; i < j->outputs && status == 0; i++) {
@@ -210,9 +210,6 @@ int check_outputs(const job *j)
     }
     if (status == 0 && surface == NULL && is_given(j, "--inside") && j->generate != NULL) {
         return complain("--inside: what is generated has no faces; --surface names a model that has");
-    }
-    if (status == 0 && colour != NULL && strcmp(colour, "weight") == 0 && !is_given(j, "--weights")) {
-        return complain("--colour weight: --weights is needed");
     }
     return status;
 }

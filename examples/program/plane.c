@@ -132,21 +132,19 @@ static void report(const job *j, const result *r, double seconds)
         }
     }
     say(j, "mesh", seconds, "%s", "");
-    note(j, "%zu triangle%s, %zu point%s, %zu edge%s of segments, %zu region%s", p->triangle_count,
-         plural(p->triangle_count), p->point_count, plural(p->point_count), p->edge_count, plural(p->edge_count),
-         p->region_count, plural(p->region_count));
+    note(j, "%zu triangle%s, %zu point%s, %zu edge%s of segments, %zu region%s", COUNT(p->triangle_count),
+         COUNT(p->point_count), COUNT(p->edge_count), COUNT(p->region_count));
     if (p->triangle_count > 0) {
         note(j, "angles from %.2f to %.2f degrees", least, largest);
     }
     if (p->report.rounds > 0) {
-        note(j, "%zu point%s at crossings, in %d round%s", p->point_count - p->input_count - p->report.steiner_count,
-             plural(p->point_count - p->input_count - p->report.steiner_count), p->report.rounds,
-             plural((size_t)p->report.rounds));
+        note(j, "%zu point%s at crossings, in %zu round%s",
+             COUNT(p->point_count - p->input_count - p->report.steiner_count), COUNT(p->report.rounds));
     }
     if (p->report.steiner_count + p->report.small_angles + p->report.too_large > 0) {
         note(j, "%zu new point%s, %zu more removed again; %zu triangle%s with smaller angles than wanted, "
-             "%zu larger%s", p->report.steiner_count, plural(p->report.steiner_count), p->report.removed,
-             p->report.small_angles, plural(p->report.small_angles), p->report.too_large,
+             "%zu larger%s", COUNT(p->report.steiner_count), p->report.removed, COUNT(p->report.small_angles),
+             p->report.too_large,
              p->report.limited ? "; --steiner ended it" : "");
     }
     for (i = 0; is_given(j, "--quality") && p->triangle_count > 0 && i < PBW_PLANE_MEASURES; i++) {
@@ -316,9 +314,6 @@ static int set_up(const job *j, const plan *d, pbw_plane_options *options)
                    | (is_given(j, "--angle") || is_given(j, "--area") || size != NULL ? PBW_PLANE_REFINE : 0);
     if (options->angle > 34) {
         return complain("--angle %s: up to 34 degrees are possible", text_of(j, "--angle"));
-    }
-    if (size == NULL && is_given(j, "--coarsen")) {
-        return complain("--coarsen needs --size");
     }
     if (size != NULL && column_of(size) == NULL) {
         (void)evaluate(size, 0.1, 0.1, &wrong);
