@@ -437,8 +437,9 @@ const command command_plane = {
     "output:  .svg .html (regions, segments, angles), .poly; .vtu .msh .msh2 .mesh .ele .node .neigh .obj .ply .off\n"
     "         .stl .inp .su2\n"
     "         Regions: data of cells in .vtu, groups in .msh and .inp, references in .msh2, .mesh and .ele.\n"
-    "For those who come from Triangle: -q is --angle, -a --area, -p a .poly, -c --rule hull, -Y --keep-boundary,\n"
-    "-YY --keep-segments, -D --conforming, -S --steiner, -j --no-orphans.\n"
+    "For those who come from Triangle: -q30 is --angle 30, -a.1 --area .1, -u --size, -p a .poly, -r a mesh as input,\n"
+    "-c --rule hull, -Y --keep-boundary, -YY --keep-segments, -D --conforming, -S99 --steiner 99, -j --no-orphans;\n"
+    "-A is always on.\n"
     "\n",
     "svg html poly vtu msh msh2 mesh ele node neigh obj ply off stl inp su2",
     { plane_options, input_options, build_options, output_options, text_options, common_options, NULL, NULL },
