@@ -5,6 +5,8 @@
    Needs pbw.h, pbw_tiles.h and pbw_tilefile.h, with their implementations in some source file.
 
        pbwm_options options = { 0 };                         // dim 3, no weights, threads = cores / ranks of the node
+       pbwm_report report;
+       pbw_status status;
        options.output = "mesh.pbwt";
        status = pbwm_triangulate(MPI_COMM_WORLD, points, count, &options, &report);
        if (status != PBW_OK) puts(report.text);              // the same on all ranks

@@ -10,7 +10,7 @@
    yours, with a histogram; by mouse, touch and keys.  Of a mesh without simplices (dim, point_count and points set,
    the rest 0) it shows the points, and with triangles of a model its surface.  A click tells the ids of the mesh.
    Size: about 7 bytes a tetrahedron, 4 a triangle, 20 a point (15 in 2D), and for each array 1 to 6 bytes a number.
-   No dependency, no globals.  Memory: 4 bytes a point.
+   No globals.  Memory: 4 bytes a point.
 */
 #ifndef PBW_VIEW_H
 #define PBW_VIEW_H
