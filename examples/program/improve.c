@@ -253,10 +253,8 @@ static int improve_triangles(job *j)
     say(j, "improve", now() - start, "%zu triangle%s, %zu point%s", COUNT(plane.triangle_count),
         COUNT(plane.point_count));
     describe_plane(j, "after:  ", &plane);
-    for (i = 0; i < PBW_PLANE_MEASURES && is_given(j, "--quality"); i++) {
-        const pbw_plane_quality q = pbw_plane_quality_of(&plane, (pbw_plane_measure)i);
-        note(j, "%-16s least %.7g, mean %.7g, most %.7g", pbw_plane_measure_name((pbw_plane_measure)i), q.least,
-             q.mean, q.most);
+    if (is_given(j, "--quality")) {
+        describe_plane_measures(j, &plane);
     }
     memset(&j->mesh, 0, sizeof j->mesh);
     j->mesh.dim = 2;

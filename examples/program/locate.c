@@ -26,13 +26,6 @@ static void emit(void *user, FILE *file)
     }
 }
 
-static pbwio_status write_found(job *j, const char *path, const char *ending, void *user, pbwio_error *error)
-{
-    (void)j;
-    (void)ending;
-    return pbwio_save(path, emit, user, error);
-}
-
 static int locate(job *j)
 {
     const size_t count = j->queries.count;
@@ -56,7 +49,7 @@ static int locate(job *j)
         f.j = j;
         f.simplices = simplices;
         f.facets = facets;
-        failed = write_with(j, write_found, &f);
+        failed = write_table(j, emit, &f);
     }
     free(simplices);
     free(facets);

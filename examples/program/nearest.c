@@ -21,13 +21,6 @@ static void emit(void *user, FILE *file)
     }
 }
 
-static pbwio_status write_found(job *j, const char *path, const char *ending, void *user, pbwio_error *error)
-{
-    (void)j;
-    (void)ending;
-    return pbwio_save(path, emit, user, error);
-}
-
 static int search(job *j)
 {
     const size_t count = j->queries.count, k = (size_t)number_of(j, "-k", 1);
@@ -54,7 +47,7 @@ static int search(job *j)
         f.k = k;
         f.points = points;
         f.distances = distances;
-        failed = write_with(j, write_found, &f);
+        failed = write_table(j, emit, &f);
     }
     free(points);
     free(distances);

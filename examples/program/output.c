@@ -336,6 +336,24 @@ int write_with(job *j, writer *write, void *user)
     return interrupted ? stopped(j) : 0;
 }
 
+typedef struct table { void (*emit)(void *user, FILE *file); void *user; } table;
+
+static pbwio_status save_table(job *j, const char *path, const char *ending, void *user, pbwio_error *error)
+{
+    const table *t = (const table *)user;
+    (void)j;
+    (void)ending;
+    return pbwio_save(path, t->emit, t->user, error);
+}
+
+int write_table(job *j, void (*emit)(void *user, FILE *file), void *user)
+{
+    table t;
+    t.emit = emit;
+    t.user = user;
+    return write_with(j, save_table, &t);
+}
+
 int write_mesh(job *j)
 {
     return write_with(j, write_one, NULL);

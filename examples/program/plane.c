@@ -118,6 +118,16 @@ static void histogram(const job *j, const result *r)
     }
 }
 
+void describe_plane_measures(const job *j, const pbw_plane *plane)
+{
+    int i;
+    for (i = 0; i < PBW_PLANE_MEASURES; i++) {
+        const pbw_plane_quality q = pbw_plane_quality_of(plane, (pbw_plane_measure)i);
+        note(j, "%-16s least %.7g, mean %.7g, most %.7g", pbw_plane_measure_name((pbw_plane_measure)i), q.least,
+             q.mean, q.most);
+    }
+}
+
 static void report(const job *j, const result *r, double seconds)
 {
     const pbw_plane *p = r->plane;
@@ -147,10 +157,8 @@ static void report(const job *j, const result *r, double seconds)
              p->report.too_large,
              p->report.limited ? "; --steiner ended it" : "");
     }
-    for (i = 0; is_given(j, "--quality") && p->triangle_count > 0 && i < PBW_PLANE_MEASURES; i++) {
-        const pbw_plane_quality q = pbw_plane_quality_of(p, (pbw_plane_measure)i);
-        note(j, "%-16s least %.7g, mean %.7g, most %.7g", pbw_plane_measure_name((pbw_plane_measure)i), q.least,
-             q.mean, q.most);
+    if (is_given(j, "--quality") && p->triangle_count > 0) {
+        describe_plane_measures(j, p);
     }
     if (is_given(j, "--histogram")) {
         histogram(j, r);

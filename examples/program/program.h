@@ -169,6 +169,7 @@ int write_model(job *j, pbwmodel_content *content);
 /* Writes each output by a function that gets its path, its ending and user. */
 typedef pbwio_status writer(job *j, const char *path, const char *ending, void *user, pbwio_error *error);
 int write_with(job *j, writer *write, void *user);
+int write_table(job *j, void (*emit)(void *user, FILE *file), void *user);       /* the same text to each output */
 
 /* ---- diagram.c ---- */
 
@@ -197,6 +198,10 @@ typedef struct plan {                                 /* of a plane domain */
    */
 int read_domain(job *j, plan *d, const char *column);
 void domain_free(plan *d);
+
+/* ---- plane.c ---- */
+
+void describe_plane_measures(const job *j, const pbw_plane *plane);  /* --quality */
 
 /* ---- expression.c ---- */
 
