@@ -254,7 +254,9 @@ example() { # example HEADER DECLARATIONS
         printf 'return 0;\n}\n'
     } > "$work/top.c"
     grep -q ';$' "$work/top.c" || return 1
-    for language in "${CC:-cc} -std=c99" "${CXX:-c++} -std=c++11 -x c++"; do
+    set -- "${CC:-cc} -std=c99" "${CXX:-c++} -std=c++11 -x c++" "$1"
+    [ "$3" != pbw_mpi.h ] || set -- "mpicc -std=c99"
+    for language in "$1" "${2:-none}"; do
         command -v "${language%% *}" > /dev/null || continue
         $language -Wall -Wno-unused -Werror -I. -Iexamples/lib -fsyntax-only "$work/top.c" || return 1
     done
@@ -279,7 +281,7 @@ for header in examples/lib/*.h; do
         static pbwt_options options; static pbwt_tile tile; static pbwt_served *its_served; static int more;
         static pbwt_bytes reply;' ;;
     pbw_mpi.h)
-        printf '#include <mpi.h>\n' | ${CC:-cc} -E - > /dev/null 2>&1 || { skip "pbw_mpi.h: no mpi.h"; continue; }
+        command -v mpicc > /dev/null || { skip "pbw_mpi.h: no mpicc"; continue; }
         given='static const pbwt_point *points; static size_t count;' ;;
     esac
     check "$header: the example at its top compiles" example "$header" "$given"
