@@ -451,7 +451,7 @@ static int bench_listed(const char *list, const char *name)
 }
 
 typedef struct bench_settings {
-    int repeats, phases, faults, met, missed;
+    int repeats, sets, phases, faults, met, missed;
     unsigned limit;
     double budget;
     FILE *csv;
@@ -790,7 +790,7 @@ static int bench_threads(const char *list, int threads[BENCH_SIDES])
 static void bench_points(bench_settings *settings, const struct bench_kind *kind, size_t dim, size_t count,
                          const bench_plan *plan)
 {
-    const size_t sets = count <= 1000 ? BENCH_SETS : 1;
+    const size_t sets = count <= 1000 ? (size_t)settings->sets : 1;
     double *points = (double *)bench_map(sets * count * dim * sizeof(double), MAP_PRIVATE);
     double *weights = (double *)bench_map(sets * count * sizeof(double), MAP_PRIVATE);
     const char *name = kind->names[dim - 2];
@@ -900,7 +900,8 @@ static const char bench_usage[] =
     "  --csv FILE          also writes a line for each side there, in seconds and bytes\n"
     "  --repeats N         most samples of a side (7)\n"
     "  --budget SECONDS    of a side, after which it takes no further sample (1 quick, 3, 20 full)\n"
-    "  --limit SECONDS     ends a single sample (300)\n";
+    "  --limit SECONDS     ends a single sample (300)\n"
+    "  --sets N            of at most 1000 points, that take turns (64); 1: the same points over and over\n";
 
 /* What may explain the numbers: the machine, its load, the compiler. */
 static void bench_machine(void)
@@ -954,6 +955,7 @@ int main(int argc, char **argv)
     memset(&settings, 0, sizeof settings);
     settings.repeats = 7;
     settings.limit = 300;
+    settings.sets = BENCH_SETS;
     for (i = 1; i < argc; i++) {
         const char *name = argv[i], *value = i + 1 < argc ? argv[i + 1] : NULL;
         if (strcmp(name, "--quick") == 0 || strcmp(name, "--full") == 0) {
@@ -997,12 +999,17 @@ int main(int argc, char **argv)
             settings.budget = atof(value);
         } else if (strcmp(name, "--limit") == 0) {
             settings.limit = (unsigned)atoi(value);
+        } else if (strcmp(name, "--sets") == 0) {
+            settings.sets = atoi(value);
         } else {
             return bench_fail("unknown option");
         }
     }
     if (settings.repeats < 1 || settings.repeats > BENCH_REPEATS) {
         return bench_fail("repeats must be 1 to 99");
+    }
+    if (settings.sets < 1 || settings.sets > BENCH_SETS) {
+        return bench_fail("sets must be 1 to 64");
     }
     if (settings.budget <= 0) {
         settings.budget = strcmp(mode, "quick") == 0 ? 1 : strcmp(mode, "full") == 0 ? 20 : 3;

@@ -243,6 +243,49 @@ if [ -f README.md ]; then
 else
     skip "README: there is none"
 fi
+# The example at the top of each companion header, within a main of a program that declares what it is given.
+example() { # example HEADER DECLARATIONS
+    {
+        [ "$1" != pbw_stuffing.h ] || echo '#define PBW_SURFACE_IMPLEMENTATION'
+        printf '#include <%s>\n' math.h stdio.h stdlib.h
+        printf '#include "%s"\n%s\nint main(void)\n{\n' "$1" "$2"
+        awk '/^ *\*\// || (inside && /^   [^ ]/) { exit } /^       / { inside = 1 }
+             inside && !/^       #/ { print substr($0, 8) }' "examples/lib/$1"
+        printf 'return 0;\n}\n'
+    } > "$work/top.c"
+    grep -q ';$' "$work/top.c" || return 1
+    set -- "${CC:-cc} -std=c99" "${CXX:-c++} -std=c++11 -x c++" "$1"
+    [ "$3" != pbw_mpi.h ] || set -- "mpicc -std=c99"
+    for language in "$1" "${2:-none}"; do
+        command -v "${language%% *}" > /dev/null || continue
+        $language -Wall -Wno-unused -Werror -I. -Iexamples/lib -fsyntax-only "$work/top.c" || return 1
+    done
+}
+numbers='static const double *points; static size_t n, m; static const pbw_index *triangles;'
+fields='static double *error, *values, *new_values;'
+for header in examples/lib/*.h; do
+    header=$(basename "$header")
+    given=
+    case $header in
+    pbw_adapt2.h) given="static pbw_plane plane; $fields" ;;
+    pbw_adapt3.h) given="static pbw_tets mesh; $fields" ;;
+    pbw_cells.h) given='static const double *points; static size_t count;' ;;
+    pbw_film.h) given='static int next(void *u, pbwfilm_frame *frame) { return u != frame; } static void *user;' ;;
+    pbw_improve.h) given="$numbers static const pbw_index *corners;" ;;
+    pbw_mesh3.h | pbw_sample.h) given=$numbers ;;
+    pbw_picture.h | pbw_view.h) given='static pbw_mesh mesh; static pbwio_error error;' ;;
+    pbw_stuffing.h) given='static double function(const double p[3]) { return 1 - p[0] * p[0]; }' ;;
+    pbw_surface.h) given="$numbers static size_t point_count, triangle_count; static double p[3];" ;;
+    pbw_tiles.h) given='static pbwt_point *sample, *points; static size_t samples, count; static int dim, parts, p, r;
+        static pbwt_cut *cuts; static pbwt_tree tree, its_tree; static pbwt_summary summary, *summaries;
+        static pbwt_options options; static pbwt_tile tile; static pbwt_served *its_served; static int more;
+        static pbwt_bytes reply;' ;;
+    pbw_mpi.h)
+        command -v mpicc > /dev/null || { skip "pbw_mpi.h: no mpicc"; continue; }
+        given='static const pbwt_point *points; static size_t count;' ;;
+    esac
+    check "$header: the example at its top compiles" example "$header" "$given"
+done
 check "the root holds nothing that should be elsewhere" sh -c \
     "! ls | grep -vxE 'pbw\\.h|pbw_cuda\\.cu|examples|tests|bench|Makefile|README\\.md|build'"
 

@@ -98,7 +98,7 @@ check "the endings are named" early 2 "pbw sample writes ply obj off xyz csv" sa
 check "-o - without a format" early 2 "else --format" mesh atoms.csv -o -
 check "an unknown format" early 2 "--format docx: pbw mesh writes vtu" mesh atoms.csv --format docx -o -
 check "a missing surface" early 2 "--surface no.obj: No such file" mesh atoms.csv --inside --surface no.obj
-check "--surface alone" says 2 "it goes with --inside" mesh atoms.csv --surface open.obj
+check "--surface alone" early 2 "it needs --inside" mesh atoms.csv --surface open.obj
 check "--inside of generated points" early 2 "has no faces" mesh --generate uniform 9 --inside
 unbuilt() { says "$@" && ! grep build said; }
 check "--inside without faces" unbuilt 1 "atoms.csv has none" mesh atoms.csv --inside
@@ -113,7 +113,7 @@ check "--generate, nearly" early 2 "the nearest is sphere" mesh --generate shper
 check "--generate without a count" early 2 "--generate sphere: a count from 1 to 4000000000" mesh --generate sphere
 check "--generate and an input" early 2 "exclude each other" mesh --generate sphere 9 atoms.csv
 check "--colour" early 2 "--colour bogus: one of quality, part" mesh atoms.csv --colour bogus -o a.html
-check "--colour weight" early 2 "--weights is needed" mesh atoms.csv --colour weight -o a.html
+check "--colour weight" early 2 "it needs --weights" mesh atoms.csv --colour weight -o a.html
 check "--eye" early 2 "--eye 0,0,0: a direction X,Y,Z other than 0,0,0" mesh atoms.csv --eye 0,0,0
 check "--cut" early 2 "D from -1 to 1" mesh atoms.csv --cut 1,0,0,2
 check "--memory-limit" early 2 "--memory-limit much: a number of bytes" mesh atoms.csv --memory-limit much
@@ -243,6 +243,211 @@ n=1; check "no patches" patches
 target() { tets cube.obj --size 0.3 --target 15 -o low.msh && "$pbw" improve low.msh "$@" > said && cat said; }
 check "improve --target" target --target 32 -o high.vtu
 check "its angles" grep '^after: *dihedral angles 3[2-9]' said
-brief() { target --target 40 --seconds 1e-9 && grep '; 1 passes' said; }
+brief() { target --target 40 --seconds 1e-9 && grep '; 1 pass$' said; }
 check "improve --seconds" brief
+after() { target "$@" && sed '1,/^before/d' said; }
+features() { after --target 40 > one && after --target 40 --feature-angle 100 > two && ! cmp one two; }
+check "improve --feature-angle" features
+check "improve --size" says 0 "edges split for sizes: " improve low.msh --size 0.15
+errors() {  # as many tetrahedra as --count says, about, where all errors are equal
+    count=$(sed -n 's/^\([0-9]*\) tetrahedra in .*/\1/p' said) && yes 1 | head -n "$count" > errors &&
+        "$pbw" improve low.msh --error errors --count $((8 * count)) > said && cat said &&
+        [ "$(sed -n 's/^improve .* \([0-9]*\) tetrahedra.*/\1/p' said)" -gt $((4 * count)) ]
+}
+tets cube.obj --size 0.3 --target 15 -o low.msh
+check "improve --error --count" errors
+check "improve --smooth --rounds" says 0 "before that, 2 rounds of smoothing" improve low.msh --smooth odt --rounds 2
+check "improve --only-smooth" says 0 "; 0 passes" improve low.msh --smooth lloyd --only-smooth
+check "improve --quality" says 0 "gamma            least" improve low.msh --quality
+
+# Samples.
+cube 0 0 1 | awk '$1 == "v" { $4 *= 0.001 } { print }' > sheet.obj
+sampled() { "$pbw" sample "$@" --format csv -o - 2> said | sed 1d > points.csv; }
+count() { sampled "$@" && wc -l < points.csv; }
+check "sample --count" [ "$(count cube.obj --count 300)" = 300 ]
+check "sample --radius" says 0 "none closer than 0.1" sample cube.obj --radius 0.1
+thick=$(count sheet.obj --radius 0.05)
+check "sample --thin" [ "$(count sheet.obj --radius 0.05 --thin)" -gt "$((3 * thick / 2))" ]
+check "sample --fill lattice" says 0 "points inside" sample cube.obj --count 300 --fill lattice
+check "sample --fill poisson" says 0 "points inside" sample cube.obj --count 300 --fill poisson
+check "sample --uniform" says 0 "300 points" sample cube.obj --uniform --count 300
+seeds() {
+    sampled cube.obj --count 9 && mv points.csv one && sampled cube.obj --count 9 --seed 2 && ! cmp one points.csv
+}
+check "sample --seed" seeds
+normals() {
+    [ "$(count cube.obj --count 99 "$@")" = 99 ] && awk -F, '$4 * $4 + $5 * $5 + $6 * $6 != 1' points.csv > bent
+}
+facets() { normals --facet-normals && ! [ -s bent ] && normals && [ -s bent ]; }
+check "sample --facet-normals" facets
+check "sample --text" sh -c "'$pbw' sample cube.obj --count 9 --text -o n.ply && grep 'format ascii' n.ply"
+
+# What is written, and what pages show.
+printf '0,0\n1,0\n0,1\n1,1\n.5,.5\n.5,.5\n' > twice.csv
+points_of() { sed -n 's/.*NumberOfPoints="\([0-9]*\)".*/\1/p' "$1"; }
+orphans() { "$pbw" "$@" --quiet -o o.vtu --text && points_of o.vtu; }
+check "points that are no corners stay" [ "$(orphans mesh twice.csv)" = 6 ]
+check "mesh --no-orphans" [ "$(orphans mesh twice.csv --no-orphans)" = 5 ]
+check "plane --no-orphans" [ "$(orphans plane twice.csv --no-orphans)" = 5 ]
+printf 'remove,0\n' > fewer
+check "live --no-orphans" [ "$(orphans live twice.csv --script fewer --no-orphans)" = 4 ]
+any_order() { same_mesh m.csv m.csv --any-order; }
+check "mesh --any-order: the same triangulation" any_order
+without() { word=$1 && shift && says 0 "" "$@" && ! grep "$word" said; }
+check "mesh --no-check" without valid mesh atoms.csv --no-check
+check "live --no-check" without valid live p.csv --script changes --no-check
+hashes() { "$pbw" live p.csv --script changes --no-hash > said && ! grep 'commit.*hash' said && grep 'hash' said; }
+check "live --no-hash" hashes
+shown() { text=$1 && shift && "$pbw" "$@" --quiet -o shown.html && grep -- "$text" shown.html; }
+for command in "mesh atoms.csv" "view atoms.csv" "live atoms.csv --script fewer"; do
+    # shellcheck disable=SC2086
+    check "$command --cut-through" shown "data-cap='1'" $command --cut-through
+    # shellcheck disable=SC2086
+    check "$command --colour-outside" shown "data-plain='0'" $command --colour-outside
+    # shellcheck disable=SC2086
+    check "$command --title" shown "<title>a name</title>" $command --title "a name"
+    # shellcheck disable=SC2086
+    check "$command --colour" shown "data-colour='order'" $command --colour order
+done
+check "solid --title" shown "<title>a name</title>" solid cube.obj --size 0.3 --title "a name"
+check "view --points" shown "data-simplices='0'" view atoms.csv --points
+views() {   # views COMMAND OPTION VALUE VALUE: two values make two pictures, and two pages
+    for ending in svg html; do
+        # shellcheck disable=SC2086
+        "$pbw" $1 --quiet "$2" "$3" -o one.$ending && "$pbw" $1 --quiet "$2" "$4" -o two.$ending &&
+            ! cmp one.$ending two.$ending || return 1
+    done
+}
+for command in "mesh m.csv" "live m.csv --script fewer"; do
+    check "$command --up" views "$command" --up 0,0,1 1,0,0
+    check "$command --eye" views "$command" --eye 1,2,3 3,2,1
+    check "$command --cut" views "$command" --cut 1,0,0,0 0,1,0,0.2
+done
+printf 'insert,.2,.2,.2\n' > more
+inside() {
+    says 0 "3 tetrahedra" "$@" --inside --surface closed.obj -o i.vtu -o i.html && grep '^inside .* 3 tetrahedra' said
+}
+check "live --inside --surface" inside live atoms.csv --script more
+check "view --inside --surface" shown "data-kept='1'" view atoms.csv --inside --surface closed.obj
+
+# Options that many commands share.
+printf 'a;b\n0,0;0,0\n1,0;0,0\n0,0;1,0\n1,0;1,5\n' > table.csv
+printf 'a;b\n0,2;0,2\n' > query.csv
+printf 'insert,0.3,0.3\n' > script
+shared() {  # shared COMMAND [ARGUMENT...]: reads the table by its options, on two threads within some memory
+    says 0 "" "$@" --dim 2 --columns b,a --decimal-comma --threads 2 --memory-limit 500M &&
+        says 1 'there is no column "c"' "$@" --columns c,b --decimal-comma &&
+        says 1 "out of memory within --memory-limit 1K" "$@" --columns a,b --decimal-comma --memory-limit 1K
+}
+check "mesh: shared options" shared mesh table.csv
+check "check: shared options" shared check table.csv
+check "bench: shared options" shared bench table.csv
+check "hash: shared options" shared hash table.csv
+check "view: shared options" shared view table.csv -o table.html
+check "cells: shared options" shared cells table.csv
+check "locate: shared options" shared locate table.csv query.csv
+check "nearest: shared options" shared nearest table.csv query.csv
+check "live: shared options" shared live table.csv --script script
+check "tiles: shared options" says 0 "4 points in 2D" tiles table.csv --dim 2 --columns b,a --decimal-comma --no-mesh
+check "plane: shared options" says 0 "2 triangles" plane table.csv --dim 2 --columns b,a --decimal-comma --threads 2
+check "convert: shared options" says 0 "4 points in 2D" convert table.csv --dim 2 --columns b,a --decimal-comma c.csv
+printf '0.2,0.2\n' > query.csv
+seeded() {  # seeded COMMAND...: other numbers with another seed
+    for seed in 1 2; do
+        "$pbw" "$@" --generate uniform 60 --dim 2 --seed $seed > said
+        sed '/ s /d; / s$/d; s/peak memory.*hash/hash/' said > $seed.seed
+    done
+    "$pbw" "$@" --generate uniform 60 --dim 2 | sed '/ s /d; / s$/d; s/peak memory.*hash/hash/' > default
+    cmp 1.seed default && ! cmp 1.seed 2.seed
+}
+for command in mesh check hash cells plane "tiles --no-mesh" "live --script script"; do
+    # shellcheck disable=SC2086
+    check "$command --generate --seed" seeded $command
+done
+check "view --generate --seed" says 0 "60 points" view --generate gauss 60 --seed 3 -o v.html
+check "convert --generate --seed" says 0 "60 points" convert --generate gauss 60 --seed 3 c.csv
+check "locate --generate --seed" says 0 "1 query" locate --generate uniform 60 --dim 2 --seed 3 query.csv
+check "nearest --generate --seed" says 0 "1 query" nearest --generate uniform 60 --dim 2 --seed 3 query.csv
+check "bench --generate --seed" says 0 "M points/s" bench --generate uniform 60 --dim 2 --seed 3 --threads 2
+check "check --weights" says 0 "weighted" check atoms.csv --weights r
+check "view --weights" says 0 "weighted" view atoms.csv --weights r -o v.html
+check "bench --weights" says 0 "weighted" bench atoms.csv --weights r --threads 1
+weighted() {
+    "$pbw" hash atoms.csv --weights r --quiet > one && "$pbw" hash atoms.csv --quiet > two && ! cmp one two
+}
+check "hash --weights" weighted
+check "a table in 3D" says 0 "in 3D" cells atoms.csv --columns x,y,z
+for command in "mesh t.vtu" "check t.vtu" "convert t.vtu c.csv" "view t.vtu -o v.html" "locate p.csv query.csv" \
+    "nearest p.csv query.csv" "cells p.csv" "plane p.csv" "improve low.msh" "solid cube.obj --size .5" \
+    "tiles t.vtu --no-mesh" "live p.csv --script script" "sample cube.obj --count 9"; do
+    # shellcheck disable=SC2086
+    check "$command --quiet" silent $command --quiet
+    check "${command%% *} --help" says 0 "usage: pbw" ${command%% *} --help
+done
+quiet_hash() { "$pbw" hash p.csv --quiet > said && [ "$(wc -c < said)" = 17 ]; }
+check "hash --quiet" quiet_hash
+check "hash --help" says 0 "usage: pbw hash" hash --help
+check "bench --help" says 0 "usage: pbw bench" bench --help
+to_output() { command=$1 && shift && "$pbw" "$command" "$@" -o - 2> said > got && [ -s got ]; }
+check "sample --format" to_output sample cube.obj --count 9 --format xyz
+check "convert --format" sh -c "'$pbw' convert cube.obj - --format off 2> said | grep OFF"
+check "view --format" to_output view p.csv --format html
+check "cells --format" to_output cells p.csv --format csv
+check "nearest --format" to_output nearest p.csv query.csv --format csv
+check "plane --format" to_output plane p.csv --format poly
+check "improve --format" to_output improve low.msh --format vtu --text
+check "solid --format" to_output solid cube.obj --size 0.3 --format .ele
+check "solid --text" to_output solid cube.obj --size 0.3 --format vtu --text --rounds 3 --seconds 9 --threads 2
+check "live --format" to_output live p.csv --script script --format vtu --text
+check "plane --text" to_output plane p.csv --format vtu --text
+check "convert --text" to_output convert cube.obj --format ply --text
+
+# Options that would have no effect are refused, before the work.
+printf '1 1 1\n' > points.bin
+"$pbw" tiles m.csv --tiles 2 -o m.pbwt > said
+"$pbw" mesh p.csv --quiet -o flat.msh
+useless() { text=$1 && shift && early 2 "$text" "$@"; }
+check "--seed alone" useless "--seed 3: it needs --generate" mesh m.csv --seed 3
+check "--columns of what is generated" useless "--columns 1,2 and --generate uniform exclude" \
+    mesh --generate uniform 9 --columns 1,2
+check "--weights of what is generated" useless "--weights 4 and --generate" mesh --generate uniform 9 --weights 4
+check "--dim of tiles" useless "--dim 2 and an input .pbwt exclude each other" check m.pbwt --dim 2
+check "--columns of records" useless "--columns 1,2 and an input .bin exclude" \
+    tiles points.bin --no-mesh --columns 1,2
+check "--tile without tiles" useless "--tile 1: it needs an input .pbwt" convert m.csv --tile 1 c.csv
+check "--eye without a picture" useless "--eye 1,2,3: it needs an output .html or .svg" \
+    mesh m.csv --eye 1,2,3 -o a.vtu
+check "--title without a page" useless "--title T: it needs an output .html" mesh m.csv --title T -o a.svg
+check "--text of text" useless "--text: it needs an output .vtu, .msh, .ply or .stl" mesh m.csv --text -o a.csv
+check "--no-orphans of a picture" useless "--no-orphans: it needs an output .vtu" mesh m.csv --no-orphans -o a.svg
+check "--format beside endings" useless "--format obj: it needs an output whose name tells no other format" \
+    mesh m.csv --format obj -o a.vtu
+check "--format alone" useless "--format obj: it needs an output" mesh m.csv --format obj
+check "points with threads" useless "--points and --threads 2 exclude each other" \
+    view m.csv --points --threads 2 -o a.html
+check "points with colours of simplices" useless "--colour part and --points exclude" \
+    view m.csv --points --colour part -o a.html
+check "live: colours of threads" useless "--colour thread: pbw live" \
+    live m.csv --script changes --colour thread -o a.html
+check "--count and --radius" useless "--count 5 and --radius 1 exclude each other" \
+    sample cube.obj --count 5 --radius 1
+check "--uniform and --fill" useless "--uniform and --fill lattice exclude" sample cube.obj --uniform --fill lattice
+check "normals that are not written" useless "--facet-normals and --fill poisson exclude" \
+    sample cube.obj --facet-normals --fill poisson -o a.ply
+check "--box and --clip" useless "--box 0,0,1,1 and --clip p.csv exclude" cells p.csv --box 0,0,1,1 --clip p.csv
+check "plane: weights" useless "pbw plane has no option --weights" plane p.csv --weights z
+check "plane: --rounds alone" useless "--rounds 3: it needs --smooth" plane p.csv --rounds 3
+check "plane: --steiner alone" useless "--steiner 3: it needs --angle, --area, --size or --conforming" \
+    plane p.csv --steiner 3
+check "improve: --only-smooth alone" useless "--only-smooth: it needs --smooth" improve low.msh --only-smooth
+check "improve: --count alone" useless "--count 9: it needs --error" improve low.msh --count 9
+check "improve: --rounds alone" says 2 "--rounds 3: it needs --smooth" improve low.msh --rounds 3
+check "improve: a target for triangles" says 2 "--target 20: it is for tetrahedra, flat.msh has triangles" \
+    improve flat.msh --target 20
+check "solid: patches in a page" useless "--patches: it needs an output .msh" solid cube.obj --patches -o a.html
+
+# Numbers and nouns agree.
+check "1 point" says 1 "1 point in 2D, 0 faces" mesh query.csv
+check "1 query" says 0 "1 query" nearest p.csv query.csv
+check "1 turned edge" sh -c "sed 's/f 1 2 4/f 1 4 2/' closed.obj | '$pbw' check - | grep -v '1 [a-z]*s'"
 finish

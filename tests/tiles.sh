@@ -80,6 +80,8 @@ without_mesh() {
         ! [ -e clusters.csv.part ] && ! [ -e clusters.csv.scratch ]
 }
 check "counts and the hash without a file" without_mesh
+check "no file, without links" says 2 "--no-links and --no-mesh exclude each other" \
+    tiles clusters.csv --no-mesh --no-links
 check "no file, and one" says 2 "with --no-mesh none" tiles clusters.csv --no-mesh -o c2.pbwt
 nothing_left() {     # nothing_left NAME SAYS-ARGUMENT...: no scratch files and no part of an output
     beside=$1
@@ -153,7 +155,7 @@ done
 truncated() { head -c $((size - $1)) c.pbwt > bad.pbwt && says 1 truncated check bad.pbwt; }
 check "a truncated file" truncated 8
 head -c 71993 k0.3.bin > short.bin
-check "a truncated input" says 1 "truncated: 71993 bytes" tiles short.bin -o no.pbwt
+check "a truncated input" says 1 "truncated: its size, 71993, is no multiple of 24" tiles short.bin -o no.pbwt
 check "no such input" says 1 "No such file" tiles none.bin -o no.pbwt
 (cat k0.3.bin; printf '\0\0\0\0\0\0\370\177\0\0\0\0\0\0\370\177\0\0\0\0\0\0\370\177') > nan.bin
 check "a point that is not finite" nothing_left no.pbwt 1 "point 3000: a number is not finite" \
@@ -166,12 +168,27 @@ check "and scratch files stay for more of it" [ -e m.pbwt.scratch/state ]
 rm -rf m.pbwt*
 "$pbw" mesh --generate sphere 20000 --quiet -o sphere.csv
 awk -F, -v OFS=, 'NR > 1 { $2 *= 0.7; $3 *= 0.4 } { print }' sphere.csv > ellipsoid.csv
-check "a surface that memory does not hold at once" says 1 "points, as on surfaces, were given up" \
+check "a surface that memory does not hold at once" says 1 "points, as on surfaces, which must be" \
     tiles ellipsoid.csv --tiles 8 --threads 1 --memory-limit 7M -o m.pbwt
 with_more() { says 0 "8 of 8 tiles are finished" tiles ellipsoid.csv --tiles 8 --threads 1 -o m.pbwt; }
 check "more memory goes on from there" with_more
 check "too little memory for tiles of its choice" nothing_left n.pbwt 1 "out of memory within --memory-limit 4M" \
     tiles ellipsoid.csv --threads 1 --memory-limit 4M -o n.pbwt
+halo() {    # halo HALO: points of the first halos, by the report
+    "$pbw" tiles few.bin --tiles 4 --halo "$1" -o halo.pbwt > said && hash_of halo.pbwt > "halo.$1" &&
+        awk '/^tile/ { for (i = 1; i < NF; i++) if ($i == "halo") sum += $(i + 1) } END { print sum + 0 }' said
+}
+wider() { few=$(halo 0.5) && many=$(halo 3) && [ "$many" -gt "$((2 * few))" ] && cmp halo.0.5 halo.3; }
+./points 0 3 5000 0 > few.bin
+check "--halo: more points of others, the same triangulation" wider
+elsewhere() {    # scratch files stay as memory is too small, in that folder
+    says 1 "more --tiles need less" tiles long.bin --tiles 2 --memory-limit 3M --scratch else -o m.pbwt &&
+        [ -e else/state ] && ! [ -e m.pbwt.scratch ] && says 0 "all " tiles long.bin --tiles 2 \
+        --scratch else -o m.pbwt && ! [ -e else ]
+}
+check "--scratch" elsewhere
+check "a folder for scratch files that cannot be" says 1 "none/else: No such file" \
+    tiles long.bin --scratch none/else -o m.pbwt
 check "enough memory" says 0 "all " tiles long.bin --memory-limit 12M -o m.pbwt
 
 # Several at a time: the same bytes for any number of threads; fewer if memory is too small for that.
@@ -228,7 +245,6 @@ another() { # scratch files are not used for other points, whatever their number
             ! [ -e h.pbwt.scratch ] || return 1
     done
 }
-./points 0 3 5000 0 > few.bin
 ./points 2 3 100000 0 > moved.bin
 check "scratch of another input" another
 missing() { # nor where the output that grew is gone

@@ -4,12 +4,13 @@
    In one source file, define PBW_ADAPT2_IMPLEMENTATION before the include; in all others, only include.
    Needs pbw.h and pbw_mesh2.h, with their implementations in some source file.
 
-       pbw_plane next = {0};
+       pbw_plane next = {0};                                                 // plane: of pbw_mesh2.h
        double *sizes = (double *)malloc(plane.point_count * sizeof *sizes);
        pbw_plane_sizes(&plane, error, 2 * plane.triangle_count, sizes);      // error: one number a triangle
        if (pbw_plane_adapt(&plane, sizes, NULL, NULL, &next, NULL) != PBW_OK) puts(next.what);
        pbw_plane_transfer(&plane, &next, values, 1, new_values, NULL);       // one number a point
        pbw_plane_smooth(&next, PBW_PLANE_ODT, 5, NULL);
+       pbw_plane_free(&next);
 
    HOW
    A mesh that changes is built again, from the points that stay and the edges of its segments: the constrained
@@ -93,26 +94,31 @@ PBWADAPT2DEF pbw_status pbw_plane_smooth(pbw_plane *plane, pbw_plane_way way, in
 
 /* ---- adaptation */
 
-/* Sizes at points for a mesh of about `count` triangles with equal errors.  error: per triangle, of a kind that falls
-   with the square of its size, as the energy norm of linear elements does over one triangle. */
+/* Fills sizes, one a point: lengths of edges for a mesh of about `count` triangles with equal errors.  error: per
+   triangle, of a kind that falls with the square of its size, as the energy norm of linear elements does over one. */
 PBWADAPT2DEF void pbw_plane_sizes(const pbw_plane *plane, const double *error, size_t count, double *sizes);
 
 /* Makes a finer mesh where edges are longer than the sizes of their ends, a coarser one where they are shorter than
-   half.  sizes: one a point, 0 = any.  keep: marks points that must stay; NULL = none but the ends of segments.
-   options: as for pbw_plane_make, but for the rule, which is to keep the domain.  from: room for plane->point_count
-   numbers, or NULL; gets the old number of point i of the result, for i < result->input_count.
-   edge_segments and region_seeds of the result have the caller's numbers, as the old ones; region_windings are 1. */
+   half.  sizes: one a point, 0 = any.  keep: one a point, 1 = it must stay; NULL = only the ends of segments must.
+   options: as for pbw_plane_make, but for the rule, which is to keep the domain, and it always refines.  result:
+   overwritten; fails as pbw_plane_make, and without triangles.  from: room for plane->point_count numbers, or NULL;
+   gets the old number of point i of the result, for i < result->input_count.  edge_segments and region_seeds of the
+   result have the caller's numbers, as the old ones; region_windings are 1. */
 PBWADAPT2DEF pbw_status pbw_plane_adapt(const pbw_plane *plane, const double *sizes, const unsigned char *keep,
                                         const pbw_plane_options *options, pbw_plane *result, pbw_index *from);
 
 /* A plane from triangles in any direction each, to be refined, adapted or smoothed: their border is the boundary of
-   the domain, edges of one straight line have one number.  The triangles inside are made anew. */
+   the domain, edges of one straight line have one number.  The triangles inside are made anew.  points: 2 numbers
+   each.  plane: overwritten.  Returns PBW_ERROR_ARGUMENT without triangles, for ids out of range and for two
+   triangles on one side of an edge, or fails as pbw_plane_make; plane->what says why. */
 PBWADAPT2DEF pbw_status pbw_plane_from_triangles(const double *points, size_t point_count, const pbw_index *triangles,
                                                  size_t triangle_count, const pbw_plane_options *options,
                                                  pbw_plane *plane);
 
 /* Values at points of another mesh of the domain: linear in each triangle of `from`; the value of the nearest place
-   where there is none.  width: numbers per point.  options: for its build, or NULL. */
+   where there is none.  width: numbers a point; values: from->point_count * width, out: room for to->point_count *
+   width.  Of options only `build` counts; NULL = defaults.  Returns PBW_ERROR_ARGUMENT if `from` has no triangles, or
+   PBW_ERROR_MEMORY. */
 PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plane *to, const double *values,
                                            size_t width, double *out, const pbw_plane_options *options);
 

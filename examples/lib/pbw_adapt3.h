@@ -5,7 +5,8 @@
    Needs pbw.h, with its implementation in some source file, and the implementations of pbw_surface.h and
    pbw_improve.h in the same source file, before it.
 
-       pbw_improve_options how = {0};
+       pbw_improve_options how = {0};                                          // mesh: of pbw_solid or pbw_improve
+       pbw_tets next = {0};
        double *sizes = (double *)malloc(mesh.point_count * sizeof *sizes);
        pbw_tets_sizes(&mesh, error, 2 * mesh.tet_count, sizes);                // error: one number a tetrahedron
        how.sizes = sizes;
@@ -39,13 +40,15 @@
 extern "C" {
 #endif
 
-/* Sizes at points for a mesh of about `count` tetrahedra with equal errors, each from an eighth to four times as long
-   as the edges there are.  error: per tetrahedron, in the energy norm over it, not squared. */
+/* Fills sizes, one a point: lengths of edges for a mesh of about `count` tetrahedra with equal errors, each from an
+   eighth to four times as long as the edges there are.  error: per tetrahedron, in the energy norm over it, not
+   squared. */
 PBWADAPT3DEF void pbw_tets_sizes(const pbw_tets *mesh, const double *error, size_t count, double *sizes);
 
 /* Values at points of another mesh of the domain.  from: with neighbors, as results of pbw_improve and pbw_solid have
-   them; width: numbers a point.  Of options, it uses threads, resize and memory_limit.  Returns PBW_ERROR_ARGUMENT
-   if `from` has no tetrahedra or no neighbors, or what pbw_order and pbw_surface_create fail with. */
+   them; width: numbers a point; values: from->point_count * width, out: room for to->point_count * width.  Of options,
+   it uses threads, resize and memory_limit.  Returns PBW_ERROR_ARGUMENT if `from` has no tetrahedra or no neighbors,
+   or what pbw_order and pbw_surface_create fail with. */
 PBWADAPT3DEF pbw_status pbw_tets_transfer(const pbw_tets *from, const pbw_tets *to, const double *values,
                                           size_t width, const pbw_options *options, double *out);
 

@@ -7,11 +7,13 @@
        const double box[6] = { 0,0,0, 1,1,1 };                       // low corner, high corner
        pbw_domain domain = {0};
        pbw_cells cells = {0};
+       pbw_mesh mesh = {0};
        domain.box = box;
        pbw_triangulate(3, points, NULL, count, NULL, &mesh);
        pbw_cells_of(&mesh, &domain, 0, NULL, &cells);                // of weighted points: power cells
        printf("%g\n", cells.volumes[7]);
        pbw_cells_free(&cells);
+       pbw_free(&mesh);
 
    HOW
    The cell of a vertex is the dual of its star: its corners are the centres of the star's simplices, its facets

@@ -3,13 +3,16 @@
    In one source file, define PBW_FILM_IMPLEMENTATION before the include; in all others, only include.
    Needs pbw_io.h, with its implementation in some source file.
 
-       static int next(void *user, pbwfilm_frame *frame) { ...simulate a step, set frame->...; return more; }
-       pbwfilm_write("film.html", &options, next, user, &error);
+       pbwfilm_options options = {0};
+       pbwio_error error;
+       options.box[2] = options.box[3] = 1;                          // the unit square is seen
+       if (pbwfilm_write("film.html", &options, next, user, &error) != PBWIO_OK) puts(error.text);
 
+   `next` is yours: it simulates a step, sets members of the frame and returns 1, or 0 when there is no more.
    Writes one file that needs nothing else, no network and no server: play, step, speed.  A frame is a set of dots,
    lines and polygons, coloured by a number: triangles of a mesh, cells of a diagram, a front.
    Size: 2.7 bytes a shape and 5.4 a corner in each frame; browsers draw 10,000 polygons 30 times a second.
-   No dependency, no globals, no memory.
+   No globals; it takes no memory.
 */
 #ifndef PBW_FILM_H
 #define PBW_FILM_H

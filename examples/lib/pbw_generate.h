@@ -1,9 +1,10 @@
 /* pbw_generate.h - v0.1.0 - points in many patterns, for trials - MIT-0
 
-   Include it where pbw.h is included; every function is static.
+   Include it; every function is static.  Needs pbw_io.h, with its implementation in some source file.
 
        pbwio_cloud cloud;
-       pbwgen_points(3, 3, 1000000, 1, &cloud);      // number in pbwgen_kinds, dimension, count, seed
+       if (!pbwgen_points(3, 3, 1000000, 1, &cloud)) puts("out of memory");  // kind 3: sphere, dimension, count, seed
+       pbwio_free(&cloud);
 */
 #ifndef PBW_GENERATE_H
 #define PBW_GENERATE_H
@@ -83,7 +84,8 @@ static void pbwgen__point(int kind, int dim, size_t i, size_t count, uint64_t *s
     }
 }
 
-/* Returns whether there was memory for them; pbwio_free when done. */
+/* Makes points of a kind, 0 to 10: its number in pbwgen_kinds; dim: 2 or 3.  Returns whether there was memory for
+   them; pbwio_free when done. */
 static int pbwgen_points(int kind, int dim, size_t count, uint64_t seed, pbwio_cloud *cloud)
 {
     uint64_t state = seed << 40;

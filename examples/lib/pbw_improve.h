@@ -152,6 +152,7 @@ typedef struct pbw_improve_report {
    more than two tetrahedra at a facet, or two on one side of it: options.message says which size, id or facet. */
 PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_options *how,
                                      const pbw_options *options, pbw_tets *better, pbw_improve_report *report);
+/* Returns the measure of the tetrahedron a b c d. */
 PBWIMPROVEDEF double pbw_tet_measure(pbw_measure measure, const double a[3], const double b[3], const double c[3],
                                      const double d[3]);
 PBWIMPROVEDEF const char *pbw_measure_name(pbw_measure measure);     /* "gamma", NULL for other numbers */

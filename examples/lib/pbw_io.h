@@ -742,6 +742,7 @@ typedef struct pbwio__reader {
     const char *name, *begin, *at, *end;     /* at: where the next line or binary value starts */
     const char *line, *line_end, *cursor;    /* the current line without its end; where its next field starts */
     size_t line_number;                      /* 0 where there are no lines: in binary data */
+    size_t names_line;                       /* the line that names the columns, 0 = there is none */
     int separator;                           /* ',' or ';', 0 = blanks */
     char mark;                               /* of decimals: '.' or ',' */
     int joined, over;                        /* this line is continued with backslashes; has no more fields */
@@ -916,16 +917,23 @@ static int pbwio__find(const pbwio__field *names, int count, const char *name, s
 /* Says that a name is none of those that there are, of which it names some. */
 static void pbwio__no_column(pbwio__reader *r, const char *name, size_t length, const pbwio__field *names, int count)
 {
-    char text[200] = "";
-    size_t used = 0;
+    char text[300];
+    size_t used;
     int i;
-    for (i = 0; i < count && used < sizeof text - 48; i++) {
+    used = (size_t)snprintf(text, sizeof text, "there is no column \"%.*s\"%s", length < 40 ? (int)length : 40, name,
+                            count == 0 ? ": no line names the columns" : "");
+    for (i = 0; i < count && used < sizeof text - 60; i++) {
         const int size = (int)(names[i].end - names[i].begin);
         used += (size_t)snprintf(text + used, sizeof text - used, "%s%.*s", i == 0 ? "; there are " : ", ",
                                  size < 40 ? size : 40, names[i].begin);
     }
-    pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "there is no column \"%.*s\"%s%s", length < 40 ? (int)length : 40, name,
-                text, i < count ? ", ..." : "");
+    snprintf(text + used, sizeof text - used, "%s", i < count ? ", ..." : "");
+    if (r->names_line != 0) {
+        r->line_number = r->names_line;
+        pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "%s", text);
+    } else if (r->status == PBWIO_OK) {
+        r->status = pbwio__file_error(r->error, PBWIO_ERROR_ARGUMENT, r->name, "%s", text);
+    }
 }
 
 /* Decides which columns are x, y, z and the weight.  names: of the columns, name_count of them, NULL = x y z;
@@ -995,8 +1003,8 @@ static void pbwio__reserve(pbwio__reader *r, unsigned long long announced, size_
 {
     size_t left = (size_t)(r->end - r->at), dim = (size_t)r->cloud->dim, count;
     if (r->status == PBWIO_OK && announced > (left + 1) / smallest) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%llu point%s announced, %zu bytes follow", announced,
-                    announced == 1 ? " is" : "s are", left);
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%llu point%s announced, %zu byte%s", announced,
+                    announced == 1 ? " is" : "s are", left, left == 1 ? " follows" : "s follow");
     }
     if (r->status == PBWIO_OK && announced >= PBW_NONE) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "more than %lu points", (unsigned long)PBW_NONE - 1);
@@ -1208,7 +1216,8 @@ static int pbwio__pass_counts(pbwio__reader *r)
         counted = rows == (unsigned long long)head.first || rows == (unsigned long long)(head.first + head.second);
         counted = counted && head.first >= 4;                        /* of fewer rows a point may be the count */
         if (head.columns != row.columns && head.second == row.columns && !counted && head.first >= 4) {
-            pbwio__fail(&after, PBWIO_ERROR_FORMAT, "%lld points are announced, %zu rows follow", head.first, rows);
+            pbwio__fail(&after, PBWIO_ERROR_FORMAT, "%lld points are announced, %zu row%s", head.first, rows,
+                        rows == 1 ? " follows" : "s follow");
         } else if (counted && head.columns == row.columns && row.naturals < row.numbers) {
             pbwio__fail(&after, PBWIO_ERROR_FORMAT, "this looks like a header of counts, %zu rows follow: remove it, "
                         "or write it with decimal points if it is a point", rows);
@@ -1252,6 +1261,7 @@ static void pbwio__read_table(pbwio__reader *r)
         if (first && numbers == 0) {
             memcpy(names, columns, sizeof columns);
             name_count = count;
+            r->names_line = r->line_number;
             continue;
         }
         pbwio__choose(r, names, name_count, count);
@@ -1329,7 +1339,7 @@ static void pbwio__read_obj(pbwio__reader *r)
                 }
             }
             if (k < 3) {
-                pbwio__fail(r, PBWIO_ERROR_FORMAT, "a face of %lld corners", k);
+                pbwio__fail(r, PBWIO_ERROR_FORMAT, "a face of %lld corner%s", k, k == 1 ? "" : "s");
             }
         } else if (memchr(field.begin, 0, (size_t)(field.end - field.begin)) != NULL) {
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "a zero byte: this is not text");
@@ -1428,8 +1438,9 @@ static void pbwio__read_stl_binary(pbwio__reader *r, size_t count)
     r->at += 84;
     r->line_number = 0;
     if ((size_t)(r->end - r->at) / 50 < count) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%zu triangle%s announced, %zu bytes follow", count,
-                    count == 1 ? " is" : "s are", (size_t)(r->end - r->at));
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%zu triangle%s announced, %zu byte%s", count,
+                    count == 1 ? " is" : "s are", (size_t)(r->end - r->at),
+                    r->end - r->at == 1 ? " follows" : "s follow");
     }
     pbwio__reserve(r, 3 * (unsigned long long)count, 16);
     for (i = 0; i < count && r->status == PBWIO_OK; i++, r->at += 2) {
@@ -1472,7 +1483,7 @@ static void pbwio__read_stl(pbwio__reader *r)
             corners++;
         } else if (pbwio__is(field, "endloop") || pbwio__is(field, "facet") || pbwio__is(field, "endsolid")) {
             if (corners != 0 && corners != 3) {
-                pbwio__fail(r, PBWIO_ERROR_FORMAT, "a facet of %zu corners", corners);
+                pbwio__fail(r, PBWIO_ERROR_FORMAT, "a facet of %zu corner%s", corners, corners == 1 ? "" : "s");
             } else if (corners == 3) {
                 n = r->cloud->count;
                 pbwio__add_triangle(r, n - 3, n - 2, n - 1);
@@ -2390,7 +2401,7 @@ static void pbwio__vtu_points(pbwio__reader *r, pbwio__vtu *v)
     double value[4], row[3], i;
     int k;
     if (!points->is || points->components != 3 || (r->options->weight != NULL && !weights->is)) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, points->is && points->components == 3 ? "there is no such array of weights"
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, points->is && points->components == 3 ? "there is no array of that name for weights"
                     : "there are no points of three coordinates");
     }
     pbwio__vtu_open(r, v, points);
@@ -2533,7 +2544,8 @@ static void pbwio__json_array(pbwio__reader *r, pbwio__json *j)
     j->in_coordinates += (size_t)inside;
     if (j->way == 'a' || (j->way == 'c' && inside)) {
         if (j->numbers <= r->last_column) {
-            pbwio__fail(r, PBWIO_ERROR_FORMAT, "%d columns where %d are needed", j->numbers, r->last_column + 1);
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "%d column%s where %d are needed", j->numbers,
+                        j->numbers == 1 ? "" : "s", r->last_column + 1);
             return;
         }
         for (k = 0; k < 4; k++) {

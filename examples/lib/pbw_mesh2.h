@@ -97,8 +97,8 @@ typedef struct pbw_plane_input {           /* start from {0} */
 #define PBW_PLANE_CONFORMING     16u       /* all triangles Delaunay, across segments too: more points */
 
 typedef struct pbw_plane_options {         /* NULL or all zero = best defaults */
-    pbw_plane_rule rule;
     unsigned flags;                        /* PBW_PLANE_SPLIT_CROSSINGS and so on, or'ed */
+    pbw_plane_rule rule;
     double angle;                          /* least angle in degrees, up to 34; 0 = 30; below 0 = any */
     double area, size;                     /* most area of a triangle, most length of an edge; 0 = no bound */
     double (*size_at)(void *user, double x, double y);    /* most length of an edge about there; 0 = no bound */

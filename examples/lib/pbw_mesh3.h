@@ -11,7 +11,7 @@
        input.points = points;        input.point_count = n;          // a closed surface, of one or several shells
        input.triangles = triangles;  input.triangle_count = m;
        pbw_solid(&input, NULL, NULL, &mesh, NULL, &report);
-       if (report.bad_edges + report.bad_points > 0) { ... }         // the boundary is no manifold there
+       if (report.bad_edges + report.bad_points > 0) puts("no manifold");    // report.places tells where
        pbw_tets_free(&mesh);
 
    HOW

@@ -3,12 +3,17 @@
    In one source file, define PBW_MODEL_IMPLEMENTATION before the include; in all others, only include.
    Needs the implementation of pbw_io.h in the same source file, before it.
 
-       pbwio_cloud cloud, normals;
+       pbwio_cloud cloud = {0}, normals = {0};
        pbwmodel_content content = {0};
-       pbwio_read("model.obj", NULL, &cloud, &error);
-       pbwmodel_read_normals("model.obj", &cloud, &normals);     // where the file has them
-       content.points = cloud.points; ...
-       pbwmodel_write("points.ply", &content, 0, &error);
+       pbwio_error error;
+       if (pbwio_read("model.obj", NULL, &cloud, &error) != PBWIO_OK) puts(error.text);
+       pbwmodel_read_normals("model.obj", &cloud, &normals);         // where the file has them
+       content.dim = cloud.dim;
+       content.points = cloud.points;        content.point_count = cloud.count;
+       content.triangles = cloud.triangles;  content.triangle_count = cloud.triangle_count;
+       if (pbwmodel_write("model.ply", &content, 0, &error) != PBWIO_OK) puts(error.text);
+       pbwio_free(&normals);
+       pbwio_free(&cloud);
 
    Writes .obj .ply .stl .off with triangles; .xyz .csv and, with normals or without triangles, .obj .ply: points.
 */
@@ -32,9 +37,9 @@ typedef struct pbwmodel_content {      /* what is written; the arrays are the ca
 
 /* Reads the normals that a file has beside its points: `vn` of .obj; properties or columns nx ny nz of .ply, .xyz and
    .csv.  normals: points are the normals, triangles their ids for each triangle of the model (none: as the points'
-   ids).  Returns whether there are any; if not, normals is empty. */
+   ids); pbwio_free when done.  Returns whether there are any; if not, normals is empty. */
 extern int pbwmodel_read_normals(const char *path, const pbwio_cloud *model, pbwio_cloud *normals);
-/* Writes whole or not at all; flags: PBWIO_TEXT. */
+/* Writes a file whole or not at all; flags: 0 or PBWIO_TEXT. */
 extern pbwio_status pbwmodel_write(const char *path, const pbwmodel_content *content, unsigned flags,
                                    pbwio_error *error);
 

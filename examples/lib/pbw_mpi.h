@@ -5,6 +5,8 @@
    Needs pbw.h, pbw_tiles.h and pbw_tilefile.h, with their implementations in some source file.
 
        pbwm_options options = { 0 };                         // dim 3, no weights, threads = cores / ranks of the node
+       pbwm_report report;
+       pbw_status status;
        options.output = "mesh.pbwt";
        status = pbwm_triangulate(MPI_COMM_WORLD, points, count, &options, &report);
        if (status != PBW_OK) puts(report.text);              // the same on all ranks
@@ -769,7 +771,8 @@ static pbw_status pbwm__work_on(pbwm__work *w, int *more)
     *more = 0;
     status = w->resumed ? PBW_OK : pbwt_ask(&w->tile, more);
     w->busy += MPI_Wtime() - start;
-    snprintf(what, sizeof what, "its tile of %zu points, and %zu of others", w->tree.count, w->tile.foreign_count);
+    snprintf(what, sizeof what, "its tile of %zu point%s, and %zu of others", w->tree.count,
+             w->tree.count == 1 ? "" : "s", w->tile.foreign_count);
     status = pbwm__agree(g, status, what);
     if (status == PBW_OK && g->options.output != NULL) {
         if (!*more && !w->finished) {
@@ -853,7 +856,7 @@ static pbw_status pbwm__leftovers(pbwm__work *w)
         if (status == PBW_OK) {
             options.emit_user = g->options.output != NULL ? &w->leftover.writer : options.emit_user;
             status = g->rank == 0 ? pbwt_finish(&w->rest, g->dim, g->ranks, &known, &options) : PBW_OK;
-            snprintf(what, sizeof what, "%zu points that were given up and need one machine", ids.size / 8);
+            snprintf(what, sizeof what, "the points given up, %zu, which need one machine", ids.size / 8);
             status = pbwm__agree(g, status, what);
         }
     }

@@ -9,7 +9,7 @@
    3D: a cut-away view in perspective.  Simplices beyond a plane are taken away; of the others, what can be seen is
    drawn: the skin in a plain colour, what the cut bares coloured by volume, both shaded by one light and by how much
    of the sky their surroundings leave open.
-   No dependency, no globals.  Memory: at most 100 bytes for each face that looks to the viewer, 17 bytes a simplex,
+   No globals.  Memory: at most 100 bytes for each face that looks to the viewer, 17 bytes a simplex,
    16 MB.
 */
 #ifndef PBW_PICTURE_H

@@ -7,6 +7,7 @@
        pbwsample_model model = {0};
        pbwsample_options options = {0};
        pbwsample_set set = {0};
+       pbw_mesh mesh = {0};
        model.points = points;        model.point_count = n;                 // of any model, such as a pbwio_cloud
        model.triangles = triangles;  model.triangle_count = m;
        options.count = 20000;

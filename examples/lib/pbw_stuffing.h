@@ -3,7 +3,9 @@
    Include it where the implementations of pbw.h and pbw_surface.h are included; every function is static.
 
        pbwst_mesh mesh;
-       if (pbwst_make(24, -1, 1, function, &mesh)) { ... mesh.x, mesh.corners, mesh.tets ... }
+       if (pbwst_make(24, -1, 1, function, &mesh)) {                 // above zero inside
+           printf("%u points, %u tetrahedra\n", (unsigned)mesh.points, (unsigned)mesh.tets);
+       }                                                             // mesh.x, and mesh.corners: four each
        pbwst_free(&mesh);
 
    Nodes of a body-centred cubic lattice that are near the surface move onto it; then each tetrahedron of the lattice

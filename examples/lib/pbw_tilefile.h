@@ -5,10 +5,12 @@
    Needs pbw.h and pbw_tiles.h, with their implementations in some source file.
 
        pbwtf_file file;
+       pbwtf_view view;
+       pbw_mesh mesh;
        char error[PBWTF_ERROR];
        if (!pbwtf_open("mesh.pbwt", &file, error)) { puts(error); return 1; }
-       pbwtf_view_of(&file, 7, &view, error);                // tile 7: pointers into the file
-       pbwtf_mesh(&view, &mesh);                             // as a pbw_mesh of its own
+       if (!pbwtf_view_of(&file, 7, &view, error)) { puts(error); return 1; }       // tile 7: pointers into the file
+       if (!pbwtf_mesh(&view, &mesh)) { puts("out of memory"); return 1; }          // as a pbw_mesh of its own
        pbwtf_mesh_free(&mesh);
        pbwtf_close(&file);
 

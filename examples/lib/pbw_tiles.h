@@ -5,16 +5,18 @@
    Needs pbw.h, with its implementation in some source file.  The header moves no data between parts: the caller
    carries byte strings, by MPI, by files or, for parts in one process, by hand:
 
-       pbwt_cut_points(dim, sample, samples, parts, cuts);           // a part for each point: pbwt_part
-       pbwt_tree_make(dim, r, points of part r, count, NULL, &tree); // on every part r
+       pbwt_cut_points(dim, sample, samples, parts, cuts);           // pbwt_part tells the part of a point
+       pbwt_tree_make(dim, r, points, count, NULL, &tree);           // on each part r, of its points
        pbwt_summarise(&tree, &summary);                              // all parts get all summaries
        pbwt_open(&tile, &tree, summaries, parts, &options);
-       for (;;) {
-           pbwt_ask(&tile, &more);                                   // works; calls options.emit with simplices
-           if (!more) break;                                         // over MPI: no part has more
-           // part p gets tile.request[p]; it calls pbwt_answer(&its_tree, &its_served[r], request, size, &reply)
-           pbwt_take(&tile, p, reply, size);                         // for each part p
-       }
+       for (pbwt_ask(&tile, &more); more; pbwt_ask(&tile, &more)) {  // works, calls options.emit with simplices
+           for (p = 0; p < parts; p++) {                             // part p gets the request and replies
+               if (tile.request[p].size == 0) continue;
+               pbwt_answer(&its_tree, &its_served[r], &tile.request[p], NULL, summary.count, &reply);
+               pbwt_take(&tile, p, reply.data, reply.size);          // back on part r
+           }
+       }                                                             // over MPI: goes on while any part has more
+       pbwt_close(&tile);
 
    HOW
    Each part triangulates its own points and a halo of others, finds which simplices at its own points may be

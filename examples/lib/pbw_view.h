@@ -10,7 +10,7 @@
    yours, with a histogram; by mouse, touch and keys.  Of a mesh without simplices (dim, point_count and points set,
    the rest 0) it shows the points, and with triangles of a model its surface.  A click tells the ids of the mesh.
    Size: about 7 bytes a tetrahedron, 4 a triangle, 20 a point (15 in 2D), and for each array 1 to 6 bytes a number.
-   No dependency, no globals.  Memory: 4 bytes a point.
+   No globals.  Memory: 4 bytes a point.
 */
 #ifndef PBW_VIEW_H
 #define PBW_VIEW_H
@@ -633,15 +633,16 @@ static const char *const pbwview__part2[] = {
     "// grouped: the simplices around one first corner are a cell, and the facets across from it the cell's.\n",
     "const grouped = given.cells === '1';\n",
     "const count = +given.simplices, points = +given.points;\n",
-    "const simplex = grouped ? 'cells' : dim === 3 ? 'tetrahedra' : 'triangles';\n",
+    "const simplex = grouped ? ['cell'] : dim === 3 ? ['tetrahedron', 'tetrahedra'] : ['triangle'];\n",
     "const canvas = $('canvas'), say = text => { $('say').textContent = text; };\n",
     "const whole = x => Math.round(x).toLocaleString('en-US');\n",
+    "const many = (count, one, more = one + 's') => whole(count) + ' ' + (count === 1 ? one : more);\n",
     "const short = (x, span = 0) => Number.isInteger(x) && Math.abs(x) < 1e6 ? '' + x\n",
     "  : Math.abs(x) < 1e-3 * span ? '0' : '' + +x.toPrecision(3);\n",
     "window.onerror = text => say('This page failed: ' + text);\n",
     "$('title').textContent = document.title;\n",
     "$('facts').textContent = grouped ? given.note + ' in ' + dim + 'D'\n",
-    "  : (count ? whole(count) + ' ' + simplex + ', ' : '') + whole(points) + ' points in ' + dim + 'D'\n",
+    "  : (count ? many(count, ...simplex) + ', ' : '') + many(points, 'point') + ' in ' + dim + 'D'\n",
     "    + (given.note ? '; ' + given.note : '');\n",
     "canvas.addEventListener('webglcontextlost', () => say('The graphics driver gave up: reload the page.'));\n",
     "\n",
@@ -1272,8 +1273,8 @@ static const char *const pbwview__part2[] = {
     "      if (state[t] && simplex_id[t] !== last) { some++; last = simplex_id[t]; }\n",
     "    }\n",
     "  }\n",
-    "  $('shown').textContent = model ? whole(triangle_count) + ' faces of the model shown' : whole(some) + ' of '\n",
-    "    + whole(most) + ' ' + (dots ? 'points' : simplex) + ' shown';\n",
+    "  $('shown').textContent = model ? many(triangle_count, 'face') + ' of the model shown'\n",
+    "    : whole(some) + ' of ' + many(most, ...(dots ? ['point'] : simplex)) + ' shown';\n",
     "  document.querySelector('.dots').hidden = !dots;\n",
     "  canvas.setAttribute('aria-label', document.title + '. ' + $('shown').textContent + ', coloured by ' + array.name);\n",
     "  const place = place_sign() * (offset * half / (number('axis') === 2 ? relief : 1) + dot(normal, middle));\n",

@@ -75,6 +75,6 @@ const command command_bench = {
     "Times of the triangulation by number of threads, best of three; default: --generate uniform 1000000.\n"
     "\n",
     NULL,
-    { input_options, build_options, common_options, NULL, NULL, NULL, NULL, NULL },
+    { input_options, weight_options, build_options, common_options, NULL, NULL, NULL, NULL, NULL },
     run, 1, 0, 0, NULL, 0
 };

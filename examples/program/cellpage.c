@@ -243,7 +243,7 @@ static pbwio_status write_pieces(job *j, const pieces *p, const char *path, long
     mesh.point_count = p->point_count;
     mesh.simplices = p->simplices;
     mesh.simplex_count = p->count;
-    snprintf(note, sizeof note, "%ld cell%s", shown, plural((size_t)shown));
+    snprintf(note, sizeof note, "%zu cell%s", COUNT(shown));
     arrays[0].name = p->cells->dim == 3 ? "volume" : "area";
     arrays[0].real = p->volume;
     arrays[1].name = "facets";

@@ -118,8 +118,8 @@ static void report(const job *j, const pbw_cells *cells, const pbw_domain *domai
         empty += v <= 0;
         unbounded += v > DBL_MAX;
     }
-    note(j, "%zu cell%s, %zu of them empty, %zu unbounded; %zu facet%s", cells->cell_count, plural(cells->cell_count),
-         empty, unbounded, cells->facet_count, plural(cells->facet_count));
+    note(j, "%zu cell%s, %zu of them empty, %zu unbounded; %zu facet%s", COUNT(cells->cell_count), empty,
+         unbounded, COUNT(cells->facet_count));
     if (!is_bounded(domain)) {
         note(j, "%s %.15g, the sum of bounded cells", volume, sum + rest);
         return;
@@ -146,7 +146,7 @@ static int load_rings(job *j, pbw_domain *domain, pbwio_cloud *cloud, size_t **f
         }
         if (closes || (i + 1 == cloud->count && count > begin)) {
             if (count < begin + 3) {
-                return fail(j, "%s: a ring of %zu corners", path, count - begin);
+                return fail(j, "%s: a ring of %zu corner%s", path, COUNT(count - begin));
             }
             begin = (*first)[++rings] = count;
         }
@@ -368,12 +368,6 @@ static int run(job *j)
     memset(&bounded, 0, sizeof bounded);
     memset(&clip, 0, sizeof clip);
     domain.periodic = axes_of(j);
-    if (domain.periodic != 0 && !is_given(j, "--box")) {
-        return complain("--periodic %s: it needs --box", text_of(j, "--periodic"));
-    }
-    if (is_given(j, "--clip") && is_given(j, "--box")) {
-        return complain("--box and --clip exclude each other");
-    }
     failed = load(j, 1);
     failed = failed ? failed : check_domain(j, &domain, box);
     if (!failed && is_given(j, "--clip")) {
@@ -416,6 +410,6 @@ const command command_cells = {
     "         .html, unbounded cells end at a box a tenth larger than the points\n"
     "\n",
     "csv vtu obj svg html",
-    { cells_options, input_options, build_options, output_options, common_options, NULL, NULL, NULL },
+    { cells_options, input_options, weight_options, build_options, output_options, common_options, NULL, NULL, NULL },
     run, 0, 0, 0, NULL, 0
 };

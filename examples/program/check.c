@@ -30,6 +30,6 @@ const command command_check = {
     "Of a .pbwt file the triangulation is proved tile by tile, links across tiles and the hull with it.\n"
     "\n",
     NULL,
-    { input_options, build_options, common_options, NULL, NULL, NULL, NULL, NULL },
+    { input_options, weight_options, build_options, common_options, NULL, NULL, NULL, NULL, NULL },
     run, 0, 0, 0, NULL, 0
 };

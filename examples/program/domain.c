@@ -400,8 +400,7 @@ int read_domain(job *j, plan *d, const char *column)
     }
     d->has_windings = ends_with(j->input, ".geojson") && d->segment_count > 0 && d->lines == 0;
     d->has_seeds = ends_with(j->input, ".poly");
-    note(j, "%zu point%s, %zu segment%s, %zu hole%s, %zu region%s", d->point_count, plural(d->point_count),
-         d->segment_count, plural(d->segment_count), d->hole_count, plural(d->hole_count), d->region_count,
-         plural(d->region_count));
+    note(j, "%zu point%s, %zu segment%s, %zu hole%s, %zu region%s", COUNT(d->point_count),
+         COUNT(d->segment_count), COUNT(d->hole_count), COUNT(d->region_count));
     return 0;
 }

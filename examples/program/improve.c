@@ -16,7 +16,7 @@ static const option improve_options[] = {
     { "--rounds", "N", "of --smooth; default 5", WHOLE, 1, 1000, NULL },
     { "--only-smooth", NULL, "nothing but --smooth", SWITCH, 0, 0, NULL },
     { "--quality", NULL, "print measures of quality, by the names of Gmsh and Verdict", SWITCH, 0, 0, NULL },
-    { "--threads", "N", "of --smooth; default 0: all cores", WHOLE, 0, 256, NULL },
+    { "--threads", "N", "default 0: all cores", WHOLE, 0, 256, NULL },
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 
@@ -61,15 +61,15 @@ void show_tets(job *j, const pbw_tets *tets)
 
 static void describe_moves(const job *j, const pbw_improve_report *r)
 {
-    note(j, "%zu edges removed, %zu of the boundary; %zu points moved, %zu on the boundary; %zu peeled off, "
-         "%zu flips, %zu contractions, %zu insertions; %d passes", r->removals + r->boundary_removals,
-         r->boundary_removals, r->smoothings + r->slides, r->slides, r->peelings, r->flips, r->contractions,
-         r->insertions, r->passes);
+    note(j, "%zu edge%s removed, %zu of the boundary; %zu point%s moved, %zu on the boundary; %zu peeled off, "
+         "%zu flip%s, %zu contraction%s, %zu insertion%s; %zu pass%s", COUNT(r->removals + r->boundary_removals),
+         r->boundary_removals, COUNT(r->smoothings + r->slides), r->slides, r->peelings, COUNT(r->flips),
+         COUNT(r->contractions), COUNT(r->insertions), (size_t)r->passes, r->passes == 1 ? "" : "es");
     if (r->splits > 0) {
         note(j, "edges split for sizes: %zu", r->splits);
     }
     if (r->rounds > 0) {
-        note(j, "before that, %d round%s of smoothing: %zu moves", r->rounds, plural((size_t)r->rounds), r->moves);
+        note(j, "before that, %zu round%s of smoothing: %zu move%s", COUNT(r->rounds), COUNT(r->moves));
     }
     if (r->left > 0) {
         note(j, "below the target in the end: %zu", r->left);
@@ -137,6 +137,9 @@ static int improve_tets(job *j)
     how.target = number_of(j, "--target", 0);
     how.seconds = number_of(j, "--seconds", 0);
     how.feature_angle = number_of(j, "--feature-angle", 0);
+    if (is_given(j, "--rounds") && !is_given(j, "--smooth")) {
+        return complain("--rounds %s: it needs --smooth", text_of(j, "--rounds"));
+    }
     if (is_given(j, "--smooth")) {
         how.smoother = (pbw_smoother)choice_of(j, "--smooth");
         how.rounds = (int)number_of(j, "--rounds", 5);
@@ -162,7 +165,8 @@ static int improve_tets(job *j)
         return status == PBW_CANCELLED ? stopped(j)
              : fail(j, "%s: %s", j->input, *why != 0 ? why : pbw_status_string(status));
     }
-    say(j, "improve", now() - start, "%zu tetrahedra, %zu points", better.tet_count, better.point_count);
+    say(j, "improve", now() - start, "%zu %s, %zu point%s", better.tet_count,
+        simplices(3, better.tet_count), COUNT(better.point_count));
     describe_quality(j, "before: ", &report.before);
     describe_quality(j, "after:  ", &report.after);
     describe_histogram(j, &report.after);
@@ -219,12 +223,19 @@ static void describe_input(const job *j)
 static int improve_triangles(job *j)
 {
     static const pbw_plane_way ways[] = { PBW_PLANE_ODT, PBW_PLANE_LLOYD, PBW_PLANE_LAPLACE };
+    static const char *const of_tets[] = { "--target", "--seconds", "--feature-angle", "--size", "--error", NULL };
     const int way = choice_of(j, "--smooth");
     pbw_plane_options how;
     pbw_plane plane;
     pbw_status status;
     const double start = now();
     int failed, i;
+    for (i = 0; of_tets[i] != NULL; i++) {
+        if (is_given(j, of_tets[i])) {
+            return complain("%s %s: it is for tetrahedra, %s has triangles", of_tets[i], text_of(j, of_tets[i]),
+                            j->input);
+        }
+    }
     memset(&how, 0, sizeof how);
     memset(&plane, 0, sizeof plane);
     how.build = &j->build;
@@ -239,12 +250,11 @@ static int improve_triangles(job *j)
         pbw_plane_free(&plane);
         return failed;
     }
-    say(j, "improve", now() - start, "%zu triangles, %zu points", plane.triangle_count, plane.point_count);
+    say(j, "improve", now() - start, "%zu triangle%s, %zu point%s", COUNT(plane.triangle_count),
+        COUNT(plane.point_count));
     describe_plane(j, "after:  ", &plane);
-    for (i = 0; i < PBW_PLANE_MEASURES && is_given(j, "--quality"); i++) {
-        const pbw_plane_quality q = pbw_plane_quality_of(&plane, (pbw_plane_measure)i);
-        note(j, "%-16s least %.7g, mean %.7g, most %.7g", pbw_plane_measure_name((pbw_plane_measure)i), q.least,
-             q.mean, q.most);
+    if (is_given(j, "--quality")) {
+        describe_plane_measures(j, &plane);
     }
     memset(&j->mesh, 0, sizeof j->mesh);
     j->mesh.dim = 2;
@@ -264,9 +274,6 @@ static int run(job *j)
     const int failed = load(j, 1);
     if (failed) {
         return failed;
-    }
-    if (is_given(j, "--only-smooth") && !is_given(j, "--smooth")) {
-        return fail(j, "--only-smooth needs --smooth");
     }
     if (j->cloud.dim == 2 && j->cloud.triangle_count > 0) {
         return improve_triangles(j);

@@ -125,9 +125,9 @@ static int commit(script *s)
         failed = hash_now(s, hash, sizeof hash);
     }
     if (!failed) {
-        say(s->j, "commit", seconds, "%zu: %zu inserted, %zu removed, %zu moved; %s: %zu simplices deleted, "
-            "%zu made%s", ++s->commits, s->inserted, s->removed, s->moved, ways[changes.way],
-            changes.deleted_count, changes.made_count, hash);
+        say(s->j, "commit", seconds, "%zu: %zu inserted, %zu removed, %zu moved; %s: %zu %s deleted, "
+            "%zu made%s", ++s->commits, s->inserted, s->removed, s->moved, ways[changes.way], changes.deleted_count,
+            simplices(0, changes.deleted_count), changes.made_count, hash);
     }
     s->inserted = s->removed = s->moved = 0;
     pbw_changes_free(&changes);
@@ -280,7 +280,7 @@ static int finish(script *s)
     }
     if (!failed) {
         renumber(s, &view, &r, &j->mesh);
-        note(j, "%zu point%s", j->mesh.point_count, plural(j->mesh.point_count));
+        note(j, "%zu point%s", COUNT(j->mesh.point_count));
         say(j, "output", now() - start, "%s", "");
         failed = is_given(j, "--no-check") ? 0 : check(j);
     }
@@ -371,6 +371,7 @@ const command command_live = {
     "output:  as of pbw mesh\n"
     "\n",
     "vtu msh msh2 mesh inp su2 node ele neigh face edge obj ply stl off xyz csv txt pts asc dat tsv svg html",
-    { live_options, look_options, input_options, build_options, output_options, text_options, common_options, NULL },
+    { live_options, look_options, input_options, weight_options, build_options, output_options, text_options,
+      common_options, NULL },
     run, 0, 0, 0, NULL, 1
 };

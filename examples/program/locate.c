@@ -26,13 +26,6 @@ static void emit(void *user, FILE *file)
     }
 }
 
-static pbwio_status write_found(job *j, const char *path, const char *ending, void *user, pbwio_error *error)
-{
-    (void)j;
-    (void)ending;
-    return pbwio_save(path, emit, user, error);
-}
-
 static int locate(job *j)
 {
     const size_t count = j->queries.count;
@@ -56,7 +49,7 @@ static int locate(job *j)
         f.j = j;
         f.simplices = simplices;
         f.facets = facets;
-        failed = write_with(j, write_found, &f);
+        failed = write_table(j, emit, &f);
     }
     free(simplices);
     free(facets);
@@ -86,6 +79,6 @@ const command command_locate = {
     "         corners of a facet of the hull that sees the query, and -1\n"
     "\n",
     "csv",
-    { input_options, build_options, output_options, common_options, NULL, NULL, NULL, NULL },
+    { input_options, weight_options, build_options, output_options, common_options, NULL, NULL, NULL, NULL },
     run, 0, 0, 0, "queries", 0
 };

@@ -37,6 +37,7 @@ const command command_mesh = {
     "         in); any number of them\n"
     "\n",
     "vtu msh msh2 mesh inp su2 node ele neigh face edge obj ply stl off xyz csv txt pts asc dat tsv svg html",
-    { mesh_options, look_options, input_options, build_options, output_options, text_options, common_options, NULL },
+    { mesh_options, look_options, input_options, weight_options, build_options, output_options, text_options,
+      common_options, NULL },
     run, 0, 0, 0, NULL, 0
 };

@@ -21,13 +21,6 @@ static void emit(void *user, FILE *file)
     }
 }
 
-static pbwio_status write_found(job *j, const char *path, const char *ending, void *user, pbwio_error *error)
-{
-    (void)j;
-    (void)ending;
-    return pbwio_save(path, emit, user, error);
-}
-
 static int search(job *j)
 {
     const size_t count = j->queries.count, k = (size_t)number_of(j, "-k", 1);
@@ -39,7 +32,7 @@ static int search(job *j)
     size_t i, missing = 0;
     int failed;
     if (points == NULL || distances == NULL) {
-        failed = fail(j, "out of memory: %zu neighbours of each of %zu queries", k, count);
+        failed = fail(j, "out of memory: %zu neighbour%s of each query", COUNT(k));
     } else {
         failed = explain(j, pbw_nearest(&j->mesh, NULL, j->queries.points, count, k, &j->build, points, distances));
     }
@@ -54,7 +47,7 @@ static int search(job *j)
         f.k = k;
         f.points = points;
         f.distances = distances;
-        failed = write_with(j, write_found, &f);
+        failed = write_table(j, emit, &f);
     }
     free(points);
     free(distances);
@@ -84,6 +77,6 @@ const command command_nearest = {
     "output:  .csv: query, rank, point, distance; fewer than K lines for a query if there are fewer points\n"
     "\n",
     "csv",
-    { nearest_options, input_options, build_options, output_options, common_options, NULL, NULL, NULL },
+    { nearest_options, input_options, weight_options, build_options, output_options, common_options, NULL },
     run, 0, 0, 0, "queries", 1
 };

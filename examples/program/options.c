@@ -332,7 +332,7 @@ static int take_option(job *j, int argc, char **argv, int i)
         return 0;
     }
     g->option = o;
-    g->value = value;
+    g->value = o->kind != SWITCH ? value : NULL;
     g->more = more;
     if (o->kind == OUTPUT && add_output(j, value) != 0) {
         return 0;

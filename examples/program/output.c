@@ -190,7 +190,7 @@ static int check_output(const job *j, const char *path)
 
 int check_outputs(const job *j)
 {
-    const char *surface = text_of(j, "--surface"), *colour = text_of(j, "--colour");
+    const char *surface = text_of(j, "--surface");
     FILE *file;
     int i, k, status = 0;
     for (i = 0; i < j->outputs && status == 0; i++) {
@@ -210,9 +210,6 @@ int check_outputs(const job *j)
     }
     if (status == 0 && surface == NULL && is_given(j, "--inside") && j->generate != NULL) {
         return complain("--inside: what is generated has no faces; --surface names a model that has");
-    }
-    if (status == 0 && colour != NULL && strcmp(colour, "weight") == 0 && !is_given(j, "--weights")) {
-        return complain("--colour weight: --weights is needed");
     }
     return status;
 }
@@ -337,6 +334,24 @@ int write_with(job *j, writer *write, void *user)
         say(j, "write", now() - start, "%s", strcmp(path, "-") == 0 ? "standard output" : path);
     }
     return interrupted ? stopped(j) : 0;
+}
+
+typedef struct table { void (*emit)(void *user, FILE *file); void *user; } table;
+
+static pbwio_status save_table(job *j, const char *path, const char *ending, void *user, pbwio_error *error)
+{
+    const table *t = (const table *)user;
+    (void)j;
+    (void)ending;
+    return pbwio_save(path, t->emit, t->user, error);
+}
+
+int write_table(job *j, void (*emit)(void *user, FILE *file), void *user)
+{
+    table t;
+    t.emit = emit;
+    t.user = user;
+    return write_with(j, save_table, &t);
 }
 
 int write_mesh(job *j)

@@ -45,6 +45,7 @@ int main(int argc, char **argv)
     j.build.progress = on_progress;
     j.build.progress_user = &j;
     status = check_outputs(&j);
+    status = status != 0 ? status : check_effects(&j);
     if (status == 0) {
         catch_interrupt();
         status = j.command->run(&j);

@@ -366,7 +366,7 @@ static int check_points(const proof *p, size_t *hidden)
         return fail(p->j, "the counts in the header are wrong");
     }
     return *hidden > 0 && !(header->flags & PBWTF_WEIGHTS) && header->simplices > 0
-         ? fail(p->j, "%lu points are no corners", (unsigned long)*hidden) : 0;
+         ? fail(p->j, *hidden == 1 ? "%zu point is no corner" : "%zu points are no corners", *hidden) : 0;
 }
 
 static int add_hash(proof *p)
@@ -424,9 +424,10 @@ static int open_proof(job *j, proof *p)
             return fail(j, "out of memory");
         }
     }
-    note(j, "%.0f points in %uD%s, %.0f simplices in %u tiles%s, hash %016llx", (double)p->file.header->points,
+    note(j, "%zu point%s in %uD%s, %zu %s in %zu tile%s%s, hash %016llx", COUNT(p->file.header->points),
          p->file.header->dim, p->file.header->flags & PBWTF_WEIGHTS ? ", weighted" : "",
-         (double)p->file.header->simplices, p->file.header->tiles,
+         (size_t)p->file.header->simplices, simplices(0, (size_t)p->file.header->simplices),
+         COUNT(p->file.header->tiles),
          p->file.header->chunks > p->file.header->tiles ? " and one of leftovers" : "",
          (unsigned long long)p->file.header->hash);
     return 0;
@@ -509,6 +510,6 @@ const command command_hash = {
     "input:   as for pbw mesh, or .pbwt\n"
     "\n",
     NULL,
-    { input_options, build_options, common_options, NULL, NULL, NULL, NULL, NULL },
+    { input_options, weight_options, build_options, common_options, NULL, NULL, NULL, NULL, NULL },
     run, 0, 0, 0, NULL, 1
 };

@@ -118,6 +118,16 @@ static void histogram(const job *j, const result *r)
     }
 }
 
+void describe_plane_measures(const job *j, const pbw_plane *plane)
+{
+    int i;
+    for (i = 0; i < PBW_PLANE_MEASURES; i++) {
+        const pbw_plane_quality q = pbw_plane_quality_of(plane, (pbw_plane_measure)i);
+        note(j, "%-16s least %.7g, mean %.7g, most %.7g", pbw_plane_measure_name((pbw_plane_measure)i), q.least,
+             q.mean, q.most);
+    }
+}
+
 static void report(const job *j, const result *r, double seconds)
 {
     const pbw_plane *p = r->plane;
@@ -132,27 +142,23 @@ static void report(const job *j, const result *r, double seconds)
         }
     }
     say(j, "mesh", seconds, "%s", "");
-    note(j, "%zu triangle%s, %zu point%s, %zu edge%s of segments, %zu region%s", p->triangle_count,
-         plural(p->triangle_count), p->point_count, plural(p->point_count), p->edge_count, plural(p->edge_count),
-         p->region_count, plural(p->region_count));
+    note(j, "%zu triangle%s, %zu point%s, %zu edge%s of segments, %zu region%s", COUNT(p->triangle_count),
+         COUNT(p->point_count), COUNT(p->edge_count), COUNT(p->region_count));
     if (p->triangle_count > 0) {
         note(j, "angles from %.2f to %.2f degrees", least, largest);
     }
     if (p->report.rounds > 0) {
-        note(j, "%zu point%s at crossings, in %d round%s", p->point_count - p->input_count - p->report.steiner_count,
-             plural(p->point_count - p->input_count - p->report.steiner_count), p->report.rounds,
-             plural((size_t)p->report.rounds));
+        note(j, "%zu point%s at crossings, in %zu round%s",
+             COUNT(p->point_count - p->input_count - p->report.steiner_count), COUNT(p->report.rounds));
     }
     if (p->report.steiner_count + p->report.small_angles + p->report.too_large > 0) {
         note(j, "%zu new point%s, %zu more removed again; %zu triangle%s with smaller angles than wanted, "
-             "%zu larger%s", p->report.steiner_count, plural(p->report.steiner_count), p->report.removed,
-             p->report.small_angles, plural(p->report.small_angles), p->report.too_large,
+             "%zu larger%s", COUNT(p->report.steiner_count), p->report.removed, COUNT(p->report.small_angles),
+             p->report.too_large,
              p->report.limited ? "; --steiner ended it" : "");
     }
-    for (i = 0; is_given(j, "--quality") && p->triangle_count > 0 && i < PBW_PLANE_MEASURES; i++) {
-        const pbw_plane_quality q = pbw_plane_quality_of(p, (pbw_plane_measure)i);
-        note(j, "%-16s least %.7g, mean %.7g, most %.7g", pbw_plane_measure_name((pbw_plane_measure)i), q.least,
-             q.mean, q.most);
+    if (is_given(j, "--quality") && p->triangle_count > 0) {
+        describe_plane_measures(j, p);
     }
     if (is_given(j, "--histogram")) {
         histogram(j, r);
@@ -317,9 +323,6 @@ static int set_up(const job *j, const plan *d, pbw_plane_options *options)
     if (options->angle > 34) {
         return complain("--angle %s: up to 34 degrees are possible", text_of(j, "--angle"));
     }
-    if (size == NULL && is_given(j, "--coarsen")) {
-        return complain("--coarsen needs --size");
-    }
     if (size != NULL && column_of(size) == NULL) {
         (void)evaluate(size, 0.1, 0.1, &wrong);
         options->size_at = size_at;
@@ -442,8 +445,9 @@ const command command_plane = {
     "output:  .svg .html (regions, segments, angles), .poly; .vtu .msh .msh2 .mesh .ele .node .neigh .obj .ply .off\n"
     "         .stl .inp .su2\n"
     "         Regions: data of cells in .vtu, groups in .msh and .inp, references in .msh2, .mesh and .ele.\n"
-    "For those who come from Triangle: -q is --angle, -a --area, -p a .poly, -c --rule hull, -Y --keep-boundary,\n"
-    "-YY --keep-segments, -D --conforming, -S --steiner, -j --no-orphans.\n"
+    "For those who come from Triangle: -q30 is --angle 30, -a.1 --area .1, -u --size, -p a .poly, -r a mesh as input,\n"
+    "-c --rule hull, -Y --keep-boundary, -YY --keep-segments, -D --conforming, -S99 --steiner 99, -j --no-orphans;\n"
+    "-A is always on.\n"
     "\n",
     "svg html poly vtu msh msh2 mesh ele node neigh obj ply off stl inp su2",
     { plane_options, input_options, build_options, output_options, text_options, common_options, NULL, NULL },

@@ -59,8 +59,8 @@ typedef struct option {
 } option;
 
 /* Groups of options that commands share; an option without a name ends each. */
-extern const option input_options[], build_options[], look_options[], output_options[], text_options[],
-                    common_options[];
+extern const option input_options[], weight_options[], build_options[], look_options[], output_options[],
+                    text_options[], common_options[];
 
 /* ---- commands ---- */
 
@@ -70,7 +70,7 @@ typedef struct command {
     const char *name, *summary;                      /* summary: for the list of commands */
     const char *usage;                               /* what its --help says before the options */
     const char *writes;                              /* endings of its outputs with blanks between; NULL: none */
-    const option *options[8];                        /* groups; NULL ends them */
+    const option *options[9];                        /* groups; NULL ends them */
     int (*run)(job *j);                              /* returns the exit status */
     int may_lack_input;
     int outputs_follow;                              /* arguments after the input are outputs */
@@ -124,6 +124,11 @@ void consider(nearest *n, const char *name);
 
 void print_help(const command *c, int all);
 
+/* ---- effects.c ---- */
+
+/* Refuses options that would have no effect, or exclude each other; after check_outputs.  Returns 0 or USAGE. */
+int check_effects(const job *j);
+
 /* ---- terminal.c ---- */
 
 extern volatile sig_atomic_t interrupted;
@@ -136,7 +141,8 @@ PRINTF(2, 3) void warn(const job *j, const char *format, ...);
 /* A line of the report, with and without a time. */
 PRINTF(4, 5) void say(const job *j, const char *what, double seconds, const char *format, ...);
 PRINTF(2, 3) void note(const job *j, const char *format, ...);
-const char *plural(size_t count);                                          /* "" for 1, else "s" */
+const char *plural(size_t count);                                     /* "" for 1, else "s" */
+#define COUNT(n) (size_t)(n), plural((size_t)(n))                     /* for "%zu point%s" */
 
 /* ---- steps.c: steps of commands; each returns 0 or the exit status ---- */
 
@@ -145,6 +151,8 @@ int load_surface(job *j);                                             /* for --i
 int load_queries(job *j);                                            /* in the dimension of the points */
 int build(job *j);
 int check(job *j);
+/* "tetrahedra" or "triangles", "simplices" of no dimension; of one the singular. */
+const char *simplices(int dim, size_t count);
 void describe(const job *j);
 int mark_inside(job *j);
 /* Says why the library failed; the exit status, 0 for PBW_OK. */
@@ -161,6 +169,7 @@ int write_model(job *j, pbwmodel_content *content);
 /* Writes each output by a function that gets its path, its ending and user. */
 typedef pbwio_status writer(job *j, const char *path, const char *ending, void *user, pbwio_error *error);
 int write_with(job *j, writer *write, void *user);
+int write_table(job *j, void (*emit)(void *user, FILE *file), void *user);       /* the same text to each output */
 
 /* ---- diagram.c ---- */
 
@@ -189,6 +198,10 @@ typedef struct plan {                                 /* of a plane domain */
    */
 int read_domain(job *j, plan *d, const char *column);
 void domain_free(plan *d);
+
+/* ---- plane.c ---- */
+
+void describe_plane_measures(const job *j, const pbw_plane *plane);  /* --quality */
 
 /* ---- expression.c ---- */
 

@@ -42,10 +42,9 @@ static pbwsample_status make(job *j, const pbwsample_model *model, pbwsample_set
     }
     on_surface = set->count;
     if (uniform) {
-        say(j, "sample", now() - start, "%zu point%s", set->count, plural(set->count));
+        say(j, "sample", now() - start, "%zu point%s", COUNT(set->count));
     } else {
-        say(j, "sample", now() - start, "%zu point%s, none closer than %g", set->count, plural(set->count),
-            set->radius);
+        say(j, "sample", now() - start, "%zu point%s, none closer than %g", COUNT(set->count), set->radius);
     }
     if (is_given(j, "--fill")) {
         start = now();
@@ -54,8 +53,7 @@ static pbwsample_status make(job *j, const pbwsample_model *model, pbwsample_set
         options.flags |= choice_of(j, "--fill") == 0 ? PBWSAMPLE_LATTICE : 0;
         status = pbwsample_volume(model, &options, set);
         if (status == PBWSAMPLE_OK) {
-            say(j, "fill", now() - start, "%zu point%s inside", set->count - on_surface,
-                plural(set->count - on_surface));
+            say(j, "fill", now() - start, "%zu point%s inside", COUNT(set->count - on_surface));
         }
     }
     return status;
@@ -69,12 +67,6 @@ static int run(job *j)
     pbwsample_status status;
     pbwmodel_content content;
     int failed;
-    if (is_given(j, "--count") && is_given(j, "--radius")) {
-        return complain("--count and --radius exclude each other");
-    }
-    if (is_given(j, "--uniform") && (is_given(j, "--radius") || is_given(j, "--fill"))) {
-        return complain("--uniform goes with neither --radius nor --fill");
-    }
     j->read.dim = 3;
     failed = load(j, 0);
     if (failed) {

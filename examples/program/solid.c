@@ -26,11 +26,11 @@ static const option solid_options[] = {
 static void list_holes(const job *j, const pbw_solid_report *r)
 {
     size_t i;
-    note(j, "%zu hole%s of the surface%s:", r->holes, plural(r->holes),
+    note(j, "%zu hole%s of the surface%s:", COUNT(r->holes),
          r->holes > PBW_SOLID_PLACES ? ", the largest of them" : "");
     for (i = 0; i < PBW_SOLID_PLACES && i < r->holes; i++) {
         const pbw_solid_hole *h = r->hole + i;
-        note(j, "  %zu edge%s, length %.6g, around (%.6g, %.6g, %.6g), %s", h->edges, plural(h->edges), h->length,
+        note(j, "  %zu edge%s, length %.6g, around (%.6g, %.6g, %.6g), %s", COUNT(h->edges), h->length,
              h->place[0], h->place[1], h->place[2],
              h->closed ? "closed by triangles" : "closed by the winding number");
     }
@@ -41,29 +41,29 @@ static void warn_of(const job *j, const pbw_solid_report *r)
     size_t i;
     if (r->open_edges > 0) {
         warn(j, "the surface has %zu open edge%s and %zu of more than two triangles: inside is what it winds around "
-             "by more than half", r->open_edges, plural(r->open_edges), r->crowded_edges);
+             "by more than half", COUNT(r->open_edges), r->crowded_edges);
     } else if (r->crowded_edges + r->doubles > 0) {
         note(j, "walls between regions: %zu edge%s of more than two triangles, %zu triangle%s given again",
-             r->crowded_edges, plural(r->crowded_edges), r->doubles, plural(r->doubles));
+             COUNT(r->crowded_edges), COUNT(r->doubles));
     }
     if (r->holes > 0) {
         list_holes(j, r);
     }
     if (r->acute_edges > 0) {
         warn(j, "%zu sharp edge%s of the surface below 60 degrees, the least %.2f: tetrahedra there are no better",
-             r->acute_edges, plural(r->acute_edges), r->least_angle);
+             COUNT(r->acute_edges), r->least_angle);
     }
     if (!r->settled) {
-        warn(j, "not settled after %d rounds: walls, gaps or details thinner than the size; a smaller --size may do",
-             r->rounds);
+        warn(j, "not settled after %zu round%s: walls, gaps or details thinner than the size; a smaller --size may "
+             "do", COUNT(r->rounds));
     }
     if (r->missing_edges > 0) {
-        warn(j, "%zu piece%s of sharp edges %s missing", r->missing_edges, r->missing_edges == 1 ? "" : "s",
+        warn(j, "%zu piece%s of sharp edges %s missing", COUNT(r->missing_edges),
              r->missing_edges == 1 ? "is" : "are");
     }
     if (r->bad_edges + r->bad_points > 0) {
-        warn(j, "the boundary is no manifold at %zu edge%s and %zu point%s; the first places:", r->bad_edges,
-             plural(r->bad_edges), r->bad_points, plural(r->bad_points));
+        warn(j, "the boundary is no manifold at %zu edge%s and %zu point%s; the first places:", COUNT(r->bad_edges),
+             COUNT(r->bad_points));
         for (i = 0; i < PBW_SOLID_PLACES && i < r->bad_edges + r->bad_points; i++) {
             warn(j, "  %.9g %.9g %.9g", r->places[i][0], r->places[i][1], r->places[i][2]);
         }
@@ -76,13 +76,13 @@ static void warn_of(const job *j, const pbw_solid_report *r)
 static void report_on(const job *j, const pbw_tets *mesh, const pbw_solid_report *r)
 {
     const double seconds = r->seconds[0] + r->seconds[1] + r->seconds[2];
-    say(j, "sample", r->seconds[0], "%zu corners, %zu sharp edges", r->corners, r->sharp_edges);
+    say(j, "sample", r->seconds[0], "%zu corner%s, %zu sharp edge%s", COUNT(r->corners), COUNT(r->sharp_edges));
     say(j, "rounds", r->seconds[1], "%d, %s", r->rounds, r->settled ? "settled" : "not settled");
-    say(j, "improve", r->seconds[2], "%d passes", r->improve.passes);
+    say(j, "improve", r->seconds[2], "%d pass%s", r->improve.passes, r->improve.passes == 1 ? "" : "es");
     say(j, "measure", r->seconds[3], "%s", "");
-    note(j, "%zu tetrahedra in %zu region%s, %zu points, %zu facets on boundaries; %.0f tetrahedra a second",
-         mesh->tet_count, r->regions, plural(r->regions), mesh->point_count, r->facets,
-         seconds > 0 ? (double)mesh->tet_count / seconds : 0);
+    note(j, "%zu %s in %zu region%s, %zu point%s, %zu facet%s on boundaries; %.0f tetrahedra a second",
+         mesh->tet_count, simplices(3, mesh->tet_count), COUNT(r->regions), COUNT(mesh->point_count),
+         COUNT(r->facets), seconds > 0 ? (double)mesh->tet_count / seconds : 0);
     describe_quality(j, "before: ", &r->improve.before);
     describe_quality(j, "after:  ", &r->improve.after);
     describe_histogram(j, &r->improve.after);
@@ -174,7 +174,8 @@ const command command_solid = {
     "\n"
     "Fills a surface with good tetrahedra; holes are closed.  Sharp edges are kept; elsewhere the boundary is\n"
     "within a fraction of the size.  Regions are numbers of shells: data of cells in .vtu, groups in .msh and .inp,\n"
-    "tags or references in .msh2, .mesh and .ele.  The report ends with warnings where the boundary is not that of the model.\n"
+    "tags or references in .msh2, .mesh and .ele.  The report ends with warnings where the boundary is not that of\n"
+    "the model.\n"
     "\n"
     "input:   .obj .ply .stl .off with faces that enclose something\n"
     "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face (tetrahedra, boundary), .obj .ply .stl .off\n"

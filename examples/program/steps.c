@@ -12,8 +12,12 @@ const option input_options[] = {
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 
-const option build_options[] = {
+const option weight_options[] = {
     { "--weights", "COLUMN", "regular triangulation with the weights of that column", PLAIN, 0, 0, NULL },
+    { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
+};
+
+const option build_options[] = {
     { "--threads", "N", "default 0: all cores", WHOLE, 0, 256, NULL },
     { "--memory-limit", "SIZE", "such as 500M or 4G: fail rather than use more for the triangulation", BYTES, 0, 0,
       NULL },
@@ -44,7 +48,7 @@ int load(job *j, int flat)
         int kind = choice_of(j, "--generate");
         if (!pbwgen_points(kind < 0 ? 0 : kind, j->read.dim == 2 ? 2 : 3, j->count,
                            (uint64_t)number_of(j, "--seed", 1), &j->cloud)) {
-            return fail(j, "out of memory: %zu points need %.0f bytes", j->count, 24 * (double)j->count);
+            return fail(j, "out of memory: %.0f bytes for %zu point%s", 24 * (double)j->count, COUNT(j->count));
         }
     } else if (pbwio_read(j->input, &j->read, &j->cloud, &error) != PBWIO_OK && !interrupted) {
         return fail(j, "%s", error.text);
@@ -55,8 +59,8 @@ int load(job *j, int flat)
     if (flat && j->read.dim == 0 && j->cloud.dim == 3) {
         flatten(&j->cloud);
     }
-    note(j, "%zu point%s in %dD%s, %zu face%s", j->cloud.count, plural(j->cloud.count), j->cloud.dim,
-         j->cloud.weights != NULL ? ", weighted" : "", j->cloud.triangle_count, plural(j->cloud.triangle_count));
+    note(j, "%zu point%s in %dD%s, %zu face%s", COUNT(j->cloud.count), j->cloud.dim,
+         j->cloud.weights != NULL ? ", weighted" : "", COUNT(j->cloud.triangle_count));
     say(j, "read", now() - start, "%s", "");
     return 0;
 }
@@ -75,7 +79,8 @@ int load_queries(job *j)
         return fail(j, "%s: %s in %dD, but points in %dD%s", j->second, j->command->second, queries->dim,
                     j->cloud.dim, queries->dim == 3 ? "; --dim 2 leaves z out" : "");
     }
-    say(j, "read", now() - start, "%zu %s", queries->count, j->command->second);
+    say(j, "read", now() - start, "%zu %s", queries->count,
+        queries->count == 1 ? "query" : j->command->second);
     return 0;
 }
 
@@ -87,8 +92,8 @@ static int out_of_memory(const job *j)
     if (j->build.memory_limit > 0) {
         snprintf(limit, sizeof limit, " within --memory-limit %s", text_of(j, "--memory-limit"));
     }
-    return fail(j, "out of memory%s: %zu points in %dD need about %.0f MB, and more where many lie on few lines",
-                limit, j->cloud.count, j->cloud.dim, need);
+    return fail(j, "out of memory%s: %zu point%s in %dD need%s about %.0f MB, and more where many lie on few lines",
+                limit, COUNT(j->cloud.count), j->cloud.dim, j->cloud.count == 1 ? "s" : "", need);
 }
 
 int explain(const job *j, pbw_status status)
@@ -125,9 +130,10 @@ int check(job *j)
     return report.valid ? 0 : fail(j, "the result is wrong: please report this");
 }
 
-static const char *simplices(const pbw_mesh *mesh, size_t count)
+const char *simplices(int dim, size_t count)
 {
-    return mesh->dim == 3 ? count == 1 ? "tetrahedron" : "tetrahedra" : count == 1 ? "triangle" : "triangles";
+    return dim == 3 ? count == 1 ? "tetrahedron" : "tetrahedra"
+         : dim == 2 ? count == 1 ? "triangle" : "triangles" : count == 1 ? "simplex" : "simplices";
 }
 
 void describe(const job *j)
@@ -139,8 +145,8 @@ void describe(const job *j)
         hull += mesh->neighbors[i] == PBW_NONE;
     }
     note(j, "%zu %s, %zu facet%s on the hull, %zu duplicate%s, %zu hidden point%s", mesh->simplex_count,
-         simplices(mesh, mesh->simplex_count), hull, plural(hull), mesh->duplicate_count,
-         plural(mesh->duplicate_count), mesh->hidden_count, plural(mesh->hidden_count));
+         simplices(mesh->dim, mesh->simplex_count), COUNT(hull), COUNT(mesh->duplicate_count),
+         COUNT(mesh->hidden_count));
     if (mesh->point_count >= 10000) {                /* below, what the threads hold is most of it */
         snprintf(share, sizeof share, ", %.0f bytes a point",
                  (double)mesh->statistics.peak_bytes / (double)mesh->point_count);
@@ -171,7 +177,7 @@ int load_surface(job *j)
     pbwsample_report report;
     pbwsample_status status;
     if (!is_given(j, "--inside")) {
-        return path != NULL ? complain("--surface %s: it goes with --inside", path) : 0;
+        return 0;
     }
     if (path != NULL && pbwio_read(path, NULL, &j->surface, &error) != PBWIO_OK) {
         return fail(j, "--surface: %s", error.text);
@@ -186,8 +192,8 @@ int load_surface(job *j)
         return fail(j, "%s: %s", path != NULL ? path : j->input, pbwsample_status_string(status));
     }
     if (!report.closed) {
-        warn(j, "the surface is not closed (%zu open, %zu crowded, %zu turned edges): what is inside is decided by "
-             "two of three rays", report.open_edges, report.crowded_edges, report.turned_edges);
+        warn(j, "the surface is not closed (%zu open, %zu crowded, %zu turned edge%s): what is inside is decided by "
+             "two of three rays", report.open_edges, report.crowded_edges, COUNT(report.turned_edges));
         describe_surface(j, surface, 0);
     }
     return 0;
@@ -220,6 +226,6 @@ int mark_inside(job *j)
     for (i = 0; i < j->mesh.simplex_count; i++) {
         kept += j->inside[i];
     }
-    say(j, "inside", now() - start, "%zu %s", kept, simplices(&j->mesh, kept));
+    say(j, "inside", now() - start, "%zu %s", kept, simplices(j->mesh.dim, kept));
     return 0;
 }

@@ -165,7 +165,7 @@ static int find_faults(surface *f)
 static void list_components(const job *j, const surface *f)
 {
     size_t i, shown = 0;
-    note(j, "%zu component%s:", f->components, plural(f->components));
+    note(j, "%zu component%s:", COUNT(f->components));
     for (i = 0; i < f->cloud->count && shown < MOST_SHOWN; i++) {
         const part *at = f->parts + i;
         if (at->faces == 0) {
@@ -173,10 +173,10 @@ static void list_components(const job *j, const surface *f)
         }
         shown++;
         if (at->open + at->crowded + at->turned == 0) {
-            note(j, "  with point %zu: %zu face%s, closed, volume %g", i, at->faces, plural(at->faces), at->volume);
+            note(j, "  with point %zu: %zu face%s, closed, volume %g", i, COUNT(at->faces), at->volume);
         } else {
-            note(j, "  with point %zu: %zu face%s, %zu open, %zu crowded, %zu turned edges", i, at->faces,
-                 plural(at->faces), at->open, at->crowded, at->turned);
+            note(j, "  with point %zu: %zu face%s, %zu open, %zu crowded, %zu turned edge%s", i, COUNT(at->faces),
+                 at->open, at->crowded, COUNT(at->turned));
         }
     }
     if (shown < f->components) {
@@ -189,7 +189,7 @@ static void list_loops(const job *j, surface *f)
 {
     size_t i, k, end, next, length, loops = 0;
     pbw_index last = PBW_NONE;
-    note(j, "%zu open edge%s in %zu loop%s:", f->open, plural(f->open), f->loops, plural(f->loops));
+    note(j, "%zu open edge%s in %zu loop%s:", COUNT(f->open), COUNT(f->loops));
     for (i = 0; i < f->side_count && loops < MOST_SHOWN; i = end) {
         pbw_index a = f->sides[i].a;
         char text[512] = "";
@@ -204,7 +204,7 @@ static void list_loops(const job *j, surface *f)
                          (unsigned long)f->sides[k].b);
             }
         }
-        note(j, "  %zu edge%s from (%g, %g, %g):%s%s", length, plural(length), p[0], p[1], p[2], text,
+        note(j, "  %zu edge%s from (%g, %g, %g):%s%s", COUNT(length), p[0], p[1], p[2], text,
              length > MOST_SHOWN ? " ..." : "");
         loops++;
     }
@@ -253,16 +253,14 @@ int describe_surface(const job *j, const pbwio_cloud *cloud, int details)
     } else {
         closed = report.closed;
         say(j, "surface", now() - start, closed ? "closed, %zu component%s" : "not closed, %zu component%s",
-            f.components, plural(f.components));
+            COUNT(f.components));
         if (closed) {
-            note(j, "area %g, volume %g, %zu flat face%s, %zu unused and %zu duplicate points", report.area,
-                 report.volume, report.flat_triangles, plural(report.flat_triangles), report.unused_points,
-                 report.duplicate_points);
+            note(j, "area %g, volume %g, %zu flat face%s, %zu unused and %zu duplicate point%s", report.area,
+                 report.volume, COUNT(report.flat_triangles), report.unused_points, COUNT(report.duplicate_points));
         } else {
-            note(j, "area %g, no volume: %zu open, %zu crowded, %zu turned edges in %zu loop%s; %zu flat face%s, "
-                 "%zu unused and %zu duplicate points", report.area, f.open, f.crowded, f.turned, f.loops,
-                 plural(f.loops), report.flat_triangles, plural(report.flat_triangles), report.unused_points,
-                 report.duplicate_points);
+            note(j, "area %g, no volume: %zu open, %zu crowded, %zu turned edge%s in %zu loop%s; %zu flat face%s, "
+                 "%zu unused and %zu duplicate point%s", report.area, f.open, f.crowded, COUNT(f.turned),
+                 COUNT(f.loops), COUNT(report.flat_triangles), report.unused_points, COUNT(report.duplicate_points));
         }
         if (details && (!closed || f.components > 1)) {
             list_components(j, &f);

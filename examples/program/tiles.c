@@ -151,7 +151,7 @@ static void load_state(work *w)
         && fread(w->tile, sizeof *w->tile, s.parts + 1, file) == s.parts + 1;
     if (taken_up) {
         w->s = s;
-        note(w->j, "going on: %u of %u tiles are finished", s.done, s.parts);
+        note(w->j, "going on: %u of %zu tile%s %s finished", s.done, COUNT(s.parts), s.parts == 1 ? "is" : "are");
     } else {
         memset(w->tile, 0, (w->s.parts + 1) * sizeof *w->tile);
         remove_scratch(w, s.parts > w->s.parts && s.parts <= MOST_TILES ? s.parts : w->s.parts);
@@ -186,11 +186,11 @@ static int open_input(work *w)
         return fail(j, "%s: %s", j->input, strerror(errno));
     }
     if ((uint64_t)size % record != 0) {
-        return fail(j, "%s: truncated: %ld bytes are no whole number of records of %lu", j->input, size,
+        return fail(j, "%s: truncated: its size, %ld, is no multiple of %lu, that of a record", j->input, size,
                     (unsigned long)record);
     }
     w->s.points = (uint64_t)size / record;
-    note(j, "%.0f points in %uD%s", (double)w->s.points, w->s.dim, w->s.weighted ? ", weighted" : "");
+    note(j, "%zu point%s in %uD%s", COUNT(w->s.points), w->s.dim, w->s.weighted ? ", weighted" : "");
     return 0;
 }
 
@@ -570,10 +570,10 @@ static int explain_tile(work *w, const pbwt_tile *tile, size_t p, pbw_status sta
         const char *limit = text_of(w->j, "--memory-limit");
         limit = limit != NULL ? limit : "4G";
         return p == w->s.parts
-             ? fail(w->j, "out of memory within --memory-limit %s: %lu points, as on surfaces, were given up by the "
-                    "tiles and need to be triangulated at once", limit, (unsigned long)tile->numbers.given_up)
-             : fail(w->j, "tile %lu: out of memory within --memory-limit %s: %lu points of its own, %lu of others, "
-                    "%lu given up; more --tiles need less", (unsigned long)p, limit, (unsigned long)w->tree[p].count,
+             ? fail(w->j, "out of memory within --memory-limit %s: the tiles gave up %zu point%s, as on "
+                    "surfaces, which must be triangulated at once", limit, COUNT(tile->numbers.given_up))
+             : fail(w->j, "tile %lu: out of memory within --memory-limit %s: %zu point%s of its own, %lu of others, "
+                    "%lu given up; more --tiles need less", (unsigned long)p, limit, COUNT(w->tree[p].count),
                     (unsigned long)tile->foreign_count, (unsigned long)tile->numbers.given_up);
     }
     return status == PBW_ERROR_BACKEND ? cannot(w, w->out)
@@ -712,11 +712,11 @@ static void end_turn(hand *h, const pbwt_tile *tile, pbw_status status)
     }
     c->stop |= status != PBW_OK || c->failed;
     if (!c->stop) {
-        say(w->j, "tile", now() - w->start, "%lu of %u: %lu points, halo %lu + %lu, %lu simplices, %lu rounds, "
-            "%lu given up", (unsigned long)p + 1, w->s.parts, (unsigned long)w->tree[p].count,
+        say(w->j, "tile", now() - w->start, "%lu of %u: %zu point%s, halo %lu + %lu, %lu %s, %zu round%s, "
+            "%lu given up", (unsigned long)p + 1, w->s.parts, COUNT(w->tree[p].count),
             (unsigned long)tile->numbers.halo, (unsigned long)tile->numbers.later,
-            (unsigned long)tile->numbers.simplices, (unsigned long)tile->numbers.rounds,
-            (unsigned long)tile->numbers.given_up);
+            (unsigned long)tile->numbers.simplices, simplices(0, (size_t)tile->numbers.simplices),
+            COUNT(tile->numbers.rounds), (unsigned long)tile->numbers.given_up);
     }
     wake(c);
     leave(c);
@@ -909,8 +909,7 @@ static int build_leftovers(work *w, FILE *out, size_t count)
     memset(&tile, 0, sizeof tile);
     if (!w->s.mesh) {
         w->hopeless = 1;
-        return fail(w->j, "%lu points, as on surfaces, were given up by the tiles: --no-mesh does not do them",
-                    (unsigned long)count);
+        return fail(w->j, "the tiles gave up %zu point%s, as on surfaces: --no-mesh does not do them", COUNT(count));
     }
     if (fseek(out, (long)w->s.size, SEEK_SET) != 0 || !pbwtf_map_file(w->out, &chunks, error)) {
         return cannot(w, w->out);
@@ -927,8 +926,8 @@ static int build_leftovers(work *w, FILE *out, size_t count)
     tile.numbers.given_up = count;
     failed = status == PBW_OK ? end_tile(w, &chunk, &tile, w->s.parts) : explain_tile(w, &tile, w->s.parts, status);
     if (!failed) {
-        say(w->j, "leftovers", now() - w->start, "%lu points, %lu simplices", (unsigned long)count,
-            (unsigned long)tile.numbers.simplices);
+        say(w->j, "leftovers", now() - w->start, "%zu point%s, %lu %s", COUNT(count),
+            (unsigned long)tile.numbers.simplices, simplices(0, (size_t)tile.numbers.simplices));
     }
     pbwt_close(&tile);
     free(known.data);
@@ -949,7 +948,7 @@ static int link_tiles(work *w, FILE *out, uint64_t *hull)
     }
     facets = (pbwt_facet *)malloc((size_t)(count + 1) * sizeof *facets);
     if (facets == NULL) {
-        return fail(w->j, "out of memory: %.0f facets between tiles need %.0f MB", (double)count,
+        return fail(w->j, "out of memory: %zu facet%s between tiles, %.0f MB", COUNT(count),
                     (double)count * 48e-6);
     }
     for (p = 0; p < w->s.chunks && !failed; p++) {
@@ -1015,11 +1014,11 @@ static int finish_file(work *w, FILE *out)
     if (!failed) {
         char on_hull[48] = "";
         if (w->s.links) {
-            snprintf(on_hull, sizeof on_hull, "%.0f facets on the hull, ", (double)hull);
+            snprintf(on_hull, sizeof on_hull, "%zu facet%s on the hull, ", COUNT(hull));
         }
-        note(w->j, "%.0f simplices, %s%.0f duplicates, halo %.1f %%, %.0f rounds, "
-             "hash %016llx", (double)header.simplices, on_hull, (double)header.duplicates,
-             100 * (double)halo / (double)(w->s.points > 0 ? w->s.points : 1), (double)rounds,
+        note(w->j, "%zu %s, %s%zu duplicate%s, halo %.1f %%, %zu round%s, hash %016llx", (size_t)header.simplices,
+             simplices(0, (size_t)header.simplices), on_hull, COUNT(header.duplicates),
+             100 * (double)halo / (double)(w->s.points > 0 ? w->s.points : 1), COUNT(rounds),
              (unsigned long long)header.hash);
     }
     return failed;
@@ -1164,7 +1163,7 @@ static int run(job *j)
     if (!failed) {
         clean(w);
         j->written = j->outputs;
-        say(j, "all", now() - w->start, "%u tiles", w->s.parts);
+        say(j, "all", now() - w->start, "%zu tile%s", COUNT(w->s.parts));
     }
     for (p = 0; p < w->s.parts && w->map != NULL; p++) {
         pbwtf_unmap(w->map + p);
@@ -1193,6 +1192,6 @@ const command command_tiles = {
     "output:  .pbwt: see pbw_tilefile.h; pbw check, pbw hash and pbw convert read it\n"
     "\n",
     "pbwt",
-    { tiles_options, input_options, build_options, output_options, common_options, NULL, NULL, NULL },
+    { tiles_options, input_options, weight_options, build_options, output_options, common_options, NULL, NULL, NULL },
     run, 0, 0, 0, NULL, 0
 };

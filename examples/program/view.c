@@ -8,11 +8,7 @@ static const option view_options[] = {
 
 static int run(job *j)
 {
-    int status;
-    if (is_given(j, "--points") && is_given(j, "--inside")) {
-        return complain("--points and --inside exclude each other");
-    }
-    status = load(j, 1);
+    int status = load(j, 1);
     status = status != 0 ? status : load_surface(j);
     if (status == 0 && is_given(j, "--points")) {
         j->mesh.dim = j->cloud.dim;                                  /* borrowed: nothing in it is pbw_free's */
@@ -46,6 +42,7 @@ const command command_view = {
     "output:  .html; default: the name of the input with that ending; of that name, it replaces pages of pbw only\n"
     "\n",
     "html",
-    { view_options, look_options, input_options, build_options, output_options, common_options, NULL, NULL },
+    { view_options, look_options, input_options, weight_options, build_options, output_options, common_options,
+      NULL },
     run, 0, 0, 1, NULL, 1
 };

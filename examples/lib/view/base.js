@@ -7,15 +7,16 @@ const dim = +given.dim, flat = dim === 2 && given.heights !== '1', n = dim + 1, 
 // grouped: the simplices around one first corner are a cell, and the facets across from it the cell's.
 const grouped = given.cells === '1';
 const count = +given.simplices, points = +given.points;
-const simplex = grouped ? 'cells' : dim === 3 ? 'tetrahedra' : 'triangles';
+const simplex = grouped ? ['cell'] : dim === 3 ? ['tetrahedron', 'tetrahedra'] : ['triangle'];
 const canvas = $('canvas'), say = text => { $('say').textContent = text; };
 const whole = x => Math.round(x).toLocaleString('en-US');
+const many = (count, one, more = one + 's') => whole(count) + ' ' + (count === 1 ? one : more);
 const short = (x, span = 0) => Number.isInteger(x) && Math.abs(x) < 1e6 ? '' + x
   : Math.abs(x) < 1e-3 * span ? '0' : '' + +x.toPrecision(3);
 window.onerror = text => say('This page failed: ' + text);
 $('title').textContent = document.title;
 $('facts').textContent = grouped ? given.note + ' in ' + dim + 'D'
-  : (count ? whole(count) + ' ' + simplex + ', ' : '') + whole(points) + ' points in ' + dim + 'D'
+  : (count ? many(count, ...simplex) + ', ' : '') + many(points, 'point') + ' in ' + dim + 'D'
     + (given.note ? '; ' + given.note : '');
 canvas.addEventListener('webglcontextlost', () => say('The graphics driver gave up: reload the page.'));
 

@@ -12,8 +12,8 @@ function show_numbers() {
       if (state[t] && simplex_id[t] !== last) { some++; last = simplex_id[t]; }
     }
   }
-  $('shown').textContent = model ? whole(triangle_count) + ' faces of the model shown' : whole(some) + ' of '
-    + whole(most) + ' ' + (dots ? 'points' : simplex) + ' shown';
+  $('shown').textContent = model ? many(triangle_count, 'face') + ' of the model shown'
+    : whole(some) + ' of ' + many(most, ...(dots ? ['point'] : simplex)) + ' shown';
   document.querySelector('.dots').hidden = !dots;
   canvas.setAttribute('aria-label', document.title + '. ' + $('shown').textContent + ', coloured by ' + array.name);
   const place = place_sign() * (offset * half / (number('axis') === 2 ? relief : 1) + dot(normal, middle));
