@@ -1374,7 +1374,11 @@ __device__ inline int carve(S &s, const space &all, uint32_t v, bool go, uint32_
 }
 
 /* Replaces the cavities of the tiles that go by the triangles from the first fans edges of their borders to the new
-   vertex, and from the others to infinity; in the plane the border is the new edges. */
+   vertex, and from the others to infinity; in the plane the border is the new edges.  The last loop must not
+   decrement count and then move triangle[count].  In an insertion that is inlined, ptxas V13.0.88 for sm_90 takes the
+   addresses from the old count, with offsets of -4 and -16 bytes, but gives the old and the new count one register
+   and decrements that first: the simplex before the last one moves, and most of the zoo in cuda_test fails.
+   tests/cuda_inline.cu has that loop alone. */
 template <int T, typename S>
 __device__ inline void fan(S &s, bool go, const hole &cavity, int fans, int &count, unsigned walls)
 {
@@ -1393,20 +1397,17 @@ __device__ inline void fan(S &s, bool go, const hole &cavity, int fans, int &cou
         }
     }
     __syncwarp();
-    if (go) { /* fewer than before: close the holes from the end, last hole first */
-        count += edges > conflicts ? edges - conflicts : 0;
-    }
-    for (int i = conflicts - 1; any(go && i >= edges); i--) {
-        if (go && i >= edges) {
-            int at = s.cavity[i];
-            count--;
-            if (lane == 0 && at != count) {
-                s.triangle[at] = s.triangle[count];
-                s.sphere[at] = s.sphere[count];
+    for (int i = 1; any(go && i <= conflicts - edges); i++) {        /* fewer than before: the last fill the holes */
+        if (go && i <= conflicts - edges && lane == 0) {
+            const int at = s.cavity[conflicts - i], last = count - i;
+            if (at != last) {
+                s.triangle[at] = s.triangle[last];
+                s.sphere[at] = s.sphere[last];
             }
         }
         __syncwarp();
     }
+    count += go ? edges - conflicts : 0;
 }
 
 /* The star of v and the points a, b, c, one finite triangle and an infinite one on each of its edges, as the border
@@ -2166,12 +2167,7 @@ __device__ inline bool start_from_seeds(S &s, const space &all, uint32_t v, uint
     return true;
 }
 
-/* Inserts a point into the star of a warp.  With exact tests it must stay a call: inlined into the search of a star
-   in shared memory, the last loop of fan is compiled wrongly for sm_90 by ptxas V13.0.88 at -O2 and -O3.  The PTX is
-   right: count = count - 1, then triangle[count] and sphere[count] move into the hole.  ptxas takes both addresses
-   from the old count, with offsets of -4 and -16 bytes, but gives the old and the new count one register and
-   decrements that first, so that the simplex before the last one moves.  As a call it gives them two registers.
-   Inlined, most of the zoo in cuda_test fails. */
+/* Inserts a point into the star of a warp. */
 template <typename S>
 __device__ inline int insert(S &s, const space &all, uint32_t v, uint32_t id, const place_in<S> &p, int &count,
                              unsigned walls, pbw__digit *pool)
@@ -2180,13 +2176,6 @@ __device__ inline int insert(S &s, const space &all, uint32_t v, uint32_t id, co
     int result = carve<32, true>(s, all, v, true, id, p, count, pool, cavity);
     fan<32>(s, result == star_changed, cavity, cavity.edges, count, walls);
     return result;
-}
-
-template <typename S>
-__device__ __noinline__ int insert_exactly(S &s, const space &all, uint32_t v, uint32_t id, const place_in<S> &p,
-                                           int &count, unsigned walls, pbw__digit *pool)
-{
-    return insert(s, all, v, id, p, count, walls, pool);
 }
 
 /* A star of v from 28 points at growing distances along the curve, so that it is bounded in all directions from the
@@ -2372,8 +2361,7 @@ __device__ inline int far_star_of(S &s, const far_launch &a, const far_task &tas
                     if (any(known)) {
                         continue;
                     }
-                    int result = EXACT ? insert_exactly(s, all, v, next, at, count, walls, pool)
-                                       : insert(s, all, v, next, at, count, walls, pool);
+                    int result = insert(s, all, v, next, at, count, walls, pool);
                     verdict = S::weighted && result == star_hidden ? far_hidden
                             : (result & ~star_changed) != 0 ? far_lost : far_busy;
                     if (result == star_changed) {
@@ -2896,7 +2884,7 @@ __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) wide_kernel(co
                 const float most = -tile_min<32>((pending >> lane & 1) != 0 ? -deep : 1.0f);
                 const int from = __ffs((int)(__ballot_sync(all_lanes, deep == most) & pending)) - 1;
                 const uint32_t id = __shfl_sync(all_lanes, candidate, from);
-                const int result = insert_exactly(s, all, v, id, tile_place<32>(p, from), count, walls, digits);
+                const int result = insert(s, all, v, id, tile_place<32>(p, from), count, walls, digits);
                 pending &= ~(1u << from);
                 lost = (result & ~star_changed) != 0;
                 if (result == star_changed) {

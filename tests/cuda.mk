@@ -1,6 +1,7 @@
 # cuda.mk: pbw_cuda.cu, included by the Makefile.
 #   make cuda          compiles it where there is an nvcc: NVCC=, CUDA_FLAGS=-arch=sm_90
 #   make cuda-test     compares it with the CPU on a GPU, then on small inputs under compute-sanitizer; runs the example
+#                      and tells whether this nvcc has a fault that pbw_cuda.cu avoids
 #   make cuda-bench    measures it: ARGS=--quick, or KIND:DIM:COUNT[:w] ...
 NVCC ?= $(firstword $(shell command -v nvcc) $(wildcard /usr/local/cuda/bin/nvcc))
 CUDA_HOME ?= $(patsubst %/bin/nvcc,%,$(NVCC))
@@ -25,6 +26,10 @@ $B/cuda_bench: bench/cuda_bench.c $(HEADERS) $B/cuda.o $B/libpbw.a
 	$(CUDA_C) -c $< -o $@.o
 	$(NVCC) $(CUDA_FLAGS) $@.o $B/cuda.o $B/libpbw.a -o $@ -lpthread -lm
 
+$B/cuda_inline: tests/cuda_inline.cu tests/test.h
+	@mkdir -p $B
+	$(NVCC) $(CUDA_FLAGS) $< -o $@
+
 $B/gpu: examples/gpu.cu pbw.h $B/cuda.o
 	$(NVCC) $(CUDA_FLAGS) -I. $< $B/cuda.o -o $@ -lpthread
 
@@ -38,7 +43,8 @@ else
 cuda: $B/cuda.o $B/gpu
 cuda-bench: $B/cuda_bench
 	$B/cuda_bench $(ARGS)
-cuda-test: $B/cuda_test $B/gpu
+cuda-test: $B/cuda_inline $B/cuda_test $B/gpu
+	$B/cuda_inline
 	$B/cuda_test $(COUNT:%=--count %)
 ifneq ($(CUDA_SANITIZER),)
 	$(CUDA_SANITIZER) --tool memcheck --leak-check full --error-exitcode 1 $B/cuda_test --filter grids --count 5
