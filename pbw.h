@@ -136,7 +136,7 @@
                           clang make vector code too: AVX2, used where a build finds it, and NEON on 64-bit Arm
      PBW_NO_THREADS       where PBW_IMPLEMENTATION is: every call runs on the caller's thread, nothing to link.
                           Without it gcc and clang use pthreads, or the threads of Windows 7; MSVC uses these for
-                          64-bit x86 (and includes windows.h), elsewhere none
+                          64-bit x86, elsewhere none
 */
 #ifndef PBW_H
 #define PBW_H
@@ -586,16 +586,11 @@ extern void pbw_cuda_loop_free(pbw_cuda_loop *loop);
 #include <unistd.h>
 #endif
 #endif
-#if defined(PBW__THREADS) && !defined(__GNUC__)      /* MSVC */
-#ifndef NOMINMAX
-#define NOMINMAX
-#endif
-#ifndef WIN32_LEAN_AND_MEAN
-#define WIN32_LEAN_AND_MEAN
-#endif
-#include <windows.h>
-#include <intrin.h>
+#if defined(PBW__THREADS) && defined(_WIN32)
 #include <process.h>
+#ifdef _MSC_VER
+#include <intrin.h>
+#endif
 #endif
 #ifdef _WIN32
 #pragma push_macro("near")                           /* words to us, macros of windows.h */
@@ -858,71 +853,60 @@ static int pbw__fp_is_exact(void)
         && !(infinite - infinite == 0.0);                    /* finite numbers only */
 }
 
-/* The system's threads: pthreads, or those of Win32, declared here, as windows.h would leave its macros behind; but
-   MSVC has no other names for what windows.h may declare as well. */
+/* The system's threads: pthreads, or those of Win32.  windows.h would leave its macros behind, so we declare what we
+   call as it does; it may still follow.  Where it came first it has declared them, but not all of them for a target
+   before Windows 7. */
 #if defined(PBW__THREADS) && defined(_WIN32)
-#ifdef __GNUC__
-#ifdef __i386__
-#define PBW__SYMBOL(name, bytes) __asm__("_" name bytes)
-#else
-#define PBW__SYMBOL(name, bytes) __asm__(name)
+struct _RTL_SRWLOCK;
+struct _RTL_CONDITION_VARIABLE;
+#if !defined(_WINDOWS_) || (defined(_WIN32_WINNT) && _WIN32_WINNT < 0x0601)
+#ifdef __cplusplus
+extern "C" {
 #endif
-#define PBW__WIN32(result, name, arguments, bytes) \
-    extern result __stdcall pbw__##name arguments PBW__SYMBOL(#name, "@" #bytes)
-typedef void *pbw__thread, *pbw__mutex, *pbw__condition;     /* HANDLE; SRWLOCK, CONDITION_VARIABLE: NULL at first */
-typedef unsigned pbw__thread_id, pbw__thread_result;
-typedef pbw__thread_result (__stdcall pbw__thread_body)(void *arg);
-extern uintptr_t pbw__beginthreadex(void *security, unsigned stack, pbw__thread_body *body, void *arg, unsigned flags,
-                                    unsigned *id) PBW__SYMBOL("_beginthreadex", "");
-PBW__WIN32(unsigned, WaitForSingleObject, (pbw__thread thread, unsigned milliseconds), 8);
-PBW__WIN32(int, CloseHandle, (pbw__thread thread), 4);
-PBW__WIN32(pbw__thread_id, GetCurrentThreadId, (void), 0);
-PBW__WIN32(unsigned, GetActiveProcessorCount, (unsigned short group), 4);
-PBW__WIN32(void, AcquireSRWLockExclusive, (pbw__mutex *mutex), 4);
-PBW__WIN32(void, ReleaseSRWLockExclusive, (pbw__mutex *mutex), 4);
-PBW__WIN32(void, WakeConditionVariable, (pbw__condition *condition), 4);
-PBW__WIN32(void, WakeAllConditionVariable, (pbw__condition *condition), 4);
-PBW__WIN32(int, SleepConditionVariableSRW, (pbw__condition *condition, pbw__mutex *mutex, unsigned milliseconds,
-                                            unsigned flags), 16);
-#else
-typedef HANDLE pbw__thread;
-typedef SRWLOCK pbw__mutex;                          /* zero at first, and the next one too */
-typedef CONDITION_VARIABLE pbw__condition;
-typedef DWORD pbw__thread_id;
+#define PBW__WIN32(result) extern __declspec(dllimport) result __stdcall
+PBW__WIN32(unsigned long) WaitForSingleObject(void *thread, unsigned long milliseconds);
+PBW__WIN32(int) CloseHandle(void *thread);
+PBW__WIN32(unsigned long) GetCurrentThreadId(void);
+PBW__WIN32(unsigned long) GetActiveProcessorCount(unsigned short group);
+PBW__WIN32(void) AcquireSRWLockExclusive(struct _RTL_SRWLOCK *mutex);
+PBW__WIN32(void) ReleaseSRWLockExclusive(struct _RTL_SRWLOCK *mutex);
+PBW__WIN32(void) WakeConditionVariable(struct _RTL_CONDITION_VARIABLE *condition);
+PBW__WIN32(void) WakeAllConditionVariable(struct _RTL_CONDITION_VARIABLE *condition);
+PBW__WIN32(int) SleepConditionVariableSRW(struct _RTL_CONDITION_VARIABLE *condition, struct _RTL_SRWLOCK *mutex,
+                                          unsigned long milliseconds, unsigned long flags);
+#ifdef __cplusplus
+}
+#endif
+#endif
+typedef void *pbw__thread, *pbw__mutex, *pbw__condition;     /* the last two hold NULL at first */
+typedef unsigned long pbw__thread_id;
 typedef unsigned pbw__thread_result;
 typedef pbw__thread_result (__stdcall pbw__thread_body)(void *arg);
-#define pbw__beginthreadex _beginthreadex
-#define pbw__WaitForSingleObject WaitForSingleObject
-#define pbw__CloseHandle CloseHandle
-#define pbw__GetCurrentThreadId GetCurrentThreadId
-#define pbw__GetActiveProcessorCount GetActiveProcessorCount
-#define pbw__AcquireSRWLockExclusive AcquireSRWLockExclusive
-#define pbw__ReleaseSRWLockExclusive ReleaseSRWLockExclusive
-#define pbw__WakeConditionVariable WakeConditionVariable
-#define pbw__WakeAllConditionVariable WakeAllConditionVariable
-#define pbw__SleepConditionVariableSRW SleepConditionVariableSRW
-#endif
+#define PBW__SRWLOCK(mutex) ((struct _RTL_SRWLOCK *)(void *)(mutex))
+#define PBW__VARIABLE(condition) ((struct _RTL_CONDITION_VARIABLE *)(void *)(condition))
 #define PBW__FOREVER 0xffffffffu
 #define PBW__THREAD_CALL __stdcall
-#define PBW__CORES() ((long)pbw__GetActiveProcessorCount(0xffff))            /* of all groups of processors */
-#define PBW__THIS_THREAD() pbw__GetCurrentThreadId()
+#define PBW__CORES() ((long)GetActiveProcessorCount(0xffff))            /* of all groups of processors */
+#define PBW__THIS_THREAD() GetCurrentThreadId()
 #define PBW__SAME_THREAD(a, b) ((a) == (b))
 #define PBW__THREAD_JOIN(thread) \
-    ((void)pbw__WaitForSingleObject(thread, PBW__FOREVER), (void)pbw__CloseHandle(thread))
+    ((void)WaitForSingleObject(thread, PBW__FOREVER), (void)CloseHandle(thread))
 #define PBW__MUTEX_INIT(mutex) ((void)(mutex))
 #define PBW__MUTEX_DESTROY(mutex) ((void)(mutex))
-#define PBW__LOCK(mutex) pbw__AcquireSRWLockExclusive(mutex)
-#define PBW__UNLOCK(mutex) pbw__ReleaseSRWLockExclusive(mutex)
+#define PBW__LOCK(mutex) AcquireSRWLockExclusive(PBW__SRWLOCK(mutex))
+#define PBW__UNLOCK(mutex) ReleaseSRWLockExclusive(PBW__SRWLOCK(mutex))
 #define PBW__CONDITION_INIT(condition) ((void)(condition))
 #define PBW__CONDITION_DESTROY(condition) ((void)(condition))
-#define PBW__WAKE(condition) pbw__WakeConditionVariable(condition)
-#define PBW__WAKE_ALL(condition) pbw__WakeAllConditionVariable(condition)
-#define PBW__WAIT(condition, mutex) ((void)pbw__SleepConditionVariableSRW(condition, mutex, PBW__FOREVER, 0))
-#define PBW__WAIT_50MS(condition, mutex) ((void)pbw__SleepConditionVariableSRW(condition, mutex, 50, 0))
+#define PBW__WAKE(condition) WakeConditionVariable(PBW__VARIABLE(condition))
+#define PBW__WAKE_ALL(condition) WakeAllConditionVariable(PBW__VARIABLE(condition))
+#define PBW__SLEEP(condition, mutex, milliseconds) \
+    ((void)SleepConditionVariableSRW(PBW__VARIABLE(condition), PBW__SRWLOCK(mutex), milliseconds, 0))
+#define PBW__WAIT(condition, mutex) PBW__SLEEP(condition, mutex, PBW__FOREVER)
+#define PBW__WAIT_50MS(condition, mutex) PBW__SLEEP(condition, mutex, 50)
 
 static int pbw__thread_start(pbw__thread *thread, unsigned stack, pbw__thread_body *body, void *arg)
 {
-    *thread = (pbw__thread)pbw__beginthreadex(NULL, stack, body, arg, 0x10000, NULL);      /* stack: to reserve */
+    *thread = (pbw__thread)_beginthreadex(NULL, stack, body, arg, 0x10000, NULL);      /* stack: to reserve */
     return *thread != NULL;
 }
 #elif defined(PBW__THREADS)
