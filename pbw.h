@@ -571,7 +571,7 @@ extern void pbw_cuda_loop_free(pbw_cuda_loop *loop);
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD == 2)
 #error "pbw.h is exact only where doubles are computed as doubles: on 32-bit x86 compile with -msse2 -mfpmath=sse"
 #endif
-#include <math.h>                                    /* HUGE_VAL; sqrt where no instruction serves */
+#include <math.h>                                    /* HUGE_VAL; fabs and sqrt where no instruction serves */
 #include <stdlib.h>
 #include <string.h>
 #ifdef _MSC_VER
@@ -783,7 +783,7 @@ PBW__INLINE double pbw__max(double a, double b)
 
 PBW__INLINE double pbw__abs(double a)
 {
-    return pbw__max(a, -a);
+    return fabs(a);
 }
 
 PBW__INLINE double pbw__max_abs(double a, double b, double c, double d)
@@ -2339,79 +2339,45 @@ static PBW__NOINLINE void pbw__grid_refine(pbw__grid_share *share, const double 
 }
 
 /* A number is on the grid if it is of 2^52 units or more, or the sum of its size and 2^52 units is not rounded. */
-PBW__INLINE void pbw__grid_add_of(pbw__grid_share *share, const double *q, size_t count, int width, int dim)
+PBW__INLINE void pbw__grid_add_of(pbw__grid_share *share, const double *q, size_t count, int weights, int dim)
 {
+    const int width = dim + weights;
     const double *end = q + count * (size_t)width;
     double low[4], high[4];
     int k;
-    memcpy(low, share->low, sizeof(low));
-    memcpy(high, share->high, sizeof(high));
-    for (; q < end && share->unit != PBW__NO_UNIT; q += width) {
+    while (q < end && share->unit != PBW__NO_UNIT) {
+        const double limit[2] = { share->limit[0], share->limit[1] };
         uint64_t off = 0;
         for (k = 0; k < width; k++) {
-            const double many = share->limit[k == dim], size = pbw__abs(q[k]) < many ? pbw__abs(q[k]) : many;
-            off |= pbw__bits(size + many - many - size);
-            low[k] = q[k] < low[k] ? q[k] : low[k];
-            high[k] = q[k] > high[k] ? q[k] : high[k];
+            low[k] = share->low[k];
+            high[k] = share->high[k];
         }
-        if (PBW__UNLIKELY(off != 0)) {
-            memcpy(share->low, low, sizeof(low));
-            memcpy(share->high, high, sizeof(high));
-            pbw__grid_refine(share, q, dim, width);
+        for (; q < end && off == 0; q += width) {
+            for (k = 0; k < width; k++) {
+                const double x = q[k], many = limit[k == dim], size = pbw__abs(x) < many ? pbw__abs(x) : many;
+                off |= pbw__bits(size + many - many - size);
+                low[k] = x < low[k] ? x : low[k];
+                high[k] = x > high[k] ? x : high[k];
+            }
         }
-    }
-    memcpy(share->low, low, sizeof(low));
-    memcpy(share->high, high, sizeof(high));
-}
-
-#ifdef PBW__SIMD
-/* pbw__grid_add_of by vectors.  Lanes from `width` on have coordinates of the next record, so the last record is
-   left.  Returns how many records were added. */
-PBW__SIMD_INLINE size_t pbw__grid_add_simd(pbw__grid_share *share, const double *q, size_t count, int width, int dim)
-{
-    const size_t some = width < 4 && count > 0 ? count - 1 : count, step = (size_t)width;
-    const double *limit = share->limit;
-    pbw__d4 low, high, many, x, size;
-    size_t i = 0;
-    memcpy(&low, share->low, sizeof(low));
-    memcpy(&high, share->high, sizeof(high));
-    while (i < some && share->unit != PBW__NO_UNIT) {
-        unsigned on = 15;
-        many = pbw__four(limit[0], limit[0], limit[width == 3 && dim == 2], limit[width == 4]);
-        for (; on == 15 && i < some; i++) {
-            memcpy(&x, q + i * step, sizeof(x));
-            low = pbw__min4(x, low);
-            high = pbw__max4(x, high);
-            size = pbw__min4(pbw__abs4(x), many);
-            on = pbw__signs(pbw__equal(size + many - many, size));
+        for (k = 0; k < width; k++) {
+            share->low[k] = low[k];
+            share->high[k] = high[k];
         }
-        memcpy(share->low, &low, step * sizeof(double));
-        memcpy(share->high, &high, step * sizeof(double));
-        if (on != 15) {
-            pbw__grid_refine(share, q + (i - 1) * step, dim, width);
+        if (off != 0) {
+            pbw__grid_refine(share, q - width, dim, width);
         }
     }
-    return i;
 }
-
-PBW__SIMD static size_t pbw__grid_add_vectors(pbw__grid_share *share, const double *q, size_t count, int width,
-                                              int dim)
-{
-    return dim == 3 ? pbw__grid_add_simd(share, q, count, width, 3) : pbw__grid_add_simd(share, q, count, width, 2);
-}
-#endif
 
 /* Adds `count` records of `width` entries, from q on, to a share. */
 static void pbw__grid_add(pbw__grid_share *share, const double *q, size_t count, int dim, int width)
 {
-    size_t done = 0;
-#ifdef PBW__SIMD
-    if (pbw__simd_works()) {
-        done = pbw__grid_add_vectors(share, q, count, width, dim);
+    if (width > dim) {
+        PBW__BY_DIM(dim, pbw__grid_add_of, share, q, count, 1);
+    } else {
+        PBW__BY_DIM(dim, pbw__grid_add_of, share, q, count, 0);
     }
-#endif
-    q += done * (size_t)width;
-    PBW__BY_DIM(dim, pbw__grid_add_of, share, q, count - done, width);
 }
 
 /* Stores the coarsest grid that holds the records of all shares, of dim coordinates and a weight, if differences are
