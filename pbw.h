@@ -977,7 +977,8 @@ static void pbw__wait_50ms(pbw__condition *condition, pbw__mutex *mutex)
 #define PBW__HALVES3(f, a, b, c) \
     pbw__join(f(pbw__half0(a), pbw__half0(b), pbw__half0(c)), f(pbw__half1(a), pbw__half1(b), pbw__half1(c)))
 typedef float64x2_t pbw__d2;
-typedef double pbw__d4 __attribute__((vector_size(32), aligned(16)));      /* the compiler splits sums and products */
+typedef double pbw__d4 __attribute__((vector_size(32), aligned(16)));      /* the compiler splits sums, products */
+typedef int64_t pbw__l4 __attribute__((vector_size(32), aligned(16)));     /* and bitwise operations */
 typedef union pbw__halves { pbw__d4 whole; pbw__d2 half[2]; } pbw__halves;
 #else
 #define PBW__BY_ISA(avx2, neon) avx2
@@ -991,6 +992,13 @@ PBW__INLINE int pbw__simd_works(void)
     return PBW__BY_ISA(__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")
                        && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt"), 1);
 }
+
+/* Defines a function that returns the value of avx2 or of neon. */
+#define PBW__OPERATION(type, name, parameters, avx2, neon) \
+    PBW__SIMD_INLINE type name parameters \
+    { \
+        return PBW__BY_ISA(avx2, neon); \
+    }
 
 #ifdef PBW__NEON
 PBW__SIMD_INLINE pbw__d2 pbw__half0(pbw__d4 x)
@@ -1019,56 +1027,25 @@ PBW__SIMD_INLINE pbw__d2 pbw__blend2(pbw__d2 x, pbw__d2 y, pbw__d2 mask)
 {
     return vbslq_f64((uint64x2_t)mask, y, x);
 }
-
-PBW__SIMD_INLINE pbw__d2 pbw__and2(pbw__d2 x, pbw__d2 y)
-{
-    return (pbw__d2)vandq_u64((uint64x2_t)x, (uint64x2_t)y);
-}
-
-PBW__SIMD_INLINE pbw__d2 pbw__or2(pbw__d2 x, pbw__d2 y)
-{
-    return (pbw__d2)vorrq_u64((uint64x2_t)x, (uint64x2_t)y);
-}
-
-PBW__SIMD_INLINE pbw__d2 pbw__andnot2(pbw__d2 x, pbw__d2 y)
-{
-    return (pbw__d2)vbicq_u64((uint64x2_t)y, (uint64x2_t)x);
-}
-
-#ifndef __clang__
-PBW__SIMD_INLINE pbw__d2 pbw__pick2(pbw__d2 x, pbw__d2 y, int i, int j)
-{
-    const int64x2_t lanes = { i, j };
-    return __builtin_shuffle(x, y, lanes);
-}
-
-PBW__SIMD_INLINE pbw__i4 pbw__pick4(pbw__i4 x, int i, int j, int k, int l)
-{
-    const pbw__i4 lanes = { i, j, k, l };
-    return __builtin_shuffle(x, lanes);
-}
-#endif
 #endif
 
 /* Permute four doubles, four integers: the lanes of the result are lanes i, j, k, l, which are constants, of x. */
 #ifdef PBW__AVX2
 #define PBW__PICK(x, i, j, k, l) _mm256_permute4x64_pd(x, (i) | (j) << 2 | (k) << 4 | (l) << 6)
 #define PBW__PICK4(x, i, j, k, l) ((pbw__i4)_mm_shuffle_epi32((__m128i)(x), (i) | (j) << 2 | (k) << 4 | (l) << 6))
-#elif defined(__clang__)
-#define PBW__PICK(x, i, j, k, l) \
-    pbw__join(__builtin_shufflevector(pbw__half0(x), pbw__half1(x), i, j), \
-              __builtin_shufflevector(pbw__half0(x), pbw__half1(x), k, l))
-#define PBW__PICK4(x, i, j, k, l) __builtin_shufflevector(x, x, i, j, k, l)
 #else
-#define PBW__PICK(x, i, j, k, l) \
-    pbw__join(pbw__pick2(pbw__half0(x), pbw__half1(x), i, j), pbw__pick2(pbw__half0(x), pbw__half1(x), k, l))
-#define PBW__PICK4(x, i, j, k, l) pbw__pick4(x, i, j, k, l)
+#define PBW__PICK(x, i, j, k, l) pbw__four((x)[i], (x)[j], (x)[k], (x)[l])
+#define PBW__PICK4(x, i, j, k, l) pbw__four_i((x)[i], (x)[j], (x)[k], (x)[l])
+
+PBW__SIMD_INLINE pbw__i4 pbw__four_i(int32_t a, int32_t b, int32_t c, int32_t d)
+{
+    const pbw__i4 lanes = { a, b, c, d };
+    return lanes;
+}
 #endif
 
-PBW__SIMD_INLINE pbw__d4 pbw__splat(double x)         /* x in each lane */
-{
-    return PBW__BY_ISA(_mm256_set1_pd(x), pbw__join(vdupq_n_f64(x), vdupq_n_f64(x)));
-}
+PBW__OPERATION(pbw__d4, pbw__splat, (double x),     /* x in each lane */
+    _mm256_set1_pd(x), pbw__join(vdupq_n_f64(x), vdupq_n_f64(x)))
 
 PBW__SIMD_INLINE pbw__d4 pbw__four(double a, double b, double c, double d)
 {
@@ -1080,10 +1057,8 @@ PBW__SIMD_INLINE pbw__d4 pbw__four(double a, double b, double c, double d)
 #endif
 }
 
-PBW__SIMD_INLINE double pbw__first(pbw__d4 x)        /* lane 0 */
-{
-    return PBW__BY_ISA(_mm256_cvtsd_f64(x), vgetq_lane_f64(pbw__half0(x), 0));
-}
+PBW__OPERATION(double, pbw__first, (pbw__d4 x),     /* lane 0 */
+    _mm256_cvtsd_f64(x), vgetq_lane_f64(pbw__half0(x), 0))
 
 /* Loads the first two entries of four records: x from the first ones, y from the second ones. */
 PBW__SIMD_INLINE void pbw__columns(const double *a, const double *b, const double *c, const double *d, pbw__d4 *x,
@@ -1101,78 +1076,37 @@ PBW__SIMD_INLINE void pbw__columns(const double *a, const double *b, const doubl
 #endif
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__fma(pbw__d4 a, pbw__d4 b, pbw__d4 c)         /* a b + c, rounded once */
-{
-    return PBW__BY_ISA(_mm256_fmadd_pd(a, b, c), PBW__HALVES3(vfmaq_f64, c, a, b));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__fms(pbw__d4 a, pbw__d4 b, pbw__d4 c)         /* a b - c */
-{
-    return PBW__BY_ISA(_mm256_fmsub_pd(a, b, c), pbw__fma(a, b, -c));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__fnma(pbw__d4 a, pbw__d4 b, pbw__d4 c)        /* c - a b */
-{
-    return PBW__BY_ISA(_mm256_fnmadd_pd(a, b, c), PBW__HALVES3(vfmsq_f64, c, a, b));
-}
-
+PBW__OPERATION(pbw__d4, pbw__fma, (pbw__d4 a, pbw__d4 b, pbw__d4 c),     /* a b + c, rounded once */
+    _mm256_fmadd_pd(a, b, c), PBW__HALVES3(vfmaq_f64, c, a, b))
+PBW__OPERATION(pbw__d4, pbw__fnma, (pbw__d4 a, pbw__d4 b, pbw__d4 c),     /* c - a b */
+    _mm256_fnmadd_pd(a, b, c), PBW__HALVES3(vfmsq_f64, c, a, b))
 /* Returns a d - b c; one product is rounded, the other fused into the difference. */
-PBW__SIMD_INLINE pbw__d4 pbw__det2(pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d)
-{
-    return PBW__BY_ISA(_mm256_fmsub_pd(a, d, b * c), pbw__fnma(b, c, a * d));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__max4(pbw__d4 a, pbw__d4 b)
-{
-    return PBW__BY_ISA(_mm256_max_pd(a, b), PBW__HALVES2(vmaxq_f64, a, b));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__min4(pbw__d4 a, pbw__d4 b)
-{
-    return PBW__BY_ISA(_mm256_min_pd(a, b), PBW__HALVES2(vminq_f64, a, b));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__sqrt4(pbw__d4 x)
-{
-    return PBW__BY_ISA(_mm256_sqrt_pd(x), pbw__join(vsqrtq_f64(pbw__half0(x)), vsqrtq_f64(pbw__half1(x))));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__abs4(pbw__d4 x)
-{
-    return PBW__BY_ISA(_mm256_andnot_pd(_mm256_set1_pd(-0.0), x),
-                       pbw__join(vabsq_f64(pbw__half0(x)), vabsq_f64(pbw__half1(x))));
-}
+PBW__OPERATION(pbw__d4, pbw__det2, (pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d),
+    _mm256_fmsub_pd(a, d, b * c), pbw__fnma(b, c, a * d))
+PBW__OPERATION(pbw__d4, pbw__max4, (pbw__d4 a, pbw__d4 b), _mm256_max_pd(a, b), PBW__HALVES2(vmaxq_f64, a, b))
+PBW__OPERATION(pbw__d4, pbw__sqrt4, (pbw__d4 x),
+    _mm256_sqrt_pd(x), pbw__join(vsqrtq_f64(pbw__half0(x)), vsqrtq_f64(pbw__half1(x))))
+PBW__OPERATION(pbw__d4, pbw__abs4, (pbw__d4 x),
+    _mm256_andnot_pd(_mm256_set1_pd(-0.0), x), pbw__join(vabsq_f64(pbw__half0(x)), vabsq_f64(pbw__half1(x))))
 
 /* Return the largest lane, the smallest lane and the sum of the lanes, each broadcast to all lanes. */
-PBW__SIMD_INLINE pbw__d4 pbw__max_lane(pbw__d4 x)
-{
 #ifdef PBW__AVX2
-    x = _mm256_max_pd(x, _mm256_permute_pd(x, 5));
-    return _mm256_max_pd(x, _mm256_permute2f128_pd(x, x, 1));
+#define PBW__ACROSS(name, f, pair, all) \
+    PBW__SIMD_INLINE pbw__d4 name(pbw__d4 x) \
+    { \
+        x = f(x, _mm256_permute_pd(x, 5)); \
+        return f(x, _mm256_permute2f128_pd(x, x, 1)); \
+    }
 #else
-    return pbw__splat(vmaxvq_f64(vmaxq_f64(pbw__half0(x), pbw__half1(x))));
+#define PBW__ACROSS(name, f, pair, all) \
+    PBW__SIMD_INLINE pbw__d4 name(pbw__d4 x) \
+    { \
+        return pbw__splat(all(pair(pbw__half0(x), pbw__half1(x)))); \
+    }
 #endif
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__min_lane(pbw__d4 x)
-{
-#ifdef PBW__AVX2
-    x = _mm256_min_pd(x, _mm256_permute_pd(x, 5));
-    return _mm256_min_pd(x, _mm256_permute2f128_pd(x, x, 1));
-#else
-    return pbw__splat(vminvq_f64(vminq_f64(pbw__half0(x), pbw__half1(x))));
-#endif
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__sum_lanes(pbw__d4 x)
-{
-#ifdef PBW__AVX2
-    x = x + _mm256_permute_pd(x, 5);
-    return x + _mm256_permute2f128_pd(x, x, 1);
-#else
-    return pbw__splat(vaddvq_f64(vpaddq_f64(pbw__half0(x), pbw__half1(x))));
-#endif
-}
+PBW__ACROSS(pbw__max_lane, _mm256_max_pd, vmaxq_f64, vmaxvq_f64)
+PBW__ACROSS(pbw__min_lane, _mm256_min_pd, vminq_f64, vminvq_f64)
+PBW__ACROSS(pbw__sum_lanes, _mm256_add_pd, vpaddq_f64, vaddvq_f64)
 
 /* A permutation of four doubles: lane i of the result is lane lanes[i], modulo 4, of the argument. */
 #ifdef PBW__AVX2
@@ -1209,10 +1143,8 @@ PBW__SIMD_INLINE pbw__d4 pbw__reorder(pbw__d4 x, pbw__order4 order)
 #endif
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__load4d(const double *from)
-{
-    return PBW__BY_ISA(_mm256_loadu_pd(from), pbw__join(vld1q_f64(from), vld1q_f64(from + 2)));
-}
+PBW__OPERATION(pbw__d4, pbw__load4d, (const double *from),
+    _mm256_loadu_pd(from), pbw__join(vld1q_f64(from), vld1q_f64(from + 2)))
 
 /* Stores a[i], b[i], c[i], d[i], rounded to single precision, in row i of 4. */
 PBW__SIMD_INLINE void pbw__store_rows(float *to, pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d)
@@ -1238,33 +1170,19 @@ PBW__SIMD_INLINE void pbw__store_rows(float *to, pbw__d4 a, pbw__d4 b, pbw__d4 c
 #endif
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__drop_last(pbw__d4 x)   /* zero in lane 3 */
-{
-    return PBW__BY_ISA(_mm256_blend_pd(x, _mm256_setzero_pd(), 8),
-                       pbw__join(pbw__half0(x), vsetq_lane_f64(0.0, pbw__half1(x), 1)));
-}
+PBW__OPERATION(pbw__d4, pbw__drop_last, (pbw__d4 x),     /* zero in lane 3 */
+    _mm256_blend_pd(x, _mm256_setzero_pd(), 8), pbw__join(pbw__half0(x), vsetq_lane_f64(0.0, pbw__half1(x), 1)))
 
 /* Masks. */
-PBW__SIMD_INLINE pbw__d4 pbw__greater(pbw__d4 a, pbw__d4 b)
-{
-    return PBW__BY_ISA(_mm256_cmp_pd(a, b, _CMP_GT_OQ), PBW__HALVES2((pbw__d2)vcgtq_f64, a, b));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__at_least(pbw__d4 a, pbw__d4 b)
-{
-    return PBW__BY_ISA(_mm256_cmp_pd(a, b, _CMP_GE_OQ), PBW__HALVES2((pbw__d2)vcgeq_f64, a, b));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__equal(pbw__d4 a, pbw__d4 b)
-{
-    return PBW__BY_ISA(_mm256_cmp_pd(a, b, _CMP_EQ_OQ), PBW__HALVES2((pbw__d2)vceqq_f64, a, b));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__mask(const int64_t *from)
-{
-    return PBW__BY_ISA(_mm256_castsi256_pd(_mm256_loadu_si256((const __m256i *)(const void *)from)),
-                       pbw__join((pbw__d2)vld1q_s64(from), (pbw__d2)vld1q_s64(from + 2)));
-}
+PBW__OPERATION(pbw__d4, pbw__greater, (pbw__d4 a, pbw__d4 b),
+    _mm256_cmp_pd(a, b, _CMP_GT_OQ), PBW__HALVES2((pbw__d2)vcgtq_f64, a, b))
+PBW__OPERATION(pbw__d4, pbw__at_least, (pbw__d4 a, pbw__d4 b),
+    _mm256_cmp_pd(a, b, _CMP_GE_OQ), PBW__HALVES2((pbw__d2)vcgeq_f64, a, b))
+PBW__OPERATION(pbw__d4, pbw__equal, (pbw__d4 a, pbw__d4 b),
+    _mm256_cmp_pd(a, b, _CMP_EQ_OQ), PBW__HALVES2((pbw__d2)vceqq_f64, a, b))
+PBW__OPERATION(pbw__d4, pbw__mask, (const int64_t *from),
+    _mm256_castsi256_pd(_mm256_loadu_si256((const __m256i *)(const void *)from)),
+    pbw__join((pbw__d2)vld1q_s64(from), (pbw__d2)vld1q_s64(from + 2)))
 
 PBW__SIMD_INLINE pbw__d4 pbw__lanes_mask(unsigned set)        /* of a set of lanes */
 {
@@ -1276,30 +1194,16 @@ PBW__SIMD_INLINE pbw__d4 pbw__lanes_mask(unsigned set)        /* of a set of lan
     return pbw__mask(mask[set]);
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__blend(pbw__d4 x, pbw__d4 y, pbw__d4 mask)   /* y in the lanes of the mask */
-{
-    return PBW__BY_ISA(_mm256_blendv_pd(x, y, mask), PBW__HALVES3(pbw__blend2, x, y, mask));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__and4(pbw__d4 mask, pbw__d4 x)        /* x, zero in other lanes */
-{
-    return PBW__BY_ISA(_mm256_and_pd(mask, x), PBW__HALVES2(pbw__and2, mask, x));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__andnot4(pbw__d4 mask, pbw__d4 x)       /* x, zero in the lanes of the mask */
-{
-    return PBW__BY_ISA(_mm256_andnot_pd(mask, x), PBW__HALVES2(pbw__andnot2, mask, x));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__or4(pbw__d4 mask, pbw__d4 other)
-{
-    return PBW__BY_ISA(_mm256_or_pd(mask, other), PBW__HALVES2(pbw__or2, mask, other));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__blend_zero(pbw__d4 x, pbw__d4 mask, pbw__d4 y)    /* y in masked lanes, where x is 0 */
-{
-    return PBW__BY_ISA(_mm256_or_pd(x, _mm256_and_pd(mask, y)), pbw__blend(x, y, mask));
-}
+PBW__OPERATION(pbw__d4, pbw__blend, (pbw__d4 x, pbw__d4 y, pbw__d4 mask),     /* y in the lanes of the mask */
+    _mm256_blendv_pd(x, y, mask), PBW__HALVES3(pbw__blend2, x, y, mask))
+PBW__OPERATION(pbw__d4, pbw__and4, (pbw__d4 mask, pbw__d4 x),     /* x, zero in other lanes */
+    _mm256_and_pd(mask, x), (pbw__d4)((pbw__l4)mask & (pbw__l4)x))
+PBW__OPERATION(pbw__d4, pbw__andnot4, (pbw__d4 mask, pbw__d4 x),     /* x, zero in the lanes of the mask */
+    _mm256_andnot_pd(mask, x), (pbw__d4)(~(pbw__l4)mask & (pbw__l4)x))
+PBW__OPERATION(pbw__d4, pbw__or4, (pbw__d4 mask, pbw__d4 other),
+    _mm256_or_pd(mask, other), (pbw__d4)((pbw__l4)mask | (pbw__l4)other))
+PBW__OPERATION(pbw__d4, pbw__blend_zero, (pbw__d4 x, pbw__d4 mask, pbw__d4 y),   /* y in masked lanes, where x is 0 */
+    _mm256_or_pd(x, _mm256_and_pd(mask, y)), pbw__blend(x, y, mask))
 
 PBW__SIMD_INLINE unsigned pbw__signs(pbw__d4 x)      /* the set of negative lanes, -0.0 too */
 {
@@ -1312,21 +1216,15 @@ PBW__SIMD_INLINE unsigned pbw__signs(pbw__d4 x)      /* the set of negative lane
 #endif
 }
 
-/* Return the number of lanes in a set; the set of the first `count` lanes, of all four if count is larger. */
-PBW__SIMD_INLINE unsigned pbw__count4(unsigned set)
-{
-    return PBW__BY_ISA((unsigned)__builtin_popcount(set), (unsigned)(0x4332322132212110u >> 4 * set) & 15);
-}
-
 PBW__SIMD_INLINE unsigned pbw__lane_of(unsigned set)         /* the first lane of a set */
 {
     return (unsigned)__builtin_ctz(set | 8);
 }
 
-PBW__SIMD_INLINE unsigned pbw__first_lanes(unsigned count)
-{
-    return PBW__BY_ISA(_bzhi_u32(15, count), count < 4 ? (1u << count) - 1 : 15);
-}
+/* Return the number of lanes in a set; the set of the first `count` lanes, of all four if count is larger. */
+PBW__OPERATION(unsigned, pbw__count4, (unsigned set),
+    (unsigned)__builtin_popcount(set), (unsigned)(0x4332322132212110u >> 4 * set) & 15)
+PBW__OPERATION(unsigned, pbw__first_lanes, (unsigned count), _bzhi_u32(15, count), count < 4 ? (1u << count) - 1 : 15)
 
 /* Pair k is bit k of `first`, then bit k of `second`.  Returns the pairs k = 0, 1, 2 that are in `chosen`, packed. */
 PBW__SIMD_INLINE unsigned pbw__pairs_of(unsigned first, unsigned second, unsigned chosen)
@@ -1344,16 +1242,10 @@ PBW__SIMD_INLINE unsigned pbw__pairs_of(unsigned first, unsigned second, unsigne
 }
 
 /* Two doubles. */
-PBW__SIMD_INLINE pbw__d2 pbw__load2(const double *from)
-{
-    return PBW__BY_ISA(_mm_loadu_pd(from), vld1q_f64(from));
-}
-
-PBW__SIMD_INLINE pbw__d2 pbw__turn_right(pbw__d2 x)       /* (y, -x) */
-{
-    return PBW__BY_ISA(_mm_xor_pd(_mm_shuffle_pd(x, x, 1), _mm_set_pd(-0.0, 0.0)),
-                       vcopyq_laneq_f64(vextq_f64(x, x, 1), 1, vnegq_f64(x), 0));
-}
+PBW__OPERATION(pbw__d2, pbw__load2, (const double *from), _mm_loadu_pd(from), vld1q_f64(from))
+PBW__OPERATION(pbw__d2, pbw__turn_right, (pbw__d2 x),     /* (y, -x) */
+    _mm_xor_pd(_mm_shuffle_pd(x, x, 1), _mm_set_pd(-0.0, 0.0)),
+    vcopyq_laneq_f64(vextq_f64(x, x, 1), 1, vnegq_f64(x), 0))
 
 PBW__SIMD_INLINE unsigned pbw__signs2(pbw__d2 x, pbw__d2 y)        /* of x[0] + x[1] and y[0] + y[1] */
 {
@@ -1366,31 +1258,21 @@ PBW__SIMD_INLINE unsigned pbw__signs2(pbw__d2 x, pbw__d2 y)        /* of x[0] + 
 }
 
 /* Four integers, from and to arrays of any type. */
-PBW__SIMD_INLINE pbw__i4 pbw__load4(const void *from)
-{
-    return (pbw__i4)PBW__BY_ISA(_mm_loadu_si128((const __m128i *)from), vld1q_u8((const unsigned char *)from));
-}
+PBW__OPERATION(pbw__i4, pbw__load4, (const void *from),
+    (pbw__i4)_mm_loadu_si128((const __m128i *)from), (pbw__i4)vld1q_u8((const unsigned char *)from))
 
 PBW__SIMD_INLINE void pbw__store4(void *to, pbw__i4 x)
 {
     PBW__BY_ISA(_mm_storeu_si128((__m128i *)to, (__m128i)x), vst1q_u8((unsigned char *)to, (uint8x16_t)x));
 }
 
-PBW__SIMD_INLINE pbw__i4 pbw__splat_i(int32_t x)      /* x in each lane */
-{
-    return PBW__BY_ISA((pbw__i4)_mm_set1_epi32(x), vdupq_n_s32(x));
-}
-
-PBW__SIMD_INLINE pbw__i4 pbw__lead(pbw__i4 x, pbw__i4 y)   /* y in lane 0 */
-{
-    return PBW__BY_ISA((pbw__i4)_mm_blend_epi32((__m128i)x, (__m128i)y, 1), vcopyq_laneq_s32(x, 0, y, 0));
-}
-
-PBW__SIMD_INLINE pbw__i4 pbw__shuffle4(pbw__i4 x, const unsigned char *bytes)      /* byte i is byte bytes[i] of x */
-{
-    return (pbw__i4)PBW__BY_ISA(_mm_shuffle_epi8((__m128i)x, (__m128i)pbw__load4(bytes)),
-                                vqtbl1q_u8((uint8x16_t)x, vld1q_u8(bytes)));
-}
+PBW__OPERATION(pbw__i4, pbw__splat_i, (int32_t x),     /* x in each lane */
+    (pbw__i4)_mm_set1_epi32(x), vdupq_n_s32(x))
+PBW__OPERATION(pbw__i4, pbw__lead, (pbw__i4 x, pbw__i4 y),     /* y in lane 0 */
+    (pbw__i4)_mm_blend_epi32((__m128i)x, (__m128i)y, 1), vcopyq_laneq_s32(x, 0, y, 0))
+PBW__OPERATION(pbw__i4, pbw__shuffle4, (pbw__i4 x, const unsigned char *bytes),     /* byte i: bytes[i] of x */
+    (pbw__i4)_mm_shuffle_epi8((__m128i)x, (__m128i)pbw__load4(bytes)),
+    (pbw__i4)vqtbl1q_u8((uint8x16_t)x, vld1q_u8(bytes)))
 
 PBW__SIMD_INLINE pbw__i4 pbw__permute4(pbw__i4 x, pbw__i4 lanes)   /* lanes of x, by numbers modulo 4 */
 {
@@ -1402,11 +1284,9 @@ PBW__SIMD_INLINE pbw__i4 pbw__permute4(pbw__i4 x, pbw__i4 lanes)   /* lanes of x
 #endif
 }
 
-PBW__SIMD_INLINE pbw__i4 pbw__widen(int32_t bytes)   /* one byte of four in each lane */
-{
-    return (pbw__i4)PBW__BY_ISA(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(bytes)),
-                                vmovl_u16(vget_low_u16(vmovl_u8((uint8x8_t)vdup_n_s32(bytes)))));
-}
+PBW__OPERATION(pbw__i4, pbw__widen, (int32_t bytes),     /* one byte of four in each lane */
+    (pbw__i4)_mm_cvtepu8_epi32(_mm_cvtsi32_si128(bytes)),
+    (pbw__i4)vmovl_u16(vget_low_u16(vmovl_u8((uint8x8_t)vdup_n_s32(bytes)))))
 
 PBW__SIMD_INLINE uint32_t pbw__apart4(pbw__i4 x, pbw__i4 y)        /* the sum of |x - y| over the lanes */
 {
@@ -1420,15 +1300,10 @@ PBW__SIMD_INLINE uint32_t pbw__apart4(pbw__i4 x, pbw__i4 y)        /* the sum of
 #endif
 }
 
-PBW__SIMD_INLINE uint64_t pbw__lanes01(pbw__i4 x)    /* lane 0, and lane 1 above it */
-{
-    return PBW__BY_ISA((uint64_t)_mm_cvtsi128_si64((__m128i)x), vgetq_lane_u64((uint64x2_t)x, 0));
-}
-
-PBW__SIMD_INLINE uint64_t pbw__lanes23(pbw__i4 x)
-{
-    return PBW__BY_ISA((uint64_t)_mm_extract_epi64((__m128i)x, 1), vgetq_lane_u64((uint64x2_t)x, 1));
-}
+PBW__OPERATION(uint64_t, pbw__lanes01, (pbw__i4 x),     /* lane 0, and lane 1 above it */
+    (uint64_t)_mm_cvtsi128_si64((__m128i)x), vgetq_lane_u64((uint64x2_t)x, 0))
+PBW__OPERATION(uint64_t, pbw__lanes23, (pbw__i4 x),
+    (uint64_t)_mm_extract_epi64((__m128i)x, 1), vgetq_lane_u64((uint64x2_t)x, 1))
 
 /* Pair arithmetic of >>predicates in four lanes; here fused operations are always there. */
 typedef struct pbw__pair4 { pbw__d4 head, tail; } pbw__pair4;
@@ -1450,7 +1325,7 @@ PBW__SIMD_INLINE pbw__pair4 pbw__minus4(pbw__pair4 a, pbw__pair4 b)
 PBW__SIMD_INLINE pbw__pair4 pbw__times4(pbw__pair4 a, pbw__pair4 b)
 {
     pbw__d4 head = pbw__fma(a.head, b.head, pbw__splat(0.0));                 /* must not be fused, see there */
-    pbw__d4 error = pbw__fms(a.head, b.head, head);
+    pbw__d4 error = pbw__fma(a.head, b.head, -head);
     pbw__pair4 result = { head, pbw__fma(a.head, b.tail, pbw__fma(a.tail, b.head, error)) };
     return result;
 }
