@@ -2781,29 +2781,29 @@ PBW__DEVICE static int pbw__pairs(int dim, int count, const double *const *row, 
     return pbw__certain(det.head + det.tail, PBW__PAIRS_POWER3_ERROR * size, low, high);
 }
 
-/* ---- the ladder below the filter; orientation is filled where the sign of a power determinant is 0 */
-static PBW__NOINLINE int pbw__undecided(int dim, int count, const double *const *row, const double *origin,
-                                        const pbw__grid *grid, int *orientation)
-{
-    int sign = pbw__integers(dim, count, row, origin, grid, orientation);
-    if (sign == PBW__OPEN && grid != NULL) {
-        sign = pbw__pairs(dim, count, row, origin);
-    }
-    return sign == PBW__OPEN ? pbw__exact_determinant(dim, count, row, origin, orientation) : sign;
-}
-
-/* As pbw__undecided, but with room for the digits of the last stage; PBW__OPEN only if that is NULL.  The sign of a
-   power determinant, which has a row more, if there is room for orientations. */
+/* ---- the ladder below the filter */
+/* Returns the sign of an orientation, or of a power determinant, which has a row more, if there is room for
+   orientations, which are filled where the sign is 0.  pool: room for the digits of the last stage; without it that
+   stage is left out, and the sign may be open. */
 PBW__DEVICE static PBW__NOINLINE int pbw__undecided_in(pbw__digit *pool, int dim, const double *const *row,
                                                        const double *origin, const pbw__grid *grid, int *orientation)
 {
     const int count = dim + (orientation != NULL);
     int sign = pbw__integers(dim, count, row, origin, grid, orientation);
-    if (sign == PBW__OPEN) {
+    if (sign == PBW__OPEN && grid != NULL) {
         sign = pbw__pairs(dim, count, row, origin);
     }
     return sign != PBW__OPEN || pool == NULL ? sign
          : pbw__exact_determinant_in(pool, dim, count, row, origin, orientation);
+}
+
+/* pbw__undecided_in with room of its own: the sign is never open. */
+static PBW__NOINLINE int pbw__undecided(int dim, const double *const *row, const double *origin,
+                                        const pbw__grid *grid, int *orientation)
+{
+    const int sign = pbw__undecided_in(NULL, dim, row, origin, grid, orientation);
+    return sign != PBW__OPEN ? sign
+         : pbw__exact_determinant(dim, dim + (orientation != NULL), row, origin, orientation);
 }
 
 /* The verdict on a tie, a power determinant of 0.
@@ -2829,11 +2829,16 @@ PBW__DEVICE static int pbw__tie(int dim, const double *const *row, const double 
     return verdict;
 }
 
+PBW__INLINE int pbw__filter_orient(int dim, const double *const *x)
+{
+    return dim == 2 ? pbw__filter_orient2(x[0], x[1], x[2]) : pbw__filter_orient3(x[0], x[1], x[2], x[3]);
+}
+
 /* Returns the orientation of the simplex x[0..dim]. */
 PBW__INLINE int pbw__orient(int dim, const double *const *x, const pbw__grid *grid)
 {
-    const int sign = dim == 2 ? pbw__filter_orient2(x[0], x[1], x[2]) : pbw__filter_orient3(x[0], x[1], x[2], x[3]);
-    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(dim, dim, x, x[dim], grid, NULL);
+    const int sign = pbw__filter_orient(dim, x);
+    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(dim, x, x[dim], grid, NULL);
 }
 
 /* Returns the orientation with p in place of corner i: the side of the facet across from it that p is on, +1
@@ -2856,20 +2861,18 @@ PBW__INLINE int pbw__filter_power(int dim, const double *const *x, const double 
 static int pbw__power(int dim, const double *const *x, const double *p, const pbw__grid *grid)
 {
     int orientation[4], sign = pbw__filter_power(dim, x, p);
-    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(dim, dim + 1, x, p, grid, orientation);
+    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(dim, x, p, grid, orientation);
 }
 
 /* Returns the perturbed verdict on a positive simplex and a point that is none of its corners: 1 for conflict. */
-static PBW__NOINLINE int pbw__conflict_exact(int dim, const double *const *x, const double *p, const pbw__grid *grid)
-{
-    int orientation[4], sign = pbw__undecided(dim, dim + 1, x, p, grid, orientation);
-    return sign != 0 ? sign > 0 : pbw__tie(dim, x, p, orientation);
-}
-
 static int pbw__conflict(int dim, const double *const *x, const double *p, const pbw__grid *grid)
 {
-    const int sign = pbw__filter_power(dim, x, p);
-    return PBW__LIKELY(sign != PBW__OPEN) ? sign > 0 : pbw__conflict_exact(dim, x, p, grid);
+    int orientation[4], sign = pbw__filter_power(dim, x, p);
+    if (PBW__LIKELY(sign != PBW__OPEN)) {
+        return sign > 0;
+    }
+    sign = pbw__undecided(dim, x, p, grid, orientation);
+    return sign != 0 ? sign > 0 : pbw__tie(dim, x, p, orientation);
 }
 
 /* Returns whether the points a, b, c of space lie on a line: all three projections do. */
@@ -2885,10 +2888,10 @@ static int pbw__collinear3(const double *a, const double *b, const double *c, co
     return collinear;
 }
 
-/* As pbw__orient and pbw__conflict, likewise. */
+/* pbw__orient and pbw__conflict with the caller's room for digits, or none: see pbw__undecided_in. */
 PBW__INLINE int pbw__orient_in(pbw__digit *pool, int dim, const double *const *x, const pbw__grid *grid)
 {
-    const int sign = dim == 2 ? pbw__filter_orient2(x[0], x[1], x[2]) : pbw__filter_orient3(x[0], x[1], x[2], x[3]);
+    const int sign = pbw__filter_orient(dim, x);
     return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided_in(pool, dim, x, x[dim], grid, NULL);
 }
 
