@@ -3733,52 +3733,31 @@ static int pbw__order_rest(pbw__ordering *ordering, const pbw__part *part)
     return 1;
 }
 
-/* Writes the points of a range to the records from r on.  Its keys differ, so there are no duplicates.  Prefetches
-   later points, of keys before `end`. */
-PBW__INLINE void pbw__order_place(const pbw__ordering *ordering, const pbw__part *range, size_t end, size_t r,
-                                  int dim)
+/* Writes the points from..to-1 of a part, whose keys are in order, behind record r, and notes duplicates, which are
+   neighbours.  Prefetches points PBW__AHEAD of these.  Returns the last record. */
+PBW__INLINE size_t pbw__order_place(const pbw__ordering *ordering, const pbw__part *part, size_t from, size_t to,
+                                    size_t r, int dim)
 {
     const uint64_t *keys = ordering->keys, mask = ((uint64_t)1 << ordering->index_bits) - 1;
     const pbw__input input = *ordering->input;
-    const size_t to = range->to;
-    size_t from = range->from;
-    const size_t width = ordering->vertices->width;
-    double *record = ordering->vertices->record + r * width;
-    pbw_index *id = ordering->vertices->id + r;
+    const size_t width = ordering->vertices->width, end = part->to;
+    double *record = ordering->vertices->record + (r + 1) * width;
+    const double *last = r > part->from ? record - width : ordering->vertices->record;       /* at first the ghost */
+    pbw_index *id = ordering->vertices->id;
     for (; from < to && input.bare; from++) {
-        *id++ = (pbw_index)(keys[from] & mask);
+        id[++r] = (pbw_index)(keys[from] & mask);
     }
-    for (; from < to; from++, record += width) {
+    for (; from < to; from++) {
         const size_t index = (size_t)(keys[from] & mask);
         pbw__fetch_soon(&input, (size_t)(keys[from + PBW__AHEAD < end ? from + PBW__AHEAD : from] & mask));
         record[width - 1] = 0.0;                     /* a weight that the points lack */
         pbw__fetch_place(&input, index, record, dim);
-        *id++ = (pbw_index)index;
-    }
-}
-
-/* Writes the points of a run of equal keys, in order, behind record r, and notes duplicates.  Returns the last
-   record. */
-static size_t pbw__order_place_run(const pbw__ordering *ordering, const pbw__part *run, size_t end, size_t r)
-{
-    const uint64_t *keys = ordering->keys, mask = ((uint64_t)1 << ordering->index_bits) - 1;
-    const pbw__input *input = ordering->input;
-    pbw__vertices *vertices = ordering->vertices;
-    const size_t step = vertices->width;
-    size_t i;
-    for (i = run->from; i < run->to && input->bare; i++) {
-        vertices->id[++r] = (pbw_index)(keys[i] & mask);
-    }
-    for (; i < run->to; i++) {
-        const size_t index = (size_t)(keys[i] & mask);
-        double *record = vertices->record + (r + 1) * step;
-        pbw__fetch_soon(input, (size_t)(keys[i + PBW__AHEAD < end ? i + PBW__AHEAD : i] & mask));
-        record[step - 1] = 0.0;
-        PBW__BY_DIM(input->dim, pbw__fetch_place, input, index, record);
-        if (i > run->from && pbw__same_place(record, record - step, input->dim)) {
-            vertices->canonical[index] = vertices->id[r];
+        if (PBW__UNLIKELY(pbw__same_place(record, last, dim))) {
+            ordering->vertices->canonical[index] = id[r];
         } else {
-            vertices->id[++r] = (pbw_index)index;
+            id[++r] = (pbw_index)index;
+            last = record;
+            record += width;
         }
     }
     return r;
@@ -3805,18 +3784,17 @@ static int pbw__order_run(pbw__ordering *ordering, pbw__part *run)
     return 1;
 }
 
-#define PBW__SCANNED 1024                            /* records that are scanned for a grid at a time, in the cache */
-
-/* Puts the runs of a part into order and its points into the records, as if no other part had duplicates. */
+/* Puts the runs of a part into order and its points into the records, as if no other part had duplicates.  Works in
+   steps of PBW__AHEAD points: orders their runs, then writes them, which prefetches the points of the next step. */
 static void pbw__order_part(void *arg, int task)
 {
     pbw__ordering *ordering = (pbw__ordering *)arg;
     pbw__part *part = ordering->parts + task, run;
     const pbw__input *input = ordering->input;
-    pbw__vertices *vertices = ordering->vertices;
+    const size_t width = ordering->vertices->width;
     const int bits = ordering->index_bits, dim = input->dim;
     const uint64_t *keys = ordering->keys;
-    size_t end_of[PBW__RUN_DEPTH], r = part->from, i = part->from, steps = 0, step = vertices->width, scanned = r;
+    size_t end_of[PBW__RUN_DEPTH], r = part->from, i = part->from;
     pbw__grid_share share;
     int depth = 0;
     end_of[0] = part->to;
@@ -3825,50 +3803,43 @@ static void pbw__order_part(void *arg, int task)
         return;
     }
     while (i < part->to) {
-        const size_t limit = end_of[depth], soon = limit - i > PBW__SCANNED ? i + PBW__SCANNED : limit;
-        size_t next = i + 1;
-        while (next < soon && keys[next] >> bits != keys[next - 1] >> bits) {
-            next++;
-        }
-        next -= next < limit;                        /* a run may begin there */
-        if (next > i) {
-            run.from = i;
-            run.to = next;
-            PBW__BY_DIM(dim, pbw__order_place, ordering, &run, part->to, r + 1);
-        }
-        steps += next + 1 - i;
-        r += next - i;
-        i = next;
-        if (i < limit) {
-            int done;
-            run.from = i;
-            for (run.to = i + 1; run.to < limit && keys[run.to] >> bits == keys[i] >> bits; run.to++) {
+        const size_t from = i, old = r, soon = part->to - i > PBW__AHEAD ? i + PBW__AHEAD : part->to;
+        while (i < soon) {
+            const size_t limit = end_of[depth], stop = soon < limit ? soon : limit - 1;
+            int done = 1;
+            while (i < stop && (keys[i] ^ keys[i + 1]) >> bits != 0) {
+                i++;
             }
-            run.settled = part->settled;
-            done = pbw__order_run(ordering, &run);
+            if (i == soon) {
+                break;
+            }
+            run.from = i++;
+            while (i < limit && (keys[i] ^ keys[run.from]) >> bits == 0) {
+                i++;
+            }
+            if (i - run.from > 1) {
+                run.to = i;
+                run.settled = part->settled;
+                done = pbw__order_run(ordering, &run);
+            }
             if (done == 0) {
                 return;
             }
             if (done < 0) {                          /* look at the same place again, for runs in the run */
-                end_of[++depth] = run.to;
-                continue;
+                end_of[++depth] = i;
+                i = run.from;
             }
-            steps += run.to - i;
-            r = pbw__order_place_run(ordering, &run, part->to, r);
-            i = run.to;
-        }
-        while (depth > 0 && i == end_of[depth]) {
-            depth--;
-        }
-        if (!input->bare && (r - scanned >= PBW__SCANNED || i == part->to)) {
-            pbw__grid_add(&share, vertices->record + (scanned + 1) * step, r - scanned, dim, (int)step);
-            scanned = r;
-        }
-        if (steps > PBW__TICK) {
-            steps = 0;
-            if (pbw__report(ordering->context, 0.5 + 0.5 * (double)i / (double)input->count)) {
-                return;
+            while (depth > 0 && i == end_of[depth]) {
+                depth--;
             }
+        }
+        r = dim == 3 ? pbw__order_place(ordering, part, from, i, r, 3)
+                     : pbw__order_place(ordering, part, from, i, r, 2);
+        if (!input->bare) {
+            pbw__grid_add(&share, ordering->vertices->record + (old + 1) * width, r - old, dim, (int)width);
+        }
+        if (pbw__report(ordering->context, 0.5 + 0.5 * (double)i / (double)input->count)) {
+            return;
         }
     }
     part->unique = r - part->from;
