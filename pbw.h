@@ -1466,9 +1466,9 @@ PBW__INLINE size_t pbw__share(size_t count, int i, int tasks);
 
 #define PBW__LARGE ((size_t)1 << 20)                 /* bytes of a block that is worth the system's advice */
 
-/* Asks for huge pages under a large block, with the pages at its ends, where other bytes may be: of a mapping in two
-   parts realloc makes a copy, page by page, instead of moving it.  Advice only: it may fail.  Memory of the caller's
-   allocator is left alone. */
+/* Asks for huge pages under a large block, and under all of the pages at its ends, where other bytes may be: advice
+   for a part of a mapping splits it, and then realloc copies the pages instead of moving them.  Advice only: it may
+   fail.  Memory of the caller's allocator is left alone. */
 static void pbw__advise(const pbw__memory *memory, void *start, size_t bytes)
 {
 #ifdef __linux__
@@ -1909,7 +1909,7 @@ static pbw_status pbw__for_range(pbw__context *context, size_t count, size_t gra
     return PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>exact     Integers of just enough width, and the one determinant that is computed with them.
+   >>exact        Integers of just enough width, and the one determinant that is computed with them.
    In: finite doubles, read as mantissa * 2^exponent.  Out: the exact sign of an orientation or power determinant.
    Integer arithmetic only: right in every rounding mode, with and without flush-to-zero.  Common scale instead of
    expansions, because no exponent is too extreme for it and there is nothing to prove about roundings.
@@ -2143,8 +2143,8 @@ static PBW__NOINLINE int pbw__exact_determinant(int dim, int count, const double
 }
 /* ------------------------------------------------------------------------------------------------------
    >>grid         The coarsest grid that holds all records.
-   In: records of the kernel, {x, y, w} in the plane and {x, y, z, w} in space.  Out: their grid, or that there is
-   none.  Holds: every coordinate is a multiple of the unit and every weight of its square, exactly.
+   In: records of coordinates and, if there are weights, a weight.  Out: their grid, or that there is none.
+   Holds: every coordinate is a multiple of the unit and every weight of its square, exactly.
    ------------------------------------------------------------------------------------------------------ */
 /* The common grid of a build's records.  inverse_unit is 0 if they have no common grid, else a power of two:
    coordinates are multiples of the unit and weights of its square, and they differ by less than 2^bits units and
@@ -2348,7 +2348,7 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
       power3    lift 2+1+2+1, minor 8, product, 2 sums          17    24 mx my mz ml          408 u mx my mz ml
       circle    the kernels' power2, one rounding more          13    6 h^2                    78 u h^2
       sphere    the kernels' power3, two roundings more         19    24 h^(5/2)              456 u h^(5/2)
-      ear       orient3, two sums more                   10    24 h^(3/2)              240 u h^(3/2)
+      ear       orient3, two sums more                          10    24 h^(3/2)              240 u h^(3/2)
       thin      circle, by the sum of the absolute products     13    that sum                 13 u that sum
       pairs     see there
       reach     difference twice, product, 2 sums, weight        6    |v - q|^2 + |w|            6 u that sum
@@ -2660,8 +2660,8 @@ PBW__DEVICE static int pbw__integers(int dim, int count, const double *const *ro
       sum of 3               12  131      power2    131 *  6 =  786 u^2 mx my ml
       lift minor             15  189
       sum of 4               17  253      power3    253 * 24 = 6072 u^2 mx my mz ml
-      the kernels' circle     11  120     120 * 6 =   720 u^2 h^2
-      the kernels' sphere     17  288    288 * 24 =  6912 u^2 h^(5/2)
+      the kernels' circle    11  120      circle    120 *  6 =  720 u^2 h^2
+      the kernels' sphere    17  288      sphere    288 * 24 = 6912 u^2 h^(5/2)
 
    One value here must not be fused into a sum, the head of a product.  Where there are fused operations it is made by
    one that adds 0.0, which is no multiplication for a compiler (-0.0 + 0.0 is not -0.0), so that neither clang's
@@ -3283,7 +3283,7 @@ typedef struct pbw__sorting {
     uint64_t *a, *b;                                 /* count keys; room for count keys */
     uint32_t *start;                                 /* PBW__DIGITS words a task, and once more for all tasks */
     size_t count;
-    int tasks;                                       /* at most a task a thread is used */
+    int tasks;                                       /* of which at most one for each thread is used */
     int shift, digit;                                /* of this pass */
 } pbw__sorting;
 
