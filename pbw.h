@@ -136,7 +136,7 @@
                           clang make vector code too: AVX2, used where a build finds it, and NEON on 64-bit Arm
      PBW_NO_THREADS       where PBW_IMPLEMENTATION is: every call runs on the caller's thread, nothing to link.
                           Without it gcc and clang use pthreads, or the threads of Windows 7; MSVC uses these for
-                          64-bit x86 (and includes windows.h), elsewhere none
+                          64-bit x86, elsewhere none
 */
 #ifndef PBW_H
 #define PBW_H
@@ -571,7 +571,7 @@ extern void pbw_cuda_loop_free(pbw_cuda_loop *loop);
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD == 2)
 #error "pbw.h is exact only where doubles are computed as doubles: on 32-bit x86 compile with -msse2 -mfpmath=sse"
 #endif
-#include <math.h>                                    /* HUGE_VAL; sqrt where no instruction serves */
+#include <math.h>                                    /* HUGE_VAL; fabs and sqrt where no instruction serves */
 #include <stdlib.h>
 #include <string.h>
 #ifdef _MSC_VER
@@ -586,16 +586,11 @@ extern void pbw_cuda_loop_free(pbw_cuda_loop *loop);
 #include <unistd.h>
 #endif
 #endif
-#if defined(PBW__THREADS) && !defined(__GNUC__)      /* MSVC */
-#ifndef NOMINMAX
-#define NOMINMAX
-#endif
-#ifndef WIN32_LEAN_AND_MEAN
-#define WIN32_LEAN_AND_MEAN
-#endif
-#include <windows.h>
-#include <intrin.h>
+#if defined(PBW__THREADS) && defined(_WIN32)
 #include <process.h>
+#ifdef _MSC_VER
+#include <intrin.h>
+#endif
 #endif
 #ifdef _WIN32
 #pragma push_macro("near")                           /* words to us, macros of windows.h */
@@ -788,7 +783,7 @@ PBW__INLINE double pbw__max(double a, double b)
 
 PBW__INLINE double pbw__abs(double a)
 {
-    return pbw__max(a, -a);
+    return fabs(a);
 }
 
 PBW__INLINE double pbw__max_abs(double a, double b, double c, double d)
@@ -858,71 +853,60 @@ static int pbw__fp_is_exact(void)
         && !(infinite - infinite == 0.0);                    /* finite numbers only */
 }
 
-/* The system's threads: pthreads, or those of Win32, declared here, as windows.h would leave its macros behind; but
-   MSVC has no other names for what windows.h may declare as well. */
+/* The system's threads: pthreads, or those of Win32.  windows.h would leave its macros behind, so we declare what we
+   call as it does; it may still follow.  Where it came first it has declared them, but not all of them for a target
+   before Windows 7. */
 #if defined(PBW__THREADS) && defined(_WIN32)
-#ifdef __GNUC__
-#ifdef __i386__
-#define PBW__SYMBOL(name, bytes) __asm__("_" name bytes)
-#else
-#define PBW__SYMBOL(name, bytes) __asm__(name)
+struct _RTL_SRWLOCK;
+struct _RTL_CONDITION_VARIABLE;
+#if !defined(_WINDOWS_) || (defined(_WIN32_WINNT) && _WIN32_WINNT < 0x0601)
+#ifdef __cplusplus
+extern "C" {
 #endif
-#define PBW__WIN32(result, name, arguments, bytes) \
-    extern result __stdcall pbw__##name arguments PBW__SYMBOL(#name, "@" #bytes)
-typedef void *pbw__thread, *pbw__mutex, *pbw__condition;     /* HANDLE; SRWLOCK, CONDITION_VARIABLE: NULL at first */
-typedef unsigned pbw__thread_id, pbw__thread_result;
-typedef pbw__thread_result (__stdcall pbw__thread_body)(void *arg);
-extern uintptr_t pbw__beginthreadex(void *security, unsigned stack, pbw__thread_body *body, void *arg, unsigned flags,
-                                    unsigned *id) PBW__SYMBOL("_beginthreadex", "");
-PBW__WIN32(unsigned, WaitForSingleObject, (pbw__thread thread, unsigned milliseconds), 8);
-PBW__WIN32(int, CloseHandle, (pbw__thread thread), 4);
-PBW__WIN32(pbw__thread_id, GetCurrentThreadId, (void), 0);
-PBW__WIN32(unsigned, GetActiveProcessorCount, (unsigned short group), 4);
-PBW__WIN32(void, AcquireSRWLockExclusive, (pbw__mutex *mutex), 4);
-PBW__WIN32(void, ReleaseSRWLockExclusive, (pbw__mutex *mutex), 4);
-PBW__WIN32(void, WakeConditionVariable, (pbw__condition *condition), 4);
-PBW__WIN32(void, WakeAllConditionVariable, (pbw__condition *condition), 4);
-PBW__WIN32(int, SleepConditionVariableSRW, (pbw__condition *condition, pbw__mutex *mutex, unsigned milliseconds,
-                                            unsigned flags), 16);
-#else
-typedef HANDLE pbw__thread;
-typedef SRWLOCK pbw__mutex;                          /* zero at first, and the next one too */
-typedef CONDITION_VARIABLE pbw__condition;
-typedef DWORD pbw__thread_id;
+#define PBW__WIN32(result) extern __declspec(dllimport) result __stdcall
+PBW__WIN32(unsigned long) WaitForSingleObject(void *thread, unsigned long milliseconds);
+PBW__WIN32(int) CloseHandle(void *thread);
+PBW__WIN32(unsigned long) GetCurrentThreadId(void);
+PBW__WIN32(unsigned long) GetActiveProcessorCount(unsigned short group);
+PBW__WIN32(void) AcquireSRWLockExclusive(struct _RTL_SRWLOCK *mutex);
+PBW__WIN32(void) ReleaseSRWLockExclusive(struct _RTL_SRWLOCK *mutex);
+PBW__WIN32(void) WakeConditionVariable(struct _RTL_CONDITION_VARIABLE *condition);
+PBW__WIN32(void) WakeAllConditionVariable(struct _RTL_CONDITION_VARIABLE *condition);
+PBW__WIN32(int) SleepConditionVariableSRW(struct _RTL_CONDITION_VARIABLE *condition, struct _RTL_SRWLOCK *mutex,
+                                          unsigned long milliseconds, unsigned long flags);
+#ifdef __cplusplus
+}
+#endif
+#endif
+typedef void *pbw__thread, *pbw__mutex, *pbw__condition;     /* the last two hold NULL at first */
+typedef unsigned long pbw__thread_id;
 typedef unsigned pbw__thread_result;
 typedef pbw__thread_result (__stdcall pbw__thread_body)(void *arg);
-#define pbw__beginthreadex _beginthreadex
-#define pbw__WaitForSingleObject WaitForSingleObject
-#define pbw__CloseHandle CloseHandle
-#define pbw__GetCurrentThreadId GetCurrentThreadId
-#define pbw__GetActiveProcessorCount GetActiveProcessorCount
-#define pbw__AcquireSRWLockExclusive AcquireSRWLockExclusive
-#define pbw__ReleaseSRWLockExclusive ReleaseSRWLockExclusive
-#define pbw__WakeConditionVariable WakeConditionVariable
-#define pbw__WakeAllConditionVariable WakeAllConditionVariable
-#define pbw__SleepConditionVariableSRW SleepConditionVariableSRW
-#endif
+#define PBW__SRWLOCK(mutex) ((struct _RTL_SRWLOCK *)(void *)(mutex))
+#define PBW__VARIABLE(condition) ((struct _RTL_CONDITION_VARIABLE *)(void *)(condition))
 #define PBW__FOREVER 0xffffffffu
 #define PBW__THREAD_CALL __stdcall
-#define PBW__CORES() ((long)pbw__GetActiveProcessorCount(0xffff))            /* of all groups of processors */
-#define PBW__THIS_THREAD() pbw__GetCurrentThreadId()
+#define PBW__CORES() ((long)GetActiveProcessorCount(0xffff))            /* of all groups of processors */
+#define PBW__THIS_THREAD() GetCurrentThreadId()
 #define PBW__SAME_THREAD(a, b) ((a) == (b))
 #define PBW__THREAD_JOIN(thread) \
-    ((void)pbw__WaitForSingleObject(thread, PBW__FOREVER), (void)pbw__CloseHandle(thread))
+    ((void)WaitForSingleObject(thread, PBW__FOREVER), (void)CloseHandle(thread))
 #define PBW__MUTEX_INIT(mutex) ((void)(mutex))
 #define PBW__MUTEX_DESTROY(mutex) ((void)(mutex))
-#define PBW__LOCK(mutex) pbw__AcquireSRWLockExclusive(mutex)
-#define PBW__UNLOCK(mutex) pbw__ReleaseSRWLockExclusive(mutex)
+#define PBW__LOCK(mutex) AcquireSRWLockExclusive(PBW__SRWLOCK(mutex))
+#define PBW__UNLOCK(mutex) ReleaseSRWLockExclusive(PBW__SRWLOCK(mutex))
 #define PBW__CONDITION_INIT(condition) ((void)(condition))
 #define PBW__CONDITION_DESTROY(condition) ((void)(condition))
-#define PBW__WAKE(condition) pbw__WakeConditionVariable(condition)
-#define PBW__WAKE_ALL(condition) pbw__WakeAllConditionVariable(condition)
-#define PBW__WAIT(condition, mutex) ((void)pbw__SleepConditionVariableSRW(condition, mutex, PBW__FOREVER, 0))
-#define PBW__WAIT_50MS(condition, mutex) ((void)pbw__SleepConditionVariableSRW(condition, mutex, 50, 0))
+#define PBW__WAKE(condition) WakeConditionVariable(PBW__VARIABLE(condition))
+#define PBW__WAKE_ALL(condition) WakeAllConditionVariable(PBW__VARIABLE(condition))
+#define PBW__SLEEP(condition, mutex, milliseconds) \
+    ((void)SleepConditionVariableSRW(PBW__VARIABLE(condition), PBW__SRWLOCK(mutex), milliseconds, 0))
+#define PBW__WAIT(condition, mutex) PBW__SLEEP(condition, mutex, PBW__FOREVER)
+#define PBW__WAIT_50MS(condition, mutex) PBW__SLEEP(condition, mutex, 50)
 
 static int pbw__thread_start(pbw__thread *thread, unsigned stack, pbw__thread_body *body, void *arg)
 {
-    *thread = (pbw__thread)pbw__beginthreadex(NULL, stack, body, arg, 0x10000, NULL);      /* stack: to reserve */
+    *thread = (pbw__thread)_beginthreadex(NULL, stack, body, arg, 0x10000, NULL);      /* stack: to reserve */
     return *thread != NULL;
 }
 #elif defined(PBW__THREADS)
@@ -993,7 +977,8 @@ static void pbw__wait_50ms(pbw__condition *condition, pbw__mutex *mutex)
 #define PBW__HALVES3(f, a, b, c) \
     pbw__join(f(pbw__half0(a), pbw__half0(b), pbw__half0(c)), f(pbw__half1(a), pbw__half1(b), pbw__half1(c)))
 typedef float64x2_t pbw__d2;
-typedef double pbw__d4 __attribute__((vector_size(32), aligned(16)));      /* the compiler splits sums and products */
+typedef double pbw__d4 __attribute__((vector_size(32), aligned(16)));      /* the compiler splits sums, products */
+typedef int64_t pbw__l4 __attribute__((vector_size(32), aligned(16)));     /* and bitwise operations */
 typedef union pbw__halves { pbw__d4 whole; pbw__d2 half[2]; } pbw__halves;
 #else
 #define PBW__BY_ISA(avx2, neon) avx2
@@ -1007,6 +992,13 @@ PBW__INLINE int pbw__simd_works(void)
     return PBW__BY_ISA(__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")
                        && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt"), 1);
 }
+
+/* Defines a function that returns the value of avx2 or of neon. */
+#define PBW__OPERATION(type, name, parameters, avx2, neon) \
+    PBW__SIMD_INLINE type name parameters \
+    { \
+        return PBW__BY_ISA(avx2, neon); \
+    }
 
 #ifdef PBW__NEON
 PBW__SIMD_INLINE pbw__d2 pbw__half0(pbw__d4 x)
@@ -1035,56 +1027,25 @@ PBW__SIMD_INLINE pbw__d2 pbw__blend2(pbw__d2 x, pbw__d2 y, pbw__d2 mask)
 {
     return vbslq_f64((uint64x2_t)mask, y, x);
 }
-
-PBW__SIMD_INLINE pbw__d2 pbw__and2(pbw__d2 x, pbw__d2 y)
-{
-    return (pbw__d2)vandq_u64((uint64x2_t)x, (uint64x2_t)y);
-}
-
-PBW__SIMD_INLINE pbw__d2 pbw__or2(pbw__d2 x, pbw__d2 y)
-{
-    return (pbw__d2)vorrq_u64((uint64x2_t)x, (uint64x2_t)y);
-}
-
-PBW__SIMD_INLINE pbw__d2 pbw__andnot2(pbw__d2 x, pbw__d2 y)
-{
-    return (pbw__d2)vbicq_u64((uint64x2_t)y, (uint64x2_t)x);
-}
-
-#ifndef __clang__
-PBW__SIMD_INLINE pbw__d2 pbw__pick2(pbw__d2 x, pbw__d2 y, int i, int j)
-{
-    const int64x2_t lanes = { i, j };
-    return __builtin_shuffle(x, y, lanes);
-}
-
-PBW__SIMD_INLINE pbw__i4 pbw__pick4(pbw__i4 x, int i, int j, int k, int l)
-{
-    const pbw__i4 lanes = { i, j, k, l };
-    return __builtin_shuffle(x, lanes);
-}
-#endif
 #endif
 
 /* Permute four doubles, four integers: the lanes of the result are lanes i, j, k, l, which are constants, of x. */
 #ifdef PBW__AVX2
 #define PBW__PICK(x, i, j, k, l) _mm256_permute4x64_pd(x, (i) | (j) << 2 | (k) << 4 | (l) << 6)
 #define PBW__PICK4(x, i, j, k, l) ((pbw__i4)_mm_shuffle_epi32((__m128i)(x), (i) | (j) << 2 | (k) << 4 | (l) << 6))
-#elif defined(__clang__)
-#define PBW__PICK(x, i, j, k, l) \
-    pbw__join(__builtin_shufflevector(pbw__half0(x), pbw__half1(x), i, j), \
-              __builtin_shufflevector(pbw__half0(x), pbw__half1(x), k, l))
-#define PBW__PICK4(x, i, j, k, l) __builtin_shufflevector(x, x, i, j, k, l)
 #else
-#define PBW__PICK(x, i, j, k, l) \
-    pbw__join(pbw__pick2(pbw__half0(x), pbw__half1(x), i, j), pbw__pick2(pbw__half0(x), pbw__half1(x), k, l))
-#define PBW__PICK4(x, i, j, k, l) pbw__pick4(x, i, j, k, l)
+#define PBW__PICK(x, i, j, k, l) pbw__four((x)[i], (x)[j], (x)[k], (x)[l])
+#define PBW__PICK4(x, i, j, k, l) pbw__four_i((x)[i], (x)[j], (x)[k], (x)[l])
+
+PBW__SIMD_INLINE pbw__i4 pbw__four_i(int32_t a, int32_t b, int32_t c, int32_t d)
+{
+    const pbw__i4 lanes = { a, b, c, d };
+    return lanes;
+}
 #endif
 
-PBW__SIMD_INLINE pbw__d4 pbw__splat(double x)         /* x in each lane */
-{
-    return PBW__BY_ISA(_mm256_set1_pd(x), pbw__join(vdupq_n_f64(x), vdupq_n_f64(x)));
-}
+PBW__OPERATION(pbw__d4, pbw__splat, (double x),     /* x in each lane */
+    _mm256_set1_pd(x), pbw__join(vdupq_n_f64(x), vdupq_n_f64(x)))
 
 PBW__SIMD_INLINE pbw__d4 pbw__four(double a, double b, double c, double d)
 {
@@ -1096,10 +1057,8 @@ PBW__SIMD_INLINE pbw__d4 pbw__four(double a, double b, double c, double d)
 #endif
 }
 
-PBW__SIMD_INLINE double pbw__first(pbw__d4 x)        /* lane 0 */
-{
-    return PBW__BY_ISA(_mm256_cvtsd_f64(x), vgetq_lane_f64(pbw__half0(x), 0));
-}
+PBW__OPERATION(double, pbw__first, (pbw__d4 x),     /* lane 0 */
+    _mm256_cvtsd_f64(x), vgetq_lane_f64(pbw__half0(x), 0))
 
 /* Loads the first two entries of four records: x from the first ones, y from the second ones. */
 PBW__SIMD_INLINE void pbw__columns(const double *a, const double *b, const double *c, const double *d, pbw__d4 *x,
@@ -1117,78 +1076,37 @@ PBW__SIMD_INLINE void pbw__columns(const double *a, const double *b, const doubl
 #endif
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__fma(pbw__d4 a, pbw__d4 b, pbw__d4 c)         /* a b + c, rounded once */
-{
-    return PBW__BY_ISA(_mm256_fmadd_pd(a, b, c), PBW__HALVES3(vfmaq_f64, c, a, b));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__fms(pbw__d4 a, pbw__d4 b, pbw__d4 c)         /* a b - c */
-{
-    return PBW__BY_ISA(_mm256_fmsub_pd(a, b, c), pbw__fma(a, b, -c));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__fnma(pbw__d4 a, pbw__d4 b, pbw__d4 c)        /* c - a b */
-{
-    return PBW__BY_ISA(_mm256_fnmadd_pd(a, b, c), PBW__HALVES3(vfmsq_f64, c, a, b));
-}
-
+PBW__OPERATION(pbw__d4, pbw__fma, (pbw__d4 a, pbw__d4 b, pbw__d4 c),     /* a b + c, rounded once */
+    _mm256_fmadd_pd(a, b, c), PBW__HALVES3(vfmaq_f64, c, a, b))
+PBW__OPERATION(pbw__d4, pbw__fnma, (pbw__d4 a, pbw__d4 b, pbw__d4 c),     /* c - a b */
+    _mm256_fnmadd_pd(a, b, c), PBW__HALVES3(vfmsq_f64, c, a, b))
 /* Returns a d - b c; one product is rounded, the other fused into the difference. */
-PBW__SIMD_INLINE pbw__d4 pbw__det2(pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d)
-{
-    return PBW__BY_ISA(_mm256_fmsub_pd(a, d, b * c), pbw__fnma(b, c, a * d));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__max4(pbw__d4 a, pbw__d4 b)
-{
-    return PBW__BY_ISA(_mm256_max_pd(a, b), PBW__HALVES2(vmaxq_f64, a, b));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__min4(pbw__d4 a, pbw__d4 b)
-{
-    return PBW__BY_ISA(_mm256_min_pd(a, b), PBW__HALVES2(vminq_f64, a, b));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__sqrt4(pbw__d4 x)
-{
-    return PBW__BY_ISA(_mm256_sqrt_pd(x), pbw__join(vsqrtq_f64(pbw__half0(x)), vsqrtq_f64(pbw__half1(x))));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__abs4(pbw__d4 x)
-{
-    return PBW__BY_ISA(_mm256_andnot_pd(_mm256_set1_pd(-0.0), x),
-                       pbw__join(vabsq_f64(pbw__half0(x)), vabsq_f64(pbw__half1(x))));
-}
+PBW__OPERATION(pbw__d4, pbw__det2, (pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d),
+    _mm256_fmsub_pd(a, d, b * c), pbw__fnma(b, c, a * d))
+PBW__OPERATION(pbw__d4, pbw__max4, (pbw__d4 a, pbw__d4 b), _mm256_max_pd(a, b), PBW__HALVES2(vmaxq_f64, a, b))
+PBW__OPERATION(pbw__d4, pbw__sqrt4, (pbw__d4 x),
+    _mm256_sqrt_pd(x), pbw__join(vsqrtq_f64(pbw__half0(x)), vsqrtq_f64(pbw__half1(x))))
+PBW__OPERATION(pbw__d4, pbw__abs4, (pbw__d4 x),
+    _mm256_andnot_pd(_mm256_set1_pd(-0.0), x), pbw__join(vabsq_f64(pbw__half0(x)), vabsq_f64(pbw__half1(x))))
 
 /* Return the largest lane, the smallest lane and the sum of the lanes, each broadcast to all lanes. */
-PBW__SIMD_INLINE pbw__d4 pbw__max_lane(pbw__d4 x)
-{
 #ifdef PBW__AVX2
-    x = _mm256_max_pd(x, _mm256_permute_pd(x, 5));
-    return _mm256_max_pd(x, _mm256_permute2f128_pd(x, x, 1));
+#define PBW__ACROSS(name, f, pair, all) \
+    PBW__SIMD_INLINE pbw__d4 name(pbw__d4 x) \
+    { \
+        x = f(x, _mm256_permute_pd(x, 5)); \
+        return f(x, _mm256_permute2f128_pd(x, x, 1)); \
+    }
 #else
-    return pbw__splat(vmaxvq_f64(vmaxq_f64(pbw__half0(x), pbw__half1(x))));
+#define PBW__ACROSS(name, f, pair, all) \
+    PBW__SIMD_INLINE pbw__d4 name(pbw__d4 x) \
+    { \
+        return pbw__splat(all(pair(pbw__half0(x), pbw__half1(x)))); \
+    }
 #endif
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__min_lane(pbw__d4 x)
-{
-#ifdef PBW__AVX2
-    x = _mm256_min_pd(x, _mm256_permute_pd(x, 5));
-    return _mm256_min_pd(x, _mm256_permute2f128_pd(x, x, 1));
-#else
-    return pbw__splat(vminvq_f64(vminq_f64(pbw__half0(x), pbw__half1(x))));
-#endif
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__sum_lanes(pbw__d4 x)
-{
-#ifdef PBW__AVX2
-    x = x + _mm256_permute_pd(x, 5);
-    return x + _mm256_permute2f128_pd(x, x, 1);
-#else
-    return pbw__splat(vaddvq_f64(vpaddq_f64(pbw__half0(x), pbw__half1(x))));
-#endif
-}
+PBW__ACROSS(pbw__max_lane, _mm256_max_pd, vmaxq_f64, vmaxvq_f64)
+PBW__ACROSS(pbw__min_lane, _mm256_min_pd, vminq_f64, vminvq_f64)
+PBW__ACROSS(pbw__sum_lanes, _mm256_add_pd, vpaddq_f64, vaddvq_f64)
 
 /* A permutation of four doubles: lane i of the result is lane lanes[i], modulo 4, of the argument. */
 #ifdef PBW__AVX2
@@ -1225,10 +1143,8 @@ PBW__SIMD_INLINE pbw__d4 pbw__reorder(pbw__d4 x, pbw__order4 order)
 #endif
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__load4d(const double *from)
-{
-    return PBW__BY_ISA(_mm256_loadu_pd(from), pbw__join(vld1q_f64(from), vld1q_f64(from + 2)));
-}
+PBW__OPERATION(pbw__d4, pbw__load4d, (const double *from),
+    _mm256_loadu_pd(from), pbw__join(vld1q_f64(from), vld1q_f64(from + 2)))
 
 /* Stores a[i], b[i], c[i], d[i], rounded to single precision, in row i of 4. */
 PBW__SIMD_INLINE void pbw__store_rows(float *to, pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d)
@@ -1254,33 +1170,19 @@ PBW__SIMD_INLINE void pbw__store_rows(float *to, pbw__d4 a, pbw__d4 b, pbw__d4 c
 #endif
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__drop_last(pbw__d4 x)   /* zero in lane 3 */
-{
-    return PBW__BY_ISA(_mm256_blend_pd(x, _mm256_setzero_pd(), 8),
-                       pbw__join(pbw__half0(x), vsetq_lane_f64(0.0, pbw__half1(x), 1)));
-}
+PBW__OPERATION(pbw__d4, pbw__drop_last, (pbw__d4 x),     /* zero in lane 3 */
+    _mm256_blend_pd(x, _mm256_setzero_pd(), 8), pbw__join(pbw__half0(x), vsetq_lane_f64(0.0, pbw__half1(x), 1)))
 
 /* Masks. */
-PBW__SIMD_INLINE pbw__d4 pbw__greater(pbw__d4 a, pbw__d4 b)
-{
-    return PBW__BY_ISA(_mm256_cmp_pd(a, b, _CMP_GT_OQ), PBW__HALVES2((pbw__d2)vcgtq_f64, a, b));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__at_least(pbw__d4 a, pbw__d4 b)
-{
-    return PBW__BY_ISA(_mm256_cmp_pd(a, b, _CMP_GE_OQ), PBW__HALVES2((pbw__d2)vcgeq_f64, a, b));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__equal(pbw__d4 a, pbw__d4 b)
-{
-    return PBW__BY_ISA(_mm256_cmp_pd(a, b, _CMP_EQ_OQ), PBW__HALVES2((pbw__d2)vceqq_f64, a, b));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__mask(const int64_t *from)
-{
-    return PBW__BY_ISA(_mm256_castsi256_pd(_mm256_loadu_si256((const __m256i *)(const void *)from)),
-                       pbw__join((pbw__d2)vld1q_s64(from), (pbw__d2)vld1q_s64(from + 2)));
-}
+PBW__OPERATION(pbw__d4, pbw__greater, (pbw__d4 a, pbw__d4 b),
+    _mm256_cmp_pd(a, b, _CMP_GT_OQ), PBW__HALVES2((pbw__d2)vcgtq_f64, a, b))
+PBW__OPERATION(pbw__d4, pbw__at_least, (pbw__d4 a, pbw__d4 b),
+    _mm256_cmp_pd(a, b, _CMP_GE_OQ), PBW__HALVES2((pbw__d2)vcgeq_f64, a, b))
+PBW__OPERATION(pbw__d4, pbw__equal, (pbw__d4 a, pbw__d4 b),
+    _mm256_cmp_pd(a, b, _CMP_EQ_OQ), PBW__HALVES2((pbw__d2)vceqq_f64, a, b))
+PBW__OPERATION(pbw__d4, pbw__mask, (const int64_t *from),
+    _mm256_castsi256_pd(_mm256_loadu_si256((const __m256i *)(const void *)from)),
+    pbw__join((pbw__d2)vld1q_s64(from), (pbw__d2)vld1q_s64(from + 2)))
 
 PBW__SIMD_INLINE pbw__d4 pbw__lanes_mask(unsigned set)        /* of a set of lanes */
 {
@@ -1292,30 +1194,16 @@ PBW__SIMD_INLINE pbw__d4 pbw__lanes_mask(unsigned set)        /* of a set of lan
     return pbw__mask(mask[set]);
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__blend(pbw__d4 x, pbw__d4 y, pbw__d4 mask)   /* y in the lanes of the mask */
-{
-    return PBW__BY_ISA(_mm256_blendv_pd(x, y, mask), PBW__HALVES3(pbw__blend2, x, y, mask));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__and4(pbw__d4 mask, pbw__d4 x)        /* x, zero in other lanes */
-{
-    return PBW__BY_ISA(_mm256_and_pd(mask, x), PBW__HALVES2(pbw__and2, mask, x));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__andnot4(pbw__d4 mask, pbw__d4 x)       /* x, zero in the lanes of the mask */
-{
-    return PBW__BY_ISA(_mm256_andnot_pd(mask, x), PBW__HALVES2(pbw__andnot2, mask, x));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__or4(pbw__d4 mask, pbw__d4 other)
-{
-    return PBW__BY_ISA(_mm256_or_pd(mask, other), PBW__HALVES2(pbw__or2, mask, other));
-}
-
-PBW__SIMD_INLINE pbw__d4 pbw__blend_zero(pbw__d4 x, pbw__d4 mask, pbw__d4 y)    /* y in masked lanes, where x is 0 */
-{
-    return PBW__BY_ISA(_mm256_or_pd(x, _mm256_and_pd(mask, y)), pbw__blend(x, y, mask));
-}
+PBW__OPERATION(pbw__d4, pbw__blend, (pbw__d4 x, pbw__d4 y, pbw__d4 mask),     /* y in the lanes of the mask */
+    _mm256_blendv_pd(x, y, mask), PBW__HALVES3(pbw__blend2, x, y, mask))
+PBW__OPERATION(pbw__d4, pbw__and4, (pbw__d4 mask, pbw__d4 x),     /* x, zero in other lanes */
+    _mm256_and_pd(mask, x), (pbw__d4)((pbw__l4)mask & (pbw__l4)x))
+PBW__OPERATION(pbw__d4, pbw__andnot4, (pbw__d4 mask, pbw__d4 x),     /* x, zero in the lanes of the mask */
+    _mm256_andnot_pd(mask, x), (pbw__d4)(~(pbw__l4)mask & (pbw__l4)x))
+PBW__OPERATION(pbw__d4, pbw__or4, (pbw__d4 mask, pbw__d4 other),
+    _mm256_or_pd(mask, other), (pbw__d4)((pbw__l4)mask | (pbw__l4)other))
+PBW__OPERATION(pbw__d4, pbw__blend_zero, (pbw__d4 x, pbw__d4 mask, pbw__d4 y),   /* y in masked lanes, where x is 0 */
+    _mm256_or_pd(x, _mm256_and_pd(mask, y)), pbw__blend(x, y, mask))
 
 PBW__SIMD_INLINE unsigned pbw__signs(pbw__d4 x)      /* the set of negative lanes, -0.0 too */
 {
@@ -1328,21 +1216,15 @@ PBW__SIMD_INLINE unsigned pbw__signs(pbw__d4 x)      /* the set of negative lane
 #endif
 }
 
-/* Return the number of lanes in a set; the set of the first `count` lanes, of all four if count is larger. */
-PBW__SIMD_INLINE unsigned pbw__count4(unsigned set)
-{
-    return PBW__BY_ISA((unsigned)__builtin_popcount(set), (unsigned)(0x4332322132212110u >> 4 * set) & 15);
-}
-
 PBW__SIMD_INLINE unsigned pbw__lane_of(unsigned set)         /* the first lane of a set */
 {
     return (unsigned)__builtin_ctz(set | 8);
 }
 
-PBW__SIMD_INLINE unsigned pbw__first_lanes(unsigned count)
-{
-    return PBW__BY_ISA(_bzhi_u32(15, count), count < 4 ? (1u << count) - 1 : 15);
-}
+/* Return the number of lanes in a set; the set of the first `count` lanes, of all four if count is larger. */
+PBW__OPERATION(unsigned, pbw__count4, (unsigned set),
+    (unsigned)__builtin_popcount(set), (unsigned)(0x4332322132212110u >> 4 * set) & 15)
+PBW__OPERATION(unsigned, pbw__first_lanes, (unsigned count), _bzhi_u32(15, count), count < 4 ? (1u << count) - 1 : 15)
 
 /* Pair k is bit k of `first`, then bit k of `second`.  Returns the pairs k = 0, 1, 2 that are in `chosen`, packed. */
 PBW__SIMD_INLINE unsigned pbw__pairs_of(unsigned first, unsigned second, unsigned chosen)
@@ -1360,16 +1242,10 @@ PBW__SIMD_INLINE unsigned pbw__pairs_of(unsigned first, unsigned second, unsigne
 }
 
 /* Two doubles. */
-PBW__SIMD_INLINE pbw__d2 pbw__load2(const double *from)
-{
-    return PBW__BY_ISA(_mm_loadu_pd(from), vld1q_f64(from));
-}
-
-PBW__SIMD_INLINE pbw__d2 pbw__turn_right(pbw__d2 x)       /* (y, -x) */
-{
-    return PBW__BY_ISA(_mm_xor_pd(_mm_shuffle_pd(x, x, 1), _mm_set_pd(-0.0, 0.0)),
-                       vcopyq_laneq_f64(vextq_f64(x, x, 1), 1, vnegq_f64(x), 0));
-}
+PBW__OPERATION(pbw__d2, pbw__load2, (const double *from), _mm_loadu_pd(from), vld1q_f64(from))
+PBW__OPERATION(pbw__d2, pbw__turn_right, (pbw__d2 x),     /* (y, -x) */
+    _mm_xor_pd(_mm_shuffle_pd(x, x, 1), _mm_set_pd(-0.0, 0.0)),
+    vcopyq_laneq_f64(vextq_f64(x, x, 1), 1, vnegq_f64(x), 0))
 
 PBW__SIMD_INLINE unsigned pbw__signs2(pbw__d2 x, pbw__d2 y)        /* of x[0] + x[1] and y[0] + y[1] */
 {
@@ -1382,31 +1258,21 @@ PBW__SIMD_INLINE unsigned pbw__signs2(pbw__d2 x, pbw__d2 y)        /* of x[0] + 
 }
 
 /* Four integers, from and to arrays of any type. */
-PBW__SIMD_INLINE pbw__i4 pbw__load4(const void *from)
-{
-    return (pbw__i4)PBW__BY_ISA(_mm_loadu_si128((const __m128i *)from), vld1q_u8((const unsigned char *)from));
-}
+PBW__OPERATION(pbw__i4, pbw__load4, (const void *from),
+    (pbw__i4)_mm_loadu_si128((const __m128i *)from), (pbw__i4)vld1q_u8((const unsigned char *)from))
 
 PBW__SIMD_INLINE void pbw__store4(void *to, pbw__i4 x)
 {
     PBW__BY_ISA(_mm_storeu_si128((__m128i *)to, (__m128i)x), vst1q_u8((unsigned char *)to, (uint8x16_t)x));
 }
 
-PBW__SIMD_INLINE pbw__i4 pbw__splat_i(int32_t x)      /* x in each lane */
-{
-    return PBW__BY_ISA((pbw__i4)_mm_set1_epi32(x), vdupq_n_s32(x));
-}
-
-PBW__SIMD_INLINE pbw__i4 pbw__lead(pbw__i4 x, pbw__i4 y)   /* y in lane 0 */
-{
-    return PBW__BY_ISA((pbw__i4)_mm_blend_epi32((__m128i)x, (__m128i)y, 1), vcopyq_laneq_s32(x, 0, y, 0));
-}
-
-PBW__SIMD_INLINE pbw__i4 pbw__shuffle4(pbw__i4 x, const unsigned char *bytes)      /* byte i is byte bytes[i] of x */
-{
-    return (pbw__i4)PBW__BY_ISA(_mm_shuffle_epi8((__m128i)x, (__m128i)pbw__load4(bytes)),
-                                vqtbl1q_u8((uint8x16_t)x, vld1q_u8(bytes)));
-}
+PBW__OPERATION(pbw__i4, pbw__splat_i, (int32_t x),     /* x in each lane */
+    (pbw__i4)_mm_set1_epi32(x), vdupq_n_s32(x))
+PBW__OPERATION(pbw__i4, pbw__lead, (pbw__i4 x, pbw__i4 y),     /* y in lane 0 */
+    (pbw__i4)_mm_blend_epi32((__m128i)x, (__m128i)y, 1), vcopyq_laneq_s32(x, 0, y, 0))
+PBW__OPERATION(pbw__i4, pbw__shuffle4, (pbw__i4 x, const unsigned char *bytes),     /* byte i: bytes[i] of x */
+    (pbw__i4)_mm_shuffle_epi8((__m128i)x, (__m128i)pbw__load4(bytes)),
+    (pbw__i4)vqtbl1q_u8((uint8x16_t)x, vld1q_u8(bytes)))
 
 PBW__SIMD_INLINE pbw__i4 pbw__permute4(pbw__i4 x, pbw__i4 lanes)   /* lanes of x, by numbers modulo 4 */
 {
@@ -1418,11 +1284,9 @@ PBW__SIMD_INLINE pbw__i4 pbw__permute4(pbw__i4 x, pbw__i4 lanes)   /* lanes of x
 #endif
 }
 
-PBW__SIMD_INLINE pbw__i4 pbw__widen(int32_t bytes)   /* one byte of four in each lane */
-{
-    return (pbw__i4)PBW__BY_ISA(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(bytes)),
-                                vmovl_u16(vget_low_u16(vmovl_u8((uint8x8_t)vdup_n_s32(bytes)))));
-}
+PBW__OPERATION(pbw__i4, pbw__widen, (int32_t bytes),     /* one byte of four in each lane */
+    (pbw__i4)_mm_cvtepu8_epi32(_mm_cvtsi32_si128(bytes)),
+    (pbw__i4)vmovl_u16(vget_low_u16(vmovl_u8((uint8x8_t)vdup_n_s32(bytes)))))
 
 PBW__SIMD_INLINE uint32_t pbw__apart4(pbw__i4 x, pbw__i4 y)        /* the sum of |x - y| over the lanes */
 {
@@ -1436,15 +1300,10 @@ PBW__SIMD_INLINE uint32_t pbw__apart4(pbw__i4 x, pbw__i4 y)        /* the sum of
 #endif
 }
 
-PBW__SIMD_INLINE uint64_t pbw__lanes01(pbw__i4 x)    /* lane 0, and lane 1 above it */
-{
-    return PBW__BY_ISA((uint64_t)_mm_cvtsi128_si64((__m128i)x), vgetq_lane_u64((uint64x2_t)x, 0));
-}
-
-PBW__SIMD_INLINE uint64_t pbw__lanes23(pbw__i4 x)
-{
-    return PBW__BY_ISA((uint64_t)_mm_extract_epi64((__m128i)x, 1), vgetq_lane_u64((uint64x2_t)x, 1));
-}
+PBW__OPERATION(uint64_t, pbw__lanes01, (pbw__i4 x),     /* lane 0, and lane 1 above it */
+    (uint64_t)_mm_cvtsi128_si64((__m128i)x), vgetq_lane_u64((uint64x2_t)x, 0))
+PBW__OPERATION(uint64_t, pbw__lanes23, (pbw__i4 x),
+    (uint64_t)_mm_extract_epi64((__m128i)x, 1), vgetq_lane_u64((uint64x2_t)x, 1))
 
 /* Pair arithmetic of >>predicates in four lanes; here fused operations are always there. */
 typedef struct pbw__pair4 { pbw__d4 head, tail; } pbw__pair4;
@@ -1466,7 +1325,7 @@ PBW__SIMD_INLINE pbw__pair4 pbw__minus4(pbw__pair4 a, pbw__pair4 b)
 PBW__SIMD_INLINE pbw__pair4 pbw__times4(pbw__pair4 a, pbw__pair4 b)
 {
     pbw__d4 head = pbw__fma(a.head, b.head, pbw__splat(0.0));                 /* must not be fused, see there */
-    pbw__d4 error = pbw__fms(a.head, b.head, head);
+    pbw__d4 error = pbw__fma(a.head, b.head, -head);
     pbw__pair4 result = { head, pbw__fma(a.head, b.tail, pbw__fma(a.tail, b.head, error)) };
     return result;
 }
@@ -1607,9 +1466,9 @@ PBW__INLINE size_t pbw__share(size_t count, int i, int tasks);
 
 #define PBW__LARGE ((size_t)1 << 20)                 /* bytes of a block that is worth the system's advice */
 
-/* Asks for huge pages under a large block, with the pages at its ends, where other bytes may be: of a mapping in two
-   parts realloc makes a copy, page by page, instead of moving it.  Advice only: it may fail.  Memory of the caller's
-   allocator is left alone. */
+/* Asks for huge pages under a large block, and under all of the pages at its ends, where other bytes may be: advice
+   for a part of a mapping splits it, and then realloc copies the pages instead of moving them.  Advice only: it may
+   fail.  Memory of the caller's allocator is left alone. */
 static void pbw__advise(const pbw__memory *memory, void *start, size_t bytes)
 {
 #ifdef __linux__
@@ -2050,7 +1909,7 @@ static pbw_status pbw__for_range(pbw__context *context, size_t count, size_t gra
     return PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>exact     Integers of just enough width, and the one determinant that is computed with them.
+   >>exact        Integers of just enough width, and the one determinant that is computed with them.
    In: finite doubles, read as mantissa * 2^exponent.  Out: the exact sign of an orientation or power determinant.
    Integer arithmetic only: right in every rounding mode, with and without flush-to-zero.  Common scale instead of
    expansions, because no exponent is too extreme for it and there is nothing to prove about roundings.
@@ -2284,8 +2143,8 @@ static PBW__NOINLINE int pbw__exact_determinant(int dim, int count, const double
 }
 /* ------------------------------------------------------------------------------------------------------
    >>grid         The coarsest grid that holds all records.
-   In: records of the kernel, {x, y, w} in the plane and {x, y, z, w} in space.  Out: their grid, or that there is
-   none.  Holds: every coordinate is a multiple of the unit and every weight of its square, exactly.
+   In: records of coordinates and, if there are weights, a weight.  Out: their grid, or that there is none.
+   Holds: every coordinate is a multiple of the unit and every weight of its square, exactly.
    ------------------------------------------------------------------------------------------------------ */
 /* The common grid of a build's records.  inverse_unit is 0 if they have no common grid, else a power of two:
    coordinates are multiples of the unit and weights of its square, and they differ by less than 2^bits units and
@@ -2355,79 +2214,45 @@ static PBW__NOINLINE void pbw__grid_refine(pbw__grid_share *share, const double 
 }
 
 /* A number is on the grid if it is of 2^52 units or more, or the sum of its size and 2^52 units is not rounded. */
-PBW__INLINE void pbw__grid_add_of(pbw__grid_share *share, const double *q, size_t count, int width, int dim)
+PBW__INLINE void pbw__grid_add_of(pbw__grid_share *share, const double *q, size_t count, int weights, int dim)
 {
+    const int width = dim + weights;
     const double *end = q + count * (size_t)width;
     double low[4], high[4];
     int k;
-    memcpy(low, share->low, sizeof(low));
-    memcpy(high, share->high, sizeof(high));
-    for (; q < end && share->unit != PBW__NO_UNIT; q += width) {
+    while (q < end && share->unit != PBW__NO_UNIT) {
+        const double limit[2] = { share->limit[0], share->limit[1] };
         uint64_t off = 0;
         for (k = 0; k < width; k++) {
-            const double many = share->limit[k == dim], size = pbw__abs(q[k]) < many ? pbw__abs(q[k]) : many;
-            off |= pbw__bits(size + many - many - size);
-            low[k] = q[k] < low[k] ? q[k] : low[k];
-            high[k] = q[k] > high[k] ? q[k] : high[k];
+            low[k] = share->low[k];
+            high[k] = share->high[k];
         }
-        if (PBW__UNLIKELY(off != 0)) {
-            memcpy(share->low, low, sizeof(low));
-            memcpy(share->high, high, sizeof(high));
-            pbw__grid_refine(share, q, dim, width);
+        for (; q < end && off == 0; q += width) {
+            for (k = 0; k < width; k++) {
+                const double x = q[k], many = limit[k == dim], size = pbw__abs(x) < many ? pbw__abs(x) : many;
+                off |= pbw__bits(size + many - many - size);
+                low[k] = x < low[k] ? x : low[k];
+                high[k] = x > high[k] ? x : high[k];
+            }
         }
-    }
-    memcpy(share->low, low, sizeof(low));
-    memcpy(share->high, high, sizeof(high));
-}
-
-#ifdef PBW__SIMD
-/* pbw__grid_add_of by vectors.  Lanes from `width` on have coordinates of the next record, so the last record is
-   left.  Returns how many records were added. */
-PBW__SIMD_INLINE size_t pbw__grid_add_simd(pbw__grid_share *share, const double *q, size_t count, int width, int dim)
-{
-    const size_t some = width < 4 && count > 0 ? count - 1 : count, step = (size_t)width;
-    const double *limit = share->limit;
-    pbw__d4 low, high, many, x, size;
-    size_t i = 0;
-    memcpy(&low, share->low, sizeof(low));
-    memcpy(&high, share->high, sizeof(high));
-    while (i < some && share->unit != PBW__NO_UNIT) {
-        unsigned on = 15;
-        many = pbw__four(limit[0], limit[0], limit[width == 3 && dim == 2], limit[width == 4]);
-        for (; on == 15 && i < some; i++) {
-            memcpy(&x, q + i * step, sizeof(x));
-            low = pbw__min4(x, low);
-            high = pbw__max4(x, high);
-            size = pbw__min4(pbw__abs4(x), many);
-            on = pbw__signs(pbw__equal(size + many - many, size));
+        for (k = 0; k < width; k++) {
+            share->low[k] = low[k];
+            share->high[k] = high[k];
         }
-        memcpy(share->low, &low, step * sizeof(double));
-        memcpy(share->high, &high, step * sizeof(double));
-        if (on != 15) {
-            pbw__grid_refine(share, q + (i - 1) * step, dim, width);
+        if (off != 0) {
+            pbw__grid_refine(share, q - width, dim, width);
         }
     }
-    return i;
 }
-
-PBW__SIMD static size_t pbw__grid_add_vectors(pbw__grid_share *share, const double *q, size_t count, int width,
-                                              int dim)
-{
-    return dim == 3 ? pbw__grid_add_simd(share, q, count, width, 3) : pbw__grid_add_simd(share, q, count, width, 2);
-}
-#endif
 
 /* Adds `count` records of `width` entries, from q on, to a share. */
 static void pbw__grid_add(pbw__grid_share *share, const double *q, size_t count, int dim, int width)
 {
-    size_t done = 0;
-#ifdef PBW__SIMD
-    if (pbw__simd_works()) {
-        done = pbw__grid_add_vectors(share, q, count, width, dim);
+    if (width > dim) {
+        PBW__BY_DIM(dim, pbw__grid_add_of, share, q, count, 1);
+    } else {
+        PBW__BY_DIM(dim, pbw__grid_add_of, share, q, count, 0);
     }
-#endif
-    q += done * (size_t)width;
-    PBW__BY_DIM(dim, pbw__grid_add_of, share, q, count - done, width);
 }
 
 /* Stores the coarsest grid that holds the records of all shares, of dim coordinates and a weight, if differences are
@@ -2523,7 +2348,7 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
       power3    lift 2+1+2+1, minor 8, product, 2 sums          17    24 mx my mz ml          408 u mx my mz ml
       circle    the kernels' power2, one rounding more          13    6 h^2                    78 u h^2
       sphere    the kernels' power3, two roundings more         19    24 h^(5/2)              456 u h^(5/2)
-      ear       orient3, two sums more                   10    24 h^(3/2)              240 u h^(3/2)
+      ear       orient3, two sums more                          10    24 h^(3/2)              240 u h^(3/2)
       thin      circle, by the sum of the absolute products     13    that sum                 13 u that sum
       pairs     see there
       reach     difference twice, product, 2 sums, weight        6    |v - q|^2 + |w|            6 u that sum
@@ -2835,8 +2660,8 @@ PBW__DEVICE static int pbw__integers(int dim, int count, const double *const *ro
       sum of 3               12  131      power2    131 *  6 =  786 u^2 mx my ml
       lift minor             15  189
       sum of 4               17  253      power3    253 * 24 = 6072 u^2 mx my mz ml
-      the kernels' circle     11  120     120 * 6 =   720 u^2 h^2
-      the kernels' sphere     17  288    288 * 24 =  6912 u^2 h^(5/2)
+      the kernels' circle    11  120      circle    120 *  6 =  720 u^2 h^2
+      the kernels' sphere    17  288      sphere    288 * 24 = 6912 u^2 h^(5/2)
 
    One value here must not be fused into a sum, the head of a product.  Where there are fused operations it is made by
    one that adds 0.0, which is no multiplication for a compiler (-0.0 + 0.0 is not -0.0), so that neither clang's
@@ -2956,29 +2781,29 @@ PBW__DEVICE static int pbw__pairs(int dim, int count, const double *const *row, 
     return pbw__certain(det.head + det.tail, PBW__PAIRS_POWER3_ERROR * size, low, high);
 }
 
-/* ---- the ladder below the filter; orientation is filled where the sign of a power determinant is 0 */
-static PBW__NOINLINE int pbw__undecided(int dim, int count, const double *const *row, const double *origin,
-                                        const pbw__grid *grid, int *orientation)
-{
-    int sign = pbw__integers(dim, count, row, origin, grid, orientation);
-    if (sign == PBW__OPEN && grid != NULL) {
-        sign = pbw__pairs(dim, count, row, origin);
-    }
-    return sign == PBW__OPEN ? pbw__exact_determinant(dim, count, row, origin, orientation) : sign;
-}
-
-/* As pbw__undecided, but with room for the digits of the last stage; PBW__OPEN only if that is NULL.  The sign of a
-   power determinant, which has a row more, if there is room for orientations. */
+/* ---- the ladder below the filter */
+/* Returns the sign of an orientation, or of a power determinant, which has a row more, if there is room for
+   orientations, which are filled where the sign is 0.  pool: room for the digits of the last stage; without it that
+   stage is left out, and the sign may be open. */
 PBW__DEVICE static PBW__NOINLINE int pbw__undecided_in(pbw__digit *pool, int dim, const double *const *row,
                                                        const double *origin, const pbw__grid *grid, int *orientation)
 {
     const int count = dim + (orientation != NULL);
     int sign = pbw__integers(dim, count, row, origin, grid, orientation);
-    if (sign == PBW__OPEN) {
+    if (sign == PBW__OPEN && grid != NULL) {
         sign = pbw__pairs(dim, count, row, origin);
     }
     return sign != PBW__OPEN || pool == NULL ? sign
          : pbw__exact_determinant_in(pool, dim, count, row, origin, orientation);
+}
+
+/* pbw__undecided_in with room of its own: the sign is never open. */
+static PBW__NOINLINE int pbw__undecided(int dim, const double *const *row, const double *origin,
+                                        const pbw__grid *grid, int *orientation)
+{
+    const int sign = pbw__undecided_in(NULL, dim, row, origin, grid, orientation);
+    return sign != PBW__OPEN ? sign
+         : pbw__exact_determinant(dim, dim + (orientation != NULL), row, origin, orientation);
 }
 
 /* The verdict on a tie, a power determinant of 0.
@@ -3004,11 +2829,16 @@ PBW__DEVICE static int pbw__tie(int dim, const double *const *row, const double 
     return verdict;
 }
 
+PBW__INLINE int pbw__filter_orient(int dim, const double *const *x)
+{
+    return dim == 2 ? pbw__filter_orient2(x[0], x[1], x[2]) : pbw__filter_orient3(x[0], x[1], x[2], x[3]);
+}
+
 /* Returns the orientation of the simplex x[0..dim]. */
 PBW__INLINE int pbw__orient(int dim, const double *const *x, const pbw__grid *grid)
 {
-    const int sign = dim == 2 ? pbw__filter_orient2(x[0], x[1], x[2]) : pbw__filter_orient3(x[0], x[1], x[2], x[3]);
-    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(dim, dim, x, x[dim], grid, NULL);
+    const int sign = pbw__filter_orient(dim, x);
+    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(dim, x, x[dim], grid, NULL);
 }
 
 /* Returns the orientation with p in place of corner i: the side of the facet across from it that p is on, +1
@@ -3031,20 +2861,18 @@ PBW__INLINE int pbw__filter_power(int dim, const double *const *x, const double 
 static int pbw__power(int dim, const double *const *x, const double *p, const pbw__grid *grid)
 {
     int orientation[4], sign = pbw__filter_power(dim, x, p);
-    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(dim, dim + 1, x, p, grid, orientation);
+    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(dim, x, p, grid, orientation);
 }
 
 /* Returns the perturbed verdict on a positive simplex and a point that is none of its corners: 1 for conflict. */
-static PBW__NOINLINE int pbw__conflict_exact(int dim, const double *const *x, const double *p, const pbw__grid *grid)
-{
-    int orientation[4], sign = pbw__undecided(dim, dim + 1, x, p, grid, orientation);
-    return sign != 0 ? sign > 0 : pbw__tie(dim, x, p, orientation);
-}
-
 static int pbw__conflict(int dim, const double *const *x, const double *p, const pbw__grid *grid)
 {
-    const int sign = pbw__filter_power(dim, x, p);
-    return PBW__LIKELY(sign != PBW__OPEN) ? sign > 0 : pbw__conflict_exact(dim, x, p, grid);
+    int orientation[4], sign = pbw__filter_power(dim, x, p);
+    if (PBW__LIKELY(sign != PBW__OPEN)) {
+        return sign > 0;
+    }
+    sign = pbw__undecided(dim, x, p, grid, orientation);
+    return sign != 0 ? sign > 0 : pbw__tie(dim, x, p, orientation);
 }
 
 /* Returns whether the points a, b, c of space lie on a line: all three projections do. */
@@ -3060,10 +2888,10 @@ static int pbw__collinear3(const double *a, const double *b, const double *c, co
     return collinear;
 }
 
-/* As pbw__orient and pbw__conflict, likewise. */
+/* pbw__orient and pbw__conflict with the caller's room for digits, or none: see pbw__undecided_in. */
 PBW__INLINE int pbw__orient_in(pbw__digit *pool, int dim, const double *const *x, const pbw__grid *grid)
 {
-    const int sign = dim == 2 ? pbw__filter_orient2(x[0], x[1], x[2]) : pbw__filter_orient3(x[0], x[1], x[2], x[3]);
+    const int sign = pbw__filter_orient(dim, x);
     return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided_in(pool, dim, x, x[dim], grid, NULL);
 }
 
@@ -3455,7 +3283,7 @@ typedef struct pbw__sorting {
     uint64_t *a, *b;                                 /* count keys; room for count keys */
     uint32_t *start;                                 /* PBW__DIGITS words a task, and once more for all tasks */
     size_t count;
-    int tasks;                                       /* at most a task a thread is used */
+    int tasks;                                       /* of which at most one for each thread is used */
     int shift, digit;                                /* of this pass */
 } pbw__sorting;
 
@@ -3905,52 +3733,31 @@ static int pbw__order_rest(pbw__ordering *ordering, const pbw__part *part)
     return 1;
 }
 
-/* Writes the points of a range to the records from r on.  Its keys differ, so there are no duplicates.  Prefetches
-   later points, of keys before `end`. */
-PBW__INLINE void pbw__order_place(const pbw__ordering *ordering, const pbw__part *range, size_t end, size_t r,
-                                  int dim)
+/* Writes the points from..to-1 of a part, whose keys are in order, behind record r, and notes duplicates, which are
+   neighbours.  Prefetches points PBW__AHEAD of these.  Returns the last record. */
+PBW__INLINE size_t pbw__order_place(const pbw__ordering *ordering, const pbw__part *part, size_t from, size_t to,
+                                    size_t r, int dim)
 {
     const uint64_t *keys = ordering->keys, mask = ((uint64_t)1 << ordering->index_bits) - 1;
     const pbw__input input = *ordering->input;
-    const size_t to = range->to;
-    size_t from = range->from;
-    const size_t width = ordering->vertices->width;
-    double *record = ordering->vertices->record + r * width;
-    pbw_index *id = ordering->vertices->id + r;
+    const size_t width = ordering->vertices->width, end = part->to;
+    double *record = ordering->vertices->record + (r + 1) * width;
+    const double *last = r > part->from ? record - width : ordering->vertices->record;       /* at first the ghost */
+    pbw_index *id = ordering->vertices->id;
     for (; from < to && input.bare; from++) {
-        *id++ = (pbw_index)(keys[from] & mask);
+        id[++r] = (pbw_index)(keys[from] & mask);
     }
-    for (; from < to; from++, record += width) {
+    for (; from < to; from++) {
         const size_t index = (size_t)(keys[from] & mask);
         pbw__fetch_soon(&input, (size_t)(keys[from + PBW__AHEAD < end ? from + PBW__AHEAD : from] & mask));
         record[width - 1] = 0.0;                     /* a weight that the points lack */
         pbw__fetch_place(&input, index, record, dim);
-        *id++ = (pbw_index)index;
-    }
-}
-
-/* Writes the points of a run of equal keys, in order, behind record r, and notes duplicates.  Returns the last
-   record. */
-static size_t pbw__order_place_run(const pbw__ordering *ordering, const pbw__part *run, size_t end, size_t r)
-{
-    const uint64_t *keys = ordering->keys, mask = ((uint64_t)1 << ordering->index_bits) - 1;
-    const pbw__input *input = ordering->input;
-    pbw__vertices *vertices = ordering->vertices;
-    const size_t step = vertices->width;
-    size_t i;
-    for (i = run->from; i < run->to && input->bare; i++) {
-        vertices->id[++r] = (pbw_index)(keys[i] & mask);
-    }
-    for (; i < run->to; i++) {
-        const size_t index = (size_t)(keys[i] & mask);
-        double *record = vertices->record + (r + 1) * step;
-        pbw__fetch_soon(input, (size_t)(keys[i + PBW__AHEAD < end ? i + PBW__AHEAD : i] & mask));
-        record[step - 1] = 0.0;
-        PBW__BY_DIM(input->dim, pbw__fetch_place, input, index, record);
-        if (i > run->from && pbw__same_place(record, record - step, input->dim)) {
-            vertices->canonical[index] = vertices->id[r];
+        if (PBW__UNLIKELY(pbw__same_place(record, last, dim))) {
+            ordering->vertices->canonical[index] = id[r];
         } else {
-            vertices->id[++r] = (pbw_index)index;
+            id[++r] = (pbw_index)index;
+            last = record;
+            record += width;
         }
     }
     return r;
@@ -3977,18 +3784,17 @@ static int pbw__order_run(pbw__ordering *ordering, pbw__part *run)
     return 1;
 }
 
-#define PBW__SCANNED 1024                            /* records that are scanned for a grid at a time, in the cache */
-
-/* Puts the runs of a part into order and its points into the records, as if no other part had duplicates. */
+/* Puts the runs of a part into order and its points into the records, as if no other part had duplicates.  Works in
+   steps of PBW__AHEAD points: orders their runs, then writes them, which prefetches the points of the next step. */
 static void pbw__order_part(void *arg, int task)
 {
     pbw__ordering *ordering = (pbw__ordering *)arg;
     pbw__part *part = ordering->parts + task, run;
     const pbw__input *input = ordering->input;
-    pbw__vertices *vertices = ordering->vertices;
+    const size_t width = ordering->vertices->width;
     const int bits = ordering->index_bits, dim = input->dim;
     const uint64_t *keys = ordering->keys;
-    size_t end_of[PBW__RUN_DEPTH], r = part->from, i = part->from, steps = 0, step = vertices->width, scanned = r;
+    size_t end_of[PBW__RUN_DEPTH], r = part->from, i = part->from;
     pbw__grid_share share;
     int depth = 0;
     end_of[0] = part->to;
@@ -3997,50 +3803,43 @@ static void pbw__order_part(void *arg, int task)
         return;
     }
     while (i < part->to) {
-        const size_t limit = end_of[depth], soon = limit - i > PBW__SCANNED ? i + PBW__SCANNED : limit;
-        size_t next = i + 1;
-        while (next < soon && keys[next] >> bits != keys[next - 1] >> bits) {
-            next++;
-        }
-        next -= next < limit;                        /* a run may begin there */
-        if (next > i) {
-            run.from = i;
-            run.to = next;
-            PBW__BY_DIM(dim, pbw__order_place, ordering, &run, part->to, r + 1);
-        }
-        steps += next + 1 - i;
-        r += next - i;
-        i = next;
-        if (i < limit) {
-            int done;
-            run.from = i;
-            for (run.to = i + 1; run.to < limit && keys[run.to] >> bits == keys[i] >> bits; run.to++) {
+        const size_t from = i, old = r, soon = part->to - i > PBW__AHEAD ? i + PBW__AHEAD : part->to;
+        while (i < soon) {
+            const size_t limit = end_of[depth], stop = soon < limit ? soon : limit - 1;
+            int done = 1;
+            while (i < stop && (keys[i] ^ keys[i + 1]) >> bits != 0) {
+                i++;
             }
-            run.settled = part->settled;
-            done = pbw__order_run(ordering, &run);
+            if (i == soon) {
+                break;
+            }
+            run.from = i++;
+            while (i < limit && (keys[i] ^ keys[run.from]) >> bits == 0) {
+                i++;
+            }
+            if (i - run.from > 1) {
+                run.to = i;
+                run.settled = part->settled;
+                done = pbw__order_run(ordering, &run);
+            }
             if (done == 0) {
                 return;
             }
             if (done < 0) {                          /* look at the same place again, for runs in the run */
-                end_of[++depth] = run.to;
-                continue;
+                end_of[++depth] = i;
+                i = run.from;
             }
-            steps += run.to - i;
-            r = pbw__order_place_run(ordering, &run, part->to, r);
-            i = run.to;
-        }
-        while (depth > 0 && i == end_of[depth]) {
-            depth--;
-        }
-        if (!input->bare && (r - scanned >= PBW__SCANNED || i == part->to)) {
-            pbw__grid_add(&share, vertices->record + (scanned + 1) * step, r - scanned, dim, (int)step);
-            scanned = r;
-        }
-        if (steps > PBW__TICK) {
-            steps = 0;
-            if (pbw__report(ordering->context, 0.5 + 0.5 * (double)i / (double)input->count)) {
-                return;
+            while (depth > 0 && i == end_of[depth]) {
+                depth--;
             }
+        }
+        r = dim == 3 ? pbw__order_place(ordering, part, from, i, r, 3)
+                     : pbw__order_place(ordering, part, from, i, r, 2);
+        if (!input->bare) {
+            pbw__grid_add(&share, ordering->vertices->record + (old + 1) * width, r - old, dim, (int)width);
+        }
+        if (pbw__report(ordering->context, 0.5 + 0.5 * (double)i / (double)input->count)) {
+            return;
         }
     }
     part->unique = r - part->from;

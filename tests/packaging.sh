@@ -376,6 +376,7 @@ __int64 _InterlockedCompareExchange64(__int64 volatile *, __int64, __int64);
 __int64 _InterlockedExchangeAdd64(__int64 volatile *, __int64);
 END
     cat > "$work/msvc/windows.h" << 'END'
+#define _WINDOWS_
 #define near
 #define far
 #define small char
@@ -393,14 +394,19 @@ WINAPI(void) ReleaseSRWLockExclusive(PSRWLOCK);
 WINAPI(void) WakeConditionVariable(PCONDITION_VARIABLE);
 WINAPI(void) WakeAllConditionVariable(PCONDITION_VARIABLE);
 WINAPI(int) SleepConditionVariableSRW(PCONDITION_VARIABLE, PSRWLOCK, DWORD, DWORD);
+typedef HANDLE FARPROC;
 END
+    sed '/winsock2/d' "$work/after.c" > "$work/msvc/after.c"
+    cp "$work/before.c" "$work/msvc/before.c"
     for flags in "" -DPBW_NO_THREADS -DPBW_WIDE; do
         # shellcheck disable=SC2086
         check "MSVC, by clang $flags: C" $msvc -std=c11 $flags -Wall -Wextra -Werror -I"$work/msvc" -I. \
             -fsyntax-only "$work/whole.c"
-        # shellcheck disable=SC2086
-        check "MSVC, by clang $flags: C++" $msvc -std=c++14 $flags -Wall -Wextra -Werror -I"$work/msvc" -I. \
-            -fsyntax-only -x c++ "$work/whole.c"
+        for file in whole msvc/before msvc/after; do
+            # shellcheck disable=SC2086
+            check "MSVC, by clang $flags: C++, $file" $msvc -std=c++14 $flags -Wall -Wextra -Werror -I"$work/msvc" -I. \
+                -fsyntax-only -x c++ "$work/$file.c"
+        done
     done
     if $other-gcc "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
         printf 'int _fltused;\n' > "$work/msvc/float.c"
