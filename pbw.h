@@ -8716,10 +8716,10 @@ static int pbw__emit_room(pbw__emission *emission, pbw__vertices *vertices)
         block = pbw__block_of(vertices->record, old * sizeof(double), room * sizeof(double));
         pbw__populate(context, &block, 1);
     }
-    emission->number = (pbw_index *)(void *)vertices->record;
-    emission->head = emission->number + emission->slot_count;
+    emission->head = (pbw_index *)(void *)vertices->record;
     emission->first = tasks > 1 ? emission->head + ranks : NULL;
-    emission->chunk_done = (unsigned char *)(emission->head + (tasks > 1 ? 2 : 1) * ranks);
+    emission->number = emission->head + (tasks > 1 ? 2 : 1) * ranks;
+    emission->chunk_done = (unsigned char *)(emission->number + emission->slot_count);
     memset(emission->chunk_done, 0, chunks);
     return 1;
 }
@@ -8744,18 +8744,29 @@ static pbw_status pbw__emit_all(pbw__emission *emission, pbw__vertices *vertices
     return status;
 }
 
-/* Hands the arrays to the mesh: the store's, cut to size, or the new ones. */
-static pbw_status pbw__hand_over(pbw__emission *emission, pbw__store *store, pbw__owned *owned, pbw_mesh *mesh)
+/* Gives back what an emission has done with: `number`, which lies last in its block, as far as `spare` doubles of that
+   serve for the points; and the ends of the store's arrays.  Returns 0 if memory is short. */
+static int pbw__emit_cut(pbw__emission *emission, pbw__store *store, pbw__vertices *vertices, size_t spare)
 {
     pbw__memory *memory = &emission->context->memory;
-    const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1);
+    const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1), ranks = emission->vertex_count + 1;
+    const size_t firsts = ((emission->first != NULL ? 2 : 1) * ranks + 1) / 2;   /* in doubles */
     size_t links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
+    if (!pbw__resize_array(memory, &vertices->record, &vertices->room, firsts > spare ? firsts : spare, sizeof(double))
+        || !pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
+        || (store->link != NULL && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
+        return 0;
+    }
+    emission->head = (pbw_index *)(void *)vertices->record;
+    emission->first = emission->first != NULL ? emission->head + ranks : NULL;
+    return 1;
+}
+
+/* Hands the arrays to the mesh: the store's or the new ones. */
+static void pbw__hand_over(pbw__emission *emission, pbw__store *store, pbw__owned *owned, pbw_mesh *mesh)
+{
+    const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1);
     if (!emission->apart) {
-        if (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
-            || (store->link != NULL
-                && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
-            return PBW_ERROR_MEMORY;
-        }
         emission->to_corner = store->corner;
         emission->to_link = (pbw_index *)(void *)store->link;
         store->corner = NULL;
@@ -8767,7 +8778,6 @@ static pbw_status pbw__hand_over(pbw__emission *emission, pbw__store *store, pbw
     owned->simplices = entries;
     owned->neighbors = emission->to_link != NULL ? entries : 0;
     emission->apart = 0;
-    return PBW_OK;
 }
 
 /* Turns the store's triangulation into the mesh's arrays. */
@@ -8776,6 +8786,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
 {
     pbw__memory *memory = &context->memory;
     const size_t corners = (size_t)vertices->dim + 1;
+    const size_t spare = (flags & PBW_BORROW) == 0 ? vertices->point_count * (size_t)vertices->dim : 0;
     pbw__emission emission;
     pbw_status status;
     if (store->capacity - store->count > store->capacity / 64 + 64       /* not of few points */
@@ -8804,10 +8815,11 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     emission.apart = emission.tasks == 1 && emission.slot_count <= PBW__APART;
     emission.chunk_bits = pbw__chunk_bits(emission.dim, emission.tasks, store->count);
     status = pbw__emit_all(&emission, vertices);
-    if (status == PBW_OK) {
-        status = pbw__hand_over(&emission, store, owned, mesh);
+    if (status == PBW_OK && !emission.apart && !pbw__emit_cut(&emission, store, vertices, spare)) {
+        status = PBW_ERROR_MEMORY;
     }
     if (status == PBW_OK) {
+        pbw__hand_over(&emission, store, owned, mesh);
         emission.incident = pbw__make_incident(context, owned, mesh, vertices->duplicate_count > 0);
         status = emission.incident == NULL ? PBW_ERROR_MEMORY
                : pbw__for_range(context, emission.vertex_count, 16384, 0.0, pbw__emit_pass5, &emission);
