@@ -7645,6 +7645,9 @@ typedef struct pbw__aside {
     size_t count, capacity, free_from, free_count;
 } pbw__aside;
 
+/* What a task keeps from pass to pass; end: its chain for others, then where its places end. */
+typedef struct pbw__emitting { size_t end; pbw__aside aside; } pbw__emitting;
+
 #define PBW__CHAINS 16                               /* followed at a time, so that their cache misses overlap */
 #define PBW__SOON 48                                 /* distance of prefetches in arrays that are read in any order */
 #define PBW__LISTS 64                                /* sorted at a time */
@@ -7663,12 +7666,11 @@ typedef struct pbw__emission {
     pbw_index *chain;                                /* per region: the last slot of its chain */
     pbw_index *head;                                 /* per rank: the length of its list; then its first simplex */
     pbw_index *first;                                /* per rank, tasks > 1: its first simplex in earlier shares */
-    size_t *end, one_end;                            /* per task: its chain for others; then where its places end */
     pbw_index *incident;                             /* per point of the caller */
     int chunk_bits;                                  /* slot >> chunk_bits is the number of its chunk */
     size_t chunk;                                    /* the next to be read, in the order of >>output */
     unsigned char *chunk_done;
-    pbw__aside *aside, one_aside;                    /* per task */
+    pbw__emitting *task, one_task;                   /* per task; room for one */
 } pbw__emission;
 
 /* The even permutation of the canonical form: corner k of the output is corner (order >> 2k) & 3 here.  Branchless:
@@ -7721,7 +7723,7 @@ PBW__INLINE unsigned pbw__first_bit(uint64_t set)
 
 /* Stores the lowest ranks of the simplices in `count` slots from `corner` on, at most 64; 0 for ghosts and free
    slots.  Returns the set of the other slots. */
-PBW__INLINE uint64_t pbw__lowest_ranks_of(const pbw_index *corner, size_t count, pbw_index *low, int dim)
+static uint64_t pbw__lowest_ranks_scalar(const pbw_index *corner, size_t count, pbw_index *low, int dim)
 {
     uint64_t set = 0;
     size_t i;
@@ -7736,7 +7738,7 @@ PBW__INLINE uint64_t pbw__lowest_ranks_of(const pbw_index *corner, size_t count,
 }
 
 #ifdef PBW__AVX2
-PBW__SIMD_INLINE uint64_t pbw__lowest_ranks_simd_of(const pbw_index *corner, size_t count, pbw_index *low, int dim)
+PBW__SIMD static uint64_t pbw__lowest_ranks_simd(const pbw_index *corner, size_t count, pbw_index *low, int dim)
 {
     const __m128i zero = _mm_setzero_si128(), unused = dim == 3 ? zero : _mm_setr_epi32(0, 0, -1, -1);
     uint64_t set = 0;
@@ -7753,13 +7755,7 @@ PBW__SIMD_INLINE uint64_t pbw__lowest_ranks_simd_of(const pbw_index *corner, siz
         _mm_storeu_si128((__m128i *)(void *)(low + i), ranks);
         set |= (uint64_t)(15 & ~_mm_movemask_ps(_mm_castsi128_ps(none))) << i;
     }
-    return i < count ? set | pbw__lowest_ranks_of(corner + 4 * i, count - i, low + i, dim) << i : set;
-}
-
-PBW__SIMD static uint64_t pbw__lowest_ranks_simd(const pbw_index *corner, size_t count, pbw_index *low, int dim)
-{
-    return dim == 3 ? pbw__lowest_ranks_simd_of(corner, count, low, 3)
-                    : pbw__lowest_ranks_simd_of(corner, count, low, 2);
+    return i < count ? set | pbw__lowest_ranks_scalar(corner + 4 * i, count - i, low + i, dim) << i : set;
 }
 #endif
 
@@ -7771,8 +7767,7 @@ PBW__INLINE uint64_t pbw__lowest_ranks(const pbw__emission *emission, size_t slo
         return pbw__lowest_ranks_simd(corner, count, low, emission->dim);
     }
 #endif
-    return emission->dim == 3 ? pbw__lowest_ranks_of(corner, count, low, 3)
-                              : pbw__lowest_ranks_of(corner, count, low, 2);
+    return pbw__lowest_ranks_scalar(corner, count, low, emission->dim);
 }
 
 /* ---- pass 1: lists
@@ -7782,32 +7777,12 @@ PBW__INLINE uint64_t pbw__lowest_ranks(const pbw__emission *emission, size_t slo
 /* A task owns the lists of `own` ranks from `ranks` on; `others`: the last slot of its chain for other tasks. */
 typedef struct pbw__listing { size_t ranks, own; pbw_index others; } pbw__listing;
 
-/* Chains the slots of a batch that are in the set `used`; all: every slot is. */
-PBW__INLINE void pbw__emit_batch(const pbw__emission *emission, pbw__listing *listing, const pbw_index *lowest,
-                                 uint64_t used, size_t from, int all)
-{
-    pbw_index *number = emission->number, *chain = emission->chain, *head = emission->head;
-    const size_t ranks = listing->ranks, own = listing->own;
-    const int bits = emission->store->region_bits;
-    unsigned at;
-    for (at = 0; all ? at < PBW__BATCH : used != 0; at++, used &= used - 1) {
-        const pbw_index low = lowest[at = all ? at : pbw__first_bit(used)], t = (pbw_index)(from + at);
-        if (PBW__LIKELY(low - ranks < own)) {
-            number[t] = chain[low >> bits];
-            chain[low >> bits] = t;
-            head[low]++;
-        } else {
-            number[t] = listing->others;
-            listing->others = t;
-        }
-    }
-}
-
 /* Chains the slots from..end-1. */
 static void pbw__emit_chains(const pbw__emission *emission, pbw__listing *listing, size_t from, size_t end)
 {
-    const pbw_index *corner = emission->corner;
-    pbw_index lowest[PBW__BATCH];
+    pbw_index *number = emission->number, *chain = emission->chain, *head = emission->head, lowest[PBW__BATCH];
+    const size_t ranks = listing->ranks, own = listing->own;
+    const int bits = emission->store->region_bits;
     uint64_t used;
     size_t t, to;
     for (; from < end; from = to) {
@@ -7817,14 +7792,20 @@ static void pbw__emit_chains(const pbw__emission *emission, pbw__listing *listin
         }
         to = end - from < PBW__BATCH ? end : from + PBW__BATCH;
         for (t = to; t < end && t < to + PBW__BATCH; t += 4) {
-            PBW__PREFETCH(corner + 4 * t);
+            PBW__PREFETCH(emission->corner + 4 * t);
         }
+        memset(number + from, 0xff, (to - from) * sizeof(pbw_index));            /* PBW_NONE */
         used = pbw__lowest_ranks(emission, from, to - from, lowest);
-        if (used == ~(uint64_t)0) {
-            pbw__emit_batch(emission, listing, lowest, used, from, 1);
-        } else {                                     /* on a circle half are ghosts, in unpredictable slots */
-            memset(emission->number + from, 0xff, (to - from) * sizeof(pbw_index));      /* PBW_NONE */
-            pbw__emit_batch(emission, listing, lowest, used, from, 0);
+        for (; used != 0; used &= used - 1) {        /* on a circle half are ghosts, in unpredictable slots */
+            const unsigned at = pbw__first_bit(used);
+            const pbw_index low = lowest[at];
+            pbw_index *last = &listing->others;
+            if (PBW__LIKELY(low - ranks < own)) {
+                last = chain + (low >> bits);
+                head[low]++;
+            }
+            number[from + at] = *last;
+            *last = (pbw_index)(from + at);
         }
     }
 }
@@ -7853,9 +7834,7 @@ static void pbw__emit_pass1(void *arg, int task)
     size_t tail_from = store->region_slots + pbw__share(tail, task, emission->tasks);
     size_t tail_to = store->region_slots + pbw__share(tail, task + 1, emission->tasks);
     size_t ranks = pbw__emit_ranks(emission, first), end = pbw__emit_ranks(emission, last);
-    pbw__listing listing = { 0, 0, PBW_NONE };
-    listing.ranks = first << store->region_bits;
-    listing.own = (last << store->region_bits) - listing.ranks;
+    pbw__listing listing = { first << store->region_bits, (last - first) << store->region_bits, PBW_NONE };
     memset(emission->chain + first, 0xff, (last - first) * sizeof(pbw_index));       /* PBW_NONE */
     memset(emission->head + ranks, 0, (end - ranks) * sizeof(pbw_index));
     if (emission->first != NULL) {
@@ -7863,13 +7842,13 @@ static void pbw__emit_pass1(void *arg, int task)
     }
     pbw__emit_chains(emission, &listing, from, to);
     pbw__emit_chains(emission, &listing, tail_from, tail_to);
-    emission->end[task] = listing.others;
+    emission->task[task].end = listing.others;
 }
 
 static void pbw__emit_others(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
-    pbw_index t = (pbw_index)emission->end[task], next, low;
+    pbw_index t = (pbw_index)emission->task[task].end, next, low;
     for (; t != PBW_NONE; t = next) {
         next = emission->number[t];
         (void)pbw__lowest_ranks(emission, t, 1, &low);
@@ -7894,7 +7873,7 @@ static void pbw__emit_counts(void *arg, int task)
     size_t regions = emission->store->region_count;
     size_t from = pbw__emit_ranks(emission, pbw__share(regions, task, emission->tasks));
     size_t to = pbw__emit_ranks(emission, pbw__share(regions, task + 1, emission->tasks));
-    emission->end[task] = pbw__emit_count(emission->head + from, to - from);
+    emission->task[task].end = pbw__emit_count(emission->head + from, to - from);
 }
 
 /* ---- lists in order
@@ -8032,51 +8011,6 @@ PBW__SIMD static void pbw__sort_lists_simd(const pbw__item *item, const pbw_inde
         }
     }
 }
-
-/* In the plane lists are short and lie in ascending order of ranks.  It is faster to sort many at once, without their
-   borders: each simplex is compared with the `longest`-1 before it and after it, and those of other lists are already
-   in order.  Signed comparisons serve, as ranks are below 2^31: there are twice as many triangles as vertices. */
-#define PBW__REACH 12
-
-PBW__SIMD static void pbw__sort_lists2_simd(const pbw__item *item, const pbw_index *end, unsigned lists,
-                                            pbw_index begin, pbw__item *sorted)
-{
-    int64_t key[PBW__REACH + PBW__LISTS * PBW__REACH + 4 + PBW__REACH];
-    pbw_index from, longest = 0, count = end[lists - 1] - begin, i, k;
-    for (i = 0, from = begin; i < lists; from = end[i++]) {
-        longest = end[i] - from > longest ? end[i] - from : longest;
-    }
-    if (longest > PBW__REACH) {
-        pbw__sort_lists_simd(item, end, lists, begin, sorted);
-        return;
-    }
-    item += begin;
-    sorted += 1 + begin;
-    memset(key, 0, PBW__REACH * sizeof(int64_t));
-    for (i = 0; i < count; i += 4) {
-        const __m256i a = _mm256_loadu_si256((const __m256i *)(const void *)(item + i));
-        const __m256i b = _mm256_loadu_si256((const __m256i *)(const void *)(item + i + 2));
-        const __m256i four = _mm256_permute4x64_epi64(_mm256_unpacklo_epi64(a, b), 0xd8);
-        _mm256_storeu_si256((__m256i *)(void *)(key + PBW__REACH + i), four);
-    }
-    memset(key + PBW__REACH + count, 0x7f, (4 + PBW__REACH) * sizeof(int64_t));
-    for (i = 0; i < count; i += 4) {
-        const int64_t *here = key + PBW__REACH + i;
-        const __m256i four = _mm256_loadu_si256((const __m256i *)(const void *)here);
-        __m256i place = _mm256_add_epi64(_mm256_set1_epi64x((int64_t)i), _mm256_setr_epi64x(0, 1, 2, 3));
-        uint64_t half[4];
-        for (k = 1; k < longest; k++) {
-            const __m256i before = _mm256_loadu_si256((const __m256i *)(const void *)(here - k));
-            const __m256i after = _mm256_loadu_si256((const __m256i *)(const void *)(here + k));
-            place = _mm256_add_epi64(place, _mm256_cmpgt_epi64(before, four));
-            place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(four, after));
-        }
-        _mm256_storeu_si256((__m256i *)(void *)half, _mm256_add_epi64(place, place));
-        for (k = 0; k < 4; k++) {                    /* the surplus is overwritten by the next lists */
-            pbw__store4((uint64_t *)(void *)sorted + half[k], pbw__load4(item + i + k));
-        }
-    }
-}
 #endif
 
 PBW__INLINE void pbw__fill_lists(const pbw__emission *emission, const pbw_index *slot, size_t count, pbw__item *item)
@@ -8129,7 +8063,7 @@ PBW__INLINE void pbw__sort_region(const pbw__emission *emission, pbw__item *item
         const unsigned n = lists - r < PBW__LISTS ? (unsigned)(lists - r) : PBW__LISTS;
 #ifdef PBW__AVX2
         if (emission->simd) {
-            (emission->dim == 3 ? pbw__sort_lists_simd : pbw__sort_lists2_simd)(item, end + r, n, begin, sorted);
+            pbw__sort_lists_simd(item, end + r, n, begin, sorted);
         } else
 #endif
         {
@@ -8249,7 +8183,7 @@ static void pbw__emit_pass2(void *arg, int task)
     size_t regions = emission->store->region_count, least = pbw__share(regions, task, emission->tasks);
     size_t region = pbw__share(regions, task + 1, emission->tasks);
     const pbw_index later = region < regions ? (pbw_index)pbw__emit_ranks(emission, region) : PBW_NONE;
-    pbw__buffers buffers = { NULL, NULL, NULL, 0, 0, (pbw_index)emission->end[task] };
+    pbw__buffers buffers = { NULL, NULL, NULL, 0, 0, (pbw_index)emission->task[task].end };
     while (region > least && !pbw__report(emission->context, 0.5 - 0.25 * (double)region / (double)regions)) {
         unsigned count = region - least < PBW__CHAINS ? (unsigned)(region - least) : PBW__CHAINS, i;
         size_t length[PBW__CHAINS], sum = 0, longest = 0;
@@ -8382,23 +8316,13 @@ PBW__SIMD_INLINE void pbw__emit_entries(pbw_index *to, pbw__i4 x, int dim)
     }
 }
 
-/* Lists the slots from..end-1 that have a number; returns how many. */
-PBW__SIMD_INLINE size_t pbw__emit_used(const pbw_index *number, size_t from, size_t end, pbw_index *slot)
+/* Lists the slots from..end-1 that have a number; returns how many.  Branchless. */
+PBW__INLINE size_t pbw__emit_used(const pbw_index *number, size_t from, size_t end, pbw_index *slot)
 {
-    size_t count = 0, i;
-    for (; from < end; from += 64) {
-        uint64_t used = 0;
-        for (i = 0; i < 64 && from + i + 8 <= end; i += 8) {
-            const __m256i eight = _mm256_loadu_si256((const __m256i *)(const void *)(number + from + i));
-            const __m256i none = _mm256_cmpeq_epi32(eight, _mm256_set1_epi32(-1));       /* PBW_NONE */
-            used |= (uint64_t)(255 & ~_mm256_movemask_ps(_mm256_castsi256_ps(none))) << i;
-        }
-        for (; i < 64 && from + i < end; i++) {
-            used |= (uint64_t)(number[from + i] != PBW_NONE) << i;
-        }
-        for (; used != 0; used &= used - 1) {
-            slot[count++] = (pbw_index)(from + pbw__first_bit(used));
-        }
+    size_t count = 0;
+    for (; from < end; from++) {
+        slot[count] = (pbw_index)from;
+        count += number[from] != PBW_NONE;
     }
     return count;
 }
@@ -8540,13 +8464,13 @@ static void pbw__emit_pass3(void *arg, int task)
         pbw__emit_slots(emission, from, end < emission->slot_count ? end : emission->slot_count, &aside);
         PBW__STORE_RELEASE(emission->chunk_done + chunk, 1);
     }
-    emission->aside[task] = aside;
+    emission->task[task].aside = aside;
 }
 
 static void pbw__emit_pass4(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
-    pbw__aside *aside = emission->aside + task;
+    pbw__aside *aside = &emission->task[task].aside;
     if (!PBW__LOAD(&emission->failed) && !pbw__report(emission->context, 0.95)) {
         aside->free_from = 0;
         aside->free_count = emission->simplex_count;
@@ -8610,7 +8534,7 @@ static pbw_status pbw__emit(pbw__emission *emission)
     }
     pbw__for(context, tasks, pbw__emit_counts, emission);
     for (task = 0; task < tasks; task++) {
-        emission->end[task] = sum += emission->end[task];
+        emission->task[task].end = sum += emission->task[task].end;
     }
     emission->simplex_count = sum;
     if (pbw__emit_status(emission) != PBW_OK) {
@@ -8730,16 +8654,14 @@ static pbw_status pbw__emit_all(pbw__emission *emission, pbw__vertices *vertices
     pbw__memory *memory = &emission->context->memory;
     const size_t tasks = (size_t)emission->tasks;
     pbw_status status = PBW_ERROR_MEMORY;
-    emission->end = tasks > 1 ? (size_t *)pbw__allocate(memory, tasks, sizeof(size_t)) : &emission->one_end;
-    emission->aside = tasks > 1 ? (pbw__aside *)pbw__allocate(memory, tasks, sizeof(pbw__aside))
-                                : &emission->one_aside;
-    if (emission->end != NULL && emission->aside != NULL && pbw__emit_room(emission, vertices)) {
-        memset(emission->aside, 0, tasks * sizeof(pbw__aside));
+    emission->task = tasks > 1 ? (pbw__emitting *)pbw__allocate(memory, tasks, sizeof(pbw__emitting))
+                               : &emission->one_task;
+    if (emission->task != NULL && pbw__emit_room(emission, vertices)) {
+        memset(emission->task, 0, tasks * sizeof(pbw__emitting));
         status = pbw__emit(emission);
     }
     if (tasks > 1) {
-        pbw__release(memory, emission->end, tasks, sizeof(size_t));
-        pbw__release(memory, emission->aside, tasks, sizeof(pbw__aside));
+        pbw__release(memory, emission->task, tasks, sizeof(pbw__emitting));
     }
     return status;
 }
@@ -8759,25 +8681,11 @@ static int pbw__emit_cut(pbw__emission *emission, pbw__store *store, pbw__vertic
     }
     emission->head = (pbw_index *)(void *)vertices->record;
     emission->first = emission->first != NULL ? emission->head + ranks : NULL;
+    emission->to_corner = store->corner;
+    emission->to_link = (pbw_index *)(void *)store->link;
+    store->corner = NULL;
+    store->link = NULL;
     return 1;
-}
-
-/* Hands the arrays to the mesh: the store's or the new ones. */
-static void pbw__hand_over(pbw__emission *emission, pbw__store *store, pbw__owned *owned, pbw_mesh *mesh)
-{
-    const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1);
-    if (!emission->apart) {
-        emission->to_corner = store->corner;
-        emission->to_link = (pbw_index *)(void *)store->link;
-        store->corner = NULL;
-        store->link = NULL;
-    }
-    mesh->simplex_count = emission->simplex_count;
-    mesh->simplices = emission->to_corner;
-    mesh->neighbors = emission->to_link;
-    owned->simplices = entries;
-    owned->neighbors = emission->to_link != NULL ? entries : 0;
-    emission->apart = 0;
 }
 
 /* Turns the store's triangulation into the mesh's arrays. */
@@ -8819,12 +8727,14 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
         status = PBW_ERROR_MEMORY;
     }
     if (status == PBW_OK) {
-        pbw__hand_over(&emission, store, owned, mesh);
+        mesh->simplex_count = emission.simplex_count;
+        mesh->simplices = emission.to_corner;
+        mesh->neighbors = emission.to_link;
+        owned->simplices = owned->neighbors = corners * emission.simplex_count;
         emission.incident = pbw__make_incident(context, owned, mesh, vertices->duplicate_count > 0);
         status = emission.incident == NULL ? PBW_ERROR_MEMORY
                : pbw__for_range(context, emission.vertex_count, 16384, 0.0, pbw__emit_pass5, &emission);
-    }
-    if (emission.apart) {                            /* a failure */
+    } else if (emission.apart) {
         pbw__release(memory, emission.to_corner, corners * emission.simplex_count, sizeof(pbw_index));
         pbw__release(memory, emission.to_link, corners * emission.simplex_count, sizeof(pbw_index));
     }
@@ -9224,11 +9134,11 @@ typedef struct pbw__check {
     pbw__context *context;
     pbw__tested tested;
     double *record;                                  /* that it has */
+    pbw__finding found;                              /* in the last pass: the first fault, and what was counted before */
     const double *basis[4];                          /* degenerate: independent points */
     int dim, rank;                                   /* points in the basis */
-    size_t independent;
-    size_t duplicate_count, other_count;             /* others are canonical, but no vertices */
-    size_t *block;                                   /* of the points: others in each, then where to list its next */
+    size_t *others;                                  /* per range of points: how many others; then where to list them */
+    size_t other_count;                              /* others are canonical, but no vertices */
     uint64_t *by_hash, *other;                       /* each other point, as sort key << 32 | point */
     pbw__box box;                                    /* of the others */
     pbw__curve curve;
@@ -9236,9 +9146,7 @@ typedef struct pbw__check {
 } pbw__check;
 
 typedef struct pbw__check_part {                     /* what is found in one range of a pass */
-    pbw_report report;
-    size_t duplicate_count, other_count;
-    size_t independent;                              /* degenerate: 1 + a point that is, of the basis; 0: none */
+    pbw__finding found;
     pbw__box box;                                    /* of the others; empty in other passes */
     pbw_index hint;                                  /* where the last walk ended */
 } pbw__check_part;
@@ -9265,55 +9173,50 @@ static int pbw__fault(pbw_report *report, int fault, size_t simplex, int facet, 
 static pbw_status pbw__check_range(void *arg, size_t from, size_t to)
 {
     const pbw__checking *checking = (const pbw__checking *)arg;
-    return checking->items(checking->check, checking->part + from / PBW__CHECKED, from, to) ? PBW_OK : PBW_DEGENERATE;
+    pbw__digit pool[PBW__POOL];
+    pbw__check_part part;                            /* on the stack: no false sharing with other tasks */
+    int sound;
+    memset(&part, 0, sizeof(part));
+    part.found.pool = pool;
+    pbw__box_reset(&part.box, 0);
+    sound = checking->items(checking->check, &part, from, to);
+    part.found.pool = NULL;
+    checking->part[from / PBW__CHECKED] = part;
+    return sound ? PBW_OK : PBW_DEGENERATE;
 }
 
 /* One pass over count items; progress goes on to `end`.  Returns 0 to stop: a fault, cancelled, or out of memory. */
 static int pbw__check_pass(pbw__check *check, pbw__check_items *items, size_t count, double end)
 {
-    pbw__memory *memory = &check->context->memory;
-    pbw_report *report = check->report;
     const size_t parts = count / PBW__CHECKED + 1;
     pbw__checking checking = { check, items, NULL };
+    pbw__finding *found = &check->found;
     pbw_status status;
     size_t i;
+    int k;
     checking.part = (pbw__check_part *)pbw__allocate_large(check->context, parts, sizeof(pbw__check_part));
     if (checking.part == NULL) {
         check->status = PBW_ERROR_MEMORY;
         return 0;
     }
     memset(checking.part, 0, parts * sizeof(pbw__check_part));
-    for (i = 0; i < parts; i++) {
-        pbw__box_reset(&checking.part[i].box, 0);
-    }
+    memset(found->counted, 0, sizeof(found->counted));
     status = pbw__for_range(check->context, count, PBW__CHECKED, end, pbw__check_range, &checking);
-    for (i = 0; i < parts && report->what[0] == '\0' && check->independent == 0; i++) {
+    for (i = 0; i * PBW__CHECKED < count && found->fault == PBW__SOUND; i++) {
         const pbw__check_part *part = checking.part + i;
-        check->duplicate_count += part->duplicate_count;
-        check->other_count += part->other_count;
-        check->independent = part->independent;
+        for (k = 0; k < 3; k++) {
+            found->counted[k] += part->found.counted[k];
+        }
         if (part->box.low[0] <= part->box.high[0]) {
             pbw__box_add(&check->box, part->box.low, check->dim);
             pbw__box_add(&check->box, part->box.high, check->dim);
         }
-        report->vertex_count += part->report.vertex_count;
-        report->facet_count += part->report.facet_count;
-        report->hull_facet_count += part->report.hull_facet_count;
-        if (part->report.what != NULL) {
-            report->what = part->report.what;
-            report->simplex = part->report.simplex;
-            report->facet = part->report.facet;
-            report->point = part->report.point;
+        if (part->found.fault != PBW__SOUND) {
+            (void)pbw__find_fault(found, part->found.fault, part->found.simplex, part->found.facet, part->found.point);
         }
     }
-    pbw__release(memory, checking.part, parts, sizeof(pbw__check_part));
+    pbw__release(&check->context->memory, checking.part, parts, sizeof(pbw__check_part));
     return status == PBW_OK;
-}
-
-/* What the tests of a range found goes into its report. */
-static int pbw__check_found(pbw__check_part *part, const pbw__finding *found)
-{
-    return pbw__fault(&part->report, found->fault, found->simplex, found->facet, found->point);
 }
 
 /* The points as records. */
@@ -9328,7 +9231,7 @@ static int pbw__check_finite(pbw__check *check, pbw__check_part *part, size_t fr
         for (k = 0; k <= dim; k++) {
             x[k] = (k < dim ? mesh->points[p * dim + k] : w != NULL ? w[p] : 0.0) + 0.0;
             if (!(x[k] - x[k] == 0.0)) {
-                return pbw__fault(&part->report, PBW__FAULT_FINITE, PBW_NONE, -1, p);
+                return pbw__find_fault(&part->found, PBW__FAULT_FINITE, PBW_NONE, -1, p);
             }
         }
     }
@@ -9337,35 +9240,27 @@ static int pbw__check_finite(pbw__check *check, pbw__check_part *part, size_t fr
 
 static int pbw__check_points(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
-    pbw__finding found = { NULL, 0, 0, 0, 0, { 0, 0, 0 } };
+    size_t *others = check->others + from / PBW__CHECKED;
     int sound = 1;
     for (; from < to && sound; from++) {
-        sound = pbw__test_point(&check->tested, check->dim, from, &found);
+        sound = pbw__test_point(&check->tested, check->dim, from, &part->found);
     }
-    part->report.vertex_count = found.counted[0];
-    part->other_count = found.counted[1];
-    part->duplicate_count = found.counted[2];
-    return sound || pbw__check_found(part, &found);
+    *others = part->found.counted[1];
+    return sound;
 }
 
 static int pbw__check_simplices(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
-    pbw__digit pool[PBW__POOL];
-    pbw__finding found = { pool, 0, 0, 0, 0, { 0, 0, 0 } };
     int sound = 1;
     for (; from < to && sound; from++) {
-        sound = check->dim == 2 ? pbw__test_simplex(&check->tested, 2, from, &found)
-                                : pbw__test_simplex(&check->tested, 3, from, &found);
+        sound = check->dim == 2 ? pbw__test_simplex(&check->tested, 2, from, &part->found)
+                                : pbw__test_simplex(&check->tested, 3, from, &part->found);
     }
-    part->report.facet_count = found.counted[0];
-    part->report.hull_facet_count = found.counted[1];
-    return sound || pbw__check_found(part, &found);
+    return sound;
 }
 
 static int pbw__check_hull(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
-    pbw__digit pool[PBW__POOL];
-    pbw__finding found = { pool, 0, 0, 0, 0, { 0, 0, 0 } };
     const pbw__tested *mesh = &check->tested;
     const int dim = check->dim;
     size_t steps = 0, s;
@@ -9382,8 +9277,8 @@ static int pbw__check_hull(pbw__check *check, pbw__check_part *part, size_t from
                         return 0;                    /* a single ridge may have them all */
                     }
                 }
-                if (!pbw__test_ridge(mesh, dim, s, i, &turn, &found)) {
-                    return pbw__check_found(part, &found);
+                if (!pbw__test_ridge(mesh, dim, s, i, &turn, &part->found)) {
+                    return 0;
                 }
             }
         }
@@ -9394,23 +9289,21 @@ static int pbw__check_hull(pbw__check *check, pbw__check_part *part, size_t from
 /* Visibility walk to each of the other points, from where the last one ended. */
 static int pbw__check_hidden(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
-    pbw__digit pool[PBW__POOL];
-    pbw__finding found = { pool, 0, 0, 0, 0, { 0, 0, 0 } };
     size_t steps = 0;
     while (from < to) {
         pbw__visit visit = { (uint32_t)check->other[from], part->hint, part->hint };
-        while (pbw__visit_on(&check->tested, check->dim, &visit, &found)) {
+        while (pbw__visit_on(&check->tested, check->dim, &visit, &part->found)) {
             if ((++steps & 1023) == 0 && pbw__report(check->context, 0.94)) {
                 return 0;
             }
         }
-        if (pbw__test_visited(&check->tested, check->dim, &visit, &found)) {
+        if (pbw__test_visited(&check->tested, check->dim, &visit, &part->found)) {
             part->hint = visit.here;
             from++;
         } else if (part->hint != 0) {
             part->hint = 0;                          /* reported as a walk from simplex 0 finds it, in every part */
         } else {
-            return pbw__check_found(part, &found);
+            return 0;
         }
     }
     return 1;
@@ -9429,8 +9322,7 @@ static int pbw__check_flat(pbw__check *check, pbw__check_part *part, size_t from
         if (check->rank == check->dim ? pbw__orient(check->dim, a, &check->tested.grid) != 0
             : check->rank == 2 ? !pbw__collinear3(a[0], a[1], x, &check->tested.grid)
                                : check->rank == 0 || !pbw__same_place(a[0], x, check->dim)) {
-            part->independent = from + 1;
-            return 0;
+            return pbw__find_fault(&part->found, PBW__FAULT_SPAN, PBW_NONE, -1, from);
         }
     }
     return 1;
@@ -9440,18 +9332,12 @@ static int pbw__check_flat(pbw__check *check, pbw__check_part *part, size_t from
 static int pbw__check_span(pbw__check *check)
 {
     for (;;) {
-        int going;
-        size_t point;
-        check->independent = 0;
-        going = pbw__check_pass(check, pbw__check_flat, check->mesh->point_count, 0.9);
-        point = check->independent;
-        if (point == 0) {
+        const int going = pbw__check_pass(check, pbw__check_flat, check->mesh->point_count, 0.9);
+        if (check->found.fault != PBW__FAULT_SPAN || check->rank == check->dim) {
             return going;
         }
-        if (check->rank == check->dim) {
-            return pbw__fault(check->report, PBW__FAULT_SPAN, PBW_NONE, -1, point - 1);
-        }
-        check->basis[check->rank++] = pbw__test_record(&check->tested, check->dim, point - 1);
+        check->basis[check->rank++] = pbw__test_record(&check->tested, check->dim, check->found.point);
+        (void)pbw__find_fault(&check->found, PBW__SOUND, PBW_NONE, -1, PBW_NONE);
     }
 }
 
@@ -9476,54 +9362,16 @@ PBW__INLINE uint64_t pbw__hash_doubles(uint64_t hash, const double *x, int count
     return hash;
 }
 
-/* Points that are neither duplicates nor vertices are listed by blocks.  The first pass counts them in each block,
-   the second lists them. */
-#define PBW__BLOCK_POINTS 1024
-PBW__INLINE int pbw__check_is_other(const pbw__check *check, size_t p)
-{
-    return check->mesh->canonical[p] == p && check->mesh->incident[p] == PBW_NONE;
-}
-
-PBW__INLINE size_t pbw__check_block_end(const pbw__check *check, size_t block)
-{
-    size_t points = check->mesh->point_count, end = (block + 1) * PBW__BLOCK_POINTS;
-    return end < points ? end : points;
-}
-
-static int pbw__check_count(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
-{
-    size_t p;
-    (void)part;
-    for (; from < to; from++) {
-        check->block[from] = 0;
-        for (p = from * PBW__BLOCK_POINTS; p < pbw__check_block_end(check, from); p++) {
-            check->block[from] += (size_t)pbw__check_is_other(check, p);
-        }
-    }
-    return 1;
-}
-
+/* Lists the points of a range that are neither duplicates nor vertices. */
 static int pbw__check_gather(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
-    size_t p;
+    size_t next = check->others[from / PBW__CHECKED];
     for (; from < to; from++) {
-        for (p = from * PBW__BLOCK_POINTS; p < pbw__check_block_end(check, from); p++) {
-            if (pbw__check_is_other(check, p)) {
-                check->by_hash[check->block[from]++] = (uint64_t)p;
-                pbw__box_add(&part->box, pbw__test_record(&check->tested, check->dim, p), check->dim);
-            }
+        if (check->mesh->canonical[from] == from && check->mesh->incident[from] == PBW_NONE) {
+            const double *x = pbw__test_record(&check->tested, check->dim, from);
+            check->by_hash[next++] = (pbw__hash_doubles(0, x, check->dim) & ~(uint64_t)UINT32_MAX) | (uint64_t)from;
+            pbw__box_add(&part->box, x, check->dim);
         }
-    }
-    return 1;
-}
-
-static int pbw__check_hashes(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
-{
-    uint64_t *key = check->by_hash;
-    (void)part;
-    for (; from < to; from++) {
-        const double *x = pbw__test_record(&check->tested, check->dim, (size_t)key[from]);
-        key[from] |= pbw__hash_doubles(0, x, check->dim) & ~(uint64_t)UINT32_MAX;
     }
     return 1;
 }
@@ -9538,7 +9386,7 @@ static int pbw__check_apart(pbw__check *check, pbw__check_part *part, size_t fro
         for (m = k + 1; m < check->other_count && key[m] >> 32 == key[k] >> 32; m++) {
             uint32_t p = (uint32_t)key[m];
             if (pbw__same_place(x, pbw__test_record(&check->tested, check->dim, p), check->dim)) {
-                return pbw__fault(&part->report, PBW__FAULT_TWICE, PBW_NONE, -1, p);
+                return pbw__find_fault(&part->found, PBW__FAULT_TWICE, PBW_NONE, -1, p);
             }
         }
         check->other[k] = pbw__hilbert_key(check->curve.step, &check->box, x, check->dim,
@@ -9553,28 +9401,20 @@ static int pbw__check_others(pbw__check *check)
 {
     pbw__context *context = check->context;
     pbw__memory *memory = &context->memory;
-    size_t count = check->other_count, blocks = check->mesh->point_count / PBW__BLOCK_POINTS + 1, block, listed = 0;
+    const size_t count = check->other_count;
     const int bits = check->dim == 2 ? 16 : 10, tasks = pbw__tasks(context, count, 16384);
     uint64_t *keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
     uint64_t *spare = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
     uint32_t *start = (uint32_t *)pbw__allocate(memory, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
     pbw__sorting sorting = { context, keys, spare, start, count, tasks, 0, 0 };
     int going = 0;
-    check->block = (size_t *)pbw__allocate(memory, blocks, sizeof(size_t));
-    if (keys == NULL || spare == NULL || start == NULL || check->block == NULL) {
+    if (keys == NULL || spare == NULL || start == NULL) {
         check->status = PBW_ERROR_MEMORY;
     } else {
-        going = pbw__check_pass(check, pbw__check_count, blocks, 0.905);
-        for (block = 0; block < blocks && going; block++) {
-            size_t here = check->block[block];
-            check->block[block] = listed;
-            listed += here;
-        }
         pbw__curve_create(&check->curve, count, check->dim);
         pbw__box_reset(&check->box, bits);
         check->by_hash = keys;
-        going = going && pbw__check_pass(check, pbw__check_gather, blocks, 0.91)
-            && pbw__check_pass(check, pbw__check_hashes, count, 0.92)
+        going = pbw__check_pass(check, pbw__check_gather, check->mesh->point_count, 0.92)
             && (check->by_hash = pbw__sort_by(&sorting, 32, 32)) != NULL;
         if (going) {
             pbw__box_close(&check->box, check->dim);
@@ -9592,30 +9432,39 @@ static int pbw__check_others(pbw__check *check)
     pbw__release(memory, keys, count, sizeof(uint64_t));
     pbw__release(memory, spare, count, sizeof(uint64_t));
     pbw__release(memory, start, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
-    pbw__release(memory, check->block, blocks, sizeof(size_t));
     return going;
 }
 
 static int pbw__check_all(pbw__check *check)
 {
     const pbw_mesh *mesh = check->mesh;
-    size_t points = mesh->point_count, simplices = mesh->simplex_count;
-    if (!pbw__check_pass(check, pbw__check_finite, points, 0.05)
-        || !pbw__check_pass(check, pbw__check_points, points, 0.1)) {
+    const size_t points = mesh->point_count, simplices = mesh->simplex_count;
+    int going = pbw__check_pass(check, pbw__check_finite, points, 0.05)
+        && pbw__check_pass(check, pbw__check_points, points, 0.1);
+    size_t i;
+    check->report->vertex_count = check->found.counted[0];
+    if (!going) {
         return 0;
     }
-    if (check->duplicate_count != mesh->duplicate_count) {
-        return pbw__fault(check->report, PBW__FAULT_DUPLICATES, PBW_NONE, -1, PBW_NONE);
+    if (check->found.counted[2] != mesh->duplicate_count) {
+        return pbw__find_fault(&check->found, PBW__FAULT_DUPLICATES, PBW_NONE, -1, PBW_NONE);
+    }
+    for (i = 0; i * PBW__CHECKED < points; i++) {
+        const size_t others = check->others[i];
+        check->others[i] = check->other_count;
+        check->other_count += others;
     }
     if (mesh->hidden_count != (simplices > 0 ? check->other_count : 0)) {
-        return pbw__fault(check->report, PBW__FAULT_HIDDEN, PBW_NONE, -1, PBW_NONE);
+        return pbw__find_fault(&check->found, PBW__FAULT_HIDDEN, PBW_NONE, -1, PBW_NONE);
     }
     pbw__grid_scan(check->context, check->record, points, check->dim, &check->tested.grid);
     if (simplices == 0) {
         return pbw__check_span(check) && pbw__check_others(check);
     }
-    return pbw__check_pass(check, pbw__check_simplices, simplices, 0.85)
-        && pbw__check_pass(check, pbw__check_hull, simplices, 0.9)
+    going = pbw__check_pass(check, pbw__check_simplices, simplices, 0.85);
+    check->report->facet_count = check->found.counted[0];
+    check->report->hull_facet_count = check->found.counted[1];
+    return going && pbw__check_pass(check, pbw__check_hull, simplices, 0.9)
         && (check->other_count == 0 || pbw__check_others(check));
 }
 
@@ -9623,13 +9472,12 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
 {
     pbw__context context;
     pbw__check check;
-    size_t size;
+    size_t size, ranges;
     if (report == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
     memset(report, 0, sizeof(*report));
-    report->what = pbw__fault_words[PBW__SOUND];
-    report->simplex = report->facet = report->point = PBW_NONE;
+    (void)pbw__fault(report, PBW__SOUND, PBW_NONE, -1, PBW_NONE);
     if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3)
         || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
         || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))) {
@@ -9639,6 +9487,7 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
         return PBW_ERROR_TOO_LARGE;
     }
     memset(&check, 0, sizeof(check));
+    (void)pbw__find_fault(&check.found, PBW__SOUND, PBW_NONE, -1, PBW_NONE);
     check.mesh = mesh;
     check.report = report;
     check.context = &context;
@@ -9652,11 +9501,15 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
     check.status = pbw__begin_call(&context, options, mesh->point_count, PBW_STAGE_CHECK);
     if (check.status == PBW_OK) {
         size = (size_t)(mesh->dim + 1) * sizeof(double);
+        ranges = mesh->point_count / PBW__CHECKED + 1;
         check.record = (double *)pbw__allocate_large(&context, mesh->point_count, size);
         check.tested.record = check.record;
-        check.status = check.record != NULL ? PBW_OK : PBW_ERROR_MEMORY;
+        check.others = (size_t *)pbw__allocate(&context.memory, ranges, sizeof(size_t));
+        check.status = check.record != NULL && check.others != NULL ? PBW_OK : PBW_ERROR_MEMORY;
         report->valid = check.status == PBW_OK && pbw__check_all(&check);
+        (void)pbw__fault(report, check.found.fault, check.found.simplex, check.found.facet, check.found.point);
         pbw__release(&context.memory, check.record, mesh->point_count, size);
+        pbw__release(&context.memory, check.others, ranges, sizeof(size_t));
     }
     check.status = pbw__end_call(&context, context.cancelled ? PBW_CANCELLED : check.status);
     report->valid &= check.status == PBW_OK;
