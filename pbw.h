@@ -18654,6 +18654,49 @@ static pbw_status pbw__make_original(pbw__context *context, pbw__vertices *verti
     return original != NULL ? pbw__number_along_curve(context, vertices, original) : PBW_ERROR_MEMORY;
 }
 
+/* The duplicates of many points, for the time of the build, which needs no `canonical`. */
+typedef struct pbw__duplicates {
+    pbw_index *canonical, *pair;                     /* pair: a duplicate and its canonical point, and so on */
+    size_t count, listed;
+} pbw__duplicates;
+
+static pbw_status pbw__list_duplicates(void *arg, size_t from, size_t to)
+{
+    pbw__duplicates *duplicates = (pbw__duplicates *)arg;
+    const pbw_index *canonical = duplicates->canonical;
+    pbw_index *pair = duplicates->pair;
+    size_t count = 0, i;
+    for (i = from; i < to; i++) {
+        count += canonical[i] != i;
+    }
+    for (pair += 2 * PBW__ADD(&duplicates->listed, count); count > 0; from++) {
+        if (canonical[from] != from) {
+            pair[0] = (pbw_index)from;
+            pair[1] = canonical[from];
+            pair += 2;
+            count--;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Frees `canonical` where a list of the duplicates is shorter. */
+static pbw_status pbw__lay_down_canonical(pbw__context *context, pbw__vertices *vertices, pbw__duplicates *duplicates)
+{
+    const size_t count = vertices->duplicate_count;
+    pbw_status status = PBW_OK;
+    if (vertices->point_count > PBW__SMALLER(65536) && count < vertices->point_count / 2) {
+        duplicates->pair = (pbw_index *)pbw__allocate(&context->memory, 2 * count, sizeof(pbw_index));
+        duplicates->count = count;
+        duplicates->canonical = vertices->canonical;
+        status = duplicates->pair == NULL ? PBW_ERROR_MEMORY : count == 0 ? PBW_OK
+               : pbw__for_range(context, vertices->point_count, PBW__TICK, 0.0, pbw__list_duplicates, duplicates);
+        pbw__release(&context->memory, vertices->canonical, vertices->point_count, sizeof(pbw_index));
+        vertices->canonical = NULL;
+    }
+    return status;
+}
+
 static pbw_status pbw__fill_canonical(void *arg, size_t from, size_t to)
 {
     pbw_index *canonical = (pbw_index *)arg;
@@ -18663,18 +18706,18 @@ static pbw_status pbw__fill_canonical(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Many points without a duplicate: frees `canonical`, which is 0, 1, 2, ..., for the time of the build. */
-static void pbw__lay_down_canonical(pbw__context *context, pbw__vertices *vertices)
+static pbw_status pbw__place_duplicates(void *arg, size_t from, size_t to)
 {
-    if (vertices->duplicate_count == 0 && vertices->point_count > PBW__SMALLER(65536)) {
-        pbw__release(&context->memory, vertices->canonical, vertices->point_count, sizeof(pbw_index));
-        vertices->canonical = NULL;
+    const pbw__duplicates *duplicates = (const pbw__duplicates *)arg;
+    for (; from < to; from++) {
+        duplicates->canonical[duplicates->pair[2 * from]] = duplicates->pair[2 * from + 1];
     }
+    return PBW_OK;
 }
 
 /* Hands `canonical` to the mesh. */
-static pbw_status pbw__hand_over_canonical(pbw__context *context, pbw__vertices *vertices, pbw__owned *owned,
-                                           pbw_mesh *mesh)
+static pbw_status pbw__hand_over_canonical(pbw__context *context, pbw__vertices *vertices,
+                                           pbw__duplicates *duplicates, pbw__owned *owned, pbw_mesh *mesh)
 {
     const size_t count = vertices->point_count;
     pbw_index *canonical = vertices->canonical;
@@ -18683,6 +18726,9 @@ static pbw_status pbw__hand_over_canonical(pbw__context *context, pbw__vertices 
         canonical = (pbw_index *)pbw__allocate_large(context, count, sizeof(pbw_index));
         status = canonical == NULL ? PBW_ERROR_MEMORY
                : pbw__for_range(context, count, PBW__TICK, 0.0, pbw__fill_canonical, canonical);
+        duplicates->canonical = canonical;
+        status = status != PBW_OK ? status
+               : pbw__for_range(context, duplicates->count, PBW__TICK, 0.0, pbw__place_duplicates, duplicates);
     }
     mesh->canonical = canonical;
     owned->canonical = count;
@@ -18695,6 +18741,7 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
     pbw__memory *memory = &context->memory;
     pbw__owned *owned = (pbw__owned *)pbw__allocate(memory, 1, sizeof(pbw__owned));
     pbw__vertices vertices;
+    pbw__duplicates duplicates = { NULL, NULL, 0, 0 };
     pbw__store store;
     double start = pbw__seconds();
     pbw_status status;
@@ -18717,7 +18764,7 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
     if (status == PBW_OK) {
         mesh->duplicate_count = vertices.duplicate_count;
         if ((flags & PBW_CURVE_ORDER) == 0) {
-            pbw__lay_down_canonical(context, &vertices);
+            status = pbw__lay_down_canonical(context, &vertices, &duplicates);
         }
         status = pbw__leave_stage(context, status, &start, &mesh->statistics.order_seconds);
     }
@@ -18741,7 +18788,7 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
         status = PBW_ERROR_MEMORY;
     }
     if (status == PBW_OK || status == PBW_DEGENERATE) {
-        pbw_status kept = pbw__hand_over_canonical(context, &vertices, owned, mesh);
+        pbw_status kept = pbw__hand_over_canonical(context, &vertices, &duplicates, owned, mesh);
         kept = kept != PBW_OK ? kept
              : pbw__keep_points(context, input, owned, mesh, vertices.record,
                                 vertices.room);
@@ -18752,6 +18799,7 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
     mesh->statistics.peak_bytes = memory->peak;
     pbw__store_free(memory, &store);
     pbw__vertices_free(context, &vertices);
+    pbw__release(memory, duplicates.pair, 2 * duplicates.count, sizeof(pbw_index));
     pbw__team_stop(context);
     owned->memory = *memory;
     return status;
