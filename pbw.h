@@ -42,8 +42,8 @@
      >>build        insertion, its order, the seed simplex, levels
      >>parallel     ownership; a level by many threads
      >>number       canonical order
-     >>output       the caller's arrays, in place
-     >>faults       the tests of a check, a point or simplex each, and its words
+     >>output       from the store to the caller's arrays, in place
+     >>faults       the tests of a check, each of one point or simplex; its words
      >>check        the exact verdict on a finished mesh
      >>hash         one number for a triangulation
      >>tools        what companion headers build on
@@ -55,10 +55,10 @@
      >>boxes        many nearest vertices, by a tree of boxes
      >>centres      vectors, pairs, centres of simplices
      >>interpolate  barycentric, Sibson's and Laplace's weights
-     >>core          a triangulation that stays, and a journal of what is deleted
-     >>apex          the vertex behind a facet of a hole
-     >>ears          the hole of a vertex in space, cut off ear by ear
-     >>removal       one vertex more or less
+     >>core         a triangulation that stays, and a journal of what is deleted
+     >>apex         the vertex behind a facet of a hole
+     >>ears         the hole of a vertex in space, cut off ear by ear
+     >>removal      one vertex more or less
      >>verify       vertices that moved: does the triangulation hold; flips
      >>live         points to be inserted, removed and moved: the queue
      >>hints         where walks start, and what batches prefetch
@@ -68,7 +68,7 @@
      >>commit        queued changes carried out
      >>adopt         a finished mesh becomes a live triangulation
      >>view          the arrays of a live triangulation
-     >>api          argument checks, the stages in order, status texts
+     >>api          argument checks, the stages in order, backends, status texts
      >>history      versions
      >>license      MIT No Attribution
 
@@ -197,7 +197,8 @@ typedef struct pbw_backend pbw_backend;
                                               its simplices and points then run in the cache, 1.7 to 5 times as fast
                                               for many points; mesh.original has the caller's numbers */
 #define PBW_BORROW      16u                /* mesh.points and weights are the caller's packed doubles, not copies:
-                                              they must outlive the mesh.  Not with floats, strides or curve order */
+                                              they must outlive the mesh.  With floats, strides or
+                                              PBW_CURVE_ORDER it is PBW_ERROR_ARGUMENT */
 
 typedef struct pbw_options {               /* NULL or all zero = best defaults */
     int      threads;                      /* 0 = one per core, 1 = start none; at most 256 */
@@ -206,9 +207,9 @@ typedef struct pbw_options {               /* NULL or all zero = best defaults *
     size_t   memory_limit;                 /* bytes held at once, 0 = no limit; over it: PBW_ERROR_MEMORY.  As much
                                               again on each device of a backend; over that: PBW_ERROR_BACKEND */
     /* The one allocator: ptr NULL allocates, new_size 0 frees, else resizes as realloc does (NULL = failed and
-       the old block stays).  old_size is the size that it was given.  Blocks must be aligned as malloc's are.  It may
-       be called from several threads at once unless threads is 1.  pbw_free calls it too, with the same user:
-       both must outlive the mesh.  NULL = realloc and free. */
+       the old block stays).  old_size: of the block at ptr, 0 for NULL.  Blocks must be aligned as malloc's are.  It
+       may be called from several threads at once unless threads is 1.  pbw_free calls it too, with resize_user: both
+       must outlive the mesh.  NULL = realloc and free. */
     void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
     /* The caller's job system: calls task(arg, i) once for each i in 0..tasks-1, in any order, on any thread, and
        returns when all have returned.  Tasks never wait on each other.  NULL = our own threads.  Not called where a
@@ -218,11 +219,11 @@ typedef struct pbw_options {               /* NULL or all zero = best defaults *
        answer ends the call with PBW_CANCELLED within 100 ms.  With options.run, progress is reported only while the
        caller's own thread runs tasks. */
     int   (*progress)(void *user, pbw_stage stage, double done);
-    void *resize_user, *run_user, *progress_user;
+    void *resize_user, *run_user, *progress_user;      /* the first argument, `user`, of each */
     const pbw_backend *backend;            /* NULL = this CPU */
-    uint32_t *trace;                       /* NULL, or count entries to fill, per point: which thread inserted it, and
-                                              in which round (thread + 256 * round); PBW_NONE for duplicates and for
-                                              points that a backend inserted */
+    uint32_t *trace;                       /* NULL, or an entry for each point, to be filled: thread + 256 * round,
+                                              the thread that inserted it and in which round; PBW_NONE for duplicates
+                                              and for points that a backend inserted */
     char    *message;                      /* NULL, or room for a text: what a backend lacked */
     size_t   message_size;                 /* its bytes; the text is cut to fit and ends with a 0 */
 } pbw_options;
@@ -247,8 +248,8 @@ struct pbw_mesh {                          /* start from {0}, in C++ {}; read, d
                                               the first corner comes first on the Hilbert curve */
     const pbw_index *neighbors;            /* same shape; entry i is across from corner i, PBW_NONE on the hull */
     const pbw_index *incident;             /* per point: the first simplex that has it, PBW_NONE if it is no vertex */
-    const pbw_index *canonical;            /* per point: itself, or the point that it duplicates; PBW_NONE: a number
-                                              without a point, of pbw_live_view */
+    const pbw_index *canonical;            /* per point: itself, or the point that it duplicates; PBW_NONE for a
+                                              number without a point, as pbw_live_view may have */
     size_t duplicate_count, hidden_count;  /* why a point may be no vertex */
     const pbw_index *original;             /* with PBW_CURVE_ORDER, per point: its number in the caller's arrays; else
                                               NULL, the numbers are the caller's */
@@ -259,14 +260,14 @@ struct pbw_mesh {                          /* start from {0}, in C++ {}; read, d
 };
 
 /* Triangulates count points; weights NULL = Delaunay, else regular.
-   points: dim coordinates each, read in place, not kept.  mesh: overwritten (an earlier result in it is not
-   freed); on any status but PBW_OK and PBW_DEGENERATE it is left empty.  PBW_DEGENERATE: no simplices, but
-   canonical, incident (all PBW_NONE), points and duplicate_count are filled.
-   Holds at most 280 (3D) or 97 (2D) bytes a point while it runs on uniform points, the result included, which is 260
-   (3D) or 85 (2D), and 0.5 MB a thread. */
+   points: dim coordinates each, read in place, not kept (but see PBW_BORROW); weights: one each.  mesh: overwritten
+   (an earlier result in it is not freed); on any status but PBW_OK and PBW_DEGENERATE it is left empty.
+   PBW_DEGENERATE: no simplices, but canonical, incident (all PBW_NONE), points and duplicate_count are filled.
+   On uniform points it holds at most 280 (3D) or 97 (2D) bytes a point while it runs, and 0.5 MB a thread.  The mesh
+   has at most 260 (3D) or 85 (2D) bytes a point, with PBW_BORROW 24 or 16 less. */
 PBWDEF pbw_status pbw_triangulate(int dim, const double *points, const double *weights, size_t count,
                                   const pbw_options *options, pbw_mesh *mesh);
-/* The same for floats: the exact triangulation of those float values. */
+/* As pbw_triangulate, for floats: the exact triangulation of those float values. */
 PBWDEF pbw_status pbw_triangulatef(int dim, const float *points, const float *weights, size_t count,
                                    const pbw_options *options, pbw_mesh *mesh);
 /* Frees what a mesh holds and zeroes it; fine on {0}, fine twice. */
@@ -306,26 +307,26 @@ struct pbw_backend {
 typedef struct pbw_report {                /* what pbw_check found */
     int valid;                             /* 1: the mesh is the triangulation that pbw_triangulate promises */
     const char *what;                      /* the first fault in words, "" if valid; never freed */
-    pbw_index simplex, facet;              /* where, PBW_NONE if it belongs to no simplex */
-    pbw_index point;                       /* the point concerned, PBW_NONE if none */
+    pbw_index simplex, facet;              /* of the fault, or PBW_NONE; a facet by its opposite corner */
+    pbw_index point;                       /* of the fault, or PBW_NONE */
     size_t vertex_count, facet_count, hull_facet_count;   /* counted until the first fault */
 } pbw_report;
 
 /* Checks a mesh in O(n), exactly and independently of how it was built: indices, orientation, adjacency, local
    regularity of each facet under the tie rule, closure and convexity of the hull, single cover (hence Euler's
    relation), duplicates and hidden points.  Needs mesh->neighbors.  A faulty mesh is no error: the status is PBW_OK
-   and report->valid is 0.  A mesh of PBW_DEGENERATE points is checked for being so. */
+   and report->valid is 0.  Of a mesh without simplices it checks that the points are PBW_DEGENERATE. */
 PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pbw_report *report);
 
 /* Equal for two meshes if and only if (up to 2^-64 chance) they are the same triangulation of the same points:
-   independent of the order of points and simplices, of ids, and of float or double input.  0 for an empty mesh, and
-   if options.progress cancels. */
+   independent of the order of points and simplices, of ids, and of float or double input.  Returns 0 for an empty
+   mesh, for a bad argument, and if options.progress cancels. */
 PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh, const pbw_options *options);
 
-/* The two sums of which pbw_hash is made, over chosen points and simplices: those with a nonzero byte, NULL = all.
-   Sums of disjoint choices add up, member by member and modulo 2^64: so the hash of a triangulation that is too large
-   for one memory is pbw_hash_of the sums of its parts.  Holds 8 bytes a point, or without memory for them
-   takes longer. */
+/* The two sums of which pbw_hash is made, over chosen points and simplices: `points` and `simplices` have a byte for
+   each, nonzero for those chosen; NULL = all.  Sums of disjoint choices add up, member by member and modulo 2^64: so
+   the hash of a triangulation that is too large for one memory is pbw_hash_of the sums of its parts.  Holds 8 bytes a
+   point; where memory is too short for them it takes longer. */
 typedef struct pbw_hash_sums { uint64_t points, simplices; } pbw_hash_sums;
 PBWDEF pbw_status pbw_hash_parts(const pbw_mesh *mesh, const unsigned char *points, const unsigned char *simplices,
                                  const pbw_options *options, pbw_hash_sums *sums);
@@ -371,12 +372,12 @@ PBWDEF int pbw_conflict3(const double a[3], const double b[3], const double c[3]
 PBWDEF const char *pbw_status_string(pbw_status status);    /* never NULL, never freed */
 PBWDEF int pbw_version(void);              /* differs from PBW_VERSION if header and implementation do */
 
-/* ---- queries, on a finished mesh with neighbors, which they only read: any number of threads may ask it at once.
+/* ---- queries, on a finished mesh with neighbors, which they only read: any number of threads may query it at once.
    Batches are sorted inside along the Hilbert curve and answered by all threads; the answers do not depend on their
    number.  options: threads, stride of the query points, memory_limit, resize, run, progress.
-   A query point that is not finite: PBW_ERROR_NOT_FINITE, and nothing is answered.  On a status but PBW_OK, what is
-   in the caller's arrays is undefined, and lists are empty.  A mesh of PBW_DEGENERATE points is outside of all it is
-   given to locate, its stars are empty, and its canonical points are what is near. */
+   If a query point is not finite, the status is PBW_ERROR_NOT_FINITE and no query is answered.  On any status but
+   PBW_OK the caller's arrays hold undefined values, and lists are empty.  In a mesh of PBW_DEGENERATE points every
+   query point lies outside of the hull, stars are empty, and all canonical points count as vertices. */
 typedef struct pbw_lists {                 /* list i: items first[i] .. first[i+1]-1; pbw_lists_free when done */
     size_t count;                          /* of lists */
     const size_t *first;                   /* count+1 */
@@ -388,23 +389,25 @@ typedef struct pbw_lists {                 /* list i: items first[i] .. first[i+
 /* Frees what lists hold and zeroes them; fine on {0}, fine twice. */
 PBWDEF void pbw_lists_free(pbw_lists *lists);
 
-/* The neighbours of each point, a list for each; empty for what is no vertex.  They come in the order in which a walk
-   round the point, from simplex to simplex and starting from mesh->incident, meets them. */
+/* The neighbours of each point, a list for each; empty for a point that is no vertex.  They come in the order in
+   which a walk round the point, from simplex to simplex and starting from mesh->incident, meets them. */
 PBWDEF pbw_status pbw_stars(const pbw_mesh *mesh, const pbw_options *options, pbw_lists *stars);
 
-/* The simplex that contains a point: of those that do, boundaries included, the one of the lowest index.  PBW_NONE if
-   it is outside of the hull; then hull_facet (may be NULL) is (dim+1)*simplex + corner for a facet of the hull, that
-   opposite to the corner, whose outer side it is on.  Else, and for a mesh without simplices, that is PBW_NONE.
-   hint: a simplex to start from; any will do, and a near one is quick.  No allocation.  A point that is not finite is
-   in no simplex. */
+/* Returns the simplex that contains the point (dim coordinates): of those that do, boundaries included, the one of
+   the lowest index.  PBW_NONE if the point is outside of the hull, or not finite.
+   hull_facet (may be NULL) gets (dim+1)*simplex + corner: the facet opposite to that corner is on the hull, and the
+   point on its outer side.  It gets PBW_NONE if there is none: for a point in a simplex, one that is not finite, and
+   a mesh without simplices.
+   hint: a simplex to start from; any number will do, and a near simplex is quick.  No allocation. */
 PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_index hint, pbw_index *hull_facet);
-/* The same for many; hull_facets may be NULL.  Which of the facets that have the point on the outer side is named
-   depends on the other queries of the batch. */
+/* pbw_locate_one for many points; simplices and hull_facets (may be NULL) get an entry for each.  Where several
+   facets have the point on their outer side, the other queries of the batch decide which one is named. */
 PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t count, const pbw_options *options,
                              pbw_index *simplices, pbw_index *hull_facets);
 
 /* For single queries in any order: grids of simplices to start from, finer where there are more points, one to five
-   bytes a point.  Refers to the mesh, which must outlive it.  Locating is const: any number of threads. */
+   bytes a point.  Refers to the mesh, which must outlive it.  Locating changes nothing: any number of threads may.
+   create: on any status but PBW_OK *finder is NULL.  locate: as pbw_locate_one. */
 typedef struct pbw_finder pbw_finder;
 PBWDEF pbw_status pbw_finder_create(const pbw_mesh *mesh, const pbw_options *options, pbw_finder **finder);
 PBWDEF pbw_index pbw_finder_locate(const pbw_finder *finder, const double *point, pbw_index *hull_facet);
@@ -416,8 +419,8 @@ PBWDEF void pbw_finder_free(pbw_finder *finder);           /* fine on NULL */
    A mesh without simplices takes time in proportion to its points for each query. */
 PBWDEF pbw_status pbw_nearest(const pbw_mesh *mesh, const pbw_lists *stars, const double *points, size_t count,
                               size_t k, const pbw_options *options, pbw_index *vertices, double *distances);
-/* The vertices not farther than the radius, exactly, a list for each query point, in that order, with distances as
-   values.  With weights: those of a power distance of at most radius^2. */
+/* The vertices not farther than the radius, exactly: a list for each query point, in the order of pbw_nearest, with
+   distances as values.  With weights: those of a power distance of at most radius^2. */
 PBWDEF pbw_status pbw_within(const pbw_mesh *mesh, const pbw_lists *stars, const double *points, size_t count,
                              double radius, const pbw_options *options, pbw_lists *lists);
 
@@ -455,13 +458,13 @@ typedef struct pbw_changes {               /* start from {0}; pbw_changes_free w
     void *memory;                          /* private */
 } pbw_changes;
 
-/* Makes one from a finished mesh, which may be freed then: of any flags and backend, DEGENERATE too.  One of no
-   points: a mesh that is {0} but for dim.  The arrays of the mesh are checked, exactly, and taken over; where there
-   are no neighbors, or the arrays are not the triangulation of mesh.points (borrowed ones may have moved), the points
-   with a canonical one are triangulated anew.  So the result is right whatever the arrays say, if they have their
-   sizes.  Returns PBW_DEGENERATE, with a triangulation that may be used, if the points do not span the space.
-   options are for all later calls on it: threads, memory_limit, resize, run, progress; they are copied, flags,
-   strides and backend must be 0. */
+/* Makes one from a finished mesh, which may be freed then: of any flags and backend, PBW_DEGENERATE too.  For one
+   without points give a mesh that is {0} but for dim.  The arrays of the mesh are checked, exactly, and taken over;
+   where there are no neighbors, or the arrays are not the triangulation of mesh.points (borrowed ones may have
+   moved), the points with a canonical one are triangulated anew.  So the result is right whatever the arrays say, if
+   they have their sizes.  Returns PBW_DEGENERATE, with a triangulation that may be used, if the points do not span
+   the space.  options are for all later calls on it: threads, memory_limit, resize, run, progress; they are copied,
+   flags, strides and backend must be 0. */
 PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **live);
 PBWDEF void pbw_live_free(pbw_live *live);         /* fine on NULL */
 
@@ -478,15 +481,15 @@ PBWDEF pbw_status pbw_live_insert(pbw_live *live, const double *points, const do
 PBWDEF pbw_status pbw_live_remove(pbw_live *live, const pbw_index *ids, size_t count);
 PBWDEF pbw_status pbw_live_move(pbw_live *live, const pbw_index *ids, const double *points, size_t count);
 
-/* Carries out all that is queued, and says in changes (may be NULL, which is quicker) what that changed.  PBW_OK, or
-   PBW_DEGENERATE if the points left do not span the space; on any other status the triangulation and the queue are as
-   they were.  Takes the way that is likely to be the quickest. */
+/* Carries out all that is queued, and lists in changes (may be NULL, which is quicker) what that changed.  Returns
+   PBW_OK, or PBW_DEGENERATE if the points left do not span the space; on any other status the triangulation and the
+   queue are as they were.  Takes the way that is likely to be the quickest. */
 PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes);
 PBWDEF void pbw_changes_free(pbw_changes *changes);        /* fine on {0}, fine twice */
 
-/* The triangulation after the last commit: PBW_OK or PBW_DEGENERATE, and the arrays that pbw_triangulate gives for
-   its points in the order of their numbers, with the numbers in place of their ranks.  A number that is free has
-   canonical PBW_NONE, incident PBW_NONE and the coordinates 0.  pbw_free the mesh when done. */
+/* The triangulation after the last commit: returns PBW_OK or PBW_DEGENERATE, and the arrays that pbw_triangulate
+   gives for its points in the order of their numbers, with the numbers in place of their ranks.  A number that is
+   free has canonical PBW_NONE, incident PBW_NONE and the coordinates 0.  pbw_free the mesh when done. */
 PBWDEF pbw_status pbw_live_view(pbw_live *live, pbw_mesh *mesh);
 
 #if defined(PBW_CUDA) || defined(__CUDACC__)
@@ -8223,7 +8226,9 @@ static void pbw__emit_pass2(void *arg, int task)
    simplex of each point; the points.
 
    The store's arrays become the caller's: a copy beside them would be the peak of the memory.  Other arrays use
-   blocks that the build no longer needs, as their pages exist.
+   blocks that the build no longer needs, as their pages exist.  Held at most: of a slot its simplex and `number`, 36
+   bytes, and of a vertex `id` and `head`, 8 (12 with several tasks); all are needed from pass 2 to pass 3.  So
+   `number` and what the store does not use are given back before the arrays of the points are made.
 
    Pass 3 writes each simplex in canonical form, with ids for ranks and places for slots, from its slot to its place.
    Slots are read in order, and most places lie before the slots, among those already read, because slots are left
@@ -8666,15 +8671,16 @@ static pbw_status pbw__emit_all(pbw__emission *emission, pbw__vertices *vertices
     return status;
 }
 
-/* Gives back what an emission has done with: `number`, which lies last in its block, as far as `spare` doubles of that
-   serve for the points; and the ends of the store's arrays.  Returns 0 if memory is short. */
+/* Gives back what an emission no longer needs: `number`, which lies last in its block, except for the `spare` doubles
+   of the points to come; and the ends of the store's arrays.  Returns 0 if memory is short. */
 static int pbw__emit_cut(pbw__emission *emission, pbw__store *store, pbw__vertices *vertices, size_t spare)
 {
     pbw__memory *memory = &emission->context->memory;
     const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1), ranks = emission->vertex_count + 1;
     const size_t firsts = ((emission->first != NULL ? 2 : 1) * ranks + 1) / 2;   /* in doubles */
     size_t links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
-    if (!pbw__resize_array(memory, &vertices->record, &vertices->room, firsts > spare ? firsts : spare, sizeof(double))
+    if (!pbw__resize_array(memory, &vertices->record, &vertices->room, spare > firsts ? spare : firsts,
+                           sizeof(double))
         || !pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
         || (store->link != NULL && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
         return 0;
@@ -9133,11 +9139,11 @@ typedef struct pbw__check {
     pbw_report *report;
     pbw__context *context;
     pbw__tested tested;
-    double *record;                                  /* that it has */
-    pbw__finding found;                              /* in the last pass: the first fault, and what was counted before */
+    double *record;                                  /* tested.record, while it is filled */
+    pbw__finding found;                              /* in the last pass: its first fault; what it counted before */
     const double *basis[4];                          /* degenerate: independent points */
     int dim, rank;                                   /* points in the basis */
-    size_t *others;                                  /* per range of points: how many others; then where to list them */
+    size_t *others;                                  /* in each range of points; then where to list them */
     size_t other_count;                              /* others are canonical, but no vertices */
     uint64_t *by_hash, *other;                       /* each other point, as sort key << 32 | point */
     pbw__box box;                                    /* of the others */
@@ -9212,7 +9218,8 @@ static int pbw__check_pass(pbw__check *check, pbw__check_items *items, size_t co
             pbw__box_add(&check->box, part->box.high, check->dim);
         }
         if (part->found.fault != PBW__SOUND) {
-            (void)pbw__find_fault(found, part->found.fault, part->found.simplex, part->found.facet, part->found.point);
+            (void)pbw__find_fault(found, part->found.fault, part->found.simplex, part->found.facet,
+                                  part->found.point);
         }
     }
     pbw__release(&check->context->memory, checking.part, parts, sizeof(pbw__check_part));
@@ -18644,7 +18651,7 @@ static pbw_status pbw__leave_stage(pbw__context *context, pbw_status status, dou
     return (status == PBW_OK || status == PBW_DEGENERATE) && pbw__report(context, 1.0) ? PBW_CANCELLED : status;
 }
 
-/* mesh->original: see pbw__number_along_curve. */
+/* Makes mesh->original: see pbw__number_along_curve. */
 static pbw_status pbw__make_original(pbw__context *context, pbw__vertices *vertices, pbw__owned *owned,
                                      pbw_mesh *mesh)
 {
