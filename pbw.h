@@ -42,8 +42,8 @@
      >>build        insertion, its order, the seed simplex, levels
      >>parallel     ownership; a level by many threads
      >>number       canonical order
-     >>output       the caller's arrays, in place
-     >>faults       the tests of a check, a point or simplex each, and its words
+     >>output       from the store to the caller's arrays, in place
+     >>faults       the tests of a check, each of one point or simplex; its words
      >>check        the exact verdict on a finished mesh
      >>hash         one number for a triangulation
      >>tools        what companion headers build on
@@ -55,10 +55,10 @@
      >>boxes        many nearest vertices, by a tree of boxes
      >>centres      vectors, pairs, centres of simplices
      >>interpolate  barycentric, Sibson's and Laplace's weights
-     >>core          a triangulation that stays, and a journal of what is deleted
-     >>apex          the vertex behind a facet of a hole
-     >>ears          the hole of a vertex in space, cut off ear by ear
-     >>removal       one vertex more or less
+     >>core         a triangulation that stays, and a journal of what is deleted
+     >>apex         the vertex behind a facet of a hole
+     >>ears         the hole of a vertex in space, cut off ear by ear
+     >>removal      one vertex more or less
      >>verify       vertices that moved: does the triangulation hold; flips
      >>live         points to be inserted, removed and moved: the queue
      >>hints         where walks start, and what batches prefetch
@@ -68,7 +68,7 @@
      >>commit        queued changes carried out
      >>adopt         a finished mesh becomes a live triangulation
      >>view          the arrays of a live triangulation
-     >>api          argument checks, the stages in order, status texts
+     >>api          argument checks, the stages in order, backends, status texts
      >>history      versions
      >>license      MIT No Attribution
 
@@ -197,7 +197,8 @@ typedef struct pbw_backend pbw_backend;
                                               its simplices and points then run in the cache, 1.7 to 5 times as fast
                                               for many points; mesh.original has the caller's numbers */
 #define PBW_BORROW      16u                /* mesh.points and weights are the caller's packed doubles, not copies:
-                                              they must outlive the mesh.  Not with floats, strides or curve order */
+                                              they must outlive the mesh.  With floats, strides or
+                                              PBW_CURVE_ORDER it is PBW_ERROR_ARGUMENT */
 
 typedef struct pbw_options {               /* NULL or all zero = best defaults */
     int      threads;                      /* 0 = one per core, 1 = start none; at most 256 */
@@ -206,9 +207,9 @@ typedef struct pbw_options {               /* NULL or all zero = best defaults *
     size_t   memory_limit;                 /* bytes held at once, 0 = no limit; over it: PBW_ERROR_MEMORY.  As much
                                               again on each device of a backend; over that: PBW_ERROR_BACKEND */
     /* The one allocator: ptr NULL allocates, new_size 0 frees, else resizes as realloc does (NULL = failed and
-       the old block stays).  old_size is the size that it was given.  Blocks must be aligned as malloc's are.  It may
-       be called from several threads at once unless threads is 1.  pbw_free calls it too, with the same user:
-       both must outlive the mesh.  NULL = realloc and free. */
+       the old block stays).  old_size: of the block at ptr, 0 for NULL.  Blocks must be aligned as malloc's are.  It
+       may be called from several threads at once unless threads is 1.  pbw_free calls it too, with resize_user: both
+       must outlive the mesh.  NULL = realloc and free. */
     void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
     /* The caller's job system: calls task(arg, i) once for each i in 0..tasks-1, in any order, on any thread, and
        returns when all have returned.  Tasks never wait on each other.  NULL = our own threads.  Not called where a
@@ -218,11 +219,11 @@ typedef struct pbw_options {               /* NULL or all zero = best defaults *
        answer ends the call with PBW_CANCELLED within 100 ms.  With options.run, progress is reported only while the
        caller's own thread runs tasks. */
     int   (*progress)(void *user, pbw_stage stage, double done);
-    void *resize_user, *run_user, *progress_user;
+    void *resize_user, *run_user, *progress_user;      /* the first argument, `user`, of each */
     const pbw_backend *backend;            /* NULL = this CPU */
-    uint32_t *trace;                       /* NULL, or count entries to fill, per point: which thread inserted it, and
-                                              in which round (thread + 256 * round); PBW_NONE for duplicates and for
-                                              points that a backend inserted */
+    uint32_t *trace;                       /* NULL, or an entry for each point, to be filled: thread + 256 * round,
+                                              the thread that inserted it and in which round; PBW_NONE for duplicates
+                                              and for points that a backend inserted */
     char    *message;                      /* NULL, or room for a text: what a backend lacked */
     size_t   message_size;                 /* its bytes; the text is cut to fit and ends with a 0 */
 } pbw_options;
@@ -247,8 +248,8 @@ struct pbw_mesh {                          /* start from {0}, in C++ {}; read, d
                                               the first corner comes first on the Hilbert curve */
     const pbw_index *neighbors;            /* same shape; entry i is across from corner i, PBW_NONE on the hull */
     const pbw_index *incident;             /* per point: the first simplex that has it, PBW_NONE if it is no vertex */
-    const pbw_index *canonical;            /* per point: itself, or the point that it duplicates; PBW_NONE: a number
-                                              without a point, of pbw_live_view */
+    const pbw_index *canonical;            /* per point: itself, or the point that it duplicates; PBW_NONE for a
+                                              number without a point, as pbw_live_view may have */
     size_t duplicate_count, hidden_count;  /* why a point may be no vertex */
     const pbw_index *original;             /* with PBW_CURVE_ORDER, per point: its number in the caller's arrays; else
                                               NULL, the numbers are the caller's */
@@ -259,14 +260,14 @@ struct pbw_mesh {                          /* start from {0}, in C++ {}; read, d
 };
 
 /* Triangulates count points; weights NULL = Delaunay, else regular.
-   points: dim coordinates each, read in place, not kept.  mesh: overwritten (an earlier result in it is not
-   freed); on any status but PBW_OK and PBW_DEGENERATE it is left empty.  PBW_DEGENERATE: no simplices, but
-   canonical, incident (all PBW_NONE), points and duplicate_count are filled.
-   Holds at most 280 (3D) or 97 (2D) bytes a point while it runs on uniform points, the result included, which is 260
-   (3D) or 85 (2D), and 0.5 MB a thread. */
+   points: dim coordinates each, read in place, not kept (but see PBW_BORROW); weights: one each.  mesh: overwritten
+   (an earlier result in it is not freed); on any status but PBW_OK and PBW_DEGENERATE it is left empty.
+   PBW_DEGENERATE: no simplices, but canonical, incident (all PBW_NONE), points and duplicate_count are filled.
+   On uniform points it holds at most 280 (3D) or 97 (2D) bytes a point while it runs, and 0.5 MB a thread.  The mesh
+   has at most 260 (3D) or 85 (2D) bytes a point, with PBW_BORROW 24 or 16 less. */
 PBWDEF pbw_status pbw_triangulate(int dim, const double *points, const double *weights, size_t count,
                                   const pbw_options *options, pbw_mesh *mesh);
-/* The same for floats: the exact triangulation of those float values. */
+/* As pbw_triangulate, for floats: the exact triangulation of those float values. */
 PBWDEF pbw_status pbw_triangulatef(int dim, const float *points, const float *weights, size_t count,
                                    const pbw_options *options, pbw_mesh *mesh);
 /* Frees what a mesh holds and zeroes it; fine on {0}, fine twice. */
@@ -306,26 +307,26 @@ struct pbw_backend {
 typedef struct pbw_report {                /* what pbw_check found */
     int valid;                             /* 1: the mesh is the triangulation that pbw_triangulate promises */
     const char *what;                      /* the first fault in words, "" if valid; never freed */
-    pbw_index simplex, facet;              /* where, PBW_NONE if it belongs to no simplex */
-    pbw_index point;                       /* the point concerned, PBW_NONE if none */
+    pbw_index simplex, facet;              /* of the fault, or PBW_NONE; a facet by its opposite corner */
+    pbw_index point;                       /* of the fault, or PBW_NONE */
     size_t vertex_count, facet_count, hull_facet_count;   /* counted until the first fault */
 } pbw_report;
 
 /* Checks a mesh in O(n), exactly and independently of how it was built: indices, orientation, adjacency, local
    regularity of each facet under the tie rule, closure and convexity of the hull, single cover (hence Euler's
    relation), duplicates and hidden points.  Needs mesh->neighbors.  A faulty mesh is no error: the status is PBW_OK
-   and report->valid is 0.  A mesh of PBW_DEGENERATE points is checked for being so. */
+   and report->valid is 0.  Of a mesh without simplices it checks that the points are PBW_DEGENERATE. */
 PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pbw_report *report);
 
 /* Equal for two meshes if and only if (up to 2^-64 chance) they are the same triangulation of the same points:
-   independent of the order of points and simplices, of ids, and of float or double input.  0 for an empty mesh, and
-   if options.progress cancels. */
+   independent of the order of points and simplices, of ids, and of float or double input.  Returns 0 for an empty
+   mesh, for a bad argument, and if options.progress cancels. */
 PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh, const pbw_options *options);
 
-/* The two sums of which pbw_hash is made, over chosen points and simplices: those with a nonzero byte, NULL = all.
-   Sums of disjoint choices add up, member by member and modulo 2^64: so the hash of a triangulation that is too large
-   for one memory is pbw_hash_of the sums of its parts.  Holds 8 bytes a point, or without memory for them
-   takes longer. */
+/* The two sums of which pbw_hash is made, over chosen points and simplices: `points` and `simplices` have a byte for
+   each, nonzero for those chosen; NULL = all.  Sums of disjoint choices add up, member by member and modulo 2^64: so
+   the hash of a triangulation that is too large for one memory is pbw_hash_of the sums of its parts.  Holds 8 bytes a
+   point; where memory is too short for them it takes longer. */
 typedef struct pbw_hash_sums { uint64_t points, simplices; } pbw_hash_sums;
 PBWDEF pbw_status pbw_hash_parts(const pbw_mesh *mesh, const unsigned char *points, const unsigned char *simplices,
                                  const pbw_options *options, pbw_hash_sums *sums);
@@ -371,12 +372,12 @@ PBWDEF int pbw_conflict3(const double a[3], const double b[3], const double c[3]
 PBWDEF const char *pbw_status_string(pbw_status status);    /* never NULL, never freed */
 PBWDEF int pbw_version(void);              /* differs from PBW_VERSION if header and implementation do */
 
-/* ---- queries, on a finished mesh with neighbors, which they only read: any number of threads may ask it at once.
+/* ---- queries, on a finished mesh with neighbors, which they only read: any number of threads may query it at once.
    Batches are sorted inside along the Hilbert curve and answered by all threads; the answers do not depend on their
    number.  options: threads, stride of the query points, memory_limit, resize, run, progress.
-   A query point that is not finite: PBW_ERROR_NOT_FINITE, and nothing is answered.  On a status but PBW_OK, what is
-   in the caller's arrays is undefined, and lists are empty.  A mesh of PBW_DEGENERATE points is outside of all it is
-   given to locate, its stars are empty, and its canonical points are what is near. */
+   If a query point is not finite, the status is PBW_ERROR_NOT_FINITE and no query is answered.  On any status but
+   PBW_OK the caller's arrays hold undefined values, and lists are empty.  In a mesh of PBW_DEGENERATE points every
+   query point lies outside of the hull, stars are empty, and all canonical points count as vertices. */
 typedef struct pbw_lists {                 /* list i: items first[i] .. first[i+1]-1; pbw_lists_free when done */
     size_t count;                          /* of lists */
     const size_t *first;                   /* count+1 */
@@ -388,23 +389,25 @@ typedef struct pbw_lists {                 /* list i: items first[i] .. first[i+
 /* Frees what lists hold and zeroes them; fine on {0}, fine twice. */
 PBWDEF void pbw_lists_free(pbw_lists *lists);
 
-/* The neighbours of each point, a list for each; empty for what is no vertex.  They come in the order in which a walk
-   round the point, from simplex to simplex and starting from mesh->incident, meets them. */
+/* The neighbours of each point, a list for each; empty for a point that is no vertex.  They come in the order in
+   which a walk round the point, from simplex to simplex and starting from mesh->incident, meets them. */
 PBWDEF pbw_status pbw_stars(const pbw_mesh *mesh, const pbw_options *options, pbw_lists *stars);
 
-/* The simplex that contains a point: of those that do, boundaries included, the one of the lowest index.  PBW_NONE if
-   it is outside of the hull; then hull_facet (may be NULL) is (dim+1)*simplex + corner for a facet of the hull, that
-   opposite to the corner, whose outer side it is on.  Else, and for a mesh without simplices, that is PBW_NONE.
-   hint: a simplex to start from; any will do, and a near one is quick.  No allocation.  A point that is not finite is
-   in no simplex. */
+/* Returns the simplex that contains the point (dim coordinates): of those that do, boundaries included, the one of
+   the lowest index.  PBW_NONE if the point is outside of the hull, or not finite.
+   hull_facet (may be NULL) gets (dim+1)*simplex + corner: the facet opposite to that corner is on the hull, and the
+   point on its outer side.  It gets PBW_NONE if there is none: for a point in a simplex, one that is not finite, and
+   a mesh without simplices.
+   hint: a simplex to start from; any number will do, and a near simplex is quick.  No allocation. */
 PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_index hint, pbw_index *hull_facet);
-/* The same for many; hull_facets may be NULL.  Which of the facets that have the point on the outer side is named
-   depends on the other queries of the batch. */
+/* pbw_locate_one for many points; simplices and hull_facets (may be NULL) get an entry for each.  Where several
+   facets have the point on their outer side, the other queries of the batch decide which one is named. */
 PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t count, const pbw_options *options,
                              pbw_index *simplices, pbw_index *hull_facets);
 
 /* For single queries in any order: grids of simplices to start from, finer where there are more points, one to five
-   bytes a point.  Refers to the mesh, which must outlive it.  Locating is const: any number of threads. */
+   bytes a point.  Refers to the mesh, which must outlive it.  Locating changes nothing: any number of threads may.
+   create: on any status but PBW_OK *finder is NULL.  locate: as pbw_locate_one. */
 typedef struct pbw_finder pbw_finder;
 PBWDEF pbw_status pbw_finder_create(const pbw_mesh *mesh, const pbw_options *options, pbw_finder **finder);
 PBWDEF pbw_index pbw_finder_locate(const pbw_finder *finder, const double *point, pbw_index *hull_facet);
@@ -416,8 +419,8 @@ PBWDEF void pbw_finder_free(pbw_finder *finder);           /* fine on NULL */
    A mesh without simplices takes time in proportion to its points for each query. */
 PBWDEF pbw_status pbw_nearest(const pbw_mesh *mesh, const pbw_lists *stars, const double *points, size_t count,
                               size_t k, const pbw_options *options, pbw_index *vertices, double *distances);
-/* The vertices not farther than the radius, exactly, a list for each query point, in that order, with distances as
-   values.  With weights: those of a power distance of at most radius^2. */
+/* The vertices not farther than the radius, exactly: a list for each query point, in the order of pbw_nearest, with
+   distances as values.  With weights: those of a power distance of at most radius^2. */
 PBWDEF pbw_status pbw_within(const pbw_mesh *mesh, const pbw_lists *stars, const double *points, size_t count,
                              double radius, const pbw_options *options, pbw_lists *lists);
 
@@ -455,13 +458,13 @@ typedef struct pbw_changes {               /* start from {0}; pbw_changes_free w
     void *memory;                          /* private */
 } pbw_changes;
 
-/* Makes one from a finished mesh, which may be freed then: of any flags and backend, DEGENERATE too.  One of no
-   points: a mesh that is {0} but for dim.  The arrays of the mesh are checked, exactly, and taken over; where there
-   are no neighbors, or the arrays are not the triangulation of mesh.points (borrowed ones may have moved), the points
-   with a canonical one are triangulated anew.  So the result is right whatever the arrays say, if they have their
-   sizes.  Returns PBW_DEGENERATE, with a triangulation that may be used, if the points do not span the space.
-   options are for all later calls on it: threads, memory_limit, resize, run, progress; they are copied, flags,
-   strides and backend must be 0. */
+/* Makes one from a finished mesh, which may be freed then: of any flags and backend, PBW_DEGENERATE too.  For one
+   without points give a mesh that is {0} but for dim.  The arrays of the mesh are checked, exactly, and taken over;
+   where there are no neighbors, or the arrays are not the triangulation of mesh.points (borrowed ones may have
+   moved), the points with a canonical one are triangulated anew.  So the result is right whatever the arrays say, if
+   they have their sizes.  Returns PBW_DEGENERATE, with a triangulation that may be used, if the points do not span
+   the space.  options are for all later calls on it: threads, memory_limit, resize, run, progress; they are copied,
+   flags, strides and backend must be 0. */
 PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **live);
 PBWDEF void pbw_live_free(pbw_live *live);         /* fine on NULL */
 
@@ -478,15 +481,15 @@ PBWDEF pbw_status pbw_live_insert(pbw_live *live, const double *points, const do
 PBWDEF pbw_status pbw_live_remove(pbw_live *live, const pbw_index *ids, size_t count);
 PBWDEF pbw_status pbw_live_move(pbw_live *live, const pbw_index *ids, const double *points, size_t count);
 
-/* Carries out all that is queued, and says in changes (may be NULL, which is quicker) what that changed.  PBW_OK, or
-   PBW_DEGENERATE if the points left do not span the space; on any other status the triangulation and the queue are as
-   they were.  Takes the way that is likely to be the quickest. */
+/* Carries out all that is queued, and lists in changes (may be NULL, which is quicker) what that changed.  Returns
+   PBW_OK, or PBW_DEGENERATE if the points left do not span the space; on any other status the triangulation and the
+   queue are as they were.  Takes the way that is likely to be the quickest. */
 PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes);
 PBWDEF void pbw_changes_free(pbw_changes *changes);        /* fine on {0}, fine twice */
 
-/* The triangulation after the last commit: PBW_OK or PBW_DEGENERATE, and the arrays that pbw_triangulate gives for
-   its points in the order of their numbers, with the numbers in place of their ranks.  A number that is free has
-   canonical PBW_NONE, incident PBW_NONE and the coordinates 0.  pbw_free the mesh when done. */
+/* The triangulation after the last commit: returns PBW_OK or PBW_DEGENERATE, and the arrays that pbw_triangulate
+   gives for its points in the order of their numbers, with the numbers in place of their ranks.  A number that is
+   free has canonical PBW_NONE, incident PBW_NONE and the coordinates 0.  pbw_free the mesh when done. */
 PBWDEF pbw_status pbw_live_view(pbw_live *live, pbw_mesh *mesh);
 
 #if defined(PBW_CUDA) || defined(__CUDACC__)
@@ -7444,6 +7447,9 @@ typedef struct pbw__aside {
     size_t count, capacity, free_from, free_count;
 } pbw__aside;
 
+/* What a task keeps from pass to pass; end: its chain for others, then where its places end. */
+typedef struct pbw__emitting { size_t end; pbw__aside aside; } pbw__emitting;
+
 #define PBW__CHAINS 16                               /* followed at a time, so that their cache misses overlap */
 #define PBW__SOON 48                                 /* distance of prefetches in arrays that are read in any order */
 #define PBW__LISTS 64                                /* sorted at a time */
@@ -7462,12 +7468,11 @@ typedef struct pbw__emission {
     pbw_index *chain;                                /* per region: the last slot of its chain */
     pbw_index *head;                                 /* per rank: the length of its list; then its first simplex */
     pbw_index *first;                                /* per rank, tasks > 1: its first simplex in earlier shares */
-    size_t *end, one_end;                            /* per task: its chain for others; then where its places end */
     pbw_index *incident;                             /* per point of the caller */
     int chunk_bits;                                  /* slot >> chunk_bits is the number of its chunk */
     size_t chunk;                                    /* the next to be read, in the order of >>output */
     unsigned char *chunk_done;
-    pbw__aside *aside, one_aside;                    /* per task */
+    pbw__emitting *task, one_task;                   /* per task; room for one */
 } pbw__emission;
 
 /* The even permutation of the canonical form: corner k of the output is corner (order >> 2k) & 3 here.  Branchless:
@@ -7520,7 +7525,7 @@ PBW__INLINE unsigned pbw__first_bit(uint64_t set)
 
 /* Stores the lowest ranks of the simplices in `count` slots from `corner` on, at most 64; 0 for ghosts and free
    slots.  Returns the set of the other slots. */
-PBW__INLINE uint64_t pbw__lowest_ranks_of(const pbw_index *corner, size_t count, pbw_index *low, int dim)
+static uint64_t pbw__lowest_ranks_scalar(const pbw_index *corner, size_t count, pbw_index *low, int dim)
 {
     uint64_t set = 0;
     size_t i;
@@ -7535,7 +7540,7 @@ PBW__INLINE uint64_t pbw__lowest_ranks_of(const pbw_index *corner, size_t count,
 }
 
 #ifdef PBW__AVX2
-PBW__SIMD_INLINE uint64_t pbw__lowest_ranks_simd_of(const pbw_index *corner, size_t count, pbw_index *low, int dim)
+PBW__SIMD static uint64_t pbw__lowest_ranks_simd(const pbw_index *corner, size_t count, pbw_index *low, int dim)
 {
     const __m128i zero = _mm_setzero_si128(), unused = dim == 3 ? zero : _mm_setr_epi32(0, 0, -1, -1);
     uint64_t set = 0;
@@ -7552,13 +7557,7 @@ PBW__SIMD_INLINE uint64_t pbw__lowest_ranks_simd_of(const pbw_index *corner, siz
         _mm_storeu_si128((__m128i *)(void *)(low + i), ranks);
         set |= (uint64_t)(15 & ~_mm_movemask_ps(_mm_castsi128_ps(none))) << i;
     }
-    return i < count ? set | pbw__lowest_ranks_of(corner + 4 * i, count - i, low + i, dim) << i : set;
-}
-
-PBW__SIMD static uint64_t pbw__lowest_ranks_simd(const pbw_index *corner, size_t count, pbw_index *low, int dim)
-{
-    return dim == 3 ? pbw__lowest_ranks_simd_of(corner, count, low, 3)
-                    : pbw__lowest_ranks_simd_of(corner, count, low, 2);
+    return i < count ? set | pbw__lowest_ranks_scalar(corner + 4 * i, count - i, low + i, dim) << i : set;
 }
 #endif
 
@@ -7570,8 +7569,7 @@ PBW__INLINE uint64_t pbw__lowest_ranks(const pbw__emission *emission, size_t slo
         return pbw__lowest_ranks_simd(corner, count, low, emission->dim);
     }
 #endif
-    return emission->dim == 3 ? pbw__lowest_ranks_of(corner, count, low, 3)
-                              : pbw__lowest_ranks_of(corner, count, low, 2);
+    return pbw__lowest_ranks_scalar(corner, count, low, emission->dim);
 }
 
 /* ---- pass 1: lists
@@ -7581,32 +7579,12 @@ PBW__INLINE uint64_t pbw__lowest_ranks(const pbw__emission *emission, size_t slo
 /* A task owns the lists of `own` ranks from `ranks` on; `others`: the last slot of its chain for other tasks. */
 typedef struct pbw__listing { size_t ranks, own; pbw_index others; } pbw__listing;
 
-/* Chains the slots of a batch that are in the set `used`; all: every slot is. */
-PBW__INLINE void pbw__emit_batch(const pbw__emission *emission, pbw__listing *listing, const pbw_index *lowest,
-                                 uint64_t used, size_t from, int all)
-{
-    pbw_index *number = emission->number, *chain = emission->chain, *head = emission->head;
-    const size_t ranks = listing->ranks, own = listing->own;
-    const int bits = emission->store->region_bits;
-    unsigned at;
-    for (at = 0; all ? at < PBW__BATCH : used != 0; at++, used &= used - 1) {
-        const pbw_index low = lowest[at = all ? at : pbw__first_bit(used)], t = (pbw_index)(from + at);
-        if (PBW__LIKELY(low - ranks < own)) {
-            number[t] = chain[low >> bits];
-            chain[low >> bits] = t;
-            head[low]++;
-        } else {
-            number[t] = listing->others;
-            listing->others = t;
-        }
-    }
-}
-
 /* Chains the slots from..end-1. */
 static void pbw__emit_chains(const pbw__emission *emission, pbw__listing *listing, size_t from, size_t end)
 {
-    const pbw_index *corner = emission->corner;
-    pbw_index lowest[PBW__BATCH];
+    pbw_index *number = emission->number, *chain = emission->chain, *head = emission->head, lowest[PBW__BATCH];
+    const size_t ranks = listing->ranks, own = listing->own;
+    const int bits = emission->store->region_bits;
     uint64_t used;
     size_t t, to;
     for (; from < end; from = to) {
@@ -7616,14 +7594,20 @@ static void pbw__emit_chains(const pbw__emission *emission, pbw__listing *listin
         }
         to = end - from < PBW__BATCH ? end : from + PBW__BATCH;
         for (t = to; t < end && t < to + PBW__BATCH; t += 4) {
-            PBW__PREFETCH(corner + 4 * t);
+            PBW__PREFETCH(emission->corner + 4 * t);
         }
+        memset(number + from, 0xff, (to - from) * sizeof(pbw_index));            /* PBW_NONE */
         used = pbw__lowest_ranks(emission, from, to - from, lowest);
-        if (used == ~(uint64_t)0) {
-            pbw__emit_batch(emission, listing, lowest, used, from, 1);
-        } else {                                     /* on a circle half are ghosts, in unpredictable slots */
-            memset(emission->number + from, 0xff, (to - from) * sizeof(pbw_index));      /* PBW_NONE */
-            pbw__emit_batch(emission, listing, lowest, used, from, 0);
+        for (; used != 0; used &= used - 1) {        /* on a circle half are ghosts, in unpredictable slots */
+            const unsigned at = pbw__first_bit(used);
+            const pbw_index low = lowest[at];
+            pbw_index *last = &listing->others;
+            if (PBW__LIKELY(low - ranks < own)) {
+                last = chain + (low >> bits);
+                head[low]++;
+            }
+            number[from + at] = *last;
+            *last = (pbw_index)(from + at);
         }
     }
 }
@@ -7652,9 +7636,7 @@ static void pbw__emit_pass1(void *arg, int task)
     size_t tail_from = store->region_slots + pbw__share(tail, task, emission->tasks);
     size_t tail_to = store->region_slots + pbw__share(tail, task + 1, emission->tasks);
     size_t ranks = pbw__emit_ranks(emission, first), end = pbw__emit_ranks(emission, last);
-    pbw__listing listing = { 0, 0, PBW_NONE };
-    listing.ranks = first << store->region_bits;
-    listing.own = (last << store->region_bits) - listing.ranks;
+    pbw__listing listing = { first << store->region_bits, (last - first) << store->region_bits, PBW_NONE };
     memset(emission->chain + first, 0xff, (last - first) * sizeof(pbw_index));       /* PBW_NONE */
     memset(emission->head + ranks, 0, (end - ranks) * sizeof(pbw_index));
     if (emission->first != NULL) {
@@ -7662,13 +7644,13 @@ static void pbw__emit_pass1(void *arg, int task)
     }
     pbw__emit_chains(emission, &listing, from, to);
     pbw__emit_chains(emission, &listing, tail_from, tail_to);
-    emission->end[task] = listing.others;
+    emission->task[task].end = listing.others;
 }
 
 static void pbw__emit_others(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
-    pbw_index t = (pbw_index)emission->end[task], next, low;
+    pbw_index t = (pbw_index)emission->task[task].end, next, low;
     for (; t != PBW_NONE; t = next) {
         next = emission->number[t];
         (void)pbw__lowest_ranks(emission, t, 1, &low);
@@ -7693,7 +7675,7 @@ static void pbw__emit_counts(void *arg, int task)
     size_t regions = emission->store->region_count;
     size_t from = pbw__emit_ranks(emission, pbw__share(regions, task, emission->tasks));
     size_t to = pbw__emit_ranks(emission, pbw__share(regions, task + 1, emission->tasks));
-    emission->end[task] = pbw__emit_count(emission->head + from, to - from);
+    emission->task[task].end = pbw__emit_count(emission->head + from, to - from);
 }
 
 /* ---- lists in order
@@ -7831,51 +7813,6 @@ PBW__SIMD static void pbw__sort_lists_simd(const pbw__item *item, const pbw_inde
         }
     }
 }
-
-/* In the plane lists are short and lie in ascending order of ranks.  It is faster to sort many at once, without their
-   borders: each simplex is compared with the `longest`-1 before it and after it, and those of other lists are already
-   in order.  Signed comparisons serve, as ranks are below 2^31: there are twice as many triangles as vertices. */
-#define PBW__REACH 12
-
-PBW__SIMD static void pbw__sort_lists2_simd(const pbw__item *item, const pbw_index *end, unsigned lists,
-                                            pbw_index begin, pbw__item *sorted)
-{
-    int64_t key[PBW__REACH + PBW__LISTS * PBW__REACH + 4 + PBW__REACH];
-    pbw_index from, longest = 0, count = end[lists - 1] - begin, i, k;
-    for (i = 0, from = begin; i < lists; from = end[i++]) {
-        longest = end[i] - from > longest ? end[i] - from : longest;
-    }
-    if (longest > PBW__REACH) {
-        pbw__sort_lists_simd(item, end, lists, begin, sorted);
-        return;
-    }
-    item += begin;
-    sorted += 1 + begin;
-    memset(key, 0, PBW__REACH * sizeof(int64_t));
-    for (i = 0; i < count; i += 4) {
-        const __m256i a = _mm256_loadu_si256((const __m256i *)(const void *)(item + i));
-        const __m256i b = _mm256_loadu_si256((const __m256i *)(const void *)(item + i + 2));
-        const __m256i four = _mm256_permute4x64_epi64(_mm256_unpacklo_epi64(a, b), 0xd8);
-        _mm256_storeu_si256((__m256i *)(void *)(key + PBW__REACH + i), four);
-    }
-    memset(key + PBW__REACH + count, 0x7f, (4 + PBW__REACH) * sizeof(int64_t));
-    for (i = 0; i < count; i += 4) {
-        const int64_t *here = key + PBW__REACH + i;
-        const __m256i four = _mm256_loadu_si256((const __m256i *)(const void *)here);
-        __m256i place = _mm256_add_epi64(_mm256_set1_epi64x((int64_t)i), _mm256_setr_epi64x(0, 1, 2, 3));
-        uint64_t half[4];
-        for (k = 1; k < longest; k++) {
-            const __m256i before = _mm256_loadu_si256((const __m256i *)(const void *)(here - k));
-            const __m256i after = _mm256_loadu_si256((const __m256i *)(const void *)(here + k));
-            place = _mm256_add_epi64(place, _mm256_cmpgt_epi64(before, four));
-            place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(four, after));
-        }
-        _mm256_storeu_si256((__m256i *)(void *)half, _mm256_add_epi64(place, place));
-        for (k = 0; k < 4; k++) {                    /* the surplus is overwritten by the next lists */
-            pbw__store4((uint64_t *)(void *)sorted + half[k], pbw__load4(item + i + k));
-        }
-    }
-}
 #endif
 
 PBW__INLINE void pbw__fill_lists(const pbw__emission *emission, const pbw_index *slot, size_t count, pbw__item *item)
@@ -7928,7 +7865,7 @@ PBW__INLINE void pbw__sort_region(const pbw__emission *emission, pbw__item *item
         const unsigned n = lists - r < PBW__LISTS ? (unsigned)(lists - r) : PBW__LISTS;
 #ifdef PBW__AVX2
         if (emission->simd) {
-            (emission->dim == 3 ? pbw__sort_lists_simd : pbw__sort_lists2_simd)(item, end + r, n, begin, sorted);
+            pbw__sort_lists_simd(item, end + r, n, begin, sorted);
         } else
 #endif
         {
@@ -8048,7 +7985,7 @@ static void pbw__emit_pass2(void *arg, int task)
     size_t regions = emission->store->region_count, least = pbw__share(regions, task, emission->tasks);
     size_t region = pbw__share(regions, task + 1, emission->tasks);
     const pbw_index later = region < regions ? (pbw_index)pbw__emit_ranks(emission, region) : PBW_NONE;
-    pbw__buffers buffers = { NULL, NULL, NULL, 0, 0, (pbw_index)emission->end[task] };
+    pbw__buffers buffers = { NULL, NULL, NULL, 0, 0, (pbw_index)emission->task[task].end };
     while (region > least && !pbw__report(emission->context, 0.5 - 0.25 * (double)region / (double)regions)) {
         unsigned count = region - least < PBW__CHAINS ? (unsigned)(region - least) : PBW__CHAINS, i;
         size_t length[PBW__CHAINS], sum = 0, longest = 0;
@@ -8088,7 +8025,9 @@ static void pbw__emit_pass2(void *arg, int task)
    simplex of each point; the points.
 
    The store's arrays become the caller's: a copy beside them would be the peak of the memory.  Other arrays use
-   blocks that the build no longer needs, as their pages exist.
+   blocks that the build no longer needs, as their pages exist.  Held at most: of a slot its simplex and `number`, 36
+   bytes, and of a vertex `id` and `head`, 8 (12 with several tasks); all are needed from pass 2 to pass 3.  So
+   `number` and what the store does not use are given back before the arrays of the points are made.
 
    Pass 3 writes each simplex in canonical form, with ids for ranks and places for slots, from its slot to its place.
    Slots are read in order, and most places lie before the slots, among those already read, because slots are left
@@ -8181,23 +8120,13 @@ PBW__SIMD_INLINE void pbw__emit_entries(pbw_index *to, pbw__i4 x, int dim)
     }
 }
 
-/* Lists the slots from..end-1 that have a number; returns how many. */
-PBW__SIMD_INLINE size_t pbw__emit_used(const pbw_index *number, size_t from, size_t end, pbw_index *slot)
+/* Lists the slots from..end-1 that have a number; returns how many.  Branchless. */
+PBW__INLINE size_t pbw__emit_used(const pbw_index *number, size_t from, size_t end, pbw_index *slot)
 {
-    size_t count = 0, i;
-    for (; from < end; from += 64) {
-        uint64_t used = 0;
-        for (i = 0; i < 64 && from + i + 8 <= end; i += 8) {
-            const __m256i eight = _mm256_loadu_si256((const __m256i *)(const void *)(number + from + i));
-            const __m256i none = _mm256_cmpeq_epi32(eight, _mm256_set1_epi32(-1));       /* PBW_NONE */
-            used |= (uint64_t)(255 & ~_mm256_movemask_ps(_mm256_castsi256_ps(none))) << i;
-        }
-        for (; i < 64 && from + i < end; i++) {
-            used |= (uint64_t)(number[from + i] != PBW_NONE) << i;
-        }
-        for (; used != 0; used &= used - 1) {
-            slot[count++] = (pbw_index)(from + pbw__first_bit(used));
-        }
+    size_t count = 0;
+    for (; from < end; from++) {
+        slot[count] = (pbw_index)from;
+        count += number[from] != PBW_NONE;
     }
     return count;
 }
@@ -8339,13 +8268,13 @@ static void pbw__emit_pass3(void *arg, int task)
         pbw__emit_slots(emission, from, end < emission->slot_count ? end : emission->slot_count, &aside);
         PBW__STORE_RELEASE(emission->chunk_done + chunk, 1);
     }
-    emission->aside[task] = aside;
+    emission->task[task].aside = aside;
 }
 
 static void pbw__emit_pass4(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
-    pbw__aside *aside = emission->aside + task;
+    pbw__aside *aside = &emission->task[task].aside;
     if (!PBW__LOAD(&emission->failed) && !pbw__report(emission->context, 0.95)) {
         aside->free_from = 0;
         aside->free_count = emission->simplex_count;
@@ -8409,7 +8338,7 @@ static pbw_status pbw__emit(pbw__emission *emission)
     }
     pbw__for(context, tasks, pbw__emit_counts, emission);
     for (task = 0; task < tasks; task++) {
-        emission->end[task] = sum += emission->end[task];
+        emission->task[task].end = sum += emission->task[task].end;
     }
     emission->simplex_count = sum;
     if (pbw__emit_status(emission) != PBW_OK) {
@@ -8515,10 +8444,10 @@ static int pbw__emit_room(pbw__emission *emission, pbw__vertices *vertices)
         block = pbw__block_of(vertices->record, old * sizeof(double), room * sizeof(double));
         pbw__populate(context, &block, 1);
     }
-    emission->number = (pbw_index *)(void *)vertices->record;
-    emission->head = emission->number + emission->slot_count;
+    emission->head = (pbw_index *)(void *)vertices->record;
     emission->first = tasks > 1 ? emission->head + ranks : NULL;
-    emission->chunk_done = (unsigned char *)(emission->head + (tasks > 1 ? 2 : 1) * ranks);
+    emission->number = emission->head + (tasks > 1 ? 2 : 1) * ranks;
+    emission->chunk_done = (unsigned char *)(emission->number + emission->slot_count);
     memset(emission->chunk_done, 0, chunks);
     return 1;
 }
@@ -8529,44 +8458,39 @@ static pbw_status pbw__emit_all(pbw__emission *emission, pbw__vertices *vertices
     pbw__memory *memory = &emission->context->memory;
     const size_t tasks = (size_t)emission->tasks;
     pbw_status status = PBW_ERROR_MEMORY;
-    emission->end = tasks > 1 ? (size_t *)pbw__allocate(memory, tasks, sizeof(size_t)) : &emission->one_end;
-    emission->aside = tasks > 1 ? (pbw__aside *)pbw__allocate(memory, tasks, sizeof(pbw__aside))
-                                : &emission->one_aside;
-    if (emission->end != NULL && emission->aside != NULL && pbw__emit_room(emission, vertices)) {
-        memset(emission->aside, 0, tasks * sizeof(pbw__aside));
+    emission->task = tasks > 1 ? (pbw__emitting *)pbw__allocate(memory, tasks, sizeof(pbw__emitting))
+                               : &emission->one_task;
+    if (emission->task != NULL && pbw__emit_room(emission, vertices)) {
+        memset(emission->task, 0, tasks * sizeof(pbw__emitting));
         status = pbw__emit(emission);
     }
     if (tasks > 1) {
-        pbw__release(memory, emission->end, tasks, sizeof(size_t));
-        pbw__release(memory, emission->aside, tasks, sizeof(pbw__aside));
+        pbw__release(memory, emission->task, tasks, sizeof(pbw__emitting));
     }
     return status;
 }
 
-/* Hands the arrays to the mesh: the store's, cut to size, or the new ones. */
-static pbw_status pbw__hand_over(pbw__emission *emission, pbw__store *store, pbw__owned *owned, pbw_mesh *mesh)
+/* Gives back what an emission no longer needs: `number`, which lies last in its block, except for the `spare` doubles
+   of the points to come; and the ends of the store's arrays.  Returns 0 if memory is short. */
+static int pbw__emit_cut(pbw__emission *emission, pbw__store *store, pbw__vertices *vertices, size_t spare)
 {
     pbw__memory *memory = &emission->context->memory;
-    const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1);
+    const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1), ranks = emission->vertex_count + 1;
+    const size_t firsts = ((emission->first != NULL ? 2 : 1) * ranks + 1) / 2;   /* in doubles */
     size_t links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
-    if (!emission->apart) {
-        if (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
-            || (store->link != NULL
-                && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
-            return PBW_ERROR_MEMORY;
-        }
-        emission->to_corner = store->corner;
-        emission->to_link = (pbw_index *)(void *)store->link;
-        store->corner = NULL;
-        store->link = NULL;
+    if (!pbw__resize_array(memory, &vertices->record, &vertices->room, spare > firsts ? spare : firsts,
+                           sizeof(double))
+        || !pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
+        || (store->link != NULL && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
+        return 0;
     }
-    mesh->simplex_count = emission->simplex_count;
-    mesh->simplices = emission->to_corner;
-    mesh->neighbors = emission->to_link;
-    owned->simplices = entries;
-    owned->neighbors = emission->to_link != NULL ? entries : 0;
-    emission->apart = 0;
-    return PBW_OK;
+    emission->head = (pbw_index *)(void *)vertices->record;
+    emission->first = emission->first != NULL ? emission->head + ranks : NULL;
+    emission->to_corner = store->corner;
+    emission->to_link = (pbw_index *)(void *)store->link;
+    store->corner = NULL;
+    store->link = NULL;
+    return 1;
 }
 
 /* Turns the store's triangulation into the mesh's arrays. */
@@ -8575,6 +8499,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
 {
     pbw__memory *memory = &context->memory;
     const size_t corners = (size_t)vertices->dim + 1;
+    const size_t spare = (flags & PBW_BORROW) == 0 ? vertices->point_count * (size_t)vertices->dim : 0;
     pbw__emission emission;
     pbw_status status;
     if (store->capacity - store->count > store->capacity / 64 + 64       /* not of few points */
@@ -8603,15 +8528,18 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     emission.apart = emission.tasks == 1 && emission.slot_count <= PBW__APART;
     emission.chunk_bits = pbw__chunk_bits(emission.dim, emission.tasks, store->count);
     status = pbw__emit_all(&emission, vertices);
-    if (status == PBW_OK) {
-        status = pbw__hand_over(&emission, store, owned, mesh);
+    if (status == PBW_OK && !emission.apart && !pbw__emit_cut(&emission, store, vertices, spare)) {
+        status = PBW_ERROR_MEMORY;
     }
     if (status == PBW_OK) {
+        mesh->simplex_count = emission.simplex_count;
+        mesh->simplices = emission.to_corner;
+        mesh->neighbors = emission.to_link;
+        owned->simplices = owned->neighbors = corners * emission.simplex_count;
         emission.incident = pbw__make_incident(context, owned, mesh, vertices->duplicate_count > 0);
         status = emission.incident == NULL ? PBW_ERROR_MEMORY
                : pbw__for_range(context, emission.vertex_count, 16384, 0.0, pbw__emit_pass5, &emission);
-    }
-    if (emission.apart) {                            /* a failure */
+    } else if (emission.apart) {
         pbw__release(memory, emission.to_corner, corners * emission.simplex_count, sizeof(pbw_index));
         pbw__release(memory, emission.to_link, corners * emission.simplex_count, sizeof(pbw_index));
     }
@@ -9010,12 +8938,12 @@ typedef struct pbw__check {
     pbw_report *report;
     pbw__context *context;
     pbw__tested tested;
-    double *record;                                  /* that it has */
+    double *record;                                  /* tested.record, while it is filled */
+    pbw__finding found;                              /* in the last pass: its first fault; what it counted before */
     const double *basis[4];                          /* degenerate: independent points */
     int dim, rank;                                   /* points in the basis */
-    size_t independent;
-    size_t duplicate_count, other_count;             /* others are canonical, but no vertices */
-    size_t *block;                                   /* of the points: others in each, then where to list its next */
+    size_t *others;                                  /* in each range of points; then where to list them */
+    size_t other_count;                              /* others are canonical, but no vertices */
     uint64_t *by_hash, *other;                       /* each other point, as sort key << 32 | point */
     pbw__box box;                                    /* of the others */
     pbw__curve curve;
@@ -9023,9 +8951,7 @@ typedef struct pbw__check {
 } pbw__check;
 
 typedef struct pbw__check_part {                     /* what is found in one range of a pass */
-    pbw_report report;
-    size_t duplicate_count, other_count;
-    size_t independent;                              /* degenerate: 1 + a point that is, of the basis; 0: none */
+    pbw__finding found;
     pbw__box box;                                    /* of the others; empty in other passes */
     pbw_index hint;                                  /* where the last walk ended */
 } pbw__check_part;
@@ -9052,55 +8978,51 @@ static int pbw__fault(pbw_report *report, int fault, size_t simplex, int facet, 
 static pbw_status pbw__check_range(void *arg, size_t from, size_t to)
 {
     const pbw__checking *checking = (const pbw__checking *)arg;
-    return checking->items(checking->check, checking->part + from / PBW__CHECKED, from, to) ? PBW_OK : PBW_DEGENERATE;
+    pbw__digit pool[PBW__POOL];
+    pbw__check_part part;                            /* on the stack: no false sharing with other tasks */
+    int sound;
+    memset(&part, 0, sizeof(part));
+    part.found.pool = pool;
+    pbw__box_reset(&part.box, 0);
+    sound = checking->items(checking->check, &part, from, to);
+    part.found.pool = NULL;
+    checking->part[from / PBW__CHECKED] = part;
+    return sound ? PBW_OK : PBW_DEGENERATE;
 }
 
 /* One pass over count items; progress goes on to `end`.  Returns 0 to stop: a fault, cancelled, or out of memory. */
 static int pbw__check_pass(pbw__check *check, pbw__check_items *items, size_t count, double end)
 {
-    pbw__memory *memory = &check->context->memory;
-    pbw_report *report = check->report;
     const size_t parts = count / PBW__CHECKED + 1;
     pbw__checking checking = { check, items, NULL };
+    pbw__finding *found = &check->found;
     pbw_status status;
     size_t i;
+    int k;
     checking.part = (pbw__check_part *)pbw__allocate_large(check->context, parts, sizeof(pbw__check_part));
     if (checking.part == NULL) {
         check->status = PBW_ERROR_MEMORY;
         return 0;
     }
     memset(checking.part, 0, parts * sizeof(pbw__check_part));
-    for (i = 0; i < parts; i++) {
-        pbw__box_reset(&checking.part[i].box, 0);
-    }
+    memset(found->counted, 0, sizeof(found->counted));
     status = pbw__for_range(check->context, count, PBW__CHECKED, end, pbw__check_range, &checking);
-    for (i = 0; i < parts && report->what[0] == '\0' && check->independent == 0; i++) {
+    for (i = 0; i * PBW__CHECKED < count && found->fault == PBW__SOUND; i++) {
         const pbw__check_part *part = checking.part + i;
-        check->duplicate_count += part->duplicate_count;
-        check->other_count += part->other_count;
-        check->independent = part->independent;
+        for (k = 0; k < 3; k++) {
+            found->counted[k] += part->found.counted[k];
+        }
         if (part->box.low[0] <= part->box.high[0]) {
             pbw__box_add(&check->box, part->box.low, check->dim);
             pbw__box_add(&check->box, part->box.high, check->dim);
         }
-        report->vertex_count += part->report.vertex_count;
-        report->facet_count += part->report.facet_count;
-        report->hull_facet_count += part->report.hull_facet_count;
-        if (part->report.what != NULL) {
-            report->what = part->report.what;
-            report->simplex = part->report.simplex;
-            report->facet = part->report.facet;
-            report->point = part->report.point;
+        if (part->found.fault != PBW__SOUND) {
+            (void)pbw__find_fault(found, part->found.fault, part->found.simplex, part->found.facet,
+                                  part->found.point);
         }
     }
-    pbw__release(memory, checking.part, parts, sizeof(pbw__check_part));
+    pbw__release(&check->context->memory, checking.part, parts, sizeof(pbw__check_part));
     return status == PBW_OK;
-}
-
-/* What the tests of a range found goes into its report. */
-static int pbw__check_found(pbw__check_part *part, const pbw__finding *found)
-{
-    return pbw__fault(&part->report, found->fault, found->simplex, found->facet, found->point);
 }
 
 /* The points as records. */
@@ -9115,7 +9037,7 @@ static int pbw__check_finite(pbw__check *check, pbw__check_part *part, size_t fr
         for (k = 0; k <= dim; k++) {
             x[k] = (k < dim ? mesh->points[p * dim + k] : w != NULL ? w[p] : 0.0) + 0.0;
             if (!(x[k] - x[k] == 0.0)) {
-                return pbw__fault(&part->report, PBW__FAULT_FINITE, PBW_NONE, -1, p);
+                return pbw__find_fault(&part->found, PBW__FAULT_FINITE, PBW_NONE, -1, p);
             }
         }
     }
@@ -9124,35 +9046,27 @@ static int pbw__check_finite(pbw__check *check, pbw__check_part *part, size_t fr
 
 static int pbw__check_points(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
-    pbw__finding found = { NULL, 0, 0, 0, 0, { 0, 0, 0 } };
+    size_t *others = check->others + from / PBW__CHECKED;
     int sound = 1;
     for (; from < to && sound; from++) {
-        sound = pbw__test_point(&check->tested, check->dim, from, &found);
+        sound = pbw__test_point(&check->tested, check->dim, from, &part->found);
     }
-    part->report.vertex_count = found.counted[0];
-    part->other_count = found.counted[1];
-    part->duplicate_count = found.counted[2];
-    return sound || pbw__check_found(part, &found);
+    *others = part->found.counted[1];
+    return sound;
 }
 
 static int pbw__check_simplices(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
-    pbw__digit pool[PBW__POOL];
-    pbw__finding found = { pool, 0, 0, 0, 0, { 0, 0, 0 } };
     int sound = 1;
     for (; from < to && sound; from++) {
-        sound = check->dim == 2 ? pbw__test_simplex(&check->tested, 2, from, &found)
-                                : pbw__test_simplex(&check->tested, 3, from, &found);
+        sound = check->dim == 2 ? pbw__test_simplex(&check->tested, 2, from, &part->found)
+                                : pbw__test_simplex(&check->tested, 3, from, &part->found);
     }
-    part->report.facet_count = found.counted[0];
-    part->report.hull_facet_count = found.counted[1];
-    return sound || pbw__check_found(part, &found);
+    return sound;
 }
 
 static int pbw__check_hull(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
-    pbw__digit pool[PBW__POOL];
-    pbw__finding found = { pool, 0, 0, 0, 0, { 0, 0, 0 } };
     const pbw__tested *mesh = &check->tested;
     const int dim = check->dim;
     size_t steps = 0, s;
@@ -9169,8 +9083,8 @@ static int pbw__check_hull(pbw__check *check, pbw__check_part *part, size_t from
                         return 0;                    /* a single ridge may have them all */
                     }
                 }
-                if (!pbw__test_ridge(mesh, dim, s, i, &turn, &found)) {
-                    return pbw__check_found(part, &found);
+                if (!pbw__test_ridge(mesh, dim, s, i, &turn, &part->found)) {
+                    return 0;
                 }
             }
         }
@@ -9181,23 +9095,21 @@ static int pbw__check_hull(pbw__check *check, pbw__check_part *part, size_t from
 /* Visibility walk to each of the other points, from where the last one ended. */
 static int pbw__check_hidden(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
-    pbw__digit pool[PBW__POOL];
-    pbw__finding found = { pool, 0, 0, 0, 0, { 0, 0, 0 } };
     size_t steps = 0;
     while (from < to) {
         pbw__visit visit = { (uint32_t)check->other[from], part->hint, part->hint };
-        while (pbw__visit_on(&check->tested, check->dim, &visit, &found)) {
+        while (pbw__visit_on(&check->tested, check->dim, &visit, &part->found)) {
             if ((++steps & 1023) == 0 && pbw__report(check->context, 0.94)) {
                 return 0;
             }
         }
-        if (pbw__test_visited(&check->tested, check->dim, &visit, &found)) {
+        if (pbw__test_visited(&check->tested, check->dim, &visit, &part->found)) {
             part->hint = visit.here;
             from++;
         } else if (part->hint != 0) {
             part->hint = 0;                          /* reported as a walk from simplex 0 finds it, in every part */
         } else {
-            return pbw__check_found(part, &found);
+            return 0;
         }
     }
     return 1;
@@ -9216,8 +9128,7 @@ static int pbw__check_flat(pbw__check *check, pbw__check_part *part, size_t from
         if (check->rank == check->dim ? pbw__orient(check->dim, a, &check->tested.grid) != 0
             : check->rank == 2 ? !pbw__collinear3(a[0], a[1], x, &check->tested.grid)
                                : check->rank == 0 || !pbw__same_place(a[0], x, check->dim)) {
-            part->independent = from + 1;
-            return 0;
+            return pbw__find_fault(&part->found, PBW__FAULT_SPAN, PBW_NONE, -1, from);
         }
     }
     return 1;
@@ -9227,18 +9138,12 @@ static int pbw__check_flat(pbw__check *check, pbw__check_part *part, size_t from
 static int pbw__check_span(pbw__check *check)
 {
     for (;;) {
-        int going;
-        size_t point;
-        check->independent = 0;
-        going = pbw__check_pass(check, pbw__check_flat, check->mesh->point_count, 0.9);
-        point = check->independent;
-        if (point == 0) {
+        const int going = pbw__check_pass(check, pbw__check_flat, check->mesh->point_count, 0.9);
+        if (check->found.fault != PBW__FAULT_SPAN || check->rank == check->dim) {
             return going;
         }
-        if (check->rank == check->dim) {
-            return pbw__fault(check->report, PBW__FAULT_SPAN, PBW_NONE, -1, point - 1);
-        }
-        check->basis[check->rank++] = pbw__test_record(&check->tested, check->dim, point - 1);
+        check->basis[check->rank++] = pbw__test_record(&check->tested, check->dim, check->found.point);
+        (void)pbw__find_fault(&check->found, PBW__SOUND, PBW_NONE, -1, PBW_NONE);
     }
 }
 
@@ -9263,54 +9168,16 @@ PBW__INLINE uint64_t pbw__hash_doubles(uint64_t hash, const double *x, int count
     return hash;
 }
 
-/* Points that are neither duplicates nor vertices are listed by blocks.  The first pass counts them in each block,
-   the second lists them. */
-#define PBW__BLOCK_POINTS 1024
-PBW__INLINE int pbw__check_is_other(const pbw__check *check, size_t p)
-{
-    return check->mesh->canonical[p] == p && check->mesh->incident[p] == PBW_NONE;
-}
-
-PBW__INLINE size_t pbw__check_block_end(const pbw__check *check, size_t block)
-{
-    size_t points = check->mesh->point_count, end = (block + 1) * PBW__BLOCK_POINTS;
-    return end < points ? end : points;
-}
-
-static int pbw__check_count(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
-{
-    size_t p;
-    (void)part;
-    for (; from < to; from++) {
-        check->block[from] = 0;
-        for (p = from * PBW__BLOCK_POINTS; p < pbw__check_block_end(check, from); p++) {
-            check->block[from] += (size_t)pbw__check_is_other(check, p);
-        }
-    }
-    return 1;
-}
-
+/* Lists the points of a range that are neither duplicates nor vertices. */
 static int pbw__check_gather(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
-    size_t p;
+    size_t next = check->others[from / PBW__CHECKED];
     for (; from < to; from++) {
-        for (p = from * PBW__BLOCK_POINTS; p < pbw__check_block_end(check, from); p++) {
-            if (pbw__check_is_other(check, p)) {
-                check->by_hash[check->block[from]++] = (uint64_t)p;
-                pbw__box_add(&part->box, pbw__test_record(&check->tested, check->dim, p), check->dim);
-            }
+        if (check->mesh->canonical[from] == from && check->mesh->incident[from] == PBW_NONE) {
+            const double *x = pbw__test_record(&check->tested, check->dim, from);
+            check->by_hash[next++] = (pbw__hash_doubles(0, x, check->dim) & ~(uint64_t)UINT32_MAX) | (uint64_t)from;
+            pbw__box_add(&part->box, x, check->dim);
         }
-    }
-    return 1;
-}
-
-static int pbw__check_hashes(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
-{
-    uint64_t *key = check->by_hash;
-    (void)part;
-    for (; from < to; from++) {
-        const double *x = pbw__test_record(&check->tested, check->dim, (size_t)key[from]);
-        key[from] |= pbw__hash_doubles(0, x, check->dim) & ~(uint64_t)UINT32_MAX;
     }
     return 1;
 }
@@ -9325,7 +9192,7 @@ static int pbw__check_apart(pbw__check *check, pbw__check_part *part, size_t fro
         for (m = k + 1; m < check->other_count && key[m] >> 32 == key[k] >> 32; m++) {
             uint32_t p = (uint32_t)key[m];
             if (pbw__same_place(x, pbw__test_record(&check->tested, check->dim, p), check->dim)) {
-                return pbw__fault(&part->report, PBW__FAULT_TWICE, PBW_NONE, -1, p);
+                return pbw__find_fault(&part->found, PBW__FAULT_TWICE, PBW_NONE, -1, p);
             }
         }
         check->other[k] = pbw__hilbert_key(check->curve.step, &check->box, x, check->dim,
@@ -9340,28 +9207,20 @@ static int pbw__check_others(pbw__check *check)
 {
     pbw__context *context = check->context;
     pbw__memory *memory = &context->memory;
-    size_t count = check->other_count, blocks = check->mesh->point_count / PBW__BLOCK_POINTS + 1, block, listed = 0;
+    const size_t count = check->other_count;
     const int bits = check->dim == 2 ? 16 : 10, tasks = pbw__tasks(context, count, 16384);
     uint64_t *keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
     uint64_t *spare = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
     uint32_t *start = (uint32_t *)pbw__allocate(memory, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
     pbw__sorting sorting = { context, keys, spare, start, count, tasks, 0, 0 };
     int going = 0;
-    check->block = (size_t *)pbw__allocate(memory, blocks, sizeof(size_t));
-    if (keys == NULL || spare == NULL || start == NULL || check->block == NULL) {
+    if (keys == NULL || spare == NULL || start == NULL) {
         check->status = PBW_ERROR_MEMORY;
     } else {
-        going = pbw__check_pass(check, pbw__check_count, blocks, 0.905);
-        for (block = 0; block < blocks && going; block++) {
-            size_t here = check->block[block];
-            check->block[block] = listed;
-            listed += here;
-        }
         pbw__curve_create(&check->curve, count, check->dim);
         pbw__box_reset(&check->box, bits);
         check->by_hash = keys;
-        going = going && pbw__check_pass(check, pbw__check_gather, blocks, 0.91)
-            && pbw__check_pass(check, pbw__check_hashes, count, 0.92)
+        going = pbw__check_pass(check, pbw__check_gather, check->mesh->point_count, 0.92)
             && (check->by_hash = pbw__sort_by(&sorting, 32, 32)) != NULL;
         if (going) {
             pbw__box_close(&check->box, check->dim);
@@ -9379,30 +9238,39 @@ static int pbw__check_others(pbw__check *check)
     pbw__release(memory, keys, count, sizeof(uint64_t));
     pbw__release(memory, spare, count, sizeof(uint64_t));
     pbw__release(memory, start, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
-    pbw__release(memory, check->block, blocks, sizeof(size_t));
     return going;
 }
 
 static int pbw__check_all(pbw__check *check)
 {
     const pbw_mesh *mesh = check->mesh;
-    size_t points = mesh->point_count, simplices = mesh->simplex_count;
-    if (!pbw__check_pass(check, pbw__check_finite, points, 0.05)
-        || !pbw__check_pass(check, pbw__check_points, points, 0.1)) {
+    const size_t points = mesh->point_count, simplices = mesh->simplex_count;
+    int going = pbw__check_pass(check, pbw__check_finite, points, 0.05)
+        && pbw__check_pass(check, pbw__check_points, points, 0.1);
+    size_t i;
+    check->report->vertex_count = check->found.counted[0];
+    if (!going) {
         return 0;
     }
-    if (check->duplicate_count != mesh->duplicate_count) {
-        return pbw__fault(check->report, PBW__FAULT_DUPLICATES, PBW_NONE, -1, PBW_NONE);
+    if (check->found.counted[2] != mesh->duplicate_count) {
+        return pbw__find_fault(&check->found, PBW__FAULT_DUPLICATES, PBW_NONE, -1, PBW_NONE);
+    }
+    for (i = 0; i * PBW__CHECKED < points; i++) {
+        const size_t others = check->others[i];
+        check->others[i] = check->other_count;
+        check->other_count += others;
     }
     if (mesh->hidden_count != (simplices > 0 ? check->other_count : 0)) {
-        return pbw__fault(check->report, PBW__FAULT_HIDDEN, PBW_NONE, -1, PBW_NONE);
+        return pbw__find_fault(&check->found, PBW__FAULT_HIDDEN, PBW_NONE, -1, PBW_NONE);
     }
     pbw__grid_scan(check->context, check->record, points, check->dim, &check->tested.grid);
     if (simplices == 0) {
         return pbw__check_span(check) && pbw__check_others(check);
     }
-    return pbw__check_pass(check, pbw__check_simplices, simplices, 0.85)
-        && pbw__check_pass(check, pbw__check_hull, simplices, 0.9)
+    going = pbw__check_pass(check, pbw__check_simplices, simplices, 0.85);
+    check->report->facet_count = check->found.counted[0];
+    check->report->hull_facet_count = check->found.counted[1];
+    return going && pbw__check_pass(check, pbw__check_hull, simplices, 0.9)
         && (check->other_count == 0 || pbw__check_others(check));
 }
 
@@ -9410,13 +9278,12 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
 {
     pbw__context context;
     pbw__check check;
-    size_t size;
+    size_t size, ranges;
     if (report == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
     memset(report, 0, sizeof(*report));
-    report->what = pbw__fault_words[PBW__SOUND];
-    report->simplex = report->facet = report->point = PBW_NONE;
+    (void)pbw__fault(report, PBW__SOUND, PBW_NONE, -1, PBW_NONE);
     if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3)
         || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
         || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))) {
@@ -9426,6 +9293,7 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
         return PBW_ERROR_TOO_LARGE;
     }
     memset(&check, 0, sizeof(check));
+    (void)pbw__find_fault(&check.found, PBW__SOUND, PBW_NONE, -1, PBW_NONE);
     check.mesh = mesh;
     check.report = report;
     check.context = &context;
@@ -9439,11 +9307,15 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
     check.status = pbw__begin_call(&context, options, mesh->point_count, PBW_STAGE_CHECK);
     if (check.status == PBW_OK) {
         size = (size_t)(mesh->dim + 1) * sizeof(double);
+        ranges = mesh->point_count / PBW__CHECKED + 1;
         check.record = (double *)pbw__allocate_large(&context, mesh->point_count, size);
         check.tested.record = check.record;
-        check.status = check.record != NULL ? PBW_OK : PBW_ERROR_MEMORY;
+        check.others = (size_t *)pbw__allocate(&context.memory, ranges, sizeof(size_t));
+        check.status = check.record != NULL && check.others != NULL ? PBW_OK : PBW_ERROR_MEMORY;
         report->valid = check.status == PBW_OK && pbw__check_all(&check);
+        (void)pbw__fault(report, check.found.fault, check.found.simplex, check.found.facet, check.found.point);
         pbw__release(&context.memory, check.record, mesh->point_count, size);
+        pbw__release(&context.memory, check.others, ranges, sizeof(size_t));
     }
     check.status = pbw__end_call(&context, context.cancelled ? PBW_CANCELLED : check.status);
     report->valid &= check.status == PBW_OK;
@@ -18578,7 +18450,7 @@ static pbw_status pbw__leave_stage(pbw__context *context, pbw_status status, dou
     return (status == PBW_OK || status == PBW_DEGENERATE) && pbw__report(context, 1.0) ? PBW_CANCELLED : status;
 }
 
-/* mesh->original: see pbw__number_along_curve. */
+/* Makes mesh->original: see pbw__number_along_curve. */
 static pbw_status pbw__make_original(pbw__context *context, pbw__vertices *vertices, pbw__owned *owned,
                                      pbw_mesh *mesh)
 {
@@ -18586,6 +18458,49 @@ static pbw_status pbw__make_original(pbw__context *context, pbw__vertices *verti
     mesh->original = original;
     owned->original = vertices->point_count;
     return original != NULL ? pbw__number_along_curve(context, vertices, original) : PBW_ERROR_MEMORY;
+}
+
+/* The duplicates of many points, for the time of the build, which needs no `canonical`. */
+typedef struct pbw__duplicates {
+    pbw_index *canonical, *pair;                     /* pair: a duplicate and its canonical point, and so on */
+    size_t count, listed;
+} pbw__duplicates;
+
+static pbw_status pbw__list_duplicates(void *arg, size_t from, size_t to)
+{
+    pbw__duplicates *duplicates = (pbw__duplicates *)arg;
+    const pbw_index *canonical = duplicates->canonical;
+    pbw_index *pair = duplicates->pair;
+    size_t count = 0, i;
+    for (i = from; i < to; i++) {
+        count += canonical[i] != i;
+    }
+    for (pair += 2 * PBW__ADD(&duplicates->listed, count); count > 0; from++) {
+        if (canonical[from] != from) {
+            pair[0] = (pbw_index)from;
+            pair[1] = canonical[from];
+            pair += 2;
+            count--;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Frees `canonical` where a list of the duplicates is shorter. */
+static pbw_status pbw__lay_down_canonical(pbw__context *context, pbw__vertices *vertices, pbw__duplicates *duplicates)
+{
+    const size_t count = vertices->duplicate_count;
+    pbw_status status = PBW_OK;
+    if (vertices->point_count > PBW__SMALLER(65536) && count < vertices->point_count / 2) {
+        duplicates->pair = (pbw_index *)pbw__allocate(&context->memory, 2 * count, sizeof(pbw_index));
+        duplicates->count = count;
+        duplicates->canonical = vertices->canonical;
+        status = duplicates->pair == NULL ? PBW_ERROR_MEMORY : count == 0 ? PBW_OK
+               : pbw__for_range(context, vertices->point_count, PBW__TICK, 0.0, pbw__list_duplicates, duplicates);
+        pbw__release(&context->memory, vertices->canonical, vertices->point_count, sizeof(pbw_index));
+        vertices->canonical = NULL;
+    }
+    return status;
 }
 
 static pbw_status pbw__fill_canonical(void *arg, size_t from, size_t to)
@@ -18597,18 +18512,18 @@ static pbw_status pbw__fill_canonical(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Many points without a duplicate: frees `canonical`, which is 0, 1, 2, ..., for the time of the build. */
-static void pbw__lay_down_canonical(pbw__context *context, pbw__vertices *vertices)
+static pbw_status pbw__place_duplicates(void *arg, size_t from, size_t to)
 {
-    if (vertices->duplicate_count == 0 && vertices->point_count > PBW__SMALLER(65536)) {
-        pbw__release(&context->memory, vertices->canonical, vertices->point_count, sizeof(pbw_index));
-        vertices->canonical = NULL;
+    const pbw__duplicates *duplicates = (const pbw__duplicates *)arg;
+    for (; from < to; from++) {
+        duplicates->canonical[duplicates->pair[2 * from]] = duplicates->pair[2 * from + 1];
     }
+    return PBW_OK;
 }
 
 /* Hands `canonical` to the mesh. */
-static pbw_status pbw__hand_over_canonical(pbw__context *context, pbw__vertices *vertices, pbw__owned *owned,
-                                           pbw_mesh *mesh)
+static pbw_status pbw__hand_over_canonical(pbw__context *context, pbw__vertices *vertices,
+                                           pbw__duplicates *duplicates, pbw__owned *owned, pbw_mesh *mesh)
 {
     const size_t count = vertices->point_count;
     pbw_index *canonical = vertices->canonical;
@@ -18617,6 +18532,9 @@ static pbw_status pbw__hand_over_canonical(pbw__context *context, pbw__vertices 
         canonical = (pbw_index *)pbw__allocate_large(context, count, sizeof(pbw_index));
         status = canonical == NULL ? PBW_ERROR_MEMORY
                : pbw__for_range(context, count, PBW__TICK, 0.0, pbw__fill_canonical, canonical);
+        duplicates->canonical = canonical;
+        status = status != PBW_OK ? status
+               : pbw__for_range(context, duplicates->count, PBW__TICK, 0.0, pbw__place_duplicates, duplicates);
     }
     mesh->canonical = canonical;
     owned->canonical = count;
@@ -18629,6 +18547,7 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
     pbw__memory *memory = &context->memory;
     pbw__owned *owned = (pbw__owned *)pbw__allocate(memory, 1, sizeof(pbw__owned));
     pbw__vertices vertices;
+    pbw__duplicates duplicates = { NULL, NULL, 0, 0 };
     pbw__store store;
     double start = pbw__seconds();
     pbw_status status;
@@ -18651,7 +18570,7 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
     if (status == PBW_OK) {
         mesh->duplicate_count = vertices.duplicate_count;
         if ((flags & PBW_CURVE_ORDER) == 0) {
-            pbw__lay_down_canonical(context, &vertices);
+            status = pbw__lay_down_canonical(context, &vertices, &duplicates);
         }
         status = pbw__leave_stage(context, status, &start, &mesh->statistics.order_seconds);
     }
@@ -18675,7 +18594,7 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
         status = PBW_ERROR_MEMORY;
     }
     if (status == PBW_OK || status == PBW_DEGENERATE) {
-        pbw_status kept = pbw__hand_over_canonical(context, &vertices, owned, mesh);
+        pbw_status kept = pbw__hand_over_canonical(context, &vertices, &duplicates, owned, mesh);
         kept = kept != PBW_OK ? kept
              : pbw__keep_points(context, input, owned, mesh, vertices.record,
                                 vertices.room);
@@ -18686,6 +18605,7 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
     mesh->statistics.peak_bytes = memory->peak;
     pbw__store_free(memory, &store);
     pbw__vertices_free(context, &vertices);
+    pbw__release(memory, duplicates.pair, 2 * duplicates.count, sizeof(pbw_index));
     pbw__team_stop(context);
     owned->memory = *memory;
     return status;
