@@ -4293,7 +4293,8 @@ typedef struct pbw__store {
     int plain;                                       /* in the plane, without >>core: no marks */
     size_t count;                                    /* slots given to regions and threads */
     pbw_index *region;                               /* per region: its first slot that was never used */
-    pbw_index *hint;                                 /* per region: a simplex of one of its vertices, or PBW_NONE */
+    pbw_index *hint;                                 /* >>parallel: per zone, at its first region: where walks may
+                                                        start, or PBW_NONE */
     size_t region_count, region_slots;               /* slots from region_slots on are the tail */
     size_t slots_each, ahead;                        /* of a region; how many more the first one has */
     int region_bits;                                 /* vertex >> region_bits is the number of its region */
@@ -4377,7 +4378,7 @@ typedef struct pbw__kernel {
     pbw_index *corner;                               /* the store's arrays */
     pbw__link *link;
     unsigned char *mark;
-    pbw_index last, last_entered;                    /* a simplex of the last star; the one at entry to the region */
+    pbw_index last;                                  /* a simplex of the last star */
     pbw_index previous, vertex_count;                /* 2D: the last vertex; how many there are */
     /* Inserts a vertex, with the code for this dimension and processor; a hidden one changes nothing. */
     pbw_status (*insert)(struct pbw__kernel *kernel, pbw_index vertex);
@@ -4622,6 +4623,7 @@ static PBW__NOINLINE int pbw__grow_lists(pbw__kernel *kernel, size_t needed)
         && PBW__GROW(kernel, &kernel->scratch, cavity, needed)
         && (kernel->dim == 2
                 ? PBW__GROW(kernel, &kernel->scratch, beyond, needed)
+                  && PBW__GROW(kernel, &kernel->scratch, stack, needed)
                 : PBW__GROW(kernel, &kernel->scratch, carved, needed)
                   && PBW__GROW(kernel, &kernel->scratch, parent, needed)
                   && PBW__GROW(kernel, &kernel->scratch, from, needed));
@@ -4629,12 +4631,8 @@ static PBW__NOINLINE int pbw__grow_lists(pbw__kernel *kernel, size_t needed)
 
 static void pbw__leave_region(pbw__kernel *kernel)
 {
-    pbw__store *store = kernel->store;
     if (kernel->slots.region != (size_t)-1) {
-        store->region[kernel->slots.region] = (pbw_index)kernel->slots.fresh;
-        if (kernel->own.owner == NULL && kernel->last != kernel->last_entered) {         /* else see >>parallel */
-            store->hint[kernel->slots.region] = kernel->last;
-        }
+        kernel->store->region[kernel->slots.region] = (pbw_index)kernel->slots.fresh;
         kernel->slots.region = (size_t)-1;
     }
     kernel->slots.fresh = kernel->slots.fresh_end = 0;
@@ -4643,19 +4641,10 @@ static void pbw__leave_region(pbw__kernel *kernel)
 /* Takes slots from the region of the next vertex from now on. */
 static PBW__NOINLINE void pbw__enter_region(pbw__kernel *kernel, size_t region)
 {
-    pbw__store *store = kernel->store;
-    /* If a task comes from this region or one beside it, its last star is as near as any hint, and its own. */
-    const int near = kernel->own.owner != NULL && kernel->last != PBW_NONE && kernel->slots.region - region + 1 <= 2;
-    pbw_index hint;
     pbw__leave_region(kernel);
     kernel->slots.region = region;
-    kernel->slots.fresh = store->region[region];
-    kernel->slots.fresh_end = pbw__region_end(store, region);
-    hint = store->hint[region];
-    if (!near && hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE) {
-        kernel->last = hint;            /* the last vertex may be far away, or in another task's zones */
-    }
-    kernel->last_entered = kernel->last;
+    kernel->slots.fresh = kernel->store->region[region];
+    kernel->slots.fresh_end = pbw__region_end(kernel->store, region);
 }
 
 /* Puts a slot into the list of free ones. */
@@ -5029,11 +5018,12 @@ PBW__INLINE pbw_index pbw__walk_hull(pbw__kernel *kernel, pbw_index t, const dou
     for (steps = 0; steps < 16; steps++) {
         const double *a = pbw__record_at(kernel, kernel->corner[4 * (size_t)t]);
         const double *b = pbw__record_at(kernel, kernel->corner[4 * (size_t)t + 1]);
-        double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1];
-        double height = pbw__max(pbw__max(ax * ax + ay * ay, bx * bx + by * by), 1e-140);
-        int past_a = ax * (bx - ax) + ay * (by - ay) > 0.0, past_b = bx * (bx - ax) + by * (by - ay) < 0.0;
+        const double x = b[0] - a[0], y = b[1] - a[1];
+        const int past_a = (a[0] - p[0]) * x + (a[1] - p[1]) * y > 0.0;
+        const int past_b = (b[0] - p[0]) * x + (b[1] - p[1]) * y < 0.0;
+        double error;
         kernel->statistics.walk_steps++;
-        if (ax * by - ay * bx > height * PBW__ORIENT2_ERROR) {
+        if (pbw__right_of(a, b, p, &error) > error) {
             return t;
         }
         if (past_a == past_b
@@ -5284,20 +5274,13 @@ static const unsigned char pbw__front[16][16] = {
     { PBW__LANE(0), PBW__LANE(1), PBW__LANE(2), PBW__LANE(3) }
 };
 
-/* The lanes of a set of four: 1 for each that is in it. */
-static const unsigned char pbw__lane_bits[16][4] = {
-    { 0, 0, 0, 0 }, { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 1, 1, 0, 0 }, { 0, 0, 1, 0 }, { 1, 0, 1, 0 }, { 0, 1, 1, 0 },
-    { 1, 1, 1, 0 }, { 0, 0, 0, 1 }, { 1, 0, 0, 1 }, { 0, 1, 0, 1 }, { 1, 1, 0, 1 }, { 0, 0, 1, 1 }, { 1, 0, 1, 1 },
-    { 0, 1, 1, 1 }, { 1, 1, 1, 1 }
-};
-
 /* pbw__search_sort for all four neighbours, which are different simplices: two simplices share at most one facet.
    Prefetches the links of those that stay: the refill writes there. */
 PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
 {
     unsigned char *mark = search->mark;
     pbw_index o0 = link[0] >> 2, o1 = link[1] >> 2, o2 = link[2] >> 2, o3 = link[3] >> 2;
-    unsigned marked = PBW__LOAD(mark + o0) + 2u * PBW__LOAD(mark + o1)
+    uint32_t bytes, marked = PBW__LOAD(mark + o0) + 2u * PBW__LOAD(mark + o1)
                     + 4u * (PBW__LOAD(mark + o2) + 2u * PBW__LOAD(mark + o3)), outside;
     const pbw__i4 lanes = { 0, 1, 2, 3 }, from = pbw__splat_i((int32_t)facet) + lanes;
     PBW__PREFETCH(search->link + 4 * (size_t)o0);
@@ -5306,11 +5289,11 @@ PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
     PBW__PREFETCH(search->link + 4 * (size_t)o3);
     outside = 15u & ~(inside | marked);
     inside &= ~marked;
-    marked |= inside;
-    PBW__STORE(mark + o0, pbw__lane_bits[marked][0]);
-    PBW__STORE(mark + o1, pbw__lane_bits[marked][1]);
-    PBW__STORE(mark + o2, pbw__lane_bits[marked][2]);
-    PBW__STORE(mark + o3, pbw__lane_bits[marked][3]);
+    bytes = ((marked | inside) * 0x204081u) & 0x1010101u;                    /* a bit of the set in each byte */
+    PBW__STORE(mark + o0, (unsigned char)bytes);
+    PBW__STORE(mark + o1, (unsigned char)(bytes >> 8));
+    PBW__STORE(mark + o2, (unsigned char)(bytes >> 16));
+    PBW__STORE(mark + o3, (unsigned char)(bytes >> 24));
     pbw__store4(search->parent + search->cavity_count, pbw__shuffle4(from, pbw__front[inside]));
     search->cavity_count += pbw__count4(inside);
     pbw__store4(search->from + search->facet_count, pbw__shuffle4(from, pbw__front[outside]));
@@ -5718,51 +5701,45 @@ static PBW__NOINLINE pbw_status pbw__sew3_wide(pbw__kernel *kernel)
    the one whose vertices are nearest along the curve: others may reach far. */
 static PBW__NOINLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vertex)
 {
-    const size_t count = kernel->scratch.facet_count;
-    const size_t side = kernel->scratch.local_count > PBW__FEW - 4 ? PBW__LOCALS : PBW__FEW;
+    pbw__scratch *scratch = &kernel->scratch;
+    const size_t count = scratch->facet_count, side = scratch->local_count > PBW__FEW - 4 ? PBW__LOCALS : PBW__FEW;
+    const int few = scratch->local_count <= PBW__LOCALS - 4;
     uint64_t least = UINT64_MAX;
     size_t i;
     unsigned k;
+    if (few && !PBW__GROW(kernel, scratch, edge, side * side)) {
+        return PBW_ERROR_MEMORY;
+    }
     for (i = 0; i < count; i++) {
-        const pbw__carved *carved = kernel->scratch.carved + (kernel->scratch.from[i] >> 2);
-        const unsigned char *corner = pbw__facet_corners[kernel->scratch.from[i] & 3] + 1;
-        pbw__link base = (pbw__link)kernel->scratch.cavity[i] * 4, beyond = carved->link[kernel->scratch.from[i] & 3];
+        const pbw__carved *carved = scratch->carved + (scratch->from[i] >> 2);
+        const pbw_index *local = carved->local;
+        const unsigned char *corner = pbw__facet_corners[scratch->from[i] & 3] + 1;
+        pbw__link base = (pbw__link)scratch->cavity[i] * 4, beyond = carved->link[scratch->from[i] & 3];
         uint64_t apart = 0;
-        PBW__STORE(kernel->mark + kernel->scratch.cavity[i], 0);
+        PBW__STORE(kernel->mark + scratch->cavity[i], 0);
         kernel->corner[base] = vertex;
         kernel->link[base] = beyond;
         kernel->link[beyond] = base;
         for (k = 0; k < 3; k++) {
-            pbw_index v = carved->v[corner[k]];
+            const pbw_index v = carved->v[corner[k]];
             kernel->corner[base + k + 1] = v;
             apart += v < vertex ? vertex - v : v - vertex;
+            if (few) {
+                scratch->edge[local[corner[(k + 1) % 3]] * side + local[corner[(k + 2) % 3]]] = base + k + 1;
+            }
         }
-        kernel->last = apart < least ? kernel->scratch.cavity[i] : kernel->last;
+        kernel->last = apart < least ? scratch->cavity[i] : kernel->last;
         least = apart < least ? apart : least;
     }
-    if (PBW__UNLIKELY(kernel->scratch.local_count > PBW__LOCALS - 4)) {
-        return pbw__sew3_wide(kernel);
+    for (i = 0; few && i < count; i++) {
+        const pbw_index *local = scratch->carved[scratch->from[i] >> 2].local;
+        const unsigned char *corner = pbw__facet_corners[scratch->from[i] & 3] + 1;
+        for (k = 0; k < 3; k++) {
+            kernel->link[(pbw__link)scratch->cavity[i] * 4 + k + 1]
+                = scratch->edge[local[corner[(k + 2) % 3]] * side + local[corner[(k + 1) % 3]]];
+        }
     }
-    if (!PBW__GROW(kernel, &kernel->scratch, edge, side * side)) {
-        return PBW_ERROR_MEMORY;
-    }
-    for (i = 0; i < count; i++) {
-        const pbw_index *local = kernel->scratch.carved[kernel->scratch.from[i] >> 2].local;
-        const unsigned char *corner = pbw__facet_corners[kernel->scratch.from[i] & 3] + 1;
-        pbw__link base = (pbw__link)kernel->scratch.cavity[i] * 4;
-        kernel->scratch.edge[local[corner[1]] * side + local[corner[2]]] = base + 1;
-        kernel->scratch.edge[local[corner[2]] * side + local[corner[0]]] = base + 2;
-        kernel->scratch.edge[local[corner[0]] * side + local[corner[1]]] = base + 3;
-    }
-    for (i = 0; i < count; i++) {
-        const pbw_index *local = kernel->scratch.carved[kernel->scratch.from[i] >> 2].local;
-        const unsigned char *corner = pbw__facet_corners[kernel->scratch.from[i] & 3] + 1;
-        pbw__link *link = kernel->link + (pbw__link)kernel->scratch.cavity[i] * 4;
-        link[1] = kernel->scratch.edge[local[corner[2]] * side + local[corner[1]]];
-        link[2] = kernel->scratch.edge[local[corner[0]] * side + local[corner[2]]];
-        link[3] = kernel->scratch.edge[local[corner[1]] * side + local[corner[0]]];
-    }
-    return PBW_OK;
+    return few ? PBW_OK : pbw__sew3_wide(kernel);
 }
 
 #if defined(PBW__SIMD) && !defined(PBW_WIDE)
@@ -5849,25 +5826,19 @@ PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
     return det > limit || det < -limit ? det > 0.0 : pbw__in_conflict(kernel, t, p);
 }
 
-/* Marks a triangle of the cavity by the highest bit of each corner, which no vertex has: so the plane needs no memory
-   for marks.  In space the next tests would wait for writes whose addresses depend on a verdict. */
-PBW__INLINE void pbw__mark2(pbw__kernel *kernel, pbw_index t)
+/* The corners of a triangle after and before this one. */
+#define PBW__AFTER(link) (((link) & ~(pbw__link)3) | (9u >> 2 * ((link) & 3) & 3))       /* 1 2 0 */
+#define PBW__BEFORE(link) (((link) & ~(pbw__link)3) | (18u >> 2 * ((link) & 3) & 3))     /* 2 0 1 */
+
+/* Marks a triangle of the cavity by the highest bit of each corner, which no vertex has, or clears the mark: so the
+   plane needs no memory for marks.  In space the next tests would wait for writes whose addresses depend on a
+   verdict. */
+PBW__INLINE void pbw__flip_mark2(pbw__kernel *kernel, pbw_index t)
 {
     pbw_index *v = kernel->corner + 4 * (size_t)t;
-    v[0] |= PBW__MARK;
-    v[1] |= PBW__MARK;
-    v[2] |= PBW__MARK;
-}
-
-static void pbw__unmark2(pbw__kernel *kernel)
-{
-    size_t i;
-    for (i = 0; i < kernel->scratch.cavity_count; i++) {
-        pbw_index *v = kernel->corner + 4 * (size_t)kernel->scratch.cavity[i];
-        v[0] &= ~PBW__MARK;
-        v[1] &= ~PBW__MARK;
-        v[2] &= ~PBW__MARK;
-    }
+    v[0] ^= PBW__MARK;
+    v[1] ^= PBW__MARK;
+    v[2] ^= PBW__MARK;
 }
 
 /* 2D.  A depth-first search that looks through the edges of each triangle counter-clockwise meets the boundary in
@@ -5877,67 +5848,53 @@ static pbw_status pbw__carve2(pbw__kernel *kernel, pbw_index t, const double *p)
 {
     const pbw__link *links = kernel->link;
     pbw__scratch *scratch = &kernel->scratch;
-    size_t stack_count = 3;
+    pbw_status status = PBW_OK;
+    size_t stack_count = 3, i;
     int k;
     scratch->cavity[0] = t;
     scratch->cavity_count = 1;
     scratch->facet_count = 0;
-    pbw__mark2(kernel, t);
+    pbw__flip_mark2(kernel, t);
     for (k = 0; k < 3; k++) {
         scratch->stack[k] = links[4 * (size_t)t + 2 - (size_t)k];
     }
-    while (stack_count > 0) {
-        pbw__link link = scratch->stack[--stack_count];
-        pbw_index o = (pbw_index)(link >> 2);
-        unsigned via = (unsigned)(link & 3), left = via == 2 ? 0 : via + 1, right = via == 0 ? 2 : via - 1;
+    while (stack_count > 0 && status == PBW_OK) {
+        const pbw__link link = scratch->stack[--stack_count];
+        const pbw_index o = (pbw_index)(link >> 2);
+        const size_t needed = scratch->cavity_count + scratch->facet_count + 4;
         if ((kernel->corner[link] & PBW__MARK) != 0) {
             continue;
         }
-        if (pbw__test2(kernel, o, p)) {
-            if (kernel->own.owner != NULL && !pbw__may_delete(kernel, o)) {
-                pbw__unmark2(kernel);
-                return PBW__LEFT;
-            }
-            if ((scratch->cavity_count == scratch->cavity_capacity
-                 && !pbw__grow_lists(kernel, scratch->cavity_count + 1))
-                || !PBW__GROW(kernel, scratch, stack, stack_count + 2)) {
-                pbw__unmark2(kernel);
-                return PBW_ERROR_MEMORY;
-            }
-            pbw__mark2(kernel, o);
-            scratch->cavity[scratch->cavity_count++] = o;
-            scratch->stack[stack_count++] = links[4 * (size_t)o + right];
-            scratch->stack[stack_count++] = links[4 * (size_t)o + left];
-        } else {
-            if (scratch->facet_count + 1 >= scratch->beyond_capacity
-                && !pbw__grow_lists(kernel, scratch->facet_count + 2)) {
-                pbw__unmark2(kernel);
-                return PBW_ERROR_MEMORY;
-            }
+        if (needed > scratch->stack_capacity && !pbw__grow_lists(kernel, needed)) {      /* stack: cavity_count + 2 */
+            status = PBW_ERROR_MEMORY;
+        } else if (!pbw__test2(kernel, o, p)) {
             scratch->beyond[scratch->facet_count++] = link;
+        } else if (kernel->own.owner != NULL && !pbw__may_delete(kernel, o)) {
+            status = PBW__LEFT;
+        } else {
+            pbw__flip_mark2(kernel, o);
+            scratch->cavity[scratch->cavity_count++] = o;
+            scratch->stack[stack_count++] = links[PBW__BEFORE(link)];
+            scratch->stack[stack_count++] = links[PBW__AFTER(link)];
         }
     }
-    pbw__unmark2(kernel);
-    return PBW_OK;
-}
-
-/* Returns the first vertex, counter-clockwise from inside, of the edge of the boundary that a link crosses. */
-PBW__INLINE pbw_index pbw__edge_start(const pbw__kernel *kernel, pbw__link beyond)
-{
-    return kernel->corner[(beyond & 3) == 0 ? beyond + 2 : beyond - 1];
+    for (i = 0; i < scratch->cavity_count; i++) {
+        pbw__flip_mark2(kernel, scratch->cavity[i]);
+    }
+    return status;
 }
 
 static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
 {
     size_t count = kernel->scratch.facet_count, i;
-    pbw_index last_start = pbw__edge_start(kernel, kernel->scratch.beyond[count - 1]);
+    pbw_index last_start = kernel->corner[PBW__BEFORE(kernel->scratch.beyond[count - 1])];
     kernel->scratch.beyond[count] = kernel->scratch.beyond[0];
     for (i = 0; i < count; i++) {
         pbw__link beyond = kernel->scratch.beyond[i], base = (pbw__link)kernel->scratch.cavity[i] << 2;
         pbw_index *v = kernel->corner + base;
         pbw__link *n = kernel->link + base;
-        pbw_index start = pbw__edge_start(kernel, beyond);
-        pbw_index end = pbw__edge_start(kernel, kernel->scratch.beyond[i + 1]);
+        pbw_index start = kernel->corner[PBW__BEFORE(beyond)];
+        pbw_index end = kernel->corner[PBW__BEFORE(kernel->scratch.beyond[i + 1])];
         /* Corner numbers in (vertex, start, end), turned once if `start` is the ghost. */
         unsigned turn = start == PBW__GHOST, from = turn ? 2 : 1, to = turn ? 0 : 2;
         /* Across from `end` lies the triangle before, which ends where we begin: its corner across from us is its
@@ -5967,10 +5924,6 @@ static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
    The ghost vertex has the row (0, 0, W), W the height of the triangle, as in >>cavity3.  The search begins without
    ghosts and goes on in pbw__ring_hull once it meets one. */
 #define PBW__RING 32
-
-/* The corners of a triangle after and before this one. */
-#define PBW__AFTER(link) (((link) & ~(pbw__link)3) | (9u >> 2 * ((link) & 3) & 3))       /* 1 2 0 */
-#define PBW__BEFORE(link) (((link) & ~(pbw__link)3) | (18u >> 2 * ((link) & 3) & 3))     /* 2 0 1 */
 
 typedef struct pbw__ring {
     pbw_index start[PBW__RING], end[PBW__RING];
@@ -6325,21 +6278,16 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *rin
     const pbw_index far[4] = { corner[beyond[0]], corner[beyond[1]], corner[beyond[2]], corner[beyond[0]] };
     pbw__triangles first;
     pbw_status status = PBW_OK;
-    unsigned head = 0;
-    ring->slot[0] = t;
-    ring->start[0] = ring->end[2] = v[1];
-    ring->start[1] = ring->end[0] = v[2];
-    ring->start[2] = ring->end[1] = v[0];
-    ring->beyond[0] = beyond[0];
-    ring->beyond[1] = beyond[1];
-    ring->beyond[2] = beyond[2];
-    ring->next[0] = 1;
-    ring->next[1] = 2;
-    ring->next[2] = 0;
-    ring->queue[0] = 0;
-    ring->queue[1] = 1;
-    ring->queue[2] = 2;
+    unsigned head = 0, k;
+    for (k = 0; k < 3; k++) {
+        ring->start[k] = v[(k + 1) % 3];
+        ring->end[k] = v[(k + 2) % 3];
+        ring->beyond[k] = beyond[k];
+        ring->next[k] = (k + 1) % 3;
+        ring->queue[k] = (unsigned char)k;
+    }
     ring->queue[3] = 0;
+    ring->slot[0] = t;
     ring->count = ring->tail = 3;
     ring->hull = 0;
     if (PBW__UNLIKELY(v[2] == PBW__GHOST || far[0] == PBW__GHOST || far[1] == PBW__GHOST || far[2] == PBW__GHOST)) {
@@ -6370,31 +6318,22 @@ PBW__INLINE pbw_index pbw__guess2(pbw__kernel *kernel, pbw_index vertex)
 }
 
 /* Turns the triangle (vertex, ghost, end) of a new star, if there is one, to (end, vertex, ghost).  The next walk
-   then starts at one of the two ghosts of the star, the one towards the next vertex. */
-static PBW__NOINLINE void pbw__turn_ghost(pbw__kernel *kernel, const pbw__ring *ring, pbw_index vertex,
-                                          pbw_index guess)
+   then starts there: others of the star may be long and thin. */
+static PBW__NOINLINE void pbw__turn_ghost(pbw__kernel *kernel, const pbw__ring *ring)
 {
     pbw_index *corner = kernel->corner;
     pbw__link *link = kernel->link, base, last;
-    unsigned i, k = 0;
+    unsigned i;
     for (i = 0; i < ring->count && ring->start[i] != PBW__GHOST; i++) {
     }
     if (i == ring->count) {
         return;
     }
-    while (ring->next[k] != i) {
-        k++;
-    }
-    {
-        const double *p = pbw__record_at(kernel, vertex), *next = pbw__record_at(kernel, guess);
-        const double *a = pbw__record_at(kernel, ring->start[k]), *b = pbw__record_at(kernel, ring->end[i]);
-        const int back = (next[0] - p[0]) * (b[0] - a[0]) + (next[1] - p[1]) * (b[1] - a[1]) < 0.0;
-        kernel->last = ring->slot[back ? k : i];
-    }
-    base = (pbw__link)ring->slot[i] << 2;
+    kernel->last = ring->slot[i];
+    base = (pbw__link)kernel->last << 2;
     last = link[base + 2];
+    corner[base + 1] = corner[base];
     corner[base] = corner[base + 2];
-    corner[base + 1] = vertex;
     corner[base + 2] = PBW__GHOST;
     link[base + 2] = link[base + 1];
     link[base + 1] = link[base];
@@ -6439,7 +6378,7 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
     }
     kernel->last = last;
     if (PBW__UNLIKELY(ring->hull)) {
-        pbw__turn_ghost(kernel, ring, vertex, guess);
+        pbw__turn_ghost(kernel, ring);
     }
     if (PBW__UNLIKELY(kernel->own.owner != NULL)) {      /* >>parallel looks for hints there */
         memcpy(kernel->scratch.cavity, ring->slot, sizeof(ring->slot));      /* a constant size is faster */
@@ -6588,7 +6527,7 @@ static pbw_status pbw__scratch_create(pbw__kernel *kernel)
         return PBW_ERROR_MEMORY;
     }
     if (kernel->dim == 2) {
-        return PBW__GROW(kernel, &kernel->scratch, stack, 64) ? PBW_OK : PBW_ERROR_MEMORY;
+        return PBW_OK;
     }
     kernel->scratch.table = (uint64_t *)pbw__allocate(&kernel->context->memory, PBW__TABLE, sizeof(uint64_t));
     if (kernel->scratch.table == NULL || !PBW__GROW(kernel, &kernel->scratch, edge, PBW__FEW * PBW__FEW)) {
@@ -6618,7 +6557,7 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
                          ? (dim == 3 ? PBW__EXACT_HEIGHT3 : PBW__EXACT_HEIGHT2)
                            / (grid->inverse_unit * grid->inverse_unit) : 0.0;
     kernel->slots.region = (size_t)-1;
-    kernel->last = kernel->last_entered = PBW_NONE;
+    kernel->last = PBW_NONE;
     kernel->insert = pbw__insert_scalar;
 #ifdef PBW__SIMD
     if (pbw__simd_works()) {
@@ -6907,8 +6846,7 @@ static pbw_status pbw__level_serial(pbw__build *build, int all)
             kernel->last = corner[4 * i] != PBW_NONE ? (pbw_index)i : PBW_NONE;
         }
     }
-    if (all) {                                       /* the last star is nearer than what coarser levels remember */
-        memset(store->hint, 0xff, store->region_count * sizeof(pbw_index));
+    if (all) {
         pbw__insert_level(build, kernel);
     }
     for (i = 0; !all && i < build->left_count && pbw__find_start(build, kernel, build->left[i])
@@ -7354,37 +7292,18 @@ static void pbw__renew_hint(pbw__build *build, pbw__kernel *kernel, pbw_index ve
     PBW__STORE(build->store->hint + pbw__first_region(build, zone), hint);
 }
 
-/* Makes a simplex the hint of a zone of this owner, if the zone has none. */
-PBW__INLINE void pbw__offer(pbw__build *build, size_t zone, pbw_index t, uint8_t owner)
-{
-    pbw_index *hint = build->store->hint + pbw__first_region(build, zone);
-    if (PBW__LOAD(build->owner + zone) == owner && PBW__LOAD(hint) == PBW_NONE) {
-        PBW__STORE(hint, t);
-    }
-}
-
-/* Offers a simplex as a hint to all zones that it lies in. */
+/* Makes a simplex the hint of those zones of this owner that it lies in and that have none. */
 static void pbw__offer_hint(pbw__build *build, pbw_index t, uint8_t owner)
 {
     const pbw_index *v = build->store->corner + 4 * (size_t)t;
-    const size_t a = pbw__zone_of(build, v[0]), b = pbw__zone_of(build, v[1]), c = pbw__zone_of(build, v[2]);
-    if (build->vertices->dim == 3) {
-        const size_t d = pbw__zone_of(build, v[3]);
-        if (a == b || a == c || a == d) {
-            pbw__offer(build, a, t, owner);
+    int k;
+    for (k = 0; k <= build->vertices->dim && v[k] != PBW__GHOST; k++) {          /* the ghost is the last corner */
+        const size_t zone = pbw__zone_of(build, v[k]);
+        pbw_index *hint = build->store->hint + pbw__first_region(build, zone);
+        if (PBW__LOAD(hint) == PBW_NONE && PBW__LOAD(build->owner + zone) == owner
+            && pbw__is_in_zone(build, t, zone)) {
+            PBW__STORE(hint, t);
         }
-        if (b == c || b == d) {
-            pbw__offer(build, b, t, owner);
-        }
-        if (c == d) {
-            pbw__offer(build, c, t, owner);
-        }
-        return;
-    }
-    pbw__offer(build, a, t, owner);
-    pbw__offer(build, b, t, owner);
-    if (v[2] != PBW__GHOST) {
-        pbw__offer(build, c, t, owner);
     }
 }
 
@@ -16162,7 +16081,7 @@ static void pbw__task_begin(const pbw__changing *batch, int part, uint8_t *owner
     pbw__kernel *kernel = &task->kernel, *main = &core->kernel;
     memcpy(task, core, offsetof(pbw__core, kernel));
     memcpy(&kernel->context, &main->context, offsetof(pbw__kernel, slots) - offsetof(pbw__kernel, context));
-    kernel->last = kernel->last_entered = PBW_NONE;
+    kernel->last = PBW_NONE;
     kernel->previous = kernel->vertex_count = 0;
     kernel->journal = task;
     kernel->left_count = 0;
