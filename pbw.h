@@ -4808,8 +4808,11 @@ typedef struct pbw__point4 { pbw__d4 x, y, z, weight; const double *p; size_t wi
 #define PBW__CORNER_A(x) PBW__PICK(x, 1, 2, 0, 0) /* pbw__facet_corners by columns */
 #define PBW__CORNER_B(x) PBW__PICK(x, 2, 0, 1, 2)
 #define PBW__CORNER_C(x) PBW__PICK(x, 3, 3, 3, 1)
-#define PBW__EDGE_START(x) PBW__PICK(x, 1, 2, 0, 1)   /* in the plane: the edge across starts there */
+#define PBW__EDGE_START(x) PBW__PICK(x, 1, 2, 0, 1) /* in the plane: the edge across starts there */
 #define PBW__EDGE_END(x) PBW__PICK(x, 2, 0, 1, 2) /* and ends there */
+#define PBW__CORNERS2(to, from, corner) /* rows of finite vertices of the plane, in another order */ \
+    to.x = corner((from).x), to.y = corner((from).y), to.z = to.ghost = pbw__splat(0.0), \
+    to.lift = corner((from).lift), to.height = corner((from).height)
 
 /* dim, weighted and, where it counts, the width of records are constants. */
 PBW__SIMD_INLINE pbw__point4 pbw__point4_of(const double *p, int dim, int weighted, size_t width)
@@ -5262,7 +5265,7 @@ PBW__INLINE void pbw__search_sort(pbw__search *search, pbw_index facet, pbw_inde
     search->facet_count += unmarked ^ inside;
 }
 
-#if defined(PBW__SIMD) && !defined(PBW_WIDE)
+#ifdef PBW__SIMD
 /* Shuffles that bring the lanes of a set of four to the front. */
 #define PBW__LANE(i) 4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3
 static const unsigned char pbw__front[16][16] = {
@@ -5274,13 +5277,21 @@ static const unsigned char pbw__front[16][16] = {
     { PBW__LANE(0), PBW__LANE(1), PBW__LANE(2), PBW__LANE(3) }
 };
 
+/* The lanes of a set of four: 1 for each that is in it. */
+static const unsigned char pbw__lane_bits[16][4] = {
+    { 0, 0, 0, 0 }, { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 1, 1, 0, 0 }, { 0, 0, 1, 0 }, { 1, 0, 1, 0 }, { 0, 1, 1, 0 },
+    { 1, 1, 1, 0 }, { 0, 0, 0, 1 }, { 1, 0, 0, 1 }, { 0, 1, 0, 1 }, { 1, 1, 0, 1 }, { 0, 0, 1, 1 }, { 1, 0, 1, 1 },
+    { 0, 1, 1, 1 }, { 1, 1, 1, 1 }
+};
+
 /* pbw__search_sort for all four neighbours, which are different simplices: two simplices share at most one facet.
    Prefetches the links of those that stay: the refill writes there. */
 PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
 {
     unsigned char *mark = search->mark;
-    pbw_index o0 = link[0] >> 2, o1 = link[1] >> 2, o2 = link[2] >> 2, o3 = link[3] >> 2;
-    uint32_t bytes, marked = PBW__LOAD(mark + o0) + 2u * PBW__LOAD(mark + o1)
+    const pbw_index o0 = (pbw_index)(link[0] >> 2), o1 = (pbw_index)(link[1] >> 2);
+    const pbw_index o2 = (pbw_index)(link[2] >> 2), o3 = (pbw_index)(link[3] >> 2);
+    unsigned marked = PBW__LOAD(mark + o0) + 2u * PBW__LOAD(mark + o1)
                     + 4u * (PBW__LOAD(mark + o2) + 2u * PBW__LOAD(mark + o3)), outside;
     const pbw__i4 lanes = { 0, 1, 2, 3 }, from = pbw__splat_i((int32_t)facet) + lanes;
     PBW__PREFETCH(search->link + 4 * (size_t)o0);
@@ -5289,27 +5300,17 @@ PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
     PBW__PREFETCH(search->link + 4 * (size_t)o3);
     outside = 15u & ~(inside | marked);
     inside &= ~marked;
-    bytes = ((marked | inside) * 0x204081u) & 0x1010101u;                    /* a bit of the set in each byte */
-    PBW__STORE(mark + o0, (unsigned char)bytes);
-    PBW__STORE(mark + o1, (unsigned char)(bytes >> 8));
-    PBW__STORE(mark + o2, (unsigned char)(bytes >> 16));
-    PBW__STORE(mark + o3, (unsigned char)(bytes >> 24));
+    marked |= inside;
+    PBW__STORE(mark + o0, pbw__lane_bits[marked][0]);
+    PBW__STORE(mark + o1, pbw__lane_bits[marked][1]);
+    PBW__STORE(mark + o2, pbw__lane_bits[marked][2]);
+    PBW__STORE(mark + o3, pbw__lane_bits[marked][3]);
     pbw__store4(search->parent + search->cavity_count, pbw__shuffle4(from, pbw__front[inside]));
     search->cavity_count += pbw__count4(inside);
     pbw__store4(search->from + search->facet_count, pbw__shuffle4(from, pbw__front[outside]));
     search->facet_count += pbw__count4(outside);
 }
-#elif defined(PBW__SIMD)
-PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
-{
-    unsigned k;
-    for (k = 0; k < 4; k++) {
-        pbw__search_sort(search, facet + k, (pbw_index)(link[k] >> 2), inside >> k & 1);
-    }
-}
-#endif
 
-#ifdef PBW__SIMD
 /* Rows in pairs, without weights. */
 typedef struct pbw__pairs4 { pbw__pair4 x, y, z, lift; pbw__d4 height, ghost; } pbw__pairs4;
 
@@ -5372,9 +5373,24 @@ PBW__SIMD_INLINE pbw__d4 pbw__dot4(pbw__d4 x, pbw__d4 y, pbw__d4 z, pbw__d4 u, p
     return pbw__fma(x, u, pbw__fma(y, v, z * w));
 }
 
-/* The verdicts where the determinants of pbw__carve3_simd are zero, nothing is rounded and the neighbours are finite:
-   the rule of pbw__conflict in >>predicates.  The coefficients of the lifts are those of the determinant.  Integers
-   below EXACT_HEIGHT^(1/2) < 2^10 make one number, which compares as they do one after the other. */
+/* Returns the verdicts on ties, by the rule of pbw__conflict in >>predicates: of `count` vertices, with the coefficients
+   that their lifts have in the determinant, the lexicographically largest decides if it is larger than p.  A key is
+   the coordinates of a row in one number: integers of so few bits compare as they do one after the other. */
+PBW__SIMD_INLINE unsigned pbw__break_ties(const pbw__d4 *key, const pbw__d4 *coefficient, int count)
+{
+    const pbw__d4 zero = pbw__splat(0.0);
+    pbw__d4 largest = zero, verdict = zero;
+    int i;
+    for (i = 0; i < count; i++) {
+        const pbw__d4 larger = pbw__andnot4(pbw__equal(coefficient[i], zero), pbw__greater(key[i], largest));
+        largest = pbw__blend(largest, key[i], larger);
+        verdict = pbw__blend(verdict, coefficient[i], larger);
+    }
+    return pbw__signs(pbw__greater(verdict, zero));
+}
+
+/* The verdicts where the determinants of pbw__carve3_simd are zero, nothing is rounded and the neighbours are finite.
+   Coordinates are integers below EXACT_HEIGHT3^(1/2) < 2^10, differences of two below 2^11. */
 PBW__SIMD static PBW__NOINLINE unsigned pbw__ties4(const pbw__kernel *kernel, const pbw_index *v,
                                                    const pbw_index *far, const double *p)
 {
@@ -5387,8 +5403,7 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__ties4(const pbw__kernel *kernel, co
     pbw__d4 bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z);
     pbw__d4 cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z);
     pbw__d4 x = by * cz - bz * cy, y = bz * cx - bx * cz, z = bx * cy - by * cx;
-    pbw__d4 key[4], coefficient[4], largest = zero, verdict = zero;
-    int i;
+    pbw__d4 key[4], coefficient[4];
     key[0] = pbw__fma(pbw__fma(r.x, radix, r.y), radix, r.z);
     key[3] = pbw__fma(pbw__fma(o.x, radix, o.y), radix, o.z);
     key[2] = PBW__CORNER_C(key[0]), key[1] = PBW__CORNER_B(key[0]), key[0] = PBW__CORNER_A(key[0]);
@@ -5398,12 +5413,7 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__ties4(const pbw__kernel *kernel, co
     coefficient[1] = pbw__dot4(x, y, z, o.x, o.y, o.z);
     x = ay * bz - az * by, y = az * bx - ax * bz, z = ax * by - ay * bx;
     coefficient[2] = pbw__dot4(x, y, z, o.x, o.y, o.z);
-    for (i = 0; i < 4; i++) {
-        pbw__d4 larger = pbw__andnot4(pbw__equal(coefficient[i], zero), pbw__greater(key[i], largest));
-        largest = pbw__blend(largest, key[i], larger);
-        verdict = pbw__blend(verdict, coefficient[i], larger);
-    }
-    return pbw__signs(pbw__greater(verdict, zero));
+    return pbw__break_ties(key, coefficient, 4);
 }
 
 /* Returns the exact verdicts on the neighbours of a simplex of the cavity that the filter left open (bits of
@@ -5742,7 +5752,7 @@ static PBW__NOINLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vert
     return few ? PBW_OK : pbw__sew3_wide(kernel);
 }
 
-#if defined(PBW__SIMD) && !defined(PBW_WIDE)
+#ifdef PBW__SIMD
 PBW__SIMD_INLINE pbw__i4 pbw__facet_lanes(pbw_index facet)
 {
     int32_t corners;
@@ -5774,7 +5784,7 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
         const pbw__i4 there = (next << 6) + last;
         uint64_t low = pbw__lanes01(there), high = pbw__lanes23(there);
         pbw_index slot = cavity[i];
-        pbw__link base = slot * 4, beyond = inside->link[from[i] & 3];
+        const pbw__link base = (pbw__link)slot * 4, beyond = inside->link[from[i] & 3];
         uint32_t apart = pbw__apart4(v, new_corner);
         PBW__STORE(mark + slot, 0);
         pbw__store4(corners + base, v);
@@ -5789,7 +5799,7 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
     }
     for (i = 0; i < count; i++) {
         const pbw_index *back = kernel->scratch.back + 4 * i;
-        pbw__link *link = links + cavity[i] * 4;
+        pbw__link *link = links + (pbw__link)cavity[i] * 4;
         link[1] = edge[back[1]];
         link[2] = edge[back[2]];
         link[3] = edge[back[3]];
@@ -5797,8 +5807,6 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
     kernel->last = nearest;
     return PBW_OK;
 }
-#else
-#define pbw__refill3_simd pbw__refill3
 #endif
 /* ------------------------------------------------------------------------------------------------------
    >>cavity2      In the plane: carve every triangle in conflict with the point, refill with the point's star.
@@ -5968,38 +5976,25 @@ PBW__SIMD_INLINE unsigned pbw__test2_simd(const pbw__triangles *t, int hull, uns
 }
 
 /* Settles lanes that pbw__test2_simd left open, and returns them; their verdicts are in *inside.  Where nothing is
-   rounded, the sign is the sign, and the rule of pbw__conflict in >>predicates breaks ties between finite vertices.
-   The coefficients of the lifts are those of the determinant. */
+   rounded the sign is certain, and ties between finite vertices can be broken: coordinates are integers below
+   EXACT_HEIGHT2^(1/2) < 2^13. */
 PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, const pbw__triangles *t,
                                                           unsigned open, unsigned *inside)
 {
-    const pbw__rows4 *const s = &t->s, *const e = &t->e, *const o = &t->o, *const corner[3] = { s, e, o };
-    const pbw__d4 zero = pbw__splat(0.0);
-    pbw__d4 h, det = pbw__circle4(t, &h);
-    pbw__d4 exact = pbw__greater(pbw__splat(kernel->exact_height), h), side[3], x = zero, y = zero;
-    pbw__d4 verdict = zero, tied = pbw__and4(exact, pbw__equal(det, zero));
-    unsigned settled = pbw__signs(pbw__andnot4(tied, exact)) & open, ties;
-    int i;
-    if ((open & ~pbw__signs(exact)) != 0) {
-        settled |= open & pbw__signs(pbw__greater(pbw__abs4(det), pbw__thin_limit(t, h)));
-    }
-    ties = open & pbw__signs(pbw__andnot4(pbw__or4(pbw__or4(s->ghost, e->ghost), o->ghost), tied));
+    const pbw__rows4 *const s = &t->s, *const e = &t->e, *const o = &t->o;
+    const pbw__d4 zero = pbw__splat(0.0), radix = pbw__splat(16384.0);
+    pbw__d4 h, det = pbw__circle4(t, &h), key[3], side[3];
+    const pbw__d4 exact = pbw__greater(pbw__splat(kernel->exact_height), h);
+    const pbw__d4 tied = pbw__and4(exact, pbw__equal(det, zero));
+    const unsigned settled = pbw__signs(pbw__andnot4(tied, exact)) & open;
+    const unsigned ties = open & pbw__signs(pbw__andnot4(pbw__or4(pbw__or4(s->ghost, e->ghost), o->ghost), tied));
     if (ties == 0) {
         return settled;
     }
-    side[0] = pbw__det2(o->x, o->y, e->x, e->y);
-    side[1] = pbw__det2(s->x, s->y, o->x, o->y);
-    side[2] = pbw__det2(e->x, e->y, s->x, s->y);
-    for (i = 0; i < 3; i++) {                        /* the lexicographically largest, if it is larger than p */
-        const pbw__d4 vx = corner[i]->x, vy = corner[i]->y;
-        pbw__d4 larger = pbw__and4(pbw__equal(vx, x), pbw__greater(vy, y));
-        larger = pbw__or4(larger, pbw__greater(vx, x));
-        larger = pbw__andnot4(pbw__equal(side[i], zero), larger);
-        x = pbw__blend(x, vx, larger);
-        y = pbw__blend(y, vy, larger);
-        verdict = pbw__blend(verdict, pbw__greater(side[i], zero), larger);
-    }
-    *inside = (*inside & ~ties) | (pbw__signs(verdict) & ties);
+    key[0] = pbw__fma(s->x, radix, s->y), side[0] = pbw__det2(o->x, o->y, e->x, e->y);
+    key[1] = pbw__fma(e->x, radix, e->y), side[1] = pbw__det2(s->x, s->y, o->x, o->y);
+    key[2] = pbw__fma(o->x, radix, o->y), side[2] = pbw__det2(e->x, e->y, s->x, s->y);
+    *inside = (*inside & ~ties) | (pbw__break_ties(key, side, 3) & ties);
     kernel->statistics.exact_tests += pbw__count4(ties);
     return settled | ties;
 }
@@ -6294,11 +6289,8 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *rin
         return pbw__ring_hull(kernel, ring, 0, point->p);
     }
     first.o = pbw__rows4_of(kernel->record, far, 0, point);
-    first.s.x = PBW__EDGE_START(rows->x), first.s.y = PBW__EDGE_START(rows->y);
-    first.e.x = PBW__EDGE_END(rows->x), first.e.y = PBW__EDGE_END(rows->y);
-    first.s.lift = PBW__EDGE_START(rows->lift), first.s.height = PBW__EDGE_START(rows->height);
-    first.e.lift = PBW__EDGE_END(rows->lift), first.e.height = PBW__EDGE_END(rows->height);
-    first.s.z = first.e.z = first.s.ghost = first.e.ghost = pbw__splat(0.0);
+    PBW__CORNERS2(first.s, *rows, PBW__EDGE_START);
+    PBW__CORNERS2(first.e, *rows, PBW__EDGE_END);
     if (!point->weighted) {
         status = pbw__ring_start(kernel, ring, beyond, &first, point, &head);
     }
@@ -6507,17 +6499,6 @@ PBW__INSERT_SIMD(pbw__insert2_weighted_simd, 2, 1, 3)
 PBW__INSERT_SIMD(pbw__insert3_simd, 3, 0, 3)
 PBW__INSERT_SIMD(pbw__insert3_live_simd, 3, 0, 4)
 PBW__INSERT_SIMD(pbw__insert3_weighted_simd, 3, 1, 4)
-
-static pbw_status (*pbw__insert_choose(const pbw__kernel *kernel))(pbw__kernel *, pbw_index)
-{
-    if (kernel->weighted) {
-        return kernel->dim == 3 ? pbw__insert3_weighted_simd : pbw__insert2_weighted_simd;
-    }
-    if (kernel->width > (size_t)kernel->dim) {
-        return kernel->dim == 3 ? pbw__insert3_live_simd : pbw__insert2_live_simd;
-    }
-    return kernel->dim == 3 ? pbw__insert3_simd : pbw__insert2_simd;
-}
 #endif
 
 /* The memory of insertions; context and dim are set. */
@@ -6542,6 +6523,12 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
                                      const pbw__vertices *vertices, const pbw__grid *grid)
 {
     const int dim = vertices->dim;
+#ifdef PBW__SIMD
+    pbw_status (*const insert[2][3])(pbw__kernel *, pbw_index) = {
+        { pbw__insert2_simd, pbw__insert2_live_simd, pbw__insert2_weighted_simd },
+        { pbw__insert3_simd, pbw__insert3_live_simd, pbw__insert3_weighted_simd }
+    };
+#endif
     memset(kernel, 0, offsetof(pbw__kernel, own));
     memset(&kernel->own, 0, offsetof(pbw__ownership, claim));
     kernel->context = context;
@@ -6561,7 +6548,7 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
     kernel->insert = pbw__insert_scalar;
 #ifdef PBW__SIMD
     if (pbw__simd_works()) {
-        kernel->insert = pbw__insert_choose(kernel);
+        kernel->insert = insert[dim == 3][kernel->weighted ? 2 : kernel->width > (size_t)dim];
     }
 #endif
     pbw__kernel_attach(kernel);
@@ -6615,13 +6602,6 @@ PBW__INLINE size_t pbw__level_after(const pbw__level *level, size_t rank)
     return (rank & (level->coarser - 1)) == 0 && level->coarser <= level->count ? rank + step : rank;
 }
 
-/* Returns 0 if x[found] lies in the span of the seeds before it; for the last seed the orientation. */
-static int pbw__seed_fits(const pbw__kernel *kernel, int dim, const double **x, int found)
-{
-    return found == dim ? pbw__orient(dim, x, kernel->grid)
-                        : found != 2 || !pbw__collinear3(x[0], x[1], x[2], kernel->grid);
-}
-
 /* Finds the first dim+1 vertices of the order that span the space, positively oriented.  Vertices are at different
    places, so any two will do.  Linear: once a vertex is passed over, it lies in the span of the seeds. */
 static pbw_status pbw__seeds(pbw__kernel *kernel, size_t count, int dim, pbw_index *seed)
@@ -6636,7 +6616,8 @@ static pbw_status pbw__seeds(pbw__kernel *kernel, size_t count, int dim, pbw_ind
         for (i = 0; i < size; i++, rank = pbw__level_after(&level, rank)) {
             int side;
             x[found] = pbw__record_at(kernel, (pbw_index)rank + 1);
-            side = pbw__seed_fits(kernel, dim, x, found);
+            side = found == dim ? pbw__orient(dim, x, kernel->grid)      /* 0: in the span of the seeds before */
+                                : found != 2 || !pbw__collinear3(x[0], x[1], x[2], kernel->grid);
             if ((i & 255) == 255 && pbw__report(kernel->context, 0.001)) {
                 return PBW_CANCELLED;
             }
@@ -6713,6 +6694,7 @@ typedef struct pbw__build {
     pbw__context *context;
     pbw__store *store;
     const pbw__vertices *vertices;
+    const pbw__grid *grid;
     pbw__kernel *kernel[PBW__TASKS];                 /* one for each task */
     pbw_statistics *statistics;
     uint32_t trace;                                  /* 256 * the round */
@@ -6735,7 +6717,6 @@ typedef struct pbw__build {
 /* Insertion by several threads: >>parallel. */
 static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, pbw_index v);
 static pbw_status pbw__rounds(pbw__build *build);
-static pbw_status pbw__build_tasks(pbw__build *build, const pbw__grid *grid);
 
 /* Returns the first region of a zone.  A zone has several where few vertices of a region are inserted yet. */
 PBW__INLINE size_t pbw__first_region(const pbw__build *build, size_t zone)
@@ -6861,7 +6842,7 @@ static pbw_status pbw__level_serial(pbw__build *build, int all)
 }
 
 /* Makes kernels for `count` tasks. */
-static pbw_status pbw__more_kernels(pbw__build *build, const pbw__grid *grid, int count)
+static pbw_status pbw__more_kernels(pbw__build *build, int count)
 {
     while (build->kernel_count < count) {
         pbw__kernel *kernel = (pbw__kernel *)pbw__allocate(&build->context->memory, 1, sizeof(pbw__kernel));
@@ -6869,7 +6850,7 @@ static pbw_status pbw__more_kernels(pbw__build *build, const pbw__grid *grid, in
             return PBW_ERROR_MEMORY;
         }
         build->kernel[build->kernel_count++] = kernel;
-        if (pbw__kernel_create(kernel, build->context, build->store, build->vertices, grid) != PBW_OK) {
+        if (pbw__kernel_create(kernel, build->context, build->store, build->vertices, build->grid) != PBW_OK) {
             return PBW_ERROR_MEMORY;
         }
     }
@@ -6890,18 +6871,11 @@ static void pbw__plan(pbw__build *build, size_t vertices, size_t apart)
 }
 
 /* Inserts the level, or the vertices left, by the tasks planned. */
-static pbw_status pbw__run_level(pbw__build *build, const pbw__grid *grid)
+static pbw_status pbw__run_level(pbw__build *build)
 {
-    pbw_status status;
-    if (build->tasks <= 1) {
-        return pbw__level_serial(build, build->left_count == 0);
-    }
-    status = pbw__build_tasks(build, grid);
-    if (status == PBW_OK) {
-        pbw__leave_region(build->kernel[0]);
-        status = pbw__rounds(build);
-    }
-    return status == PBW_OK ? pbw__level_serial(build, 0) : status;
+    const int all = build->tasks <= 1 && build->left_count == 0;
+    const pbw_status status = build->tasks > 1 ? pbw__rounds(build) : PBW_OK;
+    return status == PBW_OK ? pbw__level_serial(build, all) : status;
 }
 
 /* Finds the line that fits a span of vertices best: the slopes of the two coordinates after its longest axis.
@@ -6936,29 +6910,27 @@ static pbw_status pbw__find_extremes(void *arg, size_t span, size_t to)
     for (; span < to; span++) {
         const size_t begin = span * PBW__SPAN, end = begin + PBW__SPAN < count ? begin + PBW__SPAN : count;
         const double *first = build->vertices->record + width * (begin + 1), *p = first;
-        double slope[2], low[4], high[4];
+        double slope[2], farthest[8];
         const int axis = pbw__line_along(first, width, end - begin, slope);
         const int next = (axis + 1) % 3, last = (axis + 2) % 3;
-        size_t rank, lowest[4], highest[4];
+        size_t rank, extreme[8];
         int k;
-        for (k = 0; k < 4; k++) {
-            low[k] = high[k] = 0.0;                  /* as the first has it, on all sides */
-            lowest[k] = highest[k] = begin;
+        for (k = 0; k < 8; k++) {
+            farthest[k] = 0.0;                       /* as the first has it, on all sides */
+            extreme[k] = begin;
         }
         for (rank = begin; rank < end; rank++, p += width) {
             const double along = p[axis] - first[axis];
             const double u = p[next] - first[next] - slope[0] * along, v = p[last] - first[last] - slope[1] * along;
-            const double off[4] = { u, v, u + v, u - v };
-            for (k = 0; k < 4; k++) {
-                lowest[k] = off[k] < low[k] ? rank : lowest[k];
-                low[k] = off[k] < low[k] ? off[k] : low[k];
-                highest[k] = off[k] > high[k] ? rank : highest[k];
-                high[k] = off[k] > high[k] ? off[k] : high[k];
+            const double off[8] = { u, v, u + v, u - v, -u, -v, -u - v, v - u };
+            for (k = 0; k < 8; k++) {
+                extreme[k] = off[k] > farthest[k] ? rank : extreme[k];
+                farthest[k] = off[k] > farthest[k] ? off[k] : farthest[k];
             }
         }
         memset(build->early + begin / 8, 0, (end - begin + 7) / 8);
         for (k = 0; k < 8; k++) {
-            rank = k < 4 ? lowest[k] : highest[k - 4];
+            rank = extreme[k];
             build->early[rank >> 3] |= (unsigned char)(((rank & (build->level.stride - 1)) != 0) << (rank & 7));
         }
     }
@@ -6967,7 +6939,7 @@ static pbw_status pbw__find_extremes(void *arg, size_t span, size_t to)
 
 /* Inserts the extremes: one in eight on one thread, then the others by several tasks, but few.  The first stars reach
    so many zones that tasks would contend for them. */
-static pbw_status pbw__level_extremes(pbw__build *build, const pbw__grid *grid)
+static pbw_status pbw__level_extremes(pbw__build *build)
 {
     pbw__memory *memory = &build->context->memory;
     const size_t count = build->vertices->count, most = 8 * (count / PBW__SPAN + 1);
@@ -6992,7 +6964,7 @@ static pbw_status pbw__level_extremes(pbw__build *build, const pbw__grid *grid)
         }
         if (build->left_count > 0) {
             pbw__plan(build, turn > 0 ? build->left_count / 4 : 0, 0);
-            status = pbw__run_level(build, grid);
+            status = pbw__run_level(build);
         }
     }
     return status;
@@ -7036,10 +7008,11 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
     build.context = context;
     build.store = store;
     build.vertices = vertices;
+    build.grid = grid;
     build.statistics = statistics;
     status = pbw__store_create(context, store, vertices->count, vertices->dim);
     if (status == PBW_OK) {
-        status = pbw__more_kernels(&build, grid, 1);
+        status = pbw__more_kernels(&build, 1);
     }
     if (status == PBW_OK) {
         status = pbw__seeds(build.kernel[0], vertices->count, vertices->dim, build.seed);
@@ -7057,10 +7030,10 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
         pbw__plan(&build, vertices->count / stride, build.early != NULL ? 0 : build.level.coarser);
         build.tasks = build.level.coarser <= vertices->count ? build.tasks : 1;
         build.left_count = 0;
-        status = pbw__run_level(&build, grid);
+        status = pbw__run_level(&build);
         if (pbw__mean_star(&build, &created) > PBW__LARGE_STAR && vertices->dim == 3 && stride > 1
             && build.early == NULL && status == PBW_OK) {
-            status = pbw__level_extremes(&build, grid);
+            status = pbw__level_extremes(&build);
         }
         stride = stride > (build.early != NULL ? ratio * ratio : ratio) ? stride / ratio : stride > 1 ? 1 : 0;
         pbw__level_next(&build.level, stride);
@@ -7223,19 +7196,6 @@ static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__car
 }
 #endif
 
-/* Allocates what several tasks need. */
-static pbw_status pbw__build_tasks(pbw__build *build, const pbw__grid *grid)
-{
-    pbw__memory *memory = &build->context->memory;
-    size_t zones = build->store->region_count;
-    if (build->owner == NULL) {
-        build->owner = (uint8_t *)pbw__allocate(memory, zones, 1);
-    }
-    return build->owner != NULL ? pbw__more_kernels(build, grid, build->context->threads < PBW__TASKS
-                                                               ? build->context->threads : PBW__TASKS)
-                                : PBW_ERROR_MEMORY;
-}
-
 static void pbw__round_begin(pbw__build *build, int task)
 {
     pbw__kernel *kernel = build->kernel[task];
@@ -7246,8 +7206,7 @@ static void pbw__round_begin(pbw__build *build, int task)
     kernel->slots.region = (size_t)-1;
     kernel->last = PBW_NONE;
     kernel->left_count = 0;
-    kernel->own.claim_count = 0;
-    kernel->own.renewed = 0;
+    kernel->own.claim_count = kernel->own.renewed = 0;
     kernel->own.missed = 0;
     kernel->own.blocker = PBW__NOBODY;
     kernel->scratch.facet_count = 0;
@@ -7517,7 +7476,14 @@ static pbw_status pbw__rounds(pbw__build *build)
     pbw__context *context = build->context;
     const size_t zones = (build->vertices->count >> build->owner_bits) + 1;
     const size_t hold = zones / (size_t)build->tasks / PBW__HOLDS + 8;
-    pbw_status status = pbw__for_range(context, zones, 4096, 0.0, pbw__begin_zones, build);
+    pbw_status status = pbw__more_kernels(build, context->threads < PBW__TASKS ? context->threads : PBW__TASKS);
+    if (build->owner == NULL) {
+        build->owner = (uint8_t *)pbw__allocate(&context->memory, build->store->region_count, 1);
+    }
+    if (status != PBW_OK || build->owner == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    status = pbw__for_range(context, zones, 4096, 0.0, pbw__begin_zones, build);
     if (status == PBW_OK && build->hint_bits != build->owner_bits) {     /* finer zones: there are few */
         status = pbw__for_range(context, build->store->region_count, 64, 0.0, pbw__find_hints, build);
         build->hint_bits = build->owner_bits;
