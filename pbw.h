@@ -4095,7 +4095,8 @@ typedef struct pbw__store {
     int plain;                                       /* in the plane, without >>core: no marks */
     size_t count;                                    /* slots given to regions and threads */
     pbw_index *region;                               /* per region: its first slot that was never used */
-    pbw_index *hint;                                 /* per region: a simplex of one of its vertices, or PBW_NONE */
+    pbw_index *hint;                                 /* >>parallel: per zone, at its first region: where walks may
+                                                        start, or PBW_NONE */
     size_t region_count, region_slots;               /* slots from region_slots on are the tail */
     size_t slots_each, ahead;                        /* of a region; how many more the first one has */
     int region_bits;                                 /* vertex >> region_bits is the number of its region */
@@ -4179,7 +4180,7 @@ typedef struct pbw__kernel {
     pbw_index *corner;                               /* the store's arrays */
     pbw__link *link;
     unsigned char *mark;
-    pbw_index last, last_entered;                    /* a simplex of the last star; the one at entry to the region */
+    pbw_index last;                                  /* a simplex of the last star */
     pbw_index previous, vertex_count;                /* 2D: the last vertex; how many there are */
     /* Inserts a vertex, with the code for this dimension and processor; a hidden one changes nothing. */
     pbw_status (*insert)(struct pbw__kernel *kernel, pbw_index vertex);
@@ -4424,6 +4425,7 @@ static PBW__NOINLINE int pbw__grow_lists(pbw__kernel *kernel, size_t needed)
         && PBW__GROW(kernel, &kernel->scratch, cavity, needed)
         && (kernel->dim == 2
                 ? PBW__GROW(kernel, &kernel->scratch, beyond, needed)
+                  && PBW__GROW(kernel, &kernel->scratch, stack, needed)
                 : PBW__GROW(kernel, &kernel->scratch, carved, needed)
                   && PBW__GROW(kernel, &kernel->scratch, parent, needed)
                   && PBW__GROW(kernel, &kernel->scratch, from, needed));
@@ -4431,12 +4433,8 @@ static PBW__NOINLINE int pbw__grow_lists(pbw__kernel *kernel, size_t needed)
 
 static void pbw__leave_region(pbw__kernel *kernel)
 {
-    pbw__store *store = kernel->store;
     if (kernel->slots.region != (size_t)-1) {
-        store->region[kernel->slots.region] = (pbw_index)kernel->slots.fresh;
-        if (kernel->own.owner == NULL && kernel->last != kernel->last_entered) {         /* else see >>parallel */
-            store->hint[kernel->slots.region] = kernel->last;
-        }
+        kernel->store->region[kernel->slots.region] = (pbw_index)kernel->slots.fresh;
         kernel->slots.region = (size_t)-1;
     }
     kernel->slots.fresh = kernel->slots.fresh_end = 0;
@@ -4445,19 +4443,10 @@ static void pbw__leave_region(pbw__kernel *kernel)
 /* Takes slots from the region of the next vertex from now on. */
 static PBW__NOINLINE void pbw__enter_region(pbw__kernel *kernel, size_t region)
 {
-    pbw__store *store = kernel->store;
-    /* If a task comes from this region or one beside it, its last star is as near as any hint, and its own. */
-    const int near = kernel->own.owner != NULL && kernel->last != PBW_NONE && kernel->slots.region - region + 1 <= 2;
-    pbw_index hint;
     pbw__leave_region(kernel);
     kernel->slots.region = region;
-    kernel->slots.fresh = store->region[region];
-    kernel->slots.fresh_end = pbw__region_end(store, region);
-    hint = store->hint[region];
-    if (!near && hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE) {
-        kernel->last = hint;            /* the last vertex may be far away, or in another task's zones */
-    }
-    kernel->last_entered = kernel->last;
+    kernel->slots.fresh = kernel->store->region[region];
+    kernel->slots.fresh_end = pbw__region_end(kernel->store, region);
 }
 
 /* Puts a slot into the list of free ones. */
@@ -4621,8 +4610,11 @@ typedef struct pbw__point4 { pbw__d4 x, y, z, weight; const double *p; size_t wi
 #define PBW__CORNER_A(x) PBW__PICK(x, 1, 2, 0, 0) /* pbw__facet_corners by columns */
 #define PBW__CORNER_B(x) PBW__PICK(x, 2, 0, 1, 2)
 #define PBW__CORNER_C(x) PBW__PICK(x, 3, 3, 3, 1)
-#define PBW__EDGE_START(x) PBW__PICK(x, 1, 2, 0, 1)   /* in the plane: the edge across starts there */
+#define PBW__EDGE_START(x) PBW__PICK(x, 1, 2, 0, 1) /* in the plane: the edge across starts there */
 #define PBW__EDGE_END(x) PBW__PICK(x, 2, 0, 1, 2) /* and ends there */
+#define PBW__CORNERS2(to, from, corner) /* rows of finite vertices of the plane, in another order */ \
+    to.x = corner((from).x), to.y = corner((from).y), to.z = to.ghost = pbw__splat(0.0), \
+    to.lift = corner((from).lift), to.height = corner((from).height)
 
 /* dim, weighted and, where it counts, the width of records are constants. */
 PBW__SIMD_INLINE pbw__point4 pbw__point4_of(const double *p, int dim, int weighted, size_t width)
@@ -4831,11 +4823,12 @@ PBW__INLINE pbw_index pbw__walk_hull(pbw__kernel *kernel, pbw_index t, const dou
     for (steps = 0; steps < 16; steps++) {
         const double *a = pbw__record_at(kernel, kernel->corner[4 * (size_t)t]);
         const double *b = pbw__record_at(kernel, kernel->corner[4 * (size_t)t + 1]);
-        double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1];
-        double height = pbw__max(pbw__max(ax * ax + ay * ay, bx * bx + by * by), 1e-140);
-        int past_a = ax * (bx - ax) + ay * (by - ay) > 0.0, past_b = bx * (bx - ax) + by * (by - ay) < 0.0;
+        const double x = b[0] - a[0], y = b[1] - a[1];
+        const int past_a = (a[0] - p[0]) * x + (a[1] - p[1]) * y > 0.0;
+        const int past_b = (b[0] - p[0]) * x + (b[1] - p[1]) * y < 0.0;
+        double error;
         kernel->statistics.walk_steps++;
-        if (ax * by - ay * bx > height * PBW__ORIENT2_ERROR) {
+        if (pbw__right_of(a, b, p, &error) > error) {
             return t;
         }
         if (past_a == past_b
@@ -5074,7 +5067,7 @@ PBW__INLINE void pbw__search_sort(pbw__search *search, pbw_index facet, pbw_inde
     search->facet_count += unmarked ^ inside;
 }
 
-#if defined(PBW__SIMD) && !defined(PBW_WIDE)
+#ifdef PBW__SIMD
 /* Shuffles that bring the lanes of a set of four to the front. */
 #define PBW__LANE(i) 4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3
 static const unsigned char pbw__front[16][16] = {
@@ -5098,7 +5091,8 @@ static const unsigned char pbw__lane_bits[16][4] = {
 PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
 {
     unsigned char *mark = search->mark;
-    pbw_index o0 = link[0] >> 2, o1 = link[1] >> 2, o2 = link[2] >> 2, o3 = link[3] >> 2;
+    const pbw_index o0 = (pbw_index)(link[0] >> 2), o1 = (pbw_index)(link[1] >> 2);
+    const pbw_index o2 = (pbw_index)(link[2] >> 2), o3 = (pbw_index)(link[3] >> 2);
     unsigned marked = PBW__LOAD(mark + o0) + 2u * PBW__LOAD(mark + o1)
                     + 4u * (PBW__LOAD(mark + o2) + 2u * PBW__LOAD(mark + o3)), outside;
     const pbw__i4 lanes = { 0, 1, 2, 3 }, from = pbw__splat_i((int32_t)facet) + lanes;
@@ -5118,17 +5112,7 @@ PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
     pbw__store4(search->from + search->facet_count, pbw__shuffle4(from, pbw__front[outside]));
     search->facet_count += pbw__count4(outside);
 }
-#elif defined(PBW__SIMD)
-PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
-{
-    unsigned k;
-    for (k = 0; k < 4; k++) {
-        pbw__search_sort(search, facet + k, (pbw_index)(link[k] >> 2), inside >> k & 1);
-    }
-}
-#endif
 
-#ifdef PBW__SIMD
 /* Rows in pairs, without weights. */
 typedef struct pbw__pairs4 { pbw__pair4 x, y, z, lift; pbw__d4 height, ghost; } pbw__pairs4;
 
@@ -5191,9 +5175,24 @@ PBW__SIMD_INLINE pbw__d4 pbw__dot4(pbw__d4 x, pbw__d4 y, pbw__d4 z, pbw__d4 u, p
     return pbw__fma(x, u, pbw__fma(y, v, z * w));
 }
 
-/* The verdicts where the determinants of pbw__carve3_simd are zero, nothing is rounded and the neighbours are finite:
-   the rule of pbw__conflict in >>predicates.  The coefficients of the lifts are those of the determinant.  Integers
-   below EXACT_HEIGHT^(1/2) < 2^10 make one number, which compares as they do one after the other. */
+/* Returns the verdicts on ties, by the rule of pbw__conflict in >>predicates: of `count` vertices, with the coefficients
+   that their lifts have in the determinant, the lexicographically largest decides if it is larger than p.  A key is
+   the coordinates of a row in one number: integers of so few bits compare as they do one after the other. */
+PBW__SIMD_INLINE unsigned pbw__break_ties(const pbw__d4 *key, const pbw__d4 *coefficient, int count)
+{
+    const pbw__d4 zero = pbw__splat(0.0);
+    pbw__d4 largest = zero, verdict = zero;
+    int i;
+    for (i = 0; i < count; i++) {
+        const pbw__d4 larger = pbw__andnot4(pbw__equal(coefficient[i], zero), pbw__greater(key[i], largest));
+        largest = pbw__blend(largest, key[i], larger);
+        verdict = pbw__blend(verdict, coefficient[i], larger);
+    }
+    return pbw__signs(pbw__greater(verdict, zero));
+}
+
+/* The verdicts where the determinants of pbw__carve3_simd are zero, nothing is rounded and the neighbours are finite.
+   Coordinates are integers below EXACT_HEIGHT3^(1/2) < 2^10, differences of two below 2^11. */
 PBW__SIMD static PBW__NOINLINE unsigned pbw__ties4(const pbw__kernel *kernel, const pbw_index *v,
                                                    const pbw_index *far, const double *p)
 {
@@ -5206,8 +5205,7 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__ties4(const pbw__kernel *kernel, co
     pbw__d4 bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z);
     pbw__d4 cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z);
     pbw__d4 x = by * cz - bz * cy, y = bz * cx - bx * cz, z = bx * cy - by * cx;
-    pbw__d4 key[4], coefficient[4], largest = zero, verdict = zero;
-    int i;
+    pbw__d4 key[4], coefficient[4];
     key[0] = pbw__fma(pbw__fma(r.x, radix, r.y), radix, r.z);
     key[3] = pbw__fma(pbw__fma(o.x, radix, o.y), radix, o.z);
     key[2] = PBW__CORNER_C(key[0]), key[1] = PBW__CORNER_B(key[0]), key[0] = PBW__CORNER_A(key[0]);
@@ -5217,12 +5215,7 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__ties4(const pbw__kernel *kernel, co
     coefficient[1] = pbw__dot4(x, y, z, o.x, o.y, o.z);
     x = ay * bz - az * by, y = az * bx - ax * bz, z = ax * by - ay * bx;
     coefficient[2] = pbw__dot4(x, y, z, o.x, o.y, o.z);
-    for (i = 0; i < 4; i++) {
-        pbw__d4 larger = pbw__andnot4(pbw__equal(coefficient[i], zero), pbw__greater(key[i], largest));
-        largest = pbw__blend(largest, key[i], larger);
-        verdict = pbw__blend(verdict, coefficient[i], larger);
-    }
-    return pbw__signs(pbw__greater(verdict, zero));
+    return pbw__break_ties(key, coefficient, 4);
 }
 
 /* Returns the exact verdicts on the neighbours of a simplex of the cavity that the filter left open (bits of
@@ -5520,54 +5513,48 @@ static PBW__NOINLINE pbw_status pbw__sew3_wide(pbw__kernel *kernel)
    the one whose vertices are nearest along the curve: others may reach far. */
 static PBW__NOINLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vertex)
 {
-    const size_t count = kernel->scratch.facet_count;
-    const size_t side = kernel->scratch.local_count > PBW__FEW - 4 ? PBW__LOCALS : PBW__FEW;
+    pbw__scratch *scratch = &kernel->scratch;
+    const size_t count = scratch->facet_count, side = scratch->local_count > PBW__FEW - 4 ? PBW__LOCALS : PBW__FEW;
+    const int few = scratch->local_count <= PBW__LOCALS - 4;
     uint64_t least = UINT64_MAX;
     size_t i;
     unsigned k;
+    if (few && !PBW__GROW(kernel, scratch, edge, side * side)) {
+        return PBW_ERROR_MEMORY;
+    }
     for (i = 0; i < count; i++) {
-        const pbw__carved *carved = kernel->scratch.carved + (kernel->scratch.from[i] >> 2);
-        const unsigned char *corner = pbw__facet_corners[kernel->scratch.from[i] & 3] + 1;
-        pbw__link base = (pbw__link)kernel->scratch.cavity[i] * 4, beyond = carved->link[kernel->scratch.from[i] & 3];
+        const pbw__carved *carved = scratch->carved + (scratch->from[i] >> 2);
+        const pbw_index *local = carved->local;
+        const unsigned char *corner = pbw__facet_corners[scratch->from[i] & 3] + 1;
+        pbw__link base = (pbw__link)scratch->cavity[i] * 4, beyond = carved->link[scratch->from[i] & 3];
         uint64_t apart = 0;
-        PBW__STORE(kernel->mark + kernel->scratch.cavity[i], 0);
+        PBW__STORE(kernel->mark + scratch->cavity[i], 0);
         kernel->corner[base] = vertex;
         kernel->link[base] = beyond;
         kernel->link[beyond] = base;
         for (k = 0; k < 3; k++) {
-            pbw_index v = carved->v[corner[k]];
+            const pbw_index v = carved->v[corner[k]];
             kernel->corner[base + k + 1] = v;
             apart += v < vertex ? vertex - v : v - vertex;
+            if (few) {
+                scratch->edge[local[corner[(k + 1) % 3]] * side + local[corner[(k + 2) % 3]]] = base + k + 1;
+            }
         }
-        kernel->last = apart < least ? kernel->scratch.cavity[i] : kernel->last;
+        kernel->last = apart < least ? scratch->cavity[i] : kernel->last;
         least = apart < least ? apart : least;
     }
-    if (PBW__UNLIKELY(kernel->scratch.local_count > PBW__LOCALS - 4)) {
-        return pbw__sew3_wide(kernel);
+    for (i = 0; few && i < count; i++) {
+        const pbw_index *local = scratch->carved[scratch->from[i] >> 2].local;
+        const unsigned char *corner = pbw__facet_corners[scratch->from[i] & 3] + 1;
+        for (k = 0; k < 3; k++) {
+            kernel->link[(pbw__link)scratch->cavity[i] * 4 + k + 1]
+                = scratch->edge[local[corner[(k + 2) % 3]] * side + local[corner[(k + 1) % 3]]];
+        }
     }
-    if (!PBW__GROW(kernel, &kernel->scratch, edge, side * side)) {
-        return PBW_ERROR_MEMORY;
-    }
-    for (i = 0; i < count; i++) {
-        const pbw_index *local = kernel->scratch.carved[kernel->scratch.from[i] >> 2].local;
-        const unsigned char *corner = pbw__facet_corners[kernel->scratch.from[i] & 3] + 1;
-        pbw__link base = (pbw__link)kernel->scratch.cavity[i] * 4;
-        kernel->scratch.edge[local[corner[1]] * side + local[corner[2]]] = base + 1;
-        kernel->scratch.edge[local[corner[2]] * side + local[corner[0]]] = base + 2;
-        kernel->scratch.edge[local[corner[0]] * side + local[corner[1]]] = base + 3;
-    }
-    for (i = 0; i < count; i++) {
-        const pbw_index *local = kernel->scratch.carved[kernel->scratch.from[i] >> 2].local;
-        const unsigned char *corner = pbw__facet_corners[kernel->scratch.from[i] & 3] + 1;
-        pbw__link *link = kernel->link + (pbw__link)kernel->scratch.cavity[i] * 4;
-        link[1] = kernel->scratch.edge[local[corner[2]] * side + local[corner[1]]];
-        link[2] = kernel->scratch.edge[local[corner[0]] * side + local[corner[2]]];
-        link[3] = kernel->scratch.edge[local[corner[1]] * side + local[corner[0]]];
-    }
-    return PBW_OK;
+    return few ? PBW_OK : pbw__sew3_wide(kernel);
 }
 
-#if defined(PBW__SIMD) && !defined(PBW_WIDE)
+#ifdef PBW__SIMD
 PBW__SIMD_INLINE pbw__i4 pbw__facet_lanes(pbw_index facet)
 {
     int32_t corners;
@@ -5599,7 +5586,7 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
         const pbw__i4 there = (next << 6) + last;
         uint64_t low = pbw__lanes01(there), high = pbw__lanes23(there);
         pbw_index slot = cavity[i];
-        pbw__link base = slot * 4, beyond = inside->link[from[i] & 3];
+        const pbw__link base = (pbw__link)slot * 4, beyond = inside->link[from[i] & 3];
         uint32_t apart = pbw__apart4(v, new_corner);
         PBW__STORE(mark + slot, 0);
         pbw__store4(corners + base, v);
@@ -5614,7 +5601,7 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
     }
     for (i = 0; i < count; i++) {
         const pbw_index *back = kernel->scratch.back + 4 * i;
-        pbw__link *link = links + cavity[i] * 4;
+        pbw__link *link = links + (pbw__link)cavity[i] * 4;
         link[1] = edge[back[1]];
         link[2] = edge[back[2]];
         link[3] = edge[back[3]];
@@ -5622,8 +5609,6 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
     kernel->last = nearest;
     return PBW_OK;
 }
-#else
-#define pbw__refill3_simd pbw__refill3
 #endif
 /* ------------------------------------------------------------------------------------------------------
    >>cavity2      In the plane: carve every triangle in conflict with the point, refill with the point's star.
@@ -5651,25 +5636,19 @@ PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
     return det > limit || det < -limit ? det > 0.0 : pbw__in_conflict(kernel, t, p);
 }
 
-/* Marks a triangle of the cavity by the highest bit of each corner, which no vertex has: so the plane needs no memory
-   for marks.  In space the next tests would wait for writes whose addresses depend on a verdict. */
-PBW__INLINE void pbw__mark2(pbw__kernel *kernel, pbw_index t)
+/* The corners of a triangle after and before this one. */
+#define PBW__AFTER(link) (((link) & ~(pbw__link)3) | (9u >> 2 * ((link) & 3) & 3))       /* 1 2 0 */
+#define PBW__BEFORE(link) (((link) & ~(pbw__link)3) | (18u >> 2 * ((link) & 3) & 3))     /* 2 0 1 */
+
+/* Marks a triangle of the cavity by the highest bit of each corner, which no vertex has, or clears the mark: so the
+   plane needs no memory for marks.  In space the next tests would wait for writes whose addresses depend on a
+   verdict. */
+PBW__INLINE void pbw__flip_mark2(pbw__kernel *kernel, pbw_index t)
 {
     pbw_index *v = kernel->corner + 4 * (size_t)t;
-    v[0] |= PBW__MARK;
-    v[1] |= PBW__MARK;
-    v[2] |= PBW__MARK;
-}
-
-static void pbw__unmark2(pbw__kernel *kernel)
-{
-    size_t i;
-    for (i = 0; i < kernel->scratch.cavity_count; i++) {
-        pbw_index *v = kernel->corner + 4 * (size_t)kernel->scratch.cavity[i];
-        v[0] &= ~PBW__MARK;
-        v[1] &= ~PBW__MARK;
-        v[2] &= ~PBW__MARK;
-    }
+    v[0] ^= PBW__MARK;
+    v[1] ^= PBW__MARK;
+    v[2] ^= PBW__MARK;
 }
 
 /* 2D.  A depth-first search that looks through the edges of each triangle counter-clockwise meets the boundary in
@@ -5679,67 +5658,53 @@ static pbw_status pbw__carve2(pbw__kernel *kernel, pbw_index t, const double *p)
 {
     const pbw__link *links = kernel->link;
     pbw__scratch *scratch = &kernel->scratch;
-    size_t stack_count = 3;
+    pbw_status status = PBW_OK;
+    size_t stack_count = 3, i;
     int k;
     scratch->cavity[0] = t;
     scratch->cavity_count = 1;
     scratch->facet_count = 0;
-    pbw__mark2(kernel, t);
+    pbw__flip_mark2(kernel, t);
     for (k = 0; k < 3; k++) {
         scratch->stack[k] = links[4 * (size_t)t + 2 - (size_t)k];
     }
-    while (stack_count > 0) {
-        pbw__link link = scratch->stack[--stack_count];
-        pbw_index o = (pbw_index)(link >> 2);
-        unsigned via = (unsigned)(link & 3), left = via == 2 ? 0 : via + 1, right = via == 0 ? 2 : via - 1;
+    while (stack_count > 0 && status == PBW_OK) {
+        const pbw__link link = scratch->stack[--stack_count];
+        const pbw_index o = (pbw_index)(link >> 2);
+        const size_t needed = scratch->cavity_count + scratch->facet_count + 4;
         if ((kernel->corner[link] & PBW__MARK) != 0) {
             continue;
         }
-        if (pbw__test2(kernel, o, p)) {
-            if (kernel->own.owner != NULL && !pbw__may_delete(kernel, o)) {
-                pbw__unmark2(kernel);
-                return PBW__LEFT;
-            }
-            if ((scratch->cavity_count == scratch->cavity_capacity
-                 && !pbw__grow_lists(kernel, scratch->cavity_count + 1))
-                || !PBW__GROW(kernel, scratch, stack, stack_count + 2)) {
-                pbw__unmark2(kernel);
-                return PBW_ERROR_MEMORY;
-            }
-            pbw__mark2(kernel, o);
-            scratch->cavity[scratch->cavity_count++] = o;
-            scratch->stack[stack_count++] = links[4 * (size_t)o + right];
-            scratch->stack[stack_count++] = links[4 * (size_t)o + left];
-        } else {
-            if (scratch->facet_count + 1 >= scratch->beyond_capacity
-                && !pbw__grow_lists(kernel, scratch->facet_count + 2)) {
-                pbw__unmark2(kernel);
-                return PBW_ERROR_MEMORY;
-            }
+        if (needed > scratch->stack_capacity && !pbw__grow_lists(kernel, needed)) {      /* stack: cavity_count + 2 */
+            status = PBW_ERROR_MEMORY;
+        } else if (!pbw__test2(kernel, o, p)) {
             scratch->beyond[scratch->facet_count++] = link;
+        } else if (kernel->own.owner != NULL && !pbw__may_delete(kernel, o)) {
+            status = PBW__LEFT;
+        } else {
+            pbw__flip_mark2(kernel, o);
+            scratch->cavity[scratch->cavity_count++] = o;
+            scratch->stack[stack_count++] = links[PBW__BEFORE(link)];
+            scratch->stack[stack_count++] = links[PBW__AFTER(link)];
         }
     }
-    pbw__unmark2(kernel);
-    return PBW_OK;
-}
-
-/* Returns the first vertex, counter-clockwise from inside, of the edge of the boundary that a link crosses. */
-PBW__INLINE pbw_index pbw__edge_start(const pbw__kernel *kernel, pbw__link beyond)
-{
-    return kernel->corner[(beyond & 3) == 0 ? beyond + 2 : beyond - 1];
+    for (i = 0; i < scratch->cavity_count; i++) {
+        pbw__flip_mark2(kernel, scratch->cavity[i]);
+    }
+    return status;
 }
 
 static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
 {
     size_t count = kernel->scratch.facet_count, i;
-    pbw_index last_start = pbw__edge_start(kernel, kernel->scratch.beyond[count - 1]);
+    pbw_index last_start = kernel->corner[PBW__BEFORE(kernel->scratch.beyond[count - 1])];
     kernel->scratch.beyond[count] = kernel->scratch.beyond[0];
     for (i = 0; i < count; i++) {
         pbw__link beyond = kernel->scratch.beyond[i], base = (pbw__link)kernel->scratch.cavity[i] << 2;
         pbw_index *v = kernel->corner + base;
         pbw__link *n = kernel->link + base;
-        pbw_index start = pbw__edge_start(kernel, beyond);
-        pbw_index end = pbw__edge_start(kernel, kernel->scratch.beyond[i + 1]);
+        pbw_index start = kernel->corner[PBW__BEFORE(beyond)];
+        pbw_index end = kernel->corner[PBW__BEFORE(kernel->scratch.beyond[i + 1])];
         /* Corner numbers in (vertex, start, end), turned once if `start` is the ghost. */
         unsigned turn = start == PBW__GHOST, from = turn ? 2 : 1, to = turn ? 0 : 2;
         /* Across from `end` lies the triangle before, which ends where we begin: its corner across from us is its
@@ -5769,10 +5734,6 @@ static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
    The ghost vertex has the row (0, 0, W), W the height of the triangle, as in >>cavity3.  The search begins without
    ghosts and goes on in pbw__ring_hull once it meets one. */
 #define PBW__RING 32
-
-/* The corners of a triangle after and before this one. */
-#define PBW__AFTER(link) (((link) & ~(pbw__link)3) | (9u >> 2 * ((link) & 3) & 3))       /* 1 2 0 */
-#define PBW__BEFORE(link) (((link) & ~(pbw__link)3) | (18u >> 2 * ((link) & 3) & 3))     /* 2 0 1 */
 
 typedef struct pbw__ring {
     pbw_index start[PBW__RING], end[PBW__RING];
@@ -5817,38 +5778,25 @@ PBW__SIMD_INLINE unsigned pbw__test2_simd(const pbw__triangles *t, int hull, uns
 }
 
 /* Settles lanes that pbw__test2_simd left open, and returns them; their verdicts are in *inside.  Where nothing is
-   rounded, the sign is the sign, and the rule of pbw__conflict in >>predicates breaks ties between finite vertices.
-   The coefficients of the lifts are those of the determinant. */
+   rounded the sign is certain, and ties between finite vertices can be broken: coordinates are integers below
+   EXACT_HEIGHT2^(1/2) < 2^13. */
 PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, const pbw__triangles *t,
                                                           unsigned open, unsigned *inside)
 {
-    const pbw__rows4 *const s = &t->s, *const e = &t->e, *const o = &t->o, *const corner[3] = { s, e, o };
-    const pbw__d4 zero = pbw__splat(0.0);
-    pbw__d4 h, det = pbw__circle4(t, &h);
-    pbw__d4 exact = pbw__greater(pbw__splat(kernel->exact_height), h), side[3], x = zero, y = zero;
-    pbw__d4 verdict = zero, tied = pbw__and4(exact, pbw__equal(det, zero));
-    unsigned settled = pbw__signs(pbw__andnot4(tied, exact)) & open, ties;
-    int i;
-    if ((open & ~pbw__signs(exact)) != 0) {
-        settled |= open & pbw__signs(pbw__greater(pbw__abs4(det), pbw__thin_limit(t, h)));
-    }
-    ties = open & pbw__signs(pbw__andnot4(pbw__or4(pbw__or4(s->ghost, e->ghost), o->ghost), tied));
+    const pbw__rows4 *const s = &t->s, *const e = &t->e, *const o = &t->o;
+    const pbw__d4 zero = pbw__splat(0.0), radix = pbw__splat(16384.0);
+    pbw__d4 h, det = pbw__circle4(t, &h), key[3], side[3];
+    const pbw__d4 exact = pbw__greater(pbw__splat(kernel->exact_height), h);
+    const pbw__d4 tied = pbw__and4(exact, pbw__equal(det, zero));
+    const unsigned settled = pbw__signs(pbw__andnot4(tied, exact)) & open;
+    const unsigned ties = open & pbw__signs(pbw__andnot4(pbw__or4(pbw__or4(s->ghost, e->ghost), o->ghost), tied));
     if (ties == 0) {
         return settled;
     }
-    side[0] = pbw__det2(o->x, o->y, e->x, e->y);
-    side[1] = pbw__det2(s->x, s->y, o->x, o->y);
-    side[2] = pbw__det2(e->x, e->y, s->x, s->y);
-    for (i = 0; i < 3; i++) {                        /* the lexicographically largest, if it is larger than p */
-        const pbw__d4 vx = corner[i]->x, vy = corner[i]->y;
-        pbw__d4 larger = pbw__and4(pbw__equal(vx, x), pbw__greater(vy, y));
-        larger = pbw__or4(larger, pbw__greater(vx, x));
-        larger = pbw__andnot4(pbw__equal(side[i], zero), larger);
-        x = pbw__blend(x, vx, larger);
-        y = pbw__blend(y, vy, larger);
-        verdict = pbw__blend(verdict, pbw__greater(side[i], zero), larger);
-    }
-    *inside = (*inside & ~ties) | (pbw__signs(verdict) & ties);
+    key[0] = pbw__fma(s->x, radix, s->y), side[0] = pbw__det2(o->x, o->y, e->x, e->y);
+    key[1] = pbw__fma(e->x, radix, e->y), side[1] = pbw__det2(s->x, s->y, o->x, o->y);
+    key[2] = pbw__fma(o->x, radix, o->y), side[2] = pbw__det2(e->x, e->y, s->x, s->y);
+    *inside = (*inside & ~ties) | (pbw__break_ties(key, side, 3) & ties);
     kernel->statistics.exact_tests += pbw__count4(ties);
     return settled | ties;
 }
@@ -6127,32 +6075,24 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *rin
     const pbw_index far[4] = { corner[beyond[0]], corner[beyond[1]], corner[beyond[2]], corner[beyond[0]] };
     pbw__triangles first;
     pbw_status status = PBW_OK;
-    unsigned head = 0;
-    ring->slot[0] = t;
-    ring->start[0] = ring->end[2] = v[1];
-    ring->start[1] = ring->end[0] = v[2];
-    ring->start[2] = ring->end[1] = v[0];
-    ring->beyond[0] = beyond[0];
-    ring->beyond[1] = beyond[1];
-    ring->beyond[2] = beyond[2];
-    ring->next[0] = 1;
-    ring->next[1] = 2;
-    ring->next[2] = 0;
-    ring->queue[0] = 0;
-    ring->queue[1] = 1;
-    ring->queue[2] = 2;
+    unsigned head = 0, k;
+    for (k = 0; k < 3; k++) {
+        ring->start[k] = v[(k + 1) % 3];
+        ring->end[k] = v[(k + 2) % 3];
+        ring->beyond[k] = beyond[k];
+        ring->next[k] = (k + 1) % 3;
+        ring->queue[k] = (unsigned char)k;
+    }
     ring->queue[3] = 0;
+    ring->slot[0] = t;
     ring->count = ring->tail = 3;
     ring->hull = 0;
     if (PBW__UNLIKELY(v[2] == PBW__GHOST || far[0] == PBW__GHOST || far[1] == PBW__GHOST || far[2] == PBW__GHOST)) {
         return pbw__ring_hull(kernel, ring, 0, point->p);
     }
     first.o = pbw__rows4_of(kernel->record, far, 0, point);
-    first.s.x = PBW__EDGE_START(rows->x), first.s.y = PBW__EDGE_START(rows->y);
-    first.e.x = PBW__EDGE_END(rows->x), first.e.y = PBW__EDGE_END(rows->y);
-    first.s.lift = PBW__EDGE_START(rows->lift), first.s.height = PBW__EDGE_START(rows->height);
-    first.e.lift = PBW__EDGE_END(rows->lift), first.e.height = PBW__EDGE_END(rows->height);
-    first.s.z = first.e.z = first.s.ghost = first.e.ghost = pbw__splat(0.0);
+    PBW__CORNERS2(first.s, *rows, PBW__EDGE_START);
+    PBW__CORNERS2(first.e, *rows, PBW__EDGE_END);
     if (!point->weighted) {
         status = pbw__ring_start(kernel, ring, beyond, &first, point, &head);
     }
@@ -6172,31 +6112,22 @@ PBW__INLINE pbw_index pbw__guess2(pbw__kernel *kernel, pbw_index vertex)
 }
 
 /* Turns the triangle (vertex, ghost, end) of a new star, if there is one, to (end, vertex, ghost).  The next walk
-   then starts at one of the two ghosts of the star, the one towards the next vertex. */
-static PBW__NOINLINE void pbw__turn_ghost(pbw__kernel *kernel, const pbw__ring *ring, pbw_index vertex,
-                                          pbw_index guess)
+   then starts there: others of the star may be long and thin. */
+static PBW__NOINLINE void pbw__turn_ghost(pbw__kernel *kernel, const pbw__ring *ring)
 {
     pbw_index *corner = kernel->corner;
     pbw__link *link = kernel->link, base, last;
-    unsigned i, k = 0;
+    unsigned i;
     for (i = 0; i < ring->count && ring->start[i] != PBW__GHOST; i++) {
     }
     if (i == ring->count) {
         return;
     }
-    while (ring->next[k] != i) {
-        k++;
-    }
-    {
-        const double *p = pbw__record_at(kernel, vertex), *next = pbw__record_at(kernel, guess);
-        const double *a = pbw__record_at(kernel, ring->start[k]), *b = pbw__record_at(kernel, ring->end[i]);
-        const int back = (next[0] - p[0]) * (b[0] - a[0]) + (next[1] - p[1]) * (b[1] - a[1]) < 0.0;
-        kernel->last = ring->slot[back ? k : i];
-    }
-    base = (pbw__link)ring->slot[i] << 2;
+    kernel->last = ring->slot[i];
+    base = (pbw__link)kernel->last << 2;
     last = link[base + 2];
+    corner[base + 1] = corner[base];
     corner[base] = corner[base + 2];
-    corner[base + 1] = vertex;
     corner[base + 2] = PBW__GHOST;
     link[base + 2] = link[base + 1];
     link[base + 1] = link[base];
@@ -6241,7 +6172,7 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
     }
     kernel->last = last;
     if (PBW__UNLIKELY(ring->hull)) {
-        pbw__turn_ghost(kernel, ring, vertex, guess);
+        pbw__turn_ghost(kernel, ring);
     }
     if (PBW__UNLIKELY(kernel->own.owner != NULL)) {      /* >>parallel looks for hints there */
         memcpy(kernel->scratch.cavity, ring->slot, sizeof(ring->slot));      /* a constant size is faster */
@@ -6370,17 +6301,6 @@ PBW__INSERT_SIMD(pbw__insert2_weighted_simd, 2, 1, 3)
 PBW__INSERT_SIMD(pbw__insert3_simd, 3, 0, 3)
 PBW__INSERT_SIMD(pbw__insert3_live_simd, 3, 0, 4)
 PBW__INSERT_SIMD(pbw__insert3_weighted_simd, 3, 1, 4)
-
-static pbw_status (*pbw__insert_choose(const pbw__kernel *kernel))(pbw__kernel *, pbw_index)
-{
-    if (kernel->weighted) {
-        return kernel->dim == 3 ? pbw__insert3_weighted_simd : pbw__insert2_weighted_simd;
-    }
-    if (kernel->width > (size_t)kernel->dim) {
-        return kernel->dim == 3 ? pbw__insert3_live_simd : pbw__insert2_live_simd;
-    }
-    return kernel->dim == 3 ? pbw__insert3_simd : pbw__insert2_simd;
-}
 #endif
 
 /* The memory of insertions; context and dim are set. */
@@ -6390,7 +6310,7 @@ static pbw_status pbw__scratch_create(pbw__kernel *kernel)
         return PBW_ERROR_MEMORY;
     }
     if (kernel->dim == 2) {
-        return PBW__GROW(kernel, &kernel->scratch, stack, 64) ? PBW_OK : PBW_ERROR_MEMORY;
+        return PBW_OK;
     }
     kernel->scratch.table = (uint64_t *)pbw__allocate(&kernel->context->memory, PBW__TABLE, sizeof(uint64_t));
     if (kernel->scratch.table == NULL || !PBW__GROW(kernel, &kernel->scratch, edge, PBW__FEW * PBW__FEW)) {
@@ -6405,6 +6325,12 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
                                      const pbw__vertices *vertices, const pbw__grid *grid)
 {
     const int dim = vertices->dim;
+#ifdef PBW__SIMD
+    pbw_status (*const insert[2][3])(pbw__kernel *, pbw_index) = {
+        { pbw__insert2_simd, pbw__insert2_live_simd, pbw__insert2_weighted_simd },
+        { pbw__insert3_simd, pbw__insert3_live_simd, pbw__insert3_weighted_simd }
+    };
+#endif
     memset(kernel, 0, offsetof(pbw__kernel, own));
     memset(&kernel->own, 0, offsetof(pbw__ownership, claim));
     kernel->context = context;
@@ -6420,11 +6346,11 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
                          ? (dim == 3 ? PBW__EXACT_HEIGHT3 : PBW__EXACT_HEIGHT2)
                            / (grid->inverse_unit * grid->inverse_unit) : 0.0;
     kernel->slots.region = (size_t)-1;
-    kernel->last = kernel->last_entered = PBW_NONE;
+    kernel->last = PBW_NONE;
     kernel->insert = pbw__insert_scalar;
 #ifdef PBW__SIMD
     if (pbw__simd_works()) {
-        kernel->insert = pbw__insert_choose(kernel);
+        kernel->insert = insert[dim == 3][kernel->weighted ? 2 : kernel->width > (size_t)dim];
     }
 #endif
     pbw__kernel_attach(kernel);
@@ -6478,13 +6404,6 @@ PBW__INLINE size_t pbw__level_after(const pbw__level *level, size_t rank)
     return (rank & (level->coarser - 1)) == 0 && level->coarser <= level->count ? rank + step : rank;
 }
 
-/* Returns 0 if x[found] lies in the span of the seeds before it; for the last seed the orientation. */
-static int pbw__seed_fits(const pbw__kernel *kernel, int dim, const double **x, int found)
-{
-    return found == dim ? pbw__orient(dim, x, kernel->grid)
-                        : found != 2 || !pbw__collinear3(x[0], x[1], x[2], kernel->grid);
-}
-
 /* Finds the first dim+1 vertices of the order that span the space, positively oriented.  Vertices are at different
    places, so any two will do.  Linear: once a vertex is passed over, it lies in the span of the seeds. */
 static pbw_status pbw__seeds(pbw__kernel *kernel, size_t count, int dim, pbw_index *seed)
@@ -6499,7 +6418,8 @@ static pbw_status pbw__seeds(pbw__kernel *kernel, size_t count, int dim, pbw_ind
         for (i = 0; i < size; i++, rank = pbw__level_after(&level, rank)) {
             int side;
             x[found] = pbw__record_at(kernel, (pbw_index)rank + 1);
-            side = pbw__seed_fits(kernel, dim, x, found);
+            side = found == dim ? pbw__orient(dim, x, kernel->grid)      /* 0: in the span of the seeds before */
+                                : found != 2 || !pbw__collinear3(x[0], x[1], x[2], kernel->grid);
             if ((i & 255) == 255 && pbw__report(kernel->context, 0.001)) {
                 return PBW_CANCELLED;
             }
@@ -6576,6 +6496,7 @@ typedef struct pbw__build {
     pbw__context *context;
     pbw__store *store;
     const pbw__vertices *vertices;
+    const pbw__grid *grid;
     pbw__kernel *kernel[PBW__TASKS];                 /* one for each task */
     pbw_statistics *statistics;
     uint32_t trace;                                  /* 256 * the round */
@@ -6598,7 +6519,6 @@ typedef struct pbw__build {
 /* Insertion by several threads: >>parallel. */
 static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, pbw_index v);
 static pbw_status pbw__rounds(pbw__build *build);
-static pbw_status pbw__build_tasks(pbw__build *build, const pbw__grid *grid);
 
 /* Returns the first region of a zone.  A zone has several where few vertices of a region are inserted yet. */
 PBW__INLINE size_t pbw__first_region(const pbw__build *build, size_t zone)
@@ -6709,8 +6629,7 @@ static pbw_status pbw__level_serial(pbw__build *build, int all)
             kernel->last = corner[4 * i] != PBW_NONE ? (pbw_index)i : PBW_NONE;
         }
     }
-    if (all) {                                       /* the last star is nearer than what coarser levels remember */
-        memset(store->hint, 0xff, store->region_count * sizeof(pbw_index));
+    if (all) {
         pbw__insert_level(build, kernel);
     }
     for (i = 0; !all && i < build->left_count && pbw__find_start(build, kernel, build->left[i])
@@ -6725,7 +6644,7 @@ static pbw_status pbw__level_serial(pbw__build *build, int all)
 }
 
 /* Makes kernels for `count` tasks. */
-static pbw_status pbw__more_kernels(pbw__build *build, const pbw__grid *grid, int count)
+static pbw_status pbw__more_kernels(pbw__build *build, int count)
 {
     while (build->kernel_count < count) {
         pbw__kernel *kernel = (pbw__kernel *)pbw__allocate(&build->context->memory, 1, sizeof(pbw__kernel));
@@ -6733,7 +6652,7 @@ static pbw_status pbw__more_kernels(pbw__build *build, const pbw__grid *grid, in
             return PBW_ERROR_MEMORY;
         }
         build->kernel[build->kernel_count++] = kernel;
-        if (pbw__kernel_create(kernel, build->context, build->store, build->vertices, grid) != PBW_OK) {
+        if (pbw__kernel_create(kernel, build->context, build->store, build->vertices, build->grid) != PBW_OK) {
             return PBW_ERROR_MEMORY;
         }
     }
@@ -6754,18 +6673,11 @@ static void pbw__plan(pbw__build *build, size_t vertices, size_t apart)
 }
 
 /* Inserts the level, or the vertices left, by the tasks planned. */
-static pbw_status pbw__run_level(pbw__build *build, const pbw__grid *grid)
+static pbw_status pbw__run_level(pbw__build *build)
 {
-    pbw_status status;
-    if (build->tasks <= 1) {
-        return pbw__level_serial(build, build->left_count == 0);
-    }
-    status = pbw__build_tasks(build, grid);
-    if (status == PBW_OK) {
-        pbw__leave_region(build->kernel[0]);
-        status = pbw__rounds(build);
-    }
-    return status == PBW_OK ? pbw__level_serial(build, 0) : status;
+    const int all = build->tasks <= 1 && build->left_count == 0;
+    const pbw_status status = build->tasks > 1 ? pbw__rounds(build) : PBW_OK;
+    return status == PBW_OK ? pbw__level_serial(build, all) : status;
 }
 
 /* Finds the line that fits a span of vertices best: the slopes of the two coordinates after its longest axis.
@@ -6800,29 +6712,27 @@ static pbw_status pbw__find_extremes(void *arg, size_t span, size_t to)
     for (; span < to; span++) {
         const size_t begin = span * PBW__SPAN, end = begin + PBW__SPAN < count ? begin + PBW__SPAN : count;
         const double *first = build->vertices->record + width * (begin + 1), *p = first;
-        double slope[2], low[4], high[4];
+        double slope[2], farthest[8];
         const int axis = pbw__line_along(first, width, end - begin, slope);
         const int next = (axis + 1) % 3, last = (axis + 2) % 3;
-        size_t rank, lowest[4], highest[4];
+        size_t rank, extreme[8];
         int k;
-        for (k = 0; k < 4; k++) {
-            low[k] = high[k] = 0.0;                  /* as the first has it, on all sides */
-            lowest[k] = highest[k] = begin;
+        for (k = 0; k < 8; k++) {
+            farthest[k] = 0.0;                       /* as the first has it, on all sides */
+            extreme[k] = begin;
         }
         for (rank = begin; rank < end; rank++, p += width) {
             const double along = p[axis] - first[axis];
             const double u = p[next] - first[next] - slope[0] * along, v = p[last] - first[last] - slope[1] * along;
-            const double off[4] = { u, v, u + v, u - v };
-            for (k = 0; k < 4; k++) {
-                lowest[k] = off[k] < low[k] ? rank : lowest[k];
-                low[k] = off[k] < low[k] ? off[k] : low[k];
-                highest[k] = off[k] > high[k] ? rank : highest[k];
-                high[k] = off[k] > high[k] ? off[k] : high[k];
+            const double off[8] = { u, v, u + v, u - v, -u, -v, -u - v, v - u };
+            for (k = 0; k < 8; k++) {
+                extreme[k] = off[k] > farthest[k] ? rank : extreme[k];
+                farthest[k] = off[k] > farthest[k] ? off[k] : farthest[k];
             }
         }
         memset(build->early + begin / 8, 0, (end - begin + 7) / 8);
         for (k = 0; k < 8; k++) {
-            rank = k < 4 ? lowest[k] : highest[k - 4];
+            rank = extreme[k];
             build->early[rank >> 3] |= (unsigned char)(((rank & (build->level.stride - 1)) != 0) << (rank & 7));
         }
     }
@@ -6831,7 +6741,7 @@ static pbw_status pbw__find_extremes(void *arg, size_t span, size_t to)
 
 /* Inserts the extremes: one in eight on one thread, then the others by several tasks, but few.  The first stars reach
    so many zones that tasks would contend for them. */
-static pbw_status pbw__level_extremes(pbw__build *build, const pbw__grid *grid)
+static pbw_status pbw__level_extremes(pbw__build *build)
 {
     pbw__memory *memory = &build->context->memory;
     const size_t count = build->vertices->count, most = 8 * (count / PBW__SPAN + 1);
@@ -6856,7 +6766,7 @@ static pbw_status pbw__level_extremes(pbw__build *build, const pbw__grid *grid)
         }
         if (build->left_count > 0) {
             pbw__plan(build, turn > 0 ? build->left_count / 4 : 0, 0);
-            status = pbw__run_level(build, grid);
+            status = pbw__run_level(build);
         }
     }
     return status;
@@ -6900,10 +6810,11 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
     build.context = context;
     build.store = store;
     build.vertices = vertices;
+    build.grid = grid;
     build.statistics = statistics;
     status = pbw__store_create(context, store, vertices->count, vertices->dim);
     if (status == PBW_OK) {
-        status = pbw__more_kernels(&build, grid, 1);
+        status = pbw__more_kernels(&build, 1);
     }
     if (status == PBW_OK) {
         status = pbw__seeds(build.kernel[0], vertices->count, vertices->dim, build.seed);
@@ -6921,10 +6832,10 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
         pbw__plan(&build, vertices->count / stride, build.early != NULL ? 0 : build.level.coarser);
         build.tasks = build.level.coarser <= vertices->count ? build.tasks : 1;
         build.left_count = 0;
-        status = pbw__run_level(&build, grid);
+        status = pbw__run_level(&build);
         if (pbw__mean_star(&build, &created) > PBW__LARGE_STAR && vertices->dim == 3 && stride > 1
             && build.early == NULL && status == PBW_OK) {
-            status = pbw__level_extremes(&build, grid);
+            status = pbw__level_extremes(&build);
         }
         stride = stride > (build.early != NULL ? ratio * ratio : ratio) ? stride / ratio : stride > 1 ? 1 : 0;
         pbw__level_next(&build.level, stride);
@@ -7087,19 +6998,6 @@ static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__car
 }
 #endif
 
-/* Allocates what several tasks need. */
-static pbw_status pbw__build_tasks(pbw__build *build, const pbw__grid *grid)
-{
-    pbw__memory *memory = &build->context->memory;
-    size_t zones = build->store->region_count;
-    if (build->owner == NULL) {
-        build->owner = (uint8_t *)pbw__allocate(memory, zones, 1);
-    }
-    return build->owner != NULL ? pbw__more_kernels(build, grid, build->context->threads < PBW__TASKS
-                                                               ? build->context->threads : PBW__TASKS)
-                                : PBW_ERROR_MEMORY;
-}
-
 static void pbw__round_begin(pbw__build *build, int task)
 {
     pbw__kernel *kernel = build->kernel[task];
@@ -7110,8 +7008,7 @@ static void pbw__round_begin(pbw__build *build, int task)
     kernel->slots.region = (size_t)-1;
     kernel->last = PBW_NONE;
     kernel->left_count = 0;
-    kernel->own.claim_count = 0;
-    kernel->own.renewed = 0;
+    kernel->own.claim_count = kernel->own.renewed = 0;
     kernel->own.missed = 0;
     kernel->own.blocker = PBW__NOBODY;
     kernel->scratch.facet_count = 0;
@@ -7156,37 +7053,18 @@ static void pbw__renew_hint(pbw__build *build, pbw__kernel *kernel, pbw_index ve
     PBW__STORE(build->store->hint + pbw__first_region(build, zone), hint);
 }
 
-/* Makes a simplex the hint of a zone of this owner, if the zone has none. */
-PBW__INLINE void pbw__offer(pbw__build *build, size_t zone, pbw_index t, uint8_t owner)
-{
-    pbw_index *hint = build->store->hint + pbw__first_region(build, zone);
-    if (PBW__LOAD(build->owner + zone) == owner && PBW__LOAD(hint) == PBW_NONE) {
-        PBW__STORE(hint, t);
-    }
-}
-
-/* Offers a simplex as a hint to all zones that it lies in. */
+/* Makes a simplex the hint of those zones of this owner that it lies in and that have none. */
 static void pbw__offer_hint(pbw__build *build, pbw_index t, uint8_t owner)
 {
     const pbw_index *v = build->store->corner + 4 * (size_t)t;
-    const size_t a = pbw__zone_of(build, v[0]), b = pbw__zone_of(build, v[1]), c = pbw__zone_of(build, v[2]);
-    if (build->vertices->dim == 3) {
-        const size_t d = pbw__zone_of(build, v[3]);
-        if (a == b || a == c || a == d) {
-            pbw__offer(build, a, t, owner);
+    int k;
+    for (k = 0; k <= build->vertices->dim && v[k] != PBW__GHOST; k++) {          /* the ghost is the last corner */
+        const size_t zone = pbw__zone_of(build, v[k]);
+        pbw_index *hint = build->store->hint + pbw__first_region(build, zone);
+        if (PBW__LOAD(hint) == PBW_NONE && PBW__LOAD(build->owner + zone) == owner
+            && pbw__is_in_zone(build, t, zone)) {
+            PBW__STORE(hint, t);
         }
-        if (b == c || b == d) {
-            pbw__offer(build, b, t, owner);
-        }
-        if (c == d) {
-            pbw__offer(build, c, t, owner);
-        }
-        return;
-    }
-    pbw__offer(build, a, t, owner);
-    pbw__offer(build, b, t, owner);
-    if (v[2] != PBW__GHOST) {
-        pbw__offer(build, c, t, owner);
     }
 }
 
@@ -7400,7 +7278,14 @@ static pbw_status pbw__rounds(pbw__build *build)
     pbw__context *context = build->context;
     const size_t zones = (build->vertices->count >> build->owner_bits) + 1;
     const size_t hold = zones / (size_t)build->tasks / PBW__HOLDS + 8;
-    pbw_status status = pbw__for_range(context, zones, 4096, 0.0, pbw__begin_zones, build);
+    pbw_status status = pbw__more_kernels(build, context->threads < PBW__TASKS ? context->threads : PBW__TASKS);
+    if (build->owner == NULL) {
+        build->owner = (uint8_t *)pbw__allocate(&context->memory, build->store->region_count, 1);
+    }
+    if (status != PBW_OK || build->owner == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    status = pbw__for_range(context, zones, 4096, 0.0, pbw__begin_zones, build);
     if (status == PBW_OK && build->hint_bits != build->owner_bits) {     /* finer zones: there are few */
         status = pbw__for_range(context, build->store->region_count, 64, 0.0, pbw__find_hints, build);
         build->hint_bits = build->owner_bits;
@@ -15833,7 +15718,7 @@ static void pbw__task_begin(const pbw__changing *batch, int part, uint8_t *owner
     pbw__kernel *kernel = &task->kernel, *main = &core->kernel;
     memcpy(task, core, offsetof(pbw__core, kernel));
     memcpy(&kernel->context, &main->context, offsetof(pbw__kernel, slots) - offsetof(pbw__kernel, context));
-    kernel->last = kernel->last_entered = PBW_NONE;
+    kernel->last = PBW_NONE;
     kernel->previous = kernel->vertex_count = 0;
     kernel->journal = task;
     kernel->left_count = 0;
