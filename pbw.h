@@ -10652,16 +10652,17 @@ PBW__INLINE size_t pbw__bin_of(const pbw__bins *grid, int dim, const double *p, 
     return grid->first + bin;
 }
 
-/* The grid: cubes, a quarter as many as vertices or fewer. */
+/* Measures a grid of cubes.  There are at most a quarter of the vertices and 1, as `bins` says, which counts no more
+   than `most` along an axis; or, with the first edge, at most 2 along each axis. */
 static void pbw__bins_measure(const pbw__binning *binning, pbw__bins *grid)
 {
     const pbw_mesh *mesh = binning->finder->mesh;
     const int dim = mesh->dim;
     const double most = (double)(grid->to - grid->from) * 0.25 + 1.0;
-    double cells, edge = 0.0;
+    double bins, edge = 0.0;
     pbw__box box;
     size_t i;
-    int k, round;
+    int k;
     pbw__box_reset(&box, 0);
     for (i = grid->from; i < grid->to; i++) {
         pbw__box_add(&box, mesh->points + binning->vertices[i] * (size_t)dim, dim);
@@ -10676,13 +10677,13 @@ static void pbw__bins_measure(const pbw__binning *binning, pbw__bins *grid)
     if (!(edge > 0.0 && edge <= DBL_MAX)) {
         return;                                      /* too large to measure: one bin */
     }
-    for (round = 0; round < 64; round++) {           /* halves the edge until there are bins enough */
-        double smaller = edge * 0.5;
-        for (cells = 1.0, k = 0; k < dim; k++) {
-            cells *= (double)(size_t)((box.high[k] - box.low[k]) / smaller < 1e6
-                                      ? (box.high[k] - box.low[k]) / smaller : 1e6) + 1.0;
+    for (;;) {                                       /* halves the edge while there are bins enough */
+        const double smaller = edge * 0.5;
+        for (bins = 1.0, k = 0; k < dim; k++) {
+            const double side = (box.high[k] - box.low[k]) / smaller;
+            bins *= (double)(size_t)(side < most ? side : most) + 1.0;
         }
-        if (cells > most) {
+        if (bins > most) {
             break;
         }
         edge = smaller;
