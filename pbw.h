@@ -10127,14 +10127,8 @@ struct pbw__queries {
     const pbw_mesh *mesh;
     const pbw_lists *stars;
     const pbw__tree *tree;
-    const char *points;
-    size_t count, stride;                            /* of query points */
-    uint64_t *keys, *order, *spare;                  /* order: where the sorted keys are, key << index_bits | index */
-    uint32_t *digits;
-    size_t digit_words;
-    pbw__box *boxes, box;
-    pbw__curve *curve;
-    int index_bits;
+    pbw__input input;                                /* the query points */
+    pbw__vertices sorted;                            /* their order along the curve */
     pbw__answer *answer;
     size_t grain;                                    /* items of a block */
     pbw__chunk *chunk;                               /* of each block, for answers that are lists */
@@ -10258,92 +10252,38 @@ static pbw_status pbw__answer_all(pbw__queries *queries, pbw__answer *answer, si
          : pbw__for_range(&queries->context, items, grain, 1.0, pbw__answer_range, queries);
 }
 
-/* ---- sorting the queries */
-PBW__INLINE int pbw__query_point(const pbw__queries *queries, size_t i, double *p)
+/* ---- order
+   The ordering of points takes a twentieth of the progress of a stage. */
+typedef struct pbw__sort_progress { pbw_options options; double begin; } pbw__sort_progress;
+
+static int pbw__report_sort(void *user, pbw_stage stage, double done)
 {
-    int k, finite = 1;
-    p[2] = 0.0;
-    memcpy(p, queries->points + i * queries->stride, (size_t)queries->mesh->dim * sizeof(double));
-    for (k = 0; k < queries->mesh->dim; k++) {
-        p[k] += 0.0;                                 /* no -0.0 */
-        finite &= p[k] - p[k] == 0.0;
-    }
-    return finite;
+    const pbw__sort_progress *outer = (const pbw__sort_progress *)user;
+    return outer->options.progress(outer->options.progress_user, stage, outer->begin + 0.05 * done);
 }
 
-static pbw_status pbw__query_boxes(void *arg, size_t i, size_t to)
+/* Orders points, at least one, along a curve: sorted->id[1], ... are their numbers.  On success pbw__vertices_free
+   must follow. */
+static pbw_status pbw__sort_points(pbw__context *context, pbw__input *input, pbw__vertices *sorted)
 {
-    pbw__queries *queries = (pbw__queries *)arg;
-    pbw__box *box = queries->boxes + i / PBW__TICK;
-    double p[3];
-    int finite = 1;
-    pbw__box_reset(box, 0);
-    for (; i < to; i++) {
-        finite &= pbw__query_point(queries, i, p);
-        pbw__box_add(box, p, queries->mesh->dim);
+    pbw__sort_progress outer = { context->options, context->reached };
+    pbw_status status;
+    if (outer.options.progress != NULL) {
+        context->options.progress = pbw__report_sort;
+        context->options.progress_user = &outer;
+        context->last_done = 0.0;
     }
-    return finite ? PBW_OK : PBW_ERROR_NOT_FINITE;
-}
-
-static pbw_status pbw__query_keys(void *arg, size_t i, size_t to)
-{
-    pbw__queries *queries = (pbw__queries *)arg;
-    const pbw__curve *curve = queries->curve;
-    double p[3];
-    for (; i < to; i++) {
-        uint64_t key = 0;
-        (void)pbw__query_point(queries, i, p);
-        if (queries->box.extent > 0.0) {
-            key = queries->mesh->dim == 3 ? pbw__hilbert_key(curve->step, &queries->box, p, 3, curve->levels)
-                                          : pbw__hilbert_key(curve->step, &queries->box, p, 2, curve->levels);
-        }
-        queries->keys[i] = key << queries->index_bits | i;
-    }
-    return PBW_OK;
+    input->bare = 1;                                 /* points at one place stay */
+    status = pbw__order(context, input, sorted);
+    context->options.progress = outer.options.progress;
+    context->options.progress_user = outer.options.progress_user;
+    context->last_done = context->reached = outer.begin + 0.05;
+    return status;
 }
 
 static pbw_status pbw__query_sort(pbw__queries *queries)
 {
-    pbw__context *context = &queries->context;
-    const int dim = queries->mesh->dim, widest = dim == 3 ? 14 : 20;
-    const size_t count = queries->count, boxes = count / PBW__TICK + 1;
-    pbw_status status;
-    size_t i;
-    int bits;
-    queries->digit_words = ((size_t)context->threads + 1) * PBW__DIGITS;
-    queries->boxes = (pbw__box *)pbw__allocate(&context->memory, boxes, sizeof(pbw__box));
-    queries->curve = (pbw__curve *)pbw__allocate(&context->memory, 1, sizeof(pbw__curve));
-    queries->digits = (uint32_t *)pbw__allocate(&context->memory, queries->digit_words, sizeof(uint32_t));
-    queries->keys = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
-    queries->spare = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
-    if (queries->boxes == NULL || queries->curve == NULL || queries->digits == NULL || queries->keys == NULL
-        || queries->spare == NULL) {
-        return PBW_ERROR_MEMORY;
-    }
-    status = pbw__for_range(context, count, PBW__TICK, 0.02, pbw__query_boxes, queries);
-    if (status != PBW_OK) {
-        return status;
-    }
-    queries->index_bits = pbw__index_bits(count);
-    bits = (64 - queries->index_bits) / dim;
-    bits = bits < widest ? bits : widest;
-    pbw__box_reset(&queries->box, bits);
-    for (i = 0; i * PBW__TICK < count; i++) {
-        pbw__box_add(&queries->box, queries->boxes[i].low, dim);
-        pbw__box_add(&queries->box, queries->boxes[i].high, dim);
-    }
-    pbw__box_close(&queries->box, dim);
-    pbw__curve_create(queries->curve, count, dim);
-    status = pbw__for_range(context, count, PBW__TICK, 0.05, pbw__query_keys, queries);
-    if (status == PBW_OK) {
-        const int low = queries->index_bits;
-        pbw__sorting sorting = { context, queries->keys, queries->spare, queries->digits, count, context->threads, 0,
-                                 0 };
-        queries->order = count < PBW__TICK ? pbw__sort_keys(&sorting, low, dim * bits)
-                                           : pbw__sort_by(&sorting, low, dim * bits);
-        status = queries->order == NULL ? PBW_CANCELLED : PBW_OK;
-    }
-    return status;
+    return pbw__sort_points(&queries->context, &queries->input, &queries->sorted);
 }
 
 /* Begins a call and checks the arguments that all queries share.  pbw__queries_end must follow, whatever it
@@ -10355,25 +10295,28 @@ static pbw_status pbw__queries_check(pbw__queries *queries, const pbw_mesh *mesh
     pbw_status status;
     memset(queries, 0, sizeof(*queries));
     queries->mesh = mesh;
-    queries->points = (const char *)points;
-    queries->count = count;
     /* A block of queries is worth a thread. */
     status = pbw__begin_call(&queries->context, options, work * (8192 / PBW__BLOCK_QUERIES), PBW_STAGE_WORK);
-    queries->stride = queries->context.options.stride;
     if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || (points == NULL && count != 0)
         || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
-        || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))
-        || (queries->stride != 0 && queries->stride < (size_t)mesh->dim * sizeof(double))) {
+        || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))) {
         return PBW_ERROR_ARGUMENT;
     }
-    queries->stride = queries->stride != 0 ? queries->stride : (size_t)mesh->dim * sizeof(double);
-    if (count >= PBW_NONE || count > (size_t)-1 / queries->stride) {
+    queries->input = pbw__input_of(mesh->dim, 0, points, NULL, count);
+    queries->input.stride = (size_t)mesh->dim * sizeof(double);
+    if (queries->context.options.stride != 0) {
+        if (queries->context.options.stride < queries->input.stride) {
+            return PBW_ERROR_ARGUMENT;
+        }
+        queries->input.stride = queries->context.options.stride;
+    }
+    if (count >= PBW_NONE || count > (size_t)-1 / queries->input.stride) {
         return PBW_ERROR_TOO_LARGE;
     }
     return status;
 }
 
-/* The same, and sorts the query points. */
+/* The same, and orders the query points. */
 static pbw_status pbw__queries_start(pbw__queries *queries, const pbw_mesh *mesh, const double *points, size_t count,
                                      const pbw_options *options)
 {
@@ -10381,29 +10324,16 @@ static pbw_status pbw__queries_start(pbw__queries *queries, const pbw_mesh *mesh
     return status == PBW_OK && count > 0 ? pbw__query_sort(queries) : status;
 }
 
-static void pbw__query_unsort(pbw__queries *queries)
-{
-    pbw__memory *memory = &queries->context.memory;
-    pbw__release(memory, queries->boxes, queries->count / PBW__TICK + 1, sizeof(pbw__box));
-    pbw__release(memory, queries->curve, 1, sizeof(pbw__curve));
-    pbw__release(memory, queries->digits, queries->digit_words, sizeof(uint32_t));
-    pbw__release(memory, queries->keys, queries->count, sizeof(uint64_t));
-    pbw__release(memory, queries->spare, queries->count, sizeof(uint64_t));
-    queries->boxes = NULL;
-    queries->curve = NULL;
-    queries->digits = NULL;
-    queries->keys = queries->spare = queries->order = NULL;
-}
-
 static pbw_status pbw__queries_end(pbw__queries *queries, pbw_status status)
 {
-    pbw__query_unsort(queries);
+    pbw__vertices_free(&queries->context, &queries->sorted);
     return pbw__end_call(&queries->context, status);
 }
 
+/* Returns the number of the query at a place of the order. */
 PBW__INLINE size_t pbw__query_index(const pbw__queries *queries, size_t place)
 {
-    return (size_t)(queries->order[place] & (((uint64_t)1 << queries->index_bits) - 1));
+    return queries->sorted.id[place + 1];
 }
 
 PBW__INLINE double pbw__squared(const double *p, const double *q, int dim)
@@ -10562,9 +10492,9 @@ static void pbw__locate_block(pbw__queries *queries, pbw__desk *desk, size_t blo
     (void)block;
     for (i = from; i < to; i++) {
         const size_t query = pbw__query_index(queries, i);
-        double p[3];
+        double p[4];
         int hull, inside;
-        (void)pbw__query_point(queries, query, p);
+        pbw__fetch(&queries->input, query, p);
         if (i == from) {
             spot.simplex = mesh->incident[pbw__guess(mesh, p)];
         }
@@ -10907,7 +10837,7 @@ static void pbw__find_unit(pbw__queries *queries)
     const size_t count = queries->mesh->point_count * (size_t)queries->mesh->dim;
     double most = 0.0, unit, large;
     size_t i;
-    if (queries->mesh->weights != NULL || queries->count < queries->mesh->point_count / 16) {
+    if (queries->mesh->weights != NULL || queries->input.count < queries->mesh->point_count / 16) {
         return;
     }
     for (i = 0; i < count; i += count / 64 + 1) {
@@ -11519,7 +11449,7 @@ static void pbw__near_all(pbw__queries *queries, pbw__desk *desk, const double *
 PBW__INLINE int pbw__query_descend(pbw__queries *queries, size_t place, int first, double *q, pbw__reach *best)
 {
     const pbw_mesh *mesh = queries->mesh;
-    (void)pbw__query_point(queries, pbw__query_index(queries, place), q);
+    pbw__fetch(&queries->input, pbw__query_index(queries, place), q);
     pbw__set_error(queries, q);
     if (first) {
         best->vertex = pbw__guess(mesh, q);
@@ -11538,7 +11468,7 @@ static void pbw__nearest_block(pbw__queries *queries, pbw__desk *desk, size_t bl
     for (i = from; i < to && !desk->failed; i++) {
         const size_t query = pbw__query_index(queries, i);
         if (queries->mesh->simplex_count == 0) {
-            (void)pbw__query_point(queries, query, q);
+            pbw__fetch(&queries->input, query, q);
             pbw__set_error(queries, q);
             pbw__near_all(queries, desk, q, query);
         } else {
@@ -11593,7 +11523,7 @@ static void pbw__within_block(pbw__queries *queries, pbw__desk *desk, size_t blo
                 pbw__flood(queries, desk, q, &best, queries->radius);
             }
         } else {
-            (void)pbw__query_point(queries, pbw__query_index(queries, i), q);
+            pbw__fetch(&queries->input, pbw__query_index(queries, i), q);
             pbw__set_error(queries, q);
             for (v = 0; v < mesh->point_count && !desk->failed; v++) {
                 const pbw__reach reach = pbw__reach_to(mesh, mesh->dim, q, (pbw_index)v);
@@ -11734,17 +11664,26 @@ static void pbw__plant_level(const pbw__tree *tree, int dim, int level)
 }
 
 /* The vertices along the curve; of a degenerate mesh its canonical points. */
-static void pbw__tree_vertices(const pbw__queries *queries, pbw__tree *tree)
+static pbw_status pbw__tree_vertices(pbw__queries *queries, pbw__tree *tree)
 {
     const pbw_mesh *mesh = queries->mesh;
+    pbw__input input = pbw__input_of(mesh->dim, 0, mesh->points, NULL, mesh->point_count);
+    pbw__vertices sorted;
+    pbw_status status = PBW_OK;
     size_t i;
-    tree->count = 0;
-    for (i = 0; i < mesh->point_count; i++) {
-        const size_t v = queries->order != NULL ? pbw__query_index(queries, i) : i;
+    memset(&sorted, 0, sizeof(sorted));
+    input.stride = (size_t)mesh->dim * sizeof(double);
+    if (mesh->original == NULL) {                    /* else its numbers follow the curve */
+        status = pbw__sort_points(&queries->context, &input, &sorted);
+    }
+    for (i = 0; i < mesh->point_count && status == PBW_OK; i++) {
+        const size_t v = sorted.id != NULL ? sorted.id[i + 1] : i;
         if (mesh->simplex_count > 0 ? mesh->incident[v] != PBW_NONE : mesh->canonical[v] == v) {
             tree->vertex[tree->count++] = (pbw_index)v;
         }
     }
+    pbw__vertices_free(&queries->context, &sorted);
+    return status;
 }
 
 /* Makes room for the boxes of all levels. */
@@ -11768,32 +11707,19 @@ static int pbw__tree_room(pbw__memory *memory, pbw__tree *tree, int dim)
     return 1;
 }
 
-/* Makes the tree; the queries must not be sorted yet. */
+/* Makes the tree. */
 static pbw_status pbw__plant(pbw__queries *queries, pbw__tree *tree)
 {
     const pbw_mesh *mesh = queries->mesh;
-    const pbw__queries asked = *queries;
     pbw__memory *memory = &queries->context.memory;
     const pbw__planting planting = { mesh, tree };
-    pbw_status status = PBW_OK;
+    pbw_status status;
     int level;
     tree->vertex = (pbw_index *)pbw__allocate(memory, mesh->point_count, sizeof(pbw_index));
     if (tree->vertex == NULL) {
         return PBW_ERROR_MEMORY;
     }
-    if (mesh->original == NULL) {                    /* else its numbers follow the curve */
-        queries->points = (const char *)mesh->points;
-        queries->count = mesh->point_count;
-        queries->stride = (size_t)mesh->dim * sizeof(double);
-        status = pbw__query_sort(queries);
-    }
-    if (status == PBW_OK) {
-        pbw__tree_vertices(queries, tree);
-    }
-    pbw__query_unsort(queries);
-    queries->points = asked.points;
-    queries->count = asked.count;
-    queries->stride = asked.stride;
+    status = pbw__tree_vertices(queries, tree);
     if (status == PBW_OK && !pbw__tree_room(memory, tree, mesh->dim)) {
         status = PBW_ERROR_MEMORY;
     }
@@ -11989,7 +11915,7 @@ PBW__SIMD static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, 
     memset(&found, 0, sizeof(found));
     for (i = from; i < to; i++) {
         const size_t query = pbw__query_index(queries, i);
-        (void)pbw__query_point(queries, query, q);
+        pbw__fetch(&queries->input, query, q);
         pbw__set_error(queries, q);
         if (queries->mesh->dim == 3) {
             pbw__search_of(queries, 3, &found, q, pbw__search_limit(queries, 3, &found, q));
@@ -12012,7 +11938,7 @@ static int pbw__tree_answers(const pbw__queries *queries, const pbw_lists *stars
 {
     const pbw_mesh *mesh = queries->mesh;
     return pbw__simd_works() && mesh->weights == NULL && queries->k <= PBW__FEW && mesh->point_count > 0
-        && (stars == NULL || (queries->k > 4 && queries->count >= mesh->point_count / 8));
+        && (stars == NULL || (queries->k > 4 && queries->input.count >= mesh->point_count / 8));
 }
 
 static pbw_status pbw__search_all(pbw__queries *queries)
@@ -12024,7 +11950,7 @@ static pbw_status pbw__search_all(pbw__queries *queries)
     queries->tree = &tree;
     status = pbw__plant(queries, &tree);
     status = status == PBW_OK ? pbw__query_sort(queries) : status;
-    status = status == PBW_OK ? pbw__answer_all(queries, pbw__search_block, queries->count, PBW__BLOCK_QUERIES)
+    status = status == PBW_OK ? pbw__answer_all(queries, pbw__search_block, queries->input.count, PBW__BLOCK_QUERIES)
                               : status;
     pbw__tree_free(&queries->context.memory, &tree, mesh->point_count, mesh->dim);
     return status;
@@ -12044,7 +11970,7 @@ static pbw_status pbw__nearest_all(pbw__queries *queries, const pbw_lists *stars
 #endif
     status = pbw__take_stars(queries, stars, &own);
     status = status == PBW_OK ? pbw__query_sort(queries) : status;
-    status = status == PBW_OK ? pbw__answer_all(queries, pbw__nearest_block, queries->count, PBW__BLOCK_QUERIES)
+    status = status == PBW_OK ? pbw__answer_all(queries, pbw__nearest_block, queries->input.count, PBW__BLOCK_QUERIES)
                               : status;
     pbw__drop_stars(queries, &own);
     return status;
@@ -12869,7 +12795,7 @@ static void pbw__coordinates_block(pbw__queries *queries, pbw__desk *desk, size_
         unsigned spread, facets = 0;
         double p[4];
         int hull;
-        (void)pbw__query_point(queries, query, p);
+        pbw__fetch(&queries->input, query, p);
         if (i == from) {
             end.simplex = mesh->incident[pbw__guess(mesh, p)];
         }
