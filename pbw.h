@@ -9414,8 +9414,9 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
 
 /* ------------------------------------------------------------------------------------------------------
    >>query        Which simplex contains a point.
-   In: a finished mesh with neighbors.  Out: the simplex, or the hull facet that the point lies beyond.
-   Holds: the mesh is only read.
+   In: a finished mesh with neighbors, a finite point.  Out: the lowest simplex that contains it, or a hull facet that
+   has it on the outer side.
+   Holds: the mesh is only read; all decisions are by exact signs.
 
    A walk steps from simplex to simplex through the facet that has the query most clearly on its outer side, always by
    an exactly negative sign.  It cannot come back to a simplex: in front of the query the simplices of a regular
@@ -9423,7 +9424,6 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
    outside, or in a simplex that contains the query; signs that are 0 say which others do, and the lowest index wins.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__INSIDE 4u                               /* no corner to leave a simplex by */
-#define PBW__BLOCK_QUERIES 512
 
 /* Returns the corner opposite to a facet that has p strictly on its outer side, or PBW__INSIDE; then `on` is the set
    of corners with p on the opposite facet.  By exact signs. */
@@ -9447,8 +9447,9 @@ static PBW__NOINLINE unsigned pbw__side_exact(const pbw_mesh *mesh, const pbw_in
     return PBW__INSIDE;
 }
 
-/* The orientations of the simplex with each corner in turn replaced by p.  Returns the bound of each one's error,
-   that of the filters in >>predicates; infinite where it would not hold. */
+/* Computes the orientations of the simplex with each corner in turn replaced by p.  Returns the bound of the error of
+   each: orient3 of the table in >>predicates, as these are its determinants and roundings.  The bound is infinite
+   outside of the range of pbw__certain, after an overflow too. */
 PBW__INLINE double pbw__sides3(const double *points, const pbw_index *v, const double *p, double *side)
 {
     double x[4], y[4], z[4], mx, my, mz, low, high, s01, s02, s03, s12, s13, s23;
@@ -9478,6 +9479,7 @@ PBW__INLINE double pbw__sides3(const double *points, const pbw_index *v, const d
     return low > 1e-50 && high < 1e100 ? PBW__FILTER_ORIENT3_ERROR * DBL_EPSILON * mx * my * mz : HUGE_VAL;
 }
 
+/* The same in the plane, with the bound of orient2. */
 PBW__INLINE double pbw__sides2(const double *points, const pbw_index *v, const double *p, double *side)
 {
     double x[3], y[3], mx, my, low, high;
@@ -9497,13 +9499,17 @@ PBW__INLINE double pbw__sides2(const double *points, const pbw_index *v, const d
     return low > 1e-50 && high < 1e100 ? PBW__FILTER_ORIENT2_ERROR * DBL_EPSILON * mx * my : HUGE_VAL;
 }
 
-/* Where a walk ends; leave: the corner opposite to the hull facet that has the query on its outer side, or
-   PBW__INSIDE; then `on` as above. */
-typedef struct pbw__spot { size_t simplex; unsigned leave, on; } pbw__spot;
+/* Where a walk ends. */
+typedef struct pbw__spot {
+    size_t simplex;
+    unsigned leave;                                  /* PBW__INSIDE, or the corner opposite to a hull facet that has
+                                                        the query on the outer side */
+    unsigned on;                                     /* if inside: the corners with the query on the opposite facet */
+} pbw__spot;
 
-/* Walks to p from spot->simplex. */
-PBW__INLINE void pbw__walk_of(const pbw_mesh *mesh, int dim, pbw__spot *spot, const double *p,
-                              const pbw__grid *grid)
+/* Walks to p from spot->simplex, through the facet with the least orientation.  If this is clearly negative the walk
+   goes on, if it is clearly positive p is inside; else exact signs tell. */
+PBW__INLINE void pbw__walk_of(const pbw_mesh *mesh, pbw__spot *spot, const double *p, const pbw__grid *grid, int dim)
 {
     size_t t = spot->simplex;
     for (;;) {
@@ -9532,47 +9538,26 @@ PBW__INLINE void pbw__walk_of(const pbw_mesh *mesh, int dim, pbw__spot *spot, co
 
 static void pbw__walk_to(const pbw_mesh *mesh, pbw__spot *spot, const double *p, const pbw__grid *grid)
 {
-    if (mesh->dim == 3) {
-        pbw__walk_of(mesh, 3, spot, p, grid);
-    } else {
-        pbw__walk_of(mesh, 2, spot, p, grid);
-    }
+    PBW__BY_DIM(mesh->dim, pbw__walk_of, mesh, spot, p, grid);
 }
 
-PBW__INLINE unsigned pbw__corner_of(const pbw_index *v, pbw_index point)
-{
-    unsigned i = 0;
-    while (v[i] != point) {
-        i++;
-    }
-    return i;
-}
-
-/* Returns whether a point is one of the two corners of v that are neither i nor j. */
-PBW__INLINE int pbw__is_on_edge(const pbw_index *v, unsigned i, unsigned j, pbw_index point)
-{
-    unsigned k;
-    for (k = 0; k < 4 && (k == i || k == j || v[k] != point); k++) {
-    }
-    return k < 4;
-}
-
-/* Returns the lowest of the simplices round an edge of tetrahedron t, that which lies in the facets opposite to
-   the corners i and j; `hull` is set if it lies on the hull. */
+/* Returns the lowest of the tetrahedra round an edge: that of t which lies in the facets opposite to the corners i
+   and j.  Sets *hull if it lies on the hull.  Goes round both ways, as the first may end at the hull.  Each step
+   crosses the facet of the edge and the vertex `stays`; in the next one the fourth corner behind it stays. */
 static pbw_index pbw__lowest_round_edge(const pbw_mesh *mesh, size_t t, unsigned i, unsigned j, int *hull)
 {
     const pbw_index *v = mesh->simplices + t * 4;
+    const pbw_index edge = v[0] ^ v[1] ^ v[2] ^ v[3] ^ v[i] ^ v[j];      /* both ends, by exclusive or */
     size_t lowest = t, s = PBW_NONE;
-    unsigned way, k;
+    unsigned way;
     for (way = 0; way < 2 && s != t; way++) {
         unsigned leave = way == 0 ? i : j;
-        pbw_index stays = v[i + j - leave];          /* off the edge, in the facet that is crossed */
+        pbw_index stays = v[i + j - leave];
         for (s = mesh->neighbors[t * 4 + leave]; s != PBW_NONE && s != t; s = mesh->neighbors[s * 4 + leave]) {
             const pbw_index *u = mesh->simplices + s * 4;
-            leave = pbw__corner_of(u, stays);
-            for (k = 0; k == leave || pbw__is_on_edge(v, i, j, u[k]); k++) {
+            for (leave = 0; u[leave] != stays; leave++) {
             }
-            stays = u[k];
+            stays ^= u[0] ^ u[1] ^ u[2] ^ u[3] ^ edge;
             lowest = s < lowest ? s : lowest;
         }
         *hull |= s == PBW_NONE;
@@ -9637,15 +9622,17 @@ PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_i
    In: a mesh, query points.  Out: for each query an item in an array, or a list.
    Holds: blocks are of a fixed size, so that no answer depends on the number of threads.
 
-   A batch is sorted along a Hilbert curve through the box of its queries.  Walks start where the last one of the
-   block ended, the first of them from the nearest of a few vertices.  Lists are made in two passes: each block
-   writes its own into a chunk; when all lengths are known, chunks are copied to their places.
+   A batch is ordered along a Hilbert curve, as points are in >>order.  Walks start where the last one of the block
+   ended, the first of them from the nearest of a few vertices.  Lists are made in two passes: each block writes its
+   own into a chunk; when all lengths are known, chunks are copied to their places.
    ------------------------------------------------------------------------------------------------------ */
-/* See >>nearest; done: whether its neighbours were looked at. */
+#define PBW__BLOCK_QUERIES 512
+
+/* A vertex and its computed distance, see >>reach; done: see pbw__near_few. */
 typedef struct pbw__reach { double squared, slack; pbw_index vertex, done; } pbw__reach;
 typedef struct pbw__entry { uint64_t key; uint32_t value, stamp; } pbw__entry;
 
-/* Numbers by keys, emptied by one more stamp. */
+/* Numbers by keys: a hash table.  Entries of other stamps are empty. */
 typedef struct pbw__set {
     pbw__entry *entry;
     size_t room, count;                              /* room: a power of two */
@@ -9667,11 +9654,11 @@ typedef struct pbw__desk {
     pbw__cavity *cavity;
 } pbw__desk;
 
-/* Lists of a block: for each its number, its length and its items; and their values. */
+/* Lists of a block: for each its number, its length and its items; values are at the places of their items. */
 typedef struct pbw__chunk {
     pbw_index *word;
     double *value;
-    size_t words, values, word_room, value_room;
+    size_t words, word_room, value_room;
 } pbw__chunk;
 
 typedef struct pbw__queries pbw__queries;
@@ -9681,16 +9668,11 @@ struct pbw__queries {
     pbw__context context;
     pbw__grid grid;                                  /* none, but says that rounding is to nearest */
     const pbw_mesh *mesh;
-    const pbw_lists *stars;
+    const pbw_lists *stars;                          /* the caller's, or own_stars */
+    pbw_lists own_stars;
     const pbw__tree *tree;
-    const char *points;
-    size_t count, stride;                            /* of query points */
-    uint64_t *keys, *order, *spare;                  /* order: where the sorted keys are, key << index_bits | index */
-    uint32_t *digits;
-    size_t digit_words;
-    pbw__box *boxes, box;
-    pbw__curve *curve;
-    int index_bits;
+    pbw__input input;                                /* the query points */
+    pbw__vertices sorted;                            /* their order along the curve */
     pbw__answer *answer;
     size_t grain;                                    /* items of a block */
     pbw__chunk *chunk;                               /* of each block, for answers that are lists */
@@ -9721,7 +9703,7 @@ static int pbw__room(pbw__desk *desk, void *array, size_t *capacity, size_t need
 
 PBW__INLINE size_t pbw__set_place(const pbw__set *set, uint64_t key)
 {
-    size_t at = (size_t)((key * 0x9e3779b97f4a7c15u) >> 40) & (set->room - 1);
+    size_t at = (size_t)((key * 0x9e3779b97f4a7c15u) >> 32) & (set->room - 1);
     while (set->entry[at].stamp == set->stamp && set->entry[at].key != key) {
         at = (at + 1) & (set->room - 1);
     }
@@ -9753,7 +9735,8 @@ static PBW__NOINLINE int pbw__set_grow(pbw__desk *desk, pbw__set *set)
     return 1;
 }
 
-/* Empties it; there is room for one item afterwards, and pbw__set_add keeps that so. */
+/* Empties a set.  Afterwards there is room for one number, and pbw__set_add keeps that so.  Returns 0 if memory is
+   short. */
 static int pbw__set_clear(pbw__desk *desk, pbw__set *set)
 {
     set->count = 0;
@@ -9766,7 +9749,7 @@ static int pbw__set_clear(pbw__desk *desk, pbw__set *set)
     return 1;
 }
 
-/* Returns the number by this key, set to `value` and noted in *added if there was none; NULL: out of memory. */
+/* Returns the number of a key: `value` if the key is new, which *added tells.  NULL if memory is short. */
 PBW__INLINE uint32_t *pbw__set_add(pbw__desk *desk, pbw__set *set, uint64_t key, uint32_t value, int *added)
 {
     size_t at = pbw__set_place(set, key);
@@ -9814,152 +9797,91 @@ static pbw_status pbw__answer_all(pbw__queries *queries, pbw__answer *answer, si
          : pbw__for_range(&queries->context, items, grain, 1.0, pbw__answer_range, queries);
 }
 
-/* ---- sorting the queries */
-PBW__INLINE int pbw__query_point(const pbw__queries *queries, size_t i, double *p)
+/* ---- order
+   The ordering of points takes a twentieth of the progress of a stage. */
+typedef struct pbw__sort_progress { pbw_options options; double begin; } pbw__sort_progress;
+
+static int pbw__report_sort(void *user, pbw_stage stage, double done)
 {
-    int k, finite = 1;
-    p[2] = 0.0;
-    memcpy(p, queries->points + i * queries->stride, (size_t)queries->mesh->dim * sizeof(double));
-    for (k = 0; k < queries->mesh->dim; k++) {
-        p[k] += 0.0;                                 /* no -0.0 */
-        finite &= p[k] - p[k] == 0.0;
-    }
-    return finite;
+    const pbw__sort_progress *outer = (const pbw__sort_progress *)user;
+    return outer->options.progress(outer->options.progress_user, stage, outer->begin + 0.05 * done);
 }
 
-static pbw_status pbw__query_boxes(void *arg, size_t i, size_t to)
+/* Orders points, at least one, along a curve: sorted->id[1], ... are their numbers.  On success pbw__vertices_free
+   must follow. */
+static pbw_status pbw__sort_points(pbw__context *context, pbw__input *input, pbw__vertices *sorted)
 {
-    pbw__queries *queries = (pbw__queries *)arg;
-    pbw__box *box = queries->boxes + i / PBW__TICK;
-    double p[3];
-    int finite = 1;
-    pbw__box_reset(box, 0);
-    for (; i < to; i++) {
-        finite &= pbw__query_point(queries, i, p);
-        pbw__box_add(box, p, queries->mesh->dim);
-    }
-    return finite ? PBW_OK : PBW_ERROR_NOT_FINITE;
-}
-
-static pbw_status pbw__query_keys(void *arg, size_t i, size_t to)
-{
-    pbw__queries *queries = (pbw__queries *)arg;
-    const pbw__curve *curve = queries->curve;
-    double p[3];
-    for (; i < to; i++) {
-        uint64_t key = 0;
-        (void)pbw__query_point(queries, i, p);
-        if (queries->box.extent > 0.0) {
-            key = queries->mesh->dim == 3 ? pbw__hilbert_key(curve->step, &queries->box, p, 3, curve->levels)
-                                          : pbw__hilbert_key(curve->step, &queries->box, p, 2, curve->levels);
-        }
-        queries->keys[i] = key << queries->index_bits | i;
-    }
-    return PBW_OK;
-}
-
-static pbw_status pbw__query_sort(pbw__queries *queries)
-{
-    pbw__context *context = &queries->context;
-    const int dim = queries->mesh->dim, widest = dim == 3 ? 14 : 20;
-    const size_t count = queries->count, boxes = count / PBW__TICK + 1;
+    pbw__sort_progress outer = { context->options, context->reached };
     pbw_status status;
-    size_t i;
-    int bits;
-    queries->digit_words = ((size_t)context->threads + 1) * PBW__DIGITS;
-    queries->boxes = (pbw__box *)pbw__allocate(&context->memory, boxes, sizeof(pbw__box));
-    queries->curve = (pbw__curve *)pbw__allocate(&context->memory, 1, sizeof(pbw__curve));
-    queries->digits = (uint32_t *)pbw__allocate(&context->memory, queries->digit_words, sizeof(uint32_t));
-    queries->keys = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
-    queries->spare = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
-    if (queries->boxes == NULL || queries->curve == NULL || queries->digits == NULL || queries->keys == NULL
-        || queries->spare == NULL) {
-        return PBW_ERROR_MEMORY;
+    if (outer.options.progress != NULL) {
+        context->options.progress = pbw__report_sort;
+        context->options.progress_user = &outer;
+        context->last_done = 0.0;
     }
-    status = pbw__for_range(context, count, PBW__TICK, 0.02, pbw__query_boxes, queries);
-    if (status != PBW_OK) {
-        return status;
-    }
-    queries->index_bits = pbw__index_bits(count);
-    bits = (64 - queries->index_bits) / dim;
-    bits = bits < widest ? bits : widest;
-    pbw__box_reset(&queries->box, bits);
-    for (i = 0; i * PBW__TICK < count; i++) {
-        pbw__box_add(&queries->box, queries->boxes[i].low, dim);
-        pbw__box_add(&queries->box, queries->boxes[i].high, dim);
-    }
-    pbw__box_close(&queries->box, dim);
-    pbw__curve_create(queries->curve, count, dim);
-    status = pbw__for_range(context, count, PBW__TICK, 0.05, pbw__query_keys, queries);
-    if (status == PBW_OK) {
-        const int low = queries->index_bits;
-        pbw__sorting sorting = { context, queries->keys, queries->spare, queries->digits, count, context->threads, 0,
-                                 0 };
-        queries->order = count < PBW__TICK ? pbw__sort_keys(&sorting, low, dim * bits)
-                                           : pbw__sort_by(&sorting, low, dim * bits);
-        status = queries->order == NULL ? PBW_CANCELLED : PBW_OK;
-    }
+    input->bare = 1;                                 /* points at one place stay */
+    status = pbw__order(context, input, sorted);
+    context->options.progress = outer.options.progress;
+    context->options.progress_user = outer.options.progress_user;
+    context->last_done = context->reached = outer.begin + 0.05;
     return status;
 }
 
-/* Begins a call and checks the arguments that all queries share.  pbw__queries_end must follow, whatever it
-   returns. */
-static pbw_status pbw__queries_check(pbw__queries *queries, const pbw_mesh *mesh, const double *points, size_t count,
+typedef struct pbw__owned_lists { pbw__memory memory; size_t first, items, values; } pbw__owned_lists;
+
+/* Frees what lists hold; it is counted in `memory`. */
+static void pbw__lists_release(pbw__memory *memory, const pbw_lists *lists)
+{
+    pbw__owned_lists *owned = (pbw__owned_lists *)lists->memory;
+    if (owned != NULL) {
+        pbw__release(memory, (void *)(uintptr_t)lists->first, owned->first, sizeof(size_t));
+        pbw__release(memory, (void *)(uintptr_t)lists->item, owned->items, sizeof(pbw_index));
+        pbw__release(memory, (void *)(uintptr_t)lists->value, owned->values, sizeof(double));
+        pbw__release(memory, owned, 1, sizeof(pbw__owned_lists));
+    }
+}
+
+/* Begins a call, checks the arguments that all queries share, and orders the query points.  pbw__queries_end must
+   follow, whatever it returns. */
+static pbw_status pbw__queries_start(pbw__queries *queries, const pbw_mesh *mesh, const double *points, size_t count,
                                      const pbw_options *options)
 {
     const size_t work = points != NULL || mesh == NULL ? count : mesh->simplex_count;
     pbw_status status;
     memset(queries, 0, sizeof(*queries));
     queries->mesh = mesh;
-    queries->points = (const char *)points;
-    queries->count = count;
     /* A block of queries is worth a thread. */
     status = pbw__begin_call(&queries->context, options, work * (8192 / PBW__BLOCK_QUERIES), PBW_STAGE_WORK);
-    queries->stride = queries->context.options.stride;
     if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || (points == NULL && count != 0)
         || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
-        || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))
-        || (queries->stride != 0 && queries->stride < (size_t)mesh->dim * sizeof(double))) {
+        || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))) {
         return PBW_ERROR_ARGUMENT;
     }
-    queries->stride = queries->stride != 0 ? queries->stride : (size_t)mesh->dim * sizeof(double);
-    if (count >= PBW_NONE || count > (size_t)-1 / queries->stride) {
+    queries->input = pbw__input_of(mesh->dim, 0, points, NULL, count);
+    queries->input.stride = (size_t)mesh->dim * sizeof(double);
+    if (queries->context.options.stride != 0) {
+        if (queries->context.options.stride < queries->input.stride) {
+            return PBW_ERROR_ARGUMENT;
+        }
+        queries->input.stride = queries->context.options.stride;
+    }
+    if (count >= PBW_NONE || count > (size_t)-1 / queries->input.stride) {
         return PBW_ERROR_TOO_LARGE;
     }
-    return status;
-}
-
-/* The same, and sorts the query points. */
-static pbw_status pbw__queries_start(pbw__queries *queries, const pbw_mesh *mesh, const double *points, size_t count,
-                                     const pbw_options *options)
-{
-    const pbw_status status = pbw__queries_check(queries, mesh, points, count, options);
-    return status == PBW_OK && count > 0 ? pbw__query_sort(queries) : status;
-}
-
-static void pbw__query_unsort(pbw__queries *queries)
-{
-    pbw__memory *memory = &queries->context.memory;
-    pbw__release(memory, queries->boxes, queries->count / PBW__TICK + 1, sizeof(pbw__box));
-    pbw__release(memory, queries->curve, 1, sizeof(pbw__curve));
-    pbw__release(memory, queries->digits, queries->digit_words, sizeof(uint32_t));
-    pbw__release(memory, queries->keys, queries->count, sizeof(uint64_t));
-    pbw__release(memory, queries->spare, queries->count, sizeof(uint64_t));
-    queries->boxes = NULL;
-    queries->curve = NULL;
-    queries->digits = NULL;
-    queries->keys = queries->spare = queries->order = NULL;
+    return status == PBW_OK && count > 0 ? pbw__sort_points(&queries->context, &queries->input, &queries->sorted)
+         : status;
 }
 
 static pbw_status pbw__queries_end(pbw__queries *queries, pbw_status status)
 {
-    pbw__query_unsort(queries);
+    pbw__vertices_free(&queries->context, &queries->sorted);
+    pbw__lists_release(&queries->context.memory, &queries->own_stars);
     return pbw__end_call(&queries->context, status);
 }
 
+/* Returns the number of the query at a place of the order. */
 PBW__INLINE size_t pbw__query_index(const pbw__queries *queries, size_t place)
 {
-    return (size_t)(queries->order[place] & (((uint64_t)1 << queries->index_bits) - 1));
+    return queries->sorted.id[place + 1];
 }
 
 PBW__INLINE double pbw__squared(const double *p, const double *q, int dim)
@@ -9987,63 +9909,51 @@ static pbw_index pbw__guess(const pbw_mesh *mesh, const double *p)
 }
 
 /* ---- lists */
-typedef struct pbw__owned_lists { pbw__memory memory; size_t first, items, values; } pbw__owned_lists;
-
 PBWDEF void pbw_lists_free(pbw_lists *lists)
 {
     if (lists != NULL && lists->memory != NULL) {
-        pbw__owned_lists *owned = (pbw__owned_lists *)lists->memory;
-        pbw__memory memory = owned->memory;
-        pbw__release(&memory, (void *)(uintptr_t)lists->first, owned->first, sizeof(size_t));
-        pbw__release(&memory, (void *)(uintptr_t)lists->item, owned->items, sizeof(pbw_index));
-        pbw__release(&memory, (void *)(uintptr_t)lists->value, owned->values, sizeof(double));
-        pbw__release(&memory, owned, 1, sizeof(pbw__owned_lists));
+        pbw__memory memory = ((pbw__owned_lists *)lists->memory)->memory;
+        pbw__lists_release(&memory, lists);
     }
     if (lists != NULL) {
         memset(lists, 0, sizeof(*lists));
     }
 }
 
-/* Room for list `id` of `length` items in a chunk; where its items go, or NULL; and its values. */
+/* Adds list `id` of `length` items to a chunk.  Returns where to write its items, or NULL if memory is short; and in
+   *values, if the lists have values, where to write these. */
 static pbw_index *pbw__chunk_add(pbw__queries *queries, pbw__desk *desk, size_t block, size_t id, size_t length,
                                  double **values)
 {
     pbw__chunk *chunk = queries->chunk + block;
-    pbw_index *items;
-    if (!pbw__room(desk, &chunk->word, &chunk->word_room, chunk->words + 2 + length, sizeof(pbw_index))
-        || (values != NULL
-            && !pbw__room(desk, &chunk->value, &chunk->value_room, chunk->values + length, sizeof(double)))) {
+    const size_t at = chunk->words + 2, end = at + length;
+    if (!pbw__room(desk, &chunk->word, &chunk->word_room, end, sizeof(pbw_index))
+        || (values != NULL && !pbw__room(desk, &chunk->value, &chunk->value_room, end, sizeof(double)))) {
         return NULL;
     }
     queries->first[id + 1] = length;
-    items = chunk->word + chunk->words;
-    items[0] = (pbw_index)id;
-    items[1] = (pbw_index)length;
-    chunk->words += 2 + length;
-    if (values != NULL && length > 0) {     /* while all lists are empty, there is no array to point into */
-        *values = chunk->value + chunk->values;
-        chunk->values += length;
+    chunk->word[at - 2] = (pbw_index)id;
+    chunk->word[at - 1] = (pbw_index)length;
+    chunk->words = end;
+    if (values != NULL) {
+        *values = chunk->value + at;
     }
-    return items + 2;
+    return chunk->word + at;
 }
 
 static void pbw__copy_chunk(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
 {
     const pbw__chunk *chunk = queries->chunk + block;
-    size_t word, values = 0;
+    size_t at, length;
     (void)desk;
     (void)from;
     (void)to;
-    for (word = 0; word < chunk->words; ) {
-        const size_t length = chunk->word[word + 1], first = queries->first[chunk->word[word]];
-        word += 2 + length;
-        if (length == 0) {
-            continue;           /* while all lists are empty, there is no array to point into */
-        }
-        memcpy(queries->item + first, chunk->word + word - length, length * sizeof(pbw_index));
+    for (at = 2; at <= chunk->words; at += length + 2) {
+        const size_t first = queries->first[chunk->word[at - 2]];
+        length = chunk->word[at - 1];
+        memcpy(queries->item + first, chunk->word + at, length * sizeof(pbw_index));
         if (queries->value != NULL) {
-            memcpy(queries->value + first, chunk->value + values, length * sizeof(double));
-            values += length;
+            memcpy(queries->value + first, chunk->value + at, length * sizeof(double));
         }
     }
 }
@@ -10118,9 +10028,9 @@ static void pbw__locate_block(pbw__queries *queries, pbw__desk *desk, size_t blo
     (void)block;
     for (i = from; i < to; i++) {
         const size_t query = pbw__query_index(queries, i);
-        double p[3];
+        double p[4];
         int hull, inside;
-        (void)pbw__query_point(queries, query, p);
+        pbw__fetch(&queries->input, query, p);
         if (i == from) {
             spot.simplex = mesh->incident[pbw__guess(mesh, p)];
         }
@@ -10138,7 +10048,6 @@ PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t 
 {
     pbw__queries queries;
     pbw_status status;
-    size_t i;
     if (simplices == NULL && count != 0) {
         return PBW_ERROR_ARGUMENT;
     }
@@ -10146,12 +10055,10 @@ PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t 
     if (status == PBW_OK && hull_facets != NULL && mesh->simplex_count > PBW_NONE / ((size_t)mesh->dim + 1)) {
         status = PBW_ERROR_TOO_LARGE;
     }
-    if (status == PBW_OK && mesh->simplex_count == 0) {
-        for (i = 0; i < count; i++) {
-            simplices[i] = PBW_NONE;
-            if (hull_facets != NULL) {
-                hull_facets[i] = PBW_NONE;
-            }
+    if (status == PBW_OK && mesh->simplex_count == 0 && count > 0) {
+        memset(simplices, 0xff, count * sizeof(pbw_index));          /* PBW_NONE */
+        if (hull_facets != NULL) {
+            memset(hull_facets, 0xff, count * sizeof(pbw_index));
         }
     } else if (status == PBW_OK) {
         queries.simplices = simplices;
@@ -10167,7 +10074,7 @@ PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t 
    Holds: a finder is only read once it is made, so any number of threads may share it.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__MANY    64                              /* vertices */
-#define PBW__DEEPEST 12                              /* grids in one another */
+#define PBW__DEEPEST 12                              /* grids nested in each other */
 
 typedef struct pbw__bin { pbw_index start, finer; } pbw__bin;        /* a simplex; the number of a grid, or 0 */
 
@@ -10190,8 +10097,9 @@ typedef struct pbw__binning {
     pbw__queries *queries;
     pbw_finder *finder;
     pbw_index *vertices, *sorted;                    /* each grid's in a row */
-    float *least;                                    /* per bin of a grid: the square to its centre */
-    size_t *counts;                                  /* per bin of a grid, and one more */
+    float *least;                                    /* per bin of a grid: the square of the least distance of a
+                                                        vertex from its centre, in edges */
+    size_t *counts;                                  /* per bin of a grid: vertices; then the place of the next one */
 } pbw__binning;
 
 PBW__INLINE size_t pbw__bin_of(const pbw__bins *grid, int dim, const double *p, double *centre)
@@ -10208,16 +10116,17 @@ PBW__INLINE size_t pbw__bin_of(const pbw__bins *grid, int dim, const double *p, 
     return grid->first + bin;
 }
 
-/* The grid: cubes, a quarter as many as vertices or fewer. */
+/* Measures a grid of cubes.  There are at most a quarter of the vertices and 1, as `bins` says, which counts no more
+   than `most` along an axis; or, with the first edge, at most 2 along each axis. */
 static void pbw__bins_measure(const pbw__binning *binning, pbw__bins *grid)
 {
     const pbw_mesh *mesh = binning->finder->mesh;
     const int dim = mesh->dim;
     const double most = (double)(grid->to - grid->from) * 0.25 + 1.0;
-    double cells, edge = 0.0;
+    double bins, edge = 0.0;
     pbw__box box;
     size_t i;
-    int k, round;
+    int k;
     pbw__box_reset(&box, 0);
     for (i = grid->from; i < grid->to; i++) {
         pbw__box_add(&box, mesh->points + binning->vertices[i] * (size_t)dim, dim);
@@ -10232,13 +10141,13 @@ static void pbw__bins_measure(const pbw__binning *binning, pbw__bins *grid)
     if (!(edge > 0.0 && edge <= DBL_MAX)) {
         return;                                      /* too large to measure: one bin */
     }
-    for (round = 0; round < 64; round++) {           /* halves the edge until there are bins enough */
-        double smaller = edge * 0.5;
-        for (cells = 1.0, k = 0; k < dim; k++) {
-            cells *= (double)(size_t)((box.high[k] - box.low[k]) / smaller < 1e6
-                                      ? (box.high[k] - box.low[k]) / smaller : 1e6) + 1.0;
+    for (;;) {                                       /* halves the edge while there are bins enough */
+        const double smaller = edge * 0.5;
+        for (bins = 1.0, k = 0; k < dim; k++) {
+            const double side = (box.high[k] - box.low[k]) / smaller;
+            bins *= (double)(size_t)(side < most ? side : most) + 1.0;
         }
-        if (cells > most) {
+        if (bins > most) {
             break;
         }
         edge = smaller;
@@ -10260,7 +10169,7 @@ static void pbw__bins_fill(const pbw__binning *binning, const pbw__bins *grid)
     pbw__bin *bins = binning->finder->bins + grid->first;
     size_t i, at;
     pbw_index last = mesh->incident[binning->vertices[grid->from]];
-    memset(binning->counts, 0, (grid->count + 1) * sizeof(size_t));
+    memset(binning->counts, 0, grid->count * sizeof(size_t));
     for (at = 0; at < grid->count; at++) {
         bins[at].start = PBW_NONE;
         bins[at].finer = 0;
@@ -10365,7 +10274,7 @@ static pbw_status pbw__finder_fill(pbw__queries *queries, pbw_finder *finder)
     binning.vertices = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
     binning.sorted = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
     binning.least = (float *)pbw__allocate(memory, most, sizeof(float));
-    binning.counts = (size_t *)pbw__allocate(memory, most + 1, sizeof(size_t));
+    binning.counts = (size_t *)pbw__allocate(memory, most, sizeof(size_t));
     if (binning.vertices != NULL && binning.sorted != NULL && binning.least != NULL && binning.counts != NULL
         && PBW__RESIZE(memory, finder, grids, 1)) {
         status = pbw__bins_make(&binning);
@@ -10373,7 +10282,7 @@ static pbw_status pbw__finder_fill(pbw__queries *queries, pbw_finder *finder)
     pbw__release(memory, binning.vertices, count, sizeof(pbw_index));
     pbw__release(memory, binning.sorted, count, sizeof(pbw_index));
     pbw__release(memory, binning.least, most, sizeof(float));
-    pbw__release(memory, binning.counts, most + 1, sizeof(size_t));
+    pbw__release(memory, binning.counts, most, sizeof(size_t));
     return status;
 }
 
@@ -10436,12 +10345,12 @@ PBWDEF void pbw_finder_free(pbw_finder *finder)
    In: a query, vertices.  Out: which is nearer, and distances.
    Holds: rounded distances only choose where their error bounds tell them apart; else integers do.
    ------------------------------------------------------------------------------------------------------ */
-/* squared = |v - q|^2 - w with an error of at most slack: see >>predicates.  What underflows is less than 2^-1020 in
-   all.  An overflow makes slack infinite or NaN.  q[3] is the relative error of squares, 0 where all are exact. */
-PBW__INLINE pbw__reach pbw__reach_to(const pbw_mesh *mesh, int dim, const double *q, pbw_index vertex)
+/* Returns the power distance of a vertex, |v - q|^2 - w, with an error of at most slack: see >>predicates.  Here
+   `squared` is |v - q|^2 as computed.  What underflows is less than 2^-1020 in all.  An overflow makes slack infinite
+   or NaN.  q[3] is the relative error of squares, 0 where all are exact. */
+PBW__INLINE pbw__reach pbw__reach_of(const pbw_mesh *mesh, const double *q, double squared, pbw_index vertex)
 {
     pbw__reach reach;
-    const double squared = pbw__squared(mesh->points + vertex * (size_t)dim, q, dim);
     reach.squared = squared;
     reach.slack = q[3] * (squared + 1e-280);
     if (mesh->weights != NULL) {
@@ -10453,6 +10362,20 @@ PBW__INLINE pbw__reach pbw__reach_to(const pbw_mesh *mesh, int dim, const double
     return reach;
 }
 
+PBW__INLINE pbw__reach pbw__reach_to(const pbw_mesh *mesh, int dim, const double *q, pbw_index vertex)
+{
+    return pbw__reach_of(mesh, q, pbw__squared(mesh->points + vertex * (size_t)dim, q, dim), vertex);
+}
+
+/* Returns the square above which a computed square belongs to a vertex that is surely farther than this one, a; there
+   are no weights.  It is above a.squared by d > 2.8 a.slack: 3 a.slack, less the rounding of the sum, an eighth of
+   a.slack.  The slack of both is below 2 a.slack + q[3] d < d.  In the same way, a square that is less by as much
+   belongs to a vertex that is nearer. */
+PBW__INLINE double pbw__reach_limit(const pbw__reach *a)
+{
+    return a->squared + 3.0 * a->slack;
+}
+
 /* Looks for a unit, a power of two, of which all coordinates are multiples, at most 2^23 of them, as on lattices.
    Squared distances to queries of which this holds too are exact.  queries->large becomes 3 * 2^51 units, 0 if there
    is none. */
@@ -10462,7 +10385,7 @@ static void pbw__find_unit(pbw__queries *queries)
     const size_t count = queries->mesh->point_count * (size_t)queries->mesh->dim;
     double most = 0.0, unit, large;
     size_t i;
-    if (queries->mesh->weights != NULL || queries->count < queries->mesh->point_count / 16) {
+    if (queries->mesh->weights != NULL || queries->input.count < queries->mesh->point_count / 16) {
         return;
     }
     for (i = 0; i < count; i += count / 64 + 1) {
@@ -10515,16 +10438,27 @@ static int pbw__squares_fit(double (*term)[2], int count, double most)
     return 1;
 }
 
-/* The sign of a sum of squares (a-b)^2, the first `plus` of them added, the others subtracted, and of more - less.
-   Sums of 7 products of 37 digits, and of one of 55, fit a column: see >>exact. */
+/* Returns the lowest exponent of `count` numbers, at most `unit`. */
+static int pbw__exact_unit(const double *number, int count, int unit)
+{
+    int64_t mantissa;
+    int i;
+    for (i = 0; i < count; i++) {
+        const int exponent = pbw__decode(number[i], &mantissa);
+        unit = mantissa != 0 && exponent < unit ? exponent : unit;
+    }
+    return unit;
+}
+
+/* Returns the sign of a sum of squares (a-b)^2, the first `plus` of them added, the others subtracted, and of more -
+   less.  Sums of 7 products of 37 digits, and of one of 55, fit a column: see >>exact. */
 static PBW__NOINLINE int pbw__sign_of_squares(double (*term)[2], int plus, int count, double more, double less)
 {
     pbw__digit pool[8 * 120], *top = pool, one_digit = 1;
     pbw__integer difference[8], sum, one;
     pbw__product product[8];
-    int64_t mantissa;
-    double total[2] = { 0.0, 0.0 };
-    int unit = 1024, exponent, i, k;
+    double total[2] = { 0.0, 0.0 }, weight[2];
+    int unit, i;
     for (i = 0; i < count; i++) {
         const double x = term[i][0] - term[i][1];
         total[i >= plus] += x * x;
@@ -10532,16 +10466,12 @@ static PBW__NOINLINE int pbw__sign_of_squares(double (*term)[2], int plus, int c
     if (more == less && pbw__squares_fit(term, count, pbw__max(total[0], total[1]))) {
         return (total[0] > total[1]) - (total[0] < total[1]);
     }
+    weight[0] = more;
+    weight[1] = less;
+    unit = pbw__exact_unit(weight, 2, 1024);
+    unit = (unit - (unit & 1)) / 2;                  /* its square divides the weights */
     for (i = 0; i < count; i++) {
-        for (k = 0; k < 2; k++) {
-            exponent = pbw__decode(term[i][k], &mantissa);
-            unit = mantissa != 0 && exponent < unit ? exponent : unit;
-        }
-    }
-    for (k = 0; k < 2; k++) {
-        exponent = pbw__decode(k == 0 ? more : less, &mantissa);
-        exponent = (exponent - (exponent & 1)) / 2;
-        unit = mantissa != 0 && exponent < unit ? exponent : unit;
+        unit = pbw__exact_unit(term[i], 2, unit);
     }
     for (i = 0; i < count; i++) {
         difference[i] = pbw__exact_difference(term[i][0], term[i][1], unit, &top);
@@ -10581,18 +10511,11 @@ PBW__INLINE int pbw__reach_order(const pbw_mesh *mesh, const double *q, const pb
     return gap > slack ? 1 : gap < -slack ? -1 : slack == 0.0 ? 0 : pbw__reach_exact(mesh, q, a, b);
 }
 
+/* Returns whether a, another vertex than b, comes before it. */
 PBW__INLINE int pbw__reach_before(const pbw_mesh *mesh, const double *q, const pbw__reach *a, const pbw__reach *b)
 {
-    const double gap = a->squared - b->squared, slack = a->slack + b->slack;
-    if (PBW__LIKELY(gap > slack || gap < -slack)) {
-        return gap < 0.0;
-    }
-    if (a->vertex == b->vertex) {
-        return 0;
-    } else {
-        const int order = slack == 0.0 ? 0 : pbw__reach_exact(mesh, q, a, b);
-        return order != 0 ? order < 0 : a->vertex < b->vertex;
-    }
+    const int order = pbw__reach_order(mesh, q, a, b);
+    return order != 0 ? order < 0 : a->vertex < b->vertex;
 }
 
 /* Returns whether a is within the radius. */
@@ -10664,7 +10587,7 @@ static double pbw__reach_distance(const pbw_mesh *mesh, const double *q, const p
 #define PBW__FEW 64                                  /* nearest kept in order; more in a heap */
 
 /* ---- stars */
-/* The walk round a vertex, breadth first. */
+/* Adds the star of a vertex: a walk round it, breadth first. */
 static void pbw__star_of(pbw__queries *queries, pbw__desk *desk, size_t block, pbw_index vertex)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -10678,7 +10601,7 @@ static void pbw__star_of(pbw__queries *queries, pbw__desk *desk, size_t block, p
         || !pbw__room(desk, &desk->list, &desk->list_room, 64, sizeof(pbw_index))) {
         return;
     }
-    desk->list[0] = mesh->incident[vertex];          /* simplices from the front, neighbours from the back */
+    desk->list[0] = mesh->incident[vertex];          /* simplices at even places, neighbours at odd ones */
     for (next = 0; next < met; next++) {
         const size_t t = desk->list[2 * next];
         const pbw_index *v = mesh->simplices + t * corners;
@@ -10738,7 +10661,8 @@ PBWDEF pbw_status pbw_stars(const pbw_mesh *mesh, const pbw_options *options, pb
 }
 
 /* ---- searches; found: desk->reach */
-/* Goes from `start` to a nearest vertex.  Returns whether a neighbour is as near. */
+/* Goes from *best, by steps to nearer neighbours, to a nearest vertex.  Returns whether a neighbour is as near.
+   Without weights computed squares mostly decide, see pbw__reach_limit; else all neighbours are compared exactly. */
 PBW__INLINE int pbw__descend_of(const pbw__queries *queries, int dim, const double *q, pbw__reach *best)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -10758,7 +10682,7 @@ PBW__INLINE int pbw__descend_of(const pbw__queries *queries, int dim, const doub
                 at = squared < least ? item[j] : at;
                 least = squared < least ? squared : least;
             }
-            if (least > best->squared + 3.0 * best->slack && least < HUGE_VAL) {
+            if (least > pbw__reach_limit(best) && least < HUGE_VAL) {
                 return 0;
             }
             if (least < best->squared - 3.0 * best->slack) {
@@ -10784,7 +10708,7 @@ PBW__INLINE int pbw__descend_of(const pbw__queries *queries, int dim, const doub
     }
 }
 
-/* Adds a vertex to those seen; whether it was not among them. */
+/* Adds a vertex to those seen.  Returns whether it was not among them; 0 too if memory is short. */
 PBW__INLINE int pbw__is_new(pbw__desk *desk, pbw_index vertex)
 {
     int added = 0;
@@ -10822,7 +10746,8 @@ static pbw__reach pbw__reach_pop(const pbw_mesh *mesh, pbw__desk *desk, const do
     return first;
 }
 
-/* All vertices connected with `start` that are as near as it (radius < 0), or within the radius, into the heap. */
+/* Puts into the heap the vertices that are connected with `start` by others as near as it, or, if the radius is not
+   negative, by others within the radius. */
 static void pbw__flood(pbw__queries *queries, pbw__desk *desk, const double *q, const pbw__reach *start,
                        double radius)
 {
@@ -10853,82 +10778,60 @@ static void pbw__flood(pbw__queries *queries, pbw__desk *desk, const double *q, 
     }
 }
 
-/* The lowest vertex as near as `start` into *start.  Returns 0 if there are more of them than PBW__FEW. */
-PBW__INLINE int pbw__lowest_of_few(const pbw__queries *queries, int dim, const double *q, pbw__reach *start)
+/* Moves the nearest at a place of the list past others that are nearly as near, into the exact order.  Returns where
+   it is then. */
+static PBW__NOINLINE size_t pbw__near_settle(const pbw_mesh *mesh, pbw__desk *desk, const double *q, size_t at)
 {
-    const pbw_mesh *mesh = queries->mesh;
-    const pbw_lists *stars = queries->stars;
-    const double limit = mesh->weights == NULL ? start->squared + 3.0 * start->slack : HUGE_VAL;
-    pbw_index list[PBW__FEW], near_ones[PBW__FEW];
-    size_t count = 1, next, i, j;
-    list[0] = start->vertex;
-    for (next = 0; next < count; next++) {
-        const size_t end = stars->first[list[next] + (size_t)1];
-        for (i = stars->first[list[next]]; i < end; ) {
-            const size_t stop = end - i < PBW__FEW ? end : i + PBW__FEW;
-            size_t found = 0;
-            for (; i < stop; i++) {                  /* without a branch for each */
-                near_ones[found] = stars->item[i];
-                found += pbw__squared(mesh->points + stars->item[i] * (size_t)dim, q, dim) <= limit;
-            }
-            while (found-- > 0) {
-                const pbw__reach reach = pbw__reach_to(mesh, dim, q, near_ones[found]);
-                for (j = 0; j < count && list[j] != reach.vertex; j++) {
-                }
-                if (j < count || pbw__reach_order(mesh, q, &reach, start) != 0) {
-                    continue;
-                }
-                if (count == PBW__FEW) {
-                    return 0;
-                }
-                list[count++] = reach.vertex;
-            }
-        }
+    pbw__reach *list = desk->reach;
+    const pbw__reach moving = list[at];
+    for (; at > 0 && pbw__reach_before(mesh, q, &moving, list + at - 1); at--) {
+        list[at] = list[at - 1];
     }
-    for (i = 1; i < count; i++) {
-        start->vertex = list[i] < start->vertex ? list[i] : start->vertex;
+    for (; at < desk->reach_count && pbw__reach_before(mesh, q, list + at + 1, &moving); at++) {
+        list[at] = list[at + 1];
     }
-    return 1;
-}
-
-/* Puts a vertex into its place among the `most` nearest in order, unless it is there or too far.  Returns where. */
-PBW__INLINE size_t pbw__offer_near(const pbw_mesh *mesh, pbw__desk *desk, const double *q, const pbw__reach *reach,
-                                   size_t most)
-{
-    pbw__reach *near_ones = desk->reach;
-    size_t at = desk->reach_count, i;
-    if (at == most && !pbw__reach_before(mesh, q, reach, near_ones + at - 1)) {
-        return most;
-    }
-    while (at > 0 && pbw__reach_before(mesh, q, reach, near_ones + at - 1)) {
-        at--;
-    }
-    if (at > 0 && near_ones[at - 1].vertex == reach->vertex) {
-        return most;
-    }
-    i = desk->reach_count < most ? desk->reach_count++ : most - 1;
-    for (; i > at; i--) {
-        near_ones[i] = near_ones[i - 1];
-    }
-    near_ones[at] = *reach;
+    list[at] = moving;
     return at;
 }
 
-/* Squared distances above that are too far for the `most` nearest: beyond the last of them by more than the slack of
-   both, which is 3 times its own, or less than half of the difference.  Weights say nothing beforehand. */
-PBW__INLINE double pbw__near_limit(const pbw_mesh *mesh, const pbw__desk *desk, size_t most)
+/* Puts a vertex that is not in desk->reach into its place among the `most` nearest there, which are in exact order;
+   there is room for one more.  Returns the place, `most` if the vertex is too far.  It comes behind the last one whose
+   computed square is not larger.  If the squares of both next to it differ from its own by more than the slacks, this
+   place is exact, as all others are behind or before these two; else it is settled. */
+PBW__INLINE size_t pbw__offer_near(const pbw_mesh *mesh, pbw__desk *desk, const double *q, const pbw__reach *reach,
+                                   size_t most)
 {
-    const pbw__reach *last = desk->reach + most - 1;
-    return mesh->weights == NULL && desk->reach_count == most ? last->squared + 3.0 * last->slack : HUGE_VAL;
+    pbw__reach *list = desk->reach;
+    const size_t count = desk->reach_count;
+    size_t at = count;
+    for (; at > 0 && (list[at - 1].squared > reach->squared
+                      || (list[at - 1].squared == reach->squared && list[at - 1].vertex > reach->vertex)); at--) {
+        list[at] = list[at - 1];
+    }
+    list[at] = *reach;
+    if (PBW__UNLIKELY((at > 0 && !(reach->squared - list[at - 1].squared > reach->slack + list[at - 1].slack))
+                      || (at < count && !(list[at + 1].squared - reach->squared > reach->slack + list[at + 1].slack)))
+        && !(reach->slack == 0.0)) {
+        at = pbw__near_settle(mesh, desk, q, at);
+    }
+    desk->reach_count += count < most;
+    return at;
 }
 
-/* The `most` <= PBW__FEW nearest from those that desk->reach has: looks at the neighbours of each that is found. */
-PBW__INLINE void pbw__near_few(pbw__queries *queries, int dim, pbw__desk *desk, const double *q, size_t most)
+/* Squares above that are too far for the k nearest; weights say nothing beforehand. */
+PBW__INLINE double pbw__near_limit(const pbw__queries *queries, const pbw__desk *desk)
+{
+    return queries->mesh->weights == NULL && desk->reach_count == queries->k
+         ? pbw__reach_limit(desk->reach + queries->k - 1) : HUGE_VAL;
+}
+
+/* Completes the k <= PBW__FEW nearest from those that desk->reach has: looks at the neighbours of each. */
+PBW__INLINE void pbw__near_few(pbw__queries *queries, pbw__desk *desk, const double *q, int dim)
 {
     const pbw_mesh *mesh = queries->mesh;
-    const size_t *first = queries->stars->first;
+    const size_t *first = queries->stars->first, k = queries->k;
     size_t next = 0, i;
-    while (next < desk->reach_count && next + 1 < most) {
+    while (next < desk->reach_count && next + 1 < k) {
         size_t least = next + 1, j;
         const pbw_index vertex = desk->reach[next].vertex;
         double limit;
@@ -10937,20 +10840,20 @@ PBW__INLINE void pbw__near_few(pbw__queries *queries, int dim, pbw__desk *desk, 
             continue;
         }
         desk->reach[next].done = 1;
-        limit = pbw__near_limit(mesh, desk, most);
+        limit = pbw__near_limit(queries, desk);
         for (i = first[vertex]; i < first[vertex + (size_t)1]; i++) {
             const pbw_index other = queries->stars->item[i];
-            pbw__reach reach;
-            if (pbw__squared(mesh->points + other * (size_t)dim, q, dim) > limit) {
+            const double squared = pbw__squared(mesh->points + other * (size_t)dim, q, dim);
+            if (squared > limit) {
                 continue;
             }
             for (j = 0; j < desk->reach_count && desk->reach[j].vertex != other; j++) {
             }
             if (j == desk->reach_count) {
-                reach = pbw__reach_to(mesh, dim, q, other);
-                j = pbw__offer_near(mesh, desk, q, &reach, most);
+                const pbw__reach reach = pbw__reach_of(mesh, q, squared, other);
+                j = pbw__offer_near(mesh, desk, q, &reach, k);
                 least = j < least ? j : least;
-                limit = pbw__near_limit(mesh, desk, most);
+                limit = pbw__near_limit(queries, desk);
             }
         }
         next = least;
@@ -10966,120 +10869,95 @@ static void pbw__give_near(pbw__queries *queries, const double *q, size_t query,
     }
 }
 
-/* The k nearest of one query; best: a nearest vertex, equal: whether others are as near. */
-static void pbw__near_one(pbw__queries *queries, pbw__desk *desk, const double *q, size_t query, pbw__reach best,
-                          int equal)
+/* Gives the k <= PBW__FEW nearest that desk->reach has in order. */
+static void pbw__give_list(pbw__queries *queries, const pbw__desk *desk, const double *q, size_t query)
 {
-    const pbw_mesh *mesh = queries->mesh;
-    const size_t k = queries->k, *first = queries->stars->first;
-    pbw__reach reach;
-    size_t at, i;
-    desk->reach_count = 0;
-    if (equal && k == 1) {
-        equal = !(mesh->dim == 3 ? pbw__lowest_of_few(queries, 3, q, &best)
-                                 : pbw__lowest_of_few(queries, 2, q, &best));
-    }
-    if (equal) {
-        pbw__flood(queries, desk, q, &best, -1.0);
-    } else if (k > 1) {
-        pbw__reach_push(mesh, desk, q, &best);
-    }
-    if (desk->failed) {
-        return;
-    }
-    if (k > PBW__FEW) {                              /* best first */
-        if (!equal && (!pbw__set_clear(desk, &desk->seen) || !pbw__is_new(desk, best.vertex))) {
-            return;
-        }
-        for (at = 0; at < k && !desk->failed; at++) {
-            if (desk->reach_count == 0) {
-                pbw__give_near(queries, q, query, at, NULL);
-                continue;
-            }
-            best = pbw__reach_pop(mesh, desk, q);
-            pbw__give_near(queries, q, query, at, &best);
-            for (i = first[best.vertex]; i < first[best.vertex + (size_t)1]; i++) {
-                if (pbw__is_new(desk, queries->stars->item[i])) {
-                    reach = pbw__reach_to(mesh, mesh->dim, q, queries->stars->item[i]);
-                    pbw__reach_push(mesh, desk, q, &reach);
-                }
-            }
-            if (at % 4096 == 4095 && pbw__report(&queries->context, 0.0)) {
-                return;
-            }
-        }
-        return;
-    }
-    if (equal) {                                     /* the lowest of them, in order */
-        pbw__reach some[PBW__FEW];
-        memset(some, 0, sizeof(some[0]));
-        for (at = 0; at < k && desk->reach_count > 0; at++) {
-            some[at] = pbw__reach_pop(mesh, desk, q);
-        }
-        memcpy(desk->reach, some, at * sizeof(some[0]));
-        desk->reach_count = at;
-        best = at > 0 ? some[0] : best;
-    }
-    if (k > 1 && pbw__room(desk, &desk->reach, &desk->reach_room, PBW__FEW, sizeof(pbw__reach))) {
-        if (mesh->dim == 3) {
-            pbw__near_few(queries, 3, desk, q, k);
-        } else {
-            pbw__near_few(queries, 2, desk, q, k);
-        }
-    } else {
-        pbw__give_near(queries, q, query, 0, &best);
-        return;
-    }
-    for (at = 0; at < k; at++) {
+    size_t at;
+    for (at = 0; at < queries->k; at++) {
         pbw__give_near(queries, q, query, at, at < desk->reach_count ? desk->reach + at : NULL);
     }
 }
 
-/* Without simplices: looks at all canonical points. */
-static void pbw__near_all(pbw__queries *queries, pbw__desk *desk, const double *q, size_t query)
+/* Gives the k nearest, best first: the heap has the nearest ones, and gets the neighbours of each that leaves it. */
+static void pbw__near_many(pbw__queries *queries, pbw__desk *desk, const double *q, size_t query)
 {
     const pbw_mesh *mesh = queries->mesh;
-    const size_t k = queries->k;
-    size_t v, at;
-    desk->reach_count = 0;
-    if (!pbw__room(desk, &desk->reach, &desk->reach_room, PBW__FEW, sizeof(pbw__reach))) {
-        return;
-    }
-    for (v = 0; v < mesh->point_count && !desk->failed; v++) {
-        if (v % PBW__TICK == 0 && pbw__report(&queries->context, 0.0)) {
-            return;
-        }
-        if (mesh->canonical[v] == v) {
-            pbw__reach reach = pbw__reach_to(mesh, mesh->dim, q, (pbw_index)v);
-            if (k <= PBW__FEW) {
-                (void)pbw__offer_near(mesh, desk, q, &reach, k);
-            } else {
-                pbw__reach_push(mesh, desk, q, &reach);
+    const size_t *first = queries->stars->first;
+    size_t at, i;
+    for (at = 0; at < queries->k && !desk->failed; at++) {
+        if (desk->reach_count == 0) {
+            pbw__give_near(queries, q, query, at, NULL);
+        } else {
+            const pbw__reach best = pbw__reach_pop(mesh, desk, q);
+            pbw__give_near(queries, q, query, at, &best);
+            for (i = first[best.vertex]; i < first[best.vertex + (size_t)1]; i++) {
+                if (pbw__is_new(desk, queries->stars->item[i])) {
+                    const pbw__reach reach = pbw__reach_to(mesh, mesh->dim, q, queries->stars->item[i]);
+                    pbw__reach_push(mesh, desk, q, &reach);
+                }
             }
         }
-    }
-    for (at = 0; at < k && !desk->failed; at++) {
-        if (k <= PBW__FEW) {
-            pbw__give_near(queries, q, query, at, at < desk->reach_count ? desk->reach + at : NULL);
-        } else if (desk->reach_count > 0) {
-            pbw__reach reach = pbw__reach_pop(mesh, desk, q);
-            pbw__give_near(queries, q, query, at, &reach);
-        } else {
-            pbw__give_near(queries, q, query, at, NULL);
+        if (at % 4096 == 4095 && pbw__report(&queries->context, 0.0)) {
+            return;
         }
     }
 }
 
-/* A nearest vertex of the query at a place of the order, from the last one. */
-PBW__INLINE int pbw__query_descend(pbw__queries *queries, size_t place, int first, double *q, pbw__reach *best)
+/* Gives the k nearest of one query; best: a nearest vertex, equal: whether others are as near. */
+static void pbw__near_one(pbw__queries *queries, pbw__desk *desk, const double *q, size_t query,
+                          const pbw__reach *best, int equal)
 {
     const pbw_mesh *mesh = queries->mesh;
-    (void)pbw__query_point(queries, pbw__query_index(queries, place), q);
-    pbw__set_error(queries, q);
-    if (first) {
-        best->vertex = pbw__guess(mesh, q);
+    pbw__reach lowest[PBW__FEW];
+    size_t count = 1;
+    lowest[0] = *best;
+    if (equal || queries->k > PBW__FEW) {
+        pbw__flood(queries, desk, q, best, -1.0);
+        if (queries->k > PBW__FEW) {
+            pbw__near_many(queries, desk, q, query);
+            return;
+        }
+        for (count = 0; count < queries->k && desk->reach_count > 0; count++) {
+            lowest[count] = pbw__reach_pop(mesh, desk, q);
+        }
     }
-    *best = pbw__reach_to(mesh, mesh->dim, q, best->vertex);
+    if (pbw__room(desk, &desk->reach, &desk->reach_room, PBW__FEW + 1, sizeof(pbw__reach))) {
+        memcpy(desk->reach, lowest, count * sizeof(lowest[0]));
+        desk->reach_count = count;
+        PBW__BY_DIM(mesh->dim, pbw__near_few, queries, desk, q);
+        pbw__give_list(queries, desk, q, query);
+    }
+}
+
+/* Without simplices: puts all canonical points, or those within a radius >= 0, into the heap. */
+static void pbw__push_all(pbw__queries *queries, pbw__desk *desk, const double *q, double radius)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    size_t v;
+    for (v = 0; v < mesh->point_count && !desk->failed; v++) {
+        const pbw__reach reach = pbw__reach_to(mesh, mesh->dim, q, (pbw_index)v);
+        if (v % PBW__TICK == 0 && pbw__report(&queries->context, 0.0)) {
+            return;
+        }
+        if (mesh->canonical[v] == v && (radius < 0.0 || pbw__reach_within(mesh, q, &reach, radius))) {
+            pbw__reach_push(mesh, desk, q, &reach);
+        }
+    }
+}
+
+/* Reads the query at a place of the order. */
+PBW__INLINE void pbw__query_at(const pbw__queries *queries, size_t place, double *q)
+{
+    pbw__fetch(&queries->input, pbw__query_index(queries, place), q);
+    pbw__set_error(queries, q);
+}
+
+/* Goes to a nearest vertex of q from *best, or, at the start of a block, from a guess.  Returns whether another is as
+   near. */
+static int pbw__query_descend(const pbw__queries *queries, int start, const double *q, pbw__reach *best)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    *best = pbw__reach_to(mesh, mesh->dim, q, start ? pbw__guess(mesh, q) : best->vertex);
     return mesh->dim == 3 ? pbw__descend_of(queries, 3, q, best) : pbw__descend_of(queries, 2, q, best);
 }
 
@@ -11092,13 +10970,14 @@ static void pbw__nearest_block(pbw__queries *queries, pbw__desk *desk, size_t bl
     memset(&best, 0, sizeof(best));
     for (i = from; i < to && !desk->failed; i++) {
         const size_t query = pbw__query_index(queries, i);
+        pbw__query_at(queries, i, q);
+        desk->reach_count = 0;
         if (queries->mesh->simplex_count == 0) {
-            (void)pbw__query_point(queries, query, q);
-            pbw__set_error(queries, q);
-            pbw__near_all(queries, desk, q, query);
+            pbw__push_all(queries, desk, q, -1.0);
+            pbw__near_many(queries, desk, q, query);
         } else {
-            const int equal = pbw__query_descend(queries, i, i == from, q, &best);
-            pbw__near_one(queries, desk, q, query, best, equal);
+            const int equal = pbw__query_descend(queries, i == from, q, &best);
+            pbw__near_one(queries, desk, q, query, &best, equal);
         }
     }
 }
@@ -11109,27 +10988,14 @@ PBW__INLINE int pbw__fits(const pbw_mesh *mesh, const pbw_lists *stars)
     return stars == NULL || (stars->count == mesh->point_count && stars->first != NULL);
 }
 
-/* The stars of the mesh, the caller's or made here. */
-static pbw_status pbw__take_stars(pbw__queries *queries, const pbw_lists *stars, pbw_lists *own)
+/* Takes the caller's stars of the mesh, or makes them. */
+static pbw_status pbw__take_stars(pbw__queries *queries, const pbw_lists *stars)
 {
     const pbw_mesh *mesh = queries->mesh;
-    queries->stars = stars != NULL ? stars : own;
-    if (!pbw__fits(mesh, stars)) {
-        return PBW_ERROR_ARGUMENT;
-    }
-    return stars != NULL || mesh->simplex_count == 0 ? PBW_OK
-         : pbw__make_lists(queries, pbw__stars_block, mesh->simplex_count, 4096, mesh->point_count, own);
-}
-
-static void pbw__drop_stars(pbw__queries *queries, pbw_lists *own)
-{
-    pbw__memory *memory = &queries->context.memory;
-    if (own->memory != NULL) {
-        pbw__owned_lists *owned = (pbw__owned_lists *)own->memory;
-        pbw__release(memory, (void *)(uintptr_t)own->first, owned->first, sizeof(size_t));
-        pbw__release(memory, (void *)(uintptr_t)own->item, owned->items, sizeof(pbw_index));
-        pbw__release(memory, owned, 1, sizeof(pbw__owned_lists));
-    }
+    queries->stars = stars != NULL ? stars : &queries->own_stars;
+    return stars != NULL ? PBW_OK
+         : pbw__make_lists(queries, pbw__stars_block, mesh->simplex_count, 4096, mesh->point_count,
+                           &queries->own_stars);
 }
 
 static void pbw__within_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
@@ -11138,26 +11004,17 @@ static void pbw__within_block(pbw__queries *queries, pbw__desk *desk, size_t blo
     pbw__reach best;
     double q[4], *values;
     pbw_index *items;
-    size_t i, v, k, count;
+    size_t i, k, count;
     memset(&best, 0, sizeof(best));
     for (i = from; i < to && !desk->failed; i++) {
+        pbw__query_at(queries, i, q);
         desk->reach_count = 0;
-        if (mesh->simplex_count > 0) {
-            (void)pbw__query_descend(queries, i, i == from, q, &best);
+        if (mesh->simplex_count == 0) {
+            pbw__push_all(queries, desk, q, queries->radius);
+        } else {
+            (void)pbw__query_descend(queries, i == from, q, &best);
             if (pbw__reach_within(mesh, q, &best, queries->radius)) {
                 pbw__flood(queries, desk, q, &best, queries->radius);
-            }
-        } else {
-            (void)pbw__query_point(queries, pbw__query_index(queries, i), q);
-            pbw__set_error(queries, q);
-            for (v = 0; v < mesh->point_count && !desk->failed; v++) {
-                const pbw__reach reach = pbw__reach_to(mesh, mesh->dim, q, (pbw_index)v);
-                if (v % PBW__TICK == 0 && pbw__report(&queries->context, 0.0)) {
-                    return;
-                }
-                if (mesh->canonical[v] == v && pbw__reach_within(mesh, q, &reach, queries->radius)) {
-                    pbw__reach_push(mesh, desk, q, &reach);
-                }
             }
         }
         count = desk->reach_count;
@@ -11178,29 +11035,27 @@ PBWDEF pbw_status pbw_within(const pbw_mesh *mesh, const pbw_lists *stars, const
                              double radius, const pbw_options *options, pbw_lists *lists)
 {
     pbw__queries queries;
-    pbw_lists own;
     pbw_status status;
     if (lists == NULL || !(radius >= 0.0 && radius <= DBL_MAX)) {
         return PBW_ERROR_ARGUMENT;
     }
     memset(lists, 0, sizeof(*lists));
-    memset(&own, 0, sizeof(own));
     status = pbw__queries_start(&queries, mesh, points, count, options);
     if (status == PBW_OK) {
-        status = pbw__take_stars(&queries, stars, &own);
+        status = pbw__fits(mesh, stars) ? pbw__take_stars(&queries, stars) : PBW_ERROR_ARGUMENT;
     }
     if (status == PBW_OK) {
         queries.radius = radius;
         queries.with_values = 1;
         status = pbw__make_lists(&queries, pbw__within_block, count, PBW__BLOCK_QUERIES, count, lists);
     }
-    pbw__drop_stars(&queries, &own);
     return pbw__lists_end(&queries, status, lists);
 }
 /* ------------------------------------------------------------------------------------------------------
    >>boxes        Many nearest vertices, by a tree of boxes.
    In: a mesh, queries.  Out: for each query the k nearest vertices in exact order.
-   Holds: a box is left out only where all in it is farther than the k nearest so far, whatever was rounded.
+   Holds: a box is left out only where all in it is farther than the k nearest so far: pbw__reach_limit holds for the
+   square of its distance too, as this has the operations of pbw__squared, and no vertex in it is nearer.
 
    Eight vertices that follow each other on the curve are a leaf, eight leaves a node, eight nodes a node of the next
    level.  What is compared with a query lies side by side: eight numbers an axis, no gather, no branch.  The
@@ -11220,7 +11075,7 @@ struct pbw__tree {
     double *box;                                     /* of each group, eight low and eight high ends an axis */
 };
 
-/* A node, or a leaf at level 0, whose box is at least so far away. */
+/* A node, or a leaf at level 0, and the square of the distance of its box. */
 typedef struct pbw__branch { double squared; size_t node; int level; } pbw__branch;
 
 static void pbw__tree_free(pbw__memory *memory, const pbw__tree *tree, size_t points, int dim)
@@ -11231,37 +11086,40 @@ static void pbw__tree_free(pbw__memory *memory, const pbw__tree *tree, size_t po
     pbw__release(memory, tree->box, tree->groups * 2 * PBW__BRANCH * (size_t)dim, sizeof(double));
 }
 
-/* Where the low end of a node's box on the first axis is; its high end is 8 after it, the next axis 16. */
+/* Returns where the low end of a node's box on the first axis is.  The high end is 8 after it, the next axis 16. */
 PBW__INLINE double *pbw__tree_box(const pbw__tree *tree, int dim, int level, size_t node)
 {
     return tree->box + (tree->first[level] + node / PBW__BRANCH) * 2 * PBW__BRANCH * (size_t)dim + node % PBW__BRANCH;
 }
 
-/* Fills leaves and their boxes. */
-typedef struct pbw__planting { const pbw_mesh *mesh; pbw__tree *tree; } pbw__planting;
+/* Stores the low and the high end of `count` intervals side by side. */
+PBW__INLINE void pbw__plant_ends(double *end, const double *low, const double *high, size_t count)
+{
+    size_t i;
+    end[0] = HUGE_VAL;
+    end[PBW__BRANCH] = -HUGE_VAL;
+    for (i = 0; i < count; i++) {
+        end[0] = low[i] < end[0] ? low[i] : end[0];
+        end[PBW__BRANCH] = high[i] > end[PBW__BRANCH] ? high[i] : end[PBW__BRANCH];
+    }
+}
 
+/* Fills leaves, the last one up with its last vertex, and their boxes. */
 static pbw_status pbw__plant_leaves(void *arg, size_t from, size_t to)
 {
-    const pbw__planting *planting = (const pbw__planting *)arg;
-    const pbw__tree *tree = planting->tree;
-    const int dim = planting->mesh->dim;
-    size_t leaf, i;
-    int k;
+    const pbw__queries *queries = (const pbw__queries *)arg;
+    const pbw__tree *tree = queries->tree;
+    const size_t dim = (size_t)queries->mesh->dim;
+    size_t leaf, i, k;
     for (leaf = from; leaf < to; leaf++) {
-        const size_t begin = leaf * PBW__BRANCH, end = begin + PBW__BRANCH;
-        double *box = pbw__tree_box(tree, dim, 0, leaf);
+        double *box = pbw__tree_box(tree, (int)dim, 0, leaf);
         for (k = 0; k < dim; k++) {
-            double *c = tree->coordinate + (leaf * (size_t)dim + (size_t)k) * PBW__BRANCH;
-            double low = HUGE_VAL, high = -HUGE_VAL;
-            for (i = begin; i < end; i++) {
-                const pbw_index v = tree->vertex[i < tree->count ? i : tree->count - 1];
-                const double x = planting->mesh->points[v * (size_t)dim + (size_t)k];
-                c[i - begin] = x;
-                low = x < low ? x : low;
-                high = x > high ? x : high;
+            double *c = tree->coordinate + (leaf * dim + k) * PBW__BRANCH;
+            for (i = 0; i < PBW__BRANCH; i++) {
+                const size_t at = leaf * PBW__BRANCH + i, last = tree->count - 1;
+                c[i] = queries->mesh->points[tree->vertex[at < last ? at : last] * dim + k];
             }
-            box[k * 2 * PBW__BRANCH] = low;
-            box[(k * 2 + 1) * PBW__BRANCH] = high;
+            pbw__plant_ends(box + k * 2 * PBW__BRANCH, c, c, PBW__BRANCH);
         }
     }
     return PBW_OK;
@@ -11270,39 +11128,42 @@ static pbw_status pbw__plant_leaves(void *arg, size_t from, size_t to)
 /* The boxes of the nodes of a level above the leaves. */
 static void pbw__plant_level(const pbw__tree *tree, int dim, int level)
 {
-    size_t node, i;
+    size_t node;
     int k;
     for (node = 0; node < tree->nodes[level]; node++) {
         double *box = pbw__tree_box(tree, dim, level, node);
         const double *below = pbw__tree_box(tree, dim, level - 1, node * PBW__BRANCH);
         const size_t rest = tree->nodes[level - 1] - node * PBW__BRANCH;
-        for (k = 0; k < dim; k++, below += 2 * PBW__BRANCH) {
-            double low = HUGE_VAL, high = -HUGE_VAL;
-            for (i = 0; i < PBW__BRANCH && i < rest; i++) {
-                low = below[i] < low ? below[i] : low;
-                high = below[PBW__BRANCH + i] > high ? below[PBW__BRANCH + i] : high;
-            }
-            box[k * 2 * PBW__BRANCH] = low;
-            box[(k * 2 + 1) * PBW__BRANCH] = high;
+        for (k = 0; k < dim * 2 * PBW__BRANCH; k += 2 * PBW__BRANCH) {
+            pbw__plant_ends(box + k, below + k, below + k + PBW__BRANCH, rest < PBW__BRANCH ? rest : PBW__BRANCH);
         }
     }
 }
 
 /* The vertices along the curve; of a degenerate mesh its canonical points. */
-static void pbw__tree_vertices(const pbw__queries *queries, pbw__tree *tree)
+static pbw_status pbw__tree_vertices(pbw__queries *queries, pbw__tree *tree)
 {
     const pbw_mesh *mesh = queries->mesh;
+    pbw__input input = pbw__input_of(mesh->dim, 0, mesh->points, NULL, mesh->point_count);
+    pbw__vertices sorted;
+    pbw_status status = PBW_OK;
     size_t i;
-    tree->count = 0;
-    for (i = 0; i < mesh->point_count; i++) {
-        const size_t v = queries->order != NULL ? pbw__query_index(queries, i) : i;
+    memset(&sorted, 0, sizeof(sorted));
+    input.stride = (size_t)mesh->dim * sizeof(double);
+    if (mesh->original == NULL) {                    /* else its numbers follow the curve */
+        status = pbw__sort_points(&queries->context, &input, &sorted);
+    }
+    for (i = 0; i < mesh->point_count && status == PBW_OK; i++) {
+        const size_t v = sorted.id != NULL ? sorted.id[i + 1] : i;
         if (mesh->simplex_count > 0 ? mesh->incident[v] != PBW_NONE : mesh->canonical[v] == v) {
             tree->vertex[tree->count++] = (pbw_index)v;
         }
     }
+    pbw__vertices_free(&queries->context, &sorted);
+    return status;
 }
 
-/* Makes room for the boxes of all levels. */
+/* Makes room for leaves and the boxes of all levels.  Returns 0 if memory is short. */
 static int pbw__tree_room(pbw__memory *memory, pbw__tree *tree, int dim)
 {
     const size_t leaves = (tree->count + PBW__BRANCH - 1) / PBW__BRANCH;
@@ -11323,37 +11184,23 @@ static int pbw__tree_room(pbw__memory *memory, pbw__tree *tree, int dim)
     return 1;
 }
 
-/* Makes the tree; the queries must not be sorted yet. */
+/* Makes the tree. */
 static pbw_status pbw__plant(pbw__queries *queries, pbw__tree *tree)
 {
     const pbw_mesh *mesh = queries->mesh;
-    const pbw__queries asked = *queries;
     pbw__memory *memory = &queries->context.memory;
-    const pbw__planting planting = { mesh, tree };
-    pbw_status status = PBW_OK;
+    pbw_status status;
     int level;
     tree->vertex = (pbw_index *)pbw__allocate(memory, mesh->point_count, sizeof(pbw_index));
     if (tree->vertex == NULL) {
         return PBW_ERROR_MEMORY;
     }
-    if (mesh->original == NULL) {                    /* else its numbers follow the curve */
-        queries->points = (const char *)mesh->points;
-        queries->count = mesh->point_count;
-        queries->stride = (size_t)mesh->dim * sizeof(double);
-        status = pbw__query_sort(queries);
-    }
-    if (status == PBW_OK) {
-        pbw__tree_vertices(queries, tree);
-    }
-    pbw__query_unsort(queries);
-    queries->points = asked.points;
-    queries->count = asked.count;
-    queries->stride = asked.stride;
+    status = pbw__tree_vertices(queries, tree);
     if (status == PBW_OK && !pbw__tree_room(memory, tree, mesh->dim)) {
         status = PBW_ERROR_MEMORY;
     }
     if (status == PBW_OK) {
-        status = pbw__for_range(&queries->context, tree->nodes[0], 1024, 0.1, pbw__plant_leaves, (void *)&planting);
+        status = pbw__for_range(&queries->context, tree->nodes[0], 1024, 0.1, pbw__plant_leaves, queries);
     }
     for (level = 1; status == PBW_OK && level <= tree->top; level++) {
         pbw__plant_level(tree, mesh->dim, level);
@@ -11369,65 +11216,9 @@ PBW__SIMD_INLINE pbw__d4 pbw__load_four(const double *from)
     return x;
 }
 
-/* The nearest so far, in exact order, and room for one more. */
-typedef struct pbw__found { double squared[PBW__FEW + 1]; pbw_index vertex[PBW__FEW + 1]; size_t count; } pbw__found;
-
-PBW__INLINE pbw__reach pbw__found_at(const pbw__found *found, const double *q, size_t i)
-{
-    pbw__reach reach;
-    reach.squared = found->squared[i];
-    reach.slack = q[3] * (reach.squared + 1e-280);
-    reach.vertex = found->vertex[i];
-    reach.done = 0;
-    return reach;
-}
-
-/* Exchanges entry i with the one before if that is farther.  Returns whether it was. */
-static int pbw__found_exchange(const pbw_mesh *mesh, pbw__found *found, const double *q, size_t i)
-{
-    const pbw__reach before = pbw__found_at(found, q, i - 1), reach = pbw__found_at(found, q, i);
-    if (!pbw__reach_before(mesh, q, &reach, &before)) {
-        return 0;
-    }
-    found->squared[i] = before.squared;
-    found->vertex[i] = before.vertex;
-    found->squared[i - 1] = reach.squared;
-    found->vertex[i - 1] = reach.vertex;
-    return 1;
-}
-
-/* The exact place of entry `at` among others nearly as near. */
-static PBW__NOINLINE void pbw__found_settle(const pbw_mesh *mesh, pbw__found *found, const double *q, size_t at)
-{
-    for (; at > 0 && pbw__found_exchange(mesh, found, q, at); at--) {
-    }
-    for (; at < found->count && pbw__found_exchange(mesh, found, q, at + 1); at++) {
-    }
-}
-
-/* Puts a vertex into its place among the k nearest. */
-PBW__INLINE void pbw__found_add(const pbw__queries *queries, pbw__found *found, const double *q, double squared,
-                                pbw_index vertex)
-{
-    const double close = 3.0 * q[3] * (squared + 1e-280);
-    size_t at = found->count;
-    for (; at > 0 && (found->squared[at - 1] > squared
-                      || (found->squared[at - 1] == squared && found->vertex[at - 1] > vertex)); at--) {
-        found->squared[at] = found->squared[at - 1];
-        found->vertex[at] = found->vertex[at - 1];
-    }
-    found->squared[at] = squared;
-    found->vertex[at] = vertex;
-    if (PBW__UNLIKELY((at > 0 && !(squared - found->squared[at - 1] > close))
-                      || (at < found->count && !(found->squared[at + 1] - squared > close))) && q[3] > 0.0) {
-        pbw__found_settle(queries->mesh, found, q, at);
-    }
-    found->count += found->count < queries->k;
-}
-
-/* Offers the vertices of a leaf. */
-PBW__SIMD_INLINE void pbw__search_leaf(const pbw__queries *queries, int dim, pbw__found *found, const double *q,
-                                       double most, size_t leaf)
+/* Offers the vertices of a leaf, as far as their squares are not above `most`.  Returns `most` for those to come. */
+PBW__SIMD_INLINE double pbw__search_leaf(const pbw__queries *queries, int dim, pbw__desk *desk, const double *q,
+                                         double most, size_t leaf)
 {
     const pbw__tree *tree = queries->tree;
     const double *c = tree->coordinate + leaf * (size_t)dim * PBW__BRANCH;
@@ -11450,8 +11241,14 @@ PBW__SIMD_INLINE void pbw__search_leaf(const pbw__queries *queries, int dim, pbw
     set &= rest < PBW__BRANCH ? (1u << rest) - 1 : 255;
     for (; set != 0; set &= set - 1) {
         const unsigned i = (unsigned)__builtin_ctz(set);
-        pbw__found_add(queries, found, q, squared[i], tree->vertex[leaf * PBW__BRANCH + i]);
+        if (squared[i] <= most) {
+            const pbw_index vertex = tree->vertex[leaf * PBW__BRANCH + i];
+            const pbw__reach reach = pbw__reach_of(queries->mesh, q, squared[i], vertex);
+            (void)pbw__offer_near(queries->mesh, desk, q, &reach, queries->k);
+            most = desk->reach_count == queries->k ? pbw__reach_limit(desk->reach + queries->k - 1) : most;
+        }
     }
+    return most;
 }
 
 /* Puts those of the eight nodes below one that are near enough onto the stack.  Returns its new height. */
@@ -11487,23 +11284,32 @@ PBW__SIMD_INLINE size_t pbw__search_group(const pbw__tree *tree, int dim, const 
     return height;
 }
 
-/* Squared distances above this are too far: see pbw__near_limit. */
-PBW__SIMD_INLINE double pbw__found_limit(double squared)
+/* Returns a bound for the squares of the k nearest: of the farthest of the last answer. */
+PBW__SIMD_INLINE double pbw__search_limit(const pbw__queries *queries, int dim, const pbw__desk *desk,
+                                          const double *q)
 {
-    return squared + 3.0 * (PBW__REACH_ERROR * DBL_EPSILON * squared + 1e-300);
+    pbw__reach farthest;
+    double most = 0.0;
+    size_t i;
+    for (i = 0; i < desk->reach_count; i++) {
+        const pbw_index vertex = desk->reach[i].vertex;
+        most = pbw__max(most, pbw__squared(queries->mesh->points + vertex * (size_t)dim, q, dim));
+    }
+    farthest = pbw__reach_of(queries->mesh, q, most, 0);         /* without weights it may be any vertex */
+    return desk->reach_count < queries->k ? HUGE_VAL : pbw__reach_limit(&farthest);
 }
 
-/* The k nearest, all within the squared distance `most`. */
-PBW__SIMD_INLINE void pbw__search_of(pbw__queries *queries, int dim, pbw__found *found, const double *q, double most)
+/* Finds the k nearest of a query; desk->reach has those of another. */
+PBW__SIMD_INLINE void pbw__search_of(pbw__queries *queries, pbw__desk *desk, const double *q, int dim)
 {
     const pbw__tree *tree = queries->tree;
-    const size_t k = queries->k;
+    double most = pbw__search_limit(queries, dim, desk, q);
     size_t height = 1, looked = 0;
     pbw__branch stack[PBW__TREE_LEVELS * PBW__BRANCH];
     stack[0].squared = 0.0;
     stack[0].node = 0;
     stack[0].level = tree->top + 1;
-    found->count = 0;
+    desk->reach_count = 0;
     while (height > 0) {
         const pbw__branch *at = stack + height - 1;
         if (at->squared > most) {
@@ -11512,8 +11318,7 @@ PBW__SIMD_INLINE void pbw__search_of(pbw__queries *queries, int dim, pbw__found 
             height = pbw__search_group(tree, dim, q, most, stack, height);
         } else {
             height--;
-            pbw__search_leaf(queries, dim, found, q, most, at->node);
-            most = found->count == k ? pbw__found_limit(found->squared[k - 1]) : most;
+            most = pbw__search_leaf(queries, dim, desk, q, most, at->node);
             if (++looked % 4096 == 0 && pbw__report(&queries->context, 0.0)) {
                 return;
             }
@@ -11521,53 +11326,31 @@ PBW__SIMD_INLINE void pbw__search_of(pbw__queries *queries, int dim, pbw__found 
     }
 }
 
-/* Returns a bound for the k nearest: the farthest of the last answer. */
-PBW__SIMD_INLINE double pbw__search_limit(const pbw__queries *queries, int dim, const pbw__found *found,
-                                          const double *q)
-{
-    double most = 0.0;
-    size_t i;
-    for (i = 0; i < found->count; i++) {
-        const double squared = pbw__squared(queries->mesh->points + found->vertex[i] * (size_t)dim, q, dim);
-        most = squared > most ? squared : most;
-    }
-    return found->count < queries->k ? HUGE_VAL : pbw__found_limit(most);
-}
-
 PBW__SIMD static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
 {
-    pbw__found found;
     double q[4];
-    size_t i, at;
-    (void)desk;
+    size_t i;
     (void)block;
-    memset(&found, 0, sizeof(found));
+    if (!pbw__room(desk, &desk->reach, &desk->reach_room, PBW__FEW + 1, sizeof(pbw__reach))) {
+        return;
+    }
     for (i = from; i < to; i++) {
-        const size_t query = pbw__query_index(queries, i);
-        (void)pbw__query_point(queries, query, q);
-        pbw__set_error(queries, q);
-        if (queries->mesh->dim == 3) {
-            pbw__search_of(queries, 3, &found, q, pbw__search_limit(queries, 3, &found, q));
-        } else {
-            pbw__search_of(queries, 2, &found, q, pbw__search_limit(queries, 2, &found, q));
-        }
+        pbw__query_at(queries, i, q);
+        PBW__BY_DIM(queries->mesh->dim, pbw__search_of, queries, desk, q);
 #ifdef PBW__AVX2
         _mm256_zeroupper();                          /* else code that is not made for AVX waits ever after */
 #endif
-        for (at = 0; at < queries->k; at++) {
-            const pbw__reach reach = pbw__found_at(&found, q, at < found.count ? at : 0);
-            pbw__give_near(queries, q, query, at, at < found.count ? &reach : NULL);
-        }
+        pbw__give_list(queries, desk, q, pbw__query_index(queries, i));
     }
 }
 
-/* Whether the tree answers: not for weights, for many neighbours, or where the stars are there for few queries or few
-   neighbours, which the mesh finds faster: for 4 in 0.8 of the time, for 8 in 1.5. */
+/* Returns whether the tree answers.  It knows no weights, and not more than PBW__FEW neighbours.  If the caller has
+   stars, the mesh is faster for few queries, and for few neighbours: 4 in 0.8 of the time of the tree, 8 in 1.5. */
 static int pbw__tree_answers(const pbw__queries *queries, const pbw_lists *stars)
 {
     const pbw_mesh *mesh = queries->mesh;
     return pbw__simd_works() && mesh->weights == NULL && queries->k <= PBW__FEW && mesh->point_count > 0
-        && (stars == NULL || (queries->k > 4 && queries->count >= mesh->point_count / 8));
+        && (stars == NULL || (queries->k > 4 && queries->input.count >= mesh->point_count / 8));
 }
 
 static pbw_status pbw__search_all(pbw__queries *queries)
@@ -11578,8 +11361,7 @@ static pbw_status pbw__search_all(pbw__queries *queries)
     memset(&tree, 0, sizeof(tree));
     queries->tree = &tree;
     status = pbw__plant(queries, &tree);
-    status = status == PBW_OK ? pbw__query_sort(queries) : status;
-    status = status == PBW_OK ? pbw__answer_all(queries, pbw__search_block, queries->count, PBW__BLOCK_QUERIES)
+    status = status == PBW_OK ? pbw__answer_all(queries, pbw__search_block, queries->input.count, PBW__BLOCK_QUERIES)
                               : status;
     pbw__tree_free(&queries->context.memory, &tree, mesh->point_count, mesh->dim);
     return status;
@@ -11588,20 +11370,16 @@ static pbw_status pbw__search_all(pbw__queries *queries)
 
 static pbw_status pbw__nearest_all(pbw__queries *queries, const pbw_lists *stars)
 {
-    pbw_lists own;
     pbw_status status;
-    memset(&own, 0, sizeof(own));
     pbw__find_unit(queries);
 #ifdef PBW__SIMD
     if (pbw__tree_answers(queries, stars)) {
         return pbw__search_all(queries);
     }
 #endif
-    status = pbw__take_stars(queries, stars, &own);
-    status = status == PBW_OK ? pbw__query_sort(queries) : status;
-    status = status == PBW_OK ? pbw__answer_all(queries, pbw__nearest_block, queries->count, PBW__BLOCK_QUERIES)
+    status = pbw__take_stars(queries, stars);
+    status = status == PBW_OK ? pbw__answer_all(queries, pbw__nearest_block, queries->input.count, PBW__BLOCK_QUERIES)
                               : status;
-    pbw__drop_stars(queries, &own);
     return status;
 }
 
@@ -11613,7 +11391,7 @@ PBWDEF pbw_status pbw_nearest(const pbw_mesh *mesh, const pbw_lists *stars, cons
     if (vertices == NULL && count != 0 && k != 0) {
         return PBW_ERROR_ARGUMENT;
     }
-    status = pbw__queries_check(&queries, mesh, points, count, options);
+    status = pbw__queries_start(&queries, mesh, points, count, options);
     if (status == PBW_OK && count != 0 && k > ((size_t)-1) / sizeof(double) / count) {
         status = PBW_ERROR_TOO_LARGE;
     }
@@ -11625,8 +11403,6 @@ PBWDEF pbw_status pbw_nearest(const pbw_mesh *mesh, const pbw_lists *stars, cons
         queries.vertices = vertices;
         queries.distances = distances;
         status = pbw__nearest_all(&queries, stars);
-    } else if (status == PBW_OK && count != 0) {
-        status = pbw__query_sort(&queries);
     }
     return pbw__queries_end(&queries, status);
 }
@@ -11722,43 +11498,47 @@ PBW__INLINE pbw__vector pbw__vector_cross(int fine, pbw__vector a, pbw__vector b
     return c;
 }
 
-/* ---- exact numbers
-   Returns the lowest exponent of `count` numbers, at most `unit`. */
-static int pbw__exact_unit(const double *number, int count, int unit)
-{
-    int64_t mantissa;
-    int i;
-    for (i = 0; i < count; i++) {
-        const int exponent = pbw__decode(number[i], &mantissa);
-        unit = mantissa != 0 && exponent < unit ? exponent : unit;
-    }
-    return unit;
-}
-
-/* a[x] b[y] - a[y] b[x] */
-static pbw__integer pbw__exact_cross(const pbw__integer *a, const pbw__integer *b, int x, int y, pbw__digit **top)
+/* ---- exact numbers */
+/* c = a x b */
+static void pbw__exact_cross(const pbw__integer *a, const pbw__integer *b, pbw__integer *c, pbw__digit **top)
 {
     pbw__product term[2];
-    term[0].factor[0] = a + x;
-    term[0].factor[1] = b + y;
-    term[0].negative = 0;
-    term[1].factor[0] = a + y;
-    term[1].factor[1] = b + x;
-    term[1].negative = 1;
-    return pbw__exact_sum(term, 2, top);
+    int k;
+    for (k = 0; k < 3; k++) {
+        term[0].factor[0] = a + (k + 1) % 3;
+        term[0].factor[1] = b + (k + 2) % 3;
+        term[0].negative = 0;
+        term[1].factor[0] = a + (k + 2) % 3;
+        term[1].factor[1] = b + (k + 1) % 3;
+        term[1].negative = 1;
+        c[k] = pbw__exact_sum(term, 2, top);
+    }
 }
 
-/* Returns the sum of a[i] b[i]. */
-static pbw__integer pbw__exact_dot(const pbw__integer *a, const pbw__integer *const *b, int count, pbw__digit **top)
+/* Returns the sum of a[i] b[i * step]. */
+static pbw__integer pbw__exact_dot(const pbw__integer *a, const pbw__integer *b, int step, int count,
+                                   pbw__digit **top)
 {
     pbw__product term[4];
     int i;
     for (i = 0; i < count; i++) {
         term[i].factor[0] = a + i;
-        term[i].factor[1] = b[i];
+        term[i].factor[1] = b + i * step;
         term[i].negative = 0;
     }
     return pbw__exact_sum(term, count, top);
+}
+
+/* Stores p - origin.  In the plane z is 0; without a point the row is (0, 0, 1), by which the determinants of space
+   become those of the plane. */
+static void pbw__exact_row(int dim, const double *p, const double *origin, int unit, pbw__integer *row,
+                           pbw__digit **top)
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        row[k] = k < dim && p != NULL ? pbw__exact_difference(p[k], origin[k], unit, top)
+               : pbw__exact_difference(p == NULL && k == 2 ? 1.0 : 0.0, 0.0, 0, top);
+    }
 }
 
 /* Returns a / radix^length as a pair, without digits far below 2^-106. */
@@ -11786,34 +11566,24 @@ static PBW__NOINLINE void pbw__exact_sides(const pbw_mesh *mesh, const pbw_index
 {
     const int dim = mesh->dim;
     pbw__digit pool[PBW__POOL], *top = pool;
-    pbw__integer entry[4][3], minor[3], value[4];
-    pbw__product term[3];
-    int unit = pbw__exact_unit(p, dim, 1024), longest = 0, i, k;
+    pbw__integer row[4][3], normal[3], value[4];
+    const double *x[4] = { NULL, NULL, NULL, NULL };
+    int unit = pbw__exact_unit(p, dim, 1024), longest = 0, i;
     for (i = 0; i <= dim; i++) {
-        unit = pbw__exact_unit(mesh->points + v[i] * (size_t)dim, dim, unit);
+        x[i] = mesh->points + v[i] * (size_t)dim;
+        unit = pbw__exact_unit(x[i], dim, unit);
     }
-    for (i = 0; i <= dim; i++) {
-        for (k = 0; k < dim; k++) {
-            entry[i][k] = pbw__exact_difference(mesh->points[v[i] * (size_t)dim + (size_t)k], p[k], unit, &top);
-        }
+    for (i = 0; i < 4; i++) {
+        pbw__exact_row(dim, x[i], p, unit, row[i], &top);
     }
-    for (i = 0; i <= dim; i++) {                     /* rows other than i, in cyclic order */
-        const int a = (i + 1) % (dim + 1), b = (i + 2) % (dim + 1), c = (i + 3) % (dim + 1);
-        for (k = 0; k < (dim == 3 ? 3 : 1); k++) {   /* minors of the last two rows, by columns */
-            minor[k] = dim == 3 ? pbw__exact_cross(entry[b], entry[c], (k + 1) % 3, (k + 2) % 3, &top)
-                                : pbw__exact_cross(entry[a], entry[b], 0, 1, &top);
-        }
-        for (k = 0; dim == 3 && k < 3; k++) {
-            term[k].factor[0] = &entry[a][k];
-            term[k].factor[1] = minor + k;
-            term[k].negative = i % 2;                /* a cycle of four rows is an odd permutation */
-        }
-        value[i] = dim == 3 ? pbw__exact_sum(term, 3, &top) : minor[0];
+    for (i = 0; i <= dim; i++) {                     /* the rows other than i, in cyclic order */
+        pbw__exact_cross(row[(i + 2) % 4], row[(i + 3) % 4], normal, &top);
+        value[i] = pbw__exact_dot(row[(i + 1) % 4], normal, 1, 3, &top);
         longest = value[i].length > longest ? value[i].length : longest;
     }
     for (i = 0; i <= dim; i++) {
         const pbw__pair pair = pbw__exact_pair(value + i, longest);
-        side[i] = pair.head + pair.tail;
+        side[i] = i % 2 == 0 ? pair.head + pair.tail : -(pair.head + pair.tail);     /* a cycle of 4 rows is odd */
     }
 }
 
@@ -11844,9 +11614,7 @@ static PBW__NOINLINE pbw__vector pbw__exact_centre(int dim, const double *const 
                                                    const double *weight, double origin_weight, int scale)
 {
     pbw__digit pool[PBW__POOL], *top = pool, minus_one = -1;
-    pbw__integer row[3][4], lift[3], normal[3][3], det, sum, one;
-    const pbw__integer *other[4];
-    pbw__product term[3];
+    pbw__integer row[3][4], same[4], lift[3], normal[3][3], det, sum;
     pbw__pair part[3] = { { 0.0, 0.0 }, { 0.0, 0.0 }, { 0.0, 0.0 } }, divisor;
     pbw__vector result;
     int unit, i, k;
@@ -11855,33 +11623,24 @@ static PBW__NOINLINE pbw__vector pbw__exact_centre(int dim, const double *const 
     for (i = 0; i < dim; i++) {
         unit = pbw__exact_unit(point[i], dim, unit);
     }
-    one.digit = &minus_one;
-    one.length = 1;
-    for (i = 0; i < dim; i++) {                      /* |row|^2 - dw */
-        for (k = 0; k < dim; k++) {
-            row[i][k] = pbw__exact_difference(point[i][k], origin[k], unit, &top);
-            other[k] = &row[i][k];
-        }
-        row[i][dim] = pbw__exact_difference(weight[i], origin_weight, 2 * unit, &top);
-        other[dim] = &one;
-        lift[i] = pbw__exact_dot(row[i], other, dim + 1, &top);
-    }
-    for (i = 0; i < dim; i++) {                      /* the cofactors of lift i */
-        for (k = 0; k < dim; k++) {
-            normal[i][k] = dim == 2 ? row[1 - i][1 - k]
-                         : pbw__exact_cross(row[(i + 1) % 3], row[(i + 2) % 3], (k + 1) % 3, (k + 2) % 3, &top);
-            other[k] = &normal[0][k];
+    for (i = 0; i < 3; i++) {
+        pbw__exact_row(dim, i < dim ? point[i] : NULL, origin, unit, row[i], &top);
+        memcpy(same, row[i], sizeof(row[i]));
+        lift[i].digit = same[3].digit = &minus_one;
+        lift[i].length = 0;
+        same[3].length = 1;
+        if (i < dim) {                               /* |row|^2 - dw */
+            row[i][3] = pbw__exact_difference(weight[i], origin_weight, 2 * unit, &top);
+            lift[i] = pbw__exact_dot(row[i], same, 1, 4, &top);
         }
     }
-    det = dim == 2 ? pbw__exact_cross(row[0], row[1], 0, 1, &top) : pbw__exact_dot(row[0], other, 3, &top);
+    for (i = 0; i < 3; i++) {                        /* the cofactors of lift i */
+        pbw__exact_cross(row[(i + 1) % 3], row[(i + 2) % 3], normal[i], &top);
+    }
+    det = pbw__exact_dot(row[0], normal[0], 1, 3, &top);
     divisor = pbw__exact_pair(&det, det.length);
     for (k = 0; k < dim; k++) {
-        for (i = 0; i < dim; i++) {
-            term[i].factor[0] = lift + i;
-            term[i].factor[1] = &normal[i][k];
-            term[i].negative = dim == 2 && i != k;
-        }
-        sum = pbw__exact_sum(term, dim, &top);
+        sum = pbw__exact_dot(lift, &normal[0][k], 3, 3, &top);
         if (sum.length > 0) {
             const int exponent = PBW__DIGIT_BITS * (sum.length - det.length) + unit + scale - 1;
             const double some = pbw__power_of_two(exponent / 2), rest = pbw__power_of_two(exponent - exponent / 2);
@@ -11922,14 +11681,16 @@ static PBW__NOINLINE pbw__vector pbw__exact_centre(int dim, const double *const 
 typedef struct pbw__site { pbw__vector at; pbw__pair weight, gain; pbw_index vertex; } pbw__site;
 typedef struct pbw__face { pbw__vector centre; pbw_index corner[3], inner; } pbw__face;
 
-/* The cavity of a query; corner, across: 4 for each simplex. */
+/* A simplex of the cavity; its corners are sites, across each is a simplex of the cavity or PBW_NONE. */
+typedef struct pbw__old { pbw__vector centre; pbw_index simplex, corner[4], across[4]; } pbw__old;
+
+/* The cavity of a query. */
 struct pbw__cavity {
     const pbw_mesh *mesh;
-    pbw_index *simplex, *corner, *across;            /* across: number of a simplex in the cavity, or PBW_NONE */
-    pbw__vector *centre;
+    pbw__old *old;
     pbw__site *site;
     pbw__face *face;                                 /* of the boundary */
-    size_t simplex_room, corner_room, across_room, centre_room, site_room, face_room;
+    size_t old_capacity, site_capacity, face_capacity;
     size_t simplices, sites, faces;
     double query[3];
     int scale;                                       /* sites are 2^scale times as far from q */
@@ -11938,13 +11699,28 @@ struct pbw__cavity {
 static void pbw__cavity_free(pbw__memory *memory, pbw__cavity *cavity)
 {
     if (cavity != NULL) {
-        pbw__release(memory, cavity->simplex, cavity->simplex_room, sizeof(pbw_index));
-        pbw__release(memory, cavity->corner, cavity->corner_room, sizeof(pbw_index));
-        pbw__release(memory, cavity->across, cavity->across_room, sizeof(pbw_index));
-        pbw__release(memory, cavity->centre, cavity->centre_room, sizeof(pbw__vector));
-        pbw__release(memory, cavity->site, cavity->site_room, sizeof(pbw__site));
-        pbw__release(memory, cavity->face, cavity->face_room, sizeof(pbw__face));
+        PBW__RELEASE(memory, cavity, old);
+        PBW__RELEASE(memory, cavity, site);
+        PBW__RELEASE(memory, cavity, face);
         pbw__release(memory, cavity, 1, sizeof(pbw__cavity));
+    }
+}
+
+/* Sorts items and their values by the items: Shell's sort. */
+static void pbw__sort_items(pbw_index *items, double *values, size_t count)
+{
+    size_t gap, i, j;
+    for (gap = count > 64 ? count / 3 : 1; gap > 0; gap = gap == 2 ? 1 : gap / 3) {
+        for (i = gap; i < count; i++) {
+            const pbw_index item = items[i];
+            const double value = values[i];
+            for (j = i; j >= gap && items[j - gap] > item; j -= gap) {
+                items[j] = items[j - gap];
+                values[j] = values[j - gap];
+            }
+            items[j] = item;
+            values[j] = value;
+        }
     }
 }
 
@@ -11955,9 +11731,9 @@ static void pbw__barycentric(pbw__queries *queries, pbw__desk *desk, size_t bloc
     const pbw_mesh *mesh = queries->mesh;
     const size_t corners = (size_t)mesh->dim + 1;
     const pbw_index *v = mesh->simplices + spot->simplex * corners;
-    pbw_index item[4], *items;
-    double side[4], value[4], *values, total = 0.0, bound;
-    size_t i, j, count = 0;
+    pbw_index *items;
+    double side[4], *values, total = 0.0, bound;
+    size_t i, at, count = 0;
     bound = mesh->dim == 3 ? pbw__sides3(mesh->points, v, p, side) : pbw__sides2(mesh->points, v, p, side);
     for (i = 0; i < corners; i++) {
         total += side[i];
@@ -11968,21 +11744,17 @@ static void pbw__barycentric(pbw__queries *queries, pbw__desk *desk, size_t bloc
     for (total = 0.0, i = 0; i < corners; i++) {
         side[i] = (spot->on >> i & 1) == 0 && side[i] > 0.0 ? side[i] : 0.0;
         total += side[i];
-    }
-    for (i = 0; i < corners; i++) {
-        if (side[i] > 0.0) {
-            for (j = count++; j > 0 && item[j - 1] > v[i]; j--) {
-                item[j] = item[j - 1];
-                value[j] = value[j - 1];
-            }
-            item[j] = v[i];
-            value[j] = side[i] / total;
-        }
+        count += side[i] > 0.0;
     }
     items = pbw__chunk_add(queries, desk, block, query, count, &values);
     if (items != NULL) {
-        memcpy(items, item, count * sizeof(item[0]));
-        memcpy(values, value, count * sizeof(value[0]));
+        for (at = i = 0; i < corners; i++) {
+            if (side[i] > 0.0) {
+                items[at] = v[i];
+                values[at++] = side[i] / total;
+            }
+        }
+        pbw__sort_items(items, values, count);
     }
 }
 
@@ -12011,13 +11783,9 @@ PBW__INLINE int pbw__has_conflict(const pbw__queries *queries, int dim, size_t t
 
 static int pbw__cavity_reserve(pbw__desk *desk, pbw__cavity *cavity)
 {
-    const size_t simplices = cavity->simplices + 4;
-    return pbw__room(desk, &cavity->simplex, &cavity->simplex_room, simplices, sizeof(pbw_index))
-        && pbw__room(desk, &cavity->corner, &cavity->corner_room, 4 * simplices, sizeof(pbw_index))
-        && pbw__room(desk, &cavity->across, &cavity->across_room, 4 * simplices, sizeof(pbw_index))
-        && pbw__room(desk, &cavity->centre, &cavity->centre_room, simplices, sizeof(pbw__vector))
-        && pbw__room(desk, &cavity->site, &cavity->site_room, cavity->sites + 4, sizeof(pbw__site))
-        && pbw__room(desk, &cavity->face, &cavity->face_room, cavity->faces + 4, sizeof(pbw__face));
+    return pbw__room(desk, &cavity->old, &cavity->old_capacity, cavity->simplices + 4, sizeof(pbw__old))
+        && pbw__room(desk, &cavity->site, &cavity->site_capacity, cavity->sites + 4, sizeof(pbw__site))
+        && pbw__room(desk, &cavity->face, &cavity->face_capacity, cavity->faces + 4, sizeof(pbw__face));
 }
 
 /* The corners of the facet opposite to each corner, counter-clockwise seen from that corner. */
@@ -12031,7 +11799,7 @@ PBW__INLINE void pbw__cavity_face(pbw__cavity *cavity, int dim, size_t s, size_t
     pbw__face *face = cavity->face + cavity->faces++;
     int k;
     for (k = 0; k < 3; k++) {
-        face->corner[k] = cavity->corner[4 * s + pbw__opposite[dim - 2][i][k]];
+        face->corner[k] = cavity->old[s].corner[pbw__opposite[dim - 2][i][k]];
     }
     face->inner = (pbw_index)s;
 }
@@ -12051,19 +11819,21 @@ PBW__INLINE int pbw__cavity_find(const pbw__queries *queries, int dim, pbw__desk
         || !pbw__cavity_reserve(desk, cavity) || pbw__set_add(desk, &desk->seen, t, 0, &added) == NULL) {
         return 0;
     }
-    cavity->simplex[0] = (pbw_index)t;
+    cavity->old[0].simplex = (pbw_index)t;
     for (next = 0; next < cavity->simplices; next++) {
-        const size_t s = cavity->simplex[next];
+        const size_t s = cavity->old[next].simplex;
+        pbw__old *old;
         if (!pbw__cavity_reserve(desk, cavity)) {
             return 0;
         }
+        old = cavity->old + next;
         for (i = 0; i < corners; i++) {
             const pbw_index vertex = mesh->simplices[s * corners + i];
             const uint32_t *site = pbw__set_add(desk, &desk->other, vertex, (uint32_t)cavity->sites, &added);
             if (site == NULL) {
                 return 0;
             }
-            cavity->corner[4 * next + i] = *site;
+            old->corner[i] = *site;
             if (added) {
                 cavity->site[cavity->sites++].vertex = vertex;
             }
@@ -12071,7 +11841,7 @@ PBW__INLINE int pbw__cavity_find(const pbw__queries *queries, int dim, pbw__desk
         for (i = 0; i < corners; i++) {
             const pbw_index other = mesh->neighbors[s * corners + i];
             uint32_t *known = NULL;
-            cavity->across[4 * next + i] = PBW_NONE;
+            old->across[i] = PBW_NONE;
             if (other != PBW_NONE) {
                 known = pbw__set_add(desk, &desk->seen, other, PBW_NONE, &added);
                 if (known == NULL) {
@@ -12079,11 +11849,11 @@ PBW__INLINE int pbw__cavity_find(const pbw__queries *queries, int dim, pbw__desk
                 }
                 if (added && pbw__has_conflict(queries, dim, other, q, 1)) {
                     *known = (uint32_t)cavity->simplices;
-                    cavity->simplex[cavity->simplices++] = other;
+                    cavity->old[cavity->simplices++].simplex = other;
                 }
-                cavity->across[4 * next + i] = *known;
+                old->across[i] = *known;
             }
-            if (cavity->across[4 * next + i] == PBW_NONE) {
+            if (old->across[i] == PBW_NONE) {
                 pbw__cavity_face(cavity, dim, next, i);
             }
         }
@@ -12166,9 +11936,10 @@ PBW__INLINE void pbw__cavity_centres(int fine, int dim, int weighted, pbw__cavit
 {
     size_t i;
     for (i = 0; old && i < cavity->simplices; i++) {
-        const pbw__site *base = cavity->site + cavity->corner[4 * i];
-        cavity->centre[i] = pbw__vector_add(fine, base->at, pbw__cavity_centre(fine, dim, weighted, cavity,
-                                                                               cavity->corner + 4 * i + 1, base));
+        pbw__old *x = cavity->old + i;
+        const pbw__site *base = cavity->site + x->corner[0];
+        x->centre = pbw__vector_add(fine, base->at,
+                                    pbw__cavity_centre(fine, dim, weighted, cavity, x->corner + 1, base));
     }
     for (i = 0; i < cavity->faces; i++) {
         cavity->face[i].centre = pbw__cavity_centre(fine, dim, weighted, cavity, cavity->face[i].corner, NULL);
@@ -12289,12 +12060,12 @@ PBW__INLINE int pbw__cavity_weigh(int fine, int dim, int weighted, int laplace, 
     }
     for (s = 0; s < cavity->simplices && !laplace; s++) {
         for (i = 0; i <= (size_t)dim; i++) {
-            const pbw_index n = cavity->across[4 * s + i];
+            const pbw_index n = cavity->old[s].across[i];
             if (n < s) {                             /* a facet inside, once */
                 for (k = 0; k < dim; k++) {
-                    x[k] = cavity->site + cavity->corner[4 * s + pbw__opposite[dim - 2][i][k]];
+                    x[k] = cavity->site + cavity->old[s].corner[pbw__opposite[dim - 2][i][k]];
                 }
-                pbw__cavity_facet(fine, dim, weighted, x, cavity->centre[n], cavity->centre[s]);
+                pbw__cavity_facet(fine, dim, weighted, x, cavity->old[n].centre, cavity->old[s].centre);
             }
         }
     }
@@ -12303,7 +12074,7 @@ PBW__INLINE int pbw__cavity_weigh(int fine, int dim, int weighted, int laplace, 
         for (k = 0; k < dim; k++) {
             x[k] = cavity->site + face->corner[k];
         }
-        pbw__cavity_facet(fine, dim, weighted, x, face->centre, cavity->centre[face->inner]);
+        pbw__cavity_facet(fine, dim, weighted, x, face->centre, cavity->old[face->inner].centre);
     }
     if (!pbw__cavity_spokes(fine, dim, weighted, laplace, desk)) {
         return -1;
@@ -12343,7 +12114,7 @@ static void pbw__cavity_give(pbw__queries *queries, pbw__desk *desk, size_t bloc
     pbw__cavity *cavity = desk->cavity;
     pbw_index *items;
     double *values, total = 0.0;
-    size_t count = 0, gap, i, j;
+    size_t count = 0, i;
     for (i = 0; i < cavity->sites; i++) {
         const pbw__site site = cavity->site[i];
         if (site.gain.head + site.gain.tail > 0.0) {
@@ -12358,18 +12129,7 @@ static void pbw__cavity_give(pbw__queries *queries, pbw__desk *desk, size_t bloc
         items[i] = cavity->site[i].vertex;
         values[i] = cavity->site[i].gain.head + cavity->site[i].gain.tail;
     }
-    for (gap = count > 64 ? count / 3 : 1; gap > 0; gap = gap == 2 ? 1 : gap / 3) {      /* Shell's sort */
-        for (i = gap; i < count; i++) {
-            const pbw_index item = items[i];
-            const double value = values[i];
-            for (j = i; j >= gap && items[j - gap] > item; j -= gap) {
-                items[j] = items[j - gap];
-                values[j] = values[j - gap];
-            }
-            items[j] = item;
-            values[j] = value;
-        }
-    }
+    pbw__sort_items(items, values, count);
     for (i = 0; i < count; i++) {
         total += values[i];
     }
@@ -12384,10 +12144,7 @@ static void pbw__coordinates_of(pbw__queries *queries, pbw__desk *desk, size_t b
 {
     const pbw_mesh *mesh = queries->mesh;
     const int dim = mesh->dim, laplace = queries->scheme == PBW_LAPLACE;
-    double record[4];
     int right;
-    memcpy(record, p, sizeof(record[0]) * (size_t)dim);
-    record[dim] = 0.0;
     if (desk->cavity == NULL) {
         desk->cavity = (pbw__cavity *)pbw__allocate(desk->memory, 1, sizeof(pbw__cavity));
         if (desk->cavity == NULL) {
@@ -12396,7 +12153,7 @@ static void pbw__coordinates_of(pbw__queries *queries, pbw__desk *desk, size_t b
         }
         memset(desk->cavity, 0, sizeof(pbw__cavity));
     }
-    if (!(dim == 3 ? pbw__cavity_find(queries, 3, desk, t, record) : pbw__cavity_find(queries, 2, desk, t, record))) {
+    if (!(dim == 3 ? pbw__cavity_find(queries, 3, desk, t, p) : pbw__cavity_find(queries, 2, desk, t, p))) {
         return;
     }
     pbw__cavity_place(mesh, dim, desk->cavity, p);
@@ -12424,7 +12181,7 @@ static void pbw__coordinates_block(pbw__queries *queries, pbw__desk *desk, size_
         unsigned spread, facets = 0;
         double p[4];
         int hull;
-        (void)pbw__query_point(queries, query, p);
+        pbw__fetch(&queries->input, query, p);
         if (i == from) {
             end.simplex = mesh->incident[pbw__guess(mesh, p)];
         }
@@ -12441,7 +12198,6 @@ static void pbw__coordinates_block(pbw__queries *queries, pbw__desk *desk, size_
         for (spread = spot.on; spread != 0; spread &= spread - 1) {
             facets++;
         }
-        p[dim] = 0.0;
         if (queries->scheme == PBW_BARYCENTRIC || hull || facets == dim
             || (mesh->weights != NULL && !pbw__has_conflict(queries, mesh->dim, spot.simplex, p, 0))) {
             pbw__barycentric(queries, desk, block, query, &spot, p);

@@ -501,14 +501,22 @@ def queries():
     mesh.weights = Every(Value(0, Fraction(1, 2)))
     q = run('pbw__set_error', dict(fits=0, q=Every(None)), ['q[3]'])[1]['q']
     local = dict(squared=squared, q=q, reach=reach, mesh=mesh, vertex=0)
-    run('pbw__reach_to', local, ['reach.squared', 'reach.slack'])
-    prove('pbw__reach_to', reach.squared, reach.slack)
-    for name in 'pbw__reach_order', 'pbw__reach_before':
-        local = run(name, dict(a=reach, b=reach), ['gap', 'slack'])[1]
-        prove(name, local['gap'], local['slack'])
+    run('pbw__reach_of', local, ['reach.squared', 'reach.slack'])
+    prove('pbw__reach_of', reach.squared, reach.slack)
+    name = 'pbw__reach_order'
+    local = run(name, dict(a=reach, b=reach), ['gap', 'slack'])[1]
+    prove(name, local['gap'], local['slack'])
     name = 'pbw__reach_within'
     local = run(name, dict(a=reach, radius=Value(0, 1)), ['squared', 'gap', 'slack'])[1]
     prove(name, local['gap'], local['slack'])
+    # Beyond the limit d is at least t a.slack, t = 3 less the roundings of the product and of the sum: in units of a.slack
+    # an eighth, as the sum is at most (1 + 2^-48) a.squared.  The slack of both is (2 a.slack + q[3] d) (1 + 8u).
+    factor = literal('pbw__reach_limit', r'([\d.]+) \* a.slack')
+    error = Fraction(constant('PBW__REACH_ERROR')) / 2 ** 52
+    for tenth in '', ', a tenth of the bound':
+        t = factor / (10 if tenth else 1) * (1 - Fraction(1, 2 ** 52)) - Fraction(1 + Fraction(1, 2 ** 40)) / 8
+        judge('pbw__reach_limit', gappa('{ t in [%s, 1b2000] -> t * (1 - %s) - 2 * (1 + 16b-53) >= 0 }'
+                                        % (g(rounded(t, math.floor)), g(up(error * 2)))), tenth)
     Value.bits = 53
 
 

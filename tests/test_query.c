@@ -695,6 +695,44 @@ static void test_finder(void)
     }
 }
 
+/* More than four million vertices on a strip, where the longest axis of the grid has more than a million bins: as the
+   finder asks no more of a mesh, these all say that they are corners of one triangle. */
+static void test_strip(void)
+{
+    enum { N = 4300000 };
+    static pbw_index corners[3] = { 1, 0, N - 1 }, across[3] = { PBW_NONE, PBW_NONE, PBW_NONE };
+    double *points, q[2] = { 0.3, 6e-10 };
+    pbw_index *incident;
+    size_t i;
+    if (test_begin("a finder on a strip")) {
+        pbw_finder *finder;
+        pbw_options options;
+        pbw_mesh mesh;
+        points = (double *)malloc(2 * N * sizeof *points);
+        incident = (pbw_index *)calloc(N, sizeof *incident);
+        for (i = 0; i < N; i++) {
+            points[2 * i] = (double)i / N;
+            points[2 * i + 1] = i % 2 == 0 ? 0 : 1e-9;
+        }
+        memset(&options, 0, sizeof options);
+        memset(&mesh, 0, sizeof mesh);
+        options.memory_limit = (size_t)1 << 30;
+        mesh.dim = 2;
+        mesh.point_count = N;
+        mesh.simplex_count = 1;
+        mesh.points = points;
+        mesh.incident = mesh.canonical = incident;
+        mesh.simplices = corners;
+        mesh.neighbors = across;
+        CHECK_EQUAL(pbw_finder_create(&mesh, &options, &finder), PBW_OK);
+        CHECK_EQUAL(pbw_finder_locate(finder, q, NULL), 0);
+        pbw_finder_free(finder);
+        free(points);
+        free(incident);
+        test_end();
+    }
+}
+
 static void test_progress(void)
 {
     enum { N = 3000, QUERIES = 8000 };
@@ -829,6 +867,7 @@ int main(int argc, char **argv)
     test_visitors();
     test_memory();
     test_finder();
+    test_strip();
     test_progress();
     test_arguments();
     return test_finish();
