@@ -17822,7 +17822,7 @@ PBW__INLINE unsigned pbw__corners_at(const pbw_index *v, pbw_index x, int dim)
 }
 
 /* Fills a table, in space: for the corners of another simplex at which the vertices of a facet are, a set each, which
-   of its facets that is, in the opposite order; 4: none. */
+   of its facets that is, in the opposite order; 4: none, so too if either simplex has one of these vertices twice. */
 static void pbw__import_facing(pbw__import *import)
 {
     static const pbw_index corner[4] = { 0, 1, 2, 3 };
@@ -17903,6 +17903,7 @@ PBW__INLINE void pbw__import_slots_of(pbw__import *import, size_t from, size_t t
             corner[4 * t + k] = vertex[v[k]];
             wrong |= vertex[v[k]] == 0;
         }
+        wrong |= dim == 2 && ((v[0] == v[1]) | (v[1] == v[2]) | (v[2] == v[0]));     /* else see pbw__import_facing */
         pbw__import_facet(import, t, 0, &g, &wrong, dim);
         pbw__import_facet(import, t, 1, &g, &wrong, dim);
         pbw__import_facet(import, t, 2, &g, &wrong, dim);
@@ -17929,7 +17930,8 @@ PBW__INLINE unsigned pbw__corner_at(const pbw_index *corner, pbw_index v)
 }
 
 /* Links between ghosts: around each ridge, through the finite simplices that have it, from one facet of the hull to
-   the other.  It ends there: the way back is as unique. */
+   the other.  It ends there, as the way back is as unique: a simplex has no vertex twice, or, in space, is linked to
+   ghosts alone. */
 static pbw_status pbw__import_ridges(void *arg, size_t from, size_t to)
 {
     pbw__import *import = (pbw__import *)arg;
