@@ -13349,6 +13349,13 @@ static void pbw__journal_undo(pbw__core *core)
    Holds: every verdict is exact.  Vectors choose the vertex that the growing sphere meets first, in rounded numbers,
    and then ask whether any other one may be in conflict with it; where that is not certain, a tournament with exact
    signs decides.
+
+   Errors: see >>predicates, where what a bound leaves open goes.  A side, which is an orientation, and a conflict are
+   compared as squares with the square of the bound; h, the largest height of the rows, is raised to 1e-55.  The
+   determinant of a conflict is that of >>cavity3 or >>cavity2 with the last corner as the origin: a
+   product has 6 roundings for the lift, 4 for its minor, 3 for their product and sums, 2 for the coordinate that
+   this multiplies, 3 for the last sums; in the plane 5 for the lift, 1 for the coordinate beside it, 2, 2 and 2.  An
+   infinite limit leaves all open.  What a pencil chooses needs no bound.
    ------------------------------------------------------------------------------------------------------ */
 /* Copies the records of the link to columns, for the vectors of >>lanes, if there are few. */
 static void pbw__rim_columns(pbw__core *core)
@@ -13367,8 +13374,7 @@ static void pbw__rim_columns(pbw__core *core)
 }
 
 /* A finite simplex with its last corner as the origin: its orientation, and the plane through its lifted corners,
-   lift * orientation = normal . x; below it is a conflict.  The determinant is that of >>cavity3 or >>cavity2, and so
-   are the roundings on its products, with another origin. */
+   lift * orientation = normal . x; below it is a conflict. */
 typedef struct pbw__plane { double origin[4], normal[3], orientation, height; } pbw__plane;
 
 /* x relative to the origin, and its lift; returns its height. */
@@ -13385,32 +13391,76 @@ PBW__INLINE double pbw__plane_row(const pbw__plane *plane, const double *x, int 
     return square + pbw__abs(weight);
 }
 
+PBW__INLINE double pbw__row_dot(const double *a, const double *b, int dim)
+{
+    return dim == 2 ? a[0] * b[0] + a[1] * b[1] : a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+PBW__INLINE void pbw__cross_row(const double *a, const double *b, double *x)
+{
+    x[0] = a[1] * b[2] - a[2] * b[1];
+    x[1] = a[2] * b[0] - a[0] * b[2];
+    x[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* The normal of the facet of the rows a and b and the origin; it points to where an apex makes a positive simplex. */
+PBW__INLINE void pbw__facet_normal(const double *a, const double *b, int dim, double *normal)
+{
+    if (dim == 2) {
+        normal[0] = a[1];
+        normal[1] = -a[0];
+        normal[2] = 0.0;
+    } else {
+        pbw__cross_row(b, a, normal);
+    }
+}
+
+/* The plane of the rows a, b and c and the origin; normal: that of the facet of b and c. */
+PBW__INLINE void pbw__plane_set(pbw__plane *plane, const double *a, const double *b, const double *c,
+                                const double *normal, int dim)
+{
+    double ac[3], ba[3];
+    int k;
+    plane->orientation = pbw__row_dot(a, normal, dim);
+    if (dim == 2) {
+        plane->normal[0] = a[2] * b[1] - b[2] * a[1];
+        plane->normal[1] = b[2] * a[0] - a[2] * b[0];
+        plane->normal[2] = 0.0;
+        return;
+    }
+    pbw__cross_row(a, c, ac);
+    pbw__cross_row(b, a, ba);
+    for (k = 0; k < 3; k++) {
+        plane->normal[k] = a[3] * normal[k] + b[3] * ac[k] + c[3] * ba[k];
+    }
+}
+
 PBW__INLINE void pbw__plane_of(const pbw__core *core, const pbw_index *v, int dim, pbw__plane *plane)
 {
-    double row[3][4], height = 1e-55;
-    int i, k;
-    for (k = 0; k <= dim; k++) {
-        plane->origin[k] = core->record[v[dim] * ((size_t)dim + 1) + (size_t)k];
+    double row[3][4], normal[3], height = 1e-55;
+    int i;
+    for (i = 0; i <= dim; i++) {
+        plane->origin[i] = core->record[v[dim] * ((size_t)dim + 1) + (size_t)i];
     }
     for (i = 0; i < dim; i++) {
         height = pbw__max(height, pbw__plane_row(plane, core->record + v[i] * ((size_t)dim + 1), dim, row[i]));
     }
     plane->height = height;
-    if (dim == 2) {
-        const double *a = row[0], *b = row[1];
-        plane->orientation = a[0] * b[1] - a[1] * b[0];
-        plane->normal[0] = a[2] * b[1] - b[2] * a[1];
-        plane->normal[1] = b[2] * a[0] - a[2] * b[0];
-        return;
-    }
-    plane->orientation = 0.0;
-    for (k = 0; k < 3; k++) {
-        const double *a = row[0], *b = row[1], *c = row[2];
-        const int m = (k + 1) % 3, n = (k + 2) % 3;
-        const double cb = c[m] * b[n] - c[n] * b[m], ac = a[m] * c[n] - a[n] * c[m], ba = b[m] * a[n] - b[n] * a[m];
-        plane->orientation += a[k] * cb;
-        plane->normal[k] = a[3] * cb + b[3] * ac + c[3] * ba;
-    }
+    pbw__facet_normal(row[1], row[2], dim, normal);
+    pbw__plane_set(plane, row[0], row[1], row[2], normal, dim);
+}
+
+/* The squares of the bounds of a side and a conflict. */
+PBW__INLINE double pbw__side_limit(double h, int dim)
+{
+    return h * h * (dim == 2 ? PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR
+                             : h * (PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR));
+}
+
+PBW__INLINE double pbw__conflict_limit(double h, int dim)
+{
+    return h * h * (h * h) * (dim == 2 ? PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR
+                                       : h * (PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
 }
 
 /* Whether e is strictly on the open side of a rim; `normal` points there, relative to its last vertex. */
@@ -13418,10 +13468,8 @@ PBW__INLINE int pbw__rim_sees(const pbw__core *core, const pbw_index *v, pbw_ind
                               int dim)
 {
     const double *x[4] = { NULL, NULL, NULL, NULL };
-    const double limit = height * height * (dim == 2 ? PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR
-                                                     : height * (PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR));
     int k;
-    if (PBW__LIKELY(side * side > limit)) {
+    if (PBW__LIKELY(side * side > pbw__side_limit(height, dim))) {
         return side > 0.0;
     }
     x[0] = pbw__core_record(core, e);
@@ -13436,13 +13484,10 @@ PBW__INLINE int pbw__rim_sees(const pbw__core *core, const pbw_index *v, pbw_ind
 PBW__INLINE int pbw__plane_conflict(const pbw__core *core, const pbw__plane *plane, const pbw_index *corner,
                                     pbw_index e, const double *row, int dim)
 {
-    const double h = pbw__max(plane->height, row[4]);
-    const double limit = h * h * (h * h) * (dim == 2 ? PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR
-                                                     : h * (PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
+    const double det = pbw__row_dot(row, plane->normal, dim) - row[dim] * plane->orientation;
+    const double limit = pbw__conflict_limit(pbw__max(plane->height, row[4]), dim);
     const double *p = pbw__core_record(core, e), *x[4] = { NULL, NULL, NULL, NULL };
     int k;
-    double det = row[0] * plane->normal[0] + row[1] * plane->normal[1];
-    det = (dim == 2 ? det : det + row[2] * plane->normal[2]) - row[dim] * plane->orientation;
     if (PBW__LIKELY(det * det > limit)) {
         return det > 0.0;
     }
@@ -13458,29 +13503,20 @@ PBW__INLINE pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *rim,
     const pbw_index *u = core->rim_vertex;
     pbw_index corner[4] = { 0, u[rim[0]], u[rim[1]], dim == 3 ? u[rim[2]] : 0 }, i, apex = 0;
     pbw__plane plane;
-    double a[4], b[4], normal[3] = { 0.0, 0.0, 0.0 }, row[5], height;
-    int k;
+    double a[4], b[4] = { 0.0, 0.0, 0.0, 0.0 }, normal[3], row[5], height;
     memset(&plane, 0, sizeof(plane));
     memcpy(plane.origin, pbw__core_record(core, corner[dim]), ((size_t)dim + 1) * sizeof(double));
     height = pbw__max(1e-55, pbw__plane_row(&plane, pbw__core_record(core, corner[1]), dim, a));
-    if (dim == 2) {
-        normal[0] = a[1];
-        normal[1] = -a[0];
-    } else {
+    if (dim == 3) {
         height = pbw__max(height, pbw__plane_row(&plane, pbw__core_record(core, corner[2]), dim, b));
-        for (k = 0; k < 3; k++) {
-            normal[k] = b[(k + 1) % 3] * a[(k + 2) % 3] - b[(k + 2) % 3] * a[(k + 1) % 3];
-        }
     }
+    pbw__facet_normal(a, b, dim, normal);
     for (i = 1; i < core->rim_vertices; i++) {
-        double side;
         if (i == rim[0] || i == rim[1] || i == rim[2]) {
             continue;
         }
         row[4] = pbw__plane_row(&plane, core->record + u[i] * ((size_t)dim + 1), dim, row);
-        side = row[0] * normal[0] + row[1] * normal[1];
-        side = dim == 2 ? side : side + row[2] * normal[2];
-        if (pbw__rim_sees(core, corner + 1, u[i], side, pbw__max(height, row[4]), dim)
+        if (pbw__rim_sees(core, corner + 1, u[i], pbw__row_dot(row, normal, dim), pbw__max(height, row[4]), dim)
             && (apex == 0 || pbw__plane_conflict(core, &plane, corner, u[i], row, dim))) {
             apex = i;
             corner[0] = u[i];
@@ -13500,32 +13536,24 @@ typedef struct pbw__candidates4 { pbw__d4 x, y, z, lift, height; unsigned open; 
    (lift - centre . e) / (normal . e) is. */
 typedef struct pbw__pencil { double origin[4], normal[3], centre[3], height; } pbw__pencil;
 
-PBW__INLINE void pbw__cross_row(const double *a, const double *b, double *x)
-{
-    x[0] = a[1] * b[2] - a[2] * b[1];
-    x[1] = a[2] * b[0] - a[0] * b[2];
-    x[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 PBW__INLINE void pbw__pencil_of(const double *a, const double *b, int dim, pbw__pencil *pencil)
 {
     double *normal = pencil->normal, square, nb[3], an[3];
+    int k;
+    pbw__facet_normal(a, b, dim, normal);
+    square = pbw__row_dot(normal, normal, dim);
     if (dim == 2) {
-        square = a[0] * a[0] + a[1] * a[1];
-        normal[0] = a[1];
-        normal[1] = -a[0];
-        normal[2] = pencil->centre[2] = 0.0;
         pencil->centre[0] = a[0] * (a[2] / square);
         pencil->centre[1] = a[1] * (a[2] / square);
+        pencil->centre[2] = 0.0;
         return;
     }
-    pbw__cross_row(b, a, normal);
     pbw__cross_row(normal, b, nb);
     pbw__cross_row(a, normal, an);
-    square = 1.0 / (normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-    pencil->centre[0] = (a[3] * nb[0] + b[3] * an[0]) * square;
-    pencil->centre[1] = (a[3] * nb[1] + b[3] * an[1]) * square;
-    pencil->centre[2] = (a[3] * nb[2] + b[3] * an[2]) * square;
+    square = 1.0 / square;
+    for (k = 0; k < 3; k++) {
+        pencil->centre[k] = (a[3] * nb[k] + b[3] * an[k]) * square;
+    }
 }
 
 /* The rows of four link vertices, from the i-th on, and how far along the pencil each is; infinitely far on the
@@ -13566,35 +13594,16 @@ PBW__SIMD_INLINE int pbw__candidates4_conflict(const pbw__candidates4 *c, const 
                                                int dim)
 {
     const pbw__d4 h = pbw__max4(c->height, pbw__splat(plane->height));
-    pbw__d4 det = pbw__fma(c->y, pbw__splat(plane->normal[1]), c->x * pbw__splat(plane->normal[0])), limit;
-    det = dim == 2 ? det : pbw__fma(c->z, pbw__splat(plane->normal[2]), det);
+    pbw__d4 det = pbw__fma(c->y, pbw__splat(plane->normal[1]), c->x * pbw__splat(plane->normal[0])), limit, sure;
+    if (dim == 3) {
+        det = pbw__fma(c->z, pbw__splat(plane->normal[2]), det);
+    }
     det = pbw__fnma(c->lift, pbw__splat(plane->orientation), det);
     limit = h * h * (h * h);
     limit = dim == 2 ? limit * pbw__splat(PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR)
                      : limit * h * pbw__splat(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR);
-    limit = pbw__and4(pbw__greater(det * det, limit), pbw__greater(pbw__splat(0.0), det));
-    return (c->open & ~skip & ~pbw__signs(limit)) != 0;
-}
-
-/* The plane of apex, a, b and the origin, in rows; see pbw__plane_of. */
-PBW__INLINE void pbw__pencil_plane(const pbw__pencil *pencil, const double *apex, const double *a, const double *b,
-                                   int dim, pbw__plane *plane)
-{
-    const double *normal = pencil->normal;
-    double ab[3], aa[3];
-    if (dim == 2) {
-        plane->orientation = apex[0] * normal[0] + apex[1] * normal[1];
-        plane->normal[0] = apex[2] * a[1] - a[2] * apex[1];
-        plane->normal[1] = a[2] * apex[0] - apex[2] * a[0];
-        plane->normal[2] = 0.0;
-        return;
-    }
-    plane->orientation = apex[0] * normal[0] + apex[1] * normal[1] + apex[2] * normal[2];
-    pbw__cross_row(apex, b, ab);
-    pbw__cross_row(a, apex, aa);
-    plane->normal[0] = apex[3] * normal[0] + a[3] * ab[0] + b[3] * aa[0];
-    plane->normal[1] = apex[3] * normal[1] + a[3] * ab[1] + b[3] * aa[1];
-    plane->normal[2] = apex[3] * normal[2] + a[3] * ab[2] + b[3] * aa[2];
+    sure = pbw__and4(pbw__greater(det * det, limit), pbw__greater(pbw__splat(0.0), det));
+    return (c->open & ~skip & ~pbw__signs(sure)) != 0;
 }
 
 /* pbw__rim_apex by vectors: the first vertex that the sphere meets as it grows out of the open side, if it is certain
@@ -13647,7 +13656,7 @@ PBW__SIMD_INLINE pbw_index pbw__rim_apex4(const pbw__core *core, const pbw_index
     apex += (unsigned)place[apex];
     plane.height = pbw__max(pencil.height, pbw__plane_row(&plane, pbw__core_record(core, core->rim_vertex[apex]), dim,
                                                           row[0]));
-    pbw__pencil_plane(&pencil, row[0], row[1], row[2], dim, &plane);
+    pbw__plane_set(&plane, row[0], row[1], row[2], pencil.normal, dim);
     for (i = 0; i < count; i += 4) {
         if (pbw__candidates4_conflict(candidate + i / 4, &plane, (unsigned)((uint64_t)1 << apex >> i) & 15, dim)) {
             return PBW_NONE;
@@ -14783,38 +14792,29 @@ PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int all, 
 {
     const pbw_index *v = core->kernel.corner + 4 * t;
     const pbw__link *link = core->kernel.link + 4 * t;
-    const double error = dim == 2 ? PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR : PBW__SPHERE_ERROR * PBW__SPHERE_ERROR;
-    const double side_error = dim == 2 ? PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR
-                                       : PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR;
     const int ghost = v[dim] == PBW__GHOST;
     pbw__plane plane;
     unsigned faults = 0;
     int k;
     memset(&plane, 0, sizeof(plane));
     if (!ghost) {
-        double side, least;
+        double side;
         pbw__plane_of(core, v, dim, &plane);
         side = plane.orientation;
-        least = plane.height * plane.height * (dim == 2 ? 1.0 : plane.height) * side_error;
-        if (!(side > 0.0 && side * side > least) && pbw__slot_side(core, t, dim + 1, NULL) <= 0) {
+        if (!(side > 0.0 && side * side > pbw__side_limit(plane.height, dim))
+            && pbw__slot_side(core, t, dim + 1, NULL) <= 0) {
             return PBW__INVERTED;
         }
     }
     for (k = 0; k <= dim - ghost; k++) {
         const pbw_index far = core->kernel.corner[link[k]];
         const double *e = core->record + far * ((size_t)dim + 1);
-        double row[4], h, det, limit;
+        double row[5];
         if (far == PBW__GHOST || (!ghost && !all && t > link[k] >> 2)) {
             continue;
         }
-        det = limit = 0.0;
-        if (!ghost) {
-            h = pbw__max(plane.height, pbw__plane_row(&plane, e, dim, row));
-            det = row[0] * plane.normal[0] + row[1] * plane.normal[1];
-            det = (dim == 2 ? det : det + row[2] * plane.normal[2]) - row[dim] * plane.orientation;
-            limit = h * h * (h * h) * (dim == 2 ? 1.0 : h) * error;
-        }
-        if (PBW__LIKELY(det * det > limit) ? det > 0.0 : pbw__slot_conflict(core, t, e)) {
+        row[4] = ghost ? 0.0 : pbw__plane_row(&plane, e, dim, row);
+        if (ghost ? pbw__slot_conflict(core, t, e) : pbw__plane_conflict(core, &plane, v, far, row, dim)) {
             faults |= 1u << k;
         }
     }
@@ -17903,7 +17903,6 @@ PBW__INLINE void pbw__import_slots_of(pbw__import *import, size_t from, size_t t
             corner[4 * t + k] = vertex[v[k]];
             wrong |= vertex[v[k]] == 0;
         }
-        wrong |= dim == 2 && ((v[0] == v[1]) | (v[1] == v[2]) | (v[2] == v[0]));     /* else see pbw__import_facing */
         pbw__import_facet(import, t, 0, &g, &wrong, dim);
         pbw__import_facet(import, t, 1, &g, &wrong, dim);
         pbw__import_facet(import, t, 2, &g, &wrong, dim);
@@ -17930,8 +17929,8 @@ PBW__INLINE unsigned pbw__corner_at(const pbw_index *corner, pbw_index v)
 }
 
 /* Links between ghosts: around each ridge, through the finite simplices that have it, from one facet of the hull to
-   the other.  It ends there, as the way back is as unique: a simplex has no vertex twice, or, in space, is linked to
-   ghosts alone. */
+   the other.  It ends there, as the way back is as unique: unless a simplex has a vertex twice, which in space has
+   links to ghosts alone, see pbw__import_facing.  PBW__ANEW: a triangle has. */
 static pbw_status pbw__import_ridges(void *arg, size_t from, size_t to)
 {
     pbw__import *import = (pbw__import *)arg;
@@ -17947,7 +17946,10 @@ static pbw_status pbw__import_ridges(void *arg, size_t from, size_t to)
             pbw_index next = corner[4 * g + i];      /* across from which we go on */
             for (;;) {
                 const size_t t = at >> 2;
-                const pbw_index last = corner[at];
+                const pbw_index last = corner[at], *v = corner + 4 * t;
+                if (dim == 2 && (v[0] == v[1] || v[1] == v[2] || v[2] == v[0])) {
+                    return PBW__ANEW;
+                }
                 at = link[4 * t + pbw__corner_at(corner + 4 * t, next)];
                 next = last;
                 if (at >> 2 >= first) {
