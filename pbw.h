@@ -13050,8 +13050,7 @@ static void pbw__core_free(pbw__context *context, pbw__core *core)
     memset(core, 0, sizeof(*core));
 }
 
-#define PBW__CORE_GROW(core, x, needed) \
-    pbw__grow(&(core)->kernel.context->memory, &(core)->x, &(core)->x##_capacity, needed, sizeof(*(core)->x))
+#define PBW__CORE_GROW(core, x, needed) PBW__GROW(&(core)->kernel, core, x, needed)
 
 PBW__INLINE const double *pbw__core_record(const pbw__core *core, pbw_index v)
 {
@@ -13082,6 +13081,15 @@ PBW__INLINE int pbw__hold_corners(pbw__kernel *kernel, size_t t)
 PBW__INLINE pbw_status pbw__no_room(const pbw__kernel *kernel, pbw_status status)
 {
     return status == PBW__LEFT && kernel->own.owner == NULL ? PBW_ERROR_TOO_LARGE : status;
+}
+
+PBW__INLINE unsigned pbw__corner_at(const pbw_index *corner, pbw_index v)
+{
+    unsigned k = 0;
+    while (corner[k] != v) {
+        k++;
+    }
+    return k;
 }
 
 /* The facet across from corner i of a positive simplex v: a, b, c with (v[i], a, b, c) positive. */
@@ -14108,57 +14116,75 @@ PBW__INLINE size_t pbw__rim_find(const pbw__core *core, uint64_t key, size_t roo
     return at;
 }
 
-/* Collects the star of v in scratch.cavity, its link in rim_vertex and rim.  PBW__LEFT: not all of that is ours. */
+/* Collects the star of v in scratch.cavity.  PBW__LEFT: not all of its vertices are ours.  On any status the marks of
+   the cavity are to be cleared. */
+PBW__INLINE pbw_status pbw__collect_star(pbw__core *core, pbw_index v, size_t dim)
+{
+    pbw__kernel *kernel = &core->kernel;
+    pbw_index *cavity = kernel->scratch.cavity;
+    size_t count = 1, i, k;
+    kernel->scratch.cavity_count = 0;
+    if (!pbw__hold(kernel, v) || !pbw__hold_corners(kernel, core->incident[v])) {
+        return PBW__LEFT;
+    }
+    cavity[0] = core->incident[v];
+    kernel->mark[cavity[0]] = 1;
+    for (i = 0; i < count; i++) {
+        const size_t t = cavity[i];
+        kernel->scratch.cavity_count = count;
+        if (count + dim + 8 > kernel->scratch.cavity_capacity && !pbw__grow_lists(kernel, count + dim + 8)) {
+            return PBW_ERROR_MEMORY;
+        }
+        cavity = kernel->scratch.cavity;
+        for (k = 0; k <= dim; k++) {
+            const size_t next = kernel->link[4 * t + k] >> 2;
+            if (kernel->corner[4 * t + k] != v && !kernel->mark[next]) {
+                if (!pbw__hold(kernel, kernel->corner[kernel->link[4 * t + k]])) {
+                    kernel->scratch.cavity_count = count;
+                    return PBW__LEFT;
+                }
+                kernel->mark[next] = 1;
+                cavity[count++] = (pbw_index)next;
+                PBW__PREFETCH(kernel->corner + 4 * next);
+                PBW__PREFETCH(kernel->link + 4 * next);
+            }
+        }
+    }
+    kernel->scratch.cavity_count = count;
+    return PBW_OK;
+}
+
+/* Collects the star of v in scratch.cavity, its link in rim_vertex and rim. */
 static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
     const unsigned dim = (unsigned)kernel->dim;
+    pbw_status status = dim == 3 ? pbw__collect_star(core, v, 3) : pbw__collect_star(core, v, 2);
+    const size_t count = kernel->scratch.cavity_count;
     size_t i;
-    unsigned k, at;
-    if (!pbw__hold(kernel, v) || !pbw__hold_corners(kernel, core->incident[v])) {
-        return PBW__LEFT;
+    unsigned k;
+    if (status == PBW_OK && (!PBW__CORE_GROW(core, rim, count)
+                             || !PBW__CORE_GROW(core, rim_vertex, (count + 1) * dim + 8))) {
+        status = PBW_ERROR_MEMORY;
     }
-    kernel->scratch.cavity[0] = core->incident[v];
-    kernel->scratch.cavity_count = 1;
-    kernel->mark[core->incident[v]] = 1;
+    if (status != PBW_OK) {
+        (void)pbw__leave_cavity(kernel, count);
+        return status;
+    }
+    core->rim_vertex[0] = PBW__GHOST;                /* core->local[PBW__GHOST] is always 0 */
+    core->rim_vertices = 1;
     core->rims = core->fillings = 0;
-    for (i = 0; i < kernel->scratch.cavity_count; i++) {
+    for (i = 0; i < count; i++) {
         const size_t t = kernel->scratch.cavity[i];
-        const pbw_index *corner = kernel->corner + 4 * t;
-        const pbw__link *link = kernel->link + 4 * t;
-        pbw__rim *rim;
-        if (!pbw__grow_lists(kernel, kernel->scratch.cavity_count + dim + 8)
-            || !PBW__CORE_GROW(core, rim, core->rims + 1)
-            || !PBW__CORE_GROW(core, rim_vertex, core->rim_vertices + 2 * dim + 2)) {
-            (void)pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
-            return PBW_ERROR_MEMORY;
-        }
-        if (i == 0) {                                /* core->local[PBW__GHOST] is always 0 */
-            core->rim_vertex[0] = PBW__GHOST;
-            core->rim_vertices = 1;
-        }
-        for (at = 0; corner[at] != v; at++) {
-        }
-        rim = core->rim + core->rims++;
-        pbw__facet_of(corner, at, (int)dim, rim->v);
+        const unsigned at = pbw__corner_at(kernel->corner + 4 * t, v);
+        pbw__rim *rim = core->rim + core->rims++;
+        pbw__facet_of(kernel->corner + 4 * t, at, (int)dim, rim->v);
         for (k = 0; k < dim; k++) {
             rim->v[k] = pbw__rim_place(core, rim->v[k]);
         }
         rim->key = pbw__rim_key(rim->v, dim);
-        rim->across = link[at];
+        rim->across = kernel->link[4 * t + at];
         rim->made = rim->closed = 0;
-        for (k = 0; k <= dim; k++) {
-            const pbw_index next = (pbw_index)(link[k] >> 2);
-            if (k != at && !kernel->mark[next]) {
-                if (!pbw__hold(kernel, kernel->corner[link[k]])) {
-                    return pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
-                }
-                kernel->mark[next] = 1;
-                kernel->scratch.cavity[kernel->scratch.cavity_count++] = next;
-                PBW__PREFETCH(kernel->corner + 4 * (size_t)next);
-                PBW__PREFETCH(kernel->link + 4 * (size_t)next);
-            }
-        }
     }
     pbw__rim_columns(core);
     return PBW_OK;
@@ -15221,15 +15247,30 @@ static int pbw__choose_inside(pbw__verifying *verifying)
 }
 
 /* ---- flips
-   Sets corners and links of a triangle, the ghost last. */
+   How far the corners v are to be turned to the left, so that the ghost is the last. */
+PBW__INLINE unsigned pbw__ghost_turn(const pbw_index *v)
+{
+    return v[0] == PBW__GHOST ? 1 : v[1] == PBW__GHOST ? 2 : 0;
+}
+
+/* Sets corners and links of a triangle, and the links back. */
 static void pbw__set_triangle(pbw__kernel *kernel, size_t t, const pbw_index *v, const pbw__link *link)
 {
-    const unsigned turn = v[0] == PBW__GHOST ? 1 : v[1] == PBW__GHOST ? 2 : 0;
+    const unsigned turn = pbw__ghost_turn(v);
     unsigned k;
     for (k = 0; k < 3; k++) {
+        const pbw__link to = link[(k + turn) % 3];
         kernel->corner[4 * t + k] = v[(k + turn) % 3];
-        kernel->link[4 * t + k] = link[(k + turn) % 3];
+        kernel->link[4 * t + k] = to;
+        kernel->link[to] = (pbw__link)(4 * t + k);
     }
+}
+
+/* Returns whether three vertices are a positive triangle, or one is the ghost. */
+static int pbw__may_be_triangle(const pbw__core *core, const pbw_index *v)
+{
+    const double *x[3] = { pbw__core_record(core, v[0]), pbw__core_record(core, v[1]), pbw__core_record(core, v[2]) };
+    return v[0] == PBW__GHOST || v[1] == PBW__GHOST || v[2] == PBW__GHOST || pbw__orient(2, x, &core->grid) > 0;
 }
 
 /* Replaces the edge across from corner k of t by the other diagonal.  PBW__ANEW: that is none. */
@@ -15241,52 +15282,25 @@ static pbw_status pbw__flip(pbw__core *core, size_t t, unsigned k)
     const unsigned j = (unsigned)(across & 3), k1 = (k + 1) % 3, k2 = (k + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
     const pbw_index p = kernel->corner[here], q = kernel->corner[across];
     const pbw_index a = kernel->corner[4 * t + k1], b = kernel->corner[4 * t + k2];
-    const pbw__link pa = kernel->link[4 * t + k2], bp = kernel->link[4 * t + k1];
-    const pbw__link aq = kernel->link[4 * u + j1], qb = kernel->link[4 * u + j2];
     const pbw_index first[3] = { p, a, q }, second[3] = { p, q, b };
-    pbw__link link[3];
+    const unsigned at_a = (4 - pbw__ghost_turn(first)) % 3, at_b = (5 - pbw__ghost_turn(second)) % 3;
+    const pbw__link of_first[3] = { kernel->link[4 * u + j1], (pbw__link)(4 * u + at_b), kernel->link[4 * t + k2] };
+    const pbw__link of_second[3] = { kernel->link[4 * u + j2], kernel->link[4 * t + k1], (pbw__link)(4 * t + at_a) };
     pbw_status status;
-    unsigned i;
-    for (i = 0; i < 2; i++) {
-        const pbw_index *v = i == 0 ? first : second;
-        const double *x[3] = { pbw__record_at(kernel, v[0]), pbw__record_at(kernel, v[1]),
-                               pbw__record_at(kernel, v[2]) };
-        if (v[1] != PBW__GHOST && v[2] != PBW__GHOST && v[0] != PBW__GHOST && pbw__orient(2, x, &core->grid) <= 0) {
-            return PBW__ANEW;
-        }
+    if (!pbw__may_be_triangle(core, first) || !pbw__may_be_triangle(core, second)) {
+        return PBW__ANEW;
     }
     kernel->scratch.cavity[0] = (pbw_index)t;
     kernel->scratch.cavity[1] = (pbw_index)u;
     kernel->scratch.cavity_count = 2;
     status = pbw__journal_cavity(kernel);
-    if (status != PBW_OK) {
-        return status;
+    if (status == PBW_OK) {
+        pbw__set_triangle(kernel, t, first, of_first);
+        pbw__set_triangle(kernel, u, second, of_second);
+        pbw__note_corners(core, t);
+        pbw__note_corners(core, u);
     }
-    link[0] = aq, link[1] = 0, link[2] = pa;
-    pbw__set_triangle(kernel, t, first, link);
-    link[0] = qb, link[1] = bp, link[2] = 0;
-    pbw__set_triangle(kernel, u, second, link);
-    for (i = 0; i < 2; i++) {                        /* the links back, and those of the two to each other */
-        const size_t s = i == 0 ? t : u;
-        unsigned m;
-        for (m = 0; m < 3; m++) {
-            const pbw_index v = kernel->corner[4 * s + m];
-            if (v == (i == 0 ? a : b)) {
-                const size_t other = i == 0 ? u : t;
-                const pbw_index facing = i == 0 ? b : a;
-                unsigned n = 0;
-                while (kernel->corner[4 * other + n] != facing) {
-                    n++;
-                }
-                kernel->link[4 * s + m] = (pbw__link)(4 * other + n);
-            } else {
-                kernel->link[kernel->link[4 * s + m]] = (pbw__link)(4 * s + m);
-            }
-        }
-    }
-    pbw__note_corners(core, t);
-    pbw__note_corners(core, u);
-    return PBW_OK;
+    return status;
 }
 
 /* Flips until all edges are locally Delaunay, from those in rim_vertex on.  PBW__ANEW: more than `most` times.  A
@@ -15383,8 +15397,7 @@ static pbw_status pbw__verify(pbw__core *core, size_t most)
 #define PBW__LEAVES 8u                               /* in a commit: its old place; and the next: a new one */
 #define PBW__ARRIVES 16u
 
-#define PBW__LIVE_GROW(live, x, needed) \
-    pbw__grow(&(live)->core.kernel.context->memory, &(live)->x, &(live)->x##_capacity, needed, sizeof(*(live)->x))
+#define PBW__LIVE_GROW(live, x, needed) PBW__GROW(&(live)->core.kernel, live, x, needed)
 
 /* What was written to the tables of the core, and in which. */
 typedef struct pbw__edit { pbw_index table, at, old; } pbw__edit;
@@ -17089,38 +17102,17 @@ static pbw_status pbw__live_in_place(pbw_live *live, pbw_changes *changes)
 }
 
 /* ---- one by one
-   The star of v in scratch.cavity.  PBW__NO_FIT: it has a ghost.  PBW__LEFT: not all of its vertices are ours. */
+   The star of v in scratch.cavity, without marks.  PBW__NO_FIT: it has a ghost.  PBW__LEFT: not all of its vertices
+   are ours. */
 static pbw_status pbw__shift_star(pbw__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
     const size_t dim = (size_t)kernel->dim;
-    pbw_index *cavity = kernel->scratch.cavity;
-    size_t count = 1, i, k;
-    pbw_status status = PBW_OK;
-    if (!pbw__hold_corners(kernel, core->incident[v])) {
-        return PBW__LEFT;
-    }
-    cavity[0] = core->incident[v];
-    kernel->mark[cavity[0]] = 1;
+    pbw_status status = dim == 3 ? pbw__collect_star(core, v, 3) : pbw__collect_star(core, v, 2);
+    const size_t count = kernel->scratch.cavity_count;
+    size_t i;
     for (i = 0; i < count && status == PBW_OK; i++) {
-        const size_t t = cavity[i];
-        if (count + dim > kernel->scratch.cavity_capacity && !pbw__grow_lists(kernel, count + dim)) {
-            status = PBW_ERROR_MEMORY;
-            break;
-        }
-        cavity = kernel->scratch.cavity;
-        status = kernel->corner[4 * t + dim] == PBW__GHOST ? PBW__NO_FIT : PBW_OK;
-        for (k = 0; k <= dim && status == PBW_OK; k++) {
-            const size_t next = kernel->link[4 * t + k] >> 2;
-            if (kernel->corner[4 * t + k] != v && !kernel->mark[next]) {
-                status = pbw__hold(kernel, kernel->corner[kernel->link[4 * t + k]]) ? PBW_OK : PBW__LEFT;
-                kernel->mark[next] = status == PBW_OK;
-                cavity[count] = (pbw_index)next;
-                count += status == PBW_OK;
-                PBW__PREFETCH(kernel->corner + 4 * next);
-                PBW__PREFETCH(kernel->link + 4 * next);
-            }
-        }
+        status = kernel->corner[4 * (size_t)kernel->scratch.cavity[i] + dim] == PBW__GHOST ? PBW__NO_FIT : PBW_OK;
     }
     (void)pbw__leave_cavity(kernel, count);
     kernel->scratch.cavity_count = count;
@@ -17917,15 +17909,6 @@ static pbw_status pbw__import_slots(void *arg, size_t from, size_t to)
 {
     PBW__BY_DIM(((pbw__import *)arg)->mesh->dim, pbw__import_slots_of, (pbw__import *)arg, from, to);
     return PBW_OK;
-}
-
-PBW__INLINE unsigned pbw__corner_at(const pbw_index *corner, pbw_index v)
-{
-    unsigned k = 0;
-    while (corner[k] != v) {
-        k++;
-    }
-    return k;
 }
 
 /* Links between ghosts: around each ridge, through the finite simplices that have it, from one facet of the hull to
