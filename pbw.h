@@ -14591,30 +14591,19 @@ static pbw_status pbw__core_scan(pbw__core *core)
     return PBW_OK;
 }
 
-/* box: per task, the least and the largest entries of its records. */
-typedef struct pbw__taking { pbw__core *core; const pbw_index *list; double (*box)[8]; int tasks; } pbw__taking;
+/* list: per id of a vertex, its number; NULL: ids are numbers.  box: per task, the least and the largest entries of its
+   records. */
+typedef struct pbw__taking {
+    pbw__core *core;
+    const pbw_index *list;
+    double (*box)[8];
+    int tasks, named;
+} pbw__taking;
 
-/* Names the vertices of a share. */
-static void pbw__core_name_share(void *arg, int task)
+/* Names the vertices of a share, unless they have names; its box. */
+PBW__INLINE void pbw__core_take_of(const pbw__taking *taking, int task, int dim)
 {
-    const pbw__taking *taking = (const pbw__taking *)arg;
     pbw__core *core = taking->core;
-    const size_t end = pbw__share(core->vertex_count, task + 1, taking->tasks) + 1;
-    size_t r;
-    for (r = pbw__share(core->vertex_count, task, taking->tasks) + 1; r < end; r++) {
-        const size_t soon = core->name[r + 16 < end ? r + 16 : r];
-        const pbw_index id = taking->list != NULL ? taking->list[core->name[r]] : core->name[r];
-        PBW__PREFETCH_TO_WRITE(core->vertex + soon);
-        PBW__PREFETCH_TO_WRITE(core->twin + soon);
-        core->name[r] = id;
-        core->vertex[id] = (pbw_index)r;
-        core->twin[id] = id;
-    }
-}
-
-PBW__INLINE void pbw__core_box_of(const pbw__taking *taking, int task, int dim)
-{
-    const pbw__core *core = taking->core;
     const size_t width = (size_t)dim + 1, end = pbw__share(core->vertex_count, task + 1, taking->tasks) + 1;
     double low[4] = { HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL };
     double high[4] = { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL };
@@ -14625,15 +14614,24 @@ PBW__INLINE void pbw__core_box_of(const pbw__taking *taking, int task, int dim)
             low[k] = x[k] < low[k] ? x[k] : low[k];
             high[k] = x[k] > high[k] ? x[k] : high[k];
         }
+        if (!taking->named) {
+            const size_t soon = core->name[r + 16 < end ? r + 16 : r];
+            const pbw_index id = taking->list != NULL ? taking->list[core->name[r]] : core->name[r];
+            PBW__PREFETCH_TO_WRITE(core->vertex + soon);
+            PBW__PREFETCH_TO_WRITE(core->twin + soon);
+            core->name[r] = id;
+            core->vertex[id] = (pbw_index)r;
+            core->twin[id] = id;
+        }
     }
     memcpy(taking->box[task], low, sizeof(low));
     memcpy(taking->box[task] + 4, high, sizeof(high));
 }
 
-static void pbw__core_box_share(void *arg, int task)
+static void pbw__core_take_share(void *arg, int task)
 {
     const pbw__taking *taking = (const pbw__taking *)arg;
-    PBW__BY_DIM(taking->core->kernel.dim, pbw__core_box_of, taking, task);
+    PBW__BY_DIM(taking->core->kernel.dim, pbw__core_take_of, taking, task);
 }
 
 /* Room for vertices and numbers. */
@@ -14666,15 +14664,13 @@ static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const
     vertices->id = NULL;
     taking.core = core;
     taking.list = list;
+    taking.named = named;
     taking.tasks = pbw__tasks(context, vertices->count, 16384);
     taking.box = (double (*)[8])pbw__allocate(&context->memory, (size_t)taking.tasks, sizeof(*taking.box));
     if (taking.box == NULL) {
         return PBW_ERROR_MEMORY;
     }
-    if (!named) {
-        pbw__for(context, taking.tasks, pbw__core_name_share, &taking);
-    }
-    pbw__for(context, taking.tasks, pbw__core_box_share, &taking);
+    pbw__for(context, taking.tasks, pbw__core_take_share, &taking);
     for (k = 0; k < width; k++) {
         core->low[k] = taking.box[0][k];
         core->high[k] = taking.box[0][4 + k];
@@ -15422,6 +15418,8 @@ struct pbw_live {
     size_t edit_capacity, head_capacity, leaving_capacity, arriving_capacity, joining_capacity, moved_capacity;
     size_t edit_count, leaving_count, arriving_count, joining_count, first_edit;
     size_t past_vertices, past_unused, past_placed;
+    pbw__grid past_grid;
+    double past_height;
 };
 
 /* ---- the queue */
@@ -15637,7 +15635,7 @@ PBWDEF void pbw_changes_free(pbw_changes *changes)
 /* A list of simplices on its way into ascending order. */
 typedef struct pbw__tuples {
     pbw_index *tuple, *sorted;
-    uint64_t *key, *spare;                           /* the lowest corner, and below it the place in `tuple` */
+    uint64_t *key;                                   /* the lowest corner, and below it the place in `tuple` */
     uint32_t *digit;
     size_t count;
     int dim;
@@ -15674,23 +15672,6 @@ static pbw_status pbw__tuples_gather(void *arg, size_t from, size_t to)
         pbw__sort_tuples(tuples->sorted + first * corners, i - first, corners);
     }
     return PBW_OK;
-}
-
-/* Sorts a list, all simplices of numbers below `numbers`, into a new array of so much room. */
-static pbw_status pbw__tuples_sort(pbw__context *context, pbw__tuples *tuples, size_t numbers)
-{
-    const size_t count = tuples->count;
-    pbw_status status = pbw__for_range(context, count, PBW__TICK, 0.0, pbw__tuples_turn, tuples);
-    if (status == PBW_OK) {
-        pbw__sorting sorting = { context, tuples->key, tuples->spare, tuples->digit, count, context->threads, 0, 0 };
-        const int bits = pbw__index_bits(numbers);
-        uint64_t *key = count < PBW__TICK ? pbw__sort_keys(&sorting, 32, bits) : pbw__sort_by(&sorting, 32, bits);
-        tuples->spare = key == tuples->key ? tuples->spare : tuples->key;
-        tuples->key = key;
-        status = key == NULL ? PBW_CANCELLED
-               : pbw__for_range(context, count, PBW__TICK, 0.0, pbw__tuples_gather, tuples);
-    }
-    return status;
 }
 
 /* Leaves in each of two sorted lists what is not in the other; marks the points of both, a bit for each. */
@@ -15750,13 +15731,21 @@ static pbw_status pbw__changes_sort(pbw__context *context, pbw__memory *memory, 
                                     pbw__tuples *tuples, size_t numbers)
 {
     const size_t count = tuples->count, words = count * ((size_t)tuples->dim + 1);
+    const int bits = pbw__index_bits(numbers);
+    uint64_t *key = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
+    uint64_t *spare = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
+    pbw__sorting sorting = { context, key, spare, tuples->digit, count, context->threads, 0, 0 };
     pbw_status status = PBW_ERROR_MEMORY;
-    uint64_t *key = tuples->key = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
-    uint64_t *spare = tuples->spare = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
+    tuples->key = key;
     tuples->tuple = (pbw_index *)(uintptr_t)*list;
     tuples->sorted = (pbw_index *)pbw__allocate(memory, words, sizeof(pbw_index));
     if (key != NULL && spare != NULL && tuples->sorted != NULL) {
-        status = pbw__tuples_sort(context, tuples, numbers);
+        status = pbw__for_range(context, count, PBW__TICK, 0.0, pbw__tuples_turn, tuples);
+    }
+    if (status == PBW_OK) {
+        tuples->key = count < PBW__TICK ? pbw__sort_keys(&sorting, 32, bits) : pbw__sort_by(&sorting, 32, bits);
+        status = tuples->key == NULL ? PBW_CANCELLED
+               : pbw__for_range(context, count, PBW__TICK, 0.0, pbw__tuples_gather, tuples);
     }
     pbw__release(&context->memory, key, count, sizeof(uint64_t));
     pbw__release(&context->memory, spare, count, sizeof(uint64_t));
@@ -15776,7 +15765,7 @@ static pbw_status pbw__changes_close(pbw__context *context, pbw_changes *changes
     uint64_t *mark = (uint64_t *)pbw__allocate(&context->memory, words, sizeof(uint64_t));
     uint32_t *digit = (uint32_t *)pbw__allocate(&context->memory, digits, sizeof(uint32_t));
     pbw_status status = mark == NULL || digit == NULL ? PBW_ERROR_MEMORY : PBW_OK;
-    pbw__tuples tuples = { NULL, NULL, NULL, NULL, NULL, 0, 0 };
+    pbw__tuples tuples = { NULL, NULL, NULL, NULL, 0, 0 };
     tuples.digit = digit;
     tuples.dim = dim;
     if (status == PBW_OK) {
@@ -16960,9 +16949,23 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
     return status == PBW_OK ? pbw__uncover(core) : status;
 }
 
+/* Notes what pbw__batch_undo needs besides edits and the journal. */
+static void pbw__batch_begin(pbw_live *live)
+{
+    const pbw__core *core = &live->core;
+    live->edit_count = 0;
+    live->past_vertices = core->vertex_count;
+    live->past_unused = core->unused_count;
+    live->past_placed = core->placed;
+    live->past_grid = core->grid;
+    live->past_height = core->kernel.exact_height;
+}
+
 static void pbw__batch_undo(pbw_live *live)
 {
     pbw__core *core = &live->core;
+    core->grid = live->past_grid;
+    core->kernel.exact_height = live->past_height;
     while (live->edit_count > 0) {
         const pbw__edit *edit = live->edit + --live->edit_count;
         pbw_index *table = edit->table == PBW__EDIT_VERTEX ? core->vertex : edit->table == PBW__EDIT_TWIN ? core->twin
@@ -16986,13 +16989,11 @@ static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, s
     pbw__core *core = &live->core;
     const int duplicates = core->vertex_count - core->unused_count != live->points;
     pbw_status status = pbw__batch_reserve(live, leave + 2 * arrive, arrive > 0 || duplicates);
-    live->edit_count = live->leaving_count = live->arriving_count = 0;
-    live->past_vertices = core->vertex_count;
-    live->past_unused = core->unused_count;
-    live->past_placed = core->placed;
     if (status != PBW_OK) {
         return status;
     }
+    pbw__batch_begin(live);
+    live->leaving_count = live->arriving_count = 0;
     status = pbw__batch_plan(live);
     status = status == PBW_OK ? pbw__batch_run(live, most_effort) : status;
     if (status == PBW_OK && changes != NULL) {
@@ -17020,6 +17021,19 @@ static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, s
    so no new place may be an old one: the table of places says so, if there is one, or if tasks move vertices; else a
    walk to each new place, where the vertex does not stay in its star, which no other vertex is in.
    ------------------------------------------------------------------------------------------------------ */
+/* Exchanges the coordinates of a vertex with others. */
+PBW__INLINE void pbw__exchange(pbw__core *core, pbw_index v, double *other)
+{
+    const size_t dim = (size_t)core->kernel.dim;
+    double *record = core->record + v * (dim + 1);
+    size_t k;
+    for (k = 0; k < dim; k++) {
+        const double x = record[k];
+        record[k] = other[k];
+        other[k] = x;
+    }
+}
+
 /* Writes the new coordinates into the records of those that move, or the old ones back: to the end, even if the call
    is being cancelled. */
 static void pbw__exchange_share(void *arg, int part)
@@ -17027,16 +17041,11 @@ static void pbw__exchange_share(void *arg, int part)
     pbw_live *live = (pbw_live *)arg;
     const int parts = pbw__tasks(live->core.kernel.context, live->leaving_count, 8192);
     const size_t dim = (size_t)live->dim, end = pbw__share(live->leaving_count, part + 1, parts);
-    size_t i, k;
+    size_t i;
     for (i = pbw__share(live->leaving_count, part, parts); i < end; i++) {
         const size_t soon = live->leaving[i + 16 < end ? i + 16 : i];
-        double *record = live->core.record + live->leaving[i] * (dim + 1), *other = live->moved + i * dim;
         PBW__PREFETCH_TO_WRITE(live->core.record + soon * (dim + 1));
-        for (k = 0; k < dim; k++) {
-            const double x = record[k];
-            record[k] = other[k];
-            other[k] = x;
-        }
+        pbw__exchange(&live->core, live->leaving[i], live->moved + i * dim);
     }
 }
 
@@ -17079,9 +17088,8 @@ static pbw_status pbw__live_list_moves(pbw_live *live, size_t count)
 static pbw_status pbw__live_in_place(pbw_live *live, pbw_changes *changes)
 {
     pbw__core *core = &live->core;
-    const pbw__grid grid = core->grid;
-    const double exact_height = core->kernel.exact_height;
     pbw_status status;
+    pbw__batch_begin(live);
     pbw__live_exchange(live);
     status = pbw__live_fit_grid(live, live->leaving, live->leaving_count);
     status = status == PBW_OK ? pbw__verify(core, core->simplex_count / 2 + 64) : status;
@@ -17090,9 +17098,7 @@ static pbw_status pbw__live_in_place(pbw_live *live, pbw_changes *changes)
     }
     if (status != PBW_OK) {
         pbw__live_exchange(live);
-        core->grid = grid;
-        core->kernel.exact_height = exact_height;
-        pbw__journal_undo(core);
+        pbw__batch_undo(live);
         return status;
     }
     PBW__RELEASE(&core->kernel.context->memory, core, place);        /* is to be made anew */
@@ -17122,15 +17128,7 @@ static pbw_status pbw__shift_star(pbw__core *core, pbw_index v)
 /* The i-th vertex that moves gets its new place, or the old one back. */
 static void pbw__shift_exchange(pbw_live *live, size_t i)
 {
-    const size_t dim = (size_t)live->dim;
-    double *record = live->core.record + live->leaving[i] * (dim + 1);
-    double *other = live->moved + live->arriving[i] * dim;
-    size_t k;
-    for (k = 0; k < dim; k++) {
-        const double x = record[k];
-        record[k] = other[k];
-        other[k] = x;
-    }
+    pbw__exchange(&live->core, live->leaving[i], live->moved + live->arriving[i] * (size_t)live->dim);
     live->head[i] ^= 1;
 }
 
@@ -17328,19 +17326,14 @@ static pbw_status pbw__live_shift(pbw_live *live, size_t count, size_t most_effo
                                   pbw_way *way)
 {
     pbw__core *core = &live->core;
-    const pbw__grid grid = core->grid;
-    const double exact_height = core->kernel.exact_height;
-    size_t i;
     const int placed = core->place != NULL;
+    size_t i;
     pbw_status status = core->kernel.weighted ? PBW__ANEW : pbw__live_list_moves(live, count);
     status = status == PBW_OK ? pbw__batch_reserve(live, count, placed) : status;
     if (status != PBW_OK) {
         return status;
     }
-    live->edit_count = 0;
-    live->past_vertices = core->vertex_count;
-    live->past_unused = core->unused_count;
-    live->past_placed = core->placed;
+    pbw__batch_begin(live);
     memset(live->head, 0, count * sizeof(pbw_index));
     core->reinserted = 0;
     status = pbw__shift_places(live);
@@ -17355,8 +17348,6 @@ static pbw_status pbw__live_shift(pbw_live *live, size_t count, size_t most_effo
                 pbw__shift_exchange(live, i);
             }
         }
-        core->grid = grid;
-        core->kernel.exact_height = exact_height;
         pbw__batch_undo(live);
         return status;
     }
