@@ -12362,8 +12362,7 @@ static void pbw__core_free(pbw__context *context, pbw__core *core)
     memset(core, 0, sizeof(*core));
 }
 
-#define PBW__CORE_GROW(core, x, needed) \
-    pbw__grow(&(core)->kernel.context->memory, &(core)->x, &(core)->x##_capacity, needed, sizeof(*(core)->x))
+#define PBW__CORE_GROW(core, x, needed) PBW__GROW(&(core)->kernel, core, x, needed)
 
 PBW__INLINE const double *pbw__core_record(const pbw__core *core, pbw_index v)
 {
@@ -12394,6 +12393,15 @@ PBW__INLINE int pbw__hold_corners(pbw__kernel *kernel, size_t t)
 PBW__INLINE pbw_status pbw__no_room(const pbw__kernel *kernel, pbw_status status)
 {
     return status == PBW__LEFT && kernel->own.owner == NULL ? PBW_ERROR_TOO_LARGE : status;
+}
+
+PBW__INLINE unsigned pbw__corner_at(const pbw_index *corner, pbw_index v)
+{
+    unsigned k = 0;
+    while (corner[k] != v) {
+        k++;
+    }
+    return k;
 }
 
 /* The facet across from corner i of a positive simplex v: a, b, c with (v[i], a, b, c) positive. */
@@ -12661,6 +12669,13 @@ static void pbw__journal_undo(pbw__core *core)
    Holds: every verdict is exact.  Vectors choose the vertex that the growing sphere meets first, in rounded numbers,
    and then ask whether any other one may be in conflict with it; where that is not certain, a tournament with exact
    signs decides.
+
+   Errors: see >>predicates, where what a bound leaves open goes.  A side, which is an orientation, and a conflict are
+   compared as squares with the square of the bound; h, the largest height of the rows, is raised to 1e-55.  The
+   determinant of a conflict is that of >>cavity3 or >>cavity2 with the last corner as the origin: a
+   product has 6 roundings for the lift, 4 for its minor, 3 for their product and sums, 2 for the coordinate that
+   this multiplies, 3 for the last sums; in the plane 5 for the lift, 1 for the coordinate beside it, 2, 2 and 2.  An
+   infinite limit leaves all open.  What a pencil chooses needs no bound.
    ------------------------------------------------------------------------------------------------------ */
 /* Copies the records of the link to columns, for the vectors of >>lanes, if there are few. */
 static void pbw__rim_columns(pbw__core *core)
@@ -12679,8 +12694,7 @@ static void pbw__rim_columns(pbw__core *core)
 }
 
 /* A finite simplex with its last corner as the origin: its orientation, and the plane through its lifted corners,
-   lift * orientation = normal . x; below it is a conflict.  The determinant is that of >>cavity3 or >>cavity2, and so
-   are the roundings on its products, with another origin. */
+   lift * orientation = normal . x; below it is a conflict. */
 typedef struct pbw__plane { double origin[4], normal[3], orientation, height; } pbw__plane;
 
 /* x relative to the origin, and its lift; returns its height. */
@@ -12697,32 +12711,76 @@ PBW__INLINE double pbw__plane_row(const pbw__plane *plane, const double *x, int 
     return square + pbw__abs(weight);
 }
 
+PBW__INLINE double pbw__row_dot(const double *a, const double *b, int dim)
+{
+    return dim == 2 ? a[0] * b[0] + a[1] * b[1] : a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+PBW__INLINE void pbw__cross_row(const double *a, const double *b, double *x)
+{
+    x[0] = a[1] * b[2] - a[2] * b[1];
+    x[1] = a[2] * b[0] - a[0] * b[2];
+    x[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* The normal of the facet of the rows a and b and the origin; it points to where an apex makes a positive simplex. */
+PBW__INLINE void pbw__facet_normal(const double *a, const double *b, int dim, double *normal)
+{
+    if (dim == 2) {
+        normal[0] = a[1];
+        normal[1] = -a[0];
+        normal[2] = 0.0;
+    } else {
+        pbw__cross_row(b, a, normal);
+    }
+}
+
+/* The plane of the rows a, b and c and the origin; normal: that of the facet of b and c. */
+PBW__INLINE void pbw__plane_set(pbw__plane *plane, const double *a, const double *b, const double *c,
+                                const double *normal, int dim)
+{
+    double ac[3], ba[3];
+    int k;
+    plane->orientation = pbw__row_dot(a, normal, dim);
+    if (dim == 2) {
+        plane->normal[0] = a[2] * b[1] - b[2] * a[1];
+        plane->normal[1] = b[2] * a[0] - a[2] * b[0];
+        plane->normal[2] = 0.0;
+        return;
+    }
+    pbw__cross_row(a, c, ac);
+    pbw__cross_row(b, a, ba);
+    for (k = 0; k < 3; k++) {
+        plane->normal[k] = a[3] * normal[k] + b[3] * ac[k] + c[3] * ba[k];
+    }
+}
+
 PBW__INLINE void pbw__plane_of(const pbw__core *core, const pbw_index *v, int dim, pbw__plane *plane)
 {
-    double row[3][4], height = 1e-55;
-    int i, k;
-    for (k = 0; k <= dim; k++) {
-        plane->origin[k] = core->record[v[dim] * ((size_t)dim + 1) + (size_t)k];
+    double row[3][4], normal[3], height = 1e-55;
+    int i;
+    for (i = 0; i <= dim; i++) {
+        plane->origin[i] = core->record[v[dim] * ((size_t)dim + 1) + (size_t)i];
     }
     for (i = 0; i < dim; i++) {
         height = pbw__max(height, pbw__plane_row(plane, core->record + v[i] * ((size_t)dim + 1), dim, row[i]));
     }
     plane->height = height;
-    if (dim == 2) {
-        const double *a = row[0], *b = row[1];
-        plane->orientation = a[0] * b[1] - a[1] * b[0];
-        plane->normal[0] = a[2] * b[1] - b[2] * a[1];
-        plane->normal[1] = b[2] * a[0] - a[2] * b[0];
-        return;
-    }
-    plane->orientation = 0.0;
-    for (k = 0; k < 3; k++) {
-        const double *a = row[0], *b = row[1], *c = row[2];
-        const int m = (k + 1) % 3, n = (k + 2) % 3;
-        const double cb = c[m] * b[n] - c[n] * b[m], ac = a[m] * c[n] - a[n] * c[m], ba = b[m] * a[n] - b[n] * a[m];
-        plane->orientation += a[k] * cb;
-        plane->normal[k] = a[3] * cb + b[3] * ac + c[3] * ba;
-    }
+    pbw__facet_normal(row[1], row[2], dim, normal);
+    pbw__plane_set(plane, row[0], row[1], row[2], normal, dim);
+}
+
+/* The squares of the bounds of a side and a conflict. */
+PBW__INLINE double pbw__side_limit(double h, int dim)
+{
+    return h * h * (dim == 2 ? PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR
+                             : h * (PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR));
+}
+
+PBW__INLINE double pbw__conflict_limit(double h, int dim)
+{
+    return h * h * (h * h) * (dim == 2 ? PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR
+                                       : h * (PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
 }
 
 /* Whether e is strictly on the open side of a rim; `normal` points there, relative to its last vertex. */
@@ -12730,10 +12788,8 @@ PBW__INLINE int pbw__rim_sees(const pbw__core *core, const pbw_index *v, pbw_ind
                               int dim)
 {
     const double *x[4] = { NULL, NULL, NULL, NULL };
-    const double limit = height * height * (dim == 2 ? PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR
-                                                     : height * (PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR));
     int k;
-    if (PBW__LIKELY(side * side > limit)) {
+    if (PBW__LIKELY(side * side > pbw__side_limit(height, dim))) {
         return side > 0.0;
     }
     x[0] = pbw__core_record(core, e);
@@ -12748,13 +12804,10 @@ PBW__INLINE int pbw__rim_sees(const pbw__core *core, const pbw_index *v, pbw_ind
 PBW__INLINE int pbw__plane_conflict(const pbw__core *core, const pbw__plane *plane, const pbw_index *corner,
                                     pbw_index e, const double *row, int dim)
 {
-    const double h = pbw__max(plane->height, row[4]);
-    const double limit = h * h * (h * h) * (dim == 2 ? PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR
-                                                     : h * (PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
+    const double det = pbw__row_dot(row, plane->normal, dim) - row[dim] * plane->orientation;
+    const double limit = pbw__conflict_limit(pbw__max(plane->height, row[4]), dim);
     const double *p = pbw__core_record(core, e), *x[4] = { NULL, NULL, NULL, NULL };
     int k;
-    double det = row[0] * plane->normal[0] + row[1] * plane->normal[1];
-    det = (dim == 2 ? det : det + row[2] * plane->normal[2]) - row[dim] * plane->orientation;
     if (PBW__LIKELY(det * det > limit)) {
         return det > 0.0;
     }
@@ -12770,29 +12823,20 @@ PBW__INLINE pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *rim,
     const pbw_index *u = core->rim_vertex;
     pbw_index corner[4] = { 0, u[rim[0]], u[rim[1]], dim == 3 ? u[rim[2]] : 0 }, i, apex = 0;
     pbw__plane plane;
-    double a[4], b[4], normal[3] = { 0.0, 0.0, 0.0 }, row[5], height;
-    int k;
+    double a[4], b[4] = { 0.0, 0.0, 0.0, 0.0 }, normal[3], row[5], height;
     memset(&plane, 0, sizeof(plane));
     memcpy(plane.origin, pbw__core_record(core, corner[dim]), ((size_t)dim + 1) * sizeof(double));
     height = pbw__max(1e-55, pbw__plane_row(&plane, pbw__core_record(core, corner[1]), dim, a));
-    if (dim == 2) {
-        normal[0] = a[1];
-        normal[1] = -a[0];
-    } else {
+    if (dim == 3) {
         height = pbw__max(height, pbw__plane_row(&plane, pbw__core_record(core, corner[2]), dim, b));
-        for (k = 0; k < 3; k++) {
-            normal[k] = b[(k + 1) % 3] * a[(k + 2) % 3] - b[(k + 2) % 3] * a[(k + 1) % 3];
-        }
     }
+    pbw__facet_normal(a, b, dim, normal);
     for (i = 1; i < core->rim_vertices; i++) {
-        double side;
         if (i == rim[0] || i == rim[1] || i == rim[2]) {
             continue;
         }
         row[4] = pbw__plane_row(&plane, core->record + u[i] * ((size_t)dim + 1), dim, row);
-        side = row[0] * normal[0] + row[1] * normal[1];
-        side = dim == 2 ? side : side + row[2] * normal[2];
-        if (pbw__rim_sees(core, corner + 1, u[i], side, pbw__max(height, row[4]), dim)
+        if (pbw__rim_sees(core, corner + 1, u[i], pbw__row_dot(row, normal, dim), pbw__max(height, row[4]), dim)
             && (apex == 0 || pbw__plane_conflict(core, &plane, corner, u[i], row, dim))) {
             apex = i;
             corner[0] = u[i];
@@ -12812,32 +12856,24 @@ typedef struct pbw__candidates4 { pbw__d4 x, y, z, lift, height; unsigned open; 
    (lift - centre . e) / (normal . e) is. */
 typedef struct pbw__pencil { double origin[4], normal[3], centre[3], height; } pbw__pencil;
 
-PBW__INLINE void pbw__cross_row(const double *a, const double *b, double *x)
-{
-    x[0] = a[1] * b[2] - a[2] * b[1];
-    x[1] = a[2] * b[0] - a[0] * b[2];
-    x[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 PBW__INLINE void pbw__pencil_of(const double *a, const double *b, int dim, pbw__pencil *pencil)
 {
     double *normal = pencil->normal, square, nb[3], an[3];
+    int k;
+    pbw__facet_normal(a, b, dim, normal);
+    square = pbw__row_dot(normal, normal, dim);
     if (dim == 2) {
-        square = a[0] * a[0] + a[1] * a[1];
-        normal[0] = a[1];
-        normal[1] = -a[0];
-        normal[2] = pencil->centre[2] = 0.0;
         pencil->centre[0] = a[0] * (a[2] / square);
         pencil->centre[1] = a[1] * (a[2] / square);
+        pencil->centre[2] = 0.0;
         return;
     }
-    pbw__cross_row(b, a, normal);
     pbw__cross_row(normal, b, nb);
     pbw__cross_row(a, normal, an);
-    square = 1.0 / (normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-    pencil->centre[0] = (a[3] * nb[0] + b[3] * an[0]) * square;
-    pencil->centre[1] = (a[3] * nb[1] + b[3] * an[1]) * square;
-    pencil->centre[2] = (a[3] * nb[2] + b[3] * an[2]) * square;
+    square = 1.0 / square;
+    for (k = 0; k < 3; k++) {
+        pencil->centre[k] = (a[3] * nb[k] + b[3] * an[k]) * square;
+    }
 }
 
 /* The rows of four link vertices, from the i-th on, and how far along the pencil each is; infinitely far on the
@@ -12878,35 +12914,16 @@ PBW__SIMD_INLINE int pbw__candidates4_conflict(const pbw__candidates4 *c, const 
                                                int dim)
 {
     const pbw__d4 h = pbw__max4(c->height, pbw__splat(plane->height));
-    pbw__d4 det = pbw__fma(c->y, pbw__splat(plane->normal[1]), c->x * pbw__splat(plane->normal[0])), limit;
-    det = dim == 2 ? det : pbw__fma(c->z, pbw__splat(plane->normal[2]), det);
+    pbw__d4 det = pbw__fma(c->y, pbw__splat(plane->normal[1]), c->x * pbw__splat(plane->normal[0])), limit, sure;
+    if (dim == 3) {
+        det = pbw__fma(c->z, pbw__splat(plane->normal[2]), det);
+    }
     det = pbw__fnma(c->lift, pbw__splat(plane->orientation), det);
     limit = h * h * (h * h);
     limit = dim == 2 ? limit * pbw__splat(PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR)
                      : limit * h * pbw__splat(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR);
-    limit = pbw__and4(pbw__greater(det * det, limit), pbw__greater(pbw__splat(0.0), det));
-    return (c->open & ~skip & ~pbw__signs(limit)) != 0;
-}
-
-/* The plane of apex, a, b and the origin, in rows; see pbw__plane_of. */
-PBW__INLINE void pbw__pencil_plane(const pbw__pencil *pencil, const double *apex, const double *a, const double *b,
-                                   int dim, pbw__plane *plane)
-{
-    const double *normal = pencil->normal;
-    double ab[3], aa[3];
-    if (dim == 2) {
-        plane->orientation = apex[0] * normal[0] + apex[1] * normal[1];
-        plane->normal[0] = apex[2] * a[1] - a[2] * apex[1];
-        plane->normal[1] = a[2] * apex[0] - apex[2] * a[0];
-        plane->normal[2] = 0.0;
-        return;
-    }
-    plane->orientation = apex[0] * normal[0] + apex[1] * normal[1] + apex[2] * normal[2];
-    pbw__cross_row(apex, b, ab);
-    pbw__cross_row(a, apex, aa);
-    plane->normal[0] = apex[3] * normal[0] + a[3] * ab[0] + b[3] * aa[0];
-    plane->normal[1] = apex[3] * normal[1] + a[3] * ab[1] + b[3] * aa[1];
-    plane->normal[2] = apex[3] * normal[2] + a[3] * ab[2] + b[3] * aa[2];
+    sure = pbw__and4(pbw__greater(det * det, limit), pbw__greater(pbw__splat(0.0), det));
+    return (c->open & ~skip & ~pbw__signs(sure)) != 0;
 }
 
 /* pbw__rim_apex by vectors: the first vertex that the sphere meets as it grows out of the open side, if it is certain
@@ -12959,7 +12976,7 @@ PBW__SIMD_INLINE pbw_index pbw__rim_apex4(const pbw__core *core, const pbw_index
     apex += (unsigned)place[apex];
     plane.height = pbw__max(pencil.height, pbw__plane_row(&plane, pbw__core_record(core, core->rim_vertex[apex]), dim,
                                                           row[0]));
-    pbw__pencil_plane(&pencil, row[0], row[1], row[2], dim, &plane);
+    pbw__plane_set(&plane, row[0], row[1], row[2], pencil.normal, dim);
     for (i = 0; i < count; i += 4) {
         if (pbw__candidates4_conflict(candidate + i / 4, &plane, (unsigned)((uint64_t)1 << apex >> i) & 15, dim)) {
             return PBW_NONE;
@@ -13411,57 +13428,75 @@ PBW__INLINE size_t pbw__rim_find(const pbw__core *core, uint64_t key, size_t roo
     return at;
 }
 
-/* Collects the star of v in scratch.cavity, its link in rim_vertex and rim.  PBW__LEFT: not all of that is ours. */
+/* Collects the star of v in scratch.cavity.  PBW__LEFT: not all of its vertices are ours.  On any status the marks of
+   the cavity are to be cleared. */
+PBW__INLINE pbw_status pbw__collect_star(pbw__core *core, pbw_index v, size_t dim)
+{
+    pbw__kernel *kernel = &core->kernel;
+    pbw_index *cavity = kernel->scratch.cavity;
+    size_t count = 1, i, k;
+    kernel->scratch.cavity_count = 0;
+    if (!pbw__hold(kernel, v) || !pbw__hold_corners(kernel, core->incident[v])) {
+        return PBW__LEFT;
+    }
+    cavity[0] = core->incident[v];
+    kernel->mark[cavity[0]] = 1;
+    for (i = 0; i < count; i++) {
+        const size_t t = cavity[i];
+        kernel->scratch.cavity_count = count;
+        if (count + dim + 8 > kernel->scratch.cavity_capacity && !pbw__grow_lists(kernel, count + dim + 8)) {
+            return PBW_ERROR_MEMORY;
+        }
+        cavity = kernel->scratch.cavity;
+        for (k = 0; k <= dim; k++) {
+            const size_t next = kernel->link[4 * t + k] >> 2;
+            if (kernel->corner[4 * t + k] != v && !kernel->mark[next]) {
+                if (!pbw__hold(kernel, kernel->corner[kernel->link[4 * t + k]])) {
+                    kernel->scratch.cavity_count = count;
+                    return PBW__LEFT;
+                }
+                kernel->mark[next] = 1;
+                cavity[count++] = (pbw_index)next;
+                PBW__PREFETCH(kernel->corner + 4 * next);
+                PBW__PREFETCH(kernel->link + 4 * next);
+            }
+        }
+    }
+    kernel->scratch.cavity_count = count;
+    return PBW_OK;
+}
+
+/* Collects the star of v in scratch.cavity, its link in rim_vertex and rim. */
 static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
     const unsigned dim = (unsigned)kernel->dim;
+    pbw_status status = dim == 3 ? pbw__collect_star(core, v, 3) : pbw__collect_star(core, v, 2);
+    const size_t count = kernel->scratch.cavity_count;
     size_t i;
-    unsigned k, at;
-    if (!pbw__hold(kernel, v) || !pbw__hold_corners(kernel, core->incident[v])) {
-        return PBW__LEFT;
+    unsigned k;
+    if (status == PBW_OK && (!PBW__CORE_GROW(core, rim, count)
+                             || !PBW__CORE_GROW(core, rim_vertex, (count + 1) * dim + 8))) {
+        status = PBW_ERROR_MEMORY;
     }
-    kernel->scratch.cavity[0] = core->incident[v];
-    kernel->scratch.cavity_count = 1;
-    kernel->mark[core->incident[v]] = 1;
+    if (status != PBW_OK) {
+        (void)pbw__leave_cavity(kernel, count);
+        return status;
+    }
+    core->rim_vertex[0] = PBW__GHOST;                /* core->local[PBW__GHOST] is always 0 */
+    core->rim_vertices = 1;
     core->rims = core->fillings = 0;
-    for (i = 0; i < kernel->scratch.cavity_count; i++) {
+    for (i = 0; i < count; i++) {
         const size_t t = kernel->scratch.cavity[i];
-        const pbw_index *corner = kernel->corner + 4 * t;
-        const pbw__link *link = kernel->link + 4 * t;
-        pbw__rim *rim;
-        if (!pbw__grow_lists(kernel, kernel->scratch.cavity_count + dim + 8)
-            || !PBW__CORE_GROW(core, rim, core->rims + 1)
-            || !PBW__CORE_GROW(core, rim_vertex, core->rim_vertices + 2 * dim + 2)) {
-            (void)pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
-            return PBW_ERROR_MEMORY;
-        }
-        if (i == 0) {                                /* core->local[PBW__GHOST] is always 0 */
-            core->rim_vertex[0] = PBW__GHOST;
-            core->rim_vertices = 1;
-        }
-        for (at = 0; corner[at] != v; at++) {
-        }
-        rim = core->rim + core->rims++;
-        pbw__facet_of(corner, at, (int)dim, rim->v);
+        const unsigned at = pbw__corner_at(kernel->corner + 4 * t, v);
+        pbw__rim *rim = core->rim + core->rims++;
+        pbw__facet_of(kernel->corner + 4 * t, at, (int)dim, rim->v);
         for (k = 0; k < dim; k++) {
             rim->v[k] = pbw__rim_place(core, rim->v[k]);
         }
         rim->key = pbw__rim_key(rim->v, dim);
-        rim->across = link[at];
+        rim->across = kernel->link[4 * t + at];
         rim->made = rim->closed = 0;
-        for (k = 0; k <= dim; k++) {
-            const pbw_index next = (pbw_index)(link[k] >> 2);
-            if (k != at && !kernel->mark[next]) {
-                if (!pbw__hold(kernel, kernel->corner[link[k]])) {
-                    return pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
-                }
-                kernel->mark[next] = 1;
-                kernel->scratch.cavity[kernel->scratch.cavity_count++] = next;
-                PBW__PREFETCH(kernel->corner + 4 * (size_t)next);
-                PBW__PREFETCH(kernel->link + 4 * (size_t)next);
-            }
-        }
     }
     pbw__rim_columns(core);
     return PBW_OK;
@@ -13868,30 +13903,19 @@ static pbw_status pbw__core_scan(pbw__core *core)
     return PBW_OK;
 }
 
-/* box: per task, the least and the largest entries of its records. */
-typedef struct pbw__taking { pbw__core *core; const pbw_index *list; double (*box)[8]; int tasks; } pbw__taking;
+/* list: per id of a vertex, its number; NULL: ids are numbers.  box: per task, the least and the largest entries of its
+   records. */
+typedef struct pbw__taking {
+    pbw__core *core;
+    const pbw_index *list;
+    double (*box)[8];
+    int tasks, named;
+} pbw__taking;
 
-/* Names the vertices of a share. */
-static void pbw__core_name_share(void *arg, int task)
+/* Names the vertices of a share, unless they have names; its box. */
+PBW__INLINE void pbw__core_take_of(const pbw__taking *taking, int task, int dim)
 {
-    const pbw__taking *taking = (const pbw__taking *)arg;
     pbw__core *core = taking->core;
-    const size_t end = pbw__share(core->vertex_count, task + 1, taking->tasks) + 1;
-    size_t r;
-    for (r = pbw__share(core->vertex_count, task, taking->tasks) + 1; r < end; r++) {
-        const size_t soon = core->name[r + 16 < end ? r + 16 : r];
-        const pbw_index id = taking->list != NULL ? taking->list[core->name[r]] : core->name[r];
-        PBW__PREFETCH_TO_WRITE(core->vertex + soon);
-        PBW__PREFETCH_TO_WRITE(core->twin + soon);
-        core->name[r] = id;
-        core->vertex[id] = (pbw_index)r;
-        core->twin[id] = id;
-    }
-}
-
-PBW__INLINE void pbw__core_box_of(const pbw__taking *taking, int task, int dim)
-{
-    const pbw__core *core = taking->core;
     const size_t width = (size_t)dim + 1, end = pbw__share(core->vertex_count, task + 1, taking->tasks) + 1;
     double low[4] = { HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL };
     double high[4] = { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL };
@@ -13902,15 +13926,24 @@ PBW__INLINE void pbw__core_box_of(const pbw__taking *taking, int task, int dim)
             low[k] = x[k] < low[k] ? x[k] : low[k];
             high[k] = x[k] > high[k] ? x[k] : high[k];
         }
+        if (!taking->named) {
+            const size_t soon = core->name[r + 16 < end ? r + 16 : r];
+            const pbw_index id = taking->list != NULL ? taking->list[core->name[r]] : core->name[r];
+            PBW__PREFETCH_TO_WRITE(core->vertex + soon);
+            PBW__PREFETCH_TO_WRITE(core->twin + soon);
+            core->name[r] = id;
+            core->vertex[id] = (pbw_index)r;
+            core->twin[id] = id;
+        }
     }
     memcpy(taking->box[task], low, sizeof(low));
     memcpy(taking->box[task] + 4, high, sizeof(high));
 }
 
-static void pbw__core_box_share(void *arg, int task)
+static void pbw__core_take_share(void *arg, int task)
 {
     const pbw__taking *taking = (const pbw__taking *)arg;
-    PBW__BY_DIM(taking->core->kernel.dim, pbw__core_box_of, taking, task);
+    PBW__BY_DIM(taking->core->kernel.dim, pbw__core_take_of, taking, task);
 }
 
 /* Room for vertices and numbers. */
@@ -13943,15 +13976,13 @@ static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const
     vertices->id = NULL;
     taking.core = core;
     taking.list = list;
+    taking.named = named;
     taking.tasks = pbw__tasks(context, vertices->count, 16384);
     taking.box = (double (*)[8])pbw__allocate(&context->memory, (size_t)taking.tasks, sizeof(*taking.box));
     if (taking.box == NULL) {
         return PBW_ERROR_MEMORY;
     }
-    if (!named) {
-        pbw__for(context, taking.tasks, pbw__core_name_share, &taking);
-    }
-    pbw__for(context, taking.tasks, pbw__core_box_share, &taking);
+    pbw__for(context, taking.tasks, pbw__core_take_share, &taking);
     for (k = 0; k < width; k++) {
         core->low[k] = taking.box[0][k];
         core->high[k] = taking.box[0][4 + k];
@@ -14095,38 +14126,29 @@ PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int all, 
 {
     const pbw_index *v = core->kernel.corner + 4 * t;
     const pbw__link *link = core->kernel.link + 4 * t;
-    const double error = dim == 2 ? PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR : PBW__SPHERE_ERROR * PBW__SPHERE_ERROR;
-    const double side_error = dim == 2 ? PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR
-                                       : PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR;
     const int ghost = v[dim] == PBW__GHOST;
     pbw__plane plane;
     unsigned faults = 0;
     int k;
     memset(&plane, 0, sizeof(plane));
     if (!ghost) {
-        double side, least;
+        double side;
         pbw__plane_of(core, v, dim, &plane);
         side = plane.orientation;
-        least = plane.height * plane.height * (dim == 2 ? 1.0 : plane.height) * side_error;
-        if (!(side > 0.0 && side * side > least) && pbw__slot_side(core, t, dim + 1, NULL) <= 0) {
+        if (!(side > 0.0 && side * side > pbw__side_limit(plane.height, dim))
+            && pbw__slot_side(core, t, dim + 1, NULL) <= 0) {
             return PBW__INVERTED;
         }
     }
     for (k = 0; k <= dim - ghost; k++) {
         const pbw_index far = core->kernel.corner[link[k]];
         const double *e = core->record + far * ((size_t)dim + 1);
-        double row[4], h, det, limit;
+        double row[5];
         if (far == PBW__GHOST || (!ghost && !all && t > link[k] >> 2)) {
             continue;
         }
-        det = limit = 0.0;
-        if (!ghost) {
-            h = pbw__max(plane.height, pbw__plane_row(&plane, e, dim, row));
-            det = row[0] * plane.normal[0] + row[1] * plane.normal[1];
-            det = (dim == 2 ? det : det + row[2] * plane.normal[2]) - row[dim] * plane.orientation;
-            limit = h * h * (h * h) * (dim == 2 ? 1.0 : h) * error;
-        }
-        if (PBW__LIKELY(det * det > limit) ? det > 0.0 : pbw__slot_conflict(core, t, e)) {
+        row[4] = ghost ? 0.0 : pbw__plane_row(&plane, e, dim, row);
+        if (ghost ? pbw__slot_conflict(core, t, e) : pbw__plane_conflict(core, &plane, v, far, row, dim)) {
             faults |= 1u << k;
         }
     }
@@ -14533,15 +14555,30 @@ static int pbw__choose_inside(pbw__verifying *verifying)
 }
 
 /* ---- flips
-   Sets corners and links of a triangle, the ghost last. */
+   How far the corners v are to be turned to the left, so that the ghost is the last. */
+PBW__INLINE unsigned pbw__ghost_turn(const pbw_index *v)
+{
+    return v[0] == PBW__GHOST ? 1 : v[1] == PBW__GHOST ? 2 : 0;
+}
+
+/* Sets corners and links of a triangle, and the links back. */
 static void pbw__set_triangle(pbw__kernel *kernel, size_t t, const pbw_index *v, const pbw__link *link)
 {
-    const unsigned turn = v[0] == PBW__GHOST ? 1 : v[1] == PBW__GHOST ? 2 : 0;
+    const unsigned turn = pbw__ghost_turn(v);
     unsigned k;
     for (k = 0; k < 3; k++) {
+        const pbw__link to = link[(k + turn) % 3];
         kernel->corner[4 * t + k] = v[(k + turn) % 3];
-        kernel->link[4 * t + k] = link[(k + turn) % 3];
+        kernel->link[4 * t + k] = to;
+        kernel->link[to] = (pbw__link)(4 * t + k);
     }
+}
+
+/* Returns whether three vertices are a positive triangle, or one is the ghost. */
+static int pbw__may_be_triangle(const pbw__core *core, const pbw_index *v)
+{
+    const double *x[3] = { pbw__core_record(core, v[0]), pbw__core_record(core, v[1]), pbw__core_record(core, v[2]) };
+    return v[0] == PBW__GHOST || v[1] == PBW__GHOST || v[2] == PBW__GHOST || pbw__orient(2, x, &core->grid) > 0;
 }
 
 /* Replaces the edge across from corner k of t by the other diagonal.  PBW__ANEW: that is none. */
@@ -14553,52 +14590,25 @@ static pbw_status pbw__flip(pbw__core *core, size_t t, unsigned k)
     const unsigned j = (unsigned)(across & 3), k1 = (k + 1) % 3, k2 = (k + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
     const pbw_index p = kernel->corner[here], q = kernel->corner[across];
     const pbw_index a = kernel->corner[4 * t + k1], b = kernel->corner[4 * t + k2];
-    const pbw__link pa = kernel->link[4 * t + k2], bp = kernel->link[4 * t + k1];
-    const pbw__link aq = kernel->link[4 * u + j1], qb = kernel->link[4 * u + j2];
     const pbw_index first[3] = { p, a, q }, second[3] = { p, q, b };
-    pbw__link link[3];
+    const unsigned at_a = (4 - pbw__ghost_turn(first)) % 3, at_b = (5 - pbw__ghost_turn(second)) % 3;
+    const pbw__link of_first[3] = { kernel->link[4 * u + j1], (pbw__link)(4 * u + at_b), kernel->link[4 * t + k2] };
+    const pbw__link of_second[3] = { kernel->link[4 * u + j2], kernel->link[4 * t + k1], (pbw__link)(4 * t + at_a) };
     pbw_status status;
-    unsigned i;
-    for (i = 0; i < 2; i++) {
-        const pbw_index *v = i == 0 ? first : second;
-        const double *x[3] = { pbw__record_at(kernel, v[0]), pbw__record_at(kernel, v[1]),
-                               pbw__record_at(kernel, v[2]) };
-        if (v[1] != PBW__GHOST && v[2] != PBW__GHOST && v[0] != PBW__GHOST && pbw__orient(2, x, &core->grid) <= 0) {
-            return PBW__ANEW;
-        }
+    if (!pbw__may_be_triangle(core, first) || !pbw__may_be_triangle(core, second)) {
+        return PBW__ANEW;
     }
     kernel->scratch.cavity[0] = (pbw_index)t;
     kernel->scratch.cavity[1] = (pbw_index)u;
     kernel->scratch.cavity_count = 2;
     status = pbw__journal_cavity(kernel);
-    if (status != PBW_OK) {
-        return status;
+    if (status == PBW_OK) {
+        pbw__set_triangle(kernel, t, first, of_first);
+        pbw__set_triangle(kernel, u, second, of_second);
+        pbw__note_corners(core, t);
+        pbw__note_corners(core, u);
     }
-    link[0] = aq, link[1] = 0, link[2] = pa;
-    pbw__set_triangle(kernel, t, first, link);
-    link[0] = qb, link[1] = bp, link[2] = 0;
-    pbw__set_triangle(kernel, u, second, link);
-    for (i = 0; i < 2; i++) {                        /* the links back, and those of the two to each other */
-        const size_t s = i == 0 ? t : u;
-        unsigned m;
-        for (m = 0; m < 3; m++) {
-            const pbw_index v = kernel->corner[4 * s + m];
-            if (v == (i == 0 ? a : b)) {
-                const size_t other = i == 0 ? u : t;
-                const pbw_index facing = i == 0 ? b : a;
-                unsigned n = 0;
-                while (kernel->corner[4 * other + n] != facing) {
-                    n++;
-                }
-                kernel->link[4 * s + m] = (pbw__link)(4 * other + n);
-            } else {
-                kernel->link[kernel->link[4 * s + m]] = (pbw__link)(4 * s + m);
-            }
-        }
-    }
-    pbw__note_corners(core, t);
-    pbw__note_corners(core, u);
-    return PBW_OK;
+    return status;
 }
 
 /* Flips until all edges are locally Delaunay, from those in rim_vertex on.  PBW__ANEW: more than `most` times.  A
@@ -14695,8 +14705,7 @@ static pbw_status pbw__verify(pbw__core *core, size_t most)
 #define PBW__LEAVES 8u                               /* in a commit: its old place; and the next: a new one */
 #define PBW__ARRIVES 16u
 
-#define PBW__LIVE_GROW(live, x, needed) \
-    pbw__grow(&(live)->core.kernel.context->memory, &(live)->x, &(live)->x##_capacity, needed, sizeof(*(live)->x))
+#define PBW__LIVE_GROW(live, x, needed) PBW__GROW(&(live)->core.kernel, live, x, needed)
 
 /* What was written to the tables of the core, and in which. */
 typedef struct pbw__edit { pbw_index table, at, old; } pbw__edit;
@@ -14721,6 +14730,8 @@ struct pbw_live {
     size_t edit_capacity, head_capacity, leaving_capacity, arriving_capacity, joining_capacity, moved_capacity;
     size_t edit_count, leaving_count, arriving_count, joining_count, first_edit;
     size_t past_vertices, past_unused, past_placed;
+    pbw__grid past_grid;
+    double past_height;
 };
 
 /* ---- the queue */
@@ -14936,7 +14947,7 @@ PBWDEF void pbw_changes_free(pbw_changes *changes)
 /* A list of simplices on its way into ascending order. */
 typedef struct pbw__tuples {
     pbw_index *tuple, *sorted;
-    uint64_t *key, *spare;                           /* the lowest corner, and below it the place in `tuple` */
+    uint64_t *key;                                   /* the lowest corner, and below it the place in `tuple` */
     uint32_t *digit;
     size_t count;
     int dim;
@@ -14973,23 +14984,6 @@ static pbw_status pbw__tuples_gather(void *arg, size_t from, size_t to)
         pbw__sort_tuples(tuples->sorted + first * corners, i - first, corners);
     }
     return PBW_OK;
-}
-
-/* Sorts a list, all simplices of numbers below `numbers`, into a new array of so much room. */
-static pbw_status pbw__tuples_sort(pbw__context *context, pbw__tuples *tuples, size_t numbers)
-{
-    const size_t count = tuples->count;
-    pbw_status status = pbw__for_range(context, count, PBW__TICK, 0.0, pbw__tuples_turn, tuples);
-    if (status == PBW_OK) {
-        pbw__sorting sorting = { context, tuples->key, tuples->spare, tuples->digit, count, context->threads, 0, 0 };
-        const int bits = pbw__index_bits(numbers);
-        uint64_t *key = count < PBW__TICK ? pbw__sort_keys(&sorting, 32, bits) : pbw__sort_by(&sorting, 32, bits);
-        tuples->spare = key == tuples->key ? tuples->spare : tuples->key;
-        tuples->key = key;
-        status = key == NULL ? PBW_CANCELLED
-               : pbw__for_range(context, count, PBW__TICK, 0.0, pbw__tuples_gather, tuples);
-    }
-    return status;
 }
 
 /* Leaves in each of two sorted lists what is not in the other; marks the points of both, a bit for each. */
@@ -15049,13 +15043,21 @@ static pbw_status pbw__changes_sort(pbw__context *context, pbw__memory *memory, 
                                     pbw__tuples *tuples, size_t numbers)
 {
     const size_t count = tuples->count, words = count * ((size_t)tuples->dim + 1);
+    const int bits = pbw__index_bits(numbers);
+    uint64_t *key = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
+    uint64_t *spare = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
+    pbw__sorting sorting = { context, key, spare, tuples->digit, count, context->threads, 0, 0 };
     pbw_status status = PBW_ERROR_MEMORY;
-    uint64_t *key = tuples->key = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
-    uint64_t *spare = tuples->spare = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
+    tuples->key = key;
     tuples->tuple = (pbw_index *)(uintptr_t)*list;
     tuples->sorted = (pbw_index *)pbw__allocate(memory, words, sizeof(pbw_index));
     if (key != NULL && spare != NULL && tuples->sorted != NULL) {
-        status = pbw__tuples_sort(context, tuples, numbers);
+        status = pbw__for_range(context, count, PBW__TICK, 0.0, pbw__tuples_turn, tuples);
+    }
+    if (status == PBW_OK) {
+        tuples->key = count < PBW__TICK ? pbw__sort_keys(&sorting, 32, bits) : pbw__sort_by(&sorting, 32, bits);
+        status = tuples->key == NULL ? PBW_CANCELLED
+               : pbw__for_range(context, count, PBW__TICK, 0.0, pbw__tuples_gather, tuples);
     }
     pbw__release(&context->memory, key, count, sizeof(uint64_t));
     pbw__release(&context->memory, spare, count, sizeof(uint64_t));
@@ -15075,7 +15077,7 @@ static pbw_status pbw__changes_close(pbw__context *context, pbw_changes *changes
     uint64_t *mark = (uint64_t *)pbw__allocate(&context->memory, words, sizeof(uint64_t));
     uint32_t *digit = (uint32_t *)pbw__allocate(&context->memory, digits, sizeof(uint32_t));
     pbw_status status = mark == NULL || digit == NULL ? PBW_ERROR_MEMORY : PBW_OK;
-    pbw__tuples tuples = { NULL, NULL, NULL, NULL, NULL, 0, 0 };
+    pbw__tuples tuples = { NULL, NULL, NULL, NULL, 0, 0 };
     tuples.digit = digit;
     tuples.dim = dim;
     if (status == PBW_OK) {
@@ -16259,9 +16261,23 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
     return status == PBW_OK ? pbw__uncover(core) : status;
 }
 
+/* Notes what pbw__batch_undo needs besides edits and the journal. */
+static void pbw__batch_begin(pbw_live *live)
+{
+    const pbw__core *core = &live->core;
+    live->edit_count = 0;
+    live->past_vertices = core->vertex_count;
+    live->past_unused = core->unused_count;
+    live->past_placed = core->placed;
+    live->past_grid = core->grid;
+    live->past_height = core->kernel.exact_height;
+}
+
 static void pbw__batch_undo(pbw_live *live)
 {
     pbw__core *core = &live->core;
+    core->grid = live->past_grid;
+    core->kernel.exact_height = live->past_height;
     while (live->edit_count > 0) {
         const pbw__edit *edit = live->edit + --live->edit_count;
         pbw_index *table = edit->table == PBW__EDIT_VERTEX ? core->vertex : edit->table == PBW__EDIT_TWIN ? core->twin
@@ -16285,13 +16301,11 @@ static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, s
     pbw__core *core = &live->core;
     const int duplicates = core->vertex_count - core->unused_count != live->points;
     pbw_status status = pbw__batch_reserve(live, leave + 2 * arrive, arrive > 0 || duplicates);
-    live->edit_count = live->leaving_count = live->arriving_count = 0;
-    live->past_vertices = core->vertex_count;
-    live->past_unused = core->unused_count;
-    live->past_placed = core->placed;
     if (status != PBW_OK) {
         return status;
     }
+    pbw__batch_begin(live);
+    live->leaving_count = live->arriving_count = 0;
     status = pbw__batch_plan(live);
     status = status == PBW_OK ? pbw__batch_run(live, most_effort) : status;
     if (status == PBW_OK && changes != NULL) {
@@ -16319,6 +16333,19 @@ static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, s
    so no new place may be an old one: the table of places says so, if there is one, or if tasks move vertices; else a
    walk to each new place, where the vertex does not stay in its star, which no other vertex is in.
    ------------------------------------------------------------------------------------------------------ */
+/* Exchanges the coordinates of a vertex with others. */
+PBW__INLINE void pbw__exchange(pbw__core *core, pbw_index v, double *other)
+{
+    const size_t dim = (size_t)core->kernel.dim;
+    double *record = core->record + v * (dim + 1);
+    size_t k;
+    for (k = 0; k < dim; k++) {
+        const double x = record[k];
+        record[k] = other[k];
+        other[k] = x;
+    }
+}
+
 /* Writes the new coordinates into the records of those that move, or the old ones back: to the end, even if the call
    is being cancelled. */
 static void pbw__exchange_share(void *arg, int part)
@@ -16326,16 +16353,11 @@ static void pbw__exchange_share(void *arg, int part)
     pbw_live *live = (pbw_live *)arg;
     const int parts = pbw__tasks(live->core.kernel.context, live->leaving_count, 8192);
     const size_t dim = (size_t)live->dim, end = pbw__share(live->leaving_count, part + 1, parts);
-    size_t i, k;
+    size_t i;
     for (i = pbw__share(live->leaving_count, part, parts); i < end; i++) {
         const size_t soon = live->leaving[i + 16 < end ? i + 16 : i];
-        double *record = live->core.record + live->leaving[i] * (dim + 1), *other = live->moved + i * dim;
         PBW__PREFETCH_TO_WRITE(live->core.record + soon * (dim + 1));
-        for (k = 0; k < dim; k++) {
-            const double x = record[k];
-            record[k] = other[k];
-            other[k] = x;
-        }
+        pbw__exchange(&live->core, live->leaving[i], live->moved + i * dim);
     }
 }
 
@@ -16378,9 +16400,8 @@ static pbw_status pbw__live_list_moves(pbw_live *live, size_t count)
 static pbw_status pbw__live_in_place(pbw_live *live, pbw_changes *changes)
 {
     pbw__core *core = &live->core;
-    const pbw__grid grid = core->grid;
-    const double exact_height = core->kernel.exact_height;
     pbw_status status;
+    pbw__batch_begin(live);
     pbw__live_exchange(live);
     status = pbw__live_fit_grid(live, live->leaving, live->leaving_count);
     status = status == PBW_OK ? pbw__verify(core, core->simplex_count / 2 + 64) : status;
@@ -16389,9 +16410,7 @@ static pbw_status pbw__live_in_place(pbw_live *live, pbw_changes *changes)
     }
     if (status != PBW_OK) {
         pbw__live_exchange(live);
-        core->grid = grid;
-        core->kernel.exact_height = exact_height;
-        pbw__journal_undo(core);
+        pbw__batch_undo(live);
         return status;
     }
     PBW__RELEASE(&core->kernel.context->memory, core, place);        /* is to be made anew */
@@ -16401,38 +16420,17 @@ static pbw_status pbw__live_in_place(pbw_live *live, pbw_changes *changes)
 }
 
 /* ---- one by one
-   The star of v in scratch.cavity.  PBW__NO_FIT: it has a ghost.  PBW__LEFT: not all of its vertices are ours. */
+   The star of v in scratch.cavity, without marks.  PBW__NO_FIT: it has a ghost.  PBW__LEFT: not all of its vertices
+   are ours. */
 static pbw_status pbw__shift_star(pbw__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
     const size_t dim = (size_t)kernel->dim;
-    pbw_index *cavity = kernel->scratch.cavity;
-    size_t count = 1, i, k;
-    pbw_status status = PBW_OK;
-    if (!pbw__hold_corners(kernel, core->incident[v])) {
-        return PBW__LEFT;
-    }
-    cavity[0] = core->incident[v];
-    kernel->mark[cavity[0]] = 1;
+    pbw_status status = dim == 3 ? pbw__collect_star(core, v, 3) : pbw__collect_star(core, v, 2);
+    const size_t count = kernel->scratch.cavity_count;
+    size_t i;
     for (i = 0; i < count && status == PBW_OK; i++) {
-        const size_t t = cavity[i];
-        if (count + dim > kernel->scratch.cavity_capacity && !pbw__grow_lists(kernel, count + dim)) {
-            status = PBW_ERROR_MEMORY;
-            break;
-        }
-        cavity = kernel->scratch.cavity;
-        status = kernel->corner[4 * t + dim] == PBW__GHOST ? PBW__NO_FIT : PBW_OK;
-        for (k = 0; k <= dim && status == PBW_OK; k++) {
-            const size_t next = kernel->link[4 * t + k] >> 2;
-            if (kernel->corner[4 * t + k] != v && !kernel->mark[next]) {
-                status = pbw__hold(kernel, kernel->corner[kernel->link[4 * t + k]]) ? PBW_OK : PBW__LEFT;
-                kernel->mark[next] = status == PBW_OK;
-                cavity[count] = (pbw_index)next;
-                count += status == PBW_OK;
-                PBW__PREFETCH(kernel->corner + 4 * next);
-                PBW__PREFETCH(kernel->link + 4 * next);
-            }
-        }
+        status = kernel->corner[4 * (size_t)kernel->scratch.cavity[i] + dim] == PBW__GHOST ? PBW__NO_FIT : PBW_OK;
     }
     (void)pbw__leave_cavity(kernel, count);
     kernel->scratch.cavity_count = count;
@@ -16442,15 +16440,7 @@ static pbw_status pbw__shift_star(pbw__core *core, pbw_index v)
 /* The i-th vertex that moves gets its new place, or the old one back. */
 static void pbw__shift_exchange(pbw_live *live, size_t i)
 {
-    const size_t dim = (size_t)live->dim;
-    double *record = live->core.record + live->leaving[i] * (dim + 1);
-    double *other = live->moved + live->arriving[i] * dim;
-    size_t k;
-    for (k = 0; k < dim; k++) {
-        const double x = record[k];
-        record[k] = other[k];
-        other[k] = x;
-    }
+    pbw__exchange(&live->core, live->leaving[i], live->moved + live->arriving[i] * (size_t)live->dim);
     live->head[i] ^= 1;
 }
 
@@ -16648,19 +16638,14 @@ static pbw_status pbw__live_shift(pbw_live *live, size_t count, size_t most_effo
                                   pbw_way *way)
 {
     pbw__core *core = &live->core;
-    const pbw__grid grid = core->grid;
-    const double exact_height = core->kernel.exact_height;
-    size_t i;
     const int placed = core->place != NULL;
+    size_t i;
     pbw_status status = core->kernel.weighted ? PBW__ANEW : pbw__live_list_moves(live, count);
     status = status == PBW_OK ? pbw__batch_reserve(live, count, placed) : status;
     if (status != PBW_OK) {
         return status;
     }
-    live->edit_count = 0;
-    live->past_vertices = core->vertex_count;
-    live->past_unused = core->unused_count;
-    live->past_placed = core->placed;
+    pbw__batch_begin(live);
     memset(live->head, 0, count * sizeof(pbw_index));
     core->reinserted = 0;
     status = pbw__shift_places(live);
@@ -16675,8 +16660,6 @@ static pbw_status pbw__live_shift(pbw_live *live, size_t count, size_t most_effo
                 pbw__shift_exchange(live, i);
             }
         }
-        core->grid = grid;
-        core->kernel.exact_height = exact_height;
         pbw__batch_undo(live);
         return status;
     }
@@ -17134,7 +17117,7 @@ PBW__INLINE unsigned pbw__corners_at(const pbw_index *v, pbw_index x, int dim)
 }
 
 /* Fills a table, in space: for the corners of another simplex at which the vertices of a facet are, a set each, which
-   of its facets that is, in the opposite order; 4: none. */
+   of its facets that is, in the opposite order; 4: none, so too if either simplex has one of these vertices twice. */
 static void pbw__import_facing(pbw__import *import)
 {
     static const pbw_index corner[4] = { 0, 1, 2, 3 };
@@ -17231,17 +17214,9 @@ static pbw_status pbw__import_slots(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-PBW__INLINE unsigned pbw__corner_at(const pbw_index *corner, pbw_index v)
-{
-    unsigned k = 0;
-    while (corner[k] != v) {
-        k++;
-    }
-    return k;
-}
-
 /* Links between ghosts: around each ridge, through the finite simplices that have it, from one facet of the hull to
-   the other.  It ends there: the way back is as unique. */
+   the other.  It ends there, as the way back is as unique: unless a simplex has a vertex twice, which in space has
+   links to ghosts alone, see pbw__import_facing.  PBW__ANEW: a triangle has. */
 static pbw_status pbw__import_ridges(void *arg, size_t from, size_t to)
 {
     pbw__import *import = (pbw__import *)arg;
@@ -17257,7 +17232,10 @@ static pbw_status pbw__import_ridges(void *arg, size_t from, size_t to)
             pbw_index next = corner[4 * g + i];      /* across from which we go on */
             for (;;) {
                 const size_t t = at >> 2;
-                const pbw_index last = corner[at];
+                const pbw_index last = corner[at], *v = corner + 4 * t;
+                if (dim == 2 && (v[0] == v[1] || v[1] == v[2] || v[2] == v[0])) {
+                    return PBW__ANEW;
+                }
                 at = link[4 * t + pbw__corner_at(corner + 4 * t, next)];
                 next = last;
                 if (at >> 2 >= first) {

@@ -1,5 +1,7 @@
 /* fuzz_live.c: small sets of points decoded from bytes, then changes to them in the order of the bytes; after each
-   commit the hash of the view is that of a fresh build, and pbw_check finds no fault.
+   commit the hash of the view is that of a fresh build, and pbw_check finds no fault.  Half of them start from no
+   points, the others from the mesh of the points, of which the bytes change some entries: so nothing in its arrays
+   may be believed.
        make fuzz            libFuzzer where clang is installed, else random bytes
        cc -O2 -DFUZZ_MAIN tests/fuzz_live.c -o fuzz -lm -lpthread && ./fuzz --count 100000 --seed 1 */
 #define PBW_IMPLEMENTATION
@@ -56,6 +58,7 @@ static const char *judge(const state *s, pbw_live *live, const pbw_options *opti
     return fault;
 }
 
+/* Changes the points in the order of the bytes. */
 static const char *play(state *s, pbw_live *live, const pbw_options *options, const unsigned char *data, size_t size)
 {
     const size_t dim = (size_t)s->in.dim;
@@ -88,35 +91,203 @@ static const char *play(state *s, pbw_live *live, const pbw_options *options, co
     return fault;
 }
 
+/* A mesh in arrays of just its sizes, so that sanitizers see what is read behind them. */
+typedef struct copied { pbw_mesh mesh; double *points, *weights; pbw_index *simplices, *neighbors, *incident, *canonical; }
+    copied;
+
+static void *copy(const void *from, size_t bytes)
+{
+    void *to = malloc(bytes + (bytes == 0));
+    if (to == NULL) {
+        abort();
+    }
+    if (bytes > 0) {
+        memcpy(to, from, bytes);
+    }
+    return to;
+}
+
+static void copy_mesh(copied *to, const pbw_mesh *mesh)
+{
+    const size_t entries = mesh->simplex_count * (size_t)(mesh->dim + 1) * sizeof(pbw_index), n = mesh->point_count;
+    to->mesh = *mesh;
+    to->mesh.memory = NULL;
+    to->mesh.points = to->points = (double *)copy(mesh->points, n * (size_t)mesh->dim * sizeof(double));
+    to->weights = mesh->weights == NULL ? NULL : (double *)copy(mesh->weights, n * sizeof(double));
+    to->mesh.weights = to->weights;
+    to->mesh.simplices = to->simplices = (pbw_index *)copy(mesh->simplices, entries);
+    to->mesh.neighbors = to->neighbors = (pbw_index *)copy(mesh->neighbors, entries);
+    to->mesh.incident = to->incident = (pbw_index *)copy(mesh->incident, n * sizeof(pbw_index));
+    to->mesh.canonical = to->canonical = (pbw_index *)copy(mesh->canonical, n * sizeof(pbw_index));
+}
+
+static void copied_free(copied *c)
+{
+    free(c->points);
+    free(c->weights);
+    free(c->simplices);
+    free(c->neighbors);
+    free(c->incident);
+    free(c->canonical);
+}
+
+/* A number below `count`, PBW_NONE, or one that is too large. */
+static pbw_index any_number(size_t count, unsigned byte)
+{
+    return byte % 16 == 15 ? PBW_NONE - byte / 16 % 4 : (pbw_index)(byte / 3 % (count + (byte % 16 == 14 || count == 0)));
+}
+
+/* Changes simplex t, of which k and j are corners. */
+static void damage_simplex(copied *c, unsigned what, size_t t, size_t k, size_t j, unsigned byte)
+{
+    const size_t corners = (size_t)c->mesh.dim + 1, count = c->mesh.simplex_count, other = byte % count;
+    pbw_index *v = c->simplices + t * corners, *next = c->neighbors + t * corners, old;
+    size_t i;
+    switch (what) {
+    case 0: v[k] = v[j]; break;
+    case 1: v[k] = any_number(c->mesh.point_count, byte); break;
+    case 2: next[k] = next[j]; break;
+    case 3: next[k] = any_number(count, byte); break;
+    case 4:                                              /* its mirror image, or turned with its neighbors */
+        old = v[k], v[k] = v[j], v[j] = old;
+        old = next[k], next[k] = next[j], next[j] = byte & 1 ? next[k] : old;
+        break;
+    case 5:                                              /* another one again */
+        memcpy(v, c->simplices + other * corners, corners * sizeof *v);
+        memcpy(next, c->neighbors + other * corners, (byte & 64 ? corners : 0) * sizeof *next);
+        break;
+    case 6:                                              /* alone, or with a hole in its place */
+        for (i = 0; i < corners * count; i++) {
+            c->neighbors[i] = c->neighbors[i] == t || (byte & 1 && i / corners == t) ? PBW_NONE : c->neighbors[i];
+        }
+        break;
+    default:                                             /* itself on its other side */
+        next[k] = (pbw_index)t;
+        v[k] = byte & 1 ? v[j] : v[k];
+    }
+}
+
+/* Changes points p and q. */
+static void damage_points(copied *c, unsigned what, size_t p, size_t q, unsigned byte)
+{
+    const size_t dim = (size_t)c->mesh.dim, entries = c->mesh.simplex_count * (dim + 1);
+    size_t k;
+    switch (what) {
+    case 0: c->canonical[p] = any_number(c->mesh.point_count, byte); break;
+    case 1: c->incident[p] = any_number(c->mesh.simplex_count, byte); break;
+    case 2: c->canonical[p] = (pbw_index)p; break;       /* no duplicate any more, but hidden if the byte says so */
+    case 3: c->incident[p] = byte & 1 ? PBW_NONE : c->incident[q]; break;
+    case 4: case 5:                                      /* to the place of another, or a short way there */
+        for (k = 0; k < dim; k++) {
+            const double x = c->points[p * dim + k], y = c->points[q * dim + k];
+            c->points[p * dim + k] = what == 4 ? y : x + (y / 64 - x / 64);
+        }
+        break;
+    case 6:
+        if (c->weights != NULL) {
+            c->weights[p] = byte & 1 ? c->weights[q] : c->weights[p] + byte;
+        }
+        break;
+    default:                                             /* p instead of q everywhere, or in exchange */
+        for (k = 0; k < entries; k++) {
+            c->simplices[k] = c->simplices[k] == q ? (pbw_index)p
+                            : c->simplices[k] == p && byte & 1 ? (pbw_index)q : c->simplices[k];
+        }
+        c->incident[p] = c->incident[q];
+    }
+}
+
+/* Changes entries of the arrays, as the last bytes say; then the input is what the arrays say. */
+static void damage(state *s, copied *c, const unsigned char *data, size_t size)
+{
+    const size_t n = c->mesh.point_count, dim = (size_t)s->in.dim;
+    size_t i, changes = data[size - 2] % 5;
+    for (i = 0; i < changes && size > 4 * i + 8; i++) {
+        const unsigned char *bytes = data + size - 4 * i - 6;
+        const unsigned what = bytes[0] % 16;
+        if (what >= 8) {
+            damage_points(c, what - 8, bytes[1] % n, bytes[2] % n, bytes[3]);
+        } else if (c->mesh.simplex_count > 0) {
+            damage_simplex(c, what, bytes[1] % c->mesh.simplex_count, bytes[2] % (dim + 1), bytes[2] / 4 % (dim + 1),
+                           bytes[3]);
+        }
+    }
+    if (data[size - 2] / 5 % 16 == 0) {
+        c->mesh.weights = NULL;
+    }
+    if (data[size - 2] / 5 % 16 == 1) {
+        c->mesh.simplex_count -= c->mesh.simplex_count / 4;
+    }
+    s->in.weighted = c->mesh.weights != NULL;
+    memcpy(s->in.points, c->points, n * dim * sizeof(double));
+    for (i = 0; i < n; i++) {
+        s->in.weights[i] = s->in.weighted ? c->weights[i] : 0;
+        s->lives[i] = c->canonical[i] != PBW_NONE;
+        s->ids[i] = (pbw_index)i;
+    }
+}
+
+/* NULL, or what is wrong with what becomes of the changed mesh of the points. */
+static const char *adopt(state *s, const pbw_options *options, const unsigned char *data, size_t size)
+{
+    pbw_mesh mesh;
+    pbw_live *live;
+    copied c;
+    const char *fault;
+    pbw_status status = pbw_triangulate(s->in.dim, s->in.points, small_weights(&s->in), (size_t)s->in.count, options,
+                                        &mesh);
+    if (status != PBW_OK && status != PBW_DEGENERATE) {
+        return pbw_status_string(status);
+    }
+    copy_mesh(&c, &mesh);
+    pbw_free(&mesh);
+    damage(s, &c, data, size);
+    status = pbw_live_create(&c.mesh, options, &live);
+    copied_free(&c);
+    if (status != PBW_OK && status != PBW_DEGENERATE) {
+        return pbw_status_string(status);
+    }
+    fault = judge(s, live, options);
+    fault = fault == NULL ? play(s, live, options, data, size < 24 ? size : 24) : fault;
+    pbw_live_free(live);
+    return fault;
+}
+
+/* NULL, or what is wrong with what becomes of no points and then all of them. */
+static const char *begin(state *s, const pbw_options *options, const unsigned char *data, size_t size)
+{
+    pbw_live *live;
+    pbw_mesh none;
+    const char *fault;
+    int i;
+    memset(&none, 0, sizeof none);
+    none.dim = s->in.dim;
+    if (pbw_live_create(&none, options, &live) != PBW_DEGENERATE) {
+        return "not created";
+    }
+    for (i = 0, fault = NULL; i < s->in.count && fault == NULL; i++) {
+        s->lives[i] = 1;
+        fault = pbw_live_insert(live, s->in.points + i * s->in.dim, s->in.weighted ? s->in.weights + i : NULL, 1,
+                                s->ids + i) == PBW_OK ? NULL : "no insertion";
+    }
+    fault = fault == NULL ? play(s, live, options, data, size) : fault;
+    pbw_live_free(live);
+    return fault;
+}
+
 static const char *fuzz(const unsigned char *data, size_t size, int print)
 {
     pbw_options options;
-    pbw_live *live;
-    pbw_mesh none;
     state s;
-    const char *fault;
     memset(&options, 0, sizeof options);
-    memset(&none, 0, sizeof none);
     memset(&s, 0, sizeof s);
-    options.threads = 1;
     small_decode(&s.in, data, size);
-    if (s.in.count == 0 || size == 0) {
+    if (s.in.count == 0 || size < 2) {
         return NULL;
-    }
-    none.dim = s.in.dim;
-    fault = pbw_live_create(&none, &options, &live) == PBW_DEGENERATE ? NULL : "not created";
-    if (fault == NULL) {
-        int i;
-        for (i = 0; i < s.in.count && fault == NULL; i++) {
-            s.lives[i] = 1;
-            fault = pbw_live_insert(live, s.in.points + i * s.in.dim, s.in.weighted ? s.in.weights + i : NULL, 1,
-                                    s.ids + i) == PBW_OK ? NULL : "no insertion";
-        }
-        fault = fault == NULL ? play(&s, live, &options, data, size) : fault;
-        pbw_live_free(live);
     }
     if (print) {
         small_print(&s.in);
     }
-    return fault;
+    options.threads = 1 + (data[size - 1] % 16 == 1);
+    return data[size - 1] & 1 ? adopt(&s, &options, data, size) : begin(&s, &options, data, size);
 }

@@ -180,6 +180,9 @@ class Number:                                            # a coordinate or weigh
     def __sub__(self, b):
         return Value(0, self.P).rounded()
 
+    def __add__(self, places):                           # to the right in an array
+        return self
+
 
 class Every:                                             # an array with the same value everywhere
     def __init__(self, x):
@@ -312,7 +315,7 @@ ENV = {'DBL_EPSILON': 2.0 ** -52, 'pbw__splat': same, 'pbw__max_lane': same, 'pb
        'pbw__drop_last': lambda x: Three(x), 'pbw__certain': lambda det, bound, low, high: (det, bound),
        'pbw__pair_difference': lambda a, b: Pair(U * (1 + U), 0, a.P), 'pbw__pair_plus': pair_plus,
        'pbw__pair_minus': pair_plus, 'pbw__pair_times': pair_times, 'pbw__plus4': pair_plus, 'pbw__minus4': pair_plus,
-       'pbw__times4': pair_times, 'pbw__first': same, 'HUGE_VAL': 0}
+       'pbw__times4': pair_times, 'pbw__first': same, 'pbw__load4d': same, 'HUGE_VAL': 0}
 for name in 'max', 'abs', 'max_abs', 'max4', 'abs4':
     ENV['pbw__' + name] = same
 ENV['pbw__sqrt4'] = lambda x: Value(x.k + U, 1)          # of a value of scale 1; its root errs by less
@@ -520,24 +523,42 @@ def queries():
     Value.bits = 53
 
 
-def planes():
-    name = 'pbw__slot_faults'
+def apexes():
+    """The planes of >>apex, by which >>verify judges facets too, and what its vectors are certain of."""
     least = literal('pbw__plane_of', r'height = ([-\d.e]+)')
+    define('pbw__row_dot', 'pbw__side_limit', 'pbw__conflict_limit')
     for dim in (2, 3):
         plane, row = Rows(), [None] * 4
         plane.origin, plane.normal = [Number(1)] * dim + [Number(0)], [None] * 3
         local = dict(plane=plane, x=plane.origin, dim=dim, row=row)
-        plane.height = run('pbw__plane_row', local, ['k', 'weight', 'square', 'row[k]', 'row[dim]', 'return'])[0]
-        scaled(row[dim], plane.height)
-        names = ['a', 'b', 'plane.orientation']
-        names += ['plane.normal[0]', 'plane.normal[1]', 'return'] if dim == 2 else [
-            'k', 'm', 'n', 'c', 'cb', 'ac', 'ba', 'plane.normal[k]']
-        run('pbw__plane_of', dict(plane=plane, row=[row] * 3, dim=dim), names)
-        names = ['error', 'side_error', 'side', 'least', 'det', 'limit']
-        local = run(name, dict(plane=plane, row=row, h=plane.height, dim=dim), names)[1]
-        scale = root(least) if dim == 3 else 1
-        prove('%s%d side' % (name, dim), local['side'], local['least'], least * scale, True)
-        prove('%s%d conflict' % (name, dim), local['det'], local['limit'], least ** 2 * scale, True)
+        h = run('pbw__plane_row', local, ['k', 'weight', 'square', 'row[k]', 'row[dim]', 'return'])[0]
+        scaled(row[dim], h)
+        rows, scale = dict(a=row, b=row, c=row, dim=dim), least * (root(least) if dim == 3 else 1)
+        cross = normal = [None] * 3
+        if dim == 2:
+            run('pbw__facet_normal', dict(rows, normal=normal), ['normal[0]', 'normal[1]'])
+            names = ['plane.normal[0]', 'plane.normal[1]', 'return']
+        else:
+            run('pbw__cross_row', dict(rows, x=cross), ['x[0]', 'x[1]', 'x[2]'])
+            names = ['k', 'plane.normal[k]']
+        run('pbw__plane_set', dict(rows, plane=plane, normal=normal, ac=cross, ba=cross), ['plane.orientation'] + names)
+        plane.height = h
+        prove('pbw__plane_of %d' % dim, plane.orientation, ENV['pbw__side_limit'](h, dim), scale, True)
+        side = ENV['pbw__row_dot'](row, normal, dim)
+        prove('pbw__rim_apex %d' % dim, side, ENV['pbw__side_limit'](h, dim), scale, True)
+        local = run('pbw__plane_conflict', dict(plane=plane, row=row + [h], dim=dim), ['det', 'limit'])[1]
+        prove('pbw__plane_conflict %d' % dim, local['det'], local['limit'], least * scale, True)
+
+        name, c = 'pbw__candidates4_of', Rows()
+        local = dict(core=Rows(), c=c, pencil=Rows(), origin=plane.origin, i=0, dim=dim)
+        local['core'].rim_at, local['pencil'].normal, local['pencil'].height = plane.origin, normal, h
+        run(name, local, ['weight', 'c.x', 'c.y', 'c.height', 'c.lift'] + ['c.z'] * (dim - 2))
+        scaled(c.lift, c.height)
+        local = run(name, local, ['side', 'h', 'limit'])[1]
+        prove('%s %d' % (name, dim), local['side'], local['limit'], scale, True)
+        name = 'pbw__candidates4_conflict'
+        local = run(name, dict(c=c, plane=plane, dim=dim), ['h', 'det', 'limit'])[1]
+        prove('%s %d' % (name, dim), local['det'], local['limit'], least * scale, True)
 
 
 def ears():
@@ -603,7 +624,7 @@ pairs()
 walks()
 cavities()
 queries()
-planes()
+apexes()
 ears()
 depths()
 for line in ('{ H in [0, %s] -> 24 * (H * H * sqrt(H)) <= 1b53 }' % g(Fraction(constant('PBW__EXACT_HEIGHT3'))),

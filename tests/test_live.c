@@ -858,6 +858,38 @@ static void test_wrong(void)
     }
 }
 
+/* Triangles of one point or two, each with a link to itself: a walk around such a point would not end. */
+static void test_repeated_corners(void)
+{
+    static const double points[6] = { 0, 0, 1, 0, 0, 1 };
+    static const pbw_index canonical[3] = { 0, 1, 2 }, incident[3] = { 0, 0, 0 };
+    static const pbw_index simplices[2][3] = { { 0, 0, 0 }, { 0, 0, 1 } };
+    static const pbw_index neighbors[3][3] = { { 0, PBW_NONE, 0 }, { 0, 0, PBW_NONE }, { PBW_NONE, 0, 0 } };
+    int i;
+    if (!test_begin("from a mesh with corners that are the same")) {
+        return;
+    }
+    for (i = 0; i < 6; i++) {
+        pbw_mesh mesh, view;
+        pbw_live *live;
+        memset(&mesh, 0, sizeof mesh);
+        mesh.dim = 2;
+        mesh.point_count = 3;
+        mesh.simplex_count = 1;
+        mesh.points = points;
+        mesh.canonical = canonical;
+        mesh.incident = incident;
+        mesh.simplices = simplices[i % 2];
+        mesh.neighbors = neighbors[i / 2];
+        CHECK_EQUAL(pbw_live_create(&mesh, NULL, &live), PBW_OK);
+        CHECK_EQUAL(pbw_live_view(live, &view), PBW_OK);
+        CHECK_EQUAL(view.simplex_count, 1);
+        pbw_free(&view);
+        pbw_live_free(live);
+    }
+    test_end();
+}
+
 #ifdef PBW__SIMD                                        /* with the implementation */
 /* Looks at all facets of vertices that have moved a little, which no triangulation fits: returns how many have a
    verdict by depths, and checks these with the exact signs. */
@@ -1003,6 +1035,7 @@ int main(int argc, char **argv)
     test_thread_counts();
     test_taken_places();
     test_wrong();
+    test_repeated_corners();
     test_memory();
 #ifdef PBW__SIMD
     test_depths();
