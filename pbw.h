@@ -134,6 +134,9 @@
                           for 16 more bytes a simplex while building
      PBW_NO_SIMD          where PBW_IMPLEMENTATION is: scalar code only; the same answers, slower.  Without it gcc and
                           clang make vector code too: AVX2, used where a build finds it, and NEON on 64-bit Arm
+     PBW_NO_QUERIES       where PBW_IMPLEMENTATION is: leaves out pbw_locate, pbw_nearest and all other queries
+     PBW_NO_LIVE          there: leaves out pbw_live_create and all that works on a pbw_live.  Without both the
+                          header compiles in less than half the time
      PBW_NO_THREADS       where PBW_IMPLEMENTATION is: every call runs on the caller's thread, nothing to link.
                           Without it gcc and clang use pthreads, or the threads of Windows 7; MSVC uses these for
                           64-bit x86, elsewhere none
@@ -2976,6 +2979,13 @@ PBWDEF int pbw_conflict3(const double a[3], const double b[3], const double c[3]
    In: the caller's points and weights, and a box.  Out: their records; the key of a point: the number of its cell in
    the box's grid, along the curve.
    ------------------------------------------------------------------------------------------------------ */
+/* Returns the squared distance of two points, rounded. */
+PBW__INLINE double pbw__squared(const double *p, const double *q, int dim)
+{
+    const double x = p[0] - q[0], y = p[1] - q[1], z = dim == 3 ? p[2] - q[2] : 0.0;
+    return x * x + y * y + z * z;
+}
+
 #define PBW__POINT_LIMIT ((size_t)1 << 31)           /* the highest bit of a vertex is free for marks of >>cavity2 */
 
 typedef struct pbw__input {
@@ -4511,8 +4521,13 @@ static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
     return t;
 }
 
+#ifdef PBW_NO_LIVE
+#define pbw__journal_cavity(kernel) PBW_OK
+#define pbw__journal_slots(kernel) PBW_OK
+#else
 static pbw_status pbw__journal_cavity(pbw__kernel *kernel);  /* >>core */
 static pbw_status pbw__journal_slots(pbw__kernel *kernel);
+#endif
 
 /* Takes the slots of the star: those of the cavity first, still marked; surplus slots of the cavity become free. */
 PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
@@ -9412,6 +9427,7 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
     return pbw__end_call(&context, status);
 }
 
+#ifndef PBW_NO_QUERIES
 /* ------------------------------------------------------------------------------------------------------
    >>query        Which simplex contains a point.
    In: a finished mesh with neighbors, a finite point.  Out: the lowest simplex that contains it, or a hull facet that
@@ -9882,12 +9898,6 @@ static pbw_status pbw__queries_end(pbw__queries *queries, pbw_status status)
 PBW__INLINE size_t pbw__query_index(const pbw__queries *queries, size_t place)
 {
     return queries->sorted.id[place + 1];
-}
-
-PBW__INLINE double pbw__squared(const double *p, const double *q, int dim)
-{
-    const double x = p[0] - q[0], y = p[1] - q[1], z = dim == 3 ? p[2] - q[2] : 0.0;
-    return x * x + y * y + z * z;
 }
 
 /* Returns the nearest to p of a few vertices, or nearly. */
@@ -12231,6 +12241,9 @@ PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, si
     }
     return pbw__lists_end(&queries, status, lists);
 }
+#endif
+
+#ifndef PBW_NO_LIVE
 /* ------------------------------------------------------------------------------------------------------
    >>core         A triangulation that stays: vertices with numbers, and a journal of what is deleted.
    In: a triangulation by the kernel.  Out: for each vertex a simplex that has it; a way back.
@@ -18013,6 +18026,7 @@ PBWDEF pbw_status pbw_live_view(pbw_live *live, pbw_mesh *mesh)
     return status;
 }
 
+#endif
 /* ------------------------------------------------------------------------------------------------------
    >>api          The front door: argument checks, defaults, the stages in order, status texts.
    In: what the caller passes.  Out: a mesh or a status; nothing is left allocated after a failure.

@@ -92,6 +92,9 @@ for compiler in $compilers; do
             -fsyntax-only bench/bench.c
     done
     check "$compiler: PBW_WIDE" $compiler -std=c99 $warn -I. -DPBW_WIDE -fsyntax-only "$work/whole.c"
+    for less in ${long:+-DPBW_NO_QUERIES -DPBW_NO_LIVE} "-DPBW_NO_QUERIES -DPBW_NO_LIVE"; do
+        check "$compiler: $less" $compiler -std=c99 $warn -I. $less -fsyntax-only "$work/whole.c"
+    done
     [ -z "$long" ] || check "$compiler -O3: no warning from the optimiser" \
         $compiler -std=c99 -O3 $warn -I. -c "$work/whole.c" -o "$work/o3.o"
     for flags in -ffast-math -funsafe-math-optimizations -mfpmath=387 ${long:+-Ofast -freciprocal-math} \
@@ -102,6 +105,19 @@ for compiler in $compilers; do
         fi
     done
 done
+
+# Without queries and live triangulations their functions are not there, and all others still link.
+leaves_out() {
+    $CC -std=c99 -O0 -I. -DPBW_NO_QUERIES -DPBW_NO_LIVE "$work/whole.c" -c -o "$work/less.o" &&
+        nm -g --defined-only "$work/less.o" > "$work/less" && grep -q ' pbw_triangulate$' "$work/less" &&
+        ! grep -E ' pbw_(locate|nearest|within|stars|coordinates|finder|live)' "$work/less" &&
+        $CC -std=c99 -I. -DPBW_NO_QUERIES -DPBW_NO_LIVE "$work/mode.c" -o "$work/less" -lpthread
+}
+if command -v nm > /dev/null; then
+    check "PBW_NO_QUERIES, PBW_NO_LIVE: what they leave out" leaves_out
+else
+    skip "PBW_NO_QUERIES, PBW_NO_LIVE: no nm"
+fi
 
 # What strangers trip over.
 refuses() {   # refuses TEXT COMMAND...: it fails, with one error, of this text
