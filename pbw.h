@@ -4683,6 +4683,13 @@ PBW__SIMD_INLINE pbw__rows4 pbw__rows4_of(const double *record, const pbw_index 
     }
     return rows;
 }
+
+/* Gives the ghost's row the lift and the height W of >>cavity3 and >>cavity2. */
+PBW__SIMD_INLINE void pbw__lift_ghosts(pbw__rows4 *rows, pbw__d4 height)
+{
+    rows->lift = pbw__blend_zero(rows->lift, rows->ghost, height);
+    rows->height = pbw__blend_zero(rows->height, rows->ghost, height);
+}
 #endif
 
 /* Returns the first facet of a finite simplex that has p strictly outside, exactly; dim+1 if there is none.  Facets
@@ -4755,11 +4762,6 @@ PBW__INLINE pbw_index pbw__locate_of(pbw__kernel *kernel, pbw_index t, const dou
         }
         t = (pbw_index)(kernel->link[4 * (size_t)t + exit] >> 2);
     }
-}
-
-static pbw_index pbw__locate_scalar(pbw__kernel *kernel, pbw_index t, const double *p)
-{
-    return kernel->dim == 3 ? pbw__locate_of(kernel, t, p, 3) : pbw__locate_of(kernel, t, p, 2);
 }
 
 #ifdef PBW__SIMD
@@ -5385,12 +5387,9 @@ PBW__SIMD_INLINE pbw__rows4 pbw__carve_rows(pbw__search *search, size_t i, pbw__
     const pbw_index facet = search->parent[i];
     pbw__rows4 r;
     if (PBW__UNLIKELY(i - (facet >> 2) >= PBW__HELD)) {
-        pbw__d4 height;
         pbw__search_number(search, i, link);
         r = pbw__rows4_of(record, search->carved[i].v, 1, point);
-        height = pbw__max_lane(r.height);
-        r.lift = pbw__blend_zero(r.lift, r.ghost, height);
-        r.height = pbw__blend_zero(r.height, r.ghost, height);
+        pbw__lift_ghosts(&r, pbw__max_lane(r.height));
     } else {
         const pbw__held *from = latest->held + (facet >> 2) % PBW__HELD;
         const pbw__d4 *heights = latest->heights[(facet >> 2) % PBW__HELD];
@@ -5944,12 +5943,6 @@ PBW__SIMD_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring,
 PBW__SIMD static PBW__NOINLINE pbw_status pbw__ring_hull(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
                                                          const double *p);
 
-PBW__SIMD_INLINE void pbw__lift_ghosts2(pbw__rows4 *rows, pbw__d4 height)
-{
-    rows->lift = pbw__blend_zero(rows->lift, rows->ghost, height);
-    rows->height = pbw__blend_zero(rows->height, rows->ghost, height);
-}
-
 /* Tests the edges of the queue, from `head` on, until it is empty. */
 PBW__SIMD_INLINE pbw_status pbw__ring_finish(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
                                              const pbw__point4 *point, int hull)
@@ -5975,9 +5968,9 @@ PBW__SIMD_INLINE pbw_status pbw__ring_finish(pbw__kernel *kernel, pbw__ring *rin
         t.o = pbw__rows4_of(record, far, hull, point);
         if (hull) {
             const pbw__d4 h = pbw__max4(pbw__max4(t.s.height, t.e.height), t.o.height);
-            pbw__lift_ghosts2(&t.s, h);
-            pbw__lift_ghosts2(&t.e, h);
-            pbw__lift_ghosts2(&t.o, h);
+            pbw__lift_ghosts(&t.s, h);
+            pbw__lift_ghosts(&t.e, h);
+            pbw__lift_ghosts(&t.o, h);
         }
         status = pbw__ring_step(kernel, ring, head, &t, point, hull);
         head = next;
@@ -5996,8 +5989,7 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start_hull(pbw__kernel *kernel, pbw__ring 
     const pbw__link *link = kernel->link, behind = ring->beyond[2];
     const pbw_index a = ring->start[2], b = ring->end[2], c = corner[behind];
     const pbw_index far[4] = { c, corner[link[PBW__AFTER(behind)]], corner[link[PBW__BEFORE(behind)]], c };
-    const pbw_index rows[4] = { a, b, c, a };
-    const pbw__rows4 r = pbw__rows4_of(kernel->record, rows, 0, point);
+    const pbw_index start[4] = { a, a, c, a }, end[4] = { b, c, b, b };
     const double *next = pbw__record_at(kernel, corner[ring->beyond[0]]);
     const double *last = pbw__record_at(kernel, corner[ring->beyond[1]]);
     double error[2];
@@ -6008,10 +6000,8 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start_hull(pbw__kernel *kernel, pbw__ring 
     unsigned certain, inside;
     pbw_status status;
     t.o = pbw__rows4_of(kernel->record, far, 1, point);
-    t.s.x = PBW__PICK(r.x, 0, 0, 2, 0), t.s.y = PBW__PICK(r.y, 0, 0, 2, 0), t.s.lift = PBW__PICK(r.lift, 0, 0, 2, 0);
-    t.e.x = PBW__PICK(r.x, 1, 2, 1, 1), t.e.y = PBW__PICK(r.y, 1, 2, 1, 1), t.e.lift = PBW__PICK(r.lift, 1, 2, 1, 1);
-    t.s.height = t.s.lift, t.e.height = t.e.lift;
-    t.s.z = t.e.z = t.s.ghost = t.e.ghost = pbw__splat(0.0);
+    t.s = pbw__rows4_of(kernel->record, start, 0, point);
+    t.e = pbw__rows4_of(kernel->record, end, 0, point);
     inside = pbw__test2_simd(&t, 1, &certain) & finite;
     if (!(after < -error[0] && before < -error[1]) || ((certain | ~finite) & 7) != 7) {
         return PBW_OK;
@@ -6117,14 +6107,6 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *rin
     return status == PBW_OK ? pbw__ring_finish(kernel, ring, head, point, 0) : status;
 }
 
-/* Guesses the next vertex: as far along the curve as this one is from the last. */
-PBW__INLINE pbw_index pbw__guess2(pbw__kernel *kernel, pbw_index vertex)
-{
-    pbw_index guess = 2 * vertex - kernel->previous;
-    kernel->previous = vertex;
-    return guess <= kernel->vertex_count ? guess : vertex;
-}
-
 /* Turns the triangle (vertex, ghost, end) of a new star, if there is one, to (end, vertex, ghost).  The next walk
    then starts there: others of the star may be long and thin. */
 static PBW__NOINLINE void pbw__turn_ghost(pbw__kernel *kernel, const pbw__ring *ring)
@@ -6159,9 +6141,11 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
     pbw__link *link = kernel->link;
     const double *record = kernel->record;
     unsigned count = ring->count, i;
-    pbw_index last = ring->slot[0], guess = pbw__guess2(kernel, vertex);
+    const pbw_index next = 2 * vertex - kernel->previous, guess = next <= kernel->vertex_count ? next : vertex;
     const pbw__d2 p = pbw__load2(record + width * vertex);
     const pbw__d2 normal = pbw__turn_right(pbw__load2(record + width * guess) - p);
+    pbw_index last = ring->slot[0];
+    kernel->previous = vertex;
     ring->slot[count - 2] = (pbw_index)kernel->slots.fresh;
     ring->slot[count - 1] = (pbw_index)kernel->slots.fresh + 1;
     kernel->slots.fresh += 2;
@@ -6238,7 +6222,7 @@ static pbw_status pbw__insert_scalar(pbw__kernel *kernel, pbw_index vertex)
     pbw__copy_record(pbw__record_at(kernel, vertex), p, kernel->dim, kernel->weighted);
     PBW__PHASE(PBW__WALK);
     if (t != PBW__FOREIGN) {
-        t = pbw__locate_scalar(kernel, t, p);
+        t = kernel->dim == 3 ? pbw__locate_of(kernel, t, p, 3) : pbw__locate_of(kernel, t, p, 2);
     }
     status = pbw__located(kernel, t);
     if (t == PBW_NONE || status != PBW_OK) {
@@ -7030,24 +7014,19 @@ static void pbw__round_begin(pbw__build *build, int task)
     kernel->status = PBW_OK;
 }
 
-/* Returns the zone of a corner; of the ghost none. */
-PBW__INLINE size_t pbw__zone_of(const pbw__build *build, pbw_index v)
-{
-    return v != PBW__GHOST ? v >> build->owner_bits : (size_t)-1;
-}
-
 /* Returns whether a simplex is mine if I own the zone. */
-PBW__INLINE int pbw__is_in_zone(const pbw__build *build, pbw_index t, size_t zone)
+static int pbw__is_in_zone(const pbw__build *build, pbw_index t, size_t zone)
 {
     const int dim = build->vertices->dim;
-    const pbw_index *v;
-    int count;
-    if (t == PBW_NONE || build->store->corner[4 * (size_t)t] == PBW_NONE) {
+    const pbw_index *corner = build->store->corner;
+    size_t i = 4 * (size_t)t;
+    int count = 0, k;
+    if (t == PBW_NONE || corner[i] == PBW_NONE) {
         return 0;
     }
-    v = build->store->corner + 4 * (size_t)t;
-    count = (pbw__zone_of(build, v[0]) == zone) + (pbw__zone_of(build, v[1]) == zone)
-          + (pbw__zone_of(build, v[2]) == zone) + (dim == 3 && pbw__zone_of(build, v[3]) == zone);
+    for (k = 0; k <= dim; k++, i++) {
+        count += corner[i] != PBW__GHOST && corner[i] >> build->owner_bits == zone;
+    }
     return count + 1 >= dim;
 }
 
@@ -7073,7 +7052,7 @@ static void pbw__offer_hint(pbw__build *build, pbw_index t, uint8_t owner)
     const pbw_index *v = build->store->corner + 4 * (size_t)t;
     int k;
     for (k = 0; k <= build->vertices->dim && v[k] != PBW__GHOST; k++) {          /* the ghost is the last corner */
-        const size_t zone = pbw__zone_of(build, v[k]);
+        const size_t zone = v[k] >> build->owner_bits;
         pbw_index *hint = build->store->hint + pbw__first_region(build, zone);
         if (PBW__LOAD(hint) == PBW_NONE && PBW__LOAD(build->owner + zone) == owner
             && pbw__is_in_zone(build, t, zone)) {
