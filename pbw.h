@@ -4102,7 +4102,7 @@ typedef struct pbw__store {
     unsigned char *mark;                             /* 3D: 1 for a simplex of a cavity; >>core uses them in 2D too */
     size_t corner_capacity, link_capacity, mark_capacity;
     size_t capacity;                                 /* in simplices, the least of all */
-    int plain;                                       /* in the plane, without >>core: no marks */
+    int plain;                                       /* no marks: in the plane, without >>core, and in the output */
     size_t count;                                    /* slots given to regions and threads */
     pbw_index *region;                               /* per region: its first slot that was never used */
     pbw_index *hint;                                 /* >>parallel: per zone, at its first region: where walks may
@@ -8380,7 +8380,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     const size_t spare = (flags & PBW_BORROW) == 0 ? vertices->point_count * (size_t)vertices->dim : 0;
     pbw__emission emission;
     pbw_status status;
-    if (store->capacity - store->count > store->capacity / 64 + 64       /* not of few points */
+    if (store->capacity - store->count > store->capacity / 1024 + 64     /* not of few points */
         && pbw__store_reserve(context, store, store->count) != PBW_OK) {     /* gives the rest of the tail back */
         return PBW_ERROR_MEMORY;
     }
@@ -18190,7 +18190,7 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
                : pbw__build_all(context, &store, &vertices, &vertices.grid, &mesh->statistics);
         status = pbw__leave_stage(context, status, &start, &mesh->statistics.build_seconds);
         PBW__RELEASE(memory, &store, mark);          /* the output needs none, and holds the most memory */
-        store.mark = NULL, store.mark_capacity = 0;
+        store.mark = NULL, store.mark_capacity = 0, store.plain = 1;
     }
     if ((status == PBW_OK || status == PBW_DEGENERATE) && pbw__enter_stage(context, PBW_STAGE_OUTPUT)) {
         status = PBW_CANCELLED;
