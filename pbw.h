@@ -12360,7 +12360,7 @@ PBW__INLINE const double *pbw__core_record(const pbw__core *core, pbw_index v)
     return core->record + (size_t)v * ((size_t)core->kernel.dim + 1);
 }
 
-/* Returns whether this thread owns a vertex, or need not; claims it if it can.  See >>tasks. */
+/* Returns whether this task owns a vertex, or no other task runs; claims it if it is free.  See >>tasks. */
 PBW__INLINE int pbw__hold(pbw__kernel *kernel, pbw_index v)
 {
     return kernel->own.owner == NULL || v == PBW__GHOST || pbw__owns_zone(kernel, v);
@@ -12380,7 +12380,7 @@ PBW__INLINE int pbw__hold_corners(pbw__kernel *kernel, size_t t)
     return k > dim;
 }
 
-/* Where a slot is missing: for another task, there may be one later. */
+/* The status for a missing slot: a task may get one in a later round. */
 PBW__INLINE pbw_status pbw__no_room(const pbw__kernel *kernel, pbw_status status)
 {
     return status == PBW__LEFT && kernel->own.owner == NULL ? PBW_ERROR_TOO_LARGE : status;
@@ -12525,12 +12525,12 @@ static void pbw__note_star(pbw__core *core)
     }
 }
 
-/* All simplices of the cavity are finite or not: how many are. */
-static size_t pbw__count_finite(const pbw__kernel *kernel, const pbw_index *slot, size_t count)
+/* Returns how many simplices of the cavity are finite. */
+static size_t pbw__count_finite(const pbw__kernel *kernel)
 {
     size_t i, finite = 0;
-    for (i = 0; i < count; i++) {
-        finite += kernel->corner[4 * (size_t)slot[i] + (size_t)kernel->dim] != PBW__GHOST;
+    for (i = 0; i < kernel->scratch.cavity_count; i++) {
+        finite += kernel->corner[4 * (size_t)kernel->scratch.cavity[i] + (size_t)kernel->dim] != PBW__GHOST;
     }
     return finite;
 }
@@ -13566,8 +13566,8 @@ static pbw_status pbw__wrap(pbw__core *core)
     }
     for (i = 0; i < core->rims && status == PBW_OK; i++) {
         const pbw_index *v = core->rim[i].v;
-        pbw_index apex;
         pbw__filling *filling;
+        pbw_index apex;
         if (core->rim[i].closed || v[0] == 0 || v[1] == 0 || v[2] == 0) {
             continue;                                /* facets of the ghost are matched only */
         }
@@ -13654,7 +13654,7 @@ static PBW__NOINLINE pbw_status pbw__ear_hole(pbw__core *core, pbw_index v)
 static pbw_status pbw__remove_vertex(pbw__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
-    size_t finite, made, i;
+    size_t made, i;
     pbw_status status = pbw__ear_hole(core, v);
     if (status == PBW__NO_FIT) {
         status = pbw__open_hole(core, v);
@@ -13663,12 +13663,12 @@ static pbw_status pbw__remove_vertex(pbw__core *core, pbw_index v)
         }
         status = pbw__wrap(core);
     }
-    finite = pbw__count_finite(kernel, kernel->scratch.cavity, kernel->scratch.cavity_count);
     for (made = i = 0; i < core->fillings; i++) {
         made += core->filling[i].v[kernel->dim] != 0;
     }
-    if (status == PBW_OK && made == 0 && (kernel->own.owner != NULL || core->simplex_count == finite)) {
-        status = kernel->own.owner != NULL ? PBW__LEFT : PBW__ANEW;
+    if (status == PBW_OK && made == 0) {
+        status = kernel->own.owner != NULL ? PBW__LEFT : core->simplex_count == pbw__count_finite(kernel) ? PBW__ANEW
+               : PBW_OK;
     }
     if (status != PBW_OK) {
         (void)pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
@@ -13894,8 +13894,8 @@ static pbw_status pbw__core_scan(pbw__core *core)
     return PBW_OK;
 }
 
-/* list: per id of a vertex, its number; NULL: ids are numbers.  box: per task, the least and the largest entries of its
-   records. */
+/* list: per id of a vertex, its number; NULL: ids are numbers.  box: per task, the least and the largest entries of
+   its records. */
 typedef struct pbw__taking {
     pbw__core *core;
     const pbw_index *list;
@@ -14402,14 +14402,27 @@ PBW__INLINE void pbw__verify_facets_of(pbw__verifying *shared, size_t from, size
 }
 #endif
 
-/* Looks at slots from..to-1 of the window: which simplices are not positive, which facets are not locally regular;
-   counts the facets of the hull that the ray meets, and adds 2 for each that o is not inside of. */
-static pbw_status pbw__verify_range(void *arg, size_t from, size_t to)
+/* Counts the facets of the hull in slots from..to-1 that the ray meets; adds 2 for each that o is not inside of. */
+static pbw_status pbw__cover_range(void *arg, size_t from, size_t to)
 {
     pbw__verifying *verifying = (pbw__verifying *)arg;
     const pbw_index *corner = verifying->core->kernel.corner;
     const size_t dim = (size_t)verifying->core->kernel.dim;
     size_t covers = 0, t;
+    for (t = from; t < to; t++) {
+        covers += corner[4 * t] != PBW_NONE && corner[4 * t + dim] == PBW__GHOST ? pbw__covers(verifying, t) : 0;
+    }
+    (void)PBW__ADD(&verifying->covers, covers);
+    return PBW_OK;
+}
+
+/* Looks at slots from..to-1 of the window: which simplices are not positive, which facets are not locally regular;
+   and counts as pbw__cover_range does. */
+static pbw_status pbw__verify_range(void *arg, size_t from, size_t to)
+{
+    pbw__verifying *verifying = (pbw__verifying *)arg;
+    const pbw_index *corner = verifying->core->kernel.corner;
+    size_t t;
     from += verifying->from;
     to += verifying->from;
     if (PBW__LOAD(&verifying->inverted) > 0 || PBW__LOAD(&verifying->failing) > verifying->most) {
@@ -14417,18 +14430,16 @@ static pbw_status pbw__verify_range(void *arg, size_t from, size_t to)
     }
 #ifdef PBW__SIMD
     if (verifying->depth != NULL) {
-        PBW__BY_DIM((int)dim, pbw__verify_facets_of, verifying, from, to);
+        PBW__BY_DIM(verifying->core->kernel.dim, pbw__verify_facets_of, verifying, from, to);
         return PBW_OK;
     }
 #endif
     for (t = from; t < to; t++) {
         if (corner[4 * t] != PBW_NONE) {
             pbw__verify_slot(verifying, t);
-            covers += corner[4 * t + dim] == PBW__GHOST ? pbw__covers(verifying, t) : 0;
         }
     }
-    (void)PBW__ADD(&verifying->covers, covers);
-    return PBW_OK;
+    return pbw__cover_range(verifying, from, to);
 }
 
 /* Looks at some simplices, where no facet may fail: if many do, one of these does. */
@@ -14491,20 +14502,6 @@ static pbw_status pbw__verify_all(pbw__verifying *verifying)
 #endif
     return status != PBW_OK ? status
          : pbw__for_range(core->kernel.context, core->store.count, 4096, 0.5, pbw__verify_range, verifying);
-}
-
-/* Counts as pbw__verify_range does. */
-static pbw_status pbw__cover_range(void *arg, size_t from, size_t to)
-{
-    pbw__verifying *verifying = (pbw__verifying *)arg;
-    const pbw_index *corner = verifying->core->kernel.corner;
-    const size_t dim = (size_t)verifying->core->kernel.dim;
-    size_t covers = 0, t;
-    for (t = from; t < to; t++) {
-        covers += corner[4 * t] != PBW_NONE && corner[4 * t + dim] == PBW__GHOST ? pbw__covers(verifying, t) : 0;
-    }
-    (void)PBW__ADD(&verifying->covers, covers);
-    return PBW_OK;
 }
 
 /* Chooses o inside of one of a few simplices in the middle of the store, and a ray; 0 if rounding allows none. */
@@ -14726,6 +14723,31 @@ struct pbw_live {
 };
 
 /* ---- the queue */
+PBW__INLINE const double *pbw__live_point(const pbw_live *live, size_t id)
+{
+    return live->point + id * (size_t)live->dim;
+}
+
+/* Prefetches for entries of the queue to come, which are in any order. */
+PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i, size_t end)
+{
+    if (i + 32 < end) {
+        const pbw_index far = live->queue[i + 32], near = live->queue[i + 16];
+        PBW__PREFETCH(live->state + far);
+        PBW__PREFETCH(live->point + (size_t)live->dim * far);
+        if (live->core.vertex == NULL) {             /* the points span no simplex */
+            return;
+        }
+        if (far < live->numbers) {
+            PBW__PREFETCH(live->core.vertex + far);
+        }
+        if (near < live->numbers && (live->state[near] & PBW__LIVES) != 0) {
+            PBW__PREFETCH(pbw__core_record(&live->core, live->core.vertex[near]));
+            PBW__PREFETCH(live->core.local + live->core.vertex[near]);
+        }
+    }
+}
+
 /* Room for `count` numbers, `queued` of them in the queue. */
 static pbw_status pbw__live_reserve(pbw_live *live, size_t count, size_t queued)
 {
@@ -14977,7 +14999,8 @@ static pbw_status pbw__tuples_gather(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Leaves in each of two sorted lists what is not in the other; marks the points of both, a bit for each. */
+/* Leaves in each of two sorted lists what is not in the other; marks the points of both, a bit for each, and counts
+   them. */
 static void pbw__changes_differ(pbw_changes *changes, size_t corners, uint64_t *mark)
 {
     pbw_index *tuple[2];
@@ -14992,6 +15015,7 @@ static void pbw__changes_differ(pbw_changes *changes, size_t corners, uint64_t *
         if (order != 0) {
             const pbw_index *from = tuple[which] + at * corners;
             for (k = 0; k < corners; k++) {
+                changes->point_count += (size_t)(~mark[from[k] / 64] >> from[k] % 64 & 1);
                 mark[from[k] / 64] |= (uint64_t)1 << from[k] % 64;
             }
             memmove(tuple[which] + kept[which]++ * corners, from, bytes);
@@ -15007,19 +15031,13 @@ static void pbw__changes_differ(pbw_changes *changes, size_t corners, uint64_t *
 static pbw_status pbw__changes_points(pbw_changes *changes, const uint64_t *mark, size_t words)
 {
     pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
-    pbw_index *points;
-    size_t i, count = 0;
+    pbw_index *points = (pbw_index *)pbw__allocate(&owned->memory, changes->point_count, sizeof(pbw_index));
+    size_t i;
     uint64_t rest;
-    for (i = 0; i < words; i++) {
-        for (rest = mark[i]; rest != 0; rest &= rest - 1) {
-            count++;
-        }
-    }
-    points = (pbw_index *)pbw__allocate(&owned->memory, count, sizeof(pbw_index));
     if (points == NULL) {
         return PBW_ERROR_MEMORY;
     }
-    owned->points = changes->point_count = count;
+    owned->points = changes->point_count;
     changes->points = points;
     for (i = 0; i < words; i++) {
         for (rest = mark[i]; rest != 0; rest &= rest - 1) {
@@ -15620,31 +15638,6 @@ static pbw_status pbw__batch_all(pbw__core *core, pbw__changing *batch, int agai
    them, each along the curve.  Tables are written through a list of edits, simplices through the journal: both are
    undone where something fails.
    ------------------------------------------------------------------------------------------------------ */
-PBW__INLINE const double *pbw__live_point(const pbw_live *live, size_t id)
-{
-    return live->point + id * (size_t)live->dim;
-}
-
-/* Prefetches for entries of the queue to come, which are in any order. */
-PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i, size_t end)
-{
-    if (i + 32 < end) {
-        const pbw_index far = live->queue[i + 32], near = live->queue[i + 16];
-        PBW__PREFETCH(live->state + far);
-        PBW__PREFETCH(live->point + (size_t)live->dim * far);
-        if (live->core.vertex == NULL) {             /* the points span no simplex */
-            return;
-        }
-        if (far < live->numbers) {
-            PBW__PREFETCH(live->core.vertex + far);
-        }
-        if (near < live->numbers && (live->state[near] & PBW__LIVES) != 0) {
-            PBW__PREFETCH(pbw__core_record(&live->core, live->core.vertex[near]));
-            PBW__PREFETCH(live->core.local + live->core.vertex[near]);
-        }
-    }
-}
-
 typedef struct pbw__classes { pbw_live *live; size_t leave, arrive; } pbw__classes;
 
 /* Marks which of the queue leave a place, and arrive at one; counts them. */
@@ -15671,11 +15664,16 @@ static pbw_status pbw__live_classify_range(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
+static pbw_index *pbw__live_entry(pbw_live *live, unsigned table, size_t at)
+{
+    pbw__core *core = &live->core;
+    return (table == PBW__EDIT_VERTEX ? core->vertex : table == PBW__EDIT_TWIN ? core->twin : core->place) + at;
+}
+
 /* Writes to a table of the core, so that it can be undone; 0 if memory is short. */
 static int pbw__live_set(pbw_live *live, unsigned table, size_t at, pbw_index value)
 {
-    pbw_index *entry = (table == PBW__EDIT_VERTEX ? live->core.vertex : table == PBW__EDIT_TWIN ? live->core.twin
-                                                  : live->core.place) + at;
+    pbw_index *entry = pbw__live_entry(live, table, at);
     pbw__edit *edit;
     if (!PBW__LIVE_GROW(live, edit, live->edit_count + 1)) {
         return 0;
@@ -16271,10 +16269,8 @@ static void pbw__batch_undo(pbw_live *live)
     core->kernel.exact_height = live->past_height;
     while (live->edit_count > 0) {
         const pbw__edit *edit = live->edit + --live->edit_count;
-        pbw_index *table = edit->table == PBW__EDIT_VERTEX ? core->vertex : edit->table == PBW__EDIT_TWIN ? core->twin
-                         : core->place;
         if (edit->at != PBW_NONE) {
-            table[edit->at] = edit->old;
+            *pbw__live_entry(live, edit->table, edit->at) = edit->old;
         }
     }
     pbw__journal_undo(core);

@@ -92,8 +92,11 @@ static const char *play(state *s, pbw_live *live, const pbw_options *options, co
 }
 
 /* A mesh in arrays of just its sizes, so that sanitizers see what is read behind them. */
-typedef struct copied { pbw_mesh mesh; double *points, *weights; pbw_index *simplices, *neighbors, *incident, *canonical; }
-    copied;
+typedef struct copied {
+    pbw_mesh mesh;
+    double *points, *weights;
+    pbw_index *simplices, *neighbors, *incident, *canonical;
+} copied;
 
 static void *copy(const void *from, size_t bytes)
 {
@@ -134,7 +137,8 @@ static void copied_free(copied *c)
 /* A number below `count`, PBW_NONE, or one that is too large. */
 static pbw_index any_number(size_t count, unsigned byte)
 {
-    return byte % 16 == 15 ? PBW_NONE - byte / 16 % 4 : (pbw_index)(byte / 3 % (count + (byte % 16 == 14 || count == 0)));
+    const size_t most = count + (byte % 16 == 14 || count == 0);
+    return byte % 16 == 15 ? PBW_NONE - byte / 16 % 4 : (pbw_index)(byte / 3 % most);
 }
 
 /* Changes simplex t, of which k and j are corners. */

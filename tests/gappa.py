@@ -541,7 +541,8 @@ def apexes():
         else:
             run('pbw__cross_row', dict(rows, x=cross), ['x[0]', 'x[1]', 'x[2]'])
             names = ['k', 'plane.normal[k]']
-        run('pbw__plane_set', dict(rows, plane=plane, normal=normal, ac=cross, ba=cross), ['plane.orientation'] + names)
+        local = dict(rows, plane=plane, normal=normal, ac=cross, ba=cross)
+        run('pbw__plane_set', local, ['plane.orientation'] + names)
         plane.height = h
         prove('pbw__plane_of %d' % dim, plane.orientation, ENV['pbw__side_limit'](h, dim), scale, True)
         side = ENV['pbw__row_dot'](row, normal, dim)
