@@ -5191,9 +5191,10 @@ PBW__SIMD_INLINE pbw__d4 pbw__dot4(pbw__d4 x, pbw__d4 y, pbw__d4 z, pbw__d4 u, p
     return pbw__fma(x, u, pbw__fma(y, v, z * w));
 }
 
-/* Returns the verdicts on ties, by the rule of pbw__conflict in >>predicates: of `count` vertices, with the coefficients
-   that their lifts have in the determinant, the lexicographically largest decides if it is larger than p.  A key is
-   the coordinates of a row in one number: integers of so few bits compare as they do one after the other. */
+/* Returns the verdicts on ties, by the rule of pbw__conflict in >>predicates: of `count` vertices, with the
+   coefficients that their lifts have in the determinant, the lexicographically largest with a coefficient other than
+   zero decides if it is larger than p.  A key is the coordinates of a row in one number: integers of so few bits
+   compare as they do one after the other. */
 PBW__SIMD_INLINE unsigned pbw__break_ties(const pbw__d4 *key, const pbw__d4 *coefficient, int count)
 {
     const pbw__d4 zero = pbw__splat(0.0);
