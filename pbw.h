@@ -10784,9 +10784,9 @@ static PBW__NOINLINE size_t pbw__near_settle(const pbw_mesh *mesh, pbw__desk *de
 }
 
 /* Puts a vertex that is not in desk->reach into its place among the `most` nearest there, which are in exact order;
-   there is room for one more.  Returns the place, `most` if the vertex is too far.  It comes behind the last one whose
-   computed square is not larger.  If the squares of both next to it differ from its own by more than the slacks, this
-   place is exact, as all others are behind or before these two; else it is settled. */
+   there is room for one more.  Returns the place, `most` if the vertex is too far.  It comes behind the last square
+   that is not larger.  If the squares next to it differ from its own by more than the slacks, this place is exact, as
+   all others are behind or before these two; else it is settled. */
 PBW__INLINE size_t pbw__offer_near(const pbw_mesh *mesh, pbw__desk *desk, const double *q, const pbw__reach *reach,
                                    size_t most)
 {
@@ -11525,8 +11525,13 @@ static void pbw__exact_row(int dim, const double *p, const double *origin, int u
 {
     int k;
     for (k = 0; k < 3; k++) {
-        row[k] = k < dim && p != NULL ? pbw__exact_difference(p[k], origin[k], unit, top)
-               : pbw__exact_difference(p == NULL && k == 2 ? 1.0 : 0.0, 0.0, 0, top);
+        if (k < dim && p != NULL) {
+            row[k] = pbw__exact_difference(p[k], origin[k], unit, top);
+        } else {
+            row[k].digit = *top;
+            row[k].length = p == NULL && k == 2;
+            *(*top)++ = 1;
+        }
     }
 }
 
@@ -12034,8 +12039,8 @@ PBW__INLINE int pbw__cavity_spokes(int fine, int dim, int weighted, int laplace,
     return 1;
 }
 
-/* Computes the gain of each site.  Returns whether the weighted mean of the sites is q within rounding errors; -1 if
-   memory is short. */
+/* Computes the gain of each site.  Returns whether the weighted mean of the sites is q within rounding errors, and no
+   sum overflows; -1 if memory is short. */
 PBW__INLINE int pbw__cavity_weigh(int fine, int dim, int weighted, int laplace, pbw__desk *desk)
 {
     pbw__cavity *cavity = desk->cavity;
@@ -12077,7 +12082,7 @@ PBW__INLINE int pbw__cavity_weigh(int fine, int dim, int weighted, int laplace, 
         mean[2] += gain * site->at.z.head;
     }
     off = pbw__max(pbw__abs(mean[0]), pbw__max(pbw__abs(mean[1]), pbw__abs(mean[2])));
-    return total > 0.0 && off <= (fine ? 1e-12 : 1e-14) * total;
+    return total > 0.0 && total <= DBL_MAX && off <= (fine ? 1e-12 : 1e-14) * total;
 }
 
 static PBW__NOINLINE int pbw__cavity_weigh_fine(int laplace, pbw__desk *desk)

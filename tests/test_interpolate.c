@@ -375,6 +375,39 @@ static void test_zoo(void)
     zoo_free(&animals);
 }
 
+/* Coordinates of exponents so far apart that the sum of Laplace's weights overflows before it is divided. */
+static void test_overflow(void)
+{
+    const double points[] = {
+        -1.4719407360487959e+261, 4.5145943775619896e-110, -2.2486684558166048e+107, 5.4624596341718132e+219,
+        -4.7187180320383459e+60, 2.0651521841201756e+142, 1.0977913378170515e-178, -2.1639506739016808e+147,
+        2.9366092014848514e-173, 1.0766764897846969e-231, 5.1599958260811692e+255, 2.9414458616948245e-211,
+        -1.721612433832751e+40, 1.6066903237403884e+222, -2381.7281523618108, 1.2930285100417943e+160,
+        -1.4838471696180883e-170, -5.2282558389295682e-69, 1.1355748212128024e-14, 3.1233007687605735e-151,
+        3.5707303141202582e-77
+    };
+    const double weights[] = { 1, 1, 4.6826825190795384e+294, 1, 1, 1, -1 };
+    const double q[] = { -8.608062169163755e+39, 2.5799979130405846e+255, -1190.8640761809054 };
+    int scheme;
+    if (test_begin("sums that overflow")) {
+        pbw_mesh mesh;
+        CHECK_EQUAL(pbw_triangulate(3, points, weights, 7, NULL, &mesh), PBW_OK);
+        for (scheme = 0; scheme < 3; scheme++) {
+            pbw_lists lists;
+            double sum = 0;
+            size_t i;
+            CHECK_EQUAL(pbw_coordinates(&mesh, q, 1, (pbw_scheme)scheme, NULL, &lists), PBW_OK);
+            for (i = 0; i < lists.first[1]; i++) {
+                sum += lists.value[i];
+            }
+            CHECK(fabs(sum - 1) < 1e-12);
+            pbw_lists_free(&lists);
+        }
+        pbw_free(&mesh);
+        test_end();
+    }
+}
+
 int main(int argc, char **argv)
 {
     test_start(argc, argv, 1000);
@@ -382,5 +415,6 @@ int main(int argc, char **argv)
     test_random();
     test_hard();
     test_zoo();
+    test_overflow();
     return test_finish();
 }
