@@ -2165,7 +2165,7 @@ typedef struct pbw__grid {
 typedef struct pbw__grid_share { int unit; double low[4], high[4], limit[2]; } pbw__grid_share;
 #define PBW__NO_UNIT (-501)
 
-static void pbw__grid_share_reset(pbw__grid_share *share)
+PBW__DEVICE static void pbw__grid_share_reset(pbw__grid_share *share)
 {
     int k;
     share->unit = 501;
@@ -3154,7 +3154,7 @@ static int pbw__grid_bits(int index_bits, int dim)
     return bits < most ? bits : most;
 }
 
-static void pbw__box_reset(pbw__box *box, int bits)
+PBW__DEVICE static void pbw__box_reset(pbw__box *box, int bits)
 {
     int k;
     for (k = 0; k < 3; k++) {
@@ -3175,7 +3175,7 @@ PBW__INLINE void pbw__box_add(pbw__box *box, const double *x, int dim)
 
 /* The extent is 0 if all points are equal; else the lowest and the highest point of the longest side get different
    cells. */
-static void pbw__box_close(pbw__box *box, int dim)
+PBW__DEVICE static void pbw__box_close(pbw__box *box, int dim)
 {
     int k;
     for (box->scale = 1.0; ; box->scale = 0.5) {

@@ -7,19 +7,18 @@
    The result equals that of the CPU byte for byte, because it is a function of the points alone (see CONVENTIONS in
    pbw.h) and every sign that it depends on is exact.
 
-   CERTIFIED LOCAL STARS.  The star of a vertex v is built by inserting points near v into a triangulation of which
-   only the simplices around v are kept: those in conflict with the new point are replaced by the fan from the point
-   to their border, as in Bowyer-Watson.  When no other point of the input is in conflict with any simplex of the
-   star, each of them belongs to the one perturbed triangulation, and together they surround v: the star is certified,
-   it is the star of v in the result.  So stars are independent of each other, and need not be repaired or agreed on.
-   The result is read off: each simplex is written by its lowest vertex, neighbours are found through the star of the
-   lowest vertex of the facet between them.
+   CERTIFIED LOCAL STARS.  The star of a vertex v is built alone, by inserting points near v as in Bowyer-Watson, but
+   keeping only the simplices around v: a new point replaces those in conflict with it by the fan from it to their
+   border.  When no other point of the input is in conflict with any simplex of the star, each of them belongs to the
+   one perturbed triangulation, and together they surround v: the star is certified, it is the star of v in the
+   result.  So no star depends on another.  Each simplex is written by its lowest vertex; its neighbour across a facet
+   is found through the star of the lowest vertex of the facet.
 
      first rung    8 lanes a star; candidates from a list of groups of points near v; certified if the spheres of the
                    star lie within the box that the list covers.  About 97 of 100 stars of uniform points.
      second rung   a warp a star; candidates from a search of the box tree for points in conflict with the simplices
                    that the first rung left uncertified.  Hull stars, sparse places, larger stars.  At first by floats
-                   and, where they leave it open, doubles; then with exact tests and more room.
+                   and, where they leave a sign open, doubles; then with exact tests and more room.
      third rung    like the second, with room for 1000 vertices and with the last exact stage of pbw.h.  A handful;
                    the few that reach the cap on their search get a much larger one once.
      the CPU       takes the whole input if a star fits no rung, if the points are few, or if a sample of stars
@@ -31,24 +30,23 @@
    Unweighted points in space on surfaces (scans, terrain) have rungs of their own, >>wide, which search another tree.
    They are recognised by a sample of 1024 stars of which the first rung certifies less than half.
 
-   SEVERAL DEVICES.  Stars need no agreement, so each card makes those of its share, a run of the curve, and writes
-   its run of the simplices, over its own link to the host.  All put all points into order, a twentieth of the work of
-   one, and exchange what numbers the simplices across the borders of the shares (>>cells).  A card holds all points
-   and its share of the rest: 90 + 560 / cards bytes a point (2D: 75 + 155 / cards).  So two cards of one kind take
-   1.7 times the points of one, and many cards up to the limit of the simplex numbers (600 million points).
-   An input of which one card leaves a star to the CPU is left to it as a whole.
-   Where two devices can reach each other, each opens its pool to the other, and leaves it so; for a pool that keeps
-   60 GB the first call takes half a second longer.
+   SEVERAL DEVICES.  Each card makes the stars of its share, a span of the curve, and writes the simplices of that
+   share over its own link to the host.  All put all points into order, a twentieth of the work of one, and exchange
+   the numbers of the simplices across the borders of the shares (>>cells).  A card holds all points and its share of
+   the rest: 90 + 560 / cards bytes a point (2D: 75 + 155 / cards).  So two cards of one kind take 1.7 times the
+   points of one, and many cards up to the limit of the simplex numbers (600 million points).  If one card leaves a
+   star to the CPU, the whole input goes there.  Where two devices can reach each other, each opens its pool to the
+   other, and leaves it so; for a pool that keeps 60 GB the first call takes half a second longer.
 
-   POINTS THAT MOVE.  A loop has a pool of its own, which keeps what a step frees for the next.  It keeps the mesh of
-   the last step too.  A step puts the points into order and, if the duplicates are those of before, tests that mesh
+   POINTS THAT MOVE.  A loop has a pool of its own, which keeps what one step frees for the next, and it keeps the
+   mesh of the last step.  A step puts the points into order and, if the duplicates have not changed, tests that mesh
    with the new coordinates (>>check): positive simplices, locally regular facets under the tie rule, a convex hull
-   that is covered once, hidden points in conflict with none.  Such a mesh is the triangulation of the new points; the
-   order of its simplices depends on the curve, and follows from the new ranks (>>keep).  The first fault ends the
-   test, and the stars are built.
+   that is covered once, hidden points in conflict with none.  Such a mesh is the triangulation of the new points;
+   only the order of its simplices changes, with the ranks of their corners (>>keep).  At the first fault the stars
+   are built.
 
-   MEMORY.  Device memory is taken from the pool of the current device, as much as options.memory_limit allows; if it
-   will not do, which is known before the stars and before the output, the message says the bytes needed and
+   MEMORY.  Device memory comes from the pool of the current device, at most options.memory_limit bytes of it.  If
+   that is too little, which is known before the stars and before the output, the message says the bytes needed and
    available, and under PBW_BACKEND_OR_CPU the CPU takes over.
 
    CONTENTS
@@ -87,6 +85,8 @@
 #include <type_traits>
 #include <utility>
 
+#define DEVICE __device__ __forceinline__            /* a function of kernels: its arguments stay in registers */
+
 #ifndef PBW_CUDA_FEW
 #define PBW_CUDA_FEW 1024                            /* fewer points are quicker on the CPU */
 #endif
@@ -95,7 +95,7 @@ extern "C" {                                         /* tests set these */
 #else
 namespace {
 #endif
-int pbw_cuda_by_host = 0;                            /* devices take each other for unreachable */
+int pbw_cuda_by_host = 0;                            /* copies between devices go by way of the host */
 int pbw_cuda_patient = 0;                            /* no input is declined after a sample */
 long pbw_cuda_fail_at = 0;                           /* counts down: the allocation of device memory that fails */
 }
@@ -105,8 +105,8 @@ namespace {
 /* ------------------------------------------------------------------------------------------------------
    >>device       Types, tiles of lanes.
    A tile is 8 or 32 neighbouring lanes of a warp that work on one star.  The tiles of a warp run in lockstep: every
-   collective is on the full warp, tiles with nothing to do pass through it.  (Sub-warp masks are legal, but tiles
-   then drift apart, and the instruction cache thrashes.)
+   collective is on the full warp, and tiles with nothing to do (`go` is false there) pass through it.  Sub-warp masks
+   are legal, but tiles then drift apart, and the instruction cache thrashes.
    ------------------------------------------------------------------------------------------------------ */
 const unsigned all_lanes = 0xffffffffu;
 const uint32_t none = 0xffffffffu;                   /* no point; as a vertex of a star: the vertex at infinity */
@@ -116,13 +116,14 @@ struct alignas(32) record {                          /* as pbw.h keeps them: {x,
     double c[4];
 };
 
-/* Of 8 points or 32 boxes, in units of the space, rounded outward; weight: the largest, relative to the heaviest. */
+/* The box of 8 points or 32 boxes, in units of the space, rounded outward; weight: their largest less the
+   heaviest. */
 struct alignas(16) box {
     float low[3], high[3], weight, unused;
 };
 
 /* Grows a box to hold another. */
-__device__ inline void add_box(box &b, const box &other)
+DEVICE void add_box(box &b, const box &other)
 {
     for (int k = 0; k < 3; k++) {
         b.low[k] = fminf(b.low[k], other.low[k]);
@@ -143,103 +144,130 @@ typedef tree_of<box, tree_levels> tree;
    unit is a power of two, so that scaling rounds nothing. */
 struct space {
     const record *point;
-    const float4 *rough;                             /* the coordinates in units, as floats: where a look will do */
+    const float4 *rough;                             /* the coordinates in units, rounded to floats */
     uint32_t count;
     double low[3], end[3], unit, heaviest;           /* end: the other corner of the box of all points */
     float high[3];                                   /* end in units, relative to low */
     pbw__grid grid;
-    double exact_height;                             /* >>sphere: below it doubles are exact; 0 if nowhere */
+    double exact_height;                             /* for lifts below it doubles are exact; 0 if nowhere */
 };
 
 struct queue {                                       /* vertices for the next rung, in no order */
-    uint32_t *vertex, *count;                        /* counts of several follow each other */
+    uint32_t *vertex, *count;                        /* the counts of all queues are neighbours in memory */
 };
 
 const uint32_t stored_mark = 1u << 31;               /* in a queue: the store holds a star to go on from */
 
 /* The finished stars: a star is a head (triangles << 16 | vertices), its vertices, and its triangles as 3 numbers of
-   vertices in 10 bits each (2D: edges, 2 numbers), padded to 16 bytes.  Bit 30 of a triangle is left over from the
-   search. */
+   vertices in 10 bits each (2D: edges, 2 numbers), padded to 16 bytes.  Bit 30 of a triangle says that it is
+   verified. */
 struct store {
     uint32_t first, end;                             /* the share: vertices whose stars are made here */
     uint32_t *word;
     unsigned long long *used;                        /* units of 16 bytes needed: above capacity if it is too small */
     unsigned long long capacity;
-    uint32_t *place;                                 /* of each vertex from first: the unit where its star begins */
-    uint32_t *owned;                                 /* likewise: simplices of which it is the lowest vertex */
+    uint32_t *place;                                 /* for each vertex from first: the unit where its star begins */
+    uint32_t *owned;                                 /* and how many simplices have it as their lowest vertex */
     const volatile uint32_t *stop;                   /* not 0: the call has failed or is cancelled, nothing counts */
+    __host__ __device__ uint32_t size() const { return end - first; }
 };
 
-template <int T> __device__ inline unsigned tile_ballot(bool value)
+struct near_list;
+
+/* The stars of a card's share while the rungs make them. */
+struct workshop {
+    space all;
+    tree boxes;
+    uint32_t *lists;                                 /* of groups near each group of the share */
+    near_list *infos;
+    store out;
+    queue q[3];                                      /* stars for the next rung, in turn; q[2]: large stars */
+    unsigned long long *seed;                        /* behind it: looks of a sample */
+    uint32_t *next;                                  /* the first star that no warp has taken */
+};
+
+template <int T> DEVICE unsigned tile_ballot(bool value)
 {
     unsigned vote = __ballot_sync(all_lanes, value);
     return T == 32 ? vote : vote >> (threadIdx.x & 31 & ~(T - 1)) & ((1u << (T & 31)) - 1);
 }
 
-template <int T> __device__ inline unsigned lanes_below()
+template <int T> DEVICE unsigned lanes_below()
 {
     return (1u << (threadIdx.x & (T - 1))) - 1;
 }
 
-template <int T, typename V> __device__ inline V tile_read(V value, int lane)
+/* The places of the lanes that take part, behind the first length of a list, which grows by them. */
+template <int T> DEVICE int append(bool takes_part, int &length)
 {
-    return __shfl_sync(all_lanes, value, lane, T);
+    const unsigned vote = tile_ballot<T>(takes_part);
+    const int at = length + __popc(vote & lanes_below<T>());
+    length += __popc(vote);
+    return at;
 }
 
-template <typename V> __device__ inline void exchange(V &a, V &b)
+/* Reads a value, of whole words, from another lane. */
+template <int T, typename V> DEVICE V tile_read(V value, int lane)
+{
+    const int words = (int)(sizeof(V) / sizeof(uint32_t));
+    uint32_t word[words];
+    memcpy(word, &value, sizeof value);
+    for (int i = 0; i < words; i++) {
+        word[i] = __shfl_sync(all_lanes, word[i], lane, T);
+    }
+    memcpy(&value, word, sizeof value);
+    return value;
+}
+
+template <typename V> DEVICE void exchange(V &a, V &b)
 {
     const V c = a;
     a = b;
     b = c;
 }
 
-/* The smallest and the largest value, and the sum, of the lanes of a tile. */
-template <int T, typename V> __device__ inline V tile_min(V value)
+/* A value of all lanes that differ in the bits of FROM, ..., TO / 2, made from two at a time. */
+template <int FROM, int TO, typename V, typename F> DEVICE V combined(V value, F both)
 {
-    for (int step = T / 2; step > 0; step /= 2) {
-        value = min(value, __shfl_xor_sync(all_lanes, value, step));
+    for (int step = TO / 2; step >= FROM; step /= 2) {
+        value = both(value, __shfl_xor_sync(all_lanes, value, step));
     }
     return value;
 }
 
-template <int T, typename V> __device__ inline V tile_max(V value)
+template <int T, typename V> DEVICE V tile_min(V value)
 {
-    for (int step = T / 2; step > 0; step /= 2) {
-        value = max(value, __shfl_xor_sync(all_lanes, value, step));
-    }
-    return value;
+    return combined<1, T>(value, [](V a, V b) { return min(a, b); });
 }
 
-template <int T, typename V> __device__ inline V tile_sum(V value)
+template <int T, typename V> DEVICE V tile_max(V value)
 {
-    for (int step = T / 2; step > 0; step /= 2) {
-        value += __shfl_xor_sync(all_lanes, value, step);
-    }
-    return value;
+    return combined<1, T>(value, [](V a, V b) { return max(a, b); });
 }
 
-/* The largest value of any tile: the common end of a loop. */
-template <int T> __device__ inline int warp_max(int value)
+template <int T, typename V> DEVICE V tile_sum(V value)
 {
-    for (int step = T; step < 32; step *= 2) {
-        int other = __shfl_xor_sync(all_lanes, value, step);
-        value = other > value ? other : value;
-    }
-    return value;
+    return combined<1, T>(value, [](V a, V b) { return a + b; });
 }
 
-__device__ inline bool any(bool value)
+/* The largest value of any tile of the warp: where a loop of all tiles ends. */
+template <int T> DEVICE int warp_max(int value)
+{
+    return combined<T, 32>(value, [](int a, int b) { return a > b ? a : b; });
+}
+
+DEVICE bool any(bool value)
 {
     return __any_sync(all_lanes, value) != 0;
 }
 
-__device__ inline size_t thread_number()
+DEVICE size_t thread_number()
 {
     return (size_t)blockIdx.x * blockDim.x + threadIdx.x;
 }
 
 /* Doubles as integers of the same order, for atomic minima and maxima. */
-__device__ inline unsigned long long ordered(double value)
+DEVICE unsigned long long ordered(double value)
 {
     unsigned long long bits = (unsigned long long)__double_as_longlong(value);
     return bits >> 63 != 0 ? ~bits : bits | 1ull << 63;
@@ -256,9 +284,9 @@ __host__ __device__ inline double unordered(unsigned long long bits)
 /* ------------------------------------------------------------------------------------------------------
    >>curve        Points in the order of the Hilbert curve, duplicates set aside.
    In: packed points and weights.  Out: records by rank, the caller's id of each rank, and for each point the one that
-   it duplicates, all as >>order of pbw.h has them: the same keys; short runs of equal keys in lexicographic order;
-   the points of a long run get keys from a grid over their own box, and so on.  The long runs of one depth are taken
-   together: their points are gathered, sorted by the new key, then by their run, and put back.
+   it duplicates, all as >>order of pbw.h has them, from equal keys: short runs of equal keys go into lexicographic
+   order; the points of a long run get keys from a grid over their own box, and so on.  The long runs of one depth are
+   taken together: their points are gathered, sorted by the new key, then by their run, and put back.
    ------------------------------------------------------------------------------------------------------ */
 struct input {
     const void *points, *weights;
@@ -266,13 +294,13 @@ struct input {
     int dim, is_float;
 };
 
-struct survey {                                      /* what one pass over the points finds */
-    unsigned long long low[4], high[4];              /* of x, y, z and the weight, ordered */
-    int unit;                                        /* exponent of the common grid, see pbw__grid */
+struct survey {                                      /* of one pass over the points */
+    unsigned long long low[4], high[4];              /* the range of x, y, z and the weight, ordered */
+    int unit;                                        /* the exponent of the common grid, see pbw__grid_share */
     uint32_t bad, long_runs, duplicates;
 };
 
-__device__ inline void fetch(const input &in, size_t i, double *c)
+DEVICE void fetch(const input &in, size_t i, double *c)
 {
     auto number = [&](const void *of, size_t at) {
         return (in.is_float ? (double)((const float *)of)[at] : ((const double *)of)[at]) + 0.0;
@@ -283,10 +311,10 @@ __device__ inline void fetch(const input &in, size_t i, double *c)
     c[in.dim] = in.weights != NULL ? number(in.weights, i) : 0.0;
 }
 
-/* Points and their keys, all or those of long runs. */
+/* Points and their keys: of all points, or of those of long runs. */
 struct keyed {
     input in;
-    int index_bits, bits;                            /* of the index, which is below the key; of a coordinate */
+    int index_bits, bits;                            /* of the index, in the low bits of a key; of a coordinate */
     uint16_t step[12 << 3];                          /* the automaton of pbw.h */
     uint64_t *key;
     __device__ size_t index(size_t i) const { return (size_t)(key[i] & (((uint64_t)1 << index_bits) - 1)); }
@@ -309,49 +337,36 @@ struct keyed {
     }
 };
 
-__device__ inline int lowest_bit(double value)       /* its exponent; 1024 of zero */
-{
-    int64_t mantissa;
-    int exponent = pbw__decode(value, &mantissa);
-    return mantissa == 0 ? 1024 : exponent + __ffsll((long long)mantissa) - 1;
-}
-
 __global__ void survey_kernel(input in, survey *out)
 {
-    unsigned long long low[4], high[4];
-    int unit = 1024, dim = in.dim;
+    pbw__grid_share found;
     bool bad = false;
-    for (int k = 0; k < 4; k++) {
-        low[k] = ~0ull;
-        high[k] = 0;
-    }
+    pbw__grid_share_reset(&found);
     for (size_t i = thread_number(); i < in.count; i += (size_t)gridDim.x * blockDim.x) {
         double c[4];
         fetch(in, i, c);
-        for (int k = 0; k <= dim; k++) {
-            unsigned long long value = ordered(c[k]);
-            int exponent = lowest_bit(c[k]);
+        for (int k = 0; k <= in.dim; k++) {
+            int64_t mantissa;
+            int exponent = pbw__decode(c[k], &mantissa);
+            exponent = mantissa != 0 ? exponent + __ffsll((long long)mantissa) - 1 : 1024;   /* of the lowest bit */
             bad = bad || !(c[k] - c[k] == 0.0);
-            low[k] = min(low[k], value);
-            high[k] = max(high[k], value);
-            unit = min(unit, k == dim && exponent != 1024 ? (exponent - (exponent & 1)) / 2 : exponent);
+            found.low[k] = fmin(found.low[k], c[k]);
+            found.high[k] = fmax(found.high[k], c[k]);
+            found.unit = min(found.unit, k < in.dim || mantissa == 0 ? exponent : (exponent - (exponent & 1)) / 2);
         }
     }
     bad = any(bad);
-    for (int k = 0; k <= dim; k++) {
-        low[k] = tile_min<32>(low[k]);
-        high[k] = tile_max<32>(high[k]);
+    found.unit = tile_min<32>(found.unit);
+    for (int k = 0; k <= in.dim; k++) {
+        const double low = tile_min<32>(found.low[k]), high = tile_max<32>(found.high[k]);
+        if ((threadIdx.x & 31) == 0) {
+            atomicMin(&out->low[k], ordered(low));
+            atomicMax(&out->high[k], ordered(high));
+        }
     }
-    unit = tile_min<32>(unit);
     if ((threadIdx.x & 31) == 0) {
-        for (int k = 0; k <= dim; k++) {
-            atomicMin(&out->low[k], low[k]);
-            atomicMax(&out->high[k], high[k]);
-        }
-        atomicMin(&out->unit, unit);
-        if (bad) {
-            atomicOr(&out->bad, 1u);
-        }
+        atomicMin(&out->unit, found.unit);
+        atomicOr(&out->bad, (uint32_t)bad);
     }
 }
 
@@ -368,9 +383,9 @@ struct run_list {
     uint32_t *head, *end, *length, *offset;
 };
 
-/* Finds runs among count keys, which are all keys or, with segment, those gathered from the runs of a list.  The
-   first of a short run puts it into order: lexicographic, then the larger weight, then the lower index.  Long ones go
-   to found, with the end of all that they could reach. */
+/* Finds runs among count keys: all keys or, with segment, those gathered from the runs of a list, of which segment
+   gives the number for each key.  The thread of the first key of a short run puts it into order: lexicographic, then
+   the larger weight, then the lower index.  Long runs go to found, with an upper bound of their ends. */
 __global__ void run_kernel(const __grid_constant__ keyed k, size_t count, const uint32_t *segment, run_list of,
                            run_list found, survey *out)
 {
@@ -403,17 +418,18 @@ __global__ void run_kernel(const __grid_constant__ keyed k, size_t count, const 
     }
 }
 
-/* A warp a run: its length and box; length 0 if all its points lie at one place.  Then the best of them goes first,
-   which root says. */
-__global__ void measure_kernel(const __grid_constant__ keyed k, run_list runs, uint32_t count, pbw__box *box,
+/* Measures a run by each warp: its length and box; length 0 if all its points lie at one place.  Then the best of
+   them goes first, and root names the first for all of them. */
+__global__ void measure_kernel(const __grid_constant__ keyed k, run_list runs, uint32_t count, pbw__box *boxes,
                                uint32_t *root)
 {
-    uint32_t r = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32, lane = threadIdx.x & 31;
-    unsigned long long lowest[3] = { ~0ull, ~0ull, ~0ull }, highest[3] = { 0, 0, 0 };
+    const uint32_t r = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32, lane = threadIdx.x & 31;
+    pbw__box box;
     if (r >= count) {
         return;
     }
     uint32_t head = runs.head[r], end = head, limit = runs.end[r], best = head;
+    pbw__box_reset(&box, k.bits);
     for (unsigned vote = all_lanes; vote == all_lanes; end += (uint32_t)__popc(vote)) {
         uint32_t i = end + lane;
         bool inside = i < limit && k.tie(i, head);
@@ -421,42 +437,31 @@ __global__ void measure_kernel(const __grid_constant__ keyed k, run_list runs, u
         if (inside) {
             double c[4];
             k.read(i, c);
-            for (int j = 0; j < k.in.dim; j++) {
-                unsigned long long value = ordered(c[j]);
-                lowest[j] = min(lowest[j], value);
-                highest[j] = max(highest[j], value);
-            }
+            pbw__box_add(&box, c, k.in.dim);
             best = k.before(i, best) ? i : best;
         }
     }
-    for (int step = 16; step > 0; step /= 2) {
-        uint32_t other = __shfl_xor_sync(all_lanes, best, step);
-        best = k.before(other, best) ? other : best;
-    }
-    double side = 0.0;
+    best = combined<1, 32>(best, [&](uint32_t a, uint32_t b) { return k.before(b, a) ? b : a; });
     for (int j = 0; j < k.in.dim; j++) {
-        double l = unordered(tile_min<32>(lowest[j]));
-        side = fmax(side, unordered(tile_max<32>(highest[j])) - l);
-        if (lane == 0) {
-            box[r].low[j] = l;
-        }
+        box.low[j] = tile_min<32>(box.low[j]);
+        box.high[j] = tile_max<32>(box.high[j]);
     }
+    pbw__box_close(&box, k.in.dim);
+    const bool apart = box.extent > 0.0;
     __syncwarp();
     if (lane == 0) {
-        box[r].scale = 1.0;
-        box[r].extent = side;
-        box[r].bits = k.bits;
-        runs.length[r] = side > 0.0 ? end - head : 0;
-        if (side == 0.0) {
+        boxes[r] = box;
+        runs.length[r] = apart ? end - head : 0;
+        if (!apart) {
             exchange(k.key[head], k.key[best]);
         }
     }
-    for (uint32_t i = head + lane; side == 0.0 && i < end; i += 32) {
+    for (uint32_t i = head + lane; !apart && i < end; i += 32) {
         root[i] = head;
     }
 }
 
-/* A warp a run: its points with their new keys. */
+/* Gathers the points of a run by each warp, with their new keys. */
 __global__ void rekey_kernel(const __grid_constant__ keyed k, run_list runs, uint32_t count, const pbw__box *box,
                              uint64_t *gathered, uint32_t *segment)
 {
@@ -477,8 +482,8 @@ __global__ void put_back_kernel(const uint64_t *gathered, const uint32_t *segmen
     }
 }
 
-/* first[i] = 1 if the i-th point on the curve lies at a place of its own; the best of a place comes first.  root:
-   NULL, or where a long run at one place begins. */
+/* first[i] = 1 if the i-th point on the curve is the first at its place, which is the best of that place.  root_of:
+   NULL, or for the points of a long run at one place where it begins. */
 __global__ void place_kernel(const __grid_constant__ keyed k, const uint32_t *root_of, uint32_t *first,
                              uint32_t *canonical, survey *out)
 {
@@ -522,19 +527,20 @@ __global__ void gather_kernel(const __grid_constant__ keyed k, const uint32_t *f
 
 /* ------------------------------------------------------------------------------------------------------
    >>tree         Groups of 8 points, boxes of 32 boxes; for each group the list of groups near it.
-   In: a space.  Out: a tree, of which a node's children are neighbours in memory, so that a warp looks at all of them
-   at once; and lists.
+   In: a space.  Out: a tree, where the children of a node are neighbours in memory, so that a warp looks at all of
+   them at once; and lists.
    ------------------------------------------------------------------------------------------------------ */
 const int group_size = 8, list_size = 192;
 
+/* A list covers the box of its group, grown by reach on all sides.  Its first close entries cover the balls of radius
+   start, of about 33 points each, around the points of the group. */
 struct near_list {
     uint32_t length;                                 /* 0: none, the stars of the group go to the second rung */
-    float reach, start;                              /* it covers the group's box grown by reach; start: a radius of
-                                                        about 33 points, which the first close entries cover */
+    float reach, start;
     uint32_t close;
 };
 
-__device__ inline double in_units(const space &s, const record &r, int k)
+DEVICE double in_units(const space &s, const record &r, int k)
 {
     return (r.c[k] - s.low[k]) * s.unit;
 }
@@ -579,7 +585,7 @@ __global__ void box_kernel(const box *child, uint32_t children, box *out, uint32
 const int stack_size = 32 * tree_levels;             /* each level leaves at most 31 siblings of the node in hand */
 
 /* The side of a cube (square) that holds 64 points near a group, by the box of 8 groups. */
-__device__ inline float side_near(const tree &t, int dim, uint32_t g)
+DEVICE float side_near(const tree &t, int dim, uint32_t g)
 {
     const uint32_t first = g & ~7u;
     box around = t.level[0][g];
@@ -592,7 +598,7 @@ __device__ inline float side_near(const tree &t, int dim, uint32_t g)
 }
 
 /* Lists the groups within reach of a box; returns their number, or one above list_size if they are more. */
-__device__ inline int list_within(const tree &t, const box &own, float reach, uint32_t *found, uint32_t *stack)
+DEVICE int list_within(const tree &t, const box &own, float reach, uint32_t *found, uint32_t *stack)
 {
     int lane = (int)threadIdx.x & 31, depth = 0, length = 0, level = t.levels - 1;
     uint32_t from = 0;
@@ -609,8 +615,8 @@ __device__ inline int list_within(const tree &t, const box &own, float reach, ui
             touches = b.low[0] <= hi[0] && b.high[0] >= lo[0] && b.low[1] <= hi[1] && b.high[1] >= lo[1]
                    && b.low[2] <= hi[2] && b.high[2] >= lo[2];
         }
-        unsigned vote = __ballot_sync(all_lanes, touches);
-        int at = __popc(vote & lanes_below<32>());
+        const unsigned vote = __ballot_sync(all_lanes, touches);
+        const int at = __popc(vote & lanes_below<32>());
         if (level == 0) {
             if (touches && length + at < list_size) {
                 found[length + at] = node;
@@ -633,10 +639,9 @@ __device__ inline int list_within(const tree &t, const box &own, float reach, ui
     }
 }
 
-/* Writes the groups found for group g, the nearest centre first, by counting; returns, in all lanes, after how many
-   of them none is closer than start. */
-__device__ inline uint32_t sort_list(const tree &t, uint32_t g, float start, uint32_t *found, int length,
-                                     uint32_t *list)
+/* Writes the groups found for group g, the nearest centre first, by counting.  Returns, in all lanes, the number of
+   entries up to the last one that is closer than start. */
+DEVICE uint32_t sort_list(const tree &t, uint32_t g, float start, uint32_t *found, int length, uint32_t *list)
 {
     const box own = t.level[0][g];
     int lane = (int)threadIdx.x & 31;
@@ -680,8 +685,8 @@ __device__ inline uint32_t sort_list(const tree &t, uint32_t g, float start, uin
     return none - tile_min<32>(none - close);
 }
 
-/* A warp a group, of those from first to end.  The reach starts as a part of the side near the group, and changes
-   until the list fits. */
+/* A warp makes the list of a group, of those from first to end.  The reach starts as a part of the side near the
+   group, and changes until the list fits. */
 __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t first_group, uint32_t end_group,
                             uint32_t *list, near_list *info)
 {
@@ -742,14 +747,15 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t fi
    = 16 f (L_p + |q| P) + 16 f h P (...) holds all that, roots that are off by 2^-22, and for an infinite simplex the
    lift: 8 f Q P > 2^41.  So the true q is within 2^-20 Q, the true centre within 2^-21 Q of q / 2, and the radius is
    at most |q| / 2 + 2^-21 Q.  Q is infinite if nothing is known; then, and for P below 2^-50 (floats: 2^-24), where
-   squares (products of four lengths) might underflow, the test says open.  In the plane and for infinite simplices
+   squares (products of four lengths) might underflow, the sign is open.  In the plane and for infinite simplices
    there are fewer factors: a x b is off by 6 g AB, which is little beside it if its length is more than 2^-48 (2^-12)
    AB, and then its direction by 12 g AB / |a x b| <= 16 f h AB / |a x b|.
 
-   A wall is an infinite simplex on a side of the box of all points: v, a and b have the same extreme coordinate.  No
-   point is beyond it, and one in its plane is in conflict with it exactly if it is with the finite simplex behind it,
-   which is in the star too.  So walls are left out of the search (else each point of a flat side would be a candidate
-   for each star there).  A wall has Q = -2^111: its q is exact, and no point seems to be in conflict with it.
+   A wall is an infinite simplex on a side of the box of all points: v, a and b have one extreme coordinate in common.
+   No point is beyond it, and a point in its plane is in conflict with it exactly if it is in conflict with the finite
+   simplex behind it, which is in the star too.  So the search leaves walls out (else each point of a flat side would
+   be a candidate for each star there).  A wall has Q = -2^111: its q is exact, and the test of no point says
+   conflict.
    ------------------------------------------------------------------------------------------------------ */
 const float slack = 9.5367431640625e-7f;             /* 2^-20 */
 const float far_away = 5.192296858534828e33f;        /* 2^112 */
@@ -759,48 +765,40 @@ template <typename REAL> struct place {              /* relative to v, in units 
     REAL x[3], w;
 };
 
-/* What differs: a difference in units; the squares that are large enough, D / ABC and (|a x b| / AB)^2 where the
-   bounds begin to hold, and the factor of the error in Q. */
-template <typename REAL> struct sizes;
-template <> struct sizes<double> {
-    static __device__ double scaled(double difference, double unit) { return difference * unit; }
-    static __device__ double least() { return 7.9e-31; }                        /* 2^-100 */
-    static __device__ double flat() { return 3.5527136788005009e-15; }          /* 2^-48 */
-    static __device__ double thin() { return 1.3e-29; }                         /* 2^-96 */
-    static __device__ double error() { return 7.4505805969238281e-9; }          /* 2^-27 */
+/* The numbers that differ between doubles and floats: the least square that is large enough, the D / ABC and the
+   (|a x b| / AB)^2 from which the bounds hold, and the factor of the error in Q. */
+template <typename REAL> struct sizes {
+    static const bool is_double = sizeof(REAL) == sizeof(double);
+    static __device__ REAL least() { return (REAL)(is_double ? 7.9e-31 : 3.6e-15); }             /* 2^-100, 2^-48 */
+    static __device__ REAL flat() { return (REAL)(is_double ? 3.5527136788005009e-15 : 1.52587890625e-5); }
+    static __device__ REAL thin() { return (REAL)(is_double ? 1.3e-29 : 6e-8); }                 /* 2^-96, 2^-24 */
+    static __device__ REAL error() { return (REAL)(is_double ? 7.4505805969238281e-9 : 1.3125); }
     static __device__ double inverse(double d) { return 1.0 / d; }
-};
-template <> struct sizes<float> {
-    static __device__ float scaled(double difference, double unit)
-    {                                                /* never 0 if the difference is not: walls depend on it */
-        float x = (float)(difference * unit);
-        return x == 0.0f && difference != 0.0 ? 1e-37f : x;
+    static __device__ float inverse(float d) { return __fdividef(1.0f, d); }         /* relative error 2^-22 */
+    static __device__ REAL scaled(double difference, double unit)
+    {
+        const REAL x = (REAL)(difference * unit);    /* never 0 if the difference is not: walls depend on it */
+        return !is_double && x == 0 && difference != 0.0 ? (REAL)1e-37 : x;
     }
-    static __device__ float least() { return 3.6e-15f; }                        /* 2^-48 */
-    static __device__ float flat() { return 1.52587890625e-5f; }                /* 2^-16 */
-    static __device__ float thin() { return 6e-8f; }                            /* 2^-24 */
-    static __device__ float error() { return 1.3125f; }
-    static __device__ float inverse(float d) { return __fdividef(1.0f, d); }    /* relative error 2^-22 */
 };
 
 struct probe {                                       /* a place in floats, with the sizes of its errors */
     float x[3], lift, load, size;                    /* load: 2^-20 L_p; size: 2^-20 P, or infinity */
 };
 
-__device__ inline float dot(const float *a, const float *b)
+DEVICE float dot(const float *a, const float *b)
 {
     return fmaf(a[0], b[0], fmaf(a[1], b[1], a[2] * b[2]));
 }
 
-__device__ inline float root(float value)            /* relative error 2^-22 */
+DEVICE float root(float value)            /* relative error 2^-22 */
 {
     float result;
     asm("sqrt.approx.ftz.f32 %0, %1;" : "=f"(result) : "f"(value));
     return result;
 }
 
-template <int DIM, typename REAL>
-__device__ inline place<REAL> relative(const space &s, const record &v, const record &p)
+template <int DIM, typename REAL> DEVICE place<REAL> relative(const space &s, const record &v, const record &p)
 {
     place<REAL> r;
     for (int k = 0; k < 3; k++) {
@@ -810,12 +808,24 @@ __device__ inline place<REAL> relative(const space &s, const record &v, const re
     return r;
 }
 
-template <int DIM, typename REAL> __device__ inline REAL square(const REAL *x)
+template <int DIM, typename REAL> DEVICE REAL square(const REAL *x)
 {
     return DIM == 3 ? x[0] * x[0] + x[1] * x[1] + x[2] * x[2] : x[0] * x[0] + x[1] * x[1];
 }
 
-template <int DIM, bool WEIGHTED, typename REAL> __device__ inline probe probe_of(const place<REAL> &p)
+template <typename REAL> DEVICE REAL product(const REAL *a, const REAL *b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+template <typename REAL> DEVICE void cross(const REAL *a, const REAL *b, REAL *c)
+{
+    c[0] = a[1] * b[2] - a[2] * b[1];
+    c[1] = a[2] * b[0] - a[0] * b[2];
+    c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+template <int DIM, bool WEIGHTED, typename REAL> DEVICE probe probe_of(const place<REAL> &p)
 {
     probe r;
     REAL l = square<DIM>(p.x);
@@ -829,13 +839,13 @@ template <int DIM, bool WEIGHTED, typename REAL> __device__ inline probe probe_o
     return r;
 }
 
-__device__ inline bool is_wall(float4 q)
+DEVICE bool is_wall(float4 q)
 {
     return q.w < 0.0f;
 }
 
 /* The walls through v, as bits: the lower and the upper side of each axis. */
-template <int DIM> __device__ inline unsigned walls_of(const space &s, const record &v)
+template <int DIM> DEVICE unsigned walls_of(const space &s, const record &v)
 {
     unsigned walls = 0;
     for (int k = 0; k < DIM; k++) {
@@ -845,20 +855,19 @@ template <int DIM> __device__ inline unsigned walls_of(const space &s, const rec
 }
 
 /* 1: in conflict, 0: not, open_sign. */
-__device__ inline int side(float4 q, const probe &p)
+DEVICE int side(float4 q, const probe &p)
 {
     float s = fmaf(-q.x, p.x[0], fmaf(-q.y, p.x[1], fmaf(-q.z, p.x[2], p.lift)));
     float e = fmaf(fabsf(q.w), p.size, p.load);
     return s > e ? 0 : s < -e ? 1 : open_sign;
 }
 
-__device__ inline float4 unknown_sphere()
+DEVICE float4 unknown_sphere()
 {
     return make_float4(0.0f, 0.0f, 0.0f, HUGE_VALF);
 }
 
-template <typename REAL>
-__device__ inline float4 sphere_of(const REAL *n, REAL d, REAL e, REAL product)
+template <typename REAL> DEVICE float4 sphere_of(const REAL *n, REAL d, REAL e, REAL product)
 {
     if (!(d > sizes<REAL>::flat() * product)) {
         return unknown_sphere();
@@ -873,11 +882,11 @@ __device__ inline float4 sphere_of(const REAL *n, REAL d, REAL e, REAL product)
 }
 
 template <int DIM, bool WEIGHTED, typename REAL>
-__device__ inline float4 sphere(const place<REAL> &pa, const place<REAL> &pb, const place<REAL> &pc)
+DEVICE float4 sphere(const place<REAL> &pa, const place<REAL> &pb, const place<REAL> &pc)
 {
     const REAL *a = pa.x, *b = pb.x, *c = pc.x, least = sizes<REAL>::least();
     REAL la = square<DIM>(a), lb = square<DIM>(b), lc = DIM == 3 ? square<DIM>(c) : (REAL)1;
-    REAL n[3] = { 0, 0, 0 };
+    REAL n[3] = { 0, 0, 0 }, bc[3], ca[3], ab[3];
     if (!(la > least && lb > least && lc > least)) {
         return unknown_sphere();
     }
@@ -892,26 +901,24 @@ __device__ inline float4 sphere(const place<REAL> &pa, const place<REAL> &pb, co
         n[1] = lb * a[0] - la * b[0];
         return sphere_of(n, a[0] * b[1] - a[1] * b[0], La * B + Lb * A, A * B);
     }
-    REAL bc[3] = { b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0] };
-    REAL ca[3] = { c[1] * a[2] - c[2] * a[1], c[2] * a[0] - c[0] * a[2], c[0] * a[1] - c[1] * a[0] };
-    REAL ab[3] = { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
+    cross(b, c, bc);
+    cross(c, a, ca);
+    cross(a, b, ab);
     for (int k = 0; k < 3; k++) {
         n[k] = la * bc[k] + lb * ca[k] + lc * ab[k];
     }
-    return sphere_of(n, a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2], La * B * C + Lb * A * C + Lc * A * B, A * B * C);
+    return sphere_of(n, product(a, bc), La * B * C + Lb * A * C + Lc * A * B, A * B * C);
 }
 
 /* The half-space beyond the facet (v, a, b); in the plane to the left of the line from v to a, or for sign -1 to its
    right. */
 template <int DIM, typename REAL>
-__device__ inline float4 half_space(const place<REAL> &pa, const place<REAL> &pb, REAL sign, unsigned walls)
+DEVICE float4 half_space(const place<REAL> &pa, const place<REAL> &pb, REAL sign, unsigned walls)
 {
     const REAL *a = pa.x, *b = pb.x, least = sizes<REAL>::least();
     REAL la = square<DIM>(a), lb = DIM == 3 ? square<DIM>(b) : (REAL)1, n[3] = { -a[1] * sign, a[0] * sign, 0 };
     if (DIM == 3) {
-        n[0] = a[1] * b[2] - a[2] * b[1];
-        n[1] = a[2] * b[0] - a[0] * b[2];
-        n[2] = a[0] * b[1] - a[1] * b[0];
+        cross(a, b, n);
     }
     for (int k = 0; k < DIM; k++) {
         if (a[k] == 0 && (DIM == 2 || b[k] == 0) && (walls >> (n[k] > 0 ? 2 * k + 1 : 2 * k) & 1) != 0) {
@@ -929,17 +936,22 @@ __device__ inline float4 half_space(const place<REAL> &pa, const place<REAL> &pb
                        (float)(1 + sizes<REAL>::error() * sqrt(la * lb) * inverse) * far_away);
 }
 
-/* A triangle: three local numbers of vertices, 0 being the vertex at infinity, and a mark that no point of the input
-   is in conflict with the simplex: then it is final, no insertion removes it. */
+/* A triangle: three local numbers of vertices, 0 being the vertex at infinity, and a mark on those with whose simplex
+   no point of the input is in conflict: it is final, no insertion removes it. */
 const uint32_t corner_mask = 1023, verified = 1u << 30;
 
-__device__ inline uint32_t corner(uint32_t triangle, int k)
+DEVICE uint32_t corner(uint32_t triangle, int k)
 {
     return triangle >> (10 * k) & corner_mask;
 }
 
-/* The number of the triangle that has the directed edge (a, b); in the plane of the edge that begins with a, or for
-   a == none ends with b. */
+template <int DIM> DEVICE uint3 corners(uint32_t triangle)
+{
+    return make_uint3(corner(triangle, 0), corner(triangle, 1), DIM == 3 ? corner(triangle, 2) : 0);
+}
+
+/* Returns the number of the triangle that has the directed edge (a, b), or -1.  In the plane: of the edge that begins
+   with a, or if a is none, that ends with b. */
 template <int DIM> __device__ int triangle_with(const uint32_t *triangle, int count, uint32_t a, uint32_t b)
 {
     for (int t = 0; t < count; t++) {
@@ -953,58 +965,26 @@ template <int DIM> __device__ int triangle_with(const uint32_t *triangle, int co
     return -1;
 }
 
-/* The number of the triangle across from corner k of another. */
-template <int DIM> __device__ inline int mate_of(const uint32_t *triangle, int count, uint32_t packed, int k)
+/* Returns the number of the triangle across from corner k of the packed one. */
+template <int DIM> DEVICE int mate_of(const uint32_t *triangle, int count, uint32_t packed, int k)
 {
     return DIM == 3 ? triangle_with<DIM>(triangle, count, corner(packed, (k + 2) % 3), corner(packed, (k + 1) % 3))
          : k == 0 ? triangle_with<DIM>(triangle, count, corner(packed, 1), 0)
                   : triangle_with<DIM>(triangle, count, none, corner(packed, 0));
 }
 
-/* The exact answer where floats leave it open: is point p in conflict with triangle t of the star of v?
-   For an infinite simplex with p in the plane of its facet it is that of the finite simplex behind the facet. */
-template <int DIM, bool WEIGHTED>
-__device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *id, const uint32_t *triangle,
-                                   int count, int t, uint32_t p, pbw__digit *pool)
-{
-    const double *row[4], *origin = s.point[p].c;
-    uint32_t c[3];
-    int at = -1;
-    for (int k = 0; k < DIM; k++) {
-        c[k] = corner(triangle[t], k);
-        at = c[k] == 0 ? k : at;
-    }
-    row[0] = s.point[v].c;
-    if (at >= 0) {
-        if (DIM == 3) {
-            row[1] = s.point[id[c[(at + 1) % 3]]].c;
-            row[2] = s.point[id[c[(at + 2) % 3]]].c;
-            row[3] = origin;
-        } else {
-            row[1] = at == 1 ? s.point[id[c[0]]].c : origin;
-            row[2] = at == 1 ? origin : s.point[id[c[1]]].c;
-        }
-        const int sign = pbw__orient_in(pool, DIM, row, &s.grid);
-        at = mate_of<DIM>(triangle, count, triangle[t], at);
-        if (sign != 0 || at < 0) {
-            return sign == PBW__OPEN || at < 0 ? open_sign : sign > 0;
-        }
-        t = at;
-    }
-    for (int k = 0; k < DIM; k++) {
-        uint32_t a = corner(triangle[t], k);
-        if (a == 0) {
-            return open_sign;
-        }
-        row[k + 1] = s.point[id[a]].c;
-    }
-    return pbw__conflict_in(pool, DIM, row, origin, &s.grid);
-}
+/* Where a star is built: round vertex v.  pool: for the last exact stage, or NULL. */
+struct site {
+    const space *all;
+    uint32_t v;
+    unsigned walls;
+    pbw__digit *pool;
+};
 
 /* ------------------------------------------------------------------------------------------------------
    >>star         One star: a link of triangles (in the plane: edges), each counter-clockwise as seen from outside.
-   Holds between insertions: the link is closed; every simplex (v, triangle) is positively oriented, or infinite with
-   corner 0; spheres are those of the simplices; the bit matrix is all zeros.
+   Holds between insertions: the link is closed; every simplex (v, triangle) is positively oriented, or is infinite
+   and has corner 0; each triangle has the sphere of its simplex; the bit matrix is all zeros.
    ------------------------------------------------------------------------------------------------------ */
 template <bool WIDE> struct star_types {
     typedef std::conditional_t<WIDE, uint16_t, uint8_t> number;
@@ -1013,7 +993,7 @@ template <bool WIDE> struct star_types {
     static const int bits = WIDE ? 10 : 8;
 };
 
-/* What a rung calculates in. */
+/* The numbers that a rung calculates with. */
 template <bool EXACT> using rung_real = std::conditional_t<EXACT, double, float>;
 
 /* NT triangles, NV vertices, SCRATCH words for the rung's search. */
@@ -1029,26 +1009,35 @@ template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL> st
     typename types::number cavity[NT];
 };
 
-/* The place of a point of a star S, and of a candidate or, where there is none, v. */
+/* The place of a point of a star S. */
 template <typename S> using place_in = place<typename S::real>;
 
-template <typename S>
-__device__ inline place_in<S> candidate_place(const space &all, const record &own, uint32_t v, uint32_t candidate)
+/* A point that may become a vertex of a star: its rank and, relative to v, its place. */
+template <typename REAL> struct newcomer {
+    uint32_t id;
+    place<REAL> p;
+};
+
+template <typename S> using point_of = newcomer<typename S::real>;
+
+/* The candidate of this lane; if there is none, at the place of v. */
+template <typename S> DEVICE point_of<S> newcomer_at(const site &at, const record &own, uint32_t id)
 {
-    return relative<S::dim, typename S::real>(all, own, all.point[candidate != none ? candidate : v]);
+    const record &r = at.all->point[id != none ? id : at.v];
+    return { id, relative<S::dim, typename S::real>(*at.all, own, r) };
 }
 
-/* Larger stars have kernels of their own in >>cells. */
+/* A larger star has a kernel of its own in >>cells. */
 const int small_triangles = 60, small_vertices = 32;
 
 enum { star_changed = 1, star_open = 2, star_full = 4, star_hidden = 8 };
 
-__device__ inline uint32_t pack(uint32_t a, uint32_t b, uint32_t c)
+DEVICE uint32_t pack(uint32_t a, uint32_t b, uint32_t c)
 {
     return a | b << 10 | c << 20;
 }
 
-template <typename S> __device__ inline void set_vertex(S &s, uint32_t number, uint32_t id, const place_in<S> &p)
+template <typename S> DEVICE void set_vertex(S &s, uint32_t number, uint32_t id, const place_in<S> &p)
 {
     s.id[number] = id;
     for (int k = 0; k < S::dim; k++) {
@@ -1059,7 +1048,7 @@ template <typename S> __device__ inline void set_vertex(S &s, uint32_t number, u
     }
 }
 
-template <typename S> __device__ inline place_in<S> vertex_place(const S &s, uint32_t number)
+template <typename S> DEVICE place_in<S> vertex_place(const S &s, uint32_t number)
 {
     place_in<S> p;
     for (int k = 0; k < 3; k++) {
@@ -1069,41 +1058,31 @@ template <typename S> __device__ inline place_in<S> vertex_place(const S &s, uin
     return p;
 }
 
-/* The vertex at infinity has a place too: loads that are not used find it there. */
-template <typename S> __device__ inline void set_infinity(S &s)
-{
-    const place_in<S> origin = { { 0, 0, 0 }, 0 };
-    set_vertex(s, 0, none, origin);
-}
-
-/* The sphere of triangle (a, b, c); in the plane of edge (a, b).  0 is the vertex at infinity. */
+/* The sphere of triangle (x, y, z) of a star, in the plane of edge (x, y), with corners at a, b and c.  0 is the
+   vertex at infinity. */
 template <int DIM, bool WEIGHTED, typename REAL>
-__device__ inline float4 sphere_of_triangle(uint32_t a, uint32_t b, uint32_t c, const place<REAL> &pa,
-                                            const place<REAL> &pb, const place<REAL> &pc, unsigned walls)
+DEVICE float4 sphere_of_triangle(uint3 t, const place<REAL> &a, const place<REAL> &b, const place<REAL> &c,
+                                            unsigned walls)
 {
-    if (DIM == 3) {
-        if (a != 0 && b != 0 && c != 0) {
-            return sphere<DIM, WEIGHTED>(pa, pb, pc);
-        }
-        place<REAL> from, to;                        /* the finite edge, selected without pointers to registers */
-        for (int k = 0; k < 3; k++) {
-            from.x[k] = a == 0 ? pb.x[k] : b == 0 ? pc.x[k] : pa.x[k];
-            to.x[k] = a == 0 ? pc.x[k] : b == 0 ? pa.x[k] : pb.x[k];
-        }
-        return half_space<DIM>(from, to, (REAL)1, walls);
+    if (t.x != 0 && t.y != 0 && (DIM == 2 || t.z != 0)) {
+        return sphere<DIM, WEIGHTED>(a, b, c);
     }
-    if (a != 0 && b != 0) {
-        return sphere<DIM, WEIGHTED>(pa, pb, pc);
-    }
-    place<REAL> end;
+    place<REAL> from, to;                            /* the finite edge or end, selected without pointers */
     for (int k = 0; k < 3; k++) {
-        end.x[k] = a == 0 ? pb.x[k] : pa.x[k];
+        from.x[k] = t.x == 0 ? b.x[k] : DIM == 3 && t.y == 0 ? c.x[k] : a.x[k];
+        to.x[k] = DIM == 2 ? from.x[k] : t.x == 0 ? c.x[k] : t.y == 0 ? a.x[k] : b.x[k];
     }
-    return half_space<DIM>(end, end, (REAL)(a == 0 ? -1 : 1), walls);
+    return half_space<DIM>(from, to, (REAL)(DIM == 2 && t.x == 0 ? -1 : 1), walls);
 }
 
-/* used: the vertices that triangles have, and 0. */
-template <int T, typename S> __device__ inline void find_used(S &s, bool go, int count)
+template <typename S> DEVICE float4 sphere_in(const S &s, uint3 t, unsigned walls)
+{
+    return sphere_of_triangle<S::dim, S::weighted>(t, vertex_place(s, t.x), vertex_place(s, t.y),
+                                                   vertex_place(s, t.z), walls);
+}
+
+/* Sets used to 0 and the vertices that triangles have. */
+template <int T, typename S> DEVICE void find_used(S &s, bool go, int count)
 {
     int lane = (int)threadIdx.x & (T - 1);
     __syncwarp();
@@ -1130,15 +1109,44 @@ struct hole {
     uint32_t number;
 };
 
+/* Returns whether point p is in conflict with triangle t of a star, by exact tests.  For an infinite simplex with p
+   in the plane of its facet the answer is that for the finite simplex behind the facet. */
+template <typename S> __device__ __noinline__ int settle(const S &s, site at, int count, int t, uint32_t p)
+{
+    const space &all = *at.all;
+    const double *row[4] = { all.point[at.v].c }, *origin = all.point[p].c;
+    for (int round = 0; round < 2; round++) {
+        int infinite = -1;
+        for (int k = 0; k < S::dim; k++) {           /* p in place of the vertex at infinity */
+            const uint32_t c = corner(s.triangle[t], k);
+            infinite = c == 0 ? k : infinite;
+            row[k + 1] = c == 0 ? origin : all.point[s.id[c]].c;
+        }
+        if (infinite < 0) {
+            return pbw__conflict_in(at.pool, S::dim, row, origin, &all.grid);
+        }
+        const int sign = round == 0 ? pbw__orient_in(at.pool, S::dim, row, &all.grid) : PBW__OPEN;
+        if (sign != 0) {
+            return sign == PBW__OPEN ? open_sign : sign > 0;
+        }
+        t = mate_of<S::dim>(s.triangle, count, s.triangle[t], infinite);
+        if (t < 0) {
+            return open_sign;
+        }
+    }
+    return open_sign;
+}
+
 /* As settle, for p relative to v, by doubles that round nothing: on a small grid all products are integers in its
    unit, below 2^53 (>>cavity3 of pbw.h: there p is the origin, here v, but the 24 products have the same bound).  The
-   coefficients of the lifts are those of pbw__tie.  open_sign if a height is too large for that. */
+   coefficients of the lifts are those of pbw__tie.  Returns open_sign if a height is not below the limit that this
+   needs. */
 template <typename S>
-__device__ __noinline__ int settle_on_grid(const S &s, int count, int t, double limit, double px, double py,
-                                           double pz, double pw)
+__device__ __noinline__ int settle_on_grid(const S &s, int count, int t, double limit, place_in<S> point)
 {
-    const double p[3] = { px, py, pz }, lift = square<S::dim>(p) - (S::weighted ? pw : 0.0);
-    if (!(square<S::dim>(p) + (S::weighted ? fabs(pw) : 0.0) < limit)) {
+    const double p[3] = { point.x[0], point.x[1], point.x[2] };
+    const double lift = square<S::dim>(p) - (S::weighted ? point.w : 0.0);
+    if (!(square<S::dim>(p) + (S::weighted ? fabs(point.w) : 0.0) < limit)) {
         return open_sign;
     }
     for (int round = 0; round < 2; round++) {
@@ -1159,12 +1167,13 @@ __device__ __noinline__ int settle_on_grid(const S &s, int count, int t, double 
         }
         const double *a = x[0], *b = x[1], *c = x[2];
         if (S::dim == 3) {
-            double u[3] = { b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0] };
-            double q[3] = { p[1] * a[2] - p[2] * a[1], p[2] * a[0] - p[0] * a[2], p[0] * a[1] - p[1] * a[0] };
-            d = a[0] * u[0] + a[1] * u[1] + a[2] * u[2];
-            k[0] = p[0] * u[0] + p[1] * u[1] + p[2] * u[2];
-            k[1] = c[0] * -q[0] + c[1] * -q[1] + c[2] * -q[2];
-            k[2] = b[0] * q[0] + b[1] * q[1] + b[2] * q[2];
+            double u[3], q[3];
+            cross(b, c, u);
+            cross(p, a, q);
+            d = product(a, u);
+            k[0] = product(p, u);
+            k[1] = -product(c, q);
+            k[2] = product(b, q);
         } else {
             d = a[0] * b[1] - a[1] * b[0];
             k[0] = p[0] * b[1] - p[1] * b[0];
@@ -1203,59 +1212,39 @@ __device__ __noinline__ int settle_on_grid(const S &s, int count, int t, double 
     return open_sign;
 }
 
-/* The sphere of the facet (a, b, c), none being the vertex at infinity, and the answer for point p, by doubles. */
-template <int DIM, bool WEIGHTED>
-__device__ __noinline__ int refine(const space &all, uint32_t v, uint32_t a, uint32_t b, uint32_t c, uint32_t p,
-                                   float4 *sphere)
+/* Makes the sphere of triangle t anew, by doubles.  Returns the answer for point p. */
+template <typename S> __device__ __noinline__ int refine(S &s, site at, int t, uint32_t p)
 {
-    const record own = all.point[v];
-    float4 q = sphere_of_triangle<DIM, WEIGHTED>(
-        a != none, b != none, c != none, relative<DIM, double>(all, own, all.point[a != none ? a : v]),
-        relative<DIM, double>(all, own, all.point[b != none ? b : v]),
-        relative<DIM, double>(all, own, all.point[c != none ? c : v]), walls_of<DIM>(all, own));
-    *sphere = q;
-    return side(q, probe_of<DIM, WEIGHTED>(relative<DIM, double>(all, own, all.point[p])));
+    const record *point = at.all->point, own = point[at.v];
+    const uint3 c = corners<S::dim>(s.triangle[t]);
+    auto place_of = [&](uint32_t id) { return relative<S::dim, double>(*at.all, own, point[id]); };
+    auto corner_place = [&](uint32_t number) { return place_of(number != 0 ? s.id[number] : at.v); };
+    float4 q = sphere_of_triangle<S::dim, S::weighted>(c, corner_place(c.x), corner_place(c.y), corner_place(c.z),
+                                                       at.walls);
+    s.sphere[t] = q;
+    return side(q, probe_of<S::dim, S::weighted>(place_of(p)));
 }
 
-/* What floats leave open: is point id in conflict with triangle t?  A star in floats gets the sphere from doubles. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline int decide(star<DIM, WEIGHTED, NT, NV, SCRATCH, float> &s, const space &all, uint32_t v, int, int t,
-                             uint32_t id, const place<float> &, pbw__digit *)
+/* What float spheres leave open: is a point in conflict with triangle t?  By exact tests if the star is in doubles,
+   else by doubles. */
+template <typename S> DEVICE int decide(S &s, const site &at, int count, int t, const point_of<S> &point)
 {
-    uint32_t c[3] = { 1, 1, 1 };
-    for (int k = 0; k < DIM; k++) {
-        c[k] = corner(s.triangle[t], k);
+    if (!std::is_same<typename S::real, double>::value) {
+        return refine(s, at, t, point.id);
     }
-    return refine<DIM, WEIGHTED>(all, v, c[0] != 0 ? s.id[c[0]] : none, c[1] != 0 ? s.id[c[1]] : none,
-                                 DIM == 3 && c[2] != 0 ? s.id[c[2]] : none, id, &s.sphere[t]);
+    int hit = settle_on_grid(s, count, t, at.all->exact_height, point.p);
+    return hit != open_sign ? hit : settle(s, at, count, t, point.id);
 }
 
-/* The exact answer: is point id, at p relative to v, in conflict with triangle t? */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline int decide(star<DIM, WEIGHTED, NT, NV, SCRATCH, double> &s, const space &all, uint32_t v, int count,
-                             int t, uint32_t id, const place<double> &p, pbw__digit *pool)
-{
-    int hit = settle_on_grid(s, count, t, all.exact_height, p.x[0], p.x[1], p.x[2], p.w);
-    return hit != open_sign ? hit : settle<DIM, WEIGHTED>(all, v, s.id, s.triangle, count, t, id, pool);
-}
-
-/* Finds the cavity of point id, at p relative to v, in the stars of those tiles that go, and makes the point a vertex
-   of theirs; count: their triangles.  Without SETTLES what floats leave open stays open. */
+/* Lists the triangles in conflict with a point.  Returns star_open if a sign stays open, else 0. */
 template <int T, bool SETTLES, typename S>
-__device__ inline int carve(S &s, const space &all, uint32_t v, bool go, uint32_t id, const place_in<S> &p, int count,
-                            pbw__digit *pool, hole &cavity)
+DEVICE int find_conflicts(S &s, const site &at, bool go, const point_of<S> &point, int count, hole &cavity)
 {
-    typedef typename S::types types;
-    typedef typename types::pair pair;
-    typedef typename types::number number_type;
-    const int words = S::vertices / 32, lane = (int)threadIdx.x & (T - 1);
-    const unsigned below = lanes_below<T>();
-    const probe float_p = probe_of<S::dim, S::weighted>(p);
-    int conflicts = 0, edges = 0, result = 0;
-
-    typedef typename types::rounds rounds_type;
+    typedef typename S::types::rounds rounds_type;
+    const int lane = (int)threadIdx.x & (T - 1), rounds = (warp_max<T>(go ? count : 0) + T - 1) / T;
+    const probe float_p = probe_of<S::dim, S::weighted>(point.p);
     rounds_type hits = 0, opens = 0;                 /* bit i: triangle i T + lane */
-    int rounds = (warp_max<T>(go ? count : 0) + T - 1) / T;
+    int result = 0;
 #pragma unroll(S::triangles / T < 8 ? S::triangles / T : 1)
     for (int i = 0; i < S::triangles / T; i++) {
         if (i == rounds) {
@@ -1269,46 +1258,65 @@ __device__ inline int carve(S &s, const space &all, uint32_t v, bool go, uint32_
         bool undecided = !SETTLES && opens != 0;
         for (int i = 0; SETTLES && i < rounds; i++) {
             if ((opens >> i & 1) != 0) {
-                int hit = decide(s, all, v, count, i * T + lane, id, p, pool);
+                int hit = decide(s, at, count, i * T + lane, point);
                 hits |= (rounds_type)(hit == 1) << i;
                 undecided = undecided || hit == open_sign;
             }
         }
         result = tile_ballot<T>(undecided) != 0 ? star_open : 0;
     }
+    cavity.conflicts = 0;
     for (int i = 0; i < rounds; i++) {
-        unsigned vote = tile_ballot<T>((hits >> i & 1) != 0);
-        if ((hits >> i & 1) != 0) {
-            s.cavity[conflicts + __popc(vote & below)] = (number_type)(i * T + lane);
+        const bool hit = (hits >> i & 1) != 0;
+        const int to = append<T>(hit, cavity.conflicts);
+        if (hit) {
+            s.cavity[to] = (typename S::types::number)(i * T + lane);
         }
-        conflicts += __popc(vote);
     }
-    if (conflicts == count && go) {
-        result |= star_hidden;
-    }
-    go = go && conflicts > 0 && result == 0;
-    const int conflict_end = warp_max<T>(go ? conflicts : 0);
-    __syncwarp();
+    return result;
+}
 
-    /* the border: edges whose reverse is not in the cavity (in the plane: ends of the chain) */
-    for (int base = 0; base < conflict_end; base += T) {
-        if (go && base + lane < conflicts) {
-            uint32_t t = s.triangle[s.cavity[base + lane]], a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
-            if (S::dim == 3) {
-                atomicOr(&s.matrix[a * words + (b >> 5)], 1u << (b & 31));
-                atomicOr(&s.matrix[b * words + (c >> 5)], 1u << (c & 31));
-                atomicOr(&s.matrix[c * words + (a >> 5)], 1u << (a & 31));
-            } else {
-                atomicOr(&s.matrix[a >> 5], 1u << (a & 31));
-                atomicOr(&s.matrix[words + (b >> 5)], 1u << (b & 31));
+/* An edge (a, b) as a bit of the matrix of a star: column b of row a.  In the plane the two ends of an edge have a
+   bit each: row 0 is for vertices where an edge begins, row 1 for those where one ends. */
+struct matrix_bit {
+    uint32_t row, column;
+    template <typename S> __device__ uint32_t &word(S &s) const { return s.matrix[row * S::words + (column >> 5)]; }
+    __device__ uint32_t bit() const { return 1u << (column & 31); }
+};
+
+template <int DIM> DEVICE matrix_bit bit_of(uint32_t triangle, int k)
+{
+    return DIM == 3 ? matrix_bit{ corner(triangle, k), corner(triangle, (k + 1) % 3) }
+                    : matrix_bit{ (uint32_t)k, corner(triangle, k) };
+}
+
+/* Sets the bits of all edges of the cavity, or clears their words; end: the most conflicts of any tile. */
+template <int T, bool SETS, typename S> DEVICE void mark_edges(S &s, bool go, const hole &cavity, int end)
+{
+    const int lane = (int)threadIdx.x & (T - 1);
+    for (int base = 0; base < end; base += T) {
+        if (go && base + lane < cavity.conflicts) {
+            const uint32_t t = s.triangle[s.cavity[base + lane]];
+            for (int k = 0; k < S::dim; k++) {
+                const matrix_bit edge = bit_of<S::dim>(t, k);
+                if (SETS) {
+                    atomicOr(&edge.word(s), edge.bit());
+                } else {
+                    edge.word(s) = 0;
+                }
             }
         }
     }
     __syncwarp();
+}
+
+/* A number that no vertex has; at first among those never used. */
+template <int T, typename S> DEVICE uint32_t free_number(S &s, bool go, int count)
+{
     uint32_t number = none;
-    for (int round = 0; round < 2; round++) {        /* a free number; at first among those never used */
+    for (int round = 0; round < 2; round++) {
         if (go && number == none) {
-            for (int i = 0; i < words && number == none; i++) {
+            for (int i = 0; i < S::words && number == none; i++) {
                 uint32_t free = ~s.used[i];
                 number = free != 0 ? (uint32_t)(i * 32 + __ffs((int)free) - 1) : none;
             }
@@ -1318,58 +1326,58 @@ __device__ inline int carve(S &s, const space &all, uint32_t v, bool go, uint32_
         }
         find_used<T>(s, go && number == none, count);
     }
-    if (go && number == none) {
-        result |= star_full;
-    }
-    for (int base = 0; base < conflict_end; base += T) {
-        uint32_t c[3] = { 0, 0, 0 };
-        bool mine = go && base + lane < conflicts;
-        if (mine) {
-            uint32_t t = s.triangle[s.cavity[base + lane]];
-            for (int k = 0; k < S::dim; k++) {
-                c[k] = corner(t, k);
-            }
-        }
+    return number;
+}
+
+/* Lists the border: edges whose reverse is not in the cavity; in the plane the ends of the chain, joined to the new
+   vertex. */
+template <int T, typename S> DEVICE void list_border(S &s, bool go, hole &cavity, int end)
+{
+    typedef typename S::types types;
+    const int lane = (int)threadIdx.x & (T - 1), most = S::vertices - 1;
+    cavity.edges = 0;
+    for (int base = 0; base < end; base += T) {
+        const bool mine = go && base + lane < cavity.conflicts;
+        const uint32_t t = mine ? s.triangle[s.cavity[base + lane]] : 0;
         for (int k = 0; k < S::dim; k++) {
-            uint32_t a = c[k], b = c[k + 1 == S::dim ? 0 : k + 1];
-            bool is_border = S::dim == 3 ? mine && (s.matrix[b * words + (a >> 5)] >> (a & 31) & 1) == 0
-                           : mine && (k == 0 ? (s.matrix[words + (a >> 5)] >> (a & 31) & 1) == 0
-                                             : (s.matrix[a >> 5] >> (a & 31) & 1) == 0);
-            unsigned vote = tile_ballot<T>(is_border);
-            int at = edges + __popc(vote & below);
+            uint32_t a = corner(t, k), b = corner(t, k + 1 == S::dim ? 0 : k + 1);
+            const matrix_bit reverse = S::dim == 3 ? matrix_bit{ b, a } : matrix_bit{ 1 - (uint32_t)k, a };
+            const bool is_border = mine && (reverse.word(s) & reverse.bit()) == 0;
+            const int at = append<T>(is_border, cavity.edges);
             if (is_border && at < S::triangles + 4) {
                 if (S::dim == 2) {                   /* (a, new) at the start of the chain, (new, a) at its end */
-                    b = k == 0 ? number : a;
-                    a = k == 0 ? a : number;
+                    b = k == 0 ? cavity.number : a;
+                    a = k == 0 ? a : cavity.number;
                 }
-                s.border[at] = (pair)((a & (S::vertices - 1)) << types::bits | (b & (S::vertices - 1)));
+                s.border[at] = (typename types::pair)((a & most) << types::bits | (b & most));
             }
-            edges += __popc(vote);
         }
     }
-    if (go && count - conflicts + edges > S::triangles) {
-        result |= star_full;
-    }
+}
+
+/* Finds the cavity of a point in the stars of those tiles that go, and makes the point a vertex of theirs; count:
+   their triangles.  Without SETTLES what floats leave open stays open. */
+template <int T, bool SETTLES, typename S>
+DEVICE int carve(S &s, const site &at, bool go, const point_of<S> &point, int count, hole &cavity)
+{
+    int result = find_conflicts<T, SETTLES>(s, at, go, point, count, cavity);
+    result |= cavity.conflicts == count && go ? star_hidden : 0;
+    go = go && cavity.conflicts > 0 && result == 0;
+    const int end = warp_max<T>(go ? cavity.conflicts : 0);
+    __syncwarp();
+    mark_edges<T, true>(s, go, cavity, end);
+    cavity.number = free_number<T>(s, go, count);
+    result |= go && cavity.number == none ? star_full : 0;
+    list_border<T>(s, go, cavity, end);
+    result |= go && count - cavity.conflicts + cavity.edges > S::triangles ? star_full : 0;
     __syncwarp();
     go = go && result == 0;
-    for (int base = 0; base < conflict_end; base += T) {
-        if (go && base + lane < conflicts) {
-            uint32_t t = s.triangle[s.cavity[base + lane]], a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
-            if (S::dim == 3) {
-                s.matrix[a * words + (b >> 5)] = s.matrix[b * words + (c >> 5)] = s.matrix[c * words + (a >> 5)] = 0;
-            } else {
-                s.matrix[a >> 5] = s.matrix[words + (b >> 5)] = 0;
-            }
-        }
-    }
-    if (go && lane == 0) {
-        set_vertex(s, number, id, p);
-        s.used[number >> 5] |= 1u << (number & 31);
+    mark_edges<T, false>(s, go, cavity, end);
+    if (go && (threadIdx.x & (T - 1)) == 0) {
+        set_vertex(s, cavity.number, point.id, point.p);
+        s.used[cavity.number >> 5] |= 1u << (cavity.number & 31);
     }
     __syncwarp();
-    cavity.conflicts = conflicts;
-    cavity.edges = edges;
-    cavity.number = number;
     return go ? star_changed : result;
 }
 
@@ -1379,8 +1387,7 @@ __device__ inline int carve(S &s, const space &all, uint32_t v, bool go, uint32_
    addresses from the old count, with offsets of -4 and -16 bytes, but gives the old and the new count one register
    and decrements that first: the simplex before the last one moves, and most of the zoo in cuda_test fails.
    tests/cuda_inline.cu has that loop alone. */
-template <int T, typename S>
-__device__ inline void fan(S &s, bool go, const hole &cavity, int fans, int &count, unsigned walls)
+template <int T, typename S> DEVICE void fan(S &s, bool go, const hole &cavity, int fans, int &count, unsigned walls)
 {
     typedef typename S::types types;
     const int lane = (int)threadIdx.x & (T - 1), conflicts = cavity.conflicts, edges = cavity.edges;
@@ -1392,8 +1399,7 @@ __device__ inline void fan(S &s, bool go, const hole &cavity, int fans, int &cou
             uint32_t c = S::dim == 3 && i < fans ? cavity.number : 0;
             int slot = i < conflicts ? s.cavity[i] : count + i - conflicts;
             s.triangle[slot] = pack(a, b, c);
-            s.sphere[slot] = sphere_of_triangle<S::dim, S::weighted>(a, b, c, vertex_place(s, a), vertex_place(s, b),
-                                                                     vertex_place(s, c), walls);
+            s.sphere[slot] = sphere_in(s, make_uint3(a, b, c), walls);
         }
     }
     __syncwarp();
@@ -1410,9 +1416,10 @@ __device__ inline void fan(S &s, bool go, const hole &cavity, int fans, int &cou
     count += go ? edges - conflicts : 0;
 }
 
-/* The star of v and the points a, b, c, one finite triangle and an infinite one on each of its edges, as the border
-   of a hole that fan fills. */
-template <int T, typename S> __device__ inline void start(S &s, bool go, const uint32_t *id, const place_in<S> *p)
+/* The star of v and three points, in the plane two: one finite triangle and an infinite one on each of its edges, as
+   the border of a hole { 0, DIM + 1, 3 } that fan fills.  number: of the vertex that the lane's point becomes, or
+   0. */
+template <int T, typename S> DEVICE void start(S &s, bool go, const point_of<S> &point, uint32_t number)
 {
     typedef typename S::types types;
     int lane = (int)threadIdx.x & (T - 1);
@@ -1423,35 +1430,34 @@ template <int T, typename S> __device__ inline void start(S &s, bool go, const u
         for (int i = lane; i < s.words; i += T) {
             s.used[i] = i == 0 ? (2u << S::dim) - 1 : 0;
         }
-        if (lane < S::dim) {
-            set_vertex(s, (uint32_t)lane + 1, id[lane], p[lane]);
-        } else if (lane == S::dim) {
-            set_infinity(s);
+        if (lane == 0) {
+            set_vertex(s, 0, none, place_in<S>());   /* loads that are not used find the vertex at infinity there */
+        }
+        if (number != 0) {
+            set_vertex(s, number, point.id, point.p);
         }
     }
     __syncwarp();
-    if (go && lane <= S::dim) {
-        uint32_t a, b;
-        if (S::dim == 3) {                           /* (1 2 3), (2 1 0), (3 2 0), (1 3 0) */
-            a = lane == 0 ? 1 : lane == 3 ? 1 : (uint32_t)lane + 1;
-            b = lane == 0 ? 2 : lane == 3 ? 3 : (uint32_t)lane;
-        } else {                                     /* (1 2), (2 0), (0 1) */
-            a = lane == 0 ? 1 : lane == 1 ? 2 : 0;
-            b = lane == 0 ? 2 : lane == 1 ? 0 : 1;
-        }
+    if (go && lane <= S::dim) {                      /* (1 2 3), (2 1 0), (3 2 0), (1 3 0), or (1 2), (2 0), (0 1) */
+        const uint32_t a = (S::dim == 3 ? 0x1321u : 0x021u) >> 4 * lane & 3;
+        const uint32_t b = (S::dim == 3 ? 0x3212u : 0x102u) >> 4 * lane & 3;
         s.border[lane] = (typename types::pair)(a << types::bits | b);
     }
     __syncwarp();
 }
 
-template <int DIM> __device__ inline hole first_hole()
+/* Returns how many vertices of a star have numbers below c. */
+template <typename S> DEVICE int vertices_below(const S &s, uint32_t c)
 {
-    hole h = { 0, DIM + 1, 3 };
-    return h;
+    int below = __popc(s.used[c >> 5] & ((1u << (c & 31)) - 1));
+    for (uint32_t j = 0; j < c >> 5; j++) {
+        below += __popc(s.used[j]);
+    }
+    return below;
 }
 
 /* Stores the finished stars of the tiles that go. */
-template <int T, typename S> __device__ inline void finish(S &s, bool go, uint32_t v, int count, const store &out)
+template <int T, typename S> DEVICE void finish(S &s, bool go, uint32_t v, int count, const store &out)
 {
     int lane = (int)threadIdx.x & (T - 1), vertices = 0;
     find_used<T>(s, go, count);
@@ -1462,9 +1468,8 @@ template <int T, typename S> __device__ inline void finish(S &s, bool go, uint32
         for (int i = 0; i < s.words; i++) {
             vertices += __popc(s.used[i]);
         }
-        /* 0 is counted, but a star without infinite triangles does not store it */
     }
-    bool closed = true;
+    bool closed = true;                              /* without infinite triangles: 0 is in used, but is not stored */
     int owned = 0;
     __syncwarp();
     if (go) {
@@ -1496,22 +1501,13 @@ template <int T, typename S> __device__ inline void finish(S &s, bool go, uint32
         }
         for (int i = lane; i < S::vertices; i += T) {
             if (s.used[i >> 5] >> (i & 31) & 1 && (i > 0 || !closed)) {
-                int rank = __popc(s.used[i >> 5] & ((1u << (i & 31)) - 1)) - closed;
-                for (int j = 0; j < i >> 5; j++) {
-                    rank += __popc(s.used[j]);
-                }
-                word[1 + rank] = s.id[i];
+                word[1 + vertices_below(s, (uint32_t)i) - closed] = s.id[i];
             }
         }
         for (int t = lane; t < count; t += T) {
             uint32_t packed = s.triangle[t] & verified;
             for (int k = 0; k < S::dim; k++) {
-                uint32_t c = corner(s.triangle[t], k);
-                int rank = __popc(s.used[c >> 5] & ((1u << (c & 31)) - 1)) - closed;
-                for (uint32_t j = 0; j < c >> 5; j++) {
-                    rank += __popc(s.used[j]);
-                }
-                packed |= (uint32_t)rank << (10 * k);
+                packed |= (uint32_t)(vertices_below(s, corner(s.triangle[t], k)) - closed) << (10 * k);
             }
             word[1 + vertices + t] = packed;
         }
@@ -1519,96 +1515,87 @@ template <int T, typename S> __device__ inline void finish(S &s, bool go, uint32
     __syncwarp();
 }
 
-__device__ inline void enqueue(const queue &q, bool put, uint32_t v)
+DEVICE void enqueue(const queue &q, bool put, uint32_t v)
 {
-    unsigned vote = __ballot_sync(all_lanes, put);
-    uint32_t at = 0;
-    int lane = (int)threadIdx.x & 31;
-    if (lane == 0 && vote != 0) {
-        at = atomicAdd(q.count, (uint32_t)__popc(vote));
-    }
-    at = __shfl_sync(all_lanes, at, 0);
+    int length = 0;
+    const int at = append<32>(put, length);
+    uint32_t first = (threadIdx.x & 31) == 0 && length > 0 ? atomicAdd(q.count, (uint32_t)length) : 0;
+    first = __shfl_sync(all_lanes, first, 0);
     if (put) {
-        q.vertex[at + (uint32_t)__popc(vote & lanes_below<32>())] = v;
+        q.vertex[first + (uint32_t)at] = v;
     }
 }
 
 /* The determinant of three points relative to v: a fat corner is one whose sign needs no filter. */
 template <int DIM, typename REAL>
-__device__ inline REAL corner_size(const place<REAL> &a, const place<REAL> &b, const place<REAL> &c)
+DEVICE REAL corner_size(const place<REAL> &a, const place<REAL> &b, const place<REAL> &c)
 {
-    return DIM == 3 ? c.x[0] * (a.x[1] * b.x[2] - a.x[2] * b.x[1]) + c.x[1] * (a.x[2] * b.x[0] - a.x[0] * b.x[2])
-                      + c.x[2] * (a.x[0] * b.x[1] - a.x[1] * b.x[0])
-                    : a.x[0] * b.x[1] - a.x[1] * b.x[0];
+    REAL n[3];
+    cross(a.x, b.x, n);
+    return DIM == 3 ? product(c.x, n) : n[2];
 }
 
-/* |a x b|^2 / (|a|^2 |b|^2) and |det|^2 / (|a|^2 |b|^2 |c|^2); 0 where there is a 0. */
-template <typename REAL> __device__ inline float line_fatness(const place<REAL> &a, const place<REAL> &b)
+/* |a x b|^2 / (|a|^2 |b|^2), and |det|^2 / (|a|^2 |b|^2 |c|^2); 0 if a length is 0. */
+template <typename REAL> DEVICE float line_fatness(const place<REAL> &a, const place<REAL> &b)
 {
-    REAL x = a.x[1] * b.x[2] - a.x[2] * b.x[1], y = a.x[2] * b.x[0] - a.x[0] * b.x[2];
-    REAL z = a.x[0] * b.x[1] - a.x[1] * b.x[0], size = square<3>(a.x) * square<3>(b.x);
-    return size > sizes<REAL>::least() * sizes<REAL>::least() ? (float)((x * x + y * y + z * z) / size) : 0.0f;
+    REAL n[3], size = square<3>(a.x) * square<3>(b.x);
+    cross(a.x, b.x, n);
+    return size > sizes<REAL>::least() * sizes<REAL>::least() ? (float)(square<3>(n) / size) : 0.0f;
 }
 
 template <int DIM, typename REAL>
-__device__ inline float fatness(const place<REAL> &a, const place<REAL> &b, const place<REAL> &c)
+DEVICE float fatness(const place<REAL> &a, const place<REAL> &b, const place<REAL> &c)
 {
     REAL d = corner_size<DIM>(a, b, c) * rsqrt(square<3>(a.x)) * rsqrt(square<3>(b.x));
     d *= DIM == 3 ? rsqrt(square<3>(c.x)) : 1;
     return d * d > 0 ? (float)(d * d) : 0.0f;
 }
 
-template <int T, typename REAL> __device__ inline place<REAL> tile_place(const place<REAL> &p, int lane)
+/* Starts the stars of the tiles that go with points of their own lanes, candidates being those of lanes below have,
+   nearest first: fan is left to do.  Takes the nearest, the first that is not nearly on a line with it and v, and the
+   first that is not nearly in a plane with them; or, with EXACT and for T = 32, the ones farthest from line and
+   plane, as long as the sign is known.  Returns the lanes used, or 0 where there is no such corner. */
+template <int T, bool EXACT, typename S>
+DEVICE unsigned start_from_lanes(S &s, const site &at, bool go, const point_of<S> &point, int have)
 {
-    place<REAL> r;
-    for (int k = 0; k < 3; k++) {
-        r.x[k] = tile_read<T>(p.x[k], lane);
-    }
-    r.w = tile_read<T>(p.w, lane);
-    return r;
-}
-
-/* Starts the stars of the tiles that go with points id, at p, of their own lanes, candidates being those of lanes
-   below have, nearest first: fan is left to do.  Returns the lanes used, or 0 where no fat corner was found. */
-template <int T, typename S>
-__device__ inline unsigned start_from_lanes(S &s, bool go, uint32_t id, const place_in<S> &p, int have)
-{
-    int lane = (int)threadIdx.x & (T - 1);
-    bool here = go && lane < have;
-    place_in<S> a = tile_place<T>(p, 0), b;
-    uint32_t ids[3];
+    const place_in<S> &p = point.p, a = tile_read<T>(p, 0);
     const float thin = 0.01f, flat = 1e-4f;
-    unsigned vote = tile_ballot<T>(here && lane > 0 && line_fatness(a, p) > thin);
-    int second = vote != 0 ? __ffs((int)vote) - 1 : 0, third = second;
-    b = tile_place<T>(p, second);
+    const int lane = (int)threadIdx.x & (T - 1);
+    const bool here = go && (EXACT ? point.id != none : lane < have);
+    float fat = here && lane > 0 ? line_fatness(a, p) : 0.0f;
+    unsigned vote = tile_ballot<T>(EXACT ? fat == tile_max<T>(fat) && fat > 1e-6f : fat > thin);
+    const int second = vote != 0 ? __ffs((int)vote) - 1 : 0;
+    const place_in<S> b = tile_read<T>(p, second);
+    int third = second;
     go = go && vote != 0;
     if (S::dim == 3) {
-        const float fat = here && vote != 0 ? fatness<S::dim>(a, b, p) : 0.0f, most = -tile_min<T>(-fat);
-        vote = tile_ballot<T>(fat > flat || (fat == most && fat > 1e-8f));
+        fat = here && vote != 0 ? fatness<S::dim>(a, b, p) : 0.0f;
+        const float most = tile_max<T>(fat);
+        vote = tile_ballot<T>(EXACT ? fat == most && fat > 0.0f : fat > flat || (fat == most && fat > 1e-8f));
         third = vote != 0 ? __ffs((int)vote) - 1 : 0;
         go = go && vote != 0;
     }
-    place_in<S> c = tile_place<T>(p, third), frame[3];
-    ids[0] = tile_read<T>(id, 0);
-    ids[1] = tile_read<T>(id, second);
-    ids[2] = tile_read<T>(id, third);
-    bool turn = corner_size<S::dim>(a, b, c) < 0;
-    frame[0] = turn ? b : a;
-    frame[1] = turn ? a : b;
-    frame[2] = c;
-    uint32_t swap = ids[turn ? 1 : 0];
-    ids[1] = ids[turn ? 0 : 1];
-    ids[0] = swap;
-    start<T>(s, go, ids, frame);
+    bool turn = corner_size<S::dim>(a, b, tile_read<T>(p, third)) < 0;
+    if (EXACT && go) {
+        const record *r = at.all->point;
+        const double *row[4] = { r[at.v].c, r[tile_read<T>(point.id, 0)].c, r[tile_read<T>(point.id, second)].c,
+                                 r[tile_read<T>(point.id, third)].c };
+        const int sign = pbw__orient_in(at.pool, S::dim, row, &at.all->grid);
+        go = sign != 0 && sign != PBW__OPEN;
+        turn = sign < 0;
+    }
+    const uint32_t number = lane == 0 ? 1 + turn : lane == second ? 2 - turn : S::dim == 3 && lane == third ? 3 : 0;
+    start<T>(s, go, point, number);
     return go ? 1u | 1u << second | 1u << third : 0;
 }
 
-/* A box of the tree relative to v: v itself is rounded, and so are differences, to multiples of 2^-24 at most 2^1. */
+/* A box of the tree relative to v, grown by what v and the differences are rounded by: they are multiples of 2^-24,
+   of size at most 2^1. */
 struct span {
     float low[3], high[3];
 };
 
-template <int DIM> __device__ inline span relative_box(const box &b, const float *v)
+template <int DIM> DEVICE span relative_box(const box &b, const float *v)
 {
     span r;
     for (int k = 0; k < 3; k++) {
@@ -1618,9 +1605,20 @@ template <int DIM> __device__ inline span relative_box(const box &b, const float
     return r;
 }
 
-/* A rough point relative to another, and the square of its distance; always the same operations, so that all passes
-   over points agree on it. */
-__device__ inline float rough_square(const float4 &p, const float *v, float *x)
+/* The square of the distance of such a box from v. */
+template <int DIM> DEVICE float square_of_gap(const span &b)
+{
+    float square = 0.0f;
+    for (int k = 0; k < DIM; k++) {
+        const float gap = fmaxf(fmaxf(b.low[k], -b.high[k]), 0.0f);
+        square = fmaf(gap, gap, square);
+    }
+    return square;
+}
+
+/* A rough point relative to another, and the square of its distance; by operations that the compiler may not fuse, so
+   that all passes over points agree on it. */
+DEVICE float rough_square(const float4 &p, const float *v, float *x)
 {
     x[0] = __fsub_rn(p.x, v[0]);
     x[1] = __fsub_rn(p.y, v[1]);
@@ -1630,7 +1628,7 @@ __device__ inline float rough_square(const float4 &p, const float *v, float *x)
 
 /* The radius around q / 2 within which a point of the largest weight may be in conflict, grown by more than all
    roundings and by the error of the centre. */
-template <bool WEIGHTED> __device__ inline float radius_of(float4 q, float heaviest)
+template <bool WEIGHTED> DEVICE float radius_of(float4 q, float heaviest)
 {
     float size = root(fmaf(q.x, q.x, fmaf(q.y, q.y, q.z * q.z)));
     float radius = q.w < far_away ? fmaf(0.5f, size, slack * q.w) : 0.5f * q.w;
@@ -1638,7 +1636,7 @@ template <bool WEIGHTED> __device__ inline float radius_of(float4 q, float heavi
 }
 
 /* Bounds of the spheres of a star. */
-template <int T, typename S> __device__ inline span reach_of(const S &s, bool go, int count, float heaviest)
+template <int T, typename S> DEVICE span reach_of(const S &s, bool go, int count, float heaviest)
 {
     span r = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
     int lane = (int)threadIdx.x & (T - 1);
@@ -1662,9 +1660,9 @@ template <int T, typename S> __device__ inline span reach_of(const S &s, bool go
     return r;
 }
 
-/* Whether floats leave it open that point p is in conflict with some simplex of the star; all lanes of a tile go or
-   none does, each with its own point.  The test is that of side, with the bound in the sum; a wall adds to it. */
-template <int T, typename S> __device__ inline bool may_conflict(const S &s, bool go, int count, const place_in<S> &p)
+/* Returns whether point p may be in conflict with some simplex of the star, by floats; all lanes of a tile go or none
+   does, each with its own point.  The test is that of side, with the bound in the sum; that of a wall only adds. */
+template <int T, typename S> DEVICE bool may_conflict(const S &s, bool go, int count, const place_in<S> &p)
 {
     probe f = probe_of<S::dim, S::weighted>(p);
     float lift = fmaf(-1.25f, f.load, f.lift), size = -1.25f * f.size;
@@ -1681,37 +1679,27 @@ template <int T, typename S> __device__ inline bool may_conflict(const S &s, boo
 
 /* ------------------------------------------------------------------------------------------------------
    >>near         The first rung: 8 lanes a star, candidates from the list of its group.
-   1. Points within the start radius are collected and sorted by distance.  2. The nearest make the first corner, the
-   others are inserted; all but the first 16 are screened first: a point in conflict with nothing now will never
-   be, because stars only shrink.  3. The list is walked again for points outside the start radius and within the
-   bounds of the spheres.  Both passes use the same float distance, so no point is met twice.  4. The star is
-   certified if its spheres lie within the box that the list covers, or beyond the end of all points.  Of most inputs
-   floats decide nearly everything, and a kernel without exact tests is quicker; the stars where they do not are built
-   again by one that has them.  For points on surfaces (keeps) it ends after 2., keeps what it has, without the points
-   that floats leave open, and certifies nothing.
+   1. Points within the start radius are collected and sorted by distance.  2. The nearest make the first corner,
+   the others are inserted; all but the first 16 are screened first: a point that is in conflict with nothing now will
+   never be, because stars only shrink.  3. The list is walked again for points outside the start radius and within
+   the bounds of the spheres.  Both passes calculate the distance alike, so no point is met twice.  4. The star is
+   certified if its spheres lie within the box that the list covers, or reach out of it only where no points are.  For
+   most inputs floats decide nearly all signs, and a kernel without exact tests is quicker; a second kernel, which has
+   them, builds the stars again where a sign stays open.  For points on surfaces (keeps) the rung ends after 2.,
+   stores the star without the points that floats leave open, and certifies nothing.
    ------------------------------------------------------------------------------------------------------ */
 const int near_triangles = 48, near_vertices = 32, near_points = 64, near_block = 128;
-const int at_once = 2;                               /* groups whose points are loaded */
-
-/* Blocks a multiprocessor, by what registers allow. */
-template <int DIM, bool EXACT> struct near_blocks {
-    static const int count = EXACT ? 4 : DIM == 2 ? 8 : 6;
-};
+const int at_once = 2;                               /* groups that are loaded before their points are tested */
 
 template <int DIM, bool WEIGHTED, typename REAL>
 using near_star = star<DIM, WEIGHTED, near_triangles, near_vertices, near_points, REAL>;
 
-/* A launch of the first rung.  Without EXACT it builds total vertices from first on, each stride-th; with EXACT those
-   of undecided. */
+/* A launch of the first rung.  Without EXACT it builds total vertices from first on, each stride-th, with EXACT those
+   of q[1].  q[0] gets those that it leaves to the next rung, q[1] those that floats leave open. */
 struct near_launch {
-    space all;
-    const box *group;
-    const uint32_t *lists;
-    const near_list *infos;
+    workshop w;
     uint32_t first, stride, total;
     bool keeps;
-    store out;
-    queue failed, undecided;
 };
 
 /* A star of the first rung while its tile builds it. */
@@ -1723,44 +1711,41 @@ template <int DIM, bool WEIGHTED, typename REAL> struct near_state {
     const near_launch &a;
     const uint32_t *list;                            /* the groups near v */
     near_list info;
-    record own;
-    uint32_t v;
+    site at;
+    record own;                                      /* v */
     int lane, length;
     float origin[3], heaviest;                       /* v; the largest weight relative to v's */
-    unsigned walls;
     bool go, walking, changed;                       /* walking: step 3; changed: reach is out of date */
     float start2;                                    /* the square of the start radius */
     int have, cursor;                                /* points collected, and those of them already tried */
     int count, stored, position;                     /* triangles; points waiting; groups of the list read */
-    uint32_t candidate, group_here;                  /* of each lane */
+    newcomer<REAL> candidate;                        /* of each lane */
+    uint32_t group_here;
     unsigned pending, groups;                        /* lanes with a candidate to insert; with a group to read */
-    place<REAL> p;                                   /* of the candidate */
     span reach;
 };
 const int near_lanes = 8;
 
 /* Appends the points of the tile's group candidate closer than the start radius. */
-template <typename N> __device__ __forceinline__ void collect_group(N &n, uint32_t group, bool here)
+template <typename N> DEVICE void collect_group(N &n, uint32_t group, bool here)
 {
     uint32_t p = group * group_size + (uint32_t)n.lane;
-    bool take = here && p < n.a.all.count && p != n.v;
+    bool take = here && p < n.a.w.all.count && p != n.at.v;
     float d = 0.0f, x[3];
     if (take) {
-        d = rough_square(n.a.all.rough[p], n.origin, x);
+        d = rough_square(n.a.w.all.rough[p], n.origin, x);
         take = d < n.start2;
     }
-    unsigned takers = tile_ballot<near_lanes>(take);
-    int at = n.have + __popc(takers & lanes_below<near_lanes>());
+    const int at = append<near_lanes>(take, n.have);
     if (take && at < near_points) {
         ((uint32_t *)n.s.sphere)[at] = p;            /* free before there is a star */
         n.s.scratch[at] = (__float_as_uint(d) & ~63u) | (uint32_t)at;
     }
-    n.have += __popc(takers);
 }
 
-/* Step 1: the points within the start radius, which shrinks until there is room for them.  Stars whose points are too
-   close for floats to tell apart are given up. */
-template <typename N> __device__ __forceinline__ void collect_close(N &n)
+/* Step 1: the points within the start radius, which shrinks until there is room for them.  A star is given up if its
+   points are too close for floats to tell apart. */
+template <typename N> DEVICE void collect_close(N &n)
 {
     int shrinks = 0;
     for (bool again = n.go; any(again); shrinks++) {
@@ -1769,13 +1754,8 @@ template <typename N> __device__ __forceinline__ void collect_close(N &n)
             uint32_t group = again && base + n.lane < n.length ? n.list[base + n.lane] : none;
             bool close = false;
             if (group != none) {
-                span b = relative_box<N::dim>(n.a.group[group], n.origin);
-                float d = 0.0f;
-                for (int k = 0; k < N::dim; k++) {
-                    float t = fmaxf(fmaxf(b.low[k], -b.high[k]), 0.0f);
-                    d = fmaf(t, t, d);
-                }
-                close = d * 0.99999f < n.start2;
+                span b = relative_box<N::dim>(n.a.w.boxes.level[0][group], n.origin);
+                close = square_of_gap<N::dim>(b) * 0.99999f < n.start2;
             }
             for (unsigned vote = tile_ballot<near_lanes>(close); any(vote != 0); vote &= vote - 1) {
                 uint32_t from = tile_read<near_lanes>(group, vote != 0 ? __ffs((int)vote) - 1 : 0);
@@ -1791,7 +1771,7 @@ template <typename N> __device__ __forceinline__ void collect_close(N &n)
 }
 
 /* Sorts the collected points by distance into scratch. */
-template <typename N> __device__ __forceinline__ void sort_collected(N &n)
+template <typename N> DEVICE void sort_collected(N &n)
 {
     const int T = near_lanes;
     uint32_t *sorted = n.s.scratch, *collected = (uint32_t *)n.s.sphere;
@@ -1818,8 +1798,8 @@ template <typename N> __device__ __forceinline__ void sort_collected(N &n)
     __syncwarp();
 }
 
-/* The next candidates that may be in conflict, until each tile has some or no more at hand. */
-template <typename N> __device__ __forceinline__ void next_candidates(N &n)
+/* Loads the next candidates that may be in conflict, until each tile has some, or has none left at hand. */
+template <typename N> DEVICE void next_candidates(N &n)
 {
     const int T = near_lanes;
     for (;;) {
@@ -1829,26 +1809,27 @@ template <typename N> __device__ __forceinline__ void next_candidates(N &n)
         }
         int rest = n.walking ? n.stored : n.have - n.cursor, take = rest < T ? rest : T;
         __syncwarp();
+        uint32_t next = n.candidate.id;
         if (feed) {
-            n.candidate = n.lane < take ? n.s.scratch[(n.walking ? n.stored - take : n.cursor) + n.lane] : none;
+            next = n.lane < take ? n.s.scratch[(n.walking ? n.stored - take : n.cursor) + n.lane] : none;
             n.stored -= n.walking ? take : 0;
         }
-        n.p = candidate_place<N>(n.a.all, n.own, n.v, n.candidate);
+        n.candidate = newcomer_at<N>(n.at, n.own, next);
         bool screened = n.walking || n.cursor >= 2 * T;
-        bool may = may_conflict<T>(n.s, feed && screened, n.count, n.p) || !screened;
-        unsigned vote = tile_ballot<T>(feed && n.candidate != none && may);
+        bool may = may_conflict<T>(n.s, feed && screened, n.count, n.candidate.p) || !screened;
+        unsigned vote = tile_ballot<T>(feed && next != none && may);
         n.pending = feed ? vote : n.pending;
         n.cursor += feed && !n.walking ? T : 0;
     }
 }
 
-/* The next 8 groups of the list that touch the reach of the star. */
-template <typename N> __device__ __forceinline__ void next_groups(N &n, bool load)
+/* Finds which of the next 8 groups of the list touch the reach of the star. */
+template <typename N> DEVICE void next_groups(N &n, bool load)
 {
     bool touches = false;
     if (load && n.position + n.lane < n.length) {
         n.group_here = n.list[n.position + n.lane];
-        span b = relative_box<N::dim>(n.a.group[n.group_here], n.origin);
+        span b = relative_box<N::dim>(n.a.w.boxes.level[0][n.group_here], n.origin);
         touches = true;
         for (int k = 0; k < N::dim; k++) {
             touches = touches && b.low[k] <= n.reach.high[k] && b.high[k] >= n.reach.low[k];
@@ -1859,8 +1840,8 @@ template <typename N> __device__ __forceinline__ void next_groups(N &n, bool loa
     n.position += load ? near_lanes : 0;
 }
 
-/* Stores the points of several groups that are within the reach; several, to have several loads in flight. */
-template <typename N> __device__ __forceinline__ void store_points(N &n, bool fill)
+/* Stores the points of several groups that are within the reach; of several, so that their loads overlap. */
+template <typename N> DEVICE void store_points(N &n, bool fill)
 {
     const int T = near_lanes;
     uint32_t other[at_once];
@@ -1870,8 +1851,8 @@ template <typename N> __device__ __forceinline__ void store_points(N &n, bool fi
         uint32_t from = tile_read<T>(n.group_here, is_there ? __ffs((int)n.groups) - 1 : 0);
         n.groups &= is_there ? n.groups - 1 : n.groups;
         other[i] = from * group_size + (uint32_t)n.lane;
-        other[i] = is_there && other[i] < n.a.all.count && other[i] != n.v ? other[i] : none;
-        place_of[i] = n.a.all.rough[other[i] != none ? other[i] : n.v];
+        other[i] = is_there && other[i] < n.a.w.all.count && other[i] != n.at.v ? other[i] : none;
+        place_of[i] = n.a.w.all.rough[other[i] != none ? other[i] : n.at.v];
     }
     for (int i = 0; i < at_once; i++) {
         float x[3];
@@ -1879,16 +1860,15 @@ template <typename N> __device__ __forceinline__ void store_points(N &n, bool fi
         for (int k = 0; k < N::dim; k++) {
             take = take && x[k] >= n.reach.low[k] && x[k] <= n.reach.high[k];
         }
-        unsigned takers = tile_ballot<T>(take);
+        const int to = append<T>(take, n.stored);
         if (take) {
-            n.s.scratch[n.stored + __popc(takers & lanes_below<T>())] = other[i];
+            n.s.scratch[to] = other[i];
         }
-        n.stored += __popc(takers);
     }
 }
 
 /* Step 3: walks on through the list, for all tiles of the block that have room. */
-template <typename N> __device__ __forceinline__ void walk_list(N &n)
+template <typename N> DEVICE void walk_list(N &n)
 {
     n.walking = true;
     bool renew = n.go && n.changed;
@@ -1913,14 +1893,14 @@ template <typename N> __device__ __forceinline__ void walk_list(N &n)
 }
 
 /* Step 4: marks the simplices whose spheres lie within the box that the list covers; returns whether all do. */
-template <typename N> __device__ __forceinline__ bool certify(N &n)
+template <typename N> DEVICE bool certify(N &n)
 {
-    const box b = n.a.group[n.v / group_size];
+    const box b = n.a.w.boxes.level[0][n.at.v / group_size];
     span covered;
     for (int k = 0; k < 3; k++) {
         const float low = b.low[k] - n.info.reach, high = b.high[k] + n.info.reach;
         covered.low[k] = low <= 0.0f ? -HUGE_VALF : low - n.origin[k] + 4.8e-7f;
-        covered.high[k] = high >= n.a.all.high[k] ? HUGE_VALF : high - n.origin[k] - 4.8e-7f;
+        covered.high[k] = high >= n.a.w.all.high[k] ? HUGE_VALF : high - n.origin[k] - 4.8e-7f;
     }
     bool certified = true;
     for (int t = n.lane; n.go && t < n.count; t += near_lanes) {
@@ -1937,33 +1917,31 @@ template <typename N> __device__ __forceinline__ bool certify(N &n)
     return tile_ballot<near_lanes>(!certified) == 0;
 }
 
-/* The vertex of a tile, with nothing collected yet. */
-template <typename N> __device__ __forceinline__ void open_near(N &n, uint32_t v, bool valid)
+/* Gives a tile its vertex; nothing is collected yet. */
+template <typename N> DEVICE void open_near(N &n, uint32_t v, bool valid)
 {
-    const space &all = n.a.all;
-    const uint32_t row = v / group_size - n.a.out.first / group_size;
+    const space &all = n.a.w.all;
+    const uint32_t row = v / group_size - n.a.w.out.first / group_size;
     const float4 rough = all.rough[v];
-    n.v = v;
     n.own = all.point[v];
-    n.list = n.a.lists + (size_t)row * list_size;
-    n.info = n.a.infos[row];
+    n.at = { &all, v, walls_of<N::dim>(all, n.own), NULL };
+    n.list = n.a.w.lists + (size_t)row * list_size;
+    n.info = n.a.w.infos[row];
     n.length = (int)n.info.length;
     n.lane = (int)threadIdx.x & (near_lanes - 1);
     n.origin[0] = rough.x, n.origin[1] = rough.y, n.origin[2] = rough.z;
     n.heaviest = N::weighted ? (float)((all.heaviest - n.own.c[N::dim]) * (all.unit * all.unit)) * 1.000001f : 0.0f;
-    n.walls = walls_of<N::dim>(all, n.own);
-    n.go = valid && n.length > 0 && *n.a.out.stop == 0;
+    n.go = valid && n.length > 0 && *n.a.w.out.stop == 0;
     n.start2 = n.info.start * n.info.start;
     n.have = 0;
 }
 
-/* Step 2: the star of the nearest points that make a fat corner; the others are candidates. */
-template <typename N> __device__ __forceinline__ void start_near(N &n)
+/* Step 2: starts the star with the nearest points that make a fat corner; the others are candidates. */
+template <typename N> DEVICE void start_near(N &n)
 {
     const int T = near_lanes;
-    n.candidate = n.go && n.lane < n.have ? n.s.scratch[n.lane] : none;
-    n.p = candidate_place<N>(n.a.all, n.own, n.v, n.candidate);
-    const unsigned used = start_from_lanes<T>(n.s, n.go, n.candidate, n.p, n.have);
+    n.candidate = newcomer_at<N>(n.at, n.own, n.go && n.lane < n.have ? n.s.scratch[n.lane] : none);
+    const unsigned used = start_from_lanes<T, false>(n.s, n.at, n.go, n.candidate, n.have);
     n.go = n.go && used != 0;
     n.pending = n.go ? ((1u << (n.have < T ? n.have : T)) - 1) & ~used : 0;
     n.groups = 0;
@@ -1976,8 +1954,8 @@ template <typename N> __device__ __forceinline__ void start_near(N &n)
     n.reach = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
 }
 
-template <int DIM, bool WEIGHTED, bool EXACT>
-__global__ void __launch_bounds__(near_block, near_blocks<DIM, EXACT>::count)
+template <int DIM, bool WEIGHTED, bool EXACT>        /* the number of blocks is what registers allow */
+__global__ void __launch_bounds__(near_block, EXACT ? 4 : DIM == 2 ? 8 : 6)
 near_kernel(const __grid_constant__ near_launch a)
 {
     typedef rung_real<EXACT> REAL;
@@ -1989,7 +1967,7 @@ near_kernel(const __grid_constant__ near_launch a)
     const bool valid = tile < a.total;
     const uint32_t item = valid ? tile : a.total - 1;
     bool open = false, kept = false;
-    open_near(n, EXACT ? a.undecided.vertex[item] : a.first + item * a.stride, valid);
+    open_near(n, EXACT ? a.w.q[1].vertex[item] : a.first + item * a.stride, valid);
     collect_close(n);
     sort_collected(n);
     start_near(n);
@@ -2008,14 +1986,13 @@ near_kernel(const __grid_constant__ near_launch a)
         if (!any(now)) {
             continue;
         }
-        hole cavity = first_hole<DIM>();
+        hole cavity = { 0, DIM + 1, 3 };             /* of start */
         int fans = 1;
         if (!starting) {
             int from = now ? __ffs((int)n.pending) - 1 : 0;
             n.pending &= n.pending - 1;
-            uint32_t next = tile_read<T>(n.candidate, from);
-            place<REAL> at = tile_place<T>(n.p, from);
-            int result = carve<T, EXACT>(n.s, a.all, n.v, now, next, at, n.count, NULL, cavity);
+            const newcomer<REAL> next = tile_read<T>(n.candidate, from);
+            int result = carve<T, EXACT>(n.s, n.at, now, next, n.count, cavity);
             now = result == star_changed;
             fans = cavity.edges;
             n.changed = n.changed || now;
@@ -2023,31 +2000,32 @@ near_kernel(const __grid_constant__ near_launch a)
             kept = kept || (a.keeps && (result & star_full) != 0);
             n.go = n.go && (result & (a.keeps ? star_full : ~star_changed)) == 0;
         }
-        fan<T>(n.s, now, cavity, fans, n.count, n.walls);
+        fan<T>(n.s, now, cavity, fans, n.count, n.at.walls);
     }
     const bool certified = certify(n);
-    finish<T>(n.s, n.go || kept, n.v, n.count, a.out);
-    enqueue(a.failed, !a.keeps && valid && n.lane == 0 && !open && !(n.go && certified),
-            n.v | (n.go ? stored_mark : 0));
+    const uint32_t v = n.at.v;
+    finish<T>(n.s, n.go || kept, v, n.count, a.w.out);
+    enqueue(a.w.q[0], !a.keeps && valid && n.lane == 0 && !open && !(n.go && certified),
+            v | (n.go ? stored_mark : 0));
     if (!EXACT) {
-        enqueue(a.undecided, !a.keeps && valid && n.lane == 0 && open, n.v);
+        enqueue(a.w.q[1], !a.keeps && valid && n.lane == 0 && open, v);
     }
 }
 
 /* ------------------------------------------------------------------------------------------------------
    >>far          The second and third rung: a warp or more a star, candidates from a search of the tree.
-   The star is that of the first rung, or starts from the neighbours of v on the curve.  For each of its simplices
-   that is not verified the tree is searched depth first for points in conflict with it; when there are none it is
-   verified, which is final, because a simplex without conflicts is in the result.  So when all are, the star is
-   certified whatever its size, and nothing is searched twice.  With t the point of a box where |x|^2 - q . x
-   is least, axis by axis, and h = 2^-20 Q, for any x of the box
+   The star is that of the first rung, or starts from the neighbours of v on the curve.  For each simplex that is not
+   verified the tree is searched depth first for points in conflict with it; if there are none, it is verified.  That
+   is final, because a simplex without conflicts is in the result.  So when all simplices are verified, the star is
+   certified whatever its size, and nothing is searched twice.  With t the point of a box where |x|^2 - q . x is
+   least, axis by axis, and h = 2^-20 Q, for any x of the box
 
        |x|^2 - q . x - h |x|_1 >= sum over axes of t (t - q) - h |t| - h^2 / 4,
 
    because |x|^2 - q . x >= t (t - q) + (x - t)^2 on each axis and (x - t)^2 - h |x - t| >= -h^2 / 4.  A cap on the
    search keeps the total work linear.
    ------------------------------------------------------------------------------------------------------ */
-/* Without shared memory stars live in scratch.  blocks: on a multiprocessor. */
+/* Stars live in shared memory, or without SHARED in scratch.  blocks: on a multiprocessor. */
 template <int TRIANGLES, int WARPS, int BLOCKS, bool EXACT, bool SHARED> struct rung {
     static const int triangles = TRIANGLES, vertices = TRIANGLES / 2, warps = WARPS, blocks = BLOCKS;
     static const bool exact = EXACT, shared = SHARED;
@@ -2067,7 +2045,7 @@ template <int DIM, bool WEIGHTED, typename RUNG>
 using far_star = star<DIM, WEIGHTED, RUNG::triangles, RUNG::vertices,
                       RUNG::warps * stack_size + (int)(sizeof(talk) / sizeof(uint32_t)), rung_real<RUNG::exact> >;
 
-template <int WARPS> __device__ inline void meet()
+template <int WARPS> DEVICE void meet()
 {
     if (WARPS == 1) {
         __syncwarp();
@@ -2076,9 +2054,9 @@ template <int WARPS> __device__ inline void meet()
     }
 }
 
-/* Whether a simplex of the star, not a wall, may be in conflict with a point in a box. */
-template <int DIM, bool WEIGHTED>
-__device__ inline bool box_may_conflict(const float4 &sphere, const span &b, float weight)
+/* Returns whether a simplex of the star, not a wall, may be in conflict with a point in a box; weight: the largest in
+   the box, relative to v's. */
+template <int DIM, bool WEIGHTED> DEVICE bool box_may_conflict(const float4 &sphere, const span &b, float weight)
 {
     float q[3] = { sphere.x, sphere.y, sphere.z }, size = sphere.w, sum = 0.0f, squares = 0.0f, ones = 0.0f;
     bool infinite = size >= far_away;
@@ -2092,12 +2070,6 @@ __device__ inline bool box_may_conflict(const float4 &sphere, const span &b, flo
     sum -= infinite || !WEIGHTED ? 0.0f : weight;
     squares = infinite ? 0.0f : squares + (WEIGHTED ? fabsf(weight) : 0.0f);
     return !(sum > 2.0f * slack * (squares + size * ones) + h * h);
-}
-
-/* The largest weight in a box relative to v's, rounded up. */
-template <bool WEIGHTED> __device__ inline float relative_weight(const box &b, double own_weight)
-{
-    return WEIGHTED ? b.weight - (float)own_weight + slack * fabsf((float)own_weight) : 0.0f;
 }
 
 /* Four points that span the space: the first point, and in turn the one farthest from the span of those before. */
@@ -2124,372 +2096,360 @@ template <int DIM> __global__ void seed_kernel(const __grid_constant__ space s, 
     }
 }
 
-/* Starts a star from the points of the warp's lanes where start_from_lanes cannot: the nearest and two that, with v,
-   come nearest to spanning the space, among them four seeds that do span it. */
-template <typename S>
-__device__ inline bool start_from_seeds(S &s, const space &all, uint32_t v, uint32_t id, const place_in<S> &p,
-                                        bool here, pbw__digit *pool)
-{
-    int lane = (int)threadIdx.x & 31, second, third;
-    place_in<S> a = tile_place<32>(p, 0), b, c, frame[3];
-    uint32_t ids[3];
-    float fat = here && lane > 0 ? line_fatness(a, p) : 0.0f, best = -tile_min<32>(-fat);
-    second = __ffs((int)__ballot_sync(all_lanes, fat == best)) - 1;
-    b = tile_place<32>(p, second);
-    third = second;
-    if (!(best > 1e-6f)) {
-        return false;
-    }
-    if (S::dim == 3) {
-        fat = here ? fatness<S::dim>(a, b, p) : 0.0f;
-        best = -tile_min<32>(-fat);
-        third = __ffs((int)__ballot_sync(all_lanes, fat == best)) - 1;
-        if (!(best > 0.0f)) {
-            return false;
-        }
-    }
-    c = tile_place<32>(p, third);
-    ids[0] = __shfl_sync(all_lanes, id, 0);
-    ids[1] = __shfl_sync(all_lanes, id, second);
-    ids[2] = __shfl_sync(all_lanes, id, third);
-    const double *row[4] = { all.point[v].c, all.point[ids[0]].c, all.point[ids[1]].c, all.point[ids[2]].c };
-    int sign = pbw__orient_in(pool, S::dim, row, &all.grid);
-    if (sign == 0 || sign == PBW__OPEN) {
-        return false;
-    }
-    frame[0] = sign < 0 ? b : a;
-    frame[1] = sign < 0 ? a : b;
-    frame[2] = c;
-    uint32_t swap = ids[sign < 0 ? 1 : 0];
-    ids[1] = ids[sign < 0 ? 0 : 1];
-    ids[0] = swap;
-    start<32>(s, true, ids, frame);
-    return true;
-}
-
 /* Inserts a point into the star of a warp. */
-template <typename S>
-__device__ inline int insert(S &s, const space &all, uint32_t v, uint32_t id, const place_in<S> &p, int &count,
-                             unsigned walls, pbw__digit *pool)
+template <typename S> DEVICE int insert(S &s, const site &at, const point_of<S> &point, int &count)
 {
     hole cavity;
-    int result = carve<32, true>(s, all, v, true, id, p, count, pool, cavity);
-    fan<32>(s, result == star_changed, cavity, cavity.edges, count, walls);
+    int result = carve<32, true>(s, at, true, point, count, cavity);
+    fan<32>(s, result == star_changed, cavity, cavity.edges, count, at.walls);
     return result;
 }
 
 /* A star of v from 28 points at growing distances along the curve, so that it is bounded in all directions from the
    start; false if they and, with EXACT, the seeds span no simplex. */
 template <bool EXACT, typename S>
-__device__ inline bool start_on_curve(S &s, const space &all, const unsigned long long *seed, uint32_t v,
-                                      const record &own, unsigned walls, pbw__digit *pool, uint32_t &candidate,
-                                      place_in<S> &p, int &count)
+DEVICE bool start_on_curve(S &s, const site &at, const unsigned long long *seed, point_of<S> &point, int &count)
 {
-    const int lane = (int)threadIdx.x & 31;
-    uint32_t *order = s.scratch;
-    int step = lane / 2 + 1;
-    float far = step <= 6 ? (float)step : 6.0f * powf((float)all.count / 12.0f, (float)(step - 6) / 8.0f);
-    uint32_t offset = (uint32_t)far + (step > 6 ? 1 : 0);
-    candidate = none;
+    const uint32_t v = at.v, points = at.all->count;
+    const record own = at.all->point[v];
+    const int lane = (int)threadIdx.x & 31, step = lane / 2 + 1;
+    const float far = step <= 6 ? (float)step : 6.0f * powf((float)points / 12.0f, (float)(step - 6) / 8.0f);
+    const uint32_t offset = (uint32_t)far + (step > 6 ? 1 : 0);
+    uint32_t *order = s.scratch, id = none;
     if (lane < 28) {
-        candidate =
-            (lane & 1) != 0 ? (v + offset < all.count ? v + offset : none) : (offset <= v ? v - offset : none);
+        id = (lane & 1) != 0 ? (v + offset < points ? v + offset : none) : (offset <= v ? v - offset : none);
     }
-    p = candidate_place<S>(all, own, v, candidate);
-    uint32_t key = candidate != none ? (__float_as_uint((float)square<S::dim>(p.x)) & ~31u) | (uint32_t)lane : none;
-    int before = 0, have = __popc(__ballot_sync(all_lanes, candidate != none));
+    point = newcomer_at<S>(at, own, id);
+    uint32_t key = id != none ? (__float_as_uint((float)square<S::dim>(point.p.x)) & ~31u) | (uint32_t)lane : none;
+    int before = 0, have = __popc(__ballot_sync(all_lanes, id != none));
     for (int i = 0; i < 32; i++) {
         before += __shfl_sync(all_lanes, key, i) < key;
     }
     order[lane] = none;
     __syncwarp();
-    if (candidate != none) {
-        order[before] = candidate;
+    if (id != none) {
+        order[before] = id;
     }
     __syncwarp();
-    candidate = order[lane];
+    point = newcomer_at<S>(at, own, order[lane]);
     __syncwarp();
-    p = candidate_place<S>(all, own, v, candidate);
-    bool started = start_from_lanes<32>(s, true, candidate, p, have) != 0;
-    if (!started && EXACT) {
-        if (candidate == none) {
+    bool started = start_from_lanes<32, false>(s, at, true, point, have) != 0;
+    if (!started && EXACT) {                         /* with four seeds that span the space */
+        if (point.id == none) {
             uint32_t other = lane - have > S::dim ? none : lane == have ? 0 : (uint32_t)seed[lane - have];
-            candidate = other == v ? none : other;
-            p = candidate_place<S>(all, own, v, candidate);
+            point = newcomer_at<S>(at, own, other == v ? none : other);
         }
-        started = start_from_seeds(s, all, v, candidate, p, candidate != none, pool);
+        started = start_from_lanes<32, true>(s, at, true, point, 32) != 0;
     }
-    fan<32>(s, started, first_hole<S::dim>(), 1, count, walls);
+    fan<32>(s, started, hole{ 0, S::dim + 1, 3 }, 1, count, at.walls);
     return started;
 }
 
-/* The stars of the tiles that go as the store has them. */
-template <int T, typename S>
-__device__ inline void start_from_store(S &s, bool go, const space &all, const store &in, uint32_t v,
-                                        const record &own, unsigned walls, int &count)
+/* The star of a warp as the store has it; returns its triangles. */
+template <typename S> DEVICE int start_from_store(S &s, const site &at, const store &in)
 {
-    const int lane = (int)threadIdx.x & (T - 1);
-    const uint32_t *word = in.word + (go ? (size_t)in.place[v - in.first] * 4 : 0);
-    uint32_t vertices = word[0] & 0xffff, first = word[1] == none ? 0 : 1;
-    count = go ? (int)(word[0] >> 16) : count;
-    if (go) {
-        for (int i = lane; i < S::vertices * s.words; i += T) {
-            s.matrix[i] = 0;
-        }
-        for (uint32_t i = (uint32_t)lane; i < (uint32_t)s.words; i += T) {
-            uint32_t rest = vertices + first > i * 32 ? vertices + first - i * 32 : 0;
-            s.used[i] = rest >= 32 ? ~0u : (1u << rest) - 1;
-        }
-        if (lane == 0) {
-            set_infinity(s);
-        }
-        for (uint32_t i = (uint32_t)lane; i < vertices; i += T) {
-            uint32_t id = word[1 + i];
-            if (id != none) {
-                set_vertex(s, i + first, id, relative<S::dim, typename S::real>(all, own, all.point[id]));
-            }
+    const int lane = (int)threadIdx.x & 31;
+    const record own = at.all->point[at.v];
+    const uint32_t *word = in.word + (size_t)in.place[at.v - in.first] * 4;
+    const uint32_t vertices = word[0] & 0xffff, first = word[1] == none ? 0 : 1;
+    const int count = (int)(word[0] >> 16);
+    for (int i = lane; i < S::vertices * s.words; i += 32) {
+        s.matrix[i] = 0;
+    }
+    for (uint32_t i = (uint32_t)lane; i < (uint32_t)s.words; i += 32) {
+        uint32_t rest = vertices + first > i * 32 ? vertices + first - i * 32 : 0;
+        s.used[i] = rest >= 32 ? ~0u : (1u << rest) - 1;
+    }
+    if (lane == 0) {
+        set_vertex(s, 0, none, place_in<S>());
+    }
+    for (uint32_t i = (uint32_t)lane; i < vertices; i += 32) {
+        if (word[1 + i] != none) {
+            const point_of<S> vertex = newcomer_at<S>(at, own, word[1 + i]);
+            set_vertex(s, i + first, vertex.id, vertex.p);
         }
     }
     __syncwarp();
-    if (go) {
-        for (int t = lane; t < count; t += T) {
-            uint32_t packed = word[1 + vertices + (uint32_t)t], c[3] = { 0, 0, 0 };
-            for (int k = 0; k < S::dim; k++) {
-                c[k] = corner(packed, k) + first;
-            }
-            s.triangle[t] = pack(c[0], c[1], c[2]) | (packed & verified);
-            s.sphere[t] = sphere_of_triangle<S::dim, S::weighted>(
-                c[0], c[1], c[2], vertex_place(s, c[0]), vertex_place(s, c[1]), vertex_place(s, c[2]), walls);
-        }
+    for (int t = lane; t < count; t += 32) {
+        const uint32_t packed = word[1 + vertices + (uint32_t)t] + pack(first, first, S::dim == 3 ? first : 0);
+        s.triangle[t] = packed;
+        s.sphere[t] = sphere_in(s, corners<S::dim>(packed), at.walls);
     }
     __syncwarp();
+    return count;
 }
 
 enum { far_busy, far_certified, far_hidden, far_lost, far_capped };
 
-/* A launch of the second or third rung: total stars of work, each with at most cap looks.  After more than limit
-   failures the remaining stars are not tried.  Without shared memory stars live in scratch. */
-struct far_launch {
-    space all;
-    tree boxes;
-    const unsigned long long *seed;
-    queue work;
+/* A launch of a later rung: total stars, each with at most cap looks.  After more than limit failures the remaining
+   stars are not tried.  Without shared memory stars live in scratch. */
+struct rung_launch {
+    workshop w;
+    const uint32_t *vertex;
     uint32_t total, limit;
     int cap;
     void *scratch;
     pbw__digit *pool;
-    store out;
-    queue failed, large;
+    queue failed;
 };
 
-struct far_task {                                    /* resume: the store holds what was found so far */
-    uint32_t v;
-    bool resume;
-    pbw__digit *pool;
+/* A star of these rungs while the warps of a block build it, as one of the warps sees it. */
+template <typename S> struct far_state {
+    S &s;
+    const rung_launch &a;
+    talk &shared;
+    uint32_t *stack;                                 /* nodes of the tree that wait, level << 29 | number */
+    site at;
+    record own;                                      /* v */
+    float origin[3];
+    double own_weight;                               /* v's, relative to the heaviest */
+    int lane, warp, count;
+    point_of<S> candidate;            /* of each lane */
+    unsigned pending, hit;                           /* lanes with a candidate to insert, with a group to search */
+    uint32_t node;                                   /* the group of lane 0 */
+    uint32_t word;                                   /* the triangle of the simplex in hand */
+    int t, depth, spent;                             /* the simplex in hand, or -1; nodes that wait; looks */
 };
 
-/* One star, by all warps of a block: each searches for conflicts of its own simplex, then they insert in turns.
-   changed: whether the star differs from the stored one. */
-template <bool EXACT, int WARPS, typename S>
-__device__ inline int far_star_of(S &s, const far_launch &a, const far_task &task, int &count, bool &changed)
+/* The star of v, with nothing in it yet. */
+template <int WARPS, typename S>
+DEVICE far_state<S> open_far(S &s, const rung_launch &a, uint32_t v, pbw__digit *pool)
 {
-    const space &all = a.all;
-    const tree &boxes = a.boxes;
-    const store &in = a.out;
-    const uint32_t v = task.v;
-    const int cap = a.cap;
-    pbw__digit *const pool = task.pool;
+    const space &all = a.w.all;
     const int lane = (int)threadIdx.x & 31, warp = (int)threadIdx.x / 32;
-    const unsigned below = lanes_below<32>();
     const record own = all.point[v];
-    uint32_t *stack = s.scratch + warp * stack_size;
-    talk &shared = *(talk *)(s.scratch + WARPS * stack_size);
     const float4 rough = all.rough[v];
-    const float origin[3] = { rough.x, rough.y, rough.z };
-    const unsigned walls = walls_of<S::dim>(all, own);
-    const double own_weight = (own.c[S::dim] - all.heaviest) * (all.unit * all.unit);
-    uint32_t candidate = none, word = 0, node = 0;
-    place_in<S> p;
-    unsigned pending = 0, hit = 0;                   /* lanes with a candidate to insert, with a group to search */
-    int depth = 0, spent = 0, t = -1;                /* t: the simplex in hand, word: its triangle */
+    return { s, a, *(talk *)(s.scratch + WARPS * stack_size), s.scratch + warp * stack_size,
+             { &all, v, walls_of<S::dim>(all, own), pool }, own, { rough.x, rough.y, rough.z },
+             (own.c[S::dim] - all.heaviest) * (all.unit * all.unit), lane, warp, 0, { none, {} },
+             0, 0, 0, 0, -1, 0, 0 };
+}
 
-    count = 0;
-    if (warp == 0) {
+/* The first warp makes the star of the store, or else one from points on the curve. */
+template <bool EXACT, typename S> DEVICE void start_far(far_state<S> &n, bool resume)
+{
+    if (n.warp == 0) {
         bool started = true;
-        if (task.resume) {
-            start_from_store<32>(s, true, all, in, v, own, walls, count);
+        int count = 0;
+        if (resume) {
+            count = start_from_store(n.s, n.at, n.a.w.out);
         } else {
-            started = start_on_curve<EXACT>(s, all, a.seed, v, own, walls, pool, candidate, p, count);
-            pending = started ? __ballot_sync(all_lanes, candidate != none) : 0;
+            started = start_on_curve<EXACT>(n.s, n.at, n.a.w.seed, n.candidate, count);
+            n.pending = started ? __ballot_sync(all_lanes, n.candidate.id != none) : 0;
         }
-        if (lane == 0) {
-            shared.count = count;
-            shared.verdict = started ? far_busy : far_lost;
-            shared.changed = !task.resume;
+        if (n.lane == 0) {
+            n.shared.count = count;
+            n.shared.verdict = started ? far_busy : far_lost;
+            n.shared.changed = !resume;
         }
     }
-    meet<WARPS>();
-    for (;;) {
-        for (int turn = 0; turn < WARPS; turn++) {   /* points are inserted */
-            if (WARPS > 1) {
-                if (lane == 0 && turn == 0) {
-                    shared.waits[warp] = pending;
-                }
-                __syncthreads();
-                if (shared.waits[turn] == 0) {
-                    continue;
-                }
-            }
-            if (turn == warp && pending != 0 && shared.verdict == far_busy) {
-                count = shared.count;
-                if (t >= 0 && (t >= count || s.triangle[t] != word)) {
-                    pending = 0;                     /* another warp has changed its simplex */
-                }
-                int verdict = far_busy;
-                bool touched = false;
-                while (pending != 0 && verdict == far_busy) {
-                    bool waits = (pending >> lane & 1) != 0;     /* the nearest first */
-                    float length = waits ? (float)square<S::dim>(p.x) : HUGE_VALF, least = tile_min<32>(length);
-                    int from = __ffs((int)(__ballot_sync(all_lanes, length == least) & pending)) - 1;
-                    pending &= ~(1u << from);
-                    uint32_t next = __shfl_sync(all_lanes, candidate, from);
-                    place_in<S> at = tile_place<32>(p, from);
-                    bool known = false;              /* the vertices of the star come by again in the search */
-                    for (int i = lane; i < S::vertices; i += 32) {
-                        known = known || (i > 0 && (s.used[i >> 5] >> (i & 31) & 1) != 0 && s.id[i] == next);
-                    }
-                    if (any(known)) {
-                        continue;
-                    }
-                    int result = insert(s, all, v, next, at, count, walls, pool);
-                    verdict = S::weighted && result == star_hidden ? far_hidden
-                            : (result & ~star_changed) != 0 ? far_lost : far_busy;
-                    if (result == star_changed) {
-                        touched = true;
-                        pending = __ballot_sync(all_lanes,
-                                                may_conflict<32>(s, true, count, p) && (pending >> lane & 1) != 0);
-                    }
-                    spent += 4;
-                }
-                __syncwarp();
-                if (lane == 0) {
-                    shared.count = count;
-                    shared.verdict = verdict;
-                    shared.changed = shared.changed || touched;
-                }
-                __syncwarp();
-            }
+}
+
+/* Whether the simplex in hand is there no more. */
+template <typename S> DEVICE bool is_gone(const far_state<S> &n, int count)
+{
+    return n.t >= 0 && (n.t >= count || n.s.triangle[n.t] != n.word);
+}
+
+/* Takes the nearest of the warp's candidates. */
+template <typename S> DEVICE point_of<S> take_nearest(far_state<S> &n)
+{
+    const bool waits = (n.pending >> n.lane & 1) != 0;
+    const float length = waits ? (float)square<S::dim>(n.candidate.p.x) : HUGE_VALF, least = tile_min<32>(length);
+    const int from = __ffs((int)(__ballot_sync(all_lanes, length == least) & n.pending)) - 1;
+    n.pending &= ~(1u << from);
+    return tile_read<32>(n.candidate, from);
+}
+
+template <typename S> DEVICE bool is_vertex(const S &s, uint32_t id)
+{
+    bool known = false;
+    for (int i = (int)threadIdx.x & 31; i < S::vertices; i += 32) {
+        known = known || (i > 0 && (s.used[i >> 5] >> (i & 31) & 1) != 0 && s.id[i] == id);
+    }
+    return any(known);
+}
+
+/* Inserts the warp's candidates, while those of the others wait. */
+template <typename S> DEVICE void insert_pending(far_state<S> &n)
+{
+    int count = n.shared.count, verdict = far_busy;
+    bool touched = false;
+    if (is_gone(n, count)) {                         /* another warp has changed it */
+        n.pending = 0;
+    }
+    while (n.pending != 0 && verdict == far_busy) {
+        const point_of<S> next = take_nearest(n);
+        if (is_vertex(n.s, next.id)) {               /* the search meets vertices too */
+            continue;
         }
-        meet<WARPS>();
-        count = shared.count;
-        changed = shared.changed != 0;
-        if (shared.verdict != far_busy) {
-            return shared.verdict;
+        int result = insert(n.s, n.at, next, count);
+        verdict = S::weighted && result == star_hidden ? far_hidden
+                : (result & ~star_changed) != 0 ? far_lost : far_busy;
+        if (result == star_changed) {
+            touched = true;
+            n.pending = __ballot_sync(all_lanes, may_conflict<32>(n.s, true, count, n.candidate.p)
+                                                     && (n.pending >> n.lane & 1) != 0);
         }
-        pending = 0;
-        if (t >= count || (t >= 0 && s.triangle[t] != word)) {      /* it is gone */
-            t = -1;
-        }
+        n.spent += 4;
+    }
+    __syncwarp();
+    if (n.lane == 0) {
+        n.shared.count = count;
+        n.shared.verdict = verdict;
+        n.shared.changed = n.shared.changed || touched;
+    }
+    __syncwarp();
+}
+
+template <bool EXACT, int WARPS, typename S> DEVICE void insert_in_turns(far_state<S> &n)
+{
+    for (int turn = 0; turn < WARPS; turn++) {
         if (WARPS > 1) {
-            if (lane == 0) {
-                shared.hand[warp] = t;
+            if (n.lane == 0 && turn == 0) {
+                n.shared.waits[n.warp] = n.pending;
             }
             __syncthreads();
-        }
-        if (t < 0) {                                 /* another simplex, that no warp has in hand */
-            int skip = 0;
-            for (int w = 0; w < warp; w++) {
-                skip += shared.hand[w] < 0;
-            }
-            for (int base = 0; base < count && t < 0; base += 32) {
-                bool open = base + lane < count && (s.triangle[base + lane] & verified) == 0;
-                for (int w = 0; w < WARPS && WARPS > 1; w++) {
-                    open = open && shared.hand[w] != base + lane;
-                }
-                unsigned vote = __ballot_sync(all_lanes, open);
-                for (; skip > 0 && vote != 0; skip--) {
-                    vote &= vote - 1;
-                }
-                t = vote != 0 ? base + __ffs((int)vote) - 1 : -1;
-            }
-            if (t >= 0) {
-                word = s.triangle[t];
-                depth = is_wall(s.sphere[t]) ? 0 : 1;
-                hit = 0;
-                if (lane == 0) {
-                    stack[0] = (uint32_t)boxes.levels << 29;
-                }
-                __syncwarp();
+            if (n.shared.waits[turn] == 0) {
+                continue;
             }
         }
-        if (WARPS == 1 ? t < 0 : __syncthreads_and(t < 0) != 0) {
+        if (turn == n.warp && n.pending != 0 && n.shared.verdict == far_busy) {
+            insert_pending(n);
+        }
+    }
+}
+
+/* Takes another simplex in hand, that no warp has, where the last one is done with. */
+template <int WARPS, typename S> DEVICE void take_simplex(far_state<S> &n)
+{
+    if (WARPS > 1) {
+        if (n.lane == 0) {
+            n.shared.hand[n.warp] = n.t;
+        }
+        __syncthreads();
+    }
+    if (n.t >= 0) {
+        return;
+    }
+    int skip = 0;
+    for (int w = 0; w < n.warp; w++) {
+        skip += n.shared.hand[w] < 0;
+    }
+    for (int base = 0; base < n.count && n.t < 0; base += 32) {
+        bool open = base + n.lane < n.count && (n.s.triangle[base + n.lane] & verified) == 0;
+        for (int w = 0; w < WARPS && WARPS > 1; w++) {
+            open = open && n.shared.hand[w] != base + n.lane;
+        }
+        unsigned vote = __ballot_sync(all_lanes, open);
+        for (; skip > 0 && vote != 0; skip--) {
+            vote &= vote - 1;
+        }
+        n.t = vote != 0 ? base + __ffs((int)vote) - 1 : -1;
+    }
+    if (n.t >= 0) {
+        n.word = n.s.triangle[n.t];
+        n.depth = is_wall(n.s.sphere[n.t]) ? 0 : 1;
+        n.hit = 0;
+        if (n.lane == 0) {
+            n.stack[0] = (uint32_t)n.a.w.boxes.levels << 29;
+        }
+        __syncwarp();
+    }
+}
+
+/* Looks at the points of 4 groups. */
+template <bool EXACT, typename S> DEVICE void search_groups(far_state<S> &n)
+{
+    uint32_t group = none, id;
+    for (int i = 0; i < 4; i++) {
+        group = n.lane / 8 == i && n.hit != 0 ? n.node + (uint32_t)__ffs((int)n.hit) - 1 : group;
+        n.hit &= n.hit - 1;
+    }
+    id = group != none ? group * group_size + (uint32_t)(n.lane & 7) : none;
+    id = id < n.a.w.all.count && id != n.at.v ? id : none;
+    for (int k = 0; k < S::dim; k++) {
+        const uint32_t c = corner(n.word, k);
+        id = c != 0 && n.s.id[c] == id ? none : id;
+    }
+    n.candidate = newcomer_at<S>(n.at, n.own, id);
+    int answer = id != none ? side(n.s.sphere[n.t], probe_of<S::dim, S::weighted>(n.candidate.p)) : 0;
+    if (EXACT && answer == open_sign) {              /* a flat simplex on the hull leaves many points open */
+        const site without_pool = { n.at.all, n.at.v, n.at.walls, NULL };
+        answer = decide(n.s, without_pool, n.count, n.t, n.candidate);
+    }
+    n.pending = __ballot_sync(all_lanes, answer != 0);
+}
+
+/* Looks at 32 boxes: those that may have points in conflict wait, the nearest on top. */
+template <typename S> DEVICE void search_boxes(far_state<S> &n)
+{
+    const tree &boxes = n.a.w.boxes;
+    const uint32_t top = n.stack[--n.depth], level = (top >> 29) - 1;
+    n.node = (top & 0x1fffffffu) * 32;
+    const uint32_t child = n.node + (uint32_t)n.lane;
+    float distance = HUGE_VALF;
+    bool visit = false;
+    if (child < boxes.size[level]) {
+        box b = boxes.level[level][child];
+        span r = relative_box<S::dim>(b, n.origin);
+        const float own = (float)n.own_weight, weight = b.weight - own + slack * fabsf(own);   /* rounded up */
+        visit = box_may_conflict<S::dim, S::weighted>(n.s.sphere[n.t], r, weight);
+        distance = visit ? square_of_gap<S::dim>(r) : HUGE_VALF;
+    }
+    __syncwarp();
+    const unsigned vote = __ballot_sync(all_lanes, visit);
+    if (level == 0) {
+        n.hit = vote;
+        return;
+    }
+    const float least = tile_min<32>(distance);
+    unsigned nearest = __ballot_sync(all_lanes, visit && distance == least);
+    nearest &= ~nearest + 1;                         /* one of them */
+    if (visit) {
+        const unsigned before = (nearest >> n.lane & 1) != 0 ? all_lanes : lanes_below<32>();
+        n.stack[n.depth + __popc(vote & ~nearest & before)] = level << 29 | child;
+    }
+    n.depth += __popc(vote);
+    __syncwarp();
+}
+
+/* One star, by all warps of a block: each searches for conflicts of its own simplex, then they insert in turns. */
+template <bool EXACT, int WARPS, typename S> DEVICE int build_far(far_state<S> &n, bool resume)
+{
+    start_far<EXACT>(n, resume);
+    meet<WARPS>();
+    for (;;) {
+        insert_in_turns<EXACT, WARPS>(n);
+        meet<WARPS>();
+        n.count = n.shared.count;
+        if (n.shared.verdict != far_busy) {
+            return n.shared.verdict;
+        }
+        n.pending = 0;
+        n.t = is_gone(n, n.count) ? -1 : n.t;
+        take_simplex<WARPS>(n);
+        if (WARPS == 1 ? n.t < 0 : __syncthreads_and(n.t < 0) != 0) {
             return far_certified;
         }
-        while (t >= 0 && pending == 0 && spent <= cap && (hit != 0 || depth > 0)) {
-            spent++;
-            if ((spent & 63) == 0 && *in.stop != 0) {
-                spent = cap + 1;
+        while (n.t >= 0 && n.pending == 0 && n.spent <= n.a.cap && (n.hit != 0 || n.depth > 0)) {
+            n.spent++;
+            if ((n.spent & 63) == 0 && *n.a.w.out.stop != 0) {
+                n.spent = n.a.cap + 1;
             }
-            if (hit != 0) {                          /* the points of 4 groups */
-                uint32_t group = none;
-                for (int i = 0; i < 4; i++) {
-                    group = lane / 8 == i && hit != 0 ? node + (uint32_t)__ffs((int)hit) - 1 : group;
-                    hit &= hit - 1;
-                }
-                candidate = group != none ? group * group_size + (uint32_t)(lane & 7) : none;
-                candidate = candidate < all.count && candidate != v ? candidate : none;
-                for (int k = 0; k < S::dim; k++) {
-                    candidate = corner(word, k) != 0 && s.id[corner(word, k)] == candidate ? none : candidate;
-                }
-                p = candidate_place<S>(all, own, v, candidate);
-                int answer = candidate != none ? side(s.sphere[t], probe_of<S::dim, S::weighted>(p)) : 0;
-                if (EXACT && answer == open_sign) {  /* a flat simplex on the hull leaves many points open */
-                    answer = decide(s, all, v, count, t, candidate, p, NULL);
-                }
-                pending = __ballot_sync(all_lanes, answer != 0);
-            } else {                                 /* 32 boxes: those that matter wait, the nearest on top */
-                uint32_t top = stack[--depth], level = (top >> 29) - 1, child;
-                float distance = HUGE_VALF;
-                bool visit = false;
-                node = (top & 0x1fffffffu) * 32;
-                child = node + (uint32_t)lane;
-                if (child < boxes.size[level]) {
-                    box b = boxes.level[level][child];
-                    span r = relative_box<S::dim>(b, origin);
-                    visit = box_may_conflict<S::dim, S::weighted>(s.sphere[t], r,
-                                                                  relative_weight<S::weighted>(b, own_weight));
-                    distance = 0.0f;
-                    for (int k = 0; k < S::dim && visit; k++) {
-                        float d = fmaxf(fmaxf(r.low[k], -r.high[k]), 0.0f);
-                        distance = fmaf(d, d, distance);
-                    }
-                    distance = visit ? distance : HUGE_VALF;
-                }
-                __syncwarp();
-                unsigned vote = __ballot_sync(all_lanes, visit);
-                if (level == 0) {
-                    hit = vote;
-                } else {
-                    float least = tile_min<32>(distance);
-                    unsigned nearest = __ballot_sync(all_lanes, visit && distance == least);
-                    nearest &= ~nearest + 1;         /* one of them */
-                    if (visit) {
-                        unsigned others = vote & ~nearest;
-                        stack[depth + __popc(others & ((nearest >> lane & 1) != 0 ? all_lanes : below))] =
-                            level << 29 | child;
-                    }
-                    depth += __popc(vote);
-                    __syncwarp();
-                }
+            if (n.hit != 0) {
+                search_groups<EXACT>(n);
+            } else {
+                search_boxes(n);
             }
         }
         meet<WARPS>();                               /* all have read the star */
-        if (lane == 0 && t >= 0 && spent > cap) {
-            shared.verdict = far_capped;
-        } else if (lane == 0 && t >= 0 && pending == 0) {       /* no point is in conflict with it */
-            s.triangle[t] = word | verified;
+        if (n.lane == 0 && n.t >= 0 && n.spent > n.a.cap) {
+            n.shared.verdict = far_capped;
+        } else if (n.lane == 0 && n.t >= 0 && n.pending == 0) {      /* no point is in conflict with it */
+            n.s.triangle[n.t] = n.word | verified;
         }
-        t = pending != 0 ? t : -1;
+        n.t = n.pending != 0 ? n.t : -1;
         meet<WARPS>();
     }
 }
@@ -2498,7 +2458,7 @@ __device__ inline int far_star_of(S &s, const far_launch &a, const far_task &tas
    Only the warp that inserts calls the exact stages, so one pool serves a block. */
 template <int DIM, bool WEIGHTED, typename RUNG>
 __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks)
-far_kernel(const __grid_constant__ far_launch a)
+far_kernel(const __grid_constant__ rung_launch a)
 {
     typedef far_star<DIM, WEIGHTED, RUNG> star_type;
     extern __shared__ float4 shared_words[];
@@ -2506,29 +2466,28 @@ far_kernel(const __grid_constant__ far_launch a)
     pbw__digit *digits = a.pool == NULL ? NULL : a.pool + (blockIdx.x * 32 + (threadIdx.x & 31)) * (size_t)PBW__POOL;
     __shared__ bool ends;
     for (uint32_t i = blockIdx.x; i < a.total; i += gridDim.x) {
-        uint32_t entry = a.work.vertex[i], v = entry & ~stored_mark;
-        bool resume = entry != v && a.out.place[v - a.out.first] != none, changed;      /* none: the store was full */
-        int count = 0;
+        uint32_t entry = a.vertex[i], v = entry & ~stored_mark;
+        bool resume = entry != v && a.w.out.place[v - a.w.out.first] != none;      /* none: the store was full */
         if (threadIdx.x == 0) {
-            ends = *(volatile uint32_t *)a.failed.count > a.limit || *a.out.stop != 0;
+            ends = *(volatile uint32_t *)a.failed.count > a.limit || *a.w.out.stop != 0;
         }
         meet<RUNG::warps>();
         if (ends) {
             return;
         }
-        int verdict =
-            far_star_of<RUNG::exact, RUNG::warps>(s, a, far_task{ v, resume, digits }, count, changed);
+        far_state<star_type> n = open_far<RUNG::warps>(s, a, v, digits);
+        const int verdict = build_far<RUNG::exact, RUNG::warps>(n, resume);
         if (threadIdx.x < 32) {
             bool fails = verdict == far_lost || verdict == far_capped, stays = verdict != far_lost;
-            if (verdict == far_capped || (verdict == far_certified && changed)) {
-                finish<32>(s, true, v, count, a.out);
+            if (verdict == far_capped || (verdict == far_certified && n.shared.changed != 0)) {
+                finish<32>(s, true, v, n.count, a.w.out);
             }
             if (verdict == far_hidden && threadIdx.x == 0) {
-                a.out.place[v - a.out.first] = hidden;
-                a.out.owned[v - a.out.first] = 0;
+                a.w.out.place[v - a.w.out.first] = hidden;
+                a.w.out.owned[v - a.w.out.first] = 0;
             }
             enqueue(a.failed, fails && threadIdx.x == 0, stays ? v | stored_mark : entry);
-            enqueue(a.large, verdict == far_certified && threadIdx.x == 0, v);
+            enqueue(a.w.q[2], verdict == far_certified && threadIdx.x == 0, v);
         }
         meet<RUNG::warps>();
     }
@@ -2539,21 +2498,22 @@ far_kernel(const __grid_constant__ far_launch a)
    Where points lie on a surface most spheres are large and hug it: a box along the axes of space touches them
    wherever the surface is aslant, and a search for each simplex alone meets the same boxes again and again.  So here
    one search serves all simplices of a star, in a tree of bricks: boxes along the axes of their own points, on a
-   surface as thin as its noise.  Let m be the middle of a brick relative to v, e_j its axes, h_j how far its points
-   are from m along them, and g = q - 2m.  A point m + y of it is in conflict with a simplex only if this is above 0:
+   surface as thin as its noise.  Let m be the middle of a brick relative to v, e_j its axes, h_j the largest distance
+   of its points from m along them, and g = q - 2m.  A point m + y of the brick is in conflict with a simplex only if
+   this is above 0:
 
        q . (m + y) - |m + y|^2 = q . m - |m|^2 + g . y - |y|^2
                               <= q . m - |m|^2 + sum over axes of t (|g . e_j| - t),     t = min(|g . e_j| / 2, h_j).
 
-   Errors, with f = 2^-24 and B the sum of all |m_k| and h_j, beyond which no point of the brick is: q is off by
-   16 f Q; m, rounded to floats, by f |m|; the axes are those of Jacobi's method, rounded, and the cross product of
-   two: of length 1, and at right angles, but for 8 f, as far as y is concerned; products and sums, 10 f.  In all that
-   is less than 40 f (Q B + B^2), and 48 f = 3 2^-20 is taken.  For infinite simplices |m|^2 and |y|^2 do not count
-   (>>sphere).
+   Errors, with f = 2^-24 and B the sum of all |m_k| and h_j, which no point of the brick is farther away than: q is
+   off by 16 f Q; m, rounded to floats, by f |m|; two axes are those of Jacobi's method, rounded, the third is their
+   cross product: for y that counts like axes of length 1, at right angles, that are off by 8 f; products and sums,
+   10 f.  In all that is less than 40 f (Q B + B^2), and 48 f = 3 2^-20 is taken.  For infinite simplices |m|^2 and
+   |y|^2 do not count (>>sphere).
 
-   What lies below a sphere by d, divided by Q |p|^2, is how much more bent the sphere through p would be that has
-   the direction of q; so points of which it is largest make the star small soonest, and bricks that may have such are
-   searched first.
+   The depth of a point p in a sphere is the value above over Q |p|^2.  It is how much more curved the sphere through
+   v and p with its centre in the direction of q is.  So the deepest points make the star small soonest, and the
+   bricks that may have the deepest are searched first.
    ------------------------------------------------------------------------------------------------------ */
 /* A box along the axes of its points, of 8 points or 8 boxes: its middle, two of its axes (the third is their cross
    product), and how far points are from the middle along each axis; all in units. */
@@ -2569,7 +2529,7 @@ struct moments {                                     /* of the points of a brick
 const int brick_levels = 9;
 typedef tree_of<brick, brick_levels> brick_tree;
 
-/* The bricks of a level, of 8 points or of 8 bricks: all but how far their points are. */
+/* The bricks of a level, of 8 points or of 8 bricks, but for half, which half_kernel adds. */
 __global__ void brick_kernel(const __grid_constant__ space s, const moments *child, uint32_t children, moments *own,
                              brick *out, uint32_t size)
 {
@@ -2605,17 +2565,17 @@ __global__ void brick_kernel(const __grid_constant__ space s, const moments *chi
             const double t = (difference < 0.0 ? -1.0 : 1.0) * twice
                            / (fabs(difference) + sqrt(difference * difference + twice * twice));
             const double cosine = rsqrt(t * t + 1.0), sine = t * cosine;
+            auto rotate = [&](double &x, double &y) {
+                const double old = x;
+                x = cosine * old - sine * y;
+                y = sine * old + cosine * y;
+            };
             for (int k = 0; k < 3; k++) {
-                const double x = a[k][i], y = a[k][j];
-                a[k][i] = cosine * x - sine * y;
-                a[k][j] = sine * x + cosine * y;
+                rotate(a[k][i], a[k][j]);
             }
             for (int k = 0; k < 3; k++) {
-                const double x = a[i][k], y = a[j][k], u = turn[i][k], w = turn[j][k];
-                a[i][k] = cosine * x - sine * y;
-                a[j][k] = sine * x + cosine * y;
-                turn[i][k] = cosine * u - sine * w;
-                turn[j][k] = sine * u + cosine * w;
+                rotate(a[i][k], a[j][k]);
+                rotate(turn[i][k], turn[j][k]);
             }
         }
         for (int k = 0; k < 3; k++) {
@@ -2629,15 +2589,7 @@ __global__ void brick_kernel(const __grid_constant__ space s, const moments *chi
     }
 }
 
-__device__ inline void third_axis(const brick &b, float *axis)
-{
-    const float *u = b.axis[0], *w = b.axis[1];
-    axis[0] = u[1] * w[2] - u[2] * w[1];
-    axis[1] = u[2] * w[0] - u[0] * w[2];
-    axis[2] = u[0] * w[1] - u[1] * w[0];
-}
-
-/* How far points are: a thread a point. */
+/* Sets half of all bricks, a thread a point. */
 __global__ void half_kernel(const __grid_constant__ space s, const __grid_constant__ brick_tree t)
 {
     const size_t i = thread_number() < s.count ? thread_number() : s.count - 1;
@@ -2647,7 +2599,7 @@ __global__ void half_kernel(const __grid_constant__ space s, const __grid_consta
         brick &b = ((brick *)t.level[level])[above];
         float last[3];
         double d[3] = { 0.0, 0.0, 0.0 };
-        third_axis(b, last);
+        cross(b.axis[0], b.axis[1], last);
         for (int k = 0; k < 3; k++) {
             const double x = in_units(s, r, k) - b.middle[k];
             d[0] += x * (double)b.axis[0][k];
@@ -2664,8 +2616,7 @@ __global__ void half_kernel(const __grid_constant__ space s, const __grid_consta
     }
 }
 
-/* Stars in shared memory, or in scratch.  What a rung has no room for goes on to the next.  room: for bricks that
-   wait. */
+/* A star that a rung has no room for goes on to the next.  room: for bricks that wait. */
 template <int TRIANGLES, int BLOCKS, int ROOM, bool SHARED>
 struct wide_rung_of : rung<TRIANGLES, 1, BLOCKS, true, SHARED> {
     static const int room = ROOM;
@@ -2684,9 +2635,8 @@ template <typename RUNG> struct wide_star {
     uint16_t depth[RUNG::room];                      /* of bricks that wait, half of a float */
 };
 
-/* How deep a brick may reach into the spheres of a star. */
-template <typename STAR>
-__device__ inline float depth_of_brick(const STAR &w, int count, const brick &b, const double *v)
+/* Returns an upper bound of the depth of the points of a brick in the spheres of a star. */
+template <typename STAR> DEVICE float depth_of_brick(const STAR &w, int count, const brick &b, const double *v)
 {
     float depth = 0.0f, m[3], last[3], ones = 0.0f, square_m = 1e-30f;
     for (int k = 0; k < 3; k++) {
@@ -2694,7 +2644,7 @@ __device__ inline float depth_of_brick(const STAR &w, int count, const brick &b,
         square_m = fmaf(m[k], m[k], square_m);
         ones += fabsf(m[k]) + b.half[k];
     }
-    third_axis(b, last);
+    cross(b.axis[0], b.axis[1], last);
     const float squares = 3.0f * slack * ones * ones - square_m, x = m[0] + m[0], y = m[1] + m[1], z = m[2] + m[2];
     ones *= 3.0f * slack;
 #pragma unroll 2
@@ -2712,9 +2662,8 @@ __device__ inline float depth_of_brick(const STAR &w, int count, const brick &b,
     return __fdividef(depth, square_m);
 }
 
-/* Likewise a point. */
-template <typename STAR>
-__device__ inline float depth_of_place(const STAR &w, int count, const place<double> &p)
+/* Returns an upper bound of the depth of a point. */
+template <typename STAR> DEVICE float depth_of_place(const STAR &w, int count, const place<double> &p)
 {
     const probe f = probe_of<3, false>(p);
     const float lift = fmaf(-1.25f, f.load, f.lift), size = -1.25f * f.size;
@@ -2728,7 +2677,7 @@ __device__ inline float depth_of_place(const STAR &w, int count, const place<dou
     return __fdividef(depth, fmaxf(f.lift, 1e-30f));
 }
 
-template <typename STAR> __device__ inline void find_inverses(STAR &w, int count)
+template <typename STAR> DEVICE void find_inverses(STAR &w, int count)
 {
     for (int t = (int)threadIdx.x & 31; t < count; t += 32) {
         const float size = w.s.sphere[t].w;
@@ -2739,7 +2688,7 @@ template <typename STAR> __device__ inline void find_inverses(STAR &w, int count
 
 /* Returns the lanes with candidates that are not yet vertices: the search meets vertices too. */
 template <typename RUNG>
-__device__ inline unsigned without_vertices(const wide_star<RUNG> &w, unsigned lanes, uint32_t candidate)
+DEVICE unsigned without_vertices(const wide_star<RUNG> &w, unsigned lanes, uint32_t candidate)
 {
     for (unsigned rest = lanes; rest != 0; rest &= rest - 1) {
         const int from = __ffs((int)rest) - 1;
@@ -2753,9 +2702,9 @@ __device__ inline unsigned without_vertices(const wide_star<RUNG> &w, unsigned l
     return lanes;
 }
 
-/* The deepest of the bricks that wait, one for each 8 lanes, as depth << 16 | where it waits, or 0.  Where there is
-   little room they are the last, which leave few more. */
-template <typename RUNG> __device__ inline uint32_t deepest(const wide_star<RUNG> &w, int waits)
+/* Returns for each 8 lanes the deepest of a quarter of the bricks that wait, as depth << 16 | where it waits, or 0.
+   Where there is little room it returns the last ones: they are of low levels, and few more come to wait. */
+template <typename RUNG> DEVICE uint32_t deepest(const wide_star<RUNG> &w, int waits)
 {
     const int lane = (int)threadIdx.x & 31;
     uint32_t best = 0;
@@ -2769,22 +2718,136 @@ template <typename RUNG> __device__ inline uint32_t deepest(const wide_star<RUNG
     return tile_max<8>(best);
 }
 
-/* A launch of a rung for surfaces: the vertices of a list, or if it is NULL total from first on, each stride-th.
-   next: the first that no warp has taken; work, unless NULL: the sum of all looks. */
-struct wide_launch {
-    space all;
+/* A launch of a rung for surfaces: the vertices of a list, or if it is NULL those of the share, each stride-th.
+   looks, unless NULL: the sum over all stars. */
+struct wide_launch : rung_launch {
     brick_tree bricks;
-    const unsigned long long *seed;
-    const uint32_t *vertex;
-    uint32_t first, stride, total, limit;
-    uint32_t *next;
-    unsigned long long *work;
-    int cap;
-    void *scratch;
-    pbw__digit *pool;
-    store in, out;
-    queue failed, large;
+    store in;                                        /* what earlier rungs have made */
+    uint32_t stride;
+    unsigned long long *looks;
 };
+
+/* A star of these rungs while its warp builds it. */
+template <typename RUNG> struct wide_state {
+    wide_star<RUNG> &w;
+    const wide_launch &a;
+    uint32_t *waiting, *group;                       /* bricks and groups that wait */
+    site at;
+    record own;                                      /* v */
+    double origin[3];                                /* likewise, in units */
+    int lane, count, waits, groups;
+    newcomer<double> candidate;                      /* of each lane */
+    float deep;                                      /* how deep it lies */
+    unsigned pending;                                /* lanes with a candidate to insert */
+};
+
+/* Measures how deep the candidates of some lanes lie; those in conflict with no simplex, and vertices, go. */
+template <typename RUNG> DEVICE void screen_candidates(wide_state<RUNG> &n, unsigned lanes)
+{
+    n.deep = (lanes >> n.lane & 1) != 0 ? depth_of_place(n.w, n.count, n.candidate.p) : 0.0f;
+    n.pending = without_vertices(n.w, __ballot_sync(all_lanes, n.deep > 0.0f), n.candidate.id);
+}
+
+/* The star of v as the store has it, or else one from points on the curve; all bricks of the top level wait.  Returns
+   whether there is one. */
+template <typename RUNG> DEVICE bool start_wide(wide_state<RUNG> &n)
+{
+    typename wide_star<RUNG>::type &s = n.w.s;
+    bool started = n.a.in.place[n.at.v - n.a.in.first] != none;
+    unsigned candidates = 0;
+    int count = 0;
+    for (int k = n.lane; k < RUNG::vertices; k += 32) {
+        s.id[k] = none;
+    }
+    __syncwarp();
+    if (started) {
+        count = start_from_store(s, n.at, n.a.in);
+    } else {
+        started = start_on_curve<true>(s, n.at, n.a.w.seed, n.candidate, count);
+        candidates = started ? __ballot_sync(all_lanes, n.candidate.id != none) : 0;
+    }
+    n.count = count;
+    if (n.lane < n.waits) {
+        n.waiting[n.lane] = (uint32_t)n.a.bricks.levels << 28 | (uint32_t)n.lane;
+        n.w.depth[n.lane] = 0x7f00;
+    }
+    find_inverses(n.w, count);
+    if (candidates != 0) {
+        screen_candidates(n, candidates);
+    }
+    return started;
+}
+
+/* Looks at the points of 4 groups. */
+template <typename RUNG> DEVICE void search_groups(wide_state<RUNG> &n)
+{
+    const int take = n.groups < 4 ? n.groups : 4;
+    uint32_t id = n.lane / 8 < take ? n.group[n.groups - 1 - n.lane / 8] * 8 + (uint32_t)(n.lane & 7) : none;
+    id = id < n.a.w.all.count && id != n.at.v ? id : none;
+    n.groups -= take;
+    __syncwarp();
+    n.candidate = newcomer_at<typename wide_star<RUNG>::type>(n.at, n.own, id);
+    screen_candidates(n, __ballot_sync(all_lanes, id != none));
+}
+
+/* Removes the bricks at up to 4 places, a place for each 8 lanes, from those that wait: the last takes the place. */
+template <typename RUNG> DEVICE void take_bricks(wide_state<RUNG> &n, int at)
+{
+    for (int k = 0; k < 4; k++) {
+        const int most = warp_max<8>(at);
+        n.waits -= most >= 0;
+        if (most >= 0 && n.lane == 0) {
+            n.waiting[most] = n.waiting[n.waits];
+            n.w.depth[most] = n.w.depth[n.waits];
+        }
+        at = at == most ? -1 : at;
+        __syncwarp();
+    }
+}
+
+/* Looks at the bricks in 4 bricks. */
+template <typename RUNG> DEVICE void search_bricks(wide_state<RUNG> &n)
+{
+    const brick_tree &bricks = n.a.bricks;
+    const uint32_t best = deepest(n.w, n.waits);
+    const int at = best != 0 ? (int)(best & 0xffff) : -1;
+    const uint32_t node = at >= 0 ? n.waiting[at] : 0;
+    const uint32_t level = (node >> 28) - 1, index = (node & 0xfffffff) * 8 + (uint32_t)(n.lane & 7);
+    float may = 0.0f;
+    if (at >= 0 && index < bricks.size[level]) {
+        may = depth_of_brick(n.w, n.count, bricks.level[level][index], n.origin);
+    }
+    __syncwarp();
+    take_bricks(n, at);
+    const int to = append<32>(may > 0.0f && level > 0, n.waits);
+    const int to_group = append<32>(may > 0.0f && level == 0, n.groups);
+    if (may > 0.0f && level > 0) {
+        n.waiting[to] = level << 28 | index;
+        n.w.depth[to] = (uint16_t)(__float_as_uint(fmaxf(may, 1e-30f)) >> 16);
+    } else if (may > 0.0f) {
+        n.group[to_group] = index;
+    }
+    __syncwarp();
+}
+
+/* Inserts the deepest of the candidates; returns whether the star stays within its room. */
+template <typename RUNG> DEVICE bool insert_deepest(wide_state<RUNG> &n)
+{
+    const float most = tile_max<32>((n.pending >> n.lane & 1) != 0 ? n.deep : -1.0f);
+    const int from = __ffs((int)(__ballot_sync(all_lanes, n.deep == most) & n.pending)) - 1;
+    int count = n.count;
+    const int result = insert(n.w.s, n.at, tile_read<32>(n.candidate, from), count);
+    n.count = count;
+    n.pending &= ~(1u << from);
+    if (result == star_changed) {
+        find_inverses(n.w, count);
+    }
+    if (result == star_changed && n.pending != 0) {
+        n.deep = depth_of_place(n.w, count, n.candidate.p);
+        n.pending &= __ballot_sync(all_lanes, n.deep > 0.0f);
+    }
+    return (result & ~star_changed) == 0;
+}
 
 /* A warp a star, from that of an earlier rung on.  The tree is searched once: a point or brick that no simplex of the
    star is in conflict with will never be, because stars only shrink; so when nothing waits any more the star is
@@ -2792,117 +2855,42 @@ struct wide_launch {
 template <typename RUNG>
 __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) wide_kernel(const __grid_constant__ wide_launch a)
 {
-    const space &all = a.all;
-    const brick_tree &bricks = a.bricks;
     const int lane = (int)threadIdx.x;
-    const unsigned below = lanes_below<32>();
     extern __shared__ float4 shared_words[];
     wide_star<RUNG> &w = RUNG::shared ? *(wide_star<RUNG> *)shared_words : ((wide_star<RUNG> *)a.scratch)[blockIdx.x];
-    typename wide_star<RUNG>::type &s = w.s;
-    uint32_t *waiting = s.scratch, *group = s.scratch + RUNG::room;
     pbw__digit *digits = a.pool == NULL ? NULL : a.pool + (blockIdx.x * 32 + (uint32_t)lane) * (size_t)PBW__POOL;
     for (;;) {
-        uint32_t i = lane == 0 ? atomicAdd(a.next, 1u) : 0;
+        uint32_t i = lane == 0 ? atomicAdd(a.w.next, 1u) : 0;
         i = __shfl_sync(all_lanes, i, 0);
-        if (any(i >= a.total || *(volatile uint32_t *)a.failed.count > a.limit || *a.out.stop != 0)) {
+        if (any(i >= a.total || *(volatile uint32_t *)a.failed.count > a.limit || *a.w.out.stop != 0)) {
             return;
         }
-        const uint32_t v = a.vertex == NULL ? a.first + i * a.stride : a.vertex[i];
-        const record own = all.point[v];
-        const double origin[3] = { in_units(all, own, 0), in_units(all, own, 1), in_units(all, own, 2) };
-        const unsigned walls = walls_of<3>(all, own);
-        uint32_t candidate = none;
-        place<double> p = relative<3, double>(all, own, own);
-        int count = 0, waits = 4, groups = 0, spent = 0;
-        bool started = a.in.place[v - a.in.first] != none, lost;
-        unsigned pending = 0;
-        float deep = 0.0f;                           /* the lane's candidate */
-        for (int k = lane; k < RUNG::vertices; k += 32) {
-            s.id[k] = none;
-        }
-        __syncwarp();
-        if (started) {
-            start_from_store<32>(s, true, all, a.in, v, own, walls, count);
-        } else {
-            started = start_on_curve<true>(s, all, a.seed, v, own, walls, digits, candidate, p, count);
-            pending = started ? __ballot_sync(all_lanes, candidate != none) : 0;
-        }
-        lost = !started;
-        if (lane < 4) {
-            waiting[lane] = (uint32_t)bricks.levels << 28 | (uint32_t)lane;
-            w.depth[lane] = 0x7f00;
-        }
-        find_inverses(w, count);
-        if (pending != 0) {
-            deep = depth_of_place(w, count, p);
-            pending = without_vertices(w, __ballot_sync(all_lanes, deep > 0.0f) & pending, candidate);
-        }
-        while (!lost && (pending != 0 || waits > 0 || groups > 0)) {
+        const uint32_t v = a.vertex == NULL ? a.w.out.first + i * a.stride : a.vertex[i];
+        const record own = a.w.all.point[v];
+        wide_state<RUNG> n = { w, a, w.s.scratch, w.s.scratch + RUNG::room,
+                               { &a.w.all, v, walls_of<3>(a.w.all, own), digits }, own,
+                               { in_units(a.w.all, own, 0), in_units(a.w.all, own, 1), in_units(a.w.all, own, 2) },
+                               lane, 0, 4, 0, { none, {} }, 0.0f, 0 };
+        const bool started = start_wide(n);
+        bool lost = !started;
+        int spent = 0;
+        while (!lost && (n.pending != 0 || n.waits > 0 || n.groups > 0)) {
             spent++;
-            if (pending == 0 && (groups >= 4 || waits == 0)) {  /* the points of 4 groups */
-                const int take = groups < 4 ? groups : 4;
-                candidate = lane / 8 < take ? group[groups - 1 - lane / 8] * 8 + (uint32_t)(lane & 7) : none;
-                candidate = candidate < all.count && candidate != v ? candidate : none;
-                groups -= take;
-                __syncwarp();
-                p = relative<3, double>(all, own, all.point[candidate != none ? candidate : v]);
-                deep = candidate != none ? depth_of_place(w, count, p) : 0.0f;
-                pending = without_vertices(w, __ballot_sync(all_lanes, deep > 0.0f), candidate);
-            } else if (pending == 0) {               /* the bricks in 4 bricks */
-                const uint32_t best = deepest(w, waits);
-                int at = best != 0 ? (int)(best & 0xffff) : -1;
-                const uint32_t node = at >= 0 ? waiting[at] : 0;
-                const uint32_t level = (node >> 28) - 1, index = (node & 0xfffffff) * 8 + (uint32_t)(lane & 7);
-                float may = 0.0f;
-                if (at >= 0 && index < bricks.size[level]) {
-                    may = depth_of_brick(w, count, bricks.level[level][index], origin);
-                }
-                __syncwarp();
-                for (int k = 0; k < 4; k++) {        /* the last takes its place */
-                    const int most = warp_max<8>(at);
-                    waits -= most >= 0;
-                    if (most >= 0 && lane == 0) {
-                        waiting[most] = waiting[waits];
-                        w.depth[most] = w.depth[waits];
-                    }
-                    at = at == most ? -1 : at;
-                    __syncwarp();
-                }
-                const unsigned deeper = __ballot_sync(all_lanes, may > 0.0f && level > 0);
-                const unsigned found = __ballot_sync(all_lanes, may > 0.0f && level == 0);
-                if (may > 0.0f && level > 0) {
-                    const int to = waits + __popc(deeper & below);
-                    waiting[to] = level << 28 | index;
-                    w.depth[to] = (uint16_t)(__float_as_uint(fmaxf(may, 1e-30f)) >> 16);
-                } else if (may > 0.0f) {
-                    group[groups + __popc(found & below)] = index;
-                }
-                waits += __popc(deeper);
-                groups += __popc(found);
-                __syncwarp();
-            } else {                                 /* the deepest point */
-                const float most = -tile_min<32>((pending >> lane & 1) != 0 ? -deep : 1.0f);
-                const int from = __ffs((int)(__ballot_sync(all_lanes, deep == most) & pending)) - 1;
-                const uint32_t id = __shfl_sync(all_lanes, candidate, from);
-                const int result = insert(s, all, v, id, tile_place<32>(p, from), count, walls, digits);
-                pending &= ~(1u << from);
-                lost = (result & ~star_changed) != 0;
-                if (result == star_changed) {
-                    find_inverses(w, count);
-                }
-                if (result == star_changed && pending != 0) {
-                    deep = depth_of_place(w, count, p);
-                    pending &= __ballot_sync(all_lanes, deep > 0.0f);
-                }
+            if (n.pending != 0) {
+                lost = !insert_deepest(n);
+            } else if (n.groups >= 4 || n.waits == 0) {
+                search_groups(n);
+            } else {
+                search_bricks(n);
             }
-            lost = lost || spent > a.cap || ((spent & 63) == 0 && any(*a.out.stop != 0));
+            lost = lost || spent > a.cap || ((spent & 63) == 0 && any(*a.w.out.stop != 0));
         }
-        if (a.work != NULL && lane == 0) {
-            atomicAdd(a.work, (unsigned long long)spent);
+        if (a.looks != NULL && lane == 0) {
+            atomicAdd(a.looks, (unsigned long long)spent);
         }
-        finish<32>(s, started, v, count, a.out);
+        finish<32>(w.s, started, v, n.count, a.w.out);
         enqueue(a.failed, lane == 0 && lost, v);
-        enqueue(a.large, lane == 0 && !lost && count > small_triangles - 4, v);
+        enqueue(a.w.q[2], lane == 0 && !lost && n.count > small_triangles - 4, v);
     }
 }
 
@@ -2912,10 +2900,10 @@ __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) wide_kernel(co
    vertex lie together, sorted by their second and third corner.  The two sides of a facet are seen in the star of the
    facet's lowest vertex, as two triangles with a common edge; their numbers are found among the simplices of their
    lowest vertices.
-   On several cards the simplices of a share are one run of the result.  The stars of a share have simplices of lower
-   shares too, those with a vertex in both: its guests, which the lower cards list for it with their numbers, in the
-   canonical order.  The only facet of a guest whose lowest vertex may be of the share is the one that lacks the
-   guest's first corner; what lies across it is what the lower cards hear in return.
+   On several cards each writes the simplices whose lowest vertex is of its share.  The stars of a share also have
+   simplices that a lower card writes, as they have a vertex in both shares: the guests of the share, which the lower
+   cards list for it with their numbers, in the canonical order.  Only one facet of a guest can have its lowest vertex
+   in the share, the one that lacks the guest's first corner; the lower cards are told the simplex across it.
    ------------------------------------------------------------------------------------------------------ */
 template <int DIM> struct cell {
     uint32_t corner[DIM + 1];
@@ -2926,7 +2914,7 @@ template <> struct alignas(16) cell<3> {
 
 /* The canonical form of the positive simplex (v, a...): the lowest corner first; in space the lowest of the rest
    second, in the plane the others in cyclic order. */
-template <int DIM> __device__ inline cell<DIM> canonical(uint32_t v, const uint32_t *a)
+template <int DIM> DEVICE cell<DIM> canonical(uint32_t v, const uint32_t *a)
 {
     cell<DIM> c;
     uint32_t *p = c.corner;
@@ -2957,10 +2945,11 @@ struct stored_star {
     int count, vertices;
 };
 
-__device__ inline stored_star stored(const store &in, uint32_t v)
+/* The star of v; one without triangles if it is hidden, or without go. */
+DEVICE stored_star stored(const store &in, uint32_t v, bool go)
 {
     stored_star s = { NULL, NULL, 0, 0 };
-    uint32_t at = in.place[v - in.first];
+    uint32_t at = go ? in.place[v - in.first] : hidden;
     if (at != hidden) {
         const uint32_t *word = in.word + (size_t)at * 4;
         s.count = (int)(word[0] >> 16);
@@ -2972,7 +2961,7 @@ __device__ inline stored_star stored(const store &in, uint32_t v)
 }
 
 /* The vertices of a triangle; returns whether all are finite. */
-template <int DIM> __device__ inline bool triangle_of(const stored_star &s, int t, uint32_t *a)
+template <int DIM> DEVICE bool triangle_of(const stored_star &s, int t, uint32_t *a)
 {
     bool finite = true;
     for (int k = 0; k < DIM; k++) {
@@ -2983,7 +2972,7 @@ template <int DIM> __device__ inline bool triangle_of(const stored_star &s, int 
 }
 
 /* Whether v comes before all vertices of a triangle, or all but the one at k. */
-template <int DIM> __device__ inline bool is_lowest(uint32_t v, const uint32_t *a, int k = -1)
+template <int DIM> DEVICE bool is_lowest(uint32_t v, const uint32_t *a, int k = -1)
 {
     bool lowest = true;
     for (int i = 0; i < DIM; i++) {
@@ -2992,13 +2981,13 @@ template <int DIM> __device__ inline bool is_lowest(uint32_t v, const uint32_t *
     return lowest;
 }
 
-template <int DIM> __device__ inline uint64_t middle_corners(const cell<DIM> &c)
+template <int DIM> DEVICE uint64_t middle_corners(const cell<DIM> &c)
 {
     return (uint64_t)c.corner[1] << 32 | c.corner[2];
 }
 
 /* The corners by other numbers. */
-template <int DIM> __device__ inline cell<DIM> renumbered(cell<DIM> c, const uint32_t *number)
+template <int DIM> DEVICE cell<DIM> renumbered(cell<DIM> c, const uint32_t *number)
 {
     for (int k = 0; k <= DIM; k++) {
         c.corner[k] = number[c.corner[k]];
@@ -3008,15 +2997,15 @@ template <int DIM> __device__ inline cell<DIM> renumbered(cell<DIM> c, const uin
 
 const int emit_block = 64, emit_keys = 64;
 
-/* The simplices of a share, in order, by ranks; where those of each vertex begin; the guests. */
+/* The simplices of a share, in order, by ranks, and its guests. */
 template <int DIM> struct directory {
-    uint32_t first, base, guests;                    /* first vertex, number of the first simplex */
-    const uint32_t *offset, *guest_number;
+    uint32_t first, base, guests;                    /* first vertex; number of the first simplex; how many guests */
+    const uint32_t *offset, *guest_number;           /* offset: where the simplices of each vertex begin */
     const cell<DIM> *cells, *guest;
 };
 
-/* 8 lanes a star.  cells: simplices by ranks; out: by the caller's ids.  Where there is no room for the keys of the
-   simplices, each is compared with those of the star. */
+/* Writes the simplices of a star by 8 lanes.  cells: by ranks; out: by the caller's ids.  Where there is no room for
+   the keys of the simplices, each is compared with all triangles of the star. */
 template <int DIM>
 __global__ void emit_kernel(const __grid_constant__ store in, const uint32_t *offset, const uint32_t *id,
                             cell<DIM> *cells, cell<DIM> *out)
@@ -3028,10 +3017,7 @@ __global__ void emit_kernel(const __grid_constant__ store in, const uint32_t *of
     uint32_t v = in.first + (blockIdx.x * emit_block + threadIdx.x) / T;
     bool go = v < in.end;
     uint32_t owned = go ? in.owned[v - in.first] : 0, first = go ? offset[v - in.first] : 0;
-    stored_star s = { NULL, NULL, 0, 0 };
-    if (owned > 0) {
-        s = stored(in, v);
-    }
+    const stored_star s = stored(in, v, owned > 0);
     const bool fits = owned <= emit_keys;
     auto own_cell = [&](int t, cell<DIM> &c) {
         uint32_t a[3];
@@ -3042,11 +3028,10 @@ __global__ void emit_kernel(const __grid_constant__ store in, const uint32_t *of
     for (int base = 0; any(fits && base < s.count); base += T) {
         cell<DIM> c;
         const bool mine = fits && own_cell(base + lane, c);
-        const unsigned vote = tile_ballot<T>(mine);
+        const int at = append<T>(mine, found);
         if (mine) {
-            keys[found + __popc(vote & lanes_below<T>())] = middle_corners(c);
+            keys[at] = middle_corners(c);
         }
-        found += __popc(vote);
     }
     __syncwarp();
     for (int t = lane; t < s.count; t += T) {
@@ -3063,9 +3048,8 @@ __global__ void emit_kernel(const __grid_constant__ store in, const uint32_t *of
     }
 }
 
-/* The last of the cells from low to high that does not come after c, by all but the last corner. */
-template <int DIM>
-__device__ inline uint32_t last_until(const cell<DIM> &c, const cell<DIM> *cells, uint32_t low, uint32_t high)
+/* Returns the last of the cells from low to high that does not come after c, by all but the last corner. */
+template <int DIM> DEVICE uint32_t last_until(const cell<DIM> &c, const cell<DIM> *cells, uint32_t low, uint32_t high)
 {
     while (low + 1 < high) {
         uint32_t middle = (low + high) / 2;
@@ -3079,7 +3063,7 @@ __device__ inline uint32_t last_until(const cell<DIM> &c, const cell<DIM> *cells
 }
 
 /* The number of a simplex, by its canonical form. */
-template <int DIM> __device__ inline uint32_t number_of(const cell<DIM> &c, const directory<DIM> &all)
+template <int DIM> DEVICE uint32_t number_of(const cell<DIM> &c, const directory<DIM> &all)
 {
     if (c.corner[0] < all.first) {
         return all.guest_number[last_until<DIM>(c, all.guest, 0, all.guests)];
@@ -3088,17 +3072,17 @@ template <int DIM> __device__ inline uint32_t number_of(const cell<DIM> &c, cons
     return all.base + last_until<DIM>(c, all.cells, offset[0], offset[1]);
 }
 
-/* Where links go.  neighbors: NULL if nobody wants them; beyond: for each guest what lies across its facet; incident:
-   by the caller's ids, or from the share's first vertex on if id is NULL. */
+/* Where links go.  neighbors: NULL if the caller wants none; beyond: for each guest the simplex across its facet;
+   incident: by the caller's ids, or from the share's first vertex on if id is NULL. */
 struct links {
     pbw_index *neighbors, *beyond, *incident;
     const uint32_t *id;
 };
 
-/* The links of the simplex (v, a...), finite and of number own, across the facets of which v is the lowest vertex;
+/* Writes the links of the finite simplex (v, a...), of number own, across the facets of which v is the lowest vertex;
    across(k): the number of the simplex beyond the facet that lacks a[k]. */
 template <int DIM, typename F>
-__device__ inline void link_simplex(const directory<DIM> &all, const links &out, uint32_t v, const uint32_t *a,
+DEVICE void link_simplex(const directory<DIM> &all, const links &out, uint32_t v, const uint32_t *a,
                                     uint32_t own, F across)
 {
     const cell<DIM> c = canonical<DIM>(v, a);
@@ -3115,8 +3099,8 @@ __device__ inline void link_simplex(const directory<DIM> &all, const links &out,
     }
 }
 
-/* The links of the small stars, 8 lanes each, with tables of mates: 3D: of the triangle that has a directed edge; 2D:
-   row 0: of the edge that begins at a vertex; row 1: that ends there. */
+/* The links of the small stars, 8 lanes each, with a table of mates.  3D: the triangle that has a directed edge; 2D:
+   row 0 has the edge that begins at a vertex, row 1 the edge that ends there. */
 template <int DIM>
 __global__ void neighbor_kernel(const __grid_constant__ store in, const __grid_constant__ directory<DIM> all,
                                 const __grid_constant__ links out, uint32_t *hidden_count)
@@ -3128,13 +3112,9 @@ __global__ void neighbor_kernel(const __grid_constant__ store in, const __grid_c
     uint32_t *number = shared_number[threadIdx.x / T];
     int lane = (int)threadIdx.x & (T - 1);
     uint32_t v = in.first + (blockIdx.x * emit_block + threadIdx.x) / T, lowest = none, a[3];
-    stored_star s = { NULL, NULL, 0, 0 };
-    bool go = v < in.end;
-    if (go) {
-        s = stored(in, v);
-    }
-    bool is_hidden = go && s.count == 0;
-    go = s.count > 0 && s.count <= small_triangles && s.vertices <= small_vertices;
+    const stored_star s = stored(in, v, v < in.end);
+    const bool is_hidden = v < in.end && s.count == 0;
+    const bool go = s.count > 0 && s.count <= small_triangles && s.vertices <= small_vertices;
     for (int t = lane; go && t < s.count; t += T) {
         for (int k = 0; k < DIM; k++) {
             uint32_t from = corner(s.triangle[t], k), to = corner(s.triangle[t], k + 1 == DIM ? 0 : k + 1);
@@ -3162,7 +3142,7 @@ __global__ void neighbor_kernel(const __grid_constant__ store in, const __grid_c
     }
 }
 
-/* The same for larger stars, a warp each, looking for mates one by one. */
+/* The links of the larger stars, a warp each, looking for mates one by one. */
 template <int DIM>
 __global__ void large_neighbor_kernel(queue large, const __grid_constant__ store in,
                                       const __grid_constant__ directory<DIM> all, const __grid_constant__ links out)
@@ -3172,7 +3152,7 @@ __global__ void large_neighbor_kernel(queue large, const __grid_constant__ store
         return;
     }
     uint32_t v = large.vertex[i];
-    stored_star s = stored(in, v);
+    const stored_star s = stored(in, v, true);
     if (s.count <= small_triangles && s.vertices <= small_vertices) {
         return;
     }
@@ -3200,7 +3180,7 @@ struct share {
     __device__ bool has(uint32_t v) const { return v >= first && v < end; }
 };
 
-/* The guests that one card has for another: counted, and where those of each vertex go. */
+/* The guests that one card has for another: the count of each vertex, and where its guests go. */
 template <int DIM> struct guest_list {
     uint32_t *count;
     const uint32_t *place;
@@ -3232,7 +3212,7 @@ __global__ void guest_kernel(const __grid_constant__ directory<DIM> all, uint32_
     }
 }
 
-/* What the vertices of another share know of their guests. */
+/* Writes the links that the card of another share has found for its guests. */
 template <int DIM>
 __global__ void return_kernel(const __grid_constant__ directory<DIM> all, share other, uint32_t count,
                               const uint32_t *number, const pbw_index *beyond, pbw_index *neighbors)
@@ -3262,9 +3242,9 @@ __global__ void scatter_kernel(const uint32_t *id, uint32_t count, const uint32_
 /* ------------------------------------------------------------------------------------------------------
    >>check        The exact verdict on a mesh.
    In: points and the arrays of a mesh.  Out: the first fault of the first pass that has one, and counts.  The tests
-   are those of pbw_check, in its order (>>faults of pbw.h); but that two hidden points lie at one place is not found.
-   The passes: points, simplices, hull, hidden points; a thread an item.  An item that the stages without memory leave
-   open is listed, and tested again by a thread that has a pool.
+   are those of pbw_check, in its order (>>faults of pbw.h), but for one: two hidden points at one place are not
+   found.  The passes: points, simplices, hull, hidden points; a thread an item.  If the stages without memory leave
+   an item open, it is listed, and tested again by a thread that has a pool.
    ------------------------------------------------------------------------------------------------------ */
 enum { check_points, check_simplices, check_hull, check_hidden, check_passes };
 
@@ -3287,7 +3267,7 @@ __global__ void record_kernel(input in, double *record)
     }
 }
 
-/* The ridges of the hull facets of a simplex. */
+/* Tests the ridges of the hull facets of a simplex. */
 template <int DIM> __device__ int test_ridges(const view &m, uint32_t s, pbw__finding *found)
 {
     for (int i = 0; i <= DIM; i++) {
@@ -3303,8 +3283,8 @@ template <int DIM> __device__ int test_ridges(const view &m, uint32_t s, pbw__fi
     return 1;
 }
 
-/* A simplex near the point of a rank: one of a vertex before it on the curve. */
-__device__ inline uint32_t simplex_near(const view &m, uint32_t rank)
+/* Returns a simplex near the point of a rank: one of a vertex before it on the curve. */
+DEVICE uint32_t simplex_near(const view &m, uint32_t rank)
 {
     uint32_t found = none;
     for (int tries = 0; tries < 64 && rank > 0 && found == none; tries++) {
@@ -3313,7 +3293,7 @@ __device__ inline uint32_t simplex_near(const view &m, uint32_t rank)
     return found != none ? found : 0;
 }
 
-/* A point, if it is neither a vertex nor a duplicate; with an order, the item is a rank. */
+/* Tests a point, if it is neither a vertex nor a duplicate; with an order, the item is a rank. */
 template <int DIM> __device__ int test_hidden(const view &m, uint32_t item, pbw__finding *found)
 {
     const uint32_t point = m.order != NULL ? m.order[item] : item;
@@ -3331,28 +3311,37 @@ const unsigned check_blocks = 64;                    /* of 32 threads that have 
 
 /* Items 0, ..., count - 1, or those of a list, one thread each or in turn, up to the first known fault; a single one
    is described. */
-template <int DIM>
-__global__ void check_kernel(const __grid_constant__ view m, int pass, uint32_t count, const uint32_t *list,
-                             uint32_t *open, pbw__digit *pool, check_result *out)
+struct check_launch {
+    view m;
+    int pass;
+    uint32_t count;
+    const uint32_t *list;
+    uint32_t *open;
+    pbw__digit *pool;
+    check_result *out;
+};
+
+template <int DIM> __global__ void check_kernel(const __grid_constant__ check_launch a)
 {
+    const view &m = a.m;
     const size_t thread = thread_number(), threads = (size_t)gridDim.x * blockDim.x;
-    pbw__digit *const own_pool = pool != NULL ? pool + thread * PBW__POOL : NULL;
+    pbw__digit *const own_pool = a.pool != NULL ? a.pool + thread * PBW__POOL : NULL;
     unsigned long long counted[3] = { 0, 0, 0 };     /* by sound items: an open one comes again */
-    for (size_t i = thread; i < count; i += threads) {
+    for (size_t i = thread; i < a.count; i += threads) {
         pbw__finding found = { own_pool, PBW__SOUND, -1, none, none, { 0, 0, 0 } };
-        uint32_t item = list == NULL ? (uint32_t)i : list[i];
-        if (count > 1 && *(const volatile unsigned long long *)&out->least >> 32 < item) {
+        uint32_t item = a.list == NULL ? (uint32_t)i : a.list[i];
+        if (a.count > 1 && *(const volatile unsigned long long *)&a.out->least >> 32 < item) {
             continue;
         }
-        int sound = pass == check_points ? pbw__test_point(&m, DIM, item, &found)
-                  : pass == check_simplices ? pbw__test_simplex(&m, DIM, item, &found)
-                  : pass == check_hull ? test_ridges<DIM>(m, item, &found) : test_hidden<DIM>(m, item, &found);
+        int sound = a.pass == check_points ? pbw__test_point(&m, DIM, item, &found)
+                  : a.pass == check_simplices ? pbw__test_simplex(&m, DIM, item, &found)
+                  : a.pass == check_hull ? test_ridges<DIM>(m, item, &found) : test_hidden<DIM>(m, item, &found);
         if (!sound && found.fault == PBW__FAULT_OPEN) {
-            open[atomicAdd(&out->open, 1u)] = item;
+            a.open[atomicAdd(&a.out->open, 1u)] = item;
         } else if (!sound) {
-            atomicMin(&out->least, (unsigned long long)item << 32 | (unsigned)found.fault);
-            if (count == 1) {
-                out->first = found;
+            atomicMin(&a.out->least, (unsigned long long)item << 32 | (unsigned)found.fault);
+            if (a.count == 1) {
+                a.out->first = found;
             }
         }
         for (int k = 0; k < 3; k++) {
@@ -3363,7 +3352,7 @@ __global__ void check_kernel(const __grid_constant__ view m, int pass, uint32_t 
     for (int k = 0; k < 3; k++) {
         counted[k] = tile_sum<32>(counted[k]);
         if ((threadIdx.x & 31) == 0 && counted[k] > 0) {
-            atomicAdd(&out->counted[pass][k], counted[k]);
+            atomicAdd(&a.out->counted[a.pass][k], counted[k]);
         }
     }
 }
@@ -3381,7 +3370,7 @@ __global__ void compare_kernel(const uint32_t *a, const uint32_t *b, uint32_t co
     }
 }
 
-/* A mesh on its way into a new order. */
+/* A mesh that is put into a new order. */
 struct reorder {
     const pbw_index *simplices, *neighbors;          /* in the old order */
     const uint32_t *id, *rank;                       /* of each rank; of each id */
@@ -3390,28 +3379,23 @@ struct reorder {
 };
 
 /* The canonical form of a simplex, by ranks. */
-template <int DIM> __device__ inline cell<DIM> ranked(const reorder &m, uint32_t s)
+template <int DIM> DEVICE cell<DIM> ranked(const reorder &m, uint32_t s)
 {
     const cell<DIM> c = renumbered(((const cell<DIM> *)m.simplices)[s], m.rank);
     return canonical<DIM>(c.corner[0], c.corner + 1);
 }
 
-template <int DIM> __global__ void third_kernel(const __grid_constant__ reorder m, uint32_t *key, uint32_t *simplex)
+/* Keys to sort the simplices by: first of 32 bits, the third corner, and the order is 0, ..., count - 1; then of 64,
+   the first and second corner, of the simplices in the order so far. */
+template <int DIM, typename KEY>
+__global__ void corner_kernel(const __grid_constant__ reorder m, uint32_t *order, KEY *key)
 {
     size_t i = thread_number();
     if (i < m.count) {
-        key[i] = ranked<DIM>(m, (uint32_t)i).corner[2];
-        simplex[i] = (uint32_t)i;
-    }
-}
-
-template <int DIM>
-__global__ void first_kernel(const __grid_constant__ reorder m, const uint32_t *simplex, uint64_t *key)
-{
-    size_t i = thread_number();
-    if (i < m.count) {
-        cell<DIM> c = ranked<DIM>(m, simplex[i]);
-        key[i] = (uint64_t)c.corner[0] << m.bits | c.corner[1];
+        const uint32_t simplex = sizeof(KEY) == 4 ? (uint32_t)i : order[i];
+        const cell<DIM> c = ranked<DIM>(m, simplex);
+        order[i] = simplex;
+        key[i] = sizeof(KEY) == 4 ? c.corner[2] : (KEY)((uint64_t)c.corner[0] << m.bits | c.corner[1]);
     }
 }
 
@@ -3445,22 +3429,23 @@ __global__ void rewrite_kernel(const __grid_constant__ reorder m, const uint32_t
 /* ------------------------------------------------------------------------------------------------------
    >>run          The stages in order.
    In: packed points on the device.  Out: the arrays on the device, and for a job of pbw.h also in its memory, copied
-   while later stages run.  Everything is in the order of one stream; the host waits where it needs a count.
+   while later stages run.  All work is in the order of one stream; the host waits where it needs a count.
    A team of cards works on one job, each with a thread of the host and a share of the curve: all put all points into
-   order and grow the whole tree, each makes the stars of its share and writes its run of the simplices.  The cards
-   meet to number the simplices, to fetch their guests, and to hear what lies across them.  What one offers to others
-   is complete when they meet, and stays until all leave.
-   A stage that fails sets the status of its call, says why, and throws; so the next one may count on all before it.
-   The entries catch, and free what the call has.
+   order and grow the whole tree, each makes the stars of its share and writes their simplices.  The cards meet to
+   number the simplices, to fetch their guests, and to fetch the simplices across them.  The arrays that one offers to
+   the others are complete when they meet, and stay until all leave.
+   A stage that fails sets the status of its call, says why, and throws; so each stage may rely on all before it.  The
+   entries catch, and free the memory of the call.
    ------------------------------------------------------------------------------------------------------ */
-/* Of device memory at the peak, uniform points, in 2D and 3D: for all points, and more for those of the share. */
+/* Bytes of device memory at the peak, for uniform points, in 2D and 3D: of all points, and more of those of the
+   share. */
 const double bytes_a_point[2] = { 75.0, 90.0 }, bytes_a_star[2] = { 155.0, 560.0 };
 const int most_cards = 16;
 const char *const few_points = "so few points are quicker on the CPU";
 const char *const no_host_memory = "out of memory on the host";
 const char *const too_many = "too many simplices for the index type";
 
-struct offer {                                       /* what a card has for the others */
+struct offer {                                       /* of a card to the others */
     int device;
     share part;
     uint32_t simplices;
@@ -3480,7 +3465,7 @@ struct team {
     offer of[most_cards] = {};
 };
 
-/* What a call uses besides its blocks; that of a loop serves all its steps. */
+/* What a call uses besides blocks of memory; a loop lends its own to all its steps. */
 struct gear {
     cudaMemPool_t pool;
     cudaStream_t copies;
@@ -3489,20 +3474,21 @@ struct gear {
 };
 const size_t pinned_bytes = 512;
 
-/* What a loop passes on from step to step. */
+/* What a loop keeps from step to step. */
 struct keepsake {
     pbw_cuda_mesh mesh;
     uint32_t *id, count;                             /* of each rank; NULL if the CPU built the mesh */
 };
 
 struct call : gear {
-    team *cards;                                     /* NULL: alone */
+    team *cards;                                     /* of this job; a call for points on the device is one alone */
+    pbw_cuda_mesh *mesh;                             /* what the call makes, of several cards each its part */
     keepsake *last;                                  /* NULL: no step of a loop */
     bool lent, anew;                                 /* lent: the gear; anew: the last mesh is not looked at */
     int card;
     cudaStream_t stream;
     pbw_job *job;                                    /* without reserve, keep: results stay on the device */
-    size_t used, count, stars;                       /* bytes; stars: of the share */
+    size_t used, count, stars;                       /* bytes; points; stars of the share */
     uint32_t *stop;                                  /* on the device: kernels of stars end early if it is not 0 */
     bool stopped;
     int dim;
@@ -3512,7 +3498,7 @@ struct call : gear {
     int blocks;
 };
 
-/* Reports the first failure of any card; then all stop. */
+/* Reports the first failure of any card; then all stop.  text: the message, or NULL. */
 void fall_out(call &c, const char *text)
 {
     std::lock_guard<std::mutex> hold(c.cards->lock);
@@ -3533,11 +3519,7 @@ void say(call &c, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    if (c.cards != NULL) {
-        fall_out(c, text);
-    } else {
-        c.job->say(c.job, text);
-    }
+    fall_out(c, text);
 }
 
 struct failure {};                                   /* thrown: the status of the call is no longer PBW_OK */
@@ -3561,14 +3543,14 @@ template <typename... A> void require(call &c, bool holds, pbw_status status, co
     }
 }
 
-/* The same for what only the device lacks: the CPU may take over. */
+/* Declines the input unless a condition holds that only the device needs: the CPU may take over. */
 template <typename... A> void suit(call &c, bool suits, const char *format, A... arguments)
 {
     c.declined = c.declined || !suits;
     require(c, suits, PBW_ERROR_BACKEND, format, arguments...);
 }
 
-/* A rung left some stars. */
+/* Declines the input if the last rung left more than limit stars. */
 void suit_stars(call &c, uint32_t left, uint32_t limit)
 {
     suit(c, left <= limit, "%u stars are too large for the device (cospherical points?)", left);
@@ -3590,8 +3572,8 @@ void need(call &c, cudaError_t error, const char *what)
     go_on(c);
 }
 
-/* Fails unless more bytes fit into the device's free memory and its pool.  The message says what is needed in all,
-   for this input as far as is known. */
+/* Fails unless more bytes fit into the device's free memory and its pool.  The message says how much the call needs
+   in all, as far as is known. */
 void need_memory(call &c, size_t more)
 {
     size_t available = 0, all = 0, needed = c.used + more;
@@ -3635,7 +3617,7 @@ template <typename V> V *allocate(call &c, size_t count)
     return (V *)block;
 }
 
-/* Frees a block, or with keep only drops it from the list. */
+/* Frees a block, or with keep only removes it from the list. */
 void release(call &c, const void *address, bool keep = false)
 {
     for (int i = 0; i < c.blocks; i++) {
@@ -3667,11 +3649,9 @@ void look_up(call &c, pbw_stage stage, double done)
 {
     if (c.card == 0 && c.status == PBW_OK && c.job->report(c.job, stage, done) != 0) {
         c.status = PBW_CANCELLED;
-        if (c.cards != NULL) {
-            fall_out(c, NULL);
-        }
+        fall_out(c, NULL);
     }
-    if (c.cards != NULL && c.status == PBW_OK && c.cards->status != PBW_OK) {
+    if (c.status == PBW_OK && c.cards->status != PBW_OK) {
         c.status = (pbw_status)c.cards->status.load();
     }
 }
@@ -3700,7 +3680,7 @@ void wait(call &c, pbw_stage stage, double done)
     go_on(c);
 }
 
-/* Waits for the other cards, or with leaving for all to have left, however they fared. */
+/* Waits for the other cards, or with leaving until all leave, whether they have failed or not. */
 void meet_cards(call &c, bool leaving, double done)
 {
     team &t = *c.cards;
@@ -3752,7 +3732,7 @@ void note(call &c, int mark)
     need(c, cudaEventRecord(c.mark[mark], c.stream), "cudaEventRecord");
 }
 
-/* What is queued on the other stream from now on follows what is queued on the call's. */
+/* Lets all later work of the other stream wait for the work that the call's stream has now. */
 void follow(call &c)
 {
     need(c, cudaEventRecord(c.copied, c.stream), "cudaEventRecord");
@@ -3795,7 +3775,7 @@ template <typename V> struct sortable {
     }
 };
 
-/* Calls a function of CUB, at first for the size of the scratch memory that it needs. */
+/* Calls a function of CUB twice: for the size of the scratch memory that it needs, then to do its work. */
 template <typename F> void with_scratch(call &c, const char *what, F function)
 {
     size_t bytes = 0;
@@ -3808,15 +3788,6 @@ template <typename F> void with_scratch(call &c, const char *what, F function)
 struct key_bits {
     int low, high;
 };
-
-void sort_keys(call &c, sortable<uint64_t> &key, size_t count, key_bits by)
-{
-    cub::DoubleBuffer<uint64_t> keys(key.array.at, key.spare.at);
-    with_scratch(c, "sort", [&](void *scratch, size_t &bytes) {
-        return cub::DeviceRadixSort::SortKeys(scratch, bytes, keys, count, by.low, by.high, c.stream);
-    });
-    key.take(keys);
-}
 
 template <typename K, typename V>
 void sort_pairs(call &c, sortable<K> &key, sortable<V> &value, size_t count, key_bits by)
@@ -3844,7 +3815,7 @@ struct run_room {
     run_list list() const { return { head.at, end.at, length.at, offset.at }; }
 };
 
-/* Points on their way into the order of the curve. */
+/* Points that are put into the order of the curve. */
 struct ordering {
     keyed all;
     sortable<uint64_t> key;
@@ -3862,8 +3833,8 @@ struct ordering {
     key_bits sorted_bits() const { return { all.index_bits, all.index_bits + all.bits * all.in.dim }; }
 };
 
-/* The points of the long runs of a list get keys from grids of their own and are put back in their order.  Returns
-   the long runs among those, count of them. */
+/* The points of the long runs of a list, count of them, get keys from a grid for each run, and are put back in their
+   order.  Returns the long runs of equal keys that are left, and sets count to their number. */
 run_room order_long_runs(call &c, ordering &o, const run_list &runs, uint32_t &count)
 {
     const shape warps = over((size_t)count * 32, 128);
@@ -3909,7 +3880,8 @@ void order_runs(call &c, ordering &o)
     }
 }
 
-/* The ranges of coordinates and weights, and what all are multiples of.  on_device: the same, for later kernels. */
+/* Returns the ranges of coordinates and weights, and the unit of their common grid.  on_device keeps them for later
+   kernels. */
 pbw__grid_share survey_points(call &c, const input &in, const buffer<survey> &on_device)
 {
     survey found = {};
@@ -3959,13 +3931,13 @@ pbw__box measure_space(call &c, const pbw__grid_share &range, int bits, int dim,
 }
 
 /* Sets duplicates aside: fills id, canonical and the points of s. */
-void gather_points(call &c, const ordering &o, space &s, uint32_t *&id, pbw_cuda_mesh *mesh)
+void gather_points(call &c, const ordering &o, space &s, uint32_t *&id)
 {
     const size_t n = o.all.in.count;
     buffer<uint32_t> first(c, n), rank(c);
-    launch(c, "places", place_kernel, over(n, 256), o.all, o.root.at, first.at, mesh->canonical, o.found.at);
-    mesh->duplicate_count = read_back(c, &o.found.at->duplicates, PBW_STAGE_ORDER, 0.5);
-    s.count = (uint32_t)(n - mesh->duplicate_count);
+    launch(c, "places", place_kernel, over(n, 256), o.all, o.root.at, first.at, c.mesh->canonical, o.found.at);
+    c.mesh->duplicate_count = read_back(c, &o.found.at->duplicates, PBW_STAGE_ORDER, 0.5);
+    s.count = (uint32_t)(n - c.mesh->duplicate_count);
     suit(c, s.count >= PBW_CUDA_FEW, few_points);
     if (s.count < n) {
         rank.make(n);
@@ -3978,18 +3950,23 @@ void gather_points(call &c, const ordering &o, space &s, uint32_t *&id, pbw_cuda
 }
 
 /* Fills s, which was zeros, id and canonical; returns whether weights differ. */
-bool order_points(call &c, const input &in, space &s, uint32_t *&id, pbw_cuda_mesh *mesh)
+bool order_points(call &c, const input &in, space &s, uint32_t *&id)
 {
     ordering o(c, in);
     const pbw__grid_share range = survey_points(c, in, o.found);
     const pbw__box domain = measure_space(c, range, o.all.bits, in.dim, s);
+    const key_bits by = o.sorted_bits();
     o.key = sortable<uint64_t>(c, in.count);
     o.all.key = o.key.array.at;
     launch(c, "keys", key_kernel, over(in.count, 256), o.all, domain);
-    sort_keys(c, o.key, in.count, o.sorted_bits());
+    cub::DoubleBuffer<uint64_t> keys(o.key.array.at, o.key.spare.at);
+    with_scratch(c, "sort", [&](void *scratch, size_t &bytes) {
+        return cub::DeviceRadixSort::SortKeys(scratch, bytes, keys, in.count, by.low, by.high, c.stream);
+    });
+    o.key.take(keys);
     o.all.key = o.key.array.at;
     order_runs(c, o);
-    gather_points(c, o, s, id, mesh);
+    gather_points(c, o, s, id);
     return in.weights != NULL && range.high[in.dim] > range.low[in.dim];
 }
 
@@ -4010,18 +3987,25 @@ void grow_tree(call &c, space &s, int dim, tree &t)
     }
 }
 
-/* Looks at 32 boxes or points, of a warp; an insertion counts as 4. */
+/* The caps on the looks of a warp at 32 boxes or points; an insertion counts as 4. */
 const int quick_cap = 1024, far_cap = 4096, last_cap[2] = { 1 << 17, 1 << 20 };
 const uint32_t last_blocks = 128;
 
-/* Of a star of a sample on the rungs for surfaces: where to stop, and how many there may be of each on average. */
+int processors_of(call &c, int device)
+{
+    int processors = 1;
+    need(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "cudaDeviceGetAttribute");
+    return processors;
+}
+
+/* Looks for a star of a sample on the rungs for surfaces: the cap, and the largest average that is not declined. */
 const int sample_cap = 384;
 const unsigned long long most_looks = 128;
 
-/* Few points are built soon on any rung. */
+/* Of fewer points no sample is taken: they are built soon on any rung. */
 const uint32_t sample_size = 1024, sampled_from = 1u << 14;
 
-/* The copy of the points that a mesh keeps is made while the device is at work. */
+/* Copies the points that a mesh keeps, while the device is at work. */
 void keep_points(call &c)
 {
     if (c.job->keep != NULL && c.card == 0 && c.job->kept_points == NULL) {
@@ -4030,34 +4014,20 @@ void keep_points(call &c)
     }
 }
 
-/* The stars of a card's share while the rungs make them. */
-struct workshop {
-    space s;
-    tree t;
-    uint32_t *lists;                                 /* of groups near each group of the share */
-    near_list *infos;
-    store out;
-    queue q[3];                                      /* stars for the next rung, in turn; q[2]: large stars */
-    unsigned long long *seed;                        /* behind it: looks of a sample */
-    uint32_t *next;
-    size_t *made;                                    /* stars of each rung */
-};
-
 /* Empties the store and the queues. */
 void start_over(call &c, const workshop &w)
 {
-    const uint32_t mine = w.out.end - w.out.first;
     fill(c, w.q[0].count, 0, 3);
     fill(c, w.out.used, 0, 1);
-    fill(c, w.out.owned + mine, 0, 1);
-    fill(c, w.out.place, 0xff, mine);
+    fill(c, w.out.owned + w.out.size(), 0, 1);
+    fill(c, w.out.place, 0xff, w.out.size());
 }
 
 template <int DIM> void find_seeds(call &c, const workshop &w)
 {
     fill(c, w.seed, 0, 4);
     for (int found = 1; found <= DIM; found++) {
-        launch(c, "seeds", seed_kernel<DIM>, at_most(1024, over(w.s.count, 256)), w.s, found, w.seed);
+        launch(c, "seeds", seed_kernel<DIM>, at_most(1024, over(w.all.count, 256)), w.all, found, w.seed);
     }
 }
 
@@ -4067,10 +4037,9 @@ void launch_near(call &c, const workshop &w, uint32_t first, uint32_t stride, ui
 {
     const size_t bytes = sizeof(near_star<DIM, WEIGHTED, rung_real<EXACT> >) * (near_block / near_lanes);
     static_assert(bytes <= 48 << 10, "the stars of a block fit what every device has of shared memory");
-    const near_launch a = { w.s, w.t.level[0], w.lists, w.infos, first, stride, total, keeps, w.out, w.q[0], w.q[1] };
     shape s = over((size_t)total * near_lanes, near_block);
     s.bytes = bytes;
-    launch(c, "near stars", near_kernel<DIM, WEIGHTED, EXACT>, s, a);
+    launch(c, "near stars", near_kernel<DIM, WEIGHTED, EXACT>, s, near_launch{ w, first, stride, total, keeps });
 }
 
 /* Whether a sample shows that the first rung certifies less than half, as where points lie on surfaces and curves and
@@ -4078,7 +4047,7 @@ void launch_near(call &c, const workshop &w, uint32_t first, uint32_t stride, ui
 template <int DIM, bool WEIGHTED> bool sample_reaches_far(call &c, const workshop &w)
 {
     start_over(c, w);
-    launch_near<DIM, WEIGHTED, false>(c, w, w.out.first, (w.out.end - w.out.first) / sample_size, sample_size);
+    launch_near<DIM, WEIGHTED, false>(c, w, w.out.first, w.out.size() / sample_size, sample_size);
     const uint2 counts = read_back(c, (const uint2 *)w.q[0].count, PBW_STAGE_BUILD, 0.0);
     if (counts.y == 0 || counts.x + counts.y <= sample_size / 2) {
         return counts.x > sample_size / 2;
@@ -4090,9 +4059,9 @@ template <int DIM, bool WEIGHTED> bool sample_reaches_far(call &c, const worksho
 /* The first rung: all stars of the share, then those that floats left open.  Returns how many it leaves in q[0]. */
 template <int DIM, bool WEIGHTED> uint32_t build_near_stars(call &c, const workshop &w)
 {
-    const uint32_t chunk = 1u << 22, mine = w.out.end - w.out.first;
+    const uint32_t chunk = 1u << 22;
     start_over(c, w);
-    w.made[0] = mine;
+    c.mesh->stars[0] = w.out.size();
     for (uint32_t first = w.out.first; first < w.out.end; first += chunk) {
         const uint32_t count = w.out.end - first < chunk ? w.out.end - first : chunk;
         const bool more = first + count < w.out.end;
@@ -4102,7 +4071,7 @@ template <int DIM, bool WEIGHTED> uint32_t build_near_stars(call &c, const works
         }
         keep_points(c);
         if (more) {
-            wait(c, PBW_STAGE_BUILD, 0.7 * (double)(first - w.out.first) / (double)mine);
+            wait(c, PBW_STAGE_BUILD, 0.7 * (double)(first - w.out.first) / (double)w.out.size());
         }
     }
     const uint32_t open = read_back(c, w.q[1].count, PBW_STAGE_BUILD, 0.7);
@@ -4113,41 +4082,43 @@ template <int DIM, bool WEIGHTED> uint32_t build_near_stars(call &c, const works
     return read_back(c, w.q[0].count, PBW_STAGE_BUILD, 0.8);
 }
 
+/* Stars by a kernel of a later rung, in at most so many blocks.  Returns how many it leaves in a.failed. */
+template <typename RUNG, typename STAR, typename LAUNCH>
+uint32_t run_rung(call &c, void (*kernel)(LAUNCH), LAUNCH a, uint32_t blocks)
+{
+    buffer<STAR> scratch(c);
+    buffer<pbw__digit> pool(c);
+    if (a.total == 0) {
+        return 0;
+    }
+    blocks = !RUNG::shared ? last_blocks : blocks;
+    blocks = a.total < blocks ? a.total : blocks;
+    if (!RUNG::shared) {
+        scratch.make(blocks);
+        pool.make((size_t)blocks * 32 * PBW__POOL);
+    }
+    a.scratch = scratch.at;
+    a.pool = pool.at;
+    fill(c, a.w.next, 0, 1);
+    fill(c, a.failed.count, 0, 1);
+    launch(c, "stars", kernel, shape{ blocks, 32 * RUNG::warps, RUNG::shared ? sizeof(STAR) : 0 }, a);
+    keep_points(c);
+    return read_back(c, a.failed.count, PBW_STAGE_BUILD, 0.8);
+}
+
 /* Stars of q[from] by the second or third rung, with at most cap looks each, until more than limit fail.  Returns how
    many it leaves in q[1 - from]. */
 template <int DIM, bool WEIGHTED, typename RUNG>
 uint32_t run_far_rung(call &c, const workshop &w, int from, uint32_t total, uint32_t limit, int cap)
 {
-    const uint32_t chunk = 1u << 18, most = RUNG::shared || total < last_blocks ? total : last_blocks;
-    const queue &failed = w.q[1 - from];
-    buffer<far_star<DIM, WEIGHTED, RUNG> > scratch(c);
-    buffer<pbw__digit> pool(c);
-    if (total == 0) {
-        return 0;
-    }
-    if (!RUNG::shared) {
-        scratch.make(most);
-        pool.make((size_t)most * 32 * PBW__POOL);
-    }
-    fill(c, failed.count, 0, 1);
-    for (uint32_t first = 0; first < total; first += chunk) {
-        const uint32_t count = total - first < chunk ? total - first : chunk;
-        const queue some = { w.q[from].vertex + first, NULL };
-        const far_launch a = { w.s, w.t, w.seed, some, count, limit, cap, scratch.at, pool.at, w.out, failed,
-                               w.q[2] };
-        if (first > 0) {
-            wait(c, PBW_STAGE_BUILD, 0.8);
-        }
-        launch(c, "far stars", far_kernel<DIM, WEIGHTED, RUNG>,
-               shape{ count < most ? count : most, 32 * RUNG::warps, RUNG::shared ? sizeof *scratch.at : 0 }, a);
-    }
-    return read_back(c, failed.count, PBW_STAGE_BUILD, 0.9);
+    const rung_launch a = { w, w.q[from].vertex, total, limit, cap, NULL, NULL, w.q[1 - from] };
+    return run_rung<RUNG, far_star<DIM, WEIGHTED, RUNG> >(c, far_kernel<DIM, WEIGHTED, RUNG>, a, total);
 }
 
 /* How many stars may need more than the second rung. */
 uint32_t far_limit(const workshop &w)
 {
-    return 128 + (w.out.end - w.out.first) / 2048;
+    return 128 + w.out.size() / 2048;
 }
 
 /* The second rung, at first without exact tests, and the third: left stars of q[0].  The few that the third rung
@@ -4159,7 +4130,7 @@ template <int DIM, bool WEIGHTED> void build_far_stars(call &c, const workshop &
         find_seeds<DIM>(c, w);
     }
     left = run_far_rung<DIM, WEIGHTED, far_rung>(c, w, 1, left, far_limit(w), far_cap);
-    w.made[2] = left;
+    c.mesh->stars[2] = left;
     suit_stars(c, left, far_limit(w));
     left = run_far_rung<DIM, WEIGHTED, last_rung>(c, w, 0, left, last_blocks, last_cap[0]);
     if (left <= last_blocks) {
@@ -4189,69 +4160,43 @@ void lay_bricks(call &c, const space &s, brick_tree &t)
     launch(c, "bricks", half_kernel, over(s.count, 256), s, t);
 }
 
-/* A rung for surfaces; returns how many stars it leaves. */
-template <typename RUNG> uint32_t run_wide_rung(call &c, wide_launch a)
+/* Stars of a.vertex by a rung for surfaces, each with at most cap looks, until more than limit fail; returns how many
+   it leaves. */
+template <typename RUNG> uint32_t run_wide_rung(call &c, wide_launch &a, uint32_t total, uint32_t limit, int cap)
 {
-    int device = 0, processors = 1;
-    buffer<wide_star<RUNG> > scratch(c);
-    buffer<pbw__digit> pool(c);
-    if (a.total == 0) {
-        return 0;
-    }
-    need(c, cudaGetDevice(&device), "cudaGetDevice");
-    need(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "cudaDeviceGetAttribute");
-    fill(c, a.next, 0, 1);
-    fill(c, a.failed.count, 0, 1);
-    const unsigned most = RUNG::shared ? (unsigned)(processors * RUNG::blocks) : last_blocks;
-    const unsigned blocks = a.total < most ? a.total : most;
-    if (!RUNG::shared) {
-        scratch.make(blocks);
-        pool.make((size_t)blocks * 32 * PBW__POOL);
-    }
-    a.scratch = scratch.at;
-    a.pool = pool.at;
-    const shape warps = { blocks, 32 * RUNG::warps, RUNG::shared ? sizeof(wide_star<RUNG>) : 0 };
-    launch(c, "stars of a rung", wide_kernel<RUNG>, warps, a);
-    keep_points(c);
-    return read_back(c, a.failed.count, PBW_STAGE_BUILD, 0.8);
+    a.total = total;
+    a.limit = limit;
+    a.cap = cap;
+    const unsigned processors = (unsigned)processors_of(c, c.cards->of[c.card].device);
+    return run_rung<RUNG, wide_star<RUNG> >(c, wide_kernel<RUNG>, a, processors * RUNG::blocks);
 }
 
 /* Whether a sample shows that few stars are large or searched for long.  The CPU takes 150 to 250 ns a point on
    16 threads; 4 warps a multiprocessor take 3 us each for a look at 32 places. */
-bool sample_stays_cheap(call &c, const workshop &w, wide_launch a)
+bool sample_stays_cheap(call &c, wide_launch a)
 {
-    a.total = sample_size;
-    a.stride = (w.out.end - w.out.first) / sample_size;
-    a.work = w.seed + 4;
-    a.cap = sample_cap;
-    start_over(c, w);
-    launch_near<3, false, false>(c, w, w.out.first, a.stride, a.total, true);
-    fill(c, a.work, 0, 1);
-    const uint32_t failed = run_wide_rung<wide_rung>(c, a);
-    const unsigned long long looks = read_back(c, a.work, PBW_STAGE_BUILD, 0.1);
-    return failed <= a.total / 64 && looks <= most_looks * a.total;
+    a.stride = a.w.out.size() / sample_size;
+    a.looks = a.w.seed + 4;
+    start_over(c, a.w);
+    launch_near<3, false, false>(c, a.w, a.w.out.first, a.stride, sample_size, true);
+    fill(c, a.looks, 0, 1);
+    const uint32_t failed = run_wide_rung<wide_rung>(c, a, sample_size, none, sample_cap);
+    const unsigned long long looks = read_back(c, a.looks, PBW_STAGE_BUILD, 0.1);
+    return failed <= sample_size / 64 && looks <= most_looks * sample_size;
 }
 
 /* Stars that the first rung for surfaces left in q[0]. */
-void build_large_wide_stars(call &c, const workshop &w, wide_launch a, uint32_t failed)
+void build_large_wide_stars(call &c, wide_launch a, uint32_t failed)
 {
-    a.in = w.out;
-    a.stride = 1;
-    a.first = 0;
-    a.vertex = w.q[0].vertex;
-    a.failed = w.q[1];
-    a.total = failed;
-    a.cap = far_cap;
-    a.limit = far_limit(w);
-    const uint32_t last = run_wide_rung<large_wide_rung>(c, a);
-    suit_stars(c, last, a.limit);                    /* beyond its limit a rung leaves stars untried, uncounted */
-    a.vertex = w.q[1].vertex;
-    a.failed = w.q[0];
-    a.total = last;
-    a.cap = last_cap[0];
-    a.limit = 0;
-    failed = run_wide_rung<last_wide_rung>(c, a);
-    w.made[2] = last;
+    a.in = a.w.out;
+    a.vertex = a.w.q[0].vertex;
+    a.failed = a.w.q[1];
+    const uint32_t last = run_wide_rung<large_wide_rung>(c, a, failed, far_limit(a.w), far_cap);
+    suit_stars(c, last, far_limit(a.w));             /* beyond its limit a rung leaves stars untried, uncounted */
+    a.vertex = a.w.q[1].vertex;
+    a.failed = a.w.q[0];
+    failed = run_wide_rung<last_wide_rung>(c, a, last, 0, last_cap[0]);
+    c.mesh->stars[2] = last;
     note(c, 4);
     suit_stars(c, failed, 0);
 }
@@ -4260,17 +4205,20 @@ void build_large_wide_stars(call &c, const workshop &w, wide_launch a, uint32_t 
    store of their own, which is given back. */
 bool build_wide_stars(call &c, workshop &w, const brick_tree &bricks)
 {
-    const uint32_t mine = w.out.end - w.out.first;
+    const uint32_t mine = w.out.size(), limit = 128 + mine / 16;
     const unsigned long long enough = (unsigned long long)mine * 15 + 4096;
-    const store in = w.out;
-    wide_launch a = { w.s, bricks, w.seed, NULL, in.first, 1, mine, none, w.next, NULL, quick_cap, NULL, NULL, in, in,
-                      w.q[0], w.q[2] };
+    wide_launch a = {};
+    a.w = w;
+    a.failed = w.q[0];
+    a.bricks = bricks;
+    a.in = w.out;
+    a.stride = 1;
     find_seeds<3>(c, w);
-    if (!sample_stays_cheap(c, w, a)) {
+    if (!sample_stays_cheap(c, a)) {
         return false;
     }
     start_over(c, w);
-    launch_near<3, false, false>(c, w, in.first, 1, mine, true);
+    launch_near<3, false, false>(c, w, w.out.first, 1, mine, true);
     note(c, 3);
     if (read_back(c, w.out.used, PBW_STAGE_BUILD, 0.2) > w.out.capacity) {
         return true;
@@ -4278,28 +4226,27 @@ bool build_wide_stars(call &c, workshop &w, const brick_tree &bricks)
     w.out.capacity = w.out.capacity > enough ? w.out.capacity : enough;
     fill(c, w.out.used, 0, 1);
     w.out.word = allocate<uint32_t>(c, (size_t)w.out.capacity * 4);
-    a.out = w.out;
-    a.limit = 128 + mine / 16;
-    const uint32_t failed = run_wide_rung<wide_rung>(c, a);
+    a.w = w;
+    const uint32_t failed = run_wide_rung<wide_rung>(c, a, mine, limit, quick_cap);
     const unsigned long long used = read_back(c, w.out.used, PBW_STAGE_BUILD, 0.8);
-    release(c, in.word);
+    release(c, a.in.word);
     if (used > w.out.capacity) {
         return true;
     }
-    w.made[0] = w.made[1] = mine;
-    suit_stars(c, failed, a.limit);
-    build_large_wide_stars(c, w, a, failed);
+    c.mesh->stars[0] = c.mesh->stars[1] = mine;
+    suit_stars(c, failed, limit);
+    build_large_wide_stars(c, a, failed);
     return true;
 }
 
 template <int DIM, bool WEIGHTED> void build_stars(call &c, workshop &w)
 {
     /* weights hide points, which is quick: no sample */
-    const bool far = !WEIGHTED && !pbw_cuda_patient && w.s.count >= sampled_from
-                  && w.out.end - w.out.first >= sample_size && sample_reaches_far<DIM, WEIGHTED>(c, w);
+    const bool far = !WEIGHTED && !pbw_cuda_patient && w.all.count >= sampled_from && w.out.size() >= sample_size
+                  && sample_reaches_far<DIM, WEIGHTED>(c, w);
     if (far && DIM == 3) {
         brick_tree bricks;
-        lay_bricks(c, w.s, bricks);
+        lay_bricks(c, w.all, bricks);
         const bool built = build_wide_stars(c, w, bricks);
         for (int level = 0; level < bricks.levels; level++) {
             release(c, bricks.level[level]);
@@ -4309,11 +4256,12 @@ template <int DIM, bool WEIGHTED> void build_stars(call &c, workshop &w)
         }
     }
     suit(c, !far || c.must, "most stars reach far (points on lines, or nearly in a plane?): quicker on the CPU");
-    w.made[1] = build_near_stars<DIM, WEIGHTED>(c, w);
-    build_far_stars<DIM, WEIGHTED>(c, w, (uint32_t)w.made[1]);
+    const uint32_t left = build_near_stars<DIM, WEIGHTED>(c, w);
+    c.mesh->stars[1] = left;
+    build_far_stars<DIM, WEIGHTED>(c, w, left);
 }
 
-/* In parts: memory that is not pinned makes the host wait for each. */
+/* Copies results in parts, since memory that is not pinned makes the host wait for each. */
 void copy_out(call &c, void *to, const void *from, size_t bytes, double done)
 {
     const size_t most = (size_t)1 << 25;
@@ -4326,7 +4274,7 @@ void copy_out(call &c, void *to, const void *from, size_t bytes, double done)
     }
 }
 
-/* Lets the other devices read what this one has in its pool, where they can: copies between them go the short way. */
+/* Lets the other devices read the pool of this one, where they can: copies then go directly. */
 void open_pool(call &c)
 {
     offer &own = c.cards->of[c.card];
@@ -4334,8 +4282,8 @@ void open_pool(call &c)
     need(c, cudaDeviceGetMemPool(&pool, own.device), "cudaDeviceGetMemPool");
     for (int i = 0; i < c.cards->cards; i++) {
         const int other = c.cards->of[i].device;
-        int can = 0;
-        if (other != own.device) {
+        int can = other != own.device;
+        if (can) {
             need(c, cudaDeviceCanAccessPeer(&can, other, own.device), "cudaDeviceCanAccessPeer");
         }
         if (can) {
@@ -4350,7 +4298,7 @@ void open_pool(call &c)
     }
 }
 
-/* Copies by way of the host what a card offers that this one cannot read; it is complete. */
+/* Copies by way of the host from a card that this one cannot read; the offer is complete. */
 void fetch_by_host(call &c, int card, char *to, const char *from, size_t bytes)
 {
     const size_t most = (size_t)1 << 24;
@@ -4383,24 +4331,21 @@ template <typename V> void fetch_from(call &c, int card, V *to, const void *from
     }
 }
 
-/* The share of a card, by multiprocessors, whole groups: where it begins. */
-void share_points(call &c, const space &s, uint32_t &first, uint32_t &end)
+/* Sets the share of a card: whole groups, in proportion to its multiprocessors. */
+void share_points(call &c, workshop &w)
 {
     double before = 0.0, own = 0.0, all = 0.0;
-    for (int i = 0; i < (c.cards != NULL ? c.cards->cards : 1); i++) {
-        int processors = 1;
-        if (c.cards != NULL) {
-            need(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, c.cards->of[i].device),
-                 "cudaDeviceGetAttribute");
-        }
+    for (int i = 0; i < c.cards->cards; i++) {
+        const int processors = processors_of(c, c.cards->of[i].device);
         before += i < c.card ? processors : 0;
         own += i == c.card ? processors : 0;
         all += processors;
     }
-    first = (uint32_t)((double)s.count * (before / all)) / group_size * group_size;
-    end = (uint32_t)((double)s.count * ((before + own) / all)) / group_size * group_size;
-    end = before + own == all ? s.count : end;
-    c.stars = end - first;
+    const double points = (double)w.all.count;
+    w.out.first = (uint32_t)(points * (before / all)) / group_size * group_size;
+    w.out.end = (uint32_t)(points * ((before + own) / all)) / group_size * group_size;
+    w.out.end = before + own == all ? w.all.count : w.out.end;
+    c.stars = w.out.size();
 }
 
 /* Lists the guests that this card has for higher cards. */
@@ -4447,7 +4392,7 @@ template <int DIM> void fetch_guests(call &c, directory<DIM> &all)
     }
 }
 
-/* Fetches what higher cards know of this one's simplices. */
+/* Fetches the links that higher cards have found for the simplices of this one. */
 template <int DIM> void fetch_beyond(call &c, const directory<DIM> &all, pbw_index *neighbors)
 {
     const offer *of = c.cards->of;
@@ -4479,13 +4424,14 @@ void fetch_incident(call &c, const uint32_t *id, pbw_index *incident)
 /* Shares the points, grows the tree, and allocates what the rungs need. */
 void open_workshop(call &c, workshop &w, int dim)
 {
-    share_points(c, w.s, w.out.first, w.out.end);
-    const uint32_t mine = w.out.end - w.out.first, groups = (mine + group_size - 1) / group_size;
+    share_points(c, w);
+    const uint32_t mine = w.out.size(), groups = (mine + group_size - 1) / group_size;
     w.out.capacity = (unsigned long long)mine * (dim == 3 ? 13 : 5) + 4096;
     /* rough points and boxes; the store, queues, places and counts; lists and their heads of 8 points */
-    need_memory(c, (size_t)w.s.count * 16 + (size_t)w.s.count / group_size * sizeof(box) + (size_t)w.out.capacity * 16
-                   + (size_t)mine * (12 + 8) + (size_t)groups * (list_size * 4 + sizeof(near_list)));
-    grow_tree(c, w.s, dim, w.t);
+    need_memory(c, (size_t)w.all.count * 16 + (size_t)w.all.count / group_size * sizeof(box)
+                   + (size_t)w.out.capacity * 16 + (size_t)mine * (12 + 8)
+                   + (size_t)groups * (list_size * 4 + sizeof(near_list)));
+    grow_tree(c, w.all, dim, w.boxes);
     uint32_t *const counts = allocate<uint32_t>(c, 5);         /* of the queues, next, stop */
     w.lists = allocate<uint32_t>(c, (size_t)groups * list_size);
     w.infos = allocate<near_list>(c, groups);
@@ -4504,11 +4450,11 @@ void open_workshop(call &c, workshop &w, int dim)
         follow(c);
         c.stop = counts + 4;
     }
-    launch(c, "lists", list_kernel, over((size_t)groups * 32, 128), w.t, dim, w.out.first / group_size,
+    launch(c, "lists", list_kernel, over((size_t)groups * 32, 128), w.boxes, dim, w.out.first / group_size,
            w.out.first / group_size + groups, w.lists, w.infos);
 }
 
-/* All stars into the store, again if it turns out too small. */
+/* Builds all stars, once more if the store turns out too small. */
 template <int DIM, bool WEIGHTED> void fill_store(call &c, workshop &w)
 {
     unsigned long long used = 0;
@@ -4528,7 +4474,7 @@ template <int DIM, bool WEIGHTED> void fill_store(call &c, workshop &w)
     require(c, used <= ((unsigned long long)1 << 32) - 16, PBW_ERROR_TOO_LARGE, too_many);
 }
 
-/* The simplices of a share on their way out. */
+/* Where the simplices of a share go. */
 struct output {
     const uint32_t *id;
     bool alone, with_neighbors, to_host;
@@ -4536,13 +4482,13 @@ struct output {
     size_t before;                                   /* simplices of lower shares */
 };
 
-void number_simplices(call &c, const workshop &w, output &o, pbw_cuda_mesh *mesh)
+void number_simplices(call &c, const workshop &w, output &o)
 {
-    const uint32_t mine = w.out.end - w.out.first;
+    const uint32_t mine = w.out.size();
     o.offset = allocate<uint32_t>(c, (size_t)mine + 1);
     sum_before(c, w.out.owned, o.offset, (size_t)mine + 1);
     o.total = read_back(c, o.offset + mine, PBW_STAGE_OUTPUT, 0.0);
-    mesh->simplex_count = o.total;
+    c.mesh->simplex_count = o.total;
     if (!o.alone) {
         offer &own = c.cards->of[c.card];
         own.part = { w.out.first, w.out.end };
@@ -4550,18 +4496,18 @@ void number_simplices(call &c, const workshop &w, output &o, pbw_cuda_mesh *mesh
         meet_cards(c, false, 0.0);
         for (int i = 0; i < c.cards->cards; i++) {
             o.before += i < c.card ? c.cards->of[i].simplices : 0;
-            mesh->simplex_count += i != c.card ? c.cards->of[i].simplices : 0;
+            c.mesh->simplex_count += i != c.card ? c.cards->of[i].simplices : 0;
         }
     }
     note(c, 5);
-    require(c, mesh->simplex_count < hidden, PBW_ERROR_TOO_LARGE, too_many);
+    require(c, c.mesh->simplex_count < hidden, PBW_ERROR_TOO_LARGE, too_many);
 }
 
 /* Writes the simplices, and lists those that other cards need. */
-template <int DIM>
-void emit_simplices(call &c, const workshop &w, const output &o, directory<DIM> &all, pbw_cuda_mesh *mesh)
+template <int DIM> void emit_simplices(call &c, const workshop &w, const output &o, directory<DIM> &all)
 {
-    const uint32_t mine = w.out.end - w.out.first;
+    const uint32_t mine = w.out.size();
+    pbw_cuda_mesh *const mesh = c.mesh;
     const size_t links = (size_t)o.total * (DIM + 1), incident = o.alone ? c.count : mine;
     need_memory(c, (size_t)o.total * (o.with_neighbors ? 3 : 2) * sizeof(cell<DIM>) + c.count * 4);
     cell<DIM> *const cells = allocate<cell<DIM> >(c, o.total);
@@ -4587,35 +4533,35 @@ void emit_simplices(call &c, const workshop &w, const output &o, directory<DIM> 
 }
 
 /* Finds the neighbours and incident simplices; w.next counts hidden points. */
-template <int DIM>
-void find_neighbors(call &c, const workshop &w, const output &o, const directory<DIM> &all, pbw_cuda_mesh *mesh)
+template <int DIM> void find_neighbors(call &c, const workshop &w, const output &o, const directory<DIM> &all)
 {
-    const uint32_t mine = w.out.end - w.out.first;
-    const links out = { mesh->neighbors, o.alone ? NULL : c.cards->of[c.card].beyond, mesh->incident,
+    const links out = { c.mesh->neighbors, o.alone ? NULL : c.cards->of[c.card].beyond, c.mesh->incident,
                         o.alone ? o.id : NULL };
-    launch(c, "neighbours", neighbor_kernel<DIM>, over((size_t)mine * 8, emit_block), w.out, all, out, w.next);
-    if (mesh->stars[1] > 0) {
-        launch(c, "neighbours", large_neighbor_kernel<DIM>, over(mesh->stars[1] * 32, 128), w.q[2], w.out, all, out);
+    const shape tiles = over((size_t)w.out.size() * 8, emit_block);
+    launch(c, "neighbours", neighbor_kernel<DIM>, tiles, w.out, all, out, w.next);
+    if (c.mesh->stars[1] > 0) {
+        const shape warps = over(c.mesh->stars[1] * 32, 128);
+        launch(c, "neighbours", large_neighbor_kernel<DIM>, warps, w.q[2], w.out, all, out);
     }
     note(c, 7);
     if (!o.alone) {
-        c.cards->of[c.card].incident = mesh->incident;
+        c.cards->of[c.card].incident = c.mesh->incident;
         wait(c, PBW_STAGE_OUTPUT, 0.2);
         meet_cards(c, false, 0.3);
     }
     if (!o.alone && o.with_neighbors) {
-        fetch_beyond<DIM>(c, all, mesh->neighbors);
+        fetch_beyond<DIM>(c, all, c.mesh->neighbors);
     }
     if (o.to_host && o.with_neighbors) {
-        copy_out(c, c.job->neighbors + o.before * (DIM + 1), mesh->neighbors,
+        copy_out(c, c.job->neighbors + o.before * (DIM + 1), c.mesh->neighbors,
                  (size_t)o.total * (DIM + 1) * sizeof(pbw_index), 0.4);
     }
 }
 
 /* The arrays of points: the first card writes the incident simplices of all, the last the canonical points. */
-void copy_points(call &c, const output &o, const pbw_cuda_mesh *mesh)
+void copy_points(call &c, const output &o)
 {
-    pbw_index *incident = mesh->incident;
+    pbw_index *incident = c.mesh->incident;
     const size_t bytes = c.count * sizeof(pbw_index);
     if (!o.alone && c.card == 0) {
         incident = allocate<pbw_index>(c, c.count);
@@ -4626,26 +4572,23 @@ void copy_points(call &c, const output &o, const pbw_cuda_mesh *mesh)
         copy_out(c, c.job->incident, incident, bytes, 0.4);
     }
     if (o.to_host && c.card + 1 == c.cards->cards) {
-        copy_out(c, c.job->canonical, mesh->canonical, bytes, 0.4);
+        copy_out(c, c.job->canonical, c.mesh->canonical, bytes, 0.4);
     }
 }
 
-template <int DIM, bool WEIGHTED>
-void build(call &c, const space &s, const uint32_t *id, unsigned flags, pbw_cuda_mesh *mesh)
+template <int DIM, bool WEIGHTED> void build(call &c, const space &s, const uint32_t *id, unsigned flags)
 {
-    const bool alone = c.cards == NULL || c.cards->cards == 1;
-    output o = { id, alone, (flags & PBW_NO_NEIGHBORS) == 0, c.job->reserve != NULL, NULL, 0, 0 };
+    output o = { id, c.cards->cards == 1, (flags & PBW_NO_NEIGHBORS) == 0, c.job->reserve != NULL, NULL, 0, 0 };
     workshop w = {};
     directory<DIM> all = {};
-    w.s = s;
-    w.made = mesh->stars;
+    w.all = s;
     open_workshop(c, w, DIM);
     fill_store<DIM, WEIGHTED>(c, w);
-    number_simplices(c, w, o, mesh);
-    emit_simplices<DIM>(c, w, o, all, mesh);
-    find_neighbors<DIM>(c, w, o, all, mesh);
-    copy_points(c, o, mesh);
-    mesh->hidden_count = read_back(c, w.next, PBW_STAGE_OUTPUT, 0.5);
+    number_simplices(c, w, o);
+    emit_simplices<DIM>(c, w, o, all);
+    find_neighbors<DIM>(c, w, o, all);
+    copy_points(c, o);
+    c.mesh->hidden_count = read_back(c, w.next, PBW_STAGE_OUTPUT, 0.5);
 }
 
 struct checking {
@@ -4677,7 +4620,8 @@ struct checking {
 template <int DIM>
 void check_items(checking &k, int pass, uint32_t count, shape threads, const uint32_t *list, pbw__digit *pool)
 {
-    launch(k.c, "check", check_kernel<DIM>, threads, k.m, pass, count, list, k.open.at, pool, k.on_device.at);
+    launch(k.c, "check", check_kernel<DIM>, threads,
+           check_launch{ k.m, pass, count, list, k.open.at, pool, k.on_device.at });
     k.found = read_back(k.c, k.on_device.at, PBW_STAGE_BUILD, 0.0);
 }
 
@@ -4762,10 +4706,9 @@ void adopt_last(call &c)
     }
 }
 
-/* Whether an earlier mesh, whose links are sound, is the triangulation of the points where they are now, of which the
-   duplicates are those of the mesh; id: of each rank. */
-template <int DIM>
-bool holds(call &c, const pbw_cuda_mesh &mesh, const input &in, const space &s, const uint32_t *id)
+/* Returns whether an earlier mesh, whose links are sound and whose duplicates are those of the points, is the
+   triangulation of the points where they are now; id: of each rank. */
+template <int DIM> bool holds(call &c, const pbw_cuda_mesh &mesh, const input &in, const space &s, const uint32_t *id)
 {
     checking k(c, mesh, in, s.grid, NULL);
     k.m.order = id;
@@ -4775,9 +4718,9 @@ bool holds(call &c, const pbw_cuda_mesh &mesh, const input &in, const space &s, 
 }
 
 /* Writes the arrays of old in the order that the points have now. */
-template <int DIM>
-void reorder_mesh(call &c, const pbw_cuda_mesh &old, const space &s, const uint32_t *id, pbw_cuda_mesh *mesh)
+template <int DIM> void reorder_mesh(call &c, const pbw_cuda_mesh &old, const space &s, const uint32_t *id)
 {
+    pbw_cuda_mesh *const mesh = c.mesh;
     const size_t count = old.simplex_count, links = count * (DIM + 1);
     const shape all = over(count, 256);
     const int bits = pbw__index_bits(s.count);
@@ -4790,20 +4733,20 @@ void reorder_mesh(call &c, const pbw_cuda_mesh &old, const space &s, const uint3
     mesh->incident = allocate<pbw_index>(c, old.point_count);
     fill(c, mesh->incident, 0xff, old.point_count);
     launch(c, "order", scatter_kernel, over(s.count, 256), id, s.count, nullptr, rank.at);
-    launch(c, "order", third_kernel<DIM>, all, m, third.array.at, order.array.at);
+    launch(c, "order", corner_kernel<DIM, uint32_t>, all, m, order.array.at, third.array.at);
     sort_pairs(c, third, order, count, { 0, bits });
-    launch(c, "order", first_kernel<DIM>, all, m, order.array.at, first.array.at);
+    launch(c, "order", corner_kernel<DIM, uint64_t>, all, m, order.array.at, first.array.at);
     sort_pairs(c, first, order, count, { 0, 2 * bits });
     launch(c, "order", scatter_kernel, all, order.array.at, m.count, nullptr, order.spare.at);
     launch(c, "order", rewrite_kernel<DIM>, all, m, order.array.at, order.spare.at, mesh->simplices, mesh->neighbors,
            mesh->incident);
 }
 
-/* Makes the mesh of the last one, if that holds. */
+/* Makes the mesh from the last one; returns false if that does not hold. */
 template <int DIM>
-bool keep_mesh(call &c, const pbw_cuda_mesh &old, const input &in, const space &s, const uint32_t *id,
-               pbw_cuda_mesh *mesh)
+bool keep_mesh(call &c, const pbw_cuda_mesh &old, const input &in, const space &s, const uint32_t *id)
 {
+    pbw_cuda_mesh *const mesh = c.mesh;
     const bool ordered_alike = c.last->count == s.count;
     buffer<uint2> flags(c, 1);                       /* whether duplicates differ, and the order */
     fill(c, flags.at, 0, 1);
@@ -4821,7 +4764,7 @@ bool keep_mesh(call &c, const pbw_cuda_mesh &old, const input &in, const space &
         mesh->neighbors = old.neighbors;
         mesh->incident = old.incident;
     } else {
-        reorder_mesh<DIM>(c, old, s, id, mesh);
+        reorder_mesh<DIM>(c, old, s, id);
     }
     mesh->simplex_count = old.simplex_count;
     mesh->hidden_count = old.hidden_count;
@@ -4831,16 +4774,16 @@ bool keep_mesh(call &c, const pbw_cuda_mesh &old, const input &in, const space &
     return true;
 }
 
-/* The same for any call; frees a last mesh that does not hold. */
-bool keep_last(call &c, const input &in, const space &s, uint32_t *id, pbw_cuda_mesh *mesh)
+/* As keep_mesh, for a call with or without a last mesh; frees one that does not hold. */
+bool keep_last(call &c, const input &in, const space &s, uint32_t *id)
 {
     if (c.last == NULL) {
         return false;
     }
     const pbw_cuda_mesh old = c.last->mesh;
     const bool alike = !c.anew && old.simplex_count > 0 && old.neighbors != NULL && old.dim == in.dim
-                    && old.point_count == in.count && old.duplicate_count == mesh->duplicate_count;
-    const bool kept = alike && (in.dim == 3 ? keep_mesh<3> : keep_mesh<2>)(c, old, in, s, id, mesh);
+                    && old.point_count == in.count && old.duplicate_count == c.mesh->duplicate_count;
+    const bool kept = alike && (in.dim == 3 ? keep_mesh<3> : keep_mesh<2>)(c, old, in, s, id);
     if (!kept) {
         release_mesh(c, old, false);
     }
@@ -4850,26 +4793,26 @@ bool keep_last(call &c, const input &in, const space &s, uint32_t *id, pbw_cuda_
     return kept;
 }
 
-void run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
+void run(call &c, const input &in, unsigned flags)
 {
     space s = {};
     uint32_t *id = NULL;
-    mesh->dim = in.dim;
-    mesh->point_count = in.count;
+    c.mesh->dim = in.dim;
+    c.mesh->point_count = in.count;
     suit(c, in.count >= PBW_CUDA_FEW, few_points);
     suit(c, in.count < (size_t)1 << 31, "too many points for the device code");
     note(c, 0);
-    mesh->canonical = allocate<pbw_index>(c, in.count);
-    const bool weighted = order_points(c, in, s, id, mesh);
+    c.mesh->canonical = allocate<pbw_index>(c, in.count);
+    const bool weighted = order_points(c, in, s, id);
     release(c, in.points);                           /* those of a job: the records have all */
     release(c, in.weights);
     note(c, 1);
-    if (!keep_last(c, in, s, id, mesh)) {
+    if (!keep_last(c, in, s, id)) {
         (in.dim == 3 ? (weighted ? build<3, true> : build<3, false>)
-                     : (weighted ? build<2, true> : build<2, false>))(c, s, id, flags, mesh);
+                     : (weighted ? build<2, true> : build<2, false>))(c, s, id, flags);
     }
-    for (int i = 0; i < 8; i += mesh->kept ? 7 : 1) {
-        need(c, cudaEventElapsedTime(&mesh->milliseconds[i], c.mark[i < 7 ? i : 0], c.mark[i < 7 ? i + 1 : 7]),
+    for (int i = 0; i < 8; i += c.mesh->kept ? 7 : 1) {
+        need(c, cudaEventElapsedTime(&c.mesh->milliseconds[i], c.mark[i < 7 ? i : 0], c.mark[i < 7 ? i + 1 : 7]),
              "cudaEventElapsedTime");
     }
 }
@@ -4880,12 +4823,12 @@ void run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
 /* count: the points to triangulate; 0 in a check. */
 void open_call(call &c, cudaStream_t stream, int dim, size_t count)
 {
-    int device = 0, pools = 0;
+    const int device = c.cards->of[c.card].device;
+    int pools = 0;
     c.stream = stream;
     c.dim = dim;
     c.count = count;
-    c.stars = count / (c.cards != NULL ? (size_t)c.cards->cards : 1);
-    need(c, cudaGetDevice(&device), "no usable device");
+    c.stars = count / (size_t)c.cards->cards;
     need(c, cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, device), "cudaDeviceGetAttribute");
     require(c, pools != 0, PBW_ERROR_BACKEND, "the device or its driver has no memory pools");
     if (!c.lent) {
@@ -4913,12 +4856,9 @@ void open_stream(call &c, cudaStream_t &stream)
     need(c, cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "cudaStreamCreate");
 }
 
-/* Frees all but what the mesh, if there is one, has; the stream may still have work for it. */
-void close_call(call &c, const pbw_cuda_mesh *mesh)
+/* Frees all blocks; the stream may still have work for them. */
+void close_call(call &c)
 {
-    if (mesh != NULL) {
-        release_mesh(c, *mesh, true);
-    }
     while (c.blocks > 0) {
         release(c, c.block[0].address);
     }
@@ -4963,13 +4903,14 @@ void take_part(team *cards, int card, pbw_job *job, pbw_cuda_mesh *mesh)
     c.cards = cards;
     c.card = card;
     c.job = job;
+    c.mesh = mesh;
     try {
         need(c, cudaSetDevice(cards->of[card].device), "cudaSetDevice");
         open_stream(c, stream);
         open_call(c, stream, job->dim, job->count);
         open_stream(c, c.copies);
         open_pool(c);
-        run(c, upload(c), job->flags, mesh);
+        run(c, upload(c), job->flags);
     } catch (const failure &) {
         fall_out(c, NULL);
     }
@@ -4983,7 +4924,7 @@ void take_part(team *cards, int card, pbw_job *job, pbw_cuda_mesh *mesh)
     }
     fall_out(c, NULL);
     meet_cards(c, true, 0.9);
-    close_call(c, NULL);
+    close_call(c);
     if (stream != NULL) {
         good(c, cudaStreamSynchronize(stream), "waiting for the device");
         cudaStreamDestroy(stream);
@@ -5052,6 +4993,7 @@ pbw_status triangulate(const pbw_backend *backend, pbw_job *job)
 /* A call for points on the device: a job whose results stay there. */
 struct local_call {
     call c;
+    team alone;
     pbw_job job;
     pbw__context context;
     pbw__dispatch dispatch;
@@ -5065,17 +5007,12 @@ bool take_options(pbw_options &options, const pbw_options *given_options)
         && (options.flags & ~(PBW_ANY_ORDER | PBW_NO_NEIGHBORS | PBW_BACKEND_OR_CPU)) == 0;
 }
 
-int report_check(pbw_job *job, pbw_stage stage, double done)
-{
-    (void)stage;
-    return pbw__job_report(job, PBW_STAGE_CHECK, done);
-}
-
-/* What a call for points on the device is to do, and with what. */
+/* A call for points on the device, as the caller wants it. */
 struct request {
     input in;
     cudaStream_t stream;
     pbw_triangulator *cpu;
+    pbw_cuda_mesh *mesh;                             /* what it makes; NULL: nothing */
     keepsake *last;                                  /* of a loop, with its gear; else NULL */
     const gear *tools;
     bool anew, check;
@@ -5086,15 +5023,22 @@ void open_local(local_call &local, const request &r)
 {
     const pbw_options &options = r.options;
     call &c = local.c;
-    memset(&local, 0, sizeof local);
+    local.alone.cards = 1;
     pbw__context_start(&local.context, &options, r.check ? 0 : r.in.count);
     local.dispatch.context = &local.context;
     local.dispatch.options = &options;
     local.job.memory_limit = options.memory_limit;
-    local.job.report = r.check ? report_check : pbw__job_report;
+    local.job.report = pbw__job_report;
+    if (r.check) {
+        local.job.report = [](pbw_job *job, pbw_stage, double done) {
+            return pbw__job_report(job, PBW_STAGE_CHECK, done);
+        };
+    }
     local.job.say = pbw__job_say;
     local.job.context = &local.dispatch;
+    c.cards = &local.alone;
     c.job = &local.job;
+    c.mesh = r.mesh;
     c.must = r.cpu == NULL;
     if (r.last != NULL) {
         (gear &)c = *r.tools;
@@ -5107,16 +5051,18 @@ void open_local(local_call &local, const request &r)
     require(c, pbw__fp_is_exact(), PBW_ERROR_FP_MODE, pbw_status_string(PBW_ERROR_FP_MODE));
     look_up(c, PBW_STAGE_ORDER, 0.0);
     go_on(c);
+    need(c, cudaGetDevice(&local.alone.of[0].device), "no usable device");
     open_call(c, r.stream, r.in.dim, r.check ? 0 : r.in.count);
     if (options.progress != NULL && !c.lent) {
         open_stream(c, c.copies);
     }
 }
 
-/* On success all but the mesh's arrays is freed, else those too. */
-pbw_status close_local(local_call &local, pbw_cuda_mesh *mesh)
+/* Frees all but the arrays of the mesh, and on a failure those too. */
+pbw_status close_local(local_call &local)
 {
     call &c = local.c;
+    pbw_cuda_mesh *const mesh = c.mesh;
     if (c.copies != NULL) {                          /* the word that stops kernels is written before it is freed */
         good(c, cudaStreamSynchronize(c.copies), "stopping");
         if (!c.lent) {
@@ -5133,7 +5079,10 @@ pbw_status close_local(local_call &local, pbw_cuda_mesh *mesh)
         c.last->mesh = *mesh;
         release(c, c.last->id, true);
     }
-    close_call(c, mesh);
+    if (mesh != NULL) {
+        release_mesh(c, *mesh, true);
+    }
+    close_call(c);
     pbw__fp_leave(local.fp);
     return c.status;
 }
@@ -5157,26 +5106,21 @@ void fetch_points(call &c, const input &in, double *points, size_t numbers)
 }
 
 /* Copies a mesh of the CPU to the device. */
-void send_mesh(call &c, const pbw_mesh &host, const input &in, pbw_cuda_mesh *mesh)
+void send_mesh(call &c, const pbw_mesh &host, const input &in)
 {
     const pbw_index *from[mesh_arrays] = { host.simplices, host.neighbors, host.incident, host.canonical };
-    mesh->dim = in.dim;
-    mesh->by_cpu = 1;
-    mesh->point_count = in.count;
-    mesh->simplex_count = host.simplex_count;
-    mesh->duplicate_count = host.duplicate_count;
-    mesh->hidden_count = host.hidden_count;
+    *c.mesh = { in.dim, 1, in.count, host.simplex_count, host.duplicate_count, host.hidden_count };
     for (int i = 0; i < mesh_arrays; i++) {
         if (from[i] != NULL) {
-            array_of(*mesh, i) = allocate<pbw_index>(c, entries_of(*mesh, i));
-            need(c, cudaMemcpyAsync(array_of(*mesh, i), from[i], entries_of(*mesh, i) * sizeof(pbw_index),
+            array_of(*c.mesh, i) = allocate<pbw_index>(c, entries_of(*c.mesh, i));
+            need(c, cudaMemcpyAsync(array_of(*c.mesh, i), from[i], entries_of(*c.mesh, i) * sizeof(pbw_index),
                                     cudaMemcpyHostToDevice, c.stream), "copying results");
         }
     }
 }
 
-/* An input on the device that is for the CPU: its points to the host, the arrays to the device. */
-void build_by(pbw_triangulator *cpu, call &c, const input &in, pbw_options options, pbw_cuda_mesh *mesh)
+/* Builds a mesh of points on the device by the CPU: the points go to the host, the arrays to the device. */
+void build_by(pbw_triangulator *cpu, call &c, const input &in, pbw_options options)
 {
     pbw__memory &memory = ((pbw__dispatch *)c.job->context)->context->memory;
     const size_t coordinates = in.count * (size_t)in.dim, numbers = coordinates + (in.weights != NULL ? in.count : 0);
@@ -5192,7 +5136,7 @@ void build_by(pbw_triangulator *cpu, call &c, const input &in, pbw_options optio
         fetch_points(c, in, points, numbers);
         status = cpu(in.dim, points, in.weights != NULL ? points + coordinates : NULL, in.count, &options, &host);
         require(c, status == PBW_OK || status == PBW_DEGENERATE, status, pbw_status_string(status));
-        send_mesh(c, host, in, mesh);
+        send_mesh(c, host, in);
     } catch (const failure &) {
     }
     finish_stream(c, c.stream, PBW_STAGE_OUTPUT, 0.9);      /* the host arrays are freed next */
@@ -5201,15 +5145,15 @@ void build_by(pbw_triangulator *cpu, call &c, const input &in, pbw_options optio
     pbw__release(&memory, points, numbers, sizeof(double));
 }
 
-/* Builds a mesh, by the CPU where that is what the caller wants. */
-pbw_status serve(request &r, const pbw_options *given_options, pbw_cuda_mesh *mesh)
+/* Builds a mesh, by the CPU where the device fails or declines and the caller allows it. */
+pbw_status serve(request &r, const pbw_options *given_options)
 {
     const size_t size = number_size(r.in.is_float);
     pbw_status status = PBW_ERROR_BACKEND;
-    if (mesh == NULL) {
+    if (r.mesh == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
-    memset(mesh, 0, sizeof *mesh);
+    memset(r.mesh, 0, sizeof *r.mesh);
     if (!take_options(r.options, given_options) || (r.in.dim != 2 && r.in.dim != 3)
         || (r.in.points == NULL && r.in.count > 0)
         || (r.options.stride != 0 && r.options.stride != (size_t)r.in.dim * size)
@@ -5220,19 +5164,19 @@ pbw_status serve(request &r, const pbw_options *given_options, pbw_cuda_mesh *me
         return PBW_ERROR_TOO_LARGE;
     }
     for (int on_cpu = 0; on_cpu < 2 && status == PBW_ERROR_BACKEND; on_cpu++) {
-        local_call local;
+        local_call local{};
         call &c = local.c;
         try {
             open_local(local, r);
             if (on_cpu) {
-                build_by(r.cpu, c, r.in, r.options, mesh);
+                build_by(r.cpu, c, r.in, r.options);
             } else {
-                run(c, r.in, r.options.flags, mesh);
+                run(c, r.in, r.options.flags);
             }
             look_up(c, PBW_STAGE_OUTPUT, 1.0);
         } catch (const failure &) {
         }
-        status = close_local(local, mesh);
+        status = close_local(local);
         if (r.cpu == NULL || (!c.declined && (r.options.flags & PBW_BACKEND_OR_CPU) == 0)) {
             break;
         }
@@ -5275,8 +5219,8 @@ extern "C" pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *po
                                            size_t count, const pbw_options *given_options, void *stream,
                                            pbw_triangulator *cpu, pbw_cuda_mesh *mesh)
 {
-    request r = { { points, weights, count, dim, is_float }, (cudaStream_t)stream, cpu };
-    return serve(r, given_options, mesh);
+    request r = { { points, weights, count, dim, is_float }, (cudaStream_t)stream, cpu, mesh };
+    return serve(r, given_options);
 }
 
 extern "C" void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream)
@@ -5294,8 +5238,8 @@ extern "C" void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream)
 extern "C" pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, const void *points, const void *weights,
                                      const pbw_options *given_options, void *stream, pbw_report *report)
 {
-    request r = { { points, weights, 0, 0, is_float }, (cudaStream_t)stream, NULL, NULL, NULL, false, true };
-    local_call local;
+    request r = { { points, weights, 0, 0, is_float }, (cudaStream_t)stream, NULL, NULL, NULL, NULL, false, true };
+    local_call local{};
     if (report != NULL) {
         memset(report, 0, sizeof *report);
         (void)pbw__fault(report, PBW__SOUND, PBW_NONE, -1, PBW_NONE);
@@ -5314,7 +5258,7 @@ extern "C" pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, co
         look_up(local.c, PBW_STAGE_CHECK, 1.0);
     } catch (const failure &) {
     }
-    return close_local(local, NULL);
+    return close_local(local);
 }
 
 struct pbw_cuda_loop {
@@ -5333,7 +5277,7 @@ extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, voi
     uint64_t all = UINT64_MAX;
     cudaMemPoolProps properties = {};
     cudaMemPool_t pool = NULL;
-    local_call local;
+    local_call local{};
     pbw_cuda_loop *loop = NULL;
     if (result == NULL || !take_options(r.options, given_options)) {
         return PBW_ERROR_ARGUMENT;
@@ -5364,7 +5308,7 @@ extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, voi
         loop = NULL;
     }
     *result = loop;
-    return close_local(local, NULL);
+    return close_local(local);
 }
 
 extern "C" pbw_status pbw_cuda_loop_step(pbw_cuda_loop *loop, const pbw_cuda_points *points, pbw_cuda_mesh *mesh)
@@ -5379,8 +5323,8 @@ extern "C" pbw_status pbw_cuda_loop_step(pbw_cuda_loop *loop, const pbw_cuda_poi
         return PBW_ERROR_ARGUMENT;
     }
     request r = { { points->points, points->weights, points->count, points->dim, points->is_float }, loop->stream,
-                  loop->cpu, &loop->last, &loop->tools, points->anew != 0 };
-    return serve(r, &loop->options, mesh);
+                  loop->cpu, mesh, &loop->last, &loop->tools, points->anew != 0 };
+    return serve(r, &loop->options);
 }
 
 extern "C" void pbw_cuda_loop_free(pbw_cuda_loop *loop)
