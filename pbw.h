@@ -10892,6 +10892,44 @@ static void pbw__near_many(pbw__queries *queries, pbw__desk *desk, const double 
     }
 }
 
+/* The lowest vertex as near as `start` into *start.  Returns 0 if there are more of them than PBW__FEW. */
+PBW__INLINE int pbw__lowest_of_few(const pbw__queries *queries, const double *q, pbw__reach *start, int dim)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const pbw_lists *stars = queries->stars;
+    const double limit = mesh->weights == NULL ? pbw__reach_limit(start) : HUGE_VAL;
+    pbw_index list[PBW__FEW], near_ones[PBW__FEW];
+    size_t count = 1, next, i, j;
+    list[0] = start->vertex;
+    for (next = 0; next < count; next++) {
+        const size_t end = stars->first[list[next] + (size_t)1];
+        for (i = stars->first[list[next]]; i < end; ) {
+            const size_t stop = end - i < PBW__FEW ? end : i + PBW__FEW;
+            size_t found = 0;
+            for (; i < stop; i++) {                  /* without a branch for each */
+                near_ones[found] = stars->item[i];
+                found += pbw__squared(mesh->points + stars->item[i] * (size_t)dim, q, dim) <= limit;
+            }
+            while (found-- > 0) {
+                const pbw__reach reach = pbw__reach_to(mesh, dim, q, near_ones[found]);
+                for (j = 0; j < count && list[j] != reach.vertex; j++) {
+                }
+                if (j < count || pbw__reach_order(mesh, q, &reach, start) != 0) {
+                    continue;
+                }
+                if (count == PBW__FEW) {
+                    return 0;
+                }
+                list[count++] = reach.vertex;
+            }
+        }
+    }
+    for (i = 1; i < count; i++) {
+        start->vertex = list[i] < start->vertex ? list[i] : start->vertex;
+    }
+    return 1;
+}
+
 /* Gives the k nearest of one query; best: a nearest vertex, equal: whether others are as near. */
 static void pbw__near_one(pbw__queries *queries, pbw__desk *desk, const double *q, size_t query,
                           const pbw__reach *best, int equal)
@@ -10900,6 +10938,10 @@ static void pbw__near_one(pbw__queries *queries, pbw__desk *desk, const double *
     pbw__reach lowest[PBW__FEW];
     size_t count = 1;
     lowest[0] = *best;
+    if (equal && queries->k == 1) {
+        equal = !(mesh->dim == 3 ? pbw__lowest_of_few(queries, q, lowest, 3)
+                                 : pbw__lowest_of_few(queries, q, lowest, 2));
+    }
     if (equal || queries->k > PBW__FEW) {
         pbw__flood(queries, desk, q, best, -1.0);
         if (queries->k > PBW__FEW) {
