@@ -4362,10 +4362,9 @@ PBW__INLINE size_t pbw__region_end(const pbw__store *store, size_t region)
    tail takes the surplus of one region in five.  In the plane each vertex makes two more triangles than it deletes,
    ghosts included, so a region needs two slots a vertex and two more for the first star.  There are at most 65536
    regions, as each round of >>parallel visits all of them; with less than 128 ranks (2D: 512) too many would be full
-   while others are not.
-   The output moves each simplex to its place in the order of lowest ranks.  Of n ranks on the curve, and so of the
-   places they fill, a border of about n^(2/3) has simplices with higher ranks, in slots of later regions: in space
-   the first region has slots for these too, so that places are not ahead of slots. */
+   while others are not.  The output moves each simplex to a place in the order of lowest ranks.  About n^(2/3) of the
+   first n ranks share simplices with higher ranks, in slots of later regions.  In space the first region has spare
+   slots for as many, so that places do not get ahead of the slots that are read. */
 static pbw_status pbw__store_create(pbw__context *context, pbw__store *store, size_t vertices, int dim)
 {
     pbw__memory *memory = &context->memory;
@@ -4956,8 +4955,8 @@ PBW__INLINE pbw_status pbw__located(pbw__kernel *kernel, pbw_index t)
    the sum of the absolute products, 24 H^(5/2) for a height of H units^2.  With H < 6.5e5 that is below 2^53: nothing
    is rounded, and zero is a tie.  2D: 6 H^2, H < 3.8e7.  Lattices and coarse scans live on this.
    ------------------------------------------------------------------------------------------------------ */
-/* Returns the local number of a vertex.  Branchless but for collisions, which are rare: whether the vertex is new is
-   unpredictable.  A collision is one comparison: compilers would make two branches of two. */
+/* Returns the local number of a vertex.  Whether the vertex is new is unpredictable, so the only branch is for
+   collisions, which are rare.  They take one comparison: compilers make two branches of two. */
 PBW__INLINE uint32_t pbw__local(uint64_t *table, uint64_t stamp, uint32_t *count, pbw_index v)
 {
     const uint64_t key = stamp | (uint64_t)v * PBW__LOCALS;
@@ -5380,8 +5379,8 @@ PBW__SIMD_INLINE pbw__d4 pbw__take_over(pbw__d4 a, pbw__d4 b, pbw__d4 lane, pbw_
     return pbw__reorder(pbw__blend(a, b, lane), order);
 }
 
-/* The rows of the i-th simplex of the cavity, numbered on the way; the ghost's is raised, so minors need not wait for
-   the height.  Rows that are still held are taken over. */
+/* Makes the rows of the i-th simplex of the cavity, and numbers its vertices.  The ghost's row is raised, so that
+   minors need not wait for the height.  Rows that an earlier simplex still has are copied. */
 PBW__SIMD_INLINE pbw__rows4 pbw__carve_rows(pbw__search *search, size_t i, pbw__link link, const double *record,
                                             const pbw__point4 *point, const pbw__latest *latest)
 {
@@ -5878,8 +5877,8 @@ static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ri
     return inside;
 }
 
-/* The triangles beyond these of the next edges in the queue join the cavity.  PBW__NO_FIT: with weights, a vertex was
-   met again, and may become hidden. */
+/* Adds the triangles across some of the next edges in the queue to the cavity: `inside` is the set of these edges.
+   PBW__NO_FIT: with weights, a vertex was met again, and may become hidden. */
 PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
                                             unsigned inside, int weighted)
 {
@@ -5980,9 +5979,9 @@ PBW__SIMD_INLINE pbw_status pbw__ring_finish(pbw__kernel *kernel, pbw__ring *rin
 }
 
 /* From a ghost of corners a and b: tests the triangle behind it, (c, b, a), and the two across its edges a c and c b,
-   all at once.  *head is then how many edges of the queue are done with: 0 if another ghost may be in conflict.  The
-   edges of the hull that have the point beyond them, or in line with them, follow one another: so this ghost is the
-   only one if the point is strictly behind the next edge on either side.  Without weights. */
+   all at once.  Sets *head to the number of edges of the queue that are done, 0 if another ghost may be in conflict.
+   The edges of the hull that have the point beyond them, or in line with them, follow one another: so this ghost is
+   the only one if the point is strictly behind the next edge on either side.  Without weights. */
 PBW__SIMD_INLINE pbw_status pbw__ring_start_hull(pbw__kernel *kernel, pbw__ring *ring, const pbw__point4 *point,
                                                  unsigned *head)
 {
@@ -6134,8 +6133,9 @@ static PBW__NOINLINE void pbw__turn_ghost(pbw__kernel *kernel, const pbw__ring *
     link[link[base + 2]] = base | 2;
 }
 
-/* The star, in the slots of the cavity and two more; pbw__refill2 has the numbers of the corners.  The next walk is
-   to start in the triangle towards the next vertex, by a guess: as far along the curve as this from the last. */
+/* Writes the star into the slots of the cavity and two more; pbw__refill2 explains the numbers of the corners.  The
+   next walk starts in the triangle towards the next vertex, which is guessed: as far along the curve from this vertex
+   as this one is from the last. */
 PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pbw_index vertex, size_t width)
 {
     pbw_index *corner = kernel->corner;
@@ -6187,8 +6187,8 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
    coarse to fine, along the curve, alternately forwards and backwards.  Coarse levels keep the cavities small, as the
    random rounds of Amenta, Choi & Rote 2003 ("Incremental constructions con BRIO") do, but need no shuffle and no
    second sort; within a level the next point lies near the last one, so the walk is short and the caches warm.  The
-   finest level goes backwards: a vertex is the lowest one around when it comes, so that most simplices of which it is
-   the lowest rank are those that its star was made of, in slots side by side, as >>output wants them.
+   finest level goes backwards.  So a vertex has the lowest rank of its neighbourhood when it is inserted, and most
+   simplices that will belong to it in >>number are made with its star, in slots side by side.
    Fewer levels are faster on one thread (each coarse step is a cache miss) until cavities grow.  In space, where they
    grow on lattices and tasks contend for zones, a ratio of 8 is better.
 
@@ -6618,8 +6618,8 @@ static pbw_status pbw__level_serial(pbw__build *build, int all)
     pbw__kernel_attach(kernel);
     kernel->own.owner = NULL;
     kernel->status = PBW_OK;
-    /* Any simplex will do as a start, best the last one: there is always one among the used slots of the regions, as
-       the simplices of the seeds, or what replaced them, are there, unless all regions are full. */
+    /* Any simplex serves as a start, best the last one.  The used slots of the regions always hold one: the simplices
+       of the seeds, or those that replaced them, unless all regions are full. */
     kernel->last = kernel->last != PBW_NONE && corner[4 * (size_t)kernel->last] != PBW_NONE ? kernel->last : PBW_NONE;
     for (r = 0; r <= store->region_count && kernel->last == PBW_NONE; r++) {
         size_t end = r < store->region_count ? store->region[r] : store->count;
@@ -6738,8 +6738,8 @@ static pbw_status pbw__find_extremes(void *arg, size_t span, size_t to)
     return PBW_OK;
 }
 
-/* Inserts the extremes: one in eight on one thread, then the others by several tasks, but few.  The first stars reach
-   so many zones that tasks would contend for them. */
+/* Inserts the extremes: first one in eight, on one thread, as the first stars reach so many zones that tasks would
+   contend for them; then the others, by few tasks. */
 static pbw_status pbw__level_extremes(pbw__build *build)
 {
     pbw__memory *memory = &build->context->memory;
@@ -6978,9 +6978,9 @@ PBW__INLINE unsigned pbw__lacking4(const pbw__kernel *kernel, pbw_index a, pbw_i
                   | pbw__is_ours(kernel, d) << 3);
 }
 
-/* Returns whether we may delete the neighbours in conflict of a simplex of which we do not own one corner.  We own
-   three corners of the neighbour across from it; of the others two, so we claim their far vertices.  We claim those
-   first: the missing corner usually has a large star that other tasks need. */
+/* Returns whether we may delete the neighbours in conflict of a simplex of which we do not own one corner.  Of the
+   neighbour across from that corner we own three corners; of each other neighbour two, so we claim its far vertex.
+   Far vertices come first: the missing corner usually has a large star that other tasks need. */
 static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__carved *carved, unsigned lacking,
                                              unsigned inside)
 {
@@ -7062,8 +7062,8 @@ static void pbw__offer_hint(pbw__build *build, pbw_index t, uint8_t owner)
     }
 }
 
-/* Gives back the zones that were claimed first.  If simplices were made, all zones get new hints before: the slot of
-   an old hint may now be in a simplex that another task may delete from now on. */
+/* Gives back the first `count` of our zones.  If simplices were made, all our zones get new hints before that: the
+   slot of an old hint may hold a simplex that another task may delete from now on. */
 static void pbw__give_back(pbw__build *build, pbw__kernel *kernel, int count)
 {
     pbw_index v[4] = { PBW__GHOST, PBW__GHOST, PBW__GHOST, PBW__GHOST };
@@ -7191,8 +7191,8 @@ static int pbw__batch(pbw__build *build, pbw__kernel *kernel, size_t from, size_
     return 1;
 }
 
-/* Inserts the vertices of a round, in batches: those of the task's own share, then those of other shares from their
-   ends, where nobody is at work. */
+/* Inserts the vertices of a round, in batches: first those of the task's own share, then those of other shares, from
+   the ends, where no other task is at work. */
 static void pbw__round(void *arg, int task)
 {
     pbw__build *build = (pbw__build *)arg;
