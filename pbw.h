@@ -10573,7 +10573,7 @@ static double pbw__reach_distance(const pbw_mesh *mesh, const double *q, const p
      - each other vertex has a strictly nearer neighbour, so the next nearest is a neighbour of one of those before;
      - the vertices within a radius are connected.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__FEW 64                                  /* nearest kept in order; more in a heap */
+#define PBW__NEAR_LIST 64                            /* nearest kept in order; more in a heap */
 
 /* ---- stars */
 /* Adds the star of a vertex: a walk round it, breadth first. */
@@ -10814,7 +10814,7 @@ PBW__INLINE double pbw__near_limit(const pbw__queries *queries, const pbw__desk 
          ? pbw__reach_limit(desk->reach + queries->k - 1) : HUGE_VAL;
 }
 
-/* Completes the k <= PBW__FEW nearest from those that desk->reach has: looks at the neighbours of each. */
+/* Completes the k <= PBW__NEAR_LIST nearest from those that desk->reach has: looks at the neighbours of each. */
 PBW__INLINE void pbw__near_few(pbw__queries *queries, pbw__desk *desk, const double *q, int dim)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -10858,7 +10858,7 @@ static void pbw__give_near(pbw__queries *queries, const double *q, size_t query,
     }
 }
 
-/* Gives the k <= PBW__FEW nearest that desk->reach has in order. */
+/* Gives the k <= PBW__NEAR_LIST nearest that desk->reach has in order. */
 static void pbw__give_list(pbw__queries *queries, const pbw__desk *desk, const double *q, size_t query)
 {
     size_t at;
@@ -10892,19 +10892,19 @@ static void pbw__near_many(pbw__queries *queries, pbw__desk *desk, const double 
     }
 }
 
-/* The lowest vertex as near as `start` into *start.  Returns 0 if there are more of them than PBW__FEW. */
+/* The lowest vertex as near as `start` into *start.  Returns 0 if there are more of them than PBW__NEAR_LIST. */
 PBW__INLINE int pbw__lowest_of_few(const pbw__queries *queries, const double *q, pbw__reach *start, int dim)
 {
     const pbw_mesh *mesh = queries->mesh;
     const pbw_lists *stars = queries->stars;
     const double limit = mesh->weights == NULL ? pbw__reach_limit(start) : HUGE_VAL;
-    pbw_index list[PBW__FEW], near_ones[PBW__FEW];
+    pbw_index list[PBW__NEAR_LIST], near_ones[PBW__NEAR_LIST];
     size_t count = 1, next, i, j;
     list[0] = start->vertex;
     for (next = 0; next < count; next++) {
         const size_t end = stars->first[list[next] + (size_t)1];
         for (i = stars->first[list[next]]; i < end; ) {
-            const size_t stop = end - i < PBW__FEW ? end : i + PBW__FEW;
+            const size_t stop = end - i < PBW__NEAR_LIST ? end : i + PBW__NEAR_LIST;
             size_t found = 0;
             for (; i < stop; i++) {                  /* without a branch for each */
                 near_ones[found] = stars->item[i];
@@ -10917,7 +10917,7 @@ PBW__INLINE int pbw__lowest_of_few(const pbw__queries *queries, const double *q,
                 if (j < count || pbw__reach_order(mesh, q, &reach, start) != 0) {
                     continue;
                 }
-                if (count == PBW__FEW) {
+                if (count == PBW__NEAR_LIST) {
                     return 0;
                 }
                 list[count++] = reach.vertex;
@@ -10935,16 +10935,16 @@ static void pbw__near_one(pbw__queries *queries, pbw__desk *desk, const double *
                           const pbw__reach *best, int equal)
 {
     const pbw_mesh *mesh = queries->mesh;
-    pbw__reach lowest[PBW__FEW];
+    pbw__reach lowest[PBW__NEAR_LIST];
     size_t count = 1;
     lowest[0] = *best;
     if (equal && queries->k == 1) {
         equal = !(mesh->dim == 3 ? pbw__lowest_of_few(queries, q, lowest, 3)
                                  : pbw__lowest_of_few(queries, q, lowest, 2));
     }
-    if (equal || queries->k > PBW__FEW) {
+    if (equal || queries->k > PBW__NEAR_LIST) {
         pbw__flood(queries, desk, q, best, -1.0);
-        if (queries->k > PBW__FEW) {
+        if (queries->k > PBW__NEAR_LIST) {
             pbw__near_many(queries, desk, q, query);
             return;
         }
@@ -10952,7 +10952,7 @@ static void pbw__near_one(pbw__queries *queries, pbw__desk *desk, const double *
             lowest[count] = pbw__reach_pop(mesh, desk, q);
         }
     }
-    if (pbw__room(desk, &desk->reach, &desk->reach_room, PBW__FEW + 1, sizeof(pbw__reach))) {
+    if (pbw__room(desk, &desk->reach, &desk->reach_room, PBW__NEAR_LIST + 1, sizeof(pbw__reach))) {
         memcpy(desk->reach, lowest, count * sizeof(lowest[0]));
         desk->reach_count = count;
         PBW__BY_DIM(mesh->dim, pbw__near_few, queries, desk, q);
@@ -11362,7 +11362,7 @@ PBW__SIMD static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, 
     double q[4];
     size_t i;
     (void)block;
-    if (!pbw__room(desk, &desk->reach, &desk->reach_room, PBW__FEW + 1, sizeof(pbw__reach))) {
+    if (!pbw__room(desk, &desk->reach, &desk->reach_room, PBW__NEAR_LIST + 1, sizeof(pbw__reach))) {
         return;
     }
     for (i = from; i < to; i++) {
@@ -11375,12 +11375,12 @@ PBW__SIMD static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, 
     }
 }
 
-/* Returns whether the tree answers.  It knows no weights, and not more than PBW__FEW neighbours.  If the caller has
+/* Returns whether the tree answers.  It knows no weights, and not more than PBW__NEAR_LIST neighbours.  If the caller has
    stars, the mesh is faster for few queries, and for few neighbours: 4 in 0.8 of the time of the tree, 8 in 1.5. */
 static int pbw__tree_answers(const pbw__queries *queries, const pbw_lists *stars)
 {
     const pbw_mesh *mesh = queries->mesh;
-    return pbw__simd_works() && mesh->weights == NULL && queries->k <= PBW__FEW && mesh->point_count > 0
+    return pbw__simd_works() && mesh->weights == NULL && queries->k <= PBW__NEAR_LIST && mesh->point_count > 0
         && (stars == NULL || (queries->k > 4 && queries->input.count >= mesh->point_count / 8));
 }
 
