@@ -11375,7 +11375,7 @@ PBW__SIMD static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, 
     }
 }
 
-/* Returns whether the tree answers.  It knows no weights, and not more than PBW__NEAR_LIST neighbours.  If the caller has
+/* Returns whether the tree answers.  It knows no weights, and at most PBW__NEAR_LIST neighbours.  If the caller has
    stars, the mesh is faster for few queries, and for few neighbours: 4 in 0.8 of the time of the tree, 8 in 1.5. */
 static int pbw__tree_answers(const pbw__queries *queries, const pbw_lists *stars)
 {
