@@ -2733,8 +2733,6 @@ template <typename RUNG> struct wide_state {
     const wide_launch &a;
     uint32_t *waiting, *group;                       /* bricks and groups that wait */
     site at;
-    record own;                                      /* v */
-    double origin[3];                                /* likewise, in units */
     int lane, count, waits, groups;
     newcomer<double> candidate;                      /* of each lane */
     float deep;                                      /* how deep it lies */
@@ -2786,7 +2784,7 @@ template <typename RUNG> DEVICE void search_groups(wide_state<RUNG> &n)
     id = id < n.a.w.all.count && id != n.at.v ? id : none;
     n.groups -= take;
     __syncwarp();
-    n.candidate = newcomer_at<typename wide_star<RUNG>::type>(n.at, n.own, id);
+    n.candidate = newcomer_at<typename wide_star<RUNG>::type>(n.at, n.at.all->point[n.at.v], id);
     screen_candidates(n, __ballot_sync(all_lanes, id != none));
 }
 
@@ -2815,7 +2813,10 @@ template <typename RUNG> DEVICE void search_bricks(wide_state<RUNG> &n)
     const uint32_t level = (node >> 28) - 1, index = (node & 0xfffffff) * 8 + (uint32_t)(n.lane & 7);
     float may = 0.0f;
     if (at >= 0 && index < bricks.size[level]) {
-        may = depth_of_brick(n.w, n.count, bricks.level[level][index], n.origin);
+        const record &own = n.at.all->point[n.at.v]; /* read again: few registers are left */
+        const double origin[3] = { in_units(*n.at.all, own, 0), in_units(*n.at.all, own, 1),
+                                   in_units(*n.at.all, own, 2) };
+        may = depth_of_brick(n.w, n.count, bricks.level[level][index], origin);
     }
     __syncwarp();
     take_bricks(n, at);
@@ -2866,10 +2867,8 @@ __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) wide_kernel(co
             return;
         }
         const uint32_t v = a.vertex == NULL ? a.w.out.first + i * a.stride : a.vertex[i];
-        const record own = a.w.all.point[v];
         wide_state<RUNG> n = { w, a, w.s.scratch, w.s.scratch + RUNG::room,
-                               { &a.w.all, v, walls_of<3>(a.w.all, own), digits }, own,
-                               { in_units(a.w.all, own, 0), in_units(a.w.all, own, 1), in_units(a.w.all, own, 2) },
+                               { &a.w.all, v, walls_of<3>(a.w.all, a.w.all.point[v]), digits },
                                lane, 0, 4, 0, { none, {} }, 0.0f, 0 };
         const bool started = start_wide(n);
         bool lost = !started;
