@@ -3746,7 +3746,7 @@ static int pbw__order_rest(pbw__ordering *ordering, const pbw__part *part)
     return 1;
 }
 
-/* Writes the points from..to-1 of a part, whose keys are in order, behind record r, and notes duplicates, which are
+/* Writes the points from..to-1 of a part, in the order of its keys, behind record r, and notes duplicates, which are
    neighbours.  Prefetches points PBW__AHEAD of these.  Returns the last record. */
 PBW__INLINE size_t pbw__order_place(const pbw__ordering *ordering, const pbw__part *part, size_t from, size_t to,
                                     size_t r, int dim)
@@ -4364,7 +4364,7 @@ PBW__INLINE size_t pbw__region_end(const pbw__store *store, size_t region)
    regions, as each round of >>parallel visits all of them; with less than 128 ranks (2D: 512) too many would be full
    while others are not.  The output moves each simplex to a place in the order of lowest ranks.  About n^(2/3) of the
    first n ranks share simplices with higher ranks, in slots of later regions.  In space the first region has spare
-   slots for as many, so that places do not get ahead of the slots that are read. */
+   slots for them, so that places do not get ahead of the slots that are read. */
 static pbw_status pbw__store_create(pbw__context *context, pbw__store *store, size_t vertices, int dim)
 {
     pbw__memory *memory = &context->memory;
@@ -5654,7 +5654,7 @@ PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
 #define PBW__BEFORE(link) (((link) & ~(pbw__link)3) | (18u >> 2 * ((link) & 3) & 3))     /* 2 0 1 */
 
 /* Marks a triangle of the cavity by the highest bit of each corner, which no vertex has, or clears the mark: so the
-   plane needs no memory for marks.  In space the next tests would wait for writes whose addresses depend on a
+   plane needs no memory for marks.  In space the next tests would wait for writes to addresses that depend on a
    verdict. */
 PBW__INLINE void pbw__flip_mark2(pbw__kernel *kernel, pbw_index t)
 {

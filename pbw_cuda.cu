@@ -936,8 +936,8 @@ DEVICE float4 half_space(const place<REAL> &pa, const place<REAL> &pb, REAL sign
                        (float)(1 + sizes<REAL>::error() * sqrt(la * lb) * inverse) * far_away);
 }
 
-/* A triangle: three local numbers of vertices, 0 being the vertex at infinity, and a mark on those with whose simplex
-   no point of the input is in conflict: it is final, no insertion removes it. */
+/* A triangle: three local numbers of vertices, 0 being the vertex at infinity, and a mark where no point of the input
+   is in conflict with its simplex: it is final, no insertion removes it. */
 const uint32_t corner_mask = 1023, verified = 1u << 30;
 
 DEVICE uint32_t corner(uint32_t triangle, int k)
