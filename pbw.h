@@ -15047,8 +15047,7 @@ static pbw_status pbw__tuples_gather(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Leaves in each of two sorted lists what is not in the other; marks the points of both, a bit for each, and counts
-   them. */
+/* Leaves in each of two sorted lists what is not in the other; marks the points of both, a bit for each. */
 static void pbw__changes_differ(pbw_changes *changes, size_t corners, uint64_t *mark)
 {
     pbw_index *tuple[2];
@@ -15063,7 +15062,6 @@ static void pbw__changes_differ(pbw_changes *changes, size_t corners, uint64_t *
         if (order != 0) {
             const pbw_index *from = tuple[which] + at * corners;
             for (k = 0; k < corners; k++) {
-                changes->point_count += (size_t)(~mark[from[k] / 64] >> from[k] % 64 & 1);
                 mark[from[k] / 64] |= (uint64_t)1 << from[k] % 64;
             }
             memmove(tuple[which] + kept[which]++ * corners, from, bytes);
@@ -15079,9 +15077,15 @@ static void pbw__changes_differ(pbw_changes *changes, size_t corners, uint64_t *
 static pbw_status pbw__changes_points(pbw_changes *changes, const uint64_t *mark, size_t words)
 {
     pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
-    pbw_index *points = (pbw_index *)pbw__allocate(&owned->memory, changes->point_count, sizeof(pbw_index));
+    pbw_index *points;
     size_t i;
     uint64_t rest;
+    for (i = 0; i < words; i++) {
+        for (rest = mark[i]; rest != 0; rest &= rest - 1) {
+            changes->point_count++;
+        }
+    }
+    points = (pbw_index *)pbw__allocate(&owned->memory, changes->point_count, sizeof(pbw_index));
     if (points == NULL) {
         return PBW_ERROR_MEMORY;
     }
