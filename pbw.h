@@ -3094,8 +3094,8 @@ static const unsigned char pbw__hilbert3[12][8] = {
 #define PBW__LEVELS3 3
 #define PBW__LEVELS_TABLE 1024                       /* of one level less: at least 4 << 8 and 12 << 6 */
 
-/* Several levels of the automaton in one step: entry state << dim*levels | bits holds next state << dim*levels |
-   digits of the key, where bits are the next `levels` bits of each coordinate, coordinate k from bit k*levels on. */
+/* Several levels of the automaton in one step: entry state << dim*levels | octants holds next state << dim*levels |
+   digits of the key, for the next `levels` octants. */
 typedef struct pbw__curve {
     int levels;                                      /* 0: no table yet; 1 for few points: more would not pay */
     uint16_t step[12 << 3 * PBW__LEVELS3];
@@ -3106,7 +3106,6 @@ static void pbw__curve_create(pbw__curve *curve, size_t count, int dim)
     const unsigned states = dim == 3 ? 12 : 4;
     uint16_t fewer[PBW__LEVELS_TABLE];               /* the same for one level less */
     unsigned entry, level;
-    int k;
     curve->levels = count < PBW__SMALLER(3000) ? 1 : dim == 3 ? PBW__LEVELS3 : PBW__LEVELS2;
     for (entry = 0; entry < states << dim; entry++) {
         curve->step[entry] = dim == 3 ? pbw__hilbert3[entry >> 3][entry & 7] : pbw__hilbert2[entry >> 2][entry & 3];
@@ -3115,14 +3114,10 @@ static void pbw__curve_create(pbw__curve *curve, size_t count, int dim)
         const unsigned low = (unsigned)dim * level, width = low + (unsigned)dim;
         memcpy(fewer, curve->step, (states << low) * sizeof(fewer[0]));
         for (entry = 0; entry < states << width; entry++) {
-            unsigned octant = 0, rest = 0, step, next;
-            for (k = 0; k < dim; k++) {
-                const unsigned bits = entry >> (unsigned)k * (level + 1);
-                octant |= (bits >> level & 1) << k;
-                rest |= (bits & ((1u << level) - 1)) << (unsigned)k * level;
-            }
-            step = dim == 3 ? pbw__hilbert3[entry >> width][octant] : pbw__hilbert2[entry >> width][octant];
-            next = fewer[step >> dim << low | rest];
+            const unsigned octant = entry >> low & ((1u << dim) - 1), rest = entry & ((1u << low) - 1);
+            const unsigned step = dim == 3 ? pbw__hilbert3[entry >> width][octant]
+                                           : pbw__hilbert2[entry >> width][octant];
+            const unsigned next = fewer[step >> dim << low | rest];
             curve->step[entry] = (uint16_t)(next >> low << width | (step & ((1u << dim) - 1)) << low
                                             | (next & ((1u << low) - 1)));
         }
@@ -3190,28 +3185,40 @@ PBW__DEVICE static void pbw__box_close(pbw__box *box, int dim)
     }
 }
 
+/* Returns x with dim - 1 zeros before each bit: halves, then halves of halves, move apart. */
+PBW__INLINE uint64_t pbw__spread(uint64_t x, int dim)
+{
+    if (dim == 2) {
+        x = (x | x << 16) & 0xffff0000ffffu;
+        x = (x | x << 8) & 0xff00ff00ff00ffu;
+        x = (x | x << 4) & 0xf0f0f0f0f0f0f0fu;
+        x = (x | x << 2) & 0x3333333333333333u;
+        return (x | x << 1) & 0x5555555555555555u;
+    }
+    x = (x | x << 32) & 0x1f00000000ffffu;
+    x = (x | x << 16) & 0x1f0000ff0000ffu;
+    x = (x | x << 8) & 0x100f00f00f00f00fu;
+    x = (x | x << 4) & 0x10c30c30c30c30c3u;
+    return (x | x << 2) & 0x1249249249249249u;
+}
+
 /* steps, levels: the curve's; levels as a constant.  The first step is filled up with zeros; it starts in the state
    from which they lead to state 0. */
 PBW__INLINE uint64_t pbw__hilbert_key(const uint16_t *steps, const pbw__box *box, const double *x, int dim,
                                       int levels)
 {
     const int width = dim * levels, bits = (box->bits + levels - 1) / levels * levels, fill = bits - box->bits;
-    uint32_t cell[3] = { 0, 0, 0 }, last = ((uint32_t)1 << box->bits) - 1;
+    const uint32_t last = ((uint32_t)1 << box->bits) - 1;
     const unsigned digits = (1u << width) - 1;
     unsigned state = (unsigned)(dim == 2 ? fill & 1 : fill == 0 ? 0 : fill == 1 ? 3 : 1) << width;
-    uint64_t key = 0;
-    int k, bit;
+    uint64_t cells = 0, key = 0;                     /* cells: the octants of all levels */
+    int k, at;
     for (k = 0; k < dim; k++) {
         double t = (box->scale * x[k] - box->scale * box->low[k]) / box->extent * (double)(last + 1);
-        cell[k] = (t < (double)last ? (uint32_t)t : last) << (32 - bits);
+        cells |= pbw__spread(t < (double)last ? (uint32_t)t : last, dim) << k;
     }
-    for (bit = 0; bit < bits; bit += levels) {
-        unsigned entry = 0, step;
-        for (k = dim; k-- > 0; ) {
-            entry = entry << levels | cell[k] >> (32 - levels);
-            cell[k] <<= levels;
-        }
-        step = steps[state | entry];
+    for (at = bits * dim - width; at >= 0; at -= width) {
+        const unsigned step = steps[state | ((unsigned)(cells >> at) & digits)];
         key = key << width | (step & digits);
         state = step & ~digits;
     }
