@@ -11440,7 +11440,8 @@ PBWDEF pbw_status pbw_nearest(const pbw_mesh *mesh, const pbw_lists *stars, cons
 /* ------------------------------------------------------------------------------------------------------
    >>centres      Vectors of doubles or of pairs of doubles, and centres of simplices in either.
    In: points, weights.  Out: centres, relative to a point; orientations to nearly the full precision of doubles.
-   Holds: with `fine`, the error of a sum is at most 2^-90 times the sum of the absolute values of its terms.
+   Holds: with `fine`, and but for underflow, the error of the determinant and of each numerator of a centre is at
+   most 2^-98 times the sum of the absolute products, of coordinates relative to the query.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__vector { pbw__pair x, y, z; } pbw__vector;
 
