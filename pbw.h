@@ -400,7 +400,7 @@ PBWDEF pbw_status pbw_stars(const pbw_mesh *mesh, const pbw_options *options, pb
    the lowest index.  PBW_NONE if the point is outside of the hull, or not finite.
    hull_facet (may be NULL) gets (dim+1)*simplex + corner: the facet opposite to that corner is on the hull, and the
    point on its outer side.  It gets PBW_NONE if there is none: for a point in a simplex, one that is not finite, and
-   a mesh without simplices.
+   a mesh without simplices; and where that number does not fit, beyond 1.07e9 simplices (2D: 1.43e9) with PBW_WIDE.
    hint: a simplex to start from; any number will do, and a near simplex is quick.  No allocation. */
 PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_index hint, pbw_index *hull_facet);
 /* pbw_locate_one for many points; simplices and hull_facets (may be NULL) get an entry for each.  Where several
@@ -9587,6 +9587,13 @@ static pbw_index pbw__lowest_with(const pbw_mesh *mesh, size_t t, unsigned on, i
     return mesh->neighbors[t * corners + i] < t ? mesh->neighbors[t * corners + i] : (pbw_index)t;
 }
 
+/* Returns the number of the hull facet where a walk left the mesh; PBW_NONE if the number does not fit. */
+PBW__INLINE pbw_index pbw__facet_left(const pbw_mesh *mesh, const pbw__spot *spot)
+{
+    const uint64_t number = (uint64_t)spot->simplex * ((uint64_t)mesh->dim + 1) + spot->leave;
+    return number < PBW_NONE ? (pbw_index)number : PBW_NONE;
+}
+
 PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_index hint, pbw_index *hull_facet)
 {
     pbw__spot spot;
@@ -9608,7 +9615,7 @@ PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_i
         return pbw__lowest_with(mesh, spot.simplex, spot.on, &hull);
     }
     if (hull_facet != NULL) {
-        *hull_facet = (pbw_index)(spot.simplex * ((size_t)mesh->dim + 1) + spot.leave);
+        *hull_facet = pbw__facet_left(mesh, &spot);
     }
     return PBW_NONE;
 }
@@ -10010,7 +10017,6 @@ static pbw_status pbw__lists_end(pbw__queries *queries, pbw_status status, pbw_l
 static void pbw__locate_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
 {
     const pbw_mesh *mesh = queries->mesh;
-    const size_t corners = (size_t)mesh->dim + 1;
     pbw__spot spot = { 0, 0, 0 };
     size_t i;
     (void)desk;
@@ -10027,7 +10033,7 @@ static void pbw__locate_block(pbw__queries *queries, pbw__desk *desk, size_t blo
         inside = spot.leave == PBW__INSIDE;
         queries->simplices[query] = inside ? pbw__lowest_with(mesh, spot.simplex, spot.on, &hull) : PBW_NONE;
         if (queries->facets != NULL) {
-            queries->facets[query] = inside ? PBW_NONE : (pbw_index)(spot.simplex * corners + spot.leave);
+            queries->facets[query] = inside ? PBW_NONE : pbw__facet_left(mesh, &spot);
         }
     }
 }
