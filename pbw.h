@@ -966,14 +966,13 @@ static void pbw__wait_50ms(pbw__condition *condition, pbw__mutex *mutex)
    lane.  A mask has all bits of a lane set, or none.  A set of lanes is a number with bit i for lane i.  NaNs arise
    only after overflow, where the error bounds are infinite anyway: pbw__max4, pbw__max_lane and pbw__min_lane may
    drop them.
-   On x86 a build that starts on a processor with AVX2 calls the functions that use vectors.  Every 64-bit Arm has
-   NEON.
-   PBW_NO_SIMD leaves the scalar code only, with the same answers.
+   On x86 the functions that use vectors are called only if the processor has AVX2.  Every 64-bit Arm has NEON.
+   PBW_NO_SIMD leaves only the scalar code, which gives the same answers.
 
    There is no path for AVX-512: eight lanes would hold two simplices of a cavity, but AVX-512 issues on two ports,
-   not three, and the scalar code around the arithmetic does not shrink.  It was 1 to 3 % faster, for 170 lines; four
-   lanes with its registers and masks, 0 to 2 %, or slower.  A search is bound by the latency of its verdicts as much
-   as by its instructions.
+   not three, and the scalar code around the arithmetic does not shrink.  It gains 1 to 3 % for 170 lines; four lanes
+   with its registers and masks gain 0 to 2 %, or lose.  The latency of verdicts bounds a search as much as the number
+   of instructions does.
    ------------------------------------------------------------------------------------------------------ */
 #ifdef PBW__SIMD
 #define PBW__SIMD_INLINE static inline PBW__SIMD __attribute__((always_inline, unused))
@@ -999,7 +998,7 @@ PBW__INLINE int pbw__simd_works(void)
                        && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt"), 1);
 }
 
-/* Defines a function that returns the value of avx2 or of neon. */
+/* Defines a function that returns the expression avx2 or neon. */
 #define PBW__OPERATION(type, name, parameters, avx2, neon) \
     PBW__SIMD_INLINE type name parameters \
     { \
@@ -1035,7 +1034,7 @@ PBW__SIMD_INLINE pbw__d2 pbw__blend2(pbw__d2 x, pbw__d2 y, pbw__d2 mask)
 }
 #endif
 
-/* Permute four doubles, four integers: the lanes of the result are lanes i, j, k, l, which are constants, of x. */
+/* Permute four doubles, four integers: the result has lanes i, j, k, l (constants) of x. */
 #ifdef PBW__AVX2
 #define PBW__PICK(x, i, j, k, l) _mm256_permute4x64_pd(x, (i) | (j) << 2 | (k) << 4 | (l) << 6)
 #define PBW__PICK4(x, i, j, k, l) ((pbw__i4)_mm_shuffle_epi32((__m128i)(x), (i) | (j) << 2 | (k) << 4 | (l) << 6))
@@ -1066,7 +1065,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__four(double a, double b, double c, double d)
 PBW__OPERATION(double, pbw__first, (pbw__d4 x),     /* lane 0 */
     _mm256_cvtsd_f64(x), vgetq_lane_f64(pbw__half0(x), 0))
 
-/* Loads the first two entries of four records: x from the first ones, y from the second ones. */
+/* Loads two entries of each of four records: the first ones into *x, the second ones into *y. */
 PBW__SIMD_INLINE void pbw__columns(const double *a, const double *b, const double *c, const double *d, pbw__d4 *x,
                                    pbw__d4 *y)
 {
@@ -1095,7 +1094,7 @@ PBW__OPERATION(pbw__d4, pbw__sqrt4, (pbw__d4 x),
 PBW__OPERATION(pbw__d4, pbw__abs4, (pbw__d4 x),
     _mm256_andnot_pd(_mm256_set1_pd(-0.0), x), pbw__join(vabsq_f64(pbw__half0(x)), vabsq_f64(pbw__half1(x))))
 
-/* Return the largest lane, the smallest lane and the sum of the lanes, each broadcast to all lanes. */
+/* Return the largest lane, the smallest lane and the sum of all lanes, broadcast. */
 #ifdef PBW__AVX2
 #define PBW__ACROSS(name, f, pair, all) \
     PBW__SIMD_INLINE pbw__d4 name(pbw__d4 x) \
@@ -1152,7 +1151,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__reorder(pbw__d4 x, pbw__order4 order)
 PBW__OPERATION(pbw__d4, pbw__load4d, (const double *from),
     _mm256_loadu_pd(from), pbw__join(vld1q_f64(from), vld1q_f64(from + 2)))
 
-/* Stores a[i], b[i], c[i], d[i], rounded to single precision, in row i of 4. */
+/* Row i of the four rows in `to` gets lane i of a, b, c and d, rounded to single precision. */
 PBW__SIMD_INLINE void pbw__store_rows(float *to, pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d)
 {
 #ifdef PBW__AVX2
@@ -1232,7 +1231,8 @@ PBW__OPERATION(unsigned, pbw__count4, (unsigned set),
     (unsigned)__builtin_popcount(set), (unsigned)(0x4332322132212110u >> 4 * set) & 15)
 PBW__OPERATION(unsigned, pbw__first_lanes, (unsigned count), _bzhi_u32(15, count), count < 4 ? (1u << count) - 1 : 15)
 
-/* Pair k is bit k of `first`, then bit k of `second`.  Returns the pairs k = 0, 1, 2 that are in `chosen`, packed. */
+/* Pair k is bit k of `first` below bit k of `second`.  Returns those of the pairs 0, 1, 2 that are in the set
+   `chosen`, packed. */
 PBW__SIMD_INLINE unsigned pbw__pairs_of(unsigned first, unsigned second, unsigned chosen)
 {
 #ifdef PBW__AVX2
@@ -1311,7 +1311,7 @@ PBW__OPERATION(uint64_t, pbw__lanes01, (pbw__i4 x),     /* lane 0, and lane 1 ab
 PBW__OPERATION(uint64_t, pbw__lanes23, (pbw__i4 x),
     (uint64_t)_mm_extract_epi64((__m128i)x, 1), vgetq_lane_u64((uint64x2_t)x, 1))
 
-/* Pair arithmetic of >>predicates in four lanes; here fused operations are always there. */
+/* The pair arithmetic of >>predicates in four lanes; fused operations are always available here. */
 typedef struct pbw__pair4 { pbw__d4 head, tail; } pbw__pair4;
 
 PBW__SIMD_INLINE pbw__pair4 pbw__plus4(pbw__pair4 a, pbw__pair4 b)
@@ -1330,7 +1330,7 @@ PBW__SIMD_INLINE pbw__pair4 pbw__minus4(pbw__pair4 a, pbw__pair4 b)
 
 PBW__SIMD_INLINE pbw__pair4 pbw__times4(pbw__pair4 a, pbw__pair4 b)
 {
-    pbw__d4 head = pbw__fma(a.head, b.head, pbw__splat(0.0));                 /* must not be fused, see there */
+    pbw__d4 head = pbw__fma(a.head, b.head, pbw__splat(0.0));    /* a plain product could be fused into a sum */
     pbw__d4 error = pbw__fma(a.head, b.head, -head);
     pbw__pair4 result = { head, pbw__fma(a.head, b.tail, pbw__fma(a.tail, b.head, error)) };
     return result;
@@ -1349,7 +1349,7 @@ PBW__SIMD_INLINE pbw__pair4 pbw__sum4(pbw__pair4 a0, pbw__pair4 b0, pbw__pair4 a
     return pbw__plus4(pbw__minus4(pbw__times4(a0, b0), pbw__times4(a1, b1)), pbw__times4(a2, b2));
 }
 
-/* Returns the difference of a and b, zero in masked lanes. */
+/* Returns a - b, zero in masked lanes. */
 PBW__SIMD_INLINE pbw__pair4 pbw__difference4(pbw__d4 a, pbw__d4 b, pbw__d4 mask)
 {
     pbw__pair4 x = { a, pbw__splat(0.0) }, y = { b, pbw__splat(0.0) };
@@ -9298,16 +9298,16 @@ PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh, const pbw_options *options)
     return pbw_hash_of(&sums);
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>tools        For companion headers: ranges on threads, the order of the curve.
-   In: the caller's arrays.  Out: the library's threads and its sort, behind public names.
+   >>tools        For companion headers: loops on threads, points in the order of the curve.
+   In: the caller's arrays.  Out: the library's threads and its sort, as public functions.
    ------------------------------------------------------------------------------------------------------ */
-/* Numbers along the curve, for pbw_order and PBW_CURVE_ORDER: each vertex is followed by its duplicates, ascending.
-   Fills original (the caller's number of each new one), and turns the ids of the vertices and the canonical points
+/* New numbers along the curve, for pbw_order and PBW_CURVE_ORDER: each vertex is followed by its duplicates, in
+   ascending order.  Fills `original` (new number -> the caller's), and turns `id` and `canonical` of the vertices
    into new numbers. */
 typedef struct pbw__numbering {
     pbw__vertices *vertices;
-    pbw_index *original, *next;                      /* next: per canonical point of the caller, the first free
-                                                        number of its group; unused if there are no duplicates */
+    pbw_index *original, *next;                      /* next: per canonical point, the first free number of its
+                                                        group; unused if there are no duplicates */
 } pbw__numbering;
 
 static pbw_status pbw__number_range(void *arg, size_t from, size_t to)
@@ -9379,7 +9379,7 @@ PBWDEF pbw_status pbw_for(const pbw_options *options, size_t count, size_t grain
     if (blocks > most / 64) {
         return PBW_ERROR_TOO_LARGE;
     }
-    /* Each range is worth a thread. */
+    /* 8192: begin_call starts a thread for so many points; a range is worth one. */
     status = pbw__begin_call(&context, options, blocks * 8192, PBW_STAGE_WORK);
     if (status == PBW_OK) {
         status = pbw__for_range(&context, count, grain, 1.0, body, arg);
@@ -9420,8 +9420,8 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__INSIDE 4u                               /* no corner to leave a simplex by */
 
-/* Returns the corner opposite to a facet that has p strictly on its outer side, or PBW__INSIDE; then `on` is the set
-   of corners with p on the opposite facet.  By exact signs. */
+/* Finds, by exact signs, a facet that has p strictly on its outer side, and returns the corner opposite to it.
+   Returns PBW__INSIDE if there is none; *on is then the set of corners with p on the opposite facet. */
 static PBW__NOINLINE unsigned pbw__side_exact(const pbw_mesh *mesh, const pbw_index *v, const double *p,
                                               const pbw__grid *grid, unsigned *on)
 {
@@ -9442,9 +9442,9 @@ static PBW__NOINLINE unsigned pbw__side_exact(const pbw_mesh *mesh, const pbw_in
     return PBW__INSIDE;
 }
 
-/* Computes the orientations of the simplex with each corner in turn replaced by p.  Returns the bound of the error of
-   each: orient3 of the table in >>predicates, as these are its determinants and roundings.  The bound is infinite
-   outside of the range of pbw__certain, after an overflow too. */
+/* Computes side[i], the orientation of the simplex with corner i replaced by p.  Returns a bound for the error of
+   each: that of orient3 in >>predicates, as the determinants and roundings are the same.  It is infinite outside of
+   the range of pbw__certain, as after an overflow. */
 PBW__INLINE double pbw__sides3(const double *points, const pbw_index *v, const double *p, double *side)
 {
     double x[4], y[4], z[4], mx, my, mz, low, high, s01, s02, s03, s12, s13, s23;
@@ -9474,7 +9474,7 @@ PBW__INLINE double pbw__sides3(const double *points, const pbw_index *v, const d
     return low > 1e-50 && high < 1e100 ? PBW__FILTER_ORIENT3_ERROR * DBL_EPSILON * mx * my * mz : HUGE_VAL;
 }
 
-/* The same in the plane, with the bound of orient2. */
+/* pbw__sides3 in the plane, with the bound of orient2. */
 PBW__INLINE double pbw__sides2(const double *points, const pbw_index *v, const double *p, double *side)
 {
     double x[3], y[3], mx, my, low, high;
@@ -9502,8 +9502,8 @@ typedef struct pbw__spot {
     unsigned on;                                     /* if inside: the corners with the query on the opposite facet */
 } pbw__spot;
 
-/* Walks to p from spot->simplex, through the facet with the least orientation.  If this is clearly negative the walk
-   goes on, if it is clearly positive p is inside; else exact signs tell. */
+/* Walks to p from spot->simplex, always through the facet with the least orientation.  If that is certainly negative
+   the walk goes on; if it is certainly positive p is inside; otherwise exact signs decide. */
 PBW__INLINE void pbw__walk_of(const pbw_mesh *mesh, pbw__spot *spot, const double *p, const pbw__grid *grid, int dim)
 {
     size_t t = spot->simplex;
@@ -9536,9 +9536,10 @@ static void pbw__walk_to(const pbw_mesh *mesh, pbw__spot *spot, const double *p,
     PBW__BY_DIM(mesh->dim, pbw__walk_of, mesh, spot, p, grid);
 }
 
-/* Returns the lowest of the tetrahedra round an edge: that of t which lies in the facets opposite to the corners i
-   and j.  Sets *hull if it lies on the hull.  Goes round both ways, as the first may end at the hull.  Each step
-   crosses the facet of the edge and the vertex `stays`; in the next one the fourth corner behind it stays. */
+/* Returns the lowest of the tetrahedra round the edge of t that lies in the facets opposite to corners i and j.  Sets
+   *hull if the edge lies on the hull; the turn one way then ends there, so we turn the other way too.  Each step
+   crosses the facet of the edge and the vertex `stays`; the next one crosses that of the edge and the corner behind.
+   */
 static pbw_index pbw__lowest_round_edge(const pbw_mesh *mesh, size_t t, unsigned i, unsigned j, int *hull)
 {
     const pbw_index *v = mesh->simplices + t * 4;
@@ -9560,8 +9561,8 @@ static pbw_index pbw__lowest_round_edge(const pbw_mesh *mesh, size_t t, unsigned
     return (pbw_index)lowest;
 }
 
-/* Returns the lowest simplex that contains a point of simplex t that lies in the facets opposite to the corners of
-   the set `on`; hull: whether that point lies on the hull. */
+/* Given a point of simplex t in the facets opposite to the corners in the set `on`, returns the lowest simplex that
+   contains it; *hull tells whether the point is known to lie on the hull. */
 static pbw_index pbw__lowest_with(const pbw_mesh *mesh, size_t t, unsigned on, int *hull)
 {
     const size_t corners = (size_t)mesh->dim + 1;
@@ -9622,19 +9623,19 @@ PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_i
 /* ------------------------------------------------------------------------------------------------------
    >>batch        Many queries at a time: sorted, cut into blocks, answered by all threads; location; lists.
    In: a mesh, query points.  Out: for each query an item in an array, or a list.
-   Holds: blocks are of a fixed size, so that no answer depends on the number of threads.
+   Holds: blocks have a fixed size, so no answer depends on the number of threads.
 
-   A batch is ordered along a Hilbert curve, as points are in >>order.  Walks start where the last one of the block
-   ended, the first of them from the nearest of a few vertices.  Lists are made in two passes: each block writes its
-   own into a chunk; when all lengths are known, chunks are copied to their places.
+   A batch is sorted along a Hilbert curve, as points are in >>order.  A walk starts where the last one of its block
+   ended; the first walk of a block starts from the nearest of a few vertices.  Lists take two passes: each block
+   writes its lists into a chunk; once all lengths are known, the chunks are copied to their places.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__BLOCK_QUERIES 512
 
-/* A vertex and its computed distance, see >>reach; done: see pbw__near_few. */
+/* A vertex and its computed distance, see >>reach; done: pbw__near_few has looked at its neighbours. */
 typedef struct pbw__reach { double squared, slack; pbw_index vertex, done; } pbw__reach;
 typedef struct pbw__entry { uint64_t key; uint32_t value, stamp; } pbw__entry;
 
-/* Numbers by keys: a hash table.  Entries of other stamps are empty. */
+/* A hash table from keys to numbers.  Entries with another stamp are empty. */
 typedef struct pbw__set {
     pbw__entry *entry;
     size_t room, count;                              /* room: a power of two */
@@ -9644,7 +9645,7 @@ typedef struct pbw__set {
 typedef struct pbw__cavity pbw__cavity;                  /* see >>interpolate */
 typedef struct pbw__tree pbw__tree;                      /* see >>boxes */
 
-/* The scratch memory of a task that answers; arrays grow. */
+/* The scratch memory of one task; its arrays grow. */
 typedef struct pbw__desk {
     pbw__memory *memory;
     int failed;                                      /* out of memory */
@@ -9656,7 +9657,7 @@ typedef struct pbw__desk {
     pbw__cavity *cavity;
 } pbw__desk;
 
-/* Lists of a block: for each its number, its length and its items; values are at the places of their items. */
+/* The lists of a block, each as its number, its length and its items; value[i] belongs to the item in word[i]. */
 typedef struct pbw__chunk {
     pbw_index *word;
     double *value;
@@ -9668,7 +9669,7 @@ typedef void pbw__answer(pbw__queries *queries, pbw__desk *desk, size_t block, s
 
 struct pbw__queries {
     pbw__context context;
-    pbw__grid grid;                                  /* none, but says that rounding is to nearest */
+    pbw__grid grid;                                  /* none, but it says that rounding is to nearest */
     const pbw_mesh *mesh;
     const pbw_lists *stars;                          /* the caller's, or own_stars */
     pbw_lists own_stars;
@@ -9676,20 +9677,20 @@ struct pbw__queries {
     pbw__input input;                                /* the query points */
     pbw__vertices sorted;                            /* their order along the curve */
     pbw__answer *answer;
-    size_t grain;                                    /* items of a block */
-    pbw__chunk *chunk;                               /* of each block, for answers that are lists */
-    int with_values;                                 /* these lists have values */
+    size_t grain;                                    /* items in a block */
+    pbw__chunk *chunk;                               /* per block, if the answers are lists */
+    int with_values;                                 /* the lists have values */
     size_t *first;
     pbw_index *item;
     double *value;
     pbw_index *simplices, *facets, *vertices;        /* of locate, of nearest */
     double *distances, radius;
-    double large;                                    /* of nearest: see pbw__find_unit */
+    double large;                                    /* nearest: see pbw__find_unit */
     size_t k;
     pbw_scheme scheme;
 };
 
-/* Room for `needed` items; 0 and desk->failed if there is none. */
+/* Makes room for `needed` items.  If memory is short, sets desk->failed and returns 0. */
 static int pbw__room(pbw__desk *desk, void *array, size_t *capacity, size_t needed, size_t size)
 {
     size_t bigger = 2 * *capacity > 64 ? 2 * *capacity : 64;
@@ -9737,8 +9738,7 @@ static PBW__NOINLINE int pbw__set_grow(pbw__desk *desk, pbw__set *set)
     return 1;
 }
 
-/* Empties a set.  Afterwards there is room for one number, and pbw__set_add keeps that so.  Returns 0 if memory is
-   short. */
+/* Empties a set and leaves room for one number; pbw__set_add keeps such room.  Returns 0 if memory is short. */
 static int pbw__set_clear(pbw__desk *desk, pbw__set *set)
 {
     set->count = 0;
@@ -9751,7 +9751,8 @@ static int pbw__set_clear(pbw__desk *desk, pbw__set *set)
     return 1;
 }
 
-/* Returns the number of a key: `value` if the key is new, which *added tells.  NULL if memory is short. */
+/* Returns where the number of a key is.  *added: the key is new, and its number is `value`.  NULL if memory is
+   short. */
 PBW__INLINE uint32_t *pbw__set_add(pbw__desk *desk, pbw__set *set, uint64_t key, uint32_t value, int *added)
 {
     size_t at = pbw__set_place(set, key);
@@ -9790,7 +9791,7 @@ static pbw_status pbw__answer_range(void *arg, size_t from, size_t to)
     return desk.failed ? PBW_ERROR_MEMORY : PBW_OK;
 }
 
-/* Answers `items` queries, or other items, in blocks of `grain`. */
+/* Calls `answer` for `items` queries, or other items, in blocks of `grain`. */
 static pbw_status pbw__answer_all(pbw__queries *queries, pbw__answer *answer, size_t items, size_t grain)
 {
     queries->answer = answer;
@@ -9800,7 +9801,7 @@ static pbw_status pbw__answer_all(pbw__queries *queries, pbw__answer *answer, si
 }
 
 /* ---- order
-   The ordering of points takes a twentieth of the progress of a stage. */
+   Sorting the points counts as a twentieth of a stage's progress. */
 typedef struct pbw__sort_progress { pbw_options options; double begin; } pbw__sort_progress;
 
 static int pbw__report_sort(void *user, pbw_stage stage, double done)
@@ -9809,8 +9810,8 @@ static int pbw__report_sort(void *user, pbw_stage stage, double done)
     return outer->options.progress(outer->options.progress_user, stage, outer->begin + 0.05 * done);
 }
 
-/* Orders points, at least one, along a curve: sorted->id[1], ... are their numbers.  On success pbw__vertices_free
-   must follow. */
+/* Sorts one point or more along a curve: sorted->id[1], sorted->id[2], ... are their numbers.  The caller frees
+   `sorted` with pbw__vertices_free after success. */
 static pbw_status pbw__sort_points(pbw__context *context, pbw__input *input, pbw__vertices *sorted)
 {
     pbw__sort_progress outer = { context->options, context->reached };
@@ -9820,7 +9821,7 @@ static pbw_status pbw__sort_points(pbw__context *context, pbw__input *input, pbw
         context->options.progress_user = &outer;
         context->last_done = 0.0;
     }
-    input->bare = 1;                                 /* points at one place stay */
+    input->bare = 1;                                 /* keeps duplicates */
     status = pbw__order(context, input, sorted);
     context->options.progress = outer.options.progress;
     context->options.progress_user = outer.options.progress_user;
@@ -9830,7 +9831,7 @@ static pbw_status pbw__sort_points(pbw__context *context, pbw__input *input, pbw
 
 typedef struct pbw__owned_lists { pbw__memory memory; size_t first, items, values; } pbw__owned_lists;
 
-/* Frees what lists hold; it is counted in `memory`. */
+/* Frees the arrays of lists, whose bytes are counted in `memory`. */
 static void pbw__lists_release(pbw__memory *memory, const pbw_lists *lists)
 {
     pbw__owned_lists *owned = (pbw__owned_lists *)lists->memory;
@@ -9842,8 +9843,8 @@ static void pbw__lists_release(pbw__memory *memory, const pbw_lists *lists)
     }
 }
 
-/* Begins a call, checks the arguments that all queries share, and orders the query points.  pbw__queries_end must
-   follow, whatever it returns. */
+/* Begins a call, checks the arguments that all queries have in common, and sorts the query points.  pbw__queries_end
+   must follow on any status. */
 static pbw_status pbw__queries_start(pbw__queries *queries, const pbw_mesh *mesh, const double *points, size_t count,
                                      const pbw_options *options)
 {
@@ -9851,7 +9852,7 @@ static pbw_status pbw__queries_start(pbw__queries *queries, const pbw_mesh *mesh
     pbw_status status;
     memset(queries, 0, sizeof(*queries));
     queries->mesh = mesh;
-    /* A block of queries is worth a thread. */
+    /* 8192: begin_call starts a thread for so many points; a block of queries is worth one. */
     status = pbw__begin_call(&queries->context, options, work * (8192 / PBW__BLOCK_QUERIES), PBW_STAGE_WORK);
     if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || (points == NULL && count != 0)
         || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
@@ -9880,13 +9881,13 @@ static pbw_status pbw__queries_end(pbw__queries *queries, pbw_status status)
     return pbw__end_call(&queries->context, status);
 }
 
-/* Returns the number of the query at a place of the order. */
+/* Returns the number of the query at a place along the curve. */
 PBW__INLINE size_t pbw__query_index(const pbw__queries *queries, size_t place)
 {
     return queries->sorted.id[place + 1];
 }
 
-/* Returns the nearest to p of a few vertices, or nearly. */
+/* Returns the vertex nearest to p, by rounded distances, of a few spread over the mesh. */
 static pbw_index pbw__guess(const pbw_mesh *mesh, const double *p)
 {
     const size_t some = 48, dim = (size_t)mesh->dim;
@@ -9916,8 +9917,8 @@ PBWDEF void pbw_lists_free(pbw_lists *lists)
     }
 }
 
-/* Adds list `id` of `length` items to a chunk.  Returns where to write its items, or NULL if memory is short; and in
-   *values, if the lists have values, where to write these. */
+/* Adds list `id` of `length` items to a chunk.  Returns where to write its items, NULL if memory is short; sets
+   *values to where to write its values, if values is not NULL. */
 static pbw_index *pbw__chunk_add(pbw__queries *queries, pbw__desk *desk, size_t block, size_t id, size_t length,
                                  double **values)
 {
@@ -9954,7 +9955,7 @@ static void pbw__copy_chunk(pbw__queries *queries, pbw__desk *desk, size_t block
     }
 }
 
-/* `count` lists from the answers to items, each of which adds some lists, in any order, to its block's chunk. */
+/* Makes `count` lists.  `answer` adds the lists of a block of items, in any order, to the block's chunk. */
 static pbw_status pbw__make_lists(pbw__queries *queries, pbw__answer *answer, size_t items, size_t size, size_t count,
                                   pbw_lists *lists)
 {
@@ -10000,7 +10001,7 @@ static pbw_status pbw__make_lists(pbw__queries *queries, pbw__answer *answer, si
     return status;
 }
 
-/* After pbw__queries_end: what the lists hold is counted in their own memory from now on. */
+/* Ends the queries; from then on the lists count their bytes in a memory of their own. */
 static pbw_status pbw__lists_end(pbw__queries *queries, pbw_status status, pbw_lists *lists)
 {
     status = pbw__queries_end(queries, status);
@@ -10063,19 +10064,20 @@ PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t 
     return pbw__queries_end(&queries, status);
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>finder       Where walks of single queries start: grids in grids.
-   In: a mesh; then query points, one at a time.  Out: for each cell of a grid over the vertices a simplex of the
-   vertex nearest to the cell's centre; for a cell with many vertices a finer grid over them, and so on.
-   Holds: a finder is only read once it is made, so any number of threads may share it.
+   >>finder       Where walks of single queries start: nested grids.
+   In: a mesh; then query points, one at a time.  Out: for each bin of a grid over the vertices, a simplex at the
+   vertex nearest to the bin's centre; for a bin with many vertices, a finer grid over them, and so on.
+   Holds: a finished finder is never written, so any number of threads may use it at once.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__MANY    64                              /* vertices */
-#define PBW__DEEPEST 12                              /* grids nested in each other */
+#define PBW__MANY    64                              /* vertices: a bin with more gets a finer grid */
+#define PBW__DEEPEST 12                              /* levels of nested grids */
 
-typedef struct pbw__bin { pbw_index start, finer; } pbw__bin;        /* a simplex; the number of a grid, or 0 */
+typedef struct pbw__bin { pbw_index start, finer; } pbw__bin;        /* a simplex; the finer grid's number, or 0 */
 
-typedef struct pbw__bins {                           /* a grid of bins, and its vertices */
+/* A grid: bins first .. first+count-1, side[k] along axis k; vertices from .. to-1 of pbw__binning. */
+typedef struct pbw__bins {
     double low[3], scale[3];
-    size_t side[3], first, count;                    /* of bins: the first, how many */
+    size_t side[3], first, count;
     size_t from, to;
     int depth;
 } pbw__bins;
@@ -10091,12 +10093,13 @@ struct pbw_finder {
 typedef struct pbw__binning {
     pbw__queries *queries;
     pbw_finder *finder;
-    pbw_index *vertices, *sorted;                    /* each grid's in a row */
-    float *least;                                    /* per bin of a grid: the square of the least distance of a
-                                                        vertex from its centre, in edges */
-    size_t *counts;                                  /* per bin of a grid: vertices; then the place of the next one */
+    pbw_index *vertices, *sorted;                    /* those of a grid are contiguous */
+    float *least;                                    /* per bin of a grid: the least squared distance of a vertex from
+                                                        the centre, in edges of a bin */
+    size_t *counts;                                  /* per bin of a grid: vertices; then where the next goes */
 } pbw__binning;
 
+/* Returns the bin of p, or the nearest one.  Adds to *centre the squared distance from its centre, in edges. */
 PBW__INLINE size_t pbw__bin_of(const pbw__bins *grid, int dim, const double *p, double *centre)
 {
     size_t bin = 0;
@@ -10104,15 +10107,15 @@ PBW__INLINE size_t pbw__bin_of(const pbw__bins *grid, int dim, const double *p, 
     for (k = dim; k-- > 0; ) {
         double at = (p[k] - grid->low[k]) * grid->scale[k];
         const double last = (double)(grid->side[k] - 1);
-        at = at > 0.0 ? at < last ? at : last : 0.0;         /* NaN, of an overflow, too */
+        at = at > 0.0 ? at < last ? at : last : 0.0;         /* 0 for the NaN of an overflow too */
         bin = bin * grid->side[k] + (size_t)at;
         *centre += (at - (double)(size_t)at - 0.5) * (at - (double)(size_t)at - 0.5);
     }
     return grid->first + bin;
 }
 
-/* Measures a grid of cubes.  There are at most a quarter of the vertices and 1, as `bins` says, which counts no more
-   than `most` along an axis; or, with the first edge, at most 2 along each axis. */
+/* Chooses the edge of a grid of cubes: the longest side of the box, halved as long as the bins, of which there are at
+   most 2 along each axis at first, stay at most a quarter of the vertices plus 1. */
 static void pbw__bins_measure(const pbw__binning *binning, pbw__bins *grid)
 {
     const pbw_mesh *mesh = binning->finder->mesh;
@@ -10136,7 +10139,7 @@ static void pbw__bins_measure(const pbw__binning *binning, pbw__bins *grid)
     if (!(edge > 0.0 && edge <= DBL_MAX)) {
         return;                                      /* too large to measure: one bin */
     }
-    for (;;) {                                       /* halves the edge while there are bins enough */
+    for (;;) {
         const double smaller = edge * 0.5;
         for (bins = 1.0, k = 0; k < dim; k++) {
             const double side = (box.high[k] - box.low[k]) / smaller;
@@ -10157,7 +10160,7 @@ static void pbw__bins_measure(const pbw__binning *binning, pbw__bins *grid)
     }
 }
 
-/* The start of each bin of a grid, and how many vertices it has; those without one have that of the bin before. */
+/* Sets the start of each bin of a grid, and counts its vertices.  An empty bin starts where the bin before does. */
 static void pbw__bins_fill(const pbw__binning *binning, const pbw__bins *grid)
 {
     const pbw_mesh *mesh = binning->finder->mesh;
@@ -10189,7 +10192,7 @@ static void pbw__bins_fill(const pbw__binning *binning, const pbw__bins *grid)
     }
 }
 
-/* Finer grids for the bins of a grid that have many vertices.  Returns a status. */
+/* Makes finer grids for the bins of a grid that have many vertices. */
 static pbw_status pbw__bins_refine(const pbw__binning *binning, pbw__bins grid)
 {
     pbw_finder *finder = binning->finder;
@@ -10228,7 +10231,6 @@ static pbw_status pbw__bins_refine(const pbw__binning *binning, pbw__bins grid)
     return PBW_OK;
 }
 
-/* Returns a status. */
 static pbw_status pbw__bins_make(const pbw__binning *binning)
 {
     pbw_finder *finder = binning->finder;
@@ -10261,7 +10263,7 @@ static pbw_status pbw__bins_make(const pbw__binning *binning)
 static pbw_status pbw__finder_fill(pbw__queries *queries, pbw_finder *finder)
 {
     pbw__memory *memory = &queries->context.memory;
-    const size_t count = finder->mesh->point_count, most = count / 4 + 8;    /* or 2 along each axis */
+    const size_t count = finder->mesh->point_count, most = count / 4 + 8;    /* bins: see pbw__bins_measure */
     pbw_status status = PBW_ERROR_MEMORY;
     pbw__binning binning;
     binning.queries = queries;
@@ -10338,11 +10340,11 @@ PBWDEF void pbw_finder_free(pbw_finder *finder)
 /* ------------------------------------------------------------------------------------------------------
    >>reach        Power distances of vertices from a query, in exact order.
    In: a query, vertices.  Out: which is nearer, and distances.
-   Holds: rounded distances only choose where their error bounds tell them apart; else integers do.
+   Holds: rounded distances decide only where they differ by more than their error bounds; elsewhere integers do.
    ------------------------------------------------------------------------------------------------------ */
-/* Returns the power distance of a vertex, |v - q|^2 - w, with an error of at most slack: see >>predicates.  Here
-   `squared` is |v - q|^2 as computed.  What underflows is less than 2^-1020 in all.  An overflow makes slack infinite
-   or NaN.  q[3] is the relative error of squares, 0 where all are exact. */
+/* Returns the power distance of a vertex, |v - q|^2 - w, with an error of at most slack: see >>predicates.  The
+   parameter `squared` is |v - q|^2 as computed.  Underflow loses less than 2^-1020 in all.  An overflow makes slack
+   infinite or NaN.  q[3] is the relative error of squares, 0 if all are exact. */
 PBW__INLINE pbw__reach pbw__reach_of(const pbw_mesh *mesh, const double *q, double squared, pbw_index vertex)
 {
     pbw__reach reach;
@@ -10362,18 +10364,18 @@ PBW__INLINE pbw__reach pbw__reach_to(const pbw_mesh *mesh, int dim, const double
     return pbw__reach_of(mesh, q, pbw__squared(mesh->points + vertex * (size_t)dim, q, dim), vertex);
 }
 
-/* Returns the square above which a computed square belongs to a vertex that is surely farther than this one, a; there
-   are no weights.  It is above a.squared by d > 2.8 a.slack: 3 a.slack, less the rounding of the sum, an eighth of
-   a.slack.  The slack of both is below 2 a.slack + q[3] d < d.  In the same way, a square that is less by as much
-   belongs to a vertex that is nearer. */
+/* Without weights: returns a square such that a vertex with a larger computed square is certainly farther than a.  It
+   exceeds a.squared by d > 2.8 a.slack: 3 a.slack, less the rounding of the sum, an eighth of a.slack.  The slack of
+   both together is below 2 a.slack + q[3] d < d.  Likewise, a vertex with a square less than a.squared by as much is
+   certainly nearer. */
 PBW__INLINE double pbw__reach_limit(const pbw__reach *a)
 {
     return a->squared + 3.0 * a->slack;
 }
 
-/* Looks for a unit, a power of two, of which all coordinates are multiples, at most 2^23 of them, as on lattices.
-   Squared distances to queries of which this holds too are exact.  queries->large becomes 3 * 2^51 units, 0 if there
-   is none. */
+/* Looks for a unit, a power of two: all coordinates are multiples of it, at most 2^23 units large, as on lattices.
+   Squared distances to queries with such coordinates are exact.  Sets queries->large to 3 * 2^51 units if there is
+   one. */
 static void pbw__find_unit(pbw__queries *queries)
 {
     const double *x = queries->mesh->points;
@@ -10399,7 +10401,7 @@ static void pbw__find_unit(pbw__queries *queries)
     queries->large = large;
 }
 
-/* Sets q[3]. */
+/* Sets q[3], the relative error of squares. */
 PBW__INLINE void pbw__set_error(const pbw__queries *queries, double *q)
 {
     const double large = queries->large, limit = large / 805306368.0;        /* 2^23 units */
@@ -10410,10 +10412,9 @@ PBW__INLINE void pbw__set_error(const pbw__queries *queries, double *q)
     q[3] = fits ? 0.0 : PBW__REACH_ERROR * DBL_EPSILON;
 }
 
-/* Returns whether (a-b)^2 and their sums are free of rounding errors in any mode: a and b are multiples of a unit, a
-   power of two, in which they are at most 2^51 and `most`, the largest sum as computed, at most 2^50 of its squares.
-   So it is on lattices.  A number that is no multiple of the unit changes where 3 * 2^51 units are added and taken
-   away. */
+/* Returns whether the squares (a-b)^2 and their sums have no rounding errors in any mode, as on lattices: a and b are
+   multiples of a unit, a power of two, and at most 2^51 units; `most`, the largest sum as computed, is at most 2^50
+   units squared.  Adding and subtracting 3 * 2^51 units changes a number that is no multiple of the unit. */
 static int pbw__squares_fit(double (*term)[2], int count, double most)
 {
     const double unit = pbw__power_of_two((pbw__exponent(most) + 1023) / 2 - 536);       /* most < 2^exponent */
@@ -10433,7 +10434,7 @@ static int pbw__squares_fit(double (*term)[2], int count, double most)
     return 1;
 }
 
-/* Returns the lowest exponent of `count` numbers, at most `unit`. */
+/* Returns the lowest exponent of `count` numbers that are not 0, or `unit` if that is lower. */
 static int pbw__exact_unit(const double *number, int count, int unit)
 {
     int64_t mantissa;
@@ -10445,8 +10446,8 @@ static int pbw__exact_unit(const double *number, int count, int unit)
     return unit;
 }
 
-/* Returns the sign of a sum of squares (a-b)^2, the first `plus` of them added, the others subtracted, and of more -
-   less.  Sums of 7 products of 37 digits, and of one of 55, fit a column: see >>exact. */
+/* Returns the exact sign of the sum of the squares (a-b)^2 and of more - less; the first `plus` squares are added,
+   the others subtracted.  Sums of 7 products of 37 digits and one of 55 fit a column: see >>exact. */
 static PBW__NOINLINE int pbw__sign_of_squares(double (*term)[2], int plus, int count, double more, double less)
 {
     pbw__digit pool[8 * 120], *top = pool, one_digit = 1;
@@ -10506,7 +10507,7 @@ PBW__INLINE int pbw__reach_order(const pbw_mesh *mesh, const double *q, const pb
     return gap > slack ? 1 : gap < -slack ? -1 : slack == 0.0 ? 0 : pbw__reach_exact(mesh, q, a, b);
 }
 
-/* Returns whether a, another vertex than b, comes before it. */
+/* Returns whether a comes before b, another vertex: it is nearer, or as near and has the lower index. */
 PBW__INLINE int pbw__reach_before(const pbw_mesh *mesh, const double *q, const pbw__reach *a, const pbw__reach *b)
 {
     const int order = pbw__reach_order(mesh, q, a, b);
@@ -10534,7 +10535,8 @@ PBW__INLINE int pbw__reach_within(const pbw_mesh *mesh, const double *q, const p
                                 mesh->weights != NULL ? mesh->weights[a->vertex] : 0.0) <= 0;
 }
 
-static inline double pbw__square_root(double x)      /* an instruction, and nothing to link, where we can */
+/* One instruction where possible, so that nothing needs libm. */
+static inline double pbw__square_root(double x)
 {
 #if defined(__SSE2__)
     const __m128d y = _mm_set_sd(x);
@@ -10548,7 +10550,7 @@ static inline double pbw__square_root(double x)      /* an instruction, and noth
 #endif
 }
 
-/* Returns the distance for the caller. */
+/* Returns the distance, or with weights the power distance, as the caller gets it. */
 static double pbw__reach_distance(const pbw_mesh *mesh, const double *q, const pbw__reach *a)
 {
     const double *p = mesh->points + a->vertex * (size_t)mesh->dim;
@@ -10572,17 +10574,17 @@ static double pbw__reach_distance(const pbw_mesh *mesh, const double *q, const p
    >>nearest      Stars; the k nearest vertices; the vertices in a ball.
    In: a mesh, its stars.  Out: vertices in the exact order of >>reach, lists.
 
-   Up to a constant, power distances from q are the values at vertices of a convex function that is linear on each
-   simplex.  At a vertex that is no minimum it falls inside the cone of some simplex, hence along an edge.  So
+   Up to a constant, the power distances from q are the values of a convex function at the vertices, linear on each
+   simplex.  At a vertex that is no minimum it decreases within the cone of some simplex, hence along an edge.  So
      - steps to strictly nearer neighbours end at a nearest vertex;
      - equally near minima are connected by edges among them;
      - each other vertex has a strictly nearer neighbour, so the next nearest is a neighbour of one of those before;
      - the vertices within a radius are connected.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__NEAR_LIST 64                            /* nearest kept in order; more in a heap */
+#define PBW__NEAR_LIST 64                            /* up to so many are kept in a sorted list, more in a heap */
 
 /* ---- stars */
-/* Adds the star of a vertex: a walk round it, breadth first. */
+/* Adds the list of a vertex's neighbours, by a walk round it, breadth first. */
 static void pbw__star_of(pbw__queries *queries, pbw__desk *desk, size_t block, pbw_index vertex)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -10627,7 +10629,7 @@ static void pbw__star_of(pbw__queries *queries, pbw__desk *desk, size_t block, p
     }
 }
 
-/* The stars of the vertices that are first met in these simplices: along the curve. */
+/* Makes the stars of the vertices with incident simplices in this range: this follows the curve. */
 static void pbw__stars_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -10655,9 +10657,10 @@ PBWDEF pbw_status pbw_stars(const pbw_mesh *mesh, const pbw_options *options, pb
     return pbw__lists_end(&queries, status, stars);
 }
 
-/* ---- searches; found: desk->reach */
-/* Goes from *best, by steps to nearer neighbours, to a nearest vertex.  Returns whether a neighbour is as near.
-   Without weights computed squares mostly decide, see pbw__reach_limit; else all neighbours are compared exactly. */
+/* ---- searches: the result is in desk->reach */
+/* Steps from *best to nearer neighbours until it is a nearest vertex.  Returns whether a neighbour is as near.
+   Without weights computed squares mostly decide, see pbw__reach_limit; otherwise all neighbours are compared
+   exactly. */
 PBW__INLINE int pbw__descend_of(const pbw__queries *queries, int dim, const double *q, pbw__reach *best)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -10668,7 +10671,7 @@ PBW__INLINE int pbw__descend_of(const pbw__queries *queries, int dim, const doub
         size_t i = first[from];
         const size_t end = first[from + (size_t)1];
         int equal = 0;
-        if (mesh->weights == NULL) {                 /* without a branch for each, mostly */
+        if (mesh->weights == NULL) {                 /* branchless: unpredictable */
             double least = HUGE_VAL;
             pbw_index at = from;
             size_t j;
@@ -10703,7 +10706,7 @@ PBW__INLINE int pbw__descend_of(const pbw__queries *queries, int dim, const doub
     }
 }
 
-/* Adds a vertex to those seen.  Returns whether it was not among them; 0 too if memory is short. */
+/* Adds a vertex to desk->seen.  Returns whether it is new there; 0 too if memory is short. */
 PBW__INLINE int pbw__is_new(pbw__desk *desk, pbw_index vertex)
 {
     int added = 0;
@@ -10723,7 +10726,7 @@ static void pbw__reach_push(const pbw_mesh *mesh, pbw__desk *desk, const double 
     desk->reach_count++;
 }
 
-/* Takes the first off a heap of at least one. */
+/* Removes and returns the nearest of a heap that is not empty. */
 static pbw__reach pbw__reach_pop(const pbw_mesh *mesh, pbw__desk *desk, const double *q)
 {
     const pbw__reach first = desk->reach[0], moving = desk->reach[--desk->reach_count];
@@ -10741,8 +10744,8 @@ static pbw__reach pbw__reach_pop(const pbw_mesh *mesh, pbw__desk *desk, const do
     return first;
 }
 
-/* Puts into the heap the vertices that are connected with `start` by others as near as it, or, if the radius is not
-   negative, by others within the radius. */
+/* Puts `start` and the vertices connected to it into the heap: radius < 0: through vertices as near as it; else
+   through vertices within the radius. */
 static void pbw__flood(pbw__queries *queries, pbw__desk *desk, const double *q, const pbw__reach *start,
                        double radius)
 {
@@ -10773,8 +10776,8 @@ static void pbw__flood(pbw__queries *queries, pbw__desk *desk, const double *q, 
     }
 }
 
-/* Moves the nearest at a place of the list past others that are nearly as near, into the exact order.  Returns where
-   it is then. */
+/* Moves the entry at a place of the list past others that are nearly as near, to its place in exact order.  Returns
+   that place. */
 static PBW__NOINLINE size_t pbw__near_settle(const pbw_mesh *mesh, pbw__desk *desk, const double *q, size_t at)
 {
     pbw__reach *list = desk->reach;
@@ -10789,10 +10792,10 @@ static PBW__NOINLINE size_t pbw__near_settle(const pbw_mesh *mesh, pbw__desk *de
     return at;
 }
 
-/* Puts a vertex that is not in desk->reach into its place among the `most` nearest there, which are in exact order;
-   there is room for one more.  Returns the place, `most` if the vertex is too far.  It comes behind the last square
-   that is not larger.  If the squares next to it differ from its own by more than the slacks, this place is exact, as
-   all others are behind or before these two; else it is settled. */
+/* Inserts a vertex that is not in desk->reach into the list there, at most `most` vertices in exact order, with room
+   for one more.  Returns its place, `most` if it is too far.  It is put behind the last square that is not larger.
+   If both squares next to it differ from its own by more than the slacks, this place is exact, as all others lie
+   beyond these two; otherwise pbw__near_settle moves it. */
 PBW__INLINE size_t pbw__offer_near(const pbw_mesh *mesh, pbw__desk *desk, const double *q, const pbw__reach *reach,
                                    size_t most)
 {
@@ -10813,14 +10816,14 @@ PBW__INLINE size_t pbw__offer_near(const pbw_mesh *mesh, pbw__desk *desk, const 
     return at;
 }
 
-/* Squares above that are too far for the k nearest; weights say nothing beforehand. */
+/* Returns a limit: vertices with larger squares are not among the k nearest.  With weights there is none. */
 PBW__INLINE double pbw__near_limit(const pbw__queries *queries, const pbw__desk *desk)
 {
     return queries->mesh->weights == NULL && desk->reach_count == queries->k
          ? pbw__reach_limit(desk->reach + queries->k - 1) : HUGE_VAL;
 }
 
-/* Completes the k <= PBW__NEAR_LIST nearest from those that desk->reach has: looks at the neighbours of each. */
+/* Completes the k <= PBW__NEAR_LIST nearest in desk->reach by the neighbours of those that are in it. */
 PBW__INLINE void pbw__near_few(pbw__queries *queries, pbw__desk *desk, const double *q, int dim)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -10864,7 +10867,7 @@ static void pbw__give_near(pbw__queries *queries, const double *q, size_t query,
     }
 }
 
-/* Gives the k <= PBW__NEAR_LIST nearest that desk->reach has in order. */
+/* Writes the k <= PBW__NEAR_LIST nearest, which desk->reach has in order, to the caller's arrays. */
 static void pbw__give_list(pbw__queries *queries, const pbw__desk *desk, const double *q, size_t query)
 {
     size_t at;
@@ -10873,7 +10876,8 @@ static void pbw__give_list(pbw__queries *queries, const pbw__desk *desk, const d
     }
 }
 
-/* Gives the k nearest, best first: the heap has the nearest ones, and gets the neighbours of each that leaves it. */
+/* Writes the k nearest, in order: the heap holds the nearest ones at first, and gets the neighbours of each vertex
+   that leaves it. */
 static void pbw__near_many(pbw__queries *queries, pbw__desk *desk, const double *q, size_t query)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -10898,7 +10902,7 @@ static void pbw__near_many(pbw__queries *queries, pbw__desk *desk, const double 
     }
 }
 
-/* The lowest vertex as near as `start` into *start.  Returns 0 if there are more of them than PBW__NEAR_LIST. */
+/* Sets *start to the lowest of the vertices as near as it.  Returns 0 if these are more than PBW__NEAR_LIST. */
 PBW__INLINE int pbw__lowest_of_few(const pbw__queries *queries, const double *q, pbw__reach *start, int dim)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -10912,7 +10916,7 @@ PBW__INLINE int pbw__lowest_of_few(const pbw__queries *queries, const double *q,
         for (i = stars->first[list[next]]; i < end; ) {
             const size_t stop = end - i < PBW__NEAR_LIST ? end : i + PBW__NEAR_LIST;
             size_t found = 0;
-            for (; i < stop; i++) {                  /* without a branch for each */
+            for (; i < stop; i++) {                  /* branchless: unpredictable */
                 near_ones[found] = stars->item[i];
                 found += pbw__squared(mesh->points + stars->item[i] * (size_t)dim, q, dim) <= limit;
             }
@@ -10936,7 +10940,7 @@ PBW__INLINE int pbw__lowest_of_few(const pbw__queries *queries, const double *q,
     return 1;
 }
 
-/* Gives the k nearest of one query; best: a nearest vertex, equal: whether others are as near. */
+/* Answers one query, given a nearest vertex; equal: others are as near. */
 static void pbw__near_one(pbw__queries *queries, pbw__desk *desk, const double *q, size_t query,
                           const pbw__reach *best, int equal)
 {
@@ -10982,15 +10986,15 @@ static void pbw__push_all(pbw__queries *queries, pbw__desk *desk, const double *
     }
 }
 
-/* Reads the query at a place of the order. */
+/* Reads the query at a place along the curve, and sets q[3]. */
 PBW__INLINE void pbw__query_at(const pbw__queries *queries, size_t place, double *q)
 {
     pbw__fetch(&queries->input, pbw__query_index(queries, place), q);
     pbw__set_error(queries, q);
 }
 
-/* Goes to a nearest vertex of q from *best, or, at the start of a block, from a guess.  Returns whether another is as
-   near. */
+/* Sets *best to a nearest vertex of q, by steps from *best, or at the start of a block from a guess.  Returns whether
+   another vertex is as near. */
 static int pbw__query_descend(const pbw__queries *queries, int start, const double *q, pbw__reach *best)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -11019,13 +11023,13 @@ static void pbw__nearest_block(pbw__queries *queries, pbw__desk *desk, size_t bl
     }
 }
 
-/* Returns whether these may be the stars of the mesh; NULL: to be made. */
+/* Returns whether these may be the stars of the mesh.  NULL may: we make them. */
 PBW__INLINE int pbw__fits(const pbw_mesh *mesh, const pbw_lists *stars)
 {
     return stars == NULL || (stars->count == mesh->point_count && stars->first != NULL);
 }
 
-/* Takes the caller's stars of the mesh, or makes them. */
+/* Uses the caller's stars, or makes the stars of the mesh. */
 static pbw_status pbw__take_stars(pbw__queries *queries, const pbw_lists *stars)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -11091,28 +11095,29 @@ PBWDEF pbw_status pbw_within(const pbw_mesh *mesh, const pbw_lists *stars, const
 /* ------------------------------------------------------------------------------------------------------
    >>boxes        Many nearest vertices, by a tree of boxes.
    In: a mesh, queries.  Out: for each query the k nearest vertices in exact order.
-   Holds: a box is left out only where all in it is farther than the k nearest so far: pbw__reach_limit holds for the
-   square of its distance too, as this has the operations of pbw__squared, and no vertex in it is nearer.
+   Holds: a box is skipped only if all vertices in it are farther than the k nearest so far: pbw__reach_limit applies
+   to the square of the box's distance too, which is computed by the operations of pbw__squared and exceeds that of no
+   vertex in it.
 
-   Eight vertices that follow each other on the curve are a leaf, eight leaves a node, eight nodes a node of the next
-   level.  What is compared with a query lies side by side: eight numbers an axis, no gather, no branch.  The
-   last answer bounds the next, so that few boxes remain.  Without vectors, with weights and for few neighbours or few
-   queries the mesh itself is searched, with the same answers: see >>nearest.
+   Eight successive vertices on the curve are a leaf, eight leaves a node, eight nodes a node of the next level.  The
+   numbers to compare with a query are contiguous, eight for each axis: no gather, no branch.  The last answer bounds
+   the next one, so few boxes remain.  Without vectors, with weights, and for few neighbours or few queries >>nearest
+   searches the mesh itself, with the same answers.
    ------------------------------------------------------------------------------------------------------ */
 #ifdef PBW__SIMD
 #define PBW__BRANCH 8
-#define PBW__TREE_LEVELS 11                          /* 8^11 leaves: more than an index can number */
+#define PBW__TREE_LEVELS 11                          /* 8^11 leaves: more than there can be */
 
 struct pbw__tree {
-    size_t count, groups;                            /* of vertices; of eight nodes */
+    size_t count, groups;                            /* vertices; groups of eight nodes */
     int top;                                         /* the level that is one group; leaves are level 0 */
-    size_t nodes[PBW__TREE_LEVELS], first[PBW__TREE_LEVELS];     /* of each level, and its first group */
+    size_t nodes[PBW__TREE_LEVELS], first[PBW__TREE_LEVELS];     /* per level: its nodes, its first group */
     pbw_index *vertex;                               /* along the curve */
-    double *coordinate;                              /* of each leaf, eight an axis */
-    double *box;                                     /* of each group, eight low and eight high ends an axis */
+    double *coordinate;                              /* per leaf and axis, eight */
+    double *box;                                     /* per group and axis, eight low ends, then eight high ends */
 };
 
-/* A node, or a leaf at level 0, and the square of the distance of its box. */
+/* A node, or a leaf at level 0, and the squared distance of its box. */
 typedef struct pbw__branch { double squared; size_t node; int level; } pbw__branch;
 
 static void pbw__tree_free(pbw__memory *memory, const pbw__tree *tree, size_t points, int dim)
@@ -11123,13 +11128,14 @@ static void pbw__tree_free(pbw__memory *memory, const pbw__tree *tree, size_t po
     pbw__release(memory, tree->box, tree->groups * 2 * PBW__BRANCH * (size_t)dim, sizeof(double));
 }
 
-/* Returns where the low end of a node's box on the first axis is.  The high end is 8 after it, the next axis 16. */
+/* Returns where the low end of a node's box on the first axis is.  The high end is 8 entries further on, the low end
+   on the next axis 16. */
 PBW__INLINE double *pbw__tree_box(const pbw__tree *tree, int dim, int level, size_t node)
 {
     return tree->box + (tree->first[level] + node / PBW__BRANCH) * 2 * PBW__BRANCH * (size_t)dim + node % PBW__BRANCH;
 }
 
-/* Stores the low and the high end of `count` intervals side by side. */
+/* Sets the ends of a box on one axis to the least of `count` low ends and the largest of the high ends. */
 PBW__INLINE void pbw__plant_ends(double *end, const double *low, const double *high, size_t count)
 {
     size_t i;
@@ -11141,7 +11147,7 @@ PBW__INLINE void pbw__plant_ends(double *end, const double *low, const double *h
     }
 }
 
-/* Fills leaves, the last one up with its last vertex, and their boxes. */
+/* Fills leaves and their boxes.  The last leaf repeats its last vertex. */
 static pbw_status pbw__plant_leaves(void *arg, size_t from, size_t to)
 {
     const pbw__queries *queries = (const pbw__queries *)arg;
@@ -11162,7 +11168,7 @@ static pbw_status pbw__plant_leaves(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* The boxes of the nodes of a level above the leaves. */
+/* Computes the boxes of a level above the leaves. */
 static void pbw__plant_level(const pbw__tree *tree, int dim, int level)
 {
     size_t node;
@@ -11177,7 +11183,7 @@ static void pbw__plant_level(const pbw__tree *tree, int dim, int level)
     }
 }
 
-/* The vertices along the curve; of a degenerate mesh its canonical points. */
+/* Lists the vertices, or the canonical points of a degenerate mesh, along the curve. */
 static pbw_status pbw__tree_vertices(pbw__queries *queries, pbw__tree *tree)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -11187,7 +11193,7 @@ static pbw_status pbw__tree_vertices(pbw__queries *queries, pbw__tree *tree)
     size_t i;
     memset(&sorted, 0, sizeof(sorted));
     input.stride = (size_t)mesh->dim * sizeof(double);
-    if (mesh->original == NULL) {                    /* else its numbers follow the curve */
+    if (mesh->original == NULL) {                    /* else the points are along the curve already */
         status = pbw__sort_points(&queries->context, &input, &sorted);
     }
     for (i = 0; i < mesh->point_count && status == PBW_OK; i++) {
@@ -11200,7 +11206,7 @@ static pbw_status pbw__tree_vertices(pbw__queries *queries, pbw__tree *tree)
     return status;
 }
 
-/* Makes room for leaves and the boxes of all levels.  Returns 0 if memory is short. */
+/* Allocates leaves and the boxes of all levels.  Returns 0 if memory is short. */
 static int pbw__tree_room(pbw__memory *memory, pbw__tree *tree, int dim)
 {
     const size_t leaves = (tree->count + PBW__BRANCH - 1) / PBW__BRANCH;
@@ -11221,7 +11227,6 @@ static int pbw__tree_room(pbw__memory *memory, pbw__tree *tree, int dim)
     return 1;
 }
 
-/* Makes the tree. */
 static pbw_status pbw__plant(pbw__queries *queries, pbw__tree *tree)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -11253,7 +11258,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__load_four(const double *from)
     return x;
 }
 
-/* Offers the vertices of a leaf, as far as their squares are not above `most`.  Returns `most` for those to come. */
+/* Offers the vertices of a leaf with squares of at most `most`.  Returns the new `most`. */
 PBW__SIMD_INLINE double pbw__search_leaf(const pbw__queries *queries, int dim, pbw__desk *desk, const double *q,
                                          double most, size_t leaf)
 {
@@ -11288,7 +11293,8 @@ PBW__SIMD_INLINE double pbw__search_leaf(const pbw__queries *queries, int dim, p
     return most;
 }
 
-/* Puts those of the eight nodes below one that are near enough onto the stack.  Returns its new height. */
+/* Replaces the node on top of the stack by those of its eight children that are near enough.  Returns the new
+   height. */
 PBW__SIMD_INLINE size_t pbw__search_group(const pbw__tree *tree, int dim, const double *q, double most,
                                           pbw__branch *stack, size_t height)
 {
@@ -11321,7 +11327,7 @@ PBW__SIMD_INLINE size_t pbw__search_group(const pbw__tree *tree, int dim, const 
     return height;
 }
 
-/* Returns a bound for the squares of the k nearest: of the farthest of the last answer. */
+/* Returns a bound for the squares of the k nearest, from the farthest vertex of the last answer. */
 PBW__SIMD_INLINE double pbw__search_limit(const pbw__queries *queries, int dim, const pbw__desk *desk,
                                           const double *q)
 {
@@ -11336,7 +11342,7 @@ PBW__SIMD_INLINE double pbw__search_limit(const pbw__queries *queries, int dim, 
     return desk->reach_count < queries->k ? HUGE_VAL : pbw__reach_limit(&farthest);
 }
 
-/* Finds the k nearest of a query; desk->reach has those of another. */
+/* Finds the k nearest of a query; desk->reach still has the last answer. */
 PBW__SIMD_INLINE void pbw__search_of(pbw__queries *queries, pbw__desk *desk, const double *q, int dim)
 {
     const pbw__tree *tree = queries->tree;
@@ -11375,14 +11381,14 @@ PBW__SIMD static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, 
         pbw__query_at(queries, i, q);
         PBW__BY_DIM(queries->mesh->dim, pbw__search_of, queries, desk, q);
 #ifdef PBW__AVX2
-        _mm256_zeroupper();                          /* else code that is not made for AVX waits ever after */
+        _mm256_zeroupper();                          /* SSE code would stall otherwise */
 #endif
         pbw__give_list(queries, desk, q, pbw__query_index(queries, i));
     }
 }
 
-/* Returns whether the tree answers.  It knows no weights, and at most PBW__NEAR_LIST neighbours.  If the caller has
-   stars, the mesh is faster for few queries, and for few neighbours: 4 in 0.8 of the time of the tree, 8 in 1.5. */
+/* Returns whether to use the tree, which knows no weights and at most PBW__NEAR_LIST neighbours.  With the caller's
+   stars the mesh is faster for few queries, and for few neighbours: 4 in 0.8 of the time of the tree, 8 in 1.5. */
 static int pbw__tree_answers(const pbw__queries *queries, const pbw_lists *stars)
 {
     const pbw_mesh *mesh = queries->mesh;
