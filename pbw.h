@@ -15929,8 +15929,8 @@ static pbw_index pbw__live_new_vertex(pbw_live *live, const double *x, pbw_index
     return v;
 }
 
-/* Adds a number to those of its place.  The place nearly always has a vertex: if two numbers arrive at one place,
-   each may have found the other's entry, and then neither has made a vertex.  Returns 0 if memory is short. */
+/* Adds a number to those of its place.  The place has no vertex only if two numbers arrived there and each found an
+   outdated entry of the other one's vertex, which had been in use before.  Returns 0 if memory is short. */
 static int pbw__live_join(pbw_live *live, pbw_index id)
 {
     pbw__core *core = &live->core;
