@@ -49,18 +49,18 @@
      >>tools        what companion headers build on
      >>query        which simplex contains a point
      >>batch        many queries: sorting, blocks, location, lists
-     >>finder       where walks of single queries start
+     >>finder       where walks of single queries start: nested grids
      >>reach        distances from a query, in exact order
      >>nearest      stars, nearest vertices, vertices in a ball
      >>boxes        many nearest vertices, by a tree of boxes
      >>centres      vectors, pairs, centres of simplices
      >>interpolate  barycentric, Sibson's and Laplace's weights
-     >>core         a triangulation that stays, and a journal of what is deleted
+     >>core         a triangulation that persists, and a journal of deleted simplices
      >>apex         the vertex behind a facet of a hole
      >>ears         the hole of a vertex in space, cut off ear by ear
-     >>removal      one vertex more or less
-     >>verify       vertices that moved: does the triangulation hold; flips
-     >>live         points to be inserted, removed and moved: the queue
+     >>removal      removes or inserts one vertex
+     >>verify       after vertices moved: tests whether the triangulation holds; flips
+     >>live         points to insert, remove and move: the queue
      >>hints         where walks start, and what batches prefetch
      >>tasks         a batch of changes by many threads
      >>change        a batch of queued changes, vertex by vertex
@@ -10114,8 +10114,8 @@ PBW__INLINE size_t pbw__bin_of(const pbw__bins *grid, int dim, const double *p, 
     return grid->first + bin;
 }
 
-/* Chooses the edge of a grid of cubes: the longest side of the box, halved as long as the bins, of which there are at
-   most 2 along each axis at first, stay at most a quarter of the vertices plus 1. */
+/* Chooses the edge of a grid of cubes: starts with the longest side of the box, at most 2 bins along each axis, and
+   halves it while the bins stay at most a quarter of the vertices plus 1. */
 static void pbw__bins_measure(const pbw__binning *binning, pbw__bins *grid)
 {
     const pbw_mesh *mesh = binning->finder->mesh;
@@ -17003,8 +17003,8 @@ PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes)
    >>adopt        A finished mesh becomes a live triangulation.
    In: the arrays of a mesh.  Out: a core; or none, and then the points are triangulated.
    Holds: the mesh is not trusted.  A link is set only between simplices that have the vertices of a facet in common,
-   in opposite orders, so the core is an oriented complex; with ghosts at the hull each facet has two sides.  Then
-   >>verify tells whether it is the triangulation, and walks find the simplices that hide the other points.
+   in opposite orders, so the core is an oriented complex; with ghosts at the hull each facet has two sides.  Whether
+   it is the triangulation, >>verify tells; walks find the simplices that hide the other points.
    Vertices are numbered in the order in which the simplices have them, which is nearly along the curve.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__import {

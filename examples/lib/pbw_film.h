@@ -216,7 +216,7 @@ PBWFILMDEF pbwio_status pbwfilm_write(const char *path, const pbwfilm_options *o
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   The page, which `make page` makes of the files in examples/lib/film/: edit those.
+   The page, made of the files in examples/lib/film/ by `make page`: edit those.
    ------------------------------------------------------------------------------------------------------ */
 static const char *const pbwfilm__part0[] = {
     "<!DOCTYPE html>\n",
