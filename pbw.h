@@ -49,18 +49,18 @@
      >>tools        what companion headers build on
      >>query        which simplex contains a point
      >>batch        many queries: sorting, blocks, location, lists
-     >>finder       where walks of single queries start
+     >>finder       where walks of single queries start: nested grids
      >>reach        distances from a query, in exact order
      >>nearest      stars, nearest vertices, vertices in a ball
      >>boxes        many nearest vertices, by a tree of boxes
      >>centres      vectors, pairs, centres of simplices
      >>interpolate  barycentric, Sibson's and Laplace's weights
-     >>core         a triangulation that stays, and a journal of what is deleted
+     >>core         a triangulation that persists, and a journal of deleted simplices
      >>apex         the vertex behind a facet of a hole
      >>ears         the hole of a vertex in space, cut off ear by ear
-     >>removal      one vertex more or less
-     >>verify       vertices that moved: does the triangulation hold; flips
-     >>live         points to be inserted, removed and moved: the queue
+     >>removal      removes or inserts one vertex
+     >>verify       after vertices moved: tests whether the triangulation holds; flips
+     >>live         points to insert, remove and move: the queue
      >>hints         where walks start, and what batches prefetch
      >>tasks         a batch of changes by many threads
      >>change        a batch of queued changes, vertex by vertex
@@ -400,7 +400,7 @@ PBWDEF pbw_status pbw_stars(const pbw_mesh *mesh, const pbw_options *options, pb
    the lowest index.  PBW_NONE if the point is outside of the hull, or not finite.
    hull_facet (may be NULL) gets (dim+1)*simplex + corner: the facet opposite to that corner is on the hull, and the
    point on its outer side.  It gets PBW_NONE if there is none: for a point in a simplex, one that is not finite, and
-   a mesh without simplices.
+   a mesh without simplices; and where that number does not fit, beyond 1.07e9 simplices (2D: 1.43e9) with PBW_WIDE.
    hint: a simplex to start from; any number will do, and a near simplex is quick.  No allocation. */
 PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_index hint, pbw_index *hull_facet);
 /* pbw_locate_one for many points; simplices and hull_facets (may be NULL) get an entry for each.  Where several
@@ -966,14 +966,13 @@ static void pbw__wait_50ms(pbw__condition *condition, pbw__mutex *mutex)
    lane.  A mask has all bits of a lane set, or none.  A set of lanes is a number with bit i for lane i.  NaNs arise
    only after overflow, where the error bounds are infinite anyway: pbw__max4, pbw__max_lane and pbw__min_lane may
    drop them.
-   On x86 a build that starts on a processor with AVX2 calls the functions that use vectors.  Every 64-bit Arm has
-   NEON.
-   PBW_NO_SIMD leaves the scalar code only, with the same answers.
+   On x86 the functions that use vectors are called only if the processor has AVX2.  Every 64-bit Arm has NEON.
+   PBW_NO_SIMD leaves only the scalar code, which gives the same answers.
 
    There is no path for AVX-512: eight lanes would hold two simplices of a cavity, but AVX-512 issues on two ports,
-   not three, and the scalar code around the arithmetic does not shrink.  It was 1 to 3 % faster, for 170 lines; four
-   lanes with its registers and masks, 0 to 2 %, or slower.  A search is bound by the latency of its verdicts as much
-   as by its instructions.
+   not three, and the scalar code around the arithmetic does not shrink.  It gains 1 to 3 % for 170 lines; four lanes
+   with its registers and masks gain 0 to 2 %, or lose.  The latency of verdicts bounds a search as much as the number
+   of instructions does.
    ------------------------------------------------------------------------------------------------------ */
 #ifdef PBW__SIMD
 #define PBW__SIMD_INLINE static inline PBW__SIMD __attribute__((always_inline, unused))
@@ -999,7 +998,7 @@ PBW__INLINE int pbw__simd_works(void)
                        && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt"), 1);
 }
 
-/* Defines a function that returns the value of avx2 or of neon. */
+/* Defines a function that returns the expression avx2 or neon. */
 #define PBW__OPERATION(type, name, parameters, avx2, neon) \
     PBW__SIMD_INLINE type name parameters \
     { \
@@ -1035,7 +1034,7 @@ PBW__SIMD_INLINE pbw__d2 pbw__blend2(pbw__d2 x, pbw__d2 y, pbw__d2 mask)
 }
 #endif
 
-/* Permute four doubles, four integers: the lanes of the result are lanes i, j, k, l, which are constants, of x. */
+/* Permute four doubles, four integers: the result has lanes i, j, k, l (constants) of x. */
 #ifdef PBW__AVX2
 #define PBW__PICK(x, i, j, k, l) _mm256_permute4x64_pd(x, (i) | (j) << 2 | (k) << 4 | (l) << 6)
 #define PBW__PICK4(x, i, j, k, l) ((pbw__i4)_mm_shuffle_epi32((__m128i)(x), (i) | (j) << 2 | (k) << 4 | (l) << 6))
@@ -1066,7 +1065,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__four(double a, double b, double c, double d)
 PBW__OPERATION(double, pbw__first, (pbw__d4 x),     /* lane 0 */
     _mm256_cvtsd_f64(x), vgetq_lane_f64(pbw__half0(x), 0))
 
-/* Loads the first two entries of four records: x from the first ones, y from the second ones. */
+/* Loads two entries of each of four records: the first ones into *x, the second ones into *y. */
 PBW__SIMD_INLINE void pbw__columns(const double *a, const double *b, const double *c, const double *d, pbw__d4 *x,
                                    pbw__d4 *y)
 {
@@ -1095,7 +1094,7 @@ PBW__OPERATION(pbw__d4, pbw__sqrt4, (pbw__d4 x),
 PBW__OPERATION(pbw__d4, pbw__abs4, (pbw__d4 x),
     _mm256_andnot_pd(_mm256_set1_pd(-0.0), x), pbw__join(vabsq_f64(pbw__half0(x)), vabsq_f64(pbw__half1(x))))
 
-/* Return the largest lane, the smallest lane and the sum of the lanes, each broadcast to all lanes. */
+/* Return the largest lane, the smallest lane and the sum of all lanes, broadcast. */
 #ifdef PBW__AVX2
 #define PBW__ACROSS(name, f, pair, all) \
     PBW__SIMD_INLINE pbw__d4 name(pbw__d4 x) \
@@ -1152,7 +1151,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__reorder(pbw__d4 x, pbw__order4 order)
 PBW__OPERATION(pbw__d4, pbw__load4d, (const double *from),
     _mm256_loadu_pd(from), pbw__join(vld1q_f64(from), vld1q_f64(from + 2)))
 
-/* Stores a[i], b[i], c[i], d[i], rounded to single precision, in row i of 4. */
+/* Row i of the four rows in `to` gets lane i of a, b, c and d, rounded to single precision. */
 PBW__SIMD_INLINE void pbw__store_rows(float *to, pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d)
 {
 #ifdef PBW__AVX2
@@ -1232,7 +1231,8 @@ PBW__OPERATION(unsigned, pbw__count4, (unsigned set),
     (unsigned)__builtin_popcount(set), (unsigned)(0x4332322132212110u >> 4 * set) & 15)
 PBW__OPERATION(unsigned, pbw__first_lanes, (unsigned count), _bzhi_u32(15, count), count < 4 ? (1u << count) - 1 : 15)
 
-/* Pair k is bit k of `first`, then bit k of `second`.  Returns the pairs k = 0, 1, 2 that are in `chosen`, packed. */
+/* Pair k is bit k of `first` below bit k of `second`.  Returns those of the pairs 0, 1, 2 that are in the set
+   `chosen`, packed. */
 PBW__SIMD_INLINE unsigned pbw__pairs_of(unsigned first, unsigned second, unsigned chosen)
 {
 #ifdef PBW__AVX2
@@ -1311,7 +1311,7 @@ PBW__OPERATION(uint64_t, pbw__lanes01, (pbw__i4 x),     /* lane 0, and lane 1 ab
 PBW__OPERATION(uint64_t, pbw__lanes23, (pbw__i4 x),
     (uint64_t)_mm_extract_epi64((__m128i)x, 1), vgetq_lane_u64((uint64x2_t)x, 1))
 
-/* Pair arithmetic of >>predicates in four lanes; here fused operations are always there. */
+/* The pair arithmetic of >>predicates in four lanes; fused operations are always available here. */
 typedef struct pbw__pair4 { pbw__d4 head, tail; } pbw__pair4;
 
 PBW__SIMD_INLINE pbw__pair4 pbw__plus4(pbw__pair4 a, pbw__pair4 b)
@@ -1330,7 +1330,7 @@ PBW__SIMD_INLINE pbw__pair4 pbw__minus4(pbw__pair4 a, pbw__pair4 b)
 
 PBW__SIMD_INLINE pbw__pair4 pbw__times4(pbw__pair4 a, pbw__pair4 b)
 {
-    pbw__d4 head = pbw__fma(a.head, b.head, pbw__splat(0.0));                 /* must not be fused, see there */
+    pbw__d4 head = pbw__fma(a.head, b.head, pbw__splat(0.0));    /* a plain product could be fused into a sum */
     pbw__d4 error = pbw__fma(a.head, b.head, -head);
     pbw__pair4 result = { head, pbw__fma(a.head, b.tail, pbw__fma(a.tail, b.head, error)) };
     return result;
@@ -1349,7 +1349,7 @@ PBW__SIMD_INLINE pbw__pair4 pbw__sum4(pbw__pair4 a0, pbw__pair4 b0, pbw__pair4 a
     return pbw__plus4(pbw__minus4(pbw__times4(a0, b0), pbw__times4(a1, b1)), pbw__times4(a2, b2));
 }
 
-/* Returns the difference of a and b, zero in masked lanes. */
+/* Returns a - b, zero in masked lanes. */
 PBW__SIMD_INLINE pbw__pair4 pbw__difference4(pbw__d4 a, pbw__d4 b, pbw__d4 mask)
 {
     pbw__pair4 x = { a, pbw__splat(0.0) }, y = { b, pbw__splat(0.0) };
@@ -9305,16 +9305,16 @@ PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh, const pbw_options *options)
     return pbw_hash_of(&sums);
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>tools        For companion headers: ranges on threads, the order of the curve.
-   In: the caller's arrays.  Out: the library's threads and its sort, behind public names.
+   >>tools        For companion headers: loops on threads, points in the order of the curve.
+   In: the caller's arrays.  Out: the library's threads and its sort, as public functions.
    ------------------------------------------------------------------------------------------------------ */
-/* Numbers along the curve, for pbw_order and PBW_CURVE_ORDER: each vertex is followed by its duplicates, ascending.
-   Fills original (the caller's number of each new one), and turns the ids of the vertices and the canonical points
+/* New numbers along the curve, for pbw_order and PBW_CURVE_ORDER: each vertex is followed by its duplicates, in
+   ascending order.  Fills `original` (new number -> the caller's), and turns `id` and `canonical` of the vertices
    into new numbers. */
 typedef struct pbw__numbering {
     pbw__vertices *vertices;
-    pbw_index *original, *next;                      /* next: per canonical point of the caller, the first free
-                                                        number of its group; unused if there are no duplicates */
+    pbw_index *original, *next;                      /* next: per canonical point, the first free number of its
+                                                        group; unused if there are no duplicates */
 } pbw__numbering;
 
 static pbw_status pbw__number_range(void *arg, size_t from, size_t to)
@@ -9386,7 +9386,7 @@ PBWDEF pbw_status pbw_for(const pbw_options *options, size_t count, size_t grain
     if (blocks > most / 64) {
         return PBW_ERROR_TOO_LARGE;
     }
-    /* Each range is worth a thread. */
+    /* 8192: begin_call starts a thread for so many points; a range is worth one. */
     status = pbw__begin_call(&context, options, blocks * 8192, PBW_STAGE_WORK);
     if (status == PBW_OK) {
         status = pbw__for_range(&context, count, grain, 1.0, body, arg);
@@ -9427,8 +9427,8 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__INSIDE 4u                               /* no corner to leave a simplex by */
 
-/* Returns the corner opposite to a facet that has p strictly on its outer side, or PBW__INSIDE; then `on` is the set
-   of corners with p on the opposite facet.  By exact signs. */
+/* Finds, by exact signs, a facet that has p strictly on its outer side, and returns the corner opposite to it.
+   Returns PBW__INSIDE if there is none; *on is then the set of corners with p on the opposite facet. */
 static PBW__NOINLINE unsigned pbw__side_exact(const pbw_mesh *mesh, const pbw_index *v, const double *p,
                                               const pbw__grid *grid, unsigned *on)
 {
@@ -9449,9 +9449,9 @@ static PBW__NOINLINE unsigned pbw__side_exact(const pbw_mesh *mesh, const pbw_in
     return PBW__INSIDE;
 }
 
-/* Computes the orientations of the simplex with each corner in turn replaced by p.  Returns the bound of the error of
-   each: orient3 of the table in >>predicates, as these are its determinants and roundings.  The bound is infinite
-   outside of the range of pbw__certain, after an overflow too. */
+/* Computes side[i], the orientation of the simplex with corner i replaced by p.  Returns a bound for the error of
+   each: that of orient3 in >>predicates, as the determinants and roundings are the same.  It is infinite outside of
+   the range of pbw__certain, as after an overflow. */
 PBW__INLINE double pbw__sides3(const double *points, const pbw_index *v, const double *p, double *side)
 {
     double x[4], y[4], z[4], mx, my, mz, low, high, s01, s02, s03, s12, s13, s23;
@@ -9481,7 +9481,7 @@ PBW__INLINE double pbw__sides3(const double *points, const pbw_index *v, const d
     return low > 1e-50 && high < 1e100 ? PBW__FILTER_ORIENT3_ERROR * DBL_EPSILON * mx * my * mz : HUGE_VAL;
 }
 
-/* The same in the plane, with the bound of orient2. */
+/* pbw__sides3 in the plane, with the bound of orient2. */
 PBW__INLINE double pbw__sides2(const double *points, const pbw_index *v, const double *p, double *side)
 {
     double x[3], y[3], mx, my, low, high;
@@ -9509,8 +9509,8 @@ typedef struct pbw__spot {
     unsigned on;                                     /* if inside: the corners with the query on the opposite facet */
 } pbw__spot;
 
-/* Walks to p from spot->simplex, through the facet with the least orientation.  If this is clearly negative the walk
-   goes on, if it is clearly positive p is inside; else exact signs tell. */
+/* Walks to p from spot->simplex, always through the facet with the least orientation.  If that is certainly negative
+   the walk goes on; if it is certainly positive p is inside; otherwise exact signs decide. */
 PBW__INLINE void pbw__walk_of(const pbw_mesh *mesh, pbw__spot *spot, const double *p, const pbw__grid *grid, int dim)
 {
     size_t t = spot->simplex;
@@ -9543,9 +9543,10 @@ static void pbw__walk_to(const pbw_mesh *mesh, pbw__spot *spot, const double *p,
     PBW__BY_DIM(mesh->dim, pbw__walk_of, mesh, spot, p, grid);
 }
 
-/* Returns the lowest of the tetrahedra round an edge: that of t which lies in the facets opposite to the corners i
-   and j.  Sets *hull if it lies on the hull.  Goes round both ways, as the first may end at the hull.  Each step
-   crosses the facet of the edge and the vertex `stays`; in the next one the fourth corner behind it stays. */
+/* Returns the lowest of the tetrahedra round the edge of t that lies in the facets opposite to corners i and j.  Sets
+   *hull if the edge lies on the hull; the turn one way then ends there, so we turn the other way too.  Each step
+   crosses the facet of the edge and the vertex `stays`; the next one crosses that of the edge and the corner behind.
+   */
 static pbw_index pbw__lowest_round_edge(const pbw_mesh *mesh, size_t t, unsigned i, unsigned j, int *hull)
 {
     const pbw_index *v = mesh->simplices + t * 4;
@@ -9567,8 +9568,8 @@ static pbw_index pbw__lowest_round_edge(const pbw_mesh *mesh, size_t t, unsigned
     return (pbw_index)lowest;
 }
 
-/* Returns the lowest simplex that contains a point of simplex t that lies in the facets opposite to the corners of
-   the set `on`; hull: whether that point lies on the hull. */
+/* Given a point of simplex t in the facets opposite to the corners in the set `on`, returns the lowest simplex that
+   contains it; *hull tells whether the point is known to lie on the hull. */
 static pbw_index pbw__lowest_with(const pbw_mesh *mesh, size_t t, unsigned on, int *hull)
 {
     const size_t corners = (size_t)mesh->dim + 1;
@@ -9594,6 +9595,13 @@ static pbw_index pbw__lowest_with(const pbw_mesh *mesh, size_t t, unsigned on, i
     return mesh->neighbors[t * corners + i] < t ? mesh->neighbors[t * corners + i] : (pbw_index)t;
 }
 
+/* Returns the number of the hull facet where a walk left the mesh; PBW_NONE if the number does not fit. */
+PBW__INLINE pbw_index pbw__facet_left(const pbw_mesh *mesh, const pbw__spot *spot)
+{
+    const uint64_t number = (uint64_t)spot->simplex * ((uint64_t)mesh->dim + 1) + spot->leave;
+    return number < PBW_NONE ? (pbw_index)number : PBW_NONE;
+}
+
 PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_index hint, pbw_index *hull_facet)
 {
     pbw__spot spot;
@@ -9615,26 +9623,26 @@ PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_i
         return pbw__lowest_with(mesh, spot.simplex, spot.on, &hull);
     }
     if (hull_facet != NULL) {
-        *hull_facet = (pbw_index)(spot.simplex * ((size_t)mesh->dim + 1) + spot.leave);
+        *hull_facet = pbw__facet_left(mesh, &spot);
     }
     return PBW_NONE;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>batch        Many queries at a time: sorted, cut into blocks, answered by all threads; location; lists.
    In: a mesh, query points.  Out: for each query an item in an array, or a list.
-   Holds: blocks are of a fixed size, so that no answer depends on the number of threads.
+   Holds: blocks have a fixed size, so no answer depends on the number of threads.
 
-   A batch is ordered along a Hilbert curve, as points are in >>order.  Walks start where the last one of the block
-   ended, the first of them from the nearest of a few vertices.  Lists are made in two passes: each block writes its
-   own into a chunk; when all lengths are known, chunks are copied to their places.
+   A batch is sorted along a Hilbert curve, as points are in >>order.  A walk starts where the last one of its block
+   ended; the first walk of a block starts from the nearest of a few vertices.  Lists take two passes: each block
+   writes its lists into a chunk; once all lengths are known, the chunks are copied to their places.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__BLOCK_QUERIES 512
 
-/* A vertex and its computed distance, see >>reach; done: see pbw__near_few. */
+/* A vertex and its computed distance, see >>reach; done: pbw__near_few has looked at its neighbours. */
 typedef struct pbw__reach { double squared, slack; pbw_index vertex, done; } pbw__reach;
 typedef struct pbw__entry { uint64_t key; uint32_t value, stamp; } pbw__entry;
 
-/* Numbers by keys: a hash table.  Entries of other stamps are empty. */
+/* A hash table from keys to numbers.  Entries with another stamp are empty. */
 typedef struct pbw__set {
     pbw__entry *entry;
     size_t room, count;                              /* room: a power of two */
@@ -9644,7 +9652,7 @@ typedef struct pbw__set {
 typedef struct pbw__cavity pbw__cavity;                  /* see >>interpolate */
 typedef struct pbw__tree pbw__tree;                      /* see >>boxes */
 
-/* The scratch memory of a task that answers; arrays grow. */
+/* The scratch memory of one task; its arrays grow. */
 typedef struct pbw__desk {
     pbw__memory *memory;
     int failed;                                      /* out of memory */
@@ -9656,7 +9664,7 @@ typedef struct pbw__desk {
     pbw__cavity *cavity;
 } pbw__desk;
 
-/* Lists of a block: for each its number, its length and its items; values are at the places of their items. */
+/* The lists of a block, each as its number, its length and its items; value[i] belongs to the item in word[i]. */
 typedef struct pbw__chunk {
     pbw_index *word;
     double *value;
@@ -9668,7 +9676,7 @@ typedef void pbw__answer(pbw__queries *queries, pbw__desk *desk, size_t block, s
 
 struct pbw__queries {
     pbw__context context;
-    pbw__grid grid;                                  /* none, but says that rounding is to nearest */
+    pbw__grid grid;                                  /* none, but it says that rounding is to nearest */
     const pbw_mesh *mesh;
     const pbw_lists *stars;                          /* the caller's, or own_stars */
     pbw_lists own_stars;
@@ -9676,20 +9684,20 @@ struct pbw__queries {
     pbw__input input;                                /* the query points */
     pbw__vertices sorted;                            /* their order along the curve */
     pbw__answer *answer;
-    size_t grain;                                    /* items of a block */
-    pbw__chunk *chunk;                               /* of each block, for answers that are lists */
-    int with_values;                                 /* these lists have values */
+    size_t grain;                                    /* items in a block */
+    pbw__chunk *chunk;                               /* per block, if the answers are lists */
+    int with_values;                                 /* the lists have values */
     size_t *first;
     pbw_index *item;
     double *value;
     pbw_index *simplices, *facets, *vertices;        /* of locate, of nearest */
     double *distances, radius;
-    double large;                                    /* of nearest: see pbw__find_unit */
+    double large;                                    /* nearest: see pbw__find_unit */
     size_t k;
     pbw_scheme scheme;
 };
 
-/* Room for `needed` items; 0 and desk->failed if there is none. */
+/* Makes room for `needed` items.  If memory is short, sets desk->failed and returns 0. */
 static int pbw__room(pbw__desk *desk, void *array, size_t *capacity, size_t needed, size_t size)
 {
     size_t bigger = 2 * *capacity > 64 ? 2 * *capacity : 64;
@@ -9737,8 +9745,7 @@ static PBW__NOINLINE int pbw__set_grow(pbw__desk *desk, pbw__set *set)
     return 1;
 }
 
-/* Empties a set.  Afterwards there is room for one number, and pbw__set_add keeps that so.  Returns 0 if memory is
-   short. */
+/* Empties a set and leaves room for one number; pbw__set_add keeps such room.  Returns 0 if memory is short. */
 static int pbw__set_clear(pbw__desk *desk, pbw__set *set)
 {
     set->count = 0;
@@ -9751,7 +9758,8 @@ static int pbw__set_clear(pbw__desk *desk, pbw__set *set)
     return 1;
 }
 
-/* Returns the number of a key: `value` if the key is new, which *added tells.  NULL if memory is short. */
+/* Returns where the number of a key is.  *added: the key is new, and its number is `value`.  NULL if memory is
+   short. */
 PBW__INLINE uint32_t *pbw__set_add(pbw__desk *desk, pbw__set *set, uint64_t key, uint32_t value, int *added)
 {
     size_t at = pbw__set_place(set, key);
@@ -9790,7 +9798,7 @@ static pbw_status pbw__answer_range(void *arg, size_t from, size_t to)
     return desk.failed ? PBW_ERROR_MEMORY : PBW_OK;
 }
 
-/* Answers `items` queries, or other items, in blocks of `grain`. */
+/* Calls `answer` for `items` queries, or other items, in blocks of `grain`. */
 static pbw_status pbw__answer_all(pbw__queries *queries, pbw__answer *answer, size_t items, size_t grain)
 {
     queries->answer = answer;
@@ -9800,7 +9808,7 @@ static pbw_status pbw__answer_all(pbw__queries *queries, pbw__answer *answer, si
 }
 
 /* ---- order
-   The ordering of points takes a twentieth of the progress of a stage. */
+   Sorting the points counts as a twentieth of a stage's progress. */
 typedef struct pbw__sort_progress { pbw_options options; double begin; } pbw__sort_progress;
 
 static int pbw__report_sort(void *user, pbw_stage stage, double done)
@@ -9809,8 +9817,8 @@ static int pbw__report_sort(void *user, pbw_stage stage, double done)
     return outer->options.progress(outer->options.progress_user, stage, outer->begin + 0.05 * done);
 }
 
-/* Orders points, at least one, along a curve: sorted->id[1], ... are their numbers.  On success pbw__vertices_free
-   must follow. */
+/* Sorts one point or more along a curve: sorted->id[1], sorted->id[2], ... are their numbers.  The caller frees
+   `sorted` with pbw__vertices_free after success. */
 static pbw_status pbw__sort_points(pbw__context *context, pbw__input *input, pbw__vertices *sorted)
 {
     pbw__sort_progress outer = { context->options, context->reached };
@@ -9820,7 +9828,7 @@ static pbw_status pbw__sort_points(pbw__context *context, pbw__input *input, pbw
         context->options.progress_user = &outer;
         context->last_done = 0.0;
     }
-    input->bare = 1;                                 /* points at one place stay */
+    input->bare = 1;                                 /* keeps duplicates */
     status = pbw__order(context, input, sorted);
     context->options.progress = outer.options.progress;
     context->options.progress_user = outer.options.progress_user;
@@ -9830,7 +9838,7 @@ static pbw_status pbw__sort_points(pbw__context *context, pbw__input *input, pbw
 
 typedef struct pbw__owned_lists { pbw__memory memory; size_t first, items, values; } pbw__owned_lists;
 
-/* Frees what lists hold; it is counted in `memory`. */
+/* Frees the arrays of lists, whose bytes are counted in `memory`. */
 static void pbw__lists_release(pbw__memory *memory, const pbw_lists *lists)
 {
     pbw__owned_lists *owned = (pbw__owned_lists *)lists->memory;
@@ -9842,8 +9850,8 @@ static void pbw__lists_release(pbw__memory *memory, const pbw_lists *lists)
     }
 }
 
-/* Begins a call, checks the arguments that all queries share, and orders the query points.  pbw__queries_end must
-   follow, whatever it returns. */
+/* Begins a call, checks the arguments that all queries have in common, and sorts the query points.  pbw__queries_end
+   must follow on any status. */
 static pbw_status pbw__queries_start(pbw__queries *queries, const pbw_mesh *mesh, const double *points, size_t count,
                                      const pbw_options *options)
 {
@@ -9851,7 +9859,7 @@ static pbw_status pbw__queries_start(pbw__queries *queries, const pbw_mesh *mesh
     pbw_status status;
     memset(queries, 0, sizeof(*queries));
     queries->mesh = mesh;
-    /* A block of queries is worth a thread. */
+    /* 8192: begin_call starts a thread for so many points; a block of queries is worth one. */
     status = pbw__begin_call(&queries->context, options, work * (8192 / PBW__BLOCK_QUERIES), PBW_STAGE_WORK);
     if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || (points == NULL && count != 0)
         || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
@@ -9880,13 +9888,13 @@ static pbw_status pbw__queries_end(pbw__queries *queries, pbw_status status)
     return pbw__end_call(&queries->context, status);
 }
 
-/* Returns the number of the query at a place of the order. */
+/* Returns the number of the query at a place along the curve. */
 PBW__INLINE size_t pbw__query_index(const pbw__queries *queries, size_t place)
 {
     return queries->sorted.id[place + 1];
 }
 
-/* Returns the nearest to p of a few vertices, or nearly. */
+/* Returns the vertex nearest to p, by rounded distances, of a few spread over the mesh. */
 static pbw_index pbw__guess(const pbw_mesh *mesh, const double *p)
 {
     const size_t some = 48, dim = (size_t)mesh->dim;
@@ -9916,8 +9924,8 @@ PBWDEF void pbw_lists_free(pbw_lists *lists)
     }
 }
 
-/* Adds list `id` of `length` items to a chunk.  Returns where to write its items, or NULL if memory is short; and in
-   *values, if the lists have values, where to write these. */
+/* Adds list `id` of `length` items to a chunk.  Returns where to write its items, NULL if memory is short; sets
+   *values to where to write its values, if values is not NULL. */
 static pbw_index *pbw__chunk_add(pbw__queries *queries, pbw__desk *desk, size_t block, size_t id, size_t length,
                                  double **values)
 {
@@ -9954,7 +9962,7 @@ static void pbw__copy_chunk(pbw__queries *queries, pbw__desk *desk, size_t block
     }
 }
 
-/* `count` lists from the answers to items, each of which adds some lists, in any order, to its block's chunk. */
+/* Makes `count` lists.  `answer` adds the lists of a block of items, in any order, to the block's chunk. */
 static pbw_status pbw__make_lists(pbw__queries *queries, pbw__answer *answer, size_t items, size_t size, size_t count,
                                   pbw_lists *lists)
 {
@@ -10000,7 +10008,7 @@ static pbw_status pbw__make_lists(pbw__queries *queries, pbw__answer *answer, si
     return status;
 }
 
-/* After pbw__queries_end: what the lists hold is counted in their own memory from now on. */
+/* Ends the queries; from then on the lists count their bytes in a memory of their own. */
 static pbw_status pbw__lists_end(pbw__queries *queries, pbw_status status, pbw_lists *lists)
 {
     status = pbw__queries_end(queries, status);
@@ -10017,7 +10025,6 @@ static pbw_status pbw__lists_end(pbw__queries *queries, pbw_status status, pbw_l
 static void pbw__locate_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
 {
     const pbw_mesh *mesh = queries->mesh;
-    const size_t corners = (size_t)mesh->dim + 1;
     pbw__spot spot = { 0, 0, 0 };
     size_t i;
     (void)desk;
@@ -10034,7 +10041,7 @@ static void pbw__locate_block(pbw__queries *queries, pbw__desk *desk, size_t blo
         inside = spot.leave == PBW__INSIDE;
         queries->simplices[query] = inside ? pbw__lowest_with(mesh, spot.simplex, spot.on, &hull) : PBW_NONE;
         if (queries->facets != NULL) {
-            queries->facets[query] = inside ? PBW_NONE : (pbw_index)(spot.simplex * corners + spot.leave);
+            queries->facets[query] = inside ? PBW_NONE : pbw__facet_left(mesh, &spot);
         }
     }
 }
@@ -10064,19 +10071,20 @@ PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t 
     return pbw__queries_end(&queries, status);
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>finder       Where walks of single queries start: grids in grids.
-   In: a mesh; then query points, one at a time.  Out: for each cell of a grid over the vertices a simplex of the
-   vertex nearest to the cell's centre; for a cell with many vertices a finer grid over them, and so on.
-   Holds: a finder is only read once it is made, so any number of threads may share it.
+   >>finder       Where walks of single queries start: nested grids.
+   In: a mesh; then query points, one at a time.  Out: for each bin of a grid over the vertices, a simplex at the
+   vertex nearest to the bin's centre; for a bin with many vertices, a finer grid over them, and so on.
+   Holds: a finished finder is never written, so any number of threads may use it at once.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__MANY    64                              /* vertices */
-#define PBW__DEEPEST 12                              /* grids nested in each other */
+#define PBW__MANY    64                              /* vertices: a bin with more gets a finer grid */
+#define PBW__DEEPEST 12                              /* levels of nested grids */
 
-typedef struct pbw__bin { pbw_index start, finer; } pbw__bin;        /* a simplex; the number of a grid, or 0 */
+typedef struct pbw__bin { pbw_index start, finer; } pbw__bin;        /* a simplex; the finer grid's number, or 0 */
 
-typedef struct pbw__bins {                           /* a grid of bins, and its vertices */
+/* A grid: bins first .. first+count-1, side[k] along axis k; vertices from .. to-1 of pbw__binning. */
+typedef struct pbw__bins {
     double low[3], scale[3];
-    size_t side[3], first, count;                    /* of bins: the first, how many */
+    size_t side[3], first, count;
     size_t from, to;
     int depth;
 } pbw__bins;
@@ -10092,12 +10100,13 @@ struct pbw_finder {
 typedef struct pbw__binning {
     pbw__queries *queries;
     pbw_finder *finder;
-    pbw_index *vertices, *sorted;                    /* each grid's in a row */
-    float *least;                                    /* per bin of a grid: the square of the least distance of a
-                                                        vertex from its centre, in edges */
-    size_t *counts;                                  /* per bin of a grid: vertices; then the place of the next one */
+    pbw_index *vertices, *sorted;                    /* those of a grid are contiguous */
+    float *least;                                    /* per bin of a grid: the least squared distance of a vertex from
+                                                        the centre, in edges of a bin */
+    size_t *counts;                                  /* per bin of a grid: vertices; then where the next goes */
 } pbw__binning;
 
+/* Returns the bin of p, or the nearest one.  Adds to *centre the squared distance from its centre, in edges. */
 PBW__INLINE size_t pbw__bin_of(const pbw__bins *grid, int dim, const double *p, double *centre)
 {
     size_t bin = 0;
@@ -10105,15 +10114,15 @@ PBW__INLINE size_t pbw__bin_of(const pbw__bins *grid, int dim, const double *p, 
     for (k = dim; k-- > 0; ) {
         double at = (p[k] - grid->low[k]) * grid->scale[k];
         const double last = (double)(grid->side[k] - 1);
-        at = at > 0.0 ? at < last ? at : last : 0.0;         /* NaN, of an overflow, too */
+        at = at > 0.0 ? at < last ? at : last : 0.0;         /* 0 for the NaN of an overflow too */
         bin = bin * grid->side[k] + (size_t)at;
         *centre += (at - (double)(size_t)at - 0.5) * (at - (double)(size_t)at - 0.5);
     }
     return grid->first + bin;
 }
 
-/* Measures a grid of cubes.  There are at most a quarter of the vertices and 1, as `bins` says, which counts no more
-   than `most` along an axis; or, with the first edge, at most 2 along each axis. */
+/* Chooses the edge of a grid of cubes: starts with the longest side of the box, at most 2 bins along each axis, and
+   halves it while the bins stay at most a quarter of the vertices plus 1. */
 static void pbw__bins_measure(const pbw__binning *binning, pbw__bins *grid)
 {
     const pbw_mesh *mesh = binning->finder->mesh;
@@ -10137,7 +10146,7 @@ static void pbw__bins_measure(const pbw__binning *binning, pbw__bins *grid)
     if (!(edge > 0.0 && edge <= DBL_MAX)) {
         return;                                      /* too large to measure: one bin */
     }
-    for (;;) {                                       /* halves the edge while there are bins enough */
+    for (;;) {
         const double smaller = edge * 0.5;
         for (bins = 1.0, k = 0; k < dim; k++) {
             const double side = (box.high[k] - box.low[k]) / smaller;
@@ -10158,7 +10167,7 @@ static void pbw__bins_measure(const pbw__binning *binning, pbw__bins *grid)
     }
 }
 
-/* The start of each bin of a grid, and how many vertices it has; those without one have that of the bin before. */
+/* Sets the start of each bin of a grid, and counts its vertices.  An empty bin starts where the bin before does. */
 static void pbw__bins_fill(const pbw__binning *binning, const pbw__bins *grid)
 {
     const pbw_mesh *mesh = binning->finder->mesh;
@@ -10190,7 +10199,7 @@ static void pbw__bins_fill(const pbw__binning *binning, const pbw__bins *grid)
     }
 }
 
-/* Finer grids for the bins of a grid that have many vertices.  Returns a status. */
+/* Makes finer grids for the bins of a grid that have many vertices. */
 static pbw_status pbw__bins_refine(const pbw__binning *binning, pbw__bins grid)
 {
     pbw_finder *finder = binning->finder;
@@ -10229,7 +10238,6 @@ static pbw_status pbw__bins_refine(const pbw__binning *binning, pbw__bins grid)
     return PBW_OK;
 }
 
-/* Returns a status. */
 static pbw_status pbw__bins_make(const pbw__binning *binning)
 {
     pbw_finder *finder = binning->finder;
@@ -10262,7 +10270,7 @@ static pbw_status pbw__bins_make(const pbw__binning *binning)
 static pbw_status pbw__finder_fill(pbw__queries *queries, pbw_finder *finder)
 {
     pbw__memory *memory = &queries->context.memory;
-    const size_t count = finder->mesh->point_count, most = count / 4 + 8;    /* or 2 along each axis */
+    const size_t count = finder->mesh->point_count, most = count / 4 + 8;    /* bins: see pbw__bins_measure */
     pbw_status status = PBW_ERROR_MEMORY;
     pbw__binning binning;
     binning.queries = queries;
@@ -10339,11 +10347,11 @@ PBWDEF void pbw_finder_free(pbw_finder *finder)
 /* ------------------------------------------------------------------------------------------------------
    >>reach        Power distances of vertices from a query, in exact order.
    In: a query, vertices.  Out: which is nearer, and distances.
-   Holds: rounded distances only choose where their error bounds tell them apart; else integers do.
+   Holds: rounded distances decide only where they differ by more than their error bounds; elsewhere integers do.
    ------------------------------------------------------------------------------------------------------ */
-/* Returns the power distance of a vertex, |v - q|^2 - w, with an error of at most slack: see >>predicates.  Here
-   `squared` is |v - q|^2 as computed.  What underflows is less than 2^-1020 in all.  An overflow makes slack infinite
-   or NaN.  q[3] is the relative error of squares, 0 where all are exact. */
+/* Returns the power distance of a vertex, |v - q|^2 - w, with an error of at most slack: see >>predicates.  The
+   parameter `squared` is |v - q|^2 as computed.  Underflow loses less than 2^-1020 in all.  An overflow makes slack
+   infinite or NaN.  q[3] is the relative error of squares, 0 if all are exact. */
 PBW__INLINE pbw__reach pbw__reach_of(const pbw_mesh *mesh, const double *q, double squared, pbw_index vertex)
 {
     pbw__reach reach;
@@ -10363,18 +10371,18 @@ PBW__INLINE pbw__reach pbw__reach_to(const pbw_mesh *mesh, int dim, const double
     return pbw__reach_of(mesh, q, pbw__squared(mesh->points + vertex * (size_t)dim, q, dim), vertex);
 }
 
-/* Returns the square above which a computed square belongs to a vertex that is surely farther than this one, a; there
-   are no weights.  It is above a.squared by d > 2.8 a.slack: 3 a.slack, less the rounding of the sum, an eighth of
-   a.slack.  The slack of both is below 2 a.slack + q[3] d < d.  In the same way, a square that is less by as much
-   belongs to a vertex that is nearer. */
+/* Without weights: returns a square such that a vertex with a larger computed square is certainly farther than a.  It
+   exceeds a.squared by d > 2.8 a.slack: 3 a.slack, less the rounding of the sum, an eighth of a.slack.  The slack of
+   both together is below 2 a.slack + q[3] d < d.  Likewise, a vertex with a square less than a.squared by as much is
+   certainly nearer. */
 PBW__INLINE double pbw__reach_limit(const pbw__reach *a)
 {
     return a->squared + 3.0 * a->slack;
 }
 
-/* Looks for a unit, a power of two, of which all coordinates are multiples, at most 2^23 of them, as on lattices.
-   Squared distances to queries of which this holds too are exact.  queries->large becomes 3 * 2^51 units, 0 if there
-   is none. */
+/* Looks for a unit, a power of two: all coordinates are multiples of it, at most 2^23 units large, as on lattices.
+   Squared distances to queries with such coordinates are exact.  Sets queries->large to 3 * 2^51 units if there is
+   one. */
 static void pbw__find_unit(pbw__queries *queries)
 {
     const double *x = queries->mesh->points;
@@ -10400,7 +10408,7 @@ static void pbw__find_unit(pbw__queries *queries)
     queries->large = large;
 }
 
-/* Sets q[3]. */
+/* Sets q[3], the relative error of squares. */
 PBW__INLINE void pbw__set_error(const pbw__queries *queries, double *q)
 {
     const double large = queries->large, limit = large / 805306368.0;        /* 2^23 units */
@@ -10411,10 +10419,9 @@ PBW__INLINE void pbw__set_error(const pbw__queries *queries, double *q)
     q[3] = fits ? 0.0 : PBW__REACH_ERROR * DBL_EPSILON;
 }
 
-/* Returns whether (a-b)^2 and their sums are free of rounding errors in any mode: a and b are multiples of a unit, a
-   power of two, in which they are at most 2^51 and `most`, the largest sum as computed, at most 2^50 of its squares.
-   So it is on lattices.  A number that is no multiple of the unit changes where 3 * 2^51 units are added and taken
-   away. */
+/* Returns whether the squares (a-b)^2 and their sums have no rounding errors in any mode, as on lattices: a and b are
+   multiples of a unit, a power of two, and at most 2^51 units; `most`, the largest sum as computed, is at most 2^50
+   units squared.  Adding and subtracting 3 * 2^51 units changes a number that is no multiple of the unit. */
 static int pbw__squares_fit(double (*term)[2], int count, double most)
 {
     const double unit = pbw__power_of_two((pbw__exponent(most) + 1023) / 2 - 536);       /* most < 2^exponent */
@@ -10434,7 +10441,7 @@ static int pbw__squares_fit(double (*term)[2], int count, double most)
     return 1;
 }
 
-/* Returns the lowest exponent of `count` numbers, at most `unit`. */
+/* Returns the lowest exponent of `count` numbers that are not 0, or `unit` if that is lower. */
 static int pbw__exact_unit(const double *number, int count, int unit)
 {
     int64_t mantissa;
@@ -10446,8 +10453,8 @@ static int pbw__exact_unit(const double *number, int count, int unit)
     return unit;
 }
 
-/* Returns the sign of a sum of squares (a-b)^2, the first `plus` of them added, the others subtracted, and of more -
-   less.  Sums of 7 products of 37 digits, and of one of 55, fit a column: see >>exact. */
+/* Returns the exact sign of the sum of the squares (a-b)^2 and of more - less; the first `plus` squares are added,
+   the others subtracted.  Sums of 7 products of 37 digits and one of 55 fit a column: see >>exact. */
 static PBW__NOINLINE int pbw__sign_of_squares(double (*term)[2], int plus, int count, double more, double less)
 {
     pbw__digit pool[8 * 120], *top = pool, one_digit = 1;
@@ -10507,7 +10514,7 @@ PBW__INLINE int pbw__reach_order(const pbw_mesh *mesh, const double *q, const pb
     return gap > slack ? 1 : gap < -slack ? -1 : slack == 0.0 ? 0 : pbw__reach_exact(mesh, q, a, b);
 }
 
-/* Returns whether a, another vertex than b, comes before it. */
+/* Returns whether a comes before b, another vertex: it is nearer, or as near and has the lower index. */
 PBW__INLINE int pbw__reach_before(const pbw_mesh *mesh, const double *q, const pbw__reach *a, const pbw__reach *b)
 {
     const int order = pbw__reach_order(mesh, q, a, b);
@@ -10535,7 +10542,8 @@ PBW__INLINE int pbw__reach_within(const pbw_mesh *mesh, const double *q, const p
                                 mesh->weights != NULL ? mesh->weights[a->vertex] : 0.0) <= 0;
 }
 
-static inline double pbw__square_root(double x)      /* an instruction, and nothing to link, where we can */
+/* One instruction where possible, so that nothing needs libm. */
+static inline double pbw__square_root(double x)
 {
 #if defined(__SSE2__)
     const __m128d y = _mm_set_sd(x);
@@ -10549,7 +10557,7 @@ static inline double pbw__square_root(double x)      /* an instruction, and noth
 #endif
 }
 
-/* Returns the distance for the caller. */
+/* Returns the distance, or with weights the power distance, as the caller gets it. */
 static double pbw__reach_distance(const pbw_mesh *mesh, const double *q, const pbw__reach *a)
 {
     const double *p = mesh->points + a->vertex * (size_t)mesh->dim;
@@ -10573,17 +10581,17 @@ static double pbw__reach_distance(const pbw_mesh *mesh, const double *q, const p
    >>nearest      Stars; the k nearest vertices; the vertices in a ball.
    In: a mesh, its stars.  Out: vertices in the exact order of >>reach, lists.
 
-   Up to a constant, power distances from q are the values at vertices of a convex function that is linear on each
-   simplex.  At a vertex that is no minimum it falls inside the cone of some simplex, hence along an edge.  So
+   Up to a constant, the power distances from q are the values of a convex function at the vertices, linear on each
+   simplex.  At a vertex that is no minimum it decreases within the cone of some simplex, hence along an edge.  So
      - steps to strictly nearer neighbours end at a nearest vertex;
      - equally near minima are connected by edges among them;
      - each other vertex has a strictly nearer neighbour, so the next nearest is a neighbour of one of those before;
      - the vertices within a radius are connected.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__NEAR_LIST 64                            /* nearest kept in order; more in a heap */
+#define PBW__NEAR_LIST 64                            /* up to so many are kept in a sorted list, more in a heap */
 
 /* ---- stars */
-/* Adds the star of a vertex: a walk round it, breadth first. */
+/* Adds the list of a vertex's neighbours, by a walk round it, breadth first. */
 static void pbw__star_of(pbw__queries *queries, pbw__desk *desk, size_t block, pbw_index vertex)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -10628,7 +10636,7 @@ static void pbw__star_of(pbw__queries *queries, pbw__desk *desk, size_t block, p
     }
 }
 
-/* The stars of the vertices that are first met in these simplices: along the curve. */
+/* Makes the stars of the vertices with incident simplices in this range: this follows the curve. */
 static void pbw__stars_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -10656,9 +10664,10 @@ PBWDEF pbw_status pbw_stars(const pbw_mesh *mesh, const pbw_options *options, pb
     return pbw__lists_end(&queries, status, stars);
 }
 
-/* ---- searches; found: desk->reach */
-/* Goes from *best, by steps to nearer neighbours, to a nearest vertex.  Returns whether a neighbour is as near.
-   Without weights computed squares mostly decide, see pbw__reach_limit; else all neighbours are compared exactly. */
+/* ---- searches: the result is in desk->reach */
+/* Steps from *best to nearer neighbours until it is a nearest vertex.  Returns whether a neighbour is as near.
+   Without weights computed squares mostly decide, see pbw__reach_limit; otherwise all neighbours are compared
+   exactly. */
 PBW__INLINE int pbw__descend_of(const pbw__queries *queries, int dim, const double *q, pbw__reach *best)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -10669,7 +10678,7 @@ PBW__INLINE int pbw__descend_of(const pbw__queries *queries, int dim, const doub
         size_t i = first[from];
         const size_t end = first[from + (size_t)1];
         int equal = 0;
-        if (mesh->weights == NULL) {                 /* without a branch for each, mostly */
+        if (mesh->weights == NULL) {                 /* branchless: unpredictable */
             double least = HUGE_VAL;
             pbw_index at = from;
             size_t j;
@@ -10704,7 +10713,7 @@ PBW__INLINE int pbw__descend_of(const pbw__queries *queries, int dim, const doub
     }
 }
 
-/* Adds a vertex to those seen.  Returns whether it was not among them; 0 too if memory is short. */
+/* Adds a vertex to desk->seen.  Returns whether it is new there; 0 too if memory is short. */
 PBW__INLINE int pbw__is_new(pbw__desk *desk, pbw_index vertex)
 {
     int added = 0;
@@ -10724,7 +10733,7 @@ static void pbw__reach_push(const pbw_mesh *mesh, pbw__desk *desk, const double 
     desk->reach_count++;
 }
 
-/* Takes the first off a heap of at least one. */
+/* Removes and returns the nearest of a heap that is not empty. */
 static pbw__reach pbw__reach_pop(const pbw_mesh *mesh, pbw__desk *desk, const double *q)
 {
     const pbw__reach first = desk->reach[0], moving = desk->reach[--desk->reach_count];
@@ -10742,8 +10751,8 @@ static pbw__reach pbw__reach_pop(const pbw_mesh *mesh, pbw__desk *desk, const do
     return first;
 }
 
-/* Puts into the heap the vertices that are connected with `start` by others as near as it, or, if the radius is not
-   negative, by others within the radius. */
+/* Puts `start` and the vertices connected to it into the heap: radius < 0: through vertices as near as it; else
+   through vertices within the radius. */
 static void pbw__flood(pbw__queries *queries, pbw__desk *desk, const double *q, const pbw__reach *start,
                        double radius)
 {
@@ -10774,8 +10783,8 @@ static void pbw__flood(pbw__queries *queries, pbw__desk *desk, const double *q, 
     }
 }
 
-/* Moves the nearest at a place of the list past others that are nearly as near, into the exact order.  Returns where
-   it is then. */
+/* Moves the entry at a place of the list past others that are nearly as near, to its place in exact order.  Returns
+   that place. */
 static PBW__NOINLINE size_t pbw__near_settle(const pbw_mesh *mesh, pbw__desk *desk, const double *q, size_t at)
 {
     pbw__reach *list = desk->reach;
@@ -10790,10 +10799,10 @@ static PBW__NOINLINE size_t pbw__near_settle(const pbw_mesh *mesh, pbw__desk *de
     return at;
 }
 
-/* Puts a vertex that is not in desk->reach into its place among the `most` nearest there, which are in exact order;
-   there is room for one more.  Returns the place, `most` if the vertex is too far.  It comes behind the last square
-   that is not larger.  If the squares next to it differ from its own by more than the slacks, this place is exact, as
-   all others are behind or before these two; else it is settled. */
+/* Inserts a vertex that is not in desk->reach into the list there, at most `most` vertices in exact order, with room
+   for one more.  Returns its place, `most` if it is too far.  It is put behind the last square that is not larger.
+   If both squares next to it differ from its own by more than the slacks, this place is exact, as all others lie
+   beyond these two; otherwise pbw__near_settle moves it. */
 PBW__INLINE size_t pbw__offer_near(const pbw_mesh *mesh, pbw__desk *desk, const double *q, const pbw__reach *reach,
                                    size_t most)
 {
@@ -10814,14 +10823,14 @@ PBW__INLINE size_t pbw__offer_near(const pbw_mesh *mesh, pbw__desk *desk, const 
     return at;
 }
 
-/* Squares above that are too far for the k nearest; weights say nothing beforehand. */
+/* Returns a limit: vertices with larger squares are not among the k nearest.  With weights there is none. */
 PBW__INLINE double pbw__near_limit(const pbw__queries *queries, const pbw__desk *desk)
 {
     return queries->mesh->weights == NULL && desk->reach_count == queries->k
          ? pbw__reach_limit(desk->reach + queries->k - 1) : HUGE_VAL;
 }
 
-/* Completes the k <= PBW__NEAR_LIST nearest from those that desk->reach has: looks at the neighbours of each. */
+/* Completes the k <= PBW__NEAR_LIST nearest in desk->reach by the neighbours of those that are in it. */
 PBW__INLINE void pbw__near_few(pbw__queries *queries, pbw__desk *desk, const double *q, int dim)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -10865,7 +10874,7 @@ static void pbw__give_near(pbw__queries *queries, const double *q, size_t query,
     }
 }
 
-/* Gives the k <= PBW__NEAR_LIST nearest that desk->reach has in order. */
+/* Writes the k <= PBW__NEAR_LIST nearest, which desk->reach has in order, to the caller's arrays. */
 static void pbw__give_list(pbw__queries *queries, const pbw__desk *desk, const double *q, size_t query)
 {
     size_t at;
@@ -10874,7 +10883,8 @@ static void pbw__give_list(pbw__queries *queries, const pbw__desk *desk, const d
     }
 }
 
-/* Gives the k nearest, best first: the heap has the nearest ones, and gets the neighbours of each that leaves it. */
+/* Writes the k nearest, in order: the heap holds the nearest ones at first, and gets the neighbours of each vertex
+   that leaves it. */
 static void pbw__near_many(pbw__queries *queries, pbw__desk *desk, const double *q, size_t query)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -10899,7 +10909,7 @@ static void pbw__near_many(pbw__queries *queries, pbw__desk *desk, const double 
     }
 }
 
-/* The lowest vertex as near as `start` into *start.  Returns 0 if there are more of them than PBW__NEAR_LIST. */
+/* Sets *start to the lowest of the vertices as near as it.  Returns 0 if these are more than PBW__NEAR_LIST. */
 PBW__INLINE int pbw__lowest_of_few(const pbw__queries *queries, const double *q, pbw__reach *start, int dim)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -10913,7 +10923,7 @@ PBW__INLINE int pbw__lowest_of_few(const pbw__queries *queries, const double *q,
         for (i = stars->first[list[next]]; i < end; ) {
             const size_t stop = end - i < PBW__NEAR_LIST ? end : i + PBW__NEAR_LIST;
             size_t found = 0;
-            for (; i < stop; i++) {                  /* without a branch for each */
+            for (; i < stop; i++) {                  /* branchless: unpredictable */
                 near_ones[found] = stars->item[i];
                 found += pbw__squared(mesh->points + stars->item[i] * (size_t)dim, q, dim) <= limit;
             }
@@ -10937,7 +10947,7 @@ PBW__INLINE int pbw__lowest_of_few(const pbw__queries *queries, const double *q,
     return 1;
 }
 
-/* Gives the k nearest of one query; best: a nearest vertex, equal: whether others are as near. */
+/* Answers one query, given a nearest vertex; equal: others are as near. */
 static void pbw__near_one(pbw__queries *queries, pbw__desk *desk, const double *q, size_t query,
                           const pbw__reach *best, int equal)
 {
@@ -10983,15 +10993,15 @@ static void pbw__push_all(pbw__queries *queries, pbw__desk *desk, const double *
     }
 }
 
-/* Reads the query at a place of the order. */
+/* Reads the query at a place along the curve, and sets q[3]. */
 PBW__INLINE void pbw__query_at(const pbw__queries *queries, size_t place, double *q)
 {
     pbw__fetch(&queries->input, pbw__query_index(queries, place), q);
     pbw__set_error(queries, q);
 }
 
-/* Goes to a nearest vertex of q from *best, or, at the start of a block, from a guess.  Returns whether another is as
-   near. */
+/* Sets *best to a nearest vertex of q, by steps from *best, or at the start of a block from a guess.  Returns whether
+   another vertex is as near. */
 static int pbw__query_descend(const pbw__queries *queries, int start, const double *q, pbw__reach *best)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -11020,13 +11030,13 @@ static void pbw__nearest_block(pbw__queries *queries, pbw__desk *desk, size_t bl
     }
 }
 
-/* Returns whether these may be the stars of the mesh; NULL: to be made. */
+/* Returns whether these may be the stars of the mesh.  NULL may: we make them. */
 PBW__INLINE int pbw__fits(const pbw_mesh *mesh, const pbw_lists *stars)
 {
     return stars == NULL || (stars->count == mesh->point_count && stars->first != NULL);
 }
 
-/* Takes the caller's stars of the mesh, or makes them. */
+/* Uses the caller's stars, or makes the stars of the mesh. */
 static pbw_status pbw__take_stars(pbw__queries *queries, const pbw_lists *stars)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -11092,28 +11102,29 @@ PBWDEF pbw_status pbw_within(const pbw_mesh *mesh, const pbw_lists *stars, const
 /* ------------------------------------------------------------------------------------------------------
    >>boxes        Many nearest vertices, by a tree of boxes.
    In: a mesh, queries.  Out: for each query the k nearest vertices in exact order.
-   Holds: a box is left out only where all in it is farther than the k nearest so far: pbw__reach_limit holds for the
-   square of its distance too, as this has the operations of pbw__squared, and no vertex in it is nearer.
+   Holds: a box is skipped only if all vertices in it are farther than the k nearest so far: pbw__reach_limit applies
+   to the square of the box's distance too, which is computed by the operations of pbw__squared and exceeds that of no
+   vertex in it.
 
-   Eight vertices that follow each other on the curve are a leaf, eight leaves a node, eight nodes a node of the next
-   level.  What is compared with a query lies side by side: eight numbers an axis, no gather, no branch.  The
-   last answer bounds the next, so that few boxes remain.  Without vectors, with weights and for few neighbours or few
-   queries the mesh itself is searched, with the same answers: see >>nearest.
+   Eight successive vertices on the curve are a leaf, eight leaves a node, eight nodes a node of the next level.  The
+   numbers to compare with a query are contiguous, eight for each axis: no gather, no branch.  The last answer bounds
+   the next one, so few boxes remain.  Without vectors, with weights, and for few neighbours or few queries >>nearest
+   searches the mesh itself, with the same answers.
    ------------------------------------------------------------------------------------------------------ */
 #ifdef PBW__SIMD
 #define PBW__BRANCH 8
-#define PBW__TREE_LEVELS 11                          /* 8^11 leaves: more than an index can number */
+#define PBW__TREE_LEVELS 11                          /* 8^11 leaves: more than there can be */
 
 struct pbw__tree {
-    size_t count, groups;                            /* of vertices; of eight nodes */
+    size_t count, groups;                            /* vertices; groups of eight nodes */
     int top;                                         /* the level that is one group; leaves are level 0 */
-    size_t nodes[PBW__TREE_LEVELS], first[PBW__TREE_LEVELS];     /* of each level, and its first group */
+    size_t nodes[PBW__TREE_LEVELS], first[PBW__TREE_LEVELS];     /* per level: its nodes, its first group */
     pbw_index *vertex;                               /* along the curve */
-    double *coordinate;                              /* of each leaf, eight an axis */
-    double *box;                                     /* of each group, eight low and eight high ends an axis */
+    double *coordinate;                              /* per leaf and axis, eight */
+    double *box;                                     /* per group and axis, eight low ends, then eight high ends */
 };
 
-/* A node, or a leaf at level 0, and the square of the distance of its box. */
+/* A node, or a leaf at level 0, and the squared distance of its box. */
 typedef struct pbw__branch { double squared; size_t node; int level; } pbw__branch;
 
 static void pbw__tree_free(pbw__memory *memory, const pbw__tree *tree, size_t points, int dim)
@@ -11124,13 +11135,14 @@ static void pbw__tree_free(pbw__memory *memory, const pbw__tree *tree, size_t po
     pbw__release(memory, tree->box, tree->groups * 2 * PBW__BRANCH * (size_t)dim, sizeof(double));
 }
 
-/* Returns where the low end of a node's box on the first axis is.  The high end is 8 after it, the next axis 16. */
+/* Returns where the low end of a node's box on the first axis is.  The high end is 8 entries further on, the low end
+   on the next axis 16. */
 PBW__INLINE double *pbw__tree_box(const pbw__tree *tree, int dim, int level, size_t node)
 {
     return tree->box + (tree->first[level] + node / PBW__BRANCH) * 2 * PBW__BRANCH * (size_t)dim + node % PBW__BRANCH;
 }
 
-/* Stores the low and the high end of `count` intervals side by side. */
+/* Sets the ends of a box on one axis to the least of `count` low ends and the largest of the high ends. */
 PBW__INLINE void pbw__plant_ends(double *end, const double *low, const double *high, size_t count)
 {
     size_t i;
@@ -11142,7 +11154,7 @@ PBW__INLINE void pbw__plant_ends(double *end, const double *low, const double *h
     }
 }
 
-/* Fills leaves, the last one up with its last vertex, and their boxes. */
+/* Fills leaves and their boxes.  The last leaf repeats its last vertex. */
 static pbw_status pbw__plant_leaves(void *arg, size_t from, size_t to)
 {
     const pbw__queries *queries = (const pbw__queries *)arg;
@@ -11163,7 +11175,7 @@ static pbw_status pbw__plant_leaves(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* The boxes of the nodes of a level above the leaves. */
+/* Computes the boxes of a level above the leaves. */
 static void pbw__plant_level(const pbw__tree *tree, int dim, int level)
 {
     size_t node;
@@ -11178,7 +11190,7 @@ static void pbw__plant_level(const pbw__tree *tree, int dim, int level)
     }
 }
 
-/* The vertices along the curve; of a degenerate mesh its canonical points. */
+/* Lists the vertices, or the canonical points of a degenerate mesh, along the curve. */
 static pbw_status pbw__tree_vertices(pbw__queries *queries, pbw__tree *tree)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -11188,7 +11200,7 @@ static pbw_status pbw__tree_vertices(pbw__queries *queries, pbw__tree *tree)
     size_t i;
     memset(&sorted, 0, sizeof(sorted));
     input.stride = (size_t)mesh->dim * sizeof(double);
-    if (mesh->original == NULL) {                    /* else its numbers follow the curve */
+    if (mesh->original == NULL) {                    /* else the points are along the curve already */
         status = pbw__sort_points(&queries->context, &input, &sorted);
     }
     for (i = 0; i < mesh->point_count && status == PBW_OK; i++) {
@@ -11201,7 +11213,7 @@ static pbw_status pbw__tree_vertices(pbw__queries *queries, pbw__tree *tree)
     return status;
 }
 
-/* Makes room for leaves and the boxes of all levels.  Returns 0 if memory is short. */
+/* Allocates leaves and the boxes of all levels.  Returns 0 if memory is short. */
 static int pbw__tree_room(pbw__memory *memory, pbw__tree *tree, int dim)
 {
     const size_t leaves = (tree->count + PBW__BRANCH - 1) / PBW__BRANCH;
@@ -11222,7 +11234,6 @@ static int pbw__tree_room(pbw__memory *memory, pbw__tree *tree, int dim)
     return 1;
 }
 
-/* Makes the tree. */
 static pbw_status pbw__plant(pbw__queries *queries, pbw__tree *tree)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -11254,7 +11265,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__load_four(const double *from)
     return x;
 }
 
-/* Offers the vertices of a leaf, as far as their squares are not above `most`.  Returns `most` for those to come. */
+/* Offers the vertices of a leaf with squares of at most `most`.  Returns the new `most`. */
 PBW__SIMD_INLINE double pbw__search_leaf(const pbw__queries *queries, int dim, pbw__desk *desk, const double *q,
                                          double most, size_t leaf)
 {
@@ -11289,7 +11300,8 @@ PBW__SIMD_INLINE double pbw__search_leaf(const pbw__queries *queries, int dim, p
     return most;
 }
 
-/* Puts those of the eight nodes below one that are near enough onto the stack.  Returns its new height. */
+/* Replaces the node on top of the stack by those of its eight children that are near enough.  Returns the new
+   height. */
 PBW__SIMD_INLINE size_t pbw__search_group(const pbw__tree *tree, int dim, const double *q, double most,
                                           pbw__branch *stack, size_t height)
 {
@@ -11322,7 +11334,7 @@ PBW__SIMD_INLINE size_t pbw__search_group(const pbw__tree *tree, int dim, const 
     return height;
 }
 
-/* Returns a bound for the squares of the k nearest: of the farthest of the last answer. */
+/* Returns a bound for the squares of the k nearest, from the farthest vertex of the last answer. */
 PBW__SIMD_INLINE double pbw__search_limit(const pbw__queries *queries, int dim, const pbw__desk *desk,
                                           const double *q)
 {
@@ -11337,7 +11349,7 @@ PBW__SIMD_INLINE double pbw__search_limit(const pbw__queries *queries, int dim, 
     return desk->reach_count < queries->k ? HUGE_VAL : pbw__reach_limit(&farthest);
 }
 
-/* Finds the k nearest of a query; desk->reach has those of another. */
+/* Finds the k nearest of a query; desk->reach still has the last answer. */
 PBW__SIMD_INLINE void pbw__search_of(pbw__queries *queries, pbw__desk *desk, const double *q, int dim)
 {
     const pbw__tree *tree = queries->tree;
@@ -11376,14 +11388,14 @@ PBW__SIMD static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, 
         pbw__query_at(queries, i, q);
         PBW__BY_DIM(queries->mesh->dim, pbw__search_of, queries, desk, q);
 #ifdef PBW__AVX2
-        _mm256_zeroupper();                          /* else code that is not made for AVX waits ever after */
+        _mm256_zeroupper();                          /* SSE code would stall otherwise */
 #endif
         pbw__give_list(queries, desk, q, pbw__query_index(queries, i));
     }
 }
 
-/* Returns whether the tree answers.  It knows no weights, and at most PBW__NEAR_LIST neighbours.  If the caller has
-   stars, the mesh is faster for few queries, and for few neighbours: 4 in 0.8 of the time of the tree, 8 in 1.5. */
+/* Returns whether to use the tree, which knows no weights and at most PBW__NEAR_LIST neighbours.  With the caller's
+   stars the mesh is faster for few queries, and for few neighbours: 4 in 0.8 of the time of the tree, 8 in 1.5. */
 static int pbw__tree_answers(const pbw__queries *queries, const pbw_lists *stars)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -11445,13 +11457,14 @@ PBWDEF pbw_status pbw_nearest(const pbw_mesh *mesh, const pbw_lists *stars, cons
     return pbw__queries_end(&queries, status);
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>centres      Vectors of doubles or of pairs of doubles, and centres of simplices in either.
+   >>centres      Vectors of doubles or of pairs of doubles; centres of simplices in both.
    In: points, weights.  Out: centres, relative to a point; orientations to nearly the full precision of doubles.
-   Holds: with `fine`, the error of a sum is at most 2^-90 times the sum of the absolute values of its terms.
+   Holds: with `fine`, and but for underflow, the error of the determinant and of each numerator of a centre is at
+   most 2^-98 times the sum of the absolute products, of coordinates relative to the query.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__vector { pbw__pair x, y, z; } pbw__vector;
 
-/* ---- arithmetic: on pairs if `fine`, else on their heads alone */
+/* ---- arithmetic: on pairs if `fine`, otherwise on their heads only */
 PBW__INLINE pbw__pair pbw__number(double head)
 {
     pbw__pair number;
@@ -11475,7 +11488,7 @@ PBW__INLINE pbw__pair pbw__mul(int fine, pbw__pair a, pbw__pair b)
     return fine ? pbw__pair_times(a, b) : pbw__number(a.head * b.head);
 }
 
-/* Normalises b, so that |tail| <= u |head|: then one correction by the remainder is enough. */
+/* Divides.  b is normalised first, |tail| <= u |head|, so that one correction by the remainder is enough. */
 PBW__INLINE pbw__pair pbw__div(int fine, pbw__pair a, pbw__pair b)
 {
     pbw__pair quotient, rest;
@@ -11567,8 +11580,8 @@ static pbw__integer pbw__exact_dot(const pbw__integer *a, const pbw__integer *b,
     return pbw__exact_sum(term, count, top);
 }
 
-/* Stores p - origin.  In the plane z is 0; without a point the row is (0, 0, 1), by which the determinants of space
-   become those of the plane. */
+/* Stores p - origin.  In the plane z is 0.  If p is NULL the row is (0, 0, 1), which turns determinants of space into
+   those of the plane. */
 static void pbw__exact_row(int dim, const double *p, const double *origin, int unit, pbw__integer *row,
                            pbw__digit **top)
 {
@@ -11584,7 +11597,7 @@ static void pbw__exact_row(int dim, const double *p, const double *origin, int u
     }
 }
 
-/* Returns a / radix^length as a pair, without digits far below 2^-106. */
+/* Returns a / radix^length as a pair; digits far below 2^-106 are dropped. */
 static pbw__pair pbw__exact_pair(const pbw__integer *a, int length)
 {
     const double radix = 1.0 / (double)((pbw__column)1 << PBW__DIGIT_BITS);
@@ -11593,7 +11606,7 @@ static pbw__pair pbw__exact_pair(const pbw__integer *a, int length)
     double weight = radix;
     int i;
     for (i = length - 1; i >= 0 && i >= length - 10; i--, weight *= radix) {
-        if (i < a->length) {                         /* in two pieces, each exact in a double */
+        if (i < a->length) {                         /* two pieces, each exact in a double */
             piece.head = (double)(a->digit[i] / half * half) * weight;
             sum = pbw__pair_plus(sum, piece);
             piece.head = (double)(a->digit[i] % half) * weight;
@@ -11652,7 +11665,7 @@ PBW__INLINE pbw__vector pbw__centre_of(int fine, int dim, const pbw__vector *row
     return pbw__vector_times(fine, sum, pbw__div(fine, pbw__number(0.5), det));
 }
 
-/* Returns the centre for the rows point[i] - origin, times 2^scale: exact up to the roundings of the quotients. */
+/* Returns the centre for the rows point[i] - origin, times 2^scale; only the quotients are rounded. */
 static PBW__NOINLINE pbw__vector pbw__exact_centre(int dim, const double *const *point, const double *origin,
                                                    const double *weight, double origin_weight, int scale)
 {
@@ -11702,29 +11715,29 @@ static PBW__NOINLINE pbw__vector pbw__exact_centre(int dim, const double *const 
    In: the simplex that contains a query q.  Out: vertices and weights that have q as their mean.
 
    Sibson's weights (1981) are the volumes that the cell of q would take from the cells of its neighbours.  The mesh
-   is not changed: the simplices in conflict with q form a cavity; its boundary facets with q would be the new ones.
-   Each facet abc between two simplices is dual to an edge from the centre n behind it to the centre s in front, where
-   a, b, c turn counter-clockwise.  Relative to any one origin, this dual edge adds to each of the cells of a and b,
-   for the edge ab, a volume; six times that is
+   is not changed: the simplices in conflict with q form a cavity; q and its boundary facets would be the new ones.
+   Each facet abc between two simplices is dual to an edge from the centre n behind it to the centre s in front, from
+   where a, b, c are counter-clockwise.  Relative to any one origin, this dual edge adds a volume to the cells of a
+   and of b for the edge ab; six times this volume is
 
        ((b - a) . (n x s) - (n - s) . (a x b)) / 2 * (1 +- (w_a - w_b) / |b - a|^2)
 
-   The sum over all facets is the volume of each cell, even where centres lie outside of their simplices.  So q takes
+   The sum over all facets is the volume of each cell, even if centres lie outside of their simplices.  So q takes
    from each cell the sum over the facets inside the cavity, plus the sum over the boundary facets, from the new
-   centre to the old centre inside, minus the sum over the facets with q.  (The old centre outside lies on the line
+   centre to the old centre inside, minus the sum over the facets at q.  (The old centre outside lies on the line
    through those two and cancels, so a hull facet is no special case.)  In the plane an edge ab adds
    (n - a) x (s - a) for a and (s - b) x (n - b) for b, twice the area.
    Laplace's weight of a neighbour is the area (in the plane, the length) of the facet between its cell and that of q,
-   divided by its distance from q.  The facets with q give these areas.
+   divided by its distance from q.  The facets at q yield these areas.
 
    Coordinates are relative to q and scaled by a power of two.  Centres of nearly flat simplices are far away and
-   badly conditioned.  Then the weighted mean of the neighbours is not q, and the weights are computed again with
-   pairs of doubles, and with exact integers for the centres of flat simplices.
+   badly conditioned.  If the weighted mean of the neighbours is not q, the weights are computed again with pairs of
+   doubles, and with exact integers for the centres of flat simplices.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__site { pbw__vector at; pbw__pair weight, gain; pbw_index vertex; } pbw__site;
 typedef struct pbw__face { pbw__vector centre; pbw_index corner[3], inner; } pbw__face;
 
-/* A simplex of the cavity; its corners are sites, across each is a simplex of the cavity or PBW_NONE. */
+/* A simplex of the cavity: the sites at its corners; across from each, a simplex of the cavity or PBW_NONE. */
 typedef struct pbw__old { pbw__vector centre; pbw_index simplex, corner[4], across[4]; } pbw__old;
 
 /* The cavity of a query. */
@@ -11749,7 +11762,7 @@ static void pbw__cavity_free(pbw__memory *memory, pbw__cavity *cavity)
     }
 }
 
-/* Sorts items and their values by the items: Shell's sort. */
+/* Sorts items, and their values with them, by Shell's sort. */
 static void pbw__sort_items(pbw_index *items, double *values, size_t count)
 {
     size_t gap, i, j;
@@ -11847,8 +11860,8 @@ PBW__INLINE void pbw__cavity_face(pbw__cavity *cavity, int dim, size_t s, size_t
     face->inner = (pbw_index)s;
 }
 
-/* Finds the simplices in conflict with q by a flood from t, which is one of them; their corners become the sites,
-   the facets to simplices without conflict the boundary. */
+/* Finds the simplices in conflict with q by a flood from t, which is one of them.  Their corners become the sites;
+   the facets to simplices without conflict become the boundary.  Returns 0 if memory is short. */
 PBW__INLINE int pbw__cavity_find(const pbw__queries *queries, int dim, pbw__desk *desk, size_t t, const double *q)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -11904,7 +11917,7 @@ PBW__INLINE int pbw__cavity_find(const pbw__queries *queries, int dim, pbw__desk
     return 1;
 }
 
-/* Makes the sites relative to q, and scales them by a power of two, so that the farthest is about 1 away. */
+/* Makes the sites relative to q, scaled by a power of two so that the farthest is about 1 away. */
 PBW__INLINE void pbw__cavity_place(const pbw_mesh *mesh, int dim, pbw__cavity *cavity, const double *q)
 {
     double largest = 0.0, scale;
@@ -11937,7 +11950,7 @@ PBW__INLINE void pbw__cavity_place(const pbw_mesh *mesh, int dim, pbw__cavity *c
     }
 }
 
-/* Returns the centre of the simplex of `dim` sites and `base`, relative to base.  base NULL: q, with weight 0. */
+/* Returns the centre of the simplex of `dim` sites and `base`, relative to base; NULL stands for q, with weight 0. */
 PBW__INLINE pbw__vector pbw__cavity_centre(int fine, int dim, int weighted, const pbw__cavity *cavity,
                                            const pbw_index *corner, const pbw__site *base)
 {
@@ -11974,7 +11987,7 @@ PBW__INLINE pbw__vector pbw__cavity_centre(int fine, int dim, int weighted, cons
     return centre;
 }
 
-/* Centres of the old simplices, and of the new ones. */
+/* Computes the centres of the new simplices, and if `old` of the old ones too. */
 PBW__INLINE void pbw__cavity_centres(int fine, int dim, int weighted, pbw__cavity *cavity, int old)
 {
     size_t i;
@@ -11989,7 +12002,7 @@ PBW__INLINE void pbw__cavity_centres(int fine, int dim, int weighted, pbw__cavit
     }
 }
 
-/* Adds to the gains of a and b what the dual edge from n to s gives for the edge ab:
+/* Adds to the gains of a and b the contribution of the dual edge from n to s for the edge ab:
    (b - a) . cross - away . (a x b), where cross = n x s and away = n - s. */
 PBW__INLINE void pbw__cavity_edge(int fine, int weighted, pbw__site *a, pbw__site *b, pbw__vector cross,
                                   pbw__vector away)
@@ -12007,7 +12020,7 @@ PBW__INLINE void pbw__cavity_edge(int fine, int weighted, pbw__site *a, pbw__sit
     b->gain = pbw__add(fine, b->gain, value);
 }
 
-/* Adds what the dual edge from n to s gives for all edges of its facet, which is counter-clockwise seen from s. */
+/* Adds the contributions of the dual edge from n to s for all edges of its facet, counter-clockwise seen from s. */
 PBW__INLINE void pbw__cavity_facet(int fine, int dim, int weighted, pbw__site *const *x, pbw__vector n, pbw__vector s)
 {
     if (dim == 3) {
@@ -12024,8 +12037,8 @@ PBW__INLINE void pbw__cavity_facet(int fine, int dim, int weighted, pbw__site *c
     }
 }
 
-/* Subtracts from the gains what the dual edge of a new facet gives: the facet of q and x[0], in space also x[1],
-   counter-clockwise seen from s, between the new simplices with centres n and s. */
+/* Subtracts from the gains the contribution of the dual edge of a new facet: the facet of q and x[0], in space also
+   x[1], counter-clockwise seen from s, between the new simplices with centres n and s. */
 PBW__INLINE void pbw__cavity_spoke(int fine, int dim, int weighted, pbw__site *const *x, pbw__vector n, pbw__vector s)
 {
     pbw__site origin, *corner[3];
@@ -12036,8 +12049,8 @@ PBW__INLINE void pbw__cavity_spoke(int fine, int dim, int weighted, pbw__site *c
     pbw__cavity_facet(fine, dim, weighted, corner, s, n);
 }
 
-/* Laplace's weights: adds what the dual edge from n to s gives for the facet between the cells of q and x[0], and in
-   space of q and x[1], each divided by the distance of the two. */
+/* Laplace's weights: adds the contribution of the dual edge from n to s to the facet between the cells of q and x[0],
+   and in space of q and x[1], each divided by the distance of the two. */
 PBW__INLINE void pbw__cavity_wall(int fine, int dim, pbw__site *const *x, pbw__vector n, pbw__vector s)
 {
     const pbw__vector cross = dim == 3 ? pbw__vector_cross(fine, n, s) : pbw__vector_sub(fine, n, s);
@@ -12051,8 +12064,8 @@ PBW__INLINE void pbw__cavity_wall(int fine, int dim, pbw__site *const *x, pbw__v
     }
 }
 
-/* Adds what all facets with q give.  Each is found by the ridge (in the plane, the vertex) where two boundary facets
-   meet.  Returns 0 if memory is short. */
+/* Adds the contributions of all facets at q.  Each belongs to a ridge (in the plane, a vertex) where two boundary
+   facets meet.  Returns 0 if memory is short. */
 PBW__INLINE int pbw__cavity_spokes(int fine, int dim, int weighted, int laplace, pbw__desk *desk)
 {
     pbw__cavity *cavity = desk->cavity;
@@ -12088,8 +12101,8 @@ PBW__INLINE int pbw__cavity_spokes(int fine, int dim, int weighted, int laplace,
     return 1;
 }
 
-/* Computes the gain of each site.  Returns whether the weighted mean of the sites is q within rounding errors, and no
-   sum overflows; -1 if memory is short. */
+/* Computes the gain of each site.  Returns 1 if the weighted mean of the sites is q within rounding errors and no sum
+   overflows, otherwise 0; -1 if memory is short. */
 PBW__INLINE int pbw__cavity_weigh(int fine, int dim, int weighted, int laplace, pbw__desk *desk)
 {
     pbw__cavity *cavity = desk->cavity;
@@ -12151,7 +12164,7 @@ static int pbw__cavity_weigh_coarse(int laplace, pbw__desk *desk)
     return dim == 3 ? pbw__cavity_weigh(0, 3, 0, 0, desk) : pbw__cavity_weigh(0, 2, 0, 0, desk);
 }
 
-/* Adds the sites and their weights in the order of their indices. */
+/* Adds the list of a query: the sites with positive weights, by index. */
 static void pbw__cavity_give(pbw__queries *queries, pbw__desk *desk, size_t block, size_t query)
 {
     pbw__cavity *cavity = desk->cavity;
@@ -12181,7 +12194,7 @@ static void pbw__cavity_give(pbw__queries *queries, pbw__desk *desk, size_t bloc
     }
 }
 
-/* Adds the weights of a query inside simplex t. */
+/* Adds Sibson's or Laplace's weights of a query inside simplex t. */
 static void pbw__coordinates_of(pbw__queries *queries, pbw__desk *desk, size_t block, size_t query, size_t t,
                                 const double *p)
 {
@@ -12278,48 +12291,49 @@ PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, si
 
 #ifndef PBW_NO_LIVE
 /* ------------------------------------------------------------------------------------------------------
-   >>core         A triangulation that stays: vertices with numbers, and a journal of what is deleted.
-   In: a triangulation by the kernel.  Out: for each vertex a simplex that has it; a way back.
-   Holds: what holds in >>mesh; incident[v] is a simplex that has v, PBW_NONE if v is hidden, or says why v is in
-   none; the journal leads back to the triangulation at its start.
+   >>core         A triangulation that persists: vertices with numbers, and a journal of deleted simplices.
+   In: a triangulation by the kernel.  Out: for each vertex an incident simplex; an undo.
+   Holds: the invariants of >>mesh; incident[v] is a simplex that has v, PBW_NONE if v is hidden, or a code that says
+   why v is in no simplex; the journal leads back to the triangulation at its start.
 
    The journal has each simplex as it was when it was first deleted.  Of two simplices that were neighbours at the
-   start the one that was deleted first links to the other.  A link that leads to the facet of the same vertices is
-   right, in both directions: so once the corners are written back, in any order, these links are.
+   start, the one that was deleted first has a link to the other.  A link is right, in both directions, if it leads to
+   a facet with the same vertices; so all links can be restored once the corners are written back, in any order.
 
-   A task of >>tasks has a core of its own: the members before `kernel` are copies of those here, the arrays are for
-   all; the members from there on are the task's own.
+   A task of >>tasks has a core of its own.  Its members before `kernel` are copies of the main core's, with the same
+   arrays; the members from `kernel` on belong to the task.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__WAITING (PBW_NONE - 1)                  /* incident: a vertex that is to be inserted */
 #define PBW__GONE (PBW_NONE - 2)                     /* incident: a vertex that was removed */
-#define PBW__ANEW ((pbw_status)13)                   /* not carried out: triangulate all */
+#define PBW__ANEW ((pbw_status)13)                   /* not carried out: triangulate all points again */
 
-typedef struct pbw__past { pbw_index slot, corner[4]; pbw__link link[4]; } pbw__past;        /* a simplex that was */
+typedef struct pbw__past { pbw_index slot, corner[4]; pbw__link link[4]; } pbw__past;        /* before its deletion */
 
-/* A facet of the hole, open or matched: its vertices, so that an apex inside makes (apex, a, b, c) positive, by their
-   places in the list of link vertices; the facet across, of a simplex that stays, or 4 * (one of those made) + corner
-   where `made`. */
+/* A facet of the hole, open or matched.  v: its vertices, as places in rim_vertex; (apex, v[0], v[1], v[2]) is
+   positive for an apex in the hole.  across: the facet of a simplex outside of the hole, or, if `made`, 4 * filling +
+   corner. */
 typedef struct pbw__rim { uint64_t key; pbw_index v[3]; unsigned char made, closed; pbw__link across; } pbw__rim;
 
 typedef struct pbw__filling { pbw_index v[4]; pbw__link link[4]; unsigned char made[4]; } pbw__filling;
 
-/* The facets of the hole of v, see >>ears: place 4 i + k is corner k of the i-th simplex of the star; that of v is
-   not used.  Each edge is opposite to two places.  A hole with n vertices has 2 n - 4 facets and 3 n - 6 edges. */
+/* The facets of the hole of v, see >>ears.  Place 4 i + k is corner k of the i-th simplex of the star; the place of v
+   itself is not used.  Each edge is opposite to two places.  A hole with n vertices has 2 n - 4 facets and 3 n - 6
+   edges. */
 #define PBW__MOST_EARS 60
-#define PBW__NEW_EARS 92                             /* edges, and one that is none */
+#define PBW__NEW_EARS 92                             /* 90 edges at most; 91: no edge; 92: the first new time */
 #define PBW__MOST_FILLINGS 128
 typedef struct pbw__ears {
-    double row[PBW__MOST_EARS / 2 + 3][4];           /* per vertex, as in rim_vertex: relative to v; the lift */
-    double low[PBW__NEW_EARS + 4];                   /* per edge: the ends of the interval of its time; then four */
-    double high[PBW__NEW_EARS + 4];                  /* that are new */
-    double spare;                                    /* no height is above the lift by more */
+    double row[PBW__MOST_EARS / 2 + 3][4];           /* per vertex of rim_vertex: its point relative to v; its lift */
+    double low[PBW__NEW_EARS + 4];                   /* per edge: the interval of its time, from low to high; then */
+    double high[PBW__NEW_EARS + 4];                  /* four new times */
+    double spare;                                    /* the largest height - lift */
     pbw__link across[PBW__MOST_EARS];                /* per facet, as in pbw__rim */
     unsigned char made[PBW__MOST_EARS];
-    unsigned char vertex[4 * PBW__MOST_EARS];        /* per place: its vertex, the next corner of the facet, */
-    unsigned char turn[4 * PBW__MOST_EARS];          /* the place across the edge opposite to it, that edge */
+    unsigned char vertex[4 * PBW__MOST_EARS];        /* per place: its vertex; the next corner of the facet; the */
+    unsigned char turn[4 * PBW__MOST_EARS];          /* place across the edge opposite to it; this edge */
     unsigned char twin[4 * PBW__MOST_EARS], edge[4 * PBW__MOST_EARS];
-    unsigned char entry[PBW__MOST_EARS + 1];         /* per facet: where it was met */
-    unsigned char place[PBW__NEW_EARS + 4];          /* per edge: a place opposite to it; so for the new times */
+    unsigned char entry[PBW__MOST_EARS + 1];         /* per facet: the place from which it was met */
+    unsigned char place[PBW__NEW_EARS + 4];          /* per edge, and per new time: a place opposite to it */
     unsigned char renewed[4];                        /* per new time: the edge */
     unsigned char degree[PBW__MOST_EARS / 2 + 3];    /* per vertex: its facets */
     unsigned facets, edges;
@@ -12328,18 +12342,18 @@ typedef struct pbw__ears {
 typedef struct pbw__core {
     pbw__store store;
     pbw__grid grid;
-    double low[4], high[4];                          /* of the records that the grid was made of */
+    double low[4], high[4];                          /* the box of the records that the grid was made for */
     double *record;                                  /* per vertex, as in >>order */
     pbw_index *name, *incident, *local;              /* per vertex: its number for the caller; a simplex; its place in
-                                                        `rim_vertex`, if that has it */
-    pbw_index *vertex, *twin;                        /* per number: its vertex; the next number at its place */
-    pbw_index *place;                                /* a hash table of vertices by coordinates; 0: none.  A vertex
-                                                        that is gone or moved on may still be at its old place */
-    pbw_index *unused, *hidden, *witness;            /* vertices; a simplex that hides each hidden one */
-    pbw_index *covered, *cover;                      /* hidden and witness as the commit will leave them */
-    pbw_index *start;                                /* per cell of the box: a vertex that is or was there; 0: none */
+                                                        rim_vertex, if it is there */
+    pbw_index *vertex, *twin;                        /* per number: its vertex; the next number at the same point */
+    pbw_index *place;                                /* a hash table of vertices by coordinates; 0: empty.  Removed
+                                                        and moved vertices may still have old entries */
+    pbw_index *unused, *hidden, *witness;            /* vertices; witness: a simplex that contains hidden[i] */
+    pbw_index *covered, *cover;                      /* hidden and witness as they will be after the commit */
+    pbw_index *start;                                /* per cell of a grid: a vertex that is or was there; 0: none */
     double start_low[3], start_scale[3];
-    size_t start_side, searched;                     /* cells in a row; walks since there was last a table of them */
+    size_t start_side, searched;                     /* cells along an axis; walks so far, see pbw__start_table */
     size_t record_capacity, name_capacity, incident_capacity, local_capacity, vertex_capacity, twin_capacity;
     size_t start_capacity, place_capacity, unused_capacity, hidden_capacity, witness_capacity, covered_capacity;
     size_t cover_capacity, touched_capacity;
@@ -12347,26 +12361,26 @@ typedef struct pbw__core {
     unsigned char *touched;                          /* per slot: 1 if it is in a journal */
     struct pbw__core **task;                         /* >>tasks */
     size_t task_capacity, tasks;
-    /* one thread's own */
+    /* owned by one thread from here on */
     pbw__kernel kernel;
-    size_t simplex_count;                            /* of a task: what it adds */
-    /* of the removal of one vertex */
-    pbw_index *rim_vertex, *table;                   /* table: rims by their vertices; 1 + number */
+    size_t simplex_count;                            /* a task's: the change of the count */
+    /* scratch to remove one vertex */
+    pbw_index *rim_vertex, *table;                   /* table: a hash table of rims by their keys; 1 + index */
     pbw__rim *rim;
     pbw__filling *filling;
     size_t rim_vertex_capacity, table_capacity, rim_capacity, filling_capacity;
     size_t rim_vertices, rims, fillings, effort, reinserted;
     double rim_at[4][PBW__FEW];                      /* the records of rim_vertex, by columns; the ghost's is 0 */
-    int rim_fits;                                    /* they are there, for vectors */
+    int rim_fits;                                    /* rim_at is filled, so vectors can be used */
     pbw__ears ears;
     /* the journal */
     pbw__past *past;
-    pbw_index *taken, *open;                         /* slots that were free; edges to be tested: see >>moves */
+    pbw_index *taken, *open;                         /* slots that were free; edges still to test, see >>moves */
     size_t past_capacity, taken_capacity, open_capacity, past_count, taken_count, open_count;
-    int inserting;                                   /* weighted points, one of which may hide others */
+    int inserting;                                   /* a weighted point, which may hide others */
 } pbw__core;
 
-/* Frees what a thread has of its own. */
+/* Frees the members that one thread owns. */
 static void pbw__core_free_own(pbw__context *context, pbw__core *core)
 {
     pbw__memory *memory = &context->memory;
@@ -12415,7 +12429,7 @@ PBW__INLINE const double *pbw__core_record(const pbw__core *core, pbw_index v)
     return core->record + (size_t)v * ((size_t)core->kernel.dim + 1);
 }
 
-/* Returns whether this task owns a vertex, or no other task runs; claims it if it is free.  See >>tasks. */
+/* Returns whether this task owns a vertex, claiming it if it is free; always if there are no tasks.  See >>tasks. */
 PBW__INLINE int pbw__hold(pbw__kernel *kernel, pbw_index v)
 {
     return kernel->own.owner == NULL || v == PBW__GHOST || pbw__owns_zone(kernel, v);
@@ -12435,7 +12449,7 @@ PBW__INLINE int pbw__hold_corners(pbw__kernel *kernel, size_t t)
     return k > dim;
 }
 
-/* The status for a missing slot: a task may get one in a later round. */
+/* Returns the status for a missing slot: a task may get one in a later round. */
 PBW__INLINE pbw_status pbw__no_room(const pbw__kernel *kernel, pbw_status status)
 {
     return status == PBW__LEFT && kernel->own.owner == NULL ? PBW_ERROR_TOO_LARGE : status;
@@ -12450,7 +12464,7 @@ PBW__INLINE unsigned pbw__corner_at(const pbw_index *corner, pbw_index v)
     return k;
 }
 
-/* The facet across from corner i of a positive simplex v: a, b, c with (v[i], a, b, c) positive. */
+/* Sets facet to a, b, c, the facet opposite to corner i of a positive simplex v: (v[i], a, b, c) is positive. */
 PBW__INLINE void pbw__facet_of(const pbw_index *v, unsigned i, int dim, pbw_index *facet)
 {
     if (dim == 2) {
@@ -12464,7 +12478,7 @@ PBW__INLINE void pbw__facet_of(const pbw_index *v, unsigned i, int dim, pbw_inde
     }
 }
 
-/* Whether facet j of simplex u is facet k of simplex t: its vertices in the opposite order. */
+/* Returns whether facet j of simplex u is facet k of simplex t: the same vertices in the opposite order. */
 PBW__INLINE unsigned pbw__facets_fit(const pbw_index *t, unsigned k, const pbw_index *u, unsigned j, int dim)
 {
     pbw_index a[3], b[3];
@@ -12476,8 +12490,8 @@ PBW__INLINE unsigned pbw__facets_fit(const pbw_index *t, unsigned k, const pbw_i
                                  | ((a[0] == b[2]) & (a[1] == b[1]) & (a[2] == b[0])));
 }
 
-/* ---- the journal
-   Bytes for all slots that there are; new ones are 0. */
+/* ---- the journal */
+/* Makes `touched` as long as the store; new entries are 0. */
 static int pbw__journal_reserve(pbw__core *core)
 {
     const size_t old = core->touched_capacity;
@@ -12488,7 +12502,7 @@ static int pbw__journal_reserve(pbw__core *core)
     return 1;
 }
 
-/* The place of a vertex in the list of link vertices, the ghost is the first; added if it is not there. */
+/* Returns the place of a vertex in rim_vertex, where the ghost is the first; adds it if it is not there. */
 static pbw_index pbw__rim_place(pbw__core *core, pbw_index v)
 {
     const pbw_index at = core->local[v];
@@ -12499,7 +12513,7 @@ static pbw_index pbw__rim_place(pbw__core *core, pbw_index v)
     return core->local[v] = (pbw_index)core->rim_vertices++;
 }
 
-/* Notes the simplices of the cavity, which are to be deleted.  PBW__LEFT: not all of their corners are ours. */
+/* Notes the simplices of the cavity before they are deleted.  PBW__LEFT: not all of their corners are ours. */
 static pbw_status pbw__journal_cavity(pbw__kernel *kernel)
 {
     pbw__core *core = (pbw__core *)kernel->journal;
@@ -12537,7 +12551,7 @@ static pbw_status pbw__journal_cavity(pbw__kernel *kernel)
     return PBW_OK;
 }
 
-/* The corners of a new simplex get a finite one: it, or that behind it. */
+/* Makes a new simplex, or if it is a ghost the finite one behind it, incident to its corners. */
 static void pbw__note_corners(pbw__core *core, size_t t)
 {
     const pbw__kernel *kernel = &core->kernel;
@@ -12552,7 +12566,7 @@ static void pbw__note_corners(pbw__core *core, size_t t)
     core->simplex_count += (size_t)finite;
 }
 
-/* Notes the slots of the star that were free, before they are used. */
+/* Notes those slots of the new star that were free, before they are used. */
 static pbw_status pbw__journal_slots(pbw__kernel *kernel)
 {
     pbw__core *core = (pbw__core *)kernel->journal;
@@ -12571,7 +12585,7 @@ static pbw_status pbw__journal_slots(pbw__kernel *kernel)
     return PBW_OK;
 }
 
-/* The corners of a star get a finite simplex. */
+/* Makes simplices of the new star incident to its vertices. */
 static void pbw__note_star(pbw__core *core)
 {
     size_t i;
@@ -12580,7 +12594,7 @@ static void pbw__note_star(pbw__core *core)
     }
 }
 
-/* Returns how many simplices of the cavity are finite. */
+/* Returns the number of finite simplices in the cavity. */
 static size_t pbw__count_finite(const pbw__kernel *kernel)
 {
     size_t i, finite = 0;
@@ -12590,7 +12604,7 @@ static size_t pbw__count_finite(const pbw__kernel *kernel)
     return finite;
 }
 
-/* Lists all free slots anew. */
+/* Makes the list of free slots again. */
 static void pbw__list_free_slots(pbw__core *core)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -12608,13 +12622,13 @@ static void pbw__list_free_slots(pbw__core *core)
     }
 }
 
-/* The journals: of the core, then of its tasks. */
+/* Returns the core with the i-th journal: the main core, then its tasks. */
 PBW__INLINE pbw__core *pbw__journal(pbw__core *core, size_t i)
 {
     return i == 0 ? core : core->task[i - 1];
 }
 
-/* Whether simplices were deleted. */
+/* Returns whether simplices were deleted. */
 static int pbw__journal_any(pbw__core *core)
 {
     size_t j;
@@ -12653,7 +12667,7 @@ static void pbw__journal_clear(pbw__core *core)
     core->past_simplices = core->simplex_count;
 }
 
-/* Sets the links of simplices that are back. */
+/* Sets the links of restored simplices. */
 static void pbw__journal_link(pbw__core *core, const pbw__past *past, size_t count)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -12673,7 +12687,7 @@ static void pbw__journal_link(pbw__core *core, const pbw__past *past, size_t cou
     }
 }
 
-/* Back to the triangulation at the start of the journal. */
+/* Restores the triangulation at the start of the journal. */
 static void pbw__journal_undo(pbw__core *core)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -12710,20 +12724,20 @@ static void pbw__journal_undo(pbw__core *core)
 }
 /* ------------------------------------------------------------------------------------------------------
    >>apex         The vertex behind a facet of a hole.
-   In: the vertices of a link, a facet of the hole (a rim).  Out: that of them with which the facet makes the simplex
-   behind it, or none: see >>removal.
+   In: the vertices of a link, a facet of the hole (a rim).  Out: the one of them that makes, with the facet, the
+   simplex behind it, or none: see >>removal.
    Holds: every verdict is exact.  Vectors choose the vertex that the growing sphere meets first, in rounded numbers,
-   and then ask whether any other one may be in conflict with it; where that is not certain, a tournament with exact
-   signs decides.
+   and then test whether another one may be in conflict with that simplex; if this is not certain, a tournament with
+   exact signs decides.
 
-   Errors: see >>predicates, where what a bound leaves open goes.  A side, which is an orientation, and a conflict are
-   compared as squares with the square of the bound; h, the largest height of the rows, is raised to 1e-55.  The
-   determinant of a conflict is that of >>cavity3 or >>cavity2 with the last corner as the origin: a
+   Errors: see >>predicates, which also decides what a bound leaves open.  A side, which is an orientation, and a
+   conflict are compared as squares with the square of the bound; h, the largest height of the rows, is raised to
+   1e-55.  The determinant of a conflict is that of >>cavity3 or >>cavity2 with the last corner as the origin: a
    product has 6 roundings for the lift, 4 for its minor, 3 for their product and sums, 2 for the coordinate that
    this multiplies, 3 for the last sums; in the plane 5 for the lift, 1 for the coordinate beside it, 2, 2 and 2.  An
-   infinite limit leaves all open.  What a pencil chooses needs no bound.
+   infinite limit decides nothing.  The choice by a pencil needs no bound, as it is tested.
    ------------------------------------------------------------------------------------------------------ */
-/* Copies the records of the link to columns, for the vectors of >>lanes, if there are few. */
+/* Copies the records of the link vertices to columns, for vectors, if there are few. */
 static void pbw__rim_columns(pbw__core *core)
 {
     const size_t width = (size_t)core->kernel.dim + 1;
@@ -12740,10 +12754,10 @@ static void pbw__rim_columns(pbw__core *core)
 }
 
 /* A finite simplex with its last corner as the origin: its orientation, and the plane through its lifted corners,
-   lift * orientation = normal . x; below it is a conflict. */
+   lift * orientation = normal . x.  Points with lifts below it are in conflict. */
 typedef struct pbw__plane { double origin[4], normal[3], orientation, height; } pbw__plane;
 
-/* x relative to the origin, and its lift; returns its height. */
+/* Sets row to x relative to the origin, then its lift.  Returns its height. */
 PBW__INLINE double pbw__plane_row(const pbw__plane *plane, const double *x, int dim, double *row)
 {
     const double weight = x[dim] - plane->origin[dim];
@@ -12769,7 +12783,7 @@ PBW__INLINE void pbw__cross_row(const double *a, const double *b, double *x)
     x[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* The normal of the facet of the rows a and b and the origin; it points to where an apex makes a positive simplex. */
+/* Sets normal to that of the facet of rows a and b and the origin, towards apexes of positive simplices. */
 PBW__INLINE void pbw__facet_normal(const double *a, const double *b, int dim, double *normal)
 {
     if (dim == 2) {
@@ -12781,7 +12795,7 @@ PBW__INLINE void pbw__facet_normal(const double *a, const double *b, int dim, do
     }
 }
 
-/* The plane of the rows a, b and c and the origin; normal: that of the facet of b and c. */
+/* Sets the plane of the rows a, b and c and the origin; normal: that of the facet of b and c. */
 PBW__INLINE void pbw__plane_set(pbw__plane *plane, const double *a, const double *b, const double *c,
                                 const double *normal, int dim)
 {
@@ -12816,7 +12830,7 @@ PBW__INLINE void pbw__plane_of(const pbw__core *core, const pbw_index *v, int di
     pbw__plane_set(plane, row[0], row[1], row[2], normal, dim);
 }
 
-/* The squares of the bounds of a side and a conflict. */
+/* Return the squares of the bounds of a side and of a conflict. */
 PBW__INLINE double pbw__side_limit(double h, int dim)
 {
     return h * h * (dim == 2 ? PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR
@@ -12829,7 +12843,7 @@ PBW__INLINE double pbw__conflict_limit(double h, int dim)
                                        : h * (PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
 }
 
-/* Whether e is strictly on the open side of a rim; `normal` points there, relative to its last vertex. */
+/* Returns whether e is strictly on the open side of the rim v; side: its product with the normal of the rim. */
 PBW__INLINE int pbw__rim_sees(const pbw__core *core, const pbw_index *v, pbw_index e, double side, double height,
                               int dim)
 {
@@ -12845,8 +12859,7 @@ PBW__INLINE int pbw__rim_sees(const pbw__core *core, const pbw_index *v, pbw_ind
     return pbw__orient(dim, x, &core->grid) > 0;
 }
 
-/* Whether e, of this row with its height behind it, is in conflict with the simplex of these corners, of which the
-   plane is. */
+/* Returns whether e is in conflict with the simplex of these corners and this plane; row: e's, then its height. */
 PBW__INLINE int pbw__plane_conflict(const pbw__core *core, const pbw__plane *plane, const pbw_index *corner,
                                     pbw_index e, const double *row, int dim)
 {
@@ -12863,7 +12876,7 @@ PBW__INLINE int pbw__plane_conflict(const pbw__core *core, const pbw__plane *pla
     return pbw__conflict(dim, x, p, &core->grid);
 }
 
-/* The apex behind a rim, by a tournament; 0, the ghost's place, if there is none. */
+/* Returns the apex behind a rim, by a tournament; 0, the ghost's place, if there is none. */
 PBW__INLINE pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *rim, int dim)
 {
     const pbw_index *u = core->rim_vertex;
@@ -12893,12 +12906,12 @@ PBW__INLINE pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *rim,
 }
 
 #ifdef PBW__SIMD
-/* What pbw__rim_apex knows of four link vertices: rows, and which are certainly on the open side. */
+/* Four link vertices: their rows; the set of those certainly on the open side of a rim. */
 typedef struct pbw__candidates4 { pbw__d4 x, y, z, lift, height; unsigned open; int certain; } pbw__candidates4;
 
-/* A rim with its last vertex as the origin: the normal to the open side, its height, and `centre`, twice the centre
-   of the sphere through its vertices with the centre in its plane (with weights, the sphere that is orthogonal to
-   them).  Of the spheres through its vertices the one through e has its centre further along the normal the larger
+/* A rim with its last vertex as the origin: the normal to its open side; its height; `centre`, twice the centre of
+   its smallest circumsphere, which is in its plane (with weights, of the sphere orthogonal to its vertices).  Of the
+   spheres through its vertices, the one through e has its centre further along the normal the larger
    (lift - centre . e) / (normal . e) is. */
 typedef struct pbw__pencil { double origin[4], normal[3], centre[3], height; } pbw__pencil;
 
@@ -12922,8 +12935,8 @@ PBW__INLINE void pbw__pencil_of(const double *a, const double *b, int dim, pbw__
     }
 }
 
-/* The rows of four link vertices, from the i-th on, and how far along the pencil each is; infinitely far on the
-   closed side, and those in `skip`.  c->certain: whether the sides of all others are. */
+/* Sets the rows of four link vertices, from the i-th on.  Returns how far along the pencil each is; infinity on the
+   closed side and in `skip`.  c->certain: the sides of all others are certain. */
 PBW__SIMD_INLINE pbw__d4 pbw__candidates4_of(const pbw__core *core, size_t i, const pbw__pencil *pencil,
                                              unsigned skip, pbw__candidates4 *c, int dim)
 {
@@ -12955,7 +12968,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__candidates4_of(const pbw__core *core, size_t i, co
     return pbw__blend(far, pbw__splat(HUGE_VAL), pbw__lanes_mask(skip));
 }
 
-/* Whether one of these on the open side, but for `skip`, may be in conflict with the simplex of the plane. */
+/* Returns whether one of these on the open side, not in `skip`, may be in conflict with the simplex of the plane. */
 PBW__SIMD_INLINE int pbw__candidates4_conflict(const pbw__candidates4 *c, const pbw__plane *plane, unsigned skip,
                                                int dim)
 {
@@ -12972,8 +12985,8 @@ PBW__SIMD_INLINE int pbw__candidates4_conflict(const pbw__candidates4 *c, const 
     return (c->open & ~skip & ~pbw__signs(sure)) != 0;
 }
 
-/* pbw__rim_apex by vectors: the first vertex that the sphere meets as it grows out of the open side, if it is certain
-   that no other one is in conflict with it.  PBW_NONE: it is not. */
+/* pbw__rim_apex by vectors: returns the first vertex that the sphere meets as it grows into the open side, if no
+   other one is certainly in conflict with the simplex; PBW_NONE if that is not certain. */
 PBW__SIMD_INLINE pbw_index pbw__rim_apex4(const pbw__core *core, const pbw_index *rim, int dim)
 {
     const size_t count = core->rim_vertices, last = rim[dim - 1];
@@ -13037,7 +13050,7 @@ PBW__SIMD static PBW__NOINLINE pbw_index pbw__rim_apex_simd(const pbw__core *cor
 }
 #endif
 
-/* The apex behind a rim; 0, the ghost's place, if there is none. */
+/* Returns the apex behind a rim; 0, the ghost's place, if there is none. */
 static pbw_index pbw__rim_behind(const pbw__core *core, const pbw_index *rim)
 {
 #ifdef PBW__SIMD
@@ -13051,24 +13064,24 @@ static pbw_index pbw__rim_behind(const pbw__core *core, const pbw_index *rim)
 
 /* ------------------------------------------------------------------------------------------------------
    >>ears         The hole of a vertex in space, cut off ear by ear.
-   In: a vertex v inside the hull.  Out: its star in scratch.cavity, its link in rim_vertex, what fills the hole in
-   `filling`; or PBW__NO_FIT: rounded numbers are not certain of that, or there are too many facets.
+   In: a vertex v inside the hull.  Out: its star in scratch.cavity, its link in rim_vertex, the simplices that fill
+   the hole in `filling`; or PBW__NO_FIT: rounded numbers leave them uncertain, or there are too many facets.
    Holds: every verdict is exact.
 
-   Let the lift of v rise by t, from 0 on, and all others stay.  The regular triangulation changes by flips in the
-   star of v, until v is hidden by a last simplex; what they make besides stars of v fills the hole.  Two facets abc
-   and bad of the hole meet in the edge ab, behind which is the facet vab of the star.  That is regular until the
+   Let the lift of v rise by t, from 0 on, while all others stay.  The regular triangulation changes by flips in the
+   star of v, until a last simplex hides v; the simplices without v that the flips make fill the hole.  Two facets abc
+   and bad of the hole meet in the edge ab; behind it is the facet vab of the star.  This facet is regular until the
    lifts of v, a, b, c and d are in one plane, at t = P / Q: Q is the orientation of (d, a, b, c), P the power
    determinant of (v, a, b, c) and d.  It stays regular if Q < 0.  So the edge with the least time is flipped next,
-   which makes the simplex dabc.  If only three facets meet in a, the facet dbc takes their place, and so with b; if
-   not, cad and dbc take the place of abc and bad.  The last simplex is between four facets.
+   which makes the simplex dabc.  If only three facets meet in a, the facet dbc replaces them, and likewise at b;
+   otherwise cad and dbc replace abc and bad.  The last simplex is between four facets.
 
-   A time has an interval around it.  The edges at a vertex of three facets have one time.  If the interval of any
-   other overlaps the least one, the order is not certain.  Nor is it then where a flip is of four vertices in a
-   plane, as two edges have its time.  What breaks ties changes a time by less than any two intervals are apart.
+   Each time has an error interval.  The edges at a vertex of three facets have one and the same time.  If the
+   interval of any other edge overlaps the least one, the order is uncertain.  This covers flips of four vertices in a
+   plane, where two edges have one time.  Tie-breaking changes a time by less than the gap between any two intervals.
    ------------------------------------------------------------------------------------------------------ */
 #ifdef PBW__SIMD
-/* For four edges, the ends of the intervals of their times; both infinite where there is none. */
+/* The intervals of the times of four edges; both ends are infinite for an edge without a time. */
 typedef struct pbw__spans4 { pbw__d4 low, high; } pbw__spans4;
 
 PBW__SIMD_INLINE pbw__spans4 pbw__ear_spans(const pbw__d4 *a, const pbw__d4 *b, const pbw__d4 *c, const pbw__d4 *d,
@@ -13106,7 +13119,7 @@ PBW__SIMD_INLINE void pbw__ear_columns(const double *a, const double *b, const d
     pbw__columns(a + 2, b + 2, c + 2, d + 2, x + 2, x + 3);
 }
 
-/* The times of edges e to e + 3. */
+/* Computes the times of edges e to e + 3. */
 PBW__SIMD_INLINE void pbw__ear_times(pbw__ears *ears, unsigned e)
 {
     const unsigned a0 = ears->place[e], a1 = ears->place[e + 1], a2 = ears->place[e + 2], a3 = ears->place[e + 3];
@@ -13128,26 +13141,26 @@ PBW__SIMD_INLINE void pbw__ear_times(pbw__ears *ears, unsigned e)
     memcpy(ears->high + e, &spans.high, sizeof(spans.high));
 }
 
-/* The facet of a place becomes facet k of filling f. */
+/* Joins facet k of filling f to the facet of a place, across which it lies. */
 PBW__INLINE void pbw__ear_sew(pbw__core *core, unsigned place, unsigned f, unsigned k)
 {
     const pbw__link across = core->ears.across[place >> 2];
     const unsigned made = core->ears.made[place >> 2];
-    pbw__filling *other = core->filling + (made ? across >> 2 : PBW__MOST_FILLINGS);        /* it, or none */
+    pbw__filling *other = core->filling + (made ? across >> 2 : PBW__MOST_FILLINGS);        /* it, or a dummy */
     core->filling[f].link[k] = across;
     core->filling[f].made[k] = (unsigned char)made;
     other->link[across & 3] = 4 * f + k;
     other->made[across & 3] = 1;
 }
 
-/* Facet k of filling f is now that of a place. */
+/* Makes facet k of filling f the facet of a place. */
 PBW__INLINE void pbw__ear_open(pbw__ears *ears, unsigned place, unsigned f, unsigned k)
 {
     ears->across[place >> 2] = 4 * f + k;
     ears->made[place >> 2] = 1;
 }
 
-/* The edge opposite to place p is now e, with q on its other side. */
+/* Makes e the edge opposite to place p, with place q on its other side. */
 PBW__INLINE void pbw__ear_join(pbw__ears *ears, unsigned p, unsigned q, unsigned e)
 {
     ears->twin[p] = (unsigned char)q;
@@ -13156,7 +13169,7 @@ PBW__INLINE void pbw__ear_join(pbw__ears *ears, unsigned p, unsigned q, unsigned
     ears->place[e] = (unsigned char)p;
 }
 
-/* The edge opposite to place p gets time k of the four new ones. */
+/* Notes that the edge opposite to place p gets time k of the four new ones. */
 PBW__INLINE void pbw__ear_renew(pbw__ears *ears, unsigned p, unsigned k)
 {
     ears->place[PBW__NEW_EARS + k] = (unsigned char)p;
@@ -13164,7 +13177,7 @@ PBW__INLINE void pbw__ear_renew(pbw__ears *ears, unsigned p, unsigned k)
     ears->low[ears->edge[p]] = HUGE_VAL;
 }
 
-/* Makes a simplex of the vertices at four places. */
+/* Makes a filling of the vertices at four places.  Returns its index. */
 PBW__INLINE unsigned pbw__ear_make(pbw__core *core, unsigned a, unsigned b, unsigned c, unsigned d)
 {
     pbw__filling *filling = core->filling + core->fillings;
@@ -13217,7 +13230,7 @@ PBW__SIMD_INLINE pbw__spans4 pbw__ear_flip(pbw__core *core, unsigned c)
 }
 
 /* Cuts off the vertex at place p, where three facets meet: (p, b, c), (p, c, d) and (p, d, b) become (d, b, c).
-   Returns the new times; takes from *overlap how many of the three edges may have a time of `high`. */
+   Returns the new times; subtracts from *overlap the number of the three edges that may have a time up to `high`. */
 PBW__SIMD_INLINE pbw__spans4 pbw__ear_cut(pbw__core *core, unsigned p, double high, unsigned *overlap)
 {
     pbw__ears *ears = &core->ears;
@@ -13258,7 +13271,8 @@ PBW__SIMD_INLINE pbw__spans4 pbw__ear_cut(pbw__core *core, unsigned p, double hi
     return spans;
 }
 
-/* The edge with the least time, or which of the new ones it is; into *overlap how many edges may have it. */
+/* Returns the edge with the least time, or PBW__NEW_EARS + k for the k-th new time.  *overlap: the number of edges
+   that may have this time. */
 PBW__SIMD_INLINE unsigned pbw__ear_least(const pbw__ears *ears, pbw__d4 renewed, unsigned *overlap)
 {
     pbw__d4 least = pbw__load4d(ears->low), number = pbw__splat(0.0), most = pbw__min_lane(renewed);
@@ -13282,7 +13296,7 @@ PBW__SIMD_INLINE unsigned pbw__ear_least(const pbw__ears *ears, pbw__d4 renewed,
     return e;
 }
 
-/* Fills the hole. */
+/* Fills the hole, ear by ear. */
 PBW__SIMD static PBW__NOINLINE pbw_status pbw__cut_ears(pbw__core *core)
 {
     pbw__ears *ears = &core->ears;
@@ -13331,7 +13345,8 @@ PBW__SIMD static PBW__NOINLINE pbw_status pbw__cut_ears(pbw__core *core)
     return PBW_OK;
 }
 
-/* The simplex in place i of scratch.cavity: its facet without v, and those of its neighbours that are new. */
+/* Lists the facet opposite to v of simplex i of scratch.cavity, and appends those of its neighbours at v that are not
+   in the cavity yet. */
 PBW__INLINE pbw_status pbw__star_facet(pbw__core *core, pbw_index v, size_t i)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -13367,7 +13382,7 @@ PBW__INLINE pbw_status pbw__star_facet(pbw__core *core, pbw_index v, size_t i)
         PBW__PREFETCH(kernel->link + 4 * next);
     }
     kernel->scratch.cavity_count = count;
-    if (i > 0) {                                     /* it has two vertices of that through which it was met */
+    if (i > 0) {                                     /* it has two vertices of the simplex it was met from */
         const unsigned from = ears->entry[i], b = ears->turn[from];
         here = ears->twin[from];
         ears->vertex[here] = (unsigned char)pbw__rim_place(core, corner[here & 3]);
@@ -13382,7 +13397,7 @@ PBW__INLINE pbw_status pbw__star_facet(pbw__core *core, pbw_index v, size_t i)
     return PBW_OK;
 }
 
-/* The star of v. */
+/* Collects the star of v and the facets of its hole. */
 static pbw_status pbw__open_star(pbw__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -13408,7 +13423,7 @@ static pbw_status pbw__open_star(pbw__core *core, pbw_index v)
     return status;
 }
 
-/* The edges of the hole; its vertices relative to v. */
+/* Lists the edges of the hole; makes the rows of its vertices relative to v. */
 static void pbw__list_ears(pbw__core *core, pbw_index v)
 {
     pbw__ears *ears = &core->ears;
@@ -13441,21 +13456,21 @@ static void pbw__list_ears(pbw__core *core, pbw_index v)
 #endif
 
 /* ------------------------------------------------------------------------------------------------------
-   >>removal      One vertex more or less.
+   >>removal      Removes or inserts one vertex.
    In: a core, a vertex to remove or to insert.  Out: the triangulation without it, or with it.
-   Holds: what holds in >>core.
+   Holds: the invariants of >>core.
 
    Removal wraps the hole.  Let N be the vertices of the link of v.  The triangulation without v has the same
    simplices outside of the star of v; inside it has those simplices of the triangulation of N that are in conflict
-   with v (a simplex of N inside the star that another vertex is in conflict with would be one without v, too).  So
-   behind a facet abc of the hole stands the simplex abce, of the vertices e of N strictly on the open side the one
-   that no other one of these is in conflict with; the ghost, if there is none.  Ties are broken as everywhere, so
-   there is one such e, and all facets of the simplices made meet in pairs.  Time: the simplices made times the size
-   of N; where that grows too large, all is triangulated anew.
+   with v: all vertices there are in N, and none of N is in conflict with them.  So behind a facet abc of the hole is
+   the simplex abce: e is the vertex of N strictly on the open side such that no other one of these is in conflict
+   with abce; the ghost, if there is none.  Ties are broken as everywhere, so e is unique, and all facets of the new
+   simplices meet in pairs.  Time: the new simplices times the size of N; if that grows too large, all points are
+   triangulated again.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__MOST_RIM ((size_t)1 << 21)              /* vertices of a link: three places in a key */
+#define PBW__MOST_RIM ((size_t)1 << 21)              /* vertices of a link: three places fit a key */
 
-/* The places of a rim in ascending order; in the plane the third is beyond all. */
+/* Returns the places of a rim in ascending order, as a key; in the plane the third is above all places. */
 PBW__INLINE uint64_t pbw__rim_key(const pbw_index *v, unsigned dim)
 {
     const uint64_t a = v[0], b = v[1], c = dim == 3 ? v[2] : PBW__MOST_RIM;
@@ -13464,7 +13479,7 @@ PBW__INLINE uint64_t pbw__rim_key(const pbw_index *v, unsigned dim)
     return low | (a + b + c - low - high) << 21 | high << 42;
 }
 
-/* Where the table has, or would have, a rim of this key. */
+/* Returns the entry of the table that has, or would have, a rim with this key. */
 PBW__INLINE size_t pbw__rim_find(const pbw__core *core, uint64_t key, size_t room)
 {
     size_t at = (size_t)(key * 0x9e3779b97f4a7c15u >> 32) & (room - 1);
@@ -13474,8 +13489,8 @@ PBW__INLINE size_t pbw__rim_find(const pbw__core *core, uint64_t key, size_t roo
     return at;
 }
 
-/* Collects the star of v in scratch.cavity.  PBW__LEFT: not all of its vertices are ours.  On any status the marks of
-   the cavity are to be cleared. */
+/* Collects the star of v in scratch.cavity.  PBW__LEFT: not all of its vertices are ours.  The caller clears the
+   marks of the cavity, on any status. */
 PBW__INLINE pbw_status pbw__collect_star(pbw__core *core, pbw_index v, size_t dim)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -13548,7 +13563,7 @@ static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
     return PBW_OK;
 }
 
-/* Joins facet k of filling f to the rim that has its vertices, or opens a new one. */
+/* Joins facet k of filling f to the rim with its vertices, or makes it an open rim. */
 static pbw_status pbw__sew(pbw__core *core, size_t f, unsigned k, size_t room)
 {
     pbw__filling *filling = core->filling + f;
@@ -13564,7 +13579,7 @@ static pbw_status pbw__sew(pbw__core *core, size_t f, unsigned k, size_t room)
     if (core->table[at] == 0) {
         rim = core->rim + core->rims++;
         rim->key = key;
-        rim->v[0] = facet[dim == 2];                 /* seen from the other side */
+        rim->v[0] = facet[dim == 2];                 /* in the opposite order */
         rim->v[1] = facet[dim == 3 ? 2 : 0];
         rim->v[2] = facet[dim == 3 ? 1 : 2];
         rim->made = 1;
@@ -13575,7 +13590,7 @@ static pbw_status pbw__sew(pbw__core *core, size_t f, unsigned k, size_t room)
     }
     rim = core->rim + (core->table[at] - 1);
     if (rim->closed) {
-        return PBW__ANEW;                            /* no two simplices meet in three: cannot be */
+        return PBW__ANEW;                            /* a third simplex at one facet: impossible */
     }
     rim->closed = 1;
     filling->link[k] = rim->across;
@@ -13587,7 +13602,8 @@ static pbw_status pbw__sew(pbw__core *core, size_t f, unsigned k, size_t room)
     return PBW_OK;
 }
 
-/* Room for one more simplex and its facets; the table stays at most half full. */
+/* Makes room for one more simplex and its facets; the table stays at most half full.  Returns the size of the table,
+   0 if memory is short. */
 static size_t pbw__wrap_room(pbw__core *core, size_t room)
 {
     size_t i;
@@ -13624,7 +13640,7 @@ static pbw_status pbw__wrap(pbw__core *core)
         pbw__filling *filling;
         pbw_index apex;
         if (core->rim[i].closed || v[0] == 0 || v[1] == 0 || v[2] == 0) {
-            continue;                                /* facets of the ghost are matched only */
+            continue;                                /* facets of the ghost are only matched */
         }
         room = pbw__wrap_room(core, room);
         if (room == 0) {
@@ -13656,7 +13672,7 @@ static pbw_status pbw__wrap(pbw__core *core)
     return room == 0 ? PBW_ERROR_MEMORY : status;
 }
 
-/* Puts what fills the hole into slots. */
+/* Writes the fillings to slots. */
 static void pbw__fill_hole(pbw__core *core)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -13704,8 +13720,8 @@ static PBW__NOINLINE pbw_status pbw__ear_hole(pbw__core *core, pbw_index v)
     return status;
 }
 
-/* Removes a vertex.  PBW__ANEW: no simplex would be left, or it is too much work.  PBW__LEFT: by a task, if not all
-   vertices around are its own, or it makes no finite simplex, which may mean that none would be left. */
+/* Removes a vertex.  PBW__ANEW: no simplex would be left, or its link is too large.  PBW__LEFT, from a task only: it
+   does not own all vertices around, or would make no finite simplex, which may mean that none would be left. */
 static pbw_status pbw__remove_vertex(pbw__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -13740,7 +13756,8 @@ static pbw_status pbw__remove_vertex(pbw__core *core, pbw_index v)
     return PBW_OK;
 }
 
-/* ---- insertion, and what it hides */
+/* ---- insertion, and hidden vertices */
+/* Lists a vertex as hidden after the commit, in simplex `witness`; PBW_NONE: not known yet. */
 static int pbw__cover_vertex(pbw__core *core, pbw_index v, pbw_index witness)
 {
     if (!PBW__CORE_GROW(core, covered, core->covered_count + 1)
@@ -13753,7 +13770,7 @@ static int pbw__cover_vertex(pbw__core *core, pbw_index v, pbw_index witness)
     return 1;
 }
 
-/* Walks, on exact signs, from *start to a simplex that contains a vertex which is in none, or to a ghost.  PBW__LEFT:
+/* Walks by exact signs from *start to a simplex that contains a vertex that is no corner, or to a ghost.  PBW__LEFT:
    not all vertices on the way are ours. */
 static pbw_status pbw__find_witness(pbw__core *core, pbw_index *start, pbw_index vertex)
 {
@@ -13776,7 +13793,7 @@ static pbw_status pbw__find_witness(pbw__core *core, pbw_index *start, pbw_index
     return PBW_OK;
 }
 
-/* Inserts a vertex, from the simplex `hint` on; it may be hidden, and hide others. */
+/* Inserts a vertex; the walk starts from simplex `hint`.  The vertex may be hidden, or hide others. */
 static pbw_status pbw__insert_vertex(pbw__core *core, pbw_index v, pbw_index hint)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -13805,7 +13822,7 @@ static pbw_status pbw__insert_vertex(pbw__core *core, pbw_index v, pbw_index hin
     return PBW_OK;
 }
 
-/* A simplex to start a walk from: the slot `t`, if one is there, or that of the last star. */
+/* Returns a simplex to start a walk from: that in slot t, if there is one, or one of the last star. */
 static pbw_index pbw__start_near(const pbw__core *core, pbw_index t)
 {
     const pbw__kernel *kernel = &core->kernel;
@@ -13816,7 +13833,7 @@ static pbw_index pbw__start_near(const pbw__core *core, pbw_index t)
     return t;
 }
 
-/* Inserts vertices that lost the simplex that hid them, until each hidden one has one. */
+/* Inserts hidden vertices without a witness, or with one that was deleted, until each hidden one has a witness. */
 static pbw_status pbw__uncover(pbw__core *core)
 {
     int again = 1;
@@ -13858,7 +13875,7 @@ static void pbw__swap_lists(pbw_index **a, size_t *a_capacity, pbw_index **b, si
     *b_capacity = capacity;
 }
 
-/* What is covered now is hidden. */
+/* Makes the covered vertices the hidden ones. */
 static void pbw__swap_covers(pbw__core *core)
 {
     pbw__swap_lists(&core->hidden, &core->hidden_capacity, &core->covered, &core->covered_capacity);
@@ -13867,7 +13884,8 @@ static void pbw__swap_covers(pbw__core *core)
     core->covered_count = 0;
 }
 
-/* ---- from points to a core: the points of the numbers in `list`, packed in that order */
+/* ---- from points to a core */
+/* The points with the numbers in `list`, contiguous and in that order. */
 typedef struct pbw__stand {
     double *points, *weights;
     pbw_index *list;
@@ -13916,7 +13934,7 @@ static void pbw__stand_input(const pbw__stand *stand, int weighted, pbw__input *
     (void)pbw__input_check(input, &none);
 }
 
-/* After the build: incident simplices, free slots, hidden vertices. */
+/* After the build: finds incident simplices, free slots and hidden vertices. */
 static pbw_status pbw__core_scan(pbw__core *core)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -13949,8 +13967,7 @@ static pbw_status pbw__core_scan(pbw__core *core)
     return PBW_OK;
 }
 
-/* list: per id of a vertex, its number; NULL: ids are numbers.  box: per task, the least and the largest entries of
-   its records. */
+/* list: per id of a vertex, its number; NULL: ids are numbers.  box: per task, the box of its records. */
 typedef struct pbw__taking {
     pbw__core *core;
     const pbw_index *list;
@@ -13958,7 +13975,7 @@ typedef struct pbw__taking {
     int tasks, named;
 } pbw__taking;
 
-/* Names the vertices of a share, unless they have names; its box. */
+/* Computes the box of a task's records, and names its vertices unless they have names. */
 PBW__INLINE void pbw__core_take_of(const pbw__taking *taking, int task, int dim)
 {
     pbw__core *core = taking->core;
@@ -13992,7 +14009,7 @@ static void pbw__core_take_share(void *arg, int task)
     PBW__BY_DIM(taking->core->kernel.dim, pbw__core_take_of, taking, task);
 }
 
-/* Room for vertices and numbers. */
+/* Makes room for vertices and numbers. */
 static int pbw__core_reserve(pbw__core *core, size_t records, size_t numbers)
 {
     if (!PBW__CORE_GROW(core, incident, records) || !PBW__CORE_GROW(core, local, records)
@@ -14003,8 +14020,8 @@ static int pbw__core_reserve(pbw__core *core, size_t records, size_t numbers)
     return 1;
 }
 
-/* The records are the core's now; the numbers at each place.  `canonical` and `id` of the vertices are places in the
-   list of numbers; NULL: numbers.  The vertices get their names, unless they have them. */
+/* Moves the records into the core, names the vertices unless they are named, and chains the numbers at one point.
+   `canonical` and `id` of the vertices are places in the list of numbers; if list is NULL, numbers. */
 static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const pbw_index *list, int named)
 {
     pbw__context *context = core->kernel.context;
@@ -14050,7 +14067,7 @@ static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const
     return PBW_OK;
 }
 
-/* A kernel for the vertices that the core took. */
+/* Makes a kernel for the vertices of the core. */
 static pbw_status pbw__core_start(pbw__context *context, pbw__core *core, pbw__vertices *vertices)
 {
     pbw_status status;
@@ -14065,7 +14082,7 @@ static pbw_status pbw__core_start(pbw__context *context, pbw__core *core, pbw__v
     return status;
 }
 
-/* Triangulates points; PBW_DEGENERATE: without simplices.  The core is to be freed, whatever the status. */
+/* Triangulates points; PBW_DEGENERATE: there are no simplices.  The caller frees the core, on any status. */
 static pbw_status pbw__core_build(pbw__context *context, const pbw__stand *stand, int weighted, size_t numbers,
                                   pbw__core *core)
 {
@@ -14108,36 +14125,36 @@ static pbw_status pbw__core_build(pbw__context *context, const pbw__stand *stand
     return status;
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>verify       Vertices that moved: does the triangulation still hold; edges flipped until it does.
-   In: a triangulation, other coordinates of its vertices.  Out: whether it is the triangulation of these too; in the
-   plane, after flips.
-   Holds: a core whose finite simplices are positive, whose facets are all locally regular and its hull locally convex
-   is the triangulation of its vertices, if some point o inside one simplex is in no other and is on the inner side of
-   each facet of the hull.  For a straight walk from any point in any simplex to o cannot leave through the hull; it
-   ends in the simplex of o, and backwards it leads to one simplex only.  So no point is covered twice.  (Without o a
-   star might wind twice round a vertex, all its simplices positive.)
+   >>verify       After vertices moved: tests whether the triangulation still holds; flips edges until it does.
+   In: a triangulation, other coordinates of its vertices.  Out: whether it is their triangulation too; in the plane,
+   after flips.
+   Holds: a core is the triangulation of its vertices if (1) its finite simplices are positive, (2) all facets are
+   locally regular and the hull is locally convex, and (3) some point o inside one simplex is in no other and is on
+   the inner side of each facet of the hull.  For a straight walk from any point in any simplex to o cannot leave
+   through the hull; it ends in the simplex of o, and backwards it leads to one simplex only.  So no point is covered
+   twice. (Without o a star might wind twice round a vertex, all its simplices positive.)
 
-   In how many simplices o is, the hull says: a point that moves from o along a ray to infinity, which no simplex
-   covers, leaves one simplex more than it enters only where the ray crosses a facet of the hull, and from inside it
-   can only leave there.  So o is in one simplex if the ray meets one facet of the hull.  (A ray through a face of
-   the hull meets two facets, which counts as a fault.)
+   A ray from o to infinity tells in how many simplices o is.  No simplex covers its far end.  A point that moves
+   along it leaves one simplex more than it enters where the ray crosses a facet of the hull, and, as o is inside of
+   all of them, it only ever leaves there.  So o is in one simplex if the ray meets one facet of the hull.  (A ray
+   through a face of the hull meets two facets, which counts as a fault.)
 
-   Flips (Lawson 1977): an edge that is not locally Delaunay is replaced by the other one of its two triangles, which
-   are a strictly convex quadrilateral.  Where it is not, or there are many flips, another way is taken.  An edge at
-   the ghost is flipped if the hull is not convex there.
+   Flips (Lawson 1977) replace an edge that is not locally Delaunay by the other diagonal of its two triangles.  If
+   their quadrilateral is not strictly convex, or flips are too many, the caller takes another way.  An edge at the
+   ghost is flipped if the hull is not convex there.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__INVERTED 128                            /* in a mark: the simplex is not positive; else a bit a facet */
+#define PBW__INVERTED 128                            /* a mark: the simplex is not positive; else bits of facets */
 
 typedef struct pbw__verifying {
     pbw__core *core;
     double o[4], ahead[4];                           /* a point inside of a simplex; another one on a ray from it */
-    size_t inverted, failing, most, covers;          /* most: failing ones to go on with */
-    float *depth;                                    /* of four, for the slots from..to-1; NULL: no vectors */
+    size_t inverted, failing, most, covers;          /* most: with more failing facets the test is given up */
+    float *depth;                                    /* four for each of the slots from..to-1; NULL: no vectors */
     size_t from, to;
-    double scale;                                    /* of depths */
+    double scale;                                    /* of the depths */
 } pbw__verifying;
 
-/* Whether the simplex in slot t, a ghost too, is in conflict with p: see pbw__in_conflict. */
+/* Returns whether the simplex in slot t, finite or a ghost, is in conflict with p: see pbw__in_conflict. */
 static int pbw__slot_conflict(const pbw__core *core, size_t t, const double *p)
 {
     const pbw__kernel *kernel = &core->kernel;
@@ -14155,7 +14172,7 @@ static int pbw__slot_conflict(const pbw__core *core, size_t t, const double *p)
     return pbw__conflict(dim, x, p, &core->grid);
 }
 
-/* The orientation of a simplex, with p, which need not be on the grid, in place of corner i (dim+1: of none). */
+/* Returns the orientation of a simplex with corner i (dim+1: none) replaced by p, which need not be on the grid. */
 static int pbw__slot_side(const pbw__core *core, size_t t, int i, const double *p)
 {
     const int dim = core->kernel.dim;
@@ -14167,7 +14184,8 @@ static int pbw__slot_side(const pbw__core *core, size_t t, int i, const double *
     return pbw__orient(dim, x, i > dim ? &core->grid : NULL);
 }
 
-/* Which facets of the simplex in slot t are not locally regular; all, or those that are tested on this side. */
+/* Returns the set of facets of the simplex in slot t that are not locally regular, or PBW__INVERTED.  all: tests each
+   facet, not only those that are tested from this side. */
 PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int all, int dim)
 {
     const pbw_index *v = core->kernel.corner + 4 * t;
@@ -14204,15 +14222,15 @@ PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int all, 
 /* ---- depths
    The depth of facet k of a simplex is the signed way from it to the centre of the simplex's sphere, inwards, times
    twice the facet's measure.  A facet is locally regular if its depths on both sides add up to more than 0: in the
-   plane, of angles d and e across from an edge, if cot(d) + cot(e) > 0 (Cline and Renka 1984).  So each simplex of a
-   window of slots is looked at once, and again where it is behind a facet of an earlier window.
+   plane, if cot(d) + cot(e) > 0 for the angles d and e opposite to an edge (Cline and Renka 1984).  So each simplex
+   of a window of slots is read once, and again if it is behind a facet of an earlier window.
 
-   Proof.  Let f be linear on each simplex, with the lifts of vertices as its values: f is convex across a facet, so
-   that is locally regular, if its slope along the facet's normal n grows.  With the last corner d as the origin, the
-   rows a, b, c of the other corners and the minors m of >>predicates, V = a.m_a is the orientation, N = l_a m_a + l_b
-   m_b + l_c m_c, and the slope of f is N / V + 2 d.  m_i is the inner normal across from corner i, of length twice
-   the facet's area (in the plane: its length), so that across from d is -sum m.  From a corner q of the facet the
-   slope along the inner normal is H / V, H = N.n + 2 V (d - q).n: H_i = N.m_i, and, with q = a, H_d = 2 V^2 - sum
+   Proof.  Let f be linear on each simplex, with the lifts of vertices as its values.  A facet is locally regular if f
+   is convex across it, that is, if its slope along the facet's normal n grows.  With the last corner d as the origin,
+   the rows a, b, c of the other corners and the minors m of >>predicates, V = a.m_a is the orientation, N = l_a m_a +
+   l_b m_b + l_c m_c, and the slope of f is N / V + 2 d.  m_i is the inner normal across from corner i, of length
+   twice the facet's area (in the plane: its length), so that across from d is -sum m.  From a corner q of the facet
+   the slope along the inner normal is H / V, H = N.n + 2 V (d - q).n: H_i = N.m_i, and, with q = a, H_d = 2 V^2 - sum
    H_i, as a.m_a = V and a.m_b = a.m_c = 0.  Both sides have one facet and opposite normals: the sum of the two H / V
    is minus what the slope grows by, from outside to inside, so it must be positive.
 
@@ -14225,8 +14243,8 @@ PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int all, 
    Absolute products in the plane are at most |a| |b| (Cauchy).  Where V is above 1e-6 h, or 5e-6 h^(3/2), and so has
    a relative error of 8 u / 5e-6 * 6 = 1.1e-9, a depth is (H - bound) (scale / V): that error, three roundings, and a
    conversion of 2^-24 change it by less than 1e-7 of it.  Underflow takes less than half of the least float, 2^-150,
-   and, where scale / V is denormal, 2^-1075 (36 h^3), h^3 < 1e270.  Depths are in units of the scale, which is that
-   of the points' box.  Other simplices get NaN, so do ghosts and free slots: their signs are left open. */
+   and, if scale / V is denormal, 2^-1075 (36 h^3), h^3 < 1e270.  Depths are in units of the scale, which is that of
+   the points' box.  Other simplices, ghosts and free slots get NaN: their signs are left open. */
 #define PBW__DEPTH2_ERROR 9e-15                      /* of H, times h^2, h^3 */
 #define PBW__DEPTH3_ERROR 4.7e-13
 #define PBW__DEPTH2_LEAST 1e-12                      /* of V^2, times h^2, h^3 */
@@ -14237,7 +14255,7 @@ PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int all, 
 #define PBW__DEPTH_MOST 1e270                        /* of h^2, h^3 */
 
 #ifdef PBW__SIMD
-/* Makes the points of these vertices, one in each lane, the origin. */
+/* Makes the points of four vertices the origins of the four lanes. */
 PBW__SIMD_INLINE void pbw__origins4(const double *record, const pbw_index *v, pbw__point4 *origin)
 {
     const size_t width = (size_t)origin->dim + 1;
@@ -14251,7 +14269,8 @@ PBW__SIMD_INLINE void pbw__origins4(const double *record, const pbw_index *v, pb
     }
 }
 
-/* V and H of four simplices, one in each lane, with the last corners as origins; returns the largest heights. */
+/* Computes V and H of four simplices, one in each lane, with the last corners as origins.  Returns the largest
+   heights. */
 PBW__SIMD_INLINE pbw__d4 pbw__depths4(const double *record, pbw_index v[4][4], const pbw__point4 *origin, pbw__d4 *V,
                                       pbw__d4 *H)
 {
@@ -14286,8 +14305,8 @@ PBW__SIMD_INLINE pbw__d4 pbw__depths4(const double *record, pbw_index v[4][4], c
     }
 }
 
-/* Stores the depths of the simplices in four slots: NaN unless they are positive for certain.  Free slots and ghosts
-   have the record of the ghost. */
+/* Stores the depths of the simplices in four slots: NaN unless the simplex is certainly positive.  Free slots read
+   the record of the ghost, too. */
 PBW__SIMD_INLINE void pbw__depths_of(const pbw__verifying *verifying, const pbw_index *slot, float *depths, int dim)
 {
     const pbw__core *core = verifying->core;
@@ -14319,7 +14338,7 @@ PBW__SIMD_INLINE void pbw__depths_of(const pbw__verifying *verifying, const pbw_
     pbw__store_rows(depths, H[0], H[1], H[2], H[3]);
 }
 
-/* The same for a list of slots, a multiple of four. */
+/* pbw__depths_of for a list of slots; count is a multiple of four. */
 PBW__SIMD_INLINE void pbw__depths_all(const pbw__verifying *verifying, const pbw_index *slot, size_t count,
                                       float *depths, int dim)
 {
@@ -14337,10 +14356,10 @@ PBW__SIMD static PBW__NOINLINE void pbw__depths(const pbw__verifying *verifying,
 #endif
 
 #define PBW__VERIFIED ((size_t)65536)                /* slots of a window, for each thread: a megabyte of depths */
-#define PBW__PENDING ((size_t)64)                    /* facets between windows that are judged at a time */
+#define PBW__PENDING ((size_t)64)                    /* facets between windows that are judged together */
 
-/* Whether the ray from o through `ahead` meets the facet of the ghost in slot t, closed: ahead - o is a sum of its
-   corners - o with no coefficient negative. */
+/* Returns whether the ray from o through `ahead` meets the closed facet of the ghost in slot t: ahead - o is then a
+   sum of (corner - o) without negative coefficients. */
 static int pbw__ray_meets(const pbw__verifying *verifying, size_t t)
 {
     const pbw__core *core = verifying->core;
@@ -14357,14 +14376,14 @@ static int pbw__ray_meets(const pbw__verifying *verifying, size_t t)
     return side <= 0;
 }
 
-/* Returns 1 if the ray from o meets the facet of the hull at the ghost in slot t, 2 if o is not inside of it. */
+/* Returns 2 if o is not on the inner side of the facet of the ghost in slot t, 1 if the ray meets this facet. */
 static size_t pbw__covers(const pbw__verifying *verifying, size_t t)
 {
     return pbw__slot_side(verifying->core, t, verifying->core->kernel.dim, verifying->o) >= 0
            ? 2 : (size_t)pbw__ray_meets(verifying, t);
 }
 
-/* Judges the facets of a simplex that this side is to test, exactly. */
+/* Judges exactly those facets of a simplex that are tested from this side. */
 static PBW__NOINLINE void pbw__verify_slot(pbw__verifying *verifying, size_t t)
 {
     pbw__core *core = verifying->core;
@@ -14376,7 +14395,7 @@ static PBW__NOINLINE void pbw__verify_slot(pbw__verifying *verifying, size_t t)
 }
 
 #ifdef PBW__SIMD
-/* Depths of slots from..to-1 of the window. */
+/* Computes the depths of slots from..to-1 of the window. */
 static pbw_status pbw__verify_depths(void *arg, size_t from, size_t to)
 {
     const pbw__verifying *verifying = (const pbw__verifying *)arg;
@@ -14384,7 +14403,7 @@ static pbw_status pbw__verify_depths(void *arg, size_t from, size_t to)
     for (; from < to; from += 64) {
         const size_t count = to - from < 64 ? to - from : 64;
         size_t i;
-        for (i = 0; i < 64; i++) {                   /* there is room for what rounds it up to fours */
+        for (i = 0; i < 64; i++) {                   /* the last ones fill up to a multiple of four */
             slot[i] = (pbw_index)(verifying->from + from + (i < count ? i : count - 1));
         }
         pbw__depths(verifying, slot, (count + 3) / 4 * 4, verifying->depth + 4 * from);
@@ -14392,10 +14411,10 @@ static pbw_status pbw__verify_depths(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Facets behind which later windows are. */
+/* Facets between this window and later ones. */
 typedef struct pbw__verify_links { size_t count; pbw__link pending[PBW__PENDING + 4]; } pbw__verify_links;
 
-/* Judges them. */
+/* Judges the pending facets, and empties the list. */
 static void pbw__verify_pending(pbw__verifying *verifying, pbw__verify_links *links)
 {
     const pbw__link *link = verifying->core->kernel.link;
@@ -14415,7 +14434,7 @@ static void pbw__verify_pending(pbw__verifying *verifying, pbw__verify_links *li
     links->count = 0;
 }
 
-/* Whether facet `here` is locally regular for certain, or to be judged elsewhere.  Branchless: where simplices are is
+/* Returns whether facet `here` is certainly locally regular, or is judged elsewhere.  Branchless: the slot across is
    unpredictable. */
 PBW__INLINE int pbw__verify_facet(const pbw__verifying *verifying, pbw__verify_links *links, pbw__link here)
 {
@@ -14426,8 +14445,8 @@ PBW__INLINE int pbw__verify_facet(const pbw__verifying *verifying, pbw__verify_l
     return verifying->depth[here - first] + verifying->depth[there < all ? there : all] > 0.0f;
 }
 
-/* Judges the facets of slots from..to-1 by their depths on both sides, or exactly.  What is behind the window has a
-   depth that is certain. */
+/* Judges the facets of slots from..to-1 by their depths on both sides, or exactly.  For slots outside of the window
+   the depth at its end, infinity, leaves the facet to another test. */
 PBW__INLINE void pbw__verify_facets_of(pbw__verifying *shared, size_t from, size_t to, int dim)
 {
     const pbw__verifying verifying = *shared;        /* a copy, as the stores below might alias it */
@@ -14457,7 +14476,7 @@ PBW__INLINE void pbw__verify_facets_of(pbw__verifying *shared, size_t from, size
 }
 #endif
 
-/* Counts the facets of the hull in slots from..to-1 that the ray meets; adds 2 for each that o is not inside of. */
+/* Adds pbw__covers of the ghosts in slots from..to-1. */
 static pbw_status pbw__cover_range(void *arg, size_t from, size_t to)
 {
     pbw__verifying *verifying = (pbw__verifying *)arg;
@@ -14471,8 +14490,7 @@ static pbw_status pbw__cover_range(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Looks at slots from..to-1 of the window: which simplices are not positive, which facets are not locally regular;
-   and counts as pbw__cover_range does. */
+/* Judges the simplices and facets of slots from..to-1 of the window, and counts as pbw__cover_range does. */
 static pbw_status pbw__verify_range(void *arg, size_t from, size_t to)
 {
     pbw__verifying *verifying = (pbw__verifying *)arg;
@@ -14497,7 +14515,7 @@ static pbw_status pbw__verify_range(void *arg, size_t from, size_t to)
     return pbw__cover_range(verifying, from, to);
 }
 
-/* Looks at some simplices, where no facet may fail: if many do, one of these does. */
+/* Where no facet may fail, tests a sample first: if many facets fail, one of these does. */
 static pbw_status pbw__verify_some(const pbw__core *core)
 {
     const size_t count = core->store.count, step = count / 256 + 1;
@@ -14512,7 +14530,7 @@ static pbw_status pbw__verify_some(const pbw__core *core)
 }
 
 #ifdef PBW__SIMD
-/* Looks at all simplices, window by window, with vectors. */
+/* Tests all simplices, window by window, with vectors. */
 static pbw_status pbw__verify_windows(pbw__verifying *verifying)
 {
     pbw__core *core = verifying->core;
@@ -14545,7 +14563,7 @@ static pbw_status pbw__verify_windows(pbw__verifying *verifying)
 }
 #endif
 
-/* Looks at all simplices. */
+/* Tests all simplices. */
 static pbw_status pbw__verify_all(pbw__verifying *verifying)
 {
     pbw__core *core = verifying->core;
@@ -14559,7 +14577,8 @@ static pbw_status pbw__verify_all(pbw__verifying *verifying)
          : pbw__for_range(core->kernel.context, core->store.count, 4096, 0.5, pbw__verify_range, verifying);
 }
 
-/* Chooses o inside of one of a few simplices in the middle of the store, and a ray; 0 if rounding allows none. */
+/* Chooses o inside a simplex, of a few in the middle of the store, and a ray.  Returns 0 if rounding puts each
+   outside of its simplex. */
 static int pbw__choose_inside(pbw__verifying *verifying)
 {
     static const double direction[3] = { 0.31, 0.19, -0.23 };
@@ -14597,8 +14616,8 @@ static int pbw__choose_inside(pbw__verifying *verifying)
     return 0;
 }
 
-/* ---- flips
-   How far the corners v are to be turned to the left, so that the ghost is the last. */
+/* ---- flips */
+/* Returns by how many places to rotate the corners v to the left so that the ghost comes last. */
 PBW__INLINE unsigned pbw__ghost_turn(const pbw_index *v)
 {
     return v[0] == PBW__GHOST ? 1 : v[1] == PBW__GHOST ? 2 : 0;
@@ -14624,7 +14643,7 @@ static int pbw__may_be_triangle(const pbw__core *core, const pbw_index *v)
     return v[0] == PBW__GHOST || v[1] == PBW__GHOST || v[2] == PBW__GHOST || pbw__orient(2, x, &core->grid) > 0;
 }
 
-/* Replaces the edge across from corner k of t by the other diagonal.  PBW__ANEW: that is none. */
+/* Replaces the edge opposite to corner k of t by the other diagonal.  PBW__ANEW: the quadrilateral is not convex. */
 static pbw_status pbw__flip(pbw__core *core, size_t t, unsigned k)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -14654,8 +14673,8 @@ static pbw_status pbw__flip(pbw__core *core, size_t t, unsigned k)
     return status;
 }
 
-/* Flips until all edges are locally Delaunay, from those in rim_vertex on.  PBW__ANEW: more than `most` times.  A
-   task notes in `open` the edges beyond which a vertex is not its own. */
+/* Flips until all edges are locally Delaunay; rim_vertex is the worklist, with `count` edges at first.  PBW__ANEW:
+   more than `most` flips.  A task notes in `open` the edges at which it does not own all vertices. */
 static pbw_status pbw__flip_all(pbw__core *core, size_t count, size_t most)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -14692,7 +14711,7 @@ static pbw_status pbw__flip_all(pbw__core *core, size_t count, size_t most)
     return status;
 }
 
-/* The same, from the marks of a verification on. */
+/* pbw__flip_all, starting from the marks of a verification. */
 static pbw_status pbw__flip_marked(pbw__core *core, size_t most)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -14711,8 +14730,8 @@ static pbw_status pbw__flip_marked(pbw__core *core, size_t most)
     return pbw__flip_all(core, count, most);
 }
 
-/* The records have other coordinates: PBW_OK if the core is their triangulation now, after flips or without;
-   PBW__ANEW if not.  `most`: flips. */
+/* After the records got other coordinates: PBW_OK if the core is their triangulation, in the plane after at most
+   `most` flips; PBW__ANEW if not. */
 static pbw_status pbw__verify(pbw__core *core, size_t most)
 {
     pbw__context *context = core->kernel.context;
@@ -14736,40 +14755,39 @@ static pbw_status pbw__verify(pbw__core *core, size_t most)
     return status == PBW_OK && verifying.covers != 1 ? PBW__ANEW : status;
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>live         Points to be inserted, removed and moved: the queue.
+   >>live         Points to insert, remove and move: the queue.
    In: a mesh, then changes by number.  Out: for >>commit, the points as they are to be.
-   Holds: `point`, `weight` and `state` are as they will be after the next commit; the core is as it was after the
-   last one.  A commit that fails changes neither: it works on another core, or undoes what it did, for which it
-   needs no more memory.
+   Holds: `point`, `weight` and `state` are as they will be after the next commit; the core is as the last one left
+   it. A commit that fails changes neither: it works on another core, or undoes its changes, which needs no memory.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__LIVES 1u                                /* since the last commit */
-#define PBW__STAYS 2u                                /* will live after the next one */
+#define PBW__LIVES 1u                                /* it is a point of the last commit */
+#define PBW__STAYS 2u                                /* it will be one of the next commit */
 #define PBW__QUEUED 4u                               /* its number is in the queue */
-#define PBW__LEAVES 8u                               /* in a commit: its old place; and the next: a new one */
-#define PBW__ARRIVES 16u
+#define PBW__LEAVES 8u                               /* in a commit: it leaves its old place */
+#define PBW__ARRIVES 16u                             /* in a commit: it arrives at a new place */
 
 #define PBW__LIVE_GROW(live, x, needed) PBW__GROW(&(live)->core.kernel, live, x, needed)
 
-/* What was written to the tables of the core, and in which. */
+/* A write to a table of the core, to be undone: the entry and its old value. */
 typedef struct pbw__edit { pbw_index table, at, old; } pbw__edit;
 enum { PBW__EDIT_VERTEX, PBW__EDIT_TWIN, PBW__EDIT_PLACE };
 
 struct pbw_live {
     pbw__memory memory;
     pbw_options options;
-    int dim, weighted, weighted_past;                /* will be; was */
+    int dim, weighted, weighted_past;                /* weighted: from the next commit on; past: at the last one */
     double *point, *weight;                          /* per number */
     unsigned char *state;
     pbw_index *spare, *queue;                        /* numbers that are free; numbers with changes */
     size_t point_capacity, weight_capacity, state_capacity, spare_capacity, queue_capacity;
-    size_t count, spare_count, queue_count;          /* count: of numbers */
-    size_t numbers, points;                          /* at the last commit: of numbers, of points */
+    size_t count, spare_count, queue_count;          /* count: numbers */
+    size_t numbers, points;                          /* how many there were at the last commit */
     pbw__core core;
     /* of one commit */
     pbw__edit *edit;
-    pbw_index *head, *leaving, *arriving;            /* head: per place that changes, a number there; vertices */
+    pbw_index *head, *leaving, *arriving;            /* head: per place that changes, a number; others: vertices */
     pbw_index *joining;                              /* numbers that arrive; then vertices that they did not need */
-    double *moved;                                   /* other coordinates of those in `leaving` */
+    double *moved;                                   /* the other coordinates of those in `leaving` */
     size_t edit_capacity, head_capacity, leaving_capacity, arriving_capacity, joining_capacity, moved_capacity;
     size_t edit_count, leaving_count, arriving_count, joining_count, first_edit;
     size_t past_vertices, past_unused, past_placed;
@@ -14783,7 +14801,7 @@ PBW__INLINE const double *pbw__live_point(const pbw_live *live, size_t id)
     return live->point + id * (size_t)live->dim;
 }
 
-/* Prefetches for entries of the queue to come, which are in any order. */
+/* Prefetches for later entries of the queue, which has no order. */
 PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i, size_t end)
 {
     if (i + 32 < end) {
@@ -14803,7 +14821,7 @@ PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i, size_t end)
     }
 }
 
-/* Room for `count` numbers, `queued` of them in the queue. */
+/* Makes room for `count` numbers, `queued` of them in the queue. */
 static pbw_status pbw__live_reserve(pbw_live *live, size_t count, size_t queued)
 {
     pbw__memory *memory = &live->memory;
@@ -14872,7 +14890,7 @@ PBWDEF pbw_status pbw_live_insert(pbw_live *live, const double *points, const do
     return PBW_OK;
 }
 
-/* Whether all of these are numbers of points that stay. */
+/* Returns whether all of these are numbers of points that stay. */
 static int pbw__live_all_stay(const pbw_live *live, const pbw_index *ids, size_t count)
 {
     size_t i;
@@ -14898,7 +14916,7 @@ PBWDEF pbw_status pbw_live_remove(pbw_live *live, const pbw_index *ids, size_t c
     for (i = 0; i < count && (live->state[ids[i]] & PBW__STAYS) != 0; i++) {
         live->state[ids[i]] &= (unsigned char)~PBW__STAYS;
     }
-    if (i < count) {                                 /* a number twice */
+    if (i < count) {                                 /* a number occurs twice */
         while (i-- > 0) {
             live->state[ids[i]] |= PBW__STAYS;
         }
@@ -14967,7 +14985,7 @@ static void pbw__sift_tuple(pbw_index *heap, size_t root, size_t count, size_t c
     memcpy(heap + root * corners, item, bytes);
 }
 
-/* Sorts a few simplices by their corners, or the many of one vertex: a heap sort, which needs no memory. */
+/* Sorts the simplices of one vertex by their corners: a heap sort, which needs no memory. */
 static void pbw__sort_tuples(pbw_index *tuple, size_t count, size_t corners)
 {
     pbw_index last[4];
@@ -14983,7 +15001,7 @@ static void pbw__sort_tuples(pbw_index *tuple, size_t count, size_t corners)
     }
 }
 
-/* Turns the corners of a simplex: the lowest first, in space the lowest of the rest second. */
+/* Rotates the corners of a simplex: the lowest first, in space the lowest of the others second. */
 PBW__INLINE void pbw__turn_tuple(pbw_index *v, int dim)
 {
     const unsigned order = pbw__canonical_order(v, dim);
@@ -15012,7 +15030,7 @@ PBWDEF void pbw_changes_free(pbw_changes *changes)
     }
 }
 
-/* A list of simplices on its way into ascending order. */
+/* A list of simplices that is being sorted. */
 typedef struct pbw__tuples {
     pbw_index *tuple, *sorted;
     uint64_t *key;                                   /* the lowest corner, and below it the place in `tuple` */
@@ -15033,7 +15051,7 @@ static pbw_status pbw__tuples_turn(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Copies the simplices of the vertices that are met first in this range, and sorts those of each. */
+/* Copies the simplices of each lowest corner that first occurs in this range, and sorts them. */
 static pbw_status pbw__tuples_gather(void *arg, size_t from, size_t to)
 {
     const pbw__tuples *tuples = (const pbw__tuples *)arg;
@@ -15054,7 +15072,7 @@ static pbw_status pbw__tuples_gather(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Leaves in each of two sorted lists what is not in the other; marks the points of both, a bit for each. */
+/* Keeps in each of two sorted lists what is not in the other; marks the points of both, a bit each. */
 static void pbw__changes_differ(pbw_changes *changes, size_t corners, uint64_t *mark)
 {
     pbw_index *tuple[2];
@@ -15080,7 +15098,7 @@ static void pbw__changes_differ(pbw_changes *changes, size_t corners, uint64_t *
     changes->made_count = kept[1];
 }
 
-/* Lists the numbers that are marked. */
+/* Lists the marked numbers. */
 static pbw_status pbw__changes_points(pbw_changes *changes, const uint64_t *mark, size_t words)
 {
     pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
@@ -15106,7 +15124,7 @@ static pbw_status pbw__changes_points(pbw_changes *changes, const uint64_t *mark
     return PBW_OK;
 }
 
-/* Sorts one list, with room for so many words, of numbers below `numbers`, into an array of its size. */
+/* Sorts one list, in an array of *room words, with numbers below `numbers`, into a new array that just fits. */
 static pbw_status pbw__changes_sort(pbw__context *context, pbw__memory *memory, const pbw_index **list, size_t *room,
                                     pbw__tuples *tuples, size_t numbers)
 {
@@ -15137,7 +15155,7 @@ static pbw_status pbw__changes_sort(pbw__context *context, pbw__memory *memory, 
     return status;
 }
 
-/* Sorts both lists, deleted and made, of numbers below `numbers`, and leaves in them what differs. */
+/* Sorts both lists, deleted and made, with numbers below `numbers`, and keeps in them what differs. */
 static pbw_status pbw__changes_close(pbw__context *context, pbw_changes *changes, int dim, size_t numbers)
 {
     pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
@@ -15166,7 +15184,7 @@ static pbw_status pbw__changes_close(pbw__context *context, pbw_changes *changes
     return status;
 }
 
-/* Room for so many simplices before and after. */
+/* Makes room for so many deleted and made simplices. */
 static pbw_status pbw__changes_start(const pbw_live *live, pbw_changes *changes, size_t deleted, size_t made)
 {
     const size_t corners = (size_t)live->dim + 1;
@@ -15187,7 +15205,7 @@ static pbw_status pbw__changes_start(const pbw_live *live, pbw_changes *changes,
     return changes->deleted != NULL && changes->made != NULL ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
-/* Adds a simplex of a core, if it is a finite one, to one of the lists. */
+/* Adds a simplex of a core, if it is finite, to one of the lists. */
 static void pbw__changes_add(const pbw__core *core, const pbw_index *v, int dim, const pbw_index *list, size_t *count)
 {
     pbw_index *to = (pbw_index *)(uintptr_t)list + *count * ((size_t)dim + 1);
@@ -15200,7 +15218,7 @@ static void pbw__changes_add(const pbw__core *core, const pbw_index *v, int dim,
     }
 }
 
-/* What the journal says. */
+/* Lists the changes of a batch, from the journals. */
 static pbw_status pbw__batch_changes(pbw_live *live, pbw_changes *changes)
 {
     pbw__core *core = &live->core;
@@ -15229,7 +15247,7 @@ static pbw_status pbw__batch_changes(pbw_live *live, pbw_changes *changes)
     return pbw__changes_close(core->kernel.context, changes, live->dim, live->count);
 }
 
-/* From one core to another. */
+/* Lists the changes from the live core to another one. */
 static pbw_status pbw__rebuild_changes(const pbw_live *live, const pbw__core *core, pbw_changes *changes)
 {
     const pbw__core *old = &live->core;
@@ -15249,10 +15267,10 @@ static pbw_status pbw__rebuild_changes(const pbw_live *live, const pbw__core *co
 
 /* ------------------------------------------------------------------------------------------------------
    >>hints        Where walks start, and what batches prefetch.
-   In: the vertices of a batch, along the curve.  Out: for each a simplex near it; and the cache lines that are needed
-   soon, as the stars of a small batch are all cold.
-   Holds: a hint is any simplex; one out of date makes a walk longer, never wrong.  The table has a vertex for each
-   cell of a grid on the box of all, half as many cells as vertices.
+   In: the vertices of a batch, along the curve.  Out: for each a simplex near it; the stars that are needed soon, in
+   the cache, as those of a small batch are cold.
+   Holds: any simplex may be a hint; an outdated one makes a walk longer, never wrong.  The table has a vertex for
+   each cell of a grid on the box of all vertices, with half as many cells as vertices.
    ------------------------------------------------------------------------------------------------------ */
 PBW__INLINE size_t pbw__start_cell(const pbw__core *core, const double *x)
 {
@@ -15278,7 +15296,7 @@ static pbw_status pbw__start_fill(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Makes the table once there are walks enough to pay for it. */
+/* Makes the table once there have been enough walks to pay for it. */
 static void pbw__start_table(pbw__core *core, size_t walks)
 {
     const size_t cells = core->vertex_count / 2 + 1;
@@ -15293,7 +15311,7 @@ static void pbw__start_table(pbw__core *core, size_t walks)
     }
     all = side * side * (core->kernel.dim == 3 ? side : 1);
     if (!PBW__CORE_GROW(core, start, all)) {
-        return;                                      /* without it then */
+        return;                                      /* walks start without it */
     }
     core->start_side = side;
     for (k = 0; k < core->kernel.dim; k++) {
@@ -15305,8 +15323,8 @@ static void pbw__start_table(pbw__core *core, size_t walks)
     (void)pbw__for_range(core->kernel.context, core->vertex_count, 16384, 0.0, pbw__start_fill, core);
 }
 
-/* Prefetches, in steps, a simplex of v (0), its vertices and those of its neighbours that have v (1), what these have
-   (2), and the vertices behind them (3).  A task that owns v may read all this. */
+/* Prefetches, step by step: (0) a simplex of v; (1) its vertices and its neighbours at v; (2) the vertices of these
+   and the simplices behind them; (3) the vertices of the latter.  A task that owns v may read all this. */
 PBW__INLINE void pbw__prefetch_star(const pbw__core *core, pbw_index v, int step)
 {
     const size_t dim = (size_t)core->kernel.dim, width = dim + 1, t = core->incident[v];
@@ -15351,7 +15369,7 @@ PBW__INLINE void pbw__prefetch_star(const pbw__core *core, pbw_index v, int step
     }
 }
 
-/* The nearer to p of two vertices that this thread may start from; 0: neither. */
+/* Returns the nearer to p of two vertices, of those from which this thread may start; 0 if there is none. */
 PBW__INLINE pbw_index pbw__nearer_start(pbw__core *core, pbw_index a, pbw_index b, const double *p)
 {
     const int dim = core->kernel.dim, has_a = a != 0 && pbw__hold(&core->kernel, a) && core->incident[a] < PBW__GONE;
@@ -15365,44 +15383,45 @@ PBW__INLINE pbw_index pbw__nearer_start(pbw__core *core, pbw_index a, pbw_index 
 /* ------------------------------------------------------------------------------------------------------
    >>tasks        A batch of changes by many threads.
    In: a core, changes to its vertices, in any order.  Out: the core with the changes.
-   Holds: what holds in >>core.  The triangulation of the points is one, whatever the order of changes.
+   Holds: the invariants of >>core.  The triangulation of the points is unique, so the order of changes does not
+   matter.
 
-   A task takes blocks of changes, which are neighbours on the curve, and works in groups of a few: it claims a vertex
-   near each change, prefetches what is around these, then makes the changes.  For each it claims the vertices that it
-   needs, as in >>parallel, but a zone is one vertex here.  After a group it gives back all.  A change that needs a
-   vertex of another task is left as it is: for the end of the task, then for the next round.  The last ones are made
-   by one thread.
+   A task takes blocks of changes, which are neighbours on the curve, and works in small groups: it claims a vertex
+   near each change, prefetches the stars of these, then makes the changes.  For each change it claims the vertices
+   that it needs, as in >>parallel, but a zone is one vertex here.  After each group it releases all of them.  A
+   change that needs a vertex of another task is put off to the end of the task, then to the next round.  One thread
+   makes the last ones.
 
-   Why no word is written by one task while another reads or writes it: the rule is stricter than in >>parallel.  A
-   simplex is deleted only by a task that owns all its finite vertices.  So
-     (a) nobody else deletes a simplex of which I own one vertex, and of its links nobody else changes those across
+   No data races: the rule is stricter than in >>parallel.  Only a task that owns all finite vertices of a simplex
+   deletes it.  So
+     (a) if a task owns one vertex of a simplex, no other task deletes this simplex, or changes its links across
      facets that have this vertex;
-     (b) the incident simplex of a vertex is read and written by its owner: all corners of the simplices that a task
-     makes are its own, or the ghost;
-     (c) only a task that owns all vertices of a star changes the coordinates in its middle.  A task that reads the
-     coordinates of a vertex owns it, or another vertex of a simplex that has it, which is in that star; or no
-     coordinates change in this batch;
-     (d) marks and slots are as in >>parallel, and so are acquire and release.
-   The ghost has no owner: it is in simplices that the owner of their other vertices deletes.
+     (b) only the owner of a vertex reads and writes its incident simplex: a task owns all corners of the simplices
+     that it makes, but for the ghost;
+     (c) only a task that owns all vertices of a star changes the coordinates of its centre.  A task that reads the
+     coordinates of a vertex owns it, or owns another vertex of a simplex of that star; or no coordinates change in
+     this batch;
+     (d) marks and slots, acquire and release are as in >>parallel.
+   The ghost has no owner: the task that owns the other vertices of a ghost simplex deletes it.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__GROUP 8                                 /* changes whose vertices are claimed and prefetched ahead */
-#define PBW__LEAST_CHANGES PBW__SMALLER((size_t)256)  /* for another task to pay */
+#define PBW__LEAST_CHANGES PBW__SMALLER((size_t)256)  /* a task must have so many to pay off */
 
 typedef struct pbw__changing {
     void *arg;
-    /* Returns a vertex near the i-th change, or 0.  Makes it; PBW__LEFT: not now, and nothing was changed. */
+    /* near: returns a vertex near the i-th change, or 0.  change: makes it; on PBW__LEFT nothing has changed. */
     pbw_index (*near)(void *arg, pbw__core *core, size_t i);
     pbw_status (*change)(void *arg, pbw__core *core, size_t i, pbw_index near);
-    size_t count, slots, most_effort;                /* slots: for each change; a task without one leaves it */
+    size_t count, slots, most_effort;                /* slots: per change; a task without free ones leaves changes */
     double begin, end;                               /* of the stage's progress */
     /* of a round */
     pbw__core *core;
-    const pbw_index *which;                          /* NULL: all */
+    const pbw_index *which;                          /* the changes of this round; NULL: all */
     size_t round_count, grain, next;
     int parts, stop;
 } pbw__changing;
 
-/* Makes a group of changes; kernel.left gets those left. */
+/* Makes a group of changes; those that cannot be made now go to kernel.left. */
 static pbw_status pbw__batch_group(const pbw__changing *batch, pbw__core *core, const pbw_index *which, size_t from,
                                    size_t to)
 {
@@ -15437,7 +15456,8 @@ static pbw_status pbw__batch_group(const pbw__changing *batch, pbw__core *core, 
     return status;
 }
 
-/* Makes changes from..to-1 of a list, which may be kernel.left itself.  Gives back what it claims, if all is well. */
+/* Makes changes from..to-1 of a list, which may be kernel.left itself.  Releases the vertices that it claims, unless
+   a change fails. */
 static pbw_status pbw__batch_range(const pbw__changing *batch, pbw__core *core, const pbw_index *which, size_t from,
                                    size_t to)
 {
@@ -15446,7 +15466,7 @@ static pbw_status pbw__batch_range(const pbw__changing *batch, pbw__core *core, 
     size_t i;
     for (i = from; i < to && status == PBW_OK && !PBW__LOAD(&batch->stop); i += PBW__GROUP) {
         status = pbw__batch_group(batch, core, which, i, to);
-        while (status == PBW_OK && own->owner != NULL && own->claim_count > 0) {     /* else a star is incomplete */
+        while (status == PBW_OK && own->owner != NULL && own->claim_count > 0) {     /* on failure a star is open */
             PBW__STORE_RELEASE(own->owner + own->claim[--own->claim_count], PBW__NOBODY);
             PBW__TEST_PAUSE();
         }
@@ -15471,7 +15491,7 @@ static void pbw__batch_task(void *arg, int part)
         from = PBW__ADD(&batch->next, batch->grain);
     }
     count = kernel->left_count;
-    kernel->left_count = 0;                          /* again: other tasks have gone on */
+    kernel->left_count = 0;                          /* once more: other tasks have moved on */
     if (kernel->status == PBW_OK) {
         kernel->status = pbw__batch_range(batch, core, kernel->left, 0, count);
     }
@@ -15480,7 +15500,7 @@ static void pbw__batch_task(void *arg, int part)
     }
 }
 
-/* Puts the free slots of a task into the core's list. */
+/* Moves the free slots of a task to the core's list. */
 static void pbw__collect_slots(pbw__core *core, pbw__core *task)
 {
     pbw__slots *slots = &task->kernel.slots, *all = &core->kernel.slots;
@@ -15498,7 +15518,7 @@ static void pbw__collect_slots(pbw__core *core, pbw__core *task)
     }
 }
 
-/* Moves free slots from the core to a task, or back. */
+/* Moves up to `count` free slots from one core to another; core: the main one. */
 static void pbw__move_slots(const pbw__core *core, pbw__core *from, pbw__core *to, size_t count)
 {
     pbw__slots *source = &from->kernel.slots, *slots = &to->kernel.slots;
@@ -15511,8 +15531,8 @@ static void pbw__move_slots(const pbw__core *core, pbw__core *from, pbw__core *t
     }
 }
 
-/* Free slots for the tasks of a round: each keeps its own between rounds, as to walk along a list takes time.  What a
-   task has beyond its share goes to others. */
+/* Gives free slots to the tasks of a round.  Each keeps its own between rounds, as walking a list takes time; slots
+   beyond its needs go to others. */
 static void pbw__share_slots(const pbw__changing *batch)
 {
     pbw__core *core = batch->core;
@@ -15537,7 +15557,7 @@ static void pbw__share_slots(const pbw__changing *batch)
     }
 }
 
-/* Makes the task's core a view of this one. */
+/* Makes a task's core share the arrays of the main core. */
 static void pbw__task_begin(const pbw__changing *batch, int part, uint8_t *owner)
 {
     pbw__core *core = batch->core, *task = core->task[part];
@@ -15556,7 +15576,7 @@ static void pbw__task_begin(const pbw__changing *batch, int part, uint8_t *owner
     task->simplex_count = task->effort = task->reinserted = task->open_count = 0;
 }
 
-/* Takes back what a task counted and left. */
+/* Adds up what a task counted, and collects the changes that it left. */
 static pbw_status pbw__task_end(pbw__core *core, pbw__core *task)
 {
     const pbw__kernel *kernel = &task->kernel;
@@ -15579,7 +15599,7 @@ static pbw_status pbw__task_end(pbw__core *core, pbw__core *task)
     return kernel->status;
 }
 
-/* Cores for tasks, and slots for what they make. */
+/* Makes cores for the tasks, and enough slots. */
 static pbw_status pbw__batch_room(const pbw__changing *batch)
 {
     pbw__core *core = batch->core;
@@ -15652,7 +15672,7 @@ static pbw_status pbw__batch_round(pbw__changing *batch)
     return status;
 }
 
-/* Into how many tasks to cut so many changes.  Weighted points may hide others, which is for one thread. */
+/* Returns the number of tasks for so many changes: 1 with weights, as hidden points are for one thread. */
 static int pbw__batch_parts(const pbw__core *core, size_t count)
 {
     const size_t most = count / PBW__LEAST_CHANGES;
@@ -15661,8 +15681,7 @@ static int pbw__batch_parts(const pbw__core *core, size_t count)
     return core->kernel.weighted ? 1 : (int)(most < parts ? most : parts);
 }
 
-/* Makes the changes of a batch, or of kernel.left those that were left.  kernel.left then has those that cannot be
-   made so. */
+/* Makes all changes of a batch, or if `again` those in kernel.left, which then has those that are left. */
 static pbw_status pbw__batch_all(pbw__core *core, pbw__changing *batch, int again)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -15692,14 +15711,14 @@ static pbw_status pbw__batch_all(pbw__core *core, pbw__changing *batch, int agai
    In: a live triangulation with a queue.  Out: its core with the changes, and which simplices these made and
    deleted; or both as they were.
 
-   Points at one place share a vertex, that of the largest weight, then of the lowest number.  A batch first brings
-   the numbers of all places up to date and so finds which vertices leave and arrive; then it removes and inserts
-   them, each along the curve.  Tables are written through a list of edits, simplices through the journal: both are
-   undone where something fails.
+   Points at one place have one vertex, that of the largest weight, then of the lowest number.  A batch first updates
+   the numbers of all places, which tells the vertices that leave and arrive; then it removes and inserts these, each
+   along the curve.  Writes to tables are noted as edits, deleted simplices in the journal: both are undone if
+   something fails.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__classes { pbw_live *live; size_t leave, arrive; } pbw__classes;
 
-/* Marks which of the queue leave a place, and arrive at one; counts them. */
+/* Marks and counts those in the queue that leave a place, and those that arrive at one. */
 static pbw_status pbw__live_classify_range(void *arg, size_t from, size_t to)
 {
     pbw__classes *classes = (pbw__classes *)arg;
@@ -15729,7 +15748,7 @@ static pbw_index *pbw__live_entry(pbw_live *live, unsigned table, size_t at)
     return (table == PBW__EDIT_VERTEX ? core->vertex : table == PBW__EDIT_TWIN ? core->twin : core->place) + at;
 }
 
-/* Writes to a table of the core, so that it can be undone; 0 if memory is short. */
+/* Writes to a table of the core and notes the edit.  Returns 0 if memory is short. */
 static int pbw__live_set(pbw_live *live, unsigned table, size_t at, pbw_index value)
 {
     pbw_index *entry = pbw__live_entry(live, table, at);
@@ -15750,7 +15769,7 @@ PBW__INLINE size_t pbw__place_slot(const pbw__core *core, const double *x)
     return (size_t)(pbw__hash_doubles(0, x, core->kernel.dim) >> 20) & (core->place_capacity - 1);
 }
 
-/* Where the table of places has, or would have, the vertex at x. */
+/* Returns the entry of the table of places that has, or would have, the vertex at x. */
 static size_t pbw__place_find(const pbw__core *core, const double *x)
 {
     const int dim = core->kernel.dim;
@@ -15764,15 +15783,15 @@ static size_t pbw__place_find(const pbw__core *core, const double *x)
     return at;
 }
 
-/* Enters a vertex into an empty entry of the table: tasks try until one is theirs.  Returns the entry, or PBW_NONE if
-   there is a vertex at its place. */
+/* Puts a vertex into an empty entry of the table, by compare-and-swap, as tasks compete.  Returns the entry, or
+   PBW_NONE if a vertex is at the same place. */
 PBW__INLINE pbw_index pbw__place_enter(pbw__core *core, const double *x, pbw_index vertex)
 {
     size_t at = pbw__place_slot(core, x);
     pbw_index v = PBW__LOAD(core->place + at);
     while (v != 0 || !PBW__CAS(core->place + at, &v, vertex)) {
         if (v == 0) {
-            continue;                                /* failed for no reason */
+            continue;                                /* a spurious failure */
         }
         if (v != vertex && pbw__same_place(pbw__core_record(core, v), x, core->kernel.dim)
             && core->incident[v] != PBW__GONE) {
@@ -15806,7 +15825,7 @@ static pbw_status pbw__place_fill(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* A table of places with room for `more` vertices. */
+/* Makes room in the table of places for `more` vertices, in a new table if need be. */
 static pbw_status pbw__place_reserve(pbw_live *live, size_t more)
 {
     pbw__core *core = &live->core;
@@ -15837,7 +15856,7 @@ static pbw_status pbw__place_reserve(pbw_live *live, size_t more)
     return status;
 }
 
-/* Prefetches what is at the place of x: the entry, or, some steps later, its vertex. */
+/* Prefetches the entry for x in the table of places or, some steps later, the record of the vertex in it. */
 PBW__INLINE void pbw__place_prefetch(const pbw__core *core, const double *x, int later)
 {
     const size_t at = pbw__place_slot(core, x);
@@ -15848,7 +15867,7 @@ PBW__INLINE void pbw__place_prefetch(const pbw__core *core, const double *x, int
     }
 }
 
-/* Room for a batch that changes `more` places.  anew: they may get new vertices, and are looked up. */
+/* Makes room for a batch that changes `more` places.  anew: they may get new vertices, and are looked up. */
 static pbw_status pbw__batch_reserve(pbw_live *live, size_t more, int anew)
 {
     pbw__core *core = &live->core;
@@ -15863,13 +15882,13 @@ static pbw_status pbw__batch_reserve(pbw_live *live, size_t more, int anew)
         && PBW__CORE_GROW(core, cover, core->hidden_count) && PBW__LIVE_GROW(live, head, more + 1)
         && PBW__LIVE_GROW(live, leaving, more + 1) && PBW__LIVE_GROW(live, arriving, more + 1)
         && PBW__LIVE_GROW(live, joining, more + 1);
-    core->kernel.record = core->record;              /* which may have moved, whatever failed then */
+    core->kernel.record = core->record;              /* it may have moved even if memory ran short later */
     memset(core->local + old, 0, (core->local_capacity - old) * sizeof(pbw_index));
     return !room ? PBW_ERROR_MEMORY : anew ? pbw__place_reserve(live, more) : PBW_OK;
 }
 
-/* Notes that the place of a vertex changes: its place in the list of those that do.  `head` is the first of its
-   numbers, PBW_NONE if it has none yet. */
+/* Adds a vertex to the list of those with changes, rim_vertex, unless it is there.  Returns where it is.  head: the
+   first of its numbers, PBW_NONE if it has none yet. */
 static size_t pbw__live_affect(pbw_live *live, pbw_index v, pbw_index head)
 {
     pbw__core *core = &live->core;
@@ -15880,7 +15899,7 @@ static size_t pbw__live_affect(pbw_live *live, pbw_index v, pbw_index head)
     return at;
 }
 
-/* Takes those that leave out of the numbers of a place. */
+/* Removes the numbers that leave from those of a place.  Returns 0 if memory is short. */
 static int pbw__live_sieve(pbw_live *live, size_t at)
 {
     const pbw_index *twin = live->core.twin;
@@ -15901,7 +15920,7 @@ static int pbw__live_sieve(pbw_live *live, size_t at)
     return head == PBW_NONE || twin[last] == head || pbw__live_set(live, PBW__EDIT_TWIN, last, head);
 }
 
-/* A new vertex at a place, for a number; it is to be inserted. */
+/* Makes a vertex for a number at a place; it still has to be inserted. */
 static pbw_index pbw__live_new_vertex(pbw_live *live, const double *x, pbw_index id)
 {
     pbw__core *core = &live->core;
@@ -15917,8 +15936,8 @@ static pbw_index pbw__live_new_vertex(pbw_live *live, const double *x, pbw_index
     return v;
 }
 
-/* Adds a number to those of its place, which has a vertex, nearly always: an old entry in the table may have led two
-   numbers to take the other's vertex for one that was there. */
+/* Adds a number to those of its place.  The place has no vertex only if two numbers arrived there and each found an
+   outdated entry of the other one's vertex, which had been in use before.  Returns 0 if memory is short. */
 static int pbw__live_join(pbw_live *live, pbw_index id)
 {
     pbw__core *core = &live->core;
@@ -15941,8 +15960,8 @@ static int pbw__live_join(pbw_live *live, pbw_index id)
     return 1;
 }
 
-/* Settles which number a place has a vertex for: the largest weight, then the lowest.  A vertex for another one is a
-   vertex of its own. */
+/* Chooses the number that gives a place its vertex: the largest weight, then the lowest number.  If that is another
+   number than before, a new vertex replaces the old one.  Returns 0 if memory is short. */
 static int pbw__live_elect(pbw_live *live, size_t at)
 {
     pbw__core *core = &live->core;
@@ -16017,7 +16036,7 @@ static pbw_status pbw__live_sort(const pbw_live *live, const double *base, size_
     return status;
 }
 
-/* The numbers that arrive, along the curve: so are their vertices then. */
+/* Lists the numbers that arrive, along the curve, so that their vertices are in this order too. */
 static pbw_status pbw__batch_arrivals(pbw_live *live)
 {
     size_t i, count = 0;
@@ -16029,7 +16048,7 @@ static pbw_status pbw__batch_arrivals(pbw_live *live)
     return pbw__live_sort(live, live->point, (size_t)live->dim, live->joining, count);
 }
 
-/* The vertex for the i-th number that arrives: of those unused, then new ones. */
+/* Returns the vertex for the i-th number that arrives: first the unused ones, then new ones. */
 PBW__INLINE pbw_index pbw__arrive_vertex(const pbw_live *live, size_t i)
 {
     const size_t unused = live->past_unused;
@@ -16058,7 +16077,7 @@ static pbw_status pbw__arrive_make(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Enters the new vertices into the tables.  `arriving` gets 0 for a number at whose place there is a vertex. */
+/* Enters the new vertices into the tables.  If a vertex is at its place already, a number gets 0 in `arriving`. */
 static pbw_status pbw__arrive_enter(void *arg, size_t from, size_t to)
 {
     pbw_live *live = (pbw_live *)arg;
@@ -16086,7 +16105,7 @@ static pbw_status pbw__arrive_enter(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Adds edits that are to be filled in: the i-th of table[i % tables]. */
+/* Adds edits that are filled in later; the i-th is of table[i % tables].  Returns 0 if memory is short. */
 static int pbw__live_edits(pbw_live *live, size_t count, const unsigned *table, size_t tables)
 {
     size_t i;
@@ -16102,8 +16121,8 @@ static int pbw__live_edits(pbw_live *live, size_t count, const unsigned *table, 
     return 1;
 }
 
-/* The numbers that arrive get vertices; those at the place of another vertex join its numbers, and `joining` then has
-   the vertices that they did not need. */
+/* Gives vertices to the numbers that arrive.  Numbers at the place of another vertex join its numbers; `joining` then
+   has the vertices that they did not need. */
 static pbw_status pbw__batch_arrive(pbw_live *live)
 {
     static const unsigned table[3] = { PBW__EDIT_PLACE, PBW__EDIT_VERTEX, PBW__EDIT_TWIN };
@@ -16140,7 +16159,7 @@ static pbw_status pbw__batch_arrive(pbw_live *live)
     return status;
 }
 
-/* Lists the vertices that leave and arrive, and brings the numbers of places up to date. */
+/* Lists the vertices that leave and arrive, and updates the numbers of places. */
 static pbw_status pbw__batch_plan(pbw_live *live)
 {
     pbw__core *core = &live->core;
@@ -16199,7 +16218,7 @@ static pbw_status pbw__live_fit_range(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Gives up the grid if a new record is not on it, or beyond those that it was made of. */
+/* Gives up the grid if a new record is not on it, or outside of the box that it was made for. */
 static pbw_status pbw__live_fit_grid(pbw_live *live, const pbw_index *list, size_t count)
 {
     pbw__core *core = &live->core;
@@ -16222,7 +16241,8 @@ static pbw_index pbw__near_leaving(void *arg, pbw__core *core, size_t i)
     return ((const pbw_live *)arg)->leaving[i];
 }
 
-/* Removes the i-th that leaves; a number that goes elsewhere remembers a neighbour. */
+/* Removes the i-th vertex that leaves.  If its number arrives elsewhere, `local` of the new vertex gets a neighbour.
+   */
 static pbw_status pbw__change_leaving(void *arg, pbw__core *core, size_t i, pbw_index near)
 {
     const pbw_live *live = (const pbw_live *)arg;
@@ -16240,7 +16260,7 @@ static pbw_status pbw__change_leaving(void *arg, pbw__core *core, size_t i, pbw_
     return status;
 }
 
-/* A vertex near the i-th that arrives: in its cell, or a neighbour that the point had, which is noted in `local`. */
+/* Returns a vertex near the i-th that arrives: the last one in its cell, or the neighbour in `local`. */
 static pbw_index pbw__near_arriving(void *arg, pbw__core *core, size_t i)
 {
     const pbw_index v = ((const pbw_live *)arg)->arriving[i];
@@ -16249,7 +16269,7 @@ static pbw_index pbw__near_arriving(void *arg, pbw__core *core, size_t i)
                              core->start != NULL ? PBW__LOAD(core->start + pbw__start_cell(core, p)) : 0, p);
 }
 
-/* Inserts the i-th that arrives, from a vertex near it or the one before. */
+/* Inserts the i-th vertex that arrives, starting from `near` or from the vertex before. */
 static pbw_status pbw__change_arriving(void *arg, pbw__core *core, size_t i, pbw_index near)
 {
     const pbw_live *live = (const pbw_live *)arg;
@@ -16267,7 +16287,7 @@ static pbw_status pbw__change_arriving(void *arg, pbw__core *core, size_t i, pbw
     return status;
 }
 
-/* Carries out a batch; on any status but PBW_OK it is to be undone.  PBW__ANEW: by a rebuild. */
+/* Carries out a batch; on any status but PBW_OK the caller undoes it.  PBW__ANEW: rebuild instead. */
 static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
 {
     pbw__core *core = &live->core;
@@ -16275,7 +16295,7 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
     pbw__changing batch;
     pbw_status status = pbw__live_sort(live, core->record, (size_t)live->dim + 1, live->leaving, live->leaving_count);
     size_t i;
-    for (i = 0; i < live->arriving_count / 2; i++) { /* backwards: the slots freed last are the nearest */
+    for (i = 0; i < live->arriving_count / 2; i++) { /* backwards: the slots freed last are taken first, and near */
         const pbw_index v = live->arriving[i];
         live->arriving[i] = live->arriving[live->arriving_count - 1 - i];
         live->arriving[live->arriving_count - 1 - i] = v;
@@ -16302,14 +16322,14 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
     batch.count = live->arriving_count;
     batch.near = pbw__near_arriving;
     batch.change = pbw__change_arriving;
-    batch.slots = live->dim == 3 ? 9 : 3;            /* 6.8 and 2, and tasks make more or fewer of the changes */
+    batch.slots = live->dim == 3 ? 9 : 3;            /* 6.8 and 2 on average; some tasks make more of the changes */
     batch.begin = batch.end;
     batch.end = 1.0;
     status = status == PBW_OK ? pbw__batch_all(core, &batch, 0) : status;
     return status == PBW_OK ? pbw__uncover(core) : status;
 }
 
-/* Notes what pbw__batch_undo needs besides edits and the journal. */
+/* Saves what pbw__batch_undo needs besides edits and the journal. */
 static void pbw__batch_begin(pbw_live *live)
 {
     const pbw__core *core = &live->core;
@@ -16340,7 +16360,7 @@ static void pbw__batch_undo(pbw_live *live)
     core->placed = live->past_placed;
 }
 
-/* A batch, all or nothing. */
+/* Makes a batch of changes, all or nothing. */
 static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, size_t most_effort,
                                   pbw_changes *changes)
 {
@@ -16371,13 +16391,14 @@ static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, s
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>moves        Points that keep their neighbours, or most.
-   In: a live triangulation of which points only move.  Out: its core with these in new places, or as it was.
-   All at once: the coordinates are exchanged, then >>verify.  One by one: a vertex whose star stays positive gets its
-   new place, and what is no longer Delaunay is flipped, in the plane; in space, or where a simplex would be inverted,
-   and at the hull, it is removed and inserted.  In between all is the triangulation of some old and some new places,
-   so no new place may be an old one: the table of places says so, if there is one, or if tasks move vertices; else a
-   walk to each new place, where the vertex does not stay in its star, which no other vertex is in.
+   >>moves        Points that keep their neighbours, or most of them.
+   In: a live triangulation with points that only move.  Out: its core with these in new places, or as it was.
+
+   All at once: the coordinates are exchanged, then >>verify runs.  One by one: a vertex gets its new place if its
+   star stays positive; in the plane flips then make it Delaunay.  If a simplex would be inverted, at the hull, and in
+   space if its star is not Delaunay, the vertex is removed and inserted.  In between, the core triangulates some old
+   and some new places, so no new place may be an old one.  The table of places tells that, if there is one.  Without
+   it, one walk per vertex that is inserted again does; a vertex that stays in its star meets no other vertex there.
    ------------------------------------------------------------------------------------------------------ */
 /* Exchanges the coordinates of a vertex with others. */
 PBW__INLINE void pbw__exchange(pbw__core *core, pbw_index v, double *other)
@@ -16392,8 +16413,7 @@ PBW__INLINE void pbw__exchange(pbw__core *core, pbw_index v, double *other)
     }
 }
 
-/* Writes the new coordinates into the records of those that move, or the old ones back: to the end, even if the call
-   is being cancelled. */
+/* Exchanges the coordinates of those that move with the other ones; completes even if the call is cancelled. */
 static void pbw__exchange_share(void *arg, int part)
 {
     pbw_live *live = (pbw_live *)arg;
@@ -16413,7 +16433,7 @@ static void pbw__live_exchange(pbw_live *live)
     pbw__for(context, pbw__tasks(context, live->leaving_count, 8192), pbw__exchange_share, live);
 }
 
-/* Lists the vertices that move; PBW__ANEW if anything else happens, or duplicates or hidden points would matter. */
+/* Lists the vertices that move.  PBW__ANEW: there are other changes, or duplicates or hidden points matter. */
 static pbw_status pbw__live_list_moves(pbw_live *live, size_t count)
 {
     const pbw__core *core = &live->core;
@@ -16442,7 +16462,7 @@ static pbw_status pbw__live_list_moves(pbw_live *live, size_t count)
     return PBW_OK;
 }
 
-/* Moves listed vertices in place, all or nothing.  PBW__ANEW: not that way. */
+/* Moves the listed vertices in place, all or nothing.  PBW__ANEW: impossible in place. */
 static pbw_status pbw__live_in_place(pbw_live *live, pbw_changes *changes)
 {
     pbw__core *core = &live->core;
@@ -16459,15 +16479,15 @@ static pbw_status pbw__live_in_place(pbw_live *live, pbw_changes *changes)
         pbw__batch_undo(live);
         return status;
     }
-    PBW__RELEASE(&core->kernel.context->memory, core, place);        /* is to be made anew */
+    PBW__RELEASE(&core->kernel.context->memory, core, place);        /* outdated */
     core->place = NULL;
     core->place_capacity = core->placed = 0;
     return PBW_OK;
 }
 
-/* ---- one by one
-   The star of v in scratch.cavity, without marks.  PBW__NO_FIT: it has a ghost.  PBW__LEFT: not all of its vertices
-   are ours. */
+/* ---- one by one */
+/* Collects the star of v in scratch.cavity, without marks.  PBW__NO_FIT: it has a ghost.  PBW__LEFT: not all of its
+   vertices are ours. */
 static pbw_status pbw__shift_star(pbw__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -16483,15 +16503,15 @@ static pbw_status pbw__shift_star(pbw__core *core, pbw_index v)
     return status;
 }
 
-/* The i-th vertex that moves gets its new place, or the old one back. */
+/* Gives the i-th vertex that moves its new place, or the old one back. */
 static void pbw__shift_exchange(pbw_live *live, size_t i)
 {
     pbw__exchange(&live->core, live->leaving[i], live->moved + live->arriving[i] * (size_t)live->dim);
     live->head[i] ^= 1;
 }
 
-/* Gives v its new place if its star stays positive; then flips.  PBW__NO_FIT: it does not, or in space is not
-   Delaunay. */
+/* Gives a vertex its new place if its star stays positive; then flips.  PBW__NO_FIT: the star does not stay positive,
+   or in space is not Delaunay. */
 static pbw_status pbw__shift_in_place(pbw_live *live, pbw__core *core, size_t at)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -16523,8 +16543,8 @@ static pbw_status pbw__shift_in_place(pbw_live *live, pbw__core *core, size_t at
     return status != PBW_OK || count == 0 ? status : pbw__flip_all(core, count, live->core.past_simplices);
 }
 
-/* Walks to where v, which is in no simplex, is to be inserted.  PBW__ANEW: another vertex is there, so it is a corner
-   of each simplex that contains the place. */
+/* Walks to where v, which is in no simplex, is to be inserted.  PBW__ANEW: another vertex is there; it is a corner of
+   each simplex that contains the place. */
 static pbw_status pbw__shift_witness(pbw__core *core, pbw_index v, pbw_index *start)
 {
     const pbw_status status = pbw__find_witness(core, start, v);
@@ -16538,7 +16558,8 @@ static pbw_status pbw__shift_witness(pbw__core *core, pbw_index v, pbw_index *st
     return taken ? PBW__ANEW : status;
 }
 
-/* Removes the i-th vertex and inserts it at its new place; that may be left after this. */
+/* Removes the i-th vertex and inserts it at its new place.  PBW__LEFT is possible after the removal, too: the next
+   call then inserts it. */
 static pbw_status pbw__change_again(void *arg, pbw__core *core, size_t i, pbw_index near)
 {
     pbw_live *live = (pbw_live *)arg;
@@ -16567,7 +16588,7 @@ static pbw_status pbw__change_again(void *arg, pbw__core *core, size_t i, pbw_in
     return status == PBW_OK ? pbw__insert_vertex(core, v, start) : status;
 }
 
-/* Moves the i-th vertex.  In the plane one that cannot stay in its star is left: flips may be due around it. */
+/* Moves the i-th vertex.  In the plane, PBW__LEFT if it cannot stay in its star: flips may be due around it. */
 static pbw_status pbw__change_place(void *arg, pbw__core *core, size_t i, pbw_index near)
 {
     pbw_live *live = (pbw_live *)arg;
@@ -16581,7 +16602,7 @@ static pbw_status pbw__change_place(void *arg, pbw__core *core, size_t i, pbw_in
     return status != PBW__NO_FIT ? status : live->dim == 2 ? PBW__LEFT : pbw__change_again(live, core, i, near);
 }
 
-/* Enters new places into the table.  PBW__ANEW: a place is taken. */
+/* Enters the new places into the table.  PBW__ANEW: a vertex is at one of them. */
 static pbw_status pbw__shift_enter(void *arg, size_t from, size_t to)
 {
     pbw_live *live = (pbw_live *)arg;
@@ -16600,7 +16621,7 @@ static pbw_status pbw__shift_enter(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* The records have the new places.  PBW__ANEW: two are at one. */
+/* With the new places in the records, tests that no two vertices are at one place.  PBW__ANEW: two are. */
 static pbw_status pbw__shift_unique(void *arg, size_t from, size_t to)
 {
     const pbw_live *live = (const pbw_live *)arg;
@@ -16615,7 +16636,7 @@ static pbw_status pbw__shift_unique(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Enters all new places, if there is a table.  PBW__ANEW: a new place is taken, or was. */
+/* Enters all new places into the table, if there is one.  PBW__ANEW: a vertex is, or was, at one of them. */
 static pbw_status pbw__shift_places(pbw_live *live)
 {
     pbw__core *core = &live->core;
@@ -16660,7 +16681,7 @@ static pbw_status pbw__shift_all(pbw_live *live, size_t most_effort)
     batch.near = pbw__near_leaving;
     batch.change = pbw__change_place;
     batch.count = count;
-    batch.slots = live->dim == 3 ? 2 : 0;            /* they go back, but not to the task that has to insert */
+    batch.slots = live->dim == 3 ? 2 : 0;            /* a removal frees slots, perhaps of another task */
     batch.most_effort = most_effort;
     batch.end = 0.9;
     core->effort = core->reinserted = core->open_count = 0;
@@ -16679,7 +16700,7 @@ static pbw_status pbw__shift_all(pbw_live *live, size_t most_effort)
     return status;
 }
 
-/* Moves a few of the vertices, all or nothing.  PBW__ANEW: not that way. */
+/* Moves a few of the vertices one by one, all or nothing.  PBW__ANEW: impossible one by one. */
 static pbw_status pbw__live_shift(pbw_live *live, size_t count, size_t most_effort, pbw_changes *changes,
                                   pbw_way *way)
 {
@@ -16714,11 +16735,11 @@ static pbw_status pbw__live_shift(pbw_live *live, size_t count, size_t most_effo
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>commit       Queued changes carried out.
-   In: a live triangulation with a queue.  Out: its core with the changes, by the way that takes the least time.
-   Holds: all ways lead to one triangulation; on failure the core and the queue are as they were.
+   >>commit       Carries out queued changes.
+   In: a live triangulation with a queue.  Out: its core with the changes, by the fastest way.
+   Holds: all ways lead to one triangulation; after a failure the core and the queue are as before.
    ------------------------------------------------------------------------------------------------------ */
-/* Puts another core in the place of this one. */
+/* Replaces the core by another one. */
 static void pbw__live_replace(pbw_live *live, pbw__context *context, const pbw__core *core)
 {
     pbw__core_free(context, &live->core);
@@ -16730,7 +16751,7 @@ static void pbw__live_replace(pbw_live *live, pbw__context *context, const pbw__
     }
 }
 
-/* Triangulates the points that stay into another core, which takes the place of this one. */
+/* Triangulates the points that stay into another core, which replaces this one. */
 static pbw_status pbw__live_rebuild(pbw_live *live, pbw__context *context, pbw_changes *changes)
 {
     pbw__stand stand;
@@ -16760,7 +16781,7 @@ static pbw_status pbw__live_rebuild(pbw_live *live, pbw__context *context, pbw_c
     return status;
 }
 
-/* The changes have been carried out: empties the queue. */
+/* Empties the queue after its changes have been carried out. */
 static void pbw__live_settle(pbw_live *live)
 {
     size_t i, k;
@@ -16782,18 +16803,18 @@ static void pbw__live_settle(pbw_live *live)
     live->weighted_past = live->weighted;
 }
 
-/* What changes cost, in points of a rebuild; measured with bench/live.cpp, these limits at 1e9 and at -1, on
-   one thread, 5 to 20 % of 200,000 uniform points: in the plane to remove 0.82 us, insert 1.05, move 0.53, rebuild
-   0.134 a point; in space 5.3, 3.0, 6.5 and 0.8.  A rebuild is chosen where changes cost more than PBW__REBUILD_AT
-   rebuilds.  To verify all costs 0.21 rebuilds in the plane and 0.14 in space, and less where it soon fails: no more
-   than to move one point in ten. */
+/* What changes cost, in points of a rebuild.  Measured with bench/live.cpp, these limits at 1e9 and at -1, on one
+   thread, 5 to 20 % of 200,000 uniform points: in the plane remove 0.82 us, insert 1.05, move 0.53, rebuild 0.134 us
+   per point; in space 5.3, 3.0, 6.5 and 0.8.  A rebuild is chosen if changes cost more than PBW__REBUILD_AT rebuilds.
+   Verifying all costs 0.21 rebuilds in the plane and 0.14 in space, less if it soon fails: no more than moving one
+   point in ten. */
 #ifndef PBW__REBUILD_AT
 #define PBW__REBUILD_AT(dim) 1.0
 #endif
 #ifndef PBW__VERIFY_AT
 #define PBW__VERIFY_AT(dim) 0.1
 #endif
-#define PBW__EFFORT 128                              /* looks for an apex that take as long as to insert a point */
+#define PBW__EFFORT 128                              /* so many tests for an apex take as long as an insertion */
 
 static double pbw__change_cost(const pbw_live *live, size_t leave, size_t arrive, int near)
 {
@@ -16802,8 +16823,8 @@ static double pbw__change_cost(const pbw_live *live, size_t leave, size_t arrive
          : 6.0 * (double)leave + (space ? 3.8 : 8.0) * (double)arrive;
 }
 
-/* Returns 1 if most of the points that move, of some that are looked at, do so by less than four edges: those that go
-   far are better removed and inserted, by walks from what is near their new places. */
+/* Returns 1 if most of a sample of the points that move do so by less than four edges.  Others are better removed and
+   inserted, with walks that start near their new places. */
 static int pbw__live_near(const pbw_live *live)
 {
     const pbw__core *core = &live->core;
@@ -16830,7 +16851,7 @@ static int pbw__live_near(const pbw_live *live)
     return 2 * far <= seen;
 }
 
-/* Lists a range of all vertices.  Counts those that move, and those that are in the queue and live on. */
+/* Lists the vertices of a range.  Counts those that move, and those in the queue that live and stay. */
 PBW__INLINE void pbw__list_all_of(pbw__classes *classes, size_t from, size_t to, int dim)
 {
     pbw_live *live = classes->live;
@@ -16858,8 +16879,8 @@ static pbw_status pbw__list_all_range(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Lists all vertices in the order of their records, instead of the queue's, if all points may move, enough of them
-   do, and nothing else happens.  PBW__ANEW if not. */
+/* Lists all vertices in the order of their records, not of the queue, if all points are queued only to move and
+   enough of them do.  PBW__ANEW if not. */
 static pbw_status pbw__live_list_all(pbw_live *live)
 {
     const pbw__core *core = &live->core;
@@ -16880,7 +16901,7 @@ static pbw_status pbw__live_list_all(pbw_live *live)
            || (double)classes.leave < PBW__VERIFY_AT(live->dim) * (double)count ? PBW__ANEW : PBW_OK;
 }
 
-/* Tries to move in place.  listed: what the list of those that move has said. */
+/* Tries to move in place.  listed: the status of listing those that move. */
 static pbw_status pbw__live_try_moves(pbw_live *live, pbw_status listed, pbw_changes *changes, pbw_way *way)
 {
     const pbw_status status = listed != PBW_OK ? listed
@@ -16895,7 +16916,7 @@ static pbw_status pbw__live_try_moves(pbw_live *live, pbw_status listed, pbw_cha
     return status;
 }
 
-/* Chooses the way and goes it.  in_place: 0 if that is known to fail. */
+/* Chooses a way and carries out the changes.  in_place: 0 if moving in place is known to fail. */
 static pbw_status pbw__live_choose(pbw_live *live, pbw__context *context, int in_place, pbw_changes *changes,
                                    pbw_way *way)
 {
@@ -16953,7 +16974,7 @@ static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_change
 static pbw_status pbw__live_load(pbw_live *live, pbw__context *context, const pbw_mesh *mesh);      /* >>adopt */
 static pbw_status pbw__live_import(pbw_live *live, pbw__context *context, const pbw_mesh *mesh);
 
-/* Carries out the queue; mesh: NULL, or that of which all points are to be queued and inserted. */
+/* Carries out the queue.  If mesh is not NULL, first queues its points, to adopt the mesh or insert them. */
 static pbw_status pbw__live_run(pbw_live *live, const pbw_mesh *mesh, pbw_changes *changes)
 {
     pbw__context context;
@@ -16987,28 +17008,28 @@ PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes)
 
 /* ------------------------------------------------------------------------------------------------------
    >>adopt        A finished mesh becomes a live triangulation.
-   In: the arrays of a mesh.  Out: a core; or none, and its points are triangulated.
-   Holds: nothing is believed.  Links are taken only between simplices that have the vertices of a facet in common, in
-   opposite orders, so what comes in is an oriented complex, each facet with two sides once the hull has its ghosts;
-   then >>verify says whether it is the triangulation, and walks find what hides the points that are no vertices.
-   Vertices are numbered as the simplices meet them, which is nearly along the curve.
+   In: the arrays of a mesh.  Out: a core; or none, and then the points are triangulated.
+   Holds: the mesh is not trusted.  A link is set only between simplices that have the vertices of a facet in common,
+   in opposite orders, so the core is an oriented complex; with ghosts at the hull each facet has two sides.  Whether
+   it is the triangulation, >>verify tells; walks find the simplices that hide the other points.
+   Vertices are numbered in the order in which the simplices have them, which is nearly along the curve.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__import {
     const pbw_mesh *mesh;
     const double *points, *weights;                  /* the copies of the live triangulation */
-    pbw__core *core;                                 /* its `vertex`: 0 for a point that is none, as yet */
+    pbw__core *core;                                 /* core->vertex: 0 for a point without a vertex so far */
     pbw__vertices vertices;
-    size_t (*first)[2];                              /* per block of simplices: vertices, ghosts of those before it */
-    size_t visible, found;                           /* vertices in simplices, which are the first ones: as the points
-                                                        say, and as the blocks do */
-    int alone;                                       /* one thread */
+    size_t (*first)[2];                              /* per block: vertices and ghosts of the blocks before it */
+    size_t visible, found;                           /* vertices in simplices, which come first: as counted from the
+                                                        points, and from the blocks */
+    int alone;                                       /* there is only one thread */
     size_t ghosts, faults, duplicates, places;       /* places: points that are no duplicates */
     unsigned char facing[16 * 16 * 16];              /* see pbw__import_facing */
 } pbw__import;
 
-#define PBW__IMPORTED ((size_t)4096)                 /* simplices of a block */
+#define PBW__IMPORTED ((size_t)4096)                 /* simplices in a block */
 
-/* Counts vertices, duplicates, points that are neither, and false ones. */
+/* Counts vertices, duplicates, canonical points and faulty entries. */
 static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
 {
     pbw__import *import = (pbw__import *)arg;
@@ -17040,8 +17061,8 @@ static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Lists the points whose incident simplices are in a block, and have them: in this order, those of one simplex as its
-   corners are.  There is room for all corners. */
+/* Lists the corners of a block's simplices that have this simplex as the incident one, in the order of the corners.
+   The list has room for all corners.  Returns its length. */
 PBW__INLINE size_t pbw__import_list(const pbw_mesh *mesh, size_t from, size_t to, pbw_index *list, int dim)
 {
     const size_t corners = (size_t)dim + 1, soon = PBW__SOON * corners, end = to * corners;
@@ -17058,15 +17079,14 @@ PBW__INLINE size_t pbw__import_list(const pbw_mesh *mesh, size_t from, size_t to
     return count;
 }
 
-/* Counts, for a block, the vertices and the facets of the hull.  PBW__ANEW: there are entries that are no simplices
-   or points. */
+/* Counts the vertices and the hull facets of a block.  PBW__ANEW: an entry is not the index of a point or simplex. */
 PBW__INLINE pbw_status pbw__import_count_of(pbw__import *import, size_t from, size_t to, pbw_index *list,
                                             size_t *count, int dim)
 {
     const pbw_mesh *mesh = import->mesh;
     const size_t corners = (size_t)dim + 1;
     const pbw_index points = (pbw_index)mesh->point_count, simplices = (pbw_index)mesh->simplex_count;
-    pbw_index ghosts = 0, faults = 0;                /* as narrow as what is read: vectors */
+    pbw_index ghosts = 0, faults = 0;                /* as narrow as the entries: the compiler uses vectors */
     size_t i;
     for (i = from * corners; i < to * corners; i++) {
         const pbw_index next = mesh->neighbors[i];
@@ -17097,7 +17117,7 @@ PBW__INLINE void pbw__import_vertex(pbw__import *import, pbw_index p, size_t v, 
     import->vertices.record[v * width + (size_t)dim] = import->mesh->weights != NULL ? import->weights[p] : 0.0;
 }
 
-/* Numbers the vertices of a block; one thread counts them too. */
+/* Numbers the vertices of a block; a single thread counts them here too. */
 PBW__INLINE pbw_status pbw__import_number_of(pbw__import *import, size_t from, size_t to, int dim)
 {
     const pbw_mesh *mesh = import->mesh;
@@ -17136,7 +17156,7 @@ static pbw_status pbw__import_number(void *arg, size_t from, size_t to)
                                   : pbw__import_number_of(import, from, to, 2);
 }
 
-/* Numbers the points that are in no simplex and no duplicates. */
+/* Numbers the canonical points that are in no simplex. */
 static void pbw__import_others(pbw__import *import)
 {
     const pbw_mesh *mesh = import->mesh;
@@ -17149,7 +17169,7 @@ static void pbw__import_others(pbw__import *import)
     import->vertices.count = count;
 }
 
-/* The set of corners of a simplex that are x. */
+/* Returns the set of corners of a simplex that are x. */
 PBW__INLINE unsigned pbw__corners_at(const pbw_index *v, pbw_index x, int dim)
 {
 #ifdef PBW__AVX2
@@ -17162,8 +17182,9 @@ PBW__INLINE unsigned pbw__corners_at(const pbw_index *v, pbw_index x, int dim)
          | (unsigned)(dim == 3 && v[dim] == x) << 3;
 }
 
-/* Fills a table, in space: for the corners of another simplex at which the vertices of a facet are, a set each, which
-   of its facets that is, in the opposite order; 4: none, so too if either simplex has one of these vertices twice. */
+/* Fills a table for space.  Given the sets of corners at which another simplex has the three vertices of a facet, it
+   tells the facet of that simplex with these vertices in the opposite order; 4: none, also if either simplex has one
+   of these vertices twice. */
 static void pbw__import_facing(pbw__import *import)
 {
     static const pbw_index corner[4] = { 0, 1, 2, 3 };
@@ -17179,7 +17200,7 @@ static void pbw__import_facing(pbw__import *import)
     }
 }
 
-/* A ghost behind facet k of the simplex in slot t, if the hull is there. */
+/* Makes ghost g behind facet k of the simplex in slot t, which is on the hull. */
 static void pbw__import_ghost(pbw__import *import, size_t g, size_t t, unsigned k)
 {
     const int dim = import->mesh->dim;
@@ -17196,8 +17217,8 @@ static void pbw__import_ghost(pbw__import *import, size_t g, size_t t, unsigned 
     store->link[4 * t + k] = (pbw__link)(4 * g + (size_t)dim);
 }
 
-/* Links facet k of simplex t to the simplex across, if that has the vertices of the facet, in the opposite order, and
-   t across from there; else *wrong is not 0 then.  g: the next ghost.  Branchless: unpredictable. */
+/* Links facet k of simplex t to the simplex across.  Sets bits of *wrong unless that has the vertices of the facet,
+   in the opposite order, and t across from there.  *g: the next ghost.  Branchless: the corner is unpredictable. */
 PBW__INLINE void pbw__import_facet(pbw__import *import, size_t t, unsigned k, size_t *g, pbw_index *wrong, int dim)
 {
     const pbw_mesh *mesh = import->mesh;
@@ -17226,7 +17247,7 @@ PBW__INLINE void pbw__import_facet(pbw__import *import, size_t t, unsigned k, si
     import->core->store.link[4 * t + k] = (pbw__link)(4 * u + j);
 }
 
-/* Corners and links of simplices. */
+/* Sets the corners and links of a block of simplices. */
 PBW__INLINE void pbw__import_slots_of(pbw__import *import, size_t from, size_t to, int dim)
 {
     const pbw_mesh *mesh = import->mesh;
@@ -17260,9 +17281,9 @@ static pbw_status pbw__import_slots(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Links between ghosts: around each ridge, through the finite simplices that have it, from one facet of the hull to
-   the other.  It ends there, as the way back is as unique: unless a simplex has a vertex twice, which in space has
-   links to ghosts alone, see pbw__import_facing.  PBW__ANEW: a triangle has. */
+/* Links ghosts: turns round each ridge, through the finite simplices that have it, from one hull facet to the other.
+   The turn ends there, as each step can be undone in one way only, unless a simplex has a vertex twice; in space such
+   a simplex is linked to ghosts only, see pbw__import_facing.  PBW__ANEW: a triangle has a vertex twice. */
 static pbw_status pbw__import_ridges(void *arg, size_t from, size_t to)
 {
     pbw__import *import = (pbw__import *)arg;
@@ -17274,8 +17295,8 @@ static pbw_status pbw__import_ridges(void *arg, size_t from, size_t to)
     unsigned i;
     for (g = first + from; g < first + to; g++) {
         for (i = 0; i < dim; i++) {
-            pbw__link at = link[4 * g + dim];        /* we are in a simplex, and came through this facet */
-            pbw_index next = corner[4 * g + i];      /* across from which we go on */
+            pbw__link at = link[4 * g + dim];        /* the simplex, and the facet by which we came in */
+            pbw_index next = corner[4 * g + i];      /* we leave by the facet opposite to this vertex */
             for (;;) {
                 const size_t t = at >> 2;
                 const pbw_index last = corner[at], *v = corner + 4 * t;
@@ -17294,7 +17315,8 @@ static pbw_status pbw__import_ridges(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Finds what hides the vertices in no simplex, along the curve.  PBW__ANEW: one is not hidden, or a duplicate. */
+/* Finds witnesses for the vertices in no simplex, along the curve.  PBW__ANEW: one is not hidden, or is a duplicate.
+   */
 static pbw_status pbw__import_hidden(pbw_live *live, pbw__core *core, size_t visible)
 {
     const size_t count = core->vertex_count - visible;
@@ -17326,7 +17348,7 @@ static pbw_status pbw__import_hidden(pbw_live *live, pbw__core *core, size_t vis
     return status;
 }
 
-/* Numbers vertices.  PBW__ANEW: some numbers cannot be. */
+/* Numbers the vertices.  PBW__ANEW: entries of the mesh are faulty. */
 static pbw_status pbw__import_survey(pbw__import *import, pbw__context *context)
 {
     const pbw_mesh *mesh = import->mesh;
@@ -17358,7 +17380,7 @@ static pbw_status pbw__import_survey(pbw__import *import, pbw__context *context)
            || (import->visible < import->places && mesh->weights == NULL) ? PBW__ANEW : PBW_OK;
 }
 
-/* The vertices of a mesh, then its simplices, unverified. */
+/* Fills the core with the vertices of a mesh, then with its simplices, unverified. */
 static pbw_status pbw__import_fill(pbw__import *import, pbw__context *context)
 {
     const pbw_mesh *mesh = import->mesh;
@@ -17410,7 +17432,7 @@ static pbw_status pbw__import_core(pbw_live *live, pbw__context *context, pbw__i
     vertices->canonical = (pbw_index *)(uintptr_t)mesh->canonical;
     vertices->duplicate_count = import->duplicates;
     memset(vertices->record, 0, ((size_t)mesh->dim + 1) * sizeof(double));
-    vertices->record[0] = HUGE_VAL;                  /* the ghost, see >>order */
+    vertices->record[0] = HUGE_VAL;                  /* the ghost's, see >>order */
     status = pbw__core_take(core, vertices, NULL, 1);
     status = status == PBW_OK ? pbw__core_start(context, core, vertices) : status;
     if (status == PBW_OK) {
@@ -17425,7 +17447,7 @@ static pbw_status pbw__import_core(pbw_live *live, pbw__context *context, pbw__i
     return status;
 }
 
-/* Queues points of a mesh, those that are there; counts the others, and those with numbers that are not finite. */
+/* Queues the points of a mesh that exist; counts the absent ones, and those that are not finite. */
 typedef struct pbw__loading { pbw_live *live; const pbw_mesh *mesh; size_t absent, wild; } pbw__loading;
 
 static pbw_status pbw__load_range(void *arg, size_t from, size_t to)
@@ -17451,7 +17473,7 @@ static pbw_status pbw__load_range(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Queues all points of a mesh; there is room for them. */
+/* Queues all points of a mesh; room is reserved. */
 static pbw_status pbw__live_load(pbw_live *live, pbw__context *context, const pbw_mesh *mesh)
 {
     pbw__loading loading = { live, mesh, 0, 0 };
@@ -17474,7 +17496,7 @@ static pbw_status pbw__live_load(pbw_live *live, pbw__context *context, const pb
     return PBW_OK;
 }
 
-/* Makes the mesh that all points of the queue are of the live triangulation.  PBW__ANEW: that cannot be. */
+/* Makes a core of the mesh with the queued points.  PBW__ANEW: it is not the triangulation of its points. */
 static pbw_status pbw__live_import(pbw_live *live, pbw__context *context, const pbw_mesh *mesh)
 {
     pbw__import import;
@@ -17567,11 +17589,11 @@ PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *optio
 }
 /* ------------------------------------------------------------------------------------------------------
    >>view         The arrays of a live triangulation.
-   In: a core.  Out: a mesh, as pbw_triangulate gives it for the points that live.
+   In: a core.  Out: the mesh that pbw_triangulate makes of the points that live.
    The vertices are sorted along the curve as for a build, which gives their ranks.  The simplices are put into the
-   canonical order of >>number, but into new arrays, as the core keeps its own.  Each belongs to the list of its
-   lowest rank: a radix sort, a task for each chunk of slots, puts them into blocks of lists; then a block is sorted
-   and written; then neighbours are looked up.
+   canonical order of >>number, in new arrays, as the core keeps its own.  Each belongs to the list of its lowest
+   rank. A radix sort, one task per chunk of slots, distributes them to blocks of lists; then each block is sorted and
+   written; then neighbours are looked up.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__LISTED ((size_t)512)                    /* ranks in a block */
 
@@ -17579,23 +17601,21 @@ typedef struct pbw__viewing {
     const pbw_live *live;
     pbw_mesh *mesh;
     pbw__emission emission;                          /* how lists are sorted: see >>number */
-    int alone;                                       /* one thread, which takes blocks in descending order */
-    size_t ranks, blocks, chunks, visible, duplicates;       /* ranks: with 0 */
-    const pbw_index *list;                           /* per place in the input of the sort: its vertex; NULL: all */
+    int alone;                                       /* there is one thread; it takes blocks in descending order */
+    size_t ranks, blocks, chunks, visible, duplicates;       /* ranks: including 0 */
+    const pbw_index *list;                           /* per entry of the sort's input: its vertex; NULL: all */
     pbw_index *id;                                   /* per rank */
     pbw_index *rank;                                 /* per vertex */
     pbw_index *number;                               /* per slot: its list, then its place */
     unsigned char *turn;                             /* per slot: see pbw__canonical_order */
-    pbw_index *first, *outer;                        /* per rank: its first simplex; of several threads: that of its
-                                                        block, that of other blocks */
-    pbw_index *base;                                 /* per block: where it begins; one more: where the last ends */
-    pbw_index *bin;                                  /* per chunk of slots and block: how many; then the next place */
-    pbw_index *simplices, *neighbors, *incident;     /* the mesh's; before there are neighbours: in the first entry of
-                                                        each place, its slot */
+    pbw_index *first, *outer;                        /* per rank: its first simplex; with several threads: in its
+                                                        block, in other blocks */
+    pbw_index *base;                                 /* per block: its first simplex; then the end of the last one */
+    pbw_index *bin;                                  /* per chunk and block: the count; then the next place */
+    pbw_index *simplices, *neighbors, *incident;     /* the mesh's; neighbors: at first each begins with its slot */
 } pbw__viewing;
 
-/* ---- points
-   Those that wait in the queue have other coordinates than their vertices. */
+/* ---- points: those in the queue have other coordinates than their vertices */
 PBW__INLINE void pbw__view_points_of(pbw__viewing *viewing, size_t from, size_t to, int dims)
 {
     const pbw_live *live = viewing->live;
@@ -17631,7 +17651,7 @@ static pbw_status pbw__view_points(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Points, weights and canonical of a view. */
+/* Makes the points, weights and canonical of a view. */
 static pbw_status pbw__view_begin(pbw__viewing *viewing, pbw__context *context)
 {
     const pbw_live *live = viewing->live;
@@ -17652,7 +17672,8 @@ static pbw_status pbw__view_begin(pbw__viewing *viewing, pbw__context *context)
     return status;
 }
 
-/* Sorts the vertices.  `stand`: copies of them if some are gone, or if duplicates count in the grid of the keys. */
+/* Sorts the vertices.  Copies them to `stand` if some were removed, or if there are duplicates, which count for the
+   grid of the keys. */
 static pbw_status pbw__view_order(const pbw_live *live, pbw__context *context, pbw__stand *stand,
                                   pbw__vertices *vertices)
 {
@@ -17686,8 +17707,8 @@ static pbw_status pbw__view_order(const pbw_live *live, pbw__context *context, p
     return pbw__order(context, &input, vertices);
 }
 
-/* ---- simplices
-   Finds the list of each simplex of a chunk, and counts blocks. */
+/* ---- simplices */
+/* Finds the list of each simplex of a chunk, and counts the simplices per block. */
 PBW__INLINE void pbw__view_count_of(const pbw__viewing *viewing, size_t from, size_t to, pbw_index *bin, int dim)
 {
     const pbw_index *corner = viewing->live->core.store.corner, *rank = viewing->rank;
@@ -17711,7 +17732,7 @@ PBW__INLINE void pbw__view_count_of(const pbw__viewing *viewing, size_t from, si
     }
 }
 
-/* Where the slots of a chunk begin. */
+/* Returns the first slot of a chunk. */
 PBW__INLINE size_t pbw__view_chunk(const pbw__viewing *viewing, size_t chunk)
 {
     return pbw__share(viewing->live->core.store.count, (int)chunk, (int)viewing->chunks);
@@ -17729,7 +17750,7 @@ static pbw_status pbw__view_count(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Puts the slots of a chunk into their blocks. */
+/* Distributes the slots of a chunk to blocks. */
 static pbw_status pbw__view_scatter(void *arg, size_t from, size_t to)
 {
     const pbw__viewing *viewing = (const pbw__viewing *)arg;
@@ -17748,7 +17769,7 @@ static pbw_status pbw__view_scatter(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* The items of a block, see >>number, list by list; the i-th list ends at end[i]. */
+/* Makes the items of a block, see >>number, list by list; the i-th list ends at end[i]. */
 PBW__INLINE void pbw__view_items(const pbw__viewing *viewing, size_t block, pbw_index *end, pbw__item *item, int dim)
 {
     const pbw_index *corner = viewing->live->core.store.corner, *rank = viewing->rank, *number = viewing->number;
@@ -17781,8 +17802,8 @@ PBW__INLINE void pbw__view_items(const pbw__viewing *viewing, size_t block, pbw_
     }
 }
 
-/* Writes the simplices of a block, from the last to the first.  later: the first rank of later blocks, if other
-   threads have them; else PBW_NONE. */
+/* Writes the simplices of a block, from the last to the first.  later: the first rank of later blocks if other
+   threads write these; otherwise PBW_NONE. */
 PBW__INLINE void pbw__view_write(const pbw__viewing *viewing, size_t from, size_t to, const pbw__item *item,
                                  pbw_index later, int dim)
 {
@@ -17812,7 +17833,7 @@ PBW__INLINE void pbw__view_write(const pbw__viewing *viewing, size_t from, size_
     }
 }
 
-/* Sorts and writes the lists of a block.  There is room for two times `room` items, a few more than the block has. */
+/* Sorts and writes the lists of a block.  item: room for 2 * room items; room: a few more than the block has. */
 static void pbw__view_block(const pbw__viewing *viewing, size_t block, pbw__item *item, size_t room)
 {
     const int dim = viewing->live->dim;
@@ -17825,14 +17846,14 @@ static void pbw__view_block(const pbw__viewing *viewing, size_t block, pbw__item
     memset(item + (to - from), 0, 4 * sizeof(*item));
     memset(viewing->first + first, 0xff, lists * sizeof(pbw_index));         /* PBW_NONE */
     pbw__sort_region(&viewing->emission, item, end, lists, item + room);
-    if (viewing->alone) {                            /* compiled without comparisons with later */
+    if (viewing->alone) {                            /* a constant: compiled without comparisons */
         PBW__BY_DIM(dim, pbw__view_write, viewing, from, to, item + room + 1, PBW_NONE);
     } else {
         PBW__BY_DIM(dim, pbw__view_write, viewing, from, to, item + room + 1, later);
     }
 }
 
-/* Blocks from the last on. */
+/* Makes blocks in descending order: the i-th is the i-th from the end. */
 static pbw_status pbw__view_blocks(void *arg, size_t from, size_t to)
 {
     const pbw__viewing *viewing = (const pbw__viewing *)arg;
@@ -17892,7 +17913,7 @@ static pbw_status pbw__view_incident(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Puts the simplices into blocks. */
+/* Distributes the simplices to blocks. */
 static pbw_status pbw__view_sort(pbw__viewing *viewing, pbw__context *context)
 {
     pbw_status status = pbw__for_range(context, viewing->chunks, 1, 0.2, pbw__view_count, viewing);
@@ -17911,7 +17932,7 @@ static pbw_status pbw__view_sort(pbw__viewing *viewing, pbw__context *context)
     return status == PBW_OK ? pbw__for_range(context, viewing->chunks, 1, 0.3, pbw__view_scatter, viewing) : status;
 }
 
-/* Ranks of vertices, and their ids. */
+/* Sets the rank of each vertex, and the id of each rank. */
 static pbw_status pbw__view_ranks(void *arg, size_t from, size_t to)
 {
     const pbw__viewing *viewing = (const pbw__viewing *)arg;
@@ -17928,7 +17949,7 @@ static pbw_status pbw__view_ranks(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Ranks, then simplices, their neighbours, and those of the points. */
+/* Fills ranks, then simplices, their neighbours, and incident simplices. */
 static pbw_status pbw__view_fill(pbw__viewing *viewing, pbw__context *context)
 {
     const size_t ranks = viewing->ranks, all = viewing->live->core.simplex_count;
@@ -17944,7 +17965,7 @@ static pbw_status pbw__view_fill(pbw__viewing *viewing, pbw__context *context)
     return status;
 }
 
-/* The simplices of a view. */
+/* Makes the simplices of a view. */
 static pbw_status pbw__view_simplices(pbw__viewing *viewing, pbw__context *context, pbw__vertices *vertices)
 {
     const pbw__core *core = &viewing->live->core;
@@ -18126,9 +18147,9 @@ static pbw_status pbw__make_original(pbw__context *context, pbw__vertices *verti
     return original != NULL ? pbw__number_along_curve(context, vertices, original) : PBW_ERROR_MEMORY;
 }
 
-/* The duplicates of many points, for the time of the build, which needs no `canonical`. */
+/* The duplicates, kept as a list during the build, which does not need `canonical`. */
 typedef struct pbw__duplicates {
-    pbw_index *canonical, *pair;                     /* pair: a duplicate and its canonical point, and so on */
+    pbw_index *canonical, *pair;                     /* pair: each duplicate, then its canonical point */
     size_t count, listed;
 } pbw__duplicates;
 
@@ -18152,7 +18173,7 @@ static pbw_status pbw__list_duplicates(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Frees `canonical` where a list of the duplicates is shorter. */
+/* Frees `canonical` and lists the duplicates, if there are many points and the list is shorter. */
 static pbw_status pbw__lay_down_canonical(pbw__context *context, pbw__vertices *vertices, pbw__duplicates *duplicates)
 {
     const size_t count = vertices->duplicate_count;
@@ -18244,7 +18265,7 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
         status = pbw__enter_stage(context, PBW_STAGE_BUILD) ? PBW_CANCELLED
                : pbw__build_all(context, &store, &vertices, &vertices.grid, &mesh->statistics);
         status = pbw__leave_stage(context, status, &start, &mesh->statistics.build_seconds);
-        PBW__RELEASE(memory, &store, mark);          /* the output needs none, and holds the most memory */
+        PBW__RELEASE(memory, &store, mark);          /* the output needs no marks, and memory is highest there */
         store.mark = NULL, store.mark_capacity = 0, store.plain = 1;
     }
     if ((status == PBW_OK || status == PBW_DEGENERATE) && pbw__enter_stage(context, PBW_STAGE_OUTPUT)) {
@@ -18277,7 +18298,8 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
     return status;
 }
 
-/* ---- backends: what a job's functions work on */
+/* ---- backends */
+/* What the functions of a job work on. */
 typedef struct pbw__dispatch {
     pbw__context *context;
     const pbw__input *input;
@@ -18286,7 +18308,7 @@ typedef struct pbw__dispatch {
     pbw_mesh *mesh;
 } pbw__dispatch;
 
-/* Allocates the arrays; may be called again with another count. */
+/* Allocates the arrays; a backend may call it again with another count. */
 static pbw_status pbw__job_reserve(pbw_job *job, size_t simplex_count)
 {
     pbw__dispatch *dispatch = (pbw__dispatch *)job->context;
@@ -18324,8 +18346,8 @@ static pbw_status pbw__job_reserve(pbw_job *job, size_t simplex_count)
     return status;
 }
 
-/* A backend calls this when it has time, so here we make pages for about the number of simplices to come; another
-   number costs nothing later, as our own allocator moves pages, not bytes. */
+/* Keeps the points.  A backend calls this when it has time, so we also commit pages for about the simplices to come;
+   another number costs nothing later, as the default allocator moves pages, not bytes. */
 static pbw_status pbw__job_keep(pbw_job *job)
 {
     pbw__dispatch *dispatch = (pbw__dispatch *)job->context;
@@ -18356,7 +18378,7 @@ static void pbw__job_say(pbw_job *job, const char *text)
     }
 }
 
-/* Renumbers a backend's mesh along the curve: the arrays are then those that the CPU makes. */
+/* Renumbers a backend's mesh along the curve, into the arrays that the CPU makes. */
 typedef struct pbw__renumbering {
     const pbw_mesh *mesh;
     const pbw_index *original, *old_incident;

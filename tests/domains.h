@@ -513,7 +513,7 @@ static double domain_least_angle(const pbw_plane *plane, size_t triangle)
     return least;
 }
 
-/* Whether two segments of the input meet at less than 60 degrees. */
+/* Returns whether two segments of the input meet at less than 60 degrees. */
 static int domain_is_small(const drawing *d, size_t s, size_t t)
 {
     const double *p[4];
@@ -571,7 +571,7 @@ static domain_stars domain_find_stars(const pbw_plane *plane)
     return stars;
 }
 
-/* Whether a triangle has corners on two segments that meet at a small angle. */
+/* Returns whether a triangle has corners on two segments that meet at a small angle. */
 static int domain_is_excused(const drawing *d, const domain_stars *stars, const pbw_index *corner)
 {
     int i, j, small = 0;

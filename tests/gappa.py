@@ -12,13 +12,15 @@ for a tenth of the bound.
 
 A pair has |tail| <= K P and |head + tail - X| <= E P.  Two theorems are taken from the literature: the error of a sum
 (Knuth 1969) and of a product (Dekker 1971) of doubles is itself a double."""
+import copy
 import math
 import re
 import subprocess
 import sys
 from fractions import Fraction
 
-TEXT = re.sub(r'/\*.*?\*/', '', open(sys.argv[1]).read(), flags=re.S)
+HEADER = open(sys.argv[1]).read()
+TEXT = re.sub(r'/\*.*?\*/', '', HEADER, flags=re.S)
 SCRIPTS = open(sys.argv[2], 'w')
 U = Fraction(1, 2 ** 53)
 passed, failed = [], []
@@ -63,16 +65,20 @@ def run(name, local, wanted):
     """Does the assignments to `wanted` in a function, in their order; returns what it returns, if that is wanted.
     A condition that is known here is obeyed; loops are passed through once, but see unrolled, if k is wanted."""
     local, depth, skip, missing = dict(ENV, **local), 0, None, set(wanted)
+    held = None                                          # the depth of a condition that held, until its end
     for piece in unrolled(read(name)[1], local) if 'k' in wanted else read(name)[1]:
         piece = piece.strip()
         depth += (piece == '{') - (piece == '}')
         if skip is not None and not (piece == '}' and depth == skip):
             continue
-        skip = None
+        skip = depth if piece == 'else' and held == depth else None
+        if skip is not None:
+            continue
         known = re.match(r'if \(([\w.]+ == \w+)\)$', piece)
         if known and not eval(known.group(1), local):
             skip = depth
             continue
+        held = depth if known else held
         for part in split(piece):
             part = re.sub(r'^\s*(?:const |double |int |pbw__\w+ )*\*?', '', part)
             target = re.match(r'return|[\w.\[\]]+(?= *[-+*]?= )', part)
@@ -523,6 +529,33 @@ def queries():
     Value.bits = 53
 
 
+def vector_by(name, a, b):
+    result = 'c' if name.endswith('cross') else 'a'
+    local = dict(zip(read(name)[0], (1, copy.copy(a), b)), **{'c': Rows()})
+    return run(name, local, [result + axis for axis in ('.x', '.y', '.z')])[1][result]
+
+
+def centres():
+    """In pairs, from sites relative to a query.  The bound is stated at the head of >>centres."""
+    bits = int(re.search(r'error of the determinant and of each numerator of a centre is at\s+most 2\^-(\d+) times',
+                         HEADER).group(1))
+    ENV['pbw__number'] = lambda head: Pair(0, 0)
+    define('pbw__add', 'pbw__sub', 'pbw__mul', 'pbw__vector_dot', 'pbw__vector_area')
+    for name in 'sub', 'add', 'times', 'cross':
+        ENV['pbw__vector_' + name] = lambda fine, a, b, name=name: vector_by('pbw__vector_' + name, a, b)
+    for dim in (2, 3):
+        site, row, lift = Rows(), Every(None), Every(None)
+        site.at, site.weight = Rows(), Pair(0, 0)
+        site.at.x = site.at.y = Pair(U * (1 + U), 0)
+        site.at.z = site.at.x if dim == 3 else Pair(0, 0, 0)
+        run('pbw__cavity_centre', dict(fine=1, site=site, base=site, k=0, row=row, lift=lift),
+            ['weight', 'row[k]', 'lift[k]'])
+        names = ['det'] + (['yz', 'sum'] if dim == 3 else ['sum.x', 'sum.y'])
+        local = run('pbw__centre_of', dict(fine=1, dim=dim, row=row, lift=lift, sum=Rows()), names)[1]
+        for name, det in ('det', local['det']), ('sum', local['sum'].x):
+            prove('pbw__centre_of %d %s' % (dim, name), det.head, Value(0, det.P / 2 ** bits))
+
+
 def apexes():
     """The planes of >>apex, by which >>verify judges facets too, and what its vectors are certain of."""
     least = literal('pbw__plane_of', r'height = ([-\d.e]+)')
@@ -625,6 +658,7 @@ pairs()
 walks()
 cavities()
 queries()
+centres()
 apexes()
 ears()
 depths()

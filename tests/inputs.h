@@ -34,7 +34,7 @@ enum {
     INPUT_SPIRAL,           /* 20 turns, with noise of 1e-4 */
     INPUT_PLANE,            /* 3D: z = 1e-9 normal; 2D: y = 1e-9 uniform, nearly a line */
     INPUT_ANISOTROPIC,      /* uniform, last axis times 1e-4 */
-    INPUT_TERRAIN,          /* as an airborne scan sees hills of 1 km, in whole centimetres; 2D: from above */
+    INPUT_TERRAIN,          /* an airborne scan of hills of 1 km, in whole centimetres; 2D: without heights */
     INPUT_MOMENT,           /* (t, t^2, t^3), t = 1..n shuffled: (n-2)(n-3)/2 tetrahedra in 3D */
     INPUT_KINDS
 };

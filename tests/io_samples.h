@@ -1,4 +1,4 @@
-/* io_samples.h: a small good file of every kind that pbw_io.h reads, and what it must give. */
+/* io_samples.h: a small valid file of every kind that pbw_io.h reads, and the counts that reading must give. */
 #ifndef IO_SAMPLES_H
 #define IO_SAMPLES_H
 

@@ -206,7 +206,7 @@ static inline int oracle_compare_places(int dim, const double *a, const double *
     return 0;
 }
 
-/* Finds the places and who stays there: the largest weight, then the lowest index. */
+/* Finds the places, and the point that stays at each: the largest weight, then the lowest index. */
 static inline int oracle_find_places(oracle *o, int dim, int n, const double *points, const double *weights)
 {
     int i, k;
@@ -332,7 +332,7 @@ static inline int oracle_solve(oracle *o, int dim, int n, const double *points, 
             o->simplex[set] = (signed char)big_determinant[set].sign;
         }
     }
-    for (set = (4u << dim) - 1; set < end; set = oracle_next_subset(set)) {          /* dim+2: who is below whom */
+    for (set = (4u << dim) - 1; set < end; set = oracle_next_subset(set)) {          /* dim+2: what is below what */
         int signs[ORACLE_POINTS], sign;
         sign = oracle_dependence(o, set, small, determinant, lift, big_determinant, big_lift, signs);
         for (k = 0; k < o->places; k++) {

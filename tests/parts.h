@@ -350,7 +350,7 @@ static const part_entry parts[] = {
 enum { PART_L = 0, PART_HOLE = 1, PART_WEDGE = 5, PART_SPIKE = 6, PART_BALL = 7,
        PART_COUNT = sizeof parts / sizeof *parts };
 
-/* Makes part number i, turned or not; returns its volume. */
+/* Makes part number i, turned or not.  Returns its volume. */
 static double part_make(size_t i, int turned, part *m)
 {
     double volume;

@@ -228,7 +228,7 @@ typedef struct planes_slow {
     unsigned char edge[PLANES_MOST][PLANES_MOST];    /* 1: free, 2: of a segment */
 } planes_slow;
 
-/* Whether i, j and k, counter-clockwise, have all three edges and nothing inside. */
+/* Returns whether i, j and k, counter-clockwise, have all three edges and nothing inside. */
 static int planes_is_triangle(const planes_slow *s, int i, int j, int k)
 {
     const double *a = planes_at(s->p, (size_t)i), *b = planes_at(s->p, (size_t)j), *c = planes_at(s->p, (size_t)k);
@@ -363,7 +363,7 @@ PLANES_UNUSED static void planes_small_print(const planes_small *s)
     printf(" };\n");
 }
 
-/* Whether two segments cross where no point is. */
+/* Returns whether two segments cross where no point is. */
 static int planes_small_cross(const planes_small *s, size_t i, size_t j)
 {
     const double *p = s->in.points, *a = p + 2 * s->segments[2 * i], *b = p + 2 * s->segments[2 * i + 1];
@@ -425,7 +425,7 @@ static const char *planes_small_compare(const planes_small *s, const pbw_plane *
     return (size_t)triangles == plane->triangle_count ? NULL : "another number of triangles than the slow way";
 }
 
-/* The same from points in another order, segments backwards with swapped ends. */
+/* Repeats it with the points in another order and the segments reversed, and compares. */
 static const char *planes_small_turned(planes_small *s, const pbw_plane_options *options, uint64_t hash)
 {
     planes_small t = *s;
@@ -493,8 +493,8 @@ static const char *planes_small_crossings(planes_small *s, const pbw_plane_input
     return fault;
 }
 
-/* Refined: the segments are still there, the hull too; an angle is small at small angles of the input only, and where
-   a limit says so. */
+/* Refines and checks: segments and hull are kept; angles are small only at small angles of the input, or if a limit
+   was reached. */
 static const char *planes_small_refine(planes_small *s, const pbw_plane_input *input, pbw_plane_options *options)
 {
     pbw_plane plane, before;

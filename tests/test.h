@@ -80,7 +80,7 @@ TEST_UNUSED static int test_check_equal(long long a, long long b, const char *fi
     return holds;
 }
 
-/* Does the name of the test have the text of one of these options?  `otherwise`, if there is none. */
+/* Returns whether the test's name contains the text of one of these options; `otherwise` if none is given. */
 TEST_UNUSED static int test_is_named(const char *option, int otherwise)
 {
     int i;

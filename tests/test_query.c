@@ -859,6 +859,41 @@ static void test_arguments(void)
     test_end();
 }
 
+/* Meshes of more than 1e9 simplices, of which only the last one is ever read: the number of its facet fits, or not. */
+static void check_huge(int dim)
+{
+    static const double points[12] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1 }, flat[6] = { 0, 0, 1, 0, 0, 1 };
+    static const double outside[3] = { -1, -1, -1 };
+    const pbw_index corner[4] = { 0, 1, 2, 3 }, none[4] = { PBW_NONE, PBW_NONE, PBW_NONE, PBW_NONE };
+    const size_t corners = (size_t)dim + 1, last = 4294967295u / corners;
+    size_t t;
+    for (t = last - 1; t < last + 2; t += 2) {
+        const uintptr_t before = t * corners * sizeof(pbw_index);
+        pbw_mesh mesh;
+        pbw_index facet = 0;
+        memset(&mesh, 0, sizeof mesh);
+        mesh.dim = dim;
+        mesh.points = dim == 3 ? points : flat;
+        mesh.point_count = corners;
+        mesh.simplex_count = t + 1;
+        mesh.simplices = (const pbw_index *)((uintptr_t)corner - before);
+        mesh.neighbors = (const pbw_index *)((uintptr_t)none - before);
+        CHECK_EQUAL(pbw_locate_one(&mesh, outside, (pbw_index)t, &facet), PBW_NONE);
+        CHECK(t < last ? facet / corners == t : facet == PBW_NONE);
+    }
+}
+
+static void test_huge(void)
+{
+    if (test_begin("the number of a hull facet that does not fit")) {
+        if (sizeof(size_t) > 4) {
+            check_huge(2);
+            check_huge(3);
+        }
+        test_end();
+    }
+}
+
 int main(int argc, char **argv)
 {
     test_start(argc, argv, 1000);
@@ -870,5 +905,6 @@ int main(int argc, char **argv)
     test_strip();
     test_progress();
     test_arguments();
+    test_huge();
     return test_finish();
 }

@@ -14,11 +14,11 @@
 
    HOW
    A mesh that changes is built again, from the points that stay and the edges of its segments: the constrained
-   triangulation takes less than a microsecond a point.  What it says of segments and regions comes along.
+   triangulation takes less than a microsecond a point.  The numbers of segments and regions are kept.
 
    PROMISES  (tests/test_adapt2.c guards them)
-     Points of no segment may go or move; so may, by adaptation, a point between two edges of one line with the same
-     numbers; all others stay where they are, bit for bit.
+     Points on no segment may move or be removed.  Adaptation may also remove a point between two edges of one line
+     with the same numbers.  All others stay where they are, bit for bit.
      Smoothing never makes the least angle of the mesh smaller, and moves no point across a segment.
      The answer is the same for any number of threads.
 
@@ -85,40 +85,41 @@ typedef enum pbw_plane_way {
                                               Delaunay triangulation (Chen 2004) */
 } pbw_plane_way;
 
-/* Moves the points of no segment, `rounds` times; each round ends with a triangulation.  Points keep their numbers.
-   A point goes half as far, or stays, where the least angle of its triangles would fall below what it is, and below
-   30 degrees or the least of the mesh, whichever is more.  Of options only `build` counts; NULL = defaults.  Fails as
-   pbw_plane_make; then the plane is as it was, but for what. */
+/* Moves the points on no segment, `rounds` times; each round ends with a triangulation.  Points keep their numbers.
+   A point goes half as far, or stays, if the least angle of its triangles would fall, and would be below 30 degrees
+   or below the least angle of the mesh.  Of options only `build` counts; NULL = defaults.  Fails as pbw_plane_make;
+   the plane is then unchanged, except for `what`. */
 PBWADAPT2DEF pbw_status pbw_plane_smooth(pbw_plane *plane, pbw_plane_way way, int rounds,
                                          const pbw_plane_options *options);
 
 /* ---- adaptation */
 
-/* Fills sizes, one a point: lengths of edges for a mesh of about `count` triangles with equal errors.  error: per
-   triangle, of a kind that falls with the square of its size, as the energy norm of linear elements does over one. */
+/* Fills sizes, one a point: edge lengths for a mesh of about `count` triangles with equal errors.  error: per
+   triangle, proportional to the square of its size, as the energy norm of the error of linear elements over one
+   triangle is. */
 PBWADAPT2DEF void pbw_plane_sizes(const pbw_plane *plane, const double *error, size_t count, double *sizes);
 
 /* Makes a finer mesh where edges are longer than the sizes of their ends, a coarser one where they are shorter than
    half.  sizes: one a point, 0 = any.  keep: one a point, 1 = it must stay; NULL = only the ends of segments must.
-   options: as for pbw_plane_make, but for the rule, which is to keep the domain, and it always refines.  result:
+   options: as for pbw_plane_make, but the domain is kept, whatever its rule, and the mesh is always refined.  result:
    overwritten; fails as pbw_plane_make, and without triangles.  from: room for plane->point_count numbers, or NULL;
    gets the old number of point i of the result, for i < result->input_count.  edge_segments and region_seeds of the
-   result have the caller's numbers, as the old ones; region_windings are 1. */
+   result have the caller's numbers, as in the old mesh; region_windings are 1. */
 PBWADAPT2DEF pbw_status pbw_plane_adapt(const pbw_plane *plane, const double *sizes, const unsigned char *keep,
                                         const pbw_plane_options *options, pbw_plane *result, pbw_index *from);
 
-/* A plane from triangles in any direction each, to be refined, adapted or smoothed: their border is the boundary of
-   the domain, edges of one straight line have one number.  The triangles inside are made anew.  points: 2 numbers
+/* Makes a plane of triangles of either orientation, to be refined, adapted or smoothed.  Their border becomes the
+   boundary of the domain; edges of one straight line get one number.  The triangles are made anew.  points: 2 numbers
    each.  plane: overwritten.  Returns PBW_ERROR_ARGUMENT without triangles, for ids out of range and for two
    triangles on one side of an edge, or fails as pbw_plane_make; plane->what says why. */
 PBWADAPT2DEF pbw_status pbw_plane_from_triangles(const double *points, size_t point_count, const pbw_index *triangles,
                                                  size_t triangle_count, const pbw_plane_options *options,
                                                  pbw_plane *plane);
 
-/* Values at points of another mesh of the domain: linear in each triangle of `from`; the value of the nearest place
-   where there is none.  width: numbers a point; values: from->point_count * width, out: room for to->point_count *
-   width.  Of options only `build` counts; NULL = defaults.  Returns PBW_ERROR_ARGUMENT if `from` has no triangles, or
-   PBW_ERROR_MEMORY. */
+/* Computes values at the points of another mesh of the domain: linear in each triangle of `from`; outside of all, the
+   value at the nearest place.  width: numbers a point; values: from->point_count * width, out: room for
+   to->point_count * width.  Of options only `build` counts; NULL = defaults.  Returns PBW_ERROR_ARGUMENT if `from`
+   has no triangles, or PBW_ERROR_MEMORY. */
 PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plane *to, const double *values,
                                            size_t width, double *out, const pbw_plane_options *options);
 
@@ -135,7 +136,7 @@ PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plan
 #include <stdlib.h>
 #include <string.h>
 
-/* Contraction off: other coordinates would come out where a compiler fuses. */
+/* No contraction: fused operations would give other coordinates. */
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)
@@ -315,9 +316,9 @@ static int pbwa2__find_stars(pbwa2__memory *memory, const pbw_plane *plane, pbwa
 
 /* ------------------------------------------------------------------------------------------------------
    Building a plane again.
-   In: a plane, where its points are now, which of them stay.
-   Out: the plane of those points and of the edges of segments; an edge goes on over points of it that do not stay.
-   The domain is what its border winds round; edges inside of it are there in both directions, and count 0.
+   In: a plane, the new places of its points, which of them stay.
+   Out: the plane of those points and of the edges of segments; edges are joined over their points that do not stay.
+   The domain is what the border winds round; edges inside of it occur in both directions, and add up to 0.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwa2__again {
     const pbw_plane *old;
@@ -341,8 +342,8 @@ static void pbwa2__emit(pbwa2__again *a, pbw_index u, pbw_index v, pbw_index id)
     a->ids[a->segment_count++] = id;
 }
 
-/* Walks from point u along edge e, to the first point that stays.  Puts the segment from u to there, unless the walk
-   from the other end does. */
+/* Walks from point u along edge e to the first point that stays.  Adds the segment from u to there, unless the walk
+   from the other end adds it. */
 static void pbwa2__chain(pbwa2__again *a, pbw_index u, size_t e, const size_t *edges_at, const unsigned char *inside)
 {
     const pbw_plane *p = a->old;
@@ -495,7 +496,7 @@ static double pbwa2__star_sine2(const pbw_plane *p, const double *points, const 
     return least;
 }
 
-/* Adds a triangle's share of the new place of its corner a: weight, weight times place relative to a. */
+/* Adds what a triangle contributes to the new place of its corner a: weight, and weight times place relative to a. */
 static void pbwa2__pull(pbw_plane_way way, const double *a, const double *b, const double *c, double sum[3])
 {
     const double bx = b[0] - a[0], by = b[1] - a[1], cx = c[0] - a[0], cy = c[1] - a[1];
@@ -662,8 +663,8 @@ static void pbwa2__grade(const pbw_plane *p, double growth, double *sizes)
 /* ------------------------------------------------------------------------------------------------------
    Coarsening: which points stay.
    In: sizes.  Out: stays.
-   Holds: two points that stay, one of which could go, are at least half of the smaller of their sizes apart, if edges
-   lead from one to the other near there.
+   Holds: of two points that stay, if one could be removed and edges connect them nearby, the distance is at least
+   half of the smaller of their sizes.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWA2__FREE, PBWA2__INNER, PBWA2__END };      /* of no segment; inside of one; the rest */
 
@@ -683,7 +684,8 @@ static int pbwa2__same_ids(const pbw_plane *p, size_t e, size_t f)
                              n * sizeof *p->edge_segments) == 0);
 }
 
-/* Whether v is between u and w but for 8 ulps of the coordinates: refinement rounds points of segments by one. */
+/* Returns whether v is between u and w up to 8 ulps of the coordinates: refinement rounds points on segments by one.
+   */
 static int pbwa2__is_straight(const double *u, const double *v, const double *w)
 {
     const double most = fmax(fmax(fmax(fabs(u[0]), fabs(u[1])), fmax(fabs(w[0]), fabs(w[1]))),
@@ -699,7 +701,7 @@ static const double *pbwa2__other_end(const pbw_plane *p, size_t e, pbw_index v)
     return pbwa2__at(p->points, p->edges[2 * e] == v ? p->edges[2 * e + 1] : p->edges[2 * e]);
 }
 
-/* Finds the kinds of points: one inside of a segment has two edges in line, with the same segments and sides. */
+/* Finds the kinds of points: a point inside a segment has two collinear edges, with the same segments and sides. */
 static int pbwa2__find_kinds(pbwa2__thinner *t, pbwa2__memory *memory, const unsigned char *keep)
 {
     const pbw_plane *p = t->p;
@@ -733,7 +735,7 @@ static int pbwa2__find_kinds(pbwa2__thinner *t, pbwa2__memory *memory, const uns
     return 1;
 }
 
-/* Whether a point that stays is near to v. */
+/* Returns whether a point that stays is close to v. */
 static int pbwa2__is_crowded(pbwa2__thinner *t, pbw_index v)
 {
     const double *here = pbwa2__at(t->p->points, v);
@@ -859,7 +861,8 @@ static const char *pbwa2__find_sides(const double *points, size_t n, const pbw_i
     return NULL;
 }
 
-/* Keeps the sides of one triangle only.  Returns how many, or SIZE_MAX: two triangles are on one side of an edge. */
+/* Keeps the sides of edges with one triangle.  Returns their number, or SIZE_MAX if an edge has two triangles on one
+   side. */
 static size_t pbwa2__find_border(pbwa2__side *side, size_t count)
 {
     size_t i, kept = 0;
@@ -875,7 +878,8 @@ static size_t pbwa2__find_border(pbwa2__side *side, size_t count)
     return kept;
 }
 
-/* Numbers of border edges: those of one straight line, joined where only two edges meet, have one. */
+/* Numbers the border edges: those of one straight line get one number if only two edges meet at each point between.
+   */
 static int pbwa2__number_lines(pbwa2__memory *memory, const double *points, size_t n, const pbwa2__side *side,
                                pbw_index *ids, size_t count)
 {
@@ -1045,7 +1049,7 @@ static double pbwa2__box_apart2(const pbwa2__box *box, const double *q)
     return x * x + y * y;
 }
 
-/* The triangle nearest to q, of several the first; begins with `guess`. */
+/* Returns the triangle nearest to q, the first of several; begins with `guess`. */
 static size_t pbwa2__nearest(const pbwa2__tree *tree, const double *q, size_t guess, double weight[3])
 {
     size_t stack[4 * 34], found = guess, n = 0;

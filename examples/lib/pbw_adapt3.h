@@ -1,4 +1,4 @@
-/* pbw_adapt3.h - v0.1.0 - tetrahedra that follow an error: sizes, and fields carried over - MIT-0
+/* pbw_adapt3.h - v0.1.0 - tetrahedral meshes adapted to an error: sizes, and fields on the new mesh - MIT-0
 
    QUICK START
    In one source file, define PBW_ADAPT3_IMPLEMENTATION before the include; in all others, only include.
@@ -14,9 +14,9 @@
        pbw_tets_transfer(&mesh, &next, values, 1, NULL, new_values);           // one number a point
 
    HOW
-   Linear elements of size h have an error of C h^(5/2) in the energy norm over one tetrahedron; sizes make that equal
-   over all.  pbw_improve halves and contracts edges until they fit.  Fields are linear in each old tetrahedron, which
-   a walk finds for one new point after the other, along a Hilbert curve.
+   A linear element of size h has an error of C h^(5/2) in the energy norm; sizes make it equal for all tetrahedra.
+   pbw_improve halves and contracts edges until they fit.  Fields are linear in each old tetrahedron; a walk finds the
+   one of each new point, and these follow a Hilbert curve.
 
    PROMISES  (tests/test_improve.c guards them)
      linear      linear fields are carried over up to rounding, and values never leave the range of the old ones
@@ -40,15 +40,14 @@
 extern "C" {
 #endif
 
-/* Fills sizes, one a point: lengths of edges for a mesh of about `count` tetrahedra with equal errors, each from an
-   eighth to four times as long as the edges there are.  error: per tetrahedron, in the energy norm over it, not
-   squared. */
+/* Fills sizes, one a point: edge lengths for a mesh of about `count` tetrahedra with equal errors, between an eighth
+   of the old lengths and four times these.  error: per tetrahedron, in the energy norm over it, not squared. */
 PBWADAPT3DEF void pbw_tets_sizes(const pbw_tets *mesh, const double *error, size_t count, double *sizes);
 
-/* Values at points of another mesh of the domain.  from: with neighbors, as results of pbw_improve and pbw_solid have
-   them; width: numbers a point; values: from->point_count * width, out: room for to->point_count * width.  Of options,
-   it uses threads, resize and memory_limit.  Returns PBW_ERROR_ARGUMENT if `from` has no tetrahedra or no neighbors,
-   or what pbw_order and pbw_surface_create fail with. */
+/* Computes values at the points of another mesh of the domain.  from: a mesh with neighbors, as pbw_improve and
+   pbw_solid make it; width: numbers a point; values: from->point_count * width, out: room for to->point_count *
+   width.  Of options, it uses threads, resize and memory_limit.  Returns PBW_ERROR_ARGUMENT if `from` has no
+   tetrahedra or no neighbors, or what pbw_order and pbw_surface_create fail with. */
 PBWADAPT3DEF pbw_status pbw_tets_transfer(const pbw_tets *from, const pbw_tets *to, const double *values,
                                           size_t width, const pbw_options *options, double *out);
 
@@ -63,7 +62,7 @@ PBWADAPT3DEF pbw_status pbw_tets_transfer(const pbw_tets *from, const pbw_tets *
 #include <math.h>
 #include <string.h>
 
-/* Contraction off: other coordinates would come out where a compiler fuses. */
+/* No contraction: fused operations would give other coordinates. */
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)
@@ -137,7 +136,7 @@ typedef struct pbwa3__places {
     pbwsf__array facets, owners, order;    /* owners: the tetrahedron of each boundary facet */
 } pbwa3__places;
 
-/* Walks from t towards p; *inside: whether it got there.  Returns where it ended. */
+/* Walks from t towards p.  Returns the tetrahedron where it ends; *inside: it contains p. */
 static pbw_index pbwa3__walk(const pbw_tets *from, const double p[3], pbw_index t, int *inside)
 {
     size_t steps, most = 1000 + from->tet_count / 4;
@@ -147,7 +146,7 @@ static pbw_index pbwa3__walk(const pbw_tets *from, const double p[3], pbw_index 
         pbw_index next = PBW_NONE;
         pbwa3__corners(from, t, c);
         for (i = 0; i < 4 && next == PBW_NONE; i++) {
-            const int k = (int)((steps + (size_t)i) % 4);        /* turns, so that it does not go in circles */
+            const int k = (int)((steps + (size_t)i) % 4);        /* another first facet each step: no cycles */
             memcpy(s, c, sizeof s);
             s[k] = p;
             if (pbw_orient3(s[0], s[1], s[2], s[3]) < 0) {
@@ -164,7 +163,7 @@ static pbw_index pbwa3__walk(const pbw_tets *from, const double p[3], pbw_index 
     return t;
 }
 
-/* The tetrahedron of p, or the one nearest to it; p then becomes the nearest place. */
+/* Returns the tetrahedron that contains p.  If there is none, moves p to the nearest place first. */
 static pbw_index pbwa3__find(const pbwa3__places *places, double p[3], pbw_index hint)
 {
     double near[3];

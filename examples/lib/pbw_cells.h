@@ -17,15 +17,15 @@
 
    HOW
    The cell of a vertex is the dual of its star: its corners are the centres of the star's simplices, its facets
-   belong to the edges at the vertex.  Facets, and with them volumes and centroids, are read off the rings of
-   simplices around these edges.  For volumes and centroids alone, in space, every simplex gives its part to the
-   cells of its corners, and no star is walked.  Cells with a corner outside the domain are cut: their polytope by the
-   walls, or, at the hull, the domain by one half-space for each neighbour; only neighbours in the triangulation
-   matter, as the cell is the intersection of their half-spaces.  All ways sum signed volumes relative to the site, so
-   the order of the points, obtuse simplices and centres outside their simplex need no case.
-   A polygon's edges are followed from cell to cell; where they cross and what they enclose is decided by exact signs.
-   Cutting classifies each corner once, as inside or outside, and shares each new corner between its two facets:
-   however the signs are rounded, the surface stays closed.
+   belong to the edges at the vertex.  Facets, and with them volumes and centroids, are computed from the rings of
+   simplices around these edges.  For volumes and centroids alone, in space, each simplex contributes to the cells of
+   its corners, and no star is walked.  Cells with a corner outside the domain are cut: their polytope by the walls,
+   or, at the hull, the domain by one half-space for each neighbour; only neighbours in the triangulation matter, as
+   the cell is the intersection of their half-spaces.  All ways sum signed volumes relative to the site, so obtuse
+   simplices and centres outside of their simplex are no special cases. The edges of a polygon are followed from cell
+   to cell; exact signs decide where they cross and what they enclose. Cutting classifies each corner once, as inside
+   or outside, and both facets at a new corner use the same corner: however the signs are rounded, the surface stays
+   closed.
 
    PROMISES  (tests/test_cells.c guards them)
      same        the same bytes for any number of threads; volumes and centroids with facets and alone to 1e-12 of all
@@ -51,7 +51,7 @@
 extern "C" {
 #endif
 
-/* Where cells end.  All zero: nowhere, and cells at the hull are unbounded. */
+/* The domain that bounds the cells.  All zero: the whole space, and cells at the hull are unbounded. */
 typedef struct pbw_domain {
     const double *box;                     /* low corner, high corner: 2*dim numbers; NULL = none */
     const double *planes;                  /* half-spaces n.x <= c: dim numbers n, then c, each; NULL = none */
@@ -100,18 +100,18 @@ typedef struct pbw_cells {                 /* start from {0}; read, do not write
    cross nor overlap; they may touch at corners, but not where cells meet.  Coordinates of its corners and of points
    must be 0 or 1e-57 to 1e60 in size, weights 0 or within the squares of those.  Cells that it only touches are
    empty.  Needs mesh->neighbors.
-   Volumes are right where the box of the points and the domain are 1e-57 to 1e60 in size: beyond, products of
-   coordinates over- or underflow, and cells lose volume without a word.
-   A mesh of PBW_DEGENERATE points gives PBW_DEGENERATE and empty cells.  Fails as pbw_triangulate does, with
-   PBW_ERROR_ARGUMENT also for a domain that is unbounded or empty, or periodic, and where rings that cross are found
-   out, which is not certain; cells is then left empty. */
+   Volumes are right if the box of the points and the domain are 1e-57 to 1e60 in size: beyond, products of
+   coordinates over- or underflow, and cells lose volume without an error. A mesh of PBW_DEGENERATE points gives
+   PBW_DEGENERATE and empty cells.  Fails as pbw_triangulate does; also with PBW_ERROR_ARGUMENT for a domain that is
+   unbounded, empty or periodic, and for rings that are found to cross, which is not guaranteed.  Leaves cells empty
+   then. */
 PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *domain, unsigned what,
                                     const pbw_options *options, pbw_cells *cells);
-/* The cells of points in a box that repeats along the axes of domain->periodic; along the others the box is a wall.
-   First moves points into the box, and along periodic axes rounds coordinates and the box's size to multiples of some
-   2^-48 of it (very long boxes: coarser), so that copies are exact translates.  Returns PBW_OK for any number of
-   points from 1, and PBW_ERROR_ARGUMENT without a box, with planes, and where weights differ by so much that copies
-   are not exact.  A point may be its own neighbour, or one point's twice, with different shifts. */
+/* Computes the cells of points in a box that repeats along the axes of domain->periodic and is a wall along the
+   others. First moves the points into the box, and along periodic axes rounds coordinates and the box size to
+   multiples of about 2^-48 of it (coarser in very long boxes), so that copies are exact translates.  Returns PBW_OK
+   for one point or more; PBW_ERROR_ARGUMENT without a box, with planes, and if weights differ so much that copies are
+   not exact.  A point may be its own neighbour, or twice that of another one, with different shifts. */
 PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const double *weights, size_t count,
                                           const pbw_domain *domain, unsigned what, const pbw_options *options,
                                           pbw_cells *cells);
@@ -136,10 +136,10 @@ PBWCELLSDEF void pbw_cells_free(pbw_cells *cells);           /* fine on {0}, fin
 #else
 #define PBWC__READ(x) (*(x))
 #define PBWC__WRITE(x, y) (*(x) = (y))
-#define PBWC__ADD(x, y) (*(x) += (y))      /* such a pbw.h has one thread */
+#define PBWC__ADD(x, y) (*(x) += (y))      /* pbw.h has one thread then */
 #endif
 
-/* Compiled for each dimension, where the compiler can. */
+/* Inlined, so that it is compiled for each dimension. */
 #if defined(__GNUC__)
 #define PBWC__INLINE inline __attribute__((always_inline))
 #define PBWC__PREFETCH(x) __builtin_prefetch(x)
@@ -148,7 +148,7 @@ PBWCELLSDEF void pbw_cells_free(pbw_cells *cells);           /* fine on {0}, fin
 #define PBWC__PREFETCH(x) ((void)(x))
 #endif
 
-/* Contraction off: other coordinates would come out where a compiler fuses. */
+/* No contraction: fused operations would give other coordinates. */
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)
@@ -277,8 +277,8 @@ static pbwc__dd pbwc__dd_minor(pbwc__dd a, pbwc__dd b, pbwc__dd c, pbwc__dd d)  
     return pbwc__dd_add(pbwc__dd_times(a, d), pbwc__dd_minus(pbwc__dd_times(b, c)));
 }
 
-/* row[i]: corner i + 1 relative to corner 0; height[i]: B2, C2, D2.  Returns 0 where pairs do not do: the simplex is
-   flat to 14 digits. */
+/* row[i]: corner i + 1 relative to corner 0; height[i]: B2, C2, D2.  Returns 0 if pairs are not exact enough: the
+   simplex is flat to 14 digits. */
 static int pbwc__centre_slow(int dim, const pbwc__dd row[3][3], const pbwc__dd *height, double least, double *centre)
 {
     pbwc__dd sum[3], minor[3][3], det = { 0, 0 };
@@ -340,7 +340,8 @@ static int pbwc__centre_exactly(const pbw_mesh *mesh, const pbw_index *corner, d
     return pbwc__centre_slow(mesh->dim, (const pbwc__dd (*)[3])row, height, least, centre);
 }
 
-/* Is the centre exact enough in doubles?  det: 6 times the volume; largest: square of an edge at corner 0. */
+/* Returns whether doubles are enough for the centre.  det: 6 times the volume; largest: the largest squared edge at
+   corner 0. */
 static PBWC__INLINE int pbwc__is_thick3(double det, double largest)
 {
     return det > 0 && det * det > 1e-12 * largest * largest * largest;
@@ -470,7 +471,7 @@ static int pbwc__poly_box(pbwc__memory *memory, pbwc__poly *poly, int dim, const
     return x != NULL;
 }
 
-/* The new corner on the edge from p to q, made at its first use.  Returns PBW_NONE if there is no memory. */
+/* Returns the new corner on the edge from p to q, made at its first use; PBW_NONE if there is no memory. */
 static pbw_index pbwc__cut_edge(pbwc__memory *memory, pbwc__cutter *cutter, pbw_index p, pbw_index q)
 {
     const pbw_index low = p < q ? p : q, high = p < q ? q : p;
@@ -500,7 +501,7 @@ static pbw_index pbwc__cut_edge(pbwc__memory *memory, pbwc__cutter *cutter, pbw_
     return edge[2];
 }
 
-/* What is left of one facet's loop in space; notes the cap's edges.  Returns 0 if there is no memory. */
+/* Cuts the loop of one facet in space, and notes the edges of the cap.  Returns 0 if there is no memory. */
 static int pbwc__cut_loop(pbwc__memory *memory, pbwc__cutter *cutter, size_t facet)
 {
     const double *side = PBWC__DOUBLES(cutter->side);
@@ -552,7 +553,7 @@ static int pbwc__cut_loop(pbwc__memory *memory, pbwc__cutter *cutter, size_t fac
     return 1;
 }
 
-/* In the plane: the loop of all edges; the cut's own edge starts where the loop leaves the half-plane. */
+/* In the plane: cuts the loop of all edges.  The edge of the cut starts where the loop leaves the half-plane. */
 static int pbwc__cut_polygon(pbwc__memory *memory, pbwc__cutter *cutter, pbw_index name)
 {
     const double *side = PBWC__DOUBLES(cutter->side);
@@ -576,7 +577,7 @@ static int pbwc__cut_polygon(pbwc__memory *memory, pbwc__cutter *cutter, pbw_ind
     return 1;
 }
 
-/* The facets that close a cut in space: the cycles of new corners, one unless rounding has bent the surface. */
+/* Adds the facets that close a cut in space: cycles of new corners, only one unless rounding has bent the surface. */
 static int pbwc__cut_cap(pbwc__memory *memory, pbwc__cutter *cutter, pbw_index name)
 {
     const size_t old = cutter->side.count;
@@ -652,15 +653,15 @@ static int pbwc__cut(pbwc__memory *memory, pbwc__cutter *cutter, int dim, const 
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Stars: the simplices at a vertex v, in the plane its parts, and their other vertices, the links.
+   Stars: the simplices at a vertex v (in the plane, its parts), and their other vertices, the links.
    In space the simplices at the edge from v to a link are its ring, counter-clockwise seen from the link.  A ring is
-   walked from simplex to simplex: from v, u, p, q, positively oriented, the walk leaves across from p, and q and the
-   new corner are the next p and q.  A corner met for the first time is a new link, so rings find all links.
-   In the plane parts and links are counter-clockwise, and link i is between parts from and to.
-   The centres S T ... of a ring are the corners of the cell's facet towards the link.  The edge ST gives to the cell
-   the tetrahedron of v, the foot of the facet's plane on the line d from v to the link, S and T: 6 times its volume
-   is foot d.(S x T), with a sign; in the plane the triangle v S T.  Twice the facet's area is the sum of
-   d.(S x T) / |d|.
+   walked from simplex to simplex: from v, u, p, q, positively oriented, the walk leaves across from p; q and the new
+   corner are the next p and q.  A corner met for the first time is a new link, so the rings find all links.
+   In the plane parts and links are counter-clockwise, and link i is between its parts `from` and `to`.
+   The centres S T ... of a ring are the corners of the cell's facet towards the link.  The edge ST adds to the cell
+   the tetrahedron of v, F, S and T, where F is where the facet's plane meets the line d from v to the link: 6 times
+   its signed volume is foot d.(S x T).  In the plane it adds the triangle v S T.  Twice the facet's area is the sum
+   of d.(S x T) / |d|.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwc__part { pbw_index simplex; double centre[3]; } pbwc__part;           /* centre: from v */
 typedef struct pbwc__link {
@@ -687,7 +688,7 @@ static PBWC__INLINE size_t pbwc__slot_of(const pbwc__map *map, pbw_index key)
     return i;
 }
 
-/* At first, or where the map is too full: twice the slots.  Returns 0 if there is no memory. */
+/* Doubles the slots of a map, or makes the first ones.  Returns 0 if there is no memory. */
 static int pbwc__map_grow(pbwc__memory *memory, pbwc__map *map)
 {
     const size_t size = map->mask != 0 ? 2 * (map->mask + 1) : 256;
@@ -714,7 +715,7 @@ static int pbwc__map_grow(pbwc__memory *memory, pbwc__map *map)
     return 1;
 }
 
-/* The number of a key, `fresh` if it had none.  Returns -1 if there is no memory. */
+/* Returns the number of a key, which becomes `fresh` if it had none; -1 if there is no memory. */
 static PBWC__INLINE int pbwc__number(pbwc__memory *memory, pbwc__map *map, pbw_index key, int fresh)
 {
     pbwc__slot *slot;
@@ -741,10 +742,10 @@ static void pbwc__map_clear(pbwc__map *map)
 #define PBWC__CHUNK   16384                /* simplices in a range */
 #define PBWC__LEFTS   1024                 /* cells that are left, in a range of their own */
 
-/* The other corners of a simplex, so that it is positively oriented with the i-th before them. */
+/* The other corners of a simplex, so that corner i followed by them is positively oriented. */
 static const unsigned char pbwc__other3[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 3, 0, 1 }, { 2, 1, 0 } };
 
-typedef struct pbwc__range {               /* what the cells of a range give, in their order */
+typedef struct pbwc__range {               /* the cells of a range, in their order */
     pbwc__array cells, entries;            /* their points; with shapes, entries in the loops of each */
     pbwc__array neighbors, areas, loop_counts, loops, vertices, rays;
     pbwc__array shares;                    /* for volumes alone: of vertices that are shared or left */
@@ -826,7 +827,7 @@ static int pbwc__centres_new(pbwc__memory *memory, pbwc__array *centres)
     return 1;
 }
 
-/* Is a + x in all half-spaces of the domain, for certain?  radius: sum of |x|. */
+/* Returns whether a + x is certainly in all half-spaces of the domain.  radius: sum of |x|. */
 static int pbwc__in_planes(const pbwc__job *job, const double *a, const double *x, double radius)
 {
     const size_t dim = (size_t)job->mesh->dim;
@@ -848,7 +849,7 @@ static int pbwc__in_planes(const pbwc__job *job, const double *a, const double *
 
 static void pbwc__centre_of_flat(const pbw_mesh *mesh, pbw_index simplex, double *centre);
 
-/* Is a + x in the domain, for certain? */
+/* Returns whether a + x is certainly in the domain. */
 static PBWC__INLINE int pbwc__inside(const pbwc__job *job, size_t dim, const double *a, const double *x)
 {
     double radius = 0;
@@ -887,7 +888,8 @@ static void pbwc__make_centre3(const pbwc__job *job, pbw_index simplex, pbwc__ce
     pbwc__make_centre(job, 3, simplex, centre);
 }
 
-/* The centre of a simplex, from the site: x.  It is kept, as other stars need it too.  Returns what it says. */
+/* Sets x to the centre of a simplex relative to the site.  It is cached, as other stars need it too.  Returns its
+   flags. */
 static PBWC__INLINE unsigned pbwc__from_site(const pbwc__job *job, pbwc__centre *centres, size_t dim,
                                              const double *site, pbw_index simplex, double *x)
 {
@@ -903,7 +905,7 @@ static PBWC__INLINE unsigned pbwc__from_site(const pbwc__job *job, pbwc__centre 
     return centre->says;
 }
 
-/* One more link, with its bisector.  Returns NULL if there is no memory. */
+/* Adds a link with its bisector.  Returns NULL if there is no memory. */
 static PBWC__INLINE pbwc__link *pbwc__add_link(pbwc__work *work, size_t dim, pbw_index vertex)
 {
     const pbw_mesh *mesh = work->job->mesh;
@@ -945,15 +947,15 @@ static PBWC__INLINE void pbwc__prefetch(const pbw_mesh *mesh, pbw_index simplex)
     PBWC__PREFETCH(mesh->neighbors + at);
 }
 
-/* The corner that is left; others: three of the corners, xor'ed. */
+/* Returns the fourth corner; others: the other three, xor'ed. */
 static PBWC__INLINE pbw_index pbwc__fourth(const pbw_mesh *mesh, pbw_index simplex, pbw_index others)
 {
     const pbw_index *corner = mesh->simplices + 4 * (size_t)simplex;
     return corner[0] ^ corner[1] ^ corner[2] ^ corner[3] ^ others;
 }
 
-/* A new link, whose ring starts at the simplex of the site, the vertex, p and q, positively oriented.  Returns 0 if
-   there is no memory. */
+/* Adds a link with a ring that starts at the simplex of the site, the vertex, p and q, positively oriented.  Returns
+   0 if there is no memory. */
 static int pbwc__new_link3(pbwc__work *work, pbw_index vertex, pbw_index simplex, pbw_index p, pbw_index q)
 {
     pbwc__link *link = pbwc__add_link(work, 3, vertex);
@@ -971,8 +973,8 @@ static PBWC__INLINE int pbwc__is_known(const pbwc__map *map, pbw_index key)
     return ((const pbwc__slot *)map->slots.data)[pbwc__slot_of(map, key)].epoch == map->epoch;
 }
 
-/* What the ring of a link gives: sums over its edges ST, with d from the site to the link, of w = d.(S x T) and of
-   w (S + T). */
+/* Sums over the edges ST of the ring of a link, with d from the site to the link: of w = d.(S x T), and of w (S + T).
+   */
 typedef struct pbwc__ring {
     double d[3], along, moment[3];
     double first[3], last[3];              /* centres */
@@ -1000,9 +1002,9 @@ static PBWC__INLINE void pbwc__add_edge(pbwc__ring *ring, const double *t)
     }
 }
 
-/* Walks from a simplex around the edge from the site to u, until back there or at the hull; notes the simplices, new
-   links and sums: while the next simplex is on its way from memory, the sums cost no time.  at: simplex, p and q,
-   also at the end.  Returns 1 back there, 0 at the hull, -1 if there is no memory. */
+/* Walks from a simplex around the edge from the site to u, back to it or to the hull.  Notes the simplices and new
+   links, and adds to the sums, which hides the latency of fetching the next simplex.  at: simplex, p and q; updated.
+   Returns 1 if the walk came back, 0 at the hull, -1 if there is no memory. */
 static PBWC__INLINE int pbwc__walk(pbwc__work *work, pbw_index u, pbw_index at[3], pbwc__ring *ring)
 {
     const pbw_mesh *mesh = work->job->mesh;
@@ -1035,7 +1037,7 @@ static PBWC__INLINE int pbwc__walk(pbwc__work *work, pbw_index u, pbw_index at[3
     return next == first;
 }
 
-/* The ring of a link; an open one from its first simplex to its last.  Returns 0 if there is no memory. */
+/* Walks the ring of a link, an open one from its first simplex to its last.  Returns 0 if there is no memory. */
 static int pbwc__walk_ring(pbwc__work *work, size_t number)
 {
     const pbw_mesh *mesh = work->job->mesh;
@@ -1217,7 +1219,8 @@ static void pbwc__work_end(pbwc__work *work)
     pbwc__cutter_release(work->memory, &work->cutter);
 }
 
-/* The root of s where each item leads to one before it, its root to itself; shortens the way. */
+/* Returns the root of s in a union-find forest, and shortens the path.  Each item points to an earlier one, a root to
+   itself. */
 static pbw_index pbwc__root(pbw_index *merged, pbw_index s)
 {
     while (merged[s] != s) {
@@ -1256,7 +1259,7 @@ static void pbwc__sum_star2(pbwc__work *work)
     }
 }
 
-/* Is the cell the star's own?  Then its volume and centroid; infinite, if it is open and there is no domain. */
+/* If the domain does not cut the star's cell, sets its volume and centroid, infinite if it is open, and returns 1. */
 static int pbwc__star_volume(pbwc__work *work)
 {
     pbwc__job *job = work->job;
@@ -1277,15 +1280,15 @@ static int pbwc__star_volume(pbwc__work *work)
 
 /* ------------------------------------------------------------------------------------------------------
    Volumes and centroids alone, in space: one pass over the simplices, without stars.
-   A simplex gives to the cells of its corners.  With S its centre, F the foot of S on the facet i j k, and M where
-   the plane between the cells crosses the edge i j, cell i gets the tetrahedron i M F S, with a sign; the tetrahedra
-   of all simplices at i fill its cell.  With n the facet's inward normal, as long as twice its area,
+   A simplex adds to the cells of its corners.  Let S be its centre, F the foot of S on the facet i j k, and M where
+   the plane between the cells crosses the edge i j.  Cell i gets the signed tetrahedron i M F S; those of all
+   simplices at i fill its cell.  With n the facet's inward normal, as long as twice its area,
        drop = (S - i).n / |n|^2,  F = S - drop n,
        6 times the volume = |iM| / |ij| G drop,  2 G = |ij|^2 (i-k).(j-k) - |ij|^2 (w_k-w_i) + (j-i).(k-i) (w_j-w_i).
    G / |n|^2 is F's barycentric coordinate at k.  The three G of a facet add up to |n|^2, and the four (S - i).n to 6
    times the simplex, wherever S is: volumes are whole even where S is rounded badly.
-   A chunk of simplices adds up what they give to each vertex.  A vertex with a facet across which another chunk
-   begins is shared: what the chunks give to it is added in their order.
+   A chunk of simplices has a sum for each of its vertices.  A vertex is shared if a facet at it leads to another
+   chunk; then the sums of its chunks are added in the order of the chunks.
    Holds: which sums are added, and in which order, depends on the mesh alone.
    ------------------------------------------------------------------------------------------------------ */
 #if defined(__GNUC__)
@@ -1296,10 +1299,10 @@ typedef double pbwc__lanes __attribute__((vector_size(16)));
 typedef double pbwc__lanes;
 #endif
 
-#define PBWC__SHARED 1u                    /* says of a vertex: it is shared */
+#define PBWC__SHARED 1u                    /* a vertex: it is shared */
 #define PBWC__LEFT   2u                    /* its cell is not the star's, or unbounded */
-#define PBWC__ADDED  4u                    /* what its first chunk gives is there */
-#define PBWC__LISTED 8u                    /* it is done, or in the list of cells that are left */
+#define PBWC__ADDED  4u                    /* the sum of its first chunk has been added */
+#define PBWC__LISTED 8u                    /* it is done, or listed for its star */
 
 typedef struct pbwc__share { double sum[4]; pbw_index vertex; unsigned says; } pbwc__share;  /* moments, volume */
 
@@ -1385,7 +1388,7 @@ static PBWC__INLINE pbwc__lanes pbwc__find_centre(pbwc__flesh *flesh, int weight
     return det;
 }
 
-/* What facet f of corners i, j, k gives; edges: ij, ik, jk. */
+/* Adds the contributions of facet f with corners i, j, k; edges: ij, ik, jk. */
 static PBWC__INLINE void pbwc__add_facet(pbwc__flesh *flesh, int weighted, int f, const int corner[3],
                                          const int edge[3])
 {
@@ -1430,7 +1433,7 @@ static PBWC__INLINE void pbwc__add_facet(pbwc__flesh *flesh, int weighted, int f
     }
 }
 
-/* What simplices give, with to[0] known. */
+/* Computes the contributions of simplices; to[0] is set. */
 static PBWC__INLINE void pbwc__fill(pbwc__flesh *flesh, int weighted)
 {
     static const int corners[4][3] = { { 1, 2, 3 }, { 0, 2, 3 }, { 0, 1, 3 }, { 0, 1, 2 } };
@@ -1467,7 +1470,7 @@ static PBWC__INLINE void pbwc__fill(pbwc__flesh *flesh, int weighted)
 
 typedef struct pbwc__gift { double sum[4][4][PBWC__LANES]; unsigned says[PBWC__LANES]; } pbwc__gift;
 
-/* What simplices from..from+LANES-1 give, of which `last` is the last, and what their centres say. */
+/* Computes the contributions of simplices from..from+LANES-1, the last one `last`, and the flags of their centres. */
 static PBWC__INLINE void pbwc__give(const pbwc__job *job, int weighted, size_t from, size_t last, pbwc__gift *gift)
 {
     const pbw_mesh *mesh = job->mesh;
@@ -1513,7 +1516,7 @@ static void pbwc__give_weighted(const pbwc__job *job, size_t from, size_t last, 
     pbwc__give(job, 1, from, last, gift);
 }
 
-/* What a simplex says of its corners. */
+/* Sets the flags of a simplex's corners. */
 static PBWC__INLINE void pbwc__judge(const pbwc__job *job, size_t simplex, size_t from, size_t to, unsigned centre,
                                      unsigned says[4])
 {
@@ -1528,7 +1531,7 @@ static PBWC__INLINE void pbwc__judge(const pbwc__job *job, size_t simplex, size_
     }
 }
 
-/* The share of a vertex.  Returns NULL if there is no memory. */
+/* Returns the sum of a vertex in this chunk; NULL if there is no memory. */
 static PBWC__INLINE pbwc__share *pbwc__share_of(pbwc__adder *adder, pbw_index vertex)
 {
     pbwc__memory *memory = &adder->job->memory;
@@ -1545,7 +1548,7 @@ static PBWC__INLINE pbwc__share *pbwc__share_of(pbwc__adder *adder, pbw_index ve
     return number < 0 ? NULL : (pbwc__share *)adder->shares.data + number;
 }
 
-/* Adds up what the simplices of a chunk give.  Returns 0 if there is no memory. */
+/* Adds up the contributions of a chunk.  Returns 0 if there is no memory. */
 static int pbwc__add_simplices(pbwc__adder *adder, size_t from, size_t to)
 {
     const pbwc__job *job = adder->job;
@@ -1572,7 +1575,7 @@ static int pbwc__add_simplices(pbwc__adder *adder, size_t from, size_t to)
     return 1;
 }
 
-/* The cells of a chunk that are done; keeps the other shares. */
+/* Ends the cells of a chunk that are complete; keeps the other sums. */
 static pbw_status pbwc__add_chunk(void *arg, size_t from, size_t to)
 {
     pbwc__job *job = (pbwc__job *)arg;
@@ -1604,7 +1607,7 @@ static pbw_status pbwc__add_chunk(void *arg, size_t from, size_t to)
 /* ------------------------------------------------------------------------------------------------------
    Facets read off stars.
    ------------------------------------------------------------------------------------------------------ */
-/* Two numbers or three at the end of an array of doubles.  Returns their number there, PBW_NONE if there is no
+/* Appends a vector of 2 or 3 numbers to an array of doubles.  Returns its index there, PBW_NONE if there is no
    memory. */
 static pbw_index pbwc__push_vector(pbwc__work *work, pbwc__array *array, const double *x)
 {
@@ -1621,8 +1624,8 @@ static pbw_index pbwc__push_vector(pbwc__work *work, pbwc__array *array, const d
     return (pbw_index)(array->count / dim - 1);
 }
 
-/* The direction a x c, as an entry of a loop.  Its number counts the range's own rays.  Returns 0 if there is no
-   memory. */
+/* Appends the direction a x c to a loop.  Its number counts the rays of the range.  Returns 0 if there is no memory.
+   */
 static int pbwc__push_ray(pbwc__work *work, const double *a, const double *c)
 {
     double ray[3], unit[2][3], length[2] = { 0, 0 };
@@ -1645,7 +1648,7 @@ static int pbwc__push_ray(pbwc__work *work, const double *a, const double *c)
     return number != PBW_NONE && pbwc__push(work->memory, &work->out->loops, PBW_NONE - 1 - number);
 }
 
-/* A corner of a loop: the centre of a part, not twice in a row where centres are merged. */
+/* Appends the centre of a part to a loop, unless merged centres would occur twice in a row. */
 static int pbwc__push_centre(pbwc__work *work, const pbwc__part *part, size_t begin)
 {
     const pbw_index *merged = PBWC__INDICES(work->job->merged);
@@ -1667,7 +1670,7 @@ static void pbwc__to_vertex(const pbwc__work *work, pbw_index vertex, double *d)
     }
 }
 
-/* The loop of a link's facet in space, with two rays if it is open.  Returns 0 if there is no memory. */
+/* Appends the loop of a link's facet in space, with two rays if it is open.  Returns 0 if there is no memory. */
 static int pbwc__loop3(pbwc__work *work, const pbwc__link *link)
 {
     const pbw_index *merged = PBWC__INDICES(work->job->merged), *ring = PBWC__RING(work, link);
@@ -1698,8 +1701,9 @@ static int pbwc__loop3(pbwc__work *work, const pbwc__link *link)
     return loops->count > begin;
 }
 
-/* Has the facet of a link an area in the true diagram?  In space not if its corners are at one place or two, nor an
-   open one if it is a ray: all at one place, and the hull facets at both ends in one plane. */
+/* Returns whether the facet of a link has an area in the true diagram.  In space a closed one has none if its corners
+   are at one or two places, an open one if it is a ray: all corners at one place, the hull facets at both ends in one
+   plane. */
 static int pbwc__is_facet(const pbwc__work *work, const pbwc__link *link)
 {
     const pbw_index *merged = PBWC__INDICES(work->job->merged);
@@ -1784,9 +1788,9 @@ static int pbwc__star_facets(pbwc__work *work)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Cells cut from the domain, for what the star cannot give: corners outside the domain, sites on the hull.
+   Cells cut from the domain: those with corners outside the domain, or sites on the hull.
    ------------------------------------------------------------------------------------------------------ */
-/* The domain's polytope relative to the site, cut by the bisectors of all links, or (merge) of those that have a
+/* Makes the domain's polytope relative to the site, cut by the bisectors of all links, or (merge) of those with a
    facet in the true diagram.  Returns 0 if there is no memory. */
 static int pbwc__cut_cell(pbwc__work *work, pbw_index v, int merge)
 {
@@ -1836,7 +1840,7 @@ static int pbwc__cut_cell(pbwc__work *work, pbw_index v, int merge)
     return 1;
 }
 
-/* A corner of a facet of the star's polytope, made at its first use.  Returns 0 if there is no memory. */
+/* Appends a corner of a facet of the star's polytope, made at its first use.  Returns 0 if there is no memory. */
 static int pbwc__star_corner(pbwc__work *work, pbw_index simplex)
 {
     const size_t dim = (size_t)work->job->mesh->dim;
@@ -1979,8 +1983,8 @@ static pbw_index pbwc__name_of(const pbwc__work *work, pbw_index name)
     return name < work->links.count ? PBWC__LINKS(work)[name].vertex : name;
 }
 
-/* The facets of the cut cell.  Where rounding has bent the surface, a plane may have several facets in a row: one
-   takes all their areas, with the loop of the largest. */
+/* Adds the facets of the cut cell.  If rounding has bent the surface, a plane may have several facets in a row: one
+   facet gets the sum of their areas and the loop of the largest. */
 static int pbwc__cut_facets(pbwc__work *work, pbw_index v)
 {
     const pbwc__poly *poly = &work->cutter.poly;
@@ -2025,7 +2029,7 @@ static int pbwc__cut_facets(pbwc__work *work, pbw_index v)
 
 typedef struct pbwc__exact { int count; double x[160]; } pbwc__exact;
 
-/* Adds b to the sum e of n; leaves out zeros.  Returns the new n. */
+/* Adds b to the expansion e of n components, without zeros.  Returns the new n. */
 static int pbwc__grow(double *e, int n, double b)
 {
     int i, count = 0;
@@ -2084,8 +2088,8 @@ static double pbwc__weight(const pbw_mesh *mesh, pbw_index v)
     return mesh->weights != NULL ? mesh->weights[v] : 0;
 }
 
-/* The power distance of p from i less that from j, (j - i).((p - i) + (p - j)) + w_j - w_i; *size: the sum of
-   the absolute values of its terms.  The error is below 6 eps *size to first order: 1 for j - i, 2 for the second
+/* Returns the power distance of p from i minus that from j, (j - i).((p - i) + (p - j)) + w_j - w_i; *size: the sum
+   of the absolute values of its terms.  The error is below 6 eps *size to first order: 1 for j - i, 2 for the second
    factor, and 3 for the product and the sums. */
 static double pbwc__closer(const pbw_mesh *mesh, const double *p, pbw_index i, pbw_index j, double *size)
 {
@@ -2102,7 +2106,7 @@ static double pbwc__closer(const pbw_mesh *mesh, const double *p, pbw_index i, p
     return sum;
 }
 
-/* Its sign: 1 where p is nearer to j, 0 on the line between the cells of i and j. */
+/* Returns the sign of pbwc__closer: 1 if p is nearer to j, 0 on the line between the cells of i and j. */
 static int pbwc__side(const pbw_mesh *mesh, const double *p, pbw_index i, pbw_index j)
 {
     const double *a = mesh->points + 2 * (size_t)i, *b = mesh->points + 2 * (size_t)j;
@@ -2161,7 +2165,7 @@ static void pbwc__centre_of_flat(const pbw_mesh *mesh, pbw_index simplex, double
     centre[1] = value[2] / value[0];
 }
 
-/* The same as below, whatever the doubles say. */
+/* pbwc__centre_side without the filter. */
 static int pbwc__centre_side_exactly(const pbw_mesh *mesh, const double *p, const double *q, pbw_index simplex)
 {
     const double *a = mesh->points + 2 * (size_t)mesh->simplices[3 * (size_t)simplex];
@@ -2179,9 +2183,10 @@ static int pbwc__centre_side_exactly(const pbw_mesh *mesh, const double *p, cons
     return pbwc__sign(sum, pbwc__grow_product(sum, n, &u[1], &normal[0], -1));
 }
 
-/* On which side of the line from p to q is the centre of a simplex?  1: left, -1: right, 0: on it.  With u = q - p,
-   r = a - p and centre = a + N / (2 D) as above, the sign of 2 D (u x r) + u x N.  Errors to first order, each
-   relative to its terms: 4 eps for D and u x r, 5 for the heights, 8 for N, so 10 and with the sums 12 in all. */
+/* Returns on which side of the line from p to q the centre of a simplex is: 1 left, -1 right, 0 on it.  With u = q -
+   p, r = a - p and centre = a + N / (2 D) as above, this is the sign of 2 D (u x r) + u x N.  Errors to first order,
+   each relative to its terms: 4 eps for D and u x r, 5 for the heights, 8 for N, so 10 and with the sums 12 in all.
+   */
 static int pbwc__centre_side(const pbw_mesh *mesh, const double *p, const double *q, pbw_index simplex)
 {
     const pbw_index *corner = mesh->simplices + 3 * (size_t)simplex;
@@ -2211,14 +2216,14 @@ static int pbwc__centre_side(const pbw_mesh *mesh, const double *p, const double
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Polygons as domains, in the plane.  Each edge is followed from cell to cell: it leaves a cell across the side whose
-   corners are on its right and on its left.  A visit is the part of an edge in a cell.  The visits of a cell are
-   joined to chains, and with the parts of the cell's own sides, from where a chain leaves to where the next one
-   enters, to loops.  Cells that no edge crosses are inside or outside, as their neighbours tell.
-   Holds: each edge counts as moved to its left by an amount as small as need be, those of a straight run by one, an
-   earlier run by more than all later ones.  So the polygon is a little smaller, none of its corners is between two
-   cells, none of its edges passes through a centre, and where it only touches a cell it has no part of it.
-   In: rings that do not cross; edges of the polygon have its inside on their left.
+   Polygons as domains, in the plane.  Each edge is followed from cell to cell: it leaves a cell across the side with
+   one corner on its right and one on its left.  A visit is the part of an edge in a cell.  The visits of a cell are
+   joined to chains.  Chains and parts of the cell's own sides, from where a chain leaves to where the next one
+   enters, make loops.  A cell that no edge crosses is inside or outside, as its neighbours are. Holds: each edge is
+   treated as moved to its left by an infinitesimal distance, the same for all edges of a straight run, larger for an
+   earlier run than for all later ones.  So the polygon is a little smaller, none of its corners is on the line
+   between two cells, no edge passes through a centre, and a cell that it only touches has no part of it. In: rings
+   that do not cross; edges of the polygon have its inside on their left.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwc__visit {
     pbw_index cell, edge;
@@ -2260,8 +2265,9 @@ static int pbwc__along(const pbw_mesh *mesh, const double *p, const double *q, p
     return pbwc__sign(sum, n);
 }
 
-/* Is a corner of the moved polygon nearer to j (1) or to i (-1)?  A corner on the line between them moves along the
-   edge that moves less, or if that lies on the line along the other; within a run to the left, or ahead. */
+/* Returns whether a corner of the moved polygon is nearer to j (1) or to i (-1).  A corner on the line between them
+   moves along the edge that moves less, or, if that lies on the line, along the other; within a run to the left, or
+   ahead. */
 static int pbwc__corner_side(const pbwc__clip *clip, const pbw_mesh *mesh, pbw_index corner, pbw_index i, pbw_index j)
 {
     const pbw_index *before = PBWC__INDICES(clip->before), *run = PBWC__INDICES(clip->run);
@@ -2286,7 +2292,7 @@ static int pbwc__corner_side(const pbwc__clip *clip, const pbw_mesh *mesh, pbw_i
     return turn * (along != 0 ? along : pbwc__along(mesh, x, c, i, j, 0));
 }
 
-/* The neighbour beyond the side across which an edge leaves the cell of v; PBW_NONE if it ends there. */
+/* Returns the neighbour to which an edge leaves the cell of v; PBW_NONE if it ends there. */
 static pbw_index pbwc__exit(const pbwc__work *work, pbw_index v, pbw_index edge)
 {
     const pbw_mesh *mesh = work->job->mesh;
@@ -2360,7 +2366,8 @@ static pbw_status pbwc__follow_edges(void *arg, size_t from, size_t to)
     return good ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
-/* The cells of corners: from a corner of the simplex that has it, or of the hull facet in sight, to nearer ones. */
+/* Finds the cells of the polygon's corners: steps to nearer vertices, from a corner of the simplex that contains it,
+   or of a hull facet that faces it. */
 static pbw_status pbwc__find_homes(void *arg, size_t from, size_t to)
 {
     pbwc__job *job = (pbwc__job *)arg;
@@ -2403,7 +2410,7 @@ static int pbwc__is_at(const double *a, const double *b)
     return a[0] >= b[0] && a[0] <= b[0] && a[1] >= b[1] && a[1] <= b[1];
 }
 
-/* How often a ray to the right from x meets a ring, modulo 2; -1 if x is on the ring. */
+/* Returns how often a ray to the right from x meets a ring, modulo 2; -1 if x is on the ring. */
 static int pbwc__crossings(const double *ring, size_t count, const double *x)
 {
     size_t i;
@@ -2420,7 +2427,8 @@ static int pbwc__crossings(const double *ring, size_t count, const double *x)
     return odd;
 }
 
-/* Does a ring turn counter-clockwise?  By its lowest corner, which is convex; -1 if it is not simple there. */
+/* Returns whether a ring turns counter-clockwise, by its lowest corner, which is convex; -1 if it is not simple
+   there. */
 static int pbwc__turns_left(const double *ring, size_t count, size_t *corner)
 {
     const double *before, *at, *after;
@@ -2441,7 +2449,8 @@ static int pbwc__turns_left(const double *ring, size_t count, size_t *corner)
     return i == 1 ? -1 : i == 2;
 }
 
-/* Is a ring within an odd number of others?  Judged by a corner that is on none of them; -1 if there is none. */
+/* Returns whether a ring is within an odd number of others, by a corner that is on none of them; -1 if there is none.
+   */
 static int pbwc__is_hole(const pbw_domain *domain, size_t ring, const double *bounds)
 {
     size_t i, r;
@@ -2463,7 +2472,7 @@ static int pbwc__is_hole(const pbw_domain *domain, size_t ring, const double *bo
     return -1;
 }
 
-/* Are all numbers such that no product over- or underflows, and all rings triangles at least? */
+/* Checks that no product can over- or underflow, and that each ring has three corners or more. */
 static pbw_status pbwc__check_polygon(const pbw_mesh *mesh, const pbw_domain *domain)
 {
     const size_t *first = domain->ring_first;
@@ -2493,8 +2502,8 @@ static pbw_status pbwc__check_polygon(const pbw_mesh *mesh, const pbw_domain *do
     return PBW_OK;
 }
 
-/* Straight runs and neighbours elsewhere, of the ring of corners from..to-1 of which `corner` is one of a turn.
-   Returns 0 if the ring turns back on itself. */
+/* Finds the straight runs, and the next corners at other places, of the ring of corners from..to-1; it turns at
+   `corner`.  Returns 0 if the ring turns back on itself. */
 static int pbwc__find_runs(pbwc__clip *clip, pbw_index from, pbw_index to, pbw_index corner)
 {
     const double *x = PBWC__CORNERS(clip);
@@ -2524,7 +2533,7 @@ static int pbwc__find_runs(pbwc__clip *clip, pbw_index from, pbw_index to, pbw_i
     return 1;
 }
 
-/* Copies a ring so that the inside is on its left.  Returns 0 if it is found out not to be simple. */
+/* Copies a ring so that the inside is on its left.  Returns 0 if it is found not to be simple. */
 static int pbwc__copy_ring(pbwc__clip *clip, const pbw_domain *domain, size_t ring, const double *bounds)
 {
     const size_t first = domain->ring_first[ring], count = domain->ring_first[ring + 1] - first;
@@ -2671,8 +2680,8 @@ typedef struct pbwc__corner {              /* of a loop; what it is known to be 
 #define PBWC__ENDS(work) ((pbwc__end *)(work)->ends.data)
 #define PBWC__LOOP(work) ((pbwc__corner *)(work)->loop.data)
 
-/* Is the end a before b, counter-clockwise, on one side?  Edges do not cross, so of one both corners are on one side
-   of the other. */
+/* Returns whether end a comes before b, counter-clockwise, on one side.  Edges do not cross, so both corners of one
+   edge are on one side of the other. */
 static int pbwc__end_before(const pbwc__work *work, const pbwc__end *a, const pbwc__end *b)
 {
     const pbwc__clip *clip = work->job->clip;
@@ -2764,7 +2773,7 @@ static int pbwc__find_ends(pbwc__work *work, pbw_index v)
     return 1;
 }
 
-/* What cells that edges cross say of neighbours that none does: they are inside beyond a side that is. */
+/* Marks uncrossed neighbours of crossed cells: such a neighbour is inside if the side between them is. */
 static pbw_status pbwc__tell_neighbors(void *arg, size_t from, size_t to)
 {
     pbwc__job *job = (pbwc__job *)arg;
@@ -2833,7 +2842,7 @@ static int pbwc__add_centre(pbwc__work *work, int part, int link)
     return 1;
 }
 
-/* Where a chain ends.  It may be at a corner of the polygon or of the cell: then it has that one's place. */
+/* Adds the place where a chain ends; if this is a corner of the polygon or of the cell, exactly that place. */
 static int pbwc__add_crossing(pbwc__work *work, pbw_index v, const pbwc__end *end)
 {
     const pbw_mesh *mesh = work->job->mesh;
@@ -2887,7 +2896,7 @@ static int pbwc__next_visit(const pbwc__work *work, int visit)
          : -1;
 }
 
-/* From one end to the next, which must enter, along the sides of the cell.  Returns a status. */
+/* Follows the sides of the cell from one end to the next one, which must enter. */
 static pbw_status pbwc__along_sides(pbwc__work *work, size_t end)
 {
     const pbwc__end *ends = (const pbwc__end *)work->ends.data, *from = ends + end;
@@ -2922,7 +2931,7 @@ static int pbwc__same_corner(const pbwc__work *work, const pbwc__corner *a, cons
            && pbwc__is_at(x + 2 * (size_t)a->ring, x + 2 * (size_t)b->ring);
 }
 
-/* Makes one of two corners at one place: a, with what is known of both, and what goes on from b. */
+/* Joins two corners at one place: a gets what is known of both, and the continuation of b. */
 static void pbwc__join_corners(pbwc__corner *a, const pbwc__corner *b)
 {
     if (a->part < 0 && (b->part >= 0 || a->ring == PBW_NONE)) {
@@ -2934,7 +2943,7 @@ static void pbwc__join_corners(pbwc__corner *a, const pbwc__corner *b)
     a->link = b->link;
 }
 
-/* Ends the loop from corner `begin`: without edges of no length. */
+/* Ends the loop from corner `begin`; removes edges without length. */
 static void pbwc__end_loop(pbwc__work *work, size_t begin)
 {
     pbwc__corner *loop = PBWC__LOOP(work) + begin;
@@ -2991,7 +3000,7 @@ static pbw_status pbwc__trace(pbwc__work *work, pbw_index v, int visit)
     return status == PBW_OK && visit < 0 ? PBW_ERROR_ARGUMENT : status;
 }
 
-/* Is a cell that no edge crosses inside, but for rings within it? */
+/* Returns whether a cell that no edge crosses is inside, apart from rings within it. */
 static int pbwc__is_inside(const pbwc__clip *clip, pbw_index v)
 {
     return ((const unsigned char *)clip->inside.data)[PBWC__INDICES(clip->root)[v]] & 1;
@@ -3182,16 +3191,16 @@ static void pbwc__end_clip(pbwc__job *job)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Periodic boxes: the cells of the points in a mesh with copies of them beyond the box's walls.  Copies are exact
-   translates, as coordinates and box sizes are made multiples of one power of two per axis.  Enough copies, for
-   certain: a copy that is not in the mesh could take from a cell only if it takes one of the cell's corners, so if it
-   is in the ball around that corner that reaches to the site (with weights: whose square is the corner's power
-   distance plus the largest weight).  Balls that leave the padded box mark a grid, and the copies there are added.
-   A cell that becomes smaller has smaller balls, in the union of its old ones; so a second round is the last.
-   Where points crowd, balls in the void are large and would add most copies: then a few copies, one point of each
-   cell of a coarse grid, first make them smaller.  A round whose marks add no copy has all that are needed.
-   Along a periodic axis a cell reaches at most half the box from its site, as its images have the rest; so a box of
-   3/4 to each side is what it is cut from.
+   Periodic boxes: the cells of the points in a mesh that also has copies of them beyond the walls of the box.  Copies
+   are exact translates, as coordinates and box sizes are multiples of one power of two per axis.
+   The copies are certainly enough: a missing copy could change a cell only if it takes one of the cell's corners,
+   that is, if it lies in the ball around that corner that reaches to the site (with weights, the squared radius is
+   the corner's power distance plus the largest weight).  Balls that leave the padded box mark a grid, and the copies
+   there are added.  A cell that shrinks has smaller balls, in the union of its old ones, so a second round is the
+   last. If points are clustered, balls in the empty parts are large and would add most copies; then a few copies, one
+   point of each cell of a coarse grid, shrink them first.  Once marks add no copy, none is missing. Along a periodic
+   axis a cell reaches at most half the box from its site, as its images have the rest; so it is cut from a box of 3/4
+   to each side.
    ------------------------------------------------------------------------------------------------------ */
 
 /* The cell of the grid along axis k. */
@@ -3279,7 +3288,8 @@ static pbw_status pbwc__certify_simplices(void *arg, size_t from, size_t to)
 /* ------------------------------------------------------------------------------------------------------
    Ranges of points, each with memory of its own; then their parts in one.
    ------------------------------------------------------------------------------------------------------ */
-/* Does the star's polytope do: are all centres good, and none so far from the domain that its cuts lose digits? */
+/* Returns whether the star's polytope can be cut: all centres are good, and none is so far from the domain that the
+   cuts lose digits. */
 static int pbwc__is_near(const pbwc__work *work)
 {
     const double *x = PBWC__DOUBLES(work->cutter.poly.x);
@@ -3333,8 +3343,8 @@ static int pbwc__cell(pbwc__work *work, pbw_index v)
            || ((PBWC__INDICES(job->merged) == NULL || pbwc__cut_cell(work, v, 1)) && pbwc__cut_facets(work, v));
 }
 
-/* Ends the cells of shared vertices, and lists those that are left, near ones together.  Returns 0 if there is no
-   memory. */
+/* Ends the cells of shared vertices, and lists those left for their stars, near ones together.  Returns 0 if there is
+   no memory. */
 static int pbwc__add_shares(pbwc__job *job, size_t chunks, pbwc__array *left)
 {
     unsigned char *says = (unsigned char *)job->states.data;
@@ -3415,8 +3425,8 @@ static pbw_status pbwc__count_cell(pbwc__work *work, pbw_index v)
     return status == PBW_OK && !pbwc__push(work->memory, &out->cells, v) ? PBW_ERROR_MEMORY : status;
 }
 
-/* The cells of the points that have their first simplex in the range: cells near each other, however points are
-   numbered. */
+/* Makes the cells of the points with their incident simplex in the range: these are close together, however points
+   are numbered. */
 static pbw_status pbwc__cells_range(void *arg, size_t from, size_t to)
 {
     pbwc__job *job = (pbwc__job *)arg;
@@ -3451,7 +3461,7 @@ typedef struct pbwc__joining {
     size_t *loop_first;
 } pbwc__joining;
 
-/* The loops of a cell, the range's entries from `at` on, to their place in all. */
+/* Copies the loops of a cell, the range's entries from `at` on, to their place in the result. */
 static void pbwc__join_loops(const pbwc__joining *joining, size_t r, pbw_index v, size_t facet, size_t at)
 {
     const pbwc__job *job = joining->job;
@@ -3738,8 +3748,8 @@ static int pbwc__bounds(const pbwc__job *job, double *low, double *high)
     return walls;
 }
 
-/* A domain of planes alone: cut from a box so large that a wall left of it means an unbounded domain, then again from
-   a box that fits, so that the corners are as exact as they can be. */
+/* Makes a domain of planes alone: cuts it from a box so large that a remaining wall means an unbounded domain, then
+   again from a box that fits, which gives the most exact corners. */
 static pbw_status pbwc__bound_planes(pbwc__job *job, const pbw_domain *domain, double *low, double *high)
 {
     const size_t dim = (size_t)job->mesh->dim;
@@ -4105,7 +4115,7 @@ static void pbwc__extent(pbwc__period *period)
     }
 }
 
-/* Is the copy of point i at x one of those needed? */
+/* Returns whether the copy of point i at x is needed. */
 static int pbwc__is_copied(const pbwc__period *period, size_t i, const double *x)
 {
     int at[3] = { 0, 0, 0 }, k, inside = 1;
@@ -4169,7 +4179,7 @@ static int pbwc__add_copies(pbwc__period *period, size_t i)
     return 1;
 }
 
-/* All points with their copies, and the apexes of a simplex so large that no cell of theirs meets the grid. */
+/* Lists all points with their copies, and the apexes of a simplex so large that their cells do not meet the grid. */
 static pbw_status pbwc__copies(pbwc__period *period)
 {
     static const signed char corner[4][3] = { { 1, 1, 1 }, { -1, -1, 1 }, { -1, 1, -1 }, { 1, -1, -1 } };
@@ -4242,7 +4252,7 @@ static pbw_status pbwc__choose_thin(pbwc__period *period, double share)
     return PBW_OK;
 }
 
-/* Names copies by their points and shifts, and moves all back to where the box is. */
+/* Replaces copies by their points and shifts, and moves all back to the caller's box. */
 static pbw_status pbwc__unwrap(pbwc__job *job, const double *box)
 {
     const pbwc__period *period = job->period;
@@ -4279,7 +4289,7 @@ static pbw_status pbwc__unwrap(pbwc__job *job, const double *box)
     return PBW_OK;
 }
 
-/* The copies that are marked, after a round.  Not marked any more: they were all there. */
+/* After a round, adds the marked copies.  Clears period->marked if all of them were there. */
 static pbw_status pbwc__more_copies(pbwc__period *period)
 {
     const size_t before = period->total;

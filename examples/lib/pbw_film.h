@@ -8,11 +8,11 @@
        options.box[2] = options.box[3] = 1;                          // the unit square is seen
        if (pbwfilm_write("film.html", &options, next, user, &error) != PBWIO_OK) puts(error.text);
 
-   `next` is yours: it simulates a step, sets members of the frame and returns 1, or 0 when there is no more.
-   Writes one file that needs nothing else, no network and no server: play, step, speed.  A frame is a set of dots,
+   `next` is your function: it simulates a step, sets members of the frame and returns 1, or 0 after the last frame.
+   The page is one file and needs no network and no server; it has play, step and speed.  A frame is a set of dots,
    lines and polygons, coloured by a number: triangles of a mesh, cells of a diagram, a front.
    Size: 2.7 bytes a shape and 5.4 a corner in each frame; browsers draw 10,000 polygons 30 times a second.
-   No globals; it takes no memory.
+   No globals, no allocation.
 */
 #ifndef PBW_FILM_H
 #define PBW_FILM_H
@@ -48,8 +48,8 @@ typedef struct pbwfilm_options {
     double range[2];                   /* values that get the first and the last colour */
 } pbwfilm_options;
 
-/* Calls next, which fills a frame and returns 1, until it returns 0; frames stay the caller's, and are used before
-   next is called again.  Writes the page whole or not at all.  PBWIO_ERROR_ARGUMENT: an empty box. */
+/* Calls next, which fills a frame and returns 1, until it returns 0.  The caller owns the arrays of a frame; they are
+   read before next is called again.  Writes the page whole or not at all.  PBWIO_ERROR_ARGUMENT: an empty box. */
 PBWFILMDEF pbwio_status pbwfilm_write(const char *path, const pbwfilm_options *options,
                                       int (*next)(void *user, pbwfilm_frame *frame), void *user, pbwio_error *error);
 
@@ -63,8 +63,8 @@ PBWFILMDEF pbwio_status pbwfilm_write(const char *path, const pbwfilm_options *o
 
 #include <string.h>
 
-/* The page, in three parts: up to its title, up to the data, and behind them; the lines of each end with NULL.  They
-   stand at the end of this file. */
+/* Returns the lines of one of three parts of the page: up to the title, up to the data, after the data.  NULL ends
+   the lines.  They are at the end of this file. */
 static const char *const *pbwfilm__part(int part);
 
 typedef struct pbwfilm__page {

@@ -25,18 +25,18 @@
        contraction     one end of an edge moves into the other
        rejoining       a corner's star grows over the tetrahedra around it, and all are made anew from that corner
        insertion       an edge or a tetrahedron gets a corner in its middle, joined to a cavity that grows likewise
-   Whatever does not raise the least quality of the tetrahedra it changes is not done (Klingner and Shewchuk 2007,
-   "Aggressive tetrahedral mesh improvement").  Threads work at once on tetrahedra that are far from each other; the
-   mesh decides on which.
+   An operation is carried out only if it raises the least quality of the tetrahedra that it changes (Klingner and
+   Shewchuk 2007, "Aggressive tetrahedral mesh improvement").  Threads work at once on tetrahedra that are far from
+   each other; the choice depends on the mesh only.
    Before, options.rounds move all points that are not fixed, to raise the mean: by optimal Delaunay triangulation
    (ODT; Alliez, Cohen-Steiner, Yvinec, Desbrun 2005), Lloyd's way or the Laplacian one.  Points without a common
    tetrahedron move together, on all threads: colours decide the order.
-   Before all else, where options.sizes says how long edges shall be, those above 1.4 times that are halved, longest
-   first, and those below half of it contracted, with passes between.
+   Before all else, if options.sizes gives edge lengths, edges longer than 1.4 times that are halved, longest first,
+   and edges shorter than half of it are contracted, with passes between.
 
    PROMISES  (tests/test_improve.c guards them)
-     monotone    the least quality never falls, up to rounding, but to the target: a mesh whose budget ends is not
-                 worse than before, unless sizes change it
+     monotone    the least quality never falls below both its old value and the target, up to rounding: when its
+                 budget ends, a mesh is not worse than before, unless sizes change it
      positive    every tetrahedron made is positively oriented, by exact signs
      kept        fixed points, feature edges, regions and their interfaces; the boundary is as manifold as it was and
                  has the same Euler number, and stays on the surface, to 25 degrees of its normals
@@ -177,7 +177,7 @@ PBWIMPROVEDEF void pbw_tets_free(pbw_tets *mesh);            /* fine on {0}, fin
 #include <string.h>
 #include <time.h>
 
-/* Contraction off: other coordinates would come out where a compiler fuses. */
+/* No contraction: fused operations would give other coordinates. */
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)
@@ -257,8 +257,8 @@ static void pbwim__angles(const double *const c[4], double angle[6])
     }
 }
 
-/* |S| |1/S| of the map S from the regular tetrahedron.  |S|^2 is half the sum of squared edges; 1/S comes of the
-   normals in the same way. */
+/* Returns |S| |1/S| for the map S from the regular tetrahedron.  |S|^2 is half the sum of squared edges; |1/S|^2
+   follows from the normals in the same way. */
 static double pbwim__condition(const pbwim__shape *s, double squares)
 {
     double sum = 0;
@@ -374,7 +374,7 @@ PBWIMPROVEDEF int pbw_tets_spread(const pbw_tets *mesh, pbw_measure measure, con
     return 1;
 }
 
-/* Puts the value there that sorting puts at `rank`, none larger before it and none smaller after it. */
+/* Puts the value at `rank` that sorting would put there; none larger comes before it, none smaller after it. */
 static void pbwim__select(double *value, size_t count, size_t rank)
 {
     size_t low = 0, high = count - 1;
@@ -469,7 +469,7 @@ static void pbwim__add_quality(pbw_quality *sum, const pbw_quality *q)
     }
 }
 
-/* Options of work on threads that reports no progress of its own; `used` bytes are taken already. */
+/* Returns options for work on threads that reports no progress; `used` bytes of the limit are taken already. */
 static pbw_options pbwim__quiet(const pbw_options *options, size_t used)
 {
     pbw_options quiet;
@@ -532,10 +532,10 @@ enum {
     PBWIM__SPARE = 2 * PBWIM__RING         /* free slots of a lane: no operation of a pass makes more tetrahedra */
 };
 #define PBWIM__PASSES 60
-#define PBWIM__GAIN 1e-3                   /* of the least sine, below which no operation is worth it */
-#define PBWIM__PROGRESS 0.1                /* of what lacks to the target, below which no smoothing is worth it */
-#define PBWIM__ROOM 0.6                    /* of the distance that boundary facets may have: kept at first */
-#define PBWIM__RAISE 0.07                  /* radians, 4 degrees: the target around what is bad to the end */
+#define PBWIM__GAIN 1e-3                   /* least gain of the least sine for an operation */
+#define PBWIM__PROGRESS 0.1                /* least gain for smoothing, of what lacks to the target */
+#define PBWIM__ROOM 0.6                    /* of the distance limit: what boundary facets use at first */
+#define PBWIM__RAISE 0.07                  /* radians, 4 degrees: raises the target around bad tetrahedra */
 #define PBWIM__BEND 0.90630778703665       /* cos 25 degrees: by more, boundary facets do not turn */
 
 typedef struct pbwim__mesh {
@@ -586,7 +586,7 @@ static int pbwim__sign_of(const pbwim__mesh *m, const pbw_index c[4])
     return pbw_orient3(PBWIM__X(m, c[0]), PBWIM__X(m, c[1]), PBWIM__X(m, c[2]), PBWIM__X(m, c[3]));
 }
 
-/* The corner of t that p is; 4 if it is none. */
+/* Returns the corner of t at which p is; 4 if it is none. */
 static int pbwim__place(const pbwim__mesh *m, pbw_index t, pbw_index p)
 {
     const pbw_index *c = PBWIM__CORNER(m, t);
@@ -608,7 +608,7 @@ static void pbwim__outward(const pbwim__mesh *m, pbw_index t, int facet, double 
     pbwsf__normal(PBWIM__X(m, c[o[0]]), PBWIM__X(m, c[o[2]]), PBWIM__X(m, c[o[1]]), out);
 }
 
-/* Whether the angle between two directions is below that of the cosine. */
+/* Returns whether the angle between two directions is below that of the cosine. */
 static int pbwim__turned_less(const double a[3], const double b[3], double cosine)
 {
     const double dot = pbwsf__dot(a, b), limit = cosine * cosine * pbwsf__dot(a, a) * pbwsf__dot(b, b);
@@ -636,7 +636,7 @@ static int pbwim__resize_tets(pbwim__mesh *m, size_t count)
         && pbwsf__resize(y, &m->seen, count * sizeof(pbw_index));
 }
 
-/* Room for one operation and `lanes` of a batch, so that none fails half-way.  The arrays that are resized last have
+/* Makes room for one operation and for `lanes` of a batch, so that none fails half-way.  The arrays resized last have
    the least room. */
 static int pbwim__reserve(pbwim__mesh *m, size_t lanes)
 {
@@ -716,7 +716,7 @@ static pbwim__facet pbwim__facet_of(const pbwim__mesh *m, pbw_index t, int i)
     return f;
 }
 
-/* Takes the old tetrahedra out; returns how many facets of others they leave open. */
+/* Removes the old tetrahedra.  Returns the number of facets of others that this leaves open. */
 static int pbwim__take_out(pbwim__mesh *m, const pbwim__change *change, pbwim__facet *open)
 {
     int count = 0, i, k;
@@ -747,7 +747,7 @@ static int pbwim__take_out(pbwim__mesh *m, const pbwim__change *change, pbwim__f
     return count;
 }
 
-/* Does it.  Facets that find no partner are on the boundary. */
+/* Applies a change.  Facets without a partner are on the boundary. */
 static void pbwim__apply(pbwim__mesh *m, const pbwim__change *change)
 {
     pbwim__facet open[PBWIM__OPEN];
@@ -784,7 +784,7 @@ static void pbwim__apply(pbwim__mesh *m, const pbwim__change *change)
     }
 }
 
-/* Whether all that come are positive, by exact signs, and all that go are of one region. */
+/* Returns whether all new tetrahedra are positive, by exact signs, and all old ones are of one region. */
 static int pbwim__is_sound(const pbwim__mesh *m, const pbwim__change *change)
 {
     int i;
@@ -810,7 +810,7 @@ static double pbwim__worst_old(const pbwim__mesh *m, const pbwim__change *change
 
 /* ---- stars, rings and boundary edges ---- */
 
-/* Fills `star` with the tetrahedra at p that are connected through facets; returns how many, 0 if too many. */
+/* Fills `star` with the tetrahedra at p that are connected through facets.  Returns how many, 0 if too many. */
 static int pbwim__star_of(pbwim__mesh *m, pbw_index p, pbw_index *star)
 {
     int count = 0, i, k;
@@ -901,7 +901,7 @@ static double pbwim__farthest(const pbwim__mesh *m, const double *a, const doubl
     return least;
 }
 
-/* Whether the facets at the edge between an open ring's ends would be near the surface. */
+/* Returns whether the facets at the edge between an open ring's ends would be near the surface. */
 static int pbwim__flips_near(const pbwim__mesh *m, const pbwim__ring *ring)
 {
     const double *a = PBWIM__X(m, ring->a), *b = PBWIM__X(m, ring->b), *first = PBWIM__X(m, ring->corner[0]);
@@ -914,8 +914,8 @@ static int pbwim__flips_near(const pbwim__mesh *m, const pbwim__ring *ring)
     return after <= m->distance || after <= pbwim__farthest(m, a, b, first, pbwim__farthest(m, b, a, last, 0));
 }
 
-/* Whether the boundary edge of an open ring lies within a smooth part, where it may give way to the edge between the
-   ring's ends; and whether the facets there would be smooth too. */
+/* Returns whether the boundary edge of an open ring may be replaced by the edge between the ring's ends: it lies
+   within a smooth part, and the new facets are smooth too. */
 static int pbwim__may_flip(pbwim__mesh *m, const pbwim__ring *ring)
 {
     const pbw_index a = ring->a, b = ring->b, first = ring->corner[0], last = ring->corner[ring->corners - 1];
@@ -943,8 +943,8 @@ static int pbwim__may_flip(pbwim__mesh *m, const pbwim__ring *ring)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Operations.  Each returns whether it changed the mesh, and then the least quality of what it changed rose by
-   PBWIM__GAIN or more.
+   Operations.  Each returns whether it changed the mesh; if so, the least quality of the changed tetrahedra has risen
+   by PBWIM__GAIN or more.
    ------------------------------------------------------------------------------------------------------ */
 
 /* ---- edge removal ---- */
@@ -962,7 +962,7 @@ static double pbwim__pair(const pbwim__mesh *m, const pbwim__ring *ring, int i, 
     return above <= 0 ? above : fmin(above, pbwim__sine(q, p, r, PBWIM__X(m, ring->a)));
 }
 
-/* The best triangulation of the ring's polygon; returns its least sine, or something not above `least`. */
+/* Finds the best triangulation of the ring's polygon.  Returns its least sine, or a number not above `least`. */
 static double pbwim__triangulate(const pbwim__mesh *m, const pbwim__ring *ring, double least, pbwim__table *table)
 {
     int i, j, k, length;
@@ -1057,8 +1057,8 @@ static int pbwim__remove_edge(pbwim__mesh *m, pbw_index t)
 
 typedef struct pbwim__cone { int count; pbw_index facet[PBWIM__MOST][3]; } pbwim__cone;
 
-/* The least sine of the tetrahedra from the facets to x, or something not above `least`.  The facet that decides
-   comes first the next time. */
+/* Returns the least sine of the tetrahedra from the facets to x, or a number not above `least`.  The facet that
+   decides is tested first the next time. */
 static double pbwim__cone_sine(const pbwim__mesh *m, pbwim__cone *cone, const double x[3], double least)
 {
     double worst = 2;
@@ -1078,7 +1078,7 @@ static double pbwim__cone_sine(const pbwim__mesh *m, pbwim__cone *cone, const do
     return worst;
 }
 
-/* Eight directions across the normal, or fourteen of space; returns how many. */
+/* Eight directions across the normal, or fourteen of space.  Returns how many. */
 static int pbwim__ways(const double *normal, double way[14][3])
 {
     static const double round[8][2] = { { 1, 0 }, { -1, 0 }, { 0, 1 }, { 0, -1 },
@@ -1116,9 +1116,9 @@ static int pbwim__ways(const double *normal, double way[14][3])
     return 8;
 }
 
-/* Moves x to where the cone's least sine is largest nearby: by the best of some directions, then by half of the step.
-   `from` is its value at x; with a normal, of the surface, x stays on that.  Finding the surface takes longest: a
-   place that is far from better before is not moved there.  Returns its value in the end. */
+/* Climbs from x to a nearby maximum of the cone's least sine, in the best of some directions, with half the step each
+   time; `from` is the sine at x.  With the normal of a surface, x stays on this.  Projecting takes longest, so places
+   that are far from better are not projected.  Returns the sine in the end. */
 static double pbwim__climb(pbwim__mesh *m, pbwim__cone *cone, const double *normal, double from, double x[3])
 {
     double way[14][3], best = from, length = 0, step;
@@ -1207,7 +1207,7 @@ static double pbwim__farthest_at(const pbwim__mesh *m, pbw_index p, const double
     return most;
 }
 
-/* Whether the boundary stays near the surface where p moves to x. */
+/* Returns whether the boundary stays near the surface where p moves to x. */
 static int pbwim__moves_near(const pbwim__mesh *m, pbw_index p, const double *x, const pbw_index *star, int count)
 {
     double after;
@@ -1266,8 +1266,8 @@ static int pbwim__smooth(pbwim__mesh *m, pbw_index p)
 
 /* ---- at the boundary ---- */
 
-/* Whether t may be taken off, for all that is beneath its boundary facets: with one, the corner across comes to the
-   boundary and must be inside; with two, the edge across must be; with three, their corner goes. */
+/* Returns whether t may be peeled off, as to what its boundary facets hide: with one such facet, the corner opposite
+   gets on the boundary and must be inside; with two, so must the edge opposite; with three, their corner is lost. */
 static int pbwim__is_loose(pbwim__mesh *m, pbw_index t)
 {
     const pbw_index *c = PBWIM__CORNER(m, t), *next = PBWIM__NEXT(m, t);
@@ -1303,7 +1303,7 @@ static int pbwim__is_loose(pbwim__mesh *m, pbw_index t)
     return count > 0;
 }
 
-/* Whether the facets beneath the boundary facets of t are near the surface. */
+/* Returns whether the facets beneath the boundary facets of t are near the surface. */
 static int pbwim__peels_near(const pbwim__mesh *m, pbw_index t)
 {
     const pbw_index *c = PBWIM__CORNER(m, t);
@@ -1317,7 +1317,7 @@ static int pbwim__peels_near(const pbwim__mesh *m, pbw_index t)
     return after <= fmax(m->distance, before);
 }
 
-/* Takes off a tetrahedron at the boundary, if its facets there and those beneath are nearly one plane. */
+/* Peels off a tetrahedron at the boundary, if its facets there and those beneath are nearly in one plane. */
 static int pbwim__peel(pbwim__mesh *m, pbw_index t)
 {
     const pbw_index *next = PBWIM__NEXT(m, t);
@@ -1395,7 +1395,7 @@ static int pbwim__flip(pbwim__mesh *m, pbw_index t)
 
 /* ---- contraction ---- */
 
-/* Whether p may move along a boundary edge to q: the boundary around p stays smooth. */
+/* Returns whether p may move along a boundary edge to q: the boundary around p stays smooth. */
 static int pbwim__may_slide_to(const pbwim__mesh *m, pbw_index p, pbw_index q, const pbw_index *star, int count)
 {
     int i, k;
@@ -1420,7 +1420,7 @@ static int pbwim__may_slide_to(const pbwim__mesh *m, pbw_index p, pbw_index q, c
     return 1;
 }
 
-/* Whether a corner of the old tetrahedra other than p is in none of the new ones. */
+/* Returns whether a corner of the old tetrahedra other than p is in none of the new ones. */
 static int pbwim__loses_corner(const pbwim__mesh *m, const pbwim__change *change, pbw_index p)
 {
     int i, k;
@@ -1435,7 +1435,7 @@ static int pbwim__loses_corner(const pbwim__mesh *m, const pbwim__change *change
     return 0;
 }
 
-/* Whether p and q have no common neighbours but those around their edge. */
+/* Returns whether p and q have no common neighbours but those around their edge. */
 static int pbwim__is_linked_once(pbwim__mesh *m, pbw_index q, const pbwim__ring *ring, const pbwim__cone *cone)
 {
     pbw_index star[PBWIM__MOST], corner[3 * PBWIM__MOST];
@@ -1530,7 +1530,7 @@ typedef struct pbwim__cavity {             /* change->old, whose facets are join
     double sine[PBWIM__MOST];              /* of the tetrahedron from each facet to x */
 } pbwim__cavity;
 
-/* Whether a boundary facet gives way: it has the point, or both ends of the edge that is split. */
+/* Returns whether a boundary facet gives way: it has the point, or both ends of the edge that is split. */
 static int pbwim__gives_way(const pbwim__cavity *v, const pbw_index f[3])
 {
     const pbw_index a = v->split != NULL ? v->split->a : v->p, b = v->split != NULL ? v->split->b : v->p;
@@ -1567,7 +1567,7 @@ static void pbwim__open_cavity(pbwim__mesh *m, pbwim__cavity *v)
     }
 }
 
-/* Whether a tetrahedron may join the cavity: one at a corner of t, so that lanes do not meet. */
+/* Returns whether a tetrahedron may join the cavity: one at a corner of t, so that lanes do not meet. */
 static int pbwim__may_grow(const pbwim__mesh *m, const pbwim__cavity *v, pbw_index n)
 {
     const pbw_index *c = PBWIM__CORNER(m, v->t);
@@ -1577,8 +1577,8 @@ static int pbwim__may_grow(const pbwim__mesh *m, const pbwim__cavity *v, pbw_ind
             || pbwim__place(m, n, c[3]) < 4);
 }
 
-/* Grows the cavity across the facet whose tetrahedron is worst, on and on, and goes back to where the worst was best.
-   Returns that. */
+/* Grows the cavity, always across the facet with the worst tetrahedron, and goes back to where this worst was best.
+   Returns its sine. */
 static double pbwim__grow(pbwim__mesh *m, pbwim__cavity *v)
 {
     pbwim__change *change = v->change;
@@ -1618,7 +1618,7 @@ static double pbwim__grow(pbwim__mesh *m, pbwim__cavity *v)
     return best;
 }
 
-/* Joins the cavity's facets to p, if that is sound. */
+/* Joins the cavity's facets to p, if all tetrahedra are positive. */
 static int pbwim__fill(pbwim__mesh *m, pbwim__cavity *v, pbw_index p)
 {
     pbwim__change *change = v->change;
@@ -1659,8 +1659,8 @@ static int pbwim__rejoin(pbwim__mesh *m, pbw_index t)
     return 0;
 }
 
-/* Puts a point into the tetrahedra change->old, near x, and such around them; boundary facets of theirs that have
-   both ends of `split` give way, others stay. */
+/* Inserts a point near x into the tetrahedra change->old and some around them.  Their boundary facets with both ends
+   of `split` are replaced; others stay. */
 static int pbwim__insert(pbwim__mesh *m, pbw_index t, pbwim__change *change, const pbwim__ring *split, double x[3])
 {
     const pbw_index p = (pbw_index)m->points;
@@ -1700,8 +1700,8 @@ static int pbwim__insert(pbwim__mesh *m, pbw_index t, pbwim__change *change, con
     return 1;
 }
 
-/* Puts a point beyond a facet of t, half or a quarter of the way to the corner there: t may be too flat to have one
-   inside. */
+/* Inserts a point beyond a facet of t, half or a quarter of the way to the corner there, as t may be too flat for a
+   point inside. */
 static int pbwim__split_beyond(pbwim__mesh *m, pbw_index t)
 {
     pbwim__change change;
@@ -1777,7 +1777,7 @@ static void pbwim__complain(const pbwim__mesh *m, const char *text, size_t i, si
     }
 }
 
-/* Sorts items by columns 0 .. columns-1, of numbers below `range`, with the help of a second block; returns the one
+/* Sorts items by columns 0 .. columns-1, of numbers below `range`, with the help of a second block.  Returns the one
    that has the result.  Counting, from the last column to the first: linear for any input. */
 static pbwim__facet *pbwim__sort(pbwim__facet *items, pbwim__facet *other, size_t count, pbwsf__array *counts,
                                  int columns)
@@ -1804,7 +1804,7 @@ static pbwim__facet *pbwim__sort(pbwim__facet *items, pbwim__facet *other, size_
     return items;
 }
 
-/* Whether t sees its facet with ascending corners counter-clockwise. */
+/* Returns whether t sees its facet with ascending corners counter-clockwise. */
 static int pbwim__sees_turned(const pbwim__mesh *m, pbw_index t, int i)
 {
     const pbw_index *c = PBWIM__CORNER(m, t);
@@ -1842,7 +1842,7 @@ static pbw_status pbwim__link(pbwim__mesh *m, const pbwim__facet *facet, size_t 
     return PBW_OK;
 }
 
-/* Flat tetrahedra are turned as their neighbours are; then all must agree. */
+/* Orients flat tetrahedra as their neighbours are; then all must agree. */
 static pbw_status pbwim__agree(pbwim__mesh *m)
 {
     size_t t;
@@ -1871,8 +1871,8 @@ static pbw_status pbwim__agree(pbwim__mesh *m)
     return PBW_OK;
 }
 
-/* Of boundary facets sorted by edges: edges that bend by more than the feature angle, and those of other than two
-   facets, fix their ends.  Takes each facet three times. */
+/* Fixes the ends of boundary edges that bend by more than the feature angle or have not exactly two facets.  edges:
+   each boundary facet three times, sorted by edges. */
 static void pbwim__fix_features(pbwim__mesh *m, const pbwim__facet *edge, size_t count, double cosine)
 {
     size_t i, k;
@@ -2079,10 +2079,10 @@ static pbw_status pbwim__load(pbwim__mesh *m, const pbw_tets *in)
 
 /* ------------------------------------------------------------------------------------------------------
    Smoothers.
-   In: a mesh with marks.  A point moves to where the smoother aims, or half or a quarter as far, if all of its
+   In: a mesh with marks.  A point moves to the aim of the smoother, or half or a quarter as far, if all of its
    tetrahedra are positive there, by exact signs, and none of them is below both the target and the worst before.
-   Points of one colour have no tetrahedron in common, so that threads may move them at once; colours follow each
-   other.  No move changes which tetrahedra there are, nor the colours: the answer does not depend on threads.
+   Points of one colour have no tetrahedron in common, so threads may move them at once; colours are processed one
+   after the other.  Moves change neither the tetrahedra nor the colours: the answer does not depend on threads.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWIM__COLOURS = 64, PBWIM__GRAIN = 256 };      /* points beyond the last colour stay */
 
@@ -2095,7 +2095,7 @@ typedef struct pbwim__smoothing {
     size_t at;                             /* where the colour in work begins */
 } pbwim__smoothing;
 
-/* Adds what one simplex at corner p says of the aim: a sum of places from p, and their weight. */
+/* Adds the contribution of one simplex at corner p to the aim: weighted places relative to p, and the weight. */
 static void pbwim__add(double sum[4], const double place[3], double weight)
 {
     int k;
@@ -2105,8 +2105,8 @@ static void pbwim__add(double sum[4], const double place[3], double weight)
     sum[3] += weight;
 }
 
-/* The tetrahedron of 0 and u[0..2], positive: its circumcentre, or the piece of the Voronoi cell of 0 in it, which is
-   six signed tetrahedra from 0 over the middle of an edge and the circumcentre of a facet to the circumcentre. */
+/* Adds the positive tetrahedron of 0 and u[0..2]: its circumcentre, or the piece of the Voronoi cell of 0 in it, made
+   of six signed tetrahedra of 0, the middle of an edge, the circumcentre of a facet, and the circumcentre. */
 static void pbwim__aim_inside(pbw_smoother smoother, double u[3][3], double sum[4])
 {
     double n[3][3], centre[3] = { 0, 0, 0 }, volume, square[3];
@@ -2143,7 +2143,7 @@ static void pbwim__aim_inside(pbw_smoother smoother, double u[3][3], double sum[
     }
 }
 
-/* The same of the triangle 0, a, b of the boundary. */
+/* Adds the triangle 0, a, b of the boundary in the same way. */
 static void pbwim__aim_on(pbw_smoother smoother, const double a[3], const double b[3], double sum[4])
 {
     double normal[3], flat[3], across[3], place[3];
@@ -2183,7 +2183,7 @@ static void pbwim__aim_mean(const pbw_index *corner, int corners, double u[3][3]
     }
 }
 
-/* Where the smoother aims, from p; returns 0 if nowhere. */
+/* Computes the aim of the smoother relative to p.  Returns 0 if there is none. */
 static int pbwim__aim(const pbwim__smoothing *s, pbw_index p, const pbw_index *star, int count, double aim[3])
 {
     const pbwim__mesh *m = s->m;
@@ -2221,7 +2221,7 @@ static int pbwim__aim(const pbwim__smoothing *s, pbw_index p, const pbw_index *s
     return fabs(aim[0]) + fabs(aim[1]) + fabs(aim[2]) <= 1e300 && fabs(sum[3]) > 0;
 }
 
-/* Moves p; returns whether it did. */
+/* Moves p.  Returns whether it did. */
 static int pbwim__move(const pbwim__smoothing *s, pbw_index p)
 {
     const pbwim__mesh *m = s->m;
@@ -2273,7 +2273,7 @@ static pbw_status pbwim__move_some(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* The lowest colour that no neighbour of p has, of those given so far; PBWIM__COLOURS: none, or p does not move. */
+/* Returns the lowest colour that no neighbour of p has so far; PBWIM__COLOURS if there is none or p does not move. */
 static int pbwim__colour(const pbwim__smoothing *s, pbw_index p)
 {
     const size_t *first = (const size_t *)s->first.data;
@@ -2296,7 +2296,7 @@ static int pbwim__colour(const pbwim__smoothing *s, pbw_index p)
     return k;
 }
 
-/* Stars, colours and the order of points by them; returns 0 if there is no memory. */
+/* Stars, colours and the order of points by them.  Returns 0 if there is no memory. */
 static int pbwim__set_colours(pbwim__smoothing *s)
 {
     pbwim__mesh *m = s->m;
@@ -2347,7 +2347,7 @@ static int pbwim__stops(const pbwim__mesh *m, double done)
         && m->options->progress(m->options->progress_user, PBW_STAGE_WORK, done) != 0;
 }
 
-/* Whether the budget of processor time, 0 = any, is used up. */
+/* Returns whether the budget of processor time, 0 = any, is used up. */
 static int pbwim__is_late(double end)
 {
     return end > 0 && (double)clock() / CLOCKS_PER_SEC > end;
@@ -2401,15 +2401,14 @@ static pbw_status pbwim__smooth_all(pbwim__mesh *m, const pbw_improve_options *h
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Passes: the tetrahedra below the target, worst first.  One whose operations all failed is tried again only when a
-   corner of it has changed.  Contraction and insertion have a part in each fourth pass, and after one that changed
-   little.
-   Threads: the queue is taken in batches.  The ground of a tetrahedron is all that mending it reads: the tetrahedra
-   at its corners, and for boundary edges those at one end of the ring.  Grounds of one batch have no point in common,
-   so that no other reads what one changes.  (A tetrahedron beyond a facet of a ground has three corners in it; only
-   its link through that facet changes, and no other ground has these three.)  Each tetrahedron of a batch has a lane:
-   a copy of pbwim__mesh with free slots, one new point and counters of its own.  The mesh decides batches, lanes and
-   slots: the answer does not depend on threads.
+   Passes: the tetrahedra below the target, worst first.  If all operations on one failed, it is tried again only
+   after a corner of it has changed.  Contraction and insertion are used in each fourth pass, and after a pass that
+   changed little. Threads: the queue is processed in batches.  The ground of a tetrahedron is all that mending it
+   reads: the tetrahedra at its corners, and for boundary edges those at one end of the ring.  Grounds of one batch
+   have no point in common, so no lane reads what another one changes.  (A tetrahedron beyond a facet of a ground has
+   three corners in it; only its link through that facet changes, and no other ground has these three.)  Each
+   tetrahedron of a batch has a lane: a copy of pbwim__mesh with free slots, one new point and counters of its own.
+   Batches, lanes and slots depend on the mesh only, so the answer does not depend on threads.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWIM__LANES = 256, PBWIM__WINDOW = 512 };      /* of a batch; of the queue, looked at for a batch */
 
@@ -2440,7 +2439,7 @@ static int pbwim__is_due(const pbwim__mesh *m, pbw_index t, int all)
     return touched[c[0]] > tried || touched[c[1]] > tried || touched[c[2]] > tried || touched[c[3]] > tried;
 }
 
-/* Makes one tetrahedron better, or replaces it; returns whether it did. */
+/* Makes one tetrahedron better, or replaces it.  Returns whether it did. */
 static int pbwim__mend(pbwim__mesh *m, pbw_index t, int all)
 {
     int k, moved = 0;
@@ -2461,7 +2460,8 @@ static int pbwim__mend(pbwim__mesh *m, pbw_index t, int all)
     return moved > 0;
 }
 
-/* Whether t has a point that is near, or any if no points are flagged; those of later insertions are. */
+/* Returns whether a point of t is flagged as near, or none are flagged at all; points inserted later count as near.
+   */
 static int pbwim__is_near(const pbwim__mesh *m, pbw_index t)
 {
     const unsigned char *near = (const unsigned char *)m->near.data;
@@ -2475,7 +2475,7 @@ static int pbwim__is_near(const pbwim__mesh *m, pbw_index t)
     return 0;
 }
 
-/* Flags the corners of bad tetrahedra, and of those around; returns 0 if there is no memory. */
+/* Flags the corners of bad tetrahedra, and of those around.  Returns 0 if there is no memory. */
 static int pbwim__flag_near(pbwim__mesh *m)
 {
     unsigned char *near;
@@ -2501,7 +2501,7 @@ static int pbwim__flag_near(pbwim__mesh *m)
     return 1;
 }
 
-/* Fills the queue; returns 0 if there is no memory. */
+/* Fills the queue.  Returns 0 if there is no memory. */
 static int pbwim__fill_queue(pbwim__mesh *m, int all)
 {
     pbwim__item *item;
@@ -2526,7 +2526,7 @@ static int pbwim__fill_queue(pbwim__mesh *m, int all)
     return 1;
 }
 
-/* Fills `ground`; returns how many tetrahedra it has, 0 if they cannot all be found. */
+/* Fills `ground`.  Returns its number of tetrahedra, 0 if not all can be found. */
 static int pbwim__ground_of(pbwim__mesh *m, pbw_index t, pbw_index ground[10 * PBWIM__MOST])
 {
     const pbw_index *c = PBWIM__CORNER(m, t);
@@ -2555,7 +2555,7 @@ static int pbwim__ground_of(pbwim__mesh *m, pbw_index t, pbw_index ground[10 * P
     return count;
 }
 
-/* Whether t joins a batch of so many; one without a ground is a batch of its own. */
+/* Returns whether t joins a batch with `others` in it.  A tetrahedron without a ground is a batch of its own. */
 static int pbwim__joins(pbwim__mesh *m, pbw_index t, size_t others)
 {
     pbw_index ground[10 * PBWIM__MOST], *taken = (pbw_index *)m->taken.data;
@@ -2578,7 +2578,7 @@ static int pbwim__joins(pbwim__mesh *m, pbw_index t, size_t others)
     return count > 0 || others == 0;
 }
 
-/* Chooses a batch from the queue's items first, first + 1, ...; returns how many tetrahedra it has.  Those that have
+/* Chooses a batch from the queue's items first, first + 1, ....  Returns how many tetrahedra it has.  Those that have
    to wait stay in order, and *first is the first of them. */
 static size_t pbwim__choose(pbwim__mesh *m, int all, size_t *first)
 {
@@ -2633,7 +2633,7 @@ static void pbwim__open_lane(pbwim__mesh *m, pbwim__lane *lane)
     }
 }
 
-/* Takes over what a lane did. */
+/* Merges the changes of a lane into the mesh. */
 static void pbwim__close_lane(pbwim__mesh *m, pbwim__lane *lane)
 {
     pbw_improve_report *sum = m->report;
@@ -2660,7 +2660,7 @@ static pbw_status pbwim__mend_some(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Room for the next batch, and lanes; returns 0 if there is no memory. */
+/* Room for the next batch, and lanes.  Returns 0 if there is no memory. */
 static int pbwim__prepare(pbwim__mesh *m, size_t left)
 {
     size_t count = left;
@@ -2729,14 +2729,14 @@ static pbw_status pbwim__pass(pbwim__mesh *m, int all, const double done[2], dou
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Sizes: edges are halved and contracted until they are as long as the sizes of their ends say.
+   Sizes: edges are halved and contracted until they are as long as the sizes at their ends demand.
    Holds: conformity, regions, features; halves of positive tetrahedra are positive, by exact signs.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWIM__LONG 1.4
 #define PBWIM__SHORT 0.5
 #define PBWIM__FLOOR 0.17                  /* the sine of 10 degrees: no contraction makes worse tetrahedra */
 
-/* How long an edge of t is, by what it shall be. */
+/* Returns the length of an edge of t, divided by the length that it should have. */
 static double pbwim__ratio(const pbwim__mesh *m, pbw_index t, int e)
 {
     const pbw_index a = PBWIM__CORNER(m, t)[pbwim__edge[e][0]], b = PBWIM__CORNER(m, t)[pbwim__edge[e][1]];
@@ -2761,7 +2761,7 @@ static unsigned char pbwim__middle_mark(const pbwim__mesh *m, const pbwim__ring 
     return pbwim__turned_less(n[0], n[1], m->cosine) ? PBW_TETS_SLIDES : PBW_TETS_FIXED;
 }
 
-/* Puts point p at x, and in `change` the halves of the ring's tetrahedra; returns whether that is sound. */
+/* Puts point p at x, and the halves of the ring's tetrahedra into `change`.  Returns whether all are positive. */
 static int pbwim__set_halves(pbwim__mesh *m, const pbwim__ring *ring, const double x[3], pbwim__change *change)
 {
     const pbw_index p = (pbw_index)m->points;
@@ -2895,7 +2895,7 @@ static pbw_status pbwim__set_sizes(pbwim__mesh *m, double end)
     return status;
 }
 
-/* How many tetrahedra are below the target, and how far the worst is from the best. */
+/* Returns the number of tetrahedra below the target, times 1 minus the worst quality. */
 static double pbwim__badness(const pbwim__mesh *m)
 {
     double bad = 0, least = 1;
@@ -2909,7 +2909,8 @@ static double pbwim__badness(const pbwim__mesh *m)
     return bad * (1 - least);
 }
 
-/* Once passes gain no more, lets the boundary come as far from the surface as it may; first it keeps to less. */
+/* Once passes gain no more, allows the boundary its full distance from the surface, of which it used a part so far.
+   */
 static int pbwim__gives_room(pbwim__mesh *m, const pbw_improve_options *how)
 {
     const int gives = how != NULL && m->distance < how->distance;
@@ -2917,8 +2918,8 @@ static int pbwim__gives_room(pbwim__mesh *m, const pbw_improve_options *how)
     return gives;
 }
 
-/* Raises the target around the bad tetrahedra for four passes, which gives these other neighbours, then works on them
-   four times more.  While it is raised, the boundary comes no farther from the surface. */
+/* Raises the target around the bad tetrahedra for four passes, which changes their neighbours, then makes four passes
+   with the old target.  While it is raised, the boundary moves no farther from the surface. */
 static pbw_status pbwim__shake(pbwim__mesh *m, double done[2], double end)
 {
     const double target = m->target, distance = m->distance;

@@ -82,7 +82,7 @@
      Points keep their ids, so a file can hold points that are corners of nothing: duplicates and hidden points.
      PBWIO_NO_ORPHANS leaves those out and numbers the rest anew (solvers want that); .inp and .su2 always do.
      .obj .stl .ply .off of a hull hold the corners of the hull only.
-     A number in an .inp file has at most 20 characters, so a few of its digits may be missing: the format says so.
+     A number in an .inp file has at most 20 characters, as the format demands, so it may lose its last digits.
 
    CONFIGURATION MACROS
      PBW_IO_IMPLEMENTATION    in one source file: compile the implementation there
@@ -260,8 +260,8 @@ static pbwio_status pbwio__file_error(pbwio_error *error, pbwio_status status, c
    Numbers.  Decimal text to the nearest double and back, whatever the locale.
    ------------------------------------------------------------------------------------------------------ */
 
-/* The digits of a number that has been found well-formed, as an integer and a power of ten, so that no decimal point
-   and no locale is involved.  A double or a midpoint of two has at most 767 significant digits; of more digits than
+/* Converts a well-formed number from its digits, as an integer and a power of ten, so that no decimal point and no
+   locale is involved.  A double or a midpoint of two has at most 767 significant digits; of more digits than
    that it matters only whether the rest is zero. */
 static double pbwio__long_number(const char *s, const char *end, char mark, long long exponent)
 {
@@ -355,7 +355,7 @@ static int pbwio__number(const char *s, const char *end, double *value)
     return pbwio__decimal(s, end, '.', value);
 }
 
-/* The digits d.ddd times 10^exponent as text; returns the length. */
+/* The digits d.ddd times 10^exponent as text.  Returns the length. */
 static int pbwio__lay_out(char text[40], int minus, const char *digits, int count, int exponent)
 {
     int fixed = exponent >= -5 && exponent <= 16, point = fixed ? exponent + 1 : 1, length = 0, i;
@@ -378,7 +378,7 @@ static int pbwio__lay_out(char text[40], int minus, const char *digits, int coun
 }
 
 /* Writes x in the fewest digits from 15 to 17 that read back the same, in fewer where it would be longer than
-   longest, which is 20 at least; returns the length. */
+   longest, which is 20 at least.  Returns the length. */
 static int pbwio__print_number(char text[40], double x, int longest)
 {
     char raw[40], digits[18] = "", shorter[40];
@@ -662,7 +662,7 @@ static uint32_t pbwio__word(const unsigned char *s)                  /* of 4 byt
     return (uint32_t)s[0] | (uint32_t)s[1] << 8 | (uint32_t)s[2] << 16 | (uint32_t)s[3] << 24;
 }
 
-/* Passes the header of a gzip member; returns whether it is one. */
+/* Passes the header of a gzip member.  Returns whether it is one. */
 static int pbwio__gzip_header(pbwio__inflater *z)
 {
     int flags, text;
@@ -914,7 +914,7 @@ static int pbwio__find(const pbwio__field *names, int count, const char *name, s
     return pbwio__natural(wanted, &number) && number >= 1 && number <= 1000000 ? (int)number - 1 : -1;
 }
 
-/* Says that a name is none of those that there are, of which it names some. */
+/* Reports an unknown name, with some of the names that exist. */
 static void pbwio__no_column(pbwio__reader *r, const char *name, size_t length, const pbwio__field *names, int count)
 {
     char text[300];
@@ -1187,9 +1187,9 @@ static int pbwio__read_molecule(pbwio__reader *r, pbwio__reader head, long long 
     return 1;
 }
 
-/* A first line of natural numbers may be the count that .pts files and molecules start with, the dimension before the
-   count (Qhull), or a count and a dimension or others; passes it.  One that may as well be a point is refused.
-   Returns 1 if all is read. */
+/* Passes a first line of natural numbers that is the count of a .pts file or a molecule, the dimension before the
+   count (Qhull), or a count and a dimension or other numbers.  Refuses one that may as well be a point.  Returns 1 if
+   all is read. */
 static int pbwio__pass_counts(pbwio__reader *r)
 {
     pbwio__reader look = *r, after;
@@ -2201,7 +2201,7 @@ static void pbwio__vtu_tags(pbwio__reader *r, pbwio__vtu *v)
     }
 }
 
-/* Decodes the next count bytes of base64, which end with a group of four letters; returns whether they are there. */
+/* Decodes the next count bytes of base64, which end with a group of four letters.  Returns whether they are there. */
 static int pbwio__base64(const char **at, const char *end, unsigned char *out, size_t count)
 {
     static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -2856,7 +2856,7 @@ static int pbwio__on_hull(const pbwio__writer *w, size_t simplex, size_t k)
     return w->mesh->neighbors != NULL && (other == PBW_NONE || !pbwio__kept(w, other));
 }
 
-/* The corners of the facet or simplex at hand; returns how many. */
+/* The corners of the facet or simplex at hand.  Returns how many. */
 static size_t pbwio__corners(const pbwio__writer *w, pbw_index corner[4])
 {
     const pbw_index *all = w->mesh->simplices + w->corners * w->simplex;
@@ -2873,7 +2873,7 @@ static void pbwio__rewind(pbwio__writer *w)
     w->k = (size_t)-1;
 }
 
-/* Goes on to the next simplex that is kept, or to the next facet of their hull; 0: there is none. */
+/* Steps to the next simplex that is kept, or to the next facet of their hull.  Returns 0 if there is none. */
 static int pbwio__step(pbwio__writer *w, int facets)
 {
     for (w->k++; w->simplex < w->mesh->simplex_count; w->simplex++, w->k = 0) {
@@ -2909,7 +2909,7 @@ static unsigned char *pbwio__touched(pbwio__writer *w, int facets)
     return touched;
 }
 
-/* Numbers the points that the file will hold, the corners of what is written; returns whether there is memory. */
+/* Numbers the points that the file will hold, the corners of what is written.  Returns whether there is memory. */
 static int pbwio__number_points(pbwio__writer *w, int facets)
 {
     size_t i, size = (w->mesh->point_count + 1) * sizeof *w->number * (w->items != NULL ? 2 : 1);
@@ -3209,7 +3209,7 @@ static int pbwio__compare_items(const void *a, const void *b)
          : x->cell != y->cell ? (x->cell > y->cell) - (x->cell < y->cell) : (x->k > y->k) - (x->k < y->k);
 }
 
-/* Fills in facet k of the simplex at hand, or the simplex itself, k = corners; returns whether it is written: facets
+/* Fills in facet k of the simplex at hand, or the simplex itself, k = corners.  Returns whether it is written: facets
    on the hull, and those to a simplex of a higher region. */
 static int pbwio__make_item(const pbwio__writer *w, size_t k, pbwio__item *item)
 {
@@ -3247,7 +3247,7 @@ static void pbwio__sort_items(pbwio__item *items, size_t from, size_t to)
     }
 }
 
-/* Lists and sorts facets and simplices; returns whether there is memory. */
+/* Lists and sorts facets and simplices.  Returns whether there is memory. */
 static int pbwio__list_items(pbwio__writer *w)
 {
     const size_t room = w->cell_count * (w->corners + 1);
@@ -3317,7 +3317,7 @@ static int pbwio__group(const pbwio__writer *w, const pbwio__item *item, char na
     return (int)number + 1;
 }
 
-/* Whether edge i of the caller's is in the file. */
+/* Returns whether edge i of the caller's is in the file. */
 static int pbwio__has_edge(const pbwio__writer *w, size_t i)
 {
     const pbw_index *edge = w->output->edges + 2 * i;
@@ -3963,7 +3963,7 @@ static char *pbwio__target(const char *path, size_t extra)
 }
 #endif
 
-/* Writes to a stream and closes it, unless it is the standard output; returns whether that failed. */
+/* Writes to a stream and closes it, unless it is the standard output.  Returns whether that failed. */
 static int pbwio__stream(FILE *file, void (*emit)(void *user, FILE *file), void *user)
 {
     int failed;
@@ -4047,7 +4047,7 @@ static void pbwio__emit(void *user, FILE *file)
     pbwio__flush(w);
 }
 
-/* Sets what the kind of file, the mesh and the caller's output say; counts the simplices to write. */
+/* Sets up the writer from the kind of file, the mesh and the caller's output; counts the simplices to write. */
 static void pbwio__writer_start(pbwio__writer *w, const pbwio__kind *kind, const pbw_mesh *mesh, size_t corners,
                                 const pbwio_output *output)
 {

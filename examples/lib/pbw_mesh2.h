@@ -20,20 +20,20 @@
        pbw_plane_free(&plane);
 
    HOW
-   Segments go into the Delaunay triangulation of the points one by one: the triangles that a segment crosses are
-   replaced on both sides of it.  The tie rule of pbw.h makes the result unique: the constrained triangulation of the
-   set of points and segments, whatever their order.  Refinement inserts points where an angle or a size is not as
-   wanted, and splits segments that such points come close to.  Rooms, in order: memory, signs, segments, crossings,
-   domain, refinement, result.
+   Segments are inserted into the Delaunay triangulation of the points one by one: the triangles that a segment
+   crosses are replaced on both sides of it.  The tie rule of pbw.h makes the result unique: the constrained
+   triangulation of the set of points and segments, whatever their order.  Refinement inserts points where an angle or
+   a size is not as wanted, and splits segments that such points come close to.  Rooms, in order: memory, signs,
+   segments, crossings, domain, refinement, result.
 
    PROMISES  (tests/test_mesh2.c guards them)
      exact       no tolerance decides which triangles there are; segments are never moved to fit
      one answer  the same triangles for every order of points, segments and their ends, and for any number of threads
-     whole       every segment is there as a chain of edges, and each such edge knows its segments
+     whole       every segment is a chain of edges, and each such edge lists its segments
      bounded     every call ends: refinement makes no edge shorter than 1e-10 of the domain; no recursion
 
-   A point of refinement on a segment is rounded to doubles, so that it lies beside the segment by at most an ulp of
-   the coordinates.  The two parts of the segment are then the constraints.
+   A point of refinement on a segment is rounded to doubles, so it lies at most an ulp of the coordinates beside the
+   segment.  The two parts of the segment are then the constraints.
 
    LIMITS
      A segment that crosses n edges takes time n^2 at worst, n log n as a rule.  Refinement needs coordinates of at
@@ -146,14 +146,15 @@ typedef struct pbw_plane {                 /* start from {0}; read, do not write
     void *memory;                          /* private */
 } pbw_plane;
 
-/* Triangulates a domain.  Zero-length segments are passed over; overlapping ones share edges.  A segment through a
-   point is split there.  PBW_DEGENERATE: all points are on one line, and there are no triangles.  Else fails as
-   pbw_triangulate does; PBW_ERROR_ARGUMENT also for segments of points that are not there, segments that cross, and
-   segments that do not close where the rule counts windings.  After a failure, plane has what and crossings only. */
+/* Triangulates a domain.  Segments without length are ignored; overlapping ones have edges in common.  A segment
+   through a point is split there.  PBW_DEGENERATE: all points are on one line, and there are no triangles.  Otherwise
+   fails as pbw_triangulate does; PBW_ERROR_ARGUMENT also for segments with ids out of range, segments that cross, and
+   segments that are not closed although the rule counts windings.  After a failure, plane has only what and
+   crossings. */
 PBWMESH2DEF pbw_status pbw_plane_make(const pbw_plane_input *input, const pbw_plane_options *options,
                                       pbw_plane *plane);
-/* The same for polygons with holes: rings of points, ring i being points first[i] .. first[i+1]-1, closed and in any
-   direction; by options->rule, PBW_PLANE_HULL standing for PBW_PLANE_EVEN_ODD.  Segment k is from point k onwards. */
+/* Triangulates polygons with holes: closed rings of points in any direction, ring i being points first[i] ..
+   first[i+1]-1.  Uses options->rule, where PBW_PLANE_HULL means PBW_PLANE_EVEN_ODD.  Segment k starts at point k. */
 PBWMESH2DEF pbw_status pbw_plane_rings(const double *points, const size_t *first, size_t ring_count,
                                        const pbw_plane_options *options, pbw_plane *plane);
 /* Frees what a plane holds and zeroes it; fine on {0}, fine twice. */
@@ -178,7 +179,7 @@ extern int madvise(void *address, size_t length, int advice);        /* strict C
 #endif
 #endif
 
-/* Contraction off: other coordinates would come out where a compiler fuses. */
+/* No contraction: fused operations would give other coordinates. */
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)
@@ -198,9 +199,9 @@ typedef struct pbwp__memory {
 
 typedef struct pbwp__array { void *data; size_t count, bytes; } pbwp__array;     /* count: the owner's */
 
-/* Large blocks get huge pages where there are any: page faults take a fifth of a call without.  The advice is for
-   the pages at the ends too, where other bytes may be: realloc copies a mapping in two parts, and moves a whole one.
-   */
+/* Large blocks get huge pages if there are any: without them page faults take a fifth of a call.  The pages at both
+   ends get the advice too, although other bytes may be there: realloc moves a uniform mapping, but copies a mixed
+   one. */
 static void *pbwp__default_resize(void *user, void *ptr, size_t old_size, size_t new_size)
 {
     void *block;
@@ -280,8 +281,8 @@ static int pbwp__push(pbwp__memory *memory, pbwp__array *array, pbw_index item)
 /* ------------------------------------------------------------------------------------------------------
    The job, and its triangles.
    Triangle t has corners v, counter-clockwise.  Edge i is opposite to corner i; link[i] is the code 4 t' + i' of that
-   edge in the triangle beyond, or PBW_NONE.  edge[i] is what stands on it: PBW_NONE, a piece, or a group of pieces.
-   A slot that is free has v[0] = PBW_NONE, and link[0] leads to the next free one.
+   edge in the triangle beyond, or PBW_NONE.  edge[i] is its constraint: PBW_NONE, a piece, or a group of pieces.
+   A free slot has v[0] = PBW_NONE, and link[0] leads to the next free one.
    Vertices are numbered along the curve of pbw_order; later points follow.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwp__triangle {
@@ -290,8 +291,8 @@ typedef struct pbwp__triangle {
 } pbwp__triangle;
 
 typedef struct pbwp__piece { pbw_index a, b, id; } pbwp__piece;      /* of the caller's segment id, from a to b */
-/* A vertex of a chain; the slot for the triangle whose apex it becomes, PBW_NONE: any free one; what is beyond the
-   edge to the next vertex, and stands on it.  4 i + 3 as a link: that edge is also the one from vertex i. */
+/* A vertex of a chain.  slot: for the triangle with this apex, PBW_NONE: any free one.  link, edge: of the edge to
+   the next vertex; link 4 i + 3: that edge is also the one from vertex i. */
 typedef struct pbwp__joint { pbw_index v, slot, link, edge; } pbwp__joint;
 typedef struct pbwp__group { pbw_index piece, rest; } pbwp__group;   /* rest: a piece, or a further group */
 
@@ -335,7 +336,7 @@ static pbw_status pbwp__say(pbwp__job *job, pbw_status status, const char *text)
     return status;
 }
 
-/* Called in every loop that may be long; nonzero: cancelled. */
+/* Every loop that may be long calls it.  Returns nonzero if the call is cancelled. */
 static int pbwp__step(pbwp__job *job, double done)
 {
     if ((++job->steps & 1023) != 0 || job->build->progress == NULL) {
@@ -344,7 +345,7 @@ static int pbwp__step(pbwp__job *job, double done)
     return job->build->progress(job->build->progress_user, PBW_STAGE_WORK, done);
 }
 
-/* A free slot; the caller has made sure that there is one.  Invalidates no pointer. */
+/* Takes a free slot, which the caller has reserved.  Invalidates no pointer. */
 static pbw_index pbwp__take_slot(pbwp__job *job)
 {
     pbw_index slot = job->free_slot;
@@ -436,14 +437,14 @@ static int pbwp__conflict_at(const pbwp__job *job, const double *a, const double
     return det > bound ? 1 : det < -bound ? 0 : pbw_conflict2(a, b, c, d, NULL);
 }
 
-/* Whether d is in conflict with the triangle a b c: in its circle, ties by the rule of pbw.h. */
+/* Returns whether d is in conflict with the triangle a b c: in its circle, ties by the rule of pbw.h. */
 static int pbwp__conflict(const pbwp__job *job, pbw_index a, pbw_index b, pbw_index c, pbw_index d)
 {
     const double *p = job->p;
     return pbwp__conflict_at(job, p + 2 * (size_t)a, p + 2 * (size_t)b, p + 2 * (size_t)c, p + 2 * (size_t)d);
 }
 
-/* The order of points along every line, in one of its two directions. */
+/* Returns whether a comes before b in an order that is monotonic along every line. */
 static int pbwp__before(const pbwp__job *job, pbw_index a, pbw_index b)
 {
     const double *p = job->p + 2 * (size_t)a, *q = job->p + 2 * (size_t)b;
@@ -452,18 +453,18 @@ static int pbwp__before(const pbwp__job *job, pbw_index a, pbw_index b)
 
 /* ------------------------------------------------------------------------------------------------------
    Segments.
-   In: a constrained triangulation, a segment.  Out: that with the segment in it, or the fact that it crosses another.
+   In: a constrained triangulation, a segment.  Out: the triangulation with the segment, or that it crosses another.
    Holds: every free edge is locally regular, before and after.
 
    The triangles that a segment crosses leave a cavity, a polygon on each side of it, whose border is a chain of
    edges.  A polygon is refilled from its base: the apex of the triangle there is the vertex of the chain in whose
    circle no other lies, and both sides of the triangle are bases of smaller polygons (Anglada 1997).  A chain passes
-   twice along an edge that sticks out into the cavity; then the corner counts that the triangle lies in, and the side
-   of the edge that is filled first leaves its code to the other.  New triangles take the slots of the old: what is
-   near in the plane stays near in memory.
+   an edge that sticks out into the cavity twice; then the corner with the triangle in it counts, and the side of the
+   edge that is filled first leaves its code to the other side.  New triangles take the slots of the old ones, so that
+   neighbours stay close in memory.
    ------------------------------------------------------------------------------------------------------ */
 
-/* Whether the direction from u to x lies in the turn from u-from counter-clockwise to u-to, ends included. */
+/* Returns whether the direction u-x is in the counter-clockwise turn from u-from to u-to, ends included. */
 static int pbwp__in_turn(const pbwp__job *job, pbw_index u, pbw_index from, pbw_index to, pbw_index x)
 {
     const int turn = from == to ? -1 : pbwp__orient(job, u, from, to);
@@ -476,8 +477,8 @@ static int pbwp__in_turn(const pbwp__job *job, pbw_index u, pbw_index from, pbw_
     return !(pbwp__orient(job, u, to, x) > 0 && pbwp__orient(job, u, x, from) > 0);
 }
 
-/* The place in the chain, between the places low and high, of the apex of the triangle on that base; 0 if no vertex
-   is on the inner side of it, which does not happen to the cavity of a segment. */
+/* Returns the place of the apex for the base between places low and high of the chain; 0 if no vertex between them is
+   on the inner side, which cannot happen in the cavity of a segment. */
 static size_t pbwp__apex(const pbwp__job *job, const pbwp__joint *chain, size_t low, size_t high)
 {
     const pbw_index a = chain[low].v, b = chain[high].v;
@@ -603,8 +604,8 @@ static int pbwp__spin_on(const pbwp__job *job, pbwp__spin *spin)
     return spin->corner != PBW_NONE && spin->corner != spin->start;
 }
 
-/* The code of the edge between two vertices, in one of its triangles; PBW_NONE if there is none: then *fewer is 1 if
-   b has fewer triangles than a.  Looks round both by turns, as one may be a hub. */
+/* Returns the code of the edge between two vertices, in one of its triangles; PBW_NONE if there is none, and *fewer
+   is then 1 if b has fewer triangles than a.  Searches round both alternately, as one may be a hub. */
 static pbw_index pbwp__look(const pbwp__job *job, pbw_index a, pbw_index b, int *fewer)
 {
     pbwp__spin spin[2];
@@ -634,8 +635,8 @@ static pbw_index pbwp__find_edge(const pbwp__job *job, pbw_index a, pbw_index b)
     return pbwp__look(job, a, b, &unused);
 }
 
-/* Where the segment from a to b, which is no edge, leaves the star of a: the corner at a of the triangle whose
-   opposite edge it crosses; or sets *through to the neighbour of a that it passes through. */
+/* For a segment from a to b that is no edge: returns the corner at a of the triangle by which it leaves the star of
+   a, across the opposite edge; or sets *through to the neighbour of a that it passes through. */
 static pbw_index pbwp__find_exit(const pbwp__job *job, pbw_index a, pbw_index b, pbw_index *through)
 {
     const pbw_index start = pbwp__corner_of(job, a);
@@ -690,9 +691,9 @@ static int pbwp__dig_old(pbwp__job *job, pbw_index slot)
     return pbwp__push(&job->memory, &job->old, slot);
 }
 
-/* Collects the cavity of a segment from a towards b: both chains, and the old triangles.  Returns the vertex where
-   the segment comes to the end of it: b, or one that lies on it; PBW_NONE without memory, or if it crosses a segment
-   (then *crossed is that edge). */
+/* Collects the cavity of a segment from a towards b: both chains, and the old triangles.  Returns the vertex at its
+   end: b, or another one on the segment; PBW_NONE without memory, or if it crosses a segment (then *crossed is that
+   edge). */
 static pbw_index pbwp__cavity(pbwp__job *job, pbw_index corner, pbw_index b, pbw_index *crossed)
 {
     const unsigned i = PBWP__SIDE(corner);
@@ -1173,8 +1174,8 @@ static pbw_status pbwp__find_pairs(pbwp__job *job, pbwp__array *pairs)
     return status == PBW_OK ? status : pbwp__say(job, status, NULL);
 }
 
-/* Cuts segments at the points on them, so that where two parts cross there is no point.  Walks through the
-   triangulation of the points, without constraints. */
+/* Cuts segments at the points on them, so that no point is where two parts cross.  Walks through the triangulation of
+   the points, without constraints. */
 static pbw_status pbwp__cut_at_points(pbwp__job *job)
 {
     const pbw_index *vertex = PBWP__INDICES(job->vertex), *original = PBWP__INDICES(job->original);
@@ -1237,10 +1238,10 @@ static pbwp__dd pbwp__dd_minor(pbwp__dd a, pbwp__dd b, pbwp__dd c, pbwp__dd d)  
     return pbwp__dd_sum(s.high, s.low + (x.low - y.low));
 }
 
-/* The crossing of a-b with c-d, where corner is a, b, c, d, rounded to the grid of doubles below 2^exponent, which no
-   coordinate reaches: to the nearest point but where the segments are parallel to 14 digits.  On the finer grid about
-   0, rounded crossings would go on to make new ones.  Never outside of the boxes of both.  Returns how far along a-b
-   it is, 0..1. */
+/* Computes the crossing of a-b with c-d, where corner is a, b, c, d.  It is rounded to the grid of the doubles just
+   below 2^exponent, which no coordinate reaches: to the nearest point unless the segments are parallel to 14 digits,
+   and never outside of the boxes of both.  On the finer grid near 0, rounded crossings would keep making new ones.
+   Returns how far along a-b it is, 0 to 1. */
 static double pbwp__crossing(const double *const corner[4], int exponent, double out[2])
 {
     double x[4][2], at;
@@ -1318,7 +1319,7 @@ static int pbwp__cut_pair(pbwp__job *job, pbwp__cut pair, int exponent, double n
         && pbwp__add_cut(job, cuts, number[1], point, turned[1] ? 1 - at[1] : at[1]);
 }
 
-/* Makes the parts between cuts, which are sorted, the segments. */
+/* Replaces the segments by their parts between cuts, which are sorted. */
 static int pbwp__cut_segments(pbwp__job *job, const pbwp__array *cuts)
 {
     const pbwp__cut *cut = (const pbwp__cut *)cuts->data;
@@ -1343,9 +1344,9 @@ static int pbwp__cut_segments(pbwp__job *job, const pbwp__array *cuts)
     return 1;
 }
 
-/* Cuts segments at their crossings: adds points to given, and makes the parts the segments.  A part beside a point by
-   an ulp may chase its crossings from round to round: a crossing near an end is moved there, from the second round
-   on, and what is near doubles from round to round. */
+/* Cuts segments at their crossings: adds points to given, and replaces segments by their parts.  A part that passes
+   an ulp beside a point could have new crossings in every round, so from the second round on a crossing near an end
+   is moved there, and the distance that counts as near doubles from round to round. */
 static pbw_status pbwp__split(pbwp__job *job, const pbwp__array *pairs)
 {
     pbwp__array cuts;
@@ -1396,8 +1397,8 @@ static pbw_status pbwp__refuse(pbwp__job *job, pbwp__array *pairs)
     return PBW_ERROR_ARGUMENT;
 }
 
-/* The constrained triangulation, after as many rounds of splitting as are needed.  One or two are the rule; where
-   coordinates of very different exponents meet, parts can go on to cross as they bend, and the call gives up. */
+/* Makes the constrained triangulation, after as many rounds of splitting as it needs, mostly one or two.  If
+   coordinates have very different exponents, bent parts can keep crossing, and the call gives up. */
 static pbw_status pbwp__constrain_all(pbwp__job *job)
 {
     pbwp__array pairs;
@@ -1433,11 +1434,11 @@ static pbw_status pbwp__constrain_all(pbwp__job *job)
 /* ------------------------------------------------------------------------------------------------------
    Domain: which triangles belong to it.
    In: the constrained triangulation of the convex hull.  Out: regions, their winding numbers; the other triangles are
-   gone, and every edge on the border is a constraint.
+   removed, and every edge on the border is a constraint.
 
-   Components are what can be reached without crossing a constraint; component 0 is what can be reached from outside.
-   A constraint with one component on both sides, such as a segment that sticks out, separates nothing.  From one
-   component to another the winding number changes by the pieces on the edge between, each with its direction.
+   A component is a set of triangles connected without crossing a constraint; component 0 is connected to the outside.
+   A constraint with one component on both sides, such as a segment that sticks out, separates nothing.  Between two
+   components the winding number changes by the pieces on the edge between them, each with its direction.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwp__component {
     size_t first, count;                   /* codes of the edges of segments round it, in item_of */
@@ -1477,8 +1478,8 @@ static pbw_index pbwp__root(pbw_index *parent, pbw_index item)
 }
 
 /* Joins triangles across free edges: item i + 1 of parent stands for slot i, item 0 for the outside.  The sweep in
-   the order of slots stays in the cache; without branches where all neighbours before have one parent, as most have.
-   Marks free edges of the hull as border. */
+   the order of slots stays in the cache; it is branchless in the common case that all earlier neighbours have one
+   parent. Marks free edges of the hull as border. */
 static void pbwp__join_components(pbwp__job *job, pbw_index *parent)
 {
     size_t i;
@@ -1766,24 +1767,23 @@ static pbw_status pbwp__find_domain(pbwp__job *job)
 /* ------------------------------------------------------------------------------------------------------
    Refinement: no angle below the bound, no triangle above its size.
    In: the domain.  Out: the domain with more points.
-   Holds: the constrained Delaunay triangulation of the points and parts of segments there are, after each step.
+   Holds: after each step it is the constrained Delaunay triangulation of its points and parts of segments.
 
-   Three kinds of work, the first that there is first:
-     segments   that a point encroaches upon, lying in their lens: it sees them at more than 180 - 2 bound degrees
+   Three kinds of work, in this order of precedence:
+     segments   that a point in their lens encroaches upon: it sees them at more than 180 - 2 bound degrees
      sizes      triangles that are too large, the last first: a point goes to their circumcentre
      angles     triangles with an angle below the bound, those with the shortest edge first: a point goes to their
                 circumcentre, or nearer to the shortest edge, where a triangle with just the bound comes out (the
                 off-centre of Ungor 2009)
    A point that would encroach upon segments, or lies beyond one, is not inserted: those segments are split.  Free
    points in the diametral circle of a segment are removed before it is split (Chew 1993).
-   It ends: a segment with one end of the input is split at a power of two from there, so that segments which meet at
-   a small angle are split at one distance; a triangle whose shortest edge joins two such points is left alone, as is
-   an angle between two segments (Miller, Pav and Walkington 2003).  Where two segments meet at a sine below 1/32,
-   points of one encroach upon nothing of the other, as splits at different distances would go on until they are as
-   short as the segments are apart; triangles from one to the other are left alone.  No split makes an edge shorter
-   than 1e-10 of the domain, so that points are apart and finitely many.  Triangles that are flatter than that are
-   left alone too, and encroach upon nothing: two segments can be so near to each other, over their whole length, for
-   one ulp of a point.
+   It ends: a segment with one end of the input is split at a power of two from there, so segments that meet at a
+   small angle are split at the same distance.  A triangle is left alone if its shortest edge joins two such points,
+   and so is an angle between two segments (Miller, Pav and Walkington 2003).  If two segments meet at a sine below
+   1/32, points of one do not encroach upon the other, as splits at different distances would continue down to the
+   distance of the segments; triangles from one to the other are left alone.  No split makes an edge shorter than
+   1e-10 of the domain, so there are finitely many points.  Triangles flatter than that are left alone too, and
+   encroach upon nothing: one ulp of a point can bring two segments so close together over their whole length.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwp__host {                /* an edge of the constrained triangulation */
     pbw_index a, b, edge;
@@ -1837,21 +1837,21 @@ static void pbwp__add(pbwp__refiner *r, pbwp__array *array, pbw_index item)
     r->no_memory |= !pbwp__push(&r->job->memory, array, item);
 }
 
-/* Whether a point is in the lens of the segment u-v. */
+/* Returns whether a point is in the lens of the segment u-v. */
 static int pbwp__in_lens(const pbwp__refiner *r, const double *u, const double *v, const double *p)
 {
     const double dot = (u[0] - p[0]) * (v[0] - p[0]) + (u[1] - p[1]) * (v[1] - p[1]);
     return dot < 0 && dot * dot >= r->lens2 * pbwp__distance2(u, p) * pbwp__distance2(v, p);
 }
 
-/* Whether c is nearer to the line a-b than the least length of edges. */
+/* Returns whether c is nearer to the line a-b than the least length of edges. */
 static int pbwp__is_flat(const pbwp__refiner *r, const double *a, const double *b, const double *c)
 {
     const double twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     return twice * twice < r->least2 * pbwp__distance2(a, b);
 }
 
-/* Whether vertex v is on another segment from point z of the input than that of host. */
+/* Returns whether vertex v is on a segment at point z of the input that is not the host's. */
 static int pbwp__is_on_leg(const pbwp__refiner *r, pbw_index v, pbw_index z, pbw_index host)
 {
     const pbwp__job *job = r->job;
@@ -1876,8 +1876,8 @@ static int pbwp__is_on_leg(const pbwp__refiner *r, pbw_index v, pbw_index z, pbw
     return 0;
 }
 
-/* Whether side k is an edge of a segment, and corner k is on another that meets it at a sine below 1/32.  Conforming
-   meshes have no such exception. */
+/* Returns whether side k is an edge of a segment, and corner k is on another one that meets it at a sine below 1/32.
+   Conforming meshes have no such exception. */
 static int pbwp__is_narrow(const pbwp__refiner *r, const pbwp__triangle *t, unsigned k)
 {
     const double *p = pbwp__point(r, t->v[k]), *u = pbwp__point(r, t->v[pbwp__next[k]]);
@@ -1894,7 +1894,7 @@ static int pbwp__is_narrow(const pbwp__refiner *r, const pbwp__triangle *t, unsi
     return narrow;
 }
 
-/* Whether the corner across from side k of t, an edge of a segment, encroaches upon it. */
+/* Returns whether the corner across from side k of t, an edge of a segment, encroaches upon it. */
 static int pbwp__encroaches(const pbwp__refiner *r, const pbwp__triangle *t, unsigned k)
 {
     const double *u = pbwp__point(r, t->v[pbwp__next[k]]), *v = pbwp__point(r, t->v[pbwp__last[k]]);
@@ -1913,8 +1913,8 @@ static int pbwp__may_split(const pbwp__refiner *r, pbw_index code)
 
 /* ---- what is wrong with a triangle */
 
-/* Whether u and w are at one distance from a point of the input, on two segments that meet there at less than 60
-   degrees: at more, an edge that joins them is longer than the distance, so that lengths do not fall. */
+/* Returns whether u and w are at the same distance from a point of the input, on two segments that meet there at less
+   than 60 degrees: at 60 or more, an edge between them is no shorter than that distance, so lengths do not fall. */
 static int pbwp__are_twins(const pbwp__refiner *r, pbw_index u, pbw_index w)
 {
     const pbw_index hu = pbwp__vertex_host(r, u), hw = pbwp__vertex_host(r, w);
@@ -1950,7 +1950,7 @@ static double pbwp__most(double a, double b)
     return a < b ? b : a;
 }
 
-/* Whether a triangle has an angle below the bound; squares the length of its shortest edge.  No branches. */
+/* Returns whether a triangle has an angle below the bound; squares the length of its shortest edge.  No branches. */
 static int pbwp__is_sharp(const pbwp__refiner *r, const pbwp__triangle *t, double *shortest2)
 {
     const double a = pbwp__side2(r, t, 0), b = pbwp__side2(r, t, 1), c = pbwp__side2(r, t, 2);
@@ -1966,7 +1966,7 @@ static unsigned pbwp__shortest(const pbwp__refiner *r, const pbwp__triangle *t)
     return a <= b && a <= c ? 0u : b <= c ? 1u : 2u;
 }
 
-/* Whether the small angle is one that points cannot mend: between two segments, or of a flat triangle. */
+/* Returns whether no point can mend the small angle: it is between two segments, or the triangle is flat. */
 static int pbwp__is_given(const pbwp__refiner *r, const pbwp__triangle *t, unsigned shortest)
 {
     const double *a = pbwp__point(r, t->v[0]), *b = pbwp__point(r, t->v[1]), *c = pbwp__point(r, t->v[2]);
@@ -2021,8 +2021,8 @@ static int pbwp__class_of(const pbwp__refiner *r, double length2)
     return exponent < 0 ? 0 : exponent >= PBWP__CLASSES ? PBWP__CLASSES - 1 : exponent;
 }
 
-/* ---- queues: most triangles are gone before their turn comes; a mark tells them from what has their slot by then,
-   without their points */
+/* ---- queues: most triangles are deleted before their turn; a mark tells whether the slot still has the queued one,
+   without reading points */
 
 static pbw_index pbwp__mark_of(const pbwp__triangle *t)
 {
@@ -2035,8 +2035,8 @@ static void pbwp__enqueue(pbwp__refiner *r, pbwp__array *queue, pbw_index slot)
     pbwp__add(r, queue, pbwp__mark_of(r->job->t + slot));
 }
 
-/* Takes the last triangle off a queue.  Returns its slot, PBW_NONE if another is there: that has its own place in a
-   queue.  Loads the fourth after it, and the points of the second. */
+/* Takes the last triangle off a queue.  Returns its slot, PBW_NONE if the slot has another triangle by now: that has
+   its own entry.  Prefetches the fourth after it, and the points of the second. */
 static pbw_index pbwp__dequeue(const pbwp__refiner *r, pbwp__array *queue)
 {
     const pbw_index *item = PBWP__INDICES(*queue) + (queue->count -= 2);
@@ -2090,7 +2090,7 @@ static void pbwp__dig_here(pbwp__refiner *r, pbw_index slot)
     pbwp__add(r, &r->slots, slot);
 }
 
-/* Digs on from the triangles in slots: all that are in conflict with p, without crossing a segment. */
+/* Extends the cavity from the triangles in slots to all in conflict with p, without crossing a segment. */
 static void pbwp__dig(pbwp__refiner *r, const double *p)
 {
     pbwp__job *job = r->job;
@@ -2136,7 +2136,7 @@ static void pbwp__undig(pbwp__refiner *r)
     }
 }
 
-/* Whether p sees every edge of the rim from inside. */
+/* Returns whether p sees every edge of the rim from inside. */
 static int pbwp__is_star(const pbwp__refiner *r, const double *p)
 {
     const pbwp__rim *rim = (const pbwp__rim *)r->rim.data;
@@ -2225,8 +2225,8 @@ static void pbwp__legalise(pbwp__refiner *r)
     }
 }
 
-/* Fills the cavity with triangles at vertex p, and looks at them.  a, b, edge: p splits that segment; else PBW_NONE.
-   */
+/* Fills the cavity with triangles at vertex p, and examines them.  a, b, edge: the segment that p splits, or
+   PBW_NONE. */
 static int pbwp__refill_star(pbwp__refiner *r, pbw_index p, pbw_index a, pbw_index b, pbw_index edge)
 {
     pbwp__job *job = r->job;
@@ -2277,7 +2277,7 @@ static int pbwp__refill_star(pbwp__refiner *r, pbw_index p, pbw_index a, pbw_ind
 
 /* ---- removing a vertex */
 
-/* Whether the new triangles are positive and locally regular. */
+/* Returns whether the new triangles are positive and locally regular. */
 static int pbwp__is_good_fill(const pbwp__job *job)
 {
     size_t i;
@@ -2300,7 +2300,7 @@ static int pbwp__is_good_fill(const pbwp__job *job)
     return 1;
 }
 
-/* Takes a free vertex out of the triangulation.  Returns 0, with nothing changed, where that cannot be done. */
+/* Removes a free vertex.  Returns 0, with nothing changed, if that is impossible. */
 static int pbwp__remove(pbwp__refiner *r, pbw_index vertex)
 {
     pbwp__job *job = r->job;
@@ -2382,8 +2382,8 @@ static void pbwp__clear(pbwp__refiner *r, pbw_index u, pbw_index v)
 
 /* ---- sizes at vertices */
 
-/* What a region bids its edges: the longest that a triangle of 30 degrees and the region's area has, so that sizes
-   grow from there, and no triangle in the region becomes smaller. */
+/* Returns the size for the edges of a region: the longest edge of a triangle with angles of 30 degrees and the
+   region's area, so that sizes grow from there, and no triangle in the region becomes smaller. */
 static double pbwp__size_of_region(const pbwp__refiner *r, const pbwp__triangle *t)
 {
     const pbwp__job *job = r->job;
@@ -2400,7 +2400,7 @@ static double pbwp__size_at(const pbwp__refiner *r, pbw_index v)
     return size > 0 ? size : 1e60;
 }
 
-/* Once refinement has begun, a fall of less than a twentieth is none: each new vertex makes ways a little shorter. */
+/* During refinement, ignores a fall of less than a twentieth: each new vertex makes paths slightly shorter. */
 static void pbwp__lower(pbwp__refiner *r, pbw_index v, double size)
 {
     double *sizes = PBWP__DOUBLES(r->job->sizes);
@@ -2410,8 +2410,8 @@ static void pbwp__lower(pbwp__refiner *r, pbw_index v, double size)
     }
 }
 
-/* Lowers the neighbours of what was lowered, and theirs, to what sizes may grow to there.  It ends, as no size falls
-   by way of itself.  Looks again at the triangles there once refinement has begun. */
+/* Spreads lowered sizes to neighbours, and on, within the growth per distance.  It ends, as no size lowers itself.
+   During refinement, examines the triangles there again. */
 static void pbwp__spread(pbwp__refiner *r)
 {
     const pbwp__job *job = r->job;
@@ -2436,7 +2436,7 @@ static void pbwp__spread(pbwp__refiner *r)
     r->lowered.count = 0;
 }
 
-/* Lowers the size of a new vertex to what its neighbours, its region and its place let it have.  Returns 1, for its
+/* Lowers the size of a new vertex to the bounds by its neighbours, its region and its place.  Returns 1, for its
    callers. */
 static int pbwp__grade(pbwp__refiner *r, pbw_index v)
 {
@@ -2679,7 +2679,7 @@ static void pbwp__mend_large(pbwp__refiner *r)
     }
 }
 
-/* Looks for sharp triangles, once no triangle is too large: of those that there were before, most are gone. */
+/* Queues the sharp triangles once no triangle is too large; most earlier ones have been deleted by then. */
 static void pbwp__end_sizing(pbwp__refiner *r)
 {
     size_t i;
@@ -2727,8 +2727,8 @@ static int pbwp__find_hosts(pbwp__refiner *r)
     return 1;
 }
 
-/* Sizes of vertices: the caller's, and what they may grow to at the others.  A vertex where the domain has no width
-   has two stars, and the spread sees one: hence the rounds. */
+/* Sets the sizes of vertices: the caller's, and at the others what they may grow to.  At a vertex where the domain
+   touches itself there are two stars, and pbwp__spread sees one: hence the rounds. */
 static int pbwp__find_sizes(pbwp__refiner *r)
 {
     pbwp__job *job = r->job;
@@ -2924,8 +2924,8 @@ static int pbwp__sort_fan(pbwp__job *job, pbw_index *item, size_t count)
     return ok;
 }
 
-/* Fills item_of with the codes of first corners, in order; first_of with the code of the first corner for each slot
-   in use, the number of its triangle in place of the slot. */
+/* Fills item_of with the codes of first corners, in order; and first_of, per slot in use, with the code of the first
+   corner, in which the number of the triangle replaces the slot. */
 static int pbwp__sort_triangles(pbwp__job *job)
 {
     const size_t n = job->points.count, slots = job->triangles.count;
@@ -3048,7 +3048,7 @@ static int pbwp__out_regions(pbwp__job *job, pbwp__block *block)
     return 1;
 }
 
-/* Fills old with the codes of the edges of segments in the triangle that comes first of the two. */
+/* Fills old with the codes of the edges of segments, each in the earlier of its two triangles. */
 static int pbwp__out_triangles(pbwp__job *job, pbwp__block *block)
 {
     const pbw_index *item = PBWP__INDICES(job->item_of), *number = PBWP__INDICES(job->first_of);
@@ -3198,8 +3198,7 @@ static void pbwp__block_free(pbwp__block *block)
     pbwp__release(&memory, &self);
 }
 
-/* Hands the result over: all of it, or after a failure the crossings.  Nothing but what and crossings is left in
-   plane if memory is short. */
+/* Hands over the result, or after a failure the crossings.  If memory is short, plane has only what and crossings. */
 static pbw_status pbwp__hand_over(pbwp__job *job, pbw_status status)
 {
     pbwp__array self;

@@ -19,48 +19,46 @@
    takes the tetrahedra whose circumcentre is inside (restricted Delaunay triangulation: Boissonnat and Oudot 2005,
    "Provably good sampling and meshing of surfaces"), and adds points: where a facet's dual segment meets the surface
    farther than the size from the facet's corners, where a facet is far from the surface, on pieces of sharp edges
-   that are no edges (points in their diametral balls go), and where the boundary is no manifold; when nothing else
-   is left to add, on tips and ridges of the surface that are far from the boundary.  Then, or after options.rounds,
-   pbw_improve raises the least dihedral angle.
-   Sharp edges cut the surface into patches; tetrahedra between points of the surface that share no patch are inside
-   if their middle is.  Where that leaves faults, all is done again with the surface as one patch, and the attempt
-   with fewer faults is the result.
-   An implicit function is first turned into triangles, over the tetrahedra of a cubic grid (Kuhn 1960); samples are
-   then moved to where it is zero.
+   that are no edges (points in their diametral balls are removed), and where the boundary is no manifold; when
+   nothing else is left to add, on tips and ridges of the surface that are far from the boundary.  Then, or after
+   options.rounds, pbw_improve raises the least dihedral angle. Sharp edges cut the surface into patches; tetrahedra
+   between points of the surface without a common patch are inside if their middle is.  If that leaves faults, the
+   work is repeated with the surface as one patch, and the attempt with fewer faults is the result. An implicit
+   function is first turned into triangles, over the tetrahedra of a cubic grid (Kuhn 1960); samples are then moved to
+   where it is zero.
 
    PROMISES  (tests/test_mesh3.c guards them)
-     positive    tetrahedra are positively oriented, by exact signs; no point is corner of nothing
-     told        edges of the boundary, with walls of a region's, with other than two facets and points with several
-                 fans of facets are counted, with places; so are pieces of sharp edges that are missing, open edges of
-                 the input, and its sharp edges below 60 degrees
+     positive    tetrahedra are positively oriented, by exact signs; every point is a corner
+     told        the report counts, with places, boundary edges without exactly two facets and points with several
+                 fans of facets, with walls for each region's boundary; also missing pieces of sharp edges, open edges
+                 of the input, and its sharp edges below 60 degrees
      ends        after options.rounds rounds, whatever the input
      same        the same bytes for any number of threads
 
-   Sizes are those of the options, less where two sheets of the surface are near each other: three quarters of their
-   distance, but at least 1/6 of the size; also between sharp edges that do not meet, of a callback, and of the
-   curvature if options.curvature says so.  They grow by 0.35 for each unit of length.
-   Triangles of a shell are turned alike.  Holes of an open surface are named, and closed by triangles of least area
-   (Barequet and Sharir 1995) where these are less than three quarters of the shell's; inside is where the winding
-   number is above 1/2 then, so that a smooth membrane closes other holes.
+   Sizes are those of the options, but smaller where two sheets of the surface are near each other: three quarters of
+   their distance, but at least 1/6 of the size; likewise between sharp edges that do not meet.  A callback and, with
+   options.curvature, the curvature lower them too.  They grow by 0.35 for each unit of length.
+   Triangles of a shell are oriented alike.  Holes of an open surface are reported, and closed by triangles of least
+   area (Barequet and Sharir 1995) if this is below three quarters of the shell's area; then inside is where the
+   winding number is above 1/2, so a smooth membrane closes the other holes.
 
-   Sharp edges below 60 degrees are kept as others are; the tetrahedra at them have their angles.
+   Sharp edges below 60 degrees are kept like others; the tetrahedra at them have their angles.
 
    THREADS
    Samples, rounds, improvement and the report's distance are computed on all threads.  Several threads call `value`,
    `size_at` and the surface's queries at once, whatever options.rounds says, unless options.threads is 1: callbacks
    must not write to what they share.
 
-   Shells may have walls in common, given once or by each of them with the same corners: edges of more than two
-   triangles, and no open ones.  Then regions are what sides of triangles that see each other across edges enclose;
-   walls are interfaces, and edges at which three or more meet are sharp.  Each region's boundary is examined for
-   itself, and the Euler numbers are the sums over regions.
+   Shells may have walls in common, given once or by each of them with the same corners: edges with more than two
+   triangles, and no open ones.  Then the regions are enclosed by sides of triangles that see each other across edges;
+   walls are interfaces, and edges at which three or more meet are sharp.  Each region's boundary is examined
+   separately, and the Euler numbers are sums over regions.
 
-   DOES NOT  settle at walls and gaps below 1/10 of the size, nor always at acute edges: they come out with warnings.
-             Shells may be nested or cross; where they lie on one another with other triangles or in part, what is
-             between is no region, or noise.  Where four walls meet inside, facets of interfaces may cut the corner,
-             by up to 0.15 sizes: report.distance tells.  Points between two regions stay as they are laid.
-             Smooth tips sharper than a cone of 60 degrees may stay farther from the boundary than options.distance
-             says.
+   DOES NOT  settle at walls and gaps below 1/10 of the size, nor always at acute edges: it warns about these.
+             Shells may be nested or cross; if they coincide only in part, or with other triangles, the space between
+             is no region, or noise.  Where four walls meet inside, facets of interfaces may cut the corner, by up to
+             0.15 sizes: see report.distance.  Points between two regions are not moved.
+             Smooth tips sharper than a cone of 60 degrees may stay farther from the boundary than options.distance.
 
    CONFIGURATION MACROS
      PBW_MESH3_IMPLEMENTATION    in one source file: compile the implementation there
@@ -179,7 +177,7 @@ PBWMESH3DEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary);      /* 
 #include <string.h>
 #include <time.h>
 
-/* Contraction off: other coordinates would come out where a compiler fuses. */
+/* No contraction: fused operations would give other coordinates. */
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)
@@ -276,7 +274,7 @@ static int pbwm3__append(pbwm3__work *w, pbwsf__array *array, const void *item, 
     return 1;
 }
 
-/* Tells progress: a share of the present stage, which is a part of the whole.  Returns whether to stop. */
+/* Reports progress; share: of the current stage.  Returns whether to stop. */
 static int pbwm3__stops(const pbwm3__work *w, double share)
 {
     const double done = w->begin + (w->end - w->begin) * (w->from + (w->to - w->from) * share);
@@ -284,7 +282,7 @@ static int pbwm3__stops(const pbwm3__work *w, double share)
         && w->caller->progress(w->caller->progress_user, PBW_STAGE_WORK, done) != 0;
 }
 
-/* Progress of a call that is the present stage. */
+/* Reports the progress of a call that is the current stage. */
 static int pbwm3__part_stops(void *user, pbw_stage stage, double done)
 {
     (void)stage;
@@ -375,7 +373,7 @@ static void pbwm3__take_from_cell(pbwm3__work *w, pbw_index p)
     *link = ((pbw_index *)w->links.data)[p];
 }
 
-/* A new point on the patches of a set; returns its number, or PBW_NONE if there is no memory. */
+/* A new point on the patches of a set.  Returns its number, or PBW_NONE if there is no memory. */
 static pbw_index pbwm3__add(pbwm3__work *w, const double p[3], int kind, size_t set)
 {
     const pbw_index number = (pbw_index)w->x.count;
@@ -500,8 +498,8 @@ static pbw_index pbwm3__cross_edge(pbwm3__work *w, pbwm3__grid *g, size_t a, siz
     return *vertex;
 }
 
-/* The triangles of one tetrahedron, whose corners are nodes in ascending order, each a step of the cube from those
-   before; bits: their directions from the first. */
+/* Adds the triangles of one tetrahedron.  Its corners are nodes in ascending order; bits: the steps along the axes
+   from the first one to each. */
 static int pbwm3__cross_tet(pbwm3__work *w, pbwm3__grid *g, const size_t node[4], const int bits[4])
 {
     const double *value = (const double *)g->value.data;
@@ -582,7 +580,7 @@ static pbw_status pbwm3__root_range(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* The triangles' corners are edges of the grid first; then threads find the places on them. */
+/* Makes the triangles, with edges of the grid as corners; then threads find the places on these edges. */
 static pbw_status pbwm3__take_function(pbwm3__work *w)
 {
     pbwm3__grid g;
@@ -662,8 +660,8 @@ static size_t pbwm3__root_of(size_t *parent, size_t i)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Shells: what edges of two triangles join.  Their triangles are turned alike, closed ones outward; their holes are
-   listed, and closed by triangles where these are small.
+   Shells: triangles joined by edges with two triangles.  They are oriented alike, in closed shells outward; holes are
+   listed, and closed by triangles if these are small.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwm3__turned {             /* trees of triangles: turned as the parent, or not */
     size_t *parent;
@@ -731,7 +729,7 @@ static void pbwm3__turn_triangle(pbwm3__work *w, size_t t)
     c[2] = was;
 }
 
-/* Turns the triangles of each shell as most of them are, and numbers the shells by their first triangles. */
+/* Orients the triangles of each shell like the majority, and numbers the shells by their first triangles. */
 static int pbwm3__number_shells(pbwm3__work *w, const pbwm3__turned *trees)
 {
     const size_t count = w->triangles.count;
@@ -850,7 +848,7 @@ static int pbwm3__close_with(pbwm3__work *w, pbw_index a, pbw_index b, pbw_index
 
 enum { PBWM3__LOOP = 400 };                /* points of a loop whose least area is found; longer ones become fans */
 
-/* Closes a loop of n points by a fan around its middle; returns 0 without memory. */
+/* Closes a loop of n points by a fan around its middle.  Returns 0 without memory. */
 static int pbwm3__close_by_fan(pbwm3__work *w, const pbw_index *loop, size_t n, pbwm3__shell *shell, pbw_index number,
                                pbw_solid_hole *hole)
 {
@@ -1047,7 +1045,7 @@ static int pbwm3__turn_of(const pbwm3__leaf *leaf)
     return pbwsf__dot(n[0], n[1]) < 0 ? 2 : 0;
 }
 
-/* Around the edge, by exact signs. */
+/* Compares two triangles at an edge by their angles around it, by exact signs. */
 static int pbwm3__compare_leaves(const void *p, const void *q)
 {
     const pbwm3__leaf *x = (const pbwm3__leaf *)p, *y = (const pbwm3__leaf *)q;
@@ -1068,7 +1066,8 @@ static void pbwm3__join(size_t *parent, size_t a, size_t b)
     parent[a < b ? b : a] = a < b ? a : b;
 }
 
-/* Joins sides that see each other across an edge, and triangles at an edge to bodies: in `parent`, sides first. */
+/* Joins sides that see each other across an edge, and the triangles at an edge to bodies.  parent: sides, then
+   bodies. */
 static int pbwm3__join_sides(pbwm3__work *w, size_t *parent)
 {
     const size_t triangles = w->triangles.count, count = 3 * triangles;
@@ -1128,8 +1127,8 @@ static void pbwm3__fill_volumes(const pbwm3__work *w, size_t *parent, double *vo
     }
 }
 
-/* Shells of a complex of walls: sides of triangles that see each other across edges, and enclose a volume; numbered by
-   their first triangles, the side behind first. */
+/* Finds the shells of a complex of walls: sets of sides that see each other across edges and enclose a volume.  They
+   are numbered by their first triangles, the side behind before that in front. */
 static int pbwm3__find_walls(pbwm3__work *w)
 {
     const size_t triangles = w->triangles.count;
@@ -1263,8 +1262,8 @@ static void pbwm3__cross(void *user, pbw_index triangle, int front)
     }
 }
 
-/* Which shells are around p, without those of the body `own`: how many, and the innermost.  Where one ray crosses too
-   many, several follow, each for some of the shells. */
+/* Returns how many shells are around p, without those of the body `own`, and the innermost.  If one ray crosses too
+   many shells, several follow, each for some of them. */
 static pbwm3__crossed pbwm3__shells_around(const pbwm3__work *w, const double p[3], size_t own)
 {
     const pbwm3__shell *shells = (const pbwm3__shell *)w->shells.data;
@@ -1294,7 +1293,7 @@ static pbwm3__crossed pbwm3__shells_around(const pbwm3__work *w, const double p[
     return c;
 }
 
-/* The label of what a shell bounds, with walls: its number + 1, or 0 for a cavity. */
+/* With walls: returns the label inside a shell, its number + 1, or 0 for a cavity. */
 static int pbwm3__shell_label(const pbwm3__work *w, pbw_index shell)
 {
     return shell == PBW_NONE || (!w->nested && ((const pbwm3__shell *)w->shells.data)[shell].around % 2 == 1) ? 0
@@ -1336,8 +1335,8 @@ static void pbwm3__nest_shells(pbwm3__work *w)
     }
 }
 
-/* 0 outside, else the label of what p is in: 1, or the number of shells around it if they are nested.  Of an open
-   surface, what it winds around by more than half. */
+/* Returns the label at p: 0 outside, else 1, or with nested shells the number of shells around it.  Inside an open
+   surface is where its winding number is above 1/2. */
 static int pbwm3__inside(const pbwm3__work *w, const double p[3])
 {
     const double turns = w->walls ? 0 : w->open ? fabs(pbw_surface_winding(&w->surface, p))
@@ -1398,7 +1397,8 @@ static void pbwm3__project(void *user, double p[3])
    Sharp edges: found, and chained between corners.
    ------------------------------------------------------------------------------------------------------ */
 
-/* Whether an edge of two triangles bends by more than the feature angle.  Triangles without area bend nothing. */
+/* Returns whether an edge of two triangles bends by more than the feature angle.  Triangles without area bend
+   nothing. */
 static int pbwm3__is_sharp(const pbwm3__work *w, const pbwim__facet *edge)
 {
     double n[2][3];
@@ -1471,7 +1471,7 @@ static pbw_index pbwm3__patch_of(const pbwm3__work *w, pbw_index triangle)
          : w->input->patches != NULL ? w->input->patches[((const pbw_index *)w->origin.data)[triangle]] : 0;
 }
 
-/* Whether an edge is between two of the caller's patches. */
+/* Returns whether an edge is between two of the caller's patches. */
 static int pbwm3__has_border(const pbwm3__work *w, const pbwim__facet *edge)
 {
     const pbw_index a = pbwm3__patch_of(w, edge[0].t), b = pbwm3__patch_of(w, edge[1].t);
@@ -1547,7 +1547,7 @@ static pbw_index pbwm3__other_end(const pbwm3__graph *g, size_t edge, pbw_index 
     return g->ends[2 * edge] == v ? g->ends[2 * edge + 1] : g->ends[2 * edge];
 }
 
-/* Whether chains end at v: not two edges meet there, or two at an angle; angles of scans are noise. */
+/* Returns whether chains end at v: the edges there are not two, or form an angle.  In scans angles are noise. */
 static int pbwm3__is_corner(const pbwm3__work *w, const pbwm3__graph *g, pbw_index v)
 {
     const size_t *first = (const size_t *)g->first.data, *at = (const size_t *)g->at.data;
@@ -1735,7 +1735,7 @@ static int pbwm3__find_patches(pbwm3__work *w, pbwsf__array *list)
     return good;
 }
 
-/* Leaves out sharp edges of an open surface that are joined to less than four sizes of others: noise of a scan. */
+/* Drops connected sharp edges of an open surface that are shorter than four sizes together: noise of a scan. */
 static int pbwm3__drop_noise(pbwm3__work *w, pbwsf__array *list)
 {
     const size_t points = w->surface.point_count;
@@ -1813,7 +1813,8 @@ static void pbwm3__lower(pbwm3__work *w, const double p[3], double size)
     *field = fmin(*field, fmax(w->floor, size));
 }
 
-/* Returns the size at p, a point of the triangle, by what rays along both normals meet first, if that faces it. */
+/* Returns the size at p, a point of the triangle, from the first triangles that rays along both normals meet, if
+   these face it. */
 static double pbwm3__measure_gap(const pbwm3__work *w, pbw_index triangle, const double p[3])
 {
     double n[3], m[3], a[3], b[3], where, length, least = HUGE_VAL;
@@ -1987,7 +1988,7 @@ static int pbwm3__dot_chains(pbwm3__work *w, pbwsf__array *dots, pbw_index *head
     return 1;
 }
 
-/* Whether two chains are one, or have an end in common. */
+/* Returns whether two chains are one, or have an end in common. */
 static int pbwm3__chains_meet(const pbwm3__work *w, size_t a, size_t b)
 {
     const pbwm3__chain *x = (const pbwm3__chain *)w->chains.data + a, *y = (const pbwm3__chain *)w->chains.data + b;
@@ -2192,7 +2193,7 @@ static double pbwm3__step_along(const pbwm3__work *w, size_t number, double from
     return from;
 }
 
-/* Whether a chain is noise of a scan: it ends on a smooth part, and is short. */
+/* Returns whether a chain is noise of a scan: it is short and ends on a smooth part. */
 static int pbwm3__is_noise(const pbwm3__work *w, const pbwm3__chain *chain)
 {
     return chain->loose && ((const pbwm3__knot *)w->path.data)[chain->first + chain->count - 1].along < 2 * w->size;
@@ -2280,8 +2281,8 @@ typedef struct pbwm3__throw {              /* a batch of darts: numbers first, f
     pbwm3__dart *dart;
 } pbwm3__throw;
 
-/* Dart i, on the surface; stays: no sample of earlier batches is near.  Local sizes take darts away so that each
-   square of the local size gets equally many. */
+/* Throws dart i at the surface; stays: no sample of earlier batches is near.  Local sizes reject darts so that each
+   square of the local size gets the same number. */
 static void pbwm3__throw_dart(const pbwm3__throw *b, uint64_t i, pbwm3__dart *dart)
 {
     const pbwm3__work *w = b->w;
@@ -2399,7 +2400,7 @@ static void pbwm3__lattice_point(const pbwm3__lattice *l, size_t i, double p[3])
     p[2] = l->w->low[2] + (0.5 * (double)(i / l->n[0] / l->n[1]) + 0.31) * l->cell;
 }
 
-/* Which half cells have points: all three of their numbers are even, or all three odd. */
+/* Makes the lattice points of a range: half cells with three even or three odd numbers. */
 static pbw_status pbwm3__lattice_range(void *arg, size_t from, size_t to)
 {
     const pbwm3__lattice *l = (const pbwm3__lattice *)arg;
@@ -2507,10 +2508,10 @@ static void pbwm3__circumcentre(const double *const c[4], double out[3])
     }
 }
 
-/* Whether a tetrahedron is a flat one between samples of one sheet of the surface: such lie outside.  On a plane or a
-   straight edge in general position, samples are coplanar or collinear up to rounding, and the hull has tetrahedra of
-   that thickness, whose circumcentre is noise, their dihedral angles too if three corners are collinear: those are
-   told by their volume alone, and so are those that bridge patches. */
+/* Returns whether a tetrahedron is flat, between samples of one sheet of the surface, and therefore outside.  On a
+   plane or a straight edge in general position, samples are coplanar or collinear up to rounding, and the hull has
+   tetrahedra of that thickness.  Their circumcentres are noise, and their dihedral angles too if three corners are
+   collinear: these are recognised by their volume alone, and so are those that bridge patches. */
 static int pbwm3__is_flat(const pbwm3__work *w, const pbw_index c[4], int bridge)
 {
     const double *p[4];
@@ -2548,9 +2549,9 @@ static int pbwm3__is_flat(const pbwm3__work *w, const pbw_index c[4], int bridge
     return pbw_surface_closest(&w->surface, middle, 0.16 * size, place) != PBW_NONE;
 }
 
-/* Whether a tetrahedron's corners are all on the surface but on no common patch: it joins two sides of a sharp edge
-   or of a thin wall.  Such is labelled by its middle, as beneath acute edges the circumcentre is beyond the other
-   side. */
+/* Returns whether a tetrahedron's corners are all on the surface but on no common patch: it joins two sides of a
+   sharp edge or of a thin wall.  Its middle gives the label, as beneath acute edges the circumcentre is beyond the
+   other side. */
 static int pbwm3__bridges(const pbwm3__work *w, const pbw_index c[4])
 {
     int i;
@@ -2574,8 +2575,8 @@ static int pbwm3__label_of_middle(const pbwm3__work *w, const double *const p[4]
     return pbwm3__inside(w, middle);
 }
 
-/* The label outside of the shell that a flat tetrahedron is on; with walls, the lesser one at the least patch that its
-   corners have in common: the sides of a patch have one label each. */
+/* Returns the label outside of the shell on which a flat tetrahedron lies; with walls, the smaller of the two labels
+   at the lowest patch that its corners have in common: each side of a patch has one label. */
 static int pbwm3__label_beyond(const pbwm3__work *w, const double *const p[4], const pbw_index c[4])
 {
     double middle[3], place[3];
@@ -2658,9 +2659,9 @@ static int pbwm3__is_near(const pbwm3__work *w, const double p[3])
     return pbw_surface_closest(&w->surface, p, w->distance * pbwm3__size(w, p), place) != PBW_NONE;
 }
 
-/* Where facet i of t is to get a point; returns 0 if nowhere.  Points inside are no corners of the boundary.  Facets
-   between two sides of the surface are no part of it, wherever their dual segments are; on the boundary they cut a
-   sharp edge off. */
+/* Finds where facet i of t needs a point.  Returns 0 if nowhere.  Points inside must not be corners of the boundary.
+   Facets between two sides of the surface are no part of it, wherever their dual segments are; on the boundary they
+   cut off a sharp edge. */
 static int pbwm3__facet_wants(const pbwm3__work *w, size_t t, int i, pbwm3__wish *wish)
 {
     const pbw_index n = w->mesh.neighbors[4 * t + (size_t)i], *c = w->mesh.simplices + 4 * t;
@@ -2698,8 +2699,8 @@ static int pbwm3__facet_wants(const pbwm3__work *w, size_t t, int i, pbwm3__wish
     return i < 3 || !pbwm3__is_near(w, p);
 }
 
-/* Adds a point of the surface unless others are near; it takes the place of a near one inside.  Returns how many are
-   added: 0 or 1, or -1 without memory. */
+/* Adds a point of the surface unless others are near; it replaces a near one inside.  Returns 1 if it was added, 0 if
+   not, -1 without memory. */
 static int pbwm3__offer(pbwm3__work *w, const double p[3], size_t patch, double from_sharp, double from_smooth)
 {
     const double size = pbwm3__size(w, p);
@@ -2728,7 +2729,8 @@ typedef struct pbwm3__topology {
     long euler;
 } pbwm3__topology;
 
-/* Of sorted edges: lists those of other than two facets, and joins the corners of facets across the others. */
+/* Lists the edges that have not exactly two facets, and joins the corners of facets across the others.  The edges are
+   sorted. */
 static int pbwm3__join_fans(pbwsf__memory *memory, const pbwim__facet *edge, size_t count, size_t *parent,
                             pbwm3__topology *top)
 {
@@ -2759,7 +2761,7 @@ static int pbwm3__join_fans(pbwsf__memory *memory, const pbwim__facet *edge, siz
     return 1;
 }
 
-/* Examines a closed set of facets; returns 0 without memory. */
+/* Examines a closed set of facets.  Returns 0 without memory. */
 static int pbwm3__examine(pbwsf__memory *memory, const pbw_index *facets, size_t count, size_t points,
                           pbwm3__topology *top)
 {
@@ -2797,8 +2799,7 @@ static int pbwm3__examine(pbwsf__memory *memory, const pbw_index *facets, size_t
     return good;
 }
 
-/* Makes the corners of facets numbers of their own for each label; owner: the points that they are.  Returns 0 without
-   memory. */
+/* Gives the corners of facets separate numbers for each label; owner: their points.  Returns 0 without memory. */
 static int pbwm3__split(pbwm3__work *w, pbwsf__array *facets, const pbwsf__array *labels, size_t points,
                         pbwsf__array *owner)
 {
@@ -2908,8 +2909,8 @@ static int pbwm3__examine_labels(pbwm3__work *w, pbwsf__array *facets, const pbw
     return good;
 }
 
-/* Lists the boundary's facets, outward, those between two labels once; with walls for both and with them, unless
-   labels is NULL. */
+/* Lists the boundary's facets, outward, those between two labels once; with walls, if labels is not NULL, for both
+   labels, and lists the labels too. */
 static int pbwm3__boundary(pbwm3__work *w, pbwsf__array *facets, pbwsf__array *labels)
 {
     const int both = labels != NULL && w->walls;
@@ -2932,7 +2933,7 @@ static int pbwm3__boundary(pbwm3__work *w, pbwsf__array *facets, pbwsf__array *l
     return 1;
 }
 
-/* Points for bad edges and bad points of the boundary; returns how many, -1 without memory. */
+/* Points for bad edges and bad points of the boundary.  Returns how many, -1 without memory. */
 static long pbwm3__mend_boundary(pbwm3__work *w)
 {
     pbwsf__array facets, labels;
@@ -2977,7 +2978,7 @@ static long pbwm3__mend_boundary(pbwm3__work *w)
 
 /* ---- sharp edges: pieces that are no edges are halved, and points in their diametral balls go ---- */
 
-/* A point that is not sharp goes to the first of all points, and counts no more. */
+/* Removes a point that is not sharp: moves it onto the first point, where it does not count. */
 static void pbwm3__take_out(pbwm3__work *w, pbw_index p)
 {
     pbwm3__take_from_cell(w, p);
@@ -3184,8 +3185,8 @@ static void pbwm3__mark_chains(const pbwm3__work *w, unsigned char *chained)
     }
 }
 
-/* Lists the surface's vertices that no chain has, and places half a size apart on its edges that bend by more than a
-   degree: nowhere else does it stand out. */
+/* Lists the vertices of the surface on no chain, and places half a size apart on its edges that bend by more than a
+   degree: the surface stands out nowhere else. */
 static int pbwm3__list_places(pbwm3__work *w, const unsigned char *chained, pbwsf__array *places)
 {
     pbwsf__array blocks[3];
@@ -3231,7 +3232,7 @@ static int pbwm3__compare_places(const void *a, const void *b)
     return (x->p[k] > y->p[k]) - (x->p[k] < y->p[k]);
 }
 
-/* Offers places, the farthest first; returns how many are added, -1 without memory. */
+/* Offers places, the farthest first.  Returns how many are added, -1 without memory. */
 static long pbwm3__offer_places(pbwm3__work *w, pbwsf__array *places)
 {
     pbwm3__place *place = (pbwm3__place *)places->data;
@@ -3316,10 +3317,10 @@ static pbw_status pbwm3__rounds(pbwm3__work *w)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   The result, and what the report says of it.
+   The result, and its report.
    ------------------------------------------------------------------------------------------------------ */
-/* Gives the tetrahedra that facets join to t, of its label, a number of their own; counts of queue: the items done.
-   Returns the largest of them, PBW_NONE without memory. */
+/* Gives the tetrahedra of t's label that facets connect to t a number of their own.  Returns the largest of them,
+   PBW_NONE without memory. */
 static pbw_index pbwm3__flood(pbwm3__work *w, pbw_index t, pbw_index *region, pbw_index number, pbwsf__array *queue)
 {
     pbw_index largest = t;
@@ -3350,8 +3351,8 @@ static pbw_index pbwm3__flood(pbwm3__work *w, pbw_index t, pbw_index *region, pb
     return largest;
 }
 
-/* Regions of the tetrahedra inside, in their order: of each component the innermost shell around its largest
-   tetrahedron, 0 if none is. */
+/* Sets the regions of the tetrahedra inside, in their order: for each component the innermost shell around its
+   largest tetrahedron, 0 if there is none. */
 static int pbwm3__find_regions(pbwm3__work *w, pbw_tets *in)
 {
     pbwsf__array queue;
@@ -3553,7 +3554,7 @@ static pbw_index pbwm3__facet_patch(const pbwm3__work *w, const double *points, 
          : ((const pbw_index *)w->part.data)[t];
 }
 
-/* Whether two points of the result are the ends of a piece of a sharp edge; the pieces are sorted. */
+/* Returns whether two points of the result are the ends of a piece of a sharp edge; the pieces are sorted. */
 static int pbwm3__is_piece(const pbwm3__work *w, const pbw_tets *out, const pbw_index *pair)
 {
     pbwm3__piece key;
@@ -3920,8 +3921,8 @@ static size_t pbwm3__faults(const pbw_solid_report *r)
     return r->bad_edges + r->bad_points;
 }
 
-/* The second attempt, after one with faults.  Takes the place of the first if it has fewer; if it fails, the first
-   stays, unless it was cancelled. */
+/* Makes a second attempt after one with faults, and keeps it if it has fewer.  If it fails, the first one stays,
+   unless the call was cancelled. */
 static pbw_status pbwm3__again(const pbw_solid_input *input, const pbw_solid_options *how, const pbw_options *options,
                                pbwm3__result *first)
 {

@@ -53,8 +53,8 @@ extern pbwio_status pbwmodel_write(const char *path, const pbwmodel_content *con
 
 #include <string.h>
 
-/* Makes of an .obj file one whose points are the normals and whose faces have the normals' ids.  A corner without one
-   makes it a bad file. */
+/* Rewrites an .obj file: the points become the normals, the corners of faces the ids of normals.  A corner without a
+   normal makes it a bad file. */
 static void pbwmodel__turn_to_normals(char *text, size_t size)
 {
     size_t i = 0, begin;

@@ -22,19 +22,18 @@
 
    PROMISES  (tests/tiles.sh guards them)
      exact       the simplices, links and hash of one machine, for any number of ranks
-     together    every step ends with an agreement: a status but PBW_OK is that of all ranks, with one text
-                 that names the rank and what it lacked
-     restart     the next run takes up tiles that were finished: see RESTART
-     bounded     options.build.memory_limit limits each rank's tile; 50 bytes a point for their way come before
-     sound       memory by options.build.resize; none is kept after a failure
+     together    every step ends with an agreement: all ranks return the same status, with one text that names the
+                 rank that failed and why
+     restart     the next run continues from finished tiles: see RESTART
+     bounded     options.build.memory_limit limits each rank's tile; the exchange of points before takes 50 bytes each
+     sound       memory by options.build.resize; all is freed after a failure
 
    RESTART
-   A rank that dies ends all, as MPI without extensions has it: tiles that are not finished need its answers.  With an
-   output, each rank keeps its tile in files beside it (output.N, output.N.state) once that is finished.  A call with
-   the same points and number of ranks takes up those tiles and makes the others: after a rank that died while others
-   had finished, leftovers that did not fit, a disk that was full.  Points are read and partitioned anew.  Files that
-   are damaged, or of other points, are not taken up.  A run that succeeds removes those of its ranks.  output itself
-   appears when it is complete.
+   If a rank dies, all end, as in MPI without extensions: unfinished tiles need its answers.  With an output, each
+   rank keeps its finished tile in files beside it (output.N, output.N.state).  A call with the same points and number
+   of ranks reuses these tiles and makes the others: after a rank died while others had finished, leftovers did not
+   fit, or the disk was full.  Points are read and partitioned again.  Files that are damaged, or of other points, are
+   not reused.  A run that succeeds removes the files of its ranks.  output itself appears when it is complete.
 
    CONFIGURATION MACROS
      PBW_MPI_IMPLEMENTATION      in one source file: compile the implementation there
@@ -89,8 +88,8 @@ typedef struct pbwm_report {               /* equal on all ranks */
 /* Called by all ranks of comm at once.  points: read only.  Fails as pbwt_tree_make, pbwt_ask and files do. */
 PBWMDEF pbw_status pbwm_triangulate(MPI_Comm comm, const pbwt_point *points, size_t count,
                                     const pbwm_options *options, pbwm_report *report);
-/* For the steps around it: returns PBW_OK if all ranks pass that, else the status of the lowest rank that does not,
-   and its text as that of all. */
+/* For steps before and after it: returns PBW_OK if all ranks pass that, else, on all ranks, the status and the text
+   of the lowest rank that does not. */
 PBWMDEF pbw_status pbwm_agree(MPI_Comm comm, pbw_status status, char *text, size_t text_size);
 
 #ifdef __cplusplus
@@ -128,8 +127,8 @@ typedef struct pbwm__group {
     MPI_Request *request;                            /* 2 a rank */
 } pbwm__group;
 
-/* Zeros through options.build.resize; the size stands before the block.  Large ones lie on huge pages if there are
-   any: the system has fewer of them to find and to take back. */
+/* Allocates zeros through options.build.resize; the size is stored before the block.  Large blocks get huge pages if
+   there are any: the system allocates and frees fewer pages. */
 static void *pbwm__take(const pbwm__group *g, size_t bytes)
 {
     const pbw_options *o = &g->options.build;
@@ -183,7 +182,7 @@ PBWMDEF pbw_status pbwm_agree(MPI_Comm comm, pbw_status status, char *text, size
     return (pbw_status)all;
 }
 
-/* The same, with a text that names this rank and what it was at. */
+/* pbwm_agree with a text that names this rank and its step. */
 static pbw_status pbwm__agree(pbwm__group *g, pbw_status status, const char *what)
 {
     snprintf(g->report->text, sizeof g->report->text, "rank %d: %s: %s", g->rank, what, pbw_status_string(status));
@@ -194,7 +193,7 @@ static pbw_status pbwm__agree(pbwm__group *g, pbw_status status, const char *wha
     return status;
 }
 
-/* The same for what can only fail by a file. */
+/* pbwm__agree for a step that can fail only by a file. */
 static pbw_status pbwm__agree_file(pbwm__group *g, int good, const char *what)
 {
     pbw_status status = good ? PBW_OK : PBW_ERROR_BACKEND;
@@ -216,8 +215,8 @@ static void pbwm__end_phase(pbwm__group *g, int which)
 
 /* ------------------------------------------------------------------------------------------------------
    Exchange.
-   In: out[p], whole words for rank p.  Out: in[p], what came from it, and in[ranks], the block of all of that, to be
-   given back.  Every rank learns by one number from each other what comes; then messages go where there are any.
+   In: out[p], whole words for rank p.  Out: in[p], the words from rank p, and in[ranks], the block that has all of
+   them, for the caller to free.  First all ranks exchange sizes; then messages go where there are any.
    ------------------------------------------------------------------------------------------------------ */
 static pbw_status pbwm__exchange(pbwm__group *g, const pbwt_bytes *out, pbwt_bytes *in)
 {
@@ -387,8 +386,8 @@ static pbw_status pbwm__cut(pbwm__work *w, const pbwt_point *points, size_t coun
     return status;
 }
 
-/* Points on their way: each rank sends each other what is for it in bundles of the same size, but for the last, in
-   this order.  The one that they go to knows how many come and where they belong. */
+/* The exchange of points: each rank sends each other rank its points in bundles of one size, except the last, in
+   order. The receiver knows how many come and where they belong. */
 typedef struct pbwm__moving {
     size_t most;                                     /* points in a bundle */
     pbwt_point *bundle;                              /* two for each rank: one is filled while the other goes */
@@ -397,7 +396,8 @@ typedef struct pbwm__moving {
     size_t comings;
 } pbwm__moving;
 
-/* Waits for what comes: into place, from rank to rank; `own` is where this rank's own points go. */
+/* Posts the receives of all bundles, straight to their places, rank by rank; *own: the place for this rank's points.
+   */
 static void pbwm__expect(pbwm__group *g, pbwm__moving *m, pbwt_point *place, pbwt_point **own)
 {
     const int words = (int)(sizeof *place / 8);
@@ -425,7 +425,7 @@ static void pbwm__send_bundle(pbwm__group *g, pbwm__moving *m, int p, size_t fil
     MPI_Wait(m->going + (which ^ 1), MPI_STATUS_IGNORE);     /* the other is to be filled next */
 }
 
-/* Sends points[i] to rank to[i], and returns when all that come have come. */
+/* Sends points[i] to rank to[i].  Returns once all points for this rank have arrived. */
 static void pbwm__move(pbwm__group *g, pbwm__moving *m, const pbwt_point *points, size_t count, const int *to,
                        pbwt_point *own)
 {
@@ -627,7 +627,7 @@ static int pbwm__keep(pbwm__work *w)
     return good && rename(part, w->chunk.state) == 0;
 }
 
-/* Is the chunk in its file what the state says? */
+/* Returns whether the chunk in its file is what the state says. */
 static int pbwm__is_whole(const char *name, const pbwtf_chunk *chunk)
 {
     const size_t head = sizeof *chunk, across = pbwtf_across_offset(chunk);
@@ -760,7 +760,7 @@ static pbw_status pbwm__round(pbwm__work *w)
     return pbwm__agree(g, own, "taking answers");
 }
 
-/* Works until the tile asks others, or is finished; then it is kept. */
+/* Works until the tile has questions or is finished; keeps it then. */
 static pbw_status pbwm__work_on(pbwm__work *w, int *more)
 {
     pbwm__group *g = w->g;

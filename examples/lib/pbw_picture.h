@@ -6,11 +6,9 @@
        pbwpic_write("mesh.svg", &mesh, NULL, &error);
 
    2D: all triangles, coloured by area.
-   3D: a cut-away view in perspective.  Simplices beyond a plane are taken away; of the others, what can be seen is
-   drawn: the skin in a plain colour, what the cut bares coloured by volume, both shaded by one light and by how much
-   of the sky their surroundings leave open.
-   No globals.  Memory: at most 100 bytes for each face that looks to the viewer, 17 bytes a simplex,
-   16 MB.
+   3D: a cut-away view in perspective.  Simplices beyond a plane are removed; the visible faces of the others are
+   drawn: the hull in one colour, the cut coloured by volume, both shaded by one light and by ambient occlusion. No
+   globals.  Memory: at most 100 bytes for each face that looks to the viewer, 17 bytes a simplex, 16 MB.
 */
 #ifndef PBW_PICTURE_H
 #define PBW_PICTURE_H
@@ -30,7 +28,7 @@ typedef struct pbwpic_options {        /* NULL or all zero = best defaults */
     const unsigned char *keep;         /* one a simplex, 0 = not part of the body; NULL = all are */
     double eye[3], up[3];              /* 3D: the directions from the middle to the viewer and upwards (0: z) */
     double cut[4];                     /* 3D: the plane's normal, and its distance from the middle, 1 = the radius of
-                                          the body; simplices with their centre beyond it are taken away */
+                                          the body; simplices with their centre beyond it are removed */
 } pbwpic_options;
 
 /* Writes the picture whole or not at all.  3D needs mesh->neighbors. */
@@ -100,7 +98,7 @@ static unsigned pbwpic__colour(double value, double shade)
     return colour;
 }
 
-/* Any finite coordinates: half of each is taken first, so that no difference overflows. */
+/* Works for all finite coordinates: they are halved first, so that no difference overflows. */
 static void pbwpic__frame(pbwpic__view *v)
 {
     const pbw_mesh *mesh = v->mesh;
@@ -182,7 +180,7 @@ static void pbwpic__unit(double a[3])
     }
 }
 
-/* Takes the pixels whose middle a face covers and in which it is the nearest so far. */
+/* Assigns a face the pixels that have their middle on it and no nearer face so far. */
 static void pbwpic__raster(pbwpic__view *v, unsigned id)
 {
     const pbwpic__face *f = &v->face[id];
@@ -218,9 +216,8 @@ static void pbwpic__raster(pbwpic__view *v, unsigned id)
     }
 }
 
-/* How much of the sky over a face its surroundings hide, 0..1: in 16 directions on the screen, the steepest rise of
-   the depth buffer over the plane of the face (Bavoil and Sainz 2008, "Image-space horizon-based ambient
-   occlusion"). */
+/* Returns the ambient occlusion of a face, 0 to 1: in 16 directions on the screen, the steepest rise of the depth
+   buffer over the plane of the face (Bavoil and Sainz 2008, "Image-space horizon-based ambient occlusion"). */
 static double pbwpic__hidden(const pbwpic__view *v, const pbwpic__face *f)
 {
     double x = (f->x[0] + f->x[1] + f->x[2]) / 3.0, y = (f->y[0] + f->y[1] + f->y[2]) / 3.0;
@@ -316,7 +313,7 @@ static double pbwpic__extent(const pbwpic__view *v, double middle[3])
     return sqrt(sum);
 }
 
-/* The faces between what is shown and what is not, those that look to the viewer. */
+/* Adds the faces between shown simplices and others that face the viewer. */
 static int pbwpic__faces3(pbwpic__view *v)
 {
     static const unsigned char facet[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
@@ -415,7 +412,7 @@ static void pbwpic__fit(pbwpic__view *v)
     box[3] = 60 + (box[3] - low_y) * scale;
 }
 
-/* Which faces are drawn and in which order; 3D: those that have at least one pixel. */
+/* Chooses the faces to draw, in 3D those with at least one pixel, and their order. */
 static int pbwpic__visible(pbwpic__view *v)
 {
     size_t i, pixels = v->mesh->dim == 3 ? (size_t)PBWPIC__WIDE * PBWPIC__HIGH : 0;

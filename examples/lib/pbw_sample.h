@@ -33,8 +33,8 @@
      maximal     sets by radius: every point of the surface lies in the ball of a sample, up to one part in 2^20 of
                  the radius; every point inside a volume within 1.25 radii of one
      exact       as many as options.count asks for
-     any model   facets without area, unused points, open and crowded edges, triangle soup: they are handled where
-                 that has a meaning and a status names them where not
+     any model   facets without area, unused points, open and crowded edges, triangle soup: they are handled if that
+                 makes sense, otherwise a status names them
      quiet       no globals, nothing printed, no exit
      bounded     memory: about 75 bytes a triangle, 110 for a volume, 260 if its surface is open; and for each sample
                  65 if uniform or in a lattice, 470 in a Poisson set of a surface, 2400 of a volume
@@ -147,7 +147,7 @@ PBWSAMPLEDEF const char *pbwsample_status_string(pbwsample_status status);    /*
 #define PBWSAMPLE_FREE(ptr) free(ptr)
 #endif
 
-/* Contraction off: other coordinates would come out where a compiler fuses. */
+/* No contraction: fused operations would give other coordinates. */
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)
@@ -473,7 +473,7 @@ static void pbwsample__set_normals(const pbwsample_model *model, const double *n
     }
 }
 
-/* Makes room for capacity samples; returns whether there is. */
+/* Makes room for capacity samples.  Returns whether there is. */
 static int pbwsample__reserve(pbwsample_set *set, size_t *capacity, size_t need, unsigned flags)
 {
     size_t room[4];
@@ -774,7 +774,7 @@ static int pbwsample__side(const double a[2], const double b[2], const double p[
     return sign != 0 ? sign : a[1] > b[1] ? 1 : a[1] < b[1] ? -1 : (b[0] > a[0]) - (b[0] < a[0]);
 }
 
-/* Whether the ray upwards along the axis crosses the surface an odd number of times. */
+/* Returns whether the ray upwards along the axis crosses the surface an odd number of times. */
 static int pbwsample__odd(const pbwsample__columns *grid, const double p[3])
 {
     int u = (grid->axis + 1) % 3, v = (grid->axis + 2) % 3, turn, odd = 0;
@@ -802,7 +802,7 @@ static int pbwsample__odd(const pbwsample__columns *grid, const double p[3])
     return odd;
 }
 
-/* One axis for a closed surface, three for any other; returns how many, 0 = out of memory. */
+/* One axis for a closed surface, three for any other.  Returns how many, 0 = out of memory. */
 static int pbwsample__make_rays(pbwsample__columns grid[3], const pbwsample_model *model)
 {
     pbwsample_report report;
@@ -852,15 +852,15 @@ PBWSAMPLEDEF pbwsample_status pbwsample_inside(const pbwsample_model *model, con
    Poisson sets.
    Darts are thrown at pieces: triangles, cut at their longest edge, or boxes, cut in eight (White, Cline and Egbert
    2007, "Poisson disk point sets by hierarchical dart throwing"; Cline et al. 2009, "Dart throwing on surfaces").
-   A dart that is in no ball becomes a sample, the centre of a ball.  A piece that lies in one ball is done, any other
-   is cut; when no piece is left, there is no room left.  Rounds go over all pieces once, in random order, so that the
-   gaps are filled from wide to narrow: the last samples are those that are missed least.
-   Most boxes lie in no one ball but in several; those that are cut down to find the last gaps would be some hundred
-   for each sample.  So a box is done when a ball with 1.25 times the radius has it: the gaps left are that narrow.
+   A dart that is in no ball becomes a sample, the centre of a ball.  A piece inside one ball is done, any other is
+   cut; when no piece is left, there is no room left.  Each round visits all pieces once, in random order, so that
+   gaps are filled from wide to narrow: the last samples are the least important ones. Most boxes lie in several balls
+   but not in a single one; cutting them to find the last gaps would make about a hundred for each sample.  So a box
+   is done when it is in a ball of 1.25 times the radius: only narrow gaps are left.
 
-   Balls are looked up in a hashed grid, one for each power of two of radii: a ball is listed in all the cells that it
-   may touch, eight or so, so that a point looks into one cell.  A ball that has the whole piece in it has the dart in
-   it too, so that one look finds both; the other balls that it comes across tell which parts of the piece are done.
+   Balls are found by a hashed grid, one for each power of two of radii: a ball is listed in all cells that it may
+   touch, about eight, so a point reads one cell.  A ball that contains the whole piece also contains the dart, so one
+   search finds both; the other balls that it meets tell which parts of the piece are done.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWSAMPLE__ONE 2147483648u             /* coordinates in a piece count in units of 2^-31 of the whole */
 #define PBWSAMPLE__LISTED 15
@@ -980,7 +980,7 @@ static void pbwsample__list_ball(pbwsample__work *w, size_t id, const double p[3
     }
 }
 
-/* Whether two triangles look away from each other. */
+/* Returns whether two triangles look away from each other. */
 static int pbwsample__opposed(const pbwsample_model *model, pbw_index a, pbw_index b)
 {
     double n[3], m[3];
@@ -1068,7 +1068,7 @@ static void pbwsample__add_sample(pbwsample__work *w, const double p[3], double 
     }
 }
 
-/* The corners of a piece, where places in it count from; returns how many they are. */
+/* The corners of a piece, where places in it count from.  Returns how many they are. */
 static int pbwsample__corners(const pbwsample__work *w, const pbwsample__piece *piece, double corner[8][3])
 {
     int i, k;
@@ -1125,7 +1125,7 @@ static int pbwsample__meets(const pbwsample__box *box, const double low[3], cons
          & (box->low[2] <= high[2]) & (box->high[2] >= low[2]);
 }
 
-/* Whether the box of some triangle meets a box. */
+/* Returns whether the box of some triangle meets a box. */
 static int pbwsample__touches(const pbwsample__columns *grid, const double low[3], const double high[3])
 {
     size_t x, y, i, begin[2], end[2];
@@ -1146,9 +1146,9 @@ static int pbwsample__touches(const pbwsample__columns *grid, const double low[3
     return 0;
 }
 
-/* Whether something of a box may be inside; notes if all of it is.  at[5]: where in w->lists the triangles stand that
-   the box around it meets, after their number; becomes the same of its own, which stand behind them: as the last box
-   on the stack comes first, what is behind belongs to boxes that are through. */
+/* Returns whether a part of a box may be inside; notes if all of it is.  at[5]: the place in w->lists of the number
+   of triangles that the parent box meets, followed by these; it becomes the place of the box's own list, which is
+   appended: as boxes are on a stack, later lists belong to boxes that are done. */
 static int pbwsample__is_needed(pbwsample__work *w, pbwsample__piece *box)
 {
     double corner[8][3], middle[3];
@@ -1210,9 +1210,9 @@ static int pbwsample__cut(const pbwsample__piece *piece, int longest, pbwsample_
     return 2;
 }
 
-/* What is left of a triangle without parts that lie in one ball of w->near, if a few cuts find them: nothing, or the
-   smallest part that has all of it; of the whole piece, what is left of either half.  Returns how many that are.
-   mask: of the corners.  A corner in no ball is no matter of cutting. */
+/* Finds what is left of a triangle without its parts inside one ball of w->near, as far as a few cuts tell: nothing,
+   or the smallest part that has all of it; for the whole piece, what is left of each half.  Returns the number of
+   parts. mask: of the corners.  If a corner is in no ball, cutting does not help. */
 static int pbwsample__rest(const pbwsample__work *w, const pbwsample__piece *piece, double (*corner)[3],
                            const uint32_t mask[3], int cuts, pbwsample__piece left[2])
 {
@@ -1387,7 +1387,7 @@ static pbw_index *pbwsample__in_order(const pbwsample__work *w, double extent)
     return order;
 }
 
-/* Tells now and then how much is done, at piece i of something.  A nonzero answer ends the work. */
+/* Reports progress every so many pieces.  A nonzero answer of the callback ends the work. */
 static void pbwsample__tell(pbwsample__work *w, size_t i, double done)
 {
     if (i % 1024 == 0 && w->options->progress != NULL && w->status == PBWSAMPLE_OK
@@ -1396,8 +1396,8 @@ static void pbwsample__tell(pbwsample__work *w, size_t i, double done)
     }
 }
 
-/* Cuts the whole of the surface or volume to pieces that fit into a ball, or lattice cells.  A radius for a count
-   that makes far more pieces than that is too small, as that of a needle or a sheet may be: then crowded is set. */
+/* Cuts the surface or volume to pieces that fit into a ball, or to lattice cells.  With a count, a radius that makes
+   far more pieces than samples is too small, as may be for a needle or a sheet: crowded is set then. */
 static void pbwsample__begin(pbwsample__work *w, double side)
 {
     pbwsample__piece piece, part[8];
@@ -1541,9 +1541,10 @@ static void pbwsample__fill(pbwsample__work *w)
     }
 }
 
-/* Sets on large smooth surfaces have 0.69 samples a squared radius, in large volumes 0.61 a cubed one; the search for
-   a count starts somewhat below.  What a volume has more than that at its boundary, in proportion to the radius, an
-   eighth of the samples tells.  The search ends with a few samples too many, of which the last are left out. */
+/* Searches the radius for a count.  Sets on large smooth surfaces have 0.69 samples per squared radius, in large
+   volumes 0.61 per cubed radius; the search starts slightly below.  A volume has more samples at its boundary, in
+   proportion to the radius; an eighth of the samples tells how many.  The search ends with a few samples too many;
+   the last ones are left out. */
 static void pbwsample__search(pbwsample__work *w, double content)
 {
     double power = w->solid ? 1.0 / 3 : 0.5, wanted = (double)w->options->count, slope, found;

@@ -11,8 +11,8 @@
    Nodes of a body-centred cubic lattice that are near the surface move onto it; then each tetrahedron of the lattice
    is kept, left out, or cut by the surface into a few (Labelle and Shewchuk 2007, "Isosurface stuffing: fast
    tetrahedral meshes with good dihedral angles").  It needs no triangulation and never fails.  For elements of one
-   size the paper proves angles of 10.7 to 164.8 degrees.  Sharp edges are rounded off, and what is thinner than the
-   cells is lost.  Points that are corners of nothing stay in x. */
+   size the paper proves angles of 10.7 to 164.8 degrees.  Sharp edges are rounded off, and parts thinner than a cell
+   are lost.  Points that are no corners stay in x. */
 #ifndef PBW_STUFFING_H
 #define PBW_STUFFING_H
 #include "pbw_surface.h"
@@ -113,9 +113,9 @@ static void pbwst__add(pbwst_mesh *s, pbw_index a, pbw_index b, pbw_index c, pbw
     }
 }
 
-/* Whether the quadrilateral of a, b and the cuts of a-o and b-o is halved from a.  The rule depends on the facet a b
-   o alone, so that both tetrahedra at it agree: from the end whose own edge to o is short, or, if both are, by
-   number. */
+/* Returns whether the quadrilateral of a, b and the cuts of a-o and b-o is halved from a: if the edge a-o is the
+   short one, or, if both are short, by number.  The rule depends on the facet a b o only, so both tetrahedra at it
+   agree. */
 static int pbwst__from_first(const pbwst_mesh *s, pbw_index a, pbw_index b, pbw_index o)
 {
     const pbw_index half = (pbw_index)(s->n * s->n * s->n);

@@ -59,14 +59,14 @@ PBWSURFACEDEF pbw_index pbw_surface_closest(const pbw_surface *surface, const do
    PBW_NONE if it meets none. */
 PBWSURFACEDEF pbw_index pbw_surface_meets(const pbw_surface *surface, const double a[3], const double b[3],
                                           double *where);
-/* Returns 1 if a ray from p crosses the surface an odd number of times, else 0.  Of points on the surface either. */
+/* Returns 1 if a ray from p crosses the surface an odd number of times, else 0; for points on the surface either. */
 PBWSURFACEDEF int pbw_surface_inside(const pbw_surface *surface, const double p[3]);
-/* Returns how many more triangles a ray from p crosses out of their fronts than out of their backs: of closed shells
-   turned outward, the number of those around p, by exact signs. */
+/* Returns how many more triangles a ray from p leaves by their fronts than by their backs: for closed shells turned
+   outward, the number of shells around p, by exact signs. */
 PBWSURFACEDEF long pbw_surface_turns(const pbw_surface *surface, const double p[3]);
-/* Returns how often the surface winds around p: of a closed one, outward, 1 inside and 0 outside; of an open one a
-   fraction, smooth across its holes, so that above 1/2 is a fair inside.  Triangles must be turned alike.  Far parts
-   count as dipoles: the error is some 0.01. */
+/* Returns the winding number of the surface around p: for a closed surface turned outward 1 inside and 0 outside; for
+   an open one a fraction, smooth across its holes, so that above 1/2 is a fair inside.  Triangles must be oriented
+   alike. Far parts are approximated by dipoles: the error is about 0.01. */
 PBWSURFACEDEF double pbw_surface_winding(const pbw_surface *surface, const double p[3]);
 PBWSURFACEDEF void pbw_surface_free(pbw_surface *surface);   /* fine on {0}, fine twice */
 
@@ -82,7 +82,7 @@ PBWSURFACEDEF void pbw_surface_free(pbw_surface *surface);   /* fine on {0}, fin
 #include <stdlib.h>
 #include <string.h>
 
-/* Contraction off: other coordinates would come out where a compiler fuses. */
+/* No contraction: fused operations would give other coordinates. */
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)
@@ -490,8 +490,8 @@ PBWSURFACEDEF pbw_index pbw_surface_closest(const pbw_surface *surface, const do
     return found;
 }
 
-/* Where the segment a + t d, 0 <= t <= most, meets the box, or before; HUGE_VAL: nowhere.  per[k]: 1 / d[k]; 0 if
-   d[k] is tiny, and 1e100 if it is zero, as a is between the sides then or nowhere. */
+/* Returns where the segment a + t d, 0 <= t <= most, meets the box, or a smaller t; HUGE_VAL if it does not.  per[k]:
+   1 / d[k]; 0 if d[k] is tiny, and 1e100 if it is zero, when a is between the sides or no point is. */
 static double pbwsf__box_meets(const pbwsf__box *box, const double *a, const double *per, double most)
 {
     double from = 0, to = most;
@@ -608,7 +608,7 @@ static int pbwsf__is_below(const pbw_surface *s, pbw_index triangle, const doubl
         && pbw_orient3(a, b, c, p) == -first ? first : 0;
 }
 
-/* Calls met for each triangle that the ray from p along +z crosses, with what pbwsf__is_below says of it. */
+/* Calls met for each triangle that the ray from p along +z crosses, with the result of pbwsf__is_below. */
 static void pbwsf__ray(const pbw_surface *surface, const double p[3],
                        void (*met)(void *user, pbw_index triangle, int front), void *user)
 {

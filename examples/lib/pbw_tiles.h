@@ -19,16 +19,17 @@
        pbwt_close(&tile);
 
    HOW
-   Each part triangulates its own points and a halo of others, finds which simplices at its own points may be
-   wrong, asks the parts whose boxes their balls meet for the points in conflict, and repairs those stars.
+   Each part triangulates its own points and a halo of others, and finds which simplices at its own points may be
+   wrong.  If the ball of one meets the box of another part, it asks that part for the points in conflict, and repairs
+   these stars.
      certificate  A simplex is in the triangulation of all points if and only if no point is in conflict with it.
-     one round    The points in conflict with a star never become more when points are added: a new simplex at a
-                  vertex is below a convex combination of two old ones.  So stars whose questions are fully answered
-                  are final after one repair; answers that are cut short leave less to ask about.
+     one round    The set of points in conflict with a star never grows when points are added: a new simplex at a
+                  vertex is below a convex combination of two old ones.  So a star with full answers is final after
+                  one repair; truncated answers leave less to ask about.
      repair       The star of a vertex after an insertion is its star in the triangulation of its old neighbours and
                   the new points: those few are triangulated anew, and nothing is inserted.
      where        Parts are convex (lexicographic k-d cells), so only simplices with a foreign corner, those at the
-                  hull, and those that are reached from them through simplices in doubt can be wrong.
+                  hull, and those connected to them through simplices in doubt can be wrong.
      leftovers    Vertices given up (all points on one sphere ask about everything) are triangulated together with
                   the neighbours that others know of them: pbwt_leftovers, pbwt_finish.
    A simplex belongs to the part of its corner with the smallest id; simplices of vertices given up to the leftovers.
@@ -71,8 +72,8 @@ PBWTDEF void pbwt_cut_points(int dim, pbwt_point *sample, size_t count, int part
 PBWTDEF int pbwt_part(int dim, const pbwt_cut *cuts, int parts, const pbwt_point *point);
 
 /* ---- one part's points, along the Hilbert curve without duplicates, and boxes over them: flat arrays that may be
-   mapped from a file.  Many may ask one tree at a time, but not during pbwt_ask of its tile, which puts the halo
-   behind the points for a while if the tree is of pbwt_tree_make, and so may move points and boxes. */
+   mapped from a file.  Any number of threads may ask one tree at once, but not during pbwt_ask of its tile: this
+   appends the halo to the points of a tree of pbwt_tree_make for a while, which may move points and boxes. */
 
 #define PBWT_LEAF 32                       /* points under a box of the lowest level */
 #define PBWT_ARITY 8                       /* boxes under a box */
@@ -230,10 +231,10 @@ extern int madvise(void *address, size_t length, int advice);        /* strict C
 #define PBWT__PREFETCH(p) __builtin_prefetch(p)
 #else
 #define PBWT__PREFETCH(p) ((void)0)
-#define PBWT__ADD(x, y) (*(x) += (y))      /* such a pbw.h has one thread */
+#define PBWT__ADD(x, y) (*(x) += (y))      /* pbw.h has one thread then */
 #endif
 
-/* Contraction off: other coordinates would come out where a compiler fuses. */
+/* No contraction: fused operations would give other coordinates. */
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)
@@ -253,8 +254,8 @@ typedef struct pbwt__memory {
 
 typedef struct pbwt__array { void *data; size_t count, bytes; } pbwt__array;     /* count: the owner's */
 
-/* Large blocks lie on huge pages where there are any: the system has fewer of them to find and to take back.  With
-   the pages at the ends, where other bytes may be: realloc copies a mapping in two parts instead of moving it. */
+/* Large blocks get huge pages if there are any: the system allocates and frees fewer pages.  The pages at both ends
+   get the advice too, although other bytes may be there: realloc moves a uniform mapping, but copies a mixed one. */
 static void pbwt__advise(void *block, size_t size)
 {
 #ifdef __linux__
@@ -394,7 +395,7 @@ static void pbwt__heap_sort(const pbwt__sorting *s, char *data, size_t count)
     }
 }
 
-/* Splits items, at least three, by one of them; returns its place: none before it is larger, none after smaller. */
+/* Splits items, at least three, by one of them.  Returns its place: none before it is larger, none after smaller. */
 static size_t pbwt__split(const pbwt__sorting *s, char *data, size_t count)
 {
     char *first = data, *middle = data + count / 2 * s->size, *last = data + (count - 1) * s->size;
@@ -995,7 +996,7 @@ static double pbwt__parabola(double d, double n, double low, double high)
          : d > 0 ? -n * (n / (4 * d)) : -HUGE_VAL;
 }
 
-/* Is F above 0 for all points of the box, whatever was rounded?  0: perhaps not. */
+/* Returns whether F is certainly above 0 for all points of the box. */
 static int pbwt__is_clear(const pbwt__ball *ball, const double *low, const double *high, double weight)
 {
     const double d_high = ball->d + ball->d_error, lift = weight - ball->weight;
@@ -1026,7 +1027,7 @@ static int pbwt__is_clear(const pbwt__ball *ball, const double *low, const doubl
     return sum > PBWT__EPSILON * size && size > 1e-250 && size < 1e300;
 }
 
-/* Is p in conflict with the simplex, or strictly beyond the facet?  Exactly. */
+/* Returns, by exact signs, whether p is in conflict with the simplex, or strictly beyond the facet. */
 static int pbwt__conflicts(const pbwt__question *q, const pbwt_point *p)
 {
     const double *x[4], *w = NULL;
@@ -1048,7 +1049,7 @@ static int pbwt__conflicts(const pbwt__question *q, const pbwt_point *p)
          : pbw_conflict3(x[0], x[1], x[2], x[3], p->x, w);
 }
 
-/* The half-space beyond a facet: is no corner of the box in it?  Exactly. */
+/* Returns, by exact signs, whether no corner of the box is in the half-space beyond a facet. */
 static int pbwt__corners_clear(const pbwt__question *q, const pbwt_box *box)
 {
     pbwt_point corner;
@@ -1146,7 +1147,7 @@ static size_t pbwt__next(pbwt__walk *walk)
    Answers.
    In: a request: a head, then boxes of the halo or questions.  Out: a reply: a head, a verdict for each (a byte,
    filled up to 8), then points that were not sent before.
-   Holds: of a verdict PBWT__ALL the part that asked has all points in conflict; of PBWT__SOME at least one.
+   Holds: after the verdict PBWT__ALL the part that asked has all points in conflict; after PBWT__SOME at least one.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWT__NOTHING, PBWT__ALL, PBWT__SOME, PBWT__REFUSED, PBWT__OPEN };        /* verdicts; OPEN: not yet */
 enum { PBWT__WANT = 0x77746270, PBWT__ASK, PBWT__REPLY };               /* kinds of messages */
@@ -1277,7 +1278,7 @@ static int pbwt__spread(pbwt__serving *s, const pbwt__shape *shape)
     return 1;
 }
 
-/* The points of one shape; returns the verdict, or -1 without memory. */
+/* The points of one shape.  Returns the verdict, or -1 without memory. */
 static int pbwt__answer_one(pbwt__serving *s, const pbwt__shape *shape)
 {
     pbwt__node root;
@@ -1393,8 +1394,8 @@ static int pbwt__answer_every(pbwt__serving *s, const pbwt_bytes *request, size_
     return 1;
 }
 
-/* Some of many questions come first, spread over all: if by these half would have to be refused, which leaves hardly
-   a star without one that is, all others are. */
+/* If there are many questions, answers a sample first.  If by this sample half of all would have to be refused,
+   nearly every star would have a refused one, so all others are refused. */
 static pbw_status pbwt__answer_all(pbwt__serving *s, const pbwt_bytes *request, const pbwt_limits *limits,
                                    uint64_t asker, pbwt__array *verdicts)
 {
@@ -1463,12 +1464,13 @@ PBWTDEF pbw_status pbwt_answer(const pbwt_tree *tree, pbwt_served *served, const
 
 /* ------------------------------------------------------------------------------------------------------
    One part's work.
-   A level is a mesh and the subjects of it, own vertices whose stars it has.  The first mesh is of all local points;
-   the next ones are of what a repair needs, fewer each time.  After each round of questions, subjects without a point
-   in conflict are final: their simplices are emitted, and the level is replaced by the repair of the others.
+   A level is a mesh and its subjects, own vertices with complete stars in it.  The first mesh is of all local points;
+   the next ones are of the points that a repair needs, fewer each time.  After each round of questions, subjects
+   without a point in conflict are final: their simplices are emitted, and the repair of the others replaces the
+   level.
    ------------------------------------------------------------------------------------------------------ */
-/* States of own vertices: emitted; final in this level; to be certified; with points in conflict, all or some of
-   which are known; given up. */
+/* States of own vertices: emitted; final in this level; to be certified; with points in conflict, all known or only
+   some; given up. */
 enum { PBWT__DONE, PBWT__SUBJECT, PBWT__ASKED, PBWT__AFFECTED, PBWT__MORE, PBWT__GIVEN };
 
 typedef struct pbwt__level {
@@ -1593,7 +1595,8 @@ static int pbwt__allocate_tile(pbwt_tile *tile, const pbwt_options *options)
     return 1;
 }
 
-/* Of many parts, the samples are taken of near ones, of those at the ends of each axis, and of every so many. */
+/* Returns whether to take the samples of a part: of many parts, only near ones, those at the ends of each axis, and
+   every n-th one. */
 static int pbwt__takes_samples(const struct pbwt__tile *t, const pbwt_summary *summaries, size_t p)
 {
     const size_t parts = (size_t)t->tile->parts;
@@ -1892,7 +1895,7 @@ static pbw_status pbwt__triangulate(struct pbwt__tile *t, size_t count)
     return status;
 }
 
-/* Triangulates all points, the halo's behind those of the tree for the while. */
+/* Triangulates all points; the halo's are appended to those of the tree meanwhile. */
 static pbw_status pbwt__triangulate_in_place(struct pbwt__tile *t)
 {
     pbwt_tree *tree = t->tile->tree;
@@ -1929,7 +1932,8 @@ static void pbwt__question_of(const struct pbwt__tile *t, uint32_t simplex, int 
     q->weighted = (uint32_t)t->options.weighted;
 }
 
-/* Is the box around a ball inside the grown box of a leaf with an own corner, around which all points are known? */
+/* Returns whether the box around a ball is inside the grown box of a leaf with an own corner: all points there are
+   known. */
 static int pbwt__is_held(const struct pbwt__tile *t, uint32_t simplex, const pbwt_box *around)
 {
     const pbw_index *corner = t->level.mesh.simplices + (size_t)simplex * (size_t)pbwt__corners(t);
@@ -1961,8 +1965,8 @@ typedef struct pbwt__certifying {
 
 enum { PBWT__RANGE = 1024, PBWT__WAVE = 16 * PBWT__RANGE, PBWT__SCAN = 65536 };      /* simplices */
 
-/* Which parts may have points in conflict with a simplex (facet 0) or beyond a facet of it?  Returns 0 without
-   memory. */
+/* Lists the parts that may have points in conflict with a simplex (facet 0) or beyond a facet of it.  Returns 0
+   without memory. */
 static int pbwt__inquire(struct pbwt__tile *t, uint32_t simplex, int facet, pbwt__array *doubts)
 {
     pbwt__question q;
@@ -2034,7 +2038,7 @@ static int pbwt__has_asked(const struct pbwt__tile *t, size_t simplex)
     return asked;
 }
 
-/* Does certification start at this simplex?  In later levels, at all with a corner that must be asked about. */
+/* Returns whether certification starts at this simplex; in later levels, at all with a corner to be certified. */
 static int pbwt__starts(const struct pbwt__tile *t, size_t simplex)
 {
     const size_t corners = (size_t)pbwt__corners(t);
@@ -2047,7 +2051,7 @@ static int pbwt__starts(const struct pbwt__tile *t, size_t simplex)
     return border && pbwt__has_asked(t, simplex);
 }
 
-/* Gives up all that certification was to look at, instead of asking. */
+/* Gives up all vertices that were to be certified, instead of asking. */
 static void pbwt__give_up(struct pbwt__tile *t)
 {
     size_t i;
@@ -2068,7 +2072,7 @@ static pbw_status pbwt__find_starts(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Asks what a range found, and adds to the queue the neighbours of simplices in doubt. */
+/* Asks the questions of a range, and queues the neighbours of simplices in doubt. */
 static int pbwt__ask_range(struct pbwt__tile *t, const pbwt__array *doubts)
 {
     const size_t corners = (size_t)pbwt__corners(t);
@@ -2123,7 +2127,7 @@ static pbw_status pbwt__test_wave(struct pbwt__tile *t, size_t first, size_t cou
     return status;
 }
 
-/* Will simplices of the queue have more than `most` questions?  A guess by some of them. */
+/* Estimates, from a sample of the queue, whether its simplices will have more than `most` questions. */
 static pbw_status pbwt__guess(struct pbwt__tile *t, size_t most, const pbw_options *options, int *too_many)
 {
     const size_t step = 1 + t->queue.count / PBWT__RANGE;
@@ -2146,8 +2150,8 @@ static pbw_status pbwt__guess(struct pbwt__tile *t, size_t most, const pbw_optio
     return status;
 }
 
-/* Are there more questions than `most` about the first simplices of the queue, or will there be if those that wait
-   have as many each?  A quarter more, as they may have fewer. */
+/* Returns whether the first simplices of the queue have more questions than `most`, or all will have a quarter more
+   than that if the waiting ones have as many each; they may have fewer. */
 static int pbwt__is_over(const struct pbwt__tile *t, size_t questions, size_t tested, size_t most)
 {
     const double each = (double)questions / (double)tested;
@@ -2189,7 +2193,7 @@ static pbw_status pbwt__certify(struct pbwt__tile *t)
     return status;
 }
 
-/* ---- emission: shared with leftovers.  A simplex is emitted if its corner with the smallest id says so. */
+/* ---- emission, also of leftovers.  The corner with the smallest id decides whether a simplex is emitted. */
 
 typedef struct pbwt__emission {
     pbwt_tile *tile;
@@ -2267,7 +2271,7 @@ static uint32_t pbwt__owner(const pbwt_tile *tile, uint32_t local)              
     return local < own ? (uint32_t)tile->tree->part : tile->foreign[local - own].part;
 }
 
-/* Notes a facet, across from `corner`, that another part may have, too. */
+/* Notes the facet opposite to `corner`, which another part may have too. */
 static int pbwt__open_facet(pbwt__emission *e, const pbwt__corner *corners, size_t number, size_t corner)
 {
     const size_t count = (size_t)e->mesh->dim + 1;
@@ -2287,7 +2291,7 @@ static int pbwt__open_facet(pbwt__emission *e, const pbwt__corner *corners, size
     return pbwt__push(e->memory, &e->facets, &facet, sizeof facet);
 }
 
-/* The links of one simplex to others that are emitted; returns whether these are all. */
+/* The links of one simplex to others that are emitted.  Returns whether these are all. */
 static int pbwt__links_inside(const pbwt__emission *e, size_t simplex, uint32_t *links)
 {
     const size_t corners = (size_t)e->mesh->dim + 1;
@@ -2327,7 +2331,7 @@ static int pbwt__links_outside(pbwt__emission *e, size_t simplex, const pbwt__co
 /* Names a point of the mesh: its number in the tile, and its id unless that is NULL. */
 typedef void pbwt__naming(const void *user, pbw_index vertex, uint32_t *local, uint64_t *id);
 
-/* Fills corners and links of one simplex; returns 0 without memory. */
+/* Fills corners and links of one simplex.  Returns 0 without memory. */
 static int pbwt__emit_one(pbwt__emission *e, size_t s, pbwt__naming *name, const void *user, uint32_t *corner,
                           uint32_t *links)
 {
@@ -2399,7 +2403,8 @@ enum { PBWT__CHOSEN = 1, PBWT__BORDER = 2, PBWT__REPAIR = 4 };
 
 typedef struct pbwt__choosing { const struct pbwt__tile *t; unsigned char *chosen; } pbwt__choosing;
 
-/* Is it of the first level, with own corners only, whose stars no answer changed?  Most are. */
+/* Returns whether a simplex of the first level has only own corners, and no answer changed their stars.  Most are so.
+   */
 static int pbwt__is_inside(const struct pbwt__tile *t, const pbw_index *corner)
 {
     const size_t corners = (size_t)pbwt__corners(t);
@@ -2482,7 +2487,7 @@ static pbw_status pbwt__hash_level(struct pbwt__tile *t, pbwt__emission *e)
     return status;
 }
 
-/* Takes notes of a simplex that is more than to be emitted. */
+/* Notes a simplex of the border or at a star in repair. */
 static int pbwt__note(struct pbwt__tile *t, size_t s, int choice)
 {
     const uint32_t simplex = (uint32_t)s;
@@ -2699,10 +2704,10 @@ PBWTDEF pbw_status pbwt_ask(pbwt_tile *tile, int *more)
 
 /* ------------------------------------------------------------------------------------------------------
    Leftovers.
-   With U the vertices given up and C the others, whose stars are exact: the star of u in U among all points is its
-   star among U and the neighbours in C of U, since those in C know of it, and it is closed.  With weights a vertex
-   given up may be hidden, and show up among so few points; then it shares simplices with hidden vertices only:
-   simplices count if through shared corners in U they lead to one that a vertex of C knows to be its neighbour.
+   Let U be the vertices given up and C the others, with exact stars.  The star of u in U among all points is its star
+   among U and the neighbours in C of U, since these neighbours know u, and the star is closed.  With weights a vertex
+   of U may be hidden, but appear among so few points; then its simplices have only hidden vertices in common.  So
+   simplices count only if corners in U connect them to a vertex that a vertex of C knows as a neighbour.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwt__known { uint64_t given, near, seen, emitted; } pbwt__known;         /* vertices, vertices, ids */
 

@@ -5,10 +5,10 @@
 
        pbwview_write("mesh.html", &mesh, NULL, &error);
 
-   Writes one file that needs nothing else, no network and no server, but a browser with WebGL 2: the mesh turns, can
-   be cut open (simplices whole or cut through), exploded, thinned out by value, coloured by quality and by arrays of
-   yours, with a histogram; by mouse, touch and keys.  Of a mesh without simplices (dim, point_count and points set,
-   the rest 0) it shows the points, and with triangles of a model its surface.  A click tells the ids of the mesh.
+   Writes one file that needs a browser with WebGL 2, no network and no server.  The mesh can be turned, cut open
+   (simplices whole or cut through), exploded, thinned out by value, and coloured by quality and by your own arrays,
+   with a histogram; by mouse, touch and keys.  A mesh without simplices (dim, point_count and points set, the rest 0)
+   is shown as points, or with the triangles of a model as a surface.  A click shows the ids of the mesh.
    Size: about 7 bytes a tetrahedron, 4 a triangle, 20 a point (15 in 2D), and for each array 1 to 6 bytes a number.
    No globals.  Memory: 4 bytes a point.
 */
@@ -74,8 +74,8 @@ PBWVIEWDEF pbwio_status pbwview_write(const char *path, const pbw_mesh *mesh, co
 #include <stdlib.h>
 #include <string.h>
 
-/* The page, in three parts: up to its title, up to the data, and behind them; the lines of each end with NULL.  They
-   stand at the end of this file. */
+/* Returns the lines of one of three parts of the page: up to the title, up to the data, after the data.  NULL ends
+   the lines.  They are at the end of this file. */
 static const char *const *pbwview__part(int part);
 
 /* ------------------------------------------------------------------------------------------------------
@@ -398,7 +398,7 @@ static void pbwview__emit(void *user, FILE *file)
     pbwview__lines(file, pbwview__part(2));
 }
 
-/* Numbers the points, counts and measures; returns what is wrong, NULL if nothing. */
+/* Numbers the points, counts and measures.  Returns what is wrong, NULL if nothing. */
 static const char *pbwview__prepare(pbwview__page *page)
 {
     const pbw_mesh *mesh = page->mesh;
