@@ -615,18 +615,11 @@ DEVICE int list_within(const tree &t, const box &own, float reach, uint32_t *fou
             touches = b.low[0] <= hi[0] && b.high[0] >= lo[0] && b.low[1] <= hi[1] && b.high[1] >= lo[1]
                    && b.low[2] <= hi[2] && b.high[2] >= lo[2];
         }
-        const unsigned vote = __ballot_sync(all_lanes, touches);
-        const int at = __popc(vote & lanes_below<32>());
-        if (level == 0) {
-            if (touches && length + at < list_size) {
-                found[length + at] = node;
-            }
-            length += __popc(vote);
-        } else {
-            if (touches) {
-                stack[depth + at] = (uint32_t)level << 29 | node;
-            }
-            depth += __popc(vote);
+        const int at = append<32>(touches, level == 0 ? length : depth);
+        if (touches && level > 0) {
+            stack[at] = (uint32_t)level << 29 | node;
+        } else if (touches && at < list_size) {
+            found[at] = node;
         }
         __syncwarp();
         if (depth == 0 || length > list_size) {
@@ -713,8 +706,7 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t fi
     length = length > list_size ? 0 : length;
     const uint32_t close = sort_list(t, g, start, found, length, list + (size_t)row * list_size);
     if ((threadIdx.x & 31) == 0) {
-        near_list n = { (uint32_t)length, reach, start, close };
-        info[row] = n;
+        info[row] = { (uint32_t)length, reach, start, close };
     }
 }
 
