@@ -1406,6 +1406,22 @@ template <int T, typename S> DEVICE void fan(S &s, bool go, const hole &cavity, 
     count += go ? edges - conflicts : 0;
 }
 
+/* Makes a star one without triangles; used: of so many vertices, the vertex at infinity being the first. */
+template <int T, typename S> DEVICE void clear_star(S &s, bool go, uint32_t vertices)
+{
+    const int lane = (int)threadIdx.x & (T - 1);
+    for (int i = lane; go && i < S::vertices * S::words; i += T) {
+        s.matrix[i] = 0;
+    }
+    for (uint32_t i = (uint32_t)lane; go && i < (uint32_t)S::words; i += T) {
+        const uint32_t rest = vertices > i * 32 ? vertices - i * 32 : 0;
+        s.used[i] = rest >= 32 ? ~0u : (1u << rest) - 1;
+    }
+    if (go && lane == 0) {
+        set_vertex(s, 0, none, place_in<S>());       /* loads that are not used find the vertex at infinity there */
+    }
+}
+
 /* The star of v and three points, in the plane two: one finite triangle and an infinite one on each of its edges, as
    the border of a hole { 0, DIM + 1, 3 } that fan fills.  number: of the vertex that the lane's point becomes, or
    0. */
@@ -1414,15 +1430,7 @@ template <int T, typename S> DEVICE void start(S &s, bool go, const point_of<S> 
     typedef typename S::types types;
     int lane = (int)threadIdx.x & (T - 1);
     if (go) {
-        for (int i = lane; i < S::vertices * s.words; i += T) {
-            s.matrix[i] = 0;
-        }
-        for (int i = lane; i < s.words; i += T) {
-            s.used[i] = i == 0 ? (2u << S::dim) - 1 : 0;
-        }
-        if (lane == 0) {
-            set_vertex(s, 0, none, place_in<S>());   /* loads that are not used find the vertex at infinity there */
-        }
+        clear_star<T>(s, true, S::dim + 1);
         if (number != 0) {
             set_vertex(s, number, point.id, point.p);
         }
@@ -2143,16 +2151,7 @@ template <typename S> DEVICE int start_from_store(S &s, const site &at, const st
     const uint32_t *word = in.word + (size_t)in.place[at.v - in.first] * 4;
     const uint32_t vertices = word[0] & 0xffff, first = word[1] == none ? 0 : 1;
     const int count = (int)(word[0] >> 16);
-    for (int i = lane; i < S::vertices * s.words; i += 32) {
-        s.matrix[i] = 0;
-    }
-    for (uint32_t i = (uint32_t)lane; i < (uint32_t)s.words; i += 32) {
-        uint32_t rest = vertices + first > i * 32 ? vertices + first - i * 32 : 0;
-        s.used[i] = rest >= 32 ? ~0u : (1u << rest) - 1;
-    }
-    if (lane == 0) {
-        set_vertex(s, 0, none, place_in<S>());
-    }
+    clear_star<32>(s, true, vertices + first);
     for (uint32_t i = (uint32_t)lane; i < vertices; i += 32) {
         if (word[1 + i] != none) {
             const point_of<S> vertex = newcomer_at<S>(at, own, word[1 + i]);
