@@ -1457,29 +1457,24 @@ template <typename S> DEVICE int vertices_below(const S &s, uint32_t c)
 /* Stores the finished stars of the tiles that go. */
 template <int T, typename S> DEVICE void finish(S &s, bool go, uint32_t v, int count, const store &out)
 {
-    int lane = (int)threadIdx.x & (T - 1), vertices = 0;
-    find_used<T>(s, go, count);
-    if (go) {
-        if (lane == 0) {
-            s.id[0] = none;
-        }
-        for (int i = 0; i < s.words; i++) {
-            vertices += __popc(s.used[i]);
-        }
-    }
+    int lane = (int)threadIdx.x & (T - 1), vertices = 0, owned = 0;
     bool closed = true;                              /* without infinite triangles: 0 is in used, but is not stored */
-    int owned = 0;
+    find_used<T>(s, go, count);
+    if (go && lane == 0) {
+        s.id[0] = none;
+    }
+    for (int i = 0; go && i < s.words; i++) {
+        vertices += __popc(s.used[i]);
+    }
     __syncwarp();
-    if (go) {
-        for (int t = lane; t < count; t += T) {
-            bool mine = true;
-            for (int k = 0; k < S::dim; k++) {
-                uint32_t c = corner(s.triangle[t], k);
-                closed = closed && c != 0;
-                mine = mine && c != 0 && s.id[c] > v;
-            }
-            owned += mine;
+    for (int t = lane; go && t < count; t += T) {
+        bool mine = true;
+        for (int k = 0; k < S::dim; k++) {
+            uint32_t c = corner(s.triangle[t], k);
+            closed = closed && c != 0;
+            mine = mine && c != 0 && s.id[c] > v;
         }
+        owned += mine;
     }
     closed = tile_ballot<T>(!closed) == 0;
     owned = tile_sum<T>(owned);
@@ -1638,17 +1633,15 @@ template <int T, typename S> DEVICE span reach_of(const S &s, bool go, int count
 {
     span r = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
     int lane = (int)threadIdx.x & (T - 1);
-    if (go) {
-        for (int t = lane; t < count; t += T) {
-            float4 q = s.sphere[t];
-            if (is_wall(q)) {
-                continue;
-            }
-            float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<S::weighted>(q, heaviest);
-            for (int k = 0; k < S::dim; k++) {
-                r.low[k] = fminf(r.low[k], c[k] - radius);
-                r.high[k] = fmaxf(r.high[k], c[k] + radius);
-            }
+    for (int t = lane; go && t < count; t += T) {
+        float4 q = s.sphere[t];
+        if (is_wall(q)) {
+            continue;
+        }
+        float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<S::weighted>(q, heaviest);
+        for (int k = 0; k < S::dim; k++) {
+            r.low[k] = fminf(r.low[k], c[k] - radius);
+            r.high[k] = fmaxf(r.high[k], c[k] + radius);
         }
     }
     for (int k = 0; k < S::dim; k++) {
