@@ -1694,11 +1694,8 @@ struct near_launch {
 };
 
 /* A star of the first rung while its tile builds it. */
-template <int DIM, bool WEIGHTED, typename REAL> struct near_state {
-    typedef REAL real;
-    static const int dim = DIM;
-    static const bool weighted = WEIGHTED;
-    near_star<DIM, WEIGHTED, REAL> &s;
+template <typename S> struct near_state {
+    S &s;
     const near_launch &a;
     const uint32_t *list;                            /* the groups near v */
     near_list info;
@@ -1710,7 +1707,7 @@ template <int DIM, bool WEIGHTED, typename REAL> struct near_state {
     float start2;                                    /* the square of the start radius */
     int have, cursor;                                /* points collected, and those of them already tried */
     int count, stored, position;                     /* triangles; points waiting; groups of the list read */
-    newcomer<REAL> candidate;                        /* of each lane */
+    point_of<S> candidate;                           /* of each lane */
     uint32_t group_here;
     unsigned pending, groups;                        /* lanes with a candidate to insert; with a group to read */
     span reach;
@@ -1718,7 +1715,7 @@ template <int DIM, bool WEIGHTED, typename REAL> struct near_state {
 const int near_lanes = 8;
 
 /* Appends the points of the tile's group candidate closer than the start radius. */
-template <typename N> DEVICE void collect_group(N &n, uint32_t group, bool here)
+template <typename S> DEVICE void collect_group(near_state<S> &n, uint32_t group, bool here)
 {
     uint32_t p = group * group_size + (uint32_t)n.lane;
     bool take = here && p < n.a.w.all.count && p != n.at.v;
@@ -1736,7 +1733,7 @@ template <typename N> DEVICE void collect_group(N &n, uint32_t group, bool here)
 
 /* Step 1: the points within the start radius, which shrinks until there is room for them.  A star is given up if its
    points are too close for floats to tell apart. */
-template <typename N> DEVICE void collect_close(N &n)
+template <typename S> DEVICE void collect_close(near_state<S> &n)
 {
     int shrinks = 0;
     for (bool again = n.go; any(again); shrinks++) {
@@ -1745,8 +1742,8 @@ template <typename N> DEVICE void collect_close(N &n)
             uint32_t group = again && base + n.lane < n.length ? n.list[base + n.lane] : none;
             bool close = false;
             if (group != none) {
-                span b = relative_box<N::dim>(n.a.w.boxes.level[0][group], n.origin);
-                close = square_of_gap<N::dim>(b) * 0.99999f < n.start2;
+                span b = relative_box<S::dim>(n.a.w.boxes.level[0][group], n.origin);
+                close = square_of_gap<S::dim>(b) * 0.99999f < n.start2;
             }
             for (unsigned vote = tile_ballot<near_lanes>(close); any(vote != 0); vote &= vote - 1) {
                 uint32_t from = tile_read<near_lanes>(group, vote != 0 ? __ffs((int)vote) - 1 : 0);
@@ -1762,7 +1759,7 @@ template <typename N> DEVICE void collect_close(N &n)
 }
 
 /* Sorts the collected points by distance into scratch. */
-template <typename N> DEVICE void sort_collected(N &n)
+template <typename S> DEVICE void sort_collected(near_state<S> &n)
 {
     const int T = near_lanes;
     uint32_t *sorted = n.s.scratch, *collected = (uint32_t *)n.s.sphere;
@@ -1790,7 +1787,7 @@ template <typename N> DEVICE void sort_collected(N &n)
 }
 
 /* Loads the next candidates that may be in conflict, until each tile has some, or has none left at hand. */
-template <typename N> DEVICE void next_candidates(N &n)
+template <typename S> DEVICE void next_candidates(near_state<S> &n)
 {
     const int T = near_lanes;
     for (;;) {
@@ -1805,7 +1802,7 @@ template <typename N> DEVICE void next_candidates(N &n)
             next = n.lane < take ? n.s.scratch[(n.walking ? n.stored - take : n.cursor) + n.lane] : none;
             n.stored -= n.walking ? take : 0;
         }
-        n.candidate = newcomer_at<N>(n.at, n.own, next);
+        n.candidate = newcomer_at<S>(n.at, n.own, next);
         bool screened = n.walking || n.cursor >= 2 * T;
         bool may = may_conflict<T>(n.s, feed && screened, n.count, n.candidate.p) || !screened;
         unsigned vote = tile_ballot<T>(feed && next != none && may);
@@ -1815,14 +1812,14 @@ template <typename N> DEVICE void next_candidates(N &n)
 }
 
 /* Finds which of the next 8 groups of the list touch the reach of the star. */
-template <typename N> DEVICE void next_groups(N &n, bool load)
+template <typename S> DEVICE void next_groups(near_state<S> &n, bool load)
 {
     bool touches = false;
     if (load && n.position + n.lane < n.length) {
         n.group_here = n.list[n.position + n.lane];
-        span b = relative_box<N::dim>(n.a.w.boxes.level[0][n.group_here], n.origin);
+        span b = relative_box<S::dim>(n.a.w.boxes.level[0][n.group_here], n.origin);
         touches = true;
-        for (int k = 0; k < N::dim; k++) {
+        for (int k = 0; k < S::dim; k++) {
             touches = touches && b.low[k] <= n.reach.high[k] && b.high[k] >= n.reach.low[k];
         }
     }
@@ -1832,7 +1829,7 @@ template <typename N> DEVICE void next_groups(N &n, bool load)
 }
 
 /* Stores the points of several groups that are within the reach; of several, so that their loads overlap. */
-template <typename N> DEVICE void store_points(N &n, bool fill)
+template <typename S> DEVICE void store_points(near_state<S> &n, bool fill)
 {
     const int T = near_lanes;
     uint32_t other[at_once];
@@ -1848,7 +1845,7 @@ template <typename N> DEVICE void store_points(N &n, bool fill)
     for (int i = 0; i < at_once; i++) {
         float x[3];
         bool take = rough_square(place_of[i], n.origin, x) >= n.start2 && other[i] != none;
-        for (int k = 0; k < N::dim; k++) {
+        for (int k = 0; k < S::dim; k++) {
             take = take && x[k] >= n.reach.low[k] && x[k] <= n.reach.high[k];
         }
         const int to = append<T>(take, n.stored);
@@ -1859,7 +1856,7 @@ template <typename N> DEVICE void store_points(N &n, bool fill)
 }
 
 /* Step 3: walks on through the list, for all tiles of the block that have room. */
-template <typename N> DEVICE void walk_list(N &n)
+template <typename S> DEVICE void walk_list(near_state<S> &n)
 {
     n.walking = true;
     bool renew = n.go && n.changed;
@@ -1884,7 +1881,7 @@ template <typename N> DEVICE void walk_list(N &n)
 }
 
 /* Step 4: marks the simplices whose spheres lie within the box that the list covers; returns whether all do. */
-template <typename N> DEVICE bool certify(N &n)
+template <typename S> DEVICE bool certify(near_state<S> &n)
 {
     const box b = n.a.w.boxes.level[0][n.at.v / group_size];
     span covered;
@@ -1896,9 +1893,9 @@ template <typename N> DEVICE bool certify(N &n)
     bool certified = true;
     for (int t = n.lane; n.go && t < n.count; t += near_lanes) {
         float4 q = n.s.sphere[t];
-        float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<N::weighted>(q, n.heaviest);
+        float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<S::weighted>(q, n.heaviest);
         bool inside = true;
-        for (int k = 0; k < N::dim; k++) {
+        for (int k = 0; k < S::dim; k++) {
             inside = inside && c[k] - radius > covered.low[k] && c[k] + radius < covered.high[k];
         }
         inside = inside || is_wall(q);
@@ -1909,29 +1906,29 @@ template <typename N> DEVICE bool certify(N &n)
 }
 
 /* Gives a tile its vertex; nothing is collected yet. */
-template <typename N> DEVICE void open_near(N &n, uint32_t v, bool valid)
+template <typename S> DEVICE void open_near(near_state<S> &n, uint32_t v, bool valid)
 {
     const space &all = n.a.w.all;
     const uint32_t row = v / group_size - n.a.w.out.first / group_size;
     const float4 rough = all.rough[v];
     n.own = all.point[v];
-    n.at = { &all, v, walls_of<N::dim>(all, n.own), NULL };
+    n.at = { &all, v, walls_of<S::dim>(all, n.own), NULL };
     n.list = n.a.w.lists + (size_t)row * list_size;
     n.info = n.a.w.infos[row];
     n.length = (int)n.info.length;
     n.lane = (int)threadIdx.x & (near_lanes - 1);
     n.origin[0] = rough.x, n.origin[1] = rough.y, n.origin[2] = rough.z;
-    n.heaviest = N::weighted ? (float)((all.heaviest - n.own.c[N::dim]) * (all.unit * all.unit)) * 1.000001f : 0.0f;
+    n.heaviest = S::weighted ? (float)((all.heaviest - n.own.c[S::dim]) * (all.unit * all.unit)) * 1.000001f : 0.0f;
     n.go = valid && n.length > 0 && *n.a.w.out.stop == 0;
     n.start2 = n.info.start * n.info.start;
     n.have = 0;
 }
 
 /* Step 2: starts the star with the nearest points that make a fat corner; the others are candidates. */
-template <typename N> DEVICE void start_near(N &n)
+template <typename S> DEVICE void start_near(near_state<S> &n)
 {
     const int T = near_lanes;
-    n.candidate = newcomer_at<N>(n.at, n.own, n.go && n.lane < n.have ? n.s.scratch[n.lane] : none);
+    n.candidate = newcomer_at<S>(n.at, n.own, n.go && n.lane < n.have ? n.s.scratch[n.lane] : none);
     const unsigned used = start_from_lanes<T, false>(n.s, n.at, n.go, n.candidate, n.have);
     n.go = n.go && used != 0;
     n.pending = n.go ? ((1u << (n.have < T ? n.have : T)) - 1) & ~used : 0;
@@ -1949,11 +1946,10 @@ template <int DIM, bool WEIGHTED, bool EXACT>        /* the number of blocks is 
 __global__ void __launch_bounds__(near_block, EXACT ? 4 : DIM == 2 ? 8 : 6)
 near_kernel(const __grid_constant__ near_launch a)
 {
-    typedef rung_real<EXACT> REAL;
-    typedef near_star<DIM, WEIGHTED, REAL> star_type;
+    typedef near_star<DIM, WEIGHTED, rung_real<EXACT> > star_type;
     extern __shared__ float4 shared_words[];
     const int T = near_lanes;
-    near_state<DIM, WEIGHTED, REAL> n = { ((star_type *)shared_words)[threadIdx.x / T], a };
+    near_state<star_type> n = { ((star_type *)shared_words)[threadIdx.x / T], a };
     const uint32_t tile = (blockIdx.x * near_block + threadIdx.x) / T;
     const bool valid = tile < a.total;
     const uint32_t item = valid ? tile : a.total - 1;
@@ -1982,7 +1978,7 @@ near_kernel(const __grid_constant__ near_launch a)
         if (!starting) {
             int from = now ? __ffs((int)n.pending) - 1 : 0;
             n.pending &= n.pending - 1;
-            const newcomer<REAL> next = tile_read<T>(n.candidate, from);
+            const point_of<star_type> next = tile_read<T>(n.candidate, from);
             int result = carve<T, EXACT>(n.s, n.at, now, next, n.count, cavity);
             now = result == star_changed;
             fans = cavity.edges;
@@ -2186,7 +2182,7 @@ template <typename S> struct far_state {
     float origin[3];
     double own_weight;                               /* v's, relative to the heaviest */
     int lane, warp, count;
-    point_of<S> candidate;            /* of each lane */
+    point_of<S> candidate;                           /* of each lane */
     unsigned pending, hit;                           /* lanes with a candidate to insert, with a group to search */
     uint32_t node;                                   /* the group of lane 0 */
     uint32_t word;                                   /* the triangle of the simplex in hand */
