@@ -2664,21 +2664,7 @@ template <typename STAR> DEVICE void find_inverses(STAR &w, int count)
     __syncwarp();
 }
 
-/* Returns the lanes with candidates that are not yet vertices: the search meets vertices too. */
-template <typename RUNG>
-DEVICE unsigned without_vertices(const wide_star<RUNG> &w, unsigned lanes, uint32_t candidate)
-{
-    for (unsigned rest = lanes; rest != 0; rest &= rest - 1) {
-        const int from = __ffs((int)rest) - 1;
-        const uint32_t id = __shfl_sync(all_lanes, candidate, from);
-        bool known = false;
-        for (int k = (int)threadIdx.x & 31; k < RUNG::vertices; k += 32) {
-            known = known || w.s.id[k] == id;
-        }
-        lanes &= any(known) ? ~(1u << from) : ~0u;
-    }
-    return lanes;
-}
+
 
 /* Returns for each 8 lanes the deepest of a quarter of the bricks that wait, as depth << 16 | where it waits, or 0.
    Where there is little room it returns the last ones: they are of low levels, and few more come to wait. */
@@ -2721,7 +2707,11 @@ template <typename RUNG> struct wide_state {
 template <typename RUNG> DEVICE void screen_candidates(wide_state<RUNG> &n, unsigned lanes)
 {
     n.deep = (lanes >> n.lane & 1) != 0 ? depth_of_place(n.w, n.count, n.candidate.p) : 0.0f;
-    n.pending = without_vertices(n.w, __ballot_sync(all_lanes, n.deep > 0.0f), n.candidate.id);
+    n.pending = __ballot_sync(all_lanes, n.deep > 0.0f);
+    for (unsigned rest = n.pending; rest != 0; rest &= rest - 1) {   /* the search meets vertices too */
+        const int from = __ffs((int)rest) - 1;
+        n.pending &= is_vertex(n.w.s, tile_read<32>(n.candidate.id, from)) ? ~(1u << from) : ~0u;
+    }
 }
 
 /* The star of v as the store has it, or else one from points on the curve; all bricks of the top level wait.  Returns
@@ -2732,10 +2722,6 @@ template <typename RUNG> DEVICE bool start_wide(wide_state<RUNG> &n)
     bool started = n.a.in.place[n.at.v - n.a.in.first] != none;
     unsigned candidates = 0;
     int count = 0;
-    for (int k = n.lane; k < RUNG::vertices; k += 32) {
-        s.id[k] = none;
-    }
-    __syncwarp();
     if (started) {
         count = start_from_store(s, n.at, n.a.in);
     } else {
