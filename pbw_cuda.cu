@@ -2868,11 +2868,8 @@ __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) wide_kernel(co
    cards list for it with their numbers, in the canonical order.  Only one facet of a guest can have its lowest vertex
    in the share, the one that lacks the guest's first corner; the lower cards are told the simplex across it.
    ------------------------------------------------------------------------------------------------------ */
-template <int DIM> struct cell {
+template <int DIM> struct alignas(DIM == 3 ? 16 : 4) cell {
     uint32_t corner[DIM + 1];
-};
-template <> struct alignas(16) cell<3> {
-    uint32_t corner[4];
 };
 
 /* The canonical form of the positive simplex (v, a...): the lowest corner first; in space the lowest of the rest
@@ -2880,21 +2877,12 @@ template <> struct alignas(16) cell<3> {
 template <int DIM> DEVICE cell<DIM> canonical(uint32_t v, const uint32_t *a)
 {
     cell<DIM> c;
-    uint32_t *p = c.corner;
-    p[0] = v;
+    c.corner[0] = v;
     for (int k = 0; k < DIM; k++) {
-        p[k + 1] = a[k];
+        c.corner[k + 1] = a[k];
     }
-    if (DIM == 3 && min(p[1], p[DIM]) < min(p[0], p[2])) {     /* pairs of exchanges keep it positive */
-        exchange(p[0], p[1]);
-        exchange(p[2], p[DIM]);
-    }
-    if (DIM == 3 && p[2] < p[0]) {
-        exchange(p[0], p[2]);
-        exchange(p[1], p[DIM]);
-    }
-    p += DIM - 2;
-    for (int turns = 0; turns < 2; turns++) {
+    for (int turn = DIM == 3 ? 0 : 3; turn < 5; turn++) {            /* of three corners: it stays positive */
+        uint32_t *const p = c.corner + (DIM == 3 && turn != 2 ? 1 : 0);
         if (p[1] < p[0] || p[2] < p[0]) {
             exchange(p[0], p[1]);
             exchange(p[1], p[2]);
