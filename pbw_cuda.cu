@@ -3030,24 +3030,43 @@ struct links {
     const uint32_t *id;
 };
 
-/* Writes the links of the finite simplex (v, a...), of number own, across the facets of which v is the lowest vertex;
-   across(k): the number of the simplex beyond the facet that lacks a[k]. */
-template <int DIM, typename F>
-DEVICE void link_simplex(const directory<DIM> &all, const links &out, uint32_t v, const uint32_t *a,
-                                    uint32_t own, F across)
+/* Writes the links of the star of v by T lanes: its lowest simplex and, where v is the lowest vertex of a facet of a
+   finite simplex, the simplex across it.  number(t): of the simplex on triangle t, or none; mate(t, k): the triangle
+   across from corner k of triangle t. */
+template <int T, int DIM, typename F, typename G>
+DEVICE void link_star(const directory<DIM> &all, const links &out, uint32_t v, const stored_star &s, F number, G mate)
 {
-    const cell<DIM> c = canonical<DIM>(v, a);
-    for (int k = 0; k < DIM; k++) {
-        if (is_lowest<DIM>(v, a, k) && c.corner[0] < all.first) {
-            out.beyond[last_until<DIM>(c, all.guest, 0, all.guests)] = across(k);
-        } else if (is_lowest<DIM>(v, a, k)) {
-            int at = 0;
-            for (int i = 1; i <= DIM; i++) {
-                at = c.corner[i] == a[k] ? i : at;
+    const int lane = (int)threadIdx.x & (T - 1);
+    uint32_t lowest = none, a[3];
+    for (int t = lane; t < s.count; t += T) {
+        const uint32_t own = number(t);
+        lowest = min(lowest, own);
+        if (own == none || out.neighbors == NULL) {
+            continue;
+        }
+        triangle_of<DIM>(s, t, a);
+        const cell<DIM> c = canonical<DIM>(v, a);
+        for (int k = 0; k < DIM; k++) {
+            if (is_lowest<DIM>(v, a, k) && c.corner[0] < all.first) {
+                out.beyond[last_until<DIM>(c, all.guest, 0, all.guests)] = number(mate(t, k));
+            } else if (is_lowest<DIM>(v, a, k)) {
+                int at = 0;
+                for (int i = 1; i <= DIM; i++) {
+                    at = c.corner[i] == a[k] ? i : at;
+                }
+                out.neighbors[(size_t)(own - all.base) * (DIM + 1) + (size_t)at] = number(mate(t, k));
             }
-            out.neighbors[(size_t)(own - all.base) * (DIM + 1) + (size_t)at] = across(k);
         }
     }
+    lowest = tile_min<T>(lowest);
+    if (s.count > 0 && lane == 0) {
+        out.incident[out.id != NULL ? out.id[v] : v - all.first] = lowest;
+    }
+}
+
+DEVICE bool is_small(const stored_star &s)
+{
+    return s.count <= small_triangles && s.vertices <= small_vertices;
 }
 
 /* The links of the small stars, 8 lanes each, with a table of mates.  3D: the triangle that has a directed edge; 2D:
@@ -3061,36 +3080,27 @@ __global__ void neighbor_kernel(const __grid_constant__ store in, const __grid_c
     __shared__ uint32_t shared_number[emit_block / T][small_triangles + 4];
     uint8_t *table = shared_table[threadIdx.x / T];
     uint32_t *number = shared_number[threadIdx.x / T];
-    int lane = (int)threadIdx.x & (T - 1);
-    uint32_t v = in.first + (blockIdx.x * emit_block + threadIdx.x) / T, lowest = none, a[3];
-    const stored_star s = stored(in, v, v < in.end);
-    const bool is_hidden = v < in.end && s.count == 0;
-    const bool go = s.count > 0 && s.count <= small_triangles && s.vertices <= small_vertices;
-    for (int t = lane; go && t < s.count; t += T) {
+    const int lane = (int)threadIdx.x & (T - 1);
+    const uint32_t v = in.first + (blockIdx.x * emit_block + threadIdx.x) / T;
+    stored_star s = stored(in, v, v < in.end);
+    if (v < in.end && s.count == 0 && lane == 0) {
+        atomicAdd(hidden_count, 1u);
+    }
+    s.count = is_small(s) ? s.count : 0;
+    for (int t = lane; t < s.count; t += T) {
+        uint32_t a[3];
         for (int k = 0; k < DIM; k++) {
             uint32_t from = corner(s.triangle[t], k), to = corner(s.triangle[t], k + 1 == DIM ? 0 : k + 1);
             table[DIM == 3 ? from * small_vertices + to : (uint32_t)k * small_vertices + from] = (uint8_t)t;
         }
         number[t] = triangle_of<DIM>(s, t, a) ? number_of<DIM>(canonical<DIM>(v, a), all) : none;
-        lowest = min(lowest, number[t]);
     }
     __syncwarp();
-    lowest = tile_min<T>(lowest);
-    for (int t = lane; go && out.neighbors != NULL && t < s.count; t += T) {
-        if (triangle_of<DIM>(s, t, a)) {
-            link_simplex<DIM>(all, out, v, a, number[t], [&](int k) {
-                uint32_t c[3] = { corner(s.triangle[t], 0), corner(s.triangle[t], 1), corner(s.triangle[t], 2) };
-                uint32_t from = DIM == 3 ? c[(k + 2) % 3] : (uint32_t)k, to = DIM == 3 ? c[(k + 1) % 3] : c[1 - k];
-                return number[table[from * small_vertices + to]];
-            });
-        }
-    }
-    if (go && lane == 0) {
-        out.incident[out.id != NULL ? out.id[v] : v - in.first] = lowest;
-    }
-    if (is_hidden && lane == 0) {
-        atomicAdd(hidden_count, 1u);
-    }
+    link_star<T>(all, out, v, s, [&](int t) { return number[t]; }, [&](int t, int k) {
+        uint32_t c[3] = { corner(s.triangle[t], 0), corner(s.triangle[t], 1), corner(s.triangle[t], 2) };
+        uint32_t from = DIM == 3 ? c[(k + 2) % 3] : (uint32_t)k, to = DIM == 3 ? c[(k + 1) % 3] : c[1 - k];
+        return table[from * small_vertices + to];
+    });
 }
 
 /* The links of the larger stars, a warp each, looking for mates one by one. */
@@ -3098,38 +3108,19 @@ template <int DIM>
 __global__ void large_neighbor_kernel(queue large, const __grid_constant__ store in,
                                       const __grid_constant__ directory<DIM> all, const __grid_constant__ links out)
 {
-    uint32_t i = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32, lowest = none;
-    if (i >= *large.count) {
+    const uint32_t i = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32;
+    const uint32_t v = i < *large.count ? large.vertex[i] : in.end;
+    const stored_star s = stored(in, v, v < in.end);
+    if (is_small(s)) {
         return;
     }
-    uint32_t v = large.vertex[i];
-    const stored_star s = stored(in, v, true);
-    if (s.count <= small_triangles && s.vertices <= small_vertices) {
-        return;
-    }
-    auto number = [&](int t, uint32_t *a) {
+    auto number = [&](int t) {
+        uint32_t a[3];
         return t >= 0 && triangle_of<DIM>(s, t, a) ? number_of<DIM>(canonical<DIM>(v, a), all) : none;
     };
-    for (int t = (int)threadIdx.x & 31; t < s.count; t += 32) {
-        uint32_t a[3], b[3], own = number(t, a);
-        lowest = min(lowest, own);
-        if (own != none && out.neighbors != NULL) {
-            link_simplex<DIM>(all, out, v, a, own, [&](int k) {
-                return number(mate_of<DIM>(s.triangle, s.count, s.triangle[t], k), b);
-            });
-        }
-    }
-    lowest = tile_min<32>(lowest);
-    if ((threadIdx.x & 31) == 0) {
-        out.incident[out.id != NULL ? out.id[v] : v - in.first] = lowest;
-    }
+    auto mate = [&](int t, int k) { return mate_of<DIM>(s.triangle, s.count, s.triangle[t], k); };
+    link_star<32>(all, out, v, s, number, mate);
 }
-
-/* A run of vertices. */
-struct share {
-    uint32_t first, end;
-    __device__ bool has(uint32_t v) const { return v >= first && v < end; }
-};
 
 /* The guests that one card has for another: the count of each vertex, and where its guests go. */
 template <int DIM> struct guest_list {
