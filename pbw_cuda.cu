@@ -3454,14 +3454,18 @@ void fall_out(call &c, const char *text)
     }
 }
 
-void say(call &c, const char *format, ...)
+/* Sets the status of a call that has not failed yet, and says why. */
+void fail(call &c, pbw_status status, const char *format, ...)
 {
     char text[256];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    fall_out(c, text);
+    if (c.status == PBW_OK) {
+        c.status = status;
+        fall_out(c, text);
+    }
 }
 
 struct failure {};                                   /* thrown: the status of the call is no longer PBW_OK */
@@ -3476,11 +3480,8 @@ void go_on(const call &c)
 /* Fails unless a condition holds. */
 template <typename... A> void require(call &c, bool holds, pbw_status status, const char *format, A... arguments)
 {
-    if (!holds && c.status == PBW_OK) {
-        c.status = status;
-        say(c, format, arguments...);
-    }
     if (!holds) {
+        fail(c, status, format, arguments...);
         throw failure();
     }
 }
@@ -3501,9 +3502,8 @@ void suit_stars(call &c, uint32_t left, uint32_t limit)
 /* Takes over a failure of the device; returns whether the call has none. */
 bool good(call &c, cudaError_t error, const char *what)
 {
-    if (error != cudaSuccess && c.status == PBW_OK) {
-        c.status = PBW_ERROR_BACKEND;
-        say(c, "%s: %s", what, cudaGetErrorString(error));
+    if (error != cudaSuccess) {
+        fail(c, PBW_ERROR_BACKEND, "%s: %s", what, cudaGetErrorString(error));
     }
     return c.status == PBW_OK;
 }
