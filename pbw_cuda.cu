@@ -3656,11 +3656,7 @@ template <typename V> V read_back(call &c, const V *address, pbw_stage stage, do
         wait(c, stage, done);
     }
     need(c, cudaMemcpyAsync(to, address, sizeof(V), cudaMemcpyDeviceToHost, c.stream), "reading a count");
-    if (c.pinned == NULL) {
-        need(c, cudaStreamSynchronize(c.stream), "reading a count");
-    } else {
-        wait(c, stage, done);
-    }
+    wait(c, stage, done);
     return *to;
 }
 
