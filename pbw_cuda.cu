@@ -3411,7 +3411,7 @@ struct team {
 struct gear {
     cudaMemPool_t pool;
     cudaStream_t copies;
-    cudaEvent_t mark[8], ready, copied;
+    cudaEvent_t mark[8], ready[2];                   /* ready: of the end of work, for the host; for copies */
     char *pinned;                                    /* host memory for counts; NULL but in a loop */
 };
 const size_t pinned_bytes = 512;
@@ -3603,8 +3603,8 @@ void look_up(call &c, pbw_stage stage, double done)
 void finish_stream(call &c, cudaStream_t stream, pbw_stage stage, double done)
 {
     static const uint32_t one = 1;
-    cudaError_t error = cudaEventRecord(c.ready, stream);
-    while (error == cudaSuccess && (error = cudaEventQuery(c.ready)) == cudaErrorNotReady) {
+    cudaError_t error = cudaEventRecord(c.ready[0], stream);
+    while (error == cudaSuccess && (error = cudaEventQuery(c.ready[0])) == cudaErrorNotReady) {
         look_up(c, stage, done);
         if (c.status != PBW_OK && c.stop != NULL && !c.stopped) {
             c.stopped = true;
@@ -3673,8 +3673,8 @@ void note(call &c, int mark)
 /* Lets all later work of the other stream wait for the work that the call's stream has now. */
 void follow(call &c)
 {
-    need(c, cudaEventRecord(c.copied, c.stream), "cudaEventRecord");
-    need(c, cudaStreamWaitEvent(c.copies, c.copied, 0), "cudaStreamWaitEvent");
+    need(c, cudaEventRecord(c.ready[1], c.stream), "cudaEventRecord");
+    need(c, cudaStreamWaitEvent(c.copies, c.ready[1], 0), "cudaStreamWaitEvent");
 }
 
 struct shape {                                       /* of a launch; bytes: of dynamic shared memory */
@@ -4771,18 +4771,17 @@ void open_call(call &c, cudaStream_t stream, int dim, size_t count)
     require(c, pools != 0, PBW_ERROR_BACKEND, "the device or its driver has no memory pools");
     if (!c.lent) {
         need(c, cudaDeviceGetMemPool(&c.pool, device), "cudaDeviceGetMemPool");
-        for (int i = 0; i < 8; i++) {
-            need(c, cudaEventCreate(&c.mark[i]), "cudaEventCreate");
+        for (int i = 0; i < 10; i++) {
+            need(c, i < 8 ? cudaEventCreate(&c.mark[i])
+                          : cudaEventCreateWithFlags(&c.ready[i - 8], cudaEventDisableTiming), "cudaEventCreate");
         }
-        need(c, cudaEventCreateWithFlags(&c.ready, cudaEventDisableTiming), "cudaEventCreate");
-        need(c, cudaEventCreateWithFlags(&c.copied, cudaEventDisableTiming), "cudaEventCreate");
     }
 }
 
 void destroy_events(const gear &g)
 {
     for (int i = 0; i < 10; i++) {
-        cudaEvent_t event = i < 8 ? g.mark[i] : i == 8 ? g.ready : g.copied;
+        const cudaEvent_t event = i < 8 ? g.mark[i] : g.ready[i - 8];
         if (event != NULL) {
             cudaEventDestroy(event);
         }
