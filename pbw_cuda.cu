@@ -158,18 +158,23 @@ struct queue {                                       /* vertices for the next ru
 
 const uint32_t stored_mark = 1u << 31;               /* in a queue: the store holds a star to go on from */
 
-/* The finished stars: a star is a head (triangles << 16 | vertices), its vertices, and its triangles as 3 numbers of
-   vertices in 10 bits each (2D: edges, 2 numbers), padded to 16 bytes.  Bit 30 of a triangle says that it is
-   verified. */
-struct store {
-    uint32_t first, end;                             /* the share: vertices whose stars are made here */
+/* The numbers first, ..., end - 1; a share: the ranks of the vertices that a card has. */
+struct range {
+    uint32_t first, end;
+    __host__ __device__ uint32_t size() const { return end - first; }
+    __device__ bool has(uint32_t v) const { return v >= first && v < end; }
+};
+
+/* The finished stars of a share.  A star is a head (triangles << 16 | vertices), its vertices, and its triangles as 3
+   numbers of vertices in 10 bits each (2D: edges, 2 numbers), padded to 16 bytes.  Bit 30 of a triangle says that it
+   is verified. */
+struct store : range {
     uint32_t *word;
     unsigned long long *used;                        /* units of 16 bytes needed: above capacity if it is too small */
     unsigned long long capacity;
     uint32_t *place;                                 /* for each vertex from first: the unit where its star begins */
     uint32_t *owned;                                 /* and how many simplices have it as their lowest vertex */
     const volatile uint32_t *stop;                   /* not 0: the call has failed or is cancelled, nothing counts */
-    __host__ __device__ uint32_t size() const { return end - first; }
 };
 
 struct near_list;
@@ -378,9 +383,10 @@ __global__ void key_kernel(const __grid_constant__ keyed k, const __grid_constan
     }
 }
 
-/* Long runs: where they begin and end among all keys, and among the gathered ones. */
+/* Long runs: their places among all keys, and where they begin among the gathered ones. */
 struct run_list {
-    uint32_t *head, *end, *length, *offset;
+    range *place;
+    uint32_t *offset;
 };
 
 /* Finds runs among count keys: all keys or, with segment, those gathered from the runs of a list, of which segment
@@ -396,8 +402,8 @@ __global__ void run_kernel(const __grid_constant__ keyed k, size_t count, const 
     if (segment != NULL) {
         uint32_t r = segment[i];
         begin = of.offset[r];
-        limit = begin + of.length[r];
-        shift = of.head[r] - begin;
+        limit = begin + of.place[r].size();
+        shift = of.place[r].first - begin;
     }
     if (i > begin && k.tie(i - 1, i)) {
         return;
@@ -406,9 +412,7 @@ __global__ void run_kernel(const __grid_constant__ keyed k, size_t count, const 
         end++;
     }
     if (end - i > PBW__SHORT_RUN) {
-        uint32_t at = atomicAdd(&out->long_runs, 1u);
-        found.head[at] = (uint32_t)(i + shift);
-        found.end[at] = (uint32_t)(limit + shift);
+        found.place[atomicAdd(&out->long_runs, 1u)] = { (uint32_t)(i + shift), (uint32_t)(limit + shift) };
         return;
     }
     for (size_t j = i + 1; j < end; j++) {
@@ -418,8 +422,8 @@ __global__ void run_kernel(const __grid_constant__ keyed k, size_t count, const 
     }
 }
 
-/* Measures a run by each warp: its length and box; length 0 if all its points lie at one place.  Then the best of
-   them goes first, and root names the first for all of them. */
+/* Measures a run by each warp: its end, length and box.  If all its points lie at one place the length is 0, the best
+   of them goes first, and root names that for all of them. */
 __global__ void measure_kernel(const __grid_constant__ keyed k, run_list runs, uint32_t count, pbw__box *boxes,
                                uint32_t *root)
 {
@@ -428,7 +432,7 @@ __global__ void measure_kernel(const __grid_constant__ keyed k, run_list runs, u
     if (r >= count) {
         return;
     }
-    uint32_t head = runs.head[r], end = head, limit = runs.end[r], best = head;
+    uint32_t head = runs.place[r].first, end = head, limit = runs.place[r].end, best = head;
     pbw__box_reset(&box, k.bits);
     for (unsigned vote = all_lanes; vote == all_lanes; end += (uint32_t)__popc(vote)) {
         uint32_t i = end + lane;
@@ -451,7 +455,8 @@ __global__ void measure_kernel(const __grid_constant__ keyed k, run_list runs, u
     __syncwarp();
     if (lane == 0) {
         boxes[r] = box;
-        runs.length[r] = apart ? end - head : 0;
+        runs.place[r].end = apart ? end : head;
+        runs.offset[r] = apart ? end - head : 0;     /* the length, until lengths are summed */
         if (!apart) {
             exchange(k.key[head], k.key[best]);
         }
@@ -466,8 +471,8 @@ __global__ void rekey_kernel(const __grid_constant__ keyed k, run_list runs, uin
                              uint64_t *gathered, uint32_t *segment)
 {
     uint32_t r = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32;
-    for (uint32_t i = threadIdx.x & 31; r < count && i < runs.length[r]; i += 32) {
-        gathered[runs.offset[r] + i] = k.key_of(k.index(runs.head[r] + i), box[r]);
+    for (uint32_t i = threadIdx.x & 31; r < count && i < runs.place[r].size(); i += 32) {
+        gathered[runs.offset[r] + i] = k.key_of(k.index(runs.place[r].first + i), box[r]);
         segment[runs.offset[r] + i] = r;
     }
 }
@@ -478,7 +483,7 @@ __global__ void put_back_kernel(const uint64_t *gathered, const uint32_t *segmen
     size_t i = thread_number();
     if (i < count) {
         uint32_t r = segment[i];
-        key[runs.head[r] + (i - runs.offset[r])] = gathered[i];
+        key[runs.place[r].first + (i - runs.offset[r])] = gathered[i];
     }
 }
 
@@ -3132,7 +3137,7 @@ template <int DIM> struct guest_list {
 
 /* Lists the simplices of a share that have vertices of another, a thread a vertex. */
 template <int DIM>
-__global__ void guest_kernel(const __grid_constant__ directory<DIM> all, uint32_t vertices, share other,
+__global__ void guest_kernel(const __grid_constant__ directory<DIM> all, uint32_t vertices, range other,
                              const __grid_constant__ guest_list<DIM> out)
 {
     size_t v = thread_number();
@@ -3156,7 +3161,7 @@ __global__ void guest_kernel(const __grid_constant__ directory<DIM> all, uint32_
 
 /* Writes the links that the card of another share has found for its guests. */
 template <int DIM>
-__global__ void return_kernel(const __grid_constant__ directory<DIM> all, share other, uint32_t count,
+__global__ void return_kernel(const __grid_constant__ directory<DIM> all, range other, uint32_t count,
                               const uint32_t *number, const pbw_index *beyond, pbw_index *neighbors)
 {
     size_t i = thread_number();
@@ -3389,7 +3394,7 @@ const char *const too_many = "too many simplices for the index type";
 
 struct offer {                                       /* of a card to the others */
     int device;
-    share part;
+    range part;                                      /* its share */
     uint32_t simplices;
     void *guests[most_cards];                        /* for each higher card */
     uint32_t *guest_numbers[most_cards], guest_count[most_cards];
@@ -3747,10 +3752,11 @@ void sum_before(call &c, const uint32_t *value, uint32_t *sum, size_t count)
 }
 
 struct run_room {
-    buffer<uint32_t> head, end, length, offset;
-    explicit run_room(call &c) : head(c), end(c), length(c), offset(c) {}
-    run_room(call &c, size_t count) : head(c, count), end(c, count), length(c, count + 1), offset(c, count + 1) {}
-    run_list list() const { return { head.at, end.at, length.at, offset.at }; }
+    buffer<range> place;
+    buffer<uint32_t> offset;                         /* with the sum of all lengths behind */
+    explicit run_room(call &c) : place(c), offset(c) {}
+    run_room(call &c, size_t count) : place(c, count), offset(c, count + 1) {}
+    run_list list() const { return { place.at, offset.at }; }
 };
 
 /* Points that are put into the order of the curve. */
@@ -3779,9 +3785,9 @@ run_room order_long_runs(call &c, ordering &o, const run_list &runs, uint32_t &c
     const uint32_t runs_here = count;
     buffer<pbw__box> box(c, count);
     run_room next(c);
-    fill(c, runs.length + count, 0, 1);
+    fill(c, runs.offset + count, 0, 1);
     launch(c, "runs", measure_kernel, warps, o.all, runs, count, box.at, o.root.at);
-    sum_before(c, runs.length, runs.offset, (size_t)count + 1);
+    sum_before(c, runs.offset, runs.offset, (size_t)count + 1);
     const uint32_t total = read_back(c, runs.offset + count, PBW_STAGE_ORDER, 0.4);
     count = 0;
     if (total > 0) {
@@ -4429,7 +4435,7 @@ void number_simplices(call &c, const workshop &w, output &o)
     c.mesh->simplex_count = o.total;
     if (!o.alone) {
         offer &own = c.cards->of[c.card];
-        own.part = { w.out.first, w.out.end };
+        own.part = w.out;
         own.simplices = o.total;
         meet_cards(c, false, 0.0);
         for (int i = 0; i < c.cards->cards; i++) {
