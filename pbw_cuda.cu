@@ -3899,15 +3899,11 @@ bool order_points(call &c, const input &in, space &s, uint32_t *&id)
     ordering o(c, in);
     const pbw__grid_share range = survey_points(c, in, o.found);
     const pbw__box domain = measure_space(c, range, o.all.bits, in.dim, s);
-    const key_bits by = o.sorted_bits();
+    sortable<cub::NullType> nothing(c);
     o.key = sortable<uint64_t>(c, in.count);
     o.all.key = o.key.array.at;
     launch(c, "keys", key_kernel, over(in.count, 256), o.all, domain);
-    cub::DoubleBuffer<uint64_t> keys(o.key.array.at, o.key.spare.at);
-    with_scratch(c, "sort", [&](void *scratch, size_t &bytes) {
-        return cub::DeviceRadixSort::SortKeys(scratch, bytes, keys, in.count, by.low, by.high, c.stream);
-    });
-    o.key.take(keys);
+    sort_pairs(c, o.key, nothing, in.count, o.sorted_bits());
     o.all.key = o.key.array.at;
     order_runs(c, o);
     gather_points(c, o, s, id);
