@@ -4080,24 +4080,23 @@ template <int DIM, bool WEIGHTED> void build_far_stars(call &c, const workshop &
     suit_stars(c, left, 0);
 }
 
-void lay_bricks(call &c, const space &s, brick_tree &t)
+/* Returns the tree over the bricks that it lays one level after another, in room that is enough for all. */
+brick_tree lay_bricks(call &c, const space &s, brick *room)
 {
-    const moments *child = NULL;
-    uint32_t size = s.count;
-    memset(&t, 0, sizeof t);
-    for (; t.levels == 0 || size > 32; t.levels++) {
+    brick_tree t = {};
+    buffer<moments> child(c);
+    for (uint32_t size = s.count; t.levels == 0 || size > 32; t.levels++) {
         const uint32_t children = size;
         size = (size + 7) / 8;
-        brick *const b = allocate<brick>(c, size);
-        moments *const m = allocate<moments>(c, size);
-        launch(c, "bricks", brick_kernel, over(size, 128), s, child, children, m, b, size);
-        release(c, child);
-        child = m;
-        t.level[t.levels] = b;
+        buffer<moments> own(c, size);
+        launch(c, "bricks", brick_kernel, over(size, 128), s, child.at, children, own.at, room, size);
+        child = std::move(own);
+        t.level[t.levels] = room;
         t.size[t.levels] = size;
+        room += size;
     }
-    release(c, child);
     launch(c, "bricks", half_kernel, over(s.count, 256), s, t);
+    return t;
 }
 
 /* Stars of a.vertex by a rung for surfaces, each with at most cap looks, until more than limit fail; returns how many
@@ -4185,13 +4184,8 @@ template <int DIM, bool WEIGHTED> void build_stars(call &c, workshop &w)
     const bool far = !WEIGHTED && !pbw_cuda_patient && w.all.count >= sampled_from && w.out.size() >= sample_size
                   && sample_reaches_far<DIM, WEIGHTED>(c, w);
     if (far && DIM == 3) {
-        brick_tree bricks;
-        lay_bricks(c, w.all, bricks);
-        const bool built = build_wide_stars(c, w, bricks);
-        for (int level = 0; level < bricks.levels; level++) {
-            release(c, bricks.level[level]);
-        }
-        if (built) {
+        buffer<brick> bricks(c, w.all.count / 7 + 2 * brick_levels);
+        if (build_wide_stars(c, w, lay_bricks(c, w.all, bricks.at))) {
             return;
         }
     }
