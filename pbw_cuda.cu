@@ -4238,16 +4238,15 @@ void fetch_by_host(call &c, int card, char *to, const char *from, size_t bytes)
     const size_t most = (size_t)1 << 24;
     void *host = NULL;
     bool done = good(c, cudaMallocHost(&host, bytes < most ? bytes : most), "cudaMallocHost");
+    auto copy = [&](int on, void *target, const void *source, size_t part, cudaStream_t stream) {
+        return good(c, cudaSetDevice(c.cards->of[on].device), "cudaSetDevice") && done
+            && good(c, cudaMemcpyAsync(target, source, part, cudaMemcpyDefault, stream), "copying by the host")
+            && good(c, cudaStreamSynchronize(stream), "copying by the host");
+    };
     for (size_t at = 0; at < bytes && done; at += most) {
-        size_t part = bytes - at < most ? bytes - at : most;
-        done = good(c, cudaSetDevice(c.cards->of[card].device), "cudaSetDevice")
-            && good(c, cudaMemcpyAsync(host, from + at, part, cudaMemcpyDeviceToHost, cudaStreamPerThread),
-                    "copying to the host")
-            && good(c, cudaStreamSynchronize(cudaStreamPerThread), "copying to the host");
-        done = good(c, cudaSetDevice(c.cards->of[c.card].device), "cudaSetDevice") && done
-            && good(c, cudaMemcpyAsync(to + at, host, part, cudaMemcpyHostToDevice, c.stream),
-                    "copying from the host")
-            && good(c, cudaStreamSynchronize(c.stream), "copying from the host");
+        const size_t part = bytes - at < most ? bytes - at : most;
+        done = copy(card, host, from + at, part, cudaStreamPerThread);
+        done = copy(c.card, to + at, host, part, c.stream);
     }
     cudaFreeHost(host);
     go_on(c);
@@ -4343,17 +4342,7 @@ template <int DIM> void fetch_beyond(call &c, const directory<DIM> &all, pbw_ind
     }
 }
 
-void fetch_incident(call &c, const uint32_t *id, pbw_index *incident)
-{
-    const offer *of = c.cards->of;
-    for (int i = 0; i < c.cards->cards; i++) {
-        const uint32_t count = of[i].part.end - of[i].part.first;
-        buffer<pbw_index> some(c, count);
-        fetch_from(c, i, some.at, of[i].incident, count);
-        launch(c, "incident simplices", scatter_kernel, over(count, 256), id + of[i].part.first, count, some.at,
-               incident);
-    }
-}
+
 
 /* Shares the points, grows the tree, and allocates what the rungs need. */
 void open_workshop(call &c, workshop &w, int dim)
@@ -4500,7 +4489,13 @@ void copy_points(call &c, const output &o)
     if (!o.alone && c.card == 0) {
         incident = allocate<pbw_index>(c, c.count);
         fill(c, incident, 0xff, c.count);
-        fetch_incident(c, o.id, incident);
+    }
+    for (int i = 0; !o.alone && c.card == 0 && i < c.cards->cards; i++) {
+        const range part = c.cards->of[i].part;
+        buffer<pbw_index> some(c, part.size());
+        fetch_from(c, i, some.at, c.cards->of[i].incident, part.size());
+        launch(c, "incident simplices", scatter_kernel, over(part.size(), 256), o.id + part.first, part.size(),
+               some.at, incident);
     }
     if (o.to_host && c.card == 0) {
         copy_out(c, c.job->incident, incident, bytes, 0.4);
@@ -4852,9 +4847,7 @@ void take_part(team *cards, int card, pbw_job *job, pbw_cuda_mesh *mesh)
         good(c, cudaStreamSynchronize(c.copies), "copying results");
         cudaStreamDestroy(c.copies);
     }
-    if (stream != NULL) {
-        good(c, cudaStreamSynchronize(stream), "waiting for the device");
-    }
+    good(c, cudaStreamSynchronize(stream), "waiting for the device");
     fall_out(c, NULL);
     meet_cards(c, true, 0.9);
     close_call(c);
