@@ -983,39 +983,33 @@ struct site {
    Holds between insertions: the link is closed; every simplex (v, triangle) is positively oriented, or is infinite
    and has corner 0; each triangle has the sphere of its simplex; the bit matrix is all zeros.
    ------------------------------------------------------------------------------------------------------ */
-template <bool WIDE> struct star_types {
-    typedef std::conditional_t<WIDE, uint16_t, uint8_t> number;
-    typedef std::conditional_t<WIDE, uint32_t, uint16_t> pair;
-    typedef std::conditional_t<WIDE, uint64_t, uint32_t> rounds;
-    static const int bits = WIDE ? 10 : 8;
-};
 
 /* The numbers that a rung calculates with. */
 template <bool EXACT> using rung_real = std::conditional_t<EXACT, double, float>;
 
 /* NT triangles, NV vertices, SCRATCH words for the rung's search. */
 template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL> struct star {
-    typedef star_types<(NT > 256)> types;
     typedef REAL real;
-    static const int dim = DIM, triangles = NT, vertices = NV, words = NV / 32;
+    static const int dim = DIM, triangles = NT, vertices = NV, words = NV / 32, bits = NT > 256 ? 10 : 8;
     static const bool weighted = WEIGHTED;
+    typedef std::conditional_t<(bits > 8), uint16_t, uint8_t> number;
+    typedef std::conditional_t<(bits > 8), uint32_t, uint16_t> pair;         /* of numbers of vertices */
+    typedef std::conditional_t<(bits > 8), uint64_t, uint32_t> set;
     float4 sphere[NT];
     REAL x[NV][DIM], w[WEIGHTED ? NV : 1];
     uint32_t id[NV], triangle[NT], matrix[NV * words], used[words], scratch[SCRATCH];
-    typename types::pair border[NT + 4];
-    typename types::number cavity[NT];
+    pair border[NT + 4];
+    number cavity[NT];
 };
 
 /* The place of a point of a star S. */
 template <typename S> using place_in = place<typename S::real>;
 
-/* A point that may become a vertex of a star: its rank and, relative to v, its place. */
-template <typename REAL> struct newcomer {
+/* A point that may become a vertex of a star S: its rank and, relative to v, its place. */
+template <typename S> struct point_of {
     uint32_t id;
-    place<REAL> p;
+    place_in<S> p;
 };
-
-template <typename S> using point_of = newcomer<typename S::real>;
 
 /* The candidate of this lane; if there is none, at the place of v. */
 template <typename S> DEVICE point_of<S> newcomer_at(const site &at, const record &own, uint32_t id)
@@ -1235,10 +1229,9 @@ template <typename S> DEVICE int decide(S &s, const site &at, int count, int t, 
 template <int T, bool SETTLES, typename S>
 DEVICE int find_conflicts(S &s, const site &at, bool go, const point_of<S> &point, int count, hole &cavity)
 {
-    typedef typename S::types::rounds rounds_type;
     const int lane = (int)threadIdx.x & (T - 1), rounds = (warp_max<T>(go ? count : 0) + T - 1) / T;
     const probe float_p = probe_of<S::dim, S::weighted>(point.p);
-    rounds_type hits = 0, opens = 0;                 /* bit i: triangle i T + lane */
+    typename S::set hits = 0, opens = 0;             /* bit i: triangle i T + lane */
     int result = 0;
 #pragma unroll(S::triangles / T < 8 ? S::triangles / T : 1)
     for (int i = 0; i < S::triangles / T; i++) {
@@ -1246,15 +1239,15 @@ DEVICE int find_conflicts(S &s, const site &at, bool go, const point_of<S> &poin
             break;
         }
         int t = i * T + lane, hit = go && t < count ? side(s.sphere[t], float_p) : 0;
-        hits |= (rounds_type)(hit == 1) << i;
-        opens |= (rounds_type)(hit == open_sign) << i;
+        hits |= (typename S::set)(hit == 1) << i;
+        opens |= (typename S::set)(hit == open_sign) << i;
     }
     if (any(opens != 0)) {
         bool undecided = !SETTLES && opens != 0;
         for (int i = 0; SETTLES && i < rounds; i++) {
             if ((opens >> i & 1) != 0) {
                 int hit = decide(s, at, count, i * T + lane, point);
-                hits |= (rounds_type)(hit == 1) << i;
+                hits |= (typename S::set)(hit == 1) << i;
                 undecided = undecided || hit == open_sign;
             }
         }
@@ -1265,7 +1258,7 @@ DEVICE int find_conflicts(S &s, const site &at, bool go, const point_of<S> &poin
         const bool hit = (hits >> i & 1) != 0;
         const int to = append<T>(hit, cavity.conflicts);
         if (hit) {
-            s.cavity[to] = (typename S::types::number)(i * T + lane);
+            s.cavity[to] = (typename S::number)(i * T + lane);
         }
     }
     return result;
@@ -1328,7 +1321,6 @@ template <int T, typename S> DEVICE uint32_t free_number(S &s, bool go, int coun
    vertex. */
 template <int T, typename S> DEVICE void list_border(S &s, bool go, hole &cavity, int end)
 {
-    typedef typename S::types types;
     const int lane = (int)threadIdx.x & (T - 1), most = S::vertices - 1;
     cavity.edges = 0;
     for (int base = 0; base < end; base += T) {
@@ -1350,8 +1342,8 @@ template <int T, typename S> DEVICE void list_border(S &s, bool go, hole &cavity
     }
 }
 
-/* Finds the cavity of a point in the stars of those tiles that go, and makes the point a vertex of theirs; count:
-   their triangles.  Without SETTLES what floats leave open stays open. */
+/* Finds the cavity of a point in the star of each tile that goes, of count triangles, and makes the point a vertex.
+   Without SETTLES what floats leave open stays open. */
 template <int T, bool SETTLES, typename S>
 DEVICE int carve(S &s, const site &at, bool go, const point_of<S> &point, int count, hole &cavity)
 {
@@ -1384,13 +1376,12 @@ DEVICE int carve(S &s, const site &at, bool go, const point_of<S> &point, int co
    tests/cuda_inline.cu has that loop alone. */
 template <int T, typename S> DEVICE void fan(S &s, bool go, const hole &cavity, int fans, int &count, unsigned walls)
 {
-    typedef typename S::types types;
     const int lane = (int)threadIdx.x & (T - 1), conflicts = cavity.conflicts, edges = cavity.edges;
     const int edge_end = warp_max<T>(go ? edges : 0);
     for (int base = 0; base < edge_end; base += T) {
         int i = base + lane;
         if (go && i < edges) {
-            uint32_t edge = s.border[i], a = edge >> types::bits, b = edge & ((1u << types::bits) - 1);
+            uint32_t edge = s.border[i], a = edge >> S::bits, b = edge & ((1u << S::bits) - 1);
             uint32_t c = S::dim == 3 && i < fans ? cavity.number : 0;
             int slot = i < conflicts ? s.cavity[i] : count + i - conflicts;
             s.triangle[slot] = pack(a, b, c);
@@ -1432,7 +1423,6 @@ template <int T, typename S> DEVICE void clear_star(S &s, bool go, uint32_t vert
    0. */
 template <int T, typename S> DEVICE void start(S &s, bool go, const point_of<S> &point, uint32_t number)
 {
-    typedef typename S::types types;
     int lane = (int)threadIdx.x & (T - 1);
     if (go) {
         clear_star<T>(s, true, S::dim + 1);
@@ -1444,7 +1434,7 @@ template <int T, typename S> DEVICE void start(S &s, bool go, const point_of<S> 
     if (go && lane <= S::dim) {                      /* (1 2 3), (2 1 0), (3 2 0), (1 3 0), or (1 2), (2 0), (0 1) */
         const uint32_t a = (S::dim == 3 ? 0x1321u : 0x021u) >> 4 * lane & 3;
         const uint32_t b = (S::dim == 3 ? 0x3212u : 0x102u) >> 4 * lane & 3;
-        s.border[lane] = (typename types::pair)(a << types::bits | b);
+        s.border[lane] = (typename S::pair)(a << S::bits | b);
     }
     __syncwarp();
 }
@@ -2703,7 +2693,7 @@ template <typename RUNG> struct wide_state {
     uint32_t *waiting, *group;                       /* bricks and groups that wait */
     site at;
     int lane, count, waits, groups;
-    newcomer<double> candidate;                      /* of each lane */
+    point_of<typename wide_star<RUNG>::type> candidate;              /* of each lane */
     float deep;                                      /* how deep it lies */
     unsigned pending;                                /* lanes with a candidate to insert */
 };
