@@ -177,7 +177,13 @@ struct store : range {
     const volatile uint32_t *stop;                   /* not 0: the call has failed or is cancelled, nothing counts */
 };
 
-struct near_list;
+/* Groups near another one.  A list covers the box of its group, grown by reach on all sides.  Its first close entries
+   cover the balls of radius start, of about 33 points each, around the points of the group. */
+struct near_list {
+    uint32_t length;                                 /* 0: none, the stars of the group go to the second rung */
+    float reach, start;
+    uint32_t close;
+};
 
 /* The stars of a card's share while the rungs make them. */
 struct workshop {
@@ -536,14 +542,6 @@ __global__ void gather_kernel(const __grid_constant__ keyed k, const uint32_t *f
    them at once; and lists.
    ------------------------------------------------------------------------------------------------------ */
 const int group_size = 8, list_size = 192;
-
-/* A list covers the box of its group, grown by reach on all sides.  Its first close entries cover the balls of radius
-   start, of about 33 points each, around the points of the group. */
-struct near_list {
-    uint32_t length;                                 /* 0: none, the stars of the group go to the second rung */
-    float reach, start;
-    uint32_t close;
-};
 
 DEVICE double in_units(const space &s, const record &r, int k)
 {
