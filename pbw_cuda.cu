@@ -528,8 +528,7 @@ __global__ void gather_kernel(const __grid_constant__ keyed k, const uint32_t *f
     size_t i = thread_number();
     if (i < k.in.count && (rank == NULL || first[i] != 0)) {
         const size_t at = rank == NULL ? i : rank[i];
-        record r;
-        r.c[3] = 0.0;
+        record r = {};
         k.read(i, r.c);
         point[at] = r;
         id[at] = (uint32_t)k.index(i);
@@ -2027,11 +2026,7 @@ using far_star = star<DIM, WEIGHTED, RUNG::triangles, RUNG::vertices,
 
 template <int WARPS> DEVICE void meet()
 {
-    if (WARPS == 1) {
-        __syncwarp();
-    } else {
-        __syncthreads();
-    }
+    WARPS == 1 ? __syncwarp() : __syncthreads();
 }
 
 /* Returns whether a simplex of the star, not a wall, may be in conflict with a point in a box; weight: the largest in
@@ -2056,16 +2051,13 @@ template <int DIM, bool WEIGHTED> DEVICE bool box_may_conflict(const float4 &sph
 template <int DIM> __global__ void seed_kernel(const __grid_constant__ space s, int found, unsigned long long *seed)
 {
     unsigned long long best = 0;
-    record r[3];
+    const record first = s.point[0];
     place<double> base[2];
-    for (int i = 0; i < found; i++) {
-        r[i] = s.point[i == 0 ? 0 : (uint32_t)seed[i]];
-    }
     for (int i = 1; i < found; i++) {
-        base[i - 1] = relative<DIM, double>(s, r[0], r[i]);
+        base[i - 1] = relative<DIM, double>(s, first, s.point[(uint32_t)seed[i]]);
     }
     for (size_t i = thread_number(); i < s.count; i += (size_t)gridDim.x * blockDim.x) {
-        place<double> p = relative<DIM, double>(s, r[0], s.point[i]);
+        place<double> p = relative<DIM, double>(s, first, s.point[i]);
         double d = found == 1 ? square<3>(p.x)
                  : found == 2 ? line_fatness(base[0], p) * square<3>(p.x) : fabs(corner_size<3>(base[0], base[1], p));
         best = max(best, (unsigned long long)__float_as_uint((float)d) << 32 | i);
@@ -2511,7 +2503,7 @@ __global__ void brick_kernel(const __grid_constant__ space s, const moments *chi
         moments m = {};
         double turn[3][3] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 0.0, 0.0, 1.0 } };
         double(&a)[3][3] = m.spread;
-        brick b;
+        brick b = {};
         for (int pass = 0; pass < 2; pass++) {
             for (uint32_t i = first; i < end; i++) {
                 double x[3];
@@ -2553,9 +2545,7 @@ __global__ void brick_kernel(const __grid_constant__ space s, const moments *chi
             b.middle[k] = m.mean[k];
             b.axis[0][k] = (float)turn[0][k];
             b.axis[1][k] = (float)turn[1][k];
-            b.half[k] = 0.0f;
         }
-        b.unused = 0.0f;
         out[g] = b;
     }
 }
@@ -2714,19 +2704,17 @@ template <typename RUNG> DEVICE bool start_wide(wide_state<RUNG> &n)
     typename wide_star<RUNG>::type &s = n.w.s;
     bool started = n.a.in.place[n.at.v - n.a.in.first] != none;
     unsigned candidates = 0;
-    int count = 0;
     if (started) {
-        count = start_from_store(s, n.at, n.a.in);
+        n.count = start_from_store(s, n.at, n.a.in);
     } else {
-        started = start_on_curve<true>(s, n.at, n.a.w.seed, n.candidate, count);
+        started = start_on_curve<true>(s, n.at, n.a.w.seed, n.candidate, n.count);
         candidates = started ? __ballot_sync(all_lanes, n.candidate.id != none) : 0;
     }
-    n.count = count;
     if (n.lane < n.waits) {
         n.waiting[n.lane] = (uint32_t)n.a.bricks.levels << 28 | (uint32_t)n.lane;
         n.w.depth[n.lane] = 0x7f00;
     }
-    find_inverses(n.w, count);
+    find_inverses(n.w, n.count);
     if (candidates != 0) {
         screen_candidates(n, candidates);
     }
@@ -2892,16 +2880,13 @@ struct stored_star {
 /* The star of v; one without triangles if it is hidden, or without go. */
 DEVICE stored_star stored(const store &in, uint32_t v, bool go)
 {
-    stored_star s = { NULL, NULL, 0, 0 };
-    uint32_t at = go ? in.place[v - in.first] : hidden;
-    if (at != hidden) {
-        const uint32_t *word = in.word + (size_t)at * 4;
-        s.count = (int)(word[0] >> 16);
-        s.vertices = (int)(word[0] & 0xffff);
-        s.vertex = word + 1;
-        s.triangle = word + 1 + s.vertices;
+    const uint32_t at = go ? in.place[v - in.first] : hidden;
+    if (at == hidden) {
+        return { NULL, NULL, 0, 0 };
     }
-    return s;
+    const uint32_t *word = in.word + (size_t)at * 4;
+    const int vertices = (int)(word[0] & 0xffff);
+    return { word + 1, word + 1 + vertices, (int)(word[0] >> 16), vertices };
 }
 
 /* The vertices of a triangle; returns whether all are finite. */
