@@ -3024,6 +3024,7 @@ DEVICE void link_star(const directory<DIM> &all, const links &out, uint32_t v, c
         }
         triangle_of<DIM>(s, t, a);
         const cell<DIM> c = canonical<DIM>(v, a);
+#pragma unroll
         for (int k = 0; k < DIM; k++) {
             if (is_lowest<DIM>(v, a, k) && c.corner[0] < all.first) {
                 out.beyond[last_until<DIM>(c, all.guest, 0, all.guests)] = number(mate(t, k));
