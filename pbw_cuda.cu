@@ -4120,12 +4120,7 @@ bool build_wide_stars(call &c, workshop &w, const brick_tree &bricks)
 {
     const uint32_t mine = w.out.size(), limit = 128 + mine / 16;
     const unsigned long long enough = (unsigned long long)mine * 15 + 4096;
-    wide_launch a = {};
-    a.w = w;
-    a.failed = w.q[0];
-    a.bricks = bricks;
-    a.in = w.out;
-    a.stride = 1;
+    wide_launch a = { { w, NULL, 0, 0, 0, NULL, NULL, w.q[0] }, bricks, w.out, 1, NULL };
     find_seeds<3>(c, w);
     if (!sample_stays_cheap(c, a)) {
         return false;
@@ -4195,10 +4190,7 @@ void open_pool(call &c)
             need(c, cudaDeviceCanAccessPeer(&can, other, own.device), "cudaDeviceCanAccessPeer");
         }
         if (can) {
-            cudaMemAccessDesc access = {};
-            access.location.type = cudaMemLocationTypeDevice;
-            access.location.id = other;
-            access.flags = cudaMemAccessFlagsProtReadWrite;
+            cudaMemAccessDesc access = { { cudaMemLocationTypeDevice, other }, cudaMemAccessFlagsProtReadWrite };
             can = cudaMemPoolSetAccess(pool, &access, 1) == cudaSuccess;
             (void)cudaGetLastError();
         }
@@ -5175,7 +5167,8 @@ extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, voi
 {
     request r = { { NULL, NULL, 0, 3, 0 }, (cudaStream_t)stream, cpu };
     uint64_t all = UINT64_MAX;
-    cudaMemPoolProps properties = {};
+    cudaMemPoolProps properties = { cudaMemAllocationTypePinned, cudaMemHandleTypeNone,
+                                    { cudaMemLocationTypeDevice, 0 } };
     cudaMemPool_t pool = NULL;
     local_call local{};
     pbw_cuda_loop *loop = NULL;
@@ -5188,8 +5181,6 @@ extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, voi
     r.options.progress = NULL;
     try {
         open_local(local, r);
-        properties.allocType = cudaMemAllocationTypePinned;
-        properties.location.type = cudaMemLocationTypeDevice;
         loop = (pbw_cuda_loop *)pbw__allocate(&local.context.memory, 1, sizeof *loop);
         require(c, loop != NULL, PBW_ERROR_MEMORY, no_host_memory);
         need(c, cudaGetDevice(&properties.location.id), "cudaGetDevice");
