@@ -4233,17 +4233,17 @@ template <typename V> void fetch_from(call &c, int card, V *to, const void *from
 /* Sets the share of a card: whole groups, in proportion to its multiprocessors. */
 void share_points(call &c, workshop &w)
 {
-    double before = 0.0, own = 0.0, all = 0.0;
-    for (int i = 0; i < c.cards->cards; i++) {
-        const int processors = processors_of(c, c.cards->of[i].device);
-        before += i < c.card ? processors : 0;
-        own += i == c.card ? processors : 0;
-        all += processors;
+    const int cards = c.cards->cards;
+    double before[most_cards + 1] = { 0.0 };
+    for (int i = 0; i < cards; i++) {
+        before[i + 1] = before[i] + processors_of(c, c.cards->of[i].device);
     }
-    const double points = (double)w.all.count;
-    w.out.first = (uint32_t)(points * (before / all)) / group_size * group_size;
-    w.out.end = (uint32_t)(points * ((before + own) / all)) / group_size * group_size;
-    w.out.end = before + own == all ? w.all.count : w.out.end;
+    auto first_of = [&](int card) {
+        const double all = (double)w.all.count * (before[card] / before[cards]);
+        return card == cards ? w.all.count : (uint32_t)all / group_size * group_size;
+    };
+    w.out.first = first_of(c.card);
+    w.out.end = first_of(c.card + 1);
     c.stars = w.out.size();
 }
 
@@ -4251,9 +4251,6 @@ void share_points(call &c, workshop &w)
 template <int DIM> void list_guests(call &c, const directory<DIM> &all, uint32_t vertices)
 {
     offer &own = c.cards->of[c.card];
-    if (c.card + 1 == c.cards->cards) {
-        return;
-    }
     buffer<uint32_t> count(c, (size_t)vertices + 1), place(c, (size_t)vertices + 1);
     fill(c, count.at + vertices, 0, 1);
     for (int i = c.card + 1; i < c.cards->cards; i++) {
@@ -4272,14 +4269,13 @@ template <int DIM> void list_guests(call &c, const directory<DIM> &all, uint32_t
 template <int DIM> void fetch_guests(call &c, directory<DIM> &all)
 {
     const offer *of = c.cards->of;
-    pbw_index *&beyond = c.cards->of[c.card].beyond;
     size_t count = 0;
     for (int i = 0; i < c.card; i++) {
         count += of[i].guest_count[c.card];
     }
     cell<DIM> *const guest = allocate<cell<DIM> >(c, count);
     uint32_t *const number = allocate<uint32_t>(c, count);
-    beyond = allocate<pbw_index>(c, count);
+    pbw_index *const beyond = c.cards->of[c.card].beyond = allocate<pbw_index>(c, count);
     fill(c, beyond, 0xff, count);                    /* guests without a facet here leave theirs */
     all.guest = guest;
     all.guest_number = number;
@@ -4377,16 +4373,12 @@ void number_simplices(call &c, const workshop &w, output &o)
     o.offset = allocate<uint32_t>(c, (size_t)mine + 1);
     sum_before(c, w.out.owned, o.offset, (size_t)mine + 1);
     o.total = read_back(c, o.offset + mine, PBW_STAGE_OUTPUT, 0.0);
-    c.mesh->simplex_count = o.total;
-    if (!o.alone) {
-        offer &own = c.cards->of[c.card];
-        own.part = w.out;
-        own.simplices = o.total;
-        meet_cards(c, false, 0.0);
-        for (int i = 0; i < c.cards->cards; i++) {
-            o.before += i < c.card ? c.cards->of[i].simplices : 0;
-            c.mesh->simplex_count += i != c.card ? c.cards->of[i].simplices : 0;
-        }
+    c.cards->of[c.card].part = w.out;
+    c.cards->of[c.card].simplices = o.total;
+    meet_cards(c, false, 0.0);
+    for (int i = 0; i < c.cards->cards; i++) {
+        o.before += i < c.card ? c.cards->of[i].simplices : 0;
+        c.mesh->simplex_count += c.cards->of[i].simplices;
     }
     note(c, 5);
     require(c, c.mesh->simplex_count < hidden, PBW_ERROR_TOO_LARGE, too_many);
