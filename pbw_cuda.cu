@@ -4342,18 +4342,15 @@ void open_workshop(call &c, workshop &w, int dim)
 /* Builds all stars, once more if the store turns out too small. */
 template <int DIM, bool WEIGHTED> void fill_store(call &c, workshop &w)
 {
-    unsigned long long used = 0;
+    unsigned long long used = w.out.capacity;
     note(c, 2);
-    for (;;) {
+    do {
+        release(c, w.out.word);
+        w.out.capacity = used > w.out.capacity ? used + used / 16 : used;
         w.out.word = allocate<uint32_t>(c, (size_t)w.out.capacity * 4);
         build_stars<DIM, WEIGHTED>(c, w);
         used = read_back(c, w.out.used, PBW_STAGE_BUILD, 0.95);
-        if (used <= w.out.capacity) {
-            break;
-        }
-        release(c, w.out.word);
-        w.out.capacity = used + used / 16;
-    }
+    } while (used > w.out.capacity);
     release(c, w.lists);
     release(c, w.infos);
     require(c, used <= ((unsigned long long)1 << 32) - 16, PBW_ERROR_TOO_LARGE, too_many);
