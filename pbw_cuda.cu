@@ -4705,11 +4705,10 @@ void run(call &c, const input &in, unsigned flags)
    >>entry        The backend, and the entries for points on the device.
    ------------------------------------------------------------------------------------------------------ */
 /* count: the points to triangulate; 0 in a check. */
-void open_call(call &c, cudaStream_t stream, int dim, size_t count)
+void open_call(call &c, int dim, size_t count)
 {
     const int device = c.cards->of[c.card].device;
     int pools = 0;
-    c.stream = stream;
     c.dim = dim;
     c.count = count;
     c.stars = count / (size_t)c.cards->cards;
@@ -4724,13 +4723,17 @@ void open_call(call &c, cudaStream_t stream, int dim, size_t count)
     }
 }
 
-void destroy_events(const gear &g)
+/* Destroys the events and the other stream; those that were not made are NULL. */
+void destroy(const gear &g)
 {
     for (int i = 0; i < 10; i++) {
         const cudaEvent_t event = i < 8 ? g.mark[i] : g.ready[i - 8];
         if (event != NULL) {
             cudaEventDestroy(event);
         }
+    }
+    if (g.copies != NULL) {
+        cudaStreamDestroy(g.copies);
     }
 }
 
@@ -4746,7 +4749,7 @@ void close_call(call &c)
         release(c, c.block[0].address);
     }
     if (!c.lent) {
-        destroy_events(c);
+        destroy(c);
     }
     (void)cudaGetLastError();
 }
@@ -4781,7 +4784,6 @@ input upload(call &c)
 /* A card's part in a job. */
 void take_part(team *cards, int card, pbw_job *job, pbw_cuda_mesh *mesh)
 {
-    cudaStream_t stream = NULL;
     call c = call();
     c.cards = cards;
     c.card = card;
@@ -4789,8 +4791,8 @@ void take_part(team *cards, int card, pbw_job *job, pbw_cuda_mesh *mesh)
     c.mesh = mesh;
     try {
         need(c, cudaSetDevice(cards->of[card].device), "cudaSetDevice");
-        open_stream(c, stream);
-        open_call(c, stream, job->dim, job->count);
+        open_stream(c, c.stream);
+        open_call(c, job->dim, job->count);
         open_stream(c, c.copies);
         open_pool(c);
         run(c, upload(c), job->flags);
@@ -4800,15 +4802,16 @@ void take_part(team *cards, int card, pbw_job *job, pbw_cuda_mesh *mesh)
     if (c.copies != NULL) {                          /* they must end before the job's memory may be freed */
         finish_stream(c, c.copies, PBW_STAGE_OUTPUT, 0.8);
         good(c, cudaStreamSynchronize(c.copies), "copying results");
-        cudaStreamDestroy(c.copies);
     }
-    good(c, cudaStreamSynchronize(stream), "waiting for the device");
+    if (c.stream != NULL) {
+        good(c, cudaStreamSynchronize(c.stream), "waiting for the device");
+    }
     fall_out(c, NULL);
     meet_cards(c, true, 0.9);
     close_call(c);
-    if (stream != NULL) {
-        good(c, cudaStreamSynchronize(stream), "waiting for the device");
-        cudaStreamDestroy(stream);
+    if (c.stream != NULL) {
+        good(c, cudaStreamSynchronize(c.stream), "waiting for the device");
+        cudaStreamDestroy(c.stream);
     }
 }
 
@@ -4918,6 +4921,7 @@ void open_local(local_call &local, const request &r)
     local.job.say = pbw__job_say;
     local.job.context = &local.dispatch;
     c.cards = &local.alone;
+    c.stream = r.stream;
     c.job = &local.job;
     c.mesh = r.mesh;
     c.must = r.cpu == NULL;
@@ -4933,7 +4937,7 @@ void open_local(local_call &local, const request &r)
     look_up(c, PBW_STAGE_ORDER, 0.0);
     go_on(c);
     need(c, cudaGetDevice(&local.alone.of[0].device), "no usable device");
-    open_call(c, r.stream, r.in.dim, r.check ? 0 : r.in.count);
+    open_call(c, r.in.dim, r.check ? 0 : r.in.count);
     if (options.progress != NULL && !c.lent) {
         open_stream(c, c.copies);
     }
@@ -4946,9 +4950,6 @@ pbw_status close_local(local_call &local)
     pbw_cuda_mesh *const mesh = c.mesh;
     if (c.copies != NULL) {                          /* the word that stops kernels is written before it is freed */
         good(c, cudaStreamSynchronize(c.copies), "stopping");
-        if (!c.lent) {
-            cudaStreamDestroy(c.copies);
-        }
     }
     const bool failed = c.status != PBW_OK && c.status != PBW_DEGENERATE;
     if (mesh != NULL && failed) {
@@ -5214,10 +5215,7 @@ extern "C" void pbw_cuda_loop_free(pbw_cuda_loop *loop)
         cudaFreeAsync(loop->last.id, loop->stream);
         pbw_cuda_free(&loop->last.mesh, loop->stream);
         cudaStreamSynchronize(loop->stream);
-        if (loop->tools.copies != NULL) {
-            cudaStreamDestroy(loop->tools.copies);
-        }
-        destroy_events(loop->tools);
+        destroy(loop->tools);
         cudaFreeHost(loop->tools.pinned);
         cudaMemPoolDestroy(loop->tools.pool);
         (void)cudaGetLastError();
