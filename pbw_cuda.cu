@@ -4845,11 +4845,9 @@ pbw_status triangulate(const pbw_backend *backend, pbw_job *job)
             return PBW_ERROR_BACKEND;
         }
     }
-    if (!is_packed(job)) {
-        pbw_status status = job->keep(job);
-        if (status != PBW_OK) {
-            return status;
-        }
+    const pbw_status status = is_packed(job) ? PBW_OK : job->keep(job);
+    if (status != PBW_OK) {
+        return status;
     }
     cudaGetDevice(&before);
     try {
@@ -4955,10 +4953,8 @@ pbw_status close_local(local_call &local)
     if (mesh != NULL && failed) {
         memset(mesh, 0, sizeof *mesh);               /* everything is still in the list of blocks */
     }
-    if (c.last != NULL && failed) {
-        memset(c.last, 0, sizeof *c.last);
-    } else if (c.last != NULL) {
-        c.last->mesh = *mesh;
+    if (c.last != NULL) {
+        *c.last = failed ? keepsake() : keepsake{ *mesh, c.last->id, c.last->count };
         release(c, c.last->id, true);
     }
     if (mesh != NULL) {
