@@ -7,12 +7,12 @@
    The result equals that of the CPU byte for byte, because it is a function of the points alone (see CONVENTIONS in
    pbw.h) and every sign that it depends on is exact.
 
-   CERTIFIED LOCAL STARS.  The star of a vertex v is built alone, by inserting points near v as in Bowyer-Watson, but
-   keeping only the simplices around v: a new point replaces those in conflict with it by the fan from it to their
-   border.  When no other point of the input is in conflict with any simplex of the star, each of them belongs to the
+   CERTIFIED LOCAL STARS.  The star of a vertex v is built alone.  As in Bowyer-Watson points near v are inserted, but
+   only the simplices around v are kept: a new point replaces those in conflict with it by the fan from it to their
+   border.  If no other point of the input is in conflict with any simplex of the star, each of them belongs to the
    one perturbed triangulation, and together they surround v: the star is certified, it is the star of v in the
-   result.  So no star depends on another.  Each simplex is written by its lowest vertex; its neighbour across a facet
-   is found through the star of the lowest vertex of the facet.
+   result.  So no star depends on another.  Each simplex is written by its lowest vertex, and its neighbour across a
+   facet is found in the star of the facet's lowest vertex.
 
      first rung    8 lanes a star; candidates from a list of groups of points near v; certified if the spheres of the
                    star lie within the box that the list covers.  About 97 of 100 stars of uniform points.
@@ -30,20 +30,19 @@
    Unweighted points in space on surfaces (scans, terrain) have rungs of their own, >>wide, which search another tree.
    They are recognised by a sample of 1024 stars of which the first rung certifies less than half.
 
-   SEVERAL DEVICES.  Each card makes the stars of its share, a span of the curve, and writes the simplices of that
-   share over its own link to the host.  All put all points into order, a twentieth of the work of one, and exchange
-   the numbers of the simplices across the borders of the shares (>>cells).  A card holds all points and its share of
-   the rest: 90 + 560 / cards bytes a point (2D: 75 + 155 / cards).  So two cards of one kind take 1.7 times the
-   points of one, and many cards up to the limit of the simplex numbers (600 million points).  If one card leaves a
-   star to the CPU, the whole input goes there.  Where two devices can reach each other, each opens its pool to the
-   other, and leaves it so; for a pool that keeps 60 GB the first call takes half a second longer.
+   SEVERAL DEVICES.  All cards put all points into order, a twentieth of the work of one.  Then each makes the stars
+   of its share, a span of the curve, and writes their simplices over its own link to the host; they exchange the
+   numbers of simplices across the borders of the shares (>>cells).  A card holds all points and its share of the
+   rest: 90 + 560 / cards bytes a point (2D: 75 + 155 / cards).  So two cards of one kind take 1.7 times the points of
+   one, and many cards up to the limit of the simplex numbers (600 million points).  If one card leaves a star to the
+   CPU, the whole input goes there.  Devices that can reach each other open their pools to each other, and leave them
+   so; for a pool that keeps 60 GB the first call takes half a second longer.
 
    POINTS THAT MOVE.  A loop has a pool of its own, which keeps what one step frees for the next, and it keeps the
    mesh of the last step.  A step puts the points into order and, if the duplicates have not changed, tests that mesh
    with the new coordinates (>>check): positive simplices, locally regular facets under the tie rule, a convex hull
-   that is covered once, hidden points in conflict with none.  Such a mesh is the triangulation of the new points;
-   only the order of its simplices changes, with the ranks of their corners (>>keep).  At the first fault the stars
-   are built.
+   that is covered once, hidden points in conflict with none.  If it passes it is the triangulation of the new points;
+   only the order of its simplices changes, with the ranks of their corners (>>keep).  Else the stars are built.
 
    MEMORY.  Device memory comes from the pool of the current device, at most options.memory_limit bytes of it.  If
    that is too little, which is known before the stars and before the output, the message says the bytes needed and
@@ -101,7 +100,6 @@ long pbw_cuda_fail_at = 0;                           /* counts down: the allocat
 }
 
 namespace {
-
 /* ------------------------------------------------------------------------------------------------------
    >>device       Types, tiles of lanes.
    A tile is 8 or 32 neighbouring lanes of a warp that work on one star.  The tiles of a warp run in lockstep: every
@@ -165,9 +163,8 @@ struct range {
     __device__ bool has(uint32_t v) const { return v >= first && v < end; }
 };
 
-/* The finished stars of a share.  A star is a head (triangles << 16 | vertices), its vertices, and its triangles as 3
-   numbers of vertices in 10 bits each (2D: edges, 2 numbers), padded to 16 bytes.  Bit 30 of a triangle says that it
-   is verified. */
+/* The finished stars of a share.  A star is a head (triangles << 16 | vertices), its vertices, and its triangles: 3
+   numbers of vertices in 10 bits each (2D: edges, 2 numbers), bit 30: verified; padded to 16 bytes. */
 struct store : range {
     uint32_t *word;
     unsigned long long *used;                        /* units of 16 bytes needed: above capacity if it is too small */
@@ -680,8 +677,7 @@ DEVICE uint32_t sort_list(const tree &t, uint32_t g, float start, uint32_t *foun
     return none - tile_min<32>(none - close);
 }
 
-/* A warp makes the list of a group, of those from first to end.  The reach starts as a part of the side near the
-   group, and changes until the list fits. */
+/* A warp makes the list of a group.  The reach starts as a part of the side near it, and changes until it fits. */
 __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t first_group, uint32_t end_group,
                             uint32_t *list, near_list *info)
 {
@@ -904,8 +900,7 @@ DEVICE float4 sphere(const place<REAL> &pa, const place<REAL> &pb, const place<R
     return sphere_of(n, product(a, bc), La * B * C + Lb * A * C + Lc * A * B, A * B * C);
 }
 
-/* The half-space beyond the facet (v, a, b); in the plane to the left of the line from v to a, or for sign -1 to its
-   right. */
+/* The half-space beyond the facet (v, a, b); in the plane left of the line from v to a, for sign -1 right of it. */
 template <int DIM, typename REAL>
 DEVICE float4 half_space(const place<REAL> &pa, const place<REAL> &pb, REAL sign, unsigned walls)
 {
@@ -930,8 +925,8 @@ DEVICE float4 half_space(const place<REAL> &pa, const place<REAL> &pb, REAL sign
                        (float)(1 + sizes<REAL>::error() * sqrt(la * lb) * inverse) * far_away);
 }
 
-/* A triangle: three local numbers of vertices, 0 being the vertex at infinity, and a mark where no point of the input
-   is in conflict with its simplex: it is final, no insertion removes it. */
+/* A triangle: three local numbers of vertices, 0 being the vertex at infinity, and a mark if no point of the input is
+   in conflict with its simplex: no insertion will remove it. */
 const uint32_t corner_mask = 1023, verified = 1u << 30;
 
 DEVICE uint32_t corner(uint32_t triangle, int k)
@@ -944,8 +939,8 @@ template <int DIM> DEVICE uint3 corners(uint32_t triangle)
     return make_uint3(corner(triangle, 0), corner(triangle, 1), DIM == 3 ? corner(triangle, 2) : 0);
 }
 
-/* Returns the number of the triangle that has the directed edge (a, b), or -1.  In the plane: of the edge that begins
-   with a, or if a is none, that ends with b. */
+/* Returns the number of the triangle that has the directed edge (a, b), or -1.  In the plane: of the edge from a, or
+   if a is none, of the edge to b. */
 template <int DIM> __device__ int triangle_with(const uint32_t *triangle, int count, uint32_t a, uint32_t b)
 {
     for (int t = 0; t < count; t++) {
@@ -1046,8 +1041,7 @@ template <typename S> DEVICE place_in<S> vertex_place(const S &s, uint32_t numbe
     return p;
 }
 
-/* The sphere of triangle (x, y, z) of a star, in the plane of edge (x, y), with corners at a, b and c.  0 is the
-   vertex at infinity. */
+/* The sphere of a triangle with corners at a, b and c, in 2D of an edge; corner 0 is the vertex at infinity. */
 template <int DIM, bool WEIGHTED, typename REAL>
 DEVICE float4 sphere_of_triangle(uint3 t, const place<REAL> &a, const place<REAL> &b, const place<REAL> &c,
                                             unsigned walls)
@@ -1127,8 +1121,7 @@ template <typename S> __device__ __noinline__ int settle(const S &s, site at, in
 
 /* As settle, for p relative to v, by doubles that round nothing: on a small grid all products are integers in its
    unit, below 2^53 (>>cavity3 of pbw.h: there p is the origin, here v, but the 24 products have the same bound).  The
-   coefficients of the lifts are those of pbw__tie.  Returns open_sign if a height is not below the limit that this
-   needs. */
+   coefficients of the lifts are those of pbw__tie.  Returns open_sign if a height is beyond the limit of that. */
 template <typename S>
 __device__ __noinline__ int settle_on_grid(const S &s, int count, int t, double limit, place_in<S> point)
 {
@@ -1211,8 +1204,7 @@ template <typename S> __device__ __noinline__ int refine(S &s, site at, int t, u
     return side(q, probe_of<S::dim, S::weighted>(place_of(p)));
 }
 
-/* What float spheres leave open: is a point in conflict with triangle t?  By exact tests if the star is in doubles,
-   else by doubles. */
+/* Decides a conflict that float spheres leave open: by exact tests if the star is in doubles, else by doubles. */
 template <typename S> DEVICE int decide(S &s, const site &at, int count, int t, const point_of<S> &point)
 {
     if (!std::is_same<typename S::real, double>::value) {
@@ -1314,8 +1306,7 @@ template <int T, typename S> DEVICE uint32_t free_number(S &s, bool go, int coun
     return number;
 }
 
-/* Lists the border: edges whose reverse is not in the cavity; in the plane the ends of the chain, joined to the new
-   vertex. */
+/* Lists the border: edges without their reverse in the cavity; in 2D each end of the chain with the new vertex. */
 template <int T, typename S> DEVICE void list_border(S &s, bool go, hole &cavity, int end)
 {
     const int lane = (int)threadIdx.x & (T - 1), most = S::vertices - 1;
@@ -1333,7 +1324,7 @@ template <int T, typename S> DEVICE void list_border(S &s, bool go, hole &cavity
                     b = k == 0 ? cavity.number : a;
                     a = k == 0 ? a : cavity.number;
                 }
-                s.border[at] = (typename types::pair)((a & most) << types::bits | (b & most));
+                s.border[at] = (typename S::pair)((a & most) << S::bits | (b & most));
             }
         }
     }
@@ -1415,9 +1406,8 @@ template <int T, typename S> DEVICE void clear_star(S &s, bool go, uint32_t vert
     }
 }
 
-/* The star of v and three points, in the plane two: one finite triangle and an infinite one on each of its edges, as
-   the border of a hole { 0, DIM + 1, 3 } that fan fills.  number: of the vertex that the lane's point becomes, or
-   0. */
+/* Starts a star with three points, in the plane two: a finite triangle, and an infinite one on each of its edges, as
+   the border of a hole { 0, DIM + 1, 3 } that fan fills.  number: that of the lane's point as a vertex, or 0. */
 template <int T, typename S> DEVICE void start(S &s, bool go, const point_of<S> &point, uint32_t number)
 {
     int lane = (int)threadIdx.x & (T - 1);
@@ -1536,10 +1526,10 @@ DEVICE float fatness(const place<REAL> &a, const place<REAL> &b, const place<REA
     return d * d > 0 ? (float)(d * d) : 0.0f;
 }
 
-/* Starts the stars of the tiles that go with points of their own lanes, candidates being those of lanes below have,
-   nearest first: fan is left to do.  Takes the nearest, the first that is not nearly on a line with it and v, and the
-   first that is not nearly in a plane with them; or, with EXACT and for T = 32, the ones farthest from line and
-   plane, as long as the sign is known.  Returns the lanes used, or 0 where there is no such corner. */
+/* Starts the star of each tile that goes with points of lanes below have, nearest first; fan is left to do.  Takes
+   the nearest, the first that is not nearly on a line with it and v, and the first that is not nearly in a plane with
+   them; or, with EXACT and for T = 32, those farthest from line and plane, if the sign is known.  Returns the lanes
+   used, or 0 where there is no such corner. */
 template <int T, bool EXACT, typename S>
 DEVICE unsigned start_from_lanes(S &s, const site &at, bool go, const point_of<S> &point, int have)
 {
@@ -1574,8 +1564,7 @@ DEVICE unsigned start_from_lanes(S &s, const site &at, bool go, const point_of<S
     return go ? 1u | 1u << second | 1u << third : 0;
 }
 
-/* A box of the tree relative to v, grown by what v and the differences are rounded by: they are multiples of 2^-24,
-   of size at most 2^1. */
+/* A box of the tree relative to v, grown by roundings of v and differences: multiples of 2^-24, of size 2 at most. */
 struct span {
     float low[3], high[3];
 };
@@ -1601,8 +1590,7 @@ template <int DIM> DEVICE float square_of_gap(const span &b)
     return square;
 }
 
-/* A rough point relative to another, and the square of its distance; by operations that the compiler may not fuse, so
-   that all passes over points agree on it. */
+/* A rough point relative to another, and the square of its distance; nothing is fused, so all passes agree on it. */
 DEVICE float rough_square(const float4 &p, const float *v, float *x)
 {
     x[0] = __fsub_rn(p.x, v[0]);
@@ -1612,7 +1600,7 @@ DEVICE float rough_square(const float4 &p, const float *v, float *x)
 }
 
 /* The radius around q / 2 within which a point of the largest weight may be in conflict, grown by more than all
-   roundings and by the error of the centre. */
+   roundings and the error of the centre. */
 template <bool WEIGHTED> DEVICE float radius_of(float4 q, float heaviest)
 {
     float size = root(fmaf(q.x, q.x, fmaf(q.y, q.y, q.z * q.z)));
@@ -1662,13 +1650,13 @@ template <int T, typename S> DEVICE bool may_conflict(const S &s, bool go, int c
 
 /* ------------------------------------------------------------------------------------------------------
    >>near         The first rung: 8 lanes a star, candidates from the list of its group.
-   1. Points within the start radius are collected and sorted by distance.  2. The nearest make the first corner,
-   the others are inserted; all but the first 16 are screened first: a point that is in conflict with nothing now will
-   never be, because stars only shrink.  3. The list is walked again for points outside the start radius and within
-   the bounds of the spheres.  Both passes calculate the distance alike, so no point is met twice.  4. The star is
-   certified if its spheres lie within the box that the list covers, or reach out of it only where no points are.  For
-   most inputs floats decide nearly all signs, and a kernel without exact tests is quicker; a second kernel, which has
-   them, builds the stars again where a sign stays open.  For points on surfaces (keeps) the rung ends after 2.,
+   1. Points within the start radius are collected and sorted by distance.  2. The nearest make the first corner, and
+   the others are inserted; all but the first 16 are screened first: stars only shrink, so a point in conflict with
+   nothing now will never be.  3. The list is walked again for points outside the start radius and within the bounds
+   of the spheres.  Both passes calculate the distance alike, so no point is met twice.  4. The star is certified if
+   its spheres lie within the box that the list covers, or reach out of it only where no points are.
+   For most inputs floats decide nearly all signs, and a kernel without exact tests is quicker; a second kernel, which
+   has them, builds the stars again where a sign stays open.  For points on surfaces (keeps) the rung ends after 2.,
    stores the star without the points that floats leave open, and certifies nothing.
    ------------------------------------------------------------------------------------------------------ */
 const int near_triangles = 48, near_vertices = 32, near_points = 64, near_block = 128;
@@ -1994,15 +1982,14 @@ near_kernel(const __grid_constant__ near_launch a)
 /* ------------------------------------------------------------------------------------------------------
    >>far          The second and third rung: a warp or more a star, candidates from a search of the tree.
    The star is that of the first rung, or starts from the neighbours of v on the curve.  For each simplex that is not
-   verified the tree is searched depth first for points in conflict with it; if there are none, it is verified.  That
-   is final, because a simplex without conflicts is in the result.  So when all simplices are verified, the star is
-   certified whatever its size, and nothing is searched twice.  With t the point of a box where |x|^2 - q . x is
-   least, axis by axis, and h = 2^-20 Q, for any x of the box
+   verified the tree is searched depth first for points in conflict with it; if there are none, it is verified.  A
+   simplex without conflicts is in the result: so nothing is searched twice, and when all simplices are verified, the
+   star is certified whatever its size.  A cap on the search keeps the total work linear.
+   With t the point of a box where |x|^2 - q . x is least, axis by axis, and h = 2^-20 Q, for any x of the box
 
        |x|^2 - q . x - h |x|_1 >= sum over axes of t (t - q) - h |t| - h^2 / 4,
 
-   because |x|^2 - q . x >= t (t - q) + (x - t)^2 on each axis and (x - t)^2 - h |x - t| >= -h^2 / 4.  A cap on the
-   search keeps the total work linear.
+   because |x|^2 - q . x >= t (t - q) + (x - t)^2 on each axis and (x - t)^2 - h |x - t| >= -h^2 / 4.
    ------------------------------------------------------------------------------------------------------ */
 /* Stars live in shared memory, or without SHARED in scratch.  blocks: on a multiprocessor. */
 template <int TRIANGLES, int WARPS, int BLOCKS, bool EXACT, bool SHARED> struct rung {
@@ -2029,8 +2016,7 @@ template <int WARPS> DEVICE void meet()
     WARPS == 1 ? __syncwarp() : __syncthreads();
 }
 
-/* Returns whether a simplex of the star, not a wall, may be in conflict with a point in a box; weight: the largest in
-   the box, relative to v's. */
+/* Returns whether a simplex, not a wall, may be in conflict with a point in a box; weight: the largest less v's. */
 template <int DIM, bool WEIGHTED> DEVICE bool box_may_conflict(const float4 &sphere, const span &b, float weight)
 {
     float q[3] = { sphere.x, sphere.y, sphere.z }, size = sphere.w, sum = 0.0f, squares = 0.0f, ones = 0.0f;
@@ -2047,7 +2033,7 @@ template <int DIM, bool WEIGHTED> DEVICE bool box_may_conflict(const float4 &sph
     return !(sum > 2.0f * slack * (squares + size * ones) + h * h);
 }
 
-/* Four points that span the space: the first point, and in turn the one farthest from the span of those before. */
+/* Finds four points that span the space: the first point, then the one farthest from the span of those before. */
 template <int DIM> __global__ void seed_kernel(const __grid_constant__ space s, int found, unsigned long long *seed)
 {
     unsigned long long best = 0;
@@ -2647,10 +2633,8 @@ template <typename STAR> DEVICE void find_inverses(STAR &w, int count)
     __syncwarp();
 }
 
-
-
 /* Returns for each 8 lanes the deepest of a quarter of the bricks that wait, as depth << 16 | where it waits, or 0.
-   Where there is little room it returns the last ones: they are of low levels, and few more come to wait. */
+   If there is little room it returns the last ones: they are of low levels, so few more will wait. */
 template <typename RUNG> DEVICE uint32_t deepest(const wide_star<RUNG> &w, int waits)
 {
     const int lane = (int)threadIdx.x & 31;
@@ -2665,13 +2649,12 @@ template <typename RUNG> DEVICE uint32_t deepest(const wide_star<RUNG> &w, int w
     return tile_max<8>(best);
 }
 
-/* A launch of a rung for surfaces: the vertices of a list, or if it is NULL those of the share, each stride-th.
-   looks, unless NULL: the sum over all stars. */
+/* A launch of a rung for surfaces: for the listed vertices or, without a list, each stride-th of the share. */
 struct wide_launch : rung_launch {
     brick_tree bricks;
     store in;                                        /* what earlier rungs have made */
     uint32_t stride;
-    unsigned long long *looks;
+    unsigned long long *looks;                       /* the sum over all stars, or NULL */
 };
 
 /* A star of these rungs while its warp builds it. */
@@ -2697,8 +2680,8 @@ template <typename RUNG> DEVICE void screen_candidates(wide_state<RUNG> &n, unsi
     }
 }
 
-/* The star of v as the store has it, or else one from points on the curve; all bricks of the top level wait.  Returns
-   whether there is one. */
+/* Starts with the star of v in the store, or else from points on the curve; all bricks of the top level wait.
+   Returns whether there is a star. */
 template <typename RUNG> DEVICE bool start_wide(wide_state<RUNG> &n)
 {
     typename wide_star<RUNG>::type &s = n.w.s;
@@ -2795,9 +2778,9 @@ template <typename RUNG> DEVICE bool insert_deepest(wide_state<RUNG> &n)
     return (result & ~star_changed) == 0;
 }
 
-/* A warp a star, from that of an earlier rung on.  The tree is searched once: a point or brick that no simplex of the
-   star is in conflict with will never be, because stars only shrink; so when nothing waits any more the star is
-   certified.  The deepest brick is searched first, the deepest point inserted first. */
+/* Builds a star by each warp, from that of an earlier rung on.  It searches the tree once: stars only shrink, so what
+   is in conflict with no simplex now will never be, and when nothing waits any more the star is certified.  The
+   deepest brick is searched first, the deepest point inserted first. */
 template <typename RUNG>
 __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) wide_kernel(const __grid_constant__ wide_launch a)
 {
@@ -2841,13 +2824,12 @@ __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) wide_kernel(co
 /* ------------------------------------------------------------------------------------------------------
    >>cells        Simplices, neighbours, incident simplices, from the stars.
    A simplex is written by its lowest vertex, in the canonical form and order of >>output of pbw.h: the simplices of a
-   vertex lie together, sorted by their second and third corner.  The two sides of a facet are seen in the star of the
-   facet's lowest vertex, as two triangles with a common edge; their numbers are found among the simplices of their
-   lowest vertices.
-   On several cards each writes the simplices whose lowest vertex is of its share.  The stars of a share also have
-   simplices that a lower card writes, as they have a vertex in both shares: the guests of the share, which the lower
-   cards list for it with their numbers, in the canonical order.  Only one facet of a guest can have its lowest vertex
-   in the share, the one that lacks the guest's first corner; the lower cards are told the simplex across it.
+   vertex lie together, sorted by their second and third corner.  The star of a facet's lowest vertex has both sides
+   of the facet, as two triangles with a common edge; the numbers of the two simplices are found by their corners.
+   On several cards each writes the simplices that have their lowest vertex in its share.  The stars of a share also
+   have simplices with their lowest vertex in a lower share: the guests of the share.  The lower cards, which write
+   them, list them for it with their numbers, in the canonical order.  Only one facet of a guest can have its lowest
+   vertex in the share, the one that lacks the guest's first corner; the lower cards are told the simplex across it.
    ------------------------------------------------------------------------------------------------------ */
 template <int DIM> struct alignas(DIM == 3 ? 16 : 4) cell {
     uint32_t corner[DIM + 1];
@@ -3008,9 +2990,9 @@ struct links {
     const uint32_t *id;
 };
 
-/* Writes the links of the star of v by T lanes: its lowest simplex and, where v is the lowest vertex of a facet of a
-   finite simplex, the simplex across it.  number(t): of the simplex on triangle t, or none; mate(t, k): the triangle
-   across from corner k of triangle t. */
+/* Writes the links of the star of v by T lanes: its lowest simplex, and the neighbours across facets that have v as
+   their lowest vertex.  number(t): of the simplex on triangle t, or none; mate(t, k): the triangle across from its
+   corner k. */
 template <int T, int DIM, typename F, typename G>
 DEVICE void link_star(const directory<DIM> &all, const links &out, uint32_t v, const stored_star &s, F number, G mate)
 {
@@ -3230,8 +3212,8 @@ template <int DIM> __device__ int test_hidden(const view &m, uint32_t item, pbw_
 
 const unsigned check_blocks = 64;                    /* of 32 threads that have pools */
 
-/* Items 0, ..., count - 1, or those of a list, one thread each or in turn, up to the first known fault; a single one
-   is described. */
+/* Tests count items, all or those of a list, one thread each or in turn, up to the first known fault.  The fault of a
+   single item is described. */
 struct check_launch {
     view m;
     int pass;
@@ -3306,8 +3288,8 @@ template <int DIM> DEVICE cell<DIM> ranked(const reorder &m, uint32_t s)
     return canonical<DIM>(c.corner[0], c.corner + 1);
 }
 
-/* Keys to sort the simplices by: first of 32 bits, the third corner, and the order is 0, ..., count - 1; then of 64,
-   the first and second corner, of the simplices in the order so far. */
+/* Makes keys to sort the simplices by: at first of 32 bits, the third corner, with the order 0, ..., count - 1; then
+   of 64, the first and second corner, in the order so far. */
 template <int DIM, typename KEY>
 __global__ void corner_kernel(const __grid_constant__ reorder m, uint32_t *order, KEY *key)
 {
@@ -3351,15 +3333,13 @@ __global__ void rewrite_kernel(const __grid_constant__ reorder m, const uint32_t
    >>run          The stages in order.
    In: packed points on the device.  Out: the arrays on the device, and for a job of pbw.h also in its memory, copied
    while later stages run.  All work is in the order of one stream; the host waits where it needs a count.
-   A team of cards works on one job, each with a thread of the host and a share of the curve: all put all points into
-   order and grow the whole tree, each makes the stars of its share and writes their simplices.  The cards meet to
-   number the simplices, to fetch their guests, and to fetch the simplices across them.  The arrays that one offers to
-   the others are complete when they meet, and stay until all leave.
+   A team of cards works on one job, each with a thread of the host, the whole tree and a share of the curve.  The
+   cards meet to number the simplices, to fetch their guests, and to fetch the simplices across them.  What one offers
+   to the others is complete when they meet, and stays until all leave.
    A stage that fails sets the status of its call, says why, and throws; so each stage may rely on all before it.  The
    entries catch, and free the memory of the call.
    ------------------------------------------------------------------------------------------------------ */
-/* Bytes of device memory at the peak, for uniform points, in 2D and 3D: of all points, and more of those of the
-   share. */
+/* Bytes of device memory at the peak, for uniform points, in 2D and 3D: for all points, and more for the share. */
 const double bytes_a_point[2] = { 75.0, 90.0 }, bytes_a_star[2] = { 155.0, 560.0 };
 const int most_cards = 16;
 const char *const few_points = "so few points are quicker on the CPU";
@@ -3493,8 +3473,7 @@ void need(call &c, cudaError_t error, const char *what)
     go_on(c);
 }
 
-/* Fails unless more bytes fit into the device's free memory and its pool.  The message says how much the call needs
-   in all, as far as is known. */
+/* Fails unless more bytes fit into free memory and the pool; says what the call needs in all, as far as is known. */
 void need_memory(call &c, size_t more)
 {
     size_t available = 0, all = 0, needed = c.used + more;
@@ -3751,8 +3730,8 @@ struct ordering {
     key_bits sorted_bits() const { return { all.index_bits, all.index_bits + all.bits * all.in.dim }; }
 };
 
-/* The points of the long runs of a list, count of them, get keys from a grid for each run, and are put back in their
-   order.  Returns the long runs of equal keys that are left, and sets count to their number. */
+/* Gives the points of count long runs keys from a grid for each run, and puts them back in their order.  Returns the
+   long runs of equal keys that are left, and sets count to their number. */
 run_room order_long_runs(call &c, ordering &o, const run_list &runs, uint32_t &count)
 {
     const shape warps = over((size_t)count * 32, 128);
@@ -3781,8 +3760,7 @@ run_room order_long_runs(call &c, ordering &o, const run_list &runs, uint32_t &c
     return next;
 }
 
-/* Puts the runs of equal keys into order.  The depth is bounded as in >>order of pbw.h: each level divides the extent
-   by 2^bits. */
+/* Puts the runs of equal keys into order.  As in >>order of pbw.h each level divides the extent by 2^bits. */
 void order_runs(call &c, ordering &o)
 {
     const size_t n = o.all.in.count;
@@ -3798,8 +3776,7 @@ void order_runs(call &c, ordering &o)
     }
 }
 
-/* Returns the ranges of coordinates and weights, and the unit of their common grid.  on_device keeps them for later
-   kernels. */
+/* Returns the ranges of coordinates and weights, and the unit of their common grid; later kernels use on_device. */
 pbw__grid_share survey_points(call &c, const input &in, const buffer<survey> &on_device)
 {
     survey found = {};
@@ -3956,8 +3933,7 @@ void launch_near(call &c, const workshop &w, uint32_t first, uint32_t stride, ui
     launch(c, "near stars", near_kernel<DIM, WEIGHTED, EXACT>, s, near_launch{ w, first, stride, total, keeps });
 }
 
-/* Whether a sample shows that the first rung certifies less than half, as where points lie on surfaces and curves and
-   spheres are large. */
+/* Returns whether the first rung certifies less than half of a sample, as where points lie on surfaces and curves. */
 template <int DIM, bool WEIGHTED> bool sample_reaches_far(call &c, const workshop &w)
 {
     start_over(c, w);
@@ -4020,8 +3996,8 @@ uint32_t run_rung(call &c, void (*kernel)(LAUNCH), LAUNCH a, uint32_t blocks)
     return read_back(c, a.failed.count, PBW_STAGE_BUILD, 0.8);
 }
 
-/* Stars of q[from] by the second or third rung, with at most cap looks each, until more than limit fail.  Returns how
-   many it leaves in q[1 - from]. */
+/* Builds stars of q[from] by the second or third rung, with at most cap looks each, until more than limit fail.
+   Returns how many it leaves in q[1 - from]. */
 template <int DIM, bool WEIGHTED, typename RUNG>
 uint32_t run_far_rung(call &c, const workshop &w, int from, uint32_t total, uint32_t limit, int cap)
 {
@@ -4035,8 +4011,8 @@ uint32_t far_limit(const workshop &w)
     return 128 + w.out.size() / 2048;
 }
 
-/* The second rung, at first without exact tests, and the third: left stars of q[0].  The few that the third rung
-   fails come again with a larger cap. */
+/* Builds the stars in q[0], `left` of them, by the second rung, at first without exact tests, and the third; the few
+   that the third fails come again with a larger cap. */
 template <int DIM, bool WEIGHTED> void build_far_stars(call &c, const workshop &w, uint32_t left)
 {
     left = run_far_rung<DIM, WEIGHTED, quick_rung>(c, w, 0, left, none, quick_cap);
@@ -4073,8 +4049,7 @@ brick_tree lay_bricks(call &c, const space &s, brick *room)
     return t;
 }
 
-/* Stars of a.vertex by a rung for surfaces, each with at most cap looks, until more than limit fail; returns how many
-   it leaves. */
+/* Builds stars by a rung for surfaces, as run_far_rung does; returns how many it leaves. */
 template <typename RUNG> uint32_t run_wide_rung(call &c, wide_launch &a, uint32_t total, uint32_t limit, int cap)
 {
     a.total = total;
@@ -4114,8 +4089,8 @@ void build_large_wide_stars(call &c, wide_launch a, uint32_t failed)
     suit_stars(c, failed, 0);
 }
 
-/* Stars of points on surfaces; returns false if a sample speaks against it.  Those that the first rung begins go to a
-   store of their own, which is given back. */
+/* Builds the stars of points on surfaces; returns false if a sample speaks against it.  What the first rung begins
+   has a store of its own, which is given back. */
 bool build_wide_stars(call &c, workshop &w, const brick_tree &bricks)
 {
     const uint32_t mine = w.out.size(), limit = 128 + mine / 16;
@@ -4303,8 +4278,6 @@ template <int DIM> void fetch_beyond(call &c, const directory<DIM> &all, pbw_ind
                of[c.card].guest_numbers[i], beyond.at, neighbors);
     }
 }
-
-
 
 /* Shares the points, grows the tree, and allocates what the rungs need. */
 void open_workshop(call &c, workshop &w, int dim)
@@ -4590,8 +4563,8 @@ void adopt_last(call &c)
     }
 }
 
-/* Returns whether an earlier mesh, whose links are sound and whose duplicates are those of the points, is the
-   triangulation of the points where they are now; id: of each rank. */
+/* Returns whether an earlier mesh is the triangulation of the points where they are now.  Its links must be sound and
+   its duplicates those of the points; id: of each rank. */
 template <int DIM> bool holds(call &c, const pbw_cuda_mesh &mesh, const input &in, const space &s, const uint32_t *id)
 {
     checking k(c, mesh, in, s.grid, NULL);
