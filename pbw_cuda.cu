@@ -7,12 +7,12 @@
    The result equals that of the CPU byte for byte, because it is a function of the points alone (see CONVENTIONS in
    pbw.h) and every sign that it depends on is exact.
 
-   CERTIFIED LOCAL STARS.  The star of a vertex v is built alone, by inserting points near v as in Bowyer-Watson, but
-   keeping only the simplices around v: a new point replaces those in conflict with it by the fan from it to their
-   border.  When no other point of the input is in conflict with any simplex of the star, each of them belongs to the
+   CERTIFIED LOCAL STARS.  The star of a vertex v is built alone.  As in Bowyer-Watson points near v are inserted, but
+   only the simplices around v are kept: a new point replaces those in conflict with it by the fan from it to their
+   border.  If no other point of the input is in conflict with any simplex of the star, each of them belongs to the
    one perturbed triangulation, and together they surround v: the star is certified, it is the star of v in the
-   result.  So no star depends on another.  Each simplex is written by its lowest vertex; its neighbour across a facet
-   is found through the star of the lowest vertex of the facet.
+   result.  So no star depends on another.  Each simplex is written by its lowest vertex, and its neighbour across a
+   facet is found in the star of the facet's lowest vertex.
 
      first rung    8 lanes a star; candidates from a list of groups of points near v; certified if the spheres of the
                    star lie within the box that the list covers.  About 97 of 100 stars of uniform points.
@@ -30,20 +30,19 @@
    Unweighted points in space on surfaces (scans, terrain) have rungs of their own, >>wide, which search another tree.
    They are recognised by a sample of 1024 stars of which the first rung certifies less than half.
 
-   SEVERAL DEVICES.  Each card makes the stars of its share, a span of the curve, and writes the simplices of that
-   share over its own link to the host.  All put all points into order, a twentieth of the work of one, and exchange
-   the numbers of the simplices across the borders of the shares (>>cells).  A card holds all points and its share of
-   the rest: 90 + 560 / cards bytes a point (2D: 75 + 155 / cards).  So two cards of one kind take 1.7 times the
-   points of one, and many cards up to the limit of the simplex numbers (600 million points).  If one card leaves a
-   star to the CPU, the whole input goes there.  Where two devices can reach each other, each opens its pool to the
-   other, and leaves it so; for a pool that keeps 60 GB the first call takes half a second longer.
+   SEVERAL DEVICES.  All cards put all points into order, a twentieth of the work of one.  Then each makes the stars
+   of its share, a span of the curve, and writes their simplices over its own link to the host; they exchange the
+   numbers of simplices across the borders of the shares (>>cells).  A card holds all points and its share of the
+   rest: 90 + 560 / cards bytes a point (2D: 75 + 155 / cards).  So two cards of one kind take 1.7 times the points of
+   one, and many cards up to the limit of the simplex numbers (600 million points).  If one card leaves a star to the
+   CPU, the whole input goes there.  Devices that can reach each other open their pools to each other, and leave them
+   so; for a pool that keeps 60 GB the first call takes half a second longer.
 
    POINTS THAT MOVE.  A loop has a pool of its own, which keeps what one step frees for the next, and it keeps the
    mesh of the last step.  A step puts the points into order and, if the duplicates have not changed, tests that mesh
    with the new coordinates (>>check): positive simplices, locally regular facets under the tie rule, a convex hull
-   that is covered once, hidden points in conflict with none.  Such a mesh is the triangulation of the new points;
-   only the order of its simplices changes, with the ranks of their corners (>>keep).  At the first fault the stars
-   are built.
+   that is covered once, hidden points in conflict with none.  If it passes it is the triangulation of the new points;
+   only the order of its simplices changes, with the ranks of their corners (>>keep).  Else the stars are built.
 
    MEMORY.  Device memory comes from the pool of the current device, at most options.memory_limit bytes of it.  If
    that is too little, which is known before the stars and before the output, the message says the bytes needed and
@@ -101,7 +100,6 @@ long pbw_cuda_fail_at = 0;                           /* counts down: the allocat
 }
 
 namespace {
-
 /* ------------------------------------------------------------------------------------------------------
    >>device       Types, tiles of lanes.
    A tile is 8 or 32 neighbouring lanes of a warp that work on one star.  The tiles of a warp run in lockstep: every
@@ -158,21 +156,31 @@ struct queue {                                       /* vertices for the next ru
 
 const uint32_t stored_mark = 1u << 31;               /* in a queue: the store holds a star to go on from */
 
-/* The finished stars: a star is a head (triangles << 16 | vertices), its vertices, and its triangles as 3 numbers of
-   vertices in 10 bits each (2D: edges, 2 numbers), padded to 16 bytes.  Bit 30 of a triangle says that it is
-   verified. */
-struct store {
-    uint32_t first, end;                             /* the share: vertices whose stars are made here */
+/* The numbers first, ..., end - 1; a share: the ranks of the vertices that a card has. */
+struct range {
+    uint32_t first, end;
+    __host__ __device__ uint32_t size() const { return end - first; }
+    __device__ bool has(uint32_t v) const { return v >= first && v < end; }
+};
+
+/* The finished stars of a share.  A star is a head (triangles << 16 | vertices), its vertices, and its triangles: 3
+   numbers of vertices in 10 bits each (2D: edges, 2 numbers), bit 30: verified; padded to 16 bytes. */
+struct store : range {
     uint32_t *word;
     unsigned long long *used;                        /* units of 16 bytes needed: above capacity if it is too small */
     unsigned long long capacity;
     uint32_t *place;                                 /* for each vertex from first: the unit where its star begins */
     uint32_t *owned;                                 /* and how many simplices have it as their lowest vertex */
     const volatile uint32_t *stop;                   /* not 0: the call has failed or is cancelled, nothing counts */
-    __host__ __device__ uint32_t size() const { return end - first; }
 };
 
-struct near_list;
+/* Groups near another one.  A list covers the box of its group, grown by reach on all sides.  Its first close entries
+   cover the balls of radius start, of about 33 points each, around the points of the group. */
+struct near_list {
+    uint32_t length;                                 /* 0: none, the stars of the group go to the second rung */
+    float reach, start;
+    uint32_t close;
+};
 
 /* The stars of a card's share while the rungs make them. */
 struct workshop {
@@ -378,9 +386,10 @@ __global__ void key_kernel(const __grid_constant__ keyed k, const __grid_constan
     }
 }
 
-/* Long runs: where they begin and end among all keys, and among the gathered ones. */
+/* Long runs: their places among all keys, and where they begin among the gathered ones. */
 struct run_list {
-    uint32_t *head, *end, *length, *offset;
+    range *place;
+    uint32_t *offset;
 };
 
 /* Finds runs among count keys: all keys or, with segment, those gathered from the runs of a list, of which segment
@@ -396,8 +405,8 @@ __global__ void run_kernel(const __grid_constant__ keyed k, size_t count, const 
     if (segment != NULL) {
         uint32_t r = segment[i];
         begin = of.offset[r];
-        limit = begin + of.length[r];
-        shift = of.head[r] - begin;
+        limit = begin + of.place[r].size();
+        shift = of.place[r].first - begin;
     }
     if (i > begin && k.tie(i - 1, i)) {
         return;
@@ -406,9 +415,7 @@ __global__ void run_kernel(const __grid_constant__ keyed k, size_t count, const 
         end++;
     }
     if (end - i > PBW__SHORT_RUN) {
-        uint32_t at = atomicAdd(&out->long_runs, 1u);
-        found.head[at] = (uint32_t)(i + shift);
-        found.end[at] = (uint32_t)(limit + shift);
+        found.place[atomicAdd(&out->long_runs, 1u)] = { (uint32_t)(i + shift), (uint32_t)(limit + shift) };
         return;
     }
     for (size_t j = i + 1; j < end; j++) {
@@ -418,8 +425,8 @@ __global__ void run_kernel(const __grid_constant__ keyed k, size_t count, const 
     }
 }
 
-/* Measures a run by each warp: its length and box; length 0 if all its points lie at one place.  Then the best of
-   them goes first, and root names the first for all of them. */
+/* Measures a run by each warp: its end, length and box.  If all its points lie at one place the length is 0, the best
+   of them goes first, and root names that for all of them. */
 __global__ void measure_kernel(const __grid_constant__ keyed k, run_list runs, uint32_t count, pbw__box *boxes,
                                uint32_t *root)
 {
@@ -428,7 +435,7 @@ __global__ void measure_kernel(const __grid_constant__ keyed k, run_list runs, u
     if (r >= count) {
         return;
     }
-    uint32_t head = runs.head[r], end = head, limit = runs.end[r], best = head;
+    uint32_t head = runs.place[r].first, end = head, limit = runs.place[r].end, best = head;
     pbw__box_reset(&box, k.bits);
     for (unsigned vote = all_lanes; vote == all_lanes; end += (uint32_t)__popc(vote)) {
         uint32_t i = end + lane;
@@ -451,7 +458,8 @@ __global__ void measure_kernel(const __grid_constant__ keyed k, run_list runs, u
     __syncwarp();
     if (lane == 0) {
         boxes[r] = box;
-        runs.length[r] = apart ? end - head : 0;
+        runs.place[r].end = apart ? end : head;
+        runs.offset[r] = apart ? end - head : 0;     /* the length, until lengths are summed */
         if (!apart) {
             exchange(k.key[head], k.key[best]);
         }
@@ -466,8 +474,8 @@ __global__ void rekey_kernel(const __grid_constant__ keyed k, run_list runs, uin
                              uint64_t *gathered, uint32_t *segment)
 {
     uint32_t r = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32;
-    for (uint32_t i = threadIdx.x & 31; r < count && i < runs.length[r]; i += 32) {
-        gathered[runs.offset[r] + i] = k.key_of(k.index(runs.head[r] + i), box[r]);
+    for (uint32_t i = threadIdx.x & 31; r < count && i < runs.place[r].size(); i += 32) {
+        gathered[runs.offset[r] + i] = k.key_of(k.index(runs.place[r].first + i), box[r]);
         segment[runs.offset[r] + i] = r;
     }
 }
@@ -478,7 +486,7 @@ __global__ void put_back_kernel(const uint64_t *gathered, const uint32_t *segmen
     size_t i = thread_number();
     if (i < count) {
         uint32_t r = segment[i];
-        key[runs.head[r] + (i - runs.offset[r])] = gathered[i];
+        key[runs.place[r].first + (i - runs.offset[r])] = gathered[i];
     }
 }
 
@@ -517,8 +525,7 @@ __global__ void gather_kernel(const __grid_constant__ keyed k, const uint32_t *f
     size_t i = thread_number();
     if (i < k.in.count && (rank == NULL || first[i] != 0)) {
         const size_t at = rank == NULL ? i : rank[i];
-        record r;
-        r.c[3] = 0.0;
+        record r = {};
         k.read(i, r.c);
         point[at] = r;
         id[at] = (uint32_t)k.index(i);
@@ -531,14 +538,6 @@ __global__ void gather_kernel(const __grid_constant__ keyed k, const uint32_t *f
    them at once; and lists.
    ------------------------------------------------------------------------------------------------------ */
 const int group_size = 8, list_size = 192;
-
-/* A list covers the box of its group, grown by reach on all sides.  Its first close entries cover the balls of radius
-   start, of about 33 points each, around the points of the group. */
-struct near_list {
-    uint32_t length;                                 /* 0: none, the stars of the group go to the second rung */
-    float reach, start;
-    uint32_t close;
-};
 
 DEVICE double in_units(const space &s, const record &r, int k)
 {
@@ -615,18 +614,11 @@ DEVICE int list_within(const tree &t, const box &own, float reach, uint32_t *fou
             touches = b.low[0] <= hi[0] && b.high[0] >= lo[0] && b.low[1] <= hi[1] && b.high[1] >= lo[1]
                    && b.low[2] <= hi[2] && b.high[2] >= lo[2];
         }
-        const unsigned vote = __ballot_sync(all_lanes, touches);
-        const int at = __popc(vote & lanes_below<32>());
-        if (level == 0) {
-            if (touches && length + at < list_size) {
-                found[length + at] = node;
-            }
-            length += __popc(vote);
-        } else {
-            if (touches) {
-                stack[depth + at] = (uint32_t)level << 29 | node;
-            }
-            depth += __popc(vote);
+        const int at = append<32>(touches, level == 0 ? length : depth);
+        if (touches && level > 0) {
+            stack[at] = (uint32_t)level << 29 | node;
+        } else if (touches && at < list_size) {
+            found[at] = node;
         }
         __syncwarp();
         if (depth == 0 || length > list_size) {
@@ -685,8 +677,7 @@ DEVICE uint32_t sort_list(const tree &t, uint32_t g, float start, uint32_t *foun
     return none - tile_min<32>(none - close);
 }
 
-/* A warp makes the list of a group, of those from first to end.  The reach starts as a part of the side near the
-   group, and changes until the list fits. */
+/* A warp makes the list of a group.  The reach starts as a part of the side near it, and changes until it fits. */
 __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t first_group, uint32_t end_group,
                             uint32_t *list, near_list *info)
 {
@@ -713,8 +704,7 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t fi
     length = length > list_size ? 0 : length;
     const uint32_t close = sort_list(t, g, start, found, length, list + (size_t)row * list_size);
     if ((threadIdx.x & 31) == 0) {
-        near_list n = { (uint32_t)length, reach, start, close };
-        info[row] = n;
+        info[row] = { (uint32_t)length, reach, start, close };
     }
 }
 
@@ -910,8 +900,7 @@ DEVICE float4 sphere(const place<REAL> &pa, const place<REAL> &pb, const place<R
     return sphere_of(n, product(a, bc), La * B * C + Lb * A * C + Lc * A * B, A * B * C);
 }
 
-/* The half-space beyond the facet (v, a, b); in the plane to the left of the line from v to a, or for sign -1 to its
-   right. */
+/* The half-space beyond the facet (v, a, b); in the plane left of the line from v to a, for sign -1 right of it. */
 template <int DIM, typename REAL>
 DEVICE float4 half_space(const place<REAL> &pa, const place<REAL> &pb, REAL sign, unsigned walls)
 {
@@ -936,8 +925,8 @@ DEVICE float4 half_space(const place<REAL> &pa, const place<REAL> &pb, REAL sign
                        (float)(1 + sizes<REAL>::error() * sqrt(la * lb) * inverse) * far_away);
 }
 
-/* A triangle: three local numbers of vertices, 0 being the vertex at infinity, and a mark where no point of the input
-   is in conflict with its simplex: it is final, no insertion removes it. */
+/* A triangle: three local numbers of vertices, 0 being the vertex at infinity, and a mark if no point of the input is
+   in conflict with its simplex: no insertion will remove it. */
 const uint32_t corner_mask = 1023, verified = 1u << 30;
 
 DEVICE uint32_t corner(uint32_t triangle, int k)
@@ -950,8 +939,8 @@ template <int DIM> DEVICE uint3 corners(uint32_t triangle)
     return make_uint3(corner(triangle, 0), corner(triangle, 1), DIM == 3 ? corner(triangle, 2) : 0);
 }
 
-/* Returns the number of the triangle that has the directed edge (a, b), or -1.  In the plane: of the edge that begins
-   with a, or if a is none, that ends with b. */
+/* Returns the number of the triangle that has the directed edge (a, b), or -1.  In the plane: of the edge from a, or
+   if a is none, of the edge to b. */
 template <int DIM> __device__ int triangle_with(const uint32_t *triangle, int count, uint32_t a, uint32_t b)
 {
     for (int t = 0; t < count; t++) {
@@ -986,39 +975,33 @@ struct site {
    Holds between insertions: the link is closed; every simplex (v, triangle) is positively oriented, or is infinite
    and has corner 0; each triangle has the sphere of its simplex; the bit matrix is all zeros.
    ------------------------------------------------------------------------------------------------------ */
-template <bool WIDE> struct star_types {
-    typedef std::conditional_t<WIDE, uint16_t, uint8_t> number;
-    typedef std::conditional_t<WIDE, uint32_t, uint16_t> pair;
-    typedef std::conditional_t<WIDE, uint64_t, uint32_t> rounds;
-    static const int bits = WIDE ? 10 : 8;
-};
 
 /* The numbers that a rung calculates with. */
 template <bool EXACT> using rung_real = std::conditional_t<EXACT, double, float>;
 
 /* NT triangles, NV vertices, SCRATCH words for the rung's search. */
 template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL> struct star {
-    typedef star_types<(NT > 256)> types;
     typedef REAL real;
-    static const int dim = DIM, triangles = NT, vertices = NV, words = NV / 32;
+    static const int dim = DIM, triangles = NT, vertices = NV, words = NV / 32, bits = NT > 256 ? 10 : 8;
     static const bool weighted = WEIGHTED;
+    typedef std::conditional_t<(bits > 8), uint16_t, uint8_t> number;
+    typedef std::conditional_t<(bits > 8), uint32_t, uint16_t> pair;         /* of numbers of vertices */
+    typedef std::conditional_t<(bits > 8), uint64_t, uint32_t> set;
     float4 sphere[NT];
     REAL x[NV][DIM], w[WEIGHTED ? NV : 1];
     uint32_t id[NV], triangle[NT], matrix[NV * words], used[words], scratch[SCRATCH];
-    typename types::pair border[NT + 4];
-    typename types::number cavity[NT];
+    pair border[NT + 4];
+    number cavity[NT];
 };
 
 /* The place of a point of a star S. */
 template <typename S> using place_in = place<typename S::real>;
 
-/* A point that may become a vertex of a star: its rank and, relative to v, its place. */
-template <typename REAL> struct newcomer {
+/* A point that may become a vertex of a star S: its rank and, relative to v, its place. */
+template <typename S> struct point_of {
     uint32_t id;
-    place<REAL> p;
+    place_in<S> p;
 };
-
-template <typename S> using point_of = newcomer<typename S::real>;
 
 /* The candidate of this lane; if there is none, at the place of v. */
 template <typename S> DEVICE point_of<S> newcomer_at(const site &at, const record &own, uint32_t id)
@@ -1058,8 +1041,7 @@ template <typename S> DEVICE place_in<S> vertex_place(const S &s, uint32_t numbe
     return p;
 }
 
-/* The sphere of triangle (x, y, z) of a star, in the plane of edge (x, y), with corners at a, b and c.  0 is the
-   vertex at infinity. */
+/* The sphere of a triangle with corners at a, b and c, in 2D of an edge; corner 0 is the vertex at infinity. */
 template <int DIM, bool WEIGHTED, typename REAL>
 DEVICE float4 sphere_of_triangle(uint3 t, const place<REAL> &a, const place<REAL> &b, const place<REAL> &c,
                                             unsigned walls)
@@ -1139,8 +1121,7 @@ template <typename S> __device__ __noinline__ int settle(const S &s, site at, in
 
 /* As settle, for p relative to v, by doubles that round nothing: on a small grid all products are integers in its
    unit, below 2^53 (>>cavity3 of pbw.h: there p is the origin, here v, but the 24 products have the same bound).  The
-   coefficients of the lifts are those of pbw__tie.  Returns open_sign if a height is not below the limit that this
-   needs. */
+   coefficients of the lifts are those of pbw__tie.  Returns open_sign if a height is beyond the limit of that. */
 template <typename S>
 __device__ __noinline__ int settle_on_grid(const S &s, int count, int t, double limit, place_in<S> point)
 {
@@ -1151,7 +1132,7 @@ __device__ __noinline__ int settle_on_grid(const S &s, int count, int t, double 
     }
     for (int round = 0; round < 2; round++) {
         uint32_t packed = s.triangle[t];
-        double x[3][3], raised[3], k[3], d;
+        double x[4][3] = {}, raised[3], k[4], d;     /* x[3]: v itself */
         int at = -1;
         for (int i = 0; i < 3; i++) {
             uint32_t number = i < S::dim ? corner(packed, i) : 0;
@@ -1194,17 +1175,15 @@ __device__ __noinline__ int settle_on_grid(const S &s, int count, int t, double 
         if (sum != 0.0) {
             return sum > 0.0;
         }
-        double best[3] = { p[0], p[1], p[2] }, own = d - k[0] - k[1] - k[2], verdict = 0.0;
-        for (int i = -1; i < S::dim; i++) {          /* v itself at first */
-            double y[3] = { i < 0 ? 0.0 : x[i < 0 ? 0 : i][0], i < 0 ? 0.0 : x[i < 0 ? 0 : i][1],
-                            i < 0 ? 0.0 : x[i < 0 ? 0 : i][2] }, coefficient = i < 0 ? own : k[i < 0 ? 0 : i];
-            bool larger = y[0] != best[0] ? y[0] > best[0] : y[1] != best[1] ? y[1] > best[1]
-                        : S::dim == 3 && y[2] > best[2];
-            if (larger && coefficient != 0.0) {
-                verdict = coefficient;
-                for (int j = 0; j < 3; j++) {
-                    best[j] = y[j];
-                }
+        double best[3] = { p[0], p[1], p[2] }, verdict = 0.0;
+        k[3] = d - k[0] - k[1] - k[2];
+        for (int i = 0; i < 4; i++) {
+            const bool larger = x[i][0] != best[0] ? x[i][0] > best[0] : x[i][1] != best[1] ? x[i][1] > best[1]
+                              : S::dim == 3 && x[i][2] > best[2];
+            const bool counts = larger && k[i] != 0.0;
+            verdict = counts ? k[i] : verdict;
+            for (int j = 0; j < 3; j++) {
+                best[j] = counts ? x[i][j] : best[j];
             }
         }
         return verdict > 0.0;
@@ -1225,8 +1204,7 @@ template <typename S> __device__ __noinline__ int refine(S &s, site at, int t, u
     return side(q, probe_of<S::dim, S::weighted>(place_of(p)));
 }
 
-/* What float spheres leave open: is a point in conflict with triangle t?  By exact tests if the star is in doubles,
-   else by doubles. */
+/* Decides a conflict that float spheres leave open: by exact tests if the star is in doubles, else by doubles. */
 template <typename S> DEVICE int decide(S &s, const site &at, int count, int t, const point_of<S> &point)
 {
     if (!std::is_same<typename S::real, double>::value) {
@@ -1240,10 +1218,9 @@ template <typename S> DEVICE int decide(S &s, const site &at, int count, int t, 
 template <int T, bool SETTLES, typename S>
 DEVICE int find_conflicts(S &s, const site &at, bool go, const point_of<S> &point, int count, hole &cavity)
 {
-    typedef typename S::types::rounds rounds_type;
     const int lane = (int)threadIdx.x & (T - 1), rounds = (warp_max<T>(go ? count : 0) + T - 1) / T;
     const probe float_p = probe_of<S::dim, S::weighted>(point.p);
-    rounds_type hits = 0, opens = 0;                 /* bit i: triangle i T + lane */
+    typename S::set hits = 0, opens = 0;             /* bit i: triangle i T + lane */
     int result = 0;
 #pragma unroll(S::triangles / T < 8 ? S::triangles / T : 1)
     for (int i = 0; i < S::triangles / T; i++) {
@@ -1251,15 +1228,15 @@ DEVICE int find_conflicts(S &s, const site &at, bool go, const point_of<S> &poin
             break;
         }
         int t = i * T + lane, hit = go && t < count ? side(s.sphere[t], float_p) : 0;
-        hits |= (rounds_type)(hit == 1) << i;
-        opens |= (rounds_type)(hit == open_sign) << i;
+        hits |= (typename S::set)(hit == 1) << i;
+        opens |= (typename S::set)(hit == open_sign) << i;
     }
     if (any(opens != 0)) {
         bool undecided = !SETTLES && opens != 0;
         for (int i = 0; SETTLES && i < rounds; i++) {
             if ((opens >> i & 1) != 0) {
                 int hit = decide(s, at, count, i * T + lane, point);
-                hits |= (rounds_type)(hit == 1) << i;
+                hits |= (typename S::set)(hit == 1) << i;
                 undecided = undecided || hit == open_sign;
             }
         }
@@ -1270,7 +1247,7 @@ DEVICE int find_conflicts(S &s, const site &at, bool go, const point_of<S> &poin
         const bool hit = (hits >> i & 1) != 0;
         const int to = append<T>(hit, cavity.conflicts);
         if (hit) {
-            s.cavity[to] = (typename S::types::number)(i * T + lane);
+            s.cavity[to] = (typename S::number)(i * T + lane);
         }
     }
     return result;
@@ -1329,11 +1306,9 @@ template <int T, typename S> DEVICE uint32_t free_number(S &s, bool go, int coun
     return number;
 }
 
-/* Lists the border: edges whose reverse is not in the cavity; in the plane the ends of the chain, joined to the new
-   vertex. */
+/* Lists the border: edges without their reverse in the cavity; in 2D each end of the chain with the new vertex. */
 template <int T, typename S> DEVICE void list_border(S &s, bool go, hole &cavity, int end)
 {
-    typedef typename S::types types;
     const int lane = (int)threadIdx.x & (T - 1), most = S::vertices - 1;
     cavity.edges = 0;
     for (int base = 0; base < end; base += T) {
@@ -1349,14 +1324,14 @@ template <int T, typename S> DEVICE void list_border(S &s, bool go, hole &cavity
                     b = k == 0 ? cavity.number : a;
                     a = k == 0 ? a : cavity.number;
                 }
-                s.border[at] = (typename types::pair)((a & most) << types::bits | (b & most));
+                s.border[at] = (typename S::pair)((a & most) << S::bits | (b & most));
             }
         }
     }
 }
 
-/* Finds the cavity of a point in the stars of those tiles that go, and makes the point a vertex of theirs; count:
-   their triangles.  Without SETTLES what floats leave open stays open. */
+/* Finds the cavity of a point in the star of each tile that goes, of count triangles, and makes the point a vertex.
+   Without SETTLES what floats leave open stays open. */
 template <int T, bool SETTLES, typename S>
 DEVICE int carve(S &s, const site &at, bool go, const point_of<S> &point, int count, hole &cavity)
 {
@@ -1389,13 +1364,12 @@ DEVICE int carve(S &s, const site &at, bool go, const point_of<S> &point, int co
    tests/cuda_inline.cu has that loop alone. */
 template <int T, typename S> DEVICE void fan(S &s, bool go, const hole &cavity, int fans, int &count, unsigned walls)
 {
-    typedef typename S::types types;
     const int lane = (int)threadIdx.x & (T - 1), conflicts = cavity.conflicts, edges = cavity.edges;
     const int edge_end = warp_max<T>(go ? edges : 0);
     for (int base = 0; base < edge_end; base += T) {
         int i = base + lane;
         if (go && i < edges) {
-            uint32_t edge = s.border[i], a = edge >> types::bits, b = edge & ((1u << types::bits) - 1);
+            uint32_t edge = s.border[i], a = edge >> S::bits, b = edge & ((1u << S::bits) - 1);
             uint32_t c = S::dim == 3 && i < fans ? cavity.number : 0;
             int slot = i < conflicts ? s.cavity[i] : count + i - conflicts;
             s.triangle[slot] = pack(a, b, c);
@@ -1416,23 +1390,29 @@ template <int T, typename S> DEVICE void fan(S &s, bool go, const hole &cavity, 
     count += go ? edges - conflicts : 0;
 }
 
-/* The star of v and three points, in the plane two: one finite triangle and an infinite one on each of its edges, as
-   the border of a hole { 0, DIM + 1, 3 } that fan fills.  number: of the vertex that the lane's point becomes, or
-   0. */
+/* Makes a star one without triangles; used: of so many vertices, the vertex at infinity being the first. */
+template <int T, typename S> DEVICE void clear_star(S &s, bool go, uint32_t vertices)
+{
+    const int lane = (int)threadIdx.x & (T - 1);
+    for (int i = lane; go && i < S::vertices * S::words; i += T) {
+        s.matrix[i] = 0;
+    }
+    for (uint32_t i = (uint32_t)lane; go && i < (uint32_t)S::words; i += T) {
+        const uint32_t rest = vertices > i * 32 ? vertices - i * 32 : 0;
+        s.used[i] = rest >= 32 ? ~0u : (1u << rest) - 1;
+    }
+    if (go && lane == 0) {
+        set_vertex(s, 0, none, place_in<S>());       /* loads that are not used find the vertex at infinity there */
+    }
+}
+
+/* Starts a star with three points, in the plane two: a finite triangle, and an infinite one on each of its edges, as
+   the border of a hole { 0, DIM + 1, 3 } that fan fills.  number: that of the lane's point as a vertex, or 0. */
 template <int T, typename S> DEVICE void start(S &s, bool go, const point_of<S> &point, uint32_t number)
 {
-    typedef typename S::types types;
     int lane = (int)threadIdx.x & (T - 1);
     if (go) {
-        for (int i = lane; i < S::vertices * s.words; i += T) {
-            s.matrix[i] = 0;
-        }
-        for (int i = lane; i < s.words; i += T) {
-            s.used[i] = i == 0 ? (2u << S::dim) - 1 : 0;
-        }
-        if (lane == 0) {
-            set_vertex(s, 0, none, place_in<S>());   /* loads that are not used find the vertex at infinity there */
-        }
+        clear_star<T>(s, true, S::dim + 1);
         if (number != 0) {
             set_vertex(s, number, point.id, point.p);
         }
@@ -1441,7 +1421,7 @@ template <int T, typename S> DEVICE void start(S &s, bool go, const point_of<S> 
     if (go && lane <= S::dim) {                      /* (1 2 3), (2 1 0), (3 2 0), (1 3 0), or (1 2), (2 0), (0 1) */
         const uint32_t a = (S::dim == 3 ? 0x1321u : 0x021u) >> 4 * lane & 3;
         const uint32_t b = (S::dim == 3 ? 0x3212u : 0x102u) >> 4 * lane & 3;
-        s.border[lane] = (typename types::pair)(a << types::bits | b);
+        s.border[lane] = (typename S::pair)(a << S::bits | b);
     }
     __syncwarp();
 }
@@ -1459,29 +1439,24 @@ template <typename S> DEVICE int vertices_below(const S &s, uint32_t c)
 /* Stores the finished stars of the tiles that go. */
 template <int T, typename S> DEVICE void finish(S &s, bool go, uint32_t v, int count, const store &out)
 {
-    int lane = (int)threadIdx.x & (T - 1), vertices = 0;
-    find_used<T>(s, go, count);
-    if (go) {
-        if (lane == 0) {
-            s.id[0] = none;
-        }
-        for (int i = 0; i < s.words; i++) {
-            vertices += __popc(s.used[i]);
-        }
-    }
+    int lane = (int)threadIdx.x & (T - 1), vertices = 0, owned = 0;
     bool closed = true;                              /* without infinite triangles: 0 is in used, but is not stored */
-    int owned = 0;
+    find_used<T>(s, go, count);
+    if (go && lane == 0) {
+        s.id[0] = none;
+    }
+    for (int i = 0; go && i < s.words; i++) {
+        vertices += __popc(s.used[i]);
+    }
     __syncwarp();
-    if (go) {
-        for (int t = lane; t < count; t += T) {
-            bool mine = true;
-            for (int k = 0; k < S::dim; k++) {
-                uint32_t c = corner(s.triangle[t], k);
-                closed = closed && c != 0;
-                mine = mine && c != 0 && s.id[c] > v;
-            }
-            owned += mine;
+    for (int t = lane; go && t < count; t += T) {
+        bool mine = true;
+        for (int k = 0; k < S::dim; k++) {
+            uint32_t c = corner(s.triangle[t], k);
+            closed = closed && c != 0;
+            mine = mine && c != 0 && s.id[c] > v;
         }
+        owned += mine;
     }
     closed = tile_ballot<T>(!closed) == 0;
     owned = tile_sum<T>(owned);
@@ -1551,10 +1526,10 @@ DEVICE float fatness(const place<REAL> &a, const place<REAL> &b, const place<REA
     return d * d > 0 ? (float)(d * d) : 0.0f;
 }
 
-/* Starts the stars of the tiles that go with points of their own lanes, candidates being those of lanes below have,
-   nearest first: fan is left to do.  Takes the nearest, the first that is not nearly on a line with it and v, and the
-   first that is not nearly in a plane with them; or, with EXACT and for T = 32, the ones farthest from line and
-   plane, as long as the sign is known.  Returns the lanes used, or 0 where there is no such corner. */
+/* Starts the star of each tile that goes with points of lanes below have, nearest first; fan is left to do.  Takes
+   the nearest, the first that is not nearly on a line with it and v, and the first that is not nearly in a plane with
+   them; or, with EXACT and for T = 32, those farthest from line and plane, if the sign is known.  Returns the lanes
+   used, or 0 where there is no such corner. */
 template <int T, bool EXACT, typename S>
 DEVICE unsigned start_from_lanes(S &s, const site &at, bool go, const point_of<S> &point, int have)
 {
@@ -1589,8 +1564,7 @@ DEVICE unsigned start_from_lanes(S &s, const site &at, bool go, const point_of<S
     return go ? 1u | 1u << second | 1u << third : 0;
 }
 
-/* A box of the tree relative to v, grown by what v and the differences are rounded by: they are multiples of 2^-24,
-   of size at most 2^1. */
+/* A box of the tree relative to v, grown by roundings of v and differences: multiples of 2^-24, of size 2 at most. */
 struct span {
     float low[3], high[3];
 };
@@ -1616,8 +1590,7 @@ template <int DIM> DEVICE float square_of_gap(const span &b)
     return square;
 }
 
-/* A rough point relative to another, and the square of its distance; by operations that the compiler may not fuse, so
-   that all passes over points agree on it. */
+/* A rough point relative to another, and the square of its distance; nothing is fused, so all passes agree on it. */
 DEVICE float rough_square(const float4 &p, const float *v, float *x)
 {
     x[0] = __fsub_rn(p.x, v[0]);
@@ -1627,7 +1600,7 @@ DEVICE float rough_square(const float4 &p, const float *v, float *x)
 }
 
 /* The radius around q / 2 within which a point of the largest weight may be in conflict, grown by more than all
-   roundings and by the error of the centre. */
+   roundings and the error of the centre. */
 template <bool WEIGHTED> DEVICE float radius_of(float4 q, float heaviest)
 {
     float size = root(fmaf(q.x, q.x, fmaf(q.y, q.y, q.z * q.z)));
@@ -1640,17 +1613,15 @@ template <int T, typename S> DEVICE span reach_of(const S &s, bool go, int count
 {
     span r = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
     int lane = (int)threadIdx.x & (T - 1);
-    if (go) {
-        for (int t = lane; t < count; t += T) {
-            float4 q = s.sphere[t];
-            if (is_wall(q)) {
-                continue;
-            }
-            float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<S::weighted>(q, heaviest);
-            for (int k = 0; k < S::dim; k++) {
-                r.low[k] = fminf(r.low[k], c[k] - radius);
-                r.high[k] = fmaxf(r.high[k], c[k] + radius);
-            }
+    for (int t = lane; go && t < count; t += T) {
+        float4 q = s.sphere[t];
+        if (is_wall(q)) {
+            continue;
+        }
+        float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<S::weighted>(q, heaviest);
+        for (int k = 0; k < S::dim; k++) {
+            r.low[k] = fminf(r.low[k], c[k] - radius);
+            r.high[k] = fmaxf(r.high[k], c[k] + radius);
         }
     }
     for (int k = 0; k < S::dim; k++) {
@@ -1679,13 +1650,13 @@ template <int T, typename S> DEVICE bool may_conflict(const S &s, bool go, int c
 
 /* ------------------------------------------------------------------------------------------------------
    >>near         The first rung: 8 lanes a star, candidates from the list of its group.
-   1. Points within the start radius are collected and sorted by distance.  2. The nearest make the first corner,
-   the others are inserted; all but the first 16 are screened first: a point that is in conflict with nothing now will
-   never be, because stars only shrink.  3. The list is walked again for points outside the start radius and within
-   the bounds of the spheres.  Both passes calculate the distance alike, so no point is met twice.  4. The star is
-   certified if its spheres lie within the box that the list covers, or reach out of it only where no points are.  For
-   most inputs floats decide nearly all signs, and a kernel without exact tests is quicker; a second kernel, which has
-   them, builds the stars again where a sign stays open.  For points on surfaces (keeps) the rung ends after 2.,
+   1. Points within the start radius are collected and sorted by distance.  2. The nearest make the first corner, and
+   the others are inserted; all but the first 16 are screened first: stars only shrink, so a point in conflict with
+   nothing now will never be.  3. The list is walked again for points outside the start radius and within the bounds
+   of the spheres.  Both passes calculate the distance alike, so no point is met twice.  4. The star is certified if
+   its spheres lie within the box that the list covers, or reach out of it only where no points are.
+   For most inputs floats decide nearly all signs, and a kernel without exact tests is quicker; a second kernel, which
+   has them, builds the stars again where a sign stays open.  For points on surfaces (keeps) the rung ends after 2.,
    stores the star without the points that floats leave open, and certifies nothing.
    ------------------------------------------------------------------------------------------------------ */
 const int near_triangles = 48, near_vertices = 32, near_points = 64, near_block = 128;
@@ -1703,11 +1674,8 @@ struct near_launch {
 };
 
 /* A star of the first rung while its tile builds it. */
-template <int DIM, bool WEIGHTED, typename REAL> struct near_state {
-    typedef REAL real;
-    static const int dim = DIM;
-    static const bool weighted = WEIGHTED;
-    near_star<DIM, WEIGHTED, REAL> &s;
+template <typename S> struct near_state {
+    S &s;
     const near_launch &a;
     const uint32_t *list;                            /* the groups near v */
     near_list info;
@@ -1719,7 +1687,7 @@ template <int DIM, bool WEIGHTED, typename REAL> struct near_state {
     float start2;                                    /* the square of the start radius */
     int have, cursor;                                /* points collected, and those of them already tried */
     int count, stored, position;                     /* triangles; points waiting; groups of the list read */
-    newcomer<REAL> candidate;                        /* of each lane */
+    point_of<S> candidate;                           /* of each lane */
     uint32_t group_here;
     unsigned pending, groups;                        /* lanes with a candidate to insert; with a group to read */
     span reach;
@@ -1727,7 +1695,7 @@ template <int DIM, bool WEIGHTED, typename REAL> struct near_state {
 const int near_lanes = 8;
 
 /* Appends the points of the tile's group candidate closer than the start radius. */
-template <typename N> DEVICE void collect_group(N &n, uint32_t group, bool here)
+template <typename S> DEVICE void collect_group(near_state<S> &n, uint32_t group, bool here)
 {
     uint32_t p = group * group_size + (uint32_t)n.lane;
     bool take = here && p < n.a.w.all.count && p != n.at.v;
@@ -1745,7 +1713,7 @@ template <typename N> DEVICE void collect_group(N &n, uint32_t group, bool here)
 
 /* Step 1: the points within the start radius, which shrinks until there is room for them.  A star is given up if its
    points are too close for floats to tell apart. */
-template <typename N> DEVICE void collect_close(N &n)
+template <typename S> DEVICE void collect_close(near_state<S> &n)
 {
     int shrinks = 0;
     for (bool again = n.go; any(again); shrinks++) {
@@ -1754,8 +1722,8 @@ template <typename N> DEVICE void collect_close(N &n)
             uint32_t group = again && base + n.lane < n.length ? n.list[base + n.lane] : none;
             bool close = false;
             if (group != none) {
-                span b = relative_box<N::dim>(n.a.w.boxes.level[0][group], n.origin);
-                close = square_of_gap<N::dim>(b) * 0.99999f < n.start2;
+                span b = relative_box<S::dim>(n.a.w.boxes.level[0][group], n.origin);
+                close = square_of_gap<S::dim>(b) * 0.99999f < n.start2;
             }
             for (unsigned vote = tile_ballot<near_lanes>(close); any(vote != 0); vote &= vote - 1) {
                 uint32_t from = tile_read<near_lanes>(group, vote != 0 ? __ffs((int)vote) - 1 : 0);
@@ -1771,7 +1739,7 @@ template <typename N> DEVICE void collect_close(N &n)
 }
 
 /* Sorts the collected points by distance into scratch. */
-template <typename N> DEVICE void sort_collected(N &n)
+template <typename S> DEVICE void sort_collected(near_state<S> &n)
 {
     const int T = near_lanes;
     uint32_t *sorted = n.s.scratch, *collected = (uint32_t *)n.s.sphere;
@@ -1799,7 +1767,7 @@ template <typename N> DEVICE void sort_collected(N &n)
 }
 
 /* Loads the next candidates that may be in conflict, until each tile has some, or has none left at hand. */
-template <typename N> DEVICE void next_candidates(N &n)
+template <typename S> DEVICE void next_candidates(near_state<S> &n)
 {
     const int T = near_lanes;
     for (;;) {
@@ -1814,7 +1782,7 @@ template <typename N> DEVICE void next_candidates(N &n)
             next = n.lane < take ? n.s.scratch[(n.walking ? n.stored - take : n.cursor) + n.lane] : none;
             n.stored -= n.walking ? take : 0;
         }
-        n.candidate = newcomer_at<N>(n.at, n.own, next);
+        n.candidate = newcomer_at<S>(n.at, n.own, next);
         bool screened = n.walking || n.cursor >= 2 * T;
         bool may = may_conflict<T>(n.s, feed && screened, n.count, n.candidate.p) || !screened;
         unsigned vote = tile_ballot<T>(feed && next != none && may);
@@ -1824,14 +1792,14 @@ template <typename N> DEVICE void next_candidates(N &n)
 }
 
 /* Finds which of the next 8 groups of the list touch the reach of the star. */
-template <typename N> DEVICE void next_groups(N &n, bool load)
+template <typename S> DEVICE void next_groups(near_state<S> &n, bool load)
 {
     bool touches = false;
     if (load && n.position + n.lane < n.length) {
         n.group_here = n.list[n.position + n.lane];
-        span b = relative_box<N::dim>(n.a.w.boxes.level[0][n.group_here], n.origin);
+        span b = relative_box<S::dim>(n.a.w.boxes.level[0][n.group_here], n.origin);
         touches = true;
-        for (int k = 0; k < N::dim; k++) {
+        for (int k = 0; k < S::dim; k++) {
             touches = touches && b.low[k] <= n.reach.high[k] && b.high[k] >= n.reach.low[k];
         }
     }
@@ -1841,7 +1809,7 @@ template <typename N> DEVICE void next_groups(N &n, bool load)
 }
 
 /* Stores the points of several groups that are within the reach; of several, so that their loads overlap. */
-template <typename N> DEVICE void store_points(N &n, bool fill)
+template <typename S> DEVICE void store_points(near_state<S> &n, bool fill)
 {
     const int T = near_lanes;
     uint32_t other[at_once];
@@ -1857,7 +1825,7 @@ template <typename N> DEVICE void store_points(N &n, bool fill)
     for (int i = 0; i < at_once; i++) {
         float x[3];
         bool take = rough_square(place_of[i], n.origin, x) >= n.start2 && other[i] != none;
-        for (int k = 0; k < N::dim; k++) {
+        for (int k = 0; k < S::dim; k++) {
             take = take && x[k] >= n.reach.low[k] && x[k] <= n.reach.high[k];
         }
         const int to = append<T>(take, n.stored);
@@ -1868,7 +1836,7 @@ template <typename N> DEVICE void store_points(N &n, bool fill)
 }
 
 /* Step 3: walks on through the list, for all tiles of the block that have room. */
-template <typename N> DEVICE void walk_list(N &n)
+template <typename S> DEVICE void walk_list(near_state<S> &n)
 {
     n.walking = true;
     bool renew = n.go && n.changed;
@@ -1893,7 +1861,7 @@ template <typename N> DEVICE void walk_list(N &n)
 }
 
 /* Step 4: marks the simplices whose spheres lie within the box that the list covers; returns whether all do. */
-template <typename N> DEVICE bool certify(N &n)
+template <typename S> DEVICE bool certify(near_state<S> &n)
 {
     const box b = n.a.w.boxes.level[0][n.at.v / group_size];
     span covered;
@@ -1905,9 +1873,9 @@ template <typename N> DEVICE bool certify(N &n)
     bool certified = true;
     for (int t = n.lane; n.go && t < n.count; t += near_lanes) {
         float4 q = n.s.sphere[t];
-        float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<N::weighted>(q, n.heaviest);
+        float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<S::weighted>(q, n.heaviest);
         bool inside = true;
-        for (int k = 0; k < N::dim; k++) {
+        for (int k = 0; k < S::dim; k++) {
             inside = inside && c[k] - radius > covered.low[k] && c[k] + radius < covered.high[k];
         }
         inside = inside || is_wall(q);
@@ -1918,29 +1886,29 @@ template <typename N> DEVICE bool certify(N &n)
 }
 
 /* Gives a tile its vertex; nothing is collected yet. */
-template <typename N> DEVICE void open_near(N &n, uint32_t v, bool valid)
+template <typename S> DEVICE void open_near(near_state<S> &n, uint32_t v, bool valid)
 {
     const space &all = n.a.w.all;
     const uint32_t row = v / group_size - n.a.w.out.first / group_size;
     const float4 rough = all.rough[v];
     n.own = all.point[v];
-    n.at = { &all, v, walls_of<N::dim>(all, n.own), NULL };
+    n.at = { &all, v, walls_of<S::dim>(all, n.own), NULL };
     n.list = n.a.w.lists + (size_t)row * list_size;
     n.info = n.a.w.infos[row];
     n.length = (int)n.info.length;
     n.lane = (int)threadIdx.x & (near_lanes - 1);
     n.origin[0] = rough.x, n.origin[1] = rough.y, n.origin[2] = rough.z;
-    n.heaviest = N::weighted ? (float)((all.heaviest - n.own.c[N::dim]) * (all.unit * all.unit)) * 1.000001f : 0.0f;
+    n.heaviest = S::weighted ? (float)((all.heaviest - n.own.c[S::dim]) * (all.unit * all.unit)) * 1.000001f : 0.0f;
     n.go = valid && n.length > 0 && *n.a.w.out.stop == 0;
     n.start2 = n.info.start * n.info.start;
     n.have = 0;
 }
 
 /* Step 2: starts the star with the nearest points that make a fat corner; the others are candidates. */
-template <typename N> DEVICE void start_near(N &n)
+template <typename S> DEVICE void start_near(near_state<S> &n)
 {
     const int T = near_lanes;
-    n.candidate = newcomer_at<N>(n.at, n.own, n.go && n.lane < n.have ? n.s.scratch[n.lane] : none);
+    n.candidate = newcomer_at<S>(n.at, n.own, n.go && n.lane < n.have ? n.s.scratch[n.lane] : none);
     const unsigned used = start_from_lanes<T, false>(n.s, n.at, n.go, n.candidate, n.have);
     n.go = n.go && used != 0;
     n.pending = n.go ? ((1u << (n.have < T ? n.have : T)) - 1) & ~used : 0;
@@ -1958,11 +1926,10 @@ template <int DIM, bool WEIGHTED, bool EXACT>        /* the number of blocks is 
 __global__ void __launch_bounds__(near_block, EXACT ? 4 : DIM == 2 ? 8 : 6)
 near_kernel(const __grid_constant__ near_launch a)
 {
-    typedef rung_real<EXACT> REAL;
-    typedef near_star<DIM, WEIGHTED, REAL> star_type;
+    typedef near_star<DIM, WEIGHTED, rung_real<EXACT> > star_type;
     extern __shared__ float4 shared_words[];
     const int T = near_lanes;
-    near_state<DIM, WEIGHTED, REAL> n = { ((star_type *)shared_words)[threadIdx.x / T], a };
+    near_state<star_type> n = { ((star_type *)shared_words)[threadIdx.x / T], a };
     const uint32_t tile = (blockIdx.x * near_block + threadIdx.x) / T;
     const bool valid = tile < a.total;
     const uint32_t item = valid ? tile : a.total - 1;
@@ -1991,7 +1958,7 @@ near_kernel(const __grid_constant__ near_launch a)
         if (!starting) {
             int from = now ? __ffs((int)n.pending) - 1 : 0;
             n.pending &= n.pending - 1;
-            const newcomer<REAL> next = tile_read<T>(n.candidate, from);
+            const point_of<star_type> next = tile_read<T>(n.candidate, from);
             int result = carve<T, EXACT>(n.s, n.at, now, next, n.count, cavity);
             now = result == star_changed;
             fans = cavity.edges;
@@ -2015,15 +1982,14 @@ near_kernel(const __grid_constant__ near_launch a)
 /* ------------------------------------------------------------------------------------------------------
    >>far          The second and third rung: a warp or more a star, candidates from a search of the tree.
    The star is that of the first rung, or starts from the neighbours of v on the curve.  For each simplex that is not
-   verified the tree is searched depth first for points in conflict with it; if there are none, it is verified.  That
-   is final, because a simplex without conflicts is in the result.  So when all simplices are verified, the star is
-   certified whatever its size, and nothing is searched twice.  With t the point of a box where |x|^2 - q . x is
-   least, axis by axis, and h = 2^-20 Q, for any x of the box
+   verified the tree is searched depth first for points in conflict with it; if there are none, it is verified.  A
+   simplex without conflicts is in the result: so nothing is searched twice, and when all simplices are verified, the
+   star is certified whatever its size.  A cap on the search keeps the total work linear.
+   With t the point of a box where |x|^2 - q . x is least, axis by axis, and h = 2^-20 Q, for any x of the box
 
        |x|^2 - q . x - h |x|_1 >= sum over axes of t (t - q) - h |t| - h^2 / 4,
 
-   because |x|^2 - q . x >= t (t - q) + (x - t)^2 on each axis and (x - t)^2 - h |x - t| >= -h^2 / 4.  A cap on the
-   search keeps the total work linear.
+   because |x|^2 - q . x >= t (t - q) + (x - t)^2 on each axis and (x - t)^2 - h |x - t| >= -h^2 / 4.
    ------------------------------------------------------------------------------------------------------ */
 /* Stars live in shared memory, or without SHARED in scratch.  blocks: on a multiprocessor. */
 template <int TRIANGLES, int WARPS, int BLOCKS, bool EXACT, bool SHARED> struct rung {
@@ -2047,15 +2013,10 @@ using far_star = star<DIM, WEIGHTED, RUNG::triangles, RUNG::vertices,
 
 template <int WARPS> DEVICE void meet()
 {
-    if (WARPS == 1) {
-        __syncwarp();
-    } else {
-        __syncthreads();
-    }
+    WARPS == 1 ? __syncwarp() : __syncthreads();
 }
 
-/* Returns whether a simplex of the star, not a wall, may be in conflict with a point in a box; weight: the largest in
-   the box, relative to v's. */
+/* Returns whether a simplex, not a wall, may be in conflict with a point in a box; weight: the largest less v's. */
 template <int DIM, bool WEIGHTED> DEVICE bool box_may_conflict(const float4 &sphere, const span &b, float weight)
 {
     float q[3] = { sphere.x, sphere.y, sphere.z }, size = sphere.w, sum = 0.0f, squares = 0.0f, ones = 0.0f;
@@ -2072,20 +2033,17 @@ template <int DIM, bool WEIGHTED> DEVICE bool box_may_conflict(const float4 &sph
     return !(sum > 2.0f * slack * (squares + size * ones) + h * h);
 }
 
-/* Four points that span the space: the first point, and in turn the one farthest from the span of those before. */
+/* Finds four points that span the space: the first point, then the one farthest from the span of those before. */
 template <int DIM> __global__ void seed_kernel(const __grid_constant__ space s, int found, unsigned long long *seed)
 {
     unsigned long long best = 0;
-    record r[3];
+    const record first = s.point[0];
     place<double> base[2];
-    for (int i = 0; i < found; i++) {
-        r[i] = s.point[i == 0 ? 0 : (uint32_t)seed[i]];
-    }
     for (int i = 1; i < found; i++) {
-        base[i - 1] = relative<DIM, double>(s, r[0], r[i]);
+        base[i - 1] = relative<DIM, double>(s, first, s.point[(uint32_t)seed[i]]);
     }
     for (size_t i = thread_number(); i < s.count; i += (size_t)gridDim.x * blockDim.x) {
-        place<double> p = relative<DIM, double>(s, r[0], s.point[i]);
+        place<double> p = relative<DIM, double>(s, first, s.point[i]);
         double d = found == 1 ? square<3>(p.x)
                  : found == 2 ? line_fatness(base[0], p) * square<3>(p.x) : fabs(corner_size<3>(base[0], base[1], p));
         best = max(best, (unsigned long long)__float_as_uint((float)d) << 32 | i);
@@ -2153,16 +2111,7 @@ template <typename S> DEVICE int start_from_store(S &s, const site &at, const st
     const uint32_t *word = in.word + (size_t)in.place[at.v - in.first] * 4;
     const uint32_t vertices = word[0] & 0xffff, first = word[1] == none ? 0 : 1;
     const int count = (int)(word[0] >> 16);
-    for (int i = lane; i < S::vertices * s.words; i += 32) {
-        s.matrix[i] = 0;
-    }
-    for (uint32_t i = (uint32_t)lane; i < (uint32_t)s.words; i += 32) {
-        uint32_t rest = vertices + first > i * 32 ? vertices + first - i * 32 : 0;
-        s.used[i] = rest >= 32 ? ~0u : (1u << rest) - 1;
-    }
-    if (lane == 0) {
-        set_vertex(s, 0, none, place_in<S>());
-    }
+    clear_star<32>(s, true, vertices + first);
     for (uint32_t i = (uint32_t)lane; i < vertices; i += 32) {
         if (word[1 + i] != none) {
             const point_of<S> vertex = newcomer_at<S>(at, own, word[1 + i]);
@@ -2204,7 +2153,7 @@ template <typename S> struct far_state {
     float origin[3];
     double own_weight;                               /* v's, relative to the heaviest */
     int lane, warp, count;
-    point_of<S> candidate;            /* of each lane */
+    point_of<S> candidate;                           /* of each lane */
     unsigned pending, hit;                           /* lanes with a candidate to insert, with a group to search */
     uint32_t node;                                   /* the group of lane 0 */
     uint32_t word;                                   /* the triangle of the simplex in hand */
@@ -2540,7 +2489,7 @@ __global__ void brick_kernel(const __grid_constant__ space s, const moments *chi
         moments m = {};
         double turn[3][3] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 0.0, 0.0, 1.0 } };
         double(&a)[3][3] = m.spread;
-        brick b;
+        brick b = {};
         for (int pass = 0; pass < 2; pass++) {
             for (uint32_t i = first; i < end; i++) {
                 double x[3];
@@ -2582,9 +2531,7 @@ __global__ void brick_kernel(const __grid_constant__ space s, const moments *chi
             b.middle[k] = m.mean[k];
             b.axis[0][k] = (float)turn[0][k];
             b.axis[1][k] = (float)turn[1][k];
-            b.half[k] = 0.0f;
         }
-        b.unused = 0.0f;
         out[g] = b;
     }
 }
@@ -2686,24 +2633,8 @@ template <typename STAR> DEVICE void find_inverses(STAR &w, int count)
     __syncwarp();
 }
 
-/* Returns the lanes with candidates that are not yet vertices: the search meets vertices too. */
-template <typename RUNG>
-DEVICE unsigned without_vertices(const wide_star<RUNG> &w, unsigned lanes, uint32_t candidate)
-{
-    for (unsigned rest = lanes; rest != 0; rest &= rest - 1) {
-        const int from = __ffs((int)rest) - 1;
-        const uint32_t id = __shfl_sync(all_lanes, candidate, from);
-        bool known = false;
-        for (int k = (int)threadIdx.x & 31; k < RUNG::vertices; k += 32) {
-            known = known || w.s.id[k] == id;
-        }
-        lanes &= any(known) ? ~(1u << from) : ~0u;
-    }
-    return lanes;
-}
-
 /* Returns for each 8 lanes the deepest of a quarter of the bricks that wait, as depth << 16 | where it waits, or 0.
-   Where there is little room it returns the last ones: they are of low levels, and few more come to wait. */
+   If there is little room it returns the last ones: they are of low levels, so few more will wait. */
 template <typename RUNG> DEVICE uint32_t deepest(const wide_star<RUNG> &w, int waits)
 {
     const int lane = (int)threadIdx.x & 31;
@@ -2718,13 +2649,12 @@ template <typename RUNG> DEVICE uint32_t deepest(const wide_star<RUNG> &w, int w
     return tile_max<8>(best);
 }
 
-/* A launch of a rung for surfaces: the vertices of a list, or if it is NULL those of the share, each stride-th.
-   looks, unless NULL: the sum over all stars. */
+/* A launch of a rung for surfaces: for the listed vertices or, without a list, each stride-th of the share. */
 struct wide_launch : rung_launch {
     brick_tree bricks;
     store in;                                        /* what earlier rungs have made */
     uint32_t stride;
-    unsigned long long *looks;
+    unsigned long long *looks;                       /* the sum over all stars, or NULL */
 };
 
 /* A star of these rungs while its warp builds it. */
@@ -2734,7 +2664,7 @@ template <typename RUNG> struct wide_state {
     uint32_t *waiting, *group;                       /* bricks and groups that wait */
     site at;
     int lane, count, waits, groups;
-    newcomer<double> candidate;                      /* of each lane */
+    point_of<typename wide_star<RUNG>::type> candidate;              /* of each lane */
     float deep;                                      /* how deep it lies */
     unsigned pending;                                /* lanes with a candidate to insert */
 };
@@ -2743,33 +2673,31 @@ template <typename RUNG> struct wide_state {
 template <typename RUNG> DEVICE void screen_candidates(wide_state<RUNG> &n, unsigned lanes)
 {
     n.deep = (lanes >> n.lane & 1) != 0 ? depth_of_place(n.w, n.count, n.candidate.p) : 0.0f;
-    n.pending = without_vertices(n.w, __ballot_sync(all_lanes, n.deep > 0.0f), n.candidate.id);
+    n.pending = __ballot_sync(all_lanes, n.deep > 0.0f);
+    for (unsigned rest = n.pending; rest != 0; rest &= rest - 1) {   /* the search meets vertices too */
+        const int from = __ffs((int)rest) - 1;
+        n.pending &= is_vertex(n.w.s, tile_read<32>(n.candidate.id, from)) ? ~(1u << from) : ~0u;
+    }
 }
 
-/* The star of v as the store has it, or else one from points on the curve; all bricks of the top level wait.  Returns
-   whether there is one. */
+/* Starts with the star of v in the store, or else from points on the curve; all bricks of the top level wait.
+   Returns whether there is a star. */
 template <typename RUNG> DEVICE bool start_wide(wide_state<RUNG> &n)
 {
     typename wide_star<RUNG>::type &s = n.w.s;
     bool started = n.a.in.place[n.at.v - n.a.in.first] != none;
     unsigned candidates = 0;
-    int count = 0;
-    for (int k = n.lane; k < RUNG::vertices; k += 32) {
-        s.id[k] = none;
-    }
-    __syncwarp();
     if (started) {
-        count = start_from_store(s, n.at, n.a.in);
+        n.count = start_from_store(s, n.at, n.a.in);
     } else {
-        started = start_on_curve<true>(s, n.at, n.a.w.seed, n.candidate, count);
+        started = start_on_curve<true>(s, n.at, n.a.w.seed, n.candidate, n.count);
         candidates = started ? __ballot_sync(all_lanes, n.candidate.id != none) : 0;
     }
-    n.count = count;
     if (n.lane < n.waits) {
         n.waiting[n.lane] = (uint32_t)n.a.bricks.levels << 28 | (uint32_t)n.lane;
         n.w.depth[n.lane] = 0x7f00;
     }
-    find_inverses(n.w, count);
+    find_inverses(n.w, n.count);
     if (candidates != 0) {
         screen_candidates(n, candidates);
     }
@@ -2850,9 +2778,9 @@ template <typename RUNG> DEVICE bool insert_deepest(wide_state<RUNG> &n)
     return (result & ~star_changed) == 0;
 }
 
-/* A warp a star, from that of an earlier rung on.  The tree is searched once: a point or brick that no simplex of the
-   star is in conflict with will never be, because stars only shrink; so when nothing waits any more the star is
-   certified.  The deepest brick is searched first, the deepest point inserted first. */
+/* Builds a star by each warp, from that of an earlier rung on.  It searches the tree once: stars only shrink, so what
+   is in conflict with no simplex now will never be, and when nothing waits any more the star is certified.  The
+   deepest brick is searched first, the deepest point inserted first. */
 template <typename RUNG>
 __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) wide_kernel(const __grid_constant__ wide_launch a)
 {
@@ -2896,19 +2824,15 @@ __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) wide_kernel(co
 /* ------------------------------------------------------------------------------------------------------
    >>cells        Simplices, neighbours, incident simplices, from the stars.
    A simplex is written by its lowest vertex, in the canonical form and order of >>output of pbw.h: the simplices of a
-   vertex lie together, sorted by their second and third corner.  The two sides of a facet are seen in the star of the
-   facet's lowest vertex, as two triangles with a common edge; their numbers are found among the simplices of their
-   lowest vertices.
-   On several cards each writes the simplices whose lowest vertex is of its share.  The stars of a share also have
-   simplices that a lower card writes, as they have a vertex in both shares: the guests of the share, which the lower
-   cards list for it with their numbers, in the canonical order.  Only one facet of a guest can have its lowest vertex
-   in the share, the one that lacks the guest's first corner; the lower cards are told the simplex across it.
+   vertex lie together, sorted by their second and third corner.  The star of a facet's lowest vertex has both sides
+   of the facet, as two triangles with a common edge; the numbers of the two simplices are found by their corners.
+   On several cards each writes the simplices that have their lowest vertex in its share.  The stars of a share also
+   have simplices with their lowest vertex in a lower share: the guests of the share.  The lower cards, which write
+   them, list them for it with their numbers, in the canonical order.  Only one facet of a guest can have its lowest
+   vertex in the share, the one that lacks the guest's first corner; the lower cards are told the simplex across it.
    ------------------------------------------------------------------------------------------------------ */
-template <int DIM> struct cell {
+template <int DIM> struct alignas(DIM == 3 ? 16 : 4) cell {
     uint32_t corner[DIM + 1];
-};
-template <> struct alignas(16) cell<3> {
-    uint32_t corner[4];
 };
 
 /* The canonical form of the positive simplex (v, a...): the lowest corner first; in space the lowest of the rest
@@ -2916,21 +2840,12 @@ template <> struct alignas(16) cell<3> {
 template <int DIM> DEVICE cell<DIM> canonical(uint32_t v, const uint32_t *a)
 {
     cell<DIM> c;
-    uint32_t *p = c.corner;
-    p[0] = v;
+    c.corner[0] = v;
     for (int k = 0; k < DIM; k++) {
-        p[k + 1] = a[k];
+        c.corner[k + 1] = a[k];
     }
-    if (DIM == 3 && min(p[1], p[DIM]) < min(p[0], p[2])) {     /* pairs of exchanges keep it positive */
-        exchange(p[0], p[1]);
-        exchange(p[2], p[DIM]);
-    }
-    if (DIM == 3 && p[2] < p[0]) {
-        exchange(p[0], p[2]);
-        exchange(p[1], p[DIM]);
-    }
-    p += DIM - 2;
-    for (int turns = 0; turns < 2; turns++) {
+    for (int turn = DIM == 3 ? 0 : 3; turn < 5; turn++) {            /* of three corners: it stays positive */
+        uint32_t *const p = c.corner + (DIM == 3 && turn != 2 ? 1 : 0);
         if (p[1] < p[0] || p[2] < p[0]) {
             exchange(p[0], p[1]);
             exchange(p[1], p[2]);
@@ -2947,16 +2862,13 @@ struct stored_star {
 /* The star of v; one without triangles if it is hidden, or without go. */
 DEVICE stored_star stored(const store &in, uint32_t v, bool go)
 {
-    stored_star s = { NULL, NULL, 0, 0 };
-    uint32_t at = go ? in.place[v - in.first] : hidden;
-    if (at != hidden) {
-        const uint32_t *word = in.word + (size_t)at * 4;
-        s.count = (int)(word[0] >> 16);
-        s.vertices = (int)(word[0] & 0xffff);
-        s.vertex = word + 1;
-        s.triangle = word + 1 + s.vertices;
+    const uint32_t at = go ? in.place[v - in.first] : hidden;
+    if (at == hidden) {
+        return { NULL, NULL, 0, 0 };
     }
-    return s;
+    const uint32_t *word = in.word + (size_t)at * 4;
+    const int vertices = (int)(word[0] & 0xffff);
+    return { word + 1, word + 1 + vertices, (int)(word[0] >> 16), vertices };
 }
 
 /* The vertices of a triangle; returns whether all are finite. */
@@ -3078,24 +2990,44 @@ struct links {
     const uint32_t *id;
 };
 
-/* Writes the links of the finite simplex (v, a...), of number own, across the facets of which v is the lowest vertex;
-   across(k): the number of the simplex beyond the facet that lacks a[k]. */
-template <int DIM, typename F>
-DEVICE void link_simplex(const directory<DIM> &all, const links &out, uint32_t v, const uint32_t *a,
-                                    uint32_t own, F across)
+/* Writes the links of the star of v by T lanes: its lowest simplex, and the neighbours across facets that have v as
+   their lowest vertex.  number(t): of the simplex on triangle t, or none; mate(t, k): the triangle across from its
+   corner k. */
+template <int T, int DIM, typename F, typename G>
+DEVICE void link_star(const directory<DIM> &all, const links &out, uint32_t v, const stored_star &s, F number, G mate)
 {
-    const cell<DIM> c = canonical<DIM>(v, a);
-    for (int k = 0; k < DIM; k++) {
-        if (is_lowest<DIM>(v, a, k) && c.corner[0] < all.first) {
-            out.beyond[last_until<DIM>(c, all.guest, 0, all.guests)] = across(k);
-        } else if (is_lowest<DIM>(v, a, k)) {
-            int at = 0;
-            for (int i = 1; i <= DIM; i++) {
-                at = c.corner[i] == a[k] ? i : at;
+    const int lane = (int)threadIdx.x & (T - 1);
+    uint32_t lowest = none, a[3];
+    for (int t = lane; t < s.count; t += T) {
+        const uint32_t own = number(t);
+        lowest = min(lowest, own);
+        if (own == none || out.neighbors == NULL) {
+            continue;
+        }
+        triangle_of<DIM>(s, t, a);
+        const cell<DIM> c = canonical<DIM>(v, a);
+#pragma unroll
+        for (int k = 0; k < DIM; k++) {
+            if (is_lowest<DIM>(v, a, k) && c.corner[0] < all.first) {
+                out.beyond[last_until<DIM>(c, all.guest, 0, all.guests)] = number(mate(t, k));
+            } else if (is_lowest<DIM>(v, a, k)) {
+                int at = 0;
+                for (int i = 1; i <= DIM; i++) {
+                    at = c.corner[i] == a[k] ? i : at;
+                }
+                out.neighbors[(size_t)(own - all.base) * (DIM + 1) + (size_t)at] = number(mate(t, k));
             }
-            out.neighbors[(size_t)(own - all.base) * (DIM + 1) + (size_t)at] = across(k);
         }
     }
+    lowest = tile_min<T>(lowest);
+    if (s.count > 0 && lane == 0) {
+        out.incident[out.id != NULL ? out.id[v] : v - all.first] = lowest;
+    }
+}
+
+DEVICE bool is_small(const stored_star &s)
+{
+    return s.count <= small_triangles && s.vertices <= small_vertices;
 }
 
 /* The links of the small stars, 8 lanes each, with a table of mates.  3D: the triangle that has a directed edge; 2D:
@@ -3109,36 +3041,27 @@ __global__ void neighbor_kernel(const __grid_constant__ store in, const __grid_c
     __shared__ uint32_t shared_number[emit_block / T][small_triangles + 4];
     uint8_t *table = shared_table[threadIdx.x / T];
     uint32_t *number = shared_number[threadIdx.x / T];
-    int lane = (int)threadIdx.x & (T - 1);
-    uint32_t v = in.first + (blockIdx.x * emit_block + threadIdx.x) / T, lowest = none, a[3];
-    const stored_star s = stored(in, v, v < in.end);
-    const bool is_hidden = v < in.end && s.count == 0;
-    const bool go = s.count > 0 && s.count <= small_triangles && s.vertices <= small_vertices;
-    for (int t = lane; go && t < s.count; t += T) {
+    const int lane = (int)threadIdx.x & (T - 1);
+    const uint32_t v = in.first + (blockIdx.x * emit_block + threadIdx.x) / T;
+    stored_star s = stored(in, v, v < in.end);
+    if (v < in.end && s.count == 0 && lane == 0) {
+        atomicAdd(hidden_count, 1u);
+    }
+    s.count = is_small(s) ? s.count : 0;
+    for (int t = lane; t < s.count; t += T) {
+        uint32_t a[3];
         for (int k = 0; k < DIM; k++) {
             uint32_t from = corner(s.triangle[t], k), to = corner(s.triangle[t], k + 1 == DIM ? 0 : k + 1);
             table[DIM == 3 ? from * small_vertices + to : (uint32_t)k * small_vertices + from] = (uint8_t)t;
         }
         number[t] = triangle_of<DIM>(s, t, a) ? number_of<DIM>(canonical<DIM>(v, a), all) : none;
-        lowest = min(lowest, number[t]);
     }
     __syncwarp();
-    lowest = tile_min<T>(lowest);
-    for (int t = lane; go && out.neighbors != NULL && t < s.count; t += T) {
-        if (triangle_of<DIM>(s, t, a)) {
-            link_simplex<DIM>(all, out, v, a, number[t], [&](int k) {
-                uint32_t c[3] = { corner(s.triangle[t], 0), corner(s.triangle[t], 1), corner(s.triangle[t], 2) };
-                uint32_t from = DIM == 3 ? c[(k + 2) % 3] : (uint32_t)k, to = DIM == 3 ? c[(k + 1) % 3] : c[1 - k];
-                return number[table[from * small_vertices + to]];
-            });
-        }
-    }
-    if (go && lane == 0) {
-        out.incident[out.id != NULL ? out.id[v] : v - in.first] = lowest;
-    }
-    if (is_hidden && lane == 0) {
-        atomicAdd(hidden_count, 1u);
-    }
+    link_star<T>(all, out, v, s, [&](int t) { return number[t]; }, [&](int t, int k) {
+        uint32_t c[3] = { corner(s.triangle[t], 0), corner(s.triangle[t], 1), corner(s.triangle[t], 2) };
+        uint32_t from = DIM == 3 ? c[(k + 2) % 3] : (uint32_t)k, to = DIM == 3 ? c[(k + 1) % 3] : c[1 - k];
+        return table[from * small_vertices + to];
+    });
 }
 
 /* The links of the larger stars, a warp each, looking for mates one by one. */
@@ -3146,38 +3069,19 @@ template <int DIM>
 __global__ void large_neighbor_kernel(queue large, const __grid_constant__ store in,
                                       const __grid_constant__ directory<DIM> all, const __grid_constant__ links out)
 {
-    uint32_t i = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32, lowest = none;
-    if (i >= *large.count) {
+    const uint32_t i = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32;
+    const uint32_t v = i < *large.count ? large.vertex[i] : in.end;
+    const stored_star s = stored(in, v, v < in.end);
+    if (is_small(s)) {
         return;
     }
-    uint32_t v = large.vertex[i];
-    const stored_star s = stored(in, v, true);
-    if (s.count <= small_triangles && s.vertices <= small_vertices) {
-        return;
-    }
-    auto number = [&](int t, uint32_t *a) {
+    auto number = [&](int t) {
+        uint32_t a[3];
         return t >= 0 && triangle_of<DIM>(s, t, a) ? number_of<DIM>(canonical<DIM>(v, a), all) : none;
     };
-    for (int t = (int)threadIdx.x & 31; t < s.count; t += 32) {
-        uint32_t a[3], b[3], own = number(t, a);
-        lowest = min(lowest, own);
-        if (own != none && out.neighbors != NULL) {
-            link_simplex<DIM>(all, out, v, a, own, [&](int k) {
-                return number(mate_of<DIM>(s.triangle, s.count, s.triangle[t], k), b);
-            });
-        }
-    }
-    lowest = tile_min<32>(lowest);
-    if ((threadIdx.x & 31) == 0) {
-        out.incident[out.id != NULL ? out.id[v] : v - in.first] = lowest;
-    }
+    auto mate = [&](int t, int k) { return mate_of<DIM>(s.triangle, s.count, s.triangle[t], k); };
+    link_star<32>(all, out, v, s, number, mate);
 }
-
-/* A run of vertices. */
-struct share {
-    uint32_t first, end;
-    __device__ bool has(uint32_t v) const { return v >= first && v < end; }
-};
 
 /* The guests that one card has for another: the count of each vertex, and where its guests go. */
 template <int DIM> struct guest_list {
@@ -3189,7 +3093,7 @@ template <int DIM> struct guest_list {
 
 /* Lists the simplices of a share that have vertices of another, a thread a vertex. */
 template <int DIM>
-__global__ void guest_kernel(const __grid_constant__ directory<DIM> all, uint32_t vertices, share other,
+__global__ void guest_kernel(const __grid_constant__ directory<DIM> all, uint32_t vertices, range other,
                              const __grid_constant__ guest_list<DIM> out)
 {
     size_t v = thread_number();
@@ -3213,7 +3117,7 @@ __global__ void guest_kernel(const __grid_constant__ directory<DIM> all, uint32_
 
 /* Writes the links that the card of another share has found for its guests. */
 template <int DIM>
-__global__ void return_kernel(const __grid_constant__ directory<DIM> all, share other, uint32_t count,
+__global__ void return_kernel(const __grid_constant__ directory<DIM> all, range other, uint32_t count,
                               const uint32_t *number, const pbw_index *beyond, pbw_index *neighbors)
 {
     size_t i = thread_number();
@@ -3308,8 +3212,8 @@ template <int DIM> __device__ int test_hidden(const view &m, uint32_t item, pbw_
 
 const unsigned check_blocks = 64;                    /* of 32 threads that have pools */
 
-/* Items 0, ..., count - 1, or those of a list, one thread each or in turn, up to the first known fault; a single one
-   is described. */
+/* Tests count items, all or those of a list, one thread each or in turn, up to the first known fault.  The fault of a
+   single item is described. */
 struct check_launch {
     view m;
     int pass;
@@ -3384,8 +3288,8 @@ template <int DIM> DEVICE cell<DIM> ranked(const reorder &m, uint32_t s)
     return canonical<DIM>(c.corner[0], c.corner + 1);
 }
 
-/* Keys to sort the simplices by: first of 32 bits, the third corner, and the order is 0, ..., count - 1; then of 64,
-   the first and second corner, of the simplices in the order so far. */
+/* Makes keys to sort the simplices by: at first of 32 bits, the third corner, with the order 0, ..., count - 1; then
+   of 64, the first and second corner, in the order so far. */
 template <int DIM, typename KEY>
 __global__ void corner_kernel(const __grid_constant__ reorder m, uint32_t *order, KEY *key)
 {
@@ -3429,15 +3333,13 @@ __global__ void rewrite_kernel(const __grid_constant__ reorder m, const uint32_t
    >>run          The stages in order.
    In: packed points on the device.  Out: the arrays on the device, and for a job of pbw.h also in its memory, copied
    while later stages run.  All work is in the order of one stream; the host waits where it needs a count.
-   A team of cards works on one job, each with a thread of the host and a share of the curve: all put all points into
-   order and grow the whole tree, each makes the stars of its share and writes their simplices.  The cards meet to
-   number the simplices, to fetch their guests, and to fetch the simplices across them.  The arrays that one offers to
-   the others are complete when they meet, and stay until all leave.
+   A team of cards works on one job, each with a thread of the host, the whole tree and a share of the curve.  The
+   cards meet to number the simplices, to fetch their guests, and to fetch the simplices across them.  What one offers
+   to the others is complete when they meet, and stays until all leave.
    A stage that fails sets the status of its call, says why, and throws; so each stage may rely on all before it.  The
    entries catch, and free the memory of the call.
    ------------------------------------------------------------------------------------------------------ */
-/* Bytes of device memory at the peak, for uniform points, in 2D and 3D: of all points, and more of those of the
-   share. */
+/* Bytes of device memory at the peak, for uniform points, in 2D and 3D: for all points, and more for the share. */
 const double bytes_a_point[2] = { 75.0, 90.0 }, bytes_a_star[2] = { 155.0, 560.0 };
 const int most_cards = 16;
 const char *const few_points = "so few points are quicker on the CPU";
@@ -3446,7 +3348,7 @@ const char *const too_many = "too many simplices for the index type";
 
 struct offer {                                       /* of a card to the others */
     int device;
-    share part;
+    range part;                                      /* its share */
     uint32_t simplices;
     void *guests[most_cards];                        /* for each higher card */
     uint32_t *guest_numbers[most_cards], guest_count[most_cards];
@@ -3468,7 +3370,7 @@ struct team {
 struct gear {
     cudaMemPool_t pool;
     cudaStream_t copies;
-    cudaEvent_t mark[8], ready, copied;
+    cudaEvent_t mark[8], ready[2];                   /* ready: of the end of work, for the host; for copies */
     char *pinned;                                    /* host memory for counts; NULL but in a loop */
 };
 const size_t pinned_bytes = 512;
@@ -3511,14 +3413,18 @@ void fall_out(call &c, const char *text)
     }
 }
 
-void say(call &c, const char *format, ...)
+/* Sets the status of a call that has not failed yet, and says why. */
+void fail(call &c, pbw_status status, const char *format, ...)
 {
     char text[256];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    fall_out(c, text);
+    if (c.status == PBW_OK) {
+        c.status = status;
+        fall_out(c, text);
+    }
 }
 
 struct failure {};                                   /* thrown: the status of the call is no longer PBW_OK */
@@ -3533,11 +3439,8 @@ void go_on(const call &c)
 /* Fails unless a condition holds. */
 template <typename... A> void require(call &c, bool holds, pbw_status status, const char *format, A... arguments)
 {
-    if (!holds && c.status == PBW_OK) {
-        c.status = status;
-        say(c, format, arguments...);
-    }
     if (!holds) {
+        fail(c, status, format, arguments...);
         throw failure();
     }
 }
@@ -3558,9 +3461,8 @@ void suit_stars(call &c, uint32_t left, uint32_t limit)
 /* Takes over a failure of the device; returns whether the call has none. */
 bool good(call &c, cudaError_t error, const char *what)
 {
-    if (error != cudaSuccess && c.status == PBW_OK) {
-        c.status = PBW_ERROR_BACKEND;
-        say(c, "%s: %s", what, cudaGetErrorString(error));
+    if (error != cudaSuccess) {
+        fail(c, PBW_ERROR_BACKEND, "%s: %s", what, cudaGetErrorString(error));
     }
     return c.status == PBW_OK;
 }
@@ -3571,8 +3473,7 @@ void need(call &c, cudaError_t error, const char *what)
     go_on(c);
 }
 
-/* Fails unless more bytes fit into the device's free memory and its pool.  The message says how much the call needs
-   in all, as far as is known. */
+/* Fails unless more bytes fit into free memory and the pool; says what the call needs in all, as far as is known. */
 void need_memory(call &c, size_t more)
 {
     size_t available = 0, all = 0, needed = c.used + more;
@@ -3660,8 +3561,8 @@ void look_up(call &c, pbw_stage stage, double done)
 void finish_stream(call &c, cudaStream_t stream, pbw_stage stage, double done)
 {
     static const uint32_t one = 1;
-    cudaError_t error = cudaEventRecord(c.ready, stream);
-    while (error == cudaSuccess && (error = cudaEventQuery(c.ready)) == cudaErrorNotReady) {
+    cudaError_t error = cudaEventRecord(c.ready[0], stream);
+    while (error == cudaSuccess && (error = cudaEventQuery(c.ready[0])) == cudaErrorNotReady) {
         look_up(c, stage, done);
         if (c.status != PBW_OK && c.stop != NULL && !c.stopped) {
             c.stopped = true;
@@ -3713,11 +3614,7 @@ template <typename V> V read_back(call &c, const V *address, pbw_stage stage, do
         wait(c, stage, done);
     }
     need(c, cudaMemcpyAsync(to, address, sizeof(V), cudaMemcpyDeviceToHost, c.stream), "reading a count");
-    if (c.pinned == NULL) {
-        need(c, cudaStreamSynchronize(c.stream), "reading a count");
-    } else {
-        wait(c, stage, done);
-    }
+    wait(c, stage, done);
     return *to;
 }
 
@@ -3734,8 +3631,8 @@ void note(call &c, int mark)
 /* Lets all later work of the other stream wait for the work that the call's stream has now. */
 void follow(call &c)
 {
-    need(c, cudaEventRecord(c.copied, c.stream), "cudaEventRecord");
-    need(c, cudaStreamWaitEvent(c.copies, c.copied, 0), "cudaStreamWaitEvent");
+    need(c, cudaEventRecord(c.ready[1], c.stream), "cudaEventRecord");
+    need(c, cudaStreamWaitEvent(c.copies, c.ready[1], 0), "cudaStreamWaitEvent");
 }
 
 struct shape {                                       /* of a launch; bytes: of dynamic shared memory */
@@ -3808,10 +3705,11 @@ void sum_before(call &c, const uint32_t *value, uint32_t *sum, size_t count)
 }
 
 struct run_room {
-    buffer<uint32_t> head, end, length, offset;
-    explicit run_room(call &c) : head(c), end(c), length(c), offset(c) {}
-    run_room(call &c, size_t count) : head(c, count), end(c, count), length(c, count + 1), offset(c, count + 1) {}
-    run_list list() const { return { head.at, end.at, length.at, offset.at }; }
+    buffer<range> place;
+    buffer<uint32_t> offset;                         /* with the sum of all lengths behind */
+    explicit run_room(call &c) : place(c), offset(c) {}
+    run_room(call &c, size_t count) : place(c, count), offset(c, count + 1) {}
+    run_list list() const { return { place.at, offset.at }; }
 };
 
 /* Points that are put into the order of the curve. */
@@ -3832,17 +3730,17 @@ struct ordering {
     key_bits sorted_bits() const { return { all.index_bits, all.index_bits + all.bits * all.in.dim }; }
 };
 
-/* The points of the long runs of a list, count of them, get keys from a grid for each run, and are put back in their
-   order.  Returns the long runs of equal keys that are left, and sets count to their number. */
+/* Gives the points of count long runs keys from a grid for each run, and puts them back in their order.  Returns the
+   long runs of equal keys that are left, and sets count to their number. */
 run_room order_long_runs(call &c, ordering &o, const run_list &runs, uint32_t &count)
 {
     const shape warps = over((size_t)count * 32, 128);
     const uint32_t runs_here = count;
     buffer<pbw__box> box(c, count);
     run_room next(c);
-    fill(c, runs.length + count, 0, 1);
+    fill(c, runs.offset + count, 0, 1);
     launch(c, "runs", measure_kernel, warps, o.all, runs, count, box.at, o.root.at);
-    sum_before(c, runs.length, runs.offset, (size_t)count + 1);
+    sum_before(c, runs.offset, runs.offset, (size_t)count + 1);
     const uint32_t total = read_back(c, runs.offset + count, PBW_STAGE_ORDER, 0.4);
     count = 0;
     if (total > 0) {
@@ -3862,8 +3760,7 @@ run_room order_long_runs(call &c, ordering &o, const run_list &runs, uint32_t &c
     return next;
 }
 
-/* Puts the runs of equal keys into order.  The depth is bounded as in >>order of pbw.h: each level divides the extent
-   by 2^bits. */
+/* Puts the runs of equal keys into order.  As in >>order of pbw.h each level divides the extent by 2^bits. */
 void order_runs(call &c, ordering &o)
 {
     const size_t n = o.all.in.count;
@@ -3879,8 +3776,7 @@ void order_runs(call &c, ordering &o)
     }
 }
 
-/* Returns the ranges of coordinates and weights, and the unit of their common grid.  on_device keeps them for later
-   kernels. */
+/* Returns the ranges of coordinates and weights, and the unit of their common grid; later kernels use on_device. */
 pbw__grid_share survey_points(call &c, const input &in, const buffer<survey> &on_device)
 {
     survey found = {};
@@ -3954,15 +3850,11 @@ bool order_points(call &c, const input &in, space &s, uint32_t *&id)
     ordering o(c, in);
     const pbw__grid_share range = survey_points(c, in, o.found);
     const pbw__box domain = measure_space(c, range, o.all.bits, in.dim, s);
-    const key_bits by = o.sorted_bits();
+    sortable<cub::NullType> nothing(c);
     o.key = sortable<uint64_t>(c, in.count);
     o.all.key = o.key.array.at;
     launch(c, "keys", key_kernel, over(in.count, 256), o.all, domain);
-    cub::DoubleBuffer<uint64_t> keys(o.key.array.at, o.key.spare.at);
-    with_scratch(c, "sort", [&](void *scratch, size_t &bytes) {
-        return cub::DeviceRadixSort::SortKeys(scratch, bytes, keys, in.count, by.low, by.high, c.stream);
-    });
-    o.key.take(keys);
+    sort_pairs(c, o.key, nothing, in.count, o.sorted_bits());
     o.all.key = o.key.array.at;
     order_runs(c, o);
     gather_points(c, o, s, id);
@@ -4041,8 +3933,7 @@ void launch_near(call &c, const workshop &w, uint32_t first, uint32_t stride, ui
     launch(c, "near stars", near_kernel<DIM, WEIGHTED, EXACT>, s, near_launch{ w, first, stride, total, keeps });
 }
 
-/* Whether a sample shows that the first rung certifies less than half, as where points lie on surfaces and curves and
-   spheres are large. */
+/* Returns whether the first rung certifies less than half of a sample, as where points lie on surfaces and curves. */
 template <int DIM, bool WEIGHTED> bool sample_reaches_far(call &c, const workshop &w)
 {
     start_over(c, w);
@@ -4105,8 +3996,8 @@ uint32_t run_rung(call &c, void (*kernel)(LAUNCH), LAUNCH a, uint32_t blocks)
     return read_back(c, a.failed.count, PBW_STAGE_BUILD, 0.8);
 }
 
-/* Stars of q[from] by the second or third rung, with at most cap looks each, until more than limit fail.  Returns how
-   many it leaves in q[1 - from]. */
+/* Builds stars of q[from] by the second or third rung, with at most cap looks each, until more than limit fail.
+   Returns how many it leaves in q[1 - from]. */
 template <int DIM, bool WEIGHTED, typename RUNG>
 uint32_t run_far_rung(call &c, const workshop &w, int from, uint32_t total, uint32_t limit, int cap)
 {
@@ -4120,8 +4011,8 @@ uint32_t far_limit(const workshop &w)
     return 128 + w.out.size() / 2048;
 }
 
-/* The second rung, at first without exact tests, and the third: left stars of q[0].  The few that the third rung
-   fails come again with a larger cap. */
+/* Builds the stars in q[0], `left` of them, by the second rung, at first without exact tests, and the third; the few
+   that the third fails come again with a larger cap. */
 template <int DIM, bool WEIGHTED> void build_far_stars(call &c, const workshop &w, uint32_t left)
 {
     left = run_far_rung<DIM, WEIGHTED, quick_rung>(c, w, 0, left, none, quick_cap);
@@ -4139,28 +4030,26 @@ template <int DIM, bool WEIGHTED> void build_far_stars(call &c, const workshop &
     suit_stars(c, left, 0);
 }
 
-void lay_bricks(call &c, const space &s, brick_tree &t)
+/* Returns the tree over the bricks that it lays one level after another, in room that is enough for all. */
+brick_tree lay_bricks(call &c, const space &s, brick *room)
 {
-    const moments *child = NULL;
-    uint32_t size = s.count;
-    memset(&t, 0, sizeof t);
-    for (; t.levels == 0 || size > 32; t.levels++) {
+    brick_tree t = {};
+    buffer<moments> child(c);
+    for (uint32_t size = s.count; t.levels == 0 || size > 32; t.levels++) {
         const uint32_t children = size;
         size = (size + 7) / 8;
-        brick *const b = allocate<brick>(c, size);
-        moments *const m = allocate<moments>(c, size);
-        launch(c, "bricks", brick_kernel, over(size, 128), s, child, children, m, b, size);
-        release(c, child);
-        child = m;
-        t.level[t.levels] = b;
+        buffer<moments> own(c, size);
+        launch(c, "bricks", brick_kernel, over(size, 128), s, child.at, children, own.at, room, size);
+        child = std::move(own);
+        t.level[t.levels] = room;
         t.size[t.levels] = size;
+        room += size;
     }
-    release(c, child);
     launch(c, "bricks", half_kernel, over(s.count, 256), s, t);
+    return t;
 }
 
-/* Stars of a.vertex by a rung for surfaces, each with at most cap looks, until more than limit fail; returns how many
-   it leaves. */
+/* Builds stars by a rung for surfaces, as run_far_rung does; returns how many it leaves. */
 template <typename RUNG> uint32_t run_wide_rung(call &c, wide_launch &a, uint32_t total, uint32_t limit, int cap)
 {
     a.total = total;
@@ -4200,18 +4089,13 @@ void build_large_wide_stars(call &c, wide_launch a, uint32_t failed)
     suit_stars(c, failed, 0);
 }
 
-/* Stars of points on surfaces; returns false if a sample speaks against it.  Those that the first rung begins go to a
-   store of their own, which is given back. */
+/* Builds the stars of points on surfaces; returns false if a sample speaks against it.  What the first rung begins
+   has a store of its own, which is given back. */
 bool build_wide_stars(call &c, workshop &w, const brick_tree &bricks)
 {
     const uint32_t mine = w.out.size(), limit = 128 + mine / 16;
     const unsigned long long enough = (unsigned long long)mine * 15 + 4096;
-    wide_launch a = {};
-    a.w = w;
-    a.failed = w.q[0];
-    a.bricks = bricks;
-    a.in = w.out;
-    a.stride = 1;
+    wide_launch a = { { w, NULL, 0, 0, 0, NULL, NULL, w.q[0] }, bricks, w.out, 1, NULL };
     find_seeds<3>(c, w);
     if (!sample_stays_cheap(c, a)) {
         return false;
@@ -4244,13 +4128,8 @@ template <int DIM, bool WEIGHTED> void build_stars(call &c, workshop &w)
     const bool far = !WEIGHTED && !pbw_cuda_patient && w.all.count >= sampled_from && w.out.size() >= sample_size
                   && sample_reaches_far<DIM, WEIGHTED>(c, w);
     if (far && DIM == 3) {
-        brick_tree bricks;
-        lay_bricks(c, w.all, bricks);
-        const bool built = build_wide_stars(c, w, bricks);
-        for (int level = 0; level < bricks.levels; level++) {
-            release(c, bricks.level[level]);
-        }
-        if (built) {
+        buffer<brick> bricks(c, w.all.count / 7 + 2 * brick_levels);
+        if (build_wide_stars(c, w, lay_bricks(c, w.all, bricks.at))) {
             return;
         }
     }
@@ -4286,10 +4165,7 @@ void open_pool(call &c)
             need(c, cudaDeviceCanAccessPeer(&can, other, own.device), "cudaDeviceCanAccessPeer");
         }
         if (can) {
-            cudaMemAccessDesc access = {};
-            access.location.type = cudaMemLocationTypeDevice;
-            access.location.id = other;
-            access.flags = cudaMemAccessFlagsProtReadWrite;
+            cudaMemAccessDesc access = { { cudaMemLocationTypeDevice, other }, cudaMemAccessFlagsProtReadWrite };
             can = cudaMemPoolSetAccess(pool, &access, 1) == cudaSuccess;
             (void)cudaGetLastError();
         }
@@ -4303,16 +4179,15 @@ void fetch_by_host(call &c, int card, char *to, const char *from, size_t bytes)
     const size_t most = (size_t)1 << 24;
     void *host = NULL;
     bool done = good(c, cudaMallocHost(&host, bytes < most ? bytes : most), "cudaMallocHost");
+    auto copy = [&](int on, void *target, const void *source, size_t part, cudaStream_t stream) {
+        return good(c, cudaSetDevice(c.cards->of[on].device), "cudaSetDevice") && done
+            && good(c, cudaMemcpyAsync(target, source, part, cudaMemcpyDefault, stream), "copying by the host")
+            && good(c, cudaStreamSynchronize(stream), "copying by the host");
+    };
     for (size_t at = 0; at < bytes && done; at += most) {
-        size_t part = bytes - at < most ? bytes - at : most;
-        done = good(c, cudaSetDevice(c.cards->of[card].device), "cudaSetDevice")
-            && good(c, cudaMemcpyAsync(host, from + at, part, cudaMemcpyDeviceToHost, cudaStreamPerThread),
-                    "copying to the host")
-            && good(c, cudaStreamSynchronize(cudaStreamPerThread), "copying to the host");
-        done = good(c, cudaSetDevice(c.cards->of[c.card].device), "cudaSetDevice") && done
-            && good(c, cudaMemcpyAsync(to + at, host, part, cudaMemcpyHostToDevice, c.stream),
-                    "copying from the host")
-            && good(c, cudaStreamSynchronize(c.stream), "copying from the host");
+        const size_t part = bytes - at < most ? bytes - at : most;
+        done = copy(card, host, from + at, part, cudaStreamPerThread);
+        done = copy(c.card, to + at, host, part, c.stream);
     }
     cudaFreeHost(host);
     go_on(c);
@@ -4333,17 +4208,17 @@ template <typename V> void fetch_from(call &c, int card, V *to, const void *from
 /* Sets the share of a card: whole groups, in proportion to its multiprocessors. */
 void share_points(call &c, workshop &w)
 {
-    double before = 0.0, own = 0.0, all = 0.0;
-    for (int i = 0; i < c.cards->cards; i++) {
-        const int processors = processors_of(c, c.cards->of[i].device);
-        before += i < c.card ? processors : 0;
-        own += i == c.card ? processors : 0;
-        all += processors;
+    const int cards = c.cards->cards;
+    double before[most_cards + 1] = { 0.0 };
+    for (int i = 0; i < cards; i++) {
+        before[i + 1] = before[i] + processors_of(c, c.cards->of[i].device);
     }
-    const double points = (double)w.all.count;
-    w.out.first = (uint32_t)(points * (before / all)) / group_size * group_size;
-    w.out.end = (uint32_t)(points * ((before + own) / all)) / group_size * group_size;
-    w.out.end = before + own == all ? w.all.count : w.out.end;
+    auto first_of = [&](int card) {
+        const double all = (double)w.all.count * (before[card] / before[cards]);
+        return card == cards ? w.all.count : (uint32_t)all / group_size * group_size;
+    };
+    w.out.first = first_of(c.card);
+    w.out.end = first_of(c.card + 1);
     c.stars = w.out.size();
 }
 
@@ -4351,9 +4226,6 @@ void share_points(call &c, workshop &w)
 template <int DIM> void list_guests(call &c, const directory<DIM> &all, uint32_t vertices)
 {
     offer &own = c.cards->of[c.card];
-    if (c.card + 1 == c.cards->cards) {
-        return;
-    }
     buffer<uint32_t> count(c, (size_t)vertices + 1), place(c, (size_t)vertices + 1);
     fill(c, count.at + vertices, 0, 1);
     for (int i = c.card + 1; i < c.cards->cards; i++) {
@@ -4372,14 +4244,13 @@ template <int DIM> void list_guests(call &c, const directory<DIM> &all, uint32_t
 template <int DIM> void fetch_guests(call &c, directory<DIM> &all)
 {
     const offer *of = c.cards->of;
-    pbw_index *&beyond = c.cards->of[c.card].beyond;
     size_t count = 0;
     for (int i = 0; i < c.card; i++) {
         count += of[i].guest_count[c.card];
     }
     cell<DIM> *const guest = allocate<cell<DIM> >(c, count);
     uint32_t *const number = allocate<uint32_t>(c, count);
-    beyond = allocate<pbw_index>(c, count);
+    pbw_index *const beyond = c.cards->of[c.card].beyond = allocate<pbw_index>(c, count);
     fill(c, beyond, 0xff, count);                    /* guests without a facet here leave theirs */
     all.guest = guest;
     all.guest_number = number;
@@ -4405,18 +4276,6 @@ template <int DIM> void fetch_beyond(call &c, const directory<DIM> &all, pbw_ind
         fetch_from(c, i, beyond.at, of[i].beyond + before, count);
         launch(c, "neighbours", return_kernel<DIM>, over(count, 128), all, of[i].part, count,
                of[c.card].guest_numbers[i], beyond.at, neighbors);
-    }
-}
-
-void fetch_incident(call &c, const uint32_t *id, pbw_index *incident)
-{
-    const offer *of = c.cards->of;
-    for (int i = 0; i < c.cards->cards; i++) {
-        const uint32_t count = of[i].part.end - of[i].part.first;
-        buffer<pbw_index> some(c, count);
-        fetch_from(c, i, some.at, of[i].incident, count);
-        launch(c, "incident simplices", scatter_kernel, over(count, 256), id + of[i].part.first, count, some.at,
-               incident);
     }
 }
 
@@ -4456,18 +4315,15 @@ void open_workshop(call &c, workshop &w, int dim)
 /* Builds all stars, once more if the store turns out too small. */
 template <int DIM, bool WEIGHTED> void fill_store(call &c, workshop &w)
 {
-    unsigned long long used = 0;
+    unsigned long long used = w.out.capacity;
     note(c, 2);
-    for (;;) {
+    do {
+        release(c, w.out.word);
+        w.out.capacity = used > w.out.capacity ? used + used / 16 : used;
         w.out.word = allocate<uint32_t>(c, (size_t)w.out.capacity * 4);
         build_stars<DIM, WEIGHTED>(c, w);
         used = read_back(c, w.out.used, PBW_STAGE_BUILD, 0.95);
-        if (used <= w.out.capacity) {
-            break;
-        }
-        release(c, w.out.word);
-        w.out.capacity = used + used / 16;
-    }
+    } while (used > w.out.capacity);
     release(c, w.lists);
     release(c, w.infos);
     require(c, used <= ((unsigned long long)1 << 32) - 16, PBW_ERROR_TOO_LARGE, too_many);
@@ -4487,16 +4343,12 @@ void number_simplices(call &c, const workshop &w, output &o)
     o.offset = allocate<uint32_t>(c, (size_t)mine + 1);
     sum_before(c, w.out.owned, o.offset, (size_t)mine + 1);
     o.total = read_back(c, o.offset + mine, PBW_STAGE_OUTPUT, 0.0);
-    c.mesh->simplex_count = o.total;
-    if (!o.alone) {
-        offer &own = c.cards->of[c.card];
-        own.part = { w.out.first, w.out.end };
-        own.simplices = o.total;
-        meet_cards(c, false, 0.0);
-        for (int i = 0; i < c.cards->cards; i++) {
-            o.before += i < c.card ? c.cards->of[i].simplices : 0;
-            c.mesh->simplex_count += i != c.card ? c.cards->of[i].simplices : 0;
-        }
+    c.cards->of[c.card].part = w.out;
+    c.cards->of[c.card].simplices = o.total;
+    meet_cards(c, false, 0.0);
+    for (int i = 0; i < c.cards->cards; i++) {
+        o.before += i < c.card ? c.cards->of[i].simplices : 0;
+        c.mesh->simplex_count += c.cards->of[i].simplices;
     }
     note(c, 5);
     require(c, c.mesh->simplex_count < hidden, PBW_ERROR_TOO_LARGE, too_many);
@@ -4565,7 +4417,13 @@ void copy_points(call &c, const output &o)
     if (!o.alone && c.card == 0) {
         incident = allocate<pbw_index>(c, c.count);
         fill(c, incident, 0xff, c.count);
-        fetch_incident(c, o.id, incident);
+    }
+    for (int i = 0; !o.alone && c.card == 0 && i < c.cards->cards; i++) {
+        const range part = c.cards->of[i].part;
+        buffer<pbw_index> some(c, part.size());
+        fetch_from(c, i, some.at, c.cards->of[i].incident, part.size());
+        launch(c, "incident simplices", scatter_kernel, over(part.size(), 256), o.id + part.first, part.size(),
+               some.at, incident);
     }
     if (o.to_host && c.card == 0) {
         copy_out(c, c.job->incident, incident, bytes, 0.4);
@@ -4705,8 +4563,8 @@ void adopt_last(call &c)
     }
 }
 
-/* Returns whether an earlier mesh, whose links are sound and whose duplicates are those of the points, is the
-   triangulation of the points where they are now; id: of each rank. */
+/* Returns whether an earlier mesh is the triangulation of the points where they are now.  Its links must be sound and
+   its duplicates those of the points; id: of each rank. */
 template <int DIM> bool holds(call &c, const pbw_cuda_mesh &mesh, const input &in, const space &s, const uint32_t *id)
 {
     checking k(c, mesh, in, s.grid, NULL);
@@ -4820,11 +4678,10 @@ void run(call &c, const input &in, unsigned flags)
    >>entry        The backend, and the entries for points on the device.
    ------------------------------------------------------------------------------------------------------ */
 /* count: the points to triangulate; 0 in a check. */
-void open_call(call &c, cudaStream_t stream, int dim, size_t count)
+void open_call(call &c, int dim, size_t count)
 {
     const int device = c.cards->of[c.card].device;
     int pools = 0;
-    c.stream = stream;
     c.dim = dim;
     c.count = count;
     c.stars = count / (size_t)c.cards->cards;
@@ -4832,21 +4689,24 @@ void open_call(call &c, cudaStream_t stream, int dim, size_t count)
     require(c, pools != 0, PBW_ERROR_BACKEND, "the device or its driver has no memory pools");
     if (!c.lent) {
         need(c, cudaDeviceGetMemPool(&c.pool, device), "cudaDeviceGetMemPool");
-        for (int i = 0; i < 8; i++) {
-            need(c, cudaEventCreate(&c.mark[i]), "cudaEventCreate");
+        for (int i = 0; i < 10; i++) {
+            need(c, i < 8 ? cudaEventCreate(&c.mark[i])
+                          : cudaEventCreateWithFlags(&c.ready[i - 8], cudaEventDisableTiming), "cudaEventCreate");
         }
-        need(c, cudaEventCreateWithFlags(&c.ready, cudaEventDisableTiming), "cudaEventCreate");
-        need(c, cudaEventCreateWithFlags(&c.copied, cudaEventDisableTiming), "cudaEventCreate");
     }
 }
 
-void destroy_events(const gear &g)
+/* Destroys the events and the other stream; those that were not made are NULL. */
+void destroy(const gear &g)
 {
     for (int i = 0; i < 10; i++) {
-        cudaEvent_t event = i < 8 ? g.mark[i] : i == 8 ? g.ready : g.copied;
+        const cudaEvent_t event = i < 8 ? g.mark[i] : g.ready[i - 8];
         if (event != NULL) {
             cudaEventDestroy(event);
         }
+    }
+    if (g.copies != NULL) {
+        cudaStreamDestroy(g.copies);
     }
 }
 
@@ -4862,7 +4722,7 @@ void close_call(call &c)
         release(c, c.block[0].address);
     }
     if (!c.lent) {
-        destroy_events(c);
+        destroy(c);
     }
     (void)cudaGetLastError();
 }
@@ -4897,7 +4757,6 @@ input upload(call &c)
 /* A card's part in a job. */
 void take_part(team *cards, int card, pbw_job *job, pbw_cuda_mesh *mesh)
 {
-    cudaStream_t stream = NULL;
     call c = call();
     c.cards = cards;
     c.card = card;
@@ -4905,8 +4764,8 @@ void take_part(team *cards, int card, pbw_job *job, pbw_cuda_mesh *mesh)
     c.mesh = mesh;
     try {
         need(c, cudaSetDevice(cards->of[card].device), "cudaSetDevice");
-        open_stream(c, stream);
-        open_call(c, stream, job->dim, job->count);
+        open_stream(c, c.stream);
+        open_call(c, job->dim, job->count);
         open_stream(c, c.copies);
         open_pool(c);
         run(c, upload(c), job->flags);
@@ -4916,17 +4775,16 @@ void take_part(team *cards, int card, pbw_job *job, pbw_cuda_mesh *mesh)
     if (c.copies != NULL) {                          /* they must end before the job's memory may be freed */
         finish_stream(c, c.copies, PBW_STAGE_OUTPUT, 0.8);
         good(c, cudaStreamSynchronize(c.copies), "copying results");
-        cudaStreamDestroy(c.copies);
     }
-    if (stream != NULL) {
-        good(c, cudaStreamSynchronize(stream), "waiting for the device");
+    if (c.stream != NULL) {
+        good(c, cudaStreamSynchronize(c.stream), "waiting for the device");
     }
     fall_out(c, NULL);
     meet_cards(c, true, 0.9);
     close_call(c);
-    if (stream != NULL) {
-        good(c, cudaStreamSynchronize(stream), "waiting for the device");
-        cudaStreamDestroy(stream);
+    if (c.stream != NULL) {
+        good(c, cudaStreamSynchronize(c.stream), "waiting for the device");
+        cudaStreamDestroy(c.stream);
     }
 }
 
@@ -4960,11 +4818,9 @@ pbw_status triangulate(const pbw_backend *backend, pbw_job *job)
             return PBW_ERROR_BACKEND;
         }
     }
-    if (!is_packed(job)) {
-        pbw_status status = job->keep(job);
-        if (status != PBW_OK) {
-            return status;
-        }
+    const pbw_status status = is_packed(job) ? PBW_OK : job->keep(job);
+    if (status != PBW_OK) {
+        return status;
     }
     cudaGetDevice(&before);
     try {
@@ -5036,6 +4892,7 @@ void open_local(local_call &local, const request &r)
     local.job.say = pbw__job_say;
     local.job.context = &local.dispatch;
     c.cards = &local.alone;
+    c.stream = r.stream;
     c.job = &local.job;
     c.mesh = r.mesh;
     c.must = r.cpu == NULL;
@@ -5051,7 +4908,7 @@ void open_local(local_call &local, const request &r)
     look_up(c, PBW_STAGE_ORDER, 0.0);
     go_on(c);
     need(c, cudaGetDevice(&local.alone.of[0].device), "no usable device");
-    open_call(c, r.stream, r.in.dim, r.check ? 0 : r.in.count);
+    open_call(c, r.in.dim, r.check ? 0 : r.in.count);
     if (options.progress != NULL && !c.lent) {
         open_stream(c, c.copies);
     }
@@ -5064,18 +4921,13 @@ pbw_status close_local(local_call &local)
     pbw_cuda_mesh *const mesh = c.mesh;
     if (c.copies != NULL) {                          /* the word that stops kernels is written before it is freed */
         good(c, cudaStreamSynchronize(c.copies), "stopping");
-        if (!c.lent) {
-            cudaStreamDestroy(c.copies);
-        }
     }
     const bool failed = c.status != PBW_OK && c.status != PBW_DEGENERATE;
     if (mesh != NULL && failed) {
         memset(mesh, 0, sizeof *mesh);               /* everything is still in the list of blocks */
     }
-    if (c.last != NULL && failed) {
-        memset(c.last, 0, sizeof *c.last);
-    } else if (c.last != NULL) {
-        c.last->mesh = *mesh;
+    if (c.last != NULL) {
+        *c.last = failed ? keepsake() : keepsake{ *mesh, c.last->id, c.last->count };
         release(c, c.last->id, true);
     }
     if (mesh != NULL) {
@@ -5274,7 +5126,8 @@ extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, voi
 {
     request r = { { NULL, NULL, 0, 3, 0 }, (cudaStream_t)stream, cpu };
     uint64_t all = UINT64_MAX;
-    cudaMemPoolProps properties = {};
+    cudaMemPoolProps properties = { cudaMemAllocationTypePinned, cudaMemHandleTypeNone,
+                                    { cudaMemLocationTypeDevice, 0 } };
     cudaMemPool_t pool = NULL;
     local_call local{};
     pbw_cuda_loop *loop = NULL;
@@ -5287,8 +5140,6 @@ extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, voi
     r.options.progress = NULL;
     try {
         open_local(local, r);
-        properties.allocType = cudaMemAllocationTypePinned;
-        properties.location.type = cudaMemLocationTypeDevice;
         loop = (pbw_cuda_loop *)pbw__allocate(&local.context.memory, 1, sizeof *loop);
         require(c, loop != NULL, PBW_ERROR_MEMORY, no_host_memory);
         need(c, cudaGetDevice(&properties.location.id), "cudaGetDevice");
@@ -5333,10 +5184,7 @@ extern "C" void pbw_cuda_loop_free(pbw_cuda_loop *loop)
         cudaFreeAsync(loop->last.id, loop->stream);
         pbw_cuda_free(&loop->last.mesh, loop->stream);
         cudaStreamSynchronize(loop->stream);
-        if (loop->tools.copies != NULL) {
-            cudaStreamDestroy(loop->tools.copies);
-        }
-        destroy_events(loop->tools);
+        destroy(loop->tools);
         cudaFreeHost(loop->tools.pinned);
         cudaMemPoolDestroy(loop->tools.pool);
         (void)cudaGetLastError();
