@@ -1132,7 +1132,7 @@ __device__ __noinline__ int settle_on_grid(const S &s, int count, int t, double 
     }
     for (int round = 0; round < 2; round++) {
         uint32_t packed = s.triangle[t];
-        double x[4][3] = {}, raised[3], k[4], d;     /* x[3]: v itself */
+        double x[3][3], raised[3], k[3], d;
         int at = -1;
         for (int i = 0; i < 3; i++) {
             uint32_t number = i < S::dim ? corner(packed, i) : 0;
@@ -1175,15 +1175,17 @@ __device__ __noinline__ int settle_on_grid(const S &s, int count, int t, double 
         if (sum != 0.0) {
             return sum > 0.0;
         }
-        double best[3] = { p[0], p[1], p[2] }, verdict = 0.0;
-        k[3] = d - k[0] - k[1] - k[2];
-        for (int i = 0; i < 4; i++) {
-            const bool larger = x[i][0] != best[0] ? x[i][0] > best[0] : x[i][1] != best[1] ? x[i][1] > best[1]
-                              : S::dim == 3 && x[i][2] > best[2];
-            const bool counts = larger && k[i] != 0.0;
-            verdict = counts ? k[i] : verdict;
-            for (int j = 0; j < 3; j++) {
-                best[j] = counts ? x[i][j] : best[j];
+        double best[3] = { p[0], p[1], p[2] }, own = d - k[0] - k[1] - k[2], verdict = 0.0;
+        for (int i = -1; i < S::dim; i++) {          /* v itself at first */
+            double y[3] = { i < 0 ? 0.0 : x[i < 0 ? 0 : i][0], i < 0 ? 0.0 : x[i < 0 ? 0 : i][1],
+                            i < 0 ? 0.0 : x[i < 0 ? 0 : i][2] }, coefficient = i < 0 ? own : k[i < 0 ? 0 : i];
+            bool larger = y[0] != best[0] ? y[0] > best[0] : y[1] != best[1] ? y[1] > best[1]
+                        : S::dim == 3 && y[2] > best[2];
+            if (larger && coefficient != 0.0) {
+                verdict = coefficient;
+                for (int j = 0; j < 3; j++) {
+                    best[j] = y[j];
+                }
             }
         }
         return verdict > 0.0;
