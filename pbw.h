@@ -1090,6 +1090,7 @@ PBW__OPERATION(pbw__d4, pbw__fnma, (pbw__d4 a, pbw__d4 b, pbw__d4 c),     /* c -
 PBW__OPERATION(pbw__d4, pbw__det2, (pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d),
     _mm256_fmsub_pd(a, d, b * c), pbw__fnma(b, c, a * d))
 PBW__OPERATION(pbw__d4, pbw__max4, (pbw__d4 a, pbw__d4 b), _mm256_max_pd(a, b), PBW__HALVES2(vmaxq_f64, a, b))
+PBW__OPERATION(pbw__d4, pbw__min4, (pbw__d4 a, pbw__d4 b), _mm256_min_pd(a, b), PBW__HALVES2(vminq_f64, a, b))
 PBW__OPERATION(pbw__d4, pbw__sqrt4, (pbw__d4 x),
     _mm256_sqrt_pd(x), pbw__join(vsqrtq_f64(pbw__half0(x)), vsqrtq_f64(pbw__half1(x))))
 PBW__OPERATION(pbw__d4, pbw__abs4, (pbw__d4 x),
@@ -2219,45 +2220,66 @@ static PBW__NOINLINE void pbw__grid_refine(pbw__grid_share *share, const double 
     }
 }
 
-/* A number is on the grid if it is of 2^52 units or more, or the sum of its size and 2^52 units is not rounded. */
-PBW__INLINE void pbw__grid_add_of(pbw__grid_share *share, const double *q, size_t count, int weights, int dim)
+/* A number is on the grid if it is of 2^52 units or more, or the sum of its size and 2^52 units is not rounded.  Adds
+   the records from *from on to a share, up to `end` or to the first that is off the grid, and moves *from behind it.
+   Returns whether there was one. */
+static int pbw__grid_scan_scalar(pbw__grid_share *share, const double **from, const double *end, int dim, int width)
 {
-    const int width = dim + weights;
-    const double *end = q + count * (size_t)width;
-    double low[4], high[4];
+    const double *q = *from;
+    uint64_t off = 0;
     int k;
-    while (q < end && share->unit != PBW__NO_UNIT) {
-        const double limit[2] = { share->limit[0], share->limit[1] };
-        uint64_t off = 0;
+    for (; q < end && off == 0; q += width) {
         for (k = 0; k < width; k++) {
-            low[k] = share->low[k];
-            high[k] = share->high[k];
-        }
-        for (; q < end && off == 0; q += width) {
-            for (k = 0; k < width; k++) {
-                const double x = q[k], many = limit[k == dim], size = pbw__abs(x) < many ? pbw__abs(x) : many;
-                off |= pbw__bits(size + many - many - size);
-                low[k] = x < low[k] ? x : low[k];
-                high[k] = x > high[k] ? x : high[k];
-            }
-        }
-        for (k = 0; k < width; k++) {
-            share->low[k] = low[k];
-            share->high[k] = high[k];
-        }
-        if (off != 0) {
-            pbw__grid_refine(share, q - width, dim, width);
+            const double x = q[k], many = share->limit[k == dim], size = pbw__abs(x) < many ? pbw__abs(x) : many;
+            off |= pbw__bits(size + many - many - size);
+            share->low[k] = x < share->low[k] ? x : share->low[k];
+            share->high[k] = x > share->high[k] ? x : share->high[k];
         }
     }
+    *from = q;
+    return off != 0;
 }
+
+#ifdef PBW__SIMD
+/* The same by vectors, as far as they fit: lanes from `width` on have numbers of the next record and the limit 0,
+   which holds for all numbers. */
+PBW__SIMD static int pbw__grid_scan_simd(pbw__grid_share *share, const double **from, const double *end, int dim,
+                                         int width)
+{
+    const double *q = *from, *last = end - 4, *limit = share->limit;
+    const pbw__d4 many = pbw__four(limit[0], limit[0], width > 2 ? limit[dim == 2] : 0.0, width > 3 ? limit[1] : 0.0);
+    pbw__d4 low = pbw__load4d(share->low), high = pbw__load4d(share->high);
+    unsigned on = 15;
+    for (; q <= last && on == 15; q += width) {
+        const pbw__d4 x = pbw__load4d(q), size = pbw__min4(pbw__abs4(x), many);
+        low = pbw__min4(x, low);
+        high = pbw__max4(x, high);
+        on = pbw__signs(pbw__equal(size + many - many, size));
+    }
+    memcpy(share->low, &low, (size_t)width * sizeof(double));
+    memcpy(share->high, &high, (size_t)width * sizeof(double));
+    *from = q;
+    return on != 15;
+}
+#endif
 
 /* Adds `count` records of `width` entries, from q on, to a share. */
 static void pbw__grid_add(pbw__grid_share *share, const double *q, size_t count, int dim, int width)
 {
-    if (width > dim) {
-        PBW__BY_DIM(dim, pbw__grid_add_of, share, q, count, 1);
-    } else {
-        PBW__BY_DIM(dim, pbw__grid_add_of, share, q, count, 0);
+    const double *end = q + count * (size_t)width;
+    while (q < end && share->unit != PBW__NO_UNIT) {
+        int off = 0;
+#ifdef PBW__SIMD
+        if (end - q >= 4 && pbw__simd_works()) {
+            off = pbw__grid_scan_simd(share, &q, end, dim, width);
+        } else
+#endif
+        {
+            off = pbw__grid_scan_scalar(share, &q, end, dim, width);
+        }
+        if (off) {
+            pbw__grid_refine(share, q - width, dim, width);
+        }
     }
 }
 
