@@ -6101,15 +6101,16 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *rin
     const pbw_index far[4] = { corner[beyond[0]], corner[beyond[1]], corner[beyond[2]], corner[beyond[0]] };
     pbw__triangles first;
     pbw_status status = PBW_OK;
-    unsigned head = 0, k;
-    for (k = 0; k < 3; k++) {
-        ring->start[k] = v[(k + 1) % 3];
-        ring->end[k] = v[(k + 2) % 3];
-        ring->beyond[k] = beyond[k];
-        ring->next[k] = (k + 1) % 3;
-        ring->queue[k] = (unsigned char)k;
-    }
-    ring->queue[3] = 0;
+    unsigned head = 0;
+    memcpy(ring->start, v + 1, 2 * sizeof(*v));
+    memcpy(ring->end + 1, v, 2 * sizeof(*v));
+    ring->start[2] = v[0];
+    ring->end[0] = v[2];
+    memcpy(ring->beyond, link, 3 * sizeof(*link));
+    ring->next[0] = 1;
+    ring->next[1] = 2;
+    ring->next[2] = 0;
+    memcpy(ring->queue, "\0\1\2", 4);
     ring->slot[0] = t;
     ring->count = ring->tail = 3;
     ring->hull = 0;
