@@ -7355,6 +7355,7 @@ typedef struct pbw__emitting { size_t end; pbw__aside aside; } pbw__emitting;
 #define PBW__CHAINS 16                               /* followed at a time, so that their cache misses overlap */
 #define PBW__SOON 48                                 /* distance of prefetches in arrays that are read in any order */
 #define PBW__LISTS 64                                /* sorted at a time */
+#define PBW__REACH 11                                /* a simplex may be so far from its place, in the plane */
 #define PBW__SHORT 48                                /* simplices of the longest list that is not a hub's */
 
 typedef struct pbw__emission {
@@ -7647,22 +7648,39 @@ PBW__SIMD_INLINE __m256i pbw__blend8(__m256i x, __m256i y, __m256i mask)
     return (__m256i)_mm256_blendv_ps((__m256)x, (__m256)y, (__m256)mask);
 }
 
+/* Returns the keys of four items. */
+PBW__SIMD_INLINE __m256i pbw__keys4(const pbw__item *item)
+{
+    const __m256i a = _mm256_loadu_si256((const __m256i *)(const void *)item);
+    const __m256i b = _mm256_loadu_si256((const __m256i *)(const void *)(item + 2));
+    return _mm256_permute4x64_epi64(_mm256_unpacklo_epi64(a, b), 0xd8);
+}
+
+/* Writes four items to their places. */
+PBW__SIMD_INLINE void pbw__put4(const pbw__item *item, __m256i place, pbw__item *sorted)
+{
+    uint64_t *to = (uint64_t *)(void *)sorted, half[4];
+    _mm256_storeu_si256((__m256i *)(void *)half, _mm256_add_epi64(place, place));
+    pbw__store4(to + half[0], pbw__load4(item));
+    pbw__store4(to + half[1], pbw__load4(item + 1));
+    pbw__store4(to + half[2], pbw__load4(item + 2));
+    pbw__store4(to + half[3], pbw__load4(item + 3));
+}
+
 /* Sorts a list of `count` simplices, four at a time; all: `count` rounded up to a multiple of four.  Lanes past the
    end get the highest key and are written to sorted[0]. */
 PBW__SIMD_INLINE void pbw__sort_list_simd(const pbw__item *item, pbw_index begin, unsigned count, unsigned all,
                                           pbw__item *sorted)
 {
     const __m256i sign = _mm256_set1_epi64x((int64_t)((uint64_t)1 << 63));
-    const __m256i highest = _mm256_set1_epi64x((int64_t)(~(uint64_t)0 >> 1)), lane = _mm256_setr_epi64x(0, 2, 1, 3);
+    const __m256i highest = _mm256_set1_epi64x((int64_t)(~(uint64_t)0 >> 1)), lane = _mm256_setr_epi64x(0, 1, 2, 3);
     const __m256i real = _mm256_cmpgt_epi64(_mm256_set1_epi64x((int64_t)count - (int64_t)all + 4), lane);
     __m256i keys[PBW__SHORT / 4];
     int64_t key[PBW__SHORT];
     unsigned i, j;
     item += begin;
     for (j = 0; j < all; j += 4) {
-        const __m256i a = _mm256_loadu_si256((const __m256i *)(const void *)(item + j));
-        const __m256i b = _mm256_loadu_si256((const __m256i *)(const void *)(item + j + 2));
-        keys[j / 4] = _mm256_xor_si256(_mm256_unpacklo_epi64(a, b), sign);
+        keys[j / 4] = _mm256_xor_si256(pbw__keys4(item + j), sign);
         if (j + 4 == all) {
             keys[j / 4] = pbw__blend8(highest, keys[j / 4], real);
         }
@@ -7670,29 +7688,55 @@ PBW__SIMD_INLINE void pbw__sort_list_simd(const pbw__item *item, pbw_index begin
     }
     for (j = 0; j < all; j += 4) {
         __m256i place = _mm256_set1_epi64x((int64_t)begin + 1);
-        uint64_t half[4];
         for (i = 0; i < all; i += 4) {
             place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(keys[j / 4], _mm256_set1_epi64x(key[i])));
             place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(keys[j / 4], _mm256_set1_epi64x(key[i + 1])));
             place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(keys[j / 4], _mm256_set1_epi64x(key[i + 2])));
             place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(keys[j / 4], _mm256_set1_epi64x(key[i + 3])));
         }
-        if (j + 4 == all) {
-            place = _mm256_and_si256(place, real);
+        pbw__put4(item + j, j + 4 == all ? _mm256_and_si256(place, real) : place, sorted);
+    }
+}
+
+/* In the plane lists are short and keys ascend from list to list.  Sorts `count` simplices of lists of at most
+   reach+1 without their borders: each is compared with the `reach` before it and behind it.  Signed comparisons
+   serve, as there are twice as many triangles as vertices: ranks are below 2^31. */
+PBW__SIMD_INLINE void pbw__sort_lists2_simd(const pbw__item *item, pbw_index count, pbw_index reach,
+                                            pbw__item *sorted)
+{
+    int64_t key[PBW__REACH + PBW__LISTS * (PBW__REACH + 1) + 4 + PBW__REACH], *here = key + PBW__REACH;
+    pbw_index i, k;
+    memset(key, 0, PBW__REACH * sizeof(int64_t));
+    for (i = 0; i < count; i += 4) {
+        _mm256_storeu_si256((__m256i *)(void *)(here + i), pbw__keys4(item + i));
+    }
+    memset(here + count, 0x7f, (PBW__REACH + 4) * sizeof(int64_t));
+    for (i = 0; i < count; i += 4, here += 4) {      /* the surplus is overwritten by the next lists */
+        const __m256i keys = _mm256_loadu_si256((const __m256i *)(const void *)here);
+        __m256i place = _mm256_add_epi64(_mm256_set1_epi64x((int64_t)i), _mm256_setr_epi64x(0, 1, 2, 3));
+        for (k = 1; k <= reach; k++) {
+            const __m256i before = _mm256_loadu_si256((const __m256i *)(const void *)(here - k));
+            const __m256i behind = _mm256_loadu_si256((const __m256i *)(const void *)(here + k));
+            place = _mm256_add_epi64(place, _mm256_cmpgt_epi64(before, keys));
+            place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(keys, behind));
         }
-        _mm256_storeu_si256((__m256i *)(void *)half, _mm256_add_epi64(place, place));
-        for (i = 0; i < 4; i++) {
-            pbw__store4((uint64_t *)(void *)sorted + half[(i & 1) * 2 + i / 2], pbw__load4(item + j + i));
-        }
+        pbw__put4(item + i, place, sorted);
     }
 }
 
 /* pbw__sort_lists by vectors.  Groups lists by length first, as lengths are unpredictable. */
 PBW__SIMD static void pbw__sort_lists_simd(const pbw__item *item, const pbw_index *end, unsigned lists,
-                                           pbw_index begin, pbw__item *sorted)
+                                           pbw_index begin, pbw__item *sorted, int dim)
 {
-    pbw_index by_fours[PBW__SHORT / 4 + 2][PBW__LISTS][2];
+    pbw_index by_fours[PBW__SHORT / 4 + 2][PBW__LISTS][2], from = begin, longest = 1;
     unsigned n[PBW__SHORT / 4 + 2], fours, i, l;
+    for (l = 0; l < lists && dim == 2; from = end[l++]) {
+        longest = end[l] - from > longest ? end[l] - from : longest;
+    }
+    if (dim == 2 && longest <= PBW__REACH + 1) {
+        pbw__sort_lists2_simd(item + begin, end[lists - 1] - begin, longest - 1, sorted + begin + 1);
+        return;
+    }
     memset(n, 0, sizeof(n));
     for (l = 0; l < lists; begin = end[l++]) {
         unsigned count = end[l] - begin;
@@ -7767,7 +7811,7 @@ PBW__INLINE void pbw__sort_region(const pbw__emission *emission, pbw__item *item
         const unsigned n = lists - r < PBW__LISTS ? (unsigned)(lists - r) : PBW__LISTS;
 #ifdef PBW__AVX2
         if (emission->simd) {
-            pbw__sort_lists_simd(item, end + r, n, begin, sorted);
+            pbw__sort_lists_simd(item, end + r, n, begin, sorted, emission->dim);
         } else
 #endif
         {
