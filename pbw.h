@@ -1975,19 +1975,19 @@ PBW__INLINE double pbw__power_of_two(int exponent)
 /* value = mantissa * 2^exponent; the exponent is returned, |mantissa| < 2^53. */
 PBW__INLINE int pbw__decode(double value, int64_t *mantissa)
 {
-    uint64_t bits = pbw__bits(value);
-    int64_t minus;
-    int field;
-    field = (int)(bits >> 52 & 2047);
-    minus = -(int64_t)(bits >> 63);                  /* -1 or 0: no branch on a random sign */
+    const uint64_t bits = pbw__bits(value);
+    const int64_t minus = -(int64_t)(bits >> 63);    /* -1 or 0: no branch on a random sign */
+    const int field = (int)(bits >> 52 & 2047);
     *mantissa = (int64_t)((bits & 0xfffffffffffff) | (uint64_t)(field != 0) << 52);
     *mantissa = (*mantissa ^ minus) - minus;
     return (field != 0 ? field : 1) - 1075;
 }
 
-/* Returns the number in `length` digits, without leading zeros or, in a negative number, leading -1. */
-PBW__DEVICE static pbw__integer pbw__trimmed(pbw__digit *digit, int length)
+/* Takes the number in the first `length` digits of the pool, without leading zeros or, if it is negative, leading
+   -1. */
+PBW__DEVICE static pbw__integer pbw__trimmed(pbw__digit **pool, int length)
 {
+    pbw__digit *digit = *pool;
     pbw__integer result;
     while (length > 1 && digit[length - 1] == -1) {
         digit[length - 2] -= (pbw__digit)1 << PBW__DIGIT_BITS;
@@ -1998,6 +1998,7 @@ PBW__DEVICE static pbw__integer pbw__trimmed(pbw__digit *digit, int length)
     }
     result.digit = digit;
     result.length = length;
+    *pool += length;
     return result;
 }
 
@@ -2005,7 +2006,6 @@ PBW__DEVICE static pbw__integer pbw__trimmed(pbw__digit *digit, int length)
 PBW__DEVICE static pbw__integer pbw__exact_difference(double a, double b, int unit, pbw__digit **pool)
 {
     pbw__digit *digit = *pool;
-    pbw__integer result;
     pbw__column carry = 0;
     int i, length = 0, side;
     for (side = 0; side < 2; side++) {
@@ -2035,16 +2035,13 @@ PBW__DEVICE static pbw__integer pbw__exact_difference(double a, double b, int un
         carry >>= PBW__DIGIT_BITS;
     }
     digit[length++] = (pbw__digit)carry;
-    result = pbw__trimmed(digit, length);
-    *pool += result.length;
-    return result;
+    return pbw__trimmed(pool, length);
 }
 
 /* Returns the sum of `count` products, column by column. */
 PBW__DEVICE static pbw__integer pbw__exact_sum(const pbw__product *product, int count, pbw__digit **pool)
 {
     pbw__digit *digit = *pool;
-    pbw__integer result;
     pbw__column column = 0;
     int i, j, k, length = 0;
     for (j = 0; j < count; j++) {
@@ -2065,9 +2062,7 @@ PBW__DEVICE static pbw__integer pbw__exact_sum(const pbw__product *product, int 
         column >>= PBW__DIGIT_BITS;
     }
     digit[length++] = (pbw__digit)column;
-    result = pbw__trimmed(digit, length);
-    *pool += result.length;
-    return result;
+    return pbw__trimmed(pool, length);
 }
 
 PBW__DEVICE static int pbw__exact_sign(const pbw__integer *a)
@@ -2142,12 +2137,6 @@ PBW__DEVICE static int pbw__exact_determinant_in(pbw__digit *pool, int dim, int 
     return dim == 2 ? sign : -sign;                  /* of the set of all rows */
 }
 
-static PBW__NOINLINE int pbw__exact_determinant(int dim, int count, const double *const *row, const double *origin,
-                                                int *orientation)
-{
-    pbw__digit pool[PBW__POOL];
-    return pbw__exact_determinant_in(pool, dim, count, row, origin, orientation);
-}
 /* ------------------------------------------------------------------------------------------------------
    >>grid         The coarsest grid that holds all records.
    In: records of coordinates and, if there are weights, a weight.  Out: their grid, or that there is none.
@@ -2432,8 +2421,7 @@ PBW__INLINE int pbw__filter_orient2(const double *a, const double *b, const doub
     double x1 = b[0] - c[0], y1 = b[1] - c[1];
     double mx = pbw__max_abs(x0, x1, x1, x1), my = pbw__max_abs(y0, y1, y1, y1);
     double det = x0 * y1 - x1 * y0;
-    return pbw__certain(det, PBW__FILTER_ORIENT2_ERROR * DBL_EPSILON * mx * my, mx < my ? mx : my,
-                        pbw__max(mx, my));
+    return pbw__certain(det, PBW__FILTER_ORIENT2_ERROR * DBL_EPSILON * mx * my, mx < my ? mx : my, pbw__max(mx, my));
 }
 
 PBW__INLINE int pbw__filter_orient3(const double *a, const double *b, const double *c, const double *d)
@@ -2455,8 +2443,7 @@ PBW__INLINE int pbw__filter_power2(const double *a, const double *b, const doubl
     double x2 = c[0] - p[0], y2 = c[1] - p[1], w2 = c[2] - p[2], l2 = x2 * x2 + y2 * y2;
     double mx = pbw__max_abs(x0, x1, x2, x2), my = pbw__max_abs(y0, y1, y2, y2);
     double ml = pbw__max(pbw__max(l0 + pbw__abs(w0), l1 + pbw__abs(w1)), l2 + pbw__abs(w2));
-    double det = (l0 - w0) * (x1 * y2 - x2 * y1) - (l1 - w1) * (x0 * y2 - x2 * y0)
-               + (l2 - w2) * (x0 * y1 - x1 * y0);
+    double det = (l0 - w0) * (x1 * y2 - x2 * y1) - (l1 - w1) * (x0 * y2 - x2 * y0) + (l2 - w2) * (x0 * y1 - x1 * y0);
     return pbw__certain(det, PBW__FILTER_POWER2_ERROR * DBL_EPSILON * mx * my * ml, mx < my ? mx : my, ml);
 }
 
@@ -2829,9 +2816,8 @@ PBW__DEVICE static PBW__NOINLINE int pbw__undecided_in(pbw__digit *pool, int dim
 static PBW__NOINLINE int pbw__undecided(int dim, const double *const *row, const double *origin,
                                         const pbw__grid *grid, int *orientation)
 {
-    const int sign = pbw__undecided_in(NULL, dim, row, origin, grid, orientation);
-    return sign != PBW__OPEN ? sign
-         : pbw__exact_determinant(dim, dim + (orientation != NULL), row, origin, orientation);
+    pbw__digit pool[PBW__POOL];
+    return pbw__undecided_in(pool, dim, row, origin, grid, orientation);
 }
 
 /* The verdict on a tie, a power determinant of 0.
