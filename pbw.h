@@ -648,7 +648,6 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #if defined(__GNUC__)
 #define PBW__INLINE PBW__DEVICE static inline __attribute__((always_inline, unused))
 #define PBW__NOINLINE __attribute__((noinline))
-#define PBW__UNUSED __attribute__((unused))
 #define PBW__LIKELY(x) __builtin_expect(!!(x), 1)
 #define PBW__UNLIKELY(x) __builtin_expect(!!(x), 0)
 #define PBW__PREFETCH(address) __builtin_prefetch(address)
@@ -656,7 +655,6 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #else
 #define PBW__INLINE PBW__DEVICE static inline
 #define PBW__NOINLINE
-#define PBW__UNUSED
 #define PBW__LIKELY(x) (x)
 #define PBW__UNLIKELY(x) (x)
 #define PBW__PREFETCH(address) ((void)(address))
@@ -666,14 +664,7 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #define PBW__PREFETCH_STREAM(array, i, end) PBW__PREFETCH((array) + ((i) + 512 < (end) ? (i) + 512 : (i)))
 
 /* Calls f(..., dim), compiled for each dimension. */
-#define PBW__BY_DIM(dim, f, ...) \
-    do { \
-        if ((dim) == 3) { \
-            f(__VA_ARGS__, 3); \
-        } else { \
-            f(__VA_ARGS__, 2); \
-        } \
-    } while (0)
+#define PBW__BY_DIM(dim, f, ...) ((dim) == 3 ? f(__VA_ARGS__, 3) : f(__VA_ARGS__, 2))
 
 /* The instructions of vectors: see >>lanes. */
 #if !defined(PBW_NO_SIMD) && defined(__GNUC__) && !(defined(PBW__FMA) && PBW__FMA == 0)
@@ -698,7 +689,6 @@ enum { PBW__WALK, PBW__CAVITY, PBW__STAR, PBW__EXACT, PBW__OTHER };
 #define PBW__LOAD(x) __atomic_load_n(x, __ATOMIC_RELAXED)
 #define PBW__STORE(x, y) __atomic_store_n(x, y, __ATOMIC_RELAXED)
 #define PBW__ADD(x, y) __atomic_fetch_add(x, y, __ATOMIC_RELAXED)
-#define PBW__SWAP(x, y) __atomic_exchange_n(x, y, __ATOMIC_RELAXED)
 #define PBW__CAS(x, old, y) __atomic_compare_exchange_n(x, old, y, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)
 /* Release pairs with acquire: what was written before a release is visible after the acquire. */
 #define PBW__STORE_RELEASE(x, y) __atomic_store_n(x, y, __ATOMIC_RELEASE)
@@ -709,7 +699,6 @@ enum { PBW__WALK, PBW__CAVITY, PBW__STAR, PBW__EXACT, PBW__OTHER };
 #define PBW__LOAD(x) pbw__atomic_load(x, sizeof(*(x)))
 #define PBW__STORE(x, y) pbw__atomic_store(x, (uint64_t)(y), sizeof(*(x)))
 #define PBW__ADD(x, y) pbw__atomic_add(x, (uint64_t)(y), sizeof(*(x)))
-#define PBW__SWAP(x, y) ((pbw_index)_InterlockedExchange((volatile long *)(x), (long)(y)))
 #define PBW__CAS(x, old, y) pbw__atomic_cas(x, old, (uint64_t)(y), sizeof(*(x)))
 #define PBW__STORE_RELEASE(x, y) PBW__STORE(x, y)
 #define PBW__LOAD_ACQUIRE(x) PBW__LOAD(x)
@@ -722,21 +711,13 @@ enum { PBW__WALK, PBW__CAVITY, PBW__STAR, PBW__EXACT, PBW__OTHER };
 #define PBW__LOAD(x) (*(x))
 #define PBW__STORE(x, y) ((void)(*(x) = (y)))
 #define PBW__ADD(x, y) ((*(x) += (y)) - (y))
-#define PBW__SWAP(x, y) pbw__swap(x, y)
 #define PBW__CAS(x, old, y) ((void)(old), *(x) = (y), 1)
 #define PBW__STORE_RELEASE(x, y) PBW__STORE(x, y)
 #define PBW__LOAD_ACQUIRE(x) PBW__LOAD(x)
 #define PBW__CAS_ACQUIRE(x, old, y) PBW__CAS(x, old, y)
 #endif
 
-#ifndef PBW__THREADS
-PBW__INLINE pbw_index pbw__swap(pbw_index *x, pbw_index y)
-{
-    pbw_index old = *x;
-    *x = y;
-    return old;
-}
-#elif !defined(__GNUC__)
+#if defined(PBW__THREADS) && !defined(__GNUC__)
 /* Words of 1, 4 or 8 bytes by the intrinsics of MSVC; the barriers are for the compiler. */
 PBW__INLINE uint64_t pbw__atomic_load(const volatile void *x, size_t size)
 {
@@ -812,20 +793,17 @@ static double pbw__seconds(void)                     /* wall clock: statistics, 
 
 /* The rounding mode, flush-to-zero and denormals-are-zero bits of this thread.  A program linked with -ffast-math
    starts with them set, whatever we were compiled with, so we set what we need and put it back. */
-typedef struct pbw__fp { uint64_t state; } pbw__fp;
+typedef uint64_t pbw__fp;
 
 static pbw__fp pbw__fp_enter(void)
 {
-    pbw__fp fp = { 0 };
+    pbw__fp fp = 0;
 #if defined(__SSE2__)
-    unsigned state = _mm_getcsr();
-    fp.state = state;
-    _mm_setcsr((state | 0x1f80u) & ~0xe040u);        /* exceptions masked; round to nearest; no FTZ, no DAZ */
+    fp = _mm_getcsr();
+    _mm_setcsr(((unsigned)fp | 0x1f80u) & ~0xe040u);         /* exceptions masked; round to nearest; no FTZ, no DAZ */
 #elif defined(__aarch64__) && defined(__GNUC__)
-    uint64_t state;
-    __asm__ __volatile__("mrs %0, fpcr" : "=r"(state));
-    fp.state = state;
-    __asm__ __volatile__("msr fpcr, %0" : : "r"(state & ~(uint64_t)0x01c09f00) : "memory");
+    __asm__ __volatile__("mrs %0, fpcr" : "=r"(fp));
+    __asm__ __volatile__("msr fpcr, %0" : : "r"(fp & ~(uint64_t)0x01c09f00) : "memory");
 #endif
     return fp;
 }
@@ -833,9 +811,9 @@ static pbw__fp pbw__fp_enter(void)
 static void pbw__fp_leave(pbw__fp fp)
 {
 #if defined(__SSE2__)
-    _mm_setcsr((unsigned)fp.state);
+    _mm_setcsr((unsigned)fp);
 #elif defined(__aarch64__) && defined(__GNUC__)
-    __asm__ __volatile__("msr fpcr, %0" : : "r"(fp.state) : "memory");
+    __asm__ __volatile__("msr fpcr, %0" : : "r"(fp) : "memory");
 #else
     (void)fp;
 #endif
@@ -979,9 +957,9 @@ static void pbw__wait_50ms(pbw__condition *condition, pbw__mutex *mutex)
 #define PBW__SIMD_INLINE static inline PBW__SIMD __attribute__((always_inline, unused))
 #ifdef PBW__NEON
 #define PBW__BY_ISA(avx2, neon) neon
-#define PBW__HALVES2(f, a, b) pbw__join(f(pbw__half0(a), pbw__half0(b)), f(pbw__half1(a), pbw__half1(b)))
-#define PBW__HALVES3(f, a, b, c) \
-    pbw__join(f(pbw__half0(a), pbw__half0(b), pbw__half0(c)), f(pbw__half1(a), pbw__half1(b), pbw__half1(c)))
+#define PBW__HALVES2(f, a, b) pbw__join(f(pbw__half(a, 0), pbw__half(b, 0)), f(pbw__half(a, 1), pbw__half(b, 1)))
+#define PBW__HALF3(f, a, b, c, i) f(pbw__half(a, i), pbw__half(b, i), pbw__half(c, i))
+#define PBW__HALVES3(f, a, b, c) pbw__join(PBW__HALF3(f, a, b, c, 0), PBW__HALF3(f, a, b, c, 1))
 typedef float64x2_t pbw__d2;
 typedef double pbw__d4 __attribute__((vector_size(32), aligned(16)));      /* the compiler splits sums, products */
 typedef int64_t pbw__l4 __attribute__((vector_size(32), aligned(16)));     /* and bitwise operations */
@@ -990,6 +968,7 @@ typedef union pbw__halves { pbw__d4 whole; pbw__d2 half[2]; } pbw__halves;
 #define PBW__BY_ISA(avx2, neon) avx2
 typedef __m128d pbw__d2;
 typedef __m256d pbw__d4;
+typedef __m256i pbw__l4;
 #endif
 typedef int32_t pbw__i4 __attribute__((vector_size(16)));
 
@@ -1007,18 +986,11 @@ PBW__INLINE int pbw__simd_works(void)
     }
 
 #ifdef PBW__NEON
-PBW__SIMD_INLINE pbw__d2 pbw__half0(pbw__d4 x)
+PBW__SIMD_INLINE pbw__d2 pbw__half(pbw__d4 x, int i)
 {
     pbw__halves halves;
     halves.whole = x;
-    return halves.half[0];
-}
-
-PBW__SIMD_INLINE pbw__d2 pbw__half1(pbw__d4 x)
-{
-    pbw__halves halves;
-    halves.whole = x;
-    return halves.half[1];
+    return halves.half[i];
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__join(pbw__d2 low, pbw__d2 high)
@@ -1029,10 +1001,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__join(pbw__d2 low, pbw__d2 high)
     return halves.whole;
 }
 
-PBW__SIMD_INLINE pbw__d2 pbw__blend2(pbw__d2 x, pbw__d2 y, pbw__d2 mask)
-{
-    return vbslq_f64((uint64x2_t)mask, y, x);
-}
+#define PBW__BLEND2(x, y, mask) vbslq_f64((uint64x2_t)mask, y, x)
 #endif
 
 /* Permute four doubles, four integers: the lanes of the result are lanes i, j, k, l, which are constants, of x. */
@@ -1053,18 +1022,11 @@ PBW__SIMD_INLINE pbw__i4 pbw__four_i(int32_t a, int32_t b, int32_t c, int32_t d)
 PBW__OPERATION(pbw__d4, pbw__splat, (double x),     /* x in each lane */
     _mm256_set1_pd(x), pbw__join(vdupq_n_f64(x), vdupq_n_f64(x)))
 
-PBW__SIMD_INLINE pbw__d4 pbw__four(double a, double b, double c, double d)
-{
-#ifdef PBW__AVX2
-    return _mm256_set_pd(d, c, b, a);
-#else
-    const pbw__d2 low = { a, b }, high = { c, d };
-    return pbw__join(low, high);
-#endif
-}
-
+PBW__OPERATION(pbw__d4, pbw__four, (double a, double b, double c, double d),
+    _mm256_set_pd(d, c, b, a),
+    pbw__join(vzip1q_f64(vdupq_n_f64(a), vdupq_n_f64(b)), vzip1q_f64(vdupq_n_f64(c), vdupq_n_f64(d))))
 PBW__OPERATION(double, pbw__first, (pbw__d4 x),     /* lane 0 */
-    _mm256_cvtsd_f64(x), vgetq_lane_f64(pbw__half0(x), 0))
+    _mm256_cvtsd_f64(x), vgetq_lane_f64(pbw__half(x, 0), 0))
 
 /* Loads the first two entries of four records: x from the first ones, y from the second ones. */
 PBW__SIMD_INLINE void pbw__columns(const double *a, const double *b, const double *c, const double *d, pbw__d4 *x,
@@ -1092,25 +1054,16 @@ PBW__OPERATION(pbw__d4, pbw__det2, (pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d),
 PBW__OPERATION(pbw__d4, pbw__max4, (pbw__d4 a, pbw__d4 b), _mm256_max_pd(a, b), PBW__HALVES2(vmaxq_f64, a, b))
 PBW__OPERATION(pbw__d4, pbw__min4, (pbw__d4 a, pbw__d4 b), _mm256_min_pd(a, b), PBW__HALVES2(vminq_f64, a, b))
 PBW__OPERATION(pbw__d4, pbw__sqrt4, (pbw__d4 x),
-    _mm256_sqrt_pd(x), pbw__join(vsqrtq_f64(pbw__half0(x)), vsqrtq_f64(pbw__half1(x))))
+    _mm256_sqrt_pd(x), pbw__join(vsqrtq_f64(pbw__half(x, 0)), vsqrtq_f64(pbw__half(x, 1))))
 PBW__OPERATION(pbw__d4, pbw__abs4, (pbw__d4 x),
-    _mm256_andnot_pd(_mm256_set1_pd(-0.0), x), pbw__join(vabsq_f64(pbw__half0(x)), vabsq_f64(pbw__half1(x))))
+    _mm256_andnot_pd(_mm256_set1_pd(-0.0), x), pbw__join(vabsq_f64(pbw__half(x, 0)), vabsq_f64(pbw__half(x, 1))))
 
 /* Return the largest lane, the smallest lane and the sum of the lanes, each broadcast to all lanes. */
-#ifdef PBW__AVX2
+#define PBW__NEXT(f, x) f(x, _mm256_permute_pd(x, 5))
 #define PBW__ACROSS(name, f, pair, all) \
-    PBW__SIMD_INLINE pbw__d4 name(pbw__d4 x) \
-    { \
-        x = f(x, _mm256_permute_pd(x, 5)); \
-        return f(x, _mm256_permute2f128_pd(x, x, 1)); \
-    }
-#else
-#define PBW__ACROSS(name, f, pair, all) \
-    PBW__SIMD_INLINE pbw__d4 name(pbw__d4 x) \
-    { \
-        return pbw__splat(all(pair(pbw__half0(x), pbw__half1(x)))); \
-    }
-#endif
+    PBW__OPERATION(pbw__d4, name, (pbw__d4 x), \
+        f(PBW__NEXT(f, x), PBW__PICK(PBW__NEXT(f, x), 2, 3, 0, 1)), \
+        pbw__splat(all(pair(pbw__half(x, 0), pbw__half(x, 1)))))
 PBW__ACROSS(pbw__max_lane, _mm256_max_pd, vmaxq_f64, vmaxvq_f64)
 PBW__ACROSS(pbw__min_lane, _mm256_min_pd, vminq_f64, vminvq_f64)
 PBW__ACROSS(pbw__sum_lanes, _mm256_add_pd, vpaddq_f64, vaddvq_f64)
@@ -1144,8 +1097,8 @@ PBW__SIMD_INLINE pbw__d4 pbw__reorder(pbw__d4 x, pbw__order4 order)
     return _mm256_castps_pd(_mm256_permutevar8x32_ps(_mm256_castpd_ps(x), order));
 #else
     uint8x16x2_t bytes;
-    bytes.val[0] = (uint8x16_t)pbw__half0(x);
-    bytes.val[1] = (uint8x16_t)pbw__half1(x);
+    bytes.val[0] = (uint8x16_t)pbw__half(x, 0);
+    bytes.val[1] = (uint8x16_t)pbw__half(x, 1);
     return pbw__join((pbw__d2)vqtbl2q_u8(bytes, order.low), (pbw__d2)vqtbl2q_u8(bytes, order.high));
 #endif
 }
@@ -1169,16 +1122,16 @@ PBW__SIMD_INLINE void pbw__store_rows(float *to, pbw__d4 a, pbw__d4 b, pbw__d4 c
     }
 #else
     float32x4x4_t columns;
-    columns.val[0] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half0(a)), pbw__half1(a));
-    columns.val[1] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half0(b)), pbw__half1(b));
-    columns.val[2] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half0(c)), pbw__half1(c));
-    columns.val[3] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half0(d)), pbw__half1(d));
+    columns.val[0] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half(a, 0)), pbw__half(a, 1));
+    columns.val[1] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half(b, 0)), pbw__half(b, 1));
+    columns.val[2] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half(c, 0)), pbw__half(c, 1));
+    columns.val[3] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half(d, 0)), pbw__half(d, 1));
     vst4q_f32(to, columns);
 #endif
 }
 
 PBW__OPERATION(pbw__d4, pbw__drop_last, (pbw__d4 x),     /* zero in lane 3 */
-    _mm256_blend_pd(x, _mm256_setzero_pd(), 8), pbw__join(pbw__half0(x), vsetq_lane_f64(0.0, pbw__half1(x), 1)))
+    _mm256_blend_pd(x, _mm256_setzero_pd(), 8), pbw__join(pbw__half(x, 0), vsetq_lane_f64(0.0, pbw__half(x, 1), 1)))
 
 /* Masks. */
 PBW__OPERATION(pbw__d4, pbw__greater, (pbw__d4 a, pbw__d4 b),
@@ -1193,16 +1146,12 @@ PBW__OPERATION(pbw__d4, pbw__mask, (const int64_t *from),
 
 PBW__SIMD_INLINE pbw__d4 pbw__lanes_mask(unsigned set)        /* of a set of lanes */
 {
-    static const int64_t mask[16][4] = {
-        { 0, 0, 0, 0 }, { -1, 0, 0, 0 }, { 0, -1, 0, 0 }, { -1, -1, 0, 0 }, { 0, 0, -1, 0 }, { -1, 0, -1, 0 },
-        { 0, -1, -1, 0 }, { -1, -1, -1, 0 }, { 0, 0, 0, -1 }, { -1, 0, 0, -1 }, { 0, -1, 0, -1 }, { -1, -1, 0, -1 },
-        { 0, 0, -1, -1 }, { -1, 0, -1, -1 }, { 0, -1, -1, -1 }, { -1, -1, -1, -1 }
-    };
-    return pbw__mask(mask[set]);
+    const pbw__l4 bit = { 1, 2, 4, 8 };
+    return (pbw__d4)((bit & (int64_t)set) == bit);
 }
 
 PBW__OPERATION(pbw__d4, pbw__blend, (pbw__d4 x, pbw__d4 y, pbw__d4 mask),     /* y in the lanes of the mask */
-    _mm256_blendv_pd(x, y, mask), PBW__HALVES3(pbw__blend2, x, y, mask))
+    _mm256_blendv_pd(x, y, mask), PBW__HALVES3(PBW__BLEND2, x, y, mask))
 PBW__OPERATION(pbw__d4, pbw__and4, (pbw__d4 mask, pbw__d4 x),     /* x, zero in other lanes */
     _mm256_and_pd(mask, x), (pbw__d4)((pbw__l4)mask & (pbw__l4)x))
 PBW__OPERATION(pbw__d4, pbw__andnot4, (pbw__d4 mask, pbw__d4 x),     /* x, zero in the lanes of the mask */
@@ -1218,7 +1167,7 @@ PBW__SIMD_INLINE unsigned pbw__signs(pbw__d4 x)      /* the set of negative lane
     return (unsigned)_mm256_movemask_pd(x);
 #else
     const int32x4_t place = { 0, 1, 2, 3 };
-    const uint32x4_t high = vuzp2q_u32((uint32x4_t)pbw__half0(x), (uint32x4_t)pbw__half1(x));
+    const uint32x4_t high = vuzp2q_u32((uint32x4_t)pbw__half(x, 0), (uint32x4_t)pbw__half(x, 1));
     return vaddvq_u32(vshlq_u32(vshrq_n_u32(high, 31), place));
 #endif
 }
@@ -7539,11 +7488,14 @@ static void pbw__emit_pass1(void *arg, int task)
 static void pbw__emit_others(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
-    pbw_index t = (pbw_index)emission->task[task].end, next, low;
+    pbw_index t = (pbw_index)emission->task[task].end, next, low, *last;
     for (; t != PBW_NONE; t = next) {
         next = emission->number[t];
         (void)pbw__lowest_ranks(emission, t, 1, &low);
-        emission->number[t] = PBW__SWAP(emission->chain + (low >> emission->store->region_bits), t);
+        last = emission->chain + (low >> emission->store->region_bits);
+        emission->number[t] = PBW__LOAD(last);
+        while (!PBW__CAS(last, emission->number + t, t)) {
+        }
         (void)PBW__ADD(emission->head + low, 1);
     }
 }
@@ -7627,13 +7579,6 @@ PBW__SIMD static void pbw__fill_lists_simd(const pbw__emission *emission, const 
     PBW__BY_DIM(emission->dim, pbw__fill_lists_simd_of, emission->corner, slot, count, emission->head, item);
 }
 
-/* Returns x with y in masked lanes.  Not by a byte blend: with -funsigned-char gcc 12 takes a mask's bytes for
-   unsigned. */
-PBW__SIMD_INLINE __m256i pbw__blend8(__m256i x, __m256i y, __m256i mask)
-{
-    return (__m256i)_mm256_blendv_ps((__m256)x, (__m256)y, (__m256)mask);
-}
-
 /* Returns the keys of four items. */
 PBW__SIMD_INLINE __m256i pbw__keys4(const pbw__item *item)
 {
@@ -7667,8 +7612,8 @@ PBW__SIMD_INLINE void pbw__sort_list_simd(const pbw__item *item, pbw_index begin
     item += begin;
     for (j = 0; j < all; j += 4) {
         keys[j / 4] = _mm256_xor_si256(pbw__keys4(item + j), sign);
-        if (j + 4 == all) {
-            keys[j / 4] = pbw__blend8(highest, keys[j / 4], real);
+        if (j + 4 == all) {                          /* by singles: -funsigned-char spoils gcc 12's blend of bytes */
+            keys[j / 4] = (__m256i)_mm256_blendv_ps((__m256)highest, (__m256)keys[j / 4], (__m256)real);
         }
         _mm256_storeu_si256((__m256i *)(void *)(key + j), keys[j / 4]);
     }
@@ -7746,17 +7691,6 @@ PBW__SIMD static void pbw__sort_lists_simd(const pbw__item *item, const pbw_inde
     }
 }
 #endif
-
-PBW__INLINE void pbw__fill_lists(const pbw__emission *emission, const pbw_index *slot, size_t count, pbw__item *item)
-{
-#ifdef PBW__AVX2
-    if (emission->simd) {
-        pbw__fill_lists_simd(emission, slot, count, item);
-        return;
-    }
-#endif
-    PBW__BY_DIM(emission->dim, pbw__fill_lists_of, emission->corner, slot, count, emission->head, item);
-}
 
 PBW__INLINE void pbw__sift(pbw__item *heap, size_t root, size_t count)
 {
@@ -7893,7 +7827,14 @@ PBW__INLINE void pbw__emit_region(const pbw__emission *emission, pbw__buffers *b
         end[r] = begin;
         begin += length;
     }
-    pbw__fill_lists(emission, slot, count, item);
+#ifdef PBW__AVX2
+    if (emission->simd) {
+        pbw__fill_lists_simd(emission, slot, count, item);
+    } else
+#endif
+    {
+        PBW__BY_DIM(emission->dim, pbw__fill_lists_of, emission->corner, slot, count, head, item);
+    }
     pbw__sort_region(emission, item, end, lists, buffers->sorted);
     item = emission->any_order ? item : buffers->sorted + 1;
     for (r = lists; r-- > 0; ) {
