@@ -1754,11 +1754,8 @@ static int pbw__thread_count(int asked, size_t count)
 {
 #ifdef PBW__THREADS
     size_t threads = (size_t)asked, most = count / PBW__SMALLER(8192) + 1;
-    if (asked == 0 && most == 1) {                   /* no system call */
-        return 1;
-    }
     if (asked == 0) {
-        long cores = PBW__CORES();
+        const long cores = most > 1 ? PBW__CORES() : 1;      /* else no system call */
         threads = cores < 1 ? 1 : cores < PBW__THREADS ? (size_t)cores : PBW__THREADS;
     }
     return (int)(threads < most ? threads : most);
@@ -1859,10 +1856,8 @@ static pbw_status pbw__for_range(pbw__context *context, size_t count, size_t gra
     ranges.end = context->reached = pbw__max(end, context->reached);
     pbw__for(context, context->threads <= 1 ? 1 : blocks < (size_t)context->threads ? (int)blocks : context->threads,
              pbw__take_ranges, &ranges);
-    if (ranges.failure != (size_t)-1) {
-        return (pbw_status)(ranges.failure % 64);
-    }
-    return PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
+    return ranges.failure != (size_t)-1 ? (pbw_status)(ranges.failure % 64)
+         : PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>exact        Integers of just enough width, and the one determinant that is computed with them.
@@ -3189,8 +3184,7 @@ PBW__SIMD_INLINE pbw__u8 pbw__cells8(const pbw__box *box, int k, pbw__d4 x0, pbw
 {
     const double last = (double)(((uint32_t)1 << box->bits) - 1);
     const pbw__d4 scale = pbw__splat(box->scale), low = scale * pbw__splat(box->low[k]);
-    const pbw__d4 cells = pbw__splat(last + 1.0);
-    const pbw__d4 extent = pbw__splat(box->extent), most = pbw__splat(last);
+    const pbw__d4 cells = pbw__splat(last + 1.0), extent = pbw__splat(box->extent), most = pbw__splat(last);
     const __m128i first = _mm256_cvttpd_epi32(_mm256_min_pd((scale * x0 - low) / extent * cells, most));
     const __m128i second = _mm256_cvttpd_epi32(_mm256_min_pd((scale * x1 - low) / extent * cells, most));
     return (pbw__u8)_mm256_inserti128_si256(_mm256_castsi128_si256(first), second, 1);
@@ -3572,10 +3566,7 @@ static void pbw__keying_keys(void *arg, int task)
         from = pbw__keying_plane(keying, from, to);
     }
 #endif
-    if (from == to) {
-        return;
-    }
-    if (ordering->curve.levels == 0) {               /* never with several tasks */
+    if (from < to && ordering->curve.levels == 0) {          /* never with several tasks */
         pbw__curve_create(&ordering->curve, ordering->input->count, ordering->input->dim);
     }
     if (ordering->curve.levels == 1) {
@@ -3803,8 +3794,7 @@ static void pbw__order_part(void *arg, int task)
                 depth--;
             }
         }
-        r = dim == 3 ? pbw__order_place(ordering, part, from, i, r, 3)
-                     : pbw__order_place(ordering, part, from, i, r, 2);
+        r = PBW__BY_DIM(dim, pbw__order_place, ordering, part, from, i, r);
         if (!input->bare) {
             pbw__grid_add(&share, ordering->vertices->record + (old + 1) * width, r - old, dim, (int)width);
         }
@@ -3856,8 +3846,7 @@ static int pbw__order_cut(pbw__ordering *ordering)
         if (next->to - next->from > 16 * share) {
             const int all = pbw__tasks(ordering->context, next->to - next->from, 16384);
             if ((part.low == ordering->index_bits && !pbw__order_keys(ordering, next, 0, ordering->boxes, all))
-                || (!next->settled
-                    && !pbw__order_sort(ordering, next, ordering->index_bits, ordering->start, all))) {
+                || (!next->settled && !pbw__order_sort(ordering, next, ordering->index_bits, ordering->start, all))) {
                 return 0;
             }
         } else {
@@ -4769,9 +4758,7 @@ PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, c
         t = (pbw_index)(kernel->link[4 * (size_t)t + exit] >> 2);
     }
 }
-#endif
 
-#ifdef PBW__SIMD
 /* Returns the bound on the error of an in-circle determinant of rows no higher than h. */
 PBW__SIMD_INLINE pbw__d4 pbw__circle_limit(pbw__d4 h)
 {
@@ -6166,10 +6153,7 @@ static PBW__NOINLINE pbw_status pbw__replace(pbw__kernel *kernel, pbw_index t, p
     status = dim == 3 ? pbw__carve3_scalar(kernel, t, p) : pbw__carve2(kernel, t, p);
     PBW__PHASE(PBW__STAR);
     status = status == PBW_OK ? pbw__take_slots(kernel) : status;
-    if (status == PBW_OK) {
-        status = dim == 3 ? pbw__refill3(kernel, vertex) : pbw__refill2(kernel, vertex);
-    }
-    return status;
+    return status != PBW_OK ? status : dim == 3 ? pbw__refill3(kernel, vertex) : pbw__refill2(kernel, vertex);
 }
 
 /* Inserts a vertex, which may turn out to be hidden.  PBW__LEFT: another task owns a zone that this one needs. */
@@ -6181,7 +6165,7 @@ static pbw_status pbw__insert_scalar(pbw__kernel *kernel, pbw_index vertex)
     pbw__copy_record(pbw__record_at(kernel, vertex), p, kernel->dim, kernel->weighted);
     PBW__PHASE(PBW__WALK);
     if (t != PBW__FOREIGN) {
-        t = kernel->dim == 3 ? pbw__locate_of(kernel, t, p, 3) : pbw__locate_of(kernel, t, p, 2);
+        t = PBW__BY_DIM(kernel->dim, pbw__locate_of, kernel, t, p);
     }
     status = pbw__located(kernel, t);
     if (t == PBW_NONE || status != PBW_OK) {
@@ -6770,15 +6754,9 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
     build.grid = grid;
     build.statistics = statistics;
     status = pbw__store_create(context, store, vertices->count, vertices->dim);
-    if (status == PBW_OK) {
-        status = pbw__more_kernels(&build, 1);
-    }
-    if (status == PBW_OK) {
-        status = pbw__seeds(build.kernel[0], vertices->count, vertices->dim, build.seed);
-    }
-    if (status == PBW_OK) {
-        status = pbw__first_star(build.kernel[0], vertices->dim, build.seed);
-    }
+    status = status == PBW_OK ? pbw__more_kernels(&build, 1) : status;
+    status = status == PBW_OK ? pbw__seeds(build.kernel[0], vertices->count, vertices->dim, build.seed) : status;
+    status = status == PBW_OK ? pbw__first_star(build.kernel[0], vertices->dim, build.seed) : status;
     for (i = 0; status == PBW_OK && context->options.trace != NULL && i <= vertices->dim; i++) {
         context->options.trace[vertices->id[build.seed[i]]] = 0;
     }
@@ -7199,8 +7177,7 @@ static pbw_status pbw__end_round(pbw__build *build)
     if (status != PBW_OK) {
         return status;
     }
-    if (count > build->left_capacity
-        && !PBW__RESIZE(&build->context->memory, build, left, count)) {
+    if (count > build->left_capacity && !PBW__RESIZE(&build->context->memory, build, left, count)) {
         return PBW_ERROR_MEMORY;
     }
     build->left_count = 0;
@@ -8081,14 +8058,12 @@ static void pbw__emit_slots(const pbw__emission *emission, size_t from, size_t e
 /* Writes the simplices set aside if their places are free. */
 static void pbw__emit_aside(const pbw__emission *emission, pbw__aside *aside)
 {
-    size_t i = 0;
-    while (i < aside->count) {
+    size_t i;
+    for (i = aside->count; i-- > 0; ) {
         pbw__emitted *simplex = aside->simplex + i;
         if (pbw__emit_free(emission, aside, simplex->place, emission->dim)) {
             pbw__emit_place(emission, simplex, emission->dim);
             *simplex = aside->simplex[--aside->count];
-        } else {
-            i++;
         }
     }
 }
@@ -8162,13 +8137,11 @@ static pbw_status pbw__emit_pass5(void *arg, size_t from, size_t to)
     pbw__emission *emission = (pbw__emission *)arg;
     size_t v = from + 1, end = to + 1, visible = 0;
     for (; v < end; v++) {
-        pbw_index first = emission->head[v];
+        const pbw_index first = emission->first != NULL && emission->first[v] < emission->head[v] ? emission->first[v]
+                                                                                                 : emission->head[v];
         PBW__PREFETCH_STREAM(emission->head, v, end);
         PBW__PREFETCH_STREAM(emission->id, v, end);
         PBW__PREFETCH_TO_WRITE(emission->incident + emission->id[v + PBW__SOON < end ? v + PBW__SOON : v]);
-        if (emission->first != NULL) {
-            first = emission->first[v] < first ? emission->first[v] : first;
-        }
         emission->incident[emission->id[v]] = first;
         visible += first != PBW_NONE;
     }
@@ -8187,15 +8160,13 @@ static int pbw__emit_begin(pbw__emission *emission)
 {
     pbw__memory *memory = &emission->context->memory;
     const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1);
-    if (!emission->apart) {
-        emission->to_corner = emission->corner;
-        emission->to_link = (pbw_index *)(void *)emission->link;
-    } else {
+    const int links = emission->link != NULL;
+    emission->to_corner = emission->corner;
+    emission->to_link = (pbw_index *)(void *)emission->link;
+    if (emission->apart) {
         emission->to_corner = (pbw_index *)pbw__allocate(memory, entries, sizeof(pbw_index));
-        if (emission->link != NULL) {
-            emission->to_link = (pbw_index *)pbw__allocate(memory, entries, sizeof(pbw_index));
-        }
-        emission->failed = emission->to_corner == NULL || (emission->to_link == NULL && emission->link != NULL);
+        emission->to_link = links ? (pbw_index *)pbw__allocate(memory, entries, sizeof(pbw_index)) : NULL;
+        emission->failed = emission->to_corner == NULL || (emission->to_link == NULL && links);
     }
     return !emission->failed;
 }
