@@ -2223,8 +2223,7 @@ static void pbw__grid_close(pbw__grid *grid, const pbw__grid_share *shares, int 
     pbw__grid_share all;
     double inverse = 0.0, span = 0.0, limit = 1.0;
     int bits = 0, i, k;
-    grid->inverse_unit = 0.0;
-    grid->bits = 0;
+    memset(grid, 0, sizeof(*grid));
     pbw__grid_share_reset(&all);
     for (i = 0; i < count; i++) {
         all.unit = shares[i].unit < all.unit ? shares[i].unit : all.unit;
@@ -2944,13 +2943,14 @@ typedef struct pbw__input {
     int dim, is_float, borrow, bare;                 /* bare: no two points are at one place, and only their order is
                                                         wanted, so no records and canonical points are made */
     int live;                                        /* records have a weight even if the points have none */
-    size_t count, stride, weight_stride;
+    size_t count, stride, weight_stride, last;       /* last: bytes of a point before its last coordinate */
     const char *points, *weights;
 } pbw__input;
 
 static pbw__input pbw__input_of(int dim, int is_float, const void *points, const void *weights, size_t count)
 {
-    const pbw__input input = { dim, is_float, 0, 0, 0, count, 0, 0, (const char *)points, (const char *)weights };
+    const size_t at = (size_t)(dim - 1) * (is_float ? sizeof(float) : sizeof(double));
+    const pbw__input input = { dim, is_float, 0, 0, 0, count, 0, 0, at, (const char *)points, (const char *)weights };
     return input;
 }
 
@@ -3024,7 +3024,7 @@ PBW__INLINE void pbw__fetch_soon(const pbw__input *input, size_t i)
 {
     const char *point = input->points + i * input->stride;
     PBW__PREFETCH(point);
-    PBW__PREFETCH(point + (size_t)(input->dim - 1) * (input->is_float ? sizeof(float) : sizeof(double)));
+    PBW__PREFETCH(point + input->last);
     if (input->weights != NULL) {
         PBW__PREFETCH(input->weights + i * input->weight_stride);
     }
