@@ -648,7 +648,6 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #if defined(__GNUC__)
 #define PBW__INLINE PBW__DEVICE static inline __attribute__((always_inline, unused))
 #define PBW__NOINLINE __attribute__((noinline))
-#define PBW__UNUSED __attribute__((unused))
 #define PBW__LIKELY(x) __builtin_expect(!!(x), 1)
 #define PBW__UNLIKELY(x) __builtin_expect(!!(x), 0)
 #define PBW__PREFETCH(address) __builtin_prefetch(address)
@@ -656,7 +655,6 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #else
 #define PBW__INLINE PBW__DEVICE static inline
 #define PBW__NOINLINE
-#define PBW__UNUSED
 #define PBW__LIKELY(x) (x)
 #define PBW__UNLIKELY(x) (x)
 #define PBW__PREFETCH(address) ((void)(address))
@@ -666,14 +664,7 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #define PBW__PREFETCH_STREAM(array, i, end) PBW__PREFETCH((array) + ((i) + 512 < (end) ? (i) + 512 : (i)))
 
 /* Calls f(..., dim), compiled for each dimension. */
-#define PBW__BY_DIM(dim, f, ...) \
-    do { \
-        if ((dim) == 3) { \
-            f(__VA_ARGS__, 3); \
-        } else { \
-            f(__VA_ARGS__, 2); \
-        } \
-    } while (0)
+#define PBW__BY_DIM(dim, f, ...) ((dim) == 3 ? f(__VA_ARGS__, 3) : f(__VA_ARGS__, 2))
 
 /* The instructions of vectors: see >>lanes. */
 #if !defined(PBW_NO_SIMD) && defined(__GNUC__) && !(defined(PBW__FMA) && PBW__FMA == 0)
@@ -698,7 +689,6 @@ enum { PBW__WALK, PBW__CAVITY, PBW__STAR, PBW__EXACT, PBW__OTHER };
 #define PBW__LOAD(x) __atomic_load_n(x, __ATOMIC_RELAXED)
 #define PBW__STORE(x, y) __atomic_store_n(x, y, __ATOMIC_RELAXED)
 #define PBW__ADD(x, y) __atomic_fetch_add(x, y, __ATOMIC_RELAXED)
-#define PBW__SWAP(x, y) __atomic_exchange_n(x, y, __ATOMIC_RELAXED)
 #define PBW__CAS(x, old, y) __atomic_compare_exchange_n(x, old, y, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)
 /* Release pairs with acquire: what was written before a release is visible after the acquire. */
 #define PBW__STORE_RELEASE(x, y) __atomic_store_n(x, y, __ATOMIC_RELEASE)
@@ -709,7 +699,6 @@ enum { PBW__WALK, PBW__CAVITY, PBW__STAR, PBW__EXACT, PBW__OTHER };
 #define PBW__LOAD(x) pbw__atomic_load(x, sizeof(*(x)))
 #define PBW__STORE(x, y) pbw__atomic_store(x, (uint64_t)(y), sizeof(*(x)))
 #define PBW__ADD(x, y) pbw__atomic_add(x, (uint64_t)(y), sizeof(*(x)))
-#define PBW__SWAP(x, y) ((pbw_index)_InterlockedExchange((volatile long *)(x), (long)(y)))
 #define PBW__CAS(x, old, y) pbw__atomic_cas(x, old, (uint64_t)(y), sizeof(*(x)))
 #define PBW__STORE_RELEASE(x, y) PBW__STORE(x, y)
 #define PBW__LOAD_ACQUIRE(x) PBW__LOAD(x)
@@ -722,21 +711,13 @@ enum { PBW__WALK, PBW__CAVITY, PBW__STAR, PBW__EXACT, PBW__OTHER };
 #define PBW__LOAD(x) (*(x))
 #define PBW__STORE(x, y) ((void)(*(x) = (y)))
 #define PBW__ADD(x, y) ((*(x) += (y)) - (y))
-#define PBW__SWAP(x, y) pbw__swap(x, y)
 #define PBW__CAS(x, old, y) ((void)(old), *(x) = (y), 1)
 #define PBW__STORE_RELEASE(x, y) PBW__STORE(x, y)
 #define PBW__LOAD_ACQUIRE(x) PBW__LOAD(x)
 #define PBW__CAS_ACQUIRE(x, old, y) PBW__CAS(x, old, y)
 #endif
 
-#ifndef PBW__THREADS
-PBW__INLINE pbw_index pbw__swap(pbw_index *x, pbw_index y)
-{
-    pbw_index old = *x;
-    *x = y;
-    return old;
-}
-#elif !defined(__GNUC__)
+#if defined(PBW__THREADS) && !defined(__GNUC__)
 /* Words of 1, 4 or 8 bytes by the intrinsics of MSVC; the barriers are for the compiler. */
 PBW__INLINE uint64_t pbw__atomic_load(const volatile void *x, size_t size)
 {
@@ -812,20 +793,17 @@ static double pbw__seconds(void)                     /* wall clock: statistics, 
 
 /* The rounding mode, flush-to-zero and denormals-are-zero bits of this thread.  A program linked with -ffast-math
    starts with them set, whatever we were compiled with, so we set what we need and put it back. */
-typedef struct pbw__fp { uint64_t state; } pbw__fp;
+typedef uint64_t pbw__fp;
 
 static pbw__fp pbw__fp_enter(void)
 {
-    pbw__fp fp = { 0 };
+    pbw__fp fp = 0;
 #if defined(__SSE2__)
-    unsigned state = _mm_getcsr();
-    fp.state = state;
-    _mm_setcsr((state | 0x1f80u) & ~0xe040u);        /* exceptions masked; round to nearest; no FTZ, no DAZ */
+    fp = _mm_getcsr();
+    _mm_setcsr(((unsigned)fp | 0x1f80u) & ~0xe040u);         /* exceptions masked; round to nearest; no FTZ, no DAZ */
 #elif defined(__aarch64__) && defined(__GNUC__)
-    uint64_t state;
-    __asm__ __volatile__("mrs %0, fpcr" : "=r"(state));
-    fp.state = state;
-    __asm__ __volatile__("msr fpcr, %0" : : "r"(state & ~(uint64_t)0x01c09f00) : "memory");
+    __asm__ __volatile__("mrs %0, fpcr" : "=r"(fp));
+    __asm__ __volatile__("msr fpcr, %0" : : "r"(fp & ~(uint64_t)0x01c09f00) : "memory");
 #endif
     return fp;
 }
@@ -833,9 +811,9 @@ static pbw__fp pbw__fp_enter(void)
 static void pbw__fp_leave(pbw__fp fp)
 {
 #if defined(__SSE2__)
-    _mm_setcsr((unsigned)fp.state);
+    _mm_setcsr((unsigned)fp);
 #elif defined(__aarch64__) && defined(__GNUC__)
-    __asm__ __volatile__("msr fpcr, %0" : : "r"(fp.state) : "memory");
+    __asm__ __volatile__("msr fpcr, %0" : : "r"(fp) : "memory");
 #else
     (void)fp;
 #endif
@@ -978,9 +956,9 @@ static void pbw__wait_50ms(pbw__condition *condition, pbw__mutex *mutex)
 #define PBW__SIMD_INLINE static inline PBW__SIMD __attribute__((always_inline, unused))
 #ifdef PBW__NEON
 #define PBW__BY_ISA(avx2, neon) neon
-#define PBW__HALVES2(f, a, b) pbw__join(f(pbw__half0(a), pbw__half0(b)), f(pbw__half1(a), pbw__half1(b)))
-#define PBW__HALVES3(f, a, b, c) \
-    pbw__join(f(pbw__half0(a), pbw__half0(b), pbw__half0(c)), f(pbw__half1(a), pbw__half1(b), pbw__half1(c)))
+#define PBW__HALVES2(f, a, b) pbw__join(f(pbw__half(a, 0), pbw__half(b, 0)), f(pbw__half(a, 1), pbw__half(b, 1)))
+#define PBW__HALF3(f, a, b, c, i) f(pbw__half(a, i), pbw__half(b, i), pbw__half(c, i))
+#define PBW__HALVES3(f, a, b, c) pbw__join(PBW__HALF3(f, a, b, c, 0), PBW__HALF3(f, a, b, c, 1))
 typedef float64x2_t pbw__d2;
 typedef double pbw__d4 __attribute__((vector_size(32), aligned(16)));      /* the compiler splits sums, products */
 typedef int64_t pbw__l4 __attribute__((vector_size(32), aligned(16)));     /* and bitwise operations */
@@ -989,6 +967,7 @@ typedef union pbw__halves { pbw__d4 whole; pbw__d2 half[2]; } pbw__halves;
 #define PBW__BY_ISA(avx2, neon) avx2
 typedef __m128d pbw__d2;
 typedef __m256d pbw__d4;
+typedef __m256i pbw__l4;
 #endif
 typedef int32_t pbw__i4 __attribute__((vector_size(16)));
 
@@ -1006,18 +985,11 @@ PBW__INLINE int pbw__simd_works(void)
     }
 
 #ifdef PBW__NEON
-PBW__SIMD_INLINE pbw__d2 pbw__half0(pbw__d4 x)
+PBW__SIMD_INLINE pbw__d2 pbw__half(pbw__d4 x, int i)
 {
     pbw__halves halves;
     halves.whole = x;
-    return halves.half[0];
-}
-
-PBW__SIMD_INLINE pbw__d2 pbw__half1(pbw__d4 x)
-{
-    pbw__halves halves;
-    halves.whole = x;
-    return halves.half[1];
+    return halves.half[i];
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__join(pbw__d2 low, pbw__d2 high)
@@ -1028,10 +1000,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__join(pbw__d2 low, pbw__d2 high)
     return halves.whole;
 }
 
-PBW__SIMD_INLINE pbw__d2 pbw__blend2(pbw__d2 x, pbw__d2 y, pbw__d2 mask)
-{
-    return vbslq_f64((uint64x2_t)mask, y, x);
-}
+#define PBW__BLEND2(x, y, mask) vbslq_f64((uint64x2_t)mask, y, x)
 #endif
 
 /* Permute four doubles, four integers: the result has lanes i, j, k, l (constants) of x. */
@@ -1052,18 +1021,11 @@ PBW__SIMD_INLINE pbw__i4 pbw__four_i(int32_t a, int32_t b, int32_t c, int32_t d)
 PBW__OPERATION(pbw__d4, pbw__splat, (double x),     /* x in each lane */
     _mm256_set1_pd(x), pbw__join(vdupq_n_f64(x), vdupq_n_f64(x)))
 
-PBW__SIMD_INLINE pbw__d4 pbw__four(double a, double b, double c, double d)
-{
-#ifdef PBW__AVX2
-    return _mm256_set_pd(d, c, b, a);
-#else
-    const pbw__d2 low = { a, b }, high = { c, d };
-    return pbw__join(low, high);
-#endif
-}
-
+PBW__OPERATION(pbw__d4, pbw__four, (double a, double b, double c, double d),
+    _mm256_set_pd(d, c, b, a),
+    pbw__join(vzip1q_f64(vdupq_n_f64(a), vdupq_n_f64(b)), vzip1q_f64(vdupq_n_f64(c), vdupq_n_f64(d))))
 PBW__OPERATION(double, pbw__first, (pbw__d4 x),     /* lane 0 */
-    _mm256_cvtsd_f64(x), vgetq_lane_f64(pbw__half0(x), 0))
+    _mm256_cvtsd_f64(x), vgetq_lane_f64(pbw__half(x, 0), 0))
 
 /* Loads two entries of each of four records: the first ones into *x, the second ones into *y. */
 PBW__SIMD_INLINE void pbw__columns(const double *a, const double *b, const double *c, const double *d, pbw__d4 *x,
@@ -1089,26 +1051,18 @@ PBW__OPERATION(pbw__d4, pbw__fnma, (pbw__d4 a, pbw__d4 b, pbw__d4 c),     /* c -
 PBW__OPERATION(pbw__d4, pbw__det2, (pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d),
     _mm256_fmsub_pd(a, d, b * c), pbw__fnma(b, c, a * d))
 PBW__OPERATION(pbw__d4, pbw__max4, (pbw__d4 a, pbw__d4 b), _mm256_max_pd(a, b), PBW__HALVES2(vmaxq_f64, a, b))
+PBW__OPERATION(pbw__d4, pbw__min4, (pbw__d4 a, pbw__d4 b), _mm256_min_pd(a, b), PBW__HALVES2(vminq_f64, a, b))
 PBW__OPERATION(pbw__d4, pbw__sqrt4, (pbw__d4 x),
-    _mm256_sqrt_pd(x), pbw__join(vsqrtq_f64(pbw__half0(x)), vsqrtq_f64(pbw__half1(x))))
+    _mm256_sqrt_pd(x), pbw__join(vsqrtq_f64(pbw__half(x, 0)), vsqrtq_f64(pbw__half(x, 1))))
 PBW__OPERATION(pbw__d4, pbw__abs4, (pbw__d4 x),
-    _mm256_andnot_pd(_mm256_set1_pd(-0.0), x), pbw__join(vabsq_f64(pbw__half0(x)), vabsq_f64(pbw__half1(x))))
+    _mm256_andnot_pd(_mm256_set1_pd(-0.0), x), pbw__join(vabsq_f64(pbw__half(x, 0)), vabsq_f64(pbw__half(x, 1))))
 
-/* Return the largest lane, the smallest lane and the sum of all lanes, broadcast. */
-#ifdef PBW__AVX2
+/* Return the largest lane, the smallest lane and the sum of the lanes, each broadcast to all lanes. */
+#define PBW__NEXT(f, x) f(x, _mm256_permute_pd(x, 5))
 #define PBW__ACROSS(name, f, pair, all) \
-    PBW__SIMD_INLINE pbw__d4 name(pbw__d4 x) \
-    { \
-        x = f(x, _mm256_permute_pd(x, 5)); \
-        return f(x, _mm256_permute2f128_pd(x, x, 1)); \
-    }
-#else
-#define PBW__ACROSS(name, f, pair, all) \
-    PBW__SIMD_INLINE pbw__d4 name(pbw__d4 x) \
-    { \
-        return pbw__splat(all(pair(pbw__half0(x), pbw__half1(x)))); \
-    }
-#endif
+    PBW__OPERATION(pbw__d4, name, (pbw__d4 x), \
+        f(PBW__NEXT(f, x), PBW__PICK(PBW__NEXT(f, x), 2, 3, 0, 1)), \
+        pbw__splat(all(pair(pbw__half(x, 0), pbw__half(x, 1)))))
 PBW__ACROSS(pbw__max_lane, _mm256_max_pd, vmaxq_f64, vmaxvq_f64)
 PBW__ACROSS(pbw__min_lane, _mm256_min_pd, vminq_f64, vminvq_f64)
 PBW__ACROSS(pbw__sum_lanes, _mm256_add_pd, vpaddq_f64, vaddvq_f64)
@@ -1142,8 +1096,8 @@ PBW__SIMD_INLINE pbw__d4 pbw__reorder(pbw__d4 x, pbw__order4 order)
     return _mm256_castps_pd(_mm256_permutevar8x32_ps(_mm256_castpd_ps(x), order));
 #else
     uint8x16x2_t bytes;
-    bytes.val[0] = (uint8x16_t)pbw__half0(x);
-    bytes.val[1] = (uint8x16_t)pbw__half1(x);
+    bytes.val[0] = (uint8x16_t)pbw__half(x, 0);
+    bytes.val[1] = (uint8x16_t)pbw__half(x, 1);
     return pbw__join((pbw__d2)vqtbl2q_u8(bytes, order.low), (pbw__d2)vqtbl2q_u8(bytes, order.high));
 #endif
 }
@@ -1167,16 +1121,16 @@ PBW__SIMD_INLINE void pbw__store_rows(float *to, pbw__d4 a, pbw__d4 b, pbw__d4 c
     }
 #else
     float32x4x4_t columns;
-    columns.val[0] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half0(a)), pbw__half1(a));
-    columns.val[1] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half0(b)), pbw__half1(b));
-    columns.val[2] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half0(c)), pbw__half1(c));
-    columns.val[3] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half0(d)), pbw__half1(d));
+    columns.val[0] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half(a, 0)), pbw__half(a, 1));
+    columns.val[1] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half(b, 0)), pbw__half(b, 1));
+    columns.val[2] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half(c, 0)), pbw__half(c, 1));
+    columns.val[3] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half(d, 0)), pbw__half(d, 1));
     vst4q_f32(to, columns);
 #endif
 }
 
 PBW__OPERATION(pbw__d4, pbw__drop_last, (pbw__d4 x),     /* zero in lane 3 */
-    _mm256_blend_pd(x, _mm256_setzero_pd(), 8), pbw__join(pbw__half0(x), vsetq_lane_f64(0.0, pbw__half1(x), 1)))
+    _mm256_blend_pd(x, _mm256_setzero_pd(), 8), pbw__join(pbw__half(x, 0), vsetq_lane_f64(0.0, pbw__half(x, 1), 1)))
 
 /* Masks. */
 PBW__OPERATION(pbw__d4, pbw__greater, (pbw__d4 a, pbw__d4 b),
@@ -1191,16 +1145,12 @@ PBW__OPERATION(pbw__d4, pbw__mask, (const int64_t *from),
 
 PBW__SIMD_INLINE pbw__d4 pbw__lanes_mask(unsigned set)        /* of a set of lanes */
 {
-    static const int64_t mask[16][4] = {
-        { 0, 0, 0, 0 }, { -1, 0, 0, 0 }, { 0, -1, 0, 0 }, { -1, -1, 0, 0 }, { 0, 0, -1, 0 }, { -1, 0, -1, 0 },
-        { 0, -1, -1, 0 }, { -1, -1, -1, 0 }, { 0, 0, 0, -1 }, { -1, 0, 0, -1 }, { 0, -1, 0, -1 }, { -1, -1, 0, -1 },
-        { 0, 0, -1, -1 }, { -1, 0, -1, -1 }, { 0, -1, -1, -1 }, { -1, -1, -1, -1 }
-    };
-    return pbw__mask(mask[set]);
+    const pbw__l4 bit = { 1, 2, 4, 8 };
+    return (pbw__d4)((bit & (int64_t)set) == bit);
 }
 
 PBW__OPERATION(pbw__d4, pbw__blend, (pbw__d4 x, pbw__d4 y, pbw__d4 mask),     /* y in the lanes of the mask */
-    _mm256_blendv_pd(x, y, mask), PBW__HALVES3(pbw__blend2, x, y, mask))
+    _mm256_blendv_pd(x, y, mask), PBW__HALVES3(PBW__BLEND2, x, y, mask))
 PBW__OPERATION(pbw__d4, pbw__and4, (pbw__d4 mask, pbw__d4 x),     /* x, zero in other lanes */
     _mm256_and_pd(mask, x), (pbw__d4)((pbw__l4)mask & (pbw__l4)x))
 PBW__OPERATION(pbw__d4, pbw__andnot4, (pbw__d4 mask, pbw__d4 x),     /* x, zero in the lanes of the mask */
@@ -1216,7 +1166,7 @@ PBW__SIMD_INLINE unsigned pbw__signs(pbw__d4 x)      /* the set of negative lane
     return (unsigned)_mm256_movemask_pd(x);
 #else
     const int32x4_t place = { 0, 1, 2, 3 };
-    const uint32x4_t high = vuzp2q_u32((uint32x4_t)pbw__half0(x), (uint32x4_t)pbw__half1(x));
+    const uint32x4_t high = vuzp2q_u32((uint32x4_t)pbw__half(x, 0), (uint32x4_t)pbw__half(x, 1));
     return vaddvq_u32(vshlq_u32(vshrq_n_u32(high, 31), place));
 #endif
 }
@@ -1804,11 +1754,8 @@ static int pbw__thread_count(int asked, size_t count)
 {
 #ifdef PBW__THREADS
     size_t threads = (size_t)asked, most = count / PBW__SMALLER(8192) + 1;
-    if (asked == 0 && most == 1) {                   /* no system call */
-        return 1;
-    }
     if (asked == 0) {
-        long cores = PBW__CORES();
+        const long cores = most > 1 ? PBW__CORES() : 1;      /* else no system call */
         threads = cores < 1 ? 1 : cores < PBW__THREADS ? (size_t)cores : PBW__THREADS;
     }
     return (int)(threads < most ? threads : most);
@@ -1909,10 +1856,8 @@ static pbw_status pbw__for_range(pbw__context *context, size_t count, size_t gra
     ranges.end = context->reached = pbw__max(end, context->reached);
     pbw__for(context, context->threads <= 1 ? 1 : blocks < (size_t)context->threads ? (int)blocks : context->threads,
              pbw__take_ranges, &ranges);
-    if (ranges.failure != (size_t)-1) {
-        return (pbw_status)(ranges.failure % 64);
-    }
-    return PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
+    return ranges.failure != (size_t)-1 ? (pbw_status)(ranges.failure % 64)
+         : PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>exact        Integers of just enough width, and the one determinant that is computed with them.
@@ -1974,19 +1919,19 @@ PBW__INLINE double pbw__power_of_two(int exponent)
 /* value = mantissa * 2^exponent; the exponent is returned, |mantissa| < 2^53. */
 PBW__INLINE int pbw__decode(double value, int64_t *mantissa)
 {
-    uint64_t bits = pbw__bits(value);
-    int64_t minus;
-    int field;
-    field = (int)(bits >> 52 & 2047);
-    minus = -(int64_t)(bits >> 63);                  /* -1 or 0: no branch on a random sign */
+    const uint64_t bits = pbw__bits(value);
+    const int64_t minus = -(int64_t)(bits >> 63);    /* -1 or 0: no branch on a random sign */
+    const int field = (int)(bits >> 52 & 2047);
     *mantissa = (int64_t)((bits & 0xfffffffffffff) | (uint64_t)(field != 0) << 52);
     *mantissa = (*mantissa ^ minus) - minus;
     return (field != 0 ? field : 1) - 1075;
 }
 
-/* Returns the number in `length` digits, without leading zeros or, in a negative number, leading -1. */
-PBW__DEVICE static pbw__integer pbw__trimmed(pbw__digit *digit, int length)
+/* Takes the number in the first `length` digits of the pool, without leading zeros or, if it is negative, leading
+   -1. */
+PBW__DEVICE static pbw__integer pbw__trimmed(pbw__digit **pool, int length)
 {
+    pbw__digit *digit = *pool;
     pbw__integer result;
     while (length > 1 && digit[length - 1] == -1) {
         digit[length - 2] -= (pbw__digit)1 << PBW__DIGIT_BITS;
@@ -1997,6 +1942,7 @@ PBW__DEVICE static pbw__integer pbw__trimmed(pbw__digit *digit, int length)
     }
     result.digit = digit;
     result.length = length;
+    *pool += length;
     return result;
 }
 
@@ -2004,7 +1950,6 @@ PBW__DEVICE static pbw__integer pbw__trimmed(pbw__digit *digit, int length)
 PBW__DEVICE static pbw__integer pbw__exact_difference(double a, double b, int unit, pbw__digit **pool)
 {
     pbw__digit *digit = *pool;
-    pbw__integer result;
     pbw__column carry = 0;
     int i, length = 0, side;
     for (side = 0; side < 2; side++) {
@@ -2034,16 +1979,13 @@ PBW__DEVICE static pbw__integer pbw__exact_difference(double a, double b, int un
         carry >>= PBW__DIGIT_BITS;
     }
     digit[length++] = (pbw__digit)carry;
-    result = pbw__trimmed(digit, length);
-    *pool += result.length;
-    return result;
+    return pbw__trimmed(pool, length);
 }
 
 /* Returns the sum of `count` products, column by column. */
 PBW__DEVICE static pbw__integer pbw__exact_sum(const pbw__product *product, int count, pbw__digit **pool)
 {
     pbw__digit *digit = *pool;
-    pbw__integer result;
     pbw__column column = 0;
     int i, j, k, length = 0;
     for (j = 0; j < count; j++) {
@@ -2064,9 +2006,7 @@ PBW__DEVICE static pbw__integer pbw__exact_sum(const pbw__product *product, int 
         column >>= PBW__DIGIT_BITS;
     }
     digit[length++] = (pbw__digit)column;
-    result = pbw__trimmed(digit, length);
-    *pool += result.length;
-    return result;
+    return pbw__trimmed(pool, length);
 }
 
 PBW__DEVICE static int pbw__exact_sign(const pbw__integer *a)
@@ -2141,12 +2081,6 @@ PBW__DEVICE static int pbw__exact_determinant_in(pbw__digit *pool, int dim, int 
     return dim == 2 ? sign : -sign;                  /* of the set of all rows */
 }
 
-static PBW__NOINLINE int pbw__exact_determinant(int dim, int count, const double *const *row, const double *origin,
-                                                int *orientation)
-{
-    pbw__digit pool[PBW__POOL];
-    return pbw__exact_determinant_in(pool, dim, count, row, origin, orientation);
-}
 /* ------------------------------------------------------------------------------------------------------
    >>grid         The coarsest grid that holds all records.
    In: records of coordinates and, if there are weights, a weight.  Out: their grid, or that there is none.
@@ -2219,45 +2153,66 @@ static PBW__NOINLINE void pbw__grid_refine(pbw__grid_share *share, const double 
     }
 }
 
-/* A number is on the grid if it is of 2^52 units or more, or the sum of its size and 2^52 units is not rounded. */
-PBW__INLINE void pbw__grid_add_of(pbw__grid_share *share, const double *q, size_t count, int weights, int dim)
+/* A number is on the grid if it is of 2^52 units or more, or the sum of its size and 2^52 units is not rounded.  Adds
+   the records from *from on to a share, up to `end` or to the first that is off the grid, and moves *from behind it.
+   Returns whether there was one. */
+static int pbw__grid_scan_scalar(pbw__grid_share *share, const double **from, const double *end, int dim, int width)
 {
-    const int width = dim + weights;
-    const double *end = q + count * (size_t)width;
-    double low[4], high[4];
+    const double *q = *from;
+    uint64_t off = 0;
     int k;
-    while (q < end && share->unit != PBW__NO_UNIT) {
-        const double limit[2] = { share->limit[0], share->limit[1] };
-        uint64_t off = 0;
+    for (; q < end && off == 0; q += width) {
         for (k = 0; k < width; k++) {
-            low[k] = share->low[k];
-            high[k] = share->high[k];
-        }
-        for (; q < end && off == 0; q += width) {
-            for (k = 0; k < width; k++) {
-                const double x = q[k], many = limit[k == dim], size = pbw__abs(x) < many ? pbw__abs(x) : many;
-                off |= pbw__bits(size + many - many - size);
-                low[k] = x < low[k] ? x : low[k];
-                high[k] = x > high[k] ? x : high[k];
-            }
-        }
-        for (k = 0; k < width; k++) {
-            share->low[k] = low[k];
-            share->high[k] = high[k];
-        }
-        if (off != 0) {
-            pbw__grid_refine(share, q - width, dim, width);
+            const double x = q[k], many = share->limit[k == dim], size = pbw__abs(x) < many ? pbw__abs(x) : many;
+            off |= pbw__bits(size + many - many - size);
+            share->low[k] = x < share->low[k] ? x : share->low[k];
+            share->high[k] = x > share->high[k] ? x : share->high[k];
         }
     }
+    *from = q;
+    return off != 0;
 }
+
+#ifdef PBW__SIMD
+/* The same by vectors, as far as they fit: lanes from `width` on have numbers of the next record and the limit 0,
+   which holds for all numbers. */
+PBW__SIMD static int pbw__grid_scan_simd(pbw__grid_share *share, const double **from, const double *end, int dim,
+                                         int width)
+{
+    const double *q = *from, *last = end - 4, *limit = share->limit;
+    const pbw__d4 many = pbw__four(limit[0], limit[0], width > 2 ? limit[dim == 2] : 0.0, width > 3 ? limit[1] : 0.0);
+    pbw__d4 low = pbw__load4d(share->low), high = pbw__load4d(share->high);
+    unsigned on = 15;
+    for (; q <= last && on == 15; q += width) {
+        const pbw__d4 x = pbw__load4d(q), size = pbw__min4(pbw__abs4(x), many);
+        low = pbw__min4(x, low);
+        high = pbw__max4(x, high);
+        on = pbw__signs(pbw__equal(size + many - many, size));
+    }
+    memcpy(share->low, &low, (size_t)width * sizeof(double));
+    memcpy(share->high, &high, (size_t)width * sizeof(double));
+    *from = q;
+    return on != 15;
+}
+#endif
 
 /* Adds `count` records of `width` entries, from q on, to a share. */
 static void pbw__grid_add(pbw__grid_share *share, const double *q, size_t count, int dim, int width)
 {
-    if (width > dim) {
-        PBW__BY_DIM(dim, pbw__grid_add_of, share, q, count, 1);
-    } else {
-        PBW__BY_DIM(dim, pbw__grid_add_of, share, q, count, 0);
+    const double *end = q + count * (size_t)width;
+    while (q < end && share->unit != PBW__NO_UNIT) {
+        int off = 0;
+#ifdef PBW__SIMD
+        if (end - q >= 4 && pbw__simd_works()) {
+            off = pbw__grid_scan_simd(share, &q, end, dim, width);
+        } else
+#endif
+        {
+            off = pbw__grid_scan_scalar(share, &q, end, dim, width);
+        }
+        if (off) {
+            pbw__grid_refine(share, q - width, dim, width);
+        }
     }
 }
 
@@ -2268,8 +2223,7 @@ static void pbw__grid_close(pbw__grid *grid, const pbw__grid_share *shares, int 
     pbw__grid_share all;
     double inverse = 0.0, span = 0.0, limit = 1.0;
     int bits = 0, i, k;
-    grid->inverse_unit = 0.0;
-    grid->bits = 0;
+    memset(grid, 0, sizeof(*grid));
     pbw__grid_share_reset(&all);
     for (i = 0; i < count; i++) {
         all.unit = shares[i].unit < all.unit ? shares[i].unit : all.unit;
@@ -2410,8 +2364,7 @@ PBW__INLINE int pbw__filter_orient2(const double *a, const double *b, const doub
     double x1 = b[0] - c[0], y1 = b[1] - c[1];
     double mx = pbw__max_abs(x0, x1, x1, x1), my = pbw__max_abs(y0, y1, y1, y1);
     double det = x0 * y1 - x1 * y0;
-    return pbw__certain(det, PBW__FILTER_ORIENT2_ERROR * DBL_EPSILON * mx * my, mx < my ? mx : my,
-                        pbw__max(mx, my));
+    return pbw__certain(det, PBW__FILTER_ORIENT2_ERROR * DBL_EPSILON * mx * my, mx < my ? mx : my, pbw__max(mx, my));
 }
 
 PBW__INLINE int pbw__filter_orient3(const double *a, const double *b, const double *c, const double *d)
@@ -2433,8 +2386,7 @@ PBW__INLINE int pbw__filter_power2(const double *a, const double *b, const doubl
     double x2 = c[0] - p[0], y2 = c[1] - p[1], w2 = c[2] - p[2], l2 = x2 * x2 + y2 * y2;
     double mx = pbw__max_abs(x0, x1, x2, x2), my = pbw__max_abs(y0, y1, y2, y2);
     double ml = pbw__max(pbw__max(l0 + pbw__abs(w0), l1 + pbw__abs(w1)), l2 + pbw__abs(w2));
-    double det = (l0 - w0) * (x1 * y2 - x2 * y1) - (l1 - w1) * (x0 * y2 - x2 * y0)
-               + (l2 - w2) * (x0 * y1 - x1 * y0);
+    double det = (l0 - w0) * (x1 * y2 - x2 * y1) - (l1 - w1) * (x0 * y2 - x2 * y0) + (l2 - w2) * (x0 * y1 - x1 * y0);
     return pbw__certain(det, PBW__FILTER_POWER2_ERROR * DBL_EPSILON * mx * my * ml, mx < my ? mx : my, ml);
 }
 
@@ -2807,9 +2759,8 @@ PBW__DEVICE static PBW__NOINLINE int pbw__undecided_in(pbw__digit *pool, int dim
 static PBW__NOINLINE int pbw__undecided(int dim, const double *const *row, const double *origin,
                                         const pbw__grid *grid, int *orientation)
 {
-    const int sign = pbw__undecided_in(NULL, dim, row, origin, grid, orientation);
-    return sign != PBW__OPEN ? sign
-         : pbw__exact_determinant(dim, dim + (orientation != NULL), row, origin, orientation);
+    pbw__digit pool[PBW__POOL];
+    return pbw__undecided_in(pool, dim, row, origin, grid, orientation);
 }
 
 /* The verdict on a tie, a power determinant of 0.
@@ -2992,13 +2943,14 @@ typedef struct pbw__input {
     int dim, is_float, borrow, bare;                 /* bare: no two points are at one place, and only their order is
                                                         wanted, so no records and canonical points are made */
     int live;                                        /* records have a weight even if the points have none */
-    size_t count, stride, weight_stride;
+    size_t count, stride, weight_stride, last;       /* last: bytes of a point before its last coordinate */
     const char *points, *weights;
 } pbw__input;
 
 static pbw__input pbw__input_of(int dim, int is_float, const void *points, const void *weights, size_t count)
 {
-    const pbw__input input = { dim, is_float, 0, 0, 0, count, 0, 0, (const char *)points, (const char *)weights };
+    const size_t at = (size_t)(dim - 1) * (is_float ? sizeof(float) : sizeof(double));
+    const pbw__input input = { dim, is_float, 0, 0, 0, count, 0, 0, at, (const char *)points, (const char *)weights };
     return input;
 }
 
@@ -3072,7 +3024,7 @@ PBW__INLINE void pbw__fetch_soon(const pbw__input *input, size_t i)
 {
     const char *point = input->points + i * input->stride;
     PBW__PREFETCH(point);
-    PBW__PREFETCH(point + (size_t)(input->dim - 1) * (input->is_float ? sizeof(float) : sizeof(double)));
+    PBW__PREFETCH(point + input->last);
     if (input->weights != NULL) {
         PBW__PREFETCH(input->weights + i * input->weight_stride);
     }
@@ -3239,8 +3191,7 @@ PBW__SIMD_INLINE pbw__u8 pbw__cells8(const pbw__box *box, int k, pbw__d4 x0, pbw
 {
     const double last = (double)(((uint32_t)1 << box->bits) - 1);
     const pbw__d4 scale = pbw__splat(box->scale), low = scale * pbw__splat(box->low[k]);
-    const pbw__d4 cells = pbw__splat(last + 1.0);
-    const pbw__d4 extent = pbw__splat(box->extent), most = pbw__splat(last);
+    const pbw__d4 cells = pbw__splat(last + 1.0), extent = pbw__splat(box->extent), most = pbw__splat(last);
     const __m128i first = _mm256_cvttpd_epi32(_mm256_min_pd((scale * x0 - low) / extent * cells, most));
     const __m128i second = _mm256_cvttpd_epi32(_mm256_min_pd((scale * x1 - low) / extent * cells, most));
     return (pbw__u8)_mm256_inserti128_si256(_mm256_castsi128_si256(first), second, 1);
@@ -3622,10 +3573,7 @@ static void pbw__keying_keys(void *arg, int task)
         from = pbw__keying_plane(keying, from, to);
     }
 #endif
-    if (from == to) {
-        return;
-    }
-    if (ordering->curve.levels == 0) {               /* never with several tasks */
+    if (from < to && ordering->curve.levels == 0) {          /* never with several tasks */
         pbw__curve_create(&ordering->curve, ordering->input->count, ordering->input->dim);
     }
     if (ordering->curve.levels == 1) {
@@ -3853,8 +3801,7 @@ static void pbw__order_part(void *arg, int task)
                 depth--;
             }
         }
-        r = dim == 3 ? pbw__order_place(ordering, part, from, i, r, 3)
-                     : pbw__order_place(ordering, part, from, i, r, 2);
+        r = PBW__BY_DIM(dim, pbw__order_place, ordering, part, from, i, r);
         if (!input->bare) {
             pbw__grid_add(&share, ordering->vertices->record + (old + 1) * width, r - old, dim, (int)width);
         }
@@ -3906,8 +3853,7 @@ static int pbw__order_cut(pbw__ordering *ordering)
         if (next->to - next->from > 16 * share) {
             const int all = pbw__tasks(ordering->context, next->to - next->from, 16384);
             if ((part.low == ordering->index_bits && !pbw__order_keys(ordering, next, 0, ordering->boxes, all))
-                || (!next->settled
-                    && !pbw__order_sort(ordering, next, ordering->index_bits, ordering->start, all))) {
+                || (!next->settled && !pbw__order_sort(ordering, next, ordering->index_bits, ordering->start, all))) {
                 return 0;
             }
         } else {
@@ -4819,9 +4765,7 @@ PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, c
         t = (pbw_index)(kernel->link[4 * (size_t)t + exit] >> 2);
     }
 }
-#endif
 
-#ifdef PBW__SIMD
 /* Returns the bound on the error of an in-circle determinant of rows no higher than h. */
 PBW__SIMD_INLINE pbw__d4 pbw__circle_limit(pbw__d4 h)
 {
@@ -6086,15 +6030,16 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *rin
     const pbw_index far[4] = { corner[beyond[0]], corner[beyond[1]], corner[beyond[2]], corner[beyond[0]] };
     pbw__triangles first;
     pbw_status status = PBW_OK;
-    unsigned head = 0, k;
-    for (k = 0; k < 3; k++) {
-        ring->start[k] = v[(k + 1) % 3];
-        ring->end[k] = v[(k + 2) % 3];
-        ring->beyond[k] = beyond[k];
-        ring->next[k] = (k + 1) % 3;
-        ring->queue[k] = (unsigned char)k;
-    }
-    ring->queue[3] = 0;
+    unsigned head = 0;
+    memcpy(ring->start, v + 1, 2 * sizeof(*v));
+    memcpy(ring->end + 1, v, 2 * sizeof(*v));
+    ring->start[2] = v[0];
+    ring->end[0] = v[2];
+    memcpy(ring->beyond, link, 3 * sizeof(*link));
+    ring->next[0] = 1;
+    ring->next[1] = 2;
+    ring->next[2] = 0;
+    memcpy(ring->queue, "\0\1\2", 4);
     ring->slot[0] = t;
     ring->count = ring->tail = 3;
     ring->hull = 0;
@@ -6215,10 +6160,7 @@ static PBW__NOINLINE pbw_status pbw__replace(pbw__kernel *kernel, pbw_index t, p
     status = dim == 3 ? pbw__carve3_scalar(kernel, t, p) : pbw__carve2(kernel, t, p);
     PBW__PHASE(PBW__STAR);
     status = status == PBW_OK ? pbw__take_slots(kernel) : status;
-    if (status == PBW_OK) {
-        status = dim == 3 ? pbw__refill3(kernel, vertex) : pbw__refill2(kernel, vertex);
-    }
-    return status;
+    return status != PBW_OK ? status : dim == 3 ? pbw__refill3(kernel, vertex) : pbw__refill2(kernel, vertex);
 }
 
 /* Inserts a vertex, which may turn out to be hidden.  PBW__LEFT: another task owns a zone that this one needs. */
@@ -6230,7 +6172,7 @@ static pbw_status pbw__insert_scalar(pbw__kernel *kernel, pbw_index vertex)
     pbw__copy_record(pbw__record_at(kernel, vertex), p, kernel->dim, kernel->weighted);
     PBW__PHASE(PBW__WALK);
     if (t != PBW__FOREIGN) {
-        t = kernel->dim == 3 ? pbw__locate_of(kernel, t, p, 3) : pbw__locate_of(kernel, t, p, 2);
+        t = PBW__BY_DIM(kernel->dim, pbw__locate_of, kernel, t, p);
     }
     status = pbw__located(kernel, t);
     if (t == PBW_NONE || status != PBW_OK) {
@@ -6819,15 +6761,9 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
     build.grid = grid;
     build.statistics = statistics;
     status = pbw__store_create(context, store, vertices->count, vertices->dim);
-    if (status == PBW_OK) {
-        status = pbw__more_kernels(&build, 1);
-    }
-    if (status == PBW_OK) {
-        status = pbw__seeds(build.kernel[0], vertices->count, vertices->dim, build.seed);
-    }
-    if (status == PBW_OK) {
-        status = pbw__first_star(build.kernel[0], vertices->dim, build.seed);
-    }
+    status = status == PBW_OK ? pbw__more_kernels(&build, 1) : status;
+    status = status == PBW_OK ? pbw__seeds(build.kernel[0], vertices->count, vertices->dim, build.seed) : status;
+    status = status == PBW_OK ? pbw__first_star(build.kernel[0], vertices->dim, build.seed) : status;
     for (i = 0; status == PBW_OK && context->options.trace != NULL && i <= vertices->dim; i++) {
         context->options.trace[vertices->id[build.seed[i]]] = 0;
     }
@@ -7248,8 +7184,7 @@ static pbw_status pbw__end_round(pbw__build *build)
     if (status != PBW_OK) {
         return status;
     }
-    if (count > build->left_capacity
-        && !PBW__RESIZE(&build->context->memory, build, left, count)) {
+    if (count > build->left_capacity && !PBW__RESIZE(&build->context->memory, build, left, count)) {
         return PBW_ERROR_MEMORY;
     }
     build->left_count = 0;
@@ -7339,6 +7274,7 @@ typedef struct pbw__emitting { size_t end; pbw__aside aside; } pbw__emitting;
 #define PBW__CHAINS 16                               /* followed at a time, so that their cache misses overlap */
 #define PBW__SOON 48                                 /* distance of prefetches in arrays that are read in any order */
 #define PBW__LISTS 64                                /* sorted at a time */
+#define PBW__REACH 11                                /* a simplex may be so far from its place, in the plane */
 #define PBW__SHORT 48                                /* simplices of the longest list that is not a hub's */
 
 typedef struct pbw__emission {
@@ -7536,11 +7472,14 @@ static void pbw__emit_pass1(void *arg, int task)
 static void pbw__emit_others(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
-    pbw_index t = (pbw_index)emission->task[task].end, next, low;
+    pbw_index t = (pbw_index)emission->task[task].end, next, low, *last;
     for (; t != PBW_NONE; t = next) {
         next = emission->number[t];
         (void)pbw__lowest_ranks(emission, t, 1, &low);
-        emission->number[t] = PBW__SWAP(emission->chain + (low >> emission->store->region_bits), t);
+        last = emission->chain + (low >> emission->store->region_bits);
+        emission->number[t] = PBW__LOAD(last);
+        while (!PBW__CAS(last, emission->number + t, t)) {
+        }
         (void)PBW__ADD(emission->head + low, 1);
     }
 }
@@ -7624,11 +7563,23 @@ PBW__SIMD static void pbw__fill_lists_simd(const pbw__emission *emission, const 
     PBW__BY_DIM(emission->dim, pbw__fill_lists_simd_of, emission->corner, slot, count, emission->head, item);
 }
 
-/* Returns x with y in masked lanes.  Not by a byte blend: with -funsigned-char gcc 12 takes a mask's bytes for
-   unsigned. */
-PBW__SIMD_INLINE __m256i pbw__blend8(__m256i x, __m256i y, __m256i mask)
+/* Returns the keys of four items. */
+PBW__SIMD_INLINE __m256i pbw__keys4(const pbw__item *item)
 {
-    return (__m256i)_mm256_blendv_ps((__m256)x, (__m256)y, (__m256)mask);
+    const __m256i a = _mm256_loadu_si256((const __m256i *)(const void *)item);
+    const __m256i b = _mm256_loadu_si256((const __m256i *)(const void *)(item + 2));
+    return _mm256_permute4x64_epi64(_mm256_unpacklo_epi64(a, b), 0xd8);
+}
+
+/* Writes four items to their places. */
+PBW__SIMD_INLINE void pbw__put4(const pbw__item *item, __m256i place, pbw__item *sorted)
+{
+    uint64_t *to = (uint64_t *)(void *)sorted, half[4];
+    _mm256_storeu_si256((__m256i *)(void *)half, _mm256_add_epi64(place, place));
+    pbw__store4(to + half[0], pbw__load4(item));
+    pbw__store4(to + half[1], pbw__load4(item + 1));
+    pbw__store4(to + half[2], pbw__load4(item + 2));
+    pbw__store4(to + half[3], pbw__load4(item + 3));
 }
 
 /* Sorts a list of `count` simplices, four at a time; all: `count` rounded up to a multiple of four.  Lanes past the
@@ -7637,46 +7588,70 @@ PBW__SIMD_INLINE void pbw__sort_list_simd(const pbw__item *item, pbw_index begin
                                           pbw__item *sorted)
 {
     const __m256i sign = _mm256_set1_epi64x((int64_t)((uint64_t)1 << 63));
-    const __m256i highest = _mm256_set1_epi64x((int64_t)(~(uint64_t)0 >> 1)), lane = _mm256_setr_epi64x(0, 2, 1, 3);
+    const __m256i highest = _mm256_set1_epi64x((int64_t)(~(uint64_t)0 >> 1)), lane = _mm256_setr_epi64x(0, 1, 2, 3);
     const __m256i real = _mm256_cmpgt_epi64(_mm256_set1_epi64x((int64_t)count - (int64_t)all + 4), lane);
     __m256i keys[PBW__SHORT / 4];
     int64_t key[PBW__SHORT];
     unsigned i, j;
     item += begin;
     for (j = 0; j < all; j += 4) {
-        const __m256i a = _mm256_loadu_si256((const __m256i *)(const void *)(item + j));
-        const __m256i b = _mm256_loadu_si256((const __m256i *)(const void *)(item + j + 2));
-        keys[j / 4] = _mm256_xor_si256(_mm256_unpacklo_epi64(a, b), sign);
-        if (j + 4 == all) {
-            keys[j / 4] = pbw__blend8(highest, keys[j / 4], real);
+        keys[j / 4] = _mm256_xor_si256(pbw__keys4(item + j), sign);
+        if (j + 4 == all) {                          /* by singles: -funsigned-char spoils gcc 12's blend of bytes */
+            keys[j / 4] = (__m256i)_mm256_blendv_ps((__m256)highest, (__m256)keys[j / 4], (__m256)real);
         }
         _mm256_storeu_si256((__m256i *)(void *)(key + j), keys[j / 4]);
     }
     for (j = 0; j < all; j += 4) {
         __m256i place = _mm256_set1_epi64x((int64_t)begin + 1);
-        uint64_t half[4];
         for (i = 0; i < all; i += 4) {
             place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(keys[j / 4], _mm256_set1_epi64x(key[i])));
             place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(keys[j / 4], _mm256_set1_epi64x(key[i + 1])));
             place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(keys[j / 4], _mm256_set1_epi64x(key[i + 2])));
             place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(keys[j / 4], _mm256_set1_epi64x(key[i + 3])));
         }
-        if (j + 4 == all) {
-            place = _mm256_and_si256(place, real);
+        pbw__put4(item + j, j + 4 == all ? _mm256_and_si256(place, real) : place, sorted);
+    }
+}
+
+/* In the plane lists are short and keys ascend from list to list.  Sorts `count` simplices of lists of at most
+   reach+1 without their borders: each is compared with the `reach` before it and behind it.  Signed comparisons
+   serve, as there are twice as many triangles as vertices: ranks are below 2^31. */
+PBW__SIMD_INLINE void pbw__sort_lists2_simd(const pbw__item *item, pbw_index count, pbw_index reach,
+                                            pbw__item *sorted)
+{
+    int64_t key[PBW__REACH + PBW__LISTS * (PBW__REACH + 1) + 4 + PBW__REACH], *here = key + PBW__REACH;
+    pbw_index i, k;
+    memset(key, 0, PBW__REACH * sizeof(int64_t));
+    for (i = 0; i < count; i += 4) {
+        _mm256_storeu_si256((__m256i *)(void *)(here + i), pbw__keys4(item + i));
+    }
+    memset(here + count, 0x7f, (PBW__REACH + 4) * sizeof(int64_t));
+    for (i = 0; i < count; i += 4, here += 4) {      /* the surplus is overwritten by the next lists */
+        const __m256i keys = _mm256_loadu_si256((const __m256i *)(const void *)here);
+        __m256i place = _mm256_add_epi64(_mm256_set1_epi64x((int64_t)i), _mm256_setr_epi64x(0, 1, 2, 3));
+        for (k = 1; k <= reach; k++) {
+            const __m256i before = _mm256_loadu_si256((const __m256i *)(const void *)(here - k));
+            const __m256i behind = _mm256_loadu_si256((const __m256i *)(const void *)(here + k));
+            place = _mm256_add_epi64(place, _mm256_cmpgt_epi64(before, keys));
+            place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(keys, behind));
         }
-        _mm256_storeu_si256((__m256i *)(void *)half, _mm256_add_epi64(place, place));
-        for (i = 0; i < 4; i++) {
-            pbw__store4((uint64_t *)(void *)sorted + half[(i & 1) * 2 + i / 2], pbw__load4(item + j + i));
-        }
+        pbw__put4(item + i, place, sorted);
     }
 }
 
 /* pbw__sort_lists by vectors.  Groups lists by length first, as lengths are unpredictable. */
 PBW__SIMD static void pbw__sort_lists_simd(const pbw__item *item, const pbw_index *end, unsigned lists,
-                                           pbw_index begin, pbw__item *sorted)
+                                           pbw_index begin, pbw__item *sorted, int dim)
 {
-    pbw_index by_fours[PBW__SHORT / 4 + 2][PBW__LISTS][2];
+    pbw_index by_fours[PBW__SHORT / 4 + 2][PBW__LISTS][2], from = begin, longest = 1;
     unsigned n[PBW__SHORT / 4 + 2], fours, i, l;
+    for (l = 0; l < lists && dim == 2; from = end[l++]) {
+        longest = end[l] - from > longest ? end[l] - from : longest;
+    }
+    if (dim == 2 && longest <= PBW__REACH + 1) {
+        pbw__sort_lists2_simd(item + begin, end[lists - 1] - begin, longest - 1, sorted + begin + 1);
+        return;
+    }
     memset(n, 0, sizeof(n));
     for (l = 0; l < lists; begin = end[l++]) {
         unsigned count = end[l] - begin;
@@ -7700,17 +7675,6 @@ PBW__SIMD static void pbw__sort_lists_simd(const pbw__item *item, const pbw_inde
     }
 }
 #endif
-
-PBW__INLINE void pbw__fill_lists(const pbw__emission *emission, const pbw_index *slot, size_t count, pbw__item *item)
-{
-#ifdef PBW__AVX2
-    if (emission->simd) {
-        pbw__fill_lists_simd(emission, slot, count, item);
-        return;
-    }
-#endif
-    PBW__BY_DIM(emission->dim, pbw__fill_lists_of, emission->corner, slot, count, emission->head, item);
-}
 
 PBW__INLINE void pbw__sift(pbw__item *heap, size_t root, size_t count)
 {
@@ -7751,7 +7715,7 @@ PBW__INLINE void pbw__sort_region(const pbw__emission *emission, pbw__item *item
         const unsigned n = lists - r < PBW__LISTS ? (unsigned)(lists - r) : PBW__LISTS;
 #ifdef PBW__AVX2
         if (emission->simd) {
-            pbw__sort_lists_simd(item, end + r, n, begin, sorted);
+            pbw__sort_lists_simd(item, end + r, n, begin, sorted, emission->dim);
         } else
 #endif
         {
@@ -7847,7 +7811,14 @@ PBW__INLINE void pbw__emit_region(const pbw__emission *emission, pbw__buffers *b
         end[r] = begin;
         begin += length;
     }
-    pbw__fill_lists(emission, slot, count, item);
+#ifdef PBW__AVX2
+    if (emission->simd) {
+        pbw__fill_lists_simd(emission, slot, count, item);
+    } else
+#endif
+    {
+        PBW__BY_DIM(emission->dim, pbw__fill_lists_of, emission->corner, slot, count, head, item);
+    }
     pbw__sort_region(emission, item, end, lists, buffers->sorted);
     item = emission->any_order ? item : buffers->sorted + 1;
     for (r = lists; r-- > 0; ) {
@@ -8094,14 +8065,12 @@ static void pbw__emit_slots(const pbw__emission *emission, size_t from, size_t e
 /* Writes the simplices set aside if their places are free. */
 static void pbw__emit_aside(const pbw__emission *emission, pbw__aside *aside)
 {
-    size_t i = 0;
-    while (i < aside->count) {
+    size_t i;
+    for (i = aside->count; i-- > 0; ) {
         pbw__emitted *simplex = aside->simplex + i;
         if (pbw__emit_free(emission, aside, simplex->place, emission->dim)) {
             pbw__emit_place(emission, simplex, emission->dim);
             *simplex = aside->simplex[--aside->count];
-        } else {
-            i++;
         }
     }
 }
@@ -8175,13 +8144,11 @@ static pbw_status pbw__emit_pass5(void *arg, size_t from, size_t to)
     pbw__emission *emission = (pbw__emission *)arg;
     size_t v = from + 1, end = to + 1, visible = 0;
     for (; v < end; v++) {
-        pbw_index first = emission->head[v];
+        const pbw_index first = emission->first != NULL && emission->first[v] < emission->head[v] ? emission->first[v]
+                                                                                                 : emission->head[v];
         PBW__PREFETCH_STREAM(emission->head, v, end);
         PBW__PREFETCH_STREAM(emission->id, v, end);
         PBW__PREFETCH_TO_WRITE(emission->incident + emission->id[v + PBW__SOON < end ? v + PBW__SOON : v]);
-        if (emission->first != NULL) {
-            first = emission->first[v] < first ? emission->first[v] : first;
-        }
         emission->incident[emission->id[v]] = first;
         visible += first != PBW_NONE;
     }
@@ -8200,15 +8167,13 @@ static int pbw__emit_begin(pbw__emission *emission)
 {
     pbw__memory *memory = &emission->context->memory;
     const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1);
-    if (!emission->apart) {
-        emission->to_corner = emission->corner;
-        emission->to_link = (pbw_index *)(void *)emission->link;
-    } else {
+    const int links = emission->link != NULL;
+    emission->to_corner = emission->corner;
+    emission->to_link = (pbw_index *)(void *)emission->link;
+    if (emission->apart) {
         emission->to_corner = (pbw_index *)pbw__allocate(memory, entries, sizeof(pbw_index));
-        if (emission->link != NULL) {
-            emission->to_link = (pbw_index *)pbw__allocate(memory, entries, sizeof(pbw_index));
-        }
-        emission->failed = emission->to_corner == NULL || (emission->to_link == NULL && emission->link != NULL);
+        emission->to_link = links ? (pbw_index *)pbw__allocate(memory, entries, sizeof(pbw_index)) : NULL;
+        emission->failed = emission->to_corner == NULL || (emission->to_link == NULL && links);
     }
     return !emission->failed;
 }

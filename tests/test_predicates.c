@@ -495,6 +495,7 @@ static int stage_sign(const points *p, int power, int stage, const pbw__grid *gr
     const double (*q)[4] = p->at, *row[4] = { q[0], q[1], q[2], q[3] };
     int dim = p->dim, count = dim + power;
     double value, height;
+    pbw__digit pool[PBW__POOL];
     switch (stage) {
     case FILTER:
         if (power) {
@@ -507,7 +508,7 @@ static int stage_sign(const points *p, int power, int stage, const pbw__grid *gr
         return grid->inverse_unit == 0 ? PBW__OPEN : pbw__integers(dim, count, row, q[count], grid, orientation);
     case PAIRS: return pbw__pairs(dim, count, row, q[count]);
     case LANES: return lanes_sign(p, power);
-    case EXACT: return pbw__exact_determinant(dim, count, row, q[count], orientation);
+    case EXACT: return pbw__exact_determinant_in(pool, dim, count, row, q[count], orientation);
     case KERNEL:
         return power ? pbw__power(dim, row, q[dim + 1], grid) : pbw__orient(dim, row, grid);
     case VECTORS: return vector_sign(p, 0, &value, &height);
