@@ -3059,17 +3059,14 @@ static void pbw__curve_create(pbw__curve *curve, size_t count, int dim)
     uint16_t fewer[PBW__LEVELS_TABLE];               /* the same for one level less */
     unsigned entry, level;
     curve->levels = count < PBW__SMALLER(3000) ? 1 : dim == 3 ? PBW__LEVELS3 : PBW__LEVELS2;
-    for (entry = 0; entry < states << dim; entry++) {
-        curve->step[entry] = dim == 3 ? pbw__hilbert3[entry >> 3][entry & 7] : pbw__hilbert2[entry >> 2][entry & 3];
-    }
-    for (level = 1; level < (unsigned)curve->levels; level++) {      /* one more level, above the others */
+    for (level = 0; level < (unsigned)curve->levels; level++) {      /* one more level, above the others */
         const unsigned low = (unsigned)dim * level, width = low + (unsigned)dim;
-        memcpy(fewer, curve->step, (states << low) * sizeof(fewer[0]));
+        memcpy(fewer, curve->step, (level > 0 ? states << low : 0) * sizeof(fewer[0]));
         for (entry = 0; entry < states << width; entry++) {
             const unsigned octant = entry >> low & ((1u << dim) - 1), rest = entry & ((1u << low) - 1);
             const unsigned step = dim == 3 ? pbw__hilbert3[entry >> width][octant]
                                            : pbw__hilbert2[entry >> width][octant];
-            const unsigned next = fewer[step >> dim << low | rest];
+            const unsigned next = level > 0 ? fewer[step >> dim << low | rest] : step >> dim;
             curve->step[entry] = (uint16_t)(next >> low << width | (step & ((1u << dim) - 1)) << low
                                             | (next & ((1u << low) - 1)));
         }
@@ -3140,18 +3137,12 @@ PBW__DEVICE static void pbw__box_close(pbw__box *box, int dim)
 /* Returns x with dim - 1 zeros before each bit: halves, then halves of halves, move apart. */
 PBW__INLINE uint64_t pbw__spread(uint64_t x, int dim)
 {
-    if (dim == 2) {
-        x = (x | x << 16) & 0xffff0000ffffu;
-        x = (x | x << 8) & 0xff00ff00ff00ffu;
-        x = (x | x << 4) & 0xf0f0f0f0f0f0f0fu;
-        x = (x | x << 2) & 0x3333333333333333u;
-        return (x | x << 1) & 0x5555555555555555u;
-    }
-    x = (x | x << 32) & 0x1f00000000ffffu;
-    x = (x | x << 16) & 0x1f0000ff0000ffu;
-    x = (x | x << 8) & 0x100f00f00f00f00fu;
-    x = (x | x << 4) & 0x10c30c30c30c30c3u;
-    return (x | x << 2) & 0x1249249249249249u;
+    const int space = dim == 3;
+    x = (x | x << (16 << space)) & (space ? 0x1f00000000ffffu : 0xffff0000ffffu);
+    x = (x | x << (8 << space)) & (space ? 0x1f0000ff0000ffu : 0xff00ff00ff00ffu);
+    x = (x | x << (4 << space)) & (space ? 0x100f00f00f00f00fu : 0xf0f0f0f0f0f0f0fu);
+    x = (x | x << (2 << space)) & (space ? 0x10c30c30c30c30c3u : 0x3333333333333333u);
+    return (x | x << (1 << space)) & (space ? 0x1249249249249249u : 0x5555555555555555u);
 }
 
 /* steps, levels: the curve's; levels as a constant.  The first step is filled up with zeros; it starts in the state
