@@ -508,7 +508,7 @@ static void test_soon(void)
         pbw_free(&mesh);
     }
     printf("cancelled after %.1f ms at most, of a build of %.1f ms\n", 1e3 * worst, 1e3 * all);
-    CHECK(worst < 0.1);
+    CHECK(worst < 0.5 * all);                        /* relative: a busy machine slows both */
     free(points);
 }
 
