@@ -11,6 +11,7 @@ WARN = -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Werror
 C = $(CC) -std=c99 $(CFLAGS) $(WARN) -I. -Iexamples/lib
 LIBS = -lpthread -lm
 TESTS = $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
+SLOWEST = test_threads                  # started first, so that it does not run alone in the end
 PROGRAM = $(wildcard examples/program/*.c)
 EXAMPLES = $(patsubst examples/%.c,%,$(filter-out examples/mpi.c,$(wildcard examples/*.c)))
 MPI = $(if $(shell command -v mpicc),$B/mpi)
@@ -148,8 +149,8 @@ $B/tiles.log: $(MPI)
 $B/hashes.log $B/oracle.log $B/cells.log: $B/libpbw.a
 
 # One that does not compile is a failure, and the others still run.  The long ones first, so that none runs alone in the end.
-test-all: LOGS = $(SCRIPTS:%=$B/%.log) $(TESTS:%=$B/%.log)
-test: LOGS = $(patsubst %,$B/%.log,$(filter-out $(LONG),$(SCRIPTS))) $(TESTS:%=$B/%.log)
+test-all: LOGS = $(patsubst %,$B/%.log,$(SLOWEST) $(SCRIPTS) $(filter-out $(SLOWEST),$(TESTS)))
+test: LOGS = $(patsubst %,$B/%.log,$(filter-out $(LONG),$(SCRIPTS)) $(TESTS))
 test: export QUICK = 1
 QUICK_test_predicates = --count 50000
 QUICK_test_threads = --count 500
