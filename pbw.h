@@ -947,10 +947,9 @@ static void pbw__wait_50ms(pbw__condition *condition, pbw__mutex *mutex)
    On x86 the functions that use vectors are called only if the processor has AVX2.  Every 64-bit Arm has NEON.
    PBW_NO_SIMD leaves only the scalar code, which gives the same answers.
 
-   There is no path for AVX-512: eight lanes would hold two simplices of a cavity, but AVX-512 issues on two ports,
-   not three, and the scalar code around the arithmetic does not shrink.  It gains 1 to 3 % for 170 lines; four lanes
-   with its registers and masks gain 0 to 2 %, or lose.  The latency of verdicts bounds a search as much as the number
-   of instructions does.
+   There is no path for AVX-512: it issues on two ports, not three, and the scalar code around the arithmetic does not
+   shrink.  Eight lanes, two simplices of a cavity, gain 1 to 3 % for 170 lines; four lanes with its registers and
+   masks gain 0 to 2 %, or lose.
    ------------------------------------------------------------------------------------------------------ */
 #ifdef PBW__SIMD
 #define PBW__SIMD_INLINE static inline PBW__SIMD __attribute__((always_inline, unused))
@@ -1000,7 +999,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__join(pbw__d2 low, pbw__d2 high)
     return halves.whole;
 }
 
-#define PBW__BLEND2(x, y, mask) vbslq_f64((uint64x2_t)mask, y, x)
+#define PBW__BLEND2(x, y, mask) vbslq_f64((uint64x2_t)(mask), y, x)
 #endif
 
 /* Permute four doubles, four integers: the result has lanes i, j, k, l (constants) of x. */
@@ -2755,12 +2754,19 @@ PBW__DEVICE static PBW__NOINLINE int pbw__undecided_in(pbw__digit *pool, int dim
          : pbw__exact_determinant_in(pool, dim, count, row, origin, orientation);
 }
 
-/* pbw__undecided_in with room of its own: the sign is never open. */
+/* The last stage, in a frame of its own: compilers may touch each page of a large frame at each call. */
+static PBW__NOINLINE int pbw__undecided_last(int dim, const double *const *row, const double *origin, int *orientation)
+{
+    pbw__digit pool[PBW__POOL];
+    return pbw__exact_determinant_in(pool, dim, dim + (orientation != NULL), row, origin, orientation);
+}
+
+/* pbw__undecided_in, but the sign is never open. */
 static PBW__NOINLINE int pbw__undecided(int dim, const double *const *row, const double *origin,
                                         const pbw__grid *grid, int *orientation)
 {
-    pbw__digit pool[PBW__POOL];
-    return pbw__undecided_in(pool, dim, row, origin, grid, orientation);
+    const int sign = pbw__undecided_in(NULL, dim, row, origin, grid, orientation);
+    return sign != PBW__OPEN ? sign : pbw__undecided_last(dim, row, origin, orientation);
 }
 
 /* The verdict on a tie, a power determinant of 0.
@@ -3064,9 +3070,8 @@ static void pbw__curve_create(pbw__curve *curve, size_t count, int dim)
         memcpy(fewer, curve->step, (level > 0 ? states << low : 0) * sizeof(fewer[0]));
         for (entry = 0; entry < states << width; entry++) {
             const unsigned octant = entry >> low & ((1u << dim) - 1), rest = entry & ((1u << low) - 1);
-            const unsigned step = dim == 3 ? pbw__hilbert3[entry >> width][octant]
-                                           : pbw__hilbert2[entry >> width][octant];
-            const unsigned next = level > 0 ? fewer[step >> dim << low | rest] : step >> dim;
+            const unsigned char *state = dim == 3 ? pbw__hilbert3[entry >> width] : pbw__hilbert2[entry >> width];
+            const unsigned step = state[octant], next = level > 0 ? fewer[step >> dim << low | rest] : step >> dim;
             curve->step[entry] = (uint16_t)(next >> low << width | (step & ((1u << dim) - 1)) << low
                                             | (next & ((1u << low) - 1)));
         }
@@ -3083,9 +3088,8 @@ typedef struct pbw__box {
 /* Returns the bits of an index below count. */
 static int pbw__index_bits(size_t count)
 {
-    int bits = 1;
-    while (bits < 32 && ((uint64_t)count - 1) >> bits != 0) {
-        bits++;
+    int bits;
+    for (bits = 1; bits < 32 && ((uint64_t)count - 1) >> bits != 0; bits++) {
     }
     return bits;
 }
@@ -7328,9 +7332,8 @@ PBW__INLINE unsigned pbw__first_bit(uint64_t set)
 #ifdef __GNUC__
     return (unsigned)__builtin_ctzll(set);
 #else
-    unsigned i = 0;
-    while ((set >> i & 1) == 0) {
-        i++;
+    unsigned i;
+    for (i = 0; (set >> i & 1) == 0; i++) {
     }
     return i;
 #endif
@@ -7605,8 +7608,8 @@ PBW__SIMD_INLINE void pbw__sort_list_simd(const pbw__item *item, pbw_index begin
 }
 
 /* In the plane lists are short and keys ascend from list to list.  Sorts `count` simplices of lists of at most
-   reach+1 without their borders: each is compared with the `reach` before it and behind it.  Signed comparisons
-   serve, as there are twice as many triangles as vertices: ranks are below 2^31. */
+   reach+1 without their borders: each is compared with the `reach` before it and behind it.  The comparisons are
+   signed: ranks are below PBW__POINT_LIMIT, 2^31. */
 PBW__SIMD_INLINE void pbw__sort_lists2_simd(const pbw__item *item, pbw_index count, pbw_index reach,
                                             pbw__item *sorted)
 {
@@ -7616,7 +7619,9 @@ PBW__SIMD_INLINE void pbw__sort_lists2_simd(const pbw__item *item, pbw_index cou
     for (i = 0; i < count; i += 4) {
         _mm256_storeu_si256((__m256i *)(void *)(here + i), pbw__keys4(item + i));
     }
-    memset(here + count, 0x7f, (PBW__REACH + 4) * sizeof(int64_t));
+    for (i = 0; i < PBW__REACH + 4; i++) {
+        here[count + i] = (int64_t)(~(uint64_t)0 >> 1);
+    }
     for (i = 0; i < count; i += 4, here += 4) {      /* the surplus is overwritten by the next lists */
         const __m256i keys = _mm256_loadu_si256((const __m256i *)(const void *)here);
         __m256i place = _mm256_add_epi64(_mm256_set1_epi64x((int64_t)i), _mm256_setr_epi64x(0, 1, 2, 3));
@@ -8034,11 +8039,8 @@ PBW__SIMD_INLINE void pbw__emit_slots_simd_of(const pbw__emission *emission, siz
 
 PBW__SIMD static void pbw__emit_slots_simd(const pbw__emission *emission, size_t from, size_t end, pbw__aside *aside)
 {
-    if (emission->link != NULL) {
-        PBW__BY_DIM(emission->dim, pbw__emit_slots_simd_of, emission, from, end, aside, 1);
-    } else {
-        PBW__BY_DIM(emission->dim, pbw__emit_slots_simd_of, emission, from, end, aside, 0);
-    }
+    emission->link != NULL ? PBW__BY_DIM(emission->dim, pbw__emit_slots_simd_of, emission, from, end, aside, 1)
+                           : PBW__BY_DIM(emission->dim, pbw__emit_slots_simd_of, emission, from, end, aside, 0);
 }
 #endif
 
@@ -9794,7 +9796,7 @@ static pbw_status pbw__sort_points(pbw__context *context, pbw__input *input, pbw
 
 typedef struct pbw__owned_lists { pbw__memory memory; size_t first, items, values; } pbw__owned_lists;
 
-/* Frees the arrays of lists, whose bytes are counted in `memory`. */
+/* Frees the arrays of lists.  `memory` counts their bytes. */
 static void pbw__lists_release(pbw__memory *memory, const pbw_lists *lists)
 {
     pbw__owned_lists *owned = (pbw__owned_lists *)lists->memory;
