@@ -1397,8 +1397,8 @@ static pbw_status pbwp__refuse(pbwp__job *job, pbwp__array *pairs)
     return PBW_ERROR_ARGUMENT;
 }
 
-/* Makes the constrained triangulation, after as many rounds of splitting as it needs, mostly one or two.  If
-   coordinates have very different exponents, bent parts can keep crossing, and the call gives up. */
+/* Makes the constrained triangulation.  Each round splits segments that cross; one or two rounds are usual.  If
+   coordinates have very different exponents, parts bent by rounding can keep crossing: then it gives up. */
 static pbw_status pbwp__constrain_all(pbwp__job *job)
 {
     pbwp__array pairs;

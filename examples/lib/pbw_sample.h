@@ -1210,9 +1210,9 @@ static int pbwsample__cut(const pbwsample__piece *piece, int longest, pbwsample_
     return 2;
 }
 
-/* Finds what is left of a triangle without its parts inside one ball of w->near, as far as a few cuts tell: nothing,
-   or the smallest part that has all of it; for the whole piece, what is left of each half.  Returns the number of
-   parts. mask: of the corners.  If a corner is in no ball, cutting does not help. */
+/* Takes away the parts of a triangle that lie in one ball of w->near, by at most `cuts` cuts.  Stores in `left` the
+   smallest part that holds the rest, or the rests of both halves if that is the whole piece.  Returns how many it
+   stored, 0 to 2.  mask: the balls that hold each corner.  If a corner is in no ball, cutting does not help. */
 static int pbwsample__rest(const pbwsample__work *w, const pbwsample__piece *piece, double (*corner)[3],
                            const uint32_t mask[3], int cuts, pbwsample__piece left[2])
 {

@@ -2150,8 +2150,9 @@ static pbw_status pbwt__guess(struct pbwt__tile *t, size_t most, const pbw_optio
     return status;
 }
 
-/* Returns whether the first simplices of the queue have more questions than `most`, or all will have a quarter more
-   than that if the waiting ones have as many each; they may have fewer. */
+/* Returns whether the queue asks too many questions: the simplices tested so far have more than `most`, or the
+   forecast for all is above 1.25 `most`.  The forecast gives each waiting simplex the mean of the tested ones, which
+   may be too much. */
 static int pbwt__is_over(const struct pbwt__tile *t, size_t questions, size_t tested, size_t most)
 {
     const double each = (double)questions / (double)tested;
