@@ -2755,7 +2755,7 @@ PBW__DEVICE static PBW__NOINLINE int pbw__undecided_in(pbw__digit *pool, int dim
 }
 
 /* The last stage, in a frame of its own: compilers may touch each page of a large frame at each call. */
-static PBW__NOINLINE int pbw__undecided_last(int dim, const double *const *row, const double *origin, int *orientation)
+static PBW__NOINLINE int pbw__last_stage(int dim, const double *const *row, const double *origin, int *orientation)
 {
     pbw__digit pool[PBW__POOL];
     return pbw__exact_determinant_in(pool, dim, dim + (orientation != NULL), row, origin, orientation);
@@ -2766,7 +2766,7 @@ static PBW__NOINLINE int pbw__undecided(int dim, const double *const *row, const
                                         const pbw__grid *grid, int *orientation)
 {
     const int sign = pbw__undecided_in(NULL, dim, row, origin, grid, orientation);
-    return sign != PBW__OPEN ? sign : pbw__undecided_last(dim, row, origin, orientation);
+    return sign != PBW__OPEN ? sign : pbw__last_stage(dim, row, origin, orientation);
 }
 
 /* The verdict on a tie, a power determinant of 0.
