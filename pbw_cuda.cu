@@ -2671,15 +2671,11 @@ template <typename RUNG> struct wide_state {
     unsigned pending;                                /* lanes with a candidate to insert */
 };
 
-/* Measures how deep the candidates of some lanes lie; those in conflict with no simplex, and vertices, go. */
+/* Measures how deep the candidates of some lanes lie; those in conflict with no simplex go. */
 template <typename RUNG> DEVICE void screen_candidates(wide_state<RUNG> &n, unsigned lanes)
 {
     n.deep = (lanes >> n.lane & 1) != 0 ? depth_of_place(n.w, n.count, n.candidate.p) : 0.0f;
     n.pending = __ballot_sync(all_lanes, n.deep > 0.0f);
-    for (unsigned rest = n.pending; rest != 0; rest &= rest - 1) {   /* the search meets vertices too */
-        const int from = __ffs((int)rest) - 1;
-        n.pending &= is_vertex(n.w.s, tile_read<32>(n.candidate.id, from)) ? ~(1u << from) : ~0u;
-    }
 }
 
 /* Starts with the star of v in the store, or else from points on the curve; all bricks of the top level wait.
@@ -2761,13 +2757,15 @@ template <typename RUNG> DEVICE void search_bricks(wide_state<RUNG> &n)
     __syncwarp();
 }
 
-/* Inserts the deepest of the candidates; returns whether the star stays within its room. */
+/* Inserts the deepest of the candidates, unless it is a vertex: the search meets vertices too.  Returns whether the
+   star stays within its room. */
 template <typename RUNG> DEVICE bool insert_deepest(wide_state<RUNG> &n)
 {
     const float most = tile_max<32>((n.pending >> n.lane & 1) != 0 ? n.deep : -1.0f);
     const int from = __ffs((int)(__ballot_sync(all_lanes, n.deep == most) & n.pending)) - 1;
+    const point_of<typename wide_star<RUNG>::type> next = tile_read<32>(n.candidate, from);
     int count = n.count;
-    const int result = insert(n.w.s, n.at, tile_read<32>(n.candidate, from), count);
+    const int result = is_vertex(n.w.s, next.id) ? 0 : insert(n.w.s, n.at, next, count);
     n.count = count;
     n.pending &= ~(1u << from);
     if (result == star_changed) {
