@@ -8056,13 +8056,13 @@ static void pbw__emit_slots(const pbw__emission *emission, size_t from, size_t e
 }
 
 /* Writes the simplices set aside if their places are free. */
-static void pbw__emit_aside(const pbw__emission *emission, pbw__aside *aside)
+PBW__INLINE void pbw__emit_aside(const pbw__emission *emission, pbw__aside *aside, int dim)
 {
     size_t i;
     for (i = aside->count; i-- > 0; ) {
         pbw__emitted *simplex = aside->simplex + i;
-        if (pbw__emit_free(emission, aside, simplex->place, emission->dim)) {
-            pbw__emit_place(emission, simplex, emission->dim);
+        if (pbw__emit_free(emission, aside, simplex->place, dim)) {
+            pbw__emit_place(emission, simplex, dim);
             *simplex = aside->simplex[--aside->count];
         }
     }
@@ -8075,7 +8075,7 @@ static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside)
     const size_t chunk = emission->slot_count < most ? emission->slot_count : most;
     size_t wanted;
     if (aside->capacity - aside->count < chunk) {
-        pbw__emit_aside(emission, aside);
+        PBW__BY_DIM(emission->dim, pbw__emit_aside, emission, aside);
         wanted = aside->count + aside->count / 8 + chunk;
         if (wanted > aside->capacity
             && !pbw__resize_array(&emission->context->memory, &aside->simplex, &aside->capacity, wanted,
@@ -8126,7 +8126,7 @@ static void pbw__emit_pass4(void *arg, int task)
     if (!PBW__LOAD(&emission->failed) && !pbw__report(emission->context, 0.95)) {
         aside->free_from = 0;
         aside->free_count = emission->simplex_count;
-        pbw__emit_aside(emission, aside);
+        PBW__BY_DIM(emission->dim, pbw__emit_aside, emission, aside);
     }
     pbw__release(&emission->context->memory, aside->simplex, aside->capacity, sizeof(pbw__emitted));
 }
