@@ -4906,16 +4906,14 @@ PBW__INLINE pbw_status pbw__located(pbw__kernel *kernel, pbw_index t)
 PBW__INLINE uint32_t pbw__local(uint64_t *table, uint64_t stamp, uint32_t *count, pbw_index v)
 {
     const uint64_t key = stamp | (uint64_t)v * PBW__LOCALS;
-    uint64_t found;
-    uint32_t at = (v * 0x9e3779b1u) >> 22, number, old;
-    for (found = table[at] ^ key; PBW__UNLIKELY(found - PBW__LOCALS < PBW__STAMP - PBW__LOCALS);
-         found = table[at] ^ key) {
-        at = (at + 1) % PBW__TABLE;
+    uint64_t *at = table + ((v * 0x9e3779b1u) >> 22), found;
+    uint32_t number;
+    for (found = *at ^ key; PBW__UNLIKELY(found - PBW__LOCALS < PBW__STAMP - PBW__LOCALS); found = *at ^ key) {
+        at = at + 1 < table + PBW__TABLE ? at + 1 : table;
     }
-    old = found < PBW__LOCALS;
-    number = old ? (uint32_t)found : *count;
-    *count += old ^ 1u;
-    table[at] = key | number;
+    number = found < PBW__LOCALS ? (uint32_t)found : *count;
+    *count += found >= PBW__LOCALS;
+    *at = key | number;
     return number;
 }
 
@@ -4928,7 +4926,7 @@ typedef struct pbw__search {
     pbw__carved *carved;
     pbw_index *from, *parent;
     uint64_t *table;
-    size_t cavity_count, capacity, facet_count;
+    size_t cavity_count, facet_count, capacity, room_until;
     uint64_t stamp;
     uint32_t local_count;
 } pbw__search;
@@ -4954,7 +4952,7 @@ PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw
     search->table = kernel->scratch.table;
     pbw__search_lists(kernel, search);
     search->cavity_count = 1;
-    search->facet_count = 0;
+    search->facet_count = search->room_until = 0;
     search->stamp = kernel->scratch.stamp * PBW__STAMP;
     search->local_count = 1;                         /* number 0 stands for none */
     search->parent[0] = 4;                           /* the first was met from nowhere: the second stands in */
@@ -4971,13 +4969,15 @@ PBW__INLINE pbw__link pbw__search_take(pbw__search *search, size_t i)
     return link;
 }
 
-/* Abandons a search at its i-th simplex. */
-static PBW__NOINLINE pbw_status pbw__search_leave(pbw__kernel *kernel, pbw__search *search, size_t i)
+/* Abandons a search at its i-th simplex; `count` are in the cavity. */
+static PBW__NOINLINE pbw_status pbw__search_leave(pbw__kernel *kernel, size_t count, size_t i)
 {
-    while (++i < search->cavity_count) {
-        (void)pbw__search_take(search, i);
+    pbw__search search;
+    pbw__search_lists(kernel, &search);
+    while (++i < count) {
+        (void)pbw__search_take(&search, i);
     }
-    return pbw__leave_cavity(kernel, search->cavity_count);
+    return pbw__leave_cavity(kernel, count);
 }
 
 PBW__INLINE void pbw__search_end(pbw__kernel *kernel, const pbw__search *search)
@@ -4988,15 +4988,19 @@ PBW__INLINE void pbw__search_end(pbw__kernel *kernel, const pbw__search *search)
     kernel->statistics.conflict_tests += search->cavity_count + search->facet_count - 1;
 }
 
-/* Makes room for the neighbours of one more simplex: four more items in each list. */
-PBW__INLINE int pbw__search_room(pbw__kernel *kernel, pbw__search *search)
+/* Makes room for the neighbours of the i-th simplex.  It appends at most four items to the lists, of which each has
+   room for all: so many simplices later there is room in any case. */
+PBW__INLINE int pbw__search_room(pbw__kernel *kernel, pbw__search *search, size_t i)
 {
-    if (PBW__UNLIKELY(search->cavity_count + search->facet_count + 8 > search->capacity)) {
-        if (!pbw__grow_lists(kernel, search->cavity_count + search->facet_count + 8)) {
-            return 0;
-        }
-        pbw__search_lists(kernel, search);
+    const size_t needed = search->cavity_count + search->facet_count + 8;
+    if (PBW__LIKELY(i < search->room_until)) {
+        return 1;
     }
+    if (needed > search->capacity && !pbw__grow_lists(kernel, needed)) {
+        return 0;
+    }
+    pbw__search_lists(kernel, search);
+    search->room_until = i + (search->capacity - needed) / 4 + 1;
     return 1;
 }
 
@@ -5057,11 +5061,11 @@ PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
     unsigned marked = PBW__LOAD(mark + o0) + 2u * PBW__LOAD(mark + o1)
                     + 4u * (PBW__LOAD(mark + o2) + 2u * PBW__LOAD(mark + o3)), outside;
     const pbw__i4 lanes = { 0, 1, 2, 3 }, from = pbw__splat_i((int32_t)facet) + lanes;
-    PBW__PREFETCH(search->link + 4 * (size_t)o0);
-    PBW__PREFETCH(search->link + 4 * (size_t)o1);
-    PBW__PREFETCH(search->link + 4 * (size_t)o2);
-    PBW__PREFETCH(search->link + 4 * (size_t)o3);
-    outside = 15u & ~(inside | marked);
+    PBW__PREFETCH(search->link + link[0]);
+    PBW__PREFETCH(search->link + link[1]);
+    PBW__PREFETCH(search->link + link[2]);
+    PBW__PREFETCH(search->link + link[3]);
+    outside = 15u ^ (inside | marked);
     inside &= ~marked;
     marked |= inside;
     PBW__STORE(mark + o0, pbw__lane_bits[marked][0]);
@@ -5233,7 +5237,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
         const pbw_index *v;
         double row[5][4], height = 0.0;
         unsigned k;
-        if (!pbw__search_room(kernel, &search)) {
+        if (!pbw__search_room(kernel, &search, i)) {
             return PBW_ERROR_MEMORY;
         }
         pbw__search_number(&search, i, pbw__search_take(&search, i));
@@ -5264,7 +5268,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
                 inside = (unsigned)pbw__in_conflict(kernel, (pbw_index)(link[k] >> 2), p);
             }
             if (inside && kernel->own.owner != NULL && !pbw__may_delete(kernel, (pbw_index)(link[k] >> 2))) {
-                return pbw__search_leave(kernel, &search, i);
+                return pbw__search_leave(kernel, search.cavity_count, i);
             }
             pbw__search_sort(&search, (pbw_index)(4 * i + k), (pbw_index)(link[k] >> 2), inside);
         }
@@ -5325,12 +5329,13 @@ PBW__SIMD_INLINE pbw__d4 pbw__take_over(pbw__d4 a, pbw__d4 b, pbw__d4 lane, pbw_
     return pbw__reorder(pbw__blend(a, b, lane), order);
 }
 
-/* Makes the rows of the i-th simplex of the cavity, and numbers its vertices.  The ghost's row is raised, so that
-   minors need not wait for the height.  Rows that an earlier simplex still has are copied. */
-PBW__SIMD_INLINE pbw__rows4 pbw__carve_rows(pbw__search *search, size_t i, pbw__link link, const double *record,
+/* Takes the i-th simplex of the cavity, makes its rows and numbers its vertices; *entry: the link to it.  The ghost's
+   row is raised, so that minors need not wait for the height.  Rows that an earlier simplex still has are copied. */
+PBW__SIMD_INLINE pbw__rows4 pbw__carve_rows(pbw__search *search, size_t i, pbw__link *entry, const double *record,
                                             const pbw__point4 *point, const pbw__latest *latest)
 {
     const pbw_index facet = search->parent[i];
+    const pbw__link link = *entry = pbw__search_take(search, i);
     pbw__rows4 r;
     if (PBW__UNLIKELY(i - (facet >> 2) >= PBW__HELD)) {
         pbw__search_number(search, i, link);
@@ -5377,17 +5382,15 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
     size_t i;
     pbw__search_begin(kernel, &search, t);
     for (i = 0; i < search.cavity_count; i++) {
-        const size_t met = search.parent[i] >> 2;    /* the simplex from which this one was reached */
         pbw__held *here = latest.held + i % PBW__HELD;
         pbw__link link;
         pbw__rows4 r, o;
         pbw__d4 height, det, h, limit, rounded;
         unsigned certain, inside;
-        if (PBW__UNLIKELY(!pbw__search_room(kernel, &search))) {
+        if (PBW__UNLIKELY(!pbw__search_room(kernel, &search, i))) {
             return PBW_ERROR_MEMORY;
         }
-        link = pbw__search_take(&search, i);
-        r = pbw__carve_rows(&search, i, link, record, point, &latest);
+        r = pbw__carve_rows(&search, i, &link, record, point, &latest);
         height = pbw__max_lane(r.height);
         {
             const pbw__link *around = search.link + (link & ~(pbw__link)3);      /* carved->link is being written */
@@ -5413,13 +5416,14 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
         }
         if (PBW__UNLIKELY(owned)) {                  /* three corners are also corners of the simplex met before */
             const pbw__carved *carved = search.carved + i;
+            const size_t met = search.parent[i] >> 2;
             const unsigned lack = i - met < PBW__HELD && latest.lacking[met % PBW__HELD] == 0
                                 ? (pbw__is_ours(kernel, corner[link]) ^ 1u) << (link & 3)
                                 : pbw__lacking4(kernel, carved->v[0], carved->v[1], carved->v[2], carved->v[3]);
             latest.lacking[i % PBW__HELD] = (unsigned char)lack;
             if (PBW__UNLIKELY(lack != 0) && (inside & ~lack) != 0
                 && !pbw__may_delete_all(kernel, carved, lack, inside)) {
-                return pbw__search_leave(kernel, &search, i);
+                return pbw__search_leave(kernel, search.cavity_count, i);
             }
         }
         pbw__search_sort4(&search, (pbw_index)(4 * i), search.carved[i].link, inside);
