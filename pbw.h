@@ -1239,10 +1239,6 @@ PBW__SIMD_INLINE pbw__i4 pbw__permute4(pbw__i4 x, pbw__i4 lanes)   /* lanes of x
 #endif
 }
 
-PBW__OPERATION(pbw__i4, pbw__widen, (int32_t bytes),     /* one byte of four in each lane */
-    (pbw__i4)_mm_cvtepu8_epi32(_mm_cvtsi32_si128(bytes)),
-    (pbw__i4)vmovl_u16(vget_low_u16(vmovl_u8((uint8x8_t)vdup_n_s32(bytes)))))
-
 PBW__SIMD_INLINE uint32_t pbw__apart4(pbw__i4 x, pbw__i4 y)        /* the sum of |x - y| over the lanes */
 {
 #ifdef PBW__NEON
@@ -1255,10 +1251,8 @@ PBW__SIMD_INLINE uint32_t pbw__apart4(pbw__i4 x, pbw__i4 y)        /* the sum of
 #endif
 }
 
-PBW__OPERATION(uint64_t, pbw__lanes01, (pbw__i4 x),     /* lane 0, and lane 1 above it */
-    (uint64_t)_mm_cvtsi128_si64((__m128i)x), vgetq_lane_u64((uint64x2_t)x, 0))
-PBW__OPERATION(uint64_t, pbw__lanes23, (pbw__i4 x),
-    (uint64_t)_mm_extract_epi64((__m128i)x, 1), vgetq_lane_u64((uint64x2_t)x, 1))
+PBW__OPERATION(pbw__i4, pbw__dot_pairs, (pbw__i4 x, int low, int high),     /* low * lower + high * upper half */
+    (pbw__i4)_mm_madd_epi16((__m128i)x, _mm_set1_epi32(high * 65536 + low)), (x & 0xffff) * low + (x >> 16) * high)
 
 /* The pair arithmetic of >>predicates in four lanes; fused operations are always available here. */
 typedef struct pbw__pair4 { pbw__d4 head, tail; } pbw__pair4;
@@ -5518,12 +5512,17 @@ static PBW__NOINLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vert
 }
 
 #ifdef PBW__SIMD
-PBW__SIMD_INLINE pbw__i4 pbw__facet_lanes(pbw_index facet)
-{
-    int32_t corners;
-    memcpy(&corners, pbw__facet_corners[facet], sizeof(corners));
-    return pbw__widen(corners);
-}
+/* Shuffles for the new simplex on a facet: its corners; beside each, the two others as numbers of 16 bits. */
+static const unsigned char pbw__facet_shuffle[4][2][16] = {
+    { { PBW__LANE(0), PBW__LANE(1), PBW__LANE(2), PBW__LANE(3) },
+      { 0, 0, 0, 0, 8, 9, 12, 13, 12, 13, 4, 5, 4, 5, 8, 9 } },
+    { { PBW__LANE(0), PBW__LANE(2), PBW__LANE(0), PBW__LANE(3) },
+      { 0, 0, 0, 0, 0, 1, 12, 13, 12, 13, 8, 9, 8, 9, 0, 1 } },
+    { { PBW__LANE(0), PBW__LANE(0), PBW__LANE(1), PBW__LANE(3) },
+      { 0, 0, 0, 0, 4, 5, 12, 13, 12, 13, 0, 1, 0, 1, 4, 5 } },
+    { { PBW__LANE(0), PBW__LANE(0), PBW__LANE(2), PBW__LANE(1) },
+      { 0, 0, 0, 0, 8, 9, 4, 5, 4, 5, 0, 1, 0, 1, 8, 9 } }
+};
 
 /* The refill with vectors, a simplex in each. */
 PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index vertex)
@@ -5535,32 +5534,29 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
     pbw__link *links = kernel->link, *edge = kernel->scratch.edge;
     unsigned char *mark = kernel->mark;
     size_t i, count = kernel->scratch.facet_count;
-    uint32_t least = UINT32_MAX;
-    pbw_index nearest = cavity[0];
+    uint64_t least = UINT64_MAX;                     /* how far along the curve, and the slot */
     if (PBW__UNLIKELY(kernel->scratch.local_count > PBW__FEW - 4)) {
         return pbw__refill3(kernel, vertex);
     }
     for (i = 0; i < count; i++) {
         const pbw__carved *inside = carved + (from[i] >> 2);
-        const pbw__i4 lanes = pbw__facet_lanes(from[i] & 3);
-        const pbw__i4 v = pbw__lead(pbw__permute4(pbw__load4(inside->v), lanes), new_corner);
-        const pbw__i4 local = pbw__permute4(pbw__load4(inside->local), lanes);
-        const pbw__i4 next = PBW__PICK4(local, 0, 2, 3, 1), last = PBW__PICK4(local, 0, 3, 1, 2);
-        const pbw__i4 there = (next << 6) + last;
-        uint64_t low = pbw__lanes01(there), high = pbw__lanes23(there);
+        const unsigned char (*shuffle)[16] = pbw__facet_shuffle[from[i] & 3];
+        const pbw__i4 v = pbw__lead(pbw__shuffle4(pbw__load4(inside->v), shuffle[0]), new_corner);
+        const pbw__i4 pairs = pbw__shuffle4(pbw__load4(inside->local), shuffle[1]);
+        pbw_index there[4];
         pbw_index slot = cavity[i];
-        const pbw__link base = (pbw__link)slot * 4, beyond = inside->link[from[i] & 3];
-        uint32_t apart = pbw__apart4(v, new_corner);
+        const size_t base = 4 * (size_t)slot, beyond = inside->link[from[i] & 3];
+        const uint64_t apart = (uint64_t)pbw__apart4(v, new_corner) << 32 | slot;
         PBW__STORE(mark + slot, 0);
         pbw__store4(corners + base, v);
-        links[base] = beyond;
-        links[beyond] = base;
-        pbw__store4(kernel->scratch.back + 4 * i, (last << 6) + next);
-        nearest = apart < least ? slot : nearest;
+        links[base] = (pbw__link)beyond;
+        links[beyond] = (pbw__link)base;
+        pbw__store4(there, pbw__dot_pairs(pairs, 64, 1));
+        pbw__store4(kernel->scratch.back + 4 * i, pbw__dot_pairs(pairs, 1, 64));
         least = apart < least ? apart : least;
-        edge[low >> 32] = base + 1;
-        edge[(uint32_t)high] = base + 2;
-        edge[high >> 32] = base + 3;
+        edge[there[1]] = (pbw__link)(base + 1);
+        edge[there[2]] = (pbw__link)(base + 2);
+        edge[there[3]] = (pbw__link)(base + 3);
     }
     for (i = 0; i < count; i++) {
         const pbw_index *back = kernel->scratch.back + 4 * i;
@@ -5569,7 +5565,7 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
         link[2] = edge[back[2]];
         link[3] = edge[back[3]];
     }
-    kernel->last = nearest;
+    kernel->last = (pbw_index)least;
     return PBW_OK;
 }
 #endif
