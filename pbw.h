@@ -5695,7 +5695,7 @@ static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
 #define PBW__RING 32
 
 typedef struct pbw__ring {
-    pbw_index start[PBW__RING], end[PBW__RING];
+    pbw_index start[PBW__RING];                      /* the edge ends where the next one starts */
     pbw_index slot[PBW__RING];                       /* of the cavity; then of the star */
     pbw__link beyond[PBW__RING];
     unsigned next[PBW__RING], count, tail, hull;     /* hull: the search has met the ghost vertex */
@@ -5806,7 +5806,7 @@ static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ri
     for (k = 0; k < 4; k++) {
         unsigned edge = ring->queue[head + k];
         corner[0][k] = ring->start[edge];
-        corner[1][k] = ring->end[edge];
+        corner[1][k] = ring->start[ring->next[edge]];
         corner[2][k] = kernel->corner[ring->beyond[edge]];
     }
     if (!kernel->weighted) {
@@ -5847,8 +5847,6 @@ PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring
         }
         ring->slot[count - 2] = (pbw_index)(beyond >> 2);
         ring->start[count] = far;
-        ring->end[count] = ring->end[edge];
-        ring->end[edge] = far;
         ring->next[count] = ring->next[edge];
         ring->next[edge] = count;
         ring->beyond[edge] = link[PBW__AFTER(beyond)];
@@ -5901,7 +5899,8 @@ PBW__SIMD_INLINE pbw_status pbw__ring_finish(pbw__kernel *kernel, pbw__ring *rin
         const unsigned i0 = queue[0], i1 = queue[1], i2 = queue[2], i3 = queue[3];
         const unsigned next = head + 4 < ring->tail ? head + 4 : ring->tail;
         const pbw_index start[4] = { ring->start[i0], ring->start[i1], ring->start[i2], ring->start[i3] };
-        const pbw_index end[4] = { ring->end[i0], ring->end[i1], ring->end[i2], ring->end[i3] };
+        const pbw_index end[4] = { ring->start[ring->next[i0]], ring->start[ring->next[i1]],
+                                   ring->start[ring->next[i2]], ring->start[ring->next[i3]] };
         const pbw_index far[4] = { corner[ring->beyond[i0]], corner[ring->beyond[i1]], corner[ring->beyond[i2]],
                                    corner[ring->beyond[i3]] };
         pbw__triangles t;
@@ -5933,7 +5932,7 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start_hull(pbw__kernel *kernel, pbw__ring 
 {
     const pbw_index *corner = kernel->corner;
     const pbw__link *link = kernel->link, behind = ring->beyond[2];
-    const pbw_index a = ring->start[2], b = ring->end[2], c = corner[behind];
+    const pbw_index a = ring->start[2], b = ring->start[0], c = corner[behind];
     const pbw_index far[4] = { c, corner[link[PBW__AFTER(behind)]], corner[link[PBW__BEFORE(behind)]], c };
     const pbw_index start[4] = { a, a, c, a }, end[4] = { b, c, b, b };
     const double *next = pbw__record_at(kernel, corner[ring->beyond[0]]);
@@ -6027,9 +6026,7 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *rin
     pbw_status status = PBW_OK;
     unsigned head = 0;
     memcpy(ring->start, v + 1, 2 * sizeof(*v));
-    memcpy(ring->end + 1, v, 2 * sizeof(*v));
     ring->start[2] = v[0];
-    ring->end[0] = v[2];
     memcpy(ring->beyond, link, 3 * sizeof(*link));
     ring->next[0] = 1;
     ring->next[1] = 2;
@@ -6100,16 +6097,17 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
     kernel->statistics.created += count;
     kernel->statistics.conflict_tests += ring->tail;
     for (i = 0; i < count; i++) {
-        pbw__link base = (pbw__link)ring->slot[i] << 2, after = (pbw__link)ring->slot[ring->next[i]] << 2;
-        pbw_index start = ring->start[i], end = ring->end[i];
+        const unsigned n = ring->next[i];
+        const size_t base = 4 * (size_t)ring->slot[i], after = 4 * (size_t)ring->slot[n];
+        const pbw_index start = ring->start[i], end = ring->start[n];
         unsigned between;
         corner[base] = vertex;
         corner[base + 1] = start;
         corner[base + 2] = end;
         link[base] = ring->beyond[i];
-        link[base + 1] = after | 2;
-        link[after + 2] = base | 1;
-        link[ring->beyond[i]] = base;
+        link[base + 1] = (pbw__link)after + 2;
+        link[after + 2] = (pbw__link)base + 1;
+        link[ring->beyond[i]] = (pbw__link)base;
         if (PBW__LIKELY(!ring->hull)) {
             between = pbw__signs2((pbw__load2(record + width * start) - p) * normal,
                                   (pbw__load2(record + width * end) - p) * normal);
@@ -6494,7 +6492,7 @@ static int pbw__find_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 }
 
 /* Inserts a vertex, or leaves it for later.  Returns 0 to stop. */
-static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v)
+PBW__INLINE int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
     const int alone = kernel->own.owner == NULL;
     size_t work;
