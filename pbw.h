@@ -7972,9 +7972,17 @@ PBW__SIMD_INLINE void pbw__emit_entries(pbw_index *to, pbw__i4 x, int dim)
 }
 
 /* Lists the slots from..end-1 that have a number; returns how many.  Branchless. */
-PBW__INLINE size_t pbw__emit_used(const pbw_index *number, size_t from, size_t end, pbw_index *slot)
+PBW__SIMD_INLINE size_t pbw__emit_used(const pbw_index *number, size_t from, size_t end, pbw_index *slot)
 {
+    const pbw__i4 lanes = { 0, 1, 2, 3 };
+    pbw__i4 slots = pbw__splat_i((int32_t)from) + lanes;
     size_t count = 0;
+    for (; from + 4 <= end; from += 4, slots += 4) {
+        const __m128i none = (__m128i)(pbw__load4(number + from) == -1);         /* PBW_NONE */
+        const unsigned used = 15u ^ (unsigned)_mm_movemask_ps(_mm_castsi128_ps(none));
+        pbw__store4(slot + count, pbw__shuffle4(slots, pbw__front[used]));
+        count += pbw__count4(used);
+    }
     for (; from < end; from++) {
         slot[count] = (pbw_index)from;
         count += number[from] != PBW_NONE;
