@@ -5272,13 +5272,9 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
 }
 
 #ifdef PBW__SIMD
-/* The rows of the latest simplices of the cavity, and of the vertices across their facets.  Tests hold few, so that
+/* The rows of the latest simplices of the cavity, and of the vertices across their facets.  Tests hold eight, so that
    they also reach simplices that are no longer held. */
-#ifdef PBW__TEST_SMALL_SHARES
-#define PBW__HELD 8
-#else
-#define PBW__HELD 64
-#endif
+#define PBW__HELD (7 + PBW__SMALLER(57))
 typedef struct pbw__held { pbw__d4 x, y, z, lift, far_x, far_y, far_z, far_lift; } pbw__held;
 typedef struct pbw__latest {
     pbw__held held[PBW__HELD];
@@ -5760,10 +5756,11 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, c
     return settled | ties;
 }
 
-/* Calls it with a copy of the rows, so that the compiler keeps them in memory only where a lane is open.  (And no
-   vector is an argument of a call: gcc for Windows leaves those unaligned.) */
+/* Calls it where heights may be exact, with a copy of the rows, so that the compiler keeps them in memory only there.
+   (And no vector is an argument of a call: gcc for Windows leaves those unaligned.) */
 PBW__SIMD_INLINE unsigned pbw__settle2(pbw__kernel *kernel, const pbw__triangles *t, unsigned open, unsigned *inside)
 {
+    open &= pbw__signs(pbw__greater(pbw__splat(kernel->exact_height), t->o.height));
     if (open != 0) {
         const pbw__triangles copy = *t;
         unsigned verdicts = *inside;
@@ -6018,6 +6015,7 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring
 PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *ring, pbw_index t,
                                              const pbw__rows4 *rows, const pbw__point4 *point)
 {
+    static const unsigned next[3] = { 1, 2, 0 };
     const pbw_index *corner = kernel->corner, *v = corner + 4 * (size_t)t;
     const pbw__link *link = kernel->link + 4 * (size_t)t;
     const pbw__link beyond[3] = { link[0], link[1], link[2] };
@@ -6028,9 +6026,7 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *rin
     memcpy(ring->start, v + 1, 2 * sizeof(*v));
     ring->start[2] = v[0];
     memcpy(ring->beyond, link, 3 * sizeof(*link));
-    ring->next[0] = 1;
-    ring->next[1] = 2;
-    ring->next[2] = 0;
+    memcpy(ring->next, next, sizeof(next));
     memcpy(ring->queue, "\0\1\2", 4);
     ring->slot[0] = t;
     ring->count = ring->tail = 3;
@@ -6100,7 +6096,6 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
         const unsigned n = ring->next[i];
         const size_t base = 4 * (size_t)ring->slot[i], after = 4 * (size_t)ring->slot[n];
         const pbw_index start = ring->start[i], end = ring->start[n];
-        unsigned between;
         corner[base] = vertex;
         corner[base + 1] = start;
         corner[base + 2] = end;
@@ -6109,9 +6104,8 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
         link[after + 2] = (pbw__link)base + 1;
         link[ring->beyond[i]] = (pbw__link)base;
         if (PBW__LIKELY(!ring->hull)) {
-            between = pbw__signs2((pbw__load2(record + width * start) - p) * normal,
-                                  (pbw__load2(record + width * end) - p) * normal);
-            last = between == 2 ? ring->slot[i] : last;
+            const pbw__d2 from = pbw__load2(record + width * start) - p, to = pbw__load2(record + width * end) - p;
+            last = pbw__signs2(from * normal, to * normal) == 2 ? ring->slot[i] : last;
         }
     }
     kernel->last = last;
@@ -7413,8 +7407,7 @@ static void pbw__emit_chains(const pbw__emission *emission, pbw__listing *listin
         memset(number + from, 0xff, (to - from) * sizeof(pbw_index));            /* PBW_NONE */
         used = pbw__lowest_ranks(emission, from, to - from, lowest);
         for (; used != 0; used &= used - 1) {        /* on a circle half are ghosts, in unpredictable slots */
-            const unsigned at = pbw__first_bit(used);
-            const pbw_index low = lowest[at];
+            const pbw_index at = pbw__first_bit(used), low = lowest[at];
             pbw_index *last = &listing->others;
             if (PBW__LIKELY(low - ranks < own)) {
                 last = chain + (low >> bits);
@@ -7512,10 +7505,39 @@ PBW__INLINE void pbw__fill_lists_of(const pbw_index *corner, const pbw_index *sl
     }
 }
 
-/* Sorts short lists by their keys.  The first list begins at item `begin`, each ends at its `end`, where the next
+PBW__INLINE void pbw__sift(pbw__item *heap, size_t root, size_t count)
+{
+    pbw__item item = heap[root];
+    size_t child;
+    while ((child = 2 * root + 1) < count) {
+        child += child + 1 < count && heap[child + 1].key > heap[child].key;
+        if (heap[child].key <= item.key) {
+            break;
+        }
+        heap[root] = heap[child];
+        root = child;
+    }
+    heap[root] = item;
+}
+
+/* Sorts the list of a hub, a vertex with many simplices: a heap sort. */
+static PBW__NOINLINE void pbw__sort_hub(pbw__item *heap, size_t count, pbw__item *sorted)
+{
+    size_t i;
+    for (i = count / 2; i-- > 0; ) {
+        pbw__sift(heap, i, count);
+    }
+    for (i = count; i-- > 0; ) {
+        sorted[i] = heap[0];
+        heap[0] = heap[i];
+        pbw__sift(heap, 0, i);
+    }
+}
+
+/* Sorts lists by their keys.  The first list begins at item `begin`, each ends at its `end`, where the next
    begins.  Results start at sorted[1]; sorted[0] is scratch.  Branchless, as the order is unpredictable: an item goes
    behind as many others as have lower keys. */
-static void pbw__sort_lists(const pbw__item *item, const pbw_index *end, unsigned lists, pbw_index begin,
+static void pbw__sort_lists(pbw__item *item, const pbw_index *end, unsigned lists, pbw_index begin,
                             pbw__item *sorted)
 {
     unsigned rank[PBW__SHORT], i, j, l;
@@ -7530,6 +7552,9 @@ static void pbw__sort_lists(const pbw__item *item, const pbw_index *end, unsigne
         }
         for (i = 0; i < count; i++) {
             sorted[1 + begin + rank[i]] = item[begin + i];
+        }
+        if (count == 0) {                            /* or a hub's */
+            pbw__sort_hub(item + begin, end[l] - begin, sorted + 1 + begin);
         }
     }
 }
@@ -7634,7 +7659,7 @@ PBW__SIMD_INLINE void pbw__sort_lists2_simd(const pbw__item *item, pbw_index cou
 }
 
 /* pbw__sort_lists by vectors.  Groups lists by length first, as lengths are unpredictable. */
-PBW__SIMD static void pbw__sort_lists_simd(const pbw__item *item, const pbw_index *end, unsigned lists,
+PBW__SIMD static void pbw__sort_lists_simd(pbw__item *item, const pbw_index *end, unsigned lists,
                                            pbw_index begin, pbw__item *sorted, int dim)
 {
     pbw_index by_fours[PBW__SHORT / 4 + 2][PBW__LISTS][2], from = begin, longest = 1;
@@ -7653,10 +7678,12 @@ PBW__SIMD static void pbw__sort_lists_simd(const pbw__item *item, const pbw_inde
         by_fours[fours][n[fours]][0] = begin;
         by_fours[fours][n[fours]++][1] = count;
     }
-    for (fours = 1; fours <= PBW__SHORT / 4; fours++) {
+    for (fours = 1; fours <= PBW__SHORT / 4 + 1; fours++) {
         for (i = 0; i < n[fours]; i++) {
             const pbw_index *list = by_fours[fours][i];
-            if (fours == 1) {
+            if (fours > PBW__SHORT / 4) {
+                pbw__sort_hub(item + list[0], list[1], sorted + 1 + list[0]);
+            } else if (fours == 1) {
                 pbw__sort_list_simd(item, list[0], list[1], 4, sorted);
             } else if (fours == 2) {
                 pbw__sort_list_simd(item, list[0], list[1], 8, sorted);
@@ -7670,41 +7697,12 @@ PBW__SIMD static void pbw__sort_lists_simd(const pbw__item *item, const pbw_inde
 }
 #endif
 
-PBW__INLINE void pbw__sift(pbw__item *heap, size_t root, size_t count)
-{
-    pbw__item item = heap[root];
-    size_t child;
-    while ((child = 2 * root + 1) < count) {
-        child += child + 1 < count && heap[child + 1].key > heap[child].key;
-        if (heap[child].key <= item.key) {
-            break;
-        }
-        heap[root] = heap[child];
-        root = child;
-    }
-    heap[root] = item;
-}
-
-/* Sorts the list of a hub, a vertex with many simplices: a heap sort. */
-static PBW__NOINLINE void pbw__sort_hub(pbw__item *heap, size_t count, pbw__item *sorted)
-{
-    size_t i;
-    for (i = count / 2; i-- > 0; ) {
-        pbw__sift(heap, i, count);
-    }
-    for (i = count; i-- > 0; ) {
-        sorted[i] = heap[0];
-        heap[0] = heap[i];
-        pbw__sift(heap, 0, i);
-    }
-}
-
 /* Sorts the lists of a region, which end at end[0] .. end[lists-1]. */
 PBW__INLINE void pbw__sort_region(const pbw__emission *emission, pbw__item *item, const pbw_index *end, size_t lists,
                                   pbw__item *sorted)
 {
     pbw_index begin = 0;
-    size_t r, i;
+    size_t r;
     for (r = 0; r < lists && !emission->any_order; r += PBW__LISTS) {
         const unsigned n = lists - r < PBW__LISTS ? (unsigned)(lists - r) : PBW__LISTS;
 #ifdef PBW__AVX2
@@ -7715,11 +7713,7 @@ PBW__INLINE void pbw__sort_region(const pbw__emission *emission, pbw__item *item
         {
             pbw__sort_lists(item, end + r, n, begin, sorted);
         }
-        for (i = r; i < r + n; begin = end[i++]) {
-            if (end[i] - begin > PBW__SHORT) {
-                pbw__sort_hub(item + begin, end[i] - begin, sorted + 1 + begin);
-            }
-        }
+        begin = end[r + n - 1];
     }
 }
 
@@ -7978,8 +7972,8 @@ PBW__SIMD_INLINE size_t pbw__emit_used(const pbw_index *number, size_t from, siz
     pbw__i4 slots = pbw__splat_i((int32_t)from) + lanes;
     size_t count = 0;
     for (; from + 4 <= end; from += 4, slots += 4) {
-        const __m128i none = (__m128i)(pbw__load4(number + from) == -1);         /* PBW_NONE */
-        const unsigned used = 15u ^ (unsigned)_mm_movemask_ps(_mm_castsi128_ps(none));
+        const pbw__i4 none = pbw__load4(number + from) == -1;    /* PBW_NONE */
+        const unsigned used = 15u ^ (unsigned)_mm_movemask_ps((__m128)none);
         pbw__store4(slot + count, pbw__shuffle4(slots, pbw__front[used]));
         count += pbw__count4(used);
     }
