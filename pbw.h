@@ -5591,9 +5591,10 @@ PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
     return det > limit || det < -limit ? det > 0.0 : pbw__in_conflict(kernel, t, p);
 }
 
-/* The corners of a triangle after and before this one. */
-#define PBW__AFTER(link) (((link) & ~(pbw__link)3) | (9u >> 2 * ((link) & 3) & 3))       /* 1 2 0 */
-#define PBW__BEFORE(link) (((link) & ~(pbw__link)3) | (18u >> 2 * ((link) & 3) & 3))     /* 2 0 1 */
+/* The corners of a triangle after and before this one: 1 2 0 and 2 0 1. */
+static const pbw__link pbw__after[3] = { 0 ^ 1, 1 ^ 2, 0 ^ 2 }, pbw__before[3] = { 0 ^ 2, 0 ^ 1, 1 ^ 2 };
+#define PBW__AFTER(link) ((link) ^ pbw__after[(link) & 3])
+#define PBW__BEFORE(link) ((link) ^ pbw__before[(link) & 3])
 
 /* Marks a triangle of the cavity by the highest bit of each corner, which no vertex has, or clears the mark: so the
    plane needs no memory for marks.  In space the next tests would wait for writes to addresses that depend on a
