@@ -5821,7 +5821,8 @@ static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ri
     return inside;
 }
 
-/* Adds the triangles across some of the next edges in the queue to the cavity: `inside` is the set of these edges.
+/* Adds the triangles across some of the next edges in the queue to the cavity: `inside` is the set of these edges, in
+   which may be some that join the queue meanwhile.
    PBW__NO_FIT: with weights, a vertex was met again, and may become hidden. */
 PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
                                             unsigned inside, int weighted)
@@ -5941,7 +5942,6 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start_hull(pbw__kernel *kernel, pbw__ring 
     const unsigned finite = 1u | (unsigned)(far[1] != PBW__GHOST) << 1 | (unsigned)(far[2] != PBW__GHOST) << 2;
     pbw__triangles t;
     unsigned certain, inside;
-    pbw_status status;
     t.o = pbw__rows4_of(kernel->record, far, 1, point);
     t.s = pbw__rows4_of(kernel->record, start, 0, point);
     t.e = pbw__rows4_of(kernel->record, end, 0, point);
@@ -5951,9 +5951,8 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start_hull(pbw__kernel *kernel, pbw__ring 
     }
     ring->queue[0] = 2;
     ring->tail = 1;
-    status = pbw__ring_split(kernel, ring, 0, inside & 1, 0);
-    *head = ring->tail;
-    return status == PBW_OK && (inside & 1) != 0 ? pbw__ring_split(kernel, ring, 1, inside >> 1, 0) : status;
+    *head = 1 + 2 * (inside & 1);
+    return pbw__ring_split(kernel, ring, 0, (inside & 1) != 0 ? inside : 0, 0);
 }
 
 /* Finishes a search that has met the ghost vertex. */
