@@ -5210,7 +5210,7 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, c
         open &= ~certain;
         kernel->statistics.exact_tests += pbw__count4(certain);
     }
-    for (k = 0; k < 4; k++) {
+    for (k = 0; open >> k != 0; k++) {
         if ((open >> k & 1) != 0) {
             inside |= (unsigned)pbw__in_conflict(kernel, (pbw_index)(carved->link[k] >> 2), p) << k;
         }
@@ -5812,7 +5812,7 @@ static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ri
         inside = certain & positive;
         open &= ~certain;
     }
-    for (k = 0; k < 4; k++) {
+    for (k = 0; open >> k != 0; k++) {
         if (open >> k & 1) {
             pbw_index t = (pbw_index)(ring->beyond[ring->queue[head + k]] >> 2);
             inside |= (unsigned)pbw__in_conflict(kernel, t, p) << k;
