@@ -5530,7 +5530,7 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
     pbw__link *links = kernel->link, *edge = kernel->scratch.edge;
     unsigned char *mark = kernel->mark;
     size_t i, count = kernel->scratch.facet_count;
-    uint64_t least = UINT64_MAX;                     /* how far along the curve, and the slot */
+    uint64_t least = UINT64_MAX;                     /* how far along the curve; which facet */
     if (PBW__UNLIKELY(kernel->scratch.local_count > PBW__FEW - 4)) {
         return pbw__refill3(kernel, vertex);
     }
@@ -5542,7 +5542,7 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
         pbw_index there[4];
         pbw_index slot = cavity[i];
         const size_t base = 4 * (size_t)slot, beyond = inside->link[from[i] & 3];
-        const uint64_t apart = (uint64_t)pbw__apart4(v, new_corner) << 32 | slot;
+        const uint64_t apart = (uint64_t)pbw__apart4(v, new_corner) << 32 | i;
         PBW__STORE(mark + slot, 0);
         pbw__store4(corners + base, v);
         links[base] = (pbw__link)beyond;
@@ -5561,7 +5561,7 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
         link[2] = edge[back[2]];
         link[3] = edge[back[3]];
     }
-    kernel->last = (pbw_index)least;
+    kernel->last = cavity[(uint32_t)least];
     return PBW_OK;
 }
 #endif
