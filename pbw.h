@@ -1239,10 +1239,6 @@ PBW__SIMD_INLINE pbw__i4 pbw__permute4(pbw__i4 x, pbw__i4 lanes)   /* lanes of x
 #endif
 }
 
-PBW__OPERATION(pbw__i4, pbw__widen, (int32_t bytes),     /* one byte of four in each lane */
-    (pbw__i4)_mm_cvtepu8_epi32(_mm_cvtsi32_si128(bytes)),
-    (pbw__i4)vmovl_u16(vget_low_u16(vmovl_u8((uint8x8_t)vdup_n_s32(bytes)))))
-
 PBW__SIMD_INLINE uint32_t pbw__apart4(pbw__i4 x, pbw__i4 y)        /* the sum of |x - y| over the lanes */
 {
 #ifdef PBW__NEON
@@ -1255,10 +1251,8 @@ PBW__SIMD_INLINE uint32_t pbw__apart4(pbw__i4 x, pbw__i4 y)        /* the sum of
 #endif
 }
 
-PBW__OPERATION(uint64_t, pbw__lanes01, (pbw__i4 x),     /* lane 0, and lane 1 above it */
-    (uint64_t)_mm_cvtsi128_si64((__m128i)x), vgetq_lane_u64((uint64x2_t)x, 0))
-PBW__OPERATION(uint64_t, pbw__lanes23, (pbw__i4 x),
-    (uint64_t)_mm_extract_epi64((__m128i)x, 1), vgetq_lane_u64((uint64x2_t)x, 1))
+PBW__OPERATION(pbw__i4, pbw__dot_pairs, (pbw__i4 x, int low, int high),     /* low * lower + high * upper half */
+    (pbw__i4)_mm_madd_epi16((__m128i)x, _mm_set1_epi32(high * 65536 + low)), (x & 0xffff) * low + (x >> 16) * high)
 
 /* The pair arithmetic of >>predicates in four lanes; fused operations are always available here. */
 typedef struct pbw__pair4 { pbw__d4 head, tail; } pbw__pair4;
@@ -4906,16 +4900,14 @@ PBW__INLINE pbw_status pbw__located(pbw__kernel *kernel, pbw_index t)
 PBW__INLINE uint32_t pbw__local(uint64_t *table, uint64_t stamp, uint32_t *count, pbw_index v)
 {
     const uint64_t key = stamp | (uint64_t)v * PBW__LOCALS;
-    uint64_t found;
-    uint32_t at = (v * 0x9e3779b1u) >> 22, number, old;
-    for (found = table[at] ^ key; PBW__UNLIKELY(found - PBW__LOCALS < PBW__STAMP - PBW__LOCALS);
-         found = table[at] ^ key) {
-        at = (at + 1) % PBW__TABLE;
+    uint64_t *at = table + ((v * 0x9e3779b1u) >> 22), found;
+    uint32_t number;
+    for (found = *at ^ key; PBW__UNLIKELY(found - PBW__LOCALS < PBW__STAMP - PBW__LOCALS); found = *at ^ key) {
+        at = at + 1 < table + PBW__TABLE ? at + 1 : table;
     }
-    old = found < PBW__LOCALS;
-    number = old ? (uint32_t)found : *count;
-    *count += old ^ 1u;
-    table[at] = key | number;
+    number = found < PBW__LOCALS ? (uint32_t)found : *count;
+    *count += found >= PBW__LOCALS;
+    *at = key | number;
     return number;
 }
 
@@ -4928,7 +4920,7 @@ typedef struct pbw__search {
     pbw__carved *carved;
     pbw_index *from, *parent;
     uint64_t *table;
-    size_t cavity_count, capacity, facet_count;
+    size_t cavity_count, facet_count, capacity, room_until;
     uint64_t stamp;
     uint32_t local_count;
 } pbw__search;
@@ -4954,7 +4946,7 @@ PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw
     search->table = kernel->scratch.table;
     pbw__search_lists(kernel, search);
     search->cavity_count = 1;
-    search->facet_count = 0;
+    search->facet_count = search->room_until = 0;
     search->stamp = kernel->scratch.stamp * PBW__STAMP;
     search->local_count = 1;                         /* number 0 stands for none */
     search->parent[0] = 4;                           /* the first was met from nowhere: the second stands in */
@@ -4971,13 +4963,15 @@ PBW__INLINE pbw__link pbw__search_take(pbw__search *search, size_t i)
     return link;
 }
 
-/* Abandons a search at its i-th simplex. */
-static PBW__NOINLINE pbw_status pbw__search_leave(pbw__kernel *kernel, pbw__search *search, size_t i)
+/* Abandons a search at its i-th simplex; `count` are in the cavity. */
+static PBW__NOINLINE pbw_status pbw__search_leave(pbw__kernel *kernel, size_t count, size_t i)
 {
-    while (++i < search->cavity_count) {
-        (void)pbw__search_take(search, i);
+    pbw__search search;
+    pbw__search_lists(kernel, &search);
+    while (++i < count) {
+        (void)pbw__search_take(&search, i);
     }
-    return pbw__leave_cavity(kernel, search->cavity_count);
+    return pbw__leave_cavity(kernel, count);
 }
 
 PBW__INLINE void pbw__search_end(pbw__kernel *kernel, const pbw__search *search)
@@ -4988,15 +4982,19 @@ PBW__INLINE void pbw__search_end(pbw__kernel *kernel, const pbw__search *search)
     kernel->statistics.conflict_tests += search->cavity_count + search->facet_count - 1;
 }
 
-/* Makes room for the neighbours of one more simplex: four more items in each list. */
-PBW__INLINE int pbw__search_room(pbw__kernel *kernel, pbw__search *search)
+/* Makes room for the neighbours of the i-th simplex.  It appends at most four items to the lists, of which each has
+   room for all: so many simplices later there is room in any case. */
+PBW__INLINE int pbw__search_room(pbw__kernel *kernel, pbw__search *search, size_t i)
 {
-    if (PBW__UNLIKELY(search->cavity_count + search->facet_count + 8 > search->capacity)) {
-        if (!pbw__grow_lists(kernel, search->cavity_count + search->facet_count + 8)) {
-            return 0;
-        }
-        pbw__search_lists(kernel, search);
+    const size_t needed = search->cavity_count + search->facet_count + 8;
+    if (PBW__LIKELY(i < search->room_until)) {
+        return 1;
     }
+    if (needed > search->capacity && !pbw__grow_lists(kernel, needed)) {
+        return 0;
+    }
+    pbw__search_lists(kernel, search);
+    search->room_until = i + (search->capacity - needed) / 4 + 1;
     return 1;
 }
 
@@ -5057,11 +5055,11 @@ PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
     unsigned marked = PBW__LOAD(mark + o0) + 2u * PBW__LOAD(mark + o1)
                     + 4u * (PBW__LOAD(mark + o2) + 2u * PBW__LOAD(mark + o3)), outside;
     const pbw__i4 lanes = { 0, 1, 2, 3 }, from = pbw__splat_i((int32_t)facet) + lanes;
-    PBW__PREFETCH(search->link + 4 * (size_t)o0);
-    PBW__PREFETCH(search->link + 4 * (size_t)o1);
-    PBW__PREFETCH(search->link + 4 * (size_t)o2);
-    PBW__PREFETCH(search->link + 4 * (size_t)o3);
-    outside = 15u & ~(inside | marked);
+    PBW__PREFETCH(search->link + link[0]);
+    PBW__PREFETCH(search->link + link[1]);
+    PBW__PREFETCH(search->link + link[2]);
+    PBW__PREFETCH(search->link + link[3]);
+    outside = 15u ^ (inside | marked);
     inside &= ~marked;
     marked |= inside;
     PBW__STORE(mark + o0, pbw__lane_bits[marked][0]);
@@ -5212,7 +5210,7 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, c
         open &= ~certain;
         kernel->statistics.exact_tests += pbw__count4(certain);
     }
-    for (k = 0; k < 4; k++) {
+    for (k = 0; open >> k != 0; k++) {
         if ((open >> k & 1) != 0) {
             inside |= (unsigned)pbw__in_conflict(kernel, (pbw_index)(carved->link[k] >> 2), p) << k;
         }
@@ -5233,7 +5231,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
         const pbw_index *v;
         double row[5][4], height = 0.0;
         unsigned k;
-        if (!pbw__search_room(kernel, &search)) {
+        if (!pbw__search_room(kernel, &search, i)) {
             return PBW_ERROR_MEMORY;
         }
         pbw__search_number(&search, i, pbw__search_take(&search, i));
@@ -5264,7 +5262,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
                 inside = (unsigned)pbw__in_conflict(kernel, (pbw_index)(link[k] >> 2), p);
             }
             if (inside && kernel->own.owner != NULL && !pbw__may_delete(kernel, (pbw_index)(link[k] >> 2))) {
-                return pbw__search_leave(kernel, &search, i);
+                return pbw__search_leave(kernel, search.cavity_count, i);
             }
             pbw__search_sort(&search, (pbw_index)(4 * i + k), (pbw_index)(link[k] >> 2), inside);
         }
@@ -5274,13 +5272,9 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
 }
 
 #ifdef PBW__SIMD
-/* The rows of the latest simplices of the cavity, and of the vertices across their facets.  Tests hold few, so that
+/* The rows of the latest simplices of the cavity, and of the vertices across their facets.  Tests hold eight, so that
    they also reach simplices that are no longer held. */
-#ifdef PBW__TEST_SMALL_SHARES
-#define PBW__HELD 8
-#else
-#define PBW__HELD 64
-#endif
+#define PBW__HELD (7 + PBW__SMALLER(57))
 typedef struct pbw__held { pbw__d4 x, y, z, lift, far_x, far_y, far_z, far_lift; } pbw__held;
 typedef struct pbw__latest {
     pbw__held held[PBW__HELD];
@@ -5325,12 +5319,13 @@ PBW__SIMD_INLINE pbw__d4 pbw__take_over(pbw__d4 a, pbw__d4 b, pbw__d4 lane, pbw_
     return pbw__reorder(pbw__blend(a, b, lane), order);
 }
 
-/* Makes the rows of the i-th simplex of the cavity, and numbers its vertices.  The ghost's row is raised, so that
-   minors need not wait for the height.  Rows that an earlier simplex still has are copied. */
-PBW__SIMD_INLINE pbw__rows4 pbw__carve_rows(pbw__search *search, size_t i, pbw__link link, const double *record,
+/* Takes the i-th simplex of the cavity, makes its rows and numbers its vertices; *entry: the link to it.  The ghost's
+   row is raised, so that minors need not wait for the height.  Rows that an earlier simplex still has are copied. */
+PBW__SIMD_INLINE pbw__rows4 pbw__carve_rows(pbw__search *search, size_t i, pbw__link *entry, const double *record,
                                             const pbw__point4 *point, const pbw__latest *latest)
 {
     const pbw_index facet = search->parent[i];
+    const pbw__link link = *entry = pbw__search_take(search, i);
     pbw__rows4 r;
     if (PBW__UNLIKELY(i - (facet >> 2) >= PBW__HELD)) {
         pbw__search_number(search, i, link);
@@ -5377,17 +5372,15 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
     size_t i;
     pbw__search_begin(kernel, &search, t);
     for (i = 0; i < search.cavity_count; i++) {
-        const size_t met = search.parent[i] >> 2;    /* the simplex from which this one was reached */
         pbw__held *here = latest.held + i % PBW__HELD;
         pbw__link link;
         pbw__rows4 r, o;
         pbw__d4 height, det, h, limit, rounded;
         unsigned certain, inside;
-        if (PBW__UNLIKELY(!pbw__search_room(kernel, &search))) {
+        if (PBW__UNLIKELY(!pbw__search_room(kernel, &search, i))) {
             return PBW_ERROR_MEMORY;
         }
-        link = pbw__search_take(&search, i);
-        r = pbw__carve_rows(&search, i, link, record, point, &latest);
+        r = pbw__carve_rows(&search, i, &link, record, point, &latest);
         height = pbw__max_lane(r.height);
         {
             const pbw__link *around = search.link + (link & ~(pbw__link)3);      /* carved->link is being written */
@@ -5413,13 +5406,14 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
         }
         if (PBW__UNLIKELY(owned)) {                  /* three corners are also corners of the simplex met before */
             const pbw__carved *carved = search.carved + i;
+            const size_t met = search.parent[i] >> 2;
             const unsigned lack = i - met < PBW__HELD && latest.lacking[met % PBW__HELD] == 0
                                 ? (pbw__is_ours(kernel, corner[link]) ^ 1u) << (link & 3)
                                 : pbw__lacking4(kernel, carved->v[0], carved->v[1], carved->v[2], carved->v[3]);
             latest.lacking[i % PBW__HELD] = (unsigned char)lack;
             if (PBW__UNLIKELY(lack != 0) && (inside & ~lack) != 0
                 && !pbw__may_delete_all(kernel, carved, lack, inside)) {
-                return pbw__search_leave(kernel, &search, i);
+                return pbw__search_leave(kernel, search.cavity_count, i);
             }
         }
         pbw__search_sort4(&search, (pbw_index)(4 * i), search.carved[i].link, inside);
@@ -5514,12 +5508,17 @@ static PBW__NOINLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vert
 }
 
 #ifdef PBW__SIMD
-PBW__SIMD_INLINE pbw__i4 pbw__facet_lanes(pbw_index facet)
-{
-    int32_t corners;
-    memcpy(&corners, pbw__facet_corners[facet], sizeof(corners));
-    return pbw__widen(corners);
-}
+/* Shuffles for the new simplex on a facet: its corners; beside each, the two others as numbers of 16 bits. */
+static const unsigned char pbw__facet_shuffle[4][2][16] = {
+    { { PBW__LANE(0), PBW__LANE(1), PBW__LANE(2), PBW__LANE(3) },
+      { 0, 0, 0, 0, 8, 9, 12, 13, 12, 13, 4, 5, 4, 5, 8, 9 } },
+    { { PBW__LANE(0), PBW__LANE(2), PBW__LANE(0), PBW__LANE(3) },
+      { 0, 0, 0, 0, 0, 1, 12, 13, 12, 13, 8, 9, 8, 9, 0, 1 } },
+    { { PBW__LANE(0), PBW__LANE(0), PBW__LANE(1), PBW__LANE(3) },
+      { 0, 0, 0, 0, 4, 5, 12, 13, 12, 13, 0, 1, 0, 1, 4, 5 } },
+    { { PBW__LANE(0), PBW__LANE(0), PBW__LANE(2), PBW__LANE(1) },
+      { 0, 0, 0, 0, 8, 9, 4, 5, 4, 5, 0, 1, 0, 1, 8, 9 } }
+};
 
 /* The refill with vectors, a simplex in each. */
 PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index vertex)
@@ -5531,32 +5530,29 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
     pbw__link *links = kernel->link, *edge = kernel->scratch.edge;
     unsigned char *mark = kernel->mark;
     size_t i, count = kernel->scratch.facet_count;
-    uint32_t least = UINT32_MAX;
-    pbw_index nearest = cavity[0];
+    uint64_t least = UINT64_MAX;                     /* how far along the curve; which facet */
     if (PBW__UNLIKELY(kernel->scratch.local_count > PBW__FEW - 4)) {
         return pbw__refill3(kernel, vertex);
     }
     for (i = 0; i < count; i++) {
         const pbw__carved *inside = carved + (from[i] >> 2);
-        const pbw__i4 lanes = pbw__facet_lanes(from[i] & 3);
-        const pbw__i4 v = pbw__lead(pbw__permute4(pbw__load4(inside->v), lanes), new_corner);
-        const pbw__i4 local = pbw__permute4(pbw__load4(inside->local), lanes);
-        const pbw__i4 next = PBW__PICK4(local, 0, 2, 3, 1), last = PBW__PICK4(local, 0, 3, 1, 2);
-        const pbw__i4 there = (next << 6) + last;
-        uint64_t low = pbw__lanes01(there), high = pbw__lanes23(there);
+        const unsigned char (*shuffle)[16] = pbw__facet_shuffle[from[i] & 3];
+        const pbw__i4 v = pbw__lead(pbw__shuffle4(pbw__load4(inside->v), shuffle[0]), new_corner);
+        const pbw__i4 pairs = pbw__shuffle4(pbw__load4(inside->local), shuffle[1]);
+        pbw_index there[4];
         pbw_index slot = cavity[i];
-        const pbw__link base = (pbw__link)slot * 4, beyond = inside->link[from[i] & 3];
-        uint32_t apart = pbw__apart4(v, new_corner);
+        const size_t base = 4 * (size_t)slot, beyond = inside->link[from[i] & 3];
+        const uint64_t apart = (uint64_t)pbw__apart4(v, new_corner) << 32 | i;
         PBW__STORE(mark + slot, 0);
         pbw__store4(corners + base, v);
-        links[base] = beyond;
-        links[beyond] = base;
-        pbw__store4(kernel->scratch.back + 4 * i, (last << 6) + next);
-        nearest = apart < least ? slot : nearest;
+        links[base] = (pbw__link)beyond;
+        links[beyond] = (pbw__link)base;
+        pbw__store4(there, pbw__dot_pairs(pairs, 64, 1));
+        pbw__store4(kernel->scratch.back + 4 * i, pbw__dot_pairs(pairs, 1, 64));
         least = apart < least ? apart : least;
-        edge[low >> 32] = base + 1;
-        edge[(uint32_t)high] = base + 2;
-        edge[high >> 32] = base + 3;
+        edge[there[1]] = (pbw__link)(base + 1);
+        edge[there[2]] = (pbw__link)(base + 2);
+        edge[there[3]] = (pbw__link)(base + 3);
     }
     for (i = 0; i < count; i++) {
         const pbw_index *back = kernel->scratch.back + 4 * i;
@@ -5565,7 +5561,7 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
         link[2] = edge[back[2]];
         link[3] = edge[back[3]];
     }
-    kernel->last = nearest;
+    kernel->last = cavity[(uint32_t)least];
     return PBW_OK;
 }
 #endif
@@ -5595,9 +5591,10 @@ PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
     return det > limit || det < -limit ? det > 0.0 : pbw__in_conflict(kernel, t, p);
 }
 
-/* The corners of a triangle after and before this one. */
-#define PBW__AFTER(link) (((link) & ~(pbw__link)3) | (9u >> 2 * ((link) & 3) & 3))       /* 1 2 0 */
-#define PBW__BEFORE(link) (((link) & ~(pbw__link)3) | (18u >> 2 * ((link) & 3) & 3))     /* 2 0 1 */
+/* The corners of a triangle after and before this one: 1 2 0 and 2 0 1. */
+static const pbw__link pbw__after[3] = { 0 ^ 1, 1 ^ 2, 0 ^ 2 }, pbw__before[3] = { 0 ^ 2, 0 ^ 1, 1 ^ 2 };
+#define PBW__AFTER(link) ((link) ^ pbw__after[(link) & 3])
+#define PBW__BEFORE(link) ((link) ^ pbw__before[(link) & 3])
 
 /* Marks a triangle of the cavity by the highest bit of each corner, which no vertex has, or clears the mark: so the
    plane needs no memory for marks.  In space the next tests would wait for writes to addresses that depend on a
@@ -5695,7 +5692,7 @@ static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
 #define PBW__RING 32
 
 typedef struct pbw__ring {
-    pbw_index start[PBW__RING], end[PBW__RING];
+    pbw_index start[PBW__RING];                      /* the edge ends where the next one starts */
     pbw_index slot[PBW__RING];                       /* of the cavity; then of the star */
     pbw__link beyond[PBW__RING];
     unsigned next[PBW__RING], count, tail, hull;     /* hull: the search has met the ghost vertex */
@@ -5760,10 +5757,11 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, c
     return settled | ties;
 }
 
-/* Calls it with a copy of the rows, so that the compiler keeps them in memory only where a lane is open.  (And no
-   vector is an argument of a call: gcc for Windows leaves those unaligned.) */
+/* Calls it where heights may be exact, with a copy of the rows, so that the compiler keeps them in memory only there.
+   (And no vector is an argument of a call: gcc for Windows leaves those unaligned.) */
 PBW__SIMD_INLINE unsigned pbw__settle2(pbw__kernel *kernel, const pbw__triangles *t, unsigned open, unsigned *inside)
 {
+    open &= pbw__signs(pbw__greater(pbw__splat(kernel->exact_height), t->o.height));
     if (open != 0) {
         const pbw__triangles copy = *t;
         unsigned verdicts = *inside;
@@ -5806,7 +5804,7 @@ static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ri
     for (k = 0; k < 4; k++) {
         unsigned edge = ring->queue[head + k];
         corner[0][k] = ring->start[edge];
-        corner[1][k] = ring->end[edge];
+        corner[1][k] = ring->start[ring->next[edge]];
         corner[2][k] = kernel->corner[ring->beyond[edge]];
     }
     if (!kernel->weighted) {
@@ -5814,7 +5812,7 @@ static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ri
         inside = certain & positive;
         open &= ~certain;
     }
-    for (k = 0; k < 4; k++) {
+    for (k = 0; open >> k != 0; k++) {
         if (open >> k & 1) {
             pbw_index t = (pbw_index)(ring->beyond[ring->queue[head + k]] >> 2);
             inside |= (unsigned)pbw__in_conflict(kernel, t, p) << k;
@@ -5823,7 +5821,8 @@ static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ri
     return inside;
 }
 
-/* Adds the triangles across some of the next edges in the queue to the cavity: `inside` is the set of these edges.
+/* Adds the triangles across some of the next edges in the queue to the cavity: `inside` is the set of these edges, in
+   which may be some that join the queue meanwhile.
    PBW__NO_FIT: with weights, a vertex was met again, and may become hidden. */
 PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
                                             unsigned inside, int weighted)
@@ -5847,8 +5846,6 @@ PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring
         }
         ring->slot[count - 2] = (pbw_index)(beyond >> 2);
         ring->start[count] = far;
-        ring->end[count] = ring->end[edge];
-        ring->end[edge] = far;
         ring->next[count] = ring->next[edge];
         ring->next[edge] = count;
         ring->beyond[edge] = link[PBW__AFTER(beyond)];
@@ -5901,7 +5898,8 @@ PBW__SIMD_INLINE pbw_status pbw__ring_finish(pbw__kernel *kernel, pbw__ring *rin
         const unsigned i0 = queue[0], i1 = queue[1], i2 = queue[2], i3 = queue[3];
         const unsigned next = head + 4 < ring->tail ? head + 4 : ring->tail;
         const pbw_index start[4] = { ring->start[i0], ring->start[i1], ring->start[i2], ring->start[i3] };
-        const pbw_index end[4] = { ring->end[i0], ring->end[i1], ring->end[i2], ring->end[i3] };
+        const pbw_index end[4] = { ring->start[ring->next[i0]], ring->start[ring->next[i1]],
+                                   ring->start[ring->next[i2]], ring->start[ring->next[i3]] };
         const pbw_index far[4] = { corner[ring->beyond[i0]], corner[ring->beyond[i1]], corner[ring->beyond[i2]],
                                    corner[ring->beyond[i3]] };
         pbw__triangles t;
@@ -5933,7 +5931,7 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start_hull(pbw__kernel *kernel, pbw__ring 
 {
     const pbw_index *corner = kernel->corner;
     const pbw__link *link = kernel->link, behind = ring->beyond[2];
-    const pbw_index a = ring->start[2], b = ring->end[2], c = corner[behind];
+    const pbw_index a = ring->start[2], b = ring->start[0], c = corner[behind];
     const pbw_index far[4] = { c, corner[link[PBW__AFTER(behind)]], corner[link[PBW__BEFORE(behind)]], c };
     const pbw_index start[4] = { a, a, c, a }, end[4] = { b, c, b, b };
     const double *next = pbw__record_at(kernel, corner[ring->beyond[0]]);
@@ -5944,7 +5942,6 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start_hull(pbw__kernel *kernel, pbw__ring 
     const unsigned finite = 1u | (unsigned)(far[1] != PBW__GHOST) << 1 | (unsigned)(far[2] != PBW__GHOST) << 2;
     pbw__triangles t;
     unsigned certain, inside;
-    pbw_status status;
     t.o = pbw__rows4_of(kernel->record, far, 1, point);
     t.s = pbw__rows4_of(kernel->record, start, 0, point);
     t.e = pbw__rows4_of(kernel->record, end, 0, point);
@@ -5954,9 +5951,8 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start_hull(pbw__kernel *kernel, pbw__ring 
     }
     ring->queue[0] = 2;
     ring->tail = 1;
-    status = pbw__ring_split(kernel, ring, 0, inside & 1, 0);
-    *head = ring->tail;
-    return status == PBW_OK && (inside & 1) != 0 ? pbw__ring_split(kernel, ring, 1, inside >> 1, 0) : status;
+    *head = 1 + 2 * (inside & 1);
+    return pbw__ring_split(kernel, ring, 0, (inside & 1) != 0 ? inside : 0, 0);
 }
 
 /* Finishes a search that has met the ghost vertex. */
@@ -6019,6 +6015,7 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring
 PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *ring, pbw_index t,
                                              const pbw__rows4 *rows, const pbw__point4 *point)
 {
+    static const unsigned next[3] = { 1, 2, 0 };
     const pbw_index *corner = kernel->corner, *v = corner + 4 * (size_t)t;
     const pbw__link *link = kernel->link + 4 * (size_t)t;
     const pbw__link beyond[3] = { link[0], link[1], link[2] };
@@ -6027,13 +6024,9 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *rin
     pbw_status status = PBW_OK;
     unsigned head = 0;
     memcpy(ring->start, v + 1, 2 * sizeof(*v));
-    memcpy(ring->end + 1, v, 2 * sizeof(*v));
     ring->start[2] = v[0];
-    ring->end[0] = v[2];
     memcpy(ring->beyond, link, 3 * sizeof(*link));
-    ring->next[0] = 1;
-    ring->next[1] = 2;
-    ring->next[2] = 0;
+    memcpy(ring->next, next, sizeof(next));
     memcpy(ring->queue, "\0\1\2", 4);
     ring->slot[0] = t;
     ring->count = ring->tail = 3;
@@ -6100,20 +6093,19 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
     kernel->statistics.created += count;
     kernel->statistics.conflict_tests += ring->tail;
     for (i = 0; i < count; i++) {
-        pbw__link base = (pbw__link)ring->slot[i] << 2, after = (pbw__link)ring->slot[ring->next[i]] << 2;
-        pbw_index start = ring->start[i], end = ring->end[i];
-        unsigned between;
+        const unsigned n = ring->next[i];
+        const size_t base = 4 * (size_t)ring->slot[i], after = 4 * (size_t)ring->slot[n];
+        const pbw_index start = ring->start[i], end = ring->start[n];
         corner[base] = vertex;
         corner[base + 1] = start;
         corner[base + 2] = end;
         link[base] = ring->beyond[i];
-        link[base + 1] = after | 2;
-        link[after + 2] = base | 1;
-        link[ring->beyond[i]] = base;
+        link[base + 1] = (pbw__link)after + 2;
+        link[after + 2] = (pbw__link)base + 1;
+        link[ring->beyond[i]] = (pbw__link)base;
         if (PBW__LIKELY(!ring->hull)) {
-            between = pbw__signs2((pbw__load2(record + width * start) - p) * normal,
-                                  (pbw__load2(record + width * end) - p) * normal);
-            last = between == 2 ? ring->slot[i] : last;
+            const pbw__d2 from = pbw__load2(record + width * start) - p, to = pbw__load2(record + width * end) - p;
+            last = pbw__signs2(from * normal, to * normal) == 2 ? ring->slot[i] : last;
         }
     }
     kernel->last = last;
@@ -6494,7 +6486,7 @@ static int pbw__find_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 }
 
 /* Inserts a vertex, or leaves it for later.  Returns 0 to stop. */
-static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v)
+PBW__INLINE int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
     const int alone = kernel->own.owner == NULL;
     size_t work;
@@ -7415,8 +7407,7 @@ static void pbw__emit_chains(const pbw__emission *emission, pbw__listing *listin
         memset(number + from, 0xff, (to - from) * sizeof(pbw_index));            /* PBW_NONE */
         used = pbw__lowest_ranks(emission, from, to - from, lowest);
         for (; used != 0; used &= used - 1) {        /* on a circle half are ghosts, in unpredictable slots */
-            const unsigned at = pbw__first_bit(used);
-            const pbw_index low = lowest[at];
+            const pbw_index at = pbw__first_bit(used), low = lowest[at];
             pbw_index *last = &listing->others;
             if (PBW__LIKELY(low - ranks < own)) {
                 last = chain + (low >> bits);
@@ -7514,10 +7505,39 @@ PBW__INLINE void pbw__fill_lists_of(const pbw_index *corner, const pbw_index *sl
     }
 }
 
-/* Sorts short lists by their keys.  The first list begins at item `begin`, each ends at its `end`, where the next
+PBW__INLINE void pbw__sift(pbw__item *heap, size_t root, size_t count)
+{
+    pbw__item item = heap[root];
+    size_t child;
+    while ((child = 2 * root + 1) < count) {
+        child += child + 1 < count && heap[child + 1].key > heap[child].key;
+        if (heap[child].key <= item.key) {
+            break;
+        }
+        heap[root] = heap[child];
+        root = child;
+    }
+    heap[root] = item;
+}
+
+/* Sorts the list of a hub, a vertex with many simplices: a heap sort. */
+static PBW__NOINLINE void pbw__sort_hub(pbw__item *heap, size_t count, pbw__item *sorted)
+{
+    size_t i;
+    for (i = count / 2; i-- > 0; ) {
+        pbw__sift(heap, i, count);
+    }
+    for (i = count; i-- > 0; ) {
+        sorted[i] = heap[0];
+        heap[0] = heap[i];
+        pbw__sift(heap, 0, i);
+    }
+}
+
+/* Sorts lists by their keys.  The first list begins at item `begin`, each ends at its `end`, where the next
    begins.  Results start at sorted[1]; sorted[0] is scratch.  Branchless, as the order is unpredictable: an item goes
    behind as many others as have lower keys. */
-static void pbw__sort_lists(const pbw__item *item, const pbw_index *end, unsigned lists, pbw_index begin,
+static void pbw__sort_lists(pbw__item *item, const pbw_index *end, unsigned lists, pbw_index begin,
                             pbw__item *sorted)
 {
     unsigned rank[PBW__SHORT], i, j, l;
@@ -7532,6 +7552,9 @@ static void pbw__sort_lists(const pbw__item *item, const pbw_index *end, unsigne
         }
         for (i = 0; i < count; i++) {
             sorted[1 + begin + rank[i]] = item[begin + i];
+        }
+        if (count == 0) {                            /* or a hub's */
+            pbw__sort_hub(item + begin, end[l] - begin, sorted + 1 + begin);
         }
     }
 }
@@ -7636,7 +7659,7 @@ PBW__SIMD_INLINE void pbw__sort_lists2_simd(const pbw__item *item, pbw_index cou
 }
 
 /* pbw__sort_lists by vectors.  Groups lists by length first, as lengths are unpredictable. */
-PBW__SIMD static void pbw__sort_lists_simd(const pbw__item *item, const pbw_index *end, unsigned lists,
+PBW__SIMD static void pbw__sort_lists_simd(pbw__item *item, const pbw_index *end, unsigned lists,
                                            pbw_index begin, pbw__item *sorted, int dim)
 {
     pbw_index by_fours[PBW__SHORT / 4 + 2][PBW__LISTS][2], from = begin, longest = 1;
@@ -7655,10 +7678,12 @@ PBW__SIMD static void pbw__sort_lists_simd(const pbw__item *item, const pbw_inde
         by_fours[fours][n[fours]][0] = begin;
         by_fours[fours][n[fours]++][1] = count;
     }
-    for (fours = 1; fours <= PBW__SHORT / 4; fours++) {
+    for (fours = 1; fours <= PBW__SHORT / 4 + 1; fours++) {
         for (i = 0; i < n[fours]; i++) {
             const pbw_index *list = by_fours[fours][i];
-            if (fours == 1) {
+            if (fours > PBW__SHORT / 4) {
+                pbw__sort_hub(item + list[0], list[1], sorted + 1 + list[0]);
+            } else if (fours == 1) {
                 pbw__sort_list_simd(item, list[0], list[1], 4, sorted);
             } else if (fours == 2) {
                 pbw__sort_list_simd(item, list[0], list[1], 8, sorted);
@@ -7672,41 +7697,12 @@ PBW__SIMD static void pbw__sort_lists_simd(const pbw__item *item, const pbw_inde
 }
 #endif
 
-PBW__INLINE void pbw__sift(pbw__item *heap, size_t root, size_t count)
-{
-    pbw__item item = heap[root];
-    size_t child;
-    while ((child = 2 * root + 1) < count) {
-        child += child + 1 < count && heap[child + 1].key > heap[child].key;
-        if (heap[child].key <= item.key) {
-            break;
-        }
-        heap[root] = heap[child];
-        root = child;
-    }
-    heap[root] = item;
-}
-
-/* Sorts the list of a hub, a vertex with many simplices: a heap sort. */
-static PBW__NOINLINE void pbw__sort_hub(pbw__item *heap, size_t count, pbw__item *sorted)
-{
-    size_t i;
-    for (i = count / 2; i-- > 0; ) {
-        pbw__sift(heap, i, count);
-    }
-    for (i = count; i-- > 0; ) {
-        sorted[i] = heap[0];
-        heap[0] = heap[i];
-        pbw__sift(heap, 0, i);
-    }
-}
-
 /* Sorts the lists of a region, which end at end[0] .. end[lists-1]. */
 PBW__INLINE void pbw__sort_region(const pbw__emission *emission, pbw__item *item, const pbw_index *end, size_t lists,
                                   pbw__item *sorted)
 {
     pbw_index begin = 0;
-    size_t r, i;
+    size_t r;
     for (r = 0; r < lists && !emission->any_order; r += PBW__LISTS) {
         const unsigned n = lists - r < PBW__LISTS ? (unsigned)(lists - r) : PBW__LISTS;
 #ifdef PBW__AVX2
@@ -7717,11 +7713,7 @@ PBW__INLINE void pbw__sort_region(const pbw__emission *emission, pbw__item *item
         {
             pbw__sort_lists(item, end + r, n, begin, sorted);
         }
-        for (i = r; i < r + n; begin = end[i++]) {
-            if (end[i] - begin > PBW__SHORT) {
-                pbw__sort_hub(item + begin, end[i] - begin, sorted + 1 + begin);
-            }
-        }
+        begin = end[r + n - 1];
     }
 }
 
@@ -7974,9 +7966,17 @@ PBW__SIMD_INLINE void pbw__emit_entries(pbw_index *to, pbw__i4 x, int dim)
 }
 
 /* Lists the slots from..end-1 that have a number; returns how many.  Branchless. */
-PBW__INLINE size_t pbw__emit_used(const pbw_index *number, size_t from, size_t end, pbw_index *slot)
+PBW__SIMD_INLINE size_t pbw__emit_used(const pbw_index *number, size_t from, size_t end, pbw_index *slot)
 {
+    const pbw__i4 lanes = { 0, 1, 2, 3 };
+    pbw__i4 slots = pbw__splat_i((int32_t)from) + lanes;
     size_t count = 0;
+    for (; from + 4 <= end; from += 4, slots += 4) {
+        const pbw__i4 none = pbw__load4(number + from) == -1;    /* PBW_NONE */
+        const unsigned used = 15u ^ (unsigned)_mm_movemask_ps((__m128)none);
+        pbw__store4(slot + count, pbw__shuffle4(slots, pbw__front[used]));
+        count += pbw__count4(used);
+    }
     for (; from < end; from++) {
         slot[count] = (pbw_index)from;
         count += number[from] != PBW_NONE;
@@ -8056,13 +8056,13 @@ static void pbw__emit_slots(const pbw__emission *emission, size_t from, size_t e
 }
 
 /* Writes the simplices set aside if their places are free. */
-static void pbw__emit_aside(const pbw__emission *emission, pbw__aside *aside)
+PBW__INLINE void pbw__emit_aside(const pbw__emission *emission, pbw__aside *aside, int dim)
 {
     size_t i;
     for (i = aside->count; i-- > 0; ) {
         pbw__emitted *simplex = aside->simplex + i;
-        if (pbw__emit_free(emission, aside, simplex->place, emission->dim)) {
-            pbw__emit_place(emission, simplex, emission->dim);
+        if (pbw__emit_free(emission, aside, simplex->place, dim)) {
+            pbw__emit_place(emission, simplex, dim);
             *simplex = aside->simplex[--aside->count];
         }
     }
@@ -8075,7 +8075,7 @@ static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside)
     const size_t chunk = emission->slot_count < most ? emission->slot_count : most;
     size_t wanted;
     if (aside->capacity - aside->count < chunk) {
-        pbw__emit_aside(emission, aside);
+        PBW__BY_DIM(emission->dim, pbw__emit_aside, emission, aside);
         wanted = aside->count + aside->count / 8 + chunk;
         if (wanted > aside->capacity
             && !pbw__resize_array(&emission->context->memory, &aside->simplex, &aside->capacity, wanted,
@@ -8126,7 +8126,7 @@ static void pbw__emit_pass4(void *arg, int task)
     if (!PBW__LOAD(&emission->failed) && !pbw__report(emission->context, 0.95)) {
         aside->free_from = 0;
         aside->free_count = emission->simplex_count;
-        pbw__emit_aside(emission, aside);
+        PBW__BY_DIM(emission->dim, pbw__emit_aside, emission, aside);
     }
     pbw__release(&emission->context->memory, aside->simplex, aside->capacity, sizeof(pbw__emitted));
 }
