@@ -21,8 +21,8 @@ FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/*.h examples/lib/*.h examples/program/*.h)
 SCRIPTS = $(filter packaging hashes examples asm oracle cells cmake csharp gappa install page plane python program \
     programs queries tiles view web, $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
-# `make test` leaves these to `make test-all`, and those of WITHOUT; it tells the scripts by QUICK that one compiler is
-# enough.
+# `make test` leaves these to `make test-all`, and tells the scripts by QUICK that one compiler is enough; it leaves out
+# those of WITHOUT, too.
 LONG = asm cmake csharp install oracle programs view web
 SUITES = test test-all programs examples oracle asm arm names fuzz-long
 export CC CXX
@@ -131,10 +131,11 @@ $B/web/index.html: examples/web/page.html $(WEB) $B/web/pbw.wasm
 $B/oracle_voro: tests/oracle_voro.cpp $(HEADERS) $B/libpbw.a
 	$(CXX) -std=c++17 $(CXXFLAGS) -Iexamples/lib -I. $< -o $@ $B/libpbw.a -lvoro++ $(LIBS)
 
-# Tests: each writes $B/NAME.log, which ends with its counts.  COUNT_NAME=n is for one of them, COUNT=n for all others.
+# Tests: each writes $B/NAME.log, which ends with its counts.  COUNT_NAME=n is for one, COUNT=n for all others.
 OWN = $(or $(COUNT_$(<F)),$(COUNT))
+HOW = $(if $(OWN),--count $(OWN),$(if $(QUICK),$(QUICK_$(<F)))) $(if $(UNDER),$(UNDER_$(<F)))
 $(TESTS:%=$B/%.log): $B/%.log: $B/% FORCE
-	@sh tests/run.sh $@ $(UNDER) $< $(if $(OWN),--count $(OWN),$(if $(QUICK),$(QUICK_$(<F)))) $(if $(UNDER),$(UNDER_$(<F)))
+	@sh tests/run.sh $@ $(UNDER) $< $(HOW)
 
 $(SCRIPTS:%=$B/%.log) $B/arm.log: $B/%.log: tests/%.sh FORCE
 	@mkdir -p $B

@@ -11,8 +11,8 @@ tsan = tsan CC=gcc TESTS='test_threads test_live_local' COUNT_test_threads=600 C
 all: $(ALL)
 logs: ; @echo $(ALL:%=build/ci-%.log)
 
-# What a step says goes to its log.  When it has ended, that is printed at once, without compilers' commands and without
-# make's words on failures, which would hide the count.
+# What a step says goes to its log.  When it has ended, that is printed at once, without compilers' commands and
+# without make's words on failures, which would hide the count.
 $(ALL):
 	@mkdir -p build/$@
 	@date +%s > build/$@/start

@@ -1,5 +1,5 @@
-"""Proves the error bounds of pbw.h with Gappa: gappa.py HEADER SCRIPTS.  Keeps Gappa's input in SCRIPTS.  With a third
-argument it ends at the first bound that is not proved.
+"""Proves the error bounds of pbw.h with Gappa: gappa.py HEADER SCRIPTS [first].  Keeps Gappa's input in SCRIPTS; with
+`first` it ends at the first bound that is not proved.
 
 The operations are read from the header: each predicate's expressions are evaluated on values that record the
 operations.  A different order of operations, or a different constant, gives a different proof.

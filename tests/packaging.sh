@@ -261,8 +261,8 @@ if [ -f README.md ]; then
     awk '/^```c$/ { inside = 1; text = ""; next }
          /^```/ && inside { inside = 0; if (text ~ /int main/) { printf "%s", text; exit } }
          inside { text = text $0 "\n" }' README.md > "$work/readme.c"
-    has_it() { $CC -I. -fsyntax-only "$work/readme.c" && $CC -I. -E "$work/readme.c" | grep 'uint64_t pbw_hash(.*)$'; }
-    check "README: its first program has the implementation" has_it
+    check "README: its first program has the implementation" sh -c \
+        "$CC -I. -fsyntax-only $work/readme.c && $CC -I. -E $work/readme.c | grep 'uint64_t pbw_hash(.*)\$'"
     check "README: its first program compiles" $CC -O1 -I. -DPBW__IMPLEMENTED -no-pie "$work/readme.c" \
         "$work/whole.o" -o "$work/readme" -lpthread -lm
     check "README: its first program runs" "$work/readme"

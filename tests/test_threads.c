@@ -599,7 +599,7 @@ int main(int argc, char **argv)
     test_progress(count);
     test_cancelled_order();
     test_refused_threads(count);
-    test_failing_memory(count < 2000 ? count / 2 : count < 6000 ? 1000 : count / 6);      /* hundreds of builds each */
+    test_failing_memory(count < 2000 ? count / 2 : count < 6000 ? 1000 : count / 6);     /* hundreds of builds */
     test_trace(count < 5000 ? 5000 : count);         /* in the plane fewer have but one level with rounds */
     test_counts(count);
     test_same_report(count);
