@@ -11,7 +11,7 @@ WARN = -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Werror
 C = $(CC) -std=c99 $(CFLAGS) $(WARN) -I. -Iexamples/lib
 LIBS = -lpthread -lm
 TESTS = $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
-SLOWEST = test_threads                  # started first, so that it does not run alone in the end
+SLOWEST = test_threads test_scalar test_live_local      # started first, so that none runs alone in the end
 PROGRAM = $(wildcard examples/program/*.c)
 EXAMPLES = $(patsubst examples/%.c,%,$(filter-out examples/mpi.c,$(wildcard examples/*.c)))
 MPI = $(if $(shell command -v mpicc),$B/mpi)
@@ -21,7 +21,8 @@ FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/*.h examples/lib/*.h examples/program/*.h)
 SCRIPTS = $(filter packaging hashes examples asm oracle cells cmake csharp gappa install page plane python program \
     programs queries tiles view web, $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
-# `make test` leaves these to `make test-all`, and tells the scripts by QUICK that one compiler is enough.
+# `make test` leaves these to `make test-all`, and tells the scripts by QUICK that one compiler is enough; it leaves out
+# those of WITHOUT, too.
 LONG = asm cmake csharp install oracle programs view web
 SUITES = test test-all programs examples oracle asm arm names fuzz-long
 export CC CXX
@@ -130,9 +131,11 @@ $B/web/index.html: examples/web/page.html $(WEB) $B/web/pbw.wasm
 $B/oracle_voro: tests/oracle_voro.cpp $(HEADERS) $B/libpbw.a
 	$(CXX) -std=c++17 $(CXXFLAGS) -Iexamples/lib -I. $< -o $@ $B/libpbw.a -lvoro++ $(LIBS)
 
-# Tests: each writes $B/NAME.log, which ends with its counts
+# Tests: each writes $B/NAME.log, which ends with its counts.  COUNT_NAME=n is for one, COUNT=n for all others.
+OWN = $(or $(COUNT_$(<F)),$(COUNT))
+HOW = $(if $(OWN),--count $(OWN),$(if $(QUICK),$(QUICK_$(<F)))) $(if $(UNDER),$(UNDER_$(<F)))
 $(TESTS:%=$B/%.log): $B/%.log: $B/% FORCE
-	@sh tests/run.sh $@ $(UNDER) $< $(if $(COUNT),--count $(COUNT),$(if $(QUICK),$(QUICK_$(<F)))) $(if $(UNDER),$(UNDER_$(<F)))
+	@sh tests/run.sh $@ $(UNDER) $< $(HOW)
 
 $(SCRIPTS:%=$B/%.log) $B/arm.log: $B/%.log: tests/%.sh FORCE
 	@mkdir -p $B
@@ -146,17 +149,21 @@ $B/csharp.log: $B/libpbw.so
 $B/install.log: $B/pbw $B/pbw_pic.o $B/libpbw.so
 $B/plane.log $B/program.log $B/programs.log $B/queries.log $B/tiles.log: $B/pbw
 $B/tiles.log: $(MPI)
-$B/hashes.log $B/oracle.log $B/cells.log: $B/libpbw.a
+$B/hashes.log $B/oracle.log $B/cells.log $B/web.log: $B/libpbw.a
 
-# One that does not compile is a failure, and the others still run.  The long ones first, so that none runs alone in the end.
-test-all: LOGS = $(patsubst %,$B/%.log,$(SLOWEST) $(SCRIPTS) $(filter-out $(SLOWEST),$(TESTS)))
-test: LOGS = $(patsubst %,$B/%.log,$(filter-out $(LONG),$(SCRIPTS)) $(TESTS))
+# One that does not compile is a failure, and the others still run.  The long ones come first, and are compiled before
+# all: make would only come back to one whose program is not there when it has started all others.
+FIRST = $(filter $(SLOWEST),$(TESTS))
+REST = $(filter-out $(SLOWEST),$(TESTS))
+test-all: LOGS = $(patsubst %,$B/%.log,$(FIRST) $(SCRIPTS) $(REST))
+test: LOGS = $(patsubst %,$B/%.log,$(FIRST) $(filter-out $(LONG) $(WITHOUT),$(SCRIPTS)) $(REST))
+test-all test programs: BEFORE = $B/libpbw.a $(FIRST:%=$B/%)
 test: export QUICK = 1
 QUICK_test_predicates = --count 50000
 QUICK_test_threads = --count 500
 QUICK_test_scalar = --count 500
 QUICK_test_tiles = --count 1000
-programs: LOGS = $(TESTS:%=$B/%.log)
+programs: LOGS = $(patsubst %,$B/%.log,$(FIRST) $(REST))
 examples: LOGS = $B/examples.log
 oracle: LOGS = $B/oracle.log
 asm: LOGS = $B/asm.log
@@ -165,6 +172,7 @@ names: LOGS = $B/packaging.log
 fuzz-long: LOGS = $(foreach seed,1 2 3 4 5 6 7 8,$B/fuzz.$(seed).log)
 $(SUITES):
 	@rm -f $(LOGS)
+	@$(if $(BEFORE),$(MAKE) --no-print-directory -k $(BEFORE) || true)
 	@$(MAKE) --no-print-directory -k $(LOGS) || true
 	@sh tests/run.sh --total $(LOGS)
 

@@ -25,7 +25,7 @@ add_subdirectory(third)
 add_executable(main main.cpp)
 target_link_libraries(main PRIVATE pbw::pbw)
 TEXT
-check "as a part: configures" cmake -S "$work/other" -B "$work/other/build"
+check "as a part: configures" cmake -S "$work/other" -B "$work/other/build" -DCMAKE_BUILD_TYPE=Debug
 check "as a part: builds" cmake --build "$work/other/build"
 check "as a part: runs" prints "$work/other/build/main"
 

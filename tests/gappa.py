@@ -1,4 +1,5 @@
-"""Proves the error bounds of pbw.h with Gappa: gappa.py HEADER SCRIPTS.  Keeps Gappa's input in SCRIPTS.
+"""Proves the error bounds of pbw.h with Gappa: gappa.py HEADER SCRIPTS [first].  Keeps Gappa's input in SCRIPTS; with
+`first` it ends at the first bound that is not proved.
 
 The operations are read from the header: each predicate's expressions are evaluated on values that record the
 operations.  A different order of operations, or a different constant, gives a different proof.
@@ -270,6 +271,8 @@ def report(name, problem):
     (failed if problem else passed).append(name)
     if problem:
         print('FAILED %s: %s' % (name, problem.strip()))
+        if len(sys.argv) > 3:
+            raise SystemExit(1)
 
 
 def judge(name, answer, tenth):

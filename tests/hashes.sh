@@ -8,15 +8,11 @@ rm -rf "$work" && mkdir -p "$work" || exit 2
 make_one() {   # make_one NAME COMPILER FLAGS...: in the background
     name=$1
     shift
-    { "$@" -std=c99 -DPBW_NO_QUERIES -DPBW_NO_LIVE tests/hashes.c -o "$work/$name" -lpthread -lm > "$work/$name.err" 2>&1 &&
+    { "$@" -std=c99 tests/hashes.c -o "$work/$name" -lpthread -lm > "$work/$name.err" 2>&1 &&
         "$work/$name" > "$work/$name.txt" 2> "$work/$name.err"; } &
 }
 
-if [ -n "$QUICK" ]; then                # pbw.h as it is compiled already
-    make_one reference $CC -O2 -DPBW__IMPLEMENTED "${1:-build}/libpbw.o"
-else
-    make_one reference $CC -O2
-fi
+make_one reference $CC -O2 -DPBW__IMPLEMENTED "${1:-build}/libpbw.o"      # pbw.h as it is compiled already
 make_one O0_scalar $CC -O0 -DPBW_NO_SIMD
 make_one contracted $CC -O2 -march=native -ffp-contract=fast         # see below
 if [ -z "$QUICK" ]; then
@@ -24,9 +20,7 @@ if [ -z "$QUICK" ]; then
     make_one scalar $CC -O2 -DPBW_NO_SIMD
     make_one O3_native $CC -O3 -march=native
     make_one wide $CC -O2 -DPBW_WIDE
-    make_one threadless $CC -O2 -DPBW_NO_THREADS
-    make_one unsigned_char $CC -O2 -funsigned-char
-    make_one digits_of_26_bits $CC -O2 -U__SIZEOF_INT128__
+    make_one threadless_unsigned_char_digits_of_26_bits $CC -O2 -DPBW_NO_THREADS -funsigned-char -U__SIZEOF_INT128__
 fi
 wait
 echo 'int main(void) { return 0; }' > "$work/empty.c"
@@ -45,6 +39,7 @@ for compiler in ${QUICK:-gcc clang}; do
         skipped=$((skipped + 1))
         echo "skipped $compiler: not installed"
     elif [ "$compiler" != "$CC" ]; then
+        make_one ${compiler}_O0_scalar $compiler -O0 -DPBW_NO_SIMD
         make_one ${compiler}_O2 $compiler -O2
         make_one ${compiler}_native $compiler -O3 -march=native
         make_one ${compiler}_contracted $compiler -O2 -march=native -ffp-contract=fast

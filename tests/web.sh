@@ -25,7 +25,8 @@ else
 fi
 
 # Floating point of WebAssembly: all the inputs of hashes.c.
-check "hashes.c compiles" "${CC:-cc}" -std=c99 -O2 tests/hashes.c -o "$work/hashes" -lpthread -lm
+check "hashes.c compiles" "${CC:-cc}" -std=c99 -O2 -DPBW__IMPLEMENTED tests/hashes.c "$bin/libpbw.a" \
+    -o "$work/hashes" -lpthread -lm
 check "hashes.c compiles to WebAssembly" "${EMCC:-emcc}" -std=c99 -O1 -DPBW_NO_THREADS tests/hashes.c \
     -sALLOW_MEMORY_GROWTH -sWASM_ASYNC_COMPILATION=0 -o "$work/hashes.js"
 check "native arrays" sh -c "$work/hashes > $work/native.txt && [ -s $work/native.txt ]"
