@@ -8668,7 +8668,7 @@ PBW__INLINE int pbw__test_ridge(const pbw__tested *mesh, int dim, size_t s, int 
                                 pbw__finding *found)
 {
     const pbw_index far = mesh->simplices[end->simplex * (size_t)(dim + 1) + (size_t)end->in];
-    const double *x[4];
+    const double *x[4] = { NULL };
     int sign;
     if (end->simplex < s) {
         return 1;
@@ -8687,7 +8687,7 @@ typedef struct pbw__visit { pbw_index point, here, last; } pbw__visit;
 PBW__INLINE int pbw__visit_on(const pbw__tested *mesh, int dim, pbw__visit *visit, pbw__finding *found)
 {
     const pbw_index *next = mesh->neighbors + visit->here * (size_t)(dim + 1);
-    const double *p = pbw__test_record(mesh, dim, visit->point), *x[4];
+    const double *p = pbw__test_record(mesh, dim, visit->point), *x[4] = { NULL };
     int sign = 0, i;
     pbw__test_corners(mesh, dim, visit->here, x);
     for (i = 0; i <= dim; i++) {
@@ -8708,7 +8708,7 @@ PBW__INLINE int pbw__visit_on(const pbw__tested *mesh, int dim, pbw__visit *visi
 /* The point, where the walk to it has ended. */
 PBW__INLINE int pbw__test_visited(const pbw__tested *mesh, int dim, const pbw__visit *visit, pbw__finding *found)
 {
-    const double *p = pbw__test_record(mesh, dim, visit->point), *x[4];
+    const double *p = pbw__test_record(mesh, dim, visit->point), *x[4] = { NULL };
     int verdict, i;
     if (found->fault == PBW__FAULT_OPEN) {
         return 0;
