@@ -5821,8 +5821,8 @@ static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ri
     return inside;
 }
 
-/* Adds the triangles across some of the next edges in the queue to the cavity: `inside` is the set of these edges, in
-   which may be some that join the queue meanwhile.
+/* Adds the triangles across some of the next edges in the queue to the cavity: `inside` is the set of these edges.
+   Some of them may join the queue only now, as edges of the triangles before them.
    PBW__NO_FIT: with weights, a vertex was met again, and may become hidden. */
 PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
                                             unsigned inside, int weighted)
