@@ -189,7 +189,8 @@ fi
 
 # Macros: only PBW_ ones are left behind.
 sed -n 's/^ *# *include <\(.*\)>.*/\1/p' pbw.h | sort -u | while read -r header; do
-    printf '#if __has_include(<%s>)\n#include <%s>\n#endif\n' "$header" "$header"
+    printf '#include <%s>\n' "$header" > "$work/header.c"      # those of this machine
+    $CC -E "$work/header.c" > /dev/null 2>&1 && cat "$work/header.c"
 done > "$work/system.c"
 for file in interface whole; do
     $CC -dM -E "$work/system.c" | sort > "$work/before" 2> /dev/null
