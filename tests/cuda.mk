@@ -2,6 +2,7 @@
 #   make cuda          compiles it where there is an nvcc: NVCC=, CUDA_FLAGS=-arch=sm_90
 #   make cuda-test     compares it with the CPU on a GPU, then on small inputs under compute-sanitizer; runs the example
 #                      and tells whether this nvcc has a fault that pbw_cuda.cu avoids
+#   make cuda-sanitize all of its tests under compute-sanitizer, side by side: tests/cuda_sanitize.py, ARGS=
 #   make cuda-bench    measures it: ARGS=--quick, or KIND:DIM:COUNT[:w] ...
 NVCC ?= $(firstword $(shell command -v nvcc) $(wildcard /usr/local/cuda/bin/nvcc))
 CUDA_HOME ?= $(patsubst %/bin/nvcc,%,$(NVCC))
@@ -9,7 +10,7 @@ CUDA_FLAGS ?= -O3
 CUDA_C = $(CC) -std=c99 $(CFLAGS) $(WARN) -I. -isystem $(CUDA_HOME)/include
 CUDA_SANITIZER = $(firstword $(shell command -v compute-sanitizer) $(wildcard $(CUDA_HOME)/bin/compute-sanitizer))
 
-.PHONY: cuda cuda-test cuda-bench cuda-test-programs
+.PHONY: cuda cuda-test cuda-sanitize cuda-bench
 $B/cuda.o: pbw_cuda.cu pbw.h
 	@mkdir -p $B
 	$(NVCC) $(CUDA_FLAGS) -c $< -o $@
@@ -34,7 +35,7 @@ $B/gpu: examples/gpu.cu pbw.h $B/cuda.o
 	$(NVCC) $(CUDA_FLAGS) -I. $< $B/cuda.o -o $@ -lpthread
 
 ifeq ($(NVCC),)
-cuda cuda-bench:
+cuda cuda-sanitize cuda-bench:
 	@echo 'skipped: no nvcc'
 cuda-test:
 	@echo 'skipped: no nvcc'
@@ -43,6 +44,8 @@ else
 cuda: $B/cuda.o $B/gpu
 cuda-bench: $B/cuda_bench
 	$B/cuda_bench $(ARGS)
+cuda-sanitize: $B/cuda_test
+	python3 tests/cuda_sanitize.py $< --folder $B/cuda_sanitize $(ARGS)
 cuda-test: $B/cuda_inline $B/cuda_test $B/gpu
 	$B/cuda_inline
 	$B/cuda_test $(COUNT:%=--count %)
