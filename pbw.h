@@ -4963,7 +4963,7 @@ PBW__INLINE pbw__link pbw__search_take(pbw__search *search, size_t i)
     return link;
 }
 
-/* Abandons a search at its i-th simplex; `count` are in the cavity. */
+/* Abandons a search of `count` simplices at the i-th, by lists of its own: the caller's stay in registers. */
 static PBW__NOINLINE pbw_status pbw__search_leave(pbw__kernel *kernel, size_t count, size_t i)
 {
     pbw__search search;
@@ -4982,8 +4982,8 @@ PBW__INLINE void pbw__search_end(pbw__kernel *kernel, const pbw__search *search)
     kernel->statistics.conflict_tests += search->cavity_count + search->facet_count - 1;
 }
 
-/* Makes room for the neighbours of the i-th simplex.  It appends at most four items to the lists, of which each has
-   room for all: so many simplices later there is room in any case. */
+/* Makes room for the neighbours of the i-th simplex.  A simplex adds at most four items to the two lists together, and
+   each list has room for the items of both: none can be full before simplex `room_until`. */
 PBW__INLINE int pbw__search_room(pbw__kernel *kernel, pbw__search *search, size_t i)
 {
     const size_t needed = search->cavity_count + search->facet_count + 8;
@@ -5274,7 +5274,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
 #ifdef PBW__SIMD
 /* The rows of the latest simplices of the cavity, and of the vertices across their facets.  Tests hold eight, so that
    they also reach simplices that are no longer held. */
-#define PBW__HELD (7 + PBW__SMALLER(57))
+#define PBW__HELD (PBW__SMALLER(64) < 64 ? 8 : 64)
 typedef struct pbw__held { pbw__d4 x, y, z, lift, far_x, far_y, far_z, far_lift; } pbw__held;
 typedef struct pbw__latest {
     pbw__held held[PBW__HELD];
@@ -7553,7 +7553,7 @@ static void pbw__sort_lists(pbw__item *item, const pbw_index *end, unsigned list
         for (i = 0; i < count; i++) {
             sorted[1 + begin + rank[i]] = item[begin + i];
         }
-        if (count == 0) {                            /* or a hub's */
+        if (count == 0) {                            /* an empty list, or a hub's */
             pbw__sort_hub(item + begin, end[l] - begin, sorted + 1 + begin);
         }
     }
