@@ -94,9 +94,10 @@ $B/mpi: examples/mpi.c $(HEADERS) $B/libpbw.a
 $(EXAMPLES_CXX:%=$B/%): $B/%: examples/%.cpp pbw.h $B/libpbw.a
 	$(CXX) -std=c++11 $(CXXFLAGS) $(WARN) $(SHARED) -I. $< -o $@ $B/libpbw.a $(LIBS)
 
-$B/libpbw_python.so: examples/python/pbw_python.c $(HEADERS)
+BINDING = $(wildcard examples/python/*.c)
+$B/libpbw_python.so: $(BINDING) examples/python/pbw_python.h $(HEADERS)
 	@mkdir -p $B
-	$C -fPIC -shared $< -o $@ $(LIBS)
+	$C -fPIC -shared $(BINDING) -o $@ $(LIBS)
 
 $(TESTS:%=$B/%): $B/%: tests/%.c $(HEADERS) $B/libpbw.a
 	$C $< -o $@ $B/libpbw.a $(LIBS)

@@ -22,6 +22,7 @@ import zipfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 LIBRARY = "libpbw_python.so"
+SOURCES = "pbw_python.c", "pbw_queries.c", "pbw_domains.c"
 METADATA = """Metadata-Version: 2.1
 Name: pbw
 Version: %s
@@ -69,7 +70,7 @@ def _compile():
     with tempfile.TemporaryDirectory() as folder:
         target = os.path.join(folder, LIBRARY)
         command = [*compiler, *flags, *("-I" + os.path.dirname(path) for path in _headers()),
-                   os.path.join(HERE, "pbw_python.c"), "-o", target, "-lpthread", "-lm"]
+                   *(os.path.join(HERE, name) for name in SOURCES), "-o", target, "-lpthread", "-lm"]
         print(shlex.join(command))
         try:
             subprocess.run(command, check=True)
@@ -108,7 +109,8 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
 
 def build_sdist(sdist_directory, config_settings=None):
     version = _version()
-    files = [(name, _read(os.path.join(HERE, name))) for name in ("build.py", "pyproject.toml", "pbw_python.c")]
+    files = [(name, _read(os.path.join(HERE, name)))
+             for name in ("build.py", "pyproject.toml", "pbw_python.h", *SOURCES)]
     files += [*((os.path.basename(path), _read(path)) for path in _headers()),
               ("PKG-INFO", (METADATA % version).encode()), *_modules()]
     name = "pbw-%s.tar.gz" % version

@@ -19,7 +19,7 @@ def _pointers(names):
 
 
 class _Arrays(ctypes.Structure):
-    """struct arrays of pbw_python.c."""
+    """struct arrays of pbw_python.h."""
     _fields_ = [("dim", ctypes.c_int), ("threads", ctypes.c_int), ("point_count", ctypes.c_size_t),
                 ("simplex_count", ctypes.c_size_t),
                 *_pointers("points weights simplices neighbors incident canonical"),
@@ -46,13 +46,13 @@ class _PlaneInput(ctypes.Structure):
 
 
 class _PlaneWish(ctypes.Structure):
-    """struct plane_wish of pbw_python.c."""
+    """struct plane_wish of pbw_python.h."""
     _fields_ = [("rule", ctypes.c_int), ("threads", ctypes.c_int), ("flags", ctypes.c_uint),
                 ("angle", ctypes.c_double), ("area", ctypes.c_double), ("steiner_limit", ctypes.c_size_t)]
 
 
 class _Watch(ctypes.Structure):
-    """struct watch of pbw_python.c."""
+    """struct watch of pbw_python.h."""
     _fields_ = [("stop", ctypes.POINTER(ctypes.c_int)), ("progress", _PROGRESS)]
 
 

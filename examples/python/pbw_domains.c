@@ -1,0 +1,44 @@
+/* pbw_domains.c: domains in the plane, solids and better tetrahedra. */
+#include "pbw_python.h"
+
+/* pbw_plane_make; the plane is freed by pbw_plane_free. */
+int pbw_python_plane(const pbw_plane_input *input, const plane_wish *wish, const volatile int *stop, pbw_plane *plane)
+{
+    watch w = { stop, NULL };
+    pbw_options build = { 0 };
+    pbw_plane_options options = { 0 };
+    build.threads = wish->threads;
+    build.progress = pbw_python_progress;
+    build.progress_user = &w;
+    options.build = &build;
+    options.rule = (pbw_plane_rule)wish->rule;
+    options.flags = wish->flags;
+    options.angle = wish->angle;
+    options.area = wish->area;
+    options.steiner_limit = wish->steiner_limit;
+    return (int)pbw_plane_make(input, &options, plane);
+}
+
+static pbw_options watched(const watch *w)
+{
+    pbw_options options = { 0 };
+    options.progress = pbw_python_progress;
+    options.progress_user = (void *)(uintptr_t)w;
+    return options;
+}
+
+int pbw_python_improve(const pbw_tets *mesh, const pbw_improve_options *how, const watch *w, char message[128],
+                       pbw_tets *better, pbw_improve_report *report)
+{
+    pbw_options options = watched(w);
+    options.message = message;
+    options.message_size = 128;
+    return (int)pbw_improve(mesh, how, &options, better, report);
+}
+
+int pbw_python_solid(const pbw_solid_input *input, const pbw_solid_options *how, const watch *w, pbw_tets *mesh,
+                     pbw_solid_boundary *boundary, pbw_solid_report *report)
+{
+    const pbw_options options = watched(w);
+    return (int)pbw_solid(input, how, &options, mesh, boundary, report);
+}
