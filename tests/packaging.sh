@@ -250,6 +250,8 @@ inside && /^}/ {
 END { if (functions < 300) print "only " functions + 0 " functions were found" }
 END
 check "no room of pbw.h is over 700 lines" sh -c "! awk -f $work/rooms.awk pbw.h | grep ."
+check "no example is over 150 lines" sh -c "! wc -l examples/*.c* examples/[!lp]*/*.c* examples/python/*.c |
+    awk '\$1 > 150 && \$2 != \"total\"' | grep ."
 check "no function is over 70 lines or has more than 6 parameters" sh -c \
     "! awk -f $work/functions.awk pbw.h examples/lib/*.h pbw_cuda.cu | grep ."
 check "every promise names a test that is there" sh -c \
