@@ -5508,7 +5508,7 @@ static PBW__NOINLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vert
 }
 
 #ifdef PBW__SIMD
-/* Shuffles for the new simplex on a facet: its corners; beside each, the two others as numbers of 16 bits. */
+/* Shuffles for the new simplex on a facet: its pbw__facet_corners; beside each, the two others in 16 bits. */
 static const unsigned char pbw__facet_shuffle[4][2][16] = {
     { { PBW__LANE(0), PBW__LANE(1), PBW__LANE(2), PBW__LANE(3) },
       { 0, 0, 0, 0, 8, 9, 12, 13, 12, 13, 4, 5, 4, 5, 8, 9 } },

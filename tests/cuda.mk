@@ -45,7 +45,7 @@ cuda: $B/cuda.o $B/gpu
 cuda-bench: $B/cuda_bench
 	$B/cuda_bench $(ARGS)
 cuda-sanitize: $B/cuda_test
-	python3 tests/cuda_sanitize.py $< --folder $B/cuda_sanitize $(ARGS)
+	PATH="$$PATH:$(CUDA_HOME)/bin" python3 tests/cuda_sanitize.py $< --folder $B/cuda_sanitize $(ARGS)
 cuda-test: $B/cuda_inline $B/cuda_test $B/gpu
 	$B/cuda_inline
 	$B/cuda_test $(COUNT:%=--count %)

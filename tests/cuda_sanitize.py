@@ -15,6 +15,7 @@ import argparse
 import os
 import queue
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -104,19 +105,26 @@ class Runs:
 
 def main():
     options = arguments()
+    for program in ("nvidia-smi", "nvidia-cuda-mps-control", "compute-sanitizer"):
+        if shutil.which(program) is None:
+            print(f"skipped: no {program}\n0 passed, 0 failed, 1 skipped")
+            return 0
+    listed = subprocess.run(["nvidia-smi", "-L"], check=True, capture_output=True, text=True).stdout
     runs, waiting = Runs(options), queue.Queue()
     tools = options.tools.split(",")
     os.makedirs(options.folder, exist_ok=True)
     for tool in tools:
         for part in numbers(options.only, options.parts):
             waiting.put((tool, part))
-    listed = subprocess.run(["nvidia-smi", "-L"], check=True, capture_output=True, text=True).stdout
     devices = [threading.Thread(target=runs.use_device, args=(device, waiting))
                for device in range(options.devices or len(listed.splitlines()))]
     for device in devices:
         device.start()
     for device in devices:
         device.join()
+    while not waiting.empty():                       # a device whose server did not start takes none
+        tool, part = waiting.get()
+        runs.late.setdefault(tool, []).append(str(part))
     for tool in tools if not options.only else []:
         for test in ALONE:
             runs.run(tool, test, ["--filter", test], dict(os.environ))
