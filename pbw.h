@@ -4982,8 +4982,8 @@ PBW__INLINE void pbw__search_end(pbw__kernel *kernel, const pbw__search *search)
     kernel->statistics.conflict_tests += search->cavity_count + search->facet_count - 1;
 }
 
-/* Makes room for the neighbours of the i-th simplex.  A simplex adds at most four items to the two lists together, and
-   each list has room for the items of both: none can be full before simplex `room_until`. */
+/* Makes room for the neighbours of the i-th simplex.  A simplex adds at most four items to the two lists together,
+   and each list has room for the items of both: none can be full before simplex `room_until`. */
 PBW__INLINE int pbw__search_room(pbw__kernel *kernel, pbw__search *search, size_t i)
 {
     const size_t needed = search->cavity_count + search->facet_count + 8;
