@@ -21,7 +21,7 @@ $B/cuda_few.o: pbw_cuda.cu pbw.h
 
 $B/cuda_test: tests/cuda_test.c $(HEADERS) $B/cuda_few.o
 	$(CUDA_C) -c $< -o $@.o
-	$(NVCC) $(CUDA_FLAGS) $@.o $B/cuda_few.o -o $@ -lpthread -lm
+	$(NVCC) $(CUDA_FLAGS) -Xlinker --wrap=cudaMallocFromPoolAsync $@.o $B/cuda_few.o -o $@ -lpthread -lm
 
 $B/cuda_bench: bench/cuda_bench.c $(HEADERS) $B/cuda.o $B/libpbw.a
 	$(CUDA_C) -c $< -o $@.o
@@ -53,8 +53,8 @@ ifneq ($(CUDA_SANITIZER),)
 	$(CUDA_SANITIZER) --tool memcheck --leak-check full --error-exitcode 1 $B/cuda_test --filter grids --count 5
 	$(CUDA_SANITIZER) --tool racecheck --error-exitcode 1 $B/cuda_test --filter grids --count 3
 	$(CUDA_SANITIZER) --tool synccheck --error-exitcode 1 $B/cuda_test --filter grids --count 3
-	$(CUDA_SANITIZER) --tool initcheck --error-exitcode 1 $B/cuda_test --filter grids --count 3
-	$(CUDA_SANITIZER) --tool initcheck --error-exitcode 1 $B/cuda_test --filter 'loop: 3D hidden'
+	CUDA_TEST_LEAVE=1 $(CUDA_SANITIZER) --tool initcheck --error-exitcode 1 $B/cuda_test --filter grids --count 3
+	CUDA_TEST_LEAVE=1 $(CUDA_SANITIZER) --tool initcheck --error-exitcode 1 $B/cuda_test --filter 'loop: 3D hidden'
 endif
 	$B/gpu | diff - examples/expected/gpu.txt
 endif

@@ -3,9 +3,11 @@
 
     make cuda-sanitize ARGS='--tools racecheck --seconds 550'
 
-Alone the suite takes hours under racecheck.  So its parts run as processes of their own on each device, through MPS
+Alone the suite takes hours.  So its parts run as processes of their own on each device, through MPS
 (nvidia-cuda-mps-control), which lets their kernels run at the same time; an access that is not allowed ends all
-processes of that device.  Tests that need all memory of a device, or time themselves, run after the parts, alone.
+processes of that device.  With --jobs 1 there is no MPS.  Tests that need all memory of a device, or time themselves,
+run after the parts, alone.  Racecheck slows kernels a thousand times, so large tests take a twentieth of their points:
+a race is between the threads of a block, and most blocks do the same.
 
 Writes the output of each part to FOLDER/TOOL-PART.log, and prints, for each tool, the parts that had errors or did
 not end in time: give them to --only next time.  The last line is `N passed, N failed, N skipped`; exit status 1: a
@@ -23,6 +25,7 @@ import threading
 import time
 
 FLAGS = {"memcheck": ["--leak-check", "full"], "racecheck": [], "initcheck": [], "synccheck": []}
+SETTINGS = {"initcheck": {"CUDA_TEST_LEAVE": "1"}, "racecheck": {"CUDA_TEST_FEWER": "20"}}
 ALONE = ["too little device memory", "loop: memory", "cancelled soon"]
 
 
@@ -57,10 +60,12 @@ class Runs:
         path = os.path.join(self.options.folder, f"{tool}-{name.replace(' ', '_')}.log")
         command = ["compute-sanitizer", "--tool", tool, "--error-exitcode", "9", *FLAGS[tool],
                    *self.options.options.split(), self.options.program, "--count", self.options.count, *arguments]
-        left, late = self.end - time.monotonic(), True
+        began = time.monotonic()
+        left, late = self.end - began, True
         if left > 0:
             with open(path, "w") as log:
-                child = subprocess.Popen(command, env=environment, stdout=log, stderr=log, start_new_session=True)
+                child = subprocess.Popen(command, env={**environment, **SETTINGS.get(tool, {})}, stdout=log, stderr=log,
+                                         start_new_session=True)
                 try:
                     child.wait(None if left == float("inf") else left)
                     late = False
@@ -75,7 +80,9 @@ class Runs:
                 found = re.findall(r"^(\d+) passed, (\d+) failed, (\d+) skipped", log.read(), re.MULTILINE)
             for i in range(3):
                 self.counts[i] += int(found[-1][i]) if found else 0
-            if child.returncode != 0 or not found:
+            good = child.returncode == 0 and found
+            print(f"{tool} {name}: {'no errors' if good else 'ERRORS'}, {time.monotonic() - began:.0f} s", flush=True)
+            if not good:
                 self.bad.setdefault(tool, []).append(name)
 
     def serve(self, waiting, environment):
@@ -89,7 +96,10 @@ class Runs:
             self.run(tool, str(part), [*without, "--part", f"{part}/{self.options.parts}"], environment)
 
     def use_device(self, device, waiting):
-        """Runs parts on a device, by an MPS server of its own."""
+        """Runs parts on a device, by an MPS server of its own or one by one."""
+        if self.options.jobs == 1:
+            self.serve(waiting, dict(os.environ, CUDA_VISIBLE_DEVICES=str(device)))
+            return
         folder = os.path.abspath(os.path.join(self.options.folder, f"device{device}"))
         os.makedirs(folder, exist_ok=True)
         environment = dict(os.environ, CUDA_MPS_PIPE_DIRECTORY=folder, CUDA_MPS_LOG_DIRECTORY=folder)
