@@ -3901,12 +3901,12 @@ static int pbw__order_begin(pbw__ordering *ordering)
     ordering->keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
     vertices->canonical = bare ? NULL : (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
     vertices->id = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index));
-    vertices->room = (count + 1) * step;
+    vertices->room = (count + 1) * step + count / 128;         /* in the plane with room for the output's arrays */
     vertices->record = (double *)pbw__allocate(memory, vertices->room, sizeof(double));
     block[0] = pbw__block_of(ordering->keys, 0, count * sizeof(uint64_t));
     block[1] = pbw__block_of(vertices->canonical, 0, count * sizeof(pbw_index));
     block[2] = pbw__block_of(vertices->id, 0, (count + 1) * sizeof(pbw_index));
-    block[3] = pbw__block_of(vertices->record, 0, (count + 1) * step * sizeof(double));
+    block[3] = pbw__block_of(vertices->record, 0, vertices->room * sizeof(double));
     pbw__populate(context, block, 4);
     return ordering->boxes != NULL && (ordering->start != NULL || tasks == 1) && ordering->parts != NULL
         && ordering->shares != NULL && ordering->keys != NULL && (vertices->canonical != NULL || bare)
