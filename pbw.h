@@ -3879,7 +3879,8 @@ static void pbw__vertices_free(pbw__context *context, pbw__vertices *vertices)
     vertices->canonical = NULL;
 }
 
-/* Allocates the arrays of an ordering and its vertices.  Returns 0 if memory is short. */
+/* Allocates the arrays of an ordering and its vertices.  Returns 0 if memory is short.  The records come last: most
+   systems place blocks downwards, so in the output they grow where the keys were; moved, they lose huge pages. */
 static int pbw__order_begin(pbw__ordering *ordering)
 {
     pbw__context *context = ordering->context;
@@ -3898,14 +3899,14 @@ static int pbw__order_begin(pbw__ordering *ordering)
         ordering->shares = (pbw__grid_share *)pbw__allocate(memory, PBW__CUTS * tasks, sizeof(pbw__grid_share));
         pbw__curve_create(&ordering->curve, count, vertices->dim);
     }
-    ordering->keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
-    vertices->canonical = bare ? NULL : (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
     vertices->id = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index));
-    vertices->room = (count + 1) * step + count / 128;         /* in the plane with room for the output's arrays */
+    vertices->canonical = bare ? NULL : (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
+    ordering->keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
+    vertices->room = (count + 1) * step;
     vertices->record = (double *)pbw__allocate(memory, vertices->room, sizeof(double));
-    block[0] = pbw__block_of(ordering->keys, 0, count * sizeof(uint64_t));
+    block[0] = pbw__block_of(vertices->id, 0, (count + 1) * sizeof(pbw_index));
     block[1] = pbw__block_of(vertices->canonical, 0, count * sizeof(pbw_index));
-    block[2] = pbw__block_of(vertices->id, 0, (count + 1) * sizeof(pbw_index));
+    block[2] = pbw__block_of(ordering->keys, 0, count * sizeof(uint64_t));
     block[3] = pbw__block_of(vertices->record, 0, vertices->room * sizeof(double));
     pbw__populate(context, block, 4);
     return ordering->boxes != NULL && (ordering->start != NULL || tasks == 1) && ordering->parts != NULL
@@ -8271,8 +8272,7 @@ static pbw_index *pbw__make_incident(pbw__context *context, pbw__owned *owned, p
     return incident;
 }
 
-/* Makes the arrays of an emission: in the block of the vertices' records, which the build no longer needs, as its
-   pages exist. */
+/* Makes the arrays of an emission in the block of the records, which the build no longer needs: its pages exist. */
 static int pbw__emit_room(pbw__emission *emission, pbw__vertices *vertices)
 {
     pbw__context *context = emission->context;
