@@ -1,5 +1,6 @@
-/* pbw_python.c: pbw.h and its companion headers as a shared library for the Python package pbw.  Here a triangulation,
-   or one that lives, copied into arrays that Python owns; pbw_queries.c computes from these, pbw_domains.c fills domains.
+/* pbw_python.c: pbw.h and its companion headers as a shared library for the Python package pbw.  This file
+   makes triangulations and copies them into arrays that Python owns.  pbw_queries.c computes from these arrays;
+   pbw_domains.c meshes domains.
    cc -O2 -I. -Iexamples/lib -fPIC -shared examples/python/pbw_*.c -o libpbw_python.so -lpthread -lm */
 #define PBW_IMPLEMENTATION
 #define PBW_CELLS_IMPLEMENTATION

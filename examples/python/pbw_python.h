@@ -47,7 +47,7 @@ int pbw_python_nearest(const arrays *a, const double *queries, size_t count, siz
                        double *distances);
 int pbw_python_coordinates(const arrays *a, const double *queries, size_t count, int scheme, pbw_lists *lists);
 int pbw_python_cells(const arrays *a, const double *box, unsigned periodic, unsigned what, pbw_cells *cells);
-int64_t pbw_python_stars(const arrays *mesh, int32_t *indptr, int32_t *indices);
+int pbw_python_stars(const arrays *a, pbw_lists *stars);
 int pbw_python_plane(const pbw_plane_input *input, const plane_wish *wish, const volatile int *stop, pbw_plane *plane);
 int pbw_python_improve(const pbw_tets *mesh, const pbw_improve_options *how, const watch *w, char message[128],
                        pbw_tets *better, pbw_improve_report *report);

@@ -27,8 +27,8 @@ void pbw_python_try_all(const arrays *mesh, const double *queries, size_t count,
     }
 }
 
-/* For each query the lowest simplex that has it, or -1 - t if it is outside of the hull, t being a simplex at it to
-   that side.  facets: room for as many. */
+/* For each query the lowest simplex that has it.  Outside of the hull it is -1 - t: simplex t has a facet of the hull
+   that the query sees.  facets: scratch, an entry a query. */
 int pbw_python_locate(const arrays *a, const double *queries, size_t count, int32_t *found, int32_t *facets)
 {
     pbw_mesh mesh;
@@ -75,54 +75,11 @@ int pbw_python_cells(const arrays *a, const double *box, unsigned periodic, unsi
                  : pbw_cells_periodic(a->dim, a->points, a->weights, a->point_count, &domain, what, &options, cells));
 }
 
-/* The neighbours of each point p, ascending, in indices[indptr[p]] to indices[indptr[p + 1] - 1].  Point by point,
-   its number is appended to the rows of its neighbours, for each is the other's.  The length of indices, which may be
-   NULL in a first call for indptr alone; -1 if there is no memory, or if the length is above 2^31 - 1. */
-int64_t pbw_python_stars(const arrays *mesh, int32_t *indptr, int32_t *indices)
+int pbw_python_stars(const arrays *a, pbw_lists *stars)
 {
-    size_t corners = (size_t)mesh->dim + 1, total = mesh->simplex_count * corners, points = mesh->point_count;
-    const int32_t *simplices = mesh->simplices;
-    size_t *first = (size_t *)calloc(points + 2, sizeof *first);     /* of a point's simplices in around */
-    int32_t *around = (int32_t *)malloc((total + 1) * sizeof *around);
-    int32_t *seen = (int32_t *)calloc(points + 1, sizeof *seen);     /* one more than the last point beside it */
-    int64_t length = -1;
-    if (first != NULL && around != NULL && seen != NULL) {
-        for (size_t i = 0; i < total; i++) {
-            first[simplices[i] + 2]++;
-        }
-        for (size_t p = 0; p < points; p++) {
-            first[p + 2] += first[p + 1];
-        }
-        for (size_t i = 0; i < total; i++) {
-            around[first[simplices[i] + 1]++] = (int32_t)(i / corners);
-        }
-        length = 0;
-        for (size_t p = 0; p < points; p++) {
-            if (indices == NULL) {
-                indptr[p] = (int32_t)length;
-            }
-            for (size_t i = first[p]; i < first[p + 1]; i++) {
-                for (size_t k = 0; k < corners; k++) {
-                    int32_t q = simplices[(size_t)around[i] * corners + k];
-                    if (q != (int32_t)p && seen[q] != (int32_t)p + 1) {
-                        seen[q] = (int32_t)p + 1;
-                        length++;
-                        if (indices != NULL) {
-                            indices[indptr[q]++] = (int32_t)p;       /* a row's beginning moves to the next one's */
-                        }
-                    }
-                }
-            }
-        }
-        if (indices == NULL) {
-            indptr[points] = (int32_t)length;
-        } else {
-            memmove(indptr + 1, indptr, points * sizeof *indptr);
-            indptr[0] = 0;
-        }
-    }
-    free(first);
-    free(around);
-    free(seen);
-    return length > INT32_MAX ? -1 : length;
+    pbw_mesh mesh;
+    pbw_options options;
+    watch w;
+    pbw_python_view(a, &mesh, &options, &w);
+    return (int)pbw_stars(&mesh, &options, stars);
 }

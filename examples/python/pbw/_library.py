@@ -123,8 +123,7 @@ def _declare(library):
     library.pbw_lists_free.restype = library.pbw_cells_free.restype = None
     library.pbw_lists_free.argtypes = [ctypes.POINTER(_Lists)]
     library.pbw_cells_free.argtypes = [ctypes.POINTER(_Cells)]
-    library.pbw_python_stars.restype = ctypes.c_int64
-    library.pbw_python_stars.argtypes = [arrays, ints, ctypes.c_void_p]
+    library.pbw_python_stars.argtypes = [arrays, ctypes.POINTER(_Lists)]
     library.pbw_python_plane.argtypes = [ctypes.POINTER(_PlaneInput), ctypes.POINTER(_PlaneWish), integer,
                                          ctypes.POINTER(_Plane)]
     library.pbw_plane_free.restype = None
@@ -368,32 +367,37 @@ class Mesh:
                 lambda arrays: _library.pbw_python_nearest(arrays, queries, count, k, found, distances), queries)
         return found, distances
 
-    def coordinates(self, queries, scheme):
-        """indptr, points and weights: those of query i are from indptr[i] to indptr[i + 1]."""
+    def _lists(self, count, ask, queries):
+        """first, items and values (or None) of the lists of `count` queries that ask(arrays, lists) makes."""
         lists, made = _Lists(), []
 
-        def ask(arrays):
-            status = _library.pbw_python_coordinates(arrays, queries, len(queries), scheme, lists)
+        def work(arrays):
+            status = ask(arrays, lists)
             try:
                 if status == 0:
-                    first = _copied(lists.first, len(queries) + 1, np.uintp).astype(np.int64)
+                    first = _copied(lists.first, count + 1, np.uintp).astype(np.int64)
                     made.extend([first, _copied(lists.item, first[-1], np.int32),
                                  _copied(lists.value, first[-1], np.float64)])
             finally:
                 _library.pbw_lists_free(lists)
             return status
 
-        _answer(self._arrays(), len(queries), ask, queries)
+        _answer(self._arrays(), count, work, queries)
         return made
+
+    def coordinates(self, queries, scheme):
+        """indptr, points and weights: those of query i are from indptr[i] to indptr[i + 1]."""
+        return self._lists(len(queries), lambda arrays, lists: _library.pbw_python_coordinates(
+            arrays, queries, len(queries), scheme, lists), queries)
 
     def cells(self, box, what):
         return cells_of(self._arrays(), box, 0, what, self.points, self.weights)
 
     def stars(self):
         """indptr and indices of the neighbours of each point, ascending."""
-        indptr, arrays = np.empty(len(self.points) + 1, np.int32), self._arrays()
-        count = _library.pbw_python_stars(arrays, indptr, None)
-        indices = np.empty(max(count, 0), np.int32)
-        if count < 0 or _library.pbw_python_stars(arrays, indptr, indices.ctypes.data) < 0:
-            raise MemoryError("no memory for the neighbours of %d points, or more than 2^31 - 1" % len(self.points))
-        return indptr, indices
+        first, items, _ = self._lists(len(self.points), _library.pbw_python_stars, self.points)
+        if first[-1] >= 2 ** 31:
+            raise MemoryError("more than 2^31 - 1 neighbours of %d points" % len(self.points))
+        keys = np.repeat(np.arange(len(self.points), dtype=np.int64) << 32, np.diff(first)) | items
+        keys.sort()                                  # of point and neighbour
+        return first.astype(np.int32), (keys & 0xffffffff).astype(np.int32)
