@@ -3879,8 +3879,8 @@ static void pbw__vertices_free(pbw__context *context, pbw__vertices *vertices)
     vertices->canonical = NULL;
 }
 
-/* Allocates the arrays of an ordering and its vertices.  Returns 0 if memory is short.  The records come last: most
-   systems place blocks downwards, so in the output they grow where the keys were; moved, they lose huge pages. */
+/* Allocates the arrays of an ordering and its vertices.  Returns 0 if memory is short.  The records come last: Linux
+   places blocks downwards, so in the output they grow into where keys and `canonical` were, and keep huge pages. */
 static int pbw__order_begin(pbw__ordering *ordering)
 {
     pbw__context *context = ordering->context;
@@ -4964,7 +4964,7 @@ PBW__INLINE pbw__link pbw__search_take(pbw__search *search, size_t i)
     return link;
 }
 
-/* Abandons a search of `count` simplices at the i-th, by lists of its own: the caller's stay in registers. */
+/* Abandons a search of `count` simplices at the i-th.  Its own pbw__search lets the caller's stay in registers. */
 static PBW__NOINLINE pbw_status pbw__search_leave(pbw__kernel *kernel, size_t count, size_t i)
 {
     pbw__search search;

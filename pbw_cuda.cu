@@ -4251,7 +4251,7 @@ template <int DIM> void fetch_guests(call &c, directory<DIM> &all)
     cell<DIM> *const guest = allocate<cell<DIM> >(c, count);
     uint32_t *const number = allocate<uint32_t>(c, count);
     pbw_index *const beyond = c.cards->of[c.card].beyond = allocate<pbw_index>(c, count);
-    fill(c, beyond, 0xff, count);                    /* guests without a facet here have none, but are copied */
+    fill(c, beyond, 0xff, count);                    /* some are copied and never read: guests without a facet here */
     all.guest = guest;
     all.guest_number = number;
     for (int i = 0; i < c.card; i++) {
