@@ -16,7 +16,7 @@ extern long pbw_cuda_fail_at;
 
 static long by_gpu, by_cpu;                     /* builds of PBW_OK, by who made them */
 static int leaves_memory;                       /* CUDA_TEST_LEAVE, for initcheck: device memory is not filled */
-static size_t fewer = 1;                        /* CUDA_TEST_FEWER, for racecheck: 20, divides points of large tests */
+static size_t fewer = 1;                        /* CUDA_TEST_FEWER, for racecheck: divides points of large tests */
 
 cudaError_t __real_cudaMallocFromPoolAsync(void **block, size_t bytes, cudaMemPool_t pool, cudaStream_t stream);
 cudaError_t __wrap_cudaMallocFromPoolAsync(void **block, size_t bytes, cudaMemPool_t pool, cudaStream_t stream);
