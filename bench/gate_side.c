@@ -1,6 +1,7 @@
 /* gate_side.c: one sample of one header, for gate.py: gate_side DIM KIND COUNT THREADS [FLAGS]
    Prints the mean seconds of a build, the peak of the library's memory in bytes a point, and a hash of all bytes of
-   the result.  Builds are repeated until 50 ms are over; of less than 100,000 points the first is not counted. */
+   the result, of 1 + 100,000 / COUNT builds and at most 1,000; of less than 100,000 points one before is not counted.
+   The number does not depend on time: the first build of a process is slower, as its memory is new. */
 #define _DEFAULT_SOURCE
 #define PBW_IMPLEMENTATION
 #include PBW_HEADER
@@ -46,7 +47,8 @@ int main(int argc, char **argv)
 {
     const int dim = argc > 4 ? atoi(argv[1]) : 0, weighted = argc > 4 && strcmp(argv[2], "weighted") == 0;
     const size_t count = argc > 4 ? (size_t)strtoull(argv[3], NULL, 10) : 0;
-    int kind = 0, builds = 0;
+    const int builds = count < 101 ? 1000 : 1 + (int)(100000 / count);
+    int kind = 0, build;
     double *points, *weights = NULL, seconds = 0, start;
     pbw_options options;
     pbw_mesh mesh;
@@ -72,13 +74,13 @@ int main(int argc, char **argv)
     memset(&mesh, 0, sizeof mesh);
     options.threads = atoi(argv[4]);
     options.flags = argc > 5 ? (unsigned)atoi(argv[5]) : 0;
-    for (builds = count < 100000 ? -1 : 0; builds < 1 || (seconds < 0.05 && builds < 1000); builds++) {
+    for (build = count < 100000 ? -1 : 0; build < builds; build++) {
         pbw_free(&mesh);
         start = gate_seconds();
         if (pbw_triangulate(dim, points, weights, count, &options, &mesh) != PBW_OK) {
             return 1;
         }
-        seconds += builds >= 0 ? gate_seconds() - start : 0;
+        seconds += build >= 0 ? gate_seconds() - start : 0;
     }
     printf("%.9f %.2f %016llx\n", seconds / builds, (double)mesh.statistics.peak_bytes / (double)count,
            (unsigned long long)gate_mesh_hash(&mesh));
