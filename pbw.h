@@ -1202,15 +1202,9 @@ PBW__OPERATION(pbw__d2, pbw__turn_right, (pbw__d2 x),     /* (y, -x) */
     _mm_xor_pd(_mm_shuffle_pd(x, x, 1), _mm_set_pd(-0.0, 0.0)),
     vcopyq_laneq_f64(vextq_f64(x, x, 1), 1, vnegq_f64(x), 0))
 
-PBW__SIMD_INLINE unsigned pbw__signs2(pbw__d2 x, pbw__d2 y)        /* of x[0] + x[1] and y[0] + y[1] */
-{
-#ifdef PBW__AVX2
-    return (unsigned)_mm_movemask_pd(_mm_hadd_pd(x, y));
-#else
-    const uint64x2_t signs = vshrq_n_u64((uint64x2_t)vpaddq_f64(x, y), 63);
-    return (unsigned)vgetq_lane_u64(signs, 0) | 2 * (unsigned)vgetq_lane_u64(signs, 1);
-#endif
-}
+PBW__OPERATION(unsigned, pbw__signs2, (pbw__d2 x, pbw__d2 y),     /* of x[0] + x[1] and y[0] + y[1] */
+    (unsigned)_mm_movemask_pd(_mm_hadd_pd(x, y)),
+    (unsigned)(((uint64x2_t)vpaddq_f64(x, y))[0] >> 63 | ((uint64x2_t)vpaddq_f64(x, y))[1] >> 63 << 1))
 
 /* Four integers, from and to arrays of any type. */
 PBW__OPERATION(pbw__i4, pbw__load4, (const void *from),
@@ -1229,15 +1223,9 @@ PBW__OPERATION(pbw__i4, pbw__shuffle4, (pbw__i4 x, const unsigned char *bytes), 
     (pbw__i4)_mm_shuffle_epi8((__m128i)x, (__m128i)pbw__load4(bytes)),
     (pbw__i4)vqtbl1q_u8((uint8x16_t)x, vld1q_u8(bytes)))
 
-PBW__SIMD_INLINE pbw__i4 pbw__permute4(pbw__i4 x, pbw__i4 lanes)   /* lanes of x, by numbers modulo 4 */
-{
-#ifdef PBW__AVX2
-    return (pbw__i4)_mm_permutevar_ps((__m128)x, (__m128i)lanes);
-#else
-    const pbw__i4 bytes = vmlaq_n_s32(vdupq_n_s32(0x03020100), vandq_s32(lanes, vdupq_n_s32(3)), 0x04040404);
-    return (pbw__i4)vqtbl1q_u8((uint8x16_t)x, (uint8x16_t)bytes);
-#endif
-}
+PBW__OPERATION(pbw__i4, pbw__permute4, (pbw__i4 x, pbw__i4 lanes),     /* lanes of x, by numbers modulo 4 */
+    (pbw__i4)_mm_permutevar_ps((__m128)x, (__m128i)lanes),
+    (pbw__i4)vqtbl1q_u8((uint8x16_t)x, (uint8x16_t)((lanes & 3) * 0x04040404 + 0x03020100)))
 
 PBW__SIMD_INLINE uint32_t pbw__apart4(pbw__i4 x, pbw__i4 y)        /* the sum of |x - y| over the lanes */
 {
@@ -7286,21 +7274,19 @@ typedef struct pbw__emission {
 } pbw__emission;
 
 /* The even permutation of the canonical form: corner k of the output is corner (order >> 2k) & 3 here.  Branchless:
-   looked up by which of the pairs (0,1) (0,2) (0,3) (1,2) (1,3) (2,3), in 2D (0,1) (0,2) (1,2), are descending. */
+   looked up by which of the pairs (0,1) (0,2) (1,2) (0,3) (1,3) (2,3), in 2D of the first three, are descending. */
 static const uint32_t pbw__turn3[64] = {
-    228, 177, 0, 201, 0, 0, 0, 201, 120, 0, 210, 54, 0, 0, 0, 54,
-    0, 0, 0, 0, 0, 0, 0, 0, 120, 0, 210, 0, 0, 0, 78, 78,
-    228, 177, 0, 0, 0, 45, 0, 45, 0, 0, 0, 0, 0, 0, 0, 0,
-    156, 0, 0, 0, 99, 135, 0, 135, 156, 0, 0, 0, 99, 0, 27, 27 };
+    228, 177, 0, 201, 120, 0, 210, 54, 0, 0, 0, 201, 0, 0, 0, 54,
+    0, 0, 0, 0, 120, 0, 210, 0, 0, 0, 0, 0, 0, 0, 78, 78,
+    228, 177, 0, 0, 0, 0, 0, 0, 0, 45, 0, 45, 0, 0, 0, 0,
+    156, 0, 0, 0, 156, 0, 0, 0, 99, 135, 0, 135, 99, 0, 27, 27 };
 static const uint32_t pbw__turn2[8] = { 36, 9, 0, 9, 36, 0, 18, 18 };
 
 PBW__INLINE unsigned pbw__canonical_order(const pbw_index *v, int dim)
 {
-    if (dim == 2) {
-        return pbw__turn2[(v[0] > v[1]) | (v[0] > v[2]) << 1 | (v[1] > v[2]) << 2];
-    }
-    return pbw__turn3[(v[0] > v[1]) | (v[0] > v[2]) << 1 | (v[0] > v[3]) << 2 | (v[1] > v[2]) << 3
-                      | (v[1] > v[3]) << 4 | (v[2] > v[3]) << 5];
+    const int pairs = (v[0] > v[1]) | (v[0] > v[2]) << 1 | (v[1] > v[2]) << 2;
+    return dim == 2 ? pbw__turn2[pairs]
+                    : pbw__turn3[pairs | (v[0] > v[3]) << 3 | (v[1] > v[3]) << 4 | (v[2] > v[3]) << 5];
 }
 
 #ifdef PBW__AVX2
@@ -7308,10 +7294,8 @@ PBW__INLINE unsigned pbw__canonical_order(const pbw_index *v, int dim)
 PBW__SIMD_INLINE pbw__i4 pbw__canonical_lanes(pbw__i4 v, int dim)
 {
     const __m256i both = _mm256_castsi128_si256((__m128i)v);
-    const __m256i a = _mm256_permutevar8x32_epi32(both, dim == 3 ? _mm256_setr_epi32(0, 0, 0, 1, 1, 2, 0, 0)
-                                                                 : _mm256_setr_epi32(0, 0, 1, 0, 0, 0, 0, 0));
-    const __m256i b = _mm256_permutevar8x32_epi32(both, dim == 3 ? _mm256_setr_epi32(1, 2, 3, 2, 3, 3, 0, 0)
-                                                                 : _mm256_setr_epi32(1, 2, 2, 0, 0, 0, 0, 0));
+    const __m256i a = _mm256_permutevar8x32_epi32(both, _mm256_setr_epi32(0, 0, 1, 0, 1, 2, 0, 0));
+    const __m256i b = _mm256_permutevar8x32_epi32(both, _mm256_setr_epi32(1, 2, 2, 3, 3, 3, 0, 0));
     const __m256i descending = _mm256_cmpeq_epi32(_mm256_max_epu32(a, b), a);
     const unsigned pairs = (unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(descending));
     const uint32_t order = dim == 3 ? pbw__turn3[pairs & 63] : pbw__turn2[pairs & 7];
@@ -7319,67 +7303,47 @@ PBW__SIMD_INLINE pbw__i4 pbw__canonical_lanes(pbw__i4 v, int dim)
 }
 #endif
 
-/* Returns the number of the lowest bit that is set. */
-PBW__INLINE unsigned pbw__first_bit(uint64_t set)
+/* Lists the slots from..end-1 that hold a simplex and no ghost, with its lowest rank.  Returns how many.  Branchless:
+   on a circle half are ghosts, in unpredictable slots. */
+static size_t pbw__lowest_ranks_scalar(const pbw_index *corner, size_t from, size_t end, pbw_index *slot,
+                                       pbw_index *low, int dim)
 {
-#ifdef __GNUC__
-    return (unsigned)__builtin_ctzll(set);
-#else
-    unsigned i;
-    for (i = 0; (set >> i & 1) == 0; i++) {
+    size_t used = 0;
+    for (; from < end; from++) {
+        const pbw_index *v = corner + 4 * from;
+        pbw_index least = v[0] < v[1] ? v[0] : v[1];
+        least = v[2] < least ? v[2] : least;
+        low[used] = dim == 3 && v[3] < least ? v[3] : least;
+        slot[used] = (pbw_index)from;
+        used += (v[0] != PBW_NONE) & (low[used] != 0);
     }
-    return i;
-#endif
-}
-
-/* Stores the lowest ranks of the simplices in `count` slots from `corner` on, at most 64; 0 for ghosts and free
-   slots.  Returns the set of the other slots. */
-static uint64_t pbw__lowest_ranks_scalar(const pbw_index *corner, size_t count, pbw_index *low, int dim)
-{
-    uint64_t set = 0;
-    size_t i;
-    for (i = 0; i < count; i++, corner += 4) {
-        pbw_index least = corner[0] < corner[1] ? corner[0] : corner[1];
-        least = corner[2] < least ? corner[2] : least;
-        least = dim == 3 && corner[3] < least ? corner[3] : least;
-        low[i] = corner[0] == PBW_NONE ? 0 : least;
-        set |= (uint64_t)(low[i] != 0) << i;
-    }
-    return set;
+    return used;
 }
 
 #ifdef PBW__AVX2
-PBW__SIMD static uint64_t pbw__lowest_ranks_simd(const pbw_index *corner, size_t count, pbw_index *low, int dim)
+PBW__SIMD static size_t pbw__lowest_ranks_simd(const pbw_index *corner, size_t from, size_t end, pbw_index *slot,
+                                               pbw_index *low, int dim)
 {
     const __m128i zero = _mm_setzero_si128(), unused = dim == 3 ? zero : _mm_setr_epi32(0, 0, -1, -1);
-    uint64_t set = 0;
-    size_t i;
-    for (i = 0; i + 4 <= count; i += 4) {
-        const __m128i *v = (const __m128i *)(const void *)(corner + 4 * i);
+    const pbw__i4 lanes = { 0, 1, 2, 3 };
+    size_t used = 0;
+    for (; from + 4 <= end; from += 4) {
+        const __m128i *v = (const __m128i *)(const void *)(corner + 4 * from);
         const __m128i a = _mm_loadu_si128(v), b = _mm_loadu_si128(v + 1), ab = _mm_unpacklo_epi32(a, b);
         const __m128i c = _mm_loadu_si128(v + 2), d = _mm_loadu_si128(v + 3), cd = _mm_unpacklo_epi32(c, d);
         const __m128i x = _mm_min_epu32(ab, _mm_or_si128(_mm_unpackhi_epi32(a, b), unused));
         const __m128i y = _mm_min_epu32(cd, _mm_or_si128(_mm_unpackhi_epi32(c, d), unused));
         const __m128i least = _mm_min_epu32(_mm_unpacklo_epi64(x, y), _mm_unpackhi_epi64(x, y));
         const __m128i free = _mm_cmpeq_epi32(_mm_unpacklo_epi64(ab, cd), _mm_set1_epi32(-1));
-        const __m128i ranks = _mm_andnot_si128(free, least), none = _mm_cmpeq_epi32(ranks, zero);
-        _mm_storeu_si128((__m128i *)(void *)(low + i), ranks);
-        set |= (uint64_t)(15 & ~_mm_movemask_ps(_mm_castsi128_ps(none))) << i;
+        const __m128i ghost = _mm_cmpeq_epi32(least, zero);
+        const unsigned set = 15u ^ (unsigned)_mm_movemask_ps((__m128)_mm_or_si128(free, ghost));
+        pbw__store4(slot + used, pbw__shuffle4(pbw__splat_i((int32_t)from) + lanes, pbw__front[set]));
+        pbw__store4(low + used, pbw__shuffle4((pbw__i4)least, pbw__front[set]));
+        used += pbw__count4(set);
     }
-    return i < count ? set | pbw__lowest_ranks_scalar(corner + 4 * i, count - i, low + i, dim) << i : set;
+    return used + pbw__lowest_ranks_scalar(corner, from, end, slot + used, low + used, dim);
 }
 #endif
-
-PBW__INLINE uint64_t pbw__lowest_ranks(const pbw__emission *emission, size_t slot, size_t count, pbw_index *low)
-{
-    const pbw_index *corner = emission->corner + 4 * slot;
-#ifdef PBW__AVX2
-    if (emission->simd) {
-        return pbw__lowest_ranks_simd(corner, count, low, emission->dim);
-    }
-#endif
-    return pbw__lowest_ranks_scalar(corner, count, low, emission->dim);
-}
 
 /* ---- pass 1: lists
    A task reads the slots of a range of regions and makes the lists of the ranks of these regions.  The few simplices
@@ -7391,11 +7355,11 @@ typedef struct pbw__listing { size_t ranks, own; pbw_index others; } pbw__listin
 /* Chains the slots from..end-1. */
 static void pbw__emit_chains(const pbw__emission *emission, pbw__listing *listing, size_t from, size_t end)
 {
-    pbw_index *number = emission->number, *chain = emission->chain, *head = emission->head, lowest[PBW__BATCH];
+    pbw_index *number = emission->number, *chain = emission->chain, *head = emission->head;
+    pbw_index slot[PBW__BATCH], low[PBW__BATCH];
     const size_t ranks = listing->ranks, own = listing->own;
     const int bits = emission->store->region_bits;
-    uint64_t used;
-    size_t t, to;
+    size_t t, to, used, i;
     for (; from < end; from = to) {
         if ((from / PBW__BATCH & 1023) == 0
             && pbw__report(emission->context, 0.25 * (double)from / (double)emission->slot_count)) {
@@ -7406,16 +7370,22 @@ static void pbw__emit_chains(const pbw__emission *emission, pbw__listing *listin
             PBW__PREFETCH(emission->corner + 4 * t);
         }
         memset(number + from, 0xff, (to - from) * sizeof(pbw_index));            /* PBW_NONE */
-        used = pbw__lowest_ranks(emission, from, to - from, lowest);
-        for (; used != 0; used &= used - 1) {        /* on a circle half are ghosts, in unpredictable slots */
-            const pbw_index at = pbw__first_bit(used), low = lowest[at];
+#ifdef PBW__AVX2
+        if (emission->simd) {
+            used = pbw__lowest_ranks_simd(emission->corner, from, to, slot, low, emission->dim);
+        } else
+#endif
+        {
+            used = pbw__lowest_ranks_scalar(emission->corner, from, to, slot, low, emission->dim);
+        }
+        for (i = 0; i < used; i++) {
             pbw_index *last = &listing->others;
-            if (PBW__LIKELY(low - ranks < own)) {
-                last = chain + (low >> bits);
-                head[low]++;
+            if (PBW__LIKELY(low[i] - ranks < own)) {
+                last = chain + (low[i] >> bits);
+                head[low[i]]++;
             }
-            number[from + at] = *last;
-            *last = (pbw_index)(from + at);
+            number[slot[i]] = *last;
+            *last = slot[i];
         }
     }
 }
@@ -7460,8 +7430,9 @@ static void pbw__emit_others(void *arg, int task)
     pbw__emission *emission = (pbw__emission *)arg;
     pbw_index t = (pbw_index)emission->task[task].end, next, low, *last;
     for (; t != PBW_NONE; t = next) {
+        const pbw_index *v = emission->corner + 4 * (size_t)t;
         next = emission->number[t];
-        (void)pbw__lowest_ranks(emission, t, 1, &low);
+        low = v[pbw__canonical_order(v, emission->dim) & 3];
         last = emission->chain + (low >> emission->store->region_bits);
         emission->number[t] = PBW__LOAD(last);
         while (!PBW__CAS(last, emission->number + t, t)) {
@@ -7561,18 +7532,47 @@ static void pbw__sort_lists(pbw__item *item, const pbw_index *end, unsigned list
 }
 
 #ifdef PBW__AVX2
+PBW__SIMD_INLINE __m128 pbw__lower4(__m128 x, __m128 y)
+{
+    return (__m128)_mm_min_epu32((__m128i)x, (__m128i)y);
+}
+
+/* pbw__fill_lists_of for four simplices at a time, in columns: one by one takes half as long again. */
 PBW__SIMD_INLINE void pbw__fill_lists_simd_of(const pbw_index *corner, const pbw_index *slot, size_t count,
                                               pbw_index *end, pbw__item *item, int dim)
 {
-    size_t i;
-    for (i = 0; i < count; i++) {
-        const pbw__i4 v = pbw__load4(corner + 4 * (size_t)slot[i]);
-        const pbw__i4 canonical = pbw__permute4(v, pbw__canonical_lanes(v, dim));
-        const __m128i entry = (__m128i)(dim == 3 ? PBW__PICK4(canonical, 2, 1, 0, 3)
-                                                 : PBW__PICK4(canonical, 1, 0, 0, 2));
-        pbw_index *next = end + (pbw_index)_mm_cvtsi128_si32((__m128i)canonical);
-        pbw__store4(item + (*next)++, (pbw__i4)_mm_insert_epi32(entry, (int)slot[i], 2));
+    size_t i, k;
+    for (i = 0; i + 4 <= count; i += 4) {
+        __m128 v[4], rest[3], entry[4], low, is1, is2, is3;
+        pbw_index rank[4];
+        for (k = 0; k < 4; k++) {
+            v[k] = (__m128)pbw__load4(corner + 4 * (size_t)slot[i + k]);
+        }
+        _MM_TRANSPOSE4_PS(v[0], v[1], v[2], v[3]);
+        memcpy(rest, v, sizeof(rest));
+        low = pbw__lower4(pbw__lower4(v[0], v[1]), pbw__lower4(v[2], v[dim]));
+        if (dim == 3) {                              /* those without the lowest rank, by even permutations */
+            is1 = (__m128)((pbw__i4)v[1] == (pbw__i4)low);
+            is2 = (__m128)((pbw__i4)v[2] == (pbw__i4)low);
+            is3 = (__m128)((pbw__i4)v[3] == (pbw__i4)low);
+            rest[0] = _mm_blendv_ps(_mm_blendv_ps(_mm_blendv_ps(v[1], v[0], is1), v[3], is2), v[2], is3);
+            rest[1] = _mm_blendv_ps(_mm_blendv_ps(_mm_blendv_ps(v[2], v[3], is1), v[0], is2), v[1], is3);
+            rest[2] = _mm_blendv_ps(_mm_blendv_ps(_mm_blendv_ps(v[3], v[2], is1), v[1], is2), v[0], is3);
+        }
+        pbw__store4(rank, (pbw__i4)low);
+        low = pbw__lower4(pbw__lower4(rest[0], rest[1]), rest[2]);
+        is1 = (__m128)((pbw__i4)rest[1] == (pbw__i4)low);
+        is2 = (__m128)((pbw__i4)rest[2] == (pbw__i4)low);
+        entry[0] = _mm_blendv_ps(_mm_blendv_ps(rest[1], rest[2], is1), rest[0], is2);
+        entry[1] = low;
+        entry[2] = (__m128)pbw__load4(slot + i);
+        entry[3] = _mm_blendv_ps(_mm_blendv_ps(rest[2], rest[0], is1), rest[1], is2);
+        _MM_TRANSPOSE4_PS(entry[0], entry[1], entry[2], entry[3]);
+        for (k = 0; k < 4; k++) {
+            pbw__store4(item + end[rank[k]]++, (pbw__i4)entry[k]);
+        }
     }
+    pbw__fill_lists_of(corner, slot + i, count - i, end, item, dim);
 }
 
 PBW__SIMD static void pbw__fill_lists_simd(const pbw__emission *emission, const pbw_index *slot, size_t count,
@@ -15054,6 +15054,19 @@ static void pbw__changes_differ(pbw_changes *changes, size_t corners, uint64_t *
     }
     changes->deleted_count = kept[0];
     changes->made_count = kept[1];
+}
+
+/* Returns the number of the lowest bit that is set. */
+PBW__INLINE unsigned pbw__first_bit(uint64_t set)
+{
+#ifdef __GNUC__
+    return (unsigned)__builtin_ctzll(set);
+#else
+    unsigned i;
+    for (i = 0; (set >> i & 1) == 0; i++) {
+    }
+    return i;
+#endif
 }
 
 /* Lists the marked numbers. */
