@@ -7532,12 +7532,13 @@ static void pbw__sort_lists(pbw__item *item, const pbw_index *end, unsigned list
 }
 
 #ifdef PBW__AVX2
-PBW__SIMD_INLINE __m128 pbw__lower4(__m128 x, __m128 y)       /* of the ranks in each lane */
+PBW__SIMD_INLINE __m128 pbw__lower4(__m128 x, __m128 y)       /* the lower rank in each lane */
 {
     return (__m128)_mm_min_epu32((__m128i)x, (__m128i)y);
 }
 
-/* pbw__fill_lists_of for four simplices at a time, in columns: one by one takes half as long again. */
+/* pbw__fill_lists_of for four simplices at a time, a lane each: one by one takes half as long again.  `rest` are the
+   corners but the lowest, in 2D all three; entry[1] is the lowest of them, and the others follow in their cycle. */
 PBW__SIMD_INLINE void pbw__fill_lists_simd_of(const pbw_index *corner, const pbw_index *slot, size_t count,
                                               pbw_index *end, pbw__item *item, int dim)
 {
@@ -7551,7 +7552,7 @@ PBW__SIMD_INLINE void pbw__fill_lists_simd_of(const pbw_index *corner, const pbw
         _MM_TRANSPOSE4_PS(v[0], v[1], v[2], v[3]);
         memcpy(rest, v, sizeof(rest));
         low = pbw__lower4(pbw__lower4(v[0], v[1]), pbw__lower4(v[2], v[dim]));
-        if (dim == 3) {                              /* the other corners, by an even permutation */
+        if (dim == 3) {                              /* `rest` by even permutations */
             is1 = (__m128)((pbw__i4)v[1] == (pbw__i4)low);
             is2 = (__m128)((pbw__i4)v[2] == (pbw__i4)low);
             is3 = (__m128)((pbw__i4)v[3] == (pbw__i4)low);
@@ -7560,11 +7561,10 @@ PBW__SIMD_INLINE void pbw__fill_lists_simd_of(const pbw_index *corner, const pbw
             rest[2] = _mm_blendv_ps(_mm_blendv_ps(_mm_blendv_ps(v[3], v[2], is1), v[1], is2), v[0], is3);
         }
         pbw__store4(rank, (pbw__i4)low);
-        low = pbw__lower4(pbw__lower4(rest[0], rest[1]), rest[2]);   /* and then the others in their cycle */
-        is1 = (__m128)((pbw__i4)rest[1] == (pbw__i4)low);
-        is2 = (__m128)((pbw__i4)rest[2] == (pbw__i4)low);
+        entry[1] = pbw__lower4(pbw__lower4(rest[0], rest[1]), rest[2]);
+        is1 = (__m128)((pbw__i4)rest[1] == (pbw__i4)entry[1]);
+        is2 = (__m128)((pbw__i4)rest[2] == (pbw__i4)entry[1]);
         entry[0] = _mm_blendv_ps(_mm_blendv_ps(rest[1], rest[2], is1), rest[0], is2);
-        entry[1] = low;
         entry[2] = (__m128)pbw__load4(slot + i);
         entry[3] = _mm_blendv_ps(_mm_blendv_ps(rest[2], rest[0], is1), rest[1], is2);
         _MM_TRANSPOSE4_PS(entry[0], entry[1], entry[2], entry[3]);

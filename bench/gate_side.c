@@ -1,7 +1,7 @@
 /* gate_side.c: one sample of one header, for gate.py: gate_side DIM KIND COUNT THREADS [FLAGS]
-   Prints the mean seconds of a build, the peak of the library's memory in bytes a point, and a hash of all bytes of
-   the result, of 1 + 100,000 / COUNT builds and at most 1,000; of less than 100,000 points one before is not counted.
-   The number does not depend on time: the first build of a process is slower, as its memory is new. */
+   Prints the mean seconds of 1 + 100,000 / COUNT builds, at most 1,000, the peak of the library's memory in bytes a
+   point, and a hash of all bytes of the result.  Of less than 100,000 points one build before is not counted.  How
+   many there are does not depend on time, as the first build of a process is slower: its memory is new. */
 #define _DEFAULT_SOURCE
 #define PBW_IMPLEMENTATION
 #include PBW_HEADER
