@@ -209,21 +209,21 @@ static void test_random(void)
 {
     uint64_t state = test_seed;
     long i;
-    if (test_begin("random points on grids, %ld sets", test_count)) {
-        for (i = 0; i < test_count; i++) {
-            double points[3 * 400], weights[400];
-            int dim = 2 + (int)input_below(&state, 2), side = 2 + (int)input_below(&state, 30), weighted;
-            size_t count = 8 + input_below(&state, 392), k;
-            for (k = 0; k < count * (size_t)dim; k++) {
-                points[k] = (double)input_below(&state, (uint32_t)side);
-            }
-            weighted = input_below(&state, 3) == 0;
-            for (k = 0; k < count; k++) {
-                weights[k] = (double)input_below(&state, 4);
-            }
-            compare(dim, points, weighted ? weights : NULL, count, 0);
+    for (i = 1; i <= test_count; i++) {
+        double points[3 * 400], weights[400];
+        int dim = 2 + (int)input_below(&state, 2), side = 2 + (int)input_below(&state, 30), weighted;
+        size_t count = 8 + input_below(&state, 392), k;
+        for (k = 0; k < count * (size_t)dim; k++) {
+            points[k] = (double)input_below(&state, (uint32_t)side);
         }
-        test_end();
+        weighted = input_below(&state, 3) == 0;
+        for (k = 0; k < count; k++) {
+            weights[k] = (double)input_below(&state, 4);
+        }
+        if (test_begin("random points on grids, set %ld", i)) {
+            compare(dim, points, weighted ? weights : NULL, count, 0);
+            test_end();
+        }
     }
 }
 
