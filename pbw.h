@@ -3365,7 +3365,8 @@ typedef struct pbw__vertices {
     size_t room;                                     /* doubles in the block of the records */
     double *record;                                  /* (count+1)*width: coordinates, and weights if any */
     pbw_index *id;                                   /* count+1: the caller's number of each vertex */
-    pbw_index *canonical;                            /* point_count */
+    uint64_t *duplicate;                             /* duplicate_count: its number << 32 | the canonical point's */
+    pbw_index *canonical;                            /* point_count; see pbw__make_canonical */
     pbw__grid grid;                                  /* of the records */
 } pbw__vertices;
 
@@ -3478,9 +3479,6 @@ PBW__INLINE void pbw__keying_share(const pbw__keying *keying, size_t i, size_t t
         }
         pbw__fetch_of(ordering->input, index, x, dim);
         keys[i] = pbw__hilbert_key(ordering->curve.step, &box, x, dim, levels) << index_bits | (uint64_t)index;
-        if (keying->all && !ordering->input->bare) {
-            ordering->vertices->canonical[i] = (pbw_index)i;
-        }
     }
 }
 
@@ -3500,7 +3498,6 @@ PBW__SIMD static size_t pbw__keying_plane(const pbw__keying *keying, size_t i, s
     const uint32_t all = ((uint32_t)1 << box.bits) - 1;
     const __m128i shift = _mm_cvtsi32_si128(ordering->index_bits);
     uint64_t *keys = ordering->keys;
-    pbw_index *canonical = ordering->vertices->canonical;
     const size_t first = i;
     for (; i < to && to - first >= 8; i += 8) {
         __m256i index;
@@ -3531,9 +3528,6 @@ PBW__SIMD static size_t pbw__keying_plane(const pbw__keying *keying, size_t i, s
         key[1] = _mm256_or_si256(_mm256_sll_epi64(key[1], shift), _mm256_add_epi64(index, _mm256_set1_epi64x(4)));
         _mm256_storeu_si256((__m256i *)(void *)(keys + i), key[0]);
         _mm256_storeu_si256((__m256i *)(void *)(keys + i + 4), key[1]);
-        for (k = i; k < i + 8 && !input.bare; k++) {
-            canonical[k] = (pbw_index)k;
-        }
     }
     return i;
 }
@@ -3678,12 +3672,13 @@ static int pbw__order_rest(pbw__ordering *ordering, const pbw__part *part)
     return 1;
 }
 
-/* Writes the points from..to-1 of a part, in the order of its keys, behind record r, and notes duplicates, which are
-   neighbours.  Prefetches points PBW__AHEAD of these.  Returns the last record. */
+/* Writes the points from..to-1 of a part, in the order of its keys, behind record r.  Duplicates are neighbours; they
+   are listed where the first keys of the part were.  Prefetches points PBW__AHEAD of these.  Returns the last
+   record. */
 PBW__INLINE size_t pbw__order_place(const pbw__ordering *ordering, const pbw__part *part, size_t from, size_t to,
                                     size_t r, int dim)
 {
-    const uint64_t *keys = ordering->keys, mask = ((uint64_t)1 << ordering->index_bits) - 1;
+    uint64_t *keys = ordering->keys, mask = ((uint64_t)1 << ordering->index_bits) - 1;
     const pbw__input input = *ordering->input;
     const size_t width = ordering->vertices->width, end = part->to;
     double *record = ordering->vertices->record + (r + 1) * width;
@@ -3698,7 +3693,7 @@ PBW__INLINE size_t pbw__order_place(const pbw__ordering *ordering, const pbw__pa
         record[width - 1] = 0.0;                     /* a weight that the points lack */
         pbw__fetch_place(&input, index, record, dim);
         if (PBW__UNLIKELY(pbw__same_place(record, last, dim))) {
-            ordering->vertices->canonical[index] = id[r];
+            keys[part->from + from - r] = (uint64_t)index << 32 | id[r];
         } else {
             id[++r] = (pbw_index)index;
             last = record;
@@ -3861,22 +3856,22 @@ static void pbw__vertices_free(pbw__context *context, pbw__vertices *vertices)
     size_t records = vertices->point_count + 1;
     pbw__release(&context->memory, vertices->record, vertices->room, sizeof(double));
     pbw__release(&context->memory, vertices->id, records, sizeof(pbw_index));
+    pbw__release(&context->memory, vertices->duplicate, vertices->duplicate_count, sizeof(uint64_t));
     pbw__release(&context->memory, vertices->canonical, vertices->point_count, sizeof(pbw_index));
     vertices->record = NULL;
     vertices->id = NULL;
+    vertices->duplicate = NULL;
     vertices->canonical = NULL;
 }
 
-/* Allocates the arrays of an ordering and its vertices.  Returns 0 if memory is short.  The records come last: Linux
-   places blocks downwards, so in the output they grow into where keys and `canonical` were, and keep huge pages. */
+/* Allocates the arrays of an ordering and its vertices.  Returns 0 if memory is short. */
 static int pbw__order_begin(pbw__ordering *ordering)
 {
     pbw__context *context = ordering->context;
     pbw__memory *memory = &context->memory;
     pbw__vertices *vertices = ordering->vertices;
     const size_t count = ordering->input->count, tasks = (size_t)ordering->tasks, step = vertices->width;
-    const int bare = ordering->input->bare;
-    pbw__block block[4];
+    pbw__block block[2];
     ordering->boxes = &ordering->box;
     ordering->parts = &ordering->part;
     ordering->shares = &ordering->share;
@@ -3888,31 +3883,35 @@ static int pbw__order_begin(pbw__ordering *ordering)
         pbw__curve_create(&ordering->curve, count, vertices->dim);
     }
     vertices->id = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index));
-    vertices->canonical = bare ? NULL : (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
-    ordering->keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
-    vertices->room = (count + 1) * step;
+    vertices->room = (count + 1) * (step + 1);
     vertices->record = (double *)pbw__allocate(memory, vertices->room, sizeof(double));
+    ordering->keys = (uint64_t *)(void *)vertices->record;
+    ordering->keys += vertices->record != NULL ? (count + 1) * step : 0;
     block[0] = pbw__block_of(vertices->id, 0, (count + 1) * sizeof(pbw_index));
-    block[1] = pbw__block_of(vertices->canonical, 0, count * sizeof(pbw_index));
-    block[2] = pbw__block_of(ordering->keys, 0, count * sizeof(uint64_t));
-    block[3] = pbw__block_of(vertices->record, 0, vertices->room * sizeof(double));
-    pbw__populate(context, block, 4);
+    block[1] = pbw__block_of(vertices->record, 0, vertices->room * sizeof(double));
+    pbw__populate(context, block, 2);
     return ordering->boxes != NULL && (ordering->start != NULL || tasks == 1) && ordering->parts != NULL
-        && ordering->shares != NULL && ordering->keys != NULL && (vertices->canonical != NULL || bare)
-        && vertices->id != NULL && vertices->record != NULL;
+        && ordering->shares != NULL && vertices->id != NULL && vertices->record != NULL;
 }
 
-static void pbw__order_end(pbw__ordering *ordering)
+/* Frees what only the ordering needs; the keys lie behind the records.  In space the block keeps four doubles a point
+   for the output: where it had to grow, it would move, which splits huge pages.  Not if memory is to be saved
+   (PBW_BORROW), or if there will be no output.  Returns 0 if memory is short. */
+static int pbw__order_end(pbw__ordering *ordering)
 {
     pbw__memory *memory = &ordering->context->memory;
+    pbw__vertices *vertices = ordering->vertices;
     const size_t tasks = (size_t)ordering->tasks;
+    const int output = vertices->dim == 3 && !ordering->input->bare && !ordering->input->borrow;
+    const size_t room = (vertices->point_count + 1) * (output ? 4 : vertices->width);
     if (tasks > 1) {
         pbw__release(memory, ordering->boxes, tasks, sizeof(pbw__box));
         pbw__release(memory, ordering->start, (tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
         pbw__release(memory, ordering->parts, PBW__CUTS * tasks, sizeof(pbw__part));
         pbw__release(memory, ordering->shares, PBW__CUTS * tasks, sizeof(pbw__grid_share));
     }
-    pbw__release(memory, ordering->keys, ordering->input->count, sizeof(uint64_t));
+    return vertices->record == NULL || room == vertices->room
+        || pbw__resize_array(memory, &vertices->record, &vertices->room, room, sizeof(double));
 }
 
 /* Sorts all keys and cuts them into parts.  Returns the number of parts, 0 if cancelled or a number is not finite. */
@@ -3933,25 +3932,68 @@ static int pbw__order_parts(pbw__ordering *ordering)
     return pbw__order_sort(ordering, all, low, ordering->start, ordering->tasks) ? pbw__order_cut(ordering) : 0;
 }
 
-/* Closes the gaps that duplicates have left between the vertices of the parts. */
-static void pbw__order_close(const pbw__ordering *ordering, int parts)
+/* Closes the gaps that duplicates have left between the vertices of the parts, and lists the duplicates of all.
+   Returns 0 if memory is short. */
+static int pbw__order_close(const pbw__ordering *ordering, int parts)
 {
     pbw__vertices *vertices = ordering->vertices;
     const size_t step = vertices->width;
+    uint64_t *keys = ordering->keys;
     int p;
     for (p = 0; p < parts; p++) {
-        const size_t from = ordering->parts[p].from + 1, unique = ordering->parts[p].unique;
-        if (from != vertices->count + 1 && unique > 0) {
-            memmove(vertices->record + (vertices->count + 1) * step, vertices->record + from * step,
+        const size_t from = ordering->parts[p].from, unique = ordering->parts[p].unique;
+        const size_t duplicates = ordering->parts[p].to - from - unique;
+        if (from != vertices->count && unique > 0) {
+            memmove(vertices->record + (vertices->count + 1) * step, vertices->record + (from + 1) * step,
                     unique * step * sizeof(double));
-            memmove(vertices->id + vertices->count + 1, vertices->id + from, unique * sizeof(pbw_index));
+            memmove(vertices->id + vertices->count + 1, vertices->id + from + 1, unique * sizeof(pbw_index));
         }
+        memmove(keys + vertices->duplicate_count, keys + from, duplicates * sizeof(keys[0]));
         vertices->count += unique;
+        vertices->duplicate_count += duplicates;
     }
-    vertices->duplicate_count = vertices->point_count - vertices->count;
     if (!ordering->input->bare) {
         pbw__grid_close(&vertices->grid, ordering->shares, parts, vertices->dim);
     }
+    if (vertices->duplicate_count > 0) {
+        vertices->duplicate = (uint64_t *)pbw__allocate(&ordering->context->memory, vertices->duplicate_count,
+                                                        sizeof(keys[0]));
+        if (vertices->duplicate == NULL) {
+            return 0;
+        }
+        memcpy(vertices->duplicate, keys, vertices->duplicate_count * sizeof(keys[0]));
+    }
+    return 1;
+}
+
+static pbw_status pbw__fill_canonical(void *arg, size_t from, size_t to)
+{
+    pbw_index *canonical = ((const pbw__vertices *)arg)->canonical;
+    for (; from < to; from++) {
+        canonical[from] = (pbw_index)from;
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbw__place_duplicates(void *arg, size_t from, size_t to)
+{
+    const pbw__vertices *vertices = (const pbw__vertices *)arg;
+    for (; from < to; from++) {
+        vertices->canonical[vertices->duplicate[from] >> 32] = (pbw_index)vertices->duplicate[from];
+    }
+    return PBW_OK;
+}
+
+/* Makes `canonical` in a block of its size, or in a new one if that is NULL. */
+static pbw_status pbw__make_canonical(pbw__context *context, pbw__vertices *vertices, pbw_index *block)
+{
+    pbw_status status;
+    vertices->canonical = block != NULL ? block
+        : (pbw_index *)pbw__allocate_large(context, vertices->point_count, sizeof(pbw_index));
+    status = vertices->canonical == NULL ? PBW_ERROR_MEMORY
+           : pbw__for_range(context, vertices->point_count, PBW__TICK, 0.0, pbw__fill_canonical, vertices);
+    return status != PBW_OK ? status
+         : pbw__for_range(context, vertices->duplicate_count, PBW__TICK, 0.0, pbw__place_duplicates, vertices);
 }
 
 /* Orders the points, at least one.  Returns PBW_OK, or an error with all memory released. */
@@ -3981,11 +4023,11 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
         vertices->id[0] = PBW_NONE;
         pbw__for(context, parts, pbw__order_part, &ordering);
         status = ordering.not_finite ? PBW_ERROR_NOT_FINITE : PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
-        if (status == PBW_OK) {
-            pbw__order_close(&ordering, parts);
+        if (status == PBW_OK && !pbw__order_close(&ordering, parts)) {
+            status = PBW_ERROR_MEMORY;
         }
     }
-    pbw__order_end(&ordering);
+    status = !pbw__order_end(&ordering) && status == PBW_OK ? PBW_ERROR_MEMORY : status;
     if (status != PBW_OK) {
         pbw__vertices_free(context, vertices);
     }
@@ -7260,6 +7302,7 @@ typedef struct pbw__emission {
     pbw__link *link;                                 /* NULL: not wanted */
     pbw_index *to_corner, *to_link;                  /* where simplices are written: the arrays above or new ones */
     size_t slot_count, simplex_count, vertex_count, visible;
+    size_t per_rank;                                 /* entries of `head` and `first` in the block of the records */
     int dim, any_order, tasks, failed, simd, apart;  /* apart: into new arrays */
     const pbw_index *id;                             /* per rank */
     pbw_index *number;                               /* per slot: the next of its chain; then its place */
@@ -7871,9 +7914,10 @@ static void pbw__emit_pass2(void *arg, int task)
    simplex of each point; the points.
 
    The store's arrays become the caller's: a copy beside them would be the peak of the memory.  Other arrays use
-   blocks that the build no longer needs, as their pages exist.  Held at most: of a slot its simplex and `number`, 36
-   bytes, and of a vertex `id` and `head`, 8 (12 with several tasks); all are needed from pass 2 to pass 3.  So
-   `number` and what the store does not use are given back before the arrays of the points are made.
+   blocks that the build no longer needs, as new pages cost more: `head` that of the marks, if there are any; `first`
+   and `number`, then the points and `incident`, that of the records; `canonical` that of `id`.  Held at most: of a
+   slot its simplex and `number`, 36 bytes, and of a vertex `id` and `head`, 8 (12 with several tasks); all are needed
+   from pass 2 to pass 3.
 
    Pass 3 writes each simplex in canonical form, with ids for ranks and places for slots, from its slot to its place.
    Slots are read in order, and most places lie before the slots, among those already read, because slots are left
@@ -8236,9 +8280,10 @@ static pbw_status pbw__copy_points(void *arg, size_t i, size_t end)
     return PBW_OK;
 }
 
-/* Copies the points into `spare`, a block of at least their size, or into a new block if that is NULL. */
+/* Copies the points to the start of a block of `room` doubles, the mesh's from now on, or to a new block if that is
+   NULL. */
 static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *input, pbw__owned *owned, pbw_mesh *mesh,
-                                   double *spare, size_t spare_count)
+                                   double *block, size_t room)
 {
     pbw__copying copying = { input, mesh->original, NULL, NULL };
     if (input->borrow) {
@@ -8246,10 +8291,9 @@ static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *inpu
         mesh->weights = (const double *)(const void *)input->weights;
         return PBW_OK;
     }
-    owned->points = input->count * (size_t)input->dim;
-    mesh->points = copying.points = (double *)(spare == NULL
-                 ? pbw__allocate_large(context, owned->points, sizeof(double))
-                 : pbw__resize(&context->memory, spare, spare_count, owned->points, sizeof(double)));
+    owned->points = block != NULL ? room : input->count * (size_t)input->dim;
+    mesh->points = copying.points = block != NULL ? block
+                 : (double *)pbw__allocate_large(context, owned->points, sizeof(double));
     if (input->weights != NULL) {
         owned->weights = input->count;
         mesh->weights = copying.weights = (double *)pbw__allocate_large(context, input->count, sizeof(double));
@@ -8260,51 +8304,58 @@ static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *inpu
     return pbw__for_range(context, input->count, PBW__TICK, 0.0, pbw__copy_points, &copying);
 }
 
-/* Allocates mesh->incident, filled with PBW_NONE if `none`. */
-static pbw_index *pbw__make_incident(pbw__context *context, pbw__owned *owned, pbw_mesh *mesh, int none)
+/* Makes mesh->incident in a block of its size, or in a new one if that is NULL; fills it with PBW_NONE if `none`. */
+static pbw_index *pbw__make_incident(pbw__context *context, pbw__owned *owned, pbw_mesh *mesh, int none, void *block)
 {
-    pbw_index *incident = (pbw_index *)pbw__allocate_large(context, mesh->point_count, sizeof(pbw_index));
+    pbw_index *incident = (pbw_index *)(block != NULL ? block
+                        : pbw__allocate_large(context, mesh->point_count, sizeof(pbw_index)));
     mesh->incident = incident;
-    owned->incident = mesh->point_count;
+    owned->incident = block != NULL ? 0 : mesh->point_count;
     if (incident != NULL && none) {
         memset(incident, 0xff, mesh->point_count * sizeof(pbw_index));
     }
     return incident;
 }
 
-/* Makes the arrays of an emission in the block of the records, which the build no longer needs: its pages exist. */
-static int pbw__emit_room(pbw__emission *emission, pbw__vertices *vertices)
+/* Sets the arrays of an emission: `head` in the block of the marks, if there are any, then `first`, if there are
+   several tasks, and `number` in that of the records. */
+static void pbw__emit_arrays(pbw__emission *emission, const pbw__store *store, const pbw__vertices *vertices)
 {
-    pbw__context *context = emission->context;
-    const size_t chunks = (emission->slot_count >> emission->chunk_bits) + 1, tasks = (size_t)emission->tasks;
-    const size_t ranks = emission->vertex_count + 1, old = vertices->room;
-    const size_t bytes = (emission->slot_count + (tasks > 1 ? 2 : 1) * ranks) * sizeof(pbw_index) + chunks;
-    const size_t room = bytes / sizeof(double) + 1;
-    if (room > old) {
-        pbw__block block;
-        if (!pbw__resize_array(&context->memory, &vertices->record, &vertices->room, room, sizeof(double))) {
-            return 0;
-        }
-        block = pbw__block_of(vertices->record, old * sizeof(double), room * sizeof(double));
-        pbw__populate(context, &block, 1);
+    const size_t ranks = emission->vertex_count + 1;
+    pbw_index *at = (pbw_index *)(void *)vertices->record;
+    emission->head = store->mark != NULL ? (pbw_index *)(void *)store->mark : at;
+    emission->first = emission->tasks > 1 ? at + (store->mark == NULL ? ranks : 0) : NULL;
+    emission->number = at + emission->per_rank;
+}
+
+/* Makes the arrays of an emission in blocks that the build no longer needs: their pages exist. */
+static int pbw__emit_room(pbw__emission *emission, pbw__store *store, pbw__vertices *vertices)
+{
+    pbw__memory *memory = &emission->context->memory;
+    const size_t chunks = (emission->slot_count >> emission->chunk_bits) + 1, ranks = emission->vertex_count + 1;
+    size_t room;
+    emission->per_rank = ranks * ((emission->tasks > 1 ? 1u : 0u) + (store->mark == NULL ? 1u : 0u));
+    room = ((emission->slot_count + emission->per_rank) * sizeof(pbw_index) + chunks) / sizeof(double) + 1;
+    if ((store->mark != NULL && !PBW__RESIZE(memory, store, mark, ranks * sizeof(pbw_index)))
+        || (room > vertices->room
+            && !pbw__resize_array(memory, &vertices->record, &vertices->room, room, sizeof(double)))) {
+        return 0;
     }
-    emission->head = (pbw_index *)(void *)vertices->record;
-    emission->first = tasks > 1 ? emission->head + ranks : NULL;
-    emission->number = emission->head + (tasks > 1 ? 2 : 1) * ranks;
+    pbw__emit_arrays(emission, store, vertices);
     emission->chunk_done = (unsigned char *)(emission->number + emission->slot_count);
     memset(emission->chunk_done, 0, chunks);
     return 1;
 }
 
 /* Allocates what the tasks of an emission need and runs it. */
-static pbw_status pbw__emit_all(pbw__emission *emission, pbw__vertices *vertices)
+static pbw_status pbw__emit_all(pbw__emission *emission, pbw__store *store, pbw__vertices *vertices)
 {
     pbw__memory *memory = &emission->context->memory;
     const size_t tasks = (size_t)emission->tasks;
     pbw_status status = PBW_ERROR_MEMORY;
     emission->task = tasks > 1 ? (pbw__emitting *)pbw__allocate(memory, tasks, sizeof(pbw__emitting))
                                : &emission->one_task;
-    if (emission->task != NULL && pbw__emit_room(emission, vertices)) {
+    if (emission->task != NULL && pbw__emit_room(emission, store, vertices)) {
         memset(emission->task, 0, tasks * sizeof(pbw__emitting));
         status = pbw__emit(emission);
     }
@@ -8314,27 +8365,39 @@ static pbw_status pbw__emit_all(pbw__emission *emission, pbw__vertices *vertices
     return status;
 }
 
-/* Gives back what an emission no longer needs: `number`, which lies last in its block, except for the `spare` doubles
-   of the points to come; and the ends of the store's arrays.  Returns 0 if memory is short. */
-static int pbw__emit_cut(pbw__emission *emission, pbw__store *store, pbw__vertices *vertices, size_t spare)
+/* Gives back what an emission no longer needs: the ends of the store's arrays, and `number`, which lies last in the
+   block of the records, except for what the mesh will have there: the points and, behind them, `incident`.  Without
+   points, `incident` has a block of its own.  Returns 0 if memory is short. */
+static int pbw__emit_cut(pbw__emission *emission, pbw__store *store, pbw__vertices *vertices, pbw__owned *owned,
+                         pbw_mesh *mesh, size_t points)
 {
     pbw__memory *memory = &emission->context->memory;
-    const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1), ranks = emission->vertex_count + 1;
-    const size_t firsts = ((emission->first != NULL ? 2 : 1) * ranks + 1) / 2;   /* in doubles */
+    const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1);
+    const size_t firsts = emission->per_rank / 2 + 1, kept = points > firsts ? points : firsts;      /* doubles */
+    const size_t behind = points > 0 ? vertices->point_count / 2 + 1 : 0;
     size_t links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
-    if (!pbw__resize_array(memory, &vertices->record, &vertices->room, spare > firsts ? spare : firsts,
-                           sizeof(double))
-        || !pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
-        || (store->link != NULL && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
+    if (!emission->apart) {
+        if (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
+            || (store->link != NULL
+                && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
+            return 0;
+        }
+        emission->to_corner = store->corner;
+        emission->to_link = (pbw_index *)(void *)store->link;
+        store->corner = NULL;
+        store->link = NULL;
+    }
+    mesh->simplices = emission->to_corner;
+    mesh->neighbors = emission->to_link;
+    mesh->simplex_count = emission->simplex_count;
+    owned->simplices = owned->neighbors = entries;
+    if (!pbw__resize_array(memory, &vertices->record, &vertices->room, kept + behind, sizeof(double))) {
         return 0;
     }
-    emission->head = (pbw_index *)(void *)vertices->record;
-    emission->first = emission->first != NULL ? emission->head + ranks : NULL;
-    emission->to_corner = store->corner;
-    emission->to_link = (pbw_index *)(void *)store->link;
-    store->corner = NULL;
-    store->link = NULL;
-    return 1;
+    pbw__emit_arrays(emission, store, vertices);
+    emission->incident = pbw__make_incident(emission->context, owned, mesh, vertices->duplicate_count > 0,
+                                            behind > 0 ? vertices->record + kept : NULL);
+    return emission->incident != NULL;
 }
 
 /* Turns the store's triangulation into the mesh's arrays. */
@@ -8343,7 +8406,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
 {
     pbw__memory *memory = &context->memory;
     const size_t corners = (size_t)vertices->dim + 1;
-    const size_t spare = (flags & PBW_BORROW) == 0 ? vertices->point_count * (size_t)vertices->dim : 0;
+    const size_t points = (flags & PBW_BORROW) == 0 ? vertices->point_count * (size_t)vertices->dim : 0;
     pbw__emission emission;
     pbw_status status;
     if (store->capacity - store->count > store->capacity / 1024 + 64     /* not of few points */
@@ -8371,17 +8434,9 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     emission.tasks = pbw__tasks(context, vertices->count, 16384);
     emission.apart = emission.tasks == 1 && emission.slot_count <= PBW__APART;
     emission.chunk_bits = pbw__chunk_bits(emission.dim, emission.tasks, store->count);
-    status = pbw__emit_all(&emission, vertices);
-    if (status == PBW_OK && !emission.apart && !pbw__emit_cut(&emission, store, vertices, spare)) {
-        status = PBW_ERROR_MEMORY;
-    }
+    status = pbw__emit_all(&emission, store, vertices);
     if (status == PBW_OK) {
-        mesh->simplex_count = emission.simplex_count;
-        mesh->simplices = emission.to_corner;
-        mesh->neighbors = emission.to_link;
-        owned->simplices = owned->neighbors = corners * emission.simplex_count;
-        emission.incident = pbw__make_incident(context, owned, mesh, vertices->duplicate_count > 0);
-        status = emission.incident == NULL ? PBW_ERROR_MEMORY
+        status = !pbw__emit_cut(&emission, store, vertices, owned, mesh, points) ? PBW_ERROR_MEMORY
                : pbw__for_range(context, emission.vertex_count, 16384, 0.0, pbw__emit_pass5, &emission);
     } else if (emission.apart) {
         pbw__release(memory, emission.to_corner, corners * emission.simplex_count, sizeof(pbw_index));
@@ -9319,10 +9374,15 @@ static void pbw__number_groups(pbw__numbering *numbering)
 static pbw_status pbw__number_along_curve(pbw__context *context, pbw__vertices *vertices, pbw_index *original)
 {
     pbw__numbering numbering;
+    pbw_status status;
     numbering.vertices = vertices;
     numbering.original = original;
     if (vertices->duplicate_count == 0) {
         return pbw__for_range(context, vertices->count, 65536, 0.0, pbw__number_range, &numbering);
+    }
+    status = pbw__make_canonical(context, vertices, NULL);
+    if (status != PBW_OK) {
+        return status;
     }
     numbering.next = (pbw_index *)pbw__allocate(&context->memory, vertices->point_count, sizeof(pbw_index));
     if (numbering.next == NULL) {
@@ -14064,8 +14124,10 @@ static pbw_status pbw__core_build(pbw__context *context, const pbw__stand *stand
     status = pbw__enter_stage(context, PBW_STAGE_BUILD) ? PBW_CANCELLED
            : pbw__build_all(context, &core->store, &vertices, &vertices.grid, &statistics);
     if (status == PBW_OK || status == PBW_DEGENERATE) {
-        const pbw_status taken = !pbw__core_reserve(core, vertices.point_count + 1, numbers) ? PBW_ERROR_MEMORY
-                               : pbw__core_take(core, &vertices, stand->list, 0);
+        pbw_status taken = vertices.duplicate_count == 0 ? PBW_OK : pbw__make_canonical(context, &vertices, NULL);
+        taken = taken != PBW_OK ? taken
+              : !pbw__core_reserve(core, vertices.point_count + 1, numbers) ? PBW_ERROR_MEMORY
+              : pbw__core_take(core, &vertices, stand->list, 0);
         status = taken != PBW_OK ? taken : status;
     }
     if (status == PBW_OK) {
@@ -17957,7 +18019,7 @@ static pbw_status pbw__view_simplices(pbw__viewing *viewing, pbw__context *conte
     viewing->first = (pbw_index *)pbw__allocate_large(context, firsts, sizeof(pbw_index));
     viewing->base = (pbw_index *)pbw__allocate(memory, viewing->blocks + 1, sizeof(pbw_index));
     viewing->bin = (pbw_index *)pbw__allocate(memory, viewing->blocks * viewing->chunks, sizeof(pbw_index));
-    viewing->incident = pbw__make_incident(context, owned, mesh, vertices->count < viewing->live->numbers);
+    viewing->incident = pbw__make_incident(context, owned, mesh, vertices->count < viewing->live->numbers, NULL);
     mesh->simplices = viewing->simplices = (pbw_index *)pbw__allocate_large(context, entries, sizeof(pbw_index));
     mesh->neighbors = viewing->neighbors = (pbw_index *)pbw__allocate_large(context, entries, sizeof(pbw_index));
     owned->simplices = owned->neighbors = entries;
@@ -18006,7 +18068,7 @@ static pbw_status pbw__view(const pbw_live *live, pbw__context *context, pbw_mes
     }
     status = pbw__view_begin(&viewing, context);
     if (status == PBW_OK && live->core.simplex_count == 0) {
-        status = pbw__make_incident(context, owned, mesh, 1) == NULL ? PBW_ERROR_MEMORY : PBW_DEGENERATE;
+        status = pbw__make_incident(context, owned, mesh, 1, NULL) == NULL ? PBW_ERROR_MEMORY : PBW_DEGENERATE;
     } else if (status == PBW_OK) {
         status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED
                : pbw__view_order(live, context, &stand, &vertices);
@@ -18085,7 +18147,9 @@ PBWDEF void pbw_free(pbw_mesh *mesh)
         pbw__memory memory = owned->memory;
         pbw__release(&memory, (void *)(uintptr_t)mesh->simplices, owned->simplices, sizeof(pbw_index));
         pbw__release(&memory, (void *)(uintptr_t)mesh->neighbors, owned->neighbors, sizeof(pbw_index));
-        pbw__release(&memory, (void *)(uintptr_t)mesh->incident, owned->incident, sizeof(pbw_index));
+        if (owned->incident > 0) {                   /* else it lies behind the points */
+            pbw__release(&memory, (void *)(uintptr_t)mesh->incident, owned->incident, sizeof(pbw_index));
+        }
         pbw__release(&memory, (void *)(uintptr_t)mesh->canonical, owned->canonical, sizeof(pbw_index));
         pbw__release(&memory, (void *)(uintptr_t)mesh->original, owned->original, sizeof(pbw_index));
         if (owned->points > 0) {
@@ -18118,84 +18182,21 @@ static pbw_status pbw__make_original(pbw__context *context, pbw__vertices *verti
     return original != NULL ? pbw__number_along_curve(context, vertices, original) : PBW_ERROR_MEMORY;
 }
 
-/* The duplicates, kept as a list during the build, which does not need `canonical`. */
-typedef struct pbw__duplicates {
-    pbw_index *canonical, *pair;                     /* pair: each duplicate, then its canonical point */
-    size_t count, listed;
-} pbw__duplicates;
-
-static pbw_status pbw__list_duplicates(void *arg, size_t from, size_t to)
+/* Hands `canonical` to the mesh, made in the block of `id` unless there is one. */
+static pbw_status pbw__hand_over_canonical(pbw__context *context, pbw__vertices *vertices, pbw__owned *owned,
+                                           pbw_mesh *mesh)
 {
-    pbw__duplicates *duplicates = (pbw__duplicates *)arg;
-    const pbw_index *canonical = duplicates->canonical;
-    pbw_index *pair = duplicates->pair;
-    size_t count = 0, i;
-    for (i = from; i < to; i++) {
-        count += canonical[i] != i;
-    }
-    for (pair += 2 * PBW__ADD(&duplicates->listed, count); count > 0; from++) {
-        if (canonical[from] != from) {
-            pair[0] = (pbw_index)from;
-            pair[1] = canonical[from];
-            pair += 2;
-            count--;
+    pbw_status status = PBW_OK;
+    if (vertices->canonical == NULL) {
+        size_t room = vertices->point_count + 1;
+        if (!pbw__resize_array(&context->memory, &vertices->id, &room, vertices->point_count, sizeof(pbw_index))) {
+            return PBW_ERROR_MEMORY;
         }
+        status = pbw__make_canonical(context, vertices, vertices->id);
+        vertices->id = NULL;
     }
-    return PBW_OK;
-}
-
-/* Frees `canonical` and lists the duplicates, if there are many points and the list is shorter. */
-static pbw_status pbw__lay_down_canonical(pbw__context *context, pbw__vertices *vertices, pbw__duplicates *duplicates)
-{
-    const size_t count = vertices->duplicate_count;
-    pbw_status status = PBW_OK;
-    if (vertices->point_count > PBW__SMALLER(65536) && count < vertices->point_count / 2) {
-        duplicates->pair = (pbw_index *)pbw__allocate(&context->memory, 2 * count, sizeof(pbw_index));
-        duplicates->count = count;
-        duplicates->canonical = vertices->canonical;
-        status = duplicates->pair == NULL ? PBW_ERROR_MEMORY : count == 0 ? PBW_OK
-               : pbw__for_range(context, vertices->point_count, PBW__TICK, 0.0, pbw__list_duplicates, duplicates);
-        pbw__release(&context->memory, vertices->canonical, vertices->point_count, sizeof(pbw_index));
-        vertices->canonical = NULL;
-    }
-    return status;
-}
-
-static pbw_status pbw__fill_canonical(void *arg, size_t from, size_t to)
-{
-    pbw_index *canonical = (pbw_index *)arg;
-    for (; from < to; from++) {
-        canonical[from] = (pbw_index)from;
-    }
-    return PBW_OK;
-}
-
-static pbw_status pbw__place_duplicates(void *arg, size_t from, size_t to)
-{
-    const pbw__duplicates *duplicates = (const pbw__duplicates *)arg;
-    for (; from < to; from++) {
-        duplicates->canonical[duplicates->pair[2 * from]] = duplicates->pair[2 * from + 1];
-    }
-    return PBW_OK;
-}
-
-/* Hands `canonical` to the mesh. */
-static pbw_status pbw__hand_over_canonical(pbw__context *context, pbw__vertices *vertices,
-                                           pbw__duplicates *duplicates, pbw__owned *owned, pbw_mesh *mesh)
-{
-    const size_t count = vertices->point_count;
-    pbw_index *canonical = vertices->canonical;
-    pbw_status status = PBW_OK;
-    if (canonical == NULL) {
-        canonical = (pbw_index *)pbw__allocate_large(context, count, sizeof(pbw_index));
-        status = canonical == NULL ? PBW_ERROR_MEMORY
-               : pbw__for_range(context, count, PBW__TICK, 0.0, pbw__fill_canonical, canonical);
-        duplicates->canonical = canonical;
-        status = status != PBW_OK ? status
-               : pbw__for_range(context, duplicates->count, PBW__TICK, 0.0, pbw__place_duplicates, duplicates);
-    }
-    mesh->canonical = canonical;
-    owned->canonical = count;
+    mesh->canonical = vertices->canonical;
+    owned->canonical = vertices->point_count;
     vertices->canonical = NULL;
     return status;
 }
@@ -18205,7 +18206,6 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
     pbw__memory *memory = &context->memory;
     pbw__owned *owned = (pbw__owned *)pbw__allocate(memory, 1, sizeof(pbw__owned));
     pbw__vertices vertices;
-    pbw__duplicates duplicates = { NULL, NULL, 0, 0 };
     pbw__store store;
     double start = pbw__seconds();
     pbw_status status;
@@ -18227,17 +18227,13 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
     status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED : pbw__order(context, input, &vertices);
     if (status == PBW_OK) {
         mesh->duplicate_count = vertices.duplicate_count;
-        if ((flags & PBW_CURVE_ORDER) == 0) {
-            status = pbw__lay_down_canonical(context, &vertices, &duplicates);
-        }
         status = pbw__leave_stage(context, status, &start, &mesh->statistics.order_seconds);
     }
     if (status == PBW_OK) {
         status = pbw__enter_stage(context, PBW_STAGE_BUILD) ? PBW_CANCELLED
                : pbw__build_all(context, &store, &vertices, &vertices.grid, &mesh->statistics);
         status = pbw__leave_stage(context, status, &start, &mesh->statistics.build_seconds);
-        PBW__RELEASE(memory, &store, mark);          /* the output needs no marks, and memory is highest there */
-        store.mark = NULL, store.mark_capacity = 0, store.plain = 1;
+        store.plain = 1;                             /* the output uses the block of the marks */
     }
     if ((status == PBW_OK || status == PBW_DEGENERATE) && pbw__enter_stage(context, PBW_STAGE_OUTPUT)) {
         status = PBW_CANCELLED;
@@ -18248,14 +18244,13 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
     }
     if (status == PBW_OK) {
         status = pbw__output(context, &store, &vertices, flags, owned, mesh);
-    } else if (status == PBW_DEGENERATE && pbw__make_incident(context, owned, mesh, 1) == NULL) {
+    } else if (status == PBW_DEGENERATE && pbw__make_incident(context, owned, mesh, 1, NULL) == NULL) {
         status = PBW_ERROR_MEMORY;
     }
     if (status == PBW_OK || status == PBW_DEGENERATE) {
-        pbw_status kept = pbw__hand_over_canonical(context, &vertices, &duplicates, owned, mesh);
+        pbw_status kept = pbw__hand_over_canonical(context, &vertices, owned, mesh);
         kept = kept != PBW_OK ? kept
-             : pbw__keep_points(context, input, owned, mesh, vertices.record,
-                                vertices.room);
+             : pbw__keep_points(context, input, owned, mesh, vertices.record, vertices.room);
         vertices.record = mesh->points != NULL && !input->borrow ? NULL : vertices.record;
         status = pbw__leave_stage(context, kept != PBW_OK ? kept : status, &start, &mesh->statistics.output_seconds);
     }
@@ -18263,7 +18258,6 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
     mesh->statistics.peak_bytes = memory->peak;
     pbw__store_free(memory, &store);
     pbw__vertices_free(context, &vertices);
-    pbw__release(memory, duplicates.pair, 2 * duplicates.count, sizeof(pbw_index));
     pbw__team_stop(context);
     owned->memory = *memory;
     return status;
@@ -18398,6 +18392,9 @@ static pbw_status pbw__renumber(pbw__dispatch *dispatch)
     }
     memset(&r, 0, sizeof(r));
     status = pbw__make_original(context, &vertices, owned, mesh);
+    if (status == PBW_OK && vertices.canonical == NULL) {
+        status = pbw__make_canonical(context, &vertices, NULL);
+    }
     r.mesh = mesh;
     r.original = mesh->original;
     r.old_incident = mesh->incident;

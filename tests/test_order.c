@@ -141,6 +141,7 @@ static int compare(const points *p)
                       || memcmp(record, e[i].x, (size_t)p->dim * sizeof(double)) != 0;
             }
             CHECK_EQUAL(wrong, 0);
+            CHECK_EQUAL(pbw__make_canonical(&context, &vertices, NULL), PBW_OK);
             CHECK(memcmp(vertices.canonical, canonical, p->count * sizeof *canonical) == 0);
             pbw__vertices_free(&context, &vertices);
         }
