@@ -7929,18 +7929,18 @@ static void pbw__emit_pass2(void *arg, int task)
 #define PBW__CHUNK ((size_t)1 << 12)                 /* the largest */
 #define PBW__APART PBW__SMALLER(3072)                /* slots, at most, whose simplices are written to new arrays */
 
-/* Several tasks take large chunks, against false sharing: near slots have places in the same cache lines.  One task
-   takes small chunks if points are few, so that fewer simplices are set aside, which costs more in the plane.  If
-   points are many, chunks are large again: the start of a chunk is not prefetched. */
-PBW__INLINE int pbw__chunk_bits(int dim, int tasks, size_t slots)
+/* Large chunks are better: the start of a chunk is not prefetched, and near slots have places in the same cache
+   lines, which tasks would share.  But a simplex is set aside if its place lies in a chunk in progress, and in space
+   places lag behind the slots by 1/64 of these at most.  So chunks are smaller if all that threads have in progress
+   would be more than 1/256 of the slots; and small if one task has few points, where setting aside costs more. */
+PBW__INLINE int pbw__chunk_bits(int dim, int tasks, int threads, size_t slots)
 {
-#ifdef PBW__TEST_SMALL_SHARES
-    (void)tasks;
-    (void)slots;
-    return dim + 3;
-#else
-    return tasks == 1 && slots >> 20 == 0 ? (dim == 3 ? 9 : 8) : dim == 3 ? 12 : 10;
-#endif
+    const int least = (int)PBW__SMALLER(10);
+    int bits = tasks == 1 && slots >> 20 == 0 ? dim + 6 : dim == 3 ? 12 : 10;
+    while (bits > least && (size_t)threads << bits > slots / 256) {
+        bits--;
+    }
+    return bits;
 }
 
 /* Returns whether the slots where a place lies have been read; the array has `entries` entries a slot. */
@@ -8433,7 +8433,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     emission.chain = store->hint;
     emission.tasks = pbw__tasks(context, vertices->count, 16384);
     emission.apart = emission.tasks == 1 && emission.slot_count <= PBW__APART;
-    emission.chunk_bits = pbw__chunk_bits(emission.dim, emission.tasks, store->count);
+    emission.chunk_bits = pbw__chunk_bits(emission.dim, emission.tasks, context->threads, store->count);
     status = pbw__emit_all(&emission, store, vertices);
     if (status == PBW_OK) {
         status = !pbw__emit_cut(&emission, store, vertices, owned, mesh, points) ? PBW_ERROR_MEMORY
