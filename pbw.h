@@ -2929,7 +2929,7 @@ PBW__INLINE double pbw__squared(const double *p, const double *q, int dim)
 
 typedef struct pbw__input {
     int dim, is_float, borrow, bare;                 /* bare: no two points are at one place, and only their order is
-                                                        wanted, so no records and canonical points are made */
+                                                        wanted, so no records are made and no duplicates found */
     int live;                                        /* records have a weight even if the points have none */
     size_t count, stride, weight_stride, last;       /* last: bytes of a point before its last coordinate */
     const char *points, *weights;
@@ -3345,8 +3345,8 @@ static uint64_t *pbw__sort_keys(pbw__sorting *sorting, int low, int bits)
 /* ------------------------------------------------------------------------------------------------------
    >>order        Points in the order of a Hilbert curve, duplicates set aside.
    In: the caller's points and weights.  Out: vertex records 1..vertex_count along the curve, of coordinates and, if
-   there are weights, a weight (record 0 stands for the ghost vertex), the caller's id of each, their grid, and for
-   each point the one that it duplicates.
+   there are weights, a weight (record 0 stands for the ghost vertex), the caller's id of each, their grid, and the
+   duplicates, each with the point at its place that stays, its canonical point.
    Holds: the order of the records depends on the coordinates alone; a vertex number is a rank on the curve.
 
    Points in one cell of the curve's grid form a run.  Short runs are put into lexicographic order; long ones get
@@ -7930,9 +7930,10 @@ static void pbw__emit_pass2(void *arg, int task)
 #define PBW__APART PBW__SMALLER(3072)                /* slots, at most, whose simplices are written to new arrays */
 
 /* Large chunks are better: the start of a chunk is not prefetched, and near slots have places in the same cache
-   lines, which tasks would share.  But a simplex is set aside if its place lies in a chunk in progress, and in space
-   places lag behind the slots by 1/64 of these at most.  So chunks are smaller if all that threads have in progress
-   would be more than 1/256 of the slots; and small if one task has few points, where setting aside costs more. */
+   lines, which tasks would share.  But a simplex is set aside if its place lies in a chunk in progress, and of points
+   uniform in space places lag behind the slots by only 1/64 of those read.  So chunks are smaller if all that threads
+   have in progress would be more than 1/256 of the slots; and small if one task has few points, where setting aside
+   costs more. */
 PBW__INLINE int pbw__chunk_bits(int dim, int tasks, int threads, size_t slots)
 {
     const int least = (int)PBW__SMALLER(10);
