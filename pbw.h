@@ -3885,8 +3885,9 @@ static int pbw__order_begin(pbw__ordering *ordering)
     vertices->id = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index));
     vertices->room = (count + 1) * (step + 1);
     vertices->record = (double *)pbw__allocate(memory, vertices->room, sizeof(double));
-    ordering->keys = (uint64_t *)(void *)vertices->record;
-    ordering->keys += vertices->record != NULL ? (count + 1) * step : 0;
+    if (vertices->record != NULL) {
+        ordering->keys = (uint64_t *)(void *)(vertices->record + (count + 1) * step);
+    }
     block[0] = pbw__block_of(vertices->id, 0, (count + 1) * sizeof(pbw_index));
     block[1] = pbw__block_of(vertices->record, 0, vertices->room * sizeof(double));
     pbw__populate(context, block, 2);
