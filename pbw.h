@@ -7303,7 +7303,7 @@ typedef struct pbw__emission {
     pbw__link *link;                                 /* NULL: not wanted */
     pbw_index *to_corner, *to_link;                  /* where simplices are written: the arrays above or new ones */
     size_t slot_count, simplex_count, vertex_count, visible;
-    size_t per_rank;                                 /* entries of `head` and `first` in the block of the records */
+    size_t rank_entries;                             /* of `head` and `first`, in the block of the records */
     int dim, any_order, tasks, failed, simd, apart;  /* apart: into new arrays */
     const pbw_index *id;                             /* per rank */
     pbw_index *number;                               /* per slot: the next of its chain; then its place */
@@ -8327,7 +8327,7 @@ static void pbw__emit_arrays(pbw__emission *emission, const pbw__store *store, c
     pbw_index *at = (pbw_index *)(void *)vertices->record;
     emission->head = store->mark != NULL ? (pbw_index *)(void *)store->mark : at;
     emission->first = emission->tasks > 1 ? at + (store->mark == NULL ? ranks : 0) : NULL;
-    emission->number = at + emission->per_rank;
+    emission->number = at + emission->rank_entries;
 }
 
 /* Makes the arrays of an emission in blocks that the build no longer needs: their pages exist. */
@@ -8336,8 +8336,8 @@ static int pbw__emit_room(pbw__emission *emission, pbw__store *store, pbw__verti
     pbw__memory *memory = &emission->context->memory;
     const size_t chunks = (emission->slot_count >> emission->chunk_bits) + 1, ranks = emission->vertex_count + 1;
     size_t room;
-    emission->per_rank = ranks * ((emission->tasks > 1 ? 1u : 0u) + (store->mark == NULL ? 1u : 0u));
-    room = ((emission->slot_count + emission->per_rank) * sizeof(pbw_index) + chunks) / sizeof(double) + 1;
+    emission->rank_entries = ranks * ((emission->tasks > 1 ? 1u : 0u) + (store->mark == NULL ? 1u : 0u));
+    room = ((emission->slot_count + emission->rank_entries) * sizeof(pbw_index) + chunks) / sizeof(double) + 1;
     if ((store->mark != NULL && !PBW__RESIZE(memory, store, mark, ranks * sizeof(pbw_index)))
         || (room > vertices->room
             && !pbw__resize_array(memory, &vertices->record, &vertices->room, room, sizeof(double)))) {
@@ -8375,7 +8375,7 @@ static int pbw__emit_cut(pbw__emission *emission, pbw__store *store, pbw__vertic
 {
     pbw__memory *memory = &emission->context->memory;
     const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1);
-    const size_t firsts = emission->per_rank / 2 + 1, kept = points > firsts ? points : firsts;      /* doubles */
+    const size_t firsts = emission->rank_entries / 2 + 1, kept = points > firsts ? points : firsts;      /* doubles */
     const size_t behind = points > 0 ? vertices->point_count / 2 + 1 : 0;
     size_t links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
     if (!emission->apart) {
