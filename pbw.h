@@ -3897,7 +3897,7 @@ static int pbw__order_begin(pbw__ordering *ordering)
 
 /* Frees what only the ordering needs; the keys lie behind the records.  In space the block keeps four doubles a point
    for the output: where it had to grow, it would move, which splits huge pages.  Not if memory is to be saved
-   (PBW_BORROW), or if there will be no output.  Returns 0 if memory is short. */
+   (PBW_BORROW), or if only the order is wanted.  Returns 0 if memory is short. */
 static int pbw__order_end(pbw__ordering *ordering)
 {
     pbw__memory *memory = &ordering->context->memory;
@@ -3939,32 +3939,32 @@ static int pbw__order_close(const pbw__ordering *ordering, int parts)
 {
     pbw__vertices *vertices = ordering->vertices;
     const size_t step = vertices->width;
-    uint64_t *keys = ordering->keys;
+    size_t listed = 0;
     int p;
     for (p = 0; p < parts; p++) {
         const size_t from = ordering->parts[p].from, unique = ordering->parts[p].unique;
-        const size_t duplicates = ordering->parts[p].to - from - unique;
         if (from != vertices->count && unique > 0) {
             memmove(vertices->record + (vertices->count + 1) * step, vertices->record + (from + 1) * step,
                     unique * step * sizeof(double));
             memmove(vertices->id + vertices->count + 1, vertices->id + from + 1, unique * sizeof(pbw_index));
         }
-        memmove(keys + vertices->duplicate_count, keys + from, duplicates * sizeof(keys[0]));
         vertices->count += unique;
-        vertices->duplicate_count += duplicates;
     }
+    vertices->duplicate_count = vertices->point_count - vertices->count;
     if (!ordering->input->bare) {
         pbw__grid_close(&vertices->grid, ordering->shares, parts, vertices->dim);
     }
     if (vertices->duplicate_count > 0) {
-        vertices->duplicate = (uint64_t *)pbw__allocate(&ordering->context->memory, vertices->duplicate_count,
-                                                        sizeof(keys[0]));
-        if (vertices->duplicate == NULL) {
-            return 0;
-        }
-        memcpy(vertices->duplicate, keys, vertices->duplicate_count * sizeof(keys[0]));
+        vertices->duplicate = (uint64_t *)pbw__allocate_large(ordering->context, vertices->duplicate_count,
+                                                              sizeof(uint64_t));
     }
-    return 1;
+    for (p = 0; p < parts && vertices->duplicate != NULL; p++) {
+        const pbw__part *part = ordering->parts + p;
+        const size_t duplicates = part->to - part->from - part->unique;
+        memcpy(vertices->duplicate + listed, ordering->keys + part->from, duplicates * sizeof(uint64_t));
+        listed += duplicates;
+    }
+    return vertices->duplicate != NULL || vertices->duplicate_count == 0;
 }
 
 static pbw_status pbw__fill_canonical(void *arg, size_t from, size_t to)
