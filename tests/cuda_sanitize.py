@@ -5,8 +5,8 @@
 
 Alone the suite takes hours.  So its parts run as processes of their own on each device, through MPS
 (nvidia-cuda-mps-control), which lets their kernels run at the same time; an access that is not allowed ends all
-processes of that device.  With --jobs 1 there is no MPS.  Tests that need all memory of a device, or time themselves, run after the
-parts, alone.  Under racecheck, whose workers keep all cores busy, these are skipped, and large tests take a
+processes of that device.  With --jobs 1 there is no MPS.  Tests that need all memory of a device, or time themselves,
+run after the parts, alone.  Under racecheck, whose workers keep all cores busy, these are skipped, and large tests take a
 twentieth of their points or builds or less, as some take ten minutes with all: it finds races between threads of a
 block, and more points mostly add blocks.
 
