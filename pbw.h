@@ -6457,7 +6457,7 @@ static pbw_status pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index 
 #define PBW__BATCH ((size_t)PBW__SMALLER(64))        /* vertices that a task comes to at a time, at least, */
 #define PBW__BATCHES 32                              /* or a 32nd of its share */
 #define PBW__LEAST_SHARE 32                          /* vertices left for each task, or there are fewer tasks */
-#define PBW__LARGE_STAR 36.0                         /* simplices for a vertex; terrain makes 31, lines 42 and more */
+#define PBW__LARGE_STAR 36                           /* simplices for a vertex; terrain makes 31, lines 42 and more */
 #define PBW__SPAN 512                                /* ranks with extremes of their own */
 #define PBW__FIRST 8                                 /* one extreme in 8 is inserted first, on one thread */
 
@@ -6741,18 +6741,6 @@ static pbw_status pbw__level_extremes(pbw__build *build)
     return status;
 }
 
-/* Returns the mean number of simplices made for a vertex of the level.  *before: all that were made,
-   before the level and then after it. */
-static double pbw__mean_star(const pbw__build *build, size_t *before)
-{
-    const size_t old = *before;
-    int i;
-    for (i = 0, *before = 0; i < build->kernel_count; i++) {
-        *before += build->kernel[i]->statistics.created;
-    }
-    return (double)(*before - old) / (double)(pbw__level_size(&build->level) + 1);
-}
-
 static void pbw__build_free(pbw__build *build)
 {
     pbw__memory *memory = &build->context->memory;
@@ -6772,7 +6760,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
                                  const pbw__grid *grid, pbw_statistics *statistics)
 {
     pbw__build build;
-    size_t ratio, stride, created = 0;
+    size_t ratio, stride, before, created = 0;       /* simplices */
     pbw_status status;
     int i;
     memset(&build, 0, sizeof(build));
@@ -6796,8 +6784,11 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
         build.tasks = build.level.coarser <= vertices->count ? build.tasks : 1;
         build.left_count = 0;
         status = pbw__run_level(&build);
-        if (pbw__mean_star(&build, &created) > PBW__LARGE_STAR && vertices->dim == 3 && stride > 1
-            && build.early == NULL && status == PBW_OK) {
+        for (i = 0, before = created, created = 0; i < build.kernel_count; i++) {
+            created += build.kernel[i]->statistics.created;
+        }
+        if (created - before > PBW__LARGE_STAR * (pbw__level_size(&build.level) + 1) && vertices->dim == 3
+            && stride > 1 && build.early == NULL && status == PBW_OK) {
             status = pbw__level_extremes(&build);
         }
         stride = stride > (build.early != NULL ? ratio * ratio : ratio) ? stride / ratio : stride > 1 ? 1 : 0;
@@ -7578,44 +7569,55 @@ static void pbw__sort_lists(pbw__item *item, const pbw_index *end, unsigned list
 }
 
 #ifdef PBW__AVX2
-PBW__SIMD_INLINE __m128 pbw__lower4(__m128 x, __m128 y)       /* the lower rank in each lane */
+/* Exchanges a and b in lanes where a is larger; inverts `odd` there.  Ranks are below PBW__POINT_LIMIT, 2^31. */
+PBW__SIMD_INLINE void pbw__ascend(__m256i *a, __m256i *b, __m256i *odd)
 {
-    return (__m128)_mm_min_epu32((__m128i)x, (__m128i)y);
+    const __m256i low = _mm256_min_epu32(*a, *b);
+    *odd = _mm256_xor_si256(*odd, _mm256_cmpgt_epi32(*a, *b));
+    *b = _mm256_max_epu32(*a, *b);
+    *a = low;
 }
 
-/* pbw__fill_lists_of for four simplices at a time, a lane each: one by one takes half as long again.  `rest` are the
-   corners but the lowest, in 2D all three; entry[1] is the lowest of them, and the others follow in their cycle. */
+PBW__SIMD_INLINE void pbw__transpose(__m256i *row)   /* each half of four rows */
+{
+    const __m256i a = _mm256_unpacklo_epi32(row[0], row[1]), b = _mm256_unpackhi_epi32(row[0], row[1]);
+    const __m256i c = _mm256_unpacklo_epi32(row[2], row[3]), d = _mm256_unpackhi_epi32(row[2], row[3]);
+    row[0] = _mm256_unpacklo_epi64(a, c);
+    row[1] = _mm256_unpackhi_epi64(a, c);
+    row[2] = _mm256_unpacklo_epi64(b, d);
+    row[3] = _mm256_unpackhi_epi64(b, d);
+}
+
+/* pbw__fill_lists_of for eight simplices at a time, a lane each: one by one takes twice as long.  In canonical form
+   the corners ascend, but for the last two after an odd number of exchanges. */
 PBW__SIMD_INLINE void pbw__fill_lists_simd_of(const pbw_index *corner, const pbw_index *slot, size_t count,
                                               pbw_index *end, pbw__item *item, int dim)
 {
     size_t i, k;
-    for (i = 0; i + 4 <= count; i += 4) {
-        __m128 v[4], rest[3], entry[4], low, is1, is2, is3;
-        pbw_index rank[4];
+    for (i = 0; i + 8 <= count; i += 8) {
+        __m256i v[4], entry[4], odd = _mm256_setzero_si256();
+        pbw_index rank[8];
         for (k = 0; k < 4; k++) {
-            v[k] = (__m128)pbw__load4(corner + 4 * (size_t)slot[i + k]);
+            v[k] = _mm256_castsi128_si256((__m128i)pbw__load4(corner + 4 * (size_t)slot[i + k]));
+            v[k] = _mm256_inserti128_si256(v[k], (__m128i)pbw__load4(corner + 4 * (size_t)slot[i + k + 4]), 1);
         }
-        _MM_TRANSPOSE4_PS(v[0], v[1], v[2], v[3]);
-        memcpy(rest, v, sizeof(rest));
-        low = pbw__lower4(pbw__lower4(v[0], v[1]), pbw__lower4(v[2], v[dim]));
-        if (dim == 3) {                              /* `rest` by even permutations */
-            is1 = (__m128)((pbw__i4)v[1] == (pbw__i4)low);
-            is2 = (__m128)((pbw__i4)v[2] == (pbw__i4)low);
-            is3 = (__m128)((pbw__i4)v[3] == (pbw__i4)low);
-            rest[0] = _mm_blendv_ps(_mm_blendv_ps(_mm_blendv_ps(v[1], v[0], is1), v[3], is2), v[2], is3);
-            rest[1] = _mm_blendv_ps(_mm_blendv_ps(_mm_blendv_ps(v[2], v[3], is1), v[0], is2), v[1], is3);
-            rest[2] = _mm_blendv_ps(_mm_blendv_ps(_mm_blendv_ps(v[3], v[2], is1), v[1], is2), v[0], is3);
+        pbw__transpose(v);
+        pbw__ascend(v, v + 1, &odd);
+        pbw__ascend(v + dim - 1, v + dim, &odd);
+        pbw__ascend(v, v + dim - 1, &odd);
+        if (dim == 3) {
+            pbw__ascend(v + 1, v + 3, &odd);
+            pbw__ascend(v + 1, v + 2, &odd);
         }
-        pbw__store4(rank, (pbw__i4)low);
-        entry[1] = pbw__lower4(pbw__lower4(rest[0], rest[1]), rest[2]);
-        is1 = (__m128)((pbw__i4)rest[1] == (pbw__i4)entry[1]);
-        is2 = (__m128)((pbw__i4)rest[2] == (pbw__i4)entry[1]);
-        entry[0] = _mm_blendv_ps(_mm_blendv_ps(rest[1], rest[2], is1), rest[0], is2);
-        entry[2] = (__m128)pbw__load4(slot + i);
-        entry[3] = _mm_blendv_ps(_mm_blendv_ps(rest[2], rest[0], is1), rest[1], is2);
-        _MM_TRANSPOSE4_PS(entry[0], entry[1], entry[2], entry[3]);
-        for (k = 0; k < 4; k++) {
-            pbw__store4(item + end[rank[k]]++, (pbw__i4)entry[k]);
+        _mm256_storeu_si256((__m256i *)(void *)rank, v[0]);
+        entry[0] = (__m256i)_mm256_blendv_ps((__m256)v[dim - 1], (__m256)v[dim], (__m256)odd);
+        entry[1] = v[dim - 2];
+        entry[2] = _mm256_loadu_si256((const __m256i *)(const void *)(slot + i));
+        entry[3] = (__m256i)_mm256_blendv_ps((__m256)v[dim], (__m256)v[dim - 1], (__m256)odd);
+        pbw__transpose(entry);
+        for (k = 0; k < 8; k++) {
+            pbw__store4(item + end[rank[k]]++, (pbw__i4)(k < 4 ? _mm256_castsi256_si128(entry[k % 4])
+                                                               : _mm256_extracti128_si256(entry[k % 4], 1)));
         }
     }
     pbw__fill_lists_of(corner, slot + i, count - i, end, item, dim);
