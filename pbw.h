@@ -238,8 +238,8 @@ typedef struct pbw_statistics {            /* of the build that filled a mesh */
     size_t conflict_tests, exact_tests;    /* sphere tests made; those that the filter left to exact stages */
     size_t created;                        /* simplices created, ghosts included */
     int threads;                           /* that took part */
-    size_t rounds, postponed;              /* of several threads; insertions that met another thread's and were put
-                                              off to the next round */
+    size_t rounds, postponed;              /* of several threads; insertions put off to the next round, as they met
+                                              another thread's or found no free slot */
     size_t serial;                         /* points inserted while there was work for one thread only */
     int by_backend;                        /* 1: options.backend built this, 0: the CPU */
 } pbw_statistics;
