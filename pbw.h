@@ -6760,7 +6760,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
                                  const pbw__grid *grid, pbw_statistics *statistics)
 {
     pbw__build build;
-    size_t ratio, stride, before, created = 0;       /* simplices */
+    size_t ratio, stride, before, created = 0;       /* simplices made before a level, and after it */
     pbw_status status;
     int i;
     memset(&build, 0, sizeof(build));
