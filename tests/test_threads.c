@@ -385,6 +385,26 @@ static void test_trace(size_t count)
     }
 }
 
+/* Terrain has more tetrahedra than there are slots, so a round ends early.  The store then grows enough for the rest: a
+   second early end would make 94 % of the vertices wait.  One task runs after the other, so that chance has no part. */
+static void test_growth(void)
+{
+    const size_t count = 100000;
+    if (test_begin("a store that grows once: terrain")) {
+        points p = points_make(INPUT_TERRAIN, 3, count, INPUT_WEIGHTS_ZERO);
+        pbw_options options = with_threads(4);
+        pbw_mesh mesh;
+        long calls = 0;
+        options.run = run_backwards;
+        options.run_user = &calls;
+        CHECK_EQUAL(pbw_triangulate(3, p.x, p.w, count, &options, &mesh), PBW_OK);
+        CHECK(mesh.statistics.postponed > count / 2 && mesh.statistics.postponed < count / 10 * 9);
+        pbw_free(&mesh);
+        points_free(&p);
+        test_end();
+    }
+}
+
 /* A facet of a new simplex borders one that was tested and found outside; a lattice is full of ties, random points
    have none. */
 static void test_counts(size_t count)
@@ -601,6 +621,7 @@ int main(int argc, char **argv)
     test_refused_threads(count);
     test_failing_memory(count < 2000 ? count / 2 : count < 6000 ? 1000 : count / 6);     /* hundreds of builds */
     test_trace(count < 5000 ? 5000 : count);         /* in the plane fewer have but one level with rounds */
+    test_growth();
     test_counts(count);
     test_same_report(count);
     test_hidden_report(1000);                        /* few, so that many are the first of a part */
