@@ -4317,8 +4317,8 @@ static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__context *context, pbw__s
     return PBW_OK;
 }
 
-/* Returns the next capacity: an eighth more if the tail is long, an eleventh if a round has left most vertices, as
-   terrain (7.45 tetrahedra a vertex) then needs no second step, otherwise a sixteenth. */
+/* Returns the next capacity.  A store with a long tail grows by an eighth.  One that was full before most vertices of
+   a round were in grows by an eleventh: terrain, 7.45 tetrahedra a vertex, needs no more.  Any other: a sixteenth. */
 PBW__INLINE size_t pbw__store_bigger(const pbw__store *store, int most_left)
 {
     size_t tail = store->capacity - store->region_slots;
@@ -7578,7 +7578,7 @@ PBW__SIMD_INLINE void pbw__ascend(__m256i *a, __m256i *b, __m256i *odd)
     *a = low;
 }
 
-PBW__SIMD_INLINE void pbw__transpose(__m256i *row)   /* each half of four rows */
+PBW__SIMD_INLINE void pbw__transpose(__m256i *row)   /* transposes both halves of the four rows */
 {
     const __m256i a = _mm256_unpacklo_epi32(row[0], row[1]), b = _mm256_unpackhi_epi32(row[0], row[1]);
     const __m256i c = _mm256_unpacklo_epi32(row[2], row[3]), d = _mm256_unpackhi_epi32(row[2], row[3]);
@@ -7588,8 +7588,8 @@ PBW__SIMD_INLINE void pbw__transpose(__m256i *row)   /* each half of four rows *
     row[3] = _mm256_unpackhi_epi64(b, d);
 }
 
-/* pbw__fill_lists_of for eight simplices at a time, a lane each: one by one takes twice as long.  In canonical form
-   the corners ascend, but for the last two after an odd number of exchanges. */
+/* pbw__fill_lists_of for eight simplices at a time, a lane each: one by one takes three times as long.  Sorts the
+   corners; the canonical form has the last two the other way round if that took an odd number of exchanges. */
 PBW__SIMD_INLINE void pbw__fill_lists_simd_of(const pbw_index *corner, const pbw_index *slot, size_t count,
                                               pbw_index *end, pbw__item *item, int dim)
 {
