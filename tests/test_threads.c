@@ -385,8 +385,8 @@ static void test_trace(size_t count)
     }
 }
 
-/* Terrain has more tetrahedra than there are slots, so a round ends early.  The store then grows enough for the rest: a
-   second early end would make 94 % of the vertices wait.  One task runs after the other, so that chance has no part. */
+/* Terrain has more tetrahedra than there are slots, so a round ends early.  The store then grows enough for the rest:
+   a second early end would make 94 % of the vertices wait.  Tasks run one after another, so chance has no part. */
 static void test_growth(void)
 {
     const size_t count = 100000;
