@@ -19,12 +19,6 @@ static int leaves_memory;                       /* CUDA_TEST_LEAVE, for initchec
 static size_t fewer = 1;                        /* CUDA_TEST_FEWER, for racecheck: divides the points of large tests, and
                                                    the builds of tests that try one limit after another */
 
-/* Returns how many points of a kind to take: few of the moment curve, as n of them have about n * n / 2 tetrahedra. */
-static size_t size_of(int dim, int kind, size_t count)
-{
-    return kind != INPUT_MOMENT ? count : dim == 3 && fewer > 1 ? 60 : 200;
-}
-
 cudaError_t __real_cudaMallocFromPoolAsync(void **block, size_t bytes, cudaMemPool_t pool, cudaStream_t stream);
 cudaError_t __wrap_cudaMallocFromPoolAsync(void **block, size_t bytes, cudaMemPool_t pool, cudaStream_t stream);
 
@@ -186,7 +180,7 @@ static void test_kinds(size_t count)
     double *weights = (double *)malloc(count * sizeof *weights);
     for (dim = 2; dim <= 3 && points != NULL && weights != NULL; dim++) {
         for (kind = 0; kind < INPUT_KINDS; kind++) {
-            size_t n = size_of(dim, kind, count);
+            size_t n = kind == INPUT_MOMENT ? 200 : count;
             input_fill(kind, dim, n, (uint64_t)test_seed, points);
             if (test_begin("%dD %s, %lu", dim, input_name(kind), (unsigned long)n)) {
                 compare(dim, points, NULL, n, 0);
@@ -745,7 +739,8 @@ static void test_teams(void)
     for (dim = 2; dim <= 3; dim++) {
         for (kind = 0; kind < INPUT_KINDS; kind++) {
             if (test_begin("cards that cannot reach each other: %dD %s", dim, input_name(kind))) {
-                const size_t count = size_of(dim, kind, 20000 / fewer);
+                /* racecheck loses track of a launch when a team has 200 points of the moment curve */
+                const size_t count = kind != INPUT_MOMENT ? 20000 / fewer : dim == 3 && fewer > 1 ? 60 : 200;
                 input_fill(kind, dim, count, 1, points);
                 compare(dim, points, NULL, count, 0);
                 test_end();
