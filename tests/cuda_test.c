@@ -739,8 +739,7 @@ static void test_teams(void)
     for (dim = 2; dim <= 3; dim++) {
         for (kind = 0; kind < INPUT_KINDS; kind++) {
             if (test_begin("cards that cannot reach each other: %dD %s", dim, input_name(kind))) {
-                /* racecheck loses track of a launch when a team has 200 points of the moment curve */
-                const size_t count = kind != INPUT_MOMENT ? 20000 / fewer : dim == 3 && fewer > 1 ? 60 : 200;
+                const size_t count = kind == INPUT_MOMENT ? 200 : 20000 / fewer;
                 input_fill(kind, dim, count, 1, points);
                 compare(dim, points, NULL, count, 0);
                 test_end();
