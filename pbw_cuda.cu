@@ -4173,23 +4173,25 @@ void open_pool(call &c)
     }
 }
 
-/* Copies by way of the host from a card that this one cannot read; the offer is complete. */
+/* Copies by way of the host from a card that this one cannot read; the offer is complete.  Copies through pinned memory
+   are quicker, but to pin it takes time, and to free it waits for all streams of the device: from 4 cards on that costs
+   more. */
 void fetch_by_host(call &c, int card, char *to, const char *from, size_t bytes)
 {
     const size_t most = (size_t)1 << 24;
-    void *host = NULL;
-    bool done = good(c, cudaMallocHost(&host, bytes < most ? bytes : most), "cudaMallocHost");
+    void *const host = malloc(bytes < most ? bytes : most);
+    require(c, host != NULL, PBW_ERROR_MEMORY, no_host_memory);
     auto copy = [&](int on, void *target, const void *source, size_t part, cudaStream_t stream) {
-        return good(c, cudaSetDevice(c.cards->of[on].device), "cudaSetDevice") && done
+        return good(c, cudaSetDevice(c.cards->of[on].device), "cudaSetDevice")
             && good(c, cudaMemcpyAsync(target, source, part, cudaMemcpyDefault, stream), "copying by the host")
             && good(c, cudaStreamSynchronize(stream), "copying by the host");
     };
-    for (size_t at = 0; at < bytes && done; at += most) {
+    for (size_t at = 0; at < bytes && c.status == PBW_OK; at += most) {
         const size_t part = bytes - at < most ? bytes - at : most;
-        done = copy(card, host, from + at, part, cudaStreamPerThread);
-        done = copy(c.card, to + at, host, part, c.stream);
+        copy(card, host, from + at, part, cudaStreamPerThread);
+        copy(c.card, to + at, host, part, c.stream);
     }
-    cudaFreeHost(host);
+    free(host);
     go_on(c);
 }
 
