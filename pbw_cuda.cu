@@ -2408,8 +2408,7 @@ template <bool EXACT, int WARPS, typename S> DEVICE int build_far(far_state<S> &
 /* A star in shared memory, a block each; else in scratch, and blocks take vertices in turn.
    Only the warp that inserts calls the exact stages, so one pool serves a block. */
 template <int DIM, bool WEIGHTED, typename RUNG>
-__global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks)
-far_kernel(const __grid_constant__ rung_launch a)
+__global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) far_kernel(const __grid_constant__ rung_launch a)
 {
     typedef far_star<DIM, WEIGHTED, RUNG> star_type;
     extern __shared__ float4 shared_words[];
@@ -2577,8 +2576,7 @@ typedef wide_rung_of<2048, 5, 8192, false> last_wide_rung;
 const int group_room = 36;                           /* for groups, of which 4 are searched as soon as they wait */
 
 template <typename RUNG> struct wide_star {
-    typedef star<3, false, RUNG::triangles, RUNG::vertices, RUNG::room + group_room,
-                 rung_real<RUNG::exact> > type;
+    typedef star<3, false, RUNG::triangles, RUNG::vertices, RUNG::room + group_room, rung_real<RUNG::exact> > type;
     type s;                                          /* scratch: bricks that wait, levels << 28 | number; groups */
     float inverse[RUNG::triangles];                  /* 1 / Q, or 0: no point that matters is in conflict with it */
     uint16_t depth[RUNG::room];                      /* of bricks that wait, half of a float */
@@ -2923,7 +2921,9 @@ __global__ void emit_kernel(const __grid_constant__ store in, const uint32_t *of
 {
     const int T = 8;
     __shared__ uint64_t shared_keys[emit_block / T][emit_keys];
+    __shared__ uint32_t shared_last[emit_block / T][emit_keys];
     uint64_t *keys = shared_keys[threadIdx.x / T];
+    uint32_t *last = shared_last[threadIdx.x / T];
     int lane = (int)threadIdx.x & (T - 1), found = 0;
     uint32_t v = in.first + (blockIdx.x * emit_block + threadIdx.x) / T;
     bool go = v < in.end;
@@ -2942,12 +2942,17 @@ __global__ void emit_kernel(const __grid_constant__ store in, const uint32_t *of
         const int at = append<T>(mine, found);
         if (mine) {
             keys[at] = middle_corners(c);
+            last[at] = c.corner[DIM];
         }
     }
     __syncwarp();
-    for (int t = lane; t < s.count; t += T) {
+    for (int t = lane; t < (fits ? found : s.count); t += T) {
         cell<DIM> c, other;
-        const bool mine = own_cell(t, c);
+        const bool mine = fits || own_cell(t, c);
+        if (fits) {
+            c = { { v, (uint32_t)(keys[t] >> 32), (uint32_t)keys[t] } };
+            c.corner[DIM] = last[t];
+        }
         uint32_t before = 0;
         for (int i = 0; mine && i < (fits ? found : s.count); i++) {
             before += (fits ? keys[i] : own_cell(i, other) ? middle_corners(other) : ~0ull) < middle_corners(c);
@@ -2991,15 +2996,15 @@ struct links {
 };
 
 /* Writes the links of the star of v by T lanes: its lowest simplex, and the neighbours across facets that have v as
-   their lowest vertex.  number(t): of the simplex on triangle t, or none; mate(t, k): the triangle across from its
-   corner k. */
+   their lowest vertex.  number(t): of the simplex on triangle t, or none; mate(triangle, k): the number of
+   the one across from its corner k. */
 template <int T, int DIM, typename F, typename G>
 DEVICE void link_star(const directory<DIM> &all, const links &out, uint32_t v, const stored_star &s, F number, G mate)
 {
     const int lane = (int)threadIdx.x & (T - 1);
     uint32_t lowest = none, a[3];
     for (int t = lane; t < s.count; t += T) {
-        const uint32_t own = number(t);
+        const uint32_t own = number(t), triangle = s.triangle[t];
         lowest = min(lowest, own);
         if (own == none || out.neighbors == NULL) {
             continue;
@@ -3009,13 +3014,13 @@ DEVICE void link_star(const directory<DIM> &all, const links &out, uint32_t v, c
 #pragma unroll
         for (int k = 0; k < DIM; k++) {
             if (is_lowest<DIM>(v, a, k) && c.corner[0] < all.first) {
-                out.beyond[last_until<DIM>(c, all.guest, 0, all.guests)] = number(mate(t, k));
+                out.beyond[last_until<DIM>(c, all.guest, 0, all.guests)] = number(mate(triangle, k));
             } else if (is_lowest<DIM>(v, a, k)) {
                 int at = 0;
                 for (int i = 1; i <= DIM; i++) {
                     at = c.corner[i] == a[k] ? i : at;
                 }
-                out.neighbors[(size_t)(own - all.base) * (DIM + 1) + (size_t)at] = number(mate(t, k));
+                out.neighbors[(size_t)(own - all.base) * (DIM + 1) + (size_t)at] = number(mate(triangle, k));
             }
         }
     }
@@ -3057,8 +3062,8 @@ __global__ void neighbor_kernel(const __grid_constant__ store in, const __grid_c
         number[t] = triangle_of<DIM>(s, t, a) ? number_of<DIM>(canonical<DIM>(v, a), all) : none;
     }
     __syncwarp();
-    link_star<T>(all, out, v, s, [&](int t) { return number[t]; }, [&](int t, int k) {
-        uint32_t c[3] = { corner(s.triangle[t], 0), corner(s.triangle[t], 1), corner(s.triangle[t], 2) };
+    link_star<T>(all, out, v, s, [&](int t) { return number[t]; }, [&](uint32_t triangle, int k) {
+        uint32_t c[3] = { corner(triangle, 0), corner(triangle, 1), corner(triangle, 2) };
         uint32_t from = DIM == 3 ? c[(k + 2) % 3] : (uint32_t)k, to = DIM == 3 ? c[(k + 1) % 3] : c[1 - k];
         return table[from * small_vertices + to];
     });
@@ -3079,7 +3084,7 @@ __global__ void large_neighbor_kernel(queue large, const __grid_constant__ store
         uint32_t a[3];
         return t >= 0 && triangle_of<DIM>(s, t, a) ? number_of<DIM>(canonical<DIM>(v, a), all) : none;
     };
-    auto mate = [&](int t, int k) { return mate_of<DIM>(s.triangle, s.count, s.triangle[t], k); };
+    auto mate = [&](uint32_t triangle, int k) { return mate_of<DIM>(s.triangle, s.count, triangle, k); };
     link_star<32>(all, out, v, s, number, mate);
 }
 
@@ -3506,8 +3511,7 @@ template <typename V> V *allocate(call &c, size_t count)
         need_memory(c, bytes);
     }
     const bool fails = pbw_cuda_fail_at > 0 && --pbw_cuda_fail_at == 0;
-    cudaError_t error = fails ? cudaErrorMemoryAllocation
-                              : cudaMallocFromPoolAsync(&block, bytes, c.pool, c.stream);
+    cudaError_t error = fails ? cudaErrorMemoryAllocation : cudaMallocFromPoolAsync(&block, bytes, c.pool, c.stream);
     if (error == cudaErrorMemoryAllocation) {
         (void)cudaGetLastError();
         need_memory(c, bytes);
@@ -4523,8 +4527,7 @@ template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const inp
     const size_t others = (size_t)k.found.counted[check_points][1];
     report->vertex_count = (size_t)k.found.counted[check_points][0];
     if (miscounts(report, mesh.duplicate_count, (size_t)k.found.counted[check_points][2], PBW__FAULT_DUPLICATES)
-        || miscounts(report, mesh.hidden_count, others, PBW__FAULT_HIDDEN)
-        || !check_pass<DIM>(k, check_simplices)) {
+        || miscounts(report, mesh.hidden_count, others, PBW__FAULT_HIDDEN) || !check_pass<DIM>(k, check_simplices)) {
         return false;
     }
     report->facet_count = (size_t)k.found.counted[check_simplices][0];
