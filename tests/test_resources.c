@@ -118,6 +118,10 @@ static void test_refusals(void)
 
 static void test_ceilings(void)
 {
+    /* bytes a point of uniform points, without weights, with, and borrowed.  At the peak: the tables of README and
+       bench/README; 0.5 MB a thread come on top.  In the result: as pbw.h says. */
+    static const double at_peak[2][3] = { { 84, 92, 84 }, { 266, 266, 258 } };
+    static const double in_result[2][3] = { { 85, 85, 69 }, { 260, 260, 236 } };
     size_t n = 200000;
     double *points = (double *)zoo_grow(NULL, n * 3 * sizeof *points);
     double *weights = (double *)zoo_grow(NULL, n * sizeof *weights);
@@ -126,7 +130,7 @@ static void test_ceilings(void)
         for (threads = 1; threads <= 4; threads += 3) {
             for (weighted = 0; weighted <= 2; weighted++) {
                 const char *what = weighted == 2 ? ", borrowed" : weighted ? ", weighted" : "";
-                double documented = dim == 2 ? 97 : 280, each;               /* as pbw.h says */
+                double each, result;
                 meter m;
                 pbw_mesh mesh;
                 pbw_options options;
@@ -140,9 +144,11 @@ static void test_ceilings(void)
                 input_fill_weights(INPUT_WEIGHTS_SMALL, dim, n, test_seed, points, weights);
                 CHECK_EQUAL(pbw_triangulate(dim, points, weighted == 1 ? weights : NULL, n, &options, &mesh), PBW_OK);
                 each = (double)m.peak / (double)n;
+                result = (double)m.bytes / (double)n;
                 printf("    %dD, %d threads%s: %.1f bytes a point held at once, %.1f in the result\n", dim,
-                       threads, what, each, (double)m.bytes / (double)n);
-                CHECK(each <= documented);
+                       threads, what, each, result);
+                CHECK(each <= at_peak[dim - 2][weighted] + 0.5e6 * threads / (double)n);
+                CHECK(result <= in_result[dim - 2][weighted]);
                 if (threads == 1) {
                     CHECK_EQUAL(mesh.statistics.peak_bytes, m.peak);
                 } else {                             /* counted before it is there, and until it is gone */
