@@ -4177,9 +4177,9 @@ void open_pool(call &c)
     }
 }
 
-/* Copies by way of the host from a card that this one cannot read; the offer is complete.  Copies through pinned memory
-   are quicker, but to pin it takes time, and to free it waits for all streams of the device: from 4 cards on that costs
-   more. */
+/* Copies by way of the host from a card that this one cannot read; the offer is complete.  Pinned memory would be
+   copied more quickly, but to pin it takes time, and to free it waits for all streams of the device.  From four cards
+   on that costs more. */
 void fetch_by_host(call &c, int card, char *to, const char *from, size_t bytes)
 {
     const size_t most = (size_t)1 << 24;
