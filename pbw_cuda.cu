@@ -2996,8 +2996,8 @@ struct links {
 };
 
 /* Writes the links of the star of v by T lanes: its lowest simplex, and the neighbours across facets that have v as
-   their lowest vertex.  number(t): of the simplex on triangle t, or none; mate(triangle, k): the number of
-   the one across from its corner k. */
+   their lowest vertex.  number(t): of the simplex on triangle t, or none; mate(triangle, k): which triangle is
+   across from corner k of a packed one. */
 template <int T, int DIM, typename F, typename G>
 DEVICE void link_star(const directory<DIM> &all, const links &out, uint32_t v, const stored_star &s, F number, G mate)
 {
