@@ -6,6 +6,7 @@ and to memory of the device and of the host: the median of each side's medians, 
 ratio of the best times.  The last lines give the geometric means and the rows over the limit.  Exit status 1: a row
 or a mean is over its limit, or a program failed.  Without a GPU: skipped.
 
+    export CUDA_FLAGS="-O3 -arch=sm_90"
     git worktree add build/old cb6ae4d && make -C build/old build/cuda_bench && make build/cuda_bench
     python3 bench/cuda_gate.py build/old/build/cuda_bench build/cuda_bench
 """
