@@ -12,7 +12,8 @@ C = $(CC) -std=c99 $(CFLAGS) $(WARN) -I. -Iexamples/lib
 LIBS = -lpthread -lm
 TESTS = $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
 SLOWEST = test_threads test_scalar test_live_local      # started first, so that none runs alone in the end
-PROGRAM = $(wildcard examples/program/*.c)
+PROGRAM = $(patsubst examples/program/%.c,$B/objects/%.o,examples/program/library.c \
+    $(filter-out %/library.c,$(wildcard examples/program/*.c)))    # library.c takes longest, so it comes first
 EXAMPLES = $(patsubst examples/%.c,%,$(filter-out examples/mpi.c,$(wildcard examples/*.c)))
 MPI = $(if $(shell command -v mpicc),$B/mpi)
 EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/%.cpp,%,$(wildcard examples/*.cpp)))
@@ -82,8 +83,12 @@ $B/libpbw.a: pbw.h
 	$C -c $B/libpbw.c -o $B/libpbw.o
 	rm -f $@ && ar rcs $@ $B/libpbw.o
 
-$B/pbw: $(PROGRAM) $(HEADERS) $B/libpbw.a
-	$C $(SHARED) $(PROGRAM) -o $@ $B/libpbw.a $(LIBS)
+$(PROGRAM): $B/objects/%.o: examples/program/%.c $(HEADERS)
+	@mkdir -p $(@D)
+	$C $(SHARED) -c $< -o $@
+
+$B/pbw: $B/libpbw.a $(PROGRAM)
+	$C $(PROGRAM) -o $@ $B/libpbw.a $(LIBS)
 
 $(EXAMPLES:%=$B/%): $B/%: examples/%.c $(HEADERS) $B/libpbw.a
 	$C $(SHARED) $< -o $@ $B/libpbw.a $(LIBS)
