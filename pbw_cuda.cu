@@ -2861,12 +2861,10 @@ struct stored_star {
 DEVICE stored_star stored(const store &in, uint32_t v, bool go)
 {
     const uint32_t at = go ? in.place[v - in.first] : hidden;
-    if (at == hidden) {
-        return { NULL, NULL, 0, 0 };
-    }
-    const uint32_t *word = in.word + (size_t)at * 4;
-    const int vertices = (int)(word[0] & 0xffff);
-    return { word + 1, word + 1 + vertices, (int)(word[0] >> 16), vertices };
+    const uint32_t *const word = in.word + (at != hidden ? (size_t)at * 4 : 0);
+    const uint32_t head = at != hidden ? word[0] : 0;
+    const int vertices = (int)(head & 0xffff);
+    return { word + 1, word + 1 + vertices, (int)(head >> 16), vertices };
 }
 
 /* The vertices of a triangle; returns whether all are finite. */
@@ -2904,7 +2902,7 @@ template <int DIM> DEVICE cell<DIM> renumbered(cell<DIM> c, const uint32_t *numb
     return c;
 }
 
-const int emit_block = 64, emit_keys = 64;
+const int emit_block = 64;
 
 /* The simplices of a share, in order, by ranks, and its guests. */
 template <int DIM> struct directory {
@@ -2913,54 +2911,39 @@ template <int DIM> struct directory {
     const cell<DIM> *cells, *guest;
 };
 
-/* Writes the simplices of a star by 8 lanes.  cells: by ranks; out: by the caller's ids.  Where there is no room for
-   the keys of the simplices, each is compared with all triangles of the star. */
+/* Writes the simplices of a star by 8 lanes.  cells: by ranks, in order; out: first by ranks, as the triangles of the
+   star come, then like cells, by the caller's ids. */
 template <int DIM>
 __global__ void emit_kernel(const __grid_constant__ store in, const uint32_t *offset, const uint32_t *id,
                             cell<DIM> *cells, cell<DIM> *out)
 {
     const int T = 8;
-    __shared__ uint64_t shared_keys[emit_block / T][emit_keys];
-    __shared__ uint32_t shared_last[emit_block / T][emit_keys];
-    uint64_t *keys = shared_keys[threadIdx.x / T];
-    uint32_t *last = shared_last[threadIdx.x / T];
     int lane = (int)threadIdx.x & (T - 1), found = 0;
     uint32_t v = in.first + (blockIdx.x * emit_block + threadIdx.x) / T;
     bool go = v < in.end;
     uint32_t owned = go ? in.owned[v - in.first] : 0, first = go ? offset[v - in.first] : 0;
     const stored_star s = stored(in, v, owned > 0);
-    const bool fits = owned <= emit_keys;
-    auto own_cell = [&](int t, cell<DIM> &c) {
+    cells += first, out += first;
+    for (int base = 0; any(base < s.count); base += T) {
         uint32_t a[3];
-        const bool mine = t < s.count && triangle_of<DIM>(s, t, a) && is_lowest<DIM>(v, a);
-        c = mine ? canonical<DIM>(v, a) : cell<DIM>();
-        return mine;
-    };
-    for (int base = 0; any(fits && base < s.count); base += T) {
-        cell<DIM> c;
-        const bool mine = fits && own_cell(base + lane, c);
+        const bool mine = base + lane < s.count && triangle_of<DIM>(s, base + lane, a) && is_lowest<DIM>(v, a);
         const int at = append<T>(mine, found);
         if (mine) {
-            keys[at] = middle_corners(c);
-            last[at] = c.corner[DIM];
+            out[at] = canonical<DIM>(v, a);
         }
     }
     __syncwarp();
-    for (int t = lane; t < (fits ? found : s.count); t += T) {
-        cell<DIM> c, other;
-        const bool mine = fits || own_cell(t, c);
-        if (fits) {
-            c = { { v, (uint32_t)(keys[t] >> 32), (uint32_t)keys[t] } };
-            c.corner[DIM] = last[t];
-        }
+    for (int t = lane; t < found; t += T) {
         uint32_t before = 0;
-        for (int i = 0; mine && i < (fits ? found : s.count); i++) {
-            before += (fits ? keys[i] : own_cell(i, other) ? middle_corners(other) : ~0ull) < middle_corners(c);
+        const cell<DIM> c = out[t];
+        for (int i = 0; i < found; i++) {
+            before += middle_corners(out[i]) < middle_corners(c);
         }
-        if (mine) {
-            cells[first + before] = c;
-            out[first + before] = renumbered(c, id);
-        }
+        cells[before] = c;
+    }
+    __syncwarp();
+    for (int t = lane; t < found; t += T) {
+        out[t] = renumbered(cells[t], id);
     }
 }
 
