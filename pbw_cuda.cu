@@ -1634,20 +1634,22 @@ template <int T, typename S> DEVICE span reach_of(const S &s, bool go, int count
 }
 
 /* Returns whether point p may be in conflict with some simplex of the star, by floats; all lanes of a tile go or none
-   does, each with its own point.  The test is that of side, with the bound in the sum; that of a wall only adds. */
+   does, each with its own point.  The test is that of side, with the bound in the sum; that of a wall only adds.  The
+   bits of a float, less 1, are below those of infinity exactly if it is above 0: of integers a maximum tells whether
+   all are. */
 template <int T, typename S> DEVICE bool may_conflict(const S &s, bool go, int count, const place_in<S> &p)
 {
     probe f = probe_of<S::dim, S::weighted>(p);
     float lift = fmaf(-1.25f, f.load, f.lift), size = -1.25f * f.size;
-    bool may = false;
+    uint32_t most = 0;
     int end = warp_max<T>(go ? count : 0), last = go ? count - 1 : 0;
 #pragma unroll 4
     for (int t = 0; t < end; t++) {
         float4 q = s.sphere[t < last ? t : last];
         float least = fmaf(-q.x, f.x[0], fmaf(-q.y, f.x[1], fmaf(-q.z, f.x[2], fmaf(q.w, size, lift))));
-        may = may || !(least > 0.0f);
+        most = max(most, __float_as_uint(least) - 1);
     }
-    return may && go;
+    return most >= __float_as_uint(HUGE_VALF) && go;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1700,12 +1702,9 @@ const int near_lanes = 8;
 template <typename S> DEVICE void collect_group(near_state<S> &n, uint32_t group, bool here)
 {
     uint32_t p = group * group_size + (uint32_t)n.lane;
-    bool take = here && p < n.a.w.all.count && p != n.at.v;
-    float d = 0.0f, x[3];
-    if (take) {
-        d = rough_square(n.a.w.all.rough[p], n.origin, x);
-        take = d < n.start2;
-    }
+    const bool other = here && p < n.a.w.all.count && p != n.at.v;
+    float x[3], d = rough_square(n.a.w.all.rough[other ? p : n.at.v], n.origin, x);
+    const bool take = other && d < n.start2;
     const int at = append<near_lanes>(take, n.have);
     if (take && at < near_points) {
         ((uint32_t *)n.s.sphere)[at] = p;            /* free before there is a star */
@@ -1773,11 +1772,11 @@ template <typename S> DEVICE void next_candidates(near_state<S> &n)
 {
     const int T = near_lanes;
     for (;;) {
-        bool feed = n.go && n.pending == 0 && (n.walking ? n.stored > 0 : n.cursor < n.have);
+        const int rest = n.walking ? n.stored : n.have - n.cursor, take = rest < T ? rest : T;
+        const bool feed = n.go && n.pending == 0 && rest > 0;
         if (!any(feed)) {
             return;
         }
-        int rest = n.walking ? n.stored : n.have - n.cursor, take = rest < T ? rest : T;
         __syncwarp();
         uint32_t next = n.candidate.id;
         if (feed) {
