@@ -1635,8 +1635,8 @@ template <int T, typename S> DEVICE span reach_of(const S &s, bool go, int count
 
 /* Returns whether point p may be in conflict with some simplex of the star, by floats; all lanes of a tile go or none
    does, each with its own point.  The test is that of side, with the bound in the sum; that of a wall only adds.  The
-   bits of a float, less 1, are below those of infinity exactly if it is above 0: of integers a maximum tells whether
-   all are. */
+   bits of a float, less 1, are below those of infinity exactly if it is above 0, so their maximum tells whether all
+   are; a bool would be made a byte and back in each turn. */
 template <int T, typename S> DEVICE bool may_conflict(const S &s, bool go, int count, const place_in<S> &p)
 {
     probe f = probe_of<S::dim, S::weighted>(p);
@@ -1698,7 +1698,7 @@ template <typename S> struct near_state {
 };
 const int near_lanes = 8;
 
-/* Appends the points of the tile's group candidate closer than the start radius. */
+/* Appends the points of a group closer than the start radius.  Lanes without one read v: a branch takes longer. */
 template <typename S> DEVICE void collect_group(near_state<S> &n, uint32_t group, bool here)
 {
     uint32_t p = group * group_size + (uint32_t)n.lane;
@@ -2856,7 +2856,7 @@ struct stored_star {
     int count, vertices;
 };
 
-/* The star of v; one without triangles if it is hidden, or without go. */
+/* The star of v; without triangles if it is hidden, or without go.  A null pointer would make all loads generic. */
 DEVICE stored_star stored(const store &in, uint32_t v, bool go)
 {
     const uint32_t at = go ? in.place[v - in.first] : hidden;
