@@ -5,10 +5,12 @@
 
 Alone the suite takes hours.  So its parts run as processes of their own on each device, through MPS
 (nvidia-cuda-mps-control), which lets their kernels run at the same time; an access that is not allowed ends all
-processes of that device.  With --jobs 1 there is no MPS.  Tests that need all memory of a device, or time themselves,
-run after the parts, alone.  Under racecheck, whose workers keep all cores busy, these are skipped, and large tests take a
-twentieth of their points or builds or less, as some take ten minutes with all: it finds races between threads of a
-block, and more points mostly add blocks.
+processes of that device.  With --jobs 1 there is no MPS: run the parts again so in which initcheck finds errors.  If
+processes share a device, it reports some that are not there, even for threads whose streams share nothing.
+
+Tests that need all memory of a device, or time themselves, run after the parts, alone.  Under racecheck, whose workers
+keep all cores busy, these are skipped, and large tests take a twentieth of their points or builds or less, as some take
+ten minutes with all: it finds races between threads of a block, and more points mostly add blocks.
 
 Writes the output of each part to FOLDER/TOOL-PART.log, and prints, for each tool, the parts that had errors or did
 not end in time: give them to --only next time.  The last line is `N passed, N failed, N skipped`; exit status 1: a
