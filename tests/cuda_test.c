@@ -514,7 +514,16 @@ static double cancelled_for(const double *points, size_t count, double late)
     return took;
 }
 
-/* A cancelled build returns soon, whatever the device is at: in one of five tries, since others may use the machine. */
+/* Whether others want this processor, too: they have a fifth of 50 ms or more. */
+static int is_busy(void)
+{
+    const double began = seconds();
+    const clock_t before = clock();
+    while (seconds() - began < 0.05) { }
+    return (double)(clock() - before) / CLOCKS_PER_SEC < 0.8 * (seconds() - began);
+}
+
+/* A cancelled build returns soon, whatever the device is at.  A late one counts unless the machine is busy. */
 static void test_soon(void)
 {
     const size_t count = 4000000;
@@ -535,7 +544,7 @@ static void test_soon(void)
         tries = 0;
         do {
             took = cancelled_for(points, count, all * i / 12.0);
-        } while (took >= 0.5 * all && ++tries < 5);
+        } while (took >= 0.5 * all && is_busy() && ++tries < 5);
         worst = took > worst ? took : worst;
     }
     printf("cancelled after %.1f ms at most, of a build of %.1f ms\n", 1e3 * worst, 1e3 * all);
