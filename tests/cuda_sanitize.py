@@ -5,8 +5,8 @@
 
 Alone the suite takes hours.  So its parts run as processes of their own on each device, through MPS
 (nvidia-cuda-mps-control), which lets their kernels run at the same time; an access that is not allowed ends all
-processes of that device.  With --jobs 1 there is no MPS: run the parts again so in which initcheck finds errors.  If
-processes share a device, it reports some that are not there, even for threads whose streams share nothing.
+processes of that device.  With --jobs 1 there is no MPS.  Where processes share a device, initcheck reports errors that
+are not there, even for threads whose streams share nothing: run parts that have errors again with --jobs 1.
 
 Tests that need all memory of a device, or time themselves, run after the parts, alone.  Under racecheck, whose workers
 keep all cores busy, these are skipped, and large tests take a twentieth of their points or builds or less, as some take
