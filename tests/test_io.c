@@ -265,7 +265,7 @@ static void test_bad_files(void)
     size_t i;
     for (i = 0; i < sizeof bad_files / sizeof bad_files[0]; i++) {
         const bad_file *f = &bad_files[i];
-        pbwio_options options = { PBWIO_AUTO, f->dim, f->columns, f->weight, 0 };
+        pbwio_options options = { PBWIO_AUTO, f->dim, f->columns, f->weight, NULL, 0 };
         pbwio_cloud cloud;
         pbwio_error error;
         pbwio_status status = pbwio_read_memory(f->name, f->text, strlen(f->text), &options, &cloud, &error);
@@ -322,7 +322,7 @@ static void test_choices(void)
     static const char node[] = "2 2 2 1\n1 3 4 5 6 0\n2 7 8 9 10 1\n";
     char buffer[1024];
     io_sample ply = io_get_sample(IO_TEXT_SAMPLES + 1, buffer), obj = io_get_sample(7, buffer + 512);
-    pbwio_options o = { PBWIO_AUTO, 0, "east,north", "mass", 0 };
+    pbwio_options o = { PBWIO_AUTO, 0, "east,north", "mass", NULL, 0 };
     pbwio_cloud c;
     CHECK(pbwio_read_memory("a.csv", table, sizeof table - 1, &o, &c, NULL) == PBWIO_OK);
     CHECK(c.dim == 2 && c.points[0] > 19 && c.points[1] < 11 && c.weights[1] < 0.3 && c.weights[0] > 0.4);
@@ -544,9 +544,11 @@ static void make_mesh(int dim, int weighted, size_t count, pbw_mesh *mesh)
 
 static void write_it(const char *name, const pbw_mesh *mesh, unsigned flags, const unsigned char *keep)
 {
-    pbwio_output output = { PBWIO_AUTO, flags, keep, NULL, NULL, NULL, NULL, NULL, 0 };
+    pbwio_output output = {0};
     pbwio_error error;
     struct stat info;
+    output.flags = flags;
+    output.keep = keep;
     if (!CHECK(pbwio_write(in_folder(name), mesh, &output, &error) == PBWIO_OK)) {
         test_say("%s", error.text);
     }
@@ -575,7 +577,7 @@ static int same_number(double a, double b)
 
 static void check_points(const char *name, const pbw_mesh *mesh, const char *weight)
 {
-    pbwio_options options = { PBWIO_AUTO, 0, NULL, weight, 0 };
+    pbwio_options options = { PBWIO_AUTO, 0, NULL, weight, NULL, 0 };
     pbwio_cloud cloud;
     pbwio_error error;
     if (!CHECK(pbwio_read(in_folder(name), &options, &cloud, &error) == PBWIO_OK)) {
@@ -1033,8 +1035,9 @@ static void test_full_disk(void)
     getrlimit(RLIMIT_FSIZE, &old);
     small = old;
     for (i = 0; i < 6; i++) {
-        pbwio_output output = { formats[i % 5], 0, NULL, NULL, NULL, NULL, NULL, NULL, 0 };
+        pbwio_output output = {0};
         pbwio_status status;
+        output.format = formats[i % 5];
         small.rlim_cur = i < 3 ? 5000 : 1;
         setrlimit(RLIMIT_FSIZE, &small);
         status = i < 5 ? pbwio_write(in_folder("a.out"), &mesh, &output, &error)
@@ -1046,14 +1049,17 @@ static void test_full_disk(void)
     }
     unlink(in_folder("a.out"));
     if (access("/dev/full", W_OK) == 0) {
-        pbwio_output output = { PBWIO_VTU, 0, NULL, NULL, NULL, NULL, NULL, NULL, 0 };
+        pbwio_output output = {0};
+        output.format = PBWIO_VTU;
         CHECK(pbwio_write("/dev/full", &mesh, &output, &error) == PBWIO_ERROR_FILE);
         CHECK(strcmp(error.text, "/dev/full: No space left on device") == 0);
         CHECK(stat("/dev/full", &info) == 0 && S_ISCHR(info.st_mode) && stat("/dev/full.part", &info) != 0);
     }
     for (k = 1; k < 10; k++) {
-        pbwio_output output = { k < 5 ? PBWIO_OBJ : PBWIO_INP, PBWIO_NO_ORPHANS, NULL, NULL, NULL, NULL, NULL, NULL, 0 };
+        pbwio_output output = {0};
         pbwio_status status;
+        output.format = k < 5 ? PBWIO_OBJ : PBWIO_INP;
+        output.flags = PBWIO_NO_ORPHANS;
         fail_at = k < 5 ? k : k - 4;
         requests = 0;
         status = pbwio_write(in_folder("a.out"), &mesh, &output, &error);

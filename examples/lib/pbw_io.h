@@ -125,6 +125,19 @@ typedef enum pbwio_format {
     PBWIO_JSON                                                                        /* read only */
 } pbwio_format;
 
+/* A set of elements that a file names or numbers: a region, a patch of the surface, a curve, marked points. */
+typedef struct pbwio_group {
+    int dim;                           /* of its elements: 3 tetrahedra, 2 triangles, 1 segments, 0 points */
+    long long tag;                     /* physical group, reference, attribute or marker; 1, 2, ... where the file has
+                                          names only */
+    char *name;                        /* NULL: the file has none */
+} pbwio_group;
+
+typedef struct pbwio_column {          /* a number at each point: an attribute, a column of a table */
+    char *name;                        /* NULL: the file has none */
+    double *values;                    /* one a point */
+} pbwio_column;
+
 typedef struct pbwio_cloud {           /* start from {0}; pbwio_free when done */
     int dim;                           /* 2 or 3 coordinates a point */
     size_t count;
@@ -134,6 +147,16 @@ typedef struct pbwio_cloud {           /* start from {0}; pbwio_free when done *
     pbw_index *triangles;              /* triangle_count*3 ids of points, each < count */
     size_t tetrahedron_count;          /* of .ele .msh .mesh .vtu; their triangles are faces as above */
     pbw_index *tetrahedra;             /* tetrahedron_count*4 ids of points, turned as the file has them */
+    size_t segment_count;              /* lines of meshes */
+    pbw_index *segments;               /* segment_count*2 ids of points */
+    size_t group_count;                /* what follows is empty where the file has nothing of the kind */
+    pbwio_group *groups;               /* in the order of the file; those without an element too */
+    pbw_index *tetrahedron_groups, *triangle_groups, *segment_groups, *point_groups;     /* one an element: its place in
+                                          groups, PBW_NONE = in none */
+    size_t column_count;
+    pbwio_column *columns;
+    int base;                          /* number of the first point in the file: 0 or 1 */
+    char dropped[256];                 /* what the file has and the cloud has not, in words; "" = nothing */
 } pbwio_cloud;
 
 typedef struct pbwio_options {         /* NULL or all zero = best defaults */
@@ -142,6 +165,7 @@ typedef struct pbwio_options {         /* NULL or all zero = best defaults */
     const char *columns;               /* "2,3,4" or "east,north": x,y or x,y,z, numbered from 1 or named; NULL = the
                                           columns named x y z, else the first that are not the weight */
     const char *weight;                /* the same for the weight; NULL = no weights */
+    const char *keep;                  /* columns that the cloud keeps, the same way; "*": all; NULL: those of .node */
     unsigned flags;                    /* PBWIO_DECIMAL_COMMA */
 } pbwio_options;
 
@@ -160,6 +184,15 @@ typedef struct pbwio_output {          /* NULL or all zero = best defaults */
     const pbw_index *patches;          /* one a corner of a simplex, of the facet across from it; NULL = 0 */
     const pbw_index *edges;            /* of a mesh in space: feature edges, two points each; NULL = none */
     size_t edge_count;
+    const pbwio_group *groups;         /* if not NULL, regions, patches, edge_groups and point_groups are places in it,
+                                          or PBW_NONE, and files have its tags and names instead of r + 1, p + 1 */
+    size_t group_count;
+    const pbw_index *edge_groups;      /* one an edge; NULL = none */
+    const pbw_index *point_groups;     /* one a point; NULL = none */
+    const pbwio_column *columns;       /* of points, where the format has such: .vtu .csv .node; NULL = none */
+    size_t column_count;
+    const double *heights;             /* of a mesh in the plane: z of each point, where the format has one; NULL = 0 */
+    int base;                          /* of .node .ele .neigh .face .edge: number of the first point and element */
 } pbwio_output;
 
 /* Reads a file; "-" is the standard input.  cloud: overwritten (what it held is not freed), left empty on failure. */
@@ -749,7 +782,10 @@ typedef struct pbwio__reader {
     int column[4], last_column;              /* where x, y, z and the weight are, from 0; -1 = nowhere */
     const pbwio_options *options;
     pbwio_cloud *cloud;
-    size_t point_capacity, triangle_capacity, tetrahedron_capacity, held, budget;
+    size_t point_capacity, triangle_capacity, tetrahedron_capacity, segment_capacity, group_capacity, held, budget;
+    pbw_index group[4];                      /* of elements of that dimension that come next; PBW_NONE: none */
+    pbw_index *group_table;                  /* places of groups by hashes of their dimension and tag, or name */
+    size_t group_table_size;                 /* 0 or a power of two, above twice their number */
     size_t fan[2];                           /* the first and the last corner of the polygon at hand */
     pbwio_error *error;
     char shown[32];                          /* a field for a message */
@@ -1066,23 +1102,149 @@ static void pbwio__point(pbwio__reader *r)
     pbwio__add_point(r, value);
 }
 
-static void pbwio__add_triangle(pbwio__reader *r, size_t a, size_t b, size_t c)
+/* ---- elements and their groups ---- */
+
+/* The groups of elements, from the first that is in one on: one an element, as much room as elements have. */
+static int pbwio__group_room(pbwio__reader *r, pbw_index **groups, size_t count, size_t old_capacity, size_t capacity)
+{
+    size_t i, old = *groups != NULL ? old_capacity : 0;
+    void *block = pbwio__resize(r, *groups, old, capacity, sizeof(pbw_index));
+    if (block == NULL) {
+        return 0;
+    }
+    *groups = (pbw_index *)block;
+    for (i = old == 0 ? 0 : count; i < capacity; i++) {
+        (*groups)[i] = PBW_NONE;
+    }
+    return 1;
+}
+
+/* Adds an element of dimension `dim`, 1 to 3, to the current group of that dimension. */
+static void pbwio__add_simplex(pbwio__reader *r, int dim, const pbw_index *corner)
 {
     pbwio_cloud *cloud = r->cloud;
-    pbw_index *corner;
-    if (cloud->triangle_count == r->triangle_capacity) {
-        size_t capacity = r->triangle_capacity + r->triangle_capacity / 2 + 64;
-        void *block = pbwio__resize(r, cloud->triangles, r->triangle_capacity, capacity, 3 * sizeof(pbw_index));
+    pbw_index **ids = dim == 3 ? &cloud->tetrahedra : dim == 2 ? &cloud->triangles : &cloud->segments;
+    pbw_index **groups = dim == 3 ? &cloud->tetrahedron_groups : dim == 2 ? &cloud->triangle_groups
+                       : &cloud->segment_groups;
+    size_t *count = dim == 3 ? &cloud->tetrahedron_count : dim == 2 ? &cloud->triangle_count : &cloud->segment_count;
+    size_t *capacity = dim == 3 ? &r->tetrahedron_capacity : dim == 2 ? &r->triangle_capacity : &r->segment_capacity;
+    const size_t size = ((size_t)dim + 1) * sizeof(pbw_index);
+    if (*count == *capacity) {
+        const size_t more = *capacity + *capacity / 2 + 64;
+        void *block = pbwio__resize(r, *ids, *capacity, more, size);
         if (block == NULL) {
             return;
         }
-        cloud->triangles = (pbw_index *)block;
-        r->triangle_capacity = capacity;
+        *ids = (pbw_index *)block;
+        if (*groups != NULL && !pbwio__group_room(r, groups, *count, *capacity, more)) {
+            return;
+        }
+        *capacity = more;
     }
-    corner = cloud->triangles + 3 * cloud->triangle_count++;
+    if (r->group[dim] != PBW_NONE && *groups == NULL && !pbwio__group_room(r, groups, 0, 0, *capacity)) {
+        return;
+    }
+    if (*groups != NULL) {
+        (*groups)[*count] = r->group[dim];
+    }
+    memcpy(*ids + *count * ((size_t)dim + 1), corner, size);
+    ++*count;
+}
+
+static void pbwio__add_triangle(pbwio__reader *r, size_t a, size_t b, size_t c)
+{
+    pbw_index corner[3];
     corner[0] = (pbw_index)a;
     corner[1] = (pbw_index)b;
     corner[2] = (pbw_index)c;
+    pbwio__add_simplex(r, 2, corner);
+}
+
+static uint64_t pbwio__group_hash(int dim, long long tag, const char *name, size_t length)
+{
+    uint64_t h = (uint64_t)tag * 4 + (uint64_t)dim;
+    size_t i;
+    for (i = 0; i < length; i++) {
+        h = (h ^ (unsigned char)name[i]) * 0x100000001b3u;           /* FNV-1a */
+    }
+    h *= 0x9e3779b97f4a7c15u;
+    return h ^ h >> 32;
+}
+
+static char *pbwio__copy(pbwio__reader *r, const char *text, size_t length)      /* with a 0 behind it */
+{
+    char *copy = (char *)pbwio__resize(r, NULL, 0, length + 1, 1);
+    if (copy != NULL) {
+        memcpy(copy, text, length);
+        copy[length] = 0;
+    }
+    return copy;
+}
+
+/* Doubles the table of groups. */
+static int pbwio__group_table(pbwio__reader *r, int by_name)
+{
+    const pbwio_cloud *cloud = r->cloud;
+    const size_t size = r->group_table_size == 0 ? 64 : 2 * r->group_table_size;
+    size_t i, at;
+    void *block = pbwio__resize(r, r->group_table, r->group_table_size, size, sizeof(pbw_index));
+    if (block == NULL) {
+        return 0;
+    }
+    r->group_table = (pbw_index *)block;
+    r->group_table_size = size;
+    for (i = 0; i < size; i++) {
+        r->group_table[i] = PBW_NONE;
+    }
+    for (i = 0; i < cloud->group_count; i++) {
+        const pbwio_group *g = cloud->groups + i;
+        const uint64_t h = by_name ? pbwio__group_hash(g->dim, 0, g->name, strlen(g->name))
+                                   : pbwio__group_hash(g->dim, g->tag, "", 0);
+        for (at = (size_t)h & (size - 1); r->group_table[at] != PBW_NONE; at = (at + 1) & (size - 1)) {
+        }
+        r->group_table[at] = (pbw_index)i;
+    }
+    return 1;
+}
+
+/* The place of the group of that dimension and tag, or, if there is a name and the tag is 0, of that dimension and
+   name; new if there is none.  A file finds all of its groups by tags, or all by names.  PBW_NONE: it has failed. */
+static pbw_index pbwio__find_group(pbwio__reader *r, int dim, long long tag, const char *name, size_t length)
+{
+    pbwio_cloud *cloud = r->cloud;
+    const int by_name = tag == 0 && length > 0;
+    const uint64_t h = pbwio__group_hash(dim, tag, name, by_name ? length : 0);
+    pbwio_group *g;
+    size_t at;
+    if (2 * (cloud->group_count + 1) > r->group_table_size && !pbwio__group_table(r, by_name)) {
+        return PBW_NONE;
+    }
+    for (at = (size_t)h & (r->group_table_size - 1); r->group_table[at] != PBW_NONE;
+         at = (at + 1) & (r->group_table_size - 1)) {
+        g = cloud->groups + r->group_table[at];
+        if (g->dim == dim && (by_name ? strlen(g->name) == length && memcmp(g->name, name, length) == 0
+                                      : g->tag == tag)) {
+            return r->group_table[at];
+        }
+    }
+    if (cloud->group_count == r->group_capacity) {
+        const size_t more = 2 * r->group_capacity + 16;
+        void *block = pbwio__resize(r, cloud->groups, r->group_capacity, more, sizeof *g);
+        if (block == NULL) {
+            return PBW_NONE;
+        }
+        cloud->groups = (pbwio_group *)block;
+        r->group_capacity = more;
+    }
+    g = cloud->groups + cloud->group_count;
+    g->dim = dim;
+    g->tag = by_name ? (long long)cloud->group_count + 1 : tag;
+    g->name = length > 0 ? pbwio__copy(r, name, length) : NULL;
+    if (length > 0 && g->name == NULL) {
+        return PBW_NONE;
+    }
+    r->group_table[at] = (pbw_index)cloud->group_count;
+    return (pbw_index)cloud->group_count++;
 }
 
 /* The k-th corner of a polygon; from the third on each makes a triangle. */
@@ -1728,28 +1890,10 @@ static void pbwio__add_row(pbwio__reader *r, const double *row)
     pbwio__add_point(r, value);
 }
 
-static void pbwio__add_tetrahedron(pbwio__reader *r, const long long id[4])
-{
-    pbwio_cloud *cloud = r->cloud;
-    int k;
-    if (cloud->tetrahedron_count == r->tetrahedron_capacity) {
-        size_t capacity = r->tetrahedron_capacity + r->tetrahedron_capacity / 2 + 64;
-        void *block = pbwio__resize(r, cloud->tetrahedra, r->tetrahedron_capacity, capacity, 4 * sizeof(pbw_index));
-        if (block == NULL) {
-            return;
-        }
-        cloud->tetrahedra = (pbw_index *)block;
-        r->tetrahedron_capacity = capacity;
-    }
-    for (k = 0; k < 4; k++) {
-        cloud->tetrahedra[4 * cloud->tetrahedron_count + (size_t)k] = (pbw_index)id[k];
-    }
-    cloud->tetrahedron_count++;
-}
-
 /* An element with the ids of its corners: a tetrahedron if solid, else a polygon; all of the points are known. */
 static void pbwio__add_element(pbwio__reader *r, int solid, int corners, const long long *id)
 {
+    pbw_index corner[4];
     int k;
     for (k = 0; k < corners; k++) {
         if (id[k] < 0 || (unsigned long long)id[k] >= r->cloud->count) {
@@ -1758,7 +1902,10 @@ static void pbwio__add_element(pbwio__reader *r, int solid, int corners, const l
         }
     }
     if (solid) {
-        pbwio__add_tetrahedron(r, id);
+        for (k = 0; k < 4; k++) {
+            corner[k] = (pbw_index)id[k];
+        }
+        pbwio__add_simplex(r, 3, corner);
     }
     for (k = 2; k < corners && !solid; k++) {
         pbwio__add_triangle(r, (size_t)id[0], (size_t)id[k - 1], (size_t)id[k]);
@@ -1769,7 +1916,7 @@ static void pbwio__add_element(pbwio__reader *r, int solid, int corners, const l
 static void pbwio__read_medit(pbwio__reader *r)
 {
     pbwio__field word;
-    long long dim = 0, count, i, id[4];
+    long long dim = 0, count, tag, i, id[4];
     double row[3] = { 0, 0, 0 };
     int k, corners;
     while (r->status == PBWIO_OK && (pbwio__next(r, &word) || pbwio__row_line(r))) {
@@ -1803,7 +1950,8 @@ static void pbwio__read_medit(pbwio__reader *r)
                 for (k = 0; k < corners; k++) {
                     id[k] = pbwio__token_count(r, "point number") - 1;
                 }
-                pbwio__token(r, &word);
+                tag = (long long)pbwio__token_number(r);
+                r->group[2 + solid] = tag == 0 ? PBW_NONE : pbwio__find_group(r, 2 + solid, tag, "", 0);
                 if (r->status == PBWIO_OK) {
                     pbwio__add_element(r, solid, corners, id);
                 }
@@ -3710,11 +3858,26 @@ static pbwio_format pbwio__sniff(pbwio__reader r)
 
 PBWIODEF void pbwio_free(pbwio_cloud *cloud)
 {
+    size_t i;
     if (cloud != NULL) {
+        for (i = 0; i < cloud->group_count; i++) {
+            PBWIO_FREE(cloud->groups[i].name);
+        }
+        for (i = 0; i < cloud->column_count; i++) {
+            PBWIO_FREE(cloud->columns[i].name);
+            PBWIO_FREE(cloud->columns[i].values);
+        }
         PBWIO_FREE(cloud->points);
         PBWIO_FREE(cloud->weights);
         PBWIO_FREE(cloud->triangles);
         PBWIO_FREE(cloud->tetrahedra);
+        PBWIO_FREE(cloud->segments);
+        PBWIO_FREE(cloud->groups);
+        PBWIO_FREE(cloud->tetrahedron_groups);
+        PBWIO_FREE(cloud->triangle_groups);
+        PBWIO_FREE(cloud->segment_groups);
+        PBWIO_FREE(cloud->point_groups);
+        PBWIO_FREE(cloud->columns);
         memset(cloud, 0, sizeof *cloud);
     }
 }
@@ -3764,7 +3927,7 @@ static const char *pbwio__wrong(const char *at, size_t left, pbwio_format format
 static pbwio_status pbwio__read(const char *name, const void *data, size_t size, const pbwio_options *options,
                                 pbwio_cloud *cloud, pbwio_error *error)
 {
-    static const pbwio_options defaults = { PBWIO_AUTO, 0, NULL, NULL, 0 };
+    static const pbwio_options defaults = { PBWIO_AUTO, 0, NULL, NULL, NULL, 0 };
     const char *wrong;
     pbwio_format format;
     pbwio__reader r;
@@ -3777,6 +3940,7 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
     r.cloud = cloud;
     r.error = error;
     r.budget = (size > (size_t)-1 / 16 ? (size_t)-1 / 2 : 8 * size) + 65536;
+    r.group[0] = r.group[1] = r.group[2] = r.group[3] = PBW_NONE;
     if (r.options->dim != 0 && r.options->dim != 2 && r.options->dim != 3) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, name, "dimension %d is not 2 or 3", r.options->dim);
     }
@@ -3793,6 +3957,7 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, name, "this format is written, not read");
     }
     pbwio__kind_of(format)->read(&r);
+    PBWIO_FREE(r.group_table);
     if (r.status == PBWIO_OK && cloud->count == 0) {
         r.status = pbwio__file_error(error, PBWIO_ERROR_FORMAT, name, "the file has no points");
     }
@@ -3805,6 +3970,7 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
     cloud->triangles = (pbw_index *)pbwio__shrink(cloud->triangles, cloud->triangle_count * 3 * sizeof(pbw_index));
     cloud->tetrahedra = (pbw_index *)pbwio__shrink(cloud->tetrahedra,
                                                    cloud->tetrahedron_count * 4 * sizeof(pbw_index));
+    cloud->segments = (pbw_index *)pbwio__shrink(cloud->segments, cloud->segment_count * 2 * sizeof(pbw_index));
     return PBWIO_OK;
 }
 
