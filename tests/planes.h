@@ -218,6 +218,30 @@ PLANES_UNUSED static uint64_t planes_hash(const pbw_plane *plane)
     return sum;
 }
 
+static uint64_t planes_mix(uint64_t sum, const void *bytes, size_t size)
+{
+    size_t i;
+    for (i = 0; i < size; i++) {                     /* FNV-1a */
+        sum = (sum ^ ((const unsigned char *)bytes)[i]) * 0x100000001b3u;
+    }
+    return sum;
+}
+
+/* A number for all bytes of a result. */
+PLANES_UNUSED static uint64_t planes_digest(const pbw_plane *p)
+{
+    const size_t corners = 3 * p->triangle_count * sizeof(pbw_index), parts = p->edge_count > 0 ? p->edge_count + 1 : 0;
+    uint64_t sum = planes_mix(0xcbf29ce484222325u, p->points, 2 * p->point_count * sizeof(double));
+    sum = planes_mix(planes_mix(sum, p->triangles, corners), p->neighbors, corners);
+    sum = planes_mix(planes_mix(sum, p->constraints, corners), p->regions, corners / 3);
+    sum = planes_mix(planes_mix(sum, p->edges, 2 * p->edge_count * sizeof(pbw_index)), p->edge_first,
+                     parts * sizeof(size_t));
+    sum = planes_mix(sum, p->edge_segments, (parts > 0 ? p->edge_first[p->edge_count] : 0) * sizeof(pbw_index));
+    sum = planes_mix(sum, p->region_windings, p->region_count * sizeof(int));
+    sum = planes_mix(sum, p->region_seeds, p->region_count * sizeof(pbw_index));
+    return planes_mix(sum, p->crossings, 2 * p->crossing_count * sizeof(pbw_index));
+}
+
 /* ---- the constrained triangulation of a few points, slowly: any with the segments in it, then flips */
 
 enum { PLANES_MOST = 32 };

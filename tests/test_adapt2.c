@@ -305,8 +305,8 @@ static void test_triangles(void)
     }
 }
 
-/* All calls, with memory from a meter.  Returns the first status that is not PBW_OK. */
-static pbw_status run_all(const pbw_options *build)
+/* All calls, with memory from a meter.  Returns the first status that is not PBW_OK; *digest: of all results. */
+static pbw_status run_all(const pbw_options *build, uint64_t *digest)
 {
     pbw_plane plane, next, again;
     pbw_plane_options options;
@@ -318,12 +318,18 @@ static pbw_status run_all(const pbw_options *build)
     options.build = build;
     status = plate_with(2, build, &plane);
     sizes = new_doubles(plane.point_count);
-    status = status == PBW_OK ? pbw_plane_smooth(&plane, PBW_PLANE_LLOYD, 1, &options) : status;
+    *digest = planes_digest(&plane);
+    if (status == PBW_OK) {
+        status = pbw_plane_smooth(&plane, PBW_PLANE_LLOYD, 2, &options);
+        CHECK((planes_digest(&plane) == *digest) == (status != PBW_OK));     /* both rounds, or neither */
+    }
     status = status == PBW_OK ? pbw_plane_adapt(&plane, sizes, NULL, &options, &next, NULL) : status;
     values = new_doubles(next.point_count);
     status = status == PBW_OK ? pbw_plane_transfer(&plane, &next, sizes, 1, values, &options) : status;
     status = status == PBW_OK ? pbw_plane_from_triangles(plane.points, plane.point_count, plane.triangles,
                                                          plane.triangle_count, &options, &again) : status;
+    *digest = planes_mix(planes_digest(&plane), values, next.point_count * sizeof *values);
+    *digest += planes_digest(&next) * 3 + planes_digest(&again) * 5;
     free(sizes);
     free(values);
     pbw_plane_free(&plane);
@@ -351,17 +357,21 @@ static void test_failures(void)
     }
     if (test_begin("adaptation: memory")) {
         meter m;
+        uint64_t digest, other;
         long k, step, done = 0;                      /* pbw_triangulate can do without some memory */
         build.threads = 1;
         build.resize = meter_resize;
         build.resize_user = &m;
         meter_start(&m, 0, 0);
-        CHECK_EQUAL(run_all(&build), PBW_OK);
+        CHECK_EQUAL(run_all(&build, &digest), PBW_OK);
         CHECK(m.blocks == 0 && m.faults == 0 && m.requests > 100);
         step = 1 + m.requests / 400;
         for (k = m.requests; k > 0; k -= step) {
             meter_start(&m, k, 0);
-            done += run_all(&build) == PBW_OK;
+            if (run_all(&build, &other) == PBW_OK) {
+                CHECK(other == digest);
+                done++;
+            }
             CHECK(m.blocks == 0 && m.faults == 0);
         }
         CHECK(done < 10);

@@ -500,14 +500,86 @@ static void test_domains(void)
     }
 }
 
+static void draw_rough(drawing *d)
+{
+    uint64_t state = 4;
+    coast(d, 0, 0, 1, 60, &state);
+    box(d, 0, 0, 0.3, 1);
+    line(d, 0, 30);
+}
+
+static void draw_few_slits(drawing *d) { draw_comb(d, 0); }
+static void draw_few_boxes(drawing *d) { draw_navmesh_turned(d, 0); }
+static void draw_few_crossed(drawing *d) { draw_crossed(d, 0); }
+
+static void (*const draw_failing[])(drawing *) = { draw_rough, draw_few_slits, draw_few_boxes, draw_few_crossed };
+enum { FAILING_COUNT = sizeof draw_failing / sizeof *draw_failing };
+
+/* Makes the mesh while the k-th request for memory fails, for up to 150 k. */
+static void check_failing(drawing *d, pbw_plane_options *options)
+{
+    pbw_options build;
+    pbw_plane plane;
+    meter m;
+    uint64_t digest;
+    long k, requests, failed = 0;
+    memset(&build, 0, sizeof build);
+    build.threads = 1;
+    build.resize = meter_resize;
+    build.resize_user = &m;
+    options->build = &build;
+    meter_start(&m, 0, 0);
+    CHECK_EQUAL(make(d, options, &plane), PBW_OK);
+    digest = planes_digest(&plane);
+    requests = m.requests;
+    pbw_plane_free(&plane);
+    for (k = 1; k <= requests; k += 1 + requests / 150) {
+        pbw_status status;
+        meter_start(&m, k, 0);
+        status = make(d, options, &plane);
+        CHECK(status == PBW_OK ? planes_digest(&plane) == digest
+                               : status == PBW_ERROR_MEMORY && plane.what[0] != 0 && m.blocks == 0);
+        failed += status != PBW_OK;
+        pbw_plane_free(&plane);
+        CHECK(m.blocks == 0 && m.faults == 0);
+    }
+    CHECK(failed > 20);
+    build.memory_limit = 10000;
+    meter_start(&m, 0, 0);
+    CHECK_EQUAL(make(d, options, &plane), PBW_ERROR_MEMORY);
+    CHECK(m.blocks == 0 && m.peak <= 10000);
+    options->build = NULL;
+}
+
+static void test_memory(void)
+{
+    drawing d;
+    pbw_plane_options options;
+    double sizes[64];
+    int i;
+    memset(&d, 0, sizeof d);
+    memset(&options, 0, sizeof options);
+    memset(sizes, 0, sizeof sizes);
+    sizes[3] = sizes[50] = 0.01;
+    options.rule = PBW_PLANE_SEEDS;
+    options.flags = PBW_PLANE_SPLIT_CROSSINGS | PBW_PLANE_REFINE;
+    if (test_begin("each allocation failing: the same bytes, or no result")) {
+        for (i = 0; i < FAILING_COUNT; i++) {
+            draw_failing[i](&d);
+            d.input.sizes = i == 0 ? sizes : NULL;
+            check_failing(&d, &options);
+            drawing_free(&d);
+        }
+        test_end();
+    }
+}
+
 static void test_failures(void)
 {
     drawing d;
     pbw_plane plane;
     pbw_plane_options options;
     pbw_options build;
-    double sizes[64];
-    meter m;
     watch w;
     long k, done = 0;
     uint64_t state = 4;
@@ -545,34 +617,6 @@ static void test_failures(void)
         CHECK(plane.point_count == 9 && plane.triangle_count == 0);
         pbw_plane_free(&plane);
         drawing_free(&d);
-        test_end();
-    }
-    if (test_begin("every allocation failing, and the memory limit")) {
-        coast(&d, 0, 0, 1, 60, &state);
-        box(&d, 0, 0, 0.3, 1);
-        line(&d, 0, 30);
-        memset(sizes, 0, sizeof sizes);
-        sizes[3] = sizes[50] = 0.01;
-        d.input.sizes = sizes;
-        options.rule = PBW_PLANE_SEEDS;
-        options.flags = PBW_PLANE_SPLIT_CROSSINGS | PBW_PLANE_REFINE;
-        build.resize = meter_resize;
-        build.resize_user = &m;
-        for (k = 1; !done; k++) {
-            meter_start(&m, k, 0);
-            done = make(&d, &options, &plane) == PBW_OK;
-            CHECK(done || (plane.what[0] != 0 && m.blocks == 0));
-            pbw_plane_free(&plane);
-            CHECK(m.blocks == 0 && m.faults == 0);
-        }
-        CHECK(k > 10);
-        meter_start(&m, 0, 0);
-        build.memory_limit = 10000;
-        CHECK_EQUAL(make(&d, &options, &plane), PBW_ERROR_MEMORY);
-        CHECK(m.blocks == 0 && m.peak <= 10000);
-        drawing_free(&d);
-        memset(&build, 0, sizeof build);
-        build.threads = 1;
         test_end();
     }
     if (test_begin("cancelled at any call")) {
@@ -1093,6 +1137,7 @@ int main(int argc, char **argv)
     test_sizes();
     test_growth();
     test_limits();
+    test_memory();
     test_failures();
     test_random();
     return test_finish();

@@ -584,24 +584,31 @@ PBWADAPT2DEF pbw_status pbw_plane_smooth(pbw_plane *plane, pbw_plane_way way, in
                                          const pbw_plane_options *options)
 {
     pbw_plane_options own;
+    pbw_plane now, next;
     int i;
     memset(&own, 0, sizeof own);
     if (plane == NULL || (unsigned)way > PBW_PLANE_ODT) {
         return PBW_ERROR_ARGUMENT;
     }
     own.build = options != NULL ? options->build : NULL;
-    for (i = 0; i < rounds && plane->triangle_count > 0; i++) {
-        pbw_plane next;
-        const pbw_status status = pbwa2__round(plane, way, &own, &next);
+    now = *plane;
+    for (i = 0; i < rounds && now.triangle_count > 0; i++) {
+        const pbw_status status = pbwa2__round(&now, way, &own, &next);
+        if (i > 0) {
+            pbw_plane_free(&now);
+        }
         if (status != PBW_OK) {
             memcpy(plane->what, next.what, sizeof plane->what);
             pbw_plane_free(&next);
             return status;
         }
-        next.input_count = plane->input_count;
-        next.report = plane->report;
+        now = next;
+    }
+    if (i > 0) {
+        now.input_count = plane->input_count;
+        now.report = plane->report;
         pbw_plane_free(plane);
-        *plane = next;
+        *plane = now;
     }
     return PBW_OK;
 }

@@ -189,12 +189,14 @@ extern int madvise(void *address, size_t length, int advice);        /* strict C
 
 /* ------------------------------------------------------------------------------------------------------
    Memory: growing arrays through options.resize.
-   Holds: used = the sum of all live arrays; over the limit nothing grows.
+   Holds: used = the sum of all live arrays; over the limit nothing grows.  fault is PBW_OK until an array could not
+   grow, and then stays what pbwp__hand_over returns: no result is made of arrays that lack items.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwp__memory {
     void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
     void *user;
     size_t limit, used;
+    pbw_status fault;
 } pbwp__memory;
 
 typedef struct pbwp__array { void *data; size_t count, bytes; } pbwp__array;     /* count: the owner's */
@@ -234,15 +236,15 @@ static void pbwp__release(pbwp__memory *memory, pbwp__array *array)
 static int pbwp__resize(pbwp__memory *memory, pbwp__array *array, size_t bytes)
 {
     const size_t used = memory->used - array->bytes + bytes;
-    void *data;
+    void *data = NULL;
     if (bytes == array->bytes) {
         return 1;
     }
-    if (memory->limit != 0 && used > memory->limit) {
-        return 0;
+    if (memory->limit == 0 || used <= memory->limit) {
+        data = memory->resize(memory->user, array->data, array->bytes, bytes);
     }
-    data = memory->resize(memory->user, array->data, array->bytes, bytes);
     if (data == NULL) {
+        memory->fault = PBW_ERROR_MEMORY;
         return 0;
     }
     array->data = data;
@@ -366,8 +368,11 @@ static void pbwp__free_slot(pbwp__job *job, pbw_index slot)
 /* Makes sure that `count` slots can be taken. */
 static int pbwp__reserve_slots(pbwp__job *job, size_t count)
 {
-    if (job->triangles.count + count > PBWP__TRIANGLES_MOST
-        || !pbwp__room(&job->memory, &job->triangles, count, sizeof(pbwp__triangle))) {
+    if (job->triangles.count + count > PBWP__TRIANGLES_MOST) {
+        job->memory.fault = PBW_ERROR_TOO_LARGE;
+        return 0;
+    }
+    if (!pbwp__room(&job->memory, &job->triangles, count, sizeof(pbwp__triangle))) {
         return 0;
     }
     job->t = (pbwp__triangle *)job->triangles.data;
@@ -1808,7 +1813,6 @@ typedef struct pbwp__refiner {
     pbwp__array slots, rim, hits;          /* a cavity: its triangles, its border, segments encroached upon */
     pbwp__array lowered;                   /* vertices whose sizes have fallen, for their neighbours */
     size_t inserted;
-    int no_memory;
 } pbwp__refiner;
 
 static pbw_index pbwp__host_of(const pbwp__job *job, pbw_index edge)
@@ -1832,9 +1836,15 @@ static pbw_index pbwp__vertex_host(const pbwp__refiner *r, pbw_index v)
     return PBWP__INDICES(r->job->vertex_host)[v];
 }
 
+/* Returns whether there was no memory for an array: then all loops end. */
+static int pbwp__failed(const pbwp__refiner *r)
+{
+    return r->job->memory.fault != PBW_OK;
+}
+
 static void pbwp__add(pbwp__refiner *r, pbwp__array *array, pbw_index item)
 {
-    r->no_memory |= !pbwp__push(&r->job->memory, array, item);
+    (void)pbwp__push(&r->job->memory, array, item);
 }
 
 /* Returns whether a point is in the lens of the segment u-v. */
@@ -2097,12 +2107,12 @@ static void pbwp__dig(pbwp__refiner *r, const double *p)
     size_t at;
     unsigned k;
     r->rim.count = 0;
-    for (at = 0; at < r->slots.count && !r->no_memory; at++) {
+    for (at = 0; at < r->slots.count && !pbwp__failed(r); at++) {
         const pbw_index slot = PBWP__INDICES(r->slots)[at];
         if (!pbwp__room(&job->memory, &r->rim, 3, sizeof(pbwp__rim))) {
-            r->no_memory = 1;
+            return;
         }
-        for (k = 0; k < 3 && !r->no_memory; k++) {
+        for (k = 0; k < 3; k++) {
             const pbwp__triangle *t = job->t + slot;
             const pbw_index link = t->link[k];
             if (link != PBW_NONE && t->edge[k] == PBW_NONE) {
@@ -2155,15 +2165,16 @@ static pbw_index pbwp__add_vertex(pbwp__refiner *r, const double *at, pbw_index 
     pbwp__job *job = r->job;
     const double p[2] = { at[0], at[1] };
     const size_t v = job->points.count;
-    if (v >= PBWP__INPUT - 1 || !pbwp__room(&job->memory, &job->points, 1, 2 * sizeof(double))
-        || !pbwp__room(&job->memory, &job->incidents, 1, sizeof(pbw_index))
-        || !pbwp__room(&job->memory, &job->vertex_host, 1, sizeof(pbw_index))
-        || (r->has_sizes && !pbwp__room(&job->memory, &job->sizes, 1, sizeof(double)))) {
-        r->no_memory = 1;
-    }
+    (void)(pbwp__room(&job->memory, &job->points, 1, 2 * sizeof(double))
+           && pbwp__room(&job->memory, &job->incidents, 1, sizeof(pbw_index))
+           && pbwp__room(&job->memory, &job->vertex_host, 1, sizeof(pbw_index))
+           && (!r->has_sizes || pbwp__room(&job->memory, &job->sizes, 1, sizeof(double))));
     job->p = PBWP__DOUBLES(job->points);             /* they may be elsewhere, even if others did not grow */
     job->incident = PBWP__INDICES(job->incidents);
-    if (r->no_memory) {
+    if (v >= PBWP__INPUT - 1) {
+        job->memory.fault = PBW_ERROR_TOO_LARGE;
+    }
+    if (pbwp__failed(r)) {
         return PBW_NONE;
     }
     memcpy(job->p + 2 * v, p, sizeof p);
@@ -2209,7 +2220,7 @@ static void pbwp__legalise(pbwp__refiner *r)
     pbwp__job *job = r->job;
     size_t at;
     unsigned k;
-    for (at = 0; at < r->slots.count && !r->no_memory; at++) {
+    for (at = 0; at < r->slots.count && !pbwp__failed(r); at++) {
         const pbw_index slot = PBWP__INDICES(r->slots)[at];
         for (k = 0; k < 3; k++) {
             const pbwp__triangle *t = job->t + slot;
@@ -2233,7 +2244,6 @@ static int pbwp__refill_star(pbwp__refiner *r, pbw_index p, pbw_index a, pbw_ind
     const size_t count = r->rim.count;
     size_t i;
     if (!pbwp__reserve_slots(job, count)) {
-        r->no_memory = 1;
         return 0;
     }
     for (i = 0; i < r->slots.count; i++) {
@@ -2257,7 +2267,7 @@ static int pbwp__refill_star(pbwp__refiner *r, pbw_index p, pbw_index a, pbw_ind
         job->incident[p] = slot;
         pbwp__add(r, &r->slots, slot);
     }
-    for (i = 0; i < count && !r->no_memory; i++) {
+    for (i = 0; i < count && !pbwp__failed(r); i++) {
         const pbw_index slot = PBWP__INDICES(r->slots)[i], next = job->incident[job->t[slot].v[2]];
         if (job->t[next].v[0] == p && job->t[next].v[1] == job->t[slot].v[2]) {
             pbwp__join(job, 4 * slot + 1, 4 * next + 2);
@@ -2268,7 +2278,7 @@ static int pbwp__refill_star(pbwp__refiner *r, pbw_index p, pbw_index a, pbw_ind
     if (edge != PBW_NONE) {
         pbwp__legalise(r);
     }
-    for (i = 0; i < r->slots.count && !r->no_memory; i++) {
+    for (i = 0; i < r->slots.count && !pbwp__failed(r); i++) {
         pbwp__examine(r, PBWP__INDICES(r->slots)[i]);
     }
     r->inserted++;
@@ -2300,7 +2310,7 @@ static int pbwp__is_good_fill(const pbwp__job *job)
     return 1;
 }
 
-/* Removes a free vertex.  Returns 0, with nothing changed, if that is impossible. */
+/* Removes a free vertex.  Returns 0, with nothing changed, if that is impossible or there is no memory. */
 static int pbwp__remove(pbwp__refiner *r, pbw_index vertex)
 {
     pbwp__job *job = r->job;
@@ -2321,8 +2331,7 @@ static int pbwp__remove(pbwp__refiner *r, pbw_index vertex)
     } while (corner != start);
     count = job->chain[0].count;
     chain = (pbwp__joint *)job->chain[0].data;
-    if (!pbwp__reserve_slots(job, count) || !pbwp__room(&job->memory, &job->fresh, count, sizeof(pbw_index))) {
-        r->no_memory = 1;
+    if (!pbwp__reserve_slots(job, count)) {
         return 0;
     }
     for (i = 0; i < count; i++) {                    /* old triangles stay until the new are known to be good */
@@ -2367,7 +2376,7 @@ static void pbwp__clear(pbwp__refiner *r, pbw_index u, pbw_index v)
 {
     pbwp__job *job = r->job;
     int more = job->plane->report.removed / 4 < job->points.count + 250, side;   /* an end, however numbers round */
-    while (more && !r->no_memory) {
+    while (more && !pbwp__failed(r)) {
         pbw_index code = pbwp__find_edge(job, u, v);
         more = 0;
         for (side = 0; side < 2 && code != PBW_NONE && !more; side++) {
@@ -2417,7 +2426,7 @@ static void pbwp__spread(pbwp__refiner *r)
     const pbwp__job *job = r->job;
     size_t at;
     unsigned k;
-    for (at = 0; at < r->lowered.count && !r->no_memory; at++) {
+    for (at = 0; at < r->lowered.count && !pbwp__failed(r); at++) {
         const pbw_index v = PBWP__INDICES(r->lowered)[at];
         pbwp__spin spin;
         spin.start = spin.corner = pbwp__corner_of(job, v);
@@ -2527,7 +2536,7 @@ static int pbwp__split_edge(pbwp__refiner *r, pbw_index u, pbw_index v, int must
         }
     }
     r->rim.count = kept;
-    if (r->no_memory || !pbwp__is_star(r, point)) {
+    if (pbwp__failed(r) || !pbwp__is_star(r, point)) {
         pbwp__undig(r);
         ((pbwp__host *)job->hosts.data)[edge].stuck = 1;
         job->plane->report.short_edges++;
@@ -2628,14 +2637,14 @@ static int pbwp__mend(pbwp__refiner *r, pbw_index slot, unsigned shortest)
                 pbwp__add(r, &r->hits, rim.v);
             }
         }
-        if (r->hits.count == 0 && !r->no_memory && pbwp__is_star(r, point)) {
+        if (r->hits.count == 0 && !pbwp__failed(r) && pbwp__is_star(r, point)) {
             size = r->has_sizes ? pbwp__size_in(r, job->t + found, point) : 0;
             p = pbwp__add_vertex(r, point, PBWP__FREE, size);
             return p != PBW_NONE && pbwp__refill_star(r, p, PBW_NONE, PBW_NONE, PBW_NONE) && pbwp__grade(r, p);
         }
         pbwp__undig(r);
     }
-    for (i = 0; i < r->hits.count && !r->no_memory; i += 2) {
+    for (i = 0; i < r->hits.count && !pbwp__failed(r); i += 2) {
         done |= pbwp__split_edge(r, PBWP__INDICES(r->hits)[i], PBWP__INDICES(r->hits)[i + 1], 1);
     }
     if (done && job->t[slot].v[0] != PBW_NONE) {
@@ -2684,7 +2693,7 @@ static void pbwp__end_sizing(pbwp__refiner *r)
 {
     size_t i;
     r->sizing = 0;
-    for (i = r->job->triangles.count; i > 0 && !r->no_memory; i--) {   /* stacks: the first come out first */
+    for (i = r->job->triangles.count; i > 0 && !pbwp__failed(r); i--) {   /* stacks: the first come out first */
         if (r->job->t[i - 1].v[0] != PBW_NONE) {
             pbwp__examine_angle(r, (pbw_index)(i - 1));
         }
@@ -2750,7 +2759,7 @@ static int pbwp__find_sizes(pbwp__refiner *r)
         const double size = given != NULL && from < job->input->point_count ? given[from] : 0;
         sizes[i] = fmin(size > 0 ? size : 1e60, pbwp__size_at(r, (pbw_index)i));
     }
-    while (more && !r->no_memory) {
+    while (more && !pbwp__failed(r)) {
         more = 0;
         for (i = 0; i < job->triangles.count; i++) {
             const pbwp__triangle *t = job->t + i;
@@ -2763,7 +2772,7 @@ static int pbwp__find_sizes(pbwp__refiner *r)
         more = r->lowered.count > 0;
         pbwp__spread(r);
     }
-    return !r->no_memory;
+    return !pbwp__failed(r);
 }
 
 /* Sets bounds from options and the box of the points.  Returns 0 if the coordinates are too large or too small. */
@@ -2797,12 +2806,12 @@ static pbw_status pbwp__refine_all(pbwp__refiner *r)
     const pbw_plane_options *o = job->options;
     size_t i;
     r->sizing = o->area > 0 || o->size > 0 || o->size_at != NULL || r->has_sizes || job->input->region_count > 0;
-    for (i = job->triangles.count; i > 0 && !r->no_memory; i--) {      /* stacks: the first come out first */
+    for (i = job->triangles.count; i > 0 && !pbwp__failed(r); i--) {      /* stacks: the first come out first */
         if (job->t[i - 1].v[0] != PBW_NONE) {
             pbwp__examine(r, (pbw_index)(i - 1));
         }
     }
-    while (!r->no_memory) {
+    while (!pbwp__failed(r)) {
         if (limit != 0 && (r->inserted >= limit + job->plane->report.removed || r->inserted / 8 >= limit)) {
             if (r->sizing) {
                 pbwp__end_sizing(r);
@@ -2827,7 +2836,7 @@ static pbw_status pbwp__refine_all(pbwp__refiner *r)
             return pbwp__say(job, PBW_CANCELLED, NULL);
         }
     }
-    return r->no_memory ? pbwp__say(job, PBW_ERROR_MEMORY, NULL) : PBW_OK;
+    return job->memory.fault == PBW_OK ? PBW_OK : pbwp__say(job, job->memory.fault, NULL);
 }
 
 static void pbwp__count_faults(const pbwp__refiner *r)
@@ -3204,6 +3213,9 @@ static pbw_status pbwp__hand_over(pbwp__job *job, pbw_status status)
     pbwp__array self;
     pbwp__block *block;
     int ok = 1;
+    if (status == PBW_OK && job->memory.fault != PBW_OK) {
+        status = pbwp__say(job, job->memory.fault, NULL);
+    }
     if (status != PBW_OK && status != PBW_DEGENERATE && job->crossings.count == 0) {
         return status;
     }
