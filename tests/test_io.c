@@ -1018,6 +1018,156 @@ static void test_groups(void)
     pbw_free(&mesh);
 }
 
+/* ---- columns and heights */
+
+/* Reads a file with the weight from a column, and compares coordinate 2 (dim 3), or the height, and that weight. */
+static void check_column(const char *name, const char *column, int dim, const double *heights, const double *values,
+                         size_t count)
+{
+    pbwio_options options;
+    pbwio_cloud cloud;
+    size_t i, wrong = 0;
+    memset(&options, 0, sizeof options);
+    options.weight = column;
+    options.dim = dim;
+    if (!CHECK(pbwio_read(in_folder(name), &options, &cloud, NULL) == PBWIO_OK)) {
+        test_say("%s, %s", name, column != NULL ? column : "-");
+        return;
+    }
+    CHECK(cloud.count == count && cloud.dim == dim && (cloud.heights != NULL) == (dim == 2 && heights != NULL));
+    for (i = 0; i < count && cloud.count == count; i++) {
+        const double z = dim == 3 ? cloud.points[3 * i + 2] : cloud.heights != NULL ? cloud.heights[i] : 0;
+        wrong += heights != NULL && !same_number(z, heights[i]);
+        wrong += column != NULL && !same_number(cloud.weights[i], values[i]);
+    }
+    if (!CHECK(wrong == 0)) {
+        test_say("%s, column %s: %zu of %zu wrong", name, column != NULL ? column : "-", wrong, count);
+    }
+    pbwio_free(&cloud);
+}
+
+/* Writes a text file, and looks for a piece of it. */
+static void check_line(const char *name, const pbw_mesh *mesh, const pbwio_output *output, const char *line, int is)
+{
+    size_t size;
+    char *data;
+    CHECK(pbwio_write(in_folder(name), mesh, output, NULL) == PBWIO_OK);
+    data = read_all(name, &size);
+    if (!CHECK((strstr(data, line) != NULL) == is)) {
+        test_say("%s: %s", name, line);
+    }
+    free(data);
+}
+
+static void test_columns(void)
+{
+    static const double points[] = { 0, 0, 4, 0, 4, 3, 0, 3 }, heights[] = { 1.5, -2, 0.1, 1e300 };
+    static const char *const solid[] = { "h.obj", "h.ply", "h.off", "h.vtu", "h.msh", "h.msh2", "h.mesh", "h.csv",
+                                         "h.xyz" };
+    static double depths[] = { 10, 20, 30, 1e-300 }, salts[] = { 0.25, 0.5, 0.75, -1 };
+    pbwio_column columns[3];
+    pbwio_group groups[2];
+    pbw_index of_points[4] = { 0, 1, PBW_NONE, 1 };
+    pbwio_output output;
+    pbw_mesh mesh;
+    size_t i;
+    memset(&mesh, 0, sizeof mesh);
+    memset(&output, 0, sizeof output);
+    memset(groups, 0, sizeof groups);
+    CHECK(pbw_triangulate(2, points, NULL, 4, NULL, &mesh) == PBW_OK);
+    columns[0].name = (char *)(uintptr_t)"depth, \"m\"";
+    columns[1].name = (char *)(uintptr_t)"a&b<c";
+    columns[2].name = NULL;
+    columns[0].values = depths;
+    columns[1].values = columns[2].values = salts;
+    groups[0].tag = 7;
+    groups[1].tag = -3;
+    output.columns = columns;
+    output.column_count = 3;
+    output.heights = heights;
+    output.groups = groups;
+    output.group_count = 2;
+    output.point_groups = of_points;
+    output.base = 1;
+    for (i = 0; i < sizeof solid / sizeof *solid; i++) {
+        CHECK(pbwio_write(in_folder(solid[i]), &mesh, &output, NULL) == PBWIO_OK);
+        check_column(solid[i], NULL, 3, heights, NULL, 4);
+        check_column(solid[i], NULL, 2, heights, NULL, 4);
+    }
+    check_column("h.csv", "a&b<c", 2, heights, salts, 4);
+    check_column("h.csv", "attribute_3", 3, heights, salts, 4);
+    check_column("h.ply", "depth,_\"m\"", 3, heights, depths, 4);
+    check_column("h.ply", "attribute_3", 2, heights, salts, 4);
+    check_line("h.csv", &mesh, &output, "x,y,z,\"depth, \"\"m\"\"\",a&b<c,attribute_3,marker\n0,0,1.5,10,0.25,0.25,7\n",
+               1);
+    check_line("h.mesh", &mesh, &output, "Dimension 3\nVertices\n4\n0 0 1.5 7\n4 0 -2 -3\n4 3 0.1 0\n", 1);
+    output.flags = PBWIO_TEXT;
+    CHECK(pbwio_write(in_folder("t.vtu"), &mesh, &output, NULL) == PBWIO_OK);
+    check_column("t.vtu", "attribute_3", 3, heights, salts, 4);
+    check_line("t.vtu", &mesh, &output, "Name=\"depth, &#34;m&#34;\" NumberOfComponents=\"1\" format=\"ascii\">\n"
+               "10\n20\n30\n1e-300\n", 1);
+    check_line("t.vtu", &mesh, &output, "Name=\"a&#38;b&#60;c\"", 1);
+    check_line("t.vtu", &mesh, &output, "Name=\"marker\" NumberOfComponents=\"1\" format=\"ascii\">\n"
+               "7\n-3\n0\n-3\n", 1);
+    check_column("h.vtu", "attribute_3", 2, heights, salts, 4);
+    CHECK(pbwio_write(in_folder("h.node"), &mesh, &output, NULL) == PBWIO_OK);
+    check_column("h.node", "6", 2, NULL, heights, 4);
+    check_line("h.node", &mesh, &output, "4 2 4 1\n1 0 0 10 0.25 0.25 1.5 7\n2 4 0 20 0.5 0.5 -2 -3\n"
+               "3 4 3 30 0.75 0.75 0.1 0\n", 1);
+    check_line("h.ele", &mesh, &output, "2 3 0\n1 ", 1);
+    check_line("h.edge", &mesh, &output, "4 1\n1 ", 1);
+    check_line("h.neigh", &mesh, &output, "\n2 ", 1);
+    check_line("h.neigh", &mesh, &output, " 0", 0);
+    check_line("h.inp", &mesh, &output, "1,0,0,1.5\n", 1);
+    check_line("h.inp", &mesh, &output, "TYPE=S3", 1);
+    check_line("h.su2", &mesh, &output, "NPOIN= 4\n0 0\n4 0\n4 3\n", 1);
+    for (i = 0; i < 4; i++) {                        /* floats */
+        depths[i] = (double)(float)(i == 3 ? 7.5 : heights[i]);
+    }
+    output.heights = depths;
+    check_line("h.stl", &mesh, &output, "vertex 0 0 1.5\n", 1);
+    pbw_free(&mesh);
+}
+
+/* Heights of tables and arrays: there, missing in a row, no numbers, all 0. */
+static void test_heights(void)
+{
+    static const struct { const char *name, *text; int heights; } files[] = {
+        { "a.csv", "x,y,z\n0,0,1\n1,0,2\n0,1,3\n", 1 }, { "b.csv", "z,x,y\n1,0,0\n2,1,0\n3,0,1\n", 1 },
+        { "c.csv", "x,y,kind\n0,0,1\n1,0,2\n0,1,3\n", 0 }, { "d.xyz", "0 0 1\n1 0 2\n0 1 3\n", 1 },
+        { "e.xyz", "0 0 1\n1 0 2\n0 1\n", 0 }, { "f.xyz", "0 0 1\n1 0 b\n0 1 3\n", 0 },
+        { "g.xyz", "0 0\n1 0\n0 1\n", 0 }, { "h.xyz", "0 0 0\n1 0 0\n0 1 0\n", 0 },
+        { "i.json", "[[0,0,1],[1,0,2],[0,1,3]]", 1 }, { "j.json", "[[0,0,1],[1,0],[0,1,3]]", 0 },
+        { "k.json", "[{\"x\":0,\"y\":0,\"z\":1},{\"x\":1,\"z\":2,\"y\":0},{\"y\":1,\"z\":3,\"x\":0}]", 1 },
+        { "l.json", "[{\"x\":0,\"y\":0,\"z\":1},{\"x\":1,\"y\":0},{\"y\":1,\"z\":3,\"x\":0}]", 0 },
+        { "m.json", "[[0,0],[1,0],[0,1]]", 0 }, { "n.obj", "v 0 0 1\nv 1 0 2\nv 0 1 3\n", 1 },
+        { "o.off", "OFF\n3 0 0\n0 0 1\n1 0 2\n0 1 3\n", 1 }, { "p.node", "3 3 0 0\n1 0 0 1\n2 1 0 2\n3 0 1 3\n", 1 },
+        { "q.node", "3 2 1 0\n1 0 0 1\n2 1 0 2\n3 0 1 3\n", 0 }, { "r.mesh", "MeshVersionFormatted 2\nDimension 3\n"
+          "Vertices\n3\n0 0 1 0\n1 0 2 0\n0 1 3 0\nEnd\n", 1 },
+        { "s.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float z\nproperty float x\nproperty float y\n"
+          "end_header\n1 0 0\n2 1 0\n3 0 1\n", 1 },
+        { "t.geojson", "{\"type\":\"LineString\",\"coordinates\":[[0,0,1],[1,0,2],[0,1,3]]}", 1 }
+    };
+    pbwio_options options;
+    pbwio_cloud cloud;
+    size_t i, k;
+    memset(&options, 0, sizeof options);
+    options.dim = 2;
+    for (i = 0; i < sizeof files / sizeof *files; i++) {
+        if (CHECK(pbwio_read_memory(files[i].name, files[i].text, strlen(files[i].text), &options, &cloud, NULL)
+                  == PBWIO_OK)) {
+            CHECK(cloud.count == 3 && cloud.dim == 2 && cloud.points[2] == 1 && cloud.points[5] == 1);
+            if (!CHECK((cloud.heights != NULL) == files[i].heights)) {
+                test_say("%s", files[i].name);
+            }
+            for (k = 0; k < 3 && cloud.heights != NULL; k++) {
+                CHECK(cloud.heights[k] == (double)k + 1);
+            }
+        }
+        pbwio_free(&cloud);
+    }
+}
+
 /* A file-size limit stands for a full disk: the old file stays, and nothing else. */
 static void test_full_disk(void)
 {
@@ -1383,7 +1533,8 @@ int main(int argc, char **argv)
         { "columns, weights and dimensions", test_choices }, { "bad files", test_bad_files },
         { "every truncation", test_truncations }, { "every flipped bit", test_flips },
         { "memory runs out", test_no_memory }, { "long lines", test_long }, { "a small stack", test_stack },
-        { "what writers refuse", test_refusals }, { "groups", test_groups }, { "a full disk", test_full_disk }, { "pictures", test_pictures },
+        { "what writers refuse", test_refusals }, { "groups", test_groups }, { "columns", test_columns },
+        { "heights", test_heights }, { "a full disk", test_full_disk }, { "pictures", test_pictures },
         { "models with normals", test_models }
     };
     size_t i;

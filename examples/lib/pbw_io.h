@@ -48,7 +48,7 @@
      .mesh   simplices and boundary, Medit                    text               FreeFem++, Mmg
      .inp    simplices and boundary, Abaqus                   text               CalculiX, Abaqus
      .su2    simplices and boundary                           text               SU2
-     .node .ele .neigh .face (2D: .edge)    0-based           text               TetGen, Triangle
+     .node .ele .neigh .face (2D: .edge)    from 0, or base   text               TetGen, Triangle
      .ply .stl            3D: the hull; 2D: the triangles     both
      .obj .off            the same                            text
      .xyz .csv            points                              text
@@ -79,6 +79,10 @@
      patch (-1: none), the facets after the simplices if there are patches.  The formats of this sentence hold the
      facets between regions, too: without patches as the group "interface", 2; and feature edges, the group "edges"
      of .msh, the NSET "edges" of .inp.  Other formats have none of it.
+     Columns of points are attributes in .node, arrays in .vtu, columns in .csv, properties in .ply; tags of their
+     groups the mark in .node, the array or column "marker" in .vtu and .csv, references in .mesh.  Heights are the
+     third coordinate of a mesh in the plane, in .node the last attribute; .su2 has none.  Other formats of points have
+     no columns and no marks of points.
      Points keep their ids, so a file can hold points that are corners of nothing: duplicates and hidden points.
      PBWIO_NO_ORPHANS leaves those out and numbers the rest anew (solvers want that); .inp and .su2 always do.
      .obj .stl .ply .off of a hull hold the corners of the hull only.
@@ -155,13 +159,15 @@ typedef struct pbwio_cloud {           /* start from {0}; pbwio_free when done *
                                           groups, PBW_NONE = in none */
     size_t column_count;
     pbwio_column *columns;
+    double *heights;                   /* z of each point, which options.dim = 2 leaves out of points; NULL: the file
+                                          has none, or all are 0 */
     int base;                          /* number of the first point in the file: 0 or 1 */
     char dropped[256];                 /* what the file has and the cloud has not, in words; "" = nothing */
 } pbwio_cloud;
 
 typedef struct pbwio_options {         /* NULL or all zero = best defaults */
     pbwio_format format;
-    int dim;                           /* 0 = what the file has, 2 = leave z out, 3 = refuse a file without z */
+    int dim;                           /* 0 = what the file has, 2 = z goes to heights, 3 = refuse a file without z */
     const char *columns;               /* "2,3,4" or "east,north": x,y or x,y,z, numbered from 1 or named; NULL = the
                                           columns named x y z, else the first that are not the weight */
     const char *weight;                /* the same for the weight; NULL = no weights */
@@ -189,9 +195,10 @@ typedef struct pbwio_output {          /* NULL or all zero = best defaults */
     size_t group_count;
     const pbw_index *edge_groups;      /* one an edge; NULL = none */
     const pbw_index *point_groups;     /* one a point; NULL = none */
-    const pbwio_column *columns;       /* of points, where the format has such: .vtu .csv .node; NULL = none */
+    const pbwio_column *columns;       /* of points, where the format has such: .vtu .csv .node .ply; NULL = none */
     size_t column_count;
-    const double *heights;             /* of a mesh in the plane: z of each point, where the format has one; NULL = 0 */
+    const double *heights;             /* of a mesh in the plane: z of each point; in .node an attribute, in .su2
+                                          nothing; NULL = 0, no z in .mesh .inp .xyz .csv */
     int base;                          /* of .node .ele .neigh .face .edge: number of the first point and element */
 } pbwio_output;
 
@@ -779,7 +786,8 @@ typedef struct pbwio__reader {
     int separator;                           /* ',' or ';', 0 = blanks */
     char mark;                               /* of decimals: '.' or ',' */
     int joined, over;                        /* this line is continued with backslashes; has no more fields */
-    int column[4], last_column;              /* where x, y, z and the weight are, from 0; -1 = nowhere */
+    int column[4], last_column;              /* where x, y, z and the weight are, from 0; -1 = nowhere.  In 2D z is
+                                                the height, which rows may lack: then there are no heights */
     const pbwio_options *options;
     pbwio_cloud *cloud;
     size_t point_capacity, triangle_capacity, tetrahedron_capacity, segment_capacity, group_capacity, held, budget;
@@ -1018,15 +1026,13 @@ static void pbwio__choose(pbwio__reader *r, const pbwio__field *names, int name_
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "%d coordinate%s where %d are needed", dim, dim == 1 ? "" : "s",
                     o->dim > 2 ? o->dim : 2);
     }
-    if (o->dim == 2) {
-        dim = 2;
-        column[2] = -1;
-    }
+    dim = o->dim == 2 ? 2 : dim;
     column[3] = weight;
     r->cloud->dim = dim;
     for (k = 0, r->last_column = 0; k < 4; k++) {
-        r->last_column = column[k] > r->last_column ? column[k] : r->last_column;
+        r->last_column = (k != 2 || dim == 3) && column[k] > r->last_column ? column[k] : r->last_column;
     }
+    column[2] = column_count != 0 && column[2] >= column_count ? -1 : column[2];
     if (column_count != 0 && r->last_column >= column_count) {
         pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "column %d is needed, there are %d", r->last_column + 1,
                     column_count);
@@ -1054,6 +1060,18 @@ static void pbwio__reserve(pbwio__reader *r, unsigned long long announced, size_
     if (r->column[3] >= 0 && r->status == PBWIO_OK) {
         r->cloud->weights = (double *)pbwio__resize(r, NULL, 0, count, sizeof(double));
     }
+    if (dim == 2 && r->column[2] >= 0 && r->status == PBWIO_OK) {
+        r->cloud->heights = (double *)pbwio__resize(r, NULL, 0, count, sizeof(double));
+    }
+}
+
+/* What was taken for the height is missing or no number. */
+static void pbwio__no_heights(pbwio__reader *r)
+{
+    r->held -= r->cloud->heights != NULL ? r->point_capacity * sizeof(double) : 0;
+    PBWIO_FREE(r->cloud->heights);
+    r->cloud->heights = NULL;
+    r->column[2] = -1;
 }
 
 /* Where lines are not announced but counted, those that are too short to be points do not count. */
@@ -1075,6 +1093,9 @@ static void pbwio__add_point(pbwio__reader *r, const double value[4])
         if (cloud->weights != NULL) {
             cloud->weights[cloud->count] = value[3];
         }
+        if (cloud->heights != NULL) {
+            cloud->heights[cloud->count] = value[2];
+        }
         cloud->count++;
     }
 }
@@ -1082,18 +1103,28 @@ static void pbwio__add_point(pbwio__reader *r, const double value[4])
 /* Reads a point from the fields of the line that are left. */
 static void pbwio__point(pbwio__reader *r)
 {
+    const int flat = r->cloud->dim == 2;
     double value[4];
     pbwio__field field;
     int i, k;
-    for (i = 0; i <= r->last_column; i++) {
+    for (i = 0; i <= r->last_column || (flat && i <= r->column[2]); i++) {
         if (!pbwio__next(r, &field)) {
+            if (i > r->last_column) {
+                pbwio__no_heights(r);
+                break;
+            }
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "%d column%s where %d are needed", i, i == 1 ? "" : "s",
                         r->last_column + 1);
             return;
         }
         for (k = 0; k < 4; k++) {
             if (r->column[k] == i && !pbwio__decimal(field.begin, field.end, r->mark, &value[k])) {
-                int comma = r->mark == '.' && pbwio__decimal(field.begin, field.end, ',', &value[k]);
+                int comma;
+                if (k == 2 && flat) {
+                    pbwio__no_heights(r);
+                    continue;
+                }
+                comma = r->mark == '.' && pbwio__decimal(field.begin, field.end, ',', &value[k]);
                 pbwio__fail(r, PBWIO_ERROR_FORMAT, "column %d, \"%s\", is not a finite number%s", i + 1,
                             pbwio__show(r, field), comma ? " (decimal commas are read on request)" : "");
             }
@@ -2696,6 +2727,9 @@ static void pbwio__json_array(pbwio__reader *r, pbwio__json *j)
                         j->numbers == 1 ? "" : "s", r->last_column + 1);
             return;
         }
+        if (r->cloud->dim == 2 && j->numbers <= r->column[2]) {
+            pbwio__no_heights(r);
+        }
         for (k = 0; k < 4; k++) {
             value[k] = r->column[k] >= 0 ? j->row[r->column[k]] : 0;
         }
@@ -2713,7 +2747,10 @@ static void pbwio__json_object(pbwio__reader *r, pbwio__json *j)
     j->objects++;
     if (j->way == 'o') {
         for (k = 2; k < 4; k++) {
-            needed |= r->column[k] >= 0 ? 1 << k : 0;
+            needed |= r->column[k] >= 0 && (k == 3 || r->cloud->dim == 3) ? 1 << k : 0;
+        }
+        if (r->cloud->dim == 2 && !(found & 4)) {
+            pbwio__no_heights(r);
         }
         if ((found & needed) != needed) {
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "a point lacks a coordinate or its weight");
@@ -2852,7 +2889,7 @@ static void pbwio__read_json(pbwio__reader *r)
     if (way == 'o') {
         r->cloud->dim = columns == 3 && r->options->dim != 2 ? 3 : 2;
         for (k = 0; k < 4; k++) {
-            r->column[k] = k < r->cloud->dim || (k == 3 && r->options->weight != NULL) ? k : -1;
+            r->column[k] = k < (columns == 3 ? 3 : 2) || (k == 3 && r->options->weight != NULL) ? k : -1;
         }
         if (r->options->dim > r->cloud->dim) {
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "%d coordinates where 3 are needed", columns);
@@ -2903,6 +2940,7 @@ typedef struct pbwio__writer {
     size_t point, simplex, k;                /* the row at hand: its point, or its simplex and which facet of that,
                                                 k = corners: the simplex itself */
     size_t cell, element;                    /* simplices, and simplices and facets, that came before it */
+    size_t column;                           /* the column at hand */
     pbwio__item *items;                      /* facets, then simplices, in groups; NULL: there are none */
     size_t edge_count;
     size_t used;
@@ -3094,13 +3132,20 @@ static double pbwio__quality(const pbw_mesh *mesh, size_t simplex)
     return d >= 0 && d <= 1 ? d : d > 1 ? 1 : 0;
 }
 
+/* Coordinate k of a point, 0 to 2; in the plane the third is its height, else 0. */
+static double pbwio__coordinate(const pbwio__writer *w, size_t point, size_t k)
+{
+    return k < w->dim ? w->mesh->points[w->dim * point + k] : w->output->heights != NULL ? w->output->heights[point]
+         : 0;
+}
+
 /* The least (sign 1) or the greatest (-1) coordinate k of all points, 0 if there are none. */
 static double pbwio__extreme(const pbwio__writer *w, size_t k, double sign)
 {
     double extreme = 0, x;
     size_t i;
-    for (i = 0; i < w->mesh->point_count && k < w->dim; i++) {
-        x = w->mesh->points[w->dim * i + k];
+    for (i = 0; i < w->mesh->point_count; i++) {
+        x = pbwio__coordinate(w, i, k);
         extreme = i == 0 || sign * x < sign * extreme ? x : extreme;
     }
     return extreme;
@@ -3114,8 +3159,7 @@ static void pbwio__triangle(const pbwio__writer *w, double row[4][3])
     size_t i, k;
     pbwio__corners(w, corner);
     for (i = 0; i < 9; i++) {
-        k = i % 3;
-        row[1 + i / 3][k] = k < w->dim ? w->mesh->points[w->dim * corner[i / 3] + k] : 0;
+        row[1 + i / 3][i % 3] = pbwio__coordinate(w, corner[i / 3], i % 3);
     }
     for (k = 0; k < 3; k++) {
         a[k] = row[2][k] - row[1][k];
@@ -3202,6 +3246,44 @@ static void pbwio__element_numbers(pbwio__writer *w, char which)
     }
 }
 
+/* How many coordinates a point has: in the plane 3 where there are heights. */
+static size_t pbwio__width(const pbwio__writer *w)
+{
+    return w->output->heights != NULL ? 3 : w->dim;
+}
+
+/* The tag of the group that the point at hand is in, 0 if it is in none. */
+static long long pbwio__marker(const pbwio__writer *w)
+{
+    const pbw_index group = w->output->point_groups == NULL || w->output->groups == NULL ? PBW_NONE
+                          : w->output->point_groups[w->point];
+    return group == PBW_NONE ? 0 : w->output->groups[group].tag;
+}
+
+/* The name of a column, or attribute_1 and so on: in .vtu as XML has it, in .csv in quotes if it must be, in .ply
+   without what its reader takes for the end of a name. */
+static void pbwio__column_name(pbwio__writer *w, size_t column)
+{
+    const char *s = w->output->columns[column].name;
+    const pbwio_format format = w->output->format;
+    const int quoted = format == PBWIO_CSV && s != NULL && strpbrk(s, ",\"\r\n") != NULL;
+    if (s == NULL || *s == 0) {
+        pbwio__print(w, "attribute_%zu", column + 1);
+        return;
+    }
+    pbwio__put(w, "\"", (size_t)quoted);
+    for (; *s != 0; s++) {
+        if (format == PBWIO_VTU && strchr("&<\"", *s) != NULL) {
+            pbwio__print(w, "&#%d;", *s);
+        } else {
+            const char c = format == PBWIO_PLY && (unsigned char)*s <= ' ' ? '_' : *s;
+            pbwio__put(w, "\"", quoted && c == '"');
+            pbwio__put(w, &c, 1);
+        }
+    }
+    pbwio__put(w, "\"", (size_t)quoted);
+}
+
 static void pbwio__numbers(pbwio__writer *w, char which)
 {
     const pbw_mesh *mesh = w->mesh;
@@ -3209,6 +3291,18 @@ static void pbwio__numbers(pbwio__writer *w, char which)
     switch (which) {
         /* of the mesh */
         case 'd': pbwio__int(w, mesh->dim, 4); break;
+        case 'D': pbwio__int(w, (long long)pbwio__width(w), 4); break;
+        case 'A':
+            pbwio__int(w, (long long)(w->output->column_count + pbwio__width(w) - w->dim + (mesh->weights != NULL)),
+                       4);
+            break;
+        case 'H':                                                    /* the names of columns */
+            for (i = 0; i < w->output->column_count; i++) {
+                pbwio__print(w, w->output->format == PBWIO_PLY ? "property double " : ",");
+                pbwio__column_name(w, i);
+                pbwio__print(w, w->output->format == PBWIO_PLY ? "\n" : "");
+            }
+            break;
         case 'n': pbwio__int(w, (long long)w->point_count, 8); break;
         case 'c': pbwio__int(w, (long long)w->cell_count, 8); break;
         case 'f': pbwio__int(w, (long long)w->facet_count, 8); break;
@@ -3219,15 +3313,29 @@ static void pbwio__numbers(pbwio__writer *w, char which)
                 pbwio__real(w, pbwio__extreme(w, i % 3, i < 3 ? 1 : -1));
             }
             break;
-        /* of a point: its number and id, coordinates (3 of them), weight, normal, whether it is on a facet */
+        /* of a point: its number and id, coordinates (those of the plane, with a height, 3 of them), weight, normal,
+           columns, the column at hand, height, marker */
         case 'i': pbwio__int(w, pbwio__number_of(w, w->point), 8); break;
         case 'o': pbwio__int(w, (long long)w->point, 4); break;
-        case 'x': width = w->dim;                                    /* fall through */
+        case 'y':
+        case 'x': width = which == 'y' ? w->dim : pbwio__width(w);   /* fall through */
         case 'X':
             for (i = 0; i < width; i++) {
-                pbwio__real(w, i < w->dim ? mesh->points[w->dim * w->point + i] : 0.0);
+                pbwio__real(w, pbwio__coordinate(w, w->point, i));
             }
             break;
+        case 'C':
+            for (i = 0; i < w->output->column_count; i++) {
+                pbwio__real(w, w->output->columns[i].values[w->point]);
+            }
+            break;
+        case 'K': pbwio__real(w, w->output->columns[w->column].values[w->point]); break;
+        case 'h':
+            if (pbwio__width(w) > w->dim) {
+                pbwio__real(w, w->output->heights[w->point]);
+            }
+            break;
+        case 'M': pbwio__int(w, pbwio__marker(w), 8); break;
         case 'w':
             if (mesh->weights != NULL) {
                 pbwio__real(w, mesh->weights[w->point]);
@@ -3238,7 +3346,10 @@ static void pbwio__numbers(pbwio__writer *w, char which)
                 pbwio__real(w, w->normals[3 * w->point + i]);
             }
             break;
-        case 'b': pbwio__int(w, w->boundary != NULL && w->boundary[w->point], 4); break;
+        case 'b':
+            pbwio__int(w, w->output->point_groups != NULL ? pbwio__marker(w)
+                       : w->boundary != NULL && w->boundary[w->point], 4);
+            break;
         default: pbwio__element_numbers(w, which);
     }
 }
@@ -3257,6 +3368,10 @@ static int pbwio__holds(const pbwio__writer *w, char condition)
         case '2': return w->dim == 2;
         case '3': return w->dim == 3;
         case 'w': return w->mesh->weights != NULL;
+        case 'z': return pbwio__width(w) == 3;
+        case 'h': return pbwio__width(w) > w->dim;
+        case 'H': return pbwio__width(w) == w->dim;
+        case 'M': return w->output->point_groups != NULL;
         case 'W': return w->mesh->weights == NULL;
         case 'm': return w->normals != NULL;
         case 'a': return w->output->regions != NULL;
@@ -3683,9 +3798,11 @@ static void pbwio__write_inp(pbwio__writer *w)
 /* The one format that is more than a form: in binary all tags come first, then all numbers. */
 static void pbwio__write_vtu(pbwio__writer *w)
 {
-    const struct { const char *before, *type, *name; char kind; const char *row; size_t size; int is; } arrays[] = {
+    const struct { const char *before, *type, *name; char kind; const char *row; size_t size, is; } arrays[] = {
         { "<PointData>\n", "UInt32", "id", 'p', "%o\n", 4, 1 },
         { "", "Float64", "weight", 'p', "%w\n", 8, w->mesh->weights != NULL },
+        { "", "Int64", "marker", 'p', "%M\n", 8, w->output->point_groups != NULL },
+        { "", "Float64", NULL, 'p', "%K\n", 8, w->output->column_count },
         { "</PointData>\n<CellData>\n", "Float64", "quality", 'c', "%q\n", 8, 1 },
         { "", "Float64", w->output->value_name == NULL ? "value" : w->output->value_name, 'c', "%u\n", 8,
           w->output->values != NULL },
@@ -3709,25 +3826,30 @@ static void pbwio__write_vtu(pbwio__writer *w)
             bytes = arrays[i].size * (arrays[i].kind == 'p' ? w->point_count : arrays[i].kind == 'c' ? cells
                                       : w->corners * w->cell_count + (w->corners - 1) * facets);
             pbwio__print(w, "%s", pass == 0 ? arrays[i].before : "");
-            if (!arrays[i].is) {
-                continue;
-            }
-            if (pass == 0) {
-                pbwio__print(w, "<DataArray type=\"%s\" Name=\"%.200s\" NumberOfComponents=\"%d\" ", arrays[i].type,
-                             arrays[i].name, arrays[i].size == 24 ? 3 : 1);
-                if (w->binary) {
+            for (w->column = 0; w->column < arrays[i].is; w->column++) {
+                if (pass == 0) {
+                    pbwio__print(w, "<DataArray type=\"%s\" Name=\"%.200s", arrays[i].type,
+                                 arrays[i].name != NULL ? arrays[i].name : "");
+                    if (arrays[i].name == NULL) {
+                        pbwio__column_name(w, w->column);
+                    }
+                    pbwio__print(w, "\" NumberOfComponents=\"%d\" ", arrays[i].size == 24 ? 3 : 1);
+                }
+                if (pass == 0 && w->binary) {
                     pbwio__print(w, "format=\"appended\" offset=\"%llu\"/>\n", offset);
                     offset += 8 + bytes;
                     continue;
                 }
-                pbwio__print(w, "format=\"ascii\">\n");
-            } else {
-                pbwio__int(w, (long long)bytes, 8);
+                if (pass == 0) {
+                    pbwio__print(w, "format=\"ascii\">\n");
+                } else {
+                    pbwio__int(w, (long long)bytes, 8);
+                }
+                w->element = 0;
+                pbwio__rows(w, arrays[i].kind, arrays[i].row);
+                pbwio__item_rows(w, 0, arrays[i].kind == 'p' ? 0 : facets, arrays[i].row);
+                pbwio__print(w, "%s", w->binary ? "" : "</DataArray>\n");
             }
-            w->element = 0;
-            pbwio__rows(w, arrays[i].kind, arrays[i].row);
-            pbwio__item_rows(w, 0, arrays[i].kind == 'p' ? 0 : facets, arrays[i].row);
-            pbwio__print(w, "%s", w->binary ? "" : "</DataArray>\n");
         }
         pbwio__print(w, "%s%s", pass == 0 ? "</Cells>\n</Piece>\n</UnstructuredGrid>\n" : "\n</AppendedData>\n",
                      pass == 0 && w->binary ? "<AppendedData encoding=\"raw\">\n_" : "");
@@ -3746,6 +3868,7 @@ static void pbwio__write_vtu(pbwio__writer *w)
 #define PBWIO__SIMPLICES 32u           /* numbers are of simplices */
 #define PBWIO__COMMAS   64u
 #define PBWIO__GROUPED 128u            /* has groups of facets and simplices */
+#define PBWIO__BASE    256u            /* numbers start where the caller wants */
 
 #define PBWIO__GROUPS "$PhysicalNames\n2\n[21][32] 1 \"boundary\"\n[22][33] 2 \"domain\"\n$EndPhysicalNames\n"
 
@@ -3763,16 +3886,17 @@ static const pbwio__kind pbwio__kinds[] = {
     { "ply", PBWIO__SURFACE | PBWIO__BINARY, pbwio__read_ply, NULL,
       "ply\nformat [tascii][lbinary_little_endian][gbinary_big_endian] 1.0\n"
       "element vertex %n\nproperty double x\nproperty double y\nproperty double z\n"
-      "[mproperty double nx\nproperty double ny\nproperty double nz\n]"
-      "[selement face %s\nproperty list uchar int vertex_indices\n]end_header\n@p%X%m\n@s[t3 ][b\3]%v\n" },
+      "[mproperty double nx\nproperty double ny\nproperty double nz\n]%H"
+      "[selement face %s\nproperty list uchar int vertex_indices\n]end_header\n@p%X%m%C\n@s[t3 ][b\3]%v\n" },
     { "stl", PBWIO__SURFACE | PBWIO__BINARY, pbwio__read_stl, NULL,
       "[tsolid triangles\n][b       binary STL, triangles                                                    ]"
       "[b@1%s\n]@s[tfacet normal ]%N|[touter loop|vertex ]%0|[tvertex ]%1|[tvertex ]%2|[tendloop|endfacet][b%z]\n"
       "[tendsolid triangles\n]" },
     { "off", PBWIO__SURFACE, pbwio__read_off, NULL, "OFF\n%n%s0\n@p%X\n@s3 %v\n" },
-    { "node", PBWIO__BOUNDARY, pbwio__read_node, NULL, "%n%d[w1][W0] 1\n@p%i%x%w%b\n" },
+    { "node", PBWIO__BOUNDARY | PBWIO__BASE, pbwio__read_node, NULL, "%n%d%A1\n@p%i%y%w%C%h%b\n" },
     { "xyz txt pts asc dat tsv", 0, pbwio__read_table, NULL, "@p%x%w%m\n" },
-    { "csv", PBWIO__COMMAS, pbwio__read_table, NULL, "x,y[3,z][w,weight][m,nx,ny,nz]\n@p%x%w%m\n" },
+    { "csv", PBWIO__COMMAS, pbwio__read_table, NULL,
+      "x,y[z,z][w,weight][m,nx,ny,nz]%H[M,marker]\n@p%x%w%m%C[M%M]\n" },
     { "vtu", PBWIO__BINARY | PBWIO__GROUPED, pbwio__read_vtu, pbwio__write_vtu, NULL },
     /* Entity 1 of dimension dim-1 is the boundary, entity 1 of dimension dim the domain with all points: tag, box,
        physical groups, entities that bound it.  Blocks start with dimension, entity, type, count. */
@@ -3783,20 +3907,20 @@ static const pbwio__kind pbwio__kinds[] = {
       "$Elements\n@1[f&2][F&1]%e&1%e\n[f@1[2#1][3#2]#1[2#1][3#2]%f\n@f%j%v\n]@1%d#1[2#2][3#4]%c\n@c%j%v\n"
       "[b\n]$EndElements\n" },
     { "mesh", PBWIO__FROM_1, pbwio__read_medit, NULL,
-      "MeshVersionFormatted 2\nDimension %d\nVertices\n%n\n@p%x0\n[f[2Edges][3Triangles]\n%f\n@f%v%P\n]"
+      "MeshVersionFormatted 2\nDimension %D\nVertices\n%n\n@p%x%M\n[f[2Edges][3Triangles]\n%f\n@f%v%P\n]"
       "[2Triangles][3Tetrahedra]\n%c\n@c%v%R\nEnd\n" },
-    { "ele", 0, pbwio__read_ele, NULL, "%c[23][34] [a1][A0]\n@c%j%v[a%r]\n" },
-    { "neigh", PBWIO__SIMPLICES, NULL, NULL, "%c[23][34]\n@c%j%g\n" },
-    { "face edge", 0, NULL, NULL, "%f1\n@f%j%v%P\n" },
+    { "ele", PBWIO__BASE, pbwio__read_ele, NULL, "%c[23][34] [a1][A0]\n@c%j%v[a%r]\n" },
+    { "neigh", PBWIO__SIMPLICES | PBWIO__BASE, NULL, NULL, "%c[23][34]\n@c%j%g\n" },
+    { "face edge", PBWIO__BASE, NULL, NULL, "%f1\n@f%j%v%P\n" },
     { "msh2", PBWIO__FROM_1, pbwio__read_msh, NULL,
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" PBWIO__GROUPS
       "$Nodes\n%n\n@p%i%X\n$EndNodes\n"
       "$Elements\n%e\n@f%j[21][32] 2 1 %P%v\n@c%j[22][34] 2 2 %r%v\n$EndElements\n" },
     { "inp", PBWIO__FROM_1 | PBWIO__NO_ORPHANS | PBWIO__BOUNDARY | PBWIO__COMMAS | PBWIO__GROUPED, NULL, NULL,
-      "*NODE, NSET=NALL\n@p%i%x\n*ELEMENT, TYPE=[2CPS3][3C3D4], ELSET=DOMAIN\n@c%j%v\n"
+      "*NODE, NSET=NALL\n@p%i%x\n*ELEMENT, TYPE=[2[HCPS3][hS3]][3C3D4], ELSET=DOMAIN\n@c%j%v\n"
       "[f*NSET, NSET=BOUNDARY\n@b%i\n*SURFACE, NAME=BOUNDARY, TYPE=ELEMENT\n@f%pS%k\n]" },
     { "su2", PBWIO__NO_ORPHANS, NULL, NULL,
-      "NDIME= %d\nNELEM= %c\n@c[25][310] %v\nNPOIN= %n\n@p%x\n"
+      "NDIME= %d\nNELEM= %c\n@c[25][310] %v\nNPOIN= %n\n@p%y\n"
       "[fNMARK= 1\nMARKER_TAG= boundary\nMARKER_ELEMS= %f\n@f[23][35] %v\n]" },
     { "json geojson", 0, pbwio__read_json, NULL, NULL }
 };
@@ -3878,6 +4002,7 @@ PBWIODEF void pbwio_free(pbwio_cloud *cloud)
         PBWIO_FREE(cloud->segment_groups);
         PBWIO_FREE(cloud->point_groups);
         PBWIO_FREE(cloud->columns);
+        PBWIO_FREE(cloud->heights);
         memset(cloud, 0, sizeof *cloud);
     }
 }
@@ -3931,6 +4056,7 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
     const char *wrong;
     pbwio_format format;
     pbwio__reader r;
+    size_t i;
     memset(&r, 0, sizeof r);
     r.name = name;
     r.mark = '.';
@@ -3967,6 +4093,13 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
     }
     cloud->points = (double *)pbwio__shrink(cloud->points, cloud->count * (size_t)cloud->dim * sizeof(double));
     cloud->weights = (double *)pbwio__shrink(cloud->weights, cloud->count * sizeof(double));
+    for (i = 0; cloud->heights != NULL && i < cloud->count && !(fabs(cloud->heights[i]) > 0); i++) {
+    }
+    if (i == cloud->count) {
+        PBWIO_FREE(cloud->heights);
+        cloud->heights = NULL;
+    }
+    cloud->heights = (double *)pbwio__shrink(cloud->heights, cloud->count * sizeof(double));
     cloud->triangles = (pbw_index *)pbwio__shrink(cloud->triangles, cloud->triangle_count * 3 * sizeof(pbw_index));
     cloud->tetrahedra = (pbw_index *)pbwio__shrink(cloud->tetrahedra,
                                                    cloud->tetrahedron_count * 4 * sizeof(pbw_index));
@@ -4225,7 +4358,7 @@ static void pbwio__writer_start(pbwio__writer *w, const pbwio__kind *kind, const
     w->longest = output->format == PBWIO_INP ? 20 : 40;
     w->id_size = output->format == PBWIO_MSH ? 8 : 4;
     w->real_size = output->format == PBWIO_STL ? 4 : 8;
-    w->base = kind->traits & PBWIO__FROM_1 ? 1 : 0;
+    w->base = kind->traits & PBWIO__FROM_1 ? 1 : kind->traits & PBWIO__BASE ? (unsigned)output->base : 0;
     w->dim = (size_t)mesh->dim;
     w->corners = corners;
     w->binary = kind->traits & PBWIO__BINARY && !(output->flags & PBWIO_TEXT)
