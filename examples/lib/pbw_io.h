@@ -39,6 +39,7 @@
              separated by blanks, commas, semicolons  a line that starts with # is a comment
      Any other name: the content decides.  All of them compressed by gzip, too, with the ending .gz or not.
      Of meshes, triangles, quadrilaterals, polygons are faces, tetrahedra are cells; other elements are passed over.
+     A polygon of any shape becomes triangles inside its outline; one that crosses or touches itself, or is flat, a fan.
      A first line of counts is passed if the rows below agree with it, and refused where it may as well be a point.
 
    WRITES    what                                             text or binary     read by
@@ -147,7 +148,7 @@ typedef struct pbwio_cloud {           /* start from {0}; pbwio_free when done *
     size_t count;
     double *points;                    /* count*dim, all finite */
     double *weights;                   /* count, or NULL without pbwio_options.weight */
-    size_t triangle_count;             /* faces of a model, polygons cut into fans; 0 for tables and .node */
+    size_t triangle_count;             /* faces of a model, polygons in triangles; 0 for tables and .node */
     pbw_index *triangles;              /* triangle_count*3 ids of points, each < count */
     size_t tetrahedron_count;          /* of .ele .msh .mesh .vtu; their triangles are faces as above */
     pbw_index *tetrahedra;             /* tetrahedron_count*4 ids of points, turned as the file has them */
@@ -777,6 +778,8 @@ static pbwio_status pbwio__gunzip(const char *name, const char **data, size_t *s
 
 typedef struct pbwio__field { const char *begin, *end; } pbwio__field;
 
+typedef struct pbwio__polygon { pbw_index first, corners; } pbwio__polygon;     /* first: triangle of its fan */
+
 typedef struct pbwio__reader {
     pbwio_status status;
     const char *name, *begin, *at, *end;     /* at: where the next line or binary value starts */
@@ -795,6 +798,8 @@ typedef struct pbwio__reader {
     pbw_index *group_table;                  /* places of groups by hashes of their dimension and tag, or name */
     size_t group_table_size;                 /* 0 or a power of two, above twice their number */
     size_t fan[2];                           /* the first and the last corner of the polygon at hand */
+    pbwio__polygon *polygons;                /* of more than three corners */
+    size_t polygon_count, polygon_capacity;
     pbwio_error *error;
     char shown[32];                          /* a field for a message */
 } pbwio__reader;
@@ -816,6 +821,22 @@ static void pbwio__fail(pbwio__reader *r, pbwio_status status, const char *forma
     pbwio__message(r->error, r->name, place, format, list);
     va_end(list);
     r->status = status;
+}
+
+/* Notes what the cloud does not keep. */
+PBWIO__PRINTF(2, 3)
+static void pbwio__dropped(pbwio__reader *r, const char *format, ...)
+{
+    char *text = r->cloud->dropped;
+    size_t used = strlen(text);
+    va_list list;
+    va_start(list, format);
+    if (used > 0 && used + 2 < sizeof r->cloud->dropped) {
+        strcpy(text + used, "; ");
+        used += 2;
+    }
+    vsnprintf(text + used, sizeof r->cloud->dropped - used, format, list);
+    va_end(list);
 }
 
 /* Blocks within the budget; while a block grows, both its sizes count. */
@@ -1278,16 +1299,554 @@ static pbw_index pbwio__find_group(pbwio__reader *r, int dim, long long tag, con
     return (pbw_index)cloud->group_count++;
 }
 
+/* Notes that the last triangle is of a polygon of that many corners, four or more. */
+static void pbwio__note_polygon(pbwio__reader *r, size_t corners)
+{
+    if (corners == 4) {
+        const size_t first = r->cloud->triangle_count - 2;
+        if (r->polygon_count == r->polygon_capacity) {
+            const size_t more = r->polygon_capacity + r->polygon_capacity / 2 + 64;
+            void *block = pbwio__resize(r, r->polygons, r->polygon_capacity, more, sizeof *r->polygons);
+            if (block == NULL) {
+                return;
+            }
+            r->polygons = (pbwio__polygon *)block;
+            r->polygon_capacity = more;
+        }
+        if (first >= PBW_NONE) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "more than %lu triangles", (unsigned long)PBW_NONE - 1);
+        }
+        r->polygons[r->polygon_count++].first = (pbw_index)first;
+    }
+    r->polygons[r->polygon_count - 1].corners = (pbw_index)corners;
+}
+
 /* The k-th corner of a polygon; from the third on each makes a triangle. */
 static void pbwio__add_corner(pbwio__reader *r, double id, long long point_count, long long k)
 {
     if (!(id >= 0 && id < (double)point_count && id == floor(id))) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "a face has point %.17g, there are %lld (from 0)", id, point_count);
-    } else {
-        if (k >= 2) {
-            pbwio__add_triangle(r, r->fan[0], r->fan[1], (size_t)id);
+        return;
+    }
+    if (k >= 2) {
+        pbwio__add_triangle(r, r->fan[0], r->fan[1], (size_t)id);
+    }
+    if (k >= 3 && r->status == PBWIO_OK) {
+        pbwio__note_polygon(r, (size_t)k + 1);
+    }
+    r->fan[k > 0] = (size_t)id;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Polygons.  A reader adds a polygon as a fan of triangles about its first corner.
+   In: the fans of polygons with more than three corners, all points.  Out: the same number of triangles in the same
+   places, inside the outline of the polygon.  Holds: signs are exact; n corners take O(n log n) steps.
+
+   A polygon is looked at along the axis in which its area vector is largest.  A fan that lies inside stays.  Else a
+   line sweeps over the corners, ordered by x and then by y.  The parts of the line inside the polygon are strips,
+   each between a lower and an upper edge.  To the left of a strip all is triangulated up to a chain of corners from
+   the left end of its lower edge to that of its upper edge; the next corner takes the triangles that it sees there
+   (Hertel and Mehlhorn 1983, "Fast triangulation of simple polygons").  Edges that become neighbours are tested
+   against each other, so that an outline that crosses or touches itself is found (Shamos and Hoey 1976, "Geometric
+   intersection problems").
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwio__node { pbw_index corner, next[2]; } pbwio__node;      /* of a chain; next: lower, upper */
+
+typedef struct pbwio__strip {
+    pbw_index edge[2];                       /* lower, upper; edge i goes from corner i to the next one */
+    pbw_index end[2], last;                  /* nodes of the chain: its lower and its upper end, its rightmost */
+    pbw_index near[2];                       /* the strips below and above */
+    pbw_index child[2], parent;              /* in a splay tree, from below to above */
+} pbwio__strip;
+
+typedef struct pbwio__sweep {
+    size_t n;
+    const pbw_index *id;                     /* the points of the corners */
+    double *xy;                              /* counter-clockwise if the polygon is simple */
+    pbw_index *order, *strip_of;             /* corners from left to right; the strip of an edge */
+    pbwio__node *nodes;
+    pbwio__strip *strips;
+    pbw_index node_count, strip_count, root;
+    pbw_index *triangles;
+    size_t triangle_count;
+    int failed;                              /* the polygon is not simple */
+} pbwio__sweep;
+
+static pbw_index pbwio__after(const pbwio__sweep *s, pbw_index i)
+{
+    return i + 1 < s->n ? i + 1 : 0;
+}
+
+static pbw_index pbwio__before(const pbwio__sweep *s, pbw_index i)
+{
+    return i > 0 ? i - 1 : (pbw_index)s->n - 1;
+}
+
+/* Whether corner a is left of corner b, or below it where x is the same. */
+static int pbwio__left_of(const double *xy, pbw_index a, pbw_index b)
+{
+    const double *p = xy + 2 * (size_t)a, *q = xy + 2 * (size_t)b;
+    return p[0] < q[0] || (!(p[0] > q[0]) && p[1] < q[1]);
+}
+
+static int pbwio__turn(const pbwio__sweep *s, pbw_index a, pbw_index b, pbw_index c)
+{
+    return pbw_orient2(s->xy + 2 * (size_t)a, s->xy + 2 * (size_t)b, s->xy + 2 * (size_t)c);
+}
+
+/* Sorts corners from left to right by merging runs; spare: room for n more. */
+static void pbwio__sort_corners(const double *xy, pbw_index *order, pbw_index *spare, size_t n)
+{
+    size_t width, from, i, j, k, middle, end;
+    for (i = 0; i < n; i++) {
+        order[i] = (pbw_index)i;
+    }
+    for (width = 1; width < n; width *= 2) {
+        for (from = 0; from < n; from = end) {
+            middle = from + width < n ? from + width : n;
+            end = middle + width < n ? middle + width : n;
+            for (i = k = from, j = middle; k < end; k++) {
+                spare[k] = i < middle && (j == end || !pbwio__left_of(xy, order[j], order[i])) ? order[i++]
+                         : order[j++];
+            }
         }
-        r->fan[k > 0] = (size_t)id;
+        memcpy(order, spare, n * sizeof *order);
+    }
+}
+
+/* ---- the tree of strips ---- */
+
+static void pbwio__rotate(pbwio__strip *all, pbw_index x)
+{
+    const pbw_index p = all[x].parent, g = all[p].parent;
+    const int side = all[p].child[1] == x;
+    const pbw_index inner = all[x].child[!side];
+    all[p].child[side] = inner;
+    if (inner != PBW_NONE) {
+        all[inner].parent = p;
+    }
+    all[x].child[!side] = p;
+    all[p].parent = x;
+    all[x].parent = g;
+    if (g != PBW_NONE) {
+        all[g].child[all[g].child[1] == p] = x;
+    }
+}
+
+/* Makes a strip the root (Sleator and Tarjan 1985, "Self-adjusting binary search trees"). */
+static void pbwio__splay(pbwio__sweep *s, pbw_index x)
+{
+    pbwio__strip *all = s->strips;
+    while (all[x].parent != PBW_NONE) {
+        const pbw_index p = all[x].parent, g = all[p].parent;
+        if (g != PBW_NONE) {
+            pbwio__rotate(all, (all[p].child[1] == x) == (all[g].child[1] == p) ? p : x);
+        }
+        pbwio__rotate(all, x);
+    }
+    s->root = x;
+}
+
+/* Adds a strip above that one, or below all others. */
+static pbw_index pbwio__add_strip(pbwio__sweep *s, pbw_index below)
+{
+    const pbw_index x = s->strip_count++;
+    pbwio__strip *all = s->strips, *strip = all + x;
+    pbw_index upper = s->root;
+    memset(strip, 0xff, sizeof *strip);                              /* PBW_NONE everywhere */
+    if (below != PBW_NONE) {
+        pbwio__splay(s, below);
+        upper = all[below].child[1];
+        all[below].child[1] = PBW_NONE;
+        all[below].parent = x;
+        strip->near[1] = all[below].near[1];
+        all[below].near[1] = x;
+    } else {
+        for (strip->near[1] = s->root; strip->near[1] != PBW_NONE && all[strip->near[1]].near[0] != PBW_NONE;) {
+            strip->near[1] = all[strip->near[1]].near[0];
+        }
+    }
+    strip->near[0] = strip->child[0] = below;
+    strip->child[1] = upper;
+    if (upper != PBW_NONE) {
+        all[upper].parent = x;
+    }
+    if (strip->near[1] != PBW_NONE) {
+        all[strip->near[1]].near[0] = x;
+    }
+    s->root = x;
+    return x;
+}
+
+static void pbwio__remove_strip(pbwio__sweep *s, pbw_index x)
+{
+    pbwio__strip *all = s->strips;
+    const pbw_index below = all[x].near[0], above = all[x].near[1];
+    pbw_index lower, upper;
+    pbwio__splay(s, x);
+    lower = all[x].child[0];
+    upper = all[x].child[1];
+    s->root = upper;
+    if (lower != PBW_NONE) {
+        all[lower].parent = PBW_NONE;
+        pbwio__splay(s, below);
+        all[below].child[1] = upper;
+        all[below].near[1] = above;
+    }
+    if (upper != PBW_NONE) {
+        all[upper].parent = below;
+        all[above].near[0] = below;
+    }
+}
+
+/* The highest strip with a lower edge below corner v; PBW_NONE: there is none. */
+static pbw_index pbwio__strip_below(pbwio__sweep *s, pbw_index v)
+{
+    pbw_index at = s->root, found = PBW_NONE, deepest = PBW_NONE;
+    while (at != PBW_NONE && !s->failed) {
+        const pbw_index edge = s->strips[at].edge[0];
+        const int side = pbwio__turn(s, edge, pbwio__after(s, edge), v);
+        s->failed |= side == 0;
+        deepest = at;
+        found = side > 0 ? at : found;
+        at = s->strips[at].child[side > 0];
+    }
+    if (deepest != PBW_NONE) {
+        pbwio__splay(s, deepest);                                    /* pays for the search */
+    }
+    return found;
+}
+
+/* ---- edges and chains ---- */
+
+/* Edges that are neighbours on the line must not have a point in common but a corner at an end. */
+static void pbwio__test_edges(pbwio__sweep *s, pbw_index e, pbw_index f)
+{
+    const pbw_index a = e, b = pbwio__after(s, e), c = f, d = pbwio__after(s, f);
+    if (b == c || d == a) {
+        s->failed |= pbwio__turn(s, a, b, b == c ? d : c) == 0;
+    } else {
+        s->failed |= pbwio__turn(s, a, b, c) * pbwio__turn(s, a, b, d) <= 0
+                  && pbwio__turn(s, c, d, a) * pbwio__turn(s, c, d, b) <= 0;
+    }
+}
+
+/* Tests the lower (0) or the upper (1) edge of a strip against both of its neighbours. */
+static void pbwio__test_strip(pbwio__sweep *s, pbw_index strip, int side)
+{
+    const pbwio__strip *p = s->strips + strip;
+    pbwio__test_edges(s, p->edge[0], p->edge[1]);
+    if (p->near[side] != PBW_NONE) {
+        pbwio__test_edges(s, p->edge[side], s->strips[p->near[side]].edge[!side]);
+    }
+}
+
+static pbw_index pbwio__add_node(pbwio__sweep *s, pbw_index corner)
+{
+    pbwio__node *node = s->nodes + s->node_count;
+    node->corner = corner;
+    node->next[0] = node->next[1] = PBW_NONE;
+    return s->node_count++;
+}
+
+/* From a node on, down (0) or up (1) along its chain, adds the triangles that corner v sees.  Returns the node
+   where they end. */
+static pbw_index pbwio__take_triangles(pbwio__sweep *s, pbw_index at, int side, pbw_index v)
+{
+    pbw_index next;
+    for (; (next = s->nodes[at].next[side]) != PBW_NONE; at = next) {
+        const pbw_index low = s->nodes[side ? at : next].corner, high = s->nodes[side ? next : at].corner;
+        if (pbwio__turn(s, low, v, high) <= 0 || s->triangle_count == s->n - 2) {
+            break;
+        }
+        s->triangles[3 * s->triangle_count] = s->id[low];
+        s->triangles[3 * s->triangle_count + 1] = s->id[v];
+        s->triangles[3 * s->triangle_count++ + 2] = s->id[high];
+    }
+    return at;
+}
+
+static void pbwio__link(pbwio__sweep *s, pbw_index lower, pbw_index upper)
+{
+    s->nodes[lower].next[1] = upper;
+    s->nodes[upper].next[0] = lower;
+}
+
+/* ---- the corners that the line meets ---- */
+
+/* Both edges of v go to the right: a strip starts, or, where v lies in one, that is parted in two. */
+static void pbwio__start_strip(pbwio__sweep *s, pbw_index v)
+{
+    const pbw_index before = pbwio__before(s, v), found = pbwio__strip_below(s, v);
+    const int turn = pbwio__turn(s, before, v, pbwio__after(s, v));
+    pbw_index strip, last, lower, upper, low, high;
+    pbwio__strip *p;
+    int inside = 0;
+    if (found != PBW_NONE) {
+        const pbw_index edge = s->strips[found].edge[1];
+        const int side = pbwio__turn(s, edge, pbwio__after(s, edge), v);
+        s->failed |= side == 0;
+        inside = side > 0;
+    }
+    s->failed |= turn == 0 || inside != (turn < 0);
+    if (s->failed) {
+        return;
+    }
+    strip = pbwio__add_strip(s, found);
+    p = s->strips + strip;
+    p->edge[0] = v;
+    p->edge[1] = before;
+    p->end[0] = p->end[1] = p->last = low = high = pbwio__add_node(s, v);
+    if (inside) {
+        last = s->strips[found].last;
+        lower = pbwio__take_triangles(s, last, 0, v);
+        upper = pbwio__take_triangles(s, last, 1, v);
+        high = pbwio__add_node(s, v);
+        p->end[1] = s->strips[found].end[1];
+        if (lower == upper) {                                        /* the corner is in both chains */
+            upper = pbwio__add_node(s, s->nodes[last].corner);
+            if (s->nodes[last].next[1] != PBW_NONE) {
+                pbwio__link(s, upper, s->nodes[last].next[1]);
+            }
+            p->end[1] = p->end[1] == last ? upper : p->end[1];
+        }
+        pbwio__link(s, low, upper);
+        pbwio__link(s, lower, high);
+        p->edge[1] = s->strips[found].edge[1];
+        s->strips[found].edge[1] = before;
+        s->strips[found].end[1] = s->strips[found].last = high;
+        pbwio__test_strip(s, found, 1);
+    }
+    s->strip_of[before] = inside ? found : strip;
+    s->strip_of[v] = strip;
+    s->strip_of[p->edge[1]] = inside ? strip : s->strip_of[p->edge[1]];
+    pbwio__test_strip(s, strip, 0);
+    pbwio__test_strip(s, strip, 1);
+}
+
+/* Edge `old` of a strip ends in v, where edge `fresh` starts. */
+static void pbwio__go_on(pbwio__sweep *s, pbw_index v, pbw_index old, pbw_index fresh)
+{
+    const pbw_index strip = s->strip_of[old], node = pbwio__add_node(s, v);
+    pbwio__strip *p = s->strips + strip;
+    const int side = p->edge[1] == old;
+    const pbw_index end = pbwio__take_triangles(s, p->end[side], !side, v);
+    pbwio__link(s, side ? end : node, side ? node : end);
+    p->end[side] = p->last = node;
+    p->edge[side] = fresh;
+    s->strip_of[fresh] = strip;
+    pbwio__test_strip(s, strip, side);
+}
+
+/* Both edges of v come from the left: a strip ends, or two become one. */
+static void pbwio__end_strip(pbwio__sweep *s, pbw_index v)
+{
+    const pbw_index upper = s->strip_of[pbwio__before(s, v)], lower = s->strip_of[v];
+    pbwio__strip *p = s->strips + lower, *q = s->strips + upper;
+    pbw_index node, low, high;
+    if (lower == upper) {
+        s->failed |= pbwio__take_triangles(s, p->end[0], 1, v) != p->end[1];
+        low = p->near[0];
+        high = p->near[1];
+        pbwio__remove_strip(s, lower);
+        if (low != PBW_NONE && high != PBW_NONE) {
+            pbwio__test_edges(s, s->strips[low].edge[1], s->strips[high].edge[0]);
+        }
+        return;
+    }
+    s->failed |= p->near[1] != upper;
+    if (s->failed) {
+        return;
+    }
+    node = pbwio__add_node(s, v);
+    low = pbwio__take_triangles(s, p->end[1], 0, v);
+    high = pbwio__take_triangles(s, q->end[0], 1, v);
+    pbwio__link(s, low, node);
+    pbwio__link(s, node, high);
+    p->end[1] = q->end[1];
+    p->edge[1] = q->edge[1];
+    p->last = node;
+    s->strip_of[p->edge[1]] = lower;
+    pbwio__remove_strip(s, upper);
+    pbwio__test_strip(s, lower, 1);
+}
+
+/* Triangulates the polygon of s->xy; returns whether it is simple. */
+static int pbwio__sweep_polygon(pbwio__sweep *s)
+{
+    const size_t n = s->n;
+    pbw_index i, v, before, after;
+    s->node_count = s->strip_count = 0;
+    s->root = PBW_NONE;
+    s->triangle_count = 0;
+    pbwio__sort_corners(s->xy, s->order, (pbw_index *)(void *)s->nodes, n);
+    v = s->order[0];
+    s->failed = pbwio__turn(s, pbwio__before(s, v), v, pbwio__after(s, v)) == 0;
+    if (pbwio__turn(s, pbwio__before(s, v), v, pbwio__after(s, v)) < 0) {    /* x and y change places */
+        for (i = 0; i < n; i++) {
+            const double x = s->xy[2 * (size_t)i];
+            s->xy[2 * (size_t)i] = s->xy[2 * (size_t)i + 1];
+            s->xy[2 * (size_t)i + 1] = x;
+        }
+        pbwio__sort_corners(s->xy, s->order, (pbw_index *)(void *)s->nodes, n);
+    }
+    for (i = 1; i < n; i++) {
+        s->failed |= !pbwio__left_of(s->xy, s->order[i - 1], s->order[i]);   /* one place twice */
+    }
+    for (i = 0; i < n && !s->failed; i++) {
+        v = s->order[i];
+        before = pbwio__before(s, v);
+        after = pbwio__after(s, v);
+        if (pbwio__left_of(s->xy, before, v)) {
+            if (pbwio__left_of(s->xy, after, v)) {
+                pbwio__end_strip(s, v);
+            } else {
+                pbwio__go_on(s, v, before, v);
+            }
+        } else if (pbwio__left_of(s->xy, after, v)) {
+            pbwio__go_on(s, v, v, before);
+        } else {
+            pbwio__start_strip(s, v);
+        }
+    }
+    return !s->failed && s->triangle_count == n - 2;
+}
+
+/* ---- a polygon of the file ---- */
+
+/* The axes of the projection for each attempt, from the largest component of the area vector to the smallest.
+   Returns how many attempts there are. */
+static int pbwio__axes(const pbwio_cloud *cloud, const pbw_index *fan, size_t n, int axes[3][2])
+{
+    const double *p = cloud->points, *o = p + 3 * (size_t)fan[0];
+    double area[3] = { 0, 0, 0 }, scale = 0, a[3], b[3];
+    size_t i;
+    int k, m, swap;
+    axes[0][0] = 0;
+    axes[0][1] = 1;
+    if (cloud->dim == 2) {
+        return 1;
+    }
+    for (i = 0; i < 3 * (n - 2); i++) {
+        for (k = 0; k < 3; k++) {
+            scale = fmax(scale, fabs(p[3 * (size_t)fan[i] + (size_t)k]));
+        }
+    }
+    scale = scale > 0 ? 0.25 / scale : 1;                            /* keeps products in range */
+    scale = scale <= DBL_MAX ? scale : DBL_MAX;
+    for (i = 0; i < n - 2; i++) {
+        for (k = 0; k < 3; k++) {
+            a[k] = p[3 * (size_t)fan[3 * i + 1] + (size_t)k] * scale - o[k] * scale;
+            b[k] = p[3 * (size_t)fan[3 * i + 2] + (size_t)k] * scale - o[k] * scale;
+        }
+        for (k = 0; k < 3; k++) {
+            area[k] += a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+        }
+    }
+    for (k = 0; k < 3; k++) {
+        axes[k][0] = k;                                              /* the axis to look along, for now */
+        for (m = k; m > 0 && fabs(area[axes[m][0]]) > fabs(area[axes[m - 1][0]]); m--) {
+            swap = axes[m][0];
+            axes[m][0] = axes[m - 1][0];
+            axes[m - 1][0] = swap;
+        }
+    }
+    for (k = 0; k < 3; k++) {
+        axes[k][1] = (axes[k][0] + 2) % 3;
+        axes[k][0] = (axes[k][0] + 1) % 3;
+    }
+    return 3;
+}
+
+/* Whether a fan lies inside its polygon and fills it: its triangles turn the same way, once around at most. */
+static int pbwio__fan_fits(const pbwio_cloud *cloud, const pbw_index *fan, size_t n, const int axis[2])
+{
+    const size_t dim = (size_t)cloud->dim;
+    double corner[4][2];
+    size_t i;
+    int k, turn, first = 0, behind = 0;
+    for (i = 0; i < n - 2; i++) {
+        for (k = 0; k < 2; k++) {
+            corner[0][k] = cloud->points[dim * fan[0] + (size_t)axis[k]];
+            corner[1][k] = cloud->points[dim * fan[1] + (size_t)axis[k]];
+            corner[2][k] = cloud->points[dim * fan[3 * i + 1] + (size_t)axis[k]];
+            corner[3][k] = cloud->points[dim * fan[3 * i + 2] + (size_t)axis[k]];
+        }
+        turn = pbw_orient2(corner[0], corner[2], corner[3]);
+        first = i == 0 ? turn : first;
+        if (turn == 0 || turn != first) {
+            return 0;
+        }
+        if (i > 0) {                                                 /* the side of the first ray */
+            turn = pbw_orient2(corner[0], corner[1], corner[3]);
+            if (behind && turn != -first) {
+                return 0;
+            }
+            behind |= turn != first;
+        }
+    }
+    return 1;
+}
+
+/* Cuts the polygon of n corners with a fan that does not fit; returns whether it is simple. */
+static int pbwio__cut_polygon(pbwio__reader *r, pbw_index *fan, size_t n, int axes[3][2], int tries)
+{
+    const size_t dim = (size_t)r->cloud->dim, strips = n / 2 + 1;
+    const size_t size = n * (2 * sizeof(double) + 3 * sizeof(pbw_index) + 2 * sizeof(pbwio__node))
+                      + strips * sizeof(pbwio__strip);
+    char *block = (char *)pbwio__resize(r, NULL, 0, size, 1);
+    pbwio__sweep s;
+    pbw_index *id;
+    size_t i;
+    int t, k, done = 0;
+    if (block == NULL) {
+        return 0;
+    }
+    memset(&s, 0, sizeof s);
+    s.n = n;
+    s.xy = (double *)(void *)block;
+    s.nodes = (pbwio__node *)(void *)(s.xy + 2 * n);
+    s.strips = (pbwio__strip *)(void *)(s.nodes + 2 * n);
+    s.order = (pbw_index *)(void *)(s.strips + strips);
+    s.strip_of = s.order + n;
+    id = s.strip_of + n;
+    s.id = id;
+    s.triangles = fan;
+    for (i = 0; i < n; i++) {
+        id[i] = i < 2 ? fan[i] : fan[3 * (i - 2) + 2];
+    }
+    for (t = 0; t < tries && !done; t++) {
+        for (i = 0; i < 2 * n; i++) {
+            s.xy[i] = r->cloud->points[dim * id[i / 2] + (size_t)axes[t][i % 2]];
+        }
+        done = pbwio__sweep_polygon(&s);
+    }
+    for (i = 0; i < n - 2 && !done; i++) {                           /* the fan again */
+        for (k = 0; k < 3; k++) {
+            fan[3 * i + (size_t)k] = id[k == 0 ? 0 : i + (size_t)k];
+        }
+    }
+    PBWIO_FREE(block);
+    r->held -= size;
+    return done;
+}
+
+/* Puts triangles inside the outlines of all polygons. */
+static void pbwio__cut_polygons(pbwio__reader *r)
+{
+    size_t i, bad = 0;
+    int axes[3][2], tries;
+    for (i = 0; i < r->polygon_count && r->status == PBWIO_OK; i++) {
+        const size_t n = r->polygons[i].corners;
+        pbw_index *fan = r->cloud->triangles + 3 * r->polygons[i].first;
+        tries = pbwio__axes(r->cloud, fan, n, axes);
+        if (!pbwio__fan_fits(r->cloud, fan, n, axes[0]) && !pbwio__cut_polygon(r, fan, n, axes, tries)) {
+            bad++;
+        }
+    }
+    if (bad > 0 && r->status == PBWIO_OK) {
+        pbwio__dropped(r, "outlines of %zu polygon%s: flat, or they cross or touch themselves (fans instead)", bad,
+                       bad == 1 ? "" : "s");
     }
 }
 
@@ -1938,8 +2497,8 @@ static void pbwio__add_element(pbwio__reader *r, int solid, int corners, const l
         }
         pbwio__add_simplex(r, 3, corner);
     }
-    for (k = 2; k < corners && !solid; k++) {
-        pbwio__add_triangle(r, (size_t)id[0], (size_t)id[k - 1], (size_t)id[k]);
+    for (k = 0; k < corners && !solid; k++) {
+        pbwio__add_corner(r, (double)id[k], (long long)r->cloud->count, k);
     }
 }
 
@@ -4084,6 +4643,8 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
     }
     pbwio__kind_of(format)->read(&r);
     PBWIO_FREE(r.group_table);
+    pbwio__cut_polygons(&r);
+    PBWIO_FREE(r.polygons);
     if (r.status == PBWIO_OK && cloud->count == 0) {
         r.status = pbwio__file_error(error, PBWIO_ERROR_FORMAT, name, "the file has no points");
     }

@@ -40,6 +40,14 @@ static int flatten(pbwio_cloud *cloud)
     return 1;
 }
 
+/* Says what a file has and the cloud has not. */
+static void warn_dropped(const job *j, const char *path, const pbwio_cloud *cloud)
+{
+    if (path != NULL && cloud->dropped[0] != 0) {
+        warn(j, "%s: not kept: %s", path, cloud->dropped);
+    }
+}
+
 int load(job *j, int flat)
 {
     double start = now();
@@ -56,6 +64,7 @@ int load(job *j, int flat)
     if (interrupted) {
         return stopped(j);
     }
+    warn_dropped(j, j->input, &j->cloud);
     if (flat && j->read.dim == 0 && j->cloud.dim == 3) {
         flatten(&j->cloud);
     }
@@ -75,6 +84,7 @@ int load_queries(job *j)
     if (pbwio_read(j->second, &read, queries, &error) != PBWIO_OK) {
         return interrupted ? stopped(j) : fail(j, "%s", error.text);
     }
+    warn_dropped(j, j->second, queries);
     if (queries->dim != j->cloud.dim && !(queries->dim == 3 && flatten(queries))) {
         return fail(j, "%s: %s in %dD, but points in %dD%s", j->second, j->command->second, queries->dim,
                     j->cloud.dim, queries->dim == 3 ? "; --dim 2 leaves z out" : "");
@@ -182,6 +192,7 @@ int load_surface(job *j)
     if (path != NULL && pbwio_read(path, NULL, &j->surface, &error) != PBWIO_OK) {
         return fail(j, "--surface: %s", error.text);
     }
+    warn_dropped(j, path, &j->surface);
     if (surface->dim != 3 || surface->triangle_count == 0) {
         return fail(j, "--inside needs a model with faces in 3D, %s has none",
                     path != NULL ? path : j->input != NULL ? j->input : "what is generated");

@@ -1,0 +1,258 @@
+/* test_read.c: examples/lib/pbw_io.h reads the spellings that files have: polygons of every shape; each case with its
+   counts, its sum of coordinates and its area, or with the words that refuse it. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "../pbw.h"
+#define PBW_IO_IMPLEMENTATION
+#include "../examples/lib/pbw_io.h"
+#include "test.h"
+
+typedef struct reading {
+    const char *name, *text, *columns;
+    int dim;                                /* of the cloud; 0: it is refused */
+    size_t points, triangles;
+    double sum, area;                       /* of all coordinates; of all triangles */
+    const char *words;                      /* a part of what is dropped or of the refusal; NULL: nothing is dropped */
+} reading;
+
+static double area_of(const pbwio_cloud *c)
+{
+    double area = 0, a[3], b[3];
+    size_t i, dim = (size_t)c->dim;
+    int k;
+    for (i = 0; i < c->triangle_count; i++) {
+        const pbw_index *t = c->triangles + 3 * i;
+        a[2] = b[2] = 0;
+        for (k = 0; k < c->dim; k++) {
+            a[k] = c->points[dim * t[1] + (size_t)k] - c->points[dim * t[0] + (size_t)k];
+            b[k] = c->points[dim * t[2] + (size_t)k] - c->points[dim * t[0] + (size_t)k];
+        }
+        area += 0.5 * sqrt(pow(a[1] * b[2] - a[2] * b[1], 2) + pow(a[2] * b[0] - a[0] * b[2], 2)
+                           + pow(a[0] * b[1] - a[1] * b[0], 2));
+    }
+    return area;
+}
+
+/* Whether the cloud or the refusal is what the case says. */
+static int is_as_said(const reading *x, const pbwio_cloud *c, pbwio_status status, const char *text)
+{
+    double sum = 0;
+    size_t i;
+    if (status != PBWIO_OK || x->dim == 0) {
+        return status != PBWIO_OK && x->dim == 0 && strstr(text, x->words) != NULL;
+    }
+    for (i = 0; i < c->count * (size_t)c->dim; i++) {
+        sum += c->points[i];
+    }
+    return c->dim == x->dim && c->count == x->points && c->triangle_count == x->triangles
+        && fabs(sum - x->sum) <= 1e-9 * fabs(x->sum) && fabs(area_of(c) - x->area) <= 1e-9 * x->area
+        && (x->words == NULL ? c->dropped[0] == 0 : strstr(c->dropped, x->words) != NULL);
+}
+
+static void check_reading(const reading *x, const char *text, size_t size)
+{
+    pbwio_options options;
+    pbwio_cloud c;
+    pbwio_error error;
+    pbwio_status status;
+    memset(&options, 0, sizeof options);
+    options.columns = x->columns;
+    error.text[0] = 0;
+    status = pbwio_read_memory(x->name, text, size, &options, &c, &error);
+    if (!CHECK(is_as_said(x, &c, status, error.text))) {
+        test_say("%.60s ...: %d, %zu, %zu, area %.17g; %s%s", text, c.dim, c.count, c.triangle_count, area_of(&c),
+                 error.text, c.dropped);
+    }
+    pbwio_free(&c);
+}
+
+static void check_readings(const reading *all, size_t count)
+{
+    size_t i;
+    for (i = 0; i < count; i++) {
+        check_reading(all + i, all[i].text, strlen(all[i].text));
+    }
+}
+
+#define CHECK_ALL(all) check_readings(all, sizeof(all) / sizeof(all)[0])
+
+/* ---- polygons ---- */
+
+#define ARROW "v 0 0 0\nv 3 2 0\nv 0 5 0\nv 1 2 0\n"
+#define CHANNEL "0 0 0\n7 0 0\n7 6 0\n5 6 0\n5 2 0\n2 2 0\n2 6 0\n0 6 0\n"
+
+static const reading polygons[] = {
+    { "arrow.obj", ARROW "f 1 2 3 4\n", NULL, 3, 4, 2, 13, 5, NULL },
+    { "turned.obj", ARROW "f 4 3 2 1\n", NULL, 3, 4, 2, 13, 5, NULL },
+    { "from_4.obj", ARROW "f 4 1 2 3\n", NULL, 3, 4, 2, 13, 5, NULL },
+    { "points_last.obj", "f 1 2 3 4\n" ARROW, NULL, 3, 4, 2, 13, 5, NULL },
+    { "upright_xz.obj", "v 0 0 0\nv 3 0 2\nv 0 0 5\nv 1 0 2\nf 1 2 3 4\n", NULL, 3, 4, 2, 13, 5, NULL },
+    { "upright_yz.obj", "v 0 0 0\nv 0 3 2\nv 0 0 5\nv 0 1 2\nf 1 2 3 4\n", NULL, 3, 4, 2, 13, 5, NULL },
+    { "tiny.obj", "v 0 0 0\nv 3e-300 2e-300 0\nv 0 5e-300 0\nv 1e-300 2e-300 0\nf 1 2 3 4\n", NULL, 3, 4, 2, 1.3e-299,
+      0, NULL },
+    { "huge.obj", "v 0 0 0\nv 3e70 2e70 0\nv 0 5e70 0\nv 1e70 2e70 0\nf 1 2 3 4\n", "1,2", 2, 4, 2, 1.3e71,
+      5e140, NULL },
+    { "channel.off", "OFF\n8 1 0\n" CHANNEL "8 0 1 2 3 4 5 6 7\n", NULL, 3, 8, 6, 56, 30, NULL },
+    { "channel.ply", "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n" CHANNEL "8 7 6 5 4 3 2 1 0\n", NULL,
+      3, 8, 6, 56, 30, NULL },
+    { "plane.off", "OFF\n8 1 0\n" CHANNEL "8 2 3 4 5 6 7 0 1\n", "1,2", 2, 8, 6, 56, 30, NULL },
+    { "halves.off", "OFF\n5 1 0\n0 0 0\n2 0 0\n4 0 0\n4 4 0\n0 4 0\n5 0 1 2 3 4\n", NULL, 3, 5, 3, 18, 16, NULL },
+    { "convex.off", "OFF\n4 1 0\n0 0 0\n4 0 0\n4 4 0\n0 4 0\n4 0 1 2 3\n", NULL, 3, 4, 2, 16, 16, NULL },
+    { "comb.off", "OFF\n9 1 0\n0 0 0\n8 0 0\n8 4 0\n6 1 0\n5 4 0\n4 1 0\n3 4 0\n1 1 0\n0 4 0\n9 0 1 2 3 4 5 6 7 8\n",
+      NULL, 3, 9, 7, 54, 20, NULL },
+    { "quads.mesh", "MeshVersionFormatted 2\nDimension 2\nVertices 4\n0 0 0\n3 2 0\n0 5 0\n1 2 0\nQuadrilaterals 1\n"
+      "1 2 3 4 0\nEnd\n", NULL, 2, 4, 2, 13, 5, NULL },
+    { "quads.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 3 2 0\n3 0 5 0\n4 1 2 0\n$EndNodes\n"
+      "$Elements\n1\n1 3 2 1 1 1 2 3 4\n$EndElements\n", NULL, 3, 4, 2, 13, 5, NULL },
+    { "polygon.vtu", "<VTKFile type=\"UnstructuredGrid\"><Piece NumberOfPoints=\"4\" NumberOfCells=\"1\"><Points>"
+      "<DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 3 2 0 0 5 0 1 2 0</DataArray>"
+      "</Points><Cells><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2 3</DataArray>"
+      "<DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">4</DataArray><DataArray type=\"Int32\" "
+      "Name=\"types\" format=\"ascii\">7</DataArray></Cells></Piece></VTKFile>", NULL, 3, 4, 2, 13, 5, NULL },
+    { "bow_tie.off", "OFF\n4 1 0\n0 0 0\n4 4 0\n4 0 0\n0 4 0\n4 0 1 2 3\n", NULL, 3, 4, 2, 16, 16,
+      "outlines of 1 polygon: flat" },
+    { "twice.off", "OFF\n4 1 0\n0 0 0\n4 0 0\n4 0 0\n0 4 0\n4 0 1 2 3\n", NULL, 3, 4, 2, 12, 8, "1 polygon" },
+    { "flat.off", "OFF\n4 2 0\n0 0 0\n1 1 1\n2 2 2\n3 3 3\n4 0 1 2 3\n4 0 2 1 3\n", NULL, 3, 4, 4, 18, 0,
+      "2 polygons" },
+    { "touches.off", "OFF\n5 1 0\n0 0 0\n4 0 0\n4 4 0\n2 0 0\n0 4 0\n5 0 1 2 3 4\n", NULL, 3, 5, 3, 18, 16,
+      "1 polygon" },
+    { "keyhole.off", "OFF\n8 1 0\n0 0 0\n6 0 0\n6 6 0\n0 6 0\n2 2 0\n2 4 0\n4 4 0\n4 2 0\n"
+      "10 0 1 2 3 0 4 5 6 7 4\n", NULL, 3, 8, 8, 48, 48, "1 polygon" },
+    { "two_places.off", "OFF\n4 1 0\n0 0 0\n4 0 0\n0 0 0\n0 4 0\n4 0 1 2 3\n", NULL, 3, 4, 2, 8, 0, "1 polygon" }
+};
+
+static uint64_t next_random(void)
+{
+    static uint64_t state = 88172645463325252u;
+    state ^= state << 13;
+    state ^= state >> 7;
+    state ^= state << 17;
+    return state;
+}
+
+static const double *corner_of(const double *xy, size_t n, size_t i)
+{
+    return xy + 2 * (i % n);
+}
+
+/* Whether edges i and k of a polygon have more in common than a corner that follows them both, by all pairs. */
+static int edges_meet(const double *xy, size_t n, size_t i, size_t k)
+{
+    const double *a = corner_of(xy, n, i), *b = corner_of(xy, n, i + 1), *c = corner_of(xy, n, k);
+    const double *d = corner_of(xy, n, k + 1);
+    if (b == c || d == a) {
+        const double *p = b == c ? a : c, *q = b == c ? b : a, *s = b == c ? d : b;
+        return pbw_orient2(p, q, s) == 0 && (p[0] - q[0]) * (s[0] - q[0]) + (p[1] - q[1]) * (s[1] - q[1]) >= 0;
+    }
+    if (pbw_orient2(a, b, c) == 0 && pbw_orient2(a, b, d) == 0) {
+        return fmax(fmin(a[0], b[0]), fmin(c[0], d[0])) <= fmin(fmax(a[0], b[0]), fmax(c[0], d[0]))
+            && fmax(fmin(a[1], b[1]), fmin(c[1], d[1])) <= fmin(fmax(a[1], b[1]), fmax(c[1], d[1]));
+    }
+    return pbw_orient2(a, b, c) * pbw_orient2(a, b, d) <= 0 && pbw_orient2(c, d, a) * pbw_orient2(c, d, b) <= 0;
+}
+
+/* Random corners on a small lattice: a simple polygon gets triangles that turn as it does and have its area, any
+   other one gets a word. */
+static void test_random_polygons(void)
+{
+    double xy[32], twice;
+    char text[1024];
+    long trial, simple_ones = 0;
+    for (trial = 0; trial < 10000; trial++) {
+        size_t n = 4 + (size_t)(next_random() % 5), i, k, used;
+        const size_t grid = 4 + (size_t)(next_random() % 6);
+        int simple = 1, turned = 0;
+        pbwio_options options = { PBWIO_OFF, 2, NULL, NULL, NULL, 0 };
+        pbwio_cloud c;
+        used = (size_t)snprintf(text, sizeof text, "OFF\n%zu 1 0\n", n);
+        for (i = 0; i < n; i++) {
+            xy[2 * i] = (double)(next_random() % grid);
+            xy[2 * i + 1] = (double)(next_random() % grid);
+            used += (size_t)snprintf(text + used, sizeof text - used, "%g %g 0\n", xy[2 * i], xy[2 * i + 1]);
+        }
+        used += (size_t)snprintf(text + used, sizeof text - used, "%zu", n);
+        for (i = 0, twice = 0; i < n; i++) {
+            const double *a = corner_of(xy, n, i), *b = corner_of(xy, n, i + 1);
+            used += (size_t)snprintf(text + used, sizeof text - used, " %zu", i);
+            twice += a[0] * b[1] - a[1] * b[0];
+            for (k = i + 1; k < n; k++) {
+                simple &= !edges_meet(xy, n, i, k);
+            }
+        }
+        if (!CHECK(pbwio_read_memory("a.off", text, used, &options, &c, NULL) == PBWIO_OK)) {
+            continue;
+        }
+        for (i = 0; i < c.triangle_count; i++) {
+            const pbw_index *t = c.triangles + 3 * i;
+            turned += pbw_orient2(c.points + 2 * t[0], c.points + 2 * t[1], c.points + 2 * t[2]) != (twice > 0 ? 1 : -1);
+        }
+        simple_ones += simple;
+        if (!CHECK(c.triangle_count == n - 2 && (c.dropped[0] == 0) == simple
+                   && (!simple || (turned == 0 && fabs(2 * area_of(&c) - fabs(twice)) < 1e-9)))) {
+            test_say("%s: %d, %s", text, turned, c.dropped);
+        }
+        pbwio_free(&c);
+    }
+    CHECK(simple_ones > 1000);
+}
+
+/* Polygons of 20,000 corners: a star, a comb, a spiral; and one that crosses itself. */
+static void test_large_polygons(void)
+{
+    const size_t n = 20000;
+    char *text = (char *)malloc(64 * n);
+    size_t i, used;
+    int shape;
+    for (shape = 0; shape < 4 && text != NULL; shape++) {
+        pbwio_cloud c;
+        double area[3];
+        area[0] = 0.25 * (double)n * sin(8 * atan(1.0) / (double)n);
+        area[1] = 0.5 * (double)n - 1;
+        area[2] = 0;
+        used = (size_t)sprintf(text, "OFF\n%zu 1 0\n", n);
+        for (i = 0; i < n; i++) {
+            const double t = 8 * atan(1.0) / (double)n * (double)i, half = (double)(i < n / 2 ? i : n - 1 - i);
+            const double u = 1e-3 * half, r = 1 + u + (i < n / 2 ? 0 : 2), out = i % 2 ? 1 : 0.5;
+            const double x = shape == 0 ? out * cos(t) : shape == 1 ? half : shape == 2 ? r * cos(u) : cos(7 * t);
+            const double y = shape == 0 ? out * sin(t) : shape == 1 ? (fmod(half, 2) > 0 ? 1000 : 0) + (i < n / 2 ? 0 : 1)
+                           : shape == 2 ? r * sin(u) : sin(5 * t);
+            used += (size_t)sprintf(text + used, "%.17g %.17g 0\n", x, y);
+        }
+        used += (size_t)sprintf(text + used, "%zu", n);
+        for (i = 0; i < n; i++) {
+            used += (size_t)sprintf(text + used, " %zu", shape == 1 ? n - 1 - i : i);
+        }
+        if (CHECK(pbwio_read_memory("a.off", text, used, NULL, &c, NULL) == PBWIO_OK)) {
+            CHECK(c.triangle_count == n - 2 && (c.dropped[0] == 0) == (shape < 3));
+            CHECK(shape > 1 || fabs(area_of(&c) - area[shape]) < 1e-6 * area[shape]);
+            pbwio_free(&c);
+        }
+    }
+    free(text);
+}
+
+static void test_polygons(void)
+{
+    CHECK_ALL(polygons);
+    test_random_polygons();
+    test_large_polygons();
+}
+
+int main(int argc, char **argv)
+{
+    static const struct { const char *name; void (*run)(void); } tests[] = {
+        { "polygons", test_polygons }
+    };
+    size_t i;
+    test_start(argc, argv, 0);
+    for (i = 0; i < sizeof tests / sizeof tests[0]; i++) {
+        if (test_begin("%s", tests[i].name)) {
+            tests[i].run();
+            test_end();
+        }
+    }
+    return test_finish();
+}
