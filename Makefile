@@ -107,6 +107,7 @@ $B/libpbw_python.so: $(BINDING) examples/python/pbw_python.h $(HEADERS)
 $(TESTS:%=$B/%): $B/%: tests/%.c $(HEADERS) $B/libpbw.a
 	$C $< -o $@ $B/libpbw.a $(LIBS)
 
+$B/test_tilefile: examples/program/tiles.c examples/program/pbwt.c
 $B/test_scalar: tests/test_threads.c
 $B/test_digits: tests/test_predicates.c
 $B/test_live_local: tests/test_live.c

@@ -26,9 +26,14 @@
        given     u32: own points given up to the leftovers
        across    u64: chunk << 40 | simplex << 2 | corner, or all ones: the hull
      table       a pbwtf_entry for each chunk
-   A simplex is in one chunk only.  Its global number is the first of its chunk plus its number there.
+   A simplex is in one chunk only, that of the tile of its corner with the smallest id; if that is given up, in the
+   leftovers.  Its global number is the first of its chunk plus its number there.  Ids are all different.
+   Between header and table there are chunks only.  What has no meaning is zero, and so are, without links, hull,
+   across and across_checksum.  Links above 2^31 count from there, in the order of the simplices.
    Checksum of words w: h = 0, then h = (h ^ w) * 0x9e3779b97f4a7c15, h ^= h >> 32 for each; of a chunk: all but its
    head and `across`.
+   A reader refuses a file with other counts, places or flags, and a chunk with another head; pbwtf_is_intact compares
+   the checksums of a chunk.  pbw check proves the rest.
 */
 #ifndef PBW_TILEFILE_H
 #define PBW_TILEFILE_H
@@ -58,8 +63,9 @@ typedef struct pbwtf_header {
 typedef struct pbwtf_chunk {
     char magic[8];                         /* "PBWTILE1" */
     uint32_t tile, dim, flags, unused;
-    uint64_t own, foreign, simplices, given, across, hull, duplicates;
-    pbw_hash_sums hash;
+    uint64_t own, foreign, simplices, given, across;
+    uint64_t hull, duplicates;             /* links to the hull; points of the tile that were left out */
+    pbw_hash_sums hash;                    /* of its own points and its simplices */
     uint64_t checksum, spare[3];
 } pbwtf_chunk;
 
@@ -96,6 +102,11 @@ PBWTFDEF void pbwtf_forget(const pbwtf_map *map);    /* its pages leave this pro
 PBWTFDEF int pbwtf_open(const char *path, pbwtf_file *file, char *error);
 PBWTFDEF void pbwtf_close(pbwtf_file *file);
 PBWTFDEF int pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error);
+/* The same of a file that has no header yet: dim, flags, chunks and tiles of header and one entry are read. */
+PBWTFDEF int pbwtf_view_at(const pbwtf_map *map, const pbwtf_header *header, const pbwtf_entry *entry, size_t chunk,
+                           pbwtf_view *view, char *error);
+/* Returns whether the bytes of a chunk are those that were written, by its checksums, and what fills it up is 0. */
+PBWTFDEF int pbwtf_is_intact(const pbwtf_view *view, const pbwtf_entry *entry);
 PBWTFDEF uint64_t pbwtf_checksum(uint64_t h, const void *data, size_t size);     /* of whole words */
 /* Fills points, weights, simplices, neighbors (PBW_NONE at the hull and across), canonical: own points, then foreign.
    Returns 0 without memory. */
@@ -278,28 +289,65 @@ PBWTFDEF void pbwtf_seal(pbwtf_header *header, const pbw_hash_sums *sums)
 /* ------------------------------------------------------------------------------------------------------
    Reading.
    ------------------------------------------------------------------------------------------------------ */
+static int pbwtf__is_zero(const uint64_t *words, size_t count)
+{
+    uint64_t any = 0;
+    for (; count > 0; count--) {
+        any |= *words++;
+    }
+    return any == 0;
+}
+
+/* Returns NULL, or what is wrong with a header. */
+static const char *pbwtf__header_fault(const pbwtf_header *h, size_t size)
+{
+    if (size < sizeof *h || memcmp(h->magic, "PBWT0001", 8) != 0) {
+        return "no .pbwt file, or one that was not finished";
+    }
+    if (h->checksum != pbwtf_checksum(0, h, sizeof *h - 8)) {
+        return "the header is damaged";
+    }
+    if (h->size != size || h->table > size || size - h->table != h->chunks * (uint64_t)sizeof(pbwtf_entry)) {
+        return "the file is truncated";
+    }
+    return h->dim < 2 || h->dim > 3 || h->flags > (PBWTF_WEIGHTS | PBWTF_LINKS) || h->table % 8 != 0
+        || h->table < sizeof *h || h->tiles == 0 || h->chunks < h->tiles || h->chunks - h->tiles > 1 || h->duplicates > h->points
+        || (h->hull > 0 && !(h->flags & PBWTF_LINKS)) || !pbwtf__is_zero(h->spare, 5) ? "the header is wrong" : NULL;
+}
+
+/* Chunks fill all that is between header and table; numbers of simplices ascend from 0. */
+static const char *pbwtf__table_fault(const pbwtf_header *h, const pbwtf_entry *table)
+{
+    uint64_t bytes = sizeof *h, first = 0;
+    size_t c;
+    for (c = 0; c < h->chunks; c++) {
+        if (table[c].size > h->table - bytes || table[c].first_simplex < first || (c == 0 && table->first_simplex > 0)
+            || table[c].first_simplex > h->simplices) {
+            return "the table of tiles is wrong";
+        }
+        bytes += table[c].size;
+        first = table[c].first_simplex;
+    }
+    return bytes != h->table ? "the table of tiles is wrong" : NULL;
+}
+
 PBWTFDEF int pbwtf_open(const char *path, pbwtf_file *file, char *error)
 {
-    const char *what = NULL;
+    const char *what;
     memset(file, 0, sizeof *file);
     if (!pbwtf_map_file(path, &file->map, error)) {
         return 0;
     }
     file->header = (const pbwtf_header *)(const void *)file->map.data;
-    if (file->map.size < sizeof(pbwtf_header) || memcmp(file->header->magic, "PBWT0001", 8) != 0) {
-        what = "no .pbwt file, or one that was not finished";
-    } else if (file->header->checksum != pbwtf_checksum(0, file->header, sizeof(pbwtf_header) - 8)) {
-        what = "the header is damaged";
-    } else if (file->header->size != file->map.size || file->header->dim < 2 || file->header->dim > 3
-               || file->header->table > file->map.size || file->header->table % 8 != 0
-               || (file->map.size - file->header->table) / sizeof(pbwtf_entry) != file->header->chunks) {
-        what = "the file is truncated";
+    what = pbwtf__header_fault(file->header, file->map.size);
+    if (what == NULL) {
+        file->table = (const pbwtf_entry *)(const void *)(file->map.data + file->header->table);
+        what = pbwtf__table_fault(file->header, file->table);
     }
     if (what != NULL) {
         pbwtf_close(file);
         return pbwtf__fail(error, path, what);
     }
-    file->table = (const pbwtf_entry *)(const void *)(file->map.data + file->header->table);
     return 1;
 }
 
@@ -309,28 +357,30 @@ PBWTFDEF void pbwtf_close(pbwtf_file *file)
     memset(file, 0, sizeof *file);
 }
 
-PBWTFDEF int pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error)
+/* Whether the head of a chunk is one of such a file; counts are below the file's size, so that no sum overflows. */
+static int pbwtf__is_head(const pbwtf_chunk *c, const pbwtf_header *h, size_t chunk, uint64_t most)
 {
-    const pbwtf_entry *entry = file->table + chunk;
-    const uint64_t most = file->map.size;
-    const char *at;
+    const int links = (h->flags & PBWTF_LINKS) != 0;
+    return memcmp(c->magic, "PBWTILE1", 8) == 0 && c->tile == chunk && c->dim == h->dim && c->flags == h->flags
+        && c->unused == 0 && pbwtf__is_zero(c->spare, 3)
+        && c->own <= most && c->foreign <= most && c->simplices <= most && c->across <= most && c->given <= c->own
+        && (chunk < h->tiles || (c->own == 0 && c->duplicates == 0)) && (links || (c->across == 0 && c->hull == 0));
+}
+
+PBWTFDEF int pbwtf_view_at(const pbwtf_map *map, const pbwtf_header *header, const pbwtf_entry *entry, size_t chunk,
+                           pbwtf_view *view, char *error)
+{
+    const uint64_t most = map->size;
+    const char *at = map->data + entry->offset;
     char name[40];
     memset(view, 0, sizeof *view);
     snprintf(name, sizeof name, "tile %lu", (unsigned long)chunk);
-    if (chunk >= file->header->chunks) {
-        snprintf(error, PBWTF_ERROR, "tile %lu: there are %lu", (unsigned long)chunk,
-                 (unsigned long)file->header->chunks);
-        return 0;
-    }
     if (entry->offset % 8 != 0 || entry->offset > most || most - entry->offset < sizeof(pbwtf_chunk)) {
         return pbwtf__fail(error, name, "its place in the file is wrong");
     }
-    at = file->map.data + entry->offset;
     view->chunk = (const pbwtf_chunk *)(const void *)at;
-    if (memcmp(view->chunk->magic, "PBWTILE1", 8) != 0 || view->chunk->dim != file->header->dim
-        || view->chunk->flags != file->header->flags || view->chunk->own > most || view->chunk->foreign > most
-        || view->chunk->simplices > most || view->chunk->given > most || view->chunk->across > most
-        || pbwtf_chunk_size(view->chunk) != entry->size || entry->size > most - entry->offset) {
+    if (!pbwtf__is_head(view->chunk, header, chunk, most) || pbwtf_chunk_size(view->chunk) != entry->size
+        || entry->size > most - entry->offset) {
         return pbwtf__fail(error, name, "its head is damaged");
     }
     pbwtf__sizes(view->chunk, view);
@@ -346,6 +396,37 @@ PBWTFDEF int pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_view *vie
     at += pbwtf__round((size_t)view->chunk->given * 4);
     view->across = (const uint64_t *)(const void *)at;
     return 1;
+}
+
+PBWTFDEF int pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error)
+{
+    const pbwtf_header *header = file->header;
+    const pbwtf_entry *entry = file->table + chunk;
+    memset(view, 0, sizeof *view);
+    if (chunk >= header->chunks) {
+        snprintf(error, PBWTF_ERROR, "tile %lu: there are %lu", (unsigned long)chunk, (unsigned long)header->chunks);
+        return 0;
+    }
+    if (!pbwtf_view_at(&file->map, header, entry, chunk, view, error)) {
+        return 0;
+    }
+    if ((chunk + 1 < header->chunks ? entry[1].first_simplex : header->simplices) - entry->first_simplex
+        != view->chunk->simplices) {
+        snprintf(error, PBWTF_ERROR, "tile %lu: it has %.0f simplices, and other numbers of them in the table",
+                 (unsigned long)chunk, (double)view->chunk->simplices);
+        return 0;
+    }
+    return 1;
+}
+
+PBWTFDEF int pbwtf_is_intact(const pbwtf_view *view, const pbwtf_entry *entry)
+{
+    const pbwtf_chunk *c = view->chunk;
+    const char *after_head = (const char *)(c + 1);
+    const size_t words = (size_t)c->simplices * view->simplex_size;
+    return pbwtf_checksum(0, after_head, pbwtf_across_offset(c) - sizeof *c) == c->checksum
+        && pbwtf_checksum(0, view->across, (size_t)c->across * 8) == entry->across_checksum
+        && (words % 2 == 0 || view->simplices[words] == 0) && (c->given % 2 == 0 || view->given[c->given] == 0);
 }
 
 PBWTFDEF void pbwtf_mesh_free(pbw_mesh *mesh)

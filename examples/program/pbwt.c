@@ -3,20 +3,27 @@
    The proof: every simplex is positive; links lead back, across tiles too, to simplices that share the facet, on its
    other side, and whose other corner is not in conflict; facets without a link are those of the hull of their own
    vertices.  So the simplices cover the hull once, and are regular everywhere.  Each point is a corner (with weights:
-   or hidden, which is not proved), points in several tiles are equal; checksums, counts and the hash are right. */
+   or hidden, which is not proved), points in several tiles are equal, ids are different; each simplex is in the tile
+   it belongs to; checksums, counts and hashes, of each tile and of all, are right. */
 #include "program.h"
 #include "pbw_tilefile.h"
 
 typedef struct hull_facet { uint64_t key[3]; } hull_facet;           /* ascending; 2D: the last is 0 */
+
+enum { CORNER = 1, ON_HULL = 2, GIVEN = 4 };         /* marks of points: given up to the leftovers */
 
 typedef struct proof {
     job *j;
     pbwtf_file file;
     pbwtf_view *view;
     size_t dim, corners, chunk;                      /* chunk: under test */
-    unsigned char **seen;                            /* per chunk, a byte a point: it is a corner */
+    unsigned char **seen;                            /* per chunk, a byte a point: marks */
     hull_facet *facets;
     size_t facet_count;
+    /* Each id takes a bit by its last digits.  Those that share one, none of numbers of the input, are compared. */
+    unsigned char *once, *twice;                     /* bits that were taken; more than once */
+    size_t bits, sharing, id_count;
+    uint64_t *ids;
     pbw_hash_sums sums;
 } proof;
 
@@ -50,6 +57,13 @@ static uint64_t key_of(const proof *p, size_t chunk, uint32_t corner)           
     return key;
 }
 
+static uint64_t id_of(const proof *p, size_t chunk, uint32_t corner)
+{
+    uint64_t id;
+    memcpy(&id, point_of(p, chunk, corner) + p->view[chunk].own_size - 1, sizeof id);
+    return id;
+}
+
 static int compare_keys(const void *a, const void *b)
 {
     uint64_t x, y;
@@ -71,6 +85,12 @@ static void facet_of(const proof *p, size_t chunk, size_t simplex, size_t corner
 }
 
 /* ---- simplices */
+
+static int is_on_hull(const pbwtf_view *v, uint32_t link)
+{
+    return link == PBWT_HULL || (link >= 0x80000000u && link - 0x80000000u < v->chunk->across
+                                 && v->across[link - 0x80000000u] == PBWT_NOTHING);
+}
 
 static int orientation(const proof *p, const double *const *x)
 {
@@ -113,8 +133,7 @@ static const char *check_link(const proof *p, size_t simplex, size_t k)
     const uint32_t link = record_of(p, p->chunk, simplex)[p->corners + k];
     size_t other = link, other_chunk = p->chunk, apex;
     const uint32_t *back;
-    if (link == PBWT_HULL || (link >= 0x80000000u && link - 0x80000000u < v->chunk->across
-                              && v->across[link - 0x80000000u] == PBWT_NOTHING)) {
+    if (is_on_hull(v, link)) {
         return NULL;
     }
     if (link >= 0x80000000u) {
@@ -191,67 +210,176 @@ static int fault_in(const proof *p, const char *what)
 
 static int check_bytes(const proof *p)
 {
+    return pbwtf_is_intact(p->view + p->chunk, p->file.table + p->chunk) ? 0
+         : fault_in(p, "the checksum is wrong: the file is damaged");
+}
+
+/* Foreign points are points of other tiles, each once. */
+static int check_foreign(const proof *p)
+{
     const pbwtf_view *v = p->view + p->chunk;
-    const size_t head = sizeof(pbwtf_chunk), across = pbwtf_across_offset(v->chunk);
-    const char *at = (const char *)v->chunk;
+    const size_t own = (size_t)v->chunk->own, count = (size_t)v->chunk->foreign;
+    uint64_t *keys = (uint64_t *)malloc((count + 1) * sizeof *keys);
+    const char *fault = NULL;
     size_t i;
-    if (pbwtf_checksum(0, at + head, across - head) != v->chunk->checksum
-        || pbwtf_checksum(0, at + across, v->size - across) != p->file.table[p->chunk].across_checksum) {
-        return fault_in(p, "the checksum is wrong: the file is damaged");
+    if (keys == NULL) {
+        return fail(p->j, "out of memory");
     }
-    for (i = 0; i < v->chunk->foreign; i++) {
-        const double *mine = v->foreign + i * v->foreign_size;
-        uint64_t key;
-        memcpy(&key, mine + v->own_size, sizeof key);
-        if (key >> 32 >= p->file.header->tiles || (key & 0xffffffffu) >= p->view[key >> 32].chunk->own
-            || memcmp(mine, point_of(p, (size_t)(key >> 32), (uint32_t)key), v->own_size * 8) != 0) {
-            return fault_in(p, "a point differs from that of its tile");
+    for (i = 0; i < count && fault == NULL; i++) {
+        const uint64_t key = keys[i] = key_of(p, p->chunk, (uint32_t)(own + i));
+        fault = key >> 32 >= p->file.header->tiles || (key & 0xffffffffu) >= p->view[key >> 32].chunk->own
+             || memcmp(point_of(p, p->chunk, (uint32_t)(own + i)), point_of(p, (size_t)(key >> 32), (uint32_t)key),
+                       v->own_size * 8) != 0 ? "a point differs from that of its tile"
+             : key >> 32 == p->chunk ? "a point of its own is among those of others" : NULL;
+    }
+    if (fault == NULL) {
+        qsort(keys, count, sizeof *keys, compare_keys);
+        for (i = 1; i < count && keys[i - 1] != keys[i]; i++) {
         }
+        fault = i < count ? "a point of another tile is there twice" : NULL;
+    }
+    free(keys);
+    return fault != NULL ? fault_in(p, fault) : 0;
+}
+
+/* Points given up ascend; marks them. */
+static int check_given(proof *p)
+{
+    const pbwtf_view *v = p->view + p->chunk;
+    size_t i;
+    for (i = 0; i < v->chunk->given; i++) {
+        if (v->given[i] >= v->chunk->own || (i > 0 && v->given[i] <= v->given[i - 1])) {
+            return fault_in(p, "the list of points given up is wrong");
+        }
+        p->seen[p->chunk][v->given[i]] |= GIVEN;
+    }
+    return p->file.header->chunks > p->file.header->tiles || v->chunk->given == 0 ? 0
+         : fault_in(p, "it gave up points, and the file has no tile of leftovers");
+}
+
+static int add_hull_facet(proof *p, size_t simplex, size_t corner)
+{
+    hull_facet *facets = p->facets;
+    size_t i;
+    if ((p->facet_count & (p->facet_count - 1)) == 0) {              /* a power of two: full */
+        facets = (hull_facet *)realloc(p->facets, (2 * p->facet_count + 2) * sizeof *facets);
+        if (facets == NULL) {
+            return fail(p->j, "out of memory: the hull");
+        }
+        p->facets = facets;
+    }
+    facets += p->facet_count++;
+    memset(facets, 0, sizeof *facets);
+    facet_of(p, p->chunk, simplex, corner, facets->key);
+    for (i = 0; i < p->dim; i++) {
+        p->seen[facets->key[i] >> 32][facets->key[i] & 0xffffffffu] |= ON_HULL;
     }
     return 0;
 }
 
-/* Marks corners, and collects facets of the hull. */
-static int collect_hull(proof *p)
+/* Whether a simplex is in the chunk it belongs to, by its corner with the smallest id. */
+static int is_at_home(const proof *p, size_t simplex)
+{
+    const uint32_t *record = record_of(p, p->chunk, simplex);
+    uint64_t least = id_of(p, p->chunk, record[0]), key = key_of(p, p->chunk, record[0]);
+    size_t k, home;
+    for (k = 1; k < p->corners; k++) {
+        const uint64_t id = id_of(p, p->chunk, record[k]);
+        if (id < least) {
+            least = id;
+            key = key_of(p, p->chunk, record[k]);
+        }
+    }
+    home = p->seen[key >> 32][key & 0xffffffffu] & GIVEN ? p->file.header->tiles : (size_t)(key >> 32);
+    return home == p->chunk;
+}
+
+/* Marks corners, collects facets of the hull, counts links. */
+static int read_simplices(proof *p)
 {
     const pbwtf_view *v = p->view + p->chunk;
-    size_t s, k, i;
+    const uint64_t points = v->chunk->own + v->chunk->foreign;
+    uint64_t hull = 0, across = 0;
+    size_t s, k;
     for (s = 0; s < v->chunk->simplices; s++) {
         const uint32_t *record = record_of(p, p->chunk, s);
         for (k = 0; k < p->corners; k++) {
-            const uint64_t key = record[k] < v->chunk->own + v->chunk->foreign ? key_of(p, p->chunk, record[k]) : 0;
-            const uint32_t link = record[p->corners + k];
-            hull_facet *facets;
-            if (record[k] >= v->chunk->own + v->chunk->foreign) {
+            if (record[k] >= points) {
                 return fault_in(p, "a corner is no point");
             }
-            p->seen[key >> 32][key & 0xffffffffu] |= 1;
-            if (link != PBWT_HULL && (link < 0x80000000u || link - 0x80000000u >= v->chunk->across
-                                      || v->across[link - 0x80000000u] != PBWT_NOTHING)) {
-                continue;
+        }
+        if (!is_at_home(p, s)) {
+            return fault_in(p, "a simplex belongs to another tile");
+        }
+        for (k = 0; k < p->corners; k++) {
+            const uint64_t key = key_of(p, p->chunk, record[k]);
+            const uint32_t link = record[p->corners + k];
+            p->seen[key >> 32][key & 0xffffffffu] |= CORNER;
+            hull += link == PBWT_HULL;
+            if (link != PBWT_HULL && link >= 0x80000000u && link - 0x80000000u != across++) {
+                return fault_in(p, "links across tiles are not in their order");
             }
-            if ((p->facet_count & (p->facet_count - 1)) == 0) {      /* a power of two: full */
-                facets = (hull_facet *)realloc(p->facets, (2 * p->facet_count + 2) * sizeof *facets);
-                if (facets == NULL) {
-                    return fail(p->j, "out of memory: the hull");
-                }
-                p->facets = facets;
-            }
-            facets = p->facets + p->facet_count++;
-            memset(facets, 0, sizeof *facets);
-            facet_of(p, p->chunk, s, k, facets->key);
-            for (i = 0; i < p->dim; i++) {
-                p->seen[facets->key[i] >> 32][facets->key[i] & 0xffffffffu] |= 2;
+            if (is_on_hull(v, link) && add_hull_facet(p, s, k)) {
+                return FAILURE;
             }
         }
     }
-    return 0;
+    return hull == v->chunk->hull && across == v->chunk->across ? 0
+         : fault_in(p, "the numbers of links in its head are wrong");
+}
+
+static void take_bits(proof *p)
+{
+    uint64_t i;
+    for (i = 0; i < p->view[p->chunk].chunk->own; i++) {
+        const size_t bit = (size_t)(id_of(p, p->chunk, (uint32_t)i) % p->bits);
+        const unsigned char mark = (unsigned char)(1u << bit % 8), again = p->once[bit / 8] & mark;
+        p->sharing += again == 0 ? 0 : p->twice[bit / 8] & mark ? 1 : 2;
+        p->twice[bit / 8] |= again;
+        p->once[bit / 8] |= mark;
+    }
+}
+
+static void collect_ids(proof *p)
+{
+    uint64_t i;
+    for (i = 0; i < p->view[p->chunk].chunk->own && p->sharing > 0; i++) {
+        const uint64_t id = id_of(p, p->chunk, (uint32_t)i);
+        const size_t bit = (size_t)(id % p->bits);
+        if (p->twice[bit / 8] >> bit % 8 & 1) {
+            p->ids[p->id_count++] = id;
+        }
+    }
 }
 
 static int read_chunk(proof *p)
 {
-    const int failed = check_bytes(p);
-    return failed ? failed : collect_hull(p);
+    int failed = check_bytes(p);
+    failed = failed ? failed : check_foreign(p);
+    take_bits(p);
+    return failed ? failed : read_simplices(p);
+}
+
+/* All chunks for the first time: what later steps rely on. */
+static int read_chunks(proof *p)
+{
+    uint64_t points = 0;
+    size_t c;
+    int failed;
+    for (c = 0; c < p->file.header->tiles; c++) {
+        points += p->view[c].chunk->own;
+    }
+    for (p->bits = 8; p->bits < points; p->bits *= 2) {
+    }
+    p->once = (unsigned char *)calloc(p->bits / 8, 2);
+    if (p->once == NULL) {
+        return fail(p->j, "out of memory: ids");
+    }
+    p->twice = p->once + p->bits / 8;
+    failed = for_chunks(p, check_given);             /* of all tiles: each simplex needs some of them */
+    failed = failed ? failed : for_chunks(p, read_chunk);
+    p->ids = (uint64_t *)malloc((p->sharing + 1) * sizeof *p->ids);
+    return !failed && p->ids == NULL ? fail(p->j, "out of memory: ids") : failed;
 }
 
 static int check_chunk(proof *p)                     /* once the bytes of all chunks are known to be right */
@@ -260,6 +388,7 @@ static int check_chunk(proof *p)                     /* once the bytes of all ch
     const char *fault = NULL;
     size_t s;
     const pbw_status status = pbw_for(&p->j->build, count, 4096, check_range, p);
+    collect_ids(p);
     for (s = 0; s < count && status == PBW_ERROR_ARGUMENT && fault == NULL; s++) {
         fault = check_simplex(p, s);
     }
@@ -323,7 +452,7 @@ static int check_hull(proof *p)
     int failed;
     for (c = 0; c < p->file.header->tiles; c++) {
         for (i = 0; i < p->view[c].chunk->own; i++) {
-            count += p->seen[c][i] >> 1;
+            count += (p->seen[c][i] & ON_HULL) != 0;
         }
     }
     x = (double *)malloc((count + 1) * p->dim * sizeof *x);
@@ -332,7 +461,7 @@ static int check_hull(proof *p)
     failed = x == NULL || w == NULL || keys == NULL ? fail(p->j, "out of memory: the hull") : 0;
     for (c = 0; c < p->file.header->tiles && !failed; c++) {
         for (i = 0; i < p->view[c].chunk->own; i++) {
-            if (p->seen[c][i] >> 1) {
+            if (p->seen[c][i] & ON_HULL) {
                 const double *point = point_of(p, c, (uint32_t)i);
                 memcpy(x + n * p->dim, point, p->dim * sizeof *x);
                 w[n] = point[p->dim];
@@ -347,22 +476,31 @@ static int check_hull(proof *p)
     return failed;
 }
 
+/* Whether no two of the ids that share a bit are equal. */
+static int check_ids(const proof *p)
+{
+    size_t i;
+    qsort(p->ids, p->id_count, sizeof *p->ids, compare_keys);
+    for (i = 1; i < p->id_count; i++) {
+        if (p->ids[i - 1] == p->ids[i]) {
+            return fail(p->j, "two points have the id %.0f", (double)p->ids[i]);
+        }
+    }
+    return 0;
+}
+
 /* Counts, and that each point is a corner. */
 static int check_points(const proof *p, size_t *hidden)
 {
     const pbwtf_header *header = p->file.header;
-    uint64_t points = header->duplicates, simplices = 0;
     size_t c, i;
     *hidden = 0;
     for (c = 0; c < header->chunks; c++) {
-        points += p->view[c].chunk->own;
-        simplices += p->view[c].chunk->simplices;
         for (i = 0; i < p->view[c].chunk->own; i++) {
-            *hidden += p->seen[c][i] == 0;
+            *hidden += !(p->seen[c][i] & CORNER);
         }
     }
-    if (points != header->points || simplices != header->simplices
-        || (p->facet_count != header->hull && header->flags & PBWTF_LINKS)) {
+    if (p->facet_count != header->hull) {
         return fail(p->j, "the counts in the header are wrong");
     }
     return *hidden > 0 && !(header->flags & PBWTF_WEIGHTS) && header->simplices > 0
@@ -382,6 +520,10 @@ static int add_hash(proof *p)
         p->sums.points += own.points;
         p->sums.simplices += own.simplices;
         pbwtf_mesh_free(&mesh);
+        if (status == PBW_OK && memcmp(&own, &v->chunk->hash, sizeof own) != 0) {
+            free(chosen);
+            return fault_in(p, "the hash in its head is not that of its simplices");
+        }
     }
     free(chosen);
     return status == PBW_ERROR_MEMORY ? fault_in(p, "out of memory, or a corner or link is out of range")
@@ -391,13 +533,26 @@ static int add_hash(proof *p)
 static int hash_all(proof *p)
 {
     int failed = for_chunks(p, add_hash);
-    if (!failed && p->file.header->points > 0 && pbw_hash_of(&p->sums) != p->file.header->hash) {
+    if (!failed && (p->file.header->points > 0 ? pbw_hash_of(&p->sums) : 0) != p->file.header->hash) {
         failed = fail(p->j, "%s: the hash is not that of its simplices", p->j->input);
     }
     return failed;
 }
 
 /* ---- commands */
+
+/* Whether the counts in the header are those of all chunks. */
+static int counts_agree(const proof *p)
+{
+    const pbwtf_header *header = p->file.header;
+    uint64_t points = header->duplicates, duplicates = 0;
+    size_t c;
+    for (c = 0; c < header->chunks; c++) {
+        points += p->view[c].chunk->own;
+        duplicates += p->view[c].chunk->duplicates;
+    }
+    return points == header->points && duplicates == header->duplicates;
+}
 
 static int open_proof(job *j, proof *p)
 {
@@ -424,6 +579,9 @@ static int open_proof(job *j, proof *p)
             return fail(j, "out of memory");
         }
     }
+    if (!counts_agree(p)) {
+        return fail(j, "%s: the counts in the header are not those of the tiles", j->input);
+    }
     note(j, "%zu point%s in %uD%s, %zu %s in %zu tile%s%s, hash %016llx", COUNT(p->file.header->points),
          p->file.header->dim, p->file.header->flags & PBWTF_WEIGHTS ? ", weighted" : "",
          (size_t)p->file.header->simplices, simplices(0, (size_t)p->file.header->simplices),
@@ -442,6 +600,8 @@ static int close_proof(proof *p, int failed)
     free(p->seen);
     free(p->view);
     free(p->facets);
+    free(p->once);
+    free(p->ids);
     pbwtf_close(&p->file);
     return failed;
 }
@@ -455,8 +615,9 @@ int check_pbwt(job *j)
     if (!failed && !(p.file.header->flags & PBWTF_LINKS)) {
         failed = fail(j, "%s: it has no links, so it cannot be proved; pbw hash compares it", j->input);
     }
-    failed = failed ? failed : for_chunks(&p, read_chunk);
+    failed = failed ? failed : read_chunks(&p);
     failed = failed ? failed : for_chunks(&p, check_chunk);
+    failed = failed ? failed : check_ids(&p);
     failed = failed ? failed : check_points(&p, &hidden);
     failed = failed || p.facet_count == 0 ? failed : check_hull(&p);
     failed = failed ? failed : hash_all(&p);
@@ -474,6 +635,8 @@ int convert_pbwt(job *j, pbw_mesh *mesh)
     if (!failed && tile >= p.file.header->chunks) {
         failed = fail(j, "--tile %lu: there are %u", (unsigned long)tile, p.file.header->chunks);
     }
+    p.chunk = tile;
+    failed = failed ? failed : check_bytes(&p);
     if (!failed && !pbwtf_mesh(p.view + tile, mesh)) {
         failed = fail(j, "tile %lu: out of memory, or a corner or link is out of range", (unsigned long)tile);
     }

@@ -810,15 +810,11 @@ static int view_chunk(const work *w, const pbwtf_map *chunks, size_t p, pbwtf_vi
 {
     char error[PBWTF_ERROR];
     pbwtf_header header;
-    pbwtf_file file;
     memset(&header, 0, sizeof header);
     header.dim = w->s.dim;
     header.flags = (w->s.weighted ? PBWTF_WEIGHTS : 0) | (w->s.links ? PBWTF_LINKS : 0);
-    header.chunks = 1;
-    file.map = *chunks;
-    file.header = &header;
-    file.table = &w->tile[p].entry;
-    return pbwtf_view_of(&file, 0, view, error);
+    header.tiles = w->s.parts;
+    return pbwtf_view_at(chunks, &header, &w->tile[p].entry, p, view, error);
 }
 
 /* A tile as it was when it ended, for pbwt_leftovers; foreign points, only their ids, are allocated.  Returns 0
