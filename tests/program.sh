@@ -52,7 +52,25 @@ ln -s ../target.obj folder/link.obj
 ln -s later.obj dangling.obj
 check "a link is written through" silent mesh atoms.csv --quiet -o folder/link.obj -o dangling.obj
 check "a link stays" sh -c "[ -h folder/link.obj ] && [ -h dangling.obj ]"
-check "what it leads to is written" sh -c "grep '^f' target.obj && grep '^f' later.obj && ! [ -e target.obj.part ]"
+check "what it leads to is written" sh -c "grep '^f' target.obj && grep '^f' later.obj && ! ls target.obj.part*"
+echo mine > kept.part
+ln -s atoms.csv kept2.obj.part
+ln -s kept.part kept3.obj.part
+check "files named .part are no business of an output" sh -c "'$pbw' mesh atoms.csv --quiet -o kept -o kept2.obj \
+    -o kept3.obj --format obj && grep mine kept.part && cmp atoms.csv atoms.csv.old && [ -h kept3.obj.part ]"
+check "an input named .part of an output is read" sh -c "cp atoms.csv p.obj.part &&
+    '$pbw' mesh p.obj.part --quiet -o p.obj && cmp p.obj.part atoms.csv && grep '^f' p.obj"
+two_runs() {    # 2 runs on one output, many times: it is always one of the two
+    for try in 1 2 3 4 5 6; do
+        "$pbw" mesh --generate uniform 2000 --seed 1 --quiet -o two.obj & one=$!
+        "$pbw" mesh --generate uniform 2000 --seed 2 --quiet -o two.obj && wait $one || return 1
+        cmp -s two.obj seed1.obj || cmp two.obj seed2.obj || return 1
+    done
+    ! ls two.obj.part*
+}
+"$pbw" mesh --generate uniform 2000 --seed 1 --quiet -o seed1.obj
+"$pbw" mesh --generate uniform 2000 --seed 2 --quiet -o seed2.obj
+check "two runs on one output" two_runs
 check "a mode stays" sh -c "ls -l target.obj | grep '^-rw-r-----'"
 mkfifo fifo
 fifo() {

@@ -276,7 +276,7 @@ static void test_errors(void)
     memset(&mesh, 0, sizeof mesh);
     memset(&options, 0, sizeof options);
     random_mesh(3, 300, 1, &mesh);
-    snprintf(part, sizeof part, "%s.part", path);
+    snprintf(part, sizeof part, "%s.part.%lu-0", path, (unsigned long)getpid());
     CHECK(file != NULL && fputs("old", file) >= 0 && fclose(file) == 0);
     signal(SIGXFSZ, SIG_IGN);
     getrlimit(RLIMIT_FSIZE, &old);

@@ -214,9 +214,10 @@ PBWIODEF void pbwio_free(pbwio_cloud *cloud);
 /* Writes a mesh. */
 PBWIODEF pbwio_status pbwio_write(const char *path, const pbw_mesh *mesh, const pbwio_output *output,
                                   pbwio_error *error);
-/* Writes any file whole or not at all: emit writes to the stream and need not look for errors; "path.part" is then
-   renamed to path, or removed if the disk was full.  A file that is replaced gives its mode to the new one; a
-   symbolic link stays, and what it leads to is replaced.  "-" is the standard output; that, FIFOs, devices and names
+/* Writes any file whole or not at all: emit writes to the stream and need not look for errors.  That is a new file,
+   "path.part.PROCESS-NUMBER", so that runs at the same time and files that are there are safe; in the end it is renamed
+   to path, or removed if the disk was full.  A file that is replaced gives its mode to the new one; a symbolic link
+   stays, and what it leads to is replaced.  "-" is the standard output; that, FIFOs, devices and names
    under /dev are written in place. */
 PBWIODEF pbwio_status pbwio_save(const char *path, void (*emit)(void *user, FILE *file), void *user,
                                  pbwio_error *error);
@@ -238,8 +239,14 @@ PBWIODEF pbwio_format pbwio_format_of(const char *path);
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#ifndef _WIN32
+#ifdef _WIN32
+#include <fcntl.h>
+#include <io.h>
+#include <process.h>
+#define PBWIO__PROCESS() _getpid()
+#else
 #include <unistd.h>
+#define PBWIO__PROCESS() getpid()
 #ifndef __cplusplus
 extern ssize_t readlink(const char *path, char *link, size_t size);     /* strict C modes hide it */
 #endif
@@ -4789,18 +4796,29 @@ PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options,
    ------------------------------------------------------------------------------------------------------ */
 
 #ifdef _WIN32
-static char *pbwio__target(const char *path, size_t extra)
+static char *pbwio__target(const char *path)
 {
-    char *name = (char *)PBWIO_REALLOC(NULL, strlen(path) + extra);
+    char *name = (char *)PBWIO_REALLOC(NULL, strlen(path) + 1);
     return name != NULL ? strcpy(name, path) : NULL;
 }
+
+static FILE *pbwio__exclusive(const char *name)      /* fopen of some C libraries there has no "x" */
+{
+    const int file = _open(name, _O_CREAT | _O_EXCL | _O_RDWR | _O_BINARY, _S_IREAD | _S_IWRITE);
+    return file >= 0 ? _fdopen(file, "wb") : NULL;
+}
 #else
-/* The name that symbolic links at the end of a path lead to, in a block with extra bytes for the caller to free;
-   NULL: out of memory.  After 40 links it is left as it is. */
-static char *pbwio__target(const char *path, size_t extra)
+static FILE *pbwio__exclusive(const char *name)      /* a file that is there, or a link, is not touched */
+{
+    return fopen(name, "wbx");
+}
+
+/* The name that symbolic links at the end of a path lead to, for the caller to free; NULL: out of memory.  After 40
+   links it is left as it is. */
+static char *pbwio__target(const char *path)
 {
     enum { MOST = 4096 };
-    char *name = (char *)PBWIO_REALLOC(NULL, strlen(path) + extra), link[MOST], *longer;
+    char *name = (char *)PBWIO_REALLOC(NULL, strlen(path) + 1), link[MOST], *longer;
     int links;
     ssize_t length;
     if (name == NULL) {
@@ -4810,7 +4828,7 @@ static char *pbwio__target(const char *path, size_t extra)
     for (links = 0; links < 40 && (length = readlink(name, link, MOST - 1)) > 0; links++) {
         const char *slash = strrchr(name, '/');
         size_t folder = *link == '/' || slash == NULL ? 0 : (size_t)(slash - name) + 1;
-        longer = (char *)PBWIO_REALLOC(name, folder + (size_t)length + extra);
+        longer = (char *)PBWIO_REALLOC(name, folder + (size_t)length + 1);
         if (longer == NULL) {
             PBWIO_FREE(name);
             return NULL;
@@ -4822,6 +4840,29 @@ static char *pbwio__target(const char *path, size_t extra)
     return name;
 }
 #endif
+
+/* Creates a file beside the target under a name of its own, for the caller to free.  Returns NULL if that fails; the
+   name is NULL then if there was no memory. */
+static FILE *pbwio__create(const char *target, char **name)
+{
+    enum { MOST = 200, MORE = 48 };                  /* bytes of the last name, which systems limit to 255; after it */
+    size_t length, last = 0;
+    unsigned number;
+    FILE *file = NULL;
+    for (length = 0; target[length] != 0; length++) {
+        last = target[length] == '/' || target[length] == '\\' ? length + 1 : last;
+    }
+    if (length - last > MOST) {
+        for (length = last + MOST; ((unsigned char)target[length] & 0xc0) == 0x80; length--) {       /* whole UTF-8 */
+        }
+    }
+    *name = (char *)PBWIO_REALLOC(NULL, length + MORE);
+    for (number = 0; *name != NULL && file == NULL && (number == 0 || (errno == EEXIST && number < 10000)); number++) {
+        snprintf(*name, length + MORE, "%.*s.part.%lu-%u", (int)length, target, (unsigned long)PBWIO__PROCESS(), number);
+        file = pbwio__exclusive(*name);
+    }
+    return file;
+}
 
 /* Writes to a stream and closes it, unless it is the standard output.  Returns whether that failed. */
 static int pbwio__stream(FILE *file, void (*emit)(void *user, FILE *file), void *user)
@@ -4835,51 +4876,48 @@ static int pbwio__stream(FILE *file, void (*emit)(void *user, FILE *file), void 
 PBWIODEF pbwio_status pbwio_save(const char *path, void (*emit)(void *user, FILE *file), void *user,
                                  pbwio_error *error)
 {
-    static const char ending[] = ".part";
     struct stat old;
     char *target, *name = NULL;
-    FILE *file;
-    int in_place, is, failed;
+    FILE *file = NULL;
+    int in_place, is, failed = 0;
     if (path == NULL || emit == NULL) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, "pbwio_save", "an argument is NULL");
     }
-    errno = 0;
     is = stat(path, &old) == 0;
     in_place = strcmp(path, "-") == 0 || strncmp(path, "/dev/", 5) == 0 || (is && !S_ISREG(old.st_mode));
-    target = pbwio__target(path, 1);
-    name = target != NULL && !in_place ? pbwio__target(target, sizeof ending) : NULL;
-    if (target == NULL || (name == NULL && !in_place)) {
-        PBWIO_FREE(target);
+    target = pbwio__target(path);
+    if (target == NULL) {
         return pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
     }
-    if (!in_place) {
-        strcat(name, ending);
-    }
     errno = 0;
-    file = strcmp(path, "-") == 0 ? stdout : in_place ? fopen(path, "wb") : NULL;
-    if (!in_place && is) {                           /* a file that may not be written to may not be replaced */
+    if (in_place) {
+        file = strcmp(path, "-") == 0 ? stdout : fopen(path, "wb");
+    } else if (is) {                                 /* a file that may not be written to may not be replaced */
         file = fopen(target, "r+b");
         failed = file == NULL || fclose(file) != 0;
-        file = failed ? NULL : fopen(name, "wb");
-    } else if (!in_place) {
-        file = fopen(name, "wb");
+        file = NULL;
+    }
+    if (!in_place && !failed) {
+        file = pbwio__create(target, &name);
+        if (name == NULL) {
+            PBWIO_FREE(target);
+            return pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
+        }
     }
     failed = file == NULL || pbwio__stream(file, emit, user);
-    if (file != NULL && !in_place) {
-        if (!failed && is) {
+    if (name != NULL && !failed) {
+        if (is) {
             chmod(name, old.st_mode & 07777);
         }
 #ifdef _WIN32
-        if (!failed) {
-            remove(target);                          /* rename does not replace there */
-        }
+        remove(target);                              /* rename does not replace there */
 #endif
-        failed = failed || rename(name, target) != 0;
+        failed = rename(name, target) != 0;
     }
     if (failed) {
         pbwio__file_error(error, PBWIO_ERROR_FILE, strcmp(path, "-") == 0 ? "standard output" : path, "%s",
                           errno == 0 ? "cannot write" : strerror(errno));
-        if (file != NULL && !in_place) {
+        if (file != NULL && name != NULL) {
             remove(name);
         }
     }

@@ -106,7 +106,7 @@ static int one_file(const char *a, const char *b)
 #endif
 }
 
-/* Whether writing to the path would destroy an input: that file, or the one that is renamed to it at the end. */
+/* Whether writing to the path would destroy an input. */
 static int destroys(const char *path, const char *input)
 {
     char other[1100];
@@ -114,8 +114,7 @@ static int destroys(const char *path, const char *input)
     if (input == NULL) {
         return 0;
     }
-    snprintf(other, sizeof other, "%s.part", path);
-    if (one_file(path, input) || one_file(other, input)) {
+    if (one_file(path, input)) {
         return 1;
     }
     dot = strstr(input, ".ele");
