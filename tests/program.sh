@@ -156,6 +156,42 @@ check "its crowded edges" grep -F "0-3: faces 1 3 4" said
 check "its loop" grep -F "3 edges from (5, 5, 5): 4-5 4-6 5-6" said
 (sed 's/f 1 2 4/f 1 4 2/' closed.obj) > turned.obj
 check "a turned surface" says 1 "3 turned edges:" check turned.obj
+
+# Meshes: their own simplices are checked, shown and converted.
+medit() {   # medit FILE ROWS: five points and tetrahedra
+    printf 'MeshVersionFormatted 2\nDimension 3\nVertices 5\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n1 1 1 0\n' > "$1"
+    printf "Tetrahedra %s\n$2End\n" "$(printf "$2" | wc -l)" >> "$1"
+}
+medit two.mesh '1 2 3 4 7\n2 3 4 5 8\n'
+check "a mesh" says 0 "2 tetrahedra, 6 facets on the boundary" check two.mesh
+check "it is Delaunay or not" grep -F "links are right" said
+check "its boundary" grep -F "closed, 1 component" said
+check "its volume" grep -F "volume 0.5" said
+medit away.mesh '1 3 2 4 7\n2 3 4 5 8\n'
+check "a negative simplex is turned" says 0 "1 with negative orientation, turned here; the first: tetrahedron 0" check away.mesh
+check "and no fault" grep -F "closed, 1 component" said
+medit flat.mesh '1 2 3 4 7\n1 2 3 3 7\n'
+check "a flat simplex" says 1 "1 without volume; the first: tetrahedron 1" check flat.mesh
+medit crowded.mesh '1 2 3 4 7\n2 3 4 5 8\n1 2 3 5 8\n2 3 4 1 8\n'
+check "a facet of three" says 1 "facets of more than two simplices; the first: tetrahedron 0" check crowded.mesh
+medit folded.mesh '1 2 3 4 7\n1 2 3 5 8\n'
+check "two simplices on one side" says 1 "1 facets with both of their simplices on one side" check folded.mesh
+check "--retriangulate proves the points" says 0 "check        " check folded.mesh --retriangulate
+check "their triangulation" grep -F "5 points in 3D" said
+check "a mesh is shown" says 0 "2 tetrahedra, 6 facets on the boundary" view two.mesh -o two.html
+check "as it is" grep -F "data-simplices='2'" two.html
+check "a surface is shown" silent view closed.obj --quiet -o surface.html
+check "as triangles in space" grep -F "data-simplices='4' data-heights='1' data-surface='1'" surface.html
+check "--retriangulate shows tetrahedra" silent view closed.obj --quiet --retriangulate -o surface.html
+check "of its points" grep -F "data-dim='3' data-points='4' data-simplices='1'" surface.html
+for format in vtu msh msh2 mesh ele node inp su2 face; do
+    check "two.mesh as .$format" silent convert two.mesh --quiet copy.$format
+done
+for format in vtu msh msh2 mesh ele; do
+    check "copy.$format has its simplices" says 0 "2 tetrahedra, 6 facets on the boundary" check copy.$format
+done
+check "a surface is no mesh" says 1 "it has no tetrahedra, and no triangles of one plane" convert closed.obj closed.vtu
+
 check "--inside of an open surface" says 0 "warning: the surface is not closed (3 open" mesh open.obj --inside
 check "one tetrahedron" says 0 "1 tetrahedron, 4 facets on the hull, 0 duplicates, 0 hidden points" mesh open.obj
 printf '0,0\n1,0\n0,1\n' > three.csv

@@ -214,7 +214,7 @@ part() { "$pbw" convert c.pbwt --tile 2 -o part.vtu > said && grep -q '</VTKFile
 check "a tile as .vtu" part
 check "no such tile" says 1 "--tile 9: there are" convert c.pbwt --tile 9 -o part.vtu
 check "which tile" says 2 "--tile is needed" convert c.pbwt -o part.vtu
-check "models as before" says 2 "of a tile only" convert clusters.csv -o part.vtu
+check "points have no simplices" says 1 "pbw mesh makes them of its points" convert clusters.csv -o part.vtu
 
 # A disk that is full, by a limit of the size of files, then more room; a run that is killed.
 full() {

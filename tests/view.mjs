@@ -448,6 +448,38 @@ async function test_flat_model() {
   check_quiet('flat model');
 }
 
+// A surface is shown as it is, its triangles measured in space.
+async function test_surface() {
+  await open('tower');
+  check('surface: its triangles', await shown() === 336 && (await get('facts')).includes('336 triangles')
+    && (await get('facts')).endsWith('in 3D'), await get('facts'));
+  check('surface: no heights to stretch', await evaluate('document.querySelector(".relief").hidden'));
+  const all = covered(await picture());
+  await set('axis', 2);
+  await set('cut', 0.5);
+  check('surface: cut', covered(await picture()) < 0.8 * all && await shown() < 336);
+  await set('cut', 1);
+  await colour_by('area');
+  const area = +readFileSync(join(folder, 'tower.txt'), 'utf8').match(/area ([0-9.]+)/)[1];
+  const mean = +(await get('summary')).match(/mean ([0-9.]+)/)[1];
+  check('surface: areas in space', Math.abs(336 * mean / area - 1) < 0.01, mean + ' ' + area);
+  check_quiet('surface');
+}
+
+// Sites are drawn over the cells of the plane on demand; labels name what is shown.
+async function test_sites() {
+  await open('cells2');
+  check('sites: labels of cells', await evaluate('document.getElementById("go-kind").options[0].text') === 'cell');
+  check('sites: the scale bar lies beside the picture', await evaluate(`document.getElementById('bar')
+    .getBoundingClientRect().left >= document.getElementById('canvas').getBoundingClientRect().right`));
+  const dark = (r, g, b) => r + g + b < 120, before = count(await picture(), dark);
+  await click('sites');
+  check('sites: drawn', count(await picture(), dark) > before + 0.002);
+  await set('draw', 4);
+  check('sites: alone as points', await shown() === 200, await get('shown'));
+  check_quiet('sites');
+}
+
 // Which way up a page shows what is y up, z up, ground.
 async function test_up() {
   const up = () => evaluate(`(() => { const line = document.querySelectorAll('#axes line'), text =
@@ -741,7 +773,7 @@ for (const name of ['square', 'corner', 'solid', 'flat', 'threads', 'points', 't
   check(name + '.html is there', existsSync(join(folder, name + '.html')));
 }
 for (const test of [test_square, test_corner, test_solid, test_flat, test_threads, test_terrain, test_points,
-  test_model, test_flat_model, test_up, test_inside, test_views, test_picking, test_measures,
+  test_model, test_flat_model, test_surface, test_sites, test_up, test_inside, test_views, test_picking, test_measures,
   test_links_and_files, test_million, test_cells, test_film, test_film_speed, test_no_webgl]) {
   try {
     await test();

@@ -47,9 +47,11 @@ awk 'BEGIN { # ground that is higher and lower in y, without a flat base
     for (i = 0; i < 20; i++) for (j = 1; j < 21; j++) {
         a = 21 * i + j; printf "f %d %d %d\nf %d %d %d\n", a, a + 1, a + 22, a, a + 22, a + 21
     } }' > "$work/ground.obj"
-for name in pawn.off disc.off tower.off ground.obj; do
-    page "${name%.*}" "$work/$name"
-done
+page pawn "$work/pawn.off" --retriangulate
+page disc "$work/disc.off" --retriangulate
+page tower "$work/tower.off"
+page ground "$work/ground.obj"
+"$bin/pbw" check "$work/tower.off" > "$work/tower.txt"
 page inside "$work/pawn.off" --inside
 page million --generate uniform 150000
 cells() {   # cells NAME POINTS ARGUMENT...

@@ -9,7 +9,7 @@
    (simplices whole or cut through), exploded, thinned out by value, and coloured by quality and by your own arrays,
    with a histogram; by mouse, touch and keys.  A mesh without simplices (dim, point_count and points set, the rest 0)
    is shown as points, or with the triangles of a model as a surface.  A click shows the ids of the mesh.
-   Size: about 7 bytes a tetrahedron, 4 a triangle, 20 a point (15 in 2D), and for each array 1 to 6 bytes a number.
+   Size: about 7 bytes a tetrahedron, 4 a triangle, 20 a point (15 in 2D), and for each array 1 to 7 bytes a number.
    No globals.  Memory: 4 bytes a point.
 */
 #ifndef PBW_VIEW_H
@@ -33,17 +33,23 @@ typedef struct pbwview_array {         /* numbers to colour by */
     const uint32_t *whole;             /* one of the two */
     const double *real;                /* NaN and infinities: no value */
     int of_points;                     /* 1: one a point, 0: one a simplex */
+    int of_facets;                     /* 1: tetrahedra: one a facet, at 4 t + i that across from corner i of t */
     int classes;                       /* whole numbers: 1: that name something, and get colours that tell them apart;
-                                          0: that measure something */
+                                          0: that measure something.  PBW_NONE: no value */
+    const char *const *names;          /* UTF-8, of the classes 0, 1, ...; NULL = their numbers */
+    size_t name_count;
 } pbwview_array;
 
 typedef struct pbwview_options {       /* NULL or all zero = best defaults */
     const char *title, *note;          /* UTF-8, any characters; NULL = "pbw", none */
     const unsigned char *keep;         /* one a simplex, 0 = not part of the body; NULL = all are */
     const unsigned char *inside;       /* one a simplex, 0 = outside the model: hidden at first; NULL = not known */
+    int body;                          /* 1: all simplices are part of it; 0: slivers at the hull are hidden at first */
     const pbw_index *triangles;        /* faces of the model, three points each: shown first, not cut; NULL = none */
     size_t triangle_count;
     const double *heights;             /* 2D: one a point, shown as a surface in space; NULL = flat */
+    int surface;                       /* 1: with heights: triangles of a surface in space, measured there; it need not
+                                          lie over the plane */
     const pbwview_array *arrays;
     size_t array_count;
     const char *colour;                /* name of the array shown first; NULL = the quality; of points alone the
@@ -266,6 +272,7 @@ static void pbwview__value(pbwview__page *page, size_t i, void *user)
 
 static void pbwview__array(pbwview__page *page, const pbwview_array *array)
 {
+    const size_t values = array->of_facets ? 4 : 1;                  /* of a simplex */
     pbwview__column column;
     size_t i;
     if (!array->of_points && page->number == NULL) {
@@ -275,13 +282,19 @@ static void pbwview__array(pbwview__page *page, const pbwview_array *array)
     column.last = 0;
     fputs("<script type='text/plain' data-name='", page->file);
     pbwview__text(page->file, array->name);
-    fprintf(page->file, "' data-of='%s' data-kind='%s'>\n", array->of_points ? "points" : "simplices",
+    fputs("' data-names='", page->file);
+    for (i = 0; i < array->name_count; i++) {
+        fputs(i > 0 ? "&#10;" : "", page->file);
+        pbwview__text(page->file, array->names[i]);
+    }
+    fprintf(page->file, "' data-of='%s' data-kind='%s'>\n",
+            array->of_points ? "points" : array->of_facets ? "facets" : "simplices",
             array->real != NULL ? "real" : array->classes ? "classes" : "whole");
     if (array->of_points) {
         pbwview__each_point(page, pbwview__value, &column);
     }
-    for (i = 0; !array->of_points && i < page->mesh->simplex_count; i++) {
-        if (pbwview__kept(page, i)) {
+    for (i = 0; !array->of_points && i < page->mesh->simplex_count * values; i++) {
+        if (pbwview__kept(page, i / values)) {
             pbwview__value(page, i, &column);
         }
     }
@@ -364,7 +377,8 @@ static void pbwview__emit(void *user, FILE *file)
     memcpy(lens + 7, o->up, 3 * sizeof *lens);
     memcpy(lens + 10, o->cut, 4 * sizeof *lens);
     for (k = 0; k < 3 && !(o->cut[k] < 0 || o->cut[k] > 0); k++) {}
-    lens[13] = k == 3 && (page->number == NULL || page->mesh->dim == 2 || o->triangle_count > 0) ? 1 : 0.5 + 0.5 * o->cut[3];
+    lens[13] = k == 3 && (page->number == NULL || page->mesh->dim == 2 || o->triangle_count > 0) ? 1
+             : 0.5 + 0.5 * o->cut[3];
     page->file = file;
     page->in_count = page->out_count = 0;
     pbwview__lines(file, pbwview__part(0));
@@ -373,10 +387,10 @@ static void pbwview__emit(void *user, FILE *file)
     fputs("</title>\n", file);
     pbwview__lines(file, pbwview__part(1));
     fprintf(file, "<div id='mesh' hidden data-dim='%d' data-points='%lu' data-simplices='%lu' data-heights='%d' "
-            "data-cap='%d' data-plain='%d' data-triangles='%lu' data-kept='%d' data-cells='%d' data-note='",
-            page->mesh->dim, (unsigned long)page->points,
-            (unsigned long)page->simplices, o->heights != NULL, o->cut_through != 0, o->colour_outside == 0,
-            (unsigned long)o->triangle_count, o->keep != NULL, o->cells != 0);
+            "data-surface='%d' data-cap='%d' data-plain='%d' data-triangles='%lu' data-kept='%d' data-cells='%d' "
+            "data-note='", page->mesh->dim, (unsigned long)page->points, (unsigned long)page->simplices,
+            o->heights != NULL, o->surface != 0, o->cut_through != 0, o->colour_outside == 0,
+            (unsigned long)o->triangle_count, o->keep != NULL || o->body, o->cells != 0);
     pbwview__text(file, o->note != NULL ? o->note : "");
     fputs("' data-colour='", file);
     pbwview__text(file, o->colour != NULL ? o->colour : "");
@@ -523,8 +537,8 @@ static const char *const pbwview__part1[] = {
     "#mark { position: absolute; width: 100%; height: 100%; pointer-events: none; }\n",
     "#mark line { stroke: var(--mark); stroke-width: 1.5; }\n",
     "#mark circle { fill: var(--mark); stroke: #ffffff; }\n",
-    "#bar { position: absolute; left: 100px; bottom: 18px; border: 1.5px solid var(--soft); border-top: 0;\n",
-    "  text-align: center;  font-size: 12px; line-height: 15px; color: var(--soft); pointer-events: none; }\n",
+    "#bar { margin: 8px 0 0; border: 1.5px solid var(--soft); border-top: 0; text-align: center; font-size: 12px;\n",
+    "  line-height: 15px; color: var(--soft); }\n",
     "#tip { position: absolute; left: 0; top: 0; max-width: 240px; padding: 4px 8px; font-size: 12px; pointer-events: none;\n",
     "  background: var(--panel); border: 1px solid var(--rule); border-radius: 5px; }\n",
     "select, button { font: inherit; color: inherit; background: var(--paper); border: 1px solid var(--rule);\n",
@@ -549,7 +563,6 @@ static const char *const pbwview__part1[] = {
     "<canvas id='canvas' tabindex='0' role='img' aria-describedby='keys'></canvas>\n",
     "<svg id='axes' viewBox='-38 -38 76 76' aria-hidden='true'></svg>\n",
     "<svg id='mark' aria-hidden='true'></svg>\n",
-    "<div id='bar'></div>\n",
     "<div id='tip' hidden></div>\n",
     "<p id='say' role='status'>Loading &#8230;</p>\n",
     "</div>\n",
@@ -557,6 +570,7 @@ static const char *const pbwview__part1[] = {
     "<h1 id='title'></h1>\n",
     "<p id='facts'></p>\n",
     "<output id='shown'></output>\n",
+    "<div id='bar'></div>\n",
     "<fieldset><legend>Colour</legend>\n",
     "<div class='row'><select id='colour' aria-label='Colour by'></select></div>\n",
     "<svg id='chart' viewBox='0 0 268 92' role='img'></svg>\n",
@@ -576,7 +590,7 @@ static const char *const pbwview__part1[] = {
     "</select><button id='flip' title='Show the other side of the cut'>flip</button></div>\n",
     "<label class='row'><span>place</span><input id='cut' type='range' min='0' max='1' step='any'>\n",
     "<input class='typed' id='cut-is' aria-label='cut, typed'></label>\n",
-    "<div class='row solid'><span>simplices</span><select id='cap' aria-label='Simplices at the cut'>\n",
+    "<div class='row solid'><span id='cut-what'>simplices</span><select id='cap' aria-label='Simplices at the cut'>\n",
     "<option value='0'>whole<option value='1'>cut through</select></div>\n",
     "</fieldset>\n",
     "<fieldset><legend>Draw</legend>\n",
@@ -586,6 +600,7 @@ static const char *const pbwview__part1[] = {
     "<option value='2'>edges<option value='4'>points</select></div>\n",
     "<label class='row'><input id='outside' type='checkbox'> outside the model, too</label>\n",
     "<label class='row'><input id='slivers' type='checkbox'> hide slivers at the hull</label>\n",
+    "<label class='row'><input id='sites' type='checkbox'> sites of the cells</label>\n",
     "<label class='row relief'><span>heights</span><input id='relief' type='range' min='1' max='20' step='any'>\n",
     "<input class='typed' id='relief-is' aria-label='relief, typed'></label>\n",
     "<label class='row mesh'><span>explode</span><input id='explode' type='range' min='0' max='1' step='any'>\n",
@@ -632,8 +647,10 @@ static const char *const pbwview__part2[] = {
     "const dim = +given.dim, flat = dim === 2 && given.heights !== '1', n = dim + 1, W = 4096;\n",
     "// grouped: the simplices around one first corner are a cell, and the facets across from it the cell's.\n",
     "const grouped = given.cells === '1';\n",
+    "// surface: triangles of a surface in space; else heights are of a mesh over the plane.\n",
+    "const surface = given.surface === '1', space = dim === 3 || surface ? 3 : 2;\n",
     "const count = +given.simplices, points = +given.points;\n",
-    "const simplex = grouped ? ['cell'] : dim === 3 ? ['tetrahedron', 'tetrahedra'] : ['triangle'];\n",
+    "const simplex = grouped ? ['cell', 'cells'] : dim === 3 ? ['tetrahedron', 'tetrahedra'] : ['triangle', 'triangles'];\n",
     "const canvas = $('canvas'), say = text => { $('say').textContent = text; };\n",
     "const whole = x => Math.round(x).toLocaleString('en-US');\n",
     "const many = (count, one, more = one + 's') => whole(count) + ' ' + (count === 1 ? one : more);\n",
@@ -642,7 +659,7 @@ static const char *const pbwview__part2[] = {
     "window.onerror = text => say('This page failed: ' + text);\n",
     "$('title').textContent = document.title;\n",
     "$('facts').textContent = grouped ? given.note + ' in ' + dim + 'D'\n",
-    "  : (count ? many(count, ...simplex) + ', ' : '') + many(points, 'point') + ' in ' + dim + 'D'\n",
+    "  : (count ? many(count, ...simplex) + ', ' : '') + many(points, 'point') + ' in ' + space + 'D'\n",
     "    + (given.note ? '; ' + given.note : '');\n",
     "canvas.addEventListener('webglcontextlost', () => say('The graphics driver gave up: reload the page.'));\n",
     "\n",
@@ -769,7 +786,7 @@ static const char *const pbwview__part2[] = {
     "// Measures: what colours can show.  Each array is computed, or decoded, at its first use: values(a) returns it whole,\n",
     "// value_at(a, i) one value, and summarise(a) adds its range, mean and histogram.\n",
     "\n",
-    "// Measures of simplices, from coordinates in single precision (of a surface over the plane: in the plane).  Corners\n",
+    "// Measures of simplices, from coordinates in single precision (of a mesh over the plane: in the plane).  Corners\n",
     "// of the simplex that is measured, three coordinates each; a, b, c, d are places in this array.\n",
     "const xyz = new Float64Array(12);\n",
     "const SOLID = dim === 3;\n",
@@ -793,7 +810,7 @@ static const char *const pbwview__part2[] = {
     "function load_simplex(t) {\n",
     "  for (let a = 0; a < n; a++) {\n",
     "    const p = 4 * corner[4 * t + a];\n",
-    "    for (let k = 0; k < dim; k++) xyz[3 * a + k] = point[p + k];\n",
+    "    for (let k = 0; k < space; k++) xyz[3 * a + k] = point[p + k];\n",
     "  }\n",
     "  if (!SOLID) return two_areas(0, 3, 6);\n",
     "  const x = xyz[3] - xyz[0], y = xyz[4] - xyz[1], z = xyz[5] - xyz[2];\n",
@@ -842,10 +859,11 @@ static const char *const pbwview__part2[] = {
     "}\n",
     "\n",
     "const arrays = [];\n",
-    "// of_points: one value a point, else one a simplex.  classes, integer: see pbw_view.h.  all() returns the values, or\n",
-    "// one(i) returns the i-th.\n",
+    "// of_points: one value a point, of_facets: one a facet, else one a simplex.  classes, integer, names: see pbw_view.h.\n",
+    "// all() returns the values, or one(i) returns the i-th.\n",
     "function add_array(name, given) {\n",
-    "  const defaults = { of_points: false, classes: false, integer: false, about: '', log: false, value: null };\n",
+    "  const defaults = { of_points: false, of_facets: false, classes: false, integer: false, names: [], about: '',\n",
+    "    log: false, value: null };\n",
     "  arrays.push({ name, ...defaults, ...given });\n",
     "}\n",
     "function values(a) {\n",
@@ -857,19 +875,36 @@ static const char *const pbwview__part2[] = {
     "}\n",
     "const value_at = (a, i) => a.value || !a.one ? values(a)[i] : Math.fround(a.one(i));\n",
     "const is_value = x => Math.abs(x) < 1e38;               // not NaN, not infinite\n",
+    "const told = (a, x) => a.names[x] || (is_value(x) ? short(x) : 'none');\n",
+    "const counted = (a, i) => a.of_points || a.of_facets || counts(i);\n",
+    "// A scale that shows most values: logarithmic where they are positive and span magnitudes, else without the\n",
+    "// hundredths at both ends where those take most of the range.\n",
+    "function suit_scale(a, rank) {\n",
+    "  const m = rank.length, first = rank[m / 100 | 0], last = rank[m - 1 - (m / 100 | 0)];\n",
+    "  if (m < 100 || a.classes || a.one || !(a.high > a.low)) return;\n",
+    "  if (first > 0 && last > 100 * first) {\n",
+    "    a.log = true;\n",
+    "    a.about = 'Logarithmic.';\n",
+    "  } else if (last > first && last - first < 0.25 * (a.high - a.low)) {\n",
+    "    a.low = first;\n",
+    "    a.high = last;\n",
+    "    a.about = 'Colours from the 1st to the 99th hundredth of the values.';\n",
+    "  }\n",
+    "}\n",
     "// least, largest, mean, hundredth (a hundredth is below it) of the values; low and high of the scale.\n",
     "function summarise(a) {\n",
     "  if (a.bin) return;\n",
     "  const value = values(a), sorted = new Float32Array(value.length);\n",
     "  let m = 0, sum = 0;\n",
     "  for (let i = 0; i < value.length; i++) {\n",
-    "    if (is_value(value[i]) && (a.of_points || counts(i))) { sorted[m++] = value[i]; sum += value[i]; }\n",
+    "    if (is_value(value[i]) && counted(a, i)) { sorted[m++] = value[i]; sum += value[i]; }\n",
     "  }\n",
     "  const rank = sorted.subarray(0, m).sort();\n",
     "  a.least = a.low = m ? rank[0] : 0;\n",
     "  a.largest = a.high = m ? rank[m - 1] : 0;\n",
     "  a.mean = m ? sum / m : 0;\n",
     "  a.hundredth = m ? rank[m / 100 | 0] : 0;\n",
+    "  suit_scale(a, rank);\n",
     "  if (a.log) {                                          // from the least that is above 0, or a millionth of the top\n",
     "    a.high = Math.max(a.high, 1e-30);\n",
     "    a.low = Math.max(a.high / 1e6, rank.find(x => x > 0) || 0);\n",
@@ -881,8 +916,9 @@ static const char *const pbwview__part2[] = {
     "function histogram(a) {\n",
     "  const span = a.high - a.low, bins = a.integer && span < 64 ? span + 1 : 48, bin = new Float64Array(bins);\n",
     "  for (let i = 0; i < a.value.length; i++) {\n",
-    "    const x = a.value[i], k = bins === span + 1 ? x - a.low : Math.min(bins - 1, at_scale(a, x) * bins | 0);\n",
-    "    if (x >= a.low && x <= a.high && (a.of_points || counts(i))) bin[k]++;\n",
+    "    const x = a.value[i], place = Math.max(0, at_scale(a, x)) * bins | 0;\n",
+    "    const k = bins === span + 1 ? x - a.low : Math.min(bins - 1, place);\n",
+    "    if (is_value(x) && counted(a, i)) bin[k]++;\n",
     "  }\n",
     "  return bin;\n",
     "}\n",
@@ -902,9 +938,12 @@ static const char *const pbwview__part2[] = {
     "}\n",
     "// An array that came with the page.\n",
     "function add_given(node) {\n",
-    "  const { name, of, kind } = node.dataset, size = of === 'points' ? points : count;\n",
-    "  const all = () => kind === 'real' ? new Float32Array(bytes(node).buffer) : read_steps(node, new Float32Array(size));\n",
-    "  add_array(name, { of_points: of === 'points', classes: kind === 'classes', integer: kind !== 'real', all });\n",
+    "  const { name, of, kind } = node.dataset, size = of === 'points' ? points : of === 'facets' ? 4 * count : count;\n",
+    "  const names = node.dataset.names ? node.dataset.names.split('\\n') : [], NONE = 4294967295;\n",
+    "  const all = () => kind === 'real' ? new Float32Array(bytes(node).buffer)\n",
+    "    : read_steps(node, new Float32Array(size)).map(x => x >= NONE ? NaN : x);\n",
+    "  add_array(name, { of_points: of === 'points', of_facets: of === 'facets', classes: kind === 'classes',\n",
+    "    integer: kind !== 'real', names, all });\n",
     "}\n",
     "if (count && !grouped) add_measures();\n",
     "if (!grouped) {\n",
@@ -915,7 +954,7 @@ static const char *const pbwview__part2[] = {
     "document.querySelectorAll('script[data-name]').forEach(add_given);\n",
     "const up = flat ? 1 : 2;\n",
     "if (!flat || !arrays.some(a => a.of_points)) {\n",
-    "  add_array(dim === 2 && !flat ? 'height' : 'xyz'[up], { of_points: true,\n",
+    "  add_array(dim === 2 && !flat && !surface ? 'height' : 'xyz'[up], { of_points: true,\n",
     "    one: i => (SOLID || flat ? point[4 * i + up] : height[i]) * half + middle[up] });\n",
     "}\n",
     "// Colours: values to the scale, classes to colours that tell them apart.\n",
@@ -966,11 +1005,11 @@ static const char *const pbwview__part2[] = {
     "// in y than in x and z, as ground is; else z.\n",
     "function guess_up() {\n",
     "  const base = [0, 0, 0], corners = triangle_count ? triangle : corner, [wide, tall, deep] = extent;\n",
-    "  const at = (c, k) => point[4 * c + k];\n",
-    "  const facets = triangle_count || (other ? 4 * count : 0), order = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];\n",
+    "  const at = (c, k) => point[4 * c + k], triangles = triangle_count || (dim === 2 ? count : 0);\n",
+    "  const facets = triangles || 4 * count, order = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];\n",
     "  for (let f = 0; f < facets; f++) {\n",
-    "    if (!triangle_count && other[f] >= 0) continue;\n",
-    "    const c = triangle_count ? [0, 1, 2].map(k => corners[4 * f + k]) : order[f & 3].map(k => corners[(f & ~3) + k]);\n",
+    "    if (!triangles && other[f] >= 0) continue;\n",
+    "    const c = triangles ? [0, 1, 2].map(k => corners[4 * f + k]) : order[f & 3].map(k => corners[(f & ~3) + k]);\n",
     "    const [u, v] = [1, 2].map(j => [0, 1, 2].map(k => at(c[j], k) - at(c[0], k)));\n",
     "    const area = cross(u, v), all = Math.hypot(...area);\n",
     "    for (let k = 1; k < 3; k++) {\n",
@@ -992,7 +1031,7 @@ static const char *const pbwview__part2[] = {
     "  SIDE = unit(cross(UP, front));\n",
     "  FRONT = cross(SIDE, UP);\n",
     "}\n",
-    "const first_up = flat ? 2 : has_up ? 3 : dim === 2 ? 2 : guess_up();\n",
+    "const first_up = flat ? 2 : has_up ? 3 : space === 2 ? 2 : guess_up();\n",
     "function look_along(eye) {\n",
     "  lift = flat ? Math.PI / 2 : Math.asin(Math.max(-1, Math.min(1, dot(eye, UP))));\n",
     "  turn = flat ? 0 : Math.atan2(dot(eye, SIDE), dot(eye, FRONT));\n",
@@ -1062,7 +1101,7 @@ static const char *const pbwview__part2[] = {
     "}\n",
     "function own_relief() {\n",
     "  const most = height.reduce((a, b) => Math.max(a, Math.abs(b)), 0);\n",
-    "  return dim === 2 && most > 0 ? Math.max(1, Math.min(20, Math.round(0.3 / most))) : 1;\n",
+    "  return space === 2 && most > 0 ? Math.max(1, Math.min(20, Math.round(0.3 / most))) : 1;\n",
     "}\n",
     "function set_normal(a) {\n",
     "  normal = a;\n",
@@ -1084,7 +1123,7 @@ static const char *const pbwview__part2[] = {
     "  look_along(eye);\n",
     "  $('projection').value = 0; parallel = false;\n",
     "  $('show').value = triangle_count ? 1 : 0;\n",
-    "  $('outside').checked = false; $('slivers').checked = dim === 3 && count > 0 && !kept_only;\n",
+    "  $('outside').checked = $('sites').checked = false; $('slivers').checked = dim === 3 && count > 0 && !kept_only;\n",
     "  if (along.length) {\n",
     "    set_normal(unit(CUT.slice(0, 3)));\n",
     "    $('axis').value = along.length > 1 ? 4 : along[0];\n",
@@ -1124,7 +1163,8 @@ static const char *const pbwview__part2[] = {
     "  }\n",
     "  if (!a.classes) [0, 0.5, 1].forEach((t, i) => chart.append(svg('text', { x: 268 * t, y: 90,\n",
     "    'text-anchor': ['start', 'middle', 'end'][i] }, short(off_scale(a, t), a.log ? 0 : span))));\n",
-    "  const facts = a.classes ? 'classes ' + short(a.low) + ' to ' + short(a.high)\n",
+    "  const facts = a.classes && a.names.length ? many(bin.filter(x => x).length, 'name')\n",
+    "    : a.classes ? 'classes ' + short(a.low) + ' to ' + short(a.high)\n",
     "    : 'least ' + short(a.least, a.log ? 0 : span) + ', 1 % below ' + short(a.hundredth, span) + ', mean '\n",
     "      + short(a.mean, span) + ', largest ' + short(a.largest);\n",
     "  chart.setAttribute('aria-label', 'Histogram of ' + a.name + ': ' + facts);\n",
@@ -1134,7 +1174,7 @@ static const char *const pbwview__part2[] = {
     "  for (let k = 0; a.classes && k < bins && span < 64; k++) {\n",
     "    const label = document.createElement('span'), mark = document.createElement('i');\n",
     "    mark.style.background = rgb(class_of(a.low + k));\n",
-    "    label.append(mark, short(a.low + k));\n",
+    "    label.append(mark, told(a, a.low + k));\n",
     "    label.title = whole(bin[k]);\n",
     "    if (bin[k]) $('classes').append(label);\n",
     "  }\n",
@@ -1159,7 +1199,8 @@ static const char *const pbwview__part2[] = {
     "const faces = new Uint32Array(triangle_count ? rows(triangle_count, 1) : W);\n",
     "for (let i = 0; i < triangle_count; i++) faces[i] = 4 * i + 3;\n",
     "const cut_ids = new Uint32Array(dim === 3 ? rows(count, 1) : W), state = new Uint8Array(count);\n",
-    "const side = new Float32Array(points);\n",
+    "const side = new Float32Array(points), site_ids = new Uint32Array(grouped ? rows(points, 1) : W);\n",
+    "let sites = 0;\n",
     "const MOST_EXPLODED = 500000;\n",
     "const as_model = () => triangle_count > 0 && $('show').value === '1' && $('draw').value !== '4';\n",
     "const as_points = () => !as_model() && (!count || $('draw').value === '4');\n",
@@ -1185,6 +1226,7 @@ static const char *const pbwview__part2[] = {
     "  for (let t = 0; t < count; t++) hidden += !body[t];\n",
     "}\n",
     "function select() {\n",
+    "  const sites_only = grouped && $('sites').checked;\n",
     "  const from = number('from') > 0 ? limit('from') : -Infinity;\n",
     "  const to = number('to') < 1 ? limit('to') : Infinity;\n",
     "  const all = from === -Infinity && to === Infinity;\n",
@@ -1194,7 +1236,15 @@ static const char *const pbwview__part2[] = {
     "  for (let i = 0; i < points; i++) {\n",
     "    side[i] = cutting ? across(i) - offset : -1;\n",
     "  }\n",
-    "  shown = facets = caps = 0;\n",
+    "  shown = facets = caps = sites = 0;\n",
+    "  for (let t = 0; sites_only && t < count; t++) {\n",
+    "    if (counts(t) && side[corner[4 * t]] <= 0) site_ids[sites++] = corner[4 * t];\n",
+    "  }\n",
+    "  if (as_points() && sites_only) {\n",
+    "    ids.set(site_ids.subarray(0, sites));\n",
+    "    shown = facets = sites;\n",
+    "    return;\n",
+    "  }\n",
     "  if (as_points()) {\n",
     "    for (let i = 0; i < points; i++) {\n",
     "      if (side[i] <= 0 && (!array.of_points || fits(value[i]))) ids[facets++] = i;\n",
@@ -1207,8 +1257,11 @@ static const char *const pbwview__part2[] = {
     "    const e = dim === 3 ? side[corner[c + 3]] : d;\n",
     "    let s = all ? 1 : 0;\n",
     "    if (!all) {\n",
-    "      s = 1;\n",
-    "      for (let k = 0; k < n; k++) s &= fits(value[array.of_points ? corner[c + k] : t]);\n",
+    "      s = array.of_facets ? 0 : 1;\n",
+    "      for (let k = 0; k < n; k++) {\n",
+    "        if (array.of_facets) s |= fits(value[c + k]);\n",
+    "        else s &= fits(value[array.of_points ? corner[c + k] : t]);\n",
+    "      }\n",
     "    }\n",
     "    if (s && cutting) {\n",
     "      if (cap) {\n",
@@ -1296,15 +1349,18 @@ static const char *const pbwview__part2[] = {
     "const corners_of = at => at.layer === 3 ? [at.i] : at.layer === 2 ? [...triangle.subarray(4 * at.i, 4 * at.i + 3)]\n",
     "  : [...corner.subarray(4 * at.i, 4 * at.i + n)];\n",
     "function describe(at, x, y) {                           // x, y: the corner nearest to that place is told, too\n",
-    "  const c = corners_of(at), values = arrays.filter(a => a.of_points === (at.layer === 3) && at.layer !== 2)\n",
-    "    .map(a => a.name + ' ' + short(value_at(a, at.i))), point_text = i => 'point ' + point_id[i] + ' ('\n",
+    "  const on_facets = a => [0, 1, 2, 3].map(k => values(a)[4 * at.i + k]).filter(is_value).map(x => told(a, x))\n",
+    "    .join(', ');\n",
+    "  const c = corners_of(at), told_values = arrays.filter(a => a.of_points === (at.layer === 3) && at.layer !== 2)\n",
+    "    .map(a => [a.name, a.of_facets ? on_facets(a) : told(a, value_at(a, at.i))]).filter(x => x[1])\n",
+    "    .map(x => x.join(' ')), point_text = i => 'point ' + point_id[i] + ' ('\n",
     "      + coordinates(i).join(', ') + ')';\n",
-    "  if (at.layer === 3) return point_text(at.i) + '; ' + values.join('; ');\n",
+    "  if (at.layer === 3) return point_text(at.i) + '; ' + told_values.join('; ');\n",
     "  const far = i => { const [a, b] = project(i); return Math.hypot(a - x, b - y); };\n",
     "  const nearest = x === undefined ? null : c.reduce((a, b) => far(b) < far(a) ? b : a);\n",
-    "  if (grouped && at.layer === 1) return 'cell ' + simplex_id[at.i] + '; ' + values.join('; ');\n",
-    "  return (at.layer === 2 ? 'face ' + at.i : (dim === 3 ? 'tetrahedron ' : 'triangle ') + simplex_id[at.i])\n",
-    "    + '; points ' + c.map(i => point_id[i]).join(', ') + (values.length ? '; ' + values.join('; ') : '')\n",
+    "  if (grouped && at.layer === 1) return 'cell ' + simplex_id[at.i] + '; ' + told_values.join('; ');\n",
+    "  return (at.layer === 2 ? 'face ' + at.i : simplex[0] + ' ' + simplex_id[at.i])\n",
+    "    + '; points ' + c.map(i => point_id[i]).join(', ') + (told_values.length ? '; ' + told_values.join('; ') : '')\n",
     "    + (nearest === null ? '' : '; nearest: ' + point_text(nearest));\n",
     "}\n",
     "function set_picked(at, x, y) {\n",
@@ -1354,11 +1410,12 @@ static const char *const pbwview__part2[] = {
     "const HEAD = `#version 300 es\n",
     "precision highp float; precision highp int; precision highp sampler2D; precision highp usampler2D;\n",
     "uniform mat4 camera; uniform mat3 axes; uniform vec3 skin, ink; uniform vec4 plane;\n",
-    "uniform int n, of_points, classes, plain, draw, clip, lit, grouped;\n",
+    "uniform int n, of, classes, plain, draw, clip, lit, grouped, dark;\n",
     "uniform uint bit, layer; uniform float explode, size;\n",
     "uniform sampler2D points, values, colours; uniform usampler2D corners, ids;\n",
     "ivec2 texel(uint i) { return ivec2(i & 4095u, i >> 12); }\n",
     "`;\n",
+    "// of: values are of 0 simplices, 1 points, 2 facets.\n",
     "const PLACE = HEAD + `\n",
     "out vec3 edge, weight, at; flat out vec3 value, normal; flat out int bared; flat out uint id;\n",
     "vec3 p[4]; float x[4], s[4];\n",
@@ -1367,7 +1424,7 @@ static const char *const pbwview__part2[] = {
     "  vec3 sum = vec3(0);\n",
     "  for (int k = 0; k < n; k++) {\n",
     "    p[k] = texelFetch(points, texel(c[k]), 0).xyz;\n",
-    "    x[k] = texelFetch(values, texel(of_points == 1 ? c[k] : t), 0).x;\n",
+    "    x[k] = texelFetch(values, texel(of == 1 ? c[k] : of == 2 ? 4u * t + uint(k) : t), 0).x;\n",
     "    s[k] = dot(plane.xyz, p[k]) - plane.w;\n",
     "    sum += p[k];\n",
     "  }\n",
@@ -1391,7 +1448,7 @@ static const char *const pbwview__part2[] = {
     "  id = f >> 2;\n",
     "  vec3 centre = load(id);\n",
     "  emit(gl_VertexID % 3, p[o.x], p[o.y], p[o.z], centre);\n",
-    "  value = vec3(x[o.x], x[o.y], x[o.z]);\n",
+    "  value = of == 2 ? vec3(x[i]) : vec3(x[o.x], x[o.y], x[o.z]);\n",
     "  if (grouped == 1) edge.yz = vec2(1);\n",
     "}`;\n",
     "// The section of a tetrahedron: a triangle, or a quadrangle whose diagonal is no edge.\n",
@@ -1401,7 +1458,7 @@ static const char *const pbwview__part2[] = {
     "  inner[i] = grouped == 1 && min(a, b) == 0;\n",
     "  float t = s[a] / (s[a] - s[b]);\n",
     "  q[i] = mix(p[a], p[b], t);\n",
-    "  y[i] = classes == 1 ? (t < 0.5 ? x[a] : x[b]) : mix(x[a], x[b], t);\n",
+    "  y[i] = of == 2 ? -1.0 : classes == 1 ? (t < 0.5 ? x[a] : x[b]) : mix(x[a], x[b], t);\n",
     "}\n",
     "void main() {\n",
     "  int j = gl_VertexID % 6, o[4], m = 0, below;\n",
@@ -1467,7 +1524,7 @@ static const char *const pbwview__part2[] = {
     "  uint i = texelFetch(ids, texel(uint(gl_VertexID)), 0).x;\n",
     "  id = i;\n",
     "  at = texelFetch(points, texel(i), 0).xyz;\n",
-    "  value = of_points == 1 ? texelFetch(values, texel(i), 0).x : -1.0;\n",
+    "  value = of == 1 ? texelFetch(values, texel(i), 0).x : -1.0;\n",
     "  gl_Position = camera * vec4(at, 1);\n",
     "  gl_PointSize = clamp(size / gl_Position.w, 1.5, 64.0);\n",
     "}`;\n",
@@ -1478,7 +1535,7 @@ static const char *const pbwview__part2[] = {
     "  float r = dot(d, d);\n",
     "  if (r > 1.0) discard;\n",
     "  float bright = max(dot(LIGHT, vec3(d.x, -d.y, sqrt(1.0 - r))), 0.0);\n",
-    "  result = vec4(colour(value) * (lit == 0 ? 1.0 : 0.5 + 0.55 * bright), 1);\n",
+    "  result = vec4((dark == 1 ? ink : colour(value)) * (lit == 0 ? 1.0 : 0.5 + 0.55 * bright), 1);\n",
     "}`;\n",
     "const SCREEN = `#version 300 es\n",
     "void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0, 1); }`;\n",
@@ -1541,7 +1598,7 @@ static const char *const pbwview__part2[] = {
     "const table = (unit, internal, format, type, data, each) =>\n",
     "  texture(unit, internal, format, type, W, data.length / each / W, data);\n",
     "let programs, buffers, value_data, pick_frame;\n",
-    "let cut_texture, id_texture, face_texture, corner_texture, triangle_texture;\n",
+    "let cut_texture, id_texture, face_texture, corner_texture, triangle_texture, site_texture;\n",
     "function set_up() {\n",
     "  const most = gl.getParameter(gl.MAX_TEXTURE_SIZE);\n",
     "  if (most < W || ids.length / W > most) throw new Error('too large for this graphics card');\n",
@@ -1553,10 +1610,11 @@ static const char *const pbwview__part2[] = {
     "  corner_texture = table(3, gl.RGBA32UI, gl.RGBA_INTEGER, gl.UNSIGNED_INT, corner || new Uint32Array(4 * W), 4);\n",
     "  face_texture = table(4, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, faces, 1);\n",
     "  cut_texture = table(4, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, cut_ids, 1);\n",
+    "  site_texture = table(4, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, site_ids, 1);\n",
     "  id_texture = table(4, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, ids, 1);\n",
     "  const pixels = new Uint8Array([...scale, ...classes].flatMap(c => [...c, 255]));\n",
     "  texture(2, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, 256, 2, pixels);\n",
-    "  value_data = new Float32Array(rows(Math.max(count, points), 1));\n",
+    "  value_data = new Float32Array(rows(Math.max(arrays.some(a => a.of_facets) ? 4 * count : count, points), 1));\n",
     "  table(1, gl.R32F, gl.RED, gl.FLOAT, value_data, 1);\n",
     "}\n",
     "function upload_points() {\n",
@@ -1625,7 +1683,8 @@ static const char *const pbwview__part2[] = {
     "const bind = (unit, what) => { gl.activeTexture(gl.TEXTURE0 + unit); gl.bindTexture(gl.TEXTURE_2D, what); };\n",
     "function uniforms(view) {\n",
     "  return { camera: new Float32Array(view.matrix), axes: new Float32Array([...view.right, ...view.up, ...view.eye]),\n",
-    "    skin: hex(css('--skin')), ink: [0.04, 0.07, 0.11], plane: [...normal, offset], n, of_points: +array.of_points,\n",
+    "    skin: hex(css('--skin')), ink: [0.04, 0.07, 0.11], plane: [...normal, offset], n, dark: 0,\n",
+    "    of: array.of_facets ? 2 : +array.of_points,\n",
     "    classes: +array.classes, plain: +$('plain').checked, draw: number('draw'), clip: 0, lit: +!flat,\n",
     "    grouped: +grouped,\n",
     "    bit: count ? 4 * count : 1, layer: 1, explode: number('explode'),\n",
@@ -1654,6 +1713,13 @@ static const char *const pbwview__part2[] = {
     "    bind(4, cut_texture);\n",
     "    use(cap, values);\n",
     "    gl.drawArrays(gl.TRIANGLES, 0, 6 * caps);\n",
+    "  }\n",
+    "  if (sites) {                                          // in space cells hide them\n",
+    "    bind(4, site_texture);\n",
+    "    if (flat) gl.disable(gl.DEPTH_TEST);\n",
+    "    use(dot, { ...values, layer: 3, dark: 1 });\n",
+    "    gl.drawArrays(gl.POINTS, 0, sites);\n",
+    "    gl.enable(gl.DEPTH_TEST);\n",
     "  }\n",
     "}\n",
     "// What is at that place of the canvas: a window of 65 pixels around it, as points reach into it from beside.\n",
@@ -1696,6 +1762,7 @@ static const char *const pbwview__part2[] = {
     "    if (gl) {\n",
     "      upload_ids(id_texture, ids, facets);\n",
     "      if (caps) upload_ids(cut_texture, cut_ids, caps);\n",
+    "      if (sites) upload_ids(site_texture, site_ids, sites);\n",
     "    }\n",
     "  }\n",
     "  show_numbers();\n",
@@ -1827,6 +1894,7 @@ static const char *const pbwview__part2[] = {
     "    look();\n",
     "  });\n",
     "}\n",
+    "on('sites', 'input', change);\n",
     "for (const id of ['outside', 'slivers']) on(id, 'input', () => { set_body(); change(); });\n",
     "on('projection', 'input', () => { parallel = number('projection') === 1; look(); });\n",
     "function turn_to(eye) {\n",
@@ -1858,7 +1926,7 @@ static const char *const pbwview__part2[] = {
     "// ---- the link: the address names the view, and brings it back ----\n",
     "\n",
     "const KEPT = ['up', 'projection', 'show', 'draw', 'axis', 'cap', 'cut', 'relief', 'explode', 'size', 'from', 'to'];\n",
-    "const BOXES = ['outside', 'slivers', 'plain'];\n",
+    "const BOXES = ['outside', 'slivers', 'sites', 'plain'];\n",
     "function link_text() {\n",
     "  const numbers = [turn, lift, distance, ...target, ...normal].map(x => +x.toPrecision(6)).join();\n",
     "  return 'view=' + numbers + '&colour=' + encodeURIComponent(array.name) + KEPT.map(id => '&' + id + '='\n",
@@ -1916,10 +1984,13 @@ static const char *const pbwview__part2[] = {
     "new ResizeObserver(() => { if (!moved) fit(); look(); }).observe(canvas);\n",
     "\n",
     "arrays.forEach((a, i) => $('colour').append(new Option(a.name, i)));\n",
+    "$('go-kind').options[0].textContent = simplex[0];\n",
+    "$('show').options[1].textContent = $('cut-what').textContent = simplex[1];\n",
+    "$('sites').parentNode.hidden = !grouped;\n",
     "if (!count) document.querySelectorAll('.mesh').forEach(x => { x.hidden = true; });\n",
     "if (!count || dim === 2) document.querySelectorAll('.solid').forEach(x => { x.hidden = true; });\n",
     "$('plain').parentNode.hidden = !has_skin;\n",
-    "document.querySelector('.relief').hidden = flat || dim === 3;\n",
+    "document.querySelector('.relief').hidden = flat || space === 3;\n",
     "if (flat) document.querySelectorAll('.cut').forEach(x => { x.hidden = true; });\n",
     "if (!count && !triangle_count) $('draw').parentNode.hidden = true;\n",
     "$('show').parentNode.hidden = !triangle_count || !count;\n",

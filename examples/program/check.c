@@ -8,6 +8,14 @@ static int run(job *j)
         return check_pbwt(j);
     }
     status = load(j, 1);
+    if (status == 0 && !is_given(j, "--retriangulate")) {
+        if (has_simplices(j)) {
+            return check_simplices(j);
+        }
+        if (j->cloud.triangle_count > 0) {
+            return describe_surface(j, &j->cloud, 1) ? 0 : fail(j, "the surface has faults");
+        }
+    }
     if (status == 0 && j->cloud.triangle_count > 0 && j->cloud.dim == 3) {
         closed = describe_surface(j, &j->cloud, 1);
     }
@@ -23,13 +31,13 @@ const command command_check = {
     "check", "find faults in a model and its triangulation",
     "usage: pbw check [options] input\n"
     "\n"
-    "Tells what is wrong with a model's surface and where, and proves the triangulation of its points.\n"
-    "The exit status is 1 if edges are open, crowded or turned, or the triangulation is wrong.\n"
-    "An edge of one face is open, one of more than two crowded, one along which two faces run alike turned.\n"
-    "Points and faces are counted from 0.\n"
+    "Tells what is wrong and where, with exit status 1.  Of a mesh: simplices without volume, facets of more than\n"
+    "two simplices or of two on one side, and the boundary; it tells angles, and whether the mesh is Delaunay.\n"
+    "Of a surface: edges of one face are open, of more than two crowded, turned where two faces run alike.\n"
+    "Points, simplices and faces are counted from 0.  Of points, or with --retriangulate: proves their triangulation.\n"
     "Of a .pbwt file the triangulation is proved tile by tile, links across tiles and the hull with it.\n"
     "\n",
     NULL,
-    { input_options, weight_options, build_options, common_options, NULL, NULL, NULL, NULL, NULL },
+    { file_mesh_options, input_options, weight_options, build_options, common_options, NULL, NULL, NULL, NULL },
     run, 0, 0, 0, NULL, 0
 };

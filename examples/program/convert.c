@@ -26,13 +26,30 @@ static int convert_tile(job *j)
     return failed;
 }
 
+static int writes_simplices(const char *ending)
+{
+    return strstr(" vtu msh msh2 mesh inp su2 node ele neigh face edge ", ending) != NULL;
+}
+
+/* One output: the mesh of the file, or its points and faces. */
+static pbwio_status write_one(job *j, const char *path, const char *ending, void *user, pbwio_error *error)
+{
+    pbwmodel_content *content = (pbwmodel_content *)user;
+    char name[16];
+    snprintf(name, sizeof name, "a.%s", ending);
+    content->format = j->write.format = pbwio_format_of(name);
+    return writes_simplices(ending) ? pbwio_write(path, &j->mesh, &j->write, error)
+                                    : pbwmodel_write(path, content, j->write.flags, error);
+}
+
 static int run(job *j)
 {
     pbwmodel_content content;
     pbwio_cloud found;
+    mesh_faults faults;
     double *normals = NULL;
     size_t i;
-    int failed, k;
+    int failed, k, of_simplices = 0;
     if (j->outputs == 0) {
         return complain("an output is needed; see pbw convert --help");
     }
@@ -40,12 +57,17 @@ static int run(job *j)
         return is_given(j, "--tile") ? convert_tile(j) : complain("--tile is needed: which tile of %s", j->input);
     }
     for (k = 0; k < j->outputs; k++) {
-        const char *ending = ending_of(j, j->output[k]);
-        if (strcmp(ending, "vtu") == 0 || strcmp(ending, "msh") == 0 || strcmp(ending, "mesh") == 0) {
-            return complain("-o %s: of a tile only; pbw mesh writes that", j->output[k]);
-        }
+        of_simplices |= writes_simplices(ending_of(j, j->output[k]));
     }
-    failed = load(j, 0);
+    failed = load(j, of_simplices);
+    if (failed) {
+        return failed;
+    }
+    if (of_simplices && !has_simplices(j)) {
+        return fail(j, "%s: it has no tetrahedra, and no triangles of one plane; pbw mesh makes them of its points",
+                    j->input != NULL ? j->input : "what is generated");
+    }
+    failed = of_simplices ? take_simplices(j, &faults) : 0;
     if (failed) {
         return failed;
     }
@@ -64,7 +86,7 @@ static int run(job *j)
         }
         content.normals = j->cloud.triangle_count > 0 ? normals : found.points;
     }
-    failed = write_model(j, &content);
+    failed = write_with(j, write_one, &content);
     free(normals);
     pbwio_free(&found);
     return failed;
@@ -74,12 +96,13 @@ const command command_convert = {
     "convert", "from one format to another",
     "usage: pbw convert [options] input output...\n"
     "\n"
-    "Points, normals and faces from one format to another.\n"
+    "Points, normals, faces and simplices from one format to another; simplices are turned positive.\n"
     "\n"
     "input:   as for pbw mesh; or .pbwt, and --tile: its simplices, as a mesh\n"
-    "output:  .obj .ply .off .stl with faces, .xyz .csv without; of a tile also .vtu .msh .mesh\n"
+    "output:  .obj .ply .off .stl with faces, .xyz .csv without; of tetrahedra, of triangles in the plane and of a\n"
+    "         tile also .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face .edge\n"
     "\n",
-    "obj ply off stl xyz csv txt pts asc dat tsv vtu msh mesh",
+    "obj ply off stl xyz csv txt pts asc dat tsv vtu msh msh2 mesh inp su2 node ele neigh face edge",
     { tile_options, input_options, output_options, text_options, common_options, NULL, NULL, NULL },
     run, 0, 1, 0, NULL, 0
 };

@@ -220,6 +220,31 @@ static void describe_input(const job *j)
     free(turned);
 }
 
+void describe_mesh_quality(const job *j)
+{
+    if (j->mesh.dim == 3) {
+        pbw_tets tets;
+        pbw_quality quality;
+        memset(&tets, 0, sizeof tets);
+        tets.points = j->mesh.points;
+        tets.point_count = j->mesh.point_count;
+        tets.corners = j->mesh.simplices;
+        tets.tet_count = j->mesh.simplex_count;
+        if (pbw_tets_quality(&tets, &j->build, &quality)) {
+            describe_quality(j, "", &quality);
+            note(j, "volume %.12g", quality.volume);
+        }
+    } else {
+        pbw_plane plane;
+        memset(&plane, 0, sizeof plane);
+        plane.points = j->mesh.points;
+        plane.point_count = j->mesh.point_count;
+        plane.triangles = j->mesh.simplices;
+        plane.triangle_count = j->mesh.simplex_count;
+        describe_plane(j, "", &plane);
+    }
+}
+
 static int improve_triangles(job *j)
 {
     static const pbw_plane_way ways[] = { PBW_PLANE_ODT, PBW_PLANE_LLOYD, PBW_PLANE_LAPLACE };

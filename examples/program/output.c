@@ -246,7 +246,10 @@ static void set_up_view(const job *j, pbwview_options *view)
                 : slash != NULL ? slash + 1 : j->input;
     view->keep = j->picture.keep;
     view->inside = j->picture.keep == NULL ? j->inside : NULL;
-    view->triangles = is_given(j, "--surface") ? NULL : j->cloud.triangles;
+    view->body = j->mesh.incident == NULL;           /* not a triangulation of points */
+    view->triangles = is_given(j, "--surface") || j->links != NULL || j->over != NULL ? NULL : j->cloud.triangles;
+    view->heights = j->over != NULL ? j->over + 2 * j->mesh.point_count : NULL;
+    view->surface = j->over != NULL;
     view->triangle_count = view->triangles != NULL ? j->cloud.triangle_count : 0;
     view->colour = text_of(j, "--colour");
     view->cut_through = is_given(j, "--cut-through");

@@ -52,6 +52,8 @@ int main(int argc, char **argv)
     }
     free(j.given);
     free(j.inside);
+    free(j.links);
+    free(j.over);
     free(j.build.trace);
     pbw_free(&j.mesh);
     pbwio_free(&j.cloud);

@@ -60,7 +60,7 @@ typedef struct option {
 
 /* Groups of options that commands share; an option without a name ends each. */
 extern const option input_options[], weight_options[], build_options[], look_options[], output_options[],
-                    text_options[], common_options[];
+                    text_options[], common_options[], file_mesh_options[];
 
 /* ---- commands ---- */
 
@@ -104,6 +104,8 @@ struct job {
     pbwio_cloud cloud, surface, queries;             /* what is read and made; surface: of --surface */
     pbw_mesh mesh;
     unsigned char *inside;                           /* per simplex: is its centre in the surface?  NULL: not known */
+    pbw_index *links;                                /* neighbors of a mesh that a file has; NULL: none */
+    double *over;                                    /* of a surface for a page: x, y of its points, then z; or NULL */
 };
 
 /* ---- options.c ---- */
@@ -159,6 +161,22 @@ int mark_inside(job *j);
 int explain(const job *j, pbw_status status);
 pbwsample_model model_of(const pbwio_cloud *cloud);
 
+/* ---- filemesh.c: simplices that a file has; each returns 0 or the exit status ---- */
+
+typedef struct mesh_fault { size_t count, first; } mesh_fault;       /* first: the number of a simplex */
+typedef struct mesh_faults {
+    mesh_fault turned, flat, crowded, folded;        /* negative; without volume; facets of more than two simplices, of
+                                                        two on one side */
+    size_t boundary;                                 /* facets of one simplex */
+} mesh_faults;
+
+int has_simplices(const job *j);                                     /* tetrahedra, or triangles of the plane */
+/* j->mesh becomes the simplices of the file, all turned positive; it borrows the cloud's arrays. */
+int take_simplices(job *j, mesh_faults *faults);
+int check_simplices(job *j);                                         /* takes them, reports faults and quality */
+/* The facets of j->mesh without a neighbor, turned outward, three points each; the caller frees it.  NULL: no memory. */
+pbw_index *boundary_of(const job *j, size_t *count);
+
 /* ---- output.c ---- */
 
 int check_outputs(const job *j);                                      /* before the work; returns 0 or USAGE */
@@ -212,6 +230,7 @@ double evaluate(const char *formula, double x, double y, const char **wrong);
 
 void describe_quality(const job *j, const char *when, const pbw_quality *q);
 void describe_histogram(const job *j, const pbw_quality *q);
+void describe_mesh_quality(const job *j);                            /* angles of j->mesh */
 void show_tets(job *j, const pbw_tets *tets);                       /* j->mesh becomes their view, not to be freed */
 
 /* ---- pbwt.c: files of tiles; each returns the exit status ---- */

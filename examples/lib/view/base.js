@@ -6,8 +6,10 @@ const $ = id => document.getElementById(id), given = $('mesh').dataset, css = na
 const dim = +given.dim, flat = dim === 2 && given.heights !== '1', n = dim + 1, W = 4096;
 // grouped: the simplices around one first corner are a cell, and the facets across from it the cell's.
 const grouped = given.cells === '1';
+// surface: triangles of a surface in space; else heights are of a mesh over the plane.
+const surface = given.surface === '1', space = dim === 3 || surface ? 3 : 2;
 const count = +given.simplices, points = +given.points;
-const simplex = grouped ? ['cell'] : dim === 3 ? ['tetrahedron', 'tetrahedra'] : ['triangle'];
+const simplex = grouped ? ['cell', 'cells'] : dim === 3 ? ['tetrahedron', 'tetrahedra'] : ['triangle', 'triangles'];
 const canvas = $('canvas'), say = text => { $('say').textContent = text; };
 const whole = x => Math.round(x).toLocaleString('en-US');
 const many = (count, one, more = one + 's') => whole(count) + ' ' + (count === 1 ? one : more);
@@ -16,7 +18,7 @@ const short = (x, span = 0) => Number.isInteger(x) && Math.abs(x) < 1e6 ? '' + x
 window.onerror = text => say('This page failed: ' + text);
 $('title').textContent = document.title;
 $('facts').textContent = grouped ? given.note + ' in ' + dim + 'D'
-  : (count ? many(count, ...simplex) + ', ' : '') + many(points, 'point') + ' in ' + dim + 'D'
+  : (count ? many(count, ...simplex) + ', ' : '') + many(points, 'point') + ' in ' + space + 'D'
     + (given.note ? '; ' + given.note : '');
 canvas.addEventListener('webglcontextlost', () => say('The graphics driver gave up: reload the page.'));
 

@@ -13,11 +13,11 @@ for (let k = 0; k < 3; k++) extent[k] -= bottom[k];
 // in y than in x and z, as ground is; else z.
 function guess_up() {
   const base = [0, 0, 0], corners = triangle_count ? triangle : corner, [wide, tall, deep] = extent;
-  const at = (c, k) => point[4 * c + k];
-  const facets = triangle_count || (other ? 4 * count : 0), order = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+  const at = (c, k) => point[4 * c + k], triangles = triangle_count || (dim === 2 ? count : 0);
+  const facets = triangles || 4 * count, order = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
   for (let f = 0; f < facets; f++) {
-    if (!triangle_count && other[f] >= 0) continue;
-    const c = triangle_count ? [0, 1, 2].map(k => corners[4 * f + k]) : order[f & 3].map(k => corners[(f & ~3) + k]);
+    if (!triangles && other[f] >= 0) continue;
+    const c = triangles ? [0, 1, 2].map(k => corners[4 * f + k]) : order[f & 3].map(k => corners[(f & ~3) + k]);
     const [u, v] = [1, 2].map(j => [0, 1, 2].map(k => at(c[j], k) - at(c[0], k)));
     const area = cross(u, v), all = Math.hypot(...area);
     for (let k = 1; k < 3; k++) {
@@ -39,7 +39,7 @@ function set_up_axis(k) {                               // 3: as given
   SIDE = unit(cross(UP, front));
   FRONT = cross(SIDE, UP);
 }
-const first_up = flat ? 2 : has_up ? 3 : dim === 2 ? 2 : guess_up();
+const first_up = flat ? 2 : has_up ? 3 : space === 2 ? 2 : guess_up();
 function look_along(eye) {
   lift = flat ? Math.PI / 2 : Math.asin(Math.max(-1, Math.min(1, dot(eye, UP))));
   turn = flat ? 0 : Math.atan2(dot(eye, SIDE), dot(eye, FRONT));
@@ -109,7 +109,7 @@ function set_relief(factor) {
 }
 function own_relief() {
   const most = height.reduce((a, b) => Math.max(a, Math.abs(b)), 0);
-  return dim === 2 && most > 0 ? Math.max(1, Math.min(20, Math.round(0.3 / most))) : 1;
+  return space === 2 && most > 0 ? Math.max(1, Math.min(20, Math.round(0.3 / most))) : 1;
 }
 function set_normal(a) {
   normal = a;
@@ -131,7 +131,7 @@ function reset() {
   look_along(eye);
   $('projection').value = 0; parallel = false;
   $('show').value = triangle_count ? 1 : 0;
-  $('outside').checked = false; $('slivers').checked = dim === 3 && count > 0 && !kept_only;
+  $('outside').checked = $('sites').checked = false; $('slivers').checked = dim === 3 && count > 0 && !kept_only;
   if (along.length) {
     set_normal(unit(CUT.slice(0, 3)));
     $('axis').value = along.length > 1 ? 4 : along[0];

@@ -19,7 +19,8 @@ function draw_chart() {
   }
   if (!a.classes) [0, 0.5, 1].forEach((t, i) => chart.append(svg('text', { x: 268 * t, y: 90,
     'text-anchor': ['start', 'middle', 'end'][i] }, short(off_scale(a, t), a.log ? 0 : span))));
-  const facts = a.classes ? 'classes ' + short(a.low) + ' to ' + short(a.high)
+  const facts = a.classes && a.names.length ? many(bin.filter(x => x).length, 'name')
+    : a.classes ? 'classes ' + short(a.low) + ' to ' + short(a.high)
     : 'least ' + short(a.least, a.log ? 0 : span) + ', 1 % below ' + short(a.hundredth, span) + ', mean '
       + short(a.mean, span) + ', largest ' + short(a.largest);
   chart.setAttribute('aria-label', 'Histogram of ' + a.name + ': ' + facts);
@@ -29,7 +30,7 @@ function draw_chart() {
   for (let k = 0; a.classes && k < bins && span < 64; k++) {
     const label = document.createElement('span'), mark = document.createElement('i');
     mark.style.background = rgb(class_of(a.low + k));
-    label.append(mark, short(a.low + k));
+    label.append(mark, told(a, a.low + k));
     label.title = whole(bin[k]);
     if (bin[k]) $('classes').append(label);
   }

@@ -6,11 +6,12 @@ let trouble = gl ? '' : 'no WebGL 2 here';
 const HEAD = `#version 300 es
 precision highp float; precision highp int; precision highp sampler2D; precision highp usampler2D;
 uniform mat4 camera; uniform mat3 axes; uniform vec3 skin, ink; uniform vec4 plane;
-uniform int n, of_points, classes, plain, draw, clip, lit, grouped;
+uniform int n, of, classes, plain, draw, clip, lit, grouped, dark;
 uniform uint bit, layer; uniform float explode, size;
 uniform sampler2D points, values, colours; uniform usampler2D corners, ids;
 ivec2 texel(uint i) { return ivec2(i & 4095u, i >> 12); }
 `;
+// of: values are of 0 simplices, 1 points, 2 facets.
 const PLACE = HEAD + `
 out vec3 edge, weight, at; flat out vec3 value, normal; flat out int bared; flat out uint id;
 vec3 p[4]; float x[4], s[4];
@@ -19,7 +20,7 @@ vec3 load(uint t) {
   vec3 sum = vec3(0);
   for (int k = 0; k < n; k++) {
     p[k] = texelFetch(points, texel(c[k]), 0).xyz;
-    x[k] = texelFetch(values, texel(of_points == 1 ? c[k] : t), 0).x;
+    x[k] = texelFetch(values, texel(of == 1 ? c[k] : of == 2 ? 4u * t + uint(k) : t), 0).x;
     s[k] = dot(plane.xyz, p[k]) - plane.w;
     sum += p[k];
   }
@@ -43,7 +44,7 @@ void main() {
   id = f >> 2;
   vec3 centre = load(id);
   emit(gl_VertexID % 3, p[o.x], p[o.y], p[o.z], centre);
-  value = vec3(x[o.x], x[o.y], x[o.z]);
+  value = of == 2 ? vec3(x[i]) : vec3(x[o.x], x[o.y], x[o.z]);
   if (grouped == 1) edge.yz = vec2(1);
 }`;
 // The section of a tetrahedron: a triangle, or a quadrangle whose diagonal is no edge.
@@ -53,7 +54,7 @@ void meet(int i, int a, int b) {
   inner[i] = grouped == 1 && min(a, b) == 0;
   float t = s[a] / (s[a] - s[b]);
   q[i] = mix(p[a], p[b], t);
-  y[i] = classes == 1 ? (t < 0.5 ? x[a] : x[b]) : mix(x[a], x[b], t);
+  y[i] = of == 2 ? -1.0 : classes == 1 ? (t < 0.5 ? x[a] : x[b]) : mix(x[a], x[b], t);
 }
 void main() {
   int j = gl_VertexID % 6, o[4], m = 0, below;
@@ -119,7 +120,7 @@ void main() {
   uint i = texelFetch(ids, texel(uint(gl_VertexID)), 0).x;
   id = i;
   at = texelFetch(points, texel(i), 0).xyz;
-  value = of_points == 1 ? texelFetch(values, texel(i), 0).x : -1.0;
+  value = of == 1 ? texelFetch(values, texel(i), 0).x : -1.0;
   gl_Position = camera * vec4(at, 1);
   gl_PointSize = clamp(size / gl_Position.w, 1.5, 64.0);
 }`;
@@ -130,7 +131,7 @@ void main() {
   float r = dot(d, d);
   if (r > 1.0) discard;
   float bright = max(dot(LIGHT, vec3(d.x, -d.y, sqrt(1.0 - r))), 0.0);
-  result = vec4(colour(value) * (lit == 0 ? 1.0 : 0.5 + 0.55 * bright), 1);
+  result = vec4((dark == 1 ? ink : colour(value)) * (lit == 0 ? 1.0 : 0.5 + 0.55 * bright), 1);
 }`;
 const SCREEN = `#version 300 es
 void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0, 1); }`;
@@ -193,7 +194,7 @@ function texture(unit, internal, format, type, width, height, data) {
 const table = (unit, internal, format, type, data, each) =>
   texture(unit, internal, format, type, W, data.length / each / W, data);
 let programs, buffers, value_data, pick_frame;
-let cut_texture, id_texture, face_texture, corner_texture, triangle_texture;
+let cut_texture, id_texture, face_texture, corner_texture, triangle_texture, site_texture;
 function set_up() {
   const most = gl.getParameter(gl.MAX_TEXTURE_SIZE);
   if (most < W || ids.length / W > most) throw new Error('too large for this graphics card');
@@ -205,10 +206,11 @@ function set_up() {
   corner_texture = table(3, gl.RGBA32UI, gl.RGBA_INTEGER, gl.UNSIGNED_INT, corner || new Uint32Array(4 * W), 4);
   face_texture = table(4, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, faces, 1);
   cut_texture = table(4, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, cut_ids, 1);
+  site_texture = table(4, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, site_ids, 1);
   id_texture = table(4, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, ids, 1);
   const pixels = new Uint8Array([...scale, ...classes].flatMap(c => [...c, 255]));
   texture(2, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, 256, 2, pixels);
-  value_data = new Float32Array(rows(Math.max(count, points), 1));
+  value_data = new Float32Array(rows(Math.max(arrays.some(a => a.of_facets) ? 4 * count : count, points), 1));
   table(1, gl.R32F, gl.RED, gl.FLOAT, value_data, 1);
 }
 function upload_points() {
@@ -277,7 +279,8 @@ const hex = text => [1, 3, 5].map(i => parseInt(text.slice(i, i + 2), 16) / 255)
 const bind = (unit, what) => { gl.activeTexture(gl.TEXTURE0 + unit); gl.bindTexture(gl.TEXTURE_2D, what); };
 function uniforms(view) {
   return { camera: new Float32Array(view.matrix), axes: new Float32Array([...view.right, ...view.up, ...view.eye]),
-    skin: hex(css('--skin')), ink: [0.04, 0.07, 0.11], plane: [...normal, offset], n, of_points: +array.of_points,
+    skin: hex(css('--skin')), ink: [0.04, 0.07, 0.11], plane: [...normal, offset], n, dark: 0,
+    of: array.of_facets ? 2 : +array.of_points,
     classes: +array.classes, plain: +$('plain').checked, draw: number('draw'), clip: 0, lit: +!flat,
     grouped: +grouped,
     bit: count ? 4 * count : 1, layer: 1, explode: number('explode'),
@@ -306,6 +309,13 @@ function draw_scene(values, facet, cap, dot) {
     bind(4, cut_texture);
     use(cap, values);
     gl.drawArrays(gl.TRIANGLES, 0, 6 * caps);
+  }
+  if (sites) {                                          // in space cells hide them
+    bind(4, site_texture);
+    if (flat) gl.disable(gl.DEPTH_TEST);
+    use(dot, { ...values, layer: 3, dark: 1 });
+    gl.drawArrays(gl.POINTS, 0, sites);
+    gl.enable(gl.DEPTH_TEST);
   }
 }
 // What is at that place of the canvas: a window of 65 pixels around it, as points reach into it from beside.
@@ -348,6 +358,7 @@ function paint() {
     if (gl) {
       upload_ids(id_texture, ids, facets);
       if (caps) upload_ids(cut_texture, cut_ids, caps);
+      if (sites) upload_ids(site_texture, site_ids, sites);
     }
   }
   show_numbers();

@@ -35,15 +35,18 @@ const coordinates = i => [0, 1, 2].slice(0, flat ? 2 : 3).map(k =>
 const corners_of = at => at.layer === 3 ? [at.i] : at.layer === 2 ? [...triangle.subarray(4 * at.i, 4 * at.i + 3)]
   : [...corner.subarray(4 * at.i, 4 * at.i + n)];
 function describe(at, x, y) {                           // x, y: the corner nearest to that place is told, too
-  const c = corners_of(at), values = arrays.filter(a => a.of_points === (at.layer === 3) && at.layer !== 2)
-    .map(a => a.name + ' ' + short(value_at(a, at.i))), point_text = i => 'point ' + point_id[i] + ' ('
+  const on_facets = a => [0, 1, 2, 3].map(k => values(a)[4 * at.i + k]).filter(is_value).map(x => told(a, x))
+    .join(', ');
+  const c = corners_of(at), told_values = arrays.filter(a => a.of_points === (at.layer === 3) && at.layer !== 2)
+    .map(a => [a.name, a.of_facets ? on_facets(a) : told(a, value_at(a, at.i))]).filter(x => x[1])
+    .map(x => x.join(' ')), point_text = i => 'point ' + point_id[i] + ' ('
       + coordinates(i).join(', ') + ')';
-  if (at.layer === 3) return point_text(at.i) + '; ' + values.join('; ');
+  if (at.layer === 3) return point_text(at.i) + '; ' + told_values.join('; ');
   const far = i => { const [a, b] = project(i); return Math.hypot(a - x, b - y); };
   const nearest = x === undefined ? null : c.reduce((a, b) => far(b) < far(a) ? b : a);
-  if (grouped && at.layer === 1) return 'cell ' + simplex_id[at.i] + '; ' + values.join('; ');
-  return (at.layer === 2 ? 'face ' + at.i : (dim === 3 ? 'tetrahedron ' : 'triangle ') + simplex_id[at.i])
-    + '; points ' + c.map(i => point_id[i]).join(', ') + (values.length ? '; ' + values.join('; ') : '')
+  if (grouped && at.layer === 1) return 'cell ' + simplex_id[at.i] + '; ' + told_values.join('; ');
+  return (at.layer === 2 ? 'face ' + at.i : simplex[0] + ' ' + simplex_id[at.i])
+    + '; points ' + c.map(i => point_id[i]).join(', ') + (told_values.length ? '; ' + told_values.join('; ') : '')
     + (nearest === null ? '' : '; nearest: ' + point_text(nearest));
 }
 function set_picked(at, x, y) {

@@ -1,7 +1,7 @@
 // Measures: what colours can show.  Each array is computed, or decoded, at its first use: values(a) returns it whole,
 // value_at(a, i) one value, and summarise(a) adds its range, mean and histogram.
 
-// Measures of simplices, from coordinates in single precision (of a surface over the plane: in the plane).  Corners
+// Measures of simplices, from coordinates in single precision (of a mesh over the plane: in the plane).  Corners
 // of the simplex that is measured, three coordinates each; a, b, c, d are places in this array.
 const xyz = new Float64Array(12);
 const SOLID = dim === 3;
@@ -25,7 +25,7 @@ function two_areas(a, b, c) {
 function load_simplex(t) {
   for (let a = 0; a < n; a++) {
     const p = 4 * corner[4 * t + a];
-    for (let k = 0; k < dim; k++) xyz[3 * a + k] = point[p + k];
+    for (let k = 0; k < space; k++) xyz[3 * a + k] = point[p + k];
   }
   if (!SOLID) return two_areas(0, 3, 6);
   const x = xyz[3] - xyz[0], y = xyz[4] - xyz[1], z = xyz[5] - xyz[2];
@@ -74,10 +74,11 @@ function aspect_ratio(t) {
 }
 
 const arrays = [];
-// of_points: one value a point, else one a simplex.  classes, integer: see pbw_view.h.  all() returns the values, or
-// one(i) returns the i-th.
+// of_points: one value a point, of_facets: one a facet, else one a simplex.  classes, integer, names: see pbw_view.h.
+// all() returns the values, or one(i) returns the i-th.
 function add_array(name, given) {
-  const defaults = { of_points: false, classes: false, integer: false, about: '', log: false, value: null };
+  const defaults = { of_points: false, of_facets: false, classes: false, integer: false, names: [], about: '',
+    log: false, value: null };
   arrays.push({ name, ...defaults, ...given });
 }
 function values(a) {
@@ -89,19 +90,36 @@ function values(a) {
 }
 const value_at = (a, i) => a.value || !a.one ? values(a)[i] : Math.fround(a.one(i));
 const is_value = x => Math.abs(x) < 1e38;               // not NaN, not infinite
+const told = (a, x) => a.names[x] || (is_value(x) ? short(x) : 'none');
+const counted = (a, i) => a.of_points || a.of_facets || counts(i);
+// A scale that shows most values: logarithmic where they are positive and span magnitudes, else without the
+// hundredths at both ends where those take most of the range.
+function suit_scale(a, rank) {
+  const m = rank.length, first = rank[m / 100 | 0], last = rank[m - 1 - (m / 100 | 0)];
+  if (m < 100 || a.classes || a.one || !(a.high > a.low)) return;
+  if (first > 0 && last > 100 * first) {
+    a.log = true;
+    a.about = 'Logarithmic.';
+  } else if (last > first && last - first < 0.25 * (a.high - a.low)) {
+    a.low = first;
+    a.high = last;
+    a.about = 'Colours from the 1st to the 99th hundredth of the values.';
+  }
+}
 // least, largest, mean, hundredth (a hundredth is below it) of the values; low and high of the scale.
 function summarise(a) {
   if (a.bin) return;
   const value = values(a), sorted = new Float32Array(value.length);
   let m = 0, sum = 0;
   for (let i = 0; i < value.length; i++) {
-    if (is_value(value[i]) && (a.of_points || counts(i))) { sorted[m++] = value[i]; sum += value[i]; }
+    if (is_value(value[i]) && counted(a, i)) { sorted[m++] = value[i]; sum += value[i]; }
   }
   const rank = sorted.subarray(0, m).sort();
   a.least = a.low = m ? rank[0] : 0;
   a.largest = a.high = m ? rank[m - 1] : 0;
   a.mean = m ? sum / m : 0;
   a.hundredth = m ? rank[m / 100 | 0] : 0;
+  suit_scale(a, rank);
   if (a.log) {                                          // from the least that is above 0, or a millionth of the top
     a.high = Math.max(a.high, 1e-30);
     a.low = Math.max(a.high / 1e6, rank.find(x => x > 0) || 0);
@@ -113,8 +131,9 @@ function summarise(a) {
 function histogram(a) {
   const span = a.high - a.low, bins = a.integer && span < 64 ? span + 1 : 48, bin = new Float64Array(bins);
   for (let i = 0; i < a.value.length; i++) {
-    const x = a.value[i], k = bins === span + 1 ? x - a.low : Math.min(bins - 1, at_scale(a, x) * bins | 0);
-    if (x >= a.low && x <= a.high && (a.of_points || counts(i))) bin[k]++;
+    const x = a.value[i], place = Math.max(0, at_scale(a, x)) * bins | 0;
+    const k = bins === span + 1 ? x - a.low : Math.min(bins - 1, place);
+    if (is_value(x) && counted(a, i)) bin[k]++;
   }
   return bin;
 }
@@ -134,9 +153,12 @@ function add_measures() {
 }
 // An array that came with the page.
 function add_given(node) {
-  const { name, of, kind } = node.dataset, size = of === 'points' ? points : count;
-  const all = () => kind === 'real' ? new Float32Array(bytes(node).buffer) : read_steps(node, new Float32Array(size));
-  add_array(name, { of_points: of === 'points', classes: kind === 'classes', integer: kind !== 'real', all });
+  const { name, of, kind } = node.dataset, size = of === 'points' ? points : of === 'facets' ? 4 * count : count;
+  const names = node.dataset.names ? node.dataset.names.split('\n') : [], NONE = 4294967295;
+  const all = () => kind === 'real' ? new Float32Array(bytes(node).buffer)
+    : read_steps(node, new Float32Array(size)).map(x => x >= NONE ? NaN : x);
+  add_array(name, { of_points: of === 'points', of_facets: of === 'facets', classes: kind === 'classes',
+    integer: kind !== 'real', names, all });
 }
 if (count && !grouped) add_measures();
 if (!grouped) {
@@ -147,6 +169,6 @@ if (!grouped) {
 document.querySelectorAll('script[data-name]').forEach(add_given);
 const up = flat ? 1 : 2;
 if (!flat || !arrays.some(a => a.of_points)) {
-  add_array(dim === 2 && !flat ? 'height' : 'xyz'[up], { of_points: true,
+  add_array(dim === 2 && !flat && !surface ? 'height' : 'xyz'[up], { of_points: true,
     one: i => (SOLID || flat ? point[4 * i + up] : height[i]) * half + middle[up] });
 }

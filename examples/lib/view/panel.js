@@ -103,6 +103,7 @@ for (const id in from_typed) {
     look();
   });
 }
+on('sites', 'input', change);
 for (const id of ['outside', 'slivers']) on(id, 'input', () => { set_body(); change(); });
 on('projection', 'input', () => { parallel = number('projection') === 1; look(); });
 function turn_to(eye) {
@@ -134,7 +135,7 @@ on('save', 'click', () => {
 // ---- the link: the address names the view, and brings it back ----
 
 const KEPT = ['up', 'projection', 'show', 'draw', 'axis', 'cap', 'cut', 'relief', 'explode', 'size', 'from', 'to'];
-const BOXES = ['outside', 'slivers', 'plain'];
+const BOXES = ['outside', 'slivers', 'sites', 'plain'];
 function link_text() {
   const numbers = [turn, lift, distance, ...target, ...normal].map(x => +x.toPrecision(6)).join();
   return 'view=' + numbers + '&colour=' + encodeURIComponent(array.name) + KEPT.map(id => '&' + id + '='
@@ -192,10 +193,13 @@ matchMedia('(prefers-color-scheme: dark)').addEventListener('change', look);
 new ResizeObserver(() => { if (!moved) fit(); look(); }).observe(canvas);
 
 arrays.forEach((a, i) => $('colour').append(new Option(a.name, i)));
+$('go-kind').options[0].textContent = simplex[0];
+$('show').options[1].textContent = $('cut-what').textContent = simplex[1];
+$('sites').parentNode.hidden = !grouped;
 if (!count) document.querySelectorAll('.mesh').forEach(x => { x.hidden = true; });
 if (!count || dim === 2) document.querySelectorAll('.solid').forEach(x => { x.hidden = true; });
 $('plain').parentNode.hidden = !has_skin;
-document.querySelector('.relief').hidden = flat || dim === 3;
+document.querySelector('.relief').hidden = flat || space === 3;
 if (flat) document.querySelectorAll('.cut').forEach(x => { x.hidden = true; });
 if (!count && !triangle_count) $('draw').parentNode.hidden = true;
 $('show').parentNode.hidden = !triangle_count || !count;

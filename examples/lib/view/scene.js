@@ -9,7 +9,8 @@ const ids = new Uint32Array(rows(Math.max(4 * count, points), 1));
 const faces = new Uint32Array(triangle_count ? rows(triangle_count, 1) : W);
 for (let i = 0; i < triangle_count; i++) faces[i] = 4 * i + 3;
 const cut_ids = new Uint32Array(dim === 3 ? rows(count, 1) : W), state = new Uint8Array(count);
-const side = new Float32Array(points);
+const side = new Float32Array(points), site_ids = new Uint32Array(grouped ? rows(points, 1) : W);
+let sites = 0;
 const MOST_EXPLODED = 500000;
 const as_model = () => triangle_count > 0 && $('show').value === '1' && $('draw').value !== '4';
 const as_points = () => !as_model() && (!count || $('draw').value === '4');
@@ -35,6 +36,7 @@ function set_body() {
   for (let t = 0; t < count; t++) hidden += !body[t];
 }
 function select() {
+  const sites_only = grouped && $('sites').checked;
   const from = number('from') > 0 ? limit('from') : -Infinity;
   const to = number('to') < 1 ? limit('to') : Infinity;
   const all = from === -Infinity && to === Infinity;
@@ -44,7 +46,15 @@ function select() {
   for (let i = 0; i < points; i++) {
     side[i] = cutting ? across(i) - offset : -1;
   }
-  shown = facets = caps = 0;
+  shown = facets = caps = sites = 0;
+  for (let t = 0; sites_only && t < count; t++) {
+    if (counts(t) && side[corner[4 * t]] <= 0) site_ids[sites++] = corner[4 * t];
+  }
+  if (as_points() && sites_only) {
+    ids.set(site_ids.subarray(0, sites));
+    shown = facets = sites;
+    return;
+  }
   if (as_points()) {
     for (let i = 0; i < points; i++) {
       if (side[i] <= 0 && (!array.of_points || fits(value[i]))) ids[facets++] = i;
@@ -57,8 +67,11 @@ function select() {
     const e = dim === 3 ? side[corner[c + 3]] : d;
     let s = all ? 1 : 0;
     if (!all) {
-      s = 1;
-      for (let k = 0; k < n; k++) s &= fits(value[array.of_points ? corner[c + k] : t]);
+      s = array.of_facets ? 0 : 1;
+      for (let k = 0; k < n; k++) {
+        if (array.of_facets) s |= fits(value[c + k]);
+        else s &= fits(value[array.of_points ? corner[c + k] : t]);
+      }
     }
     if (s && cutting) {
       if (cap) {
