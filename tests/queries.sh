@@ -160,6 +160,15 @@ done
 "$pbw" cells lattice.csv --box $box --periodic xyz --merge --quiet -o c.csv -o c.obj
 check "centroids" sh -c "sed 1d c.csv | cut -d, -f3-5 | awk -F, '{ printf \"%.12g,%.12g,%.12g\\n\", \$1, \$2, \$3 }' |
     sed 's/-0\\>/0/g' | cmp - lattice.csv"
+printf 'x,y,z\n1,0,0\n-1,0,0\n0,1,0\n0,-1,0\n0,0,1\n0,0,-1\n' > six.csv
+printf 'x,y,z\n1,1,1\n1,1,-1\n1,-1,1\n1,-1,-1\n-1,1,1\n-1,1,-1\n-1,-1,1\n-1,-1,-1\n' > eight.csv
+check "pyramids of six cospherical points" says 0 "6 cells, 0 of them empty, 0 unbounded; 30 facets" \
+    cells six.csv --box -1,-1,-1,1,1,1 --merge -o c.csv -o c.obj
+check "pyramids are closed" enclosed
+check "half of them" says 0 "6 cells, 3 of them empty, 0 unbounded; 15 facets" \
+    cells six.csv --box 0,0,0,1,1,1 --merge -o c.csv
+check "cells that touch the box" says 0 "8 cells, 7 of them empty, 0 unbounded; 6 facets" \
+    cells eight.csv --box 0,0,0,2,2,2 --merge -o c.csv
 check "cells without a box" says 0 "64 cells, 0 of them empty, 56 unbounded" cells lattice.csv -o c.csv -o c.obj
 check "pictures end at a box" says 0 "60 cells, 0 of them empty" cells --generate uniform 60 --dim 2 -o c.svg -o c.html
 check "with the unbounded cells" lines 'id="cell_' c.svg 60

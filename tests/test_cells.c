@@ -516,6 +516,288 @@ static void test_lattices(void)
     test_lattice("face-centred", 3, fcc, 4, rhombic);
 }
 
+/* An octahedron in space, a diamond in the plane: |x| + |y| + |z| <= 1. */
+static size_t diamond(int dim, double *planes)
+{
+    size_t i, count = (size_t)1 << dim;
+    int k;
+    for (i = 0; i < count; i++) {
+        for (k = 0; k < dim; k++) {
+            planes[i * ((size_t)dim + 1) + (size_t)k] = (i >> k & 1) != 0 ? -1 : 1;
+        }
+        planes[i * ((size_t)dim + 1) + (size_t)dim] = 1;
+    }
+    return count;
+}
+
+/* ---- cut cells of the true diagram, against all corners that three half-spaces have, in integers.  Coordinates are
+   below 2^6 in size, so n < 2^8, c < 2^15, X and D < 2^33, and n.X - c D < 2^43. */
+
+typedef struct halves { int count; int64_t n[160][3], c[160]; pbw_index name[160]; } halves;
+typedef struct spot { int64_t x[3], d; } spot;                       /* at x / d */
+
+static void add_half(halves *h, pbw_index name, int64_t x, int64_t y, int64_t z, int64_t c)
+{
+    h->n[h->count][0] = x;
+    h->n[h->count][1] = y;
+    h->n[h->count][2] = z;
+    h->c[h->count] = c;
+    h->name[h->count++] = name;
+}
+
+/* The half-spaces around point i: walls and bisectors of all other points; in the plane between z = 0 and 1. */
+static halves halves_of(const sites *s, const pbw_mesh *mesh, const pbw_domain *domain, size_t i)
+{
+    const size_t dim = (size_t)s->dim;
+    halves h;
+    size_t j, k;
+    h.count = 0;
+    for (k = 0; k < 2 * dim && domain->box != NULL; k++) {
+        const int64_t sign = k % 2 != 0 ? 1 : -1;
+        add_half(&h, (pbw_index)(PBW_NONE - 1 - k), k / 2 == 0 ? sign : 0, k / 2 == 1 ? sign : 0,
+                 k / 2 == 2 ? sign : 0, sign * (int64_t)domain->box[k / 2 + (k % 2 != 0 ? dim : 0)]);
+    }
+    for (j = 0; j < domain->plane_count; j++) {
+        const double *p = domain->planes + j * (dim + 1);
+        add_half(&h, (pbw_index)(PBW_NONE - 1 - 2 * dim - j), (int64_t)p[0], (int64_t)p[1],
+                 dim == 3 ? (int64_t)p[2] : 0, (int64_t)p[dim]);
+    }
+    if (dim == 2) {
+        add_half(&h, PBW_NONE, 0, 0, -1, 0);
+        add_half(&h, PBW_NONE, 0, 0, 1, 1);
+    }
+    for (j = 0; j < s->count; j++) {
+        int64_t n[3] = { 0, 0, 0 }, c = s->w != NULL ? (int64_t)(s->w[i] - s->w[j]) : 0;
+        for (k = 0; k < dim; k++) {
+            n[k] = (int64_t)(2 * (s->x[j * dim + k] - s->x[i * dim + k]));
+            c += (int64_t)(s->x[j * dim + k] * s->x[j * dim + k] - s->x[i * dim + k] * s->x[i * dim + k]);
+        }
+        if (mesh->canonical[j] == j && j != i) {
+            add_half(&h, (pbw_index)j, n[0], n[1], n[2], c);
+        }
+    }
+    return h;
+}
+
+static int64_t half_at(const halves *h, int f, const spot *p)
+{
+    return h->n[f][0] * p->x[0] + h->n[f][1] * p->x[1] + h->n[f][2] * p->x[2] - h->c[f] * p->d;
+}
+
+/* Where three planes meet, d > 0; d = 0: nowhere. */
+static spot meet(const halves *h, int a, int b, int c)
+{
+    const int at[3] = { a, b, c };
+    spot p = { { 0, 0, 0 }, 0 };
+    int i, k;
+    for (i = 0; i < 3; i++) {
+        const int64_t *u = h->n[at[(i + 1) % 3]], *v = h->n[at[(i + 2) % 3]];
+        for (k = 0; k < 3; k++) {
+            const int64_t across = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
+            p.x[k] += h->c[at[i]] * across;
+            p.d += i == 0 ? h->n[a][k] * across : 0;
+        }
+    }
+    for (k = 0; k < 3 && p.d < 0; k++) {
+        p.x[k] = -p.x[k];
+    }
+    p.d = p.d < 0 ? -p.d : p.d;
+    return p;
+}
+
+/* The corners of the cell, each once.  Returns how many. */
+static int corners_of(const halves *h, spot *corner, int most)
+{
+    int a, b, c, f, m, count = 0;
+    for (a = 0; a < h->count; a++) {
+        for (b = a + 1; b < h->count; b++) {
+            for (c = b + 1; c < h->count; c++) {
+                const spot p = meet(h, a, b, c);
+                for (f = 0; f < h->count && p.d != 0 && half_at(h, f, &p) <= 0; f++) {
+                }
+                for (m = 0; f == h->count && m < count; m++) {
+                    if (p.x[0] * corner[m].d == corner[m].x[0] * p.d && p.x[1] * corner[m].d == corner[m].x[1] * p.d
+                        && p.x[2] * corner[m].d == corner[m].x[2] * p.d) {
+                        break;
+                    }
+                }
+                if (f == h->count && m == count && count < most) {
+                    corner[count++] = p;
+                }
+            }
+        }
+    }
+    return count;
+}
+
+/* The corners on plane f, as flags.  Returns how many. */
+static int on_plane(const halves *h, int f, const spot *corner, int count, unsigned char *on)
+{
+    int m, sum = 0;
+    for (m = 0; m < count; m++) {
+        on[m] = half_at(h, f, corner + m) == 0;
+        sum += on[m];
+    }
+    return sum;
+}
+
+/* The facet of a cell with the corners of plane f.  Of planes that coincide any may be named.  Returns first[i + 1]
+   if there is none, PBW_NONE if an earlier plane has these corners, too. */
+static size_t facet_of(const pbw_cells *cells, size_t i, const halves *h, int f, const spot *corner, int count)
+{
+    unsigned char on[2000], more[2000];
+    size_t e, found = cells->first[i + 1];
+    int g;
+    (void)on_plane(h, f, corner, count, on);
+    for (g = 0; g < h->count; g++) {
+        (void)on_plane(h, g, corner, count, more);
+        if (memcmp(on, more, (size_t)count) == 0) {
+            if (g < f) {
+                return PBW_NONE;
+            }
+            for (e = cells->first[i]; e < cells->first[i + 1]; e++) {
+                found = cells->neighbors[e] == h->name[g] ? e : found;
+            }
+        }
+    }
+    return found;
+}
+
+/* Every facet of each cell, and the corners of its loop. */
+static void check_counts(const sites *s, const pbw_domain *domain)
+{
+    spot *corner = (spot *)take(2000 * sizeof *corner);
+    pbw_mesh mesh;
+    pbw_cells cells;
+    size_t i;
+    CHECK_EQUAL(pbw_triangulate(s->dim, s->x, s->w, s->count, NULL, &mesh), PBW_OK);
+    CHECK_EQUAL(pbw_cells_of(&mesh, domain, ALL | PBW_CELLS_MERGE, NULL, &cells), PBW_OK);
+    for (i = 0; i < cells.cell_count; i++) {
+        const halves h = halves_of(s, &mesh, domain, i);
+        const int count = corners_of(&h, corner, 2000);
+        unsigned char on[2000];
+        size_t facets = 0, e;
+        int f, flat = count < 4;
+        if (mesh.canonical[i] != i) {
+            CHECK_EQUAL(cells.first[i + 1], cells.first[i]);
+            continue;
+        }
+        for (f = 0; f < h.count; f++) {
+            flat |= on_plane(&h, f, corner, count, on) == count;
+        }
+        for (f = 0; f < h.count && !flat; f++) {
+            const int sum = on_plane(&h, f, corner, count, on);
+            if (sum < (s->dim == 3 ? 3 : 4) || h.name[f] == PBW_NONE
+                || (e = facet_of(&cells, i, &h, f, corner, count)) == PBW_NONE) {
+                continue;
+            }
+            facets++;
+            if (CHECK(e < cells.first[i + 1])) {
+                CHECK_EQUAL(cells.loop_first[e + 1] - cells.loop_first[e], s->dim == 3 ? sum : 2);
+            }
+        }
+        CHECK_EQUAL(cells.first[i + 1] - cells.first[i], facets);
+    }
+    pbw_cells_free(&cells);
+    pbw_free(&mesh);
+    free(corner);
+}
+
+/* All points with integer coordinates on a sphere or circle around (4, 4, 4). */
+static sites sphere(int dim, int square)
+{
+    sites s;
+    int x, y, z;
+    memset(&s, 0, sizeof s);
+    s.dim = dim;
+    s.x = (double *)take(3000 * sizeof(double));
+    for (x = -9; x <= 9; x++) {
+        for (y = -9; y <= 9; y++) {
+            for (z = dim == 3 ? -9 : 0; z <= (dim == 3 ? 9 : 0); z++) {
+                double *p = s.x + s.count * (size_t)dim;
+                if (x * x + y * y + z * z == square) {
+                    p[dim - 1] = 4 + z;
+                    p[0] = 4 + x;
+                    p[1] = 4 + y;
+                    s.count++;
+                }
+            }
+        }
+    }
+    return s;
+}
+
+/* Points of a grid, some twice, with weights or without. */
+static sites grid_sites(int dim, size_t count, int side, int weighted, uint64_t *state)
+{
+    sites s;
+    size_t i;
+    memset(&s, 0, sizeof s);
+    s.dim = dim;
+    s.count = count;
+    s.x = (double *)take(count * 3 * sizeof(double));
+    s.w = weighted ? (double *)take(count * sizeof(double)) : NULL;
+    for (i = 0; i < count * (size_t)dim; i++) {
+        s.x[i] = (double)(input_next(state) % (uint64_t)side) + (i % 7 == 0 ? 1 : 0);
+    }
+    for (i = 0; i < count && weighted; i++) {
+        s.w[i] = (double)(input_next(state) % 4);
+    }
+    return s;
+}
+
+static void test_counts(void)
+{
+    static const double boxes[5][6] = { { 0, 0, 0, 8, 8, 8 }, { -9, -9, -9, 20, 20, 20 }, { 4, 4, 4, 9, 9, 9 },
+                                        { 4, 1, -2, 12, 4, 7 }, { 1, 2, 3, 5, 6, 4 } };
+    static const int squares[5] = { 9, 14, 25, 17, 26 };
+    uint64_t state = test_seed;
+    int k, b, dim;
+    for (dim = 2; dim <= 3; dim++) {
+        for (k = 0; k < (dim == 3 ? 3 : 5); k++) {
+            if (test_begin("merged facets of cut cells: %dD sphere %d", dim, squares[k])) {
+                sites s = sphere(dim, squares[k]);
+                for (b = 0; b < 5 && s.count > 3; b += dim - 1) {
+                    pbw_domain domain;
+                    double box[6];
+                    memset(&domain, 0, sizeof domain);
+                    memcpy(box, boxes[b], sizeof box);
+                    memcpy(box + dim, boxes[b] + 3, (size_t)dim * sizeof *box);
+                    domain.box = box;
+                    check_counts(&s, &domain);
+                }
+                sites_free(&s);
+                test_end();
+            }
+        }
+        if (test_begin("merged facets of cut cells: %dD grids", dim)) {
+            for (k = 0; k < 60; k++) {
+                sites s = grid_sites(dim, 6 + (size_t)k / 3, 3 + k % 3, k % 2, &state);
+                pbw_domain domain;
+                double planes[32], box[6] = { 0, 0, 0, 0, 0, 0 };
+                size_t p;
+                memset(&domain, 0, sizeof domain);
+                for (b = 0; b < dim; b++) {
+                    box[b] = k / 4 % 3 - 1;
+                    box[dim + b] = box[b] + 3;
+                }
+                domain.box = k % 3 != 0 ? box : NULL;
+                if (k % 3 != 1) {
+                    domain.planes = planes;
+                    domain.plane_count = diamond(dim, planes);
+                    for (p = 0; p < domain.plane_count; p++) {       /* around (1, 1, 1), of size 3 */
+                        double *plane = planes + p * (size_t)(dim + 1);
+                        plane[dim] = 3 + plane[0] + plane[1] + (dim == 3 ? plane[2] : 0);
+                    }
+                }
+                check_counts(&s, &domain);
+                sites_free(&s);
+            }
+            test_end();
+        }
+    }
+}
+
 /* ---- the zoo: each input with a box around it */
 
 static void test_zoo(void)
@@ -717,20 +999,6 @@ static void test_periodics(void)
 }
 
 /* ---- domains and unbounded cells */
-
-/* An octahedron in space, a diamond in the plane: |x| + |y| + |z| <= 1. */
-static size_t diamond(int dim, double *planes)
-{
-    size_t i, count = (size_t)1 << dim;
-    int k;
-    for (i = 0; i < count; i++) {
-        for (k = 0; k < dim; k++) {
-            planes[i * ((size_t)dim + 1) + (size_t)k] = (i >> k & 1) != 0 ? -1 : 1;
-        }
-        planes[i * ((size_t)dim + 1) + (size_t)dim] = 1;
-    }
-    return count;
-}
 
 static void test_domains(void)
 {
@@ -998,6 +1266,7 @@ int main(int argc, char **argv)
     test_kinds();
     test_brutes();
     test_lattices();
+    test_counts();
     test_zoo();
     test_periodics();
     test_rest();

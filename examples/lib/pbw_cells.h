@@ -31,7 +31,8 @@
      same        the same bytes for any number of threads; volumes and centroids with facets and alone to 1e-12 of all
      whole       volumes in a domain add up to it, to 1e-12            (polygons: tests/test_clip.c)
      closed      areas times normals of a bounded cell add up to zero
-     exact       with PBW_CELLS_MERGE, combinatorics are those of the true diagram, degenerate corners and all
+     exact       with PBW_CELLS_MERGE, combinatorics are those of the true diagram, degenerate corners and all, of
+                 cells that are cut, too
 
    CONFIGURATION MACROS
      PBW_CELLS_IMPLEMENTATION    in one source file: compile the implementation there
@@ -126,6 +127,7 @@ PBWCELLSDEF void pbw_cells_free(pbw_cells *cells);           /* fine on {0}, fin
 #define PBWCELLS__IMPLEMENTED
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -392,6 +394,144 @@ static PBWC__INLINE int pbwc__centre_of(const pbw_mesh *mesh, size_t dim, pbw_in
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   Exact numbers: a sign and limbs of 32 bits, value = sign * sum of limb[i] * 2^(32 (low + i)); the first and the
+   last limb are not 0.  Every double is one, and so are sums and products: nothing is rounded, over- or underflows.
+   In: at most products of five coordinates or differences of two, and sums of a few hundred of them.  A double has
+   bits from 2^-1074 to 2^1023, so five factors have less than 10,500 bits, 329 limbs; PBWC__LIMBS has room for sums.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBWC__LIMBS 336
+
+typedef struct pbwc__exact { int sign, low, count; uint32_t limb[PBWC__LIMBS]; } pbwc__exact;
+
+static void pbwc__trim(pbwc__exact *a)
+{
+    int zeros = 0;
+    while (a->count > 0 && a->limb[a->count - 1] == 0) {
+        a->count--;
+    }
+    while (zeros < a->count && a->limb[zeros] == 0) {
+        zeros++;
+    }
+    memmove(a->limb, a->limb + zeros, (size_t)(a->count - zeros) * sizeof *a->limb);
+    a->low += zeros;
+    a->count -= zeros;
+    a->sign = a->count > 0 ? a->sign : 0;
+}
+
+static void pbwc__exact_of(double x, pbwc__exact *a)
+{
+    int exponent, shift;
+    const uint64_t bits = (uint64_t)ldexp(frexp(fabs(x), &exponent), 53);
+    uint64_t low, high;
+    exponent = exponent - 53 + 2048;                 /* above 0, so that the quotient is rounded down */
+    shift = exponent % 32;
+    low = (bits & 0xffffffffu) << shift;
+    high = ((bits >> 32) << shift) + (low >> 32);
+    a->sign = x > 0 ? 1 : -1;
+    a->low = exponent / 32 - 64;
+    a->count = 3;
+    a->limb[0] = (uint32_t)(low & 0xffffffffu);
+    a->limb[1] = (uint32_t)(high & 0xffffffffu);
+    a->limb[2] = (uint32_t)(high >> 32);
+    pbwc__trim(a);
+}
+
+static PBWC__INLINE uint32_t pbwc__limb(const pbwc__exact *a, int place)
+{
+    return place >= a->low && place < a->low + a->count ? a->limb[place - a->low] : 0;
+}
+
+/* Adds sign * b to a. */
+static void pbwc__exact_add(pbwc__exact *a, const pbwc__exact *b, int sign)
+{
+    const pbwc__exact *more = a, *less = b;
+    const int signs = a->sign * b->sign * sign;
+    pbwc__exact sum;
+    int from = a->low < b->low ? a->low : b->low, i;
+    int to = a->low + a->count > b->low + b->count ? a->low + a->count : b->low + b->count;
+    int64_t carry = 0;
+    if (signs == 0) {
+        if (a->sign == 0) {
+            memcpy(a, b, offsetof(pbwc__exact, limb) + (size_t)b->count * sizeof *b->limb);
+            a->sign *= sign;
+        }
+        return;
+    }
+    for (i = to; signs < 0 && i-- > from && more == a; ) {
+        const uint32_t x = pbwc__limb(a, i), y = pbwc__limb(b, i);
+        if (x != y) {
+            more = x > y ? a : b;
+            less = x > y ? b : a;
+            break;
+        }
+    }
+    sum.sign = more == a ? a->sign : b->sign * sign;
+    sum.low = from;
+    sum.count = to - from;
+    for (i = from; i < to; i++) {
+        carry += pbwc__limb(more, i);
+        carry += signs * (int64_t)pbwc__limb(less, i);
+        sum.limb[i - from] = (uint32_t)(carry & 0xffffffff);
+        carry = carry < 0 ? -1 : carry >> 32;
+    }
+    if (carry > 0) {
+        sum.limb[sum.count++] = (uint32_t)carry;
+    }
+    pbwc__trim(&sum);
+    memcpy(a, &sum, offsetof(pbwc__exact, limb) + (size_t)sum.count * sizeof *sum.limb);
+}
+
+/* Adds sign * b * c to a. */
+static void pbwc__exact_add_product(pbwc__exact *a, const pbwc__exact *b, const pbwc__exact *c, int sign)
+{
+    pbwc__exact product;
+    int i, k;
+    product.sign = b->sign * c->sign;
+    product.low = b->low + c->low;
+    product.count = product.sign != 0 ? b->count + c->count : 0;
+    memset(product.limb, 0, (size_t)product.count * sizeof *product.limb);
+    for (i = 0; i < b->count && product.sign != 0; i++) {
+        uint64_t carry = 0;
+        for (k = 0; k < c->count; k++) {
+            carry += product.limb[i + k] + (uint64_t)b->limb[i] * c->limb[k];
+            product.limb[i + k] = (uint32_t)(carry & 0xffffffffu);
+            carry >>= 32;
+        }
+        product.limb[i + k] = (uint32_t)carry;
+    }
+    pbwc__trim(&product);
+    pbwc__exact_add(a, &product, sign);
+}
+
+static void pbwc__exact_minus(double x, double y, pbwc__exact *a)
+{
+    pbwc__exact b;
+    pbwc__exact_of(x, a);
+    pbwc__exact_of(y, &b);
+    pbwc__exact_add(a, &b, -1);
+}
+
+/* a d - b c. */
+static void pbwc__exact_minor(const pbwc__exact *a, const pbwc__exact *b, const pbwc__exact *c, const pbwc__exact *d,
+                              pbwc__exact *minor)
+{
+    minor->sign = minor->count = minor->low = 0;
+    pbwc__exact_add_product(minor, a, d, 1);
+    pbwc__exact_add_product(minor, b, c, -1);
+}
+
+/* Rounded. */
+static double pbwc__exact_value(const pbwc__exact *a)
+{
+    double sum = 0;
+    int i;
+    for (i = 0; i < a->count; i++) {
+        sum += ldexp(a->limb[i], 32 * (a->low + i));
+    }
+    return a->sign * sum;
+}
+
+/* ------------------------------------------------------------------------------------------------------
    Polytopes: corners, and facets as loops of corners, counter-clockwise from outside.  In the plane one loop, whose
    i-th edge, from corner i to the next, is facet i.
    Holds: each edge of a polytope in space is in two loops, once in each direction; so the surface is closed.
@@ -401,11 +541,20 @@ typedef struct pbwc__poly {
     pbwc__array name, start, loop;         /* per facet: the neighbour or wall, where its loop starts; the loops */
 } pbwc__poly;
 
+typedef struct pbwc__spot {                /* where three planes meet, by the names of their facets */
+    pbw_index plane[3];
+    int known;                             /* is what follows known? */
+    double x[3], det, x_size[3], det_size; /* the place is x / det; sums of the sizes of their terms */
+} pbwc__spot;
+
 typedef struct pbwc__cutter {
     pbwc__poly poly, next;
     pbwc__array side;                      /* per corner: distance beyond the plane, scaled */
-    pbwc__array edges, cap;                /* cut edges: two corners and the new one; after each new one in the cap */
+    pbwc__array edges, cap;                /* cut edges: two corners and the new one; after each corner in the cap */
+    pbwc__array spots;                     /* per corner, where signs are exact; else there are none */
 } pbwc__cutter;
+
+#define PBWC__TINY 2.3e-308                /* a distance from a plane that is next to none */
 
 static void pbwc__poly_clear(pbwc__poly *poly)
 {
@@ -427,6 +576,7 @@ static void pbwc__cutter_release(pbwc__memory *memory, pbwc__cutter *cutter)
     pbwc__release(memory, &cutter->side);
     pbwc__release(memory, &cutter->edges);
     pbwc__release(memory, &cutter->cap);
+    pbwc__release(memory, &cutter->spots);
 }
 
 static size_t pbwc__loop_end(const pbwc__poly *poly, size_t facet)
@@ -471,8 +621,25 @@ static int pbwc__poly_box(pbwc__memory *memory, pbwc__poly *poly, int dim, const
     return x != NULL;
 }
 
-/* Returns the new corner on the edge from p to q, made at its first use; PBW_NONE if there is no memory. */
-static pbw_index pbwc__cut_edge(pbwc__memory *memory, pbwc__cutter *cutter, pbw_index p, pbw_index q)
+/* Adds a corner where planes meet.  Returns 0 if there is no memory. */
+static int pbwc__add_spot(pbwc__memory *memory, pbwc__cutter *cutter, pbw_index a, pbw_index b, pbw_index c)
+{
+    pbwc__spot *spot = (pbwc__spot *)pbwc__room(memory, &cutter->spots, 1, sizeof *spot);
+    if (spot == NULL) {
+        return 0;
+    }
+    spot->plane[0] = a;
+    spot->plane[1] = b;
+    spot->plane[2] = c;
+    spot->known = 0;
+    cutter->spots.count++;
+    return 1;
+}
+
+/* Returns the new corner on the edge from p to q of a facet, made at its first use; PBW_NONE if there is no memory.
+   In space the edge is in two facets, and its second use tells the other one. */
+static pbw_index pbwc__cut_edge(pbwc__memory *memory, pbwc__cutter *cutter, pbw_index p, pbw_index q, pbw_index facet,
+                                pbw_index name)
 {
     const pbw_index low = p < q ? p : q, high = p < q ? q : p;
     const double *side = PBWC__DOUBLES(cutter->side);
@@ -481,12 +648,16 @@ static pbw_index pbwc__cut_edge(pbwc__memory *memory, pbwc__cutter *cutter, pbw_
     size_t i;
     for (i = cutter->edges.count; i > 0; i -= 3) {
         if (edge[i - 3] == low && edge[i - 2] == high) {
+            if (cutter->spots.count > 0) {
+                ((pbwc__spot *)cutter->spots.data)[edge[i - 1]].plane[1] = facet;
+            }
             return edge[i - 1];
         }
     }
     x = (double *)pbwc__room(memory, &cutter->poly.x, 1, 3 * sizeof(double));
     edge = (pbw_index *)pbwc__room(memory, &cutter->edges, 3, sizeof(pbw_index));
-    if (x == NULL || edge == NULL) {
+    if (x == NULL || edge == NULL
+        || (cutter->spots.count > 0 && !pbwc__add_spot(memory, cutter, facet, PBW_NONE, name))) {
         return PBW_NONE;
     }
     t = side[low] / (side[low] - side[high]);
@@ -501,55 +672,60 @@ static pbw_index pbwc__cut_edge(pbwc__memory *memory, pbwc__cutter *cutter, pbw_
     return edge[2];
 }
 
-/* Cuts the loop of one facet in space, and notes the edges of the cap.  Returns 0 if there is no memory. */
-static int pbwc__cut_loop(pbwc__memory *memory, pbwc__cutter *cutter, size_t facet)
+/* Is a corner on the plane of the cut?  New ones are. */
+static int pbwc__is_on(const pbwc__cutter *cutter, pbw_index corner)
+{
+    const double *side = PBWC__DOUBLES(cutter->side);
+    return corner >= cutter->side.count || !(side[corner] < 0 || side[corner] > 0);
+}
+
+/* Cuts the loop of one facet in space, and notes its edges on the plane, which the cap has the other way round.
+   Returns 0 if there is no memory. */
+static int pbwc__cut_loop(pbwc__memory *memory, pbwc__cutter *cutter, size_t facet, pbw_index name)
 {
     const double *side = PBWC__DOUBLES(cutter->side);
     const size_t begin = PBWC__INDICES(cutter->poly.start)[facet], end = pbwc__loop_end(&cutter->poly, facet);
-    const size_t old = cutter->side.count, from = cutter->next.loop.count;
+    const pbw_index own = PBWC__INDICES(cutter->poly.name)[facet];
     const pbw_index *loop = PBWC__INDICES(cutter->poly.loop);
-    pbw_index left = PBW_NONE, first = PBW_NONE;
     pbw_index *out = (pbw_index *)pbwc__room(memory, &cutter->next.loop, 2 * (end - begin), sizeof(pbw_index));
+    pbw_index *after;
     size_t i, count = 0;
-    if (out == NULL || !pbwc__open_facet(memory, &cutter->next, PBWC__INDICES(cutter->poly.name)[facet])) {
+    int inside = 0;
+    for (i = begin; i < end; i++) {
+        inside |= side[loop[i]] < 0;
+    }
+    if (!inside) {                                   /* at most an edge of it is left */
+        return 1;
+    }
+    if (out == NULL || !pbwc__open_facet(memory, &cutter->next, own)) {
         return 0;
     }
     for (i = begin; i < end; i++) {
         const pbw_index a = loop[i], b = loop[i + 1 < end ? i + 1 : begin];
-        pbw_index cut;
         if (!(side[a] > 0)) {
             out[count++] = a;
         }
-        if ((side[a] > 0) == (side[b] > 0)) {
-            continue;
-        }
-        cut = pbwc__cut_edge(memory, cutter, a, b);
-        if (cut == PBW_NONE) {
-            return 0;
-        }
-        out[count++] = cut;
-        while (cutter->cap.count + old < cutter->poly.x.count) {
-            if (!pbwc__push(memory, &cutter->cap, PBW_NONE)) {
+        if ((side[a] > 0 && side[b] < 0) || (side[a] < 0 && side[b] > 0)) {
+            const pbw_index cut = pbwc__cut_edge(memory, cutter, a, b, own, name);
+            if (cut == PBW_NONE) {
                 return 0;
             }
-        }
-        if (side[b] > 0) {
-            left = cut;
-        } else if (left != PBW_NONE) {
-            PBWC__INDICES(cutter->cap)[cut - old] = left;
-        } else {
-            first = cut;
+            out[count++] = cut;
         }
     }
-    if (first != PBW_NONE) {
-        PBWC__INDICES(cutter->cap)[first - old] = left;
+    after = (pbw_index *)pbwc__room(memory, &cutter->cap, cutter->poly.x.count - cutter->cap.count, sizeof *after);
+    if (after == NULL) {
+        return 0;
+    }
+    memset(after, 0xff, (cutter->poly.x.count - cutter->cap.count) * sizeof *after);        /* PBW_NONE */
+    cutter->cap.count = cutter->poly.x.count;
+    for (i = 0; i < count; i++) {
+        const pbw_index a = out[i], b = out[i + 1 < count ? i + 1 : 0];
+        if (pbwc__is_on(cutter, a) && pbwc__is_on(cutter, b)) {
+            PBWC__INDICES(cutter->cap)[b] = a;
+        }
     }
     cutter->next.loop.count += count;
-    if (count < 3) {                                 /* nothing left, or an edge */
-        cutter->next.loop.count = from;
-        cutter->next.start.count--;
-        cutter->next.name.count--;
-    }
     return 1;
 }
 
@@ -559,15 +735,19 @@ static int pbwc__cut_polygon(pbwc__memory *memory, pbwc__cutter *cutter, pbw_ind
     const double *side = PBWC__DOUBLES(cutter->side);
     const size_t count = cutter->poly.loop.count;
     size_t i;
+    int inside = 0;
     for (i = 0; i < count; i++) {
+        inside |= side[PBWC__INDICES(cutter->poly.loop)[i]] < 0;
+    }
+    for (i = 0; i < count && inside; i++) {
         const pbw_index *loop = PBWC__INDICES(cutter->poly.loop);
         const pbw_index a = loop[i], b = loop[i + 1 < count ? i + 1 : 0], edge = PBWC__INDICES(cutter->poly.name)[i];
-        if (!(side[a] > 0) && (!pbwc__open_facet(memory, &cutter->next, edge)
+        if (!(side[a] > 0) && (!pbwc__open_facet(memory, &cutter->next, !(side[a] < 0) && side[b] > 0 ? name : edge)
                                || !pbwc__push(memory, &cutter->next.loop, a))) {
             return 0;
         }
-        if ((side[a] > 0) != (side[b] > 0)) {
-            const pbw_index cut = pbwc__cut_edge(memory, cutter, a, b);
+        if ((side[a] > 0 && side[b] < 0) || (side[a] < 0 && side[b] > 0)) {
+            const pbw_index cut = pbwc__cut_edge(memory, cutter, a, b, edge, name);
             if (cut == PBW_NONE || !pbwc__open_facet(memory, &cutter->next, side[b] > 0 ? name : edge)
                 || !pbwc__push(memory, &cutter->next.loop, cut)) {
                 return 0;
@@ -577,10 +757,10 @@ static int pbwc__cut_polygon(pbwc__memory *memory, pbwc__cutter *cutter, pbw_ind
     return 1;
 }
 
-/* Adds the facets that close a cut in space: cycles of new corners, only one unless rounding has bent the surface. */
+/* Adds the facets that close a cut in space: cycles of corners on its plane, only one unless rounding has bent the
+   surface. */
 static int pbwc__cut_cap(pbwc__memory *memory, pbwc__cutter *cutter, pbw_index name)
 {
-    const size_t old = cutter->side.count;
     pbw_index *after = PBWC__INDICES(cutter->cap), i, at, then;
     for (i = 0; i < cutter->cap.count; i++) {
         size_t from = cutter->next.loop.count;
@@ -591,10 +771,10 @@ static int pbwc__cut_cap(pbwc__memory *memory, pbwc__cutter *cutter, pbw_index n
             return 0;
         }
         for (at = i; after[at] != PBW_NONE; at = then) {
-            if (!pbwc__push(memory, &cutter->next.loop, (pbw_index)(at + old))) {
+            if (!pbwc__push(memory, &cutter->next.loop, at)) {
                 return 0;
             }
-            then = after[at] - (pbw_index)old;
+            then = after[at];
             after[at] = PBW_NONE;
         }
         if (cutter->next.loop.count - from < 3) {
@@ -606,28 +786,12 @@ static int pbwc__cut_cap(pbwc__memory *memory, pbwc__cutter *cutter, pbw_index n
     return 1;
 }
 
-/* Keeps the part with n.x <= c, whose new facet gets the name.  Returns 0 if there is no memory. */
-static int pbwc__cut(pbwc__memory *memory, pbwc__cutter *cutter, int dim, const double *plane, pbw_index name)
+/* Keeps the part whose corners are not beyond the plane, by their sides.  Returns 0 if there is no memory. */
+static int pbwc__cut_by_sides(pbwc__memory *memory, pbwc__cutter *cutter, int dim, pbw_index name)
 {
-    const size_t count = cutter->poly.x.count;
-    const double c = plane[dim];
-    size_t i, outside = 0;
-    double *side, *x;
+    size_t i;
     pbwc__poly swap;
-    cutter->side.count = 0;
-    side = (double *)pbwc__room(memory, &cutter->side, count, sizeof(double));
-    if (side == NULL) {
-        return 0;
-    }
-    x = PBWC__DOUBLES(cutter->poly.x);
-    for (i = 0; i < count; i++) {
-        side[i] = plane[0] * x[3 * i] + plane[1] * x[3 * i + 1] + (dim == 3 ? plane[2] * x[3 * i + 2] : 0) - c;
-        outside += side[i] > 0;
-    }
-    if (outside == 0) {
-        return 1;
-    }
-    cutter->side.count = count;
+    cutter->side.count = cutter->poly.x.count;
     cutter->edges.count = cutter->cap.count = 0;
     pbwc__poly_clear(&cutter->next);
     if (dim == 2) {
@@ -636,7 +800,7 @@ static int pbwc__cut(pbwc__memory *memory, pbwc__cutter *cutter, int dim, const 
         }
     } else {
         for (i = 0; i < cutter->poly.start.count; i++) {
-            if (!pbwc__cut_loop(memory, cutter, i)) {
+            if (!pbwc__cut_loop(memory, cutter, i, name)) {
                 return 0;
             }
         }
@@ -650,6 +814,28 @@ static int pbwc__cut(pbwc__memory *memory, pbwc__cutter *cutter, int dim, const 
     cutter->poly.x = cutter->next.x;                 /* corners are not moved */
     memset(&cutter->next.x, 0, sizeof cutter->next.x);
     return 1;
+}
+
+/* Keeps the part with n.x <= c, whose new facet gets the name.  Corners on the plane count as inside.  Returns 0 if
+   there is no memory. */
+static int pbwc__cut(pbwc__memory *memory, pbwc__cutter *cutter, int dim, const double *plane, pbw_index name)
+{
+    const size_t count = cutter->poly.x.count;
+    const double c = plane[dim];
+    size_t i, outside = 0;
+    double *side, *x;
+    cutter->side.count = cutter->spots.count = 0;
+    side = (double *)pbwc__room(memory, &cutter->side, count, sizeof(double));
+    if (side == NULL) {
+        return 0;
+    }
+    x = PBWC__DOUBLES(cutter->poly.x);
+    for (i = 0; i < count; i++) {
+        side[i] = plane[0] * x[3 * i] + plane[1] * x[3 * i + 1] + (dim == 3 ? plane[2] * x[3 * i + 2] : 0) - c;
+        side[i] = side[i] < 0 || side[i] > 0 ? side[i] : -PBWC__TINY;
+        outside += side[i] > 0;
+    }
+    return outside == 0 || pbwc__cut_by_sides(memory, cutter, dim, name);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -797,7 +983,8 @@ struct pbwc__job {
     int bounded, weighted;
     size_t count;                          /* cells: of the mesh's first points */
     double low[3], high[3], slack[3];      /* of the box, else infinite; slack: for its rounding */
-    double extent[3];                      /* of the domain */
+    double from[3], to[3], extent[3];      /* a box around the domain */
+    int exponent;                          /* of the largest extent */
     const double *planes;                  /* of the domain: normal and offset */
     size_t plane_count;
     pbwc__poly domain;
@@ -1790,9 +1977,9 @@ static int pbwc__star_facets(pbwc__work *work)
 /* ------------------------------------------------------------------------------------------------------
    Cells cut from the domain: those with corners outside the domain, or sites on the hull.
    ------------------------------------------------------------------------------------------------------ */
-/* Makes the domain's polytope relative to the site, cut by the bisectors of all links, or (merge) of those with a
-   facet in the true diagram.  Returns 0 if there is no memory. */
-static int pbwc__cut_cell(pbwc__work *work, pbw_index v, int merge)
+/* Makes the domain's polytope relative to the site, cut by the bisectors of all links.  Returns 0 if there is no
+   memory. */
+static int pbwc__cut_cell(pbwc__work *work, pbw_index v)
 {
     const pbwc__job *job = work->job;
     const size_t dim = (size_t)job->mesh->dim, corners = job->domain.x.count, facets = job->domain.start.count;
@@ -1832,8 +2019,7 @@ static int pbwc__cut_cell(pbwc__work *work, pbw_index v, int merge)
             square += link->d[k] * link->d[k];
         }
         plane[dim] = link->foot * square;
-        if ((!merge || pbwc__is_facet(work, link))
-            && !pbwc__cut(work->memory, &work->cutter, (int)dim, plane, (pbw_index)u)) {
+        if (!pbwc__cut(work->memory, &work->cutter, (int)dim, plane, (pbw_index)u)) {
             return 0;
         }
     }
@@ -2018,75 +2204,271 @@ static int pbwc__cut_facets(pbwc__work *work, pbw_index v)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Exact signs for polygons in the plane: sums of doubles that do not overlap, the largest last (Shewchuk 1997).  Each
-   sign is first tried in doubles, against a bound of its rounding errors.
-   In: coordinates that are 0 or from PBWC__LEAST to PBWC__MOST in size, weights likewise with the squares of those.
-   Then no product of four overflows, nor has bits below (2^-242)^4.
+   Cut cells of the true diagram: from the box around the domain, by its planes and the bisectors, with exact signs.
+   A corner is known by three planes a b c of facets that meet in it; row n c is the plane n.x <= c.  With
+       X = c_a b x c + c_b c x a + c_c a x b,  D = a.(b x c)    it is at X / D,
+   and n.X - c D has the sign of D if it is beyond a plane.  In the plane of the drawing, z = 0 is the third plane.
+   Errors to first order, each relative to the terms: rows 1 eps for n and 6 for c, so 8 for D, 13 for X, and 18 in
+   all.
+   Rows are scaled by powers of two so that n is of size 1, and lengths so that the domain is.
+   Holds: a facet has an area, an edge a length, and no corner occurs twice, but for coordinates, which are rounded.
    ------------------------------------------------------------------------------------------------------ */
-#define PBWC__LEAST 1e-57
-#define PBWC__MOST  1e60
-#define PBWC__EPS   1.2e-16                /* above 2^-53 */
+#define PBWC__EPS 1.2e-16                  /* above 2^-53 */
 
-typedef struct pbwc__exact { int count; double x[160]; } pbwc__exact;
+typedef struct pbwc__row { double n[3], c, size; } pbwc__row;        /* size: of the terms of c */
 
-/* Adds b to the expansion e of n components, without zeros.  Returns the new n. */
-static int pbwc__grow(double *e, int n, double b)
+/* The wall of a facet's name: below 2 dim of the box, then planes. */
+static size_t pbwc__wall_of(pbw_index name)
 {
-    int i, count = 0;
-    for (i = 0; i < n; i++) {
-        const pbwc__dd s = pbwc__dd_sum(b, e[i]);
-        if (s.low < 0 || s.low > 0) {
-            e[count++] = s.low;
-        }
-        b = s.high;
-    }
-    if (b < 0 || b > 0) {
-        e[count++] = b;
-    }
-    return count;
+    return (size_t)(PBW_NONE - 1 - name);
 }
 
-/* Adds factor, a power of two with a sign, times a times b. */
-static int pbwc__grow_product(double *e, int n, const pbwc__exact *a, const pbwc__exact *b, double factor)
+/* The site, from which coordinates of the domain count; along periodic axes these do already. */
+static double pbwc__origin(const pbwc__work *work, size_t axis)
 {
-    int i, j;
-    for (i = 0; i < a->count; i++) {
-        for (j = 0; j < b->count; j++) {             /* by fma, so that a compiler cannot fuse it with a sum */
-            const double x = factor * a->x[i], high = fma(x, b->x[j], 0.0);
-            n = pbwc__grow(e, n, fma(x, b->x[j], -high));
-            n = pbwc__grow(e, n, high);
-        }
-    }
-    return n;
-}
-
-static pbwc__exact pbwc__exact_minus(double a, double b)
-{
-    pbwc__exact e;
-    e.count = pbwc__grow(e.x, 0, a);
-    e.count = pbwc__grow(e.x, e.count, -b);
-    return e;
-}
-
-/* a d - b c, times the factor. */
-static pbwc__exact pbwc__exact_minor(const pbwc__exact *a, const pbwc__exact *b, const pbwc__exact *c,
-                                     const pbwc__exact *d, double factor)
-{
-    pbwc__exact e;
-    e.count = pbwc__grow_product(e.x, 0, a, d, factor);
-    e.count = pbwc__grow_product(e.x, e.count, b, c, -factor);
-    return e;
-}
-
-static int pbwc__sign(const double *e, int n)
-{
-    return n == 0 ? 0 : e[n - 1] > 0 ? 1 : -1;
+    const pbwc__job *job = work->job;
+    return job->period != NULL && (job->period->axes >> axis & 1) != 0 ? 0
+         : job->mesh->points[work->site * (size_t)job->mesh->dim + axis];
 }
 
 static double pbwc__weight(const pbw_mesh *mesh, pbw_index v)
 {
     return mesh->weights != NULL ? mesh->weights[v] : 0;
 }
+
+/* The plane of a facet; PBW_NONE: z = 0. */
+static void pbwc__row_of(const pbwc__work *work, pbw_index name, pbwc__row *row)
+{
+    const pbwc__job *job = work->job;
+    const size_t dim = (size_t)job->mesh->dim, wall = pbwc__wall_of(name);
+    const int unit = -job->exponent;
+    double largest = 0;
+    int exponent;
+    size_t k;
+    memset(row, 0, sizeof *row);
+    if (name == PBW_NONE) {
+        row->n[2] = 1;
+    } else if (name < work->links.count || wall >= 2 * dim) {
+        const int bisector = name < work->links.count;
+        const pbwc__link *link = PBWC__LINKS(work) + (bisector ? name : 0);
+        const double *plane = job->planes + (bisector ? 0 : (wall - 2 * dim) * (dim + 1)), *w = job->mesh->weights;
+        const double *n = bisector ? link->d : plane;
+        for (k = 0; k < dim; k++) {
+            largest = fabs(n[k]) > largest ? fabs(n[k]) : largest;
+        }
+        (void)frexp(largest, &exponent);
+        for (k = 0; k < dim; k++) {
+            const double scaled = ldexp(n[k], -exponent);
+            const double more = scaled * (bisector ? ldexp(n[k], unit) : -ldexp(pbwc__origin(work, k), unit));
+            row->n[k] = bisector ? 2 * scaled : scaled;
+            row->c += more;
+            row->size += fabs(more);
+        }
+        if (!bisector) {
+            row->c += ldexp(plane[dim], unit - exponent);
+            row->size += fabs(ldexp(plane[dim], unit - exponent));
+        } else if (w != NULL) {
+            const double a = w[work->site], b = w[link->vertex];
+            row->c += ldexp(a - b, unit - exponent);
+            row->size += ldexp(fabs(a) + fabs(b), unit - exponent);
+        }
+    } else {
+        const double at = wall % 2 != 0 ? job->to[wall / 2] : job->from[wall / 2], o = pbwc__origin(work, wall / 2);
+        row->n[wall / 2] = wall % 2 != 0 ? 1 : -1;
+        row->c = row->n[wall / 2] * ldexp(at - o, unit);
+        row->size = ldexp(fabs(at) + fabs(o), unit);
+    }
+    row->size = row->size < 1e100 ? row->size : HUGE_VAL;            /* else products may be out of range */
+}
+
+/* The same, exactly, but for the scales. */
+static void pbwc__row_exactly(const pbwc__work *work, pbw_index name, pbwc__exact row[4])
+{
+    const pbwc__job *job = work->job;
+    const pbw_mesh *mesh = job->mesh;
+    const size_t dim = (size_t)mesh->dim, wall = pbwc__wall_of(name);
+    pbwc__exact o;
+    size_t k;
+    for (k = 0; k < 4; k++) {
+        pbwc__exact_of(name == PBW_NONE && k == 2, row + k);
+    }
+    if (name < work->links.count) {
+        const pbw_index vertex = PBWC__LINKS(work)[name].vertex;
+        pbwc__exact_minus(pbwc__weight(mesh, work->site), pbwc__weight(mesh, vertex), row + 3);
+        for (k = 0; k < dim; k++) {
+            pbwc__exact_minus(mesh->points[vertex * dim + k], mesh->points[work->site * dim + k], row + k);
+            pbwc__exact_add_product(row + 3, row + k, row + k, 1);
+            o = row[k];
+            pbwc__exact_add(row + k, &o, 1);
+        }
+    } else if (name != PBW_NONE && wall < 2 * dim) {
+        const double origin = pbwc__origin(work, wall / 2);
+        pbwc__exact_of(wall % 2 != 0 ? 1 : -1, row + wall / 2);
+        pbwc__exact_minus(wall % 2 != 0 ? job->to[wall / 2] : origin,
+                          wall % 2 != 0 ? origin : job->from[wall / 2], row + 3);
+    } else if (name != PBW_NONE) {
+        const double *plane = job->planes + (wall - 2 * dim) * (dim + 1);
+        pbwc__exact_of(plane[dim], row + 3);
+        for (k = 0; k < dim; k++) {
+            pbwc__exact_of(plane[k], row + k);
+            pbwc__exact_of(pbwc__origin(work, k), &o);
+            pbwc__exact_add_product(row + 3, row + k, &o, -1);
+        }
+    }
+}
+
+/* Computes the place of a corner. */
+static void pbwc__find_spot(const pbwc__work *work, pbwc__spot *spot)
+{
+    pbwc__row row[3];
+    int i, k;
+    memset(spot->x, 0, sizeof spot->x);
+    memset(spot->x_size, 0, sizeof spot->x_size);
+    spot->det = spot->det_size = 0;
+    spot->known = 1;
+    for (i = 0; i < 3; i++) {
+        pbwc__row_of(work, spot->plane[i], row + i);
+    }
+    for (i = 0; i < 3; i++) {
+        const double *p = row[(i + 1) % 3].n, *q = row[(i + 2) % 3].n;
+        for (k = 0; k < 3; k++) {
+            const double s = p[(k + 1) % 3] * q[(k + 2) % 3], t = p[(k + 2) % 3] * q[(k + 1) % 3];
+            spot->x[k] += row[i].c * (s - t);
+            spot->x_size[k] += row[i].size * (fabs(s) + fabs(t));
+            spot->det += i == 0 ? row[0].n[k] * (s - t) : 0;
+            spot->det_size += i == 0 ? fabs(row[0].n[k]) * (fabs(s) + fabs(t)) : 0;
+        }
+    }
+}
+
+/* Returns 1 if a corner is beyond a plane, 0 on it, else -1: minus the signs of D and of the determinant of the four
+   rows, by pairs of rows (Laplace). */
+static int pbwc__beyond_exactly(const pbwc__work *work, const pbwc__spot *spot, pbw_index name)
+{
+    static const int pair[6][2] = { { 0, 1 }, { 0, 2 }, { 0, 3 }, { 1, 2 }, { 1, 3 }, { 2, 3 } };
+    static const int sign[6] = { 1, -1, 1, 1, -1, 1 };
+    pbwc__exact row[4][4], first, second, all, det;
+    int i;
+    for (i = 0; i < 4; i++) {
+        pbwc__row_exactly(work, i < 3 ? spot->plane[i] : name, row[i]);
+    }
+    pbwc__exact_of(0, &all);
+    pbwc__exact_of(0, &det);
+    for (i = 0; i < 6; i++) {
+        const int a = pair[i][0], b = pair[i][1], c = pair[5 - i][0], d = pair[5 - i][1];
+        pbwc__exact_minor(&row[0][a], &row[0][b], &row[1][a], &row[1][b], &first);
+        pbwc__exact_minor(&row[2][c], &row[2][d], &row[3][c], &row[3][d], &second);
+        pbwc__exact_add_product(&all, &first, &second, sign[i]);
+        if (b < 3) {
+            pbwc__exact_add_product(&det, &first, &row[2][3 - a - b], sign[i]);
+        }
+    }
+    return -all.sign * det.sign;
+}
+
+static int pbwc__beyond(const pbwc__work *work, pbwc__spot *spot, const pbwc__row *row, pbw_index name)
+{
+    double value, size;
+    int k;
+    if (!spot->known) {
+        pbwc__find_spot(work, spot);
+    }
+    value = -row->c * spot->det;
+    size = row->size * spot->det_size;
+    for (k = 0; k < 3; k++) {
+        value += row->n[k] * spot->x[k];
+        size += fabs(row->n[k]) * spot->x_size[k];
+    }
+    if (size > 1e-100 && spot->det_size > 1e-100 && fabs(value) > 24 * PBWC__EPS * size
+        && fabs(spot->det) > 12 * PBWC__EPS * spot->det_size) {
+        return (value > 0) == (spot->det > 0) ? 1 : -1;
+    }
+    return pbwc__beyond_exactly(work, spot, name);
+}
+
+/* Keeps the part that is not beyond the plane of a name.  Returns 0 if there is no memory. */
+static int pbwc__cut_by(pbwc__work *work, pbw_index name)
+{
+    pbwc__cutter *cutter = &work->cutter;
+    const pbwc__poly *poly = &cutter->poly;
+    const size_t count = poly->x.count;
+    double *side;
+    size_t i, outside = 0;
+    pbwc__row row;
+    int k;
+    cutter->side.count = 0;
+    side = (double *)pbwc__room(work->memory, &cutter->side, count, sizeof(double));
+    if (side == NULL) {
+        return 0;
+    }
+    pbwc__row_of(work, name, &row);
+    for (i = 0; i < count; i++) {
+        side[i] = HUGE_VAL;                          /* not yet known */
+    }
+    for (i = 0; i < poly->loop.count; i++) {
+        const pbw_index corner = PBWC__INDICES(poly->loop)[i];
+        const double *x = PBWC__DOUBLES(poly->x) + 3 * (size_t)corner;
+        double about = -ldexp(row.c, work->job->exponent);
+        int sign;
+        if (side[corner] < HUGE_VAL) {
+            continue;
+        }
+        sign = pbwc__beyond(work, (pbwc__spot *)cutter->spots.data + corner, &row, name);
+        for (k = 0; k < 3; k++) {
+            about += row.n[k] * x[k];
+        }
+        side[corner] = sign * about > PBWC__TINY && fabs(about) < HUGE_VAL ? about : sign * PBWC__TINY;
+        outside += sign > 0;
+    }
+    return outside == 0 || pbwc__cut_by_sides(work->memory, cutter, work->job->mesh->dim, name);
+}
+
+/* Makes the cell of the star within the domain, with the combinatorics of the true diagram.  Returns 0 if there is no
+   memory. */
+static int pbwc__cut_exactly(pbwc__work *work)
+{
+    const pbwc__job *job = work->job;
+    const size_t dim = (size_t)job->mesh->dim;
+    pbwc__cutter *cutter = &work->cutter;
+    double low[3] = { 0, 0, 0 }, high[3] = { 0, 0, 0 };
+    size_t i, k;
+    for (k = 0; k < dim; k++) {
+        low[k] = job->from[k] - pbwc__origin(work, k);
+        high[k] = job->to[k] - pbwc__origin(work, k);
+    }
+    if (!pbwc__poly_box(work->memory, &cutter->poly, (int)dim, low, high)) {
+        return 0;
+    }
+    cutter->spots.count = 0;
+    for (i = 0; i < cutter->poly.x.count; i++) {
+        pbw_index wall[3] = { PBW_NONE, PBW_NONE, PBW_NONE };
+        for (k = 0; k < dim; k++) {
+            wall[k] = (pbw_index)(PBW_NONE - 1 - 2 * k - (i >> k & 1));
+        }
+        if (!pbwc__add_spot(work->memory, cutter, wall[0], wall[1], wall[2])) {
+            return 0;
+        }
+    }
+    for (i = 0; i < job->plane_count; i++) {
+        if (!pbwc__cut_by(work, (pbw_index)(PBW_NONE - 1 - 2 * dim - i))) {
+            return 0;
+        }
+    }
+    for (i = 0; i < work->links.count && cutter->poly.start.count > 0; i++) {
+        if (pbwc__is_facet(work, PBWC__LINKS(work) + i) && !pbwc__cut_by(work, (pbw_index)i)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Exact signs for polygons in the plane.  Each is first tried in doubles, against a bound of its rounding errors.
+   In: coordinates that are 0 or from PBWC__LEAST to PBWC__MOST in size, weights likewise with the squares of those.
+   Then no product of four overflows or underflows in doubles.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBWC__LEAST 1e-57
+#define PBWC__MOST  1e60
 
 /* Returns the power distance of p from i minus that from j, (j - i).((p - i) + (p - j)) + w_j - w_i; *size: the sum
    of the absolute values of its terms.  The error is below 6 eps *size to first order: 1 for j - i, 2 for the second
@@ -2110,27 +2492,26 @@ static double pbwc__closer(const pbw_mesh *mesh, const double *p, pbw_index i, p
 static int pbwc__side(const pbw_mesh *mesh, const double *p, pbw_index i, pbw_index j)
 {
     const double *a = mesh->points + 2 * (size_t)i, *b = mesh->points + 2 * (size_t)j;
-    double size, sum[80];
+    pbwc__exact sum, d, s;
+    double size;
     const double about = pbwc__closer(mesh, p, i, j, &size);
-    int k, n = 0;
+    int k;
     if (fabs(about) > 8 * PBWC__EPS * size) {
         return about > 0 ? 1 : -1;
     }
+    pbwc__exact_minus(pbwc__weight(mesh, j), pbwc__weight(mesh, i), &sum);
     for (k = 0; k < 2; k++) {
-        const pbwc__exact d = pbwc__exact_minus(b[k], a[k]), t = pbwc__exact_minus(p[k], b[k]);
-        pbwc__exact s = pbwc__exact_minus(p[k], a[k]);
-        int m;
-        for (m = 0; m < t.count; m++) {
-            s.count = pbwc__grow(s.x, s.count, t.x[m]);
-        }
-        n = pbwc__grow_product(sum, n, &d, &s, 1);
+        pbwc__exact_minus(b[k], a[k], &d);
+        pbwc__exact_minus(p[k], a[k], &s);
+        pbwc__exact_add_product(&sum, &d, &s, 1);
+        pbwc__exact_minus(p[k], b[k], &s);
+        pbwc__exact_add_product(&sum, &d, &s, 1);
     }
-    n = pbwc__grow(sum, n, pbwc__weight(mesh, j));
-    return pbwc__sign(sum, pbwc__grow(sum, n, -pbwc__weight(mesh, i)));
+    return sum.sign;
 }
 
-/* The centre of a triangle relative to its first corner is N / (2 D): *twice: 2 D; normal: N. */
-static void pbwc__exact_centre(const pbw_mesh *mesh, pbw_index simplex, pbwc__exact *twice, pbwc__exact normal[2])
+/* The centre of a triangle relative to its first corner is N / (2 D): *det: D; normal: N. */
+static void pbwc__exact_centre(const pbw_mesh *mesh, pbw_index simplex, pbwc__exact *det, pbwc__exact normal[2])
 {
     const pbw_index *corner = mesh->simplices + 3 * (size_t)simplex;
     const double *a = mesh->points + 2 * (size_t)corner[0];
@@ -2138,49 +2519,42 @@ static void pbwc__exact_centre(const pbw_mesh *mesh, pbw_index simplex, pbwc__ex
     int i, k;
     for (i = 0; i < 2; i++) {
         const double *b = mesh->points + 2 * (size_t)corner[i + 1];
-        height[i] = pbwc__exact_minus(pbwc__weight(mesh, corner[0]), pbwc__weight(mesh, corner[i + 1]));
+        pbwc__exact_minus(pbwc__weight(mesh, corner[0]), pbwc__weight(mesh, corner[i + 1]), &height[i]);
         for (k = 0; k < 2; k++) {
-            d[i][k] = pbwc__exact_minus(b[k], a[k]);
-            height[i].count = pbwc__grow_product(height[i].x, height[i].count, &d[i][k], &d[i][k], 1);
+            pbwc__exact_minus(b[k], a[k], &d[i][k]);
+            pbwc__exact_add_product(&height[i], &d[i][k], &d[i][k], 1);
         }
     }
-    *twice = pbwc__exact_minor(&d[0][0], &d[0][1], &d[1][0], &d[1][1], 2);
-    normal[0] = pbwc__exact_minor(&height[0], &height[1], &d[0][1], &d[1][1], 1);    /* h0 d1y - h1 d0y */
-    normal[1] = pbwc__exact_minor(&height[1], &height[0], &d[1][0], &d[0][0], 1);    /* h1 d0x - h0 d1x */
+    pbwc__exact_minor(&d[0][0], &d[0][1], &d[1][0], &d[1][1], det);
+    pbwc__exact_minor(&height[0], &height[1], &d[0][1], &d[1][1], &normal[0]);       /* h0 d1y - h1 d0y */
+    pbwc__exact_minor(&height[1], &height[0], &d[1][0], &d[0][0], &normal[1]);       /* h1 d0x - h0 d1x */
 }
 
 /* The centre of a triangle so flat that pairs of doubles do not resolve it. */
 static void pbwc__centre_of_flat(const pbw_mesh *mesh, pbw_index simplex, double *centre)
 {
-    pbwc__exact part[3];
-    double value[3] = { 0, 0, 0 };
-    int i, k;
-    pbwc__exact_centre(mesh, simplex, part, part + 1);
-    for (i = 0; i < 3; i++) {
-        for (k = 0; k < part[i].count; k++) {
-            value[i] += part[i].x[k];
-        }
-    }
-    centre[0] = value[1] / value[0];
-    centre[1] = value[2] / value[0];
+    pbwc__exact det, normal[2];
+    pbwc__exact_centre(mesh, simplex, &det, normal);
+    centre[0] = pbwc__exact_value(&normal[0]) / (2 * pbwc__exact_value(&det));
+    centre[1] = pbwc__exact_value(&normal[1]) / (2 * pbwc__exact_value(&det));
 }
 
 /* pbwc__centre_side without the filter. */
 static int pbwc__centre_side_exactly(const pbw_mesh *mesh, const double *p, const double *q, pbw_index simplex)
 {
     const double *a = mesh->points + 2 * (size_t)mesh->simplices[3 * (size_t)simplex];
-    pbwc__exact u[2], r[2], twice, turn, normal[2];
-    double sum[2048];
-    int k, n;
+    pbwc__exact u[2], r[2], det, turn, normal[2], sum;
+    int k;
     for (k = 0; k < 2; k++) {
-        u[k] = pbwc__exact_minus(q[k], p[k]);
-        r[k] = pbwc__exact_minus(a[k], p[k]);
+        pbwc__exact_minus(q[k], p[k], &u[k]);
+        pbwc__exact_minus(a[k], p[k], &r[k]);
     }
-    pbwc__exact_centre(mesh, simplex, &twice, normal);
-    turn = pbwc__exact_minor(&u[0], &u[1], &r[0], &r[1], 1);
-    n = pbwc__grow_product(sum, 0, &twice, &turn, 1);
-    n = pbwc__grow_product(sum, n, &u[0], &normal[1], 1);
-    return pbwc__sign(sum, pbwc__grow_product(sum, n, &u[1], &normal[0], -1));
+    pbwc__exact_centre(mesh, simplex, &det, normal);
+    pbwc__exact_minor(&u[0], &u[1], &r[0], &r[1], &turn);
+    pbwc__exact_minor(&u[0], &u[1], &normal[0], &normal[1], &sum);
+    pbwc__exact_add_product(&sum, &det, &turn, 1);
+    pbwc__exact_add_product(&sum, &det, &turn, 1);
+    return sum.sign;
 }
 
 /* Returns on which side of the line from p to q the centre of a simplex is: 1 left, -1 right, 0 on it.  With u = q -
@@ -2255,14 +2629,15 @@ static void pbwc__edge_ends(const pbwc__clip *clip, pbw_index edge, const double
 static int pbwc__along(const pbw_mesh *mesh, const double *p, const double *q, pbw_index i, pbw_index j, int turned)
 {
     const double *a = mesh->points + 2 * (size_t)i, *b = mesh->points + 2 * (size_t)j;
-    double sum[20];
-    int k, n = 0;
+    pbwc__exact sum, u, d;
+    int k;
+    pbwc__exact_of(0, &sum);
     for (k = 0; k < 2; k++) {
-        const pbwc__exact u = pbwc__exact_minus(q[k], p[k]);
-        const pbwc__exact d = pbwc__exact_minus(b[k ^ turned], a[k ^ turned]);
-        n = pbwc__grow_product(sum, n, &u, &d, k != 0 && turned ? -1 : 1);
+        pbwc__exact_minus(q[k], p[k], &u);
+        pbwc__exact_minus(b[k ^ turned], a[k ^ turned], &d);
+        pbwc__exact_add_product(&sum, &u, &d, k != 0 && turned ? -1 : 1);
     }
-    return pbwc__sign(sum, n);
+    return sum.sign;
 }
 
 /* Returns whether a corner of the moved polygon is nearer to j (1) or to i (-1).  A corner on the line between them
@@ -3312,7 +3687,7 @@ static int pbwc__cut_out(pbwc__work *work, pbw_index v)
     if (!work->open && !pbwc__star_poly(work)) {
         return 0;
     }
-    return work->open || !pbwc__is_near(work) ? pbwc__cut_cell(work, v, 0) : pbwc__cut_star(work, v);
+    return work->open || !pbwc__is_near(work) ? pbwc__cut_cell(work, v) : pbwc__cut_star(work, v);
 }
 
 /* The cell of v, if there is no polygon.  Returns 0 if there is no memory. */
@@ -3339,8 +3714,15 @@ static int pbwc__cell(pbwc__work *work, pbw_index v)
         ((unsigned char *)job->cut.data)[v] = 1;
         pbwc__certify_cut(work, v);
     }
-    return !facets || !(sum[3] > 0)                  /* the domain at most touches the cell */
-           || ((PBWC__INDICES(job->merged) == NULL || pbwc__cut_cell(work, v, 1)) && pbwc__cut_facets(work, v));
+    if (facets && PBWC__INDICES(job->merged) != NULL && !pbwc__cut_exactly(work)) {
+        return 0;
+    }
+    if (!(sum[3] > 0) || work->cutter.poly.start.count == 0) {       /* the domain at most touches the cell */
+        memset(sum, 0, sizeof sum);
+        pbwc__set_cell(job, v, sum);
+        return 1;
+    }
+    return !facets || pbwc__cut_facets(work, v);
 }
 
 /* Ends the cells of shared vertices, and lists those left for their stars, near ones together.  Returns 0 if there is
@@ -3783,7 +4165,7 @@ static pbw_status pbwc__bound_planes(pbwc__job *job, const pbw_domain *domain, d
 static pbw_status pbwc__prepare_domain(pbwc__job *job, const pbw_domain *domain)
 {
     const size_t dim = (size_t)job->mesh->dim;
-    double low[3], high[3];
+    double low[3], high[3], longest = 0;
     size_t i, k;
     pbw_status status = PBW_OK;
     for (k = 0; k < 3; k++) {
@@ -3827,8 +4209,12 @@ static pbw_status pbwc__prepare_domain(pbwc__job *job, const pbw_domain *domain)
         status = pbwc__bound_planes(job, domain, low, high);
     }
     for (k = 0; k < dim; k++) {
+        job->from[k] = low[k];
+        job->to[k] = high[k];
         job->extent[k] = high[k] - low[k];
+        longest = job->extent[k] > longest ? job->extent[k] : longest;
     }
+    (void)frexp(longest, &job->exponent);
     return status == PBW_OK ? pbwc__cut_domain(job, domain, low, high) : status;
 }
 
