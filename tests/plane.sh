@@ -40,7 +40,7 @@ check "regions in files" regions
 check "points" says 0 " 50 points" --generate uniform 50 --dim 2
 check "angles" says 0 "0 triangles with smaller angles than wanted" plate.poly --angle 30 --area 0.1
 check "a formula" says 0 "new points" plate.poly --size '0.1+0.1*hypot(x-1,y)'
-check "crossings are refused" says 1 "segments 0 and 1 cross" cross.poly
+check "crossings are refused" says 1 "segments 1 and 2 (lines 7 and 8) cross at (0.5, 0.5)" cross.poly
 check "crossings are split" says 0 "5 points" cross.poly --split-crossings --rule hull
 check "no formula" says 2 'this is no formula from "*x"' plate.poly --size '0.1+*x'
 check "too large an angle" says 2 "up to 34" plate.poly --angle 40
@@ -134,4 +134,201 @@ again() {   # what is written is read again as the same triangles
 check "a .poly file that was written" again
 markers() { awk 'NR > 1 && NF == 4 && $4 == 4' o.poly | grep . ; }
 check "markers of segments are kept" markers
+
+# ---- what points and segments of a .poly file carry
+
+{ # a square and its centre: an attribute 10 x + 100 y, one that is not linear, markers, regions 7 and 2.5
+    printf '6 2 2 1\n5 0 0 0 1 3\n6 4 0 40 2 3\n7 4 4 440 3 4\n8 0 4 400 4 4\n9 2 2 220 9 0\n10 2 0 20 1.5 0\n'
+    printf '6 1\n5 5 10 7\n6 10 6 7\n7 6 7 8\n8 7 8 9\n9 8 5 -2\n10 10 7 0\n0\n2\n5 1 3 7 0\n6 3 .5 2.5 0\n'
+} > carried.poly
+carried() { # every output has the numbers that came in
+    for f in node poly vtu mesh csv edge ele; do set -- "$@" -o c.$f; done
+    says 0 "new points" carried.poly --size 0.7 --text "$@" &&
+        head -7 c.node && awk 'NR == 1 { n = $1; ok = $2 == 2 && $3 == 2 && $4 == 1 }
+            NR > 1 { d = $4 - 10 * $2 - 100 * $3; ok = ok && d < 1e-9 && d > -1e-9 && NF == 6 && $1 == NR + 3
+                if (NR > 7 && $2 > 0 && $3 == 0) ok = ok && $6 == 7
+                if (NR > 7 && $2 == 4) ok = ok && $6 == 8
+                if (NR > 7 && $3 == 4 && $2 < 4) ok = ok && $6 == 9
+                if (NR > 7 && $2 == 0) ok = ok && $6 == -2
+                if (NR > 7 && $2 > 0 && $2 < 4 && $3 > 0 && $3 < 4) ok = ok && $6 == 0 }
+            END { exit !ok }' c.node &&
+        printf '5 0 0 0 1 3\n6 4 0 40 2 3\n7 4 4 440 3 4\n8 0 4 400 4 4\n9 2 2 220 9 0\n10 2 0 20 1.5 7\n' > given &&
+        sed -n '2,7p' c.node | cmp - given && sed -n '2,7p' c.poly | cmp - given &&
+        head -2 c.csv && [ "$(sed 1q c.csv)" = x,y,attribute_1,attribute_2,marker ] &&
+        [ "$(sed -n 2p c.csv)" = 0,0,0,1,3 ] && grep -q 'Name="attribute_2"' c.vtu && grep -q 'Name="marker"' c.vtu &&
+        grep -q '^0 0 3$' c.mesh
+}
+check "attributes, markers and numbers go from a .poly to every output" carried
+again() {   # written and read again, with nothing changed
+    says 0 "2 regions" c.poly -o d.poly -o d.node && cmp c.node d.node && says 0 "2 regions" d.poly -o e.poly &&
+        cmp d.poly e.poly && grep -q '^6 3 0.5 8 -1$' e.poly && grep -q '^5 1 3 7 -1$' e.poly
+}
+check "a .poly file that was written says the same" again
+printf '5 2 1 0\n1 0 0 1\n2 4 0 2\n3 4 4 3\n4 0 4 4\n5 0 0 9\n0\n0\n' > twice.poly
+twice() {
+    says 0 "those of the first one count" twice.poly --rule hull -o w.node && [ "$(sed -n 6p w.node)" = "5 0 0 1 0" ]
+}
+check "points that coincide have the attribute of the first" twice
+mixed() {   # a crossing has the mean of what its segments have there
+    printf '4 2 1 0\n1 0 0 0\n2 4 4 4\n3 4 0 10\n4 0 4 20\n2 0\n1 1 2\n2 3 4\n0\n' > mixed.poly
+    says 0 "5 points" mixed.poly --split-crossings --rule hull -o m.node && grep -q '^5 2 2 8.5 ' m.node
+}
+check "the attribute of a crossing" mixed
+printf '2 2 1 0\n1 0 0\n' > short.poly
+check "an attribute that is missing" says 1 "short.poly:2: 0 attributes, 1 announced" short.poly
+printf '3 2 0 1\n1 0 0 1.5\n' > half.poly
+check "a marker that is no whole number" says 1 "half.poly:2: the marker 1.5" half.poly
+printf '3 3 0 1\n1 0 0 1 1\n' > solid.poly
+check "points in space" says 1 "solid.poly:1: the dimension 2 is needed" solid.poly
+printf '3 2 0 0\n1 0 nan\n2 1 0\n3 0 1\n0\n0\n' > nan.poly
+check "coordinates that are no numbers" says 1 "nan.poly:2: a point with its number, x and y" nan.poly
+printf '3 2 0 0\n1 0 0 5\n2 1 0 5\n3 0 1 5\n0\n0\n' > more.poly
+check "numbers that are not announced" says 0 "numbers behind points" more.poly --rule hull
+gzip -kf plate.poly && cp plate.node plate2.node && gzip -kf plate.geojson
+check "packed files" says 0 "8 triangles, 8 points, 8 edges of segments, 1 region" plate.poly.gz
+check "packed GeoJSON" says 0 "8 triangles, 8 points, 8 edges of segments, 1 region" plate.geojson.gz
+check "what a format has no place for" says 0 \
+    "c.svg: the format .svg has no place for: an attribute, an attribute, markers of points" carried.poly -o c.svg
+printf '5 2 0 0\n0 19 18\n1 0 0\n2 5 0\n3 5 5\n4 0 5\n4 0\n0 1 2\n1 2 3\n2 3 4\n3 4 1\n0\n' > far.poly
+orphans() { # one numbering in all files
+    says 0 "2 triangles, 4 points" far.poly --no-orphans -o f.node -o f.ele -o f.poly &&
+        sed -n 2,5p f.node > one && sed -n 2,5p f.poly > two && cmp one two && ! grep 19 f.poly &&
+        awk 'NR == 1 { n = $1 } NR > 1 { for (i = 2; i < 5; i++) if ($i > 3) exit 1 }' f.ele &&
+        awk '$1 == 4 && NF == 2 { on = 1; next } on && NF == 4 { if ($2 > 3 || $3 > 3) exit 1 }' f.poly
+}
+check "--no-orphans numbers all files alike" orphans
+beside() {  # elements come with points, unless those are named, or would replace an input
+    rm -f g.node h.node && says 0 "g.node" plate.geojson -o g.ele && [ -s g.node ] &&
+        says 0 "k.node" plate.geojson -o h.ele -o k.node && [ ! -e h.node ] &&
+        cp g.node in.node && says 2 "which is an input and would be lost" in.node -o in.ele && cmp g.node in.node &&
+        says 2 "it is an input" plate.poly -o plate.node
+}
+check "elements are written with their points" beside
+
+# ---- GeoJSON: what it has, and how much of it is in the domain
+
+json() {    # json TRIANGLES TEXT GEOJSON OPTION...: so many triangles, and a piece of what is said
+    triangles=$1 text=$2
+    printf '%s' "$3" > j.geojson
+    shift 3
+    says 0 "$text" j.geojson "$@" && grep -q "^$triangles triangle" said
+}
+refused() { # refused TEXT GEOJSON OPTION...: and no output
+    text=$1
+    printf '%s' "$2" > j.geojson
+    shift 2
+    rm -f no.ele no.node && says 1 "$text" j.geojson -o no.ele "$@" && [ ! -e no.ele ] && [ ! -e no.node ]
+}
+A='[[0,0],[4,0],[4,4],[0,4],[0,0]]' B='[[4,0],[8,0],[8,4],[4,4],[4,0]]' IN='[[1,1],[2,1],[2,2],[1,2],[1,1]]'
+poly() { printf '{"type":"Polygon","coordinates":[%s]}' "$1"; }
+feature() { printf '{"type":"Feature","properties":%s,"geometry":%s}' "$1" "$2"; }
+all() { printf '{"type":"FeatureCollection","features":[%s]}' "$1"; }
+line() { printf '{"type":"LineString","coordinates":%s}' "$1"; }
+check "a MultiPoint" json 5 "5 points, 0 segments" \
+    '{"type":"MultiPoint","coordinates":[[0,0],[8,0],[4,6],[2,2],[6,2]]}'
+check "a Point in a Polygon" json 4 "5 points, 4 segments" \
+    "$(all "$(feature '{}' "$(poly "$A")"),$(feature '{}' '{"type":"Point","coordinates":[2,2]}')")"
+check "members in any order, escapes, strings with brackets" json 2 "4 points, 4 segments" \
+    "{\"coordinates\":[$A], \"note\":\"]}\\\\\\\"{[\", \"\\u0074ype\":\"Pol\\u0079gon\"}"
+check "a Feature that has its type last" json 2 "1 feature" \
+    "{\"geometry\":$(poly "$A"),\"properties\":{\"coordinates\":[[9,9]],\"type\":\"Point\"},\"type\":\"Feature\"}"
+check "a GeometryCollection in a GeometryCollection" json 4 "5 points, 4 segments, 1 polygon" \
+    "{\"type\":\"GeometryCollection\",\"geometries\":[{\"type\":\"GeometryCollection\",\"geometries\":[$(poly "$A")]},
+     {\"type\":\"Point\",\"coordinates\":[2,2]}]}"
+check "a MultiPolygon" json 4 "8 points, 8 segments" "{\"type\":\"MultiPolygon\",\"coordinates\":[[$A],[$B]]}"
+check "a hole" json 8 "8 edges of segments, 1 region" "$(poly "$A,$IN")"
+check "an unclosed ring" json 3 "1 ring did not end where it began, and is closed" \
+    "$(poly '[[0,0],[6,0],[6,5],[3,1],[0,5]]')"
+check "a MultiLineString" json 8 "7 points, 6 segments" \
+    '{"type":"MultiLineString","coordinates":[[[0,0],[4,0],[4,4],[0,4],[0,0]],[[1,1],[2,2],[3,1]]]}'
+check "a line in a polygon bounds nothing" json 6 "6 points, 5 segments" "{\"type\":\"GeometryCollection\",
+    \"geometries\":[$(poly "$A"),$(line '[[1,1],[3,3]]')]}"
+check "a closed line in a polygon is no hole" json 10 "1 polygon" "{\"type\":\"GeometryCollection\",
+    \"geometries\":[$(poly "$A"),$(line "$IN")]}"
+check "closed lines as outlines" json 8 "8 points" "{\"type\":\"MultiLineString\",\"coordinates\":[$A,$IN]}" \
+    --rule even-odd
+check "lines take the hull, with a word" json 10 "the domain is the hull" \
+    "{\"type\":\"MultiLineString\",\"coordinates\":[$A,$IN]}"
+check "a feature a line" json 4 "2 features" "$(feature '{}' "$(poly "$A")")
+$(feature null "$(poly "$B")")
+"
+check "a feature without geometry" json 2 "1 feature without a geometry" \
+    "$(all "$(feature '{}' "$(poly "$A")"),$(feature '{}' null)")"
+check "empty coordinates" json 2 "1 polygon" "$(all "$(feature '{}' "$(poly "$A")"),$(feature '{}' "$(poly '')")")"
+check "nested features" json 8 "features 1 and 2 overlap around" \
+    "$(all "$(feature '{}' "$(poly "$A")"),$(feature '{}' "$(poly "$IN")")")"
+check "nested features, both" json 10 "the last one in the file names the region" \
+    "$(all "$(feature '{}' "$(poly "$A")"),$(feature '{}' "$(poly "$IN")")")" --rule nonzero
+check "rings that turn the wrong way" json 10 "overlap" \
+    "$(all "$(feature '{}' "$(poly "$A")"),$(feature '{}' "$(poly '[[1,1],[1,2],[2,2],[2,1],[1,1]]')")")" \
+    --rule nonzero
+check "features that cancel each other out" refused "nothing is enclosed" \
+    "$(all "$(feature '{}' "$(poly "$A")"),$(feature '{}' "$(poly "$A")")")"
+check "and they are named" grep "features 1 and 2 overlap around" said
+check "features that cross" refused "features 1 and 2 (lines 1 and 2) cross at (4, 2)" \
+    "$(all "$(feature '{}' "$(poly "$A")"),
+    $(feature '{}' "$(poly '[[3,2],[5,2],[5,3],[3,2]]')")")"
+check "open lines" refused "segments end where no other goes on, at (0, 0), (4, 4)" \
+    "$(line '[[0,0],[4,0],[4,4]]')" --rule even-odd
+check "a ring of two corners" refused "j.geojson:1: a ring of 2 corners" "$(poly '[[0,0],[1,1],[0,0]]')"
+check "a line of one position" refused "a line of 1 position" "$(line '[[0,0]]')"
+check "a type that is none" refused '"Circle" is no type of a geometry, in feature 1' \
+    "$(feature '{}' '{"type":"Circle","coordinates":[0,0]}')"
+check "coordinates of another depth" refused '"coordinates" of a Polygon are lists, 2 deep' \
+    '{"type":"Polygon","coordinates":[0,0]}'
+check "too deep" refused 'a finite number is needed' "{\"type\":\"MultiPoint\",\"coordinates\":[[[0,0]]]}"
+check "no number" refused "a finite number is needed" '{"type":"MultiPoint","coordinates":[[0,0],[NaN,1]]}'
+check "too large a number" refused "a finite number is needed" '{"type":"MultiPoint","coordinates":[[0,0],[1e999,1]]}'
+check "hexadecimal" refused "a finite number" '{"type":"MultiPoint","coordinates":[[0,0],[0x10,1]]}'
+check "a trailing comma" refused "a finite number is needed" '{"type":"MultiPoint","coordinates":[[0,0],[1,1,]]}'
+check "a file that ends too early" refused "ends inside" '{"type":"MultiPoint","coordinates":[[0,0],[1,1'
+check "no GeoJSON" refused 'with its "type"' '{"rings":[[0,0],[1,1]]}'
+check "no geometry" refused "there is no geometry" '{"type":"FeatureCollection","features":[]}'
+check "an empty file" refused "the file is empty" ''
+deep=$(printf '[%.0s' 1 2 3 4 5 6 7 8 9 10)
+deep=$deep$deep$deep$deep$deep$deep$deep
+check "brackets too deep" refused "brackets more than 64 deep" "{\"type\":\"Point\",\"x\":$deep"
+
+regions() { # regions TAGS OPTION...: the tags of two polygons' triangles, as .poly has them
+    tags=$1
+    shift
+    all "$(feature '{"n":12,"name":"wood \u00e4","mix":"a"}' "$(poly "$A")"),$(
+        feature '{"n":-3,"name":"lake","mix":5}' "$(poly "$B")"),$(
+        feature '{"x":1}' '{"type":"Point","coordinates":[1,2]}')" > r.geojson
+    says 0 "2 regions" r.geojson "$@" -o r.poly && sed -n '/^2$/,$p' r.poly && tail -2 r.poly | awk '{ print $4 }' |
+        sort -n | tr '\n' ' ' | grep -qx -- "$tags "
+}
+check "a feature is a region" regions "1 2"
+check "--region-by a number" regions "-3 12" --region-by n
+check "--region-by a name" regions "1 2" --region-by name
+check "--region-by both" regions "5 6" --region-by mix
+check "a feature without that property" grep 'without the property "mix"' said
+check "no such property" says 1 'no feature has a property "none"; the first has "n", "name", "mix"' r.geojson \
+    --region-by none
+check "--region-by is for GeoJSON" says 2 "it needs an input .geojson" plate.poly --region-by n
+hole() { says 0 "8 triangles" plate.geojson -o again.poly && says 0 "8 triangles" again.poly; }
+check "a hole of GeoJSON is one in .poly" hole
+
+# ---- heights
+
+printf '{"type":"Polygon","coordinates":[[[0,0,1],[4,0,5],[4,4,13],[0,4,9],[0,0,1]]]}' > slope.geojson
+heights() { # z = 1 + x + 2 y, at new points too
+    for f in obj ply stl off vtu msh msh2 mesh csv inp poly node; do set -- "$@" -o s.$f; done
+    says 0 "new points" slope.geojson --size 1 --text "$@" -o s.su2 -o s.html && tail -1 said &&
+        awk '/^v / { d = $4 - 1 - $2 - 2 * $3; n++; if (d > 1e-9 || d < -1e-9) exit 1 } END { exit n < 9 }' s.obj &&
+        awk 'NR > 1 { d = $4 - 1 - $2 - 2 * $3; if (d > 1e-9 || d < -1e-9) exit 1 }' s.node &&
+        for f in ply off vtu msh msh2 mesh csv; do
+            "$pbw" convert s.$f again.xyz --quiet --dim 3 || return 1
+            awk '{ d = $3 - 1 - $1 - 2 * $2; if (d > 1e-9 || d < -1e-9 || NF != 3) exit 1 }' again.xyz || return 1
+        done
+}
+check "heights go through, and to new points" heights
+check "a word where there is no place for them" grep "s.su2: the format .su2 has no place for: heights" said
+check "heights of some positions" json 2 "heights are left out: 2 of 5 positions have one" \
+    "$(poly '[[0,0,1],[4,0],[4,4],[0,4],[0,0,1]]')"
+same() {
+    "$pbw" plane s.obj --rule hull --dim 2 --quiet -o t.obj && grep '^v' s.obj | sort > one &&
+        grep '^v' t.obj | sort | cmp - one
+}
+check "heights of a surface" same
 finish

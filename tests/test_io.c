@@ -1127,6 +1127,9 @@ static void test_columns(void)
     }
     output.heights = depths;
     check_line("h.stl", &mesh, &output, "vertex 0 0 1.5\n", 1);
+    for (i = 0; i < sizeof solid / sizeof *solid; i++) {
+        (void)unlink(in_folder(solid[i]));
+    }
     pbw_free(&mesh);
 }
 

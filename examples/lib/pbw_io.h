@@ -209,6 +209,9 @@ PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options,
 /* Reads a file that is in memory; name is for its format and for messages.  data is not kept. */
 PBWIODEF pbwio_status pbwio_read_memory(const char *name, const void *data, size_t size, const pbwio_options *options,
                                         pbwio_cloud *cloud, pbwio_error *error);
+/* The whole of a file, unpacked if gzip has packed it, and a 0 behind its `size` bytes; "-" is the standard input.  The
+   caller frees it with PBWIO_FREE, by default free.  Returns NULL on failure. */
+PBWIODEF char *pbwio_load(const char *path, size_t *size, pbwio_error *error);
 /* Frees what a cloud holds and zeroes it; fine on {0}, fine twice. */
 PBWIODEF void pbwio_free(pbwio_cloud *cloud);
 /* Writes a mesh. */
@@ -4740,6 +4743,20 @@ static char *pbwio__load(const char *path, size_t *size, pbwio_status *status, p
         return NULL;
     }
     return (char *)pbwio__shrink(data, *size);
+}
+
+PBWIODEF char *pbwio_load(const char *path, size_t *size, pbwio_error *error)
+{
+    pbwio_status status;
+    char *data = pbwio__load(path, size, &status, error);
+    char *block = data != NULL ? (char *)PBWIO_REALLOC(data, *size + 1) : NULL;
+    if (block != NULL) {
+        block[*size] = 0;
+    } else if (data != NULL) {
+        PBWIO_FREE(data);
+        (void)pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
+    }
+    return block;
 }
 
 /* Reads a file into a cloud that is empty or, for .ele, has its points. */

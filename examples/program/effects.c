@@ -42,6 +42,7 @@ static const rule rules[] = {
     { "plane", "--keep-segments", REFINING, NULL },
     { "plane", "--steiner", REFINING, NULL },
     { "plane", "--rounds", "--smooth", NULL },
+    { "plane", "--region-by", "*.geojson", NULL },
     { "improve", "--only-smooth", "--smooth", NULL },
     { "improve", "--size", NULL, "--error" },
     { "improve", "--count", "--error", NULL },

@@ -8,6 +8,19 @@ static const option mesh_options[] = {
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 
+/* Columns and heights go to the outputs. */
+static void carry_columns(job *j)
+{
+    pbwio_cloud *c = &j->cloud;
+    if (c->heights != NULL) {
+        warn_of_heights(j, unify(j->mesh.canonical, c->count, c->heights));
+    }
+    j->write.heights = c->heights;
+    j->write.columns = c->columns;
+    j->write.column_count = c->column_count;
+    j->write.base = c->base;
+}
+
 static int run(job *j)
 {
     int status = load(j, 1);
@@ -20,6 +33,9 @@ static int run(job *j)
     if (status == 0 && is_given(j, "--inside")) {
         status = mark_inside(j);
         j->write.keep = j->picture.keep = j->inside;
+    }
+    if (status == 0) {
+        carry_columns(j);
     }
     return status != 0 ? status : write_mesh(j);
 }

@@ -106,7 +106,20 @@ static int one_file(const char *a, const char *b)
 #endif
 }
 
-/* Whether writing to the path would destroy an input. */
+/* Whether a .poly file has no points of its own, and takes those of the .node file beside it. */
+static int lacks_points(const char *path)
+{
+    char line[256] = "#";
+    FILE *file = fopen(path, "rb");
+    while (file != NULL && line[strspn(line, " \t")] == '#' && fgets(line, sizeof line, file) != NULL) {
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+    return file != NULL && atol(line) == 0;
+}
+
+/* Whether writing to the path would destroy an input: that file, or the one with its points. */
 static int destroys(const char *path, const char *input)
 {
     char other[1100];
@@ -117,8 +130,9 @@ static int destroys(const char *path, const char *input)
     if (one_file(path, input)) {
         return 1;
     }
-    dot = strstr(input, ".ele");
-    if (dot == NULL || (strcmp(dot, ".ele") != 0 && strcmp(dot, ".ele.gz") != 0)) {
+    dot = strrchr(input, '.');
+    dot = dot != NULL && strcmp(dot, ".poly") == 0 && lacks_points(input) ? dot : strstr(input, ".ele");
+    if (dot == NULL || (strcmp(dot, ".poly") != 0 && strcmp(dot, ".ele") != 0 && strcmp(dot, ".ele.gz") != 0)) {
         return 0;
     }
     snprintf(other, sizeof other, "%.*s.node", (int)(dot - input), input);       /* has its points */
@@ -185,6 +199,34 @@ static int check_output(const job *j, const char *path)
         return complain("%s is there already, and is no page of pbw: -o %s replaces it, or name another", path, path);
     }
     return access(path, W_OK) != 0 ? complain("-o %s: %s", path, strerror(errno)) : 0;
+}
+
+int add_points(job *j)
+{
+    const char *path = NULL, *dot = NULL;
+    int i;
+    for (i = j->outputs - 1; i >= 0; i--) {
+        const char *ending = ending_of(j, j->output[i]), *at = j->output[i] + strlen(j->output[i]);
+        if (ending != NULL && strcmp(ending, "node") == 0) {
+            return 0;
+        }
+        at -= at - j->output[i] > 7 && strcmp(at - 3, ".gz") == 0 ? 7 : at - j->output[i] > 4 ? 4 : 0;
+        if (strncmp(at, ".ele", 4) == 0) {
+            path = j->output[i];
+            dot = at;
+        }
+    }
+    if (path == NULL || j->outputs == MOST_OUTPUTS || strlen(path) > 1000) {
+        return 0;
+    }
+    snprintf(j->points, sizeof j->points, "%.*s.node%s", (int)(dot - path), path, dot + 4);
+    if (destroys(j->points, j->input) || destroys(j->points, text_of(j, "--surface"))) {
+        return strcmp(j->command->name, "mesh") == 0 ? 0     /* whose points are those of the input */
+             : complain("-o %s: its points go to %s, which is an input and would be lost; name another output", path,
+                        j->points);
+    }
+    j->output[j->outputs++] = j->points;
+    return 0;
 }
 
 int check_outputs(const job *j)
@@ -266,7 +308,7 @@ static pbwio_status write_page(const job *j, const char *path, pbwio_error *erro
     uint32_t *part = (uint32_t *)malloc((mesh->simplex_count + 1) * sizeof *part);
     uint32_t *thread = (uint32_t *)malloc((traced + 1) * sizeof *thread);
     uint32_t *round = (uint32_t *)malloc((traced + 1) * sizeof *round);
-    pbwview_array arrays[4];
+    pbwview_array arrays[5];
     pbwview_options view;
     pbwio_status status = PBWIO_ERROR_MEMORY;
     char left_out[128] = "";
@@ -288,6 +330,9 @@ static pbwio_status write_page(const job *j, const char *path, pbwio_error *erro
     }
     if (mesh->weights != NULL) {
         add_array(&view, "weight", NULL, mesh->weights, 1, 0);
+    }
+    if (j->write.heights != NULL) {
+        add_array(&view, "height", NULL, j->write.heights, 1, 0);
     }
     if (part != NULL && thread != NULL && round != NULL) {
         fill_arrays(j, part, thread, round);
@@ -324,6 +369,31 @@ static pbwio_status write_one(job *j, const char *path, const char *ending, void
     return pbwio_write(path, &j->mesh, &j->write, error);
 }
 
+/* A word about what points carry and a format has no place for. */
+static void warn_of_drops(const job *j, const char *path, const char *ending)
+{
+    const pbwio_output *o = &j->write;
+    char what[300] = "";
+    size_t i;
+    if (find_word("ele neigh edge face", ending) != NULL) {          /* they have no points */
+        return;
+    }
+    if (o->heights != NULL && find_word("su2 svg", ending) != NULL) {
+        snprintf(what, sizeof what, "heights");
+    }
+    for (i = 0; i < o->column_count && find_word("vtu csv node ply poly", ending) == NULL && strlen(what) < 200;
+         i++) {
+        snprintf(what + strlen(what), sizeof what - strlen(what), "%s%.40s", what[0] == 0 ? "" : ", ",
+                 o->columns[i].name != NULL ? o->columns[i].name : "an attribute");
+    }
+    if (o->point_groups != NULL && find_word("obj ply stl off su2 svg", ending) != NULL) {
+        snprintf(what + strlen(what), sizeof what - strlen(what), "%smarkers of points", what[0] == 0 ? "" : ", ");
+    }
+    if (what[0] != 0) {
+        warn(j, "%s: the format .%s has no place for: %s", path, ending, what);
+    }
+}
+
 int write_with(job *j, writer *write, void *user)
 {
     pbwio_error error;
@@ -334,6 +404,7 @@ int write_with(job *j, writer *write, void *user)
             return interrupted ? stopped(j) : fail(j, "%s", error.text);
         }
         say(j, "write", now() - start, "%s", strcmp(path, "-") == 0 ? "standard output" : path);
+        warn_of_drops(j, path, ending_of(j, path));
     }
     return interrupted ? stopped(j) : 0;
 }

@@ -38,13 +38,14 @@ int main(int argc, char **argv)
         free(j.given);
         return end_report(&j, status - 1);
     }
+    status = add_points(&j);
     for (i = 0; i < j.outputs; i++) {
         j.report = strcmp(j.output[i], "-") == 0 ? stderr : j.report;
     }
     j.terminal = !j.quiet && isatty(2);
     j.build.progress = on_progress;
     j.build.progress_user = &j;
-    status = check_outputs(&j);
+    status = status != 0 ? status : check_outputs(&j);
     status = status != 0 ? status : check_effects(&j);
     if (status == 0) {
         catch_interrupt();

@@ -1,5 +1,5 @@
 /* plane.c: pbw plane. */
-#include "program.h"
+#include "domain.h"
 
 static const char *const rules[] = { "hull", "seeds", "even-odd", "nonzero", NULL };
 static const char *const ways[] = { "laplace", "lloyd", "odt", NULL };
@@ -18,8 +18,10 @@ static const option plane_options[] = {
     { "--rounds", "N", "of --smooth; default 5", WHOLE, 1, 1000, NULL },
     { "--split-crossings", NULL, "put points where segments cross, instead of an error", SWITCH, 0, 0, NULL },
     { "--rule", "RULE", "what belongs to the domain: hull (all), seeds (what segments enclose, but holes),\n"
-      "even-odd, nonzero (by winding numbers); default: .poly seeds, .geojson even-odd,\n"
-      "points hull", CHOICE, 0, 0, rules },
+      "even-odd, nonzero (by winding numbers); default: .poly seeds, .geojson with\n"
+      "polygons even-odd, else hull", CHOICE, 0, 0, rules },
+    { "--region-by", "NAME", ".geojson: the property of features that names their regions: whole numbers are tags,\n"
+      "strings are names; default: each feature is a region, with its number from 1", PLAIN, 0, 0, NULL },
     { "--keep-boundary", NULL, "no new points on the boundary", SWITCH, 0, 0, NULL },
     { "--keep-segments", NULL, "no new points on segments", SWITCH, 0, 0, NULL },
     { "--conforming", NULL, "all triangles Delaunay, across segments too", SWITCH, 0, 0, NULL },
@@ -32,7 +34,10 @@ static const option plane_options[] = {
 
 typedef struct result {
     const plan *plan;
-    const pbw_plane *plane;
+    pbw_plane *plane;
+    pbw_index *origin;                               /* per point: the point of the plan that it is, or PBW_NONE */
+    carried carried;
+    void *own[3];                                    /* of the plane, without orphans: points, triangles, edges */
     pbw_mesh mesh;                                   /* the triangles as a mesh, for what writes meshes */
     double *least;                                   /* per triangle: its least angle */
     unsigned char *on_segment;                       /* per point */
@@ -52,6 +57,47 @@ static double angle_of(const double *a, const double *b, const double *c)
     const double x = (b[0] - a[0]) * (c[0] - a[0]) + (b[1] - a[1]) * (c[1] - a[1]);
     const double y = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     return atan2(y, x) * (180 / 3.14159265358979323846);
+}
+
+/* Leaves out points that are no corner, and numbers the others in their order. */
+static int drop_orphans(result *r)
+{
+    pbw_plane *p = r->plane;
+    pbw_index *number = (pbw_index *)malloc((p->point_count + 1) * sizeof *number);
+    double *points = (double *)malloc((p->point_count + 1) * 2 * sizeof *points);
+    pbw_index *triangles = (pbw_index *)malloc((p->triangle_count + 1) * 3 * sizeof *triangles);
+    pbw_index *edges = (pbw_index *)malloc((p->edge_count + 1) * 2 * sizeof *edges);
+    size_t i, kept = 0;
+    r->own[0] = points;
+    r->own[1] = triangles;
+    r->own[2] = edges;
+    if (number == NULL || points == NULL || triangles == NULL || edges == NULL) {
+        free(number);
+        return 0;
+    }
+    memset(number, 255, p->point_count * sizeof *number);
+    for (i = 0; i < 3 * p->triangle_count; i++) {
+        number[p->triangles[i]] = 0;
+    }
+    for (i = 0; i < p->point_count; i++) {
+        if (number[i] == 0) {
+            memcpy(points + 2 * kept, p->points + 2 * i, 2 * sizeof *points);
+            r->origin[kept] = r->origin[i];
+            number[i] = (pbw_index)kept++;
+        }
+    }
+    for (i = 0; i < 3 * p->triangle_count; i++) {
+        triangles[i] = number[p->triangles[i]];
+    }
+    for (i = 0; i < 2 * p->edge_count; i++) {
+        edges[i] = number[p->edges[i]];
+    }
+    free(number);
+    p->points = points;
+    p->point_count = kept;
+    p->triangles = triangles;
+    p->edges = edges;
+    return 1;
 }
 
 static int finish(result *r)
@@ -98,6 +144,11 @@ static void finish_free(result *r)
     free((void *)(uintptr_t)r->mesh.canonical);
     free(r->least);
     free(r->on_segment);
+    free(r->origin);
+    free(r->own[0]);
+    free(r->own[1]);
+    free(r->own[2]);
+    carried_free(&r->carried);
 }
 
 /* ---- report */
@@ -171,21 +222,35 @@ static void emit_poly(void *user, FILE *file)
 {
     const result *r = (const result *)user;
     const pbw_plane *p = r->plane;
-    size_t i;
-    fprintf(file, "%zu 2 0 1\n", p->point_count);
+    const carried *c = &r->carried;
+    const size_t base = (size_t)r->plan->base;
+    size_t i, k;
+    fprintf(file, "%zu 2 %zu 1\n", p->point_count, c->column_count + (c->heights != NULL));
     for (i = 0; i < p->point_count; i++) {
-        fprintf(file, "%zu %.17g %.17g %d\n", i, p->points[2 * i], p->points[2 * i + 1], r->on_segment[i]);
+        fprintf(file, "%zu %.17g %.17g", i + base, p->points[2 * i], p->points[2 * i + 1]);
+        for (k = 0; k < c->column_count; k++) {
+            fprintf(file, " %.17g", c->columns[k].values[i]);
+        }
+        if (c->heights != NULL) {
+            fprintf(file, " %.17g", c->heights[i]);
+        }
+        fprintf(file, " %d\n", c->point_markers[i]);
     }
     fprintf(file, "%zu 1\n", p->edge_count);
     for (i = 0; i < p->edge_count; i++) {
-        const int own = p->edge_first[i] < p->edge_first[i + 1];
-        const int marker = own && r->plan->markers != NULL
-                         ? r->plan->markers[p->edge_segments[p->edge_first[i]]] : 1;
-        fprintf(file, "%zu %u %u %d\n", i, (unsigned)p->edges[2 * i], (unsigned)p->edges[2 * i + 1], marker);
+        fprintf(file, "%zu %zu %zu %d\n", i + base, p->edges[2 * i] + base, p->edges[2 * i + 1] + base,
+                c->edge_markers[i]);
     }
     fprintf(file, "%zu\n", r->plan->hole_count);
     for (i = 0; i < r->plan->hole_count; i++) {
-        fprintf(file, "%zu %.17g %.17g\n", i, r->plan->holes[2 * i], r->plan->holes[2 * i + 1]);
+        fprintf(file, "%zu %.17g %.17g\n", i + base, r->plan->holes[2 * i], r->plan->holes[2 * i + 1]);
+    }
+    fprintf(file, "%zu\n", r->plan->region_count);
+    for (i = 0; i < r->plan->region_count; i++) {
+        const pbw_plane_region *region = r->plan->regions + i;
+        const pbw_index group = r->plan->region_groups[i];
+        fprintf(file, "%zu %.17g %.17g %lld %.17g\n", i + base, region->x, region->y,
+                group == PBW_NONE ? 0 : r->plan->groups[group].tag, region->area > 0 ? region->area : -1);
     }
 }
 
@@ -238,7 +303,7 @@ static void emit_svg(void *user, FILE *file)
 static pbwio_status write_page(const job *j, const char *path, const result *r, pbwio_error *error)
 {
     pbwview_options view;
-    pbwview_array arrays[3];
+    pbwview_array arrays[4];
     uint32_t *on = (uint32_t *)malloc((r->mesh.point_count + 1) * sizeof *on);
     pbwio_status status = PBWIO_ERROR_MEMORY;
     size_t i;
@@ -256,9 +321,12 @@ static pbwio_status write_page(const job *j, const char *path, const result *r, 
     arrays[2].name = "on segments";
     arrays[2].whole = on;
     arrays[2].of_points = arrays[2].classes = 1;
+    arrays[3].name = "height";
+    arrays[3].real = r->carried.heights;
+    arrays[3].of_points = 1;
     view.title = j->input;
     view.arrays = arrays;
-    view.array_count = 3;
+    view.array_count = r->carried.heights != NULL ? 4 : 3;
     view.colour = r->plane->region_count > 1 ? "region" : "least angle";
     if (on != NULL) {
         status = pbwview_write(path, &r->mesh, &view, error);
@@ -282,8 +350,21 @@ static pbwio_status write_one(job *j, const char *path, const char *ending, void
     }
     snprintf(name, sizeof name, "a.%s", ending);
     j->write.format = pbwio_format_of(name);
-    j->write.regions = r->plane->regions;
     return pbwio_write(path, &r->mesh, &j->write, error);
+}
+
+/* What the writers get beside the mesh. */
+static void fill_output(pbwio_output *output, const result *r)
+{
+    output->regions = r->carried.regions;
+    output->patches = r->carried.patches;
+    output->groups = r->carried.groups;
+    output->group_count = r->carried.group_count;
+    output->point_groups = r->carried.point_groups;
+    output->columns = r->carried.columns;
+    output->column_count = r->carried.column_count;
+    output->heights = r->carried.heights;
+    output->base = r->plan->base;
 }
 
 /* ---- the command */
@@ -332,7 +413,8 @@ static int set_up(const job *j, const plan *d, pbw_plane_options *options)
 }
 
 /* Makes a plane anew, finer and coarser by sizes at its points: a column of the input, or a formula. */
-static pbw_status adapt(const job *j, const plan *d, const pbw_plane_options *options, pbw_plane *plane)
+static pbw_status adapt(const job *j, const plan *d, const pbw_plane_options *options, pbw_plane *plane,
+                        pbw_index *from)
 {
     const size_t n = plane->point_count;
     double *sizes = (double *)malloc((n + 1) * sizeof *sizes);
@@ -348,7 +430,7 @@ static pbw_status adapt(const job *j, const plan *d, const pbw_plane_options *op
     }
     if (sizes != NULL && keep != NULL) {
         memset(keep, 1, n);
-        status = pbw_plane_adapt(plane, sizes, is_given(j, "--coarsen") ? NULL : keep, options, &next, NULL);
+        status = pbw_plane_adapt(plane, sizes, is_given(j, "--coarsen") ? NULL : keep, options, &next, from);
     }
     free(sizes);
     free(keep);
@@ -357,61 +439,184 @@ static pbw_status adapt(const job *j, const plan *d, const pbw_plane_options *op
     return status;
 }
 
-static pbw_status make_plane(const job *j, const plan *d, const pbw_plane_options *options, pbw_plane *plane)
+/* Finds the points of the plan again: by their numbers, or those that adapt has kept of the first mesh. */
+static int find_origins(const plan *d, const pbw_plane *plane, const pbw_index *from, pbw_index **origin)
+{
+    size_t i;
+    *origin = (pbw_index *)malloc((plane->point_count + 1) * sizeof **origin);
+    for (i = 0; *origin != NULL && i < plane->point_count; i++) {
+        const size_t old = from == NULL ? i : i < plane->input_count ? from[i] : d->point_count;
+        const int same = old < d->point_count && memcmp(d->points + 2 * old, plane->points + 2 * i, 16) == 0;
+        (*origin)[i] = same ? (pbw_index)old : PBW_NONE;             /* smoothing has moved the others */
+    }
+    return *origin != NULL;
+}
+
+static pbw_status make_plane(const job *j, const plan *d, const pbw_plane_options *options, pbw_plane *plane,
+                             pbw_index **origin)
 {
     const int of_mesh = d->triangle_count > 0 && !is_given(j, "--rule"), way = choice_of(j, "--smooth");
     const int adapts = is_given(j, "--coarsen") || (of_mesh && d->sizes != NULL);
     pbw_plane_options first = *options;
-    pbw_plane_input input;
+    pbw_index *from = NULL;
     pbw_status status;
-    memset(&input, 0, sizeof input);
-    input.points = d->points;
-    input.point_count = d->point_count;
-    input.segments = d->segments;
-    input.segment_count = d->segment_count;
-    input.holes = d->holes;
-    input.hole_count = d->hole_count;
-    input.regions = d->regions;
-    input.region_count = d->region_count;
-    input.sizes = d->sizes;
     first.flags &= adapts ? ~(PBW_PLANE_REFINE | PBW_PLANE_CONFORMING) : ~0u;
     status = of_mesh ? pbw_plane_from_triangles(d->points, d->point_count, d->triangles, d->triangle_count, &first,
                                                 plane)
-           : pbw_plane_make(&input, &first, plane);
-    if (status == PBW_OK && adapts) {
-        status = adapt(j, d, options, plane);
+           : make_domain(d, &first, plane);
+    if (status == PBW_OK && adapts && plane->triangle_count > 0) {
+        from = (pbw_index *)malloc((plane->point_count + 1) * sizeof *from);
+        status = from != NULL ? adapt(j, d, options, plane, from) : PBW_ERROR_MEMORY;
     }
-    if (status == PBW_OK && way >= 0) {
+    if (status == PBW_OK && way >= 0 && plane->triangle_count > 0) {
         const double before = pbw_plane_quality_of(plane, PBW_PLANE_MIN_ANGLE).mean;
         status = pbw_plane_smooth(plane, (pbw_plane_way)way, (int)number_of(j, "--rounds", 5), options);
         note(j, "smoothed: mean of least angles from %.2f to %.2f degrees", before,
              pbw_plane_quality_of(plane, PBW_PLANE_MIN_ANGLE).mean);
     }
+    if (status == PBW_OK && !find_origins(d, plane, from, origin)) {
+        status = PBW_ERROR_MEMORY;
+    }
+    free(from);
     return status;
 }
 
-static int make(job *j, const plan *d, const pbw_plane_options *options)
+/* The triangles of the input as a plane, counter-clockwise, to look values up in; corners: they are there. */
+static int view_triangles(const plan *d, pbw_plane *view, pbw_index **corners)
 {
-    pbw_plane plane;
-    result r;
-    pbw_status status;
+    size_t i;
+    *corners = (pbw_index *)malloc((d->triangle_count + 1) * 3 * sizeof **corners);
+    if (*corners == NULL) {
+        return 0;
+    }
+    memset(view, 0, sizeof *view);
+    memcpy(*corners, d->triangles, d->triangle_count * 3 * sizeof **corners);
+    for (i = 0; i < d->triangle_count; i++) {
+        const pbw_index *t = d->triangles + 3 * i;
+        if (pbw_orient2(d->points + 2 * (size_t)t[0], d->points + 2 * (size_t)t[1],
+                        d->points + 2 * (size_t)t[2]) < 0) {
+            (*corners)[3 * i] = t[1];
+            (*corners)[3 * i + 1] = t[0];
+        }
+    }
+    view->points = d->points;
+    view->point_count = d->point_count;
+    view->triangles = *corners;
+    view->triangle_count = d->triangle_count;
+    return 1;
+}
+
+/* A word about what the domain has and the mesh has not. */
+static void warn_of_losses(const job *j, const plan *d, const pbw_plane *plane)
+{
+    unsigned char *seen = (unsigned char *)calloc(d->segment_count + d->region_count + 1, 1);
+    size_t i, segments = 0, regions = 0, first = 0;
+    for (i = 0; seen != NULL && i < plane->edge_first[plane->edge_count]; i++) {
+        seen[plane->edge_segments[i]] = 1;
+    }
+    for (i = 0; seen != NULL && i < plane->region_count; i++) {
+        if (plane->region_seeds[i] != PBW_NONE) {
+            seen[d->segment_count + plane->region_seeds[i]] = 1;
+        }
+    }
+    for (i = 0; seen != NULL && i < d->segment_count; i++) {
+        const double *a = d->points + 2 * (size_t)d->segments[2 * i];
+        const double *b = d->points + 2 * (size_t)d->segments[2 * i + 1];
+        if (!seen[i] && (a[0] < b[0] || a[0] > b[0] || a[1] < b[1] || a[1] > b[1])) {
+            first = segments++ == 0 ? i : first;
+        }
+    }
+    for (i = 0; seen != NULL && i < d->region_count; i++) {
+        regions += !seen[d->segment_count + i];
+    }
+    free(seen);
+    if (segments > 0) {
+        const double *a = d->points + 2 * (size_t)d->segments[2 * first];
+        warn(j, "%s: %zu of %zu segments are outside of the domain and left out, the first in line %zu, from (%.9g, "
+             "%.9g)", j->input, segments, d->segment_count, d->sources[first].line, a[0], a[1]);
+    }
+    if (regions > 0) {
+        warn(j, "%s: %zu of %zu regions mark nothing: they are outside of the domain, or a later one marks the same",
+             j->input, regions, d->region_count);
+    }
+}
+
+/* The mesh of the domain, with what that carries.  own: see carry. */
+static int make_result(job *j, const plan *d, const pbw_plane_options *options, const pbw_plane *own, result *r)
+{
     const double start = now();
+    pbw_status status = make_plane(j, d, options, r->plane, &r->origin);
+    if (status == PBW_OK && r->plane->triangle_count == 0) {
+        return nothing_enclosed(j, d, options);
+    }
+    if (status == PBW_OK && d->triangle_count == 0) {
+        warn_of_losses(j, d, r->plane);
+    }
+    if (status == PBW_OK && is_given(j, "--no-orphans") && !drop_orphans(r)) {
+        status = PBW_ERROR_MEMORY;
+    }
+    if (status == PBW_OK) {
+        status = carry(j, d, own, r->plane, r->origin, &r->carried);
+    }
+    if (status != PBW_OK) {
+        return status == PBW_CANCELLED ? stopped(j)
+             : r->plane->crossing_count > 0 && d->sources != NULL ? crossing(j, d, r->plane)
+             : fail(j, "%s", r->plane->what[0] != 0 ? r->plane->what : pbw_status_string(status));
+    }
+    if (!finish(r)) {
+        return fail(j, "out of memory");
+    }
+    report(j, r, now() - start);
+    return 0;
+}
+
+/* The triangulation that columns and heights are linear in, and features are found in; if there are some. */
+static int make_own(job *j, plan *d, const pbw_plane_options *options, pbw_plane *own, pbw_index **corners)
+{
+    const int carries = d->heights != NULL || d->column_count > 0;
+    pbw_status status;
+    if (carries && !unify_duplicates(j, d)) {
+        return fail(j, "out of memory");
+    }
+    if (d->triangle_count > 0 && carries) {
+        return view_triangles(d, own, corners) ? 0 : fail(j, "out of memory");
+    }
+    if (!carries && d->polygon_count == 0) {
+        return 0;
+    }
+    status = survey(d, options, own);
+    if (status != PBW_OK) {
+        return status == PBW_CANCELLED ? stopped(j) : own->crossing_count > 0 ? crossing(j, d, own)
+             : fail(j, "%s: %s", j->input, own->what);
+    }
+    return d->polygon_count > 0 ? find_regions(j, d, own, options->rule) : 0;
+}
+
+static int make(job *j, plan *d, const pbw_plane_options *options)
+{
+    pbw_plane plane, own;
+    pbw_index *corners = NULL;
+    result r;
     int failed;
     memset(&r, 0, sizeof r);
-    status = make_plane(j, d, options, &plane);
+    memset(&plane, 0, sizeof plane);
+    memset(&own, 0, sizeof own);
     r.plan = d;
     r.plane = &plane;
-    if (status != PBW_OK) {
-        failed = status == PBW_CANCELLED ? stopped(j)
-               : fail(j, "%s%s", plane.what, plane.crossing_count > 0 ? "; --split-crossings puts points there" : "");
-    } else if (!finish(&r)) {
-        failed = fail(j, "out of memory");
-    } else {
-        report(j, &r, now() - start);
+    failed = make_own(j, d, options, &own, &corners);
+    failed = failed ? failed : make_result(j, d, options, own.triangle_count > 0 && (d->heights != NULL
+                                           || d->column_count > 0) ? &own : NULL, &r);
+    if (!failed) {
+        fill_output(&j->write, &r);
         failed = write_with(j, write_one, &r);
     }
     finish_free(&r);
     pbw_plane_free(&plane);
+    if (corners != NULL) {
+        free(corners);                               /* the view of them has nothing of its own */
+    } else {
+        pbw_plane_free(&own);
+    }
     return failed;
 }
 
@@ -442,14 +647,19 @@ const command command_plane = {
     "\n"
     "input:   .poly (with its .node), .geojson; points: as for pbw mesh.  Triangles in the plane, of .ele .vtu .msh\n"
     "         and so on, give their domain, which is triangulated anew; --rule hull takes their points alone\n"
-    "output:  .svg .html (regions, segments, angles), .poly; .vtu .msh .msh2 .mesh .ele .node .neigh .obj .ply .off\n"
-    "         .stl .inp .su2\n"
-    "         Regions: data of cells in .vtu, groups in .msh and .inp, references in .msh2, .mesh and .ele.\n"
+    "output:  .svg .html (regions, segments, angles), .poly; .vtu .msh .msh2 .mesh .ele .node .neigh .edge .csv\n"
+    "         .obj .ply .off .stl .inp .su2\n"
+    "         Regions: data of cells in .vtu, groups in .msh and .inp, references in .msh2, .mesh and .ele.  Tags are\n"
+    "         the attributes of the regions of a .poly, else numbers from 1.  Markers of segments and points,\n"
+    "         attributes and heights of points go out as they came in; at new points attributes and heights are\n"
+    "         linear in between.\n"
+    ".geojson: Points are points, lines are segments, rings of polygons bound the domain; what is in two polygons\n"
+    "         is outside unless --rule is nonzero.  A third number is the height.  Each feature is a region.\n"
     "For those who come from Triangle: -q30 is --angle 30, -a.1 --area .1, -u --size, -p a .poly, -r a mesh as input,\n"
     "-c --rule hull, -Y --keep-boundary, -YY --keep-segments, -D --conforming, -S99 --steiner 99, -j --no-orphans;\n"
     "-A is always on.\n"
     "\n",
-    "svg html poly vtu msh msh2 mesh ele node neigh obj ply off stl inp su2",
+    "svg html poly vtu msh msh2 mesh ele node neigh edge csv obj ply off stl inp su2",
     { plane_options, input_options, build_options, output_options, text_options, common_options, NULL, NULL },
     run, 0, 0, 0, NULL, 0
 };

@@ -90,6 +90,7 @@ struct job {
     const char *input, *output[MOST_OUTPUTS];        /* input: NULL if points are generated */
     const char *second;                              /* the second input */
     char named[1024];                                /* the output that the program names */
+    char points[1024];                               /* the .node file beside an .ele file */
     int outputs, written;                            /* how many are named, how many of them are there */
     given *given;                                    /* options, in their order */
     int given_count;
@@ -151,6 +152,7 @@ const char *plural(size_t count);                                     /* "" for 
 int load(job *j, int flat);                                          /* flat: without z if all have the same */
 int load_surface(job *j);                                             /* for --inside, before the work */
 int load_queries(job *j);                                            /* in the dimension of the points */
+void warn_of_heights(const job *j, size_t differ);                   /* of so many points that coincide with others */
 int build(job *j);
 int check(job *j);
 /* "tetrahedra" or "triangles", "simplices" of no dimension; of one the singular. */
@@ -179,7 +181,9 @@ pbw_index *boundary_of(const job *j, size_t *count);
 
 /* ---- output.c ---- */
 
-int check_outputs(const job *j);                                      /* before the work; returns 0 or USAGE */
+/* Elements without points are of no use: adds an output .node beside the first .ele where none is named. */
+int add_points(job *j);
+int check_outputs(const job *j);                                      /* before the work; each returns 0 or USAGE */
 const char *ending_of(const job *j, const char *path);                /* of what the command writes; NULL: none */
 int writes_pages(const job *j);
 int write_mesh(job *j);
@@ -200,23 +204,6 @@ pbwio_status write_diagram(const char *path, const char *ending, const pbw_cells
    and several parts. */
 pbwio_status write_cell_page(job *j, const char *path, const pbw_cells *cells, int in_polygon, pbwio_error *error);
 
-/* ---- domain.c ---- */
-
-typedef struct plan {                                 /* of a plane domain */
-    double *points, *holes, *sizes;                  /* sizes: one a point, or NULL */
-    pbw_index *segments, *triangles;                 /* triangles: of a mesh that is there already, or NULL */
-    pbw_plane_region *regions;
-    int *markers;                                    /* one a segment */
-    size_t point_count, segment_count, hole_count, region_count, triangle_count, lines;
-    int base;                                        /* number of the first point in its file */
-    int has_windings, has_seeds;                     /* closed rings only; a file whose holes are points */
-} plan;
-
-/* Reads the input of the job, and sizes from a column of it, by name or "#" and number; returns 0 or the exit status.
-   */
-int read_domain(job *j, plan *d, const char *column);
-void domain_free(plan *d);
-
 /* ---- plane.c ---- */
 
 void describe_plane_measures(const job *j, const pbw_plane *plane);  /* --quality */
@@ -225,6 +212,11 @@ void describe_plane_measures(const job *j, const pbw_plane *plane);  /* --qualit
 
 /* The value of a formula at x, y; *wrong: where it is none, else NULL. */
 double evaluate(const char *formula, double x, double y, const char **wrong);
+
+/* ---- carry.c ---- */
+
+/* Gives each point the value of the first one at its place; returns how many had another. */
+size_t unify(const pbw_index *first, size_t count, double *values);
 
 /* ---- improve.c ---- */
 

@@ -24,17 +24,22 @@ const option build_options[] = {
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 
-/* Leaves z out if all points have the same; returns whether they do. */
+/* Makes z a height if all points have the same; returns whether they do. */
 static int flatten(pbwio_cloud *cloud)
 {
+    const double z = cloud->points[2];
     size_t i;
     for (i = 0; i < cloud->count; i++) {
-        if (cloud->points[3 * i + 2] < cloud->points[2] || cloud->points[3 * i + 2] > cloud->points[2]) {
+        if (cloud->points[3 * i + 2] < z || cloud->points[3 * i + 2] > z) {
             return 0;
         }
     }
+    cloud->heights = fabs(z) > 0 ? (double *)malloc(cloud->count * sizeof *cloud->heights) : NULL;
     for (i = 0; i < cloud->count; i++) {
         memmove(cloud->points + 2 * i, cloud->points + 3 * i, 2 * sizeof(double));
+        if (cloud->heights != NULL) {
+            cloud->heights[i] = z;
+        }
     }
     cloud->dim = 2;
     return 1;
@@ -72,6 +77,14 @@ int load(job *j, int flat)
          j->cloud.weights != NULL ? ", weighted" : "", COUNT(j->cloud.triangle_count));
     say(j, "read", now() - start, "%s", "");
     return 0;
+}
+
+void warn_of_heights(const job *j, size_t differ)
+{
+    if (differ > 0) {
+        warn(j, "%zu point%s on another and of another height: that of the first one counts", differ,
+             differ == 1 ? " is" : "s are");
+    }
 }
 
 int load_queries(job *j)
