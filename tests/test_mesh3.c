@@ -445,6 +445,71 @@ static int is_closed(const pbw_tets *t, const pbw_solid_boundary *b, pbw_index r
     return right;
 }
 
+typedef struct sheet { pbw_index v[3], region; } sheet;      /* a facet of a tetrahedron of that region */
+
+static int compare_sheets(const void *a, const void *b)
+{
+    const sheet *x = (const sheet *)a, *y = (const sheet *)b;
+    int k;
+    for (k = 0; k < 2 && x->v[k] == y->v[k]; k++) {
+    }
+    return (x->v[k] > y->v[k]) - (x->v[k] < y->v[k]);
+}
+
+/* Returns how many facets have one tetrahedron, or two of different regions. */
+static size_t count_sheets(const pbw_tets *t)
+{
+    sheet *s = (sheet *)zoo_grow(NULL, (4 * t->tet_count + 1) * sizeof *s);
+    size_t i, k, count = 0;
+    for (i = 0; i < 4 * t->tet_count; i++) {
+        for (k = 0; k < 3; k++) {
+            s[i].v[k] = t->corners[i / 4 * 4 + (i + k + 1) % 4];
+        }
+        pbwim__sort3(s[i].v);
+        s[i].region = t->regions[i / 4];
+    }
+    qsort(s, 4 * t->tet_count, sizeof *s, compare_sheets);
+    for (i = 0; i < 4 * t->tet_count; i = k) {
+        for (k = i + 1; k < 4 * t->tet_count && compare_sheets(s + i, s + k) == 0; k++) {
+        }
+        count += k - i == 1 || (k - i == 2 && s[i].region != s[i + 1].region);
+    }
+    free(s);
+    return count;
+}
+
+/* Two sheets of a boundary with the same four corners, whose facets meet at one diagonal below and at the other one
+   above; once that below is turned, nothing lies between them. */
+static void test_sheets(void)
+{
+    static const double points[6][3] = { { -0.7, 0, 0 }, { 0.7, 0, 0 }, { 0, -0.3, 0.02 }, { 0, 0.3, 0.02 },
+                                         { 0.1, 0.05, -0.6 }, { 0, 0, 0.6 } };
+    static const pbw_index corners[4][4] = { { 0, 1, 2, 4 }, { 0, 1, 3, 4 }, { 2, 3, 0, 5 }, { 2, 3, 1, 5 } };
+    pbw_improve_options how;
+    pbw_tets in, out;
+    size_t i, boundary = 0;
+    if (!test_begin("sheets that come to lie on each other")) {
+        return;
+    }
+    memset(&in, 0, sizeof in);
+    memset(&how, 0, sizeof how);
+    in.points = points[0];
+    in.point_count = 6;
+    in.corners = corners[0];
+    in.tet_count = 4;
+    how.passes = 4;
+    how.target = 60;
+    how.feature_angle = 75;
+    CHECK_EQUAL(pbw_improve(&in, &how, NULL, &out, NULL), PBW_OK);
+    for (i = 0; i < 4 * out.tet_count; i++) {
+        boundary += out.neighbors[i] == PBW_NONE;
+    }
+    CHECK(is_sound(&out) && out.tet_count == 4 && boundary == 8);
+    CHECK_EQUAL(boundary, count_sheets(&out));
+    pbw_tets_free(&out);
+    test_end();
+}
+
 /* Cubes with walls in common: a region each, of its volume, its boundary a sphere. */
 static void test_walls(void)
 {
@@ -477,6 +542,7 @@ static void test_walls(void)
         CHECK_EQUAL(r.bad_edges + r.bad_points + r.missing_edges + r.open_edges, 0);
         CHECK(r.regions == regions && r.shells == regions && r.settled && r.doubles == (twice ? 2 * walls : 0));
         CHECK(r.euler == 2 * (long)regions && r.input_euler == r.euler);
+        CHECK_EQUAL(boundary.facet_count, count_sheets(&mesh));
         near = k == 5 || k == 7 ? 0.15 : 1e-9;       /* turned, facets may cut the corner where four walls meet */
         CHECK(fabs(r.input_volume - (double)regions) < 1e-12 && r.distance < near);
         CHECK(fabs(r.improve.after.volume - (double)regions) < 1e-9);
@@ -809,6 +875,7 @@ int main(int argc, char **argv)
     test_thin();
     test_stuffing();
     test_regions();
+    test_sheets();
     test_walls();
     test_cut_ball();
     test_patches();

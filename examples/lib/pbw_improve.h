@@ -3094,6 +3094,44 @@ static pbw_status pbwim__output(pbwim__mesh *m, pbw_tets *out)
     return PBW_OK;
 }
 
+/* Links tetrahedra at boundary facets that have the same corners: where the boundary touches itself, an operation may
+   close the space between two sheets of it. */
+static pbw_status pbwim__close_gaps(pbwim__mesh *m)
+{
+    pbwsf__array blocks[2], counts;
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t count = 0, i;
+    memset(blocks, 0, sizeof blocks);
+    memset(&counts, 0, sizeof counts);
+    counts.count = m->points;
+    for (i = 0; i < 4 * m->tets; i++) {
+        count += *PBWIM__CORNER(m, i / 4) != PBW_NONE && PBWIM__NEXT(m, i / 4)[i % 4] == PBW_NONE;
+    }
+    if (pbwsf__resize(&m->memory, blocks, (count + 1) * sizeof(pbwim__facet))
+        && pbwsf__resize(&m->memory, blocks + 1, (count + 1) * sizeof(pbwim__facet))
+        && pbwsf__resize(&m->memory, &counts, (m->points + 2) * sizeof(size_t))) {
+        pbwim__facet *f = (pbwim__facet *)blocks[0].data;
+        for (i = 0, count = 0; i < 4 * m->tets; i++) {
+            if (*PBWIM__CORNER(m, i / 4) != PBW_NONE && PBWIM__NEXT(m, i / 4)[i % 4] == PBW_NONE) {
+                f[count++] = pbwim__facet_of(m, (pbw_index)(i / 4), (int)(i % 4));
+            }
+        }
+        f = pbwim__sort(f, (pbwim__facet *)blocks[1].data, count, &counts, 3);
+        for (i = 0; i + 1 < count; i++, f++) {
+            if (memcmp(f->v, f[1].v, sizeof f->v) == 0
+                && pbwim__sees_turned(m, f->t, f->i) != pbwim__sees_turned(m, f[1].t, f[1].i)) {
+                PBWIM__NEXT(m, f->t)[f->i] = f[1].t;
+                PBWIM__NEXT(m, f[1].t)[f[1].i] = f->t;
+            }
+        }
+        status = PBW_OK;
+    }
+    pbwsf__release(&m->memory, blocks);
+    pbwsf__release(&m->memory, blocks + 1);
+    pbwsf__release(&m->memory, &counts);
+    return status;
+}
+
 static void pbwim__free(pbwim__mesh *m)
 {
     pbwsf__array *const arrays[] = { &m->x, &m->star, &m->mark, &m->touched, &m->original, &m->corner, &m->next,
@@ -3131,6 +3169,7 @@ static pbw_status pbwim__run(pbwim__mesh *m, const pbw_tets *in, const pbw_impro
     view.tet_count = m->tets;
     (void)pbw_tets_quality(&view, m->options, &m->report->before);
     status = status != PBW_OK ? status : pbwim__passes(m, how);
+    status = status != PBW_OK ? status : pbwim__close_gaps(m);
     for (t = 0; t < m->tets; t++) {
         m->report->left += (size_t)pbwim__is_bad(m, (pbw_index)t);
     }

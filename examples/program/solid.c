@@ -68,6 +68,10 @@ static void warn_of(const job *j, const pbw_solid_report *r)
             warn(j, "  %.9g %.9g %.9g", r->places[i][0], r->places[i][1], r->places[i][2]);
         }
     }
+    if (r->distance > 0.15) {
+        warn(j, "the boundary and the surface are up to %.3f sizes apart; a smaller --size brings them nearer",
+             r->distance);
+    }
     if (r->open_edges == 0 && r->euler != r->input_euler) {
         warn(j, "the Euler number of the boundary is %ld, that of the surface %ld", r->euler, r->input_euler);
     }
