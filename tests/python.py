@@ -316,6 +316,30 @@ def cells_of_lattices_and_of_weights():
 
 
 @test
+def cells_of_flat_points():
+    """One point, points on a line and in a plane, in a box; some twice, with weights that hide some."""
+    for dim in (2, 3):
+        box = [[0] * dim, [4, 6, 8][:dim]]
+        line = np.outer(np.arange(1, 4), [1, 1, 2][:dim])
+        for points in ([[1] * dim], [[1] * dim, [3] * dim], line, np.concatenate([line, line[:1]]),
+                       np.column_stack([line[:, 0], np.full((3, dim - 1), 2)])):
+            for weights in (None, np.arange(len(points)) * 3.0):
+                for merge in (False, True):
+                    cells = pbw.power_cells(points, weights, box, merge=merge)
+                    closed(cells, dim)
+                    check(abs(cells.volumes.sum() - np.prod(box[1])) < 1e-11, cells.volumes)
+            check((pbw.lloyd(points, 3, box).mean(axis=0) > 0).all())
+        check(np.allclose(pbw.power_cells([[1] * dim, [3] * dim], box=[[0] * dim, [4] * dim]).volumes, 4 ** dim / 2))
+        check(np.allclose(pbw.lloyd([[1] * dim], 1, box), np.array(box[1]) / 2))
+    flat = [[1, 1, 2], [4, 1, 2], [1, 5, 2], [4, 5, 2]]
+    cells = pbw.power_cells(flat, box=[0, 0, 0, 5, 6, 4], merge=True)
+    check(np.allclose(cells.volumes, 30))
+    equal(np.diff(cells.first), [6] * 4)
+    raises(pbw.Error, pbw.power_cells, flat)
+    raises_text(ValueError, "box must be a low corner and a high", pbw.lloyd, flat)
+
+
+@test
 def lloyd_lowers_the_energy():
     for dim in (2, 3):
         for axes in ("", "x"):

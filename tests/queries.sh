@@ -169,6 +169,23 @@ check "half of them" says 0 "6 cells, 3 of them empty, 0 unbounded; 15 facets" \
     cells six.csv --box 0,0,0,1,1,1 --merge -o c.csv
 check "cells that touch the box" says 0 "8 cells, 7 of them empty, 0 unbounded; 6 facets" \
     cells eight.csv --box 0,0,0,2,2,2 --merge -o c.csv
+printf 'x,y\n1,2\n6,4\n' > two.csv
+printf 'x,y\n1,1\n3,2\n5,3\n9,5\n3,2\n' > line.csv
+printf 'x,y,z,w\n1,1,2,0\n4,1,2,0\n1,5,2,0\n4,5,2,0\n2,3,2,-50\n' > level.csv
+check "cells of two points" says 0 "area 48, the sum of cells; 48, the box" \
+    cells two.csv --box 0,0,8,6 --merge -o c.csv -o c.svg -o c.vtu
+check "their areas" [ "$(awk -F, 'NR > 1 { printf "%s ", $2 }' c.csv)" = "21 27 " ]
+check "cells of points on a line" says 0 "5 cells, 1 of them empty, 0 unbounded; 16 facets" \
+    cells line.csv --box 0,0,10,6 --merge -o c.csv
+check "their areas" [ "$(awk -F, 'NR > 1 { printf "%s ", $2 }' c.csv)" = "7.5625 14.9375 22.5 15 0 " ]
+printf '0,0\n10,0\n10,6\n0,6\n0,0\n' > frame.csv
+check "in a polygon" says 0 "area 60, the sum of cells; 60, the polygon" cells line.csv --clip frame.csv -o d.csv
+check "cells of points in a plane" says 0 "5 cells, 1 of them empty, 0 unbounded; 24 facets" \
+    cells level.csv --weights w --box 0,0,0,5,6,4 --merge -o c.csv -o c.obj -o c.vtu -o c.html
+check "their volumes" [ "$(awk -F, 'NR > 1 { printf "%s ", $2 }' c.csv)" = "30 30 30 30 0 " ]
+check "cells of points in a plane are closed" enclosed
+check "in the plane" says 0 "area 30, the sum of cells; 30, the box" cells level.csv --box 0,0,5,6 -o c.csv
+check "two points without a box" says 1 "do not span the plane; with --box or --clip they have cells" cells two.csv
 check "cells without a box" says 0 "64 cells, 0 of them empty, 56 unbounded" cells lattice.csv -o c.csv -o c.obj
 check "pictures end at a box" says 0 "60 cells, 0 of them empty" cells --generate uniform 60 --dim 2 -o c.svg -o c.html
 check "with the unbounded cells" lines 'id="cell_' c.svg 60

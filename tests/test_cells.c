@@ -363,8 +363,9 @@ static double brute_area(const brute *b, int f, double size, double *cone)
 }
 
 /* All half-spaces of point i, relative to it; in the plane a slab of height 1. */
-static void brute_cell(const sites *s, const double *points, size_t i, brute *b)
+static void brute_cell(const sites *s, const pbw_mesh *mesh, size_t i, brute *b)
 {
+    const double *points = mesh->points;
     const size_t dim = (size_t)s->dim;
     const double *p = points + i * dim;
     size_t j, k;
@@ -380,32 +381,34 @@ static void brute_cell(const sites *s, const double *points, size_t i, brute *b)
             d[k] = points[j * dim + k] - p[k];
             square += d[k] * d[k];
         }
-        if (square > 0) {
+        if (square > 0 && mesh->canonical[j] == j) {
             brute_add(b, d[0], d[1], d[2], (square + (s->w != NULL ? s->w[i] - s->w[j] : 0)) / 2, (pbw_index)j);
         }
     }
 }
 
-static void test_brute(int dim, int kind, int weights, double margin)
+/* All areas and volumes in s->box; span: do the points span the space? */
+static void check_brute(const sites *s, int span, double size)
 {
-    sites s = sites_make(kind, dim, 40, weights);
+    const int dim = s->dim;
+    const double unit = dim == 3 ? size * size : size;
     pbw_domain domain;
     pbw_mesh mesh;
     pbw_cells cells;
-    double unit, size;
     size_t i;
     memset(&domain, 0, sizeof domain);
-    bound(&s, margin, s.box);
-    domain.box = s.box;
-    size = 10 * extent_of(&s);
-    unit = dim == 3 ? size * size : size;
-    CHECK_EQUAL(pbw_triangulate(dim, s.x, s.w, s.count, NULL, &mesh), PBW_OK);
+    domain.box = s->box;
+    CHECK_EQUAL(pbw_triangulate(dim, s->x, s->w, s->count, NULL, &mesh), span ? PBW_OK : PBW_DEGENERATE);
     CHECK_EQUAL(pbw_cells_of(&mesh, &domain, PBW_CELLS_FACETS, NULL, &cells), PBW_OK);
-    for (i = 0; i < s.count && cells.first != NULL; i++) {
+    for (i = 0; i < cells.cell_count; i++) {
         double volume = 0, cone;
         brute b;
         int f;
-        brute_cell(&s, mesh.points, i, &b);
+        if (mesh.canonical[i] != i) {
+            CHECK(!(cells.volumes[i] > 0) && cells.first[i] == cells.first[i + 1]);
+            continue;
+        }
+        brute_cell(s, &mesh, i, &b);
         for (f = 0; f < b.count; f++) {
             const double area = brute_area(&b, f, size, &cone);
             volume += cone;
@@ -416,6 +419,13 @@ static void test_brute(int dim, int kind, int weights, double margin)
     }
     pbw_cells_free(&cells);
     pbw_free(&mesh);
+}
+
+static void test_brute(int dim, int kind, int weights, double margin)
+{
+    sites s = sites_make(kind, dim, 40, weights);
+    bound(&s, margin, s.box);
+    check_brute(&s, 1, 10 * extent_of(&s));
     sites_free(&s);
 }
 
@@ -663,14 +673,14 @@ static size_t facet_of(const pbw_cells *cells, size_t i, const halves *h, int f,
     return found;
 }
 
-/* Every facet of each cell, and the corners of its loop. */
-static void check_counts(const sites *s, const pbw_domain *domain)
+/* Every facet of each cell, and the corners of its loop; span: do the points span the space? */
+static void check_counts(const sites *s, const pbw_domain *domain, int span)
 {
     spot *corner = (spot *)take(2000 * sizeof *corner);
     pbw_mesh mesh;
     pbw_cells cells;
     size_t i;
-    CHECK_EQUAL(pbw_triangulate(s->dim, s->x, s->w, s->count, NULL, &mesh), PBW_OK);
+    CHECK_EQUAL(pbw_triangulate(s->dim, s->x, s->w, s->count, NULL, &mesh), span ? PBW_OK : PBW_DEGENERATE);
     CHECK_EQUAL(pbw_cells_of(&mesh, domain, ALL | PBW_CELLS_MERGE, NULL, &cells), PBW_OK);
     for (i = 0; i < cells.cell_count; i++) {
         const halves h = halves_of(s, &mesh, domain, i);
@@ -764,7 +774,7 @@ static void test_counts(void)
                     memcpy(box, boxes[b], sizeof box);
                     memcpy(box + dim, boxes[b] + 3, (size_t)dim * sizeof *box);
                     domain.box = box;
-                    check_counts(&s, &domain);
+                    check_counts(&s, &domain, 1);
                 }
                 sites_free(&s);
                 test_end();
@@ -790,10 +800,116 @@ static void test_counts(void)
                         plane[dim] = 3 + plane[0] + plane[1] + (dim == 3 ? plane[2] : 0);
                     }
                 }
-                check_counts(&s, &domain);
+                check_counts(&s, &domain, 1);
                 sites_free(&s);
             }
             test_end();
+        }
+    }
+}
+
+/* ---- points that span no simplex: one, two, on lines and in planes, some twice, with weights that hide some */
+
+enum { FLATS = 10 };
+
+/* Points with coordinates from 0 to 12. */
+static sites flat_sites(int dim, int kind, int weighted)
+{
+    static const int step[FLATS][2][3] = {
+        { { 0, 0, 0 }, { 0, 0, 0 } }, { { 3, 5, 2 }, { 0, 0, 0 } }, { { 1, 0, 0 }, { 0, 0, 0 } },
+        { { 0, 2, 0 }, { 0, 0, 0 } }, { { 1, 1, 1 }, { 0, 0, 0 } }, { { 2, -1, 1 }, { 0, 0, 0 } },
+        { { 1, 0, 0 }, { 0, 1, 0 } }, { { 0, 1, 0 }, { 0, 0, 2 } }, { { 1, -1, 0 }, { 0, 1, -1 } },
+        { { 1, 1, 2 }, { 1, -1, 0 } } };
+    const int count = kind < 2 ? kind + 1 : 6, rows = kind < 6 ? 1 : 3;
+    sites s;
+    int i, j, k;
+    memset(&s, 0, sizeof s);
+    s.dim = dim;
+    s.x = (double *)take(60 * sizeof(double));
+    s.w = weighted ? (double *)take(20 * sizeof(double)) : NULL;
+    for (j = 0; j < rows; j++) {
+        for (i = 0; i < count; i++) {
+            for (k = 0; k < dim; k++) {
+                const int at = (i < 5 ? i : 2) * step[kind][0][k] + j * step[kind][1][k];
+                s.x[s.count * (size_t)dim + (size_t)k] = at + (k == 1 && (kind == 5 || kind > 7) ? 5 : 1);
+            }
+            if (weighted) {
+                s.w[s.count] = (i * 5 + j * 3) % 7;
+            }
+            s.count++;
+        }
+    }
+    return s;
+}
+
+/* Volumes in a domain add up to it; in a polygon, here s->box, they are those in that box. */
+static void check_whole(const sites *s, const pbw_domain *domain, double whole)
+{
+    pbw_domain box;
+    pbw_mesh mesh;
+    pbw_cells cells, boxed;
+    size_t i;
+    memset(&box, 0, sizeof box);
+    box.box = s->box;
+    CHECK_EQUAL(pbw_triangulate(s->dim, s->x, s->w, s->count, NULL, &mesh), PBW_DEGENERATE);
+    CHECK_EQUAL(pbw_cells_of(&mesh, domain, ALL, NULL, &cells), PBW_OK);
+    CHECK_EQUAL(pbw_cells_of(&mesh, &box, 0, NULL, &boxed), PBW_OK);
+    CHECK(fabs(sum_of(&cells) - whole) < 1e-12 * whole);
+    for (i = 0; i < s->count && domain->ring_count > 0; i++) {
+        CHECK(fabs(cells.volumes[i] - boxed.volumes[i]) < 1e-11 * whole);
+    }
+    pbw_cells_free(&cells);
+    pbw_cells_free(&boxed);
+    CHECK_EQUAL(pbw_cells_of(&mesh, NULL, ALL, NULL, &cells), PBW_DEGENERATE);
+    CHECK(cells.cell_count == s->count && cells.facet_count == 0 && !(sum_of(&cells) > 0));
+    pbw_cells_free(&cells);
+    pbw_free(&mesh);
+}
+
+static void test_flats(void)
+{
+    static const double boxes[2][6] = { { 0, 0, 0, 14, 12, 13 }, { 2, -3, 1, 5, 30, 7 } };
+    int dim, kind, weighted, b;
+    for (dim = 2; dim <= 3; dim++) {
+        for (kind = 0; kind < (dim == 2 ? 6 : FLATS); kind++) {
+            for (weighted = 0; weighted < 2; weighted++) {
+                if (test_begin("flat points: %dD kind %d%s", dim, kind, weighted ? ", weighted" : "")) {
+                    for (b = 0; b < 2; b++) {
+                        const size_t first[2] = { 0, 4 };
+                        sites s = flat_sites(dim, kind, weighted);
+                        pbw_domain domain;
+                        double planes[32], ring[8];
+                        size_t p;
+                        memset(&domain, 0, sizeof domain);
+                        memcpy(s.box, boxes[b], sizeof s.box);
+                        memcpy(s.box + dim, boxes[b] + 3, (size_t)dim * sizeof *s.box);
+                        domain.box = s.box;
+                        check_counts(&s, &domain, 0);
+                        for (p = 0; p < s.count && weighted; p++) {  /* so that no two planes coincide */
+                            s.w[p] += 0.37 * (double)(p % 4);
+                        }
+                        check_brute(&s, 0, 200);
+                        domain.box = NULL;
+                        domain.planes = planes;
+                        domain.plane_count = diamond(dim, planes);
+                        check_whole(&s, &domain, dim == 3 ? 4.0 / 3 : 2);
+                        for (p = 0; p < 4; p++) {
+                            ring[2 * p] = s.box[p == 1 || p == 2 ? dim : 0];
+                            ring[2 * p + 1] = s.box[p > 1 ? dim + 1 : 1];
+                        }
+                        domain.planes = NULL;
+                        domain.plane_count = 0;
+                        domain.rings = ring;
+                        domain.ring_first = first;
+                        domain.ring_count = 1;
+                        if (dim == 2) {
+                            check_whole(&s, &domain, volume_of(2, s.box));
+                        }
+                        sites_free(&s);
+                    }
+                    test_end();
+                }
+            }
         }
     }
 }
@@ -820,7 +936,7 @@ static void test_zoo(void)
             domain.box = s.box;
             expected = pbw_triangulate(s.dim, s.x, s.w, s.count, NULL, &mesh);
             status = pbw_cells_of(&mesh, &domain, ALL, NULL, &cells);
-            CHECK(status == expected
+            CHECK(status == (s.count > 0 ? PBW_OK : expected)
                   || (status == PBW_ERROR_ARGUMENT && !(thinnest_of(&s) > 0 && extent_of(&s) < 1e300)));
             if (status == PBW_OK) {
                 const double extent = extent_of(&s), sum = fabs(sum_of(&cells) / volume_of(s.dim, s.box) - 1);
@@ -842,7 +958,7 @@ static void test_zoo(void)
                     test_say("volumes alone differ by %g", differ(&cells, &plain, s.box));
                 }
                 pbw_cells_free(&plain);
-                CHECK_EQUAL(pbw_cells_of(&mesh, NULL, ALL | PBW_CELLS_MERGE, NULL, &plain), PBW_OK);
+                CHECK_EQUAL(pbw_cells_of(&mesh, NULL, ALL | PBW_CELLS_MERGE, NULL, &plain), expected);
                 pbw_cells_free(&plain);
             }
             pbw_cells_free(&cells);
@@ -1165,9 +1281,9 @@ static void test_threads(int dim, int kind, int weights)
     }
 }
 
-static void test_failures(int dim, int periodic)
+static void test_failures(int dim, int periodic, int flat)
 {
-    if (test_begin("failures: %dD%s", dim, periodic ? ", periodic" : "")) {
+    if (test_begin("failures: %dD%s%s", dim, periodic ? ", periodic" : "", flat ? ", flat" : "")) {
         sites s = sites_make(INPUT_UNIFORM, dim, 60, INPUT_WEIGHTS_ZERO);
         pbw_options options = threads(1);
         pbw_mesh mesh;
@@ -1175,8 +1291,12 @@ static void test_failures(int dim, int periodic)
         meter m;
         long k;
         int left = 0;
+        size_t i;
         pbw_status status = PBW_ERROR_MEMORY;
-        CHECK_EQUAL(pbw_triangulate(dim, s.x, NULL, s.count, NULL, &mesh), PBW_OK);
+        for (i = 0; i < s.count && flat; i++) {
+            s.x[(i + 1) * (size_t)dim - 1] = 0.5;
+        }
+        CHECK_EQUAL(pbw_triangulate(dim, s.x, NULL, s.count, NULL, &mesh), flat ? PBW_DEGENERATE : PBW_OK);
         options.resize = meter_resize;
         options.resize_user = &m;
         for (k = 1; status == PBW_ERROR_MEMORY && k < 100000; k++) {
@@ -1221,7 +1341,7 @@ static void test_degenerate(void)
         memset(&domain, 0, sizeof domain);
         domain.box = box;
         CHECK_EQUAL(pbw_triangulate(3, line, NULL, 3, NULL, &mesh), PBW_DEGENERATE);
-        CHECK_EQUAL(pbw_cells_of(&mesh, &domain, ALL | PBW_CELLS_MERGE, NULL, &cells), PBW_DEGENERATE);
+        CHECK_EQUAL(pbw_cells_of(&mesh, NULL, ALL | PBW_CELLS_MERGE, NULL, &cells), PBW_DEGENERATE);
         CHECK(cells.cell_count == 3 && cells.facet_count == 0 && !(sum_of(&cells) > 0));
         pbw_cells_free(&cells);
         pbw_cells_free(&cells);
@@ -1255,8 +1375,9 @@ static void test_rest(void)
         test_threads(dim, INPUT_LATTICE, INPUT_WEIGHTS_ZERO);
         test_threads(dim, INPUT_CLUSTERS, INPUT_WEIGHTS_HALF);
         for (periodic = 0; periodic < 2; periodic++) {
-            test_failures(dim, periodic);
+            test_failures(dim, periodic, 0);
         }
+        test_failures(dim, 0, 1);
     }
 }
 
@@ -1267,6 +1388,7 @@ int main(int argc, char **argv)
     test_brutes();
     test_lattices();
     test_counts();
+    test_flats();
     test_zoo();
     test_periodics();
     test_rest();

@@ -84,7 +84,8 @@ typedef struct pbw_cells {                 /* start from {0}; read, do not write
     const signed char *shifts;             /* pbw_cells_periodic: dim per facet: the neighbour is the point +
                                               shift * box size; else NULL */
     const double *areas;                   /* per facet: area, in the plane length; HUGE_VAL if unbounded */
-    const double *vertices;                /* dim each; the first ones are the centres of the mesh's simplices */
+    const double *vertices;                /* dim each; the first ones are the centres of the mesh's simplices (it
+                                              has none: of those of a mesh around the points) */
     const size_t *loop_first;              /* facet_count + 1 */
     const pbw_index *loops;                /* corners of facet j: loop_first[j] .. loop_first[j+1]-1,
                                               counter-clockwise from outside the cell; in the plane two, and a
@@ -102,8 +103,9 @@ typedef struct pbw_cells {                 /* start from {0}; read, do not write
    must be 0 or 1e-57 to 1e60 in size, weights 0 or within the squares of those.  Cells that it only touches are
    empty.  Needs mesh->neighbors.
    Volumes are right if the box of the points and the domain are 1e-57 to 1e60 in size: beyond, products of
-   coordinates over- or underflow, and cells lose volume without an error. A mesh of PBW_DEGENERATE points gives
-   PBW_DEGENERATE and empty cells.  Fails as pbw_triangulate does; also with PBW_ERROR_ARGUMENT for a domain that is
+   coordinates over- or underflow, and cells lose volume without an error.  Points of a mesh without simplices, one or
+   all on a line or in a plane, have cells in a domain; without a domain they give PBW_DEGENERATE and empty cells, and
+   so do no points.  Fails as pbw_triangulate does; also with PBW_ERROR_ARGUMENT for a domain that is
    unbounded, empty or periodic, and for rings that are found to cross, which is not guaranteed.  Leaves cells empty
    then. */
 PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *domain, unsigned what,
@@ -976,6 +978,7 @@ struct pbwc__period {
 
 struct pbwc__job {
     const pbw_mesh *mesh;
+    pbw_mesh spanned;                      /* the mesh, where that of the caller has points but no simplex */
     pbwc__memory memory;
     pbwc__period *period;                  /* NULL: not periodic */
     pbwc__clip *clip;                      /* NULL: no polygon */
@@ -3029,7 +3032,7 @@ static pbw_status pbwc__connect(pbwc__job *job)
     }
     for (i = 0; i < 3 * mesh->simplex_count; i++) {
         const pbw_index a = mesh->simplices[i], b = mesh->simplices[i % 3 < 2 ? i + 1 : i - 2];
-        if (inside[a] == 0 && inside[b] == 0) {
+        if (a < job->count && b < job->count && inside[a] == 0 && inside[b] == 0) {
             const pbw_index x = pbwc__root(root, a), y = pbwc__root(root, b);
             root[x > y ? x : y] = x > y ? y : x;
         }
@@ -4175,7 +4178,7 @@ static pbw_status pbwc__prepare_domain(pbwc__job *job, const pbw_domain *domain)
     if (domain != NULL && domain->ring_count > 0) {
         job->bounded = 1;
         status = pbwc__check_polygon(job->mesh, domain);
-        return status == PBW_OK && job->mesh->simplex_count > 0 ? pbwc__copy_rings(job, domain) : status;
+        return status == PBW_OK && job->mesh->point_count > 0 ? pbwc__copy_rings(job, domain) : status;
     }
     if (domain == NULL || (domain->box == NULL && domain->plane_count == 0)) {
         return PBW_OK;
@@ -4216,6 +4219,84 @@ static pbw_status pbwc__prepare_domain(pbwc__job *job, const pbw_domain *domain)
     }
     (void)frexp(longest, &job->exponent);
     return status == PBW_OK ? pbwc__cut_domain(job, domain, low, high) : status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Points that span no simplex: one, or all on a line or in a plane.  With the corners of a large simplex they do.
+   The cells of these do not meet the domain, so in there all other cells stay as they are: all that is in the box around
+   domain and points is nearer to each point than to the corners, which have the least weight.
+   ------------------------------------------------------------------------------------------------------ */
+/* Corner i of a simplex around a box, further from all in it than its points from each other. */
+static void pbwc__apex(int dim, int i, const double *low, const double *high, double *x)
+{
+    double far_out = 0;
+    int k;
+    for (k = 0; k < dim; k++) {
+        far_out += 8 * (high[k] - low[k]);
+    }
+    for (k = 0; k < dim; k++) {
+        x[k] = low[k] + (i == dim ? -far_out : i == k ? far_out : 0);
+    }
+}
+
+/* The box around the domain and all points. */
+static void pbwc__surround(const pbwc__job *job, double *low, double *high)
+{
+    const size_t dim = (size_t)job->mesh->dim, count = job->mesh->point_count * dim;
+    const size_t corners = job->clip != NULL ? job->clip->count * dim : 2;
+    size_t i, k;
+    for (k = 0; k < dim; k++) {
+        low[k] = high[k] = job->mesh->points[k];
+        for (i = k; i < count + corners; i += dim) {
+            const double x = i < count ? job->mesh->points[i]
+                           : job->clip != NULL ? PBWC__CORNERS(job->clip)[i - count] : job->from[k];
+            low[k] = x < low[k] ? x : low[k];
+            high[k] = x > high[k] ? x : high[k];
+        }
+        if (job->clip == NULL) {
+            high[k] = job->to[k] > high[k] ? job->to[k] : high[k];
+        }
+    }
+}
+
+/* Makes a mesh of the points and the corners of a large simplex.  The domain is prepared. */
+static pbw_status pbwc__span(pbwc__job *job, const pbw_options *options)
+{
+    const pbw_mesh *mesh = job->mesh;
+    const size_t dim = (size_t)mesh->dim, count = mesh->point_count, total = count + dim + 1;
+    double low[3], high[3], least = 0;
+    pbw_options own;
+    pbwc__array x, w;
+    size_t i;
+    pbw_status status = PBW_ERROR_MEMORY;
+    memset(&own, 0, sizeof own);
+    memset(&x, 0, sizeof x);
+    memset(&w, 0, sizeof w);
+    if (options != NULL) {
+        own = *options;
+    }
+    own.stride = own.weight_stride = 0;
+    own.flags = 0;
+    own.trace = NULL;
+    if (pbwc__resize(&job->memory, &x, total * dim * sizeof(double))
+        && pbwc__resize(&job->memory, &w, total * sizeof(double))) {
+        pbwc__surround(job, low, high);
+        memcpy(x.data, mesh->points, count * dim * sizeof(double));
+        for (i = 0; i < count; i++) {
+            PBWC__DOUBLES(w)[i] = pbwc__weight(mesh, (pbw_index)i);
+            least = i == 0 || PBWC__DOUBLES(w)[i] < least ? PBWC__DOUBLES(w)[i] : least;
+        }
+        for (i = 0; i <= dim; i++) {
+            pbwc__apex((int)dim, (int)i, low, high, PBWC__DOUBLES(x) + (count + i) * dim);
+            PBWC__DOUBLES(w)[count + i] = least;
+        }
+        status = pbw_triangulate((int)dim, PBWC__DOUBLES(x), mesh->weights != NULL ? PBWC__DOUBLES(w) : NULL, total,
+                                 &own, &job->spanned);
+    }
+    pbwc__release(&job->memory, &x);
+    pbwc__release(&job->memory, &w);
+    job->mesh = status == PBW_OK ? &job->spanned : mesh;
+    return status;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -4288,8 +4369,13 @@ static void pbwc__release_ranges(pbwc__job *job, size_t ranges)
 
 static pbw_status pbwc__compute(pbwc__job *job, const pbw_domain *domain, const pbw_options *options)
 {
-    const size_t simplices = job->mesh->simplex_count, ranges = (simplices + PBWC__CHUNK - 1) / PBWC__CHUNK;
+    size_t simplices, ranges;
     pbw_status status = pbwc__prepare_domain(job, domain);
+    if (status == PBW_OK && job->bounded && job->mesh->simplex_count == 0 && job->count > 0) {
+        status = pbwc__span(job, options);
+    }
+    simplices = job->mesh->simplex_count;
+    ranges = (simplices + PBWC__CHUNK - 1) / PBWC__CHUNK;
     status = status == PBW_OK ? pbwc__start_cells(job, ranges, options) : status;
     if (status == PBW_OK && (job->what & PBW_CELLS_MERGE) != 0) {
         status = pbwc__merge(job, options);
@@ -4383,7 +4469,9 @@ PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *doma
     job.cells = cells;
     job.clip = domain != NULL && domain->ring_count > 0 ? &clip : NULL;
     status = pbwc__run(&job, domain, options);
-    return status == PBW_OK && mesh->simplex_count == 0 ? PBW_DEGENERATE : status;
+    status = status == PBW_OK && job.mesh->simplex_count == 0 ? PBW_DEGENERATE : status;
+    pbw_free(&job.spanned);
+    return status;
 }
 
 /* Sizes and points in the units, in [0, size) along periodic axes. */
@@ -4568,10 +4656,8 @@ static int pbwc__add_copies(pbwc__period *period, size_t i)
 /* Lists all points with their copies, and the apexes of a simplex so large that their cells do not meet the grid. */
 static pbw_status pbwc__copies(pbwc__period *period)
 {
-    static const signed char corner[4][3] = { { 1, 1, 1 }, { -1, -1, 1 }, { -1, 1, -1 }, { 1, -1, -1 } };
-    double far_out = 0, x[3];
+    double x[3];
     size_t i;
-    int k;
     period->total = period->count;
     period->source.count = 0;
     pbwc__extent(period);
@@ -4583,13 +4669,8 @@ static pbw_status pbwc__copies(pbwc__period *period)
             return PBW_ERROR_MEMORY;
         }
     }
-    for (k = 0; k < period->dim; k++) {
-        far_out += 8 * (period->high[k] - period->low[k]);
-    }
     for (i = 0; period->apexes && i <= (size_t)period->dim; i++) {
-        for (k = 0; k < period->dim; k++) {
-            x[k] = period->low[k] + corner[i][k] * far_out;
-        }
+        pbwc__apex(period->dim, (int)i, period->low, period->high, x);
         if (!pbwc__add_copy(period, x, period->lightest, 0)) {
             return PBW_ERROR_MEMORY;
         }

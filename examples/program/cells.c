@@ -284,6 +284,10 @@ static int make(job *j, const pbw_domain *domain, unsigned what, pbw_cells *cell
     if (failed) {
         return failed;
     }
+    if (domain->periodic == 0 && j->mesh.simplex_count == 0 && !is_bounded(domain)) {
+        return fail(j, "the points do not span the %s; with --box or --clip they have cells",
+                    c->dim == 3 ? "space" : "plane");
+    }
     status = domain->periodic == 0 ? pbw_cells_of(&j->mesh, domain, what, &j->build, cells)
            : pbw_cells_periodic(c->dim, c->points, c->weights, c->count, domain, what, &j->build, cells);
     if (status == PBW_ERROR_ARGUMENT && domain->plane_count != 0) {
@@ -342,6 +346,19 @@ static int make_bounded(job *j, unsigned what, pbw_cells *cells)
     return explain(j, pbw_cells_of(&j->mesh, &domain, what, &j->build, cells));
 }
 
+/* Does the domain say that points are in 3D, even where all have one z? */
+static int is_solid(const job *j)
+{
+    static const char *const body[] = { "obj", "ply", "stl", "off", NULL };
+    const char *clip = text_of(j, "--clip"), *dot = clip != NULL ? strrchr(clip, '.') : NULL;
+    double box[6];
+    int i, found = is_given(j, "--box") && vector_of(j, "--box", 6, box);
+    for (i = 0; dot != NULL && body[i] != NULL; i++) {
+        found |= strcmp(dot + 1, body[i]) == 0;
+    }
+    return found;
+}
+
 static int check_domain(const job *j, pbw_domain *domain, double *box)
 {
     if (is_given(j, "--box") && !vector_of(j, "--box", 2 * j->cloud.dim, box)) {
@@ -368,7 +385,7 @@ static int run(job *j)
     memset(&bounded, 0, sizeof bounded);
     memset(&clip, 0, sizeof clip);
     domain.periodic = axes_of(j);
-    failed = load(j, 1);
+    failed = load(j, !is_solid(j));
     failed = failed ? failed : check_domain(j, &domain, box);
     if (!failed && is_given(j, "--clip")) {
         failed = load_clip(j, &domain, &clip, &kept, &body);
@@ -401,7 +418,8 @@ const command command_cells = {
     "\n"
     "Computes the Voronoi cells of points, or with --weights the power cells.  Without --box or --clip those at the\n"
     "hull are unbounded.  Duplicates, points whose power cell is empty and points whose cell is outside have\n"
-    "empty cells.  With --periodic, points outside of the box are moved into it.\n"
+    "empty cells.  With --periodic, points outside of the box are moved into it.  One point, points on a line and\n"
+    "points in a plane have cells in a box or clip; a box of six numbers means that points are in 3D.\n"
     "\n"
     "input:   as for pbw mesh\n"
     "output:  .csv: id, volume (2D: area; unbounded: inf), centroid, number of facets;\n"
@@ -411,5 +429,5 @@ const command command_cells = {
     "\n",
     "csv vtu obj svg html",
     { cells_options, input_options, weight_options, build_options, output_options, common_options, NULL, NULL, NULL },
-    run, 0, 0, 0, NULL, 0
+    run, 0, 0, 0, NULL, 1
 };

@@ -61,18 +61,28 @@ int pbw_python_coordinates(const arrays *a, const double *queries, size_t count,
     return (int)pbw_coordinates(&mesh, queries, count, (pbw_scheme)scheme, &options, lists);
 }
 
-/* box: NULL = the whole space.  periodic: bits of axes; then only the points of the arrays count. */
+/* box: NULL = the whole space.  periodic: bits of axes.  In a box only the points of the arrays count. */
 int pbw_python_cells(const arrays *a, const double *box, unsigned periodic, unsigned what, pbw_cells *cells)
 {
-    pbw_mesh mesh;
+    pbw_mesh mesh, own = { 0 };
     pbw_options options;
     pbw_domain domain = { 0 };
     watch w;
     pbw_python_view(a, &mesh, &options, &w);
     domain.box = box;
     domain.periodic = periodic;
-    return (int)(periodic == 0 ? pbw_cells_of(&mesh, &domain, what, &options, cells)
-                 : pbw_cells_periodic(a->dim, a->points, a->weights, a->point_count, &domain, what, &options, cells));
+    if (periodic != 0) {
+        return (int)pbw_cells_periodic(a->dim, a->points, a->weights, a->point_count, &domain, what, &options, cells);
+    }
+    if (box == NULL) {
+        return (int)pbw_cells_of(&mesh, &domain, what, &options, cells);
+    }
+    pbw_status status = pbw_triangulate(a->dim, a->points, a->weights, a->point_count, &options, &own);
+    if (status == PBW_OK || status == PBW_DEGENERATE) {
+        status = pbw_cells_of(&own, &domain, what, &options, cells);
+    }
+    pbw_free(&own);
+    return (int)status;
 }
 
 int pbw_python_stars(const arrays *a, pbw_lists *stars)

@@ -60,7 +60,8 @@ def _checked_axes(periodic, box, dim):
 def power_cells(points, weights=None, box=None, *, periodic="", merge=False, threads=0):
     """The cells of the power diagram of points, without weights of the Voronoi diagram; see Cells.
 
-    box        low corner and high corner: cells end there; None: those at the hull are unbounded
+    box        low corner and high corner: cells end there; None: those at the hull are unbounded.  In a box, one
+               point, points on a line and points in a plane have cells, too
     periodic   the axes along which the box repeats, such as "xy"
     merge      the true diagram: centres that coincide are one vertex, facets without area are left out
     """
@@ -70,9 +71,9 @@ def power_cells(points, weights=None, box=None, *, periodic="", merge=False, thr
     box = _checked_box(box, points.shape[1])
     axes = _checked_axes(periodic, box, points.shape[1])
     what = FACETS | SHAPES | (MERGE if merge else 0)
-    if axes:
-        return Cells(_library.periodic_cells(points, weights, box, axes, what, threads))
-    return Cells(Mesh(points, weights, threads, None).cells(box, what))
+    if box is not None:
+        return Cells(_library.boxed_cells(points, weights, box, axes, what, threads))
+    return Cells(Mesh(points, weights, threads, None).cells(what))
 
 
 def lloyd(points, steps=10, box=None, *, periodic="", threads=0):
@@ -90,9 +91,7 @@ def lloyd(points, steps=10, box=None, *, periodic="", threads=0):
     box = _checked_box(box, dim)
     axes = _checked_axes(periodic, box, dim)
     for _ in range(steps):
-        made = (_library.periodic_cells(points, None, box, axes, 0, threads) if axes
-                else Mesh(points, None, threads, None).cells(box, 0))
-        points = made["centroids"]
+        points = _library.boxed_cells(points, None, box, axes, 0, threads)["centroids"]
     return points
 
 
@@ -130,7 +129,7 @@ class Voronoi:
     def _build(self, mesh):
         points = mesh.points
         self._mesh = mesh if self._incremental else None
-        cells = mesh.cells(None, FACETS | SHAPES | MERGE)
+        cells = mesh.cells(FACETS | SHAPES | MERGE)
         self.points, self.ndim, self.npoints = points.copy(), points.shape[1], len(points)
         self.min_bound, self.max_bound = points.min(axis=0), points.max(axis=0)
         used, number = np.unique(cells["loops"], return_inverse=True)

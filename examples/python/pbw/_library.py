@@ -274,8 +274,8 @@ def _plane_arrays(p):
     return made
 
 
-def periodic_cells(points, weights, box, periodic, what, threads):
-    """The same of points alone, in a box that repeats along axes: bit k of periodic is axis k."""
+def boxed_cells(points, weights, box, periodic, what, threads):
+    """The same of points alone, in a box; bit k of periodic: it repeats along axis k."""
     arrays = _Arrays(points.shape[1], threads, len(points), 0, points.ctypes.data,
                      None if weights is None else weights.ctypes.data)
     return cells_of(arrays, box, periodic, what, points, weights)
@@ -390,8 +390,8 @@ class Mesh:
         return self._lists(len(queries), lambda arrays, lists: _library.pbw_python_coordinates(
             arrays, queries, len(queries), scheme, lists), queries)
 
-    def cells(self, box, what):
-        return cells_of(self._arrays(), box, 0, what, self.points, self.weights)
+    def cells(self, what):
+        return cells_of(self._arrays(), None, 0, what, self.points, self.weights)
 
     def stars(self):
         """indptr and indices of the neighbours of each point, ascending."""
