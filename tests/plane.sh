@@ -331,4 +331,62 @@ same() {
         grep '^v' t.obj | sort | cmp - one
 }
 check "heights of a surface" same
+
+# ---- GeoJSON that is written
+
+cat > features.py << 'EOF'
+import json
+import sys
+
+def area(ring):
+    return sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(ring, ring[1:])) / 2
+
+path, whole, count, names = sys.argv[1], float(sys.argv[2]), int(sys.argv[3]), sys.argv[4:]
+features = json.load(open(path))["features"]
+assert len(features) == count, len(features)
+total, ids = 0, set()
+for feature in features:
+    geometry, properties = feature["geometry"], feature["properties"]
+    parts = geometry["coordinates"] if geometry["type"] == "MultiPolygon" else [geometry["coordinates"]]
+    for rings in parts:
+        assert all(ring[0] == ring[-1] and len(ring) > 3 for ring in rings)
+        assert area(rings[0]) > 0 and all(area(ring) < 0 for ring in rings[1:])
+    own = sum(area(ring) for rings in parts for ring in rings)
+    assert abs(own - properties["area"]) < 1e-12, (own, properties)
+    total += own
+    ids.add(properties["id"])
+    for name in names:
+        key, value = name.split("=")
+        assert str(properties[key]) in value.split("|"), properties
+assert abs(total - whole) < 1e-12 and len(ids) == count, total
+EOF
+features() { "$python" features.py "$@"; }
+printf 'x,y\n.5,.5\n3,3\n1.5,1.5\n3.9,0.1\n' > sites.csv
+printf 'x,y\n.5,1.5\n1.5,1.5\n2.5,1.5\n40,1\n41,3\n' > ends.csv        # with a cell that has a hole
+poly "$A,$IN" > holed.geojson
+poly '[[0,0],[9,0],[9,9],[0,9],[0,0]],[[1,1],[8,1],[8,8],[1,8],[1,1]]' > frame.geojson
+printf 'x,y\n20,5\n30,5\n20,30\n' > far.csv
+written() {
+    "$pbw" plane holed.geojson --size .5 --quiet -o w.geojson && n=$(grep -c Polygon w.geojson) &&
+        features w.geojson 15 "$n" && "$pbw" plane w.geojson -o x.geojson | grep -qF " $n polygons, $n features" &&
+        "$pbw" plane r.geojson --region-by name -o y.geojson --quiet &&
+        features y.geojson 32 6 'region=1|2' 'name=wood ä|lake' &&
+        "$pbw" mesh sized.csv --columns x,y -o z.geojson --quiet && features z.geojson 12 2 &&
+        "$pbw" cells sites.csv --clip holed.geojson -o c.geojson --quiet && features c.geojson 15 4 &&
+        "$pbw" cells ends.csv --clip holed.geojson -o d.geojson --quiet && features d.geojson 15 3 &&
+        "$pbw" cells far.csv --clip frame.geojson -o e.geojson --quiet && features e.geojson 32 1 &&
+        "$pbw" plane slope.geojson --size 1 --quiet -o s.geojson &&
+        "$pbw" mesh s.geojson --quiet --dim 3 -o again.xyz &&
+        awk '{ d = $3 - 1 - $1 - 2 * $2; if (d > 1e-9 || d < -1e-9 || NF != 3) exit 1 }' again.xyz
+}
+for python in "${PYTHON:-python3}" /usr/bin/python3 none; do
+    "$python" -c "import json" > /dev/null 2>&1 && break
+done
+if [ "$python" = none ]; then
+    skip "GeoJSON that is written: no Python"
+else
+    check "GeoJSON that is written: rings, areas, regions, heights" written
+fi
+check "GeoJSON of a mesh in space" eval '"$pbw" mesh --generate uniform 9 -o no.geojson 2> said; [ $? = 1 ] &&
+    grep "no.geojson: GeoJSON holds polygons of the plane" said && [ ! -e no.geojson ]'
 finish

@@ -364,5 +364,5 @@ check "periodic without a box" early 2 "--periodic xy: it needs --box" cells lat
 check "axes" early 2 "--periodic xw: some of the letters x, y, z" cells lattice.csv --periodic xw
 check "a box of the plane" says 1 "6 numbers are needed for points in 3D" cells lattice.csv --box 0,0,1,1
 check "axes of the plane" says 1 "--periodic z: the points are in 2D" cells one2.csv --box 0,0,1,1 --periodic z
-check "a picture of cells in 3D" says 1 "a picture of cells needs points in 2D" cells lattice.csv -o c.svg
+check "a picture of cells in 3D" says 1 ".svg of cells needs points in 2D" cells lattice.csv -o c.svg
 finish

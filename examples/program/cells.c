@@ -313,8 +313,8 @@ static int contents_of(const job *j)
     for (i = 0; i < j->outputs; i++) {
         const char *ending = ending_of(j, j->output[i]);
         what |= strcmp(ending, "csv") != 0 ? PBW_CELLS_SHAPES : 0;
-        if (strcmp(ending, "svg") == 0 && j->cloud.dim == 3) {
-            (void)fail(j, "%s: a picture of cells needs points in 2D", j->output[i]);
+        if ((strcmp(ending, "svg") == 0 || strcmp(ending, "geojson") == 0) && j->cloud.dim == 3) {
+            (void)fail(j, "%s: .%s of cells needs points in 2D", j->output[i], ending);
             return -1;
         }
     }
@@ -423,11 +423,12 @@ const command command_cells = {
     "\n"
     "input:   as for pbw mesh\n"
     "output:  .csv: id, volume (2D: area; unbounded: inf), centroid, number of facets;\n"
-    "         .vtu .obj (cells as polyhedra, 2D: polygons): those that are bounded; .svg (2D, coloured by area);\n"
+    "         .vtu .obj (cells as polyhedra, 2D: polygons) .geojson (2D): those that are bounded; .svg (2D, coloured\n"
+    "         by area);\n"
     "         .html: a page to look at them: cut, exploded, coloured by volume or number of facets.  In .svg and\n"
     "         .html, unbounded cells end at a box a tenth larger than the points\n"
     "\n",
-    "csv vtu obj svg html",
+    "csv vtu obj svg html geojson",
     { cells_options, input_options, weight_options, build_options, output_options, common_options, NULL, NULL, NULL },
     run, 0, 0, 0, NULL, 1
 };

@@ -1,4 +1,4 @@
-/* diagram.c: cells as .obj, .vtu and .svg.
+/* diagram.c: cells as .obj, .vtu, .svg and, by features.c, .geojson.
    In: cells with shapes.  Out: a file of those that are bounded and not empty, with the corners that they have. */
 #include "program.h"
 
@@ -7,11 +7,12 @@ typedef struct diagram {
     const char *ending;
     pbw_index *number;                               /* of each vertex in the file; PBW_NONE: it is not there */
     size_t *seen;                                    /* per vertex: one more than the last cell that has it */
+    void *room;                                      /* for features */
     size_t count;                                    /* how many corners are in the file */
     double low[3], high[3];                          /* their bounds */
 } diagram;
 
-static int is_drawn(const pbw_cells *cells, size_t i)
+int is_drawn(const pbw_cells *cells, size_t i)
 {
     return cells->volumes[i] > 0 && cells->volumes[i] <= DBL_MAX && cells->first[i] < cells->first[i + 1];
 }
@@ -56,8 +57,7 @@ static void emit_vertices(const diagram *d, FILE *file, const char *before)
     }
 }
 
-/* The end of what begins with facet f: of a polyhedron that facet, in the plane the loop. */
-static size_t loop_end(const pbw_cells *cells, size_t i, size_t f)
+size_t loop_end(const pbw_cells *cells, size_t i, size_t f)
 {
     const pbw_index begin = cells->loops[cells->loop_first[f]];
     size_t end = f;
@@ -336,6 +336,8 @@ static void emit(void *user, FILE *file)
         emit_obj(d, file);
     } else if (strcmp(d->ending, "vtu") == 0) {
         emit_vtu(d, file);
+    } else if (strcmp(d->ending, "geojson") == 0) {
+        emit_cell_features(d->cells, file, d->room);
     } else {
         emit_svg(d, file);
     }
@@ -345,9 +347,9 @@ pbwio_status write_diagram(const char *path, const char *ending, const pbw_cells
 {
     diagram d;
     pbwio_status status = PBWIO_ERROR_MEMORY;
-    if (strcmp(ending, "svg") != 0 && first_hole(cells) < cells->cell_count) {
-        snprintf(error->text, sizeof error->text, "%s: cell %zu has a hole, which .%s cannot hold: write .svg", path,
-                 first_hole(cells), ending);
+    if (strcmp(ending, "svg") != 0 && strcmp(ending, "geojson") != 0 && first_hole(cells) < cells->cell_count) {
+        snprintf(error->text, sizeof error->text, "%s: cell %zu has a hole, which .%s cannot hold: write .svg or "
+                 ".geojson", path, first_hole(cells), ending);
         return PBWIO_ERROR_ARGUMENT;
     }
     memset(&d, 0, sizeof d);
@@ -355,12 +357,14 @@ pbwio_status write_diagram(const char *path, const char *ending, const pbw_cells
     d.ending = ending;
     d.number = (pbw_index *)malloc((cells->vertex_count + 1) * sizeof *d.number);
     d.seen = (size_t *)malloc((cells->vertex_count + 1) * sizeof *d.seen);
+    d.room = strcmp(ending, "geojson") == 0 ? malloc(cell_features_room(cells)) : d.seen;
     snprintf(error->text, sizeof error->text, "out of memory");
-    if (d.number != NULL && d.seen != NULL) {
+    if (d.number != NULL && d.seen != NULL && d.room != NULL) {
         number_corners(&d);
         status = pbwio_save(path, emit, &d, error);
     }
     free(d.number);
+    free(d.room != d.seen ? d.room : NULL);
     free(d.seen);
     return status;
 }

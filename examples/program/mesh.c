@@ -23,7 +23,12 @@ static void carry_columns(job *j)
 
 static int run(job *j)
 {
-    int status = load(j, 1);
+    int status = load(j, 1), i;
+    for (i = 0; status == 0 && j->cloud.dim == 3 && i < j->outputs; i++) {
+        if (strcmp(ending_of(j, j->output[i]), "geojson") == 0) {
+            status = fail(j, "%s: GeoJSON holds polygons of the plane; --dim 2 takes z for heights", j->output[i]);
+        }
+    }
     status = status != 0 ? status : load_surface(j);
     status = status != 0 ? status : build(j);
     status = status != 0 || is_given(j, "--no-check") ? status : check(j);
@@ -50,9 +55,9 @@ const command command_mesh = {
     "         (.xyz), and all these with .gz; - is the standard input\n"
     "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face .edge (simplices, boundary),\n"
     "         .obj .ply .stl .off (hull), .xyz .csv (points), .svg (picture), .html (page to look around\n"
-    "         in); any number of them\n"
+    "         in), .geojson (triangles of the plane); any number of them\n"
     "\n",
-    "vtu msh msh2 mesh inp su2 node ele neigh face edge obj ply stl off xyz csv txt pts asc dat tsv svg html",
+    "vtu msh msh2 mesh inp su2 node ele neigh face edge obj ply stl off xyz csv txt pts asc dat tsv svg html geojson",
     { mesh_options, look_options, input_options, weight_options, build_options, output_options, text_options,
       common_options, NULL },
     run, 0, 0, 0, NULL, 0

@@ -365,6 +365,9 @@ static pbwio_status write_one(job *j, const char *path, const char *ending, void
     if (strcmp(ending, "html") == 0) {
         return write_page(j, path, error);
     }
+    if (strcmp(ending, "geojson") == 0) {
+        return write_triangles(path, &j->mesh, &j->write, error);
+    }
     j->write.format = format_of(ending);
     return pbwio_write(path, &j->mesh, &j->write, error);
 }

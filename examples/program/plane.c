@@ -348,6 +348,9 @@ static pbwio_status write_one(job *j, const char *path, const char *ending, void
     if (strcmp(ending, "html") == 0) {
         return write_page(j, path, r, error);
     }
+    if (strcmp(ending, "geojson") == 0) {
+        return write_triangles(path, &r->mesh, &j->write, error);
+    }
     snprintf(name, sizeof name, "a.%s", ending);
     j->write.format = pbwio_format_of(name);
     return pbwio_write(path, &r->mesh, &j->write, error);
@@ -647,7 +650,7 @@ const command command_plane = {
     "\n"
     "input:   .poly (with its .node), .geojson; points: as for pbw mesh.  Triangles in the plane, of .ele .vtu .msh\n"
     "         and so on, give their domain, which is triangulated anew; --rule hull takes their points alone\n"
-    "output:  .svg .html (regions, segments, angles), .poly; .vtu .msh .msh2 .mesh .ele .node .neigh .edge .csv\n"
+    "output:  .svg .html (regions, segments, angles), .poly, .geojson (triangles); .vtu .msh .msh2 .mesh .ele .node .neigh .edge .csv\n"
     "         .obj .ply .off .stl .inp .su2\n"
     "         Regions: data of cells in .vtu, groups in .msh and .inp, references in .msh2, .mesh and .ele.  Tags are\n"
     "         the attributes of the regions of a .poly, else numbers from 1.  Markers of segments and points,\n"
@@ -659,7 +662,7 @@ const command command_plane = {
     "-c --rule hull, -Y --keep-boundary, -YY --keep-segments, -D --conforming, -S99 --steiner 99, -j --no-orphans;\n"
     "-A is always on.\n"
     "\n",
-    "svg html poly vtu msh msh2 mesh ele node neigh edge csv obj ply off stl inp su2",
+    "svg html poly geojson vtu msh msh2 mesh ele node neigh edge csv obj ply off stl inp su2",
     { plane_options, input_options, build_options, output_options, text_options, common_options, NULL, NULL },
     run, 0, 0, 0, NULL, 0
 };

@@ -195,8 +195,19 @@ int write_table(job *j, void (*emit)(void *user, FILE *file), void *user);      
 
 /* ---- diagram.c ---- */
 
-/* Cells with shapes as .obj, .vtu, .svg; without what is unbounded. */
+/* Cells with shapes as .obj, .vtu, .svg, .geojson; without what is unbounded. */
 pbwio_status write_diagram(const char *path, const char *ending, const pbw_cells *cells, pbwio_error *error);
+
+int is_drawn(const pbw_cells *cells, size_t i);                      /* is cell i bounded and not empty? */
+/* The end of what begins with facet f of cell i: of a polyhedron that facet, in the plane the loop. */
+size_t loop_end(const pbw_cells *cells, size_t i, size_t f);
+
+/* ---- features.c: GeoJSON, one feature for each triangle or cell of the plane ---- */
+
+pbwio_status write_triangles(const char *path, const pbw_mesh *mesh, const pbwio_output *output, pbwio_error *error);
+/* room: so many bytes as cell_features_room says. */
+void emit_cell_features(const pbw_cells *cells, FILE *file, void *room);
+size_t cell_features_room(const pbw_cells *cells);
 
 /* ---- cellpage.c ---- */
 
