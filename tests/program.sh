@@ -31,6 +31,22 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n' > open.
 "$pbw" mesh --generate uniform 500 --quiet --text -o t.vtu
 "$pbw" mesh --generate uniform 500 --quiet --dim 2 -o p.csv -o p.vtu -o p.msh -o p.mesh -o p.node -o p.ele
 
+# Outputs are packed where their names end in .gz; what a file has and is not kept has a word.
+"$pbw" mesh --generate uniform 500 --quiet -o p.vtu.gz -o p.csv.gz -o p.svg.gz -o p.html.gz
+for packed in p.vtu.gz p.csv.gz p.svg.gz p.html.gz; do
+    check "$packed is packed" gzip -t $packed
+done
+check "p.csv.gz unpacked is m.csv" sh -c 'gzip -dc p.csv.gz | cmp - m.csv'
+check "p.vtu.gz is read" same_mesh p.vtu.gz m.csv
+check "no packed file of tiles" says 2 "-o t.pbwt.gz: " tiles m.csv -o t.pbwt.gz
+printf 'OFF\n4 1 0\n0 0 0\n4 4 0\n4 0 0\n0 4 1\n4 0 1 2 3\n' > bow.off
+check "an outline that crosses itself" says 0 "warning: bow.off: not kept: outlines of 1 polygon" mesh bow.off
+check "the same as a surface" says 0 "warning: bow.off: not kept: outlines of 1 polygon" mesh m.csv --inside --surface bow.off
+check "the same as queries" says 0 "warning: bow.off: not kept: outlines of 1 polygon" locate m.csv bow.off
+printf '0 0\n1 0\n0 1\n' > points.dxf
+check "an ending that is not read" says 1 "points.dxf: files with this ending are not read; formats that are read: .obj" \
+    mesh points.dxf
+
 # An input is never an output, by whichever name.
 ln -s atoms.csv link.csv
 ln atoms.csv hard.csv

@@ -1,9 +1,12 @@
 /* test_read.c: examples/lib/pbw_io.h reads the spellings that files have: polygons of every shape; each case with its
    counts, its sum of coordinates and its area, or with the words that refuse it. */
+#define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 #include "../pbw.h"
 #define PBW_IO_IMPLEMENTATION
 #include "../examples/lib/pbw_io.h"
@@ -241,10 +244,213 @@ static void test_polygons(void)
     test_large_polygons();
 }
 
+/* ---- .stl ---- */
+
+#define FACETS(facet, normal, outer, loop, vertex, endloop, endfacet) facet " " normal " 0 0 1\n" outer " " loop "\n" \
+    vertex " 0 0 0\n" vertex " 2 0 0\n" vertex " 0 2 0\n" endloop "\n" endfacet "\n" facet " " normal " 0 0 1\n" outer \
+    " " loop "\n" vertex " 2 0 0\n" vertex " 2 2 0\n" vertex " 0 2 0\n" endloop "\n" endfacet "\n"
+#define LOWER FACETS("facet", "normal", "outer", "loop", "vertex", "endloop", "endfacet")
+#define UPPER FACETS("FACET", "NORMAL", "OUTER", "LOOP", "VERTEX", "ENDLOOP", "ENDFACET")
+#define TWO_WORDS FACETS("facet", "normal", "outer", "loop", "vertex", "end loop", "end facet")
+#define IS_SQUARE 3, 6, 2, 12, 4, NULL
+
+static const reading stl_texts[] = {
+    { "plain.stl", "solid a\n" LOWER "endsolid a\n", NULL, IS_SQUARE },
+    { "upper.stl", "SOLID MY CUBE WITH  SPACES\n" UPPER "ENDSOLID\n", NULL, IS_SQUARE },
+    { "mixed.stl", "Solid a\n" FACETS("Facet", "Normal", "Outer", "Loop", "Vertex", "EndLoop", "EndFacet") "EndSolid\n",
+      NULL, IS_SQUARE },
+    { "indented.stl", "  solid my cube\n\t" LOWER "  endsolid\n", NULL, IS_SQUARE },
+    { "tabs.stl", "\tsolid\ta\n" FACETS("\tfacet", "\tnormal", "\touter", "loop", "\t\tvertex\t", "\tendloop",
+      "\tendfacet") "\tendsolid\n", NULL, IS_SQUARE },
+    { "blank_lines.stl", "\n\n \nsolid a\n\n" LOWER "\n\nendsolid a\n\n", NULL, IS_SQUARE },
+    { "mark.stl", "\xef\xbb\xbfsolid a\n" LOWER "endsolid a\n", NULL, IS_SQUARE },
+    { "two_words.stl", "solid a\n" TWO_WORDS "end solid a\n", NULL, IS_SQUARE },
+    { "upper_words.stl", "SOLID A\n" FACETS("FACET", "NORMAL", "OUTER", "LOOP", "VERTEX", "END LOOP", "END FACET")
+      "END SOLID\n", NULL, IS_SQUARE },
+    { "no_name.stl", "solid\n" LOWER "endsolid\n", NULL, IS_SQUARE },
+    { "a_name_of_words.stl", "solid the vertex loop 1 2 3\n" LOWER "endsolid the vertex loop 1 2 3\n", NULL, IS_SQUARE },
+    { "number_sign.stl", "solid part #7\n" LOWER "endsolid part #7\n", NULL, IS_SQUARE },
+    { "umlaut.stl", "solid k\xc3\xb6rper\n" LOWER "endsolid k\xc3\xb6rper\n", NULL, IS_SQUARE },
+    { "latin.stl", "solid k\xf6rper\n" LOWER "endsolid k\xf6rper\n", NULL, IS_SQUARE },
+    { "no_end.stl", "solid a\n" LOWER, NULL, IS_SQUARE },
+    { "no_head.stl", LOWER "endsolid\n", NULL, IS_SQUARE },
+    { "several.stl", "solid a\n" LOWER "endsolid a\nsolid b\n" UPPER "endsolid b\n", NULL, 3, 12, 4, 24, 8, NULL },
+    { "no_space.stl", "solid a\n" LOWER "endsolid a\nsolid b\n\nendsolid b\n", NULL, IS_SQUARE },
+    { "one_line.stl", "solid a facet normal 0 0 1 outer loop vertex 0 0 0 vertex 2 0 0 vertex 0 2 0 endloop endfacet "
+      "facet normal 0 0 1 outer loop vertex 2 0 0 vertex 2 2 0 vertex 0 2 0 endloop endfacet endsolid a", NULL,
+      IS_SQUARE },
+    { "old_mac.stl", "solid a\rfacet normal 0 0 1\router loop\rvertex 0 0 0\rvertex 2 0 0\rvertex 0 2 0\rendloop\r"
+      "endfacet\rendsolid a\r", NULL, 3, 3, 1, 4, 2, NULL },
+    { "windows.stl", "solid a\r\nfacet normal 0 0 1\r\nouter loop\r\nvertex 0 0 0\r\nvertex 2 0 0\r\nvertex 0 2 0\r\n"
+      "endloop\r\nendfacet\r\nendsolid a\r\n", NULL, 3, 3, 1, 4, 2, NULL },
+    { "exponents.stl", "solid a\nfacet normal -0 0 1\nouter loop\nvertex 0.0E+00 -0e0 0.\nvertex +2.0e+0 0 0\n"
+      "vertex 0 .2E1 0\nendloop\nendfacet\nendsolid a\n", NULL, 3, 3, 1, 4, 2, NULL },
+    { "normals_of_nan.stl", "solid a\nfacet normal nan nan nan\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 2 0\n"
+      "endloop\nendfacet\nendsolid a\n", NULL, 3, 3, 1, 4, 2, NULL },
+    { "in.unknown", " \n SOLID A\n" UPPER "ENDSOLID\n", NULL, IS_SQUARE },
+    { "quads.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 0\n"
+      "end loop\nend facet\n", NULL, 0, 0, 0, 0, 0, "quads.stl:8: a facet of 4 corners" },
+    { "cut.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\n", NULL, 0, 0, 0, 0,
+      0, "cut.stl:6: the file ends inside a facet" },
+    { "empty.stl", "solid a\nendsolid a\n", NULL, 0, 0, 0, 0, 0, "the file has no points" }
+};
+
+/* A square of two triangles as binary .stl: head, count, more bytes behind. */
+static void check_binary_stl(const char *head, char fill, unsigned count, size_t more, const reading *x)
+{
+    static const float corner[24] = { 0, 0, 1,  0, 0, 0,  2, 0, 0,  0, 2, 0,  0, 0, 1,  2, 0, 0,  2, 2, 0,  0, 2, 0 };
+    char bytes[512];
+    size_t i, k, at = 84;
+    memset(bytes, 0, sizeof bytes);
+    memset(bytes, fill, 80);
+    memcpy(bytes, head, strlen(head));
+    for (i = 0; i < 4; i++) {
+        bytes[80 + i] = (char)(count >> 8 * i & 255);
+    }
+    for (i = 0; i < 24; i++) {
+        uint32_t bits;
+        memcpy(&bits, corner + i, sizeof bits);
+        for (k = 0; k < 4; k++) {
+            bytes[at++] = (char)(bits >> 8 * k & 255);
+        }
+        at += i % 12 == 11 ? 2 : 0;
+    }
+    check_reading(x, bytes, at + more);
+}
+
+static void test_stl(void)
+{
+    static const reading square = { "a.stl", NULL, NULL, IS_SQUARE };
+    static const reading more = { "a.stl", NULL, NULL, 3, 6, 2, 12, 4, "6 bytes behind the triangles" };
+    static const reading one = { "a.stl", NULL, NULL, 3, 3, 1, 4, 2, "50 bytes behind the triangles" };
+    static const reading zero = { "a.stl", NULL, NULL, 3, 6, 2, 12, 4, "the number 0 of triangles in the head, 2" };
+    static const reading none = { "a.stl", NULL, NULL, 3, 6, 2, 12, 4, "the number 4294967295 of triangles" };
+    static const reading lacks = { "a.stl", NULL, NULL, 0, 0, 0, 0, 0, "3 triangles are announced, 100 bytes follow" };
+    CHECK_ALL(stl_texts);
+    check_binary_stl("binary", 0, 2, 0, &square);
+    check_binary_stl("solid of a program", ' ', 2, 0, &square);
+    check_binary_stl("solid of a program", ' ', 2, 6, &more);
+    check_binary_stl("SOLID facet", ' ', 2, 6, &more);
+    check_binary_stl("binary", 0, 2, 6, &more);
+    check_binary_stl("solid", ' ', 1, 0, &one);
+    check_binary_stl("solid", ' ', 0, 0, &zero);
+    check_binary_stl("", 0, 0xffffffff, 0, &none);
+    check_binary_stl("solid", ' ', 3, 0, &lacks);
+}
+
+/* ---- what is not read ---- */
+
+static void test_refusals(void)
+{
+    static const char *const names[] = { "a.dxf", "a.shp", "a.STEP", "a.stp", "a.iges", "a.las", "a.laz", "a.e57", "a.3mf",
+        "a.gltf", "a.glb", "a.fbx", "a.dae", "a.meshb", "a.bdf", "a.nas", "a.unv", "a.cgns", "a.med", "a.h5", "a.xdmf",
+        "b.c/a.kml.gz" };
+    static const char *const texts[] = { "0 0\n1 0\n0 1\n", "{\"asset\": [[0, 0], [1, 1]]}", "0\nSECTION\n" };
+    pbwio_cloud c;
+    pbwio_error error;
+    size_t i, k;
+    for (i = 0; i < sizeof names / sizeof names[0]; i++) {
+        for (k = 0; k < 3; k++) {
+            CHECK(pbwio_read_memory(names[i], texts[k], strlen(texts[k]), NULL, &c, &error) == PBWIO_ERROR_ARGUMENT);
+            CHECK(strstr(error.text, ": files with this ending are not read; formats that are read: .obj .ply") != NULL);
+            CHECK(strstr(error.text, " .json .geojson") != NULL && c.count == 0);
+        }
+    }
+    CHECK(pbwio_read_memory("a.what", texts[0], strlen(texts[0]), NULL, &c, &error) == PBWIO_OK && c.count == 3);
+    pbwio_free(&c);
+    CHECK(pbwio_read_memory("a.dxf/points", texts[0], strlen(texts[0]), NULL, &c, &error) == PBWIO_OK && c.count == 3);
+    pbwio_free(&c);
+    CHECK(pbwio_read_memory("a.what", "1 2\n\0\1", 6, NULL, &c, &error) == PBWIO_ERROR_ARGUMENT);
+    CHECK(strstr(error.text, "a.what: the content is binary and no table; formats that are read: .obj") != NULL);
+    CHECK(pbwio_read_memory("a.csv", "\x89HDF\r\n\x1a\n\0\0", 10, NULL, &c, &error) == PBWIO_ERROR_ARGUMENT);
+}
+
+/* ---- .gz ---- */
+
+typedef struct content { char *bytes; size_t size; } content;
+
+static void emit_content(void *user, FILE *file)
+{
+    const content *c = (const content *)user;
+    fwrite(c->bytes, 1, c->size, file);
+}
+
+/* Nothing, a byte, random bytes, zeros, text that repeats from near and from far, around the size of a block. */
+static void test_packing(void)
+{
+    static const size_t sizes[] = { 0, 1, 3, 4, 5, 258, 259, 1000, 65535, 65536, 65537, 131072, 200001 };
+    char path[] = "/tmp/pbw-read-XXXXXX.gz", command[96];
+    const int file = mkstemps(path, 3);
+    size_t i, k, size;
+    int kind;
+    if (!CHECK(file >= 0)) {
+        return;
+    }
+    close(file);
+    for (kind = 0; kind < 5; kind++) {
+        for (i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+            content c;
+            char *back;
+            pbwio_status status;
+            c.size = sizes[i];
+            c.bytes = (char *)malloc(c.size + 1);
+            for (k = 0; k < c.size; k++) {
+                const int x = (int)(next_random() % 256);
+                c.bytes[k] = (char)(kind == 0 ? x : kind == 1 ? 0 : kind == 2 ? '0' + x % 10
+                                    : kind == 3 ? "abcdefgh\n"[k * k % 97 % 9] : k < 40000 ? x : c.bytes[k - 32768]);
+            }
+            CHECK(pbwio_save(path, emit_content, &c, NULL) == PBWIO_OK);
+            back = pbwio__load(path, &size, &status, NULL);
+            CHECK(status == PBWIO_OK && size == c.size && (size == 0 || memcmp(back, c.bytes, size) == 0));
+            PBWIO_FREE(back);
+            snprintf(command, sizeof command, "gzip -t %s", path);
+            CHECK(system(command) == 0);
+            free(c.bytes);
+        }
+    }
+    unlink(path);
+}
+
+/* A mesh comes back from a packed file, which is smaller. */
+static void test_packed_mesh(void)
+{
+    char path[] = "/tmp/pbw-read-XXXXXX.msh2.gz";
+    const int file = mkstemps(path, 8);
+    double points[3 * 500];
+    pbw_mesh mesh;
+    pbwio_cloud c;
+    struct stat info;
+    size_t i;
+    memset(&mesh, 0, sizeof mesh);
+    for (i = 0; i < 1500; i++) {
+        points[i] = (double)(next_random() % 1000) / 8;
+    }
+    CHECK(file >= 0 && close(file) == 0 && pbwio_format_of(path) == PBWIO_MSH2);
+    CHECK(pbw_triangulate(3, points, NULL, 500, NULL, &mesh) == PBW_OK);
+    if (CHECK(pbwio_write(path, &mesh, NULL, NULL) == PBWIO_OK)) {
+        pbwio_options options = { PBWIO_MSH, 0, NULL, NULL, NULL, 0 };
+        CHECK(stat(path, &info) == 0 && (size_t)info.st_size < 16 * mesh.simplex_count);
+        CHECK(pbwio_read(path, &options, &c, NULL) == PBWIO_OK && c.count == 500);
+        CHECK(c.tetrahedron_count == mesh.simplex_count
+              && memcmp(c.points, points, sizeof points) == 0
+              && memcmp(c.tetrahedra, mesh.simplices, 4 * mesh.simplex_count * sizeof(pbw_index)) == 0);
+        pbwio_free(&c);
+    }
+    pbw_free(&mesh);
+    unlink(path);
+}
+
+static void test_gzip(void)
+{
+    test_packing();
+    test_packed_mesh();
+}
+
 int main(int argc, char **argv)
 {
     static const struct { const char *name; void (*run)(void); } tests[] = {
-        { "polygons", test_polygons }
+        { "polygons", test_polygons }, { "spellings of .stl", test_stl }, { "what is not read", test_refusals },
+        { ".gz is written", test_gzip }
     };
     size_t i;
     test_start(argc, argv, 0);

@@ -21,8 +21,8 @@
      .obj    v and f lines, polygons, negative ids    numbers of the v line
      .ply    ascii and binary, both byte orders, any  properties by name or number
              properties in any order, lists
-     .stl    ascii and binary; each triangle has its  -
-             own three corners
+     .stl    ascii in all spellings, and binary; each -
+             triangle has its own three corners
      .off    OFF, COFF, NOFF, STOFF                   numbers of the vertex line
      .node   TetGen and Triangle, 0- or 1-based       x y (z), then attributes, then the marker
      .ele    the simplices; points: the .node file    as .node
@@ -53,7 +53,7 @@
      .ply .stl            3D: the hull; 2D: the triangles     both
      .obj .off            the same                            text
      .xyz .csv            points                              text
-     Binary unless PBWIO_TEXT.
+     Binary unless PBWIO_TEXT.  All of them compressed by gzip, too, with .gz behind the ending.
 
    PROMISES  (and the test that guards each)
      exact       numbers are read correctly rounded and written so that they read back the same, in every
@@ -221,10 +221,10 @@ PBWIODEF pbwio_status pbwio_write(const char *path, const pbw_mesh *mesh, const 
    "path.part.PROCESS-NUMBER", so that runs at the same time and files that are there are safe; in the end it is renamed
    to path, or removed if the disk was full.  A file that is replaced gives its mode to the new one; a symbolic link
    stays, and what it leads to is replaced.  "-" is the standard output; that, FIFOs, devices and names
-   under /dev are written in place. */
+   under /dev are written in place.  What is written to a path that ends in .gz is packed by gzip. */
 PBWIODEF pbwio_status pbwio_save(const char *path, void (*emit)(void *user, FILE *file), void *user,
                                  pbwio_error *error);
-/* The format that a name's ending stands for, PBWIO_AUTO if none. */
+/* The format that a name's ending stands for, without .gz behind it; PBWIO_AUTO if none. */
 PBWIODEF pbwio_format pbwio_format_of(const char *path);
 
 #ifdef __cplusplus
@@ -691,11 +691,13 @@ static void pbwio__inflate(pbwio__inflater *z)
     z->in -= z->bit_count / 8;
 }
 
-static uint32_t pbwio__crc(const unsigned char *data, size_t size)
+/* The check sum of what has crc, 0 for nothing, and more behind it. */
+static uint32_t pbwio__crc(uint32_t crc, const unsigned char *data, size_t size)
 {
-    uint32_t table[256], crc = 0xffffffff;
+    uint32_t table[256];
     size_t i;
     int k;
+    crc = ~crc;
     for (i = 0; i < 256; i++) {
         table[i] = (uint32_t)i;
         for (k = 0; k < 8; k++) {
@@ -761,7 +763,7 @@ static pbwio_status pbwio__gunzip(const char *name, const char **data, size_t *s
             pbwio__inflate(z);
         }
         z->failed |= z->end - z->in < 8;
-        if (!z->failed && (pbwio__word(z->in) != pbwio__crc(z->out + z->start, z->used - z->start)
+        if (!z->failed && (pbwio__word(z->in) != pbwio__crc(0, z->out + z->start, z->used - z->start)
                            || pbwio__word(z->in + 4) != (uint32_t)(z->used - z->start))) {
             z->failed = 1;
         }
@@ -2195,14 +2197,19 @@ static int pbwio__finite(double x)
 static void pbwio__read_stl_binary(pbwio__reader *r, size_t count)
 {
     double row[12], value[4] = { 0, 0, 0, 0 };
+    const size_t left = (size_t)(r->end - r->at) - 84;
     size_t i, n;
     int k;
     r->at += 84;
     r->line_number = 0;
-    if ((size_t)(r->end - r->at) / 50 < count) {
+    if ((count == 0 || count == 0xffffffff) && left > 0 && left % 50 == 0) {     /* as writers of streams leave it */
+        pbwio__dropped(r, "the number %zu of triangles in the head, %zu follow", count, left / 50);
+        count = left / 50;
+    } else if (left / 50 < count) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "%zu triangle%s announced, %zu byte%s", count,
-                    count == 1 ? " is" : "s are", (size_t)(r->end - r->at),
-                    r->end - r->at == 1 ? " follows" : "s follow");
+                    count == 1 ? " is" : "s are", left, left == 1 ? " follows" : "s follow");
+    } else if (left > 50 * count) {
+        pbwio__dropped(r, "%zu byte%s behind the triangles", left - 50 * count, left - 50 * count == 1 ? "" : "s");
     }
     pbwio__reserve(r, 3 * (unsigned long long)count, 16);
     for (i = 0; i < count && r->status == PBWIO_OK; i++, r->at += 2) {
@@ -2222,40 +2229,71 @@ static void pbwio__read_stl_binary(pbwio__reader *r, size_t count)
     }
 }
 
-/* A binary file may start with "solid" as a text file does, so the length decides. */
-static void pbwio__read_stl(pbwio__reader *r)
+/* The corners of the facet at hand are complete, or there is none. */
+static void pbwio__end_facet(pbwio__reader *r, size_t *corners)
 {
-    size_t size = (size_t)(r->end - r->at), count = 0, corners = 0, n;
-    pbwio__reader head = *r;
-    pbwio__field field;
-    pbwio__choose(r, NULL, 3, 3);
-    if (size >= 84) {
-        head.at += 80;
-        count = (size_t)pbwio__binary(&head, 5, 0);
-        if (size == 84 + 50 * (unsigned long long)count || memcmp(r->at, "solid", 5) != 0) {
-            pbwio__read_stl_binary(r, count);
-            return;
-        }
+    const size_t n = r->cloud->count;
+    if (*corners == 3) {
+        pbwio__add_triangle(r, n - 3, n - 2, n - 1);
+    } else if (*corners != 0) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "a facet of %zu corner%s", *corners, *corners == 1 ? "" : "s");
     }
-    pbwio__reserve(r, pbwio__most(r, pbwio__count_lines(r, 0)), 1);
+    *corners = 0;
+}
+
+/* Words in any case, "endloop" or "end loop", however they are spread over lines; what other words say is passed. */
+static void pbwio__read_stl_text(pbwio__reader *r)
+{
+    size_t corners = 0, count = 0;
+    pbwio__field field;
+    const char *s;
+    for (s = r->at; r->end - s >= 6; s++) {
+        count += (*s | 32) == 'v' && pbwio__same(s, 6, "vertex", 6);
+    }
+    pbwio__reserve(r, count, 12);
     while (pbwio__row_line(r)) {
-        pbwio__next(r, &field);
-        if (pbwio__is(field, "vertex")) {
-            pbwio__point(r);
-            corners++;
-        } else if (pbwio__is(field, "endloop") || pbwio__is(field, "facet") || pbwio__is(field, "endsolid")) {
-            if (corners != 0 && corners != 3) {
-                pbwio__fail(r, PBWIO_ERROR_FORMAT, "a facet of %zu corner%s", corners, corners == 1 ? "" : "s");
-            } else if (corners == 3) {
-                n = r->cloud->count;
-                pbwio__add_triangle(r, n - 3, n - 2, n - 1);
+        while (pbwio__next(r, &field)) {
+            if (pbwio__is(field, "vertex")) {
+                pbwio__point(r);
+                corners++;
+            } else if (pbwio__is(field, "facet") || pbwio__is(field, "endloop") || pbwio__is(field, "end")) {
+                pbwio__end_facet(r, &corners);
+            } else if (pbwio__is(field, "solid") || pbwio__is(field, "endsolid")) {
+                pbwio__end_facet(r, &corners);
+                for (s = r->cursor; pbwio__next(r, &field) && !pbwio__is(field, "facet"); s = r->cursor) {
+                }                                                    /* the name, which may be any words */
+                r->cursor = s;
             }
-            corners = 0;
         }
     }
     if (corners != 0) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "the file ends inside a facet");
     }
+}
+
+/* A binary file may start with "solid" as a text file does: the length decides, else a zero byte, which text has not
+   and binary has in its count below 2^24, in the attribute of the first triangle or in its numbers. */
+static void pbwio__read_stl(pbwio__reader *r)
+{
+    const size_t size = (size_t)(r->end - r->at);
+    pbwio__reader head = *r;
+    pbwio__field word;
+    size_t count;
+    int text;
+    pbwio__choose(r, NULL, 3, 3);
+    head.error = NULL;
+    text = pbwio__row_line(&head) && pbwio__next(&head, &word) && (pbwio__is(word, "solid") || pbwio__is(word, "facet"))
+        && memchr(r->at, 0, size < 134 ? size : 134) == NULL;
+    head = *r;
+    if (size >= 84) {
+        head.at += 80;
+        count = (size_t)pbwio__binary(&head, 5, 0);
+        if (!text || size == 84 + 50 * (unsigned long long)count) {
+            pbwio__read_stl_binary(r, count);
+            return;
+        }
+    }
+    pbwio__read_stl_text(r);
 }
 
 typedef struct pbwio__property {
@@ -4499,16 +4537,44 @@ static const pbwio__kind *pbwio__kind_of(pbwio_format format)
     return pbwio__kinds + ((size_t)format < sizeof pbwio__kinds / sizeof pbwio__kinds[0] ? (size_t)format : 0);
 }
 
+static int pbwio__is_gz(const char *path)
+{
+    const size_t length = strlen(path);
+    return length > 3 && pbwio__same(path + length - 3, 3, ".gz", 3);
+}
+
+/* The ending of a name, without its dot, and without .gz behind it; empty if there is none. */
+static pbwio__field pbwio__ending(const char *path)
+{
+    const char *end = path + strlen(path) - (pbwio__is_gz(path) ? 3 : 0);
+    pbwio__field ending;
+    for (ending.begin = end; ending.begin > path && strchr("./\\", ending.begin[-1]) == NULL; ending.begin--) {
+    }
+    ending.end = ending.begin > path && ending.begin[-1] == '.' ? end : ending.begin;
+    return ending;
+}
+
+/* Whether a list of words with blanks between them, and around it or not, has that one. */
+static int pbwio__lists(const char *words, pbwio__field word)
+{
+    size_t length;
+    for (; *words != 0; words += length) {
+        words += *words == ' ';
+        length = strcspn(words, " ");
+        if (length > 0 && pbwio__same(word.begin, (size_t)(word.end - word.begin), words, length)) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
 PBWIODEF pbwio_format pbwio_format_of(const char *path)
 {
-    const char *dot = strrchr(path, '.'), *ending;
-    size_t i, length;
-    for (i = 1; dot != NULL && i < sizeof pbwio__kinds / sizeof pbwio__kinds[0]; i++) {
-        for (ending = pbwio__kinds[i].endings; *ending != 0; ending += length + (ending[length] == ' ')) {
-            length = strcspn(ending, " ");
-            if (pbwio__same(dot + 1, strlen(dot + 1), ending, length)) {
-                return (pbwio_format)i;
-            }
+    const pbwio__field ending = pbwio__ending(path);
+    size_t i;
+    for (i = 1; i < sizeof pbwio__kinds / sizeof pbwio__kinds[0]; i++) {
+        if (pbwio__lists(pbwio__kinds[i].endings, ending)) {
+            return (pbwio_format)i;
         }
     }
     return PBWIO_AUTO;
@@ -4517,6 +4583,28 @@ PBWIODEF pbwio_format pbwio_format_of(const char *path)
 /* ------------------------------------------------------------------------------------------------------
    Reading: which format, the whole file, the verdict.
    ------------------------------------------------------------------------------------------------------ */
+
+/* Endings of files that are no tables and are not read, whatever they look like. */
+static const char pbwio__unread[] = " 3dm 3ds 3mf amf bdf blend brep cas cdb cgns dae dgn dwg dxf e57 exo fbx fem foam "
+    "glb gltf gml gpkg gpx h5 hdf5 html ifc iges igs jpg kml kmz las laz med meshb mphtxt nas nastran nc ods pcd pdf "
+    "png pvtu rar sat shp shx skp sldprt step stp svg tif tiff ugrid unv usd usda usdc usdz vdb vti vtm vtp vtr vts wkb "
+    "wkt wrl x3d x_b x_t xdmf xls xlsx xmf xml zip ";
+
+/* Refuses a file, and says which are read. */
+static pbwio_status pbwio__refuse(pbwio_error *error, const char *name, const char *what)
+{
+    char text[300] = "";
+    const char *ending;
+    size_t i, length, used = 0;
+    for (i = 1; i < sizeof pbwio__kinds / sizeof pbwio__kinds[0]; i++) {
+        for (ending = pbwio__kinds[i].endings; *ending != 0 && pbwio__kinds[i].read != NULL; ending += length) {
+            ending += *ending == ' ';
+            length = strcspn(ending, " ");
+            used += (size_t)snprintf(text + used, sizeof text - used, " .%.*s", (int)length, ending);
+        }
+    }
+    return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, name, "%s; formats that are read:%s", what, text);
+}
 
 /* The format that the content looks like: a first word that only one format has, else a table. */
 static pbwio_format pbwio__sniff(pbwio__reader r)
@@ -4583,19 +4671,6 @@ static void *pbwio__shrink(void *ptr, size_t size)
     return block != NULL ? block : ptr;
 }
 
-/* The format that the name of a file to read stands for, without an ending .gz. */
-static pbwio_format pbwio__format_to_read(const char *path)
-{
-    size_t length = strlen(path), at;
-    char ending[16];
-    if (length < 3 || !pbwio__same(path + length - 3, 3, ".gz", 3)) {
-        return pbwio_format_of(path);
-    }
-    for (at = length - 3; at > 0 && path[at - 1] != '.'; at--) {
-    }
-    snprintf(ending, sizeof ending, ".%.*s", length - 3 - at < 12 ? (int)(length - 3 - at) : 0, path + at);
-    return pbwio_format_of(ending);
-}
 
 /* What is wrong with content, whatever its format; NULL: nothing. */
 static const char *pbwio__wrong(const char *at, size_t left, pbwio_format format)
@@ -4625,6 +4700,7 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
     const char *wrong;
     pbwio_format format;
     pbwio__reader r;
+    size_t left;
     size_t i;
     memset(&r, 0, sizeof r);
     r.name = name;
@@ -4642,11 +4718,18 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
     if (size >= 3 && memcmp(r.at, "\xef\xbb\xbf", 3) == 0) {
         r.at += 3;                                                   /* UTF-8 byte order mark */
     }
-    format = r.options->format != PBWIO_AUTO ? r.options->format : pbwio__format_to_read(name);
+    format = r.options->format != PBWIO_AUTO ? r.options->format : pbwio_format_of(name);
+    if (format == PBWIO_AUTO && pbwio__lists(pbwio__unread, pbwio__ending(name))) {
+        return pbwio__refuse(error, name, "files with this ending are not read");
+    }
     format = format != PBWIO_AUTO ? format : pbwio__sniff(r);
-    wrong = pbwio__wrong(r.at, (size_t)(r.end - r.at), format);
+    left = (size_t)(r.end - r.at);
+    wrong = pbwio__wrong(r.at, left, format);
     if (wrong != NULL) {
         return pbwio__file_error(error, PBWIO_ERROR_FORMAT, name, "%s", wrong);
+    }
+    if ((format == PBWIO_XYZ || format == PBWIO_CSV) && memchr(r.at, 0, left < 4096 ? left : 4096) != NULL) {
+        return pbwio__refuse(error, name, "the content is binary and no table");
     }
     if (pbwio__kind_of(format)->read == NULL) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, name, "this format is written, not read");
@@ -4784,10 +4867,10 @@ PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options,
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, "pbwio_read", "an argument is NULL");
     }
     memset(cloud, 0, sizeof *cloud);
-    format = options != NULL && options->format != PBWIO_AUTO ? options->format : pbwio__format_to_read(path);
+    format = options != NULL && options->format != PBWIO_AUTO ? options->format : pbwio_format_of(path);
     if (format == PBWIO_ELE) {                                       /* the points are in the .node file beside it */
         size_t length = strlen(path);
-        length -= length > 3 && pbwio__same(path + length - 3, 3, ".gz", 3) ? 3u : 0u;
+        length -= pbwio__is_gz(path) ? 3u : 0u;
         length -= length > 4 && pbwio__same(path + length - 4, 4, ".ele", 4) ? 4u : 0u;
         memset(&nodes, 0, sizeof nodes);
         nodes = options != NULL ? *options : nodes;
@@ -4806,6 +4889,304 @@ PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options,
         pbwio_free(cloud);
     }
     return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Compression: gzip (RFC 1952) of Deflate (RFC 1951) blocks with codes of their own.
+   In: a stream.  Out: a stream; its failures stay in it.  Holds: memory does not grow with the input.
+   ------------------------------------------------------------------------------------------------------ */
+enum { PBWIO__PAST = 32768, PBWIO__BLOCK = 65536, PBWIO__HASHES = 32768, PBWIO__SHORTEST = 4, PBWIO__LONGEST = 258 };
+
+typedef struct pbwio__deflater {
+    unsigned char bytes[PBWIO__PAST + PBWIO__BLOCK];     /* what matches reach back to, then the block at hand */
+    int32_t head[PBWIO__HASHES], before[PBWIO__PAST];    /* places with the same hash, from the last one back; -1 */
+    uint32_t tokens[PBWIO__BLOCK];           /* 65536 times a literal or a length, plus the distance; 0: a literal */
+    size_t token_count;
+    uint32_t count[286 + 30];                /* of each symbol: literals and lengths, then distances */
+    unsigned char length[286 + 30];
+    uint16_t code[286 + 30];                 /* the first bit lowest */
+    uint64_t bits;
+    int bit_count;
+    FILE *out;
+    unsigned char packed[8192];
+    size_t used;
+} pbwio__deflater;
+
+static void pbwio__give_bytes(pbwio__deflater *z, int count)         /* of the first bits, count <= 8 */
+{
+    if (z->used + 8 > sizeof z->packed) {
+        fwrite(z->packed, 1, z->used, z->out);
+        z->used = 0;
+    }
+    for (; count > 0; count--) {
+        z->packed[z->used++] = (unsigned char)(z->bits & 255);
+        z->bits >>= 8;
+        z->bit_count -= 8;
+    }
+}
+
+static void pbwio__give(pbwio__deflater *z, uint64_t bits, int count)        /* count <= 16 */
+{
+    z->bits |= bits << z->bit_count;
+    z->bit_count += count;
+    if (z->bit_count >= 48) {
+        pbwio__give_bytes(z, 6);
+    }
+}
+
+/* Notes where the four bytes at a place are; returns the last place before that with their hash, or -1. */
+static int pbwio__note_place(pbwio__deflater *z, int at)
+{
+    int32_t *head = z->head + ((pbwio__word(z->bytes + at) * 0x9e3779b1u) >> 17);
+    const int place = *head;
+    z->before[at % PBWIO__PAST] = place;
+    *head = at;
+    return place;
+}
+
+/* The longest match at a place among ten with its hash; 0: there is none. */
+static int pbwio__match(pbwio__deflater *z, int at, int end, int *distance)
+{
+    const unsigned char *s = z->bytes + at;
+    const int longest = end - at < PBWIO__LONGEST ? end - at : PBWIO__LONGEST;
+    int best = PBWIO__SHORTEST - 1, place, tries, length;
+    if (longest < PBWIO__SHORTEST) {
+        return 0;
+    }
+    place = pbwio__note_place(z, at);
+    for (tries = 0; tries < 10 && place >= 0 && at - place <= PBWIO__PAST && best < longest; tries++) {
+        const unsigned char *t = z->bytes + place;
+        if (t[best] == s[best] && memcmp(t, s, PBWIO__SHORTEST) == 0) {
+            for (length = PBWIO__SHORTEST; length < longest && t[length] == s[length]; length++) {
+            }
+            if (length > best) {
+                best = length;
+                *distance = at - place;
+            }
+        }
+        length = place;
+        place = z->before[place % PBWIO__PAST];
+        if (place >= length) {                                       /* that place was overwritten */
+            break;
+        }
+    }
+    return best < PBWIO__SHORTEST ? 0 : best;
+}
+
+/* The symbol of a length less 3 (kind 4) or of a distance less 1 (kind 2); the number of extra bits. */
+static int pbwio__symbol_of(int value, int kind, int *extra)
+{
+    for (*extra = 0; value >> *extra >= 2 * kind; ++*extra) {
+    }
+    return kind * *extra + (value >> *extra);
+}
+
+static int pbwio__length_symbol(int length, int *extra)
+{
+    const int symbol = 257 + pbwio__symbol_of(length - 3, 4, extra);
+    if (length == PBWIO__LONGEST) {                                  /* has a symbol of its own */
+        *extra = 0;
+        return 285;
+    }
+    return symbol;
+}
+
+static void pbwio__add_token(pbwio__deflater *z, int length, int distance)
+{
+    int extra;
+    z->tokens[z->token_count++] = (uint32_t)length << 16 | (uint32_t)distance;
+    if (distance == 0) {
+        z->count[length]++;
+    } else {
+        z->count[pbwio__length_symbol(length, &extra)]++;
+        z->count[286 + pbwio__symbol_of(distance - 1, 2, &extra)]++;
+    }
+}
+
+/* Parts a block into literals and matches; a match waits for one that starts a byte later and is longer. */
+static void pbwio__tokenize(pbwio__deflater *z, int end)
+{
+    int at = PBWIO__PAST, distance = 0, later = 0, length = pbwio__match(z, at, end, &distance), next, k;
+    while (at < end) {
+        next = at + 1 < end && length < 32 ? pbwio__match(z, at + 1, end, &later) : 0;
+        if (length == 0 || next > length) {
+            pbwio__add_token(z, z->bytes[at++], 0);
+            length = next;
+            distance = later;
+        } else {
+            pbwio__add_token(z, length, distance);
+            for (k = at + (length < 32 ? 2 : 1); k < at + length && k <= end - PBWIO__SHORTEST; k++) {
+                pbwio__note_place(z, k);
+            }
+            at += length;
+            length = at < end ? pbwio__match(z, at, end, &distance) : 0;
+        }
+    }
+}
+
+/* Lengths of a Huffman code for n symbols that are not over `most`, and the code. */
+static void pbwio__make_code(const uint32_t *count, int n, int most, unsigned char *length, uint16_t *code)
+{
+    uint32_t weight[2 * 286];
+    int symbol[286], parent[2 * 286], of_length[16], used = 0, i, k, leaf, node, fill;
+    unsigned next = 0, kraft = 0;
+    memset(length, 0, (size_t)n);
+    memset(of_length, 0, sizeof of_length);
+    for (i = 0; i < n; i++) {
+        if (count[i] > 0) {                                          /* rarest first */
+            for (k = used++; k > 0 && count[symbol[k - 1]] > count[i]; k--) {
+                symbol[k] = symbol[k - 1];
+            }
+            symbol[k] = i;
+        }
+    }
+    for (i = 0; i < used; i++) {
+        weight[i] = count[symbol[i]];
+    }
+    for (leaf = 0, node = fill = used; fill < 2 * used - 1; fill++) {
+        for (k = 0, weight[fill] = 0; k < 2; k++) {                  /* the lightest leaf or node without a parent */
+            i = leaf < used && (node == fill || weight[leaf] <= weight[node]) ? leaf++ : node++;
+            weight[fill] += weight[i];
+            parent[i] = fill;
+        }
+    }
+    for (i = 2 * used - 2; i >= 0; i--) {                            /* depths take the place of parents */
+        parent[i] = i == 2 * used - 2 ? (used == 1) : parent[parent[i]] + 1;
+        if (i < used) {
+            k = parent[i] < most ? parent[i] : most;
+            of_length[k]++;
+            kraft += 1u << (most - k);
+        }
+    }
+    for (; kraft > 1u << most; kraft--) {                            /* a code that is too short: splits a leaf */
+        for (k = most - 1; of_length[k] == 0; k--) {
+        }
+        of_length[most]--;
+        of_length[k]--;
+        of_length[k + 1] += 2;
+    }
+    for (i = 0, k = most; i < used; i++) {
+        for (; of_length[k] == 0; k--) {
+        }
+        length[symbol[i]] = (unsigned char)k;
+        of_length[k]--;
+    }
+    for (k = 1; k <= most; k++, next <<= 1) {
+        for (i = 0; i < n; i++) {
+            if (length[i] == k) {
+                for (code[i] = 0, fill = 0; fill < k; fill++) {
+                    code[i] = (uint16_t)(code[i] | (next >> fill & 1) << (k - 1 - fill));
+                }
+                next++;
+            }
+        }
+    }
+}
+
+/* Writes the lengths of both codes: runs of 16 a length again, 17 and 18 zeros. */
+static void pbwio__put_lengths(pbwio__deflater *z)
+{
+    static const unsigned char order[19] = { 16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1, 15 };
+    unsigned char run[286 + 30], extra[286 + 30], length[19];
+    uint32_t count[19];
+    uint16_t code[19];
+    int runs = 0, i, k, n;
+    memset(count, 0, sizeof count);
+    for (i = 0; i < 286 + 30; i += k) {
+        for (k = 1; i + k < 286 + 30 && z->length[i + k] == z->length[i]; k++) {
+        }
+        if (z->length[i] == 0 && k >= 3) {
+            k = k < 138 ? k : 138;
+            run[runs] = k < 11 ? 17 : 18;
+            extra[runs] = (unsigned char)(k - (k < 11 ? 3 : 11));
+        } else if (z->length[i] != 0 && i > 0 && z->length[i - 1] == z->length[i] && k >= 3) {
+            k = k < 6 ? k : 6;
+            run[runs] = 16;
+            extra[runs] = (unsigned char)(k - 3);
+        } else {
+            k = 1;
+            run[runs] = z->length[i];
+        }
+        count[run[runs++]]++;
+    }
+    pbwio__make_code(count, 19, 7, length, code);
+    for (n = 19; n > 4 && length[order[n - 1]] == 0; n--) {
+    }
+    pbwio__give(z, 286 - 257, 5);
+    pbwio__give(z, 30 - 1, 5);
+    pbwio__give(z, (uint64_t)n - 4, 4);
+    for (i = 0; i < n; i++) {
+        pbwio__give(z, length[order[i]], 3);
+    }
+    for (i = 0; i < runs; i++) {
+        pbwio__give(z, code[run[i]], length[run[i]]);
+        pbwio__give(z, run[i] < 16 ? 0 : extra[i], run[i] < 16 ? 0 : run[i] == 16 ? 2 : run[i] == 17 ? 3 : 7);
+    }
+}
+
+/* Writes the tokens as a block. */
+static void pbwio__put_block(pbwio__deflater *z, int last)
+{
+    int symbol, extra, length, distance;
+    size_t i;
+    z->count[256] = 1;                                               /* the end of the block */
+    z->count[286] += 1;                                              /* there is a distance at least */
+    pbwio__make_code(z->count, 286, 15, z->length, z->code);
+    pbwio__make_code(z->count + 286, 30, 15, z->length + 286, z->code + 286);
+    pbwio__give(z, (uint64_t)(4 + last), 3);
+    pbwio__put_lengths(z);
+    for (i = 0; i < z->token_count; i++) {
+        length = (int)(z->tokens[i] >> 16);
+        distance = (int)(z->tokens[i] & 65535);
+        if (distance == 0) {
+            pbwio__give(z, z->code[length], z->length[length]);
+            continue;
+        }
+        symbol = pbwio__length_symbol(length, &extra);
+        pbwio__give(z, z->code[symbol], z->length[symbol]);
+        pbwio__give(z, (uint64_t)(length - 3) & (((uint64_t)1 << extra) - 1), extra);
+        symbol = 286 + pbwio__symbol_of(distance - 1, 2, &extra);
+        pbwio__give(z, z->code[symbol], z->length[symbol]);
+        pbwio__give(z, (uint64_t)(distance - 1) & (((uint64_t)1 << extra) - 1), extra);
+    }
+    pbwio__give(z, z->code[256], z->length[256]);
+    memset(z->count, 0, sizeof z->count);
+    z->token_count = 0;
+}
+
+/* Packs the rest of a stream into another one; returns whether that failed. */
+static int pbwio__gzip(FILE *in, FILE *out)
+{
+    static const unsigned char header[10] = { 0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 255 };
+    pbwio__deflater *z = (pbwio__deflater *)PBWIO_REALLOC(NULL, sizeof *z);
+    uint32_t crc = 0, size = 0;
+    size_t got, i;
+    if (z == NULL) {
+        errno = ENOMEM;
+        return 1;
+    }
+    memset(z, 0, sizeof *z);
+    memset(z->head, 0xff, sizeof z->head);                           /* -1 */
+    z->out = out;
+    fwrite(header, 1, sizeof header, out);
+    do {
+        got = fread(z->bytes + PBWIO__PAST, 1, PBWIO__BLOCK, in);
+        crc = pbwio__crc(crc, z->bytes + PBWIO__PAST, got);
+        size += (uint32_t)got;
+        pbwio__tokenize(z, PBWIO__PAST + (int)got);
+        pbwio__put_block(z, got < PBWIO__BLOCK);
+        memmove(z->bytes, z->bytes + PBWIO__BLOCK, PBWIO__PAST);
+        for (i = 0; i < PBWIO__HASHES; i++) {
+            z->head[i] = z->head[i] >= PBWIO__BLOCK ? z->head[i] - PBWIO__BLOCK : -1;
+            z->before[i] = z->before[i] >= PBWIO__BLOCK ? z->before[i] - PBWIO__BLOCK : -1;
+        }
+    } while (got == PBWIO__BLOCK);
+    pbwio__give_bytes(z, (z->bit_count + 7) / 8);
+    z->bits = (uint64_t)size << 32 | crc;
+    pbwio__give_bytes(z, 8);
+    fwrite(z->packed, 1, z->used, out);
+    PBWIO_FREE(z);
+    return ferror(in) != 0;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -4881,12 +5262,24 @@ static FILE *pbwio__create(const char *target, char **name)
     return file;
 }
 
-/* Writes to a stream and closes it, unless it is the standard output.  Returns whether that failed. */
-static int pbwio__stream(FILE *file, void (*emit)(void *user, FILE *file), void *user)
+/* Writes to a stream, packed by gzip or as it is, and closes it, unless it is the standard output.  Returns whether
+   that failed. */
+static int pbwio__stream(FILE *file, int packed, void (*emit)(void *user, FILE *file), void *user)
 {
-    int failed;
-    emit(user, file);
-    failed = ferror(file) | fflush(file);
+    FILE *plain = packed ? tmpfile() : file;
+    int failed = plain == NULL;
+    if (!failed) {
+        emit(user, plain);
+        failed = ferror(plain) | fflush(plain);
+    }
+    if (packed && !failed) {
+        rewind(plain);
+        failed = pbwio__gzip(plain, file);
+    }
+    if (packed && plain != NULL) {
+        fclose(plain);
+    }
+    failed |= ferror(file) | fflush(file);
     return file == stdout ? failed : failed | fclose(file);
 }
 
@@ -4921,7 +5314,7 @@ PBWIODEF pbwio_status pbwio_save(const char *path, void (*emit)(void *user, FILE
             return pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
         }
     }
-    failed = file == NULL || pbwio__stream(file, emit, user);
+    failed = file == NULL || pbwio__stream(file, pbwio__is_gz(path), emit, user);
     if (name != NULL && !failed) {
         if (is) {
             chmod(name, old.st_mode & 07777);

@@ -86,7 +86,7 @@ static void pbwmodel__turn_to_normals(char *text, size_t size)
 extern int pbwmodel_read_normals(const char *path, const pbwio_cloud *model, pbwio_cloud *normals)
 {
     pbwio_options options;
-    pbwio_format format = pbwio__format_to_read(path);
+    pbwio_format format = pbwio_format_of(path);
     pbwio_status status;
     size_t size, i;
     char *text;

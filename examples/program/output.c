@@ -61,12 +61,20 @@ static const char *find_word(const char *list, const char *ending)
 
 const char *ending_of(const job *j, const char *path)
 {
-    const char *dot = strrchr(path, '.'), *format = text_of(j, "--format"), *found = NULL;
+    const char *format = text_of(j, "--format"), *found = NULL;
+    const size_t length = strlen(path), packed = length > 3 && strcmp(path + length - 3, ".gz") == 0 ? 3 : 0;
+    size_t at = length - packed;
+    char ending[16];
     if (j->command->writes == NULL) {
         return NULL;
     }
-    if (dot != NULL && strpbrk(dot, "/\\") == NULL) {
-        found = find_word(j->command->writes, dot + 1);
+    while (at > 0 && strchr("./\\", path[at - 1]) == NULL) {
+        at--;
+    }
+    if (at > 0 && path[at - 1] == '.') {
+        snprintf(ending, sizeof ending, "%.*s", (int)(length - packed - at), path + at);
+        found = find_word(j->command->writes, ending);
+        found = found != NULL && packed > 0 && strcmp(found, "pbwt") == 0 ? NULL : found;    /* is read in pieces */
     }
     if (found == NULL && format != NULL) {
         found = find_word(j->command->writes, format + (*format == '.'));
