@@ -1,4 +1,5 @@
 """python.py: the package pbw against exact arithmetic, SciPy's documentation, and SciPy itself; see python.sh."""
+import _thread
 import copy
 import doctest
 import itertools
@@ -11,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 import traceback
 import types
 import unittest.mock
@@ -230,7 +232,9 @@ def linear_functions_are_interpolated():
             inside = tri.points[tri.simplices].mean(axis=1)
             inside = np.concatenate([inside, points, points[tri.simplices[:, :2]].mean(axis=1)])
             rounded_outside = tri.find_simplex(inside) < 0
-            check(np.isnan(pbw.interpolate(points, points @ slope, inside[rounded_outside])).all())
+            beside = inside[rounded_outside]
+            check(np.isnan(pbw.interpolate(points, points @ slope, beside, tol=0)).all())
+            check(np.allclose(pbw.interpolate(points, points @ slope, beside), beside @ slope, rtol=0, atol=1e-11))
             inside = inside[~rounded_outside]
             check(len(inside) > len(points))
             for method in ("linear", "sibson", "laplace"):
@@ -260,6 +264,46 @@ def linear_functions_are_interpolated():
                 [1, 2, 3], xi)
     raises_text(ValueError, "values must be numbers", pbw.interpolate, points, ["a"] * 200, xi)
     raises_text(ValueError, r"xi\[0\] is inf", tri.coordinates, [np.inf, 0])
+    found = pbw.interpolate(tri, values, [[np.nan, 0.5], [0.5, 0.5], [np.inf, 0], [9, 9]], outside="nearest")
+    equal(np.isnan(found).all(axis=(1, 2)), [True, False, True, False])
+    equal(found[3], values[tri.nearest([9, 9])[1]])
+    raises_text(ValueError, "outside must be nan or nearest, not 0", pbw.interpolate, points, values, xi, outside=0)
+    raises_text(ValueError, "tol must be from 0", pbw.interpolate, points, values, xi, tol=-1)
+
+
+@test
+def borders_are_inside():
+    rng = np.random.default_rng(3)
+    for dim in (2, 3):
+        for origin in (0, 5e6):                      # as of coordinates of a map
+            points = rng.random((80, dim)) + origin
+            hull = pbw.Delaunay(points).convex_hull
+            shares = rng.dirichlet(np.ones(dim), 1000)
+            on = np.einsum("ij,ijk->ik", shares, points[hull[rng.integers(0, len(hull), 1000)]])
+            for method in ("linear", "sibson", "laplace"):
+                found = pbw.interpolate(points, points[:, 0], on, method)
+                check(np.abs(found - on[:, 0]).max() < 1e-12 * max(1, origin), dim, origin, method)
+            middle = points.mean(axis=0)
+            check(np.isnan(pbw.interpolate(points, points[:, 0], middle + (on - middle) * (1 + 1e-5))).mean() > 0.9)
+    # Borders that are straight up to rounding: ends of a border are corners of triangles as thin as that.
+    side = np.linspace(0, 1, 13)
+    for angle, scale, origin in ((0.3, 1, 0), (1.1, 1e-9, 0), (0.7, 1e9, 0), (0.2, 100, 4e6)):
+        turn = scale * np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        lattice = np.array([[x, y] for x in side for y in side]) @ turn.T + origin
+        values = np.arange(169) % 5 * 1.0
+        for first, step in ((0, 1), (0, 13), (156, 1), (12, 13)):
+            row = first + step * np.arange(13)
+            for share in (0.5, 0.25):
+                places = (1 - share) * lattice[row[:-1]] + share * lattice[row[1:]]
+                wanted = (1 - share) * values[row[:-1]] + share * values[row[1:]]
+                check(np.abs(pbw.interpolate(lattice, values, places) - wanted).max() < 1e-5, angle, scale, first)
+    cube = np.array([[x, y, z] for x in side[::3] for y in side[::3] for z in side[::3]])
+    turn = np.linalg.qr(rng.random((3, 3)))[0]
+    values = np.arange(125) % 4 * 1.0
+    face = np.flatnonzero(cube[:, 2] == 0).reshape(5, 5)
+    middles = (cube[face[:-1]] + cube[face[1:]]).reshape(-1, 3) / 2 @ turn.T
+    check(np.abs(pbw.interpolate(cube @ turn.T, values, middles)
+                 - (values[face[:-1]] + values[face[1:]]).reshape(-1) / 2).max() < 1e-9)
 
 
 def closed(cells, dim):
@@ -388,6 +432,10 @@ def voronoi_in_scipys_words():
     equal(vor.points, all_points)
     vor.close()
     raises(RuntimeError, vor.add_points, points)
+    for copied in (pickle.loads(pickle.dumps(vor)), copy.deepcopy(vor)):
+        equal(copied.vertices, vor.vertices)
+        check(copied.regions == vor.regions and copied.ridge_dict == vor.ridge_dict)
+        equal(copied.point_region, vor.point_region)
     raises(pbw.QhullError, pbw.Voronoi, points * [1, 0])
     raises_text(ValueError, "furthest_site is not", pbw.Voronoi, points, furthest_site=True)
 
@@ -666,6 +714,86 @@ def points_that_live_and_what_is_refused():
     live.commit()                                                         # they are still queued
     equal(live.npoints, 60)
     same_as_anew(live)
+
+
+@test
+def points_that_live_and_an_interrupt():
+    points = np.random.default_rng(2).random((1500, 2))
+    interrupt = threading.Event()
+
+    def progress(stage, done):
+        if interrupt.is_set():
+            interrupt.clear()
+            _thread.interrupt_main()
+            time.sleep(1.3)                                               # longer than the interrupted call waits
+    live = pbw.Live(points, progress=progress)
+    live.insert(points + 2)
+    interrupt.set()
+    raises(KeyboardInterrupt, live.commit)
+    live.insert(points[:9] + 4)                                           # waits for the thread that still works
+    live.commit()
+    equal(live.npoints, 3009)
+    same_as_anew(live)
+    refused = []
+
+    def reenter(stage, done):
+        if not refused:
+            try:
+                again.commit()
+            except RuntimeError as e:
+                refused.append(str(e))
+    refused.append("not yet")
+    again = pbw.Live(points, progress=reenter)
+    refused.clear()
+    again.insert(points + 2)
+    again.commit()
+    check("in use by the call" in refused[0], refused)
+
+
+@test
+def points_that_live_and_threads():
+    live, failed = pbw.Live(np.random.default_rng(3).random((1200, 2))), []
+
+    def work(seed):
+        random = np.random.default_rng(seed)
+        try:
+            for _ in range(12):
+                live.insert(random.random((30, 2)) + seed)
+                live.commit()
+                simplices = live.simplices
+                check(simplices.max() < live.npoints and len(live.find_simplex(random.random((20, 2)))) == 20)
+        except BaseException as e:
+            failed.append(e)
+    threads = [threading.Thread(target=work, args=(seed,)) for seed in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    check(not failed, failed)
+    equal(live.npoints, 1200 + 4 * 12 * 30)
+    same_as_anew(live)
+
+
+@test
+def pickles_that_are_damaged():
+    points = np.random.default_rng(4).random((60, 3))
+    for weights in (None, np.random.default_rng(5).random(60)):
+        state = pbw.Delaunay(points, weights=weights)._mesh.__getstate__()
+        again = pbw._library.Mesh.__new__(pbw._library.Mesh).__setstate__
+        again(state)
+        random = np.random.default_rng(6)
+        for name in ("simplices", "neighbors", "incident", "canonical", "points", "weights"):
+            if state[name] is None:
+                continue
+            for value in (-2 ** 31, -7, 2 ** 31 - 1, len(state[name]), 1):
+                changed = state[name].copy()
+                changed.reshape(-1)[random.integers(0, changed.size)] = value if name != "points" else np.nan
+                if not np.array_equal(changed, state[name]) and name != "weights":
+                    raises_text(ValueError, "damaged|finite", again, {**state, name: changed})
+            for changed in (state[name][:-1], state[name].astype(np.float32), state[name].tolist(), "no", None):
+                if name != "weights" or changed is not None:
+                    raises(ValueError, again, {**state, name: changed})
+            raises(ValueError, again, {key: value for key, value in state.items() if key != name})
 
 
 @test

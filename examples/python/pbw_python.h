@@ -48,6 +48,7 @@ int pbw_python_nearest(const arrays *a, const double *queries, size_t count, siz
 int pbw_python_coordinates(const arrays *a, const double *queries, size_t count, int scheme, pbw_lists *lists);
 int pbw_python_cells(const arrays *a, const double *box, unsigned periodic, unsigned what, pbw_cells *cells);
 int pbw_python_stars(const arrays *a, pbw_lists *stars);
+int pbw_python_check(const arrays *a, int *valid);
 int pbw_python_plane(const pbw_plane_input *input, const plane_wish *wish, const volatile int *stop, pbw_plane *plane);
 int pbw_python_improve(const pbw_tets *mesh, const pbw_improve_options *how, const watch *w, char message[128],
                        pbw_tets *better, pbw_improve_report *report);

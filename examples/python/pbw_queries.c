@@ -85,6 +85,23 @@ int pbw_python_cells(const arrays *a, const double *box, unsigned periodic, unsi
     return (int)status;
 }
 
+/* Whether the arrays are the triangulation of their points. */
+int pbw_python_check(const arrays *a, int *valid)
+{
+    pbw_mesh mesh;
+    pbw_options options;
+    pbw_report report;
+    watch w;
+    pbw_python_view(a, &mesh, &options, &w);
+    for (size_t i = 0; i < a->point_count; i++) {
+        mesh.duplicate_count += a->canonical[i] != (int32_t)i;
+        mesh.hidden_count += a->canonical[i] == (int32_t)i && a->incident[i] < 0;
+    }
+    const int status = (int)pbw_check(&mesh, &options, &report);
+    *valid = status == (int)PBW_OK && report.valid;
+    return status;
+}
+
 int pbw_python_stars(const arrays *a, pbw_lists *stars)
 {
     pbw_mesh mesh;

@@ -8,7 +8,7 @@ from . import _library
 from ._arguments import check_options, checked_more, checked_points, checked_weights
 from ._handle import Handle
 from ._library import Mesh
-from ._scipy import as_scipy
+from ._scipy import as_scipy, own
 
 FACETS, SHAPES, MERGE = 1, 2, 4                   # of PBW_CELLS_*
 
@@ -95,6 +95,10 @@ def lloyd(points, steps=10, box=None, *, periodic="", threads=0):
     return points
 
 
+def _empty(cls):
+    return cls.__new__(cls)
+
+
 def _regions(loops, starts, points):
     """For each point the corners of its facets, each once, in the order in which they come."""
     loops, starts = loops.tolist(), starts.tolist()
@@ -113,7 +117,7 @@ class Voronoi:
                             empty
     point_region            (npoints,): the region of each point; of a duplicate, that of the point that it duplicates
 
-    The diagram is the true one: four cocircular points have one vertex.
+    The diagram is the true one: four cocircular points have one vertex.  All but points are made at first use.
     """
 
     __module__ = "pbw"
@@ -128,24 +132,65 @@ class Voronoi:
 
     def _build(self, mesh):
         points = mesh.points
-        self._mesh = mesh if self._incremental else None
-        cells = mesh.cells(FACETS | SHAPES | MERGE)
+        self._mesh = mesh
         self.points, self.ndim, self.npoints = points.copy(), points.shape[1], len(points)
         self.min_bound, self.max_bound = points.min(axis=0), points.max(axis=0)
-        used, number = np.unique(cells["loops"], return_inverse=True)
-        rays = np.count_nonzero(used < 0)
-        loops = np.maximum(number.reshape(-1) - rays, -1)
-        self.vertices = cells["vertices"][used[rays:]]
-        site = np.repeat(np.arange(len(points)), np.diff(cells["first"]))
-        ridges = np.flatnonzero(site < cells["neighbors"])
-        self.ridge_points = np.column_stack([site, cells["neighbors"]])[ridges].astype(np.int32)
-        self.ridge_vertices = _regions(loops, cells["loop_first"], ridges.tolist())
-        own = np.flatnonzero(mesh.canonical == np.arange(len(points)))
-        self.regions = [[]] + _regions(loops, cells["loop_first"][cells["first"]], own.tolist())
-        region = np.zeros(len(points), np.intp)
-        region[own] = np.arange(1, len(own) + 1)
-        self.point_region = region[mesh.canonical]
-        self.__dict__.pop("ridge_dict", None)
+        for name in _MADE:
+            self.__dict__.pop(name, None)
+
+    def __reduce__(self):
+        """Without what can be made again.  (pickle's own way stops at a __class__ that is not the type.)"""
+        state = {name: value for name, value in self.__dict__.items() if name not in _MADE}
+        state["_handle"] = None
+        return _empty, (own(type(self)),), state
+
+    @cached_property
+    def _cells(self):
+        return self._mesh.cells(FACETS | SHAPES | MERGE)
+
+    @cached_property
+    def _numbered(self):
+        """The vertices that are corners, and the corners of facets by their numbers among these, -1 at infinity."""
+        loops = self._cells["loops"]
+        number = np.full(len(self._cells["vertices"]), -1, np.int32)
+        number[loops[loops >= 0]] = 0
+        used = np.flatnonzero(number == 0)
+        number[used] = np.arange(len(used))
+        return used, np.where(loops >= 0, number[np.maximum(loops, 0)], -1)
+
+    @cached_property
+    def _ridges(self):
+        """Of each two facets between two points the first."""
+        site = np.repeat(np.arange(self.npoints), np.diff(self._cells["first"]))
+        return site, np.flatnonzero(site < self._cells["neighbors"])
+
+    @cached_property
+    def _sites(self):
+        return np.flatnonzero(self._mesh.canonical == np.arange(self.npoints))
+
+    @cached_property
+    def vertices(self):
+        return self._cells["vertices"][self._numbered[0]]
+
+    @cached_property
+    def ridge_points(self):
+        site, ridges = self._ridges
+        return np.column_stack([site[ridges], self._cells["neighbors"][ridges]]).astype(np.int32)
+
+    @cached_property
+    def ridge_vertices(self):
+        return _regions(self._numbered[1], self._cells["loop_first"], self._ridges[1].tolist())
+
+    @cached_property
+    def regions(self):
+        starts = self._cells["loop_first"][self._cells["first"]]
+        return [[]] + _regions(self._numbered[1], starts, self._sites.tolist())
+
+    @cached_property
+    def point_region(self):
+        region = np.zeros(self.npoints, np.intp)
+        region[self._sites] = np.arange(1, len(self._sites) + 1)
+        return region[self._mesh.canonical]
 
     def __repr__(self):
         return "<pbw.%s: %d points in %dD, %d vertices, %d ridges>" % (
@@ -168,9 +213,12 @@ class Voronoi:
             handle = handle or Handle(self._mesh, None)
             handle.insert(points, None)
             handle.commit(changes=False)
-            self._build(handle.mesh())
+            self._build(handle.mesh()[0])
             self._handle = handle
 
     def close(self):
         """No more points will be added."""
-        self._incremental, self._mesh, self._handle = False, None, None
+        self._incremental, self._handle = False, None
+
+
+_MADE = [name for name, value in vars(Voronoi).items() if isinstance(value, cached_property)]

@@ -238,7 +238,7 @@ class Delaunay:
         handle, self._handle = self._handle or Handle(self._mesh, self._progress), None
         queue(handle)
         handle.commit(changes=False)
-        mesh = handle.mesh()
+        mesh, _ = handle.mesh()
         self._handle = handle
         return mesh
 

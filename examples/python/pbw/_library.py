@@ -124,6 +124,7 @@ def _declare(library):
     library.pbw_lists_free.argtypes = [ctypes.POINTER(_Lists)]
     library.pbw_cells_free.argtypes = [ctypes.POINTER(_Cells)]
     library.pbw_python_stars.argtypes = [arrays, ctypes.POINTER(_Lists)]
+    library.pbw_python_check.argtypes = [arrays, integer]
     library.pbw_python_plane.argtypes = [ctypes.POINTER(_PlaneInput), ctypes.POINTER(_PlaneWish), integer,
                                          ctypes.POINTER(_Plane)]
     library.pbw_plane_free.restype = None
@@ -160,15 +161,23 @@ def _run(work, stop):
     """Runs work() in a thread.  Ctrl-C is seen by the main thread, and only between two steps of Python: it must not
     be the one that works.  An exception in it sets stop, which ends the library's work within a tenth of a second; a
     callback of the user may take longer, so the wait for that is bounded, and work() holds what it uses."""
-    thread = threading.Thread(target=work)
+    ended = threading.Event()      # Thread.join cannot be trusted after an exception in it
+
+    def whole():
+        try:
+            work()
+        finally:
+            ended.set()
+
+    thread = threading.Thread(target=whole)
     try:
         thread.start()
-        while thread.is_alive():
-            thread.join(0.1)
+        while not ended.wait(0.1):
+            pass
     except BaseException:
         stop.value = 1
         if thread.ident is not None:
-            thread.join(1)
+            ended.wait(1)
         raise
 
 
@@ -339,6 +348,39 @@ class Mesh:
         """That of no points."""
         ints, points = [np.empty(shape, np.int32) for shape in ((0, dim + 1), (0, dim + 1), 0, 0)], np.empty((0, dim))
         return Mesh(points, np.empty(0) if weighted else None, threads, None, ints)
+
+    def __getstate__(self):
+        return {name: getattr(self, name) for name in self.__slots__}
+
+    def __setstate__(self, state):
+        """Takes the arrays of a pickle if they are a triangulation: the library follows their indices."""
+        if isinstance(state, tuple):                 # of older versions
+            state = state[1]
+        try:
+            for name in self.__slots__:
+                setattr(self, name, state[name])
+            self._check()
+        except (AttributeError, KeyError, TypeError) as e:
+            raise ValueError("the pickle has no triangulation: %s" % e) from None
+
+    def _check(self):
+        count, dim = self.points.shape
+        of_simplices = len(self.simplices), dim + 1
+        for name, kind, shape in (("points", np.float64, (count, dim)), ("weights", np.float64, (count,)),
+                                  ("incident", np.int32, (count,)), ("canonical", np.int32, (count,)),
+                                  ("simplices", np.int32, of_simplices), ("neighbors", np.int32, of_simplices)):
+            array = getattr(self, name)
+            if array is None and name == "weights":
+                continue
+            if type(array) is not np.ndarray or array.dtype != kind or array.shape != shape or dim not in (2, 3):
+                raise TypeError("%s are of another kind or shape" % name)
+            setattr(self, name, np.array(array, order="C"))
+            getattr(self, name).flags.writeable = False
+        self.threads = min(max(int(self.threads), 0), 256)
+        valid = ctypes.c_int()
+        _answer(self._arrays(), count, lambda arrays: _library.pbw_python_check(arrays, valid), self.points)
+        if not valid.value:
+            raise TypeError("its arrays are damaged")
 
     def _arrays(self):
         count, dim = self.points.shape

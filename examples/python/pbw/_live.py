@@ -4,7 +4,7 @@ import collections
 import numpy as np
 
 from ._arguments import check_options, checked_points, checked_weights
-from ._delaunay import Delaunay
+from ._delaunay import Delaunay, _empty, _MADE
 from ._handle import Handle
 from ._library import Mesh
 
@@ -38,6 +38,8 @@ class Live(Delaunay):
     a removed point is given again, to an insertion after the commit; until then it is in no simplex, its row of
     points is 0, and vertex_to_simplex says -1.  `numbers` are those that are in use.
     The points may be none, or may span no simplex: then there are none.
+    Threads may share it: their calls wait for each other, and attributes are of one commit.  A progress callback must
+    not use the triangulation that calls it.
     """
 
     def __init__(self, points, weights=None, *, threads=0, progress=None):
@@ -45,18 +47,25 @@ class Live(Delaunay):
         points = checked_points(points)
         weights = None if weights is None else checked_weights(weights, len(points))
         self._incremental, self._threads, self._progress = False, threads, progress
-        self._handle = Handle(Mesh.empty(points.shape[1], weights is not None, threads), progress)
+        self._handle, self._now = Handle(Mesh.empty(points.shape[1], weights is not None, threads), progress), None
         self._handle.insert(points, weights)
         self.commit(changes=False)
 
     def __reduce__(self):
         raise TypeError("a pbw.Live is not copied nor pickled; its points and weights are")
 
+    def _current(self):
+        """The triangulation after the last commit as a Delaunay, which does not change."""
+        now = self._now
+        if now is None or now._version != self._handle.version:
+            now = _empty(Delaunay)
+            now._mesh, now._version = self._handle.mesh()
+            self._now = now
+        return now
+
     @property
     def _mesh(self):
-        if self._seen is None:
-            self._seen = self._handle.mesh()
-        return self._seen
+        return self._current()._mesh
 
     @property
     def ndim(self):
@@ -94,8 +103,6 @@ class Live(Delaunay):
     def commit(self, changes=True):
         """Carries out what is queued; returns Changes, or None without changes, which is quicker."""
         made = self._handle.commit(changes)
-        self._seen = None
-        self._forget()
         return Changes(*made) if changes else None
 
     def add_points(self, points, restart=False, *, weights=None):
@@ -105,3 +112,12 @@ class Live(Delaunay):
 
     def close(self):
         """As of Delaunay; there is nothing to do."""
+
+
+def _of_now(name):
+    return property(lambda self: getattr(self._current(), name),
+                    lambda self, value: setattr(self._current(), name, value), doc=getattr(Delaunay, name).__doc__)
+
+
+for _name in _MADE:
+    setattr(Live, _name, _of_now(_name))

@@ -45,6 +45,8 @@ def triangulate(data, options="", *, split_crossings=False, threads=0):
     segment_markers; with A triangle_attributes, with e edges, with n neighbors.
     """
     given = _switches(options)
+    if "vertices" not in data:
+        raise ValueError("data must have vertices; it has %s" % (", ".join(map(repr, data)) or "nothing"))
     points = checked_points(data["vertices"])
     if points.shape[1] != 2:
         raise ValueError("vertices must be in 2D, not in %dD" % points.shape[1])
