@@ -1111,6 +1111,7 @@ def test_triangulate_refuses():
         else:
             raise AssertionError(options)
     assert len(pbw.triangulate(crossing, "pc", split_crossings=True)["vertices"]) == 5
+    raises_text(ValueError, "data must have vertices; it has 'segments'", pbw.triangulate, {"segments": []})
 
 
 @test
