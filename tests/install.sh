@@ -16,6 +16,9 @@ refused() {     # refused VERSION: find_package sees ours and does not take it
 check "make install" make --no-print-directory install B="$1" DESTDIR="$staged" PREFIX=/opt/pbw
 mv "$staged/opt/pbw" "$prefix"
 check "nothing is installed elsewhere" [ -z "$(find "$staged" -type f)" ]
+for file in man/man1/pbw.1 bash-completion/completions/pbw zsh/site-functions/_pbw doc/pbw/LICENSE doc/pbw/README.md; do
+    check "share/$file is there" [ -s "$prefix/share/$file" ]
+done
 check "the program runs" "$prefix/bin/pbw" --generate uniform 100 --quiet -o "$work/p.obj"
 for header in "$prefix"/include/pbw/*.h; do
     name=$(basename "$header") compiler=$CC

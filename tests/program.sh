@@ -520,4 +520,54 @@ check "solid: patches in a page" useless "--patches: it needs an output .msh" so
 check "1 point" says 1 "1 point in 2D, 0 faces" mesh query.csv
 check "1 query" says 0 "1 query" nearest p.csv query.csv
 check "1 turned edge" sh -c "sed 's/f 1 2 4/f 1 4 2/' closed.obj | '$pbw' check - | grep -v '1 [a-z]*s'"
+# Habits: values behind =, options of one letter, other spellings, sizes with units; the help and what it shows.
+check "pbw alone" says 0 "pbw solid    --help"
+check "-h" says 0 "usage: pbw nearest" nearest -h
+check "a value behind =" says 0 "5 points in 2D" mesh --dim=2 --columns=x,y atoms.csv
+check "a value behind = is checked" early 2 "--threads 1000: a whole number" mesh atoms.csv --threads=1000
+check "a switch takes none" early 2 "--quiet takes no value" mesh atoms.csv --quiet=1
+check "an option behind = that is misspelt" early 2 "the nearest is --threads" mesh atoms.csv --thraeds=3
+check "--generate=KIND N" says 0 "60 points" hash --generate=gauss 60 --memory-limit=1GiB
+check "-oFILE" silent mesh atoms.csv --quiet -ojoined.obj
+check "it is written" [ -s joined.obj ]
+check "--output" silent mesh atoms.csv --quiet --output long.obj --output=longer.obj
+check "they are written" [ -s long.obj -a -s longer.obj ]
+check "--color" silent mesh atoms.csv --quiet --color=order -o colour.html
+check "-x is near to nothing" sh -c "'$pbw' mesh atoms.csv -x 2>&1 | grep -v nearest | grep 'see pbw mesh --help'"
+for size in 1GB 1GiB 1g 1.5G 2T 900MB; do
+    check "--memory-limit $size" says 0 "5 points" mesh atoms.csv --memory-limit $size
+done
+for size in 1GX 1iB GB -1G 1Gi; do
+    check "--memory-limit $size is refused" early 2 "--memory-limit $size: a number of bytes" mesh atoms.csv \
+        --memory-limit $size
+done
+check "KB are thousands" says 1 "within --memory-limit 1MB" mesh --generate uniform 50000 --memory-limit 1MB
+check "an angle out of range" early 2 "--angle 40: a number above 0 and up to 34 is needed" plane m.csv --angle 40
+check "a size below 0" early 2 "--size -1: a number above 0, a formula or a column" plane m.csv --size -1
+check "the only format of -" sh -c "'$pbw' nearest atoms.csv atoms.csv --columns x,y,z -o - 2> said | grep ','"
+mkdir -p shown
+cp closed.obj shown/model.obj
+"$pbw" mesh --quiet --generate uniform 60 -o shown/points.csv -o shown/queries.csv -o shown/mesh.msh
+printf 'insert,0.5,0.5,0.5\nremove,3\ncommit\n' > shown/changes.csv
+printf '4 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n4 0\n1 1 2\n2 2 3\n3 3 4\n4 4 1\n0\n' > shown/domain.poly
+for command in mesh sample check convert bench view locate nearest cells plane improve solid tiles hash live; do
+    "$pbw" help $command | sed -n '/^examples:/,$s/^  pbw //p' > shown.txt
+    check "the help of $command ends with two examples" [ "$(wc -l < shown.txt)" -eq 2 ]
+    while read -r line; do
+        check "pbw $line" sh -c "cd shown && '$pbw' $line < /dev/null"
+    done < shown.txt
+done
+check "the manual page" sh -c "'$pbw' help --man | grep '^.SH PBW solid'"
+"$pbw" help --bash > pbw.bash
+completes() {   # completes ANSWER WORD...
+    bash -c '. ./pbw.bash; answer=$1; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _pbw
+        [ "${COMPREPLY[*]}" = "$answer" ]' bash "$@"
+}
+if command -v bash > /dev/null; then
+    check "completion for bash: choices" completes "hull seeds even-odd nonzero" pbw plane --rule ""
+    check "completion for bash: commands" completes solid pbw sol
+    check "completion for bash: options" completes "--curvature" pbw solid model.obj --cur
+fi
+check "completion for zsh" sh -c "'$pbw' help --zsh > _pbw && { ! command -v zsh || zsh -n _pbw; }"
+
 finish

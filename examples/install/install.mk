@@ -6,6 +6,7 @@
 #                                      neither.  (Shared library: systems with ELF.)
 #   lib/pkgconfig/pbw.pc               cc program.c $(pkg-config --cflags --libs pbw)
 #   lib/cmake/pbw/                     find_package(pbw): see pbwConfig.cmake
+#   share/man/man1/pbw.1, completions for bash and zsh, share/doc/pbw: README.md and LICENSE
 PREFIX ?= /usr/local
 DESTDIR =
 INSTALL = install
@@ -14,7 +15,8 @@ SONAME = libpbw.so.$(basename $(VERSION))
 ROOT = $(DESTDIR)$(PREFIX)
 CONFIG = pbwConfig pbwConfigVersion
 INSTALLED = bin/pbw include/pbw lib/libpbw.a lib/libpbw.so lib/$(SONAME) lib/libpbw.so.$(VERSION) \
-    lib/pkgconfig/pbw.pc lib/cmake/pbw
+    lib/pkgconfig/pbw.pc lib/cmake/pbw share/man/man1/pbw.1 share/bash-completion/completions/pbw \
+    share/zsh/site-functions/_pbw share/doc/pbw
 
 .PHONY: install uninstall
 
@@ -39,6 +41,12 @@ install: $B/pbw $B/pbw_pic.o $B/libpbw.so $B/install/pbw.pc $(CONFIG:%=$B/instal
 	ln -sf $(SONAME) "$(ROOT)"/lib/libpbw.so
 	$(INSTALL) -m 644 $(CONFIG:%=$B/install/%.cmake) "$(ROOT)"/lib/cmake/pbw
 	$(INSTALL) -m 644 $B/install/pbw.pc "$(ROOT)"/lib/pkgconfig
+	$(INSTALL) -d $(addprefix "$(ROOT)"/share/,man/man1 bash-completion/completions zsh/site-functions doc/pbw)
+	$B/pbw help --man > "$(ROOT)"/share/man/man1/pbw.1
+	$B/pbw help --bash > "$(ROOT)"/share/bash-completion/completions/pbw
+	$B/pbw help --zsh > "$(ROOT)"/share/zsh/site-functions/_pbw
+	sed -n '/^   >>license/,/^ *\*\//{/\*\//d;p;}' pbw.h > "$(ROOT)"/share/doc/pbw/LICENSE
+	$(INSTALL) -m 644 README.md "$(ROOT)"/share/doc/pbw
 
 # Folders that others use as well stay.
 uninstall:

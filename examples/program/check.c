@@ -34,7 +34,7 @@ const command command_check = {
     "Tells what is wrong and where, with exit status 1.  Of a mesh: simplices without volume, facets of more than\n"
     "two simplices or of two on one side, and the boundary; it tells angles, and whether the mesh is Delaunay.\n"
     "Of a surface: edges of one face are open, of more than two crowded, turned where two faces run alike.\n"
-    "Points, simplices and faces are counted from 0.  Of points, or with --retriangulate: proves their triangulation.\n"
+    "Of points, or with --retriangulate: proves their triangulation.  Points, simplices, faces are counted from 0.\n"
     "Of a .pbwt file the triangulation is proved tile by tile, links across tiles and the hull with it.\n"
     "\n",
     NULL,

@@ -14,7 +14,7 @@ int has_simplices(const job *j)
     return j->cloud.dim == 3 ? j->cloud.tetrahedron_count > 0 : j->cloud.triangle_count > 0;
 }
 
-typedef struct facet { pbw_index b, c, id; int odd; } facet;         /* b < c: corners beside the least; id: n t + i */
+typedef struct facet { pbw_index b, c, id; int odd; } facet;        /* b < c: corners beside the least; id: n t + i */
 
 static int by_corners(const void *a, const void *b)
 {

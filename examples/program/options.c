@@ -68,13 +68,22 @@ static const command *find_command(const char *name)
     return commands[i];
 }
 
-static const option *find_option(const command *c, const char *name)
+/* The option of that name, of which the first `length` letters count; other spellings are here. */
+static const option *find_option(const command *c, const char *name, size_t length)
 {
-    int g;
+    static const char *const others[][2] = { { "--output", "-o" }, { "--color", "--colour" },
+                                             { "--color-outside", "--colour-outside" } };
     const option *o;
+    size_t g;
+    for (g = 0; g < sizeof others / sizeof *others; g++) {
+        if (strlen(others[g][0]) == length && strncmp(others[g][0], name, length) == 0) {
+            name = others[g][1];
+            length = strlen(name);
+        }
+    }
     for (g = 0; c->options[g] != NULL; g++) {
         for (o = c->options[g]; o->name != NULL; o++) {
-            if (strcmp(o->name, name) == 0) {
+            if (strlen(o->name) == length && strncmp(o->name, name, length) == 0) {
                 return o;
             }
         }
@@ -95,18 +104,22 @@ static int unknown_command(const char *name)
     return complain("\"%s\" is neither a command nor a file; pbw help lists the commands", name);
 }
 
-static int unknown_option(const command *c, const char *name)
+static int unknown_option(const command *c, const char *text)
 {
+    char name[40];
     nearest n = { name, NULL, 0 };
     const option *o;
     int i;
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(text, "="), text);
     for (i = 0; c->options[i] != NULL; i++) {
         for (o = c->options[i]; o->name != NULL; o++) {
-            consider(&n, o->name);
+            if (strlen(o->name) > 2) {                               /* any letter is near to -o */
+                consider(&n, o->name);
+            }
         }
     }
     for (i = 0; commands[i] != NULL; i++) {
-        if (find_option(commands[i], name) != NULL) {
+        if (find_option(commands[i], name, strlen(name)) != NULL) {
             return complain("pbw %s has no option %s, pbw %s has", c->name, name, commands[i]->name);
         }
     }
@@ -141,6 +154,14 @@ static void print_option(const option *o)
     print_indented(o->help, 24);
 }
 
+static void list_commands(void)
+{
+    int i;
+    for (i = 0; commands[i] != NULL; i++) {
+        printf("  pbw %-8s --help   %s\n", commands[i]->name, commands[i]->summary);
+    }
+}
+
 void print_help(const command *c, int all)
 {
     const option *o;
@@ -151,11 +172,15 @@ void print_help(const command *c, int all)
             print_option(o);
         }
     }
-    puts("  --help, --version");
-    for (i = 0; all && commands[i] != NULL; i++) {
-        printf("%s  pbw %-8s --help   %s\n", i == 0 ? "\ncommands:\n" : "", commands[i]->name, commands[i]->summary);
+    puts("  -h, --help, --version");
+    if (all) {
+        puts("\ncommands:");
+        list_commands();
     }
-    puts("\nexit status: 0 done, 1 failure, 2 wrong usage");
+    puts("\nexit status: 0 done, 1 failure, 2 wrong usage\n\nexamples:");
+    for (i = 0; i < EXAMPLES; i++) {
+        printf("  %s\n", example_of(c, i));
+    }
 }
 
 /* ---- values ---- */
@@ -173,15 +198,18 @@ static int numbers(const char *text, int count, double *out)         /* "1,2,3" 
     return 1;
 }
 
-static double whole(const char *text)                                /* with K, M or G; -1: it is no such number */
+/* With K, M, G, T or KiB ..., powers of 1024, or KB ..., powers of 1000; -1: it is no such number. */
+static double whole(const char *text)
 {
-    static const char units[] = "KMG";
-    char *end, *unit;
+    static const char units[] = "KMGT";
+    char *end;
+    const char *unit;
     double x = strtod(text, &end);
-    unit = *end != 0 ? strchr(units, *end) : NULL;
+    unit = *end != 0 ? strchr(units, *end >= 'a' && *end <= 'z' ? *end - 32 : *end) : NULL;
     if (unit != NULL) {
-        x *= (double)((size_t)1 << (10 * (unit - units + 1)));
-        end++;
+        const int decimal = end[1] == 'B';
+        x *= pow(decimal ? 1000 : 1024, (double)(unit - units + 1));
+        end += decimal ? 2 : end[1] == 'i' && end[2] == 'B' ? 3 : 1;
     }
     return end != text && *end == 0 && x >= 0 && x <= DBL_MAX && x <= floor(x) ? x : -1;
 }
@@ -204,7 +232,8 @@ static int is_allowed(const option *o, const char *value, const char *more)
     switch (o->kind) {
         case WHOLE: n = whole(value); return n >= o->least && n <= o->most;
         case BYTES: n = whole(value); return n >= 1 && n <= (double)((size_t)-1 / 2);
-        case POSITIVE: return numbers(value, 1, x) && x[0] > 0;
+        case POSITIVE: return numbers(value, 1, x) && x[0] > 0 && (o->most <= 0 || x[0] <= o->most);
+        case SIZE: return !numbers(value, 1, x) || x[0] > 0;
         case DIRECTION: return numbers(value, 3, x) && fabs(x[0]) + fabs(x[1]) + fabs(x[2]) > 0;
         case PLANE: return numbers(value, 4, x) && fabs(x[0]) + fabs(x[1]) + fabs(x[2]) > 0 && fabs(x[3]) <= 1;
         case BOX:
@@ -239,7 +268,14 @@ static int refuse(const option *o, const char *value, const char *more)
     switch (value != NULL || o->kind != PLAIN ? o->kind : SWITCH) {
         case WHOLE: fprintf(stderr, ": a whole number from %.0f to %.0f is needed", o->least, o->most); break;
         case BYTES: fputs(": a number of bytes such as 500M or 4G is needed", stderr); break;
-        case POSITIVE: fputs(": a number above 0 is needed", stderr); break;
+        case POSITIVE:
+            fputs(": a number above 0", stderr);
+            if (o->most > 0) {
+                fprintf(stderr, " and up to %g", o->most);
+            }
+            fputs(" is needed", stderr);
+            break;
+        case SIZE: fputs(": a number above 0, a formula or a column is needed", stderr); break;
         case DIRECTION: fputs(": a direction X,Y,Z other than 0,0,0 is needed", stderr); break;
         case PLANE:
             fputs(": A,B,C,D is needed, a direction A,B,C other than 0,0,0 and D from -1 to 1", stderr);
@@ -317,14 +353,22 @@ static int add_output(job *j, const char *path)
     return 0;
 }
 
-/* The option at argv[i]; returns how many arguments it takes, 0 after a complaint. */
+/* The option at argv[i], its value in the next argument, behind "=", or behind a name of one letter; returns how many
+   arguments it takes, 0 after a complaint. */
 static int take_option(job *j, int argc, char **argv, int i)
 {
-    const option *o = find_option(j->command, argv[i]);
-    const char *value = i + 1 < argc ? argv[i + 1] : NULL, *more = i + 2 < argc ? argv[i + 2] : NULL;
+    const size_t length = argv[i][1] == '-' ? strcspn(argv[i], "=") : 2;
+    const option *o = find_option(j->command, argv[i], length);
+    const int joined = argv[i][length] != 0, at = i + !joined;
+    const char *value = joined ? argv[i] + length + (argv[i][length] == '=') : at < argc ? argv[at] : NULL;
+    const char *more = at + 1 < argc ? argv[at + 1] : NULL;
     given *g = j->given + j->given_count++;
     if (o == NULL) {
         unknown_option(j->command, argv[i]);
+        return 0;
+    }
+    if (o->kind == SWITCH && joined) {
+        complain("%s takes no value", o->name);
         return 0;
     }
     if (o->kind != SWITCH && (value == NULL || !is_allowed(o, value, more))) {
@@ -337,7 +381,7 @@ static int take_option(job *j, int argc, char **argv, int i)
     if (o->kind == OUTPUT && add_output(j, value) != 0) {
         return 0;
     }
-    return o->kind == SWITCH ? 1 : o->kind == GENERATE ? 3 : 2;
+    return (o->kind == SWITCH ? 1 : o->kind == GENERATE ? 3 : 2) - joined;
 }
 
 static int take_file(job *j, const char *path)
@@ -422,7 +466,16 @@ static int could_be_command(const char *name)
 static int help_or_version(int argc, char **argv, const command *c, int all)
 {
     int i;
+    if (argc < 2) {
+        puts("pbw: meshes of points, plane domains and solids; cells; files and pages\n\n"
+             "  pbw model.obj -o model.html      triangulates points and shows them\n");
+        list_commands();
+        return 1;
+    }
     if (argc > 1 && strcmp(argv[1], "help") == 0 && could_be_command("help")) {
+        if (argc > 2 && print_manual(argv[2], commands)) {
+            return 1;
+        }
         if (argc > 2 && find_command(argv[2]) == NULL) {
             return 1 + unknown_command(argv[2]);
         }
@@ -430,7 +483,7 @@ static int help_or_version(int argc, char **argv, const command *c, int all)
         return 1;
     }
     for (i = 1; i < argc && strcmp(argv[i], "--") != 0; i++) {
-        if (strcmp(argv[i], "--help") == 0) {
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
             print_help(c, all);
             return 1;
         }

@@ -79,6 +79,9 @@ const char *ending_of(const job *j, const char *path)
     if (found == NULL && format != NULL) {
         found = find_word(j->command->writes, format + (*format == '.'));
     }
+    if (found == NULL && format == NULL && strcmp(path, "-") == 0 && strchr(j->command->writes, ' ') == NULL) {
+        found = find_word(j->command->writes, j->command->writes);     /* the only one */
+    }
     return found;
 }
 

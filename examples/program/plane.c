@@ -5,12 +5,12 @@ static const char *const rules[] = { "hull", "seeds", "even-odd", "nonzero", NUL
 static const char *const ways[] = { "laplace", "lloyd", "odt", NULL };
 
 static const option plane_options[] = {
-    { "--angle", "DEGREES", "refine: no smaller angle, up to 34, but at small angles of the input", POSITIVE, 0, 0,
+    { "--angle", "DEGREES", "refine: no smaller angle, up to 34, but at small angles of the input", POSITIVE, 0, 34,
       NULL },
     { "--area", "A", "refine: no larger triangle", POSITIVE, 0, 0, NULL },
     { "--size", "SIZE", "refine: no longer edge; a number, or a formula in x and y such as\n"
       "\"0.1+0.2*hypot(x,y)\", with + - * / ^ sqrt abs exp log sin cos min max hypot, or a\n"
-      "column with the size at each point, by its name or as #4", PLAIN, 0, 0, NULL },
+      "column with the size at each point, by its name or as #4", SIZE, 0, 0, NULL },
     { "--gradation", "G", "most growth of sizes per distance: of a column, default 0.3; of a formula and of the\n"
       "areas of regions, default any", POSITIVE, 0, 0, NULL },
     { "--coarsen", NULL, "leave points out that are nearer to each other than half of --size", SWITCH, 0, 0, NULL },
@@ -404,9 +404,6 @@ static int set_up(const job *j, const plan *d, pbw_plane_options *options)
                    | (is_given(j, "--keep-segments") ? PBW_PLANE_KEEP_SEGMENTS : 0)
                    | (is_given(j, "--conforming") ? PBW_PLANE_REFINE | PBW_PLANE_CONFORMING : 0)
                    | (is_given(j, "--angle") || is_given(j, "--area") || size != NULL ? PBW_PLANE_REFINE : 0);
-    if (options->angle > 34) {
-        return complain("--angle %s: up to 34 degrees are possible", text_of(j, "--angle"));
-    }
     if (size != NULL && column_of(size) == NULL) {
         (void)evaluate(size, 0.1, 0.1, &wrong);
         options->size_at = size_at;

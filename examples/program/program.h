@@ -41,8 +41,9 @@ enum { MOST_OUTPUTS = 32, FAILURE = 1, USAGE = 2 };
 typedef enum value_kind {
     SWITCH,                                          /* none */
     PLAIN,
-    WHOLE, POSITIVE,                                 /* a number from least to most; a number above 0 */
-    BYTES,                                            /* bytes, with K, M or G */
+    WHOLE, POSITIVE,                                 /* a number from least to most; above 0, to most if that is */
+    SIZE,                                            /* a number above 0, or something else */
+    BYTES,                                           /* bytes, with K, M, GiB, GB ... */
     DIRECTION, PLANE,                                /* X,Y,Z; A,B,C,D with D from -1 to 1; not 0,0,0 */
     CHOICE,                                          /* one of choices */
     BOX,                                             /* low corner, high corner: 4 or 6 numbers */
@@ -126,6 +127,13 @@ typedef struct nearest { const char *word, *name; int distance; } nearest;
 void consider(nearest *n, const char *name);
 
 void print_help(const command *c, int all);
+
+/* ---- manual.c: what is made of the tables of commands and options ---- */
+
+enum { EXAMPLES = 2 };
+const char *example_of(const command *c, int i);                     /* the i-th command line at the end of its help */
+/* Prints the manual page, or completions for a shell: kind is --man, --bash or --zsh; returns 0 for others. */
+int print_manual(const char *kind, const command *const *commands);
 
 /* ---- effects.c ---- */
 
