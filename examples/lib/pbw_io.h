@@ -2039,9 +2039,56 @@ static void pbwio__read_table(pbwio__reader *r)
 }
 
 /* "count dim attributes markers", then "id x y (z) attributes marker" with ids from 0 or 1. */
+/* Room for the attributes of a .node file, but the weight. */
+static void pbwio__node_columns(pbwio__reader *r, long long dim, long long attributes)
+{
+    pbwio_cloud *cloud = r->cloud;
+    const size_t count = (size_t)attributes - (r->column[3] >= dim && r->column[3] < dim + attributes);
+    if (r->status != PBWIO_OK || count == 0 || r->point_capacity == 0) {
+        return;
+    }
+    cloud->columns = (pbwio_column *)pbwio__resize(r, NULL, 0, count, sizeof *cloud->columns);
+    for (; cloud->columns != NULL && cloud->column_count < count && r->status == PBWIO_OK; cloud->column_count++) {
+        pbwio_column *column = cloud->columns + cloud->column_count;
+        column->name = NULL;
+        column->values = (double *)pbwio__resize(r, NULL, 0, r->point_capacity, sizeof(double));
+    }
+}
+
+/* The attributes and the marker of the last point, from the fields after its number. */
+static void pbwio__node_row(pbwio__reader *r, long long dim, long long attributes, int has_marker)
+{
+    pbwio_cloud *cloud = r->cloud;
+    const size_t point = cloud->count - 1;
+    double value = 0;
+    long long i;
+    size_t k = 0;
+    pbw_index group;
+    pbwio__field field;
+    for (i = 0; i < dim + attributes + has_marker && pbwio__next(r, &field) && r->status == PBWIO_OK; i++) {
+        if (i >= dim && !pbwio__number(field.begin, field.end, &value)) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "column %lld, \"%s\", is not a finite number", i + 1,
+                        pbwio__show(r, field));
+        } else if (i >= dim && i < dim + attributes && i != r->column[3]) {
+            cloud->columns[k++].values[point] = value;
+        } else if (i == dim + attributes && (value < 0 || value > 0)) {
+            group = pbwio__find_group(r, 0, value >= -1e15 && value <= 1e15 ? (long long)value : 0, NULL, 0);
+            if (cloud->point_groups != NULL
+                || pbwio__group_room(r, &cloud->point_groups, 0, 0, r->point_capacity)) {
+                cloud->point_groups[point] = group;
+            }
+        }
+    }
+    if (i < dim + attributes) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%lld column%s where %lld are needed", i, i == 1 ? "" : "s",
+                    dim + attributes);
+    }
+}
+
 static void pbwio__read_node(pbwio__reader *r)
 {
     long long count, dim, attributes, markers, first = 0, id, i;
+    const char *row;
     pbwio__row_line(r);
     count = pbwio__count(r, "number of points");
     dim = pbwio__count(r, "dimension");
@@ -2053,6 +2100,7 @@ static void pbwio__read_node(pbwio__reader *r)
     }
     pbwio__choose(r, NULL, (int)dim, (int)(dim + attributes + markers));
     pbwio__reserve(r, (unsigned long long)count, 2 * (size_t)(dim + attributes + markers + 1));
+    pbwio__node_columns(r, dim, attributes);
     for (i = 0; i < count && r->status == PBWIO_OK; i++) {
         if (!pbwio__row_line(r)) {
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "the file ends after %lld of %lld points", i, count);
@@ -2062,8 +2110,14 @@ static void pbwio__read_node(pbwio__reader *r)
         if (id != first + i) {
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "point number %lld where %lld is due", id, first + i);
         }
+        row = r->cursor;
         pbwio__point(r);
+        if (r->status == PBWIO_OK) {
+            r->cursor = row;
+            pbwio__node_row(r, dim, attributes, (int)markers);
+        }
     }
+    r->cloud->base = (int)first;
 }
 
 /* A face corner is id, id/texture, id//normal or id/texture/normal; ids start at 1, -1 is the last point so far. */

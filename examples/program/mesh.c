@@ -19,6 +19,9 @@ static void carry_columns(job *j)
     j->write.columns = c->columns;
     j->write.column_count = c->column_count;
     j->write.base = c->base;
+    j->write.groups = c->groups;
+    j->write.group_count = c->group_count;
+    j->write.point_groups = c->point_groups;
 }
 
 static int run(job *j)
