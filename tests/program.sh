@@ -516,6 +516,55 @@ check "improve: a target for triangles" says 2 "--target 20: it is for tetrahedr
     improve flat.msh --target 20
 check "solid: patches in a page" useless "--patches: it needs an output .msh" solid cube.obj --patches -o a.html
 
+# What has no result is no file.
+awk 'BEGIN { for (i = 0; i < 9; i++) for (k = 0; k < 9; k++) print "v", i, k, (i * 7 + k * 3) % 5 / 10
+    for (i = 0; i < 8; i++) for (k = 1; k < 9; k++) {
+        a = 9 * i + k; print "f", a, a + 9, a + 1; print "f", a + 1, a + 9, a + 10 } }' > sheet.obj
+{   # a box without its lid
+    printf 'v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n'
+    printf 'f 1 4 3 2\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n'
+} > bowl.obj
+printf 'x,y,z\n90,90,90\n91,90,90\n90,91,90\n90,90,91\n' > away.csv
+none() {    # none TEXT ARGUMENT...: status 1, a piece of the message, and no output
+    rm -f none.* && says 1 "$@" && ! ls none.*
+}
+check "mesh --inside of a sheet" none "sheet.obj: nothing is inside: the surface is an open sheet" \
+    mesh sheet.obj --inside -o none.vtu
+check "mesh --inside of a bowl" says 0 "6 tetrahedra" mesh bowl.obj --inside
+check "mesh --inside of what is elsewhere" none "closed.obj: nothing is inside: no tetrahedron" \
+    mesh away.csv --inside --surface closed.obj -o none.msh -o none.ele
+check "view --inside of what is elsewhere" none "closed.obj: nothing is inside" \
+    view away.csv --inside --surface closed.obj -o none.html
+check "solid of a sheet" none "sheet.obj: nothing is inside of it: it is an open sheet" \
+    solid sheet.obj --size 0.7 -o none.vtu
+printf 'x,y\n0,0\n1,0\n0,1\n' > three.csv
+check "cells that are all unbounded" none "none.vtu: no cell is bounded: --box or --clip" cells three.csv -o none.vtu
+check "GeoJSON of cells that are all unbounded" none "no cell is bounded" cells three.csv -o none.geojson
+
+# Heights and columns go through the triangulation of points.
+printf 'x,y,z\n0,0,12\n20,0,15\n20,20,11\n0,20,14\n9,11,31\n0,0,7\n' > hill.csv
+hill() {
+    says 0 "1 point is on another and of another height" mesh hill.csv --dim 2 -o hill.obj -o hill.node \
+        -o hill.csv2.csv -o hill.svg -o hill.html && grep -qx 'v 9 11 31' hill.obj && [ "$(grep -c '^v' hill.obj)" = 5 ] &&
+        grep -qx '4 9 11 31 0' hill.node && grep -qx '5 0 0 12 0' hill.node && grep -qx '20,20,11' hill.csv2.csv
+}
+check "heights with --dim 2" hill
+check "heights that an output lacks" says 0 "hill.svg: the format .svg has no place for: heights" mesh hill.csv \
+    --dim 2 -o hill.svg
+level() {   # all points of one z: in the plane, and at that height again
+    sed 's/,[0-9]*$/,3.5/;1s/.*/x,y,z/' hill.csv > level.csv && says 0 "6 points in 2D" mesh level.csv -o level.obj &&
+        [ "$(grep -c '^v .* 3.5$' level.obj)" = 5 ]
+}
+check "points of one z" level
+printf '4 2 1 1\n1 0 0 1.5 2\n2 4 0 2.5 2\n3 4 3 3.5 -9\n4 0 3 4.5 0\n' > from1.node
+numbered() {    # attributes, markers and numbers go through; the weight is no attribute twice
+    says 0 "2 triangles" mesh from1.node -o to1.node -o to1.ele -o to1.csv && cmp from1.node to1.node &&
+        awk 'NR > 1 && ($1 < 1 || $2 < 1 || $3 < 1 || $4 < 1) { exit 1 }' to1.ele &&
+        [ "$(sed -n 4p to1.csv)" = 4,3,3.5,-9 ] &&
+        says 0 "weighted" mesh from1.node --weights 3 -o w.node && [ "$(sed -n 2p w.node)" = "1 0 0 1.5 2" ]
+}
+check "attributes and numbers of a .node file" numbered
+
 # Numbers and nouns agree.
 check "1 point" says 1 "1 point in 2D, 0 faces" mesh query.csv
 check "1 query" says 0 "1 query" nearest p.csv query.csv

@@ -1427,7 +1427,7 @@ static void fill_in(const char *from, char to[512])
 
 /* The program of examples/program: exit status and last line for right and wrong uses. */
 #define EVERY "vtu msh msh2 mesh inp su2 node ele neigh face edge obj ply stl off xyz csv txt pts asc dat tsv " \
-              "svg html"
+              "svg html geojson"
 static void test_program(void)
 {
     static const struct { const char *arguments, *says; int status; } uses[] = {
@@ -1485,7 +1485,8 @@ static void test_program(void)
         { "mesh FOLDER/f.xyz --quiet --inside",
           "pbw: --inside needs a model with faces in 3D, FOLDER/f.xyz has none", 1 },
         { "convert FOLDER/e.ply", "pbw: an output is needed; see pbw convert --help", 2 },
-        { "convert FOLDER/e.ply FOLDER/e.vtu", "pbw: -o FOLDER/e.vtu: of a tile only; pbw mesh writes that", 2 },
+        { "convert FOLDER/e.ply FOLDER/e.vtu", "pbw: FOLDER/e.ply: it has no tetrahedra, and no triangles of one plane; "
+          "pbw mesh makes them of its points", 1 },
         { "convert FOLDER/e.ply FOLDER/e.stl", "pbw: FOLDER/e.stl: there are no triangles", 1 },
         { "convert FOLDER/e.ply FOLDER/e.obj --quiet", "", 0 },
         { "convert FOLDER/d.obj FOLDER/d.off FOLDER/d.stl -o FOLDER/d.ply --quiet", "", 0 },

@@ -372,6 +372,23 @@ static int check_domain(const job *j, pbw_domain *domain, double *box)
     return 0;
 }
 
+/* Files of shapes have the cells that are bounded; the exit status where there are none. */
+static int draws_nothing(const job *j, const pbw_cells *cells)
+{
+    size_t i;
+    int k;
+    for (k = 0; k < j->outputs; k++) {
+        const char *ending = ending_of(j, j->output[k]);
+        for (i = 0; strcmp(ending, "csv") != 0 && !is_seen(ending) && i < cells->cell_count && !is_drawn(cells, i);
+             i++) {
+        }
+        if (i == cells->cell_count) {
+            return fail(j, "%s: no cell is bounded: --box or --clip ends them", j->output[k]);
+        }
+    }
+    return 0;
+}
+
 static int run(job *j)
 {
     pbwio_cloud clip;
@@ -396,6 +413,9 @@ static int run(job *j)
     }
     if (!failed) {
         report(j, &cells, &domain, body);
+        failed = draws_nothing(j, &cells);
+    }
+    if (!failed) {
         shown[0] = shown[1] = &cells;
         if (!is_bounded(&domain) && shows_pictures(j)) {
             shown[1] = &bounded;

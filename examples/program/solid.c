@@ -159,7 +159,8 @@ static int run(job *j)
     status = pbw_solid(&input, &how, &j->build, &mesh, &boundary, &report);
     if (status != PBW_OK) {
         return status == PBW_CANCELLED ? stopped(j)
-             : status == PBW_DEGENERATE ? fail(j, "%s: nothing is inside of it", j->input)
+             : status == PBW_DEGENERATE ? fail(j, "%s: nothing is inside of it: it is an open sheet, or thinner than the "
+                                              "size; pbw check says where it is open", j->input)
              : fail(j, "%s: %s", j->input, pbw_status_string(status));
     }
     report_on(j, &mesh, &report);

@@ -1,5 +1,6 @@
 /* steps.c: reads, triangulates, checks, describes; the options for that. */
 #include "program.h"
+#include "pbw_surface.h"
 #include "pbw_generate.h"
 
 const option input_options[] = {
@@ -215,12 +216,38 @@ int load_surface(job *j)
     if (status != PBWSAMPLE_OK) {
         return fail(j, "%s: %s", path != NULL ? path : j->input, pbwsample_status_string(status));
     }
+    j->open_surface = report.open_edges > 0 && report.turned_edges == 0;
     if (!report.closed) {
         warn(j, "the surface is not closed (%zu open, %zu crowded, %zu turned edge%s): what is inside is decided by "
              "two of three rays", report.open_edges, report.crowded_edges, COUNT(report.turned_edges));
         describe_surface(j, surface, 0);
     }
     return 0;
+}
+
+/* Whether an open surface has an inside: it winds by more than three quarters around the centre of a tetrahedron, as a
+   bowl does.  A flat sheet winds by at most half, one with waves by a little more in their pockets. */
+static pbw_status winds_around(const job *j, const pbwio_cloud *cloud, const double *centre, int *winds)
+{
+    pbw_surface surface;
+    pbw_status status = pbw_surface_create(cloud->points, cloud->count, cloud->triangles, cloud->triangle_count,
+                                           &j->build, &surface);
+    size_t i;
+    for (i = 0, *winds = 0; status == PBW_OK && i < j->mesh.simplex_count && !*winds; i++) {
+        *winds = fabs(pbw_surface_winding(&surface, centre + 3 * i)) > 0.75;
+    }
+    pbw_surface_free(&surface);
+    return status;
+}
+
+/* The exit status where an option asks for what is inside, and that is nothing. */
+static int nothing_inside(const job *j, int winds)
+{
+    const char *path = text_of(j, "--surface") != NULL ? text_of(j, "--surface") : j->input;
+    return winds ? fail(j, "%s: nothing is inside: no tetrahedron has its centre there; are the points and the surface "
+                        "at the same place, in the same unit?", path)
+         : fail(j, "%s: nothing is inside: the surface is an open sheet; close it (pbw check says where it is open)",
+                path);
 }
 
 int mark_inside(job *j)
@@ -230,6 +257,7 @@ int mark_inside(job *j)
     pbwsample_status status = PBWSAMPLE_ERROR_MEMORY;
     double start = now(), *centre;
     size_t i, k, kept = 0;
+    int winds = 1;
     if (j->mesh.dim != 3) {
         return fail(j, "--inside needs points in 3D");
     }
@@ -243,6 +271,9 @@ int mark_inside(job *j)
     if (centre != NULL && j->inside != NULL) {
         status = pbwsample_inside(&model, centre, j->mesh.simplex_count, j->inside);
     }
+    if (status == PBWSAMPLE_OK && j->open_surface && winds_around(j, surface, centre, &winds) != PBW_OK) {
+        status = PBWSAMPLE_ERROR_MEMORY;
+    }
     free(centre);
     if (status != PBWSAMPLE_OK) {
         return fail(j, "%s", pbwsample_status_string(status));
@@ -251,5 +282,5 @@ int mark_inside(job *j)
         kept += j->inside[i];
     }
     say(j, "inside", now() - start, "%zu %s", kept, simplices(j->mesh.dim, kept));
-    return 0;
+    return is_given(j, "--inside") && (kept == 0 || !winds) ? nothing_inside(j, winds) : 0;
 }
