@@ -47,6 +47,15 @@ printf '0 0\n1 0\n0 1\n' > points.dxf
 check "an ending that is not read" says 1 "points.dxf: files with this ending are not read; formats that are read: .obj" \
     mesh points.dxf
 
+# Tables: which columns are the coordinates, and which are kept.
+printf 'id,easting,northing,height\n1,0,0,5\n2,4,0,6\n3,0,4,7\n4,1,1,9\n' > stations.csv
+check "names that are known" says 0 "columns: x = column 2 (easting), y = column 3 (northing), z = column 4 (height)" \
+    mesh stations.csv
+check "columns are kept" says 0 "3 triangles" mesh stations.csv --dim 2 --keep id -o kept.csv
+check "with their names" sh -c 'head -n 1 kept.csv | grep -q "^x,y.*,id"'
+printf 'lon,lat,easting,northing\n0,0,5,5\n1,0,6,5\n0,1,5,6\n' > two.csv
+check "two pairs of names" says 1 "two.csv:1: several columns may be x and y: lon (1), lat (2), easting (3)" mesh two.csv
+
 # An input is never an output, by whichever name.
 ln -s atoms.csv link.csv
 ln atoms.csv hard.csv

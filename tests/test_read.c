@@ -446,11 +446,115 @@ static void test_gzip(void)
     test_packed_mesh();
 }
 
+/* ---- columns of tables ---- */
+
+typedef struct header { const char *names, *taken; int dim; double sum; } header;      /* taken: or the refusal; dim 0 */
+
+/* Over the rows 9,1,2,3 and 8,4,5,6, with a separator. */
+static const header headers[] = {
+    { "id,x,y,z", "", 3, 21 }, { "fid,X,Y,name", "", 2, 12 },
+    { "id,easting,northing,height", "x = column 2 (easting), y = column 3 (northing), z = column 4 (height)", 3, 21 },
+    { "n,Easting,Northing,Elevation", "z = column 4 (Elevation)", 3, 21 },
+    { "OBJECTID,lon,lat,alt", "x = column 2 (lon), y = column 3 (lat), z = column 4 (alt)", 3, 21 },
+    { "pop,longitude,latitude,w", "x = column 2 (longitude), y = column 3 (latitude)", 2, 12 },
+    { "a,Latitude,Longitude,w", "x = column 3 (Longitude), y = column 2 (Latitude)", 2, 12 },
+    { "a,lat,lng,b", "x = column 3 (lng)", 2, 12 }, { "FID,X_COORD,Y_COORD,k", "x = column 2 (X_COORD)", 2, 12 },
+    { "a,POINT_X,POINT_Y,POINT_Z", "z = column 4 (POINT_Z)", 3, 21 }, { "a,coord_x,coord_y,b", "column 2 (coord_x)", 2, 12 },
+    { "a,xcoord,ycoord,zcoord", "z = column 4 (zcoord)", 3, 21 }, { "a,x (m),y (m),z (m)", "z = column 4 (z (m))", 3, 21 },
+    { "a,x [m],y [m],b", "x = column 2 (x [m])", 2, 12 }, { "a,x_mm,y_mm,z_mm", "z = column 4 (z_mm)", 3, 21 },
+    { "a,\"x\",\"y\",\"z\"", "", 3, 21 }, { "a,\"X Coordinate\",\"Y Coordinate\",b", "x = column 2 (X Coordinate)", 2, 12 },
+    { "a,Points:0,Points:1,Points:2", "z = column 4 (Points:2)", 3, 21 }, { "a,East,North,b", "column 2 (East)", 2, 12 },
+    { "a,E,N,z", "x = column 2 (E), y = column 3 (N), z = column 4 (z)", 3, 21 },
+    { "a,utm_easting,utm_northing,b", "column 2 (utm_easting)", 2, 12 }, { "a,x,y,elev", "z = column 4 (elev)", 3, 21 },
+    { "id,p,q,r", "x = column 2 (p), y = column 3 (q), z = column 4 (r): no known names, the first that are no ids", 3, 21 },
+    { ",p,q,r", "x = column 2 (p)", 3, 21 }, { "Unnamed: 0,p,q,r", "x = column 2 (p)", 3, 21 },
+    { "p,id,q,r", "x = column 1 (p), y = column 3 (q), z = column 4 (r): no known names", 3, 33 },
+    { "point_id,p,q,station_id", "", 2, 12 },
+    { "easting,northing,lon,lat", "a.csv:1: several columns may be x and y: easting (1), northing (2), lon (3), lat (4)", 0,
+      0 },
+    { "x (m),x (ft),y (m),z", "several columns may be x and y: x (m) (1), x (ft) (2), y (m) (3); choose", 0, 0 },
+    { "x,y,height,elevation", "several columns may be z: height (3), elevation (4); choose by names or numbers", 0, 0 },
+    { "lon,longitude,lat,a", "several columns may be x and y: lon (1), longitude (2), lat (3)", 0, 0 },
+    { "x,y,X,Y", "several columns may be x and y", 0, 0 }
+};
+
+static void test_headers(void)
+{
+    static const char separators[] = ",;\t";
+    char text[256], *s;
+    size_t i, k;
+    for (i = 0; i < sizeof headers / sizeof headers[0]; i++) {
+        for (k = 0; k < 3; k++) {
+            const header *h = headers + i;
+            const int spread = k == 2 && (strchr(h->names, ' ') != NULL || h->names[0] == ',' || strchr(h->names, '"'));
+            reading x = { "a.csv", NULL, NULL, 0, 2, 0, 0, 0, NULL };
+            pbwio_cloud c;
+            pbwio_error error;
+            snprintf(text, sizeof text, "%s\n9,1,2,3\n8,4,5,6\n", h->names);
+            for (s = text; *s != 0; s++) {
+                *s = *s == ',' ? separators[k] : *s;
+            }
+            x.dim = h->dim;
+            x.sum = h->sum;
+            x.words = h->dim == 0 ? h->taken : NULL;
+            if (spread) {                                            /* blanks set columns apart there */
+                continue;
+            }
+            check_reading(&x, text, strlen(text));
+            if (h->dim != 0 && CHECK(pbwio_read_memory("a.csv", text, strlen(text), NULL, &c, &error) == PBWIO_OK)) {
+                if (!CHECK(strstr(c.taken, h->taken) != NULL && (*h->taken != 0 || h->names[0] == 'p' || *c.taken == 0))) {
+                    test_say("%s: %s", h->names, c.taken);
+                }
+                pbwio_free(&c);
+            }
+        }
+    }
+}
+
+/* Columns by name and number, all, with a weight among them; such as are not there or no numbers. */
+static void test_kept_columns(void)
+{
+    static const char table[] = "id,easting,northing,height,mass,kind\n7,1,2,3,0.5,rock\n8,4,5,6,0.25,sand\n";
+    static const struct { const char *keep, *weight; size_t count; double sum; const char *words; } cases[] = {
+        { "mass", NULL, 1, 0.75, "" }, { "5,id", NULL, 2, 15.75, "" }, { "*", NULL, 2, 15.75, "1 column of text" },
+        { "*", "mass", 1, 15, "1 column of text" }, { "height", NULL, 1, 9, "" }, { "", NULL, 0, 0, "" },
+        { "kind", NULL, 0, -1, "a.csv:2: column 6, \"rock\", is kept and not a finite number" },
+        { "what", NULL, 0, -1, "a.csv:1: there is no column \"what\"; there are id, easting" },
+        { "9", NULL, 0, -1, "a.csv:1: column 9 is needed, there are 6" }
+    };
+    size_t i, k;
+    for (i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        pbwio_options options = { PBWIO_AUTO, 0, NULL, NULL, NULL, 0 };
+        pbwio_cloud c;
+        pbwio_error error;
+        double sum = 0;
+        options.keep = cases[i].keep;
+        options.weight = cases[i].weight;
+        if (pbwio_read_memory("a.csv", table, sizeof table - 1, &options, &c, &error) != PBWIO_OK) {
+            CHECK(cases[i].sum < 0 && strstr(error.text, cases[i].words) == error.text);
+            continue;
+        }
+        for (k = 0; k < c.column_count; k++) {
+            sum += c.columns[k].values[0] + c.columns[k].values[1];
+        }
+        CHECK(c.column_count == cases[i].count && fabs(sum - cases[i].sum) < 1e-12);
+        CHECK(strcmp(c.dropped, cases[i].words) == 0 && c.dim == 3 && c.points[3] > 3.5);
+        CHECK(i != 1 || (strcmp(c.columns[0].name, "id") == 0 && strcmp(c.columns[1].name, "mass") == 0));
+        pbwio_free(&c);
+    }
+}
+
+static void test_tables(void)
+{
+    test_headers();
+    test_kept_columns();
+}
+
 int main(int argc, char **argv)
 {
     static const struct { const char *name; void (*run)(void); } tests[] = {
         { "polygons", test_polygons }, { "spellings of .stl", test_stl }, { "what is not read", test_refusals },
-        { ".gz is written", test_gzip }
+        { ".gz is written", test_gzip }, { "columns of tables", test_tables }
     };
     size_t i;
     test_start(argc, argv, 0);

@@ -37,6 +37,8 @@
              of symbol x y z
      .xyz .csv .txt .tsv .pts .asc .dat               by name if there is a header line, or number;
              separated by blanks, commas, semicolons  a line that starts with # is a comment
+       A header may name them otherwise: easting, lon, X_COORD, POINT_X, "x (m)" ... with their partners; elevation,
+       height, alt ...  Two pairs of names, or two names of z, are refused.  pbwio_cloud.taken says what was taken.
      Any other name: the content decides.  All of them compressed by gzip, too, with the ending .gz or not.
      Of meshes, triangles, quadrilaterals, polygons are faces, tetrahedra are cells; other elements are passed over.
      A polygon of any shape becomes triangles inside its outline; one that crosses or touches itself, or is flat, a fan.
@@ -164,15 +166,17 @@ typedef struct pbwio_cloud {           /* start from {0}; pbwio_free when done *
                                           has none, or all are 0 */
     int base;                          /* number of the first point in the file: 0 or 1 */
     char dropped[256];                 /* what the file has and the cloud has not, in words; "" = nothing */
+    char taken[200];                   /* which columns of a table are the coordinates, in words; "" = no question */
 } pbwio_cloud;
 
 typedef struct pbwio_options {         /* NULL or all zero = best defaults */
     pbwio_format format;
     int dim;                           /* 0 = what the file has, 2 = z goes to heights, 3 = refuse a file without z */
     const char *columns;               /* "2,3,4" or "east,north": x,y or x,y,z, numbered from 1 or named; NULL = the
-                                          columns named x y z, else the first that are not the weight */
+                                          columns with names that stand for x y z, else the first that are neither the
+                                          weight nor, in tables, an id */
     const char *weight;                /* the same for the weight; NULL = no weights */
-    const char *keep;                  /* columns that the cloud keeps, the same way; "*": all; NULL: those of .node */
+    const char *keep;                  /* columns of tables that the cloud keeps, the same way; "*": all; NULL: none */
     unsigned flags;                    /* PBWIO_DECIMAL_COMMA */
 } pbwio_options;
 
@@ -803,6 +807,8 @@ typedef struct pbwio__reader {
     int joined, over;                        /* this line is continued with backslashes; has no more fields */
     int column[4], last_column;              /* where x, y, z and the weight are, from 0; -1 = nowhere.  In 2D z is
                                                 the height, which rows may lack: then there are no heights */
+    int known;                               /* the columns of coordinates have known names or were chosen */
+    unsigned char kept[PBWIO__MOST_COLUMNS]; /* of a column of the file: 1 + its place in cloud->columns; 0: not kept */
     const pbwio_options *options;
     pbwio_cloud *cloud;
     size_t point_capacity, triangle_capacity, tetrahedron_capacity, segment_capacity, group_capacity, held, budget;
@@ -864,6 +870,16 @@ static void *pbwio__resize(pbwio__reader *r, void *ptr, size_t old_count, size_t
     }
     r->held = r->held + count * size - old_count * size;
     return block;
+}
+
+static char *pbwio__copy(pbwio__reader *r, const char *text, size_t length)      /* with a 0 behind it */
+{
+    char *copy = (char *)pbwio__resize(r, NULL, 0, length + 1, 1);
+    if (copy != NULL) {
+        memcpy(copy, text, length);
+        copy[length] = 0;
+    }
+    return copy;
 }
 
 static int pbwio__line(pbwio__reader *r)
@@ -941,6 +957,20 @@ static int pbwio__is(pbwio__field field, const char *word)
     return pbwio__same(field.begin, (size_t)(field.end - field.begin), word, strlen(word));
 }
 
+/* Whether a list of words with blanks between them, and around it or not, has that one. */
+static int pbwio__lists(const char *words, pbwio__field word)
+{
+    size_t length;
+    for (; *words != 0; words += length) {
+        words += *words == ' ';
+        length = strcspn(words, " ");
+        if (length > 0 && pbwio__same(word.begin, (size_t)(word.end - word.begin), words, length)) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
 /* A field for a message: short, and without bytes that a terminal would act on; the next call overwrites it. */
 static const char *pbwio__show(pbwio__reader *r, pbwio__field field)
 {
@@ -1013,6 +1043,193 @@ static void pbwio__no_column(pbwio__reader *r, const char *name, size_t length, 
     }
 }
 
+/* ---- columns with names that are known ---- */
+
+/* Names of x and y that belong together, then names of z and of ids, all as pbwio__plain_name makes them. */
+static const char *const pbwio__pairs[][2] = {
+    { "x", "y" },
+    { "easting east utme utmeasting rechtswert", "northing north utmn utmnorthing hochwert" },
+    { "lon long lng longitude decimallongitude", "lat latitude decimallatitude" },
+    { "xcoord xcoordinate coordx coordinatex pointx posx xpos positionx xposition utmx xutm points0",
+      "ycoord ycoordinate coordy coordinatey pointy posy ypos positiony yposition utmy yutm points1" },
+    { "e", "n" }
+};
+static const char pbwio__z_names[] = "z elevation elev height altitude alt zcoord zcoordinate coordz coordinatez pointz "
+    "posz zpos positionz zposition points2 utmz";
+static const char pbwio__id_names[] = "id fid gid oid uid uuid objectid ogcfid featureid index idx row rowid key no nr "
+    "num number pid ptid pointid pointno nodeid stationid siteid unnamed0 name label code";
+
+/* A name without case, signs, blanks, and the unit behind it: "X_Coord (m)" is "xcoord".  Returns it in text. */
+static pbwio__field pbwio__plain_name(pbwio__field name, char text[32])
+{
+    const char *s;
+    pbwio__field plain, word;
+    char *end = text, *start = text;         /* start: of the last word */
+    for (s = name.begin; s < name.end && end - text < 31 && (end == text || (*s != '(' && *s != '[')); s++) {
+        const int c = pbwio__lower(*s);
+        if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || (unsigned char)c > 127) {
+            *end++ = (char)c;
+        } else {
+            start = end;
+        }
+    }
+    word.begin = start;
+    word.end = end;
+    plain.begin = text;
+    plain.end = start > text && pbwio__lists("m mm cm km ft deg degree degrees dd meter meters metre metres feet", word)
+              ? start : end;
+    return plain;
+}
+
+static int pbwio__is_id(pbwio__field name)
+{
+    char text[32];
+    const pbwio__field plain = pbwio__plain_name(name, text);
+    return plain.begin == plain.end || pbwio__lists(pbwio__id_names, plain);
+}
+
+/* How many columns but the weight have a name of a list, and the first of them; plain: in plain form. */
+static int pbwio__columns_named(const pbwio__field *names, int count, int weight, int plain, const char *list,
+                                int *column)
+{
+    char text[32];
+    int found = 0, i;
+    for (i = count - 1; i >= 0; i--) {
+        if (i != weight && pbwio__lists(list, plain ? pbwio__plain_name(names[i], text) : names[i])) {
+            *column = i;
+            found++;
+        }
+    }
+    return found;
+}
+
+/* Refuses a table where several columns may be coordinates, those with names of the lists. */
+static void pbwio__ambiguous(pbwio__reader *r, const pbwio__field *names, int count, const char *const *lists,
+                             int list_count)
+{
+    char text[256] = "", plain[32];
+    size_t used = 0;
+    int i, k, is;
+    for (i = 0; i < count && used < sizeof text - 60; i++) {
+        for (k = is = 0; k < list_count; k++) {
+            is |= pbwio__lists(lists[k], pbwio__plain_name(names[i], plain));
+        }
+        if (is) {
+            const int length = (int)(names[i].end - names[i].begin);
+            used += (size_t)snprintf(text + used, sizeof text - used, "%s%.*s (%d)", used > 0 ? ", " : "",
+                                     length < 40 ? length : 40, names[i].begin, i + 1);
+        }
+    }
+    r->line_number = r->names_line;
+    pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "several columns may be %s: %s; choose by names or numbers (--columns)",
+                list_count == 1 ? "z" : "x and y", text);
+}
+
+/* Finds x, y and z by the names that stand for them, into r->column; but for tables only x, y and z themselves.
+   Returns how many there are: 0, 2 or 3. */
+static int pbwio__known_columns(pbwio__reader *r, const pbwio__field *names, int count, int weight)
+{
+    static const char *const z_names[] = { pbwio__z_names };
+    const int groups = (int)(sizeof pbwio__pairs / sizeof pbwio__pairs[0]), table = r->names_line != 0;
+    int pairs = 0, p, x, y, *column = r->column;
+    for (p = -1; p < (table ? groups : 0) && (pairs == 0 || (p > 1 && p < groups - 1)); p++) {
+        const int xs = pbwio__columns_named(names, count, weight, p >= 0, pbwio__pairs[p < 0 ? 0 : p][0], &x);
+        const int ys = pbwio__columns_named(names, count, weight, p >= 0, pbwio__pairs[p < 0 ? 0 : p][1], &y);
+        if (xs > 0 && ys > 0) {
+            pairs += xs * ys;
+            column[0] = x;
+            column[1] = y;
+        }
+    }
+    if (pairs == 0) {
+        return 0;
+    }
+    if (table && pairs > 1) {
+        pbwio__ambiguous(r, names, count, pbwio__pairs[0], 2 * groups);
+    }
+    p = pbwio__columns_named(names, count, weight, 0, "z", column + 2);
+    p = p == 0 && table ? pbwio__columns_named(names, count, weight, 1, pbwio__z_names, column + 2) : p;
+    if (table && p > 1 && r->options->dim != 2) {
+        pbwio__ambiguous(r, names, count, z_names, 1);
+    }
+    column[2] = p > 1 && table ? -1 : column[2];
+    return column[2] >= 0 ? 3 : 2;
+}
+
+/* Says which columns are the coordinates, unless they are named x, y, z, or are all that there are. */
+static void pbwio__say_taken(pbwio__reader *r, const pbwio__field *names, int count, int column_count)
+{
+    char *text = r->cloud->taken;
+    const size_t size = sizeof r->cloud->taken;
+    int k, asked = count == 0 && column_count > r->cloud->dim;
+    for (k = 0; k < 3; k++) {
+        const char letter = "xyz"[k];
+        const int column = r->column[k];
+        asked |= column >= 0 && column < count && !pbwio__same(names[column].begin, (size_t)(names[column].end
+                                                               - names[column].begin), &letter, 1);
+    }
+    for (k = 0; k < 3 && asked && r->status == PBWIO_OK; k++) {
+        const int column = r->column[k];
+        const size_t used = strlen(text);
+        if (column >= 0) {
+            snprintf(text + used, size - used, "%s%c = column %d%s%s%s", k > 0 ? ", " : "", "xyz"[k], column + 1,
+                     column < count ? " (" : "", column < count ? pbwio__show(r, names[column]) : "",
+                     column < count ? ")" : "");
+        }
+    }
+    if (text[0] != 0 && !r->known) {
+        snprintf(text + strlen(text), size - strlen(text), count > 0 ? ": no known names, the first that are no ids"
+                 : ": the first");
+    }
+}
+
+/* Chooses the columns that the cloud keeps, with room for their values.  first: the fields of the first row. */
+static void pbwio__keep_columns(pbwio__reader *r, const pbwio__field *names, int name_count,
+                                const pbwio__field *first, int count)
+{
+    const char *s = r->options->keep;
+    int column, kept = 0, texts = 0;
+    double value;
+    if (s == NULL) {
+        return;
+    }
+    for (column = 0; column < count && strcmp(s, "*") == 0; column++) {
+        const int other = column != r->column[0] && column != r->column[1] && column != r->column[2]
+                       && column != r->column[3];
+        r->kept[column] = other && pbwio__decimal(first[column].begin, first[column].end, r->mark, &value);
+        texts += other && !r->kept[column];
+    }
+    if (texts > 0) {
+        pbwio__dropped(r, "%d column%s of text", texts, texts == 1 ? "" : "s");
+    }
+    while (*s != 0 && strcmp(s, "*") != 0 && r->status == PBWIO_OK) {
+        const size_t length = strcspn(s, ",");
+        column = pbwio__find(names, name_count, s, length);
+        if (column < 0) {
+            pbwio__no_column(r, s, length, names, name_count);
+        } else if (column >= count) {
+            pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "column %d is needed, there are %d", column + 1, count);
+        } else {
+            r->kept[column] = 1;
+        }
+        s += length + (s[length] == ',');
+    }
+    for (column = 0; column < count; column++) {
+        kept += r->kept[column];
+    }
+    r->cloud->columns = kept > 0 ? (pbwio_column *)pbwio__resize(r, NULL, 0, (size_t)kept, sizeof(pbwio_column)) : NULL;
+    for (column = 0; column < count && r->cloud->columns != NULL; column++) {
+        if (r->kept[column]) {
+            pbwio_column *c = r->cloud->columns + r->cloud->column_count++;
+            r->kept[column] = (unsigned char)r->cloud->column_count;
+            c->values = (double *)pbwio__resize(r, NULL, 0, r->point_capacity, sizeof(double));
+            c->name = column < name_count ? pbwio__copy(r, names[column].begin,
+                                                        (size_t)(names[column].end - names[column].begin)) : NULL;
+            r->last_column = column > r->last_column ? column : r->last_column;
+        }
+    }
+}
+
 /* Decides which columns are x, y, z and the weight.  names: of the columns, name_count of them, NULL = x y z;
    column_count: how many columns a row has, 0 = three or more, the rows will tell. */
 static void pbwio__choose(pbwio__reader *r, const pbwio__field *names, int name_count, int column_count)
@@ -1021,18 +1238,19 @@ static void pbwio__choose(pbwio__reader *r, const pbwio__field *names, int name_
     const pbwio_options *o = r->options;
     pbwio__field xyz[3];
     const char *s;
-    int dim = 0, i, k, *column = r->column, weight = -1;
+    int dim, i, k, *column = r->column, weight = -1;
     for (k = 0; k < 3; k++) {
         xyz[k].begin = letters + k;
         xyz[k].end = letters + k + 1;
         column[k] = -1;
     }
     names = names == NULL ? xyz : names;
+    r->known = 1;
     if (o->weight != NULL && (weight = pbwio__find(names, name_count, o->weight, strlen(o->weight))) < 0) {
         pbwio__no_column(r, o->weight, strlen(o->weight), names, name_count);
     }
     if (o->columns != NULL) {
-        for (s = o->columns; dim < 3; s++) {
+        for (s = o->columns, dim = 0; dim < 3; s++) {
             size_t length = strcspn(s, ",");
             column[dim] = pbwio__find(names, name_count, s, length);
             if (column[dim++] < 0) {
@@ -1043,14 +1261,10 @@ static void pbwio__choose(pbwio__reader *r, const pbwio__field *names, int name_
                 break;
             }
         }
-    } else if (pbwio__find(names, name_count, "x", 1) >= 0 && pbwio__find(names, name_count, "y", 1) >= 0) {
-        for (k = 0; k < 3; k++) {
-            column[k] = pbwio__find(names, name_count, letters + k, 1);
-            dim += column[k] >= 0;
-        }
-    } else {
+    } else if ((dim = pbwio__known_columns(r, names, name_count, weight)) == 0) {
+        r->known = 0;
         for (i = 0; i < (column_count == 0 ? 3 : column_count) && dim < 3; i++) {
-            if (i != weight) {
+            if (i != weight && (r->names_line == 0 || i >= name_count || !pbwio__is_id(names[i]))) {
                 column[dim++] = i;
             }
         }
@@ -1150,6 +1364,12 @@ static void pbwio__point(pbwio__reader *r)
                         r->last_column + 1);
             return;
         }
+        if (i < PBWIO__MOST_COLUMNS && r->kept[i] > 0 && r->cloud->count < r->point_capacity
+            && !pbwio__decimal(field.begin, field.end, r->mark,
+                               r->cloud->columns[r->kept[i] - 1].values + r->cloud->count)) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "column %d, \"%s\", is kept and not a finite number", i + 1,
+                        pbwio__show(r, field));
+        }
         for (k = 0; k < 4; k++) {
             if (r->column[k] == i && !pbwio__decimal(field.begin, field.end, r->mark, &value[k])) {
                 int comma;
@@ -1233,16 +1453,6 @@ static uint64_t pbwio__group_hash(int dim, long long tag, const char *name, size
     }
     h *= 0x9e3779b97f4a7c15u;
     return h ^ h >> 32;
-}
-
-static char *pbwio__copy(pbwio__reader *r, const char *text, size_t length)      /* with a 0 behind it */
-{
-    char *copy = (char *)pbwio__resize(r, NULL, 0, length + 1, 1);
-    if (copy != NULL) {
-        memcpy(copy, text, length);
-        copy[length] = 0;
-    }
-    return copy;
 }
 
 /* Doubles the table of groups. */
@@ -2032,6 +2242,8 @@ static void pbwio__read_table(pbwio__reader *r)
         r->at = r->line;
         r->line_number--;
         pbwio__reserve(r, pbwio__most(r, pbwio__count_lines(r, 0)), 1);
+        pbwio__say_taken(r, names, name_count, count);
+        pbwio__keep_columns(r, names, name_count, columns, count);
         while (pbwio__row_line(r)) {
             pbwio__point(r);
         }
@@ -4608,20 +4820,6 @@ static pbwio__field pbwio__ending(const char *path)
     return ending;
 }
 
-/* Whether a list of words with blanks between them, and around it or not, has that one. */
-static int pbwio__lists(const char *words, pbwio__field word)
-{
-    size_t length;
-    for (; *words != 0; words += length) {
-        words += *words == ' ';
-        length = strcspn(words, " ");
-        if (length > 0 && pbwio__same(word.begin, (size_t)(word.end - word.begin), words, length)) {
-            return 1;
-        }
-    }
-    return 0;
-}
-
 PBWIODEF pbwio_format pbwio_format_of(const char *path)
 {
     const pbwio__field ending = pbwio__ending(path);
@@ -4791,6 +4989,9 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
     pbwio__kind_of(format)->read(&r);
     PBWIO_FREE(r.group_table);
     pbwio__cut_polygons(&r);
+    if (r.options->keep != NULL && r.options->keep[0] != 0 && cloud->column_count == 0) {
+        pbwio__dropped(&r, "columns (those of tables are, on request)");
+    }
     PBWIO_FREE(r.polygons);
     if (r.status == PBWIO_OK && cloud->count == 0) {
         r.status = pbwio__file_error(error, PBWIO_ERROR_FORMAT, name, "the file has no points");

@@ -17,6 +17,7 @@ static const rule rules[] = {
     { "mesh check convert bench view cells plane tiles hash live", "--columns", NULL, "--generate *.pbwt *.bin" },
     { "mesh check convert bench view cells plane tiles hash live", "--decimal-comma", NULL,
       "--generate *.pbwt *.bin" },
+    { NULL, "--keep", NULL, "--generate *.pbwt *.bin" },
     { NULL, "--weights", NULL, "--generate *.pbwt" },
     { "check convert hash", "--dim", NULL, "*.pbwt" },
     { NULL, "--surface", "--inside", NULL },

@@ -6,6 +6,8 @@
 const option input_options[] = {
     { "--dim", "2|3", "dimension; default 3, or 2 for files of two columns or of one z", WHOLE, 2, 3, NULL },
     { "--columns", "X,Y[,Z]", "which columns, by number from 1 or by name", PLAIN, 0, 0, NULL },
+    { "--keep", "A,B", "tables: columns that the points keep, by number or name, for .csv .vtu ...; * is all",
+      PLAIN, 0, 0, NULL },
     { "--decimal-comma", NULL, "tables: numbers such as 1,5; columns set apart by ; or blanks", SWITCH, 0, 0, NULL },
     { "--generate", "KIND N", "N points instead of an input: uniform gauss ball sphere lattice\n"
       "clusters lines spiral plane anisotropic moment", GENERATE, 1, 4e9, pbwgen_kinds },
@@ -76,6 +78,9 @@ int load(job *j, int flat)
     }
     note(j, "%zu point%s in %dD%s, %zu face%s", COUNT(j->cloud.count), j->cloud.dim,
          j->cloud.weights != NULL ? ", weighted" : "", COUNT(j->cloud.triangle_count));
+    if (j->cloud.taken[0] != 0) {
+        note(j, "columns: %s", j->cloud.taken);
+    }
     say(j, "read", now() - start, "%s", "");
     return 0;
 }
