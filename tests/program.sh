@@ -78,6 +78,25 @@ ln -s later.obj dangling.obj
 check "a link is written through" silent mesh atoms.csv --quiet -o folder/link.obj -o dangling.obj
 check "a link stays" sh -c "[ -h folder/link.obj ] && [ -h dangling.obj ]"
 check "what it leads to is written" sh -c "grep '^f' target.obj && grep '^f' later.obj && ! ls target.obj.part*"
+closed() {  # closed STREAMS...: a report goes nowhere, not into an output
+    "$pbw" mesh atoms.csv --weights r --quiet -o shown.obj || return 1
+    rm -f shut.obj
+    case $1 in
+        all) "$pbw" mesh atoms.csv --weights r -o shut.obj <&- >&- 2>&- ;;
+        in) "$pbw" mesh atoms.csv --weights r -o shut.obj <&- > said ;;
+        out) "$pbw" mesh atoms.csv --weights r -o shut.obj >&- 2> said ;;
+        both) "$pbw" mesh atoms.csv --weights r -o shut.obj >&- 2>&- ;;
+        none) ! "$pbw" mesh no.csv -o shut.obj <&- >&- 2>&- && ! [ -e shut.obj ] && cp shown.obj shut.obj ;;
+    esac
+    cmp shown.obj shut.obj
+}
+for streams in all in out both none; do
+    check "standard streams that are closed: $streams" closed $streams
+done
+closed_output() { ! "$pbw" mesh atoms.csv --weights r --format obj -o - 2> said >&- && grep 'standard output: ' said; }
+check "an output to a closed stream is a failure" closed_output
+closed_input() { ! "$pbw" mesh - -o shut.obj 2> said <&- && grep 'pbw: ' said; }
+check "points of a closed stream are a failure" closed_input
 echo mine > kept.part
 ln -s atoms.csv kept2.obj.part
 ln -s kept.part kept3.obj.part

@@ -1,5 +1,6 @@
 /* test_tilefile.c: files of tiles, by the functions of the pbw program itself in one process: a file that differs in
-   any word from what was written is refused by every reader to whom that word means something. */
+   any word from what was written is refused by every reader to whom that word means something; so are scratch files of
+   a run that goes on, files that are truncated while they are read, and a second run in one folder. */
 #define PBW_TILES_IMPLEMENTATION
 #define PBW_TILEFILE_IMPLEMENTATION
 #define PBW_IO_IMPLEMENTATION
@@ -7,6 +8,8 @@
 #include "pbw_io.h"
 #include "inputs.h"
 #include "test.h"
+#include <dirent.h>
+#include <sys/wait.h>
 #define run run_hash                                 /* both files have a function of that name */
 #include "../examples/program/pbwt.c"
 #undef run
@@ -17,6 +20,7 @@
 
 /* ---- what the program has in its other files: options by name, and texts that are kept instead of printed */
 
+extern int truncate(const char *name, off_t length);  /* strict C modes hide it */
 static const char *const *given_options;             /* names and values in turn, NULL ends them */
 static char said[20000];
 
@@ -45,7 +49,7 @@ int complain(const char *format, ...)
     return USAGE;
 }
 
-void note(const job *j, const char *format, ...)
+void warn(const job *j, const char *format, ...)
 {
     va_list list;
     (void)j;
@@ -54,12 +58,28 @@ void note(const job *j, const char *format, ...)
     va_end(list);
 }
 
+static void (*on_note)(void), (*on_tile_end)(void);  /* what happens meanwhile: once a file is open, a tile written */
+
+void note(const job *j, const char *format, ...)
+{
+    va_list list;
+    (void)j;
+    va_start(list, format);
+    keep(format, list);
+    va_end(list);
+    if (on_note != NULL) {
+        on_note();
+    }
+}
+
 void say(const job *j, const char *what, double seconds, const char *format, ...)
 {
     (void)j;
-    (void)what;
     (void)seconds;
     (void)format;
+    if (on_tile_end != NULL && strcmp(what, "tile") == 0) {
+        on_tile_end();
+    }
 }
 
 const char *text_of(const job *j, const char *name)
@@ -116,6 +136,18 @@ static char *get(const char *name, size_t *count)
     return bytes;
 }
 
+static size_t memory_limit;
+static long stop_at;                                 /* the call of progress that stops the run; 0: none */
+
+static int on_progress(void *user, pbw_stage stage, double done)
+{
+    (void)user;
+    (void)stage;
+    (void)done;
+    interrupted = interrupted || (stop_at > 0 && --stop_at == 0);
+    return interrupted;
+}
+
 static int make_tiles(const char *const *options)
 {
     job j;
@@ -123,6 +155,9 @@ static int make_tiles(const char *const *options)
     j.output[0] = path;
     j.outputs = 1;
     j.build.threads = 1;
+    j.build.progress = on_progress;
+    j.build.memory_limit = memory_limit;
+    interrupted = 0;
     given_options = options;
     *said = 0;
     return run_tiles(&j);
@@ -242,6 +277,9 @@ static void change_words(size_t at, size_t bytes, int sealed)
             if (!CHECK(checked() == FAILURE && *said != 0)) {
                 test_say("byte %lu of %lu, %08x, not %08x", (unsigned long)i, (unsigned long)size, value, word);
             }
+            if (k % 5 != 0) {
+                continue;
+            }
             other = hashed();
             CHECK(other == hash || (other == 0 && *said != 0));
             other = converted();
@@ -273,15 +311,14 @@ static void change_id(size_t point, uint64_t id)
 {
     pbwtf_view view;
     char error[PBWTF_ERROR];
-    pbwtf_map map;
+    pbwtf_file file;
     size_t c, i;
-    memset(&map, 0, sizeof map);
-    map.data = data;
-    map.size = size;
+    put(path, old, size);
+    CHECK(pbwtf_open(path, &file, error));
     for (c = 0; c < head(old)->chunks; c++) {
-        CHECK(pbwtf_view_at(&map, head(old), entry_of(old, c), c, &view, error));
+        CHECK(pbwtf_view_of(&file, c, &view, error));
         for (i = 0; i < view.chunk->foreign; i++) {
-            char *record = (char *)(size_t)(view.foreign + i * view.foreign_size);
+            char *record = data + ((const char *)(view.foreign + i * view.foreign_size) - file.map.data);
             uint64_t key;
             memcpy(&key, record + 8 * view.own_size, 8);
             if (key == point) {
@@ -289,9 +326,10 @@ static void change_id(size_t point, uint64_t id)
             }
         }
         if (c == 0) {
-            memcpy((char *)(size_t)(view.own + (point + 1) * view.own_size - 1), &id, 8);
+            memcpy(data + ((const char *)(view.own + (point + 1) * view.own_size - 1) - file.map.data), &id, 8);
         }
     }
+    pbwtf_close(&file);
 }
 
 /* Sealed: says whether check accepts what is in data; text: what it must say. */
@@ -373,16 +411,254 @@ static void test_contents(void)
     }
 }
 
+/* ---- while they are read */
+
+static size_t cut_to;                                /* bytes; 1: another file comes under the name */
+
+static void cut_file(void)
+{
+    if (cut_to != 1) {
+        CHECK(truncate(path, (off_t)cut_to) == 0);
+    } else {
+        CHECK(remove(path) == 0);
+        fclose(fopen(path, "wb"));
+    }
+}
+
+static void test_truncation(void)
+{
+    if (test_begin("files that are truncated or replaced while they are read")) {
+        size_t i;
+        make_file(INPUT_UNIFORM, 3, 3000, "3");
+        for (i = 0; i < 12; i++) {
+            cut_to = i < 2 ? i : size * i / 12;
+            on_note = cut_file;
+            CHECK(checked() == FAILURE && strstr(said, "truncated or replaced") != NULL);
+            on_note = NULL;
+            remove(path);
+            fclose(fopen(path, "wb"));
+            put(path, old, size);
+            on_note = cut_file;
+            cut_to = cut_to < 4096 ? cut_to : 4096;
+            CHECK(hashed() == 0 && strstr(said, "truncated or replaced") != NULL);
+            on_note = NULL;
+            remove(path);
+            fclose(fopen(path, "wb"));
+            put(path, old, size);
+            on_note = cut_file;
+            CHECK(converted() == 0 && strstr(said, "truncated or replaced") != NULL);
+            on_note = NULL;
+            remove(path);
+            fclose(fopen(path, "wb"));
+            put(path, old, size);
+        }
+        CHECK_EQUAL(checked(), 0);
+        test_end();
+    }
+}
+
+/* ---- scratch files */
+
+static const char *const three_tiles[] = { "--tiles", "3", "--work", "1", NULL };
+static char scratch_folder[100];
+static int tiles_ended, stop_after;
+
+static void stop_then(void)
+{
+    interrupted = ++tiles_ended == stop_after;
+}
+
+/* A run that is stopped after so many tiles, or by a call of progress. */
+static void stopped_run(int tiles, long call)
+{
+    tiles_ended = 0;
+    stop_after = tiles;
+    stop_at = call;
+    on_tile_end = stop_then;
+    CHECK(make_tiles(three_tiles) == FAILURE && strstr(said, "the same command goes on") != NULL);
+    on_tile_end = NULL;
+    stop_at = 0;
+}
+
+/* The names of scratch files that are not empty, and of the output that grows; returns how many. */
+static size_t scratch_names(char (*name)[400])
+{
+    DIR *list = opendir(scratch_folder);
+    const char *slash = strrchr(path, '/');
+    struct dirent *entry;
+    struct stat about;
+    size_t count = 0;
+    while (list != NULL && (entry = readdir(list)) != NULL) {
+        snprintf(name[count], 400, "%s/%s", scratch_folder, entry->d_name);
+        count += stat(name[count], &about) == 0 && S_ISREG(about.st_mode) && about.st_size > 0;
+    }
+    CHECK(list != NULL && closedir(list) == 0);
+    list = opendir("/tmp");
+    while (list != NULL && (entry = readdir(list)) != NULL) {
+        if (strstr(entry->d_name, ".part.") != NULL && strncmp(entry->d_name, slash + 1, strlen(slash + 1)) == 0) {
+            snprintf(name[count++], 400, "/tmp/%s", entry->d_name);
+        }
+    }
+    closedir(list);
+    return count;
+}
+
+static void flip(const char *name, size_t place)     /* a bit, at so many sixteenths of the file */
+{
+    FILE *file = fopen(name, "rb+");
+    long at;
+    int byte;
+    CHECK(file != NULL && fseek(file, 0, SEEK_END) == 0);
+    at = ftell(file);
+    at = place == 16 ? at - 1 : at * (long)place / 16;
+    CHECK(fseek(file, at, SEEK_SET) == 0 && (byte = getc(file)) != EOF && fseek(file, at, SEEK_SET) == 0
+          && putc(byte ^ 1 << place % 8, file) != EOF && fclose(file) == 0);
+}
+
+static int is_as_it_was(void)
+{
+    size_t count;
+    char *now_there = get(path, &count);
+    const int same = count == size && memcmp(now_there, old, size) == 0;
+    free(now_there);
+    return same;
+}
+
+/* Returns how many of the flips were told; the others were made good. */
+static size_t flips(int tiles, long call, size_t *all)
+{
+    char name[40][400];
+    size_t i, k, n = 1, told = 0;
+    for (i = 0; i < n; i++) {
+        for (k = 0; k <= 16; k += 8u << (tiles == 3)) {
+            remove(path);
+            stopped_run(tiles, call);
+            n = scratch_names(name);
+            flip(name[i], k);
+            if (make_tiles(three_tiles) != 0) {
+                told += (size_t)CHECK(strstr(said, scratch_folder) != NULL && strstr(said, "start again") != NULL);
+                CHECK(access(scratch_folder, F_OK) != 0 && access(path, F_OK) != 0);
+                CHECK_EQUAL(make_tiles(three_tiles), 0);
+            }
+            ++*all;
+            if (!CHECK(is_as_it_was())) {
+                test_say("%s, %lu sixteenths: %s", name[i], (unsigned long)k, said);
+            }
+            CHECK(access(scratch_folder, F_OK) != 0);
+        }
+    }
+    CHECK(n > 6);
+    return told;
+}
+
+static void test_flips(int kind, int dim)
+{
+    if (test_begin("a flipped bit in each scratch file: kind %d in %dD", kind, dim)) {
+        size_t all = 0, told;
+        make_file(kind, dim, 200, "3");
+        told = flips(kind == INPUT_SPHERE ? 3 : 2, 0, &all);         /* of the sphere there are leftovers to make */
+        CHECK(told > 3 && told < all);
+        test_end();
+    }
+}
+
+static void test_points_flipped(void)
+{
+    if (test_begin("a flipped bit in points of a tile")) {
+        size_t all = 0;
+        make_file(INPUT_UNIFORM, 3, 500, "3");
+        CHECK(flips(0, 2, &all) > 3);
+        test_end();
+    }
+}
+
+static void cut_tree(void)
+{
+    char name[200];
+    snprintf(name, sizeof name, "%s/2.tree", scratch_folder);
+    CHECK(tiles_ended++ > 0 || truncate(name, 100) == 0);
+}
+
+static void test_cut_tree(void)
+{
+    if (test_begin("a scratch file that is truncated while it is read")) {
+        make_file(INPUT_UNIFORM, 3, 3000, "3");
+        tiles_ended = 0;
+        on_tile_end = cut_tree;
+        memory_limit = 1000000;                      /* so that trees leave memory */
+        CHECK(make_tiles(three_tiles) == FAILURE && strstr(said, "2.tree: it was truncated") != NULL);
+        on_tile_end = NULL;
+        memory_limit = 0;
+        CHECK(make_tiles(three_tiles) == 0 && is_as_it_was());
+        test_end();
+    }
+}
+
+static void run_another(void)
+{
+    const pid_t child = fork();
+    char text[60];
+    int status = 0;
+    if (child == 0) {
+        on_tile_end = NULL;
+        status = make_tiles(three_tiles);
+        snprintf(text, sizeof text, "is in use: process %ld works there", (long)getppid());
+        _exit(status == FAILURE && strstr(said, text) != NULL ? 0 : 1);
+    }
+    CHECK(child > 0 && waitpid(child, &status, 0) == child && status == 0);
+}
+
+static void die(void)
+{
+    _exit(9);
+}
+
+static void test_lock(void)
+{
+    if (test_begin("a second run in a folder; the first one died; files of others")) {
+        char name[200];
+        FILE *file;
+        pid_t child;
+        int status = 0;
+        make_file(INPUT_UNIFORM, 3, 300, "3");
+        on_tile_end = run_another;
+        CHECK(make_tiles(three_tiles) == 0 && is_as_it_was());
+        on_tile_end = die;
+        child = fork();
+        if (child == 0) {
+            make_tiles(three_tiles);
+        }
+        CHECK(child > 0 && waitpid(child, &status, 0) == child && status != 0 && access(scratch_folder, F_OK) == 0);
+        on_tile_end = NULL;
+        CHECK(make_tiles(three_tiles) == 0 && strstr(said, "going on: 1 of 3") != NULL && is_as_it_was());
+        snprintf(name, sizeof name, "%s/1.facets", scratch_folder);
+        CHECK(mkdir(scratch_folder, 0777) == 0);
+        file = fopen(name, "w");
+        CHECK(file != NULL && fclose(file) == 0);
+        CHECK(make_tiles(three_tiles) == FAILURE && strstr(said, "files of other programs") != NULL);
+        CHECK(access(name, F_OK) == 0 && remove(name) == 0);
+        CHECK(make_tiles(three_tiles) == 0 && is_as_it_was());
+        test_end();
+    }
+}
+
 int main(int argc, char **argv)
 {
     char name[64];
     test_start(argc, argv, 1);
     snprintf(name, sizeof name, "/tmp/test_tilefile.%ld.pbwt", (long)getpid());
     path = name;
+    snprintf(scratch_folder, sizeof scratch_folder, "%s.scratch", path);
     test_words(INPUT_UNIFORM, 3, "3", 0);
     test_words(INPUT_UNIFORM, 2, "2", 0);
     test_words(INPUT_SPHERE, 3, "2", 1);
     test_contents();
+    test_truncation();
+    test_flips(INPUT_UNIFORM, 3);
+    test_flips(INPUT_SPHERE, 3);
+    test_points_flipped();
+    test_cut_tree();
+    test_lock();
     remove(path);
     free(cloud.points);
     free(old);

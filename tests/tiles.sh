@@ -77,7 +77,7 @@ same_as_mesh() {
 check "the same as at once" same_as_mesh
 without_mesh() {
     "$pbw" tiles clusters.csv --tiles 4 --no-mesh > said 2>&1 && grep "hash $(cat one)" said &&
-        ! [ -e clusters.csv.part ] && ! [ -e clusters.csv.scratch ]
+        ! ls -d clusters.csv.*
 }
 check "counts and the hash without a file" without_mesh
 check "no file, without links" says 2 "--no-links and --no-mesh exclude each other" \
@@ -86,7 +86,7 @@ check "no file, and one" says 2 "with --no-mesh none" tiles clusters.csv --no-me
 nothing_left() {     # nothing_left NAME SAYS-ARGUMENT...: no scratch files and no part of an output
     beside=$1
     shift
-    says "$@" && ! [ -e "$beside.scratch" ] && ! [ -e "$beside.part" ]
+    says "$@" && ! ls -d "$beside".*
 }
 check "no file, and leftovers" nothing_left k3.3.bin 1 "--no-mesh does not do them" tiles k3.3.bin --tiles 3 --no-mesh
 
@@ -209,6 +209,41 @@ fewer() {
 }
 check "little memory, so fewer at a time" fewer
 
+# Standard streams that are closed: the report goes nowhere, not into the output that gets its number.
+closed() {
+    "$pbw" tiles few.bin --tiles 2 -o open.pbwt > said && "$pbw" tiles few.bin --tiles 2 -o closed.pbwt <&- >&- 2>&-
+    cmp open.pbwt closed.pbwt
+}
+check "standard streams that are closed" closed
+
+# Two runs at once: of one output one is told who works there, and the other is whole; of two folders both are.
+at_once() {
+    for try in 1 2 3 4; do
+        "$pbw" tiles long.bin --tiles 8 -o pair.pbwt > first 2>&1 & one=$!
+        "$pbw" tiles long.bin --tiles 8 -o pair.pbwt > second 2>&1
+        two=$?
+        wait $one
+        one=$?
+        cat first second
+        [ $((one + two)) = 0 ] || { [ $((one + two)) = 1 ] && cat first second | grep 'is in use: process [0-9]* works'; } ||
+            return 1
+        cmp m8.pbwt pair.pbwt && ! ls -d pair.pbwt.* || return 1
+    done
+}
+two_folders() {
+    "$pbw" tiles long.bin --tiles 8 --scratch one.scratch -o pair.pbwt > first 2>&1 & one=$!
+    "$pbw" tiles long.bin --tiles 8 --scratch two.scratch -o pair.pbwt > second 2>&1 && wait $one &&
+        cmp m8.pbwt pair.pbwt && ! ls -d pair.pbwt.* one.scratch two.scratch
+}
+"$pbw" tiles long.bin --tiles 8 -o m8.pbwt > said
+check "two runs on one output" at_once
+check "two runs on one output in two folders" two_folders
+kept_part() {   # a user's file, or link, of a name that runs once used
+    echo mine > kept.pbwt.part && ln -s kept.pbwt.part kept2.pbwt.part && "$pbw" tiles few.bin -o kept.pbwt > said &&
+        "$pbw" tiles few.bin -o kept2.pbwt > said && grep mine kept.pbwt.part && [ -h kept2.pbwt.part ]
+}
+check "files named .part are kept" kept_part
+
 # A tile as a mesh.
 part() { "$pbw" convert c.pbwt --tile 2 -o part.vtu > said && grep -q '</VTKFile>' part.vtu; }
 check "a tile as .vtu" part
@@ -248,7 +283,7 @@ another() { # scratch files are not used for other points, whatever their number
 ./points 2 3 100000 0 > moved.bin
 check "scratch of another input" another
 missing() { # nor where the output that grew is gone
-    half && rm h.pbwt.part && "$pbw" tiles long.bin --tiles 8 -o h.pbwt > said 2>&1 && cat said && cmp f.pbwt h.pbwt
+    half && rm h.pbwt.part.* && "$pbw" tiles long.bin --tiles 8 -o h.pbwt > said 2>&1 && cat said && cmp f.pbwt h.pbwt
 }
 check "scratch without its output" missing
 check "no hull is counted without links" says 0 "simplices, 500 duplicates" tiles few.bin --no-mesh

@@ -9,7 +9,7 @@
        pbw_mesh mesh;
        char error[PBWTF_ERROR];
        if (!pbwtf_open("mesh.pbwt", &file, error)) { puts(error); return 1; }
-       if (!pbwtf_view_of(&file, 7, &view, error)) { puts(error); return 1; }       // tile 7: pointers into the file
+       if (!pbwtf_view_of(&file, 7, &view, error)) { puts(error); return 1; }       // tile 7: pointers into memory
        if (!pbwtf_mesh(&view, &mesh)) { puts("out of memory"); return 1; }          // as a pbw_mesh of its own
        pbwtf_mesh_free(&mesh);
        pbwtf_close(&file);
@@ -71,14 +71,19 @@ typedef struct pbwtf_chunk {
 
 typedef struct pbwtf_entry { uint64_t offset, size, first_simplex, across_checksum; } pbwtf_entry;
 
-typedef struct pbwtf_map { const char *data; size_t size; } pbwtf_map;
+typedef struct pbwtf_map {
+    const char *data;                      /* what was fetched is there, else zeros */
+    size_t size;
+    struct pbwtf__blocks *blocks;          /* private */
+} pbwtf_map;
+
 typedef struct pbwtf_file {
     pbwtf_map map;
-    const pbwtf_header *header;
+    const pbwtf_header *header;            /* copies, and what is in the file */
     const pbwtf_entry *table;
 } pbwtf_file;
 
-typedef struct pbwtf_view {                /* pointers into a file; records of simplices: corners, links */
+typedef struct pbwtf_view {                /* pointers into a map; records of simplices: corners, links */
     const pbwtf_chunk *chunk;
     const double *own, *foreign;           /* own_size, foreign_size doubles a record; the id is the bits of one */
     const uint32_t *simplices, *given;
@@ -90,19 +95,36 @@ typedef struct pbwtf_view {                /* pointers into a file; records of s
 typedef struct pbwtf_writer {              /* start with pbwtf_begin */
     FILE *file;
     pbwtf_chunk chunk;
-    long start;
+    int64_t start;
     uint32_t half[2];
     int halves, failed;
 } pbwtf_writer;
 
-/* All but the writers return 1, or 0 with a text in error. */
+/* A file is read in blocks, when they are first asked for, into memory that is this process's own: a file that is
+   truncated or replaced meanwhile is a fault that pbwtf_fault tells, never a signal.  Any number of threads may fetch at
+   once.  All but the writers return 1, or 0 with a text in error. */
+#define PBWTF_BLOCK 65536                  /* bytes */
 PBWTFDEF int pbwtf_map_file(const char *path, pbwtf_map *map, char *error);      /* an empty file is fine */
 PBWTFDEF void pbwtf_unmap(pbwtf_map *map);
-PBWTFDEF void pbwtf_forget(const pbwtf_map *map);    /* its pages leave this process's memory until they are read */
+/* Reads the blocks that have some bytes of map->data, unless they are there.  Returns from.  What cannot be read is
+   zeros. */
+PBWTFDEF const void *pbwtf_fetch(const pbwtf_map *map, const void *from, size_t size);
+/* Returns NULL, or what went wrong since the file was mapped. */
+PBWTFDEF const char *pbwtf_fault(const pbwtf_map *map);
+PBWTFDEF size_t pbwtf_fetched(const pbwtf_map *map);      /* bytes of the blocks that are there */
+PBWTFDEF void pbwtf_forget(const pbwtf_map *map);    /* frees all blocks; nobody may read meanwhile */
+/* The map ends at size, and blocks are compared with these sums of them, which are not copied: others are a fault. */
+PBWTFDEF void pbwtf_expect(pbwtf_map *map, size_t size, const uint64_t *sums);
+PBWTFDEF uint64_t pbwtf_sum(const void *data, size_t size);      /* of whole words; faster than a checksum */
+PBWTFDEF int pbwtf_seek(FILE *file, uint64_t place);              /* from the start, beyond 2 GB; 1: it is there */
+PBWTFDEF int64_t pbwtf_tell(FILE *file);                          /* -1: failed */
+/* Creates path.part.PROCESS-NUMBER, which was not there, for reading and writing.  name: that, of `size` bytes. */
+PBWTFDEF FILE *pbwtf_create(const char *path, char *name, size_t size);
 PBWTFDEF int pbwtf_open(const char *path, pbwtf_file *file, char *error);
 PBWTFDEF void pbwtf_close(pbwtf_file *file);
 PBWTFDEF int pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error);
-/* The same of a file that has no header yet: dim, flags, chunks and tiles of header and one entry are read. */
+PBWTFDEF int pbwtf_view_head(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error);   /* rest: fetch */
+/* pbwtf_view_head of a file that has no header yet: dim, flags, chunks and tiles of header and one entry are read. */
 PBWTFDEF int pbwtf_view_at(const pbwtf_map *map, const pbwtf_header *header, const pbwtf_entry *entry, size_t chunk,
                            pbwtf_view *view, char *error);
 /* Returns whether the bytes of a chunk are those that were written, by its checksums, and what fills it up is 0. */
@@ -135,13 +157,27 @@ PBWTFDEF void pbwtf_seal(pbwtf_header *header, const pbw_hash_sums *sums);
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#ifndef _WIN32
-#include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
+#ifdef _WIN32
+#include <fcntl.h>
+#include <io.h>
+#include <process.h>
+#else
+#include <fcntl.h>
 #include <unistd.h>
-#if defined(__linux__) && !defined(__cplusplus)
-extern int madvise(void *address, size_t length, int advice);        /* strict C modes hide it */
+#if defined(__GNUC__)                      /* else files are read at once */
+#define PBWTF__IN_BLOCKS 1
+#include <sched.h>
+#include <sys/mman.h>
+#if defined(__linux__) && !defined(MAP_ANONYMOUS)
+#include <asm/mman.h>                      /* strict C modes hide it */
+#endif
+#ifndef MAP_ANONYMOUS
+#define MAP_ANONYMOUS MAP_ANON
+#endif
+#ifndef MAP_NORESERVE
+#define MAP_NORESERVE 0
+#endif
 #endif
 #endif
 
@@ -164,66 +200,210 @@ PBWTFDEF uint64_t pbwtf_checksum(uint64_t h, const void *data, size_t size)
     return h;
 }
 
+PBWTFDEF uint64_t pbwtf_sum(const void *data, size_t size)
+{
+    const char *text = (const char *)data;
+    uint64_t lane[4] = { 1, 2, 3, 4 }, w[4];
+    size_t at, k;
+    for (at = 0; at + sizeof w <= size; at += sizeof w) {            /* lanes do not wait for each other */
+        memcpy(w, text + at, sizeof w);
+        for (k = 0; k < 4; k++) {
+            lane[k] = (lane[k] ^ w[k]) * 0x9e3779b97f4a7c15u;
+            lane[k] ^= lane[k] >> 32;
+        }
+    }
+    return pbwtf_checksum(pbwtf_checksum(size, lane, sizeof lane), text + at, size - at);
+}
+
 /* ------------------------------------------------------------------------------------------------------
-   Maps of files.  (Windows: files are read.)
+   Files: places beyond 2 GB, names that are new.
    ------------------------------------------------------------------------------------------------------ */
-#ifndef _WIN32
+PBWTFDEF int pbwtf_seek(FILE *file, uint64_t place)
+{
+#if defined(_WIN32)
+    return _fseeki64(file, (__int64)place, SEEK_SET) == 0;
+#elif defined(__USE_LARGEFILE)                       /* glibc's: fseeko is declared, by _LARGEFILE_SOURCE */
+    return fseeko(file, (off_t)place, SEEK_SET) == 0;
+#else
+    return (uint64_t)(long)place == place && fseek(file, (long)place, SEEK_SET) == 0;
+#endif
+}
+
+PBWTFDEF int64_t pbwtf_tell(FILE *file)
+{
+#if defined(_WIN32)
+    return _ftelli64(file);
+#elif defined(__USE_LARGEFILE)
+    return ftello(file);
+#else
+    return ftell(file);
+#endif
+}
+
+PBWTFDEF FILE *pbwtf_create(const char *path, char *name, size_t size)
+{
+    FILE *file = NULL;
+    unsigned number;
+    for (number = 0; file == NULL && (number == 0 || (errno == EEXIST && number < 10000)); number++) {
+#ifdef _WIN32
+        int open_file;
+        snprintf(name, size, "%s.part.%lu-%u", path, (unsigned long)_getpid(), number);
+        open_file = _open(name, _O_CREAT | _O_EXCL | _O_RDWR | _O_BINARY, _S_IREAD | _S_IWRITE);
+        file = open_file >= 0 ? _fdopen(open_file, "w+b") : NULL;
+#else
+        snprintf(name, size, "%s.part.%lu-%u", path, (unsigned long)getpid(), number);
+        file = fopen(name, "w+bx");
+#endif
+    }
+    return file;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Maps of files: memory of the file's size, of which the system has given only what was fetched.  Each block is read
+   by itself, from a file that is opened for it: no file stays open, and another one under its name is noticed.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwtf__blocks {
+    const uint64_t *sums;
+    size_t size;                                     /* of the memory */
+    size_t count;                                    /* of blocks that are there */
+    int fault;                                       /* 1: cannot be read; 2: another sum */
+    uint64_t device, number;                         /* of the file */
+    unsigned char *state;                            /* per block: 0, 1: somebody reads it, 2: it is there */
+    char path[1];                                    /* as long as it is, then the states */
+} pbwtf__blocks;
+
+#ifdef PBWTF__IN_BLOCKS
+#define PBWTF__GET(p) __atomic_load_n(p, __ATOMIC_ACQUIRE)
+#define PBWTF__SET(p, value) __atomic_store_n(p, value, __ATOMIC_RELEASE)
+#define PBWTF__TAKE(p, none) __atomic_compare_exchange_n(p, none, 1, 0, __ATOMIC_ACQUIRE, __ATOMIC_ACQUIRE)
+#define PBWTF__YIELD() sched_yield()
+#define PBWTF__COUNT(p) __atomic_add_fetch(p, 1, __ATOMIC_RELAXED)
+#else                                                /* what two threads write is the same */
+#define PBWTF__GET(p) (*(p))
+#define PBWTF__SET(p, value) (*(p) = (value))
+#define PBWTF__TAKE(p, none) ((void)(none), 1)
+#define PBWTF__YIELD() ((void)0)
+#define PBWTF__COUNT(p) ((void)++*(p))
+#endif
+
+static size_t pbwtf__block_count(size_t size)
+{
+    return (size + PBWTF_BLOCK - 1) / PBWTF_BLOCK;
+}
+
+static int pbwtf__blocks_of(const char *path, size_t size, pbwtf_map *map)
+{
+    const size_t length = strlen(path) + 1;
+    pbwtf__blocks *b = (pbwtf__blocks *)calloc(1, sizeof *b + length + pbwtf__block_count(size));
+    if (b != NULL) {
+        memcpy(b->path, path, length);
+        b->state = (unsigned char *)b->path + length;
+    }
+    if (b != NULL) {
+        b->size = size;
+    }
+    map->blocks = b;
+    map->size = size;
+    return b != NULL;
+}
+
+#ifdef PBWTF__IN_BLOCKS
 PBWTFDEF int pbwtf_map_file(const char *path, pbwtf_map *map, char *error)
 {
-    struct stat status;
-    void *data;
     const int file = open(path, O_RDONLY);
+    struct stat about;
+    void *data = NULL;
+    const char *what = NULL;
     memset(map, 0, sizeof *map);
-    if (file < 0 || fstat(file, &status) != 0) {
-        pbwtf__fail(error, path, strerror(errno));
-        if (file >= 0) {
-            close(file);
-        }
-        return 0;
+    if (file < 0 || fstat(file, &about) != 0) {
+        what = strerror(errno);
+    } else if (!S_ISREG(about.st_mode)) {
+        what = "not a regular file";
+    } else if (!pbwtf__blocks_of(path, (size_t)about.st_size, map)) {
+        what = "out of memory";
+    } else if (map->size > 0) {
+        data = mmap(NULL, map->size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+        what = data == MAP_FAILED ? strerror(errno) : NULL;
     }
-    if (status.st_size > 0) {
-        data = mmap(NULL, (size_t)status.st_size, PROT_READ, MAP_SHARED, file, 0);
-        if (data == MAP_FAILED) {
-            close(file);
-            return pbwtf__fail(error, path, strerror(errno));
-        }
-        map->data = (const char *)data;
-        map->size = (size_t)status.st_size;
+    if (file >= 0) {
+        close(file);
     }
-    close(file);
+    if (what != NULL) {
+        free(map->blocks);
+        memset(map, 0, sizeof *map);
+        return pbwtf__fail(error, path, what);
+    }
+    map->data = (const char *)data;
+    map->blocks->device = (uint64_t)about.st_dev;
+    map->blocks->number = (uint64_t)about.st_ino;
     return 1;
+}
+
+static int pbwtf__read_block(const pbwtf_map *map, size_t from, size_t size)
+{
+    const pbwtf__blocks *b = map->blocks;
+    const int file = open(b->path, O_RDONLY);
+    char *to = (char *)(size_t)map->data + from;
+    struct stat about;
+    int good = file >= 0 && fstat(file, &about) == 0 && (uint64_t)about.st_dev == b->device
+            && (uint64_t)about.st_ino == b->number && lseek(file, (off_t)from, SEEK_SET) == (off_t)from;
+    while (good && size > 0) {
+        const ssize_t got = read(file, to, size);
+        if (got > 0) {
+            to += got;
+            size -= (size_t)got;
+        } else {
+            good = got < 0 && errno == EINTR;
+        }
+    }
+    if (file >= 0) {
+        close(file);
+    }
+    return good;
 }
 
 PBWTFDEF void pbwtf_unmap(pbwtf_map *map)
 {
     if (map->data != NULL) {
-        munmap((void *)(size_t)map->data, map->size);
+        munmap((void *)(size_t)map->data, map->blocks->size);
     }
+    free(map->blocks);
     memset(map, 0, sizeof *map);
 }
+
 PBWTFDEF void pbwtf_forget(const pbwtf_map *map)
 {
-#ifdef __linux__
-    if (map->data != NULL) {
-        (void)madvise((void *)(size_t)map->data, map->size, 4);      /* MADV_DONTNEED; the file has them */
+    size_t i, from = 0, count = pbwtf_fetched(map) > 0 ? pbwtf__block_count(map->size) : 0;
+    for (i = 0; i <= count; i++) {
+        if (i < count && map->blocks->state[i] != 0) {
+            map->blocks->state[i] = 0;
+        } else {                                     /* a run of blocks ends */
+            const size_t begin = from * PBWTF_BLOCK, end = i * PBWTF_BLOCK < map->size ? i * PBWTF_BLOCK : map->size;
+            if (end > begin && mmap((void *)(size_t)(map->data + begin), end - begin, PROT_READ | PROT_WRITE,
+                                    MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED, -1, 0) == MAP_FAILED) {
+                map->blocks->fault = 1;
+            }
+            from = i + 1;
+        }
     }
-#else
-    (void)map;
-#endif
+    if (map->blocks != NULL) {
+        map->blocks->count = 0;
+    }
 }
 #else
 PBWTFDEF int pbwtf_map_file(const char *path, pbwtf_map *map, char *error)
 {
     FILE *file = fopen(path, "rb");
-    long size = -1;
+    int64_t size = -1;
     char *data = NULL;
     memset(map, 0, sizeof *map);
     if (file != NULL && fseek(file, 0, SEEK_END) == 0) {
-        size = ftell(file);
+        size = pbwtf_tell(file);
         rewind(file);
-        data = size >= 0 ? (char *)malloc((size_t)size + 1) : NULL;
+        data = size >= 0 && (uint64_t)size < (size_t)-1 ? (char *)malloc((size_t)size + 1) : NULL;
     }
-    if (data == NULL || fread(data, 1, (size_t)size, file) != (size_t)size) {
+    if (data == NULL || fread(data, 1, (size_t)size, file) != (size_t)size
+        || !pbwtf__blocks_of(path, (size_t)size, map)) {
         pbwtf__fail(error, path, "cannot read it into memory");
         free(data);
         if (file != NULL) {
@@ -233,13 +413,21 @@ PBWTFDEF int pbwtf_map_file(const char *path, pbwtf_map *map, char *error)
     }
     fclose(file);
     map->data = data;
-    map->size = (size_t)size;
+    return 1;
+}
+
+static int pbwtf__read_block(const pbwtf_map *map, size_t from, size_t size)
+{
+    (void)map;
+    (void)from;
+    (void)size;
     return 1;
 }
 
 PBWTFDEF void pbwtf_unmap(pbwtf_map *map)
 {
-    free((void *)map->data);
+    free((void *)(size_t)map->data);
+    free(map->blocks);
     memset(map, 0, sizeof *map);
 }
 
@@ -248,6 +436,56 @@ PBWTFDEF void pbwtf_forget(const pbwtf_map *map)
     (void)map;
 }
 #endif
+
+static void pbwtf__load(const pbwtf_map *map, size_t block)
+{
+    pbwtf__blocks *b = map->blocks;
+    const size_t from = block * PBWTF_BLOCK, size = map->size - from < PBWTF_BLOCK ? map->size - from : PBWTF_BLOCK;
+    unsigned char none = 0;
+    if (!PBWTF__TAKE(b->state + block, &none)) {
+        while (PBWTF__GET(b->state + block) == 1) {
+            PBWTF__YIELD();
+        }
+        return;
+    }
+    if (!pbwtf__read_block(map, from, size)) {
+        PBWTF__SET(&b->fault, 1);
+    } else if (b->sums != NULL && pbwtf_sum(map->data + from, size) != b->sums[block]) {
+        PBWTF__SET(&b->fault, 2);
+    }
+    PBWTF__COUNT(&b->count);
+    PBWTF__SET(b->state + block, 2);
+}
+
+PBWTFDEF size_t pbwtf_fetched(const pbwtf_map *map)
+{
+    return map->blocks != NULL ? PBWTF__GET(&map->blocks->count) * PBWTF_BLOCK : 0;
+}
+
+PBWTFDEF const void *pbwtf_fetch(const pbwtf_map *map, const void *from, size_t size)
+{
+    const size_t begin = (size_t)((const char *)from - map->data);
+    size_t block = begin / PBWTF_BLOCK;
+    for (; block * PBWTF_BLOCK < begin + size; block++) {
+        if (PBWTF__GET(map->blocks->state + block) != 2) {
+            pbwtf__load(map, block);
+        }
+    }
+    return from;
+}
+
+PBWTFDEF const char *pbwtf_fault(const pbwtf_map *map)
+{
+    const int fault = map->blocks != NULL ? PBWTF__GET(&map->blocks->fault) : 0;
+    return fault == 0 ? NULL : fault == 1 ? "it was truncated or replaced while it was read"
+         : "it is damaged: a checksum is wrong";
+}
+
+PBWTFDEF void pbwtf_expect(pbwtf_map *map, size_t size, const uint64_t *sums)
+{
+    map->size = size < map->size ? size : map->size;
+    map->blocks->sums = sums;
+}
 
 /* ------------------------------------------------------------------------------------------------------
    Layout.
@@ -333,17 +571,33 @@ static const char *pbwtf__table_fault(const pbwtf_header *h, const pbwtf_entry *
 
 PBWTFDEF int pbwtf_open(const char *path, pbwtf_file *file, char *error)
 {
-    const char *what;
+    const char *what, *table;
+    pbwtf_header header;
+    char *copy = NULL;
+    size_t size = 0;
     memset(file, 0, sizeof *file);
+    memset(&header, 0, sizeof header);
     if (!pbwtf_map_file(path, &file->map, error)) {
         return 0;
     }
-    file->header = (const pbwtf_header *)(const void *)file->map.data;
-    what = pbwtf__header_fault(file->header, file->map.size);
-    if (what == NULL) {
-        file->table = (const pbwtf_entry *)(const void *)(file->map.data + file->header->table);
-        what = pbwtf__table_fault(file->header, file->table);
+    if (file->map.size >= sizeof header) {
+        memcpy(&header, pbwtf_fetch(&file->map, file->map.data, sizeof header), sizeof header);
     }
+    what = pbwtf__header_fault(&header, file->map.size);
+    if (what == NULL) {
+        size = header.chunks * sizeof(pbwtf_entry);
+        table = (const char *)pbwtf_fetch(&file->map, file->map.data + header.table, size);
+        what = pbwtf__table_fault(&header, (const pbwtf_entry *)(const void *)table);
+        copy = (char *)malloc(sizeof header + size);
+        if (what == NULL && copy != NULL) {
+            memcpy(copy, &header, sizeof header);
+            memcpy(copy + sizeof header, table, size);
+        }
+        what = what == NULL && copy == NULL ? "out of memory" : what;
+    }
+    file->header = (const pbwtf_header *)(const void *)copy;
+    file->table = (const pbwtf_entry *)(const void *)(copy + sizeof header);
+    what = pbwtf_fault(&file->map) != NULL ? pbwtf_fault(&file->map) : what;
     if (what != NULL) {
         pbwtf_close(file);
         return pbwtf__fail(error, path, what);
@@ -354,6 +608,7 @@ PBWTFDEF int pbwtf_open(const char *path, pbwtf_file *file, char *error)
 PBWTFDEF void pbwtf_close(pbwtf_file *file)
 {
     pbwtf_unmap(&file->map);
+    free((void *)(size_t)file->header);
     memset(file, 0, sizeof *file);
 }
 
@@ -378,7 +633,10 @@ PBWTFDEF int pbwtf_view_at(const pbwtf_map *map, const pbwtf_header *header, con
     if (entry->offset % 8 != 0 || entry->offset > most || most - entry->offset < sizeof(pbwtf_chunk)) {
         return pbwtf__fail(error, name, "its place in the file is wrong");
     }
-    view->chunk = (const pbwtf_chunk *)(const void *)at;
+    view->chunk = (const pbwtf_chunk *)pbwtf_fetch(map, at, sizeof(pbwtf_chunk));
+    if (pbwtf_fault(map) != NULL) {
+        return pbwtf__fail(error, name, pbwtf_fault(map));
+    }
     if (!pbwtf__is_head(view->chunk, header, chunk, most) || pbwtf_chunk_size(view->chunk) != entry->size
         || entry->size > most - entry->offset) {
         return pbwtf__fail(error, name, "its head is damaged");
@@ -398,7 +656,7 @@ PBWTFDEF int pbwtf_view_at(const pbwtf_map *map, const pbwtf_header *header, con
     return 1;
 }
 
-PBWTFDEF int pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error)
+PBWTFDEF int pbwtf_view_head(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error)
 {
     const pbwtf_header *header = file->header;
     const pbwtf_entry *entry = file->table + chunk;
@@ -419,10 +677,21 @@ PBWTFDEF int pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_view *vie
     return 1;
 }
 
+PBWTFDEF int pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error)
+{
+    char name[40];
+    if (!pbwtf_view_head(file, chunk, view, error)) {
+        return 0;
+    }
+    pbwtf_fetch(&file->map, view->chunk, view->size);
+    snprintf(name, sizeof name, "tile %lu", (unsigned long)chunk);
+    return pbwtf_fault(&file->map) == NULL || pbwtf__fail(error, name, pbwtf_fault(&file->map));
+}
+
 PBWTFDEF int pbwtf_is_intact(const pbwtf_view *view, const pbwtf_entry *entry)
 {
     const pbwtf_chunk *c = view->chunk;
-    const char *after_head = (const char *)(c + 1);
+    const char *after_head = (const char *)view->own;        /* the head may be a copy */
     const size_t words = (size_t)c->simplices * view->simplex_size;
     return pbwtf_checksum(0, after_head, pbwtf_across_offset(c) - sizeof *c) == c->checksum
         && pbwtf_checksum(0, view->across, (size_t)c->across * 8) == entry->across_checksum
@@ -547,7 +816,7 @@ PBWTFDEF void pbwtf_begin(pbwtf_writer *writer, FILE *file, const pbwt_tree *tre
     size_t i;
     memset(writer, 0, sizeof *writer);
     writer->file = file;
-    writer->start = ftell(file);
+    writer->start = pbwtf_tell(file);
     writer->failed = writer->start < 0;
     memcpy(writer->chunk.magic, "PBWTILE1", 8);
     writer->chunk.tile = tile;
@@ -611,7 +880,7 @@ PBWTFDEF int pbwtf_end(pbwtf_writer *w, const pbwt_tile *tile, int dim)
     w->chunk.hull = tile->numbers.hull;
     w->chunk.hash = tile->hash;
     w->failed |= w->chunk.simplices != tile->numbers.simplices || fflush(w->file) != 0
-              || fseek(w->file, w->start, SEEK_SET) != 0;
+              || !pbwtf_seek(w->file, (uint64_t)w->start);
     pbwtf__write(w, &w->chunk, sizeof w->chunk);
     w->failed |= fflush(w->file) != 0 || fseek(w->file, 0, SEEK_END) != 0;
     return !w->failed;

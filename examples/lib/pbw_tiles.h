@@ -87,6 +87,10 @@ typedef struct pbwt_tree {                 /* start from {0}; read, do not write
     uint32_t sample[PBWT_SAMPLES];         /* ascending */
     int samples;
     pbw_options options;                   /* threads, resize and so on of pbwt_tree_make */
+    /* Of a tree over arrays that are not in memory yet: called by pbwt_answer before it reads bytes there.  NULL: they
+       are. */
+    void (*need)(void *user, const void *from, size_t size);
+    void *need_user;
     size_t bytes;                          /* private: of one block with boxes, then points */
     void *memory;
 } pbwt_tree;
@@ -553,6 +557,7 @@ typedef struct pbwt__levels {
     const pbwt_box *box[PBWT__LEVELS];
     size_t count[PBWT__LEVELS];
     int levels;                                      /* 0: there are no boxes */
+    const pbwt_tree *tree;                           /* of which boxes are asked for, or NULL */
 } pbwt__levels;
 
 static size_t pbwt__level_boxes(size_t lowest)               /* of all levels */
@@ -621,7 +626,25 @@ static void pbwt__upper_boxes(pbwt_box *boxes, size_t lowest)        /* from tho
 
 static pbwt__levels pbwt__tree_levels(const pbwt_tree *tree)
 {
-    return pbwt__levels_over(tree->boxes, (tree->count + PBWT_LEAF - 1) / PBWT_LEAF);
+    pbwt__levels l = pbwt__levels_over(tree->boxes, (tree->count + PBWT_LEAF - 1) / PBWT_LEAF);
+    l.tree = tree;
+    return l;
+}
+
+static void pbwt__need(const pbwt_tree *tree, const void *from, size_t size)
+{
+    if (tree != NULL && tree->need != NULL) {
+        tree->need(tree->need_user, from, size);
+    }
+}
+
+/* The boxes below one, on a level above 0: returns the first, *end: the number after the last. */
+static size_t pbwt__below(const pbwt__levels *levels, int level, size_t at, size_t *end)
+{
+    const size_t first = at * PBWT_ARITY, most = levels->count[level - 1];
+    *end = first + PBWT_ARITY < most ? first + PBWT_ARITY : most;
+    pbwt__need(levels->tree, levels->box[level - 1] + first, (*end - first) * sizeof(pbwt_box));
+    return first;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1125,7 +1148,7 @@ static size_t pbwt__next(pbwt__walk *walk)
 {
     while (walk->depth > 0) {
         const pbwt__node node = walk->stack[--walk->depth];
-        size_t child;
+        size_t first, child;
         walk->visits++;
         if (!pbwt__meets(walk->shape, walk->levels->box[node.level] + node.at)) {
             continue;
@@ -1133,9 +1156,8 @@ static size_t pbwt__next(pbwt__walk *walk)
         if (node.level == 0) {
             return node.at;
         }
-        child = (node.at + 1) * PBWT_ARITY;
-        child = child < walk->levels->count[node.level - 1] ? child : walk->levels->count[node.level - 1];
-        while (child-- > node.at * PBWT_ARITY) {
+        first = pbwt__below(walk->levels, node.level, node.at, &child);
+        while (child-- > first) {
             walk->stack[walk->depth].level = node.level - 1;
             walk->stack[walk->depth++].at = child;
         }
@@ -1231,6 +1253,9 @@ static int pbwt__collect(pbwt__serving *s, const pbwt__shape *shape, pbwt__node 
     size_t leaf, i;
     pbwt__walk_from(&walk, &s->levels, shape, node);
     while (s->found.count < most && (leaf = pbwt__next(&walk)) != (size_t)-1) {
+        const size_t left = s->tree->count - leaf * PBWT_LEAF;
+        pbwt__need(s->tree, s->tree->points + leaf * PBWT_LEAF,
+                   (left < PBWT_LEAF ? left : PBWT_LEAF) * sizeof(pbwt_point));
         for (i = leaf * PBWT_LEAF; i < (leaf + 1) * PBWT_LEAF && i < s->tree->count && s->found.count < most; i++) {
             const uint32_t index = (uint32_t)i;
             if (pbwt__has(shape, s->tree->points + i) && !pbwt__push(&s->memory, &s->found, &index, sizeof index)) {
@@ -1253,11 +1278,10 @@ static int pbwt__spread(pbwt__serving *s, const pbwt__shape *shape)
     front[0][0].at = 0;
     s->found.count = 0;
     while (level > 0 && count < s->few) {
-        size_t next = 0, child;
+        size_t next = 0, child, end;
         level--;
         for (i = 0; i < count; i++) {
-            for (child = front[now][i].at * PBWT_ARITY;
-                 child < s->levels.count[level] && child < (front[now][i].at + 1) * PBWT_ARITY; child++) {
+            for (child = pbwt__below(&s->levels, level + 1, front[now][i].at, &end); child < end; child++) {
                 if (pbwt__meets(shape, s->levels.box[level] + child)) {
                     front[!now][next].level = level;
                     front[!now][next++].at = child;
@@ -1447,6 +1471,9 @@ PBWTDEF pbw_status pbwt_answer(const pbwt_tree *tree, pbwt_served *served, const
     s.served = served;
     s.memory = pbwt__memory_of(&tree->options);
     s.levels = pbwt__tree_levels(tree);
+    if (s.levels.levels > 0) {
+        pbwt__need(tree, s.levels.box[s.levels.levels - 1], sizeof(pbwt_box));
+    }
     s.set.data = served->set.data;
     s.set.bytes = served->set.size;
     pbwt_bytes_free(tree, reply);

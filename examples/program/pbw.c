@@ -3,6 +3,7 @@
    ./pbw model.obj -o model.vtu -o model.html;  ./pbw help lists the commands. */
 #include "program.h"
 #include <errno.h>
+#include <fcntl.h>
 #ifdef _WIN32
 #include <io.h>
 #define isatty _isatty
@@ -27,10 +28,30 @@ static int end_report(const job *j, int status)
     return status != 0 ? status : FAILURE;
 }
 
+/* Of the standard streams those that are closed get a file that can only fail, so that no output gets their number and
+   with it the report: /dev/null, the input for writing and the others for reading. */
+static void fill_streams(void)
+{
+#ifndef _WIN32
+    int file;
+    do {
+        file = open("/dev/null", O_RDONLY);
+        if (file == 0) {
+            close(0);
+            file = open("/dev/null", O_WRONLY);
+        }
+    } while (file >= 0 && file <= 2);
+    if (file > 2) {
+        close(file);
+    }
+#endif
+}
+
 int main(int argc, char **argv)
 {
     job j;
     int status, i;
+    fill_streams();
     memset(&j, 0, sizeof j);
     j.report = stdout;
     status = parse(argc, argv, &j);

@@ -15,6 +15,7 @@ enum { CORNER = 1, ON_HULL = 2, GIVEN = 4 };         /* marks of points: given u
 typedef struct proof {
     job *j;
     pbwtf_file file;
+    pbwtf_chunk *head;                               /* of each chunk, where its view has it */
     pbwtf_view *view;
     size_t dim, corners, chunk;                      /* chunk: under test */
     unsigned char **seen;                            /* per chunk, a byte a point: marks */
@@ -35,16 +36,24 @@ int is_pbwt(const job *j)
 
 /* ---- access */
 
+/* Bytes of a chunk; those of the one under test have been fetched. */
+static const void *bytes_of(const proof *p, size_t chunk, const void *from, size_t size)
+{
+    return chunk == p->chunk ? from : pbwtf_fetch(&p->file.map, from, size);
+}
+
 static const uint32_t *record_of(const proof *p, size_t chunk, size_t simplex)
 {
-    return p->view[chunk].simplices + simplex * p->view[chunk].simplex_size;
+    const pbwtf_view *v = p->view + chunk;
+    return (const uint32_t *)bytes_of(p, chunk, v->simplices + simplex * v->simplex_size, v->simplex_size * 4);
 }
 
 static const double *point_of(const proof *p, size_t chunk, uint32_t corner)
 {
     const pbwtf_view *v = p->view + chunk;
-    return corner < v->chunk->own ? v->own + corner * v->own_size
-         : v->foreign + (corner - v->chunk->own) * v->foreign_size;
+    return (const double *)(corner < v->chunk->own
+         ? bytes_of(p, chunk, v->own + corner * v->own_size, v->own_size * 8)
+         : bytes_of(p, chunk, v->foreign + (corner - v->chunk->own) * v->foreign_size, v->foreign_size * 8));
 }
 
 static uint64_t key_of(const proof *p, size_t chunk, uint32_t corner)            /* tile << 32 | number there */
@@ -52,7 +61,7 @@ static uint64_t key_of(const proof *p, size_t chunk, uint32_t corner)           
     const pbwtf_view *v = p->view + chunk;
     uint64_t key = (uint64_t)chunk << 32 | corner;
     if (corner >= v->chunk->own) {
-        memcpy(&key, v->foreign + (corner - v->chunk->own) * v->foreign_size + v->own_size, sizeof key);
+        memcpy(&key, point_of(p, chunk, corner) + v->own_size, sizeof key);
     }
     return key;
 }
@@ -147,7 +156,7 @@ static const char *check_link(const proof *p, size_t simplex, size_t k)
         }
         back = record_of(p, other_chunk, other) + p->corners + apex;
         if (*back < 0x80000000u || *back - 0x80000000u >= p->view[other_chunk].chunk->across
-            || p->view[other_chunk].across[*back - 0x80000000u]
+            || *(const uint64_t *)bytes_of(p, other_chunk, p->view[other_chunk].across + (*back - 0x80000000u), 8)
                != ((uint64_t)p->chunk << 40 | (uint64_t)simplex << 2 | k)) {
             return "a link across tiles does not lead back";
         }
@@ -192,25 +201,38 @@ static pbw_status check_range(void *arg, size_t from, size_t to)
 
 /* ---- chunks */
 
-/* A step for each chunk; then its pages leave this process's memory, so that a tile needs to fit and not the file. */
+static int fault_in(const proof *p, const char *what)
+{
+    return pbwtf_fault(&p->file.map) != NULL ? fail(p->j, "%s: %s", p->j->input, pbwtf_fault(&p->file.map))
+         : fail(p->j, "tile %lu: %s", (unsigned long)p->chunk, what);
+}
+
+static void fetch_chunk(const proof *p)
+{
+    const pbwtf_view *v = p->view + p->chunk;
+    pbwtf_fetch(&p->file.map, v->own, v->size - sizeof *v->chunk);
+}
+
+enum { MOST_BYTES = 1 << 28 };                       /* of the file that stay in memory from tile to tile */
+
+/* A step for each chunk, which is in memory meanwhile, so that a tile needs to fit and not the file. */
 static int for_chunks(proof *p, int (*step)(proof *p))
 {
     int failed = 0;
     for (p->chunk = 0; p->chunk < p->file.header->chunks && !failed; p->chunk++) {
+        fetch_chunk(p);
         failed = step(p);
-        pbwtf_forget(&p->file.map);
+        failed = !failed && pbwtf_fault(&p->file.map) != NULL ? fault_in(p, "") : failed;
+        if (pbwtf_fetched(&p->file.map) > MOST_BYTES) {
+            pbwtf_forget(&p->file.map);
+        }
     }
     return failed;
 }
 
-static int fault_in(const proof *p, const char *what)
-{
-    return fail(p->j, "tile %lu: %s", (unsigned long)p->chunk, what);
-}
-
 static int check_bytes(const proof *p)
 {
-    return pbwtf_is_intact(p->view + p->chunk, p->file.table + p->chunk) ? 0
+    return pbwtf_is_intact(p->view + p->chunk, p->file.table + p->chunk) && pbwtf_fault(&p->file.map) == NULL ? 0
          : fault_in(p, "the checksum is wrong: the file is damaged");
 }
 
@@ -247,6 +269,7 @@ static int check_given(proof *p)
 {
     const pbwtf_view *v = p->view + p->chunk;
     size_t i;
+    pbwtf_fetch(&p->file.map, v->given, (size_t)v->chunk->given * 4);
     for (i = 0; i < v->chunk->given; i++) {
         if (v->given[i] >= v->chunk->own || (i > 0 && v->given[i] <= v->given[i - 1])) {
             return fault_in(p, "the list of points given up is wrong");
@@ -365,7 +388,7 @@ static int read_chunks(proof *p)
 {
     uint64_t points = 0;
     size_t c;
-    int failed;
+    int failed = 0;
     for (c = 0; c < p->file.header->tiles; c++) {
         points += p->view[c].chunk->own;
     }
@@ -376,7 +399,9 @@ static int read_chunks(proof *p)
         return fail(p->j, "out of memory: ids");
     }
     p->twice = p->once + p->bits / 8;
-    failed = for_chunks(p, check_given);             /* of all tiles: each simplex needs some of them */
+    for (p->chunk = 0; p->chunk < p->file.header->chunks && !failed; p->chunk++) {
+        failed = check_given(p);                     /* of all tiles first: each simplex needs some of them */
+    }
     failed = failed ? failed : for_chunks(p, read_chunk);
     p->ids = (uint64_t *)malloc((p->sharing + 1) * sizeof *p->ids);
     return !failed && p->ids == NULL ? fail(p->j, "out of memory: ids") : failed;
@@ -566,14 +591,17 @@ static int open_proof(job *j, proof *p)
     p->dim = p->file.header->dim;
     p->corners = p->dim + 1;
     p->view = (pbwtf_view *)calloc(p->file.header->chunks + 1, sizeof *p->view);
+    p->head = (pbwtf_chunk *)calloc(p->file.header->chunks + 1, sizeof *p->head);
     p->seen = (unsigned char **)calloc(p->file.header->chunks + 1, sizeof *p->seen);
-    if (p->view == NULL || p->seen == NULL) {
+    if (p->view == NULL || p->head == NULL || p->seen == NULL) {
         return fail(j, "out of memory");
     }
     for (c = 0; c < p->file.header->chunks; c++) {
-        if (!pbwtf_view_of(&p->file, c, p->view + c, error)) {
+        if (!pbwtf_view_head(&p->file, c, p->view + c, error)) {
             return fail(j, "%s: %s", j->input, error);
         }
+        p->head[c] = *p->view[c].chunk;
+        p->view[c].chunk = p->head + c;
         p->seen[c] = (unsigned char *)calloc((size_t)p->view[c].chunk->own + 1, 1);
         if (p->seen[c] == NULL) {
             return fail(j, "out of memory");
@@ -599,6 +627,7 @@ static int close_proof(proof *p, int failed)
     }
     free(p->seen);
     free(p->view);
+    free(p->head);
     free(p->facets);
     free(p->once);
     free(p->ids);
@@ -621,6 +650,9 @@ int check_pbwt(job *j)
     failed = failed ? failed : check_points(&p, &hidden);
     failed = failed || p.facet_count == 0 ? failed : check_hull(&p);
     failed = failed ? failed : hash_all(&p);
+    if (!failed && pbwtf_fault(&p.file.map) != NULL) {
+        failed = fault_in(&p, "");
+    }
     if (!failed) {
         say(j, "check", now() - start, "valid%s", hidden > 0 ? "; that hidden points are hidden is not proved" : "");
     }
@@ -636,7 +668,10 @@ int convert_pbwt(job *j, pbw_mesh *mesh)
         failed = fail(j, "--tile %lu: there are %u", (unsigned long)tile, p.file.header->chunks);
     }
     p.chunk = tile;
-    failed = failed ? failed : check_bytes(&p);
+    if (!failed) {
+        fetch_chunk(&p);
+        failed = check_bytes(&p);
+    }
     if (!failed && !pbwtf_mesh(p.view + tile, mesh)) {
         failed = fail(j, "tile %lu: out of memory, or a corner or link is out of range", (unsigned long)tile);
     }

@@ -5,6 +5,12 @@
 #ifndef PROGRAM_H
 #define PROGRAM_H
 
+#ifndef _FILE_OFFSET_BITS
+#define _FILE_OFFSET_BITS 64                         /* files beyond 2 GB where a long has 32 bits */
+#endif
+#ifndef _LARGEFILE_SOURCE
+#define _LARGEFILE_SOURCE 1
+#endif
 #include "pbw.h"
 #include "pbw_adapt2.h"
 #include "pbw_adapt3.h"

@@ -1,17 +1,22 @@
 /* tiles.c: pbw tiles: triangulates points that memory does not hold, tile by tile, into a .pbwt file.
 
    Beside the output, in a folder of scratch files: `state`, replaced as a whole after each step, so that a run that
-   was killed or had no room on the disk goes on; all go when none could, as of bad input;
-   N.points (records of tile N as they come), N.tree (sorted, with boxes), N.facets (to link), N.border (simplices
-   with a corner that may be given up). */
+   was killed or had no room on the disk goes on; all go when none could, as of bad input; `lock`, locked by the run
+   that works there;
+   N.points (records of tile N as they come), N.tree (sorted, with boxes, then sums of its blocks), N.facets (to link),
+   N.border (simplices with a corner that may be given up).  The state has sums of all but trees, and its own. */
 #include "program.h"
 #include "pbw_tilefile.h"
 #include <errno.h>
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <sys/types.h>
 #ifdef _WIN32
 #include <direct.h>
+#include <io.h>
+#include <share.h>
 #define make_folder(path) _mkdir(path)
+#define close _close
 #else
 #include <pthread.h>
 #include <unistd.h>
@@ -37,17 +42,20 @@ enum { NAME = 1200, SAMPLES = 65536, BUFFER = 4096, AT_A_TIME = 4 };
 #define BUFFERS 268435456.0                          /* bytes of all buffers of points on their way to their tiles */
 
 typedef struct tile_state {
-    uint64_t given, facets, hull, halo, later, rounds, questions, simplices;
+    uint64_t given, facets, border, hull, halo, later, rounds, questions, simplices;
+    uint64_t points;                                 /* in N.points */
+    uint64_t points_sum, head_sum, facets_sum, border_sum;   /* of records, of the chunk's head, of files */
     pbw_hash_sums hash;
     pbwtf_entry entry;
 } tile_state;
 
 typedef struct state {
-    char magic[8];                                   /* "PBWSTAT3" */
+    char magic[8];                                   /* "PBWSTAT4" */
     uint32_t dim, weighted, links, parts, mesh, unused;
     uint64_t points, input_mark;                     /* input_mark: differs for another input, see mark_of_input */
     uint32_t distributed, trees, done, chunks;       /* steps that are finished; tiles done, in their order */
-    uint64_t size;                                   /* of the output so far */
+    uint64_t size, number;                           /* of the output so far; its file's number */
+    char out[1100];                                  /* the output while it grows */
 } state;
 
 typedef struct tree_head { pbwt_summary summary; uint64_t duplicates; } tree_head;
@@ -56,9 +64,12 @@ typedef struct work {
     job *j;
     state s;
     tile_state *tile;                                /* parts + 1 */
-    char scratch[1024], out[1040];                   /* out: the output while it grows */
+    char scratch[1024];
+    int lock;                                        /* the file, or -1 */
     FILE *input;                                     /* .bin; else the points are in the cloud */
-    pbwtf_map *map;
+    pbwtf_map *map;                                  /* of trees, and sums of their blocks */
+    uint64_t **sums;
+    size_t bad;                                      /* 1 + the tile of which the tree cannot be read */
     pbwt_tree *tree;
     pbwt_summary *summary;
     pbwt_options options;                            /* build: with all memory and threads */
@@ -80,10 +91,125 @@ static int cannot(const work *w, const char *path)
                 errno != 0 ? strerror(errno) : "cannot read or write it");
 }
 
+/* A scratch file is not what was written. */
+static int bad_scratch(work *w, const char *name, const char *what)
+{
+    w->hopeless = 1;
+    return fail(w->j, "%s: %s: scratch files are removed, start again", name,
+                what != NULL ? what : "missing, truncated or damaged");
+}
+
+static int paused(work *w)
+{
+    w->hopeless |= !w->s.distributed;
+    return w->s.distributed
+         ? fail(w->j, "interrupted; %u of %zu tile%s %s finished and kept in %s: the same command goes on from there",
+                w->s.done, COUNT(w->s.parts), w->s.parts == 1 ? "is" : "are", w->scratch)
+         : fail(w->j, "interrupted; nothing was finished");
+}
+
+/* ---- the folder of scratch files: one run at a time */
+
+static int in_use(const work *w, long process)
+{
+    char who[40] = "another process";
+    if (process > 0) {
+        snprintf(who, sizeof who, "process %ld", process);
+    }
+    return fail(w->j, "%s is in use: %s works there; wait for it, or name another output or --scratch", w->scratch, who);
+}
+
+#ifdef _WIN32
+static int take_lock(work *w, const char *name)
+{
+    w->lock = _sopen(name, _O_RDWR | _O_CREAT | _O_BINARY, _SH_DENYWR, _S_IREAD | _S_IWRITE);
+    return w->lock >= 0 ? 0 : errno == EACCES ? in_use(w, 0) : cannot(w, name);
+}
+#else
+/* Locks a file, which ends with this process; *again: the run that had it has just removed it. */
+static int take_lock(work *w, const char *name, int *again)
+{
+    struct flock lock;
+    struct stat mine, there;
+    errno = 0;
+    w->lock = open(name, O_RDWR | O_CREAT, 0666);
+    *again = w->lock < 0 && errno == ENOENT;
+    if (w->lock < 0) {
+        return *again ? 0 : cannot(w, name);
+    }
+    memset(&lock, 0, sizeof lock);
+    lock.l_type = F_WRLCK;
+    lock.l_whence = SEEK_SET;
+    if (fcntl(w->lock, F_SETLK, &lock) != 0) {
+        const int held = errno == EACCES || errno == EAGAIN, known = fcntl(w->lock, F_GETLK, &lock) == 0;
+        close(w->lock);
+        w->lock = -1;
+        *again = held && known && lock.l_type == F_UNLCK;
+        return *again ? 0 : held ? in_use(w, known ? (long)lock.l_pid : 0) : cannot(w, name);
+    }
+    *again = fstat(w->lock, &mine) != 0 || stat(name, &there) != 0 || mine.st_ino != there.st_ino;
+    if (*again) {
+        close(w->lock);
+        w->lock = -1;
+    }
+    return 0;
+}
+#endif
+
+/* A folder that is there, and no scratch folder, must not have files with the names of scratch files. */
+static int is_clear(const work *w)
+{
+    static const char *const kinds[] = { "points", "tree", "facets", "border" };
+    char name[NAME];
+    struct stat there;
+    size_t p, k;
+    snprintf(name, sizeof name, "%s/state", w->scratch);
+    if (stat(name, &there) == 0) {
+        return 0;
+    }
+    for (p = 0; p <= w->s.parts; p++) {
+        for (k = 0; k < 4; k++) {
+            if (stat(name_of(w, kinds[k], p, name), &there) == 0) {
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+static int take_scratch(work *w)
+{
+    char name[NAME];
+    struct stat there;
+    int failed = 0, again = 1, tries, is_new, is_made = 0;
+    snprintf(name, sizeof name, "%s/lock", w->scratch);
+    for (tries = 0; tries < 100 && again && !failed; tries++) {
+        errno = 0;
+        is_made = make_folder(w->scratch) == 0;
+        if (!is_made && errno != EEXIST) {
+            return cannot(w, w->scratch);
+        }
+        is_new = stat(name, &there) != 0;
+        if (is_new && !is_made && !is_clear(w)) {
+            return fail(w->j, "%s has files of other programs with the names of scratch files: name another --scratch",
+                        w->scratch);
+        }
+#ifdef _WIN32
+        again = 0;
+        failed = take_lock(w, name);
+#else
+        failed = take_lock(w, name, &again);
+#endif
+    }
+    return again && !failed ? cannot(w, name) : failed;
+}
+
 /* ---- the state */
 
 static int save_state(const work *w)
 {
+    const size_t tiles = w->s.parts + (size_t)1;
+    const uint64_t sum = pbwtf_sum(&w->s, sizeof w->s), tile_sum = pbwtf_sum(w->tile, tiles * sizeof *w->tile);
     char name[NAME], part[NAME];
     FILE *file;
     int good;
@@ -91,19 +217,19 @@ static int save_state(const work *w)
     snprintf(part, sizeof part, "%s/state.part", w->scratch);
     errno = 0;
     file = fopen(part, "wb");
-    good = file != NULL && fwrite(&w->s, sizeof w->s, 1, file) == 1
-        && fwrite(w->tile, sizeof *w->tile, w->s.parts + 1, file) == w->s.parts + 1;
+    good = file != NULL && fwrite(&w->s, sizeof w->s, 1, file) == 1 && fwrite(&sum, sizeof sum, 1, file) == 1
+        && fwrite(w->tile, sizeof *w->tile, tiles, file) == tiles && fwrite(&tile_sum, sizeof tile_sum, 1, file) == 1;
     good = (file == NULL || fclose(file) == 0) && good;
     return good && rename(part, name) == 0 ? 0 : cannot(w, name);
 }
 
 static void remove_scratch(const work *w, size_t parts)
 {
-    static const char *const kinds[] = { "points", "tree", "facets", "border" };
+    static const char *const kinds[] = { "points", "tree", "tree.part", "facets", "border" };
     char name[NAME];
     size_t p, k;
     for (p = 0; p <= parts; p++) {
-        for (k = 0; k < 4; k++) {
+        for (k = 0; k < 5; k++) {
             remove(name_of(w, kinds[k], p, name));
         }
     }
@@ -125,36 +251,119 @@ static uint64_t mark_of_input(const work *w)
     }
     for (i = 0; i < 1024; i++) {
         const uint64_t at = w->s.points / 1024 * i + w->s.points % 1024 * i / 1024;
-        if (fseek(w->input, (long)(at * record), SEEK_SET) == 0 && fread(row, record, 1, w->input) == 1) {
+        if (pbwtf_seek(w->input, at * record) && fread(row, record, 1, w->input) == 1) {
             mark = pbwtf_checksum(mark, row, record);
         }
     }
     return mark;
 }
 
-/* Takes up what an earlier run left, if it was of the same input and options and its output is there; else removes
-   it. */
+/* A finished chunk of the output that is not complete yet: its head, and what comes after its simplices. */
+static int view_chunk(const work *w, const pbwtf_map *chunks, size_t p, pbwtf_view *view)
+{
+    char error[PBWTF_ERROR];
+    pbwtf_header header;
+    memset(&header, 0, sizeof header);
+    header.dim = w->s.dim;
+    header.flags = (w->s.weighted ? PBWTF_WEIGHTS : 0) | (w->s.links ? PBWTF_LINKS : 0);
+    header.tiles = w->s.parts;
+    if (!pbwtf_view_at(chunks, &header, &w->tile[p].entry, p, view, error)) {
+        return 0;
+    }
+    pbwtf_fetch(chunks, view->foreign, (size_t)((const char *)view->across - (const char *)view->foreign));
+    return pbwtf_fault(chunks) == NULL;
+}
+
+/* Whether a scratch file has so many bytes with that sum. */
+static int is_intact(const char *name, uint64_t size, uint64_t sum)
+{
+    char error[PBWTF_ERROR];
+    pbwtf_map map;
+    int good = pbwtf_map_file(name, &map, error);
+    if (good) {
+        good = map.size == size && pbwtf_sum(pbwtf_fetch(&map, map.data, map.size), map.size) == sum
+            && pbwtf_fault(&map) == NULL;
+        pbwtf_unmap(&map);
+    }
+    return good;
+}
+
+/* Whether the chunk of a finished tile is in the output, and its scratch files are as they were written. */
+static int is_tile_intact(const work *w, const pbwtf_map *chunks, size_t p)
+{
+    const tile_state *t = w->tile + p;
+    char name[NAME];
+    pbwtf_view view;
+    if (w->s.mesh) {
+        if (!view_chunk(w, chunks, p, &view) || pbwtf_sum(view.chunk, sizeof *view.chunk) != t->head_sum) {
+            return 0;
+        }
+        pbwtf_fetch(chunks, view.chunk, view.size);
+        if (pbwtf_checksum(0, view.own, pbwtf_across_offset(view.chunk) - sizeof *view.chunk) != view.chunk->checksum
+            || pbwtf_fault(chunks) != NULL) {
+            return 0;
+        }
+    }
+    return is_intact(name_of(w, "facets", p, name), t->facets * sizeof(pbwt_facet), t->facets_sum)
+        && is_intact(name_of(w, "border", p, name), t->border * sizeof(uint32_t), t->border_sum);
+}
+
+/* Finished tiles that are damaged, and those after the first of them, are made again. */
+static void check_finished(work *w)
+{
+    char error[PBWTF_ERROR];
+    pbwtf_map chunks = { NULL, 0, NULL };
+    uint32_t p = 0;
+    if (pbwtf_map_file(w->s.out, &chunks, error)) {
+        while (p < w->s.chunks && is_tile_intact(w, &chunks, p)) {
+            pbwtf_forget(&chunks);
+            p++;
+        }
+        pbwtf_unmap(&chunks);
+    }
+    if (p < w->s.chunks) {
+        warn(w->j, "what an earlier run finished is damaged: tiles are made again from number %u on", p);
+        w->s.size = w->tile[p].entry.offset;
+        w->s.done = w->s.chunks = p;
+    }
+}
+
+/* Whether the state of an earlier run is whole, and of the same input and options. */
+static int read_state(const work *w, FILE *file, const state *s)
+{
+    const size_t tiles = s->parts + (size_t)1;
+    uint64_t sum = 0;
+    return s->dim == w->s.dim && s->weighted == w->s.weighted && s->links == w->s.links && s->mesh == w->s.mesh
+        && s->parts == w->s.parts && s->points == w->s.points && s->input_mark == w->s.input_mark
+        && fread(w->tile, sizeof *w->tile, tiles, file) == tiles && fread(&sum, sizeof sum, 1, file) == 1
+        && sum == pbwtf_sum(w->tile, tiles * sizeof *w->tile);
+}
+
+/* Takes up what an earlier run left, if its output is there; else removes it. */
 static void load_state(work *w)
 {
     char name[NAME];
     struct stat output;
     state s;
+    uint64_t sum;
     FILE *file;
-    int taken_up;
+    int is_state, is_there;
     memset(&s, 0, sizeof s);
     snprintf(name, sizeof name, "%s/state", w->scratch);
     file = fopen(name, "rb");
-    taken_up = file != NULL && fread(&s, sizeof s, 1, file) == 1 && memcmp(s.magic, w->s.magic, 8) == 0
-        && s.dim == w->s.dim && s.weighted == w->s.weighted && s.links == w->s.links && s.mesh == w->s.mesh
-        && s.parts == w->s.parts && s.points == w->s.points && s.input_mark == w->s.input_mark
-        && (s.size == 0 || (stat(w->out, &output) == 0 && (uint64_t)output.st_size >= s.size))
-        && fread(w->tile, sizeof *w->tile, s.parts + 1, file) == s.parts + 1;
-    if (taken_up) {
+    is_state = file != NULL && fread(&s, sizeof s, 1, file) == 1 && fread(&sum, sizeof sum, 1, file) == 1
+            && memcmp(s.magic, w->s.magic, 8) == 0 && pbwtf_sum(&s, sizeof s) == sum;
+    is_there = is_state && s.size > 0 && stat(s.out, &output) == 0 && (uint64_t)output.st_ino == s.number;
+    if (is_state && (s.size == 0 || is_there) && read_state(w, file, &s)) {
         w->s = s;
-        note(w->j, "going on: %u of %zu tile%s %s finished", s.done, COUNT(s.parts), s.parts == 1 ? "is" : "are");
+        check_finished(w);
+        note(w->j, "going on: %u of %zu tile%s %s finished", w->s.done, COUNT(s.parts), s.parts == 1 ? "is" : "are");
     } else {
         memset(w->tile, 0, (w->s.parts + 1) * sizeof *w->tile);
-        remove_scratch(w, s.parts > w->s.parts && s.parts <= MOST_TILES ? s.parts : w->s.parts);
+        remove_scratch(w, is_state && s.parts > w->s.parts ? s.parts : w->s.parts);
+        if (is_there) {
+            remove(s.out);
+        }
     }
     if (file != NULL) {
         fclose(file);
@@ -168,7 +377,7 @@ static int open_input(work *w)
     job *j = w->j;
     const char *dot = j->input != NULL ? strrchr(j->input, '.') : NULL;
     uint64_t record;
-    long size;
+    int64_t size;
     if (dot == NULL || strcmp(dot, ".bin") != 0) {
         const int failed = load(j, 1);
         w->s.dim = (uint32_t)j->cloud.dim;
@@ -181,13 +390,13 @@ static int open_input(work *w)
     record = (w->s.dim + w->s.weighted) * sizeof(double);
     errno = 0;
     w->input = fopen(j->input, "rb");
-    size = w->input != NULL && fseek(w->input, 0, SEEK_END) == 0 ? ftell(w->input) : -1;
+    size = w->input != NULL && fseek(w->input, 0, SEEK_END) == 0 ? pbwtf_tell(w->input) : -1;
     if (size < 0) {
         return fail(j, "%s: %s", j->input, strerror(errno));
     }
     if ((uint64_t)size % record != 0) {
-        return fail(j, "%s: truncated: its size, %ld, is no multiple of %lu, that of a record", j->input, size,
-                    (unsigned long)record);
+        return fail(j, "%s: truncated: its size, %ld, is no multiple of %lu, that of a record", j->input,
+                    (long)size, (unsigned long)record);
     }
     w->s.points = (uint64_t)size / record;
     note(j, "%zu point%s in %uD%s", COUNT(w->s.points), w->s.dim, w->s.weighted ? ", weighted" : "");
@@ -238,6 +447,8 @@ typedef struct crew {
     size_t next;                                     /* the tile to begin */
     uint64_t read;                                   /* points that are distributed */
     unsigned char *started;                          /* per tile: its file is there */
+    unsigned char *at_work;                          /* per tile: its tree is in memory */
+    int reading, forgetting;                         /* those who read trees; one waits for them */
     int stop, failed, short_of_memory;
 #ifndef _WIN32
     pthread_mutex_t lock;                            /* for all of the crew, the report and work.s.done */
@@ -287,7 +498,7 @@ static int make_cuts(work *w, pbwt_cut *cuts)
         const uint64_t from = w->s.points * i / count, to = w->s.points * (i + 1) / count;
         const uint64_t at = from + (random >> 33) % (to - from);
         random = random * 6364136223846793005u + 1442695040888963407u;
-        if (w->input != NULL && fseek(w->input, (long)(at * record), SEEK_SET) != 0) {
+        if (w->input != NULL && !pbwtf_seek(w->input, at * record)) {
             failed = cannot(w, w->j->input);
         }
         if (!failed && read_points(w, w->input, at, 1, sample + i) != 1) {
@@ -299,6 +510,17 @@ static int make_cuts(work *w, pbwt_cut *cuts)
     }
     free(sample);
     return failed;
+}
+
+/* Of records in any order. */
+static uint64_t sum_of_points(const pbwt_point *points, size_t count)
+{
+    uint64_t sum = 0;
+    size_t i;
+    for (i = 0; i < count; i++) {
+        sum += pbwtf_checksum(1, points + i, sizeof *points);
+    }
+    return sum;
 }
 
 static int flush_points(crew *c, size_t tile, const pbwt_point *points, size_t count)
@@ -323,8 +545,11 @@ typedef struct reading {
 /* Writes the points of a tile that a reader has, unless the crew stops. */
 static void pass_on(crew *c, size_t tile, const pbwt_point *points, size_t count)
 {
+    const uint64_t sum = sum_of_points(points, count);
     enter(c);
     if (!c->stop) {
+        c->w->tile[tile].points += count;
+        c->w->tile[tile].points_sum += sum;
         c->failed = flush_points(c, tile, points, count);
         c->stop = c->failed;
     }
@@ -374,7 +599,7 @@ static pbw_status read_share(void *arg, size_t reader, size_t end)
     pbwt_point *room = (pbwt_point *)malloc((w->s.parts + 1) * r->each * sizeof *room);
     size_t *used = (size_t *)calloc(w->s.parts, sizeof *used);
     FILE *file = w->input != NULL ? fopen(w->j->input, "rb") : NULL;
-    const int good = w->input == NULL || (file != NULL && fseek(file, (long)(from * record), SEEK_SET) == 0);
+    const int good = w->input == NULL || (file != NULL && pbwtf_seek(file, from * record));
     if (room == NULL || used == NULL || !good) {
         enter(&r->c);
         if (!r->c.stop) {
@@ -415,7 +640,7 @@ static int distribute(work *w)
         crew_start(&r.c);
         pbw_for(&options, r.readers, 1, read_share, &r);
         crew_end(&r.c);
-        failed = r.c.failed ? r.c.failed : r.c.stop ? stopped(w->j) : 0;
+        failed = r.c.failed ? r.c.failed : r.c.stop ? paused(w) : 0;
     }
     free(cuts);
     free(r.c.started);
@@ -425,23 +650,127 @@ static int distribute(work *w)
 
 /* ---- trees */
 
+typedef struct tree_file { FILE *file; char *block; uint64_t *sums; size_t filled, blocks; int failed; } tree_file;
+
+/* Bytes of a tree in its file, before the sums of blocks. */
+static size_t tree_size(uint64_t points)
+{
+    return sizeof(tree_head) + (size_t)points * sizeof(pbwt_point) + pbwt_boxes_of((size_t)points) * sizeof(pbwt_box);
+}
+
+static size_t tree_blocks(uint64_t points)
+{
+    return (tree_size(points) + PBWTF_BLOCK - 1) / PBWTF_BLOCK;
+}
+
+static void end_block(tree_file *f)
+{
+    if (f->filled > 0) {
+        f->sums[f->blocks++] = pbwtf_sum(f->block, f->filled);
+        f->failed |= fwrite(f->block, 1, f->filled, f->file) != f->filled;
+        f->filled = 0;
+    }
+}
+
+static void put_bytes(tree_file *f, const void *data, size_t size)
+{
+    const char *from = (const char *)data;
+    while (size > 0) {
+        const size_t room = PBWTF_BLOCK - f->filled, some = size < room ? size : room;
+        memcpy(f->block + f->filled, from, some);
+        from += some;
+        size -= some;
+        f->filled += some;
+        if (f->filled == PBWTF_BLOCK) {
+            end_block(f);
+        }
+    }
+}
+
 static int write_tree(const work *w, const pbwt_tree *tree, const char *name)
 {
+    const size_t blocks = tree_blocks(tree->count);
     char part[NAME + 8];
     tree_head head;
-    FILE *file;
-    int good;
+    tree_file f;
+    memset(&f, 0, sizeof f);
     memset(&head, 0, sizeof head);
     pbwt_summarise(tree, &head.summary);
     head.duplicates = tree->duplicates;
     snprintf(part, sizeof part, "%s.part", name);
     errno = 0;
-    file = fopen(part, "wb");
-    good = file != NULL && fwrite(&head, sizeof head, 1, file) == 1
-        && fwrite(tree->points, sizeof *tree->points, tree->count, file) == tree->count
-        && fwrite(tree->boxes, sizeof *tree->boxes, tree->box_count, file) == tree->box_count;
-    good = (file == NULL || fclose(file) == 0) && good;
-    return good && rename(part, name) == 0 ? 0 : cannot(w, name);
+    f.block = (char *)malloc(PBWTF_BLOCK);
+    f.sums = (uint64_t *)calloc(blocks + 1, sizeof *f.sums);
+    f.file = f.block != NULL && f.sums != NULL ? fopen(part, "wb") : NULL;
+    if (f.file != NULL) {
+        put_bytes(&f, &head, sizeof head);
+        put_bytes(&f, tree->points, tree->count * sizeof *tree->points);
+        put_bytes(&f, tree->boxes, tree->box_count * sizeof *tree->boxes);
+        end_block(&f);
+        f.sums[blocks] = pbwtf_sum(f.sums, blocks * sizeof *f.sums);
+        f.failed |= fwrite(f.sums, sizeof *f.sums, blocks + 1, f.file) != blocks + 1;
+    }
+    f.failed |= f.file == NULL || fclose(f.file) != 0;
+    free(f.block);
+    free(f.sums);
+    return !f.failed && rename(part, name) == 0 ? 0 : cannot(w, name);
+}
+
+/* Reads the sums of blocks at the end of a tree's file.  Returns NULL if the file is not whole. */
+static uint64_t *read_sums(const work *w, const char *name, uint64_t *points)
+{
+    FILE *file = fopen(name, "rb");
+    uint64_t *sums = NULL;
+    tree_head head;
+    size_t blocks = 0;
+    int good = file != NULL && fread(&head, sizeof head, 1, file) == 1 && head.summary.count <= w->s.points;
+    if (good) {
+        *points = head.summary.count;
+        blocks = tree_blocks(*points);
+        sums = (uint64_t *)malloc((blocks + 1) * sizeof *sums);
+        good = sums != NULL && pbwtf_seek(file, tree_size(*points))
+            && fread(sums, sizeof *sums, blocks + 1, file) == blocks + 1 && getc(file) == EOF
+            && pbwtf_sum(sums, blocks * sizeof *sums) == sums[blocks];
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+    if (!good) {
+        free(sums);
+    }
+    return good ? sums : NULL;
+}
+
+static void need_tree(void *user, const void *from, size_t size)
+{
+    pbwtf_fetch((const pbwtf_map *)user, from, size);
+}
+
+/* Maps the tree of a tile.  Returns 0 if the file is not what was written. */
+static int open_tree(work *w, size_t p, const char *name)
+{
+    char error[PBWTF_ERROR];
+    const pbwt_point *points;
+    tree_head head;
+    uint64_t count = 0;
+    w->sums[p] = read_sums(w, name, &count);
+    if (w->sums[p] == NULL || !pbwtf_map_file(name, w->map + p, error)) {
+        return 0;
+    }
+    pbwtf_expect(w->map + p, tree_size(count), w->sums[p]);
+    memcpy(&head, pbwtf_fetch(w->map + p, w->map[p].data, sizeof head), sizeof head);
+    if (pbwtf_fault(w->map + p) != NULL || head.summary.count != count || w->map[p].size != tree_size(count)) {
+        return 0;
+    }
+    w->summary[p] = head.summary;
+    points = (const pbwt_point *)(const void *)(w->map[p].data + sizeof head);
+    pbwt_tree_over((int)w->s.dim, (int)p, w->summary + p, points, (const pbwt_box *)(const void *)(points + count),
+                   w->tree + p);
+    w->tree[p].duplicates = (size_t)head.duplicates;
+    w->tree[p].need = need_tree;
+    w->tree[p].need_user = w->map + p;
+    pbwtf_forget(w->map + p);
+    return 1;
 }
 
 /* The options of one tile when `jobs` are at work: a share of the threads and of the memory. */
@@ -480,8 +809,13 @@ static pbw_status make_tree(const work *w, size_t p)
         return PBW_OK;
     }
     if (!pbwtf_map_file(name_of(w, "points", p, points), &map, error)) {
-        fail(w->j, "%s", error);
-        return PBW_ERROR_BACKEND;
+        return PBW_ERROR_ARGUMENT;                   /* make_trees says so, too */
+    }
+    pbwtf_fetch(&map, map.data, map.size);
+    if (map.size != w->tile[p].points * sizeof(pbwt_point) || pbwtf_fault(&map) != NULL
+        || sum_of_points((const pbwt_point *)(const void *)map.data, w->tile[p].points) != w->tile[p].points_sum) {
+        pbwtf_unmap(&map);
+        return PBW_ERROR_ARGUMENT;
     }
     share.progress = w->jobs > 1 ? is_interrupted : share.progress;
     status = pbwt_tree_make((int)w->s.dim, (int)p, (const pbwt_point *)(const void *)map.data,
@@ -521,38 +855,20 @@ static pbw_status for_tiles(const work *w, pbw_body *body, void *arg)
     return pbw_for(&options, w->s.parts, 1, body, arg);
 }
 
-/* A scratch file of an earlier run is not what that wrote. */
-static int bad_scratch(work *w, const char *name)
-{
-    w->hopeless = 1;
-    return fail(w->j, "%s: missing or truncated: scratch files are removed, start again", name);
-}
-
 static int make_trees(work *w)
 {
     const pbw_status status = w->s.trees ? PBW_OK : for_tiles(w, make_some_trees, w);
-    char name[NAME], error[PBWTF_ERROR];
+    char name[NAME];
     size_t p;
     w->hopeless |= status == PBW_ERROR_MEMORY && is_bound_to_limit(w);
     if (status != PBW_OK) {
-        return interrupted ? stopped(w->j) : FAILURE;
+        snprintf(name, sizeof name, "%s/N.points", w->scratch);
+        return interrupted ? paused(w) : status == PBW_ERROR_ARGUMENT ? bad_scratch(w, name, NULL) : FAILURE;
     }
     for (p = 0; p < w->s.parts; p++) {
-        tree_head head;
-        if (!pbwtf_map_file(name_of(w, "tree", p, name), w->map + p, error) || w->map[p].size < sizeof head) {
-            return bad_scratch(w, name);
+        if (!open_tree(w, p, name_of(w, "tree", p, name))) {
+            return bad_scratch(w, name, NULL);
         }
-        memcpy(&head, w->map[p].data, sizeof head);
-        w->summary[p] = head.summary;
-        if (w->map[p].size != sizeof head + head.summary.count * sizeof(pbwt_point)
-                              + pbwt_boxes_of((size_t)head.summary.count) * sizeof(pbwt_box)) {
-            return bad_scratch(w, name);
-        }
-        pbwt_tree_over((int)w->s.dim, (int)p, w->summary + p,
-                       (const pbwt_point *)(const void *)(w->map[p].data + sizeof head),
-                       (const pbwt_box *)(const void *)(w->map[p].data + sizeof head
-                                                        + head.summary.count * sizeof(pbwt_point)), w->tree + p);
-        w->tree[p].duplicates = (size_t)head.duplicates;
     }
     w->s.trees = 1;
     return save_state(w);
@@ -563,7 +879,11 @@ static int make_trees(work *w)
 static int explain_tile(work *w, const pbwt_tile *tile, size_t p, pbw_status status)
 {
     if (status == PBW_CANCELLED) {
-        return stopped(w->j);
+        return paused(w);
+    }
+    if (w->bad > 0) {
+        char name[NAME];
+        return bad_scratch(w, name_of(w, "tree", w->bad - 1, name), pbwtf_fault(w->map + w->bad - 1));
     }
     w->hopeless |= status == PBW_ERROR_MEMORY ? is_bound_to_limit(w) : status != PBW_ERROR_BACKEND;
     if (status == PBW_ERROR_MEMORY) {
@@ -576,13 +896,79 @@ static int explain_tile(work *w, const pbwt_tile *tile, size_t p, pbw_status sta
                     "%lu given up; more --tiles need less", (unsigned long)p, limit, COUNT(w->tree[p].count),
                     (unsigned long)tile->foreign_count, (unsigned long)tile->numbers.given_up);
     }
-    return status == PBW_ERROR_BACKEND ? cannot(w, w->out)
+    return status == PBW_ERROR_BACKEND ? cannot(w, w->s.out)
          : fail(w->j, "tile %lu: %s", (unsigned long)p, pbw_status_string(status));
 }
 
-/* Asks and answers until the tile is finished. */
-static pbw_status run_tile(const work *w, pbwt_tile *tile, size_t p)
+/* Trees are read by many and forgotten by one. */
+static void begin_reading(crew *c)
 {
+    enter(c);
+    while (c->forgetting) {
+        await(c);
+    }
+    c->reading++;
+    leave(c);
+}
+
+/* Returns whether the tree of tile q is as it was written. */
+static int end_reading(crew *c, size_t q)
+{
+    const int good = pbwtf_fault(c->w->map + q) == NULL;
+    enter(c);
+    c->reading--;
+    c->w->bad = good || c->w->bad > 0 ? c->w->bad : q + 1;
+    if (c->forgetting) {
+        wake(c);
+    }
+    leave(c);
+    return good;
+}
+
+/* Of trees that no tile at work is made of, so much of the memory may stay from tile to tile. */
+enum { SHARE_OF_TREES = 16 };
+
+static void forget_trees(crew *c)
+{
+    size_t q, bytes = 0;
+    for (q = 0; q < c->w->s.parts; q++) {
+        bytes += pbwtf_fetched(c->w->map + q);
+    }
+    if (bytes < c->w->options.build.memory_limit / SHARE_OF_TREES) {
+        return;
+    }
+    enter(c);
+    while (c->forgetting) {
+        await(c);
+    }
+    c->forgetting = 1;
+    while (c->reading > 0) {
+        await(c);
+    }
+    for (q = 0; q < c->w->s.parts; q++) {
+        if (!c->at_work[q]) {
+            pbwtf_forget(c->w->map + q);
+        }
+    }
+    c->forgetting = 0;
+    wake(c);
+    leave(c);
+}
+
+/* The whole tree of a tile, until forget_trees after its end.  Returns whether it is as it was written. */
+static int fetch_own_tree(crew *c, size_t p)
+{
+    pbwtf_map *map = c->w->map + p;
+    begin_reading(c);
+    c->at_work[p] = 1;
+    pbwtf_fetch(map, map->data, map->size);
+    return end_reading(c, p);
+}
+
+/* Asks and answers until the tile is finished. */
+static pbw_status run_tile(crew *c, pbwt_tile *tile, size_t p)
+{
+    work *w = c->w;
     pbwt_served *served = (pbwt_served *)calloc(w->s.parts, sizeof *served);
     pbwt_bytes reply = { NULL, 0 };
     pbw_status status = served != NULL ? PBW_OK : PBW_ERROR_MEMORY;
@@ -592,8 +978,10 @@ static pbw_status run_tile(const work *w, pbwt_tile *tile, size_t p)
         status = pbwt_ask(tile, &more);
         for (q = 0; q < w->s.parts && status == PBW_OK && more; q++) {
             if (tile->request[q].size > 0) {
+                begin_reading(c);
                 status = pbwt_answer(w->tree + q, served + q, tile->request + q, &w->limits, w->summary[p].count,
                                      &reply);
+                status = end_reading(c, q) ? status : PBW_ERROR_BACKEND;
                 status = status != PBW_OK ? status : pbwt_take(tile, (int)q, reply.data, reply.size);
                 pbwt_bytes_free(w->tree + q, &reply);
             }
@@ -606,15 +994,16 @@ static pbw_status run_tile(const work *w, pbwt_tile *tile, size_t p)
     return status;
 }
 
-static int save(const work *w, const char *what, size_t p, const void *items, size_t count, size_t size)
+static int save(const work *w, const char *what, size_t p, const void *items, size_t size, uint64_t *sum)
 {
     char name[NAME];
     FILE *file;
     int good;
     errno = 0;
     file = fopen(name_of(w, what, p, name), "wb");
-    good = file != NULL && fwrite(items, size, count, file) == count;
+    good = file != NULL && (size == 0 || fwrite(items, 1, size, file) == size);
     good = (file == NULL || fclose(file) == 0) && good;
+    *sum = pbwtf_sum(items, size);
     return good ? 0 : cannot(w, name);
 }
 
@@ -622,14 +1011,18 @@ static int save(const work *w, const char *what, size_t p, const void *items, si
 static int end_tile(work *w, pbwtf_writer *chunk, const pbwt_tile *tile, size_t p)
 {
     tile_state *t = w->tile + p;
-    int failed = !w->s.mesh || pbwtf_end(chunk, tile, (int)w->s.dim) ? 0 : cannot(w, w->out);
-    failed = failed ? failed : save(w, "facets", p, tile->facets, tile->facet_count, sizeof *tile->facets);
-    failed = failed ? failed : save(w, "border", p, tile->border, tile->border_count, sizeof *tile->border);
+    int failed = !w->s.mesh || pbwtf_end(chunk, tile, (int)w->s.dim) ? 0 : cannot(w, w->s.out);
+    failed = failed ? failed : save(w, "facets", p, tile->facets, tile->facet_count * sizeof *tile->facets,
+                                    &t->facets_sum);
+    failed = failed ? failed : save(w, "border", p, tile->border, tile->border_count * sizeof *tile->border,
+                                    &t->border_sum);
     if (failed) {
         return failed;
     }
     t->given = tile->leftover_count;
     t->facets = tile->facet_count;
+    t->border = tile->border_count;
+    t->head_sum = w->s.mesh ? pbwtf_sum(&chunk->chunk, sizeof chunk->chunk) : 0;
     t->hull = tile->numbers.hull;
     t->halo = tile->numbers.halo;
     t->later = tile->numbers.later;
@@ -701,7 +1094,6 @@ static void end_turn(hand *h, const pbwt_tile *tile, pbw_status status)
     crew *c = h->c;
     work *w = c->w;
     const size_t p = h->tile;
-    size_t q;
     enter(c);
     if (status == PBW_OK) {
         c->failed = end_tile(w, &h->chunk, tile, p);
@@ -718,11 +1110,10 @@ static void end_turn(hand *h, const pbwt_tile *tile, pbw_status status)
             (unsigned long)tile->numbers.simplices, simplices(0, (size_t)tile->numbers.simplices),
             COUNT(tile->numbers.rounds), (unsigned long)tile->numbers.given_up);
     }
+    c->at_work[p] = 0;
     wake(c);
     leave(c);
-    for (q = 0; q < w->s.parts; q++) {
-        pbwtf_forget(w->map + q);
-    }
+    forget_trees(c);
 }
 
 static void build_tile(crew *c, size_t p)
@@ -741,7 +1132,8 @@ static void build_tile(crew *c, size_t p)
     h.options.emit = w->s.mesh ? emit_in_turn : NULL;
     h.options.emit_user = &h;
     status = pbwt_open(&tile, w->tree + p, w->summary, (int)w->s.parts, &h.options);
-    status = status != PBW_OK ? status : run_tile(w, &tile, p);
+    status = status == PBW_OK && !fetch_own_tree(c, p) ? PBW_ERROR_BACKEND : status;
+    status = status != PBW_OK ? status : run_tile(c, &tile, p);
     status = status == PBW_OK && !take_turn(&h) ? PBW_CANCELLED : status;
     end_turn(&h, &tile, status);
     pbwt_close(&tile);
@@ -765,6 +1157,19 @@ static pbw_status work_on(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
+/* Makes the output as long as that, and stands at its end. */
+static int cut_output(const work *w, FILE *out, uint64_t size)
+{
+    errno = 0;
+#ifdef _WIN32
+    return fflush(out) == 0 && _chsize_s(_fileno(out), (__int64)size) == 0 && pbwtf_seek(out, size) ? 0
+         : cannot(w, w->s.out);
+#else
+    return fflush(out) == 0 && truncate(w->s.out, (off_t)size) == 0 && pbwtf_seek(out, size) ? 0
+         : cannot(w, w->s.out);
+#endif
+}
+
 /* Builds tiles from the first that is not done, work.jobs at a time; fewer if memory is too small for that. */
 static int build_rest(work *w, FILE *out)
 {
@@ -774,20 +1179,21 @@ static int build_rest(work *w, FILE *out)
         crew c;
         memset(&options, 0, sizeof options);
         memset(&c, 0, sizeof c);
-        errno = 0;
-#ifndef _WIN32
-        failed = fflush(out) != 0 || truncate(w->out, (off_t)w->s.size) != 0;
-#endif
-        if (failed || fseek(out, (long)w->s.size, SEEK_SET) != 0) {
-            return cannot(w, w->out);
+        if (cut_output(w, out, w->s.size)) {
+            return FAILURE;
         }
         c.w = w;
         c.out = out;
         c.next = w->s.done;
+        c.at_work = (unsigned char *)calloc(w->s.parts, 1);
+        if (c.at_work == NULL) {
+            return fail(w->j, "out of memory");
+        }
         options.threads = w->jobs;
         crew_start(&c);
         pbw_for(&options, (size_t)w->jobs, 1, work_on, &c);
         crew_end(&c);
+        free(c.at_work);
         failed = c.failed;
         if (c.short_of_memory) {
             w->jobs /= 2;
@@ -803,18 +1209,6 @@ static int compare_ids(const void *a, const void *b)
 {
     const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
     return x < y ? -1 : x > y;
-}
-
-/* A finished chunk of the output that is not complete yet. */
-static int view_chunk(const work *w, const pbwtf_map *chunks, size_t p, pbwtf_view *view)
-{
-    char error[PBWTF_ERROR];
-    pbwtf_header header;
-    memset(&header, 0, sizeof header);
-    header.dim = w->s.dim;
-    header.flags = (w->s.weighted ? PBWTF_WEIGHTS : 0) | (w->s.links ? PBWTF_LINKS : 0);
-    header.tiles = w->s.parts;
-    return pbwtf_view_at(chunks, &header, &w->tile[p].entry, p, view, error);
 }
 
 /* A tile as it was when it ended, for pbwt_leftovers; foreign points, only their ids, are allocated.  Returns 0
@@ -849,7 +1243,8 @@ static uint64_t *given_ids(const work *w, const pbwtf_map *chunks, size_t count)
     for (p = 0; p < w->s.parts && ids != NULL; p++) {
         const size_t lost = view_chunk(w, chunks, p, &view) ? (size_t)view.chunk->given : 0;
         for (i = 0; i < lost && n < count; i++) {
-            ids[n++] = w->tree[p].points[view.given[i]].id;
+            ids[n++] = ((const pbwt_point *)pbwtf_fetch(w->map + p, w->tree[p].points + view.given[i],
+                                                        sizeof(pbwt_point)))->id;
         }
     }
     if (ids != NULL) {
@@ -859,18 +1254,23 @@ static uint64_t *given_ids(const work *w, const pbwtf_map *chunks, size_t count)
 }
 
 /* What all tiles know of the points given up, in the order of the tiles. */
-static pbw_status know(const work *w, const pbwtf_map *chunks, const uint64_t *ids, size_t count, pbwt_bytes *known)
+static pbw_status know(work *w, const pbwtf_map *chunks, const uint64_t *ids, size_t count, pbwt_bytes *known)
 {
     pbw_status status = PBW_OK;
     size_t p;
     for (p = 0; p < w->s.parts && status == PBW_OK; p++) {
         char name[NAME], error[PBWTF_ERROR], *grown = NULL;
-        pbwtf_map border = { NULL, 0 };
+        pbwtf_map border = { NULL, 0, NULL };
         pbwt_bytes piece = { NULL, 0 };
         pbwtf_view view;
         pbwt_tile tile;
-        if (!pbwtf_map_file(name_of(w, "border", p, name), &border, error) || !view_chunk(w, chunks, p, &view)) {
+        pbwtf_fetch(w->map + p, w->map[p].data, w->map[p].size);
+        if (!pbwtf_map_file(name_of(w, "border", p, name), &border, error)
+            || border.size != w->tile[p].border * sizeof(uint32_t)
+            || pbwtf_sum(pbwtf_fetch(&border, border.data, border.size), border.size) != w->tile[p].border_sum
+            || pbwtf_fault(&border) != NULL || pbwtf_fault(w->map + p) != NULL || !view_chunk(w, chunks, p, &view)) {
             pbwtf_unmap(&border);
+            w->bad = p + 1;
             return PBW_ERROR_BACKEND;
         }
         status = recall(w, &view, &border, p, &tile) ? pbwt_leftovers(&tile, ids, count, &piece) : PBW_ERROR_MEMORY;
@@ -907,8 +1307,11 @@ static int build_leftovers(work *w, FILE *out, size_t count)
         w->hopeless = 1;
         return fail(w->j, "the tiles gave up %zu point%s, as on surfaces: --no-mesh does not do them", COUNT(count));
     }
-    if (fseek(out, (long)w->s.size, SEEK_SET) != 0 || !pbwtf_map_file(w->out, &chunks, error)) {
-        return cannot(w, w->out);
+    if (cut_output(w, out, w->s.size)) {
+        return FAILURE;
+    }
+    if (!pbwtf_map_file(w->s.out, &chunks, error)) {
+        return fail(w->j, "%s", error);
     }
     ids = given_ids(w, &chunks, count);
     status = ids != NULL ? know(w, &chunks, ids, count, &known) : PBW_ERROR_MEMORY;
@@ -950,7 +1353,8 @@ static int link_tiles(work *w, FILE *out, uint64_t *hull)
     for (p = 0; p < w->s.chunks && !failed; p++) {
         FILE *file = fopen(name_of(w, "facets", p, name), "rb");
         const size_t own = (size_t)w->tile[p].facets;
-        failed = file == NULL || fread(facets + at, sizeof *facets, own, file) != own ? cannot(w, name) : 0;
+        failed = file == NULL || fread(facets + at, sizeof *facets, own, file) != own ? cannot(w, name)
+               : pbwtf_sum(facets + at, own * sizeof *facets) != w->tile[p].facets_sum ? bad_scratch(w, name, NULL) : 0;
         at += w->tile[p].facets;
         if (file != NULL) {
             fclose(file);
@@ -961,12 +1365,12 @@ static int link_tiles(work *w, FILE *out, uint64_t *hull)
         tile_state *t = w->tile + p;
         t->entry.across_checksum = 0;
         errno = 0;
-        failed = fseek(out, (long)(t->entry.offset + t->entry.size - t->facets * 8), SEEK_SET) != 0;
+        failed = !pbwtf_seek(out, t->entry.offset + t->entry.size - t->facets * 8);
         for (i = 0; i < t->facets && !failed; i++, at++) {
             failed = fwrite(&facets[at].to, 8, 1, out) != 1;
             t->entry.across_checksum = pbwtf_checksum(t->entry.across_checksum, &facets[at].to, 8);
         }
-        failed = failed || fflush(out) != 0 ? cannot(w, w->out) : 0;
+        failed = failed || fflush(out) != 0 ? cannot(w, w->s.out) : 0;
     }
     free(facets);
     return failed;
@@ -1000,13 +1404,12 @@ static int finish_file(work *w, FILE *out)
     header.table = w->s.size;
     header.size = w->s.size + header.chunks * sizeof(pbwtf_entry);
     pbwtf_seal(&header, &sums);
-    errno = 0;
-    failed = failed || fseek(out, (long)header.table, SEEK_SET) != 0;
+    failed = failed || cut_output(w, out, header.table);
     for (p = 0; p < w->s.chunks && !failed; p++) {
         failed = fwrite(&w->tile[p].entry, sizeof(pbwtf_entry), 1, out) != 1;
     }
-    failed = failed || fflush(out) != 0 || fseek(out, 0, SEEK_SET) != 0
-          || fwrite(&header, sizeof header, 1, out) != 1 || fflush(out) != 0 ? cannot(w, w->out) : 0;
+    failed = failed || fflush(out) != 0 || !pbwtf_seek(out, 0) || fwrite(&header, sizeof header, 1, out) != 1
+          || fflush(out) != 0 ? cannot(w, w->s.out) : 0;
     if (!failed) {
         char on_hull[48] = "";
         if (w->s.links) {
@@ -1020,20 +1423,39 @@ static int finish_file(work *w, FILE *out)
     return failed;
 }
 
+/* Opens the output of an earlier run, or creates it.  NULL: failed, and said so. */
+static FILE *open_output(work *w)
+{
+    static const pbwtf_header nothing;
+    const int is_there = w->s.size > 0;
+    struct stat about;
+    char name[sizeof w->s.out];
+    FILE *out;
+    errno = 0;
+    snprintf(name, sizeof name, "%s", w->j->outputs > 0 ? w->j->output[0] : w->scratch);
+    out = is_there ? fopen(w->s.out, "rb+") : pbwtf_create(name, w->s.out, sizeof w->s.out);
+    if (out == NULL || stat(w->s.out, &about) != 0 || (!is_there && fwrite(&nothing, sizeof nothing, 1, out) != 1)) {
+        cannot(w, w->s.out);
+        if (out != NULL) {
+            fclose(out);
+        }
+        return NULL;
+    }
+    w->s.number = (uint64_t)about.st_ino;
+    w->s.size = is_there ? w->s.size : sizeof nothing;
+    if (save_state(w)) {
+        fclose(out);
+        return NULL;
+    }
+    return out;
+}
+
 static int build_tiles(work *w)
 {
-    FILE *out;
+    FILE *out = open_output(w);
     uint64_t left_over = 0;
     size_t p;
-    int failed = 0;
-    errno = 0;
-    out = fopen(w->out, w->s.size > 0 ? "rb+" : "wb+");
-    if (out != NULL && w->s.size == 0) {
-        static const pbwtf_header nothing;
-        failed = fwrite(&nothing, sizeof nothing, 1, out) != 1;
-        w->s.size = sizeof nothing;
-    }
-    failed = failed || out == NULL ? cannot(w, w->out) : build_rest(w, out);
+    int failed = out == NULL ? FAILURE : build_rest(w, out);
     for (p = 0; p < w->s.parts && !failed; p++) {
         left_over += w->tile[p].given;
     }
@@ -1042,7 +1464,7 @@ static int build_tiles(work *w)
     }
     failed = failed ? failed : finish_file(w, out);
     if (out != NULL && fclose(out) != 0 && !failed) {
-        failed = cannot(w, w->out);
+        failed = cannot(w, w->s.out);
     }
     return failed;
 }
@@ -1084,7 +1506,7 @@ static int jobs_for(work *w)
 static int prepare(work *w)
 {
     const char *name = w->j->outputs > 0 ? w->j->output[0] : w->j->input != NULL ? w->j->input : "points";
-    memcpy(w->s.magic, "PBWSTAT3", 8);
+    memcpy(w->s.magic, "PBWSTAT4", 8);
     w->s.mesh = !is_given(w->j, "--no-mesh");
     w->s.links = w->s.mesh && !is_given(w->j, "--no-links");
     w->options.build = w->j->build;
@@ -1093,39 +1515,54 @@ static int prepare(work *w)
     w->jobs = jobs_for(w);
     w->tile = (tile_state *)calloc(w->s.parts + 1, sizeof *w->tile);
     w->map = (pbwtf_map *)calloc(w->s.parts, sizeof *w->map);
+    w->sums = (uint64_t **)calloc(w->s.parts, sizeof *w->sums);
     w->tree = (pbwt_tree *)calloc(w->s.parts, sizeof *w->tree);
     w->summary = (pbwt_summary *)calloc(w->s.parts, sizeof *w->summary);
-    if (w->tile == NULL || w->map == NULL || w->tree == NULL || w->summary == NULL) {
+    if (w->tile == NULL || w->map == NULL || w->sums == NULL || w->tree == NULL || w->summary == NULL) {
         return fail(w->j, "out of memory");
     }
     w->options.weighted = (int)w->s.weighted;
     w->options.no_links = !w->s.links;
     w->limits.work = (size_t)number_of(w->j, "--work", 0);
     w->options.halo = number_of(w->j, "--halo", 0);
-    snprintf(w->out, sizeof w->out, "%s.part", name);
     if (is_given(w->j, "--scratch")) {
         snprintf(w->scratch, sizeof w->scratch, "%s", text_of(w->j, "--scratch"));
     } else {
         snprintf(w->scratch, sizeof w->scratch, "%s.scratch", name);
     }
-    errno = 0;
-    if (make_folder(w->scratch) != 0 && errno != EEXIST) {
-        return cannot(w, w->scratch);
+    if (take_scratch(w)) {
+        return FAILURE;
     }
     w->s.input_mark = mark_of_input(w);
     load_state(w);
     return 0;
 }
 
+static void close_maps(work *w)
+{
+    size_t p;
+    for (p = 0; w->map != NULL && w->sums != NULL && p < w->s.parts; p++) {
+        pbwtf_unmap(w->map + p);
+        free(w->sums[p]);
+        w->sums[p] = NULL;
+    }
+}
+
+/* Removes the scratch files; in the end the lock, as the next run looks whether it is still there. */
 static void clean(work *w)
 {
     char name[NAME];
-    size_t p;
-    for (p = 0; p < w->s.parts; p++) {
-        pbwtf_unmap(w->map + p);
-    }
+    close_maps(w);
     remove_scratch(w, w->s.parts);
+    snprintf(name, sizeof name, "%s/state.part", w->scratch);
+    remove(name);
     snprintf(name, sizeof name, "%s/state", w->scratch);
+    remove(name);
+    snprintf(name, sizeof name, "%s/lock", w->scratch);
+#ifdef _WIN32
+    close(w->lock);
+    w->lock = -1;
+#endif
     remove(name);
     remove(w->scratch);
 }
@@ -1133,7 +1570,6 @@ static void clean(work *w)
 static int run(job *j)
 {
     work *w;
-    size_t p;
     int failed;
     if (j->outputs != !is_given(j, "--no-mesh")) {
         return complain("one output is needed, with --no-mesh none; see pbw tiles --help");
@@ -1143,32 +1579,36 @@ static int run(job *j)
         return fail(j, "out of memory");
     }
     w->j = j;
+    w->lock = -1;
     w->start = now();
     failed = open_input(w);
     failed = failed ? failed : prepare(w);
     failed = failed || w->s.distributed ? failed : distribute(w);
     failed = failed ? failed : make_trees(w);
     failed = failed ? failed : build_tiles(w);
-    if (!failed && (w->s.mesh ? rename(w->out, j->output[0]) : remove(w->out)) != 0) {
-        failed = cannot(w, w->out);
+    if (!failed && (w->s.mesh ? rename(w->s.out, j->output[0]) : remove(w->s.out)) != 0) {
+        failed = cannot(w, w->s.out);
     }
-    if (w->hopeless) {
+    if (w->hopeless && *w->s.out != 0) {
+        remove(w->s.out);
+    }
+    if (w->hopeless || !failed) {
         clean(w);
-        remove(w->out);
     }
     if (!failed) {
-        clean(w);
         j->written = j->outputs;
         say(j, "all", now() - w->start, "%zu tile%s", COUNT(w->s.parts));
     }
-    for (p = 0; p < w->s.parts && w->map != NULL; p++) {
-        pbwtf_unmap(w->map + p);
+    close_maps(w);
+    if (w->lock >= 0) {
+        close(w->lock);
     }
     if (w->input != NULL) {
         fclose(w->input);
     }
     free(w->tile);
     free(w->map);
+    free(w->sums);
     free(w->tree);
     free(w->summary);
     free(w);
