@@ -1858,6 +1858,7 @@ static pbw_status pbw__for_range(pbw__context *context, size_t count, size_t gra
                      the last sum of 183 digits: 2013 digits, 117,000 bits, 17 KiB;
       column         at most 4 terms of 73 products below 2^116, and a carry: below 2^125
                      (radix 2^26: 4 terms of 162 products below 2^52: below 2^62).
+   Low digits that are zero are skipped: where one axis is far finer than the others, most are.
    ------------------------------------------------------------------------------------------------------ */
 #if defined(__SIZEOF_INT128__)
 typedef int64_t pbw__digit;
@@ -1874,7 +1875,7 @@ typedef uint64_t pbw__wrapped;
 
 typedef struct pbw__integer {
     pbw__digit *digit;
-    int length;                                      /* 0: zero; else digit[length-1] is not 0 */
+    int low, length;                                 /* digit[low] and digit[length-1] are not 0; 0, 0: zero */
 } pbw__integer;
 
 typedef struct pbw__product {                        /* factor[0] * factor[1], to be added or subtracted */
@@ -1908,6 +1909,18 @@ PBW__INLINE int pbw__decode(double value, int64_t *mantissa)
     return (field != 0 ? field : 1) - 1075;
 }
 
+/* Returns the lowest exponent of `count` numbers that are not 0, or `unit` if that is lower. */
+PBW__DEVICE static int pbw__exact_unit(const double *number, int count, int unit)
+{
+    int64_t mantissa;
+    int i;
+    for (i = 0; i < count; i++) {
+        const int exponent = pbw__decode(number[i], &mantissa);
+        unit = mantissa != 0 && exponent < unit ? exponent : unit;
+    }
+    return unit;
+}
+
 /* Takes the number in the first `length` digits of the pool, without leading zeros or, if it is negative, leading
    -1. */
 PBW__DEVICE static pbw__integer pbw__trimmed(pbw__digit **pool, int length)
@@ -1923,6 +1936,8 @@ PBW__DEVICE static pbw__integer pbw__trimmed(pbw__digit **pool, int length)
     }
     result.digit = digit;
     result.length = length;
+    for (result.low = 0; result.low < length && digit[result.low] == 0; result.low++) {
+    }
     *pool += length;
     return result;
 }
@@ -1968,17 +1983,23 @@ PBW__DEVICE static pbw__integer pbw__exact_sum(const pbw__product *product, int 
 {
     pbw__digit *digit = *pool;
     pbw__column column = 0;
-    int i, j, k, length = 0;
+    int i, j, k, length = 0, low = 2 * PBW__POOL;
     for (j = 0; j < count; j++) {
-        int both = product[j].factor[0]->length + product[j].factor[1]->length;
-        length = both > length ? both : length;
+        const pbw__integer *a = product[j].factor[0], *b = product[j].factor[1];
+        if (a->length > 0 && b->length > 0) {
+            length = a->length + b->length > length ? a->length + b->length : length;
+            low = a->low + b->low < low ? a->low + b->low : low;
+        }
     }
-    for (k = 0; k < length; k++) {
+    for (k = 0; k < low && k < length; k++) {
+        digit[k] = 0;
+    }
+    for (; k < length; k++) {
         for (j = 0; j < count; j++) {
             const pbw__integer *a = product[j].factor[0], *b = product[j].factor[1];
+            const int last = k - b->low < a->length ? k - b->low : a->length - 1;
             pbw__column sum = 0;
-            int last = k < a->length ? k : a->length - 1;
-            for (i = k < b->length ? 0 : k - b->length + 1; i <= last; i++) {
+            for (i = k - b->length < a->low ? a->low : k - b->length + 1; i <= last; i++) {
                 sum += (pbw__column)a->digit[i] * b->digit[k - i];
             }
             column += product[j].negative ? -sum : sum;
@@ -2004,23 +2025,15 @@ PBW__DEVICE static int pbw__exact_determinant_in(pbw__digit *pool, int dim, int 
                                                  const double *origin, int *orientation)
 {
     pbw__digit *top = pool, one_digit = 1;
-    pbw__integer entry[4][4], minor[16], one;
+    pbw__integer entry[4][4], minor[16], one = { &one_digit, 0, 1 };
     pbw__product term[4];
-    int unit = 1024, sign = 0, missing = 0, i, j, k, set;
-    one.digit = &one_digit;
-    one.length = 1;
-    for (i = 0; i <= count; i++) {                   /* the largest unit that divides all coordinates ... */
-        const double *point = i < count ? row[i] : origin;
-        for (j = 0; j < dim + (count > dim); j++) {
-            int64_t mantissa;
-            int exponent = pbw__decode(point[j], &mantissa);
-            if (j == dim) {                          /* ... and whose square divides all weights */
-                exponent = (exponent - (exponent & 1)) / 2;
-            }
-            if (mantissa != 0 && exponent < unit) {
-                unit = exponent;
-            }
-        }
+    int unit = 2048, sign = 0, missing = 0, i, j, k, set;
+    for (i = 0; i <= count && count > dim; i++) {    /* a unit whose square divides all weights */
+        unit = pbw__exact_unit((i < count ? row[i] : origin) + dim, 1, unit);
+    }
+    unit = (unit - (unit & 1)) / 2;
+    for (i = 0; i <= count; i++) {                   /* and that divides all coordinates */
+        unit = pbw__exact_unit(i < count ? row[i] : origin, dim, unit);
     }
     for (i = 0; i < count; i++) {
         for (j = 0; j < dim; j++) {
@@ -2452,7 +2465,7 @@ PBW__INLINE int pbw__read_rows(int dim, int count, const double *const *row, con
         unit = pbw__exponent(largest);
         k = (pbw__exponent(heaviest) + 2049) / 2 - 1024;     /* half of it, rounded up */
         unit = (k > unit ? k : unit) - PBW__DIGIT_BITS;
-        for (i = count; i >= 0; i--) {
+        for (i = count; i >= 0 && lost == 0; i--) {
             for (k = 0; k < dim; k++) {
                 int exponent = pbw__decode(i < count ? row[i][k] : origin[k], &mantissa);
                 uint64_t value = pbw__shifted(mantissa, exponent - unit, &lost);
@@ -2677,32 +2690,52 @@ PBW__INLINE pbw__pair pbw__pair_minor(pbw__pair (*u)[4], int i, int j, int k)
                          u[2][k], pbw__pair_cross(u, i, j));
 }
 
+/* Multiplies by a power of two. */
+PBW__INLINE pbw__pair pbw__pair_scaled(pbw__pair a, double scale)
+{
+    a.head *= scale;
+    a.tail *= scale;
+    return a;
+}
+
+/* Scales by powers of two change no sign: u[axis][row] has each axis by its own, so that its largest number is below
+   1 and at least 2^-52 (of denormals); v, for lifts, all axes by one.  What underflows, of u, v or weights, is below
+   2^-1020 beside a bound above 2^-370. */
 PBW__DEVICE static int pbw__pairs(int dim, int count, const double *const *row, const double *origin)
 {
-    pbw__pair u[3][4], lift[4], det;                 /* u[axis][row] */
-    double low = 1e100, high = 0.0, size = PBW__EPSILON * PBW__EPSILON;
+    pbw__pair u[3][4], v[3][4], lift[4], det;
+    double low = 1e100, high = 0.0, size = PBW__EPSILON * PBW__EPSILON, scale;
     int i, k;
     for (k = 0; k < dim; k++) {
         double largest = 0.0;
         for (i = 0; i < count; i++) {
-            u[k][i] = pbw__pair_difference(row[i][k], origin[k]);
-            largest = pbw__max(largest, pbw__abs(u[k][i].head));
+            v[k][i] = pbw__pair_difference(row[i][k], origin[k]);
+            largest = pbw__max(largest, pbw__abs(v[k][i].head));
         }
-        low = largest < low ? largest : low;
         high = pbw__max(high, largest);
+        scale = pbw__power_of_two(-pbw__exponent(largest));
+        for (i = 0; i < count; i++) {
+            u[k][i] = pbw__pair_scaled(v[k][i], scale);
+        }
+        largest *= scale;
+        low = largest < low ? largest : low;
         size *= largest;
     }
     if (count == dim) {
         det = dim == 2 ? pbw__pair_cross(u, 0, 1) : pbw__pair_minor(u, 0, 2, 1);
         return pbw__certain(det.head + det.tail,
-                            (dim == 2 ? PBW__PAIRS_ORIENT2_ERROR : PBW__PAIRS_ORIENT3_ERROR) * size, low, high);
+                            (dim == 2 ? PBW__PAIRS_ORIENT2_ERROR : PBW__PAIRS_ORIENT3_ERROR) * size, low, size);
     }
-    high = 0.0;
-    for (i = 0; i < count; i++) {
+    scale = pbw__power_of_two(-pbw__exponent(high));
+    for (high = 0.0, i = 0; i < count; i++) {
         pbw__pair weight = pbw__pair_difference(row[i][dim], origin[dim]);
-        lift[i] = pbw__pair_plus(pbw__pair_times(u[0][i], u[0][i]), pbw__pair_times(u[1][i], u[1][i]));
+        weight = pbw__pair_scaled(pbw__pair_scaled(weight, scale), scale);
+        for (k = 0; k < dim; k++) {
+            v[k][i] = pbw__pair_scaled(v[k][i], scale);
+        }
+        lift[i] = pbw__pair_plus(pbw__pair_times(v[0][i], v[0][i]), pbw__pair_times(v[1][i], v[1][i]));
         if (dim == 3) {
-            lift[i] = pbw__pair_plus(lift[i], pbw__pair_times(u[2][i], u[2][i]));
+            lift[i] = pbw__pair_plus(lift[i], pbw__pair_times(v[2][i], v[2][i]));
         }
         high = pbw__max(high, lift[i].head + pbw__abs(weight.head));
         lift[i] = pbw__pair_minus(lift[i], weight);
@@ -2728,7 +2761,12 @@ PBW__DEVICE static PBW__NOINLINE int pbw__undecided_in(pbw__digit *pool, int dim
                                                        const double *origin, const pbw__grid *grid, int *orientation)
 {
     const int count = dim + (orientation != NULL);
-    int sign = pbw__integers(dim, count, row, origin, grid, orientation);
+    int sign = pbw__integers(dim, count, row, origin, grid, orientation), i, k;
+    for (k = 0; k < dim && sign == PBW__OPEN && orientation == NULL; k++) { /* no differences along an axis: 0 */
+        for (i = 0; i < dim && pbw__bits(row[i][k]) == pbw__bits(origin[k]); i++) {
+        }
+        sign = i == dim ? 0 : PBW__OPEN;
+    }
     if (sign == PBW__OPEN && grid != NULL) {
         sign = pbw__pairs(dim, count, row, origin);
     }
@@ -10465,24 +10503,12 @@ static int pbw__squares_fit(double (*term)[2], int count, double most)
     return 1;
 }
 
-/* Returns the lowest exponent of `count` numbers that are not 0, or `unit` if that is lower. */
-static int pbw__exact_unit(const double *number, int count, int unit)
-{
-    int64_t mantissa;
-    int i;
-    for (i = 0; i < count; i++) {
-        const int exponent = pbw__decode(number[i], &mantissa);
-        unit = mantissa != 0 && exponent < unit ? exponent : unit;
-    }
-    return unit;
-}
-
 /* Returns the exact sign of the sum of the squares (a-b)^2 and of more - less; the first `plus` squares are added,
    the others subtracted.  Sums of 7 products of 37 digits and one of 55 fit a column: see >>exact. */
 static PBW__NOINLINE int pbw__sign_of_squares(double (*term)[2], int plus, int count, double more, double less)
 {
     pbw__digit pool[8 * 120], *top = pool, one_digit = 1;
-    pbw__integer difference[8], sum, one;
+    pbw__integer difference[8], sum, one = { &one_digit, 0, 1 };
     pbw__product product[8];
     double total[2] = { 0.0, 0.0 }, weight[2];
     int unit, i;
@@ -10505,8 +10531,6 @@ static PBW__NOINLINE int pbw__sign_of_squares(double (*term)[2], int plus, int c
         product[i].factor[0] = product[i].factor[1] = difference + i;
         product[i].negative = i >= plus;
     }
-    one.digit = &one_digit;
-    one.length = 1;
     difference[count] = pbw__exact_difference(more, less, 2 * unit, &top);
     product[count].factor[0] = difference + count;
     product[count].factor[1] = &one;
@@ -11615,6 +11639,7 @@ static void pbw__exact_row(int dim, const double *p, const double *origin, int u
             row[k] = pbw__exact_difference(p[k], origin[k], unit, top);
         } else {
             row[k].digit = *top;
+            row[k].low = 0;
             row[k].length = p == NULL && k == 2;
             *(*top)++ = 1;
         }
@@ -11694,7 +11719,7 @@ static PBW__NOINLINE pbw__vector pbw__exact_centre(int dim, const double *const 
                                                    const double *weight, double origin_weight, int scale)
 {
     pbw__digit pool[PBW__POOL], *top = pool, minus_one = -1;
-    pbw__integer row[3][4], same[4], lift[3], normal[3][3], det, sum;
+    pbw__integer row[3][4], same[4], lift[3], normal[3][3], det, sum, minus = { &minus_one, 0, 1 };
     pbw__pair part[3] = { { 0.0, 0.0 }, { 0.0, 0.0 }, { 0.0, 0.0 } }, divisor;
     pbw__vector result;
     int unit, i, k;
@@ -11706,9 +11731,8 @@ static PBW__NOINLINE pbw__vector pbw__exact_centre(int dim, const double *const 
     for (i = 0; i < 3; i++) {
         pbw__exact_row(dim, i < dim ? point[i] : NULL, origin, unit, row[i], &top);
         memcpy(same, row[i], sizeof(row[i]));
-        lift[i].digit = same[3].digit = &minus_one;
+        same[3] = lift[i] = minus;
         lift[i].length = 0;
-        same[3].length = 1;
         if (i < dim) {                               /* |row|^2 - dw */
             row[i][3] = pbw__exact_difference(weight[i], origin_weight, 2 * unit, &top);
             lift[i] = pbw__exact_dot(row[i], same, 1, 4, &top);
@@ -11966,9 +11990,7 @@ PBW__INLINE void pbw__cavity_place(const pbw_mesh *mesh, int dim, pbw__cavity *c
         at[2] = &site->at.z;
         site->at.z = pbw__number(0.0);
         for (k = 0; k < dim; k++) {
-            *at[k] = pbw__pair_difference(p[k], q[k]);
-            at[k]->head *= scale;
-            at[k]->tail *= scale;
+            *at[k] = pbw__pair_scaled(pbw__pair_difference(p[k], q[k]), scale);
         }
         site->weight = pbw__number(mesh->weights != NULL ? mesh->weights[site->vertex] * scale * scale : 0.0);
     }

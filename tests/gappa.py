@@ -388,12 +388,13 @@ def filters():
 def pairs():
     low = literal('pbw__certain', r'low > ([-\d.e]+)')
     define('pbw__pair_cross', 'pbw__pair_minor', 'pbw__pair_sum')
+    ENV['pbw__pair_scaled'] = lambda pair, scale: pair   # by a power of two
     for power in (0, 1):
         for dim in (2, 3):
-            u, lift = Every(None), Every(None)
-            local = dict(dim=dim, count=dim + power, i=0, k=0, u=Every(u), lift=lift, low=0, high=0,
-                         row=Every(Every(Number(1))), origin=Every(Number(1)))
-            local = run('pbw__pairs', local, ['u[k][i]', 'largest'])[1]
+            u, v, lift = Every(None), Every(None), Every(None)
+            local = dict(dim=dim, count=dim + power, i=0, k=0, u=Every(u), v=Every(v), lift=lift, low=0, high=0,
+                         scale=1, row=Every(Every(Number(1))), origin=Every(Number(1)))
+            local = run('pbw__pairs', local, ['v[k][i]', 'largest', 'u[k][i]'])[1]
             local['size'] = ENV['PBW__EPSILON'] ** 2
             for k in range(dim):
                 local['size'] = local['size'] * local['largest']

@@ -61,12 +61,13 @@ typedef struct points {
 } points;
 
 enum { UNIFORM, LATTICE, TENTHS, SURVEY, COSPHERICAL, SPHERE, CAP, FLAT, KETTNER, OFFSET, CLUSTER, MODERATE, FLOATS,
-       THIN, COPIES, ZEROS, DENORMAL, MIXED, RANGE, FAMILIES };
+       THIN, COPIES, ZEROS, DENORMAL, MIXED, RANGE, FAINT, FAINT_LATTICE, FAMILIES };
 
 static const char *const family_name[FAMILIES] = {
     "uniform", "lattice", "lattice of tenths", "survey grid", "cospherical integers", "rounded to a sphere",
     "rounded to a cap", "rounded to a plane", "ulp grid", "offset 2^53", "clusters", "exponents +-30", "floats",
-    "thin", "shared coordinates", "zeros of both signs", "denormals", "exponents +-300", "corners of the range"
+    "thin", "shared coordinates", "zeros of both signs", "denormals", "exponents +-300", "corners of the range",
+    "an axis of denormals", "lattice, an axis of denormals"
 };
 
 static double coordinate(int family, int k)
@@ -84,6 +85,8 @@ static double coordinate(int family, int k)
     case ZEROS: return below(2) == 0 ? -0.0 : below(3) - 1;
     case MIXED: return ldexp(unit_random() - 0.5, below(2 * 996 + 1) - 996);
     case DENORMAL: return ldexp(below(9) - 4, -1074 + (below(3) == 0 ? below(60) : 0));
+    case FAINT: return k == 1 ? ldexp(unit_random() - 0.5, -1030 - below(45)) : ldexp(unit_random(), 40 * below(2));
+    case FAINT_LATTICE: return k == 1 ? (below(5) - 2) * 5e-324 : below(4);
     case RANGE: return (below(2) == 0 ? 1 : -1) * (below(4) == 0 ? 5e-324 : below(4) == 0 ? 1.0 : DBL_MAX);
     default: return unit_random();
     }
@@ -655,6 +658,10 @@ static void test_reach(void)
         { "pairs decide points of a sphere", SPHERE, 2, 1, 0, PAIRS, 0.95 },
         { "pairs decide points of a plane", FLAT, 3, 0, 0, PAIRS, 0.5 },
         { "pairs decide exponents of +-30", MODERATE, 3, 1, 0, PAIRS, 0.99 },
+        { "pairs decide denormals", DENORMAL, 3, 0, 0, PAIRS, 0.5 },
+        { "pairs decide an axis of denormals", FAINT, 3, 1, 0, PAIRS, 0.9 },
+        { "pairs decide an axis of denormals", FAINT, 2, 1, 0, PAIRS, 0.9 },
+        { "pairs decide an axis of denormals", FAINT, 3, 0, 0, PAIRS, 0.9 },
         { "lanes decide points of a cap", CAP, 3, 1, 0, LANES, 0.99 },
         { "lanes decide points of a sphere", SPHERE, 3, 1, 0, LANES, 0.99 },
         { "lanes decide points of a circle", SPHERE, 2, 1, 0, LANES, 0.95 }
