@@ -1,6 +1,6 @@
 /* test_tilefile.c: files of tiles, by the functions of the pbw program itself in one process: a file that differs in
-   any word from what was written is refused by every reader to whom that word means something; so are scratch files of
-   a run that goes on, files that are truncated while they are read, and a second run in one folder. */
+   any word from what was written is refused by every reader to whom that word means something; so are scratch files
+   of a run that goes on, files that are truncated while they are read, and a second run in one folder. */
 #define PBW_TILES_IMPLEMENTATION
 #define PBW_TILEFILE_IMPLEMENTATION
 #define PBW_IO_IMPLEMENTATION
@@ -101,7 +101,11 @@ volatile sig_atomic_t interrupted;
 const option input_options[1], weight_options[1], build_options[1], output_options[1], common_options[1];
 int is_given(const job *j, const char *name) { return text_of(j, name) != NULL; }
 int stopped(const job *j) { return fail(j, "interrupted"); }
-int explain(const job *j, pbw_status status) { return status == PBW_OK ? 0 : fail(j, "%s", pbw_status_string(status)); }
+int explain(const job *j, pbw_status status)
+{
+    return status == PBW_OK ? 0 : fail(j, "%s", pbw_status_string(status));
+}
+
 const char *plural(size_t count) { return count == 1 ? "" : "s"; }
 const char *simplices(int dim, size_t count) { return dim > 0 && count > 0 ? "" : "simplices"; }
 double now(void) { return 0; }

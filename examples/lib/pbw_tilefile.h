@@ -101,8 +101,8 @@ typedef struct pbwtf_writer {              /* start with pbwtf_begin */
 } pbwtf_writer;
 
 /* A file is read in blocks, when they are first asked for, into memory that is this process's own: a file that is
-   truncated or replaced meanwhile is a fault that pbwtf_fault tells, never a signal.  Any number of threads may fetch at
-   once.  All but the writers return 1, or 0 with a text in error. */
+   truncated or replaced meanwhile is a fault that pbwtf_fault tells, never a signal.  Any number of threads may fetch
+   at once.  All but the writers return 1, or 0 with a text in error. */
 #define PBWTF_BLOCK 65536                  /* bytes */
 PBWTFDEF int pbwtf_map_file(const char *path, pbwtf_map *map, char *error);      /* an empty file is fine */
 PBWTFDEF void pbwtf_unmap(pbwtf_map *map);
@@ -549,7 +549,8 @@ static const char *pbwtf__header_fault(const pbwtf_header *h, size_t size)
         return "the file is truncated";
     }
     return h->dim < 2 || h->dim > 3 || h->flags > (PBWTF_WEIGHTS | PBWTF_LINKS) || h->table % 8 != 0
-        || h->table < sizeof *h || h->tiles == 0 || h->chunks < h->tiles || h->chunks - h->tiles > 1 || h->duplicates > h->points
+        || h->table < sizeof *h || h->tiles == 0 || h->chunks < h->tiles || h->chunks - h->tiles > 1
+        || h->duplicates > h->points
         || (h->hull > 0 && !(h->flags & PBWTF_LINKS)) || !pbwtf__is_zero(h->spare, 5) ? "the header is wrong" : NULL;
 }
 

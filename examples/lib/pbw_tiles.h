@@ -87,8 +87,8 @@ typedef struct pbwt_tree {                 /* start from {0}; read, do not write
     uint32_t sample[PBWT_SAMPLES];         /* ascending */
     int samples;
     pbw_options options;                   /* threads, resize and so on of pbwt_tree_make */
-    /* Of a tree over arrays that are not in memory yet: called by pbwt_answer before it reads bytes there.  NULL: they
-       are. */
+    /* Of a tree over arrays that are not in memory yet: called by pbwt_answer before it reads bytes there.  NULL:
+       they are. */
     void (*need)(void *user, const void *from, size_t size);
     void *need_user;
     size_t bytes;                          /* private: of one block with boxes, then points */

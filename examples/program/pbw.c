@@ -28,8 +28,8 @@ static int end_report(const job *j, int status)
     return status != 0 ? status : FAILURE;
 }
 
-/* Of the standard streams those that are closed get a file that can only fail, so that no output gets their number and
-   with it the report: /dev/null, the input for writing and the others for reading. */
+/* Of the standard streams those that are closed get a file that can only fail, so that no output gets their number,
+   and with it the report: /dev/null, the input for writing and the others for reading. */
 static void fill_streams(void)
 {
 #ifndef _WIN32

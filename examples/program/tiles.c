@@ -3,8 +3,8 @@
    Beside the output, in a folder of scratch files: `state`, replaced as a whole after each step, so that a run that
    was killed or had no room on the disk goes on; all go when none could, as of bad input; `lock`, locked by the run
    that works there;
-   N.points (records of tile N as they come), N.tree (sorted, with boxes, then sums of its blocks), N.facets (to link),
-   N.border (simplices with a corner that may be given up).  The state has sums of all but trees, and its own. */
+   N.points (records of tile N as they come), N.tree (sorted, with boxes, then sums of its blocks), N.facets (to
+   link), N.border (simplices with a corner that may be given up).  The state has sums of all but trees, and its own. */
 #include "program.h"
 #include "pbw_tilefile.h"
 #include <errno.h>
@@ -116,7 +116,8 @@ static int in_use(const work *w, long process)
     if (process > 0) {
         snprintf(who, sizeof who, "process %ld", process);
     }
-    return fail(w->j, "%s is in use: %s works there; wait for it, or name another output or --scratch", w->scratch, who);
+    return fail(w->j, "%s is in use: %s works there; wait for it, or name another output or --scratch", w->scratch,
+                who);
 }
 
 #ifdef _WIN32
@@ -191,7 +192,7 @@ static int take_scratch(work *w)
         }
         is_new = stat(name, &there) != 0;
         if (is_new && !is_made && !is_clear(w)) {
-            return fail(w->j, "%s has files of other programs with the names of scratch files: name another --scratch",
+            return fail(w->j, "%s has files of other programs with names of scratch files: name another --scratch",
                         w->scratch);
         }
 #ifdef _WIN32
@@ -1354,7 +1355,8 @@ static int link_tiles(work *w, FILE *out, uint64_t *hull)
         FILE *file = fopen(name_of(w, "facets", p, name), "rb");
         const size_t own = (size_t)w->tile[p].facets;
         failed = file == NULL || fread(facets + at, sizeof *facets, own, file) != own ? cannot(w, name)
-               : pbwtf_sum(facets + at, own * sizeof *facets) != w->tile[p].facets_sum ? bad_scratch(w, name, NULL) : 0;
+               : pbwtf_sum(facets + at, own * sizeof *facets) != w->tile[p].facets_sum
+               ? bad_scratch(w, name, NULL) : 0;
         at += w->tile[p].facets;
         if (file != NULL) {
             fclose(file);
