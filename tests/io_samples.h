@@ -59,7 +59,7 @@ static const io_sample io_text_samples[] = {
             "{\"type\": \"FeatureCollection\", \"bbox\": [0, 0, 9, 9], \"features\": [{\"type\": \"Feature\", \""
             "properties\":\n{\"ids\": [7, 8]}, \"geometry\": {\"type\": \"Polygon\", \"coordinates\": [[[0, 0], "
             "[4, 0], [0, 4], [0, 0]]]}},\n{\"type\": \"Feature\", \"geometry\": {\"type\": \"Point\", \"coordina"
-            "tes\": [1, 2, 3]}}]}", 2, 5, 0, 11),
+            "tes\": [1, 2, 3]}}]}", 2, 4, 0, 11),
     IO_TEXT("two.msh",
             "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 1 \"skin\"\n$EndPhysicalNames\n$Nodes\n5"
             "\n9 0 0 0\n7 1 0 0\n5 0 1 0\n3 0 0 1\n2 .5 .5 .5\n$EndNodes\n$Elements\n4\n1 15 2 1 1 9\n2 2 2 1 1 "

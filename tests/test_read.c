@@ -550,11 +550,69 @@ static void test_tables(void)
     test_kept_columns();
 }
 
+/* ---- .json ---- */
+
+#define IS_TRIANGLE 2, 3, 0, 5, 0, NULL
+#define LIST "[[0,0],[2,0],[0,3]]"
+#define OBJECTS "[{\"x\":0,\"y\":0},{\"x\":2,\"y\":0},{\"x\":0,\"y\":3}]"
+#define EDGES "[[0,1],[1,2],[2,0],[0,2]]"
+#define GEO(type, coordinates) "{\"type\":\"Feature\",\"properties\":{\"points\":[[7,7]]},\"geometry\":{\"type\":\"" type \
+    "\",\"coordinates\":" coordinates "}}"
+
+static const reading jsons[] = {
+    { "bare.json", LIST, NULL, IS_TRIANGLE },
+    { "points.json", "{\"points\":" LIST ",\"edges\":" EDGES "}", NULL, IS_TRIANGLE },
+    { "edges_first.json", "{\"edges\":" EDGES ",\"points\":" LIST "}", NULL, IS_TRIANGLE },
+    { "vertices.json", "{\"vertices\":" LIST ",\"faces\":[[0,1,2]]}", NULL, IS_TRIANGLE },
+    { "upper.json", "{\"Vertices\":" LIST ",\"Triangles\":[[0,1,2]]}", NULL, IS_TRIANGLE },
+    { "positions.json", "{\"positions\":" LIST ",\"cells\":[[0,1,2]]}", NULL, IS_TRIANGLE },
+    { "nodes.json", "{\"nodes\":" LIST ",\"links\":" EDGES "}", NULL, IS_TRIANGLE },
+    { "coordinates.json", "{\"coordinates\":" LIST ",\"indices\":[[0,1,2]]}", NULL, IS_TRIANGLE },
+    { "nested.json", "{\"mesh\":{\"geometry\":{\"points\":" LIST "},\"topology\":{\"arcs\":" EDGES "}}}", NULL, IS_TRIANGLE },
+    { "other_name.json", "{\"sites\":" LIST ",\"name\":\"a\"}", NULL, IS_TRIANGLE },
+    { "with_edges.json", "{\"sites\":" LIST ",\"edges\":" EDGES "}", NULL, IS_TRIANGLE },
+    { "known_and_not.json", "{\"sizes\":[[1,2]],\"points\":" LIST "}", NULL, IS_TRIANGLE },
+    { "objects.json", "{\"nodes\":" OBJECTS ",\"links\":[{\"source\":0,\"target\":1}]}", NULL, IS_TRIANGLE },
+    { "objects_bare.json", OBJECTS, NULL, IS_TRIANGLE },
+    { "labels_too.json", "{\"nodes\":" OBJECTS ",\"labels\":[{\"x\":9,\"y\":9}]}", NULL, IS_TRIANGLE },
+    { "members.json", "[{\"id\":1,\"at\":[0,0]},{\"id\":2,\"at\":[2,0]},{\"id\":3,\"at\":[0,3]}]", NULL, IS_TRIANGLE },
+    { "members_and_boxes.json", "[{\"at\":[0,0],\"bbox\":[1,1,2,2]},{\"at\":[2,0]},{\"at\":[0,3]}]", NULL, IS_TRIANGLE },
+    { "by_name.json", "{\"a\":[0,0],\"b\":[2,0],\"c\":[0,3]}", NULL, IS_TRIANGLE },
+    { "nodes_by_name.json", "{\"nodes\":{\"a\":[0,0],\"b\":[2,0],\"c\":[0,3]},\"edges\":" EDGES "}", NULL, IS_TRIANGLE },
+    { "chosen.json", "{\"points\":[[9,9],[8,8]],\"vertices\":" LIST "}", "vertices", IS_TRIANGLE },
+    { "chosen_columns.json", "{\"points\":[[9,9],[8,8]],\"vertices\":[[5,0,0],[5,2,0],[5,0,3]]}", "vertices:2,3", IS_TRIANGLE },
+    { "chosen_members.json", "{\"a\":[{\"u\":0,\"v\":0},{\"u\":2,\"v\":3}],\"b\":[{\"u\":1,\"v\":1}]}", "a:u,v", 2, 2, 0, 5, 0,
+      NULL },
+    { "polygon.geojson", GEO("Polygon", "[[[0,0],[2,0],[0,3],[0,0]]]"), NULL, IS_TRIANGLE },
+    { "hole.geojson", GEO("Polygon", "[[[0,0],[9,0],[0,9],[0,0]],[[1,1],[2,1],[1,2],[1,1]]]"), NULL, 2, 6, 0, 26, 0, NULL },
+    { "line.geojson", GEO("LineString", "[[0,0],[2,0],[0,3]]"), NULL, IS_TRIANGLE },
+    { "lines.geojson", GEO("MultiLineString", "[[[0,0],[2,0]],[[0,3],[1,1]]]"), NULL, 2, 4, 0, 7, 0, NULL },
+    { "many.geojson", GEO("MultiPoint", LIST), NULL, IS_TRIANGLE },
+    { "parts.geojson", GEO("MultiPolygon", "[[[[0,0],[1,0],[0,1],[0,0]]],[[[0,0],[0,-1],[-1,0],[0,0]]]]"), NULL,
+      2, 6, 0, 0, 0, NULL },
+    { "two.json", "{\"points\":" LIST ",\"vertices\":" EDGES "}", NULL, 0, 0, 0, 0, 0,
+      "several lists may be the points: points (3), vertices (4); choose one by columns (--columns NAME or NAME:x,y)" },
+    { "unknown.json", "{\"a\":" LIST ",\"b\":" EDGES "}", NULL, 0, 0, 0, 0, 0, "several lists may be the points: a (3), b (4)" },
+    { "columns.json", "{\"x\":[0,1,2],\"y\":[3,4,5]}", "what", 0, 0, 0, 0, 0, "no list of points is named so; there are x (1)" },
+    { "only_edges.json", "{\"edges\":" EDGES "}", NULL, 0, 0, 0, 0, 0, "no points" }
+};
+
+static void test_json(void)
+{
+    static const char rings[] = GEO("Polygon", "[[[0,0],[2,0],[0,3],[0,0]]]");
+    pbwio_options options = { PBWIO_AUTO, 0, NULL, NULL, NULL, PBWIO_CLOSED_RINGS };
+    pbwio_cloud c;
+    CHECK_ALL(jsons);
+    CHECK(pbwio_read_memory("a.geojson", rings, sizeof rings - 1, &options, &c, NULL) == PBWIO_OK && c.count == 4);
+    pbwio_free(&c);
+}
+
 int main(int argc, char **argv)
 {
     static const struct { const char *name; void (*run)(void); } tests[] = {
         { "polygons", test_polygons }, { "spellings of .stl", test_stl }, { "what is not read", test_refusals },
-        { ".gz is written", test_gzip }, { "columns of tables", test_tables }
+        { ".gz is written", test_gzip }, { "columns of tables", test_tables },
+        { "lists of .json", test_json }
     };
     size_t i;
     test_start(argc, argv, 0);

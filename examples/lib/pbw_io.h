@@ -31,8 +31,8 @@
      .mesh   Medit, ascii                             x y (z)
      .vtu    one piece; ascii, base64 or raw, plain   weights: an array of the points by name
              or compressed by zlib
-     .json .geojson  arrays of numbers; objects with  numbers in an array, members of an object
-             x and y; "coordinates"
+     .json .geojson  arrays of numbers; objects with  numbers in an array, members of an object; before
+             x and y; "coordinates"                   these "points:" where several lists may be the points
      .xyz    molecules: count, comment, then rows     symbol x y z, then numbers
              of symbol x y z
      .xyz .csv .txt .tsv .pts .asc .dat               by name if there is a header line, or number;
@@ -177,9 +177,10 @@ typedef struct pbwio_options {         /* NULL or all zero = best defaults */
                                           weight nor, in tables, an id */
     const char *weight;                /* the same for the weight; NULL = no weights */
     const char *keep;                  /* columns of tables that the cloud keeps, the same way; "*": all; NULL: none */
-    unsigned flags;                    /* PBWIO_DECIMAL_COMMA */
+    unsigned flags;                    /* PBWIO_DECIMAL_COMMA | PBWIO_CLOSED_RINGS */
 } pbwio_options;
 
+#define PBWIO_CLOSED_RINGS  2u         /* GeoJSON: a ring keeps its last position, which is its first again */
 #define PBWIO_DECIMAL_COMMA 1u         /* tables: numbers such as 1,5; columns are set apart by ; or blanks */
 
 #define PBWIO_TEXT       1u            /* text even where the format has a binary form */
@@ -3549,11 +3550,21 @@ static void pbwio__read_vtu(pbwio__reader *r)
 
 /* ------------------------------------------------------------------------------------------------------
    JSON and GeoJSON.  A point is an array of two numbers or more, or an object with the members x and y (or those that
-   the options name).  Where there are "coordinates", as in GeoJSON, only arrays within them are points.
+   the options name).  Where there are "coordinates", as in GeoJSON, only arrays within them are points, and the last
+   position of a ring is not read twice.  Else points are the list that the options name, or that is named points,
+   vertices, positions or nodes, or the only one; lists of edges, faces and the like are none.
    Two passes: the first counts, the second fills.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWIO__DEEPEST 64
 #define PBWIO__NUMBERS 16                    /* an array of more numbers is a list, not a point */
+
+#define PBWIO__LISTS 24                      /* lists of other names than the first ones share the last place */
+
+typedef struct pbwio__list {                 /* points under one name */
+    pbwio__field name;
+    size_t arrays, objects;                  /* points of each kind */
+    int columns, longest;                    /* columns: of the first point; longest: the most numbers of an array */
+} pbwio__list;
 
 typedef struct pbwio__json {
     int depth, inside;                       /* of brackets; the depth where "coordinates" start, 0 = not in them */
@@ -3562,9 +3573,14 @@ typedef struct pbwio__json {
     double member[PBWIO__DEEPEST + 1][4];
     pbwio__field key, wanted[4];             /* the last key; the members x y z weight */
     double row[PBWIO__NUMBERS];              /* of the innermost array: its numbers, how many; pure: nothing else */
-    int numbers, pure, columns, longest;     /* columns: of the first point; longest: the most numbers of an array */
-    size_t in_coordinates, arrays, objects;  /* points of each kind */
-    int way;                                 /* 0: counts; else fills with 'c', 'a' or 'o' */
+    int numbers, pure;
+    pbwio__field name[PBWIO__DEEPEST + 1];   /* the key of what is at each depth; in arrays that of the array */
+    size_t since[PBWIO__DEEPEST + 1];        /* the number of points when it started */
+    int holds[PBWIO__DEEPEST + 1];           /* whether it is a list of positions */
+    pbwio__list list[PBWIO__LISTS], coordinates;
+    int list_count;
+    int way, all;                            /* way: 0: counts; else fills with 'c', 'a' or 'o'; all: of every list */
+    pbwio__field chosen;                     /* the list to fill with */
 } pbwio__json;
 
 /* What "a,b,c" names, or x y z. */
@@ -3583,25 +3599,59 @@ static void pbwio__json_names(pbwio__reader *r, pbwio__json *j)
     j->wanted[3].end = j->wanted[3].begin + strlen(j->wanted[3].begin);
 }
 
+static const char pbwio__point_names[] = "points vertices positions nodes";
+static const char pbwio__other_names[] = "edges links lines segments faces facets triangles quads polygons cells elements "
+    "tetrahedra simplices indices connectivity neighbors bbox";
+
+static int pbwio__same_field(pbwio__field a, pbwio__field b)
+{
+    return pbwio__same(a.begin, (size_t)(a.end - a.begin), b.begin, (size_t)(b.end - b.begin));
+}
+
+/* The list that a point at this depth is of; NULL: it is none of points. */
+static pbwio__list *pbwio__json_list(pbwio__json *j)
+{
+    pbwio__field name = j->name[j->depth];
+    int k, known = 0;
+    for (k = j->depth; k > 0; k--) {
+        if (!known && pbwio__lists(pbwio__other_names, j->name[k])) {
+            return NULL;
+        }
+        if (!known && pbwio__lists(pbwio__point_names, j->name[k])) {
+            known = 1;
+            name = j->name[k];
+        }
+    }
+    for (k = 0; k < j->list_count && k < PBWIO__LISTS - 1 && !pbwio__same_field(j->list[k].name, name); k++) {
+    }
+    if (k == j->list_count) {
+        j->list[k].name = name;
+        j->list_count++;
+    }
+    return j->list + k;
+}
+
 static void pbwio__json_array(pbwio__reader *r, pbwio__json *j)
 {
+    const int inside = j->inside != 0 && j->depth >= j->inside;
+    pbwio__list *list;
     double value[4];
-    int k, inside = j->inside != 0 && j->depth >= j->inside;
-    if (!j->pure || j->numbers < 2) {
+    int k;
+    if (!j->pure || j->numbers < 2 || (list = inside ? &j->coordinates : pbwio__json_list(j)) == NULL) {
         return;
     }
-    j->columns = j->columns == 0 || (inside && j->in_coordinates == 0) ? j->numbers : j->columns;
-    j->longest = j->numbers > j->longest ? j->numbers : j->longest;
-    j->arrays++;
-    j->in_coordinates += (size_t)inside;
-    if (j->way == 'a' || (j->way == 'c' && inside)) {
+    list->columns = list->columns == 0 ? j->numbers : list->columns;
+    list->longest = j->numbers > list->longest ? j->numbers : list->longest;
+    list->arrays++;
+    j->holds[j->depth - 1] = inside;
+    if (inside ? j->way == 'c' : j->way == 'a' && (j->all || pbwio__same_field(list->name, j->chosen))) {
+        if (r->cloud->dim == 2 && j->numbers <= r->column[2]) {
+            pbwio__no_heights(r);
+        }
         if (j->numbers <= r->last_column) {
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "%d column%s where %d are needed", j->numbers,
                         j->numbers == 1 ? "" : "s", r->last_column + 1);
             return;
-        }
-        if (r->cloud->dim == 2 && j->numbers <= r->column[2]) {
-            pbwio__no_heights(r);
         }
         for (k = 0; k < 4; k++) {
             value[k] = r->column[k] >= 0 ? j->row[r->column[k]] : 0;
@@ -3610,15 +3660,27 @@ static void pbwio__json_array(pbwio__reader *r, pbwio__json *j)
     }
 }
 
+/* The list of positions at this depth ends: the last one of a ring is its first. */
+static void pbwio__json_ring(pbwio__reader *r, const pbwio__json *j)
+{
+    pbwio_cloud *cloud = r->cloud;
+    const size_t first = j->since[j->depth], dim = (size_t)cloud->dim;
+    if (j->way == 'c' && j->holds[j->depth] && !(r->options->flags & PBWIO_CLOSED_RINGS) && cloud->count >= first + 4
+        && memcmp(cloud->points + dim * first, cloud->points + dim * (cloud->count - 1), dim * sizeof(double)) == 0) {
+        cloud->count--;
+    }
+}
+
 static void pbwio__json_object(pbwio__reader *r, pbwio__json *j)
 {
     int found = j->found[j->depth], needed = 3, k;
-    if ((found & 3) != 3) {
+    pbwio__list *list;
+    if ((found & 3) != 3 || (list = pbwio__json_list(j)) == NULL) {
         return;
     }
-    j->columns = j->objects == 0 ? (found & 4 ? 3 : 2) : j->columns;
-    j->objects++;
-    if (j->way == 'o') {
+    list->columns = list->objects == 0 ? (found & 4 ? 3 : 2) : list->columns;
+    list->objects++;
+    if (j->way == 'o' && (j->all || pbwio__same_field(list->name, j->chosen))) {
         for (k = 2; k < 4; k++) {
             needed |= r->column[k] >= 0 && (k == 3 || r->cloud->dim == 3) ? 1 << k : 0;
         }
@@ -3667,8 +3729,10 @@ static void pbwio__json_bracket(pbwio__reader *r, pbwio__json *j, char c)
         if (j->inside == 0 && c == '[' && j->kind[j->depth] == '{' && pbwio__is(j->key, "coordinates")) {
             j->inside = j->depth + 1;
         }
+        j->name[j->depth + 1] = j->kind[j->depth] == '{' ? j->key : j->name[j->depth];
         j->kind[++j->depth] = c;
-        j->found[j->depth] = j->numbers = 0;
+        j->found[j->depth] = j->holds[j->depth] = j->numbers = 0;
+        j->since[j->depth] = r->cloud->count;
         j->pure = c == '[';
         return;
     }
@@ -3678,6 +3742,7 @@ static void pbwio__json_bracket(pbwio__reader *r, pbwio__json *j, char c)
     }
     if (c == ']') {
         pbwio__json_array(r, j);
+        pbwio__json_ring(r, j);
     } else {
         pbwio__json_object(r, j);
     }
@@ -3740,42 +3805,111 @@ static void pbwio__json_pass(pbwio__reader *r, pbwio__json *j)
     }
 }
 
-static void pbwio__read_json(pbwio__reader *r)
+/* Decides which list has the points, into chosen or all, and how: 'c' coordinates, 'o' objects, 'a' arrays. */
+static pbwio__list pbwio__json_choose(pbwio__reader *r, pbwio__json *j)
+{
+    pbwio__list total = j->coordinates, *found = NULL;
+    char text[256] = "";
+    int k, rank, best = 0, matches = 0, single = 1;
+    j->way = 'c';
+    for (k = 0; k < j->list_count && total.arrays == 0; k++) {       /* named by the caller, by habit; objects; arrays */
+        pbwio__list *list = j->list + k;
+        rank = j->chosen.begin < j->chosen.end && pbwio__same_field(list->name, j->chosen) ? 4
+             : pbwio__lists(pbwio__point_names, list->name) ? 3
+             : list->objects > 0 ? 2 : list->arrays > 0;
+        if (rank > best) {
+            best = rank;
+            matches = 0;
+            single = 1;
+            text[0] = 0;
+        }
+        if (rank == best && rank > 0) {
+            const size_t used = strlen(text), count = list->objects > 0 ? list->objects : list->arrays;
+            snprintf(text + used, sizeof text - used, "%s%s (%zu)", matches > 0 ? ", " : "",
+                     list->name.begin < list->name.end ? pbwio__show(r, list->name) : "without a name", count);
+            found = list;
+            matches++;
+            single &= count == 1;
+        }
+    }
+    if (j->chosen.begin < j->chosen.end && best < 4) {
+        pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "no list of points is named so%s%s", best > 0 ? "; there are " : "", text);
+    } else if (matches > 1 && !single) {
+        pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "several lists may be the points: %s; choose one by columns (--columns "
+                    "NAME or NAME:x,y)", text);
+    } else if (found != NULL) {
+        total = *found;
+        j->all = matches > 1;
+        for (k = 0; k < j->list_count && j->all; k++) {              /* each point has a name of its own */
+            total.objects += j->list + k != found ? j->list[k].objects : 0;
+            total.arrays += j->list + k != found ? j->list[k].arrays : 0;
+            total.longest = j->list[k].longest > total.longest ? j->list[k].longest : total.longest;
+        }
+        j->chosen = total.name;
+        j->way = total.objects > 0 ? 'o' : 'a';
+    }
+    return total;
+}
+
+/* Reads with the columns of the options, without the name of a list. */
+static void pbwio__json_points(pbwio__reader *r, pbwio__field chosen)
 {
     const char *begin = r->at;
     pbwio__json j;
+    pbwio__list list;
     size_t count;
-    int columns, way, k, longest;
+    int way, all, k;
     memset(&j, 0, sizeof j);
-    j.key.begin = j.key.end = begin;
+    j.key.begin = j.key.end = j.name[0].begin = j.name[0].end = begin;
+    j.chosen = chosen;
     pbwio__json_names(r, &j);
     pbwio__json_pass(r, &j);
-    way = j.in_coordinates > 0 ? 'c' : j.objects > 0 ? 'o' : 'a';
-    count = way == 'c' ? j.in_coordinates : way == 'o' ? j.objects : j.arrays;
-    columns = j.columns;
-    longest = j.longest;
-    if (r->status == PBWIO_OK && (count == 0 || (way != 'o' && longest > PBWIO__NUMBERS))) {
+    list = pbwio__json_choose(r, &j);
+    way = j.way;
+    all = j.all;
+    chosen = j.chosen;
+    count = way == 'o' ? list.objects : list.arrays;
+    if (r->status == PBWIO_OK && (count == 0 || (way != 'o' && list.longest > PBWIO__NUMBERS))) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, count == 0 ? "no points: arrays of numbers, or objects with x and y"
                     : "a list of many numbers: points are arrays of two or three");
     }
     r->at = begin;
     if (way == 'o') {
-        r->cloud->dim = columns == 3 && r->options->dim != 2 ? 3 : 2;
+        r->cloud->dim = list.columns == 3 && r->options->dim != 2 ? 3 : 2;
         for (k = 0; k < 4; k++) {
-            r->column[k] = k < (columns == 3 ? 3 : 2) || (k == 3 && r->options->weight != NULL) ? k : -1;
+            r->column[k] = k < (list.columns == 3 ? 3 : 2) || (k == 3 && r->options->weight != NULL) ? k : -1;
         }
         if (r->options->dim > r->cloud->dim) {
-            pbwio__fail(r, PBWIO_ERROR_FORMAT, "%d coordinates where 3 are needed", columns);
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "%d coordinates where 3 are needed", list.columns);
         }
     } else {
-        pbwio__choose(r, NULL, columns < 3 ? columns : 3, columns);
+        pbwio__choose(r, NULL, list.columns < 3 ? list.columns : 3, list.columns);
     }
     pbwio__reserve(r, count, 4);
     memset(&j, 0, sizeof j);
-    j.key.begin = j.key.end = begin;
+    j.key.begin = j.key.end = j.name[0].begin = j.name[0].end = begin;
     pbwio__json_names(r, &j);
     j.way = way;
+    j.all = all;
+    j.chosen = chosen;
     pbwio__json_pass(r, &j);
+}
+
+static void pbwio__read_json(pbwio__reader *r)
+{
+    const pbwio_options *given = r->options;
+    pbwio_options options = *given;
+    pbwio__field chosen = { "", "" };
+    const char *s = options.columns, *colon = s != NULL ? strchr(s, ':') : NULL;
+    chosen.end = chosen.begin;
+    if (colon != NULL || (s != NULL && strchr(s, ',') == NULL)) {
+        chosen.begin = s;
+        chosen.end = colon != NULL ? colon : s + strlen(s);
+        options.columns = colon != NULL && colon[1] != 0 ? colon + 1 : NULL;
+    }
+    r->options = &options;
+    pbwio__json_points(r, chosen);
+    r->options = given;
 }
 
 /* ------------------------------------------------------------------------------------------------------

@@ -237,6 +237,7 @@ static int load_clip(job *j, pbw_domain *domain, pbwio_cloud *cloud, void **kept
     int failed;
     memset(&read, 0, sizeof read);
     read.dim = j->cloud.dim;
+    read.flags = PBWIO_CLOSED_RINGS;                 /* part the rings */
     if (pbwio_read(text_of(j, "--clip"), &read, cloud, &error) != PBWIO_OK) {
         return fail(j, "--clip: %s", error.text);
     }
