@@ -230,7 +230,8 @@ static uint64_t planes_mix(uint64_t sum, const void *bytes, size_t size)
 /* A number for all bytes of a result. */
 PLANES_UNUSED static uint64_t planes_digest(const pbw_plane *p)
 {
-    const size_t corners = 3 * p->triangle_count * sizeof(pbw_index), parts = p->edge_count > 0 ? p->edge_count + 1 : 0;
+    const size_t corners = 3 * p->triangle_count * sizeof(pbw_index);
+    const size_t parts = p->edge_count > 0 ? p->edge_count + 1 : 0;
     uint64_t sum = planes_mix(0xcbf29ce484222325u, p->points, 2 * p->point_count * sizeof(double));
     sum = planes_mix(planes_mix(sum, p->triangles, corners), p->neighbors, corners);
     sum = planes_mix(planes_mix(sum, p->constraints, corners), p->regions, corners / 3);

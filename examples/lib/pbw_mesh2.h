@@ -22,9 +22,9 @@
    HOW
    Segments are inserted into the Delaunay triangulation of the points one by one: the triangles that a segment
    crosses are replaced on both sides of it.  The tie rule of pbw.h makes the result unique: the constrained
-   triangulation of the set of points and segments, whatever their order.  Refinement inserts points where an angle or
-   a size is not as wanted, and splits segments that such points come close to.  Rooms, in order: memory, signs,
-   segments, crossings, domain, refinement, result.
+   triangulation of the set of points and segments, whatever their order.  Refinement moves its own points or inserts
+   more where an angle or a size is not as wanted, and splits segments that such points come close to.  Rooms, in
+   order: memory, signs, segments, crossings, domain, refinement and its steps, result.
 
    PROMISES  (tests/test_mesh2.c guards them)
      exact       no tolerance decides which triangles there are; segments are never moved to fit
@@ -1777,22 +1777,26 @@ static pbw_status pbwp__find_domain(pbwp__job *job)
    Three kinds of work, in this order of precedence:
      segments   that a point in their lens encroaches upon: it sees them at more than 180 - 2 bound degrees
      sizes      triangles that are too large, the last first: a point goes to their circumcentre
-     angles     triangles with an angle below the bound, those with the shortest edge first: a point goes to their
-                circumcentre, or nearer to the shortest edge, where a triangle with just the bound comes out (the
-                off-centre of Ungor 2009)
-   A point that would encroach upon segments, or lies beyond one, is not inserted: those segments are split.  Free
-   points in the diametral circle of a segment are removed before it is split (Chew 1993).
-   It ends: a segment with one end of the input is split at a power of two from there, so segments that meet at a
-   small angle are split at the same distance.  A triangle is left alone if its shortest edge joins two such points,
-   and so is an angle between two segments (Miller, Pav and Walkington 2003).  If two segments meet at a sine below
-   1/32, points of one do not encroach upon the other, as splits at different distances would continue down to the
-   distance of the segments; triangles from one to the other are left alone.  No split makes an edge shorter than
-   1e-10 of the domain, so there are finitely many points.  Triangles flatter than that are left alone too, and
-   encroach upon nothing: one ulp of a point can bring two segments so close together over their whole length.
+     angles     triangles with an angle below the bound, those with the shortest edge first: a corner on no segment
+                moves if that mends all triangles at it (Erten and Ungor 2009); else a point goes to the circumcentre,
+                or nearer to the shortest edge, where a triangle with just the bound comes out (their off-centre)
+   A point that would encroach upon segments, or lies beyond one, is not inserted: one of those segments is split.
+   Free points in the diametral circle of a segment are removed before it is split (Chew 1993).  A split goes to the
+   place from where the shortest edge of the triangle that asks for it appears at just the bound, if no edge becomes
+   shorter than that one; else to the middle.
+   It ends: a segment that meets another one at less than 60 degrees is split in the middle, or if one end is of the
+   input at a power of two from there, so both are split at the same distance.  A triangle is left alone if its
+   shortest edge joins two such points, and so is an angle between two segments (Miller, Pav and Walkington 2003).
+   If two segments meet at a sine below 1/32, points of one do not encroach upon the other, as splits at different
+   distances would continue down to the distance of the segments; triangles from one to the other are left alone.  No
+   split makes an edge shorter than 1e-10 of the domain, and no move one shorter than half of the shortest before, so
+   there are finitely many points.  Triangles flatter than that are left alone too, and encroach upon nothing: one ulp
+   of a point can bring two segments so close together over their whole length.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwp__host {                /* an edge of the constrained triangulation */
     pbw_index a, b, edge;
     int stuck;                             /* 1: a part of it could not be split, for want of digits */
+    int acute;                             /* 1: it meets another one at less than 60 degrees */
 } pbwp__host;
 typedef struct pbwp__rim { pbw_index u, v, link, edge, region; } pbwp__rim;      /* of a cavity */
 enum { PBWP__CLASSES = 64 };
@@ -1803,7 +1807,8 @@ enum { PBWP__CLASSES = 64 };
 typedef struct pbwp__refiner {
     pbwp__job *job;
     double cosine2, lens2, off;            /* squared cosine of the bound, of the lens; off-centre's height */
-    double least2;                         /* squared least length */
+    double sine, cos, cotan;               /* of the bound and a thousandth of a degree, for places */
+    double least2, shortest2;              /* squared least length; of the shortest edge before, halved */
     int classes, has_sizes;                /* exponent of class 0; sizes at vertices are in use */
     double growth;                         /* of sizes, per distance */
     int sizing;                            /* no angle was mended so far: sharp triangles are looked for later */
@@ -1812,7 +1817,7 @@ typedef struct pbwp__refiner {
     pbwp__array splits;                    /* two ends each */
     pbwp__array slots, rim, hits;          /* a cavity: its triangles, its border, segments encroached upon */
     pbwp__array lowered;                   /* vertices whose sizes have fallen, for their neighbours */
-    size_t inserted;
+    size_t inserted, moved;
 } pbwp__refiner;
 
 static pbw_index pbwp__host_of(const pbwp__job *job, pbw_index edge)
@@ -2389,6 +2394,12 @@ static void pbwp__clear(pbwp__refiner *r, pbw_index u, pbw_index v)
     }
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   Refinement, its steps: sizes at vertices, splits of segments, moves and insertions of points, and the loop.
+   In: the state and the tools of the room before.  Out: the refined domain.
+   Holds: what that room says.
+   ------------------------------------------------------------------------------------------------------ */
+
 /* ---- sizes at vertices */
 
 /* Returns the size for the edges of a region: the longest edge of a triangle with angles of 30 degrees and the
@@ -2496,22 +2507,110 @@ static double pbwp__where(const pbwp__refiner *r, pbw_index u, pbw_index v, doub
     return at;
 }
 
-/* Splits an edge of a segment; unless it must, only if a corner beside it lies in its lens.  Returns whether it did.
-   */
-static int pbwp__split_edge(pbwp__refiner *r, pbw_index u, pbw_index v, int must)
+/* Finds where p and q appear at the bound from u-v: of two such places the one farther from all four, if it is not
+   nearer to them than they are to each other.  It lies to the left of p-q.  Returns the squared distance of p and q,
+   or 0 if there is no such place. */
+static double pbwp__aim(const pbwp__refiner *r, const pbw_index end[4], double *at, double out[2])
+{
+    const double *u = pbwp__point(r, end[0]), *v = pbwp__point(r, end[1]);
+    const double *p = pbwp__point(r, end[2]), *q = pbwp__point(r, end[3]);
+    const double x = q[0] - p[0], y = q[1] - p[1], apart2 = x * x + y * y;
+    const double dx = v[0] - u[0], dy = v[1] - u[1], d2 = dx * dx + dy * dy;
+    /* The circle of all such places, its centre relative to u. */
+    const double cx = p[0] - u[0] + 0.5 * (x - r->cotan * y), cy = p[1] - u[1] + 0.5 * (y + r->cotan * x);
+    const double off = cx * dy - cy * dx, half2 = (apart2 / (4 * r->sine * r->sine) - off * off / d2) / d2;
+    const double middle = (cx * dx + cy * dy) / d2, half = half2 > 0 ? sqrt(half2) : 0;
+    double best = 0;
+    int k, i;
+    for (k = -1; k < 2; k += 2) {
+        const double t = middle + k * half, place[2] = { u[0] + t * dx, u[1] + t * dy };
+        double near2 = t > 0 && t < 1 ? pbwp__distance2(place, u) : 0;
+        for (i = 1; i < 4; i++) {
+            near2 = pbwp__least(near2, pbwp__distance2(place, pbwp__point(r, end[i])));
+        }
+        if (near2 > best) {
+            best = near2;
+            *at = t;
+            memcpy(out, place, sizeof place);
+        }
+    }
+    return half2 > 0 && best >= 0.98 * apart2 ? apart2 : 0;
+}
+
+/* Digs the cavity of a point on an edge; the edge itself is no rim.  Returns the squared distance of the nearest
+   vertex round it. */
+static double pbwp__dig_edge(pbwp__refiner *r, pbw_index code, const double *point)
+{
+    const pbwp__triangle *t = r->job->t + PBWP__SLOT(code);
+    const pbw_index beyond = t->link[PBWP__SIDE(code)];
+    const pbw_index u = t->v[pbwp__next[PBWP__SIDE(code)]], v = t->v[pbwp__last[PBWP__SIDE(code)]];
+    double least = HUGE_VAL;
+    size_t i, kept = 0;
+    r->slots.count = 0;
+    pbwp__dig_here(r, PBWP__SLOT(code));
+    if (beyond != PBW_NONE) {
+        pbwp__dig_here(r, PBWP__SLOT(beyond));
+    }
+    pbwp__dig(r, point);
+    for (i = 0; i < r->rim.count; i++) {
+        const pbwp__rim rim = ((const pbwp__rim *)r->rim.data)[i];
+        least = pbwp__least(least, pbwp__distance2(point, pbwp__point(r, rim.u)));
+        if ((rim.u != u || rim.v != v) && (rim.u != v || rim.v != u)) {
+            ((pbwp__rim *)r->rim.data)[kept++] = rim;
+        }
+    }
+    r->rim.count = kept;
+    return least;
+}
+
+/* Digs the cavity of the point where u-v is to be split.  base: the edge of a triangle that this is to mend; NULL: of
+   the triangle beside u-v with a corner in the lens.  Returns where the point is, as a part of u-v. */
+static double pbwp__dig_split(pbwp__refiner *r, pbw_index code, const pbw_index *base, double point[2])
+{
+    const pbwp__job *job = r->job;
+    const pbwp__triangle *t = job->t + PBWP__SLOT(code);
+    const pbw_index beyond = t->link[PBWP__SIDE(code)];
+    unsigned k = PBWP__SIDE(code);
+    pbw_index end[4] = { t->v[pbwp__next[k]], t->v[pbwp__last[k]], 0, 0 };
+    double at = 0, apart2 = 0;
+    const int acute = ((const pbwp__host *)job->hosts.data)[t->edge[k]].acute;
+    if (base != NULL) {
+        memcpy(end + 2, base, 2 * sizeof *base);
+    } else {
+        if (beyond != PBW_NONE && !pbwp__encroaches(r, t, k)) {
+            t = job->t + PBWP__SLOT(beyond);
+            k = PBWP__SIDE(beyond);
+        }
+        k = pbwp__side2(r, t, pbwp__next[k]) < pbwp__side2(r, t, pbwp__last[k]) ? pbwp__next[k] : pbwp__last[k];
+        end[2] = t->v[pbwp__next[k]];                /* the shorter of the other two sides */
+        end[3] = t->v[pbwp__last[k]];
+    }
+    apart2 = acute ? 0 : pbwp__aim(r, end, &at, point);
+    if (apart2 > 0) {
+        if (pbwp__dig_edge(r, code, point) >= 0.97 * apart2) {
+            return at;
+        }
+        pbwp__undig(r);
+    }
+    at = pbwp__where(r, end[0], end[1], point);
+    (void)pbwp__dig_edge(r, code, point);
+    return at;
+}
+
+/* Splits an edge of a segment for a triangle with this base, or if base is NULL only if a corner beside it lies in
+   its lens.  Returns whether it did. */
+static int pbwp__split_edge(pbwp__refiner *r, pbw_index u, pbw_index v, const pbw_index *base)
 {
     pbwp__job *job = r->job;
     pbw_index code = pbwp__find_edge(job, u, v), beyond, edge, p;
     double at, point[2], size = 0;
-    size_t i, kept = 0;
     if (code == PBW_NONE || job->t[PBWP__SLOT(code)].edge[PBWP__SIDE(code)] == PBW_NONE
         || !pbwp__may_split(r, code)) {
         return 0;
     }
     beyond = job->t[PBWP__SLOT(code)].link[PBWP__SIDE(code)];
-    must = must || pbwp__encroaches(r, job->t + PBWP__SLOT(code), PBWP__SIDE(code))
-        || (beyond != PBW_NONE && pbwp__encroaches(r, job->t + PBWP__SLOT(beyond), PBWP__SIDE(beyond)));
-    if (!must) {
+    if (base == NULL && !pbwp__encroaches(r, job->t + PBWP__SLOT(code), PBWP__SIDE(code))
+        && (beyond == PBW_NONE || !pbwp__encroaches(r, job->t + PBWP__SLOT(beyond), PBWP__SIDE(beyond)))) {
         return 0;
     }
     if (pbwp__distance2(pbwp__point(r, u), pbwp__point(r, v)) < 16 * r->least2) {
@@ -2520,22 +2619,10 @@ static int pbwp__split_edge(pbwp__refiner *r, pbw_index u, pbw_index v, int must
     }
     pbwp__clear(r, u, v);
     code = pbwp__find_edge(job, u, v);
-    beyond = job->t[PBWP__SLOT(code)].link[PBWP__SIDE(code)];
     edge = job->t[PBWP__SLOT(code)].edge[PBWP__SIDE(code)];
-    at = pbwp__where(r, u, v, point);
-    r->slots.count = 0;
-    pbwp__dig_here(r, PBWP__SLOT(code));
-    if (beyond != PBW_NONE) {
-        pbwp__dig_here(r, PBWP__SLOT(beyond));
-    }
-    pbwp__dig(r, point);
-    for (i = 0; i < r->rim.count; i++) {             /* the edge itself is no rim */
-        const pbwp__rim rim = ((const pbwp__rim *)r->rim.data)[i];
-        if ((rim.u != u || rim.v != v) && (rim.u != v || rim.v != u)) {
-            ((pbwp__rim *)r->rim.data)[kept++] = rim;
-        }
-    }
-    r->rim.count = kept;
+    u = job->t[PBWP__SLOT(code)].v[pbwp__next[PBWP__SIDE(code)]];
+    v = job->t[PBWP__SLOT(code)].v[pbwp__last[PBWP__SIDE(code)]];
+    at = pbwp__dig_split(r, code, base, point);
     if (pbwp__failed(r) || !pbwp__is_star(r, point)) {
         pbwp__undig(r);
         ((pbwp__host *)job->hosts.data)[edge].stuck = 1;
@@ -2547,6 +2634,165 @@ static int pbwp__split_edge(pbwp__refiner *r, pbw_index u, pbw_index v, int must
     }
     p = pbwp__add_vertex(r, point, edge, size);
     return p != PBW_NONE && pbwp__refill_star(r, p, u, v, edge) && pbwp__grade(r, p);
+}
+
+/* ---- moving a vertex */
+
+enum { PBWP__RING = 12 };                  /* most neighbours of a vertex that moves */
+
+/* An edge across from a vertex, from x, y in the direction along; and what places have triangles on it with angles of
+   the bound: above two lines through its ends, and in a circle. */
+typedef struct pbwp__base { double x, y, along[2], length, height, radius; } pbwp__base;
+
+/* Returns whether two triangles with angles of the bound fit into the angle at b of a ring, counter-clockwise. */
+static int pbwp__is_wide(const pbwp__refiner *r, const double *a, const double *b, const double *c)
+{
+    const double ax = a[0] - b[0], ay = a[1] - b[1], cx = c[0] - b[0], cy = c[1] - b[1];
+    const double dot = ax * cx + ay * cy, twice = 1 - 2 * r->sine * r->sine;          /* cosine of twice the bound */
+    return dot <= 0 || cx * ay <= cy * ax || dot * dot <= twice * twice * (ax * ax + ay * ay) * (cx * cx + cy * cy);
+}
+
+/* Fills ring with the neighbours of a free vertex, counter-clockwise.  Returns their number; 0 if they are too many,
+   or if two triangles do not fit at one of them. */
+static size_t pbwp__find_ring(const pbwp__refiner *r, pbw_index v, const double *ring[PBWP__RING + 2])
+{
+    const pbw_index start = pbwp__corner_of(r->job, v);
+    pbw_index corner = start;
+    size_t n = 0, i;
+    do {
+        ring[n++] = pbwp__point(r, r->job->t[PBWP__SLOT(corner)].v[pbwp__next[PBWP__SIDE(corner)]]);
+        if (n > PBWP__RING || (n > 2 && !pbwp__is_wide(r, ring[n - 3], ring[n - 2], ring[n - 1]))) {
+            return 0;
+        }
+        corner = pbwp__round(r->job, corner, 0);
+    } while (corner != start);
+    for (i = 0; i < 2; i++) {                        /* the ring goes on as it began */
+        ring[n + i] = ring[i];
+        if (!pbwp__is_wide(r, ring[n + i - 2], ring[n + i - 1], ring[n + i])) {
+            return 0;
+        }
+    }
+    return n;
+}
+
+/* Returns by how much a place misses the bound in the triangle on a base, at most 0 if it does not; step: the way
+   there. */
+static double pbwp__miss(const pbwp__refiner *r, const pbwp__base *base, const double *p, double step[2])
+{
+    const double px = p[0] - base->x, py = p[1] - base->y;
+    const double x = px * base->along[0] + py * base->along[1], y = py * base->along[0] - px * base->along[1];
+    const double from_left = x * r->sine - y * r->cos, from_right = (base->length - x) * r->sine - y * r->cos;
+    const double cx = 0.5 * base->length - x, cy = base->height - y, centre2 = cx * cx + cy * cy;
+    double most = from_left, sx = -r->sine, sy = r->cos;
+    if (from_right > most) {
+        most = from_right;
+        sx = r->sine;
+    }
+    if (centre2 > base->radius * base->radius) {
+        const double centre = sqrt(centre2);
+        if (centre - base->radius > most) {
+            most = centre - base->radius;
+            sx = cx / centre;
+            sy = cy / centre;
+        }
+    }
+    step[0] = most * (sx * base->along[0] - sy * base->along[1]);
+    step[1] = most * (sx * base->along[1] + sy * base->along[0]);
+    return most;
+}
+
+/* Moves a place until all triangles from it to a ring have angles of the bound: the places for one triangle are a
+   convex set, and each step goes to the nearest place of the set that is missed most, and a third farther (Agmon
+   1954).  Returns 0 if five steps do not suffice, or none was needed. */
+static int pbwp__find_place(const pbwp__refiner *r, const double *const *ring, size_t n, double p[2])
+{
+    pbwp__base base[PBWP__RING];
+    size_t i;
+    int steps;
+    for (i = 0; i < n; i++) {
+        const double *a = ring[i], *b = ring[i + 1];
+        base[i].length = sqrt(pbwp__distance2(a, b));
+        base[i].x = a[0];
+        base[i].y = a[1];
+        base[i].along[0] = (b[0] - a[0]) / base[i].length;
+        base[i].along[1] = (b[1] - a[1]) / base[i].length;
+        base[i].height = 0.5 * base[i].length * r->cotan;
+        base[i].radius = 0.5 * base[i].length / r->sine;
+    }
+    for (steps = 0; steps < 6; steps++) {
+        double most = 0, step[2] = { 0, 0 }, one[2];
+        for (i = 0; i < n; i++) {
+            const double miss = pbwp__miss(r, base + i, p, one);
+            if (miss > most) {
+                most = miss;
+                memcpy(step, one, sizeof one);
+            }
+        }
+        if (!(most > 0)) {
+            return steps > 0;
+        }
+        p[0] += 4.0 / 3 * step[0];
+        p[1] += 4.0 / 3 * step[1];
+    }
+    return 0;
+}
+
+/* Returns whether the triangles of a star are all as wanted, and no corner of the ring is near. */
+static int pbwp__is_mended(const pbwp__refiner *r)
+{
+    size_t i;
+    unsigned k;
+    double unused;
+    for (i = 0; i < r->slots.count; i++) {
+        const pbwp__triangle *t = r->job->t + PBWP__INDICES(r->slots)[i];
+        if (pbwp__orient(r->job, t->v[0], t->v[1], t->v[2]) <= 0 || pbwp__is_sharp(r, t, &unused)
+            || pbwp__is_large(r, t)) {
+            return 0;
+        }
+        for (k = 0; k < 3; k++) {
+            if (pbwp__side2(r, t, k) < r->shortest2 || (t->edge[k] != PBW_NONE && pbwp__encroaches(r, t, k))) {
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* Moves a free vertex so that all its triangles are as wanted.  Returns 0, with nothing changed, if it found no
+   place. */
+static int pbwp__move(pbwp__refiner *r, pbw_index v)
+{
+    pbwp__job *job = r->job;
+    const double *ring[PBWP__RING + 2];
+    double *p = job->p + 2 * (size_t)v, place[2], old[2];
+    pbw_index start, corner;
+    size_t n, i;
+    if (pbwp__vertex_host(r, v) != PBWP__FREE || r->moved / 4 > job->points.count + 250) {   /* an end, as in clear */
+        return 0;
+    }
+    memcpy(place, p, sizeof place);
+    memcpy(old, p, sizeof old);
+    n = pbwp__find_ring(r, v, ring);
+    if (n == 0 || !pbwp__find_place(r, ring, n, place)) {
+        return 0;
+    }
+    memcpy(p, place, sizeof place);
+    r->slots.count = 0;
+    start = corner = pbwp__corner_of(job, v);
+    do {
+        pbwp__add(r, &r->slots, PBWP__SLOT(corner));
+        corner = pbwp__round(job, corner, 0);
+    } while (corner != start);
+    if (!pbwp__is_mended(r)) {
+        memcpy(p, old, sizeof old);
+        return 0;
+    }
+    pbwp__legalise(r);
+    for (i = 0; i < r->slots.count && !pbwp__failed(r); i++) {
+        pbwp__examine(r, PBWP__INDICES(r->slots)[i]);
+    }
+    r->moved++;
+    return pbwp__grade(r, v);
 }
 
 /* ---- mending a triangle */
@@ -2613,10 +2859,11 @@ static double pbwp__size_in(const pbwp__refiner *r, const pbwp__triangle *t, con
     return size;
 }
 
-/* Inserts a point for a triangle, or splits the segments that are in its way.  Returns whether either was done. */
+/* Inserts a point for a triangle, or splits a segment that is in its way.  Returns whether either was done. */
 static int pbwp__mend(pbwp__refiner *r, pbw_index slot, unsigned shortest)
 {
     pbwp__job *job = r->job;
+    const pbw_index base[2] = { job->t[slot].v[pbwp__next[shortest]], job->t[slot].v[pbwp__last[shortest]] };
     double point[2], size = 0;
     pbw_index found, p;
     size_t i;
@@ -2644,8 +2891,8 @@ static int pbwp__mend(pbwp__refiner *r, pbw_index slot, unsigned shortest)
         }
         pbwp__undig(r);
     }
-    for (i = 0; i < r->hits.count && !pbwp__failed(r); i += 2) {
-        done |= pbwp__split_edge(r, PBWP__INDICES(r->hits)[i], PBWP__INDICES(r->hits)[i + 1], 1);
+    for (i = 0; i < r->hits.count && !done && !pbwp__failed(r); i += 2) {
+        done = pbwp__split_edge(r, PBWP__INDICES(r->hits)[i], PBWP__INDICES(r->hits)[i + 1], base);
     }
     if (done && job->t[slot].v[0] != PBW_NONE) {
         pbwp__examine(r, slot);                      /* it may be as bad as before */
@@ -2670,7 +2917,8 @@ static void pbwp__mend_sharp(pbwp__refiner *r)
     if (slot != PBW_NONE && pbwp__is_sharp(r, r->job->t + slot, &shortest2) && shortest2 > r->least2) {
         const pbwp__triangle *t = r->job->t + slot;
         const unsigned shortest = pbwp__shortest(r, t);
-        if (!pbwp__is_given(r, t, shortest)) {
+        if (!pbwp__is_given(r, t, shortest) && !pbwp__move(r, t->v[shortest])
+            && !pbwp__move(r, t->v[pbwp__next[shortest]]) && !pbwp__move(r, t->v[pbwp__last[shortest]])) {
             pbwp__mend(r, slot, shortest);
         }
     }
@@ -2689,15 +2937,19 @@ static void pbwp__mend_large(pbwp__refiner *r)
 }
 
 /* Queues the sharp triangles once no triangle is too large; most earlier ones have been deleted by then. */
-static void pbwp__end_sizing(pbwp__refiner *r)
+static void pbwp__begin_angles(pbwp__refiner *r)
 {
+    double least2 = HUGE_VAL, shortest2;
     size_t i;
     r->sizing = 0;
     for (i = r->job->triangles.count; i > 0 && !pbwp__failed(r); i--) {   /* stacks: the first come out first */
         if (r->job->t[i - 1].v[0] != PBW_NONE) {
             pbwp__examine_angle(r, (pbw_index)(i - 1));
+            (void)pbwp__is_sharp(r, r->job->t + i - 1, &shortest2);
+            least2 = pbwp__least(least2, shortest2);
         }
     }
+    r->shortest2 = least2 / 4;
 }
 
 /* Gives each vertex a host, each edge of a segment the number of a host. */
@@ -2728,12 +2980,38 @@ static int pbwp__find_hosts(pbwp__refiner *r)
                 host->a = t->v[pbwp__next[k]];
                 host->b = t->v[pbwp__last[k]];
                 host->edge = t->edge[k];
-                host->stuck = 0;
+                host->stuck = host->acute = 0;
                 pbwp__mark_edge(job, code, (pbw_index)job->hosts.count++);
             }
         }
     }
     return 1;
+}
+
+/* Marks the hosts that meet at less than 60 degrees, rounding included, with nothing between them. */
+static void pbwp__find_acute(pbwp__refiner *r)
+{
+    pbwp__job *job = r->job;
+    pbwp__host *hosts = (pbwp__host *)job->hosts.data;
+    size_t i;
+    for (i = 0; i < 4 * job->triangles.count; i++) {
+        const pbwp__triangle *t = job->t + i / 4;
+        const unsigned k = (unsigned)(i % 4);
+        if (k < 3 && t->v[0] != PBW_NONE && t->edge[k] != PBW_NONE) {
+            const double *z = pbwp__point(r, t->v[pbwp__next[k]]), *a = pbwp__point(r, t->v[pbwp__last[k]]), *b;
+            pbw_index corner = (pbw_index)(i - k + pbwp__next[k]), edge;
+            double dot;
+            while (edge = job->t[PBWP__SLOT(corner)].edge[pbwp__next[PBWP__SIDE(corner)]], edge == PBW_NONE) {
+                corner = pbwp__round(job, corner, 0);
+            }
+            b = pbwp__point(r, job->t[PBWP__SLOT(corner)].v[pbwp__last[PBWP__SIDE(corner)]]);
+            dot = (a[0] - z[0]) * (b[0] - z[0]) + (a[1] - z[1]) * (b[1] - z[1]);
+            if (edge != t->edge[k] && dot > 0 && dot * dot > 0.24 * pbwp__distance2(a, z) * pbwp__distance2(b, z)
+                && (a[0] - z[0]) * (b[1] - z[1]) > (a[1] - z[1]) * (b[0] - z[0])) {
+                hosts[t->edge[k]].acute = hosts[edge].acute = 1;
+            }
+        }
+    }
 }
 
 /* Sets the sizes of vertices: the caller's, and at the others what they may grow to.  At a vertex where the domain
@@ -2795,6 +3073,9 @@ static int pbwp__set_bounds(pbwp__refiner *r)
     r->cosine2 = angle > 0 ? cosine * cosine : 2;    /* no cosine is that large */
     r->lens2 = conforming ? 0 : cos(2 * radians) * cos(2 * radians);
     r->off = 0.475 * sqrt((1 + cosine) / (1 - cosine));
+    r->sine = sin(radians + 1.7e-5);
+    r->cos = cos(radians + 1.7e-5);
+    r->cotan = r->cos / r->sine;
     (void)frexp(size2, &r->classes);
     return most <= 1e60 && size2 >= 1e-120;
 }
@@ -2803,9 +3084,9 @@ static pbw_status pbwp__refine_all(pbwp__refiner *r)
 {
     pbwp__job *job = r->job;
     const size_t limit = job->options->steiner_limit;
-    const pbw_plane_options *o = job->options;
     size_t i;
-    r->sizing = o->area > 0 || o->size > 0 || o->size_at != NULL || r->has_sizes || job->input->region_count > 0;
+    pbwp__find_acute(r);
+    r->sizing = 1;
     for (i = job->triangles.count; i > 0 && !pbwp__failed(r); i--) {      /* stacks: the first come out first */
         if (job->t[i - 1].v[0] != PBW_NONE) {
             pbwp__examine(r, (pbw_index)(i - 1));
@@ -2814,7 +3095,7 @@ static pbw_status pbwp__refine_all(pbwp__refiner *r)
     while (!pbwp__failed(r)) {
         if (limit != 0 && (r->inserted >= limit + job->plane->report.removed || r->inserted / 8 >= limit)) {
             if (r->sizing) {
-                pbwp__end_sizing(r);
+                pbwp__begin_angles(r);
             }
             job->plane->report.limited = r->splits.count + r->large.count > 0 || r->filled != 0;
             break;
@@ -2822,11 +3103,11 @@ static pbw_status pbwp__refine_all(pbwp__refiner *r)
         if (r->splits.count > 0) {
             r->splits.count -= 2;
             pbwp__split_edge(r, PBWP__INDICES(r->splits)[r->splits.count],
-                             PBWP__INDICES(r->splits)[r->splits.count + 1], 0);
+                             PBWP__INDICES(r->splits)[r->splits.count + 1], NULL);
         } else if (r->large.count > 0) {
             pbwp__mend_large(r);
         } else if (r->sizing) {
-            pbwp__end_sizing(r);
+            pbwp__begin_angles(r);
         } else if (r->filled != 0) {
             pbwp__mend_sharp(r);
         } else {
