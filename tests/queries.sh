@@ -243,8 +243,31 @@ flat() {    # the area of all faces of an .obj in the plane
 check "clipped cells: the area of parts" [ "$(flat c.obj)" = 455000.0000 ]
 check "a clipped cell with a hole" says 1 "has a hole, which .vtu cannot hold" \
     cells heavy.csv --clip rings.csv -o c.vtu
-check "a ring of two corners" says 1 "a ring of 2 corners" cells sites.csv --clip one.csv -o c.csv
-check "rings that cross" says 1 "rings that cross" cells sites.csv --clip bow.csv -o c.csv
+check "a ring of two corners" says 1 "the rings enclose nothing" cells sites.csv --clip one.csv -o c.csv
+west='{"type": "MultiPolygon", "coordinates": [[[[0, 0], [5, 0], [5, 8], [0, 8], [0, 0]]]'
+echo "$west, [[[5, 0], [12, 0], [12, 8], [5, 8], [5, 0]]]]}" > parcels.geojson
+echo "$west, [[[5, 0], [12, 0], [12, 8], [5, 6], [5, 2], [5, 0]]], [[[12, 3], [12, 5], [14, 4], [12, 3]]]," \
+    "[[[1, 1], [2, 2], [3, 3], [1, 1]]]]}" > parts.geojson
+printf 'x,y\n3,7\n3.5,6\n10,3\n5,3\n1,4\n2,2\n7,5\n11,1\n5,5\n' > wells.csv
+check "parcels that share an edge" says 0 "area 96, the sum of cells; 96, the polygon" \
+    cells wells.csv --clip parcels.geojson -o c.csv -o c.vtu
+"$pbw" cells wells.csv --box 0,0,12,8 --quiet -o d.csv
+check "are as the box" awk -F, 'NR == FNR { v[$1] = $2; next } FNR > 1 && ($2 - v[$1]) ^ 2 > 1e-24 { bad = 1 }
+    END { exit bad || NR != 2 * FNR }' c.csv d.csv
+check "a part of an edge, and a flat ring" says 0 "area 91, the sum of cells; 91, the polygon" \
+    cells wells.csv --clip parts.geojson -o c.csv -o c.svg
+printf '0,0\n4,0\n8,0\n4,0\n4,4\n4,8\n4,4\n0,4\n0,0\n' > spikes.csv
+check "spikes" says 0 "area 16, the sum of cells; 16, the polygon" cells wells.csv --clip spikes.csv -o c.csv
+printf '0,0\n8,0\n8,8\n0,8\n0,0\n4,0\n6,4\n4,4\n4,0\n4,4\n4,6\n2,4\n4,4\n' > holes.csv
+check "holes that touch" says 0 "area 58, the sum of cells; 58, the polygon" \
+    cells wells.csv --clip holes.csv -o c.csv -o c.svg
+printf '0,0\n4,0\n4,4\n0,0\n0,0\n4,0\n4,4\n0,0\n' > twice.csv
+printf '0,0\n4,0\n4,4\n0,4\n0,0\n2,2\n6,3\n6,5\n2,2\n' > across.csv
+check "rings that cross: where" says 1 \
+    "the edge of ring 1 from (4, 0) and that of ring 2 from (2, 2) cross near (4, 2.5)" \
+    cells wells.csv --clip across.csv
+check "rings that cancel each other out" says 1 "the rings enclose nothing" cells wells.csv --clip twice.csv
+check "rings that cross" says 1 "of ring 1 from" cells sites.csv --clip bow.csv -o c.csv
 
 # Cells in a convex body: an octahedron, of which a box has no facet; a cube is a box.
 printf '%s\n' OFF '6 8 12' '1 0 0' '-1 0 0' '0 1 0' '0 -1 0' '0 0 1' '0 0 -1' \

@@ -62,7 +62,7 @@ typedef struct pbw_domain {
                                               and several parts.  Two numbers a corner; NULL = none */
     const size_t *ring_first;              /* ring_count + 1: ring i is corners ring_first[i] .. ring_first[i+1]-1,
                                               the last joined to the first.  Either way round: what is inside an
-                                              odd number of rings is inside */
+                                              odd number of rings is inside, and so are edges that rings share */
     size_t ring_count;
 } pbw_domain;
 
@@ -98,16 +98,17 @@ typedef struct pbw_cells {                 /* start from {0}; read, do not write
 } pbw_cells;
 
 /* Computes the cells of a mesh's points: Voronoi cells, with weights power cells; what: PBW_CELLS_* or'ed.
-   domain: NULL = the whole space; else convex and bounded: a box, planes, or both; or a polygon.  Its rings must not
-   cross nor overlap; they may touch at corners, but not where cells meet.  Coordinates of its corners and of points
-   must be 0 or 1e-57 to 1e60 in size, weights 0 or within the squares of those.  Cells that it only touches are
+   domain: NULL = the whole space; else convex and bounded: a box, planes, or both; or a polygon.  Edges of its rings
+   must not cross except in corners.  They may touch and lie on each other: neighbours that share edges, or parts of
+   edges, become one, and what has no area (spikes, flat rings) is left out.  pbw_cells_rings says where rings cross.
+   Coordinates of corners and of points must be 0 or 1e-57 to 1e60 in size, weights 0 or within the squares of those.
+   Cells that it only touches are
    empty.  Needs mesh->neighbors.
    Volumes are right if the box of the points and the domain are 1e-57 to 1e60 in size: beyond, products of
    coordinates over- or underflow, and cells lose volume without an error.  Points of a mesh without simplices, one or
    all on a line or in a plane, have cells in a domain; without a domain they give PBW_DEGENERATE and empty cells, and
    so do no points.  Fails as pbw_triangulate does; also with PBW_ERROR_ARGUMENT for a domain that is
-   unbounded, empty or periodic, and for rings that are found to cross, which is not guaranteed.  Leaves cells empty
-   then. */
+   unbounded, empty or periodic, and for rings that cross.  Leaves cells empty then. */
 PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *domain, unsigned what,
                                     const pbw_options *options, pbw_cells *cells);
 /* Computes the cells of points in a box that repeats along the axes of domain->periodic and is a wall along the
@@ -118,6 +119,16 @@ PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *doma
 PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const double *weights, size_t count,
                                           const pbw_domain *domain, unsigned what, const pbw_options *options,
                                           pbw_cells *cells);
+/* What the rings of a domain enclose. */
+typedef struct pbw_rings {
+    double area;
+    size_t edges[2];                       /* of rings that cross: two edges, by the corners that they start from, the
+                                              lower one first; else both 0 */
+    double place[2];                       /* where these cross, rounded */
+} pbw_rings;
+/* Returns PBW_OK and the area if pbw_cells_of takes the rings of a domain.  PBW_ERROR_ARGUMENT: edges that cross; or
+   rings that enclose nothing; or coordinates out of range.  n corners take time n log n. */
+PBWCELLSDEF pbw_status pbw_cells_rings(const pbw_domain *domain, const pbw_options *options, pbw_rings *found);
 PBWCELLSDEF void pbw_cells_free(pbw_cells *cells);           /* fine on {0}, fine twice */
 
 #ifdef __cplusplus
@@ -312,6 +323,7 @@ static int pbwc__centre_slow(int dim, const pbwc__dd row[3][3], const pbwc__dd *
 }
 
 typedef struct pbwc__job pbwc__job;
+static void pbwc__job_start(pbwc__job *job, unsigned what, const pbw_options *options);
 typedef struct pbwc__period pbwc__period;
 typedef struct pbwc__clip pbwc__clip;
 #define PBWC__GOOD   1u                    /* the centre is right to 12 digits */
@@ -2593,14 +2605,464 @@ static int pbwc__centre_side(const pbw_mesh *mesh, const double *p, const double
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   The boundary of what rings enclose, by a plane sweep over the corners in order of x, then y (Shamos, Hoey 1976).
+   Edges are cut at all corners on them.  Pieces of edges that lie on each other cancel in pairs, so neighbours that
+   share edges become one, and spikes and rings without area vanish.  Two edges that cross elsewhere are an error.
+   Bars are active pieces, from a corner on the left to one further right, each of one or more edges; they are sorted
+   from below in a skip list (Pugh 1990).  The pieces of bars with an odd number of edges are the boundary.
+   At a corner, each sector of the inside joins the piece that comes in on its one side with the one that goes out on
+   its other side, so what touches itself in a corner gets loops that do not cross if moved inward.
+   In: rings.  Out: pieces, each with the inside on its left and the one that follows.
+   Holds: corners of one place have one number; numbers ascend from left to right.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBWC__LEVELS 16                    /* of the skip list */
+
+typedef struct pbwc__bar {
+    pbw_index from, to, edges, piece;      /* corners; a list of edges; PBW_NONE: it is no boundary */
+    int inside, height;                    /* inside: above it */
+    pbw_index next[PBWC__LEVELS];
+} pbwc__bar;
+
+typedef struct pbwc__piece {
+    pbw_index from, to, edge, then;        /* from left to right; then: the piece that follows */
+    int up, alone;                         /* is the inside above?  alone: no other loop is at its end */
+    int done;
+} pbwc__piece;
+
+typedef struct pbwc__way {                 /* of edges from a corner to the right */
+    const double *from, *to;
+    pbw_index end, edges, last;            /* the furthest corner; a list of edges */
+    size_t count;
+} pbwc__way;
+
+typedef struct pbwc__place { const double *x; pbw_index corner; } pbwc__place;
+
+typedef struct pbwc__sweep {
+    pbwc__memory *memory;
+    size_t count, corners;                 /* corners at different places; of rings */
+    pbwc__array x, number, end, other;     /* two doubles a place; per corner of rings: its place, the place where its
+                                              edge ends on the right, the next edge in a list */
+    pbwc__array first, starts;             /* edges that start at place v: starts[first[v]]..starts[first[v+1]-1] */
+    pbwc__array bars, unused, pieces;      /* bar 0 is the head of the list */
+    pbwc__array ways, around, left;        /* at a place: ways out; pieces, counter-clockwise; those that end there */
+    pbw_index path[PBWC__LEVELS];          /* the last bar below a corner, in each level */
+    uint32_t state;
+    pbw_rings *found;
+} pbwc__sweep;
+
+#define PBWC__BAR(sweep, i) ((pbwc__bar *)(sweep)->bars.data + (i))
+#define PBWC__PIECE(sweep, i) ((pbwc__piece *)(sweep)->pieces.data + (i))
+#define PBWC__PLACE(sweep, i) (PBWC__DOUBLES((sweep)->x) + 2 * (size_t)(i))
+
+static int pbwc__compare_places(const void *a, const void *b)
+{
+    const pbwc__place *p = (const pbwc__place *)a, *q = (const pbwc__place *)b;
+    int k;
+    for (k = 0; k < 2; k++) {
+        if (p->x[k] < q->x[k] || p->x[k] > q->x[k]) {
+            return p->x[k] < q->x[k] ? -1 : 1;
+        }
+    }
+    return p->corner < q->corner ? -1 : p->corner > q->corner;
+}
+
+/* From below; all go to the right of one corner. */
+static int pbwc__compare_ways(const void *a, const void *b)
+{
+    const pbwc__way *p = (const pbwc__way *)a, *q = (const pbwc__way *)b;
+    const int turn = pbw_orient2(p->from, p->to, q->to);
+    return turn != 0 ? -turn : p->edges < q->edges ? -1 : p->edges > q->edges;
+}
+
+/* Numbers places, and lists the edges that start at each. */
+static pbw_status pbwc__sort_corners(pbwc__sweep *sweep, const pbw_domain *domain)
+{
+    const size_t corners = sweep->corners;
+    pbwc__array places;
+    pbwc__place *place;
+    pbw_index *number, *end, *other, *first, *starts;
+    size_t i, r;
+    memset(&places, 0, sizeof places);
+    if (!pbwc__resize(sweep->memory, &places, (corners + 1) * sizeof *place)
+        || !pbwc__resize(sweep->memory, &sweep->x, (corners + 1) * 2 * sizeof(double))
+        || !pbwc__resize(sweep->memory, &sweep->number, (corners + 1) * sizeof *number)
+        || !pbwc__resize(sweep->memory, &sweep->end, (corners + 1) * sizeof *end)
+        || !pbwc__resize(sweep->memory, &sweep->other, (corners + 1) * sizeof *end)
+        || !pbwc__resize(sweep->memory, &sweep->first, (corners + 2) * sizeof *first)
+        || !pbwc__resize(sweep->memory, &sweep->starts, (corners + 1) * sizeof *starts)) {
+        pbwc__release(sweep->memory, &places);
+        return PBW_ERROR_MEMORY;
+    }
+    place = (pbwc__place *)places.data;
+    number = PBWC__INDICES(sweep->number);
+    end = PBWC__INDICES(sweep->end);
+    other = PBWC__INDICES(sweep->other);
+    first = PBWC__INDICES(sweep->first);
+    starts = PBWC__INDICES(sweep->starts);
+    for (i = 0; i < corners; i++) {
+        place[i].x = domain->rings + 2 * i;
+        place[i].corner = (pbw_index)i;
+    }
+    qsort(place, corners, sizeof *place, pbwc__compare_places);
+    for (i = 0; i < corners; i++) {
+        const double *x = place[i].x;
+        double *last = PBWC__PLACE(sweep, sweep->count);
+        if (i == 0 || x[0] < last[-2] || x[0] > last[-2] || x[1] < last[-1] || x[1] > last[-1]) {
+            memcpy(last, x, 2 * sizeof *x);
+            sweep->count++;
+        }
+        number[place[i].corner] = (pbw_index)sweep->count - 1;
+    }
+    pbwc__release(sweep->memory, &places);
+    memset(first, 0, (corners + 2) * sizeof *first);
+    for (r = 0; r < domain->ring_count; r++) {
+        for (i = domain->ring_first[r]; i < domain->ring_first[r + 1]; i++) {
+            const pbw_index a = number[i];
+            const pbw_index b = number[i + 1 < domain->ring_first[r + 1] ? i + 1 : domain->ring_first[r]];
+            end[i] = a > b ? a : b;
+            other[i] = a < b ? a : b;                /* where it starts; its list comes later */
+            first[other[i] + 2] += a != b;
+        }
+    }
+    for (i = 2; i < sweep->count + 2; i++) {
+        first[i] += first[i - 1];
+    }
+    for (i = 0; i < corners; i++) {                  /* first[v + 1] moves from the begin to the end of v's */
+        if (other[i] != end[i]) {
+            starts[first[other[i] + 1]++] = (pbw_index)i;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Returns a bar that is not in the list; PBW_NONE if there is no memory.  Of bars of height h a quarter is higher. */
+static pbw_index pbwc__new_bar(pbwc__sweep *sweep)
+{
+    pbw_index bar;
+    uint32_t bits;
+    int height = 1;
+    if (sweep->unused.count > 0) {
+        bar = PBWC__INDICES(sweep->unused)[--sweep->unused.count];
+    } else {
+        if (pbwc__room(sweep->memory, &sweep->bars, 1, sizeof(pbwc__bar)) == NULL) {
+            return PBW_NONE;
+        }
+        bar = (pbw_index)sweep->bars.count++;
+    }
+    sweep->state = sweep->state * 1664525u + 1013904223u;            /* (Knuth 1997) */
+    for (bits = sweep->state; height < PBWC__LEVELS && bits >> 30 == 0; bits <<= 2) {
+        height++;
+    }
+    PBWC__BAR(sweep, bar)->height = height;
+    return bar;
+}
+
+/* On which side of a bar a place is: 1 above, 0 on it, -1 below. */
+static int pbwc__above(const pbwc__sweep *sweep, pbw_index bar, pbw_index place)
+{
+    const pbwc__bar *b = PBWC__BAR(sweep, bar);
+    return pbw_orient2(PBWC__PLACE(sweep, b->from), PBWC__PLACE(sweep, b->to), PBWC__PLACE(sweep, place));
+}
+
+/* Finds the last bar below a place, in each level. */
+static void pbwc__find_path(pbwc__sweep *sweep, pbw_index place)
+{
+    pbw_index at = 0;
+    int level;
+    for (level = PBWC__LEVELS - 1; level >= 0; level--) {
+        pbw_index next;
+        while ((next = PBWC__BAR(sweep, at)->next[level]) != PBW_NONE && pbwc__above(sweep, next, place) > 0) {
+            at = next;
+        }
+        sweep->path[level] = at;
+    }
+}
+
+/* Returns PBW_ERROR_ARGUMENT, with the place, if two bars cross between their ends. */
+static pbw_status pbwc__check_bars(pbwc__sweep *sweep, pbw_index a, pbw_index b)
+{
+    const pbwc__bar *s = PBWC__BAR(sweep, a), *t = PBWC__BAR(sweep, b);
+    if (a == 0 || b == PBW_NONE || pbwc__above(sweep, a, t->from) * pbwc__above(sweep, a, t->to) >= 0
+        || pbwc__above(sweep, b, s->from) * pbwc__above(sweep, b, s->to) >= 0) {
+        return PBW_OK;
+    }
+    if (sweep->found != NULL) {
+        const double *p = PBWC__PLACE(sweep, s->from), *q = PBWC__PLACE(sweep, s->to);
+        const double *u = PBWC__PLACE(sweep, t->from), *v = PBWC__PLACE(sweep, t->to);
+        const double at_p = (v[0] - u[0]) * (p[1] - u[1]) - (v[1] - u[1]) * (p[0] - u[0]);
+        const double at_q = (v[0] - u[0]) * (q[1] - u[1]) - (v[1] - u[1]) * (q[0] - u[0]);
+        sweep->found->edges[0] = s->edges < t->edges ? s->edges : t->edges;
+        sweep->found->edges[1] = s->edges < t->edges ? t->edges : s->edges;
+        sweep->found->place[0] = p[0] + at_p / (at_p - at_q) * (q[0] - p[0]);
+        sweep->found->place[1] = p[1] + at_p / (at_p - at_q) * (q[1] - p[1]);
+    }
+    return PBW_ERROR_ARGUMENT;
+}
+
+/* Adds a way out of a place by a list of edges, of which those that end there are left out.  Returns 0 if there is no
+   memory. */
+static int pbwc__add_way(pbwc__sweep *sweep, pbw_index place, pbw_index edges)
+{
+    pbwc__way *way = (pbwc__way *)pbwc__room(sweep->memory, &sweep->ways, 1, sizeof *way);
+    pbw_index *other = PBWC__INDICES(sweep->other), next;
+    const pbw_index *end = PBWC__INDICES(sweep->end);
+    if (way == NULL) {
+        return 0;
+    }
+    way->count = 0;
+    way->end = place;
+    way->edges = way->last = PBW_NONE;
+    for (; edges != PBW_NONE; edges = next) {
+        next = other[edges];
+        if (end[edges] > place) {
+            other[edges] = way->edges;
+            way->last = way->edges == PBW_NONE ? edges : way->last;
+            way->edges = edges;
+            way->end = end[edges] > way->end ? end[edges] : way->end;
+            way->count++;
+        }
+    }
+    way->from = PBWC__PLACE(sweep, place);
+    way->to = PBWC__PLACE(sweep, way->end);
+    sweep->ways.count += way->count > 0;
+    return 1;
+}
+
+/* Takes the bars that have a place, next to the path, out of the list, and ends their pieces.  Returns 0 if there is
+   no memory. */
+static int pbwc__take_bars(pbwc__sweep *sweep, pbw_index place)
+{
+    pbw_index bar;
+    int level;
+    sweep->left.count = 0;
+    while ((bar = PBWC__BAR(sweep, sweep->path[0])->next[0]) != PBW_NONE && pbwc__above(sweep, bar, place) == 0) {
+        const pbwc__bar *b = PBWC__BAR(sweep, bar);
+        for (level = 0; level < b->height; level++) {
+            PBWC__BAR(sweep, sweep->path[level])->next[level] = b->next[level];
+        }
+        if (b->piece != PBW_NONE) {
+            PBWC__PIECE(sweep, b->piece)->to = place;
+            if (!pbwc__push(sweep->memory, &sweep->left, b->piece)) {
+                return 0;
+            }
+        }
+        if (!pbwc__add_way(sweep, place, b->edges) || !pbwc__push(sweep->memory, &sweep->unused, bar)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Puts a bar for a way above the path, which then ends with it.  Returns 0 if there is no memory. */
+static int pbwc__put_bar(pbwc__sweep *sweep, pbw_index place, const pbwc__way *way)
+{
+    const pbw_index bar = pbwc__new_bar(sweep);
+    const int below = bar != PBW_NONE && PBWC__BAR(sweep, sweep->path[0])->inside;
+    pbwc__bar *b = PBWC__BAR(sweep, bar != PBW_NONE ? bar : 0);
+    int level;
+    if (bar == PBW_NONE) {
+        return 0;
+    }
+    b->from = place;
+    b->to = way->end;
+    b->edges = way->edges;
+    b->piece = PBW_NONE;
+    b->inside = below ^ (int)(way->count % 2);
+    for (level = 0; level < b->height; level++) {
+        pbwc__bar *last = PBWC__BAR(sweep, sweep->path[level]);
+        b->next[level] = last->next[level];
+        last->next[level] = bar;
+        sweep->path[level] = bar;
+    }
+    if (way->count % 2 != 0) {
+        pbwc__piece *piece = (pbwc__piece *)pbwc__room(sweep->memory, &sweep->pieces, 1, sizeof *piece);
+        if (piece == NULL || !pbwc__push(sweep->memory, &sweep->around, (pbw_index)sweep->pieces.count)) {
+            return 0;
+        }
+        memset(piece, 0, sizeof *piece);
+        piece->from = place;
+        piece->edge = way->edges;
+        piece->up = b->inside;
+        b->piece = (pbw_index)sweep->pieces.count++;
+    }
+    return 1;
+}
+
+/* Joins the pieces around a place: those to the right from below, then those to the left from above. */
+static int pbwc__join_pieces(pbwc__sweep *sweep)
+{
+    const size_t right = sweep->around.count;
+    size_t i;
+    for (i = sweep->left.count; i-- > 0; ) {
+        if (!pbwc__push(sweep->memory, &sweep->around, PBWC__INDICES(sweep->left)[i])) {
+            return 0;
+        }
+    }
+    for (i = 0; i < sweep->around.count; i++) {
+        const pbw_index out = PBWC__INDICES(sweep->around)[i];
+        const pbw_index in = PBWC__INDICES(sweep->around)[i + 1 < sweep->around.count ? i + 1 : 0];
+        if (PBWC__PIECE(sweep, out)->up == (i < right)) {            /* the inside follows it */
+            PBWC__PIECE(sweep, in)->then = out;
+            PBWC__PIECE(sweep, in)->alone = sweep->around.count == 2;
+        }
+    }
+    return 1;
+}
+
+/* Moves the sweep across a place. */
+static pbw_status pbwc__cross_place(pbwc__sweep *sweep, pbw_index place)
+{
+    const pbw_index *first = PBWC__INDICES(sweep->first), *starts = PBWC__INDICES(sweep->starts);
+    pbw_index *other = PBWC__INDICES(sweep->other), low, i;
+    pbwc__way *way;
+    size_t w, ways;
+    pbw_status status;
+    sweep->ways.count = sweep->around.count = 0;
+    pbwc__find_path(sweep, place);
+    low = sweep->path[0];
+    if (!pbwc__take_bars(sweep, place)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = first[place]; i < first[place + 1]; i++) {
+        other[starts[i]] = PBW_NONE;
+        if (!pbwc__add_way(sweep, place, starts[i])) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    way = (pbwc__way *)sweep->ways.data;
+    if (sweep->ways.count > 1) {
+        qsort(way, sweep->ways.count, sizeof *way, pbwc__compare_ways);
+    }
+    for (w = ways = 0; w < sweep->ways.count; w++) {                 /* those of one direction become one */
+        if (ways > 0 && pbw_orient2(way[w].from, way[ways - 1].to, way[w].to) == 0) {
+            other[way[ways - 1].last] = way[w].edges;
+            way[ways - 1].last = way[w].last;
+            way[ways - 1].count += way[w].count;
+            way[ways - 1].to = way[w].end > way[ways - 1].end ? way[w].to : way[ways - 1].to;
+            way[ways - 1].end = way[w].end > way[ways - 1].end ? way[w].end : way[ways - 1].end;
+        } else {
+            way[ways++] = way[w];
+        }
+    }
+    for (w = 0; w < ways; w++) {
+        if (!pbwc__put_bar(sweep, place, way + w)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    if (!pbwc__join_pieces(sweep)) {
+        return PBW_ERROR_MEMORY;
+    }
+    status = pbwc__check_bars(sweep, low, PBWC__BAR(sweep, low)->next[0]);
+    return status == PBW_OK && ways > 0
+         ? pbwc__check_bars(sweep, sweep->path[0], PBWC__BAR(sweep, sweep->path[0])->next[0]) : status;
+}
+
+static void pbwc__sweep_end(pbwc__sweep *sweep)
+{
+    pbwc__release(sweep->memory, &sweep->x);
+    pbwc__release(sweep->memory, &sweep->number);
+    pbwc__release(sweep->memory, &sweep->end);
+    pbwc__release(sweep->memory, &sweep->other);
+    pbwc__release(sweep->memory, &sweep->first);
+    pbwc__release(sweep->memory, &sweep->starts);
+    pbwc__release(sweep->memory, &sweep->bars);
+    pbwc__release(sweep->memory, &sweep->unused);
+    pbwc__release(sweep->memory, &sweep->pieces);
+    pbwc__release(sweep->memory, &sweep->ways);
+    pbwc__release(sweep->memory, &sweep->around);
+    pbwc__release(sweep->memory, &sweep->left);
+}
+
+/* Finds the pieces of the boundary; pbwc__sweep_end is due in any case.  found: what crosses, or NULL. */
+static pbw_status pbwc__sweep_rings(pbwc__memory *memory, const pbw_domain *domain, pbwc__sweep *sweep,
+                                    pbw_rings *found)
+{
+    pbw_status status;
+    pbw_index head, i;
+    int level;
+    memset(sweep, 0, sizeof *sweep);
+    sweep->memory = memory;
+    sweep->corners = domain->ring_first[domain->ring_count];
+    sweep->found = found;
+    head = pbwc__new_bar(sweep);
+    status = head != PBW_NONE ? pbwc__sort_corners(sweep, domain) : PBW_ERROR_MEMORY;
+    for (level = 0; level < PBWC__LEVELS && head != PBW_NONE; level++) {
+        PBWC__BAR(sweep, head)->next[level] = PBW_NONE;
+        PBWC__BAR(sweep, head)->inside = 0;
+    }
+    for (i = 0; status == PBW_OK && i < sweep->count; i++) {
+        status = pbwc__cross_place(sweep, i);
+    }
+    return status == PBW_OK && sweep->pieces.count == 0 ? PBW_ERROR_ARGUMENT : status;
+}
+
+/* Where a piece starts, with the inside on its left. */
+static const double *pbwc__piece_start(const pbwc__sweep *sweep, pbw_index piece)
+{
+    const pbwc__piece *p = PBWC__PIECE(sweep, piece);
+    return PBWC__PLACE(sweep, p->up ? p->from : p->to);
+}
+
+static int pbwc__in_range(double x, double least, double most)
+{
+    return fabs(x) <= most && (fabs(x) >= least || !(fabs(x) > 0));
+}
+
+/* Checks the numbers of rings and the coordinates of their corners. */
+static pbw_status pbwc__check_rings(const pbw_domain *domain)
+{
+    const size_t *first = domain->ring_first;
+    size_t i;
+    if (domain->rings == NULL || first == NULL || first[0] != 0) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    for (i = 0; i < domain->ring_count; i++) {
+        if (first[i + 1] < first[i] || first[i + 1] >= PBW_NONE / 2) {
+            return PBW_ERROR_ARGUMENT;
+        }
+    }
+    for (i = 0; i < 2 * first[domain->ring_count]; i++) {
+        if (!pbwc__in_range(domain->rings[i], PBWC__LEAST, PBWC__MOST)) {
+            return fabs(domain->rings[i]) < HUGE_VAL ? PBW_ERROR_ARGUMENT : PBW_ERROR_NOT_FINITE;
+        }
+    }
+    return PBW_OK;
+}
+
+PBWCELLSDEF pbw_status pbw_cells_rings(const pbw_domain *domain, const pbw_options *options, pbw_rings *found)
+{
+    pbwc__job job;
+    pbwc__sweep sweep;
+    pbw_index i;
+    pbw_status status;
+    if (domain == NULL || found == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(found, 0, sizeof *found);
+    status = pbwc__check_rings(domain);
+    if (status != PBW_OK) {
+        return status;
+    }
+    pbwc__job_start(&job, 0, options);
+    status = pbwc__sweep_rings(&job.memory, domain, &sweep, found);
+    for (i = 0; status == PBW_OK && i < sweep.pieces.count; i++) {
+        const double *o = PBWC__PLACE(&sweep, 0), *p = pbwc__piece_start(&sweep, i);
+        const double *q = pbwc__piece_start(&sweep, PBWC__PIECE(&sweep, i)->then);
+        found->area += 0.5 * ((p[0] - o[0]) * (q[1] - o[1]) - (p[1] - o[1]) * (q[0] - o[0]));
+    }
+    pbwc__sweep_end(&sweep);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
    Polygons as domains, in the plane.  Each edge is followed from cell to cell: it leaves a cell across the side with
    one corner on its right and one on its left.  A visit is the part of an edge in a cell.  The visits of a cell are
    joined to chains.  Chains and parts of the cell's own sides, from where a chain leaves to where the next one
-   enters, make loops.  A cell that no edge crosses is inside or outside, as its neighbours are. Holds: each edge is
-   treated as moved to its left by an infinitesimal distance, the same for all edges of a straight run, larger for an
-   earlier run than for all later ones.  So the polygon is a little smaller, none of its corners is on the line
-   between two cells, no edge passes through a centre, and a cell that it only touches has no part of it. In: rings
-   that do not cross; edges of the polygon have its inside on their left.
+   enters, make loops.  A cell that no edge crosses is inside or outside, as its neighbours are.
+   Holds: each edge is treated as moved to its left by an infinitesimal distance, the same for all edges of a straight
+   run, larger for an earlier run than for all later ones.  So the polygon is a little smaller, none of its corners is on the line
+   between two cells, no edge passes through a centre, and a cell that it only touches has no part of it.
+   In: loops of the boundary, with the inside on the left of their edges, which do not cross if moved.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwc__visit {
     pbw_index cell, edge;
@@ -2611,8 +3073,8 @@ typedef struct pbwc__visit {
 struct pbwc__clip {
     size_t count;                          /* corners, and edges: edge i goes from corner i to next[i] */
     pbwc__array x, name, next;             /* two doubles a corner; the edge's number in the rings; per corner */
-    pbwc__array before, after, run;        /* per corner: those next to it that are elsewhere; the first edge of the
-                                              straight run that the edge from it belongs to */
+    pbwc__array before, run;               /* per corner: the one before; the first edge of the straight run that the
+                                              edge from it belongs to */
     pbwc__array home;                      /* per corner: the cell it is in */
     pbwc__array chunks, visits, first;     /* visits of runs of edges; of cell v: visits first[v]..first[v+1]-1 */
     pbwc__array root, inside;              /* per point: the first cell connected with it without a crossing; bit 0,
@@ -2649,7 +3111,7 @@ static int pbwc__along(const pbw_mesh *mesh, const double *p, const double *q, p
 static int pbwc__corner_side(const pbwc__clip *clip, const pbw_mesh *mesh, pbw_index corner, pbw_index i, pbw_index j)
 {
     const pbw_index *before = PBWC__INDICES(clip->before), *run = PBWC__INDICES(clip->run);
-    const pbw_index from = before[corner], to = PBWC__INDICES(clip->after)[corner];
+    const pbw_index from = before[corner], to = PBWC__INDICES(clip->next)[corner];
     const double *x = PBWC__CORNERS(clip), *a = x + 2 * (size_t)from, *c = x + 2 * (size_t)to;
     int side, turn, along;
     x += 2 * (size_t)corner;
@@ -2662,7 +3124,7 @@ static int pbwc__corner_side(const pbwc__clip *clip, const pbw_mesh *mesh, pbw_i
         along = pbwc__along(mesh, a, x, i, j, 1);
         return along != 0 ? along : pbwc__along(mesh, a, x, i, j, 0);
     }
-    if (run[from] < run[before[to]]) {
+    if (run[from] < run[corner]) {
         along = pbwc__along(mesh, x, c, i, j, 0);
         return turn * (along != 0 ? along : -pbwc__along(mesh, a, x, i, j, 0));
     }
@@ -2770,104 +3232,19 @@ static pbw_status pbwc__find_homes(void *arg, size_t from, size_t to)
     return good ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
-/* ---- rings: checks, and which way they turn */
-
-static int pbwc__in_range(double x, double least, double most)
-{
-    return fabs(x) <= most && (fabs(x) >= least || !(fabs(x) > 0));
-}
-
-static int pbwc__on_segment(const double *a, const double *b, const double *x)
-{
-    return pbw_orient2(a, b, x) == 0 && x[0] >= fmin(a[0], b[0]) && x[0] <= fmax(a[0], b[0])
-           && x[1] >= fmin(a[1], b[1]) && x[1] <= fmax(a[1], b[1]);
-}
+/* ---- the loops of the boundary */
 
 static int pbwc__is_at(const double *a, const double *b)
 {
     return a[0] >= b[0] && a[0] <= b[0] && a[1] >= b[1] && a[1] <= b[1];
 }
 
-/* Returns how often a ray to the right from x meets a ring, modulo 2; -1 if x is on the ring. */
-static int pbwc__crossings(const double *ring, size_t count, const double *x)
-{
-    size_t i;
-    int odd = 0;
-    for (i = 0; i < count; i++) {
-        const double *a = ring + 2 * i, *b = ring + 2 * (i + 1 < count ? i + 1 : 0);
-        if (pbwc__on_segment(a, b, x)) {
-            return -1;
-        }
-        if ((a[1] <= x[1]) != (b[1] <= x[1])) {
-            odd ^= (pbw_orient2(a, b, x) > 0) == (b[1] > a[1]);
-        }
-    }
-    return odd;
-}
-
-/* Returns whether a ring turns counter-clockwise, by its lowest corner, which is convex; -1 if it is not simple
-   there. */
-static int pbwc__turns_left(const double *ring, size_t count, size_t *corner)
-{
-    const double *before, *at, *after;
-    size_t lowest = 0, i, j;
-    for (i = 1; i < count; i++) {
-        const double *x = ring + 2 * i, *y = ring + 2 * lowest;
-        lowest = x[0] < y[0] || (!(x[0] > y[0]) && x[1] < y[1]) ? i : lowest;
-    }
-    *corner = lowest;
-    at = before = after = ring + 2 * lowest;
-    for (i = j = 0; i < count && pbwc__is_at(after, at); i++) {
-        after = ring + 2 * ((lowest + i) % count);
-    }
-    for (; j < count && pbwc__is_at(before, at); j++) {
-        before = ring + 2 * ((lowest + count - j) % count);
-    }
-    i = (size_t)(pbw_orient2(before, at, after) + 1);
-    return i == 1 ? -1 : i == 2;
-}
-
-/* Returns whether a ring is within an odd number of others, by a corner that is on none of them; -1 if there is none.
-   */
-static int pbwc__is_hole(const pbw_domain *domain, size_t ring, const double *bounds)
-{
-    size_t i, r;
-    for (i = domain->ring_first[ring]; i < domain->ring_first[ring + 1]; i++) {
-        const double *x = domain->rings + 2 * i;
-        int odd = 0, crossings = 0;
-        for (r = 0; r < domain->ring_count && crossings >= 0; r++) {
-            const double *b = bounds + 4 * r;
-            if (r != ring && x[0] >= b[0] && x[1] >= b[1] && x[0] <= b[2] && x[1] <= b[3]) {
-                crossings = pbwc__crossings(domain->rings + 2 * domain->ring_first[r],
-                                            domain->ring_first[r + 1] - domain->ring_first[r], x);
-                odd ^= crossings;
-            }
-        }
-        if (crossings >= 0) {
-            return odd;
-        }
-    }
-    return -1;
-}
-
-/* Checks that no product can over- or underflow, and that each ring has three corners or more. */
+/* Checks that no product can over- or underflow. */
 static pbw_status pbwc__check_polygon(const pbw_mesh *mesh, const pbw_domain *domain)
 {
-    const size_t *first = domain->ring_first;
     size_t i;
-    if (mesh->dim != 2 || domain->box != NULL || domain->plane_count != 0 || domain->rings == NULL || first == NULL
-        || first[0] != 0) {
+    if (mesh->dim != 2 || domain->box != NULL || domain->plane_count != 0) {
         return PBW_ERROR_ARGUMENT;
-    }
-    for (i = 0; i < domain->ring_count; i++) {
-        if (first[i + 1] < first[i] + 3 || first[i + 1] >= PBW_NONE / 2) {
-            return PBW_ERROR_ARGUMENT;
-        }
-    }
-    for (i = 0; i < 2 * first[domain->ring_count]; i++) {
-        if (!pbwc__in_range(domain->rings[i], PBWC__LEAST, PBWC__MOST)) {
-            return fabs(domain->rings[i]) < HUGE_VAL ? PBW_ERROR_ARGUMENT : PBW_ERROR_NOT_FINITE;
-        }
     }
     for (i = 0; i < mesh->point_count; i++) {
         if (!pbwc__in_range(mesh->points[2 * i], PBWC__LEAST, PBWC__MOST)
@@ -2877,92 +3254,69 @@ static pbw_status pbwc__check_polygon(const pbw_mesh *mesh, const pbw_domain *do
             return PBW_ERROR_ARGUMENT;
         }
     }
-    return PBW_OK;
+    return pbwc__check_rings(domain);
 }
 
-/* Finds the straight runs, and the next corners at other places, of the ring of corners from..to-1; it turns at
-   `corner`.  Returns 0 if the ring turns back on itself. */
-static int pbwc__find_runs(pbwc__clip *clip, pbw_index from, pbw_index to, pbw_index corner)
+/* Copies the loop of a piece, from its lowest corner, where it turns.  Pieces of one edge with no other loop between
+   them become one. */
+static void pbwc__copy_loop(pbwc__clip *clip, pbwc__sweep *sweep, pbw_index piece)
 {
+    pbw_index *before = PBWC__INDICES(clip->before), *next = PBWC__INDICES(clip->next);
+    pbw_index *run = PBWC__INDICES(clip->run), at = piece, start = piece;
+    const pbw_index first = (pbw_index)clip->count;
     const double *x = PBWC__CORNERS(clip);
-    pbw_index *before = PBWC__INDICES(clip->before), *after = PBWC__INDICES(clip->after);
-    pbw_index *run = PBWC__INDICES(clip->run), at = corner, last, i;
-    do {                                             /* from the first of those at its place */
-        corner = at;
-        at = at > from ? at - 1 : to - 1;
-    } while (pbwc__is_at(x + 2 * (size_t)at, x + 2 * (size_t)corner));
-    for (i = from, last = at, at = corner; i < to; i++, last = at, at = at + 1 < to ? at + 1 : from) {
-        before[at] = pbwc__is_at(x + 2 * (size_t)last, x + 2 * (size_t)at) ? before[last] : last;
-    }
-    at = corner;
-    for (i = from; i < to; i++) {
-        last = at;
-        at = at > from ? at - 1 : to - 1;
-        after[at] = pbwc__is_at(x + 2 * (size_t)last, x + 2 * (size_t)at) ? after[last] : last;
-    }
-    for (i = from, last = at = corner; i < to; i++, last = at, at = at + 1 < to ? at + 1 : from) {
-        const double *a = x + 2 * (size_t)before[at], *b = x + 2 * (size_t)at, *c = x + 2 * (size_t)after[at];
-        const int straight = pbw_orient2(a, b, c) == 0;
-        run[at] = straight ? run[last] : at;
-        if (straight && ((c[0] > b[0]) != (b[0] > a[0]) || (c[1] > b[1]) != (b[1] > a[1]))) {
-            return 0;
+    do {                                             /* places are in order */
+        if (pbwc__piece_start(sweep, at) < pbwc__piece_start(sweep, start)) {
+            start = at;
         }
+        PBWC__PIECE(sweep, at)->done = 1;
+        at = PBWC__PIECE(sweep, at)->then;
+    } while (at != piece);
+    at = start;
+    do {
+        const pbwc__piece *p = PBWC__PIECE(sweep, at);
+        const pbw_index then = p->then;
+        memcpy(PBWC__CORNERS(clip) + 2 * clip->count, pbwc__piece_start(sweep, at), 2 * sizeof(double));
+        PBWC__INDICES(clip->name)[clip->count] = p->edge;
+        for (at = then; p->alone && at != start && PBWC__PIECE(sweep, at)->edge == p->edge; ) {
+            p = PBWC__PIECE(sweep, at);
+            at = p->then;
+        }
+        before[clip->count] = (pbw_index)clip->count - 1;
+        next[clip->count] = (pbw_index)clip->count + 1;
+        clip->count++;
+    } while (at != start);
+    before[first] = (pbw_index)clip->count - 1;
+    next[clip->count - 1] = first;
+    for (at = first; at < clip->count; at++) {
+        run[at] = pbw_orient2(x + 2 * (size_t)before[at], x + 2 * (size_t)at, x + 2 * (size_t)next[at]) == 0
+                ? run[at - 1] : at;
     }
-    return 1;
 }
 
-/* Copies a ring so that the inside is on its left.  Returns 0 if it is found not to be simple. */
-static int pbwc__copy_ring(pbwc__clip *clip, const pbw_domain *domain, size_t ring, const double *bounds)
-{
-    const size_t first = domain->ring_first[ring], count = domain->ring_first[ring + 1] - first;
-    size_t i, corner;
-    const int left = pbwc__turns_left(domain->rings + 2 * first, count, &corner);
-    const int hole = pbwc__is_hole(domain, ring, bounds), turn = left == hole;
-    for (i = 0; i < count; i++) {                    /* turn: corners from the last to the first */
-        const size_t at = first + i, from = turn ? first + count - 1 - i : at;
-        memcpy(PBWC__CORNERS(clip) + 2 * at, domain->rings + 2 * from, 2 * sizeof(double));
-        PBWC__INDICES(clip->name)[at] = (pbw_index)(first + (turn ? 2 * count - 2 - i : i) % count);
-        PBWC__INDICES(clip->next)[at] = (pbw_index)(i + 1 < count ? at + 1 : first);
-    }
-    corner = first + (turn ? count - 1 - corner : corner);
-    return left >= 0 && hole >= 0
-           && pbwc__find_runs(clip, (pbw_index)first, (pbw_index)(first + count), (pbw_index)corner);
-}
-
-/* Copies the rings. */
+/* Makes the corners of the polygon's boundary. */
 static pbw_status pbwc__copy_rings(pbwc__job *job, const pbw_domain *domain)
 {
-    const size_t *first = domain->ring_first;
     pbwc__clip *clip = job->clip;
-    pbwc__array bounds;
-    size_t r, i, k;
-    pbw_status status = PBW_OK;
-    clip->count = first[domain->ring_count];
-    memset(&bounds, 0, sizeof bounds);
-    if (!pbwc__resize(&job->memory, &clip->x, clip->count * 2 * sizeof(double))
-        || !pbwc__resize(&job->memory, &clip->name, clip->count * sizeof(pbw_index))
-        || !pbwc__resize(&job->memory, &clip->next, clip->count * sizeof(pbw_index))
-        || !pbwc__resize(&job->memory, &clip->before, clip->count * sizeof(pbw_index))
-        || !pbwc__resize(&job->memory, &clip->after, clip->count * sizeof(pbw_index))
-        || !pbwc__resize(&job->memory, &clip->run, clip->count * sizeof(pbw_index))
-        || !pbwc__resize(&job->memory, &clip->home, clip->count * sizeof(pbw_index))
-        || !pbwc__resize(&job->memory, &bounds, domain->ring_count * 4 * sizeof(double))) {
+    pbwc__sweep sweep;
+    pbw_index i;
+    pbw_status status = pbwc__sweep_rings(&job->memory, domain, &sweep, NULL);
+    const size_t pieces = sweep.pieces.count;
+    if (status == PBW_OK
+        && (!pbwc__resize(&job->memory, &clip->x, pieces * 2 * sizeof(double))
+            || !pbwc__resize(&job->memory, &clip->name, pieces * sizeof(pbw_index))
+            || !pbwc__resize(&job->memory, &clip->next, pieces * sizeof(pbw_index))
+            || !pbwc__resize(&job->memory, &clip->before, pieces * sizeof(pbw_index))
+            || !pbwc__resize(&job->memory, &clip->run, pieces * sizeof(pbw_index))
+            || !pbwc__resize(&job->memory, &clip->home, pieces * sizeof(pbw_index)))) {
         status = PBW_ERROR_MEMORY;
     }
-    for (r = 0; status == PBW_OK && r < domain->ring_count; r++) {
-        double *b = PBWC__DOUBLES(bounds) + 4 * r;
-        for (i = first[r]; i < first[r + 1]; i++) {
-            for (k = 0; k < 2; k++) {
-                const double x = domain->rings[2 * i + k];
-                b[k] = i == first[r] || x < b[k] ? x : b[k];
-                b[2 + k] = i == first[r] || x > b[2 + k] ? x : b[2 + k];
-            }
+    for (i = 0; status == PBW_OK && i < pieces; i++) {
+        if (!PBWC__PIECE(&sweep, i)->done) {
+            pbwc__copy_loop(clip, &sweep, i);
         }
     }
-    for (r = 0; status == PBW_OK && r < domain->ring_count; r++) {
-        status = pbwc__copy_ring(clip, domain, r, PBWC__DOUBLES(bounds)) ? PBW_OK : PBW_ERROR_ARGUMENT;
-    }
-    pbwc__release(&job->memory, &bounds);
+    pbwc__sweep_end(&sweep);
     return status;
 }
 
@@ -3058,6 +3412,42 @@ typedef struct pbwc__corner {              /* of a loop; what it is known to be 
 #define PBWC__ENDS(work) ((pbwc__end *)(work)->ends.data)
 #define PBWC__LOOP(work) ((pbwc__corner *)(work)->loop.data)
 
+/* Returns 1 if the sector of the inside at a corner has the ray from there along u, -1 if the opposite ray, else 0.
+   u leads counter-clockwise along the side between the cells of i and j, as seen from i. */
+static int pbwc__sector_side(const pbwc__clip *clip, const pbw_mesh *mesh, pbw_index corner, pbw_index i, pbw_index j)
+{
+    const double *x = PBWC__CORNERS(clip), *at = x + 2 * (size_t)corner;
+    const double *p = x + 2 * (size_t)PBWC__INDICES(clip->before)[corner];
+    const double *q = x + 2 * (size_t)PBWC__INDICES(clip->next)[corner];
+    const int turn = pbw_orient2(p, at, q), to_q = pbwc__along(mesh, at, q, i, j, 0);
+    const int to_p = pbwc__along(mesh, at, p, i, j, 0);              /* the signs of (q - at) x u and (p - at) x u */
+    const int forward = turn > 0 ? to_q > 0 && to_p < 0 : turn < 0 ? to_q > 0 || to_p < 0 : to_q > 0;
+    const int backward = turn > 0 ? to_q < 0 && to_p > 0 : turn < 0 ? to_q < 0 || to_p > 0 : to_q < 0;
+    return forward - backward;
+}
+
+/* Returns 1 if end a comes before b where loops touch in a corner on the side between two cells, -1 if after it, 0 if
+   they do not touch there.  Their sectors have nothing in common, so one has one ray of the side, one the other. */
+static int pbwc__touching_ends(const pbwc__work *work, pbw_index beyond, pbw_index e, pbw_index f)
+{
+    const pbwc__clip *clip = work->job->clip;
+    const pbw_index *next = PBWC__INDICES(clip->next);
+    const double *x = PBWC__CORNERS(clip);
+    int i, side;
+    for (i = 0; i < 4; i++) {
+        const pbw_index a = i % 2 != 0 ? next[e] : e, b = i / 2 != 0 ? next[f] : f;
+        if (a != b && pbwc__is_at(x + 2 * (size_t)a, x + 2 * (size_t)b)
+            && pbwc__side(work->job->mesh, x + 2 * (size_t)a, work->site, beyond) == 0) {
+            side = pbwc__sector_side(clip, work->job->mesh, a, work->site, beyond);
+            side = side != 0 ? -side : pbwc__sector_side(clip, work->job->mesh, b, work->site, beyond);
+            if (side != 0) {
+                return side;
+            }
+        }
+    }
+    return 0;
+}
+
 /* Returns whether end a comes before b, counter-clockwise, on one side.  Edges do not cross, so both corners of one
    edge are on one side of the other. */
 static int pbwc__end_before(const pbwc__work *work, const pbwc__end *a, const pbwc__end *b)
@@ -3070,6 +3460,10 @@ static int pbwc__end_before(const pbwc__work *work, const pbwc__end *a, const pb
     pbwc__edge_ends(clip, visit[b->visit].edge, &r, &s);
     if (a->side != b->side) {
         return a->side < b->side;
+    }
+    low = pbwc__touching_ends(work, PBWC__LINKS(work)[a->side].vertex, visit[a->visit].edge, visit[b->visit].edge);
+    if (low != 0) {
+        return low > 0;
     }
     if (!a->leaves) {                                /* all outward */
         t = p, p = q, q = t;
@@ -3084,7 +3478,7 @@ static int pbwc__end_before(const pbwc__work *work, const pbwc__end *a, const pb
     }
     low = pbw_orient2(r, s, p);
     high = pbw_orient2(r, s, q);
-    return low + high != 0 ? low + high < 0 : a->visit < b->visit;
+    return low + high != 0 ? low + high < 0 : a->leaves != b->leaves ? !a->leaves : a->visit < b->visit;
 }
 
 static void pbwc__sift(const pbwc__work *work, pbwc__end *ends, size_t at, size_t count)
@@ -3559,7 +3953,6 @@ static void pbwc__end_clip(pbwc__job *job)
     pbwc__release(&job->memory, &clip->name);
     pbwc__release(&job->memory, &clip->next);
     pbwc__release(&job->memory, &clip->before);
-    pbwc__release(&job->memory, &clip->after);
     pbwc__release(&job->memory, &clip->run);
     pbwc__release(&job->memory, &clip->home);
     pbwc__release(&job->memory, &clip->visits);
@@ -4223,8 +4616,8 @@ static pbw_status pbwc__prepare_domain(pbwc__job *job, const pbw_domain *domain)
 
 /* ------------------------------------------------------------------------------------------------------
    Points that span no simplex: one, or all on a line or in a plane.  With the corners of a large simplex they do.
-   The cells of these do not meet the domain, so in there all other cells stay as they are: all that is in the box around
-   domain and points is nearer to each point than to the corners, which have the least weight.
+   The cells of these do not meet the domain, so in there all other cells stay as they are: all that is in the box
+   around domain and points is nearer to each point than to the corners, which have the least weight.
    ------------------------------------------------------------------------------------------------------ */
 /* Corner i of a simplex around a box, further from all in it than its points from each other. */
 static void pbwc__apex(int dim, int i, const double *low, const double *high, double *x)

@@ -4,7 +4,8 @@
 static const option cells_options[] = {
     { "--box", "X,Y[,Z],X,Y[,Z]", "low corner and high corner: cells end there", BOX, 0, 0, NULL },
     { "--clip", "FILE", "cells end there.  2D: rings; a ring ends with its first corner, what is in an odd number of\n"
-      "rings is inside.  3D: a closed convex surface, as .obj .ply .stl .off", PLAIN, 0, 0, NULL },
+      "rings is inside, neighbours that share edges are one.  3D: a closed convex surface, as .obj .ply .stl .off",
+      PLAIN, 0, 0, NULL },
     { "--periodic", "xyz", "the axes along which the box repeats", AXES, 0, 0, NULL },
     { "--merge", NULL, "the true diagram: centres that coincide are one corner, facets without area left out", SWITCH,
       0, 0, NULL },
@@ -49,63 +50,27 @@ static pbwio_status write_cells(job *j, const char *path, const char *ending, vo
          : write_diagram(path, ending, cells, error);
 }
 
-/* Twice the area of a ring, with a sign. */
-static double ring_area(const double *x, size_t count)
-{
-    double sum = 0;
-    size_t i;
-    for (i = 1; i + 1 < count; i++) {
-        const double *a = x + 2 * i, *b = a + 2;
-        sum += (a[0] - x[0]) * (b[1] - x[1]) - (a[1] - x[1]) * (b[0] - x[0]);
-    }
-    return sum;
-}
-
-/* Is a corner of a ring inside an odd number of the others? */
-static int is_hole(const pbw_domain *domain, size_t ring)
-{
-    const double *p = domain->rings + 2 * domain->ring_first[ring];
-    size_t r, i;
-    int odd = 0;
-    for (r = 0; r < domain->ring_count; r++) {
-        const size_t first = domain->ring_first[r], end = domain->ring_first[r + 1];
-        for (i = first; r != ring && i < end; i++) {
-            const double *a = domain->rings + 2 * i, *b = domain->rings + 2 * (i + 1 < end ? i + 1 : first);
-            if ((a[1] <= p[1]) != (b[1] <= p[1])) {
-                odd ^= (pbw_orient2(a, b, p) > 0) == (b[1] > a[1]);
-            }
-        }
-    }
-    return odd;
-}
-
 static int is_bounded(const pbw_domain *domain)
 {
     return domain->box != NULL || domain->ring_count != 0 || domain->plane_count != 0;
 }
 
-/* The domain's volume; body: that of planes. */
-static double whole_of(const pbw_domain *domain, int dim, double body)
+/* The domain's volume; clip: that of planes or rings. */
+static double whole_of(const pbw_domain *domain, int dim, double clip)
 {
-    double whole = domain->plane_count != 0 ? body : domain->box != NULL;
-    size_t r;
+    double whole = domain->box != NULL ? 1 : clip;
     int k;
     for (k = 0; k < dim && domain->box != NULL; k++) {
         whole *= domain->box[dim + k] - domain->box[k];
-    }
-    for (r = 0; r < domain->ring_count; r++) {
-        const size_t first = domain->ring_first[r];
-        const double area = fabs(ring_area(domain->rings + 2 * first, domain->ring_first[r + 1] - first)) / 2;
-        whole += is_hole(domain, r) ? -area : area;
     }
     return whole;
 }
 
 /* The sum has an error of one rounding (Neumaier 1974), so that it shows that of the cells. */
-static void report(const job *j, const pbw_cells *cells, const pbw_domain *domain, double body)
+static void report(const job *j, const pbw_cells *cells, const pbw_domain *domain, double clip)
 {
     const char *volume = cells->dim == 3 ? "volume" : "area";
-    const double whole = whole_of(domain, cells->dim, body);
+    const double whole = whole_of(domain, cells->dim, clip);
     double sum = 0, rest = 0;
     size_t i, empty = 0, unbounded = 0;
     for (i = 0; i < cells->cell_count; i++) {
@@ -128,11 +93,29 @@ static void report(const job *j, const pbw_cells *cells, const pbw_domain *domai
          domain->box != NULL ? "box" : cells->dim == 3 ? "body" : "polygon", fabs(sum - whole + rest) / whole);
 }
 
-/* The rings of --clip: each ends where its first corner comes again, the last one with the file. */
-static int load_rings(job *j, pbw_domain *domain, pbwio_cloud *cloud, size_t **first)
+/* Says where rings cross, by their numbers from 1, or what else is wrong with them. */
+static int refuse_rings(const job *j, const pbw_domain *domain, const pbw_rings *found)
 {
     const char *path = text_of(j, "--clip");
+    const double *a = domain->rings + 2 * found->edges[0], *b = domain->rings + 2 * found->edges[1];
+    size_t ring[2] = { 0, 0 }, i;
+    for (i = 0; i < domain->ring_count; i++) {
+        ring[0] += domain->ring_first[i] <= found->edges[0];
+        ring[1] += domain->ring_first[i] <= found->edges[1];
+    }
+    return found->edges[0] == found->edges[1]
+         ? fail(j, "%s: the rings enclose nothing: they have no area, or cancel each other out, or coordinates are "
+                "beyond 1e-57 to 1e60", path)
+         : fail(j, "%s: the edge of ring %zu from (%.15g, %.15g) and that of ring %zu from (%.15g, %.15g) cross near "
+                "(%.15g, %.15g)", path, ring[0], a[0], a[1], ring[1], b[0], b[1], found->place[0], found->place[1]);
+}
+
+/* The rings of --clip: each ends where its first corner comes again, the last one with the file. */
+static int load_rings(job *j, pbw_domain *domain, pbwio_cloud *cloud, size_t **first, double *area)
+{
     size_t i, count = 0, begin = 0, rings = 0;
+    pbw_rings found;
+    pbw_status status;
     *first = (size_t *)malloc((cloud->count + 2) * sizeof **first);
     if (*first == NULL) {
         return fail(j, "out of memory");
@@ -145,16 +128,15 @@ static int load_rings(job *j, pbw_domain *domain, pbwio_cloud *cloud, size_t **f
             memmove(cloud->points + 2 * count++, x, 2 * sizeof *x);
         }
         if (closes || (i + 1 == cloud->count && count > begin)) {
-            if (count < begin + 3) {
-                return fail(j, "%s: a ring of %zu corner%s", path, COUNT(count - begin));
-            }
             begin = (*first)[++rings] = count;
         }
     }
     domain->rings = cloud->points;
     domain->ring_first = *first;
     domain->ring_count = rings;
-    return 0;
+    status = pbw_cells_rings(domain, &j->build, &found);
+    *area = found.area;
+    return status == PBW_ERROR_ARGUMENT ? refuse_rings(j, domain, &found) : explain(j, status);
 }
 
 /* Beyond a plane: n.x - c. */
@@ -241,7 +223,8 @@ static int load_clip(job *j, pbw_domain *domain, pbwio_cloud *cloud, void **kept
     if (pbwio_read(text_of(j, "--clip"), &read, cloud, &error) != PBWIO_OK) {
         return fail(j, "--clip: %s", error.text);
     }
-    failed = read.dim == 2 ? load_rings(j, domain, cloud, &first) : load_body(j, domain, cloud, &planes, volume);
+    failed = read.dim == 2 ? load_rings(j, domain, cloud, &first, volume)
+           : load_body(j, domain, cloud, &planes, volume);
     *kept = read.dim == 2 ? (void *)first : (void *)planes;
     return failed;
 }
@@ -295,7 +278,7 @@ static int make(job *j, const pbw_domain *domain, unsigned what, pbw_cells *cell
         return fail(j, "%s: the surface is not closed", text_of(j, "--clip"));
     }
     failed = status != PBW_ERROR_ARGUMENT || domain->ring_count == 0 ? explain(j, status)
-           : fail(j, "%s: rings that cross, touch where cells meet or have no area, or coordinates out of range",
+           : fail(j, "coordinates or weights beyond 1e-57 to 1e60, which --clip %s does not take",
                   text_of(j, "--clip"));
     if (!failed) {
         say(j, "cells", now() - start, "%s", "");
@@ -396,7 +379,7 @@ static int run(job *j)
     pbw_domain domain;
     pbw_cells cells, bounded, *shown[2];
     void *kept = NULL;
-    double box[6], body = 0;
+    double box[6], clipped = 0;
     int failed, what = 0;
     memset(&domain, 0, sizeof domain);
     memset(&cells, 0, sizeof cells);
@@ -406,14 +389,14 @@ static int run(job *j)
     failed = load(j, !is_solid(j));
     failed = failed ? failed : check_domain(j, &domain, box);
     if (!failed && is_given(j, "--clip")) {
-        failed = load_clip(j, &domain, &clip, &kept, &body);
+        failed = load_clip(j, &domain, &clip, &kept, &clipped);
     }
     if (!failed) {
         what = contents_of(j);
         failed = what < 0 ? FAILURE : make(j, &domain, (unsigned)what, &cells);
     }
     if (!failed) {
-        report(j, &cells, &domain, body);
+        report(j, &cells, &domain, clipped);
         failed = draws_nothing(j, &cells);
     }
     if (!failed) {
