@@ -3060,8 +3060,8 @@ PBWCELLSDEF pbw_status pbw_cells_rings(const pbw_domain *domain, const pbw_optio
    joined to chains.  Chains and parts of the cell's own sides, from where a chain leaves to where the next one
    enters, make loops.  A cell that no edge crosses is inside or outside, as its neighbours are.
    Holds: each edge is treated as moved to its left by an infinitesimal distance, the same for all edges of a straight
-   run, larger for an earlier run than for all later ones.  So the polygon is a little smaller, none of its corners is on the line
-   between two cells, no edge passes through a centre, and a cell that it only touches has no part of it.
+   run, larger for an earlier run than for all later ones.  So the polygon is a little smaller, none of its corners is on
+   the line between two cells, no edge passes through a centre, and a cell that it only touches has no part of it.
    In: loops of the boundary, with the inside on the left of their edges, which do not cross if moved.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwc__visit {

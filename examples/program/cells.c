@@ -3,8 +3,8 @@
 
 static const option cells_options[] = {
     { "--box", "X,Y[,Z],X,Y[,Z]", "low corner and high corner: cells end there", BOX, 0, 0, NULL },
-    { "--clip", "FILE", "cells end there.  2D: rings; a ring ends with its first corner, what is in an odd number of\n"
-      "rings is inside, neighbours that share edges are one.  3D: a closed convex surface, as .obj .ply .stl .off",
+    { "--clip", "FILE", "cells end there.  2D: rings; a ring ends with its first corner, what is in an odd number\n"
+      "of rings is inside, neighbours that share edges are one.  3D: a closed convex surface, as .obj .ply .stl .off",
       PLAIN, 0, 0, NULL },
     { "--periodic", "xyz", "the axes along which the box repeats", AXES, 0, 0, NULL },
     { "--merge", NULL, "the true diagram: centres that coincide are one corner, facets without area left out", SWITCH,
@@ -46,7 +46,8 @@ static pbwio_status write_cells(job *j, const char *path, const char *ending, vo
 {
     pbw_cells *cells = ((pbw_cells **)user)[is_seen(ending)];
     return strcmp(ending, "csv") == 0 ? pbwio_save(path, emit, cells, error)
-         : strcmp(ending, "html") == 0 ? write_cell_page(j, path, cells, cells->dim == 2 && is_given(j, "--clip"), error)
+         : strcmp(ending, "html") == 0
+         ? write_cell_page(j, path, cells, cells->dim == 2 && is_given(j, "--clip"), error)
          : write_diagram(path, ending, cells, error);
 }
 
