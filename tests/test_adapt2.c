@@ -338,6 +338,157 @@ static pbw_status run_all(const pbw_options *build, uint64_t *digest)
     return status;
 }
 
+/* ---- the memory limit: each public call alone, on inputs without it */
+
+static pbw_status limited_strokes(const pbw_plane_options *options, unsigned flags, uint64_t *digest)
+{
+    enum { SEGMENTS = 400 };
+    double points[4 * SEGMENTS];
+    pbw_index segments[2 * SEGMENTS];
+    pbw_plane_options own = *options;
+    pbw_plane_input input;
+    pbw_plane plane;
+    pbw_status status;
+    uint64_t state = 1;
+    int i;
+    memset(&input, 0, sizeof input);
+    for (i = 0; i < 2 * SEGMENTS; i++) {             /* short ones, some of which cross */
+        segments[i] = (pbw_index)i;
+        points[2 * i] = i % 2 ? points[2 * i - 2] + 0.1 * input_uniform(&state) : input_uniform(&state);
+        points[2 * i + 1] = i % 2 ? points[2 * i - 1] + 0.1 * input_uniform(&state) : input_uniform(&state);
+    }
+    input.points = points;
+    input.segments = segments;
+    input.point_count = 2 * SEGMENTS;
+    input.segment_count = SEGMENTS;
+    own.flags = flags;
+    status = pbw_plane_make(&input, &own, &plane);
+    *digest = planes_digest(&plane);
+    pbw_plane_free(&plane);
+    return status;
+}
+
+static pbw_status limited_split(const pbw_plane_options *options, uint64_t *digest)
+{
+    return limited_strokes(options, PBW_PLANE_SPLIT_CROSSINGS, digest);
+}
+
+static pbw_status limited_make(const pbw_plane_options *options, uint64_t *digest)
+{
+    return limited_strokes(options, PBW_PLANE_SPLIT_CROSSINGS | PBW_PLANE_REFINE, digest);
+}
+
+static pbw_status limited_rings(const pbw_plane_options *options, uint64_t *digest)
+{
+    enum { TEETH = 200 };
+    static const size_t first[] = { 0, 2 * TEETH };
+    double points[4 * TEETH];
+    pbw_plane plane;
+    pbw_status status;
+    int i;
+    for (i = 0; i < TEETH; i++) {
+        points[2 * i] = points[4 * TEETH - 2 - 2 * i] = i;
+        points[2 * i + 1] = i % 2;
+        points[4 * TEETH - 1 - 2 * i] = 2 + i % 2;
+    }
+    status = pbw_plane_rings(points, first, 1, options, &plane);
+    *digest = planes_digest(&plane);
+    pbw_plane_free(&plane);
+    return status;
+}
+
+static pbw_status limited_smooth(const pbw_plane_options *options, uint64_t *digest)
+{
+    pbw_plane plane;
+    pbw_status status = plate_with(0.7, NULL, &plane);
+    CHECK_EQUAL(status, PBW_OK);
+    status = pbw_plane_smooth(&plane, PBW_PLANE_LLOYD, 3, options);
+    *digest = planes_digest(&plane);
+    pbw_plane_free(&plane);
+    return status;
+}
+
+static pbw_status limited_adapt(const pbw_plane_options *options, uint64_t *digest)
+{
+    pbw_plane plane, next;
+    pbw_status status = plate_with(0.7, NULL, &plane);
+    double *sizes = new_doubles(plane.point_count);
+    CHECK_EQUAL(status, PBW_OK);
+    fill_sizes(&plane, 1, sizes);
+    status = pbw_plane_adapt(&plane, sizes, NULL, options, &next, NULL);
+    *digest = planes_digest(&next);
+    pbw_plane_free(&plane);
+    pbw_plane_free(&next);
+    free(sizes);
+    return status;
+}
+
+static pbw_status limited_triangles(const pbw_plane_options *options, uint64_t *digest)
+{
+    pbw_plane plane, next;
+    pbw_status status = plate_with(0.7, NULL, &plane);
+    CHECK_EQUAL(status, PBW_OK);
+    status = pbw_plane_from_triangles(plane.points, plane.point_count, plane.triangles, plane.triangle_count, options,
+                                      &next);
+    *digest = planes_digest(&next);
+    pbw_plane_free(&plane);
+    pbw_plane_free(&next);
+    return status;
+}
+
+static pbw_status limited_transfer(const pbw_plane_options *options, uint64_t *digest)
+{
+    pbw_plane plane;
+    pbw_status status = plate_with(0.7, NULL, &plane);
+    double *values = new_doubles(2 * plane.point_count);
+    CHECK_EQUAL(status, PBW_OK);
+    fill_sizes(&plane, 1, values);
+    status = pbw_plane_transfer(&plane, &plane, values, 1, values + plane.point_count, options);
+    *digest = planes_mix(0, values + plane.point_count, plane.point_count * sizeof *values);
+    pbw_plane_free(&plane);
+    free(values);
+    return status;
+}
+
+static void test_limit(void)
+{
+    static const struct { const char *name; pbw_status (*call)(const pbw_plane_options *, uint64_t *); } calls[] = {
+        { "make, crossings split", limited_split }, { "make, refined", limited_make }, { "rings", limited_rings },
+        { "smooth", limited_smooth }, { "adapt", limited_adapt }, { "from triangles", limited_triangles }, { "transfer", limited_transfer }
+    };
+    size_t i, k;
+    for (i = 0; i < sizeof calls / sizeof *calls; i++) {
+        if (test_begin("memory limit: %s", calls[i].name)) {
+            pbw_plane_options options;
+            pbw_options build;
+            uint64_t digest, other;
+            meter m;
+            size_t most, failed = 0;
+            memset(&options, 0, sizeof options);
+            memset(&build, 0, sizeof build);
+            build.threads = 1;
+            build.resize = meter_resize;
+            build.resize_user = &m;
+            options.build = &build;
+            meter_start(&m, 0, 0);
+            CHECK_EQUAL(calls[i].call(&options, &digest), PBW_OK);
+            most = m.peak;
+            for (k = 1; k <= 30; k++) {              /* to 1.5 times what it holds without a limit */
+                pbw_status status;
+                build.memory_limit = most * k / 20;
+                meter_start(&m, 0, 0);
+                status = calls[i].call(&options, &other);
+                CHECK(status == PBW_OK ? other == digest : status == PBW_ERROR_MEMORY);
+                CHECK(m.peak <= build.memory_limit && m.blocks == 0 && m.faults == 0);
+                failed += status != PBW_OK;
+            }
+            test_say("holds %lu bytes; %lu of 30 limits suffice", (unsigned long)most, (unsigned long)(30 - failed));
+            CHECK(failed >= 15 && failed < 30);
+            test_end();
+        }
+    }
+}
+
 static void test_failures(void)
 {
     pbw_plane plane, none;
@@ -386,6 +537,7 @@ int main(int argc, char **argv)
     test_smoothing();
     test_adaptation();
     test_triangles();
+    test_limit();
     test_failures();
     return test_finish();
 }

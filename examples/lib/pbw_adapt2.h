@@ -146,6 +146,7 @@ PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plan
 
 /* ------------------------------------------------------------------------------------------------------
    Memory: a few arrays a call, freed together.
+   Holds: used = the sum of the arrays, and of planes that the call holds; over the limit there are no more.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWA2__ARRAYS = 24 };
 
@@ -153,14 +154,17 @@ typedef struct pbwa2__memory {
     const pbw_options *build;              /* NULL: malloc */
     void *data[PBWA2__ARRAYS];
     size_t bytes[PBWA2__ARRAYS];
+    size_t limit, used;
     int count;
 } pbwa2__memory;
 
 static void pbwa2__start(pbwa2__memory *memory, const pbw_plane_options *options)
 {
     memset(memory, 0, sizeof *memory);
-    memory->build = options != NULL && options->build != NULL && options->build->resize != NULL ? options->build
-                  : NULL;
+    if (options != NULL && options->build != NULL) {
+        memory->build = options->build->resize != NULL ? options->build : NULL;
+        memory->limit = options->build->memory_limit;
+    }
 }
 
 /* Returns zeroes, or NULL. */
@@ -168,7 +172,8 @@ static void *pbwa2__get(pbwa2__memory *memory, size_t count, size_t size)
 {
     const size_t bytes = (count + 1) * size;
     void *data;
-    if (count > (SIZE_MAX >> 1) / size - 1) {
+    if (count > (SIZE_MAX >> 1) / size - 1 || memory->count == PBWA2__ARRAYS
+        || (memory->limit != 0 && (memory->used > memory->limit || bytes > memory->limit - memory->used))) {
         return NULL;
     }
     data = memory->build != NULL ? memory->build->resize(memory->build->resize_user, NULL, 0, bytes) : malloc(bytes);
@@ -176,6 +181,7 @@ static void *pbwa2__get(pbwa2__memory *memory, size_t count, size_t size)
         memset(data, 0, bytes);
         memory->data[memory->count] = data;
         memory->bytes[memory->count++] = bytes;
+        memory->used += bytes;
     }
     return data;
 }
@@ -190,6 +196,24 @@ static void pbwa2__end(pbwa2__memory *memory)
             free(data);
         }
     }
+}
+
+/* Makes a plane within the memory that is not held. */
+static pbw_status pbwa2__make(const pbwa2__memory *memory, const pbw_plane_input *input,
+                              const pbw_plane_options *options, pbw_plane *plane)
+{
+    pbw_plane_options own = *options;
+    pbw_options build;
+    memset(&build, 0, sizeof build);
+    if (own.build != NULL) {
+        build = *own.build;
+        build.stride = 0;
+    }
+    own.build = &build;
+    if (memory->limit != 0) {                        /* 1: too little for anything, as 0 would be no limit */
+        build.memory_limit = memory->limit > memory->used ? memory->limit - memory->used : 1;
+    }
+    return pbw_plane_make(input, &own, plane);
 }
 
 static pbw_status pbwa2__say(pbw_plane *plane, pbw_status status, const char *text)
@@ -426,12 +450,10 @@ static pbw_status pbwa2__make_again(pbwa2__again *a, pbwa2__memory *memory, cons
     double *sizes = a->sizes != NULL ? (double *)pbwa2__get(memory, n, sizeof *sizes) : NULL;
     pbw_plane_region *regions = pbwa2__seeds(a, memory);
     pbw_plane_options own = *options;
-    pbw_options build;
     pbw_plane_input input;
     pbw_status status;
     size_t i, kept = 0;
     memset(&input, 0, sizeof input);
-    memset(&build, 0, sizeof build);
     a->number = (pbw_index *)pbwa2__get(memory, n, sizeof *a->number);
     if (points == NULL || (a->sizes != NULL && sizes == NULL) || regions == NULL || a->number == NULL) {
         return pbwa2__say(result, PBW_ERROR_MEMORY, NULL);
@@ -451,11 +473,6 @@ static pbw_status pbwa2__make_again(pbwa2__again *a, pbwa2__memory *memory, cons
     if (!pbwa2__find_segments(a, memory)) {
         return pbwa2__say(result, PBW_ERROR_MEMORY, NULL);
     }
-    if (own.build != NULL) {
-        build = *own.build;
-        build.stride = 0;
-    }
-    own.build = &build;
     own.rule = PBW_PLANE_NONZERO;
     input.points = points;
     input.point_count = kept;
@@ -465,7 +482,7 @@ static pbw_status pbwa2__make_again(pbwa2__again *a, pbwa2__memory *memory, cons
     input.regions = regions;
     input.region_count = a->old->region_count;
     input.sizes = sizes;
-    status = pbw_plane_make(&input, &own, result);
+    status = pbwa2__make(memory, &input, &own, result);
     for (i = 0; status == PBW_OK && i < result->region_count; i++) {
         pbw_index *seed = (pbw_index *)(uintptr_t)result->region_seeds + i;      /* until now, the old region */
         *seed = *seed != PBW_NONE ? a->old->region_seeds[*seed] : PBW_NONE;
@@ -542,7 +559,9 @@ static void pbwa2__move(const pbw_plane *p, double *points, const pbwa2__stars *
     points[2 * v + 1] = old[1];
 }
 
-static pbw_status pbwa2__round(pbw_plane *plane, pbw_plane_way way, const pbw_plane_options *options, pbw_plane *next)
+/* held: bytes of planes that the call holds. */
+static pbw_status pbwa2__round(const pbw_plane *plane, pbw_plane_way way, size_t held,
+                               const pbw_plane_options *options, pbw_plane *next)
 {
     pbwa2__memory memory;
     pbwa2__again a;
@@ -554,6 +573,7 @@ static pbw_status pbwa2__round(pbw_plane *plane, pbw_plane_way way, const pbw_pl
     memset(&a, 0, sizeof a);
     memset(next, 0, sizeof *next);
     pbwa2__start(&memory, options);
+    memory.used = held;
     points = (double *)pbwa2__get(&memory, plane->point_count, 2 * sizeof *points);
     fixed = (unsigned char *)pbwa2__get(&memory, plane->point_count, 1);
     stays = (unsigned char *)pbwa2__get(&memory, plane->point_count, 1);
@@ -593,7 +613,7 @@ PBWADAPT2DEF pbw_status pbw_plane_smooth(pbw_plane *plane, pbw_plane_way way, in
     own.build = options != NULL ? options->build : NULL;
     now = *plane;
     for (i = 0; i < rounds && now.triangle_count > 0; i++) {
-        const pbw_status status = pbwa2__round(&now, way, &own, &next);
+        const pbw_status status = pbwa2__round(&now, way, i > 0 ? now.bytes : 0, &own, &next);
         if (i > 0) {
             pbw_plane_free(&now);
         }
@@ -960,7 +980,7 @@ PBWADAPT2DEF pbw_status pbw_plane_from_triangles(const double *points, size_t po
             input.segments = segments;
             input.segment_ids = ids;
             input.segment_count = count;
-            status = pbw_plane_make(&input, &own, plane);
+            status = pbwa2__make(&memory, &input, &own, plane);
             pbwa2__end(&memory);
             return status;
         }

@@ -143,6 +143,7 @@ typedef struct pbw_plane {                 /* start from {0}; read, do not write
     const pbw_index *crossings;            /* pairs of segments that cross, ascending */
     pbw_plane_report report;
     char what[160];                        /* why a call failed, "" if it did not */
+    size_t bytes;                          /* that it holds, through options.build->resize */
     void *memory;                          /* private */
 } pbw_plane;
 
@@ -345,6 +346,17 @@ static int pbwp__step(pbwp__job *job, double done)
         return 0;
     }
     return job->build->progress(job->build->progress_user, PBW_STAGE_WORK, done);
+}
+
+/* Limits a call of pbw.h to the memory that the job does not hold.  Returns 0 if there is none. */
+static int pbwp__limit_rest(pbwp__job *job, pbw_options *options)
+{
+    if (job->memory.limit != 0 && job->memory.used >= job->memory.limit) {
+        job->memory.fault = PBW_ERROR_MEMORY;
+        return 0;
+    }
+    options->memory_limit = job->memory.limit != 0 ? job->memory.limit - job->memory.used : 0;
+    return 1;
 }
 
 /* Takes a free slot, which the caller has reserved.  Invalidates no pointer. */
@@ -912,15 +924,15 @@ static pbw_status pbwp__triangulate(pbwp__job *job)
     options.flags = (options.flags & PBW_BACKEND_OR_CPU) | PBW_CURVE_ORDER;
     options.stride = 0;
     options.trace = NULL;
-    if (job->memory.limit != 0) {
-        if (job->memory.used >= job->memory.limit) {
-            return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
-        }
-        options.memory_limit = job->memory.limit - job->memory.used;
+    if (!pbwp__limit_rest(job, &options)) {
+        return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
     }
     status = pbw_triangulate(2, PBWP__DOUBLES(job->given), NULL, job->given.count, &options, &mesh);
     if (status == PBW_OK) {
+        const size_t held = mesh.statistics.peak_bytes;          /* at most: the mesh has some of them */
+        job->memory.used += held;
         status = pbwp__take_mesh(job, &mesh);
+        job->memory.used -= held;
     }
     pbw_free(&mesh);
     return status == PBW_OK ? status : pbwp__say(job, status, NULL);
@@ -1074,7 +1086,8 @@ static pbw_status pbwp__plant(pbwp__job *job, pbwp__tree *tree)
         }
     }
     options.stride = 0;
-    status = pbw_order(2, PBWP__DOUBLES(middles), m, &options, PBWP__INDICES(tree->order));
+    status = !pbwp__limit_rest(job, &options) ? PBW_ERROR_MEMORY
+           : pbw_order(2, PBWP__DOUBLES(middles), m, &options, PBWP__INDICES(tree->order));
     pbwp__release(&job->memory, &middles);
     box = (pbwp__box *)tree->boxes.data;
     for (i = 0; status == PBW_OK && i < m; i++) {
@@ -3493,7 +3506,7 @@ static pbw_status pbwp__hand_over(pbwp__job *job, pbw_status status)
 {
     pbwp__array self;
     pbwp__block *block;
-    int ok = 1;
+    int ok = 1, i;
     if (status == PBW_OK && job->memory.fault != PBW_OK) {
         status = pbwp__say(job, job->memory.fault, NULL);
     }
@@ -3529,6 +3542,10 @@ static pbw_status pbwp__hand_over(pbwp__job *job, pbw_status status)
     job->plane->crossing_count = block->array[PBWP__CROSSINGS].count / 2;
     job->plane->input_count = job->input->point_count;
     job->plane->memory = block;
+    job->plane->bytes = sizeof *block;
+    for (i = 0; i < PBWP__OUTPUTS; i++) {
+        job->plane->bytes += block->array[i].bytes;
+    }
     return status;
 }
 
@@ -3650,43 +3667,48 @@ PBWMESH2DEF pbw_status pbw_plane_rings(const double *points, const size_t *first
 {
     pbw_plane_options own;
     pbw_plane_input input;
-    pbwp__memory memory;
-    pbwp__array segments;
+    pbw_options build;
+    pbwp__job job;                                   /* for its memory */
     pbw_status status;
     size_t i, k;
     memset(&input, 0, sizeof input);
     memset(&own, 0, sizeof own);
-    memset(&memory, 0, sizeof memory);
-    memset(&segments, 0, sizeof segments);
+    memset(&build, 0, sizeof build);
+    memset(&job, 0, sizeof job);
     own = options != NULL ? *options : own;
     own.rule = own.rule == PBW_PLANE_HULL ? PBW_PLANE_EVEN_ODD : own.rule;
     if (plane == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
     memset(plane, 0, sizeof *plane);
+    job.plane = plane;
     if (first == NULL && ring_count > 0) {
-        snprintf(plane->what, sizeof plane->what, "an array is NULL");
-        return PBW_ERROR_ARGUMENT;
+        return pbwp__say(&job, PBW_ERROR_ARGUMENT, "an array is NULL");
     }
-    memory.resize = own.build != NULL && own.build->resize != NULL ? own.build->resize : pbwp__default_resize;
-    memory.user = own.build != NULL ? own.build->resize_user : NULL;
+    build = own.build != NULL ? *own.build : build;
+    own.build = &build;
+    job.memory.resize = build.resize != NULL ? build.resize : pbwp__default_resize;
+    job.memory.user = build.resize_user;
+    job.memory.limit = build.memory_limit;
     input.points = points;
     input.point_count = ring_count > 0 ? first[ring_count] : 0;
-    if (input.point_count > PBW_NONE / 4
-        || !pbwp__room(&memory, &segments, input.point_count, 2 * sizeof(pbw_index))) {
-        snprintf(plane->what, sizeof plane->what, "%s", pbw_status_string(PBW_ERROR_MEMORY));
-        return PBW_ERROR_MEMORY;
+    if (input.point_count > PBW_NONE / 4) {
+        return pbwp__say(&job, PBW_ERROR_TOO_LARGE, NULL);
+    }
+    if (!pbwp__room(&job.memory, &job.segments, input.point_count, 2 * sizeof(pbw_index))) {
+        return pbwp__say(&job, PBW_ERROR_MEMORY, NULL);
     }
     for (i = 0; i < ring_count; i++) {
         for (k = first[i]; k < first[i + 1]; k++) {
-            PBWP__INDICES(segments)[2 * k] = (pbw_index)k;
-            PBWP__INDICES(segments)[2 * k + 1] = (pbw_index)(k + 1 < first[i + 1] ? k + 1 : first[i]);
+            PBWP__INDICES(job.segments)[2 * k] = (pbw_index)k;
+            PBWP__INDICES(job.segments)[2 * k + 1] = (pbw_index)(k + 1 < first[i + 1] ? k + 1 : first[i]);
         }
     }
-    input.segments = PBWP__INDICES(segments);
+    input.segments = PBWP__INDICES(job.segments);
     input.segment_count = input.point_count;
-    status = pbw_plane_make(&input, &own, plane);
-    pbwp__release(&memory, &segments);
+    status = !pbwp__limit_rest(&job, &build) ? pbwp__say(&job, PBW_ERROR_MEMORY, NULL)
+           : pbw_plane_make(&input, &own, plane);
+    pbwp__release(&job.memory, &job.segments);
     return status;
 }
 
