@@ -243,7 +243,7 @@ static void test_adaptation(void)
         at = plane.points + 2 * (plane.point_count - 1);
         sizes[plane.point_count - 1] = 0.05;
         CHECK_EQUAL(pbw_plane_adapt(&plane, sizes, NULL, NULL, &next, from), PBW_OK);
-        for (i = 0; i < plane.point_count; i++) {    /* those that are as near have sizes below two edges: they stay */
+        for (i = 0; i < plane.point_count; i++) {    /* those that are as near have sizes below two edges */
             around += hypot(plane.points[2 * i] - at[0], plane.points[2 * i + 1] - at[1]) < 0.15;
         }
         for (i = 0; i < next.input_count; i++) {
@@ -452,7 +452,10 @@ static pbw_status limited_transfer(const pbw_plane_options *options, uint64_t *d
 
 static void test_limit(void)
 {
-    static const struct { const char *name; pbw_status (*call)(const pbw_plane_options *, uint64_t *); } calls[] = {
+    static const struct {
+        const char *name;
+        pbw_status (*call)(const pbw_plane_options *options, uint64_t *digest);
+    } calls[] = {
         { "make, crossings split", limited_split }, { "make, refined", limited_make }, { "rings", limited_rings },
         { "smooth", limited_smooth }, { "adapt", limited_adapt }, { "from triangles", limited_triangles }, { "transfer", limited_transfer }
     };
