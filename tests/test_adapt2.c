@@ -457,7 +457,8 @@ static void test_limit(void)
         pbw_status (*call)(const pbw_plane_options *options, uint64_t *digest);
     } calls[] = {
         { "make, crossings split", limited_split }, { "make, refined", limited_make }, { "rings", limited_rings },
-        { "smooth", limited_smooth }, { "adapt", limited_adapt }, { "from triangles", limited_triangles }, { "transfer", limited_transfer }
+        { "smooth", limited_smooth }, { "adapt", limited_adapt }, { "from triangles", limited_triangles },
+        { "transfer", limited_transfer }
     };
     size_t i, k;
     for (i = 0; i < sizeof calls / sizeof *calls; i++) {
