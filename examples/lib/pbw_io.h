@@ -3527,8 +3527,8 @@ static void pbwio__vtu_cells(pbwio__reader *r, pbwio__vtu *v)
 static void pbwio__read_vtu(pbwio__reader *r)
 {
     pbwio__vtu *v = (pbwio__vtu *)PBWIO_REALLOC(NULL, sizeof *v);
-    const char *weight = r->options->weight;
-    pbwio_options options = *r->options;
+    const pbwio_options *given = r->options;
+    pbwio_options options = *given;                                  /* without the weight, an array of another name */
     int k;
     if (v == NULL) {
         pbwio__fail(r, PBWIO_ERROR_MEMORY, "out of memory");
@@ -3538,7 +3538,7 @@ static void pbwio__read_vtu(pbwio__reader *r)
     options.weight = NULL;
     r->options = &options;
     pbwio__choose(r, NULL, 3, 3);
-    options.weight = weight;
+    r->options = given;
     pbwio__vtu_tags(r, v);
     pbwio__vtu_points(r, v);
     pbwio__vtu_cells(r, v);
