@@ -1099,6 +1099,47 @@ def test_triangulate():
 
 
 @test
+def triangulate_keeps_attributes_and_markers():
+    given = dict(PLATE, vertex_attributes=[[x + 10 * y, x * x] for x, y in PLATE["vertices"]],
+                 vertex_markers=[[3]] + [[0]] * 8 + [[-4]])
+    made = pbw.triangulate(given, "pq30a0.1j")
+    x, y = made["vertices"].T
+    attributes, markers = made["vertex_attributes"], made["vertex_markers"].ravel()
+    assert len(x) > 50 and np.abs(attributes[:, 0] - x - 10 * y).max() < 1e-12
+    assert (attributes[:10] == given["vertex_attributes"]).all()
+    bottom = (y == 0) & (x > 0)                          # segment 0, of marker 5
+    assert (markers[bottom] == 5).all() and markers[0] == 3 and markers[9] == -4
+    on = (attributes[:, 1] - x * x > -1e-12) & (y == 0)   # along a segment the second one is linear between its ends
+    assert np.abs(attributes[on & (x < 3), 1] - 3 * x[on & (x < 3)]).max() < 1e-12
+    inside = (x > 2.2) & (x < 2.8) & (y > 0) & (y < 3)
+    assert inside.any() and (markers[inside] == 0).all()
+    hole = (x >= 1) & (x <= 2) & (y >= 1) & (y <= 2)
+    assert (markers[hole] == 9).all() and made["segment_markers"].shape == (len(made["segments"]), 1)
+    plain = pbw.triangulate(dict(vertices=PLATE["vertices"], segments=PLATE["segments"]), "pq30a0.1")
+    assert "vertex_attributes" not in plain and set(plain["vertex_markers"].ravel()) == {0, 1}
+    cross = dict(vertices=[[0, 0], [4, 4], [4, 0], [0, 4]], segments=[[0, 1], [2, 3]],
+                 vertex_attributes=[0, 4, 10, 20])
+    made = pbw.triangulate(cross, "pc", split_crossings=True)
+    assert made["vertex_attributes"].ravel().tolist() == [0, 4, 10, 20, 8.5]
+    raises_text(ValueError, r"vertex_markers must have 10 rows of 1 number, not the shape \(1, 1\)", pbw.triangulate,
+                dict(PLATE, vertex_markers=[[1]]), "p")
+
+
+@test
+def nothing_enclosed():
+    points = [[0, 0], [4, 0], [4, 4], [0, 4]]
+    raises_text(pbw.Error, r"nothing is enclosed: segments end where no other goes on, at vertex 0 \(0, 0\), vertex 3 "
+                r"\(0, 4\); close the outline, or the switch c triangulates all", pbw.triangulate,
+                dict(vertices=points, segments=[[0, 1], [1, 2], [2, 3]]), "p")
+    raises_text(pbw.Error, "nothing is enclosed, there are no segments: leave out the switch p, or add c",
+                pbw.triangulate, dict(vertices=points), "p")
+    raises_text(pbw.Error, "nothing is enclosed: holes, or rings that lie on each other, take all; the switch c "
+                "triangulates all", pbw.triangulate,
+                dict(vertices=points, segments=[[0, 1], [1, 2], [2, 3], [3, 0]], holes=[[1, 1]]), "p")
+    raises_text(pbw.Error, "nothing is enclosed: rings that lie on each other take all", pbw.polygon, [points, points])
+
+
+@test
 def test_triangulate_refuses():
     crossing = dict(vertices=[[0, 0], [1, 1], [1, 0], [0, 1]], segments=[[0, 1], [2, 3]])
     for data, options, text in ((PLATE, "pk", "no switch"), (PLATE, "pq40", "34 degrees"), (crossing, "p", "cross"),
@@ -1196,7 +1237,7 @@ def solids():
     check(sorted(set(nested.regions)) == [0, 1] and sorted(set(nested.patches)) == [4, 7], nested.report)
     check(abs(volumes(nested)[nested.regions == 1].sum() - 0.064) < 1e-9, nested.report)
     raises(AttributeError, pbw.solid, cube, hull, size=lambda p: p.missing)
-    raises(ValueError, pbw.solid, cube, hull[:1], size=0.25)
+    raises(pbw.Error, pbw.solid, cube, hull[:1], size=0.25)
     raises(ValueError, pbw.solid, cube, [[0, 1, 8]])
 
 

@@ -4,6 +4,7 @@
 #include "pbw.h"
 #include "pbw_cells.h"
 #include "pbw_mesh2.h"
+#include "pbw_adapt2.h"
 #include "pbw_surface.h"
 #include "pbw_improve.h"
 #include "pbw_mesh3.h"

@@ -127,6 +127,8 @@ def _declare(library):
     library.pbw_python_check.argtypes = [arrays, integer]
     library.pbw_python_plane.argtypes = [ctypes.POINTER(_PlaneInput), ctypes.POINTER(_PlaneWish), integer,
                                          ctypes.POINTER(_Plane)]
+    library.pbw_plane_transfer.argtypes = [ctypes.POINTER(_Plane), ctypes.POINTER(_Plane), doubles, size, doubles,
+                                           ctypes.c_void_p]
     library.pbw_plane_free.restype = None
     library.pbw_plane_free.argtypes = [ctypes.POINTER(_Plane)]
     library.pbw_status_string.restype = ctypes.c_char_p
@@ -281,6 +283,18 @@ def _plane_arrays(p):
     if made["edge_segments"] is None:
         made["edge_segments"] = np.empty(0, np.int32)
     return made
+
+
+def transfer(points, triangles, values, places):
+    """The values at places, an array, from those at the points of a plane's triangles: linear in each of them."""
+    source, target, out = _Plane(), _Plane(), np.empty((len(places), values.shape[1]))
+    source.points, source.point_count = points.ctypes.data, len(points)
+    source.triangles, source.triangle_count = triangles.ctypes.data, len(triangles)
+    target.points, target.point_count = places.ctypes.data, len(places)
+    status = _library.pbw_plane_transfer(source, target, values, values.shape[1], out, None)
+    if status:
+        raise _errors.from_status(status, _library.pbw_status_string(status).decode(), places, None)
+    return out
 
 
 def boxed_cells(points, weights, box, periodic, what, threads):

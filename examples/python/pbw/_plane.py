@@ -3,7 +3,7 @@ import re
 
 import numpy as np
 
-from . import _library
+from . import _errors, _library
 from ._arguments import check_options, checked_points
 
 SPLIT, REFINE, KEEP_BOUNDARY, KEEP_SEGMENTS, CONFORMING = 1, 2, 4, 8, 16        # of PBW_PLANE_*
@@ -36,13 +36,16 @@ def _checked(data, name, columns, kind, count=None):
 def triangulate(data, options="", *, split_crossings=False, threads=0):
     """Triangulates and refines a plane domain, with the dictionaries and switches of the package triangle.
 
-    data       vertices; and, for the switch p, segments, holes, regions (x, y, attribute, largest area each);
-               segment_markers if there are some
+    data       vertices, with vertex_attributes and vertex_markers if there are some; and, for the switch p, segments,
+               with segment_markers, holes, regions (x, y, attribute, largest area each)
     options    p segments, q30 least angle (20 if there is no number), a0.1 largest area (of regions if there is no
                number), c convex hull, D conforming, Y and YY no points on the boundary and on segments, S100 at most
                so many points, j unused vertices left out, A attributes of regions, e edges, n neighbors
-    Returns a dictionary: vertices, vertex_markers (1: on a segment or the boundary), triangles; with p segments and
-    segment_markers; with A triangle_attributes, with e edges, with n neighbors.
+    Returns a dictionary: vertices, vertex_markers, triangles; vertex_attributes if data has them, linear in the
+    triangles of the domain at new vertices; with p segments and segment_markers; with A triangle_attributes, with e
+    edges, with n neighbors.  A marker of a vertex is its own; else that of the first of its segments that has one;
+    else 1 on the boundary, or 0.  If data has no markers, all on segments have 1.  Raises pbw.Error if nothing is
+    enclosed.
     """
     given = _switches(options)
     if "vertices" not in data:
@@ -62,34 +65,119 @@ def triangulate(data, options="", *, split_crossings=False, threads=0):
     flags = (SPLIT * bool(split_crossings) | REFINE * bool({"q", "a", "D"} & set(given))
              | KEEP_BOUNDARY * ("Y" in given) | KEEP_SEGMENTS * ("YY" in given) | CONFORMING * ("D" in given))
     angle = (given["q"] or 20) if "q" in given else -1
+    attributes = _of_items(data, "vertex_attributes", np.float64, len(points))
+    markers = _of_items(data, "vertex_markers", np.int32, len(points), 1)
+    of_segments = _of_items(part, "segment_markers", np.int32, len(segments), 1)
     made = _library.plane(points, segments, holes, np.maximum(areas, [-np.inf, -np.inf, 0]), threads=threads,
                           flags=flags, rule=SEEDS if with_segments and "c" not in given else HULL, angle=angle,
                           area=given.get("a") or 0, steiner_limit=int(given.get("S") or 0))
-    return _dictionary(made, data, given, regions)
+    if not len(made["triangles"]):
+        raise _nothing_enclosed(points, segments, flags & SPLIT)
+    if attributes is not None:
+        attributes = _interpolated(attributes, points, segments, made["points"], flags & SPLIT)
+    return _dictionary(made, given, regions, attributes, markers, of_segments)
 
 
-def _dictionary(made, data, given, regions):
+def _of_items(data, name, kind, count, columns=None):
+    """The member of a dictionary with a row for each item, or None; columns: how many there are, else any number."""
+    if data.get(name) is None:
+        return None
+    array = np.array(data[name], dtype=kind, order="C")
+    array = array.reshape(-1, 1) if array.ndim == 1 else array
+    if array.ndim != 2 or len(array) != count or columns not in (None, array.shape[1]):
+        raise ValueError("%s must have %d rows%s, not the shape %s"
+                         % (name, count, "" if columns is None else " of %d number" % columns, array.shape))
+    return array
+
+
+def _whole(points, segments, split):
+    """The triangulation of a domain's points and segments, up to the hull."""
+    none = np.empty((0, 3))
+    return _library.plane(points, segments, none[:, :2].copy(), none, threads=0, flags=split, rule=HULL, angle=-1,
+                          area=0, steiner_limit=0)
+
+
+def _nothing_enclosed(points, segments, split):
+    if not len(segments):
+        return _errors.Error("nothing is enclosed, there are no segments: leave out the switch p, or add c")
+    whole = _whole(points, segments, split)
+    own = whole["edge_first"][:-1] < whole["edge_first"][1:]
+    vertices, uses = np.unique(whole["edges"][own], return_counts=True)
+    ends = ["vertex %d (%.9g, %.9g)" % (v, *whole["points"][v]) for v in vertices[uses == 1]]
+    if not ends:
+        return _errors.Error("nothing is enclosed: holes, or rings that lie on each other, take all; the switch c "
+                             "triangulates all")
+    return _errors.Error("nothing is enclosed: segments end where no other goes on, at %s%s; close the outline, or the "
+                         "switch c triangulates all" % (", ".join(ends[:4]), " and so on" if len(ends) > 4 else ""))
+
+
+def _interpolated(attributes, points, segments, places, split):
+    """Attributes at places: given ones at the points, which come first; else linear in the domain's triangles."""
+    if len(places) == len(points):
+        return attributes
+    whole = _whole(points, segments, split)
+    values = np.zeros((len(whole["points"]), attributes.shape[1]))
+    values[:len(points)] = attributes
+    if len(values) > len(points):                        # crossings: the mean of what their segments have there
+        count = np.zeros(len(values))
+        edge = np.repeat(np.arange(len(whole["edges"])), np.diff(whole["edge_first"]))
+        a, b = segments[whole["edge_segments"]].T.astype(np.int64)
+        for end in whole["edges"][edge].T:
+            new = end >= len(points)
+            to, start, along = end[new], points[a[new]], points[b[new]] - points[a[new]]
+            share = (((whole["points"][to] - start) * along).sum(axis=1) / (along * along).sum(axis=1))[:, None]
+            np.add.at(values, to, (1 - share) * attributes[a[new]] + share * attributes[b[new]])
+            np.add.at(count, to, 1)
+        values[len(points):] /= np.maximum(count[len(points):], 1)[:, None]
+    out = np.concatenate([attributes, np.empty((len(places) - len(points), attributes.shape[1]))])
+    out[len(points):] = _library.transfer(whole["points"], whole["triangles"], values,
+                                          np.ascontiguousarray(places[len(points):]))
+    return out
+
+
+def _markers(made, markers, of_segments):
+    """Markers of the edges and of the points."""
+    edges, first = made["edges"], made["edge_first"]
+    has_markers = any(m is not None and m.any() for m in (markers, of_segments))
+    of_edges = np.zeros(len(edges), np.int32) if has_markers else np.ones(len(edges), np.int32)
+    triangle, corner = np.nonzero(made["neighbors"] < 0)
+    sides = np.sort(np.stack([made["triangles"][triangle, (corner + k) % 3] for k in (1, 2)], axis=1), axis=1)
+    key = np.int64(len(made["points"]))
+    of_edges[np.isin(np.sort(edges, axis=1) @ [key, 1], sides @ [key, 1])] = 1
+    segment = np.full(len(edges), np.iinfo(np.int64).max)
+    if of_segments is not None and len(made["edge_segments"]):
+        edge = np.repeat(np.arange(len(edges)), np.diff(first))
+        named = of_segments[made["edge_segments"], 0] != 0
+        np.minimum.at(segment, edge[named], made["edge_segments"][named])
+        own = segment < len(of_segments)
+        of_edges[own] = of_segments[segment[own], 0]
+    of_points = np.zeros(len(made["points"]), np.int32)
+    order = np.argsort(-segment, kind="stable")          # the first segment writes last
+    of_points[edges[order][of_edges[order] != 0]] = of_edges[order][of_edges[order] != 0, None]
+    if markers is not None:
+        given = np.flatnonzero(markers[:, 0])
+        of_points[given] = markers[given, 0]
+    return of_edges.reshape(-1, 1), of_points.reshape(-1, 1)
+
+
+def _dictionary(made, given, regions, attributes, markers, of_segments):
     points, triangles, edges = made["points"], made["triangles"], made["edges"]
+    of_edges, of_points = _markers(made, markers, of_segments)
     if "j" in given:
         used = np.unique(triangles)
         number = np.full(len(points), -1, np.int32)
         number[used] = np.arange(len(used), dtype=np.int32)
-        points, triangles, edges = points[used], number[triangles], number[edges]
-    markers = np.zeros((len(points), 1), np.int32)
-    markers[edges] = 1
-    out = {"vertices": points, "vertex_markers": markers, "triangles": triangles}
+        points, triangles, edges, of_points = points[used], number[triangles], number[edges], of_points[used]
+        attributes = None if attributes is None else attributes[used]
+    out = {"vertices": points, "vertex_markers": of_points, "triangles": triangles}
+    if attributes is not None:
+        out["vertex_attributes"] = attributes
     if "p" in given:
-        of_segments = np.array(data.get("segment_markers", np.empty(0)), np.int32).reshape(-1)
-        first = made["edge_first"]
-        own = first[:-1] < first[1:]
-        of_edges = np.ones(len(edges), np.int32)
-        if len(of_segments):
-            of_edges[own] = of_segments[made["edge_segments"][first[:-1][own]]]
-        out["segments"], out["segment_markers"] = edges, of_edges.reshape(-1, 1)
+        out["segments"], out["segment_markers"] = edges, of_edges
     if "A" in given:
         seeds = made["region_seeds"][made["regions"]]
-        attributes = np.append(regions[:, 2], 0.0)
-        out["triangle_attributes"] = attributes[np.where(seeds < 0, len(regions), seeds)].reshape(-1, 1)
+        of_regions = np.append(regions[:, 2], 0.0)
+        out["triangle_attributes"] = of_regions[np.where(seeds < 0, len(regions), seeds)].reshape(-1, 1)
     if "e" in given:
         pairs = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
         out["edges"] = np.unique(pairs, axis=0)
@@ -100,7 +188,8 @@ def _dictionary(made, data, given, regions):
 
 def polygon(rings, *, split_crossings=False, threads=0):
     """Triangles of a polygon: rings of points, of which holes are some, in any order and direction, by the even-odd
-    rule.  Returns vertices, those of the rings one after the other (and crossings behind them), and triangles."""
+    rule.  Returns vertices, those of the rings one after the other (and crossings behind them), and triangles.  Raises
+    pbw.Error if nothing is enclosed."""
     rings = [checked_points(ring) for ring in rings]
     check_options(False, None, threads)
     if not rings or any(ring.shape[1] != 2 for ring in rings):
@@ -114,4 +203,6 @@ def polygon(rings, *, split_crossings=False, threads=0):
     made = _library.plane(points, np.ascontiguousarray(np.concatenate(segments)), none[:, :2].copy(), none,
                           threads=threads, flags=SPLIT * bool(split_crossings), rule=EVEN_ODD, angle=-1, area=0,
                           steiner_limit=0)
+    if not len(made["triangles"]):
+        raise _errors.Error("nothing is enclosed: rings that lie on each other take all")
     return made["points"], made["triangles"]

@@ -236,7 +236,7 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=16, patch
     if thrown:
         raise thrown[0]
     if status == _errors.DEGENERATE:
-        raise ValueError("nothing is inside of the surface")
+        raise _errors.Error("nothing is inside of the surface: it is an open sheet, or thinner than the size")
     if status:
         raise _errors.from_status(status, _library.pbw_status_string(status).decode(), vertices, None)
     return made
