@@ -1128,15 +1128,16 @@ def triangulate_keeps_attributes_and_markers():
 @test
 def nothing_enclosed():
     points = [[0, 0], [4, 0], [4, 4], [0, 4]]
-    raises_text(pbw.Error, r"nothing is enclosed: segments end where no other goes on, at vertex 0 \(0, 0\), vertex 3 "
-                r"\(0, 4\); close the outline, or the switch c triangulates all", pbw.triangulate,
+    raises_text(pbw.Error, r"nothing is enclosed: segments end where no other goes on, at vertex 0 \(0, 0\), "
+                r"vertex 3 \(0, 4\); close the outline, or the switch c triangulates all", pbw.triangulate,
                 dict(vertices=points, segments=[[0, 1], [1, 2], [2, 3]]), "p")
     raises_text(pbw.Error, "nothing is enclosed, there are no segments: leave out the switch p, or add c",
                 pbw.triangulate, dict(vertices=points), "p")
     raises_text(pbw.Error, "nothing is enclosed: holes, or rings that lie on each other, take all; the switch c "
                 "triangulates all", pbw.triangulate,
                 dict(vertices=points, segments=[[0, 1], [1, 2], [2, 3], [3, 0]], holes=[[1, 1]]), "p")
-    raises_text(pbw.Error, "nothing is enclosed: rings that lie on each other take all", pbw.polygon, [points, points])
+    raises_text(pbw.Error, "nothing is enclosed: rings that lie on each other take all", pbw.polygon,
+                [points, points])
 
 
 @test

@@ -71,7 +71,7 @@ class _Plane(ctypes.Structure):
                 ("region_count", ctypes.c_size_t), *_pointers("region_windings region_seeds"),
                 ("crossing_count", ctypes.c_size_t), ("crossings", ctypes.c_void_p),
                 ("report", ctypes.c_size_t * 5), ("limited", ctypes.c_int), ("rounds", ctypes.c_int),
-                ("what", ctypes.c_char * 160), ("memory", ctypes.c_void_p)]
+                ("what", ctypes.c_char * 160), ("bytes", ctypes.c_size_t), ("memory", ctypes.c_void_p)]
 
 
 def _fit(library, first, *structures):

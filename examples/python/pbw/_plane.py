@@ -107,8 +107,8 @@ def _nothing_enclosed(points, segments, split):
     if not ends:
         return _errors.Error("nothing is enclosed: holes, or rings that lie on each other, take all; the switch c "
                              "triangulates all")
-    return _errors.Error("nothing is enclosed: segments end where no other goes on, at %s%s; close the outline, or the "
-                         "switch c triangulates all" % (", ".join(ends[:4]), " and so on" if len(ends) > 4 else ""))
+    return _errors.Error("nothing is enclosed: segments end where no other goes on, at %s%s; close the outline, or "
+                         "the switch c triangulates all" % (", ".join(ends[:4]), " and so on" if len(ends) > 4 else ""))
 
 
 def _interpolated(attributes, points, segments, places, split):
@@ -188,8 +188,8 @@ def _dictionary(made, given, regions, attributes, markers, of_segments):
 
 def polygon(rings, *, split_crossings=False, threads=0):
     """Triangles of a polygon: rings of points, of which holes are some, in any order and direction, by the even-odd
-    rule.  Returns vertices, those of the rings one after the other (and crossings behind them), and triangles.  Raises
-    pbw.Error if nothing is enclosed."""
+    rule.  Returns vertices, those of the rings one after the other (and crossings behind them), and triangles.
+    Raises pbw.Error if nothing is enclosed."""
     rings = [checked_points(ring) for ring in rings]
     check_options(False, None, threads)
     if not rings or any(ring.shape[1] != 2 for ring in rings):
