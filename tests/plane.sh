@@ -326,6 +326,13 @@ check "heights go through, and to new points" heights
 check "a word where there is no place for them" grep "s.su2: the format .su2 has no place for: heights" said
 check "heights of some positions" json 2 "heights are left out: 2 of 5 positions have one" \
     "$(poly '[[0,0,1],[4,0],[4,4],[0,4],[0,0,1]]')"
+kept() {    # a column of a table, at new points too
+    printf 'x,y,depth,name\n0,0,0,a\n4,0,4,b\n4,4,8,c\n0,4,4,d\n' > kept.csv &&
+        says 0 "new points" kept.csv --dim 2 --columns x,y --keep depth --size 1 -o kept2.csv &&
+        [ "$(sed 1q kept2.csv)" = x,y,depth ] &&
+        awk -F, 'NR > 1 { d = $3 - $1 - $2; if (d > 1e-9 || d < -1e-9) exit 1 } END { exit NR < 12 }' kept2.csv
+}
+check "--keep" kept
 same() {
     "$pbw" plane s.obj --rule hull --dim 2 --quiet -o t.obj && grep '^v' s.obj | sort > one &&
         grep '^v' t.obj | sort | cmp - one
