@@ -31,10 +31,10 @@ check "a .geojson file" says 0 "8 triangles, 8 points, 8 edges of segments, 1 re
 printf '6 2 0 0\n1 0 0\n2 1 0\n3 2 0\n4 2 1\n5 1 1\n6 0 1\n7 0\n' > two.poly
 printf '1 1 2\n2 2 3\n3 3 4\n4 4 5\n5 5 6\n6 6 1\n7 2 5\n0\n2\n1 .5 .5 7 0\n2 1.5 .5 9 0\n' >> two.poly
 regions() { # of two.poly, in files
-    says 0 ", 2 regions" two.poly -o two.ele -o two.msh -o two.inp -o two.vtu -o two.mesh &&
-        awk 'NR > 1 { count[$NF]++ } END { exit count[1] != 2 || count[2] != 2 }' two.ele &&
-        grep -aq '"region_0"' two.msh && grep -aq '"region_1"' two.msh && grep -q 'ELSET=region_1' two.inp &&
-        grep -aq 'Name="region"' two.vtu && grep -q ' 3$' two.mesh
+    says 0 ", 2 regions" two.poly -o two.ele -o two.msh2 -o two.inp -o two.vtu -o two.mesh &&
+        awk 'NR > 1 { count[$NF]++ } END { exit count[7] != 2 || count[9] != 2 }' two.ele &&
+        [ $(grep -c '^[0-9]* 2 2 7 7 ' two.msh2) = 2 ] && [ $(grep -c '^[0-9]* 2 2 9 9 ' two.msh2) = 2 ] &&
+        grep -q 'ELSET=group_7' two.inp && grep -aq 'Name="region"' two.vtu && grep -q ' 9$' two.mesh
 }
 check "regions in files" regions
 check "points" says 0 " 50 points" --generate uniform 50 --dim 2

@@ -38,8 +38,9 @@
      monotone    the least quality never falls below both its old value and the target, up to rounding: when its
                  budget ends, a mesh is not worse than before, unless sizes change it
      positive    every tetrahedron made is positively oriented, by exact signs
-     kept        fixed points, feature edges, regions and their interfaces; the boundary is as manifold as it was and
-                 has the same Euler number, and stays on the surface, to 25 degrees of its normals
+     kept        fixed points, feature edges, the edges given, regions and their interfaces, patches and their borders;
+                 the boundary is as manifold as it was and has the same Euler number, and stays on the surface, to 25
+                 degrees of its normals
      same        the same bytes for the same input, whatever options.threads says (and unless a budget in seconds ends
                  it)
 
@@ -73,6 +74,13 @@ typedef struct pbw_tets {                  /* in: the caller's arrays; out: star
     const unsigned char *marks;            /* PBW_TETS_*, one a point; NULL = all found.  Out: what they were */
     const pbw_index *neighbors;            /* out: as in pbw_mesh; in: not read */
     const pbw_index *original;             /* out: per point its number in the input, PBW_NONE if it is new */
+    const pbw_index *patches;              /* one a corner: of the facet across from it, any number, PBW_NONE = none.
+                                              Edges where two of them meet are features.  Inside the facets stay as
+                                              they are; in: one of their sides will do.  NULL = none */
+    const pbw_index *edges;                /* 2 points each: edges that stay; with sizes they may get points.  In: what
+                                              is no edge of the mesh is ignored */
+    const pbw_index *edge_origins;         /* out: of each edge the number of the input's that it is, or is a part of */
+    size_t edge_count;
     void *memory;                          /* private */
 } pbw_tets;
 
@@ -549,13 +557,15 @@ typedef struct pbwim__mesh {
     pbwsf__array joint;                    /* of the input's points: 1 where tetrahedra meet with no facet between */
     /* per tetrahedron */
     pbwsf__array corner, next, quality, region, tried, seen;
+    pbwsf__array patch;                    /* 4 each, of facets; empty if there are none */
+    pbwsf__array edge;                     /* table of edges to keep, by hashes of their ends; count: of used entries */
     size_t points, tets;                   /* slots in use, free ones included */
     pbw_index free;                        /* the first free slot */
     size_t spare;                          /* how many there are */
     pbw_index clock, visit;                /* counts changes; counts searches, the value of `seen` in the last one */
     double target;                         /* a sine */
     double cosine;                         /* of the feature angle */
-    int sized;
+    int sized, patched;
     pbw_improve_report *report;
     pbwsf__array queue, lanes, taken;      /* taken: per point, the last batch that had it */
     pbwsf__array near;                     /* per point: not 0 where passes work, if there are any */
@@ -575,6 +585,9 @@ typedef struct pbwim__mesh {
 #define PBWIM__REGION(m) ((pbw_index *)(m)->region.data)
 #define PBWIM__TRIED(m) ((pbw_index *)(m)->tried.data)
 #define PBWIM__SEEN(m) ((pbw_index *)(m)->seen.data)
+#define PBWIM__PATCH(m, t) ((pbw_index *)(m)->patch.data + 4 * (size_t)(t))
+
+typedef struct pbwim__edge_kept { pbw_index a, b, origin; } pbwim__edge_kept;     /* a < b; origin PBW_NONE: no more */
 
 static double pbwim__sine_of(const pbwim__mesh *m, const pbw_index c[4])
 {
@@ -633,7 +646,67 @@ static int pbwim__resize_tets(pbwim__mesh *m, size_t count)
         && pbwsf__resize(y, &m->quality, count * sizeof(double))
         && pbwsf__resize(y, &m->region, count * sizeof(pbw_index))
         && pbwsf__resize(y, &m->tried, count * 2 * sizeof(pbw_index))
+        && (!m->patched || pbwsf__resize(y, &m->patch, count * 4 * sizeof(pbw_index)))
         && pbwsf__resize(y, &m->seen, count * sizeof(pbw_index));
+}
+
+/* ---- edges to keep ---- */
+
+/* The entry of an edge, or a free one: a = PBW_NONE. */
+static pbwim__edge_kept *pbwim__find_edge(const pbwim__mesh *m, pbw_index a, pbw_index b)
+{
+    pbwim__edge_kept *table = (pbwim__edge_kept *)m->edge.data;
+    const size_t mask = m->edge.bytes / sizeof *table - 1;       /* their number is a power of two */
+    const pbw_index low = a < b ? a : b, high = a < b ? b : a;
+    size_t at = (size_t)((((uint64_t)low << 32 | high) * 0x9e3779b97f4a7c15u) >> 32) & mask;
+    while (table[at].a != PBW_NONE && (table[at].a != low || table[at].b != high)) {
+        at = (at + 1) & mask;
+    }
+    return table + at;
+}
+
+static int pbwim__is_kept(const pbwim__mesh *m, pbw_index a, pbw_index b)
+{
+    const pbwim__edge_kept *e = m->edge.count > 0 ? pbwim__find_edge(m, a, b) : NULL;
+    return e != NULL && e->a != PBW_NONE && e->origin != PBW_NONE;
+}
+
+/* Notes an edge; there is room. */
+static void pbwim__keep_edge(pbwim__mesh *m, pbw_index a, pbw_index b, pbw_index origin)
+{
+    pbwim__edge_kept *e = pbwim__find_edge(m, a, b);
+    m->edge.count += e->a == PBW_NONE;
+    e->a = a < b ? a : b;
+    e->b = a < b ? b : a;
+    e->origin = origin;
+}
+
+/* Makes room in the table for `more` edges, so that it stays half empty. */
+static int pbwim__reserve_edges(pbwim__mesh *m, size_t more)
+{
+    pbwsf__array old = m->edge;
+    const pbwim__edge_kept *entry = (const pbwim__edge_kept *)old.data;
+    size_t size = 64, i;
+    while (size < 2 * (old.count + more)) {
+        size *= 2;
+    }
+    if (size * sizeof *entry <= old.bytes) {
+        return 1;
+    }
+    memset(&m->edge, 0, sizeof m->edge);
+    if (!pbwsf__resize(&m->memory, &m->edge, size * sizeof *entry)) {
+        m->edge = old;
+        return 0;
+    }
+    memset(m->edge.data, 0xff, m->edge.bytes);                   /* all PBW_NONE */
+    m->edge.count = 0;
+    for (i = 0; i < old.bytes / sizeof *entry; i++) {
+        if (entry[i].a != PBW_NONE && entry[i].origin != PBW_NONE) {
+            pbwim__keep_edge(m, entry[i].a, entry[i].b, entry[i].origin);
+        }
+    }
+    pbwsf__release(&m->memory, &old);
+    return 1;
 }
 
 /* Makes room for one operation and for `lanes` of a batch, so that none fails half-way.  The arrays resized last have
@@ -641,7 +714,7 @@ static int pbwim__resize_tets(pbwim__mesh *m, size_t count)
 static int pbwim__reserve(pbwim__mesh *m, size_t lanes)
 {
     const size_t tets = m->tets + 2 * PBWIM__MOST + lanes * PBWIM__SPARE, points = m->points + 4 + lanes;
-    if (tets >= PBW_NONE / 4 || points >= PBW_NONE) {
+    if (tets >= PBW_NONE / 4 || points >= PBW_NONE || (m->edge.count > 0 && !pbwim__reserve_edges(m, 2))) {
         return 0;
     }
     return (m->seen.bytes >= tets * sizeof(pbw_index) || pbwim__resize_tets(m, tets + tets / 4))
@@ -747,14 +820,70 @@ static int pbwim__take_out(pbwim__mesh *m, const pbwim__change *change, pbwim__f
     return count;
 }
 
+/* Fills in the old tetrahedra's facets on the boundary, their patches as t.  Returns how many. */
+static int pbwim__lose_facets(const pbwim__mesh *m, const pbwim__change *change, pbwim__facet *lost)
+{
+    int count = 0, i, k;
+    for (i = 0; i < change->olds && m->patched; i++) {
+        for (k = 0; k < 4; k++) {
+            if (PBWIM__NEXT(m, change->old[i])[k] == PBW_NONE) {
+                lost[count] = pbwim__facet_of(m, change->old[i], k);
+                lost[count++].t = PBWIM__PATCH(m, change->old[i])[k];
+            }
+        }
+    }
+    return count;
+}
+
+/* Gives the facets that came to the boundary the patches of those that went: the same facet's, if it went and came;
+   the others were all of one patch. */
+static void pbwim__give_patches(pbwim__mesh *m, const pbwim__facet *open, int count, pbwim__facet *lost, int lost_count)
+{
+    pbw_index rest = PBW_NONE;
+    int i, j, pass;
+    for (pass = 0; pass < 2; pass++) {
+        for (i = 0; i < count; i++) {
+            pbw_index *patch = PBWIM__PATCH(m, open[i].t) + open[i].i;
+            for (j = 0; j < lost_count && memcmp(open[i].v, lost[j].v, sizeof lost[j].v) != 0; j++) {
+            }
+            if (j < lost_count) {
+                *patch = lost[j].t;
+                lost[j].i = -1;
+            } else if (pass == 1) {
+                *patch = rest;
+            }
+        }
+        for (j = 0; j < lost_count; j++) {
+            rest = lost[j].i >= 0 ? lost[j].t : rest;
+        }
+    }
+}
+
+/* The patches of the halves of tetrahedra: those of the facets that they halve, none between the two. */
+static void pbwim__halve_patches(const pbwim__mesh *m, const pbwim__change *change, pbw_index (*half)[4])
+{
+    int i, k;
+    for (i = 0; i < change->news; i++) {
+        const pbw_index *whole = PBWIM__CORNER(m, change->old[i / 2]);
+        for (k = 0; k < 4; k++) {                    /* the corner that the other half has, and this one has not */
+            const int between = change->fresh[i ^ 1][k] != whole[k];
+            half[i][k] = between ? PBW_NONE : PBWIM__PATCH(m, change->old[i / 2])[k];
+        }
+    }
+}
+
 /* Applies a change.  Facets without a partner are on the boundary. */
 static void pbwim__apply(pbwim__mesh *m, const pbwim__change *change)
 {
-    pbwim__facet open[PBWIM__OPEN];
-    pbw_index region[PBWIM__MOST];
-    int count, i, k, j;
+    pbwim__facet open[PBWIM__OPEN], lost[4 * PBWIM__MOST];
+    pbw_index region[PBWIM__MOST], half[2 * PBWIM__RING][4];
+    int count, losses, i, k, j;
     for (i = 0; i < change->news; i++) {
         region[i] = PBWIM__REGION(m)[change->old[change->halves ? i / 2 : 0]];
+    }
+    losses = pbwim__lose_facets(m, change, lost);
+    if (m->patched && change->halves) {
+        pbwim__halve_patches(m, change, half);
     }
     m->clock++;
     count = pbwim__take_out(m, change, open);
@@ -772,6 +901,9 @@ static void pbwim__apply(pbwim__mesh *m, const pbwim__change *change)
             PBWIM__TOUCHED(m)[change->fresh[i][k]] = m->clock;
             for (j = count - 1; j >= 0 && memcmp(open[j].v, f.v, sizeof f.v) != 0; j--) {
             }
+            if (m->patched) {
+                PBWIM__PATCH(m, t)[k] = j < 0 ? PBW_NONE : PBWIM__PATCH(m, open[j].t)[open[j].i];
+            }
             if (j < 0) {
                 PBWIM__NEXT(m, t)[k] = PBW_NONE;
                 open[count++] = f;
@@ -781,10 +913,53 @@ static void pbwim__apply(pbwim__mesh *m, const pbwim__change *change)
                 open[j] = open[--count];
             }
         }
+        if (m->patched && change->halves) {
+            memcpy(PBWIM__PATCH(m, t), half[i], sizeof half[i]);
+        }
+    }
+    if (m->patched && !change->halves) {
+        pbwim__give_patches(m, open, count, lost, losses);
     }
 }
 
-/* Returns whether all new tetrahedra are positive, by exact signs, and all old ones are of one region. */
+/* Returns whether a patch lies between old tetrahedra, or an edge to keep is in none of the new ones. */
+static int pbwim__breaks(const pbwim__mesh *m, const pbwim__change *change)
+{
+    int i, k, j;
+    for (i = 0; i < 4 * change->olds && m->patched; i++) {
+        const pbw_index n = PBWIM__NEXT(m, change->old[i / 4])[i % 4];
+        if (n != PBW_NONE && PBWIM__PATCH(m, change->old[i / 4])[i % 4] != PBW_NONE) {
+            for (j = 0; j < change->olds && change->old[j] != n; j++) {
+            }
+            if (j < change->olds) {
+                return 1;
+            }
+        }
+    }
+    for (i = 0; i < 6 * change->olds && m->edge.count > 0; i++) {
+        const pbw_index *c = PBWIM__CORNER(m, change->old[i / 6]);
+        const pbw_index a = c[pbwim__edge[i % 6][0]], b = c[pbwim__edge[i % 6][1]];
+        if (PBWIM__MARK(m)[a] != PBW_TETS_FIXED || PBWIM__MARK(m)[b] != PBW_TETS_FIXED || !pbwim__is_kept(m, a, b)) {
+            continue;
+        }
+        for (j = 0; j < change->news; j++) {
+            int ends = 0;
+            for (k = 0; k < 4; k++) {
+                ends += change->fresh[j][k] == a || change->fresh[j][k] == b;
+            }
+            if (ends == 2) {
+                break;
+            }
+        }
+        if (j == change->news) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Returns whether all new tetrahedra are positive, by exact signs, and all old ones are of one region, without a patch
+   or an edge to keep inside. */
 static int pbwim__is_sound(const pbwim__mesh *m, const pbwim__change *change)
 {
     int i;
@@ -795,7 +970,7 @@ static int pbwim__is_sound(const pbwim__mesh *m, const pbwim__change *change)
     }
     for (i = 0; i < change->news && pbwim__sign_of(m, change->fresh[i]) > 0; i++) {
     }
-    return i == change->news;
+    return i == change->news && (change->halves || !pbwim__breaks(m, change));
 }
 
 static double pbwim__worst_old(const pbwim__mesh *m, const pbwim__change *change)
@@ -914,6 +1089,27 @@ static int pbwim__flips_near(const pbwim__mesh *m, const pbwim__ring *ring)
     return after <= m->distance || after <= pbwim__farthest(m, a, b, first, pbwim__farthest(m, b, a, last, 0));
 }
 
+/* Returns whether patches meet at an edge: those of the boundary's facets there differ, or there is one inside. */
+static int pbwim__is_border(const pbwim__mesh *m, const pbwim__ring *ring)
+{
+    pbw_index patch[2] = { PBW_NONE, PBW_NONE };
+    int i, n;
+    for (i = 0; i < ring->tets && m->patched; i++) {
+        const pbw_index t = ring->tet[i];
+        const int next = pbwim__place(m, t, ring->corner[(i + 1) % ring->corners]);
+        const int here = pbwim__place(m, t, ring->corner[i]);
+        for (n = 0; n < 2; n++) {                    /* the facets before and after it */
+            const int k = n == 0 ? next : here;
+            if (PBWIM__NEXT(m, t)[k] == PBW_NONE) {
+                patch[n] = PBWIM__PATCH(m, t)[k];
+            } else if (PBWIM__PATCH(m, t)[k] != PBW_NONE) {
+                return 1;
+            }
+        }
+    }
+    return m->patched && !ring->closed && patch[0] != patch[1];
+}
+
 /* Returns whether the boundary edge of an open ring may be replaced by the edge between the ring's ends: it lies
    within a smooth part, and the new facets are smooth too. */
 static int pbwim__may_flip(pbwim__mesh *m, const pbwim__ring *ring)
@@ -926,7 +1122,7 @@ static int pbwim__may_flip(pbwim__mesh *m, const pbwim__ring *ring)
     pbwsf__normal(PBWIM__X(m, b), PBWIM__X(m, a), PBWIM__X(m, last), n[1]);
     pbwsf__normal(PBWIM__X(m, a), PBWIM__X(m, last), PBWIM__X(m, first), n[2]);
     pbwsf__normal(PBWIM__X(m, b), PBWIM__X(m, first), PBWIM__X(m, last), n[3]);
-    if (!pbwim__turned_less(n[0], n[1], PBWIM__BEND)) {
+    if (!pbwim__turned_less(n[0], n[1], PBWIM__BEND) || pbwim__is_border(m, ring)) {
         return 0;
     }
     for (i = 0; i < 3; i++) {
@@ -1317,6 +1513,26 @@ static int pbwim__peels_near(const pbwim__mesh *m, pbw_index t)
     return after <= fmax(m->distance, before);
 }
 
+/* Returns whether t may be peeled off as to patches and edges: its facets on the boundary are of one patch. */
+static int pbwim__peels_whole(const pbwim__mesh *m, pbw_index t)
+{
+    const pbw_index *c = PBWIM__CORNER(m, t), *next = PBWIM__NEXT(m, t);
+    int i, first = -1;
+    for (i = 0; i < 4 && m->patched; i++) {
+        const pbw_index *patch = PBWIM__PATCH(m, t);
+        first = next[i] == PBW_NONE && first < 0 ? i : first;
+        if (next[i] == PBW_NONE ? patch[i] != patch[first] : patch[i] != PBW_NONE) {
+            return 0;
+        }
+    }
+    for (i = 0; i < 6; i++) {
+        if (pbwim__is_kept(m, c[pbwim__edge[i][0]], c[pbwim__edge[i][1]])) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
 /* Peels off a tetrahedron at the boundary, if its facets there and those beneath are nearly in one plane. */
 static int pbwim__peel(pbwim__mesh *m, pbw_index t)
 {
@@ -1340,7 +1556,7 @@ static int pbwim__peel(pbwim__mesh *m, pbw_index t)
             }
         }
     }
-    if (!pbwim__is_loose(m, t) || !pbwim__peels_near(m, t)) {
+    if (!pbwim__is_loose(m, t) || !pbwim__peels_whole(m, t) || !pbwim__peels_near(m, t)) {
         return 0;
     }
     change.olds = 1;
@@ -1742,7 +1958,7 @@ static int pbwim__split(pbwim__mesh *m, pbw_index t)
         }
         pbwsf__normal(PBWIM__X(m, ring.a), PBWIM__X(m, ring.b), PBWIM__X(m, ring.corner[0]), n[0]);
         pbwsf__normal(PBWIM__X(m, ring.b), PBWIM__X(m, ring.a), PBWIM__X(m, ring.corner[ring.corners - 1]), n[1]);
-        if (!ring.closed && !pbwim__turned_less(n[0], n[1], PBWIM__BEND)) {
+        if (!ring.closed && (!pbwim__turned_less(n[0], n[1], PBWIM__BEND) || pbwim__is_border(m, &ring))) {
             continue;
         }
         pbwsf__between(PBWIM__X(m, ring.a), PBWIM__X(m, ring.b), 0.5, x);
@@ -1820,6 +2036,12 @@ static void pbwim__turn(pbwim__mesh *m, pbw_index t)
     swap = next[0];
     next[0] = next[1];
     next[1] = swap;
+    if (m->patched) {
+        pbw_index *patch = PBWIM__PATCH(m, t);
+        swap = patch[0];
+        patch[0] = patch[1];
+        patch[1] = swap;
+    }
 }
 
 /* Links tetrahedra over the sorted facets. */
@@ -1871,18 +2093,21 @@ static pbw_status pbwim__agree(pbwim__mesh *m)
     return PBW_OK;
 }
 
-/* Fixes the ends of boundary edges that bend by more than the feature angle or have not exactly two facets.  edges:
-   each boundary facet three times, sorted by edges. */
-static void pbwim__fix_features(pbwim__mesh *m, const pbwim__facet *edge, size_t count, double cosine)
+/* Fixes the ends of boundary edges that bend by more than the feature angle or have not exactly two facets; or of
+   those between patches.  edges: each boundary facet three times, sorted by edges. */
+static void pbwim__fix_features(pbwim__mesh *m, const pbwim__facet *edge, size_t count, double cosine, int borders)
 {
     size_t i, k;
     for (i = 0; i < count; i = k) {
         double n[2][3];
-        int fixed;
+        int fixed, pair;
         for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
         }
-        fixed = k - i != 2;
-        if (!fixed) {
+        pair = k - i == 2;
+        fixed = !pair && !borders;
+        if (pair && borders) {
+            fixed = PBWIM__PATCH(m, edge[i].t)[edge[i].i] != PBWIM__PATCH(m, edge[i + 1].t)[edge[i + 1].i];
+        } else if (pair) {
             pbwim__outward(m, edge[i].t, edge[i].i, n[0]);
             pbwim__outward(m, edge[i + 1].t, edge[i + 1].i, n[1]);
             fixed = !pbwim__turned_less(n[0], n[1], cosine);
@@ -1956,12 +2181,68 @@ static void pbwim__to_surface(void *user, double point[3])
     }
 }
 
+/* Both sides of facets inside have their patch, and their corners are fixed. */
+static void pbwim__fix_patches(pbwim__mesh *m)
+{
+    size_t t;
+    int i, k;
+    for (t = 0; t < m->tets && m->patched; t++) {
+        for (i = 0; i < 4; i++) {
+            const pbw_index n = PBWIM__NEXT(m, t)[i], patch = PBWIM__PATCH(m, t)[i];
+            if (n != PBW_NONE && patch != PBW_NONE) {
+                PBWIM__PATCH(m, n)[pbwim__facet_to(m, n, (pbw_index)t)] = patch;
+                for (k = 0; k < 3; k++) {
+                    PBWIM__MARK(m)[PBWIM__CORNER(m, t)[pbwim__opposite[i][k]]] = PBW_TETS_FIXED;
+                }
+            }
+        }
+    }
+}
+
+/* Lists the edges to keep that the mesh has, and fixes their ends. */
+static pbw_status pbwim__load_edges(pbwim__mesh *m, const pbw_tets *in)
+{
+    pbwim__edge_kept *e;
+    unsigned char *found;
+    pbwsf__array marks;
+    size_t i;
+    memset(&marks, 0, sizeof marks);
+    if (in->edge_count == 0) {
+        return PBW_OK;
+    }
+    if (!pbwim__reserve_edges(m, in->edge_count) || !pbwsf__resize(&m->memory, &marks, in->edge_count)) {
+        return PBW_ERROR_MEMORY;
+    }
+    found = (unsigned char *)marks.data;
+    memset(found, 0, in->edge_count);
+    for (i = 0; i < in->edge_count; i++) {
+        const pbw_index a = in->edges[2 * i], b = in->edges[2 * i + 1];
+        if (a < m->points && b < m->points && a != b && !pbwim__is_kept(m, a, b)) {
+            pbwim__keep_edge(m, a, b, (pbw_index)i);
+        }
+    }
+    for (i = 0; i < 6 * m->tets; i++) {
+        const pbw_index *c = PBWIM__CORNER(m, i / 6);
+        e = pbwim__find_edge(m, c[pbwim__edge[i % 6][0]], c[pbwim__edge[i % 6][1]]);
+        if (e->a != PBW_NONE) {
+            found[e->origin] = 1;
+            PBWIM__MARK(m)[e->a] = PBWIM__MARK(m)[e->b] = PBW_TETS_FIXED;
+        }
+    }
+    for (e = (pbwim__edge_kept *)m->edge.data, i = m->edge.bytes / sizeof *e; i-- > 0; e++) {
+        e->origin = e->a != PBW_NONE && found[e->origin] ? e->origin : PBW_NONE;
+    }
+    pbwsf__release(&m->memory, &marks);
+    return PBW_OK;
+}
+
 /* Marks the boundary's points and builds its surface; blocks: two of facets, as many as tetrahedra have. */
 static pbw_status pbwim__set_marks(pbwim__mesh *m, const pbw_tets *in, double cosine, pbwsf__array *blocks,
                                    pbwsf__array *counts)
 {
     pbwim__facet *edges = (pbwim__facet *)blocks[0].data;
     size_t facets = 0, i;
+    pbw_status status;
     for (i = 0; i < 4 * m->tets; i++) {
         facets += ((pbw_index *)m->next.data)[i] == PBW_NONE;
     }
@@ -1972,7 +2253,7 @@ static pbw_status pbwim__set_marks(pbwim__mesh *m, const pbw_tets *in, double co
     }
     facets = pbwim__boundary(m, (pbw_index *)m->facets.data, (pbwim__facet *)blocks[0].data);
     edges = pbwim__sort((pbwim__facet *)blocks[0].data, (pbwim__facet *)blocks[1].data, 3 * facets, counts, 2);
-    pbwim__fix_features(m, edges, 3 * facets, cosine);
+    pbwim__fix_features(m, edges, 3 * facets, cosine, 0);
     pbwim__fix_joints(m, (size_t *)counts->data);
     for (i = 0; in->marks != NULL && i < m->points; i++) {
         const unsigned char mark = in->marks[i];
@@ -1980,8 +2261,13 @@ static pbw_status pbwim__set_marks(pbwim__mesh *m, const pbw_tets *in, double co
             PBWIM__MARK(m)[i] = mark;
         }
     }
-    if (m->project != NULL) {
-        return PBW_OK;
+    if (m->patched) {
+        pbwim__fix_features(m, edges, 3 * facets, cosine, 1);
+        pbwim__fix_patches(m);
+    }
+    status = pbwim__load_edges(m, in);
+    if (status != PBW_OK || m->project != NULL) {
+        return status;
     }
     m->project = pbwim__to_surface;
     m->project_user = &m->surface;
@@ -2023,6 +2309,9 @@ static int pbwim__load_one(pbwim__mesh *m, const pbw_tets *in, size_t t)
     pbw_index *c = PBWIM__CORNER(m, t);
     int sign, i;
     memcpy(c, in->corners + 4 * t, 4 * sizeof *c);
+    if (m->patched) {
+        memcpy(PBWIM__PATCH(m, t), in->patches + 4 * t, 4 * sizeof *c);
+    }
     for (i = 0; i < 4; i++) {
         if (c[i] >= in->point_count || c[i] == c[(i + 1) % 4] || c[i] == c[(i + 2) % 4]) {
             pbwim__complain(m, "tetrahedron %zu has a corner %zu that is out of range or twice there", t, c[i]);
@@ -2753,6 +3042,9 @@ static unsigned char pbwim__middle_mark(const pbwim__mesh *m, const pbwim__ring 
             return PBW_TETS_FIXED;
         }
     }
+    if (pbwim__is_border(m, ring) || pbwim__is_kept(m, ring->a, ring->b)) {
+        return PBW_TETS_FIXED;
+    }
     if (ring->closed) {
         return PBW_TETS_FOUND;
     }
@@ -2808,6 +3100,13 @@ static int pbwim__halve(pbwim__mesh *m, pbw_index t, int e)
     PBWIM__MARK(m)[p] = mark;
     PBWIM__SIZE(m)[p] = (PBWIM__SIZE(m)[ring.a] + PBWIM__SIZE(m)[ring.b]) / 2;
     ((pbw_index *)m->original.data)[p] = PBW_NONE;
+    if (pbwim__is_kept(m, ring.a, ring.b)) {
+        pbwim__edge_kept *whole = pbwim__find_edge(m, ring.a, ring.b);
+        const pbw_index origin = whole->origin;
+        whole->origin = PBW_NONE;
+        pbwim__keep_edge(m, ring.a, p, origin);
+        pbwim__keep_edge(m, p, ring.b, origin);
+    }
     pbwim__apply(m, &change);
     m->report->splits++;
     return 1;
@@ -2993,13 +3292,16 @@ static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwim__result {
     pbwsf__memory memory;
-    pbwsf__array self, points, corners, regions, marks, neighbors, original;
+    pbwsf__array self, points, corners, regions, marks, neighbors, original, patches, edges, origins;
 } pbwim__result;
 
-static int pbwim__allocate(pbwim__result *r, size_t points, size_t tets)
+static int pbwim__allocate(pbwim__result *r, size_t points, size_t tets, int patched, size_t edges)
 {
     pbwsf__memory *y = &r->memory;
-    return pbwsf__resize(y, &r->points, (points + 1) * 3 * sizeof(double))
+    return (!patched || pbwsf__resize(y, &r->patches, (tets + 1) * 4 * sizeof(pbw_index)))
+        && (edges == 0 || (pbwsf__resize(y, &r->edges, edges * 2 * sizeof(pbw_index))
+                           && pbwsf__resize(y, &r->origins, edges * sizeof(pbw_index))))
+        && pbwsf__resize(y, &r->points, (points + 1) * 3 * sizeof(double))
         && pbwsf__resize(y, &r->corners, (tets + 1) * 4 * sizeof(pbw_index))
         && pbwsf__resize(y, &r->neighbors, (tets + 1) * 4 * sizeof(pbw_index))
         && pbwsf__resize(y, &r->regions, (tets + 1) * sizeof(pbw_index))
@@ -3007,10 +3309,26 @@ static int pbwim__allocate(pbwim__result *r, size_t points, size_t tets)
         && pbwsf__resize(y, &r->marks, points + 1);
 }
 
-/* Numbers points in `star` and tetrahedra in `tried`, which are no longer needed. */
+static int pbwim__compare_edges(const void *a, const void *b)
+{
+    const pbwim__edge_kept *x = (const pbwim__edge_kept *)a, *y = (const pbwim__edge_kept *)b;
+    return x->origin != y->origin ? (x->origin > y->origin) - (x->origin < y->origin)
+         : x->a != y->a ? (x->a > y->a) - (x->a < y->a) : (x->b > y->b) - (x->b < y->b);
+}
+
+/* Numbers points in `star` and tetrahedra in `tried`, which are no longer needed; puts edges first in their table. */
 static void pbwim__number(pbwim__mesh *m, pbw_tets *out)
 {
+    pbwim__edge_kept *e = (pbwim__edge_kept *)m->edge.data;
     size_t t, p;
+    for (t = 0; t < m->edge.bytes / sizeof *e; t++) {
+        if (e[t].origin != PBW_NONE) {
+            e[out->edge_count++] = e[t];
+        }
+    }
+    if (out->edge_count > 0) {
+        qsort(e, out->edge_count, sizeof *e, pbwim__compare_edges);
+    }
     out->tet_count = out->point_count = 0;
     for (t = 0; t < m->tets; t++) {
         if (*PBWIM__CORNER(m, t) != PBW_NONE) {
@@ -3024,9 +3342,15 @@ static void pbwim__number(pbwim__mesh *m, pbw_tets *out)
     }
 }
 
-static void pbwim__copy(const pbwim__mesh *m, const pbwim__result *r)
+static void pbwim__copy(const pbwim__mesh *m, const pbwim__result *r, size_t edges)
 {
+    const pbwim__edge_kept *e = (const pbwim__edge_kept *)m->edge.data;
     size_t t, p, k;
+    for (t = 0; t < edges; t++) {
+        ((pbw_index *)r->edges.data)[2 * t] = PBWIM__STAR(m)[e[t].a];
+        ((pbw_index *)r->edges.data)[2 * t + 1] = PBWIM__STAR(m)[e[t].b];
+        ((pbw_index *)r->origins.data)[t] = e[t].origin;
+    }
     for (p = 0; p < m->points; p++) {
         const pbw_index n = PBWIM__STAR(m)[p];
         if (n != PBW_NONE) {
@@ -3042,6 +3366,9 @@ static void pbwim__copy(const pbwim__mesh *m, const pbwim__result *r)
             ((pbw_index *)r->corners.data)[4 * n + k] = PBWIM__STAR(m)[PBWIM__CORNER(m, t)[k]];
             ((pbw_index *)r->neighbors.data)[4 * n + k] = next != PBW_NONE ? PBWIM__TRIED(m)[next] : PBW_NONE;
             ((pbw_index *)r->regions.data)[n] = PBWIM__REGION(m)[t];
+            if (m->patched) {
+                ((pbw_index *)r->patches.data)[4 * n + k] = PBWIM__PATCH(m, t)[k];
+            }
         }
     }
 }
@@ -3058,6 +3385,9 @@ PBWIMPROVEDEF void pbw_tets_free(pbw_tets *mesh)
         pbwsf__release(&memory, &r->regions);
         pbwsf__release(&memory, &r->original);
         pbwsf__release(&memory, &r->marks);
+        pbwsf__release(&memory, &r->patches);
+        pbwsf__release(&memory, &r->edges);
+        pbwsf__release(&memory, &r->origins);
         pbwsf__release(&memory, &self);
     }
     if (mesh != NULL) {
@@ -3079,18 +3409,21 @@ static pbw_status pbwim__output(pbwim__mesh *m, pbw_tets *out)
     r->self = self;
     out->memory = r;
     pbwim__number(m, out);
-    if (!pbwim__allocate(r, out->point_count, out->tet_count)) {
+    if (!pbwim__allocate(r, out->point_count, out->tet_count, m->patched, out->edge_count)) {
         m->memory.used = r->memory.used;
         pbw_tets_free(out);
         return PBW_ERROR_MEMORY;
     }
-    pbwim__copy(m, r);
+    pbwim__copy(m, r, out->edge_count);
     out->points = (const double *)r->points.data;
     out->corners = (const pbw_index *)r->corners.data;
     out->neighbors = (const pbw_index *)r->neighbors.data;
     out->regions = (const pbw_index *)r->regions.data;
     out->original = (const pbw_index *)r->original.data;
     out->marks = (const unsigned char *)r->marks.data;
+    out->patches = (const pbw_index *)r->patches.data;
+    out->edges = (const pbw_index *)r->edges.data;
+    out->edge_origins = (const pbw_index *)r->origins.data;
     return PBW_OK;
 }
 
@@ -3136,7 +3469,7 @@ static void pbwim__free(pbwim__mesh *m)
 {
     pbwsf__array *const arrays[] = { &m->x, &m->star, &m->mark, &m->touched, &m->original, &m->corner, &m->next,
                                      &m->quality, &m->region, &m->tried, &m->seen, &m->queue, &m->lanes,
-                                     &m->taken, &m->facets, &m->size, &m->joint, &m->near };
+                                     &m->taken, &m->facets, &m->size, &m->joint, &m->near, &m->patch, &m->edge };
     size_t i;
     pbw_surface_free(&m->surface);
     for (i = 0; i < sizeof arrays / sizeof *arrays; i++) {
@@ -3194,7 +3527,8 @@ PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_opt
     }
     if (better == NULL || mesh == NULL || !(target >= 1 && target <= 60)
         || (how != NULL && (unsigned)how->smoother > PBW_SMOOTHER_LAPLACIAN)
-        || (mesh->tet_count > 0 && (mesh->points == NULL || mesh->corners == NULL))) {
+        || (mesh->tet_count > 0 && (mesh->points == NULL || mesh->corners == NULL))
+        || (mesh->edge_count > 0 && mesh->edges == NULL)) {
         return PBW_ERROR_ARGUMENT;
     }
     m.memory = pbwsf__memory_of(options);
@@ -3203,6 +3537,7 @@ PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_opt
     m.project_user = how != NULL ? how->project_user : NULL;
     m.distance = how != NULL ? PBWIM__ROOM * how->distance : 0;
     m.sized = how != NULL && how->sizes != NULL;
+    m.patched = mesh->patches != NULL;
     m.target = sin(target / 57.295779513082321);
     m.report = report;
     status = pbwim__run(&m, mesh, how, better);

@@ -72,16 +72,20 @@
    CONVENTIONS
      Positive simplices, as in pbw.h.  Quality is the mean ratio: 1 for the regular simplex, 0 for a flat one.
       Facets of the hull turn counter-clockwise seen from outside.
-     The simplices are the group "domain", the facets of the hull the group "boundary": physical groups 2 and 1 in
-     .msh and .msh2, references 2 and 1 in .mesh, ELSET and SURFACE (with an NSET of its points) in .inp, a marker in
-     .su2, marks 1 in .face, .edge and .node.
-     Regions and patches, r and p, where the caller has them, are the second tags r + 1 and p + 1 in .msh2, references
-     r + 2 and p + 1 in .mesh, the attribute r + 1 in .ele and the mark p + 1 in .face.  In .msh they are physical
-     groups r + 1, "region_r", and p + 1, "patch_p", with an entity for each region and for each patch between two
-     regions; in .inp an ELSET "region_r", a SURFACE and an NSET "patch_p"; in .vtu arrays of the cells, region and
-     patch (-1: none), the facets after the simplices if there are patches.  The formats of this sentence hold the
-     facets between regions, too: without patches as the group "interface", 2; and feature edges, the group "edges"
-     of .msh, the NSET "edges" of .inp.  Other formats have none of it.
+     Groups are read as physical groups of .msh, of files without such its entities; references of .mesh; the first
+     attribute of .ele; in .vtu the first of the arrays of integers region, gmsh:physical, medit:ref, su2:tag, material,
+     MaterialIDs, MaterialID, CellEntityIds, CellEntityID, physical, attribute, subdomain, cell_tags, facet_tags, of
+     lower dimensions also patch and edge, of points marker, with names as fields of the file, a tag and a dimension.
+     0 is no group.  An element in several groups is in the first.
+     Groups are written the same way, facets of the hull in none, too; in .inp as an ELSET, a SURFACE with an NSET of
+     its points, an NSET of the points of edges; in .su2 as markers.  Tags that .msh .inp .su2 cannot have, below 1 or
+     above 10^9, are replaced by numbers after the largest.  Names: .msh .msh2 .vtu .inp .su2, the last two with an
+     underscore for all but letters, digits, points and hyphens.
+     Without groups the simplices are the group "domain", 2, the facets of the hull "boundary", 1, facets between
+     regions "interface", 2, edges "edges", 1.  Regions and patches, r and p, where the caller has them, are the groups
+     r + 1, "region_r", and p + 1, "patch_p"; in .mesh the reference of region r is r + 2.  In .inp all simplices are
+     the ELSET "DOMAIN", too, all points of the hull the NSET "BOUNDARY" and its facets the SURFACE of that name.
+     .ele has regions, .face and .edge patches, .su2 patches of the hull, .obj .stl .ply .off no groups.
      Columns of points are attributes in .node, arrays in .vtu, columns in .csv, properties in .ply; tags of their
      groups the mark in .node, the array or column "marker" in .vtu and .csv, references in .mesh.  Heights are the
      third coordinate of a mesh in the plane, in .node the last attribute; .su2 has none.  Other formats of points have
@@ -819,6 +823,7 @@ typedef struct pbwio__reader {
     size_t fan[2];                           /* the first and the last corner of the polygon at hand */
     pbwio__polygon *polygons;                /* of more than three corners */
     size_t polygon_count, polygon_capacity;
+    unsigned char *middles;                  /* per point: 1 in the middle of an element's edge or facet; NULL: none */
     pbwio_error *error;
     char shown[32];                          /* a field for a message */
 } pbwio__reader;
@@ -1503,7 +1508,7 @@ static pbw_index pbwio__find_group(pbwio__reader *r, int dim, long long tag, con
         }
     }
     if (cloud->group_count == r->group_capacity) {
-        const size_t more = 2 * r->group_capacity + 16;
+        const size_t more = r->group_capacity + r->group_capacity / 2 + 16;
         void *block = pbwio__resize(r, cloud->groups, r->group_capacity, more, sizeof *g);
         if (block == NULL) {
             return PBW_NONE;
@@ -1542,6 +1547,31 @@ static void pbwio__note_polygon(pbwio__reader *r, size_t corners)
         r->polygons[r->polygon_count++].first = (pbw_index)first;
     }
     r->polygons[r->polygon_count - 1].corners = (pbw_index)corners;
+}
+
+/* No element and no point is in a group. */
+static void pbwio__forget_groups(pbwio__reader *r)
+{
+    pbwio_cloud *cloud = r->cloud;
+    pbw_index *const groups[4] = { cloud->point_groups, cloud->segment_groups, cloud->triangle_groups,
+                                   cloud->tetrahedron_groups };
+    const size_t capacity[4] = { r->point_capacity, r->segment_capacity, r->triangle_capacity,
+                                 r->tetrahedron_capacity };
+    size_t i;
+    int dim;
+    for (i = 0; i < cloud->group_count; i++) {
+        PBWIO_FREE(cloud->groups[i].name);
+    }
+    cloud->group_count = 0;
+    for (i = 0; i < r->group_table_size; i++) {
+        r->group_table[i] = PBW_NONE;
+    }
+    for (dim = 0; dim < 4; dim++) {
+        r->group[dim] = PBW_NONE;
+        for (i = 0; groups[dim] != NULL && i < capacity[dim]; i++) {
+            groups[dim][i] = PBW_NONE;
+        }
+    }
 }
 
 /* The k-th corner of a polygon; from the third on each makes a triangle. */
@@ -2795,25 +2825,149 @@ static void pbwio__add_row(pbwio__reader *r, const double *row)
     pbwio__add_point(r, value);
 }
 
-/* An element with the ids of its corners: a tetrahedron if solid, else a polygon; all of the points are known. */
-static void pbwio__add_element(pbwio__reader *r, int solid, int corners, const long long *id)
+#define PBWIO__OTHER_SOLIDS "hexahedra, prisms, pyramids and polyhedra"
+#define PBWIO__OTHER_GROUPS "all groups but the first of points and elements that are in several"
+
+/* Notes once what the cloud does not keep. */
+static void pbwio__leave_out(pbwio__reader *r, const char *what)
+{
+    if (strstr(r->cloud->dropped, what) == NULL) {
+        pbwio__dropped(r, "%s", what);
+    }
+}
+
+/* Puts a point into the current group of points, unless it is in one. */
+static void pbwio__group_point(pbwio__reader *r, size_t point)
+{
+    pbwio_cloud *cloud = r->cloud;
+    if (r->group[0] == PBW_NONE || r->status != PBWIO_OK
+        || (cloud->point_groups == NULL && !pbwio__group_room(r, &cloud->point_groups, 0, 0, r->point_capacity))) {
+        return;
+    }
+    if (cloud->point_groups[point] == PBW_NONE) {
+        cloud->point_groups[point] = r->group[0];
+    } else if (cloud->point_groups[point] != r->group[0]) {
+        pbwio__leave_out(r, PBWIO__OTHER_GROUPS);
+    }
+}
+
+/* An element of dimension `dim`, 0 to 3, with the ids of its nodes: first its corners, then points in the middles of
+   its edges and so on, which are not kept.  In the plane it may be a polygon.  All of the points are known. */
+static void pbwio__add_element(pbwio__reader *r, int dim, int corners, int nodes, const long long *id)
 {
     pbw_index corner[4];
     int k;
-    for (k = 0; k < corners; k++) {
+    for (k = 0; k < nodes; k++) {
         if (id[k] < 0 || (unsigned long long)id[k] >= r->cloud->count) {
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "an element has a point that is not there, of %zu", r->cloud->count);
             return;
         }
-    }
-    if (solid) {
-        for (k = 0; k < 4; k++) {
+        if (k < corners && k < 4) {
             corner[k] = (pbw_index)id[k];
         }
-        pbwio__add_simplex(r, 3, corner);
     }
-    for (k = 0; k < corners && !solid; k++) {
+    if (nodes > corners && r->middles == NULL) {
+        r->middles = (unsigned char *)pbwio__resize(r, NULL, 0, r->cloud->count, 1);
+        if (r->middles == NULL) {
+            return;
+        }
+        memset(r->middles, 0, r->cloud->count);
+    }
+    for (k = corners; k < nodes; k++) {
+        r->middles[id[k]] = 1;
+    }
+    if (dim == 0) {
+        pbwio__group_point(r, (size_t)id[0]);
+    } else if (dim != 2) {
+        pbwio__add_simplex(r, dim, corner);
+    }
+    for (k = 0; k < corners && dim == 2; k++) {
         pbwio__add_corner(r, (double)id[k], (long long)r->cloud->count, k);
+    }
+}
+
+/* Takes out the points in the middles of elements that are a corner of none. */
+static void pbwio__leave_out_middles(pbwio__reader *r)
+{
+    pbwio_cloud *cloud = r->cloud;
+    pbw_index *const ids[3] = { cloud->segments, cloud->triangles, cloud->tetrahedra }, *number;
+    const size_t counts[3] = { 2 * cloud->segment_count, 3 * cloud->triangle_count, 4 * cloud->tetrahedron_count };
+    const size_t dim = (size_t)cloud->dim;
+    size_t i, k, kept = 0;
+    number = (pbw_index *)pbwio__resize(r, NULL, 0, cloud->count, sizeof *number);
+    if (number == NULL) {
+        return;
+    }
+    for (k = 0; k < 3; k++) {
+        for (i = 0; i < counts[k]; i++) {
+            r->middles[ids[k][i]] = 0;
+        }
+    }
+    for (i = 0; i < cloud->count; i++) {
+        number[i] = (pbw_index)kept;
+        if (!r->middles[i]) {
+            memmove(cloud->points + dim * kept, cloud->points + dim * i, dim * sizeof(double));
+            if (cloud->weights != NULL) {
+                cloud->weights[kept] = cloud->weights[i];
+            }
+            if (cloud->heights != NULL) {
+                cloud->heights[kept] = cloud->heights[i];
+            }
+            if (cloud->point_groups != NULL) {
+                cloud->point_groups[kept] = cloud->point_groups[i];
+            }
+            for (k = 0; k < cloud->column_count; k++) {
+                cloud->columns[k].values[kept] = cloud->columns[k].values[i];
+            }
+            kept++;
+        }
+    }
+    for (k = 0; k < 3; k++) {
+        for (i = 0; i < counts[k]; i++) {
+            ids[k][i] = number[ids[k][i]];
+        }
+    }
+    cloud->count = kept;
+    PBWIO_FREE(number);
+    pbwio__leave_out(r, "the points within edges and faces of second-order elements, which are read as straight ones");
+}
+
+/* The elements of Medit by their words; rows of nodes and a reference. */
+static const struct { const char *word; int dim, corners, nodes; } pbwio__medit[] = {
+    { "Edges", 1, 2, 2 }, { "Triangles", 2, 3, 3 }, { "Quadrilaterals", 2, 4, 4 }, { "Tetrahedra", 3, 4, 4 },
+    { "EdgesP2", 1, 2, 3 }, { "TrianglesP2", 2, 3, 6 }, { "QuadrilateralsQ2", 2, 4, 9 }, { "TetrahedraP2", 3, 4, 10 }
+};
+enum { PBWIO__MEDIT = sizeof pbwio__medit / sizeof pbwio__medit[0] };
+
+/* The reference that comes next is the group of elements of that dimension; 0: none. */
+static void pbwio__reference(pbwio__reader *r, int dim)
+{
+    const double tag = pbwio__token_number(r);
+    if (!(fabs(tag) < 1e18)) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%g is no reference", tag);
+    } else if (r->status == PBWIO_OK) {
+        r->group[dim] = (long long)tag == 0 ? PBW_NONE : pbwio__find_group(r, dim, (long long)tag, "", 0);
+    }
+}
+
+static void pbwio__medit_points(pbwio__reader *r, long long dim)
+{
+    long long count, i;
+    double row[3] = { 0, 0, 0 };
+    int k;
+    if (dim < 2 || dim > 3 || r->cloud->points != NULL) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "vertices twice, or in %lld dimensions", dim);
+    }
+    count = pbwio__token_count(r, "number of points");
+    pbwio__choose(r, NULL, dim == 2 ? 2 : 3, dim == 2 ? 2 : 3);
+    pbwio__reserve(r, (unsigned long long)count, 2 * (size_t)dim + 2);
+    for (i = 0; i < count && r->status == PBWIO_OK; i++) {
+        for (k = 0; k < dim && k < 3; k++) {
+            row[k] = pbwio__token_number(r);
+        }
+        pbwio__reference(r, 0);
+        pbwio__add_row(r, row);
+        pbwio__group_point(r, (size_t)i);
     }
 }
 
@@ -2821,64 +2975,55 @@ static void pbwio__add_element(pbwio__reader *r, int solid, int corners, const l
 static void pbwio__read_medit(pbwio__reader *r)
 {
     pbwio__field word;
-    long long dim = 0, count, tag, i, id[4];
-    double row[3] = { 0, 0, 0 };
-    int k, corners;
+    long long dim = 0, count, i, id[10];
+    int k, n;
     while (r->status == PBWIO_OK && (pbwio__next(r, &word) || pbwio__row_line(r))) {
         if (word.begin == word.end || (unsigned)(*word.begin | 32) - 'a' > 25) {
             continue;                                                /* numbers of a section that is passed over */
         }
-        corners = pbwio__is(word, "Triangles") ? 3
-                : pbwio__is(word, "Quadrilaterals") || pbwio__is(word, "Tetrahedra") ? 4 : 0;
+        for (n = 0; n < PBWIO__MEDIT && !pbwio__is(word, pbwio__medit[n].word); n++) {
+        }
         if (pbwio__is(word, "End")) {
             break;
         } else if (pbwio__is(word, "Dimension")) {
             dim = pbwio__token_count(r, "dimension");
         } else if (pbwio__is(word, "Vertices")) {
-            if (dim < 2 || dim > 3 || r->cloud->points != NULL) {
-                pbwio__fail(r, PBWIO_ERROR_FORMAT, "vertices twice, or in %lld dimensions", dim);
-            }
-            count = pbwio__token_count(r, "number of points");
-            pbwio__choose(r, NULL, dim == 2 ? 2 : 3, dim == 2 ? 2 : 3);
-            pbwio__reserve(r, (unsigned long long)count, 2 * (size_t)dim + 2);
-            for (i = 0; i < count && r->status == PBWIO_OK; i++) {
-                for (k = 0; k < dim && k < 3; k++) {
-                    row[k] = pbwio__token_number(r);
-                }
-                pbwio__token(r, &word);                              /* its reference */
-                pbwio__add_row(r, row);
-            }
-        } else if (corners > 0) {
-            int solid = pbwio__is(word, "Tetrahedra");
+            pbwio__medit_points(r, dim);
+        } else if (n < PBWIO__MEDIT) {
             count = pbwio__token_count(r, "number of elements");
             for (i = 0; i < count && r->status == PBWIO_OK; i++) {
-                for (k = 0; k < corners; k++) {
+                for (k = 0; k < pbwio__medit[n].nodes; k++) {
                     id[k] = pbwio__token_count(r, "point number") - 1;
                 }
-                tag = (long long)pbwio__token_number(r);
-                r->group[2 + solid] = tag == 0 ? PBW_NONE : pbwio__find_group(r, 2 + solid, tag, "", 0);
+                pbwio__reference(r, pbwio__medit[n].dim);
                 if (r->status == PBWIO_OK) {
-                    pbwio__add_element(r, solid, corners, id);
+                    pbwio__add_element(r, pbwio__medit[n].dim, pbwio__medit[n].corners, pbwio__medit[n].nodes, id);
                 }
             }
+        } else if (pbwio__is(word, "Hexahedra") || pbwio__is(word, "Prisms") || pbwio__is(word, "Pentahedra")
+                   || pbwio__is(word, "Pyramids")) {
+            pbwio__leave_out(r, PBWIO__OTHER_SOLIDS);
         }
     }
 }
 
 /* "count corners attributes", then "id corners attributes"; the points are in the .node file.  Its ids start where
-   those of the elements do. */
+   those of the elements do.  The first attribute, if all are integers, is the group. */
 static void pbwio__read_ele(pbwio__reader *r)
 {
-    long long count, corners, i, first = 0, id, corner[4];
-    int k, used = r->cloud->dim + 1;
+    long long count, corners, attributes, i, first = 0, id, corner[10];
+    pbwio__field field;
+    double tag = 0;
+    int k, dim = r->cloud->dim;
     if (r->cloud->count == 0) {
         pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "the points of an .ele file are in the .node file beside it");
         return;
     }
     count = pbwio__token_count(r, "number of elements");
     corners = pbwio__token_count(r, "number of corners");
-    if (corners < used || corners > 10) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, "elements of %lld corners in %dD", corners, r->cloud->dim);
+    attributes = pbwio__next(r, &field) && pbwio__natural(field, &attributes) ? attributes : 0;
+    if (corners != dim + 1 && corners != (dim == 3 ? 10 : 6)) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "elements of %lld corners in %dD", corners, dim);
     }
     for (i = 0; i < count && r->status == PBWIO_OK; i++) {
         if (!pbwio__row_line(r)) {
@@ -2886,19 +3031,31 @@ static void pbwio__read_ele(pbwio__reader *r)
         }
         id = pbwio__count(r, "element number");
         first = i == 0 ? id : first;
-        for (k = 0; k < used; k++) {
+        for (k = 0; k < corners; k++) {
             corner[k] = pbwio__count(r, "point number") - first;
         }
+        if (attributes > 0 && pbwio__next(r, &field) && pbwio__number(field.begin, field.end, &tag) && tag == floor(tag)
+            && fabs(tag) < 1e18) {
+            r->group[dim] = (long long)tag == 0 ? PBW_NONE : pbwio__find_group(r, dim, (long long)tag, "", 0);
+        } else if (attributes > 0) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is no integer: attributes of elements are numbers of regions",
+                        pbwio__show(r, field));
+        }
         if (r->status == PBWIO_OK) {
-            pbwio__add_element(r, used == 4, used, corner);
+            pbwio__add_element(r, dim, dim + 1, (int)corners, corner);
         }
     }
 }
 
+typedef struct pbwio__entity { int dim; long long tag, group; } pbwio__entity;   /* its first physical group or 0 */
+
 typedef struct pbwio__msh {
     int version, binary, big;                /* 2 or 4; of numbers; their byte order */
+    int physical;                            /* 1: there are physical groups, 0: entities stand for them */
     pbw_index *of;                           /* the point that a number of the file stands for; PBW_NONE = none */
     size_t of_count;
+    pbwio__entity *entity;                   /* sorted by dimension and tag */
+    size_t entity_count, entity_capacity;
 } pbwio__msh;
 
 /* The next integer, of 4 or 8 bytes in binary files. */
@@ -3009,70 +3166,185 @@ static void pbwio__msh_nodes(pbwio__reader *r, pbwio__msh *m)
     }
 }
 
-/* How many nodes an element of that type of Gmsh has, and the corners of it that are used; 0: unknown, none. */
-static int pbwio__msh_shape(long long type, int *corners, int *solid)
+/* $PhysicalNames: a count, then "dimension tag "name"" a line. */
+static void pbwio__read_names(pbwio__reader *r, pbwio__msh *m)
 {
-    static const unsigned char nodes[20] = { 0, 2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1, 8, 20, 15, 13 };
-    *solid = type == 4 || type == 11;
-    *corners = type == 2 || type == 9 ? 3 : *solid || type == 3 || type == 10 || type == 16 ? 4 : 0;
-    return type >= 0 && type < 20 ? nodes[type] : 0;
+    long long count = pbwio__token_count(r, "number of names"), dim, tag;
+    const char *from, *to;
+    while (r->status == PBWIO_OK && count-- > 0 && pbwio__row_line(r)) {
+        dim = pbwio__count(r, "dimension");
+        tag = pbwio__count(r, "physical group");
+        from = (const char *)memchr(r->cursor, '"', (size_t)(r->line_end - r->cursor));
+        for (to = r->line_end; from != NULL && to > from && to[-1] != '"'; to--) {
+        }
+        if (r->status != PBWIO_OK || dim > 3 || tag == 0 || from == NULL || to < from + 2) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "a name is not: dimension, tag, \"name\"");
+            return;
+        }
+        m->physical = 1;
+        (void)pbwio__find_group(r, (int)dim, tag, from + 1, (size_t)(to - from) - 2);
+    }
 }
 
-/* One element of count nodes, the first of which are its corners. */
-static void pbwio__msh_element(pbwio__reader *r, const pbwio__msh *m, int count, int corners, int solid)
+static int pbwio__compare_entities(const void *a, const void *b)
 {
-    long long id[4] = { -1, -1, -1, -1 }, number;
-    int k;
-    for (k = 0; k < (m->binary ? count : corners) && r->status == PBWIO_OK; k++) {
-        number = pbwio__msh_integer(r, m, m->version == 4 ? 8 : 4);
-        if (k < corners) {
-            id[k] = number >= 0 && (unsigned long long)number < m->of_count && m->of[number] != PBW_NONE
-                  ? (long long)m->of[number] : -1;
+    const pbwio__entity *x = (const pbwio__entity *)a, *y = (const pbwio__entity *)b;
+    return x->dim != y->dim ? x->dim - y->dim : (x->tag > y->tag) - (x->tag < y->tag);
+}
+
+/* $Entities: how many points, curves, surfaces, volumes; each with its tag, its place or box, its physical groups,
+   and what bounds it. */
+static void pbwio__read_entities(pbwio__reader *r, pbwio__msh *m)
+{
+    long long count[4], left, k;
+    pbwio__entity e;
+    for (e.dim = 0; e.dim < 4; e.dim++) {
+        count[e.dim] = pbwio__msh_integer(r, m, 8);
+    }
+    for (e.dim = 0; e.dim < 4 && r->status == PBWIO_OK; e.dim++) {
+        for (; count[e.dim]-- > 0 && r->status == PBWIO_OK; m->entity_count++) {
+            e.tag = pbwio__msh_integer(r, m, 4);
+            for (k = 0; k < (e.dim == 0 ? 3 : 6); k++) {
+                pbwio__msh_real(r, m);
+            }
+            left = pbwio__msh_integer(r, m, 8);
+            for (k = e.group = 0; k < left && r->status == PBWIO_OK; k++) {
+                const long long tag = pbwio__msh_integer(r, m, 4);   /* negative: turned */
+                e.group = e.group == 0 ? (tag < 0 ? -tag : tag) : e.group;
+                m->physical = 1;
+            }
+            if (left > 1) {
+                pbwio__leave_out(r, PBWIO__OTHER_GROUPS);
+            }
+            left = e.dim > 0 ? pbwio__msh_integer(r, m, 8) : 0;
+            for (k = 0; k < left && r->status == PBWIO_OK; k++) {
+                pbwio__msh_integer(r, m, 4);
+            }
+            if (m->entity_count == m->entity_capacity) {
+                const size_t more = m->entity_capacity + m->entity_capacity / 2 + 16;
+                void *block = pbwio__resize(r, m->entity, m->entity_capacity, more, sizeof e);
+                if (block == NULL) {
+                    return;
+                }
+                m->entity = (pbwio__entity *)block;
+                m->entity_capacity = more;
+            }
+            m->entity[m->entity_count] = e;
         }
     }
-    if (r->status == PBWIO_OK && corners > 0) {
-        pbwio__add_element(r, solid, corners, id);
-    }
-    if (!m->binary) {
-        r->cursor = r->line_end;                                     /* nodes within edges and faces */
+    if (m->entity_count > 0) {
+        qsort(m->entity, m->entity_count, sizeof e, pbwio__compare_entities);
     }
 }
 
-static void pbwio__msh_elements(pbwio__reader *r, const pbwio__msh *m)
+/* The physical group that elements of an entity are in; of files without such the entity itself; PBW_NONE: none. */
+static pbw_index pbwio__msh_group(pbwio__reader *r, pbwio__msh *m, int dim, long long entity, long long physical)
 {
-    int groups = m->version == 4 || m->binary, count, corners, solid;
-    long long blocks = m->version == 4 ? pbwio__msh_integer(r, m, 8) : 0, total, type = 0, tags = 0, in_block, k, i;
+    if (m->version == 4 && m->entity_count > 0) {
+        pbwio__entity wanted;
+        const pbwio__entity *found;
+        wanted.dim = dim;
+        wanted.tag = entity;
+        found = (const pbwio__entity *)bsearch(&wanted, m->entity, m->entity_count, sizeof wanted,
+                                               pbwio__compare_entities);
+        physical = found != NULL ? found->group : 0;
+    }
+    physical = physical < 0 ? -physical : physical;
+    if (physical != 0 && !m->physical) {
+        m->physical = 1;                                             /* so the entities before were no groups */
+        pbwio__forget_groups(r);
+    }
+    physical = m->physical || dim == 0 ? physical : entity;
+    return physical <= 0 || r->status != PBWIO_OK ? PBW_NONE : pbwio__find_group(r, dim, physical, "", 0);
+}
+
+/* Of the types of elements of Gmsh: dimension, corners, nodes; solids other than tetrahedra have no corners here. */
+static const unsigned char pbwio__shapes[32][3] = {
+    { 0, 0, 0 }, { 1, 2, 2 }, { 2, 3, 3 }, { 2, 4, 4 }, { 3, 4, 4 }, { 3, 0, 8 }, { 3, 0, 6 }, { 3, 0, 5 },
+    { 1, 2, 3 }, { 2, 3, 6 }, { 2, 4, 9 }, { 3, 4, 10 }, { 3, 0, 27 }, { 3, 0, 18 }, { 3, 0, 14 }, { 0, 1, 1 },
+    { 2, 4, 8 }, { 3, 0, 20 }, { 3, 0, 15 }, { 3, 0, 13 }, { 2, 3, 9 }, { 2, 3, 10 }, { 2, 3, 12 }, { 2, 3, 15 },
+    { 2, 3, 15 }, { 2, 3, 21 }, { 1, 2, 4 }, { 1, 2, 5 }, { 1, 2, 6 }, { 3, 4, 20 }, { 3, 4, 35 }, { 3, 4, 56 }
+};
+
+/* Whether an element is the last of its dimension again, as version 2.2 has those of several physical groups. */
+static int pbwio__is_again(const pbwio_cloud *cloud, int dim, const long long *id)
+{
+    const size_t count = dim == 3 ? cloud->tetrahedron_count : dim == 2 ? cloud->triangle_count : cloud->segment_count;
+    const pbw_index *last = dim == 3 ? cloud->tetrahedra : dim == 2 ? cloud->triangles : cloud->segments;
+    int k = 0;
+    for (last += count > 0 ? ((size_t)dim + 1) * (count - 1) : 0; dim > 0 && count > 0 && k <= dim; k++) {
+        if ((long long)last[k] != id[k]) {
+            return 0;
+        }
+    }
+    return k > 0;
+}
+
+/* One element of a type; those of unknown types, of text files, are passed over. */
+static void pbwio__msh_element(pbwio__reader *r, const pbwio__msh *m, long long type)
+{
+    const unsigned char *shape = pbwio__shapes[type > 0 && type < 32 ? type : 0];
+    long long id[56], number;
+    int k;
+    for (k = 0; k < shape[2] && r->status == PBWIO_OK; k++) {
+        number = pbwio__msh_integer(r, m, m->version == 4 ? 8 : 4);
+        id[k] = number >= 0 && (unsigned long long)number < m->of_count && m->of[number] != PBW_NONE
+              ? (long long)m->of[number] : -1;
+    }
+    if (r->status == PBWIO_OK && shape[1] == 0) {
+        pbwio__leave_out(r, PBWIO__OTHER_SOLIDS);
+    } else if (r->status == PBWIO_OK && m->version == 2 && shape[1] < 4 + (shape[0] == 3)
+               && pbwio__is_again(r->cloud, shape[0], id)) {
+        pbwio__leave_out(r, PBWIO__OTHER_GROUPS);
+    } else if (r->status == PBWIO_OK) {
+        pbwio__add_element(r, shape[0], shape[1], shape[2], id);
+    }
+    if (!m->binary) {
+        r->cursor = r->line_end;                                     /* what is not known of the line */
+    }
+}
+
+/* Version 4: blocks of elements of an entity and a type; version 2: elements, in binary files blocks of a type. */
+static void pbwio__msh_elements(pbwio__reader *r, pbwio__msh *m)
+{
+    const int blocks = m->version == 4 || m->binary;
+    long long count = m->version == 4 ? pbwio__msh_integer(r, m, 8) : 0, total, type = 0, tags = 0, in_block, k, i;
+    long long dim = 0, tag[2] = { 0, 0 }, value;
     total = m->version == 4 ? pbwio__msh_integer(r, m, 8) : pbwio__token_count(r, "number of elements");
     if (m->version == 4) {
         pbwio__msh_integer(r, m, 8);
         pbwio__msh_integer(r, m, 8);
     }
-    for (; (m->version == 4 ? blocks-- > 0 : total > 0) && r->status == PBWIO_OK; total -= in_block) {
+    for (; (m->version == 4 ? count-- > 0 : total > 0) && r->status == PBWIO_OK; total -= in_block) {
         in_block = 1;
         if (m->version == 4) {
-            pbwio__msh_integer(r, m, 4);
-            pbwio__msh_integer(r, m, 4);
+            dim = pbwio__msh_integer(r, m, 4);
+            tag[1] = pbwio__msh_integer(r, m, 4);
         }
-        if (groups) {
+        if (blocks) {
             type = pbwio__msh_integer(r, m, 4);
             in_block = pbwio__msh_integer(r, m, m->version == 4 ? 8 : 4);
             tags = m->version == 4 ? 0 : pbwio__msh_integer(r, m, 4);
         }
-        if (in_block < 0 || in_block > total || tags < 0 || (m->version == 2 && in_block == 0)) {
+        if (in_block < 0 || in_block > total || tags < 0 || (m->version == 2 && in_block == 0) || dim < 0 || dim > 3) {
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "a block of %lld elements, %lld are left", in_block, total);
         }
         for (k = 0; k < in_block && r->status == PBWIO_OK; k++) {
             pbwio__msh_integer(r, m, m->version == 4 ? 8 : 4);       /* its number */
-            type = groups ? type : pbwio__msh_integer(r, m, 4);
-            tags = groups ? tags : pbwio__msh_integer(r, m, 4);
+            type = blocks ? type : pbwio__msh_integer(r, m, 4);
+            tags = blocks ? tags : pbwio__msh_integer(r, m, 4);
             for (i = 0; i < tags && r->status == PBWIO_OK; i++) {
-                pbwio__msh_integer(r, m, 4);
+                value = pbwio__msh_integer(r, m, 4);
+                tag[i < 2 ? i : 1] = i < 2 ? value : tag[1];
             }
-            count = pbwio__msh_shape(type, &corners, &solid);
-            if (count == 0 && m->binary) {
+            if (m->binary && (type <= 0 || type >= 32)) {
                 pbwio__fail(r, PBWIO_ERROR_FORMAT, "elements of type %lld are not read in binary files", type);
             }
-            pbwio__msh_element(r, m, count, corners, solid);
+            dim = m->version == 4 ? dim : pbwio__shapes[type > 0 && type < 32 ? type : 0][0];
+            if (m->version == 2 || k == 0) {
+                r->group[dim] = pbwio__msh_group(r, m, (int)dim, tags == 1 ? 0 : tag[1], tags == 0 ? 0 : tag[0]);
+            }
+            pbwio__msh_element(r, m, type);
         }
     }
 }
@@ -3100,7 +3372,10 @@ static void pbwio__read_msh(pbwio__reader *r)
     }
     while (pbwio__row_line(r)) {
         pbwio__next(r, &word);
-        if (pbwio__is(word, "$Nodes") || pbwio__is(word, "$Elements")) {
+        if (pbwio__is(word, "$PhysicalNames")) {
+            pbwio__read_names(r, &m);
+        } else if (pbwio__is(word, "$Nodes") || pbwio__is(word, "$Elements")
+                   || (pbwio__is(word, "$Entities") && m.version == 4)) {
             if (m.binary && m.version == 4) {
                 r->line_number = 0;
             } else if (m.binary) {
@@ -3110,6 +3385,8 @@ static void pbwio__read_msh(pbwio__reader *r)
             }
             if (pbwio__is(word, "$Nodes")) {
                 pbwio__msh_nodes(r, &m);
+            } else if (pbwio__is(word, "$Entities")) {
+                pbwio__read_entities(r, &m);
             } else {
                 pbwio__msh_elements(r, &m);
             }
@@ -3122,16 +3399,18 @@ static void pbwio__read_msh(pbwio__reader *r)
         }
     }
     PBWIO_FREE(m.of);
+    PBWIO_FREE(m.entity);
 }
 
 /* ------------------------------------------------------------------------------------------------------
    .vtu: arrays of numbers between tags, as text, in base64 or raw behind all tags, plain or in zlib's blocks.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWIO__POINTS, PBWIO__WEIGHTS, PBWIO__CORNERS, PBWIO__ENDS, PBWIO__KINDS, PBWIO__ARRAYS };
+enum { PBWIO__POINTS, PBWIO__WEIGHTS, PBWIO__MARKERS, PBWIO__CORNERS, PBWIO__ENDS, PBWIO__KINDS, PBWIO__REGIONS,
+       PBWIO__PATCHES, PBWIO__CURVES, PBWIO__ARRAYS };
 
 typedef struct pbwio__array {
     int is, type, text, appended;            /* type: out of the table; neither text nor appended: base64 in place */
-    int components;
+    int components, rank;                    /* rank: of its name, where several will do; the least counts */
     const char *begin, *end;                 /* between its tags */
     double offset;                           /* behind them all */
     char *block;                             /* the decoded bytes, if they are not in the file as they are */
@@ -3142,6 +3421,7 @@ typedef struct pbwio__vtu {
     int big, packed, raw;                    /* byte order; zlib; what is appended is not base64 */
     size_t head;                             /* bytes of a length: 4 or 8 */
     double points, cells;
+    const char *fields;                      /* where the fields of the whole file start; NULL: none */
     const char *appended;                    /* the first byte behind the underscore; NULL: none */
     pbwio__array array[PBWIO__ARRAYS];
 } pbwio__vtu;
@@ -3172,33 +3452,53 @@ static double pbwio__attribute_number(const char *s, const char *end, const char
     return pbwio__number(field.begin, field.end, &value) && value >= 0 ? value : 0;
 }
 
-/* Notes an array that is needed: the tag is [s, end), its content starts behind end. */
-static void pbwio__vtu_array(pbwio__reader *r, pbwio__vtu *v, const char *section, const char *s, const char *end)
+/* Arrays of integers that are groups of cells, the first of them that a file has; of cells in the plane patch, of
+   lines edge or patch counts more. */
+static const char *const pbwio__region_names[] = { "region", "gmsh:physical", "medit:ref", "su2:tag", "material",
+    "MaterialIDs", "MaterialID", "CellEntityIds", "CellEntityID", "physical", "attribute", "subdomain", "cell_tags",
+    "facet_tags" };
+
+/* Where an array of that name is noted; NULL: it is not needed. */
+static pbwio__array *pbwio__vtu_place(pbwio__reader *r, pbwio__vtu *v, const char *section, pbwio__field name,
+                                      int *rank)
 {
     static const char *const names[] = { "connectivity", "offsets", "types" };
-    pbwio__field name = pbwio__attribute(s, end, "Name"), type = pbwio__attribute(s, end, "type");
-    pbwio__field format = pbwio__attribute(s, end, "format");
-    pbwio__array *a = NULL;
-    const char *stop;
     int k;
+    *rank = 0;
     if (strcmp(section, "Points") == 0) {
-        a = &v->array[PBWIO__POINTS];
-    } else if (strcmp(section, "PointData") == 0 && r->options->weight != NULL
-               && pbwio__is(name, r->options->weight)) {
-        a = &v->array[PBWIO__WEIGHTS];
+        return &v->array[PBWIO__POINTS];
+    }
+    if (strcmp(section, "PointData") == 0) {
+        return r->options->weight != NULL && pbwio__is(name, r->options->weight) ? &v->array[PBWIO__WEIGHTS]
+             : pbwio__is(name, "marker") ? &v->array[PBWIO__MARKERS] : NULL;
     }
     for (k = 0; k < 3 && strcmp(section, "Cells") == 0; k++) {
-        a = pbwio__is(name, names[k]) ? &v->array[PBWIO__CORNERS + k] : a;
+        if (pbwio__is(name, names[k])) {
+            return &v->array[PBWIO__CORNERS + k];
+        }
     }
-    if (a == NULL) {
-        return;
+    if (strcmp(section, "CellData") != 0) {
+        return NULL;
     }
+    for (k = 0; k < (int)(sizeof pbwio__region_names / sizeof pbwio__region_names[0]); k++) {
+        if (pbwio__is(name, pbwio__region_names[k])) {
+            *rank = k;
+            return &v->array[PBWIO__REGIONS];
+        }
+    }
+    return pbwio__is(name, "patch") ? &v->array[PBWIO__PATCHES]
+         : pbwio__is(name, "edge") ? &v->array[PBWIO__CURVES] : NULL;
+}
+
+/* Fills in an array: the tag is [s, end), its content starts behind end.  Returns whether its type is known. */
+static int pbwio__vtu_describe(pbwio__reader *r, pbwio__array *a, const char *s, const char *end)
+{
+    pbwio__field type = pbwio__attribute(s, end, "type"), format = pbwio__attribute(s, end, "format");
+    const char *stop;
+    int k;
     for (k = 0; k < 10 && !pbwio__is(type, pbwio__types[k].name); k++) {
     }
-    if (a->is || k == 10) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, "array \"%s\" comes twice, or its type is unknown", pbwio__show(r, name));
-        return;
-    }
+    memset(a, 0, sizeof *a);
     a->is = 1;
     a->type = k;
     a->text = pbwio__is(format, "ascii");
@@ -3208,12 +3508,37 @@ static void pbwio__vtu_array(pbwio__reader *r, pbwio__vtu *v, const char *sectio
     a->begin = end < r->end ? end + 1 : end;
     stop = (const char *)memchr(a->begin, '<', (size_t)(r->end - a->begin));
     a->end = stop == NULL ? r->end : stop;
+    return k < 10;
+}
+
+/* Notes an array that is needed. */
+static void pbwio__vtu_array(pbwio__reader *r, pbwio__vtu *v, const char *section, const char *s, const char *end)
+{
+    const pbwio__field name = pbwio__attribute(s, end, "Name");
+    pbwio__array *a, found;
+    int rank, known, groups;
+    a = pbwio__vtu_place(r, v, section, name, &rank);
+    if (a == NULL) {
+        return;
+    }
+    known = pbwio__vtu_describe(r, &found, s, end);
+    found.rank = rank;
+    groups = a == &v->array[PBWIO__MARKERS] || a >= &v->array[PBWIO__REGIONS];
+    if (groups && (!known || found.type == 6 || found.type == 7 || found.components > 1
+                   || (a->is && a->rank <= rank))) {
+        return;                                                      /* no numbers of groups, or others count more */
+    }
+    if ((a->is && !groups) || !known) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "array \"%s\" comes twice, or its type is unknown", pbwio__show(r, name));
+        return;
+    }
+    *a = found;
 }
 
 /* Goes through all tags. */
 static void pbwio__vtu_tags(pbwio__reader *r, pbwio__vtu *v)
 {
-    static const char *const sections[] = { "PointData", "CellData", "Points", "Cells", "" };
+    static const char *const sections[] = { "PointData", "CellData", "Points", "Cells", "FieldData", "" };
     const char *section = "", *s = r->at, *end;
     int pieces = 0, k;
     while (r->status == PBWIO_OK && (s = (const char *)memchr(s, '<', (size_t)(r->end - s))) != NULL) {
@@ -3224,9 +3549,10 @@ static void pbwio__vtu_tags(pbwio__reader *r, pbwio__vtu *v)
         name.begin = s;
         for (name.end = s; name.end < end && !pbwio__blank(r, *name.end); name.end++) {
         }
-        for (k = 0; k < 4; k++) {
+        for (k = 0; k < 5; k++) {
             section = pbwio__is(name, sections[k]) ? sections[k] : section;
         }
+        v->fields = pbwio__is(name, "FieldData") ? end : v->fields;
         if (pbwio__is(name, "VTKFile")) {
             pbwio__field packed = pbwio__attribute(s, end, "compressor");
             v->big = pbwio__is(pbwio__attribute(s, end, "byte_order"), "BigEndian");
@@ -3448,9 +3774,89 @@ static double pbwio__vtu_value(pbwio__reader *r, const pbwio__vtu *v, pbwio__arr
     return r->status == PBWIO_OK ? value : 0;
 }
 
+/* The group of a dimension and a tag; tag 0: none. */
+static pbw_index pbwio__vtu_group(pbwio__reader *r, int dim, double tag)
+{
+    if (fabs(tag) > 9e15) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%.0f is no number of a group", tag);
+    }
+    return r->status != PBWIO_OK || !(fabs(tag) > 0) ? PBW_NONE : pbwio__find_group(r, dim, (long long)tag, "", 0);
+}
+
+/* A name in XML, with its entities replaced, in place. */
+static size_t pbwio__unescape(char *text, size_t length)
+{
+    static const char *const names[] = { "amp;", "lt;", "gt;", "quot;", "apos;" };
+    size_t from = 0, to = 0, n;
+    int k;
+    text[length] = 0;
+    while (from < length) {
+        text[to] = text[from++];
+        for (k = 0; k < 5 && text[to] == '&'; k++) {
+            n = strlen(names[k]);
+            if (strncmp(text + from, names[k], n) == 0) {
+                text[to] = "&<>\"'"[k];
+                from += n;
+                break;
+            }
+        }
+        if (k == 5 && text[to] == '&' && text[from] == '#') {
+            char *end;
+            const int hexadecimal = text[from + 1] == 'x';
+            const long code = strtol(text + from + 1 + hexadecimal, &end, hexadecimal ? 16 : 10);
+            if (*end == ';' && code > 0 && code < 128) {
+                text[to] = (char)code;
+                from = (size_t)(end - text) + 1;
+            }
+        }
+        to++;
+    }
+    return to;
+}
+
+/* Groups by name: fields of the whole file with a tag and a dimension. */
+static void pbwio__vtu_names(pbwio__reader *r, const pbwio__vtu *v)
+{
+    const char *s = v->fields, *end, *stop = v->appended != NULL ? v->appended : r->end;
+    while (r->status == PBWIO_OK && s != NULL && s < stop
+           && (s = (const char *)memchr(s, '<', (size_t)(stop - s))) != NULL) {
+        pbwio__field name;
+        pbwio__array a;
+        double value[2] = { 0, 0 };
+        char *copy;
+        size_t length;
+        s++;
+        end = (const char *)memchr(s, '>', (size_t)(stop - s));
+        if (end == NULL || (size_t)(end - s) < 9 || memcmp(s, "/FieldData", 9) == 0) {
+            return;
+        }
+        if (memcmp(s, "DataArray", 9) != 0) {
+            continue;
+        }
+        name = pbwio__attribute(s, end, "Name");
+        if (name.end == name.begin || !pbwio__vtu_describe(r, &a, s, end) || a.type == 6 || a.type == 7
+            || fabs(pbwio__attribute_number(s, end, "NumberOfTuples") * fmax(a.components, 1) - 2) > 0) {
+            continue;
+        }
+        pbwio__vtu_open(r, v, &a);
+        value[0] = pbwio__vtu_value(r, v, &a);
+        value[1] = pbwio__vtu_value(r, v, &a);
+        PBWIO_FREE(a.block);
+        length = (size_t)(name.end - name.begin);
+        copy = pbwio__copy(r, name.begin, length);
+        if (copy != NULL && r->status == PBWIO_OK && fabs(value[0]) > 0 && fabs(value[0]) < 9e15 && value[1] >= 0
+            && value[1] <= 3) {
+            (void)pbwio__find_group(r, (int)value[1], (long long)value[0], copy, pbwio__unescape(copy, length));
+        }
+        r->held -= copy != NULL ? length + 1 : 0;
+        PBWIO_FREE(copy);
+    }
+}
+
 static void pbwio__vtu_points(pbwio__reader *r, pbwio__vtu *v)
 {
     pbwio__array *points = &v->array[PBWIO__POINTS], *weights = &v->array[PBWIO__WEIGHTS];
+    pbwio__array *markers = &v->array[PBWIO__MARKERS];
     double value[4], row[3], i;
     int k;
     if (!points->is || points->components != 3 || (r->options->weight != NULL && !weights->is)) {
@@ -3462,6 +3868,9 @@ static void pbwio__vtu_points(pbwio__reader *r, pbwio__vtu *v)
     if (weights->is) {
         pbwio__vtu_open(r, v, weights);
         r->column[3] = 3;
+    }
+    if (markers->is) {
+        pbwio__vtu_open(r, v, markers);
     }
     if (r->status == PBWIO_OK && (points->text || v->points * 3 * (double)pbwio__types[points->type].size
                                   <= (double)(points->values.end - points->values.at))) {
@@ -3485,21 +3894,72 @@ static void pbwio__vtu_points(pbwio__reader *r, pbwio__vtu *v)
         }
         value[3] = weights->is ? pbwio__vtu_value(r, v, weights) : 0;
         pbwio__add_point(r, value);
+        if (markers->is) {
+            r->group[0] = pbwio__vtu_group(r, 0, pbwio__vtu_value(r, v, markers));
+            pbwio__group_point(r, r->cloud->count - 1);
+        }
     }
 }
 
-/* Triangles, quadrilaterals, polygons and tetrahedra. */
+/* The dimension of a type of cells of VTK, -1: it is not kept; its corners, 0: all nodes.  The others are in the
+   middles of its edges and so on. */
+static int pbwio__vtk_shape(int kind, int *corners)
+{
+    static const unsigned char kinds[][3] = { { 1, 0, 1 }, { 2, 0, 1 }, { 3, 1, 2 }, { 4, 1, 0 }, { 5, 2, 3 },
+        { 7, 2, 0 }, { 9, 2, 4 }, { 10, 3, 4 }, { 21, 1, 2 }, { 22, 2, 3 }, { 23, 2, 4 }, { 24, 3, 4 }, { 28, 2, 4 },
+        { 34, 2, 3 }, { 68, 1, 2 }, { 69, 2, 3 }, { 70, 2, 4 }, { 71, 3, 4 } };
+    size_t i;
+    for (i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        if (kinds[i][0] == kind) {
+            *corners = kinds[i][2];
+            return kinds[i][1];
+        }
+    }
+    return -1;
+}
+
+/* One cell, of nodes that come next in the array. */
+static void pbwio__vtu_cell(pbwio__reader *r, pbwio__vtu *v, int kind, double nodes)
+{
+    long long id[56] = { 0 };
+    double value, at;
+    int corners = 0, k = 0, dim = pbwio__vtk_shape(kind, &corners);
+    for (at = 0; at < nodes && r->status == PBWIO_OK; at++) {
+        value = pbwio__vtu_value(r, v, &v->array[PBWIO__CORNERS]);
+        id[k] = value >= 0 && value < (double)r->cloud->count ? (long long)value : -1;
+        if (dim == 2 && corners == 0) {
+            pbwio__add_corner(r, value, (long long)r->cloud->count, (long long)at);
+        } else if (dim == 1 && corners == 0 && at > 0) {
+            pbwio__add_element(r, 1, 2, 2, id);
+            id[0] = id[1];
+        }
+        k += k < 55 && (corners > 0 || k == 0);
+    }
+    if (dim < 0) {
+        pbwio__leave_out(r, PBWIO__OTHER_SOLIDS);
+    } else if (r->status == PBWIO_OK && corners > 0) {
+        if (k < corners) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "a cell of %d nodes where %d are needed", k, corners);
+            return;
+        }
+        pbwio__add_element(r, dim, corners, k, id);
+    }
+}
+
 static void pbwio__vtu_cells(pbwio__reader *r, pbwio__vtu *v)
 {
-    pbwio__array *corners = &v->array[PBWIO__CORNERS], *ends = corners + 1, *kinds = corners + 2;
-    double i, at = 0, end, id;
-    long long corner[4] = { 0, 0, 0, 0 };
-    int k, kind;
-    if (!(v->cells > 0) || !corners->is || !ends->is || !kinds->is) {
+    pbwio__array *ends = &v->array[PBWIO__ENDS], *kinds = &v->array[PBWIO__KINDS];
+    pbwio__array *regions = &v->array[PBWIO__REGIONS], *patches = &v->array[PBWIO__PATCHES];
+    pbwio__array *curves = &v->array[PBWIO__CURVES];
+    double i, at = 0, end, region, patch, curve;
+    int k, kind, unused, dim;
+    if (!(v->cells > 0) || !v->array[PBWIO__CORNERS].is || !ends->is || !kinds->is) {
         return;
     }
-    for (k = 0; k < 3; k++) {
-        pbwio__vtu_open(r, v, corners + k);
+    for (k = PBWIO__CORNERS; k < PBWIO__ARRAYS; k++) {
+        if (v->array[k].is) {
+            pbwio__vtu_open(r, v, &v->array[k]);
+        }
     }
     for (i = 0; i < v->cells && r->status == PBWIO_OK; i++) {
         kind = (int)fmin(fmax(pbwio__vtu_value(r, v, kinds), 0), 1000);
@@ -3507,20 +3967,16 @@ static void pbwio__vtu_cells(pbwio__reader *r, pbwio__vtu *v)
         if (end < at) {
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "offsets that fall");
         }
-        for (k = 0; at < end && r->status == PBWIO_OK; at++, k += k < 4) {
-            id = pbwio__vtu_value(r, v, corners);
-            if (kind == 10 && k < 4) {
-                corner[k] = id >= 0 && id < (double)r->cloud->count ? (long long)id : -1;
-            } else if (kind == 5 || kind == 7 || kind == 9) {
-                pbwio__add_corner(r, id, (long long)r->cloud->count, k);
-            }
+        region = regions->is ? pbwio__vtu_value(r, v, regions) : 0;
+        patch = patches->is ? pbwio__vtu_value(r, v, patches) : 0;
+        curve = curves->is ? pbwio__vtu_value(r, v, curves) : 0;
+        dim = pbwio__vtk_shape(kind, &unused);
+        if (dim >= 0) {
+            region = dim < 3 && fabs(patch) > 0 ? patch : region;
+            r->group[dim] = pbwio__vtu_group(r, dim, dim == 1 && fabs(curve) > 0 ? curve : region);
         }
-        if (kind == 10 && r->status == PBWIO_OK) {
-            if (k != 4) {
-                pbwio__fail(r, PBWIO_ERROR_FORMAT, "a tetrahedron of other than 4 corners");
-            }
-            pbwio__add_element(r, 1, 4, corner);
-        }
+        pbwio__vtu_cell(r, v, kind, end - at);
+        at = end;
     }
 }
 
@@ -3540,6 +3996,7 @@ static void pbwio__read_vtu(pbwio__reader *r)
     pbwio__choose(r, NULL, 3, 3);
     r->options = given;
     pbwio__vtu_tags(r, v);
+    pbwio__vtu_names(r, v);
     pbwio__vtu_points(r, v);
     pbwio__vtu_cells(r, v);
     for (k = 0; k < PBWIO__ARRAYS; k++) {
@@ -3920,14 +4377,17 @@ static void pbwio__read_json(pbwio__reader *r)
      %n      stands for numbers, n says which (pbwio__numbers); in text they are set apart by one character
      #1 &1   the number 1 in 4 or 8 bytes, of one digit
      @p      starts a row, a line that is written for each point; @b those of the boundary, @n those with normals;
-             @c each simplex, @f each facet, @s each triangle of a surface: the facets in 3D, else the simplices;
-             @1 once.  In binary files rows are binary and have no ends, other lines are text.
+             @c each simplex, @f each facet, @h those of the hull, @e each edge, @s each triangle of a surface: the facets in 3D, else the
+             simplices; @1 once.  In binary files rows are binary and have no ends, other lines are text.
      |       ends a line within a row
      [c ..]  is there if the condition c holds (pbwio__holds)
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwio__item {                 /* a facet, or a simplex, of a group */
-    pbw_index patch, inside, outside;        /* regions on both sides, PBW_NONE outside */
-    size_t simplex, k, cell, end;            /* as in the writer; of the first of a group: where that ends */
+enum { PBWIO__FACETS, PBWIO__CELLS, PBWIO__EDGES, PBWIO__MARKED, PBWIO__PARTS };     /* marked: points in groups */
+
+typedef struct pbwio__item {                 /* a facet, a simplex, an edge or a point of a group */
+    pbw_index group;                         /* as the caller has it */
+    pbw_index inside, outside;               /* of a facet: regions on both sides, PBW_NONE outside */
+    size_t simplex, k, cell, end;            /* as in the writer; of the first of a run: where that ends */
 } pbwio__item;
 
 typedef struct pbwio__writer {
@@ -3944,12 +4404,15 @@ typedef struct pbwio__writer {
     pbw_index *number;                       /* of a point or simplex in the file; PBW_NONE: left out; NULL: itself */
     unsigned char *boundary;                 /* 1 for the points on facets; NULL: nobody asks */
     size_t point_count, cell_count, facet_count;     /* what the file holds */
-    size_t point, simplex, k;                /* the row at hand: its point, or its simplex and which facet of that,
-                                                k = corners: the simplex itself */
-    size_t cell, element;                    /* simplices, and simplices and facets, that came before it */
+    size_t point, simplex, k;                /* the row at hand: its point, or its simplex and which facet of that;
+                                                k = corners: the simplex itself; corners + 1, corners + 2: edge or
+                                                point `simplex` */
+    size_t cell, element, node;              /* simplices, elements, and nodes of elements that came before it */
     size_t column;                           /* the column at hand */
-    pbwio__item *items;                      /* facets, then simplices, in groups; NULL: there are none */
-    size_t edge_count;
+    pbwio__item *items;                      /* by parts, in each of them in runs of one group; NULL: there are none */
+    size_t first[PBWIO__PARTS + 1];          /* where each part starts */
+    long long largest;                       /* of the caller's tags that a file can have */
+    char name[32];                           /* of a group that the caller does not name */
     size_t used;
     char buffer[16384];
 } pbwio__writer;
@@ -3957,6 +4420,8 @@ typedef struct pbwio__writer {
 /* Facet k is across from corner k and turns counter-clockwise seen from outside. */
 static const unsigned char pbwio__facet2[3][2] = { { 1, 2 }, { 2, 0 }, { 0, 1 } };
 static const unsigned char pbwio__facet3[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
+
+#define PBWIO__MOST_TAG 1000000000         /* where tags are numbers of groups by name; larger ones are replaced */
 
 static void pbwio__flush(pbwio__writer *w)
 {
@@ -4049,11 +4514,17 @@ static int pbwio__on_hull(const pbwio__writer *w, size_t simplex, size_t k)
     return w->mesh->neighbors != NULL && (other == PBW_NONE || !pbwio__kept(w, other));
 }
 
-/* The corners of the facet or simplex at hand.  Returns how many. */
+/* The corners of the element at hand.  Returns how many. */
 static size_t pbwio__corners(const pbwio__writer *w, pbw_index corner[4])
 {
     const pbw_index *all = w->mesh->simplices + w->corners * w->simplex;
     size_t i, k = w->k, count = w->corners - (k < w->corners);
+    if (k > w->corners) {
+        count = w->corners + 3 - k;
+        corner[0] = count == 1 ? (pbw_index)w->simplex : w->output->edges[2 * w->simplex];
+        corner[1] = count == 1 ? PBW_NONE : w->output->edges[2 * w->simplex + 1];
+        return count;
+    }
     for (i = 0; i < count; i++) {
         corner[i] = all[k == w->corners ? i : w->corners == 4 ? pbwio__facet3[k][i] : pbwio__facet2[k][i]];
     }
@@ -4105,7 +4576,7 @@ static unsigned char *pbwio__touched(pbwio__writer *w, int facets)
 /* Numbers the points that the file will hold, the corners of what is written.  Returns whether there is memory. */
 static int pbwio__number_points(pbwio__writer *w, int facets)
 {
-    size_t i, size = (w->mesh->point_count + 1) * sizeof *w->number * (w->items != NULL ? 2 : 1);
+    size_t i, size = (w->mesh->point_count + 1) * sizeof *w->number * (w->output->format == PBWIO_INP ? 2 : 1);
     unsigned char *touched = pbwio__touched(w, facets);
     w->number = touched != NULL ? (pbw_index *)PBWIO_REALLOC(NULL, size) : NULL;
     w->point_count = 0;
@@ -4187,14 +4658,67 @@ static long long pbwio__number_of(const pbwio__writer *w, size_t i)
     return (long long)(w->number == NULL ? i : w->number[i]) + w->base;
 }
 
-/* Of a simplex or facet. */
+/* Whether the format counts its groups, from 1 on, and so may have none of tag 0. */
+static int pbwio__has_numbers(const pbwio__writer *w)
+{
+    const pbwio_format format = w->output->format;
+    return format == PBWIO_MSH || format == PBWIO_MSH2 || format == PBWIO_INP || format == PBWIO_SU2;
+}
+
+/* A group of the caller's, with a new tag after the largest where the format cannot have its own. */
+static pbwio_group pbwio__caller_group(const pbwio__writer *w, pbw_index number)
+{
+    pbwio_group group = w->output->groups[number];
+    if (pbwio__has_numbers(w) && (group.tag < 1 || group.tag > PBWIO__MOST_TAG)) {
+        group.tag = w->largest + 3 + (long long)number;
+    }
+    return group;
+}
+
+/* The group of the element at hand; none: tag 0. */
+static pbwio_group pbwio__group(pbwio__writer *w)
+{
+    static const char *const names[] = { "boundary", "domain", "edges", "points", "interface" };
+    const pbwio_output *o = w->output;
+    const pbw_index *const groups[] = { o->patches, o->regions, o->edge_groups, o->point_groups };
+    const size_t part = w->k < w->corners ? (size_t)PBWIO__FACETS : w->k - w->corners + PBWIO__CELLS;
+    size_t what = part;
+    pbw_index number;
+    pbwio_group group;
+    group.dim = part >= PBWIO__EDGES ? (int)(PBWIO__MARKED - part) : (int)(w->dim - (part == PBWIO__FACETS));
+    group.tag = 0;
+    group.name = NULL;
+    if (groups[part] == NULL) {                      /* the default groups */
+        what = part == PBWIO__FACETS && !pbwio__on_hull(w, w->simplex, w->k) ? (size_t)PBWIO__PARTS : part;
+        group.tag = (what == PBWIO__CELLS || what == PBWIO__PARTS) + 1;
+        group.tag += o->groups != NULL && w->largest > 0 ? w->largest : 0;
+        group.name = (char *)(uintptr_t)names[what];
+        return group;
+    }
+    number = groups[part][part == PBWIO__FACETS ? w->corners * w->simplex + w->k : w->simplex];
+    if (o->groups != NULL && number < o->group_count) {
+        return pbwio__caller_group(w, number);
+    }
+    if (o->groups == NULL && number < 0x7ffffffe) {
+        group.tag = (long long)number + 1 + (o->format == PBWIO_MESH && part == PBWIO__CELLS);
+        sprintf(w->name, part == PBWIO__FACETS ? "patch_%lu" : "region_%lu", (unsigned long)number);
+    } else if (o->groups == NULL) {
+        group.tag = pbwio__has_numbers(w) ? 0x7fffffff : 0;
+        strcpy(w->name, part == PBWIO__FACETS ? "hole" : "none");
+    }
+    group.name = o->groups == NULL ? w->name : NULL;
+    return group;
+}
+
+/* Of an element. */
 static void pbwio__element_numbers(pbwio__writer *w, char which)
 {
     static const unsigned char side2[3] = { 2, 3, 1 }, side3[4] = { 3, 4, 2, 1 };    /* as Abaqus counts facets */
+    static const unsigned char gmsh[5] = { 0, 15, 1, 2, 4 }, vtk[5] = { 0, 1, 3, 5, 10 };     /* by corners */
     const pbw_mesh *mesh = w->mesh;
     size_t i, n;
     double row[4][3];
-    pbw_index corner[4], patch;
+    pbw_index corner[4];
     switch (which) {
         /* its number among both, its points, the same with their normals */
         case 'j': pbwio__int(w, (long long)(w->element + w->base), 8); break;
@@ -4217,39 +4741,29 @@ static void pbwio__element_numbers(pbwio__writer *w, char which)
             }
             break;
         case 'z': pbwio__put(w, "\0", 2); break;
-        /* of a simplex: its region; of a facet: its patch */
-        case 'r': pbwio__int(w, (w->output->regions != NULL ? (long long)w->output->regions[w->simplex] : 0) + 1, 4);
-            break;
-        case 'R': pbwio__int(w, (w->output->regions != NULL ? (long long)w->output->regions[w->simplex] : 0) + 2, 4);
-            break;
-        case 'P':
-            pbwio__int(w, w->output->patches == NULL ? 1
-                       : (long long)(pbw_index)(w->output->patches[w->corners * w->simplex + w->k] + 1), 4);
-            break;
+        /* the tag of its group; its entity in Gmsh; its type in Gmsh */
+        case 'P': pbwio__int(w, pbwio__group(w).tag, 4); break;
+        case 'E': pbwio__int(w, pbwio__group(w).tag > 0 ? pbwio__group(w).tag : w->largest + 1, 4); break;
+        case 'T': pbwio__int(w, gmsh[pbwio__corners(w, corner)], 4); break;
         /* of a facet: the number of its simplex, which facet of that it is */
         case 'p': pbwio__int(w, (long long)(w->cell + w->base), 8); break;
         case 'k': pbwio__int(w, w->corners == 4 ? side3[w->k] : side2[w->k], 4); break;
         /* of a simplex: neighbours, across from the corners, -1 = the hull; quality; the caller's value.  Where its
-           corners end in a list of all, facets after simplices; its type in VTK */
+           corners end in a list of all; its type in VTK */
         case 'g':
             for (i = 0; i < w->corners; i++) {
                 pbw_index other = mesh->neighbors[w->corners * w->simplex + i];
                 pbwio__int(w, pbwio__on_hull(w, w->simplex, i) ? -1 : pbwio__number_of(w, other), 4);
             }
             break;
-        case 'q': pbwio__real(w, pbwio__quality(mesh, w->simplex)); break;
-        case 'u': pbwio__real(w, w->output->values[w->simplex]); break;
-        case 'a':
-            pbwio__int(w, (long long)(w->k == w->corners ? (w->cell + 1) * w->corners
-                                      : w->cell_count + (w->element + 1) * (w->corners - 1)), 8);
-            break;
-        case 't': pbwio__int(w, w->k == w->corners ? (w->corners == 4 ? 10 : 5) : w->corners == 4 ? 5 : 3, 1); break;
-        /* its region; of a facet: its patch, -1 if it has none */
-        case 'G': pbwio__int(w, (long long)w->output->regions[w->simplex], 4); break;
-        case 'S':
-            patch = w->k < w->corners ? w->output->patches[w->corners * w->simplex + w->k] : PBW_NONE;
-            pbwio__int(w, patch == PBW_NONE ? -1 : (long long)patch, 8);
-            break;
+        case 'q': pbwio__real(w, w->k > w->corners ? 0 : pbwio__quality(mesh, w->simplex)); break;
+        case 'u': pbwio__real(w, w->k > w->corners ? 0 : w->output->values[w->simplex]); break;
+        case 'a': pbwio__int(w, (long long)(w->node += pbwio__corners(w, corner)), 8); break;
+        case 't': pbwio__int(w, vtk[pbwio__corners(w, corner)], 1); break;
+        /* of a simplex, a facet, an edge: the tag of its group, else 0 */
+        case 'G': pbwio__int(w, w->k == w->corners ? pbwio__group(w).tag : 0, 8); break;
+        case 'S': pbwio__int(w, w->k < w->corners ? pbwio__group(w).tag : 0, 8); break;
+        case 'L': pbwio__int(w, w->k == w->corners + 1 ? pbwio__group(w).tag : 0, 8); break;
     }
 }
 
@@ -4269,6 +4783,18 @@ static long long pbwio__marker(const pbwio__writer *w)
 
 /* The name of a column, or attribute_1 and so on: in .vtu as XML has it, in .csv in quotes if it must be, in .ply
    without what its reader takes for the end of a name. */
+/* A character of a name in XML. */
+static void pbwio__put_escaped(pbwio__writer *w, const char *s)
+{
+    for (; *s != 0; s++) {
+        if (strchr("&<>\"", *s) != NULL || (unsigned char)*s < ' ') {
+            pbwio__print(w, "&#%d;", *s);
+        } else {
+            pbwio__put(w, s, 1);
+        }
+    }
+}
+
 static void pbwio__column_name(pbwio__writer *w, size_t column)
 {
     const char *s = w->output->columns[column].name;
@@ -4314,7 +4840,9 @@ static void pbwio__numbers(pbwio__writer *w, char which)
         case 'c': pbwio__int(w, (long long)w->cell_count, 8); break;
         case 'f': pbwio__int(w, (long long)w->facet_count, 8); break;
         case 's': pbwio__int(w, (long long)surface, 4); break;
-        case 'e': pbwio__int(w, (long long)(w->cell_count + w->facet_count), 8); break;
+        case 'l': pbwio__int(w, (long long)(w->first[PBWIO__MARKED] - w->first[PBWIO__EDGES]), 8); break;
+        case 'e': pbwio__int(w, (long long)(w->items != NULL ? w->first[PBWIO__PARTS]
+                                            : w->cell_count + w->facet_count), 8); break;
         case 'B':                                                    /* the box around all points */
             for (i = 0; i < 6; i++) {
                 pbwio__real(w, pbwio__extreme(w, i % 3, i < 3 ? 1 : -1));
@@ -4383,6 +4911,7 @@ static int pbwio__holds(const pbwio__writer *w, char condition)
         case 'm': return w->normals != NULL;
         case 'a': return w->output->regions != NULL;
         case 'A': return w->output->regions == NULL;
+        case 'e': return w->first[PBWIO__MARKED] > w->first[PBWIO__EDGES];
         case 'f': return w->facet_count != 0;
         case 'F': return w->facet_count == 0;
         case 's': return w->corners == 4 ? w->facet_count != 0 : w->cell_count != 0;
@@ -4422,6 +4951,14 @@ static const char *pbwio__sign(pbwio__writer *w, const char *s)
     return s + 1;
 }
 
+/* Puts item i at hand. */
+static void pbwio__seek(pbwio__writer *w, size_t i)
+{
+    w->simplex = w->items[i].simplex;
+    w->k = w->items[i].k;
+    w->cell = w->items[i].cell;
+}
+
 static void pbwio__row(pbwio__writer *w, const char *s)
 {
     while (*s != '\n') {
@@ -4430,14 +4967,27 @@ static void pbwio__row(pbwio__writer *w, const char *s)
     pbwio__end_line(w);
 }
 
+/* Rows of the items from i on, before end. */
+static void pbwio__item_rows(pbwio__writer *w, size_t i, size_t end, const char *row)
+{
+    w->text = !w->binary;
+    for (; i < end; i++, w->element++) {
+        pbwio__seek(w, i);
+        pbwio__row(w, row);
+    }
+}
+
 /* Writes a row for each thing of that kind. */
 static void pbwio__rows(pbwio__writer *w, char kind, const char *row)
 {
-    int facets = kind == 'f' || (kind == 's' && w->corners == 4);
+    int facets = kind == 'f' || kind == 'h' || (kind == 's' && w->corners == 4);
     w->text = !w->binary;
     pbwio__rewind(w);
     if (kind == '1') {
         pbwio__row(w, row);
+    } else if (kind == 'e' || (kind == 'f' && w->items != NULL)) {
+        const int part = kind == 'e' ? PBWIO__EDGES : PBWIO__FACETS;
+        pbwio__item_rows(w, w->first[part], w->first[part + 1], row);
     } else if (strchr("pbn", kind) == NULL) {
         for (; pbwio__step(w, facets); w->element++) {
             pbwio__row(w, row);
@@ -4466,39 +5016,49 @@ static void pbwio__fill_in(pbwio__writer *w, const char *form)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Groups: regions and patches as entities of their own, in .msh, .inp and .vtu.
-   In: the caller's regions, patches and edges.  Out: items, sorted, so that each group is a run of them.
+   Groups: regions, patches, edges and points as entities of their own.
+   In: the caller's groups of elements.  Out: items, sorted, so that each group is a run of them.
    ------------------------------------------------------------------------------------------------------ */
 
 static int pbwio__compare_items(const void *a, const void *b)
 {
     const pbwio__item *x = (const pbwio__item *)a, *y = (const pbwio__item *)b;
-    return x->patch != y->patch ? (x->patch > y->patch) - (x->patch < y->patch)
+    return x->group != y->group ? (x->group > y->group) - (x->group < y->group)
          : x->inside != y->inside ? (x->inside > y->inside) - (x->inside < y->inside)
          : x->outside != y->outside ? (x->outside > y->outside) - (x->outside < y->outside)
          : x->cell != y->cell ? (x->cell > y->cell) - (x->cell < y->cell) : (x->k > y->k) - (x->k < y->k);
 }
 
-/* Fills in facet k of the simplex at hand, or the simplex itself, k = corners.  Returns whether it is written: facets
-   on the hull, and those to a simplex of a higher region. */
-static int pbwio__make_item(const pbwio__writer *w, size_t k, pbwio__item *item)
+/* The region of a simplex, below PBW_NONE also if it has none. */
+static pbw_index pbwio__region_of(const pbwio__writer *w, size_t simplex)
 {
-    const pbwio_output *output = w->output;
+    const pbw_index region = w->output->regions != NULL ? w->output->regions[simplex] : 0;
+    return region == PBW_NONE ? PBW_NONE - 1 : region;
+}
+
+/* Fills in facet k of the simplex at hand, or the simplex itself, k = corners.  Returns whether it is written: facets
+   on the hull, and inside those between regions and, of the caller's groups, those in one. */
+static int pbwio__make_item(const pbwio__writer *w, size_t k, int hull_only, pbwio__item *item)
+{
+    const pbwio_output *o = w->output;
     const size_t at = w->corners * w->simplex + k;
     const int facet = k < w->corners, hull = facet && pbwio__on_hull(w, w->simplex, k);
+    pbw_index next;
     item->simplex = w->simplex;
     item->k = k;
     item->cell = w->cell;
-    item->inside = output->regions != NULL ? output->regions[w->simplex] : 0;
+    item->inside = pbwio__region_of(w, w->simplex);
     item->outside = PBW_NONE;
-    item->patch = !facet ? 0 : output->patches != NULL ? output->patches[at] : !hull;
-    if (facet && !hull) {
-        if (output->regions == NULL || w->mesh->neighbors == NULL) {
-            return 0;
-        }
-        item->outside = output->regions[w->mesh->neighbors[at]];
+    item->group = !facet ? item->inside : o->patches != NULL ? o->patches[at] : !hull;
+    if (!facet || hull || w->mesh->neighbors == NULL || hull_only) {
+        return !facet || hull;
     }
-    return !facet || hull || item->inside < item->outside;
+    next = w->mesh->neighbors[at];
+    item->outside = pbwio__region_of(w, next);
+    if (item->inside == item->outside) {
+        return o->groups != NULL && o->patches != NULL && item->group != PBW_NONE && w->simplex < next;
+    }
+    return item->inside < item->outside && (o->groups == NULL || o->patches == NULL || item->group != PBW_NONE);
 }
 
 /* Sorts items, and tells the first of each run where that ends. */
@@ -4509,7 +5069,7 @@ static void pbwio__sort_items(pbwio__item *items, size_t from, size_t to)
         qsort(items + from, to - from, sizeof *items, pbwio__compare_items);
     }
     for (first = i = from; i < to; i++) {
-        if (items[i].patch != items[first].patch || items[i].inside != items[first].inside
+        if (items[i].group != items[first].group || items[i].inside != items[first].inside
             || items[i].outside != items[first].outside) {
             first = i;
         }
@@ -4517,127 +5077,174 @@ static void pbwio__sort_items(pbwio__item *items, size_t from, size_t to)
     }
 }
 
-/* Lists and sorts facets and simplices.  Returns whether there is memory. */
-static int pbwio__list_items(pbwio__writer *w)
+/* Fills in edge or point i of the caller's.  Returns whether the file has it: its points, and points in groups only. */
+static int pbwio__make_mark(const pbwio__writer *w, int part, size_t i, pbwio__item *item)
 {
-    const size_t room = w->cell_count * (w->corners + 1);
+    const pbwio_output *o = w->output;
+    const pbw_index *groups = part == PBWIO__EDGES ? o->edge_groups : o->point_groups;
+    const size_t a = part == PBWIO__EDGES ? o->edges[2 * i] : i, b = part == PBWIO__EDGES ? o->edges[2 * i + 1] : i;
+    item->simplex = item->cell = i;
+    item->k = w->corners + (part == PBWIO__EDGES ? 1 : 2);
+    item->inside = item->outside = 0;
+    item->group = groups != NULL ? groups[i] : 0;
+    return (part == PBWIO__EDGES || item->group != PBW_NONE)
+        && (w->number == NULL || (w->number[a] != PBW_NONE && w->number[b] != PBW_NONE));
+}
+
+/* Lists and sorts all parts.  Returns whether there is memory. */
+static int pbwio__list_items(pbwio__writer *w, int hull_only)
+{
+    const size_t marks[] = { w->corners == 4 && w->output->edges != NULL ? w->output->edge_count : 0,
+                             w->output->point_groups != NULL ? w->mesh->point_count : 0 };
     pbwio__item item;
-    size_t facets = 0, k;
-    int fill;
+    size_t count[PBWIO__PARTS], i, k;
+    int fill, part;
     for (fill = 0; fill < 2; fill++) {
-        if (fill) {
-            w->items = room < (size_t)-1 / sizeof item
-                     ? (pbwio__item *)PBWIO_REALLOC(NULL, (facets + w->cell_count + 1) * sizeof item) : NULL;
-            if (w->items == NULL) {
-                return 0;
-            }
-            w->facet_count = facets;
-            facets = 0;
+        for (part = 0; part < PBWIO__PARTS; part++) {
+            w->first[part + 1] = w->first[part] + (fill ? count[part] : 0);
+            count[part] = 0;
+        }
+        i = w->first[PBWIO__PARTS] + 1;
+        w->items = fill && i < (size_t)-1 / sizeof item ? (pbwio__item *)PBWIO_REALLOC(NULL, i * sizeof item) : NULL;
+        if (fill && w->items == NULL) {
+            return 0;
         }
         pbwio__rewind(w);
         while (pbwio__step(w, 0)) {
             for (k = 0; k <= w->corners; k++) {
-                const int is = pbwio__make_item(w, k, &item);
-                if (is && fill) {
-                    w->items[k < w->corners ? facets : w->facet_count + w->cell] = item;
+                part = k < w->corners ? PBWIO__FACETS : PBWIO__CELLS;
+                if (pbwio__make_item(w, k, hull_only, &item)) {
+                    i = w->first[part] + count[part]++;
+                    *(fill ? w->items + i : &item) = item;
                 }
-                facets += is && k < w->corners;
+            }
+        }
+        for (part = PBWIO__EDGES; part < PBWIO__PARTS; part++) {
+            for (k = 0; k < marks[part - PBWIO__EDGES]; k++) {
+                if (pbwio__make_mark(w, part, k, &item)) {
+                    i = w->first[part] + count[part]++;
+                    *(fill ? w->items + i : &item) = item;
+                }
             }
         }
     }
-    pbwio__sort_items(w->items, 0, facets);
-    pbwio__sort_items(w->items, facets, facets + w->cell_count);
+    w->facet_count = count[PBWIO__FACETS];
+    for (part = 0; part < PBWIO__PARTS; part++) {
+        pbwio__sort_items(w->items, w->first[part], w->first[part + 1]);
+    }
     return 1;
 }
 
-/* Where the run of items that starts at i ends; whole: of one patch, whatever its regions. */
+/* The part that item i is in. */
+static int pbwio__part_of(const pbwio__writer *w, size_t i)
+{
+    int part = 0;
+    while (i >= w->first[part + 1]) {
+        part++;
+    }
+    return part;
+}
+
+/* Where the run of items that starts at i ends; whole: of one group, whatever its regions. */
 static size_t pbwio__run(const pbwio__writer *w, size_t i, int whole)
 {
-    const size_t end = i < w->facet_count ? w->facet_count : w->facet_count + w->cell_count;
-    const pbw_index patch = w->items[i].patch;
+    const size_t end = w->first[pbwio__part_of(w, i) + 1];
+    const pbw_index group = w->items[i].group;
     do {
         i = w->items[i].end;
-    } while (whole && i < end && w->items[i].patch == patch);
+    } while (whole && i < end && w->items[i].group == group);
     return i;
 }
 
-static size_t pbwio__runs(const pbwio__writer *w, size_t i, size_t end, int whole)
+static size_t pbwio__runs(const pbwio__writer *w, int part, int whole)
 {
-    size_t count = 0;
-    for (; i < end; i = pbwio__run(w, i, whole)) {
+    size_t i, count = 0;
+    for (i = w->first[part]; i < w->first[part + 1]; i = pbwio__run(w, i, whole)) {
         count++;
     }
     return count;
 }
 
-/* The number and the name of the group that an item is in. */
-static int pbwio__group(const pbwio__writer *w, const pbwio__item *item, char name[32])
+/* Writes a name; word: with an underscore for all but letters, digits, points and hyphens. */
+static void pbwio__put_name(pbwio__writer *w, const char *name, int word)
 {
-    const int facet = item->k < w->corners, given = (facet ? w->output->patches : w->output->regions) != NULL;
-    const pbw_index number = facet ? item->patch : item->inside;
-    if (!given) {
-        strcpy(name, !facet ? "domain" : number == 0 ? "boundary" : "interface");
-        return facet ? (int)number + 1 : 2;
-    }
-    if (number >= 0x7ffffffe) {
-        strcpy(name, facet ? "hole" : "none");
-        return 0x7fffffff;
-    }
-    sprintf(name, facet ? "patch_%lu" : "region_%lu", (unsigned long)number);
-    return (int)number + 1;
-}
-
-/* Returns whether edge i of the caller's is in the file. */
-static int pbwio__has_edge(const pbwio__writer *w, size_t i)
-{
-    const pbw_index *edge = w->output->edges + 2 * i;
-    return w->number == NULL || (w->number[edge[0]] != PBW_NONE && w->number[edge[1]] != PBW_NONE);
-}
-
-/* Rows of the items from i on, before end. */
-static void pbwio__item_rows(pbwio__writer *w, size_t i, size_t end, const char *row)
-{
-    w->text = !w->binary;
-    for (; i < end; i++, w->element++) {
-        w->simplex = w->items[i].simplex;
-        w->k = w->items[i].k;
-        w->cell = w->items[i].cell;
-        pbwio__row(w, row);
+    for (; *name != 0; name++) {
+        const int letter = pbwio__lower(*name) >= 'a' && pbwio__lower(*name) <= 'z';
+        const int fits = word ? letter || (*name >= '0' && *name <= '9') || *name == '-' || *name == '.'
+                       : *name != '"' && (unsigned char)*name >= ' ';
+        pbwio__put(w, fits ? name : "_", 1);
     }
 }
 
-static void pbwio__msh_names(pbwio__writer *w)
+/* The parts in the order of .msh, which is that of dimensions. */
+static const int pbwio__in_order[] = { PBWIO__MARKED, PBWIO__EDGES, PBWIO__FACETS, PBWIO__CELLS };
+
+/* The name of a group as a word, made of its tag if it has none, and the end of the line. */
+static void pbwio__put_group(pbwio__writer *w, const pbwio_group *group)
 {
-    const size_t facets = w->facet_count, all = facets + w->cell_count;
-    char name[32];
-    size_t i;
-    int number;
-    pbwio__print(w, "$PhysicalNames\n%zu\n", (size_t)(w->edge_count > 0) + pbwio__runs(w, 0, facets, 1)
-                 + pbwio__runs(w, facets, all, 0));
-    if (w->edge_count > 0) {
-        pbwio__print(w, "1 1 \"edges\"\n");
+    if (group->name != NULL) {
+        pbwio__put_name(w, group->name, 1);
+    } else if (group->tag != 0) {
+        pbwio__print(w, "group_%lld", group->tag);
+    } else {
+        pbwio__print(w, "ungrouped");
     }
-    for (i = 0; i < all; i = pbwio__run(w, i, i < facets)) {
-        number = pbwio__group(w, w->items + i, name);
-        pbwio__print(w, "%d %d \"%s\"\n", (int)w->dim - (i < facets), number, name);
+    pbwio__print(w, "\n");
+}
+
+/* $PhysicalNames of the groups of the caller's that have a name, and of the default groups that are written. */
+static void pbwio__write_names(pbwio__writer *w)
+{
+    const pbwio_output *o = w->output;
+    const pbw_index *const given[] = { o->patches, o->regions, o->edge_groups, o->point_groups };
+    size_t i, count = 0;
+    pbwio_group group;
+    int pass, part, n;
+    for (pass = 0; pass < 2; pass++) {
+        if (pass == 1) {
+            pbwio__print(w, "$PhysicalNames\n%zu\n", count);
+        }
+        for (i = 0; o->groups != NULL && i < o->group_count; i++) {
+            group = pbwio__caller_group(w, (pbw_index)i);
+            count += group.name != NULL;
+            if (pass == 1 && group.name != NULL) {
+                pbwio__print(w, "%d %lld \"", group.dim, group.tag);
+                pbwio__put_name(w, group.name, 0);
+                pbwio__print(w, "\"\n");
+            }
+        }
+        for (n = 0; n < PBWIO__PARTS; n++) {
+            part = pbwio__in_order[n];
+            for (i = w->first[part]; i < w->first[part + 1]; i = pbwio__run(w, i, 1)) {
+                if (o->groups == NULL || given[part] == NULL) {
+                    pbwio__seek(w, i);
+                    group = pbwio__group(w);
+                    count++;
+                    pbwio__print(w, pass == 1 ? "%d %lld \"%s\"\n" : "", group.dim, group.tag, group.name);
+                }
+            }
+        }
     }
     pbwio__print(w, "$EndPhysicalNames\n");
 }
 
-/* An entity: tag, box, one physical group; the caller adds what bounds it. */
-static void pbwio__msh_entity(pbwio__writer *w, int tag, const double box[6], int group)
+/* An entity: tag, place or box, its physical group if it has one; the caller adds what bounds it. */
+static void pbwio__write_entity(pbwio__writer *w, size_t tag, const double *box, int numbers)
 {
+    const pbwio_group group = pbwio__group(w);
     int k;
-    pbwio__int(w, tag, 4);
-    for (k = 0; k < 6; k++) {
+    pbwio__int(w, (long long)tag, 4);
+    for (k = 0; k < numbers; k++) {
         pbwio__real(w, box[k]);
     }
-    pbwio__int(w, 1, 8);
-    pbwio__int(w, group, 4);
+    pbwio__int(w, group.tag != 0, 8);
+    if (group.tag != 0) {
+        pbwio__int(w, group.tag, 4);
+    }
 }
 
 /* The entities that bound a region: those of facets with it on a side, negative where they turn into it. */
-static void pbwio__msh_bounds(pbwio__writer *w, pbw_index region)
+static void pbwio__write_bounds(pbwio__writer *w, pbw_index region)
 {
     size_t i, count = 0;
     int pass, tag;
@@ -4645,7 +5252,7 @@ static void pbwio__msh_bounds(pbwio__writer *w, pbw_index region)
         if (pass == 1) {
             pbwio__int(w, (long long)count, 8);
         }
-        for (i = 0, tag = 1; i < w->facet_count; i = pbwio__run(w, i, 0), tag++) {
+        for (i = 0, tag = 1; i < w->first[PBWIO__CELLS]; i = pbwio__run(w, i, 0), tag++) {
             const int inside = w->items[i].inside == region, outside = w->items[i].outside == region;
             count += inside || outside;
             if (pass == 1 && (inside || outside)) {
@@ -4653,41 +5260,48 @@ static void pbwio__msh_bounds(pbwio__writer *w, pbw_index region)
             }
         }
     }
-    pbwio__end_line(w);
 }
 
-static void pbwio__msh_entities(pbwio__writer *w)
+static void pbwio__write_entities(pbwio__writer *w)
 {
-    const size_t facets = w->facet_count, all = facets + w->cell_count;
-    const size_t surfaces = pbwio__runs(w, 0, facets, 0), regions = pbwio__runs(w, facets, all, 0);
-    char name[32];
+    size_t count[4] = { 0, 0, 0, 0 }, i, k, tag;
     double box[6];
-    size_t i;
-    int tag;
+    int part, n;
     for (i = 0; i < 6; i++) {
         box[i] = pbwio__extreme(w, i % 3, i < 3 ? 1 : -1);
     }
+    count[0] = w->first[PBWIO__PARTS] - w->first[PBWIO__MARKED];
+    count[1] = pbwio__runs(w, PBWIO__EDGES, 0);
+    count[w->dim - 1] += pbwio__runs(w, PBWIO__FACETS, 0);
+    count[w->dim] = pbwio__runs(w, PBWIO__CELLS, 0);
     pbwio__print(w, "$Entities\n");
     w->text = !w->binary;
-    pbwio__int(w, 0, 8);
-    pbwio__int(w, (long long)(w->dim == 2 ? surfaces : w->edge_count > 0), 8);
-    pbwio__int(w, (long long)(w->dim == 2 ? regions : surfaces), 8);
-    pbwio__int(w, (long long)(w->dim == 2 ? 0 : regions), 8);
+    for (i = 0; i < 4; i++) {
+        pbwio__int(w, (long long)count[i], 8);
+    }
     pbwio__end_line(w);
-    if (w->edge_count > 0) {
-        pbwio__msh_entity(w, 1, box, 1);
-        pbwio__int(w, 0, 8);
-        pbwio__end_line(w);
-    }
-    for (i = 0, tag = 1; i < facets; i = pbwio__run(w, i, 0), tag++) {
-        pbwio__msh_entity(w, tag, box, pbwio__group(w, w->items + i, name));
-        pbwio__int(w, 0, 8);
-        pbwio__end_line(w);
-    }
-    for (i = facets; i < all; i = pbwio__run(w, i, 0)) {
-        tag = pbwio__group(w, w->items + i, name);
-        pbwio__msh_entity(w, tag, box, tag);
-        pbwio__msh_bounds(w, w->items[i].inside);
+    for (n = 0; n < PBWIO__PARTS; n++) {
+        part = pbwio__in_order[n];
+        for (i = w->first[part], tag = 1; i < w->first[part + 1]; tag++) {
+            pbwio__seek(w, i);
+            if (part == PBWIO__MARKED) {
+                double place[3] = { 0, 0, 0 };
+                for (k = 0; k < w->dim; k++) {
+                    place[k] = w->mesh->points[w->dim * w->simplex + k];
+                }
+                pbwio__write_entity(w, tag, place, 3);
+                i++;
+            } else {
+                pbwio__write_entity(w, tag, box, 6);
+                if (part == PBWIO__CELLS) {
+                    pbwio__write_bounds(w, w->items[i].inside);
+                } else {
+                    pbwio__int(w, 0, 8);
+                }
+                i = pbwio__run(w, i, 0);
+            }
+            pbwio__end_line(w);
+        }
     }
     w->text = 1;
     pbwio__print(w, "%s$EndEntities\n$Nodes\n", w->binary ? "\n" : "");
@@ -4695,143 +5309,192 @@ static void pbwio__msh_entities(pbwio__writer *w)
 }
 
 /* The head of a block of elements or, with type 0, of points. */
-static void pbwio__msh_block(pbwio__writer *w, int dim, int tag, int type, size_t count)
+static void pbwio__write_block(pbwio__writer *w, size_t dim, size_t tag, int type, size_t count)
 {
     w->text = !w->binary;
-    pbwio__int(w, dim, 4);
-    pbwio__int(w, tag, 4);
+    pbwio__int(w, (long long)dim, 4);
+    pbwio__int(w, (long long)tag, 4);
     pbwio__int(w, type, 4);
     pbwio__int(w, (long long)count, 8);
     pbwio__end_line(w);
 }
 
-static void pbwio__msh_edges(pbwio__writer *w)
-{
-    size_t i, k;
-    if (w->edge_count > 0) {
-        pbwio__msh_block(w, 1, 1, 1, w->edge_count);
-    }
-    for (i = 0; i < w->output->edge_count && w->edge_count > 0; i++) {
-        if (pbwio__has_edge(w, i)) {
-            pbwio__int(w, (long long)(w->element++ + w->base), 8);
-            for (k = 0; k < 2; k++) {
-                pbwio__int(w, pbwio__number_of(w, w->output->edges[2 * i + k]), 8);
-            }
-            pbwio__end_line(w);
-        }
-    }
-}
-
 /* .msh with groups: every point is in the first region's entity. */
 static void pbwio__write_msh(pbwio__writer *w)
 {
-    const size_t facets = w->facet_count, all = facets + w->cell_count;
-    const int dim = (int)w->dim;
-    char name[32];
-    size_t i, end;
-    int tag;
+    static const unsigned char types[] = { 15, 1, 2, 4 };
+    const size_t all = w->first[PBWIO__PARTS];
+    size_t i, end, tag, blocks, dim;
+    int n, part;
     pbwio__fill_in(w, "$MeshFormat\n4.1 [t0][b1] 8\n[b@1#1\n\n]$EndMeshFormat\n");
-    pbwio__msh_names(w);
-    pbwio__msh_entities(w);
+    pbwio__write_names(w);
+    pbwio__write_entities(w);
     pbwio__fill_in(w, "@1&1%n&1%n\n");
-    pbwio__msh_block(w, dim, all > facets ? pbwio__group(w, w->items + facets, name) : 1, 0, w->point_count);
+    pbwio__write_block(w, w->dim, 1, 0, w->point_count);
     pbwio__fill_in(w, "@p%i\n@p%X\n[b\n]$EndNodes\n$Elements\n");
     w->text = !w->binary;
-    pbwio__int(w, (long long)((w->edge_count > 0) + pbwio__runs(w, 0, facets, 0) + pbwio__runs(w, facets, all, 0)), 8);
-    pbwio__int(w, (long long)(w->edge_count + all), 8);
+    blocks = all - w->first[PBWIO__MARKED] + pbwio__runs(w, PBWIO__EDGES, 0) + pbwio__runs(w, PBWIO__FACETS, 0)
+           + pbwio__runs(w, PBWIO__CELLS, 0);
+    pbwio__int(w, (long long)blocks, 8);
+    pbwio__int(w, (long long)all, 8);
     pbwio__int(w, 1, 8);
-    pbwio__int(w, (long long)(w->edge_count + all), 8);
+    pbwio__int(w, (long long)all, 8);
     pbwio__end_line(w);
-    pbwio__msh_edges(w);
-    for (i = 0, tag = 1; i < all; i = end, tag++) {
-        end = pbwio__run(w, i, 0);
-        if (i < facets) {
-            pbwio__msh_block(w, dim - 1, tag, dim == 2 ? 1 : 2, end - i);
-        } else {
-            pbwio__msh_block(w, dim, pbwio__group(w, w->items + i, name), dim == 2 ? 2 : 4, end - i);
+    for (n = 0; n < PBWIO__PARTS; n++) {
+        part = pbwio__in_order[n];
+        dim = part == PBWIO__MARKED ? 0 : part == PBWIO__EDGES ? 1 : w->dim - (part == PBWIO__FACETS);
+        for (i = w->first[part], tag = 1; i < w->first[part + 1]; i = end, tag++) {
+            end = part == PBWIO__MARKED ? i + 1 : pbwio__run(w, i, 0);
+            pbwio__write_block(w, dim, tag, types[dim], end - i);
+            pbwio__item_rows(w, i, end, "%j%v\n");
         }
-        pbwio__item_rows(w, i, end, "%j%v\n");
     }
     pbwio__fill_in(w, "[b\n]$EndElements\n");
 }
 
-/* .inp: an ELSET for each region; for each patch a SURFACE and an NSET of its points; an NSET of the edges' points.
-   w->number has room for marks behind the numbers. */
-static void pbwio__write_inp(pbwio__writer *w)
+static void pbwio__write_msh2(pbwio__writer *w)
 {
-    const size_t facets = w->facet_count, all = facets + w->cell_count, points = w->mesh->point_count;
-    pbw_index *mark = w->number + points, corner[4];
-    char name[32];
-    size_t i, k, end, count;
-    for (i = facets; i < all && w->output->regions != NULL; i = end) {
-        end = pbwio__run(w, i, 0);
-        (void)pbwio__group(w, w->items + i, name);
-        pbwio__print(w, "*ELSET, ELSET=%s\n", name);
-        pbwio__item_rows(w, i, end, "%p\n");
+    int n;
+    pbwio__print(w, "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n");
+    pbwio__write_names(w);
+    pbwio__fill_in(w, "$Nodes\n%n\n@p%i%X\n$EndNodes\n$Elements\n%e\n");
+    for (n = 0; n < PBWIO__PARTS; n++) {
+        const int part = pbwio__in_order[n];
+        pbwio__item_rows(w, w->first[part], w->first[part + 1], "%j%T2 %P%E%v\n");
     }
-    memset(mark, 0xff, points * sizeof *mark);
-    for (i = 0; i < facets; i = end) {
-        end = pbwio__run(w, i, 1);
-        (void)pbwio__group(w, w->items + i, name);
-        if (strcmp(name, "boundary") == 0) {
-            continue;
-        }
-        pbwio__print(w, "*NSET, NSET=%s\n", name);
-        for (k = i; k < end; k++) {
-            w->simplex = w->items[k].simplex;
-            w->k = w->items[k].k;
-            for (count = pbwio__corners(w, corner); count-- > 0;) {
-                if (mark[corner[count]] != (pbw_index)i) {
-                    mark[corner[count]] = (pbw_index)i;
-                    pbwio__int(w, pbwio__number_of(w, corner[count]), 8);
-                    pbwio__end_line(w);
-                }
+    pbwio__print(w, "$EndElements\n");
+}
+
+/* The points of the items from i on, before end, each once: mark holds the last list that has it. */
+static void pbwio__write_points(pbwio__writer *w, size_t i, size_t end, pbw_index *mark)
+{
+    const pbw_index list = (pbw_index)i;
+    pbw_index corner[4];
+    size_t count;
+    for (; i < end; i++) {
+        pbwio__seek(w, i);
+        for (count = pbwio__corners(w, corner); count-- > 0;) {
+            if (mark[corner[count]] != list) {
+                mark[corner[count]] = list;
+                pbwio__int(w, pbwio__number_of(w, corner[count]), 8);
+                pbwio__end_line(w);
             }
         }
-        pbwio__print(w, "*SURFACE, NAME=%s, TYPE=ELEMENT\n", name);
-        pbwio__item_rows(w, i, end, "%pS%k\n");
     }
-    for (i = 0, k = 0; i < 2 * w->output->edge_count; i++) {
-        const pbw_index p = w->output->edges[i];
-        if (w->number[p] != PBW_NONE && mark[p] != PBW_NONE - 1) {
-            mark[p] = PBW_NONE - 1;
-            pbwio__print(w, "%s", k++ == 0 ? "*NSET, NSET=edges\n" : "");
-            pbwio__int(w, pbwio__number_of(w, p), 8);
-            pbwio__end_line(w);
+}
+
+/* .inp: an ELSET for each region; for each patch a SURFACE and an NSET of its points; an NSET of the points of each
+   group of edges and points.  w->number has room for marks behind the numbers. */
+static void pbwio__write_inp(pbwio__writer *w)
+{
+    const pbwio_output *o = w->output;
+    const size_t points = w->mesh->point_count;
+    pbw_index *mark = w->number + points;
+    pbwio_group group;
+    size_t i, end;
+    int part;
+    memset(mark, 0xff, points * sizeof *mark);
+    for (part = 0; part < PBWIO__PARTS; part++) {
+        if (part == PBWIO__CELLS ? o->regions == NULL
+            : part == PBWIO__FACETS && o->patches == NULL && o->regions == NULL) {
+            continue;                                                /* DOMAIN, BOUNDARY */
+        }
+        for (i = w->first[part]; i < w->first[part + 1]; i = end) {
+            end = pbwio__run(w, i, 1);
+            pbwio__seek(w, i);
+            group = pbwio__group(w);
+            if (group.tag == 0 || (part == PBWIO__FACETS && o->patches == NULL && w->items[i].group == 0)) {
+                continue;
+            }
+            pbwio__print(w, part == PBWIO__CELLS ? "*ELSET, ELSET=" : "*NSET, NSET=");
+            pbwio__put_group(w, &group);
+            if (part == PBWIO__CELLS) {
+                pbwio__item_rows(w, i, end, "%p\n");
+            } else {
+                pbwio__write_points(w, i, end, mark);
+            }
+            if (part == PBWIO__FACETS) {
+                pbwio__print(w, "*SURFACE, TYPE=ELEMENT, NAME=");
+                pbwio__put_group(w, &group);
+                pbwio__item_rows(w, i, end, "%pS%k\n");
+            }
         }
     }
+}
+
+/* .su2: a marker for each patch of the hull. */
+static void pbwio__write_su2(pbwio__writer *w)
+{
+    const char *row = w->corners == 4 ? "5 %v\n" : "3 %v\n";
+    size_t i, end;
+    pbwio__fill_in(w, "NDIME= %d\nNELEM= %c\n@c[25][310] %v\nNPOIN= %n\n@p%y\n");
+    if (w->items == NULL) {
+        pbwio__fill_in(w, "[fNMARK= 1\nMARKER_TAG= boundary\nMARKER_ELEMS= %f\n@f[23][35] %v\n]");
+        return;
+    }
+    pbwio__print(w, "NMARK= %zu\n", pbwio__runs(w, PBWIO__FACETS, 1));
+    for (i = 0; i < w->first[PBWIO__CELLS]; i = end) {
+        pbwio_group group;
+        end = pbwio__run(w, i, 1);
+        pbwio__seek(w, i);
+        group = pbwio__group(w);
+        pbwio__print(w, "MARKER_TAG= ");
+        pbwio__put_group(w, &group);
+        pbwio__print(w, "MARKER_ELEMS= %zu\n", end - i);
+        pbwio__item_rows(w, i, end, row);
+    }
+}
+
+/* The caller's groups that have a name, as fields of the whole file: tag and dimension, as meshio has them. */
+static void pbwio__write_vtu_names(pbwio__writer *w)
+{
+    const pbwio_output *o = w->output;
+    size_t i, count = 0;
+    for (i = 0; o->groups != NULL && i < o->group_count; i++) {
+        if (o->groups[i].name != NULL) {
+            pbwio__print(w, "%s<DataArray type=\"Int64\" Name=\"", count++ == 0 ? "<FieldData>\n" : "");
+            pbwio__put_escaped(w, o->groups[i].name);
+            pbwio__print(w, "\" NumberOfTuples=\"2\" format=\"ascii\">%lld %d</DataArray>\n", o->groups[i].tag,
+                         o->groups[i].dim);
+        }
+    }
+    pbwio__print(w, count > 0 ? "</FieldData>\n" : "");
 }
 
 /* The one format that is more than a form: in binary all tags come first, then all numbers. */
 static void pbwio__write_vtu(pbwio__writer *w)
 {
+    const pbwio_output *o = w->output;
+    const size_t *first = w->first;
+    const size_t facets = first[PBWIO__CELLS], edges = first[PBWIO__MARKED] - first[PBWIO__EDGES];
+    const size_t others = facets + edges, cells = w->cell_count + others;
+    const size_t nodes = w->corners * w->cell_count + (w->corners - 1) * facets + 2 * edges;
     const struct { const char *before, *type, *name; char kind; const char *row; size_t size, is; } arrays[] = {
         { "<PointData>\n", "UInt32", "id", 'p', "%o\n", 4, 1 },
         { "", "Float64", "weight", 'p', "%w\n", 8, w->mesh->weights != NULL },
         { "", "Int64", "marker", 'p', "%M\n", 8, w->output->point_groups != NULL },
         { "", "Float64", NULL, 'p', "%K\n", 8, w->output->column_count },
         { "</PointData>\n<CellData>\n", "Float64", "quality", 'c', "%q\n", 8, 1 },
-        { "", "Float64", w->output->value_name == NULL ? "value" : w->output->value_name, 'c', "%u\n", 8,
-          w->output->values != NULL },
-        { "", "UInt32", "region", 'c', "%G\n", 4, w->output->regions != NULL },
-        { "", "Int64", "patch", 'c', "%S\n", 8, w->output->patches != NULL },
+        { "", "Float64", o->value_name == NULL ? "value" : o->value_name, 'c', "%u\n", 8, o->values != NULL },
+        { "", "Int64", "region", 'c', "%G\n", 8, o->regions != NULL },
+        { "", "Int64", "patch", 'c', "%S\n", 8, facets > 0 },
+        { "", "Int64", "edge", 'c', "%L\n", 8, edges > 0 },
         { "</CellData>\n<Points>\n", "Float64", "points", 'p', "%X\n", 24, 1 },
         { "</Points>\n<Cells>\n", "UInt32", "connectivity", 'v', "%v\n", 4, 1 },
         { "", "Int64", "offsets", 'c', "%a\n", 8, 1 },
         { "", "UInt8", "types", 'c', "%t\n", 1, 1 }
     };
-    const size_t facets = w->items != NULL ? w->facet_count : 0, cells = w->cell_count + facets;
     unsigned long long offset = 0;
     size_t i, bytes;
     int pass;
     pbwio__print(w, "<?xml version=\"1.0\"?>\n"
                  "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"%s\" header_type=\"UInt64\">\n"
-                 "<UnstructuredGrid>\n<Piece NumberOfPoints=\"%zu\" NumberOfCells=\"%zu\">\n",
-                 pbwio__little_endian() ? "LittleEndian" : "BigEndian", w->point_count, cells);
+                 "<UnstructuredGrid>\n", pbwio__little_endian() ? "LittleEndian" : "BigEndian");
+    pbwio__write_vtu_names(w);
+    pbwio__print(w, "<Piece NumberOfPoints=\"%zu\" NumberOfCells=\"%zu\">\n", w->point_count, cells);
     for (pass = 0; pass <= w->binary; pass++) {                      /* binary: all tags, then all numbers */
         for (i = 0; i < sizeof arrays / sizeof arrays[0]; i++) {
-            bytes = arrays[i].size * (arrays[i].kind == 'p' ? w->point_count : arrays[i].kind == 'c' ? cells
-                                      : w->corners * w->cell_count + (w->corners - 1) * facets);
+            bytes = arrays[i].size * (arrays[i].kind == 'p' ? w->point_count : arrays[i].kind == 'c' ? cells : nodes);
             pbwio__print(w, "%s", pass == 0 ? arrays[i].before : "");
             for (w->column = 0; w->column < arrays[i].is; w->column++) {
                 if (pass == 0) {
@@ -4852,9 +5515,12 @@ static void pbwio__write_vtu(pbwio__writer *w)
                 } else {
                     pbwio__int(w, (long long)bytes, 8);
                 }
-                w->element = 0;
+                w->element = w->node = 0;
                 pbwio__rows(w, arrays[i].kind, arrays[i].row);
-                pbwio__item_rows(w, 0, arrays[i].kind == 'p' ? 0 : facets, arrays[i].row);
+                if (arrays[i].kind != 'p' && others > 0) {
+                    pbwio__item_rows(w, 0, w->first[PBWIO__CELLS], arrays[i].row);
+                    pbwio__item_rows(w, w->first[PBWIO__EDGES], w->first[PBWIO__MARKED], arrays[i].row);
+                }
                 pbwio__print(w, "%s", w->binary ? "" : "</DataArray>\n");
             }
         }
@@ -4876,6 +5542,7 @@ static void pbwio__write_vtu(pbwio__writer *w)
 #define PBWIO__COMMAS   64u
 #define PBWIO__GROUPED 128u            /* has groups of facets and simplices */
 #define PBWIO__BASE    256u            /* numbers start where the caller wants */
+#define PBWIO__HULL    512u            /* of facets, those of the hull only */
 
 #define PBWIO__GROUPS "$PhysicalNames\n2\n[21][32] 1 \"boundary\"\n[22][33] 2 \"domain\"\n$EndPhysicalNames\n"
 
@@ -4913,22 +5580,20 @@ static const pbwio__kind pbwio__kinds[] = {
       "$Nodes\n@1&1%n&1%n\n@1%d#1#0%n\n@p%i\n@p%X\n[b\n]$EndNodes\n"
       "$Elements\n@1[f&2][F&1]%e&1%e\n[f@1[2#1][3#2]#1[2#1][3#2]%f\n@f%j%v\n]@1%d#1[2#2][3#4]%c\n@c%j%v\n"
       "[b\n]$EndElements\n" },
-    { "mesh", PBWIO__FROM_1, pbwio__read_medit, NULL,
-      "MeshVersionFormatted 2\nDimension %D\nVertices\n%n\n@p%x%M\n[f[2Edges][3Triangles]\n%f\n@f%v%P\n]"
-      "[2Triangles][3Tetrahedra]\n%c\n@c%v%R\nEnd\n" },
-    { "ele", PBWIO__BASE, pbwio__read_ele, NULL, "%c[23][34] [a1][A0]\n@c%j%v[a%r]\n" },
+    { "mesh", PBWIO__FROM_1 | PBWIO__GROUPED, pbwio__read_medit, NULL,
+      "MeshVersionFormatted 2\nDimension %D\nVertices\n%n\n@p%x%M\n[eEdges\n%l\n@e%v%P\n]"
+      "[f[2Edges][3Triangles]\n%f\n@f%v%P\n][2Triangles][3Tetrahedra]\n%c\n@c%v%P\nEnd\n" },
+    { "ele", PBWIO__BASE, pbwio__read_ele, NULL, "%c[23][34] [a1][A0]\n@c%j%v[a%P]\n" },
     { "neigh", PBWIO__SIMPLICES | PBWIO__BASE, NULL, NULL, "%c[23][34]\n@c%j%g\n" },
-    { "face edge", PBWIO__BASE, NULL, NULL, "%f1\n@f%j%v%P\n" },
-    { "msh2", PBWIO__FROM_1, pbwio__read_msh, NULL,
+    { "face edge", PBWIO__BASE | PBWIO__GROUPED, NULL, NULL, "%f1\n@f%j%v%P\n" },
+    { "msh2", PBWIO__FROM_1 | PBWIO__GROUPED, pbwio__read_msh, NULL,
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" PBWIO__GROUPS
       "$Nodes\n%n\n@p%i%X\n$EndNodes\n"
-      "$Elements\n%e\n@f%j[21][32] 2 1 %P%v\n@c%j[22][34] 2 2 %r%v\n$EndElements\n" },
+      "$Elements\n%e\n@f%j[21][32] 2 1 1 %v\n@c%j[22][34] 2 2 1 %v\n$EndElements\n" },
     { "inp", PBWIO__FROM_1 | PBWIO__NO_ORPHANS | PBWIO__BOUNDARY | PBWIO__COMMAS | PBWIO__GROUPED, NULL, NULL,
       "*NODE, NSET=NALL\n@p%i%x\n*ELEMENT, TYPE=[2[HCPS3][hS3]][3C3D4], ELSET=DOMAIN\n@c%j%v\n"
-      "[f*NSET, NSET=BOUNDARY\n@b%i\n*SURFACE, NAME=BOUNDARY, TYPE=ELEMENT\n@f%pS%k\n]" },
-    { "su2", PBWIO__NO_ORPHANS, NULL, NULL,
-      "NDIME= %d\nNELEM= %c\n@c[25][310] %v\nNPOIN= %n\n@p%y\n"
-      "[fNMARK= 1\nMARKER_TAG= boundary\nMARKER_ELEMS= %f\n@f[23][35] %v\n]" },
+      "[f*NSET, NSET=BOUNDARY\n@b%i\n*SURFACE, NAME=BOUNDARY, TYPE=ELEMENT\n@h%pS%k\n]" },
+    { "su2", PBWIO__NO_ORPHANS | PBWIO__GROUPED | PBWIO__HULL, NULL, pbwio__write_su2, NULL },
     { "json geojson", 0, pbwio__read_json, NULL, NULL }
 };
 
@@ -5057,6 +5722,10 @@ static void *pbwio__shrink(void *ptr, size_t size)
     return block != NULL ? block : ptr;
 }
 
+static void pbwio__shrink_ids(pbw_index **ids, size_t count)
+{
+    *ids = (pbw_index *)pbwio__shrink(*ids, count * sizeof **ids);
+}
 
 /* What is wrong with content, whatever its format; NULL: nothing. */
 static const char *pbwio__wrong(const char *at, size_t left, pbwio_format format)
@@ -5127,6 +5796,10 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
         pbwio__dropped(&r, "columns (those of tables are, on request)");
     }
     PBWIO_FREE(r.polygons);
+    if (r.status == PBWIO_OK && r.middles != NULL) {
+        pbwio__leave_out_middles(&r);
+    }
+    PBWIO_FREE(r.middles);
     if (r.status == PBWIO_OK && cloud->count == 0) {
         r.status = pbwio__file_error(error, PBWIO_ERROR_FORMAT, name, "the file has no points");
     }
@@ -5143,10 +5816,13 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
         cloud->heights = NULL;
     }
     cloud->heights = (double *)pbwio__shrink(cloud->heights, cloud->count * sizeof(double));
-    cloud->triangles = (pbw_index *)pbwio__shrink(cloud->triangles, cloud->triangle_count * 3 * sizeof(pbw_index));
-    cloud->tetrahedra = (pbw_index *)pbwio__shrink(cloud->tetrahedra,
-                                                   cloud->tetrahedron_count * 4 * sizeof(pbw_index));
-    cloud->segments = (pbw_index *)pbwio__shrink(cloud->segments, cloud->segment_count * 2 * sizeof(pbw_index));
+    pbwio__shrink_ids(&cloud->triangles, 3 * cloud->triangle_count);
+    pbwio__shrink_ids(&cloud->tetrahedra, 4 * cloud->tetrahedron_count);
+    pbwio__shrink_ids(&cloud->segments, 2 * cloud->segment_count);
+    pbwio__shrink_ids(&cloud->triangle_groups, cloud->triangle_count);
+    pbwio__shrink_ids(&cloud->tetrahedron_groups, cloud->tetrahedron_count);
+    pbwio__shrink_ids(&cloud->segment_groups, cloud->segment_count);
+    pbwio__shrink_ids(&cloud->point_groups, cloud->count);
     return PBWIO_OK;
 }
 
@@ -5733,6 +6409,8 @@ static void pbwio__emit(void *user, FILE *file)
     w->text = !w->binary;
     if (w->output->format == PBWIO_MSH && w->items != NULL) {
         pbwio__write_msh(w);
+    } else if (w->output->format == PBWIO_MSH2 && w->items != NULL) {
+        pbwio__write_msh2(w);
     } else if (kind->write != NULL) {
         kind->write(w);
     } else {
@@ -5762,6 +6440,10 @@ static void pbwio__writer_start(pbwio__writer *w, const pbwio__kind *kind, const
     w->binary = kind->traits & PBWIO__BINARY && !(output->flags & PBWIO_TEXT)
              && (output->format != PBWIO_STL || pbwio__little_endian());     /* STL has no other byte order */
     w->point_count = mesh->point_count;
+    for (i = 0; output->groups != NULL && i < output->group_count; i++) {
+        const long long tag = output->groups[i].tag;
+        w->largest = tag > w->largest && tag <= PBWIO__MOST_TAG ? tag : w->largest;
+    }
     pbwio__rewind(w);
     while (pbwio__step(w, 0)) {
         w->cell_count++;
@@ -5779,8 +6461,8 @@ static pbwio_status pbwio__write(const char *path, const pbw_mesh *mesh, int mod
     const pbwio__kind *kind;
     pbwio_status status;
     pbwio__writer *w;
-    size_t i, corners = model ? 3 : (size_t)mesh->dim + 1;
-    int surface, failed = 0;
+    size_t corners = model ? 3 : (size_t)mesh->dim + 1;
+    int surface, grouped, failed = 0;
     memset(&settings, 0, sizeof settings);
     settings = output != NULL ? *output : settings;
     settings.format = settings.format != PBWIO_AUTO ? settings.format : pbwio_format_of(path);
@@ -5799,10 +6481,6 @@ static pbwio_status pbwio__write(const char *path, const pbw_mesh *mesh, int mod
     }
     pbwio__writer_start(w, kind, mesh, corners, &settings);
     w->normals = normals;
-    if (kind->traits & PBWIO__GROUPED && (settings.regions != NULL || settings.patches != NULL || settings.edges != NULL)
-        && (settings.format != PBWIO_VTU || settings.patches != NULL)) {
-        failed = !pbwio__list_items(w);
-    }
     if (kind->traits & PBWIO__BOUNDARY) {
         w->boundary = pbwio__touched(w, 1);
         failed |= w->boundary == NULL;
@@ -5817,8 +6495,10 @@ static pbwio_status pbwio__write(const char *path, const pbw_mesh *mesh, int mod
     } else if (!model && (surface || kind->traits & PBWIO__NO_ORPHANS || settings.flags & PBWIO_NO_ORPHANS)) {
         failed |= !pbwio__number_points(w, surface && corners == 4);
     }
-    for (i = 0; !failed && w->items != NULL && w->dim == 3 && i < settings.edge_count; i++) {
-        w->edge_count += (size_t)pbwio__has_edge(w, i);
+    grouped = settings.patches != NULL || settings.edges != NULL || settings.point_groups != NULL
+           || (settings.format != PBWIO_VTU && (settings.regions != NULL || settings.groups != NULL));
+    if (!failed && grouped && kind->traits & PBWIO__GROUPED) {
+        failed = !pbwio__list_items(w, (kind->traits & PBWIO__HULL) != 0);
     }
     status = failed ? pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory")
                     : pbwio_save(path, pbwio__emit, w, error);

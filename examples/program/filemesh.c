@@ -153,7 +153,7 @@ int take_simplices(job *j, mesh_faults *faults)
     j->mesh.neighbors = j->links;
     say(j, "link", now() - start, "%zu %s, %zu facet%s on the boundary", j->mesh.simplex_count,
         simplices(j->mesh.dim, j->mesh.simplex_count), COUNT(faults->boundary));
-    return 0;
+    return keep_groups(j);
 }
 
 static void tell_fault(const job *j, const mesh_fault *f, const char *what)

@@ -123,6 +123,66 @@ static int make_sizes(const job *j, const pbw_tets *in, double **sizes)
     return 0;
 }
 
+/* ---- groups of the input: in and out ---- */
+
+/* Points of groups that have a name stay; references without one are those of points that do. */
+static unsigned char *marks_of_groups(const pbwio_cloud *c)
+{
+    unsigned char *marks = (unsigned char *)calloc(c->count + 1, 1);
+    size_t i;
+    for (i = 0; marks != NULL && c->point_groups != NULL && i < c->count; i++) {
+        if (c->point_groups[i] != PBW_NONE && c->groups[c->point_groups[i]].name != NULL) {
+            marks[i] = PBW_TETS_FIXED;
+        }
+    }
+    return marks;
+}
+
+/* Writes the mesh with the groups of what each element and point was in the input. */
+static int write_better(job *j, const pbw_tets *better)
+{
+    const pbwio_cloud *c = &j->cloud;
+    pbwio_output *o = &j->write;
+    pbw_index *edge_groups = (pbw_index *)malloc((better->edge_count + 1) * sizeof *edge_groups);
+    pbw_index *point_groups = (pbw_index *)malloc((better->point_count + 1) * sizeof *point_groups);
+    size_t i;
+    int failed = edge_groups == NULL || point_groups == NULL ? fail(j, "out of memory") : 0;
+    for (i = 0; !failed && i < better->edge_count && c->segment_groups != NULL; i++) {
+        edge_groups[i] = c->segment_groups[better->edge_origins[i]];
+    }
+    for (i = 0; !failed && i < better->point_count && c->point_groups != NULL; i++) {
+        point_groups[i] = better->original[i] == PBW_NONE ? PBW_NONE : c->point_groups[better->original[i]];
+    }
+    o->edges = better->edges;
+    o->edge_count = better->edge_count;
+    if (c->group_count > 0) {
+        o->groups = c->groups;
+        o->group_count = c->group_count;
+        o->regions = better->regions;
+        o->patches = better->patches;
+        o->edge_groups = c->segment_groups != NULL ? edge_groups : NULL;
+        o->point_groups = c->point_groups != NULL ? point_groups : NULL;
+    }
+    failed = failed ? failed : write_mesh(j);
+    drop_groups(j);
+    free(edge_groups);
+    free(point_groups);
+    return failed;
+}
+
+/* Segments that are no edges of tetrahedra are lost. */
+static void warn_of_segments(const job *j, const pbw_tets *better)
+{
+    size_t i, lost = j->cloud.segment_count;
+    for (i = 0; i < better->edge_count; i++) {       /* ascending; pieces of one follow each other */
+        lost -= i == 0 || better->edge_origins[i] != better->edge_origins[i - 1];
+    }
+    if (lost > 0) {
+        warn(j, "%s: %zu segment%s no edge of tetrahedra, or given twice, and left out", j->input, lost,
+             lost == 1 ? " is" : "s are");
+    }
+}
+
 static int improve_tets(job *j)
 {
     pbw_improve_options how;
@@ -131,6 +191,7 @@ static int improve_tets(job *j)
     pbw_status status;
     char why[128] = "";
     double start, *sizes = NULL;
+    unsigned char *marks;
     int failed;
     memset(&how, 0, sizeof how);
     memset(&in, 0, sizeof in);
@@ -149,17 +210,27 @@ static int improve_tets(job *j)
     in.point_count = j->cloud.count;
     in.corners = j->cloud.tetrahedra;
     in.tet_count = j->cloud.tetrahedron_count;
-    failed = make_sizes(j, &in, &sizes);
-    if (failed) {
+    failed = complete_groups(j);
+    failed = failed ? failed : find_patches(j, in.corners, in.tet_count);
+    failed = failed ? failed : make_sizes(j, &in, &sizes);
+    marks = marks_of_groups(&j->cloud);
+    if (failed || marks == NULL) {
+        free(marks);
         free(sizes);
-        return failed;
+        return failed ? failed : fail(j, "out of memory");
     }
+    in.regions = j->cloud.tetrahedron_groups;
+    in.patches = j->patches;
+    in.edges = j->cloud.segments;
+    in.edge_count = j->cloud.segment_count;
+    in.marks = marks;
     how.sizes = sizes;
     j->build.message = why;
     j->build.message_size = sizeof why;
     start = now();
     status = pbw_improve(&in, &how, &j->build, &better, &report);
     free(sizes);
+    free(marks);
     j->build.message = NULL;
     if (status != PBW_OK) {
         return status == PBW_CANCELLED ? stopped(j)
@@ -175,8 +246,9 @@ static int improve_tets(job *j)
     }
     note(j, "volume %.12g, before %.12g", report.after.volume, report.before.volume);
     describe_moves(j, &report);
+    warn_of_segments(j, &better);
     show_tets(j, &better);
-    failed = write_mesh(j);
+    failed = write_better(j, &better);
     memset(&j->mesh, 0, sizeof j->mesh);
     pbw_tets_free(&better);
     return failed;

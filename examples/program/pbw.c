@@ -75,6 +75,7 @@ int main(int argc, char **argv)
     free(j.given);
     free(j.inside);
     free(j.links);
+    free(j.patches);
     free(j.over);
     free(j.build.trace);
     pbw_free(&j.mesh);

@@ -114,6 +114,7 @@ struct job {
     int open_surface;                                /* --inside is of a surface with open edges, turned alike */
     unsigned char *inside;                           /* per simplex: is its centre in the surface?  NULL: not known */
     pbw_index *links;                                /* neighbors of a mesh that a file has; NULL: none */
+    pbw_index *patches;                              /* one a corner of a mesh that a file has: the facet's group */
     double *over;                                    /* of a surface for a page: x, y of its points, then z; or NULL */
 };
 
@@ -207,6 +208,16 @@ int write_model(job *j, pbwmodel_content *content);
 typedef pbwio_status writer(job *j, const char *path, const char *ending, void *user, pbwio_error *error);
 int write_with(job *j, writer *write, void *user);
 int write_table(job *j, void (*emit)(void *user, FILE *file), void *user);       /* the same text to each output */
+
+/* ---- groups.c: groups of elements of the input; each returns 0 or the exit status ---- */
+
+/* Where some elements of the cloud are in groups, all have a group, PBW_NONE if they are in none. */
+int complete_groups(job *j);
+/* Fills j->patches, one a corner: the group of the triangle, in the plane of the segment, across from it. */
+int find_patches(job *j, const pbw_index *simplices, size_t count);
+/* The outputs have the groups of the input's elements; j->mesh is of its simplices. */
+int keep_groups(job *j);
+void drop_groups(job *j);                                             /* the outputs have no groups, and no edges */
 
 /* ---- diagram.c ---- */
 

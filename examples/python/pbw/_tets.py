@@ -15,7 +15,8 @@ _size, _double = ctypes.c_size_t, ctypes.c_double
 class _Mesh(ctypes.Structure):
     """pbw_tets."""
     _fields_ = [("point_count", _size), ("tet_count", _size),
-                *_pointers("points corners regions marks neighbors original memory")]
+                *_pointers("points corners regions marks neighbors original patches edges edge_origins"),
+                ("edge_count", _size), *_pointers("memory")]
 
 
 class _Quality(ctypes.Structure):
