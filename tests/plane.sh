@@ -156,7 +156,10 @@ carried() { # every output has the numbers that came in
         sed -n '2,7p' c.node | cmp - given && sed -n '2,7p' c.poly | cmp - given &&
         head -2 c.csv && [ "$(sed 1q c.csv)" = x,y,attribute_1,attribute_2,marker ] &&
         [ "$(sed -n 2p c.csv)" = 0,0,0,1,3 ] && grep -q 'Name="attribute_2"' c.vtu && grep -q 'Name="marker"' c.vtu &&
-        grep -q '^0 0 3$' c.mesh
+        grep -q '^0 0 3$' c.mesh &&
+        awk 'NR > 1 { n[$5]++ } END { exit !(n[7] > 9 && n[8] > 9 && n[7] + n[8] == NR - 1) }' c.ele &&
+        awk 'NR > 1 { n[$4]++ } END { exit !(n[7] > 1 && n[8] > 1 && n[9] > 1 && n[-2] > 1 &&
+            n[7] + n[8] + n[9] + n[-2] == NR - 1) }' c.edge
 }
 check "attributes, markers and numbers go from a .poly to every output" carried
 again() {   # written and read again, with nothing changed
