@@ -9986,6 +9986,24 @@ PBWDEF void pbw_lists_free(pbw_lists *lists)
     }
 }
 
+/* Sorts items, and their values with them, by Shell's sort. */
+static void pbw__sort_items(pbw_index *items, double *values, size_t count)
+{
+    size_t gap, i, j;
+    for (gap = count > 64 ? count / 3 : 1; gap > 0; gap = gap == 2 ? 1 : gap / 3) {
+        for (i = gap; i < count; i++) {
+            const pbw_index item = items[i];
+            const double value = values[i];
+            for (j = i; j >= gap && items[j - gap] > item; j -= gap) {
+                items[j] = items[j - gap];
+                values[j] = values[j - gap];
+            }
+            items[j] = item;
+            values[j] = value;
+        }
+    }
+}
+
 /* Adds list `id` of `length` items to a chunk.  Returns where to write its items, NULL if memory is short; sets
    *values to where to write its values, if values is not NULL. */
 static pbw_index *pbw__chunk_add(pbw__queries *queries, pbw__desk *desk, size_t block, size_t id, size_t length,
@@ -11628,6 +11646,15 @@ static pbw__integer pbw__exact_dot(const pbw__integer *a, const pbw__integer *b,
     return pbw__exact_sum(term, count, top);
 }
 
+static pbw__integer pbw__exact_number(int value, pbw__digit **top)
+{
+    pbw__integer number = { NULL, 0, 0 };
+    number.digit = (*top)++;
+    number.digit[0] = value;
+    number.length = value != 0;
+    return number;
+}
+
 /* Stores p - origin.  In the plane z is 0.  If p is NULL the row is (0, 0, 1), which turns determinants of space into
    those of the plane. */
 static void pbw__exact_row(int dim, const double *p, const double *origin, int unit, pbw__integer *row,
@@ -11635,14 +11662,8 @@ static void pbw__exact_row(int dim, const double *p, const double *origin, int u
 {
     int k;
     for (k = 0; k < 3; k++) {
-        if (k < dim && p != NULL) {
-            row[k] = pbw__exact_difference(p[k], origin[k], unit, top);
-        } else {
-            row[k].digit = *top;
-            row[k].low = 0;
-            row[k].length = p == NULL && k == 2;
-            *(*top)++ = 1;
-        }
+        row[k] = k < dim && p != NULL ? pbw__exact_difference(p[k], origin[k], unit, top)
+                                      : pbw__exact_number(p == NULL && k == 2, top);
     }
 }
 
@@ -11710,53 +11731,27 @@ PBW__INLINE pbw__vector pbw__centre_of(int fine, int dim, const pbw__vector *row
         sum.z = pbw__number(0.0);
         det = pbw__vector_area(fine, row[0], row[1]);
     }
-    *flat = !(pbw__abs(det.head) > 1e-6);           /* too small for pairs as well */
+    *flat = !(pbw__abs(det.head) > (fine ? 1e-6 : 1e-9));
     return pbw__vector_times(fine, sum, pbw__div(fine, pbw__number(0.5), det));
 }
 
-/* Returns the centre for the rows point[i] - origin, times 2^scale; only the quotients are rounded. */
-static PBW__NOINLINE pbw__vector pbw__exact_centre(int dim, const double *const *point, const double *origin,
-                                                   const double *weight, double origin_weight, int scale)
+/* The centre of a simplex, relative to q, in units of 2^(unit-1): at / by. */
+typedef struct pbw__exact_point { pbw__integer at[3], by; } pbw__exact_point;
+
+/* Returns a / (by[0] by[1] ..) * 2^exponent. */
+static pbw__pair pbw__exact_quotient(const pbw__integer *a, const pbw__integer *const *by, int count, int exponent)
 {
-    pbw__digit pool[PBW__POOL], *top = pool, minus_one = -1;
-    pbw__integer row[3][4], same[4], lift[3], normal[3][3], det, sum, minus = { &minus_one, 0, 1 };
-    pbw__pair part[3] = { { 0.0, 0.0 }, { 0.0, 0.0 }, { 0.0, 0.0 } }, divisor;
-    pbw__vector result;
-    int unit, i, k;
-    unit = pbw__exact_unit(weight, dim, pbw__exact_unit(&origin_weight, 1, 1024));
-    unit = pbw__exact_unit(origin, dim, (unit - (unit & 1)) / 2);
-    for (i = 0; i < dim; i++) {
-        unit = pbw__exact_unit(point[i], dim, unit);
+    pbw__pair value = pbw__exact_pair(a, a->length);
+    double some, rest;
+    int i;
+    exponent += PBW__DIGIT_BITS * a->length;
+    for (i = 0; i < count; i++) {
+        value = pbw__div(1, value, pbw__exact_pair(by[i], by[i]->length));
+        exponent -= PBW__DIGIT_BITS * by[i]->length;
     }
-    for (i = 0; i < 3; i++) {
-        pbw__exact_row(dim, i < dim ? point[i] : NULL, origin, unit, row[i], &top);
-        memcpy(same, row[i], sizeof(row[i]));
-        same[3] = lift[i] = minus;
-        lift[i].length = 0;
-        if (i < dim) {                               /* |row|^2 - dw */
-            row[i][3] = pbw__exact_difference(weight[i], origin_weight, 2 * unit, &top);
-            lift[i] = pbw__exact_dot(row[i], same, 1, 4, &top);
-        }
-    }
-    for (i = 0; i < 3; i++) {                        /* the cofactors of lift i */
-        pbw__exact_cross(row[(i + 1) % 3], row[(i + 2) % 3], normal[i], &top);
-    }
-    det = pbw__exact_dot(row[0], normal[0], 1, 3, &top);
-    divisor = pbw__exact_pair(&det, det.length);
-    for (k = 0; k < dim; k++) {
-        sum = pbw__exact_dot(lift, &normal[0][k], 3, 3, &top);
-        if (sum.length > 0) {
-            const int exponent = PBW__DIGIT_BITS * (sum.length - det.length) + unit + scale - 1;
-            const double some = pbw__power_of_two(exponent / 2), rest = pbw__power_of_two(exponent - exponent / 2);
-            part[k] = pbw__div(1, pbw__exact_pair(&sum, sum.length), divisor);
-            part[k].head = part[k].head * some * rest;
-            part[k].tail = part[k].tail * some * rest;
-        }
-    }
-    result.x = part[0];
-    result.y = part[1];
-    result.z = part[2];
-    return result;
+    some = pbw__power_of_two(exponent / 2);
+    rest = pbw__power_of_two(exponent - exponent / 2);
+    return pbw__pair_scaled(pbw__pair_scaled(value, some), rest);
 }
 /* ------------------------------------------------------------------------------------------------------
    >>interpolate  Weights of vertices for a point inside: barycentric, Sibson's, Laplace's.
@@ -11779,25 +11774,27 @@ static PBW__NOINLINE pbw__vector pbw__exact_centre(int dim, const double *const 
    divided by its distance from q.  The facets at q yield these areas.
 
    Coordinates are relative to q and scaled by a power of two.  Centres of nearly flat simplices are far away and
-   badly conditioned.  If the weighted mean of the neighbours is not q, the weights are computed again with pairs of
-   doubles, and with exact integers for the centres of flat simplices.
+   badly conditioned.  If there are any, or if the weighted mean of the neighbours is not q, the weights are computed
+   again with pairs of doubles, and with exact integers for the centres of flat simplices.  Where centres are so far
+   that rounding errors of their products may matter beside the sum, doubles give way to pairs, and pairs to exact
+   integers for each contribution.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__site { pbw__vector at; pbw__pair weight, gain; pbw_index vertex; } pbw__site;
-typedef struct pbw__face { pbw__vector centre; pbw_index corner[3], inner; } pbw__face;
 
-/* A simplex of the cavity: the sites at its corners; across from each, a simplex of the cavity or PBW_NONE. */
-typedef struct pbw__old { pbw__vector centre; pbw_index simplex, corner[4], across[4]; } pbw__old;
+/* A simplex of the cavity: the sites at its corners; across from each, a simplex of the cavity or PBW_NONE.  Or a new
+   simplex, of a facet of the boundary and q: q is PBW_NONE, the last corner, and across[0] the old simplex inside. */
+typedef struct pbw__cell { pbw__vector centre; pbw_index simplex, corner[4], across[4]; } pbw__cell;
 
 /* The cavity of a query. */
 struct pbw__cavity {
     const pbw_mesh *mesh;
-    pbw__old *old;
     pbw__site *site;
-    pbw__face *face;                                 /* of the boundary */
+    pbw__cell *old, *face;                           /* face: the new ones */
     size_t old_capacity, site_capacity, face_capacity;
     size_t simplices, sites, faces;
     double query[3];
     int scale;                                       /* sites are 2^scale times as far from q */
+    int unit;                                        /* of exact numbers */
 };
 
 static void pbw__cavity_free(pbw__memory *memory, pbw__cavity *cavity)
@@ -11807,24 +11804,6 @@ static void pbw__cavity_free(pbw__memory *memory, pbw__cavity *cavity)
         PBW__RELEASE(memory, cavity, site);
         PBW__RELEASE(memory, cavity, face);
         pbw__release(memory, cavity, 1, sizeof(pbw__cavity));
-    }
-}
-
-/* Sorts items, and their values with them, by Shell's sort. */
-static void pbw__sort_items(pbw_index *items, double *values, size_t count)
-{
-    size_t gap, i, j;
-    for (gap = count > 64 ? count / 3 : 1; gap > 0; gap = gap == 2 ? 1 : gap / 3) {
-        for (i = gap; i < count; i++) {
-            const pbw_index item = items[i];
-            const double value = values[i];
-            for (j = i; j >= gap && items[j - gap] > item; j -= gap) {
-                items[j] = items[j - gap];
-                values[j] = values[j - gap];
-            }
-            items[j] = item;
-            values[j] = value;
-        }
     }
 }
 
@@ -11887,9 +11866,9 @@ PBW__INLINE int pbw__has_conflict(const pbw__queries *queries, int dim, size_t t
 
 static int pbw__cavity_reserve(pbw__desk *desk, pbw__cavity *cavity)
 {
-    return pbw__room(desk, &cavity->old, &cavity->old_capacity, cavity->simplices + 4, sizeof(pbw__old))
+    return pbw__room(desk, &cavity->old, &cavity->old_capacity, cavity->simplices + 4, sizeof(pbw__cell))
         && pbw__room(desk, &cavity->site, &cavity->site_capacity, cavity->sites + 4, sizeof(pbw__site))
-        && pbw__room(desk, &cavity->face, &cavity->face_capacity, cavity->faces + 4, sizeof(pbw__face));
+        && pbw__room(desk, &cavity->face, &cavity->face_capacity, cavity->faces + 4, sizeof(pbw__cell));
 }
 
 /* The corners of the facet opposite to each corner, counter-clockwise seen from that corner. */
@@ -11900,12 +11879,13 @@ static const unsigned char pbw__opposite[2][4][3] = {
 /* Adds to the boundary the facet opposite to corner i of the cavity's simplex s. */
 PBW__INLINE void pbw__cavity_face(pbw__cavity *cavity, int dim, size_t s, size_t i)
 {
-    pbw__face *face = cavity->face + cavity->faces++;
+    pbw__cell *face = cavity->face + cavity->faces++;
     int k;
     for (k = 0; k < 3; k++) {
         face->corner[k] = cavity->old[s].corner[pbw__opposite[dim - 2][i][k]];
     }
-    face->inner = (pbw_index)s;
+    face->corner[dim] = PBW_NONE;
+    face->across[0] = (pbw_index)s;
 }
 
 /* Finds the simplices in conflict with q by a flood from t, which is one of them.  Their corners become the sites;
@@ -11926,7 +11906,7 @@ PBW__INLINE int pbw__cavity_find(const pbw__queries *queries, int dim, pbw__desk
     cavity->old[0].simplex = (pbw_index)t;
     for (next = 0; next < cavity->simplices; next++) {
         const size_t s = cavity->old[next].simplex;
-        pbw__old *old;
+        pbw__cell *old;
         if (!pbw__cavity_reserve(desk, cavity)) {
             return 0;
         }
@@ -11996,16 +11976,72 @@ PBW__INLINE void pbw__cavity_place(const pbw_mesh *mesh, int dim, pbw__cavity *c
     }
 }
 
-/* Returns the centre of the simplex of `dim` sites and `base`, relative to base; NULL stands for q, with weight 0. */
-PBW__INLINE pbw__vector pbw__cavity_centre(int fine, int dim, int weighted, const pbw__cavity *cavity,
-                                           const pbw_index *corner, const pbw__site *base)
+/* Stores the centre of a simplex. */
+static void pbw__exact_centre(const pbw__cavity *cavity, const pbw__cell *x, pbw__exact_point *centre,
+                              pbw__digit **top)
 {
     const pbw_mesh *mesh = cavity->mesh;
-    pbw__vector row[3], centre;
+    const int dim = mesh->dim, unit = cavity->unit;
+    const double *q = cavity->query, *point[4], *origin;
+    pbw__integer row[3][4], same[4], lift[3], normal[3][3], twice[3];
+    pbw__product term[4];
+    double weight[4];
+    int i, k;
+    for (i = 0; i <= dim; i++) {
+        const size_t v = x->corner[i] != PBW_NONE ? cavity->site[x->corner[i]].vertex : 0;
+        point[i] = x->corner[i] != PBW_NONE ? mesh->points + v * (size_t)dim : q;
+        weight[i] = mesh->weights != NULL && x->corner[i] != PBW_NONE ? mesh->weights[v] : 0.0;
+    }
+    origin = point[dim];
+    for (i = 0; i < 3; i++) {
+        pbw__exact_row(dim, i < dim ? point[i] : NULL, origin, unit, row[i], top);
+        memcpy(same, row[i], sizeof(row[i]));
+        lift[i] = pbw__exact_number(0, top);
+        same[3] = pbw__exact_number(-1, top);
+        if (i < dim) {                               /* |row|^2 - dw */
+            row[i][3] = pbw__exact_difference(weight[i], weight[dim], 2 * unit, top);
+            lift[i] = pbw__exact_dot(row[i], same, 1, 4, top);
+        }
+        twice[i] = pbw__exact_difference(i < dim ? origin[i] : 0.0, i < dim ? q[i] : 0.0, unit - 1, top);
+    }
+    for (i = 0; i < 3; i++) {                        /* the cofactors of lift i */
+        pbw__exact_cross(row[(i + 1) % 3], row[(i + 2) % 3], normal[i], top);
+    }
+    centre->by = pbw__exact_dot(row[0], normal[0], 1, 3, top);
+    for (k = 0; k < 3; k++) {
+        for (i = 0; i < 4; i++) {
+            term[i].factor[0] = i < 3 ? lift + i : &centre->by;
+            term[i].factor[1] = i < 3 ? &normal[i][k] : twice + k;
+            term[i].negative = 0;
+        }
+        centre->at[k] = pbw__exact_sum(term, 4, top);
+    }
+}
+
+/* Returns the centre in pairs; only the quotients are rounded. */
+static PBW__NOINLINE pbw__vector pbw__cavity_flat_centre(const pbw__cavity *cavity, const pbw__cell *x)
+{
+    const int exponent = cavity->unit - 1 + cavity->scale;
+    pbw__digit pool[2 * PBW__POOL], *top = pool;
+    pbw__exact_point centre;
+    const pbw__integer *by = &centre.by;
+    pbw__vector result;
+    pbw__exact_centre(cavity, x, &centre, &top);
+    result.x = pbw__exact_quotient(centre.at, &by, 1, exponent);
+    result.y = pbw__exact_quotient(centre.at + 1, &by, 1, exponent);
+    result.z = pbw__exact_quotient(centre.at + 2, &by, 1, exponent);
+    return result;
+}
+
+/* Computes the centre of a simplex.  Returns 0 if it is too flat for doubles; with `fine` it is right even so. */
+PBW__INLINE int pbw__cavity_centre(int fine, int dim, int weighted, const pbw__cavity *cavity, pbw__cell *x)
+{
+    const pbw__site *base = x->corner[dim] != PBW_NONE ? cavity->site + x->corner[dim] : NULL;
+    pbw__vector row[3];
     pbw__pair lift[3];
     int flat, k;
     for (k = 0; k < dim; k++) {
-        const pbw__site *site = cavity->site + corner[k];
+        const pbw__site *site = cavity->site + x->corner[k];
         pbw__pair weight = site->weight;
         row[k] = site->at;
         if (base != NULL) {
@@ -12017,34 +12053,70 @@ PBW__INLINE pbw__vector pbw__cavity_centre(int fine, int dim, int weighted, cons
             lift[k] = pbw__sub(fine, lift[k], weight);
         }
     }
-    centre = pbw__centre_of(fine, dim, row, lift, &flat);
-    if (fine && flat) {
-        const double *point[3];
-        double weight[3];
-        for (k = 0; k < dim; k++) {
-            const size_t v = cavity->site[corner[k]].vertex;
-            point[k] = mesh->points + v * (size_t)dim;
-            weight[k] = weighted ? mesh->weights[v] : 0.0;
-        }
-        centre = base == NULL ? pbw__exact_centre(dim, point, cavity->query, weight, 0.0, cavity->scale)
-               : pbw__exact_centre(dim, point, mesh->points + base->vertex * (size_t)dim, weight,
-                                   weighted ? mesh->weights[base->vertex] : 0.0, cavity->scale);
+    x->centre = pbw__centre_of(fine, dim, row, lift, &flat);
+    if (base != NULL) {
+        x->centre = pbw__vector_add(fine, base->at, x->centre);
     }
-    return centre;
+    if (fine && flat) {
+        x->centre = pbw__cavity_flat_centre(cavity, x);
+    }
+    return !flat;
 }
 
-/* Computes the centres of the new simplices, and if `old` of the old ones too. */
-PBW__INLINE void pbw__cavity_centres(int fine, int dim, int weighted, pbw__cavity *cavity, int old)
+/* Adds to the gains, by exact integers, the contributions of the dual edge from n to s to the polygons dual to the
+   edges of its facet: the volume of the cone from q over the triangle of the edge and a corner of the polygon, the
+   first centre met.  In the plane, that of q and the dual edge.  Laplace's weight is that of the polygons dual to
+   edges at q, divided by its height, which is the lift of the other end.  Each is rounded once. */
+static PBW__NOINLINE void pbw__cavity_exact(int laplace, pbw__desk *desk, pbw__site *const *x,
+                                            const pbw__cell *const *ends)
 {
-    size_t i;
-    for (i = 0; old && i < cavity->simplices; i++) {
-        pbw__old *x = cavity->old + i;
-        const pbw__site *base = cavity->site + x->corner[0];
-        x->centre = pbw__vector_add(fine, base->at,
-                                    pbw__cavity_centre(fine, dim, weighted, cavity, x->corner + 1, base));
-    }
-    for (i = 0; i < cavity->faces; i++) {
-        cavity->face[i].centre = pbw__cavity_centre(fine, dim, weighted, cavity, cavity->face[i].corner, NULL);
+    const pbw__cell *n = ends[0];
+    const pbw__cavity *cavity = desk->cavity;
+    const int dim = cavity->mesh->dim, exponent = dim * (cavity->unit - 1 + cavity->scale);
+    const size_t id = n->corner[dim] == PBW_NONE ? cavity->simplices + (size_t)(n - cavity->face)
+                                                 : (size_t)(n - cavity->old);
+    pbw__digit pool[5 * PBW__POOL], *top = pool, *bottom;
+    pbw__exact_point first, from, to;
+    pbw__integer normal[3], volume, row[4], same[4];
+    const pbw__integer *by[4] = { &from.by, &to.by, &first.by, &volume };
+    int i, k, added;
+    pbw__exact_centre(cavity, n, &from, &top);
+    pbw__exact_centre(cavity, ends[1], &to, &top);
+    pbw__exact_cross(from.at, to.at, normal, &top);
+    for (i = laplace && dim == 3, bottom = top; i < (dim == 3 ? 3 : 1); i++, top = bottom) {
+        pbw__site *a = x[i], *b = x[i < 2 ? i + 1 : 0], *end = a->vertex != PBW_NONE ? a : b;
+        const uint64_t low = a->vertex < b->vertex ? a->vertex : b->vertex, high = a->vertex ^ b->vertex ^ low;
+        pbw__integer det;
+        pbw__pair value;
+        if (dim == 3) {
+            const uint32_t *met = pbw__set_add(desk, &desk->other, low << 32 | high, (uint32_t)id, &added);
+            if (met == NULL) {
+                return;
+            }
+            pbw__exact_centre(cavity, *met < cavity->simplices ? cavity->old + *met
+                                     : cavity->face + (*met - cavity->simplices), &first, &top);
+        } else {
+            for (k = 0; k < 3; k++) {
+                first.at[k] = pbw__exact_number(k == 2, &top);
+            }
+            first.by = first.at[2];
+        }
+        det = pbw__exact_dot(first.at, normal, 1, 3, &top);
+        if (laplace) {
+            pbw__exact_row(dim, cavity->mesh->points + end->vertex * (size_t)dim, cavity->query, cavity->unit, row,
+                           &top);
+            memcpy(same, row, sizeof(row));
+            row[3] = pbw__exact_difference(cavity->mesh->weights != NULL ? cavity->mesh->weights[end->vertex] : 0.0,
+                                           0.0, 2 * cavity->unit, &top);
+            same[3] = pbw__exact_number(-1, &top);
+            volume = pbw__exact_dot(row, same, 1, 4, &top);
+        }
+        if (det.length > 0) {
+            value = pbw__exact_quotient(&det, by, laplace ? 4 : 3,
+                                        laplace ? exponent - 2 * (cavity->unit + cavity->scale) : exponent);
+            a->gain = pbw__pair_plus(a->gain, value);
+            b->gain = pbw__pair_minus(b->gain, value);
+        }
     }
 }
 
@@ -12067,9 +12139,13 @@ PBW__INLINE void pbw__cavity_edge(int fine, int weighted, pbw__site *a, pbw__sit
 }
 
 /* Adds the contributions of the dual edge from n to s for all edges of its facet, counter-clockwise seen from s. */
-PBW__INLINE void pbw__cavity_facet(int fine, int dim, int weighted, pbw__site *const *x, pbw__vector n, pbw__vector s)
+PBW__INLINE void pbw__cavity_facet(int fine, int dim, int weighted, pbw__desk *desk, pbw__site *const *x,
+                                   const pbw__cell *const *ends)
 {
-    if (dim == 3) {
+    const pbw__vector n = ends[0]->centre, s = ends[1]->centre;
+    if (fine > 1) {
+        pbw__cavity_exact(0, desk, x, ends);
+    } else if (dim == 3) {
         const pbw__vector cross = pbw__vector_cross(fine, n, s), away = pbw__vector_sub(fine, n, s);
         pbw__cavity_edge(fine, weighted, x[0], x[1], cross, away);
         pbw__cavity_edge(fine, weighted, x[1], x[2], cross, away);
@@ -12084,29 +12160,34 @@ PBW__INLINE void pbw__cavity_facet(int fine, int dim, int weighted, pbw__site *c
 }
 
 /* Subtracts from the gains the contribution of the dual edge of a new facet: the facet of q and x[0], in space also
-   x[1], counter-clockwise seen from s, between the new simplices with centres n and s. */
-PBW__INLINE void pbw__cavity_spoke(int fine, int dim, int weighted, pbw__site *const *x, pbw__vector n, pbw__vector s)
+   x[1], counter-clockwise seen from s, between the new simplices with centres n and s.  scheme: 1 with weights; 2 for
+   Laplace's weights: adds the contribution to the facet between the cells of q and x[0], and in space of q and x[1],
+   each divided by the distance of the two. */
+PBW__INLINE void pbw__cavity_spoke(int fine, int dim, int scheme, pbw__desk *desk, pbw__site *const *x,
+                                   const pbw__cell *const *ends)
 {
+    const pbw__cell *const back[2] = { ends[1], ends[0] };
     pbw__site origin, *corner[3];
     memset(&origin, 0, sizeof(origin));
+    origin.vertex = PBW_NONE;
     corner[0] = x[0];
     corner[1] = dim == 3 ? x[1] : &origin;
     corner[2] = &origin;
-    pbw__cavity_facet(fine, dim, weighted, corner, s, n);
-}
-
-/* Laplace's weights: adds the contribution of the dual edge from n to s to the facet between the cells of q and x[0],
-   and in space of q and x[1], each divided by the distance of the two. */
-PBW__INLINE void pbw__cavity_wall(int fine, int dim, pbw__site *const *x, pbw__vector n, pbw__vector s)
-{
-    const pbw__vector cross = dim == 3 ? pbw__vector_cross(fine, n, s) : pbw__vector_sub(fine, n, s);
-    x[0]->gain = pbw__add(fine, x[0]->gain,
-                          pbw__div(fine, dim == 3 ? pbw__vector_dot(fine, x[0]->at, cross)
-                                                  : pbw__vector_area(fine, x[0]->at, cross),
-                                   pbw__vector_dot(fine, x[0]->at, x[0]->at)));
-    if (dim == 3) {
-        x[1]->gain = pbw__sub(fine, x[1]->gain, pbw__div(fine, pbw__vector_dot(fine, x[1]->at, cross),
-                                                         pbw__vector_dot(fine, x[1]->at, x[1]->at)));
+    if (scheme < 2) {
+        pbw__cavity_facet(fine, dim, scheme, desk, corner, back);
+    } else if (fine > 1) {
+        pbw__cavity_exact(1, desk, corner, back);
+    } else {
+        const pbw__vector cross = dim == 3 ? pbw__vector_cross(fine, ends[0]->centre, ends[1]->centre)
+                                           : pbw__vector_sub(fine, ends[0]->centre, ends[1]->centre);
+        x[0]->gain = pbw__add(fine, x[0]->gain,
+                              pbw__div(fine, dim == 3 ? pbw__vector_dot(fine, x[0]->at, cross)
+                                                      : pbw__vector_area(fine, x[0]->at, cross),
+                                       pbw__vector_dot(fine, x[0]->at, x[0]->at)));
+        if (dim == 3) {
+            x[1]->gain = pbw__sub(fine, x[1]->gain, pbw__div(fine, pbw__vector_dot(fine, x[1]->at, cross),
+                                                             pbw__vector_dot(fine, x[1]->at, x[1]->at)));
+        }
     }
 }
 
@@ -12121,7 +12202,7 @@ PBW__INLINE int pbw__cavity_spokes(int fine, int dim, int weighted, int laplace,
         return 0;
     }
     for (f = 0; f < cavity->faces; f++) {
-        const pbw__face *face = cavity->face + f;
+        const pbw__cell *face = cavity->face + f;
         for (k = 0; k < dim; k++) {
             const pbw_index a = face->corner[k], b = dim == 3 ? face->corner[k < 2 ? k + 1 : 0] : a;
             const uint64_t key = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
@@ -12130,33 +12211,37 @@ PBW__INLINE int pbw__cavity_spokes(int fine, int dim, int weighted, int laplace,
                 return 0;
             }
             if (!added) {
-                const pbw__face *first = cavity->face + *other;
+                const pbw__cell *first = cavity->face + *other;
                 const int turn = dim == 2 && k == 0; /* this edge begins at a: counter-clockwise for the other */
-                const pbw__vector n = turn ? face->centre : first->centre, s = turn ? first->centre : face->centre;
-                pbw__site *x[2];
-                x[0] = cavity->site + b;
-                x[1] = cavity->site + a;
-                if (laplace) {
-                    pbw__cavity_wall(fine, dim, x, n, s);
-                } else {
-                    pbw__cavity_spoke(fine, dim, weighted, x, n, s);
-                }
+                const pbw__cell *const ends[2] = { turn ? face : first, turn ? first : face };
+                pbw__site *const x[2] = { cavity->site + b, cavity->site + a };
+                pbw__cavity_spoke(fine, dim, laplace ? 2 : weighted, desk, x, ends);
             }
         }
     }
     return 1;
 }
 
-/* Computes the gain of each site.  Returns 1 if the weighted mean of the sites is q within rounding errors and no sum
-   overflows, otherwise 0; -1 if memory is short. */
+/* Computes the gain of each site, with fine = 2 by exact integers.  Returns 1 if the weights that they give are
+   right, otherwise 0; -1 if memory is short. */
 PBW__INLINE int pbw__cavity_weigh(int fine, int dim, int weighted, int laplace, pbw__desk *desk)
 {
     pbw__cavity *cavity = desk->cavity;
+    const pbw__cell *ends[2];
     pbw__site *x[3];
-    double mean[3] = { 0.0, 0.0, 0.0 }, total = 0.0, off;
+    double mean[3] = { 0.0, 0.0, 0.0 }, total = 0.0, far = 1.0, off;
     size_t i, s;
-    int k;
-    pbw__cavity_centres(fine, dim, weighted, cavity, !laplace);
+    int k, round = 1;
+    for (i = 0; i < cavity->simplices + cavity->faces && fine < 2; i++) {
+        pbw__cell *cell = i < cavity->faces ? cavity->face + i : cavity->old + (i - cavity->faces);
+        if (i < cavity->faces || !laplace) {
+            round &= pbw__cavity_centre(fine, dim, weighted, cavity, cell);
+            far = pbw__max(far, pbw__max_abs(cell->centre.x.head, cell->centre.y.head, cell->centre.z.head, 0.0));
+        }
+    }
+    if (!fine && !round) {
+        return 0;
+    }
     for (i = 0; i < cavity->sites; i++) {
         cavity->site[i].gain = pbw__number(0.0);
     }
@@ -12167,37 +12252,59 @@ PBW__INLINE int pbw__cavity_weigh(int fine, int dim, int weighted, int laplace, 
                 for (k = 0; k < dim; k++) {
                     x[k] = cavity->site + cavity->old[s].corner[pbw__opposite[dim - 2][i][k]];
                 }
-                pbw__cavity_facet(fine, dim, weighted, x, cavity->old[n].centre, cavity->old[s].centre);
+                ends[0] = cavity->old + n;
+                ends[1] = cavity->old + s;
+                pbw__cavity_facet(fine, dim, weighted, desk, x, ends);
             }
         }
     }
     for (i = 0; i < cavity->faces && !laplace; i++) {
-        const pbw__face *face = cavity->face + i;
+        const pbw__cell *face = cavity->face + i;
         for (k = 0; k < dim; k++) {
             x[k] = cavity->site + face->corner[k];
         }
-        pbw__cavity_facet(fine, dim, weighted, x, face->centre, cavity->old[face->inner].centre);
+        ends[0] = face;
+        ends[1] = cavity->old + face->across[0];
+        pbw__cavity_facet(fine, dim, weighted, desk, x, ends);
     }
-    if (!pbw__cavity_spokes(fine, dim, weighted, laplace, desk)) {
+    if (!pbw__cavity_spokes(fine, dim, weighted, laplace, desk) || desk->failed) {
         return -1;
     }
     for (i = 0; i < cavity->sites; i++) {
         const pbw__site *site = cavity->site + i;
-        const double gain = site->gain.head + site->gain.tail;
+        const double gain = pbw__max(site->gain.head + site->gain.tail, 0.0);
         total += gain;
         mean[0] += gain * site->at.x.head;
         mean[1] += gain * site->at.y.head;
         mean[2] += gain * site->at.z.head;
     }
-    off = pbw__max(pbw__abs(mean[0]), pbw__max(pbw__abs(mean[1]), pbw__abs(mean[2])));
-    return total > 0.0 && total <= DBL_MAX && off <= (fine ? 1e-12 : 1e-14) * total;
+    off = pbw__max_abs(mean[0], mean[1], mean[2], 0.0);
+    return total > 0.0 && total <= DBL_MAX && off <= (fine ? 1e-12 : 1e-14) * total
+        && (fine > 1 || (dim == 3 ? far * far * far : far * far) * (fine ? 1e-11 : 1e-8) <= total);
 }
 
-static PBW__NOINLINE int pbw__cavity_weigh_fine(int laplace, pbw__desk *desk)
+/* Stores the unit of exact numbers: it divides all coordinates, and its square all weights. */
+static void pbw__cavity_unit(pbw__cavity *cavity)
 {
-    const int weighted = desk->cavity->mesh->weights != NULL;
-    return desk->cavity->mesh->dim == 3 ? pbw__cavity_weigh(1, 3, weighted, laplace, desk)
-                                      : pbw__cavity_weigh(1, 2, weighted, laplace, desk);
+    const pbw_mesh *mesh = cavity->mesh;
+    size_t i;
+    for (cavity->unit = 2048, i = 0; i < cavity->sites && mesh->weights != NULL; i++) {
+        cavity->unit = pbw__exact_unit(mesh->weights + cavity->site[i].vertex, 1, cavity->unit);
+    }
+    cavity->unit = pbw__exact_unit(cavity->query, mesh->dim, (cavity->unit - (cavity->unit & 1)) / 2);
+    for (i = 0; i < cavity->sites; i++) {
+        cavity->unit = pbw__exact_unit(mesh->points + cavity->site[i].vertex * (size_t)mesh->dim, mesh->dim,
+                                       cavity->unit);
+    }
+}
+
+static PBW__NOINLINE int pbw__cavity_weigh_fine(int fine, int laplace, pbw__desk *desk)
+{
+    const int weighted = desk->cavity->mesh->weights != NULL, dim = desk->cavity->mesh->dim;
+    return fine == 1 ? (dim == 3 ? pbw__cavity_weigh(1, 3, weighted, laplace, desk)
+                                 : pbw__cavity_weigh(1, 2, weighted, laplace, desk))
+         : dim == 3 ? pbw__cavity_weigh(2, 3, weighted, laplace, desk)
+                    : pbw__cavity_weigh(2, 2, weighted, laplace, desk);
 }
 
 static int pbw__cavity_weigh_coarse(int laplace, pbw__desk *desk)
@@ -12261,7 +12368,11 @@ static void pbw__coordinates_of(pbw__queries *queries, pbw__desk *desk, size_t b
     pbw__cavity_place(mesh, dim, desk->cavity, p);
     right = pbw__cavity_weigh_coarse(laplace, desk);
     if (right == 0) {
-        right = pbw__cavity_weigh_fine(laplace, desk);
+        pbw__cavity_unit(desk->cavity);
+        right = pbw__cavity_weigh_fine(1, laplace, desk);
+    }
+    if (right == 0) {
+        right = pbw__set_clear(desk, &desk->other) ? pbw__cavity_weigh_fine(2, laplace, desk) : -1;
     }
     if (right > 0) {
         pbw__cavity_give(queries, desk, block, query);

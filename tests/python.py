@@ -306,6 +306,98 @@ def borders_are_inside():
                  - (values[face[:-1]] + values[face[1:]]).reshape(-1) / 2).max() < 1e-9)
 
 
+def unit_rows(rows):
+    """Of normal . x <= bound with one normal, the tightest; the first number of each normal is 1 or -1."""
+    tight = {}
+    for normal, bound in rows:
+        lead = next((abs(x) for x in normal if x), None)
+        if lead is None and bound < 0:
+            return None
+        if lead is not None:
+            normal = tuple(x / lead for x in normal)
+            tight[normal] = min(bound / lead, tight.get(normal, bound / lead))
+    return tight
+
+
+def facet_size(tight, normal):
+    """The volume of a polytope's facet, over the length of its normal."""
+    j = next(k for k, x in enumerate(normal) if x)
+    rest = [([a - m[j] / normal[j] * b for k, (a, b) in enumerate(zip(m, normal)) if k != j],
+             c - m[j] / normal[j] * tight[normal]) for m, c in tight.items() if m != normal]
+    return volume(rest) / abs(normal[j])
+
+
+def volume(rows):
+    """Of a polytope, by facets; Lasserre 1983."""
+    tight = unit_rows(rows)
+    if tight is None:
+        return Fraction(0)
+    if len(rows[0][0]) == 1:
+        return max(tight[(1,)] + tight[(-1,)], Fraction(0))
+    return sum(b * facet_size(tight, n) for n, b in tight.items() if b) / len(rows[0][0])
+
+
+def exact_weights(points, weights, q, method):
+    """Sibson's or Laplace's, from the definition, as fractions; KeyError if the cell of q is unbounded."""
+    x = [[Fraction(a) - Fraction(b) for a, b in zip(p, q)] for p in points]
+    power = [sum(a * a for a in p) - Fraction(w) for p, w in zip(x, weights)]
+    scale = [next(2 * abs(a) for a in p if a) for p in x]
+    wall = [(tuple(2 * a / s for a in p), h / s) for p, h, s in zip(x, power, scale)]
+    tight = unit_rows(wall)
+    gains = {}
+    for i, (normal, bound) in enumerate(wall):
+        if method == "laplace":
+            gains[i] = facet_size(tight, normal) / scale[i] if tight[normal] == bound else 0
+        else:                                            # also of a site with its cell inside that of q
+            gains[i] = volume(list(tight.items()) + [([2 * (a - b) for a, b in zip(x[k], x[i])], power[k] - power[i])
+                                                     for k in range(len(x)) if k != i])
+    return {i: float(gain / sum(gains.values())) for i, gain in gains.items()}
+
+
+def nearly_degenerate(kind, dim, rng):
+    """Points on a line but for rounding, amid far ones too; at powers of two; twins one ulp apart."""
+    count = 12 if dim == 2 else 8
+    points = rng.random((count, dim))
+    if kind.startswith("line"):
+        points = np.outer(rng.random(count), 0.3 * np.arange(1, dim + 1)) + 0.1 * np.arange(dim)
+        points = np.nextafter(points, points + rng.integers(-1, 2, points.shape))
+    elif kind == "powers":
+        points = np.ldexp(rng.integers(-1, 2, points.shape), -rng.integers(0, 40, points.shape))
+    elif kind == "twins":
+        points[1::2] = np.nextafter(points[::2], points[::2] + rng.integers(-1, 2, points[::2].shape))
+    if kind == "line, far":
+        points[:2**dim] = (30 + points[:2**dim]) * list(itertools.product((-1, 1), repeat=dim))
+    return np.unique(points + 0.0, axis=0)
+
+
+@test
+def weights_are_exact_where_points_are_nearly_degenerate():
+    rng = np.random.default_rng(7)
+    compared = 0
+    for dim, kind in itertools.product((2, 3), ("line", "line, far", "powers", "twins")):
+        for trial in range(6 if dim == 2 else 1):
+            points = nearly_degenerate(kind, dim, rng)
+            heights = rng.random(len(points)) * 1e-5 * (trial % 2)
+            a, b, c = points[rng.choice(len(points), 3, replace=False)]
+            q = 0.3 * a + 0.7 * (0.6 * b + 0.4 * c)
+            tri = pbw.Delaunay(points, weights=heights if trial % 2 else None)
+            for method in ("sibson", "laplace"):
+                found = tri.coordinates(q[None], method)
+                if len(found[1]) <= dim + 1:
+                    continue                             # outside, on the hull, or a hidden point
+                try:
+                    true = exact_weights(points.tolist(), heights.tolist(), q.tolist(), method)
+                except KeyError:
+                    continue
+                weights = np.zeros(len(points))
+                weights[found[1]] = found[2]
+                compared += 1
+                for i in range(len(points)):
+                    check(abs(weights[i] - true.get(i, 0)) < 1e-9, (kind, dim, method, i, weights[i], true.get(i, 0)))
+                check(np.abs(weights @ points - q).max() < 1e-9)
+    check(compared > 12)
+
+
 def closed(cells, dim):
     """For each bounded cell areas times normals add up to zero, and its pyramids to its volume."""
     for i, volume in enumerate(cells.volumes.tolist()):
