@@ -62,6 +62,7 @@ help:
 	@echo 'make bench-cells Voronoi cells per second, beside voro++'
 	@echo 'make bench-plane plane domains, beside CGAL'
 	@echo 'make bench-domains  30 and 33 degrees on all plane domains of the tests'
+	@echo 'make bench-models  pbw solid on all surfaces of the demo data of CGAL'
 	@echo 'make bench-live  insert, remove and move, beside CGAL; make bench-live-goals  beside what is demanded'
 	@echo 'make bench-scaling  queries, cells, live batches and solids on more and more threads'
 	@echo 'make oracle      compares with CGAL            make names   names, warnings, copies, documentation'

@@ -175,3 +175,8 @@ build/bench_live_goals: bench/live.c examples/swarm.h $(HEADERS)
 .PHONY: bench-live-goals
 bench-live-goals: build/bench_live_goals
 	$< $(ARGS)
+
+# pbw solid on all surfaces of CGAL's demo data, or on MODELS: bench/models.sh
+.PHONY: bench-models
+bench-models: $B/pbw
+	bench/models.sh $< $(MODELS)

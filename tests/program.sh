@@ -329,6 +329,11 @@ more() {    # more MODEL OPTIONS OPTIONS: the second ones make more tetrahedra
 check "a solid" says 0 "8 corners, 12 sharp edges" solid cube.obj --size 0.3
 check "its volume" grep "volume 1, of the surface 1" said
 check "--feature-angle" says 0 "0 corners, 0 sharp edges" solid cube.obj --size 0.3 --feature-angle 100
+check "--sharp" says 0 "0 corners, 0 sharp edges" solid cube.obj --size 0.3 --sharp none
+check "far from the surface" says 0 "sizes apart; a smaller --size" solid cube.obj --size 0.5 --sharp none
+check "before work" says 0 "sharp edges: all are kept, as 100 %" solid cube.obj --size 0.3
+check "--most" says 1 "tetrahedra, more than --most allows" solid cube.obj --size 1e-9
+check "a thin wall" says 1 "of the size 30" solid cube.obj --size 30
 check "a cavity" says 0 "volume 0.936, of the surface 0.936" solid both.obj --size 0.3
 check "--nested" says 0 " in 2 regions, " solid both.obj --size 0.3 --nested
 check "--size" more cube.obj "--size 0.4" "--size 0.2"
@@ -563,7 +568,7 @@ check "mesh --inside of what is elsewhere" none "closed.obj: nothing is inside: 
     mesh away.csv --inside --surface closed.obj -o none.msh -o none.ele
 check "view --inside of what is elsewhere" none "closed.obj: nothing is inside" \
     view away.csv --inside --surface closed.obj -o none.html
-check "solid of a sheet" none "sheet.obj: nothing is inside of it: it is an open sheet" \
+check "solid of a sheet" none "sheet.obj: it is open: 1 hole, 97 % as large as its faces" \
     solid sheet.obj --size 0.7 -o none.vtu
 printf 'x,y\n0,0\n1,0\n0,1\n' > three.csv
 check "cells that are all unbounded" none "none.vtu: no cell is bounded: --box or --clip" cells three.csv -o none.vtu

@@ -609,6 +609,168 @@ static void test_cut_ball(void)
     test_end();
 }
 
+/* Shells that cross are one body, their union; a surface that crosses itself is filled where its winding number is
+   above 0: in the core of a spindle torus it is 0.  The facets are the boundary. */
+static void test_unions(void)
+{
+    static const double low[2][3] = { { 0, 0, 0 }, { 0.6, 0.5, 0.4 } };
+    static const double high[2][3] = { { 1, 1, 1 }, { 1.6, 1.3, 1.2 } };
+    static part m;
+    pbw_solid_options how;
+    pbw_solid_boundary b;
+    pbw_solid_report r;
+    pbw_solid_input in;
+    pbw_tets mesh;
+    size_t i, k;
+    int kind;
+    if (!test_begin("unions")) {
+        return;
+    }
+    memset(&how, 0, sizeof how);
+    for (kind = 0; kind < 3; kind++) {               /* two boxes, one of them turned inside out; a spindle torus */
+        double volume = 1 + 0.64 - 0.4 * 0.5 * 0.6;
+        m.points = m.triangles = 0;
+        for (i = 0; i < 2 && kind < 2; i++) {
+            (void)part_box(&m, low[i], high[i], kind == 1 && i == 1);
+        }
+        for (i = 0; i < 24 * 16 && kind == 2; i++) {
+            const double u = PARTS_PI * (double)(i / 16) / 12, v = PARTS_PI * ((double)(i % 16) + 0.5) / 8;
+            const double radius = 0.5 + 0.8 * cos(v);
+            const size_t next = (i / 16 + 1) % 24 * 16, up = (i + 1) % 16;
+            (void)part_point(&m, radius * cos(u), radius * sin(u), 0.8 * sin(v));
+            part_triangle(&m, i, next + i % 16, next + up);
+            part_triangle(&m, i, next + up, i / 16 * 16 + up);
+        }
+        for (k = 0; k < 8 && kind == 2; k++) {       /* what the upper half of the outline sweeps, twice */
+            const double v[2] = { PARTS_PI * ((double)k - 0.5) / 8, PARTS_PI * ((double)k + 0.5) / 8 };
+            const double p = fmax(0.5 + 0.8 * cos(v[0]), 0), q = fmax(0.5 + 0.8 * cos(v[1]), 0);
+            const double height = k == 0 ? 0.8 * sin(v[1]) : 0.8 * (sin(v[1]) - sin(v[0]));
+            volume = (k == 0 ? 0 : volume) + 2 * 3.106 * height * (p * p + p * q + q * q) / 3;
+        }
+        in = input_of(&m);
+        how.size = kind == 2 ? 0.3 : 0.25;
+        CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, &b, &r), PBW_OK);
+        CHECK(is_sound(&mesh) && r.crossings > 0 && r.bad_edges + r.bad_points == 0);
+        CHECK_EQUAL(r.euler, kind == 2 ? 4 : 2);
+        CHECK_EQUAL(b.facet_count, count_sheets(&mesh));
+        CHECK(kind == 2 ? r.improve.after.volume > 0.9 * volume : fabs(r.improve.after.volume - volume) < 0.02);
+        test_say("%zu tetrahedra, %.2f..%.2f, volume %.4f of %.4f, %zu crossings, Euler %ld, %zu + %zu faults",
+                 mesh.tet_count, r.improve.after.least, r.improve.after.largest, r.improve.after.volume, volume,
+                 r.crossings, r.euler, r.bad_edges, r.bad_points);
+        if (kind == 1) {
+            check_threads(&in, &how, &mesh);
+        }
+        pbw_solid_boundary_free(&b);
+        pbw_tets_free(&mesh);
+    }
+    test_end();
+}
+
+/* A ball with points that are moved at random: its edges bend, but are not sharp at the scale of the size.  An L with
+   such a ball keeps its own sharp edges alone. */
+static void test_sharp(void)
+{
+    static part m;
+    pbw_solid_options how;
+    pbw_solid_report r;
+    pbw_solid_input in;
+    pbw_tets mesh;
+    size_t i, ball;
+    int kind;
+    if (!test_begin("sharp edges at the scale of the size")) {
+        return;
+    }
+    for (kind = 0; kind < 3; kind++) {
+        memset(&how, 0, sizeof how);
+        m.points = m.triangles = 0;
+        if (kind > 0) {
+            (void)part_make(PART_L, 0, &m);
+        }
+        ball = m.points;
+        if (kind < 2) {
+            static part whole;
+            (void)part_make(PART_BALL, 0, &whole);
+            for (i = 0; i < whole.triangles / 2; i++) {          /* the outer shell */
+                part_triangle(&m, ball + whole.t[i][0], ball + whole.t[i][1], ball + whole.t[i][2]);
+            }
+            for (i = 0; i < whole.points / 2; i++) {
+                const double s = 1 + 0.05 * sin(77 * (double)i * (double)i);
+                (void)part_point(&m, s * whole.x[i][0] + 4, s * whole.x[i][1], s * whole.x[i][2]);
+            }
+        }
+        in = input_of(&m);
+        how.size = 0.35;
+        how.improve.passes = 1;
+        CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+        CHECK(kind == 0 ? r.sharp == PBW_SOLID_SHARP_NONE && r.sharp_edges == 0
+              : kind == 1 ? r.sharp_share < 0.77 : r.sharp == PBW_SOLID_SHARP_ALL && r.sharp_edges == 18);
+        test_say("share %.3f, %zu kept", r.sharp_share, r.sharp_edges);
+        pbw_tets_free(&mesh);
+        how.sharp = kind == 1 ? PBW_SOLID_SHARP_SOME : kind == 0 ? PBW_SOLID_SHARP_ALL : PBW_SOLID_SHARP_NONE;
+        how.rounds = 2;
+        CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+        CHECK(kind == 0 ? r.sharp_edges > 50 : r.sharp_edges == (kind == 1 ? 18u : 0u));
+        pbw_tets_free(&mesh);
+    }
+    test_end();
+}
+
+static void note_plan(void *user, const pbw_solid_report *r)
+{
+    *(double *)user = r->estimate;
+}
+
+/* Refused before work: what is mostly open, what is thin, what needs too many tetrahedra, what has no time; and what
+   was refused is filled if asked for.  A plate of a tenth of the size is not refused. */
+static void test_refusals(void)
+{
+    static const double low[3] = { 0, 0, 0 }, plate[3] = { 6, 6, 0.15 }, cube[3] = { 1, 1, 1 };
+    static part m;
+    pbw_solid_options how;
+    pbw_solid_report r;
+    pbw_solid_input in;
+    pbw_tets mesh;
+    double plan = 0;
+    if (!test_begin("refusals")) {
+        return;
+    }
+    memset(&how, 0, sizeof how);
+    m.points = m.triangles = 0;
+    (void)part_box(&m, low, cube, 0);
+    m.triangles = 6;                                 /* half of a cube */
+    in = input_of(&m);
+    how.size = 0.2;
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_DEGENERATE);
+    CHECK(r.refusal == PBW_SOLID_OPEN && r.holes == 1 && r.hole_share > 0.5 && mesh.points == NULL);
+    how.close = 1;
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+    CHECK(r.refusal == PBW_SOLID_FILLED && r.hole[0].closed && is_sound(&mesh) && r.bad_edges + r.bad_points == 0);
+    pbw_tets_free(&mesh);
+    memset(&how, 0, sizeof how);
+    m.points = m.triangles = 0;
+    (void)part_box(&m, low, plate, 0);
+    in = input_of(&m);
+    how.size = 3;
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_DEGENERATE);
+    CHECK(r.refusal == PBW_SOLID_THIN && fabs(r.thickness - 10.8 / 75.6 / 3) < 1e-12);
+    how.size = 1.5;
+    how.plan = note_plan;
+    how.plan_user = &plan;
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+    CHECK(r.improve.after.least > 28 && fabs(r.improve.after.volume - 5.4) < 1e-9);
+    CHECK(plan > 0.5 * (double)mesh.tet_count && plan < 2 * (double)mesh.tet_count);
+    test_say("about %.0f, %zu tetrahedra", plan, mesh.tet_count);
+    pbw_tets_free(&mesh);
+    how.most = plan / 2;
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_ERROR_TOO_LARGE);
+    CHECK(r.refusal == PBW_SOLID_LARGE && fabs(r.estimate - plan) < 1e-6);
+    how.most = 0;
+    how.improve.seconds = 1e-9;
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_CANCELLED);
+    CHECK(r.refusal == PBW_SOLID_LATE && mesh.points == NULL);
+    test_end();
+}
+
 /* The caller's patches are on facets and bound them; without, planes are the patches of a cube. */
 static void test_patches(void)
 {
@@ -877,6 +1039,9 @@ int main(int argc, char **argv)
     test_regions();
     test_sheets();
     test_walls();
+    test_unions();
+    test_sharp();
+    test_refusals();
     test_cut_ball();
     test_patches();
     test_sizes();

@@ -23,9 +23,9 @@
    nothing else is left to add, on tips and ridges of the surface that are far from the boundary.  Then, or after
    options.rounds, pbw_improve raises the least dihedral angle. Sharp edges cut the surface into patches; tetrahedra
    between points of the surface without a common patch are inside if their middle is.  If that leaves faults, the
-   work is repeated with the surface as one patch, and the attempt with fewer faults is the result. An implicit
-   function is first turned into triangles, over the tetrahedra of a cubic grid (Kuhn 1960); samples are then moved to
-   where it is zero.
+   rounds are repeated with the surface as one patch, or without sharp edges if not all were kept, and the attempt
+   with fewer faults is improved.  An implicit function is first turned into triangles, over the tetrahedra of a cubic
+   grid (Kuhn 1960); samples are then moved to where it is zero.
 
    PROMISES  (tests/test_mesh3.c guards them)
      positive    tetrahedra are positively oriented, by exact signs; every point is a corner
@@ -36,11 +36,14 @@
      same        the same bytes for any number of threads
 
    Sizes are those of the options, but smaller where two sheets of the surface are near each other: three quarters of
-   their distance, but at least 1/6 of the size; likewise between sharp edges that do not meet.  A callback and, with
-   options.curvature, the curvature lower them too.  They grow by 0.35 for each unit of length.
+   their distance, or four thirds if that is below 0.4 sizes, but at least 1/6 of the size, or 1/3 if no sharp edges
+   are kept; likewise between sharp edges that do not meet.  A callback and, with options.curvature, the curvature
+   lower them too.  They grow by 0.35 for each unit of length.
    Triangles of a shell are oriented alike.  Holes of an open surface are reported, and closed by triangles of least
-   area (Barequet and Sharir 1995) if this is below three quarters of the shell's area; then inside is where the
-   winding number is above 1/2, so a smooth membrane closes the other holes.
+   area (Barequet and Sharir 1995).  If these have more than 0.34 of the surface's area, it is refused, unless
+   options.close is 1.  Where open edges form no loops, inside is where the winding number is above 1/2.  Where shells
+   cross, or one crosses itself, inside is where the winding number is above 0: the union of shells that do not cross
+   themselves.  With options.nested it is as else.
 
    Sharp edges below 60 degrees are kept like others; the tetrahedra at them have their angles.
 
@@ -54,10 +57,12 @@
    walls are interfaces, and edges at which three or more meet are sharp.  Each region's boundary is examined
    separately, and the Euler numbers are sums over regions.
 
-   DOES NOT  settle at walls and gaps below 1/10 of the size, nor always at acute edges: it warns about these.
-             Shells may be nested or cross; if they coincide only in part, or with other triangles, the space between
-             is no region, or noise.  Where four walls meet inside, facets of interfaces may cut the corner, by up to
-             0.15 sizes: see report.distance.  Points between two regions are not moved.
+   DOES NOT  settle at gaps below 1/10 of the size, nor always at acute edges: it warns about these.  Surfaces with
+             walls below about 1/10 of the size on the whole are refused: report.thickness.
+             Shells may be nested or cross, and the edges where they cross are rounded; if they coincide only in
+             part, or with other triangles, the space between is no region, or noise.  Where four walls meet inside,
+             facets of interfaces may cut the corner, by up to 0.15 sizes: see report.distance.  Points between two
+             regions are not moved.
              Smooth tips sharper than a cone of 60 degrees may stay farther from the boundary than options.distance.
 
    CONFIGURATION MACROS
@@ -92,16 +97,27 @@ typedef struct pbw_solid_input {           /* a surface, or a function */
     double box[6];                         /* low corner, high corner */
 } pbw_solid_input;
 
+struct pbw_solid_report;
+
 typedef struct pbw_solid_options {         /* NULL or all zero = best defaults */
     double size;                           /* length of edges, at most; 0 = 1/40 of the box's diagonal */
-    double least_size;                     /* local sizes are not below it; 0 = 1/6 of size, 1/16 with size_at */
+    double least_size;                     /* local sizes are not below it; 0 = 1/6 of size, 1/16 with size_at, 1/3
+                                              where no sharp edges are kept */
     /* The length of edges at a place, where it is below the size.  Several threads call it at once, also with
        rounds = 0, unless options.threads is 1.  NULL = none. */
     double (*size_at)(void *user, const double point[3]);
     void *size_user;
     double curvature;                      /* sizes are at most this divided by the curvature, the root of the sum of
                                               both principal ones' squares; 0 = whatever it is */
-    int nested;                            /* 1: shells inside of others bound regions; 0: every second is a cavity */
+    int nested;                            /* 1: shells inside of others bound regions; 0: every second is a cavity,
+                                              unless triangles cross: then they are one body */
+    int close;                             /* 1: closes holes however large, and fills thin sheets; 0: refuses them */
+    int sharp;                             /* which sharp edges are kept: PBW_SOLID_SHARP_... */
+    double most;                           /* tetrahedra; 0 = 50 million */
+    /* Called once before the first point is laid, with the report so far: what is known of the input, the kept sharp
+       edges, the estimate.  NULL = nobody. */
+    void (*plan)(void *user, const struct pbw_solid_report *report);
+    void *plan_user;
     double feature_angle;                  /* degrees: edges whose normals differ by more are sharp; 0 = 40; functions
                                               have none */
     double distance;                       /* facets farther from the surface, in sizes, get points, and improvement
@@ -111,12 +127,27 @@ typedef struct pbw_solid_options {         /* NULL or all zero = best defaults *
     pbw_improve_options improve;           /* target < 0: no improvement */
 } pbw_solid_options;
 
+/* Which sharp edges are kept.  AUTO: an edge that is also sharp between the parts of the surface within a size of it,
+   and part of a chain of several sizes, is a feature.  If 77 % of the sharp edges are features, all are kept, as in
+   models from CAD; if at most 30 % are, none, as in scans; else the features. */
+enum { PBW_SOLID_SHARP_AUTO, PBW_SOLID_SHARP_ALL, PBW_SOLID_SHARP_SOME, PBW_SOLID_SHARP_NONE };
+
+/* Why a surface is refused, with PBW_DEGENERATE unless said. */
+enum {
+    PBW_SOLID_FILLED,                      /* it is not */
+    PBW_SOLID_OPEN,                        /* its holes are large: report.hole_share */
+    PBW_SOLID_THIN,                        /* walls are thinner than 1/10 of the size: report.thickness */
+    PBW_SOLID_LARGE,                       /* report.estimate is above options.most; PBW_ERROR_TOO_LARGE */
+    PBW_SOLID_LATE                         /* options.improve.seconds were over before the rounds; PBW_CANCELLED */
+};
+
 enum { PBW_SOLID_PLACES = 8 };
 
 typedef struct pbw_solid_hole {            /* a loop of open edges of the input */
     size_t edges;
     double length, place[3];               /* place: the mean of its corners */
-    int closed;                            /* 1: triangles of least area close it, 0: the winding number does */
+    int closed;                            /* 1: triangles of least area close it, 0: it is no loop, and the winding
+                                              number closes it */
 } pbw_solid_hole;
 
 typedef struct pbw_solid_boundary {        /* of the result; pbw_solid_boundary_free when done */
@@ -137,8 +168,15 @@ typedef struct pbw_solid_report {
     size_t shells, holes;                  /* of the input: parts that edges of two triangles join; loops of open
                                               edges */
     pbw_solid_hole hole[PBW_SOLID_PLACES]; /* the largest of those */
+    double hole_share;                     /* area of the triangles that close holes, by that of the others */
+    double thickness;                      /* twice the input's volume by its area, in sizes; of a plate, how thick */
+    double estimate;                       /* tetrahedra, known before the first point is; within a factor of 2 */
+    size_t crossings;                      /* of the input: edges that cross a triangle */
+    int refusal;                           /* PBW_SOLID_FILLED, or why there is no result */
     size_t regions;                        /* of the result */
-    size_t corners, sharp_edges;           /* of the input */
+    int sharp;                             /* which sharp edges were kept: PBW_SOLID_SHARP_ALL, SOME or NONE */
+    double sharp_share;                    /* features by sharp edges, see there; -1: none were looked for */
+    size_t corners, sharp_edges;           /* of the input, those that are kept */
     size_t acute_edges;                    /* of the input: sharp ones below 60 degrees, inside or outside; tetrahedra
                                               at them cannot have better dihedral angles than those */
     double least_angle;                    /* of the input's sharp edges, degrees, on the narrower side; 180: none */
@@ -147,7 +185,8 @@ typedef struct pbw_solid_report {
     double places[PBW_SOLID_PLACES][3];    /* the first of those */
     size_t facets;                         /* of the boundary */
     long euler, input_euler;               /* Euler numbers: of the boundary, of the input */
-    double distance;                       /* Hausdorff distance of boundary and surface, sampled, in sizes */
+    double distance;                       /* Hausdorff distance of boundary and surface, sampled, in sizes; of the
+                                              boundary from the surface alone where shells that cross are joined */
     double size, input_volume;
     int rounds, settled;                   /* settled: 1, nothing was left to add */
     double seconds[4];                     /* of processor time: sampling, rounds, improvement, this report */
@@ -156,9 +195,10 @@ typedef struct pbw_solid_report {
 
 /* Meshes a solid; how, options, boundary and report may be NULL.  mesh and boundary: overwritten, left empty on
    failure.  mesh.regions: the number of the innermost shell around each tetrahedron; shells are numbered in the order
-   of their first triangles.  Returns PBW_DEGENERATE if nothing is inside, PBW_ERROR_ARGUMENT for ids out of range or
-   sizes below zero, PBW_ERROR_TOO_LARGE for a size that needs more points than an index can number, or what
-   pbw_triangulate and pbw_improve fail with. */
+   of their first triangles.  Returns PBW_DEGENERATE if nothing is inside or the surface is refused,
+   PBW_ERROR_ARGUMENT for ids out of range or sizes below zero, PBW_ERROR_TOO_LARGE for a size that needs more than
+   options.most tetrahedra, or what pbw_triangulate and pbw_improve fail with; report.refusal and the input's part of
+   the report hold on failure, too. */
 PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_options *how,
                                  const pbw_options *options, pbw_tets *mesh, pbw_solid_boundary *boundary,
                                  pbw_solid_report *report);
@@ -208,13 +248,17 @@ typedef struct pbwm3__work {
     pbwsf__memory memory;
     const pbw_solid_input *input;
     pbw_solid_options how;
-    int open;                              /* 1: the input has open edges: inside by winding number */
+    int open;                              /* 1: not all holes of the input are closed: inside by winding number */
+    double capped;                         /* area of the triangles that close holes */
     int nested;
+    int joined;                            /* 1: triangles cross, and inside is where the winding number is above 0 */
     int walls;                             /* 1: a complex of walls between regions: edges of more than two triangles,
                                               or triangles given twice, and no open edges */
     int whole;                             /* 1: the surface is one patch, whatever its edges */
+    int sharp;                             /* which sharp edges are kept */
     const pbw_options *caller;
     pbw_options options;                   /* the caller's, less what does not concern parts */
+    double late;                           /* the processor time by which the work ends with what it has */
     double from, to;                       /* progress: the present stage's part of 0 to 1 */
     double begin, end;                     /* and the part of this attempt in all */
     double size, distance, cosine, low[3], high[3];
@@ -280,6 +324,27 @@ static int pbwm3__stops(const pbwm3__work *w, double share)
     const double done = w->begin + (w->end - w->begin) * (w->from + (w->to - w->from) * share);
     return w->caller != NULL && w->caller->progress != NULL
         && w->caller->progress(w->caller->progress_user, PBW_STAGE_WORK, done) != 0;
+}
+
+static int pbwm3__is_late(const pbwm3__work *w)
+{
+    return w->late < HUGE_VAL && (double)clock() / CLOCKS_PER_SEC > w->late;
+}
+
+/* What ends sampling: the caller, the time, or too many points; a point makes about five tetrahedra. */
+static pbw_status pbwm3__goes_on(pbwm3__work *w, double share)
+{
+    const double tets = 5 * (double)w->x.count;
+    if (pbwm3__is_late(w)) {
+        w->report->refusal = PBW_SOLID_LATE;
+        return PBW_CANCELLED;
+    }
+    if (tets > (w->how.most > 0 ? w->how.most : 5e7)) {
+        w->report->refusal = PBW_SOLID_LARGE;
+        w->report->estimate = fmax(tets, w->report->estimate);
+        return PBW_ERROR_TOO_LARGE;
+    }
+    return pbwm3__stops(w, share) ? PBW_CANCELLED : PBW_OK;
 }
 
 /* Reports the progress of a call that is the current stage. */
@@ -661,7 +726,7 @@ static size_t pbwm3__root_of(size_t *parent, size_t i)
 
 /* ------------------------------------------------------------------------------------------------------
    Shells: triangles joined by edges with two triangles.  They are oriented alike, in closed shells outward; holes are
-   listed, and closed by triangles if these are small.
+   listed, and closed by triangles.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwm3__turned {             /* trees of triangles: turned as the parent, or not */
     size_t *parent;
@@ -849,22 +914,20 @@ static int pbwm3__close_with(pbwm3__work *w, pbw_index a, pbw_index b, pbw_index
 enum { PBWM3__LOOP = 400 };                /* points of a loop whose least area is found; longer ones become fans */
 
 /* Closes a loop of n points by a fan around its middle.  Returns 0 without memory. */
-static int pbwm3__close_by_fan(pbwm3__work *w, const pbw_index *loop, size_t n, pbwm3__shell *shell, pbw_index number,
+static int pbwm3__close_by_fan(pbwm3__work *w, const pbw_index *loop, size_t n, pbw_index number,
                                pbw_solid_hole *hole)
 {
     const double *x = (const double *)w->vertices.data;
-    double area = 0;
     size_t i;
     for (i = 0; i < n; i++) {
         double normal[3];
         pbwsf__normal(hole->place, x + 3 * (size_t)loop[i], x + 3 * (size_t)loop[(i + 1) % n], normal);
-        area += sqrt(pbwsf__dot(normal, normal)) / 2;
+        w->capped += sqrt(pbwsf__dot(normal, normal)) / 2;
     }
-    hole->closed = area < 0.75 * shell->area;
-    if (hole->closed && !pbwm3__append(w, &w->vertices, hole->place, sizeof hole->place)) {
+    if (!pbwm3__append(w, &w->vertices, hole->place, sizeof hole->place)) {
         return 0;
     }
-    for (i = 0; i < n && hole->closed; i++) {
+    for (i = 0; i < n; i++) {
         if (!pbwm3__close_with(w, loop[(i + 1) % n], loop[i], (pbw_index)(w->vertices.count - 1), number)) {
             return 0;
         }
@@ -874,14 +937,13 @@ static int pbwm3__close_by_fan(pbwm3__work *w, const pbw_index *loop, size_t n, 
 
 static int pbwm3__close_loop(pbwm3__work *w, const pbw_index *loop, size_t n, pbw_index number, pbw_solid_hole *hole)
 {
-    pbwm3__shell *shell = (pbwm3__shell *)w->shells.data + number;
     pbwsf__array block;
     double *area;
     pbw_index *best, *out;
     size_t i;
     int good;
     if (n > PBWM3__LOOP) {
-        return pbwm3__close_by_fan(w, loop, n, shell, number, hole);
+        return pbwm3__close_by_fan(w, loop, n, number, hole);
     }
     memset(&block, 0, sizeof block);
     if (!pbwsf__resize(&w->memory, &block, n * n * (sizeof *area + sizeof *best) + 3 * n * sizeof *out)) {
@@ -890,8 +952,8 @@ static int pbwm3__close_loop(pbwm3__work *w, const pbw_index *loop, size_t n, pb
     area = (double *)block.data;
     best = (pbw_index *)(void *)(area + n * n);
     out = best + n * n;
-    hole->closed = pbwm3__least_area((const double *)w->vertices.data, loop, n, area, best, out) < 0.75 * shell->area;
-    for (i = 0, good = 1; i + 2 < n && good && hole->closed; i++) {
+    w->capped += pbwm3__least_area((const double *)w->vertices.data, loop, n, area, best, out);
+    for (i = 0, good = 1; i + 2 < n && good; i++) {
         good = pbwm3__close_with(w, loop[out[3 * i + 2]], loop[out[3 * i + 1]], loop[out[3 * i]], number);
     }
     pbwsf__release(&w->memory, &block);
@@ -932,7 +994,9 @@ static int pbwm3__name_hole(pbwm3__work *w, const pbw_index *loop, size_t n, int
             hole.place[k] += x[3 * (size_t)loop[i] + (size_t)k] / (double)n;
         }
     }
-    return (!closed || n < 3 || pbwm3__close_loop(w, loop, n, shell, &hole))
+    hole.closed = closed && n > 2;
+    w->open |= !hole.closed;
+    return (!hole.closed || pbwm3__close_loop(w, loop, n, shell, &hole))
         && pbwm3__append(w, &w->holes, &hole, sizeof hole);
 }
 
@@ -1184,6 +1248,7 @@ static int pbwm3__find_shells(pbwm3__work *w)
     const size_t count = w->triangles.count;
     pbwm3__turned trees;
     pbwsf__array parents, against, open;
+    double sum = 0;
     size_t i;
     int good;
     memset(&parents, 0, sizeof parents);
@@ -1199,11 +1264,16 @@ static int pbwm3__find_shells(pbwm3__work *w)
     }
     good = good && pbwm3__join_shells(w, &trees, &open) && pbwm3__number_shells(w, &trees);
     w->given = count;
-    w->open = w->report->open_edges > 0;
-    w->walls = !w->open && w->report->crowded_edges + w->report->doubles > 0;
-    if (good && w->open) {
+    w->walls = open.count == 0 && w->report->crowded_edges + w->report->doubles > 0;
+    if (good && open.count > 0) {
         pbwm3__measure_shells(w);
+        w->open = w->report->crowded_edges > 0;
         good = pbwm3__find_holes(w, &open);
+        for (i = 0; i < w->shells.count; i++) {
+            sum += ((const pbwm3__shell *)w->shells.data)[i].area;
+            ((pbwm3__shell *)w->shells.data)[i].open &= w->open;
+        }
+        w->report->hole_share = sum > 0 ? w->capped / sum : 0;
     }
     if (good && w->walls) {
         good = pbwm3__find_walls(w);
@@ -1216,7 +1286,10 @@ static int pbwm3__find_shells(pbwm3__work *w)
     return good;
 }
 
-/* ---- which shell is in which ---- */
+/* ------------------------------------------------------------------------------------------------------
+   Inside: which shell is in which, which triangles cross, and the label of a place.
+   In: shells, turned, and the tree of their triangles.
+   ------------------------------------------------------------------------------------------------------ */
 
 enum { PBWM3__ODD = 64 };                  /* shells that one ray keeps in mind */
 
@@ -1316,6 +1389,69 @@ static void pbwm3__middle_of(const pbwm3__work *w, pbw_index triangle, double p[
     }
 }
 
+/* ---- triangles that cross ---- */
+
+typedef struct pbwm3__cuts { const pbwm3__work *w; unsigned char *cuts; } pbwm3__cuts;      /* per triangle */
+
+typedef struct pbwm3__cut { const pbwm3__work *w; pbw_index a, b; int found; } pbwm3__cut;  /* of the edge a b */
+
+static int pbwm3__meet(void *user, pbw_index triangle)
+{
+    pbwm3__cut *cut = (pbwm3__cut *)user;
+    const pbw_index *c = cut->w->surface.triangles + 3 * (size_t)triangle;
+    int k;
+    for (k = 0; k < 3 && c[k] != cut->a && c[k] != cut->b; k++) {
+    }
+    cut->found = k == 3;
+    return cut->found;
+}
+
+static pbw_status pbwm3__cut_range(void *arg, size_t from, size_t to)
+{
+    const pbwm3__cuts *cuts = (const pbwm3__cuts *)arg;
+    const pbw_surface *s = &cuts->w->surface;
+    size_t i;
+    int k;
+    for (i = from; i < to; i++) {
+        cuts->cuts[i] = 0;
+        for (k = 0; k < 3; k++) {
+            pbwm3__cut cut;
+            cut.w = cuts->w;
+            cut.a = s->triangles[3 * i + (size_t)k];
+            cut.b = s->triangles[3 * i + (size_t)(k + 1) % 3];
+            cut.found = 0;
+            if (cut.a < cut.b) {
+                pbwsf__all_met(s, pbwsf__corner(s, (pbw_index)i, k), pbwsf__corner(s, (pbw_index)i, (k + 1) % 3),
+                               pbwm3__meet, &cut);
+            }
+            cuts->cuts[i] = (unsigned char)(cuts->cuts[i] + cut.found);
+        }
+    }
+    return PBW_OK;
+}
+
+/* Counts edges that meet triangles with none of their ends, by exact signs. */
+static pbw_status pbwm3__find_crossings(pbwm3__work *w)
+{
+    const size_t count = w->surface.triangle_count;
+    pbwsf__array room;
+    pbwm3__cuts cuts;
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i;
+    memset(&room, 0, sizeof room);
+    if (pbwsf__resize(&w->memory, &room, count + 1)) {
+        cuts.w = w;
+        cuts.cuts = (unsigned char *)room.data;
+        status = pbw_for(&w->options, count, 64, pbwm3__cut_range, &cuts);
+        for (i = 0; status == PBW_OK && i < count; i++) {
+            w->report->crossings += cuts.cuts[i];
+        }
+    }
+    w->joined = w->report->crossings > 0 && !w->nested && !w->open && !w->walls;
+    pbwsf__release(&w->memory, &room);
+    return status;
+}
+
 static void pbwm3__nest_shells(pbwm3__work *w)
 {
     pbwm3__shell *shell = (pbwm3__shell *)w->shells.data;
@@ -1336,12 +1472,13 @@ static void pbwm3__nest_shells(pbwm3__work *w)
 }
 
 /* Returns the label at p: 0 outside, else 1, or with nested shells the number of shells around it.  Inside an open
-   surface is where its winding number is above 1/2. */
+   surface is where its winding number is above 1/2, inside shells that cross where it is above 0. */
 static int pbwm3__inside(const pbwm3__work *w, const double p[3])
 {
     const double turns = w->walls ? 0 : w->open ? fabs(pbw_surface_winding(&w->surface, p))
                        : w->nested ? fabs((double)pbw_surface_turns(&w->surface, p)) : 0;
     return w->walls ? pbwm3__shell_label(w, pbwm3__shells_around(w, p, (size_t)-1).innermost)
+         : w->joined ? pbw_surface_turns(&w->surface, p) > 0
          : !w->open && !w->nested ? pbw_surface_inside(&w->surface, p)
          : w->nested ? (int)fmin(turns + 0.5, 255) : turns > 0.5;
 }
@@ -1391,6 +1528,302 @@ static size_t pbwm3__to_surface(const pbwm3__work *w, double p[3])
 static void pbwm3__project(void *user, double p[3])
 {
     (void)pbwm3__to_surface((const pbwm3__work *)user, p);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Features: sharp edges at the scale of the size.
+   In: edges that bend, in the order of all edges.  Out: which of them are kept.
+   ------------------------------------------------------------------------------------------------------ */
+enum { PBWM3__FLOOD = 256 };               /* triangles on one side of an edge that are looked at */
+
+typedef struct pbwm3__graph {              /* of sharp edges */
+    const pbw_index *ends;                 /* two for each */
+    size_t count;
+    pbwsf__array first, at, used;          /* edges at vertex v: at[first[v]] .. at[first[v + 1] - 1] */
+} pbwm3__graph;
+
+static int pbwm3__make_graph(pbwm3__work *w, pbwm3__graph *g)
+{
+    const size_t points = w->surface.point_count;
+    size_t *first, i;
+    if (!pbwsf__resize(&w->memory, &g->first, (points + 2) * sizeof *first)
+        || !pbwsf__resize(&w->memory, &g->at, (2 * g->count + 1) * sizeof(size_t))
+        || !pbwsf__resize(&w->memory, &g->used, g->count + 1)) {
+        return 0;
+    }
+    first = (size_t *)g->first.data;
+    memset(first, 0, (points + 2) * sizeof *first);
+    memset(g->used.data, 0, g->count + 1);
+    for (i = 0; i < 2 * g->count; i++) {
+        first[g->ends[i] + 2]++;
+    }
+    for (i = 0; i < points; i++) {
+        first[i + 2] += first[i + 1];
+    }
+    for (i = 0; i < 2 * g->count; i++) {
+        ((size_t *)g->at.data)[first[g->ends[i] + 1]++] = i / 2;
+    }
+    return 1;
+}
+
+static pbw_index pbwm3__other_end(const pbwm3__graph *g, size_t edge, pbw_index v)
+{
+    return g->ends[2 * edge] == v ? g->ends[2 * edge + 1] : g->ends[2 * edge];
+}
+
+typedef struct pbwm3__features {
+    const pbwim__facet *edge;              /* all edges, sorted */
+    pbwsf__array bends, keeps;             /* places in `edge` of those that bend; 1 for those that are kept */
+    pbwsf__array across;                   /* per corner 3 t + i, the edge from it: 2 u, or 2 u + 1 if the triangle u
+                                              across is turned the other way; (size_t)-1: none, or several */
+    pbwsf__array seen;                     /* per triangle: the last flood that had it */
+    size_t floods;
+    pbwm3__graph graph;                    /* of kept edges: `fixed` that have no choice, then those that bend */
+    size_t fixed;
+    pbwsf__array ends, degree, trail;      /* its edges; edges at each vertex that are left; those of a branch */
+} pbwm3__features;
+
+static int pbwm3__find_across(pbwm3__work *w, pbwm3__features *f)
+{
+    const size_t count = 3 * w->surface.triangle_count;
+    size_t *across, i, k;
+    if (!pbwsf__resize(&w->memory, &f->across, (count + 1) * sizeof *across)
+        || !pbwsf__resize(&w->memory, &f->seen, (count / 3 + 1) * sizeof(size_t))) {
+        return 0;
+    }
+    across = (size_t *)f->across.data;
+    memset(across, 0xff, (count + 1) * sizeof *across);
+    memset(f->seen.data, 0, f->seen.bytes);
+    for (i = 0; i < count; i = k) {
+        const pbwim__facet *e = f->edge + i;
+        for (k = i + 1; k < count && memcmp(e->v, f->edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
+        }
+        if (k - i == 2) {
+            across[3 * (size_t)e[0].t + (size_t)e[0].i] = 2 * (size_t)e[1].t + (e[0].v[2] == e[1].v[2]);
+            across[3 * (size_t)e[1].t + (size_t)e[1].i] = 2 * (size_t)e[0].t + (e[0].v[2] == e[1].v[2]);
+        }
+    }
+    return 1;
+}
+
+/* Adds up the normals of the triangles that are connected with t within a size of the middle, each at most as long as
+   the square of the size; side: of the plane through the middle that they lie on, less its sign. */
+static void pbwm3__mean_normal(const pbwm3__work *w, pbwm3__features *f, size_t t, const double middle[3],
+                               const double side[3], double sum[3])
+{
+    const size_t *across = (const size_t *)f->across.data;
+    size_t queue[PBWM3__FLOOD], count = 1, done, *seen = (size_t *)f->seen.data;
+    int k, j;
+    queue[0] = 2 * t;
+    seen[t] = ++f->floods;
+    sum[0] = sum[1] = sum[2] = 0;
+    for (done = 0; done < count; done++) {
+        const size_t at = queue[done] / 2;
+        const double *c[3];
+        double n[3], length;
+        for (k = 0; k < 3; k++) {
+            c[k] = pbwsf__corner(&w->surface, (pbw_index)at, k);
+        }
+        pbwsf__normal(c[0], c[1], c[2], n);
+        length = sqrt(pbwsf__dot(n, n));
+        for (k = 0; k < 3 && length > 0; k++) {
+            sum[k] += (queue[done] % 2 ? -1 : 1) * n[k] * fmin(1, w->size * w->size / length);
+        }
+        for (k = 0; k < 3 && count < PBWM3__FLOOD; k++) {
+            const size_t next = across[3 * at + (size_t)k], u = next / 2;
+            double near[3], third[3];
+            if (next == (size_t)-1 || seen[u] == f->floods) {
+                continue;
+            }
+            seen[u] = f->floods;
+            for (j = 0; j < 3; j++) {
+                c[j] = pbwsf__corner(&w->surface, (pbw_index)u, j);
+            }
+            for (j = 0; j < 3; j++) {
+                third[j] = (c[0][j] + c[1][j] + c[2][j]) / 3 - middle[j];
+            }
+            pbwsf__nearest_in(c[0], c[1], c[2], middle, near);
+            if (pbwsf__distance(near, middle) < w->size && pbwsf__dot(third, side) > 0) {
+                queue[count++] = 2 * u + (next ^ queue[done]) % 2;
+            }
+        }
+    }
+}
+
+/* Returns whether the mean normals on both sides of an edge differ by more than 50 degrees. */
+static int pbwm3__bends_far(const pbwm3__work *w, pbwm3__features *f, const pbwim__facet *edge)
+{
+    const double *a = w->surface.points + 3 * (size_t)edge[0].v[0], *b = w->surface.points + 3 * (size_t)edge[0].v[1];
+    double middle[3], along[3], n[2][3], mean[3], side[3], sum[2][3];
+    int i, k;
+    pbwsf__between(a, b, 0.5, middle);
+    pbwsf__minus(b, a, along);
+    for (i = 0; i < 2; i++) {
+        const pbw_index t = edge[i].t;
+        double length;
+        pbwsf__normal(pbwsf__corner(&w->surface, t, 0), pbwsf__corner(&w->surface, t, 1),
+                      pbwsf__corner(&w->surface, t, 2), n[i]);
+        length = sqrt(pbwsf__dot(n[i], n[i]));
+        for (k = 0; k < 3; k++) {
+            n[i][k] *= (i == 1 && edge[0].v[2] == edge[1].v[2] ? -1 : 1) / (length > 0 ? length : 1);
+        }
+    }
+    for (k = 0; k < 3; k++) {
+        mean[k] = n[0][k] + n[1][k];
+    }
+    pbwsf__cross(mean, along, side);
+    for (i = 0; i < 2; i++) {
+        const double *c = pbwsf__corner(&w->surface, edge[i].t, (edge[i].i + 2) % 3);
+        double out[3];
+        pbwsf__minus(c, middle, out);
+        for (k = 0; k < 3; k++) {
+            out[k] = pbwsf__dot(out, side) < 0 ? -side[k] : side[k];
+        }
+        pbwm3__mean_normal(w, f, edge[i].t, middle, out, sum[i]);
+        for (k = 0; k < 3 && i == 1 && edge[0].v[2] == edge[1].v[2]; k++) {
+            sum[1][k] = -sum[1][k];
+        }
+    }
+    return !pbwim__turned_less(sum[0], sum[1], 0.64278760968653933);         /* cos 50 degrees */
+}
+
+/* Drops branches shorter than three sizes, from a loose end to where edges meet.  Returns how many edges. */
+static size_t pbwm3__drop_spurs(const pbwm3__work *w, pbwm3__features *f)
+{
+    const pbwm3__graph *g = &f->graph;
+    const size_t *first = (const size_t *)g->first.data, *at = (const size_t *)g->at.data;
+    size_t *degree = (size_t *)f->degree.data, *trail = (size_t *)f->trail.data, v, i, dropped = 0;
+    char *gone = (char *)g->used.data;
+    for (v = 0; v < w->surface.point_count; v++) {
+        pbw_index end = (pbw_index)v;
+        double length = 0;
+        size_t count = 0;
+        while (degree[end] == (count == 0 ? 1 : 2) && length < 3 * w->size) {
+            for (i = first[end]; gone[at[i]] || (count > 0 && at[i] == trail[count - 1]); i++) {
+            }
+            length += at[i] < f->fixed ? HUGE_VAL
+                    : pbwsf__distance(w->surface.points + 3 * (size_t)g->ends[2 * at[i]],
+                                      w->surface.points + 3 * (size_t)g->ends[2 * at[i] + 1]);
+            trail[count++] = at[i];
+            end = pbwm3__other_end(g, at[i], end);
+        }
+        for (i = 0; i < count && degree[end] > 2 && length < 3 * w->size; i++) {
+            gone[trail[i]] = 1;
+            degree[g->ends[2 * trail[i]]]--;
+            degree[g->ends[2 * trail[i] + 1]]--;
+            dropped++;
+        }
+    }
+    return dropped;
+}
+
+/* Drops connected edges that are shorter together than eight sizes if an end of them is loose, else than four. */
+static int pbwm3__drop_parts(pbwm3__work *w, pbwm3__features *f)
+{
+    const size_t points = w->surface.point_count, *degree = (const size_t *)f->degree.data;
+    const pbw_index *ends = f->graph.ends;
+    pbwsf__array parents, lengths;
+    size_t *parent, i;
+    double *length;
+    char *gone = (char *)f->graph.used.data;
+    int good;
+    memset(&parents, 0, sizeof parents);
+    memset(&lengths, 0, sizeof lengths);
+    good = pbwsf__resize(&w->memory, &parents, (points + 1) * sizeof *parent)
+        && pbwsf__resize(&w->memory, &lengths, (points + 1) * sizeof *length);
+    parent = (size_t *)parents.data;
+    length = (double *)lengths.data;
+    for (i = 0; good && i < points; i++) {
+        parent[i] = i;
+        length[i] = 0;
+    }
+    for (i = 0; good && i < f->graph.count; i++) {
+        if (!gone[i]) {
+            pbwm3__join(parent, ends[2 * i], ends[2 * i + 1]);
+        }
+    }
+    for (i = 0; good && i < f->graph.count; i++) {
+        if (!gone[i]) {
+            length[pbwm3__root_of(parent, ends[2 * i])] += i < f->fixed ? HUGE_VAL : pbwsf__distance(
+                w->surface.points + 3 * (size_t)ends[2 * i], w->surface.points + 3 * (size_t)ends[2 * i + 1]);
+        }
+    }
+    for (i = 0; good && i < points; i++) {
+        const size_t root = pbwm3__root_of(parent, i);
+        if (degree[i] == 1 && length[root] < 8 * w->size) {
+            length[root] = 0;
+        }
+    }
+    for (i = f->fixed; good && i < f->graph.count; i++) {
+        gone[i] |= length[pbwm3__root_of(parent, ends[2 * i])] < 4 * w->size;
+    }
+    pbwsf__release(&w->memory, &parents);
+    pbwsf__release(&w->memory, &lengths);
+    return good;
+}
+
+/* Sets keeps[i] to 1 for the edges that are features; fixed: the edges that have no choice. */
+static int pbwm3__find_features(pbwm3__work *w, pbwm3__features *f, const pbwsf__array *fixed)
+{
+    const size_t *bend = (const size_t *)f->bends.data;
+    char *keeps = (char *)f->keeps.data;
+    size_t i, at;
+    int good = pbwm3__find_across(w, f);
+    for (i = 0; good && i < fixed->count; i++) {
+        good = pbwm3__append(w, &f->ends, (const pbw_index *)fixed->data + 2 * i, 2 * sizeof(pbw_index));
+    }
+    f->fixed = fixed->count;
+    for (i = 0; good && i < f->bends.count; i++) {
+        keeps[i] = (char)pbwm3__bends_far(w, f, f->edge + bend[i]);
+        good = !keeps[i] || pbwm3__append(w, &f->ends, f->edge[bend[i]].v, 2 * sizeof(pbw_index));
+    }
+    f->graph.ends = (const pbw_index *)f->ends.data;
+    f->graph.count = f->ends.count;
+    good = good && pbwm3__make_graph(w, &f->graph)
+        && pbwsf__resize(&w->memory, &f->degree, (w->surface.point_count + 1) * sizeof(size_t))
+        && pbwsf__resize(&w->memory, &f->trail, (f->ends.count + 1) * sizeof(size_t));
+    for (i = 0; good && i < w->surface.point_count; i++) {
+        const size_t *first = (const size_t *)f->graph.first.data;
+        ((size_t *)f->degree.data)[i] = first[i + 1] - first[i];
+    }
+    for (i = 0; good && i < 8 && pbwm3__drop_spurs(w, f) > 0; i++) {
+    }
+    good = good && pbwm3__drop_parts(w, f);
+    for (i = 0, at = f->fixed; good && i < f->bends.count; i++) {
+        keeps[i] = (char)(keeps[i] && !((const char *)f->graph.used.data)[at++]);
+    }
+    return good;
+}
+
+/* Chooses which of the edges that bend are kept; fixed: those that have no choice, two points each. */
+static int pbwm3__choose_sharp(pbwm3__work *w, pbwm3__features *f, const pbwsf__array *fixed)
+{
+    size_t i, kept = 0;
+    int good = pbwsf__resize(&w->memory, &f->keeps, f->bends.count + 1), sharp = w->sharp;
+    if (good && f->bends.count > 0 && (sharp == PBW_SOLID_SHARP_AUTO || sharp == PBW_SOLID_SHARP_SOME)) {
+        good = pbwm3__find_features(w, f, fixed);
+        for (i = 0; good && i < f->bends.count; i++) {
+            kept += (size_t)((const char *)f->keeps.data)[i];
+        }
+        w->report->sharp_share = (double)kept / (double)f->bends.count;
+    }
+    if (sharp == PBW_SOLID_SHARP_AUTO) {
+        sharp = w->report->sharp_share < 0 || w->report->sharp_share >= 0.77 ? PBW_SOLID_SHARP_ALL
+              : w->report->sharp_share > 0.3 ? PBW_SOLID_SHARP_SOME : PBW_SOLID_SHARP_NONE;
+    }
+    if (good && sharp != PBW_SOLID_SHARP_SOME) {
+        memset(f->keeps.data, sharp == PBW_SOLID_SHARP_ALL, f->bends.count + 1);
+    }
+    w->report->sharp = sharp;
+    pbwsf__release(&w->memory, &f->across);
+    pbwsf__release(&w->memory, &f->seen);
+    pbwsf__release(&w->memory, &f->ends);
+    pbwsf__release(&w->memory, &f->degree);
+    pbwsf__release(&w->memory, &f->trail);
+    pbwsf__release(&w->memory, &f->graph.first);
+    pbwsf__release(&w->memory, &f->graph.at);
+    pbwsf__release(&w->memory, &f->graph.used);
+    return good;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1478,73 +1911,58 @@ static int pbwm3__has_border(const pbwm3__work *w, const pbwim__facet *edge)
     return a != b && a != PBW_NONE && b != PBW_NONE;
 }
 
-/* Lists the sharp edges, two points each, and joins the triangles at other edges. */
+/* Keeps a sharp edge in the list, two points each. */
+static int pbwm3__keep_sharp(pbwm3__work *w, const pbwim__facet *edge, size_t count, pbwsf__array *list)
+{
+    const double angle = pbwm3__angle_at(w, edge, count);
+    w->report->least_angle = fmin(w->report->least_angle, angle);
+    w->report->acute_edges += angle < 60;
+    return pbwm3__append(w, list, edge->v, 2 * sizeof(pbw_index));
+}
+
+/* Lists the sharp edges that are kept, and joins the triangles at other edges: those that only bend are chosen from
+   once all are found. */
 static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__array *list, size_t *parent)
 {
     pbwsf__array blocks[3];
     const pbwim__facet *edge = pbwm3__edges(&w->memory, w->surface.triangles, w->surface.triangle_count,
                                             w->surface.point_count, blocks);
     const size_t count = 3 * w->surface.triangle_count;
+    pbwm3__features f;
     size_t i, k, edges = 0;
     int good = edge != NULL;
+    memset(&f, 0, sizeof f);
+    f.edge = edge;
     for (i = 0; good && i < count; i = k) {
-        int sharp;
         for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
         }
-        sharp = w->input->value == NULL && k - i > 1 && (k - i != 2 || pbwm3__is_sharp(w, edge + i)
-                                                             || pbwm3__has_border(w, edge + i));
         edges++;
-        if (sharp) {
-            const double angle = pbwm3__angle_at(w, edge + i, k - i);
-            w->report->least_angle = fmin(w->report->least_angle, angle);
-            w->report->acute_edges += angle < 60;
-            good = pbwm3__append(w, list, edge[i].v, 2 * sizeof(pbw_index));
-        } else if (k - i > 1) {
-            size_t a = pbwm3__root_of(parent, edge[i].t), b = pbwm3__root_of(parent, edge[i + 1].t);
-            parent[a < b ? b : a] = a < b ? a : b;
+        if (w->input->value == NULL && (k - i > 2 || (k - i == 2 && pbwm3__has_border(w, edge + i)))) {
+            good = pbwm3__keep_sharp(w, edge + i, k - i, list);
+        } else if (w->input->value == NULL && k - i == 2 && pbwm3__is_sharp(w, edge + i)
+                   && (edge[i].t < w->given || edge[i + 1].t < w->given)) {
+            good = pbwm3__append(w, &f.bends, &i, sizeof i);
+        } else if (k - i == 2) {
+            pbwm3__join(parent, edge[i].t, edge[i + 1].t);
         }
     }
+    good = good && pbwm3__choose_sharp(w, &f, list);
+    for (i = 0; good && i < f.bends.count; i++) {
+        k = ((const size_t *)f.bends.data)[i];
+        if (((const char *)f.keeps.data)[i]) {
+            good = pbwm3__keep_sharp(w, edge + k, 2, list);
+        } else {
+            pbwm3__join(parent, edge[k].t, edge[k + 1].t);
+        }
+    }
+    pbwsf__release(&w->memory, &f.bends);
+    pbwsf__release(&w->memory, &f.keeps);
     w->report->sharp_edges = list->count;
     if (!w->walls) {
         w->report->input_euler = (long)w->surface.point_count - (long)edges + (long)w->surface.triangle_count;
     }
     pbwm3__free_blocks(&w->memory, blocks);
     return good;
-}
-
-typedef struct pbwm3__graph {              /* of sharp edges */
-    const pbw_index *ends;                 /* two for each */
-    size_t count;
-    pbwsf__array first, at, used;          /* edges at vertex v: at[first[v]] .. at[first[v + 1] - 1] */
-} pbwm3__graph;
-
-static int pbwm3__make_graph(pbwm3__work *w, pbwm3__graph *g)
-{
-    const size_t points = w->surface.point_count;
-    size_t *first, i;
-    if (!pbwsf__resize(&w->memory, &g->first, (points + 2) * sizeof *first)
-        || !pbwsf__resize(&w->memory, &g->at, (2 * g->count + 1) * sizeof(size_t))
-        || !pbwsf__resize(&w->memory, &g->used, g->count + 1)) {
-        return 0;
-    }
-    first = (size_t *)g->first.data;
-    memset(first, 0, (points + 2) * sizeof *first);
-    memset(g->used.data, 0, g->count + 1);
-    for (i = 0; i < 2 * g->count; i++) {
-        first[g->ends[i] + 2]++;
-    }
-    for (i = 0; i < points; i++) {
-        first[i + 2] += first[i + 1];
-    }
-    for (i = 0; i < 2 * g->count; i++) {
-        ((size_t *)g->at.data)[first[g->ends[i] + 1]++] = i / 2;
-    }
-    return 1;
-}
-
-static pbw_index pbwm3__other_end(const pbwm3__graph *g, size_t edge, pbw_index v)
-{
-    return g->ends[2 * edge] == v ? g->ends[2 * edge + 1] : g->ends[2 * edge];
 }
 
 /* Returns whether chains end at v: the edges there are not two, or form an angle.  In scans angles are noise. */
@@ -1802,8 +2220,9 @@ static double pbwm3__random(uint64_t i)
 
 /* ------------------------------------------------------------------------------------------------------
    Local sizes, the least of: the size; the caller's; three quarters of the distance between two sheets of the surface
-   that face each other; two thirds of that between sharp chains without a common corner; a multiple of the radius of
-   curvature.  None is below the floor; they grow by 0.35 for each unit of length.
+   that face each other, or four thirds if they are nearer than 0.4 sizes; two thirds of that between sharp chains
+   without a common corner; a multiple of the radius of curvature.  None is below the floor; they grow by 0.35 for
+   each unit of length.
    ------------------------------------------------------------------------------------------------------ */
 
 /* Lowers the field at p to a size, but not below the floor. */
@@ -1814,10 +2233,11 @@ static void pbwm3__lower(pbwm3__work *w, const double p[3], double size)
 }
 
 /* Returns the size at p, a point of the triangle, from the first triangles that rays along both normals meet, if
-   these face it. */
+   these face it: both planes meet farther away than 1.5 sizes, so that acute edges are no walls.  Walls below 0.4
+   sizes get one layer of tetrahedra: edges between half and the whole of their thickness make flat ones. */
 static double pbwm3__measure_gap(const pbwm3__work *w, pbw_index triangle, const double p[3])
 {
-    double n[3], m[3], a[3], b[3], where, length, least = HUGE_VAL;
+    double n[3], m[3], a[3], b[3], across[3], where, gap, length, least = HUGE_VAL;
     int side, k;
     pbwsf__normal(pbwsf__corner(&w->surface, triangle, 0), pbwsf__corner(&w->surface, triangle, 1),
                   pbwsf__corner(&w->surface, triangle, 2), n);
@@ -1829,11 +2249,13 @@ static double pbwm3__measure_gap(const pbwm3__work *w, pbw_index triangle, const
             b[k] = p[k] + side * 1.4 * w->size * n[k] / length;
         }
         met = pbw_surface_meets(&w->surface, a, b, &where);
+        gap = where * 1.399 + 1e-3;
         if (met != PBW_NONE) {
             pbwsf__normal(pbwsf__corner(&w->surface, met, 0), pbwsf__corner(&w->surface, met, 1),
                           pbwsf__corner(&w->surface, met, 2), m);
-            if (fabs(pbwsf__dot(m, n)) > 0.7 * length * sqrt(pbwsf__dot(m, m))) {
-                least = fmin(least, 0.75 * (where * 1.399 + 1e-3) * w->size);
+            pbwsf__cross(n, m, across);
+            if (gap * fabs(pbwsf__dot(m, n)) > 1.5 * sqrt(pbwsf__dot(across, across))) {
+                least = fmin(least, (gap < 0.4 ? 1.33 : 0.75) * gap * w->size);
             }
         }
     }
@@ -1868,11 +2290,12 @@ static void pbwm3__grade(pbwm3__work *w)
 
 typedef struct pbwm3__bend { double area, tensor[6]; } pbwm3__bend;          /* sums over a cell of the field */
 
-/* Adds parts of a triangle's area to the cells that they are in: parts of at most half a size. */
-static void pbwm3__spread_area(const pbwm3__work *w, pbw_index t, pbwm3__bend *bends)
+/* Adds parts of a triangle's area, of at most half a size, to the cells that they are in, unless bends is NULL.
+   Returns its area in squares of the local sizes. */
+static double pbwm3__spread_area(const pbwm3__work *w, pbw_index t, pbwm3__bend *bends)
 {
     const double *c[3];
-    double n[3], longest = 0, p[3];
+    double n[3], longest = 0, p[3], size, squares = 0;
     size_t parts, i, j;
     int k;
     for (k = 0; k < 3; k++) {
@@ -1888,9 +2311,14 @@ static void pbwm3__spread_area(const pbwm3__work *w, pbw_index t, pbwm3__bend *b
             for (k = 0; k < 3; k++) {
                 p[k] = c[0][k] + u * (c[1][k] - c[0][k]) + v * (c[2][k] - c[1][k]);
             }
-            bends[pbwm3__field_cell(w, p)].area += 0.5 * sqrt(pbwsf__dot(n, n)) / (double)(parts * parts);
+            if (bends != NULL) {
+                bends[pbwm3__field_cell(w, p)].area += 0.5 * sqrt(pbwsf__dot(n, n)) / (double)(parts * parts);
+            }
+            size = pbwm3__size(w, p);
+            squares += 0.5 * sqrt(pbwsf__dot(n, n)) / (double)(parts * parts) / (size * size);
         }
     }
+    return squares;
 }
 
 /* Adds the bend of an edge to the cells along it. */
@@ -1938,7 +2366,7 @@ static int pbwm3__measure_curvature(pbwm3__work *w)
         memset(bends, 0, total * sizeof *bends);
     }
     for (i = 0; good && i < w->surface.triangle_count; i++) {
-        pbwm3__spread_area(w, (pbw_index)i, bends);
+        (void)pbwm3__spread_area(w, (pbw_index)i, bends);
     }
     for (i = 0; good && i < count; i = k) {
         for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
@@ -2120,6 +2548,21 @@ static pbw_status pbwm3__measure_gaps(pbwm3__work *w)
     return status;
 }
 
+/* Estimates the number of tetrahedra.  With volume V, area A and size h, a ball or a box of 10^4 to 10^6 tetrahedra
+   has about 5 V / h^3 + 8 A / h^2 of them; local sizes concern the area, as they are small at walls. */
+static pbw_status pbwm3__estimate(pbwm3__work *w)
+{
+    pbw_solid_report *r = w->report;
+    double squares = 0;
+    size_t i;
+    for (i = 0; i < w->surface.triangle_count; i++) {
+        squares += pbwm3__spread_area(w, (pbw_index)i, NULL);
+    }
+    r->estimate = 5 * fabs(r->input_volume) / w->size / w->size / w->size + 8 * squares;
+    r->refusal = r->estimate > (w->how.most > 0 ? w->how.most : 5e7) ? PBW_SOLID_LARGE : PBW_SOLID_FILLED;
+    return r->refusal == PBW_SOLID_LARGE ? PBW_ERROR_TOO_LARGE : PBW_OK;
+}
+
 /* With chains and patches found. */
 static pbw_status pbwm3__make_field(pbwm3__work *w)
 {
@@ -2132,7 +2575,7 @@ static pbw_status pbwm3__make_field(pbwm3__work *w)
         total *= w->n[k];
     }
     if (total > 50000000) {
-        return PBW_OK;                               /* too fine a grid: one size */
+        return pbwm3__estimate(w);                   /* too fine a grid: one size */
     }
     if (!pbwsf__resize(&w->memory, &w->field, total * sizeof(double))) {
         return PBW_ERROR_MEMORY;
@@ -2154,7 +2597,7 @@ static pbw_status pbwm3__make_field(pbwm3__work *w)
     if (w->least < w->size) {
         pbwm3__grade(w);
     }
-    return PBW_OK;
+    return pbwm3__estimate(w);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -2356,8 +2799,8 @@ static pbw_status pbwm3__throw_darts(pbwm3__work *w, const double *area)
         for (batch.first = 0, status = PBW_OK; status == PBW_OK && batch.first < (uint64_t)wish;
              batch.first += PBWM3__BATCH) {
             const uint64_t left = (uint64_t)wish - batch.first, most = PBWM3__BATCH;
-            status = pbwm3__stops(w, 0.5 * (double)batch.first / wish) ? PBW_CANCELLED
-                   : pbwm3__throw_batch(&batch, (size_t)(left < most ? left : most));
+            status = pbwm3__goes_on(w, 0.5 * (double)batch.first / wish);
+            status = status != PBW_OK ? status : pbwm3__throw_batch(&batch, (size_t)(left < most ? left : most));
         }
     }
     pbwsf__release(&w->memory, &darts);
@@ -2472,8 +2915,8 @@ static pbw_status pbwm3__sample_level(pbwm3__work *w, int level)
     l.inside = (unsigned char *)inside.data;
     for (l.first = 0; status == PBW_OK && l.first < total; l.first += batch) {
         const size_t count = total - l.first < batch ? total - l.first : batch;
-        status = level == 0 && pbwm3__stops(w, 0.5 + 0.5 * (double)l.first / (double)total) ? PBW_CANCELLED
-               : pbw_for(&w->options, count, 1024, pbwm3__lattice_range, &l);
+        status = pbwm3__goes_on(w, level == 0 ? 0.5 + 0.5 * (double)l.first / (double)total : 1);
+        status = status != PBW_OK ? status : pbw_for(&w->options, count, 1024, pbwm3__lattice_range, &l);
         status = status != PBW_OK ? status : pbwm3__take_lattice(w, &l, count);
     }
     pbwsf__release(&w->memory, &inside);
@@ -3300,7 +3743,7 @@ static pbw_status pbwm3__rounds(pbwm3__work *w)
         w->from = w->to;
         w->to = w->from + 0.2 * (0.6 - w->from);
         status = pbwm3__rebuild(w);
-        if (status != PBW_OK || w->report->rounds == most) {
+        if (status != PBW_OK || w->report->rounds == most || pbwm3__is_late(w)) {
             break;
         }
         w->report->rounds++;
@@ -3433,6 +3876,7 @@ static pbw_status pbwm3__finish(pbwm3__work *w, pbw_tets *out)
     improve.distance = improve.distance > 0 ? improve.distance : 1.48 * w->distance * w->size;
     improve.passes = improve.target < 0 ? -1 : improve.passes;
     improve.target = improve.target < 0 ? 0 : improve.target;
+    improve.seconds = w->late < HUGE_VAL ? fmax(1e-9, w->late - (double)clock() / CLOCKS_PER_SEC) : 0;
     own.progress = pbwm3__part_stops;
     own.progress_user = w;
     w->from = 0.6;
@@ -3717,13 +4161,13 @@ static pbw_status pbwm3__report_on(pbwm3__work *w, const pbw_tets *out, const pb
         far.surface = &w->surface;
         status = pbwm3__farthest(w, &far, facets->count, &distance);
     }
-    if (status == PBW_OK) {
+    if (status == PBW_OK && !w->joined) {            /* else parts of the surface are inside */
         far.points = w->surface.points;
         far.triangles = w->surface.triangles;
         far.surface = &boundary;
         status = pbwm3__farthest(w, &far, w->surface.triangle_count, &distance);
-        r->distance = distance / w->size;
     }
+    r->distance = distance / w->size;
     pbw_surface_free(&boundary);
     pbwsf__release(&w->memory, &top.edges);
     pbwsf__release(&w->memory, &top.flags);
@@ -3749,6 +4193,29 @@ static pbw_status pbwm3__measure(pbwm3__work *w, const pbw_tets *out, pbw_solid_
 /* ------------------------------------------------------------------------------------------------------
    The stages in order.
    ------------------------------------------------------------------------------------------------------ */
+/* Refuses surfaces that are mostly holes, or walls too thin for the size, and sizes that need too many tetrahedra. */
+static pbw_status pbwm3__judge(pbwm3__work *w)
+{
+    pbw_solid_report *r = w->report;
+    const double h = w->size, volume = fabs(r->input_volume);
+    double area = 0;
+    size_t i;
+    for (i = 0; i < w->triangles.count; i++) {
+        double n[3];
+        pbwsf__normal(pbwsf__corner(&w->surface, (pbw_index)i, 0), pbwsf__corner(&w->surface, (pbw_index)i, 1),
+                      pbwsf__corner(&w->surface, (pbw_index)i, 2), n);
+        area += sqrt(pbwsf__dot(n, n)) / 2;
+    }
+    r->thickness = area > 0 ? 2 * volume / area / h : 0;
+    r->estimate = 5 * volume / h / h / h + 8 * area / h / h;
+    r->refusal = w->input->value == NULL && !w->how.close && r->hole_share > 0.34 ? PBW_SOLID_OPEN
+               : w->input->value == NULL && !w->how.close && !w->open && !w->walls
+                 && r->thickness < (r->holes > 0 ? 0.2 : 0.09) ? PBW_SOLID_THIN
+               : r->estimate > (w->how.most > 0 ? w->how.most : 5e7) ? PBW_SOLID_LARGE : PBW_SOLID_FILLED;
+    return r->refusal == PBW_SOLID_LARGE ? PBW_ERROR_TOO_LARGE
+         : r->refusal != PBW_SOLID_FILLED ? PBW_DEGENERATE : PBW_OK;
+}
+
 static pbw_status pbwm3__take_input(pbwm3__work *w)
 {
     const pbw_solid_input *in = w->input;
@@ -3779,9 +4246,8 @@ static pbw_status pbwm3__take_input(pbwm3__work *w)
     if (!(w->size > 0 && w->size < HUGE_VAL)) {
         return in->value != NULL ? PBW_ERROR_ARGUMENT : PBW_DEGENERATE;
     }
-    if (pbwsf__distance(w->low, w->high) / w->size > 1e5) {
-        return PBW_ERROR_TOO_LARGE;
-    }
+    w->report->size = w->size;
+    w->report->least_angle = 180;
     status = in->value != NULL ? pbwm3__take_function(w) : pbwm3__take_triangles(w, in);
     if (status != PBW_OK && status != PBW_DEGENERATE) {
         return status;
@@ -3796,6 +4262,10 @@ static pbw_status pbwm3__take_input(pbwm3__work *w)
                                 (const pbw_index *)w->triangles.data, w->triangles.count, &w->options, &w->surface);
     if (status == PBW_OK) {
         pbwm3__nest_shells(w);
+        status = in->value == NULL ? pbwm3__find_crossings(w) : PBW_OK;
+        status = status != PBW_OK ? status : pbwm3__judge(w);
+    }
+    if (status == PBW_OK) {
         status = w->walls && !pbwm3__measure_walls(w) ? PBW_ERROR_MEMORY : PBW_OK;
     }
     return status;
@@ -3804,12 +4274,16 @@ static pbw_status pbwm3__take_input(pbwm3__work *w)
 static pbw_status pbwm3__sample(pbwm3__work *w)
 {
     pbw_status status;
-    w->report->size = w->size;
-    w->report->least_angle = 180;
     status = pbwm3__find_chains(w);
+    if (w->report->sharp == PBW_SOLID_SHARP_NONE && !(w->how.least_size > 0) && w->how.size_at == NULL) {
+        w->floor = w->size / 3;                      /* details of a scan are noise */
+    }
     status = status != PBW_OK ? status : pbwm3__make_field(w);
     if (status != PBW_OK) {
         return status;
+    }
+    if (w->how.plan != NULL && w->begin <= 0) {      /* the first attempt */
+        w->how.plan(w->how.plan_user, w->report);
     }
     w->step = w->least < 0.16 * w->size ? sqrt(w->least * w->size) : w->least < 0.7 * w->size ? w->size / 2 : w->size;
     w->cells = 1 << 12;
@@ -3848,7 +4322,14 @@ static double pbwm3__lap(double *since)
     return lap;
 }
 
-typedef struct pbwm3__result {             /* of an attempt */
+typedef struct pbwm3__call {               /* what the caller gave */
+    const pbw_solid_input *input;
+    const pbw_solid_options *how;
+    const pbw_options *options;
+    double late;                           /* the processor time by which the work ends with what it has */
+} pbwm3__call;
+
+typedef struct pbwm3__result {
     pbw_tets mesh;
     pbw_solid_boundary boundary;
     pbw_solid_report report;
@@ -3863,56 +4344,67 @@ static void pbwm3__drop(pbwm3__result *r)
     pbw_solid_boundary_free(&r->boundary);
 }
 
-static pbw_status pbwm3__run(pbwm3__work *w, pbwm3__result *r)
+/* Counts the faults of the boundary before improvement. */
+static pbw_status pbwm3__count_faults(pbwm3__work *w)
 {
-    double since = (double)clock() / CLOCKS_PER_SEC;
-    pbw_status status = pbwm3__stops(w, 0) ? PBW_CANCELLED : pbwm3__take_input(w);
-    status = status != PBW_OK ? status : pbwm3__sample(w);
-    w->report->seconds[0] = pbwm3__lap(&since);
-    status = status != PBW_OK ? status : pbwm3__rounds(w);
-    w->report->seconds[1] = pbwm3__lap(&since);
-    status = status != PBW_OK ? status : pbwm3__finish(w, &r->mesh);
-    w->report->seconds[2] = pbwm3__lap(&since);
-    if (status == PBW_OK) {
-        status = pbwm3__measure(w, &r->mesh, r->with_boundary ? &r->boundary : NULL);
-        w->report->seconds[3] = pbwm3__lap(&since);
+    pbwsf__array facets, labels;
+    pbwm3__topology top;
+    pbw_status status = PBW_ERROR_MEMORY;
+    memset(&facets, 0, sizeof facets);
+    memset(&labels, 0, sizeof labels);
+    memset(&top, 0, sizeof top);
+    if (pbwm3__boundary(w, &facets, &labels)
+        && pbwm3__examine_labels(w, &facets, &labels, w->x.count, &top)) {
+        w->report->bad_edges = top.bad_edges;
+        w->report->bad_points = top.bad_points;
+        status = PBW_OK;
     }
+    pbwsf__release(&w->memory, &facets);
+    pbwsf__release(&w->memory, &labels);
+    pbwsf__release(&w->memory, &top.edges);
+    pbwsf__release(&w->memory, &top.flags);
     return status;
 }
 
-/* Meshes, with patches between sharp edges, or with the surface as one patch. */
-static pbw_status pbwm3__attempt(const pbw_solid_input *input, const pbw_solid_options *how,
-                                 const pbw_options *options, int whole, pbwm3__result *r)
+/* An attempt up to its rounds.  whole: the surface is one patch, else sharp edges bound patches; sharp: which are
+   kept; begin: of its part of the progress. */
+static pbw_status pbwm3__attempt(const pbwm3__call *call, int whole, int sharp, double begin,
+                                 pbw_solid_report *report, pbwm3__work *w)
 {
-    pbwm3__work w;
+    double since = (double)clock() / CLOCKS_PER_SEC;
     pbw_status status;
-    memset(&w, 0, sizeof w);
-    w.report = &r->report;
-    w.memory = pbwsf__memory_of(options);
-    if (options != NULL) {
-        w.options = *options;
-        w.options.progress = NULL;
-        w.options.flags = 0;
-        w.options.stride = w.options.weight_stride = 0;
-        w.options.trace = NULL;
+    memset(w, 0, sizeof *w);
+    memset(report, 0, sizeof *report);
+    report->sharp_share = -1;
+    w->report = report;
+    w->memory = pbwsf__memory_of(call->options);
+    if (call->options != NULL) {
+        w->options = *call->options;
+        w->options.progress = NULL;
+        w->options.flags = 0;
+        w->options.stride = w->options.weight_stride = 0;
+        w->options.trace = NULL;
     }
-    if (how != NULL) {
-        w.how = *how;
+    if (call->how != NULL) {
+        w->how = *call->how;
     }
-    w.input = input;
-    w.caller = options;
-    w.whole = whole;
-    w.nested = w.how.nested != 0;
-    w.begin = whole ? 0.7 : 0;
-    w.end = whole ? 1 : 0.7;
-    w.to = 0.1;
-    w.distance = w.how.distance > 0 ? w.how.distance : 0.1;
-    w.cosine = cos((w.how.feature_angle > 0 ? w.how.feature_angle : 40) / 57.295779513082321);
-    status = pbwm3__run(&w, r);
-    if (status != PBW_OK) {
-        pbwm3__drop(r);
-    }
-    pbwm3__free(&w);
+    w->input = call->input;
+    w->caller = call->options;
+    w->whole = whole;
+    w->sharp = sharp;
+    w->late = call->late;
+    w->nested = w->how.nested != 0;
+    w->begin = begin;
+    w->end = begin + (begin > 0 ? 0.5 : 0.7);
+    w->to = 0.1;
+    w->distance = w->how.distance > 0 ? w->how.distance : 0.1;
+    w->cosine = cos((w->how.feature_angle > 0 ? w->how.feature_angle : 40) / 57.295779513082321);
+    status = pbwm3__stops(w, 0) ? PBW_CANCELLED : pbwm3__take_input(w);
+    status = status != PBW_OK ? status : pbwm3__sample(w);
+    report->seconds[0] = pbwm3__lap(&since);
+    status = status != PBW_OK ? status : pbwm3__rounds(w);
+    status = status != PBW_OK ? status : pbwm3__count_faults(w);
+    report->seconds[1] = pbwm3__lap(&since);
     return status;
 }
 
@@ -3921,34 +4413,58 @@ static size_t pbwm3__faults(const pbw_solid_report *r)
     return r->bad_edges + r->bad_points;
 }
 
-/* Makes a second attempt after one with faults, and keeps it if it has fewer.  If it fails, the first one stays,
+/* Makes a second attempt after one with faults or missing pieces: without sharp edges if some of them were kept, else
+   with the surface as one patch.  If it has fewer, it takes the first one's place; if it fails, the first one stays,
    unless the call was cancelled. */
-static pbw_status pbwm3__again(const pbw_solid_input *input, const pbw_solid_options *how, const pbw_options *options,
-                               pbwm3__result *first)
+static pbw_status pbwm3__again(const pbwm3__call *call, pbwm3__work *w, double *done)
 {
-    pbw_solid_report *r = &first->report;
-    pbwm3__result second;
+    pbw_solid_report *r = w->report, report;
+    const int fewer = r->sharp == PBW_SOLID_SHARP_SOME && w->sharp == PBW_SOLID_SHARP_AUTO;
+    pbwm3__work second, swap;
     pbw_status status;
-    int k, better;
-    if (pbwm3__faults(r) + r->missing_edges == 0 || r->open_edges > 0 || r->sharp_edges == 0) {
+    size_t faults[2];
+    int k;
+    if (pbwm3__faults(r) + r->missing_edges == 0 || w->open || r->sharp_edges == 0 || pbwm3__is_late(w)) {
         return PBW_OK;
     }
-    memset(&second, 0, sizeof second);
-    second.with_boundary = first->with_boundary;
-    status = pbwm3__attempt(input, how, options, 1, &second);
-    better = status == PBW_OK
-          && (pbwm3__faults(&second.report) < pbwm3__faults(r)
-              || (pbwm3__faults(&second.report) == pbwm3__faults(r)
-                  && second.report.missing_edges < r->missing_edges));
-    for (k = 0; k < 4; k++) {
-        second.report.seconds[k] += r->seconds[k];
-        r->seconds[k] = second.report.seconds[k];
+    status = pbwm3__attempt(call, !fewer, fewer ? PBW_SOLID_SHARP_NONE : w->sharp, *done, &report, &second);
+    *done += 0.3;
+    for (k = 0; k < 2; k++) {
+        report.seconds[k] += r->seconds[k];
+        r->seconds[k] = report.seconds[k];
     }
-    pbwm3__drop(better || status == PBW_CANCELLED ? first : &second);
-    if (better) {
-        *first = second;
+    faults[0] = pbwm3__faults(r);
+    faults[1] = pbwm3__faults(&report);
+    if (status == PBW_OK && (faults[1] < faults[0] || (faults[1] == faults[0]
+                                                       && report.missing_edges < r->missing_edges))) {
+        report.sharp_share = r->sharp_share;
+        *r = report;
+        swap = *w;
+        *w = second;
+        second = swap;
+        w->report = r;
     }
-    return status == PBW_CANCELLED ? status : PBW_OK;
+    pbwm3__free(&second);
+    return status == PBW_CANCELLED && !pbwm3__is_late(w) ? status : PBW_OK;
+}
+
+/* Improves and measures. */
+static pbw_status pbwm3__complete(pbwm3__work *w, double done, pbwm3__result *r)
+{
+    double since = (double)clock() / CLOCKS_PER_SEC;
+    pbw_status status;
+    w->end = 1;                                      /* 0.6 of this attempt are done */
+    w->begin = (done - 0.6) / 0.4;
+    status = pbwm3__finish(w, &r->mesh);
+    w->report->seconds[2] = pbwm3__lap(&since);
+    if (status == PBW_OK) {
+        status = pbwm3__measure(w, &r->mesh, r->with_boundary ? &r->boundary : NULL);
+        w->report->seconds[3] = pbwm3__lap(&since);
+    }
+    if (status != PBW_OK) {
+        pbwm3__drop(r);
+    }
+    return status;
 }
 
 PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_options *how,
@@ -3956,14 +4472,25 @@ PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_o
                                  pbw_solid_report *report)
 {
     pbwm3__result r;
+    pbwm3__call call;
+    pbwm3__work w;
     pbw_status status = PBW_ERROR_ARGUMENT;
+    double done = 0.42;
     memset(&r, 0, sizeof r);
     r.with_boundary = boundary != NULL;
     if (mesh != NULL && input != NULL
         && (input->value != NULL || (input->points != NULL && input->triangles != NULL))
-        && (how == NULL || (how->size >= 0 && how->distance >= 0 && how->least_size >= 0 && how->curvature >= 0))) {
-        status = pbwm3__attempt(input, how, options, 0, &r);
-        status = status != PBW_OK ? status : pbwm3__again(input, how, options, &r);
+        && (how == NULL || (how->size >= 0 && how->distance >= 0 && how->least_size >= 0 && how->curvature >= 0
+                            && how->most >= 0 && (unsigned)how->sharp <= PBW_SOLID_SHARP_NONE))) {
+        call.input = input;
+        call.how = how;
+        call.options = options;
+        call.late = how != NULL && how->improve.seconds > 0
+                  ? (double)clock() / CLOCKS_PER_SEC + how->improve.seconds : HUGE_VAL;
+        status = pbwm3__attempt(&call, 0, how != NULL ? how->sharp : PBW_SOLID_SHARP_AUTO, 0, &r.report, &w);
+        status = status != PBW_OK ? status : pbwm3__again(&call, &w, &done);
+        status = status != PBW_OK ? status : pbwm3__complete(&w, done, &r);
+        pbwm3__free(&w);
     }
     if (mesh != NULL) {
         *mesh = r.mesh;

@@ -584,6 +584,44 @@ PBWSURFACEDEF pbw_index pbw_surface_meets(const pbw_surface *surface, const doub
     return found;
 }
 
+/* Calls met for triangles that the segment from a to b meets, touching included, until it returns 1. */
+static void pbwsf__all_met(const pbw_surface *surface, const double a[3], const double b[3],
+                           int (*met)(void *user, pbw_index triangle), void *user)
+{
+    const pbwsf__tree *tree = (const pbwsf__tree *)surface->memory;
+    const pbwsf__box *box = PBWSF__BOXES(tree);
+    const pbw_index *order = (const pbw_index *)tree->order.data;
+    double low[3], high[3];
+    size_t stack[PBWSF__DEPTH], k;
+    int depth = 1, j;
+    for (j = 0; j < 3; j++) {
+        low[j] = a[j] < b[j] ? a[j] : b[j];
+        high[j] = a[j] < b[j] ? b[j] : a[j];
+    }
+    stack[0] = 0;
+    while (depth > 0) {
+        const size_t i = stack[--depth];
+        for (j = 0; j < 3 && low[j] <= box[i].high[j] && high[j] >= box[i].low[j]; j++) {
+        }
+        if (j < 3) {
+            continue;
+        }
+        if (i < tree->first_leaf) {
+            stack[depth++] = 2 * i + 1;
+            stack[depth++] = 2 * i + 2;
+            continue;
+        }
+        for (k = (i - tree->first_leaf) * PBWSF__LEAF;
+             k < surface->triangle_count && k < (i - tree->first_leaf + 1) * PBWSF__LEAF; k++) {
+            const double *const c[3] = { pbwsf__corner(surface, order[k], 0), pbwsf__corner(surface, order[k], 1),
+                                         pbwsf__corner(surface, order[k], 2) };
+            if (pbwsf__crossing(c, a, b) <= 1 && met(user, order[k])) {
+                return;
+            }
+        }
+    }
+}
+
 /* The side of p to the line through a and b, seen along z, with p raised by (e, e^2): on the line, it is that of the
    first derivative that is not zero.  Zero only if a and b are at one place.  Changes sign with the edge's direction,
    so that of two triangles at an edge exactly one has a ray through it. */

@@ -1,14 +1,22 @@
 /* solid.c: pbw solid. */
 #include "program.h"
 
+static const char *const sharp_names[] = { "auto", "all", "some", "none", NULL };    /* as PBW_SOLID_SHARP_... */
+
 static const option solid_options[] = {
     { "--size", "H", "length of edges; default: 1/40 of the diagonal", POSITIVE, 0, 0, NULL },
-    { "--least-size", "H", "edges are not shorter where walls are thin; default: 1/6 of the size", POSITIVE, 0, 0,
+    { "--least-size", "H", "edges are not shorter where walls are thin; default: 1/6 of the size, 1/3 without\n"
+      "sharp edges", POSITIVE, 0, 0,
       NULL },
     { "--curvature", "C", "edges of at most C / curvature, the root of its squares' sum; default: any", POSITIVE,
       0, 0, NULL },
-    { "--nested", NULL, "shells inside of others bound regions; default: every second one is a cavity", SWITCH, 0, 0,
-      NULL },
+    { "--nested", NULL, "shells inside of others bound regions; default: every second one is a cavity,\n"
+      "and shells that cross are one body", SWITCH, 0, 0, NULL },
+    { "--sharp", "WHICH", "sharp edges to keep: all, some (those that are sharp at the scale of the size), none,\n"
+      "or auto, the default: by how many of them are", CHOICE, 0, 0, sharp_names },
+    { "--close", NULL, "closes large holes, and fills thin sheets, which are refused else", SWITCH, 0, 0, NULL },
+    { "--keep-faults", NULL, "writes a boundary that is no manifold, too", SWITCH, 0, 0, NULL },
+    { "--most", "N", "tetrahedra; default 50 million", POSITIVE, 0, 0, NULL },
     { "--patches", NULL, "write the patches between sharp edges (.msh .msh2 .inp .vtu .mesh .face)", SWITCH, 0, 0,
       NULL },
     { "--feature-angle", "DEGREES", "edges of the model that bend by more are sharp; default 40", WHOLE, 1, 180,
@@ -17,7 +25,7 @@ static const option solid_options[] = {
       NULL },
     { "--rounds", "N", "of adding points, at most; default 16", WHOLE, 1, 1000, NULL },
     { "--target", "DEGREES", "dihedral angles from this to 180 less this; default 30", WHOLE, 1, 60, NULL },
-    { "--seconds", "S", "end the improvement after that time", POSITIVE, 0, 0, NULL },
+    { "--seconds", "S", "of all threads' processor time, then it ends with what it has", POSITIVE, 0, 0, NULL },
     { "--threads", "N", "default 0: all cores", WHOLE, 0, 256, NULL },
     { "--title", "TEXT", "pages: default: the name of the input", PLAIN, 0, 0, NULL },
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
@@ -32,7 +40,7 @@ static void list_holes(const job *j, const pbw_solid_report *r)
         const pbw_solid_hole *h = r->hole + i;
         note(j, "  %zu edge%s, length %.6g, around (%.6g, %.6g, %.6g), %s", COUNT(h->edges), h->length,
              h->place[0], h->place[1], h->place[2],
-             h->closed ? "closed by triangles" : "closed by the winding number");
+             h->closed ? "closed by triangles" : "no loop: closed by the winding number");
     }
 }
 
@@ -40,14 +48,17 @@ static void warn_of(const job *j, const pbw_solid_report *r)
 {
     size_t i;
     if (r->open_edges > 0) {
-        warn(j, "the surface has %zu open edge%s and %zu of more than two triangles: inside is what it winds around "
-             "by more than half", COUNT(r->open_edges), r->crowded_edges);
+        warn(j, "the surface has %zu open edge%s and %zu of more than two triangles", COUNT(r->open_edges),
+             r->crowded_edges);
     } else if (r->crowded_edges + r->doubles > 0) {
         note(j, "walls between regions: %zu edge%s of more than two triangles, %zu triangle%s given again",
              COUNT(r->crowded_edges), COUNT(r->doubles));
     }
     if (r->holes > 0) {
         list_holes(j, r);
+    }
+    if (r->crossings > 0) {
+        warn(j, "the surface meets itself: %zu edge%s of it, with triangles elsewhere", COUNT(r->crossings));
     }
     if (r->acute_edges > 0) {
         warn(j, "%zu sharp edge%s of the surface below 60 degrees, the least %.2f: tetrahedra there are no better",
@@ -72,7 +83,7 @@ static void warn_of(const job *j, const pbw_solid_report *r)
         warn(j, "the boundary and the surface are up to %.3f sizes apart; a smaller --size brings them nearer",
              r->distance);
     }
-    if (r->open_edges == 0 && r->euler != r->input_euler) {
+    if (r->crossings == 0 && r->open_edges == 0 && r->euler != r->input_euler) {
         warn(j, "the Euler number of the boundary is %ld, that of the surface %ld", r->euler, r->input_euler);
     }
 }
@@ -126,6 +137,66 @@ static int write_solid(job *j, const pbw_tets *mesh, const pbw_solid_boundary *b
     return failed;
 }
 
+/* Before work: how many tetrahedra there will be. */
+static void announce(void *user, const pbw_solid_report *r)
+{
+    const job *j = (const job *)user;
+    const double scale = pow(10, floor(log10(fmax(r->estimate, 1))) - 1);
+    note(j, "about %.0f tetrahedra of size %.6g", scale * floor(r->estimate / scale + 0.5), r->size);
+    if (r->sharp_share >= 0) {
+        note(j, "sharp edges: %s are kept, as %.0f %% of them are sharp at the scale of the size",
+             sharp_names[r->sharp], 100 * r->sharp_share);
+    }
+}
+
+static pbw_solid_options options_of(job *j)
+{
+    pbw_solid_options how;
+    memset(&how, 0, sizeof how);
+    how.size = number_of(j, "--size", 0);
+    how.least_size = number_of(j, "--least-size", 0);
+    how.curvature = number_of(j, "--curvature", 0);
+    how.nested = is_given(j, "--nested");
+    how.close = is_given(j, "--close");
+    how.sharp = is_given(j, "--sharp") ? choice_of(j, "--sharp") : PBW_SOLID_SHARP_AUTO;
+    how.most = number_of(j, "--most", 0);
+    how.plan = announce;
+    how.plan_user = j;
+    how.feature_angle = number_of(j, "--feature-angle", 0);
+    how.distance = number_of(j, "--distance", 0);
+    how.rounds = (int)number_of(j, "--rounds", 0);
+    how.improve.target = number_of(j, "--target", 0);
+    how.improve.seconds = number_of(j, "--seconds", 0);
+    return how;
+}
+
+/* Says why there is no solid, and what to do. */
+static int refuse(const job *j, pbw_status status, const pbw_solid_report *r)
+{
+    const pbw_solid_hole *h = r->hole;
+    switch (r->refusal) {
+    case PBW_SOLID_OPEN:
+        return fail(j, "%s: it is open: %zu hole%s, %.0f %% as large as its faces; the largest has %zu edge%s, around"
+                    " (%.6g, %.6g, %.6g); --close closes them", j->input, COUNT(r->holes), 100 * r->hole_share,
+                    COUNT(h->edges), h->place[0], h->place[1], h->place[2]);
+    case PBW_SOLID_THIN:
+        return fail(j, "%s: it is about %.3g thick, %.2g of the size %.6g; --size %.2g suits it%s", j->input,
+                    r->thickness * r->size, r->thickness, r->size, 3 * r->thickness * r->size,
+                    r->thickness > 0.02 ? "" : ", --close fills it anyway");
+    case PBW_SOLID_LARGE:
+        return fail(j, "%s: about %.2g tetrahedra, more than --most allows; a larger --size needs fewer", j->input,
+                    r->estimate);
+    case PBW_SOLID_LATE:
+        return fail(j, "%s: --seconds were over before there was a mesh; a larger --size needs less time",
+                    j->input);
+    default:
+        return status == PBW_CANCELLED ? stopped(j)
+             : status == PBW_DEGENERATE ? fail(j, "%s: nothing is inside of it: it is an open sheet, or thinner than "
+                                               "the size; pbw check says where it is open", j->input)
+             : fail(j, "%s: %s", j->input, pbw_status_string(status));
+    }
+}
+
 static int run(job *j)
 {
     pbw_solid_boundary boundary;
@@ -142,31 +213,22 @@ static int run(job *j)
         return fail(j, "%s: it has no faces", j->input);
     }
     memset(&input, 0, sizeof input);
-    memset(&how, 0, sizeof how);
     input.points = j->cloud.points;
     input.point_count = j->cloud.count;
     input.triangles = j->cloud.triangles;
     input.triangle_count = j->cloud.triangle_count;
-    how.size = number_of(j, "--size", 0);
-    how.least_size = number_of(j, "--least-size", 0);
-    how.curvature = number_of(j, "--curvature", 0);
-    how.nested = is_given(j, "--nested");
-    how.feature_angle = number_of(j, "--feature-angle", 0);
-    how.distance = number_of(j, "--distance", 0);
-    how.rounds = (int)number_of(j, "--rounds", 0);
-    how.improve.target = number_of(j, "--target", 0);
-    how.improve.seconds = number_of(j, "--seconds", 0);
+    how = options_of(j);
     status = pbw_solid(&input, &how, &j->build, &mesh, &boundary, &report);
     if (status != PBW_OK) {
-        return status == PBW_CANCELLED ? stopped(j)
-             : status == PBW_DEGENERATE ? fail(j, "%s: nothing is inside of it: it is an open sheet, or thinner than the "
-                                              "size; pbw check says where it is open", j->input)
-             : fail(j, "%s: %s", j->input, pbw_status_string(status));
+        return refuse(j, status, &report);
     }
     report_on(j, &mesh, &report);
     pbwio_free(&j->cloud);                           /* pages show the solid alone */
     show_tets(j, &mesh);
-    failed = write_solid(j, &mesh, &boundary);
+    failed = report.bad_edges + report.bad_points > 0 && !is_given(j, "--keep-faults")
+           ? fail(j, "the boundary is no manifold, so nothing is written; another --size may mend it, --keep-faults "
+                  "writes it")
+           : write_solid(j, &mesh, &boundary);
     pbw_solid_boundary_free(&boundary);
     memset(&j->mesh, 0, sizeof j->mesh);
     pbw_tets_free(&mesh);

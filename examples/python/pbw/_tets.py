@@ -50,8 +50,9 @@ class _SolidInput(ctypes.Structure):
 class _SolidOptions(ctypes.Structure):
     """pbw_solid_options."""
     _fields_ = [("size", _double), ("least_size", _double), *_pointers("size_at size_user"), ("curvature", _double),
-                ("nested", ctypes.c_int), ("feature_angle", _double), ("distance", _double), ("rounds", ctypes.c_int),
-                ("improve", _ImproveOptions)]
+                ("nested", ctypes.c_int), ("close", ctypes.c_int), ("sharp", ctypes.c_int), ("most", _double),
+                *_pointers("plan plan_user"), ("feature_angle", _double), ("distance", _double),
+                ("rounds", ctypes.c_int), ("improve", _ImproveOptions)]
 
 
 class _Hole(ctypes.Structure):
@@ -65,6 +66,7 @@ class _Boundary(ctypes.Structure):
                 *_pointers("facets corners patches sides edges holes memory")]
 
 
+_SHARP = ("auto", "all", "some", "none")          # as PBW_SOLID_SHARP_...
 _SIZE_AT = ctypes.CFUNCTYPE(_double, ctypes.c_void_p, ctypes.POINTER(_double))
 
 
@@ -72,7 +74,10 @@ class _SolidReport(ctypes.Structure):
     """pbw_solid_report."""
     _fields_ = [*((name, _size) for name in ("open_edges", "crowded_edges", "doubles", "shells", "holes")),
                 ("hole", _Hole * 8),
-                *((name, _size) for name in ("regions", "corners", "sharp_edges", "acute_edges")),
+                *((name, _double) for name in ("hole_share", "thickness", "estimate")),
+                ("crossings", _size), ("refusal", ctypes.c_int), ("regions", _size), ("sharp", ctypes.c_int),
+                ("sharp_share", _double),
+                *((name, _size) for name in ("corners", "sharp_edges", "acute_edges")),
                 ("least_angle", _double), *((name, _size) for name in ("missing_edges", "bad_edges", "bad_points")),
                 ("places", _double * 3 * 8),
                 ("facets", _size),
@@ -187,13 +192,16 @@ def improve(points, tets, target=30, seconds=0, feature_angle=40, regions=None, 
 
 
 def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=16, patches=None, nested=False,
-          least_size=0, curvature=0):
+          least_size=0, curvature=0, sharp="auto", close=False, most=50e6):
     """Tetrahedra inside a closed surface: vertices (n, 3), faces (m, 3), one or several shells.
 
     size: length of edges, 0 = 1/40 of the diagonal, or a function of a point (x, y, z), below 1/40 of the diagonal.
     They are shorter in thin walls, and with curvature=c at most c radii of curvature, but not below least_size.
     Edges of the surface that bend by more than feature_angle degrees are kept, and those between faces of different
-    patches, one number a face.  nested=True: shells inside of others bound regions, else every second is a cavity.
+    patches, one number a face.  sharp: which of the edges that bend are kept, "all", "some", "none" or "auto".
+    nested=True: shells inside of others bound regions, else every second is a cavity, and shells that cross are one
+    body.
+    Surfaces that are mostly holes or very thin are refused, unless close=True, and more than `most` tetrahedra.
 
     Returns a Tets whose regions are numbers of shells, with facets (of the boundary and between regions), their
     patches (-1 where a hole is closed), sides (regions, -1 outside) and features (edges) beside.  Its report has
@@ -213,8 +221,11 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=16, patch
             _check_number(name, value, 0, np.finfo(float).max)
     if target > 0:
         _check_number("target", target, 1, 60)
-    how = _SolidOptions(0 if callable(size) else size, least_size, None, None, curvature, nested, feature_angle, 0,
-                        rounds, _ImproveOptions(target))
+    if sharp not in _SHARP:
+        raise ValueError("sharp must be one of " + ", ".join(_SHARP))
+    _check_number("most", most, 1, np.finfo(float).max)
+    how = _SolidOptions(0 if callable(size) else size, least_size, None, None, curvature, nested, close,
+                        _SHARP.index(sharp), most, None, None, feature_angle, 0, rounds, _ImproveOptions(target))
     thrown = []
     if callable(size):
         def at(user, point):
@@ -237,7 +248,8 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=16, patch
     if thrown:
         raise thrown[0]
     if status == _errors.DEGENERATE:
-        raise _errors.Error("nothing is inside of the surface: it is an open sheet, or thinner than the size")
+        raise _errors.Error("nothing is inside of the surface: it is an open sheet, or mostly holes, which close=True "
+                            "closes, or thinner than the size")
     if status:
         raise _errors.from_status(status, _library.pbw_status_string(status).decode(), vertices, None)
     return made
