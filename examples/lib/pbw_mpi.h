@@ -635,7 +635,8 @@ static int pbwm__is_whole(const char *name, const pbwtf_chunk *chunk)
     pbwtf_map map;
     int good = pbwtf_map_file(name, &map, error);
     if (good) {
-        good = map.size == pbwtf_chunk_size(chunk) && memcmp(map.data, chunk, head) == 0
+        good = map.size == pbwtf_chunk_size(chunk) && memcmp(pbwtf_fetch(&map, map.data, map.size), chunk, head) == 0
+            && pbwtf_fault(&map) == NULL
             && pbwtf_checksum(0, map.data + head, across - head) == chunk->checksum;
         pbwtf_unmap(&map);
     }
