@@ -159,7 +159,7 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
     static const char *const columns[] = { NULL, NULL, "2,1", "x,y", "1,2,3" };
     static const char *const weights[] = { NULL, NULL, NULL, "4", "w" };
     int format;
-    for (format = PBWIO_AUTO; format <= PBWIO_JSON; format++) {
+    for (format = PBWIO_AUTO; format <= PBWIO_VTK; format++) {
         pbwio_options options;
         pbwio_cloud cloud;
         pbwio_error error;
@@ -208,7 +208,9 @@ static size_t mutate(unsigned char *bytes, size_t size)
         "#", "\\\n", ",", ";", "\"", "v ", "f ", "element vertex 99999999\n", "property list uchar int x\n",
         "end_header\n", "vertex ", "endloop\n", "OFF\n", "-", "/", "0x1p3", "1.", ".", "999999999999999999",
         "[", "]", "{\"x\":1,\"y\":2}", "\"coordinates\":", "$Nodes\n", "$Elements\n", "Vertices ", "Tetrahedra ",
-        "C ", "<DataArray ", "format=\"appended\" ", "offset=\"", "<AppendedData encoding=\"raw\">_"
+        "C ", "<DataArray ", "format=\"appended\" ", "offset=\"", "<AppendedData encoding=\"raw\">_",
+        "POLYGONS ", "CELLS ", "OFFSETS vtktypeint64\n", "SCALARS region int\n", "CELL_DATA ", "facet ", "end ",
+        "\"points\":", "easting,northing,"
     };
     size_t kind = below(6), at = below(size + 1), length = 1 + below(1 + below(32)), grow;
     const char *word = words[below(sizeof words / sizeof words[0])];

@@ -139,6 +139,21 @@ static const io_sample io_text_samples[] = {
             "\000\000\003\000\000\000\000\000\000\000\002\000\000\000\001\000\000\000\020\000\000\000\000\000"
             "\000\000\004\000\000\000\000\000\000\000\007\000\000\000\000\000\000\000\002\000\000\000\000\000"
             "\000\000\n\005</AppendedData></VTKFile>\n", 3, 4, 1, 3),
+    IO_TEXT("text.vtk",
+            "# vtk DataFile Version 5.1\ntitle\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n0 0 0 1 0 0\n0 1 0 "
+            "0 0 1\nCELLS 3 8\nOFFSETS vtktypeint64\n0 4 8\nCONNECTIVITY vtktypeint64\n0 1 2 3 0 1 2 3\n"
+            "CELL_TYPES 2\n10 9\nCELL_DATA 2\nFIELD FieldData 1\nregion 1 2 int\n4 5\n", 3, 4, 2, 3),
+    IO_TEXT("binary.vtk",
+            "# vtk DataFile Version 3.0\ntitle\nBINARY\nDATASET POLYDATA\nPOINTS 3 float\n\000\000\000\000\000\000"
+            "\000\000\000\000\000\000\077\200\000\000\000\000\000\000\000\000\000\000\000\000\000\000\077\200\000\000"
+            "\000\000\000\000\nPOLYGONS 1 4\n\000\000\000\003\000\000\000\000\000\000\000\001\000\000\000\002\n"
+            "CELL_DATA 1\nSCALARS region short\nLOOKUP_TABLE default\n\000\007\n", 3, 3, 1, 2),
+    IO_TEXT("concave.off", "OFF\n8 1 0\n0 0 0\n7 0 0\n7 6 0\n5 6 0\n5 2 0\n2 2 0\n2 6 0\n0 6 0\n8 7 6 5 4 3 2 1 0\n",
+            3, 8, 6, 56),
+    IO_TEXT("upper.stl", " SOLID A\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVERTEX 1 0 0\nVERTEX 0 1 0\n"
+            "END LOOP\nEND FACET\nEND SOLID\n", 3, 3, 1, 2),
+    IO_TEXT("graph.json", "{\"edges\": [[0, 1], [1, 2]], \"points\": [[0, 0], [1, 0], [0, 1]]}", 2, 3, 0, 2),
+    IO_TEXT("stations.csv", "id,easting,northing,height\n1,0,0,5\n2,4,0,6\n3,0,4,7\n", 3, 3, 0, 26),
     IO_TEXT("named.csv.gz",
             "\037\213\010\010\000\000\000\000\002\377points.csv\0005\220I\016\3030\024B\3679\313W\345\077x\272Y"
             "\232\323\267rx\312\002L\000#\337\366\265\347j\366\377>\375r\363\203eq0,\205%\275\3137\0166\233:/"

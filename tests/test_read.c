@@ -17,7 +17,8 @@ typedef struct reading {
     int dim;                                /* of the cloud; 0: it is refused */
     size_t points, triangles;
     double sum, area;                       /* of all coordinates; of all triangles */
-    const char *words;                      /* a part of what is dropped or of the refusal; NULL: nothing is dropped */
+    /* a part of what is dropped or of the refusal; NULL: nothing is dropped */
+    const char *words;
 } reading;
 
 static double area_of(const pbwio_cloud *c)
@@ -190,7 +191,8 @@ static void test_random_polygons(void)
         }
         for (i = 0; i < c.triangle_count; i++) {
             const pbw_index *t = c.triangles + 3 * i;
-            turned += pbw_orient2(c.points + 2 * t[0], c.points + 2 * t[1], c.points + 2 * t[2]) != (twice > 0 ? 1 : -1);
+            turned += pbw_orient2(c.points + 2 * t[0], c.points + 2 * t[1], c.points + 2 * t[2]) != (twice > 0 ? 1
+                : -1);
         }
         simple_ones += simple;
         if (!CHECK(c.triangle_count == n - 2 && (c.dropped[0] == 0) == simple
@@ -220,7 +222,8 @@ static void test_large_polygons(void)
             const double t = 8 * atan(1.0) / (double)n * (double)i, half = (double)(i < n / 2 ? i : n - 1 - i);
             const double u = 1e-3 * half, r = 1 + u + (i < n / 2 ? 0 : 2), out = i % 2 ? 1 : 0.5;
             const double x = shape == 0 ? out * cos(t) : shape == 1 ? half : shape == 2 ? r * cos(u) : cos(7 * t);
-            const double y = shape == 0 ? out * sin(t) : shape == 1 ? (fmod(half, 2) > 0 ? 1000 : 0) + (i < n / 2 ? 0 : 1)
+            const double y = shape == 0 ? out * sin(t) : shape == 1 ? (fmod(half, 2) > 0 ? 1000 : 0) + (i < n / 2 ? 0
+                : 1)
                            : shape == 2 ? r * sin(u) : sin(5 * t);
             used += (size_t)sprintf(text + used, "%.17g %.17g 0\n", x, y);
         }
@@ -246,9 +249,11 @@ static void test_polygons(void)
 
 /* ---- .stl ---- */
 
-#define FACETS(facet, normal, outer, loop, vertex, endloop, endfacet) facet " " normal " 0 0 1\n" outer " " loop "\n" \
-    vertex " 0 0 0\n" vertex " 2 0 0\n" vertex " 0 2 0\n" endloop "\n" endfacet "\n" facet " " normal " 0 0 1\n" outer \
-    " " loop "\n" vertex " 2 0 0\n" vertex " 2 2 0\n" vertex " 0 2 0\n" endloop "\n" endfacet "\n"
+#define FACETS(facet, normal, outer, loop, vertex, endloop, endfacet) \
+    facet " " normal " 0 0 1\n" outer " " loop "\n" \
+    vertex " 0 0 0\n" vertex " 2 0 0\n" vertex " 0 2 0\n" endloop "\n" endfacet "\n" \
+    facet " " normal " 0 0 1\n" outer " " loop "\n" \
+    vertex " 2 0 0\n" vertex " 2 2 0\n" vertex " 0 2 0\n" endloop "\n" endfacet "\n"
 #define LOWER FACETS("facet", "normal", "outer", "loop", "vertex", "endloop", "endfacet")
 #define UPPER FACETS("FACET", "NORMAL", "OUTER", "LOOP", "VERTEX", "ENDLOOP", "ENDFACET")
 #define TWO_WORDS FACETS("facet", "normal", "outer", "loop", "vertex", "end loop", "end facet")
@@ -257,7 +262,8 @@ static void test_polygons(void)
 static const reading stl_texts[] = {
     { "plain.stl", "solid a\n" LOWER "endsolid a\n", NULL, IS_SQUARE },
     { "upper.stl", "SOLID MY CUBE WITH  SPACES\n" UPPER "ENDSOLID\n", NULL, IS_SQUARE },
-    { "mixed.stl", "Solid a\n" FACETS("Facet", "Normal", "Outer", "Loop", "Vertex", "EndLoop", "EndFacet") "EndSolid\n",
+    { "mixed.stl", "Solid a\n" FACETS("Facet", "Normal", "Outer", "Loop", "Vertex", "EndLoop",
+      "EndFacet") "EndSolid\n",
       NULL, IS_SQUARE },
     { "indented.stl", "  solid my cube\n\t" LOWER "  endsolid\n", NULL, IS_SQUARE },
     { "tabs.stl", "\tsolid\ta\n" FACETS("\tfacet", "\tnormal", "\touter", "loop", "\t\tvertex\t", "\tendloop",
@@ -268,7 +274,8 @@ static const reading stl_texts[] = {
     { "upper_words.stl", "SOLID A\n" FACETS("FACET", "NORMAL", "OUTER", "LOOP", "VERTEX", "END LOOP", "END FACET")
       "END SOLID\n", NULL, IS_SQUARE },
     { "no_name.stl", "solid\n" LOWER "endsolid\n", NULL, IS_SQUARE },
-    { "a_name_of_words.stl", "solid the vertex loop 1 2 3\n" LOWER "endsolid the vertex loop 1 2 3\n", NULL, IS_SQUARE },
+    { "a_name_of_words.stl", "solid the vertex loop 1 2 3\n" LOWER "endsolid the vertex loop 1 2 3\n", NULL,
+      IS_SQUARE },
     { "number_sign.stl", "solid part #7\n" LOWER "endsolid part #7\n", NULL, IS_SQUARE },
     { "umlaut.stl", "solid k\xc3\xb6rper\n" LOWER "endsolid k\xc3\xb6rper\n", NULL, IS_SQUARE },
     { "latin.stl", "solid k\xf6rper\n" LOWER "endsolid k\xf6rper\n", NULL, IS_SQUARE },
@@ -285,12 +292,14 @@ static const reading stl_texts[] = {
       "endloop\r\nendfacet\r\nendsolid a\r\n", NULL, 3, 3, 1, 4, 2, NULL },
     { "exponents.stl", "solid a\nfacet normal -0 0 1\nouter loop\nvertex 0.0E+00 -0e0 0.\nvertex +2.0e+0 0 0\n"
       "vertex 0 .2E1 0\nendloop\nendfacet\nendsolid a\n", NULL, 3, 3, 1, 4, 2, NULL },
-    { "normals_of_nan.stl", "solid a\nfacet normal nan nan nan\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 2 0\n"
+    { "normals_of_nan.stl",
+      "solid a\nfacet normal nan nan nan\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 2 0\n"
       "endloop\nendfacet\nendsolid a\n", NULL, 3, 3, 1, 4, 2, NULL },
     { "in.unknown", " \n SOLID A\n" UPPER "ENDSOLID\n", NULL, IS_SQUARE },
     { "quads.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 0\n"
       "end loop\nend facet\n", NULL, 0, 0, 0, 0, 0, "quads.stl:8: a facet of 4 corners" },
-    { "cut.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\n", NULL, 0, 0, 0, 0,
+    { "cut.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\n", NULL, 0, 0,
+      0, 0,
       0, "cut.stl:6: the file ends inside a facet" },
     { "empty.stl", "solid a\nendsolid a\n", NULL, 0, 0, 0, 0, 0, "the file has no points" }
 };
@@ -325,7 +334,8 @@ static void test_stl(void)
     static const reading one = { "a.stl", NULL, NULL, 3, 3, 1, 4, 2, "50 bytes behind the triangles" };
     static const reading zero = { "a.stl", NULL, NULL, 3, 6, 2, 12, 4, "the number 0 of triangles in the head, 2" };
     static const reading none = { "a.stl", NULL, NULL, 3, 6, 2, 12, 4, "the number 4294967295 of triangles" };
-    static const reading lacks = { "a.stl", NULL, NULL, 0, 0, 0, 0, 0, "3 triangles are announced, 100 bytes follow" };
+    static const reading lacks = { "a.stl", NULL, NULL, 0, 0, 0, 0, 0,
+        "3 triangles are announced, 100 bytes follow" };
     CHECK_ALL(stl_texts);
     check_binary_stl("binary", 0, 2, 0, &square);
     check_binary_stl("solid of a program", ' ', 2, 0, &square);
@@ -342,8 +352,10 @@ static void test_stl(void)
 
 static void test_refusals(void)
 {
-    static const char *const names[] = { "a.dxf", "a.shp", "a.STEP", "a.stp", "a.iges", "a.las", "a.laz", "a.e57", "a.3mf",
-        "a.gltf", "a.glb", "a.fbx", "a.dae", "a.meshb", "a.bdf", "a.nas", "a.unv", "a.cgns", "a.med", "a.h5", "a.xdmf",
+    static const char *const names[] = { "a.dxf", "a.shp", "a.STEP", "a.stp", "a.iges", "a.las", "a.laz", "a.e57",
+        "a.3mf",
+        "a.gltf", "a.glb", "a.fbx", "a.dae", "a.meshb", "a.bdf", "a.nas", "a.unv", "a.cgns", "a.med", "a.h5",
+            "a.xdmf",
         "b.c/a.kml.gz" };
     static const char *const texts[] = { "0 0\n1 0\n0 1\n", "{\"asset\": [[0, 0], [1, 1]]}", "0\nSECTION\n" };
     pbwio_cloud c;
@@ -352,13 +364,15 @@ static void test_refusals(void)
     for (i = 0; i < sizeof names / sizeof names[0]; i++) {
         for (k = 0; k < 3; k++) {
             CHECK(pbwio_read_memory(names[i], texts[k], strlen(texts[k]), NULL, &c, &error) == PBWIO_ERROR_ARGUMENT);
-            CHECK(strstr(error.text, ": files with this ending are not read; formats that are read: .obj .ply") != NULL);
+            CHECK(strstr(error.text,
+                ": files with this ending are not read; formats that are read: .obj .ply") != NULL);
             CHECK(strstr(error.text, " .json .geojson") != NULL && c.count == 0);
         }
     }
     CHECK(pbwio_read_memory("a.what", texts[0], strlen(texts[0]), NULL, &c, &error) == PBWIO_OK && c.count == 3);
     pbwio_free(&c);
-    CHECK(pbwio_read_memory("a.dxf/points", texts[0], strlen(texts[0]), NULL, &c, &error) == PBWIO_OK && c.count == 3);
+    CHECK(pbwio_read_memory("a.dxf/points", texts[0], strlen(texts[0]), NULL, &c, &error) == PBWIO_OK
+        && c.count == 3);
     pbwio_free(&c);
     CHECK(pbwio_read_memory("a.what", "1 2\n\0\1", 6, NULL, &c, &error) == PBWIO_ERROR_ARGUMENT);
     CHECK(strstr(error.text, "a.what: the content is binary and no table; formats that are read: .obj") != NULL);
@@ -448,7 +462,8 @@ static void test_gzip(void)
 
 /* ---- columns of tables ---- */
 
-typedef struct header { const char *names, *taken; int dim; double sum; } header;      /* taken: or the refusal; dim 0 */
+/* taken: or the refusal; dim 0 */
+typedef struct header { const char *names, *taken; int dim; double sum; } header;
 
 /* Over the rows 9,1,2,3 and 8,4,5,6, with a separator. */
 static const header headers[] = {
@@ -459,21 +474,29 @@ static const header headers[] = {
     { "pop,longitude,latitude,w", "x = column 2 (longitude), y = column 3 (latitude)", 2, 12 },
     { "a,Latitude,Longitude,w", "x = column 3 (Longitude), y = column 2 (Latitude)", 2, 12 },
     { "a,lat,lng,b", "x = column 3 (lng)", 2, 12 }, { "FID,X_COORD,Y_COORD,k", "x = column 2 (X_COORD)", 2, 12 },
-    { "a,POINT_X,POINT_Y,POINT_Z", "z = column 4 (POINT_Z)", 3, 21 }, { "a,coord_x,coord_y,b", "column 2 (coord_x)", 2, 12 },
-    { "a,xcoord,ycoord,zcoord", "z = column 4 (zcoord)", 3, 21 }, { "a,x (m),y (m),z (m)", "z = column 4 (z (m))", 3, 21 },
+    { "a,POINT_X,POINT_Y,POINT_Z", "z = column 4 (POINT_Z)", 3, 21 }, { "a,coord_x,coord_y,b", "column 2 (coord_x)",
+      2, 12 },
+    { "a,xcoord,ycoord,zcoord", "z = column 4 (zcoord)", 3, 21 }, { "a,x (m),y (m),z (m)", "z = column 4 (z (m))", 3,
+      21 },
     { "a,x [m],y [m],b", "x = column 2 (x [m])", 2, 12 }, { "a,x_mm,y_mm,z_mm", "z = column 4 (z_mm)", 3, 21 },
-    { "a,\"x\",\"y\",\"z\"", "", 3, 21 }, { "a,\"X Coordinate\",\"Y Coordinate\",b", "x = column 2 (X Coordinate)", 2, 12 },
-    { "a,Points:0,Points:1,Points:2", "z = column 4 (Points:2)", 3, 21 }, { "a,East,North,b", "column 2 (East)", 2, 12 },
+    { "a,\"x\",\"y\",\"z\"", "", 3, 21 }, { "a,\"X Coordinate\",\"Y Coordinate\",b", "x = column 2 (X Coordinate)",
+      2, 12 },
+    { "a,Points:0,Points:1,Points:2", "z = column 4 (Points:2)", 3, 21 }, { "a,East,North,b", "column 2 (East)", 2,
+      12 },
     { "a,E,N,z", "x = column 2 (E), y = column 3 (N), z = column 4 (z)", 3, 21 },
-    { "a,utm_easting,utm_northing,b", "column 2 (utm_easting)", 2, 12 }, { "a,x,y,elev", "z = column 4 (elev)", 3, 21 },
-    { "id,p,q,r", "x = column 2 (p), y = column 3 (q), z = column 4 (r): no known names, the first that are no ids", 3, 21 },
+    { "a,utm_easting,utm_northing,b", "column 2 (utm_easting)", 2, 12 }, { "a,x,y,elev", "z = column 4 (elev)", 3,
+      21 },
+    { "id,p,q,r", "x = column 2 (p), y = column 3 (q), z = column 4 (r): no known names, the first that are no ids",
+      3, 21 },
     { ",p,q,r", "x = column 2 (p)", 3, 21 }, { "Unnamed: 0,p,q,r", "x = column 2 (p)", 3, 21 },
     { "p,id,q,r", "x = column 1 (p), y = column 3 (q), z = column 4 (r): no known names", 3, 33 },
     { "point_id,p,q,station_id", "", 2, 12 },
-    { "easting,northing,lon,lat", "a.csv:1: several columns may be x and y: easting (1), northing (2), lon (3), lat (4)", 0,
+    { "easting,northing,lon,lat",
+      "a.csv:1: several columns may be x and y: easting (1), northing (2), lon (3), lat (4)", 0,
       0 },
     { "x (m),x (ft),y (m),z", "several columns may be x and y: x (m) (1), x (ft) (2), y (m) (3); choose", 0, 0 },
-    { "x,y,height,elevation", "several columns may be z: height (3), elevation (4); choose by names or numbers", 0, 0 },
+    { "x,y,height,elevation", "several columns may be z: height (3), elevation (4); choose by names or numbers", 0,
+      0 },
     { "lon,longitude,lat,a", "several columns may be x and y: lon (1), longitude (2), lat (3)", 0, 0 },
     { "x,y,X,Y", "several columns may be x and y", 0, 0 }
 };
@@ -486,7 +509,8 @@ static void test_headers(void)
     for (i = 0; i < sizeof headers / sizeof headers[0]; i++) {
         for (k = 0; k < 3; k++) {
             const header *h = headers + i;
-            const int spread = k == 2 && (strchr(h->names, ' ') != NULL || h->names[0] == ',' || strchr(h->names, '"'));
+            const int spread = k == 2 && (strchr(h->names, ' ') != NULL || h->names[0] == ',' || strchr(h->names,
+                '"'));
             reading x = { "a.csv", NULL, NULL, 0, 2, 0, 0, 0, NULL };
             pbwio_cloud c;
             pbwio_error error;
@@ -502,7 +526,8 @@ static void test_headers(void)
             }
             check_reading(&x, text, strlen(text));
             if (h->dim != 0 && CHECK(pbwio_read_memory("a.csv", text, strlen(text), NULL, &c, &error) == PBWIO_OK)) {
-                if (!CHECK(strstr(c.taken, h->taken) != NULL && (*h->taken != 0 || h->names[0] == 'p' || *c.taken == 0))) {
+                if (!CHECK(strstr(c.taken, h->taken) != NULL && (*h->taken != 0 || h->names[0] == 'p'
+                    || *c.taken == 0))) {
                     test_say("%s: %s", h->names, c.taken);
                 }
                 pbwio_free(&c);
@@ -556,8 +581,9 @@ static void test_tables(void)
 #define LIST "[[0,0],[2,0],[0,3]]"
 #define OBJECTS "[{\"x\":0,\"y\":0},{\"x\":2,\"y\":0},{\"x\":0,\"y\":3}]"
 #define EDGES "[[0,1],[1,2],[2,0],[0,2]]"
-#define GEO(type, coordinates) "{\"type\":\"Feature\",\"properties\":{\"points\":[[7,7]]},\"geometry\":{\"type\":\"" type \
-    "\",\"coordinates\":" coordinates "}}"
+#define GEO(type, coordinates) \
+    "{\"type\":\"Feature\",\"properties\":{\"points\":[[7,7]]},\"geometry\":" \
+    "{\"type\":\"" type "\",\"coordinates\":" coordinates "}}"
 
 static const reading jsons[] = {
     { "bare.json", LIST, NULL, IS_TRIANGLE },
@@ -568,32 +594,42 @@ static const reading jsons[] = {
     { "positions.json", "{\"positions\":" LIST ",\"cells\":[[0,1,2]]}", NULL, IS_TRIANGLE },
     { "nodes.json", "{\"nodes\":" LIST ",\"links\":" EDGES "}", NULL, IS_TRIANGLE },
     { "coordinates.json", "{\"coordinates\":" LIST ",\"indices\":[[0,1,2]]}", NULL, IS_TRIANGLE },
-    { "nested.json", "{\"mesh\":{\"geometry\":{\"points\":" LIST "},\"topology\":{\"arcs\":" EDGES "}}}", NULL, IS_TRIANGLE },
+    { "nested.json", "{\"mesh\":{\"geometry\":{\"points\":" LIST "},\"topology\":{\"arcs\":" EDGES "}}}", NULL,
+      IS_TRIANGLE },
     { "other_name.json", "{\"sites\":" LIST ",\"name\":\"a\"}", NULL, IS_TRIANGLE },
     { "with_edges.json", "{\"sites\":" LIST ",\"edges\":" EDGES "}", NULL, IS_TRIANGLE },
     { "known_and_not.json", "{\"sizes\":[[1,2]],\"points\":" LIST "}", NULL, IS_TRIANGLE },
     { "objects.json", "{\"nodes\":" OBJECTS ",\"links\":[{\"source\":0,\"target\":1}]}", NULL, IS_TRIANGLE },
     { "objects_bare.json", OBJECTS, NULL, IS_TRIANGLE },
     { "labels_too.json", "{\"nodes\":" OBJECTS ",\"labels\":[{\"x\":9,\"y\":9}]}", NULL, IS_TRIANGLE },
-    { "members.json", "[{\"id\":1,\"at\":[0,0]},{\"id\":2,\"at\":[2,0]},{\"id\":3,\"at\":[0,3]}]", NULL, IS_TRIANGLE },
-    { "members_and_boxes.json", "[{\"at\":[0,0],\"bbox\":[1,1,2,2]},{\"at\":[2,0]},{\"at\":[0,3]}]", NULL, IS_TRIANGLE },
+    { "members.json", "[{\"id\":1,\"at\":[0,0]},{\"id\":2,\"at\":[2,0]},{\"id\":3,\"at\":[0,3]}]", NULL,
+      IS_TRIANGLE },
+    { "members_and_boxes.json", "[{\"at\":[0,0],\"bbox\":[1,1,2,2]},{\"at\":[2,0]},{\"at\":[0,3]}]", NULL,
+      IS_TRIANGLE },
     { "by_name.json", "{\"a\":[0,0],\"b\":[2,0],\"c\":[0,3]}", NULL, IS_TRIANGLE },
-    { "nodes_by_name.json", "{\"nodes\":{\"a\":[0,0],\"b\":[2,0],\"c\":[0,3]},\"edges\":" EDGES "}", NULL, IS_TRIANGLE },
+    { "nodes_by_name.json", "{\"nodes\":{\"a\":[0,0],\"b\":[2,0],\"c\":[0,3]},\"edges\":" EDGES "}", NULL,
+      IS_TRIANGLE },
     { "chosen.json", "{\"points\":[[9,9],[8,8]],\"vertices\":" LIST "}", "vertices", IS_TRIANGLE },
-    { "chosen_columns.json", "{\"points\":[[9,9],[8,8]],\"vertices\":[[5,0,0],[5,2,0],[5,0,3]]}", "vertices:2,3", IS_TRIANGLE },
-    { "chosen_members.json", "{\"a\":[{\"u\":0,\"v\":0},{\"u\":2,\"v\":3}],\"b\":[{\"u\":1,\"v\":1}]}", "a:u,v", 2, 2, 0, 5, 0,
+    { "chosen_columns.json", "{\"points\":[[9,9],[8,8]],\"vertices\":[[5,0,0],[5,2,0],[5,0,3]]}", "vertices:2,3",
+      IS_TRIANGLE },
+    { "chosen_members.json", "{\"a\":[{\"u\":0,\"v\":0},{\"u\":2,\"v\":3}],\"b\":[{\"u\":1,\"v\":1}]}", "a:u,v", 2,
+      2, 0, 5, 0,
       NULL },
     { "polygon.geojson", GEO("Polygon", "[[[0,0],[2,0],[0,3],[0,0]]]"), NULL, IS_TRIANGLE },
-    { "hole.geojson", GEO("Polygon", "[[[0,0],[9,0],[0,9],[0,0]],[[1,1],[2,1],[1,2],[1,1]]]"), NULL, 2, 6, 0, 26, 0, NULL },
+    { "hole.geojson", GEO("Polygon", "[[[0,0],[9,0],[0,9],[0,0]],[[1,1],[2,1],[1,2],[1,1]]]"), NULL, 2, 6, 0, 26, 0,
+      NULL },
     { "line.geojson", GEO("LineString", "[[0,0],[2,0],[0,3]]"), NULL, IS_TRIANGLE },
     { "lines.geojson", GEO("MultiLineString", "[[[0,0],[2,0]],[[0,3],[1,1]]]"), NULL, 2, 4, 0, 7, 0, NULL },
     { "many.geojson", GEO("MultiPoint", LIST), NULL, IS_TRIANGLE },
     { "parts.geojson", GEO("MultiPolygon", "[[[[0,0],[1,0],[0,1],[0,0]]],[[[0,0],[0,-1],[-1,0],[0,0]]]]"), NULL,
       2, 6, 0, 0, 0, NULL },
     { "two.json", "{\"points\":" LIST ",\"vertices\":" EDGES "}", NULL, 0, 0, 0, 0, 0,
-      "several lists may be the points: points (3), vertices (4); choose one by columns (--columns NAME or NAME:x,y)" },
-    { "unknown.json", "{\"a\":" LIST ",\"b\":" EDGES "}", NULL, 0, 0, 0, 0, 0, "several lists may be the points: a (3), b (4)" },
-    { "columns.json", "{\"x\":[0,1,2],\"y\":[3,4,5]}", "what", 0, 0, 0, 0, 0, "no list of points is named so; there are x (1)" },
+      "several lists may be the points: points (3), vertices (4); choose one by columns "
+      "(--columns NAME or NAME:x,y)" },
+    { "unknown.json", "{\"a\":" LIST ",\"b\":" EDGES "}", NULL, 0, 0, 0, 0, 0,
+      "several lists may be the points: a (3), b (4)" },
+    { "columns.json", "{\"x\":[0,1,2],\"y\":[3,4,5]}", "what", 0, 0, 0, 0, 0,
+      "no list of points is named so; there are x (1)" },
     { "only_edges.json", "{\"edges\":" EDGES "}", NULL, 0, 0, 0, 0, 0, "no points" }
 };
 
@@ -607,12 +643,179 @@ static void test_json(void)
     pbwio_free(&c);
 }
 
+/* ---- .vtk ---- */
+
+typedef struct vtk_file { char bytes[4096]; size_t size; int binary; } vtk_file;
+
+static void vtk_line(vtk_file *f, const char *text)
+{
+    f->size += (size_t)snprintf(f->bytes + f->size, sizeof f->bytes - f->size, "%s\n", text);
+}
+
+/* Numbers of 1, 4 or 8 bytes, the highest first; 'd' doubles, 'f' floats, 'i' integers. */
+static void vtk_numbers(vtk_file *f, int type, size_t size, const double *value, size_t count)
+{
+    size_t i, k;
+    for (i = 0; i < count; i++) {
+        uint64_t bits = (uint64_t)(int64_t)value[i];
+        const float single = (float)value[i];
+        uint32_t narrow;
+        memcpy(&narrow, &single, sizeof narrow);
+        bits = type == 'f' ? narrow : bits;
+        if (type == 'd') {
+            memcpy(&bits, value + i, sizeof bits);
+        }
+        for (k = 0; k < size && f->binary; k++) {
+            f->bytes[f->size++] = (char)(bits >> 8 * (size - 1 - k) & 255);
+        }
+        if (!f->binary) {
+            f->size += (size_t)snprintf(f->bytes + f->size, 32, i % 5 == 4 ? "%g\n" : "%g ", value[i]);
+        }
+    }
+    vtk_line(f, "");
+}
+
+/* Two tetrahedra, an arrow of four corners and a line as a grid, or the arrow alone as PolyData; version: "2.0" to
+   "5.1"; extras: arrays before the one of regions. */
+static void make_vtk(vtk_file *f, const char *version, int binary, int grid, int extras)
+{
+    static const double points[] = { 0, 0, 0, 3, 2, 0, 0, 5, 0, 1, 2, 0, 0, 0, 1, 0, 0, -1 };
+    static const double old[] = { 4, 0, 1, 3, 4, 4, 0, 3, 1, 5, 4, 0, 1, 2, 3, 2, 0, 1 }, kinds[] = { 10, 10, 7, 3 };
+    static const double offsets[] = { 0, 4, 8, 12, 14 }, corners[] = { 0, 1, 3, 4, 0, 3, 1, 5, 0, 1, 2, 3, 0, 1 };
+    static const double regions[] = { 7, 9, 7, 5 }, arrow[] = { 4, 0, 1, 2, 3 }, values[] = { 1, 2, 3, 4, 5, 6, 7, 8,
+        9, 10,
+        11, 12, 13, 14, 15, 16, 17, 18 };
+    const int fresh = version[0] == '5';
+    char head[64];
+    f->size = 0;
+    f->binary = binary;
+    snprintf(head, sizeof head, "# vtk DataFile Version %s", version);
+    vtk_line(f, head);
+    vtk_line(f, "POINTS 3 of no section: a title");
+    vtk_line(f, binary ? "BINARY" : "ASCII");
+    vtk_line(f, grid ? "DATASET UNSTRUCTURED_GRID" : "DATASET POLYDATA");
+    if (extras) {
+        vtk_line(f, "FIELD FieldData 1\nTIME 1 1 double");
+        vtk_numbers(f, 'd', 8, values, 1);
+    }
+    vtk_line(f, extras ? "POINTS 6 double" : "POINTS 6 float");
+    vtk_numbers(f, extras ? 'd' : 'f', extras ? 8 : 4, points, 18);
+    if (extras && fresh) {
+        vtk_line(f, "METADATA\nINFORMATION 1\nNAME L2_NORM_RANGE LOCATION vtkDataArray\nDATA 2 0 5\n");
+    }
+    vtk_line(f, grid ? fresh ? "CELLS 5 14" : "CELLS 4 18" : fresh ? "POLYGONS 2 4" : "POLYGONS 1 5");
+    if (fresh) {
+        vtk_line(f, extras ? "OFFSETS vtktypeint64" : "OFFSETS vtktypeint32");
+        vtk_numbers(f, 'i', extras ? 8 : 4, offsets, grid ? 5 : 2);
+        vtk_line(f, extras ? "CONNECTIVITY vtktypeint64" : "CONNECTIVITY vtktypeint32");
+        vtk_numbers(f, 'i', extras ? 8 : 4, grid ? corners : arrow + 1, grid ? 14 : 4);
+    } else {
+        vtk_numbers(f, 'i', 4, grid ? old : arrow, grid ? 18 : 5);
+    }
+    if (grid) {
+        vtk_line(f, "CELL_TYPES 4");
+        vtk_numbers(f, 'i', 4, kinds, 4);
+    }
+    if (extras) {
+        vtk_line(f, "POINT_DATA 6\nSCALARS mass double 1\nLOOKUP_TABLE default");
+        vtk_numbers(f, 'd', 8, values, 6);
+        vtk_line(f, "VECTORS flow float");
+        vtk_numbers(f, 'f', 4, values, 18);
+        vtk_line(f, grid ? "CELL_DATA 4\nSCALARS id unsigned_char" : "CELL_DATA 1\nSCALARS id unsigned_char");
+        vtk_line(f, "LOOKUP_TABLE default");
+        vtk_numbers(f, 'i', 1, values, grid ? 4 : 1);
+        vtk_line(f, grid ? "FIELD FieldData 2\ntwo 2 4 float" : "FIELD FieldData 2\ntwo 2 1 float");
+        vtk_numbers(f, 'f', 4, values, grid ? 8 : 2);
+        vtk_line(f, grid ? "region 1 4 int" : "region 1 1 int");
+        vtk_numbers(f, 'i', 4, regions, grid ? 4 : 1);
+    }
+}
+
+/* The group of an element as its tag; 0: none. */
+static long long tag_of(const pbwio_cloud *c, const pbw_index *groups, size_t i)
+{
+    return groups == NULL || groups[i] == PBW_NONE ? 0 : c->groups[groups[i]].tag;
+}
+
+static void check_vtk(const char *version, int binary, int grid, int extras)
+{
+    static vtk_file f;
+    pbwio_options options;
+    pbwio_cloud c;
+    pbwio_error error;
+    memset(&options, 0, sizeof options);
+    options.weight = extras ? "mass" : NULL;
+    make_vtk(&f, version, binary, grid, extras);
+    if (!CHECK(pbwio_read_memory(extras ? "a.vtk" : "a.what", f.bytes, f.size, &options, &c, &error) == PBWIO_OK)) {
+        test_say("version %s, %d, %d, %d: %s", version, binary, grid, extras, error.text);
+        return;
+    }
+    CHECK(c.dim == 3 && c.count == 6 && c.triangle_count == 2 && fabs(area_of(&c) - 5) < 1e-12);
+    CHECK(c.tetrahedron_count == (grid ? 2 : 0) && c.segment_count == (grid ? 1 : 0) && c.dropped[0] == 0);
+    CHECK(tag_of(&c, c.triangle_groups, 0) == (extras ? 7 : 0) && tag_of(&c, c.triangle_groups, 1) == (extras ? 7
+        : 0));
+    CHECK(!grid || (tag_of(&c, c.tetrahedron_groups, 0) == (extras ? 7 : 0)
+                    && tag_of(&c, c.tetrahedron_groups, 1) == (extras ? 9 : 0)
+                    && tag_of(&c, c.segment_groups, 0) == (extras ? 5 : 0)));
+    CHECK(!extras || (c.weights != NULL && c.weights[5] > 5.5));
+    pbwio_free(&c);
+}
+
+#define VTK_HEAD "# vtk DataFile Version 3.0\ntitle\nASCII\n"
+#define VTK_POLY VTK_HEAD "DATASET POLYDATA\nPOINTS 4 float\n0 0 0 2 0 0 2 2 0 0 2 0\n"
+#define VTK_GRID VTK_HEAD "DATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n0 0 0 2 0 0 2 2 0 0 2 0\n"
+
+static const reading vtks[] = {
+    { "strip.vtk",
+      VTK_HEAD "DATASET POLYDATA\nPOINTS 4 float\n0 0 0 2 0 0 0 2 0 2 2 0\nTRIANGLE_STRIPS 1 5\n4 0 1 2 3\n",
+      NULL, 3, 4, 2, 8, 4, NULL },
+    { "pixel.vtk",
+      VTK_HEAD "DATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n0 0 0 2 0 0 0 2 0 2 2 0\nCELLS 1 5\n4 0 1 2 3\n"
+      "CELL_TYPES 1\n8\n", NULL, 3, 4, 2, 8, 4, NULL },
+    { "quadratic.vtk", VTK_HEAD "DATASET UNSTRUCTURED_GRID\nPOINTS 6 float\n0 0 0 2 0 0 0 2 0 1 0 0 1 1 0 0 1 0\n"
+      "CELLS 1 7\n6 0 1 2 3 4 5\nCELL_TYPES 1\n22\n", NULL, 3, 3, 1, 4, 2, "second-order" },
+    { "parts.vtk", VTK_POLY "VERTICES 1 2\n1 0\nLINES 1 3\n2 0 1\nPOLYGONS 2 8\n3 0 1 2 3 0 2 3\n", NULL, 3, 4, 2, 8,
+      4, NULL },
+    { "lower.vtk", "# vtk datafile version 2.0\n\nascii\ndataset polydata\npoints 4 Float\n0 0 0 2 0 0 2 2 0 0 2 0\n"
+      "polygons 1 5\n4 0 1 2 3\n", NULL, 3, 4, 2, 8, 4, NULL },
+    { "windows.vtk",
+      "# vtk DataFile Version 3.0\r\nt\r\nASCII\r\nDATASET POLYDATA\r\nPOINTS 3 float\r\n0 0 0\r\n2 0 0\r\n"
+      "0 2 0\r\nPOLYGONS 1 4\r\n3 0 1 2\r\n", NULL, 3, 3, 1, 4, 2, NULL },
+    { "points_only.vtk", VTK_POLY, NULL, 3, 4, 0, 8, 0, NULL },
+    { "hexahedron.vtk", VTK_GRID "CELLS 1 9\n8 0 1 2 3 0 1 2 3\nCELL_TYPES 1\n12\n", NULL, 3, 4, 0, 8, 0,
+      "hexahedra" },
+    { "image.vtk", VTK_HEAD "DATASET STRUCTURED_POINTS\nDIMENSIONS 2 2 2\n", NULL, 0, 0, 0, 0, 0,
+      "image.vtk:4: data sets UNSTRUCTURED_GRID and POLYDATA are read, \"STRUCTURED_POINTS\" is not" },
+    { "rectilinear.vtk", VTK_HEAD "DATASET RECTILINEAR_GRID\n", NULL, 0, 0, 0, 0, 0, "\"RECTILINEAR_GRID\" is not" },
+    { "what.vtk", VTK_POLY "WHAT 1\n", NULL, 0, 0, 0, 0, 0, "what.vtk:7: \"WHAT\" is no section of .vtk" },
+    { "type.vtk", VTK_HEAD "DATASET POLYDATA\nPOINTS 1 real\n0 0 0\n", NULL, 0, 0, 0, 0, 0,
+      "type.vtk:5: \"real\" is not a type" },
+    { "corner.vtk", VTK_POLY "POLYGONS 1 4\n3 0 1 9\n", NULL, 0, 0, 0, 0, 0, "a face has point 9, there are 4" },
+    { "short.vtk", VTK_POLY "POLYGONS 2 8\n3 0 1 2\n", NULL, 0, 0, 0, 0, 0, "the file ends too early" },
+    { "third.vtk", "# vtk DataFile Version 3.0\nt\nHEX\n", NULL, 0, 0, 0, 0, 0,
+      "the third line is not \"ASCII\" or \"BINARY\"" },
+    { "table.vtk", "1 2 3\n", NULL, 0, 0, 0, 0, 0, "the first line is not \"# vtk DataFile Version\"" }
+};
+
+static void test_vtk(void)
+{
+    static const char *const versions[] = { "1.0", "2.0", "3.0", "4.2", "5.0", "5.1" };
+    int i, k;
+    for (i = 0; i < 6; i++) {
+        for (k = 0; k < 8; k++) {
+            check_vtk(versions[i], k & 1, k >> 1 & 1, k >> 2);
+        }
+    }
+    CHECK_ALL(vtks);
+}
+
 int main(int argc, char **argv)
 {
     static const struct { const char *name; void (*run)(void); } tests[] = {
         { "polygons", test_polygons }, { "spellings of .stl", test_stl }, { "what is not read", test_refusals },
         { ".gz is written", test_gzip }, { "columns of tables", test_tables },
-        { "lists of .json", test_json }
+        { "lists of .json", test_json },
+        { "every .vtk", test_vtk }
     };
     size_t i;
     test_start(argc, argv, 0);

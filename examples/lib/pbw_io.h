@@ -31,6 +31,8 @@
      .mesh   Medit, ascii                             x y (z)
      .vtu    one piece; ascii, base64 or raw, plain   weights: an array of the points by name
              or compressed by zlib
+     .vtk    legacy files, versions 1 to 5.1: grids   as .vtu
+             and polygons; ascii and binary
      .json .geojson  arrays of numbers; objects with  numbers in an array, members of an object; before
              x and y; "coordinates"                   these "points:" where several lists may be the points
      .xyz    molecules: count, comment, then rows     symbol x y z, then numbers
@@ -41,7 +43,7 @@
        height, alt ...  Two pairs of names, or two names of z, are refused.  pbwio_cloud.taken says what was taken.
      Any other name: the content decides.  All of them compressed by gzip, too, with the ending .gz or not.
      Of meshes, triangles, quadrilaterals, polygons are faces, tetrahedra are cells; other elements are passed over.
-     A polygon of any shape becomes triangles inside its outline; one that crosses or touches itself, or is flat, a fan.
+     A polygon becomes triangles inside its outline; one that is flat, crosses or touches itself becomes a fan.
      A first line of counts is passed if the rows below agree with it, and refused where it may as well be a point.
 
    WRITES    what                                             text or binary     read by
@@ -133,7 +135,7 @@ typedef enum pbwio_format {
     PBWIO_OBJ, PBWIO_PLY, PBWIO_STL, PBWIO_OFF, PBWIO_NODE, PBWIO_XYZ, PBWIO_CSV,     /* XYZ, CSV: any table */
     PBWIO_VTU, PBWIO_MSH, PBWIO_MESH, PBWIO_ELE,
     PBWIO_NEIGH, PBWIO_FACE, PBWIO_MSH2, PBWIO_INP, PBWIO_SU2,                        /* written only, but MSH2 */
-    PBWIO_JSON                                                                        /* read only */
+    PBWIO_JSON, PBWIO_VTK                                                             /* read only */
 } pbwio_format;
 
 /* A set of elements that a file names or numbers: a region, a patch of the surface, a curve, marked points. */
@@ -180,7 +182,7 @@ typedef struct pbwio_options {         /* NULL or all zero = best defaults */
                                           columns with names that stand for x y z, else the first that are neither the
                                           weight nor, in tables, an id */
     const char *weight;                /* the same for the weight; NULL = no weights */
-    const char *keep;                  /* columns of tables that the cloud keeps, the same way; "*": all; NULL: none */
+    const char *keep;                  /* columns of tables to keep, the same way; "*": all; NULL: none */
     unsigned flags;                    /* PBWIO_DECIMAL_COMMA | PBWIO_CLOSED_RINGS */
 } pbwio_options;
 
@@ -813,7 +815,7 @@ typedef struct pbwio__reader {
     int column[4], last_column;              /* where x, y, z and the weight are, from 0; -1 = nowhere.  In 2D z is
                                                 the height, which rows may lack: then there are no heights */
     int known;                               /* the columns of coordinates have known names or were chosen */
-    unsigned char kept[PBWIO__MOST_COLUMNS]; /* of a column of the file: 1 + its place in cloud->columns; 0: not kept */
+    unsigned char kept[PBWIO__MOST_COLUMNS]; /* of a column of the file: 1 + its place in cloud->columns; 0: none */
     const pbwio_options *options;
     pbwio_cloud *cloud;
     size_t point_capacity, triangle_capacity, tetrahedron_capacity, segment_capacity, group_capacity, held, budget;
@@ -1060,10 +1062,10 @@ static const char *const pbwio__pairs[][2] = {
       "ycoord ycoordinate coordy coordinatey pointy posy ypos positiony yposition utmy yutm points1" },
     { "e", "n" }
 };
-static const char pbwio__z_names[] = "z elevation elev height altitude alt zcoord zcoordinate coordz coordinatez pointz "
-    "posz zpos positionz zposition points2 utmz";
-static const char pbwio__id_names[] = "id fid gid oid uid uuid objectid ogcfid featureid index idx row rowid key no nr "
-    "num number pid ptid pointid pointno nodeid stationid siteid unnamed0 name label code";
+static const char pbwio__z_names[] = "z elevation elev height altitude alt zcoord zcoordinate coordz coordinatez "
+    "pointz posz zpos positionz zposition points2 utmz";
+static const char pbwio__id_names[] = "id fid gid oid uid uuid objectid ogcfid featureid index idx row rowid key no "
+    "nr num number pid ptid pointid pointno nodeid stationid siteid unnamed0 name label code";
 
 /* A name without case, signs, blanks, and the unit behind it: "X_Coord (m)" is "xcoord".  Returns it in text. */
 static pbwio__field pbwio__plain_name(pbwio__field name, char text[32])
@@ -1082,7 +1084,7 @@ static pbwio__field pbwio__plain_name(pbwio__field name, char text[32])
     word.begin = start;
     word.end = end;
     plain.begin = text;
-    plain.end = start > text && pbwio__lists("m mm cm km ft deg degree degrees dd meter meters metre metres feet", word)
+    plain.end = start > text && pbwio__lists("m mm cm km ft deg degree degrees dd meter meters metre metres", word)
               ? start : end;
     return plain;
 }
@@ -1223,7 +1225,9 @@ static void pbwio__keep_columns(pbwio__reader *r, const pbwio__field *names, int
     for (column = 0; column < count; column++) {
         kept += r->kept[column];
     }
-    r->cloud->columns = kept > 0 ? (pbwio_column *)pbwio__resize(r, NULL, 0, (size_t)kept, sizeof(pbwio_column)) : NULL;
+    if (kept > 0) {
+        r->cloud->columns = (pbwio_column *)pbwio__resize(r, NULL, 0, (size_t)kept, sizeof(pbwio_column));
+    }
     for (column = 0; column < count && r->cloud->columns != NULL; column++) {
         if (r->kept[column]) {
             pbwio_column *c = r->cloud->columns + r->cloud->column_count++;
@@ -2579,7 +2583,7 @@ static void pbwio__read_stl(pbwio__reader *r)
     int text;
     pbwio__choose(r, NULL, 3, 3);
     head.error = NULL;
-    text = pbwio__row_line(&head) && pbwio__next(&head, &word) && (pbwio__is(word, "solid") || pbwio__is(word, "facet"))
+    text = pbwio__row_line(&head) && pbwio__next(&head, &word) && pbwio__lists("solid facet", word)
         && memchr(r->at, 0, size < 134 ? size : 134) == NULL;
     head = *r;
     if (size >= 84) {
@@ -3410,6 +3414,7 @@ enum { PBWIO__POINTS, PBWIO__WEIGHTS, PBWIO__MARKERS, PBWIO__CORNERS, PBWIO__END
 
 typedef struct pbwio__array {
     int is, type, text, appended;            /* type: out of the table; neither text nor appended: base64 in place */
+    int plain;                               /* only the numbers, as text or as they are */
     int components, rank;                    /* rank: of its name, where several will do; the least counts */
     const char *begin, *end;                 /* between its tags */
     double offset;                           /* behind them all */
@@ -3421,6 +3426,7 @@ typedef struct pbwio__vtu {
     int big, packed, raw;                    /* byte order; zlib; what is appended is not base64 */
     size_t head;                             /* bytes of a length: 4 or 8 */
     double points, cells;
+    int kind;                                /* of cells without an array of kinds */
     const char *fields;                      /* where the fields of the whole file start; NULL: none */
     const char *appended;                    /* the first byte behind the underscore; NULL: none */
     pbwio__array array[PBWIO__ARRAYS];
@@ -3706,7 +3712,7 @@ static void pbwio__vtu_open(pbwio__reader *r, const pbwio__vtu *v, pbwio__array 
     a->values.line_number = 0;
     a->values.line = a->values.line_end = a->values.cursor = a->values.at = at;
     a->values.end = a->end;
-    if (a->text || r->status != PBWIO_OK) {
+    if (a->text || a->plain || r->status != PBWIO_OK) {
         return;
     }
     if (at == NULL || a->offset > (double)(r->end - at) || (!a->appended && a->offset > 0)) {
@@ -3906,7 +3912,8 @@ static void pbwio__vtu_points(pbwio__reader *r, pbwio__vtu *v)
 static int pbwio__vtk_shape(int kind, int *corners)
 {
     static const unsigned char kinds[][3] = { { 1, 0, 1 }, { 2, 0, 1 }, { 3, 1, 2 }, { 4, 1, 0 }, { 5, 2, 3 },
-        { 7, 2, 0 }, { 9, 2, 4 }, { 10, 3, 4 }, { 21, 1, 2 }, { 22, 2, 3 }, { 23, 2, 4 }, { 24, 3, 4 }, { 28, 2, 4 },
+        { 6, 2, 0 }, { 7, 2, 0 }, { 8, 2, 4 }, { 9, 2, 4 }, { 10, 3, 4 }, { 21, 1, 2 }, { 22, 2, 3 }, { 23, 2, 4 },
+        { 24, 3, 4 }, { 28, 2, 4 },
         { 34, 2, 3 }, { 68, 1, 2 }, { 69, 2, 3 }, { 70, 2, 4 }, { 71, 3, 4 } };
     size_t i;
     for (i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
@@ -3927,6 +3934,17 @@ static void pbwio__vtu_cell(pbwio__reader *r, pbwio__vtu *v, int kind, double no
     for (at = 0; at < nodes && r->status == PBWIO_OK; at++) {
         value = pbwio__vtu_value(r, v, &v->array[PBWIO__CORNERS]);
         id[k] = value >= 0 && value < (double)r->cloud->count ? (long long)value : -1;
+        if (kind == 6) {                                             /* a strip of triangles, which turn by turns */
+            const long long turned[3] = { id[1], id[0], id[k] };
+            id[2] = id[k];
+            if (at >= 2) {
+                pbwio__add_element(r, 2, 3, 3, fmod(at, 2) > 0 ? turned : id);
+                id[0] = id[1];
+                id[1] = id[2];
+            }
+            k = k < 2 ? k + 1 : 2;
+            continue;
+        }
         if (dim == 2 && corners == 0) {
             pbwio__add_corner(r, value, (long long)r->cloud->count, (long long)at);
         } else if (dim == 1 && corners == 0 && at > 0) {
@@ -3942,6 +3960,11 @@ static void pbwio__vtu_cell(pbwio__reader *r, pbwio__vtu *v, int kind, double no
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "a cell of %d nodes where %d are needed", k, corners);
             return;
         }
+        if (kind == 8) {                                             /* a pixel goes by rows, not around */
+            const long long third = id[2];
+            id[2] = id[3];
+            id[3] = third;
+        }
         pbwio__add_element(r, dim, corners, k, id);
     }
 }
@@ -3953,7 +3976,8 @@ static void pbwio__vtu_cells(pbwio__reader *r, pbwio__vtu *v)
     pbwio__array *curves = &v->array[PBWIO__CURVES];
     double i, at = 0, end, region, patch, curve;
     int k, kind, unused, dim;
-    if (!(v->cells > 0) || !v->array[PBWIO__CORNERS].is || !ends->is || !kinds->is) {
+    if (!(v->cells > 0) || !v->array[PBWIO__CORNERS].is || (!v->array[PBWIO__CORNERS].plain && !ends->is)
+        || (v->kind == 0 && !kinds->is)) {
         return;
     }
     for (k = PBWIO__CORNERS; k < PBWIO__ARRAYS; k++) {
@@ -3961,9 +3985,12 @@ static void pbwio__vtu_cells(pbwio__reader *r, pbwio__vtu *v)
             pbwio__vtu_open(r, v, &v->array[k]);
         }
     }
+    if (ends->is && ends->plain) {
+        pbwio__vtu_value(r, v, ends);                                /* offsets start with 0 */
+    }
     for (i = 0; i < v->cells && r->status == PBWIO_OK; i++) {
-        kind = (int)fmin(fmax(pbwio__vtu_value(r, v, kinds), 0), 1000);
-        end = pbwio__vtu_value(r, v, ends);
+        kind = v->kind != 0 ? v->kind : (int)fmin(fmax(pbwio__vtu_value(r, v, kinds), 0), 1000);
+        end = ends->is ? pbwio__vtu_value(r, v, ends) : at + pbwio__vtu_value(r, v, &v->array[PBWIO__CORNERS]);
         if (end < at) {
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "offsets that fall");
         }
@@ -4003,6 +4030,291 @@ static void pbwio__read_vtu(pbwio__reader *r)
         PBWIO_FREE(v->array[k].block);
     }
     PBWIO_FREE(v);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   .vtk, the legacy format: sections with keywords; numbers as text, or binary with the highest byte first.
+   In: versions 1.0 to 5.1.  Out: the arrays of a .vtu file, of which that reader makes points and cells.
+   ------------------------------------------------------------------------------------------------------ */
+enum { PBWIO__VTK_PARTS = 4 };               /* of PolyData: vertices, lines, polygons, strips of triangles */
+
+typedef struct pbwio__vtk {
+    int binary, point_data, parts;           /* point_data: the arrays at hand are of points */
+    double rows;                             /* values of those arrays */
+    pbwio__array corners[PBWIO__VTK_PARTS], offsets[PBWIO__VTK_PARTS];
+    double cells[PBWIO__VTK_PARTS];
+    int kind[PBWIO__VTK_PARTS];
+    pbwio__vtu vtu;
+} pbwio__vtk;
+
+/* The next word as a type of the table; -1: bits, -2: strings. */
+static int pbwio__vtk_type(pbwio__reader *r)
+{
+    static const struct { const char *names; int type; } types[] = {
+        { "char signed_char vtktypeint8", 0 }, { "unsigned_char vtktypeuint8", 1 }, { "short vtktypeint16", 2 },
+        { "unsigned_short vtktypeuint16", 3 }, { "int vtktypeint32 vtkIdType", 4 },
+        { "unsigned_int vtktypeuint32", 5 },
+        { "float", 6 }, { "double", 7 }, { "long long_long vtktypeint64", 8 },
+        { "unsigned_long unsigned_long_long vtktypeuint64", 9 }, { "bit", -1 }, { "string utf8_string variant", -2 }
+    };
+    pbwio__field word;
+    size_t i;
+    pbwio__next(r, &word);
+    for (i = 0; i < sizeof types / sizeof types[0]; i++) {
+        if (pbwio__lists(types[i].names, word)) {
+            return types[i].type;
+        }
+    }
+    pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is not a type", pbwio__show(r, word));
+    return 0;
+}
+
+/* Passes the numbers that follow; notes where they are if there is an array for them. */
+static void pbwio__vtk_numbers(pbwio__reader *r, const pbwio__vtk *k, int type, double count, pbwio__array *a)
+{
+    const char *begin = k->binary ? r->at : r->cursor;
+    const double size = type >= 0 ? (double)pbwio__types[type].size : 0.125;
+    pbwio__field field;
+    double i, bytes = ceil(count * size);
+    if (type == -2) {
+        pbwio__dropped(r, "what is behind an array of strings");
+        r->at = r->cursor = r->line_end = r->end;
+        return;
+    }
+    if (k->binary && bytes > (double)(r->end - r->at)) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%.0f numbers are announced, %zu bytes follow", count,
+                    (size_t)(r->end - r->at));
+        return;
+    }
+    for (i = 0; i < count && !k->binary && pbwio__token(r, &field); i++) {
+    }
+    if (k->binary) {
+        r->at += (size_t)bytes;
+        r->line = r->line_end = r->cursor = r->at;
+    }
+    if (a != NULL && type >= 0) {
+        memset(a, 0, sizeof *a);
+        a->is = 1;
+        a->type = type;
+        a->text = !k->binary;
+        a->plain = 1;
+        a->begin = begin;
+        a->end = k->binary ? r->at : r->cursor;
+    }
+}
+
+/* Whether the next line starts with a word; it is taken then. */
+static int pbwio__vtk_takes(pbwio__reader *r, const char *word)
+{
+    pbwio__reader look = *r;
+    pbwio__field field;
+    if (pbwio__row_line(&look) && pbwio__next(&look, &field) && pbwio__is(field, word)) {
+        r->at = look.at;
+        r->line = look.line;
+        r->line_end = look.line_end;
+        r->cursor = look.cursor;
+        r->line_number = look.line_number;
+        return 1;
+    }
+    return 0;
+}
+
+/* CELLS or a part of PolyData: counts and corners in one array, or, from version 5 on, offsets and corners. */
+static void pbwio__vtk_part(pbwio__reader *r, pbwio__vtk *k, int kind)
+{
+    const double count = (double)pbwio__count(r, "number of cells");
+    const double size = (double)pbwio__count(r, "number of numbers");
+    const int part = k->parts;
+    if (part == PBWIO__VTK_PARTS) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "more than %d sections of cells", PBWIO__VTK_PARTS);
+        return;
+    }
+    k->kind[part] = kind;
+    if (pbwio__vtk_takes(r, "OFFSETS")) {
+        pbwio__vtk_numbers(r, k, pbwio__vtk_type(r), count, &k->offsets[part]);
+        if (!pbwio__vtk_takes(r, "CONNECTIVITY")) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "offsets without \"CONNECTIVITY\"");
+            return;
+        }
+        pbwio__vtk_numbers(r, k, pbwio__vtk_type(r), size, &k->corners[part]);
+        k->cells[part] = count - 1;
+    } else {
+        pbwio__vtk_numbers(r, k, 4, size, &k->corners[part]);
+        k->cells[part] = count;
+    }
+    k->parts += k->cells[part] > 0;
+}
+
+/* An array of values at points or cells. */
+static void pbwio__vtk_values(pbwio__reader *r, pbwio__vtk *k, pbwio__field name, int type, double components,
+                              double count)
+{
+    pbwio__array *a, found;
+    int rank;
+    a = components > 1 ? NULL : pbwio__vtu_place(r, &k->vtu, k->point_data ? "PointData" : "CellData", name, &rank);
+    if (a != NULL && a != &k->vtu.array[PBWIO__WEIGHTS]
+        && (type == 6 || type == 7 || type < 0 || (a->is && a->rank <= rank))) {
+        a = NULL;                                                    /* no numbers of groups, or others count more */
+    }
+    pbwio__vtk_numbers(r, k, type, components * count, &found);
+    if (a != NULL && r->status == PBWIO_OK && type >= 0) {
+        *a = found;
+        a->rank = rank;
+    }
+}
+
+/* FIELD name count, then for each array name, components, rows, type. */
+static void pbwio__vtk_field(pbwio__reader *r, pbwio__vtk *k)
+{
+    pbwio__field name;
+    long long count, i, components, rows;
+    pbwio__next(r, &name);
+    count = pbwio__count(r, "number of arrays");
+    for (i = 0; i < count && r->status == PBWIO_OK; i++) {
+        if (pbwio__vtk_takes(r, "METADATA")) {
+            while (pbwio__line(r) && r->line < r->line_end) {
+            }
+            i--;
+            continue;
+        }
+        pbwio__token(r, &name);
+        components = pbwio__count(r, "number of components");
+        rows = pbwio__count(r, "number of rows");
+        pbwio__vtk_values(r, k, name, pbwio__vtk_type(r), (double)components, (double)rows);
+    }
+}
+
+/* A keyword of attributes; returns whether it is one. */
+static int pbwio__vtk_attribute(pbwio__reader *r, pbwio__vtk *k, pbwio__field word)
+{
+    static const struct { const char *words; int components; } kinds[] = {
+        { "VECTORS NORMALS", 3 }, { "TENSORS", 9 }, { "TENSORS6", 6 }, { "GLOBAL_IDS PEDIGREE_IDS EDGE_FLAGS", 1 }
+    };
+    const int scalars = pbwio__is(word, "SCALARS");
+    pbwio__field name, number;
+    long long components = 1;
+    size_t i;
+    int type;
+    if (scalars || pbwio__is(word, "TEXTURE_COORDINATES") || pbwio__is(word, "LOOKUP_TABLE")
+        || pbwio__is(word, "COLOR_SCALARS")) {
+        pbwio__next(r, &name);
+        if (scalars) {
+            type = pbwio__vtk_type(r);
+            components = pbwio__next(r, &number) && pbwio__natural(number, &components) ? components : 1;
+            pbwio__vtk_takes(r, "LOOKUP_TABLE");
+            r->cursor = r->line_end;                                 /* its name */
+            pbwio__vtk_values(r, k, name, type, (double)components, k->rows);
+            return 1;
+        }
+        components = pbwio__count(r, "number");
+        type = pbwio__is(word, "TEXTURE_COORDINATES") ? pbwio__vtk_type(r) : 1;
+        pbwio__vtk_numbers(r, k, type, pbwio__is(word, "LOOKUP_TABLE") ? 4 * (double)components
+                           : (double)components * k->rows, NULL);
+        return 1;
+    }
+    for (i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        if (pbwio__lists(kinds[i].words, word)) {
+            pbwio__next(r, &name);
+            pbwio__vtk_values(r, k, name, pbwio__vtk_type(r), kinds[i].components, k->rows);
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* A section that starts with a word. */
+static void pbwio__vtk_section(pbwio__reader *r, pbwio__vtk *k, pbwio__field word)
+{
+    static const char *const parts[] = { "VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS", "CELLS" };
+    static const int kinds[] = { 2, 4, 7, 6, 0 };
+    pbwio__field name;
+    int i;
+    for (i = 0; i < 5; i++) {
+        if (pbwio__is(word, parts[i])) {
+            pbwio__vtk_part(r, k, kinds[i]);
+            return;
+        }
+    }
+    if (pbwio__is(word, "DATASET")) {
+        pbwio__next(r, &name);
+        if (!pbwio__is(name, "UNSTRUCTURED_GRID") && !pbwio__is(name, "POLYDATA")) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "data sets UNSTRUCTURED_GRID and POLYDATA are read, \"%s\" is not",
+                        pbwio__show(r, name));
+        }
+    } else if (pbwio__is(word, "POINTS")) {
+        k->vtu.points = (double)pbwio__count(r, "number of points");
+        pbwio__vtk_numbers(r, k, pbwio__vtk_type(r), 3 * k->vtu.points, &k->vtu.array[PBWIO__POINTS]);
+        k->vtu.array[PBWIO__POINTS].components = 3;
+    } else if (pbwio__is(word, "CELL_TYPES")) {
+        pbwio__vtk_numbers(r, k, 4, (double)pbwio__count(r, "number of cells"), &k->vtu.array[PBWIO__KINDS]);
+    } else if (pbwio__is(word, "POINT_DATA") || pbwio__is(word, "CELL_DATA")) {
+        k->point_data = pbwio__is(word, "POINT_DATA");
+        k->rows = (double)pbwio__count(r, "number of values");
+    } else if (pbwio__is(word, "METADATA")) {
+        while (pbwio__line(r) && r->line < r->line_end) {
+        }
+    } else if (pbwio__is(word, "FIELD")) {
+        pbwio__vtk_field(r, k);
+    } else if (!pbwio__vtk_attribute(r, k, word)) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is no section of .vtk", pbwio__show(r, word));
+    }
+}
+
+/* Makes points and cells of the arrays. */
+static void pbwio__vtk_make(pbwio__reader *r, pbwio__vtk *k)
+{
+    pbwio__vtu *v = &k->vtu;
+    const char *weight = r->options->weight;
+    const pbwio_options *given = r->options;
+    pbwio_options options = *given;
+    int i;
+    options.weight = NULL;
+    r->options = &options;
+    r->line_number = 0;
+    pbwio__choose(r, NULL, 3, 3);
+    options.weight = weight;
+    pbwio__vtu_points(r, v);
+    for (i = 0; i < k->parts && r->status == PBWIO_OK; i++) {
+        v->array[PBWIO__CORNERS] = k->corners[i];
+        v->array[PBWIO__ENDS] = k->offsets[i];
+        v->kind = k->kind[i];
+        v->cells = k->cells[i];
+        if (k->parts > 1 && v->array[PBWIO__REGIONS].is) {           /* it goes on through all parts */
+            v->array[PBWIO__REGIONS].is = 0;
+            pbwio__dropped(r, "the regions of points, lines and polygons in one file");
+        }
+        pbwio__vtu_cells(r, v);
+    }
+    r->options = given;
+}
+
+static void pbwio__read_vtk(pbwio__reader *r)
+{
+    pbwio__vtk *k = (pbwio__vtk *)PBWIO_REALLOC(NULL, sizeof *k);
+    pbwio__field word;
+    if (k == NULL) {
+        pbwio__fail(r, PBWIO_ERROR_MEMORY, "out of memory");
+        return;
+    }
+    memset(k, 0, sizeof *k);
+    k->vtu.big = 1;
+    if (r->end - r->at < 5 || memcmp(r->at, "# vtk", 5) != 0) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "the first line is not \"# vtk DataFile Version\"");
+    }
+    if (!pbwio__line(r) || !pbwio__line(r) || !pbwio__row_line(r) || !pbwio__next(r, &word)
+        || (!pbwio__is(word, "ASCII") && !pbwio__is(word, "BINARY"))) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "the third line is not \"ASCII\" or \"BINARY\"");
+    }
+    k->binary = r->status == PBWIO_OK && pbwio__is(word, "BINARY");
+    while (r->status == PBWIO_OK && (pbwio__next(r, &word) || pbwio__row_line(r))) {
+        if (word.begin < word.end) {
+            pbwio__vtk_section(r, k, word);
+        }
+    }
+    if (r->status == PBWIO_OK) {
+        pbwio__vtk_make(r, k);
+    }
+    PBWIO_FREE(k);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -4057,8 +4369,8 @@ static void pbwio__json_names(pbwio__reader *r, pbwio__json *j)
 }
 
 static const char pbwio__point_names[] = "points vertices positions nodes";
-static const char pbwio__other_names[] = "edges links lines segments faces facets triangles quads polygons cells elements "
-    "tetrahedra simplices indices connectivity neighbors bbox";
+static const char pbwio__other_names[] = "edges links lines segments faces facets triangles quads polygons cells "
+    "elements tetrahedra simplices indices connectivity neighbors bbox";
 
 static int pbwio__same_field(pbwio__field a, pbwio__field b)
 {
@@ -4269,7 +4581,7 @@ static pbwio__list pbwio__json_choose(pbwio__reader *r, pbwio__json *j)
     char text[256] = "";
     int k, rank, best = 0, matches = 0, single = 1;
     j->way = 'c';
-    for (k = 0; k < j->list_count && total.arrays == 0; k++) {       /* named by the caller, by habit; objects; arrays */
+    for (k = 0; k < j->list_count && total.arrays == 0; k++) {       /* named by options, by habit; objects; arrays */
         pbwio__list *list = j->list + k;
         rank = j->chosen.begin < j->chosen.end && pbwio__same_field(list->name, j->chosen) ? 4
              : pbwio__lists(pbwio__point_names, list->name) ? 3
@@ -4290,7 +4602,8 @@ static pbwio__list pbwio__json_choose(pbwio__reader *r, pbwio__json *j)
         }
     }
     if (j->chosen.begin < j->chosen.end && best < 4) {
-        pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "no list of points is named so%s%s", best > 0 ? "; there are " : "", text);
+        pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "no list of points is named so%s%s", best > 0 ? "; there are " : "",
+                    text);
     } else if (matches > 1 && !single) {
         pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "several lists may be the points: %s; choose one by columns (--columns "
                     "NAME or NAME:x,y)", text);
@@ -5220,7 +5533,9 @@ static void pbwio__write_names(pbwio__writer *w)
                     pbwio__seek(w, i);
                     group = pbwio__group(w);
                     count++;
-                    pbwio__print(w, pass == 1 ? "%d %lld \"%s\"\n" : "", group.dim, group.tag, group.name);
+                    if (pass == 1) {
+                        pbwio__print(w, "%d %lld \"%s\"\n", group.dim, group.tag, group.name);
+                    }
                 }
             }
         }
@@ -5594,7 +5909,8 @@ static const pbwio__kind pbwio__kinds[] = {
       "*NODE, NSET=NALL\n@p%i%x\n*ELEMENT, TYPE=[2[HCPS3][hS3]][3C3D4], ELSET=DOMAIN\n@c%j%v\n"
       "[f*NSET, NSET=BOUNDARY\n@b%i\n*SURFACE, NAME=BOUNDARY, TYPE=ELEMENT\n@h%pS%k\n]" },
     { "su2", PBWIO__NO_ORPHANS | PBWIO__GROUPED | PBWIO__HULL, NULL, pbwio__write_su2, NULL },
-    { "json geojson", 0, pbwio__read_json, NULL, NULL }
+    { "json geojson", 0, pbwio__read_json, NULL, NULL },
+    { "vtk", 0, pbwio__read_vtk, NULL, NULL }
 };
 
 static const pbwio__kind *pbwio__kind_of(pbwio_format format)
@@ -5636,10 +5952,10 @@ PBWIODEF pbwio_format pbwio_format_of(const char *path)
    ------------------------------------------------------------------------------------------------------ */
 
 /* Endings of files that are no tables and are not read, whatever they look like. */
-static const char pbwio__unread[] = " 3dm 3ds 3mf amf bdf blend brep cas cdb cgns dae dgn dwg dxf e57 exo fbx fem foam "
-    "glb gltf gml gpkg gpx h5 hdf5 html ifc iges igs jpg kml kmz las laz med meshb mphtxt nas nastran nc ods pcd pdf "
-    "png pvtu rar sat shp shx skp sldprt step stp svg tif tiff ugrid unv usd usda usdc usdz vdb vti vtm vtp vtr vts wkb "
-    "wkt wrl x3d x_b x_t xdmf xls xlsx xmf xml zip ";
+static const char pbwio__unread[] = "3dm 3ds 3mf amf bdf blend brep cas cdb cgns dae dgn dwg dxf e57 exo fbx fem "
+    "foam glb gltf gml gpkg gpx h5 hdf5 html ifc iges igs jpg kml kmz las laz med meshb mphtxt nas nastran nc ods pcd "
+    "pdf png pvtu rar sat shp shx skp sldprt step stp svg tif tiff ugrid unv usd usda usdc usdz vdb vti vtm vtp vtr vts "
+    "wkb wkt wrl x3d x_b x_t xdmf xls xlsx xmf xml zip";
 
 /* Refuses a file, and says which are read. */
 static pbwio_status pbwio__refuse(pbwio_error *error, const char *name, const char *what)
@@ -5663,6 +5979,9 @@ static pbwio_format pbwio__sniff(pbwio__reader r)
     pbwio__reader head = r;
     pbwio__field word;
     r.error = head.error = NULL;
+    if (r.end - r.at > 10 && memcmp(r.at, "# vtk Data", 10) == 0) {
+        return PBWIO_VTK;
+    }
     if (r.end - r.at >= 84) {
         head.at += 80;
         if ((double)(r.end - r.at) == 84 + 50 * pbwio__binary(&head, 5, 0)) {
