@@ -480,6 +480,23 @@ async function test_sites() {
   check_quiet('sites');
 }
 
+// Regions and patches are told by their names; facets in no patch are plain.
+async function test_named() {
+  const legend = () => evaluate('[...document.getElementById("classes").children].map(x => x.textContent).join()');
+  await open('named');
+  check('named: regions first, outside too', await get('colour', 'selectedOptions[0].text') === 'region'
+    && await legend() === 'air,<water>' && !await get('plain', 'checked'), await legend());
+  check('named: in the colour of its name', count(await picture(), (r, g, b) => r > g + 60) > 0.1);
+  await colour_by('patch');
+  check('named: patches', await legend() === 'inlet,wall' && (await get('summary')) === '2 names', await legend());
+  await set('go', 0);
+  await evaluate('document.getElementById("go").dispatchEvent(new Event("change"))');
+  await painted();
+  check('named: a simplex by names', /region air; patch (inlet, wall|wall, inlet)/.test(await get('picked')),
+    await get('picked'));
+  check_quiet('named');
+}
+
 // Which way up a page shows what is y up, z up, ground.
 async function test_up() {
   const up = () => evaluate(`(() => { const line = document.querySelectorAll('#axes line'), text =
@@ -773,7 +790,8 @@ for (const name of ['square', 'corner', 'solid', 'flat', 'threads', 'points', 't
   check(name + '.html is there', existsSync(join(folder, name + '.html')));
 }
 for (const test of [test_square, test_corner, test_solid, test_flat, test_threads, test_terrain, test_points,
-  test_model, test_flat_model, test_surface, test_sites, test_up, test_inside, test_views, test_picking, test_measures,
+  test_model, test_flat_model, test_surface, test_sites, test_named, test_up, test_inside, test_views,
+  test_picking, test_measures,
   test_links_and_files, test_million, test_cells, test_film, test_film_speed, test_no_webgl]) {
   try {
     await test();

@@ -50,6 +50,10 @@ awk 'BEGIN { # ground that is higher and lower in y, without a flat base
 page pawn "$work/pawn.off" --retriangulate
 page disc "$work/disc.off" --retriangulate
 page tower "$work/tower.off"
+printf '%s\n' '$MeshFormat' '2.2 0 8' '$EndMeshFormat' '$PhysicalNames' 4 '2 7 "inlet"' '2 9 "wall"' '3 11 "air"' '3 12 "<water>"' \
+    '$EndPhysicalNames' '$Nodes' 5 '1 0 0 0' '2 1 0 0' '3 0 1 0' '4 0 0 1' '5 1 1 1' '$EndNodes' '$Elements' 4 \
+    '1 2 2 7 1 1 2 3' '2 2 2 9 2 1 2 4' '3 4 2 11 1 1 2 3 4' '4 4 2 12 2 2 3 4 5' '$EndElements' > "$work/named.msh"
+page named "$work/named.msh"
 page ground "$work/ground.obj"
 "$bin/pbw" check "$work/tower.off" > "$work/tower.txt"
 page inside "$work/pawn.off" --inside

@@ -10,14 +10,15 @@
 #include <unistd.h>
 #endif
 
-static const char *const colours[] = { "quality", "part", "thread", "round", "order", "weight", "z", NULL };
+static const char *const colours[] = { "quality", "region", "patch", "part", "thread", "round", "order", "weight",
+                                       "z", NULL };
 
 const option look_options[] = {
     { "--inside", NULL, "only what is inside the surface of the model", SWITCH, 0, 0, NULL },
     { "--surface", "MODEL", "the model for --inside, if it is not the input", PLAIN, 0, 0, NULL },
     { "--title", "TEXT", "pages: default: the name of the input", PLAIN, 0, 0, NULL },
-    { "--colour", "NAME", "pages: what the colours show at first: quality, part (of the curve, as many as\n"
-      "threads), thread (in whose share a point was) and round (that inserted it),\n"
+    { "--colour", "NAME", "pages: what the colours show at first: quality, region, patch, part (of the curve,\n"
+      "as many as threads), thread (in whose share a point was) and round (that inserted it),\n"
       "order (of the points in the input), weight, z", CHOICE, 0, 0, colours },
     { "--eye", "X,Y,Z", "pictures and pages: direction to the viewer", DIRECTION, 0, 0, NULL },
     { "--up", "X,Y,Z", "upwards; pictures: default 0,0,1; pages: guessed", DIRECTION, 0, 0, NULL },
@@ -292,6 +293,57 @@ static void fill_arrays(const job *j, uint32_t *part, uint32_t *thread, uint32_t
     }
 }
 
+/* Names of groups, then what they are made of; the caller frees it.  NULL: there are none, or no memory. */
+static const char **name_groups(const pbwio_output *output)
+{
+    const size_t count = output->groups != NULL ? output->group_count : 0;
+    const char **names = count > 0 ? (const char **)malloc(count * (sizeof *names + 24)) : NULL;
+    char *text = (char *)(names + count);
+    size_t i;
+    for (i = 0; names != NULL && i < count; i++, text += 24) {
+        snprintf(text, 24, "%lld", output->groups[i].tag);
+        names[i] = output->groups[i].name != NULL ? output->groups[i].name : text;
+    }
+    return names;
+}
+
+/* Patches of facets at the boundary and between regions, PBW_NONE of the others; the caller frees them. */
+static uint32_t *facet_patches(const pbw_mesh *mesh, const pbwio_output *output)
+{
+    uint32_t *patches = (uint32_t *)malloc((4 * mesh->simplex_count + 1) * sizeof *patches);
+    size_t i;
+    for (i = 0; patches != NULL && i < 4 * mesh->simplex_count; i++) {
+        const pbw_index next = mesh->neighbors[i];
+        const int inner = next != PBW_NONE && output->groups == NULL
+                       && (output->regions == NULL || output->regions[next] == output->regions[i / 4]);
+        patches[i] = inner ? PBW_NONE : output->patches[i];
+    }
+    return patches;
+}
+
+static void add_groups(const job *j, pbwview_options *view, const uint32_t *patches, const char *const *names)
+{
+    const pbwio_output *o = &j->write;
+    const size_t first = view->array_count;
+    size_t i;
+    if (o->regions != NULL) {
+        add_array(view, j->over != NULL ? "patch" : "region", o->regions, NULL, 0, 1);
+    }
+    if (patches != NULL) {
+        add_array(view, "patch", patches, NULL, 0, 1);
+        ((pbwview_array *)(uintptr_t)view->arrays)[view->array_count - 1].of_facets = 1;
+    }
+    for (i = first; i < view->array_count; i++) {
+        pbwview_array *array = (pbwview_array *)(uintptr_t)(view->arrays + i);
+        array->names = names;
+        array->name_count = names != NULL ? o->group_count : 0;
+    }
+    if (view->colour == NULL && names != NULL && view->array_count > first) {
+        view->colour = view->arrays[first].name;
+        view->colour_outside = 1;
+    }
+}
+
 static void set_up_view(const job *j, pbwview_options *view)
 {
     const char *slash = j->input == NULL ? NULL : strrchr(j->input, '/');
@@ -319,7 +371,10 @@ static pbwio_status write_page(const job *j, const char *path, pbwio_error *erro
     uint32_t *part = (uint32_t *)malloc((mesh->simplex_count + 1) * sizeof *part);
     uint32_t *thread = (uint32_t *)malloc((traced + 1) * sizeof *thread);
     uint32_t *round = (uint32_t *)malloc((traced + 1) * sizeof *round);
-    pbwview_array arrays[5];
+    const int faceted = mesh->dim == 3 && j->write.patches != NULL && mesh->neighbors != NULL;
+    uint32_t *patches = faceted ? facet_patches(mesh, &j->write) : NULL;
+    const char **names = name_groups(&j->write);
+    pbwview_array arrays[7];
     pbwview_options view;
     pbwio_status status = PBWIO_ERROR_MEMORY;
     char left_out[128] = "";
@@ -345,13 +400,16 @@ static pbwio_status write_page(const job *j, const char *path, pbwio_error *erro
     if (j->write.heights != NULL) {
         add_array(&view, "height", NULL, j->write.heights, 1, 0);
     }
-    if (part != NULL && thread != NULL && round != NULL) {
+    add_groups(j, &view, patches, names);
+    if (part != NULL && thread != NULL && round != NULL && (patches != NULL || !faceted)) {
         fill_arrays(j, part, thread, round);
         status = pbwview_write(path, mesh, &view, error);
     }
     free(part);
     free(thread);
     free(round);
+    free(patches);
+    free(names);
     return status;
 }
 

@@ -19,6 +19,15 @@ static int show_faces(job *j)
         memcpy(j->over + 2 * i, j->cloud.points + 3 * i, 2 * sizeof(double));
         j->over[2 * n + i] = j->cloud.points[3 * i + 2];
     }
+    drop_groups(j);
+    if (complete_groups(j) != 0) {
+        return FAILURE;
+    }
+    if (j->cloud.triangle_groups != NULL) {
+        j->write.groups = j->cloud.groups;
+        j->write.group_count = j->cloud.group_count;
+        j->write.regions = j->cloud.triangle_groups;
+    }
     memset(&j->mesh, 0, sizeof j->mesh);
     j->mesh.dim = 2;
     j->mesh.points = j->over;
@@ -35,10 +44,12 @@ static int show_simplices(job *j)
     const int status = take_simplices(j, &faults);
     pbwio_cloud *cloud = &j->cloud;
     if (status != 0 || j->mesh.simplex_count <= PBWVIEW_MOST || j->mesh.dim == 2) {
-        return status;
+        return status != 0 ? status : keep_groups(j);
     }
     warn(j, "%zu tetrahedra are too many for a browser: their boundary is shown", j->mesh.simplex_count);
     free(cloud->triangles);
+    free(cloud->triangle_groups);
+    cloud->triangle_groups = NULL;
     cloud->triangles = boundary_of(j, &cloud->triangle_count);
     return cloud->triangles != NULL ? show_faces(j) : fail(j, "out of memory");
 }
