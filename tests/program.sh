@@ -652,4 +652,22 @@ if command -v bash > /dev/null; then
 fi
 check "completion for zsh" sh -c "'$pbw' help --zsh > _pbw && { ! command -v zsh || zsh -n _pbw; }"
 
+# Groups of a surface become patches by name, and stay with the mesh when it is improved.
+box() { # box NAME X0 X1: the end of a bar at x = X0, turned out of it, in two facets
+    printf 'solid %s\n' "$1"
+    printf 'facet normal 0 0 0\nouter loop\nvertex %s\nvertex %s\nvertex %s\nendloop\nendfacet\n' "$2" "$3" "$4" \
+        "$2" "$4" "$5"
+    printf 'endsolid %s\n' "$1"
+}
+(box inlet '0 0 0' '0 0 1' '0 1 1' '0 1 0'; box outlet '2 0 0' '2 1 0' '2 1 1' '2 0 1'
+    box wall '0 0 0' '2 0 0' '2 0 1' '0 0 1'; box wall '0 1 0' '0 1 1' '2 1 1' '2 1 0'
+    box wall '0 0 0' '0 1 0' '2 1 0' '2 0 0'; box wall '0 0 1' '2 0 1' '2 1 1' '0 1 1') > bar.stl
+check "patches by name, listed" says 0 "inlet: " solid bar.stl --size 0.3 --patches -o bar.msh2 -o bar.su2 -o bar.vtu
+check "a .msh2 file has their names" grep -q '^2 3 "wall"$' bar.msh2
+check "a .su2 file has a marker a patch" sh -c '[ "$(grep MARKER_TAG bar.su2 | tr -d "\n")" = \
+    "MARKER_TAG= inletMARKER_TAG= outletMARKER_TAG= wall" ]'
+cp bar.msh2 bar2.msh
+check "a mesh with groups is improved" says 0 "volume 2, before 2" improve bar2.msh --size 0.25 -o better.msh2
+check "and has them still" sh -c 'grep -q "^2 1 .inlet.$" better.msh2 && grep -q "^3 1 .region_0.$" better.msh2'
+check "formats without patches say so" says 0 "has no place for: regions, patches" improve bar2.msh -o better.off
 finish

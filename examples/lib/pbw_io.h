@@ -78,7 +78,8 @@
      attribute of .ele; in .vtu the first of the arrays of integers region, gmsh:physical, medit:ref, su2:tag, material,
      MaterialIDs, MaterialID, CellEntityIds, CellEntityID, physical, attribute, subdomain, cell_tags, facet_tags, of
      lower dimensions also patch and edge, of points marker, with names as fields of the file, a tag and a dimension.
-     0 is no group.  An element in several groups is in the first.
+     Solids of .stl text, if there are several, and groups of .obj by usemtl, if that names several, else by g, else by
+     o, are groups of triangles.  0 is no group.  An element in several groups is in the first.
      Groups are written the same way, facets of the hull in none, too; in .inp as an ELSET, a SURFACE with an NSET of
      its points, an NSET of the points of edges; in .su2 as markers.  Tags that .msh .inp .su2 cannot have, below 1 or
      above 10^9, are replaced by numbers after the largest.  Names: .msh .msh2 .vtu .inp .su2, the last two with an
@@ -2367,14 +2368,50 @@ static void pbwio__read_node(pbwio__reader *r)
     r->cloud->base = (int)first;
 }
 
+/* What is left of the line, without the blanks around it. */
+static pbwio__field pbwio__rest(pbwio__reader *r)
+{
+    pbwio__field field, rest;
+    rest.begin = rest.end = r->cursor;
+    while (pbwio__next(r, &field)) {
+        rest.begin = rest.end == rest.begin ? field.begin : rest.begin;
+        rest.end = field.end;
+    }
+    return rest;
+}
+
+/* The word that names the groups of faces: usemtl if it names several, else g, else o; NULL: none of them does. */
+static const char *pbwio__obj_word(pbwio__reader r)
+{
+    static const char *const words[] = { "usemtl", "g", "o" };
+    pbwio__field first[3], word;
+    int several[3] = { 0, 0, 0 }, k;
+    memset(first, 0, sizeof first);
+    while (pbwio__line(&r)) {
+        for (k = 0; k < 3 && pbwio__next(&r, &word); k++, r.cursor = r.line) {
+            if (pbwio__is(word, words[k])) {
+                pbwio__field name = pbwio__rest(&r);
+                first[k] = first[k].begin == NULL ? name : first[k];
+                several[k] |= name.end - name.begin != first[k].end - first[k].begin
+                           || memcmp(name.begin, first[k].begin, (size_t)(name.end - name.begin)) != 0;
+            }
+        }
+    }
+    for (k = 0; k < 3 && !several[k]; k++) {
+    }
+    return k < 3 ? words[k] : NULL;
+}
+
 /* A face corner is id, id/texture, id//normal or id/texture/normal; ids start at 1, -1 is the last point so far. */
 static void pbwio__read_obj(pbwio__reader *r)
 {
     pbwio__field field, number;
     long long total, id, k;
+    const char *group;
     pbwio__choose(r, NULL, 3, 0);
     pbwio__reserve(r, pbwio__most(r, pbwio__count_lines(r, 'v')), 1);
     total = (long long)r->point_capacity;
+    group = pbwio__obj_word(*r);
     while (pbwio__line(r)) {
         while (r->line_end > r->line && r->line_end[-1] == '\\' && r->at < r->end) {       /* continued */
             const char *line = r->line;
@@ -2385,7 +2422,11 @@ static void pbwio__read_obj(pbwio__reader *r)
         if (!pbwio__next(r, &field)) {
             continue;
         }
-        if (pbwio__is(field, "v")) {
+        if (group != NULL && pbwio__is(field, group)) {
+            const pbwio__field name = pbwio__rest(r);
+            r->group[2] = name.end == name.begin ? PBW_NONE
+                        : pbwio__find_group(r, 2, 0, name.begin, (size_t)(name.end - name.begin));
+        } else if (pbwio__is(field, "v")) {
             pbwio__point(r);
         } else if (pbwio__is(field, "f")) {
             for (k = 0; pbwio__next(r, &field); k++) {
@@ -2560,15 +2601,24 @@ static void pbwio__read_stl_text(pbwio__reader *r)
             } else if (pbwio__is(field, "facet") || pbwio__is(field, "endloop") || pbwio__is(field, "end")) {
                 pbwio__end_facet(r, &corners);
             } else if (pbwio__is(field, "solid") || pbwio__is(field, "endsolid")) {
+                const int starts = pbwio__is(field, "solid");
+                const char *from = NULL, *to = NULL;                 /* the name, which may be any words */
                 pbwio__end_facet(r, &corners);
-                for (s = r->cursor; pbwio__next(r, &field) && !pbwio__is(field, "facet"); s = r->cursor) {
-                }                                                    /* the name, which may be any words */
+                for (s = r->cursor; pbwio__next(r, &field) && !pbwio__is(field, "facet"); s = to = r->cursor) {
+                    from = from == NULL ? field.begin : from;
+                }
                 r->cursor = s;
+                if (starts && r->status == PBWIO_OK) {
+                    r->group[2] = from == NULL ? PBW_NONE : pbwio__find_group(r, 2, 0, from, (size_t)(to - from));
+                }
             }
         }
     }
     if (corners != 0) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "the file ends inside a facet");
+    }
+    if (r->cloud->group_count == 1) {                                /* the name of the model, no part of it */
+        pbwio__forget_groups(r);
     }
 }
 

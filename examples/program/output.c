@@ -447,11 +447,15 @@ static void warn_of_drops(const job *j, const char *path, const char *ending)
     const pbwio_output *o = &j->write;
     char what[300] = "";
     size_t i;
+    if (o->groups != NULL && find_word("obj ply stl off", ending) != NULL) {
+        snprintf(what, sizeof what, "%s%s%s", o->regions != NULL ? "regions" : "",
+                 o->regions != NULL && o->patches != NULL ? ", " : "", o->patches != NULL ? "patches" : "");
+    }
     if (find_word("ele neigh edge face", ending) != NULL) {          /* they have no points */
         return;
     }
     if (o->heights != NULL && find_word("su2 svg", ending) != NULL) {
-        snprintf(what, sizeof what, "heights");
+        snprintf(what + strlen(what), sizeof what - strlen(what), "%sheights", what[0] == 0 ? "" : ", ");
     }
     for (i = 0; i < o->column_count && find_word("vtu csv node ply poly", ending) == NULL && strlen(what) < 200;
          i++) {

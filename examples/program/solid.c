@@ -17,8 +17,8 @@ static const option solid_options[] = {
     { "--close", NULL, "closes large holes, and fills thin sheets, which are refused else", SWITCH, 0, 0, NULL },
     { "--keep-faults", NULL, "writes a boundary that is no manifold, too", SWITCH, 0, 0, NULL },
     { "--most", "N", "tetrahedra; default 50 million", POSITIVE, 0, 0, NULL },
-    { "--patches", NULL, "write the patches between sharp edges (.msh .msh2 .inp .vtu .mesh .face)", SWITCH, 0, 0,
-      NULL },
+    { "--patches", NULL, "list patches: the groups of the model, which are kept anyway; of a model without\n"
+      "groups, write those between sharp edges", SWITCH, 0, 0, NULL },
     { "--feature-angle", "DEGREES", "edges of the model that bend by more are sharp; default 40", WHOLE, 1, 180,
       NULL },
     { "--distance", "D", "facets farther than D sizes from the surface get points; default 0.1", POSITIVE, 0, 0,
@@ -108,32 +108,125 @@ static void report_on(const job *j, const pbw_tets *mesh, const pbw_solid_report
     warn_of(j, r);
 }
 
-/* Writes the tetrahedra with regions, and patches of facets, as both of their sides have them. */
-static int write_solid(job *j, const pbw_tets *mesh, const pbw_solid_boundary *boundary)
+/* ---- groups of the input's faces ---- */
+
+typedef struct naming {                              /* of the outputs; groups: NULL if the input has none */
+    pbwio_group *groups;                             /* the input's, a region each, "hole" if there is one */
+    char (*names)[32];
+    size_t count, all;                               /* of the input's; of them all */
+} naming;
+
+/* Takes the groups out of the cloud, and adds one for each region. */
+static int name_groups(job *j, size_t regions, int holes, naming *n)
 {
-    pbw_index *patches = (pbw_index *)calloc(4 * mesh->tet_count + 1, sizeof *patches);
-    size_t i, k;
-    int failed;
-    if (patches == NULL) {
+    pbwio_cloud *c = &j->cloud;
+    long long most = 0;
+    size_t i;
+    memset(n, 0, sizeof *n);
+    if (c->triangle_groups == NULL) {
+        return 0;
+    }
+    n->groups = (pbwio_group *)calloc(c->group_count + 1 + regions, sizeof *n->groups);
+    n->names = (char (*)[32])calloc(regions + 1, sizeof *n->names);
+    if (n->groups == NULL || n->names == NULL) {
         return fail(j, "out of memory");
     }
-    for (i = 0; i < boundary->facet_count; i++) {
+    n->count = c->group_count;
+    n->all = c->group_count + regions + (size_t)holes;
+    memcpy(n->groups, c->groups, n->count * sizeof *n->groups);
+    for (i = 0; i < n->count; i++) {
+        most = n->groups[i].dim == 2 && n->groups[i].tag > most ? n->groups[i].tag : most;
+        c->groups[i].name = NULL;                    /* it is ours now */
+    }
+    n->groups[n->count + regions].dim = 2;
+    n->groups[n->count + regions].tag = most + 1;
+    n->groups[n->count + regions].name = n->names[regions];
+    strcpy(n->names[regions], "hole");
+    for (i = 0; i < regions; i++) {
+        pbwio_group *g = n->groups + n->count + i;
+        g->dim = 3;
+        g->tag = (long long)i + 1;
+        g->name = n->names[i];
+        sprintf(n->names[i], "region_%zu", i);
+    }
+    return 0;
+}
+
+static void free_naming(naming *n)
+{
+    size_t i;
+    for (i = 0; i < n->count; i++) {
+        free(n->groups[i].name);
+    }
+    free(n->groups);
+    free(n->names);
+}
+
+/* A line for each patch that has facets: its name, their number, area and centre. */
+static void list_patches(const job *j, const pbw_tets *mesh, const pbw_solid_boundary *b, const naming *n)
+{
+    double *sum = (double *)calloc(n->count + 1, 5 * sizeof *sum);       /* area, centre, facets */
+    size_t i, k;
+    for (i = 0; sum != NULL && i < b->facet_count; i++) {
+        const pbw_index *f = b->facets + 3 * i, patch = b->patches[i];
+        const double *p = mesh->points + 3 * (size_t)f[0], *q = mesh->points + 3 * (size_t)f[1];
+        const double *r = mesh->points + 3 * (size_t)f[2];
+        double area = 0, *s = sum + 5 * (patch < n->count ? patch : n->count);
+        for (k = 0; k < 3; k++) {
+            const size_t u = (k + 1) % 3, v = (k + 2) % 3;
+            area += pow((q[u] - p[u]) * (r[v] - p[v]) - (q[v] - p[v]) * (r[u] - p[u]), 2);
+        }
+        area = sqrt(area) / 2;
+        s[0] += area;
+        s[4] += 1;
+        for (k = 0; k < 3; k++) {
+            s[1 + k] += area * (p[k] + q[k] + r[k]) / 3;
+        }
+    }
+    for (i = 0; sum != NULL && i <= n->count; i++) {
+        const double *s = sum + 5 * i;
+        const char *name = i == n->count ? "others" : n->groups[i].name != NULL ? n->groups[i].name : "";
+        if (s[4] > 0) {
+            note(j, "patch %lld %s: %.0f facet%s, area %.6g, centre (%.6g, %.6g, %.6g)",
+                 i == n->count ? 0 : n->groups[i].tag, name, s[4], plural((size_t)s[4]), s[0], s[1] / s[0],
+                 s[2] / s[0], s[3] / s[0]);
+        }
+    }
+    free(sum);
+}
+
+/* Writes the tetrahedra with regions, and patches of facets, as both of their sides have them. */
+static int write_solid(job *j, const pbw_tets *mesh, const pbw_solid_boundary *boundary, const naming *n)
+{
+    pbw_index *patches = (pbw_index *)malloc((4 * mesh->tet_count + 1) * sizeof *patches);
+    pbw_index *regions = (pbw_index *)malloc((mesh->tet_count + 1) * sizeof *regions);
+    size_t i, k;
+    int failed = patches == NULL || regions == NULL ? fail(j, "out of memory") : 0;
+    for (i = 0; !failed && i < 4 * mesh->tet_count; i++) {
+        patches[i] = PBW_NONE;
+        regions[i / 4] = (pbw_index)(n->groups != NULL ? n->count : 0) + mesh->regions[i / 4];
+    }
+    for (i = 0; !failed && i < boundary->facet_count; i++) {
         const pbw_index corner = boundary->corners[i], next = mesh->neighbors[corner];
-        patches[corner] = boundary->patches[i];
+        const pbw_index number = boundary->patches[i];
+        const pbw_index own = number == PBW_NONE ? (pbw_index)n->all - 1 : number < n->count ? number : PBW_NONE;
+        patches[corner] = n->groups != NULL ? own : number;
         for (k = 0; k < 4 && next != PBW_NONE; k++) {
             if (mesh->neighbors[4 * (size_t)next + k] == corner / 4) {
-                patches[4 * (size_t)next + k] = boundary->patches[i];
+                patches[4 * (size_t)next + k] = patches[corner];
             }
         }
     }
-    j->write.regions = mesh->regions;
-    j->write.patches = is_given(j, "--patches") ? patches : NULL;
+    j->write.regions = regions;
+    j->write.patches = is_given(j, "--patches") || n->groups != NULL ? patches : NULL;
     j->write.edges = boundary->edges;
     j->write.edge_count = boundary->edge_count;
-    failed = write_mesh(j);
-    j->write.regions = j->write.patches = j->write.edges = NULL;
-    j->write.edge_count = 0;
+    j->write.groups = n->groups;
+    j->write.group_count = n->all;
+    failed = failed ? failed : write_mesh(j);
+    drop_groups(j);
     free(patches);
+    free(regions);
     return failed;
 }
 
@@ -205,7 +298,10 @@ static int run(job *j)
     pbw_solid_report report;
     pbw_tets mesh;
     pbw_status status;
-    int failed = load(j, 0);
+    naming names;
+    size_t i, regions = 0;
+    int failed = load(j, 0), holes = 0;
+    failed = failed ? failed : complete_groups(j);
     if (failed) {
         return failed;
     }
@@ -217,18 +313,35 @@ static int run(job *j)
     input.point_count = j->cloud.count;
     input.triangles = j->cloud.triangles;
     input.triangle_count = j->cloud.triangle_count;
+    for (i = 0; j->cloud.triangle_groups != NULL && i < j->cloud.triangle_count; i++) {
+        pbw_index *group = j->cloud.triangle_groups + i;
+        *group = *group == PBW_NONE ? (pbw_index)j->cloud.group_count : *group;
+    }
+    input.patches = j->cloud.triangle_groups;
     how = options_of(j);
     status = pbw_solid(&input, &how, &j->build, &mesh, &boundary, &report);
     if (status != PBW_OK) {
         return refuse(j, status, &report);
     }
     report_on(j, &mesh, &report);
+    for (i = 0; i < mesh.tet_count; i++) {
+        regions = mesh.regions[i] >= regions ? (size_t)mesh.regions[i] + 1 : regions;
+    }
+    for (i = 0; i < boundary.facet_count; i++) {
+        holes |= boundary.patches[i] == PBW_NONE;
+    }
+    failed = name_groups(j, regions, holes, &names);
     pbwio_free(&j->cloud);                           /* pages show the solid alone */
     show_tets(j, &mesh);
-    failed = report.bad_edges + report.bad_points > 0 && !is_given(j, "--keep-faults")
-           ? fail(j, "the boundary is no manifold, so nothing is written; another --size may mend it, --keep-faults "
-                  "writes it")
-           : write_solid(j, &mesh, &boundary);
+    if (!failed && is_given(j, "--patches") && names.groups != NULL) {
+        list_patches(j, &mesh, &boundary, &names);
+    }
+    if (!failed && report.bad_edges + report.bad_points > 0 && !is_given(j, "--keep-faults")) {
+        failed = fail(j, "the boundary is no manifold, so nothing is written; another --size may mend it, --keep-faults "
+                      "writes it");
+    }
+    failed = failed ? failed : write_solid(j, &mesh, &boundary, &names);
+    free_naming(&names);
     pbw_solid_boundary_free(&boundary);
     memset(&j->mesh, 0, sizeof j->mesh);
     pbw_tets_free(&mesh);
