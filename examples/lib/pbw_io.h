@@ -3325,9 +3325,10 @@ static int pbwio__is_again(const pbwio_cloud *cloud, int dim, const long long *i
 {
     const size_t count = dim == 3 ? cloud->tetrahedron_count : dim == 2 ? cloud->triangle_count : cloud->segment_count;
     const pbw_index *last = dim == 3 ? cloud->tetrahedra : dim == 2 ? cloud->triangles : cloud->segments;
-    int k = 0;
-    for (last += count > 0 ? ((size_t)dim + 1) * (count - 1) : 0; dim > 0 && count > 0 && k <= dim; k++) {
-        if ((long long)last[k] != id[k]) {
+    const size_t first = count > 0 ? ((size_t)dim + 1) * (count - 1) : 0;
+    size_t k = 0;
+    for (; dim > 0 && count > 0 && k <= (size_t)dim; k++) {
+        if ((long long)last[first + k] != id[k]) {
             return 0;
         }
     }
