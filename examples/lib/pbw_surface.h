@@ -584,7 +584,11 @@ PBWSURFACEDEF pbw_index pbw_surface_meets(const pbw_surface *surface, const doub
     return found;
 }
 
-/* Calls met for triangles that the segment from a to b meets, touching included, until it returns 1. */
+/* Calls met for triangles that the segment from a to b meets, touching included, until it returns 1.  For pbw_mesh3.h.
+   */
+#if defined(__GNUC__)
+__attribute__((unused))
+#endif
 static void pbwsf__all_met(const pbw_surface *surface, const double a[3], const double b[3],
                            int (*met)(void *user, pbw_index triangle), void *user)
 {
