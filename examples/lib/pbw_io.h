@@ -6117,6 +6117,31 @@ static const char *pbwio__wrong(const char *at, size_t left, pbwio_format format
     return NULL;
 }
 
+/* Gives back what was reserved and not used, and heights that are all 0. */
+static void pbwio__fit(pbwio_cloud *cloud)
+{
+    size_t i;
+    cloud->points = (double *)pbwio__shrink(cloud->points, cloud->count * (size_t)cloud->dim * sizeof(double));
+    cloud->weights = (double *)pbwio__shrink(cloud->weights, cloud->count * sizeof(double));
+    for (i = 0; cloud->heights != NULL && i < cloud->count && !(fabs(cloud->heights[i]) > 0); i++) {
+    }
+    if (i == cloud->count) {
+        PBWIO_FREE(cloud->heights);
+        cloud->heights = NULL;
+    }
+    cloud->heights = (double *)pbwio__shrink(cloud->heights, cloud->count * sizeof(double));
+    for (i = 0; i < cloud->column_count; i++) {
+        cloud->columns[i].values = (double *)pbwio__shrink(cloud->columns[i].values, cloud->count * sizeof(double));
+    }
+    pbwio__shrink_ids(&cloud->triangles, 3 * cloud->triangle_count);
+    pbwio__shrink_ids(&cloud->tetrahedra, 4 * cloud->tetrahedron_count);
+    pbwio__shrink_ids(&cloud->segments, 2 * cloud->segment_count);
+    pbwio__shrink_ids(&cloud->triangle_groups, cloud->triangle_count);
+    pbwio__shrink_ids(&cloud->tetrahedron_groups, cloud->tetrahedron_count);
+    pbwio__shrink_ids(&cloud->segment_groups, cloud->segment_count);
+    pbwio__shrink_ids(&cloud->point_groups, cloud->count);
+}
+
 /* Reads content into a cloud that is empty or, for .ele, has its points. */
 static pbwio_status pbwio__read(const char *name, const void *data, size_t size, const pbwio_options *options,
                                 pbwio_cloud *cloud, pbwio_error *error)
@@ -6126,7 +6151,6 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
     pbwio_format format;
     pbwio__reader r;
     size_t left;
-    size_t i;
     memset(&r, 0, sizeof r);
     r.name = name;
     r.mark = '.';
@@ -6177,22 +6201,7 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
         pbwio_free(cloud);
         return r.status;
     }
-    cloud->points = (double *)pbwio__shrink(cloud->points, cloud->count * (size_t)cloud->dim * sizeof(double));
-    cloud->weights = (double *)pbwio__shrink(cloud->weights, cloud->count * sizeof(double));
-    for (i = 0; cloud->heights != NULL && i < cloud->count && !(fabs(cloud->heights[i]) > 0); i++) {
-    }
-    if (i == cloud->count) {
-        PBWIO_FREE(cloud->heights);
-        cloud->heights = NULL;
-    }
-    cloud->heights = (double *)pbwio__shrink(cloud->heights, cloud->count * sizeof(double));
-    pbwio__shrink_ids(&cloud->triangles, 3 * cloud->triangle_count);
-    pbwio__shrink_ids(&cloud->tetrahedra, 4 * cloud->tetrahedron_count);
-    pbwio__shrink_ids(&cloud->segments, 2 * cloud->segment_count);
-    pbwio__shrink_ids(&cloud->triangle_groups, cloud->triangle_count);
-    pbwio__shrink_ids(&cloud->tetrahedron_groups, cloud->tetrahedron_count);
-    pbwio__shrink_ids(&cloud->segment_groups, cloud->segment_count);
-    pbwio__shrink_ids(&cloud->point_groups, cloud->count);
+    pbwio__fit(cloud);
     return PBWIO_OK;
 }
 
