@@ -174,7 +174,7 @@ check "--generate" early 2 "one of uniform, gauss, ball, sphere, lattice" mesh -
 check "--generate, nearly" early 2 "the nearest is sphere" mesh --generate shpere 9
 check "--generate without a count" early 2 "--generate sphere: a count from 1 to 4000000000" mesh --generate sphere
 check "--generate and an input" early 2 "exclude each other" mesh --generate sphere 9 atoms.csv
-check "--colour" early 2 "--colour bogus: one of quality, part" mesh atoms.csv --colour bogus -o a.html
+check "--colour" early 2 "--colour bogus: one of quality, region, patch, part" mesh atoms.csv --colour bogus -o a.html
 check "--colour weight" early 2 "it needs --weights" mesh atoms.csv --colour weight -o a.html
 check "--eye" early 2 "--eye 0,0,0: a direction X,Y,Z other than 0,0,0" mesh atoms.csv --eye 0,0,0
 check "--cut" early 2 "D from -1 to 1" mesh atoms.csv --cut 1,0,0,2

@@ -5181,6 +5181,12 @@ static void pbwio__column_name(pbwio__writer *w, size_t column)
     pbwio__put(w, "\"", (size_t)quoted);
 }
 
+/* Of a point, behind its coordinates in the plane or in space: columns, a height, a weight. */
+static size_t pbwio__attribute_count(const pbwio__writer *w)
+{
+    return w->output->column_count + pbwio__width(w) - w->dim + (w->mesh->weights != NULL);
+}
+
 static void pbwio__numbers(pbwio__writer *w, char which)
 {
     const pbw_mesh *mesh = w->mesh;
@@ -5189,10 +5195,7 @@ static void pbwio__numbers(pbwio__writer *w, char which)
         /* of the mesh */
         case 'd': pbwio__int(w, mesh->dim, 4); break;
         case 'D': pbwio__int(w, (long long)pbwio__width(w), 4); break;
-        case 'A':
-            pbwio__int(w, (long long)(w->output->column_count + pbwio__width(w) - w->dim + (mesh->weights != NULL)),
-                       4);
-            break;
+        case 'A': pbwio__int(w, (long long)pbwio__attribute_count(w), 4); break;
         case 'H':                                                    /* the names of columns */
             for (i = 0; i < w->output->column_count; i++) {
                 pbwio__print(w, w->output->format == PBWIO_PLY ? "property double " : ",");

@@ -233,7 +233,7 @@ static int is_allowed(const option *o, const char *value, const char *more)
         case WHOLE: n = whole(value); return n >= o->least && n <= o->most;
         case BYTES: n = whole(value); return n >= 1 && n <= (double)((size_t)-1 / 2);
         case POSITIVE: return numbers(value, 1, x) && x[0] > 0 && (o->most <= 0 || x[0] <= o->most);
-        case SIZE: return !numbers(value, 1, x) || x[0] > 0;
+        case FORMULA: return !numbers(value, 1, x) || x[0] > 0;
         case DIRECTION: return numbers(value, 3, x) && fabs(x[0]) + fabs(x[1]) + fabs(x[2]) > 0;
         case PLANE: return numbers(value, 4, x) && fabs(x[0]) + fabs(x[1]) + fabs(x[2]) > 0 && fabs(x[3]) <= 1;
         case BOX:
@@ -275,7 +275,7 @@ static int refuse(const option *o, const char *value, const char *more)
             }
             fputs(" is needed", stderr);
             break;
-        case SIZE: fputs(": a number above 0, a formula or a column is needed", stderr); break;
+        case FORMULA: fputs(": a number above 0, a formula or a column is needed", stderr); break;
         case DIRECTION: fputs(": a direction X,Y,Z other than 0,0,0 is needed", stderr); break;
         case PLANE:
             fputs(": A,B,C,D is needed, a direction A,B,C other than 0,0,0 and D from -1 to 1", stderr);

@@ -10,7 +10,7 @@ static const option plane_options[] = {
     { "--area", "A", "refine: no larger triangle", POSITIVE, 0, 0, NULL },
     { "--size", "SIZE", "refine: no longer edge; a number, or a formula in x and y such as\n"
       "\"0.1+0.2*hypot(x,y)\", with + - * / ^ sqrt abs exp log sin cos min max hypot, or a\n"
-      "column with the size at each point, by its name or as #4", SIZE, 0, 0, NULL },
+      "column with the size at each point, by its name or as #4", FORMULA, 0, 0, NULL },
     { "--gradation", "G", "most growth of sizes per distance: of a column, default 0.3; of a formula and of the\n"
       "areas of regions, default any", POSITIVE, 0, 0, NULL },
     { "--coarsen", NULL, "leave points out that are nearer to each other than half of --size", SWITCH, 0, 0, NULL },

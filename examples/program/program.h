@@ -48,7 +48,7 @@ typedef enum value_kind {
     SWITCH,                                          /* none */
     PLAIN,
     WHOLE, POSITIVE,                                 /* a number from least to most; above 0, to most if that is */
-    SIZE,                                            /* a number above 0, or something else */
+    FORMULA,                                         /* a number above 0, or something else */
     BYTES,                                           /* bytes, with K, M, GiB, GB ... */
     DIRECTION, PLANE,                                /* X,Y,Z; A,B,C,D with D from -1 to 1; not 0,0,0 */
     CHOICE,                                          /* one of choices */
