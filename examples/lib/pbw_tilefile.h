@@ -202,7 +202,7 @@ PBWTFDEF uint64_t pbwtf_checksum(uint64_t h, const void *data, size_t size)
 
 PBWTFDEF uint64_t pbwtf_sum(const void *data, size_t size)
 {
-    const char *text = (const char *)data;
+    const char *text = size == 0 ? "" : (const char *)data;
     uint64_t lane[4] = { 1, 2, 3, 4 }, w[4];
     size_t at, k;
     for (at = 0; at + sizeof w <= size; at += sizeof w) {            /* lanes do not wait for each other */
@@ -593,11 +593,11 @@ PBWTFDEF int pbwtf_open(const char *path, pbwtf_file *file, char *error)
         if (what == NULL && copy != NULL) {
             memcpy(copy, &header, sizeof header);
             memcpy(copy + sizeof header, table, size);
+            file->table = (const pbwtf_entry *)(const void *)(copy + sizeof header);
         }
         what = what == NULL && copy == NULL ? "out of memory" : what;
     }
     file->header = (const pbwtf_header *)(const void *)copy;
-    file->table = (const pbwtf_entry *)(const void *)(copy + sizeof header);
     what = pbwtf_fault(&file->map) != NULL ? pbwtf_fault(&file->map) : what;
     if (what != NULL) {
         pbwtf_close(file);
@@ -627,13 +627,14 @@ PBWTFDEF int pbwtf_view_at(const pbwtf_map *map, const pbwtf_header *header, con
                            pbwtf_view *view, char *error)
 {
     const uint64_t most = map->size;
-    const char *at = map->data + entry->offset;
+    const char *at;
     char name[40];
     memset(view, 0, sizeof *view);
     snprintf(name, sizeof name, "tile %lu", (unsigned long)chunk);
     if (entry->offset % 8 != 0 || entry->offset > most || most - entry->offset < sizeof(pbwtf_chunk)) {
         return pbwtf__fail(error, name, "its place in the file is wrong");
     }
+    at = map->data + entry->offset;
     view->chunk = (const pbwtf_chunk *)pbwtf_fetch(map, at, sizeof(pbwtf_chunk));
     if (pbwtf_fault(map) != NULL) {
         return pbwtf__fail(error, name, pbwtf_fault(map));
