@@ -2265,8 +2265,8 @@ static void pbwc__row_of(const pbwc__work *work, pbw_index name, pbwc__row *row)
         row->n[2] = 1;
     } else if (name < work->links.count || wall >= 2 * dim) {
         const int bisector = name < work->links.count;
-        const pbwc__link *link = PBWC__LINKS(work) + (bisector ? name : 0);
-        const double *plane = job->planes + (bisector ? 0 : (wall - 2 * dim) * (dim + 1)), *w = job->mesh->weights;
+        const pbwc__link *link = bisector ? PBWC__LINKS(work) + name : NULL;
+        const double *plane = bisector ? NULL : job->planes + (wall - 2 * dim) * (dim + 1), *w = job->mesh->weights;
         const double *n = bisector ? link->d : plane;
         for (k = 0; k < dim; k++) {
             largest = fabs(n[k]) > largest ? fabs(n[k]) : largest;

@@ -298,9 +298,9 @@ static const char **name_groups(const pbwio_output *output)
 {
     const size_t count = output->groups != NULL ? output->group_count : 0;
     const char **names = count > 0 ? (const char **)malloc(count * (sizeof *names + 24)) : NULL;
-    char *text = (char *)(names + count);
     size_t i;
-    for (i = 0; names != NULL && i < count; i++, text += 24) {
+    for (i = 0; names != NULL && i < count; i++) {
+        char *text = (char *)(names + count) + 24 * i;
         snprintf(text, 24, "%lld", output->groups[i].tag);
         names[i] = output->groups[i].name != NULL ? output->groups[i].name : text;
     }
