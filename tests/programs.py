@@ -151,9 +151,9 @@ def check_groups(name):
     view = meshio.read(name + ".vtu")
     blocks = dict(zip((block.type for block in view.cells), range(2)))
     region, patch = view.cell_data["region"], view.cell_data["patch"]
-    assert [(region[blocks["tetra"]] == i).sum() for i in range(2)] == [len(of["tetra", i + 1]) for i in range(2)]
-    assert (patch[blocks["tetra"]] == -1).all()
-    assert [(patch[blocks["triangle"]] == i).sum() for i in range(12)] == [len(of["triangle", i + 1])
+    assert [(region[blocks["tetra"]] == i + 1).sum() for i in range(2)] == [len(of["tetra", i + 1]) for i in range(2)]
+    assert (patch[blocks["tetra"]] == 0).all()
+    assert [(patch[blocks["triangle"]] == i + 1).sum() for i in range(12)] == [len(of["triangle", i + 1])
                                                                            for i in range(12)]
 
 
