@@ -100,8 +100,8 @@ typedef struct pbwtf_writer {              /* start with pbwtf_begin */
     int halves, failed;
 } pbwtf_writer;
 
-/* A file is read in blocks, when they are first asked for, into memory that is this process's own: a file that is
-   truncated or replaced meanwhile is a fault that pbwtf_fault tells, never a signal.  Any number of threads may fetch
+/* A file is read in blocks, at their first use, into private memory: a file that is truncated or replaced
+   meanwhile is a fault that pbwtf_fault tells, never a signal.  Any number of threads may fetch
    at once.  All but the writers return 1, or 0 with a text in error. */
 #define PBWTF_BLOCK 65536                  /* bytes */
 PBWTFDEF int pbwtf_map_file(const char *path, pbwtf_map *map, char *error);      /* an empty file is fine */

@@ -33,7 +33,7 @@ const char *example_of(const command *c, int i)
     return examples[k].line[i];
 }
 
-/* Text for troff, whose lines start a request with a dot or a quote and an escape with a backslash. */
+/* Prints text for troff: a dot or a quote at the start of a line, and each backslash, need an escape. */
 static void put_troff(const char *text)
 {
     int first = 1;
