@@ -59,7 +59,7 @@ static pbw_status read_slice(const char *path, int rank, int ranks, const pbwm_o
 {
     const size_t dim = (size_t)o->dim, each = dim + (size_t)o->weighted;
     FILE *file = fopen(path, "rb");
-    const long size = file != NULL && fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
+    const int64_t size = file != NULL && fseek(file, 0, SEEK_END) == 0 ? pbwtf_tell(file) : -1;
     const uint64_t all = size >= 0 ? (uint64_t)size / (each * 8) : 0;
     const char *what = size < 0 ? strerror(errno) : (uint64_t)size % (each * 8) != 0 ? "truncated" : NULL;
     double row[4] = { 0, 0, 0, 0 };
@@ -68,7 +68,7 @@ static pbw_status read_slice(const char *path, int rank, int ranks, const pbwm_o
     s->count = all * (uint64_t)(rank + 1) / (uint64_t)ranks - s->first;
     s->point = (pbwt_point *)calloc((size_t)s->count + 1, sizeof *s->point);
     what = what == NULL && s->point == NULL ? "out of memory" : what;
-    what = what == NULL && fseek(file, (long)(s->first * each * 8), SEEK_SET) != 0 ? strerror(errno) : what;
+    what = what == NULL && !pbwtf_seek(file, s->first * each * 8) ? strerror(errno) : what;
     for (i = 0; i < s->count && what == NULL; i++) {
         what = fread(row, 8, each, file) != each ? "truncated" : NULL;
         for (k = 0; k < each && what == NULL; k++) {

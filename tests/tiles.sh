@@ -325,24 +325,55 @@ if command -v mpirun > /dev/null && [ -x "$bin/mpi" ]; then
         [ $code != 0 ] && [ $code != 124 ]
     }
     check "MPI: a rank that dies ends all" mpi_killed
-    touch r.pbwt.0 r.pbwt.1                          # as a killed run leaves them
-    check "MPI: and the next run is as any" ranks 3 k0.3.bin --threads 2
-    # A run that fails when tiles are finished, as no file can be made where the output grows, leaves them.
+    as_any() {      # a killed run of more ranks leaves a folder
+        mkdir r.pbwt.scratch && touch r.pbwt.scratch/lock r.pbwt.scratch/0.chunk r.pbwt.scratch/4.chunk &&
+            ranks 3 k0.3.bin --threads 2 && [ "$(echo r.pbwt*)" = r.pbwt ]
+    }
+    check "MPI: and the next run is as any" as_any
+    # A run that fails when tiles are finished, as a folder has the name of the output, leaves them.
     late() {     # late INPUT
-        rm -rf r.pbwt* && mkdir r.pbwt.part && mpi_fails r.pbwt.part "$1" -o r.pbwt && rmdir r.pbwt.part &&
-            [ -e r.pbwt.0.state ] && [ -e r.pbwt.1.state ] && [ -e r.pbwt.2.state ]
+        rm -rf r.pbwt* && mkdir r.pbwt && mpi_fails "r.pbwt: " "$1" -o r.pbwt && rmdir r.pbwt &&
+            [ "$(echo r.pbwt*)" = r.pbwt.scratch ] && [ -e r.pbwt.scratch/0.state ] &&
+            [ -e r.pbwt.scratch/1.state ] && [ -e r.pbwt.scratch/2.state ]
     }
     goes_on() {  # goes_on RESUMED INPUT
         ranks 3 "$2" > log 2>&1 && cat log && grep -q "3 ranks, $1 resumed" log && [ "$(echo r.pbwt*)" = r.pbwt ]
     }
+    flip() {     # flip FILE PLACE
+        printf '\376' | dd of="r.pbwt.scratch/$1" bs=1 seek="$2" conv=notrunc 2> said
+    }
     all_finished() { late k0.3.bin && goes_on 3 k0.3.bin; }
     one_killed() {  # before its tile was finished; and the chunk of another, or the state, is damaged
-        late k0.3.bin && rm r.pbwt.1.state && goes_on 2 k0.3.bin && late k0.3.bin &&
-            printf '\377\376' | dd of=r.pbwt.2 bs=1 seek=3000 conv=notrunc 2> said &&
-            printf '\377\376' | dd of=r.pbwt.0.state bs=1 seek=3000 conv=notrunc 2> said && goes_on 1 k0.3.bin
+        late k0.3.bin && rm r.pbwt.scratch/1.state && goes_on 2 k0.3.bin && late k0.3.bin &&
+            flip 2.chunk 3000 && flip 0.state 3000 && goes_on 1 k0.3.bin
     }
+    flipped_head() {     # what the state says of its tile: the points, and numbers
+        late k0.3.bin && flip 0.state 25 && flip 1.state 70 && goes_on 1 k0.3.bin
+    }
+    mpi_at_once() {      # two runs on one output, which goes nowhere but there
+        echo mine > twice.pbwt.part && ln -s twice.pbwt.part twice.pbwt.0
+        mpirun -np 2 "$bin/mpi" many.bin -o twice.pbwt > first 2>&1 & one=$!
+        mpirun -np 2 "$bin/mpi" many.bin -o twice.pbwt > second 2>&1
+        two=$?
+        wait $one
+        one=$?
+        cat first second
+        [ $((one + two)) = 0 ] || { [ $((one + two)) = 1 ] && cat first second | grep 'is in use: process [0-9]* works'; } ||
+            return 1
+        "$pbw" check twice.pbwt && hash_of twice.pbwt > one && hash_of r.pbwt > two && cmp one two &&
+            grep mine twice.pbwt.0 && [ "$(echo twice.pbwt*)" = "twice.pbwt twice.pbwt.0 twice.pbwt.part" ]
+    }
+    check "MPI: 2 ranks of many points" ranks 2 many.bin
+    check "MPI: two runs on one output" mpi_at_once
+    of_others() {        # files with names of scratch files in a folder without a lock
+        mkdir twice.pbwt.scratch && echo mine > twice.pbwt.scratch/1.chunk &&
+            mpi_fails "files of other programs" k0.3.bin -o twice.pbwt && grep mine twice.pbwt.scratch/1.chunk &&
+            ! [ -e twice.pbwt.scratch/lock ] && rm -r twice.pbwt.scratch
+    }
+    check "MPI: a folder of others" of_others
     check "MPI: finished tiles are taken up" all_finished
     check "MPI: those that are whole, if not all are" one_killed
+    check "MPI: a state that is damaged" flipped_head
     with_leftovers() { late k3.3.bin && goes_on 3 k3.3.bin && ! grep -q ' 0 given up' log; }
     check "MPI: and leftovers made of them" with_leftovers
     other_points() { late k0.3.bin && goes_on 0 k4.3.bin; }

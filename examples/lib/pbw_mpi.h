@@ -30,10 +30,12 @@
 
    RESTART
    If a rank dies, all end, as in MPI without extensions: unfinished tiles need its answers.  With an output, each
-   rank keeps its finished tile in files beside it (output.N, output.N.state).  A call with the same points and number
-   of ranks reuses these tiles and makes the others: after a rank died while others had finished, leftovers did not
-   fit, or the disk was full.  Points are read and partitioned again.  Files that are damaged, or of other points, are
-   not reused.  A run that succeeds removes the files of its ranks.  output itself appears when it is complete.
+   rank keeps its finished tile in a folder beside it (output.scratch: N.chunk, N.state).  A call with the same points
+   and number of ranks reuses these tiles and makes the others: after a rank died while others had finished, leftovers
+   did not fit, or the disk was full.  Points are read and partitioned again.  Files that are damaged, or of other
+   points, are not reused: each has checksums, which are compared whenever it is read.  A run that succeeds removes the
+   folder.  Its file `lock` is locked by rank 0: a second run on one output says which process works there.  output
+   grows under a name of its own, and has its name when it is complete.
 
    CONFIGURATION MACROS
      PBW_MPI_IMPLEMENTATION      in one source file: compile the implementation there
@@ -101,6 +103,7 @@ PBWMDEF pbw_status pbwm_agree(MPI_Comm comm, pbw_status status, char *text, size
 #define PBWM__IMPLEMENTED
 
 #include <errno.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -182,10 +185,9 @@ PBWMDEF pbw_status pbwm_agree(MPI_Comm comm, pbw_status status, char *text, size
     return (pbw_status)all;
 }
 
-/* pbwm_agree with a text that names this rank and its step. */
-static pbw_status pbwm__agree(pbwm__group *g, pbw_status status, const char *what)
+/* pbwm_agree with the report's text, which is empty if all is well. */
+static pbw_status pbwm__agree_text(pbwm__group *g, pbw_status status)
 {
-    snprintf(g->report->text, sizeof g->report->text, "rank %d: %s: %s", g->rank, what, pbw_status_string(status));
     status = pbwm_agree(g->comm, status, g->report->text, sizeof g->report->text);
     if (status == PBW_OK) {
         g->report->text[0] = 0;
@@ -193,17 +195,20 @@ static pbw_status pbwm__agree(pbwm__group *g, pbw_status status, const char *wha
     return status;
 }
 
+/* pbwm_agree with a text that names this rank and its step. */
+static pbw_status pbwm__agree(pbwm__group *g, pbw_status status, const char *what)
+{
+    snprintf(g->report->text, sizeof g->report->text, "rank %d: %s: %s", g->rank, what, pbw_status_string(status));
+    return pbwm__agree_text(g, status);
+}
+
 /* pbwm__agree for a step that can fail only by a file. */
 static pbw_status pbwm__agree_file(pbwm__group *g, int good, const char *what)
 {
-    pbw_status status = good ? PBW_OK : PBW_ERROR_BACKEND;
+    const pbw_status status = good ? PBW_OK : PBW_ERROR_BACKEND;
     snprintf(g->report->text, sizeof g->report->text, "rank %d: %s: %s", g->rank, what,
              errno != 0 ? strerror(errno) : "cannot write");
-    status = pbwm_agree(g->comm, status, g->report->text, sizeof g->report->text);
-    if (status == PBW_OK) {
-        g->report->text[0] = 0;
-    }
-    return status;
+    return pbwm__agree_text(g, status);
 }
 
 static void pbwm__end_phase(pbwm__group *g, int which)
@@ -327,19 +332,22 @@ static uint64_t pbwm__mixed(uint64_t x)              /* splitmix64 (Steele, Lea 
 /* ------------------------------------------------------------------------------------------------------
    One rank's work.
    ------------------------------------------------------------------------------------------------------ */
+#define PBWM__MOST_RANKS 65536
+
 typedef struct pbwm__chunk {                         /* in a file of its own until its place is known */
     pbwtf_writer writer;
     pbwtf_entry entry;
-    char name[1100], state[1110];                    /* state: of a finished tile */
+    char name[1150], state[1150];                    /* state: of a finished tile */
     FILE *file;
 } pbwm__chunk;
 
 typedef struct pbwm__state {                         /* then arrays of the tile: foreign, facets, leftovers, border */
-    char magic[8];                                   /* "PBWMTIL1" */
-    uint64_t key, checksum;                          /* of all points and trees; of the arrays */
+    char magic[8];                                   /* "PBWMTIL2" */
+    uint64_t key, arrays;                            /* of all points and trees; the sum of the arrays */
     uint64_t foreign, facets, leftovers, border;
     pbwt_numbers numbers;
     pbwtf_chunk chunk;
+    uint64_t checksum;                               /* of what is before */
 } pbwm__state;
 
 typedef struct pbwm__work {
@@ -359,7 +367,9 @@ typedef struct pbwm__work {
     double busy;                                     /* seconds in pbwt_ask */
     int finished, resumed;                           /* the tile is; by an earlier run */
     char *kept;                                      /* arrays of such a tile */
-    char part[1110];                                 /* the output while it grows */
+    char part[1150];                                 /* the output while it grows */
+    char scratch[1100];                              /* the folder */
+    int lock, is_made;                               /* of rank 0: the folder's lock, or -1; part is there */
 } pbwm__work;
 
 /* Cuts by a sorted sample of all ranks: 4096 points of each, or fewer, so that all together stay small. */
@@ -595,17 +605,22 @@ static void pbwm__place_arrays(pbwt_tile *tile, char *block, int copy)
     }
 }
 
+static uint64_t pbwm__state_sum(const pbwm__state *state)
+{
+    return pbwtf_checksum(0, state, offsetof(pbwm__state, checksum));
+}
+
 /* Ends the chunk, and writes the state.  Returns 0 if they cannot be written, or without memory. */
 static int pbwm__keep(pbwm__work *w)
 {
     pbwt_tile *tile = &w->tile;
     pbwm__state state;
-    char part[1120], *block;
+    char part[1200], *block;
     FILE *file = NULL;
     size_t size;
     int good = pbwtf_end(&w->chunk.writer, tile, w->g->dim);
     memset(&state, 0, sizeof state);
-    memcpy(state.magic, "PBWMTIL1", 8);
+    memcpy(state.magic, "PBWMTIL2", 8);
     state.key = w->key;
     state.foreign = tile->foreign_count;
     state.facets = tile->facet_count;
@@ -615,16 +630,20 @@ static int pbwm__keep(pbwm__work *w)
     state.chunk = w->chunk.writer.chunk;
     size = pbwm__state_size(&state);
     block = (char *)pbwm__take(w->g, size);
-    snprintf(part, sizeof part, "%s.part", w->chunk.state);
     if (good && block != NULL) {
         pbwm__place_arrays(tile, block, 1);
-        state.checksum = pbwtf_checksum(0, block, size);
-        file = fopen(part, "wb");
+        state.arrays = pbwtf_sum(block, size);
+        state.checksum = pbwm__state_sum(&state);
+        file = pbwtf_create(w->chunk.state, part, sizeof part);
     }
     good = file != NULL && fwrite(&state, sizeof state, 1, file) == 1 && fwrite(block, 1, size, file) == size;
     good = (file == NULL || fclose(file) == 0) && good;
     pbwm__give(w->g, block);
-    return good && rename(part, w->chunk.state) == 0;
+    good = good && rename(part, w->chunk.state) == 0;
+    if (file != NULL && !good) {
+        remove(part);
+    }
+    return good;
 }
 
 /* Returns whether the chunk in its file is what the state says. */
@@ -668,13 +687,13 @@ static int pbwm__recall(pbwm__work *w)
     size_t size = 0;
     FILE *file = fopen(c->state, "rb");
     int good = file != NULL && fread(&state, sizeof state, 1, file) == 1
-            && memcmp(state.magic, "PBWMTIL1", 8) == 0 && state.key == w->key
-            && pbwm__is_whole(c->name, &state.chunk);
+            && memcmp(state.magic, "PBWMTIL2", 8) == 0 && state.checksum == pbwm__state_sum(&state)
+            && state.key == w->key && pbwm__is_whole(c->name, &state.chunk);
     if (good) {
         size = pbwm__state_size(&state);
         w->kept = (char *)pbwm__take(w->g, size);
         good = w->kept != NULL && fread(w->kept, 1, size, file) == size
-            && pbwtf_checksum(0, w->kept, size) == state.checksum;
+            && pbwtf_sum(w->kept, size) == state.arrays;
     }
     if (good) {
         pbwm__recall_tile(w, &state);
@@ -685,16 +704,23 @@ static int pbwm__recall(pbwm__work *w)
     return good;
 }
 
+static void pbwm__name_chunk(const pbwm__work *w, pbwm__chunk *c, int number)
+{
+    snprintf(c->name, sizeof c->name, "%s/%d.chunk", w->scratch, number);
+    snprintf(c->state, sizeof c->state, "%s/%d.state", w->scratch, number);
+}
+
+/* A chunk of this run is a new file: a process of a run that was killed may still write into that of its own. */
 static void pbwm__open_chunk(pbwm__work *w, pbwm__chunk *c, const pbwt_tree *tree, int number)
 {
-    snprintf(c->name, sizeof c->name, "%s.%d", w->g->options.output, number);
-    snprintf(c->state, sizeof c->state, "%s.state", c->name);
+    pbwm__name_chunk(w, c, number);
     w->resumed = tree != NULL && pbwm__recall(w);
     w->finished = w->resumed;
     if (!w->resumed) {
         remove(c->state);
+        remove(c->name);
     }
-    c->file = fopen(c->name, w->resumed ? "rb+" : "wb+");
+    c->file = fopen(c->name, w->resumed ? "rb+" : "w+bx");
     if (c->file != NULL && !w->resumed) {
         pbwtf_begin(&c->writer, c->file, tree, (uint32_t)number, pbwm__flags(w->g));
     }
@@ -712,11 +738,67 @@ static void pbwm__drop_chunk(pbwm__chunk *c, int keep)
     }
 }
 
+/* Removes, or only looks for, files of ranks from that number on.  Returns whether there were any. */
+static int pbwm__old_files(const pbwm__work *w, int number, int is_removed)
+{
+    pbwm__chunk c;
+    int any = 0, i;
+    for (; number < PBWM__MOST_RANKS; number++) {
+        const char *const name[2] = { c.name, c.state };
+        pbwm__name_chunk(w, &c, number);
+        for (i = 0; i < 2; i++) {
+            any |= is_removed ? remove(name[i]) == 0 : access(name[i], F_OK) == 0;
+        }
+    }
+    return any;
+}
+
+/* Rank 0 makes and locks the folder of scratch files. */
+static pbw_status pbwm__enter(pbwm__work *w)
+{
+    pbwm__group *g = w->g;
+    char error[PBWTF_ERROR];
+    int good = 1, is_foreign = 0;
+    error[0] = 0;
+    snprintf(w->scratch, sizeof w->scratch, "%s.scratch", g->options.output);
+    if (g->rank == 0) {
+        good = pbwtf_enter(w->scratch, &w->lock, &is_foreign, error);
+    }
+    if (good && is_foreign && pbwm__old_files(w, 0, 0)) {
+        snprintf(error, sizeof error, "%.300s has files of other programs with names of scratch files",
+                 w->scratch);
+        pbwtf_leave(w->scratch, w->lock, 1);
+        w->lock = -1;
+        good = 0;
+    }
+    snprintf(g->report->text, sizeof g->report->text, "rank %d: %s", g->rank, error);
+    return pbwm__agree_text(g, good ? PBW_OK : PBW_ERROR_BACKEND);
+}
+
+/* Ends the files of the folder, and leaves it: it stays if a tile is kept for the next run. */
+static void pbwm__leave(pbwm__work *w, pbw_status status)
+{
+    pbwm__group *g = w->g;
+    int mine = status != PBW_OK && w->finished, any = 0;
+    pbwm__drop_chunk(&w->chunk, mine);
+    pbwm__drop_chunk(&w->leftover, 0);
+    MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, g->comm);
+    if (w->lock >= 0) {
+        if (!any) {                                  /* those of an earlier run of more ranks */
+            (void)pbwm__old_files(w, g->ranks, 1);
+        }
+        pbwtf_leave(w->scratch, w->lock, !any);
+    }
+}
+
 static pbw_status pbwm__open_files(pbwm__work *w)
 {
     pbwm__group *g = w->g;
+    pbw_status status = pbwm__enter(w);
+    if (status != PBW_OK) {
+        return status;
+    }
     w->key = pbwm__key(w);
-    snprintf(w->part, sizeof w->part, "%s.part", g->options.output);
     errno = 0;
     if (g->rank == 0) {
         pbwm__open_chunk(w, &w->leftover, NULL, g->ranks);
@@ -933,7 +1015,7 @@ static int pbwm__link_chunk(pbwm__work *w, pbwm__chunk *c, int number)
     const pbwt_facet *facet = (const pbwt_facet *)(const void *)w->matched.data;
     const size_t count = w->matched.size / sizeof *facet;
     size_t i;
-    int good = fseek(c->file, (long)pbwtf_across_offset(&c->writer.chunk), SEEK_SET) == 0;
+    int good = pbwtf_seek(c->file, pbwtf_across_offset(&c->writer.chunk));
     for (i = 0; i < count && good; i++) {
         if (facet[i].from >> 40 == (uint64_t)number) {
             good = fwrite(&facet[i].to, 8, 1, c->file) == 1;
@@ -945,23 +1027,41 @@ static int pbwm__link_chunk(pbwm__work *w, pbwm__chunk *c, int number)
     return good && fflush(c->file) == 0;
 }
 
-static int pbwm__copy_chunk(pbwm__chunk *c, const char *path)
+/* Copies bytes from file to file, and adds them to a checksum. */
+static int pbwm__copy(FILE *from, FILE *to, uint64_t size, uint64_t *sum)
 {
     char block[65536];
-    FILE *file = fopen(path, "rb+");
-    size_t left = (size_t)c->entry.size;
-    int good = file != NULL && fseek(file, (long)c->entry.offset, SEEK_SET) == 0
-            && fseek(c->file, 0, SEEK_SET) == 0;
-    while (left > 0 && good) {
-        const size_t size = left < sizeof block ? left : sizeof block;
-        good = fread(block, 1, size, c->file) == size && fwrite(block, 1, size, file) == size;
-        left -= size;
+    int good = 1;
+    while (size > 0 && good) {
+        const size_t some = size < sizeof block ? (size_t)size : sizeof block;
+        good = fread(block, 1, some, from) == some && fwrite(block, 1, some, to) == some;
+        *sum = good ? pbwtf_checksum(*sum, block, some) : 0;
+        size -= some;
     }
-    return (file == NULL || fclose(file) == 0) && good;
+    return good;
+}
+
+/* Copies a chunk to its place in the output, if it is what was written. */
+static int pbwm__copy_chunk(pbwm__chunk *c, const char *path)
+{
+    const pbwtf_chunk *head = &c->writer.chunk;
+    const uint64_t across = pbwtf_across_offset(head);
+    uint64_t sum[3] = { 0, 0, 0 };
+    FILE *file = fopen(path, "rb+");
+    int good = file != NULL && pbwtf_seek(file, c->entry.offset) && pbwtf_seek(c->file, 0)
+            && pbwm__copy(c->file, file, sizeof *head, sum) && pbwm__copy(c->file, file, across - sizeof *head, sum + 1)
+            && pbwm__copy(c->file, file, c->entry.size - across, sum + 2);
+    good = (file == NULL || fclose(file) == 0) && good;
+    if (good && (sum[0] != pbwtf_checksum(0, head, sizeof *head) || sum[1] != head->checksum
+                 || sum[2] != c->entry.across_checksum)) {
+        errno = EIO;
+        good = 0;
+    }
+    return good;
 }
 
 /* Gives each chunk its place; the header and the table, of rank 0. */
-static int pbwm__write_head(const pbwm__work *w, pbwtf_entry *table, pbwtf_header *header, const pbw_hash_sums *sums)
+static int pbwm__write_head(pbwm__work *w, pbwtf_entry *table, pbwtf_header *header, const pbw_hash_sums *sums)
 {
     uint64_t simplices = 0, at = sizeof *header;
     uint32_t p;
@@ -980,8 +1080,9 @@ static int pbwm__write_head(const pbwm__work *w, pbwtf_entry *table, pbwtf_heade
     if (w->g->rank != 0) {
         return 1;
     }
-    file = fopen(w->part, "wb");
-    good = file != NULL && fwrite(header, sizeof *header, 1, file) == 1 && fseek(file, (long)at, SEEK_SET) == 0
+    file = pbwtf_create(w->g->options.output, w->part, sizeof w->part);
+    w->is_made = file != NULL;
+    good = file != NULL && fwrite(header, sizeof *header, 1, file) == 1 && pbwtf_seek(file, at)
         && fwrite(table, sizeof *table, header->chunks, file) == header->chunks;
     return (file == NULL || fclose(file) == 0) && good;
 }
@@ -997,8 +1098,10 @@ static pbw_status pbwm__write(pbwm__work *w, pbwtf_header *header, const pbw_has
         table[g->ranks] = w->leftover.entry;
         MPI_Bcast(table + g->ranks, 4, g->word, 0, g->comm);
         header->chunks = (uint32_t)g->ranks + (table[g->ranks].size > 0);
+        errno = 0;
         good = pbwm__write_head(w, table, header, sums);
         status = pbwm__agree_file(g, good, w->part);
+        MPI_Bcast(w->part, (int)sizeof w->part, MPI_CHAR, 0, g->comm);
     }
     if (status == PBW_OK) {
         w->chunk.entry = table[g->rank];
@@ -1011,8 +1114,9 @@ static pbw_status pbwm__write(pbwm__work *w, pbwtf_header *header, const pbw_has
     }
     if (status == PBW_OK) {
         status = pbwm__agree_file(g, g->rank != 0 || rename(w->part, g->options.output) == 0, g->options.output);
-    } else if (g->rank == 0) {
-        unlink(w->part);
+    }
+    if (status != PBW_OK && w->is_made) {
+        remove(w->part);
     }
     pbwm__give(g, table);
     return status;
@@ -1117,8 +1221,7 @@ static pbw_status pbwm__run(pbwm__work *w, const pbwt_point *points, size_t coun
     status = status == PBW_OK ? pbwm__leftovers(w) : status;
     status = status == PBW_OK && g->options.output != NULL ? pbwm__end_file(w) : status;
     status = status == PBW_OK ? pbwm__finish(w) : status;
-    pbwm__drop_chunk(&w->chunk, status != PBW_OK && w->finished);
-    pbwm__drop_chunk(&w->leftover, 0);
+    pbwm__leave(w, status);
     pbwt_close(&w->tile);
     pbwt_close(&w->rest);
     pbwt_tree_free(&w->tree);
@@ -1152,6 +1255,7 @@ PBWMDEF pbw_status pbwm_triangulate(MPI_Comm comm, const pbwt_point *points, siz
     memset(&g, 0, sizeof g);
     memset(&w, 0, sizeof w);
     memset(report, 0, sizeof *report);
+    w.lock = -1;
     g.comm = comm;
     g.options = *options;
     g.report = report;

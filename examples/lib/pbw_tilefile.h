@@ -120,6 +120,12 @@ PBWTFDEF int pbwtf_seek(FILE *file, uint64_t place);              /* from the st
 PBWTFDEF int64_t pbwtf_tell(FILE *file);                          /* -1: failed */
 /* Creates path.part.PROCESS-NUMBER, which was not there, for reading and writing.  name: that, of `size` bytes. */
 PBWTFDEF FILE *pbwtf_create(const char *path, char *name, size_t size);
+/* A folder of scratch files, where one run works at a time.  enter: makes the folder unless it is there, and locks the
+   file `lock` in it: *lock, a descriptor; the lock ends with the process.  *is_foreign: the folder was there without
+   that file, so that what has names of scratch files may be somebody's.  Returns 0 with a text: another process works
+   there, or why it failed.  leave: frees the lock; remove: the file, and the folder if it is empty, go, too. */
+PBWTFDEF int pbwtf_enter(const char *folder, int *lock, int *is_foreign, char *error);
+PBWTFDEF void pbwtf_leave(const char *folder, int lock, int remove_it);
 PBWTFDEF int pbwtf_open(const char *path, pbwtf_file *file, char *error);
 PBWTFDEF void pbwtf_close(pbwtf_file *file);
 PBWTFDEF int pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error);
@@ -159,9 +165,11 @@ PBWTFDEF void pbwtf_seal(pbwtf_header *header, const pbw_hash_sums *sums);
 #include <string.h>
 #include <sys/stat.h>
 #ifdef _WIN32
+#include <direct.h>
 #include <fcntl.h>
 #include <io.h>
 #include <process.h>
+#include <share.h>
 #else
 #include <fcntl.h>
 #include <unistd.h>
@@ -256,6 +264,94 @@ PBWTFDEF FILE *pbwtf_create(const char *path, char *name, size_t size)
 #endif
     }
     return file;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Folders of scratch files.
+   ------------------------------------------------------------------------------------------------------ */
+static int pbwtf__in_use(const char *folder, long process, char *error)
+{
+    char who[40] = "another process";
+    if (process > 0) {
+        snprintf(who, sizeof who, "process %ld", process);
+    }
+    snprintf(error, PBWTF_ERROR, "%s is in use: %s works there; wait for it, or name another output", folder, who);
+    return 0;
+}
+
+/* Returns 1 with the lock, 0 with a text, or -1: the run that had it has just removed it. */
+#ifdef _WIN32
+#define PBWTF__MAKE_FOLDER(path) _mkdir(path)
+#define PBWTF__REMOVE_FOLDER(path) _rmdir(path)
+static int pbwtf__try_lock(const char *folder, const char *name, int *lock, char *error)
+{
+    *lock = _sopen(name, _O_RDWR | _O_CREAT | _O_BINARY, _SH_DENYWR, _S_IREAD | _S_IWRITE);
+    return *lock >= 0 ? 1 : errno == EACCES ? pbwtf__in_use(folder, 0, error)
+         : pbwtf__fail(error, folder, strerror(errno));
+}
+#else
+#define PBWTF__MAKE_FOLDER(path) mkdir(path, 0777)
+#define PBWTF__REMOVE_FOLDER(path) rmdir(path)
+static int pbwtf__try_lock(const char *folder, const char *name, int *lock, char *error)
+{
+    struct flock range;
+    struct stat mine, there;
+    *lock = open(name, O_RDWR | O_CREAT, 0666);
+    if (*lock < 0) {
+        return errno == ENOENT ? -1 : pbwtf__fail(error, folder, strerror(errno));
+    }
+    memset(&range, 0, sizeof range);
+    range.l_type = F_WRLCK;
+    range.l_whence = SEEK_SET;
+    if (fcntl(*lock, F_SETLK, &range) != 0) {
+        const int why = errno, is_held = why == EACCES || why == EAGAIN;
+        const int is_known = is_held && fcntl(*lock, F_GETLK, &range) == 0;
+        close(*lock);
+        *lock = -1;
+        return is_known && range.l_type == F_UNLCK ? -1
+             : is_held ? pbwtf__in_use(folder, is_known ? (long)range.l_pid : 0, error)
+             : pbwtf__fail(error, folder, strerror(why));
+    }
+    if (fstat(*lock, &mine) != 0 || stat(name, &there) != 0 || mine.st_ino != there.st_ino) {
+        close(*lock);
+        *lock = -1;
+    }
+    return *lock >= 0 ? 1 : -1;
+}
+#endif
+
+PBWTFDEF int pbwtf_enter(const char *folder, int *lock, int *is_foreign, char *error)
+{
+    char name[1200];
+    struct stat there;
+    int result = -1, tries;
+    *lock = -1;
+    snprintf(name, sizeof name, "%s/lock", folder);
+    for (tries = 0; tries < 100 && result < 0; tries++) {
+        const int is_made = PBWTF__MAKE_FOLDER(folder) == 0;
+        if (!is_made && errno != EEXIST) {
+            return pbwtf__fail(error, folder, strerror(errno));
+        }
+        *is_foreign = !is_made && stat(name, &there) != 0;
+        result = pbwtf__try_lock(folder, name, lock, error);
+    }
+    return result < 0 ? pbwtf__fail(error, folder, "others remove it again and again") : result;
+}
+
+PBWTFDEF void pbwtf_leave(const char *folder, int lock, int remove_it)
+{
+    char name[1200];
+    snprintf(name, sizeof name, "%s/lock", folder);
+#ifdef _WIN32                              /* cannot remove an open file */
+    _close(lock);
+#endif
+    if (remove_it) {                       /* while it is locked: the next run looks whether it is still there */
+        remove(name);
+        PBWTF__REMOVE_FOLDER(folder);
+    }
+#ifndef _WIN32
+    close(lock);
+#endif
 }
 
 /* ------------------------------------------------------------------------------------------------------

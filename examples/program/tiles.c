@@ -8,19 +8,13 @@
 #include "program.h"
 #include "pbw_tilefile.h"
 #include <errno.h>
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <sys/types.h>
 #ifdef _WIN32
-#include <direct.h>
 #include <io.h>
-#include <share.h>
-#define make_folder(path) _mkdir(path)
-#define close _close
 #else
 #include <pthread.h>
 #include <unistd.h>
-#define make_folder(path) mkdir(path, 0777)
 extern int truncate(const char *path, off_t length);         /* strict C modes hide it */
 #endif
 
@@ -110,53 +104,6 @@ static int paused(work *w)
 
 /* ---- the folder of scratch files: one run at a time */
 
-static int in_use(const work *w, long process)
-{
-    char who[40] = "another process";
-    if (process > 0) {
-        snprintf(who, sizeof who, "process %ld", process);
-    }
-    return fail(w->j, "%s is in use: %s works there; wait for it, or name another output or --scratch", w->scratch,
-                who);
-}
-
-#ifdef _WIN32
-static int take_lock(work *w, const char *name)
-{
-    w->lock = _sopen(name, _O_RDWR | _O_CREAT | _O_BINARY, _SH_DENYWR, _S_IREAD | _S_IWRITE);
-    return w->lock >= 0 ? 0 : errno == EACCES ? in_use(w, 0) : cannot(w, name);
-}
-#else
-/* Locks a file, which ends with this process; *again: the run that had it has just removed it. */
-static int take_lock(work *w, const char *name, int *again)
-{
-    struct flock lock;
-    struct stat mine, there;
-    errno = 0;
-    w->lock = open(name, O_RDWR | O_CREAT, 0666);
-    *again = w->lock < 0 && errno == ENOENT;
-    if (w->lock < 0) {
-        return *again ? 0 : cannot(w, name);
-    }
-    memset(&lock, 0, sizeof lock);
-    lock.l_type = F_WRLCK;
-    lock.l_whence = SEEK_SET;
-    if (fcntl(w->lock, F_SETLK, &lock) != 0) {
-        const int held = errno == EACCES || errno == EAGAIN, known = fcntl(w->lock, F_GETLK, &lock) == 0;
-        close(w->lock);
-        w->lock = -1;
-        *again = held && known && lock.l_type == F_UNLCK;
-        return *again ? 0 : held ? in_use(w, known ? (long)lock.l_pid : 0) : cannot(w, name);
-    }
-    *again = fstat(w->lock, &mine) != 0 || stat(name, &there) != 0 || mine.st_ino != there.st_ino;
-    if (*again) {
-        close(w->lock);
-        w->lock = -1;
-    }
-    return 0;
-}
-#endif
-
 /* A folder that is there, and no scratch folder, must not have files with the names of scratch files. */
 static int is_clear(const work *w)
 {
@@ -180,29 +127,18 @@ static int is_clear(const work *w)
 
 static int take_scratch(work *w)
 {
-    char name[NAME];
-    struct stat there;
-    int failed = 0, again = 1, tries, is_new, is_made = 0;
-    snprintf(name, sizeof name, "%s/lock", w->scratch);
-    for (tries = 0; tries < 100 && again && !failed; tries++) {
-        errno = 0;
-        is_made = make_folder(w->scratch) == 0;
-        if (!is_made && errno != EEXIST) {
-            return cannot(w, w->scratch);
-        }
-        is_new = stat(name, &there) != 0;
-        if (is_new && !is_made && !is_clear(w)) {
-            return fail(w->j, "%s has files of other programs with names of scratch files: name another --scratch",
-                        w->scratch);
-        }
-#ifdef _WIN32
-        again = 0;
-        failed = take_lock(w, name);
-#else
-        failed = take_lock(w, name, &again);
-#endif
+    char error[PBWTF_ERROR];
+    int is_foreign;
+    if (!pbwtf_enter(w->scratch, &w->lock, &is_foreign, error)) {
+        return fail(w->j, "%s", error);
     }
-    return again && !failed ? cannot(w, name) : failed;
+    if (is_foreign && !is_clear(w)) {
+        pbwtf_leave(w->scratch, w->lock, 1);
+        w->lock = -1;
+        return fail(w->j, "%s has files of other programs with names of scratch files: name another --scratch",
+                    w->scratch);
+    }
+    return 0;
 }
 
 /* ---- the state */
@@ -1550,7 +1486,7 @@ static void close_maps(work *w)
     }
 }
 
-/* Removes the scratch files; in the end the lock, as the next run looks whether it is still there. */
+/* Removes the scratch files, and leaves their folder. */
 static void clean(work *w)
 {
     char name[NAME];
@@ -1560,13 +1496,10 @@ static void clean(work *w)
     remove(name);
     snprintf(name, sizeof name, "%s/state", w->scratch);
     remove(name);
-    snprintf(name, sizeof name, "%s/lock", w->scratch);
-#ifdef _WIN32
-    close(w->lock);
-    w->lock = -1;
-#endif
-    remove(name);
-    remove(w->scratch);
+    if (w->lock >= 0) {
+        pbwtf_leave(w->scratch, w->lock, 1);
+        w->lock = -1;
+    }
 }
 
 static int run(job *j)
@@ -1603,7 +1536,7 @@ static int run(job *j)
     }
     close_maps(w);
     if (w->lock >= 0) {
-        close(w->lock);
+        pbwtf_leave(w->scratch, w->lock, 0);
     }
     if (w->input != NULL) {
         fclose(w->input);
