@@ -122,7 +122,7 @@ EMCC = emcc
 WEB_MEMORY = 4GB
 WEB_FLAGS = -sSTANDALONE_WASM --no-entry -sFILESYSTEM=0 -sEXPORTED_FUNCTIONS=_malloc,_free -sALLOW_MEMORY_GROWTH \
     -sINITIAL_MEMORY=1MB -sMAXIMUM_MEMORY=$(WEB_MEMORY) -sTOTAL_STACK=256KB -Wl,--stack-first
-WEB = $(addprefix examples/web/,index.js index.d.ts package.json)
+WEB = $(addprefix examples/web/,index.js index.d.ts package.json README.md)
 
 web: $B/web/index.html
 
@@ -134,6 +134,10 @@ $B/web/index.html: examples/web/page.html $(WEB) $B/web/pbw.wasm
 	cp $(WEB) $(@D)
 	{ printf 'export const wasm = "'; base64 $(@D)/pbw.wasm | tr -d '\n'; printf '";\n'; } > $(@D)/wasm.js
 	sed -e '/^export default/d' -e '/^import .*wasm/d' -e 's/^export //' $(@D)/wasm.js $(@D)/index.js > $(@D)/inline.js
+	{ sed 's/await WebAssembly.compile(/new WebAssembly.Module(/' $(@D)/inline.js; printf '%s\n' \
+	    'module.exports = { __esModule: true, default: Delaunay, Delaunay, Voronoi, Delaunay3, PbwError };'; } \
+	    > $(@D)/index.cjs
+	cp $(@D)/index.d.ts $(@D)/index.d.cts
 	sed -e '/^import .*index\.js/r $(@D)/inline.js' -e '/^import .*index\.js/d' $< > $@
 
 $B/oracle_voro: tests/oracle_voro.cpp $(HEADERS) $B/libpbw.a

@@ -27,7 +27,7 @@ function random() {                          // mulberry32
 }
 const randoms = count => Float64Array.from({ length: count }, random);
 
-const { default: Delaunay, Delaunay3, PbwError } = await from_file(join(where, 'index.js'));
+const { default: Delaunay, Delaunay3, PbwError, Voronoi } = await from_file(join(where, 'index.js'));
 
 // ---- what holds for every triangulation ----
 
@@ -162,6 +162,167 @@ function test_errors() {
   check('and is mended by the next', d.update() === d && d.triangles !== before);
 }
 
+// ---- cells ----
+
+const area = polygon => polygon.slice(1).reduce((sum, b, k) =>
+  sum + polygon[k][0] * b[1] - polygon[k][1] * b[0], 0) / 2;
+const BOX = [0.1, -0.2, 0.8, 0.9];
+
+// The cell of point i among all points, by cuts of the bounds with every other point.
+function brute_cell(d, i, [xmin, ymin, xmax, ymax]) {
+  let cell = [[xmin, ymin], [xmax, ymin], [xmax, ymax], [xmin, ymax]];
+  for (let j = 0; j < d.canonical.length; j++) {
+    if (d.canonical[j] === d.canonical[i]) continue;
+    const more = place => d.power(i, place) - d.power(j, place), kept = [];
+    cell.forEach((a, k) => {
+      const b = cell[(k + 1) % cell.length], p = more(a), q = more(b);
+      if (p <= 0) kept.push(a);
+      if (p <= 0 !== q <= 0) kept.push([0, 1].map(axis => (a[axis] * q - b[axis] * p) / (q - p)));
+    });
+    cell = kept;
+  }
+  return cell.length > 2 ? [...cell, cell[0]] : null;
+}
+
+const close = (a, b) => Math.abs(a[0] - b[0]) + Math.abs(a[1] - b[1]) < 1e-9;
+// The same circle of places from some start on.
+function same_polygon(a, b) {
+  if (!a || !b) return !a && !b;
+  const n = a.length - 1, at = a.findIndex(place => close(place, b[0]));
+  return a.length === b.length && at >= 0 && b.every((place, k) => close(place, a[(at + k) % n]))
+    && close(a[0], a[n]) && close(b[0], b[n]);
+}
+
+function check_cells(name, d, bounds = BOX) {
+  const v = d.voronoi(bounds), count = d.canonical.length, corners = new Map(), short = new Set();
+  const mutual = i => [...v.neighbors(i)].every(j => short.has(j) || [...v.neighbors(j)].includes(i));
+  let sum = 0, fine = true;
+  for (let i = 0; i < count; i++) {
+    const cell = v.cellPolygon(i), brute = d.canonical[i] === i ? brute_cell(d, i, bounds) : null;
+    // Ties make edges of rounding's length, so areas are compared.
+    fine &&= Math.abs((cell ? area(cell) : 0) - (brute ? area(brute) : 0)) < 1e-9;
+    sum += cell ? area(cell) : 0;
+    cell?.slice(1).forEach((b, k) => { short.add(close(cell[k], b) ? i : -1); });
+    for (const place of cell?.slice(1) ?? []) corners.set(place.join(), (corners.get(place.join()) ?? 0) + 1);
+  }
+  check(name + ': cells are those of all bisectors', fine);
+  const [xmin, ymin, xmax, ymax] = bounds;
+  check(name + ': cells fill the bounds, each counter-clockwise',
+    Math.abs(sum - (xmax - xmin) * (ymax - ymin)) < 1e-9, sum);
+  check(name + ': neighbours are mutual', Array.from(d.canonical.keys()).every(i => short.has(i) || mutual(i)));
+  check(name + ': indices of cellPolygons', same([...v.cellPolygons()].map(p => p.index),
+    Array.from(d.canonical.keys()).filter(i => v.cellPolygon(i))));
+  for (let k = 0; k < 20; k++) {
+    const at = [2 * random() - 0.5, 2 * random() - 0.5];
+    const least = Math.min(...Array.from(d.canonical, i => d.power(i, at)));
+    check(name + ': contains', Array.from(d.canonical).every((c, i) => v.contains(i, ...at) ===
+      (d.has_cell(i) && d.power(i, at) === least)));
+  }
+  return corners;
+}
+
+function test_cells() {
+  for (const count of [3, 7, 60, 400]) {
+    const corners = check_cells(count + ' cells', new Delaunay(randoms(2 * count)));
+    const alone = [...corners].filter(([place, uses]) => uses < 2 && !/^(0.1|0.8),|,(-0.2|0.9)$/.test(place));
+    check(count + ' cells: corners are shared to the bit', alone.length === 0, alone.length);
+  }
+  const weighted = new Delaunay(randoms(400), randoms(200).map(w => 0.01 * w));
+  check('some are hidden', Array.from({ length: 200 }, (_, i) => i).some(i => !weighted.has_cell(i)));
+  check_cells('power cells', weighted);
+  const lattice = Array.from({ length: 100 }, (_, i) => [i % 10 / 10, (i / 10 | 0) / 10]);
+  check_cells('cells of a lattice', Delaunay.from(lattice));
+  check_cells('cells far outside', new Delaunay(randoms(60).map(x => 50 * x + 3)));
+  check_cells('one cell', new Delaunay([0.3, 0.2]));
+  check_cells('two cells', new Delaunay([0.3, 0.2, 0.5, 0.1]));
+  check_cells('cells of a pair and its copies', new Delaunay([0.3, 0.2, 0.5, 0.1, 0.3, 0.2, 0.5, 0.1]));
+  check_cells('cells on a line', Delaunay.from([[0, 0], [0.5, 0.5], [0.25, 0.25], [0.75, 0.75], [0.5, 0.5]]));
+  check_cells('cells on an upright line', Delaunay.from([[0.3, 0], [0.3, 0.7], [0.3, 0.2]]));
+  const line = Delaunay.from([[0, 0], [0.25, 0.25], [0.5, 0.5], [0.75, 0.75]], p => p[0], p => p[1],
+    (p, i) => i === 2 ? 0.5 : 0);
+  check_cells('power cells on a line', line);
+  check('a heavy point on a line hides others', same(line.hull, [0, 2, 3]), line.hull);
+  const few = new Delaunay(randoms(8)), wide = few.voronoi([-1e9, -1e9, 1e9, 1e9]);
+  check('wide bounds', [...few.canonical].every(i => wide.contains(i, few.coords[2 * i], few.coords[2 * i + 1]))
+    && Math.abs([...wide.cellPolygons()].reduce((sum, p) => sum + area(p), 0) / 4e18 - 1) < 1e-12);
+
+  const none = new Delaunay([]), one = new Delaunay([3, 4]);
+  check('no points: nothing to draw', [none.hullPolygon(), none.render(), none.renderHull(), none.renderPoints(),
+    none.voronoi().cellPolygon(0), none.voronoi().render()].every(drawing => drawing === null));
+  check('one point', one.render() === null && one.renderHull() === 'M3,4Z'
+    && [...one.trianglePolygons()].length === 0);
+  check('points on a line: edges and hull', Delaunay.from([[0, 0], [2, 0], [1, 0]]).render() === 'M0,0L1,0M1,0L2,0');
+  check('a point that is none', one.voronoi().cellPolygon(7) === null && !one.voronoi().contains(-1, 0, 0)
+    && !one.voronoi().contains(0, NaN, 0));
+  check('bounds without area', one.voronoi([0, 0, 0, 5]).cellPolygon(0) === null);
+  for (const bounds of [[0, 0, 1], [1, 0, 0, 1], [0, 0, NaN, 1], [0, 0, Infinity, 1]]) {
+    const error = thrown(() => one.voronoi(bounds));
+    check('bounds that are none: ' + bounds, error instanceof RangeError && /bounds/.test(error.message), error);
+  }
+  const moved = new Delaunay(randoms(60)), v = moved.voronoi(BOX), before = v.circumcenters;
+  moved.coords[0] = 0.5;
+  check('update', v.update() === v && v.circumcenters !== before && same(v.circumcenters,
+    new Delaunay(moved.coords).voronoi().circumcenters) && v instanceof Voronoi);
+}
+
+// The segments of a path, each from its lesser end; h and v as renderBounds has them.
+function segments(path) {
+  const list = [];
+  let start, at;
+  const line = to => { list.push([at, to].sort((a, b) => a[0] - b[0] || a[1] - b[1])); at = to; };
+  for (const [, letter, numbers] of path.matchAll(/([MLZhv])([^MLZhv]*)/g)) {
+    const [x, y] = numbers.split(',').map(Number);
+    if (letter === 'M') start = at = [x, y];
+    if (letter === 'L') line([x, y]);
+    if (letter === 'h') line([at[0] + x, at[1]]);
+    if (letter === 'v') line([at[0], at[1] + x]);
+    if (letter === 'Z') line(start);
+  }
+  return list.sort((a, b) => a[0][0] - b[0][0] || a[0][1] - b[0][1] || a[1][0] - b[1][0] || a[1][1] - b[1][1]);
+}
+const same_drawing = (a, b) => (a ??= '', b ??= '', (p => q => p.length === q.length
+  && p.every((s, k) => close(s[0], q[k][0]) && close(s[1], q[k][1])))(segments(a))(segments(b)));
+
+// Each method beside that of d3-delaunay, in general position: there both have one answer.
+function check_like_d3(D3, count) {
+  const coords = randoms(2 * count), ours = new Delaunay(coords), theirs = new D3(coords);
+  const v = ours.voronoi(BOX), w = theirs.voronoi(BOX), all = Array.from({ length: count }, (_, i) => i);
+  const like = (name, fine) => check(count + ' points: ' + name + ' as d3-delaunay', fine);
+  const places = Array.from({ length: 50 }, () => [2 * random() - 0.5, 2 * random() - 0.5]);
+  const by_text = list => list.map(String).sort();
+  const triangles = d => by_text([...d.trianglePolygons()].map(p => p.slice(1).map(String).sort()));
+  const ends = d => all.every(i => d.triangles[next(d.inedges[i])] === i);
+  like('cellPolygon', all.every(i => same_polygon(v.cellPolygon(i), w.cellPolygon(i))));
+  like('cellPolygons', same([...v.cellPolygons()].map(p => p.index), [...w.cellPolygons()].map(p => p.index)));
+  like('neighbors', all.every(i => same([...v.neighbors(i)].sort(), [...w.neighbors(i)].sort())));
+  like('contains', all.every(i => places.every(at => v.contains(i, ...at) === w.contains(i, ...at))));
+  like('circumcenters', v.circumcenters.length === w.circumcenters.length
+    && same_drawing(v.render(), w.render()) && v.circumcenters.every(Number.isFinite));
+  like('vectors', v.vectors.every((x, k) => Math.abs(x - w.vectors[k]) < 1e-12));
+  like('bounds', [v.xmin, v.ymin, v.xmax, v.ymax].join() === [w.xmin, w.ymin, w.xmax, w.ymax].join());
+  like('hullPolygon', same_polygon(ours.hullPolygon(), theirs.hullPolygon()));
+  like('trianglePolygons', same(triangles(ours), triangles(theirs)) && same(ours.trianglePolygon(0).flat(),
+    [0, 1, 2, 0].flatMap(k => [...coords.subarray(2 * ours.triangles[k], 2 * ours.triangles[k] + 2)])));
+  like('inedges', ends(ours) && ends(theirs) && all.every(i =>
+    ours.halfedges[ours.inedges[i]] < 0 === theirs.halfedges[theirs.inedges[i]] < 0));
+  like('render', same_drawing(ours.render(), theirs.render()));
+  like('renderHull', same_drawing(ours.renderHull(), theirs.renderHull()));
+  const each = d => Array.from({ length: d.triangles.length / 3 }, (_, t) => d.renderTriangle(t)).join('');
+  like('renderTriangle', same_drawing(each(ours), each(theirs)));
+  like('renderPoints', ours.renderPoints() === theirs.renderPoints()
+    && ours.renderPoints(3) === theirs.renderPoints(undefined, 3));
+  like('renderCell', all.every(i => same_drawing(v.renderCell(i), w.renderCell(i))));
+  like('renderBounds', v.renderBounds() === w.renderBounds() && same_drawing(v.renderBounds(), w.renderBounds()));
+  const called = make => {
+    const calls = [], get = (_, name) => (...numbers) => { calls.push([name, ...numbers]); };
+    const context = new Proxy({}, { get });
+    check(count + ' points: with a context nothing is returned', make(context) === undefined);
+    return calls.sort().join(';');
+  };
+  like('calls of a context', called(c => ours.renderPoints(c, 3)) === called(c => theirs.renderPoints(c, 3))
+    && called(c => v.renderBounds(c)) === called(c => w.renderBounds(c)));
+}
+
 async function test_memory() {
   const little = await from_file(join(folder, 'little', 'web', 'index.js'));
   for (const [count, what] of [[3e6, 'for the points'], [4e5, 'for the triangulation']]) {
@@ -211,6 +372,7 @@ async function test_rivals() {
   }));
   check('find of d3-delaunay', Array.from({ length: 300 }, () => [random(), random()])
     .every(at => ours.find(...at) === theirs.find(...at)));
+  for (const size of [3, 5, 20, 300]) check_like_d3(D3, size);
   for (const count of [1000, 100000, 1000000]) {
     const points = randoms(2 * count), times = [[], []];
     for (let k = 0; k < 5; k++) {
@@ -289,6 +451,12 @@ async function use_page({ events, send }) {
     const d = p.getImageData(0, 0, c.width, c.height).data; let n = 0;
     for (let i = 3; i < d.length; i += 4) n += d[i] > 0; return n / (c.width * c.height); })()`);
   check('page: triangles are drawn', shown > 0.25 && shown < 0.35, shown);
+  const pixels = 'document.getElementById("stage").toDataURL()', plain = await evaluate(pixels);
+  await evaluate('document.getElementById("cells").click()');
+  await evaluate('new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))');
+  const legend = await evaluate('document.getElementById("legend").textContent');
+  const changed = await evaluate(pixels) !== plain;
+  check('page: cells change the picture and the legend', changed && /cell/i.test(legend), legend);
   await evaluate('document.getElementById("kind").value = "uniform"');
   await evaluate('document.querySelector("#counts button:last-child").click()');
   await until('a million points', text => text.startsWith('1,000,000 points'));
@@ -313,7 +481,7 @@ async function test_page() {
   }
 }
 
-for (const test of [test_plane, test_weights, test_space, test_few, test_errors, test_memory, test_update,
+for (const test of [test_plane, test_weights, test_space, test_few, test_cells, test_errors, test_memory, test_update,
   test_rivals, test_page]) {
   try {
     await test();

@@ -24,6 +24,30 @@ else
     skip "a project that installs it: no npm"
 fi
 
+# Types: what the README shows, as an ES module and as CommonJS; a wrong use is found.
+npm install --prefix "$work/project" --no-audit --no-fund --fetch-retries=0 typescript > "$work/tsc.txt" 2>&1
+tsc=node_modules/.bin/tsc
+if [ -x "$work/project/$tsc" ]; then
+    cat > "$work/project/use.mts" << 'END'
+import Delaunay, { Delaunay3, type Polygon } from 'pbw';
+const d = Delaunay.from([{ x: 1, y: 2 }], p => p.x, p => p.y, () => 3), v = d.voronoi([0, 0, 1, 1]);
+const drawn: string | null = v.render(), cell: Polygon | null = v.cellPolygon(0);
+for (const polygon of v.cellPolygons()) polygon.index.toFixed();
+d.renderPoints(3)?.length;
+export default [drawn, cell, d.inedges, new Delaunay3([0, 0, 0]).tetrahedra];
+END
+    sed 's/^import .*/import pbw = require("pbw"); import Delaunay = pbw.Delaunay; import Polygon = pbw.Polygon;/
+        s/^export default/export =/; s/new Delaunay3/new pbw.Delaunay3/' \
+        "$work/project/use.mts" > "$work/project/use.cts"
+    echo 'import { Delaunay } from "pbw"; new Delaunay([]).voronoi([0, 1]).cells();' > "$work/project/wrong.mts"
+    types() { (cd "$work/project" && "$tsc" --noEmit --strict --module node16 --target es2022 --lib es2022 "$@"); }
+    wrong() { ! types wrong.mts > "$work/tsc.txt" && grep -q TS2339 "$work/tsc.txt"; }
+    check "types of the ES module and of CommonJS" types use.mts use.cts
+    check "types find a wrong use" wrong
+else
+    skip "types: npm could not install TypeScript"
+fi
+
 # Floating point of WebAssembly: all the inputs of hashes.c.
 check "hashes.c compiles" "${CC:-cc}" -std=c99 -O2 -DPBW__IMPLEMENTED tests/hashes.c "$bin/libpbw.a" \
     -o "$work/hashes" -lpthread -lm
