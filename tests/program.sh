@@ -598,6 +598,57 @@ numbered() {    # attributes, markers and numbers go through; the weight is no a
 }
 check "attributes and numbers of a .node file" numbered
 
+# Parts of a triangulation by size: each simplex beside its edges and its radius by other formulas.
+cat > measure.awk << 'END'
+function edge(a, b) { return sqrt((x[a] - x[b]) ^ 2 + (y[a] - y[b]) ^ 2 + (z[a] - z[b]) ^ 2) }
+FILENAME ~ /node$/ && FNR > 1 && !/^#/ { x[$1] = $2; y[$1] = $3; z[$1] = dim == 3 ? $4 : 0 }
+FILENAME ~ /ele$/ && FNR > 1 && !/^#/ {
+    a = edge($2, $3); b = edge($3, $4); c = edge($4, $2); most = a > b ? a : b; most = most > c ? most : c
+    if (dim == 2) {                                 # the radius: Heron
+        radius = a * b * c / sqrt((a + b + c) * (-a + b + c) * (a - b + c) * (a + b - c))
+    } else {                                        # products of opposite edges, and the volume
+        p = edge($5, $2); q = edge($5, $3); r = edge($5, $4)
+        most = most > p ? most : p; most = most > q ? most : q; most = most > r ? most : r
+        ux = x[$3] - x[$2]; uy = y[$3] - y[$2]; uz = z[$3] - z[$2]
+        vx = x[$4] - x[$2]; vy = y[$4] - y[$2]; vz = z[$4] - z[$2]
+        wx = x[$5] - x[$2]; wy = y[$5] - y[$2]; wz = z[$5] - z[$2]
+        volume = ux * (vy * wz - vz * wy) - uy * (vx * wz - vz * wx) + uz * (vx * wy - vy * wx)
+        p *= b; q *= c; r *= a
+        radius = sqrt((p + q + r) * (-p + q + r) * (p - q + r) * (p + q - r)) / (4 * (volume < 0 ? -volume : volume))
+    }
+    if (most <= longest && radius <= alpha) print $2, $3, $4, $5
+}
+END
+corners() { awk 'NR > 1 && !/^#/ { print $2, $3, $4, $5 }' "$1"; }
+parts() {    # parts DIM LONGEST ALPHA FEWER OPTION...: some are kept, fewer than FEWER, and they are those of measure.awk
+    awk -v dim="$1" -v longest="$2" -v alpha="$3" -f measure.awk all$1.node all$1.ele > expected
+    dim=$1 fewer=$4
+    shift 4
+    "$pbw" mesh all$dim.csv --quiet "$@" -o part.ele && corners part.ele > found && cmp expected found \
+        && [ "$(wc -l < found)" -gt 20 ] && [ "$(wc -l < found)" -lt "$fewer" ]
+}
+for dim in 2 3; do
+    "$pbw" mesh --generate uniform 150 --dim $dim --quiet -o all$dim.csv -o all$dim.node -o all$dim.ele
+    all=$(corners all$dim.ele | wc -l)
+    check "mesh --longest in ${dim}D" parts $dim 0.4 1e300 "$all" --longest 0.4
+    check "mesh --alpha in ${dim}D" parts $dim 9 0.22 "$all" --alpha 0.22
+    check "mesh --longest and --alpha in ${dim}D" parts $dim 0.3 0.2 "$all" --alpha 0.2 --longest 0.3
+    check "mesh --alpha that keeps all in ${dim}D" parts $dim 1e300 1e300 $((all + 1)) --alpha 1e300
+done
+check "what is long is named" says 1 "nothing is left: the shortest longest edge is " mesh all2.csv --longest 1e-9
+check "mesh --longest 0" says 2 "--longest 0: a number above 0 is needed" mesh all2.csv --longest 0
+printf '0,0\n3,0\n3,4\n0,4\n' > box.csv
+check "an edge as long as allowed" says 0 "2 of 2 triangles" mesh box.csv --longest 5
+check "a radius as large as allowed" says 0 "2 of 2 triangles" mesh box.csv --alpha 2.5
+check "a radius that is larger" says 1 "the least radius 2.5" mesh box.csv --alpha 2.499
+printf '0,0\n3e-170,0\n3e-170,4e-170\n0,4e-170\n' > tiny.csv
+check "lengths below the root of the least number" says 0 "2 of 2 triangles" mesh tiny.csv --longest 5.1e-170 --alpha 2.6e-170
+printf '0,0,1\n2,0,1\n0,2,1\n' > heavy.csv
+check "the orthogonal circle of three balls" says 0 "1 of 1 triangle" mesh heavy.csv --weights 3 --alpha 1.0000001
+check "and it is no smaller" says 1 "the least radius 1" mesh heavy.csv --weights 3 --alpha 0.9999999
+check "parts in a picture, a page and GeoJSON" says 0 "parts" mesh all2.csv --longest 0.1 -o part.svg -o part.html -o part.geojson
+check "the parts alone" [ "$(grep -c Polygon part.geojson)" = "$(sed -n 's/^parts .* \([0-9]*\) of .*/\1/p' said)" ]
+
 # Numbers and nouns agree.
 check "1 point" says 1 "1 point in 2D, 0 faces" mesh query.csv
 check "1 query" says 0 "1 query" nearest p.csv query.csv

@@ -5,6 +5,9 @@ static const option mesh_options[] = {
     { "--any-order", NULL, "skip the canonical order of simplices", SWITCH, 0, 0, NULL },
     { "--no-check", NULL, "skip the exact check of the result", SWITCH, 0, 0, NULL },
     { "--no-orphans", NULL, "leave points that are corners of nothing out of the output", SWITCH, 0, 0, NULL },
+    { "--longest", "L", "only triangles or tetrahedra without an edge longer than L", POSITIVE, 0, 0, NULL },
+    { "--alpha", "R", "only those whose circle or sphere has a radius of at most R: the alpha shape; with weights:\n"
+      "whose orthogonal sphere has", POSITIVE, 0, 0, NULL },
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 
@@ -24,6 +27,95 @@ static void carry_columns(job *j)
     j->write.point_groups = c->point_groups;
 }
 
+/* ---- parts by size ---- */
+
+static double longest_edge(const pbw_mesh *m, size_t simplex)
+{
+    const size_t dim = (size_t)m->dim;
+    const pbw_index *corner = m->simplices + (dim + 1) * simplex;
+    double most = 0;
+    size_t i, k, x;
+    for (i = 1; i <= dim; i++) {
+        for (k = 0; k < i; k++) {
+            double d[3] = { 0 }, scale = 0;          /* so that no square is out of range */
+            for (x = 0; x < dim; x++) {
+                d[x] = m->points[dim * corner[i] + x] - m->points[dim * corner[k] + x];
+                scale = fmax(scale, fabs(d[x]));
+            }
+            most = fmax(most, scale * sqrt(pow(d[0] / scale, 2) + pow(d[1] / scale, 2) + pow(d[2] / scale, 2)));
+        }
+    }
+    return most;
+}
+
+/* The radius of the sphere that is orthogonal to the balls of the corners, the circumscribed one without weights, up to
+   rounding; infinite where the simplex is flat.  Its centre c, seen from the first corner, is where
+   e . c = (|e|^2 + w0 - w) / 2 for each edge e from there to a corner of weight w: Cramer's rule, in the plane with a
+   third edge across.  Edges are scaled to 1, so that no square is out of range. */
+static double radius_of(const pbw_mesh *m, size_t simplex)
+{
+    const size_t dim = (size_t)m->dim;
+    const pbw_index *corner = m->simplices + (dim + 1) * simplex;
+    double e[3][3] = { { 0 }, { 0 }, { 0, 0, 1 } }, h[3] = { 0 }, c[3] = { 0 }, scale = 0, det = 0, power;
+    size_t i, k;
+    for (i = 0; i < dim * dim; i++) {
+        e[i / dim][i % dim] = m->points[dim * corner[i / dim + 1] + i % dim] - m->points[dim * corner[0] + i % dim];
+        scale = fmax(scale, fabs(e[i / dim][i % dim]));
+    }
+    power = m->weights != NULL ? -m->weights[corner[0]] / scale / scale : 0;
+    for (i = 0; i < dim; i++) {
+        for (k = 0; k < dim; k++) {
+            e[i][k] /= scale;
+            h[i] += e[i][k] * e[i][k] / 2;
+        }
+        h[i] -= m->weights != NULL ? (power + m->weights[corner[i + 1]] / scale / scale) / 2 : 0;
+    }
+    for (i = 0; i < 3; i++) {
+        const double *p = e[(i + 1) % 3], *q = e[(i + 2) % 3];
+        for (k = 0; k < 3; k++) {
+            const double across = p[(k + 1) % 3] * q[(k + 2) % 3] - p[(k + 2) % 3] * q[(k + 1) % 3];
+            c[k] += h[i] * across;
+            det += i == 0 ? e[0][k] * across : 0;
+        }
+    }
+    for (k = 0; k < 3; k++) {
+        power += c[k] / det * (c[k] / det);
+    }
+    return power <= DBL_MAX ? scale * sqrt(fmax(power, 0)) : HUGE_VAL;
+}
+
+/* Marks what --longest and --alpha leave, of what is marked already.  Returns 0 or the exit status. */
+static int mark_small(job *j)
+{
+    const double start = now(), longest = number_of(j, "--longest", HUGE_VAL);
+    const double alpha = number_of(j, "--alpha", HUGE_VAL);
+    const size_t count = j->mesh.simplex_count;
+    double least_length = HUGE_VAL, least_radius = HUGE_VAL;
+    size_t i, kept = 0;
+    if (j->inside == NULL) {
+        j->inside = (unsigned char *)malloc(count + 1);
+        if (j->inside == NULL) {
+            return fail(j, "out of memory");
+        }
+        memset(j->inside, 1, count);
+    }
+    for (i = 0; i < count; i++) {
+        if (j->inside[i]) {
+            const double length = longest_edge(&j->mesh, i), radius = radius_of(&j->mesh, i);
+            least_length = fmin(least_length, length);
+            least_radius = fmin(least_radius, radius);
+            j->inside[i] = length <= longest && radius <= alpha;
+            kept += j->inside[i];
+        }
+    }
+    if (kept == 0) {
+        return fail(j, "nothing is left: the shortest longest edge is %.6g, the least radius %.6g", least_length,
+                    least_radius);
+    }
+    say(j, "parts", now() - start, "%zu of %zu %s", kept, count, simplices(j->mesh.dim, count));
+    return 0;
+}
+
 static int run(job *j)
 {
     int status = load(j, 1), i;
@@ -40,8 +132,11 @@ static int run(job *j)
     }
     if (status == 0 && is_given(j, "--inside")) {
         status = mark_inside(j);
-        j->write.keep = j->picture.keep = j->inside;
     }
+    if (status == 0 && (is_given(j, "--longest") || is_given(j, "--alpha"))) {
+        status = mark_small(j);
+    }
+    j->write.keep = j->picture.keep = j->inside;
     if (status == 0) {
         carry_columns(j);
     }

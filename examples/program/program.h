@@ -112,7 +112,8 @@ struct job {
     pbwio_cloud cloud, surface, queries;             /* what is read and made; surface: of --surface */
     pbw_mesh mesh;
     int open_surface;                                /* --inside is of a surface with open edges, turned alike */
-    unsigned char *inside;                           /* per simplex: is its centre in the surface?  NULL: not known */
+    unsigned char *inside;                           /* per simplex: is its centre in the surface, is it to be kept?
+                                                        NULL: not known */
     pbw_index *links;                                /* neighbors of a mesh that a file has; NULL: none */
     pbw_index *patches;                              /* one a corner of a mesh that a file has: the facet's group */
     double *over;                                    /* of a surface for a page: x, y of its points, then z; or NULL */
