@@ -1329,6 +1329,107 @@ static void test_failures(int dim, int periodic, int flat)
     }
 }
 
+/* ---- limits of memory */
+
+typedef struct limited { sites s; pbw_mesh mesh; pbw_domain domain; unsigned what; } limited;
+
+static pbw_status limited_cells(const limited *l, const pbw_options *options, pbw_cells *cells)
+{
+    return l->domain.periodic != 0
+         ? pbw_cells_periodic(l->s.dim, l->s.x, l->s.w, l->s.count, &l->domain, l->what, options, cells)
+         : pbw_cells_of(&l->mesh, &l->domain, l->what, options, cells);
+}
+
+static pbw_status limited_rings(const limited *l, const pbw_options *options, pbw_cells *cells)
+{
+    pbw_rings found;
+    memset(cells, 0, sizeof *cells);
+    return pbw_cells_rings(&l->domain, options, &found);
+}
+
+/* At 30 levels of options.memory_limit a call holds at most that, and gives the same cells or PBW_ERROR_MEMORY. */
+static void check_levels(const char *name, const limited *l, int threads_,
+                         pbw_status (*call)(const limited *l, const pbw_options *options, pbw_cells *cells))
+{
+    if (test_begin("memory limit: %dD %s, %d thread%s", l->s.dim, name, threads_, threads_ > 1 ? "s" : "")) {
+        pbw_options options = threads(threads_);
+        pbw_cells cells, other;
+        meter m;
+        size_t most, k, failed = 0;
+        meter_start(&m, 0, 0);
+        options.resize = meter_resize;
+        options.resize_user = &m;
+        CHECK_EQUAL(call(l, &options, &cells), PBW_OK);
+        most = m.peak;
+        pbw_cells_free(&cells);
+        CHECK(m.blocks == 0);
+        options.resize = NULL;
+        options.resize_user = NULL;
+        CHECK_EQUAL(call(l, &options, &cells), PBW_OK);
+        options.resize = meter_resize;
+        options.resize_user = &m;
+        for (k = 1; k <= 30; k++) {                  /* to 1.5 times what it holds without a limit */
+            pbw_status status;
+            options.memory_limit = most * k / 20;
+            meter_start(&m, 0, 0);
+            status = call(l, &options, &other);
+            CHECK(status != PBW_OK ? status == PBW_ERROR_MEMORY
+                  : cells.memory == NULL
+                    || (cells.first != NULL ? same_cells(&cells, &other) : same_volumes(&cells, &other)));
+            pbw_cells_free(&other);
+            CHECK(m.peak <= options.memory_limit && m.blocks == 0 && m.faults == 0);
+            failed += status != PBW_OK;
+        }
+        test_say("holds %lu bytes; %lu of 30 limits suffice", (unsigned long)most, (unsigned long)(30 - failed));
+        CHECK(failed >= 15 && failed < 30);
+        pbw_cells_free(&cells);
+        test_end();
+    }
+}
+
+static void test_limits(int dim)
+{
+    static const double ring[10] = { 0.1, 0.1, 0.9, 0.2, 0.5, 0.5, 0.8, 0.9, 0.1, 0.8 };
+    static const size_t ring_first[2] = { 0, 5 };
+    const size_t count = 400;
+    limited l;
+    size_t i;
+    memset(&l, 0, sizeof l);
+    l.s = sites_make(INPUT_UNIFORM, dim, count, INPUT_WEIGHTS_HALF);
+    CHECK_EQUAL(pbw_triangulate(dim, l.s.x, l.s.w, count, NULL, &l.mesh), PBW_OK);
+    l.domain.box = l.s.box;
+    l.what = ALL | PBW_CELLS_MERGE;
+    check_levels("shapes", &l, 1, limited_cells);
+    check_levels("shapes", &l, 3, limited_cells);
+    l.what = 0;
+    check_levels("volumes", &l, 1, limited_cells);
+    l.domain.periodic = (1u << dim) - 1;
+    check_levels("periodic, volumes", &l, 1, limited_cells);
+    l.what = ALL;
+    check_levels("periodic", &l, 1, limited_cells);
+    l.domain.periodic = 1;
+    check_levels("periodic along one axis", &l, 3, limited_cells);
+    l.domain.periodic = 0;
+    if (dim == 2) {
+        l.domain.box = NULL;
+        l.domain.rings = ring;
+        l.domain.ring_first = ring_first;
+        l.domain.ring_count = 1;
+        check_levels("polygon", &l, 1, limited_cells);
+        check_levels("rings", &l, 1, limited_rings);
+        l.domain.ring_count = 0;
+        l.domain.box = l.s.box;
+    }
+    pbw_free(&l.mesh);
+    for (i = 0; i < count; i++) {
+        l.s.x[(i + 1) * (size_t)dim - 1] = 0.5;
+    }
+    CHECK_EQUAL(pbw_triangulate(dim, l.s.x, l.s.w, count, NULL, &l.mesh), PBW_DEGENERATE);
+    check_levels("flat", &l, 1, limited_cells);
+    pbw_free(&l.mesh);
+    sites_free(&l.s);
+}
+
 static void test_degenerate(void)
 {
     if (test_begin("degenerate, and hidden points")) {
@@ -1371,6 +1472,7 @@ static void test_rest(void)
     test_degenerate();
     for (dim = 2; dim <= 3; dim++) {
         test_rays(dim);
+        test_limits(dim);
         test_threads(dim, INPUT_UNIFORM, INPUT_WEIGHTS_ZERO);
         test_threads(dim, INPUT_LATTICE, INPUT_WEIGHTS_ZERO);
         test_threads(dim, INPUT_CLUSTERS, INPUT_WEIGHTS_HALF);

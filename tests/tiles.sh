@@ -358,8 +358,8 @@ if command -v mpirun > /dev/null && [ -x "$bin/mpi" ]; then
         wait $one
         one=$?
         cat first second
-        [ $((one + two)) = 0 ] || { [ $((one + two)) = 1 ] && cat first second | grep 'is in use: process [0-9]* works'; } ||
-            return 1
+        [ $((one + two)) = 0 ] || { [ $((one + two)) = 1 ] &&
+            cat first second | grep 'is in use: process [0-9]* works'; } || return 1
         "$pbw" check twice.pbwt && hash_of twice.pbwt > one && hash_of r.pbwt > two && cmp one two &&
             grep mine twice.pbwt.0 && [ "$(echo twice.pbwt*)" = "twice.pbwt twice.pbwt.0 twice.pbwt.part" ]
     }

@@ -33,6 +33,7 @@
      closed      areas times normals of a bounded cell add up to zero
      exact       with PBW_CELLS_MERGE, combinatorics are those of the true diagram, degenerate corners and all, of
                  cells that are cut, too
+     bounded     a call holds at most options.memory_limit, the mesh that it makes included
 
    CONFIGURATION MACROS
      PBW_CELLS_IMPLEMENTATION    in one source file: compile the implementation there
@@ -218,6 +219,23 @@ static int pbwc__resize(pbwc__memory *memory, pbwc__array *array, size_t bytes)
     array->data = data;
     array->bytes = bytes;
     return 1;
+}
+
+/* options.resize of calls within a call that has a limit: what they hold counts. */
+static void *pbwc__counted_resize(void *user, void *ptr, size_t old_size, size_t new_size)
+{
+    pbwc__memory *memory = (pbwc__memory *)user;
+    const size_t grown = new_size > old_size ? new_size - old_size : 0;
+    void *data = NULL;
+    if (grown == 0 || PBWC__ADD(&memory->used, grown) <= memory->limit) {
+        data = memory->resize(memory->user, ptr, old_size, new_size);
+    }
+    if (grown == 0 && (data != NULL || new_size == 0)) {
+        (void)PBWC__ADD(&memory->used, new_size - old_size);
+    } else if (grown > 0 && data == NULL) {
+        (void)PBWC__ADD(&memory->used, (size_t)0 - grown);
+    }
+    return data;
 }
 
 static int pbwc__grow_array(pbwc__memory *memory, pbwc__array *array, size_t need)
@@ -992,6 +1010,7 @@ struct pbwc__job {
     const pbw_mesh *mesh;
     pbw_mesh spanned;                      /* the mesh, where that of the caller has points but no simplex */
     pbwc__memory memory;
+    pbw_options options;                   /* of calls within this one, which share its limit of memory */
     pbwc__period *period;                  /* NULL: not periodic */
     pbwc__clip *clip;                      /* NULL: no polygon */
     unsigned what;
@@ -3906,20 +3925,15 @@ static pbw_status pbwc__clip_cell(pbwc__work *work, pbw_index v)
 }
 
 /* Finds out which cells the polygon's edges visit, and which are inside of it. */
-static pbw_status pbwc__start_clip(pbwc__job *job, const pbw_options *options)
+static pbw_status pbwc__start_clip(pbwc__job *job)
 {
+    const pbw_options *options = &job->options;
     pbwc__clip *clip = job->clip;
-    pbw_options own;
     pbwc__array hulls;
     pbw_index *home = PBWC__INDICES(clip->home);
     size_t i;
     pbw_status status = PBW_OK;
-    memset(&own, 0, sizeof own);
     memset(&hulls, 0, sizeof hulls);
-    if (options != NULL) {
-        own = *options;
-    }
-    own.stride = own.weight_stride = 0;
     clip->chunks.count = (clip->count + PBWC__EDGES - 1) / PBWC__EDGES;
     if (!pbwc__resize(&job->memory, &hulls, clip->count * sizeof(pbw_index))
         || !pbwc__resize(&job->memory, &clip->chunks, clip->chunks.count * sizeof(pbwc__array))) {
@@ -3927,7 +3941,7 @@ static pbw_status pbwc__start_clip(pbwc__job *job, const pbw_options *options)
         status = PBW_ERROR_MEMORY;
     } else {
         memset(clip->chunks.data, 0, clip->chunks.bytes);
-        status = pbw_locate(job->mesh, PBWC__CORNERS(clip), clip->count, &own, home, PBWC__INDICES(hulls));
+        status = pbw_locate(job->mesh, PBWC__CORNERS(clip), clip->count, options, home, PBWC__INDICES(hulls));
     }
     for (i = 0; status == PBW_OK && i < clip->count; i++) {          /* a corner of what was found, to start from */
         const pbw_index hull = PBWC__INDICES(hulls)[i], corner = (hull + 1) % 3;
@@ -4175,8 +4189,9 @@ static pbw_status pbwc__left_cells(void *arg, size_t from, size_t to)
 }
 
 /* Returns a status. */
-static pbw_status pbwc__add_all(pbwc__job *job, size_t chunks, const pbw_options *options)
+static pbw_status pbwc__add_all(pbwc__job *job, size_t chunks)
 {
+    const pbw_options *options = &job->options;
     pbw_status status = pbw_for(options, job->mesh->simplex_count, PBWC__CHUNK, pbwc__add_chunk, job);
     if (status == PBW_OK && !pbwc__resize(&job->memory, &job->states, job->count + 1)) {
         status = PBW_ERROR_MEMORY;
@@ -4348,7 +4363,7 @@ static void pbwc__place_ranges(pbwc__joining *joining, size_t ranges, size_t *su
 }
 
 /* Facets and shapes of all ranges, one after the other. */
-static pbw_status pbwc__join_all(pbwc__job *job, size_t ranges, const pbw_options *options)
+static pbw_status pbwc__join_all(pbwc__job *job, size_t ranges)
 {
     const size_t dim = (size_t)job->mesh->dim;
     const int shapes = (job->what & PBW_CELLS_SHAPES) != 0;
@@ -4394,7 +4409,7 @@ static pbw_status pbwc__join_all(pbwc__job *job, size_t ranges, const pbw_option
         }
     }
     if (status == PBW_OK) {
-        status = pbw_for(options, ranges, 1, pbwc__join, &joining);
+        status = pbw_for(&job->options, ranges, 1, pbwc__join, &joining);
     }
     cells->facet_count = sums[0];
     cells->vertex_count = sums[2] / dim;
@@ -4446,7 +4461,7 @@ static pbw_status pbwc__find_ties(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-static pbw_status pbwc__merge(pbwc__job *job, const pbw_options *options)
+static pbw_status pbwc__merge(pbwc__job *job)
 {
     const pbw_mesh *mesh = job->mesh;
     const size_t count = mesh->simplex_count, corners = (size_t)mesh->dim + 1;
@@ -4463,7 +4478,7 @@ static pbw_status pbwc__merge(pbwc__job *job, const pbw_options *options)
     }
     ties.mesh = mesh;
     ties.tied = (unsigned char *)tied.data;
-    status = pbw_for(options, count, 4096, pbwc__find_ties, &ties);
+    status = pbw_for(&job->options, count, 4096, pbwc__find_ties, &ties);
     merged = PBWC__INDICES(job->merged);
     for (s = 0; s < count; s++) {
         merged[s] = (pbw_index)s;
@@ -4653,24 +4668,16 @@ static void pbwc__surround(const pbwc__job *job, double *low, double *high)
 }
 
 /* Makes a mesh of the points and the corners of a large simplex.  The domain is prepared. */
-static pbw_status pbwc__span(pbwc__job *job, const pbw_options *options)
+static pbw_status pbwc__span(pbwc__job *job)
 {
     const pbw_mesh *mesh = job->mesh;
     const size_t dim = (size_t)mesh->dim, count = mesh->point_count, total = count + dim + 1;
     double low[3], high[3], least = 0;
-    pbw_options own;
     pbwc__array x, w;
     size_t i;
     pbw_status status = PBW_ERROR_MEMORY;
-    memset(&own, 0, sizeof own);
     memset(&x, 0, sizeof x);
     memset(&w, 0, sizeof w);
-    if (options != NULL) {
-        own = *options;
-    }
-    own.stride = own.weight_stride = 0;
-    own.flags = 0;
-    own.trace = NULL;
     if (pbwc__resize(&job->memory, &x, total * dim * sizeof(double))
         && pbwc__resize(&job->memory, &w, total * sizeof(double))) {
         pbwc__surround(job, low, high);
@@ -4684,7 +4691,7 @@ static pbw_status pbwc__span(pbwc__job *job, const pbw_options *options)
             PBWC__DOUBLES(w)[count + i] = least;
         }
         status = pbw_triangulate((int)dim, PBWC__DOUBLES(x), mesh->weights != NULL ? PBWC__DOUBLES(w) : NULL, total,
-                                 &own, &job->spanned);
+                                 &job->options, &job->spanned);
     }
     pbwc__release(&job->memory, &x);
     pbwc__release(&job->memory, &w);
@@ -4713,7 +4720,7 @@ static pbw_status pbwc__no_cells(void *arg, size_t from, size_t to)
 }
 
 /* The arrays of all cells, empty.  Returns a status. */
-static pbw_status pbwc__start_cells(pbwc__job *job, size_t ranges, const pbw_options *options)
+static pbw_status pbwc__start_cells(pbwc__job *job, size_t ranges)
 {
     const size_t count = job->cells->cell_count, dim = (size_t)job->mesh->dim;
     job->volumes = (double *)pbwc__own(job, PBWC__VOLUMES, count, sizeof(double));
@@ -4740,7 +4747,7 @@ static pbw_status pbwc__start_cells(pbwc__job *job, size_t ranges, const pbw_opt
     if (job->entries.data != NULL) {
         ((size_t *)job->entries.data)[0] = 0;
     }
-    return pbw_for(options, count, PBWC__CHUNK, pbwc__no_cells, job);
+    return pbw_for(&job->options, count, PBWC__CHUNK, pbwc__no_cells, job);
 }
 
 static void pbwc__release_ranges(pbwc__job *job, size_t ranges)
@@ -4760,32 +4767,32 @@ static void pbwc__release_ranges(pbwc__job *job, size_t ranges)
     pbwc__release(&job->memory, &job->ranges);
 }
 
-static pbw_status pbwc__compute(pbwc__job *job, const pbw_domain *domain, const pbw_options *options)
+static pbw_status pbwc__compute(pbwc__job *job, const pbw_domain *domain)
 {
     size_t simplices, ranges;
     pbw_status status = pbwc__prepare_domain(job, domain);
     if (status == PBW_OK && job->bounded && job->mesh->simplex_count == 0 && job->count > 0) {
-        status = pbwc__span(job, options);
+        status = pbwc__span(job);
     }
     simplices = job->mesh->simplex_count;
     ranges = (simplices + PBWC__CHUNK - 1) / PBWC__CHUNK;
-    status = status == PBW_OK ? pbwc__start_cells(job, ranges, options) : status;
+    status = status == PBW_OK ? pbwc__start_cells(job, ranges) : status;
     if (status == PBW_OK && (job->what & PBW_CELLS_MERGE) != 0) {
-        status = pbwc__merge(job, options);
+        status = pbwc__merge(job);
     }
     if (status == PBW_OK && job->clip != NULL && simplices > 0) {
-        status = pbwc__start_clip(job, options);
+        status = pbwc__start_clip(job);
     }
     if (status == PBW_OK && job->mesh->dim == 3 && (job->what & PBW_CELLS_FACETS) == 0) {
-        status = pbwc__add_all(job, ranges, options);
+        status = pbwc__add_all(job, ranges);
     } else if (status == PBW_OK) {
-        status = pbw_for(options, simplices, PBWC__CHUNK, pbwc__cells_range, job);
+        status = pbw_for(&job->options, simplices, PBWC__CHUNK, pbwc__cells_range, job);
     }
     if (status == PBW_OK && job->period != NULL) {
-        status = pbw_for(options, simplices, PBWC__CHUNK, pbwc__certify_simplices, job);
+        status = pbw_for(&job->options, simplices, PBWC__CHUNK, pbwc__certify_simplices, job);
     }
     if (status == PBW_OK && (job->what & PBW_CELLS_FACETS) != 0) {
-        status = pbwc__join_all(job, ranges, options);
+        status = pbwc__join_all(job, ranges);
     }
     pbwc__release_ranges(job, ranges);
     return status;
@@ -4796,17 +4803,29 @@ static int pbwc__knows(unsigned what)
     return (what & ~(PBW_CELLS_FACETS | PBW_CELLS_SHAPES | PBW_CELLS_MERGE)) == 0;
 }
 
+/* job: stays where it is until all that calls with job->options made is freed. */
 static void pbwc__job_start(pbwc__job *job, unsigned what, const pbw_options *options)
 {
     memset(job, 0, sizeof *job);
     job->what = what | ((what & PBW_CELLS_SHAPES) != 0 ? PBW_CELLS_FACETS : 0);
-    job->memory.resize = options != NULL && options->resize != NULL ? options->resize : pbwc__default_resize;
-    job->memory.user = options != NULL ? options->resize_user : NULL;
-    job->memory.limit = options != NULL ? options->memory_limit : 0;
+    if (options != NULL) {
+        job->options = *options;
+    }
+    job->memory.resize = job->options.resize != NULL ? job->options.resize : pbwc__default_resize;
+    job->memory.user = job->options.resize_user;
+    job->memory.limit = job->options.memory_limit;
+    job->options.stride = job->options.weight_stride = 0;
+    job->options.flags = 0;
+    job->options.trace = NULL;
+    if (job->memory.limit != 0) {
+        job->options.resize = pbwc__counted_resize;
+        job->options.resize_user = &job->memory;
+        job->options.memory_limit = 0;
+    }
 }
 
 /* Fills job->cells, with the mesh, the count, what and the memory of the job.  Leaves them empty if it fails. */
-static pbw_status pbwc__run(pbwc__job *job, const pbw_domain *domain, const pbw_options *options)
+static pbw_status pbwc__run(pbwc__job *job, const pbw_domain *domain)
 {
     pbw_cells *cells = job->cells;
     pbwc__array self;
@@ -4819,7 +4838,7 @@ static pbw_status pbwc__run(pbwc__job *job, const pbw_domain *domain, const pbw_
     cells->dim = job->mesh->dim;
     cells->cell_count = job->count;
     cells->memory = self.data;
-    status = pbwc__compute(job, domain, options);
+    status = pbwc__compute(job, domain);
     if (status == PBW_OK && (job->what & PBW_CELLS_FACETS) == 0) {
         pbwc__release(&job->memory, ((pbwc__owned *)cells->memory)->array + PBWC__FIRST);
         cells->first = NULL;
@@ -4861,7 +4880,7 @@ PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *doma
     job.count = mesh->point_count;
     job.cells = cells;
     job.clip = domain != NULL && domain->ring_count > 0 ? &clip : NULL;
-    status = pbwc__run(&job, domain, options);
+    status = pbwc__run(&job, domain);
     status = status == PBW_OK && job.mesh->simplex_count == 0 ? PBW_DEGENERATE : status;
     pbw_free(&job.spanned);
     return status;
@@ -5165,10 +5184,10 @@ static pbw_status pbwc__more_copies(pbwc__period *period)
 }
 
 /* One round: the mesh of points and copies, and its cells; period->marked tells if more copies are needed. */
-static pbw_status pbwc__round(pbwc__job *job, const double *box, const pbw_options *options)
+static pbw_status pbwc__round(pbwc__job *job, const double *box)
 {
     pbwc__period *period = job->period;
-    pbw_options own;
+    pbw_options own = job->options;
     pbw_domain domain;
     pbw_mesh mesh;
     double walls[6];
@@ -5176,15 +5195,9 @@ static pbw_status pbwc__round(pbwc__job *job, const double *box, const pbw_optio
     const double *weights = job->weighted ? PBWC__DOUBLES(period->w) : NULL;
     size_t k;
     pbw_status status;
-    memset(&own, 0, sizeof own);
     memset(&domain, 0, sizeof domain);
     memset(&mesh, 0, sizeof mesh);
-    if (options != NULL) {
-        own = *options;
-    }
-    own.stride = own.weight_stride = 0;
     own.flags = PBW_BORROW;
-    own.trace = NULL;
     status = pbw_triangulate(period->dim, PBWC__DOUBLES(period->x), weights, period->total, &own, &mesh);
     if (status == PBW_DEGENERATE && period->count > 0) {
         period->apexes = period->marked = 1;
@@ -5196,7 +5209,7 @@ static pbw_status pbwc__round(pbwc__job *job, const double *box, const pbw_optio
         }
         domain.box = walls;
         job->mesh = &mesh;
-        status = pbwc__run(job, &domain, options);
+        status = pbwc__run(job, &domain);
         if (status == PBW_OK && period->marked) {
             status = pbwc__more_copies(period);
         }
@@ -5255,7 +5268,7 @@ PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const d
     status = status == PBW_OK ? pbwc__copies(&period) : status;
     for (period.marked = 1; status == PBW_OK && period.marked; ) {
         period.marked = 0;
-        status = pbwc__round(&job, domain->box, options);
+        status = pbwc__round(&job, domain->box);
     }
     pbwc__release(&job.memory, &period.x);
     pbwc__release(&job.memory, &period.w);

@@ -33,9 +33,9 @@
    rank keeps its finished tile in a folder beside it (output.scratch: N.chunk, N.state).  A call with the same points
    and number of ranks reuses these tiles and makes the others: after a rank died while others had finished, leftovers
    did not fit, or the disk was full.  Points are read and partitioned again.  Files that are damaged, or of other
-   points, are not reused: each has checksums, which are compared whenever it is read.  A run that succeeds removes the
-   folder.  Its file `lock` is locked by rank 0: a second run on one output says which process works there.  output
-   grows under a name of its own, and has its name when it is complete.
+   points, are not reused: each has checksums, which are compared whenever it is read.  A run that succeeds removes
+   the folder.  Its file `lock` is locked by rank 0: a second run on one output says which process works there.
+   output grows under a name of its own, and has its name when it is complete.
 
    CONFIGURATION MACROS
      PBW_MPI_IMPLEMENTATION      in one source file: compile the implementation there
@@ -1049,7 +1049,8 @@ static int pbwm__copy_chunk(pbwm__chunk *c, const char *path)
     uint64_t sum[3] = { 0, 0, 0 };
     FILE *file = fopen(path, "rb+");
     int good = file != NULL && pbwtf_seek(file, c->entry.offset) && pbwtf_seek(c->file, 0)
-            && pbwm__copy(c->file, file, sizeof *head, sum) && pbwm__copy(c->file, file, across - sizeof *head, sum + 1)
+            && pbwm__copy(c->file, file, sizeof *head, sum)
+            && pbwm__copy(c->file, file, across - sizeof *head, sum + 1)
             && pbwm__copy(c->file, file, c->entry.size - across, sum + 2);
     good = (file == NULL || fclose(file) == 0) && good;
     if (good && (sum[0] != pbwtf_checksum(0, head, sizeof *head) || sum[1] != head->checksum
