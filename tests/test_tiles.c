@@ -20,6 +20,8 @@ typedef struct run {
     pbwt_limits limits;
     int slabs;                                       /* cuts at random places instead of medians */
     int giving;                                      /* 1 + the part that gives up all points it would ask about */
+    const pbw_options *limited;                      /* of part 0, or of the leftovers; NULL: as the others */
+    int last_is_limited;
     pbwt_tree tree[MOST_PARTS];
     pbwt_summary summary[MOST_PARTS];
     pbwt_served served[MOST_PARTS][MOST_PARTS];
@@ -67,6 +69,11 @@ static pbwt_point point_of(const run *r, size_t i)
     return p;
 }
 
+static const pbw_options *build_of(const run *r, int part)
+{
+    return r->limited != NULL && part == (r->last_is_limited ? r->parts : 0) ? r->limited : &r->options.build;
+}
+
 static pbw_status split(run *r)
 {
     pbwt_cut cuts[MOST_PARTS];
@@ -88,13 +95,21 @@ static pbw_status split(run *r)
                 mine[n++] = q;
             }
         }
-        status = pbwt_tree_make(r->dim, p, mine, n, &r->options.build, r->tree + p);
+        status = pbwt_tree_make(r->dim, p, mine, n, build_of(r, p), r->tree + p);
         if (status == PBW_OK) {
             pbwt_summarise(r->tree + p, r->summary + p);
         }
     }
     free(all);
     return status;
+}
+
+/* A tree as it answers to others, beyond the limit of its tile. */
+static pbwt_tree answering(const run *r, int part)
+{
+    pbwt_tree tree = r->tree[part];
+    tree.options = r->options.build;
+    return tree;
 }
 
 /* A round: all ask, all answer, all take. */
@@ -110,12 +125,13 @@ static pbw_status exchange(run *r, int *more)
     }
     for (p = 0; p < r->parts && status == PBW_OK && *more; p++) {
         for (q = 0; q < r->parts && status == PBW_OK; q++) {
+            const pbwt_tree tree = answering(r, q);
             if (r->tile[p].request[q].size > 0) {
-                status = pbwt_answer(r->tree + q, &r->served[q][p], r->tile[p].request + q, &r->limits,
+                status = pbwt_answer(&tree, &r->served[q][p], r->tile[p].request + q, &r->limits,
                                      r->summary[p].count, &reply);
                 status = status != PBW_OK ? status : pbwt_take(r->tile + p, q, reply.data, reply.size);
             }
-            pbwt_bytes_free(r->tree + q, &reply);
+            pbwt_bytes_free(&tree, &reply);
         }
     }
     return status;
@@ -131,6 +147,7 @@ static pbw_status leftovers(run *r)
 {
     uint64_t *ids = NULL;
     pbwt_bytes known = { NULL, 0 }, piece;
+    pbwt_options options = r->options;
     size_t n = 0, i;
     pbw_status status = PBW_OK;
     int p;
@@ -152,7 +169,8 @@ static pbw_status leftovers(run *r)
                 pbwt_bytes_free(r->tree + p, &piece);
             }
         }
-        status = status != PBW_OK ? status : pbwt_finish(r->tile + r->parts, r->dim, r->parts, &known, &r->options);
+        options.build = *build_of(r, r->parts);
+        status = status != PBW_OK ? status : pbwt_finish(r->tile + r->parts, r->dim, r->parts, &known, &options);
     }
     free(known.data);
     free(ids);
@@ -193,6 +211,7 @@ static pbw_status run_all(run *r)
     for (p = 0; p < r->parts && status == PBW_OK; p++) {
         pbwt_options options = r->options;
         options.questions = p + 1 == r->giving ? 1e-9 : options.questions;
+        options.build = *build_of(r, p);
         status = pbwt_open(r->tile + p, r->tree + p, r->summary, r->parts, &options);
     }
     while (status == PBW_OK && more) {
@@ -224,7 +243,8 @@ static void run_free(run *r)
         pbwt_close(r->tile + p);
         free(r->out[p].simplex);
         for (q = 0; p < r->parts && q < r->parts; q++) {
-            pbwt_served_free(r->tree + p, &r->served[p][q]);
+            const pbwt_tree tree = answering(r, p);
+            pbwt_served_free(&tree, &r->served[p][q]);
         }
     }
     for (p = 0; p < r->parts; p++) {
@@ -592,6 +612,62 @@ static void test_stops(void)
     }
 }
 
+/* A run of a tile and others: what the tile and its tree hold is counted, or what the leftovers hold. */
+static pbw_status limited_run(const double *x, const double *w, size_t count, int last, const pbw_options *options,
+                              uint64_t *hash)
+{
+    run *r = run_new(3, x, w, count, 3);
+    pbw_status status;
+    r->options.weighted = w != NULL;
+    r->options.halo = 0.3;
+    r->giving = last ? 1 : 0;
+    r->limits.work = last ? 1 : 0;
+    r->limited = options;
+    r->last_is_limited = last;
+    status = run_all(r);
+    *hash = r->sums.simplices + r->sums.points;
+    CHECK(!last || status != PBW_OK || r->given_up > 0);
+    run_free(r);
+    return status;
+}
+
+/* At 30 levels of options.memory_limit a tile holds at most that, and is the same or PBW_ERROR_MEMORY. */
+static void test_levels(int kind, int weights, int last)
+{
+    if (test_begin("memory limit: %s, weights %s%s", input_name(kind), input_weights_name(weights),
+                   last ? ", leftovers" : "")) {
+        enum { COUNT = 900 };
+        double x[COUNT * 3], w[COUNT];
+        pbw_options options;
+        uint64_t hash, other;
+        size_t most, k, failed = 0;
+        meter m;
+        memset(&options, 0, sizeof options);
+        options.threads = 1;
+        options.resize = meter_resize;
+        options.resize_user = &m;
+        input_fill(kind, 3, COUNT, test_seed, x);
+        input_fill_weights(weights, 3, COUNT, test_seed, x, w);
+        meter_start(&m, 0, 0);
+        CHECK_EQUAL(limited_run(x, weights != INPUT_WEIGHTS_ZERO ? w : NULL, COUNT, last, &options, &hash), PBW_OK);
+        most = m.peak;
+        for (k = 1; k <= 30; k++) {                  /* to 1.5 times what it holds without a limit */
+            pbw_status status;
+            options.memory_limit = most * k / 20;
+            meter_start(&m, 0, 0);
+            status = limited_run(x, weights != INPUT_WEIGHTS_ZERO ? w : NULL, COUNT, last, &options, &other);
+            CHECK(status == PBW_OK ? hash == other : status == PBW_ERROR_MEMORY);
+            if (!CHECK(m.peak <= options.memory_limit && m.blocks == 0 && m.faults == 0)) {
+                test_say("%.3f of the limit", (double)m.peak / (double)options.memory_limit);
+            }
+            failed += status != PBW_OK;
+        }
+        test_say("holds %lu bytes; %lu of 30 limits suffice", (unsigned long)most, (unsigned long)(30 - failed));
+        CHECK(failed >= 15 && failed < 30);
+        test_end();
+    }
+}
+
 int main(int argc, char **argv)
 {
     int kind, dim;
@@ -613,5 +689,8 @@ int main(int argc, char **argv)
     test_memory(0);
     test_memory(1);
     test_stops();
+    test_levels(INPUT_UNIFORM, INPUT_WEIGHTS_ZERO, 0);
+    test_levels(INPUT_CLUSTERS, INPUT_WEIGHTS_HALF, 0);
+    test_levels(INPUT_SPHERE, INPUT_WEIGHTS_ZERO, 1);
     return test_finish();
 }

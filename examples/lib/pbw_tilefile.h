@@ -123,7 +123,8 @@ PBWTFDEF FILE *pbwtf_create(const char *path, char *name, size_t size);
 /* A folder of scratch files, where one run works at a time.  enter: makes the folder unless it is there, and locks
    the file `lock` in it: *lock, a descriptor; the lock ends with the process.  *is_foreign: the folder was there
    without that file, so that what has names of scratch files may be somebody's.  Returns 0 with a text: another
-   process works there, or why it failed.  leave: frees the lock; remove: the file, and the folder if it is empty, go, too. */
+   process works there, or why it failed.  leave: frees the lock; remove_it: the file, and the folder if it is empty,
+   go, too. */
 PBWTFDEF int pbwtf_enter(const char *folder, int *lock, int *is_foreign, char *error);
 PBWTFDEF void pbwtf_leave(const char *folder, int lock, int remove_it);
 PBWTFDEF int pbwtf_open(const char *path, pbwtf_file *file, char *error);

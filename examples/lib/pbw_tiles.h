@@ -38,6 +38,7 @@
      exact       the simplices of all parts are those of pbw_triangulate: the same hash, for any cuts and limits
      linked      pbwt_match completes the neighbours across parts
      bounded     answers and work are limited; what exceeds them becomes a leftover, never a wrong simplex
+     in memory   a call holds at most memory_limit, the tile and its tree included
      sound       every failure is a status and leaves things freeable
 
    CONFIGURATION MACROS
@@ -149,7 +150,8 @@ typedef struct pbwt_facet {                /* ids ascending, in the plane the la
 
 typedef struct pbwt_tile pbwt_tile;
 typedef struct pbwt_options {
-    pbw_options build;                     /* threads, memory_limit, resize, progress, backend ... of a tile */
+    pbw_options build;                     /* threads, resize, progress, backend ... of a tile; memory_limit: of a tile
+                                              and its tree */
     double halo;                           /* width in spacings; 0 = 1.5, below 0 = none */
     int weighted;                          /* 1: regular triangulation */
     double questions;                      /* a round and own point at most: else, as on surfaces, all points asked
@@ -789,7 +791,6 @@ PBWTDEF pbw_status pbwt_tree_make(int dim, int part, const pbwt_point *points, s
         making.points = place;
         making.count = pbwt__gather(points, (pbw_index *)order.data, count, place);
         i = (making.count + PBWT_LEAF - 1) / PBWT_LEAF;
-        order_options.memory_limit = 0;
         status = pbw_for(&order_options, i, 512, pbwt__lowest_boxes, &making);
     }
     pbwt__release(&memory, &order);
@@ -830,6 +831,14 @@ static pbwt_point *pbwt__tree_room(pbwt_tree *tree, pbwt__memory *memory, size_t
     tree->boxes = (const pbwt_box *)block.data;
     tree->points = points;
     return points + tree->count;
+}
+
+/* The memory of a call that has the tree. */
+static pbwt__memory pbwt__memory_beside(const pbwt_tree *tree)
+{
+    pbwt__memory memory = pbwt__memory_of(&tree->options);
+    memory.used = tree->bytes;
+    return memory;
 }
 
 PBWTDEF void pbwt_tree_free(pbwt_tree *tree)
@@ -1469,7 +1478,8 @@ PBWTDEF pbw_status pbwt_answer(const pbwt_tree *tree, pbwt_served *served, const
     memset(&defaults, 0, sizeof defaults);
     s.tree = tree;
     s.served = served;
-    s.memory = pbwt__memory_of(&tree->options);
+    s.memory = pbwt__memory_beside(tree);
+    s.memory.used += served->set.size;
     s.levels = pbwt__tree_levels(tree);
     if (s.levels.levels > 0) {
         pbwt__need(tree, s.levels.box[s.levels.levels - 1], sizeof(pbwt_box));
@@ -1502,12 +1512,13 @@ enum { PBWT__DONE, PBWT__SUBJECT, PBWT__ASKED, PBWT__AFFECTED, PBWT__MORE, PBWT_
 
 typedef struct pbwt__level {
     pbw_mesh mesh;
+    size_t bytes;                                    /* of the mesh, in the tile's memory.used */
     pbwt__array map;                                 /* u32 per point of the mesh: its local number; none: the same */
 } pbwt__level;
 
 struct pbwt__tile {
     pbwt_options options;
-    pbwt__memory memory;
+    pbwt__memory memory;                             /* used: the tree and the level's mesh included */
     pbwt_tile *tile;
     size_t own;                                      /* points of the tree: local numbers below are own ones */
     int stage;                                       /* calls of pbwt_ask */
@@ -1548,7 +1559,7 @@ static const pbwt_point *pbwt__point(const struct pbwt__tile *t, uint32_t local)
 static pbw_options pbwt__inner_options(const struct pbwt__tile *t)               /* with the memory that is left */
 {
     pbw_options options = t->options.build;
-    const size_t used = t->memory.used + (t->tile->tree != NULL ? t->tile->tree->bytes : 0);
+    const size_t used = t->memory.used;
     options.stride = options.weight_stride = 0;
     options.trace = NULL;
     options.memory_limit = t->memory.limit == 0 ? 0 : t->memory.limit > used ? t->memory.limit - used : 1;
@@ -1558,6 +1569,8 @@ static pbw_options pbwt__inner_options(const struct pbwt__tile *t)              
 static void pbwt__level_free(struct pbwt__tile *t, pbwt__level *level)
 {
     pbw_free(&level->mesh);
+    t->memory.used -= level->bytes;
+    level->bytes = 0;
     pbwt__release(&t->memory, &level->map);
 }
 
@@ -1696,6 +1709,7 @@ PBWTDEF pbw_status pbwt_open(pbwt_tile *tile, pbwt_tree *tree, const pbwt_summar
         return PBW_ERROR_MEMORY;
     }
     tile->memory->own = tree->count;
+    tile->memory->memory.used += tree->bytes;
     status = pbwt__meet_parts(tile->memory, summaries);
     if (status == PBW_OK
         && (!pbwt__zeros(&tile->memory->memory, &tile->memory->state, tree->count, 1)
@@ -1884,6 +1898,15 @@ PBWTDEF pbw_status pbwt_take(pbwt_tile *tile, int part, const void *reply, size_
 
 /* ---- levels */
 
+/* At least what a mesh that owns its points holds: corners, links; coordinates, weights, incident, canonical; and
+   some for its parts of other sizes. */
+static size_t pbwt__mesh_bytes(const pbw_mesh *mesh)
+{
+    const size_t dim = (size_t)mesh->dim, weights = mesh->weights != NULL;
+    return 2 * mesh->simplex_count * (dim + 1) * sizeof(pbw_index)
+         + mesh->point_count * ((dim + weights) * sizeof(double) + 2 * sizeof(pbw_index)) + 1024;
+}
+
 /* Triangulates count points, `stride` bytes apart; a degenerate level has no simplices. */
 static pbw_status pbwt__build(struct pbwt__tile *t, const double *x, const double *weight, size_t count,
                               size_t stride)
@@ -1897,6 +1920,8 @@ static pbw_status pbwt__build(struct pbwt__tile *t, const double *x, const doubl
     options.flags &= ~(PBW_NO_NEIGHBORS | PBW_CURVE_ORDER | PBW_BORROW);
     status = pbw_triangulate(t->tile->dim, x, t->options.weighted ? weight : NULL, count, &options,
                              &t->level.mesh);
+    t->level.bytes = t->level.mesh.memory != NULL ? pbwt__mesh_bytes(&t->level.mesh) : 0;
+    t->memory.used += t->level.bytes;
     return status == PBW_DEGENERATE ? PBW_OK : status;
 }
 
@@ -1931,8 +1956,9 @@ static pbw_status pbwt__triangulate_in_place(struct pbwt__tile *t)
     pbw_status status;
     size_t i;
     memory.limit = t->memory.limit;
-    memory.used = t->memory.used + tree->bytes;
+    memory.used = t->memory.used;
     room = pbwt__tree_room(tree, &memory, t->foreign.count);
+    t->memory.used = memory.used;
     if (room == NULL) {
         return PBW_ERROR_MEMORY;
     }
@@ -1940,7 +1966,9 @@ static pbw_status pbwt__triangulate_in_place(struct pbwt__tile *t)
         room[i] = ((const pbwt_vertex *)t->foreign.data)[i].point;
     }
     status = pbwt__build(t, tree->points->x, &tree->points->weight, t->own + t->foreign.count, sizeof *room);
+    memory.used = t->memory.used;
     (void)pbwt__tree_room(tree, &memory, 0);         /* what cannot be given back stays */
+    t->memory.used = memory.used;
     return status;
 }
 
@@ -2822,7 +2850,7 @@ PBWTDEF pbw_status pbwt_leftovers(const pbwt_tile *tile, const uint64_t *ids, si
         return PBW_ERROR_ARGUMENT;
     }
     k.tile = tile;
-    k.memory = pbwt__memory_of(&tile->tree->options);
+    k.memory = pbwt__memory_beside(tile->tree);
     if (pbwt__find_known(&k, ids, count)) {
         head.given = tile->leftover_count;
         head.near = k.vertices.count - tile->leftover_count;
