@@ -1275,7 +1275,8 @@ def improved_tetrahedra():
     check(after["least_sine"] >= before["least_sine"] and after["permille"] > 4 * before["permille"], before, after)
     check((volumes(better) > 0).all() and abs(volumes(better).sum() - after["volume"]) < 1e-12)
     check(sorted(set(better.tets.ravel())) == list(range(len(better.points))))
-    kept = pbw.improve(points, tri.simplices, fixed=np.ones(400, bool), regions=np.arange(len(tri.simplices)) % 2)
+    kept = pbw.improve(points, tri.simplices, fixed=np.ones(400, bool), regions=np.arange(len(tri.simplices)) % 2,
+                       seconds=0.5)
     kept_points = kept.original >= 0
     equal(kept.points[kept_points], points[kept.original[kept_points]])
     check(set(kept.regions) == {0, 1})
@@ -1288,6 +1289,91 @@ def improved_tetrahedra():
         report = moved.report
         check(report["moves"] > 100 and report["rounds"] == 3 and report["passes"] == 0, report)
     check("lloyd" in str(raises(ValueError, pbw.improve, points, tri.simplices, smooth="best")))
+
+
+def areas(mesh, patch):
+    a, b, c = np.moveaxis(mesh.points[mesh.facets[mesh.patches == patch]], 1, 0)
+    return np.cross(b - a, c - a) / 2
+
+
+@test
+def names_go_through_solid_and_improve():
+    cube = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
+    hull = pbw.Delaunay(cube).convex_hull
+    x = cube[hull].mean(axis=1)[:, 0]
+    names = np.where(x == 0, "inlet", np.where(x == 1, "outlet", "wall"))
+    for label in lambda one: one, {"inlet": 7, "outlet": -3, "wall": 2 ** 40}.get:
+        labels = [label(one) for one in names]
+        made = pbw.solid(cube, hull, size=0.5, patches=labels)
+        half = np.where(made.points[made.tets].mean(axis=1)[:, 2] > 0.5, "top", "bottom")
+        ends = made.points[made.edges]
+        groups = np.where((ends[:, :, 0] == 0).all(axis=1), label("inlet"), label("wall"))
+        better = pbw.improve(made.points, made.tets, regions=half, facets=made.facets, patches=made.patches,
+                             edges=made.edges, edge_groups=groups, sizes=np.full(len(made.points), 0.17))
+        check(len(better.tets) > 2 * len(made.tets) and len(better.edges) > len(made.edges), better)
+        for mesh in made, better:
+            for name, area in ("inlet", [-1, 0, 0]), ("outlet", [1, 0, 0]), ("wall", [0, 0, 0]):
+                found = areas(mesh, label(name))
+                check(abs(found.sum(axis=0) - area).max() < 1e-12, name, found.sum(axis=0))
+                check(abs(np.linalg.norm(found, axis=1).sum() - (4 if name == "wall" else 1)) < 1e-12, name)
+        outside = better.sides[:, 1] == ""
+        check(set(better.patches[~outside]) == {"" if label("wall") == "wall" else -1})
+        check(set(map(tuple, np.sort(better.sides[~outside], axis=1).tolist())) == {("bottom", "top")})
+        check(set(better.regions) == {"top", "bottom"})
+        for name in "bottom", "top":
+            check(abs(volumes(better)[better.regions == name].sum() - volumes(made)[half == name].sum()) < 0.02)
+        length = np.linalg.norm(np.diff(better.points[better.edges], axis=1)[:, 0], axis=1)
+        inlet = (better.points[better.edges][:, :, 0] == 0).all(axis=1)
+        equal(better.edge_groups, np.where(inlet, label("inlet"), label("wall")))
+        check(abs(length.sum() - np.linalg.norm(np.diff(ends, axis=1)[:, 0], axis=1).sum()) < 1e-12)
+
+
+@test
+def facets_and_edges_inside():
+    points = np.array(list(itertools.product(range(4), repeat=3)), float)
+    tets = pbw.Delaunay(points).simplices
+    middle = np.array([f for t in tets for f in itertools.combinations(t, 3) if (points[list(f), 0] == 2).all()])
+    middle = np.unique(np.sort(middle, axis=1), axis=0)
+    better = pbw.improve(points, tets, facets=middle, patches=np.full(len(middle), 5), edges=middle[:, :2])
+    inside = better.patches == 5
+    check(inside.sum() == len(middle) and (better.points[better.facets[inside], 0] == 2).all())
+    check((better.sides[inside] == 0).all() and (better.sides[~inside] == [0, -1]).all())
+    check((better.patches[~inside] == -1).all() and better.edge_groups is None)
+    check(sets(better.original[better.facets[inside]]) == sets(middle))
+    check(sets(better.original[better.edges]) == sets(np.unique(middle[:, :2], axis=0)))
+    a, b, c = np.moveaxis(better.points[better.facets[~inside]], 1, 0)
+    check((np.einsum("ij,ij->i", np.cross(b - a, c - a), a - 1.5) > 0).all(), "facets are turned outward")
+    away = [[0, 1, 63]]
+    for text, named in [
+            (r"facets\[1\] is not in any tetrahedron", dict(facets=np.concatenate([middle[:1], away]))),
+            (r"edges\[0\] is not in any tetrahedron", dict(edges=[[0, 63]])),
+            (r"facets\[0\] is there again, and not in the same patch", dict(facets=middle[[0, 0]],
+                                                                            patches=["a", "b"])),
+            (r"edges\[1\] is there again, and not in the same group", dict(edges=middle[[0, 1, 1], :2],
+                                                                          edge_groups=[1, 3, 2])),
+            ("patches needs facets", dict(patches=[1])), ("edge_groups needs edges", dict(edge_groups=[1])),
+            (r"patches has the shape \(1,\): 2 numbers or names", dict(facets=middle[:2], patches=[1])),
+            ("patches must be whole numbers or names", dict(facets=middle[:1], patches=[0.5])),
+            ("regions must be whole numbers or names", dict(regions=[None] * len(tets))),
+            (r"facets must be whole numbers from 0 to 63", dict(facets=[[0, 1, 64]])),
+            (r"facets has the shape \(1, 2\)", dict(facets=[[0, 1]])),
+            (r"sizes has the shape \(2,\)", dict(sizes=[1, 2])), ("size", dict(sizes=np.zeros(64)))]:
+        raises_text(ValueError, text, pbw.improve, points, tets, **named)
+    whole = pbw.improve(points, tets, regions=np.arange(len(tets)) % 2 + 0.0)
+    check(set(whole.regions) == {0, 1} and whole.regions.dtype == np.int64 and len(whole.edges) == 0)
+
+
+@test
+def holes_of_a_solid_have_no_name():
+    cube = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
+    hull = pbw.Delaunay(cube).convex_hull
+    open_above = hull[cube[hull].mean(axis=1)[:, 2] < 1]
+    for label, none in ("side", ""), (3, -1):
+        made = pbw.solid(cube, open_above, size=0.5, patches=[label] * len(open_above), close=True)
+        check(set(made.patches) == {label, none}, made.patches)
+        check((made.points[made.facets[made.patches == none], 2] == 1).all())
+    raises_text(ValueError, "patches must be whole numbers or names", pbw.solid, cube, hull, patches=[0.5] * 12)
+    raises_text(ValueError, "patches has the shape", pbw.solid, cube, hull, patches=["a"])
 
 
 @test
@@ -1324,7 +1410,7 @@ def solids():
     equal([report[name] for name in ("bad_edges", "bad_points", "missing_edges", "open_edges")], [0] * 4)
     check(report["euler"] == 2 and report["corners"] == 8 and abs(volumes(made).sum() - 1) < 1e-12, report)
     check(report["improve"]["after"]["least"] > 25 and (volumes(made) > 0).all(), report)
-    check(len(np.unique(made.patches)) == 6 and (made.sides == [0, -1]).all() and len(made.features) >= 48, report)
+    check(len(np.unique(made.patches)) == 6 and (made.sides == [0, -1]).all() and len(made.edges) >= 48, report)
     nested = pbw.solid(np.concatenate([cube, cube * 0.4 + 0.3]), np.concatenate([hull, hull + 8]), nested=True,
                        size=lambda p: 0.3 if p[0] < 0.5 else 0.15, patches=[4] * 12 + [7] * 12)
     check(sorted(set(nested.regions)) == [0, 1] and sorted(set(nested.patches)) == [4, 7], nested.report)

@@ -3,6 +3,7 @@
 In: the caller's arrays, converted and checked.  Out: a Tets of arrays that Python owns.
 """
 import ctypes
+import itertools
 
 import numpy as np
 
@@ -91,9 +92,17 @@ _fit(_library, 8, _Mesh, _Quality, _ImproveOptions, _ImproveReport, _SolidInput,
 
 
 class Tets:
-    """points, tets (positive, four points each), regions, neighbors (-1 on the boundary), original (per point its
-    number in the input, -1 if it is new) and report: a dictionary, in which before and after have dihedral angles in
-    degrees."""
+    """Tetrahedra, and what they belong to.
+
+    points (n, 3); tets (m, 4), positive; regions, one a tetrahedron; neighbors (m, 4), -1 on the boundary; original:
+    per point its number in the input, -1 if it is new.
+    facets (k, 3): of the boundary, between regions and of patches inside, once each, turned out of the first of their
+    two sides (k, 2), which are regions; patches, one a facet.
+    edges (e, 2): those that improve was given, or the sharp edges of a solid and those between its patches;
+    edge_groups, one an edge, None without any.
+    Regions, patches and edge groups are the caller's whole numbers or names, -1 or "" where there is none.
+    report: a dictionary, in which before and after have dihedral angles in degrees.
+    """
 
     def __init__(self, mesh, report):
         tets = (mesh.tet_count, 4)
@@ -102,6 +111,7 @@ class Tets:
         self.regions = _copied(mesh.regions, mesh.tet_count, np.uint32)
         self.neighbors = _copied(mesh.neighbors, tets, np.int32)
         self.original = _copied(mesh.original, mesh.point_count, np.int32)
+        self.edge_groups = None
         self.report = _plain(report)
 
     def __repr__(self):
@@ -128,8 +138,65 @@ def _checked(name, array, columns, kind, count=None):
     return np.ascontiguousarray(array, dtype=kind)
 
 
-def _made(call, report):
-    """A status and the Tets that call(watch, mesh, report) makes, in a thread; None if it fails."""
+def _rows(pointer, count, columns):
+    """A copy of rows of points of the library's; there may be none."""
+    return _copied(pointer, (count, columns), np.int32) if count else np.empty((0, columns), np.int32)
+
+
+def _labels(name, labels, count):
+    """Whole numbers or names as numbers from 0, and the table of what these stand for; its last is for none."""
+    labels = np.asarray(labels)
+    if labels.shape != (count,):
+        raise ValueError("%s has the shape %s: %d numbers or names are needed" % (name, labels.shape, count))
+    if labels.dtype.kind == "f" and (labels == np.floor(labels)).all():
+        labels = labels.astype(np.int64)
+    if labels.dtype.kind == "O" and all(isinstance(one, str) for one in labels):
+        labels = labels.astype(str)
+    if count and labels.dtype.kind not in "iuU":
+        raise ValueError("%s must be whole numbers or names" % name)
+    table, numbers = np.unique(labels, return_inverse=True)
+    table = np.append(table, "") if labels.dtype.kind == "U" else np.append(table.astype(np.int64), -1)
+    return table, np.ascontiguousarray(numbers.reshape(-1), dtype=np.uint32)
+
+
+def _places(name, given, rows, numbers):
+    """Of each given row of points the place of the first of rows that has the same."""
+    points = np.sort(np.concatenate([rows, given]), axis=1)
+    order = np.lexsort(points.T)
+    row = np.empty(len(points), np.int64)
+    row[order] = np.concatenate([[0], np.cumsum((points[order[1:]] != points[order[:-1]]).any(axis=1))])
+    first = np.full(len(points), -1)
+    first[row[:len(rows)][::-1]] = np.arange(len(rows))[::-1]
+    place = first[row[len(rows):]]
+    if (place < 0).any():
+        raise ValueError("%s[%d] is not in any tetrahedron" % (name, np.argmin(place)))
+    number = np.empty(len(rows), np.uint32)
+    number[place] = numbers
+    if (number[place] != numbers).any():
+        raise ValueError("%s[%d] is there again, and not in the same %s"
+                         % (name, np.argmax(number[place] != numbers), "patch" if name == "facets" else "group"))
+    return place
+
+
+_OUTWARD = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])      # the facet across from each corner
+
+
+def _take_facets(made, patches, patch_table, region_table):
+    """Lists the facets of a Tets; patches: one a corner, of the facet across from it, -1: none."""
+    beyond = made.neighbors.astype(np.int64)
+    there = made.regions.astype(np.int64)
+    other = np.where(beyond < 0, -1, there[beyond])
+    corner = np.flatnonzero((beyond < 0) | ((np.arange(len(made.tets))[:, None] < beyond)
+                                            & ((there[:, None] != other) | (patches >= 0))))
+    made.facets = made.tets[corner[:, None] // 4, _OUTWARD[corner % 4]]
+    made.patches = patch_table[patches.reshape(-1)[corner]]
+    made.sides = region_table[np.stack([there[corner // 4], other.reshape(-1)[corner]], axis=1)]
+    made.regions = region_table[there]
+
+
+def _made(call, report, finish=lambda made, mesh: None):
+    """A status and the Tets that call(watch, mesh, report) makes, in a thread; None if it fails.  finish(Tets, mesh)
+    takes what else the mesh has."""
     mesh, stop, thrown = _Mesh(), ctypes.c_int(), []
     watch = _Watch(ctypes.pointer(stop), _PROGRESS())
     status = []
@@ -146,7 +213,9 @@ def _made(call, report):
     if status[0]:
         return status[0], None
     try:
-        return 0, Tets(mesh, report)
+        made = Tets(mesh, report)
+        finish(made, mesh)
+        return 0, made
     finally:
         _library.pbw_tets_free(ctypes.byref(mesh))
 
@@ -159,32 +228,67 @@ def _check_number(name, value, least, most):
 _SMOOTHERS = "odt", "lloyd", "laplace"
 
 
-def improve(points, tets, target=30, seconds=0, feature_angle=40, regions=None, fixed=None, smooth=None, rounds=5):
+def improve(points, tets, target=30, seconds=0, feature_angle=40, regions=None, fixed=None, smooth=None, rounds=5,
+            facets=None, patches=None, edges=None, edge_groups=None, sizes=None):
     """Tetrahedra with better dihedral angles: from target to 180 - target degrees, where that can be had.
 
-    points: (n, 3); tets: (m, 4); regions: m whole numbers, whose interfaces are kept; fixed: n booleans, True for
-    points that stay; seconds: ends after that time, 0 = when nothing helps any more; smooth: before that, so many
-    rounds move points to better means, "odt", "lloyd" or "laplace"; target None: nothing else.  Returns a Tets.
+    points: (n, 3); tets: (m, 4); seconds: ends after that time, 0 = when nothing helps any more; fixed: n booleans,
+    True for points that stay; sizes: n lengths that edges shall have there; smooth: before the rest, so many rounds
+    move points to better means, "odt", "lloyd" or "laplace"; target None: nothing else.
+
+    Regions, patches and edge groups are whole numbers or names, and come out as they went in:
+    regions: m of them; where two meet, the interface is kept.
+    facets: (k, 3), patches: k of them, default 0: facets of tetrahedra, on the boundary or inside.  Where two patches
+    meet, the edges are kept; facets inside stay as they are.
+    edges: (e, 2), edge_groups: e of them: edges of tetrahedra that stay; with sizes they may get points.
+
+    The parts of a meshio mesh, or of a Tets that solid made, fit: regions=made.regions, facets=made.facets,
+    patches=made.patches, edges=made.edges.  Returns a Tets.
     """
     points = _checked("points", points, 3, np.float64)
     tets = _checked("tets", tets, 4, np.uint32, len(points))
-    regions = None if regions is None else np.ascontiguousarray(regions, dtype=np.uint32)
+    for name, of, array in ("patches", "facets", facets), ("edge_groups", "edges", edges):
+        if array is None and (patches if name == "patches" else edge_groups) is not None:
+            raise ValueError("%s needs %s" % (name, of))
+    facets = _checked("facets", np.empty((0, 3), int) if facets is None else facets, 3, np.uint32, len(points))
+    edges = _checked("edges", np.empty((0, 2), int) if edges is None else edges, 2, np.uint32, len(points))
     marks = None if fixed is None else np.where(np.asarray(fixed, bool), 2, 0).astype(np.uint8)
-    for name, array, count in (("regions", regions, len(tets)), ("fixed", marks, len(points))):
-        if array is not None and array.shape != (count,):
-            raise ValueError("%s has the shape %s: %d numbers are needed" % (name, array.shape, count))
-    given = _Mesh(len(points), len(tets), points.ctypes.data, tets.ctypes.data,
-                  None if regions is None else regions.ctypes.data, None if marks is None else marks.ctypes.data)
+    sizes = None if sizes is None else np.ascontiguousarray(sizes, dtype=np.float64)
+    for name, array in ("fixed", marks), ("sizes", sizes):
+        if array is not None and array.shape != (len(points),):
+            raise ValueError("%s has the shape %s: %d numbers are needed" % (name, array.shape, len(points)))
+    region_table, region = _labels("regions", np.zeros(len(tets), int) if regions is None else regions, len(tets))
+    patch_table, patch = _labels("patches", np.zeros(len(facets), int) if patches is None else patches, len(facets))
+    group_table, group = _labels("edge_groups", np.zeros(len(edges), int) if edge_groups is None else edge_groups,
+                                 len(edges))
+    across = np.full(4 * len(tets), 0xffffffff, np.uint32)
+    if len(facets):
+        across[_places("facets", facets, tets[:, _OUTWARD].reshape(-1, 3), patch)] = patch
+    if len(edges):
+        pairs = np.array(list(itertools.combinations(range(4), 2)))
+        _places("edges", edges, tets[:, pairs].reshape(-1, 2), group)
     if smooth is not None and smooth not in _SMOOTHERS:
         raise ValueError("smooth is %r: one of %s is needed" % (smooth, ", ".join(_SMOOTHERS)))
     if target is not None:
         _check_number("target", target, 1, 60)
+    given = _Mesh(len(points), len(tets), points.ctypes.data, tets.ctypes.data, region.ctypes.data,
+                  None if marks is None else marks.ctypes.data)
+    given.patches = across.ctypes.data
+    given.edges, given.edge_count = edges.ctypes.data, len(edges)
     how = _ImproveOptions(target or 0, seconds, -1 if target is None else 0, feature_angle)
+    how.sizes = None if sizes is None else sizes.ctypes.data
     if smooth is not None:
         how.rounds, how.smoother = rounds, _SMOOTHERS.index(smooth)
     message = ctypes.create_string_buffer(128)
+
+    def finish(made, mesh):
+        _take_facets(made, _copied(mesh.patches, (mesh.tet_count, 4), np.int32), patch_table, region_table)
+        made.edges = _rows(mesh.edges, mesh.edge_count, 2)
+        if edge_groups is not None:
+            made.edge_groups = group_table[group[_rows(mesh.edge_origins, mesh.edge_count, 1)[:, 0]]]
+
     status, made = _made(lambda watch, mesh, report: _library.pbw_python_improve(
-        ctypes.byref(given), ctypes.byref(how), watch, message, mesh, report), _ImproveReport())
+        ctypes.byref(given), ctypes.byref(how), watch, message, mesh, report), _ImproveReport(), finish)
     if status:
         text = message.value.decode() or _library.pbw_status_string(status).decode()
         raise _errors.from_status(status, text, points, None)
@@ -198,23 +302,21 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=16, patch
     size: length of edges, 0 = 1/40 of the diagonal, or a function of a point (x, y, z), below 1/40 of the diagonal.
     They are shorter in thin walls, and with curvature=c at most c radii of curvature, but not below least_size.
     Edges of the surface that bend by more than feature_angle degrees are kept, and those between faces of different
-    patches, one number a face.  sharp: which of the edges that bend are kept, "all", "some", "none" or "auto".
+    patches, a whole number or a name a face.  sharp: which of the edges that bend are kept, "all", "some", "none" or
+    "auto".
     nested=True: shells inside of others bound regions, else every second is a cavity, and shells that cross are one
     body.
     Surfaces that are mostly holes or very thin are refused, unless close=True, and more than `most` tetrahedra.
 
-    Returns a Tets whose regions are numbers of shells, with facets (of the boundary and between regions), their
-    patches (-1 where a hole is closed), sides (regions, -1 outside) and features (edges) beside.  Its report has
-    bad_edges, bad_points, missing_edges and open_edges, all 0 if the boundary is a manifold on the surface, and the
-    largest holes.
+    Returns a Tets.  Its regions are numbers of shells, its patches those given, else numbers of the parts between
+    sharp edges, and -1 or "" where a hole is closed.  Its report has bad_edges, bad_points, missing_edges and
+    open_edges, all 0 if the boundary is a manifold on the surface, and the largest holes.
     """
     vertices = _checked("vertices", vertices, 3, np.float64)
     faces = _checked("faces", faces, 3, np.uint32, len(vertices))
     given = _SolidInput(vertices.ctypes.data, len(vertices), faces.ctypes.data, len(faces))
     if patches is not None:
-        patches = np.ascontiguousarray(patches, dtype=np.uint32)
-        if patches.shape != (len(faces),):
-            raise ValueError("patches needs one number for each face")
+        table, patches = _labels("patches", patches, len(faces))
         given.patches = patches.ctypes.data
     for name, value in (("size", size), ("least_size", least_size), ("curvature", curvature)):
         if not callable(value):
@@ -237,13 +339,20 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=16, patch
         keep = _SIZE_AT(at)
         how.size_at = ctypes.cast(keep, ctypes.c_void_p)
     boundary = _Boundary()
-    status, made = _made(lambda watch, mesh, report: _library.pbw_python_solid(
-        ctypes.byref(given), ctypes.byref(how), watch, mesh, ctypes.byref(boundary), report), _SolidReport())
-    if made is not None:
+
+    def finish(made, mesh):
         made.facets = _copied(boundary.facets, (boundary.facet_count, 3), np.int32)
         made.patches = _copied(boundary.patches, boundary.facet_count, np.int32)
+        if patches is not None:
+            made.patches = table[made.patches]
         made.sides = _copied(boundary.sides, (boundary.facet_count, 2), np.int32)
-        made.features = _copied(boundary.edges, (boundary.edge_count, 2), np.int32)
+        made.edges = _rows(boundary.edges, boundary.edge_count, 2)
+
+    try:
+        status, made = _made(lambda watch, mesh, report: _library.pbw_python_solid(
+            ctypes.byref(given), ctypes.byref(how), watch, mesh, ctypes.byref(boundary), report), _SolidReport(),
+                             finish)
+    finally:
         _library.pbw_solid_boundary_free(ctypes.byref(boundary))
     if thrown:
         raise thrown[0]
