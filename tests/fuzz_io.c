@@ -210,7 +210,8 @@ static size_t mutate(unsigned char *bytes, size_t size)
         "[", "]", "{\"x\":1,\"y\":2}", "\"coordinates\":", "$Nodes\n", "$Elements\n", "Vertices ", "Tetrahedra ",
         "C ", "<DataArray ", "format=\"appended\" ", "offset=\"", "<AppendedData encoding=\"raw\">_",
         "POLYGONS ", "CELLS ", "OFFSETS vtktypeint64\n", "SCALARS region int\n", "CELL_DATA ", "facet ", "end ",
-        "\"points\":", "easting,northing,"
+        "\"points\":", "easting,northing,", "*ELSET, ELSET=a\n", "*SURFACE, NAME=b\n", ", GENERATE", "*NODE\n",
+        "*ELEMENT, TYPE=S4\n", "NELEM= ", "MARKER_TAG= ", "NPOIN= "
     };
     size_t kind = below(6), at = below(size + 1), length = 1 + below(1 + below(32)), grow;
     const char *word = words[below(sizeof words / sizeof words[0])];

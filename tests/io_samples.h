@@ -152,6 +152,11 @@ static const io_sample io_text_samples[] = {
             3, 8, 6, 56),
     IO_TEXT("upper.stl", " SOLID A\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVERTEX 1 0 0\nVERTEX 0 1 0\n"
             "END LOOP\nEND FACET\nEND SOLID\n", 3, 3, 1, 2),
+    IO_TEXT("sets.inp", "*HEADING\n a bar\n*NODE, NSET=NALL\n10,0,0,0\n20,1,0,0\n30,0,1,0\n40,0,0,1\n50,1,1,1\n*ELEMENT, "
+            "TYPE=C3D4, ELSET=a\n1,10,20,30,40\n2,20,50,30,\n40\n*ELEMENT,TYPE=S3\n3,10,20,30\n*ELSET,ELSET=b,GENERATE\n"
+            "2,4,2\n*ELSET,ELSET=c\n a, b\n*SURFACE, NAME=\"top\"\n1,S1\nb,S3\n*NSET,NSET=n\n10,20\n", 3, 5, 3, 6),
+    IO_TEXT("markers.su2", "% square\nNDIME= 2\nNELEM= 2\n5 0 1 2 0\n5 0 2 3 1\nNPOIN= 4\n0 0 0\n1 0 1\n1 1 2\n0 1 3\n"
+            "NMARK= 1\nMARKER_TAG= low\nMARKER_ELEMS= 1\n3 0 1\n", 2, 4, 2, 4),
     IO_TEXT("graph.json", "{\"edges\": [[0, 1], [1, 2]], \"points\": [[0, 0], [1, 0], [0, 1]]}", 2, 3, 0, 2),
     IO_TEXT("stations.csv", "id,easting,northing,height\n1,0,0,5\n2,4,0,6\n3,0,4,7\n", 3, 3, 0, 26),
     IO_TEXT("named.csv.gz",

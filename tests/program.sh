@@ -720,5 +720,14 @@ check "a .su2 file has a marker a patch" sh -c '[ "$(grep MARKER_TAG bar.su2 | t
 cp bar.msh2 bar2.msh
 check "a mesh with groups is improved" says 0 "volume 2, before 2" improve bar2.msh --size 0.25 -o better.msh2
 check "and has them still" sh -c 'grep -q "^2 1 .inlet.$" better.msh2 && grep -q "^3 1 .region_0.$" better.msh2'
+for ending in inp su2; do
+    check "groups go into .$ending" says 0 "facets on the boundary" convert bar2.msh -o one.$ending
+    check "and come out of it" says 0 "facets on the boundary" convert one.$ending -o two.$ending
+    check "as they were" sh -c "sort one.$ending > sorted && sort two.$ending | cmp - sorted"
+done
+check "and into .ele, .node and .face" says 0 "facets on the boundary" convert bar2.msh -o one.ele -o one.face
+check "and come out of them" says 0 "facets on the boundary" convert one.ele -o two.ele -o two.face
+check "as they were" sh -c 'cmp one.ele two.ele && cmp one.node two.node && cmp one.face two.face && ! grep " -1$" one.face'
+check "a .face file that is read with .ele is no output" says 2 "it is an input" convert one.ele -o one.face
 check "formats without patches say so" says 0 "has no place for: regions, patches" improve bar2.msh -o better.off
 finish

@@ -234,25 +234,58 @@ static int has_group(const pbwio_cloud *c, int dim, long long tag, const char *n
 
 /* ---- files ---- */
 
-typedef struct format { const char *name; unsigned flags; int dims, tags, names; } format;      /* dims: bits */
+/* dims: bits; names: 2 as words, 3 so and of the hull alone */
+typedef struct format { const char *name; unsigned flags; int dims, tags, names; } format;
 
 static void check_file(const format *f, const pbwio_cloud *c)
 {
+    char word[64];
+    size_t k;
     int i;
     for (i = 0; i < GROUPS; i++) {
         const pbwio_group *g = groups3 + i;
-        if (f->dims >> g->dim & 1 && !CHECK(has_group(c, g->dim, f->tags ? g->tag : 0, f->names ? g->name : NULL,
-                                                      measures[i]))) {
+        const char *name = f->names ? g->name : NULL;
+        if (f->names >= 2) {
+            snprintf(word, sizeof word, "%s", g->name != NULL ? g->name : "group_40");
+            for (k = 0; word[k] != 0; k++) {
+                word[k] = strchr(" &<>", word[k]) != NULL ? '_' : word[k];
+            }
+            name = word;
+        }
+        if (f->dims >> g->dim & 1 && (f->names < 3 || (i != BETWEEN && i != BAFFLE))
+            && !CHECK(has_group(c, g->dim, f->tags ? g->tag : 0, name, measures[i]))) {
             test_say("%s", f->name);
         }
     }
+}
+
+/* Writes the file whose name has another ending of four letters. */
+static void write_beside(const char *path, const char *ending, const bar *b, const pbwio_output *output)
+{
+    char name[64];
+    snprintf(name, sizeof name, "%.*s%s", (int)strlen(path) - 3, path, ending);
+    CHECK(pbwio_write(name, &b->mesh, output, NULL) == PBWIO_OK);
+}
+
+/* Removes a folder and the files a.node and so on in it. */
+static void unlink_beside(const char *folder)
+{
+    static const char *const endings[] = { "node", "ele", "face", "edge" };
+    char name[64];
+    size_t i;
+    for (i = 0; i < 4; i++) {
+        snprintf(name, sizeof name, "%s/a.%s", folder, endings[i]);
+        unlink(name);
+    }
+    CHECK(rmdir(folder) == 0);
 }
 
 static void test_files(void)
 {
     static const format formats[] = {
         { "a.msh", 0, 15, 1, 1 }, { "t.msh", PBWIO_TEXT, 15, 1, 1 }, { "a.msh2", 0, 15, 1, 1 }, { "a.vtu", 0, 15, 1, 1 },
-        { "t.vtu", PBWIO_TEXT, 15, 1, 1 }, { "a.mesh", 0, 15, 1, 0 }
+        { "t.vtu", PBWIO_TEXT, 15, 1, 1 }, { "a.mesh", 0, 15, 1, 0 }, { "a.inp", 0, 12, 0, 2 }, { "a.su2", 0, 4, 0, 3 },
+        { "a.ele", 0, 13, 1, 0 }
     };
     char path[64], folder[] = "/tmp/pbw-groups-XXXXXX";
     pbwio_output output;
@@ -269,6 +302,10 @@ static void test_files(void)
         output.flags = formats[i].flags;
         snprintf(path, sizeof path, "%s/%s", folder, formats[i].name);
         CHECK(pbwio_write(path, &b.mesh, &output, &error) == PBWIO_OK);
+        if (strstr(path, ".ele") != NULL) {
+            write_beside(path, "node", &b, &output);
+            write_beside(path, "face", &b, &output);
+        }
         options.format = pbwio_format_of(path);
         if (CHECK(pbwio_read(path, &options, &cloud, &error) == PBWIO_OK)) {
             CHECK(cloud.tetrahedron_count == b.mesh.simplex_count && cloud.dropped[0] == 0);
@@ -279,8 +316,279 @@ static void test_files(void)
         }
         unlink(path);
     }
-    rmdir(folder);
+    unlink_beside(folder);
     free_bar(&b);
+}
+
+/* ---- spellings of .inp and .su2 ---- */
+
+/* What a cloud has: dimension, points, tetrahedra, triangles, segments, then groups: name:dimension=elements. */
+static void sum_up(const pbwio_cloud *c, char *text, size_t size)
+{
+    const pbw_index *const of[4] = { c->point_groups, c->segment_groups, c->triangle_groups, c->tetrahedron_groups };
+    const size_t counts[4] = { c->count, c->segment_count, c->triangle_count, c->tetrahedron_count };
+    size_t g, i;
+    snprintf(text, size, "%d: %zu %zu %zu %zu;", c->dim, counts[0], counts[3], counts[2], counts[1]);
+    for (g = 0; g < c->group_count; g++) {
+        const int dim = c->groups[g].dim;
+        size_t count = 0;
+        for (i = 0; of[dim] != NULL && i < counts[dim]; i++) {
+            count += of[dim][i] == g;
+        }
+        if (c->groups[g].name != NULL) {
+            snprintf(text + strlen(text), size - strlen(text), " %s:%d=%zu", c->groups[g].name, dim, count);
+        } else {
+            snprintf(text + strlen(text), size - strlen(text), " %lld:%d=%zu", c->groups[g].tag, dim, count);
+        }
+    }
+}
+
+typedef struct spelling { const char *name, *text, *is, *dropped; } spelling;       /* dropped NULL: it is refused */
+
+#define NODES "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n"
+#define TETS "*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n2,2,5,3,4\n"
+#define TWO NODES TETS
+#define REST "members that other sets have, too, of "
+#define STEPS "what is no node, element, set or surface: materials, sections, steps"
+
+static const spelling spellings[] = {
+    { "plain.inp", TWO "*ELSET,ELSET=a\n1\n*ELSET,ELSET=b\n2\n", "3: 5 2 0 0; a:3=1 b:3=1", "" },
+    { "case.inp", "*node\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n** c\n\n* Element , type = c3d4 , Elset = Steel\n"
+      " 7 , 1 , 2 , 3 , 4 ,\n*Elset,elset=STEEL\n7\n", "3: 4 1 0 0; Steel:3=1", "" },
+    { "windows.inp", "*Heading\r\n tetrahedron, one\r\n*NODE, NSET=NALL\r\n1,0,0,0\r\n2,1,0,0\r\n3,0,1,0\r\n4,0,0,1\r\n"
+      "*ELEMENT,TYPE=C3D4,\r\nELSET=x\r\n1,1,2,\r\n3,4\r\n", "3: 4 1 0 0; x:3=1", "" },
+    { "generate.inp", TWO "*ELSET, ELSET=odd, GENERATE\n1, 9, 2\n*NSET,NSET=low,GENERATE\n1,2\n*ELSET,ELSET=even,GENERATE"
+      "\n2,2,1\n", "3: 5 2 0 0; low:0=2 odd:3=1 even:3=1", "" },
+    { "nested.inp", TWO "*ELSET,ELSET=a\n1\n*ELSET,ELSET=b\n2\n*ELSET,ELSET=both\na, b\n", "3: 5 2 0 0; a:3=1 b:3=1",
+      REST "both" },
+    { "section.inp", TWO "*ELSET,ELSET=a\n1\n*ELSET,ELSET=late,GENERATE\n1,1\n*SOLID SECTION,ELSET=a,MATERIAL=m\n",
+      "3: 5 2 0 0; a:3=1", STEPS "; " REST "late" },
+    { "all.inp", NODES "*ELEMENT,TYPE=C3D4,ELSET=Eall\n1,1,2,3,4\n2,2,5,3,4\n*ELSET,ELSET=a\n2\n", "3: 5 2 0 0; a:3=1",
+      REST "Eall" },
+    { "only.inp", NODES "*ELEMENT,TYPE=C3D4,ELSET=Eall\n1,1,2,3,4\n2,2,5,3,4\n", "3: 5 2 0 0; Eall:3=2", "" },
+    { "domain.inp", NODES "*ELEMENT,TYPE=C3D4,ELSET=domain\n1,1,2,3,4\n2,2,5,3,4\n", "3: 5 2 0 0;", "" },
+    { "surface.inp", TWO "*ELSET,ELSET=e\n2\n*SURFACE,NAME=top,TYPE=ELEMENT\n1,S1\ne,s3\n*NSET,NSET=top\n1,2,3,5\n",
+      "3: 5 2 2 0; e:3=1 top:2=2", "" },
+    { "boundary.inp", TWO "*SURFACE,NAME=Boundary\n1,S1\n1,S2\n1,S4\n2,S1\n2,S2\n2,S3\n*SURFACE,NAME=in\n1,S1\n",
+      "3: 5 2 1 0; in:2=1", "" },
+    { "skin.inp", TWO "*SURFACE,NAME=all\n1,S1\n1,S2\n1,S4\n2,S1\n2,S2\n2,S3\n", "3: 5 2 6 0; all:2=6", "" },
+    { "inside.inp", TWO "*SURFACE,NAME=wall\n1,S3\n", "3: 5 2 1 0; wall:2=1", "" },
+    { "shells.inp", NODES "*ELEMENT,TYPE=S3R,ELSET=sheet\n1,1,2,3\n2,2,5,3\n*ELEMENT,TYPE=B31,ELSET=beam\n3,1,2\n"
+      "*SURFACE,NAME=up\n1,SPOS\n*SURFACE,NAME=side\n1,E1\n2,S4\n", "3: 5 0 2 3; beam:1=1 sheet:2=2 side:1=2", REST "up" },
+    { "plane.inp", "*NODE\n10,0,0\n20,1,0\n30,1,1\n40,0,1\n*ELEMENT,TYPE=CPE4R,ELSET=q\n5,10,20,30,40\n*SURFACE,NAME=s\n"
+      "5,S2\n5,S4\n", "2: 4 0 2 2; q:2=2 s:1=2", "" },
+    { "second.inp", "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,.5,0,0\n6,.5,.5,0\n7,0,.5,0\n8,0,0,.5\n9,.5,0,.5\n10,0,"
+      ".5,.5\n*ELEMENT,TYPE=DC3D10,ELSET=a\n1,1,2,3,4,5,6,7,\n8,9,10\n*ELEMENT,TYPE=T3D3,ELSET=bar\n2,1,5,2\n",
+      "3: 4 1 0 1; bar:1=1 a:3=1", "second-order elements" },
+    { "order.inp", TETS "*ELSET,ELSET=a\n1\n" NODES, "3: 5 2 0 0; a:3=1", "" },
+    { "cae.inp", "*Heading\n*Part, name=P\n" TWO "*Elset, elset=mat\n 1,\n*Nset, nset=_i, internal\n 1,\n*End Part\n"
+      "*Assembly, name=A\n*Instance, name=P-1, part=P\n*End Instance\n*Elset, elset=\"Set 2\", instance=P-1\n 2,\n"
+      "*Node\n1,9,9,9\n*Nset, nset=ref\n1,\n*Nset, nset=tip\nP-1.4\n*End Assembly\n*Step\n*End Step\n",
+      "3: 5 2 0 0; tip:0=1 mat:3=1 Set 2:3=1", "nodes and elements of the assembly" },
+    { "bricks.inp", TWO "*NODE\n6,2,0,0\n7,2,1,0\n8,2,1,1\n*ELEMENT,TYPE=C3D8R,ELSET=brick\n9,1,2,3,4,5,6,7,8\n",
+      "3: 8 2 0 0;", "hexahedra" },
+    { "springs.inp", TWO "*ELEMENT,TYPE=SPRINGA\n9,1,2\n*ELSET,ELSET=a\n1,9\n", "3: 5 2 0 0; a:3=1",
+      "elements of type SPRINGA" },
+    { "include.inp", "*INCLUDE, INPUT=mesh.inp\n", "include.inp:1: lines of another file, \"mesh.inp\", are not read", NULL },
+    { "input.inp", "*NODE, INPUT=n.txt\n", "input.inp:1: lines of another file, \"n.txt\", are not read", NULL },
+    { "parts.inp", "*PART,NAME=a\n*END PART\n*PART,NAME=b\n", "parts.inp:3: files of one part and one instance are read",
+      NULL },
+    { "moved.inp", "*PART,NAME=a\n*END PART\n*ASSEMBLY\n*INSTANCE,NAME=i,PART=a\n1,0,0\n", "moved.inp:5: an instance that "
+      "is moved is not read", NULL },
+    { "rule.inp", "*NODE\n1,0,0,0\n*NGEN\n1,9\n", "rule.inp:3: *ngen makes nodes or elements by a rule", NULL },
+    { "polar.inp", "*NODE, SYSTEM=C\n1,1,90,0\n", "polar.inp:1: nodes in a coordinate system of their own", NULL },
+    { "no_node.inp", NODES "*ELEMENT,TYPE=C3D4\n1,1,2,3,9\n", "no_node.inp:8: element 1 has node 9, which is not there",
+      NULL },
+    { "few.inp", NODES "*ELEMENT,TYPE=C3D4\n1,1,2,3\n2,1,2,3,4\n", "few.inp:8: element 1 has 3 nodes where 4 are needed",
+      NULL },
+    { "twice.inp", "*NODE\n1,0,0,0\n1,1,0,0\n", "twice.inp: node 1 comes twice", NULL },
+    { "member.inp", TWO "*ELSET,ELSET=a\n1,7\n", "member.inp:11: a set has element 7, which is not there", NULL },
+    { "word.inp", TWO "*ELSET,ELSET=a\nwhat\n", "word.inp:11: \"what\" is neither a number nor a set so far", NULL },
+    { "nameless.inp", TWO "*ELSET\n1\n", "nameless.inp:10: a set without a name", NULL },
+    { "range.inp", TWO "*ELSET,ELSET=a,GENERATE\n5,1\n", "range.inp:11: numbers from 5 to 1 in steps of 1", NULL },
+    { "text.inp", "*NODE\n1,a,0,0\n", "text.inp:2: coordinate 1, \"a\", is not a finite number", NULL },
+    { "none.inp", "*HEADING\nnothing\n", "none.inp: the file has no points", NULL }
+};
+
+#define POINTS2 "NPOIN= 4\n0 0\n1 0\n1 1\n0 1\n"
+#define TRIANGLES "NELEM= 2\n5 0 1 2\n5 0 2 3\n"
+
+static const spelling su2s[] = {
+    { "plain.su2", "NDIME= 2\n" TRIANGLES POINTS2 "NMARK= 2\nMARKER_TAG= low\nMARKER_ELEMS= 1\n3 0 1\nMARKER_TAG= rest\n"
+      "MARKER_ELEMS= 2\n3 1 2\n3 2 3\n", "2: 4 0 2 3; low:1=1 rest:1=2", "" },
+    { "ids.su2", "% made by hand\nNDIME=2\nNELEM =2\n5 0 1 2 0\n 5\t0 2 3 1 % last\nNPOIN = 4 4\n0 0 0\n1 0 1\n1 1 2\n0 1 3\n"
+      "\nNMARK= 0\n", "2: 4 0 2 0;", "" },
+    { "points_first.su2", "ndime= 2\r\n" POINTS2 TRIANGLES "NMARK= 1\nMARKER_TAG= a b \nMARKER_ELEMS= 1\nSEND_RECV= 1\n3 0 1\n",
+      "2: 4 0 2 1; a b:1=1", "" },
+    { "ungrouped.su2", "NDIME= 2\n" TRIANGLES POINTS2 "NMARK= 1\nMARKER_TAG= ungrouped\nMARKER_ELEMS= 1\n3 0 1\n",
+      "2: 4 0 2 1;", "" },
+    { "quads.su2", "NDIME= 2\nNELEM= 1\n9 0 1 2 3 0\n" POINTS2 "NMARK= 0\n", "2: 4 0 2 0;", "" },
+    { "solid.su2", "NDIME= 3\nNELEM= 1\n10 0 1 2 3\nNPOIN= 4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\nNMARK= 1\nMARKER_TAG= 7\n"
+      "MARKER_ELEMS= 1\n5 0 1 2\n", "3: 4 1 1 0; 7:2=1", "" },
+    { "prism.su2", "NDIME= 3\nNELEM= 1\n13 0 1 2 0 1 2 5\nNPOIN= 3\n0 0 0\n1 0 0\n0 1 0\nNMARK= 0\nFFD_NBOX= 1\n1 2 3\n",
+      "3: 3 0 0 0;", "hexahedra, prisms, pyramids and polyhedra" },
+    { "zone.su2", "NZONE= 1\nIZONE= 1\nNDIME= 2\n" TRIANGLES POINTS2 "NMARK= 0\n", "2: 4 0 2 0;", "" },
+    { "zones.su2", "NZONE= 2\nIZONE= 1\nNDIME= 2\n", "zones.su2:1: files of one zone are read, this has several", NULL },
+    { "few.su2", "NDIME= 2\nNELEM= 3\n5 0 1 2\n5 0 2 3\n" POINTS2, "few.su2:5: the rows end 1 too early", NULL },
+    { "many.su2", "NDIME= 2\nNELEM= 1\n5 0 1 2\n5 0 2 3\n" POINTS2, "many.su2:4: more rows than announced", NULL },
+    { "end.su2", "NDIME= 2\n" TRIANGLES "NPOIN= 3\n0 0\n1 0\n", "end.su2:5: 3 points are announced, 8 bytes follow", NULL },
+    { "cut.su2", "NDIME= 2\n" POINTS2 "NELEM= 2\n5 0 1 2\n", "cut.su2:8: the file ends 1 rows too early", NULL },
+    { "marks.su2", "NDIME= 2\n" TRIANGLES POINTS2 "NMARK= 2\nMARKER_TAG= a\nMARKER_ELEMS= 1\n3 0 1\n",
+      "markers: 1, announced: 2", NULL },
+    { "point.su2", "NDIME= 2\nNELEM= 1\n5 0 1 4\n" POINTS2, "an element has a point that is not there, of 4", NULL },
+    { "type.su2", "NDIME= 2\nNELEM= 1\n4 0 1 2\n" POINTS2, "type.su2:3: there are no elements of type 4", NULL },
+    { "dim.su2", "NDIME= 4\n", "dim.su2:1: dimension 4", NULL },
+    { "first.su2", "NELEM= 1\n5 0 1 2\n", "first.su2:1: rows before NDIME", NULL },
+    { "tag.su2", "NDIME= 2\n" POINTS2 "MARKER_ELEMS= 1\n3 0 1\n", "tag.su2:7: elements of a marker before MARKER_TAG",
+      NULL }
+};
+
+/* Whether a file was read and is so, without dropped words or with those; or, dropped NULL, was refused with words. */
+static void check_cloud(const char *name, const char *is, const char *dropped, int read, pbwio_cloud *c,
+                        const pbwio_error *error)
+{
+    char text[512];
+    sum_up(c, text, sizeof text);
+    if (!CHECK(read == (dropped != NULL))
+        || !CHECK(read ? strcmp(text, is) == 0 && (dropped[0] == 0 ? c->dropped[0] == 0
+                                                   : strstr(c->dropped, dropped) != NULL)
+                       : strstr(error->text, is) != NULL)) {
+        test_say("%s: %s; %s", name, read ? text : error->text, c->dropped);
+    }
+    pbwio_free(c);
+}
+
+static void check_spelling(const spelling *s)
+{
+    pbwio_cloud c;
+    pbwio_error error;
+    const int read = pbwio_read_memory(s->name, s->text, strlen(s->text), NULL, &c, &error) == PBWIO_OK;
+    check_cloud(s->name, s->is, s->dropped, read, &c, &error);
+}
+
+static void test_spellings(void)
+{
+    size_t i;
+    for (i = 0; i < sizeof spellings / sizeof spellings[0]; i++) {
+        check_spelling(spellings + i);
+    }
+    for (i = 0; i < sizeof su2s / sizeof su2s[0]; i++) {
+        check_spelling(su2s + i);
+    }
+}
+
+/* ---- .ele with .node, .face, .edge beside it ---- */
+
+typedef struct beside { const char *texts[4], *opens, *is, *dropped; } beside;     /* texts: .node .ele .face .edge */
+
+#define NODE2 "4 2 0 1\n1 0 0 5\n2 1 0 0\n3 1 1 0\n4 0 1 5\n"
+#define ELE2 "2 3 1\n1 1 2 3 7\n2 1 3 4 8\n"
+#define NODE3 "5 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n4 1 1 1\n"
+#define ELE3 "2 4 0\n0 0 1 2 3\n1 1 4 2 3\n"
+
+static const beside besides[] = {
+    { { NODE2, ELE2, NULL, NULL }, "ele", "2: 4 0 2 0; 5:0=2 7:2=1 8:2=1", "" },
+    { { NODE2, ELE2, NULL, "3 1\n1 1 2 3\n2 2 3 0\n3 3 4 -2\n" }, "ele", "2: 4 0 2 2; 5:0=2 7:2=1 8:2=1 3:1=1 -2:1=1",
+      "" },
+    { { NODE2, ELE2, "what\n", "1 0\n1 1 2\n" }, "ele", "2: 4 0 2 0; 5:0=2 7:2=1 8:2=1", "" },
+    { { NODE2, "2 3 1\n1 1 2 3 7\n2 1 3 4 8.5\n", NULL, NULL }, "ele", "2: 4 0 2 0; 5:0=2", "attributes of elements, which "
+      "are no whole numbers" },
+    { { NODE2, "2 3 1\n1 1 2 3 .5\n2 1 3 4 8\n", NULL, NULL }, "ele", "2: 4 0 2 0; 5:0=2", "attributes of elements, which "
+      "are no whole numbers" },
+    { { NODE2, "1 3 2\n1 1 2 3 7 .5\n", NULL, NULL }, "ele", "2: 4 0 1 0; 5:0=2 7:2=1", "attributes of elements but the "
+      "first" },
+    { { NODE2, "1 3 1\n1 1 2 3 x\n", NULL, NULL }, "ele", "a.ele:2: \"x\" is not a finite number", NULL },
+    { { NODE2, NULL, NULL, "2 1\n1 1 2 3\n2 2 3 0\n" }, "edge", "2: 4 0 0 2; 5:0=2 3:1=1", "" },
+    { { NODE3, ELE3, "2 1\n0 0 1 2 4\n1 1 2 3 9\n", NULL }, "ele", "3: 5 2 2 0; 4:2=1 9:2=1", "" },
+    { { NODE3, ELE3, "# c\n2 1\n0 0 1 2 0\n1 1 2 3 9 0 1 # both\n", "1 1\n0 0 1 2\n" }, "ele",
+      "3: 5 2 1 1; 9:2=1 2:1=1", "" },
+    { { NODE3, ELE3, "1 1\n0 0 1 2 4 4 4 9\n", "1 1\n0 0 1 4 2\n" }, "ele", "3: 5 2 1 0; 9:2=1",
+      "edges with more than two points and a marker" },
+    { { NODE3, ELE3, "1 0\n0 0 1 2\n", NULL }, "ele", "3: 5 2 0 0;", "" },
+    { { NODE3, NULL, "2 1\n0 0 1 2 0\n1 1 2 3 9\n", NULL }, "face", "3: 5 0 2 0; 9:2=1", "" },
+    { { NODE3, ELE3, "1 1\n0 0 1 7 1\n", NULL }, "ele", "a.face:2: an element has a point that is not there, of 5", NULL },
+    { { NODE3, ELE3, "2 1\n0 0 1 2 1\n", NULL }, "ele", "a.face:2: the file ends after 1 of 2 rows", NULL },
+    { { NODE3, ELE3, "1 1\n0 0 1 2\n", NULL }, "ele", "a.face:2: 4 numbers where 5 are needed", NULL },
+    { { NODE3, ELE3, "1 1\n0 0 1 2 1.5\n", NULL }, "ele", "a.face:2: \"1.5\" is not a number", NULL },
+    { { NULL, ELE3, NULL, NULL }, "ele", "a.node: No such file", NULL }
+};
+
+static void put_text(const char *folder, const char *ending, const char *text)
+{
+    char name[64];
+    FILE *file;
+    snprintf(name, sizeof name, "%s/a.%s", folder, ending);
+    unlink(name);
+    file = text != NULL ? fopen(name, "wb") : NULL;
+    if (file != NULL) {
+        CHECK(fputs(text, file) >= 0 && fclose(file) == 0);
+    }
+}
+
+static void test_beside(void)
+{
+    static const char *const endings[] = { "node", "ele", "face", "edge" };
+    char folder[] = "/tmp/pbw-groups-XXXXXX", name[64];
+    pbwio_cloud c;
+    pbwio_error error;
+    char *text = (char *)malloc(20000);
+    size_t i, k, used, points, elements;
+    CHECK(mkdtemp(folder) != NULL);
+    for (i = 0; i < sizeof besides / sizeof besides[0]; i++) {
+        for (k = 0; k < 4; k++) {
+            put_text(folder, endings[k], besides[i].texts[k]);
+        }
+        snprintf(name, sizeof name, "%s/a.%s", folder, besides[i].opens);
+        check_cloud(besides[i].opens, besides[i].is, besides[i].dropped,
+                    pbwio_read(name, NULL, &c, &error) == PBWIO_OK, &c, &error);
+    }
+    used = (size_t)sprintf(text, "300 2 0 1\n");                     /* many groups of points, then of elements */
+    for (i = 0; i < 300; i++) {
+        used += (size_t)sprintf(text + used, "%zu %zu %zu %zu\n", i, i, i * i % 7, i + 1);
+    }
+    put_text(folder, "node", text);
+    used = (size_t)sprintf(text, "200 3 1\n");
+    for (i = 0; i < 200; i++) {
+        used += (size_t)sprintf(text + used, "%zu %zu %zu %zu %zu\n", i, i, i + 1, i + 2, i + 1);
+    }
+    put_text(folder, "ele", text);
+    put_text(folder, "edge", NULL);
+    snprintf(name, sizeof name, "%s/a.ele", folder);
+    if (CHECK(pbwio_read(name, NULL, &c, &error) == PBWIO_OK)) {
+        CHECK(c.group_count == 500);
+        for (i = points = elements = 0; i < 200; i++) {
+            points += c.groups[c.point_groups[i]].dim == 0 && c.groups[c.point_groups[i]].tag == (long long)i + 1;
+            elements += c.groups[c.triangle_groups[i]].dim == 2 && c.groups[c.triangle_groups[i]].tag == (long long)i + 1;
+        }
+        CHECK(points == 200 && elements == 200);
+        pbwio_free(&c);
+    }
+    free(text);
+    unlink_beside(folder);
+}
+
+/* Sets that name each other again and again, or many times all elements, are refused before they take long. */
+static void test_many_sets(void)
+{
+    char *text = (char *)malloc(400000);
+    pbwio_cloud c;
+    pbwio_error error;
+    size_t used, i;
+    used = (size_t)sprintf(text, TWO "*ELSET,ELSET=s0\n1\n2,1\n");
+    for (i = 1; i < 60; i++) {
+        used += (size_t)sprintf(text + used, "*ELSET,ELSET=s%zu\ns%zu,s%zu\n", i, i - 1, i - 1);
+    }
+    CHECK(pbwio_read_memory("a.inp", text, used, NULL, &c, &error) != PBWIO_OK && c.count == 0);
+    used = (size_t)sprintf(text, "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT,TYPE=C3D4\n");
+    for (i = 1; i <= 5000; i++) {
+        used += (size_t)sprintf(text + used, "%zu,1,2,3,4\n", i);
+    }
+    for (i = 0; i < 5000; i++) {
+        used += (size_t)sprintf(text + used, "*ELSET,ELSET=%zu,GENERATE\n1,9999\n", i);
+    }
+    CHECK(pbwio_read_memory("a.inp", text, used, NULL, &c, &error) == PBWIO_ERROR_FORMAT);
+    CHECK(strstr(error.text, "again and again") != NULL);
+    free(text);
 }
 
 /* ---- improvement ---- */
@@ -394,6 +702,18 @@ int main(int argc, char **argv)
     test_start(argc, argv, 1);
     if (test_begin("files")) {
         test_files();
+        test_end();
+    }
+    if (test_begin("spellings of .inp and .su2")) {
+        test_spellings();
+        test_end();
+    }
+    if (test_begin("files beside .ele")) {
+        test_beside();
+        test_end();
+    }
+    if (test_begin("sets without end")) {
+        test_many_sets();
         test_end();
     }
     for (how = 0; how < 4; how++) {

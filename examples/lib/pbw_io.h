@@ -26,9 +26,15 @@
      .off    OFF, COFF, NOFF, STOFF                   numbers of the vertex line
      .node   TetGen and Triangle, 0- or 1-based       x y (z), then attributes, then the marker
      .ele    the simplices; points: the .node file    as .node
+             of that name; markers of facets: .face
+             and .edge of that name, if there
+     .face .edge  with the points of the .node file   as .node
              of that name
      .msh    Gmsh 2.2 and 4.1, ascii and binary       x y z
      .mesh   Medit, ascii                             x y (z)
+     .inp    Abaqus and CalculiX: nodes, elements,    -
+             sets, surfaces, of one part
+     .su2    one zone                                 -
      .vtu    one piece; ascii, base64 or raw, plain   weights: an array of the points by name
              or compressed by zlib
      .vtk    legacy files, versions 1 to 5.1: grids   as .vtu
@@ -75,11 +81,15 @@
      Positive simplices, as in pbw.h.  Quality is the mean ratio: 1 for the regular simplex, 0 for a flat one.
       Facets of the hull turn counter-clockwise seen from outside.
      Groups are read as physical groups of .msh, of files without such its entities; references of .mesh; the first
-     attribute of .ele; in .vtu the first of the arrays of integers region, gmsh:physical, medit:ref, su2:tag, material,
-     MaterialIDs, MaterialID, CellEntityIds, CellEntityID, physical, attribute, subdomain, cell_tags, facet_tags, of
-     lower dimensions also patch and edge, of points marker, with names as fields of the file, a tag and a dimension.
+     attribute of .ele, the marker of .face and .edge; in .vtu the first of the arrays of integers region,
+     gmsh:physical, medit:ref, su2:tag, material, MaterialIDs, MaterialID, CellEntityIds, CellEntityID, physical,
+     attribute, subdomain, cell_tags, facet_tags, of lower dimensions also patch and edge, of points marker, with names
+     as fields of the file, a tag and a dimension.
      Solids of .stl text, if there are several, and groups of .obj by usemtl, if that names several, else by g, else by
      o, are groups of triangles.  0 is no group.  An element in several groups is in the first.
+     Of .inp sets and surfaces are groups, of points without the nodes of a surface of that name.  Of several sets an
+     element is in the last that a section names, else in the last; a set of all elements is a group if no other set has
+     any of them.  Markers of .su2 are groups of facets, "ungrouped" is none.
      Groups are written the same way, facets of the hull in none, too; in .inp as an ELSET, a SURFACE with an NSET of
      its points, an NSET of the points of edges; in .su2 as markers.  Tags that .msh .inp .su2 cannot have, below 1 or
      above 10^9, are replaced by numbers after the largest.  Names: .msh .msh2 .vtu .inp .su2, the last two with an
@@ -135,7 +145,8 @@ typedef enum pbwio_format {
     PBWIO_AUTO = 0,                    /* reading: by name, then by content; writing: by name */
     PBWIO_OBJ, PBWIO_PLY, PBWIO_STL, PBWIO_OFF, PBWIO_NODE, PBWIO_XYZ, PBWIO_CSV,     /* XYZ, CSV: any table */
     PBWIO_VTU, PBWIO_MSH, PBWIO_MESH, PBWIO_ELE,
-    PBWIO_NEIGH, PBWIO_FACE, PBWIO_MSH2, PBWIO_INP, PBWIO_SU2,                        /* written only, but MSH2 */
+    PBWIO_NEIGH,                                                                      /* written only */
+    PBWIO_FACE, PBWIO_MSH2, PBWIO_INP, PBWIO_SU2,                                     /* FACE: .edge, too */
     PBWIO_JSON, PBWIO_VTK                                                             /* read only */
 } pbwio_format;
 
@@ -961,6 +972,23 @@ static int pbwio__next(pbwio__reader *r, pbwio__field *field)
     return 1;
 }
 
+static int pbwio__is_gz(const char *path)
+{
+    const size_t length = strlen(path);
+    return length > 3 && pbwio__same(path + length - 3, 3, ".gz", 3);
+}
+
+/* The ending of a name, without its dot, and without .gz behind it; empty if there is none. */
+static pbwio__field pbwio__ending(const char *path)
+{
+    const char *end = path + strlen(path) - (pbwio__is_gz(path) ? 3 : 0);
+    pbwio__field ending;
+    for (ending.begin = end; ending.begin > path && strchr("./\\", ending.begin[-1]) == NULL; ending.begin--) {
+    }
+    ending.end = ending.begin > path && ending.begin[-1] == '.' ? end : ending.begin;
+    return ending;
+}
+
 static int pbwio__is(pbwio__field field, const char *word)
 {
     return pbwio__same(field.begin, (size_t)(field.end - field.begin), word, strlen(word));
@@ -1470,9 +1498,12 @@ static uint64_t pbwio__group_hash(int dim, long long tag, const char *name, size
 static int pbwio__group_table(pbwio__reader *r, int by_name)
 {
     const pbwio_cloud *cloud = r->cloud;
-    const size_t size = r->group_table_size == 0 ? 64 : 2 * r->group_table_size;
-    size_t i, at;
-    void *block = pbwio__resize(r, r->group_table, r->group_table_size, size, sizeof(pbw_index));
+    size_t size = r->group_table_size == 0 ? 64 : 2 * r->group_table_size, i, at;
+    void *block;
+    while (size < 2 * (cloud->group_count + 1)) {                    /* of a file that was read before this one */
+        size *= 2;
+    }
+    block = pbwio__resize(r, r->group_table, r->group_table_size, size, sizeof(pbw_index));
     if (block == NULL) {
         return 0;
     }
@@ -3061,16 +3092,37 @@ static void pbwio__read_medit(pbwio__reader *r)
     }
 }
 
+/* Whether the points of a .node file are there, which this file has not. */
+static int pbwio__has_nodes(pbwio__reader *r)
+{
+    if (r->cloud->count == 0) {
+        pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "the points of this file are in the .node file beside it");
+    }
+    return r->cloud->count > 0;
+}
+
+/* Groups of elements of a dimension, which come behind `before` others, are no groups after all. */
+static void pbwio__give_up_groups(pbwio__reader *r, int dim, size_t before)
+{
+    pbw_index **groups = dim == 3 ? &r->cloud->tetrahedron_groups : &r->cloud->triangle_groups;
+    r->held -= *groups != NULL ? (dim == 3 ? r->tetrahedron_capacity : r->triangle_capacity) * sizeof **groups : 0;
+    PBWIO_FREE(*groups);
+    *groups = NULL;
+    r->group[dim] = PBW_NONE;
+    r->cloud->group_count = before;
+    pbwio__leave_out(r, "attributes of elements, which are no whole numbers and so no regions");
+}
+
 /* "count corners attributes", then "id corners attributes"; the points are in the .node file.  Its ids start where
    those of the elements do.  The first attribute, if all are integers, is the group. */
 static void pbwio__read_ele(pbwio__reader *r)
 {
+    const size_t before = r->cloud->group_count;
     long long count, corners, attributes, i, first = 0, id, corner[10];
     pbwio__field field;
     double tag = 0;
     int k, dim = r->cloud->dim;
-    if (r->cloud->count == 0) {
-        pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "the points of an .ele file are in the .node file beside it");
+    if (!pbwio__has_nodes(r)) {
         return;
     }
     count = pbwio__token_count(r, "number of elements");
@@ -3078,6 +3130,9 @@ static void pbwio__read_ele(pbwio__reader *r)
     attributes = pbwio__next(r, &field) && pbwio__natural(field, &attributes) ? attributes : 0;
     if (corners != dim + 1 && corners != (dim == 3 ? 10 : 6)) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "elements of %lld corners in %dD", corners, dim);
+    }
+    if (attributes > 1) {
+        pbwio__leave_out(r, "attributes of elements but the first");
     }
     for (i = 0; i < count && r->status == PBWIO_OK; i++) {
         if (!pbwio__row_line(r)) {
@@ -3088,15 +3143,64 @@ static void pbwio__read_ele(pbwio__reader *r)
         for (k = 0; k < corners; k++) {
             corner[k] = pbwio__count(r, "point number") - first;
         }
-        if (attributes > 0 && pbwio__next(r, &field) && pbwio__number(field.begin, field.end, &tag) && tag == floor(tag)
-            && fabs(tag) < 1e18) {
-            r->group[dim] = (long long)tag == 0 ? PBW_NONE : pbwio__find_group(r, dim, (long long)tag, "", 0);
+        if (attributes > 0 && (!pbwio__next(r, &field) || !pbwio__number(field.begin, field.end, &tag))) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is not a finite number", pbwio__show(r, field));
+        } else if (attributes > 0 && (tag < floor(tag) || tag > floor(tag) || fabs(tag) >= 1e18)) {
+            pbwio__give_up_groups(r, dim, before);
+            attributes = 0;
         } else if (attributes > 0) {
-            pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is no integer: attributes of elements are numbers of regions",
-                        pbwio__show(r, field));
+            r->group[dim] = (long long)tag == 0 ? PBW_NONE : pbwio__find_group(r, dim, (long long)tag, "", 0);
         }
         if (r->status == PBWIO_OK) {
             pbwio__add_element(r, dim, dim + 1, (int)corners, corner);
+        }
+    }
+}
+
+/* .face and .edge: "count markers", then "id corners marker"; the points are in the .node file, whose ids start where
+   these do.  The middle points of second-order faces stand between corners and marker; behind the marker may be the
+   elements on both sides.  Beside simplices those without a marker say nothing. */
+static void pbwio__read_facets(pbwio__reader *r)
+{
+    const pbwio_cloud *cloud = r->cloud;
+    const int dim = pbwio__lists("edge", pbwio__ending(r->name)) ? 1 : 2, alone = cloud->tetrahedron_count == 0
+                 && (cloud->dim == 3 || cloud->triangle_count == 0);
+    long long count, markers, i, id[10];
+    pbwio__field field;
+    int k, minus;
+    if (!pbwio__has_nodes(r)) {
+        return;
+    }
+    count = pbwio__token_count(r, "number of rows");
+    markers = pbwio__next(r, &field) && pbwio__natural(field, &markers) ? markers : 0;
+    if (dim + 1 > cloud->dim || markers > 1) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "faces in the plane, or %lld markers", markers);
+    }
+    for (i = 0; i < count && r->status == PBWIO_OK; i++) {
+        if (!pbwio__row_line(r)) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "the file ends after %lld of %lld rows", i, count);
+        }
+        pbwio__count(r, "number of the row");
+        for (k = minus = 0; k < 10 && pbwio__next(r, &field) && r->status == PBWIO_OK; k++) {
+            minus = *field.begin == '-';
+            field.begin += minus;
+            if (!pbwio__natural(field, id + k)) {
+                pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is not a number", pbwio__show(r, field));
+            }
+            id[k] = minus ? -id[k] : k < dim + 1 ? id[k] - cloud->base : id[k];
+        }
+        if (k < dim + 1 + markers) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "%d numbers where %lld are needed", k + 1, dim + 2 + markers);
+        }
+        if (dim == 1 && markers > 0 && k > 3) {
+            pbwio__leave_out(r, "edges with more than two points and a marker");
+            continue;
+        }
+        k = dim == 2 && k == 6 + markers ? 6 : dim + 1;              /* where the marker is */
+        r->group[dim] = markers == 0 || id[k] == 0 || r->status != PBWIO_OK ? PBW_NONE
+                      : pbwio__find_group(r, dim, id[k], "", 0);
+        if (r->status == PBWIO_OK && (alone || r->group[dim] != PBW_NONE)) {
+            pbwio__add_element(r, dim, dim + 1, dim + 1, id);
         }
     }
 }
@@ -4366,6 +4470,1032 @@ static void pbwio__read_vtk(pbwio__reader *r)
         pbwio__vtk_make(r, k);
     }
     PBWIO_FREE(k);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   .inp: nodes and elements by numbers; keywords in any case, lines that go on after a comma.
+   In: the file, in four passes: how many nodes; nodes; elements; sets.  Out: points and elements, by their numbers.
+   ------------------------------------------------------------------------------------------------------ */
+enum { PBWIO__KEY_TYPE, PBWIO__KEY_ELSET, PBWIO__KEY_NSET, PBWIO__KEY_NAME, PBWIO__KEY_INPUT, PBWIO__KEY_SYSTEM,
+       PBWIO__KEY_INSTANCE, PBWIO__KEY_GENERATE, PBWIO__KEY_INTERNAL, PBWIO__KEYS };
+
+typedef struct pbwio__numbered {             /* what a number of the file stands for */
+    long long number;
+    pbw_index place;                         /* the first of its points or elements in the cloud */
+    unsigned char count, dim, corners, shell;        /* count: how many those are, 0: it is passed over */
+} pbwio__numbered;
+
+typedef struct pbwio__index { pbwio__numbered *list; size_t count, capacity; int sorted; } pbwio__index;
+
+typedef struct pbwio__member {               /* of a set: numbers from first to last in steps, on that side */
+    long long first, last;
+    pbw_index step, next;                    /* next: the following one of its set */
+    int side;                                /* S1 and so on are 1 to 6, E1 and so on 11 to 14; 0: the whole */
+} pbwio__member;
+
+typedef struct pbwio__set {
+    pbwio__field name;
+    int kind;                                /* 'n' of nodes, 'e' of elements, 's' a surface */
+    int section, helper, internal;           /* a section names it; a surface is made of it; a program's own */
+    pbw_index first, last;                   /* its members, PBW_NONE: none */
+    size_t size;                             /* of its elements of the dimension at hand */
+    int whole;                               /* those are all that there are */
+    pbw_index group;
+} pbwio__set;
+
+typedef struct pbwio__inp {
+    char word[32];                           /* the keyword at hand, small letters without blanks */
+    pbwio__field value[PBWIO__KEYS];         /* of its parameters; begin NULL: it has none of that name */
+    int rows;                                /* what its rows are: 'p' nodes, 'c' elements, sets as above, 'i', 0 */
+    int coordinates, parts, instances, assembly, foreign;    /* foreign: rows are numbers of the assembly's own */
+    int dim, corners, nodes, shell;          /* of elements of the type at hand */
+    pbw_index set;                           /* that the rows belong to */
+    pbwio__index points, elements;
+    pbwio__member *members;
+    pbwio__set *sets;
+    size_t node_count, member_count, member_capacity, set_count, set_capacity, table_size;
+    pbw_index *table;                        /* of sets, by hashes of kinds and names */
+    double steps;                            /* members that were looked at */
+    uint64_t sum;                            /* of hashes of facets, where two of one facet cancel */
+    char lost[120];                          /* names of sets that lost members to others */
+} pbwio__inp;
+
+/* ---- lines ---- */
+
+/* Steps to the next line that is neither blank nor a comment. */
+static int pbwio__inp_line(pbwio__reader *r)
+{
+    const char *s;
+    while (pbwio__line(r)) {
+        for (s = r->line; s < r->line_end && pbwio__blank(r, *s); s++) {
+        }
+        if (s < r->line_end && (*s != '*' || s + 1 == r->line_end || s[1] != '*')) {
+            r->cursor = s;
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Reads the next field; where a line ends with a comma, on the line after it, if that goes on with a letter or, in a
+   row, with no keyword. */
+static int pbwio__inp_field(pbwio__reader *r, int row, pbwio__field *field)
+{
+    const char *s;
+    if (!pbwio__next(r, field)) {
+        return 0;
+    }
+    for (s = r->at; s < r->end && pbwio__blank(r, *s); s++) {
+    }
+    if (field->begin == field->end && r->over && s < r->end && *s != '*'
+        && (row || (pbwio__lower(*s) >= 'a' && pbwio__lower(*s) <= 'z'))) {
+        return pbwio__inp_line(r) && pbwio__next(r, field);
+    }
+    return field->end > field->begin || !r->over;
+}
+
+static pbwio__field pbwio__trim(pbwio__reader *r, const char *begin, const char *end)
+{
+    pbwio__field field;
+    while (begin < end && pbwio__blank(r, *begin)) {
+        begin++;
+    }
+    while (end > begin && pbwio__blank(r, end[-1])) {
+        end--;
+    }
+    if (end - begin >= 2 && *begin == '"' && end[-1] == '"') {
+        begin++;
+        end--;
+    }
+    field.begin = begin;
+    field.end = end;
+    return field;
+}
+
+/* Reads a keyword and its parameters. */
+static void pbwio__inp_keyword(pbwio__reader *r, pbwio__inp *p)
+{
+    static const char *const keys[] = { "type", "elset", "nset", "name", "input", "system", "instance", "generate",
+                                        "internal" };
+    pbwio__field field;
+    const char *s;
+    size_t used = 0;
+    int k;
+    memset(p->value, 0, sizeof p->value);
+    pbwio__next(r, &field);
+    for (s = field.begin + 1; s < field.end && used + 1 < sizeof p->word; s++) {
+        if (!pbwio__blank(r, *s)) {
+            p->word[used++] = (char)pbwio__lower(*s);
+        }
+    }
+    p->word[used] = 0;
+    while (pbwio__inp_field(r, 0, &field)) {
+        const char *equal = (const char *)memchr(field.begin, '=', (size_t)(field.end - field.begin));
+        const pbwio__field key = pbwio__trim(r, field.begin, equal == NULL ? field.end : equal);
+        for (k = 0; k < PBWIO__KEYS; k++) {
+            if (pbwio__is(key, keys[k])) {
+                p->value[k] = pbwio__trim(r, equal == NULL ? field.end : equal + 1, field.end);
+            }
+        }
+    }
+}
+
+/* ---- numbers ---- */
+
+static void pbwio__add_number(pbwio__reader *r, pbwio__index *n, const pbwio__numbered *entry)
+{
+    if (n->count == n->capacity) {
+        const size_t more = n->capacity + n->capacity / 2 + 64;
+        void *block = pbwio__resize(r, n->list, n->capacity, more, sizeof *n->list);
+        if (block == NULL) {
+            return;
+        }
+        n->list = (pbwio__numbered *)block;
+        n->capacity = more;
+    }
+    n->sorted = n->count == 0 || (n->sorted && n->list[n->count - 1].number < entry->number);
+    n->list[n->count++] = *entry;
+}
+
+static int pbwio__compare_numbers(const void *a, const void *b)
+{
+    const long long x = ((const pbwio__numbered *)a)->number, y = ((const pbwio__numbered *)b)->number;
+    return (x > y) - (x < y);
+}
+
+/* Puts numbers in order; what: of what, for a message where one comes twice. */
+static void pbwio__sort_numbers(pbwio__reader *r, pbwio__index *n, const char *what)
+{
+    size_t i;
+    if (!n->sorted && n->count > 0) {
+        qsort(n->list, n->count, sizeof *n->list, pbwio__compare_numbers);
+    }
+    for (i = 1; i < n->count && r->status == PBWIO_OK; i++) {
+        if (n->list[i - 1].number == n->list[i].number) {
+            r->status = pbwio__file_error(r->error, PBWIO_ERROR_FORMAT, r->name, "%s %lld comes twice", what,
+                                          n->list[i].number);
+        }
+    }
+}
+
+/* The place in the list of the first number that is not below that one. */
+static size_t pbwio__from_number(const pbwio__index *n, long long number)
+{
+    size_t low = 0, high = n->count;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (n->list[middle].number < number) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+static const pbwio__numbered *pbwio__find_number(const pbwio__index *n, long long number)
+{
+    const size_t at = pbwio__from_number(n, number);
+    return at < n->count && n->list[at].number == number ? n->list + at : NULL;
+}
+
+/* ---- nodes and elements ---- */
+
+/* Of a type of elements: dimension, corners, nodes; corners 0: it is passed over. */
+static void pbwio__inp_type(pbwio__reader *r, pbwio__inp *p)
+{
+    static const struct { const char *name; unsigned char dim, shell; } families[] = {
+        { "c3d", 3, 0 }, { "cpeg", 2, 0 }, { "cpe", 2, 0 }, { "cps", 2, 0 }, { "cgax", 2, 0 }, { "cax", 2, 0 },
+        { "c2d", 2, 0 }, { "stri", 2, 1 }, { "sfm3d", 2, 1 }, { "m3d", 2, 1 }, { "r3d", 2, 1 }, { "ds", 2, 1 },
+        { "sax", 1, 0 }, { "s", 2, 1 }, { "t3d", 1, 0 }, { "t2d", 1, 0 }, { "c1d", 1, 0 }, { "r2d", 1, 0 },
+        { "rax", 1, 0 }, { "b2", 1, 0 }, { "b3", 1, 0 }
+    };
+    const pbwio__field type = p->value[PBWIO__KEY_TYPE];
+    const char *s = type.begin;
+    size_t i, length = 0;
+    long digits = 0;
+    if (s == NULL || s == type.end) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "*ELEMENT without a TYPE");
+        return;
+    }
+    s += type.end - s > 3 && strchr("dDaA", *s) != NULL && pbwio__lower(s[1]) == 'c';    /* of heat, of sound */
+    for (i = 0; i < sizeof families / sizeof families[0]; i++) {
+        length = strlen(families[i].name);
+        if ((size_t)(type.end - s) > length && pbwio__same(s, length, families[i].name, length)
+            && (unsigned)s[length] - '0' <= 9) {
+            break;
+        }
+    }
+    p->dim = p->corners = p->nodes = p->shell = 0;
+    if (i < sizeof families / sizeof families[0]) {
+        for (s += length; s < type.end && (unsigned)*s - '0' <= 9 && digits < 1000; s++) {
+            digits = 10 * digits + (*s - '0');
+        }
+        p->dim = families[i].dim;
+        p->shell = families[i].shell;
+        p->nodes = (int)(digits == 65 ? 6 : digits);
+    }
+    if (p->dim == 1) {                                               /* beams and shells of revolution by order */
+        p->nodes = families[i].name[0] == 'b' || families[i].name[0] == 's' ? (digits == 2 ? 3 : 2) : p->nodes;
+        p->corners = p->nodes == 2 || p->nodes == 3 ? 2 : 0;
+    } else if (p->dim == 2) {
+        p->corners = p->nodes == 3 || p->nodes == 6 ? 3 : p->nodes == 4 || p->nodes == 8 || p->nodes == 9 ? 4 : 0;
+    } else {
+        p->corners = p->nodes == 4 || p->nodes == 10 ? 4 : 0;
+    }
+    if (p->corners == 0 && p->dim == 3) {
+        pbwio__leave_out(r, PBWIO__OTHER_SOLIDS);
+    } else if (p->corners == 0 && strlen(r->cloud->dropped) < 180) {
+        char text[64];
+        snprintf(text, sizeof text, "elements of type %s", pbwio__show(r, type));
+        pbwio__leave_out(r, text);
+    }
+}
+
+static long long pbwio__inp_number(pbwio__reader *r, pbwio__field field, const char *what)
+{
+    long long number = 0;
+    if (!pbwio__natural(field, &number)) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is not a %s", pbwio__show(r, field), what);
+    }
+    return number;
+}
+
+/* A node: its number and its coordinates; those that are left out are 0. */
+static void pbwio__inp_node(pbwio__reader *r, pbwio__inp *p)
+{
+    double row[3] = { 0, 0, 0 };
+    pbwio__numbered entry;
+    pbwio__field field;
+    int k;
+    memset(&entry, 0, sizeof entry);
+    pbwio__next(r, &field);
+    entry.number = pbwio__inp_number(r, field, "node number");
+    entry.place = (pbw_index)r->cloud->count;
+    entry.count = 1;
+    for (k = 0; k < 3 && pbwio__next(r, &field); k++) {
+        if (field.end > field.begin && !pbwio__number(field.begin, field.end, row + k)) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "coordinate %d, \"%s\", is not a finite number", k + 1,
+                        pbwio__show(r, field));
+        }
+    }
+    pbwio__add_row(r, row);
+    pbwio__add_number(r, &p->points, &entry);
+}
+
+/* An element: its number and its nodes, on several lines where they end with a comma. */
+static void pbwio__inp_element(pbwio__reader *r, pbwio__inp *p)
+{
+    long long id[10] = { 0 };                                        /* more nodes have only elements that are passed */
+    pbwio__numbered entry;
+    pbwio__field field;
+    int k = 0;
+    memset(&entry, 0, sizeof entry);
+    pbwio__inp_field(r, 1, &field);
+    entry.number = pbwio__inp_number(r, field, "number of an element");
+    entry.dim = (unsigned char)p->dim;
+    entry.corners = (unsigned char)p->corners;
+    entry.shell = (unsigned char)p->shell;
+    for (; r->status == PBWIO_OK && (p->nodes == 0 || k < p->nodes) && pbwio__inp_field(r, 1, &field); k++) {
+        const long long number = pbwio__inp_number(r, field, "node number");
+        const pbwio__numbered *node = pbwio__find_number(&p->points, number);
+        if (p->corners > 0 && node == NULL) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "element %lld has node %s, which is not there", entry.number,
+                        pbwio__show(r, field));
+        } else if (p->corners > 0) {
+            id[k] = (long long)node->place;
+        }
+    }
+    if (p->corners > 0 && k < p->nodes) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "element %lld has %d nodes where %d are needed", entry.number, k, p->nodes);
+    }
+    if (p->dim == 1 && p->nodes == 3) {                              /* end, middle, end */
+        const long long middle = id[1];
+        id[1] = id[2];
+        id[2] = middle;
+    }
+    if (r->status == PBWIO_OK && p->corners > 0) {
+        const pbwio_cloud *cloud = r->cloud;
+        entry.place = (pbw_index)(p->dim == 3 ? cloud->tetrahedron_count : p->dim == 2 ? cloud->triangle_count
+                                  : cloud->segment_count);
+        entry.count = p->dim == 2 ? (unsigned char)(p->corners - 2) : 1;
+        pbwio__add_element(r, p->dim, p->corners, p->nodes, id);
+    }
+    pbwio__add_number(r, &p->elements, &entry);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Sets of .inp, and all of the file.
+   In: rows of sets and surfaces.  Out: groups.
+   Holds: members of sets are looked at 16 times a byte of the file at most.
+
+   A set has elements of several dimensions: it is a group of each.  Of several sets an element is in the last that a
+   section names, else the last of the others; those that surfaces are made of count less, then those of all elements,
+   then surfaces of shells.  What sets lose so, and sets of all elements beside others, is reported.
+   ------------------------------------------------------------------------------------------------------ */
+
+static uint64_t pbwio__set_hash(int kind, pbwio__field name)
+{
+    uint64_t h = (uint64_t)kind;
+    const char *s;
+    for (s = name.begin; s < name.end; s++) {
+        h = (h ^ (uint64_t)pbwio__lower((unsigned char)*s)) * 0x100000001b3u;        /* FNV-1a */
+    }
+    h *= 0x9e3779b97f4a7c15u;
+    return h ^ h >> 32;
+}
+
+/* Doubles the table of sets. */
+static int pbwio__set_table(pbwio__reader *r, pbwio__inp *p)
+{
+    const size_t size = p->table_size == 0 ? 64 : 2 * p->table_size;
+    size_t i, at;
+    void *block = pbwio__resize(r, p->table, p->table_size, size, sizeof *p->table);
+    if (block == NULL) {
+        return 0;
+    }
+    p->table = (pbw_index *)block;
+    p->table_size = size;
+    memset(p->table, 0xff, size * sizeof *p->table);                 /* PBW_NONE */
+    for (i = 0; i < p->set_count; i++) {
+        for (at = (size_t)pbwio__set_hash(p->sets[i].kind, p->sets[i].name) & (size - 1); p->table[at] != PBW_NONE;
+             at = (at + 1) & (size - 1)) {
+        }
+        p->table[at] = (pbw_index)i;
+    }
+    return 1;
+}
+
+/* The set of that kind and name, whatever the case of letters; new if there is none and it may be made. */
+static pbw_index pbwio__find_set(pbwio__reader *r, pbwio__inp *p, int kind, pbwio__field name, int make)
+{
+    const size_t length = (size_t)(name.end - name.begin);
+    pbwio__set *set;
+    size_t at;
+    if (2 * (p->set_count + 1) > p->table_size && !pbwio__set_table(r, p)) {
+        return PBW_NONE;
+    }
+    for (at = (size_t)pbwio__set_hash(kind, name) & (p->table_size - 1); p->table[at] != PBW_NONE;
+         at = (at + 1) & (p->table_size - 1)) {
+        set = p->sets + p->table[at];
+        if (set->kind == kind && pbwio__same(set->name.begin, (size_t)(set->name.end - set->name.begin), name.begin,
+                                             length)) {
+            return p->table[at];
+        }
+    }
+    if (!make) {
+        return PBW_NONE;
+    }
+    if (p->set_count == p->set_capacity) {
+        const size_t more = p->set_capacity + p->set_capacity / 2 + 16;
+        void *block = pbwio__resize(r, p->sets, p->set_capacity, more, sizeof *p->sets);
+        if (block == NULL) {
+            return PBW_NONE;
+        }
+        p->sets = (pbwio__set *)block;
+        p->set_capacity = more;
+    }
+    set = p->sets + p->set_count;
+    memset(set, 0, sizeof *set);
+    set->name = name;
+    set->kind = kind;
+    set->first = set->last = PBW_NONE;
+    p->table[at] = (pbw_index)p->set_count;
+    return (pbw_index)p->set_count++;
+}
+
+/* Adds numbers to a set; one that follows the last of its numbers only prolongs that. */
+static void pbwio__add_member(pbwio__reader *r, pbwio__inp *p, pbw_index s, const pbwio__member *member)
+{
+    pbwio__set *set = p->sets + s;
+    pbwio__member *last = set->last != PBW_NONE ? p->members + set->last : NULL;
+    if (last != NULL && last->step == 1 && member->step == 1 && last->side == member->side
+        && member->first == last->last + 1) {
+        last->last = member->last;
+        return;
+    }
+    if (p->member_count == p->member_capacity) {
+        const size_t more = p->member_capacity + p->member_capacity / 2 + 16;
+        void *block = pbwio__resize(r, p->members, p->member_capacity, more, sizeof *p->members);
+        if (block == NULL) {
+            return;
+        }
+        p->members = (pbwio__member *)block;
+        p->member_capacity = more;
+    }
+    p->members[p->member_count] = *member;
+    p->members[p->member_count].next = PBW_NONE;
+    if (set->last == PBW_NONE) {
+        set->first = (pbw_index)p->member_count;
+    } else {
+        p->members[set->last].next = (pbw_index)p->member_count;
+    }
+    set->last = (pbw_index)p->member_count++;
+}
+
+/* Adds what a field stands for: a number, or the members of a set of that kind so far, on that side. */
+static void pbwio__add_to_set(pbwio__reader *r, pbwio__inp *p, int kind, pbwio__field field, int side)
+{
+    const pbwio__index *numbers = kind == 'n' ? &p->points : &p->elements;
+    pbwio__field rest = field;
+    pbwio__member member;
+    pbw_index from, at, end;
+    const char *s;
+    memset(&member, 0, sizeof member);
+    from = pbwio__find_set(r, p, kind, field, 0);
+    for (s = field.end; s > field.begin && s[-1] != '.'; s--) {      /* behind the name of an instance */
+    }
+    rest.begin = p->instances > 0 ? s : field.begin;
+    from = from == PBW_NONE ? pbwio__find_set(r, p, kind, rest, 0) : from;
+    if (from == PBW_NONE && pbwio__natural(rest, &member.first)) {
+        if (p->foreign && rest.begin == field.begin) {
+            return;
+        }
+        if (pbwio__find_number(numbers, member.first) == NULL) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "a set has %s %lld, which is not there",
+                        kind == 'n' ? "node" : "element", member.first);
+        }
+        member.last = member.first;
+        member.step = 1;
+        member.side = side;
+        pbwio__add_member(r, p, p->set, &member);
+        return;
+    }
+    if (from == PBW_NONE) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is neither a number nor a set so far", pbwio__show(r, field));
+        return;
+    }
+    p->sets[from].helper |= side != 0;
+    end = p->sets[from].last;
+    for (at = p->sets[from].first; at != PBW_NONE && r->status == PBWIO_OK; at = at == end ? PBW_NONE
+         : p->members[at].next) {
+        member = p->members[at];
+        member.side = side != 0 ? side : member.side;
+        pbwio__add_member(r, p, p->set, &member);
+    }
+}
+
+/* What stands for a side of an element: 0 if nothing does. */
+static int pbwio__inp_side(pbwio__field field)
+{
+    const size_t length = (size_t)(field.end - field.begin);
+    const int digit = length == 2 ? field.begin[1] - '0' : 0;
+    return pbwio__is(field, "SPOS") || pbwio__is(field, "SNEG") || pbwio__is(field, "P") || pbwio__is(field, "N") ? 1
+         : digit >= 1 && digit <= 6 && (*field.begin | 32) == 's' ? digit
+         : digit >= 1 && digit <= 4 && (*field.begin | 32) == 'e' ? 10 + digit : 0;
+}
+
+/* A row of a set: numbers and names; first, last and step of numbers; an element or a set and a side. */
+static void pbwio__inp_members(pbwio__reader *r, pbwio__inp *p)
+{
+    const int kind = p->rows, generated = p->value[PBWIO__KEY_GENERATE].begin != NULL && kind != 's';
+    pbwio__field field, side;
+    long long range[3] = { 0, 0, 1 };
+    pbwio__member member;
+    int k = 0;
+    while (r->status == PBWIO_OK && pbwio__next(r, &field)) {
+        if (field.end == field.begin && kind != 's') {
+            continue;
+        }
+        if (generated && k < 3) {
+            range[k++] = pbwio__inp_number(r, field, "number");
+        } else if (kind == 's') {
+            side.begin = side.end = field.end;
+            (void)pbwio__next(r, &side);
+            k = pbwio__inp_side(side);
+            if (k == 0 || field.end == field.begin) {
+                pbwio__leave_out(r, "parts of surfaces that name no side of elements");
+                return;
+            }
+            pbwio__add_to_set(r, p, 'e', field, k);
+            return;
+        } else {
+            pbwio__add_to_set(r, p, kind, field, 0);
+        }
+    }
+    if (!generated || r->status != PBWIO_OK || p->foreign) {
+        return;
+    }
+    if (k < 2 || range[0] > range[1] || range[2] < 1 || range[2] >= PBW_NONE) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "numbers from %lld to %lld in steps of %lld", range[0], range[1], range[2]);
+        return;
+    }
+    memset(&member, 0, sizeof member);
+    member.first = range[0];
+    member.last = range[1];
+    member.step = (pbw_index)range[2];
+    pbwio__add_member(r, p, p->set, &member);
+}
+
+/* ---- passes ---- */
+
+/* What makes nodes and elements elsewhere or by rule. */
+static void pbwio__inp_refuse(pbwio__reader *r, pbwio__inp *p)
+{
+    static const char rules[] = "ngen nfill ncopy nmap elgen elcopy elmove";
+    const pbwio__field input = p->value[PBWIO__KEY_INPUT], system = p->value[PBWIO__KEY_SYSTEM];
+    pbwio__field word;
+    word.begin = p->word;
+    word.end = p->word + strlen(p->word);
+    if (strcmp(p->word, "include") == 0 || (input.begin != NULL && p->rows != 0)) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "lines of another file, \"%s\", are not read: put them here",
+                    input.begin == NULL ? "" : pbwio__show(r, input));
+    } else if (pbwio__lists(rules, word)) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "*%s makes nodes or elements by a rule, and is not read: list them",
+                    p->word);
+    } else if (strcmp(p->word, "system") == 0 || (p->rows == 'p' && system.begin != NULL
+                                                  && !pbwio__is(system, "R"))) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "nodes in a coordinate system of their own are not read");
+    } else if (p->parts > 1 || p->instances > 1) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "files of one part and one instance are read, this has several: write the "
+                    "model without parts and assemblies");
+    }
+}
+
+/* Notes where the file is after a keyword, and what its rows are. */
+static void pbwio__inp_start(pbwio__reader *r, pbwio__inp *p)
+{
+    static const struct { const char *word; int rows; } words[] = {
+        { "node", 'p' }, { "element", 'c' }, { "nset", 'n' }, { "elset", 'e' }, { "surface", 's' }, { "instance", 'i' }
+    };
+    static const char passed[] = "heading preprint part endpart endinstance assembly endassembly instance system "
+        "nodeoutput";
+    pbwio__field word;
+    size_t k;
+    p->assembly = strcmp(p->word, "assembly") == 0 || (p->assembly && strcmp(p->word, "endassembly") != 0);
+    p->parts += strcmp(p->word, "part") == 0;
+    p->instances += strcmp(p->word, "instance") == 0;
+    p->assembly = strcmp(p->word, "instance") == 0 ? 0 : strcmp(p->word, "endinstance") == 0 ? 1 : p->assembly;
+    p->rows = 0;
+    for (k = 0; k < sizeof words / sizeof words[0]; k++) {
+        p->rows = strcmp(p->word, words[k].word) == 0 ? words[k].rows : p->rows;
+    }
+    p->foreign = p->assembly && p->value[PBWIO__KEY_INSTANCE].begin == NULL;
+    if ((p->rows == 'p' || p->rows == 'c') && p->foreign) {
+        pbwio__leave_out(r, "nodes and elements of the assembly");
+        p->rows = 0;
+    } else if (p->rows == 'n' && p->value[PBWIO__KEY_ELSET].begin != NULL) {
+        pbwio__leave_out(r, "sets of the nodes of sets of elements");
+        p->rows = 0;
+    } else if (p->rows == 's' && p->value[PBWIO__KEY_TYPE].begin != NULL
+               && !pbwio__is(p->value[PBWIO__KEY_TYPE], "ELEMENT")) {
+        pbwio__leave_out(r, "surfaces of nodes and other kinds");
+        p->rows = 0;
+    }
+    word.begin = p->word;
+    word.end = p->word + strlen(p->word);
+    if (p->rows == 0 && !pbwio__lists(passed, word)) {
+        pbwio__leave_out(r, "what is no node, element, set or surface: materials, sections, steps");
+    }
+}
+
+/* The set that the rows of a keyword belong to, PBW_NONE: to none; or notes the set that a section names. */
+static void pbwio__inp_open_set(pbwio__reader *r, pbwio__inp *p)
+{
+    const int kind = p->rows == 's' ? 's' : p->rows == 'p' || p->rows == 'n' ? 'n' : 'e';
+    const pbwio__field name = p->value[kind == 's' ? PBWIO__KEY_NAME : kind == 'n' ? PBWIO__KEY_NSET : PBWIO__KEY_ELSET];
+    const size_t length = strlen(p->word);
+    const int section = length > 7 && strcmp(p->word + length - 7, "section") == 0;
+    const pbw_index set = name.begin < name.end && (section || (p->rows != 0 && p->rows != 'i'))
+                        ? pbwio__find_set(r, p, kind, name, 1) : PBW_NONE;
+    p->set = section ? PBW_NONE : set;
+    if (set != PBW_NONE && section) {
+        p->sets[set].section = 1;
+    } else if (set != PBW_NONE && p->value[PBWIO__KEY_INTERNAL].begin != NULL) {
+        p->sets[set].internal = 1;
+    } else if (set == PBW_NONE && strchr("nes", p->rows) != NULL && p->rows != 0) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "a set without a name");
+    }
+}
+
+/* One row: 0 counts nodes and their coordinates, 1 reads nodes, 2 elements, 3 sets. */
+static void pbwio__inp_row(pbwio__reader *r, pbwio__inp *p, int pass)
+{
+    pbwio__member member;
+    pbwio__field field;
+    int k = 0;
+    if (pass == 0 && p->rows == 'i') {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "an instance that is moved is not read: write the model without parts and "
+                    "assemblies");
+    } else if (pass == 0 && p->rows == 'p') {
+        while (k < 4 && pbwio__next(r, &field)) {
+            k += field.end > field.begin || !r->over;
+        }
+        p->coordinates = k > p->coordinates + 1 ? k - 1 : p->coordinates;
+        p->node_count++;
+    } else if (pass == 1 && p->rows == 'p') {
+        pbwio__inp_node(r, p);
+    } else if (pass == 2 && p->rows == 'c') {
+        pbwio__inp_element(r, p);
+    } else if (pass == 3 && p->rows != 'p' && p->rows != 'c' && p->rows != 'i') {
+        pbwio__inp_members(r, p);
+    }
+    if (p->set != PBW_NONE && r->status == PBWIO_OK
+        && ((pass == 1 && p->rows == 'p') || (pass == 2 && p->rows == 'c'))) {
+        const pbwio__index *n = pass == 1 ? &p->points : &p->elements;
+        memset(&member, 0, sizeof member);
+        member.first = member.last = n->list[n->count - 1].number;
+        member.step = 1;
+        pbwio__add_member(r, p, p->set, &member);
+    }
+}
+
+static void pbwio__inp_pass(pbwio__reader *r, pbwio__inp *p, const char *begin, int pass)
+{
+    r->at = begin;
+    r->line_number = 0;
+    p->rows = p->parts = p->instances = p->assembly = 0;
+    while (pbwio__inp_line(r)) {
+        if (*r->cursor == '*') {
+            pbwio__inp_keyword(r, p);
+            pbwio__inp_start(r, p);
+            if (pass == 0) {
+                pbwio__inp_refuse(r, p);
+            }
+            if (pass == 2 && p->rows == 'c') {
+                pbwio__inp_type(r, p);
+            }
+            p->set = PBW_NONE;
+            if (pass == 3 || (pass == 1 && p->rows == 'p') || (pass == 2 && p->rows == 'c')) {
+                pbwio__inp_open_set(r, p);
+            }
+        } else if (p->rows != 0) {
+            pbwio__inp_row(r, p, pass);
+        }
+    }
+}
+
+/* ---- groups ---- */
+
+/* Which side of an element a member of a set means: 0 to 3 a facet, 4 the element, -1 none that is read. */
+static int pbwio__side_of(const pbwio__numbered *e, int side)
+{
+    static const signed char tetrahedron[] = { 3, 2, 0, 1 };         /* S1 is across from the last corner */
+    const int edge = side > 10 ? side - 11 : e->shell ? side - 3 : side - 1;
+    if (e->corners == 0 || side == 0 || (e->shell && side <= 2)) {
+        return e->corners == 0 ? -1 : 4;
+    }
+    return e->dim == 3 ? (side <= 4 ? tetrahedron[side - 1] : -1)
+         : e->dim == 2 && edge >= 0 && edge < e->corners ? edge : -1;
+}
+
+/* The corners of a facet of an element. */
+static int pbwio__facet_of(const pbwio_cloud *cloud, const pbwio__numbered *e, int side, pbw_index corner[3])
+{
+    static const unsigned char facets[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
+    const pbw_index *t = e->dim == 3 ? cloud->tetrahedra + 4 * (size_t)e->place
+                       : cloud->triangles + 3 * (size_t)e->place;
+    int k;
+    for (k = 0; k < 3 && e->dim == 3; k++) {
+        corner[k] = t[facets[side][k]];
+    }
+    for (k = 0; k < 2 && e->dim == 2; k++) {                         /* of a quadrilateral the second triangle has */
+        const int at = (side + k) % e->corners;                      /* the last corner */
+        corner[k] = at < 3 ? t[at] : t[5];
+    }
+    return e->dim;
+}
+
+/* A number made of a facet, whatever the order of its corners. */
+static uint64_t pbwio__facet_hash(const pbwio_cloud *cloud, const pbwio__numbered *e, int side)
+{
+    pbw_index corner[3];
+    uint64_t sum = 0, h;
+    int count = pbwio__facet_of(cloud, e, side, corner);
+    while (count-- > 0) {
+        h = ((uint64_t)corner[count] + 1) * 0x9e3779b97f4a7c15u;
+        sum += (h ^ h >> 29) * 0xbf58476d1ce4e5b9u;
+    }
+    sum = (sum ^ sum >> 31) * 0x94d049bb133111ebu;
+    return sum ^ sum >> 32;
+}
+
+/* Puts what a set has into it: points (dim 0), elements of a dimension, triangles (dim 4) or edges (dim 5) between
+   elements.  Returns how many were not in it; the hashes of such facets go into p->sum. */
+static size_t pbwio__put_into(pbwio__reader *r, pbwio__inp *p, pbw_index s, int dim, pbw_index *of)
+{
+    const pbwio__set *set = p->sets + s;
+    const pbwio__index *n = set->kind == 'n' ? &p->points : &p->elements;
+    size_t count = 0, at, place, k;
+    pbw_index i;
+    if ((set->kind == 'n') != (dim == 0)) {
+        return 0;
+    }
+    for (i = set->first; i != PBW_NONE; i = p->members[i].next) {
+        const pbwio__member *m = p->members + i;
+        for (at = pbwio__from_number(n, m->first); at < n->count && n->list[at].number <= m->last; at++) {
+            const pbwio__numbered *e = n->list + at;
+            const int side = dim == 0 ? 4 : pbwio__side_of(e, m->side);
+            if (++p->steps > 16.0 * (double)(r->end - r->begin) + 65536) {
+                pbwio__fail(r, PBWIO_ERROR_FORMAT, "sets have elements again and again, too often for their text");
+                return 0;
+            }
+            if ((e->number - m->first) % (long long)m->step != 0
+                || (dim < 4 ? side != 4 || (dim > 0 && e->dim != dim) : side < 0 || side > 3 || e->dim != 7 - dim)) {
+                continue;
+            }
+            place = dim < 4 ? e->place : 4 * at + (size_t)side;
+            for (k = 0; k < (dim < 4 ? (size_t)e->count : 1); k++) {
+                p->sum ^= dim >= 4 && of[place + k] != s ? pbwio__facet_hash(r->cloud, e, side) : 0;
+                count += of[place + k] != s;
+                of[place + k] = s;
+            }
+        }
+    }
+    return count;
+}
+
+/* Whether a set is no group of that dimension: all points, all elements or the boundary, where this header calls it so,
+   where others have some of them, or of points at all. */
+static int pbwio__is_idle(const pbwio__set *set, int dim, size_t others)
+{
+    const char *own = dim == 0 ? "NALL" : dim >= 4 ? "BOUNDARY" : "DOMAIN";
+    return set->internal || (set->whole && (dim == 0 || others > 0 || pbwio__is(set->name, own)));
+}
+
+/* Notes sets that lost members to others: `kept` is how many they have, one a set. */
+static void pbwio__note_lost(pbwio__reader *r, pbwio__inp *p, int dim, const size_t *kept)
+{
+    const char *own = dim == 0 ? "NALL" : dim >= 4 ? "BOUNDARY" : "DOMAIN";
+    size_t i, used = strlen(p->lost);
+    for (i = 0; i < p->set_count && strstr(p->lost, "...") == NULL; i++) {
+        const pbwio__set *set = p->sets + i;
+        if (kept[i] < set->size && !set->internal && !(set->whole && pbwio__is(set->name, own))) {
+            used += (size_t)snprintf(p->lost + used, sizeof p->lost - used, "%s%s", used == 0 ? "" : ", ",
+                                     used < sizeof p->lost - 40 ? pbwio__show(r, set->name) : "...");
+        }
+    }
+}
+
+/* Finds out which of the sets are groups of points, elements or facets (dim, as above), makes groups of them, in the
+   order of the sets, and puts the numbers of sets into `of`, which has `total` places; PBW_NONE: in none. */
+static void pbwio__rank_sets(pbwio__reader *r, pbwio__inp *p, int dim, pbw_index *of, size_t total)
+{
+    const uint64_t boundary = p->sum;
+    size_t *kept = (size_t *)pbwio__resize(r, NULL, 0, p->set_count + 1, sizeof *kept), i, others = 0;
+    int level;
+    if (kept == NULL) {
+        return;
+    }
+    memset(of, 0xff, total * sizeof *of);
+    memset(kept, 0, (p->set_count + 1) * sizeof *kept);
+    for (i = 0; i < p->set_count && r->status == PBWIO_OK; i++) {
+        pbwio__set *set = p->sets + i;
+        p->sum = 0;
+        set->size = set->kind == 'n' && pbwio__find_set(r, p, 's', set->name, 0) != PBW_NONE ? 0
+                  : pbwio__put_into(r, p, (pbw_index)i, dim, of);    /* nodes of a surface say no more than that */
+        set->whole = set->size > 0 && (dim < 4 ? set->size == total : p->sum == boundary);
+        others += set->size > 0 && !set->whole && !set->internal && (set->kind != 's' || dim >= 4);
+    }
+    memset(of, 0xff, total * sizeof *of);
+    for (level = 0; level < 4; level++) {
+        for (i = 0; i < p->set_count && r->status == PBWIO_OK; i++) {
+            const pbwio__set *set = p->sets + i;
+            if (set->size > 0 && !pbwio__is_idle(set, dim, others)
+                && level == (set->kind == 's' && dim < 4 ? 0 : set->whole || set->helper ? 1 : set->section ? 3 : 2)) {
+                (void)pbwio__put_into(r, p, (pbw_index)i, dim, of);
+            }
+        }
+    }
+    for (i = 0; i < total; i++) {
+        kept[of[i] == PBW_NONE ? p->set_count : of[i]]++;
+    }
+    pbwio__note_lost(r, p, dim, kept);
+    for (i = 0; i < p->set_count && r->status == PBWIO_OK; i++) {
+        pbwio__set *set = p->sets + i;
+        set->group = kept[i] == 0 ? PBW_NONE
+                   : pbwio__find_group(r, dim < 4 ? dim : 6 - dim, 0, set->name.begin,
+                                       (size_t)(set->name.end - set->name.begin));
+    }
+    r->held -= (p->set_count + 1) * sizeof *kept;
+    PBWIO_FREE(kept);
+}
+
+/* Groups of points and elements. */
+static void pbwio__inp_groups(pbwio__reader *r, pbwio__inp *p, int dim)
+{
+    pbwio_cloud *cloud = r->cloud;
+    pbw_index **of = dim == 0 ? &cloud->point_groups : dim == 1 ? &cloud->segment_groups
+                   : dim == 2 ? &cloud->triangle_groups : &cloud->tetrahedron_groups;
+    const size_t count = dim == 0 ? cloud->count : dim == 1 ? cloud->segment_count : dim == 2 ? cloud->triangle_count
+                       : cloud->tetrahedron_count;
+    const size_t capacity = dim == 0 ? r->point_capacity : dim == 1 ? r->segment_capacity
+                          : dim == 2 ? r->triangle_capacity : r->tetrahedron_capacity;
+    size_t i, found = 0;
+    if (count == 0 || p->set_count == 0 || !pbwio__group_room(r, of, 0, 0, capacity)) {
+        return;
+    }
+    pbwio__rank_sets(r, p, dim, *of, count);
+    for (i = 0; i < count && r->status == PBWIO_OK; i++) {
+        found += (*of)[i] != PBW_NONE;
+        (*of)[i] = (*of)[i] == PBW_NONE ? PBW_NONE : p->sets[(*of)[i]].group;
+    }
+    if (found == 0) {
+        PBWIO_FREE(*of);
+        *of = NULL;
+        r->held -= capacity * sizeof **of;
+    }
+}
+
+/* Groups of facets, of triangles (dim 4) or edges (dim 5), which become elements. */
+static void pbwio__inp_surfaces(pbwio__reader *r, pbwio__inp *p, int dim)
+{
+    const size_t total = 4 * p->elements.count;
+    pbw_index *of, corner[3];
+    size_t i;
+    int side;
+    for (i = 0; i < p->set_count && p->sets[i].kind != 's'; i++) {
+    }
+    of = i < p->set_count && total > 0 ? (pbw_index *)pbwio__resize(r, NULL, 0, total, sizeof *of) : NULL;
+    if (of == NULL) {
+        return;
+    }
+    for (i = 0, p->sum = 0; i < p->elements.count; i++) {            /* what two elements share cancels */
+        const pbwio__numbered *e = p->elements.list + i;
+        for (side = 0; e->corners > 0 && e->dim == 7 - dim && side < e->corners; side++) {
+            p->sum ^= pbwio__facet_hash(r->cloud, e, side);
+        }
+    }
+    pbwio__rank_sets(r, p, dim, of, total);
+    for (i = 0; i < total && r->status == PBWIO_OK; i++) {
+        if (of[i] != PBW_NONE) {
+            (void)pbwio__facet_of(r->cloud, p->elements.list + i / 4, (int)(i % 4), corner);
+            r->group[6 - dim] = p->sets[of[i]].group;
+            pbwio__add_simplex(r, 6 - dim, corner);
+        }
+    }
+    r->held -= total * sizeof *of;
+    PBWIO_FREE(of);
+}
+
+static void pbwio__read_inp(pbwio__reader *r)
+{
+    const char *begin = r->at;
+    pbwio__inp *p = (pbwio__inp *)PBWIO_REALLOC(NULL, sizeof *p);
+    int dim;
+    if (p == NULL) {
+        pbwio__fail(r, PBWIO_ERROR_MEMORY, "out of memory");
+        return;
+    }
+    memset(p, 0, sizeof *p);
+    r->separator = ',';
+    pbwio__inp_pass(r, p, begin, 0);
+    r->at = begin;
+    if (p->node_count > 0) {
+        pbwio__choose(r, NULL, p->coordinates, p->coordinates);
+        pbwio__reserve(r, p->node_count, 2);
+    }
+    pbwio__inp_pass(r, p, begin, 1);
+    pbwio__sort_numbers(r, &p->points, "node");
+    pbwio__inp_pass(r, p, begin, 2);
+    pbwio__sort_numbers(r, &p->elements, "element");
+    pbwio__inp_pass(r, p, begin, 3);
+    for (dim = 0; dim < 4; dim++) {
+        pbwio__inp_groups(r, p, dim);
+    }
+    pbwio__inp_surfaces(r, p, 4);
+    pbwio__inp_surfaces(r, p, 5);
+    if (p->lost[0] != 0) {
+        pbwio__dropped(r, "members that other sets have, too, of %s", p->lost);
+    }
+    PBWIO_FREE(p->points.list);
+    PBWIO_FREE(p->elements.list);
+    PBWIO_FREE(p->members);
+    PBWIO_FREE(p->sets);
+    PBWIO_FREE(p->table);
+    PBWIO_FREE(p);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   .su2: keys with values, then rows; all after % is a comment.
+   In: the file, in two passes: the points, then all elements.  Out: elements; markers as groups of facets.
+   ------------------------------------------------------------------------------------------------------ */
+
+/* Steps to the next line that has something; key: what is before =, empty if it is a row. */
+static int pbwio__su2_line(pbwio__reader *r, pbwio__field *key)
+{
+    while (pbwio__line(r)) {
+        const char *stop = (const char *)memchr(r->line, '%', (size_t)(r->line_end - r->line)), *equal;
+        pbwio__field all;
+        r->line_end = stop != NULL ? stop : r->line_end;
+        all = pbwio__trim(r, r->line, r->line_end);
+        if (all.begin < all.end) {
+            equal = (const char *)memchr(all.begin, '=', (size_t)(all.end - all.begin));
+            *key = pbwio__trim(r, all.begin, equal != NULL ? equal : all.begin);
+            r->cursor = equal != NULL ? equal + 1 : all.begin;
+            return 1;
+        }
+    }
+    return 0;
+}
+
+typedef struct pbwio__su2 {
+    long long dim, points, left, markers, marked;    /* left: rows that are due */
+    int rows;                                /* of the key at hand: 'p' points, 'e' elements, 'm' of a marker, 0 others */
+    int named;                               /* a marker */
+    pbw_index group;                         /* of the marker */
+} pbwio__su2;
+
+/* Notes what a key says. */
+static void pbwio__su2_start(pbwio__reader *r, pbwio__su2 *p, pbwio__field key, int pass)
+{
+    const int rows = pbwio__is(key, "NELEM") ? 'e' : pbwio__is(key, "NPOIN") ? 'p'
+                   : pbwio__is(key, "MARKER_ELEMS") ? 'm' : 0;
+    if (pbwio__is(key, "SEND_RECV")) {                               /* between a marker and its rows */
+        return;
+    }
+    if (p->left > 0) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "the rows end %lld too early", p->left);
+    }
+    p->rows = rows;
+    if (rows != 0) {
+        p->left = pbwio__count(r, "number of rows");
+    }
+    if (pbwio__is(key, "NDIME")) {
+        const long long dim = pbwio__count(r, "dimension");
+        if (dim < 2 || dim > 3 || (p->dim != 0 && dim != p->dim)) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "dimension %lld", dim);
+        }
+        p->dim = dim;
+    } else if (pbwio__is(key, "NZONE") && pbwio__count(r, "number of zones") > 1) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "files of one zone are read, this has several: write one file a zone");
+    } else if (pbwio__is(key, "NMARK")) {
+        p->markers = pbwio__count(r, "number of markers");
+    } else if (pbwio__is(key, "MARKER_TAG")) {
+        const pbwio__field name = pbwio__trim(r, r->cursor, r->line_end);
+        p->named = 1;
+        p->marked += pass;
+        p->group = pass == 0 || name.end == name.begin || pbwio__is(name, "ungrouped") ? PBW_NONE
+                 : pbwio__find_group(r, (int)p->dim - 1, 0, name.begin, (size_t)(name.end - name.begin));
+    } else if (rows == 'm' && !p->named) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "elements of a marker before MARKER_TAG");
+    } else if (rows != 0 && p->dim == 0) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "rows before NDIME");
+    } else if (rows == 'p' && pass == 0) {
+        if (r->cloud->points != NULL) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "points twice: files of one zone are read");
+        }
+        pbwio__choose(r, NULL, (int)p->dim, (int)p->dim);
+        pbwio__reserve(r, (unsigned long long)p->left, 2 * (size_t)p->dim);
+    } else if (rows == 0 && !pbwio__lists("NZONE IZONE", key)) {
+        pbwio__leave_out(r, "keys other than of points, elements and markers");
+    }
+}
+
+/* An element: its type as VTK has it, its points; a number may follow. */
+static void pbwio__su2_element(pbwio__reader *r, pbwio__su2 *p)
+{
+    static const unsigned char nodes[25] = { 0, 1, 0, 2, 0, 3, 0, 0, 0, 4, 4, 0, 8, 6, 5, 0, 0, 0, 0, 0, 0, 3, 6, 8, 10 };
+    const long long type = pbwio__count(r, "type of elements");
+    long long id[10] = { 0 };
+    int k, corners, dim;
+    if (type > 24 || nodes[type] == 0) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "there are no elements of type %lld", type);
+        return;
+    }
+    for (k = 0; k < nodes[type]; k++) {
+        id[k] = pbwio__count(r, "point number");
+    }
+    dim = pbwio__vtk_shape((int)type, &corners);
+    if (dim < 0) {
+        pbwio__leave_out(r, PBWIO__OTHER_SOLIDS);
+    } else if (dim == 0) {
+        pbwio__leave_out(r, "elements of one point");
+    } else if (r->status == PBWIO_OK) {
+        r->group[dim] = p->rows == 'm' && dim < p->dim ? p->group : PBW_NONE;
+        pbwio__add_element(r, dim, corners, nodes[type], id);
+    }
+}
+
+static void pbwio__read_su2(pbwio__reader *r)
+{
+    const char *begin = r->at;
+    pbwio__su2 p;
+    pbwio__field key;
+    int pass;
+    memset(&p, 0, sizeof p);
+    for (pass = 0; pass < 2; pass++) {
+        r->at = begin;
+        r->line_number = 0;
+        p.left = p.rows = p.named = 0;
+        while (pbwio__su2_line(r, &key)) {
+            if (key.begin < key.end) {
+                pbwio__su2_start(r, &p, key, pass);
+            } else if (p.rows != 0 && p.left-- <= 0) {
+                pbwio__fail(r, PBWIO_ERROR_FORMAT, "more rows than announced");
+            } else if (p.rows == 'p' && pass == 0) {
+                pbwio__point(r);
+            } else if ((p.rows == 'e' || p.rows == 'm') && pass == 1) {
+                pbwio__su2_element(r, &p);
+            }
+        }
+        if (p.left > 0) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "the file ends %lld rows too early", p.left);
+        }
+    }
+    if (p.marked != p.markers) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "markers: %lld, announced: %lld", p.marked, p.markers);
+    }
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -5954,15 +7084,15 @@ static const pbwio__kind pbwio__kinds[] = {
       "[f[2Edges][3Triangles]\n%f\n@f%v%P\n][2Triangles][3Tetrahedra]\n%c\n@c%v%P\nEnd\n" },
     { "ele", PBWIO__BASE, pbwio__read_ele, NULL, "%c[23][34] [a1][A0]\n@c%j%v[a%P]\n" },
     { "neigh", PBWIO__SIMPLICES | PBWIO__BASE, NULL, NULL, "%c[23][34]\n@c%j%g\n" },
-    { "face edge", PBWIO__BASE | PBWIO__GROUPED, NULL, NULL, "%f1\n@f%j%v%P\n" },
+    { "face edge", PBWIO__BASE | PBWIO__GROUPED, pbwio__read_facets, NULL, "%f1\n@f%j%v%P\n" },
     { "msh2", PBWIO__FROM_1 | PBWIO__GROUPED, pbwio__read_msh, NULL,
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" PBWIO__GROUPS
       "$Nodes\n%n\n@p%i%X\n$EndNodes\n"
       "$Elements\n%e\n@f%j[21][32] 2 1 1 %v\n@c%j[22][34] 2 2 1 %v\n$EndElements\n" },
-    { "inp", PBWIO__FROM_1 | PBWIO__NO_ORPHANS | PBWIO__BOUNDARY | PBWIO__COMMAS | PBWIO__GROUPED, NULL, NULL,
+    { "inp", PBWIO__FROM_1 | PBWIO__NO_ORPHANS | PBWIO__BOUNDARY | PBWIO__COMMAS | PBWIO__GROUPED, pbwio__read_inp, NULL,
       "*NODE, NSET=NALL\n@p%i%x\n*ELEMENT, TYPE=[2[HCPS3][hS3]][3C3D4], ELSET=DOMAIN\n@c%j%v\n"
       "[f*NSET, NSET=BOUNDARY\n@b%i\n*SURFACE, NAME=BOUNDARY, TYPE=ELEMENT\n@h%pS%k\n]" },
-    { "su2", PBWIO__NO_ORPHANS | PBWIO__GROUPED | PBWIO__HULL, NULL, pbwio__write_su2, NULL },
+    { "su2", PBWIO__NO_ORPHANS | PBWIO__GROUPED | PBWIO__HULL, pbwio__read_su2, pbwio__write_su2, NULL },
     { "json geojson", 0, pbwio__read_json, NULL, NULL },
     { "vtk", 0, pbwio__read_vtk, NULL, NULL }
 };
@@ -5970,23 +7100,6 @@ static const pbwio__kind pbwio__kinds[] = {
 static const pbwio__kind *pbwio__kind_of(pbwio_format format)
 {
     return pbwio__kinds + ((size_t)format < sizeof pbwio__kinds / sizeof pbwio__kinds[0] ? (size_t)format : 0);
-}
-
-static int pbwio__is_gz(const char *path)
-{
-    const size_t length = strlen(path);
-    return length > 3 && pbwio__same(path + length - 3, 3, ".gz", 3);
-}
-
-/* The ending of a name, without its dot, and without .gz behind it; empty if there is none. */
-static pbwio__field pbwio__ending(const char *path)
-{
-    const char *end = path + strlen(path) - (pbwio__is_gz(path) ? 3 : 0);
-    pbwio__field ending;
-    for (ending.begin = end; ending.begin > path && strchr("./\\", ending.begin[-1]) == NULL; ending.begin--) {
-    }
-    ending.end = ending.begin > path && ending.begin[-1] == '.' ? end : ending.begin;
-    return ending;
 }
 
 PBWIODEF pbwio_format pbwio_format_of(const char *path)
@@ -6051,6 +7164,16 @@ static pbwio_format pbwio__sniff(pbwio__reader r)
         }
         if (*word.begin == '<') {
             return PBWIO_VTU;
+        }
+        if (*word.begin == '%') {                                    /* a comment of .su2 */
+            continue;
+        }
+        if (*word.begin == '*') {
+            return PBWIO_INP;
+        }
+        if (word.end - word.begin >= 5 && (pbwio__same(word.begin, 5, "NDIME", 5)
+                                           || pbwio__same(word.begin, 5, "NZONE", 5))) {
+            return PBWIO_SU2;
         }
         if (pbwio__is(word, "$MeshFormat") || pbwio__is(word, "MeshVersionFormatted")) {
             return *word.begin == '$' ? PBWIO_MSH : PBWIO_MESH;
@@ -6145,7 +7268,7 @@ static void pbwio__fit(pbwio_cloud *cloud)
     pbwio__shrink_ids(&cloud->point_groups, cloud->count);
 }
 
-/* Reads content into a cloud that is empty or, for .ele, has its points. */
+/* Reads content into a cloud that is empty or, for .ele .face .edge, has points and simplices. */
 static pbwio_status pbwio__read(const char *name, const void *data, size_t size, const pbwio_options *options,
                                 pbwio_cloud *cloud, pbwio_error *error)
 {
@@ -6164,6 +7287,7 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
     r.error = error;
     r.budget = (size > (size_t)-1 / 16 ? (size_t)-1 / 2 : 8 * size) + 65536;
     r.group[0] = r.group[1] = r.group[2] = r.group[3] = PBW_NONE;
+    r.group_capacity = cloud->group_count;
     if (r.options->dim != 0 && r.options->dim != 2 && r.options->dim != 3) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, name, "dimension %d is not 2 or 3", r.options->dim);
     }
@@ -6289,7 +7413,7 @@ PBWIODEF char *pbwio_load(const char *path, size_t *size, pbwio_error *error)
     return block;
 }
 
-/* Reads a file into a cloud that is empty or, for .ele, has its points. */
+/* Reads a file into a cloud that is empty or, for .ele .face .edge, has points and simplices. */
 static pbwio_status pbwio__read_file(const char *path, const pbwio_options *options, pbwio_cloud *cloud,
                                      pbwio_error *error)
 {
@@ -6303,35 +7427,54 @@ static pbwio_status pbwio__read_file(const char *path, const pbwio_options *opti
     return status;
 }
 
+/* Reads a file of the same name but its ending; optional: if it is there. */
+static pbwio_status pbwio__read_beside(const char *path, const char *ending, int optional, const pbwio_options *options,
+                                       pbwio_cloud *cloud, pbwio_error *error)
+{
+    const pbwio__field own = pbwio__ending(path);
+    const size_t length = own.end > own.begin ? (size_t)(own.begin - path) : strlen(path);
+    char *name = (char *)PBWIO_REALLOC(NULL, length + 8);
+    pbwio_options o;
+    pbwio_status status = PBWIO_OK;
+    FILE *file = NULL;
+    memset(&o, 0, sizeof o);
+    o = options != NULL ? *options : o;
+    o.format = strcmp(ending, "node") == 0 ? PBWIO_NODE : PBWIO_FACE;
+    if (name == NULL) {
+        return pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
+    }
+    snprintf(name, length + 8, "%.*s%s%s", (int)length, path, own.end > own.begin ? "" : ".", ending);
+    file = optional ? fopen(name, "rb") : NULL;
+    if (file != NULL) {
+        fclose(file);
+    }
+    if (file != NULL || !optional) {
+        status = pbwio__read_file(name, &o, cloud, error);
+    }
+    PBWIO_FREE(name);
+    return status;
+}
+
 PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options, pbwio_cloud *cloud,
                                  pbwio_error *error)
 {
-    pbwio_options nodes;
     pbwio_status status = PBWIO_OK;
     pbwio_format format;
-    char *name;
     if (path == NULL || cloud == NULL) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, "pbwio_read", "an argument is NULL");
     }
     memset(cloud, 0, sizeof *cloud);
     format = options != NULL && options->format != PBWIO_AUTO ? options->format : pbwio_format_of(path);
-    if (format == PBWIO_ELE) {                                       /* the points are in the .node file beside it */
-        size_t length = strlen(path);
-        length -= pbwio__is_gz(path) ? 3u : 0u;
-        length -= length > 4 && pbwio__same(path + length - 4, 4, ".ele", 4) ? 4u : 0u;
-        memset(&nodes, 0, sizeof nodes);
-        nodes = options != NULL ? *options : nodes;
-        nodes.format = PBWIO_NODE;
-        name = (char *)PBWIO_REALLOC(NULL, length + 6);
-        if (name == NULL) {
-            return pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
-        }
-        memcpy(name, path, length);
-        strcpy(name + length, ".node");
-        status = pbwio__read_file(name, &nodes, cloud, error);
-        PBWIO_FREE(name);
+    if (format == PBWIO_ELE || format == PBWIO_FACE) {
+        status = pbwio__read_beside(path, "node", 0, options, cloud, error);
     }
     status = status != PBWIO_OK ? status : pbwio__read_file(path, options, cloud, error);
+    if (format == PBWIO_ELE && status == PBWIO_OK && cloud->dim == 3) {
+        status = pbwio__read_beside(path, "face", 1, options, cloud, error);
+    }
+    if (format == PBWIO_ELE && status == PBWIO_OK) {
+        status = pbwio__read_beside(path, "edge", 1, options, cloud, error);
+    }
     if (status != PBWIO_OK) {
         pbwio_free(cloud);
     }

@@ -388,7 +388,7 @@ const command command_improve = {
     "Triangles of a plane become the Delaunay ones of their domain, which have the largest least angles, between\n"
     "rounds of --smooth; points of the boundary stay.\n"
     "\n"
-    "input:   .msh .mesh .vtu .vtk .ele with tetrahedra or with triangles of one z\n"
+    "input:   .msh .mesh .inp .su2 .vtu .vtk .ele with tetrahedra or with triangles of one z\n"
     "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face (tetrahedra, boundary), .obj .ply .stl .off\n"
     "         (boundary), .html (page to look around in); any number of them\n"
     "\n",

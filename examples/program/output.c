@@ -131,11 +131,13 @@ static int lacks_points(const char *path)
     return file != NULL && atol(line) == 0;
 }
 
-/* Whether writing to the path would destroy an input: that file, or the one with its points. */
+/* Whether writing to the path would destroy an input: that file, or one that is read with it. */
 static int destroys(const char *path, const char *input)
 {
+    static const char *const endings[] = { "node", "face", "edge" };
     char other[1100];
     const char *dot;
+    int i, count;
     if (input == NULL) {
         return 0;
     }
@@ -143,12 +145,19 @@ static int destroys(const char *path, const char *input)
         return 1;
     }
     dot = strrchr(input, '.');
-    dot = dot != NULL && strcmp(dot, ".poly") == 0 && lacks_points(input) ? dot : strstr(input, ".ele");
-    if (dot == NULL || (strcmp(dot, ".poly") != 0 && strcmp(dot, ".ele") != 0 && strcmp(dot, ".ele.gz") != 0)) {
+    dot = dot != NULL && strcmp(dot, ".gz") == 0 ? strstr(input, ".ele.gz") : dot;
+    if (dot == NULL || (strcmp(dot, ".poly") == 0 && !lacks_points(input))) {
         return 0;
     }
-    snprintf(other, sizeof other, "%.*s.node", (int)(dot - input), input);       /* has its points */
-    return one_file(path, other);
+    count = strncmp(dot, ".ele", 4) == 0 ? 3 : strcmp(dot, ".poly") == 0 || strcmp(dot, ".face") == 0
+         || strcmp(dot, ".edge") == 0 ? 1 : 0;
+    for (i = 0; i < count; i++) {
+        snprintf(other, sizeof other, "%.*s.%s", (int)(dot - input), input, endings[i]);
+        if (one_file(path, other)) {
+            return 1;
+        }
+    }
+    return 0;
 }
 
 /* A folder that is there and can be written to. */

@@ -108,7 +108,7 @@ const command command_sample = {
     "\n"
     "Points spread evenly over the surface of a model, none closer to another than a radius, with normals.\n"
     "\n"
-    "input:   .obj .ply .stl .off .msh .mesh .vtu .vtk with faces\n"
+    "input:   .obj .ply .stl .off .msh .mesh .inp .vtu .vtk with faces\n"
     "output:  .ply .obj .off .xyz .csv; any number of them\n"
     "\n",
     "ply obj off xyz csv txt pts asc dat tsv",
