@@ -200,7 +200,7 @@ demo: $B/pbw $B/model
 	sh examples/demo.sh $B
 
 asan ubsan tsan sanitize: %:
-	@$(MAKE) --no-print-directory B=$B/$* CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=$(SANITIZE_$*)' programs
+	@$(MAKE) --no-print-directory B=$B/$* CFLAGS='-O1 -g1 -fno-omit-frame-pointer -fsanitize=$(SANITIZE_$*)' programs
 SANITIZE_asan = address
 SANITIZE_ubsan = undefined -fno-sanitize-recover=all
 SANITIZE_tsan = thread

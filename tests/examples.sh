@@ -20,7 +20,7 @@ whole() {   # whole NAME FILE: compiles it in one command, which has pbw.h's imp
     hello | gas | raii) ;;
     *) "$@" -I. -fsyntax-only && "$@" -I. -E | grep -q 'uint64_t pbw_hash(.*)$'; return ;;
     esac
-    "$@" -O1 -I. -o "$work/whole" -lpthread -lm && prints "$work/whole" "$printed"
+    "$@" -O0 -I. -o "$work/whole" -lpthread -lm && prints "$work/whole" "$printed"
 }
 
 # Every edge of an OBJ model is there once each way: its surface is closed and turned outward, or inward, all over.

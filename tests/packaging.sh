@@ -169,8 +169,8 @@ for compiler in $compilers; do
 done
 
 # Copies and callers.
-check "two PBW_STATIC copies compile" sh -c "$CC -O1 -I. -DCOPY=f -c $work/static.c -o $work/f.o &&
-    $CC -O1 -DPBW_NO_QUERIES -DPBW_NO_LIVE -I. -DCOPY=g -c $work/static.c -o $work/g.o"
+check "two PBW_STATIC copies compile" sh -c "$CC -O0 -I. -DCOPY=f -c $work/static.c -o $work/f.o &&
+    $CC -O0 -DPBW_NO_QUERIES -DPBW_NO_LIVE -I. -DCOPY=g -c $work/static.c -o $work/g.o"
 check "two PBW_STATIC copies link" $CC "$work/copies.c" "$work/f.o" "$work/g.o" -o "$work/copies" -lpthread
 check "two PBW_STATIC copies work" "$work/copies"
 check "the implementation compiles" $CC -O1 -fno-pie -I. -c "$work/whole.c" -o "$work/whole.o"

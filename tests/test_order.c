@@ -3,7 +3,8 @@
 #include <pthread.h>
 
 #define PBW__TEST_SMALL_SHARES                       /* few points make many tasks */
-#define PBW_STATIC
+#define PBW_NO_QUERIES                                    /* half as much to compile */
+#define PBW_NO_LIVE
 #define PBW_IMPLEMENTATION
 #include "../pbw.h"
 #include "inputs.h"
