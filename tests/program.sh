@@ -363,6 +363,28 @@ check "improve --smooth --rounds" says 0 "before that, 2 rounds of smoothing" im
 check "improve --only-smooth" says 0 "; 0 passes" improve low.msh --smooth lloyd --only-smooth
 check "improve --quality" says 0 "gamma            least" improve low.msh --quality
 
+# On a terminal each stage has its name while it is at work, and nothing is drawn again that is there.
+if script -qec true /dev/null < /dev/null > /dev/null 2>&1; then
+    terminal() { script -qec "'$pbw' $*" typed < /dev/null > said; tr '\r' '\n' < typed | sed 's/\x1b\[K//' > frames; }
+    stages() {  # stages NAMES ARGUMENT...
+        names=$1
+        shift
+        terminal "$@" && awk '/^[a-z]+ .*(%|[.][.][.])$/ && !($1 in seen) { seen[$1]; line = line $1 " " }
+            /%$/ && $0 == before { again = 1 }
+            { before = $0 }
+            END { print line; exit again }' frames > seen && cat seen frames && [ "$(cat seen)" = "$names " ]
+    }
+    check "stages of a solid" stages "read sample rounds improve measure write" solid cube.obj --size 0.1 -o cube.vtu
+    estimate() { awk '/^rounds/ { exit !before } /^about [0-9]+ tetrahedra/ { before = 1 }' frames; }
+    check "the estimate comes before the work" estimate
+    check "stages of a plane domain" stages "read order build output plane write" plane p.csv --size 0.01 -o plane.vtu
+    check "stages of a triangulation" stages "read order build output check write" mesh m.csv -o typed.vtu
+    check "stages of what is inside" stages "read surface order build output check inside write" \
+        mesh cube.obj --inside -o typed.vtu
+else
+    skip "stages on a terminal: no script"
+fi
+
 # Samples.
 cube 0 0 1 | awk '$1 == "v" { $4 *= 0.001 } { print }' > sheet.obj
 sampled() { "$pbw" sample "$@" --format csv -o - 2> said | sed 1d > points.csv; }

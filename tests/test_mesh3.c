@@ -1026,6 +1026,46 @@ static void test_failures(void)
     test_end();
 }
 
+typedef struct stages { const char *name; char seen[64]; } stages;
+
+static int note_stage(void *user, pbw_stage stage, double done)
+{
+    stages *s = (stages *)user;
+    (void)done;
+    if (stage != PBW_STAGE_WORK || s->name == NULL) {
+        strcpy(s->seen, "none ");
+    } else if (strstr(s->seen, s->name) == NULL && strlen(s->seen) < 32) {
+        strcat(strcat(s->seen, s->name), " ");
+    }
+    return 0;
+}
+
+static void test_stages(void)
+{
+    static part m;
+    pbw_options options;
+    pbw_solid_options how;
+    pbw_solid_input in;
+    pbw_tets mesh;
+    stages s;
+    if (!test_begin("each stage has its name while it is at work")) {
+        return;
+    }
+    (void)part_make(PART_L, 0, &m);
+    in = input_of(&m);
+    memset(&options, 0, sizeof options);
+    memset(&how, 0, sizeof how);
+    memset(&s, 0, sizeof s);
+    how.size = 1.2;
+    how.stage = &s.name;
+    options.progress = note_stage;
+    options.progress_user = &s;
+    CHECK(pbw_solid(&in, &how, &options, &mesh, NULL, NULL) == PBW_OK);
+    CHECK(strcmp(s.seen, "sample rounds improve measure ") == 0);
+    pbw_tets_free(&mesh);
+    test_end();
+}
+
 int main(int argc, char **argv)
 {
     test_start(argc, argv, 1);
@@ -1047,6 +1087,7 @@ int main(int argc, char **argv)
     test_sizes();
     test_holes();
     test_warnings();
+    test_stages();
     test_failures();
     return test_finish();
 }

@@ -118,6 +118,8 @@ typedef struct pbw_solid_options {         /* NULL or all zero = best defaults *
        edges, the estimate.  NULL = nobody. */
     void (*plan)(void *user, const struct pbw_solid_report *report);
     void *plan_user;
+    const char **stage;                    /* gets the name of what is at work, before its progress is reported: sample,
+                                              rounds, improve, measure, in the order of report.seconds; NULL = none */
     double feature_angle;                  /* degrees: edges whose normals differ by more are sharp; 0 = 40; functions
                                               have none */
     double distance;                       /* facets farther from the surface, in sizes, get points, and improvement
@@ -324,6 +326,17 @@ static int pbwm3__stops(const pbwm3__work *w, double share)
     const double done = w->begin + (w->end - w->begin) * (w->from + (w->to - w->from) * share);
     return w->caller != NULL && w->caller->progress != NULL
         && w->caller->progress(w->caller->progress_user, PBW_STAGE_WORK, done) != 0;
+}
+
+/* Begins a stage, which goes on to `to` of the progress.  Returns whether to stop. */
+static int pbwm3__enters(pbwm3__work *w, const char *stage, double to)
+{
+    w->from = w->to;
+    w->to = to;
+    if (w->how.stage != NULL) {
+        *w->how.stage = stage;
+    }
+    return pbwm3__stops(w, 0);
 }
 
 static int pbwm3__is_late(const pbwm3__work *w)
@@ -3879,8 +3892,6 @@ static pbw_status pbwm3__finish(pbwm3__work *w, pbw_tets *out)
     improve.seconds = w->late < HUGE_VAL ? fmax(1e-9, w->late - (double)clock() / CLOCKS_PER_SEC) : 0;
     own.progress = pbwm3__part_stops;
     own.progress_user = w;
-    w->from = 0.6;
-    w->to = 1;
     own.memory_limit = w->memory.limit > w->memory.used ? w->memory.limit - w->memory.used : w->memory.limit;
     return pbw_improve(&in, &improve, &own, out, &w->report->improve);
 }
@@ -3922,12 +3933,15 @@ static pbw_status pbwm3__far_range(void *arg, size_t from, size_t to)
 static pbw_status pbwm3__farthest(pbwm3__work *w, pbwm3__far *far, size_t count, double *least)
 {
     pbwsf__array room;
+    pbw_options options = w->options;
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i;
     memset(&room, 0, sizeof room);
+    options.progress = pbwm3__part_stops;
+    options.progress_user = w;
     if (pbwsf__resize(&w->memory, &room, (count + 1) * sizeof(double))) {
         far->distance = (double *)room.data;
-        status = pbw_for(&w->options, count, 64, pbwm3__far_range, far);
+        status = pbw_for(&options, count, 64, pbwm3__far_range, far);
         for (i = 0; status == PBW_OK && i < count; i++) {
             *least = fmax(*least, far->distance[i]);
         }
@@ -4165,6 +4179,8 @@ static pbw_status pbwm3__report_on(pbwm3__work *w, const pbw_tets *out, const pb
         far.points = w->surface.points;
         far.triangles = w->surface.triangles;
         far.surface = &boundary;
+        w->from = w->to;
+        w->to = 1;
         status = pbwm3__farthest(w, &far, w->surface.triangle_count, &distance);
     }
     r->distance = distance / w->size;
@@ -4396,13 +4412,12 @@ static pbw_status pbwm3__attempt(const pbwm3__call *call, int whole, int sharp, 
     w->nested = w->how.nested != 0;
     w->begin = begin;
     w->end = begin + (begin > 0 ? 0.5 : 0.7);
-    w->to = 0.1;
     w->distance = w->how.distance > 0 ? w->how.distance : 0.1;
     w->cosine = cos((w->how.feature_angle > 0 ? w->how.feature_angle : 40) / 57.295779513082321);
-    status = pbwm3__stops(w, 0) ? PBW_CANCELLED : pbwm3__take_input(w);
+    status = pbwm3__enters(w, "sample", 0.1) ? PBW_CANCELLED : pbwm3__take_input(w);
     status = status != PBW_OK ? status : pbwm3__sample(w);
     report->seconds[0] = pbwm3__lap(&since);
-    status = status != PBW_OK ? status : pbwm3__rounds(w);
+    status = status != PBW_OK ? status : pbwm3__enters(w, "rounds", 0.1) ? PBW_CANCELLED : pbwm3__rounds(w);
     status = status != PBW_OK ? status : pbwm3__count_faults(w);
     report->seconds[1] = pbwm3__lap(&since);
     return status;
@@ -4455,10 +4470,12 @@ static pbw_status pbwm3__complete(pbwm3__work *w, double done, pbwm3__result *r)
     pbw_status status;
     w->end = 1;                                      /* 0.6 of this attempt are done */
     w->begin = (done - 0.6) / 0.4;
-    status = pbwm3__finish(w, &r->mesh);
+    w->to = 0.6;
+    status = pbwm3__enters(w, "improve", 0.9) ? PBW_CANCELLED : pbwm3__finish(w, &r->mesh);
     w->report->seconds[2] = pbwm3__lap(&since);
     if (status == PBW_OK) {
-        status = pbwm3__measure(w, &r->mesh, r->with_boundary ? &r->boundary : NULL);
+        status = pbwm3__enters(w, "measure", 0.95) ? PBW_CANCELLED
+               : pbwm3__measure(w, &r->mesh, r->with_boundary ? &r->boundary : NULL);
         w->report->seconds[3] = pbwm3__lap(&since);
     }
     if (status != PBW_OK) {

@@ -485,6 +485,7 @@ int write_with(job *j, writer *write, void *user)
     for (; j->written < j->outputs && !interrupted; j->written++) {
         const char *path = j->output[j->written];
         double start = now();
+        begin(j, "write", path);
         if (write(j, path, ending_of(j, path), user, &error) != PBWIO_OK) {
             return interrupted ? stopped(j) : fail(j, "%s", error.text);
         }

@@ -13,8 +13,9 @@
 
 static int on_progress(void *user, pbw_stage stage, double done)
 {
-    static const char *const names[] = { "order", "build", "output", "check", "work" };
-    return draw_bar((const job *)user, names[stage], done);
+    static const char *const names[] = { "order", "build", "output", "check" };
+    const job *j = (const job *)user;
+    return draw_bar(j, stage < PBW_STAGE_WORK ? names[stage] : j->stage != NULL ? j->stage : j->command->name, done);
 }
 
 /* What was printed must have arrived. */

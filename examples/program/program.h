@@ -102,6 +102,7 @@ struct job {
     given *given;                                    /* options, in their order */
     int given_count;
     int terminal, quiet;
+    const char *stage;                               /* of PBW_STAGE_WORK; NULL: the name of the command */
     FILE *report;                                    /* standard output, unless an output goes there */
     const char *generate;                            /* kind of points, NULL = they are read */
     size_t count;                                    /* how many of them */
@@ -155,6 +156,7 @@ extern volatile sig_atomic_t interrupted;
 void catch_interrupt(void);
 double now(void);
 int draw_bar(const job *j, const char *name, double done);            /* returns whether the work must stop */
+void begin(const job *j, const char *name, const char *what);         /* a stage that cannot tell how far it is */
 PRINTF(2, 3) int fail(const job *j, const char *format, ...);         /* prints; returns FAILURE */
 int stopped(const job *j);                                            /* the same after an interrupt */
 PRINTF(2, 3) void warn(const job *j, const char *format, ...);

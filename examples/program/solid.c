@@ -255,6 +255,7 @@ static pbw_solid_options options_of(job *j)
     how.most = number_of(j, "--most", 0);
     how.plan = announce;
     how.plan_user = j;
+    how.stage = &j->stage;
     how.feature_angle = number_of(j, "--feature-angle", 0);
     how.distance = number_of(j, "--distance", 0);
     how.rounds = (int)number_of(j, "--rounds", 0);

@@ -60,6 +60,7 @@ int load(job *j, int flat)
 {
     double start = now();
     pbwio_error error;
+    begin(j, "read", j->generate != NULL ? j->generate : j->input);
     if (j->generate != NULL) {
         int kind = choice_of(j, "--generate");
         if (!pbwgen_points(kind < 0 ? 0 : kind, j->read.dim == 2 ? 2 : 3, j->count,
@@ -99,6 +100,7 @@ int load_queries(job *j)
     pbwio_options read = j->read;
     pbwio_cloud *queries = &j->queries;
     pbwio_error error;
+    begin(j, "read", j->second);
     read.weight = NULL;
     if (pbwio_read(j->second, &read, queries, &error) != PBWIO_OK) {
         return interrupted ? stopped(j) : fail(j, "%s", error.text);
@@ -208,6 +210,7 @@ int load_surface(job *j)
     if (!is_given(j, "--inside")) {
         return 0;
     }
+    begin(j, "surface", path != NULL ? path : "");
     if (path != NULL && pbwio_read(path, NULL, &j->surface, &error) != PBWIO_OK) {
         return fail(j, "--surface: %s", error.text);
     }
@@ -266,6 +269,7 @@ int mark_inside(job *j)
     if (j->mesh.dim != 3) {
         return fail(j, "--inside needs points in 3D");
     }
+    begin(j, "inside", "");
     centre = (double *)calloc(j->mesh.simplex_count + 1, 3 * sizeof *centre);
     j->inside = (unsigned char *)calloc(j->mesh.simplex_count + 1, 1);
     for (i = 0; i < j->mesh.simplex_count && centre != NULL; i++) {

@@ -242,6 +242,7 @@ int describe_surface(const job *j, const pbwio_cloud *cloud, int details)
     pbwsample_status status;
     double start = now();
     int closed = 0, found;
+    begin(j, "surface", "");
     memset(&f, 0, sizeof f);
     f.cloud = cloud;
     status = pbwsample_inspect(&model, &report);

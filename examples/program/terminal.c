@@ -33,20 +33,37 @@ double now(void)
 #endif
 }
 
+static char shown[128];                              /* what the terminal's last line has of us, "" for nothing */
+
+static void show(const job *j, const char *text)
+{
+    if (j->terminal && strcmp(text, shown) != 0) {
+        fprintf(stderr, "\r%s\033[K", text);
+        snprintf(shown, sizeof shown, "%s", text);
+    }
+}
+
 int draw_bar(const job *j, const char *name, double done)
 {
-    int length = (int)(40 * done);
-    if (j->terminal) {
-        fprintf(stderr, "\r%-6s [%.*s%*s] %3.0f %%", name, length, "########################################",
-                40 - length, "", 100 * done);
-    }
+    const int length = (int)(40 * done);
+    char text[128];
+    snprintf(text, sizeof text, "%-9s [%.*s%*s] %3.0f %%", name, length, "########################################",
+             40 - length, "", floor(100 * done));
+    show(j, text);
     return interrupted;
+}
+
+void begin(const job *j, const char *name, const char *what)
+{
+    char text[128];
+    snprintf(text, sizeof text, "%-9s %.60s ...", name, what);
+    show(j, text);
 }
 
 static void clear_bar(const job *j)
 {
     fflush(j->report);
-    fputs(j->terminal ? "\r\033[K" : "", stderr);
+    show(j, "");
 }
 
 int fail(const job *j, const char *format, ...)
@@ -104,6 +121,7 @@ void say(const job *j, const char *what, double seconds, const char *format, ...
 void note(const job *j, const char *format, ...)
 {
     va_list list;
+    clear_bar(j);
     if (!j->quiet) {
         va_start(list, format);
         vfprintf(j->report, format, list);

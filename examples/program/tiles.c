@@ -995,6 +995,7 @@ static int on_tile(void *user, pbw_stage stage, double done)
         return build->progress != NULL && build->progress(build->progress_user, stage, done);
     }
     enter(c);
+    begin(c->w->j, "tiles", "several at a time");
     stop = c->stop || interrupted;
     leave(c);
     return stop;

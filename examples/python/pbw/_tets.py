@@ -52,7 +52,7 @@ class _SolidOptions(ctypes.Structure):
     """pbw_solid_options."""
     _fields_ = [("size", _double), ("least_size", _double), *_pointers("size_at size_user"), ("curvature", _double),
                 ("nested", ctypes.c_int), ("close", ctypes.c_int), ("sharp", ctypes.c_int), ("most", _double),
-                *_pointers("plan plan_user"), ("feature_angle", _double), ("distance", _double),
+                *_pointers("plan plan_user stage"), ("feature_angle", _double), ("distance", _double),
                 ("rounds", ctypes.c_int), ("improve", _ImproveOptions)]
 
 
