@@ -323,7 +323,7 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
 
 /* Equal for two meshes if and only if (up to 2^-64 chance) they are the same triangulation of the same points:
    independent of the order of points and simplices, of ids, and of float or double input.  Returns 0 for an empty
-   mesh, for a bad argument, and if options.progress cancels. */
+   mesh, a bad argument, a corner that is no canonical point, and if options.progress cancels. */
 PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh, const pbw_options *options);
 
 /* The two sums of which pbw_hash is made, over chosen points and simplices: `points` and `simplices` have a byte for
@@ -380,7 +380,8 @@ PBWDEF int pbw_version(void);              /* differs from PBW_VERSION if header
    number.  options: threads, stride of the query points, memory_limit, resize, run, progress.
    If a query point is not finite, the status is PBW_ERROR_NOT_FINITE and no query is answered.  On any status but
    PBW_OK the caller's arrays hold undefined values, and lists are empty.  In a mesh of PBW_DEGENERATE points every
-   query point lies outside of the hull, stars are empty, and all canonical points count as vertices. */
+   query point lies outside of the hull, stars are empty, and all canonical points count as vertices.  Where points of
+   a mesh with PBW_BORROW have moved, answers are undefined; a batch may also end with PBW_ERROR_ARGUMENT. */
 typedef struct pbw_lists {                 /* list i: items first[i] .. first[i+1]-1; pbw_lists_free when done */
     size_t count;                          /* of lists */
     const size_t *first;                   /* count+1 */
@@ -580,10 +581,10 @@ extern void pbw_cuda_loop_free(pbw_cuda_loop *loop);
 #include <math.h>                                    /* HUGE_VAL; fabs and sqrt where no instruction serves */
 #include <stdlib.h>
 #include <string.h>
-#ifdef _MSC_VER
-#include <sys/timeb.h>
-#else
+#ifndef _WIN32
+#include <sched.h>                                   /* struct timespec, in strict C too */
 #include <sys/time.h>
+#include <time.h>
 #endif
 #if !defined(PBW_NO_THREADS) && (defined(__GNUC__) || (defined(_MSC_VER) && defined(_M_X64)))
 #define PBW__THREADS 256                             /* at most */
@@ -748,14 +749,10 @@ PBW__INLINE uint64_t pbw__atomic_add(volatile void *x, uint64_t y, size_t size)
 /* Returns whether *x was *old and became y; else *old becomes what *x is. */
 PBW__INLINE int pbw__atomic_cas(volatile void *x, void *old, uint64_t y, size_t size)
 {
-    uint64_t expected = pbw__atomic_load(old, size), value;
-    if (size == 1) {
-        value = (uint8_t)_InterlockedCompareExchange8((volatile char *)x, (char)y, (char)expected);
-    } else if (size == 4) {
-        value = (uint32_t)_InterlockedCompareExchange((volatile long *)x, (long)y, (long)expected);
-    } else {
-        value = (uint64_t)_InterlockedCompareExchange64((volatile __int64 *)x, (__int64)y, (__int64)expected);
-    }
+    const uint64_t expected = pbw__atomic_load(old, size), value = size == 1
+        ? (uint8_t)_InterlockedCompareExchange8((volatile char *)x, (char)y, (char)expected) : size == 4
+        ? (uint32_t)_InterlockedCompareExchange((volatile long *)x, (long)y, (long)expected)
+        : (uint64_t)_InterlockedCompareExchange64((volatile __int64 *)x, (__int64)y, (__int64)expected);
     pbw__atomic_store(old, value, size);
     return value == expected;
 }
@@ -778,18 +775,65 @@ PBW__INLINE double pbw__max_abs(double a, double b, double c, double d)
     return pbw__max(pbw__max(pbw__abs(a), pbw__abs(b)), pbw__max(pbw__abs(c), pbw__abs(d)));
 }
 
-static double pbw__seconds(void)                     /* wall clock: statistics, progress, short waits */
+/* What we call of Windows.  windows.h would leave its macros behind, so we declare it as that does, which may still
+   follow.  Where it came first it has declared all, but not for a target before Windows 7. */
+#ifdef _WIN32
+union _LARGE_INTEGER;
+struct _RTL_SRWLOCK;
+struct _RTL_CONDITION_VARIABLE;
+#if !defined(_WINDOWS_) || (defined(_WIN32_WINNT) && _WIN32_WINNT < 0x0601)
+#ifdef __cplusplus
+extern "C" {
+#endif
+#define PBW__WIN32(result) extern __declspec(dllimport) result __stdcall
+PBW__WIN32(int) QueryPerformanceCounter(union _LARGE_INTEGER *count);
+PBW__WIN32(int) QueryPerformanceFrequency(union _LARGE_INTEGER *frequency);
+PBW__WIN32(unsigned long) WaitForSingleObject(void *thread, unsigned long milliseconds);
+PBW__WIN32(int) CloseHandle(void *thread);
+PBW__WIN32(unsigned long) GetCurrentThreadId(void);
+PBW__WIN32(unsigned long) GetActiveProcessorCount(unsigned short group);
+PBW__WIN32(void) AcquireSRWLockExclusive(struct _RTL_SRWLOCK *mutex);
+PBW__WIN32(void) ReleaseSRWLockExclusive(struct _RTL_SRWLOCK *mutex);
+PBW__WIN32(void) WakeConditionVariable(struct _RTL_CONDITION_VARIABLE *condition);
+PBW__WIN32(void) WakeAllConditionVariable(struct _RTL_CONDITION_VARIABLE *condition);
+PBW__WIN32(int) SleepConditionVariableSRW(struct _RTL_CONDITION_VARIABLE *condition, struct _RTL_SRWLOCK *mutex,
+                                          unsigned long milliseconds, unsigned long flags);
+#ifdef __cplusplus
+}
+#endif
+#endif
+#define PBW__CLOCK(name, number) ((void)name((union _LARGE_INTEGER *)(void *)(number)))
+/* Reads a clock that nobody sets: for statistics, progress, short waits. */
+static double pbw__seconds(void)
 {
-#ifdef _MSC_VER
-    struct __timeb64 now;
-    _ftime64_s(&now);
-    return (double)now.time + 1e-3 * (double)now.millitm;
+    int64_t count = 0, frequency = 1;
+    PBW__CLOCK(QueryPerformanceCounter, &count);
+    PBW__CLOCK(QueryPerformanceFrequency, &frequency);
+    return (double)count / (double)frequency;
+}
+#else
+#if defined(CLOCK_MONOTONIC)
+#define PBW__CLOCK CLOCK_MONOTONIC
+#elif !defined(__cplusplus) && (defined(__EMSCRIPTEN__) || (defined(__linux__) && defined(__LP64__)))
+#define PBW__CLOCK 1                                 /* strict C modes hide it, and what takes it */
+extern int clock_gettime(int clock, struct timespec *now);
+#ifdef PBW__THREADS
+extern int pthread_condattr_setclock(pthread_condattr_t *attributes, int clock);
+#endif
+#endif
+static double pbw__seconds(void)                     /* as above, where there is such a clock */
+{
+#ifdef PBW__CLOCK
+    struct timespec now;
+    clock_gettime(PBW__CLOCK, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 #else
     struct timeval now;
     gettimeofday(&now, NULL);
     return (double)now.tv_sec + 1e-6 * (double)now.tv_usec;
 #endif
 }
+#endif
 
 /* The rounding mode, flush-to-zero and denormals-are-zero bits of this thread.  A program linked with -ffast-math
    starts with them set, whatever we were compiled with, so we set what we need and put it back. */
@@ -837,31 +881,8 @@ static int pbw__fp_is_exact(void)
         && !(infinite - infinite == 0.0);                    /* finite numbers only */
 }
 
-/* The system's threads: pthreads, or those of Win32.  windows.h would leave its macros behind, so we declare what we
-   call as it does; it may still follow.  Where it came first it has declared them, but not all of them for a target
-   before Windows 7. */
+/* The system's threads: pthreads, or those of Win32. */
 #if defined(PBW__THREADS) && defined(_WIN32)
-struct _RTL_SRWLOCK;
-struct _RTL_CONDITION_VARIABLE;
-#if !defined(_WINDOWS_) || (defined(_WIN32_WINNT) && _WIN32_WINNT < 0x0601)
-#ifdef __cplusplus
-extern "C" {
-#endif
-#define PBW__WIN32(result) extern __declspec(dllimport) result __stdcall
-PBW__WIN32(unsigned long) WaitForSingleObject(void *thread, unsigned long milliseconds);
-PBW__WIN32(int) CloseHandle(void *thread);
-PBW__WIN32(unsigned long) GetCurrentThreadId(void);
-PBW__WIN32(unsigned long) GetActiveProcessorCount(unsigned short group);
-PBW__WIN32(void) AcquireSRWLockExclusive(struct _RTL_SRWLOCK *mutex);
-PBW__WIN32(void) ReleaseSRWLockExclusive(struct _RTL_SRWLOCK *mutex);
-PBW__WIN32(void) WakeConditionVariable(struct _RTL_CONDITION_VARIABLE *condition);
-PBW__WIN32(void) WakeAllConditionVariable(struct _RTL_CONDITION_VARIABLE *condition);
-PBW__WIN32(int) SleepConditionVariableSRW(struct _RTL_CONDITION_VARIABLE *condition, struct _RTL_SRWLOCK *mutex,
-                                          unsigned long milliseconds, unsigned long flags);
-#ifdef __cplusplus
-}
-#endif
-#endif
 typedef void *pbw__thread, *pbw__mutex, *pbw__condition;     /* the last two hold NULL at first */
 typedef unsigned long pbw__thread_id;
 typedef unsigned pbw__thread_result;
@@ -908,7 +929,7 @@ typedef pbw__thread_result (pbw__thread_body)(void *arg);
 #define PBW__MUTEX_DESTROY(mutex) pthread_mutex_destroy(mutex)
 #define PBW__LOCK(mutex) pthread_mutex_lock(mutex)
 #define PBW__UNLOCK(mutex) pthread_mutex_unlock(mutex)
-#define PBW__CONDITION_INIT(condition) pthread_cond_init(condition, NULL)
+#define PBW__CONDITION_INIT(condition) pbw__condition_init(condition)
 #define PBW__CONDITION_DESTROY(condition) pthread_cond_destroy(condition)
 #define PBW__WAKE(condition) pthread_cond_signal(condition)
 #define PBW__WAKE_ALL(condition) pthread_cond_broadcast(condition)
@@ -926,14 +947,29 @@ static int pbw__thread_start(pbw__thread *thread, size_t stack, pbw__thread_body
     return !failed;
 }
 
+static void pbw__condition_init(pbw__condition *condition)
+{
+    pthread_condattr_t attributes;
+    pthread_condattr_init(&attributes);
+#if defined(PBW__CLOCK) && !defined(__APPLE__)
+    pthread_condattr_setclock(&attributes, PBW__CLOCK);
+#endif
+    pthread_cond_init(condition, &attributes);
+    pthread_condattr_destroy(&attributes);
+}
+
 static void pbw__wait_50ms(pbw__condition *condition, pbw__mutex *mutex)
 {
-    struct timeval now;
+#ifdef __APPLE__
+    const struct timespec wait = { 0, 50000000 };
+    pthread_cond_timedwait_relative_np(condition, mutex, &wait);
+#else
+    const double end = pbw__seconds() + 0.05;
     struct timespec until;
-    gettimeofday(&now, NULL);
-    until.tv_sec = now.tv_sec + (now.tv_usec >= 950000);
-    until.tv_nsec = (now.tv_usec + 50000) % 1000000 * 1000;
+    until.tv_sec = (time_t)end;
+    until.tv_nsec = (long)((end - (double)until.tv_sec) * 1e9);
     pthread_cond_timedwait(condition, mutex, &until);
+#endif
 }
 #endif
 /* ------------------------------------------------------------------------------------------------------
@@ -947,9 +983,8 @@ static void pbw__wait_50ms(pbw__condition *condition, pbw__mutex *mutex)
    On x86 the functions that use vectors are called only if the processor has AVX2.  Every 64-bit Arm has NEON.
    PBW_NO_SIMD leaves only the scalar code, which gives the same answers.
 
-   There is no path for AVX-512: it issues on two ports, not three, and the scalar code around the arithmetic does not
-   shrink.  Eight lanes, two simplices of a cavity, gain 1 to 3 % for 170 lines; four lanes with its registers and
-   masks gain 0 to 2 %, or lose.
+   There is no path for AVX-512: eight lanes, two simplices of a cavity, gain 1 to 3 % for 170 lines; four lanes with
+   its registers and masks gain 0 to 2 %, or lose.
    ------------------------------------------------------------------------------------------------------ */
 #ifdef PBW__SIMD
 #define PBW__SIMD_INLINE static inline PBW__SIMD __attribute__((always_inline, unused))
@@ -1760,19 +1795,14 @@ static void pbw__context_start(pbw__context *context, const pbw_options *options
 #endif
 }
 
-/* Begins a call of the interface on `count` points, which enters a stage.  Returns PBW_OK or the reason to end it;
-   pbw__end_call must follow in either case. */
-static pbw_status pbw__begin_call(pbw__context *context, const pbw_options *options, size_t count, pbw_stage stage)
+/* Begins a call of the interface on `count` points.  Returns PBW_OK, or the reason to end it before it enters a
+   stage; pbw__end_call must follow in either case. */
+static pbw_status pbw__begin_call(pbw__context *context, const pbw_options *options, size_t count)
 {
     pbw__context_start(context, options, count);
     context->fp = pbw__fp_enter();
-    if (context->options.threads < 0 || context->options.threads > 256) {
-        return PBW_ERROR_ARGUMENT;
-    }
-    if (!pbw__fp_is_exact()) {
-        return PBW_ERROR_FP_MODE;
-    }
-    return pbw__enter_stage(context, stage) ? PBW_CANCELLED : PBW_OK;
+    return context->options.threads < 0 || context->options.threads > 256 ? PBW_ERROR_ARGUMENT
+         : pbw__fp_is_exact() ? PBW_OK : PBW_ERROR_FP_MODE;
 }
 
 static pbw_status pbw__end_call(pbw__context *context, pbw_status status)
@@ -2975,7 +3005,7 @@ typedef struct pbw__input {
 
 static pbw__input pbw__input_of(int dim, int is_float, const void *points, const void *weights, size_t count)
 {
-    const size_t at = (size_t)(dim - 1) * (is_float ? sizeof(float) : sizeof(double));
+    const size_t at = ((size_t)dim - 1) * (is_float ? sizeof(float) : sizeof(double));
     const pbw__input input = { dim, is_float, 0, 0, 0, count, 0, 0, at, (const char *)points, (const char *)weights };
     return input;
 }
@@ -3883,7 +3913,7 @@ static int pbw__order_is_thin(const pbw__ordering *ordering, int high)
     memset(seen, 0, sizeof(seen));
     for (i = 0; i < 4096; i++) {
         const unsigned cell = (unsigned)(ordering->keys[i * step] >> (high - 11)) & 2047;
-        cells += (seen[cell >> 3] >> (cell & 7) & 1u) ^ 1u;
+        cells += ((unsigned)seen[cell >> 3] >> (cell & 7) & 1u) ^ 1u;
         seen[cell >> 3] |= (unsigned char)(1u << (cell & 7));
     }
     return cells < 2048 / 3;
@@ -9217,6 +9247,14 @@ static int pbw__check_all(pbw__check *check)
         && (check->other_count == 0 || pbw__check_others(check));
 }
 
+/* Returns whether a mesh has a dimension, and the arrays that its counts ask for. */
+static int pbw__has_arrays(const pbw_mesh *mesh, int with_neighbors)
+{
+    return mesh != NULL && (mesh->dim == 2 || mesh->dim == 3)
+        && (mesh->point_count == 0 || (mesh->points != NULL && mesh->incident != NULL && mesh->canonical != NULL))
+        && (mesh->simplex_count == 0 || (mesh->simplices != NULL && (!with_neighbors || mesh->neighbors != NULL)));
+}
+
 PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pbw_report *report)
 {
     pbw__context context;
@@ -9227,9 +9265,7 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
     }
     memset(report, 0, sizeof(*report));
     (void)pbw__fault(report, PBW__SOUND, PBW_NONE, -1, PBW_NONE);
-    if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3)
-        || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
-        || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))) {
+    if (!pbw__has_arrays(mesh, 1)) {
         return PBW_ERROR_ARGUMENT;
     }
     if (mesh->point_count >= PBW_NONE || mesh->simplex_count >= PBW_NONE) {
@@ -9247,8 +9283,8 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
     check.tested.canonical = mesh->canonical;
     check.tested.point_count = mesh->point_count;
     check.tested.simplex_count = mesh->simplex_count;
-    check.status = pbw__begin_call(&context, options, mesh->point_count, PBW_STAGE_CHECK);
-    if (check.status == PBW_OK) {
+    check.status = pbw__begin_call(&context, options, mesh->point_count);
+    if (check.status == PBW_OK && !pbw__enter_stage(&context, PBW_STAGE_CHECK)) {
         size = (size_t)(mesh->dim + 1) * sizeof(double);
         ranges = mesh->point_count / PBW__CHECKED + 1;
         check.record = (double *)pbw__allocate_large(&context, mesh->point_count, size);
@@ -9315,6 +9351,9 @@ static pbw_status pbw__hash_simplices(void *arg, size_t s, size_t end)
             continue;
         }
         for (k = 0; k < corners; k++) {
+            if (corner[k] >= hashing->mesh->point_count || hashing->mesh->canonical[corner[k]] != corner[k]) {
+                return PBW_ERROR_ARGUMENT;
+            }
             points += hashing->point != NULL ? hashing->point[corner[k]] : pbw__hash_point(hashing->mesh, corner[k]);
         }
         sum += pbw__mix(points);
@@ -9329,10 +9368,13 @@ PBWDEF pbw_status pbw_hash_parts(const pbw_mesh *mesh, const unsigned char *poin
     pbw__context context;
     pbw__hashing hashing = { mesh, points, NULL, 0 };
     pbw_status status;
-    if (mesh == NULL || sums == NULL) {
+    if (mesh == NULL || sums == NULL || (mesh->dim != 2 && mesh->dim != 3)
+        || (mesh->point_count > 0 && (mesh->points == NULL || mesh->canonical == NULL))
+        || (mesh->simplex_count > 0 && mesh->simplices == NULL)) {
         return PBW_ERROR_ARGUMENT;
     }
-    status = pbw__begin_call(&context, options, mesh->point_count, PBW_STAGE_WORK);
+    status = pbw__begin_call(&context, options, mesh->point_count);
+    status = status == PBW_OK && pbw__enter_stage(&context, PBW_STAGE_WORK) ? PBW_CANCELLED : status;
     if (status == PBW_OK) {
         hashing.point = (uint64_t *)pbw__allocate(&context.memory, mesh->point_count, sizeof(uint64_t));
         status = pbw__for_range(&context, mesh->point_count, 16384, 0.1, pbw__hash_points, &hashing);
@@ -9350,16 +9392,15 @@ PBWDEF pbw_status pbw_hash_parts(const pbw_mesh *mesh, const unsigned char *poin
 
 PBWDEF uint64_t pbw_hash_of(const pbw_hash_sums *sums)
 {
-    return pbw__mix(sums->points + pbw__mix(sums->simplices));
+    return sums == NULL ? 0 : pbw__mix(sums->points + pbw__mix(sums->simplices));
 }
 
 PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh, const pbw_options *options)
 {
     pbw_hash_sums sums;
-    if (mesh == NULL || mesh->point_count == 0 || pbw_hash_parts(mesh, NULL, NULL, options, &sums) != PBW_OK) {
-        return 0;
-    }
-    return pbw_hash_of(&sums);
+    const int hashed = mesh != NULL && mesh->point_count > 0
+                    && pbw_hash_parts(mesh, NULL, NULL, options, &sums) == PBW_OK;
+    return hashed ? pbw_hash_of(&sums) : 0;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>tools        For companion headers: loops on threads, points in the order of the curve.
@@ -9449,9 +9490,10 @@ PBWDEF pbw_status pbw_for(const pbw_options *options, size_t count, size_t grain
         return PBW_ERROR_TOO_LARGE;
     }
     /* 8192: begin_call starts a thread for so many points; a range is worth one. */
-    status = pbw__begin_call(&context, options, blocks * 8192, PBW_STAGE_WORK);
+    status = pbw__begin_call(&context, options, blocks * 8192);
     if (status == PBW_OK) {
-        status = pbw__for_range(&context, count, grain, 1.0, body, arg);
+        status = pbw__enter_stage(&context, PBW_STAGE_WORK) ? PBW_CANCELLED
+               : pbw__for_range(&context, count, grain, 1.0, body, arg);
     }
     return pbw__end_call(&context, status);
 }
@@ -9461,12 +9503,13 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
     pbw__context context;
     pbw__vertices vertices;
     pbw__input input = pbw__input_of(dim, 0, points, NULL, count);
-    pbw_status status = pbw__begin_call(&context, options, count, PBW_STAGE_ORDER);
+    pbw_status status = pbw__begin_call(&context, options, count);
     if (status == PBW_OK) {
-        status = pbw__input_check(&input, &context.options);
+        status = order == NULL && count > 0 ? PBW_ERROR_ARGUMENT : pbw__input_check(&input, &context.options);
     }
     if (status == PBW_OK && count > 0) {
-        status = order != NULL ? pbw__order(&context, &input, &vertices) : PBW_ERROR_ARGUMENT;
+        status = pbw__enter_stage(&context, PBW_STAGE_ORDER) ? PBW_CANCELLED
+               : pbw__order(&context, &input, &vertices);
         if (status == PBW_OK) {
             status = pbw__number_along_curve(&context, &vertices, order);
             pbw__vertices_free(&context, &vertices);
@@ -9488,9 +9531,11 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
    outside, or in a simplex that contains the query; signs that are 0 say which others do, and the lowest index wins.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__INSIDE 4u                               /* no corner to leave a simplex by */
+#define PBW__ASTRAY 5u                               /* a walk came back, or to a flat simplex: points have moved */
 
 /* Finds, by exact signs, a facet that has p strictly on its outer side, and returns the corner opposite to it.
-   Returns PBW__INSIDE if there is none; *on is then the set of corners with p on the opposite facet. */
+   Returns PBW__INSIDE if there is none; *on is then the set of corners with p on the opposite facet.  All of them:
+   the simplex is flat, PBW__ASTRAY. */
 static PBW__NOINLINE unsigned pbw__side_exact(const pbw_mesh *mesh, const pbw_index *v, const double *p,
                                               const pbw__grid *grid, unsigned *on)
 {
@@ -9508,7 +9553,7 @@ static PBW__NOINLINE unsigned pbw__side_exact(const pbw_mesh *mesh, const pbw_in
         }
         *on |= (unsigned)(sign == 0) << i;
     }
-    return PBW__INSIDE;
+    return *on == (2u << dim) - 1 ? PBW__ASTRAY : PBW__INSIDE;
 }
 
 /* Computes side[i], the orientation of the simplex with corner i replaced by p.  Returns a bound for the error of
@@ -9566,16 +9611,17 @@ PBW__INLINE double pbw__sides2(const double *points, const pbw_index *v, const d
 /* Where a walk ends. */
 typedef struct pbw__spot {
     size_t simplex;
-    unsigned leave;                                  /* PBW__INSIDE, or the corner opposite to a hull facet that has
-                                                        the query on the outer side */
+    unsigned leave;                                  /* PBW__INSIDE, PBW__ASTRAY, or the corner opposite to a hull
+                                                        facet that has the query on the outer side */
     unsigned on;                                     /* if inside: the corners with the query on the opposite facet */
 } pbw__spot;
 
 /* Walks to p from spot->simplex, always through the facet with the least orientation.  If that is certainly negative
-   the walk goes on; if it is certainly positive p is inside; otherwise exact signs decide. */
+   the walk goes on; if it is certainly positive p is inside; otherwise exact signs decide.  A triangulation has no
+   walk of more steps than simplices; where borrowed points have moved, there may be one without end. */
 PBW__INLINE void pbw__walk_of(const pbw_mesh *mesh, pbw__spot *spot, const double *p, const pbw__grid *grid, int dim)
 {
-    size_t t = spot->simplex;
+    size_t t = spot->simplex, steps = mesh->simplex_count;
     for (;;) {
         const pbw_index *v = mesh->simplices + t * (size_t)(dim + 1);
         const pbw_index *next = mesh->neighbors + t * (size_t)(dim + 1);
@@ -9591,9 +9637,9 @@ PBW__INLINE void pbw__walk_of(const pbw_mesh *mesh, pbw__spot *spot, const doubl
         if (PBW__UNLIKELY(!(least < -bound))) {
             far = least > bound ? PBW__INSIDE : pbw__side_exact(mesh, v, p, grid, &spot->on);
         }
-        if (far == PBW__INSIDE || next[far] == PBW_NONE) {
+        if (far >= PBW__INSIDE || next[far] == PBW_NONE || steps-- == 0) {
             spot->simplex = t;
-            spot->leave = far;
+            spot->leave = far >= PBW__INSIDE || next[far] == PBW_NONE ? far : PBW__ASTRAY;
             return;
         }
         t = next[far];
@@ -9657,11 +9703,11 @@ static pbw_index pbw__lowest_with(const pbw_mesh *mesh, size_t t, unsigned on, i
     return mesh->neighbors[t * corners + i] < t ? mesh->neighbors[t * corners + i] : (pbw_index)t;
 }
 
-/* Returns the number of the hull facet where a walk left the mesh; PBW_NONE if the number does not fit. */
+/* Returns the number of the hull facet where a walk left the mesh; PBW_NONE if there is none or it does not fit. */
 PBW__INLINE pbw_index pbw__facet_left(const pbw_mesh *mesh, const pbw__spot *spot)
 {
     const uint64_t number = (uint64_t)spot->simplex * ((uint64_t)mesh->dim + 1) + spot->leave;
-    return number < PBW_NONE ? (pbw_index)number : PBW_NONE;
+    return number < PBW_NONE && spot->leave < PBW__INSIDE ? (pbw_index)number : PBW_NONE;
 }
 
 PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_index hint, pbw_index *hull_facet)
@@ -9718,6 +9764,7 @@ typedef struct pbw__tree pbw__tree;                      /* see >>boxes */
 typedef struct pbw__desk {
     pbw__memory *memory;
     int failed;                                      /* out of memory */
+    int astray;                                      /* points of the mesh have moved */
     pbw__set seen, other;
     pbw_index *list;
     size_t list_room;
@@ -9762,15 +9809,10 @@ struct pbw__queries {
 /* Makes room for `needed` items.  If memory is short, sets desk->failed and returns 0. */
 static int pbw__room(pbw__desk *desk, void *array, size_t *capacity, size_t needed, size_t size)
 {
-    size_t bigger = 2 * *capacity > 64 ? 2 * *capacity : 64;
-    if (needed <= *capacity) {
-        return 1;
-    }
-    if (!pbw__resize_array(desk->memory, array, capacity, bigger > needed ? bigger : needed, size)) {
-        desk->failed = 1;
-        return 0;
-    }
-    return 1;
+    const size_t bigger = 2 * *capacity > 64 ? 2 * *capacity : 64;
+    desk->failed |= needed > *capacity
+                 && !pbw__resize_array(desk->memory, array, capacity, bigger > needed ? bigger : needed, size);
+    return needed <= *capacity;
 }
 
 PBW__INLINE size_t pbw__set_place(const pbw__set *set, uint64_t key)
@@ -9857,7 +9899,7 @@ static pbw_status pbw__answer_range(void *arg, size_t from, size_t to)
     pbw__release(memory, desk.list, desk.list_room, sizeof(pbw_index));
     pbw__release(memory, desk.reach, desk.reach_room, sizeof(pbw__reach));
     pbw__cavity_free(memory, desk.cavity);
-    return desk.failed ? PBW_ERROR_MEMORY : PBW_OK;
+    return desk.failed ? PBW_ERROR_MEMORY : desk.astray ? PBW_ERROR_ARGUMENT : PBW_OK;
 }
 
 /* Calls `answer` for `items` queries, or other items, in blocks of `grain`. */
@@ -9865,8 +9907,7 @@ static pbw_status pbw__answer_all(pbw__queries *queries, pbw__answer *answer, si
 {
     queries->answer = answer;
     queries->grain = grain;
-    return items == 0 ? PBW_OK
-         : pbw__for_range(&queries->context, items, grain, 1.0, pbw__answer_range, queries);
+    return items == 0 ? PBW_OK : pbw__for_range(&queries->context, items, grain, 1.0, pbw__answer_range, queries);
 }
 
 /* ---- order
@@ -9912,8 +9953,8 @@ static void pbw__lists_release(pbw__memory *memory, const pbw_lists *lists)
     }
 }
 
-/* Begins a call, checks the arguments that all queries have in common, and sorts the query points.  pbw__queries_end
-   must follow on any status. */
+/* Begins a call, checks the arguments that all queries have in common, enters the stage and sorts the query points.
+   pbw__queries_end must follow on any status. */
 static pbw_status pbw__queries_start(pbw__queries *queries, const pbw_mesh *mesh, const double *points, size_t count,
                                      const pbw_options *options)
 {
@@ -9922,10 +9963,8 @@ static pbw_status pbw__queries_start(pbw__queries *queries, const pbw_mesh *mesh
     memset(queries, 0, sizeof(*queries));
     queries->mesh = mesh;
     /* 8192: begin_call starts a thread for so many points; a block of queries is worth one. */
-    status = pbw__begin_call(&queries->context, options, work * (8192 / PBW__BLOCK_QUERIES), PBW_STAGE_WORK);
-    if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || (points == NULL && count != 0)
-        || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
-        || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))) {
+    status = pbw__begin_call(&queries->context, options, work * (8192 / PBW__BLOCK_QUERIES));
+    if (!pbw__has_arrays(mesh, 1) || (points == NULL && count != 0)) {
         return PBW_ERROR_ARGUMENT;
     }
     queries->input = pbw__input_of(mesh->dim, 0, points, NULL, count);
@@ -9939,6 +9978,7 @@ static pbw_status pbw__queries_start(pbw__queries *queries, const pbw_mesh *mesh
     if (count >= PBW_NONE || count > (size_t)-1 / queries->input.stride) {
         return PBW_ERROR_TOO_LARGE;
     }
+    status = status == PBW_OK && pbw__enter_stage(&queries->context, PBW_STAGE_WORK) ? PBW_CANCELLED : status;
     return status == PBW_OK && count > 0 ? pbw__sort_points(&queries->context, &queries->input, &queries->sorted)
          : status;
 }
@@ -10107,9 +10147,8 @@ static void pbw__locate_block(pbw__queries *queries, pbw__desk *desk, size_t blo
     const pbw_mesh *mesh = queries->mesh;
     pbw__spot spot = { 0, 0, 0 };
     size_t i;
-    (void)desk;
     (void)block;
-    for (i = from; i < to; i++) {
+    for (i = from; i < to && !desk->astray; i++) {
         const size_t query = pbw__query_index(queries, i);
         double p[4];
         int hull, inside;
@@ -10118,6 +10157,7 @@ static void pbw__locate_block(pbw__queries *queries, pbw__desk *desk, size_t blo
             spot.simplex = mesh->incident[pbw__guess(mesh, p)];
         }
         pbw__walk_to(mesh, &spot, p, &queries->grid);
+        desk->astray = spot.leave == PBW__ASTRAY;
         inside = spot.leave == PBW__INSIDE;
         queries->simplices[query] = inside ? pbw__lowest_with(mesh, spot.simplex, spot.on, &hull) : PBW_NONE;
         if (queries->facets != NULL) {
@@ -10135,9 +10175,6 @@ PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t 
         return PBW_ERROR_ARGUMENT;
     }
     status = pbw__queries_start(&queries, mesh, points, count, options);
-    if (status == PBW_OK && hull_facets != NULL && mesh->simplex_count > PBW_NONE / ((size_t)mesh->dim + 1)) {
-        status = PBW_ERROR_TOO_LARGE;
-    }
     if (status == PBW_OK && mesh->simplex_count == 0 && count > 0) {
         memset(simplices, 0xff, count * sizeof(pbw_index));          /* PBW_NONE */
         if (hull_facets != NULL) {
@@ -10486,17 +10523,6 @@ static void pbw__find_unit(pbw__queries *queries)
         }
     }
     queries->large = large;
-}
-
-/* Sets q[3], the relative error of squares. */
-PBW__INLINE void pbw__set_error(const pbw__queries *queries, double *q)
-{
-    const double large = queries->large, limit = large / 805306368.0;        /* 2^23 units */
-    int fits = large > 0.0, k;
-    for (k = 0; k < 3; k++) {
-        fits &= (pbw__abs(q[k]) <= limit) & ((large + q[k]) - large == q[k]);
-    }
-    q[3] = fits ? 0.0 : PBW__REACH_ERROR * DBL_EPSILON;
 }
 
 /* Returns whether the squares (a-b)^2 and their sums have no rounding errors in any mode, as on lattices: a and b are
@@ -11022,8 +11048,7 @@ static void pbw__near_one(pbw__queries *queries, pbw__desk *desk, const double *
     size_t count = 1;
     lowest[0] = *best;
     if (equal && queries->k == 1) {
-        equal = !(mesh->dim == 3 ? pbw__lowest_of_few(queries, q, lowest, 3)
-                                 : pbw__lowest_of_few(queries, q, lowest, 2));
+        equal = !PBW__BY_DIM(mesh->dim, pbw__lowest_of_few, queries, q, lowest);
     }
     if (equal || queries->k > PBW__NEAR_LIST) {
         pbw__flood(queries, desk, q, best, -1.0);
@@ -11059,11 +11084,16 @@ static void pbw__push_all(pbw__queries *queries, pbw__desk *desk, const double *
     }
 }
 
-/* Reads the query at a place along the curve, and sets q[3]. */
+/* Reads the query at a place along the curve, and sets q[3], the relative error of squares. */
 PBW__INLINE void pbw__query_at(const pbw__queries *queries, size_t place, double *q)
 {
+    const double large = queries->large, limit = large / 805306368.0;        /* 2^23 units */
+    int fits = large > 0.0, k;
     pbw__fetch(&queries->input, pbw__query_index(queries, place), q);
-    pbw__set_error(queries, q);
+    for (k = 0; k < 3; k++) {
+        fits &= (pbw__abs(q[k]) <= limit) & ((large + q[k]) - large == q[k]);
+    }
+    q[3] = fits ? 0.0 : PBW__REACH_ERROR * DBL_EPSILON;
 }
 
 /* Sets *best to a nearest vertex of q, by steps from *best, or at the start of a block from a guess.  Returns whether
@@ -11099,7 +11129,7 @@ static void pbw__nearest_block(pbw__queries *queries, pbw__desk *desk, size_t bl
 /* Returns whether these may be the stars of the mesh.  NULL may: we make them. */
 PBW__INLINE int pbw__fits(const pbw_mesh *mesh, const pbw_lists *stars)
 {
-    return stars == NULL || (stars->count == mesh->point_count && stars->first != NULL);
+    return stars == NULL || mesh == NULL || (stars->count == mesh->point_count && stars->first != NULL);
 }
 
 /* Uses the caller's stars, or makes the stars of the mesh. */
@@ -11150,14 +11180,15 @@ PBWDEF pbw_status pbw_within(const pbw_mesh *mesh, const pbw_lists *stars, const
 {
     pbw__queries queries;
     pbw_status status;
-    if (lists == NULL || !(radius >= 0.0 && radius <= DBL_MAX)) {
+    if (lists == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
     memset(lists, 0, sizeof(*lists));
-    status = pbw__queries_start(&queries, mesh, points, count, options);
-    if (status == PBW_OK) {
-        status = pbw__fits(mesh, stars) ? pbw__take_stars(&queries, stars) : PBW_ERROR_ARGUMENT;
+    if (!(radius >= 0.0 && radius <= DBL_MAX) || !pbw__fits(mesh, stars)) {
+        return PBW_ERROR_ARGUMENT;
     }
+    status = pbw__queries_start(&queries, mesh, points, count, options);
+    status = status == PBW_OK ? pbw__take_stars(&queries, stars) : status;
     if (status == PBW_OK) {
         queries.radius = radius;
         queries.with_values = 1;
@@ -11192,14 +11223,6 @@ struct pbw__tree {
 
 /* A node, or a leaf at level 0, and the squared distance of its box. */
 typedef struct pbw__branch { double squared; size_t node; int level; } pbw__branch;
-
-static void pbw__tree_free(pbw__memory *memory, const pbw__tree *tree, size_t points, int dim)
-{
-    const size_t leaves = tree->nodes[0];
-    pbw__release(memory, tree->vertex, points, sizeof(pbw_index));
-    pbw__release(memory, tree->coordinate, leaves * PBW__BRANCH * (size_t)dim, sizeof(double));
-    pbw__release(memory, tree->box, tree->groups * 2 * PBW__BRANCH * (size_t)dim, sizeof(double));
-}
 
 /* Returns where the low end of a node's box on the first axis is.  The high end is 8 entries further on, the low end
    on the next axis 16. */
@@ -11324,13 +11347,6 @@ static pbw_status pbw__plant(pbw__queries *queries, pbw__tree *tree)
 }
 
 /* ---- searches */
-PBW__SIMD_INLINE pbw__d4 pbw__load_four(const double *from)
-{
-    pbw__d4 x;
-    memcpy(&x, from, sizeof(x));
-    return x;
-}
-
 /* Offers the vertices of a leaf with squares of at most `most`.  Returns the new `most`. */
 PBW__SIMD_INLINE double pbw__search_leaf(const pbw__queries *queries, int dim, pbw__desk *desk, const double *q,
                                          double most, size_t leaf)
@@ -11343,11 +11359,11 @@ PBW__SIMD_INLINE double pbw__search_leaf(const pbw__queries *queries, int dim, p
     unsigned set = 0, half;
     for (half = 0; half < 2; half++) {
         const double *from = c + half * 4;
-        const pbw__d4 x = pbw__load_four(from) - pbw__splat(q[0]);
-        const pbw__d4 y = pbw__load_four(from + PBW__BRANCH) - pbw__splat(q[1]);
+        const pbw__d4 x = pbw__load4d(from) - pbw__splat(q[0]);
+        const pbw__d4 y = pbw__load4d(from + PBW__BRANCH) - pbw__splat(q[1]);
         pbw__d4 sum = x * x + y * y;
         if (dim == 3) {
-            const pbw__d4 z = pbw__load_four(from + 2 * PBW__BRANCH) - pbw__splat(q[2]);
+            const pbw__d4 z = pbw__load4d(from + 2 * PBW__BRANCH) - pbw__splat(q[2]);
             sum = sum + z * z;
         }
         set |= pbw__signs(pbw__at_least(limit, sum)) << half * 4;
@@ -11383,7 +11399,7 @@ PBW__SIMD_INLINE size_t pbw__search_group(const pbw__tree *tree, int dim, const 
         for (k = 0; k < dim; k++) {
             const double *from = box + k * 2 * PBW__BRANCH + half * 4;
             const pbw__d4 x = pbw__splat(q[k]);
-            const pbw__d4 below = pbw__load_four(from) - x, above = x - pbw__load_four(from + PBW__BRANCH);
+            const pbw__d4 below = pbw__load4d(from) - x, above = x - pbw__load4d(from + PBW__BRANCH);
             const pbw__d4 away = pbw__max4(pbw__max4(below, above), zero);
             sum = sum + away * away;
         }
@@ -11460,18 +11476,11 @@ PBW__SIMD static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, 
     }
 }
 
-/* Returns whether to use the tree, which knows no weights and at most PBW__NEAR_LIST neighbours.  With the caller's
-   stars the mesh is faster for few queries, and for few neighbours: 4 in 0.8 of the time of the tree, 8 in 1.5. */
-static int pbw__tree_answers(const pbw__queries *queries, const pbw_lists *stars)
-{
-    const pbw_mesh *mesh = queries->mesh;
-    return pbw__simd_works() && mesh->weights == NULL && queries->k <= PBW__NEAR_LIST && mesh->point_count > 0
-        && (stars == NULL || (queries->k > 4 && queries->input.count >= mesh->point_count / 8));
-}
-
 static pbw_status pbw__search_all(pbw__queries *queries)
 {
     const pbw_mesh *mesh = queries->mesh;
+    const size_t width = PBW__BRANCH * (size_t)mesh->dim;
+    pbw__memory *memory = &queries->context.memory;
     pbw__tree tree;
     pbw_status status;
     memset(&tree, 0, sizeof(tree));
@@ -11479,7 +11488,9 @@ static pbw_status pbw__search_all(pbw__queries *queries)
     status = pbw__plant(queries, &tree);
     status = status == PBW_OK ? pbw__answer_all(queries, pbw__search_block, queries->input.count, PBW__BLOCK_QUERIES)
                               : status;
-    pbw__tree_free(&queries->context.memory, &tree, mesh->point_count, mesh->dim);
+    pbw__release(memory, tree.vertex, mesh->point_count, sizeof(pbw_index));
+    pbw__release(memory, tree.coordinate, tree.nodes[0] * width, sizeof(double));
+    pbw__release(memory, tree.box, tree.groups * 2 * width, sizeof(double));
     return status;
 }
 #endif
@@ -11489,7 +11500,11 @@ static pbw_status pbw__nearest_all(pbw__queries *queries, const pbw_lists *stars
     pbw_status status;
     pbw__find_unit(queries);
 #ifdef PBW__SIMD
-    if (pbw__tree_answers(queries, stars)) {
+    /* The tree knows no weights and at most PBW__NEAR_LIST neighbours.  With the caller's stars the mesh is faster
+       for few queries, and for few neighbours: 4 in 0.8 of the time of the tree, 8 in 1.5. */
+    if (pbw__simd_works() && queries->mesh->weights == NULL && queries->k <= PBW__NEAR_LIST
+        && queries->mesh->point_count > 0
+        && (stars == NULL || (queries->k > 4 && queries->input.count >= queries->mesh->point_count / 8))) {
         return pbw__search_all(queries);
     }
 #endif
@@ -11504,16 +11519,13 @@ PBWDEF pbw_status pbw_nearest(const pbw_mesh *mesh, const pbw_lists *stars, cons
 {
     pbw__queries queries;
     pbw_status status;
-    if (vertices == NULL && count != 0 && k != 0) {
+    if ((vertices == NULL && count != 0 && k != 0) || !pbw__fits(mesh, stars)) {
         return PBW_ERROR_ARGUMENT;
     }
+    if (count != 0 && k > (size_t)-1 / sizeof(double) / count) {
+        return PBW_ERROR_TOO_LARGE;
+    }
     status = pbw__queries_start(&queries, mesh, points, count, options);
-    if (status == PBW_OK && count != 0 && k > ((size_t)-1) / sizeof(double) / count) {
-        status = PBW_ERROR_TOO_LARGE;
-    }
-    if (status == PBW_OK && !pbw__fits(mesh, stars)) {
-        status = PBW_ERROR_ARGUMENT;
-    }
     if (status == PBW_OK && count != 0 && k != 0) {
         queries.k = k;
         queries.vertices = vertices;
@@ -11842,12 +11854,6 @@ static void pbw__barycentric(pbw__queries *queries, pbw__desk *desk, size_t bloc
 }
 
 /* ---- the cavity */
-PBW__INLINE void pbw__record_of(const pbw_mesh *mesh, int dim, pbw_index v, double *record)
-{
-    memcpy(record, mesh->points + v * (size_t)dim, (size_t)dim * sizeof(double));
-    record[dim] = mesh->weights != NULL ? mesh->weights[v] : 0.0;
-}
-
 /* Returns whether p, a record, is in conflict with simplex t: by the tie rule if `tied`, else strictly. */
 PBW__INLINE int pbw__has_conflict(const pbw__queries *queries, int dim, size_t t, const double *p, int tied)
 {
@@ -11857,11 +11863,11 @@ PBW__INLINE int pbw__has_conflict(const pbw__queries *queries, int dim, size_t t
     const double *x[4];
     int i;
     for (i = 0; i <= dim; i++) {
-        pbw__record_of(mesh, dim, v[i], record[i]);
+        memcpy(record[i], mesh->points + v[i] * (size_t)dim, (size_t)dim * sizeof(double));
+        record[i][dim] = mesh->weights != NULL ? mesh->weights[v[i]] : 0.0;
         x[i] = record[i];
     }
-    return tied ? pbw__conflict(dim, x, p, &queries->grid)
-                : pbw__power(dim, x, p, &queries->grid) > 0;
+    return tied ? pbw__conflict(dim, x, p, &queries->grid) : pbw__power(dim, x, p, &queries->grid) > 0;
 }
 
 static int pbw__cavity_reserve(pbw__desk *desk, pbw__cavity *cavity)
@@ -12224,7 +12230,7 @@ PBW__INLINE int pbw__cavity_spokes(int fine, int dim, int weighted, int laplace,
 
 /* Computes the gain of each site, with fine = 2 by exact integers.  Returns 1 if the weights that they give are
    right, otherwise 0; -1 if memory is short. */
-PBW__INLINE int pbw__cavity_weigh(int fine, int dim, int weighted, int laplace, pbw__desk *desk)
+PBW__INLINE int pbw__cavity_weigh(int fine, int weighted, int laplace, pbw__desk *desk, int dim)
 {
     pbw__cavity *cavity = desk->cavity;
     const pbw__cell *ends[2];
@@ -12301,20 +12307,15 @@ static void pbw__cavity_unit(pbw__cavity *cavity)
 static PBW__NOINLINE int pbw__cavity_weigh_fine(int fine, int laplace, pbw__desk *desk)
 {
     const int weighted = desk->cavity->mesh->weights != NULL, dim = desk->cavity->mesh->dim;
-    return fine == 1 ? (dim == 3 ? pbw__cavity_weigh(1, 3, weighted, laplace, desk)
-                                 : pbw__cavity_weigh(1, 2, weighted, laplace, desk))
-         : dim == 3 ? pbw__cavity_weigh(2, 3, weighted, laplace, desk)
-                    : pbw__cavity_weigh(2, 2, weighted, laplace, desk);
+    return fine == 1 ? PBW__BY_DIM(dim, pbw__cavity_weigh, 1, weighted, laplace, desk)
+                     : PBW__BY_DIM(dim, pbw__cavity_weigh, 2, weighted, laplace, desk);
 }
 
 static int pbw__cavity_weigh_coarse(int laplace, pbw__desk *desk)
 {
     const int weighted = desk->cavity->mesh->weights != NULL, dim = desk->cavity->mesh->dim;
-    if (weighted || laplace) {
-        return dim == 3 ? pbw__cavity_weigh(0, 3, weighted, laplace, desk)
-                        : pbw__cavity_weigh(0, 2, weighted, laplace, desk);
-    }
-    return dim == 3 ? pbw__cavity_weigh(0, 3, 0, 0, desk) : pbw__cavity_weigh(0, 2, 0, 0, desk);
+    return weighted || laplace ? PBW__BY_DIM(dim, pbw__cavity_weigh, 0, weighted, laplace, desk)
+                               : PBW__BY_DIM(dim, pbw__cavity_weigh, 0, 0, 0, desk);
 }
 
 /* Adds the list of a query: the sites with positive weights, by index. */
@@ -12388,7 +12389,7 @@ static void pbw__coordinates_block(pbw__queries *queries, pbw__desk *desk, size_
     const size_t dim = (size_t)mesh->dim;
     pbw__spot end = { 0, 0, 0 };
     size_t i;
-    for (i = from; i < to && !desk->failed; i++) {
+    for (i = from; i < to && !desk->failed && !desk->astray; i++) {
         const size_t query = pbw__query_index(queries, i);
         pbw__spot spot;
         unsigned spread, facets = 0;
@@ -12400,6 +12401,7 @@ static void pbw__coordinates_block(pbw__queries *queries, pbw__desk *desk, size_
         }
         pbw__walk_to(mesh, &end, p, &queries->grid);
         if (end.leave != PBW__INSIDE) {
+            desk->astray = end.leave == PBW__ASTRAY;
             continue;                                /* outside: an empty list */
         }
         spot = end;
@@ -12432,10 +12434,10 @@ PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, si
         return PBW_ERROR_ARGUMENT;
     }
     memset(lists, 0, sizeof(*lists));
-    status = pbw__queries_start(&queries, mesh, points, count, options);
-    if (status == PBW_OK && scheme != PBW_BARYCENTRIC && scheme != PBW_SIBSON && scheme != PBW_LAPLACE) {
-        status = PBW_ERROR_ARGUMENT;
+    if (scheme != PBW_BARYCENTRIC && scheme != PBW_SIBSON && scheme != PBW_LAPLACE) {
+        return PBW_ERROR_ARGUMENT;
     }
+    status = pbw__queries_start(&queries, mesh, points, count, options);
     if (status == PBW_OK) {
         queries.scheme = scheme;
         queries.with_values = 1;
@@ -12532,8 +12534,9 @@ typedef struct pbw__core {
     pbw__ears ears;
     /* the journal */
     pbw__past *past;
-    pbw_index *taken, *open;                         /* slots that were free; edges still to test, see >>moves */
-    size_t past_capacity, taken_capacity, open_capacity, past_count, taken_count, open_count;
+    pbw_index *taken;                                /* slots that were free */
+    pbw__link *edge, *open;                          /* edges to test, see >>verify; still to test, see >>moves */
+    size_t past_capacity, taken_capacity, edge_capacity, open_capacity, past_count, taken_count, open_count;
     int inserting;                                   /* a weighted point, which may hide others */
 } pbw__core;
 
@@ -12549,6 +12552,7 @@ static void pbw__core_free_own(pbw__context *context, pbw__core *core)
     PBW__RELEASE(memory, core, filling);
     PBW__RELEASE(memory, core, past);
     PBW__RELEASE(memory, core, taken);
+    PBW__RELEASE(memory, core, edge);
     PBW__RELEASE(memory, core, open);
 }
 
@@ -14470,8 +14474,7 @@ PBW__SIMD_INLINE void pbw__depths_of(const pbw__verifying *verifying, const pbw_
 {
     const pbw__core *core = verifying->core;
     const pbw__d4 nan = pbw__splat(HUGE_VAL) - pbw__splat(HUGE_VAL);
-    pbw__point4 origin = pbw__point4_of(core->record, dim, core->kernel.weighted,
-                                        (size_t)dim + 1);
+    pbw__point4 origin = pbw__point4_of(core->record, dim, core->kernel.weighted, (size_t)dim + 1);
     pbw__d4 h, V, H[4], power, scale, certain;
     pbw_index v[4][4];
     unsigned i, k;
@@ -14498,19 +14501,14 @@ PBW__SIMD_INLINE void pbw__depths_of(const pbw__verifying *verifying, const pbw_
 }
 
 /* pbw__depths_of for a list of slots; count is a multiple of four. */
-PBW__SIMD_INLINE void pbw__depths_all(const pbw__verifying *verifying, const pbw_index *slot, size_t count,
-                                      float *depths, int dim)
-{
-    size_t i;
-    for (i = 0; i < count; i += 4) {
-        pbw__depths_of(verifying, slot + i, depths + 4 * i, dim);
-    }
-}
-
 PBW__SIMD static PBW__NOINLINE void pbw__depths(const pbw__verifying *verifying, const pbw_index *slot, size_t count,
                                                 float *depths)
 {
-    PBW__BY_DIM(verifying->core->kernel.dim, pbw__depths_all, verifying, slot, count, depths);
+    const int dim = verifying->core->kernel.dim;
+    size_t i;
+    for (i = 0; i < count; i += 4) {
+        PBW__BY_DIM(dim, pbw__depths_of, verifying, slot + i, depths + 4 * i);
+    }
 }
 #endif
 
@@ -14832,7 +14830,7 @@ static pbw_status pbw__flip(pbw__core *core, size_t t, unsigned k)
     return status;
 }
 
-/* Flips until all edges are locally Delaunay; rim_vertex is the worklist, with `count` edges at first.  PBW__ANEW:
+/* Flips until all edges are locally Delaunay; `edge` is the worklist, with `count` edges at first.  PBW__ANEW:
    more than `most` flips.  A task notes in `open` the edges at which it does not own all vertices. */
 static pbw_status pbw__flip_all(pbw__core *core, size_t count, size_t most)
 {
@@ -14840,11 +14838,11 @@ static pbw_status pbw__flip_all(pbw__core *core, size_t count, size_t most)
     size_t flips = 0;
     pbw_status status = PBW_OK;
     while (count > 0 && status == PBW_OK) {
-        const pbw_index facet = core->rim_vertex[--count];
-        const size_t s = kernel->link[facet] >> 2, t = facet >> 2;
+        const pbw__link facet = core->edge[--count];
+        const size_t s = (size_t)(kernel->link[facet] >> 2), t = (size_t)(facet >> 2);
         const int ghost = kernel->corner[4 * t + 2] == PBW__GHOST;
         const pbw_index far = kernel->corner[kernel->link[facet]];
-        unsigned k = facet & 3;
+        unsigned k = (unsigned)(facet & 3);
         if (far == PBW__GHOST || (ghost && k == 2) || !pbw__slot_conflict(core, t, pbw__core_record(core, far))) {
             continue;
         }
@@ -14856,12 +14854,12 @@ static pbw_status pbw__flip_all(pbw__core *core, size_t count, size_t most)
                 continue;
             }
         }
-        if (status == PBW_OK && !PBW__CORE_GROW(core, rim_vertex, count + 6)) {
+        if (status == PBW_OK && !PBW__CORE_GROW(core, edge, count + 6)) {
             status = PBW_ERROR_MEMORY;
         }
         for (k = 0; k < 3 && status == PBW_OK; k++) {
-            core->rim_vertex[count++] = (pbw_index)(4 * t + k);
-            core->rim_vertex[count++] = (pbw_index)(4 * s + k);
+            core->edge[count++] = (pbw__link)(4 * t + k);
+            core->edge[count++] = (pbw__link)(4 * s + k);
         }
         if ((flips & 1023) == 0 && pbw__report(kernel->context, 0.5)) {
             status = PBW_CANCELLED;
@@ -14878,10 +14876,10 @@ static pbw_status pbw__flip_marked(pbw__core *core, size_t most)
     unsigned k;
     for (t = 0; t < core->store.count; t++) {
         for (k = 0; k < 3 && kernel->mark[t] != 0 && kernel->corner[4 * t] != PBW_NONE; k++) {
-            if (!PBW__CORE_GROW(core, rim_vertex, count + 1)) {
+            if (!PBW__CORE_GROW(core, edge, count + 1)) {
                 return PBW_ERROR_MEMORY;
             }
-            core->rim_vertex[count] = (pbw_index)(4 * t + k);
+            core->edge[count] = (pbw__link)(4 * t + k);
             count += kernel->mark[t] >> k & 1;
         }
         kernel->mark[t] = 0;
@@ -15016,22 +15014,20 @@ PBW__INLINE int pbw__all_finite(const double *x, size_t count)
 PBWDEF pbw_status pbw_live_insert(pbw_live *live, const double *points, const double *weights, size_t count,
                                   pbw_index *ids)
 {
-    const size_t recycled = live != NULL && live->spare_count < count ? live->spare_count : count;
     size_t dim, i, k;
     pbw_status status;
     if (live == NULL || (points == NULL && count != 0)) {
         return PBW_ERROR_ARGUMENT;
     }
     dim = (size_t)live->dim;
-    if (count > (size_t)-1 / 256) {
-        return PBW_ERROR_TOO_LARGE;
+    status = count > (size_t)-1 / 256 ? PBW_ERROR_TOO_LARGE
+           : pbw__live_reserve(live, live->count + (count > live->spare_count ? count - live->spare_count : 0),
+                               live->queue_count + count);
+    if (status != PBW_OK) {
+        return status;
     }
     if (!pbw__all_finite(points, count * dim) || (weights != NULL && !pbw__all_finite(weights, count))) {
         return PBW_ERROR_NOT_FINITE;
-    }
-    status = pbw__live_reserve(live, live->count + count - recycled, live->queue_count + count);
-    if (status != PBW_OK) {
-        return status;
     }
     live->weighted |= weights != NULL;
     for (i = 0; i < count; i++) {
@@ -15065,7 +15061,7 @@ PBWDEF pbw_status pbw_live_remove(pbw_live *live, const pbw_index *ids, size_t c
 {
     size_t i;
     pbw_status status;
-    if (live == NULL || (ids == NULL && count != 0) || !pbw__live_all_stay(live, ids, count)) {
+    if (live == NULL || (ids == NULL && count != 0) || count > live->count || !pbw__live_all_stay(live, ids, count)) {
         return PBW_ERROR_ARGUMENT;
     }
     status = pbw__live_reserve(live, live->count, live->queue_count + count);
@@ -15174,19 +15170,26 @@ PBW__INLINE void pbw__turn_tuple(pbw_index *v, int dim)
 
 typedef struct pbw__owned_changes { pbw__memory memory; size_t deleted, made, points; } pbw__owned_changes;
 
-PBWDEF void pbw_changes_free(pbw_changes *changes)
+/* Frees changes.  `memory` counts their bytes; NULL: the commit has ended. */
+static void pbw__changes_release(pbw__memory *memory, pbw_changes *changes)
 {
     if (changes != NULL && changes->memory != NULL) {
         pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
-        pbw__memory memory = owned->memory;
-        pbw__release(&memory, (void *)(uintptr_t)changes->deleted, owned->deleted, sizeof(pbw_index));
-        pbw__release(&memory, (void *)(uintptr_t)changes->made, owned->made, sizeof(pbw_index));
-        pbw__release(&memory, (void *)(uintptr_t)changes->points, owned->points, sizeof(pbw_index));
-        pbw__release(&memory, owned, 1, sizeof(pbw__owned_changes));
+        pbw__memory own = owned->memory;
+        memory = memory != NULL ? memory : &own;
+        pbw__release(memory, (void *)(uintptr_t)changes->deleted, owned->deleted, sizeof(pbw_index));
+        pbw__release(memory, (void *)(uintptr_t)changes->made, owned->made, sizeof(pbw_index));
+        pbw__release(memory, (void *)(uintptr_t)changes->points, owned->points, sizeof(pbw_index));
+        pbw__release(memory, owned, 1, sizeof(pbw__owned_changes));
     }
     if (changes != NULL) {
         memset(changes, 0, sizeof(*changes));
     }
+}
+
+PBWDEF void pbw_changes_free(pbw_changes *changes)
+{
+    pbw__changes_release(NULL, changes);
 }
 
 /* A list of simplices that is being sorted. */
@@ -15271,7 +15274,7 @@ PBW__INLINE unsigned pbw__first_bit(uint64_t set)
 }
 
 /* Lists the marked numbers. */
-static pbw_status pbw__changes_points(pbw_changes *changes, const uint64_t *mark, size_t words)
+static pbw_status pbw__changes_points(pbw__memory *memory, pbw_changes *changes, const uint64_t *mark, size_t words)
 {
     pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
     pbw_index *points;
@@ -15282,11 +15285,11 @@ static pbw_status pbw__changes_points(pbw_changes *changes, const uint64_t *mark
             changes->point_count++;
         }
     }
-    points = (pbw_index *)pbw__allocate(&owned->memory, changes->point_count, sizeof(pbw_index));
+    points = (pbw_index *)pbw__allocate(memory, changes->point_count + 1, sizeof(pbw_index));
     if (points == NULL) {
         return PBW_ERROR_MEMORY;
     }
-    owned->points = changes->point_count;
+    owned->points = changes->point_count + 1;
     changes->points = points;
     for (i = 0; i < words; i++) {
         for (rest = mark[i]; rest != 0; rest &= rest - 1) {
@@ -15297,10 +15300,11 @@ static pbw_status pbw__changes_points(pbw_changes *changes, const uint64_t *mark
 }
 
 /* Sorts one list, in an array of *room words, with numbers below `numbers`, into a new array that just fits. */
-static pbw_status pbw__changes_sort(pbw__context *context, pbw__memory *memory, const pbw_index **list, size_t *room,
-                                    pbw__tuples *tuples, size_t numbers)
+static pbw_status pbw__changes_sort(pbw__context *context, const pbw_index **list, size_t *room, pbw__tuples *tuples,
+                                    size_t numbers)
 {
-    const size_t count = tuples->count, words = count * ((size_t)tuples->dim + 1);
+    pbw__memory *memory = &context->memory;
+    const size_t count = tuples->count, words = count * ((size_t)tuples->dim + 1) + 1;
     const int bits = pbw__index_bits(numbers);
     uint64_t *key = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
     uint64_t *spare = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
@@ -15317,8 +15321,8 @@ static pbw_status pbw__changes_sort(pbw__context *context, pbw__memory *memory, 
         status = tuples->key == NULL ? PBW_CANCELLED
                : pbw__for_range(context, count, PBW__TICK, 0.0, pbw__tuples_gather, tuples);
     }
-    pbw__release(&context->memory, key, count, sizeof(uint64_t));
-    pbw__release(&context->memory, spare, count, sizeof(uint64_t));
+    pbw__release(memory, key, count, sizeof(uint64_t));
+    pbw__release(memory, spare, count, sizeof(uint64_t));
     if (tuples->sorted != NULL) {
         pbw__release(memory, tuples->tuple, *room, sizeof(pbw_index));
         *list = tuples->sorted;
@@ -15340,16 +15344,16 @@ static pbw_status pbw__changes_close(pbw__context *context, pbw_changes *changes
     tuples.dim = dim;
     if (status == PBW_OK) {
         tuples.count = changes->deleted_count;
-        status = pbw__changes_sort(context, &owned->memory, &changes->deleted, &owned->deleted, &tuples, numbers);
+        status = pbw__changes_sort(context, &changes->deleted, &owned->deleted, &tuples, numbers);
     }
     if (status == PBW_OK) {
         tuples.count = changes->made_count;
-        status = pbw__changes_sort(context, &owned->memory, &changes->made, &owned->made, &tuples, numbers);
+        status = pbw__changes_sort(context, &changes->made, &owned->made, &tuples, numbers);
     }
     if (status == PBW_OK) {
         memset(mark, 0, words * sizeof(uint64_t));
         pbw__changes_differ(changes, (size_t)dim + 1, mark);
-        status = pbw__changes_points(changes, mark, words);
+        status = pbw__changes_points(&context->memory, changes, mark, words);
     }
     pbw__release(&context->memory, mark, words, sizeof(uint64_t));
     pbw__release(&context->memory, digit, digits, sizeof(uint32_t));
@@ -15360,20 +15364,18 @@ static pbw_status pbw__changes_close(pbw__context *context, pbw_changes *changes
 static pbw_status pbw__changes_start(const pbw_live *live, pbw_changes *changes, size_t deleted, size_t made)
 {
     const size_t corners = (size_t)live->dim + 1;
-    pbw__memory memory;
-    pbw__owned_changes *owned;
-    pbw__memory_start(&memory, &live->options);
-    owned = (pbw__owned_changes *)pbw__allocate(&memory, 1, sizeof(*owned));
+    pbw__memory *memory = &live->core.kernel.context->memory;
+    pbw__owned_changes *owned = (pbw__owned_changes *)pbw__allocate(memory, 1, sizeof(*owned));
     if (owned == NULL) {
         return PBW_ERROR_MEMORY;
     }
     changes->memory = owned;
-    owned->memory = memory;
+    owned->memory = *memory;
     owned->points = 0;
-    owned->deleted = deleted * corners;
-    owned->made = made * corners;
-    changes->deleted = (pbw_index *)pbw__allocate(&owned->memory, owned->deleted, sizeof(pbw_index));
-    changes->made = (pbw_index *)pbw__allocate(&owned->memory, owned->made, sizeof(pbw_index));
+    owned->deleted = deleted * corners + 1;
+    owned->made = made * corners + 1;
+    changes->deleted = (pbw_index *)pbw__allocate(memory, owned->deleted, sizeof(pbw_index));
+    changes->made = (pbw_index *)pbw__allocate(memory, owned->made, sizeof(pbw_index));
     return changes->deleted != NULL && changes->made != NULL ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
@@ -15764,7 +15766,7 @@ static pbw_status pbw__task_end(pbw__core *core, pbw__core *task)
         memcpy(main->left + main->left_count, kernel->left, kernel->left_count * sizeof(pbw_index));
     }
     if (task->open_count > 0) {
-        memcpy(core->open + core->open_count, task->open, task->open_count * sizeof(pbw_index));
+        memcpy(core->open + core->open_count, task->open, task->open_count * sizeof(pbw__link));
     }
     main->left_count += kernel->left_count;
     core->open_count += task->open_count;
@@ -16363,11 +16365,6 @@ static pbw_status pbw__batch_plan(pbw_live *live)
     return status;
 }
 
-static int pbw__is_whole(double x)
-{
-    return pbw__abs(x) >= 9007199254740992.0 || (double)(int64_t)x == x;
-}
-
 typedef struct pbw__fitting { const pbw_live *live; const pbw_index *list; int beyond; } pbw__fitting;
 
 static pbw_status pbw__live_fit_range(void *arg, size_t from, size_t to)
@@ -16380,8 +16377,9 @@ static pbw_status pbw__live_fit_range(void *arg, size_t from, size_t to)
     for (; from < to && !PBW__LOAD(&fitting->beyond); from++) {
         const double *x = pbw__core_record(core, fitting->list[from]);
         for (k = 0; k <= dim; k++) {
+            const double units = x[k] * (k < dim ? unit : unit * unit);
             if (!(x[k] >= core->low[k] && x[k] <= core->high[k]
-                  && pbw__is_whole(x[k] * (k < dim ? unit : unit * unit)))) {
+                  && (pbw__abs(units) >= 9007199254740992.0 || (double)(int64_t)units == units))) {
                 PBW__STORE(&fitting->beyond, 1);
                 break;
             }
@@ -16701,11 +16699,11 @@ static pbw_status pbw__shift_in_place(pbw_live *live, pbw__core *core, size_t at
         const unsigned faults = dim == 3 ? pbw__slot_faults(core, t, 1, 3) : pbw__slot_faults(core, t, 1, 2);
         if (faults == PBW__INVERTED || (faults != 0 && dim == 3)) {
             status = PBW__NO_FIT;
-        } else if (faults != 0 && !PBW__CORE_GROW(core, rim_vertex, count + 3)) {
+        } else if (faults != 0 && !PBW__CORE_GROW(core, edge, count + 3)) {
             status = PBW_ERROR_MEMORY;
         }
         for (k = 0; k < 3 && status == PBW_OK && faults != 0; k++) {
-            core->rim_vertex[count] = (pbw_index)(4 * t + k);
+            core->edge[count] = (pbw__link)(4 * t + k);
             count += faults >> k & 1;
         }
     }
@@ -16859,9 +16857,9 @@ static pbw_status pbw__shift_all(pbw_live *live, size_t most_effort)
     core->effort = core->reinserted = core->open_count = 0;
     status = status == PBW_OK ? pbw__batch_all(core, &batch, 0) : status;
     if (status == PBW_OK && live->dim == 2) {
-        status = PBW__CORE_GROW(core, rim_vertex, core->open_count) ? PBW_OK : PBW_ERROR_MEMORY;
+        status = PBW__CORE_GROW(core, edge, core->open_count) ? PBW_OK : PBW_ERROR_MEMORY;
         if (status == PBW_OK && core->open_count > 0) {
-            memcpy(core->rim_vertex, core->open, core->open_count * sizeof(pbw_index));
+            memcpy(core->edge, core->open, core->open_count * sizeof(pbw__link));
             status = pbw__flip_all(core, core->open_count, core->past_simplices);
         }
         batch.change = pbw__change_again;
@@ -16988,11 +16986,10 @@ static void pbw__live_settle(pbw_live *live)
 #endif
 #define PBW__EFFORT 128                              /* so many tests for an apex take as long as an insertion */
 
-static double pbw__change_cost(const pbw_live *live, size_t leave, size_t arrive, int near)
+static double pbw__change_cost(int dim, size_t leave, size_t arrive, int near)
 {
-    const int space = live->dim == 3;
-    return near ? (space ? 8.0 : 4.0) * (double)leave
-         : 6.0 * (double)leave + (space ? 3.8 : 8.0) * (double)arrive;
+    return near ? (dim == 3 ? 8.0 : 4.0) * (double)leave
+         : 6.0 * (double)leave + (dim == 3 ? 3.8 : 8.0) * (double)arrive;
 }
 
 /* Returns 1 if most of a sample of the points that move do so by less than four edges.  Others are better removed and
@@ -17083,7 +17080,7 @@ static pbw_status pbw__live_try_moves(pbw_live *live, pbw_status listed, pbw_cha
         *way = pbw__journal_any(&live->core) ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
         pbw__journal_clear(&live->core);
     } else if (status == PBW__ANEW) {
-        pbw_changes_free(changes);
+        pbw__changes_release(&live->core.kernel.context->memory, changes);
     }
     return status;
 }
@@ -17112,19 +17109,20 @@ static pbw_status pbw__live_choose(pbw_live *live, pbw__context *context, int in
         status = pbw__live_try_moves(live, pbw__live_list_moves(live, leave), changes, way);
     }
     if (status == PBW__ANEW && live->core.simplex_count > 0 && live->weighted == live->core.kernel.weighted
-        && pbw__change_cost(live, leave, arrive, near && !live->weighted) <= PBW__REBUILD_AT(live->dim) * points) {
+        && pbw__change_cost(live->dim, leave, arrive, near && !live->weighted)
+           <= PBW__REBUILD_AT(live->dim) * points) {
         if (pbw__enter_stage(context, PBW_STAGE_WORK)) {
             return PBW_CANCELLED;
         }
         status = !near ? PBW__ANEW : pbw__live_shift(live, leave, most, changes, way);
         if (status == PBW__ANEW) {
-            pbw_changes_free(changes);
+            pbw__changes_release(&context->memory, changes);
             status = pbw__live_batch(live, leave, arrive, most, changes);
             *way = PBW_WAY_BATCH;
         }
     }
     if (status == PBW__ANEW) {
-        pbw_changes_free(changes);
+        pbw__changes_release(&context->memory, changes);
         status = pbw__live_rebuild(live, context, changes);
         *way = PBW_WAY_REBUILD;
     }
@@ -17159,10 +17157,14 @@ static pbw_status pbw__live_run(pbw_live *live, const pbw_mesh *mesh, pbw_change
     status = status != PBW_OK ? status : mesh != NULL ? pbw__live_import(live, &context, mesh) : PBW__ANEW;
     status = status == PBW__ANEW ? pbw__live_go(live, &context, changes) : status;
     pbw__team_stop(&context);
-    if (status == PBW_OK || status == PBW_DEGENERATE) {
-        pbw__live_settle(live);
+    if (status != PBW_OK && status != PBW_DEGENERATE) {
+        pbw__changes_release(&context.memory, changes);
     } else {
-        pbw_changes_free(changes);
+        pbw__live_settle(live);
+    }
+    if (changes != NULL && changes->memory != NULL) {        /* the caller's from here on */
+        const pbw__owned_changes *owned = (const pbw__owned_changes *)changes->memory;
+        context.memory.used -= sizeof(*owned) + (owned->deleted + owned->made + owned->points) * sizeof(pbw_index);
     }
     live->core.kernel.context = NULL;
     live->memory = context.memory;
@@ -17275,8 +17277,7 @@ static pbw_status pbw__import_count(void *arg, size_t from, size_t to)
     pbw__import *import = (pbw__import *)arg;
     size_t *count = import->first[from / PBW__IMPORTED];
     pbw_index list[PBW__IMPORTED * 4];
-    return import->mesh->dim == 3 ? pbw__import_count_of(import, from, to, list, count, 3)
-                                  : pbw__import_count_of(import, from, to, list, count, 2);
+    return PBW__BY_DIM(import->mesh->dim, pbw__import_count_of, import, from, to, list, count);
 }
 
 PBW__INLINE void pbw__import_vertex(pbw__import *import, pbw_index p, size_t v, int dim)
@@ -17324,8 +17325,7 @@ PBW__INLINE pbw_status pbw__import_number_of(pbw__import *import, size_t from, s
 static pbw_status pbw__import_number(void *arg, size_t from, size_t to)
 {
     pbw__import *import = (pbw__import *)arg;
-    return import->mesh->dim == 3 ? pbw__import_number_of(import, from, to, 3)
-                                  : pbw__import_number_of(import, from, to, 2);
+    return PBW__BY_DIM(import->mesh->dim, pbw__import_number_of, import, from, to);
 }
 
 /* Numbers the canonical points that are in no simplex. */
@@ -17732,10 +17732,8 @@ PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *optio
         return PBW_ERROR_ARGUMENT;
     }
     *result = NULL;
-    if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || options->threads < 0 || options->threads > 256
-        || options->flags != 0 || options->stride != 0 || options->weight_stride != 0 || options->backend != NULL
-        || (mesh->point_count > 0 && (mesh->points == NULL || mesh->canonical == NULL || mesh->incident == NULL))
-        || (mesh->simplex_count > 0 && mesh->simplices == NULL)) {
+    if (!pbw__has_arrays(mesh, 0) || options->threads < 0 || options->threads > 256 || options->flags != 0
+        || options->stride != 0 || options->weight_stride != 0 || options->backend != NULL) {
         return PBW_ERROR_ARGUMENT;
     }
     pbw__memory_start(&memory, options);
@@ -18236,6 +18234,7 @@ PBWDEF pbw_status pbw_live_view(pbw_live *live, pbw_mesh *mesh)
     }
     fp = pbw__fp_enter();
     pbw__context_start(&context, &live->options, live->points);
+    context.memory.used = live->memory.used;         /* what is held counts */
     live->core.kernel.context = &context;
     status = pbw__fp_is_exact() ? pbw__view(live, &context, mesh) : PBW_ERROR_FP_MODE;
     live->core.kernel.context = NULL;
@@ -18388,8 +18387,7 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
     }
     if (status == PBW_OK || status == PBW_DEGENERATE) {
         pbw_status kept = pbw__hand_over_canonical(context, &vertices, owned, mesh);
-        kept = kept != PBW_OK ? kept
-             : pbw__keep_points(context, input, owned, mesh, vertices.record, vertices.room);
+        kept = kept != PBW_OK ? kept : pbw__keep_points(context, input, owned, mesh, vertices.record, vertices.room);
         vertices.record = mesh->points != NULL && !input->borrow ? NULL : vertices.record;
         status = pbw__leave_stage(context, kept != PBW_OK ? kept : status, &start, &mesh->statistics.output_seconds);
     }

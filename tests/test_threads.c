@@ -27,6 +27,10 @@ static long threads_allowed = -1;                    /* that may still be starte
 #include "watch.h"
 
 #include <sched.h>
+#if defined(PBW_WIDE) && defined(__linux__) && defined(__LP64__)
+#define WIDE_SLOTS
+#include <sys/mman.h>
+#endif
 
 /* Holds a thread up at random, by the number of calls at this place.  Where threads seldom pass (blocks of the store,
    40,000 of 17 million calls), each call may; where they often do (zones), a quarter of those after 100,000: enough to
@@ -613,6 +617,93 @@ static void test_many_builds(size_t count)
     }
 }
 
+/* With wide links slots may lie beyond 2^30, and their edges beyond 2^32: moves the slots of a small live triangulation
+   there, into memory that is only address space but for these, flips an edge, and has all edges tested again. */
+static void test_wide_flips(void)
+{
+#ifdef WIDE_SLOTS
+    const size_t base = ((size_t)1 << 30) + 5, links = 4 * sizeof(pbw__link), corners = 4 * sizeof(pbw_index);
+    const size_t sizes[4] = { corners, links, 1, 1 };
+    double x[2 * 50];
+    void *map[4];
+    pbw__context context;
+    pbw_mesh mesh;
+    pbw_live *live;
+    pbw__core *core, old;
+    size_t slots, i, t, flipped = 0, wrong = 0;
+    unsigned k;
+    if (!test_begin("flips in slots beyond 2^30")) {
+        return;
+    }
+    input_fill(INPUT_UNIFORM, 2, 50, 1, x);
+    CHECK_EQUAL(pbw_triangulate(2, x, NULL, 50, NULL, &mesh), PBW_OK);
+    CHECK_EQUAL(pbw_live_create(&mesh, NULL, &live), PBW_OK);
+    core = &live->core;
+    slots = core->store.count;
+    for (i = 0; i < 4; i++) {
+        map[i] = mmap(NULL, (base + slots) * sizes[i], PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS
+                      | MAP_NORESERVE, -1, 0);
+        if (map[i] == MAP_FAILED) {
+            test_skip("no address space");
+            return;
+        }
+    }
+    old = *core;
+    memcpy((char *)map[0] + base * corners, core->store.corner, slots * corners);
+    core->store.corner = core->kernel.corner = (pbw_index *)map[0];
+    for (i = 4 * base; i < 4 * (base + slots); i++) {
+        ((pbw__link *)map[1])[i] = core->store.link[i - 4 * base] + 4 * base;
+    }
+    core->store.link = core->kernel.link = (pbw__link *)map[1];
+    core->store.mark = core->kernel.mark = (unsigned char *)map[2];
+    core->touched = (unsigned char *)map[3];
+    pbw__context_start(&context, &live->options, 0);
+    context.memory = live->memory;
+    core->kernel.context = &context;
+    CHECK(pbw__grow_lists(&core->kernel, 100) && PBW__CORE_GROW(core, edge, 1));
+    for (t = base; t < base + slots && flipped == 0; t++) {
+        const pbw_index *v = core->kernel.corner + 4 * t;
+        for (k = 0; k < 3 && v[0] != PBW_NONE && v[2] != PBW__GHOST && flipped == 0; k++) {
+            const size_t u = (size_t)(core->kernel.link[4 * t + k] >> 2);
+            if (core->kernel.corner[4 * u + 2] != PBW__GHOST && pbw__flip(core, t, k) == PBW_OK) {
+                unsigned edge;
+                for (edge = 0; edge < 3; edge++) {
+                    if ((size_t)(core->kernel.link[4 * t + edge] >> 2) == u) {
+                        core->edge[0] = (pbw__link)(4 * t + edge);
+                    }
+                }
+                flipped++;
+                CHECK_EQUAL(pbw__flip_all(core, 1, 100), PBW_OK);
+            }
+        }
+    }
+    CHECK_EQUAL(flipped, 1);
+    for (i = 4 * base; i < 4 * (base + slots); i++) {
+        const size_t s = i / 4;
+        if (i % 4 < 3 && core->kernel.corner[4 * s] != PBW_NONE) {
+            const pbw__link back = core->kernel.link[i];
+            const pbw_index far = core->kernel.corner[back];
+            wrong += core->kernel.link[back] != i;
+            wrong += far != PBW__GHOST && core->kernel.corner[4 * s + 2] != PBW__GHOST
+                  && pbw__slot_conflict(core, s, pbw__core_record(core, far));
+        }
+    }
+    CHECK_EQUAL(wrong, 0);
+    core->store = old.store;
+    core->touched = old.touched;
+    core->kernel.corner = old.kernel.corner;
+    core->kernel.link = old.kernel.link;
+    core->kernel.mark = old.kernel.mark;
+    live->memory = context.memory;
+    pbw_live_free(live);
+    for (i = 0; i < 4; i++) {
+        munmap(map[i], (base + slots) * sizes[i]);
+    }
+    pbw_free(&mesh);
+    test_end();
+#endif
+}
+
 int main(int argc, char **argv)
 {
     size_t count;
@@ -631,5 +722,6 @@ int main(int argc, char **argv)
     test_hidden_report(1000);                        /* few, so that many are the first of a part */
     test_flat_report(count);
     test_many_builds(count);
+    test_wide_flips();
     return test_finish();
 }
