@@ -168,6 +168,44 @@ static int near(double a, double b)
     return fabs(a - b) <= 1e-12 * (fabs(a) + fabs(b));
 }
 
+/* The spread of values of which some are no numbers, as of tetrahedra that are points: in any order the same. */
+static void test_spread(void)
+{
+    enum { TETS = 60 };
+    static const double points[15] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 5 };
+    pbw_index corners[4 * TETS];
+    pbw_tets mesh;
+    pbw_spread spread;
+    size_t step, i;
+    if (!test_begin("the spread of values that are no numbers")) {
+        return;
+    }
+    memset(&mesh, 0, sizeof mesh);
+    mesh.points = points;
+    mesh.point_count = 5;
+    mesh.corners = corners;
+    mesh.tet_count = TETS;
+    for (step = 1; step < TETS; step++) {
+        for (i = 0; i < TETS; i++) {
+            const pbw_index kind = (pbw_index)(i * step % TETS % 3);         /* a point, a short one, a long one */
+            corners[4 * i] = 0;
+            corners[4 * i + 1] = kind > 0 ? 1 : 0;
+            corners[4 * i + 2] = kind > 0 ? 2 : 0;
+            corners[4 * i + 3] = kind == 0 ? 0 : kind + 2;
+        }
+        corners[0] = corners[1] = corners[2] = corners[3] = 0;
+        for (i = 0; i < 3; i++) {                    /* at least one of each */
+            corners[4 * i + 4] = 0;
+            corners[4 * i + 5] = i > 0 ? 1 : 0;
+            corners[4 * i + 6] = i > 0 ? 2 : 0;
+            corners[4 * i + 7] = i == 0 ? 0 : (pbw_index)i + 2;
+        }
+        CHECK(pbw_tets_spread(&mesh, PBW_MEASURE_EDGE_RATIO, NULL, &spread));
+        CHECK(near(spread.least, sqrt(2.0)) && spread.permille >= spread.least && !(spread.most <= HUGE_VAL));
+    }
+    test_end();
+}
+
 static void test_measures(void)
 {
     static const double o[3] = { 0, 0, 0 }, x[3] = { 1, 0, 0 }, y[3] = { 0, 1, 0 }, z[3] = { 0, 0, 1 };
@@ -849,6 +887,7 @@ int main(int argc, char **argv)
 {
     test_start(argc, argv, 1);
     test_measures();
+    test_spread();
     test_surface(0);
     test_surface(1);
     test_cube(0);

@@ -343,10 +343,10 @@ PBWIMPROVEDEF const char *pbw_measure_name(pbw_measure measure)
     return (unsigned)measure < sizeof names / sizeof *names ? names[measure] : NULL;
 }
 
-static int pbwim__compare(const void *a, const void *b)
+static int pbwim__compare(const void *a, const void *b)                      /* what is no number comes last */
 {
     const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
+    return x < y || x > y ? (x > y) - (x < y) : !(x <= HUGE_VAL) - !(y <= HUGE_VAL);
 }
 
 PBWIMPROVEDEF int pbw_tets_spread(const pbw_tets *mesh, pbw_measure measure, const pbw_options *options,

@@ -1016,8 +1016,16 @@ static int pbwm3__name_hole(pbwm3__work *w, const pbw_index *loop, size_t n, int
 static int pbwm3__compare_holes(const void *a, const void *b)
 {
     const pbw_solid_hole *x = (const pbw_solid_hole *)a, *y = (const pbw_solid_hole *)b;
-    return x->edges != y->edges ? (x->edges < y->edges) - (x->edges > y->edges)
-         : (x->length < y->length) - (x->length > y->length);
+    int k;
+    if (x->edges != y->edges) {
+        return x->edges < y->edges ? 1 : -1;
+    }
+    if (x->length < y->length || x->length > y->length) {
+        return x->length < y->length ? 1 : -1;
+    }
+    for (k = 0; k < 2 && !(x->place[k] < y->place[k] || x->place[k] > y->place[k]); k++) {
+    }
+    return (x->place[k] > y->place[k]) - (x->place[k] < y->place[k]);
 }
 
 static int pbwm3__find_holes(pbwm3__work *w, pbwsf__array *open)
