@@ -249,6 +249,8 @@ inside && /^}/ {
 }
 END { if (functions < 300) print "only " functions + 0 " functions were found" }
 END
+check "no product is split by fma, which some libraries round twice" sh -c \
+    "! grep -nE '(^|[^_[:alnum:]])fmaf?\(' examples/lib/*.h examples/program/*.[ch] | grep ."
 check "no room of pbw.h is over 700 lines" sh -c "! awk -f $work/rooms.awk pbw.h | grep ."
 check "no example is over 150 lines" sh -c "! wc -l examples/*.c* examples/[!lp]*/*.c* examples/python/*.c |
     awk '\$1 > 150 && \$2 != \"total\"' | grep ."
@@ -377,10 +379,11 @@ fi
 # object file is good for mingw's linker, so where there is wine a test runs with MSVC's threads and atomics.
 msvc="clang --target=x86_64-pc-windows-msvc -ffreestanding -U__SSE2__ -U__amd64 -U__amd64__ -U__x86_64 -U__x86_64__"
 if clang --target=x86_64-pc-windows-msvc -ffreestanding -fsyntax-only -x c /dev/null 2> /dev/null; then
-    mkdir -p "$work/msvc/sys"
+    mkdir -p "$work/msvc"
     cat > "$work/msvc/stdlib.h" << 'END'
 #include <stddef.h>
 void *malloc(size_t), *realloc(void *, size_t), free(void *);
+void qsort(void *, size_t, size_t, int (*)(const void *, const void *));
 END
     cat > "$work/msvc/string.h" << 'END'
 #include <stddef.h>
@@ -390,11 +393,8 @@ size_t strlen(const char *);
 END
     cat > "$work/msvc/math.h" << 'END'
 #define HUGE_VAL (__builtin_huge_val())
-double sqrt(double), floor(double), fabs(double);
-END
-    cat > "$work/msvc/sys/timeb.h" << 'END'
-struct __timeb64 { __int64 time; unsigned short millitm; short timezone, dstflag; };
-int _ftime64_s(struct __timeb64 *);
+double sqrt(double), floor(double), fabs(double), ceil(double), frexp(double, int *), ldexp(double, int);
+double pow(double, double), cbrt(double), fmax(double, double), fmod(double, double);
 END
     cat > "$work/msvc/process.h" << 'END'
 unsigned __int64 _beginthreadex(void *, unsigned, unsigned (__stdcall *)(void *), void *, unsigned, unsigned *);
@@ -416,7 +416,10 @@ typedef void *HANDLE;
 typedef unsigned long DWORD;
 typedef struct _RTL_SRWLOCK { void *Ptr; } SRWLOCK, *PSRWLOCK;
 typedef struct _RTL_CONDITION_VARIABLE { void *Ptr; } CONDITION_VARIABLE, *PCONDITION_VARIABLE;
+typedef union _LARGE_INTEGER { __int64 QuadPart; } LARGE_INTEGER;
 #define WINAPI(result) __declspec(dllimport) result __stdcall
+WINAPI(int) QueryPerformanceCounter(LARGE_INTEGER *);
+WINAPI(int) QueryPerformanceFrequency(LARGE_INTEGER *);
 WINAPI(DWORD) WaitForSingleObject(HANDLE, DWORD);
 WINAPI(int) CloseHandle(HANDLE);
 WINAPI(DWORD) GetCurrentThreadId(void);
@@ -439,6 +442,15 @@ END
             check "MSVC, by clang $flags: C++, $file" $msvc -std=c++14 $flags -Wall -Wextra -Werror -I"$work/msvc" -I. \
                 -fsyntax-only -x c++ "$work/$file.c"
         done
+    done
+    # Companions whose threads count together do so by atomic operations there, too.
+    for header in cells tiles; do
+        printf '#define PBW_%s_IMPLEMENTATION\n#include "pbw_%s.h"\n' \
+            "$(echo $header | tr a-z A-Z)" $header > "$work/msvc/$header.c"
+        # shellcheck disable=SC2086
+        check "MSVC, by clang: pbw_$header.h" $msvc -std=c11 -O1 -Wall -Wextra -Werror -I"$work/msvc" -I. -Iexamples/lib \
+            -S "$work/msvc/$header.c" -o "$work/msvc/$header.s"
+        check "MSVC, by clang: pbw_$header.h counts by atomic operations" grep 'lock' "$work/msvc/$header.s"
     done
     if $other-gcc "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
         printf 'int _fltused;\n' > "$work/msvc/float.c"

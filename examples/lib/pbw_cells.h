@@ -149,10 +149,15 @@ PBWCELLSDEF void pbw_cells_free(pbw_cells *cells);           /* fine on {0}, fin
 #define PBWC__ADD(x, y) __atomic_add_fetch(x, y, __ATOMIC_RELAXED)
 #define PBWC__READ(x) __atomic_load_n(x, __ATOMIC_RELAXED)
 #define PBWC__WRITE(x, y) __atomic_store_n(x, y, __ATOMIC_RELAXED)
-#else
+#elif defined(_MSC_VER) && defined(_M_X64) /* pbw.h has threads there.  Counts are of 8 bytes, marks of 1 */
+#include <intrin.h>
+#define PBWC__READ(x) (*(const volatile unsigned char *)(x))
+#define PBWC__WRITE(x, y) ((void)(*(volatile unsigned char *)(x) = (y)))
+#define PBWC__ADD(x, y) ((size_t)_InterlockedExchangeAdd64((volatile __int64 *)(x), (__int64)(y)) + (y))
+#else                                      /* pbw.h has one thread then */
 #define PBWC__READ(x) (*(x))
 #define PBWC__WRITE(x, y) (*(x) = (y))
-#define PBWC__ADD(x, y) (*(x) += (y))      /* pbw.h has one thread then */
+#define PBWC__ADD(x, y) (*(x) += (y))
 #endif
 
 /* Inlined, so that it is compiled for each dimension. */
@@ -292,9 +297,12 @@ static pbwc__dd pbwc__dd_add(pbwc__dd a, pbwc__dd b)
     return pbwc__dd_sum(s.high, s.low + (a.low + b.low));
 }
 
+/* By halves of 26 bits (Dekker 1971): some libraries round their fma twice. */
 static pbwc__dd pbwc__dd_times(pbwc__dd a, pbwc__dd b)
 {
-    const double p = a.high * b.high, e = fma(a.high, b.high, -p);
+    const double s = 134217729 * a.high, ah = s - (s - a.high), al = a.high - ah;    /* 2^27 + 1 */
+    const double t = 134217729 * b.high, bh = t - (t - b.high), bl = b.high - bh;
+    const double p = a.high * b.high, e = al * bl - (((p - ah * bh) - al * bh) - ah * bl);
     return pbwc__dd_sum(p, e + (a.high * b.low + a.low * b.high));
 }
 
@@ -1003,7 +1011,7 @@ struct pbwc__period {
     double from[3], to[3];                 /* bounds of the marked part */
     pbwc__array x, w, source, marks;       /* source: of each copy */
     pbwc__array thin;                      /* per point: is it one of few that are copied far out?  NULL: none is */
-    int marked;                            /* new marks in this round */
+    unsigned char marked;                  /* 1: new marks in this round */
 };
 
 struct pbwc__job {

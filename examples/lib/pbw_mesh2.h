@@ -1244,9 +1244,12 @@ static pbwp__dd pbwp__dd_sum(double a, double b)                     /* exact (K
     return s;
 }
 
+/* By halves of 26 bits (Dekker 1971): some libraries round their fma twice. */
 static pbwp__dd pbwp__dd_times(pbwp__dd a, pbwp__dd b)
 {
-    const double p = a.high * b.high, e = fma(a.high, b.high, -p);
+    const double s = 134217729 * a.high, ah = s - (s - a.high), al = a.high - ah;    /* 2^27 + 1 */
+    const double t = 134217729 * b.high, bh = t - (t - b.high), bl = b.high - bh;
+    const double p = a.high * b.high, e = al * bl - (((p - ah * bh) - al * bh) - ah * bl);
     return pbwp__dd_sum(p, e + (a.high * b.low + a.low * b.high));
 }
 

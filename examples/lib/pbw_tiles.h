@@ -235,6 +235,10 @@ extern int madvise(void *address, size_t length, int advice);        /* strict C
 #if defined(__GNUC__)
 #define PBWT__ADD(x, y) __atomic_add_fetch(x, y, __ATOMIC_RELAXED)
 #define PBWT__PREFETCH(p) __builtin_prefetch(p)
+#elif defined(_MSC_VER) && defined(_M_X64) /* pbw.h has threads there */
+#include <intrin.h>
+#define PBWT__PREFETCH(p) ((void)0)
+#define PBWT__ADD(x, y) ((size_t)_InterlockedExchangeAdd64((volatile __int64 *)(x), (__int64)(y)) + (y))
 #else
 #define PBWT__PREFETCH(p) ((void)0)
 #define PBWT__ADD(x, y) (*(x) += (y))      /* pbw.h has one thread then */
