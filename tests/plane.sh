@@ -65,6 +65,19 @@ check "--keep-boundary lets other segments be split" split --keep-boundary
 check "the boundary is split else" split
 bounded() { says 0 "; --steiner ended it" square.poly --area 0.01 --steiner 7 && grep '^7 new points' said; }
 check "--steiner" bounded
+cp square.poly tiny.poly
+printf '1\n1 0.9 0.9 0 1e-160\n' >> tiny.poly
+most() {    # most ARGUMENT...: refused before work
+    says 1 " triangles, more than --most allows; larger sizes or a smaller angle need fewer" "$@" && ! grep mesh said
+}
+check "a tiny area of a region" most tiny.poly --angle 20
+check "a tiny area" most square.poly --area 1e-160
+check "a tiny size" most square.poly --size 1e-9
+check "a tiny size by a formula" most square.poly --size 1e-9+0*x
+check "--most" most square.poly --area 1e-3 --most 3000
+check "--most, more" says 0 " triangles, " square.poly --area 1e-3 --most 30000
+check "--most, met on the way" most square.poly --size "max(1e-9,abs(x-0.3)/100)" --most 3000
+check "--most and --steiner" says 0 "; --steiner ended it" square.poly --area 1e-160 --steiner 7
 printf '4 2 0 0\n1 0 0\n2 10 0\n3 5 0.2\n4 5 -0.2\n1 0\n1 1 2\n0\n' > across.poly
 check "not conforming" says 0 "2 triangles, 4 points" across.poly --rule hull
 check "--conforming" says 0 "4 triangles, 5 points" across.poly --rule hull --conforming

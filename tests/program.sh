@@ -562,6 +562,7 @@ check "normals that are not written" useless "--facet-normals and --fill poisson
 check "--box and --clip" useless "--box 0,0,1,1 and --clip p.csv exclude" cells p.csv --box 0,0,1,1 --clip p.csv
 check "plane: weights" useless "pbw plane has no option --weights" plane p.csv --weights z
 check "plane: --rounds alone" useless "--rounds 3: it needs --smooth" plane p.csv --rounds 3
+check "plane: --most alone" useless "--most 3: it needs --angle, --area, --size or --conforming" plane p.csv --most 3
 check "plane: --steiner alone" useless "--steiner 3: it needs --angle, --area, --size or --conforming" \
     plane p.csv --steiner 3
 check "improve: --only-smooth alone" useless "--only-smooth: it needs --smooth" improve low.msh --only-smooth

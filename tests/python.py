@@ -1218,6 +1218,14 @@ def triangulate_keeps_attributes_and_markers():
 
 
 @test
+def too_many_triangles():
+    raises_text(ValueError, "triangles, more than most = 50000000 allows", pbw.triangulate, PLATE, "pa1e-160")
+    raises_text(ValueError, "triangles, more than most = 1000 allows", pbw.triangulate, PLATE, "pqa0.001", most=1000)
+    raises_text(ValueError, "most must be above 0, not nan", pbw.triangulate, PLATE, "pq", most=float("nan"))
+    check(len(pbw.triangulate(PLATE, "pqa0.01", most=3000)["triangles"]) > 1000)
+
+
+@test
 def nothing_enclosed():
     points = [[0, 0], [4, 0], [4, 4], [0, 4]]
     raises_text(pbw.Error, r"nothing is enclosed: segments end where no other goes on, at vertex 0 \(0, 0\), "

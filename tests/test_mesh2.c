@@ -1077,6 +1077,134 @@ static void test_growth(void)
     }
 }
 
+/* ---- more triangles than wanted */
+
+typedef struct strip { double size, growth, x; size_t calls; } strip;        /* a size at x, which grows from there */
+
+static double strip_at(void *user, double x, double y)
+{
+    strip *s = (strip *)user;
+    (void)y;
+    s->calls++;
+    return fmax(s->size, s->growth * fabs(x - s->x));
+}
+
+/* Sizes that ask for far too much, each in its own way; none of them can be a mesh.  The unit square. */
+static void test_refused(drawing *d)
+{
+    static const pbw_plane_region tiny[] = { { 0.5, 0.5, 1e-160 } };
+    static const double sizes[4] = { 1e-9, 1e-9, 1e-9, 1e-9 };
+    strip everywhere = { 1e-9, 0, 0, 0 };
+    int way;
+    for (way = 0; way < 7; way++) {
+        pbw_options build;
+        pbw_plane_options options;
+        pbw_plane_input input = *input_of(d);
+        pbw_plane plane;
+        memset(&build, 0, sizeof build);
+        memset(&options, 0, sizeof options);
+        build.memory_limit = 100000;                 /* what work would end at */
+        options.build = &build;
+        options.flags = PBW_PLANE_REFINE;
+        options.area = way == 0 ? 1e-160 : way == 1 ? 1e-320 : 0;
+        options.size = way == 2 ? 1e-9 : 0;
+        input.regions = tiny;
+        input.region_count = way == 3;
+        input.sizes = way == 4 ? sizes : NULL;
+        options.size_at = way > 4 ? strip_at : NULL;
+        options.size_user = &everywhere;
+        options.gradation = way == 6 ? 0.2 : 0;
+        CHECK_EQUAL(pbw_plane_make(&input, &options, &plane), PBW_ERROR_TOO_LARGE);
+        CHECK(plane.report.estimate > 1e15 && plane.report.estimate < 1e21);
+        CHECK(strstr(plane.what, " triangles, more than most = 50000000 allows") != NULL);
+        CHECK(plane.triangle_count == 0 && everywhere.calls < 100);
+        options.steiner_limit = 20;                  /* which bounds the work, too */
+        CHECK_EQUAL(pbw_plane_make(&input, &options, &plane), PBW_OK);
+        CHECK(plane.report.limited && plane.report.steiner_count == 20 && plane.report.estimate <= 42);
+        pbw_plane_free(&plane);
+        options.steiner_limit = 0;
+        everywhere.calls = 0;
+    }
+}
+
+static void test_most(void)
+{
+    static const struct { double area, size, function; } row[] = {
+        { 1e-4, 0, 0 }, { 0, 0.02, 0 }, { 1e-2, 0.02, 0 }, { 1e-4, 1, 0 }, { 0, 0, 0.02 }, { 0, 0.02, 0.5 }
+    };
+    drawing d;
+    pbw_plane plane;
+    pbw_plane_options options;
+    size_t i, count = 0;
+    memset(&d, 0, sizeof d);
+    memset(&options, 0, sizeof options);
+    options.flags = PBW_PLANE_REFINE;
+    rectangle(&d, 0, 0, 1, 1);
+    if (test_begin("sizes that ask for too many triangles")) {
+        test_refused(&d);
+        test_end();
+    }
+    if (test_begin("estimates of the number of triangles")) {
+        for (i = 0; i < sizeof row / sizeof *row; i++) {
+            strip s = { row[i].function, 0, 0, 0 };
+            options.area = row[i].area;
+            options.size = row[i].size;
+            options.size_at = s.size > 0 ? strip_at : NULL;
+            options.size_user = &s;
+            options.most = 20000;
+            CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+            CHECK(plane.report.estimate > 0.9 * (double)plane.triangle_count);
+            CHECK(plane.report.estimate < 1.1 * (double)plane.triangle_count);
+            pbw_plane_free(&plane);
+            options.most = 10000;
+            CHECK_EQUAL(make(&d, &options, &plane), PBW_ERROR_TOO_LARGE);
+            CHECK(plane.report.estimate > 10000 && plane.what[0] != 0);
+        }
+        test_end();
+    }
+    memset(&options, 0, sizeof options);
+    options.flags = PBW_PLANE_REFINE;
+    if (test_begin("a function that is small in a small part")) {
+        strip s = { 2e-3, 0.25, 1.0 / 3, 0 };        /* at the middle of a triangle of the square */
+        options.size_at = strip_at;
+        options.size_user = &s;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        CHECK(plane.triangle_count > 20000 && plane.report.estimate < 1000);
+        count = plane.triangle_count;
+        pbw_plane_free(&plane);
+        options.most = 5000;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_ERROR_TOO_LARGE);
+        CHECK(plane.report.estimate > 5000 && plane.report.estimate < 5100 && plane.triangle_count == 0);
+        options.most = 1.1 * (double)count;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        CHECK_EQUAL(plane.triangle_count, count);
+        pbw_plane_free(&plane);
+        options.size_at = NULL;
+        test_end();
+    }
+    if (test_begin("angles alone, and numbers that are none")) {
+        drawing_free(&d);
+        draw_teeth(&d);
+        options.rule = PBW_PLANE_EVEN_ODD;
+        options.most = 1000;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_ERROR_TOO_LARGE);
+        CHECK(plane.report.estimate > 1000 && plane.report.estimate < 1100);
+        options.most = 2500;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        pbw_plane_free(&plane);
+        options.most = 1;
+        options.flags = 0;                           /* of refinement only */
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        pbw_plane_free(&plane);
+        options.most = -1;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_ERROR_ARGUMENT);
+        options.most = HUGE_VAL - HUGE_VAL;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_ERROR_ARGUMENT);
+        test_end();
+    }
+    drawing_free(&d);
+}
+
 static void test_limits(void)
 {
     drawing d;
@@ -1097,6 +1225,7 @@ static void test_limits(void)
         options.steiner_limit = 0;
         test_end();
     }
+    test_most();
     if (test_begin("untouched boundary, untouched segments, conforming")) {
         pbw_mesh mesh;
         const size_t given = d.segment_count + 1;

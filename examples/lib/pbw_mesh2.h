@@ -24,7 +24,7 @@
    crosses are replaced on both sides of it.  The tie rule of pbw.h makes the result unique: the constrained
    triangulation of the set of points and segments, whatever their order.  Refinement moves its own points or inserts
    more where an angle or a size is not as wanted, and splits segments that such points come close to.  Rooms, in
-   order: memory, signs, segments, crossings, domain, refinement and its steps, result.
+   order: memory, signs, segments, crossings, domain, refinement, its steps and its loop, result.
 
    PROMISES  (tests/test_mesh2.c guards them)
      exact       no tolerance decides which triangles there are; segments are never moved to fit
@@ -107,6 +107,8 @@ typedef struct pbw_plane_options {         /* NULL or all zero = best defaults *
                                               those of points, and if it is above 0 of size_at and of the areas of
                                               regions too; 0 = 0.3 */
     size_t steiner_limit;                  /* most points that refinement inserts, 0 = no limit but memory */
+    double most;                           /* triangles of refinement; 0 = 50 million.  Sizes that ask for more are
+                                              PBW_ERROR_TOO_LARGE before work, as is refinement once it has more */
     const pbw_options *build;              /* threads, memory_limit, resize, progress, as in pbw.h; NULL = defaults */
 } pbw_plane_options;
 
@@ -121,6 +123,8 @@ typedef struct pbw_plane_report {
     size_t short_edges;                    /* refused splits: the edges would be too short for the coordinates */
     int limited;                           /* 1: steiner_limit ended the refinement */
     int rounds;                            /* of splitting crossings */
+    double estimate;                       /* triangles that refinement was to have, from sizes; if that or their
+                                              number was above options.most, what was */
 } pbw_plane_report;
 
 typedef struct pbw_plane {                 /* start from {0}; read, do not write; pbw_plane_free when done */
@@ -150,8 +154,8 @@ typedef struct pbw_plane {                 /* start from {0}; read, do not write
 /* Triangulates a domain.  Segments without length are ignored; overlapping ones have edges in common.  A segment
    through a point is split there.  PBW_DEGENERATE: all points are on one line, and there are no triangles.  Otherwise
    fails as pbw_triangulate does; PBW_ERROR_ARGUMENT also for segments with ids out of range, segments that cross, and
-   segments that are not closed although the rule counts windings.  After a failure, plane has only what and
-   crossings. */
+   segments that are not closed although the rule counts windings; PBW_ERROR_TOO_LARGE also for more triangles than
+   options.most.  After a failure, plane has only what, crossings and report.estimate. */
 PBWMESH2DEF pbw_status pbw_plane_make(const pbw_plane_input *input, const pbw_plane_options *options,
                                       pbw_plane *plane);
 /* Triangulates polygons with holes: closed rings of points in any direction, ring i being points first[i] ..
@@ -1833,7 +1837,7 @@ typedef struct pbwp__refiner {
     pbwp__array splits;                    /* two ends each */
     pbwp__array slots, rim, hits;          /* a cavity: its triangles, its border, segments encroached upon */
     pbwp__array lowered;                   /* vertices whose sizes have fallen, for their neighbours */
-    size_t inserted, moved;
+    size_t inserted, moved, triangle_count;
 } pbwp__refiner;
 
 static pbw_index pbwp__host_of(const pbwp__job *job, pbw_index edge)
@@ -2013,29 +2017,46 @@ static double pbwp__twice_area(const pbwp__refiner *r, const pbwp__triangle *t)
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-static int pbwp__is_large(const pbwp__refiner *r, const pbwp__triangle *t)
+/* Returns the most area of a triangle there, 0 = no bound. */
+static double pbwp__area_for(const pbwp__refiner *r, const pbwp__triangle *t)
 {
-    const pbw_plane_options *o = r->job->options;
-    double area = o->area, size = o->size, there;
+    double area = r->job->options->area;
     if (r->job->input->region_count > 0) {
         const pbw_index component = t->region & ~PBWP__CAVITY;
         const pbw_index seed = ((const pbwp__component *)r->job->components.data)[component].seed;
-        there = seed != PBW_NONE ? r->job->input->regions[seed].area : 0;
+        const double there = seed != PBW_NONE ? r->job->input->regions[seed].area : 0;
         area = there > 0 && (!(area > 0) || there < area) ? there : area;
     }
-    if (area > 0 && pbwp__twice_area(r, t) > 2 * area) {
-        return 1;
-    }
+    return area;
+}
+
+/* Returns the most length of an edge there, 0 = no bound.  A function counts at corner k, in the middle if k is 3. */
+static double pbwp__size_for(const pbwp__refiner *r, const pbwp__triangle *t, unsigned k)
+{
+    const pbw_plane_options *o = r->job->options;
+    double size = o->size, there;
     if (r->has_sizes) {
         const double *sizes = PBWP__DOUBLES(r->job->sizes);
         there = (sizes[t->v[0]] + sizes[t->v[1]] + sizes[t->v[2]]) / 3;
         size = !(size > 0) || there < size ? there : size;
     }
     if (o->size_at != NULL) {
-        const double *a = pbwp__point(r, t->v[0]), *b = pbwp__point(r, t->v[1]), *c = pbwp__point(r, t->v[2]);
+        const double *a = pbwp__point(r, t->v[k % 3]), *b = pbwp__point(r, t->v[k < 3 ? k : 1]);
+        const double *c = pbwp__point(r, t->v[k < 3 ? k : 2]);
         there = o->size_at(o->size_user, (a[0] + b[0] + c[0]) / 3, (a[1] + b[1] + c[1]) / 3);
         size = there > 0 && (!(size > 0) || there < size) ? there : size;
     }
+    return size;
+}
+
+static int pbwp__is_large(const pbwp__refiner *r, const pbwp__triangle *t)
+{
+    const double area = pbwp__area_for(r, t);
+    double size;
+    if (area > 0 && pbwp__twice_area(r, t) > 2 * area) {
+        return 1;
+    }
+    size = pbwp__size_for(r, t, 3);
     if (size > 0) {
         const double a = pbwp__side2(r, t, 0), b = pbwp__side2(r, t, 1), c = pbwp__side2(r, t, 2);
         return pbwp__most(pbwp__most(a, b), c) > pbwp__most(size * size, 16 * r->least2);
@@ -2267,6 +2288,7 @@ static int pbwp__refill_star(pbwp__refiner *r, pbw_index p, pbw_index a, pbw_ind
     if (!pbwp__reserve_slots(job, count)) {
         return 0;
     }
+    r->triangle_count += count - r->slots.count;
     for (i = 0; i < r->slots.count; i++) {
         pbwp__free_slot(job, PBWP__INDICES(r->slots)[i]);
     }
@@ -2386,6 +2408,7 @@ static int pbwp__remove(pbwp__refiner *r, pbw_index vertex)
     }
     job->incident[vertex] = PBW_NONE;
     job->plane->report.removed++;
+    r->triangle_count -= count - job->fresh.count;
     for (i = 0; i < job->fresh.count; i++) {
         pbwp__examine(r, PBWP__INDICES(job->fresh)[i]);
     }
@@ -2411,8 +2434,8 @@ static void pbwp__clear(pbwp__refiner *r, pbw_index u, pbw_index v)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Refinement, its steps: sizes at vertices, splits of segments, moves and insertions of points, and the loop.
-   In: the state and the tools of the room before.  Out: the refined domain.
+   Refinement, its steps: sizes at vertices, splits of segments, moves and insertions of points.
+   In: the state and the tools of the room before.  Out: a segment split, a triangle mended.
    Holds: what that room says.
    ------------------------------------------------------------------------------------------------------ */
 
@@ -2916,8 +2939,11 @@ static int pbwp__mend(pbwp__refiner *r, pbw_index slot, unsigned shortest)
     return done;
 }
 
-/* ---- the loop */
-
+/* ------------------------------------------------------------------------------------------------------
+   Refinement, its loop.
+   In: the domain, the steps of the room before.  Out: the refined domain, or that it would have too many triangles.
+   Holds: what the first of these rooms says.
+   ------------------------------------------------------------------------------------------------------ */
 static void pbwp__mend_sharp(pbwp__refiner *r)
 {
     double shortest2;
@@ -3096,6 +3122,51 @@ static int pbwp__set_bounds(pbwp__refiner *r)
     return most <= 1e60 && size2 >= 1e-120;
 }
 
+/* Counts the triangles.  Returns about how many sizes ask for: refinement of a square makes 1.56 A / a triangles of
+   area a at most in an area A, and 5.1 A / h^2 with edges of length h at most.  Of a function the largest of four
+   values in a triangle counts, as it may be small in a small part alone. */
+static double pbwp__estimate(pbwp__refiner *r)
+{
+    const pbwp__job *job = r->job;
+    double sum = 0;
+    size_t i;
+    unsigned k;
+    for (i = 0; i < job->triangles.count; i++) {
+        const pbwp__triangle *t = job->t + i;
+        if (t->v[0] != PBW_NONE) {
+            const double twice = pbwp__twice_area(r, t), area = pbwp__area_for(r, t);
+            double size = pbwp__size_for(r, t, 3), many = 1;
+            for (k = 0; k < 3 && size > 0 && job->options->size_at != NULL; k++) {
+                const double there = pbwp__size_for(r, t, k);
+                size = there > 0 ? pbwp__most(size, there) : 0;
+            }
+            if (area > 0) {
+                many = pbwp__most(many, 0.78 * twice / pbwp__most(area, r->least2));
+            }
+            if (size > 0) {
+                many = pbwp__most(many, 2.55 * twice / pbwp__most(size * size, 16 * r->least2));
+            }
+            sum += many;
+            r->triangle_count++;
+        }
+    }
+    return job->options->steiner_limit == 0 ? sum
+         : pbwp__least(sum, (double)r->triangle_count + 2.0 * (double)job->options->steiner_limit);
+}
+
+/* Refuses more triangles than wanted. */
+static pbw_status pbwp__allow(pbwp__job *job, double count)
+{
+    const double most = job->options->most > 0 ? job->options->most : 5e7;
+    if (!(count > most)) {
+        return PBW_OK;
+    }
+    job->plane->report.estimate = count;
+    snprintf(job->plane->what, sizeof job->plane->what, "about %.3g triangles, more than most = %.9g allows: "
+             "larger sizes or a smaller angle need fewer", count, most);
+    return PBW_ERROR_TOO_LARGE;
+}
+
 static pbw_status pbwp__refine_all(pbwp__refiner *r)
 {
     pbwp__job *job = r->job;
@@ -3132,6 +3203,9 @@ static pbw_status pbwp__refine_all(pbwp__refiner *r)
         if (pbwp__step(job, 1 - 1 / (1 + 1e-5 * (double)r->inserted))) {
             return pbwp__say(job, PBW_CANCELLED, NULL);
         }
+        if (pbwp__allow(job, (double)r->triangle_count) != PBW_OK) {
+            return PBW_ERROR_TOO_LARGE;
+        }
     }
     return job->memory.fault == PBW_OK ? PBW_OK : pbwp__say(job, job->memory.fault, NULL);
 }
@@ -3164,8 +3238,13 @@ static pbw_status pbwp__refine(pbwp__job *job)
     }
     graded = job->input->sizes != NULL
           || (job->options->gradation > 0 && (job->options->size_at != NULL || job->input->region_count > 0));
-    status = pbwp__find_hosts(&r) && (!graded || pbwp__find_sizes(&r)) ? pbwp__refine_all(&r)
+    status = pbwp__find_hosts(&r) && (!graded || pbwp__find_sizes(&r)) ? PBW_OK
            : pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    if (status == PBW_OK) {
+        job->plane->report.estimate = pbwp__estimate(&r);
+        status = pbwp__allow(job, job->plane->report.estimate);
+    }
+    status = status == PBW_OK ? pbwp__refine_all(&r) : status;
     if (status == PBW_OK) {
         pbwp__count_faults(&r);
     }
@@ -3570,8 +3649,9 @@ static pbw_status pbwp__check_arguments(pbwp__job *job)
     if ((unsigned)o->rule > PBW_PLANE_NONZERO || (o->flags & ~all) != 0) {
         return pbwp__say(job, PBW_ERROR_ARGUMENT, "no such rule or flag");
     }
-    if (!(o->angle <= 34) || !(o->area >= 0) || !(o->size >= 0) || !(o->gradation >= 0)) {
-        return pbwp__say(job, PBW_ERROR_ARGUMENT, "an angle above 34 degrees, or an area, size or gradation below 0");
+    if (!(o->angle <= 34) || !(o->area >= 0) || !(o->size >= 0) || !(o->gradation >= 0) || !(o->most >= 0)) {
+        return pbwp__say(job, PBW_ERROR_ARGUMENT,
+                         "an angle above 34 degrees, or an area, size, gradation or most below 0");
     }
     if (in->point_count > PBW_NONE - 16 || in->segment_count > PBW_NONE / 4) {
         return pbwp__say(job, PBW_ERROR_TOO_LARGE, NULL);

@@ -42,6 +42,7 @@ static const rule rules[] = {
     { "plane", "--keep-boundary", REFINING, NULL },
     { "plane", "--keep-segments", REFINING, NULL },
     { "plane", "--steiner", REFINING, NULL },
+    { "plane", "--most", REFINING, NULL },
     { "plane", "--rounds", "--smooth", NULL },
     { "plane", "--region-by", "*.geojson", NULL },
     { "improve", "--only-smooth", "--smooth", NULL },

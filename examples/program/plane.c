@@ -26,6 +26,8 @@ static const option plane_options[] = {
     { "--keep-segments", NULL, "no new points on segments", SWITCH, 0, 0, NULL },
     { "--conforming", NULL, "all triangles Delaunay, across segments too", SWITCH, 0, 0, NULL },
     { "--steiner", "N", "at most N new points", WHOLE, 1, 4e9, NULL },
+    { "--most", "N", "refuse more triangles, before work if sizes ask for more; default 50 million", POSITIVE, 0, 0,
+      NULL },
     { "--no-orphans", NULL, "leave points that are no corner out of the outputs", SWITCH, 0, 0, NULL },
     { "--quality", NULL, "print measures of quality, by the names of Verdict and Gmsh", SWITCH, 0, 0, NULL },
     { "--histogram", NULL, "print how many triangles have which least angle", SWITCH, 0, 0, NULL },
@@ -398,6 +400,7 @@ static int set_up(const job *j, const plan *d, pbw_plane_options *options)
     options->area = number_of(j, "--area", 0);
     options->gradation = number_of(j, "--gradation", 0);
     options->steiner_limit = (size_t)number_of(j, "--steiner", 0);
+    options->most = number_of(j, "--most", 0);
     options->build = &j->build;
     options->flags = (is_given(j, "--split-crossings") ? PBW_PLANE_SPLIT_CROSSINGS : 0)
                    | (is_given(j, "--keep-boundary") ? PBW_PLANE_KEEP_BOUNDARY : 0)
@@ -561,6 +564,9 @@ static int make_result(job *j, const plan *d, const pbw_plane_options *options, 
     if (status != PBW_OK) {
         return status == PBW_CANCELLED ? stopped(j)
              : r->plane->crossing_count > 0 && d->sources != NULL ? crossing(j, d, r->plane)
+             : status == PBW_ERROR_TOO_LARGE && r->plane->report.estimate > number_of(j, "--most", 5e7)
+             ? fail(j, "%s: about %.3g triangles, more than --most allows; larger sizes or a smaller angle need "
+                    "fewer", j->input, r->plane->report.estimate)
              : fail(j, "%s", r->plane->what[0] != 0 ? r->plane->what : pbw_status_string(status));
     }
     if (!finish(r)) {

@@ -16,6 +16,7 @@ int pbw_python_plane(const pbw_plane_input *input, const plane_wish *wish, const
     options.angle = wish->angle;
     options.area = wish->area;
     options.steiner_limit = wish->steiner_limit;
+    options.most = wish->most;
     return (int)pbw_plane_make(input, &options, plane);
 }
 

@@ -30,6 +30,7 @@ typedef struct plane_wish {            /* of pbw_plane_options */
     unsigned flags;
     double angle, area;
     size_t steiner_limit;
+    double most;
 } plane_wish;
 
 size_t pbw_python_size(int structure);

@@ -48,7 +48,8 @@ class _PlaneInput(ctypes.Structure):
 class _PlaneWish(ctypes.Structure):
     """struct plane_wish of pbw_python.h."""
     _fields_ = [("rule", ctypes.c_int), ("threads", ctypes.c_int), ("flags", ctypes.c_uint),
-                ("angle", ctypes.c_double), ("area", ctypes.c_double), ("steiner_limit", ctypes.c_size_t)]
+                ("angle", ctypes.c_double), ("area", ctypes.c_double), ("steiner_limit", ctypes.c_size_t),
+                ("most", ctypes.c_double)]
 
 
 class _Watch(ctypes.Structure):
@@ -71,6 +72,7 @@ class _Plane(ctypes.Structure):
                 ("region_count", ctypes.c_size_t), *_pointers("region_windings region_seeds"),
                 ("crossing_count", ctypes.c_size_t), ("crossings", ctypes.c_void_p),
                 ("report", ctypes.c_size_t * 5), ("limited", ctypes.c_int), ("rounds", ctypes.c_int),
+                ("estimate", ctypes.c_double),
                 ("what", ctypes.c_char * 160), ("bytes", ctypes.c_size_t), ("memory", ctypes.c_void_p)]
 
 

@@ -33,7 +33,7 @@ def _checked(data, name, columns, kind, count=None):
     return array
 
 
-def triangulate(data, options="", *, split_crossings=False, threads=0):
+def triangulate(data, options="", *, split_crossings=False, most=50e6, threads=0):
     """Triangulates and refines a plane domain, with the dictionaries and switches of the package triangle.
 
     data       vertices, with vertex_attributes and vertex_markers if there are some; and, for the switch p, segments,
@@ -45,7 +45,7 @@ def triangulate(data, options="", *, split_crossings=False, threads=0):
     triangles of the domain at new vertices; with p segments and segment_markers; with A triangle_attributes, with e
     edges, with n neighbors.  A marker of a vertex is its own; else that of the first of its segments that has one;
     else 1 on the boundary, or 0.  If data has no markers, all on segments have 1.  Raises pbw.Error if nothing is
-    enclosed.
+    enclosed; ValueError for more than `most` triangles of refinement, before work if areas ask for them.
     """
     given = _switches(options)
     if "vertices" not in data:
@@ -54,6 +54,8 @@ def triangulate(data, options="", *, split_crossings=False, threads=0):
     if points.shape[1] != 2:
         raise ValueError("vertices must be in 2D, not in %dD" % points.shape[1])
     check_options(False, None, threads)
+    if not most > 0:
+        raise ValueError("most must be above 0, not %r" % (most,))
     with_segments = "p" in given
     part = data if with_segments else {}
     segments = _checked(part, "segments", 2, np.int64, len(points)).astype(np.uint32)
@@ -70,7 +72,7 @@ def triangulate(data, options="", *, split_crossings=False, threads=0):
     of_segments = _of_items(part, "segment_markers", np.int32, len(segments), 1)
     made = _library.plane(points, segments, holes, np.maximum(areas, [-np.inf, -np.inf, 0]), threads=threads,
                           flags=flags, rule=SEEDS if with_segments and "c" not in given else HULL, angle=angle,
-                          area=given.get("a") or 0, steiner_limit=int(given.get("S") or 0))
+                          area=given.get("a") or 0, steiner_limit=int(given.get("S") or 0), most=most)
     if not len(made["triangles"]):
         raise _nothing_enclosed(points, segments, flags & SPLIT)
     if attributes is not None:
