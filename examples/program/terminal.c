@@ -1,10 +1,13 @@
 /* terminal.c: the report, the bar, failures, Ctrl-C. */
+#ifndef _WIN32
+#define _POSIX_C_SOURCE 199309L                      /* clock_gettime beside strict C99 */
+#endif
 #include "program.h"
 #include <stdarg.h>
 #ifdef _WIN32
 #include <windows.h>
 #else
-#include <sys/time.h>
+#include <time.h>
 #endif
 
 volatile sig_atomic_t interrupted;
@@ -22,14 +25,17 @@ void catch_interrupt(void)
     }
 }
 
-double now(void)
+double now(void)                                     /* of a clock that nobody sets */
 {
 #ifdef _WIN32
-    return (double)GetTickCount64() * 1e-3;
+    LARGE_INTEGER count, frequency;
+    QueryPerformanceCounter(&count);
+    QueryPerformanceFrequency(&frequency);
+    return (double)count.QuadPart / (double)frequency.QuadPart;
 #else
-    struct timeval time;
-    gettimeofday(&time, NULL);
-    return (double)time.tv_sec + 1e-6 * (double)time.tv_usec;
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
 #endif
 }
 
