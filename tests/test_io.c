@@ -398,6 +398,59 @@ static void test_truncations(void)
     }
 }
 
+/* What a reader says of a file that lies: nothing of memory, and no byte beyond the file.  Returns whether it read. */
+static int read_lie(const io_sample *s, const char *data, size_t size)
+{
+    pbwio_cloud cloud;
+    pbwio_error error;
+    const char *at;
+    size_t byte;
+    const pbwio_status status = pbwio_read_memory(s->name, data, size, NULL, &cloud, &error);
+    if (status != PBWIO_OK) {
+        at = strstr(error.text, ": byte ");
+        if (!CHECK(status != PBWIO_ERROR_MEMORY && strstr(error.text, "memory") == NULL
+                   && (at == NULL || (sscanf(at, ": byte %zu", &byte) == 1 && byte <= size)))) {
+            test_say("%s", error.text);
+        }
+    }
+    pbwio_free(&cloud);
+    return status == PBWIO_OK;
+}
+
+/* In place of each number of each file, and of each four bytes, numbers that are too large; and of each byte a z. */
+static void test_lies(void)
+{
+    static const char *const numbers[] = { "4000000000", "99999999999999", "1000000", "-1" };
+    char buffer[1024], *data;
+    size_t at, end, read = 0, lies = 0, n;
+    int i, k;
+    for (i = 0; i < IO_SAMPLES; i++) {
+        const io_sample s = io_get_sample(i, buffer);
+        data = (char *)malloc(s.size + 32);
+        for (at = 0; at < s.size; at = end + 1) {
+            for (end = at; end < s.size && s.data[end] >= '0' && s.data[end] <= '9'; end++) {
+            }
+            for (k = 0; k < 4 && end > at; k++, lies++) {
+                n = strlen(numbers[k]);
+                memcpy(data, s.data, at);
+                memcpy(data + at, numbers[k], n);
+                memcpy(data + at + n, s.data + end, s.size - end);
+                read += (size_t)read_lie(&s, data, s.size + n - (end - at));
+            }
+        }
+        for (at = 0; at + 4 <= s.size; at++) {
+            for (k = 0; k < 2; k++, lies++) {
+                memcpy(data, s.data, s.size);
+                memcpy(data + at, k == 0 ? "\xf0\xff\xff\x7f" : "z", k == 0 ? 4 : 1);
+                read += (size_t)read_lie(&s, data, s.size);
+            }
+        }
+        free(data);
+    }
+    test_say("%zu of %zu were read", read, lies);
+    CHECK(read > 0 && read < lies / 2);
+}
+
 static void test_flips(void)
 {
     char buffer[1024], copy[1024];
@@ -1628,6 +1681,7 @@ int main(int argc, char **argv)
         { "numbers are read and written exactly", test_numbers }, { "good files", test_samples },
         { "columns, weights and dimensions", test_choices }, { "bad files", test_bad_files },
         { "every truncation", test_truncations }, { "every flipped bit", test_flips },
+        { "numbers that lie", test_lies },
         { "memory runs out", test_no_memory }, { "long lines", test_long }, { "a small stack", test_stack },
         { "what writers refuse", test_refusals }, { "groups", test_groups }, { "columns", test_columns },
         { "heights", test_heights }, { "a full disk", test_full_disk }, { "runs at once", test_runs_at_once },

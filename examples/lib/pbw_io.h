@@ -134,7 +134,7 @@ typedef enum pbwio_status {
     PBWIO_ERROR_FILE,                  /* cannot open, read, write or rename; the disk is full */
     PBWIO_ERROR_FORMAT,                /* the content is not what the format says */
     PBWIO_ERROR_ARGUMENT,              /* unknown format, no such column, mesh without what the format needs */
-    PBWIO_ERROR_MEMORY                 /* out of memory, or more than the bound above */
+    PBWIO_ERROR_MEMORY                 /* out of memory; what asks for more than the bound above is ERROR_FORMAT */
 } pbwio_status;
 
 typedef struct pbwio_error {           /* filled when a function fails; may be NULL */
@@ -881,11 +881,13 @@ static void pbwio__dropped(pbwio__reader *r, const char *format, ...)
 static void *pbwio__resize(pbwio__reader *r, void *ptr, size_t old_count, size_t count, size_t size)
 {
     void *block = NULL;
-    if (count <= r->budget / size && count * size <= r->budget - r->held) {
-        block = PBWIO_REALLOC(ptr, count * size);
+    if (count > r->budget / size || count * size > r->budget - r->held) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "a count or an id is too large for the size of the file");
+        return NULL;
     }
+    block = PBWIO_REALLOC(ptr, count * size);
     if (block == NULL) {
-        pbwio__fail(r, PBWIO_ERROR_MEMORY, "out of memory, or over 8 times the size of the file");
+        pbwio__fail(r, PBWIO_ERROR_MEMORY, "out of memory");
         return NULL;
     }
     r->held = r->held + count * size - old_count * size;
@@ -4025,7 +4027,7 @@ static void pbwio__vtu_points(pbwio__reader *r, pbwio__vtu *v)
                     : "there are no points of three coordinates");
     }
     pbwio__vtu_open(r, v, points);
-    r->at = points->values.at;
+    r->at = points->block == NULL ? points->values.at : r->at;       /* else they lie in a block, not in the file */
     if (weights->is) {
         pbwio__vtu_open(r, v, weights);
         r->column[3] = 3;
