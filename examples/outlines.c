@@ -107,10 +107,13 @@ int main(int argc, char **argv)
     pbw_plane letters = { 0 };
     options.flags = PBW_PLANE_REFINE;
     options.size = 0.2;
-    pbw_status status = pbw_plane_from_triangles(plane.points, plane.point_count, plane.triangles,
-                                                 plane.triangle_count, &options, &letters);
+    pbw_plane_input triangles = { 0 };
+    triangles.points = plane.points;
+    triangles.point_count = plane.point_count;
+    pbw_status status = pbw_plane_from_triangles(&triangles, plane.triangles, NULL, plane.triangle_count, &options,
+                                                 &letters);
     pbw_plane_free(&plane);
-    if (status != PBW_OK || pbw_plane_smooth(&letters, PBW_PLANE_ODT, 10, NULL) != PBW_OK) {
+    if (status != PBW_OK || pbw_plane_smooth(&letters, PBW_PLANE_ODT, 10, NULL, NULL) != PBW_OK) {
         puts(letters.what);
         return 1;
     }

@@ -355,6 +355,178 @@ same() {
 }
 check "heights of a surface" same
 
+# ---- regions and groups of a mesh
+
+awk 'function node(i, j) { return 1 + i + 7 * j }
+function line(a, b, tag) { all = all sprintf("%d 1 2 %d 1 %d %d\n", ++n, tag, a, b) }
+function triangle(a, b, c, tag) { all = all sprintf("%d 2 2 %d 1 %d %d %d\n", ++n, tag, a, b, c) }
+function point(a, tag) { all = all sprintf("%d 15 2 %d 1 %d\n", ++n, tag, a) }
+BEGIN { print "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n6\n0 11 \"well\"\n0 12 \"gauge\"\n1 4 \"shore\""
+    print "1 5 \"crack\"\n2 6 \"sand\"\n2 8 \"clay\"\n$EndPhysicalNames\n$Nodes\n21"
+    for (j = 0; j < 3; j++) for (i = 0; i < 7; i++) print node(i, j), i + (j == 1 && i % 3 ? .2 : 0), j, 0
+    for (i = 0; i < 6; i++) line(node(i, 0), node(i + 1, 0), 4)
+    line(node(1, 1), node(2, 1), 5); point(node(4, 1), 11); point(node(6, 2), 12)
+    for (j = 0; j < 2; j++) for (i = 0; i < 6; i++) {               # the second of two turns clockwise
+        triangle(node(i, j), node(i + 1, j), node(i, j + 1), i < 3 ? 6 : 8)
+        triangle(node(i, j + 1), node(i + 1, j + 1), node(i + 1, j), i < 3 ? 6 : 8) }
+    print "$EndNodes\n$Elements\n" n; printf "%s", all; print "$EndElements" }' > fields.msh
+cat > measure.awk << 'END'
+# The measure of each group of a .msh 2.2, and how many triangles are on both sides of x = 3.
+$1 == "$PhysicalNames" { getline; for (n = $1; n > 0; n--) { getline; name[$1 " " $2] = $3 } next }
+$1 == "$Nodes" { getline; for (n = $1; n > 0; n--) { getline; x[$1] = $2; y[$1] = $3 } next }
+$1 == "$Elements" { getline; for (n = $1; n > 0; n--) { getline; add() } next }
+function add(    d, a, b, c, size) {
+    d = $2 == 15 ? 0 : $2; a = $(4 + $3); b = $(5 + $3); c = $(6 + $3)
+    size = d == 0 ? 1 : sqrt((x[b] - x[a]) ^ 2 + (y[b] - y[a]) ^ 2)
+    if (d == 2) size = ((x[b] - x[a]) * (y[c] - y[a]) - (y[b] - y[a]) * (x[c] - x[a])) / 2
+    if (d == 2 && (x[a] < 3 || x[b] < 3 || x[c] < 3) && (x[a] > 3 || x[b] > 3 || x[c] > 3)) across++
+    if ($4 != 0) sum[d " " $4] += size < 0 ? -size : size
+}
+END { for (g in sum) printf "%s %s %.9g\n", g, name[g], sum[g] | "sort"
+    close("sort"); print across + 0 " across" }
+END
+groups_of() { "$pbw" convert "$1" --quiet -o of.msh2 && awk -f measure.awk of.msh2; }
+printf '%s\n' '0 11 "well" 1' '0 12 "gauge" 1' '1 4 "shore" 6' '1 5 "crack" 1' '2 6 "sand" 6' '2 8 "clay" 6' \
+    '0 across' > groups
+sed 's/"[a-z]*"//' groups > tags                     # of formats without names
+sed '/^[01] [1-9]/d' tags > regions                   # of formats without other groups
+{
+    printf '# vtk DataFile Version 3.0\nfields\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 21 double\n'
+    sed -n '/^.Nodes/,/^.EndNodes/p' fields.msh | awk 'NF == 4 { print $2, $3, $4 }'
+    printf 'CELLS 24 96\n'
+    awk '$2 == 2 && NF == 8 { print 3, $6 - 1, $7 - 1, $8 - 1 }' fields.msh
+    printf 'CELL_TYPES 24\n'
+    awk '$2 == 2 && NF == 8 { print 5 }' fields.msh
+    printf 'CELL_DATA 24\nSCALARS region int 1\nLOOKUP_TABLE default\n'
+    awk '$2 == 2 && NF == 8 { print $4 }' fields.msh
+} > fields.vtk
+awk '/^.Nodes/ { on = 1; getline; print $1, 2, 1, 1; next } /^.EndNodes/ { on = 0 }         # an attribute 10 x + y
+    on { print $1, $2, $3, 10 * $2 + $3, ($3 == 0 || $3 == 2 || $2 == 0 || $2 == 6) }' fields.msh > fields.node
+awk 'BEGIN { print 24, 3, 1 } $2 == 2 && NF == 8 { print ++n, $6, $7, $8, $4 }' fields.msh > fields.ele
+"$pbw" convert fields.msh --quiet -o of41.msh -o fields.vtu -o fields.mesh
+stays() {   # stays INPUT OUTPUT EXPECTED COMMAND OPTION...: the output has the groups that are expected
+    input=$1 output=$2 expected=$3
+    shift 3
+    rm -f "$output"
+    "$pbw" "$@" "$input" -o "$output" > said 2>&1 && groups_of "$output" > got || { cat said; return 1; }
+    case $expected in
+    tags) sed 's/"[a-z]*"//' got ;;
+    regions) sed '/^[01] [1-9]/d; s/"[a-z]*"//' got ;;
+    *) cat got ;;
+    esac | diff "$expected" -
+}
+all_stay() {    # all_stay COMMAND OPTION...: from every format, to every format that has them
+    stays fields.msh o1.msh2 groups "$@" && stays o1.msh2 o2.msh groups "$@" && stays o2.msh o3.vtu groups "$@" &&
+        stays of41.msh o4.msh2 groups "$@" && stays fields.vtu o5.msh groups "$@" &&
+        stays fields.mesh o6.mesh tags "$@" && stays fields.vtk o7.vtu regions "$@" &&
+        stays fields.ele o8.ele regions "$@"
+}
+check "regions and groups stay: triangulated again" all_stay plane
+check "regions and groups stay: --size" all_stay plane --size .5
+check "regions and groups stay: --angle, --smooth" all_stay plane --angle 30 --smooth odt
+check "regions and groups stay: --coarsen" all_stay plane --size 2 --coarsen
+check "regions and groups stay: improve" all_stay improve
+check "regions and groups stay: --only-smooth" all_stay improve --smooth lloyd --only-smooth
+well() { stays fields.msh o.msh2 groups "$@" && grep -q ' 4[.]2 1 0$' o.msh2; }
+check "points of groups with a name do not move" well improve
+check "nor in pbw plane" well plane --smooth lloyd
+check "nor do they go" well plane --size 3 --coarsen
+numbers() { # in .mesh, which has room for them
+    sed '/^Triangles/,$ { s/ 6$/ -7/; s/ 8$/ 2000000000/; }' fields.mesh > far.mesh &&
+        says 0 "2 regions" far.mesh -o far2.mesh && "$pbw" improve far2.mesh -o far3.mesh --quiet &&
+        awk '/^Triangles/ { getline; left = $1; next } left > 0 { left--; n[$4]++ }
+            END { exit !(n["-7"] == 12 && n[2000000000] == 12) }' far3.mesh
+}
+check "tags below 0, and large ones" numbers
+linear() {  # an attribute of points, at new places too; markers on the boundary, and nowhere else
+    "$pbw" "$@" fields.ele -o a.node --quiet && awk 'NR == 1 { ok = $3 == 1 && $4 == 1 && $1 > 20 }
+        NR > 1 { d = $4 - 10 * $2 - $3; on = $3 == 0 || $3 == 2 || $2 == 0 || $2 == 6
+            ok = ok && d < 1e-9 && d > -1e-9 && $5 == on } END { exit !ok }' a.node &&
+        [ "$(sed -n 2p a.node)" = "1 0 0 0 1" ]
+}
+edges() {   # of Triangle's four files; new points have the marker of their edge where points have it
+    mkdir -p four && awk 'NR > 1 && $3 == 0 { $NF = 4 } 1' fields.node > four/f.node && cp fields.ele four/f.ele &&
+        awk 'BEGIN { print 7, 1 } $2 == 1 && NF == 7 { print ++n, $6 , $7, $4 }' fields.msh > four/f.edge &&
+        "$pbw" plane four/f.ele --size .4 --quiet -o g.ele -o g.edge -o g.node && groups_of g.ele > got && cat got &&
+        grep '^1 4  6$' got && grep '^1 5  1$' got && grep '^2 8  6$' got &&
+        awk 'NR > 1 && ($3 == 0) != ($NF == 4) { exit 1 }' g.node
+}
+check "markers of .edge" edges
+check "attributes and markers of .ele and .node" linear plane --size .4
+check "the same, improved" linear improve
+flat() {    # z of all points
+    "$pbw" plane slope.geojson --size 1 --quiet -o slope.obj && sed '/^v/ s/ [^ ]*$/ 2.5/' slope.obj > flat.obj &&
+        "$pbw" improve flat.obj --quiet -o flat2.obj &&
+        awk '/^v / { n++; if ($4 != 2.5) exit 1 } END { exit n < 9 }' flat2.obj
+}
+check "a mesh of one z stays there" flat
+rule() {
+    says 0 "the regions of triangles are left out" fields.msh --rule hull -o r.msh2 && groups_of r.msh2 > got &&
+        cat got && grep -q '^1 5 "crack" 1$' got && ! grep '^2' got
+}
+check "--rule takes the points and segments of a mesh" rule
+outside() { # a segment of a group that no triangle has
+    awk '/^.Nodes/ { print; getline; print 23; next } /^.EndNodes/ { print "22 8 0 0\n23 9 0 0" }
+        /^.Elements/ { print; getline; print $1 + 1; next } /^.EndElements/ { print "34 1 2 4 1 22 23" } 1' \
+        fields.msh > lost.msh
+    says 0 "1 of 8 segments are outside of the domain" lost.msh -o l.msh2 && groups_of l.msh2 > got &&
+        diff groups got && "$pbw" improve lost.msh 2>&1 | grep "1 of 8 segments are outside"
+}
+check "a segment outside of the triangles" outside
+over() {    # a triangle on others
+    awk '/^.Elements/ { print; getline; print $1 + 1; next } /^.EndElements/ { print "34 2 2 8 1 2 21 15" } 1' \
+        fields.msh > over.msh
+    says 1 "triangles lie on each other" over.msh && "$pbw" improve over.msh
+    [ $? = 1 ]
+}
+check "triangles that lie on each other" over
+lines() {   # a mesh of lines is a domain of segments, with their groups
+    awk '/^.Elements/ { print; getline; print 9; next } $2 == 2 && NF == 8 { next } 1' fields.msh > lines.msh
+    says 0 " 17 edges of segments" lines.msh -o l.msh2 --rule hull && groups_of l.msh2 | grep '^1 5 "crack" 1$'
+}
+check "segments of a mesh without triangles" lines
+if command -v gmsh > /dev/null; then
+    by_gmsh() {
+        "$pbw" plane fields.msh --size .5 --quiet -o "$1" && gmsh "$1" -0 -v 1 -format msh2 -o g.msh2 &&
+            awk -f measure.awk g.msh2 > got && diff groups got
+    }
+    check "Gmsh reads groups and names in .msh" by_gmsh b.msh
+    check "Gmsh reads groups and names in .msh2" by_gmsh b.msh2
+else
+    skip "groups of a mesh: no Gmsh"
+fi
+cat > areas.py << 'END'
+import sys
+
+import meshio
+import numpy as np
+
+mesh = meshio.read(sys.argv[1])
+for i, cells in enumerate(mesh.cells):
+    tags = mesh.cell_data[sys.argv[2 if cells.type == "triangle" else -1]][i].reshape(-1)
+    p = mesh.points[cells.data][:, :, :2]
+    if cells.type == "triangle":
+        d = p[:, 1:] - p[:, :1]
+        size = abs(d[:, 0, 0] * d[:, 1, 1] - d[:, 0, 1] * d[:, 1, 0]) / 2
+        assert all(abs(size[tags == group].sum() - 6) < 1e-9 for group in (6, 8))
+    elif cells.type == "line":
+        size = np.hypot(*(p[:, 1] - p[:, 0]).T)
+        assert abs(size[tags == 5].sum() - 1) < 1e-9
+END
+for python in "${PYTHON:-python3}" /usr/bin/python3 none; do
+    "$python" -c "import meshio" > /dev/null 2>&1 && break
+done
+if [ "$python" != none ]; then
+    by_meshio() {
+        "$pbw" plane fields.msh --size .5 --quiet -o b.msh2 -o b.vtu -o b.mesh && mv b.msh2 b2.msh &&
+            "$python" areas.py b2.msh gmsh:physical && "$python" areas.py b.vtu region patch &&
+            "$python" areas.py b.mesh medit:ref
+    }
+    check "meshio reads the regions and groups of a mesh" by_meshio
+else
+    skip "regions and groups of a mesh: no meshio"
+fi
+
 # ---- GeoJSON that is written
 
 cat > features.py << 'EOF'

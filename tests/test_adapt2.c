@@ -144,7 +144,7 @@ static void test_smoothing(void)
             CHECK_EQUAL(plate_with(0.4, NULL, &plane), PBW_OK);
             CHECK_EQUAL(plate_with(0.4, NULL, &before), PBW_OK);
             old = pbw_plane_quality_of(&plane, PBW_PLANE_MIN_ANGLE);
-            CHECK_EQUAL(pbw_plane_smooth(&plane, (pbw_plane_way)way, 5, NULL), PBW_OK);
+            CHECK_EQUAL(pbw_plane_smooth(&plane, (pbw_plane_way)way, 5, NULL, NULL), PBW_OK);
             now = pbw_plane_quality_of(&plane, PBW_PLANE_MIN_ANGLE);
             test_say("least angle %.2f to %.2f, mean %.2f to %.2f", old.least, now.least, old.mean, now.mean);
             CHECK(now.least >= old.least - 1e-9 && now.mean > old.mean + 1);
@@ -277,16 +277,280 @@ static void test_adaptation(void)
     }
 }
 
+/* ---- planes from triangles */
+
+/* A mesh with what it carries. */
+typedef struct carrier {
+    pbw_plane_input input;
+    const pbw_index *triangles, *regions;
+    size_t count;
+} carrier;
+
+static carrier new_carrier(const double *points, size_t n, const pbw_index *triangles, size_t count,
+                           const pbw_index *regions)
+{
+    carrier c;
+    memset(&c, 0, sizeof c);
+    c.input.points = points;
+    c.input.point_count = n;
+    c.triangles = triangles;
+    c.regions = regions;
+    c.count = count;
+    return c;
+}
+
+static pbw_status make_carrier(const carrier *c, const pbw_plane_options *options, pbw_plane *plane)
+{
+    return pbw_plane_from_triangles(&c->input, c->triangles, c->regions, c->count, options, plane);
+}
+
+static long double area_of(const double *points, const pbw_index *v)
+{
+    const double *a = planes_at(points, v[0]), *b = planes_at(points, v[1]), *c = planes_at(points, v[2]);
+    return (((long double)b[0] - a[0]) * ((long double)c[1] - a[1])
+            - ((long double)b[1] - a[1]) * ((long double)c[0] - a[0])) / 2;
+}
+
+/* Whether a region has its area of the input, and a number of segments the length that these have. */
+static void check_region(const carrier *c, const pbw_plane *plane, pbw_index region)
+{
+    long double given = 0, made = 0;
+    size_t i;
+    for (i = 0; i < c->count; i++) {
+        if (c->regions == NULL || c->regions[i] == region) {
+            given += fabsl(area_of(c->input.points, c->triangles + 3 * i));
+        }
+    }
+    for (i = 0; i < plane->triangle_count; i++) {
+        if (plane->region_seeds[plane->regions[i]] == region) {
+            made += area_of(plane->points, plane->triangles + 3 * i);
+        }
+    }
+    if (!CHECK(fabsl(given - made) <= 1e-11L * given)) {
+        test_say("region %lu: area %.9Lg for %.9Lg", (unsigned long)region, made, given);
+    }
+}
+
+static double length_of(const double *points, const pbw_index *ends)
+{
+    return sqrt(pbwa2__apart2(planes_at(points, ends[0]), planes_at(points, ends[1])));
+}
+
+static void check_segments(const carrier *c, const pbw_plane *plane, pbw_index id)
+{
+    double given = 0, made = 0;
+    size_t i, k;
+    for (i = 0; i < c->input.segment_count; i++) {
+        given += c->input.segment_ids[i] == id ? length_of(c->input.points, c->input.segments + 2 * i) : 0;
+    }
+    for (i = 0; i < plane->edge_count; i++) {
+        for (k = plane->edge_first[i]; k < plane->edge_first[i + 1]; k++) {
+            made += plane->edge_segments[k] == id ? length_of(plane->points, plane->edges + 2 * i) : 0;
+        }
+    }
+    if (!CHECK(given > 0 && fabs(given - made) <= 1e-9 * given)) {
+        test_say("segments %lu: length %g for %g", (unsigned long)id, made, given);
+    }
+}
+
+static void check_carried(const carrier *c, const pbw_plane *plane)
+{
+    size_t i;
+    for (i = 0; i < c->count; i++) {
+        if (i == 0 || (c->regions != NULL && c->regions[i] != c->regions[i - 1])) {
+            check_region(c, plane, c->regions != NULL ? c->regions[i] : PBW_NONE);
+        }
+    }
+    for (i = 0; i < c->input.segment_count; i++) {
+        if (i == 0 || c->input.segment_ids[i] != c->input.segment_ids[i - 1]) {
+            check_segments(c, plane, c->input.segment_ids[i]);
+        }
+    }
+    check_plane(plane);
+}
+
+/* The plane as it is, smoothed; refined; with fewer points again: regions and segments are those of the mesh. */
+static void carry_on(const carrier *c, size_t regions)
+{
+    pbw_plane_options options;
+    pbw_plane plane, next;
+    double *sizes;
+    size_t i;
+    memset(&options, 0, sizeof options);
+    if (!CHECK_EQUAL(make_carrier(c, NULL, &plane), PBW_OK)) {
+        test_say("%s", plane.what);
+        return;
+    }
+    CHECK_EQUAL(plane.region_count, regions);
+    check_carried(c, &plane);
+    CHECK_EQUAL(pbw_plane_smooth(&plane, PBW_PLANE_ODT, 3, NULL, NULL), PBW_OK);
+    check_carried(c, &plane);
+    pbw_plane_free(&plane);
+    options.flags = PBW_PLANE_REFINE;
+    options.angle = 25;
+    options.size = 0.3;
+    CHECK_EQUAL(make_carrier(c, &options, &plane), PBW_OK);
+    CHECK(plane.point_count > c->input.point_count);
+    check_carried(c, &plane);
+    sizes = new_doubles(plane.point_count);
+    for (i = 0; i < plane.point_count; i++) {
+        sizes[i] = 2;
+    }
+    options.angle = -1;
+    options.size = 0;
+    CHECK_EQUAL(pbw_plane_adapt(&plane, sizes, NULL, &options, &next, NULL), PBW_OK);
+    CHECK(next.point_count < plane.point_count);
+    check_carried(c, &next);
+    free(sizes);
+    pbw_plane_free(&plane);
+    pbw_plane_free(&next);
+}
+
+/* Triangles of random points, some turned; regions are stripes and a spot, segments edges of some triangles. */
+static void carry_random(uint64_t seed)
+{
+    enum { POINTS = 300, NUMBERS = 5 };
+    static const pbw_index numbers[NUMBERS] = { 7, 4000000000u, 0, PBW_NONE, 12 };
+    uint64_t state = seed;
+    double *points = new_doubles(2 * POINTS);
+    pbw_index *triangles, *regions, *segments, ids[12];
+    pbw_mesh mesh;
+    carrier c;
+    size_t i, k;
+    for (i = 0; i < 2 * POINTS; i++) {
+        points[i] = 4 * input_uniform(&state);
+    }
+    memset(&mesh, 0, sizeof mesh);
+    CHECK_EQUAL(pbw_triangulate(2, points, NULL, POINTS, NULL, &mesh), PBW_OK);
+    triangles = (pbw_index *)malloc(3 * mesh.simplex_count * sizeof *triangles);
+    regions = (pbw_index *)malloc(mesh.simplex_count * sizeof *regions);
+    segments = (pbw_index *)malloc(24 * sizeof *segments);
+    for (i = 0; i < mesh.simplex_count; i++) {
+        const pbw_index *v = mesh.simplices + 3 * i;
+        const double x = points[2 * v[0]], y = points[2 * v[0] + 1];
+        const int turned = i % 3 == 0;
+        regions[i] = numbers[hypot(x - 2, y - 2) < 0.7 ? 3 : x < 1 ? 0 : x < 3 ? 1 : y < 2 ? 2 : 4];
+        for (k = 0; k < 3; k++) {
+            triangles[3 * i + k] = v[turned ? 2 - k : k];
+        }
+        if (i < 12) {
+            memcpy(segments + 2 * i, v, 2 * sizeof *v);
+            ids[i] = (pbw_index)(i < 6 ? 1 : PBW_NONE - 1);
+        }
+    }
+    c = new_carrier(points, POINTS, triangles, mesh.simplex_count, regions);
+    c.input.segments = segments;
+    c.input.segment_ids = ids;
+    c.input.segment_count = 12;
+    {   /* how many parts the regions have */
+        pbw_plane plane;
+        CHECK_EQUAL(make_carrier(&c, NULL, &plane), PBW_OK);
+        carry_on(&c, plane.region_count);
+        CHECK(plane.region_count >= NUMBERS);
+        pbw_plane_free(&plane);
+    }
+    pbw_free(&mesh);
+    free(points);
+    free(triangles);
+    free(regions);
+    free(segments);
+}
+
+static void test_regions(void)
+{
+    /* 0 1 2 / 3 4 5 / 6 7 8 are a lattice; 9 to 11: an island away from it; 12 is where 7 is */
+    static const double points[] = { 0, 0, 1, 0, 2, 0, 0, 1, 1, 1, 2, 1, 0, 2, 1, 2, 2, 2, 4, 0, 5, 0, 4, 1, 1, 2 };
+    static const pbw_index squares[] = { 0, 1, 4, 0, 4, 3, 1, 2, 5, 5, 4, 1, 9, 10, 11 };
+    static const pbw_index of_squares[] = { 6, 6, 8, 8, 6 };
+    static const pbw_index shore[] = { 0, 1, 1, 2, 4, 1, 4, 5 }, shore_ids[] = { 4, 4, 9, 4 };
+    static const pbw_index corners[] = { 0, 1, 4, 4, 0, 3, 4, 5, 8, 8, 7, 4 }, of_corners[] = { 1, 1, 1, 1 };
+    static const pbw_index slit[] = { 3, 4, 6, 6, 4, 7, 4, 5, 12, 8, 5, 12, 3, 4, 0, 4, 0, 1, 1, 2, 5, 5, 4, 1 };
+    static const double ring[] = { 0, 0, 6, 0, 6, 6, 0, 6, 1, 1, 5, 1, 5, 5, 1, 5, 2, 2, 4, 2, 4, 4, 2, 4 };
+    static const pbw_index of_ring[] = { 0, 1, 4, 1, 5, 4, 1, 2, 5, 2, 6, 5, 2, 3, 6, 3, 7, 6, 3, 0, 7, 0, 4, 7,
+                                         8, 9, 10, 8, 10, 11 };
+    static const double soup[] = { 0, 0, 1, 0, 1, 1, 0, 0, 1, 1, 0, 1, 1, 0, 2, 0, 2, 1, 2, 1, 1, 1, 1, 0 };
+    static const pbw_index in_order[] = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11 }, of_soup[] = { 3, 3, 2, 2 };
+    /* the middle of the thin triangle is none of its points */
+    static const double thin[] = { 0, 0, 1, 1, 0.5, 0.49999999999999994, 1, 0, 0, 1 };
+    static const pbw_index thins[] = { 0, 2, 1, 0, 3, 2, 2, 3, 1, 0, 1, 4 }, of_thin[] = { 1, 2, 2, 3 };
+    pbw_plane plane;
+    carrier c;
+    if (test_begin("regions and segments of triangles")) {
+        c = new_carrier(points, 12, squares, 5, of_squares);
+        c.input.segments = shore;
+        c.input.segment_ids = shore_ids;
+        c.input.segment_count = 4;
+        carry_on(&c, 3);
+        c.regions = NULL;
+        carry_on(&c, 3);                             /* the segment between the squares is kept */
+        test_end();
+    }
+    if (test_begin("regions that touch at a point")) {
+        c = new_carrier(points, 9, corners, 4, of_corners);
+        carry_on(&c, 2);
+        test_end();
+    }
+    if (test_begin("a slit between doubled points")) {
+        c = new_carrier(points, 13, slit, 8, NULL);
+        carry_on(&c, 1);
+        CHECK_EQUAL(make_carrier(&c, NULL, &plane), PBW_OK);
+        CHECK_EQUAL(plane.edge_count, 8 + 1);
+        pbw_plane_free(&plane);
+        test_end();
+    }
+    if (test_begin("an island in a hole")) {
+        static const pbw_index one[] = { 5, 5, 5, 5, 5, 5, 5, 5, 5, 5 };
+        c = new_carrier(ring, 12, of_ring, 10, one);
+        carry_on(&c, 2);
+        test_end();
+    }
+    if (test_begin("triangles with corners of their own")) {
+        c = new_carrier(soup, 12, in_order, 4, of_soup);
+        carry_on(&c, 2);
+        CHECK_EQUAL(make_carrier(&c, NULL, &plane), PBW_OK);
+        CHECK_EQUAL(plane.edge_count, 7);
+        pbw_plane_free(&plane);
+        test_end();
+    }
+    if (test_begin("a region without a double inside")) {
+        c = new_carrier(thin, 5, thins, 4, of_thin);
+        CHECK_EQUAL(make_carrier(&c, NULL, &plane), PBW_OK);
+        check_carried(&c, &plane);
+        CHECK_EQUAL(pbw_plane_smooth(&plane, PBW_PLANE_LAPLACE, 2, NULL, NULL), PBW_OK);
+        check_carried(&c, &plane);
+        pbw_plane_free(&plane);
+        test_end();
+    }
+    if (test_begin("regions of random triangles")) {
+        carry_random(test_seed);
+        carry_random(test_seed + 1);
+        test_end();
+    }
+    if (test_begin("segments that cross a border")) {
+        static const pbw_index across[] = { 0, 5 }, number[] = { 2 };
+        c = new_carrier(points, 12, squares, 5, of_squares);
+        c.input.segments = across;
+        c.input.segment_ids = number;
+        c.input.segment_count = 1;
+        CHECK_EQUAL(make_carrier(&c, NULL, &plane), PBW_ERROR_ARGUMENT);
+        CHECK(strstr(plane.what, "cross") != NULL && plane.crossing_count > 0);
+        pbw_plane_free(&plane);
+        test_end();
+    }
+}
+
 static void test_triangles(void)
 {
     static const double points[] = { 0, 0, 1, 0, 2, 0, 2, 1, 1, 1, 0, 1, 0.5, 0.5 };
     static const pbw_index mesh[] = { 0, 1, 6, 1, 6, 4, 4, 5, 6, 5, 0, 6, 1, 2, 3, 3, 4, 1 };
     static const pbw_index doubled[] = { 0, 1, 4, 0, 1, 5 }, wrong[] = { 0, 1, 9 }, line[] = { 0, 1, 2 };
+    unsigned char keep[7] = { 0, 0, 0, 0, 0, 0, 1 };
     pbw_plane_options options;
     pbw_plane plane, next;
     double sizes[7] = { 0, 0, 0, 0, 0, 0, 0 };
+    carrier c = new_carrier(points, 7, mesh, 6, NULL);
     if (test_begin("a plane from triangles")) {
-        CHECK_EQUAL(pbw_plane_from_triangles(points, 7, mesh, 6, NULL, &plane), PBW_OK);
+        CHECK_EQUAL(make_carrier(&c, NULL, &plane), PBW_OK);
         CHECK(plane.triangle_count == 6 && plane.edge_count == 6);
         check_plane(&plane);
         memset(&options, 0, sizeof options);
@@ -295,12 +559,30 @@ static void test_triangles(void)
         CHECK(next.edge_count == 4 && fabsl(planes_area(&next) - 4) < 1e-12L);       /* lines are one again */
         pbw_plane_free(&next);
         pbw_plane_free(&plane);
-        CHECK_EQUAL(pbw_plane_from_triangles(points, 7, doubled, 2, NULL, &plane), PBW_ERROR_ARGUMENT);
+        c.triangles = doubled;
+        c.count = 2;
+        CHECK_EQUAL(make_carrier(&c, NULL, &plane), PBW_ERROR_ARGUMENT);
         CHECK(strstr(plane.what, "one side") != NULL);
-        CHECK_EQUAL(pbw_plane_from_triangles(points, 7, wrong, 1, NULL, &plane), PBW_ERROR_ARGUMENT);
+        c.triangles = wrong;
+        c.count = 1;
+        CHECK_EQUAL(make_carrier(&c, NULL, &plane), PBW_ERROR_ARGUMENT);
         CHECK(strstr(plane.what, "not there") != NULL);
-        CHECK_EQUAL(pbw_plane_from_triangles(points, 7, line, 1, NULL, &plane), PBW_ERROR_ARGUMENT);
+        c.triangles = line;
+        CHECK_EQUAL(make_carrier(&c, NULL, &plane), PBW_ERROR_ARGUMENT);
         CHECK(strstr(plane.what, "flat") != NULL);
+        test_end();
+    }
+    if (test_begin("points that stay where they are")) {
+        double moved[14];
+        memcpy(moved, points, sizeof points);
+        moved[12] = 0.3;
+        c = new_carrier(moved, 7, mesh, 6, NULL);
+        CHECK_EQUAL(make_carrier(&c, NULL, &plane), PBW_OK);
+        CHECK_EQUAL(pbw_plane_smooth(&plane, PBW_PLANE_LAPLACE, 2, keep, NULL), PBW_OK);
+        CHECK(memcmp(plane.points, moved, sizeof moved) == 0);
+        CHECK_EQUAL(pbw_plane_smooth(&plane, PBW_PLANE_LAPLACE, 2, NULL, NULL), PBW_OK);
+        CHECK(memcmp(plane.points, moved, 12 * sizeof *moved) == 0 && plane.points[12] > 0.3);
+        pbw_plane_free(&plane);
         test_end();
     }
 }
@@ -320,14 +602,19 @@ static pbw_status run_all(const pbw_options *build, uint64_t *digest)
     sizes = new_doubles(plane.point_count);
     *digest = planes_digest(&plane);
     if (status == PBW_OK) {
-        status = pbw_plane_smooth(&plane, PBW_PLANE_LLOYD, 2, &options);
+        status = pbw_plane_smooth(&plane, PBW_PLANE_LLOYD, 2, NULL, &options);
         CHECK((planes_digest(&plane) == *digest) == (status != PBW_OK));     /* both rounds, or neither */
     }
     status = status == PBW_OK ? pbw_plane_adapt(&plane, sizes, NULL, &options, &next, NULL) : status;
     values = new_doubles(next.point_count);
     status = status == PBW_OK ? pbw_plane_transfer(&plane, &next, sizes, 1, values, &options) : status;
-    status = status == PBW_OK ? pbw_plane_from_triangles(plane.points, plane.point_count, plane.triangles,
-                                                         plane.triangle_count, &options, &again) : status;
+    if (status == PBW_OK) {
+        carrier c = new_carrier(plane.points, plane.point_count, plane.triangles, plane.triangle_count,
+                                plane.regions);
+        c.input.segments = plane.edges;
+        c.input.segment_count = plane.edge_count / 2;
+        status = make_carrier(&c, &options, &again);
+    }
     *digest = planes_mix(planes_digest(&plane), values, next.point_count * sizeof *values);
     *digest += planes_digest(&next) * 3 + planes_digest(&again) * 5;
     free(sizes);
@@ -402,7 +689,7 @@ static pbw_status limited_smooth(const pbw_plane_options *options, uint64_t *dig
     pbw_plane plane;
     pbw_status status = plate_with(0.7, NULL, &plane);
     CHECK_EQUAL(status, PBW_OK);
-    status = pbw_plane_smooth(&plane, PBW_PLANE_LLOYD, 3, options);
+    status = pbw_plane_smooth(&plane, PBW_PLANE_LLOYD, 3, NULL, options);
     *digest = planes_digest(&plane);
     pbw_plane_free(&plane);
     return status;
@@ -427,9 +714,12 @@ static pbw_status limited_triangles(const pbw_plane_options *options, uint64_t *
 {
     pbw_plane plane, next;
     pbw_status status = plate_with(0.7, NULL, &plane);
+    carrier c;
     CHECK_EQUAL(status, PBW_OK);
-    status = pbw_plane_from_triangles(plane.points, plane.point_count, plane.triangles, plane.triangle_count, options,
-                                      &next);
+    c = new_carrier(plane.points, plane.point_count, plane.triangles, plane.triangle_count, plane.regions);
+    c.input.segments = plane.edges;
+    c.input.segment_count = plane.edge_count;
+    status = make_carrier(&c, options, &next);
     *digest = planes_digest(&next);
     pbw_plane_free(&plane);
     pbw_plane_free(&next);
@@ -504,10 +794,10 @@ static void test_failures(void)
         CHECK_EQUAL(pbw_plane_adapt(&none, &size, NULL, NULL, &plane, NULL), PBW_ERROR_ARGUMENT);
         CHECK(plane.what[0] != 0);
         CHECK_EQUAL(pbw_plane_adapt(NULL, &size, NULL, NULL, NULL, NULL), PBW_ERROR_ARGUMENT);
-        CHECK_EQUAL(pbw_plane_smooth(NULL, PBW_PLANE_ODT, 1, NULL), PBW_ERROR_ARGUMENT);
-        CHECK_EQUAL(pbw_plane_smooth(&none, PBW_PLANE_ODT, 1, NULL), PBW_OK);
+        CHECK_EQUAL(pbw_plane_smooth(NULL, PBW_PLANE_ODT, 1, NULL, NULL), PBW_ERROR_ARGUMENT);
+        CHECK_EQUAL(pbw_plane_smooth(&none, PBW_PLANE_ODT, 1, NULL, NULL), PBW_OK);
         CHECK_EQUAL(pbw_plane_transfer(&none, &none, &size, 1, &size, NULL), PBW_ERROR_ARGUMENT);
-        CHECK_EQUAL(pbw_plane_from_triangles(NULL, 0, NULL, 0, NULL, &plane), PBW_ERROR_ARGUMENT);
+        CHECK_EQUAL(pbw_plane_from_triangles(NULL, NULL, NULL, 0, NULL, &plane), PBW_ERROR_ARGUMENT);
         test_end();
     }
     if (test_begin("adaptation: memory")) {
@@ -541,6 +831,7 @@ int main(int argc, char **argv)
     test_smoothing();
     test_adaptation();
     test_triangles();
+    test_regions();
     test_limit();
     test_failures();
     return test_finish();

@@ -9,12 +9,13 @@
        pbw_plane_sizes(&plane, error, 2 * plane.triangle_count, sizes);      // error: one number a triangle
        if (pbw_plane_adapt(&plane, sizes, NULL, NULL, &next, NULL) != PBW_OK) puts(next.what);
        pbw_plane_transfer(&plane, &next, values, 1, new_values, NULL);       // one number a point
-       pbw_plane_smooth(&next, PBW_PLANE_ODT, 5, NULL);
+       pbw_plane_smooth(&next, PBW_PLANE_ODT, 5, NULL, NULL);
        pbw_plane_free(&next);
 
    HOW
    A mesh that changes is built again, from the points that stay and the edges of its segments: the constrained
-   triangulation takes less than a microsecond a point.  The numbers of segments and regions are kept.
+   triangulation takes less than a microsecond a point.  The numbers of segments and regions are kept, and edges of
+   segments without numbers.
 
    PROMISES  (tests/test_adapt2.c guards them)
      Points on no segment may move or be removed.  Adaptation may also remove a point between two edges of one line
@@ -87,9 +88,10 @@ typedef enum pbw_plane_way {
 
 /* Moves the points on no segment, `rounds` times; each round ends with a triangulation.  Points keep their numbers.
    A point goes half as far, or stays, if the least angle of its triangles would fall, and would be below 30 degrees
-   or below the least angle of the mesh.  Of options only `build` counts; NULL = defaults.  Fails as pbw_plane_make;
-   the plane is then unchanged, except for `what`. */
-PBWADAPT2DEF pbw_status pbw_plane_smooth(pbw_plane *plane, pbw_plane_way way, int rounds,
+   or below the least angle of the mesh.  keep: one a point, 1 = it must stay; NULL = only those on segments must.  Of
+   options only `build` counts; NULL = defaults.  Fails as pbw_plane_make; the plane is then unchanged, except for
+   `what`. */
+PBWADAPT2DEF pbw_status pbw_plane_smooth(pbw_plane *plane, pbw_plane_way way, int rounds, const unsigned char *keep,
                                          const pbw_plane_options *options);
 
 /* ---- adaptation */
@@ -108,16 +110,21 @@ PBWADAPT2DEF void pbw_plane_sizes(const pbw_plane *plane, const double *error, s
 PBWADAPT2DEF pbw_status pbw_plane_adapt(const pbw_plane *plane, const double *sizes, const unsigned char *keep,
                                         const pbw_plane_options *options, pbw_plane *result, pbw_index *from);
 
-/* Makes a plane of triangles of either orientation, to be refined, adapted or smoothed.  Their border becomes the
-   boundary of the domain; edges of one straight line get one number.  The triangles are made anew.  points: 2 numbers
-   each.  plane: overwritten.  Returns PBW_ERROR_ARGUMENT without triangles, for ids out of range and for two
-   triangles on one side of an edge, or fails as pbw_plane_make; plane->what says why. */
-PBWADAPT2DEF pbw_status pbw_plane_from_triangles(const double *points, size_t point_count, const pbw_index *triangles,
-                                                 size_t triangle_count, const pbw_plane_options *options,
-                                                 pbw_plane *plane);
+/* Makes a plane of triangles of either orientation, to be refined, adapted or smoothed.  What they cover becomes the
+   domain, which is triangulated anew; edges between triangles of different regions stay, and so do the segments.
+   input: the points; segments that are edges of the triangles or lie elsewhere, with their segment_ids; sizes.  The
+   rest of it does not count.  regions: numbers, one a triangle, that become region_seeds, so that all triangles
+   keep theirs; NULL = PBW_NONE for all.  Lists of edge_segments have the ids of segments only: that of a border on no
+   segment is empty.  Where no two triangles have an edge in common, as in files of triangles with corners of their
+   own, points at one place count as one.  plane: overwritten.  Returns PBW_ERROR_ARGUMENT without triangles, for ids
+   out of range, for two triangles on one side of an edge, and where borders of triangles or segments cross, or fails
+   as pbw_plane_make; plane->what says why. */
+PBWADAPT2DEF pbw_status pbw_plane_from_triangles(const pbw_plane_input *input, const pbw_index *triangles,
+                                                 const pbw_index *regions, size_t triangle_count,
+                                                 const pbw_plane_options *options, pbw_plane *plane);
 
-/* Computes values at the points of another mesh of the domain: linear in each triangle of `from`; outside of all, the
-   value at the nearest place.  width: numbers a point; values: from->point_count * width, out: room for
+/* Computes values at the points of another mesh of the domain: linear in each triangle of `from`, and not outside of
+   the values at its corners; outside of all triangles the value at the nearest place.  width: numbers a point; values: from->point_count * width, out: room for
    to->point_count * width.  Of options only `build` counts; NULL = defaults.  Returns PBW_ERROR_ARGUMENT if `from`
    has no triangles, or PBW_ERROR_MEMORY. */
 PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plane *to, const double *values,
@@ -350,7 +357,8 @@ typedef struct pbwa2__again {
     const unsigned char *stays;
     const double *sizes;                   /* per old point, or NULL */
     pbw_index *number;                     /* per old point: its new one */
-    pbw_index *segments, *ids;
+    pbw_index *sides;                      /* per old edge: the regions to its left and right, PBW_NONE outside */
+    pbw_index *segments, *ids, *lefts;
     size_t segment_count;
 } pbwa2__again;
 
@@ -359,35 +367,40 @@ static size_t pbwa2__id_count(const pbw_plane *p, size_t edge)
     return p->edge_first[edge + 1] - p->edge_first[edge];
 }
 
-static void pbwa2__emit(pbwa2__again *a, pbw_index u, pbw_index v, pbw_index id)
+/* Adds a segment with a region of the old plane to its left. */
+static void pbwa2__emit(pbwa2__again *a, pbw_index u, pbw_index v, pbw_index id, pbw_index region)
 {
     a->segments[2 * a->segment_count] = a->number[u];
     a->segments[2 * a->segment_count + 1] = a->number[v];
+    a->lefts[a->segment_count] = region != PBW_NONE ? a->old->region_seeds[region] : PBW_NONE;
     a->ids[a->segment_count++] = id;
 }
 
 /* Walks from point u along edge e to the first point that stays.  Adds the segment from u to there, unless the walk
    from the other end adds it. */
-static void pbwa2__chain(pbwa2__again *a, pbw_index u, size_t e, const size_t *edges_at, const unsigned char *inside)
+static void pbwa2__chain(pbwa2__again *a, pbw_index u, size_t e, const size_t *edges_at)
 {
     const pbw_plane *p = a->old;
     const size_t start = e, ids = pbwa2__id_count(p, e);
-    pbw_index at = p->edges[2 * e] == u ? p->edges[2 * e + 1] : p->edges[2 * e];
+    const size_t along = p->edges[2 * e] == u;
+    const pbw_index left = a->sides[2 * e + !along], right = a->sides[2 * e + along];
+    pbw_index at = p->edges[2 * e + along];
     size_t i;
     while (!a->stays[at]) {
         e = edges_at[at] ^ e;
         at = p->edges[2 * e] == at ? p->edges[2 * e + 1] : p->edges[2 * e];
     }
-    if (e < start || (e == start && p->edges[2 * e] != u)) {
+    if (e < start || (e == start && !along)) {
         return;
     }
-    if (!inside[start]) {
-        const int along = p->edges[2 * start] == u;
-        pbwa2__emit(a, along ? u : at, along ? at : u, ids > 0 ? p->edge_segments[p->edge_first[start]] : PBW_NONE);
-    }
-    for (i = inside[start] ? 0 : 1; i < ids; i++) {
-        pbwa2__emit(a, u, at, p->edge_segments[p->edge_first[start] + i]);
-        pbwa2__emit(a, at, u, p->edge_segments[p->edge_first[start] + i]);
+    for (i = 0; i < ids || i == 0; i++) {            /* one way round the border, else both */
+        const pbw_index id = ids > 0 ? p->edge_segments[p->edge_first[start] + i] : PBW_NONE;
+        if (left != PBW_NONE || i > 0) {
+            pbwa2__emit(a, u, at, id, left);
+        }
+        if (right != PBW_NONE || i > 0) {
+            pbwa2__emit(a, at, u, id, right);
+        }
     }
 }
 
@@ -395,19 +408,22 @@ static int pbwa2__find_segments(pbwa2__again *a, pbwa2__memory *memory)
 {
     const pbw_plane *p = a->old;
     size_t *edges_at = (size_t *)pbwa2__get(memory, p->point_count, sizeof *edges_at);   /* their numbers, xor'ed */
-    unsigned char *inside = (unsigned char *)pbwa2__get(memory, p->edge_count, 1);
     size_t i, most = 2 * p->edge_count;
     if (p->edge_count > 0) {
         most += 2 * p->edge_first[p->edge_count];
     }
+    a->sides = (pbw_index *)pbwa2__get(memory, p->edge_count, 2 * sizeof *a->sides);
     a->segments = (pbw_index *)pbwa2__get(memory, most, 2 * sizeof *a->segments);
     a->ids = (pbw_index *)pbwa2__get(memory, most, sizeof *a->ids);
-    if (edges_at == NULL || inside == NULL || a->segments == NULL || a->ids == NULL) {
+    a->lefts = (pbw_index *)pbwa2__get(memory, most, sizeof *a->lefts);
+    if (edges_at == NULL || a->sides == NULL || a->segments == NULL || a->ids == NULL || a->lefts == NULL) {
         return 0;
     }
+    memset(a->sides, 255, 2 * p->edge_count * sizeof *a->sides);
     for (i = 0; i < 3 * p->triangle_count; i++) {
-        if (p->constraints[i] != PBW_NONE) {
-            inside[p->constraints[i]] |= p->neighbors[i] != PBW_NONE;
+        const size_t e = p->constraints[i];
+        if (e != PBW_NONE) {
+            a->sides[2 * e + (p->edges[2 * e] != p->triangles[i / 3 * 3 + (i + 1) % 3])] = p->regions[i / 3];
         }
     }
     for (i = 0; i < 2 * p->edge_count; i++) {
@@ -415,31 +431,10 @@ static int pbwa2__find_segments(pbwa2__again *a, pbwa2__memory *memory)
     }
     for (i = 0; i < 2 * p->edge_count; i++) {
         if (a->stays[p->edges[i]]) {
-            pbwa2__chain(a, p->edges[i], i / 2, edges_at, inside);
+            pbwa2__chain(a, p->edges[i], i / 2, edges_at);
         }
     }
     return 1;
-}
-
-/* A point of each region: the centroid of its largest triangle. */
-static pbw_plane_region *pbwa2__seeds(const pbwa2__again *a, pbwa2__memory *memory)
-{
-    const pbw_plane *p = a->old;
-    pbw_plane_region *seed = (pbw_plane_region *)pbwa2__get(memory, p->region_count, sizeof *seed);
-    double *largest = (double *)pbwa2__get(memory, p->region_count, sizeof *largest);
-    size_t i;
-    for (i = 0; seed != NULL && largest != NULL && i < p->triangle_count; i++) {
-        const pbw_index *v = p->triangles + 3 * i;
-        const double *x = pbwa2__at(a->points, v[0]), *y = pbwa2__at(a->points, v[1]);
-        const double *z = pbwa2__at(a->points, v[2]);
-        const double area = pbwa2__cross(x, y, z);
-        if (area > largest[p->regions[i]]) {
-            largest[p->regions[i]] = area;
-            seed[p->regions[i]].x = (x[0] + y[0] + z[0]) / 3;
-            seed[p->regions[i]].y = (x[1] + y[1] + z[1]) / 3;
-        }
-    }
-    return largest != NULL ? seed : NULL;
 }
 
 static pbw_status pbwa2__make_again(pbwa2__again *a, pbwa2__memory *memory, const pbw_plane_options *options,
@@ -448,14 +443,12 @@ static pbw_status pbwa2__make_again(pbwa2__again *a, pbwa2__memory *memory, cons
     const size_t n = a->old->point_count;
     double *points = (double *)pbwa2__get(memory, n, 2 * sizeof *points);
     double *sizes = a->sizes != NULL ? (double *)pbwa2__get(memory, n, sizeof *sizes) : NULL;
-    pbw_plane_region *regions = pbwa2__seeds(a, memory);
     pbw_plane_options own = *options;
     pbw_plane_input input;
-    pbw_status status;
     size_t i, kept = 0;
     memset(&input, 0, sizeof input);
     a->number = (pbw_index *)pbwa2__get(memory, n, sizeof *a->number);
-    if (points == NULL || (a->sizes != NULL && sizes == NULL) || regions == NULL || a->number == NULL) {
+    if (points == NULL || (a->sizes != NULL && sizes == NULL) || a->number == NULL) {
         return pbwa2__say(result, PBW_ERROR_MEMORY, NULL);
     }
     for (i = 0; i < n; i++) {
@@ -479,15 +472,9 @@ static pbw_status pbwa2__make_again(pbwa2__again *a, pbwa2__memory *memory, cons
     input.segments = a->segments;
     input.segment_count = a->segment_count;
     input.segment_ids = a->ids;
-    input.regions = regions;
-    input.region_count = a->old->region_count;
+    input.segment_lefts = a->lefts;
     input.sizes = sizes;
-    status = pbwa2__make(memory, &input, &own, result);
-    for (i = 0; status == PBW_OK && i < result->region_count; i++) {
-        pbw_index *seed = (pbw_index *)(uintptr_t)result->region_seeds + i;      /* until now, the old region */
-        *seed = *seed != PBW_NONE ? a->old->region_seeds[*seed] : PBW_NONE;
-    }
-    return status;
+    return pbwa2__make(memory, &input, &own, result);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -560,7 +547,7 @@ static void pbwa2__move(const pbw_plane *p, double *points, const pbwa2__stars *
 }
 
 /* held: bytes of planes that the call holds. */
-static pbw_status pbwa2__round(const pbw_plane *plane, pbw_plane_way way, size_t held,
+static pbw_status pbwa2__round(const pbw_plane *plane, pbw_plane_way way, const unsigned char *keep, size_t held,
                                const pbw_plane_options *options, pbw_plane *next)
 {
     pbwa2__memory memory;
@@ -588,7 +575,7 @@ static pbw_status pbwa2__round(const pbw_plane *plane, pbw_plane_way way, size_t
     }
     least = sin(pbw_plane_quality_of(plane, PBW_PLANE_MIN_ANGLE).least / PBWA2__DEGREES);
     for (i = 0; i < plane->point_count; i++) {
-        if (!fixed[i] && stars.first[i] < stars.first[i + 1]) {
+        if (!fixed[i] && !(keep != NULL && keep[i]) && stars.first[i] < stars.first[i + 1]) {
             pbwa2__move(plane, points, &stars, i, way, fmax(least * least, 0.25));
         }
     }
@@ -600,7 +587,7 @@ static pbw_status pbwa2__round(const pbw_plane *plane, pbw_plane_way way, size_t
     return status;
 }
 
-PBWADAPT2DEF pbw_status pbw_plane_smooth(pbw_plane *plane, pbw_plane_way way, int rounds,
+PBWADAPT2DEF pbw_status pbw_plane_smooth(pbw_plane *plane, pbw_plane_way way, int rounds, const unsigned char *keep,
                                          const pbw_plane_options *options)
 {
     pbw_plane_options own;
@@ -613,7 +600,7 @@ PBWADAPT2DEF pbw_status pbw_plane_smooth(pbw_plane *plane, pbw_plane_way way, in
     own.build = options != NULL ? options->build : NULL;
     now = *plane;
     for (i = 0; i < rounds && now.triangle_count > 0; i++) {
-        const pbw_status status = pbwa2__round(&now, way, i > 0 ? now.bytes : 0, &own, &next);
+        const pbw_status status = pbwa2__round(&now, way, keep, i > 0 ? now.bytes : 0, &own, &next);
         if (i > 0) {
             pbw_plane_free(&now);
         }
@@ -852,8 +839,12 @@ PBWADAPT2DEF pbw_status pbw_plane_adapt(const pbw_plane *plane, const double *si
 
 /* ------------------------------------------------------------------------------------------------------
    A plane from triangles.
+   In: triangles, their regions, segments.
+   Out: the plane of the sides that stay and of the segments.  A side turns as its triangle does, so the domain is
+   what the sides wind round; segments go there and back, and add up to 0.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwa2__side { pbw_index low, high, u, v; } pbwa2__side;       /* of a triangle on the left of u-v */
+typedef struct pbwa2__side { pbw_index low, high, u, v, region; } pbwa2__side;      /* its triangle is left of u-v */
+typedef struct pbwa2__place { double x, y; pbw_index number; } pbwa2__place;
 
 static int pbwa2__compare(const void *one, const void *other)
 {
@@ -861,9 +852,16 @@ static int pbwa2__compare(const void *one, const void *other)
     return a->low != b->low ? (a->low < b->low ? -1 : 1) : a->high != b->high ? (a->high < b->high ? -1 : 1) : 0;
 }
 
-/* Fills sides, sorted by their ends.  Returns NULL, or what is wrong with the triangles. */
-static const char *pbwa2__find_sides(const double *points, size_t n, const pbw_index *triangles, size_t count,
-                                     pbwa2__side *side)
+static int pbwa2__compare_places(const void *one, const void *other)
+{
+    const pbwa2__place *a = (const pbwa2__place *)one, *b = (const pbwa2__place *)other;
+    return a->x < b->x || a->x > b->x ? (a->x < b->x ? -1 : 1) : a->y < b->y || a->y > b->y ? (a->y < b->y ? -1 : 1)
+         : (a->number > b->number) - (a->number < b->number);
+}
+
+/* Fills sides.  Returns NULL, or what is wrong with the triangles. */
+static const char *pbwa2__find_sides(const double *points, size_t n, const pbw_index *triangles,
+                                     const pbw_index *regions, size_t count, pbwa2__side *side)
 {
     size_t i;
     unsigned k;
@@ -880,113 +878,148 @@ static const char *pbwa2__find_sides(const double *points, size_t n, const pbw_i
         for (k = 0; k < 3; k++, side++) {
             side->u = c[turn > 0 ? k : (k + 1) % 3];
             side->v = c[turn > 0 ? (k + 1) % 3 : k];
-            side->low = side->u < side->v ? side->u : side->v;
-            side->high = side->u < side->v ? side->v : side->u;
+            side->region = regions != NULL ? regions[i] : PBW_NONE;
         }
     }
-    qsort(side - 3 * count, 3 * count, sizeof *side, pbwa2__compare);
     return NULL;
 }
 
-/* Keeps the sides of edges with one triangle.  Returns their number, or SIZE_MAX if an edge has two triangles on one
-   side. */
-static size_t pbwa2__find_border(pbwa2__side *side, size_t count)
+/* Gives sides the first of the corners at a place; each corner is u of one side.  Returns 0 without memory. */
+static int pbwa2__unite_points(pbwa2__memory *memory, const double *points, size_t n, pbwa2__side *side, size_t count)
+{
+    pbwa2__place *place = (pbwa2__place *)pbwa2__get(memory, count, sizeof *place);
+    pbw_index *first = (pbw_index *)pbwa2__get(memory, n, sizeof *first);
+    size_t i, k = 0;
+    if (place == NULL || first == NULL) {
+        return 0;
+    }
+    for (i = 0; i < count; i++) {
+        place[i].x = pbwa2__at(points, side[i].u)[0];
+        place[i].y = pbwa2__at(points, side[i].u)[1];
+        place[i].number = side[i].u;
+    }
+    qsort(place, count, sizeof *place, pbwa2__compare_places);
+    for (i = 0; i < count; i++) {
+        k = place[i].x > place[k].x || place[i].y > place[k].y || place[i].y < place[k].y ? i : k;
+        first[place[i].number] = place[k].number;
+    }
+    for (i = 0; i < count; i++) {
+        side[i].u = first[side[i].u];
+        side[i].v = first[side[i].v];
+    }
+    return 1;
+}
+
+/* Keeps the sides of edges with one triangle, and of those between regions.  *shared: how many edges have two
+   triangles.  Returns the number of sides, or SIZE_MAX if an edge has two triangles on one side. */
+static size_t pbwa2__find_border(pbwa2__side *side, size_t count, size_t *shared)
 {
     size_t i, kept = 0;
+    *shared = 0;
+    for (i = 0; i < count; i++) {
+        side[i].low = side[i].u < side[i].v ? side[i].u : side[i].v;
+        side[i].high = side[i].u < side[i].v ? side[i].v : side[i].u;
+    }
+    qsort(side, count, sizeof *side, pbwa2__compare);
     for (i = 0; i < count; i++) {
         if (i + 1 == count || pbwa2__compare(side + i, side + i + 1) != 0) {
             side[kept++] = side[i];
         } else if (side[i].u == side[i + 1].u || (i + 2 < count && pbwa2__compare(side + i, side + i + 2) == 0)) {
             return SIZE_MAX;
         } else {
+            ++*shared;
+            if (side[i].region != side[i + 1].region) {
+                side[kept++] = side[i];
+                side[kept++] = side[i + 1];
+            }
             i++;
         }
     }
     return kept;
 }
 
-/* Numbers the border edges: those of one straight line get one number if only two edges meet at each point between.
-   */
-static int pbwa2__number_lines(pbwa2__memory *memory, const double *points, size_t n, const pbwa2__side *side,
-                               pbw_index *ids, size_t count)
+/* Makes the plane of the segments, the sides, and the segments the other way. */
+static pbw_status pbwa2__make_of_sides(pbwa2__memory *memory, const pbw_plane_input *given, const pbwa2__side *side,
+                                       size_t count, const pbw_plane_options *options, pbw_plane *plane)
 {
-    size_t *leave = (size_t *)pbwa2__get(memory, n, sizeof *leave);      /* 1 + the only edge from a point */
-    size_t *after = (size_t *)pbwa2__get(memory, count, sizeof *after);  /* 1 + the edge that goes on straight */
-    unsigned char *has_before = (unsigned char *)pbwa2__get(memory, count, 1);
-    size_t i, e;
-    if (leave == NULL || after == NULL || has_before == NULL) {
-        return 0;
+    const size_t n = given->segment_count, all = count + 2 * n;
+    pbw_index *segments = (pbw_index *)pbwa2__get(memory, all, 2 * sizeof *segments);
+    pbw_index *ids = (pbw_index *)pbwa2__get(memory, all, sizeof *ids);
+    pbw_index *lefts = (pbw_index *)pbwa2__get(memory, all, sizeof *lefts);
+    pbw_plane_options own = *options;
+    pbw_plane_input input;
+    pbw_status status;
+    size_t i;
+    if (segments == NULL || ids == NULL || lefts == NULL) {
+        return pbwa2__say(plane, PBW_ERROR_MEMORY, NULL);
+    }
+    memset(ids, 255, all * sizeof *ids);
+    memset(lefts, 255, all * sizeof *lefts);
+    for (i = 0; i < n; i++) {
+        segments[2 * i] = segments[2 * (n + count + i) + 1] = given->segments[2 * i];
+        segments[2 * i + 1] = segments[2 * (n + count + i)] = given->segments[2 * i + 1];
+        ids[i] = given->segment_ids != NULL ? given->segment_ids[i] : (pbw_index)i;
     }
     for (i = 0; i < count; i++) {
-        leave[side[i].u] = leave[side[i].u] == 0 ? i + 1 : SIZE_MAX;
+        segments[2 * (n + i)] = side[i].u;
+        segments[2 * (n + i) + 1] = side[i].v;
+        lefts[n + i] = side[i].region;
     }
-    for (i = 0; i < count; i++) {
-        const size_t next = leave[side[i].v];
-        if (next != 0 && next != SIZE_MAX
-            && pbw_orient2(pbwa2__at(points, side[i].u), pbwa2__at(points, side[i].v),
-                           pbwa2__at(points, side[next - 1].v)) == 0) {
-            after[i] = next;
-            has_before[next - 1] = 1;
-        }
-    }
-    for (i = 0; i < count; i++) {
-        for (e = has_before[i] ? 0 : i + 1; e != 0; e = after[e - 1]) {
-            ids[e - 1] = (pbw_index)i;
-        }
-    }
-    return 1;
+    memset(&input, 0, sizeof input);
+    input.points = given->points;
+    input.point_count = given->point_count;
+    input.sizes = given->sizes;
+    input.segments = segments;
+    input.segment_ids = ids;
+    input.segment_lefts = lefts;
+    input.segment_count = all;
+    own.rule = PBW_PLANE_NONZERO;
+    status = pbwa2__make(memory, &input, &own, plane);
+    return status == PBW_ERROR_ARGUMENT && plane->crossing_count > 0
+         ? pbwa2__say(plane, status, "borders of triangles, or segments, cross: triangles lie on each other, or a "
+                      "segment is no edge of a triangle") : status;
 }
 
-PBWADAPT2DEF pbw_status pbw_plane_from_triangles(const double *points, size_t point_count, const pbw_index *triangles,
-                                                 size_t triangle_count, const pbw_plane_options *options,
-                                                 pbw_plane *plane)
+PBWADAPT2DEF pbw_status pbw_plane_from_triangles(const pbw_plane_input *input, const pbw_index *triangles,
+                                                 const pbw_index *regions, size_t triangle_count,
+                                                 const pbw_plane_options *options, pbw_plane *plane)
 {
     pbwa2__memory memory;
     pbwa2__side *side;
     pbw_plane_options own;
-    pbw_plane_input input;
-    pbw_index *segments, *ids;
     pbw_status status = PBW_ERROR_MEMORY;
-    const char *fault;
-    size_t i, count;
+    const char *fault = NULL;
+    size_t count = 0, shared = 0;
     if (plane == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
     memset(plane, 0, sizeof *plane);
     memset(&own, 0, sizeof own);
-    memset(&input, 0, sizeof input);
     own = options != NULL ? *options : own;
-    own.rule = PBW_PLANE_NONZERO;
-    if (points == NULL || triangles == NULL || triangle_count == 0) {
-        return pbwa2__say(plane, PBW_ERROR_ARGUMENT, "points and triangles are needed");
+    if (input == NULL || input->points == NULL || triangles == NULL || triangle_count == 0
+        || (input->segments == NULL && input->segment_count > 0)) {
+        return pbwa2__say(plane, PBW_ERROR_ARGUMENT, "points and triangles are needed, or an array is NULL");
     }
     pbwa2__start(&memory, options);
     side = (pbwa2__side *)pbwa2__get(&memory, 3 * triangle_count, sizeof *side);
-    fault = side == NULL ? NULL : pbwa2__find_sides(points, point_count, triangles, triangle_count, side);
-    count = side == NULL || fault != NULL ? 0 : pbwa2__find_border(side, 3 * triangle_count);
+    if (side != NULL) {
+        fault = pbwa2__find_sides(input->points, input->point_count, triangles, regions, triangle_count, side);
+        status = fault != NULL ? PBW_ERROR_ARGUMENT : PBW_OK;
+        count = fault != NULL ? 0 : pbwa2__find_border(side, 3 * triangle_count, &shared);
+    }
+    if (status == PBW_OK && shared == 0 && count != SIZE_MAX && triangle_count > 1) {
+        status = pbwa2__unite_points(&memory, input->points, input->point_count, side, count) ? PBW_OK
+               : PBW_ERROR_MEMORY;
+        count = pbwa2__find_border(side, count, &shared);
+    }
     if (count == SIZE_MAX) {
         fault = "two triangles are on one side of an edge";
-    } else if (side != NULL && fault == NULL) {
-        segments = (pbw_index *)pbwa2__get(&memory, count, 2 * sizeof *segments);
-        ids = (pbw_index *)pbwa2__get(&memory, count, sizeof *ids);
-        if (segments != NULL && ids != NULL
-            && pbwa2__number_lines(&memory, points, point_count, side, ids, count)) {
-            for (i = 0; i < count; i++) {
-                segments[2 * i] = side[i].u;
-                segments[2 * i + 1] = side[i].v;
-            }
-            input.points = points;
-            input.point_count = point_count;
-            input.segments = segments;
-            input.segment_ids = ids;
-            input.segment_count = count;
-            status = pbwa2__make(&memory, &input, &own, plane);
-            pbwa2__end(&memory);
-            return status;
-        }
+        status = PBW_ERROR_ARGUMENT;
     }
+    status = status != PBW_OK ? pbwa2__say(plane, status, fault)
+           : pbwa2__make_of_sides(&memory, input, side, count, &own, plane);
     pbwa2__end(&memory);
-    return pbwa2__say(plane, fault != NULL ? PBW_ERROR_ARGUMENT : PBW_ERROR_MEMORY, fault);
+    return status;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1106,6 +1139,14 @@ static size_t pbwa2__nearest(const pbwa2__tree *tree, const double *q, size_t gu
     return found;
 }
 
+/* The weighted mean of three values, rounded to one between them: a constant stays one. */
+static double pbwa2__mix(const double weight[3], double a, double b, double c)
+{
+    const double mean = weight[0] * a + weight[1] * b + weight[2] * c;
+    const double low = a < b ? (a < c ? a : c) : b < c ? b : c, high = a > b ? (a > c ? a : c) : b > c ? b : c;
+    return mean < low ? low : mean > high ? high : mean;
+}
+
 PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plane *to, const double *values,
                                            size_t width, double *out, const pbw_plane_options *options)
 {
@@ -1128,8 +1169,8 @@ PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plan
         at = pbwa2__nearest(&tree, to->points + 2 * i, at, weight);
         v = from->triangles + 3 * at;
         for (k = 0; k < width; k++) {
-            out[width * i + k] = weight[0] * values[width * v[0] + k] + weight[1] * values[width * v[1] + k]
-                               + weight[2] * values[width * v[2] + k];
+            out[width * i + k] = pbwa2__mix(weight, values[width * v[0] + k], values[width * v[1] + k],
+                                            values[width * v[2] + k]);
         }
     }
     pbwa2__end(&memory);

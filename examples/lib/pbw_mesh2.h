@@ -78,6 +78,10 @@ typedef struct pbw_plane_input {           /* start from {0} */
     size_t segment_count;
     const pbw_index *segment_ids;          /* numbers of segments in what comes out, several may have one; PBW_NONE:
                                               the segment is in no list of an edge; NULL: 0, 1, 2, ... */
+    const pbw_index *segment_lefts;        /* numbers, for region_seeds, of the regions to the left of segments;
+                                              PBW_NONE: none.  An edge of segments without numbers lies in one
+                                              region.  Of several for a region the least counts, if none of `regions`
+                                              marks it.  NULL */
     const double *holes;                   /* x and y each: what such a point can reach is no part of the domain */
     size_t hole_count;
     const pbw_plane_region *regions;       /* of two for one region the last counts */
@@ -142,7 +146,8 @@ typedef struct pbw_plane {                 /* start from {0}; read, do not write
     const pbw_index *edge_segments;        /* edge_first[i] .. edge_first[i+1]-1, ascending; none: hull only */
     size_t region_count;
     const int *region_windings;            /* per region: winding number of the segments, where the rule needs it */
-    const pbw_index *region_seeds;         /* per region: the number of the caller's region, or PBW_NONE */
+    const pbw_index *region_seeds;         /* per region: the number of the caller's region, or of segment_lefts, or
+                                              PBW_NONE */
     size_t crossing_count;
     const pbw_index *crossings;            /* pairs of segments that cross, ascending */
     pbw_plane_report report;
@@ -297,7 +302,7 @@ typedef struct pbwp__triangle {
     pbw_index region;                      /* component of the plane less the segments; top bit: in a cavity */
 } pbwp__triangle;
 
-typedef struct pbwp__piece { pbw_index a, b, id; } pbwp__piece;      /* of the caller's segment id, from a to b */
+typedef struct pbwp__piece { pbw_index a, b, segment; } pbwp__piece; /* of that segment of the caller, from a to b */
 /* A vertex of a chain.  slot: for the triangle with this apex, PBW_NONE: any free one.  link, edge: of the edge to
    the next vertex; link 4 i + 3: that edge is also the one from vertex i. */
 typedef struct pbwp__joint { pbw_index v, slot, link, edge; } pbwp__joint;
@@ -336,6 +341,25 @@ typedef struct pbwp__job {
     pbwp__array first_of, item_of;         /* lists of various uses */
     pbwp__array components;                /* pbwp__component */
 } pbwp__job;
+
+/* The caller's number of the segment that a piece is of. */
+static pbw_index pbwp__id_of(const pbwp__job *job, pbwp__piece piece)
+{
+    return job->input->segment_ids != NULL ? job->input->segment_ids[piece.segment] : piece.segment;
+}
+
+/* Takes the first piece off what an edge has: edge becomes the rest, PBW_NONE after the last. */
+static pbwp__piece pbwp__take_piece(const pbwp__job *job, pbw_index *edge)
+{
+    pbw_index number = *edge;
+    *edge = PBW_NONE;
+    if (number >= job->piece_count) {
+        const pbwp__group group = ((const pbwp__group *)job->groups.data)[number - job->piece_count];
+        number = group.piece;
+        *edge = group.rest;
+    }
+    return ((const pbwp__piece *)job->pieces.data)[number];
+}
 
 static pbw_status pbwp__say(pbwp__job *job, pbw_status status, const char *text)
 {
@@ -972,7 +996,7 @@ static pbw_status pbwp__order_pieces(pbwp__job *job)
         pbwp__piece *piece = (pbwp__piece *)job->pieces.data + first[a < b ? a : b]++;
         piece->a = a;
         piece->b = b;
-        piece->id = segment[i].id;
+        piece->segment = segment[i].segment;
     }
     job->pieces.count = job->piece_count = count;
     return PBW_OK;
@@ -1403,8 +1427,8 @@ static pbw_status pbwp__refuse(pbwp__job *job, pbwp__array *pairs)
     pbwp__cut *pair = (pbwp__cut *)pairs->data;
     size_t i;
     for (i = 0; i < pairs->count; i++) {
-        const pbw_index s = ((const pbwp__piece *)job->segments.data)[pair[i].segment].id;
-        const pbw_index t = ((const pbwp__piece *)job->segments.data)[pair[i].other].id;
+        const pbw_index s = pbwp__id_of(job, ((const pbwp__piece *)job->segments.data)[pair[i].segment]);
+        const pbw_index t = pbwp__id_of(job, ((const pbwp__piece *)job->segments.data)[pair[i].other]);
         pair[i].segment = s < t ? s : t;
         pair[i].other = s < t ? t : s;
     }
@@ -1478,15 +1502,7 @@ static int pbwp__winding_of(const pbwp__job *job, pbw_index edge, pbw_index u, p
     const int forwards = pbwp__before(job, u, v);
     int sum = 0;
     while (edge != PBW_NONE) {
-        pbw_index number = edge;
-        pbwp__piece piece;
-        edge = PBW_NONE;
-        if (number >= job->piece_count) {
-            const pbwp__group group = ((const pbwp__group *)job->groups.data)[number - job->piece_count];
-            number = group.piece;
-            edge = group.rest;
-        }
-        piece = ((const pbwp__piece *)job->pieces.data)[number];
+        const pbwp__piece piece = pbwp__take_piece(job, &edge);
         sum += pbwp__before(job, piece.a, piece.b) == forwards ? 1 : -1;
     }
     return sum;
@@ -1694,6 +1710,44 @@ static pbw_index pbwp__locate(const pbwp__job *job, const double *q, pbw_index s
     return PBW_NONE;
 }
 
+/* Marks the components to the left of segments with the numbers that those have.  Where segments on an edge have none,
+   the components on both sides are joined, and share the least number. */
+static void pbwp__plant_lefts(pbwp__job *job)
+{
+    pbwp__component *c = (pbwp__component *)job->components.data;
+    pbw_index *parent = PBWP__INDICES(job->stack);
+    size_t i;
+    unsigned k;
+    for (i = 0; i < job->components.count; i++) {
+        parent[i] = (pbw_index)i;
+    }
+    for (i = 0; i < job->triangles.count; i++) {
+        const pbwp__triangle *t = job->t + i;
+        for (k = 0; t->v[0] != PBW_NONE && k < 3; k++) {
+            pbw_index edge = t->edge[k] != PBWP__BORDER ? t->edge[k] : PBW_NONE, least = PBW_NONE;
+            const int forwards = pbwp__before(job, t->v[pbwp__next[k]], t->v[pbwp__last[k]]);
+            while (edge != PBW_NONE) {
+                const pbwp__piece piece = pbwp__take_piece(job, &edge);
+                const pbw_index left = job->input->segment_lefts[piece.segment];
+                least = left < least ? left : least;
+                c[t->region].seed = pbwp__before(job, piece.a, piece.b) == forwards && left < c[t->region].seed ? left
+                                  : c[t->region].seed;
+            }
+            if (least == PBW_NONE && t->link[k] != PBW_NONE) {
+                const pbw_index one = pbwp__root(parent, t->region);
+                const pbw_index other = pbwp__root(parent, job->t[PBWP__SLOT(t->link[k])].region);
+                parent[one < other ? other : one] = one < other ? one : other;
+            }
+        }
+    }
+    for (i = job->components.count; i-- > 0; ) {     /* parents come before */
+        c[parent[i]].seed = c[i].seed < c[parent[i]].seed ? c[i].seed : c[parent[i]].seed;
+    }
+    for (i = 0; i < job->components.count; i++) {
+        c[i].seed = c[parent[i]].seed;
+    }
+}
+
 /* Marks the components of holes dead, and those of regions with their seed. */
 static pbw_status pbwp__plant_seeds(pbwp__job *job)
 {
@@ -1703,6 +1757,9 @@ static pbw_status pbwp__plant_seeds(pbwp__job *job)
     size_t i;
     while (job->t[slot].v[0] == PBW_NONE) {
         slot++;
+    }
+    if (in->segment_lefts != NULL) {
+        pbwp__plant_lefts(job);
     }
     for (i = 0; i < in->hole_count + in->region_count; i++) {
         const int is_hole = i < in->hole_count;
@@ -1767,12 +1824,9 @@ static pbw_status pbwp__find_domain(pbwp__job *job)
         }
         edge = pbwp__wind(job);
         if (edge != PBW_NONE) {
-            if (edge >= job->piece_count) {
-                edge = ((const pbwp__group *)job->groups.data)[edge - job->piece_count].piece;
-            }
             snprintf(job->plane->what, sizeof job->plane->what,
                      "the segments do not close, which winding numbers need: see segment %u",
-                     (unsigned)((const pbwp__piece *)job->pieces.data)[edge].id);
+                     (unsigned)pbwp__id_of(job, pbwp__take_piece(job, &edge)));
             return PBW_ERROR_ARGUMENT;
         }
     }
@@ -2024,7 +2078,7 @@ static double pbwp__area_for(const pbwp__refiner *r, const pbwp__triangle *t)
     if (r->job->input->region_count > 0) {
         const pbw_index component = t->region & ~PBWP__CAVITY;
         const pbw_index seed = ((const pbwp__component *)r->job->components.data)[component].seed;
-        const double there = seed != PBW_NONE ? r->job->input->regions[seed].area : 0;
+        const double there = seed < r->job->input->region_count ? r->job->input->regions[seed].area : 0;
         area = there > 0 && (!(area > 0) || there < area) ? there : area;
     }
     return area;
@@ -2447,7 +2501,8 @@ static double pbwp__size_of_region(const pbwp__refiner *r, const pbwp__triangle 
 {
     const pbwp__job *job = r->job;
     const pbwp__component *c = (const pbwp__component *)job->components.data + (t->region & ~PBWP__CAVITY);
-    const double area = c->seed != PBW_NONE && job->options->gradation > 0 ? job->input->regions[c->seed].area : 0;
+    const double area = c->seed < job->input->region_count && job->options->gradation > 0
+                      ? job->input->regions[c->seed].area : 0;
     return area > 0 ? 2.6321480259049848 * sqrt(area) : 1e60;          /* 2 * 3^(1/4) */
 }
 
@@ -3500,14 +3555,7 @@ static int pbwp__out_segments(pbwp__job *job, pbwp__array *list, pbw_index edge)
     size_t count, kept = 0, i;
     pbw_index *item;
     while (edge != PBW_NONE && edge != PBWP__BORDER) {
-        pbw_index id = edge;
-        edge = PBW_NONE;
-        if (id >= job->piece_count) {
-            const pbwp__group group = ((const pbwp__group *)job->groups.data)[id - job->piece_count];
-            id = group.piece;
-            edge = group.rest;
-        }
-        id = ((const pbwp__piece *)job->pieces.data)[id].id;
+        const pbw_index id = pbwp__id_of(job, pbwp__take_piece(job, &edge));
         if (id != PBW_NONE && !pbwp__push(&job->memory, list, id)) {
             return 0;
         }
@@ -3683,7 +3731,7 @@ static pbw_status pbwp__copy_input(pbwp__job *job)
     for (i = 0; i < in->segment_count; i++) {
         segment[i].a = in->segments[2 * i];
         segment[i].b = in->segments[2 * i + 1];
-        segment[i].id = in->segment_ids != NULL ? in->segment_ids[i] : (pbw_index)i;
+        segment[i].segment = (pbw_index)i;
     }
     job->given.count = n;
     job->segments.count = in->segment_count;

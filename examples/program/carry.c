@@ -94,7 +94,7 @@ static int add_crossings(const plan *d, const pbw_plane *own, size_t width, doub
     return count != NULL;
 }
 
-/* Columns, then heights, at the points of the mesh. */
+/* Columns, then heights, at the points of the mesh: those of a point of the domain that has not moved, or between. */
 static pbw_status carry_values(const job *j, const plan *d, const pbw_plane *own, const pbw_plane *mesh,
                                const pbw_index *origin, carried *c)
 {
@@ -120,7 +120,9 @@ static pbw_status carry_values(const job *j, const plan *d, const pbw_plane *own
         double *column = (double *)malloc((n + 1) * sizeof *column);
         status = column == NULL ? PBW_ERROR_MEMORY : status;
         for (i = 0; column != NULL && i < n; i++) {
-            column[i] = origin[i] != PBW_NONE ? values[width * origin[i] + k] : out[width * i + k];
+            const size_t old = origin[i];
+            const int same = old < d->point_count && memcmp(d->points + 2 * old, mesh->points + 2 * i, 16) == 0;
+            column[i] = same ? values[width * old + k] : out[width * i + k];
         }
         if (k == d->column_count) {
             c->heights = column;
@@ -183,6 +185,14 @@ static int carry_markers(const plan *d, const pbw_plane *mesh, const pbw_index *
 
 /* ---- groups */
 
+typedef struct item { long long tag; pbw_index place; } item;
+
+static int compare_items(const void *one, const void *other)
+{
+    const item *a = (const item *)one, *b = (const item *)other;
+    return (a->tag > b->tag) - (a->tag < b->tag);
+}
+
 static int compare_ints(const void *one, const void *other)
 {
     const int a = *(const int *)one, b = *(const int *)other;
@@ -227,7 +237,8 @@ static int group_markers(carried *c, int dim, const int *markers, size_t count, 
 /* The groups of regions: those of the domain's, else one a region. */
 static int group_regions(const plan *d, const pbw_plane *mesh, carried *c)
 {
-    const size_t own = d->region_count > 0 ? d->group_count : 0, more = d->region_count > 0 ? 0 : mesh->region_count;
+    const size_t own = d->region_count > 0 || d->has_groups ? d->group_count : 0;
+    const size_t more = d->region_count > 0 || own > 0 ? 0 : mesh->region_count;
     size_t i;
     c->groups = (pbwio_group *)calloc(own + more + 1, sizeof *c->groups);
     c->names = (char (*)[32])malloc((more + 1) * sizeof *c->names);
@@ -247,38 +258,155 @@ static int group_regions(const plan *d, const pbw_plane *mesh, carried *c)
     c->group_count = own + more;
     for (i = 0; i < mesh->triangle_count; i++) {
         const pbw_index seed = mesh->region_seeds[mesh->regions[i]];
-        c->regions[i] = more > 0 ? mesh->regions[i] : seed == PBW_NONE ? PBW_NONE : d->region_groups[seed];
+        c->regions[i] = more > 0 ? mesh->regions[i] : seed == PBW_NONE || d->has_groups ? seed
+                      : d->region_groups[seed];
     }
     return 1;
 }
 
-static int carry_groups(const plan *d, const pbw_plane *mesh, carried *c)
+/* Edges are in the groups that the mesh lists. */
+static int group_edges(const pbw_plane *mesh, carried *c)
 {
-    pbw_index *of_edges = (pbw_index *)malloc((mesh->edge_count + 1) * sizeof *of_edges);
     size_t i;
-    int done = of_edges != NULL && group_regions(d, mesh, c);
-    if (done && c->has_markers) {
-        c->patches = (pbw_index *)malloc((3 * mesh->triangle_count + 1) * sizeof *c->patches);
-        c->point_groups = (pbw_index *)malloc((mesh->point_count + 1) * sizeof *c->point_groups);
-        done = c->patches != NULL && c->point_groups != NULL
-            && group_markers(c, 1, c->edge_markers, mesh->edge_count, of_edges)
-            && group_markers(c, 0, c->point_markers, mesh->point_count, c->point_groups);
-        for (i = 0; done && i < 3 * mesh->triangle_count; i++) {
-            c->patches[i] = mesh->constraints[i] == PBW_NONE ? PBW_NONE : of_edges[mesh->constraints[i]];
+    for (i = 0; i < mesh->edge_count; i++) {
+        const size_t first = mesh->edge_first[i];
+        c->edge_groups[i] = first < mesh->edge_first[i + 1] ? mesh->edge_segments[first] : PBW_NONE;
+    }
+    return mesh->edge_first[mesh->edge_count] > 0;
+}
+
+/* For each group without a name the one of points with its tag and without a name, or PBW_NONE; after the last, that of
+   the tag 1.  The caller frees it; NULL: no memory. */
+static pbw_index *find_markers(const plan *d)
+{
+    item *items = (item *)malloc((d->group_count + 1) * sizeof *items);
+    pbw_index *found = (pbw_index *)malloc((d->group_count + 1) * sizeof *found);
+    size_t i, count = 0;
+    for (i = 0; items != NULL && i < d->group_count; i++) {
+        if (d->groups[i].dim == 0 && d->groups[i].name == NULL) {
+            items[count].tag = d->groups[i].tag;
+            items[count++].place = (pbw_index)i;
         }
     }
-    free(of_edges);
-    return done;
+    if (items != NULL && found != NULL) {
+        qsort(items, count, sizeof *items, compare_items);
+        for (i = 0; i <= d->group_count; i++) {
+            item wanted, *at;
+            wanted.tag = i < d->group_count ? d->groups[i].tag : 1;
+            at = (item *)bsearch(&wanted, items, count, sizeof *items, compare_items);
+            found[i] = at != NULL && (i == d->group_count || d->groups[i].name == NULL) ? at->place : PBW_NONE;
+        }
+    } else {
+        free(found);
+        found = NULL;
+    }
+    free(items);
+    return found;
+}
+
+/* Points stay in their groups.  Groups without a name are markers: points in none that are on edges of a group get its
+   tag if it is a marker of points; where no edge is in a group, those on the boundary get 1 likewise. */
+static int group_points(const plan *d, const pbw_plane *mesh, const pbw_index *origin, carried *c, int edges)
+{
+    pbw_index *markers = find_markers(d);
+    size_t i, k;
+    for (i = 0; i < mesh->point_count; i++) {
+        c->point_groups[i] = origin[i] == PBW_NONE ? PBW_NONE : d->point_groups[origin[i]];
+    }
+    for (i = 0; markers != NULL && i < 3 * mesh->triangle_count; i++) {
+        const pbw_index edge = mesh->constraints[i];
+        const pbw_index group = edges && edge != PBW_NONE ? c->edge_groups[edge] : PBW_NONE;
+        const pbw_index marker = group != PBW_NONE ? markers[group]
+                               : !edges && mesh->neighbors[i] == PBW_NONE ? markers[d->group_count] : PBW_NONE;
+        for (k = 1; k < 3 && marker != PBW_NONE; k++) {
+            pbw_index *own = c->point_groups + mesh->triangles[i / 3 * 3 + (i + k) % 3];
+            *own = *own == PBW_NONE ? marker : *own;
+        }
+    }
+    free(markers);
+    return markers != NULL;
+}
+
+static int carry_groups(const plan *d, const pbw_plane *mesh, const pbw_index *origin, carried *c)
+{
+    int edges = c->has_markers, points = c->has_markers;
+    size_t i;
+    c->edge_groups = (pbw_index *)malloc((mesh->edge_count + 1) * sizeof *c->edge_groups);
+    c->point_groups = (pbw_index *)malloc((mesh->point_count + 1) * sizeof *c->point_groups);
+    c->patches = (pbw_index *)malloc((3 * mesh->triangle_count + 1) * sizeof *c->patches);
+    if (c->edge_groups == NULL || c->point_groups == NULL || c->patches == NULL || !group_regions(d, mesh, c)
+        || (c->has_markers && !(group_markers(c, 1, c->edge_markers, mesh->edge_count, c->edge_groups)
+                                && group_markers(c, 0, c->point_markers, mesh->point_count, c->point_groups)))) {
+        return 0;
+    }
+    if (d->has_groups) {
+        edges = group_edges(mesh, c);
+        points = d->point_groups != NULL;
+    }
+    if (d->has_groups && points && !group_points(d, mesh, origin, c, edges)) {
+        return 0;
+    }
+    for (i = 0; i < 3 * mesh->triangle_count && edges; i++) {
+        c->patches[i] = mesh->constraints[i] == PBW_NONE ? PBW_NONE : c->edge_groups[mesh->constraints[i]];
+    }
+    if (!edges) {
+        free(c->edge_groups);
+        free(c->patches);
+        c->edge_groups = c->patches = NULL;
+    }
+    if (!points) {
+        free(c->point_groups);
+        c->point_groups = NULL;
+    }
+    return 1;
 }
 
 /* ---- all of it */
+
+void warn_of_losses(const job *j, const plan *d, const pbw_plane *plane)
+{
+    char line[40] = "";
+    unsigned char *seen = (unsigned char *)calloc(d->segment_count + d->region_count + 1, 1);
+    size_t i, segments = 0, regions = 0, first = 0;
+    for (i = 0; seen != NULL && i < plane->edge_first[plane->edge_count]; i++) {
+        seen[plane->edge_segments[i]] = 1;
+    }
+    for (i = 0; seen != NULL && i < plane->region_count; i++) {
+        if (plane->region_seeds[i] < d->region_count) {
+            seen[d->segment_count + plane->region_seeds[i]] = 1;
+        }
+    }
+    for (i = 0; seen != NULL && i < d->segment_count; i++) {
+        const double *a = d->points + 2 * (size_t)d->segments[2 * i];
+        const double *b = d->points + 2 * (size_t)d->segments[2 * i + 1];
+        if (!seen[i] && (a[0] < b[0] || a[0] > b[0] || a[1] < b[1] || a[1] > b[1])) {
+            first = segments++ == 0 ? i : first;
+        }
+    }
+    for (i = 0; seen != NULL && i < d->region_count; i++) {
+        regions += !seen[d->segment_count + i];
+    }
+    free(seen);
+    if (segments > 0) {
+        const double *a = d->points + 2 * (size_t)d->segments[2 * first];
+        if (d->sources != NULL) {
+            snprintf(line, sizeof line, " in line %zu,", d->sources[first].line);
+        }
+        warn(j, "%s: %zu of %zu segments are outside of the domain and left out, the first%s from (%.9g, %.9g)",
+             j->input, segments, d->segment_count, line, a[0], a[1]);
+    }
+    if (regions > 0) {
+        warn(j, "%s: %zu of %zu regions mark nothing: they are outside of the domain, or a later one marks the same",
+             j->input, regions, d->region_count);
+    }
+}
 
 pbw_status carry(const job *j, const plan *d, const pbw_plane *own, const pbw_plane *mesh, const pbw_index *origin,
                  carried *c)
 {
     pbw_status status = PBW_OK;
     size_t i;
-    for (i = 0; i < d->segment_count; i++) {
+    for (i = 0; d->sources != NULL && i < d->segment_count; i++) {
         c->has_markers |= d->sources[i].marker != 0;
     }
     for (i = 0; d->point_markers != NULL && i < d->point_count; i++) {
@@ -288,7 +416,20 @@ pbw_status carry(const job *j, const plan *d, const pbw_plane *own, const pbw_pl
         status = carry_values(j, d, own, mesh, origin, c);
     }
     return status != PBW_OK ? status
-         : carry_markers(d, mesh, origin, c) && carry_groups(d, mesh, c) ? PBW_OK : PBW_ERROR_MEMORY;
+         : carry_markers(d, mesh, origin, c) && carry_groups(d, mesh, origin, c) ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+void show_carried(pbwio_output *output, const carried *c, int base)
+{
+    output->regions = c->regions;
+    output->patches = c->patches;
+    output->groups = c->groups;
+    output->group_count = c->group_count;
+    output->point_groups = c->point_groups;
+    output->columns = c->columns;
+    output->column_count = c->column_count;
+    output->heights = c->heights;
+    output->base = base;
 }
 
 void carried_free(carried *c)
@@ -304,6 +445,7 @@ void carried_free(carried *c)
     free(c->groups);
     free(c->names);
     free(c->regions);
+    free(c->edge_groups);
     free(c->patches);
     free(c->point_groups);
     memset(c, 0, sizeof *c);

@@ -2,7 +2,6 @@
    In: a file.  Out: points, segments, holes, regions and what they carry, or a message "name:line: what". */
 #include "domain.h"
 #include <errno.h>
-#include <limits.h>
 #include <stdarg.h>
 
 enum { MOST_ATTRIBUTES = 64 };                       /* of a point */
@@ -119,6 +118,9 @@ void domain_free(plan *d)
     free(d->sizes);
     free(d->heights);
     free(d->triangles);
+    free(d->triangle_groups);
+    free(d->segment_groups);
+    free(d->point_groups);
     free(d->regions);
     free(d->region_groups);
     free(d->feature_groups);
@@ -442,33 +444,12 @@ static int ends_with(const char *path, const char *ending)
 static int read_points_of(job *j, plan *d, const char *column)
 {
     int failed;
-    size_t i;
     j->read.weight = column != NULL && column[0] == '#' ? column + 1 : column;
     failed = load(j, 1);
     if (!failed && j->cloud.dim != 2) {
         return fail(j, "%s: points in the plane are needed; --dim 2 takes z for heights", j->input);
     }
-    d->points = j->cloud.points;
-    d->point_count = j->cloud.count;
-    d->sizes = j->cloud.weights;
-    d->triangles = j->cloud.triangles;
-    d->triangle_count = j->cloud.triangle_count;
-    d->heights = j->cloud.heights;
-    d->columns = j->cloud.columns;
-    d->column_count = j->cloud.column_count;
-    d->base = j->cloud.base;
-    if (j->cloud.point_groups != NULL) {
-        d->point_markers = (int *)calloc(d->point_count + 1, sizeof *d->point_markers);
-    }
-    for (i = 0; d->point_markers != NULL && i < d->point_count; i++) {
-        const pbw_index g = j->cloud.point_groups[i];
-        d->point_markers[i] = g == PBW_NONE ? 0 : (int)j->cloud.groups[g].tag;
-    }
-    j->cloud.points = j->cloud.weights = j->cloud.heights = NULL;
-    j->cloud.columns = NULL;
-    j->cloud.triangles = NULL;
-    j->cloud.triangle_count = j->cloud.column_count = 0;
-    return failed;
+    return failed ? failed : take_cloud(j, d);
 }
 
 int read_domain(job *j, plan *d, const char *column)

@@ -1,5 +1,5 @@
 /* improve.c: pbw improve. */
-#include "program.h"
+#include "domain.h"
 
 static const char *const smoothers[] = { "odt", "lloyd", "laplace", NULL };
 
@@ -265,33 +265,6 @@ static void describe_plane(const job *j, const char *when, const pbw_plane *plan
          least.least, most.most, least.mean, shape.mean);
 }
 
-/* As the measures of tetrahedra; its range of angles is as the file has them, its triangles may be turned. */
-static void describe_input(const job *j)
-{
-    pbw_plane view;
-    pbw_index *turned = (pbw_index *)malloc((j->cloud.triangle_count + 1) * 3 * sizeof *turned);
-    size_t i;
-    if (turned == NULL) {
-        return;
-    }
-    memset(&view, 0, sizeof view);
-    memcpy(turned, j->cloud.triangles, j->cloud.triangle_count * 3 * sizeof *turned);
-    view.points = j->cloud.points;
-    view.point_count = j->cloud.count;
-    view.triangles = turned;
-    view.triangle_count = j->cloud.triangle_count;
-    for (i = 0; i < view.triangle_count; i++) {
-        const pbw_index *t = j->cloud.triangles + 3 * i;
-        if (pbw_orient2(view.points + 2 * (size_t)t[0], view.points + 2 * (size_t)t[1],
-                        view.points + 2 * (size_t)t[2]) < 0) {
-            turned[3 * i] = t[1];
-            turned[3 * i + 1] = t[0];
-        }
-    }
-    describe_plane(j, "before: ", &view);
-    free(turned);
-}
-
 void describe_mesh_quality(const job *j)
 {
     if (j->mesh.dim == 3) {
@@ -317,14 +290,64 @@ void describe_mesh_quality(const job *j)
     }
 }
 
-static int improve_triangles(job *j)
+/* The better mesh, and what it carries.  view: the triangles of the input. */
+static pbw_status improve_plane(job *j, plan *d, const pbw_plane *view, pbw_plane *plane, carried *c)
 {
+    void *own[2] = { NULL, NULL };
     static const pbw_plane_way ways[] = { PBW_PLANE_ODT, PBW_PLANE_LLOYD, PBW_PLANE_LAPLACE };
-    static const char *const of_tets[] = { "--target", "--seconds", "--feature-angle", "--size", "--error", NULL };
     const int way = choice_of(j, "--smooth");
     pbw_plane_options how;
-    pbw_plane plane;
+    pbw_index *origin = NULL;
     pbw_status status;
+    memset(&how, 0, sizeof how);
+    how.build = &j->build;
+    status = make_again(d, &how, plane);
+    if (status == PBW_OK) {
+        warn_of_losses(j, d, plane);
+        status = list_groups(d, plane, own) ? PBW_OK : PBW_ERROR_MEMORY;
+    }
+    if (status == PBW_OK) {
+        status = smooth(d, plane, NULL, ways[way < 0 ? 0 : way], (int)number_of(j, "--rounds", 5), &how);
+    }
+    if (status == PBW_OK) {
+        status = find_origins(d, plane, NULL, &origin)
+               ? carry(j, d, d->heights != NULL || d->column_count > 0 ? view : NULL, plane, origin, c)
+               : PBW_ERROR_MEMORY;
+    }
+    free(origin);
+    free(own[0]);
+    free(own[1]);
+    return status;
+}
+
+/* Writes the better mesh; groups are those of the input, if it has some. */
+static int write_plane(job *j, const plan *d, const pbw_plane *plane, const carried *c)
+{
+    int failed;
+    memset(&j->mesh, 0, sizeof j->mesh);
+    j->mesh.dim = 2;
+    j->mesh.points = plane->points;
+    j->mesh.point_count = plane->point_count;
+    j->mesh.simplices = plane->triangles;
+    j->mesh.simplex_count = plane->triangle_count;
+    j->mesh.neighbors = plane->neighbors;
+    show_carried(&j->write, c, d->base);
+    if (!d->has_groups) {
+        drop_groups(j);
+    }
+    failed = write_mesh(j);
+    memset(&j->mesh, 0, sizeof j->mesh);
+    return failed;
+}
+
+static int improve_triangles(job *j)
+{
+    static const char *const of_tets[] = { "--target", "--seconds", "--feature-angle", "--size", "--error", NULL };
+    pbw_plane plane, view;
+    pbw_index *corners = NULL;
+    pbw_status status = PBW_ERROR_MEMORY;
+    carried c;
+    plan d;
     const double start = now();
     int failed, i;
     for (i = 0; of_tets[i] != NULL; i++) {
@@ -333,36 +356,31 @@ static int improve_triangles(job *j)
                             j->input);
         }
     }
-    memset(&how, 0, sizeof how);
     memset(&plane, 0, sizeof plane);
-    how.build = &j->build;
-    describe_input(j);
-    status = pbw_plane_from_triangles(j->cloud.points, j->cloud.count, j->cloud.triangles, j->cloud.triangle_count,
-                                      &how, &plane);
-    if (status == PBW_OK) {
-        status = pbw_plane_smooth(&plane, ways[way < 0 ? 0 : way], (int)number_of(j, "--rounds", 5), &how);
+    memset(&c, 0, sizeof c);
+    memset(&d, 0, sizeof d);
+    failed = take_cloud(j, &d);
+    if (!failed && unify_duplicates(j, &d) && view_triangles(&d, &view, &corners)) {
+        describe_plane(j, "before: ", &view);
+        status = improve_plane(j, &d, &view, &plane, &c);
     }
-    if (status != PBW_OK) {
-        failed = status == PBW_CANCELLED ? stopped(j) : fail(j, "%s: %s", j->input, plane.what);
-        pbw_plane_free(&plane);
-        return failed;
+    if (!failed && status != PBW_OK) {
+        failed = status == PBW_CANCELLED ? stopped(j)
+               : fail(j, "%s: %s", j->input, plane.what[0] != 0 ? plane.what : pbw_status_string(status));
     }
-    say(j, "improve", now() - start, "%zu triangle%s, %zu point%s", COUNT(plane.triangle_count),
-        COUNT(plane.point_count));
-    describe_plane(j, "after:  ", &plane);
-    if (is_given(j, "--quality")) {
-        describe_plane_measures(j, &plane);
+    if (!failed) {
+        say(j, "improve", now() - start, "%zu triangle%s, %zu point%s", COUNT(plane.triangle_count),
+            COUNT(plane.point_count));
+        describe_plane(j, "after:  ", &plane);
+        if (is_given(j, "--quality")) {
+            describe_plane_measures(j, &plane);
+        }
+        failed = write_plane(j, &d, &plane, &c);
     }
-    memset(&j->mesh, 0, sizeof j->mesh);
-    j->mesh.dim = 2;
-    j->mesh.points = plane.points;
-    j->mesh.point_count = plane.point_count;
-    j->mesh.simplices = plane.triangles;
-    j->mesh.simplex_count = plane.triangle_count;
-    j->mesh.neighbors = plane.neighbors;
-    failed = write_mesh(j);
-    memset(&j->mesh, 0, sizeof j->mesh);
+    carried_free(&c);
     pbw_plane_free(&plane);
+    free(corners);
+    domain_free(&d);
     return failed;
 }
 
@@ -386,7 +404,8 @@ const command command_improve = {
     "Makes the worst tetrahedra of a mesh better, until all dihedral angles reach the target or nothing helps.\n"
     "Points move, come and go; the boundary stays on the surface, its features stay as they are.\n"
     "Triangles of a plane become the Delaunay ones of their domain, which have the largest least angles, between\n"
-    "rounds of --smooth; points of the boundary stay.\n"
+    "rounds of --smooth; points of the boundary, of borders between regions and of groups with a name stay.\n"
+    "Regions, groups of facets, edges and points stay what they are.\n"
     "\n"
     "input:   .msh .mesh .inp .su2 .vtu .vtk .ele with tetrahedra or with triangles of one z\n"
     "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face (tetrahedra, boundary), .obj .ply .stl .off\n"

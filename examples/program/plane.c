@@ -39,7 +39,8 @@ typedef struct result {
     pbw_plane *plane;
     pbw_index *origin;                               /* per point: the point of the plan that it is, or PBW_NONE */
     carried carried;
-    void *own[3];                                    /* of the plane, without orphans: points, triangles, edges */
+    void *own[5];                                    /* of the plane: without orphans points, triangles, edges; see
+                                                        list_groups */
     pbw_mesh mesh;                                   /* the triangles as a mesh, for what writes meshes */
     double *least;                                   /* per triangle: its least angle */
     unsigned char *on_segment;                       /* per point */
@@ -142,14 +143,15 @@ static int finish(result *r)
 
 static void finish_free(result *r)
 {
+    int i;
     free((void *)(uintptr_t)r->mesh.incident);
     free((void *)(uintptr_t)r->mesh.canonical);
     free(r->least);
     free(r->on_segment);
     free(r->origin);
-    free(r->own[0]);
-    free(r->own[1]);
-    free(r->own[2]);
+    for (i = 0; i < 5; i++) {
+        free(r->own[i]);
+    }
     carried_free(&r->carried);
 }
 
@@ -220,6 +222,12 @@ static void report(const job *j, const result *r, double seconds)
 
 /* ---- outputs */
 
+/* The marker of an edge or point in a .poly file. */
+static long long marker_of(const carried *c, const pbw_index *groups, const int *markers, size_t i)
+{
+    return groups == NULL ? markers[i] : groups[i] == PBW_NONE ? 0 : c->groups[groups[i]].tag;
+}
+
 static void emit_poly(void *user, FILE *file)
 {
     const result *r = (const result *)user;
@@ -236,12 +244,12 @@ static void emit_poly(void *user, FILE *file)
         if (c->heights != NULL) {
             fprintf(file, " %.17g", c->heights[i]);
         }
-        fprintf(file, " %d\n", c->point_markers[i]);
+        fprintf(file, " %lld\n", marker_of(c, c->point_groups, c->point_markers, i));
     }
     fprintf(file, "%zu 1\n", p->edge_count);
     for (i = 0; i < p->edge_count; i++) {
-        fprintf(file, "%zu %zu %zu %d\n", i + base, p->edges[2 * i] + base, p->edges[2 * i + 1] + base,
-                c->edge_markers[i]);
+        fprintf(file, "%zu %zu %zu %lld\n", i + base, p->edges[2 * i] + base, p->edges[2 * i + 1] + base,
+                marker_of(c, c->edge_groups, c->edge_markers, i));
     }
     fprintf(file, "%zu\n", r->plan->hole_count);
     for (i = 0; i < r->plan->hole_count; i++) {
@@ -358,20 +366,6 @@ static pbwio_status write_one(job *j, const char *path, const char *ending, void
     return pbwio_write(path, &r->mesh, &j->write, error);
 }
 
-/* What the writers get beside the mesh. */
-static void fill_output(pbwio_output *output, const result *r)
-{
-    output->regions = r->carried.regions;
-    output->patches = r->carried.patches;
-    output->groups = r->carried.groups;
-    output->group_count = r->carried.group_count;
-    output->point_groups = r->carried.point_groups;
-    output->columns = r->carried.columns;
-    output->column_count = r->carried.column_count;
-    output->heights = r->carried.heights;
-    output->base = r->plan->base;
-}
-
 /* ---- the command */
 
 /* The column that --size names: no formula, but a word, or # and a number.  NULL: none. */
@@ -386,6 +380,12 @@ static const char *column_of(const char *size)
     i = size[0] == '#' ? 1 + strspn(size + 1, "0123456789")
       : strspn(size, "_0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz");
     return wrong != NULL && size[i] == 0 && (size[0] < '0' || size[0] > '9') ? size : NULL;
+}
+
+/* Whether the domain is that of the input's triangles. */
+static int is_of_mesh(const job *j, const plan *d)
+{
+    return d->triangle_count > 0 && !is_given(j, "--rule");
 }
 
 static int set_up(const job *j, const plan *d, pbw_plane_options *options)
@@ -421,7 +421,7 @@ static pbw_status adapt(const job *j, const plan *d, const pbw_plane_options *op
 {
     const size_t n = plane->point_count;
     double *sizes = (double *)malloc((n + 1) * sizeof *sizes);
-    unsigned char *keep = (unsigned char *)malloc(n + 1);
+    unsigned char *keep = points_to_keep(d, n, NULL);
     pbw_plane next;
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i;
@@ -432,8 +432,10 @@ static pbw_status adapt(const job *j, const plan *d, const pbw_plane_options *op
         sizes[i] = d->sizes == NULL ? size_at(options->size_user, x[0], x[1]) : i < d->point_count ? d->sizes[i] : 0;
     }
     if (sizes != NULL && keep != NULL) {
-        memset(keep, 1, n);
-        status = pbw_plane_adapt(plane, sizes, is_given(j, "--coarsen") ? NULL : keep, options, &next, from);
+        if (!is_given(j, "--coarsen")) {
+            memset(keep, 1, n);
+        }
+        status = pbw_plane_adapt(plane, sizes, keep, options, &next, from);
     }
     free(sizes);
     free(keep);
@@ -442,118 +444,50 @@ static pbw_status adapt(const job *j, const plan *d, const pbw_plane_options *op
     return status;
 }
 
-/* Finds the points of the plan again: by their numbers, or those that adapt has kept of the first mesh. */
-static int find_origins(const plan *d, const pbw_plane *plane, const pbw_index *from, pbw_index **origin)
-{
-    size_t i;
-    *origin = (pbw_index *)malloc((plane->point_count + 1) * sizeof **origin);
-    for (i = 0; *origin != NULL && i < plane->point_count; i++) {
-        const size_t old = from == NULL ? i : i < plane->input_count ? from[i] : d->point_count;
-        const int same = old < d->point_count && memcmp(d->points + 2 * old, plane->points + 2 * i, 16) == 0;
-        (*origin)[i] = same ? (pbw_index)old : PBW_NONE;             /* smoothing has moved the others */
-    }
-    return *origin != NULL;
-}
-
+/* own: see list_groups. */
 static pbw_status make_plane(const job *j, const plan *d, const pbw_plane_options *options, pbw_plane *plane,
-                             pbw_index **origin)
+                             pbw_index **origin, void *own[2])
 {
-    const int of_mesh = d->triangle_count > 0 && !is_given(j, "--rule"), way = choice_of(j, "--smooth");
+    const int of_mesh = is_of_mesh(j, d), way = choice_of(j, "--smooth");
     const int adapts = is_given(j, "--coarsen") || (of_mesh && d->sizes != NULL);
     pbw_plane_options first = *options;
     pbw_index *from = NULL;
     pbw_status status;
     first.flags &= adapts ? ~(PBW_PLANE_REFINE | PBW_PLANE_CONFORMING) : ~0u;
-    status = of_mesh ? pbw_plane_from_triangles(d->points, d->point_count, d->triangles, d->triangle_count, &first,
-                                                plane)
-           : make_domain(d, &first, plane);
+    status = of_mesh ? make_again(d, &first, plane) : make_domain(d, &first, plane);
+    if (status == PBW_OK && plane->triangle_count > 0) {
+        warn_of_losses(j, d, plane);
+    }
+    if (status == PBW_OK && d->sources == NULL && !list_groups(d, plane, own)) {
+        status = PBW_ERROR_MEMORY;
+    }
     if (status == PBW_OK && adapts && plane->triangle_count > 0) {
         from = (pbw_index *)malloc((plane->point_count + 1) * sizeof *from);
         status = from != NULL ? adapt(j, d, options, plane, from) : PBW_ERROR_MEMORY;
     }
-    if (status == PBW_OK && way >= 0 && plane->triangle_count > 0) {
-        const double before = pbw_plane_quality_of(plane, PBW_PLANE_MIN_ANGLE).mean;
-        status = pbw_plane_smooth(plane, (pbw_plane_way)way, (int)number_of(j, "--rounds", 5), options);
-        note(j, "smoothed: mean of least angles from %.2f to %.2f degrees", before,
-             pbw_plane_quality_of(plane, PBW_PLANE_MIN_ANGLE).mean);
-    }
     if (status == PBW_OK && !find_origins(d, plane, from, origin)) {
         status = PBW_ERROR_MEMORY;
     }
+    if (status == PBW_OK && way >= 0 && plane->triangle_count > 0) {
+        const double before = pbw_plane_quality_of(plane, PBW_PLANE_MIN_ANGLE).mean;
+        status = smooth(d, plane, *origin, (pbw_plane_way)way, (int)number_of(j, "--rounds", 5), options);
+        note(j, "smoothed: mean of least angles from %.2f to %.2f degrees", before,
+             pbw_plane_quality_of(plane, PBW_PLANE_MIN_ANGLE).mean);
+    }
     free(from);
     return status;
-}
-
-/* The triangles of the input as a plane, counter-clockwise, to look values up in; corners: they are there. */
-static int view_triangles(const plan *d, pbw_plane *view, pbw_index **corners)
-{
-    size_t i;
-    *corners = (pbw_index *)malloc((d->triangle_count + 1) * 3 * sizeof **corners);
-    if (*corners == NULL) {
-        return 0;
-    }
-    memset(view, 0, sizeof *view);
-    memcpy(*corners, d->triangles, d->triangle_count * 3 * sizeof **corners);
-    for (i = 0; i < d->triangle_count; i++) {
-        const pbw_index *t = d->triangles + 3 * i;
-        if (pbw_orient2(d->points + 2 * (size_t)t[0], d->points + 2 * (size_t)t[1],
-                        d->points + 2 * (size_t)t[2]) < 0) {
-            (*corners)[3 * i] = t[1];
-            (*corners)[3 * i + 1] = t[0];
-        }
-    }
-    view->points = d->points;
-    view->point_count = d->point_count;
-    view->triangles = *corners;
-    view->triangle_count = d->triangle_count;
-    return 1;
-}
-
-/* A word about what the domain has and the mesh has not. */
-static void warn_of_losses(const job *j, const plan *d, const pbw_plane *plane)
-{
-    unsigned char *seen = (unsigned char *)calloc(d->segment_count + d->region_count + 1, 1);
-    size_t i, segments = 0, regions = 0, first = 0;
-    for (i = 0; seen != NULL && i < plane->edge_first[plane->edge_count]; i++) {
-        seen[plane->edge_segments[i]] = 1;
-    }
-    for (i = 0; seen != NULL && i < plane->region_count; i++) {
-        if (plane->region_seeds[i] != PBW_NONE) {
-            seen[d->segment_count + plane->region_seeds[i]] = 1;
-        }
-    }
-    for (i = 0; seen != NULL && i < d->segment_count; i++) {
-        const double *a = d->points + 2 * (size_t)d->segments[2 * i];
-        const double *b = d->points + 2 * (size_t)d->segments[2 * i + 1];
-        if (!seen[i] && (a[0] < b[0] || a[0] > b[0] || a[1] < b[1] || a[1] > b[1])) {
-            first = segments++ == 0 ? i : first;
-        }
-    }
-    for (i = 0; seen != NULL && i < d->region_count; i++) {
-        regions += !seen[d->segment_count + i];
-    }
-    free(seen);
-    if (segments > 0) {
-        const double *a = d->points + 2 * (size_t)d->segments[2 * first];
-        warn(j, "%s: %zu of %zu segments are outside of the domain and left out, the first in line %zu, from (%.9g, "
-             "%.9g)", j->input, segments, d->segment_count, d->sources[first].line, a[0], a[1]);
-    }
-    if (regions > 0) {
-        warn(j, "%s: %zu of %zu regions mark nothing: they are outside of the domain, or a later one marks the same",
-             j->input, regions, d->region_count);
-    }
 }
 
 /* The mesh of the domain, with what that carries.  own: see carry. */
 static int make_result(job *j, const plan *d, const pbw_plane_options *options, const pbw_plane *own, result *r)
 {
     const double start = now();
-    pbw_status status = make_plane(j, d, options, r->plane, &r->origin);
+    pbw_status status = make_plane(j, d, options, r->plane, &r->origin, r->own + 3);
     if (status == PBW_OK && r->plane->triangle_count == 0) {
         return nothing_enclosed(j, d, options);
     }
-    if (status == PBW_OK && d->triangle_count == 0) {
-        warn_of_losses(j, d, r->plane);
+    if (status == PBW_OK && d->triangle_groups != NULL && !is_of_mesh(j, d)) {
+        warn(j, "%s: --rule takes points and segments alone: the regions of triangles are left out", j->input);
     }
     if (status == PBW_OK && is_given(j, "--no-orphans") && !drop_orphans(r)) {
         status = PBW_ERROR_MEMORY;
@@ -563,7 +497,7 @@ static int make_result(job *j, const plan *d, const pbw_plane_options *options, 
     }
     if (status != PBW_OK) {
         return status == PBW_CANCELLED ? stopped(j)
-             : r->plane->crossing_count > 0 && d->sources != NULL ? crossing(j, d, r->plane)
+             : r->plane->crossing_count > 0 && d->segment_count > 0 && !is_of_mesh(j, d) ? crossing(j, d, r->plane)
              : status == PBW_ERROR_TOO_LARGE && r->plane->report.estimate > number_of(j, "--most", 5e7)
              ? fail(j, "%s: about %.3g triangles, more than --most allows; larger sizes or a smaller angle need "
                     "fewer", j->input, r->plane->report.estimate)
@@ -613,7 +547,7 @@ static int make(job *j, plan *d, const pbw_plane_options *options)
     failed = failed ? failed : make_result(j, d, options, own.triangle_count > 0 && (d->heights != NULL
                                            || d->column_count > 0) ? &own : NULL, &r);
     if (!failed) {
-        fill_output(&j->write, &r);
+        show_carried(&j->write, &r.carried, d->base);
         failed = write_with(j, write_one, &r);
     }
     finish_free(&r);
@@ -652,7 +586,8 @@ const command command_plane = {
     "an area or a size is given.\n"
     "\n"
     "input:   .poly (with its .node), .geojson; points: as for pbw mesh.  Triangles in the plane, of .ele .vtu .msh\n"
-    "         and so on, give their domain, which is triangulated anew; --rule hull takes their points alone\n"
+    "         and so on, give their domain, which is triangulated anew, with their regions, groups of edges and of\n"
+    "         points, and the borders between regions; --rule takes their points and segments alone\n"
     "output:  .svg .html (regions, segments, angles), .poly, .geojson (triangles); .vtu .msh .msh2 .mesh .ele .node\n"
     "         .neigh .edge .csv .obj .ply .off .stl .inp .su2\n"
     "         Regions: data of cells in .vtu, groups in .msh and .inp, references in .msh2, .mesh and .ele.  Tags are\n"

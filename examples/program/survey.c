@@ -322,11 +322,14 @@ static void place_of(const plan *d, size_t s, size_t t, double out[2])
 int crossing(const job *j, const plan *d, const pbw_plane *plane)
 {
     const size_t s = plane->crossings[0], t = plane->crossings[1];
-    const source *one = d->sources + s, *other = d->sources + t;
+    const source *one = d->sources != NULL ? d->sources + s : NULL;
+    const source *other = d->sources != NULL ? d->sources + t : NULL;
     char who[120], more[60] = "";
     double x[2];
     place_of(d, s, t, x);
-    if (d->has_seeds) {
+    if (one == NULL) {                               /* of a mesh: no lines are known */
+        snprintf(who, sizeof who, "segments");
+    } else if (d->has_seeds) {
         snprintf(who, sizeof who, "segments %zu and %zu (lines %zu and %zu)", s + (size_t)d->base,
                  t + (size_t)d->base, one->line, other->line);
     } else if (one->feature != PBW_NONE && other->feature != PBW_NONE && one->feature != other->feature) {
