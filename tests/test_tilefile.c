@@ -221,7 +221,7 @@ static uint64_t hashed(void)
     job j = reader();
     proof p;
     int failed = open_proof(&j, &p);
-    const uint64_t hash = !failed && hash_all(&p) == 0 ? p.file.header->hash : 0;
+    const uint64_t hash = !failed && for_chunks(&p, add_hash) == 0 && compare_hash(&p) == 0 ? p.file.header->hash : 0;
     close_proof(&p, failed);
     return hash;
 }

@@ -83,6 +83,22 @@ check "counts and the hash without a file" without_mesh
 check "no file, without links" says 2 "--no-links and --no-mesh exclude each other" \
     tiles clusters.csv --no-mesh --no-links
 check "no file, and one" says 2 "with --no-mesh none" tiles clusters.csv --no-mesh -o c2.pbwt
+as_bin() {      # as_bin OPTION...: points of a text as .bin are the same to pbw tiles
+    "$pbw" convert weighted.csv "$@" -o weighted2.bin > said && cmp weighted2.bin "$bin_of" &&
+        "$pbw" tiles weighted2.bin "$@" --tiles 2 -o w.pbwt > said && hash_of w.pbwt > one &&
+        hash_of weighted.csv "$@" > two && cmp one two
+}
+python3 -c 'import struct
+row = list(struct.iter_unpack("4d", open("weighted.bin", "rb").read()))
+open("weighted.csv", "w").write("x,y,z,w\n" + "".join("%r,%r,%r,%r\n" % r for r in row))
+open("places.bin", "wb").write(b"".join(struct.pack("3d", *r[:3]) for r in row))' || touch weighted.csv
+if [ -s weighted.csv ]; then
+    bin_of=weighted.bin
+    check "convert writes .bin with weights" as_bin --weights w
+    bin_of=places.bin
+    check "convert writes .bin" as_bin
+    check "weights need a .bin" says 2 "--weights" convert weighted.csv --weights w -o w.xyz
+fi
 nothing_left() {     # nothing_left NAME SAYS-ARGUMENT...: no scratch files and no part of an output
     beside=$1
     shift
@@ -189,6 +205,17 @@ elsewhere() {    # scratch files stay as memory is too small, in that folder
 check "--scratch" elsewhere
 check "a folder for scratch files that cannot be" says 1 "none/else: No such file" \
     tiles long.bin --scratch none/else -o m.pbwt
+peak() {    # peak KB ARGUMENT...: the memory of a run is at most that
+    most=$1
+    shift
+    command -v python3 > /dev/null || { "$pbw" "$@" > said; return; }
+    python3 -c 'import resource, subprocess, sys
+code = subprocess.call(sys.argv[2:])
+most = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+print(most, "KB")
+sys.exit(code or most > int(sys.argv[1]))' "$most" "$pbw" "$@"
+}
+check "memory of a run: the limit and a tenth" peak 21484 tiles long.bin --memory-limit 20M --threads 1 -o peak.pbwt
 check "enough memory" says 0 "all " tiles long.bin --memory-limit 12M -o m.pbwt
 
 # Several at a time: the same bytes for any number of threads; fewer if memory is too small for that.
@@ -204,7 +231,7 @@ check "the same bytes for any number of threads" at_a_time long.bin --tiles 7
 check "the same bytes for any number of threads, leftovers" at_a_time k3.3.bin --tiles 7 --work 1
 check "the same bytes for any number of threads, limit" at_a_time long.bin --memory-limit 20M
 fewer() {
-    says 0 "little memory: on with 1 at a time" tiles k0.3.bin --tiles 5 --threads 2 --memory-limit 500K -o 5.pbwt &&
+    says 0 "little memory: on with 1 at a time" tiles k0.3.bin --tiles 5 --threads 2 --memory-limit 600K -o 5.pbwt &&
         "$pbw" tiles k0.3.bin --tiles 5 -o 1.pbwt > said && cmp 1.pbwt 5.pbwt
 }
 check "little memory, so fewer at a time" fewer

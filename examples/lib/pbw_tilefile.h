@@ -103,7 +103,7 @@ typedef struct pbwtf_writer {              /* start with pbwtf_begin */
 /* A file is read in blocks, at their first use, into private memory: a file that is truncated or replaced
    meanwhile is a fault that pbwtf_fault tells, never a signal.  Any number of threads may fetch
    at once.  All but the writers return 1, or 0 with a text in error. */
-#define PBWTF_BLOCK 65536                  /* bytes */
+#define PBWTF_BLOCK 32768                  /* bytes */
 PBWTFDEF int pbwtf_map_file(const char *path, pbwtf_map *map, char *error);      /* an empty file is fine */
 PBWTFDEF void pbwtf_unmap(pbwtf_map *map);
 /* Reads the blocks that have some bytes of map->data, unless they are there.  Returns from.  What cannot be read is

@@ -31,11 +31,28 @@ static int writes_simplices(const char *ending)
     return strstr(" vtu msh msh2 mesh inp su2 node ele neigh face edge ", ending) != NULL;
 }
 
+/* Doubles x y (z) (weight) of each point, as pbw tiles reads them piece by piece. */
+static void emit_rows(void *user, FILE *file)
+{
+    const pbwio_cloud *c = (const pbwio_cloud *)user;
+    const size_t dim = (size_t)c->dim;
+    size_t i;
+    for (i = 0; i < c->count; i++) {
+        fwrite(c->points + i * dim, sizeof *c->points, dim, file);
+        if (c->weights != NULL) {
+            fwrite(c->weights + i, sizeof *c->weights, 1, file);
+        }
+    }
+}
+
 /* One output: the mesh of the file, or its points and faces. */
 static pbwio_status write_one(job *j, const char *path, const char *ending, void *user, pbwio_error *error)
 {
     pbwmodel_content *content = (pbwmodel_content *)user;
     char name[16];
+    if (strcmp(ending, "bin") == 0) {
+        return pbwio_save(path, emit_rows, &j->cloud, error);
+    }
     snprintf(name, sizeof name, "a.%s", ending);
     content->format = j->write.format = pbwio_format_of(name);
     return writes_simplices(ending) ? pbwio_write(path, &j->mesh, &j->write, error)
@@ -99,10 +116,11 @@ const command command_convert = {
     "Points, normals, faces and simplices from one format to another; simplices are turned positive.\n"
     "\n"
     "input:   as for pbw mesh; or .pbwt, and --tile: its simplices, as a mesh\n"
-    "output:  .obj .ply .off .stl with faces, .xyz .csv without; of tetrahedra, of triangles in the plane and of a\n"
-    "         tile also .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face .edge\n"
+    "output:  .obj .ply .off .stl with faces, .xyz .csv without; .bin, doubles for pbw tiles, with\n"
+    "         --weights w: and a weight; of tetrahedra, of triangles in the plane and of a tile also .vtu .msh .msh2\n"
+    "         .mesh .inp .su2 .node .ele .neigh .face .edge\n"
     "\n",
-    "obj ply off stl xyz csv txt pts asc dat tsv vtu msh msh2 mesh inp su2 node ele neigh face edge",
-    { tile_options, input_options, output_options, text_options, common_options, NULL, NULL, NULL },
+    "obj ply off stl xyz bin csv txt pts asc dat tsv vtu msh msh2 mesh inp su2 node ele neigh face edge",
+    { tile_options, input_options, weight_options, output_options, text_options, common_options, NULL, NULL },
     run, 0, 1, 0, NULL, 0
 };

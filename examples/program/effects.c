@@ -32,6 +32,7 @@ static const rule rules[] = {
     { NULL, "--no-orphans", ".vtu .msh .msh2 .mesh .node .ele .face .edge .xyz .csv .txt .pts .asc .dat .tsv", NULL },
     { "view", "--points", NULL, "--inside --weights --threads --memory-limit --cut-through" },
     { "convert", "--tile", "*.pbwt", NULL },
+    { "convert", "--weights", ".bin", NULL },
     { "sample", "--count", NULL, "--radius" },
     { "sample", "--uniform", NULL, "--radius --fill --thin" },
     { "sample", "--facet-normals", ".ply .obj .xyz .csv .txt .pts .asc .dat .tsv", "--fill" },

@@ -213,7 +213,7 @@ static void fetch_chunk(const proof *p)
     pbwtf_fetch(&p->file.map, v->own, v->size - sizeof *v->chunk);
 }
 
-enum { MOST_BYTES = 1 << 28 };                       /* of the file that stay in memory from tile to tile */
+enum { MOST_BYTES = 3 << 23 };                       /* of the file that stay in memory from tile to tile */
 
 /* A step for each chunk, which is in memory meanwhile, so that a tile needs to fit and not the file. */
 static int for_chunks(proof *p, int (*step)(proof *p))
@@ -407,6 +407,33 @@ static int read_chunks(proof *p)
     return !failed && p->ids == NULL ? fail(p->j, "out of memory: ids") : failed;
 }
 
+/* ---- the hash */
+
+static int add_hash(proof *p)
+{
+    const pbwtf_view *v = p->view + p->chunk;
+    pbw_hash_sums own;
+    pbw_mesh mesh;
+    pbw_status status = PBW_ERROR_MEMORY;
+    unsigned char *chosen = (unsigned char *)calloc((size_t)(v->chunk->own + v->chunk->foreign) + 1, 1);
+    if (chosen != NULL && pbwtf_mesh(v, &mesh)) {
+        memset(chosen, 1, (size_t)v->chunk->own);
+        status = pbw_hash_parts(&mesh, chosen, NULL, &p->j->build, &own);
+        p->sums.points += own.points;
+        p->sums.simplices += own.simplices;
+        pbwtf_mesh_free(&mesh);
+        if (status == PBW_OK && memcmp(&own, &v->chunk->hash, sizeof own) != 0) {
+            free(chosen);
+            return fault_in(p, "the hash in its head is not that of its simplices");
+        }
+    }
+    free(chosen);
+    return status == PBW_ERROR_MEMORY ? fault_in(p, "out of memory, or a corner or link is out of range")
+         : explain(p->j, status);
+}
+
+/* ---- facets and neighbours */
+
 static int check_chunk(proof *p)                     /* once the bytes of all chunks are known to be right */
 {
     const size_t count = (size_t)p->view[p->chunk].chunk->simplices;
@@ -417,10 +444,10 @@ static int check_chunk(proof *p)                     /* once the bytes of all ch
     for (s = 0; s < count && status == PBW_ERROR_ARGUMENT && fault == NULL; s++) {
         fault = check_simplex(p, s);
     }
-    return fault != NULL ? fault_in(p, fault) : explain(p->j, status);
+    return fault != NULL ? fault_in(p, fault) : status != PBW_OK ? explain(p->j, status) : add_hash(p);
 }
 
-/* ---- the hull, points, the hash */
+/* ---- the hull, points */
 
 static int compare_facets(const void *a, const void *b)
 {
@@ -532,36 +559,11 @@ static int check_points(const proof *p, size_t *hidden)
          ? fail(p->j, *hidden == 1 ? "%zu point is no corner" : "%zu points are no corners", *hidden) : 0;
 }
 
-static int add_hash(proof *p)
+/* The hash of all chunks, which have been added. */
+static int compare_hash(const proof *p)
 {
-    const pbwtf_view *v = p->view + p->chunk;
-    pbw_hash_sums own;
-    pbw_mesh mesh;
-    pbw_status status = PBW_ERROR_MEMORY;
-    unsigned char *chosen = (unsigned char *)calloc((size_t)(v->chunk->own + v->chunk->foreign) + 1, 1);
-    if (chosen != NULL && pbwtf_mesh(v, &mesh)) {
-        memset(chosen, 1, (size_t)v->chunk->own);
-        status = pbw_hash_parts(&mesh, chosen, NULL, &p->j->build, &own);
-        p->sums.points += own.points;
-        p->sums.simplices += own.simplices;
-        pbwtf_mesh_free(&mesh);
-        if (status == PBW_OK && memcmp(&own, &v->chunk->hash, sizeof own) != 0) {
-            free(chosen);
-            return fault_in(p, "the hash in its head is not that of its simplices");
-        }
-    }
-    free(chosen);
-    return status == PBW_ERROR_MEMORY ? fault_in(p, "out of memory, or a corner or link is out of range")
-         : explain(p->j, status);
-}
-
-static int hash_all(proof *p)
-{
-    int failed = for_chunks(p, add_hash);
-    if (!failed && (p->file.header->points > 0 ? pbw_hash_of(&p->sums) : 0) != p->file.header->hash) {
-        failed = fail(p->j, "%s: the hash is not that of its simplices", p->j->input);
-    }
-    return failed;
+    return (p->file.header->points > 0 ? pbw_hash_of(&p->sums) : 0) == p->file.header->hash ? 0
+         : fail(p->j, "%s: the hash is not that of its simplices", p->j->input);
 }
 
 /* ---- commands */
@@ -649,7 +651,7 @@ int check_pbwt(job *j)
     failed = failed ? failed : check_ids(&p);
     failed = failed ? failed : check_points(&p, &hidden);
     failed = failed || p.facet_count == 0 ? failed : check_hull(&p);
-    failed = failed ? failed : hash_all(&p);
+    failed = failed ? failed : compare_hash(&p);
     if (!failed && pbwtf_fault(&p.file.map) != NULL) {
         failed = fault_in(&p, "");
     }
@@ -691,7 +693,8 @@ static int run(job *j)
         return failed;
     }
     failed = open_proof(j, &p);
-    failed = failed ? failed : hash_all(&p);
+    failed = failed ? failed : for_chunks(&p, add_hash);
+    failed = failed ? failed : compare_hash(&p);
     if (!failed) {
         printf("%016llx\n", (unsigned long long)p.file.header->hash);
     }

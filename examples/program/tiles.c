@@ -44,7 +44,7 @@ typedef struct tile_state {
 } tile_state;
 
 typedef struct state {
-    char magic[8];                                   /* "PBWSTAT4" */
+    char magic[8];                                   /* "PBWSTAT5" */
     uint32_t dim, weighted, links, parts, mesh, unused;
     uint64_t points, input_mark;                     /* input_mark: differs for another input, see mark_of_input */
     uint32_t distributed, trees, done, chunks;       /* steps that are finished; tiles done, in their order */
@@ -710,12 +710,16 @@ static int open_tree(work *w, size_t p, const char *name)
     return 1;
 }
 
-/* The options of one tile when `jobs` are at work: a share of the threads and of the memory. */
-static pbw_options share_of(const work *w, int jobs)
+/* Of trees of which no tile at work is made, so much of the memory may stay. */
+enum { SHARE_OF_TREES = 16 };
+
+/* The options of one tile when `jobs` are at work: a share of the threads and of the memory that trees leave. */
+static pbw_options share_of(const work *w, int jobs, size_t tree)
 {
     pbw_options share = w->options.build;
+    const size_t memory = share.memory_limit - share.memory_limit / SHARE_OF_TREES;
     share.threads = share.threads > jobs ? share.threads / jobs : 1;
-    share.memory_limit /= (size_t)jobs;
+    share.memory_limit = memory / (size_t)jobs > tree ? memory / (size_t)jobs - tree : 1;
     return share;
 }
 
@@ -736,7 +740,7 @@ static int is_bound_to_limit(const work *w)
 static pbw_status make_tree(const work *w, size_t p)
 {
     char name[NAME], points[NAME], error[PBWTF_ERROR];
-    pbw_options share = share_of(w, w->jobs);
+    pbw_options share = share_of(w, w->jobs, w->tile[p].points * sizeof(pbwt_point));        /* mapped */
     pbwtf_map map;
     pbwt_tree tree;
     pbw_status status;
@@ -862,19 +866,18 @@ static int end_reading(crew *c, size_t q)
     return good;
 }
 
-/* Of trees that no tile at work is made of, so much of the memory may stay from tile to tile. */
-enum { SHARE_OF_TREES = 16 };
-
+/* Forgets trees of which no tile at work is made if more of them is in memory than their share. */
 static void forget_trees(crew *c)
 {
     size_t q, bytes = 0;
+    enter(c);
     for (q = 0; q < c->w->s.parts; q++) {
-        bytes += pbwtf_fetched(c->w->map + q);
+        bytes += c->at_work[q] ? 0 : pbwtf_fetched(c->w->map + q);
     }
     if (bytes < c->w->options.build.memory_limit / SHARE_OF_TREES) {
+        leave(c);
         return;
     }
-    enter(c);
     while (c->forgetting) {
         await(c);
     }
@@ -921,6 +924,7 @@ static pbw_status run_tile(crew *c, pbwt_tile *tile, size_t p)
                 status = end_reading(c, q) ? status : PBW_ERROR_BACKEND;
                 status = status != PBW_OK ? status : pbwt_take(tile, (int)q, reply.data, reply.size);
                 pbwt_bytes_free(w->tree + q, &reply);
+                forget_trees(c);
             }
         }
     }
@@ -1064,7 +1068,7 @@ static void build_tile(crew *c, size_t p)
     h.c = c;
     h.tile = p;
     h.options = w->options;
-    h.options.build = share_of(w, w->jobs);
+    h.options.build = share_of(w, w->jobs, w->map[p].size);
     h.options.build.progress = on_tile;
     h.options.build.progress_user = &h;
     h.options.emit = w->s.mesh ? emit_in_turn : NULL;
@@ -1410,10 +1414,11 @@ static int build_tiles(work *w)
 
 /* ---- the command */
 
-/* Bytes that a tile holds for each point of its own, with a tenth of others and what it reads of files. */
+/* Bytes that a tile holds for each point of its own, with a tenth of others and its tree; and its part of the share of
+   all other trees. */
 static double bytes_each(const work *w)
 {
-    return w->s.dim == 3 ? 410 : 200;
+    return (w->s.dim == 3 ? 458 : 245) * (1 + 1.0 / (SHARE_OF_TREES - 1));
 }
 
 /* Tiles of which some fit at a time, whatever the number of threads, unless they would be small. */
@@ -1445,7 +1450,7 @@ static int jobs_for(work *w)
 static int prepare(work *w)
 {
     const char *name = w->j->outputs > 0 ? w->j->output[0] : w->j->input != NULL ? w->j->input : "points";
-    memcpy(w->s.magic, "PBWSTAT4", 8);
+    memcpy(w->s.magic, "PBWSTAT5", 8);
     w->s.mesh = !is_given(w->j, "--no-mesh");
     w->s.links = w->s.mesh && !is_given(w->j, "--no-links");
     w->options.build = w->j->build;
