@@ -460,6 +460,14 @@ flat() {    # z of all points
         awk '/^v / { n++; if ($4 != 2.5) exit 1 } END { exit n < 9 }' flat2.obj
 }
 check "a mesh of one z stays there" flat
+in_poly() { # regions, markers and holes
+    says 0 "2 regions" fields.msh --size .5 -o f.poly && says 0 "2 regions" f.poly -o f.msh2 && groups_of f.msh2 > got &&
+        grep '^1 4  6$' got && grep '^1 5  1$' got && grep '^2 6  6$' got && grep '^2 8  6$' got &&
+        grep '^0 12  1$' got && "$pbw" plane plate.poly --quiet -o holed.vtu &&
+        "$pbw" plane holed.vtu -o holed2.poly --quiet &&
+        says 0 "8 triangles, 8 points, 8 edges of segments, 1 region" holed2.poly
+}
+check "regions, markers and holes of a mesh go to .poly" in_poly
 rule() {
     says 0 "the regions of triangles are left out" fields.msh --rule hull -o r.msh2 && groups_of r.msh2 > got &&
         cat got && grep -q '^1 5 "crack" 1$' got && ! grep '^2' got

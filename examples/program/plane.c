@@ -537,7 +537,7 @@ static int make(job *j, plan *d, const pbw_plane_options *options)
     pbw_plane plane, own;
     pbw_index *corners = NULL;
     result r;
-    int failed;
+    int failed, i;
     memset(&r, 0, sizeof r);
     memset(&plane, 0, sizeof plane);
     memset(&own, 0, sizeof own);
@@ -546,6 +546,12 @@ static int make(job *j, plan *d, const pbw_plane_options *options)
     failed = make_own(j, d, options, &own, &corners);
     failed = failed ? failed : make_result(j, d, options, own.triangle_count > 0 && (d->heights != NULL
                                            || d->column_count > 0) ? &own : NULL, &r);
+    for (i = 0; i < j->outputs && !failed && d->sources == NULL && d->triangle_count + d->segment_count > 0; i++) {
+        if (strcmp(ending_of(j, j->output[i]), "poly") == 0) {
+            failed = seed_mesh(j, d, &plane, r.carried.regions, options);
+            break;
+        }
+    }
     if (!failed) {
         show_carried(&j->write, &r.carried, d->base);
         failed = write_with(j, write_one, &r);

@@ -113,19 +113,17 @@ static void cross(walker *w, size_t t, size_t k, int way)
     }
 }
 
-/* Enters a triangle by side k, and notes what is around it. */
-static void enter(walker *w, size_t t, size_t k)
+/* Notes for the area of a triangle its middle, if that is the largest so far and rounding leaves the middle inside,
+   and whether the area is open there. */
+static void note_triangle(const pbw_plane *p, size_t t, area *areas)
 {
-    const pbw_plane *p = w->hull;
     const double *a = p->points + 2 * (size_t)p->triangles[3 * t];
     const double *b = p->points + 2 * (size_t)p->triangles[3 * t + 1];
     const double *c = p->points + 2 * (size_t)p->triangles[3 * t + 2];
     const double size = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     double middle[2];
-    area *at = w->areas + p->regions[t];
-    pbw_index edge;
-    cross(w, t, k, 1);
-    w->entry[t] = (unsigned char)k;
+    area *at = areas + p->regions[t];
+    size_t k;
     middle[0] = a[0] + ((b[0] - a[0]) + (c[0] - a[0])) / 3;
     middle[1] = a[1] + ((b[1] - a[1]) + (c[1] - a[1])) / 3;
     if (size > at->size && pbw_orient2(a, b, middle) > 0 && pbw_orient2(b, c, middle) > 0
@@ -134,17 +132,26 @@ static void enter(walker *w, size_t t, size_t k)
         at->x = middle[0];
         at->y = middle[1];
     }
+    for (k = 0; k < 3; k++) {
+        const pbw_index edge = p->constraints[3 * t + k];
+        at->open |= p->neighbors[3 * t + k] == PBW_NONE
+                 && (edge == PBW_NONE || p->edge_first[edge] == p->edge_first[edge + 1]);
+    }
+}
+
+/* Enters a triangle by side k, and notes what is around it. */
+static void enter(walker *w, size_t t, size_t k)
+{
+    area *at = w->areas + w->hull->regions[t];
+    cross(w, t, k, 1);
+    w->entry[t] = (unsigned char)k;
+    note_triangle(w->hull, t, w->areas);
     at->winding = w->winding;
     at->top = w->inside[1];
     if (at->top > 0 && at->next == 0) {
         toggle(w, at->top - 1);
         at->next = w->inside[1];
         toggle(w, at->top - 1);
-    }
-    for (k = 0; k < 3; k++) {
-        edge = p->constraints[3 * t + k];
-        at->open |= p->neighbors[3 * t + k] == PBW_NONE
-                 && (edge == PBW_NONE || p->edge_first[edge] == p->edge_first[edge + 1]);
     }
 }
 
@@ -178,6 +185,29 @@ static void walk(walker *w)
     }
 }
 
+static int add_region(plan *d, const area *at, pbw_index group)
+{
+    if (!grow((void **)&d->regions, d->region_count, sizeof *d->regions)
+        || !grow((void **)&d->region_groups, d->region_count, sizeof *d->region_groups)) {
+        return 0;
+    }
+    d->regions[d->region_count].x = at->x;
+    d->regions[d->region_count].y = at->y;
+    d->regions[d->region_count].area = 0;
+    d->region_groups[d->region_count++] = group;
+    return 1;
+}
+
+static int add_hole(plan *d, const area *at)
+{
+    if (!grow((void **)&d->holes, d->hole_count, 2 * sizeof *d->holes)) {
+        return 0;
+    }
+    d->holes[2 * d->hole_count] = at->x;
+    d->holes[2 * d->hole_count++ + 1] = at->y;
+    return 1;
+}
+
 /* The regions of features that are in the domain, and a hole in each area that is not, as .poly needs them. */
 static int add_seeds(plan *d, const area *areas, size_t count, pbw_plane_rule rule)
 {
@@ -186,24 +216,75 @@ static int add_seeds(plan *d, const area *areas, size_t count, pbw_plane_rule ru
         const area *a = areas + i;
         const int in = rule == PBW_PLANE_EVEN_ODD ? a->winding % 2 != 0
                      : rule != PBW_PLANE_NONZERO || a->winding != 0;
-        if (in && a->top > 0 && a->size > 0) {
-            if (!grow((void **)&d->regions, d->region_count, sizeof *d->regions)
-                || !grow((void **)&d->region_groups, d->region_count, sizeof *d->region_groups)) {
-                return 0;
-            }
-            d->regions[d->region_count].x = a->x;
-            d->regions[d->region_count].y = a->y;
-            d->regions[d->region_count].area = 0;
-            d->region_groups[d->region_count++] = d->feature_groups[a->top - 1];
-        } else if (!in && !a->open && a->size > 0) {
-            if (!grow((void **)&d->holes, d->hole_count, 2 * sizeof *d->holes)) {
-                return 0;
-            }
-            d->holes[2 * d->hole_count] = a->x;
-            d->holes[2 * d->hole_count++ + 1] = a->y;
+        if ((in && a->top > 0 && a->size > 0 && !add_region(d, a, d->feature_groups[a->top - 1]))
+            || (!in && !a->open && a->size > 0 && !add_hole(d, a))) {
+            return 0;
         }
     }
     return 1;
+}
+
+/* Holes in a mesh: what its border encloses in the triangulation up to the hull. */
+static int add_holes(plan *d, const pbw_plane *mesh, const pbw_plane_options *options)
+{
+    const size_t most = 3 * mesh->triangle_count + 1;
+    pbw_index *border = (pbw_index *)malloc(2 * most * sizeof *border), *left = (pbw_index *)calloc(most, sizeof *left);
+    area *areas = NULL;
+    pbw_plane_options own;
+    pbw_plane_input input;
+    pbw_plane hull;
+    size_t i;
+    int done = 0;
+    memset(&own, 0, sizeof own);
+    memset(&input, 0, sizeof input);
+    memset(&hull, 0, sizeof hull);
+    own.build = options->build;
+    input.points = mesh->points;
+    input.point_count = mesh->point_count;
+    input.segments = border;
+    input.segment_lefts = left;
+    for (i = 0; border != NULL && i < 3 * mesh->triangle_count; i++) {
+        if (mesh->neighbors[i] == PBW_NONE) {
+            border[2 * input.segment_count] = mesh->triangles[i / 3 * 3 + (i + 1) % 3];
+            border[2 * input.segment_count++ + 1] = mesh->triangles[i / 3 * 3 + (i + 2) % 3];
+        }
+    }
+    if (border != NULL && left != NULL && pbw_plane_make(&input, &own, &hull) == PBW_OK) {
+        areas = (area *)calloc(hull.region_count + 1, sizeof *areas);
+        done = areas != NULL;
+    }
+    for (i = 0; done && i < hull.triangle_count; i++) {
+        note_triangle(&hull, i, areas);
+    }
+    for (i = 0; done && i < hull.region_count; i++) {
+        done = hull.region_seeds[i] != PBW_NONE || areas[i].open || !(areas[i].size > 0) || add_hole(d, areas + i);
+    }
+    pbw_plane_free(&hull);
+    free(areas);
+    free(border);
+    free(left);
+    return done;
+}
+
+int seed_mesh(const job *j, plan *d, const pbw_plane *mesh, const pbw_index *groups, const pbw_plane_options *options)
+{
+    area *areas = (area *)calloc(mesh->region_count + 1, sizeof *areas);
+    size_t i, thin = 0;
+    int done = areas != NULL;
+    for (i = 0; done && i < mesh->triangle_count; i++) {
+        note_triangle(mesh, i, areas);
+        areas[mesh->regions[i]].top = groups[i];
+    }
+    for (i = 0; done && d->has_groups && i < mesh->region_count; i++) {
+        thin += !(areas[i].size > 0);
+        done = !(areas[i].size > 0) || areas[i].top == PBW_NONE || add_region(d, areas + i, areas[i].top);
+    }
+    if (thin > 0) {
+        warn(j, "%s: %zu region%s too thin for a point inside, as .poly needs one", j->input, thin,
+             thin == 1 ? " is" : "s are");
+    }
+    free(areas);
+    return done && add_holes(d, mesh, options) ? 0 : fail(j, "out of memory");
 }
 
 /* Features that lie in one another. */
