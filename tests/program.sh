@@ -570,7 +570,6 @@ check "improve: --count alone" useless "--count 9: it needs --error" improve low
 check "improve: --rounds alone" says 2 "--rounds 3: it needs --smooth" improve low.msh --rounds 3
 check "improve: a target for triangles" says 2 "--target 20: it is for tetrahedra, flat.msh has triangles" \
     improve flat.msh --target 20
-check "solid: patches in a page" useless "--patches: it needs an output .msh" solid cube.obj --patches -o a.html
 
 # What has no result is no file.
 awk 'BEGIN { for (i = 0; i < 9; i++) for (k = 0; k < 9; k++) print "v", i, k, (i * 7 + k * 3) % 5 / 10
@@ -737,6 +736,43 @@ box() { # box NAME X0 X1: the end of a bar at x = X0, turned out of it, in two f
     box wall '0 0 0' '2 0 0' '2 0 1' '0 0 1'; box wall '0 1 0' '0 1 1' '2 1 1' '2 1 0'
     box wall '0 0 0' '0 1 0' '2 1 0' '2 0 0'; box wall '0 0 1' '2 0 1' '2 1 1' '0 1 1') > bar.stl
 check "patches by name, listed" says 0 "inlet: " solid bar.stl --size 0.3 --patches -o bar.msh2 -o bar.su2 -o bar.vtu
+check "patches that sharp edges cut" says 0 "patch 4 wall_2: 46 facets, area 2, centre (1, 1, 0.5)" \
+    solid bar.stl --size 0.4 --split-patches -o split.msh2 -o split.inp -o split.su2 -o split.vtu -o split.html
+check "one that they do not cut" grep -q '^patch 2 outlet: .* area 1, centre (2, 0.5, 0.5)$' said
+check "in .msh2, by names and tags" sh -c '[ "$(sed -n "/^2 [1-9]/p" split.msh2 | sed 6q | tr -d "\n")" = \
+    "2 1 \"inlet\"2 2 \"outlet\"2 3 \"wall_1\"2 4 \"wall_2\"2 5 \"wall_3\"2 6 \"wall_4\"" ]'
+check "in .inp" sh -c '[ "$(grep -c "NAME=wall_[1-4]$" split.inp)" = 4 ]'
+check "in .su2" sh -c 'grep -q "^NMARK= 6$" split.su2 && grep -q "MARKER_TAG= wall_4" split.su2'
+check "in a page" grep -q wall_3 split.html
+printf 'v 0 0 0\nv 2 0 0\nv 0 1 0\nv 2 1 0\nv 0 0 1\nv 2 0 1\nv 0 1 1\nv 2 1 1\n' > corners.obj
+(cat corners.obj; printf 'f 1 5 7 3\nf 2 4 8 6\nf 1 2 6 5\nf 3 7 8 4\nf 1 3 4 2\nf 5 6 8 7\n') > plain.obj
+for option in --patches --split-patches; do
+    check "$option without groups" says 0 "patch 6 patch_5: 42 facets, area 2, centre (1, 0.5, 1)" \
+        solid plain.obj --size 0.4 $option -o plain.msh2
+    check "the same in the file" grep -q '^2 6 "patch_5"$' plain.msh2
+done
+sed '$d' plain.obj > lid.obj
+check "a hole is listed" says 0 "hole: 46 facets, area 2, centre (1, 0.5, 1)" solid lid.obj --size 0.4 --patches
+for word in g o usemtl; do
+    (cat corners.obj; echo "$word in let"; echo f 1 5 7 3; echo "$word outlet"; echo f 2 4 8 6; echo "$word wall"
+        sed -n '11,$p' plain.obj) > group.obj
+    check "$word of an .obj, listed" says 0 "outlet: 26 facets, area 1, centre (2, 0.5, 0.5)" \
+        solid group.obj --size 0.4 --patches -o group.msh -o group.msh2 -o group.inp -o group.su2 -o group.vtu
+    check "$word: names in .msh2" sh -c 'grep -q "^2 1 .in.*let.$" group.msh2 && grep -q "^2 3 .wall.$" group.msh2'
+    check "$word: names in .msh" sh -c 'grep -q "^2 2 .outlet.$" group.msh'
+    check "$word: surfaces in .inp" sh -c '[ "$(grep -c "^\*SURFACE.*NAME=\(outlet\|wall\)$" group.inp)" = 2 ]'
+    check "$word: markers in .su2" sh -c 'grep -q "^NMARK= 3$" group.su2 && grep -A 1 "MARKER_TAG= outlet" group.su2 |
+        grep -q "MARKER_ELEMS= 26"'
+    for file in group.msh2 group.msh group.vtu; do
+        cp $file back.${file#group.}
+    done
+    cp group.msh2 back2.msh
+    for file in back2.msh back.msh back.vtu; do
+        check "$word: patches of $file, improved" says 0 "volume 2, before 2" improve $file --target 32 -o again.msh2
+        check "$word: still three of the same area" sh -c '[ "$(sed -n "/^.Elements/,/^.EndElements/p" again.msh2 |
+            awk "\$2 == 2 { n[\$4]++ } END { for (i in n) k++; print k }")" = 3 ]'
+    done
+done
 check "a .msh2 file has their names" grep -q '^2 3 "wall"$' bar.msh2
 check "a .su2 file has a marker a patch" sh -c '[ "$(grep MARKER_TAG bar.su2 | tr -d "\n")" = \
     "MARKER_TAG= inletMARKER_TAG= outletMARKER_TAG= wall" ]'

@@ -1319,6 +1319,7 @@ def names_go_through_solid_and_improve():
         better = pbw.improve(made.points, made.tets, regions=half, facets=made.facets, patches=made.patches,
                              edges=made.edges, edge_groups=groups, sizes=np.full(len(made.points), 0.17))
         check(len(better.tets) > 2 * len(made.tets) and len(better.edges) > len(made.edges), better)
+        check(len(np.unique(made.parts)) == 6 and len(np.unique(made.parts[made.patches == label("wall")])) == 4)
         for mesh in made, better:
             for name, area in ("inlet", [-1, 0, 0]), ("outlet", [1, 0, 0]), ("wall", [0, 0, 0]):
                 found = areas(mesh, label(name))

@@ -158,6 +158,8 @@ typedef struct pbw_solid_boundary {        /* of the result; pbw_solid_boundary_
     const pbw_index *corners;              /* per facet: 4 t + i, the place of the corner across in mesh.corners */
     const pbw_index *patches;              /* per facet: the input's number, or a number of the patches that sharp
                                               edges bound; PBW_NONE: it closes a hole */
+    const pbw_index *parts;                /* per facet: a number of the parts that sharp edges and borders of the
+                                              input's patches bound; PBW_NONE: an open surface is far */
     const pbw_index *sides;                /* 2 a facet: the regions on both sides, the second PBW_NONE outside */
     const pbw_index *edges;                /* 2 points each: edges of facets on sharp edges, and between patches */
     const pbw_solid_hole *holes;           /* the largest first */
@@ -3977,7 +3979,7 @@ static void pbwm3__note_places(pbw_solid_report *r, const pbwm3__topology *top, 
 
 typedef struct pbwm3__skin {               /* what boundary.memory is */
     pbwsf__memory memory;
-    pbwsf__array self, facets, corners, patches, sides, edges, holes;
+    pbwsf__array self, facets, corners, patches, parts, sides, edges, holes;
 } pbwm3__skin;
 
 /* Facets of the result, out of its regions: between two, out of that with the smaller shell. */
@@ -4004,20 +4006,22 @@ static int pbwm3__list_facets(pbwm3__work *w, const pbw_tets *out, pbwm3__skin *
     return 1;
 }
 
-/* The patch of a facet: of the triangle nearest to its middle. */
-static pbw_index pbwm3__facet_patch(const pbwm3__work *w, const double *points, const pbw_index *f)
+/* Appends the patch and the part of a facet: those of the triangle nearest to its middle. */
+static int pbwm3__place_facet(pbwm3__work *w, const double *points, const pbw_index *f, pbwm3__skin *skin)
 {
     double middle[3], place[3];
-    pbw_index t;
+    pbw_index t, part, patch;
     int k;
     for (k = 0; k < 3; k++) {
         middle[k] = (points[3 * (size_t)f[0] + (size_t)k] + points[3 * (size_t)f[1] + (size_t)k]
                      + points[3 * (size_t)f[2] + (size_t)k]) / 3;
     }
     t = pbw_surface_closest(&w->surface, middle, w->open ? w->size / 2 : HUGE_VAL, place);
-    return t == PBW_NONE || (w->input->value == NULL && t >= w->given) ? PBW_NONE
-         : w->input->value == NULL && w->input->patches != NULL ? pbwm3__patch_of(w, t)
-         : ((const pbw_index *)w->part.data)[t];
+    part = t == PBW_NONE ? PBW_NONE : ((const pbw_index *)w->part.data)[t];
+    patch = t == PBW_NONE || (w->input->value == NULL && t >= w->given) ? PBW_NONE
+          : w->input->value == NULL && w->input->patches != NULL ? pbwm3__patch_of(w, t) : part;
+    return pbwm3__append(w, &skin->patches, &patch, sizeof patch)
+        && pbwm3__append(w, &skin->parts, &part, sizeof part);
 }
 
 /* Returns whether two points of the result are the ends of a piece of a sharp edge; the pieces are sorted. */
@@ -4057,8 +4061,7 @@ static int pbwm3__fill_skin(pbwm3__work *w, const pbw_tets *out, pbwm3__skin *sk
 {
     size_t i;
     for (i = 0; i < skin->facets.count; i++) {
-        const pbw_index patch = pbwm3__facet_patch(w, out->points, (const pbw_index *)skin->facets.data + 3 * i);
-        if (!pbwm3__append(w, &skin->patches, &patch, sizeof patch)) {
+        if (!pbwm3__place_facet(w, out->points, (const pbw_index *)skin->facets.data + 3 * i, skin)) {
             return 0;
         }
     }
@@ -4075,6 +4078,7 @@ static void pbwm3__release_skin(pbwsf__memory *memory, pbwm3__skin *skin)
     pbwsf__release(memory, &skin->facets);
     pbwsf__release(memory, &skin->corners);
     pbwsf__release(memory, &skin->patches);
+    pbwsf__release(memory, &skin->parts);
     pbwsf__release(memory, &skin->sides);
     pbwsf__release(memory, &skin->edges);
     pbwsf__release(memory, &skin->holes);
@@ -4111,6 +4115,7 @@ static pbw_status pbwm3__give_skin(pbwm3__work *w, pbwm3__skin *skin, pbw_solid_
     boundary->facets = (const pbw_index *)skin->facets.data;
     boundary->corners = (const pbw_index *)skin->corners.data;
     boundary->patches = (const pbw_index *)skin->patches.data;
+    boundary->parts = (const pbw_index *)skin->parts.data;
     boundary->sides = (const pbw_index *)skin->sides.data;
     boundary->edges = (const pbw_index *)skin->edges.data;
     boundary->holes = (const pbw_solid_hole *)skin->holes.data;

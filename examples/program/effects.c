@@ -49,7 +49,6 @@ static const rule rules[] = {
     { "improve", "--only-smooth", "--smooth", NULL },
     { "improve", "--size", NULL, "--error" },
     { "improve", "--count", "--error", NULL },
-    { "solid", "--patches", ".msh .msh2 .inp .vtu .mesh .face", NULL },
     { "tiles", "--no-links", NULL, "--no-mesh" },
 };
 

@@ -18,7 +18,9 @@ static const option solid_options[] = {
     { "--keep-faults", NULL, "writes a boundary that is no manifold, too", SWITCH, 0, 0, NULL },
     { "--most", "N", "tetrahedra; default 50 million", POSITIVE, 0, 0, NULL },
     { "--patches", NULL, "list patches: the groups of the model, which are kept anyway; of a model without\n"
-      "groups, write those between sharp edges", SWITCH, 0, 0, NULL },
+      "groups those between sharp edges, which are then written", SWITCH, 0, 0, NULL },
+    { "--split-patches", NULL, "the same, but sharp edges cut groups, too: those of several parts become NAME_1,\n"
+      "NAME_2 and so on, in the order of the model's faces", SWITCH, 0, 0, NULL },
     { "--feature-angle", "DEGREES", "edges of the model that bend by more are sharp; default 40", WHOLE, 1, 180,
       NULL },
     { "--distance", "D", "facets farther than D sizes from the surface get points; default 0.1", POSITIVE, 0, 0,
@@ -110,68 +112,143 @@ static void report_on(const job *j, const pbw_tets *mesh, const pbw_solid_report
 
 /* ---- groups of the input's faces ---- */
 
-typedef struct naming {                              /* of the outputs; groups: NULL if the input has none */
-    pbwio_group *groups;                             /* the input's, a region each, "hole" if there is one */
-    char (*names)[32];
+typedef struct naming {                              /* of the outputs */
+    pbwio_group *groups;                             /* the input's, parts of them, a region each, "hole" if there is
+                                                        one; NULL if the input has none */
     size_t count, all;                               /* of the input's; of them all */
+    long long most;                                  /* tags of patches are at most this */
+    pbw_index *patches;                              /* of each facet: its place in `groups`; without, a number */
 } naming;
 
-/* Takes the groups out of the cloud, and adds one for each region. */
-static int name_groups(job *j, size_t regions, int holes, naming *n)
+/* Returns "name_number", NULL if there is no memory. */
+static char *numbered(const char *name, size_t number)
+{
+    char *text = (char *)malloc(strlen(name) + 24);
+    if (text != NULL) {
+        sprintf(text, "%s_%zu", name, number);
+    }
+    return text;
+}
+
+/* Adds the group "name_number", or one without a name.  Returns 0 if there is no memory. */
+static int add_group(naming *n, int dim, long long tag, const char *name, size_t number)
+{
+    pbwio_group *g = n->groups + n->all++;
+    g->dim = dim;
+    g->tag = tag;
+    g->name = name == NULL ? NULL : numbered(name, number);
+    return name == NULL || g->name != NULL;
+}
+
+/* Makes groups of the parts that sharp edges cut a group's patch into, in the order of the model's faces. */
+static int split_groups(naming *n, const pbw_solid_boundary *b, size_t parts)
+{
+    size_t *group_of = (size_t *)calloc(2 * parts + 1, sizeof *group_of), *place = group_of + parts, i;
+    size_t *number = (size_t *)calloc(n->count + 1, sizeof *number);           /* how many parts a group has */
+    int good = group_of != NULL && number != NULL;
+    for (i = 0; good && i < b->facet_count; i++) {
+        if (n->patches[i] < n->count && group_of[b->parts[i]] == 0) {
+            group_of[b->parts[i]] = (size_t)n->patches[i] + 1;
+        }
+    }
+    for (i = 0; good && i < parts; i++) {
+        const size_t group = group_of[i] - 1;
+        if (group_of[i] > 0 && number[group]++ > 0) {
+            place[i] = n->all;
+            good = add_group(n, 2, ++n->most, n->groups[group].name, number[group]);
+        }
+    }
+    for (i = 0; good && i < n->count; i++) {         /* the first part has the group's place and tag */
+        if (number[i] > 1 && n->groups[i].name != NULL) {
+            char *name = numbered(n->groups[i].name, 1);
+            good = name != NULL;
+            free(n->groups[i].name);
+            n->groups[i].name = name;
+        }
+    }
+    for (i = 0; good && i < b->facet_count; i++) {
+        if (n->patches[i] < n->count && place[b->parts[i]] > 0) {
+            n->patches[i] = (pbw_index)place[b->parts[i]];
+        }
+    }
+    free(group_of);
+    free(number);
+    return good;
+}
+
+/* Takes the groups out of the cloud, adds parts of them, and one for each region. */
+static int name_groups(job *j, const pbw_tets *mesh, const pbw_solid_boundary *b, naming *n)
 {
     pbwio_cloud *c = &j->cloud;
-    long long most = 0;
-    size_t i;
-    memset(n, 0, sizeof *n);
-    if (c->triangle_groups == NULL) {
-        return 0;
+    size_t i, regions = 0, parts = 0, first;
+    int good = 1, hole = 0;
+    n->patches = (pbw_index *)malloc((b->facet_count + 1) * sizeof *n->patches);
+    for (i = 0; i < mesh->tet_count; i++) {
+        regions = mesh->regions[i] >= regions ? (size_t)mesh->regions[i] + 1 : regions;
     }
-    n->groups = (pbwio_group *)calloc(c->group_count + 1 + regions, sizeof *n->groups);
-    n->names = (char (*)[32])calloc(regions + 1, sizeof *n->names);
-    if (n->groups == NULL || n->names == NULL) {
+    for (i = 0; n->patches != NULL && i < b->facet_count; i++) {
+        n->patches[i] = b->patches[i];
+        parts = b->parts[i] != PBW_NONE && b->parts[i] >= parts ? (size_t)b->parts[i] + 1 : parts;
+        hole |= b->patches[i] == PBW_NONE;
+    }
+    if (c->triangle_groups == NULL) {
+        return n->patches != NULL ? 0 : fail(j, "out of memory");
+    }
+    n->groups = (pbwio_group *)calloc(c->group_count + parts + regions + 1, sizeof *n->groups);
+    if (n->groups == NULL || n->patches == NULL) {
         return fail(j, "out of memory");
     }
-    n->count = c->group_count;
-    n->all = c->group_count + regions + (size_t)holes;
+    n->count = n->all = c->group_count;
     memcpy(n->groups, c->groups, n->count * sizeof *n->groups);
     for (i = 0; i < n->count; i++) {
-        most = n->groups[i].dim == 2 && n->groups[i].tag > most ? n->groups[i].tag : most;
+        n->most = n->groups[i].dim == 2 && n->groups[i].tag > n->most ? n->groups[i].tag : n->most;
         c->groups[i].name = NULL;                    /* it is ours now */
     }
-    n->groups[n->count + regions].dim = 2;
-    n->groups[n->count + regions].tag = most + 1;
-    n->groups[n->count + regions].name = n->names[regions];
-    strcpy(n->names[regions], "hole");
-    for (i = 0; i < regions; i++) {
-        pbwio_group *g = n->groups + n->count + i;
-        g->dim = 3;
-        g->tag = (long long)i + 1;
-        g->name = n->names[i];
-        sprintf(n->names[i], "region_%zu", i);
+    good = !is_given(j, "--split-patches") || split_groups(n, b, parts);
+    for (i = 0, first = n->all; good && i < regions; i++) {
+        good = add_group(n, 3, (long long)i + 1, "region", i);
     }
-    return 0;
+    for (i = 0; good && i < b->facet_count; i++) {   /* of faces in no group: PBW_NONE */
+        n->patches[i] = b->patches[i] == PBW_NONE ? (pbw_index)(first + regions)
+                      : b->patches[i] == n->count ? PBW_NONE : n->patches[i];
+    }
+    if (good && hole) {
+        pbwio_group *g = n->groups + n->all++;
+        g->dim = 2;
+        g->tag = n->most + 1;
+        g->name = (char *)malloc(sizeof "hole");
+        good = g->name != NULL;
+        if (good) {
+            strcpy(g->name, "hole");
+        }
+    }
+    return good ? 0 : fail(j, "out of memory");
 }
 
 static void free_naming(naming *n)
 {
     size_t i;
-    for (i = 0; i < n->count; i++) {
+    for (i = 0; i < n->all; i++) {
         free(n->groups[i].name);
     }
     free(n->groups);
-    free(n->names);
+    free(n->patches);
 }
 
-/* A line for each patch that has facets: its name, their number, area and centre. */
+/* A line for each patch that has facets: its tag, name, their number, area and centre. */
 static void list_patches(const job *j, const pbw_tets *mesh, const pbw_solid_boundary *b, const naming *n)
 {
-    double *sum = (double *)calloc(n->count + 1, 5 * sizeof *sum);       /* area, centre, facets */
-    size_t i, k;
+    size_t i, k, count = n->all;
+    double *sum;                                     /* area, centre, facets */
+    for (i = 0; i < b->facet_count && n->groups == NULL; i++) {
+        count = n->patches[i] != PBW_NONE && n->patches[i] >= count ? (size_t)n->patches[i] + 1 : count;
+    }
+    sum = (double *)calloc(count + 1, 5 * sizeof *sum);
     for (i = 0; sum != NULL && i < b->facet_count; i++) {
-        const pbw_index *f = b->facets + 3 * i, patch = b->patches[i];
+        const pbw_index *f = b->facets + 3 * i;
         const double *p = mesh->points + 3 * (size_t)f[0], *q = mesh->points + 3 * (size_t)f[1];
         const double *r = mesh->points + 3 * (size_t)f[2];
-        double area = 0, *s = sum + 5 * (patch < n->count ? patch : n->count);
+        double area = 0, *s = sum + 5 * (n->patches[i] < count ? n->patches[i] : count);
         for (k = 0; k < 3; k++) {
             const size_t u = (k + 1) % 3, v = (k + 2) % 3;
             area += pow((q[u] - p[u]) * (r[v] - p[v]) - (q[v] - p[v]) * (r[u] - p[u]), 2);
@@ -183,13 +260,19 @@ static void list_patches(const job *j, const pbw_tets *mesh, const pbw_solid_bou
             s[1 + k] += area * (p[k] + q[k] + r[k]) / 3;
         }
     }
-    for (i = 0; sum != NULL && i <= n->count; i++) {
+    for (i = 0; sum != NULL && i <= count; i++) {
         const double *s = sum + 5 * i;
-        const char *name = i == n->count ? "others" : n->groups[i].name != NULL ? n->groups[i].name : "";
+        char number[32] = "others";
+        const char *name = i < n->all && n->groups[i].name != NULL ? n->groups[i].name : i < n->all ? "" : number;
+        if (n->groups == NULL && i < count) {
+            sprintf(number, "patch_%zu", i);         /* as in files */
+        } else if (n->groups == NULL) {
+            strcpy(number, "hole");
+        }
         if (s[4] > 0) {
             note(j, "patch %lld %s: %.0f facet%s, area %.6g, centre (%.6g, %.6g, %.6g)",
-                 i == n->count ? 0 : n->groups[i].tag, name, s[4], plural((size_t)s[4]), s[0], s[1] / s[0],
-                 s[2] / s[0], s[3] / s[0]);
+                 i == count ? 0 : n->groups == NULL ? (long long)i + 1 : n->groups[i].tag, name, s[4],
+                 plural((size_t)s[4]), s[0], s[1] / s[0], s[2] / s[0], s[3] / s[0]);
         }
     }
     free(sum);
@@ -200,17 +283,18 @@ static int write_solid(job *j, const pbw_tets *mesh, const pbw_solid_boundary *b
 {
     pbw_index *patches = (pbw_index *)malloc((4 * mesh->tet_count + 1) * sizeof *patches);
     pbw_index *regions = (pbw_index *)malloc((mesh->tet_count + 1) * sizeof *regions);
-    size_t i, k;
+    size_t i, k, first = 0;
     int failed = patches == NULL || regions == NULL ? fail(j, "out of memory") : 0;
+    while (first < n->all && (first < n->count || n->groups[first].dim == 2)) {
+        first++;                                     /* to the first region */
+    }
     for (i = 0; !failed && i < 4 * mesh->tet_count; i++) {
         patches[i] = PBW_NONE;
-        regions[i / 4] = (pbw_index)(n->groups != NULL ? n->count : 0) + mesh->regions[i / 4];
+        regions[i / 4] = (pbw_index)first + mesh->regions[i / 4];
     }
     for (i = 0; !failed && i < boundary->facet_count; i++) {
         const pbw_index corner = boundary->corners[i], next = mesh->neighbors[corner];
-        const pbw_index number = boundary->patches[i];
-        const pbw_index own = number == PBW_NONE ? (pbw_index)n->all - 1 : number < n->count ? number : PBW_NONE;
-        patches[corner] = n->groups != NULL ? own : number;
+        patches[corner] = n->patches[i];
         for (k = 0; k < 4 && next != PBW_NONE; k++) {
             if (mesh->neighbors[4 * (size_t)next + k] == corner / 4) {
                 patches[4 * (size_t)next + k] = patches[corner];
@@ -218,7 +302,8 @@ static int write_solid(job *j, const pbw_tets *mesh, const pbw_solid_boundary *b
         }
     }
     j->write.regions = regions;
-    j->write.patches = is_given(j, "--patches") || n->groups != NULL ? patches : NULL;
+    j->write.patches = n->groups != NULL || is_given(j, "--patches") || is_given(j, "--split-patches") ? patches
+                     : NULL;
     j->write.edges = boundary->edges;
     j->write.edge_count = boundary->edge_count;
     j->write.groups = n->groups;
@@ -300,8 +385,8 @@ static int run(job *j)
     pbw_tets mesh;
     pbw_status status;
     naming names;
-    size_t i, regions = 0;
-    int failed = load(j, 0), holes = 0;
+    size_t i;
+    int failed = load(j, 0);
     failed = failed ? failed : complete_groups(j);
     if (failed) {
         return failed;
@@ -325,16 +410,11 @@ static int run(job *j)
         return refuse(j, status, &report);
     }
     report_on(j, &mesh, &report);
-    for (i = 0; i < mesh.tet_count; i++) {
-        regions = mesh.regions[i] >= regions ? (size_t)mesh.regions[i] + 1 : regions;
-    }
-    for (i = 0; i < boundary.facet_count; i++) {
-        holes |= boundary.patches[i] == PBW_NONE;
-    }
-    failed = name_groups(j, regions, holes, &names);
+    memset(&names, 0, sizeof names);
+    failed = name_groups(j, &mesh, &boundary, &names);
     pbwio_free(&j->cloud);                           /* pages show the solid alone */
     show_tets(j, &mesh);
-    if (!failed && is_given(j, "--patches") && names.groups != NULL) {
+    if (!failed && (is_given(j, "--patches") || is_given(j, "--split-patches"))) {
         list_patches(j, &mesh, &boundary, &names);
     }
     if (!failed && report.bad_edges + report.bad_points > 0 && !is_given(j, "--keep-faults")) {

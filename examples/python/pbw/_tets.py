@@ -64,7 +64,7 @@ class _Hole(ctypes.Structure):
 class _Boundary(ctypes.Structure):
     """pbw_solid_boundary."""
     _fields_ = [*((name, _size) for name in ("facet_count", "edge_count", "hole_count")),
-                *_pointers("facets corners patches sides edges holes memory")]
+                *_pointers("facets corners patches parts sides edges holes memory")]
 
 
 _SHARP = ("auto", "all", "some", "none")          # as PBW_SOLID_SHARP_...
@@ -309,8 +309,9 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=16, patch
     Surfaces that are mostly holes or very thin are refused, unless close=True, and more than `most` tetrahedra.
 
     Returns a Tets.  Its regions are numbers of shells, its patches those given, else numbers of the parts between
-    sharp edges, and -1 or "" where a hole is closed.  Its report has bad_edges, bad_points, missing_edges and
-    open_edges, all 0 if the boundary is a manifold on the surface, and the largest holes.
+    sharp edges, and -1 or "" where a hole is closed; parts are the latter numbers in any case.  Its report has
+    bad_edges, bad_points, missing_edges and open_edges, all 0 if the boundary is a manifold on the surface, and the
+    largest holes.
     """
     vertices = _checked("vertices", vertices, 3, np.float64)
     faces = _checked("faces", faces, 3, np.uint32, len(vertices))
@@ -345,6 +346,7 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=16, patch
         made.patches = _copied(boundary.patches, boundary.facet_count, np.int32)
         if patches is not None:
             made.patches = table[made.patches]
+        made.parts = _copied(boundary.parts, boundary.facet_count, np.int32)
         made.sides = _copied(boundary.sides, (boundary.facet_count, 2), np.int32)
         made.edges = _rows(boundary.edges, boundary.edge_count, 2)
 
