@@ -1191,6 +1191,44 @@ def test_triangulate():
 
 
 @test
+def triangulate_keeps_regions_of_triangles():
+    """A mesh with turned triangles, regions of two attributes each, a line inside a region and a marked border."""
+    x, y = (array.ravel() for array in np.meshgrid(np.arange(7.0), np.arange(4.0)))
+    x = x + 0.2 * ((y > 0) & (y < 3) & (x % 3 > 0))
+    lower = np.array([i + 7 * j for j in range(3) for i in range(6)])
+    triangles = np.concatenate([np.stack([lower, lower + 1, lower + 7], axis=1),
+                                np.stack([lower + 7, lower + 8, lower + 1], axis=1)])
+    left = x[triangles].mean(axis=1) < 3
+    mesh = dict(vertices=np.stack([x, y], axis=1), triangles=triangles, vertex_attributes=5 * x - y,
+                triangle_attributes=np.where(left[:, None], [[6.5, 1]], [[-8, 1]]),
+                segments=[[i, i + 1] for i in range(6)] + [[8, 9]], segment_markers=[4] * 6 + [5])
+
+    def check_mesh(made):
+        points, sides = made["vertices"], made["vertices"][made["segments"]]
+        areas = plane_areas(points, made["triangles"])
+        there = points[made["triangles"]]
+        kinds = made["triangle_attributes"]
+        assert (areas > 0).all() and not ((there[:, :, 0].min(axis=1) < 3) & (there[:, :, 0].max(axis=1) > 3)).any()
+        assert (kinds == np.where(there.mean(axis=1)[:, :1] < 3, [[6.5, 1]], [[-8, 1]])).all()
+        lengths = np.hypot(*(sides[:, 1] - sides[:, 0]).T)
+        for marker, length in ((4, 6), (5, 1)):
+            assert abs(lengths[made["segment_markers"].ravel() == marker].sum() - length) < 1e-12
+        assert abs(areas.sum() - 18) < 1e-12 and abs(made["vertex_attributes"][:, 0] - points @ [5, -1]).max() < 1e-12
+
+    for options, smooth in (("r", None), ("rq30a0.05", None), ("rpq", "odt"), ("r", "lloyd"), ("rA", "laplace")):
+        made = pbw.triangulate(mesh, options, smooth=smooth)
+        check_mesh(made)
+        assert (len(made["vertices"]) > 28) == ("a" in options), options
+    moved = (made["vertices"] != mesh["vertices"]).any(axis=1)
+    assert moved.any() and not moved[[8, 9, *range(7), 10, 17]].any()
+    assert "triangle_attributes" not in pbw.triangulate(dict(mesh, triangle_attributes=None), "r")
+    raises_text(ValueError, "the switch r needs triangles", pbw.triangulate, PLATE, "r")
+    raises_text(ValueError, "smooth must be None, 'laplace' or", pbw.triangulate, mesh, "r", smooth="best")
+    over = dict(mesh, triangles=np.concatenate([triangles, [[0, 6, 27]]]), triangle_attributes=None)
+    check("on each other" in str(raises(ValueError, pbw.triangulate, over, "r")))
+
+
+@test
 def triangulate_keeps_attributes_and_markers():
     given = dict(PLATE, vertex_attributes=[[x + 10 * y, x * x] for x, y in PLATE["vertices"]],
                  vertex_markers=[[3]] + [[0]] * 8 + [[-4]])

@@ -1,9 +1,12 @@
 /* pbw_domains.c: domains in the plane, solids and better tetrahedra. */
 #include "pbw_python.h"
 
-/* pbw_plane_make; the plane is freed by pbw_plane_free. */
-int pbw_python_plane(const pbw_plane_input *input, const plane_wish *wish, const volatile int *stop, pbw_plane *plane)
+/* pbw_plane_make, or pbw_plane_from_triangles if there are some, and pbw_plane_smooth; the plane is freed by
+   pbw_plane_free. */
+int pbw_python_plane(const pbw_plane_input *input, const pbw_index *triangles, const pbw_index *regions,
+                     size_t triangle_count, const plane_wish *wish, const volatile int *stop, pbw_plane *plane)
 {
+    pbw_status status;
     watch w = { stop, NULL };
     pbw_options build = { 0 };
     pbw_plane_options options = { 0 };
@@ -17,7 +20,12 @@ int pbw_python_plane(const pbw_plane_input *input, const plane_wish *wish, const
     options.area = wish->area;
     options.steiner_limit = wish->steiner_limit;
     options.most = wish->most;
-    return (int)pbw_plane_make(input, &options, plane);
+    status = triangles == NULL ? pbw_plane_make(input, &options, plane)
+           : pbw_plane_from_triangles(input, triangles, regions, triangle_count, &options, plane);
+    if (status == PBW_OK && wish->rounds > 0) {
+        status = pbw_plane_smooth(plane, (pbw_plane_way)wish->way, wish->rounds, NULL, &options);
+    }
+    return (int)status;
 }
 
 static pbw_options watched(const watch *w)

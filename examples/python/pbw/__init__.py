@@ -13,6 +13,7 @@
     pbw.power_cells(points, weights, box=[(0, 0, 0), (1, 1, 1)], periodic="xyz").volumes
     pbw.lloyd(points, steps=20)
     pbw.triangulate(dict(vertices=v, segments=s, holes=h), "pq30a0.1")     # as the package triangle has it
+    pbw.triangulate(dict(vertices=v, triangles=t, triangle_attributes=r), "r", smooth="odt")     # regions stay
     pbw.polygon([outline, hole])                     # triangles of a polygon with holes
     solid = pbw.solid(vertices, faces, size=0.1)     # tetrahedra inside a closed surface
     better = pbw.improve(points, tets, target=30)    # any tetrahedra: dihedral angles of 30 to 150 degrees

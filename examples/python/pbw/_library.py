@@ -49,7 +49,7 @@ class _PlaneWish(ctypes.Structure):
     """struct plane_wish of pbw_python.h."""
     _fields_ = [("rule", ctypes.c_int), ("threads", ctypes.c_int), ("flags", ctypes.c_uint),
                 ("angle", ctypes.c_double), ("area", ctypes.c_double), ("steiner_limit", ctypes.c_size_t),
-                ("most", ctypes.c_double)]
+                ("most", ctypes.c_double), ("way", ctypes.c_int), ("rounds", ctypes.c_int)]
 
 
 class _Watch(ctypes.Structure):
@@ -127,8 +127,8 @@ def _declare(library):
     library.pbw_cells_free.argtypes = [ctypes.POINTER(_Cells)]
     library.pbw_python_stars.argtypes = [arrays, ctypes.POINTER(_Lists)]
     library.pbw_python_check.argtypes = [arrays, integer]
-    library.pbw_python_plane.argtypes = [ctypes.POINTER(_PlaneInput), ctypes.POINTER(_PlaneWish), integer,
-                                         ctypes.POINTER(_Plane)]
+    library.pbw_python_plane.argtypes = [ctypes.POINTER(_PlaneInput), ctypes.c_void_p, ctypes.c_void_p, size,
+                                         ctypes.POINTER(_PlaneWish), integer, ctypes.POINTER(_Plane)]
     library.pbw_plane_transfer.argtypes = [ctypes.POINTER(_Plane), ctypes.POINTER(_Plane), doubles, size, doubles,
                                            ctypes.c_void_p]
     library.pbw_plane_free.restype = None
@@ -248,8 +248,9 @@ def _cell_arrays(c):
     return made
 
 
-def plane(points, segments, holes, regions, **wish):
-    """The arrays of pbw_plane by name; regions: x, y, area each; wish: fields of _PlaneWish."""
+def plane(points, segments, holes, regions, triangles=None, of_triangles=None, **wish):
+    """The arrays of pbw_plane by name; regions: x, y, area each; triangles: those of a mesh, with their regions; wish:
+    fields of _PlaneWish."""
     given, found, made = _PlaneInput(), _Plane(), {}
     for name, array in (("point", points), ("segment", segments), ("hole", holes), ("region", regions)):
         setattr(given, name + "s", array.ctypes.data)
@@ -257,7 +258,9 @@ def plane(points, segments, holes, regions, **wish):
     arrays, text = _Arrays(), []
 
     def ask(arrays):
-        status = _library.pbw_python_plane(given, _PlaneWish(**wish), arrays.stop, found)
+        status = _library.pbw_python_plane(
+            given, *(None if array is None else array.ctypes.data for array in (triangles, of_triangles)),
+            0 if triangles is None else len(triangles), _PlaneWish(**wish), arrays.stop, found)
         try:
             if status == 0:
                 made.update(_plane_arrays(found))

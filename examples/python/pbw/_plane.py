@@ -8,6 +8,7 @@ from ._arguments import check_options, checked_points
 
 SPLIT, REFINE, KEEP_BOUNDARY, KEEP_SEGMENTS, CONFORMING = 1, 2, 4, 8, 16        # of PBW_PLANE_*
 HULL, SEEDS, EVEN_ODD, NONZERO = range(4)
+WAYS = "laplace", "lloyd", "odt"                                                # of pbw_plane_way
 
 
 def _switches(options):
@@ -15,7 +16,7 @@ def _switches(options):
     found = {}
     for match in re.finditer(r"(YY|[A-Za-z])([0-9.eE+-]*[0-9.])?|(.)", options):
         letter, number, other = match.groups()
-        if other or letter not in "p q a c D Y YY S j A e n z Q V B P I".split():
+        if other or letter not in "p r q a c D Y YY S j A e n z Q V B P I".split():
             raise ValueError("options=%r: %r is no switch that is known here" % (options, other or letter))
         if number and letter not in "qaS":
             raise ValueError("options=%r: %s takes no number" % (options, letter))
@@ -33,17 +34,20 @@ def _checked(data, name, columns, kind, count=None):
     return array
 
 
-def triangulate(data, options="", *, split_crossings=False, most=50e6, threads=0):
+def triangulate(data, options="", *, split_crossings=False, most=50e6, smooth=None, rounds=5, threads=0):
     """Triangulates and refines a plane domain, with the dictionaries and switches of the package triangle.
 
     data       vertices, with vertex_attributes and vertex_markers if there are some; and, for the switch p, segments,
-               with segment_markers, holes, regions (x, y, attribute, largest area each)
-    options    p segments, q30 least angle (20 if there is no number), a0.1 largest area (of regions if there is no
+               with segment_markers, holes, regions (x, y, attribute, largest area each); for r triangles, turned in
+               any way, with triangle_attributes, segments and segment_markers
+    options    p segments, r triangles: what they cover is the domain, edges between triangles of different
+               attributes stay, and so do the segments; q30 least angle (20 if there is no number), a0.1 largest area (of regions if there is no
                number), c convex hull, D conforming, Y and YY no points on the boundary and on segments, S100 at most
                so many points, j unused vertices left out, A attributes of regions, e edges, n neighbors
+    smooth     "laplace", "lloyd" or "odt": then vertices on no segment move to better places, `rounds` times
     Returns a dictionary: vertices, vertex_markers, triangles; vertex_attributes if data has them, linear in the
-    triangles of the domain at new vertices; with p segments and segment_markers; with A triangle_attributes, with e
-    edges, with n neighbors.  A marker of a vertex is its own; else that of the first of its segments that has one;
+    triangles of the domain, with r in those of data, at vertices that are new or have moved; with p or r segments and
+    segment_markers; with A triangle_attributes, and with r if data has them; with e edges, with n neighbors.  A marker of a vertex is its own; else that of the first of its segments that has one;
     else 1 on the boundary, or 0.  If data has no markers, all on segments have 1.  Raises pbw.Error if nothing is
     enclosed; ValueError for more than `most` triangles of refinement, before work if areas ask for them.
     """
@@ -56,8 +60,11 @@ def triangulate(data, options="", *, split_crossings=False, most=50e6, threads=0
     check_options(False, None, threads)
     if not most > 0:
         raise ValueError("most must be above 0, not %r" % (most,))
+    if smooth not in (None, *WAYS):
+        raise ValueError("smooth must be None, %s, not %r" % (" or ".join(map(repr, WAYS)), smooth))
+    triangles, of_triangles, kinds = _mesh_of(data, len(points)) if "r" in given else (None, None, None)
     with_segments = "p" in given
-    part = data if with_segments else {}
+    part = data if with_segments or "r" in given else {}
     segments = _checked(part, "segments", 2, np.int64, len(points)).astype(np.uint32)
     holes = _checked(part, "holes", 2, np.float64)
     regions = _checked(part, "regions", 4, np.float64)
@@ -70,14 +77,27 @@ def triangulate(data, options="", *, split_crossings=False, most=50e6, threads=0
     attributes = _of_items(data, "vertex_attributes", np.float64, len(points))
     markers = _of_items(data, "vertex_markers", np.int32, len(points), 1)
     of_segments = _of_items(part, "segment_markers", np.int32, len(segments), 1)
-    made = _library.plane(points, segments, holes, np.maximum(areas, [-np.inf, -np.inf, 0]), threads=threads,
+    made = _library.plane(points, segments, holes, np.maximum(areas, [-np.inf, -np.inf, 0]), triangles, of_triangles,
+                          way=WAYS.index(smooth) if smooth else 0, rounds=rounds if smooth else 0, threads=threads,
                           flags=flags, rule=SEEDS if with_segments and "c" not in given else HULL, angle=angle,
                           area=given.get("a") or 0, steiner_limit=int(given.get("S") or 0), most=most)
     if not len(made["triangles"]):
         raise _nothing_enclosed(points, segments, flags & SPLIT)
     if attributes is not None:
-        attributes = _interpolated(attributes, points, segments, made["points"], flags & SPLIT)
-    return _dictionary(made, given, regions, attributes, markers, of_segments)
+        attributes = _interpolated(attributes, points, segments, made["points"], flags & SPLIT, triangles)
+    return _dictionary(made, given, regions, attributes, markers, of_segments, kinds)
+
+
+def _mesh_of(data, count):
+    """Triangles, a number of each one's attributes or None, and the attributes of each number or None."""
+    triangles = _checked(data, "triangles", 3, np.int64, count).astype(np.uint32)
+    if not len(triangles):
+        raise ValueError("the switch r needs triangles; data has none")
+    attributes = _of_items(data, "triangle_attributes", np.float64, len(triangles))
+    if attributes is None:
+        return triangles, None, None
+    kinds, numbers = np.unique(attributes, axis=0, return_inverse=True)
+    return triangles, np.ascontiguousarray(numbers.reshape(-1), np.uint32), kinds
 
 
 def _of_items(data, name, kind, count, columns=None):
@@ -113,10 +133,19 @@ def _nothing_enclosed(points, segments, split):
                          "the switch c triangulates all" % (", ".join(ends[:4]), " and so on" if len(ends) > 4 else ""))
 
 
-def _interpolated(attributes, points, segments, places, split):
-    """Attributes at places: given ones at the points, which come first; else linear in the domain's triangles."""
-    if len(places) == len(points):
+def _interpolated(attributes, points, segments, places, split, triangles):
+    """Attributes at places: given ones at the points, which come first, unless they have moved; else linear in the
+    triangles, those of the domain if there are none."""
+    same = (places[:len(points)] == points).all(axis=1)
+    if len(places) == len(points) and same.all():
         return attributes
+    if triangles is not None:
+        a, b, c = points[triangles.T]
+        turned = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) < (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+        triangles = np.where(turned[:, None], triangles[:, ::-1], triangles)
+        out = _library.transfer(points, np.ascontiguousarray(triangles), np.ascontiguousarray(attributes), places)
+        out[:len(points)][same] = attributes[same]
+        return out
     whole = _whole(points, segments, split)
     values = np.zeros((len(whole["points"]), attributes.shape[1]))
     values[:len(points)] = attributes
@@ -131,9 +160,8 @@ def _interpolated(attributes, points, segments, places, split):
             np.add.at(values, to, (1 - share) * attributes[a[new]] + share * attributes[b[new]])
             np.add.at(count, to, 1)
         values[len(points):] /= np.maximum(count[len(points):], 1)[:, None]
-    out = np.concatenate([attributes, np.empty((len(places) - len(points), attributes.shape[1]))])
-    out[len(points):] = _library.transfer(whole["points"], whole["triangles"], values,
-                                          np.ascontiguousarray(places[len(points):]))
+    out = _library.transfer(whole["points"], whole["triangles"], values, places)
+    out[:len(points)][same] = attributes[same]
     return out
 
 
@@ -162,7 +190,7 @@ def _markers(made, markers, of_segments):
     return of_edges.reshape(-1, 1), of_points.reshape(-1, 1)
 
 
-def _dictionary(made, given, regions, attributes, markers, of_segments):
+def _dictionary(made, given, regions, attributes, markers, of_segments, kinds):
     points, triangles, edges = made["points"], made["triangles"], made["edges"]
     of_edges, of_points = _markers(made, markers, of_segments)
     if "j" in given:
@@ -174,9 +202,11 @@ def _dictionary(made, given, regions, attributes, markers, of_segments):
     out = {"vertices": points, "vertex_markers": of_points, "triangles": triangles}
     if attributes is not None:
         out["vertex_attributes"] = attributes
-    if "p" in given:
+    if "p" in given or "r" in given:
         out["segments"], out["segment_markers"] = edges, of_edges
-    if "A" in given:
+    if kinds is not None:
+        out["triangle_attributes"] = kinds[made["region_seeds"][made["regions"]]]
+    elif "A" in given:
         seeds = made["region_seeds"][made["regions"]]
         of_regions = np.append(regions[:, 2], 0.0)
         out["triangle_attributes"] = of_regions[np.where(seeds < 0, len(regions), seeds)].reshape(-1, 1)
