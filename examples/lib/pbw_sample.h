@@ -1617,9 +1617,10 @@ static pbwsample_status pbwsample__poisson(const pbwsample_model *model, const p
         content = fabs(pbwsample__volume_of(model));
         w->axes = pbwsample__make_rays(w->rays, model);
         w->status = w->axes == 0 ? PBWSAMPLE_ERROR_MEMORY : content > 0 ? PBWSAMPLE_OK : PBWSAMPLE_ERROR_VOLUME;
-    } else if (options->flags & PBWSAMPLE_NORMALS && pbwsample__reserve(set, &w->capacity, 0, options->flags)) {
+    } else if (options->flags & PBWSAMPLE_NORMALS) {
         made = model->normals == NULL ? pbwsample__point_normals(model) : NULL;
-        w->status = model->normals == NULL && made == NULL ? PBWSAMPLE_ERROR_MEMORY : PBWSAMPLE_OK;
+        w->status = (made != NULL || model->normals != NULL)
+                 && pbwsample__reserve(set, &w->capacity, 0, options->flags) ? PBWSAMPLE_OK : PBWSAMPLE_ERROR_MEMORY;
     }
     if (w->status == PBWSAMPLE_OK) {
         pbwsample__search(w, content);
