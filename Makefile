@@ -44,7 +44,7 @@ endif
 endif
 
 .PHONY: all page demo web examples test test-all programs oracle arm asan ubsan tsan sanitize valgrind fuzz fuzz-long \
-    asm names fuzz-plane fuzz-cells clean help FORCE
+    asm names fuzz-plane fuzz-cells campaign clean help FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -72,6 +72,7 @@ help:
 	@echo 'make asan ubsan tsan valgrind                  the test programs under sanitizers;  sanitize: asan and ubsan'
 	@echo 'make fuzz        fuzzers, TIME=60 each         make fuzz-long  ten million random small inputs'
 	@echo 'make fuzz-plane  a million random small plane domains, the table in full, a million crossings'
+	@echo 'make campaign    damaged files, faults and limits under sanitizers; COUNT=1000 is how much'
 	@echo 'make fuzz-cells  a million small inputs with cells in boxes, half-spaces, polygons, periodic boxes'
 	@echo 'CC=clang CXX=clang++ CFLAGS=-O3 B=build/clang  for any of them;  COUNT=n random inputs in tests'
 
@@ -231,15 +232,27 @@ fuzz-plane: $B/test_mesh2 FORCE
 
 fuzz-cells: $B/fuzz_cells_random FORCE
 	$< --count 1000000
-$B/fuzz_cells_random: tests/fuzz_cells.c $(HEADERS)
+
+$B/fuzz.%.log: $B/fuzz_triangulate_random FORCE
+	@sh tests/run.sh $@ $< --count 1250000 --seed $*
+$(FUZZERS:%=$B/%_random): $B/%_random: tests/%.c $(HEADERS)
 	@mkdir -p $B
 	$C -DFUZZ_MAIN $< -o $@ $(LIBS)
 
-$B/fuzz.%.log: $B/fuzz_random FORCE
-	@sh tests/run.sh $@ $< --count 1250000 --seed $*
-$B/fuzz_random: tests/fuzz_triangulate.c $(HEADERS)
-	@mkdir -p $B
-	$C -DFUZZ_MAIN $< -o $@ $(LIBS)
+# Mutations of every reader, faults and limits, under sanitizers, and then threads: COUNT (1000) is how much.
+campaign:
+	@$(MAKE) --no-print-directory B=$B/campaign CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=$(SANITIZE_sanitize)' \
+	    $B/campaign/campaign.log
+	@$(MAKE) --no-print-directory B=$B/campaign/tsan CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=thread' \
+	    COUNT=$(or $(COUNT),1000) $(CAMPAIGN_THREADS:%=$B/campaign/tsan/%.log)
+CAMPAIGN_THREADS = test_threads test_levels test_contract test_live
+$B/campaign.log: tests/campaign.sh $B/pbw $B/pbw_failing $B/campaign $(FUZZERS:%=$B/%_random) \
+    $(addprefix $B/,test_levels test_contract test_adapt2 test_mesh2) FORCE
+	sh $< $B $(COUNT)
+$B/campaign: tests/campaign.c $(HEADERS)
+	$C $< -o $@ $(LIBS)
+$B/pbw_failing: tests/campaign_memory.c $B/libpbw.a $(PROGRAM)
+	$C $(PROGRAM) $< -o $@ $B/libpbw.a $(foreach call,malloc calloc realloc,-Wl,--wrap=$(call)) $(LIBS)
 
 clean:
 	rm -rf $B

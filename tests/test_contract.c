@@ -262,7 +262,7 @@ static void test_counts(void)
     test_end();
 }
 
-/* ---- more simplices than facets can be numbered: those of a small mesh, behind others that are only address space */
+/* ---- more simplices than facets can be numbered: those of a small mesh, behind others, only address space */
 
 static void test_many(int dim)
 {

@@ -1,5 +1,5 @@
-/* test_levels.c: every public call of pbw.h keeps options.memory_limit: at 30 levels it holds no more than that, as an
-   allocator counts, and gives the answer that it gives without a limit, or PBW_ERROR_MEMORY. */
+/* test_levels.c: every public call of pbw.h keeps options.memory_limit: at 30 levels it holds no more than that, as
+   an allocator counts, and gives the answer that it gives without a limit, or PBW_ERROR_MEMORY. */
 #include "../pbw.h"
 #include "inputs.h"
 #include "meter.h"
@@ -243,7 +243,8 @@ static pbw_status live_changes(const given *g, const pbw_options *options, uint6
     return live_ways(g, options, digest, 1);
 }
 
-static pbw_status live_points(const given *g, const pbw_options *options, uint64_t *digest)     /* from none, weighted */
+/* From no points, with weights. */
+static pbw_status live_points(const given *g, const pbw_options *options, uint64_t *digest)
 {
     pbw_live *live;
     pbw_mesh none;
