@@ -389,6 +389,7 @@ groups_of() { "$pbw" convert "$1" --quiet -o of.msh2 && awk -f measure.awk of.ms
 printf '%s\n' '0 11 "well" 1' '0 12 "gauge" 1' '1 4 "shore" 6' '1 5 "crack" 1' '2 6 "sand" 6' '2 8 "clay" 6' \
     '0 across' > groups
 sed 's/"[a-z]*"//' groups > tags                     # of formats without names
+sed 's/[0-9]* "/"/' groups > names                   # of formats without tags
 sed '/^[01] [1-9]/d' tags > regions                   # of formats without other groups
 {
     printf '# vtk DataFile Version 3.0\nfields\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 21 double\n'
@@ -403,7 +404,7 @@ sed '/^[01] [1-9]/d' tags > regions                   # of formats without other
 awk '/^.Nodes/ { on = 1; getline; print $1, 2, 1, 1; next } /^.EndNodes/ { on = 0 }         # an attribute 10 x + y
     on { print $1, $2, $3, 10 * $2 + $3, ($3 == 0 || $3 == 2 || $2 == 0 || $2 == 6) }' fields.msh > fields.node
 awk 'BEGIN { print 24, 3, 1 } $2 == 2 && NF == 8 { print ++n, $6, $7, $8, $4 }' fields.msh > fields.ele
-"$pbw" convert fields.msh --quiet -o of41.msh -o fields.vtu -o fields.mesh
+"$pbw" convert fields.msh --quiet -o of41.msh -o fields.vtu -o fields.mesh -o fields.inp
 stays() {   # stays INPUT OUTPUT EXPECTED COMMAND OPTION...: the output has the groups that are expected
     input=$1 output=$2 expected=$3
     shift 3
@@ -412,6 +413,7 @@ stays() {   # stays INPUT OUTPUT EXPECTED COMMAND OPTION...: the output has the 
     case $expected in
     tags) sed 's/"[a-z]*"//' got ;;
     regions) sed '/^[01] [1-9]/d; s/"[a-z]*"//' got ;;
+    names) sed 's/[0-9]* "/"/' got ;;
     *) cat got ;;
     esac | diff "$expected" -
 }
@@ -419,7 +421,7 @@ all_stay() {    # all_stay COMMAND OPTION...: from every format, to every format
     stays fields.msh o1.msh2 groups "$@" && stays o1.msh2 o2.msh groups "$@" && stays o2.msh o3.vtu groups "$@" &&
         stays of41.msh o4.msh2 groups "$@" && stays fields.vtu o5.msh groups "$@" &&
         stays fields.mesh o6.mesh tags "$@" && stays fields.vtk o7.vtu regions "$@" &&
-        stays fields.ele o8.ele regions "$@"
+        stays fields.ele o8.ele regions "$@" && stays fields.inp o9.inp names "$@"
 }
 check "regions and groups stay: triangulated again" all_stay plane
 check "regions and groups stay: --size" all_stay plane --size .5
@@ -427,6 +429,23 @@ check "regions and groups stay: --angle, --smooth" all_stay plane --angle 30 --s
 check "regions and groups stay: --coarsen" all_stay plane --size 2 --coarsen
 check "regions and groups stay: improve" all_stay improve
 check "regions and groups stay: --only-smooth" all_stay improve --smooth lloyd --only-smooth
+{   # a flat .stl of two solids: each triangle has its own corners
+    for name in left right; do
+        echo "solid $name"
+        awk -v name=$name '$2 == 2 && NF == 8 && ($4 == 6) == (name == "left") { print $6, $7, $8 }' fields.msh |
+            awk 'NR == FNR { if (NF == 4) { at[$1] = $2 " " $3 " 0" } next } { print "facet normal 0 0 1\nouter loop"
+                for (k = 1; k < 4; k++) print "vertex", at[$k]
+                print "endloop\nendfacet" }' fields.msh -
+        echo "endsolid $name"
+    done
+} > fields.stl
+printf 'v 0 0 2\nv 1 0 2\nv 2 0 2\nv 2 1 2\nv 1 1 2\nv 0 1 2\ng one\nf 1 2 5 6\ng two\nf 2 3 4 5\n' > parts.obj
+parts() {   # groups of models are regions
+    says 0 " 2 regions" fields.stl -o p.msh2 && groups_of p.msh2 > got && cat got && grep '^2 1 "left" 6$' got &&
+        grep '^2 2 "right" 6$' got && grep '^1 4 "interface" 2$' got && "$pbw" improve parts.obj -o p.vtu --quiet &&
+        groups_of p.vtu > got && cat got && grep '^2 1 "one" 1$' got && grep '^2 2 "two" 1$' got
+}
+check "solids of .stl and groups of .obj are regions" parts
 well() { stays fields.msh o.msh2 groups "$@" && grep -q ' 4[.]2 1 0$' o.msh2; }
 check "points of groups with a name do not move" well improve
 check "nor in pbw plane" well plane --smooth lloyd
@@ -461,8 +480,8 @@ flat() {    # z of all points
 }
 check "a mesh of one z stays there" flat
 in_poly() { # regions, markers and holes
-    says 0 "2 regions" fields.msh --size .5 -o f.poly && says 0 "2 regions" f.poly -o f.msh2 && groups_of f.msh2 > got &&
-        grep '^1 4  6$' got && grep '^1 5  1$' got && grep '^2 6  6$' got && grep '^2 8  6$' got &&
+    says 0 "2 regions" fields.msh --size .5 -o f.poly && says 0 "2 regions" f.poly -o f.msh2 &&
+        groups_of f.msh2 > got && grep '^1 4  6$' got && grep '^1 5  1$' got && grep '^2 6  6$' got && grep '^2 8  6$' got &&
         grep '^0 12  1$' got && "$pbw" plane plate.poly --quiet -o holed.vtu &&
         "$pbw" plane holed.vtu -o holed2.poly --quiet &&
         says 0 "8 triangles, 8 points, 8 edges of segments, 1 region" holed2.poly

@@ -124,9 +124,9 @@ PBWADAPT2DEF pbw_status pbw_plane_from_triangles(const pbw_plane_input *input, c
                                                  const pbw_plane_options *options, pbw_plane *plane);
 
 /* Computes values at the points of another mesh of the domain: linear in each triangle of `from`, and not outside of
-   the values at its corners; outside of all triangles the value at the nearest place.  width: numbers a point; values: from->point_count * width, out: room for
-   to->point_count * width.  Of options only `build` counts; NULL = defaults.  Returns PBW_ERROR_ARGUMENT if `from`
-   has no triangles, or PBW_ERROR_MEMORY. */
+   the values at its corners; outside of all triangles the value at the nearest place.  width: numbers a point;
+   values: from->point_count * width, out: room for to->point_count * width.  Of options only `build` counts; NULL =
+   defaults.  Returns PBW_ERROR_ARGUMENT if `from` has no triangles, or PBW_ERROR_MEMORY. */
 PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plane *to, const double *values,
                                            size_t width, double *out, const pbw_plane_options *options);
 

@@ -275,8 +275,8 @@ static int group_edges(const pbw_plane *mesh, carried *c)
     return mesh->edge_first[mesh->edge_count] > 0;
 }
 
-/* For each group without a name the one of points with its tag and without a name, or PBW_NONE; after the last, that of
-   the tag 1.  The caller frees it; NULL: no memory. */
+/* For each group without a name the one of points with its tag and without a name, or PBW_NONE; after the last, that
+   of the tag 1.  The caller frees it; NULL: no memory. */
 static pbw_index *find_markers(const plan *d)
 {
     item *items = (item *)malloc((d->group_count + 1) * sizeof *items);
@@ -304,8 +304,8 @@ static pbw_index *find_markers(const plan *d)
     return found;
 }
 
-/* Points stay in their groups.  Groups without a name are markers: points in none that are on edges of a group get its
-   tag if it is a marker of points; where no edge is in a group, those on the boundary get 1 likewise. */
+/* Points stay in their groups.  Groups without a name are markers: points in none that are on edges of a group get
+   its tag if it is a marker of points; where no edge is in a group, those on the boundary get 1 likewise. */
 static int group_points(const plan *d, const pbw_plane *mesh, const pbw_index *origin, carried *c, int edges)
 {
     pbw_index *markers = find_markers(d);

@@ -290,8 +290,8 @@ void describe_mesh_quality(const job *j)
     }
 }
 
-/* The better mesh, and what it carries.  view: the triangles of the input. */
-static pbw_status improve_plane(job *j, plan *d, const pbw_plane *view, pbw_plane *plane, carried *c)
+/* The better mesh, and what it carries.  view: the triangles of the input if points have values, else NULL. */
+static pbw_status improve_plane(job *j, const plan *d, const pbw_plane *view, pbw_plane *plane, carried *c)
 {
     void *own[2] = { NULL, NULL };
     static const pbw_plane_way ways[] = { PBW_PLANE_ODT, PBW_PLANE_LLOYD, PBW_PLANE_LAPLACE };
@@ -311,7 +311,7 @@ static pbw_status improve_plane(job *j, plan *d, const pbw_plane *view, pbw_plan
     }
     if (status == PBW_OK) {
         status = find_origins(d, plane, NULL, &origin)
-               ? carry(j, d, d->heights != NULL || d->column_count > 0 ? view : NULL, plane, origin, c)
+               ? carry(j, d, view, plane, origin, c)
                : PBW_ERROR_MEMORY;
     }
     free(origin);
@@ -349,7 +349,7 @@ static int improve_triangles(job *j)
     carried c;
     plan d;
     const double start = now();
-    int failed, i;
+    int failed, carries, i;
     for (i = 0; of_tets[i] != NULL; i++) {
         if (is_given(j, of_tets[i])) {
             return complain("%s %s: it is for tetrahedra, %s has triangles", of_tets[i], text_of(j, of_tets[i]),
@@ -360,9 +360,10 @@ static int improve_triangles(job *j)
     memset(&c, 0, sizeof c);
     memset(&d, 0, sizeof d);
     failed = take_cloud(j, &d);
-    if (!failed && unify_duplicates(j, &d) && view_triangles(&d, &view, &corners)) {
+    carries = d.heights != NULL || d.column_count > 0;
+    if (!failed && (!carries || unify_duplicates(j, &d)) && view_triangles(&d, &view, &corners)) {
         describe_plane(j, "before: ", &view);
-        status = improve_plane(j, &d, &view, &plane, &c);
+        status = improve_plane(j, &d, carries ? &view : NULL, &plane, &c);
     }
     if (!failed && status != PBW_OK) {
         failed = status == PBW_CANCELLED ? stopped(j)

@@ -228,7 +228,8 @@ static int add_seeds(plan *d, const area *areas, size_t count, pbw_plane_rule ru
 static int add_holes(plan *d, const pbw_plane *mesh, const pbw_plane_options *options)
 {
     const size_t most = 3 * mesh->triangle_count + 1;
-    pbw_index *border = (pbw_index *)malloc(2 * most * sizeof *border), *left = (pbw_index *)calloc(most, sizeof *left);
+    pbw_index *border = (pbw_index *)malloc(2 * most * sizeof *border);
+    pbw_index *left = (pbw_index *)calloc(most, sizeof *left);       /* the domain is to the left: region 0 */
     area *areas = NULL;
     pbw_plane_options own;
     pbw_plane_input input;

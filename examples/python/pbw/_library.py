@@ -40,8 +40,8 @@ class _Cells(ctypes.Structure):
 
 class _PlaneInput(ctypes.Structure):
     """pbw_plane_input."""
-    _fields_ = [(name, kind) for names in ("points point_count", "segments segment_count", "segment_ids", "segment_lefts",
-                                           "holes hole_count", "regions region_count", "sizes")
+    _fields_ = [(name, kind) for names in ("points point_count", "segments segment_count", "segment_ids",
+                                           "segment_lefts", "holes hole_count", "regions region_count", "sizes")
                 for name, kind in zip(names.split(), (ctypes.c_void_p, ctypes.c_size_t))]
 
 

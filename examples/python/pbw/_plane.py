@@ -41,15 +41,16 @@ def triangulate(data, options="", *, split_crossings=False, most=50e6, smooth=No
                with segment_markers, holes, regions (x, y, attribute, largest area each); for r triangles, turned in
                any way, with triangle_attributes, segments and segment_markers
     options    p segments, r triangles: what they cover is the domain, edges between triangles of different
-               attributes stay, and so do the segments; q30 least angle (20 if there is no number), a0.1 largest area (of regions if there is no
-               number), c convex hull, D conforming, Y and YY no points on the boundary and on segments, S100 at most
-               so many points, j unused vertices left out, A attributes of regions, e edges, n neighbors
+               attributes stay, and so do the segments; q30 least angle (20 if there is no number), a0.1 largest area
+               (of regions if there is no number), c convex hull, D conforming, Y and YY no points on the boundary and
+               on segments, S100 at most so many points, j unused vertices left out, A attributes of regions, e edges,
+               n neighbors
     smooth     "laplace", "lloyd" or "odt": then vertices on no segment move to better places, `rounds` times
     Returns a dictionary: vertices, vertex_markers, triangles; vertex_attributes if data has them, linear in the
     triangles of the domain, with r in those of data, at vertices that are new or have moved; with p or r segments and
-    segment_markers; with A triangle_attributes, and with r if data has them; with e edges, with n neighbors.  A marker of a vertex is its own; else that of the first of its segments that has one;
-    else 1 on the boundary, or 0.  If data has no markers, all on segments have 1.  Raises pbw.Error if nothing is
-    enclosed; ValueError for more than `most` triangles of refinement, before work if areas ask for them.
+    segment_markers; with A triangle_attributes, and with r if data has them; with e edges, with n neighbors.  A marker
+    of a vertex is its own; else that of the first of its segments that has one; else 1 on the boundary, or 0.  If data
+    has no markers, all on segments have 1.  Raises pbw.Error if nothing is enclosed; ValueError for more than `most` triangles of refinement, before work if areas ask for them.
     """
     given = _switches(options)
     if "vertices" not in data:
