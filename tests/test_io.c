@@ -1384,6 +1384,11 @@ static void test_pictures(void)
             points[i] = scale * (2 * unit_random() - 1);
         }
         CHECK(pbw_triangulate(dim, points, NULL, 200, NULL, &mesh) == PBW_OK);
+        for (mesh.dim = -1; mesh.dim < 5; mesh.dim += mesh.dim == 1 ? 3 : 1) {
+            CHECK(pbwpic_write(in_folder("a.svg"), &mesh, NULL, NULL) == PBWIO_ERROR_ARGUMENT);
+        }
+        mesh.dim = dim;
+        CHECK(pbwpic_write(in_folder("a.svg"), NULL, NULL, NULL) == PBWIO_ERROR_ARGUMENT);
         CHECK(pbwpic_write(in_folder("a.svg"), &mesh, NULL, NULL) == PBWIO_OK);
         data = read_all("a.svg", &size);
         for (at = data; (at = strstr(at, "<path ")) != NULL; at++) {

@@ -312,6 +312,12 @@ static void test_errors(void)
     CHECK(strstr(error.text, ": there is nothing to show") != NULL);
     mesh.point_count = PBWVIEW_MOST + 1;
     CHECK(pbwview_write(path, &mesh, NULL, NULL) == PBWIO_ERROR_ARGUMENT);
+    CHECK(pbwview_write(NULL, &mesh, NULL, &error) == PBWIO_ERROR_ARGUMENT);
+    CHECK(pbwview_write(path, NULL, NULL, &error) == PBWIO_ERROR_ARGUMENT);
+    mesh.simplex_count = 1;
+    for (mesh.dim = -1; mesh.dim < 5; mesh.dim += mesh.dim == 1 ? 3 : 1) {
+        CHECK(pbwview_write(path, &mesh, NULL, &error) == PBWIO_ERROR_ARGUMENT);
+    }
     unlink(path);
 }
 

@@ -480,6 +480,9 @@ PBWPICDEF pbwio_status pbwpic_write(const char *path, const pbw_mesh *mesh, cons
     const char *what = "out of memory";
     pbwio_status status = PBWIO_ERROR_MEMORY;
     pbwpic__view v;
+    if (path == NULL || mesh == NULL || (mesh->dim != 2 && mesh->dim != 3)) {
+        return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, "pbwpic_write", "no path or no mesh");
+    }
     memset(&v, 0, sizeof v);
     v.mesh = mesh;
     v.options = options == NULL ? &defaults : options;

@@ -472,6 +472,9 @@ PBWVIEWDEF pbwio_status pbwview_write(const char *path, const pbw_mesh *mesh, co
     const char *what;
     pbwio_status status;
     pbwview__page page;
+    if (path == NULL || mesh == NULL || (mesh->dim != 2 && mesh->dim != 3)) {
+        return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, "pbwview_write", "no path or no mesh");
+    }
     memset(&defaults, 0, sizeof defaults);
     memset(&page, 0, sizeof page);
     page.mesh = mesh;
