@@ -500,11 +500,11 @@ outside() { # a segment of a group that no triangle has
         diff groups got && "$pbw" improve lost.msh 2>&1 | grep "1 of 8 segments are outside"
 }
 check "a segment outside of the triangles" outside
-over() {    # a triangle on others
+over() {    # a triangle on others: its edge from (1, 0) to (6, 2) crosses the border at x = 3
     awk '/^.Elements/ { print; getline; print $1 + 1; next } /^.EndElements/ { print "34 2 2 8 1 2 21 15" } 1' \
         fields.msh > over.msh
     "$pbw" improve over.msh
-    [ $? = 1 ] && says 1 "triangles lie on each other" over.msh
+    [ $? = 1 ] && says 1 "over.msh: borders of triangles, or segments, cross at (3, 0.8)" over.msh
 }
 check "triangles that lie on each other" over
 lines() {   # a mesh of lines is a domain of segments, with their groups

@@ -859,21 +859,28 @@ static int pbwa2__compare_places(const void *one, const void *other)
          : (a->number > b->number) - (a->number < b->number);
 }
 
-/* Fills sides.  Returns NULL, or what is wrong with the triangles. */
-static const char *pbwa2__find_sides(const double *points, size_t n, const pbw_index *triangles,
-                                     const pbw_index *regions, size_t count, pbwa2__side *side)
+/* Fills sides.  Returns 0 and says why if a triangle is none. */
+static int pbwa2__find_sides(const pbw_plane_input *input, const pbw_index *triangles, const pbw_index *regions,
+                             size_t count, pbwa2__side *side, pbw_plane *plane)
 {
+    const size_t n = input->point_count;
     size_t i;
     unsigned k;
     for (i = 0; i < count; i++) {
         const pbw_index *c = triangles + 3 * i;
-        int turn;
-        if (c[0] >= n || c[1] >= n || c[2] >= n) {
-            return "a triangle has a corner that is not there";
-        }
-        turn = pbw_orient2(pbwa2__at(points, c[0]), pbwa2__at(points, c[1]), pbwa2__at(points, c[2]));
+        const int there = c[0] < n && c[1] < n && c[2] < n;
+        const int turn = there ? pbw_orient2(pbwa2__at(input->points, c[0]), pbwa2__at(input->points, c[1]),
+                                             pbwa2__at(input->points, c[2])) : 0;
         if (turn == 0) {
-            return "a triangle is flat";
+            const double *a = there ? pbwa2__at(input->points, c[0]) : NULL;
+            if (there) {
+                snprintf(plane->what, sizeof plane->what, "triangle %lu at (%.9g, %.9g) is flat", (unsigned long)i,
+                         a[0], a[1]);
+            } else {
+                snprintf(plane->what, sizeof plane->what, "triangle %lu has a corner that is not there",
+                         (unsigned long)i);
+            }
+            return 0;
         }
         for (k = 0; k < 3; k++, side++) {
             side->u = c[turn > 0 ? k : (k + 1) % 3];
@@ -881,7 +888,7 @@ static const char *pbwa2__find_sides(const double *points, size_t n, const pbw_i
             side->region = regions != NULL ? regions[i] : PBW_NONE;
         }
     }
-    return NULL;
+    return 1;
 }
 
 /* Gives sides the first of the corners at a place; each corner is u of one side.  Returns 0 without memory. */
@@ -911,8 +918,9 @@ static int pbwa2__unite_points(pbwa2__memory *memory, const double *points, size
 }
 
 /* Keeps the sides of edges with one triangle, and of those between regions.  *shared: how many edges have two
-   triangles.  Returns the number of sides, or SIZE_MAX if an edge has two triangles on one side. */
-static size_t pbwa2__find_border(pbwa2__side *side, size_t count, size_t *shared)
+   triangles.  Returns the number of sides, or SIZE_MAX and says where an edge has two triangles on one side. */
+static size_t pbwa2__find_border(const double *points, pbwa2__side *side, size_t count, size_t *shared,
+                                 pbw_plane *plane)
 {
     size_t i, kept = 0;
     *shared = 0;
@@ -925,6 +933,9 @@ static size_t pbwa2__find_border(pbwa2__side *side, size_t count, size_t *shared
         if (i + 1 == count || pbwa2__compare(side + i, side + i + 1) != 0) {
             side[kept++] = side[i];
         } else if (side[i].u == side[i + 1].u || (i + 2 < count && pbwa2__compare(side + i, side + i + 2) == 0)) {
+            const double *u = pbwa2__at(points, side[i].u), *v = pbwa2__at(points, side[i].v);
+            snprintf(plane->what, sizeof plane->what, "two triangles are on one side of the edge from (%.9g, %.9g) to "
+                     "(%.9g, %.9g)", u[0], u[1], v[0], v[1]);
             return SIZE_MAX;
         } else {
             ++*shared;
@@ -936,6 +947,16 @@ static size_t pbwa2__find_border(pbwa2__side *side, size_t count, size_t *shared
         }
     }
     return kept;
+}
+
+/* About where two segments cross. */
+static void pbwa2__meet(const double *points, const pbw_index *s, const pbw_index *t, double out[2])
+{
+    const double *a = pbwa2__at(points, s[0]), *b = pbwa2__at(points, s[1]);
+    const double *u = pbwa2__at(points, t[0]), *v = pbwa2__at(points, t[1]);
+    const double here = pbwa2__cross(u, v, a), share = here / (here - pbwa2__cross(u, v, b));
+    out[0] = a[0] + share * (b[0] - a[0]);
+    out[1] = a[1] + share * (b[1] - a[1]);
 }
 
 /* Makes the plane of the segments, the sides, and the segments the other way. */
@@ -975,9 +996,21 @@ static pbw_status pbwa2__make_of_sides(pbwa2__memory *memory, const pbw_plane_in
     input.segment_count = all;
     own.rule = PBW_PLANE_NONZERO;
     status = pbwa2__make(memory, &input, &own, plane);
-    return status == PBW_ERROR_ARGUMENT && plane->crossing_count > 0
-         ? pbwa2__say(plane, status, "borders of triangles, or segments, cross: triangles lie on each other, or a "
-                      "segment is no edge of a triangle") : status;
+    if (status == PBW_ERROR_ARGUMENT && plane->crossing_count > 0) {         /* once more, with numbers of all */
+        double at[2] = { 0, 0 };
+        pbw_plane_free(plane);
+        input.segment_ids = NULL;
+        status = pbwa2__make(memory, &input, &own, plane);
+        if (status == PBW_ERROR_ARGUMENT && plane->crossing_count > 0) {
+            const pbw_index *s = segments + 2 * (size_t)plane->crossings[0];
+            const pbw_index *t = segments + 2 * (size_t)plane->crossings[1];
+            pbwa2__meet(given->points, s, t, at);
+            pbw_plane_free(plane);
+            snprintf(plane->what, sizeof plane->what, "borders of triangles, or segments, cross at (%.9g, %.9g): "
+                     "triangles lie on each other, or a segment is no edge of one", at[0], at[1]);
+        }
+    }
+    return status;
 }
 
 PBWADAPT2DEF pbw_status pbw_plane_from_triangles(const pbw_plane_input *input, const pbw_index *triangles,
@@ -987,8 +1020,7 @@ PBWADAPT2DEF pbw_status pbw_plane_from_triangles(const pbw_plane_input *input, c
     pbwa2__memory memory;
     pbwa2__side *side;
     pbw_plane_options own;
-    pbw_status status = PBW_ERROR_MEMORY;
-    const char *fault = NULL;
+    pbw_status status;
     size_t count = 0, shared = 0;
     if (plane == NULL) {
         return PBW_ERROR_ARGUMENT;
@@ -1002,22 +1034,22 @@ PBWADAPT2DEF pbw_status pbw_plane_from_triangles(const pbw_plane_input *input, c
     }
     pbwa2__start(&memory, options);
     side = (pbwa2__side *)pbwa2__get(&memory, 3 * triangle_count, sizeof *side);
-    if (side != NULL) {
-        fault = pbwa2__find_sides(input->points, input->point_count, triangles, regions, triangle_count, side);
-        status = fault != NULL ? PBW_ERROR_ARGUMENT : PBW_OK;
-        count = fault != NULL ? 0 : pbwa2__find_border(side, 3 * triangle_count, &shared);
+    status = side == NULL ? pbwa2__say(plane, PBW_ERROR_MEMORY, NULL)
+           : pbwa2__find_sides(input, triangles, regions, triangle_count, side, plane) ? PBW_OK : PBW_ERROR_ARGUMENT;
+    if (status == PBW_OK) {
+        count = pbwa2__find_border(input->points, side, 3 * triangle_count, &shared, plane);
     }
     if (status == PBW_OK && shared == 0 && count != SIZE_MAX && triangle_count > 1) {
-        status = pbwa2__unite_points(&memory, input->points, input->point_count, side, count) ? PBW_OK
-               : PBW_ERROR_MEMORY;
-        count = pbwa2__find_border(side, count, &shared);
+        if (pbwa2__unite_points(&memory, input->points, input->point_count, side, count)) {
+            count = pbwa2__find_border(input->points, side, count, &shared, plane);
+        } else {
+            status = pbwa2__say(plane, PBW_ERROR_MEMORY, NULL);
+        }
     }
-    if (count == SIZE_MAX) {
-        fault = "two triangles are on one side of an edge";
-        status = PBW_ERROR_ARGUMENT;
+    if (status == PBW_OK) {
+        status = count == SIZE_MAX ? PBW_ERROR_ARGUMENT
+               : pbwa2__make_of_sides(&memory, input, side, count, &own, plane);
     }
-    status = status != PBW_OK ? pbwa2__say(plane, status, fault)
-           : pbwa2__make_of_sides(&memory, input, side, count, &own, plane);
     pbwa2__end(&memory);
     return status;
 }

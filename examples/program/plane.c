@@ -501,7 +501,8 @@ static int make_result(job *j, const plan *d, const pbw_plane_options *options, 
              : status == PBW_ERROR_TOO_LARGE && r->plane->report.estimate > number_of(j, "--most", 5e7)
              ? fail(j, "%s: about %.3g triangles, more than --most allows; larger sizes or a smaller angle need "
                     "fewer", j->input, r->plane->report.estimate)
-             : fail(j, "%s", r->plane->what[0] != 0 ? r->plane->what : pbw_status_string(status));
+             : fail(j, "%s%s%s", is_of_mesh(j, d) ? j->input : "", is_of_mesh(j, d) ? ": " : "",
+                    r->plane->what[0] != 0 ? r->plane->what : pbw_status_string(status));
     }
     if (!finish(r)) {
         return fail(j, "out of memory");
