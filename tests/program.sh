@@ -779,6 +779,31 @@ check "a .su2 file has a marker a patch" sh -c '[ "$(grep MARKER_TAG bar.su2 | t
 cp bar.msh2 bar2.msh
 check "a mesh with groups is improved" says 0 "volume 2, before 2" improve bar2.msh --size 0.25 -o better.msh2
 check "and has them still" sh -c 'grep -q "^2 1 .inlet.$" better.msh2 && grep -q "^3 1 .region_0.$" better.msh2'
+
+# Second-order elements are read as straight ones, with a word; groups stay, points within edges go.
+points='0 0 0  1 0 0  0 1 0  0 0 1  1 1 1'
+middles=$(echo "$points 1 2 2 3 3 1 1 4 3 4 2 4 2 5 3 5 4 5" | awk '{ for (i = 16; i < NF; i += 2) {
+    a = 3 * $i; b = 3 * $(i + 1)
+    print ($(a - 2) + $(b - 2)) / 2, ($(a - 1) + $(b - 1)) / 2, ($a + $b) / 2 } }')
+all=$(echo $points | xargs -n 3; echo "$middles")
+(printf '$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n3 7 "rock"\n2 9 "floor"\n$EndPhysicalNames\n'
+    printf '$Nodes\n14\n'
+    echo "$all" | awk '{ print NR, $0 }'
+    printf '$EndNodes\n$Elements\n3\n1 11 2 7 1  1 2 3 4 6 7 8 9 10 11\n2 11 2 7 1  2 3 4 5 7 10 11 12 14 13\n'
+    printf '3 9 2 9 1  1 3 2 8 7 6\n$EndElements\n') > second.msh
+(printf '# vtk DataFile Version 3.0\nsecond\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 14 double\n%s\n' "$all"
+    echo CELLS 2 22
+    printf '10 0 1 2 3 5 6 7 8 10 9\n10 1 2 3 4 6 9 10 11 12 13\nCELL_TYPES 2\n24\n24\n') > second.vtk
+for file in second.msh second.vtk; do
+    check "improve: $file has second-order elements" says 0 \
+        "$file: not kept: the points within edges and faces of second-order elements, which are read as straight" \
+        improve $file -o straight.msh2
+    check "$file: two tetrahedra of five points" sh -c 'sed -n "/^.Nodes/{n;p;}" straight.msh2 | grep -qx 5 &&
+        [ "$(sed -n "/^.Elements/,/^.EndElements/p" straight.msh2 | awk "\$2 == 4" | wc -l)" = 2 ]'
+    check "$file: their volume" grep -q '^volume 0.5, before 0.5$' said
+    [ $file = second.vtk ] || check "$file: its groups" sh -c 'grep -q "^3 7 .rock.$" straight.msh2 &&
+        grep -q "^2 9 .floor.$" straight.msh2 && [ "$(grep -c "^[0-9]* 2 2 9 9 " straight.msh2)" = 1 ]'
+done
 for ending in inp su2; do
     check "groups go into .$ending" says 0 "facets on the boundary" convert bar2.msh -o one.$ending
     check "and come out of it" says 0 "facets on the boundary" convert one.$ending -o two.$ending

@@ -352,7 +352,11 @@ static int same_bytes(const pbw_tets *a, const pbw_tets *b)
         && memcmp(a->corners, b->corners, 16 * a->tet_count) == 0
         && memcmp(a->neighbors, b->neighbors, 16 * a->tet_count) == 0
         && memcmp(a->points, b->points, 24 * a->point_count) == 0
-        && memcmp(a->original, b->original, 4 * a->point_count) == 0;
+        && memcmp(a->original, b->original, 4 * a->point_count) == 0
+        && a->edge_count == b->edge_count && (a->patches == NULL) == (b->patches == NULL)
+        && (a->patches == NULL || memcmp(a->patches, b->patches, 16 * a->tet_count) == 0)
+        && (a->edge_count == 0 || (memcmp(a->edges, b->edges, 8 * a->edge_count) == 0
+                                   && memcmp(a->edge_origins, b->edge_origins, 4 * a->edge_count) == 0));
 }
 
 /* Any number of threads makes the same bytes and counts; a budget that ends at any moment leaves a mesh no worse. */
@@ -688,7 +692,7 @@ static void test_transfer(void)
     pbw_tets in, other;
     pbw_status status = PBW_ERROR_MEMORY;
     meter m;
-    size_t i;
+    size_t most, i;
     long k;
     if (!test_begin("fields carried over")) {
         free(x);
@@ -721,6 +725,14 @@ static void test_transfer(void)
         CHECK(m.blocks == 0 && m.faults == 0);
     }
     CHECK(status == PBW_OK && k > 4);
+    most = m.peak;
+    for (k = 1; k <= 30; k++) {                      /* no call holds more than its limit */
+        options.memory_limit = most * (size_t)k / 20;
+        meter_start(&m, 0, 0);
+        status = pbw_tets_transfer(&in, &other, field, 1, &options, out);
+        CHECK(status == (m.peak < most ? PBW_ERROR_MEMORY : PBW_OK) && m.peak <= options.memory_limit);
+    }
+    CHECK_EQUAL(status, PBW_OK);
     for (i = 0; i < 500; i++) {
         const double due = 3 * to[3 * i] - to[3 * i + 1] + 2 * to[3 * i + 2] + 1;
         CHECK(out[i] >= low - 1e-12 && out[i] <= high + 1e-12);
@@ -824,6 +836,125 @@ static void test_refused(void)
     test_end();
 }
 
+/* A ball of two regions with patches outside and inside, and edges that stay; sizes that need more of both. */
+enum { LABELLED = 60 };
+
+typedef struct labelled {
+    double *x, sizes[LABELLED];
+    pbw_mesh mesh;
+    pbw_index *patches, *regions, edges[2 * LABELLED];
+    pbw_tets in;
+    pbw_improve_options how;
+} labelled;
+
+static void label(labelled *l)
+{
+    size_t i, k;
+    memset(l, 0, sizeof *l);
+    l->x = ball_points(LABELLED, 0);
+    CHECK_EQUAL(pbw_triangulate(3, l->x, NULL, LABELLED, NULL, &l->mesh), PBW_OK);
+    l->in = view(&l->mesh);
+    l->patches = (pbw_index *)take(l->in.tet_count * 4 * sizeof(pbw_index));
+    l->regions = (pbw_index *)take(l->in.tet_count * sizeof(pbw_index));
+    for (i = 0; i < 4 * l->in.tet_count; i++) {
+        const pbw_index *c = l->in.corners + i / 4 * 4;
+        const size_t ids = (size_t)c[0] + c[1] + c[2] + c[3] - c[i % 4];
+        l->patches[i] = l->mesh.neighbors[i] == PBW_NONE ? (pbw_index)(ids % 2) : ids % 9 == 0 ? 5 : PBW_NONE;
+        l->regions[i / 4] = l->x[3 * (size_t)c[0]] > 0;
+    }
+    for (i = 0; i < LABELLED; i++) {
+        l->sizes[i] = 0.8;
+        for (k = 0; k < 2; k++) {
+            l->edges[2 * i + k] = l->in.corners[4 * (i % 20) + k];             /* some twice */
+        }
+    }
+    l->in.patches = l->patches;
+    l->in.regions = l->regions;
+    l->in.edges = l->edges;
+    l->in.edge_count = LABELLED;
+    l->how.sizes = l->sizes;
+    l->how.rounds = 1;
+    l->how.passes = 1;
+}
+
+static void label_free(labelled *l)
+{
+    pbw_free(&l->mesh);
+    free(l->x);
+    free(l->patches);
+    free(l->regions);
+}
+
+/* Patches and edges: the same bytes for any number of threads, after each allocation that fails, and at 30 levels of
+   options.memory_limit, of which a call holds no more. */
+static void test_labelled(void)
+{
+    static const int threads[2] = { 2, 5 };
+    labelled l;
+    pbw_options options;
+    pbw_tets out, other;
+    meter m;
+    size_t most, enough, i;
+    long k, requests;
+    if (!test_begin("patches and edges: threads, failing allocations, memory limits")) {
+        return;
+    }
+    label(&l);
+    memset(&options, 0, sizeof options);
+    options.threads = 1;
+    CHECK_EQUAL(pbw_improve(&l.in, &l.how, &options, &out, NULL), PBW_OK);
+    CHECK(is_sound(&out) && out.patches != NULL);
+    test_say("%zu tetrahedra, %zu edges", out.tet_count, out.edge_count);
+    for (i = 0; i < 2; i++) {
+        options.threads = threads[i];
+        CHECK_EQUAL(pbw_improve(&l.in, &l.how, &options, &other, NULL), PBW_OK);
+        CHECK(same_bytes(&out, &other));
+        pbw_tets_free(&other);
+    }
+    options.resize = meter_resize;
+    options.resize_user = &m;
+    options.threads = 1;
+    meter_start(&m, 0, 0);
+    CHECK_EQUAL(pbw_improve(&l.in, &l.how, &options, &other, NULL), PBW_OK);
+    requests = m.requests;
+    pbw_tets_free(&other);
+    for (k = 1; k <= requests; k++) {
+        pbw_status status;
+        meter_start(&m, k, 0);
+        status = pbw_improve(&l.in, &l.how, &options, &other, NULL);
+        CHECK(m.refused > 0);
+        CHECK(status == PBW_OK ? same_bytes(&out, &other) : status == PBW_ERROR_MEMORY && other.points == NULL);
+        pbw_tets_free(&other);
+        CHECK(m.blocks == 0 && m.faults == 0);
+    }
+    for (i = 0; i < 2; i++) {
+        options.threads = i == 0 ? 1 : 3;
+        options.memory_limit = 0;
+        meter_start(&m, 0, 0);
+        CHECK_EQUAL(pbw_improve(&l.in, &l.how, &options, &other, NULL), PBW_OK);
+        most = m.peak;
+        pbw_tets_free(&other);
+        for (k = 1, enough = 0; k <= 30; k += 1 + 2 * (long)i) {             /* to 1.5 times what it holds without */
+            pbw_status status;
+            options.memory_limit = most * (size_t)k / 20;
+            meter_start(&m, 0, 0);
+            status = pbw_improve(&l.in, &l.how, &options, &other, NULL);
+            CHECK(status == PBW_OK ? same_bytes(&out, &other) : status == PBW_ERROR_MEMORY);
+            if (!CHECK(m.peak <= options.memory_limit)) {
+                test_say("%.3f of the limit", (double)m.peak / (double)options.memory_limit);
+            }
+            enough += status == PBW_OK;
+            pbw_tets_free(&other);
+            CHECK(m.blocks == 0 && m.faults == 0);
+        }
+        test_say("holds %zu bytes in %ld requests; %zu of 30 limits suffice", most, requests, enough);
+        CHECK(enough >= 3 && enough < 15);
+    }
+    pbw_tets_free(&out);
+    label_free(&l);
+    test_end();
+}
+
 /* Every allocation fails in turn; and each tenth call of progress cancels. */
 static void test_failures(void)
 {
@@ -904,5 +1035,6 @@ int main(int argc, char **argv)
     test_transfer();
     test_refused();
     test_failures();
+    test_labelled();
     return test_finish();
 }

@@ -212,6 +212,8 @@ static void pbwa3__value(const pbw_tets *from, pbw_index t, const double p[3], c
 static pbw_status pbwa3__boundary(pbwa3__places *places, pbwsf__memory *memory, const pbw_options *options)
 {
     const pbw_tets *from = places->from;
+    pbw_options own = *options;
+    pbw_status status;
     size_t i, k, count = 0;
     for (i = 0; i < 4 * from->tet_count; i++) {
         count += from->neighbors[i] == PBW_NONE;
@@ -229,8 +231,11 @@ static pbw_status pbwa3__boundary(pbwa3__places *places, pbwsf__memory *memory, 
             ((pbw_index *)places->owners.data)[count++] = (pbw_index)(i / 4);
         }
     }
-    return pbw_surface_create(from->points, from->point_count, (const pbw_index *)places->facets.data, count, options,
-                              &places->surface);
+    own.memory_limit = pbwsf__left(memory);
+    status = pbw_surface_create(from->points, from->point_count, (const pbw_index *)places->facets.data, count, &own,
+                                &places->surface);
+    memory->used += pbwim__surface_bytes(&places->surface);
+    return status;
 }
 
 PBWADAPT3DEF pbw_status pbw_tets_transfer(const pbw_tets *from, const pbw_tets *to, const double *values,
@@ -252,7 +257,6 @@ PBWADAPT3DEF pbw_status pbw_tets_transfer(const pbw_tets *from, const pbw_tets *
         plain.threads = options->threads;
         plain.resize = options->resize;
         plain.resize_user = options->resize_user;
-        plain.memory_limit = options->memory_limit;
     }
     places.from = from;
     status = pbwa3__boundary(&places, &memory, &plain);
@@ -260,6 +264,7 @@ PBWADAPT3DEF pbw_status pbw_tets_transfer(const pbw_tets *from, const pbw_tets *
         status = PBW_ERROR_MEMORY;
     }
     if (status == PBW_OK) {
+        plain.memory_limit = pbwsf__left(&memory);
         status = pbw_order(3, to->points, to->point_count, &plain, (pbw_index *)places.order.data);
     }
     for (i = 0; i < to->point_count && status == PBW_OK; i++) {

@@ -477,15 +477,15 @@ static void pbwim__add_quality(pbw_quality *sum, const pbw_quality *q)
     }
 }
 
-/* Returns options for work on threads that reports no progress; `used` bytes of the limit are taken already. */
-static pbw_options pbwim__quiet(const pbw_options *options, size_t used)
+/* Returns options for a part of the work: it reports no progress, and has what is left of the limit. */
+static pbw_options pbwim__quiet(const pbw_options *options, const pbwsf__memory *memory)
 {
     pbw_options quiet;
     memset(&quiet, 0, sizeof quiet);
     if (options != NULL) {
         quiet = *options;
         quiet.progress = NULL;
-        quiet.memory_limit -= quiet.memory_limit > used ? used : 0;
+        quiet.memory_limit = pbwsf__left(memory);
     }
     return quiet;
 }
@@ -507,7 +507,7 @@ PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *opti
     work.mesh = mesh;
     work.block = (pbw_quality *)room.data;
     work.least = kept ? (double *)(work.block + blocks + 1) : NULL;
-    quiet = pbwim__quiet(options, memory.used);
+    quiet = pbwim__quiet(options, &memory);
     done = kept && pbw_for(&quiet, blocks, 1, pbwim__measure_some, &work) == PBW_OK;
     for (i = 0; i < blocks; i++) {
         pbw_quality q;
@@ -2236,6 +2236,11 @@ static pbw_status pbwim__load_edges(pbwim__mesh *m, const pbw_tets *in)
     return PBW_OK;
 }
 
+static size_t pbwim__surface_bytes(const pbw_surface *surface)
+{
+    return surface->memory != NULL ? ((const pbwsf__tree *)surface->memory)->memory.used : 0;
+}
+
 /* Marks the boundary's points and builds its surface; blocks: two of facets, as many as tetrahedra have. */
 static pbw_status pbwim__set_marks(pbwim__mesh *m, const pbw_tets *in, double cosine, pbwsf__array *blocks,
                                    pbwsf__array *counts)
@@ -2266,13 +2271,15 @@ static pbw_status pbwim__set_marks(pbwim__mesh *m, const pbw_tets *in, double co
         pbwim__fix_patches(m);
     }
     status = pbwim__load_edges(m, in);
-    if (status != PBW_OK || m->project != NULL) {
-        return status;
+    if (status == PBW_OK && m->project == NULL) {
+        const pbw_options quiet = pbwim__quiet(m->options, &m->memory);
+        m->project = pbwim__to_surface;
+        m->project_user = &m->surface;
+        status = pbw_surface_create(in->points, in->point_count, (pbw_index *)m->facets.data, facets, &quiet,
+                                    &m->surface);
+        m->memory.used += pbwim__surface_bytes(&m->surface);
     }
-    m->project = pbwim__to_surface;
-    m->project_user = &m->surface;
-    return pbw_surface_create(in->points, in->point_count, (pbw_index *)m->facets.data, facets, m->options,
-                              &m->surface);
+    return status;
 }
 
 /* Neighbours, by sorting facets; then marks. */
@@ -2646,7 +2653,7 @@ static int pbwim__is_late(double end)
 static pbw_status pbwim__rounds(pbwim__smoothing *s, int rounds, double done, double end)
 {
     pbwim__mesh *m = s->m;
-    const pbw_options quiet = pbwim__quiet(m->options, m->memory.used);
+    const pbw_options quiet = pbwim__quiet(m->options, &m->memory);
     pbw_status status = PBW_OK;
     size_t moves = 1, p;
     int round, k;
@@ -3006,7 +3013,7 @@ static pbw_status pbwim__pass(pbwim__mesh *m, int all, const double done[2], dou
         for (i = 0; i < count; i++) {
             pbwim__open_lane(m, (pbwim__lane *)m->lanes.data + i);
         }
-        quiet = pbwim__quiet(m->options, m->memory.used);
+        quiet = pbwim__quiet(m->options, &m->memory);
         status = pbw_for(&quiet, count, 1, pbwim__mend_some, m);
         for (i = 0; i < count && status == PBW_OK; i++) {
             pbwim__lane *lane = (pbwim__lane *)m->lanes.data + i;
@@ -3410,10 +3417,10 @@ static pbw_status pbwim__output(pbwim__mesh *m, pbw_tets *out)
     out->memory = r;
     pbwim__number(m, out);
     if (!pbwim__allocate(r, out->point_count, out->tet_count, m->patched, out->edge_count)) {
-        m->memory.used = r->memory.used;
         pbw_tets_free(out);
         return PBW_ERROR_MEMORY;
     }
+    m->memory.used = r->memory.used;
     pbwim__copy(m, r, out->edge_count);
     out->points = (const double *)r->points.data;
     out->corners = (const pbw_index *)r->corners.data;
@@ -3471,6 +3478,7 @@ static void pbwim__free(pbwim__mesh *m)
                                      &m->quality, &m->region, &m->tried, &m->seen, &m->queue, &m->lanes,
                                      &m->taken, &m->facets, &m->size, &m->joint, &m->near, &m->patch, &m->edge };
     size_t i;
+    m->memory.used -= pbwim__surface_bytes(&m->surface);
     pbw_surface_free(&m->surface);
     for (i = 0; i < sizeof arrays / sizeof *arrays; i++) {
         pbwsf__release(&m->memory, arrays[i]);
@@ -3482,6 +3490,7 @@ static pbw_status pbwim__run(pbwim__mesh *m, const pbw_tets *in, const pbw_impro
 {
     const double bend = how != NULL && how->feature_angle > 0 ? how->feature_angle : 40;
     pbw_status status = pbwim__load(m, in);
+    pbw_options quiet;
     pbw_tets view;
     size_t t;
     if (status != PBW_OK) {
@@ -3500,7 +3509,8 @@ static pbw_status pbwim__run(pbwim__mesh *m, const pbw_tets *in, const pbw_impro
     view.points = in->points;
     view.corners = (const pbw_index *)m->corner.data;
     view.tet_count = m->tets;
-    (void)pbw_tets_quality(&view, m->options, &m->report->before);
+    quiet = pbwim__quiet(m->options, &m->memory);
+    (void)pbw_tets_quality(&view, &quiet, &m->report->before);
     status = status != PBW_OK ? status : pbwim__passes(m, how);
     status = status != PBW_OK ? status : pbwim__close_gaps(m);
     for (t = 0; t < m->tets; t++) {
@@ -3541,10 +3551,11 @@ PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_opt
     m.target = sin(target / 57.295779513082321);
     m.report = report;
     status = pbwim__run(&m, mesh, how, better);
-    if (status == PBW_OK) {
-        (void)pbw_tets_quality(better, options, &report->after);
-    }
     pbwim__free(&m);
+    if (status == PBW_OK) {
+        const pbw_options quiet = pbwim__quiet(options, &m.memory);
+        (void)pbw_tets_quality(better, &quiet, &report->after);
+    }
     return status;
 }
 

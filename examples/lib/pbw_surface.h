@@ -121,6 +121,12 @@ static pbwsf__memory pbwsf__memory_of(const pbw_options *options)
     return memory;
 }
 
+/* The limit of a call that is made while `used` bytes are held: 1 if they are all. */
+static size_t pbwsf__left(const pbwsf__memory *memory)
+{
+    return memory->limit == 0 ? 0 : memory->limit > memory->used ? memory->limit - memory->used : 1;
+}
+
 typedef struct pbwsf__array { void *data; size_t count, bytes; } pbwsf__array;       /* count: the owner's, items */
 
 static void pbwsf__release(pbwsf__memory *memory, pbwsf__array *array)
@@ -309,6 +315,7 @@ static pbw_status pbwsf__sort(const pbw_surface *s, const pbw_options *options, 
                                   + s->points[3 * (size_t)c[2] + k] / 3;
             }
         }
+        own.memory_limit = pbwsf__left(&tree->memory);
         status = pbw_order(3, middle, s->triangle_count, &own, (pbw_index *)tree->order.data);
         status = status == PBW_DEGENERATE ? PBW_OK : status;
     }
