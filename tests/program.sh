@@ -1,7 +1,7 @@
 #!/bin/sh
 # program.sh FOLDER: the command line of FOLDER/pbw: what it refuses and with which words, what it leaves whole, which
 # files it reads.  Every check is of an exit status and of what is printed or written.
-bin=$(cd "$1" && pwd)
+bin=$(cd "$1" && pwd) root=$PWD
 pbw=$bin/pbw work=$bin/program
 . tests/check.sh
 cd "$work" || exit 2
@@ -362,6 +362,57 @@ check "improve --error --count" errors
 check "improve --smooth --rounds" says 0 "before that, 2 rounds of smoothing" improve low.msh --smooth odt --rounds 2
 check "improve --only-smooth" says 0 "; 0 passes" improve low.msh --smooth lloyd --only-smooth
 check "improve --quality" says 0 "gamma            least" improve low.msh --quality
+
+# Sizes, limits, measures and views of solids and of tetrahedra are what they are elsewhere.
+edges() {   # edges NAME: the mean length of edges of tetrahedra left and right of x = 0.5, in the corners of NAME.ele
+    awk 'FNR == 1 { next }
+        FILENAME ~ /node$/ { x[$1] = $2; y[$1] = $3; z[$1] = $4 }
+        FILENAME ~ /ele$/ { for (a = 2; a < 6; a++) for (b = a + 1; b < 6; b++) {
+            side = x[$a] + x[$b] > 1
+            sum[side] += sqrt((x[$a] - x[$b]) ^ 2 + (y[$a] - y[$b]) ^ 2 + (z[$a] - z[$b]) ^ 2); n[side]++ } }
+        END { print sum[0] / n[0], sum[1] / n[1] }' "$1.node" "$1.ele"
+}
+graded() {  # graded COMMAND...: edges on the right are more than 1.5 times those on the left
+    "$pbw" "$@" --quiet -o graded.node -o graded.ele && edges graded | awk '{ print; exit !($2 > 1.5 * $1) }'
+}
+(printf 'ply\nformat ascii 1.0\nelement vertex 8\n'; printf 'property double %s\n' x y z h
+ printf 'element face 12\nproperty list uchar int vertex_indices\nend_header\n'
+ awk '$1 == "v" { print $2, $3, $4, ($2 > 0 ? 0.3 : 0.08) } $1 == "f" { print 3, $2 - 1, $3 - 1, $4 - 1 }' cube.obj) > cube.ply
+check "solid --size: a formula" graded solid cube.obj --size '0.08+0.22*x^2'
+check "solid --size: a column" graded solid cube.ply --size h
+check "solid --size: a column by its number" graded solid cube.ply --size '#4'
+check "solid --size: no formula" says 2 '--size 0.1+: this is no formula from "" on' solid cube.obj --size 0.1+
+check "solid --size: no column" says 1 "cube.ply" solid cube.ply --size height
+check "solid --size: nothing above 0" says 1 "it is above 0 nowhere" solid cube.obj --size '-1-x'
+sed 's/ 0.08$/ 0/' cube.ply > flat.ply
+check "solid --size: a column with 0" says 1 "it is 0 at point 0, a number above 0 is needed" solid flat.ply --size h
+"$pbw" solid cube.obj --size 0.2 --quiet -o even.node -o even.ele -o even.msh
+check "improve --size: a formula" graded improve even.msh --size '0.08+0.22*x^2'
+sed '1s/3 0 /3 1 /;2,$s/^\([^ ]* \([^ ]*\) [^ ]* [^ ]*\)/\1 \2/' even.node |
+    awk 'NR > 1 && !/^#/ { $5 = 0.08 + 0.22 * $2 ^ 2 } 1' > sized.node
+cp even.ele sized.ele
+check "improve --size: a column" graded improve sized.ele --size '#4'
+check "improve --size: a formula that is 0 somewhere" says 1 "it is 0 at point" improve even.msh --size '0.2*x'
+check "z is no place in the plane" says 2 'this is no formula from "z" on' plane p.csv --size 0.1+z
+for command in solid improve; do
+    model=$([ $command = solid ] && echo cube.obj || echo even.msh)
+    check "$command --memory-limit" says 1 "within --memory-limit 50K" $command $model --memory-limit 50K
+    check "$command --memory-limit that is enough" says 0 "dihedral" $command $model --memory-limit 1G
+    check "$command --quality" says 0 "mean" $command $model --quality
+    views() {
+        "$pbw" $command $model --quiet -o one.svg && "$pbw" $command $model --quiet -o two.svg --eye 1,0.2,0.1 \
+            --cut 1,0,0,0 && grep -q '<svg' one.svg && ! cmp one.svg two.svg &&
+            says 2 "--cut 1,0,0,0: it needs an output .html or .svg" $command $model --cut 1,0,0,0 -o one.vtu
+    }
+    check "$command --eye --cut" views
+    check "$command --colour round" says 2 "pbw $command moves points, and keeps no record of that" $command $model \
+        --colour round -o one.html
+done
+twice() {
+    grep -oEh '[{] "--[a-z-]*", (NULL|"[A-Z])' "$root"/examples/program/*.[ch] |
+        sed 's/, .*//' | sort | uniq -d
+}
+check "each option is defined once" [ -z "$(twice)" ]
 
 # On a terminal each stage has its name while it is at work, and nothing is drawn again that is there.
 if script -qec true /dev/null < /dev/null > /dev/null 2>&1; then

@@ -132,8 +132,8 @@ static int check_colour(const job *j)
     if (is_in("quality part thread round", colour) && is_given(j, "--points")) {
         return complain("--colour %s and --points exclude each other", colour);
     }
-    if (is_in("thread round", colour) && strcmp(j->command->name, "live") == 0) {
-        return complain("--colour %s: pbw live moves points, and keeps no record of that", colour);
+    if (is_in("thread round", colour) && is_in("live solid improve", j->command->name)) {
+        return complain("--colour %s: pbw %s moves points, and keeps no record of that", colour, j->command->name);
     }
     return 0;
 }

@@ -1,4 +1,4 @@
-/* expression.c: the value of a formula in x and y, such as 0.1 + 0.2*hypot(x-1, y).  Numbers, + - * / ^, brackets,
+/* expression.c: the value of a formula in x, y and z, such as 0.1 + 0.2*hypot(x-1, y).  Numbers, + - * / ^, brackets,
    functions of one or two values; read again for each value, left to right, to a bounded depth. */
 #include "program.h"
 
@@ -6,8 +6,8 @@ enum { DEEPEST = 64 };
 
 typedef struct reader {
     const char *at, *wrong;                          /* wrong: where it is no formula; NULL = nowhere */
-    double x, y;
-    int depth;
+    const double *coordinates;
+    int dim, depth;
 } reader;
 
 static double sum(reader *r);
@@ -83,8 +83,8 @@ static double atom(reader *r)
     while (*r->at >= 'a' && *r->at <= 'z') {
         r->at++;
     }
-    if (r->at - start == 1 && (*start == 'x' || *start == 'y')) {
-        return *start == 'x' ? r->x : r->y;
+    if (r->at - start == 1 && *start >= 'x' && *start < 'x' + r->dim) {
+        return r->coordinates[*start - 'x'];
     }
     return call(r, start, (size_t)(r->at - start));
 }
@@ -134,14 +134,14 @@ static double sum(reader *r)
     return value;
 }
 
-double evaluate(const char *formula, double x, double y, const char **wrong)
+double evaluate(const char *formula, int dim, const double *at, const char **wrong)
 {
     reader r;
     double value;
     memset(&r, 0, sizeof r);
     r.at = formula;
-    r.x = x;
-    r.y = y;
+    r.coordinates = at;
+    r.dim = dim;
     value = sum(&r);
     skip(&r);
     *wrong = r.wrong != NULL ? r.wrong : *r.at != 0 ? r.at : NULL;

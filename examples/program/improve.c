@@ -1,22 +1,18 @@
 /* improve.c: pbw improve. */
 #include "domain.h"
 
-static const char *const smoothers[] = { "odt", "lloyd", "laplace", NULL };
-
 static const option improve_options[] = {
-    { "--target", "DEGREES", "dihedral angles from this to 180 less this; default 30", WHOLE, 1, 60, NULL },
-    { "--seconds", "S", "end after that time with what is reached", POSITIVE, 0, 0, NULL },
-    { "--feature-angle", "DEGREES", "edges of the boundary that bend by more stay; default 40", WHOLE, 1, 180, NULL },
-    { "--size", "H", "first split and contract edges of tetrahedra to about that length", POSITIVE, 0, 0, NULL },
-    { "--error", "FILE", "the same with sizes from errors, one number a tetrahedron, of linear elements in the\n"
-      "energy norm", PLAIN, 0, 0, NULL },
-    { "--count", "N", "of tetrahedra that --error makes, about; default: as many as there are", WHOLE, 1, 1e9, NULL },
-    { "--smooth", "WAY", "before that, move points to better means: odt, lloyd or laplace; default of triangles:\n"
-      "odt", CHOICE, 0, 0, smoothers },
-    { "--rounds", "N", "of --smooth; default 5", WHOLE, 1, 1000, NULL },
+    OPTION_TARGET,
+    OPTION_SECONDS,
+    OPTION_FEATURE_ANGLE,
+    OPTION_SIZE,
+    { "--error", "FILE", "first split and contract edges for sizes from errors, one number a tetrahedron, of\n"
+      "linear elements in the energy norm", PLAIN, 0, 0, NULL },
+    OPTION_COUNT,
+    OPTION_SMOOTH,
+    OPTION_ROUNDS,
     { "--only-smooth", NULL, "nothing but --smooth", SWITCH, 0, 0, NULL },
-    { "--quality", NULL, "print measures of quality, by the names of Gmsh and Verdict", SWITCH, 0, 0, NULL },
-    { "--threads", "N", "default 0: all cores", WHOLE, 0, 256, NULL },
+    OPTION_QUALITY,
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 
@@ -37,7 +33,7 @@ void describe_histogram(const job *j, const pbw_quality *q)
     note(j, "angles in each 10 degrees:%s", line);
 }
 
-static void describe_measures(const job *j, const pbw_tets *tets)
+void describe_measures(const job *j, const pbw_tets *tets)
 {
     pbw_spread s;
     int i;
@@ -110,7 +106,11 @@ static int make_sizes(const job *j, const pbw_tets *in, double **sizes)
         return fail(j, "out of memory");
     }
     for (i = 0; i < in->point_count; i++) {
-        (*sizes)[i] = number_of(j, "--size", 1);
+        (*sizes)[i] = size_at_point(j, i);
+        if (!((*sizes)[i] > 0)) {
+            return fail(j, "--size %s: it is %g at point %zu, a number above 0 is needed", text_of(j, "--size"),
+                        (*sizes)[i], i + (size_t)j->cloud.base);
+        }
     }
     if (path != NULL) {
         double *error = read_errors(j, path, in->tet_count);
@@ -202,7 +202,7 @@ static int improve_tets(job *j)
         return complain("--rounds %s: it needs --smooth", text_of(j, "--rounds"));
     }
     if (is_given(j, "--smooth")) {
-        how.smoother = (pbw_smoother)choice_of(j, "--smooth");
+        how.smoother = (pbw_smoother)(PBW_SMOOTHER_LAPLACIAN - choice_of(j, "--smooth"));
         how.rounds = (int)number_of(j, "--rounds", 5);
         how.passes = is_given(j, "--only-smooth") ? -1 : 0;
     }
@@ -233,8 +233,7 @@ static int improve_tets(job *j)
     free(marks);
     j->build.message = NULL;
     if (status != PBW_OK) {
-        return status == PBW_CANCELLED ? stopped(j)
-             : fail(j, "%s: %s", j->input, *why != 0 ? why : pbw_status_string(status));
+        return explain_file(j, status, why);
     }
     say(j, "improve", now() - start, "%zu %s, %zu point%s", better.tet_count,
         simplices(3, better.tet_count), COUNT(better.point_count));
@@ -294,7 +293,6 @@ void describe_mesh_quality(const job *j)
 static pbw_status improve_plane(job *j, const plan *d, const pbw_plane *view, pbw_plane *plane, carried *c)
 {
     void *own[2] = { NULL, NULL };
-    static const pbw_plane_way ways[] = { PBW_PLANE_ODT, PBW_PLANE_LLOYD, PBW_PLANE_LAPLACE };
     const int way = choice_of(j, "--smooth");
     pbw_plane_options how;
     pbw_index *origin = NULL;
@@ -307,7 +305,8 @@ static pbw_status improve_plane(job *j, const plan *d, const pbw_plane *view, pb
         status = list_groups(d, plane, own) ? PBW_OK : PBW_ERROR_MEMORY;
     }
     if (status == PBW_OK) {
-        status = smooth(d, plane, NULL, ways[way < 0 ? 0 : way], (int)number_of(j, "--rounds", 5), &how);
+        status = smooth(d, plane, NULL, way < 0 ? PBW_PLANE_ODT : (pbw_plane_way)way,
+                        (int)number_of(j, "--rounds", 5), &how);
     }
     if (status == PBW_OK) {
         status = find_origins(d, plane, NULL, &origin)
@@ -387,7 +386,7 @@ static int improve_triangles(job *j)
 
 static int run(job *j)
 {
-    const int failed = load(j, 1);
+    const int failed = load_sizes(j, 1);
     if (failed) {
         return failed;
     }
@@ -410,9 +409,9 @@ const command command_improve = {
     "\n"
     "input:   .msh .mesh .inp .su2 .vtu .vtk .ele with tetrahedra or with triangles of one z\n"
     "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face (tetrahedra, boundary), .obj .ply .stl .off\n"
-    "         (boundary), .html (page to look around in); any number of them\n"
+    "         (boundary), .svg (picture), .html (page to look around in); any number of them\n"
     "\n",
-    "vtu msh msh2 mesh inp su2 node ele neigh face obj ply stl off html",
-    { improve_options, output_options, text_options, common_options, NULL, NULL, NULL, NULL },
+    "vtu msh msh2 mesh inp su2 node ele neigh face obj ply stl off svg html",
+    { improve_options, look_options, build_options, output_options, text_options, common_options, NULL },
     run, 0, 0, 0, NULL, 0
 };

@@ -7,8 +7,8 @@ static const option live_options[] = {
     { "--script", "FILE", "the changes, lines as above; - is the standard input", PLAIN, 0, 0, NULL },
     { "--no-hash", NULL, "leave hashes of commits out of the report: each takes a pass over the mesh", SWITCH, 0, 0,
       NULL },
-    { "--no-check", NULL, "skip the exact check of the result", SWITCH, 0, 0, NULL },
-    { "--no-orphans", NULL, "leave points that are corners of nothing out of the output", SWITCH, 0, 0, NULL },
+    OPTION_NO_CHECK,
+    OPTION_NO_ORPHANS,
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 
@@ -371,7 +371,7 @@ const command command_live = {
     "output:  as of pbw mesh\n"
     "\n",
     "vtu msh msh2 mesh inp su2 node ele neigh face edge obj ply stl off xyz csv txt pts asc dat tsv svg html",
-    { live_options, look_options, input_options, weight_options, build_options, output_options, text_options,
-      common_options, NULL },
+    { live_options, inside_options, look_options, input_options, weight_options, build_options, output_options,
+      text_options, common_options, NULL },
     run, 0, 0, 0, NULL, 1
 };

@@ -3,8 +3,8 @@
 
 static const option mesh_options[] = {
     { "--any-order", NULL, "skip the canonical order of simplices", SWITCH, 0, 0, NULL },
-    { "--no-check", NULL, "skip the exact check of the result", SWITCH, 0, 0, NULL },
-    { "--no-orphans", NULL, "leave points that are corners of nothing out of the output", SWITCH, 0, 0, NULL },
+    OPTION_NO_CHECK,
+    OPTION_NO_ORPHANS,
     { "--longest", "L", "only triangles or tetrahedra without an edge longer than L", POSITIVE, 0, 0, NULL },
     { "--alpha", "R", "only those whose circle or sphere has a radius of at most R: the alpha shape; with weights:\n"
       "whose orthogonal sphere has", POSITIVE, 0, 0, NULL },
@@ -156,7 +156,7 @@ const command command_mesh = {
     "         in), .geojson (triangles of the plane); any number of them\n"
     "\n",
     "vtu msh msh2 mesh inp su2 node ele neigh face edge obj ply stl off xyz csv txt pts asc dat tsv svg html geojson",
-    { mesh_options, look_options, input_options, weight_options, build_options, output_options, text_options,
-      common_options, NULL },
+    { mesh_options, inside_options, look_options, input_options, weight_options, build_options, output_options,
+      text_options, common_options, NULL },
     run, 0, 0, 0, NULL, 0
 };

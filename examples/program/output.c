@@ -13,9 +13,13 @@
 static const char *const colours[] = { "quality", "region", "patch", "part", "thread", "round", "order", "weight",
                                        "z", NULL };
 
-const option look_options[] = {
+const option inside_options[] = {
     { "--inside", NULL, "only what is inside the surface of the model", SWITCH, 0, 0, NULL },
     { "--surface", "MODEL", "the model for --inside, if it is not the input", PLAIN, 0, 0, NULL },
+    { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
+};
+
+const option look_options[] = {
     { "--title", "TEXT", "pages: default: the name of the input", PLAIN, 0, 0, NULL },
     { "--colour", "NAME", "pages: what the colours show at first: quality, region, patch, part (of the curve,\n"
       "as many as threads), thread (in whose share a point was) and round (that inserted it),\n"

@@ -25,6 +25,10 @@ static int end_report(const job *j, int status)
     if ((fflush(stdout) == 0 && !ferror(stdout)) || (status != 0 && j->report != stdout)) {
         return status;                               /* or an output went there, and its failure is told */
     }
+    if (errno == 0) {                                /* an earlier write failed: one more tells why */
+        fputc('\n', stdout);
+        (void)fflush(stdout);
+    }
     fail(j, "standard output: %s", errno != 0 ? strerror(errno) : "cannot write");
     return status != 0 ? status : FAILURE;
 }

@@ -2,20 +2,17 @@
 #include "domain.h"
 
 static const char *const rules[] = { "hull", "seeds", "even-odd", "nonzero", NULL };
-static const char *const ways[] = { "laplace", "lloyd", "odt", NULL };
 
 static const option plane_options[] = {
     { "--angle", "DEGREES", "refine: no smaller angle, up to 34, but at small angles of the input", POSITIVE, 0, 34,
       NULL },
     { "--area", "A", "refine: no larger triangle", POSITIVE, 0, 0, NULL },
-    { "--size", "SIZE", "refine: no longer edge; a number, or a formula in x and y such as\n"
-      "\"0.1+0.2*hypot(x,y)\", with + - * / ^ sqrt abs exp log sin cos min max hypot, or a\n"
-      "column with the size at each point, by its name or as #4", FORMULA, 0, 0, NULL },
+    OPTION_SIZE,
     { "--gradation", "G", "most growth of sizes per distance: of a column, default 0.3; of a formula and of the\n"
       "areas of regions, default any", POSITIVE, 0, 0, NULL },
     { "--coarsen", NULL, "leave points out that are nearer to each other than half of --size", SWITCH, 0, 0, NULL },
-    { "--smooth", "WAY", "then move points of no segment: laplace, lloyd or odt", CHOICE, 0, 0, ways },
-    { "--rounds", "N", "of --smooth; default 5", WHOLE, 1, 1000, NULL },
+    OPTION_SMOOTH,
+    OPTION_ROUNDS,
     { "--split-crossings", NULL, "put points where segments cross, instead of an error", SWITCH, 0, 0, NULL },
     { "--rule", "RULE", "what belongs to the domain: hull (all), seeds (what segments enclose, but holes),\n"
       "even-odd, nonzero (by winding numbers); default: .poly seeds, .geojson with\n"
@@ -26,10 +23,9 @@ static const option plane_options[] = {
     { "--keep-segments", NULL, "no new points on segments", SWITCH, 0, 0, NULL },
     { "--conforming", NULL, "all triangles Delaunay, across segments too", SWITCH, 0, 0, NULL },
     { "--steiner", "N", "at most N new points", WHOLE, 1, 4e9, NULL },
-    { "--most", "N", "refuse more triangles, before work if sizes ask for more; default 50 million", POSITIVE, 0, 0,
-      NULL },
-    { "--no-orphans", NULL, "leave points that are no corner out of the outputs", SWITCH, 0, 0, NULL },
-    { "--quality", NULL, "print measures of quality, by the names of Verdict and Gmsh", SWITCH, 0, 0, NULL },
+    OPTION_MOST,
+    OPTION_NO_ORPHANS,
+    OPTION_QUALITY,
     { "--histogram", NULL, "print how many triangles have which least angle", SWITCH, 0, 0, NULL },
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
@@ -49,7 +45,7 @@ typedef struct result {
 static double size_at(void *user, double x, double y)
 {
     const char *wrong;
-    const double value = evaluate((const char *)user, x, y, &wrong);
+    const double at[2] = { x, y }, value = evaluate((const char *)user, 2, at, &wrong);
     return value > 0 ? value : 0;
 }
 
@@ -368,20 +364,6 @@ static pbwio_status write_one(job *j, const char *path, const char *ending, void
 
 /* ---- the command */
 
-/* The column that --size names: no formula, but a word, or # and a number.  NULL: none. */
-static const char *column_of(const char *size)
-{
-    const char *wrong = NULL;
-    size_t i;
-    if (size == NULL) {
-        return NULL;
-    }
-    (void)evaluate(size, 0.1, 0.1, &wrong);
-    i = size[0] == '#' ? 1 + strspn(size + 1, "0123456789")
-      : strspn(size, "_0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz");
-    return wrong != NULL && size[i] == 0 && (size[0] < '0' || size[0] > '9') ? size : NULL;
-}
-
 /* Whether the domain is that of the input's triangles. */
 static int is_of_mesh(const job *j, const plan *d)
 {
@@ -391,7 +373,7 @@ static int is_of_mesh(const job *j, const plan *d)
 static int set_up(const job *j, const plan *d, pbw_plane_options *options)
 {
     static const pbw_plane_rule of[] = { PBW_PLANE_HULL, PBW_PLANE_SEEDS, PBW_PLANE_EVEN_ODD, PBW_PLANE_NONZERO };
-    const char *size = text_of(j, "--size"), *wrong = NULL;
+    const char *size = text_of(j, "--size");
     const int rule = choice_of(j, "--rule");
     memset(options, 0, sizeof *options);
     options->rule = rule >= 0 ? of[rule] : d->has_windings ? PBW_PLANE_EVEN_ODD : d->has_seeds ? PBW_PLANE_SEEDS
@@ -407,12 +389,11 @@ static int set_up(const job *j, const plan *d, pbw_plane_options *options)
                    | (is_given(j, "--keep-segments") ? PBW_PLANE_KEEP_SEGMENTS : 0)
                    | (is_given(j, "--conforming") ? PBW_PLANE_REFINE | PBW_PLANE_CONFORMING : 0)
                    | (is_given(j, "--angle") || is_given(j, "--area") || size != NULL ? PBW_PLANE_REFINE : 0);
-    if (size != NULL && column_of(size) == NULL) {
-        (void)evaluate(size, 0.1, 0.1, &wrong);
+    if (size != NULL && size_column(size) == NULL) {
         options->size_at = size_at;
         options->size_user = (void *)(uintptr_t)size;
     }
-    return wrong != NULL ? complain("--size %s: this is no formula from \"%s\" on", size, wrong) : 0;
+    return check_sizes(j, 2);
 }
 
 /* Makes a plane anew, finer and coarser by sizes at its points: a column of the input, or a formula. */
@@ -574,7 +555,7 @@ static int run(job *j)
     int failed;
     memset(&d, 0, sizeof d);
     failed = set_up(j, &d, &options);                /* before the input is read: are the options right? */
-    failed = failed ? failed : read_domain(j, &d, column_of(text_of(j, "--size")));
+    failed = failed ? failed : read_domain(j, &d, size_column(text_of(j, "--size")));
     if (!failed) {
         failed = set_up(j, &d, &options);
     }

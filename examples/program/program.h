@@ -22,6 +22,7 @@
 #include "pbw_model.h"
 #include "pbw_picture.h"
 #include "pbw_sample.h"
+#include "pbw_surface.h"
 #include "pbw_view.h"
 #include <float.h>
 #include <math.h>
@@ -66,8 +67,37 @@ typedef struct option {
 } option;
 
 /* Groups of options that commands share; an option without a name ends each. */
-extern const option input_options[], weight_options[], build_options[], look_options[], output_options[],
-                    text_options[], common_options[], file_mesh_options[];
+extern const option input_options[], weight_options[], build_options[], inside_options[], look_options[],
+                    output_options[], text_options[], common_options[], file_mesh_options[];
+
+/* Options that several commands have in groups of their own; each is defined here alone, so that it means the same. */
+extern const char *const smoothers[];                /* laplace, lloyd, odt */
+#define OPTION_COUNT { "--count", "N", \
+    "points on the surface; default 20000; pbw improve: tetrahedra that --error makes,\nabout; default: as many as " \
+    "there are", WHOLE, 1, 4e9, NULL }
+#define OPTION_FEATURE_ANGLE { "--feature-angle", "DEGREES", \
+    "edges of the surface that bend by more are sharp, and stay; default 40", WHOLE, 1, 180, NULL }
+#define OPTION_MOST { "--most", "N", \
+    "triangles or tetrahedra; more are refused, before work if sizes ask for them; default\n50 million", POSITIVE, \
+    0, 0, NULL }
+#define OPTION_NO_CHECK { "--no-check", NULL, "skip the exact check of the result", SWITCH, 0, 0, NULL }
+#define OPTION_NO_ORPHANS { "--no-orphans", NULL, \
+    "leave points that are corners of nothing out of the output", SWITCH, 0, 0, NULL }
+#define OPTION_QUALITY { "--quality", NULL, \
+    "print measures of quality, by the names of Verdict and Gmsh", SWITCH, 0, 0, NULL }
+#define OPTION_ROUNDS { "--rounds", "N", \
+    "of --smooth; default 5; pbw solid: of adding points, at most; default 16", WHOLE, 1, 1000, NULL }
+#define OPTION_SECONDS { "--seconds", "S", \
+    "of all threads' processor time, then it ends with what it has", POSITIVE, 0, 0, NULL }
+#define OPTION_SEED { "--seed", "S", "of random numbers, up to 1000000; default 1", WHOLE, 0, 1e6, NULL }
+#define OPTION_SIZE { "--size", "SIZE", \
+    "length of edges, at most: a number, or a formula in x, y (and z) such as\n\"0.1+0.2*hypot(x,y)\", with " \
+    "+ - * / ^ sqrt abs exp log sin cos min max hypot, or a\ncolumn with the size at each point, by its name or " \
+    "as #4; pbw improve: about that\nlength", FORMULA, 0, 0, NULL }
+#define OPTION_SMOOTH { "--smooth", "WAY", \
+    "move points to better means: laplace, lloyd or odt, the default of triangles", CHOICE, 0, 0, smoothers }
+#define OPTION_TARGET { "--target", "DEGREES", \
+    "dihedral angles from this to 180 less this; default 30", WHOLE, 1, 60, NULL }
 
 /* ---- commands ---- */
 
@@ -77,7 +107,7 @@ typedef struct command {
     const char *name, *summary;                      /* summary: for the list of commands */
     const char *usage;                               /* what its --help says before the options */
     const char *writes;                              /* endings of its outputs with blanks between; NULL: none */
-    const option *options[9];                        /* groups; NULL ends them */
+    const option *options[10];                       /* groups; NULL ends them */
     int (*run)(job *j);                              /* returns the exit status */
     int may_lack_input;
     int outputs_follow;                              /* arguments after the input are outputs */
@@ -180,6 +210,7 @@ void describe(const job *j);
 int mark_inside(job *j);
 /* Says why the library failed; the exit status, 0 for PBW_OK. */
 int explain(const job *j, pbw_status status);
+int explain_file(const job *j, pbw_status status, const char *why);  /* of the input; why: in words, "" = none */
 pbwsample_model model_of(const pbwio_cloud *cloud);
 
 /* ---- filemesh.c: simplices that a file has; each returns 0 or the exit status ---- */
@@ -250,8 +281,24 @@ void describe_plane_measures(const job *j, const pbw_plane *plane);  /* --qualit
 
 /* ---- expression.c ---- */
 
-/* The value of a formula at x, y; *wrong: where it is none, else NULL. */
-double evaluate(const char *formula, double x, double y, const char **wrong);
+/* The value of a formula at x, y and in 3D z; *wrong: where it is none, else NULL. */
+double evaluate(const char *formula, int dim, const double *at, const char **wrong);
+
+/* ---- sizes.c: --size; each returns 0 or the exit status ---- */
+
+const char *size_column(const char *size);           /* the column that it names: no formula, but a word, or # and a
+                                                        number; NULL: none */
+int check_sizes(const job *j, int dim);              /* refuses what is neither */
+int load_sizes(job *j, int flat);                    /* as load(); weights of the cloud are the column's values */
+double size_at_point(const job *j, size_t point);    /* after load_sizes, in 3D; 1 without --size */
+
+typedef struct sizing {                              /* sizes in space */
+    const char *formula;                             /* NULL: of values */
+    const double *values;                            /* one a point of the surface */
+    pbw_surface surface;                             /* pbw_surface_free when done */
+    double least, most;
+} sizing;
+int set_sizes(job *j, sizing *s, pbw_solid_options *how);            /* of the surface that load_sizes has read */
 
 /* ---- carry.c ---- */
 
@@ -263,6 +310,7 @@ size_t unify(const pbw_index *first, size_t count, double *values);
 void describe_quality(const job *j, const char *when, const pbw_quality *q);
 void describe_histogram(const job *j, const pbw_quality *q);
 void describe_mesh_quality(const job *j);                            /* angles of j->mesh */
+void describe_measures(const job *j, const pbw_tets *tets);          /* --quality */
 void show_tets(job *j, const pbw_tets *tets);                       /* j->mesh becomes their view, not to be freed */
 
 /* ---- pbwt.c: files of tiles; each returns the exit status ---- */

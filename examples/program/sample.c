@@ -4,14 +4,14 @@
 static const char *const fills[] = { "lattice", "poisson", NULL };
 
 static const option sample_options[] = {
-    { "--count", "N", "that many on the surface; default 20000", WHOLE, 1, 4e9, NULL },
+    OPTION_COUNT,
     { "--radius", "R", "instead: that distance apart, as many as there is room for", POSITIVE, 0, 0, NULL },
     { "--uniform", NULL, "independent random points instead, with --count", SWITCH, 0, 0, NULL },
     { "--fill", "WAY", "add points inside, as far apart: lattice (a jittered one) or poisson\n(blue noise)", CHOICE,
       0, 0, fills },
     { "--thin", NULL, "sides of a sheet thinner than the radius do not keep points apart", SWITCH, 0, 0, NULL },
     { "--facet-normals", NULL, "normals of the faces, not interpolated ones", SWITCH, 0, 0, NULL },
-    { "--seed", "S", "of random numbers, up to 1000000; default 1", WHOLE, 0, 1e6, NULL },
+    OPTION_SEED,
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 

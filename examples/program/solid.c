@@ -4,7 +4,7 @@
 static const char *const sharp_names[] = { "auto", "all", "some", "none", NULL };    /* as PBW_SOLID_SHARP_... */
 
 static const option solid_options[] = {
-    { "--size", "H", "length of edges; default: 1/40 of the diagonal", POSITIVE, 0, 0, NULL },
+    OPTION_SIZE,
     { "--least-size", "H", "edges are not shorter where walls are thin; default: 1/6 of the size, 1/3 without\n"
       "sharp edges", POSITIVE, 0, 0,
       NULL },
@@ -16,20 +16,18 @@ static const option solid_options[] = {
       "or auto, the default: by how many of them are", CHOICE, 0, 0, sharp_names },
     { "--close", NULL, "closes large holes, and fills thin sheets, which are refused else", SWITCH, 0, 0, NULL },
     { "--keep-faults", NULL, "writes a boundary that is no manifold, too", SWITCH, 0, 0, NULL },
-    { "--most", "N", "tetrahedra; default 50 million", POSITIVE, 0, 0, NULL },
+    OPTION_MOST,
     { "--patches", NULL, "list patches: the groups of the model, which are kept anyway; of a model without\n"
       "groups those between sharp edges, which are then written", SWITCH, 0, 0, NULL },
     { "--split-patches", NULL, "the same, but sharp edges cut groups, too: those of several parts become NAME_1,\n"
       "NAME_2 and so on, in the order of the model's faces", SWITCH, 0, 0, NULL },
-    { "--feature-angle", "DEGREES", "edges of the model that bend by more are sharp; default 40", WHOLE, 1, 180,
-      NULL },
+    OPTION_FEATURE_ANGLE,
     { "--distance", "D", "facets farther than D sizes from the surface get points; default 0.1", POSITIVE, 0, 0,
       NULL },
-    { "--rounds", "N", "of adding points, at most; default 16", WHOLE, 1, 1000, NULL },
-    { "--target", "DEGREES", "dihedral angles from this to 180 less this; default 30", WHOLE, 1, 60, NULL },
-    { "--seconds", "S", "of all threads' processor time, then it ends with what it has", POSITIVE, 0, 0, NULL },
-    { "--threads", "N", "default 0: all cores", WHOLE, 0, 256, NULL },
-    { "--title", "TEXT", "pages: default: the name of the input", PLAIN, 0, 0, NULL },
+    OPTION_ROUNDS,
+    OPTION_TARGET,
+    OPTION_SECONDS,
+    OPTION_QUALITY,
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 
@@ -103,6 +101,9 @@ static void report_on(const job *j, const pbw_tets *mesh, const pbw_solid_report
     describe_quality(j, "before: ", &r->improve.before);
     describe_quality(j, "after:  ", &r->improve.after);
     describe_histogram(j, &r->improve.after);
+    if (is_given(j, "--quality")) {
+        describe_measures(j, mesh);
+    }
     note(j, "Euler number %ld, of the surface %ld; edges that are no manifold %zu, points %zu", r->euler,
          r->input_euler, r->bad_edges, r->bad_points);
     note(j, "Hausdorff distance %.3f sizes of %.6g; volume %.9g, of the surface %.9g", r->distance, r->size,
@@ -331,7 +332,6 @@ static pbw_solid_options options_of(job *j)
 {
     pbw_solid_options how;
     memset(&how, 0, sizeof how);
-    how.size = number_of(j, "--size", 0);
     how.least_size = number_of(j, "--least-size", 0);
     how.curvature = number_of(j, "--curvature", 0);
     how.nested = is_given(j, "--nested");
@@ -369,10 +369,9 @@ static int refuse(const job *j, pbw_status status, const pbw_solid_report *r)
         return fail(j, "%s: --seconds were over before there was a mesh; a larger --size needs less time",
                     j->input);
     default:
-        return status == PBW_CANCELLED ? stopped(j)
-             : status == PBW_DEGENERATE ? fail(j, "%s: nothing is inside of it: it is an open sheet, or thinner than "
+        return status == PBW_DEGENERATE ? fail(j, "%s: nothing is inside of it: it is an open sheet, or thinner than "
                                                "the size; pbw check says where it is open", j->input)
-             : fail(j, "%s: %s", j->input, pbw_status_string(status));
+             : explain_file(j, status, "");
     }
 }
 
@@ -385,8 +384,9 @@ static int run(job *j)
     pbw_tets mesh;
     pbw_status status;
     naming names;
+    sizing sizes;
     size_t i;
-    int failed = load(j, 0);
+    int failed = load_sizes(j, 0);
     failed = failed ? failed : complete_groups(j);
     if (failed) {
         return failed;
@@ -405,7 +405,12 @@ static int run(job *j)
     }
     input.patches = j->cloud.triangle_groups;
     how = options_of(j);
+    failed = set_sizes(j, &sizes, &how);
+    if (failed) {
+        return failed;
+    }
     status = pbw_solid(&input, &how, &j->build, &mesh, &boundary, &report);
+    pbw_surface_free(&sizes.surface);
     if (status != PBW_OK) {
         return refuse(j, status, &report);
     }
@@ -434,15 +439,15 @@ const command command_solid = {
     "usage: pbw solid [options] model [-o output]...\n"
     "\n"
     "Fills a surface with good tetrahedra; holes are closed.  Sharp edges are kept; elsewhere the boundary is\n"
-    "within a fraction of the size.  Regions are numbers of shells: data of cells in .vtu, groups in .msh and .inp,\n"
-    "tags or references in .msh2, .mesh and .ele.  The report ends with warnings where the boundary is not that of\n"
-    "the model.\n"
+    "within a fraction of the size, which is 1/40 of the diagonal if not given.  Regions are numbers of shells:\n"
+    "data of cells in .vtu, groups in .msh and .inp, tags or references in .msh2, .mesh and .ele.  The report ends\n"
+    "with warnings where the boundary is not that of the model.\n"
     "\n"
     "input:   .obj .ply .stl .off with faces that enclose something\n"
     "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face (tetrahedra, boundary), .obj .ply .stl .off\n"
-    "         (boundary), .html (page to look around in); any number of them\n"
+    "         (boundary), .svg (picture), .html (page to look around in); any number of them\n"
     "\n",
-    "vtu msh msh2 mesh inp su2 node ele neigh face obj ply stl off html",
-    { solid_options, output_options, text_options, common_options, NULL, NULL, NULL, NULL },
+    "vtu msh msh2 mesh inp su2 node ele neigh face obj ply stl off svg html",
+    { solid_options, look_options, build_options, output_options, text_options, common_options, NULL },
     run, 0, 0, 0, NULL, 0
 };

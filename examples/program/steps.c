@@ -1,7 +1,8 @@
 /* steps.c: reads, triangulates, checks, describes; the options for that. */
 #include "program.h"
-#include "pbw_surface.h"
 #include "pbw_generate.h"
+
+const char *const smoothers[] = { "laplace", "lloyd", "odt", NULL };
 
 const option input_options[] = {
     { "--dim", "2|3", "dimension; default 3, or 2 for files of two columns or of one z", WHOLE, 2, 3, NULL },
@@ -11,7 +12,7 @@ const option input_options[] = {
     { "--decimal-comma", NULL, "tables: numbers such as 1,5; columns set apart by ; or blanks", SWITCH, 0, 0, NULL },
     { "--generate", "KIND N", "N points instead of an input: uniform gauss ball sphere lattice\n"
       "clusters lines spiral plane anisotropic moment", GENERATE, 1, 4e9, pbwgen_kinds },
-    { "--seed", "S", "of random numbers, up to 1000000; default 1", WHOLE, 0, 1e6, NULL },
+    OPTION_SEED,
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 
@@ -22,7 +23,7 @@ const option weight_options[] = {
 
 const option build_options[] = {
     { "--threads", "N", "default 0: all cores", WHOLE, 0, 256, NULL },
-    { "--memory-limit", "SIZE", "such as 500M or 4G: fail rather than use more for the triangulation", BYTES, 0, 0,
+    { "--memory-limit", "SIZE", "such as 500M or 4G: fail rather than use more than that for the work", BYTES, 0, 0,
       NULL },
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
@@ -131,6 +132,14 @@ int explain(const job *j, pbw_status status)
 {
     return status == PBW_OK ? 0 : status == PBW_CANCELLED ? stopped(j) : status == PBW_ERROR_MEMORY ? out_of_memory(j)
          : fail(j, "%s", pbw_status_string(status));
+}
+
+int explain_file(const job *j, pbw_status status, const char *why)
+{
+    const char *limit = status == PBW_ERROR_MEMORY ? text_of(j, "--memory-limit") : NULL;
+    return status == PBW_CANCELLED ? stopped(j)
+         : fail(j, "%s: %s%s%s", j->input, why[0] != 0 ? why : pbw_status_string(status),
+                limit != NULL ? " within --memory-limit " : "", limit != NULL ? limit : "");
 }
 
 int build(job *j)

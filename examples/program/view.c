@@ -121,7 +121,7 @@ const command command_view = {
     "output:  .html; default: the name of the input with that ending; of that name, it replaces pages of pbw only\n"
     "\n",
     "html",
-    { view_options, file_mesh_options, look_options, input_options, weight_options, build_options, output_options,
-      common_options, NULL },
+    { view_options, file_mesh_options, inside_options, look_options, input_options, weight_options, build_options,
+      output_options, common_options, NULL },
     run, 0, 0, 1, NULL, 1
 };
