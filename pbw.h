@@ -9,7 +9,7 @@
 
        int main(void) {
            double points[] = { 0,0,0,  1,0,0,  0,1,0,  0,0,1,  1,1,1 };   // five points in space
-           pbw_mesh mesh = {0};
+           static pbw_mesh mesh;                                   // all zero: empty
            pbw_status status = pbw_triangulate(3, points, NULL, 5, NULL, &mesh);
            if (status != PBW_OK) { printf("%s\n", pbw_status_string(status)); return 1; }
            for (size_t i = 0; i < mesh.simplex_count; i++) {
@@ -21,6 +21,53 @@
        }
 
    Build:  cc -O2 quickstart.c -lpthread
+
+   FUNCTIONS
+     pbw_triangulate         simplices, neighbours, duplicates and hidden points of points
+     pbw_triangulatef        the same of floats
+     pbw_free                frees a mesh
+     pbw_check               proves a mesh right, or says what is wrong
+     pbw_hash                one number for a triangulation
+     pbw_hash_parts          sums for the hash of a triangulation in parts
+     pbw_hash_of             the hash of such sums
+     pbw_orient2             on which side of a line a point is, exactly
+     pbw_orient3             on which side of a plane
+     pbw_incircle            whether a point is in the circle of three others
+     pbw_insphere            whether it is in the sphere of four others
+     pbw_power2              the same with weights, in the plane
+     pbw_power3              the same with weights, in space
+     pbw_for                 calls a function for ranges of numbers, on all threads
+     pbw_order               the order of points along a Hilbert curve
+     pbw_conflict2           whether a point is in conflict with a triangle, ties decided
+     pbw_conflict3           whether it is with a tetrahedron
+     pbw_status_string       a status in words
+     pbw_version             of the implementation
+     pbw_lists_free          frees lists
+     pbw_stars               the simplices around each vertex
+     pbw_locate_one          the simplex that contains a point, by a walk
+     pbw_locate              those of many points
+     pbw_finder_create       what finds places for walks to start
+     pbw_finder_locate       the simplex that contains a point, by it
+     pbw_finder_free         frees it
+     pbw_nearest             the nearest vertices of many points
+     pbw_within              the vertices in a ball around each of many points
+     pbw_coordinates         barycentric, Sibson's or Laplace's weights of many points
+     pbw_live_create         points to insert, remove and move
+     pbw_live_free           frees them
+     pbw_live_insert         queues new points, and gives their ids
+     pbw_live_remove         queues removals
+     pbw_live_move           queues moves
+     pbw_live_commit         carries out what is queued
+     pbw_changes_free        frees what a commit reports
+     pbw_live_view           the arrays of the present triangulation
+     pbw_cuda_backend        makes pbw_triangulate work on a GPU
+     pbw_cuda_backend_multi  on several GPUs
+     pbw_cuda_triangulate    a triangulation that stays on the GPU
+     pbw_cuda_check          proves it right there
+     pbw_cuda_free           frees it
+     pbw_cuda_loop_create    points that move on the GPU
+     pbw_cuda_loop_step      triangulates them at their new places
+     pbw_cuda_loop_free      frees them
 
    CONTENTS  (search for the marks)
      >>interface    types and functions

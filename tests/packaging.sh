@@ -204,6 +204,19 @@ done
 sed -n 's/^     >>\([a-z0-9]*\) .*/\1/p' pbw.h > "$work/contents"
 sed -n 's/^   >>\([a-z0-9]*\).*/\1/p' pbw.h > "$work/rooms"
 check "the contents list names the rooms, in order" same "$work/contents" "$work/rooms"
+# The index at the top of each header has its functions, in the order of their declarations, one line each.
+cat > "$work/declared.awk" << 'END'
+/^#if.*IMPLEMENT/ { exit }
+/^(PBW[A-Z0-9]*DEF|extern) [^(]*\(/ { sub(/\(.*/, ""); sub(/.*[ *]/, ""); print }
+END
+for file in pbw.h examples/lib/*.h; do
+    awk -f "$work/declared.awk" "$file" > "$work/declared"
+    [ -s "$work/declared" ] || continue             # all its functions are static
+    awk '/^   FUNCTIONS$/ { inside = 1; next }
+        inside && (NF == 0 || $1 == "*/") { exit }
+        inside { print (NF > 1 ? $1 : $1 " has no description") }' "$file" > "$work/indexed"
+    check "the index of $file names its functions, in order" same "$work/declared" "$work/indexed"
+done
 title=$(sed -n '1s/.* - v\([0-9.]*\) - .*/\1/p' pbw.h)
 macros=$(sed -n 's/^#define PBW_VERSION_[MP][A-Z]* \([0-9]*\)$/\1/p' pbw.h | paste -s -d . -)
 history=$(sed -n '/^   >>history/,/^   >>license/s/^   \([0-9][0-9.]*\)  .*/\1/p' pbw.h | head -n 1)
@@ -260,6 +273,8 @@ check "every promise names a test that is there" sh -c \
     "for t in \$(sed -n '/PROMISES/,/CONVENTIONS/s/.* \(tests\/[a-z_.]*\)\$/\1/p' pbw.h); do ls \$t || exit 1; done"
 sed -n '/^   QUICK START/,/^   Build:/s/^       //p' pbw.h > "$work/quickstart.c"
 check "the quick start compiles" $CC -O1 -I. "$work/quickstart.c" -o "$work/quickstart" -lpthread
+check "the quick start as C++, without a warning" "${CXX:-c++}" -x c++ -O1 -Wall -Wextra -Wpedantic -Werror -I. \
+    -fsyntax-only "$work/quickstart.c"
 "$work/quickstart" > "$work/printed" 2>&1
 check "the quick start prints two tetrahedra" sh -c "[ \$(grep -cE '^([0-4] ){3}[0-4]\$' $work/printed) = 2 ]"
 if [ -f README.md ]; then
@@ -268,6 +283,8 @@ if [ -f README.md ]; then
          inside { text = text $0 "\n" }' README.md > "$work/readme.c"
     check "README: its first program has the implementation" sh -c \
         "$CC -I. -fsyntax-only $work/readme.c && $CC -I. -E $work/readme.c | grep 'uint64_t pbw_hash(.*)\$'"
+    check "README: its first program as C++, without a warning" "${CXX:-c++}" -x c++ -O1 -Wall -Wextra -Wpedantic -Werror \
+        -I. -fsyntax-only "$work/readme.c"
     check "README: its first program compiles" $CC -O1 -I. -DPBW__IMPLEMENTED -no-pie "$work/readme.c" \
         "$work/whole.o" -o "$work/readme" -lpthread -lm
     check "README: its first program runs" "$work/readme"

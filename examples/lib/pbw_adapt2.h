@@ -12,6 +12,16 @@
        pbw_plane_smooth(&next, PBW_PLANE_ODT, 5, NULL, NULL);
        pbw_plane_free(&next);
 
+   FUNCTIONS
+     pbw_plane_measure_of      a measure of quality of one triangle
+     pbw_plane_measure_name    its name
+     pbw_plane_quality_of      the range and mean of a measure in a mesh
+     pbw_plane_smooth          moves points to better places
+     pbw_plane_sizes           sizes at points, of errors of triangles
+     pbw_plane_adapt           a mesh of other sizes
+     pbw_plane_from_triangles  a plane of triangles that are there
+     pbw_plane_transfer        values at the points of another mesh
+
    HOW
    A mesh that changes is built again, from the points that stay and the edges of its segments: the constrained
    triangulation takes less than a microsecond a point.  The numbers of segments and regions are kept, and edges of

@@ -13,6 +13,10 @@
        pbw_improve(&mesh, &how, NULL, &next, NULL);                            // finer where the error is
        pbw_tets_transfer(&mesh, &next, values, 1, NULL, new_values);           // one number a point
 
+   FUNCTIONS
+     pbw_tets_sizes     sizes at points, of errors of tetrahedra
+     pbw_tets_transfer  values at the points of another mesh
+
    HOW
    A linear element of size h has an error of C h^(5/2) in the energy norm; sizes make it equal for all tetrahedra.
    pbw_improve halves and contracts edges until they fit.  Fields are linear in each old tetrahedron; a walk finds the

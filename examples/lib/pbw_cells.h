@@ -15,6 +15,12 @@
        pbw_cells_free(&cells);
        pbw_free(&mesh);
 
+   FUNCTIONS
+     pbw_cells_of        the cells of a mesh's vertices in a domain
+     pbw_cells_periodic  the cells of points in a periodic box
+     pbw_cells_rings     the cells of a mesh's vertices in a polygon with holes
+     pbw_cells_free      frees cells
+
    HOW
    The cell of a vertex is the dual of its star: its corners are the centres of the star's simplices, its facets
    belong to the edges at the vertex.  Facets, and with them volumes and centroids, are computed from the rings of

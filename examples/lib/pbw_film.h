@@ -13,6 +13,12 @@
    lines and polygons, coloured by a number: triangles of a mesh, cells of a diagram, a front.
    Size: 2.7 bytes a shape and 5.4 a corner in each frame; browsers draw 10,000 polygons 30 times a second.
    No globals, no allocation.
+
+   FUNCTIONS
+     pbwfilm_write  writes a page that plays steps of points
+
+   FUNCTIONS
+     pbwfilm_write  writes a page that plays steps of points
 */
 #ifndef PBW_FILM_H
 #define PBW_FILM_H

@@ -13,6 +13,14 @@
        printf("%g..%g\n", report.after.least, report.after.largest);
        pbw_tets_free(&better);
 
+   FUNCTIONS
+     pbw_improve       makes the worst tetrahedra better
+     pbw_tet_measure   a measure of quality of one tetrahedron
+     pbw_measure_name  its name
+     pbw_tets_quality  the dihedral angles of a mesh
+     pbw_tets_spread   the range and mean of a measure in a mesh
+     pbw_tets_free     frees tetrahedra
+
    HOW
    The quality of a tetrahedron is the least sine of its six dihedral angles: 0 if it is flat, sin 70.5 at best.
    Passes take the tetrahedra below the target, worst first, and try in turn

@@ -17,6 +17,15 @@
        pbw_free(&mesh);
        pbwio_free(&cloud);
 
+   FUNCTIONS
+     pbwio_read         reads a file: points, elements, groups, columns
+     pbwio_read_memory  the same of bytes in memory
+     pbwio_load         the bytes of a file, unpacked
+     pbwio_free         frees what is read
+     pbwio_write        writes a mesh to a file, whole or not at all
+     pbwio_save         writes any text to a file in that way
+     pbwio_format_of    the format that the name of a file tells
+
    READS     what                                     columns that can be chosen
      .obj    v and f lines, polygons, negative ids    numbers of the v line
      .ply    ascii and binary, both byte orders, any  properties by name or number

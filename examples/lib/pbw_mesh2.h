@@ -19,6 +19,11 @@
        printf("%u triangles\n", (unsigned)plane.triangle_count);
        pbw_plane_free(&plane);
 
+   FUNCTIONS
+     pbw_plane_make   triangulates and refines a domain
+     pbw_plane_rings  triangulates polygons with holes
+     pbw_plane_free   frees a plane
+
    HOW
    Segments are inserted into the Delaunay triangulation of the points one by one: the triangles that a segment
    crosses are replaced on both sides of it.  The tie rule of pbw.h makes the result unique: the constrained

@@ -14,6 +14,10 @@
        if (report.bad_edges + report.bad_points > 0) puts("no manifold");    // report.places tells where
        pbw_tets_free(&mesh);
 
+   FUNCTIONS
+     pbw_solid                fills a surface with tetrahedra
+     pbw_solid_boundary_free  frees its boundary
+
    HOW
    Points are laid on sharp edges, on the surface and on a lattice inside.  Each round triangulates all of them anew,
    takes the tetrahedra whose circumcentre is inside (restricted Delaunay triangulation: Boissonnat and Oudot 2005,

@@ -16,6 +16,14 @@
        pbwio_free(&cloud);
 
    Writes .obj .ply .stl .off with triangles; .xyz .csv and, with normals or without triangles, .obj .ply: points.
+
+   FUNCTIONS
+     pbwmodel_read_normals  the normals that a file has
+     pbwmodel_write         writes a surface to a file
+
+   FUNCTIONS
+     pbwmodel_read_normals  the normals that a file has
+     pbwmodel_write         writes a surface to a file
 */
 #ifndef PBW_MODEL_H
 #define PBW_MODEL_H

@@ -15,6 +15,10 @@
    each rank: written to one file (pbw_tilefile.h), or passed to options.emit; and its hash, which is pbw_hash of one
    machine's.
 
+   FUNCTIONS
+     pbwm_triangulate  triangulates points of all processes
+     pbwm_agree        the same status on all processes, of the first that failed
+
    HOW
    Points travel to the rank whose brick has them (a sorted sample of all ranks gives the cuts); then each rank works
    through pbw_tiles.h: asks, answers, takes; rank 0 triangulates the leftovers; facets meet their other side at the

@@ -9,6 +9,12 @@
    3D: a cut-away view in perspective.  Simplices beyond a plane are removed; the visible faces of the others are
    drawn: the hull in one colour, the cut coloured by volume, both shaded by one light and by ambient occlusion. No
    globals.  Memory: at most 100 bytes for each face that looks to the viewer, 17 bytes a simplex, 16 MB.
+
+   FUNCTIONS
+     pbwpic_write  writes a mesh as an SVG picture
+
+   FUNCTIONS
+     pbwpic_write  writes a mesh as an SVG picture
 */
 #ifndef PBW_PICTURE_H
 #define PBW_PICTURE_H

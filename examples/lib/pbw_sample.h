@@ -17,6 +17,15 @@
        pbw_triangulate(3, set.points, NULL, set.count, NULL, &mesh);
        pbwsample_free(&set);
 
+   FUNCTIONS
+     pbwsample_uniform        independent points on a surface
+     pbwsample_poisson        points on a surface, evenly apart
+     pbwsample_volume         points inside
+     pbwsample_inside         which points are inside of a surface
+     pbwsample_inspect        whether a surface is closed, its area and volume
+     pbwsample_free           frees a set
+     pbwsample_status_string  a status in words
+
    WHAT                      how                                                       promise
      pbwsample_uniform       independent, as dense as options.size asks                the same for every options.run
      pbwsample_poisson       blue noise: no two closer than a radius                   maximal (by radius), or the

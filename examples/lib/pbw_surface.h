@@ -11,6 +11,15 @@
        pbw_surface_inside(&surface, p);                              // 1: p is inside of a closed surface
        pbw_surface_free(&surface);
 
+   FUNCTIONS
+     pbw_surface_create   a tree over triangles
+     pbw_surface_closest  the nearest place of the surface
+     pbw_surface_meets    the first triangle that a segment meets
+     pbw_surface_inside   whether a point is inside
+     pbw_surface_turns    how many shells are around a point, exactly
+     pbw_surface_winding  the winding number, of open surfaces too
+     pbw_surface_free     frees the tree
+
    HOW
    Boxes in a binary tree over the triangles in the order of a Hilbert curve: leaves of four triangles, all levels
    complete, so that no links are needed.  Queries write nothing: any number of threads may run them at once on one

@@ -14,6 +14,36 @@
        pbwtf_mesh_free(&mesh);
        pbwtf_close(&file);
 
+   FUNCTIONS
+     pbwtf_map_file       maps a file
+     pbwtf_unmap          ends that
+     pbwtf_fetch          reads bytes of a mapped file, unless they are there
+     pbwtf_fault          what was wrong with the bytes
+     pbwtf_fetched        bytes that are in memory
+     pbwtf_forget         frees the bytes that are in memory
+     pbwtf_expect         the sums that bytes must have
+     pbwtf_sum            a sum of bytes, faster than a checksum
+     pbwtf_seek           goes to a place of a file, beyond 2 GB
+     pbwtf_tell           the place in a file
+     pbwtf_create         makes a scratch file beside a file
+     pbwtf_enter          locks a folder for one run
+     pbwtf_leave          frees the lock
+     pbwtf_open           opens a file of tiles
+     pbwtf_close          closes it
+     pbwtf_view_of        a tile
+     pbwtf_view_head      the head of a tile
+     pbwtf_view_at        the head of a tile in a file that has no header yet
+     pbwtf_is_intact      whether its checksum is right
+     pbwtf_checksum       the checksum of bytes
+     pbwtf_mesh           a tile as a mesh
+     pbwtf_mesh_free      frees it
+     pbwtf_begin          begins to write a tile
+     pbwtf_emit           writes simplices of it
+     pbwtf_end            ends it
+     pbwtf_across_offset  where the links across tiles are
+     pbwtf_chunk_size     how many bytes a tile has in a file
+     pbwtf_seal           completes a file
+
    FORMAT  little endian, all parts on multiples of 8 bytes, filled up with zeros
      header      128 bytes: pbwtf_header, written last
      chunks      one a tile, in any place; the last may be of leftovers and then has no own points:

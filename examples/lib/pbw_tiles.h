@@ -18,6 +18,25 @@
        }                                                             // over MPI: goes on while any part has more
        pbwt_close(&tile);
 
+   FUNCTIONS
+     pbwt_cut_points   cuts space into parts of about as many points
+     pbwt_part         the part that a point is in
+     pbwt_tree_make    a tree of a part's points, which it sorts
+     pbwt_tree_over    a tree over points that are sorted
+     pbwt_boxes_of     how many boxes the tree of so many points has
+     pbwt_tree_free    frees a tree
+     pbwt_summarise    what other parts must know of a part
+     pbwt_answer       the points that another part asks for
+     pbwt_served_free  frees the memory of what was answered
+     pbwt_bytes_free   frees bytes
+     pbwt_open         begins a tile
+     pbwt_ask          works until answers of others are needed
+     pbwt_take         takes an answer
+     pbwt_close        ends a tile
+     pbwt_leftovers    what a tile knows of points that tiles gave up
+     pbwt_finish       triangulates these points in the end
+     pbwt_match        links simplices across parts
+
    HOW
    Each part triangulates its own points and a halo of others, and finds which simplices at its own points may be
    wrong.  If the ball of one meets the box of another part, it asks that part for the points in conflict, and repairs

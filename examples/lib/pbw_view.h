@@ -11,6 +11,12 @@
    is shown as points, or with the triangles of a model as a surface.  A click shows the ids of the mesh.
    Size: about 7 bytes a tetrahedron, 4 a triangle, 20 a point (15 in 2D), and for each array 1 to 7 bytes a number.
    No globals.  Memory: 4 bytes a point.
+
+   FUNCTIONS
+     pbwview_write  writes a mesh as a page
+
+   FUNCTIONS
+     pbwview_write  writes a mesh as a page
 */
 #ifndef PBW_VIEW_H
 #define PBW_VIEW_H
