@@ -21,8 +21,9 @@ echo "== in the plane: a sunflower"
 "$bin/pbw" view --generate spiral 4000 --quiet --dim 2 --title "A sunflower" -o "$out/sunflower.html"
 
 echo "== a solid: the knot filled with tetrahedra whose dihedral angles are good"
-"$bin/pbw" solid "$out/knot.obj" --title "A knot of good tetrahedra" -o "$out/solid.msh" -o "$out/solid.html"
+"$bin/pbw" solid "$out/knot.obj" --size 0.17 --title "A knot of good tetrahedra" --eye 0.1,-0.6,1 \
+    --cut 0.5,-0.8,0.3,0.25 -o "$out/solid.vtu" -o "$out/solid.msh" -o "$out/solid.html"
 
-echo "meshes: $out/knot.vtu (ParaView) $out/knot.msh (Gmsh)"
-echo "more pages: $out/points.html $out/sunflower.html $out/solid.html"
-echo "open this in a browser: $out/knot.html"
+echo "meshes: $out/solid.vtu (ParaView) $out/solid.msh (Gmsh)"
+echo "more pages: $out/points.html $out/knot.html $out/sunflower.html"
+echo "open this in a browser: $out/solid.html"

@@ -87,7 +87,7 @@ static void write_pieces(FILE *file, const pbw_cells *cells)
 /* Seen along y, pieces moved apart, the farthest site first: so each piece hides what is behind it. */
 static void draw(FILE *file, const pbw_cells *cells)
 {
-    fprintf(file, "<svg xmlns='http://www.w3.org/2000/svg' viewBox='-320 -320 640 640' width='800' height='800'>\n");
+    fprintf(file, "<svg xmlns='http://www.w3.org/2000/svg' viewBox='-320 -320 640 640'>\n");
     for (size_t i = 0; i < PIECES; i++) {
         for (size_t f = cells->first[i]; f < cells->first[i + 1]; f++) {
             const size_t from = cells->loop_first[f], to = cells->loop_first[f + 1];

@@ -114,7 +114,7 @@ static void picture(const char *title)
 static void begin_pictures(int argc, char **argv)
 {
     svg = argc > 1 ? fopen(argv[1], "w") : NULL;
-    DRAW("<svg xmlns='http://www.w3.org/2000/svg' width='%d' height='%d' font-family='sans-serif' font-size='15' "
+    DRAW("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 %d %d' font-family='sans-serif' font-size='15' "
          "stroke='#98a2b3' stroke-linejoin='round'>\n<rect width='100%%' height='100%%' fill='#fff'/>\n<g>\n",
          3 * (SIZE + GAP) + GAP, SIZE + 3 * GAP);
 }

@@ -213,7 +213,8 @@ for file in pbw.h examples/lib/*.h; do
     awk -f "$work/declared.awk" "$file" > "$work/declared"
     [ -s "$work/declared" ] || continue             # all its functions are static
     awk '/^   FUNCTIONS$/ { inside = 1; next }
-        inside && (NF == 0 || $1 == "*/") { exit }
+        NF == 0 { inside = 0 }
+        /\*\// { exit }
         inside { print (NF > 1 ? $1 : $1 " has no description") }' "$file" > "$work/indexed"
     check "the index of $file names its functions, in order" same "$work/declared" "$work/indexed"
 done

@@ -1394,6 +1394,7 @@ static void test_pictures(void)
         for (at = data; (at = strstr(at, "<path ")) != NULL; at++) {
             paths++;
         }
+        CHECK(strstr(data, "viewBox=") < strchr(data, '>') && strstr(data, "height=") > strchr(data, '>'));
         CHECK(strncmp(data, "<svg ", 5) == 0 && strcmp(data + size - 7, "</svg>\n") == 0);
         CHECK(strstr(data, "nan") == NULL && strstr(data, "inf") == NULL);
         CHECK(dim == 2 ? paths == mesh.simplex_count : paths > 20 && paths < mesh.simplex_count);

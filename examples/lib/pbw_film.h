@@ -16,9 +16,6 @@
 
    FUNCTIONS
      pbwfilm_write  writes a page that plays steps of points
-
-   FUNCTIONS
-     pbwfilm_write  writes a page that plays steps of points
 */
 #ifndef PBW_FILM_H
 #define PBW_FILM_H

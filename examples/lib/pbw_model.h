@@ -20,10 +20,6 @@
    FUNCTIONS
      pbwmodel_read_normals  the normals that a file has
      pbwmodel_write         writes a surface to a file
-
-   FUNCTIONS
-     pbwmodel_read_normals  the normals that a file has
-     pbwmodel_write         writes a surface to a file
 */
 #ifndef PBW_MODEL_H
 #define PBW_MODEL_H

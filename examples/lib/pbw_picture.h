@@ -7,11 +7,8 @@
 
    2D: all triangles, coloured by area.
    3D: a cut-away view in perspective.  Simplices beyond a plane are removed; the visible faces of the others are
-   drawn: the hull in one colour, the cut coloured by volume, both shaded by one light and by ambient occlusion. No
-   globals.  Memory: at most 100 bytes for each face that looks to the viewer, 17 bytes a simplex, 16 MB.
-
-   FUNCTIONS
-     pbwpic_write  writes a mesh as an SVG picture
+   drawn: the hull in one colour, the cut coloured by volume, both shaded by one light and by ambient occlusion.
+   A picture has no size of its own, and fills the window or the column that it is shown in.  No globals.  Memory: at most 100 bytes for each face that looks to the viewer, 17 bytes a simplex, 16 MB.
 
    FUNCTIONS
      pbwpic_write  writes a mesh as an SVG picture
@@ -461,9 +458,8 @@ static void pbwpic__emit(void *user, FILE *file)
     const pbwpic__view *v = (const pbwpic__view *)user;
     double line = 0.5 * sqrt(v->box[2] * v->box[3] / (double)(v->key_count + 1));
     size_t i, k;
-    fprintf(file, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" "
-            "viewBox=\"0 0 %.0f %.0f\">\n<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n",
-            v->box[2], v->box[3], 10 * v->box[2], 10 * v->box[3]);
+    fprintf(file, "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\">\n"
+            "<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n", 10 * v->box[2], 10 * v->box[3]);
     fprintf(file, "<g stroke=\"#101828\" stroke-opacity=\".45\" stroke-width=\"%.0f\" stroke-linejoin=\"round\">\n",
             line < 3 ? 3 : line > 12 ? 12 : line);
     for (i = 0; i < v->key_count; i++) {

@@ -14,9 +14,6 @@
 
    FUNCTIONS
      pbwview_write  writes a mesh as a page
-
-   FUNCTIONS
-     pbwview_write  writes a mesh as a page
 */
 #ifndef PBW_VIEW_H
 #define PBW_VIEW_H
