@@ -268,6 +268,15 @@ check "no product is split by fma, which some libraries round twice" sh -c \
 check "no room of pbw.h is over 700 lines" sh -c "! awk -f $work/rooms.awk pbw.h | grep ."
 check "no example is over 150 lines" sh -c "! wc -l examples/*.c* examples/[!lp]*/*.c* examples/python/*.c |
     awk '\$1 > 150 && \$2 != \"total\"' | grep ."
+gallery() {     # every example is in examples/README.md, and what that and README.md show is there
+    for file in examples/*.c examples/*.cpp examples/*.cu; do
+        grep -qF "($(basename "$file"))" examples/README.md || { echo "$file"; return 1; }
+    done
+    for file in $(grep -o 'pictures/[a-z-]*\.png' examples/README.md README.md | sed 's/.*://' | sort -u); do
+        [ -f "examples/$file" ] || { echo "$file"; return 1; }
+    done
+}
+check "the gallery has all examples, and all pictures are there" gallery
 check "no function is over 70 lines or has more than 6 parameters" sh -c \
     "! awk -f $work/functions.awk pbw.h examples/lib/*.h pbw_cuda.cu | grep ."
 check "every promise names a test that is there" sh -c \
