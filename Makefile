@@ -20,7 +20,7 @@ EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/*.h examples/lib/*.h examples/program/*.h)
-SCRIPTS = $(filter packaging hashes examples asm oracle cells cmake csharp gappa install page plane python program \
+SCRIPTS = $(filter packaging interface hashes examples asm oracle cells cmake csharp gappa install page plane python program \
     programs queries tiles view web, $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 # `make test` leaves these to `make test-all`, and tells the scripts by QUICK that one compiler is enough; it leaves out
 # those of WITHOUT, too.
@@ -44,7 +44,7 @@ endif
 endif
 
 .PHONY: all page demo web examples test test-all programs oracle arm asan ubsan tsan sanitize valgrind fuzz fuzz-long \
-    asm names fuzz-plane fuzz-cells campaign clean help FORCE
+    asm names fuzz-plane fuzz-cells campaign interface clean help FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -72,6 +72,7 @@ help:
 	@echo 'make asan ubsan tsan valgrind                  the test programs under sanitizers;  sanitize: asan and ubsan'
 	@echo 'make fuzz        fuzzers, TIME=60 each         make fuzz-long  ten million random small inputs'
 	@echo 'make fuzz-plane  a million random small plane domains, the table in full, a million crossings'
+	@echo 'make interface   records the public declarations of a version, once the history says what changed'
 	@echo 'make campaign    damaged files, faults and limits under sanitizers; COUNT=1000 is how much'
 	@echo 'make fuzz-cells  a million small inputs with cells in boxes, half-spaces, polygons, periodic boxes'
 	@echo 'CC=clang CXX=clang++ CFLAGS=-O3 B=build/clang  for any of them;  COUNT=n random inputs in tests'
@@ -196,6 +197,10 @@ page:
 	for name in view film; do awk -v name=pbw$$name -f examples/lib/view/embed.awk examples/lib/$$name/page.html \
 	    examples/lib/pbw_$$name.h > $B/page.h && { cmp -s $B/page.h examples/lib/pbw_$$name.h || \
 	    cp $B/page.h examples/lib/pbw_$$name.h; } || exit 1; done
+
+# The sums of the public declarations, see tests/interface.sh.
+interface:
+	@sh tests/interface.sh --update
 
 demo: $B/pbw $B/model
 	sh examples/demo.sh $B

@@ -1,4 +1,4 @@
-/* pbw.h - v0.1.0 - exact Delaunay and regular triangulation in 2D and 3D - MIT-0
+/* pbw.h - v0.2.0 - exact Delaunay and regular triangulation in 2D and 3D - MIT-0
 
    QUICK START
    In one source file, define PBW_IMPLEMENTATION before the include; in all others, only include.
@@ -197,7 +197,7 @@
 #include <stdint.h>
 
 #define PBW_VERSION_MAJOR 0
-#define PBW_VERSION_MINOR 1
+#define PBW_VERSION_MINOR 2
 #define PBW_VERSION_PATCH 0
 #define PBW_VERSION (PBW_VERSION_MAJOR * 10000 + PBW_VERSION_MINOR * 100 + PBW_VERSION_PATCH)
 
@@ -849,13 +849,12 @@ PBW__WIN32(int) SleepConditionVariableSRW(struct _RTL_CONDITION_VARIABLE *condit
 }
 #endif
 #endif
-#define PBW__CLOCK(name, number) ((void)name((union _LARGE_INTEGER *)(void *)(number)))
 /* Reads a clock that nobody sets: for statistics, progress, short waits. */
 static double pbw__seconds(void)
 {
     int64_t count = 0, frequency = 1;
-    PBW__CLOCK(QueryPerformanceCounter, &count);
-    PBW__CLOCK(QueryPerformanceFrequency, &frequency);
+    (void)QueryPerformanceCounter((union _LARGE_INTEGER *)(void *)&count);
+    (void)QueryPerformanceFrequency((union _LARGE_INTEGER *)(void *)&frequency);
     return (double)count / (double)frequency;
 }
 #else
@@ -2094,10 +2093,9 @@ PBW__DEVICE static int pbw__exact_sign(const pbw__integer *a)
 }
 
 /* Returns the sign of a predicate, see >>predicates: an orientation if count is dim, a power determinant if it is
-   dim+1.  The latter stores orientation[i] too: that of the simplex row[0..dim] with corner i replaced by the
-   origin. pool: room for PBW__POOL digits.  Minors are built up by columns x, y, z, lift: minor[set] is the
-   determinant of the rows row[i] - origin in the set and of the same number of first columns, expanded by its last
-   column. */
+   dim+1.  The latter stores orientation[i] too: that of the simplex row[0..dim] with corner i replaced by the origin.
+   pool: room for PBW__POOL digits.  Minors are built up by columns x, y, z, lift: minor[set] is the determinant of
+   the rows row[i] - origin in the set and of the same number of first columns, expanded by its last column. */
 PBW__DEVICE static int pbw__exact_determinant_in(pbw__digit *pool, int dim, int count, const double *const *row,
                                                  const double *origin, int *orientation)
 {
@@ -6119,9 +6117,8 @@ PBW__SIMD static PBW__NOINLINE pbw_status pbw__ring_hull(pbw__kernel *kernel, pb
 
 /* Tests the first three edges together with the six that would replace them, as waiting for the first verdicts costs
    more.  Sets *head to the number of edges of the queue that are done; it stays 0 at the hull, and where a verdict
-   stays open.
-   Only without weights.  A triangle that is looked at and not deleted has a vertex of the first one, which is ours:
-   (a) and (b) of >>parallel hold for it. */
+   stays open.  Only without weights.  A triangle that is looked at and not deleted has a vertex of the first one,
+   which is ours: (a) and (b) of >>parallel hold for it. */
 PBW__SIMD_INLINE pbw_status pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring, const pbw__link *beyond,
                                             const pbw__triangles *t, const pbw__point4 *point, unsigned *head)
 {
@@ -16146,8 +16143,7 @@ static pbw_index pbw__live_new_vertex(pbw_live *live, const double *x, pbw_index
 {
     pbw__core *core = &live->core;
     const size_t dim = (size_t)live->dim;
-    const pbw_index v = core->unused_count > 0 ? core->unused[--core->unused_count]
-                                               : (pbw_index)++core->vertex_count;
+    const pbw_index v = core->unused_count > 0 ? core->unused[--core->unused_count] : (pbw_index)++core->vertex_count;
     double *record = core->record + v * (dim + 1);
     memmove(record, x, dim * sizeof(double));
     record[dim] = live->weight[id];
@@ -18750,6 +18746,12 @@ PBWDEF pbw_status pbw_triangulatef(int dim, const float *points, const float *we
 
 /* ------------------------------------------------------------------------------------------------------
    >>history
+   0.2.0   2026-11-28   New: queries, pbw_stars to pbw_coordinates.  New: live triangulations, pbw_live.  New:
+                        pbw_for, pbw_order, pbw_conflict2, pbw_conflict3, pbw_hash_parts; PBW_CURVE_ORDER and
+                        mesh.original, PBW_BORROW; PBW_STAGE_WORK; loops of pbw_cuda.cu; pbw_job.memory_limit.
+                        Changed: pbw_hash takes options, and is 0 for what is no mesh; memory_limit counts what a
+                        live triangulation holds, in each call on it; arguments are checked before progress is
+                        called; pbw_locate with hull_facets takes meshes of any size.
    0.1.0   2026-11-21   First version: 2D and 3D, weights, exact, threads, GPU backend; check and hash.
    ------------------------------------------------------------------------------------------------------ */
 #endif /* PBW_IMPLEMENTATION */

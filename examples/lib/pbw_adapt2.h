@@ -1,4 +1,4 @@
-/* pbw_adapt2.h - v0.1.0 - plane meshes: quality, smoothing, adaptation - MIT-0
+/* pbw_adapt2.h - v0.2.0 - plane meshes: quality, smoothing, adaptation - MIT-0
 
    QUICK START
    In one source file, define PBW_ADAPT2_IMPLEMENTATION before the include; in all others, only include.

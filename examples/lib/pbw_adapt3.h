@@ -1,4 +1,4 @@
-/* pbw_adapt3.h - v0.1.0 - tetrahedral meshes adapted to an error: sizes, and fields on the new mesh - MIT-0
+/* pbw_adapt3.h - v0.2.0 - tetrahedral meshes adapted to an error: sizes, and fields on the new mesh - MIT-0
 
    QUICK START
    In one source file, define PBW_ADAPT3_IMPLEMENTATION before the include; in all others, only include.

@@ -1,4 +1,4 @@
-/* pbw_cells.h - v0.1.0 - cells of the Voronoi and of the power diagram - MIT-0
+/* pbw_cells.h - v0.2.0 - cells of the Voronoi and of the power diagram - MIT-0
 
    QUICK START
    In one source file, define PBW_CELLS_IMPLEMENTATION before the include; in all others, only include.

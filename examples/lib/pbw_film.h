@@ -1,4 +1,4 @@
-/* pbw_film.h - v0.1.0 - pages that play a changing plane mesh in a browser - MIT-0
+/* pbw_film.h - v0.2.0 - pages that play a changing plane mesh in a browser - MIT-0
 
    In one source file, define PBW_FILM_IMPLEMENTATION before the include; in all others, only include.
    Needs pbw_io.h, with its implementation in some source file.

@@ -1,4 +1,4 @@
-/* pbw_generate.h - v0.1.0 - points in many patterns, for trials - MIT-0
+/* pbw_generate.h - v0.2.0 - points in many patterns, for trials - MIT-0
 
    Include it; every function is static.  Needs pbw_io.h, with its implementation in some source file.
 

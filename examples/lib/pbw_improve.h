@@ -1,4 +1,4 @@
-/* pbw_improve.h - v0.1.0 - makes the worst tetrahedra of a mesh better - MIT-0
+/* pbw_improve.h - v0.2.0 - makes the worst tetrahedra of a mesh better - MIT-0
 
    QUICK START
    In one source file, define PBW_IMPROVE_IMPLEMENTATION before the include; in all others, only include.

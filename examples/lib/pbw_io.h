@@ -1,4 +1,4 @@
-/* pbw_io.h - v0.1.0 - reads point clouds and models, writes meshes - MIT-0
+/* pbw_io.h - v0.2.0 - reads point clouds and models, writes meshes - MIT-0
 
    QUICK START
    In one source file, define PBW_IO_IMPLEMENTATION before the include; in all others, only include.

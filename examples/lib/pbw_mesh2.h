@@ -1,4 +1,4 @@
-/* pbw_mesh2.h - v0.1.0 - plane domains: constraints, holes, regions, refinement - MIT-0
+/* pbw_mesh2.h - v0.2.0 - plane domains: constraints, holes, regions, refinement - MIT-0
 
    QUICK START
    In one source file, define PBW_MESH2_IMPLEMENTATION before the include; in all others, only include.

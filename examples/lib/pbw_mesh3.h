@@ -1,4 +1,4 @@
-/* pbw_mesh3.h - v0.1.0 - tetrahedra for the inside of a surface or of an implicit function - MIT-0
+/* pbw_mesh3.h - v0.2.0 - tetrahedra for the inside of a surface or of an implicit function - MIT-0
 
    QUICK START
    In one source file, define PBW_MESH3_IMPLEMENTATION before the include; in all others, only include.

@@ -1,4 +1,4 @@
-/* pbw_model.h - v0.1.0 - surfaces and points with normals, from files and to files - MIT-0
+/* pbw_model.h - v0.2.0 - surfaces and points with normals, from files and to files - MIT-0
 
    In one source file, define PBW_MODEL_IMPLEMENTATION before the include; in all others, only include.
    Needs the implementation of pbw_io.h in the same source file, before it.

@@ -1,4 +1,4 @@
-/* pbw_mpi.h - v0.1.0 - one exact triangulation by many machines, over MPI - MIT-0
+/* pbw_mpi.h - v0.2.0 - one exact triangulation by many machines, over MPI - MIT-0
 
    QUICK START
    In one source file, define PBW_MPI_IMPLEMENTATION before the include; in all others, only include.

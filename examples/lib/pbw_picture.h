@@ -1,4 +1,4 @@
-/* pbw_picture.h - v0.1.0 - pictures of triangulations, as SVG - MIT-0
+/* pbw_picture.h - v0.2.0 - pictures of triangulations, as SVG - MIT-0
 
    In one source file, define PBW_PICTURE_IMPLEMENTATION before the include; in all others, only include.
    Needs pbw_io.h, with its implementation in some source file.

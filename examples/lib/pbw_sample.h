@@ -1,4 +1,4 @@
-/* pbw_sample.h - v0.1.0 - points on and in triangulated surfaces - MIT-0
+/* pbw_sample.h - v0.2.0 - points on and in triangulated surfaces - MIT-0
 
    QUICK START
    In one source file, define PBW_SAMPLE_IMPLEMENTATION before the include; in all others, only include.

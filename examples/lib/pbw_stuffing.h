@@ -1,4 +1,4 @@
-/* pbw_stuffing.h - v0.1.0 - tetrahedra for implicit functions by isosurface stuffing - MIT-0
+/* pbw_stuffing.h - v0.2.0 - tetrahedra for implicit functions by isosurface stuffing - MIT-0
 
    Include it where the implementations of pbw.h and pbw_surface.h are included; every function is static.
 

@@ -1,4 +1,4 @@
-/* pbw_surface.h - v0.1.0 - nearest points, crossings and the inside of a triangulated surface - MIT-0
+/* pbw_surface.h - v0.2.0 - nearest points, crossings and the inside of a triangulated surface - MIT-0
 
    QUICK START
    In one source file, define PBW_SURFACE_IMPLEMENTATION before the include; in all others, only include.

@@ -1,4 +1,4 @@
-/* pbw_tilefile.h - v0.1.0 - files of triangulations in tiles: .pbwt - MIT-0
+/* pbw_tilefile.h - v0.2.0 - files of triangulations in tiles: .pbwt - MIT-0
 
    QUICK START
    In one source file, define PBW_TILEFILE_IMPLEMENTATION before the include; in all others, only include.

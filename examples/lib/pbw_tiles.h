@@ -1,4 +1,4 @@
-/* pbw_tiles.h - v0.1.0 - one exact triangulation in parts: over many machines, or one after the other - MIT-0
+/* pbw_tiles.h - v0.2.0 - one exact triangulation in parts: over many machines, or one after the other - MIT-0
 
    QUICK START
    In one source file, define PBW_TILES_IMPLEMENTATION before the include; in all others, only include.

@@ -1,4 +1,4 @@
-/* pbw_view.h - v0.1.0 - pages to look at triangulations in a browser - MIT-0
+/* pbw_view.h - v0.2.0 - pages to look at triangulations in a browser - MIT-0
 
    In one source file, define PBW_VIEW_IMPLEMENTATION before the include; in all others, only include.
    Needs pbw_io.h, with its implementation in some source file.
