@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static size_t held, peak;
+static size_t in_use, most_in_use;
 
 /* Blocks know their size, so that what is held can be counted; while a block is resized both sizes are. */
 static void *count_realloc(void *ptr, size_t size)
@@ -20,12 +20,12 @@ static void *count_realloc(void *ptr, size_t size)
     if (block == NULL) {
         return NULL;
     }
-    held += size;
-    peak = held > peak ? held : peak;
+    in_use += size;
+    most_in_use = in_use > most_in_use ? in_use : most_in_use;
     block[0] = size;
     if (old != NULL) {
         memcpy(block + 2, ptr, before < size ? before : size);
-        held -= before;
+        in_use -= before;
         free(old);
     }
     return block + 2;
@@ -34,7 +34,7 @@ static void *count_realloc(void *ptr, size_t size)
 static void count_free(void *ptr)
 {
     if (ptr != NULL) {
-        held -= *((size_t *)ptr - 2);
+        in_use -= *((size_t *)ptr - 2);
         free((size_t *)ptr - 2);
     }
 }
@@ -58,12 +58,12 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size);
 static const char *judge(const pbwio_cloud *cloud, pbwio_status status, const pbwio_error *error, size_t bound)
 {
     size_t i;
-    if (peak > bound) {
+    if (most_in_use > bound) {
         return "too much memory";
     }
     if (status != PBWIO_OK) {
         size_t length = strlen(error->text);
-        return held != 0 ? "memory held after a failure"
+        return in_use != 0 ? "memory held after a failure"
              : cloud->count != 0 || cloud->points != NULL || cloud->triangles != NULL || cloud->tetrahedra != NULL
              ? "not empty after a failure"
              : length == 0 || length >= sizeof error->text || strchr(error->text, '\n') != NULL ? "no proper message"
@@ -171,14 +171,14 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
         options.weight = weights[size / 5 % 5];
         options.dim = size % 7 == 6 ? 2 : size % 7 == 5 ? 3 : 0;
         options.flags = size % 11 == 0 ? PBWIO_DECIMAL_COMMA : 0;
-        held = peak = 0;
+        in_use = most_in_use = 0;
         status = pbwio_read_memory("fuzz", data, size, &options, &cloud, &error);
         fault = judge(&cloud, status, &error, io_bound(data, size));
         if (fault == NULL && format == PBWIO_AUTO && cloud.dim == 3 && cloud.triangle_count <= 100) {
             fault = sample(&cloud, size);
         }
         pbwio_free(&cloud);
-        if (fault != NULL || held != 0) {
+        if (fault != NULL || in_use != 0) {
             printf("format %d: %s\n", format, fault != NULL ? fault : "memory held at the end");
             fflush(stdout);
             abort();
