@@ -293,6 +293,7 @@ static void load_state(work *w)
     is_there = is_state && s.size > 0 && stat(s.out, &output) == 0 && (uint64_t)output.st_ino == s.number;
     if (is_state && (s.size == 0 || is_there) && read_state(w, file, &s)) {
         w->s = s;
+        begin(w->j, "tiles", "those of an earlier run are read");
         check_finished(w);
         note(w->j, "going on: %u of %zu tile%s %s finished", w->s.done, COUNT(s.parts), s.parts == 1 ? "is" : "are");
     } else {
@@ -1477,6 +1478,7 @@ static int prepare(work *w)
     if (take_scratch(w)) {
         return FAILURE;
     }
+    begin(w->j, "read", name);
     w->s.input_mark = mark_of_input(w);
     load_state(w);
     return 0;
