@@ -383,6 +383,21 @@ check "one standard input" early 2 "points and queries cannot both be the standa
 check "no neighbours" early 2 "-k 0: a whole number from 1 to 1000000" nearest a b -k 0
 check "a box of no size" early 2 "--box 0,0,0,1,0,1: the low corner and the high corner are needed" \
     cells lattice.csv --box 0,0,0,1,0,1
+"$pbw" mesh --generate uniform 400 --quiet -o repeated.csv
+lattice_volumes() {     # the same cells by other vectors of the same lattice
+    "$pbw" cells repeated.csv --box 0,0,0,1,1,1 --periodic xyz --quiet -o c.csv &&
+        says 0 "volume 1, the sum of cells; 1, the box" cells repeated.csv --lattice 1,0,0,3,1,0,-2,4,1 -o c2.csv &&
+        [ "$(cut -d , -f 1,6 c.csv)" = "$(cut -d , -f 1,6 c2.csv)" ]
+}
+check "cells of a lattice" lattice_volumes
+check "cells of a lattice, 2D" says 0 "area 3.75, the sum of cells; 3.75, the box" \
+    cells one2.csv --lattice 2,0.5,0.5,2 -o c.csv
+check "a lattice without a number" early 2 "vectors are needed, 4 numbers in 2D or 9 in 3D" \
+    cells repeated.csv --lattice 1,0,0,1,0
+check "a lattice of the plane" says 1 "9 numbers are needed" cells repeated.csv --lattice 1,0,0,1
+check "a flat lattice" says 1 "the vectors are flat" cells repeated.csv --lattice 1,0,0,2,0,0,0,0,1
+check "a lattice and a box" early 2 "exclude each other" \
+    cells repeated.csv --lattice 1,0,0,0,1,0,0,0,1 --box 0,0,0,1,1,1
 check "periodic without a box" early 2 "--periodic xy: it needs --box" cells lattice.csv --periodic xy
 check "axes" early 2 "--periodic xw: some of the letters x, y, z" cells lattice.csv --periodic xw
 check "a box of the plane" says 1 "6 numbers are needed for points in 3D" cells lattice.csv --box 0,0,1,1

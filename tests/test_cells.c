@@ -1088,6 +1088,302 @@ static void test_crowded(void)
     }
 }
 
+/* ---- lattices of any vectors, against brute force: `base` are vectors of moderate angles, and the given ones are
+   sums of them, sum[k][i] of each, which make the same lattice. */
+
+typedef struct lattices { int dim; double base[3][3]; int sum[3][3]; double given[9], volume; } lattices;
+
+static double random_of(uint64_t *state, double low, double high)
+{
+    return low + (high - low) * (double)(input_next(state) >> 11) / 9007199254740992.0;
+}
+
+/* skew: steps in which one given vector gets another one added or taken away */
+static lattices lattices_make(int dim, int skew, uint64_t *state)
+{
+    lattices l;
+    int i, k, m, step;
+    memset(&l, 0, sizeof l);
+    l.dim = dim;
+    for (i = 0; i < dim; i++) {
+        for (k = 0; k < dim; k++) {
+            l.base[i][k] = random_of(state, -0.4, 0.4) + (i == k ? 1.5 : 0);
+        }
+        l.sum[i][i] = 1;
+    }
+    for (step = 0; step < skew; step++) {
+        const int to = (int)input_below(state, (uint32_t)dim);
+        const int from = (to + 1 + (int)input_below(state, (uint32_t)dim - 1)) % dim;
+        const int sign = input_below(state, 2) != 0 ? 1 : -1;
+        for (k = 0; k < dim; k++) {
+            l.sum[to][k] += sign * l.sum[from][k];
+        }
+    }
+    for (i = 0; i < dim; i++) {
+        for (k = 0; k < dim; k++) {
+            for (m = 0; m < dim; m++) {
+                l.given[i * dim + k] += l.sum[i][m] * l.base[m][k];
+            }
+        }
+    }
+    l.volume = dim == 2 ? l.base[0][0] * l.base[1][1] - l.base[0][1] * l.base[1][0] : 0;
+    for (k = 0; k < 3 && dim == 3; k++) {
+        l.volume += l.base[0][k] * (l.base[1][(k + 1) % 3] * l.base[2][(k + 2) % 3]
+                                    - l.base[1][(k + 2) % 3] * l.base[2][(k + 1) % 3]);
+    }
+    return l;
+}
+
+typedef struct image { double plane[4], far; pbw_index name; } image;
+
+static int image_order(const void *a, const void *b)
+{
+    const double x = ((const image *)a)->far, y = ((const image *)b)->far;
+    return x < y ? -1 : x > y;
+}
+
+static pbw_index image_name(size_t point, int a, int b, int c)
+{
+    return (pbw_index)((point * 9 + (size_t)(a + 4)) * 9 + (size_t)(b + 4)) * 9 + (pbw_index)(c + 4);
+}
+
+/* Half-spaces of the nearest images, 4 base vectors each way (in the plane in a slab of height 1). */
+static void image_cell(const lattices *l, const pbw_cells *cells, const double *w, size_t i, brute *b)
+{
+    static image images[12 * 729];
+    const size_t dim = (size_t)l->dim;
+    const double *p = cells->sites + i * dim;
+    int t[3], count = 0, f, c = dim == 3 ? 4 : 0;
+    size_t j, k;
+    for (j = 0; j < cells->cell_count; j++) {
+        for (t[0] = -4; t[0] <= 4; t[0]++) {
+            for (t[1] = -4; t[1] <= 4; t[1]++) {
+                for (t[2] = -c; t[2] <= c; t[2]++) {
+                    image *m = images + count;
+                    double square = 0;
+                    memset(m, 0, sizeof *m);
+                    for (k = 0; k < dim; k++) {
+                        m->plane[k] = cells->sites[j * dim + k] - p[k] + t[0] * l->base[0][k] + t[1] * l->base[1][k]
+                                      + t[2] * l->base[2][k];
+                        square += m->plane[k] * m->plane[k];
+                    }
+                    m->plane[3] = (square + (w != NULL ? w[i] - w[j] : 0)) / 2;
+                    m->far = m->plane[3] / sqrt(square);
+                    m->name = image_name(j, t[0], t[1], t[2]);
+                    count += square > 0;
+                }
+            }
+        }
+    }
+    qsort(images, (size_t)count, sizeof *images, image_order);
+    b->count = 0;
+    brute_add(b, 0, 0, -1, dim == 2 ? 0 : 100, PBW_NONE);
+    brute_add(b, 0, 0, 1, dim == 2 ? 1 : 100, PBW_NONE);
+    for (f = 0; b->count < BRUTE_PLANES; f++) {
+        brute_add(b, images[f].plane[0], images[f].plane[1], images[f].plane[2], images[f].plane[3], images[f].name);
+    }
+}
+
+static double image_area(const lattices *l, const pbw_cells *cells, size_t i, pbw_index name)
+{
+    const size_t dim = (size_t)l->dim;
+    double area = 0;
+    size_t f, k, m;
+    for (f = cells->first[i]; f < cells->first[i + 1]; f++) {
+        int t[3] = { 0, 0, 0 };
+        for (k = 0; k < dim; k++) {
+            for (m = 0; m < dim; m++) {
+                t[m] += cells->shifts[f * dim + k] * l->sum[k][m];
+            }
+        }
+        area += image_name(cells->neighbors[f], t[0], t[1], t[2]) == name ? cells->areas[f] : 0;
+    }
+    return area;
+}
+
+/* Each site is its point and whole given vectors. */
+static double moved_fault(const lattices *l, const double *x, const double *site)
+{
+    double d[3] = { 0, 0, 0 }, worst = 0;
+    int i, k;
+    for (k = 0; k < l->dim; k++) {
+        d[k] = site[k] - x[k];
+    }
+    for (i = 0; i < l->dim; i++) {                   /* along the i-th base vector: by Cramer's rule */
+        double m[3][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, det;
+        for (k = 0; k < l->dim; k++) {
+            memcpy(m[k], k == i ? d : l->base[k], (size_t)l->dim * sizeof(double));
+        }
+        det = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+            + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+        worst = fmax(worst, fabs(det / l->volume - floor(det / l->volume + 0.5)));
+    }
+    return worst;
+}
+
+static void test_skew(int dim, size_t count, int skew, int weighted)
+{
+    if (test_begin("lattice: %dD, %d points, skew %d, weights %d", dim, (int)count, skew, weighted)) {
+        uint64_t state = test_seed + (uint64_t)(skew * 100) + count;
+        const lattices l = lattices_make(dim, skew, &state);
+        pbw_domain domain;
+        pbw_cells cells;
+        double x[12 * 3], w[12] = { 0 }, fault = 0, areas = 0;
+        size_t i;
+        int f;
+        memset(&domain, 0, sizeof domain);
+        domain.lattice = l.given;
+        for (i = 0; i < count * (size_t)dim; i++) {
+            x[i] = random_of(&state, -3, 3);
+        }
+        for (i = 0; i < count; i++) {
+            w[i] = random_of(&state, 0, 0.2);
+        }
+        CHECK_EQUAL(pbw_cells_periodic(dim, x, weighted ? w : NULL, count, &domain, ALL, NULL, &cells), PBW_OK);
+        for (i = 0; i < count && cells.first != NULL; i++) {
+            double volume = 0, cone;
+            brute b;
+            image_cell(&l, &cells, weighted ? w : NULL, i, &b);
+            for (f = 0; f < b.count; f++) {
+                const double area = brute_area(&b, f, 100, &cone);
+                volume += cone;
+                areas = b.name[f] == PBW_NONE ? areas
+                      : fmax(areas, fabs(area - image_area(&l, &cells, i, b.name[f])));
+            }
+            fault = fmax(fault, fabs(volume - cells.volumes[i]));
+            CHECK(moved_fault(&l, x + i * (size_t)dim, cells.sites + i * (size_t)dim) < 1e-9);
+        }
+        if (!CHECK(fault < 1e-10) || !CHECK(areas < 1e-10)) {
+            test_say("volumes %g, areas %g", fault, areas);
+        }
+        CHECK(fabs(sum_of(&cells) / l.volume - 1) < 1e-12);
+        pbw_cells_free(&cells);
+        test_end();
+    }
+}
+
+/* Crystals by their primitive vectors: all corners are exact, so that with PBW_CELLS_MERGE cells have the facets of
+   the lattice's own cell. */
+static void test_crystals(void)
+{
+    static const double cubic[4][9] = { { 0, 1, 1, 1, 0, 1, 1, 1, 0 }, { -1, 1, 1, 1, -1, 1, 1, 1, -1 },
+                                        { 1, 0, 0, 5, 1, 0, -3, 8, 1 }, { 1, 0, 1, -1, 0, 0, 0, 0, 0 } };
+    static const size_t facets[4] = { 12, 14, 6, 4 }, corners[4] = { 14, 24, 8, 4 };
+    int i;
+    for (i = 0; i < 4; i++) {
+        if (test_begin("lattice: crystal %d", i)) {
+            const int dim = i == 3 ? 2 : 3;
+            const double x[3] = { 0.25, -7.5, 0.125 };
+            pbw_domain domain;
+            pbw_cells cells;
+            size_t k, seen = 0;
+            unsigned char *used;
+            memset(&domain, 0, sizeof domain);
+            domain.lattice = cubic[i];
+            CHECK_EQUAL(pbw_cells_periodic(dim, x, NULL, 1, &domain, ALL | PBW_CELLS_MERGE, NULL, &cells), PBW_OK);
+            CHECK_EQUAL(cells.facet_count, facets[i]);
+            CHECK(fabs(cells.volumes[0] - (i == 0 ? 2 : i == 1 ? 4 : 1)) < 1e-13);
+            used = (unsigned char *)take(cells.vertex_count);
+            memset(used, 0, cells.vertex_count);
+            for (k = 0; k < cells.loop_first[cells.facet_count]; k++) {
+                seen += used[cells.loops[k]] == 0;
+                used[cells.loops[k]] = 1;
+            }
+            CHECK_EQUAL(seen, corners[i]);
+            free(used);
+            pbw_cells_free(&cells);
+            test_end();
+        }
+    }
+}
+
+static void test_same_lattice(int dim, int kind)
+{
+    if (test_begin("lattice: %dD %s as in a box", dim, input_name(kind))) {
+        static const double skewed[9] = { 1, 0, 0, 3, 1, 0, -2, 4, 1 }, skewed2[4] = { 1, 0, 5, 1 };
+        static const double unit[6] = { 0, 0, 0, 1, 1, 1 }, unit2[4] = { 0, 0, 1, 1 };
+        const size_t count = 3000;
+        sites s = sites_make(kind, dim, count, INPUT_WEIGHTS_ZERO);
+        pbw_options one = threads(1), four = threads(4);
+        pbw_domain box, domain;
+        pbw_cells cells, same, again;
+        size_t i;
+        double worst = 0;
+        memset(&box, 0, sizeof box);
+        memset(&domain, 0, sizeof domain);
+        for (i = 0; i < count * (size_t)dim; i++) {
+            s.x[i] = floor(s.x[i] * 1e9) / 1073741824.0;     /* multiples of the units */
+        }
+        box.box = dim == 3 ? unit : unit2;
+        box.periodic = (1u << dim) - 1;
+        domain.lattice = dim == 3 ? skewed : skewed2;
+        CHECK_EQUAL(pbw_cells_periodic(dim, s.x, NULL, count, &box, ALL, &one, &cells), PBW_OK);
+        CHECK_EQUAL(pbw_cells_periodic(dim, s.x, NULL, count, &domain, ALL, &one, &same), PBW_OK);
+        CHECK_EQUAL(pbw_cells_periodic(dim, s.x, NULL, count, &domain, ALL, &four, &again), PBW_OK);
+        CHECK(same_cells(&same, &again));
+        CHECK(memcmp(cells.first, same.first, (count + 1) * sizeof *cells.first) == 0);
+        CHECK(memcmp(cells.sites, same.sites, count * (size_t)dim * sizeof *cells.sites) == 0);
+        for (i = 0; i < count; i++) {
+            worst = fmax(worst, fabs(cells.volumes[i] - same.volumes[i]));
+            CHECK(fabs(cells.centroids[i * (size_t)dim] - same.centroids[i * (size_t)dim]) * cells.volumes[i]
+                  < 1e-13);
+        }
+        CHECK(worst < 1e-13);
+        pbw_cells_free(&cells);
+        pbw_cells_free(&same);
+        pbw_cells_free(&again);
+        sites_free(&s);
+        test_end();
+    }
+}
+
+static void test_bad_lattices(void)
+{
+    if (test_begin("lattice: what is refused")) {
+        const double flat[9] = { 1, 2, 3, 2, 4, 6, 0, 0, 1 }, nan = HUGE_VAL - HUGE_VAL, bad[4] = { 1, 0, nan, 1 };
+        const double zero[9] = { 0 }, far_off[4] = { 1, 0, 1000, 1 }, good[4] = { 1, 0, 0, 1 };
+        const double x[6] = { 0.5, 0.5, 0.25, 0.1, 0.2, 0.3 }, box[4] = { 0, 0, 1, 1 };
+        pbw_domain domain;
+        pbw_cells cells;
+        memset(&domain, 0, sizeof domain);
+        domain.lattice = flat;
+        CHECK_EQUAL(pbw_cells_periodic(3, x, NULL, 2, &domain, ALL, NULL, &cells), PBW_ERROR_ARGUMENT);
+        domain.lattice = zero;
+        CHECK_EQUAL(pbw_cells_periodic(3, x, NULL, 2, &domain, ALL, NULL, &cells), PBW_ERROR_ARGUMENT);
+        domain.lattice = bad;
+        CHECK_EQUAL(pbw_cells_periodic(2, x, NULL, 2, &domain, ALL, NULL, &cells), PBW_ERROR_ARGUMENT);
+        domain.lattice = far_off;                    /* a shift of 1000 */
+        CHECK_EQUAL(pbw_cells_periodic(2, x, NULL, 2, &domain, ALL, NULL, &cells), PBW_ERROR_ARGUMENT);
+        CHECK(cells.memory == NULL);
+        CHECK_EQUAL(pbw_cells_periodic(2, x, NULL, 2, &domain, 0, NULL, &cells), PBW_OK);
+        pbw_cells_free(&cells);
+        domain.lattice = good;
+        domain.box = box;
+        CHECK_EQUAL(pbw_cells_periodic(2, x, NULL, 2, &domain, 0, NULL, &cells), PBW_ERROR_ARGUMENT);
+        domain.box = NULL;
+        CHECK_EQUAL(pbw_cells_of(NULL, &domain, 0, NULL, &cells), PBW_ERROR_ARGUMENT);
+        test_end();
+    }
+}
+
+static void test_skews(void)
+{
+    static const size_t counts[3] = { 1, 2, 7 };
+    int dim, skew, c;
+    for (dim = 2; dim <= 3; dim++) {
+        for (skew = 0; skew <= 6; skew += 2) {
+            for (c = 0; c < 3; c++) {
+                test_skew(dim, counts[c], skew, 0);
+                test_skew(dim, counts[c], skew, 1);
+            }
+        }
+        test_same_lattice(dim, INPUT_UNIFORM);
+        test_same_lattice(dim, INPUT_CLUSTERS);
+    }
+    test_crystals();
+    test_bad_lattices();
+}
+
 static void test_periodics(void)
 {
     static const size_t counts[7] = { 1, 2, 3, 10, 60, 500, 3000 };
@@ -1335,7 +1631,7 @@ typedef struct limited { sites s; pbw_mesh mesh; pbw_domain domain; unsigned wha
 
 static pbw_status limited_cells(const limited *l, const pbw_options *options, pbw_cells *cells)
 {
-    return l->domain.periodic != 0
+    return l->domain.periodic != 0 || l->domain.lattice != NULL
          ? pbw_cells_periodic(l->s.dim, l->s.x, l->s.w, l->s.count, &l->domain, l->what, options, cells)
          : pbw_cells_of(&l->mesh, &l->domain, l->what, options, cells);
 }
@@ -1391,6 +1687,7 @@ static void test_limits(int dim)
 {
     static const double ring[10] = { 0.1, 0.1, 0.9, 0.2, 0.5, 0.5, 0.8, 0.9, 0.1, 0.8 };
     static const size_t ring_first[2] = { 0, 5 };
+    const double skewed[9] = { 1, dim == 3 ? 0 : 0.2, dim == 3 ? 0 : 2, 1, 1, 0.3, 0.2, 0.1, 0.9 };
     const size_t count = 400;
     limited l;
     size_t i;
@@ -1410,6 +1707,11 @@ static void test_limits(int dim)
     l.domain.periodic = 1;
     check_levels("periodic along one axis", &l, 3, limited_cells);
     l.domain.periodic = 0;
+    l.domain.box = NULL;
+    l.domain.lattice = skewed;
+    check_levels("lattice", &l, 1, limited_cells);
+    l.domain.lattice = NULL;
+    l.domain.box = l.s.box;
     if (dim == 2) {
         l.domain.box = NULL;
         l.domain.rings = ring;
@@ -1493,6 +1795,7 @@ int main(int argc, char **argv)
     test_flats();
     test_zoo();
     test_periodics();
+    test_skews();
     test_rest();
     return test_finish();
 }

@@ -65,6 +65,8 @@ typedef struct pbw_domain {
     const double *planes;                  /* half-spaces n.x <= c: dim numbers n, then c, each; NULL = none */
     size_t plane_count;
     unsigned periodic;                     /* pbw_cells_periodic: bit k = the box repeats along axis k */
+    const double *lattice;                 /* pbw_cells_periodic, instead of box and periodic: dim vectors of dim
+                                              numbers each, by which all repeats; any angles; NULL = none */
     const double *rings;                   /* in the plane, instead of box and planes: a polygon, which may have holes
                                               and several parts.  Two numbers a corner; NULL = none */
     const size_t *ring_first;              /* ring_count + 1: ring i is corners ring_first[i] .. ring_first[i+1]-1,
@@ -89,7 +91,10 @@ typedef struct pbw_cells {                 /* start from {0}; read, do not write
                                               where 2*axis and 2*axis+1 are the box, low and high, and planes
                                               follow; of a polygon the edge from corner k of rings to the next */
     const signed char *shifts;             /* pbw_cells_periodic: dim per facet: the neighbour is the point +
-                                              shift * box size; else NULL */
+                                              shift * box size, of a lattice + the sum of shift[k] * vector k, from
+                                              where it was moved to; else NULL */
+    const double *sites;                   /* pbw_cells_periodic: dim per cell: where its point was moved to; else
+                                              NULL */
     const double *areas;                   /* per facet: area, in the plane length; HUGE_VAL if unbounded */
     const double *vertices;                /* dim each; the first ones are the centres of the mesh's simplices (it
                                               has none: of those of a mesh around the points) */
@@ -120,9 +125,14 @@ PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *doma
                                     const pbw_options *options, pbw_cells *cells);
 /* Computes the cells of points in a box that repeats along the axes of domain->periodic and is a wall along the
    others. First moves the points into the box, and along periodic axes rounds coordinates and the box size to
-   multiples of about 2^-48 of it (coarser in very long boxes), so that copies are exact translates.  Returns PBW_OK
-   for one point or more; PBW_ERROR_ARGUMENT without a box, with planes, and if weights differ so much that copies are
-   not exact.  A point may be its own neighbour, or twice that of another one, with different shifts. */
+   multiples of about 2^-48 of it (coarser in very long boxes), so that copies are exact translates.
+   Of a lattice, the shortest vectors that make the same one are found, and rounded to multiples of a power of two,
+   some 2^-45 of the longest of them; points are moved by sums of them into the parallelepiped that they span at the
+   origin, and rounded, too.  So cells are exactly those of rounded points in a rounded lattice, and those of yours if
+   its coordinates are such multiples.
+   Returns PBW_OK for one point or more; PBW_ERROR_ARGUMENT without a box or a lattice, with both, with planes, if
+   weights differ so much that copies are not exact, if vectors are flat to 6 digits, and if they are so skew that a
+   shift is beyond 127.  A point may be its own neighbour, or twice that of another one, with different shifts. */
 PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const double *weights, size_t count,
                                           const pbw_domain *domain, unsigned what, const pbw_options *options,
                                           pbw_cells *cells);
@@ -1010,7 +1020,13 @@ struct pbwc__period {
     unsigned axes;
     size_t count, total;                   /* points; with copies */
     pbwc__memory *memory;
-    double size[3], unit[3], margin[3];    /* of the box; all are multiples of the units; of the padded box */
+    int is_lattice;
+    double vector[3][3], to_given[3][3];   /* of a lattice: reduced vectors, sums of so many of each given one */
+    double normal[3][3];                   /* heights: along these, from the face of the other two; else along axes */
+    double size[3], unit[3], margin[3];    /* of the box; all are multiples of the units; of the padded box; of a
+                                              lattice sizes and margins are heights */
+    double wall[3];                        /* half of the box around a site that has its cell for certain */
+    double reach[3];                       /* no copy has larger coordinates */
     double low[3], high[3];                /* how far balls can reach */
     double grid[3], step[3];               /* the low corner of the grid, and its cells; those at its ends go on */
     double heaviest, lightest;             /* weight */
@@ -4000,12 +4016,23 @@ static void pbwc__end_clip(pbwc__job *job)
    point of each cell of a coarse grid, shrink them first.  Once marks add no copy, none is missing. Along a periodic
    axis a cell reaches at most half the box from its site, as its images have the rest; so it is cut from a box of 3/4
    to each side.
+   A lattice: all of that with heights instead of coordinates, which are distances from the faces of a parallelepiped,
+   that of its reduced vectors.  Vector k adds its height to the k-th one and 0 to the others, and two points are as
+   far apart as their heights or further, so balls are between two heights.  A cell lies in that of the lattice itself,
+   which reaches at most half the sum of the vectors' lengths: each point is so near to a sum of whole vectors.
    ------------------------------------------------------------------------------------------------------ */
 
-/* The cell of the grid along axis k. */
-static int pbwc__grid_at(const pbwc__period *period, int k, double x)
+/* How far x lies along the k-th axis, or of a lattice from the k-th face. */
+static PBWC__INLINE double pbwc__height(const pbwc__period *period, int k, const double *x)
 {
-    const double at = (x - period->grid[k]) / period->step[k];
+    const double *n = period->normal[k];
+    return !period->is_lattice ? x[k] : n[0] * x[0] + n[1] * x[1] + (period->dim == 3 ? n[2] * x[2] : 0);
+}
+
+/* The cell of the grid along axis k. */
+static int pbwc__grid_at(const pbwc__period *period, int k, double height)
+{
+    const double at = (height - period->grid[k]) / period->step[k];
     return !(at > 0) ? 0 : at >= PBWC__GRID ? PBWC__GRID - 1 : (int)at;
 }
 
@@ -4020,11 +4047,11 @@ static void pbwc__certify(pbwc__period *period, const double *x, double square)
     const double radius = sqrt(square + period->heaviest > 0 ? square + period->heaviest : 0) * (1 + 1e-9);
     int from[3] = { 0, 0, 0 }, to[3] = { 0, 0, 0 }, at[3], k, inside = 1;
     for (k = 0; k < period->dim; k++) {
-        const double slack = radius + 1e-12 * (period->high[k] - period->low[k]);
-        from[k] = pbwc__grid_at(period, k, x[k] - slack);
-        to[k] = pbwc__grid_at(period, k, x[k] + slack);
+        const double slack = radius + 1e-12 * (period->high[k] - period->low[k]), h = pbwc__height(period, k, x);
+        from[k] = pbwc__grid_at(period, k, h - slack);
+        to[k] = pbwc__grid_at(period, k, h + slack);
         if ((period->axes >> k & 1) != 0) {
-            inside &= x[k] - slack > -period->margin[k] && x[k] + slack < period->size[k] + period->margin[k];
+            inside &= h - slack > -period->margin[k] && h + slack < period->size[k] + period->margin[k];
         }
     }
     for (at[2] = from[2]; !inside && at[2] <= to[2]; at[2]++) {
@@ -4325,8 +4352,8 @@ static pbw_status pbwc__join(void *arg, size_t from, size_t to)
 }
 
 /* What pbw_cells.memory points at. */
-enum { PBWC__VOLUMES, PBWC__CENTROIDS, PBWC__FIRST, PBWC__NEIGHBORS, PBWC__SHIFTS, PBWC__AREAS, PBWC__VERTICES,
-       PBWC__LOOP_FIRST, PBWC__LOOPS, PBWC__RAYS, PBWC__ARRAYS };
+enum { PBWC__VOLUMES, PBWC__CENTROIDS, PBWC__FIRST, PBWC__NEIGHBORS, PBWC__SHIFTS, PBWC__SITES, PBWC__AREAS,
+       PBWC__VERTICES, PBWC__LOOP_FIRST, PBWC__LOOPS, PBWC__RAYS, PBWC__ARRAYS };
 typedef struct pbwc__owned {
     pbwc__memory memory;
     pbwc__array array[PBWC__ARRAYS];
@@ -4886,7 +4913,8 @@ PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *doma
     memset(&clip, 0, sizeof clip);
     if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || (mesh->simplex_count > 0 && mesh->neighbors == NULL)
         || !pbwc__knows(what)
-        || (domain != NULL && (domain->periodic != 0 || (domain->plane_count > 0 && domain->planes == NULL)))) {
+        || (domain != NULL && (domain->periodic != 0 || domain->lattice != NULL
+                                || (domain->plane_count > 0 && domain->planes == NULL)))) {
         return PBW_ERROR_ARGUMENT;
     }
     pbwc__job_start(&job, what, options);
@@ -4900,6 +4928,37 @@ PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *doma
     return status;
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   Periodic boxes and lattices: units, points in them, how far cells reach.
+   In: the domain and the points.  Out: those, rounded and moved in; sizes, walls, margins.
+   ------------------------------------------------------------------------------------------------------ */
+/* Moves x into the parallelepiped. */
+static void pbwc__move_in(const pbwc__period *period, double *x)
+{
+    const size_t dim = (size_t)period->dim;
+    double count[3];
+    size_t i, k;
+    for (i = 0; i < dim; i++) {
+        count[i] = floor(pbwc__height(period, (int)i, x) / period->size[i]);
+    }
+    for (i = 0; i < dim; i++) {
+        for (k = 0; k < dim; k++) {
+            x[k] -= count[i] * period->vector[i][k];
+        }
+    }
+}
+
+/* A point of a lattice in its units: moved in, as far as doubles go, rounded, then moved exactly. */
+static void pbwc__snap_to_lattice(const pbwc__period *period, double *x)
+{
+    size_t k;
+    pbwc__move_in(period, x);
+    for (k = 0; k < (size_t)period->dim; k++) {
+        x[k] = floor(x[k] / period->unit[k] + 0.5) * period->unit[k];
+    }
+    pbwc__move_in(period, x);
+}
+
 /* Sizes and points in the units, in [0, size) along periodic axes. */
 static pbw_status pbwc__snap(pbwc__period *period, const double *points, const double *weights, const double *box)
 {
@@ -4911,6 +4970,12 @@ static pbw_status pbwc__snap(pbwc__period *period, const double *points, const d
         x[i] = points[i] + 0.0;
         if (!(fabs(x[i]) < HUGE_VAL)) {
             return PBW_ERROR_NOT_FINITE;
+        }
+        if (period->is_lattice) {
+            if (k + 1 == dim) {
+                pbwc__snap_to_lattice(period, x + i - k);
+            }
+            continue;
         }
         if ((period->axes >> k & 1) != 0) {
             x[i] = fmod(floor((x[i] - box[k]) / period->unit[k] + 0.5) * period->unit[k], period->size[k]);
@@ -4930,6 +4995,156 @@ static pbw_status pbwc__snap(pbwc__period *period, const double *points, const d
     return PBW_OK;
 }
 
+/* Copies fill so much around the box at first. */
+static void pbwc__set_margins(pbwc__period *period, double volume)
+{
+    const double each = volume / (double)(period->count > 0 ? period->count : 1);
+    const double spacing = pow(each, 1.0 / (double)period->dim);
+    int k;
+    for (k = 0; k < period->dim; k++) {
+        period->margin[k] = 3.2 * spacing < period->size[k] ? 3.2 * spacing : period->size[k];
+    }
+}
+
+/* Replaces vectors of a lattice by sums and differences that are shorter, by pairs (Lagrange) and by all, until there
+   are none: in three dimensions, too, these are the shortest (Minkowski; Semaev 2001). */
+static void pbwc__reduce(pbwc__period *period)
+{
+    const int dim = period->dim;
+    int i, k, t, again = 1, rounds;
+    for (rounds = 0; again && rounds < 10000; rounds++) {
+        again = 0;
+        for (i = 0; i < dim; i++) {
+            for (t = 0; t < (dim == 3 ? 4 : 1); t++) {       /* one of the others, or their sum or difference */
+                const int p = (i + 1) % dim, q = (i + dim - 1) % dim;
+                const double a = t == 1 ? 0 : 1, b = dim == 2 || t == 0 ? 0 : t == 3 ? -1 : 1;
+                double by[3] = { 0, 0, 0 }, sums[3] = { 0, 0, 0 }, dot = 0, square = 0, before = 0, after = 0, m;
+                for (k = 0; k < dim; k++) {
+                    by[k] = a * period->vector[p][k] + b * period->vector[q][k];
+                    sums[k] = a * period->to_given[p][k] + b * period->to_given[q][k];
+                    dot += by[k] * period->vector[i][k];
+                    square += by[k] * by[k];
+                }
+                m = square > 0 ? floor(dot / square + 0.5) : 0;
+                for (k = 0; k < dim; k++) {
+                    const double less = period->vector[i][k] - m * by[k];
+                    before += period->vector[i][k] * period->vector[i][k];
+                    after += less * less;
+                }
+                for (k = 0; k < dim && after < before * (1 - 1e-12); k++) {
+                    period->vector[i][k] -= m * by[k];
+                    period->to_given[i][k] -= m * sums[k];
+                    again = 1;
+                }
+            }
+        }
+    }
+}
+
+/* The walls of a lattice: half as much again as its own cell reaches along the axes.  That is cut from the box of
+   walls that are there by the bisectors of nearby points, with or without some that only touch it. */
+static pbw_status pbwc__bound_cell(pbwc__period *period)
+{
+    const int dim = period->dim;
+    double low[3], high[3], bound[3] = { 0, 0, 0 };
+    pbwc__cutter cutter;
+    int shift[3], i, k, good;
+    size_t l;
+    memset(&cutter, 0, sizeof cutter);
+    for (k = 0; k < dim; k++) {
+        high[k] = period->wall[k];
+        low[k] = -high[k];
+    }
+    good = pbwc__poly_box(period->memory, &cutter.poly, dim, low, high);
+    for (i = 0; i < (dim == 3 ? 27 : 9) && good; i++) {
+        double plane[4] = { 0, 0, 0, 0 }, square = 0;
+        shift[0] = i % 3 - 1;
+        shift[1] = i / 3 % 3 - 1;
+        shift[2] = dim == 3 ? i / 9 - 1 : 0;
+        for (k = 0; k < dim; k++) {
+            plane[k] = shift[0] * period->vector[0][k] + shift[1] * period->vector[1][k]
+                     + shift[2] * period->vector[2][k];
+            square += plane[k] * plane[k];
+        }
+        plane[dim] = square / 2;
+        good = !(square > 0) || pbwc__cut(period->memory, &cutter, dim, plane, 0);
+    }
+    for (l = 0; l < cutter.poly.loop.count && good; l++) {
+        for (k = 0; k < dim; k++) {
+            bound[k] = fmax(bound[k], fabs(PBWC__DOUBLES(cutter.poly.x)[3 * PBWC__INDICES(cutter.poly.loop)[l]
+                                                                        + (size_t)k]));
+        }
+    }
+    for (k = 0; k < dim; k++) {
+        period->wall[k] = 1.5 * bound[k];
+    }
+    pbwc__cutter_release(period->memory, &cutter);
+    return good ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+/* Normals, heights and units of a lattice, of which the vectors are then multiples. */
+static pbw_status pbwc__make_lattice(pbwc__period *period, const double *lattice)
+{
+    const int dim = period->dim;
+    double longest = 0, all = 0, product = 1, volume = 0, g[3][3];
+    int i, k, exponent;
+    for (i = 0; i < dim; i++) {
+        memcpy(period->vector[i], lattice + i * dim, (size_t)dim * sizeof(double));
+        period->to_given[i][i] = 1;
+        for (k = 0; k < dim; k++) {
+            if (!(fabs(period->vector[i][k]) < 1e150)) {
+                return PBW_ERROR_ARGUMENT;
+            }
+        }
+    }
+    pbwc__reduce(period);
+    for (i = 0; i < dim; i++) {
+        const double *v = period->vector[i];
+        const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        longest = length > longest ? length : longest;
+        all += length;
+        product *= length;
+    }
+    if (!(longest > 1e-150)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    (void)frexp(longest, &exponent);
+    for (i = 0; i < dim; i++) {
+        period->unit[i] = ldexp(1, exponent - 45);
+        period->wall[i] = 0.75 * all;
+    }
+    for (i = 0; i < dim; i++) {
+        for (k = 0; k < dim; k++) {
+            period->vector[i][k] = floor(period->vector[i][k] / period->unit[k] + 0.5) * period->unit[k];
+        }
+    }
+    memset(g, 0, sizeof g);
+    for (i = 0; i < dim; i++) {                      /* perpendicular to all vectors but one */
+        const double *p = period->vector[(i + 1) % dim], *q = period->vector[(i + 2) % dim];
+        if (dim == 3) {
+            pbwc__cross(p, q, g[i]);
+        } else {
+            g[i][0] = p[1];
+            g[i][1] = -p[0];
+        }
+    }
+    for (i = 0; i < dim; i++) {
+        const double size = sqrt(g[i][0] * g[i][0] + g[i][1] * g[i][1] + g[i][2] * g[i][2]);
+        const double *v = period->vector[i], det = v[0] * g[i][0] + v[1] * g[i][1] + v[2] * g[i][2];
+        if (!(fabs(det) > 1e-6 * product) || !(size > 0)) {
+            return PBW_ERROR_ARGUMENT;
+        }
+        for (k = 0; k < 3; k++) {
+            period->normal[i][k] = (det > 0 ? g[i][k] : -g[i][k]) / size;
+        }
+        period->size[i] = fabs(det) / size;
+        period->high[i] = period->size[i];
+        volume = fabs(det);
+    }
+    pbwc__set_margins(period, volume);
+    return pbwc__bound_cell(period);
+}
+
 /* Units so fine that all copies within reach are exact: 2^-51 of the box, coarser in very long boxes. */
 static pbw_status pbwc__units(pbwc__period *period, const double *box)
 {
@@ -4947,7 +5162,6 @@ static pbw_status pbwc__units(pbwc__period *period, const double *box)
         period->high[k] = (period->axes >> k & 1) != 0 ? period->size[k] : box[dim + k];
     }
     for (k = 0; k < dim; k++) {
-        const double spacing = pow(volume / (double)(period->count > 0 ? period->count : 1), 1.0 / (double)dim);
         double reach = longest / period->size[k];
         int exponent;
         (void)frexp(period->size[k], &exponent);
@@ -4956,8 +5170,9 @@ static pbw_status pbwc__units(pbwc__period *period, const double *box)
         }
         period->unit[k] = ldexp(1, exponent + 3);
         period->size[k] = floor(period->size[k] / period->unit[k] + 0.5) * period->unit[k];
-        period->margin[k] = 3.2 * spacing < period->size[k] ? 3.2 * spacing : period->size[k];
+        period->wall[k] = 0.75 * period->size[k];
     }
+    pbwc__set_margins(period, volume);
     return PBW_OK;
 }
 
@@ -4965,23 +5180,35 @@ static pbw_status pbwc__units(pbwc__period *period, const double *box)
 static pbw_status pbwc__reach(pbwc__period *period)
 {
     double square = period->heaviest - period->lightest, radius;
-    int k;
+    int i, k;
     for (k = 0; k < period->dim; k++) {
-        const double half = (period->high[k] - period->low[k]) * ((period->axes >> k & 1) != 0 ? 0.75 : 1);
+        const double half = period->is_lattice ? period->wall[k]
+                          : (period->high[k] - period->low[k]) * ((period->axes >> k & 1) != 0 ? 0.75 : 1);
         square += half * half;
     }
     radius = 1.001 * sqrt(square);
     for (k = 0; k < period->dim; k++) {
-        if ((period->axes >> k & 1) != 0) {
-            period->low[k] = -0.75 * period->size[k] - radius;
-            period->high[k] = 1.75 * period->size[k] + radius;
-            if (period->high[k] > 4e15 * period->unit[k]) {      /* copies would not be exact */
-                return PBW_ERROR_ARGUMENT;
+        if ((period->axes >> k & 1) != 0) {          /* from the site to a corner, and the ball there */
+            double far = radius + (period->is_lattice ? 0 : period->wall[k]);
+            for (i = 0; i < period->dim && period->is_lattice; i++) {
+                far += 1.001 * fabs(period->normal[k][i]) * period->wall[i];
             }
+            period->low[k] = -far;
+            period->high[k] = period->size[k] + far;
         }
         period->grid[k] = (period->axes >> k & 1) != 0 ? -0.6 * period->size[k] : period->low[k];
         period->step[k] = ((period->axes >> k & 1) != 0 ? 2.2 * period->size[k] : period->high[k] - period->low[k])
                           / PBWC__GRID;
+    }
+    for (k = 0; k < period->dim; k++) {
+        double most = 0;
+        for (i = 0; i < period->dim && period->is_lattice; i++) {
+            most += period->high[i] / period->size[i] * fabs(period->vector[i][k]);
+        }
+        period->reach[k] = period->is_lattice ? most : period->high[k];
+        if ((period->axes >> k & 1) != 0 && period->reach[k] > 4e15 * period->unit[k]) {
+            return PBW_ERROR_ARGUMENT;               /* copies would not be exact */
+        }
     }
     if (!pbwc__resize(period->memory, &period->marks, (size_t)PBWC__GRID * PBWC__GRID * PBWC__GRID)) {
         return PBW_ERROR_MEMORY;
@@ -4990,6 +5217,10 @@ static pbw_status pbwc__reach(pbwc__period *period)
     return PBW_OK;
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   Periodic boxes and lattices: copies, rounds.
+   In: points in the units.  Out: cells, by meshes of points and copies until no copy is missing.
+   ------------------------------------------------------------------------------------------------------ */
 /* Where copies may be: the padded box and all marks. */
 static void pbwc__extent(pbwc__period *period)
 {
@@ -5021,10 +5252,11 @@ static int pbwc__is_copied(const pbwc__period *period, size_t i, const double *x
     int at[3] = { 0, 0, 0 }, k, inside = 1;
     int near = period->thin.data != NULL && ((const unsigned char *)period->thin.data)[i] != 0;
     for (k = 0; k < period->dim; k++) {
-        at[k] = pbwc__grid_at(period, k, x[k]);
+        const double h = pbwc__height(period, k, x);
+        at[k] = pbwc__grid_at(period, k, h);
         if ((period->axes >> k & 1) != 0) {
-            inside &= x[k] >= -period->margin[k] && x[k] <= period->size[k] + period->margin[k];
-            near &= x[k] >= -0.5 * period->size[k] && x[k] <= 1.5 * period->size[k];
+            inside &= h >= -period->margin[k] && h <= period->size[k] + period->margin[k];
+            near &= h >= -0.5 * period->size[k] && h <= 1.5 * period->size[k];
         }
     }
     return inside || near || *pbwc__grid_mark(period, at) != 0;
@@ -5054,11 +5286,13 @@ static int pbwc__add_copies(pbwc__period *period, size_t i)
     const double weight = PBWC__DOUBLES(period->w)[i];
     double p[3], x[3], first[3] = { 0, 0, 0 }, last[3] = { 0, 0, 0 }, shift[3];
     size_t k;
+    memcpy(p, PBWC__DOUBLES(period->x) + i * dim, dim * sizeof *p);
+    memcpy(x, p, dim * sizeof *x);
     for (k = 0; k < dim; k++) {
-        p[k] = x[k] = PBWC__DOUBLES(period->x)[i * dim + k];
         if ((period->axes >> k & 1) != 0) {
-            first[k] = ceil((period->from[k] - p[k]) / period->size[k]);
-            last[k] = floor((period->to[k] - p[k]) / period->size[k]);
+            const double h = pbwc__height(period, (int)k, p);
+            first[k] = ceil((period->from[k] - h) / period->size[k]);
+            last[k] = floor((period->to[k] - h) / period->size[k]);
         }
     }
     for (shift[2] = first[2]; shift[2] <= last[2]; shift[2]++) {
@@ -5068,7 +5302,9 @@ static int pbwc__add_copies(pbwc__period *period, size_t i)
                     continue;
                 }
                 for (k = 0; k < dim; k++) {
-                    x[k] = p[k] + shift[k] * period->size[k];
+                    x[k] = !period->is_lattice ? p[k] + shift[k] * period->size[k]
+                         : p[k] + (shift[0] * period->vector[0][k] + shift[1] * period->vector[1][k]
+                                   + shift[2] * period->vector[2][k]);
                 }
                 if (pbwc__is_copied(period, i, x) && !pbwc__add_copy(period, x, weight, (pbw_index)i)) {
                     return 0;
@@ -5082,8 +5318,8 @@ static int pbwc__add_copies(pbwc__period *period, size_t i)
 /* Lists all points with their copies, and the apexes of a simplex so large that their cells do not meet the grid. */
 static pbw_status pbwc__copies(pbwc__period *period)
 {
-    double x[3];
-    size_t i;
+    double x[3], low[3];
+    size_t i, k;
     period->total = period->count;
     period->source.count = 0;
     pbwc__extent(period);
@@ -5096,7 +5332,10 @@ static pbw_status pbwc__copies(pbwc__period *period)
         }
     }
     for (i = 0; period->apexes && i <= (size_t)period->dim; i++) {
-        pbwc__apex(period->dim, (int)i, period->low, period->high, x);
+        for (k = 0; k < 3; k++) {
+            low[k] = period->is_lattice ? -period->reach[k] : period->low[k];
+        }
+        pbwc__apex(period->dim, (int)i, low, period->reach, x);
         if (!pbwc__add_copy(period, x, period->lightest, 0)) {
             return PBW_ERROR_MEMORY;
         }
@@ -5130,7 +5369,8 @@ static pbw_status pbwc__choose_thin(pbwc__period *period, double share)
         for (k = 0; k < dim; k++) {
             const double low = (period->axes >> k & 1) != 0 ? 0 : period->low[k];
             const double high = (period->axes >> k & 1) != 0 ? period->size[k] : period->high[k];
-            const double place = (PBWC__DOUBLES(period->x)[i * dim + k] - low) / (high - low) * (double)side;
+            const double h = pbwc__height(period, (int)k, PBWC__DOUBLES(period->x) + i * dim);
+            const double place = (h - low) / (high - low) * (double)side;
             at = at * side + (!(place > 0) ? 0 : place >= (double)side ? side - 1 : (size_t)place);
         }
         thin[i] = slot[at] == 0;
@@ -5145,6 +5385,28 @@ static pbw_status pbwc__choose_thin(pbwc__period *period, double share)
     return PBW_OK;
 }
 
+/* The given vectors of a lattice from a point to its copy.  Returns 0 if they are too many. */
+static int pbwc__shifts_of(const pbwc__period *period, const double *copy, const double *point, signed char *shifts)
+{
+    const int dim = period->dim;
+    double sum[3] = { 0, 0, 0 };
+    int i, k;
+    for (i = 0; i < dim; i++) {
+        const double h = pbwc__height(period, i, copy) - pbwc__height(period, i, point);
+        const double count = floor(h / period->size[i] + 0.5);
+        for (k = 0; k < dim; k++) {
+            sum[k] += count * period->to_given[i][k];
+        }
+    }
+    for (k = 0; k < dim; k++) {
+        if (!(fabs(sum[k]) <= 127)) {
+            return 0;
+        }
+        shifts[k] = (signed char)sum[k];
+    }
+    return 1;
+}
+
 /* Replaces copies by their points and shifts, and moves all back to the caller's box. */
 static pbw_status pbwc__unwrap(pbwc__job *job, const double *box)
 {
@@ -5154,12 +5416,19 @@ static pbw_status pbwc__unwrap(pbwc__job *job, const double *box)
     pbw_index *neighbors = PBWC__INDICES(owned->array[PBWC__NEIGHBORS]);
     double *vertices = PBWC__DOUBLES(owned->array[PBWC__VERTICES]);
     const double *x = PBWC__DOUBLES(period->x);
+    double *sites = (double *)pbwc__own(job, PBWC__SITES, period->count * dim, sizeof(double));
     size_t i, k;
+    job->cells->sites = sites;
+    if (sites == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
     for (i = 0; i < period->count * dim; i++) {
-        job->centroids[i] += (period->axes >> i % dim & 1) != 0 ? box[i % dim] : 0;
+        const double low = !period->is_lattice && (period->axes >> i % dim & 1) != 0 ? box[i % dim] : 0;
+        job->centroids[i] += low;
+        sites[i] = x[i] + low;
     }
     for (i = 0; i < job->cells->vertex_count * dim; i++) {
-        vertices[i] += (period->axes >> i % dim & 1) != 0 ? box[i % dim] : 0;
+        vertices[i] += !period->is_lattice && (period->axes >> i % dim & 1) != 0 ? box[i % dim] : 0;
     }
     if ((job->what & PBW_CELLS_FACETS) != 0) {
         signed char *shifts = (signed char *)pbwc__own(job, PBWC__SHIFTS, facets * dim, 1);
@@ -5172,7 +5441,11 @@ static pbw_status pbwc__unwrap(pbwc__job *job, const double *box)
             const size_t copy = neighbors[i];
             if (copy >= period->count && copy < period->total) {
                 neighbors[i] = PBWC__INDICES(period->source)[copy - period->count];
-                for (k = 0; k < dim; k++) {
+                if (period->is_lattice
+                    && !pbwc__shifts_of(period, x + copy * dim, x + neighbors[i] * dim, shifts + i * dim)) {
+                    return PBW_ERROR_ARGUMENT;
+                }
+                for (k = 0; k < dim && !period->is_lattice; k++) {
                     const double shift = (x[copy * dim + k] - x[neighbors[i] * dim + k]) / period->size[k];
                     shifts[i * dim + k] = (signed char)((period->axes >> k & 1) == 0 ? 0 : shift);
                 }
@@ -5218,8 +5491,8 @@ static pbw_status pbwc__round(pbwc__job *job, const double *box)
         status = pbwc__copies(period);
     } else if (status == PBW_OK || status == PBW_DEGENERATE) {
         for (k = 0; k < dim; k++) {
-            walls[k] = (period->axes >> k & 1) != 0 ? -0.75 * period->size[k] : box[k];
-            walls[dim + k] = (period->axes >> k & 1) != 0 ? 0.75 * period->size[k] : box[dim + k];
+            walls[k] = (period->axes >> k & 1) != 0 ? -period->wall[k] : box[k];
+            walls[dim + k] = (period->axes >> k & 1) != 0 ? period->wall[k] : box[dim + k];
         }
         domain.box = walls;
         job->mesh = &mesh;
@@ -5249,8 +5522,9 @@ PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const d
         return PBW_ERROR_ARGUMENT;
     }
     memset(cells, 0, sizeof *cells);
-    if ((dim != 2 && dim != 3) || (points == NULL && count > 0) || domain == NULL || domain->box == NULL
-        || domain->plane_count != 0 || domain->ring_count != 0 || domain->periodic == 0
+    if ((dim != 2 && dim != 3) || (points == NULL && count > 0) || domain == NULL
+        || (domain->box == NULL) == (domain->lattice == NULL)
+        || domain->plane_count != 0 || domain->ring_count != 0 || (domain->periodic == 0) == (domain->box != NULL)
         || domain->periodic >> dim != 0 || !pbwc__knows(what)
         || (options != NULL && (options->stride != 0 || options->weight_stride != 0))) {
         return PBW_ERROR_ARGUMENT;
@@ -5261,7 +5535,8 @@ PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const d
     memset(&period, 0, sizeof period);
     pbwc__job_start(&job, what, options);
     period.dim = dim;
-    period.axes = domain->periodic;
+    period.is_lattice = domain->lattice != NULL;
+    period.axes = period.is_lattice ? (1u << dim) - 1 : domain->periodic;
     period.count = count;
     period.memory = &job.memory;
     job.period = &period;
@@ -5272,7 +5547,8 @@ PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const d
              && pbwc__resize(&job.memory, &period.w, count * sizeof(double) + 1) ? PBW_OK : PBW_ERROR_MEMORY;
     if (status == PBW_OK) {
         memset(period.w.data, 0, period.w.bytes);
-        status = pbwc__units(&period, domain->box);
+        status = period.is_lattice ? pbwc__make_lattice(&period, domain->lattice)
+               : pbwc__units(&period, domain->box);
     }
     status = status == PBW_OK ? pbwc__snap(&period, points, weights, domain->box) : status;
     status = status == PBW_OK ? pbwc__reach(&period) : status;

@@ -7,6 +7,8 @@ static const option cells_options[] = {
       "of rings is inside, neighbours that share edges are one.  3D: a closed convex surface, as .obj .ply .stl .off",
       PLAIN, 0, 0, NULL },
     { "--periodic", "xyz", "the axes along which the box repeats", AXES, 0, 0, NULL },
+    { "--lattice", "X,Y[,Z],...", "all repeats by these vectors, at any angles: in 2D two, in 3D three",
+      LATTICE, 0, 0, NULL },
     { "--merge", NULL, "the true diagram: centres that coincide are one corner, facets without area left out", SWITCH,
       0, 0, NULL },
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
@@ -53,7 +55,7 @@ static pbwio_status write_cells(job *j, const char *path, const char *ending, vo
 
 static int is_bounded(const pbw_domain *domain)
 {
-    return domain->box != NULL || domain->ring_count != 0 || domain->plane_count != 0;
+    return domain->box != NULL || domain->lattice != NULL || domain->ring_count != 0 || domain->plane_count != 0;
 }
 
 /* The domain's volume; clip: that of planes or rings. */
@@ -61,6 +63,12 @@ static double whole_of(const pbw_domain *domain, int dim, double clip)
 {
     double whole = domain->box != NULL ? 1 : clip;
     int k;
+    if (domain->lattice != NULL) {
+        const double *a = domain->lattice, *b = a + dim, *c = b + dim;
+        return fabs(dim == 2 ? a[0] * b[1] - a[1] * b[0]
+                    : a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2])
+                      + a[2] * (b[0] * c[1] - b[1] * c[0]));
+    }
     for (k = 0; k < dim && domain->box != NULL; k++) {
         whole *= domain->box[dim + k] - domain->box[k];
     }
@@ -91,7 +99,8 @@ static void report(const job *j, const pbw_cells *cells, const pbw_domain *domai
         return;
     }
     note(j, "%s %.15g, the sum of cells; %.15g, the %s; relative difference %.1e", volume, sum + rest, whole,
-         domain->box != NULL ? "box" : cells->dim == 3 ? "body" : "polygon", fabs(sum - whole + rest) / whole);
+         domain->box != NULL || domain->lattice != NULL ? "box" : cells->dim == 3 ? "body" : "polygon",
+         fabs(sum - whole + rest) / whole);
 }
 
 /* Says where rings cross, by their numbers from 1, or what else is wrong with them. */
@@ -257,9 +266,10 @@ static int make(job *j, const pbw_domain *domain, unsigned what, pbw_cells *cell
 {
     const pbwio_cloud *c = &j->cloud;
     pbw_status status;
+    const int repeats = domain->periodic != 0 || domain->lattice != NULL;
     double start;
     int failed = 0;
-    if (domain->periodic == 0) {
+    if (!repeats) {
         failed = build(j);
         if (!failed) {
             describe(j);
@@ -269,12 +279,16 @@ static int make(job *j, const pbw_domain *domain, unsigned what, pbw_cells *cell
     if (failed) {
         return failed;
     }
-    if (domain->periodic == 0 && j->mesh.simplex_count == 0 && !is_bounded(domain)) {
+    if (!repeats && j->mesh.simplex_count == 0 && !is_bounded(domain)) {
         return fail(j, "the points do not span the %s; with --box or --clip they have cells",
                     c->dim == 3 ? "space" : "plane");
     }
-    status = domain->periodic == 0 ? pbw_cells_of(&j->mesh, domain, what, &j->build, cells)
+    status = !repeats ? pbw_cells_of(&j->mesh, domain, what, &j->build, cells)
            : pbw_cells_periodic(c->dim, c->points, c->weights, c->count, domain, what, &j->build, cells);
+    if (status == PBW_ERROR_ARGUMENT && domain->lattice != NULL) {
+        return fail(j, "--lattice %s: the vectors are flat, or so skew that neighbours are more than 127 of them "
+                    "away: others make the same lattice; or weights differ too much", text_of(j, "--lattice"));
+    }
     if (status == PBW_ERROR_ARGUMENT && domain->plane_count != 0) {
         return fail(j, "%s: the surface is not closed", text_of(j, "--clip"));
     }
@@ -336,8 +350,9 @@ static int is_solid(const job *j)
 {
     static const char *const body[] = { "obj", "ply", "stl", "off", NULL };
     const char *clip = text_of(j, "--clip"), *dot = clip != NULL ? strrchr(clip, '.') : NULL;
-    double box[6];
-    int i, found = is_given(j, "--box") && vector_of(j, "--box", 6, box);
+    double box[9];
+    int i, found = (is_given(j, "--box") && vector_of(j, "--box", 6, box))
+                || (is_given(j, "--lattice") && vector_of(j, "--lattice", 9, box));
     for (i = 0; dot != NULL && body[i] != NULL; i++) {
         found |= strcmp(dot + 1, body[i]) == 0;
     }
@@ -350,10 +365,15 @@ static int check_domain(const job *j, pbw_domain *domain, double *box)
         return fail(j, "--box %s: %d numbers are needed for points in %dD", text_of(j, "--box"), 2 * j->cloud.dim,
                     j->cloud.dim);
     }
+    if (is_given(j, "--lattice") && !vector_of(j, "--lattice", j->cloud.dim * j->cloud.dim, box)) {
+        return fail(j, "--lattice %s: %d numbers are needed for points in %dD", text_of(j, "--lattice"),
+                    j->cloud.dim * j->cloud.dim, j->cloud.dim);
+    }
     if (domain->periodic >> j->cloud.dim != 0) {
         return fail(j, "--periodic %s: the points are in 2D", text_of(j, "--periodic"));
     }
     domain->box = is_given(j, "--box") ? box : NULL;
+    domain->lattice = is_given(j, "--lattice") ? box : NULL;
     return 0;
 }
 
@@ -380,7 +400,7 @@ static int run(job *j)
     pbw_domain domain;
     pbw_cells cells, bounded, *shown[2];
     void *kept = NULL;
-    double box[6], clipped = 0;
+    double box[9], clipped = 0;
     int failed, what = 0;
     memset(&domain, 0, sizeof domain);
     memset(&cells, 0, sizeof cells);
@@ -423,8 +443,9 @@ const command command_cells = {
     "\n"
     "Computes the Voronoi cells of points, or with --weights the power cells.  Without --box or --clip those at the\n"
     "hull are unbounded.  Duplicates, points whose power cell is empty and points whose cell is outside have\n"
-    "empty cells.  With --periodic, points outside of the box are moved into it.  One point, points on a line and\n"
-    "points in a plane have cells in a box or clip; a box of six numbers means that points are in 3D.\n"
+    "empty cells.  With --periodic, points outside of the box are moved into it; with --lattice, by its vectors\n"
+    "near the origin.  One point, points on a line and points in a plane have cells in a box, lattice or clip; a box of\n"
+    "six numbers or a lattice of nine means that points are in 3D.\n"
     "\n"
     "input:   as for pbw mesh\n"
     "output:  .csv: id, volume (2D: area; unbounded: inf), centroid, number of facets;\n"

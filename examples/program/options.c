@@ -227,7 +227,7 @@ static int find(const char *const *names, const char *name)          /* -1: it i
 
 static int is_allowed(const option *o, const char *value, const char *more)
 {
-    double x[6], n;
+    double x[9], n;
     int k;
     switch (o->kind) {
         case WHOLE: n = whole(value); return n >= o->least && n <= o->most;
@@ -239,6 +239,7 @@ static int is_allowed(const option *o, const char *value, const char *more)
         case BOX:
             k = numbers(value, 4, x) ? 2 : numbers(value, 6, x) ? 3 : 0;
             return k > 0 && x[0] < x[k] && x[1] < x[k + 1] && (k == 2 || x[2] < x[5]);
+        case LATTICE: return numbers(value, 4, x) || numbers(value, 9, x);
         case AXES: return *value != 0 && strspn(value, "xyz") == strlen(value) && strlen(value) <= 3;
         case CHOICE: return find(o->choices, value) >= 0;
         case GENERATE:
@@ -281,6 +282,7 @@ static int refuse(const option *o, const char *value, const char *more)
             fputs(": A,B,C,D is needed, a direction A,B,C other than 0,0,0 and D from -1 to 1", stderr);
             break;
         case BOX: fputs(": the low corner and the high corner are needed, X,Y,X,Y or X,Y,Z,X,Y,Z", stderr); break;
+        case LATTICE: fputs(": vectors are needed, 4 numbers in 2D or 9 in 3D", stderr); break;
         case AXES: fputs(": some of the letters x, y, z are needed", stderr); break;
         case GENERATE:
             if (find(o->choices, n.word) >= 0) {

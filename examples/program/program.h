@@ -54,6 +54,7 @@ typedef enum value_kind {
     DIRECTION, PLANE,                                /* X,Y,Z; A,B,C,D with D from -1 to 1; not 0,0,0 */
     CHOICE,                                          /* one of choices */
     BOX,                                             /* low corner, high corner: 4 or 6 numbers */
+    LATTICE,                                         /* vectors: 4 or 9 numbers */
     AXES,                                            /* some of the letters x, y, z */
     GENERATE,                                        /* one of choices, and a count in the next argument */
     OUTPUT                                           /* a file; it may come several times */
