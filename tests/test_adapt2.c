@@ -468,6 +468,8 @@ static void test_regions(void)
     static const double ring[] = { 0, 0, 6, 0, 6, 6, 0, 6, 1, 1, 5, 1, 5, 5, 1, 5, 2, 2, 4, 2, 4, 4, 2, 4 };
     static const pbw_index of_ring[] = { 0, 1, 4, 1, 5, 4, 1, 2, 5, 2, 6, 5, 2, 3, 6, 3, 7, 6, 3, 0, 7, 0, 4, 7,
                                          8, 9, 10, 8, 10, 11 };
+    static const double beside[] = { 0, 0, 1, 0, 1, 1, 0, 1, 1, 0.5, 2, 0, 2, 1 };
+    static const pbw_index of_beside[] = { 0, 1, 2, 0, 2, 3, 1, 5, 4, 4, 5, 6, 6, 2, 4 }, one_two[] = { 1, 1, 2, 2, 2 };
     static const double soup[] = { 0, 0, 1, 0, 1, 1, 0, 0, 1, 1, 0, 1, 1, 0, 2, 0, 2, 1, 2, 1, 1, 1, 1, 0 };
     static const pbw_index in_order[] = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11 }, of_soup[] = { 3, 3, 2, 2 };
     /* the middle of the thin triangle is none of its points */
@@ -488,6 +490,13 @@ static void test_regions(void)
     if (test_begin("regions that touch at a point")) {
         c = new_carrier(points, 9, corners, 4, of_corners);
         carry_on(&c, 2);
+        test_end();
+    }
+    if (test_begin("regions that touch where one has a point more")) {
+        c = new_carrier(beside, 7, of_beside, 5, one_two);
+        carry_on(&c, 2);
+        c.regions = NULL;
+        carry_on(&c, 2);                             /* the border that only one of them has is kept */
         test_end();
     }
     if (test_begin("a slit between doubled points")) {

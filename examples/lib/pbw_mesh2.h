@@ -148,7 +148,8 @@ typedef struct pbw_plane {                 /* start from {0}; read, do not write
     size_t edge_count;                     /* edges of segments that the domain has, and its boundary */
     const pbw_index *edges;                /* two points each */
     const size_t *edge_first;              /* edge_count + 1: the segments of edge i are */
-    const pbw_index *edge_segments;        /* edge_first[i] .. edge_first[i+1]-1, ascending; none: hull only */
+    const pbw_index *edge_segments;        /* edge_first[i] .. edge_first[i+1]-1, ascending; none: of the hull, or of
+                                              segments without numbers */
     size_t region_count;
     const int *region_windings;            /* per region: winding number of the segments, where the rule needs it */
     const pbw_index *region_seeds;         /* per region: the number of the caller's region, or of segment_lefts, or
