@@ -2029,9 +2029,6 @@ PBW__DEVICE static pbw__integer pbw__exact_difference(double a, double b, int un
         int shift = pbw__decode(side == 0 ? a : b, &mantissa) - unit;
         int negative = (mantissa < 0) != side, at, room;
         uint64_t rest = (uint64_t)(mantissa < 0 ? -mantissa : mantissa);
-        if (rest == 0) {
-            continue;
-        }
         at = shift / PBW__DIGIT_BITS;
         room = PBW__DIGIT_BITS - shift % PBW__DIGIT_BITS;
         while (rest != 0) {                          /* the piece of the mantissa that falls into digit at */
@@ -2127,11 +2124,8 @@ PBW__DEVICE static int pbw__exact_determinant_in(pbw__digit *pool, int dim, int 
     minor[0] = one;
     for (set = 1; set < 1 << count; set++) {
         for (i = k = 0; i < count; i++) {
-            if (set >> i & 1) {
-                k++;
-            } else {
-                missing = i;
-            }
+            k += set >> i & 1;
+            missing = set >> i & 1 ? missing : i;
         }
         for (i = j = 0; i < count; i++) {
             if (set >> i & 1) {
@@ -2481,12 +2475,16 @@ PBW__INLINE int pbw__filter_power3(const double *a, const double *b, const doubl
    |cross| <= 2 R^2, |minor| <= 3 sqrt(3) R^3 (Hadamard), |lift| <= 4 R^2.  So top digits are at most 2 R, 5.2 R and
    4 R, and a column of the last sum, of 4 rows with at most two products each, stays below 2^123 (2^59).
    Rows are small if |x| < 2^24 (2^11) and |dw| < 2^48 (2^22), as near points of a lattice are.  Then cross is below
-   2^49 (2^23) and lift below 2^50 (2^24): single digits. */
+   2^49 (2^23) and lift below 2^50 (2^24): single digits.
+   Faint axes, finer than 1e-62 of the others, have a unit V of their own: it changes no orientation.  A power
+   determinant is A U^2 + B V^2, integers as above, by lifts along the other axes, less weights, and along faint ones.
+   |B| < 63 R^5, and U / V > 2^149, as doubles differ by 0 or 2^-53 of themselves.  So A decides, or if it is 0, B. */
 #define PBW__SMALL (PBW__DIGIT_BITS == 58 ? 24 : 11)
 
 typedef struct pbw__rows {
     pbw__digit x[4], y[4], z[4];                     /* in the plane z is 0 */
     pbw__column w[4], spread;                        /* spread < 2^PBW__SMALL: small */
+    int faint;                                       /* bit k: axis k */
 } pbw__rows;
 
 /* floor(mantissa * 2^shift) modulo 2^64; bits below 1 are remembered in lost. */
@@ -2506,7 +2504,8 @@ PBW__INLINE int pbw__exponent(double x)
     return (int)(pbw__bits(x) >> 52 & 2047) - 1022;
 }
 
-/* Stores the rows in the unit of the grid, else in the finest unit in which they fit.  Returns 0 if a bit is finer.
+/* Stores the rows in the unit of the grid, else in the finest unit in which they fit; faint axes in that of their
+   largest coordinate, as their differences may be flushed.  Returns 0 if a bit is finer.
    Without a grid, coordinates are read modulo 2^64 and weights modulo 2^128 (2^64): their differences are smaller. */
 PBW__INLINE int pbw__read_rows(int dim, int count, const double *const *row, const double *origin,
                                const pbw__grid *grid, pbw__rows *rows)
@@ -2514,8 +2513,8 @@ PBW__INLINE int pbw__read_rows(int dim, int count, const double *const *row, con
     pbw__digit *axis[3] = { rows->x, rows->y, rows->z };
     uint64_t start[3] = { 0, 0, 0 }, lost = 0;
     int64_t mantissa;
-    int i, k, unit;
-    rows->spread = 0;
+    int i, k, unit, fine = -2000;
+    memset(rows, 0, sizeof(*rows));
     if (grid != NULL && grid->inverse_unit != 0.0 && grid->bits <= PBW__DIGIT_BITS) {
         unit = 1 - pbw__exponent(grid->inverse_unit);
         for (i = 0; i < count; i++) {
@@ -2525,39 +2524,37 @@ PBW__INLINE int pbw__read_rows(int dim, int count, const double *const *row, con
             }
         }
     } else {
-        double largest = 0.0, heaviest = 0.0;
-        for (i = 0; i < count; i++) {
-            for (k = 0; k < dim; k++) {
-                largest = pbw__max(largest, pbw__abs(row[i][k] - origin[k]));
+        double span[4] = { 0.0, 0.0, 0.0, 0.0 }, largest = 0.0;
+        for (k = 0; k < dim + (count > dim); k++) {
+            for (i = 0; i < count; i++) {
+                span[k] = pbw__max(span[k], pbw__abs(row[i][k] - origin[k]));
             }
-            if (count > dim) {
-                heaviest = pbw__max(heaviest, pbw__abs(row[i][dim] - origin[dim]));
-            }
+            largest = k < dim ? pbw__max(largest, span[k]) : largest;
         }
-        if (!(largest > 1e-150)) {                   /* then neither largest nor heaviest suffers from flushing */
-            return 0;
+        largest = largest > 1e-150 ? largest : DBL_MAX;      /* that may be flushed: all are faint, no weights fit */
+        for (k = 0; k < dim; k++) {
+            if (!(span[k] > 1e-62 * largest)) {
+                rows->faint |= 1 << k;
+                for (i = 0; i <= count; i++) {
+                    const int exponent = pbw__exponent(i < count ? row[i][k] : origin[k]) + 1 - PBW__DIGIT_BITS;
+                    fine = exponent > fine ? exponent : fine;
+                }
+            }
         }
         unit = pbw__exponent(largest);
-        k = (pbw__exponent(heaviest) + 2049) / 2 - 1024;     /* half of it, rounded up */
+        k = (pbw__exponent(span[dim]) + 2049) / 2 - 1024;    /* half of it, rounded up */
         unit = (k > unit ? k : unit) - PBW__DIGIT_BITS;
         for (i = count; i >= 0 && lost == 0; i--) {
             for (k = 0; k < dim; k++) {
                 int exponent = pbw__decode(i < count ? row[i][k] : origin[k], &mantissa);
-                uint64_t value = pbw__shifted(mantissa, exponent - unit, &lost);
-                if (i == count) {
-                    start[k] = value;
-                } else {
-                    axis[k][i] = (pbw__digit)(int64_t)(value - start[k]);
-                }
+                uint64_t value = pbw__shifted(mantissa, exponent - (rows->faint >> k & 1 ? fine : unit), &lost);
+                start[k] = i == count ? value : start[k];
+                axis[k][i % count] = (pbw__digit)(int64_t)(value - start[k]);        /* [0] once more at the end */
             }
         }
         rows->spread = (pbw__column)1 << PBW__SMALL;
     }
-    for (i = 0; i < count; i++) {
-        if (dim == 2) {
-            rows->z[i] = 0;
-        }
-        rows->w[i] = 0;                              /* compared as bits: equal weights need no work, in any mode */
+    for (i = 0; i < count; i++) {                    /* compared as bits: equal weights need no work, in any mode */
         if (count > dim && pbw__bits(row[i][dim]) != pbw__bits(origin[dim])) {
             pbw__wrapped value[2];
             for (k = 0; k < 2; k++) {
@@ -2612,7 +2609,8 @@ PBW__INLINE int pbw__minor(int small, const pbw__rows *u, int i, int j, int k, p
                                                                + pbw__times(u->z[k], pbw__high(small, c)), digit);
 }
 
-PBW__INLINE int pbw__integer_power(int dim, int small, const pbw__rows *u, int *orientation)
+/* axes: bits of those in the lifts, and bit 3 for the weights. */
+PBW__INLINE int pbw__integer_power(int dim, int small, int axes, const pbw__rows *u, int *orientation)
 {
     pbw__digit minor[4][3];
     pbw__column column[4] = { 0, 0, 0, 0 };
@@ -2628,8 +2626,8 @@ PBW__INLINE int pbw__integer_power(int dim, int small, const pbw__rows *u, int *
         orientation[3] = -pbw__minor(small, u, 0, 1, 2, minor[3]);
     }
     for (i = 0; i <= dim; i++) {
-        pbw__digit x = u->x[i], y = u->y[i], z = u->z[i], low, high;
-        pbw__column lift = pbw__times(x, x) + pbw__times(y, y) + pbw__times(z, z) - u->w[i];
+        pbw__digit x = axes & 1 ? u->x[i] : 0, y = axes & 2 ? u->y[i] : 0, z = axes & 4 ? u->z[i] : 0, low, high;
+        pbw__column lift = pbw__times(x, x) + pbw__times(y, y) + pbw__times(z, z) - (axes & 8 ? u->w[i] : 0);
         lift = i % 2 == 0 ? lift : -lift;
         low = pbw__low(small, lift);
         high = pbw__high(small, lift);
@@ -2653,9 +2651,13 @@ PBW__INLINE int pbw__integers_of(int dim, int count, const double *const *row, c
     if (!pbw__read_rows(dim, count, row, origin, grid, &u)) {
         return PBW__OPEN;
     }
+    if (count > dim && u.faint != 0) {
+        const int sign = pbw__integer_power(dim, 0, 15 - u.faint, &u, orientation);
+        return sign != 0 ? sign : pbw__integer_power(dim, 0, u.faint, &u, orientation);
+    }
     if (count > dim) {
-        return u.spread >> PBW__SMALL == 0 ? pbw__integer_power(dim, 1, &u, orientation)
-                                           : pbw__integer_power(dim, 0, &u, orientation);
+        return u.spread >> PBW__SMALL == 0 ? pbw__integer_power(dim, 1, 15, &u, orientation)
+                                           : pbw__integer_power(dim, 0, 15, &u, orientation);
     }
     return dim == 2 ? pbw__carry(pbw__cross(&u, 0, 1), 0, det) : -pbw__minor(0, &u, 0, 1, 2, det);
 }

@@ -61,13 +61,13 @@ typedef struct points {
 } points;
 
 enum { UNIFORM, LATTICE, TENTHS, SURVEY, COSPHERICAL, SPHERE, CAP, FLAT, KETTNER, OFFSET, CLUSTER, MODERATE, FLOATS,
-       THIN, COPIES, ZEROS, DENORMAL, MIXED, RANGE, FAINT, FAINT_LATTICE, FAMILIES };
+       THIN, COPIES, ZEROS, DENORMAL, MIXED, RANGE, FAINT, FAINT_LATTICE, SCALES, FAMILIES };
 
 static const char *const family_name[FAMILIES] = {
     "uniform", "lattice", "lattice of tenths", "survey grid", "cospherical integers", "rounded to a sphere",
     "rounded to a cap", "rounded to a plane", "ulp grid", "offset 2^53", "clusters", "exponents +-30", "floats",
     "thin", "shared coordinates", "zeros of both signs", "denormals", "exponents +-300", "corners of the range",
-    "an axis of denormals", "lattice, an axis of denormals"
+    "an axis of denormals", "lattice, an axis of denormals", "lattice, three scales"
 };
 
 static double coordinate(int family, int k)
@@ -87,6 +87,7 @@ static double coordinate(int family, int k)
     case DENORMAL: return ldexp(below(9) - 4, -1074 + (below(3) == 0 ? below(60) : 0));
     case FAINT: return k == 1 ? ldexp(unit_random() - 0.5, -1030 - below(45)) : ldexp(unit_random(), 40 * below(2));
     case FAINT_LATTICE: return k == 1 ? (below(5) - 2) * 5e-324 : below(4);
+    case SCALES: return (below(5) - 2) * (k == 0 ? 1.0 : k == 1 ? 0x1p-333 : 5e-324);
     case RANGE: return (below(2) == 0 ? 1 : -1) * (below(4) == 0 ? 5e-324 : below(4) == 0 ? 1.0 : DBL_MAX);
     default: return unit_random();
     }
@@ -653,6 +654,9 @@ static void test_reach(void)
         { "grid decides lattices", LATTICE, 2, 0, 0, GRID, 0.99 },
         { "grid decides lattices of tenths", TENTHS, 3, 1, 0, GRID, PBW__DIGIT_BITS == 58 ? 0.99 : 0.0 },
         { "integers decide points of a cap", CAP, 3, 1, 0, INTEGERS, PBW__DIGIT_BITS == 58 ? 0.5 : 0.0 },
+        { "integers decide faint lattices", FAINT_LATTICE, 2, 1, 0, INTEGERS, PBW__DIGIT_BITS == 58 ? 0.97 : 0.0 },
+        { "integers decide faint lattices", FAINT_LATTICE, 3, 1, 0, INTEGERS, PBW__DIGIT_BITS == 58 ? 0.97 : 0.0 },
+        { "integers decide lattices of two scales", SCALES, 2, 1, 0, INTEGERS, PBW__DIGIT_BITS == 58 ? 0.97 : 0.0 },
         { "pairs decide points of a cap", CAP, 3, 1, 0, PAIRS, 0.99 },
         { "pairs decide points of a sphere", SPHERE, 3, 1, 0, PAIRS, 0.99 },
         { "pairs decide points of a sphere", SPHERE, 2, 1, 0, PAIRS, 0.95 },
@@ -681,8 +685,10 @@ static void test_reach(void)
                 p.dim = cases[i].dim;
                 fill_places(&p, cases[i].family);
                 for (k = 0; k < 5; k++) {                  /* not moved by ulps, weights of the lattice */
+                    const int family = cases[i].family;
                     int axis;
-                    for (axis = 0; axis < p.dim && cases[i].family <= TENTHS && cases[i].family != UNIFORM; axis++) {
+                    for (axis = 0; axis < p.dim && (family == LATTICE || family == TENTHS || family >= FAINT_LATTICE);
+                         axis++) {
                         p.at[k][axis] = coordinate(cases[i].family, axis);
                     }
                     p.at[k][p.dim] = cases[i].weights ? below(9) : 0;
