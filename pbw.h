@@ -2504,9 +2504,9 @@ PBW__INLINE int pbw__exponent(double x)
     return (int)(pbw__bits(x) >> 52 & 2047) - 1022;
 }
 
-/* Stores the rows in the unit of the grid, else in the finest unit in which they fit; faint axes in that of their
-   largest coordinate, as their differences may be flushed.  Returns 0 if a bit is finer.
-   Without a grid, coordinates are read modulo 2^64 and weights modulo 2^128 (2^64): their differences are smaller. */
+/* Stores the rows in the unit of the grid, else in the finest unit in which they fit, faint axes as their coordinates
+   do, for differences may be flushed.  Returns 0 if a bit is finer.  Without a grid, coordinates are read modulo 2^64
+   and weights modulo 2^128 (2^64): their differences are smaller. */
 PBW__INLINE int pbw__read_rows(int dim, int count, const double *const *row, const double *origin,
                                const pbw__grid *grid, pbw__rows *rows)
 {
@@ -2609,10 +2609,9 @@ PBW__INLINE int pbw__minor(int small, const pbw__rows *u, int i, int j, int k, p
                                                                + pbw__times(u->z[k], pbw__high(small, c)), digit);
 }
 
-/* axes: bits of those in the lifts, and bit 3 for the weights. */
 PBW__INLINE int pbw__integer_power(int dim, int small, int axes, const pbw__rows *u, int *orientation)
 {
-    pbw__digit minor[4][3];
+    pbw__digit minor[4][3];                          /* axes: bits of those in the lifts; bit 3: the weights */
     pbw__column column[4] = { 0, 0, 0, 0 };
     int i;
     if (dim == 2) {
