@@ -328,7 +328,8 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=16, patch
         raise ValueError("sharp must be one of " + ", ".join(_SHARP))
     _check_number("most", most, 1, np.finfo(float).max)
     how = _SolidOptions(0 if callable(size) else size, least_size, None, None, curvature, nested, close,
-                        _SHARP.index(sharp), most, None, None, feature_angle, 0, rounds, _ImproveOptions(target))
+                        _SHARP.index(sharp), most, None, None, None, feature_angle, 0, rounds,
+                        _ImproveOptions(target))
     thrown = []
     if callable(size):
         def at(user, point):
