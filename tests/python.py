@@ -443,6 +443,20 @@ def cells_of_lattices_and_of_weights():
         share = np.bincount(distance.argmin(axis=0), minlength=40) / len(grid)
         check(np.abs(share - cells.volumes).max() < 5e-3, share, cells.volumes)
         equal(pbw.power_cells(points, weights, unit, threads=1).vertices, cells.vertices)
+        skew = np.eye(dim) + np.tril(np.full((dim, dim), 3), -1)         # the same lattice as the unit box
+        boxed = pbw.power_cells(points, weights, unit, periodic="xyz"[:dim])
+        cells = pbw.power_cells(points, weights, lattice=skew)
+        check(np.allclose(cells.volumes, boxed.volumes, atol=1e-13))
+        check(np.abs(cells.sites - points - np.round(cells.sites - points)).max() < 1e-12)
+        equal(np.diff(cells.first), np.diff(boxed.first))
+        images = []                               # where neighbours are, from each site
+        for one, vectors in ((boxed, np.eye(dim)), (cells, skew)):
+            of = np.repeat(np.arange(40), np.diff(one.first))
+            to = one.sites[one.neighbors] + one.shifts @ vectors - one.sites[of]
+            images.append(np.array(sorted(zip(of, *np.round(to, 9).T + 0.0))))
+        check(np.allclose(*images, atol=1e-8))
+        raises_text(ValueError, "exclude each other", pbw.power_cells, points, box=unit, lattice=skew)
+        raises_text(ValueError, "lattice must be", pbw.power_cells, points, lattice=skew[0])
         for axes, bad, text in (("xw", unit, "periodic must have letters of"),
                                 ("x", None, "periodic='x' needs a box"),
                                 ("", unit[::-1], "box must be a low corner and a high"),

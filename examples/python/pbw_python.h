@@ -49,7 +49,8 @@ int pbw_python_locate(const arrays *a, const double *queries, size_t count, int3
 int pbw_python_nearest(const arrays *a, const double *queries, size_t count, size_t k, int32_t *points,
                        double *distances);
 int pbw_python_coordinates(const arrays *a, const double *queries, size_t count, int scheme, pbw_lists *lists);
-int pbw_python_cells(const arrays *a, const double *box, unsigned periodic, unsigned what, pbw_cells *cells);
+int pbw_python_cells(const arrays *a, const double *box, const double *lattice, unsigned periodic, unsigned what,
+                     pbw_cells *cells);
 int pbw_python_stars(const arrays *a, pbw_lists *stars);
 int pbw_python_check(const arrays *a, int *valid);
 int pbw_python_plane(const pbw_plane_input *input, const pbw_index *triangles, const pbw_index *regions,

@@ -61,8 +61,9 @@ int pbw_python_coordinates(const arrays *a, const double *queries, size_t count,
     return (int)pbw_coordinates(&mesh, queries, count, (pbw_scheme)scheme, &options, lists);
 }
 
-/* box: NULL = the whole space.  periodic: bits of axes.  In a box only the points of the arrays count. */
-int pbw_python_cells(const arrays *a, const double *box, unsigned periodic, unsigned what, pbw_cells *cells)
+/* box and lattice: NULL = the whole space.  periodic: bits of axes.  In a box or a lattice only the points of the arrays count. */
+int pbw_python_cells(const arrays *a, const double *box, const double *lattice, unsigned periodic, unsigned what,
+                     pbw_cells *cells)
 {
     pbw_mesh mesh, own = { 0 };
     pbw_options options;
@@ -70,8 +71,9 @@ int pbw_python_cells(const arrays *a, const double *box, unsigned periodic, unsi
     watch w;
     pbw_python_view(a, &mesh, &options, &w);
     domain.box = box;
+    domain.lattice = lattice;
     domain.periodic = periodic;
-    if (periodic != 0) {
+    if (periodic != 0 || lattice != NULL) {
         return (int)pbw_cells_periodic(a->dim, a->points, a->weights, a->point_count, &domain, what, &options, cells);
     }
     if (box == NULL) {

@@ -21,7 +21,9 @@ class Cells:
     first                   (npoints + 1,): the facets of cell i are first[i] to first[i+1] - 1
     neighbors               per facet: the point beyond; -2 - k: wall k of the box, where 2*axis is the low and
                             2*axis+1 the high one
-    shifts                  per facet, if periodic: the neighbour is that point + shift * size of the box
+    shifts                  per facet, if periodic: the neighbour is that point + shift * size of the box, of a lattice
+                            + shift @ lattice, from its site
+    sites                   (npoints, ndim), if periodic: where the points were moved to
     areas                   per facet: its area, in the plane its length
     vertices                (nvertices, ndim)
     loop_first, loops       corners of facet j: vertices loops[loop_first[j]:loop_first[j+1]], counter-clockwise from
@@ -57,12 +59,24 @@ def _checked_axes(periodic, box, dim):
     return sum(1 << "xyz".index(axis) for axis in set(periodic))
 
 
-def power_cells(points, weights=None, box=None, *, periodic="", merge=False, threads=0):
+def _checked_lattice(lattice, box, dim):
+    if lattice is None:
+        return None
+    if box is not None:
+        raise ValueError("box and lattice exclude each other")
+    lattice = np.array(lattice, dtype=np.float64)
+    if lattice.shape != (dim, dim) or not np.isfinite(lattice).all():
+        raise ValueError("lattice must be %d vectors of %d finite numbers, not %s" % (dim, dim, lattice.tolist()))
+    return lattice
+
+
+def power_cells(points, weights=None, box=None, *, periodic="", lattice=None, merge=False, threads=0):
     """The cells of the power diagram of points, without weights of the Voronoi diagram; see Cells.
 
     box        low corner and high corner: cells end there; None: those at the hull are unbounded.  In a box, one
                point, points on a line and points in a plane have cells, too
     periodic   the axes along which the box repeats, such as "xy"
+    lattice    instead of a box: vectors, a row each, by which all repeats, at any angles, as of triclinic crystals
     merge      the true diagram: centres that coincide are one vertex, facets without area are left out
     """
     points = checked_points(points)
@@ -70,9 +84,10 @@ def power_cells(points, weights=None, box=None, *, periodic="", merge=False, thr
     check_options(False, None, threads)
     box = _checked_box(box, points.shape[1])
     axes = _checked_axes(periodic, box, points.shape[1])
+    lattice = _checked_lattice(lattice, box, points.shape[1])
     what = FACETS | SHAPES | (MERGE if merge else 0)
-    if box is not None:
-        return Cells(_library.boxed_cells(points, weights, box, axes, what, threads))
+    if box is not None or lattice is not None:
+        return Cells(_library.boxed_cells(points, weights, box, lattice, axes, what, threads))
     return Cells(Mesh(points, weights, threads, None).cells(what))
 
 
@@ -91,7 +106,7 @@ def lloyd(points, steps=10, box=None, *, periodic="", threads=0):
     box = _checked_box(box, dim)
     axes = _checked_axes(periodic, box, dim)
     for _ in range(steps):
-        points = _library.boxed_cells(points, None, box, axes, 0, threads)["centroids"]
+        points = _library.boxed_cells(points, None, box, None, axes, 0, threads)["centroids"]
     return points
 
 

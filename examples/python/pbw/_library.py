@@ -35,7 +35,8 @@ class _Cells(ctypes.Structure):
     """pbw_cells."""
     _fields_ = [("dim", ctypes.c_int), *((name, ctypes.c_size_t) for name in ("cell_count", "facet_count",
                                                                             "vertex_count", "ray_count")),
-                *_pointers("volumes centroids first neighbors shifts areas vertices loop_first loops rays memory")]
+                *_pointers("volumes centroids first neighbors shifts sites areas vertices loop_first loops rays "
+                            "memory")]
 
 
 class _PlaneInput(ctypes.Structure):
@@ -120,7 +121,7 @@ def _declare(library):
     library.pbw_python_locate.argtypes = [arrays, doubles, size, ints, ints]
     library.pbw_python_nearest.argtypes = [arrays, doubles, size, size, ints, doubles]
     library.pbw_python_coordinates.argtypes = [arrays, doubles, size, ctypes.c_int, ctypes.POINTER(_Lists)]
-    library.pbw_python_cells.argtypes = [arrays, ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint,
+    library.pbw_python_cells.argtypes = [arrays, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint,
                                          ctypes.POINTER(_Cells)]
     library.pbw_lists_free.restype = library.pbw_cells_free.restype = None
     library.pbw_lists_free.argtypes = [ctypes.POINTER(_Lists)]
@@ -215,12 +216,13 @@ def _answer(arrays, count, ask, points, weights=None):
         raise _errors.from_status(status[0], _library.pbw_status_string(status[0]).decode(), points, weights)
 
 
-def cells_of(arrays, box, periodic, what, points, weights):
+def cells_of(arrays, box, lattice, periodic, what, points, weights):
     """The arrays of pbw_cells by name; what: bits of PBW_CELLS_*."""
     found, made = _Cells(), {}
 
     def ask(arrays):
-        status = _library.pbw_python_cells(arrays, None if box is None else box.ctypes.data, periodic, what, found)
+        status = _library.pbw_python_cells(arrays, None if box is None else box.ctypes.data,
+                                           None if lattice is None else lattice.ctypes.data, periodic, what, found)
         try:
             if status == 0:
                 made.update(_cell_arrays(found))
@@ -239,6 +241,7 @@ def _cell_arrays(c):
             "neighbors": _copied(c.neighbors, c.facet_count, np.int32),
             "areas": _copied(c.areas, c.facet_count, np.float64),
             "shifts": _copied(c.shifts, (c.facet_count, c.dim), np.int8),
+            "sites": _copied(c.sites, (c.cell_count, c.dim), np.float64),
             "vertices": _copied(c.vertices, (c.vertex_count, c.dim), np.float64),
             "loop_first": _copied(c.loop_first, c.facet_count + 1, np.uintp),
             "rays": _copied(c.rays, (c.ray_count, c.dim), np.float64)}
@@ -302,11 +305,11 @@ def transfer(points, triangles, values, places):
     return out
 
 
-def boxed_cells(points, weights, box, periodic, what, threads):
-    """The same of points alone, in a box; bit k of periodic: it repeats along axis k."""
+def boxed_cells(points, weights, box, lattice, periodic, what, threads):
+    """The same of points alone, in a box, of which bit k of periodic says that it repeats along axis k, or a lattice."""
     arrays = _Arrays(points.shape[1], threads, len(points), 0, points.ctypes.data,
                      None if weights is None else weights.ctypes.data)
-    return cells_of(arrays, box, periodic, what, points, weights)
+    return cells_of(arrays, box, lattice, periodic, what, points, weights)
 
 
 def _triangulate(points, weights, threads, progress):
@@ -452,7 +455,7 @@ class Mesh:
             arrays, queries, len(queries), scheme, lists), queries)
 
     def cells(self, what):
-        return cells_of(self._arrays(), None, 0, what, self.points, self.weights)
+        return cells_of(self._arrays(), None, None, 0, what, self.points, self.weights)
 
     def stars(self):
         """indptr and indices of the neighbours of each point, ascending."""
