@@ -208,7 +208,6 @@ typedef struct pbwio_options {         /* NULL or all zero = best defaults */
 } pbwio_options;
 
 #define PBWIO_CLOSED_RINGS  2u         /* GeoJSON: a ring keeps its last position, which is its first again */
-#define PBWIO_CLOSED_RINGS  2u         /* GeoJSON: a ring keeps its last position, which is its first again */
 #define PBWIO_DECIMAL_COMMA 1u         /* tables: numbers such as 1,5; columns are set apart by ; or blanks */
 
 #define PBWIO_TEXT       1u            /* text even where the format has a binary form */
@@ -5528,14 +5527,6 @@ typedef struct pbwio__list {                 /* points under one name */
     int columns, longest;                    /* columns: of the first point; longest: the most numbers of an array */
 } pbwio__list;
 
-#define PBWIO__LISTS 24                      /* lists of other names than the first ones share the last place */
-
-typedef struct pbwio__list {                 /* points under one name */
-    pbwio__field name;
-    size_t arrays, objects;                  /* points of each kind */
-    int columns, longest;                    /* columns: of the first point; longest: the most numbers of an array */
-} pbwio__list;
-
 typedef struct pbwio__json {
     int depth, inside;                       /* of brackets; the depth where "coordinates" start, 0 = not in them */
     char kind[PBWIO__DEEPEST + 1];           /* '[' or '{' at each depth */
@@ -5601,45 +5592,13 @@ static pbwio__list *pbwio__json_list(pbwio__json *j)
     return j->list + k;
 }
 
-static const char pbwio__point_names[] = "points vertices positions nodes";
-static const char pbwio__other_names[] = "edges links lines segments faces facets triangles quads polygons cells elements "
-    "tetrahedra simplices indices connectivity neighbors bbox";
-
-static int pbwio__same_field(pbwio__field a, pbwio__field b)
-{
-    return pbwio__same(a.begin, (size_t)(a.end - a.begin), b.begin, (size_t)(b.end - b.begin));
-}
-
-/* The list that a point at this depth is of; NULL: it is none of points. */
-static pbwio__list *pbwio__json_list(pbwio__json *j)
-{
-    pbwio__field name = j->name[j->depth];
-    int k, known = 0;
-    for (k = j->depth; k > 0; k--) {
-        if (!known && pbwio__lists(pbwio__other_names, j->name[k])) {
-            return NULL;
-        }
-        if (!known && pbwio__lists(pbwio__point_names, j->name[k])) {
-            known = 1;
-            name = j->name[k];
-        }
-    }
-    for (k = 0; k < j->list_count && k < PBWIO__LISTS - 1 && !pbwio__same_field(j->list[k].name, name); k++) {
-    }
-    if (k == j->list_count) {
-        j->list[k].name = name;
-        j->list_count++;
-    }
-    return j->list + k;
-}
-
 static void pbwio__json_array(pbwio__reader *r, pbwio__json *j)
 {
     const int inside = j->inside != 0 && j->depth >= j->inside;
-    pbwio__list *list = inside ? &j->coordinates : pbwio__json_list(j);
+    pbwio__list *list;
     double value[4];
     int k;
-    if (!j->pure || j->numbers < 2 || list == NULL) {
+    if (!j->pure || j->numbers < 2 || (list = inside ? &j->coordinates : pbwio__json_list(j)) == NULL) {
         return;
     }
     list->columns = list->columns == 0 ? j->numbers : list->columns;
@@ -5647,6 +5606,9 @@ static void pbwio__json_array(pbwio__reader *r, pbwio__json *j)
     list->arrays++;
     j->holds[j->depth - 1] = inside;
     if (inside ? j->way == 'c' : j->way == 'a' && (j->all || pbwio__same_field(list->name, j->chosen))) {
+        if (r->cloud->dim == 2 && j->numbers <= r->column[2]) {
+            pbwio__no_heights(r);
+        }
         if (j->numbers <= r->last_column) {
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "%d column%s where %d are needed", j->numbers,
                         j->numbers == 1 ? "" : "s", r->last_column + 1);
@@ -5681,7 +5643,10 @@ static void pbwio__json_object(pbwio__reader *r, pbwio__json *j)
     list->objects++;
     if (j->way == 'o' && (j->all || pbwio__same_field(list->name, j->chosen))) {
         for (k = 2; k < 4; k++) {
-            needed |= r->column[k] >= 0 ? 1 << k : 0;
+            needed |= r->column[k] >= 0 && (k == 3 || r->cloud->dim == 3) ? 1 << k : 0;
+        }
+        if (r->cloud->dim == 2 && !(found & 4)) {
+            pbwio__no_heights(r);
         }
         if ((found & needed) != needed) {
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "a point lacks a coordinate or its weight");
@@ -5875,95 +5840,6 @@ static void pbwio__json_points(pbwio__reader *r, pbwio__field chosen)
         r->cloud->dim = list.columns == 3 && r->options->dim != 2 ? 3 : 2;
         for (k = 0; k < 4; k++) {
             r->column[k] = k < (list.columns == 3 ? 3 : 2) || (k == 3 && r->options->weight != NULL) ? k : -1;
-        }
-        if (r->options->dim > r->cloud->dim) {
-            pbwio__fail(r, PBWIO_ERROR_FORMAT, "%d coordinates where 3 are needed", list.columns);
-        }
-    } else {
-        pbwio__choose(r, NULL, list.columns < 3 ? list.columns : 3, list.columns);
-    }
-    pbwio__reserve(r, count, 4);
-    memset(&j, 0, sizeof j);
-    j.key.begin = j.key.end = j.name[0].begin = j.name[0].end = begin;
-    pbwio__json_names(r, &j);
-    j.way = way;
-    j.all = all;
-    j.chosen = chosen;
-    pbwio__json_pass(r, &j);
-}
-
-/* Decides which list has the points, into chosen or all, and how: 'c' coordinates, 'o' objects, 'a' arrays. */
-static pbwio__list pbwio__json_choose(pbwio__reader *r, pbwio__json *j)
-{
-    pbwio__list total = j->coordinates, *found = NULL;
-    char text[256] = "";
-    int k, rank, best = 0, matches = 0, single = 1;
-    j->way = 'c';
-    for (k = 0; k < j->list_count && total.arrays == 0; k++) {       /* named by the caller, by habit; objects; arrays */
-        pbwio__list *list = j->list + k;
-        rank = pbwio__same_field(list->name, j->chosen) ? 4 : pbwio__lists(pbwio__point_names, list->name) ? 3
-             : list->objects > 0 ? 2 : list->arrays > 0;
-        if (rank > best) {
-            best = rank;
-            matches = 0;
-            single = 1;
-            text[0] = 0;
-        }
-        if (rank == best && rank > 0) {
-            const size_t used = strlen(text), count = list->objects > 0 ? list->objects : list->arrays;
-            snprintf(text + used, sizeof text - used, "%s%s (%zu)", matches > 0 ? ", " : "",
-                     list->name.begin < list->name.end ? pbwio__show(r, list->name) : "without a name", count);
-            found = list;
-            matches++;
-            single &= count == 1;
-        }
-    }
-    if (j->chosen.begin < j->chosen.end && best < 4) {
-        pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "no list of points is named so%s%s", best > 0 ? "; there are " : "", text);
-    } else if (matches > 1 && !single) {
-        pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "several lists may be the points: %s; choose one by columns (--columns "
-                    "NAME or NAME:x,y)", text);
-    } else if (found != NULL) {
-        total = *found;
-        j->all = matches > 1;
-        for (k = 0; k < j->list_count && j->all; k++) {              /* each point has a name of its own */
-            total.objects += j->list + k != found ? j->list[k].objects : 0;
-            total.arrays += j->list + k != found ? j->list[k].arrays : 0;
-            total.longest = j->list[k].longest > total.longest ? j->list[k].longest : total.longest;
-        }
-        j->chosen = total.name;
-        j->way = total.objects > 0 ? 'o' : 'a';
-    }
-    return total;
-}
-
-/* Reads with the columns of the options, without the name of a list. */
-static void pbwio__json_points(pbwio__reader *r, pbwio__field chosen)
-{
-    const char *begin = r->at;
-    pbwio__json j;
-    pbwio__list list;
-    size_t count;
-    int way, all, k;
-    memset(&j, 0, sizeof j);
-    j.key.begin = j.key.end = j.name[0].begin = j.name[0].end = begin;
-    j.chosen = chosen;
-    pbwio__json_names(r, &j);
-    pbwio__json_pass(r, &j);
-    list = pbwio__json_choose(r, &j);
-    way = j.way;
-    all = j.all;
-    chosen = j.chosen;
-    count = way == 'o' ? list.objects : list.arrays;
-    if (r->status == PBWIO_OK && (count == 0 || (way != 'o' && list.longest > PBWIO__NUMBERS))) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, count == 0 ? "no points: arrays of numbers, or objects with x and y"
-                    : "a list of many numbers: points are arrays of two or three");
-    }
-    r->at = begin;
-    if (way == 'o') {
-        r->cloud->dim = list.columns == 3 && r->options->dim != 2 ? 3 : 2;
-        for (k = 0; k < 4; k++) {
-            r->column[k] = k < r->cloud->dim || (k == 3 && r->options->weight != NULL) ? k : -1;
         }
         if (r->options->dim > r->cloud->dim) {
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "%d coordinates where 3 are needed", list.columns);
