@@ -21,8 +21,8 @@ class Cells:
     first                   (npoints + 1,): the facets of cell i are first[i] to first[i+1] - 1
     neighbors               per facet: the point beyond; -2 - k: wall k of the box, where 2*axis is the low and
                             2*axis+1 the high one
-    shifts                  per facet, if periodic: the neighbour is that point + shift * size of the box, of a lattice
-                            + shift @ lattice, from its site
+    shifts                  per facet, if periodic: the neighbour is that point, from its site, + shift * size of the
+                            box, of a lattice + shift @ lattice
     sites                   (npoints, ndim), if periodic: where the points were moved to
     areas                   per facet: its area, in the plane its length
     vertices                (nvertices, ndim)

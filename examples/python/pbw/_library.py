@@ -306,7 +306,7 @@ def transfer(points, triangles, values, places):
 
 
 def boxed_cells(points, weights, box, lattice, periodic, what, threads):
-    """The same of points alone, in a box, of which bit k of periodic says that it repeats along axis k, or a lattice."""
+    """The same of points alone, in a lattice or in a box; bit k of periodic: it repeats along axis k."""
     arrays = _Arrays(points.shape[1], threads, len(points), 0, points.ctypes.data,
                      None if weights is None else weights.ctypes.data)
     return cells_of(arrays, box, lattice, periodic, what, points, weights)
