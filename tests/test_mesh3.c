@@ -1040,6 +1040,67 @@ static int note_stage(void *user, pbw_stage stage, double done)
     return 0;
 }
 
+/* At 30 levels of options.memory_limit a call holds at most that, and makes the same solid or none; kind 1: a second
+   attempt, while the first is held. */
+static void test_limits(int kind)
+{
+    static const double low[3] = { 0, 0, 0 }, near[3] = { 2, 2, 2 }, after[3] = { 2.02, 0, 0 };
+    static const double high[3] = { 4, 2, 2 };
+    part m;
+    pbw_solid_input in;
+    pbw_solid_options how;
+    pbw_solid_boundary boundary;
+    pbw_options options;
+    pbw_tets mesh, whole;
+    meter memory;
+    size_t most = 0, k, enough = 0;
+    if (!test_begin("memory limits%s", kind == 1 ? ", two attempts" : "")) {
+        return;
+    }
+    (void)part_make(PART_L, 0, &m);
+    m.triangles -= kind == 0;                        /* a hole to close */
+    if (kind == 1) {                                 /* two boxes that nearly touch: they grow together */
+        m.points = m.triangles = 0;
+        (void)part_box(&m, low, near, 0);
+        (void)part_box(&m, after, high, 0);
+    }
+    in = input_of(&m);
+    memset(&options, 0, sizeof options);
+    memset(&how, 0, sizeof how);
+    memset(&whole, 0, sizeof whole);
+    how.size = kind == 1 ? 1 : 0.2;
+    how.least_size = kind == 1 ? 0.3 : 0;
+    how.rounds = kind == 1 ? 2 : 0;
+    how.improve.target = kind == 1 ? -1 : 0;
+    how.improve.passes = 1;
+    options.threads = 1;
+    options.resize = meter_resize;
+    options.resize_user = &memory;
+    for (k = 0; k <= 30; k++) {                      /* to 1.5 times what it holds without a limit */
+        pbw_status status;
+        meter_start(&memory, 0, 0);
+        options.memory_limit = most * k / 20;
+        status = pbw_solid(&in, &how, &options, &mesh, &boundary, NULL);
+        if (k == 0) {
+            CHECK_EQUAL(status, PBW_OK);
+            most = memory.peak;
+            whole.tet_count = mesh.tet_count;
+            whole.point_count = mesh.point_count;
+        } else if (!CHECK(memory.peak <= options.memory_limit)) {
+            test_say("%.3f of the limit", (double)memory.peak / (double)options.memory_limit);
+        }
+        CHECK(status == PBW_OK ? mesh.tet_count == whole.tet_count && mesh.point_count == whole.point_count
+              : status == PBW_ERROR_MEMORY && mesh.points == NULL && boundary.facets == NULL);
+        enough += status == PBW_OK;
+        pbw_solid_boundary_free(&boundary);
+        pbw_tets_free(&mesh);
+        CHECK(memory.blocks == 0 && memory.faults == 0);
+    }
+    test_say("holds %zu bytes, makes %zu tetrahedra; %zu of 30 limits suffice", most, whole.tet_count, enough - 1);
+    CHECK(enough > 5 && enough < 18);
+    test_end();
+}
+
 static void test_stages(void)
 {
     static part m;
@@ -1089,5 +1150,7 @@ int main(int argc, char **argv)
     test_warnings();
     test_stages();
     test_failures();
+    test_limits(0);
+    test_limits(1);
     return test_finish();
 }

@@ -366,6 +366,52 @@ static pbw_status pbwm3__goes_on(pbwm3__work *w, double share)
     return pbwm3__stops(w, share) ? PBW_CANCELLED : PBW_OK;
 }
 
+/* The options of a call within this work: it has what is left of the memory limit. */
+static const pbw_options *pbwm3__rest(pbwm3__work *w)
+{
+    w->options.memory_limit = pbwsf__left(&w->memory);
+    return &w->options;
+}
+
+/* Makes a surface, which counts as held until it is dropped. */
+static pbw_status pbwm3__make_surface(pbwm3__work *w, const double *points, size_t point_count,
+                                      const pbw_index *triangles, size_t triangle_count, pbw_surface *surface)
+{
+    const pbw_status status = pbw_surface_create(points, point_count, triangles, triangle_count, pbwm3__rest(w),
+                                                 surface);
+    w->memory.used += pbwim__surface_bytes(surface);
+    return status;
+}
+
+static void pbwm3__drop_surface(pbwm3__work *w, pbw_surface *surface)
+{
+    w->memory.used -= pbwim__surface_bytes(surface);
+    pbw_surface_free(surface);
+}
+
+/* What a mesh that borrows its points holds: corners, links; incident, canonical; and some for its parts of other
+   sizes. */
+static size_t pbwm3__mesh_bytes(const pbw_mesh *mesh)
+{
+    return mesh->memory == NULL ? 0 : 8 * mesh->simplex_count * sizeof(pbw_index)
+                                      + 2 * mesh->point_count * sizeof(pbw_index) + 1024;
+}
+
+static void pbwm3__drop_mesh(pbwm3__work *w)
+{
+    w->memory.used -= pbwm3__mesh_bytes(&w->mesh);
+    pbw_free(&w->mesh);
+}
+
+/* What a result of pbw_improve holds. */
+static size_t pbwm3__tets_bytes(const pbw_tets *tets)
+{
+    const pbwim__result *r = (const pbwim__result *)tets->memory;
+    return r == NULL ? 0 : r->self.bytes + r->points.bytes + r->corners.bytes + r->regions.bytes + r->marks.bytes
+                           + r->neighbors.bytes + r->original.bytes + r->patches.bytes + r->edges.bytes
+                           + r->origins.bytes;
+}
+
 /* Reports the progress of a call that is the current stage. */
 static int pbwm3__part_stops(void *user, pbw_stage stage, double done)
 {
@@ -531,7 +577,7 @@ static pbw_status pbwm3__take_triangles(pbwm3__work *w, const pbw_solid_input *i
     memset(&number, 0, sizeof number);
     if (pbwsf__resize(&w->memory, &order, (in->point_count + 1) * sizeof(pbw_index))
         && pbwsf__resize(&w->memory, &number, (in->point_count + 1) * sizeof(pbw_index))) {
-        status = pbw_order(3, in->points, in->point_count, &w->options, (pbw_index *)order.data);
+        status = pbw_order(3, in->points, in->point_count, pbwm3__rest(w), (pbw_index *)order.data);
         if ((status == PBW_OK || status == PBW_DEGENERATE)
             && !pbwm3__weld(w, in, (const pbw_index *)order.data, (pbw_index *)number.data)) {
             status = PBW_ERROR_MEMORY;
@@ -681,7 +727,7 @@ static pbw_status pbwm3__take_function(pbwm3__work *w)
     if (pbwsf__resize(&w->memory, &g.value, nodes * sizeof(double))
         && pbwsf__resize(&w->memory, &g.crossing, 7 * nodes * sizeof(pbw_index))) {
         memset(g.crossing.data, 0xff, 7 * nodes * sizeof(pbw_index));
-        status = pbw_for(&w->options, nodes, 1024, pbwm3__value_range, &g);
+        status = pbw_for(pbwm3__rest(w), nodes, 1024, pbwm3__value_range, &g);
         for (i = 0; i < nodes && status == PBW_OK; i++) {
             if (i % g.n[0] + 1 < g.n[0] && i / g.n[0] % g.n[1] + 1 < g.n[1] && i / g.n[0] / g.n[1] + 1 < g.n[2]) {
                 status = pbwm3__cross_cube(w, &g, i) ? PBW_OK : PBW_ERROR_MEMORY;
@@ -693,7 +739,7 @@ static pbw_status pbwm3__take_function(pbwm3__work *w)
     }
     if (status == PBW_OK) {
         w->vertices.count = g.ends.count;
-        status = pbw_for(&w->options, g.ends.count, 128, pbwm3__root_range, &g);
+        status = pbw_for(pbwm3__rest(w), g.ends.count, 128, pbwm3__root_range, &g);
     }
     pbwsf__release(&w->memory, &g.value);
     pbwsf__release(&w->memory, &g.crossing);
@@ -1469,7 +1515,7 @@ static pbw_status pbwm3__find_crossings(pbwm3__work *w)
     if (pbwsf__resize(&w->memory, &room, count + 1)) {
         cuts.w = w;
         cuts.cuts = (unsigned char *)room.data;
-        status = pbw_for(&w->options, count, 64, pbwm3__cut_range, &cuts);
+        status = pbw_for(pbwm3__rest(w), count, 64, pbwm3__cut_range, &cuts);
         for (i = 0; status == PBW_OK && i < count; i++) {
             w->report->crossings += cuts.cuts[i];
         }
@@ -2536,7 +2582,7 @@ static pbw_status pbwm3__lower_gaps(pbwm3__work *w, pbwm3__gap *gap, size_t coun
     size_t i;
     gaps.w = w;
     gaps.gap = gap;
-    status = pbw_for(&w->options, count, 64, pbwm3__gap_range, &gaps);
+    status = pbw_for(pbwm3__rest(w), count, 64, pbwm3__gap_range, &gaps);
     for (i = 0; status == PBW_OK && i < count; i++) {
         pbwm3__lower(w, gap[i].p, gap[i].size);
     }
@@ -2796,7 +2842,7 @@ static pbw_status pbwm3__throw_range(void *arg, size_t from, size_t to)
 static pbw_status pbwm3__throw_batch(pbwm3__throw *b, size_t count)
 {
     pbwm3__work *w = b->w;
-    const pbw_status status = pbw_for(&w->options, count, 128, pbwm3__throw_range, b);
+    const pbw_status status = pbw_for(pbwm3__rest(w), count, 128, pbwm3__throw_range, b);
     size_t i;
     for (i = 0; status == PBW_OK && i < count; i++) {
         const pbwm3__dart *dart = b->dart + i;
@@ -2943,7 +2989,7 @@ static pbw_status pbwm3__sample_level(pbwm3__work *w, int level)
     for (l.first = 0; status == PBW_OK && l.first < total; l.first += batch) {
         const size_t count = total - l.first < batch ? total - l.first : batch;
         status = pbwm3__goes_on(w, level == 0 ? 0.5 + 0.5 * (double)l.first / (double)total : 1);
-        status = status != PBW_OK ? status : pbw_for(&w->options, count, 1024, pbwm3__lattice_range, &l);
+        status = status != PBW_OK ? status : pbw_for(pbwm3__rest(w), count, 1024, pbwm3__lattice_range, &l);
         status = status != PBW_OK ? status : pbwm3__take_lattice(w, &l, count);
     }
     pbwsf__release(&w->memory, &inside);
@@ -3097,12 +3143,13 @@ static pbw_status pbwm3__label_range(void *arg, size_t from, size_t to)
 
 static pbw_status pbwm3__rebuild(pbwm3__work *w)
 {
-    pbw_options options = w->options;
+    pbw_options options;
     pbw_status status;
-    pbw_free(&w->mesh);
+    pbwm3__drop_mesh(w);
+    options = *pbwm3__rest(w);
     options.flags = PBW_BORROW;
-    options.memory_limit = w->memory.limit > w->memory.used ? w->memory.limit - w->memory.used : w->memory.limit;
     status = pbw_triangulate(3, (const double *)w->x.data, NULL, w->x.count, &options, &w->mesh);
+    w->memory.used += pbwm3__mesh_bytes(&w->mesh);
     if (status != PBW_OK) {
         return status;
     }
@@ -3113,7 +3160,7 @@ static pbw_status pbwm3__rebuild(pbwm3__work *w)
             return PBW_ERROR_MEMORY;
         }
     }
-    return pbw_for(&w->options, w->mesh.simplex_count, 256, pbwm3__label_range, w);
+    return pbw_for(pbwm3__rest(w), w->mesh.simplex_count, 256, pbwm3__label_range, w);
 }
 
 /* ---- what to add ---- */
@@ -3595,7 +3642,7 @@ static pbw_status pbwm3__wishes(pbwm3__work *w)
             status = PBW_ERROR_MEMORY;
         }
     }
-    return status == PBW_OK ? pbw_for(&w->options, w->extra.count, 64, pbwm3__wish_range, w) : status;
+    return status == PBW_OK ? pbw_for(pbwm3__rest(w), w->extra.count, 64, pbwm3__wish_range, w) : status;
 }
 
 /* One round: offers all points that facets want, halves pieces, mends the boundary; added: how many points came. */
@@ -3743,18 +3790,18 @@ static pbw_status pbwm3__reach(pbwm3__work *w, long *added)
         memset(chained.data, 0, chained.bytes);
         pbwm3__mark_chains(w, (unsigned char *)chained.data);
         if (pbwm3__list_places(w, (const unsigned char *)chained.data, &list) && pbwm3__boundary(w, &facets, NULL)) {
-            status = pbw_surface_create((const double *)w->x.data, w->x.count, (const pbw_index *)facets.data,
-                                        facets.count, &w->options, &boundary);
+            status = pbwm3__make_surface(w, (const double *)w->x.data, w->x.count, (const pbw_index *)facets.data,
+                                         facets.count, &boundary);
         }
     }
     places.boundary = &boundary;
     places.place = (pbwm3__place *)list.data;
-    status = status == PBW_OK ? pbw_for(&w->options, list.count, 256, pbwm3__reach_range, &places) : status;
+    status = status == PBW_OK ? pbw_for(pbwm3__rest(w), list.count, 256, pbwm3__reach_range, &places) : status;
     if (status == PBW_OK) {
         *added = pbwm3__offer_places(w, &list);
         status = *added < 0 ? PBW_ERROR_MEMORY : PBW_OK;
     }
-    pbw_surface_free(&boundary);
+    pbwm3__drop_surface(w, &boundary);
     pbwsf__release(&w->memory, &facets);
     pbwsf__release(&w->memory, &list);
     pbwsf__release(&w->memory, &chained);
@@ -3871,6 +3918,7 @@ static pbw_status pbwm3__finish(pbwm3__work *w, pbw_tets *out)
 {
     pbw_improve_options improve = w->how.improve;
     pbw_options own = w->options;
+    pbw_status status;
     pbw_tets in;
     size_t t, i;
     memset(&in, 0, sizeof in);
@@ -3891,7 +3939,7 @@ static pbw_status pbwm3__finish(pbwm3__work *w, pbw_tets *out)
     if (w->corners.count == 0) {
         return PBW_DEGENERATE;
     }
-    pbw_free(&w->mesh);
+    pbwm3__drop_mesh(w);
     in.points = (const double *)w->x.data;
     in.point_count = w->x.count;
     in.corners = (const pbw_index *)w->corners.data;
@@ -3906,8 +3954,10 @@ static pbw_status pbwm3__finish(pbwm3__work *w, pbw_tets *out)
     improve.seconds = w->late < HUGE_VAL ? fmax(1e-9, w->late - (double)clock() / CLOCKS_PER_SEC) : 0;
     own.progress = pbwm3__part_stops;
     own.progress_user = w;
-    own.memory_limit = w->memory.limit > w->memory.used ? w->memory.limit - w->memory.used : w->memory.limit;
-    return pbw_improve(&in, &improve, &own, out, &w->report->improve);
+    own.memory_limit = pbwsf__left(&w->memory);
+    status = pbw_improve(&in, &improve, &own, out, &w->report->improve);
+    w->memory.used += pbwm3__tets_bytes(out);
+    return status;
 }
 
 /* How far triangles are from a surface. */
@@ -4180,7 +4230,7 @@ static pbw_status pbwm3__report_on(pbwm3__work *w, const pbw_tets *out, const pb
     memset(&boundary, 0, sizeof boundary);
     r->facets = facets->count;
     if (pbwm3__examine_result(w, out, facets, &top)) {
-        status = pbw_surface_create(out->points, out->point_count, facet, facets->count, &w->options, &boundary);
+        status = pbwm3__make_surface(w, out->points, out->point_count, facet, facets->count, &boundary);
     }
     if (status == PBW_OK) {
         r->bad_edges = top.bad_edges;
@@ -4201,7 +4251,7 @@ static pbw_status pbwm3__report_on(pbwm3__work *w, const pbw_tets *out, const pb
         status = pbwm3__farthest(w, &far, w->surface.triangle_count, &distance);
     }
     r->distance = distance / w->size;
-    pbw_surface_free(&boundary);
+    pbwm3__drop_surface(w, &boundary);
     pbwsf__release(&w->memory, &top.edges);
     pbwsf__release(&w->memory, &top.flags);
     return status;
@@ -4291,8 +4341,8 @@ static pbw_status pbwm3__take_input(pbwm3__work *w)
     if ((in->value == NULL && !pbwm3__drop_doubles(w)) || !pbwm3__find_shells(w)) {
         return PBW_ERROR_MEMORY;
     }
-    status = pbw_surface_create((const double *)w->vertices.data, w->vertices.count,
-                                (const pbw_index *)w->triangles.data, w->triangles.count, &w->options, &w->surface);
+    status = pbwm3__make_surface(w, (const double *)w->vertices.data, w->vertices.count,
+                                 (const pbw_index *)w->triangles.data, w->triangles.count, &w->surface);
     if (status == PBW_OK) {
         pbwm3__nest_shells(w);
         status = in->value == NULL ? pbwm3__find_crossings(w) : PBW_OK;
@@ -4341,8 +4391,8 @@ static void pbwm3__free(pbwm3__work *w)
                                      &w->heads, &w->links, &w->pieces, &w->chains, &w->path, &w->centre, &w->label,
                                      &w->wants, &w->extra, &w->corners, &w->marks, &w->regions };
     size_t i;
-    pbw_free(&w->mesh);
-    pbw_surface_free(&w->surface);
+    pbwm3__drop_mesh(w);
+    pbwm3__drop_surface(w, &w->surface);
     for (i = 0; i < sizeof arrays / sizeof *arrays; i++) {
         pbwsf__release(&w->memory, arrays[i]);
     }
@@ -4400,8 +4450,8 @@ static pbw_status pbwm3__count_faults(pbwm3__work *w)
 }
 
 /* An attempt up to its rounds.  whole: the surface is one patch, else sharp edges bound patches; sharp: which are
-   kept; begin: of its part of the progress. */
-static pbw_status pbwm3__attempt(const pbwm3__call *call, int whole, int sharp, double begin,
+   kept; begin: of its part of the progress; held: bytes that the call holds already. */
+static pbw_status pbwm3__attempt(const pbwm3__call *call, int whole, int sharp, double begin, size_t held,
                                  pbw_solid_report *report, pbwm3__work *w)
 {
     double since = (double)clock() / CLOCKS_PER_SEC;
@@ -4411,6 +4461,7 @@ static pbw_status pbwm3__attempt(const pbwm3__call *call, int whole, int sharp, 
     report->sharp_share = -1;
     w->report = report;
     w->memory = pbwsf__memory_of(call->options);
+    w->memory.used = held;
     if (call->options != NULL) {
         w->options = *call->options;
         w->options.progress = NULL;
@@ -4459,7 +4510,8 @@ static pbw_status pbwm3__again(const pbwm3__call *call, pbwm3__work *w, double *
     if (pbwm3__faults(r) + r->missing_edges == 0 || w->open || r->sharp_edges == 0 || pbwm3__is_late(w)) {
         return PBW_OK;
     }
-    status = pbwm3__attempt(call, !fewer, fewer ? PBW_SOLID_SHARP_NONE : w->sharp, *done, &report, &second);
+    status = pbwm3__attempt(call, !fewer, fewer ? PBW_SOLID_SHARP_NONE : w->sharp, *done, w->memory.used, &report,
+                             &second);
     *done += 0.3;
     for (k = 0; k < 2; k++) {
         report.seconds[k] += r->seconds[k];
@@ -4475,6 +4527,7 @@ static pbw_status pbwm3__again(const pbwm3__call *call, pbwm3__work *w, double *
         *w = second;
         second = swap;
         w->report = r;
+        w->memory.used -= second.memory.used;
     }
     pbwm3__free(&second);
     return status == PBW_CANCELLED && !pbwm3__is_late(w) ? status : PBW_OK;
@@ -4521,7 +4574,7 @@ PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_o
         call.options = options;
         call.late = how != NULL && how->improve.seconds > 0
                   ? (double)clock() / CLOCKS_PER_SEC + how->improve.seconds : HUGE_VAL;
-        status = pbwm3__attempt(&call, 0, how != NULL ? how->sharp : PBW_SOLID_SHARP_AUTO, 0, &r.report, &w);
+        status = pbwm3__attempt(&call, 0, how != NULL ? how->sharp : PBW_SOLID_SHARP_AUTO, 0, 0, &r.report, &w);
         status = status != PBW_OK ? status : pbwm3__again(&call, &w, &done);
         status = status != PBW_OK ? status : pbwm3__complete(&w, done, &r);
         pbwm3__free(&w);
