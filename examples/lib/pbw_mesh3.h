@@ -134,8 +134,9 @@ typedef struct pbw_solid_options {         /* NULL or all zero = best defaults *
 } pbw_solid_options;
 
 /* Which sharp edges are kept.  AUTO: an edge that is also sharp between the parts of the surface within a size of it,
-   and part of a chain of several sizes, is a feature.  If 77 % of the sharp edges are features, all are kept, as in
-   models from CAD; if at most 30 % are, none, as in scans; else the features. */
+   or between planes that go on for three sizes, and part of a chain of several sizes, is a feature.  If 85 % of the
+   sharp edges are features, all are kept, as in models from CAD; if at most 30 % are, none, as in scans; else the
+   features. */
 enum { PBW_SOLID_SHARP_AUTO, PBW_SOLID_SHARP_ALL, PBW_SOLID_SHARP_SOME, PBW_SOLID_SHARP_NONE };
 
 /* Why a surface is refused, with PBW_DEGENERATE unless said. */
@@ -1607,7 +1608,8 @@ static void pbwm3__project(void *user, double p[3])
    Features: sharp edges at the scale of the size.
    In: edges that bend, in the order of all edges.  Out: which of them are kept.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWM3__FLOOD = 256 };               /* triangles on one side of an edge that are looked at */
+enum { PBWM3__FLOOD = 256, PBWM3__FLAT = 1024 };    /* triangles on one side of an edge that are looked at: for the
+                                              mean normal, to be flat */
 
 typedef struct pbwm3__graph {              /* of sharp edges */
     const pbw_index *ends;                 /* two for each */
@@ -1679,13 +1681,15 @@ static int pbwm3__find_across(pbwm3__work *w, pbwm3__features *f)
     return 1;
 }
 
-/* Adds up the normals of the triangles that are connected with t within a size of the middle, each at most as long as
-   the square of the size; side: of the plane through the middle that they lie on, less its sign. */
-static void pbwm3__mean_normal(const pbwm3__work *w, pbwm3__features *f, size_t t, const double middle[3],
-                               const double side[3], double sum[3])
+/* Adds up the normals of the triangles that are connected with t within a distance of the middle, each at most as long
+   as the square of the size; side: of the plane through the middle that they lie on, less its sign.  Returns whether
+   they are flat, to half a degree, and as large as half a disk of that radius; flat: ends once they are not. */
+static int pbwm3__mean_normal(const pbwm3__work *w, pbwm3__features *f, size_t t, const double middle[3],
+                              const double side[3], double within, int flat, double sum[3])
 {
-    const size_t *across = (const size_t *)f->across.data;
-    size_t queue[PBWM3__FLOOD], count = 1, done, *seen = (size_t *)f->seen.data;
+    const size_t *across = (const size_t *)f->across.data, most = flat ? PBWM3__FLAT : PBWM3__FLOOD;
+    size_t queue[PBWM3__FLAT], count = 1, done, *seen = (size_t *)f->seen.data;
+    double area = 0;
     int k, j;
     queue[0] = 2 * t;
     seen[t] = ++f->floods;
@@ -1700,9 +1704,14 @@ static void pbwm3__mean_normal(const pbwm3__work *w, pbwm3__features *f, size_t 
         pbwsf__normal(c[0], c[1], c[2], n);
         length = sqrt(pbwsf__dot(n, n));
         for (k = 0; k < 3 && length > 0; k++) {
-            sum[k] += (queue[done] % 2 ? -1 : 1) * n[k] * fmin(1, w->size * w->size / length);
+            n[k] *= (queue[done] % 2 ? -1 : 1) * fmin(1, w->size * w->size / length);
+            sum[k] += n[k];
         }
-        for (k = 0; k < 3 && count < PBWM3__FLOOD; k++) {
+        area += length / 2;
+        if (flat && length > 0 && !pbwim__turned_less(sum, n, 0.99996192306417129)) {        /* cos 0.5 degrees */
+            return 0;
+        }
+        for (k = 0; k < 3 && count < most; k++) {
             const size_t next = across[3 * at + (size_t)k], u = next / 2;
             double near[3], third[3];
             if (next == (size_t)-1 || seen[u] == f->floods) {
@@ -1716,18 +1725,21 @@ static void pbwm3__mean_normal(const pbwm3__work *w, pbwm3__features *f, size_t 
                 third[j] = (c[0][j] + c[1][j] + c[2][j]) / 3 - middle[j];
             }
             pbwsf__nearest_in(c[0], c[1], c[2], middle, near);
-            if (pbwsf__distance(near, middle) < w->size && pbwsf__dot(third, side) > 0) {
+            if (pbwsf__distance(near, middle) < within && pbwsf__dot(third, side) > 0) {
                 queue[count++] = 2 * u + (next ^ queue[done]) % 2;
             }
         }
     }
+    return flat && area > 1.57 * within * within;
 }
 
-/* Returns whether the mean normals on both sides of an edge differ by more than 50 degrees. */
+/* Returns whether an edge that bends is sharp at the scale of the size: the mean normals on both sides of it, within a
+   size of its middle, differ by more than 52 degrees; or its sides are flat for three sizes.  The bend of a smooth
+   surface falls with the scale, that between two planes does not. */
 static int pbwm3__bends_far(const pbwm3__work *w, pbwm3__features *f, const pbwim__facet *edge)
 {
     const double *a = w->surface.points + 3 * (size_t)edge[0].v[0], *b = w->surface.points + 3 * (size_t)edge[0].v[1];
-    double middle[3], along[3], n[2][3], mean[3], side[3], sum[2][3];
+    double middle[3], along[3], n[2][3], mean[3], side[3], out[2][3], sum[2][3];
     int i, k;
     pbwsf__between(a, b, 0.5, middle);
     pbwsf__minus(b, a, along);
@@ -1747,17 +1759,20 @@ static int pbwm3__bends_far(const pbwm3__work *w, pbwm3__features *f, const pbwi
     pbwsf__cross(mean, along, side);
     for (i = 0; i < 2; i++) {
         const double *c = pbwsf__corner(&w->surface, edge[i].t, (edge[i].i + 2) % 3);
-        double out[3];
-        pbwsf__minus(c, middle, out);
+        double sign;
+        pbwsf__minus(c, middle, out[i]);
+        sign = pbwsf__dot(out[i], side) < 0 ? -1 : 1;
         for (k = 0; k < 3; k++) {
-            out[k] = pbwsf__dot(out, side) < 0 ? -side[k] : side[k];
+            out[i][k] = sign * side[k];
         }
-        pbwm3__mean_normal(w, f, edge[i].t, middle, out, sum[i]);
+        pbwm3__mean_normal(w, f, edge[i].t, middle, out[i], w->size, 0, sum[i]);
         for (k = 0; k < 3 && i == 1 && edge[0].v[2] == edge[1].v[2]; k++) {
             sum[1][k] = -sum[1][k];
         }
     }
-    return !pbwim__turned_less(sum[0], sum[1], 0.64278760968653933);         /* cos 50 degrees */
+    return !pbwim__turned_less(sum[0], sum[1], 0.61566147532565829)          /* cos 52 degrees */
+        || (pbwm3__mean_normal(w, f, edge[0].t, middle, out[0], 3 * w->size, 1, sum[0])
+            && pbwm3__mean_normal(w, f, edge[1].t, middle, out[1], 3 * w->size, 1, sum[1]));
 }
 
 /* Drops branches shorter than three sizes, from a loose end to where edges meet.  Returns how many edges. */
@@ -1881,7 +1896,7 @@ static int pbwm3__choose_sharp(pbwm3__work *w, pbwm3__features *f, const pbwsf__
         w->report->sharp_share = (double)kept / (double)f->bends.count;
     }
     if (sharp == PBW_SOLID_SHARP_AUTO) {
-        sharp = w->report->sharp_share < 0 || w->report->sharp_share >= 0.77 ? PBW_SOLID_SHARP_ALL
+        sharp = w->report->sharp_share < 0 || w->report->sharp_share >= 0.85 ? PBW_SOLID_SHARP_ALL
               : w->report->sharp_share > 0.3 ? PBW_SOLID_SHARP_SOME : PBW_SOLID_SHARP_NONE;
     }
     if (good && sharp != PBW_SOLID_SHARP_SOME) {
