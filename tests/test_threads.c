@@ -17,8 +17,10 @@ static long threads_allowed = -1;                    /* that may still be starte
 #define PBW__TEST_PAUSE() do { static long calls; pause_a_while(&calls); } while (0)
 #define PBW__TEST_MAY_START() may_start_thread()
 #define PBW__TEST_SMALL_SHARES
-#define PBW_NO_QUERIES                                    /* half as much to compile */
+#define PBW_NO_QUERIES                               /* half as much to compile */
+#ifndef PBW_WIDE
 #define PBW_NO_LIVE
+#endif
 #define PBW_IMPLEMENTATION
 #include "../pbw.h"
 #include "meshes.h"

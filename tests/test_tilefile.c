@@ -72,6 +72,13 @@ void note(const job *j, const char *format, ...)
     }
 }
 
+void begin(const job *j, const char *name, const char *what)
+{
+    (void)j;
+    (void)name;
+    (void)what;
+}
+
 void say(const job *j, const char *what, double seconds, const char *format, ...)
 {
     (void)j;
