@@ -204,7 +204,7 @@ gzip -kf plate.poly && cp plate.node plate2.node && gzip -kf plate.geojson
 check "packed files" says 0 "8 triangles, 8 points, 8 edges of segments, 1 region" plate.poly.gz
 check "packed GeoJSON" says 0 "8 triangles, 8 points, 8 edges of segments, 1 region" plate.geojson.gz
 check "what a format has no place for" says 0 \
-    "c.svg: the format .svg has no place for: an attribute, an attribute, markers of points" carried.poly -o c.svg
+    "c.svg: the format .svg has no place for: markers of points, an attribute, an attribute" carried.poly -o c.svg
 printf '5 2 0 0\n0 19 18\n1 0 0\n2 5 0\n3 5 5\n4 0 5\n4 0\n0 1 2\n1 2 3\n2 3 4\n3 4 1\n0\n' > far.poly
 orphans() { # one numbering in all files
     says 0 "2 triangles, 4 points" far.poly --no-orphans -o f.node -o f.ele -o f.poly &&

@@ -234,7 +234,7 @@ done
 for format in vtu msh msh2 mesh ele; do
     check "copy.$format has its simplices" says 0 "2 tetrahedra, 6 facets on the boundary" check copy.$format
 done
-check "a surface is no mesh" says 1 "it has no tetrahedra, and no triangles of one plane" convert closed.obj closed.vtu
+check "a surface is no mesh" says 1 "it has no tetrahedra, and no triangles of one plane" convert closed.obj closed.su2
 
 check "--inside of an open surface" says 0 "warning: the surface is not closed (3 open" mesh open.obj --inside
 check "one tetrahedron" says 0 "1 tetrahedron, 4 facets on the hull, 0 duplicates, 0 hidden points" mesh open.obj
@@ -864,5 +864,33 @@ check "and into .ele, .node and .face" says 0 "facets on the boundary" convert b
 check "and come out of them" says 0 "facets on the boundary" convert one.ele -o two.ele -o two.face
 check "as they were" sh -c 'cmp one.ele two.ele && cmp one.node two.node && cmp one.face two.face && ! grep " -1$" one.face'
 check "a .face file that is read with .ele is no output" says 2 "it is an input" convert one.ele -o one.face
-check "formats without patches say so" says 0 "has no place for: regions, patches" improve bar2.msh -o better.off
+for word in 'inp: edges' 'su2: edges' 'mesh: names of groups' 'off: patches, edges'; do
+    check "what .${word%%:*} has no place for" says 0 "the format .${word%%:*} has no place for: ${word#*: }" improve bar2.msh \
+        -o lost.${word%%:*}
+done
+check "what a set of files has no place for" says 0 "has no place for: edges, names of groups" improve bar2.msh -o lost.ele \
+    -o lost.face
+check "and says it once" sh -c '[ "$(grep -c "no place" said)" = 1 ]'
+
+# Surfaces with groups from any format to any other.
+"$pbw" convert --quiet bar.stl -o bar.obj
+for ending in vtu msh msh2 inp obj; do
+    cp bar.obj one.obj
+    check "a surface as .$ending" silent convert one.obj --quiet -o surface.$ending
+    check "and back" silent convert surface.$ending --quiet -o back.obj
+    check "with its groups" sh -c 'grep -v "^v" bar.obj > faces && grep -v "^v" back.obj | cmp - faces && grep -q "^g wall" faces'
+done
+check "a surface as .stl with groups" silent convert bar.obj --quiet --text -o bar2.stl
+check "solids by name" sh -c '[ "$(grep -a "^solid" bar2.stl | tr "\n" ,)" = "solid inlet,solid outlet,solid wall," ]'
+check "binary .stl has no groups, and says so" says 0 "the format .stl has no place for: groups of triangles" convert bar.obj \
+    -o bar3.stl
+check "a surface is no .su2" says 1 "it has no tetrahedra, and no triangles of one plane" convert bar.obj -o bar3.su2
+printf 'MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\nTetrahedra\n1\n1 2 3 4 7\n' > r.mesh
+check "a mesh with regions alone" silent convert r.mesh --quiet -o r.msh2 -o r.vtu
+check "gets no groups of facets" sh -c 'grep -q "^3 1\|^1 4 2 7 7" r.msh2 && ! grep -q boundary r.msh2'
+sed 's/"inlet"/"wall side"/; s/"outlet"/"wall_side"/' bar2.msh > words.msh
+check "names that become one word" says 0 'names of groups are words there: "wall side" is wall_side, "wall_side" is wall_side_2' \
+    convert words.msh -o words.su2
+check "stay apart" sh -c '[ "$(grep -c "TAG= wall_side\|TAG= wall_side_2" words.su2)" = 2 ]'
+check "formats without patches say so" says 0 "has no place for: patches" improve bar2.msh -o better.off
 finish

@@ -13,6 +13,8 @@
 #include "../examples/lib/pbw_improve.h"
 #define PBW_IO_IMPLEMENTATION
 #include "../examples/lib/pbw_io.h"
+#define PBW_MODEL_IMPLEMENTATION
+#include "../examples/lib/pbw_model.h"
 #include "test.h"
 
 enum { STEEL, GLASS, INLET, OUTLET, WALL, BETWEEN, BAFFLE, RAIL, SEAM, CORNER, GROUPS };
@@ -263,7 +265,7 @@ static void check_file(const format *f, const pbwio_cloud *c)
 static void write_beside(const char *path, const char *ending, const bar *b, const pbwio_output *output)
 {
     char name[64];
-    snprintf(name, sizeof name, "%.*s%s", (int)strlen(path) - 3, path, ending);
+    snprintf(name, sizeof name, "%.*s.%s", (int)(strrchr(path, '.') - path), path, ending);
     CHECK(pbwio_write(name, &b->mesh, output, NULL) == PBWIO_OK);
 }
 
@@ -316,6 +318,195 @@ static void test_files(void)
         }
         unlink(path);
     }
+    unlink_beside(folder);
+    free_bar(&b);
+}
+
+/* ---- what formats keep: pbwio_keeps says it, files have it, readers find it ---- */
+
+/* Whether a text file has a word. */
+static int has_word(const char *path, const char *word)
+{
+    size_t size;
+    char *text = pbwio_load(path, &size, NULL);
+    const int has = text != NULL && strstr(text, word) != NULL;
+    free(text);
+    return has;
+}
+
+/* Which of its groups a file of the bar has, as bits. */
+static unsigned groups_in(const char *path, int corners)
+{
+    const int samples[5] = { corners == 3 ? BETWEEN : STEEL, INLET, BAFFLE, RAIL, CORNER };
+    pbwio_cloud c;
+    unsigned has = 0;
+    size_t i, k;
+    if (pbwio_read(path, NULL, &c, NULL) != PBWIO_OK) {
+        return 0;
+    }
+    for (i = 0; i < 5; i++) {
+        const pbwio_group *g = groups3 + samples[i];
+        const int dim = g->dim;
+        const pbw_index *of = dim == 3 ? c.tetrahedron_groups : dim == 2 ? c.triangle_groups : dim == 1 ? c.segment_groups
+                            : c.point_groups;
+        const size_t count = dim == 3 ? c.tetrahedron_count : dim == 2 ? c.triangle_count : dim == 1 ? c.segment_count
+                           : c.count;
+        for (k = 0; of != NULL && k < count; k++) {
+            const pbwio_group *found = of[k] == PBW_NONE ? NULL : c.groups + of[k];
+            if (found != NULL && (found->name == NULL ? found->tag == g->tag : strcmp(found->name, g->name != NULL ? g->name
+                                                                                       : "group_40") == 0)) {
+                has |= 1u << i;
+                has |= found->name != NULL && g->name != NULL ? PBWIO_NAMES : 0;
+                break;
+            }
+        }
+    }
+    pbwio_free(&c);
+    return has;
+}
+
+/* The facets of the bar that are inlet or baffle, as a surface: triangles and their groups, in one block. */
+static size_t make_surface(const bar *b, pbw_index *triangles, pbw_index *groups)
+{
+    static const unsigned char facets[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
+    size_t i, k, count = 0;
+    for (i = 0; i < 4 * b->mesh.simplex_count; i++) {
+        if (b->patches[i] == INLET || b->patches[i] == OUTLET) {
+            for (k = 0; k < 3; k++) {
+                triangles[3 * count + k] = b->mesh.simplices[i / 4 * 4 + facets[i % 4][k]];
+            }
+            groups[count++] = b->patches[i] == INLET ? BETWEEN : OUTLET;
+        }
+    }
+    return count;
+}
+
+static void check_kept(const char *folder, const char *ending, const bar *b, int corners)
+{
+    static const char *const of_surfaces = " obj ply stl off xyz csv vtu msh msh2 mesh inp ";
+    pbw_index triangles[300], groups[100];
+    double values[225], weights[225];
+    char path[64], word[16], text[300];
+    pbwio_column column;
+    pbwio_output o;
+    pbwmodel_content content;
+    pbw_mesh mesh = b->mesh;
+    pbwio_status status;
+    unsigned keeps, has;
+    size_t i;
+    for (i = 0; i < 225; i++) {
+        values[i] = 4711.25;
+        weights[i] = 7.4375;
+    }
+    set_output(b, &o);
+    column.name = (char *)(uintptr_t)"temperature";
+    column.values = values;
+    o.columns = &column;
+    o.column_count = 1;
+    o.flags = PBWIO_TEXT;
+    mesh.weights = corners == 4 ? weights : NULL;
+    snprintf(path, sizeof path, "%s/a.%s", folder, ending);
+    snprintf(word, sizeof word, " %s ", ending);
+    keeps = pbwio_keeps(pbwio_format_of(path), corners, PBWIO_TEXT);
+    if (corners == 3) {
+        memset(&content, 0, sizeof content);
+        content.dim = 3;
+        content.points = mesh.points;
+        content.point_count = mesh.point_count;
+        content.triangles = triangles;
+        content.triangle_count = make_surface(b, triangles, groups);
+        content.output = &o;
+        o.regions = groups;
+        status = strstr(of_surfaces, word) == NULL ? PBWIO_ERROR_ARGUMENT : pbwmodel_write(path, &content, o.flags, NULL);
+        keeps &= ~(unsigned)(PBWIO_WEIGHTS | PBWIO_PATCHES | PBWIO_INNER_PATCHES | PBWIO_HEIGHTS);
+    } else {
+        status = pbwio_write(path, &mesh, &o, NULL);
+    }
+    if (strstr(" ele face ", word) != NULL && corners == 4) {
+        write_beside(path, "node", b, &o);
+    }
+    if (status == PBWIO_OK) {
+        has = groups_in(path, corners) | (has_word(path, "temperature") || has_word(path, "4711.25") ? PBWIO_COLUMNS : 0)
+            | (has_word(path, "7.4375") ? PBWIO_WEIGHTS : 0);
+        if (strstr(" ele face ", word) != NULL) {
+            has &= ~(unsigned)PBWIO_MARKS;                           /* those are in the .node file */
+        }
+        if (strstr(" node csv ", word) != NULL) {                    /* marks are numbers, not groups, in .csv */
+            has |= strcmp(ending, "csv") == 0 && has_word(path, "marker") ? PBWIO_MARKS : 0;
+        }
+        if (!CHECK((keeps & ~(unsigned)PBWIO_HEIGHTS) == has)) {
+            test_say("%s, %d corners: keeps %x, has %x", ending, corners, keeps, has);
+        }
+    }
+    pbwio_losses(keeps, 4, &mesh, &o, text, sizeof text);
+    for (i = 0; i < 5 && corners == 4; i++) {
+        static const char *const words[] = { "regions", "patches", "patches inside", "edges", "markers of points" };
+        CHECK((keeps >> i & 1) == (strstr(text, words[i]) == NULL) || i == 1);
+    }
+    CHECK((keeps & PBWIO_COLUMNS) != 0 || strstr(text, "temperature") != NULL);
+    unlink(path);
+}
+
+static void test_keeps(void)
+{
+    static const char *const endings[] = { "obj", "ply", "stl", "off", "node", "xyz", "csv", "vtu", "msh", "msh2", "mesh",
+                                           "ele", "neigh", "face", "inp", "su2" };
+    char folder[] = "/tmp/pbw-groups-XXXXXX";
+    bar b;
+    size_t i;
+    make_bar(&b, 0);
+    CHECK(mkdtemp(folder) != NULL);
+    for (i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        check_kept(folder, endings[i], &b, 4);
+        check_kept(folder, endings[i], &b, 3);
+    }
+    unlink_beside(folder);
+    free_bar(&b);
+}
+
+/* Names that are one word, or a word that files have anyway, stay apart. */
+static void test_words(void)
+{
+    static const char *const expected[] = { "\n*ELSET, ELSET=a_b\n", "\n*ELSET, ELSET=A_B_2\n", "NAME=a_b\n", "NAME=a_b_3\n",
+        "NAME=a_b_2\n", "NAME=nall_2\n", "\n*NSET, NSET=boundary_2\n" };
+    pbwio_group groups[GROUPS];
+    pbwio_output o;
+    bar b;
+    char folder[] = "/tmp/pbw-groups-XXXXXX", path[64], text[300];
+    size_t i;
+    make_bar(&b, 0);
+    set_output(&b, &o);
+    memcpy(groups, groups3, sizeof groups);
+    groups[STEEL].name = (char *)(uintptr_t)"a b";
+    groups[GLASS].name = (char *)(uintptr_t)"A_B";
+    groups[INLET].name = (char *)(uintptr_t)"a_b";
+    groups[OUTLET].name = (char *)(uintptr_t)"a_b_2";
+    groups[WALL].name = (char *)(uintptr_t)"a&b";
+    groups[BETWEEN].name = (char *)(uintptr_t)"nall";
+    groups[CORNER].name = (char *)(uintptr_t)"boundary";
+    o.groups = groups;
+    CHECK(mkdtemp(folder) != NULL);
+    snprintf(path, sizeof path, "%s/a.inp", folder);
+    CHECK(pbwio_write(path, &b.mesh, &o, NULL) == PBWIO_OK);
+    for (i = 0; i < sizeof expected / sizeof expected[0]; i++) {
+        if (!CHECK(has_word(path, expected[i]))) {
+            test_say("%s", expected[i]);
+        }
+    }
+    pbwio_renamed(PBWIO_INP, 4, &b.mesh, &o, text, sizeof text);
+    CHECK(strstr(text, "\"a b\" is a_b, \"A_B\" is A_B_2") != NULL && strstr(text, "\"nall\" is nall_2") != NULL);
+    pbwio_renamed(PBWIO_SU2, 4, &b.mesh, &o, text, sizeof text);
+    CHECK(strcmp(text, "\"a&b\" is a_b_3") == 0);
+    unlink(path);
+    groups[GLASS].name = groups[STEEL].name = (char *)(uintptr_t)"domain";      /* one group of all, as .inp has anyway */
+    for (i = 0; i < b.mesh.simplex_count; i++) {
+        b.regions[i] = STEEL;
+    }
+    CHECK(pbwio_write(path, &b.mesh, &o, NULL) == PBWIO_OK && !has_word(path, "*ELSET"));
+    b.regions[0] = GLASS;
+    CHECK(pbwio_write(path, &b.mesh, &o, NULL) == PBWIO_OK && has_word(path, "*ELSET, ELSET=domain_2\n")
+          && has_word(path, "*ELSET, ELSET=domain_3\n"));
+    unlink(path);
     unlink_beside(folder);
     free_bar(&b);
 }
@@ -702,6 +893,14 @@ int main(int argc, char **argv)
     test_start(argc, argv, 1);
     if (test_begin("files")) {
         test_files();
+        test_end();
+    }
+    if (test_begin("what formats keep")) {
+        test_keeps();
+        test_end();
+    }
+    if (test_begin("names as words")) {
+        test_words();
         test_end();
     }
     if (test_begin("spellings of .inp and .su2")) {

@@ -1467,7 +1467,7 @@ static void test_models(void)
         pbwio_free(&cloud);
         CHECK(unlink(path) == 0);
     }
-    CHECK_EQUAL(pbwmodel_write(in_folder("m.vtu"), &content, 0, &error), PBWIO_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbwmodel_write(in_folder("m.su2"), &content, 0, &error), PBWIO_ERROR_ARGUMENT);
     CHECK_EQUAL(pbwmodel_write("/no/such/m.ply", &content, 0, &error), PBWIO_ERROR_FILE);
     content.triangle_count = 0;
     CHECK_EQUAL(pbwmodel_write(in_folder("m.stl"), &content, 0, &error), PBWIO_ERROR_ARGUMENT);

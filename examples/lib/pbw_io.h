@@ -23,6 +23,9 @@
      pbwio_load         the bytes of a file, unpacked
      pbwio_free         frees what is read
      pbwio_write        writes a mesh to a file, whole or not at all
+     pbwio_keeps        what files of a format keep of groups, columns, heights, weights
+     pbwio_losses       what of a mesh and its groups they lose, in words
+     pbwio_renamed      names of groups that .inp and .su2 have as other words
      pbwio_save         writes any text to a file in that way
      pbwio_format_of    the format that the name of a file tells
 
@@ -74,6 +77,19 @@
      .xyz .csv            points                              text
      Binary unless PBWIO_TEXT.  All of them compressed by gzip, too, with .gz behind the ending.
 
+   KEEPS     x is kept, - is not: pbwio_keeps, and pbwio_losses in words                    tests/test_groups.c
+                                  .vtu .msh .mesh .inp .su2 .ele .face .node .csv .xyz .obj .stl .ply .off
+     regions                       x    x    x     x    -    x    -     -     -    -    a    a    -    -
+     patches of the hull           x    x    x     x    x    -    x     -     -    -    a    a    -    -
+     patches inside                x    x    x     x    -    -    x     -     -    -    -    -    -    -
+     edges in groups               x    x    x     b    -    -    -     -     -    -    -    -    -    -
+     points in groups              x    x    x     x    -    -    -     x     x    -    -    -    -    -
+     names of groups               x    x    -     c    c    -    -     -     -    -    x    x    -    -
+     columns of points             d    -    -     -    -    -    -     x     x    -    -    -    x    -
+     heights                       x    x    x     x    -    -    -     x     x    x    x    x    x    x
+     weights of points             x    -    -     -    -    -    -     x     x    x    -    -    -    -
+       a: groups of triangles; of .stl in text only.  b: their points.  c: as words.  d: written, not read.
+
    PROMISES  (and the test that guards each)
      exact       numbers are read correctly rounded and written so that they read back the same, in every
                  locale                                                                     tests/test_io.c
@@ -99,15 +115,16 @@
      Of .inp sets and surfaces are groups, of points without the nodes of a surface of that name.  Of several sets an
      element is in the last that a section names, else in the last; a set of all elements is a group if no other set has
      any of them.  Markers of .su2 are groups of facets, "ungrouped" is none.
-     Groups are written the same way, facets of the hull in none, too; in .inp as an ELSET, a SURFACE with an NSET of
-     its points, an NSET of the points of edges; in .su2 as markers.  Tags that .msh .inp .su2 cannot have, below 1 or
-     above 10^9, are replaced by numbers after the largest.  Names: .msh .msh2 .vtu .inp .su2, the last two with an
-     underscore for all but letters, digits, points and hyphens.
+     Groups are written the same way, those of .obj and text .stl too; in .inp as an ELSET, a SURFACE with an NSET of
+     its points, an NSET of the points of edges; in .su2 as markers.  Facets of the hull in no group are left out of
+     .msh and .vtu and are the marker "ungrouped" of .su2.  Tags that .msh .inp .su2 cannot have, below 1 or above 10^9,
+     are replaced by numbers after the largest.  Names: .msh .msh2 .vtu .obj .stl .inp .su2, the last two with an
+     underscore for all but letters, digits, points and hyphens; where that makes one word of two names, or one that
+     .inp or .su2 have anyway, the later name ends with _2 and so on.
      Without groups the simplices are the group "domain", 2, the facets of the hull "boundary", 1, facets between
      regions "interface", 2, edges "edges", 1.  Regions and patches, r and p, where the caller has them, are the groups
      r + 1, "region_r", and p + 1, "patch_p"; in .mesh the reference of region r is r + 2.  In .inp all simplices are
      the ELSET "DOMAIN", too, all points of the hull the NSET "BOUNDARY" and its facets the SURFACE of that name.
-     .ele has regions, .face and .edge patches, .su2 patches of the hull, .obj .stl .ply .off no groups.
      Columns of points are attributes in .node, arrays in .vtu, columns in .csv, properties in .ply; tags of their
      groups the mark in .node, the array or column "marker" in .vtu and .csv, references in .mesh.  Heights are the
      third coordinate of a mesh in the plane, in .node the last attribute; .su2 has none.  Other formats of points have
@@ -235,6 +252,13 @@ typedef struct pbwio_output {          /* NULL or all zero = best defaults */
     int base;                          /* of .node .ele .neigh .face .edge: number of the first point and element */
 } pbwio_output;
 
+enum {                                 /* what files of a format keep beside points and simplices: bits */
+    PBWIO_REGIONS = 1, PBWIO_PATCHES = 2,     /* groups of simplices; of facets at the boundary */
+    PBWIO_INNER_PATCHES = 4, PBWIO_EDGES = 8, PBWIO_MARKS = 16,       /* of other facets, of edges, of points */
+    PBWIO_NAMES = 32,                  /* of groups */
+    PBWIO_COLUMNS = 64, PBWIO_HEIGHTS = 128, PBWIO_WEIGHTS = 256
+};
+
 /* Reads a file; "-" is the standard input.  cloud: overwritten (what it held is not freed), left empty on failure. */
 PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options, pbwio_cloud *cloud,
                                  pbwio_error *error);
@@ -249,6 +273,16 @@ PBWIODEF void pbwio_free(pbwio_cloud *cloud);
 /* Writes a mesh. */
 PBWIODEF pbwio_status pbwio_write(const char *path, const pbw_mesh *mesh, const pbwio_output *output,
                                   pbwio_error *error);
+/* What files of a format keep, of simplices of that many corners, 3 or 4, written with flags: bits as above. */
+PBWIODEF unsigned pbwio_keeps(pbwio_format format, int corners, unsigned flags);
+/* What is lost of a mesh, of simplices of that many corners, and an output in files that keep so much, in words, into
+   text, size bytes; "" = nothing. */
+PBWIODEF void pbwio_losses(unsigned keeps, int corners, const pbw_mesh *mesh, const pbwio_output *output, char *text,
+                           size_t size);
+/* Which groups of simplices of that many corners, and so on, have other names in .inp and .su2, in words: "a b" is a_b;
+   "" = none has. */
+PBWIODEF void pbwio_renamed(pbwio_format format, int corners, const pbw_mesh *mesh, const pbwio_output *output,
+                            char *text, size_t size);
 /* Writes any file whole or not at all: emit writes to the stream and need not look for errors.  That is a new file,
    "path.part.PROCESS-NUMBER", so that runs at the same time and files that are there are safe; in the end it is renamed
    to path, or removed if the disk was full.  A file that is replaced gives its mode to the new one; a symbolic link
@@ -849,6 +883,7 @@ typedef struct pbwio__reader {
     unsigned char *middles;                  /* per point: 1 in the middle of an element's edge or facet; NULL: none */
     pbwio_error *error;
     char shown[32];                          /* a field for a message */
+    char unread[120];                        /* names of data that the cloud does not keep */
 } pbwio__reader;
 
 PBWIO__PRINTF(3, 4)
@@ -884,6 +919,14 @@ static void pbwio__dropped(pbwio__reader *r, const char *format, ...)
     }
     vsnprintf(text + used, sizeof r->cloud->dropped - used, format, list);
     va_end(list);
+}
+
+/* Notes once what the cloud does not keep. */
+static void pbwio__leave_out(pbwio__reader *r, const char *what)
+{
+    if (strstr(r->cloud->dropped, what) == NULL) {
+        pbwio__dropped(r, "%s", what);
+    }
 }
 
 /* Blocks within the budget; while a block grows, both its sizes count. */
@@ -1028,6 +1071,16 @@ static const char *pbwio__show(pbwio__reader *r, pbwio__field field)
     }
     strcpy(r->shown + i, length > 24 ? "..." : "");
     return r->shown;
+}
+
+/* Notes data of that name that the cloud does not keep. */
+static void pbwio__note_data(pbwio__reader *r, pbwio__field name)
+{
+    const size_t used = strlen(r->unread);
+    const char *text = used < sizeof r->unread - 40 ? pbwio__show(r, name) : "...";
+    if (strstr(r->unread, "...") == NULL && strstr(r->unread, text) == NULL) {
+        snprintf(r->unread + used, sizeof r->unread - used, "%s%s", used > 0 ? ", " : "", text);
+    }
 }
 
 /* A count or an id: digits only, at most 18 of them. */
@@ -1436,7 +1489,10 @@ static void pbwio__point(pbwio__reader *r)
     pbwio__add_point(r, value);
 }
 
-/* ---- elements and their groups ---- */
+/* ------------------------------------------------------------------------------------------------------
+   Elements and their groups.
+   In: corners of elements, tags and names of groups.  Out: the elements and groups of the cloud.
+   ------------------------------------------------------------------------------------------------------ */
 
 /* The groups of elements, from the first that is in one on: one an element, as much room as elements have. */
 static int pbwio__group_room(pbwio__reader *r, pbw_index **groups, size_t count, size_t old_capacity, size_t capacity)
@@ -2423,20 +2479,28 @@ static pbwio__field pbwio__rest(pbwio__reader *r)
 }
 
 /* The word that names the groups of faces: usemtl if it names several, else g, else o; NULL: none of them does. */
-static const char *pbwio__obj_word(pbwio__reader r)
+static const char *pbwio__obj_word(pbwio__reader r, pbwio__reader *all)
 {
     static const char *const words[] = { "usemtl", "g", "o" };
     pbwio__field first[3], word;
-    int several[3] = { 0, 0, 0 }, k;
+    int several[3] = { 0, 0, 0 }, faces = 0, k;
     memset(first, 0, sizeof first);
     while (pbwio__line(&r)) {
+        faces |= r.line_end - r.line > 1 && r.line[0] == 'f' && pbwio__blank(&r, r.line[1]);
         for (k = 0; k < 3 && pbwio__next(&r, &word); k++, r.cursor = r.line) {
             if (pbwio__is(word, words[k])) {
                 pbwio__field name = pbwio__rest(&r);
+                several[k] |= first[k].begin == NULL && faces;       /* those are in none */
                 first[k] = first[k].begin == NULL ? name : first[k];
                 several[k] |= name.end - name.begin != first[k].end - first[k].begin
                            || memcmp(name.begin, first[k].begin, (size_t)(name.end - name.begin)) != 0;
             }
+        }
+    }
+    for (k = 0; k < 2; k++) {
+        if (several[k] && several[k + 1] + several[2] > 0) {
+            pbwio__leave_out(all, k == 0 ? "groups of faces but those by usemtl" : "groups of faces but those by g");
+            break;
         }
     }
     for (k = 0; k < 3 && !several[k]; k++) {
@@ -2453,7 +2517,7 @@ static void pbwio__read_obj(pbwio__reader *r)
     pbwio__choose(r, NULL, 3, 0);
     pbwio__reserve(r, pbwio__most(r, pbwio__count_lines(r, 'v')), 1);
     total = (long long)r->point_capacity;
-    group = pbwio__obj_word(*r);
+    group = pbwio__obj_word(*r, r);
     while (pbwio__line(r)) {
         while (r->line_end > r->line && r->line_end[-1] == '\\' && r->at < r->end) {       /* continued */
             const char *line = r->line;
@@ -2509,6 +2573,9 @@ static void pbwio__read_off(pbwio__reader *r)
         for (; field.end - field.begin > 3; field.begin++) {
             if (memchr("STCN", *field.begin, 4) == NULL) {
                 pbwio__fail(r, PBWIO_ERROR_FORMAT, "files of kind \"%s\" are not read", pbwio__show(r, field));
+            }
+            if (r->options->columns == NULL && r->options->weight == NULL) {
+                pbwio__leave_out(r, "colours, normals, texture");
             }
         }
         if (!pbwio__next(r, &field)) {
@@ -2659,7 +2726,10 @@ static void pbwio__read_stl_text(pbwio__reader *r)
     if (corners != 0) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "the file ends inside a facet");
     }
-    if (r->cloud->group_count == 1) {                                /* the name of the model, no part of it */
+    for (corners = 0; corners < r->cloud->triangle_count && r->cloud->triangle_groups != NULL
+         && r->cloud->triangle_groups[corners] != PBW_NONE; corners++) {
+    }
+    if (r->cloud->group_count == 1 && corners == r->cloud->triangle_count) {         /* the model's name, no part of it */
         pbwio__forget_groups(r);
     }
 }
@@ -2720,6 +2790,23 @@ static double pbwio__ply_value(pbwio__reader *r, const pbwio__ply *ply, int type
     return value;
 }
 
+/* Notes properties and elements that are not kept. */
+static void pbwio__ply_note(pbwio__reader *r, const pbwio__ply *ply, int vertex, int face)
+{
+    const pbwio_options *o = r->options;
+    int p;
+    if (!vertex && !face && ply->count > 0) {
+        pbwio__note_data(r, ply->name);
+    }
+    for (p = 0; p < ply->property_count && (vertex || face) && o->columns == NULL; p++) {
+        const pbwio__field name = ply->property[p].name;
+        if (!pbwio__lists(vertex ? "x y z nx ny nz" : "vertex_indices vertex_index", name)
+            && (o->weight == NULL || !pbwio__is(name, o->weight))) {
+            pbwio__note_data(r, name);
+        }
+    }
+}
+
 static void pbwio__ply_element(pbwio__reader *r, const pbwio__ply *ply)
 {
     int vertex = pbwio__is(ply->name, "vertex"), face = pbwio__is(ply->name, "face"), lists = 0, p, k, corners;
@@ -2733,6 +2820,7 @@ static void pbwio__ply_element(pbwio__reader *r, const pbwio__ply *ply)
         lists |= property->list >= 0;
         row += ply->text ? 2 : pbwio__types[property->list >= 0 ? property->list : property->type].size;
     }
+    pbwio__ply_note(r, ply, vertex, face);
     if (vertex && r->cloud->points != NULL) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "element \"vertex\" comes twice");
     } else if (vertex) {
@@ -2924,14 +3012,6 @@ static void pbwio__add_row(pbwio__reader *r, const double *row)
 #define PBWIO__OTHER_SOLIDS "hexahedra, prisms, pyramids and polyhedra"
 #define PBWIO__OTHER_GROUPS "all groups but the first of points and elements that are in several"
 
-/* Notes once what the cloud does not keep. */
-static void pbwio__leave_out(pbwio__reader *r, const char *what)
-{
-    if (strstr(r->cloud->dropped, what) == NULL) {
-        pbwio__dropped(r, "%s", what);
-    }
-}
-
 /* Puts a point into the current group of points, unless it is in one. */
 static void pbwio__group_point(pbwio__reader *r, size_t point)
 {
@@ -3099,6 +3179,8 @@ static void pbwio__read_medit(pbwio__reader *r)
         } else if (pbwio__is(word, "Hexahedra") || pbwio__is(word, "Prisms") || pbwio__is(word, "Pentahedra")
                    || pbwio__is(word, "Pyramids")) {
             pbwio__leave_out(r, PBWIO__OTHER_SOLIDS);
+        } else if (!pbwio__is(word, "MeshVersionFormatted")) {
+            pbwio__note_data(r, word);
         }
     }
 }
@@ -3560,9 +3642,11 @@ static void pbwio__read_msh(pbwio__reader *r)
             } else {
                 pbwio__msh_elements(r, &m);
             }
-        } else if (m.binary && word.begin < word.end && *word.begin == '$' && word.end - word.begin > 4
-                   && !pbwio__same(word.begin, 4, end, 4)) {
-            while (r->at < r->end && (r->end - r->at < 4 || memcmp(r->at, end, 4) != 0)) {
+        } else if (word.end - word.begin > 4 && *word.begin == '$' && !pbwio__same(word.begin, 4, end, 4)) {
+            if (!pbwio__lists("$Comments $Entities $Periodic $PartitionedEntities", word)) {
+                pbwio__note_data(r, word);
+            }
+            while (m.binary && r->at < r->end && (r->end - r->at < 4 || memcmp(r->at, end, 4) != 0)) {
                 const char *next = (const char *)memchr(r->at + 1, '$', (size_t)(r->end - r->at) - 1);
                 r->at = next == NULL ? r->end : next;
             }
@@ -3641,8 +3725,13 @@ static pbwio__array *pbwio__vtu_place(pbwio__reader *r, pbwio__vtu *v, const cha
         return &v->array[PBWIO__POINTS];
     }
     if (strcmp(section, "PointData") == 0) {
-        return r->options->weight != NULL && pbwio__is(name, r->options->weight) ? &v->array[PBWIO__WEIGHTS]
-             : pbwio__is(name, "marker") ? &v->array[PBWIO__MARKERS] : NULL;
+        if (r->options->weight != NULL && pbwio__is(name, r->options->weight)) {
+            return &v->array[PBWIO__WEIGHTS];
+        }
+        if (!pbwio__is(name, "marker") && !pbwio__is(name, "id")) {
+            pbwio__note_data(r, name);
+        }
+        return pbwio__is(name, "marker") ? &v->array[PBWIO__MARKERS] : NULL;
     }
     for (k = 0; k < 3 && strcmp(section, "Cells") == 0; k++) {
         if (pbwio__is(name, names[k])) {
@@ -3657,6 +3746,9 @@ static pbwio__array *pbwio__vtu_place(pbwio__reader *r, pbwio__vtu *v, const cha
             *rank = k;
             return &v->array[PBWIO__REGIONS];
         }
+    }
+    if (!pbwio__lists("patch edge quality", name)) {
+        pbwio__note_data(r, name);
     }
     return pbwio__is(name, "patch") ? &v->array[PBWIO__PATCHES]
          : pbwio__is(name, "edge") ? &v->array[PBWIO__CURVES] : NULL;
@@ -3698,6 +3790,7 @@ static void pbwio__vtu_array(pbwio__reader *r, pbwio__vtu *v, const char *sectio
     groups = a == &v->array[PBWIO__MARKERS] || a >= &v->array[PBWIO__REGIONS];
     if (groups && (!known || found.type == 6 || found.type == 7 || found.components > 1
                    || (a->is && a->rank <= rank))) {
+        pbwio__note_data(r, name);
         return;                                                      /* no numbers of groups, or others count more */
     }
     if ((a->is && !groups) || !known) {
@@ -4317,9 +4410,13 @@ static void pbwio__vtk_values(pbwio__reader *r, pbwio__vtk *k, pbwio__field name
 {
     pbwio__array *a, found;
     int rank;
+    if (components > 1) {
+        pbwio__note_data(r, name);
+    }
     a = components > 1 ? NULL : pbwio__vtu_place(r, &k->vtu, k->point_data ? "PointData" : "CellData", name, &rank);
     if (a != NULL && a != &k->vtu.array[PBWIO__WEIGHTS]
         && (type == 6 || type == 7 || type < 0 || (a->is && a->rank <= rank))) {
+        pbwio__note_data(r, name);
         a = NULL;                                                    /* no numbers of groups, or others count more */
     }
     pbwio__vtk_numbers(r, k, type, components * count, &found);
@@ -5905,7 +6002,7 @@ typedef struct pbwio__writer {
     int longest;                             /* text: the most characters that a number may have */
     size_t id_size, real_size;               /* bytes of a point id and of a coordinate in binary */
     unsigned base;                           /* the first number of points and elements */
-    size_t dim, corners;                     /* of a simplex: dim+1, or 3 for the triangles of a model */
+    size_t dim, corners;                     /* coordinates; corners of a simplex: dim+1, or 3 of a model's triangles */
     pbw_index *number;                       /* of a point or simplex in the file; PBW_NONE: left out; NULL: itself */
     unsigned char *boundary;                 /* 1 for the points on facets; NULL: nobody asks */
     size_t point_count, cell_count, facet_count;     /* what the file holds */
@@ -5917,6 +6014,9 @@ typedef struct pbwio__writer {
     pbwio__item *items;                      /* by parts, in each of them in runs of one group; NULL: there are none */
     size_t first[PBWIO__PARTS + 1];          /* where each part starts */
     long long largest;                       /* of the caller's tags that a file can have */
+    pbw_index own[2];                        /* of .inp: the patch and the region that BOUNDARY and DOMAIN are, by
+                                                parts; PBW_NONE: none */
+    char **words;                            /* of .inp and .su2: names of the caller's groups; NULL: as they are */
     char name[32];                           /* of a group that the caller does not name */
     size_t used;
     char buffer[16384];
@@ -6092,12 +6192,13 @@ static int pbwio__number_points(pbwio__writer *w, int facets)
     return w->number != NULL;
 }
 
-/* Mean ratio: 12 (3 volume)^(2/3) or 4 sqrt(3) area, over the sum of the squared edge lengths. */
-static double pbwio__quality(const pbw_mesh *mesh, size_t simplex)
+/* Mean ratio: 12 (3 volume)^(2/3) or 4 sqrt(3) area, over the sum of the squared edge lengths; n corners. */
+static double pbwio__quality(const pbw_mesh *mesh, size_t n, size_t simplex)
 {
-    size_t dim = (size_t)mesh->dim, n = dim + 1, i, j, k;
+    const size_t dim = (size_t)mesh->dim;
     const pbw_index *corner = mesh->simplices + n * simplex;
-    double edge[3][3] = { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 1 } }, sum = 0, d, size;
+    double edge[3][3] = { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 1 } }, across[3], sum = 0, d, size;
+    size_t i, j, k;
     for (i = 0; i < n; i++) {
         for (j = i + 1; j < n; j++) {
             for (k = 0; k < dim; k++) {
@@ -6107,11 +6208,13 @@ static double pbwio__quality(const pbw_mesh *mesh, size_t simplex)
             }
         }
     }
-    size = edge[0][0] * (edge[1][1] * edge[2][2] - edge[1][2] * edge[2][1])
-         - edge[0][1] * (edge[1][0] * edge[2][2] - edge[1][2] * edge[2][0])
-         + edge[0][2] * (edge[1][0] * edge[2][1] - edge[1][1] * edge[2][0]);
+    for (k = 0; k < 3; k++) {
+        across[k] = edge[0][(k + 1) % 3] * edge[1][(k + 2) % 3] - edge[0][(k + 2) % 3] * edge[1][(k + 1) % 3];
+    }
+    size = n < dim + 1 ? sqrt(across[0] * across[0] + across[1] * across[1] + across[2] * across[2])
+         : across[0] * edge[2][0] + across[1] * edge[2][1] + across[2] * edge[2][2];
     size = size > 0 ? size : 0;                                      /* 6 volumes or 2 areas; may round below 0 */
-    d = dim == 3 ? 12 * pow(size / 2, 2.0 / 3.0) / sum : 2 * sqrt(3.0) * size / sum;
+    d = n == 4 ? 12 * pow(size / 2, 2.0 / 3.0) / sum : 2 * sqrt(3.0) * size / sum;
     return d >= 0 && d <= 1 ? d : d > 1 ? 1 : 0;
 }
 
@@ -6177,6 +6280,7 @@ static pbwio_group pbwio__caller_group(const pbwio__writer *w, pbw_index number)
     if (pbwio__has_numbers(w) && (group.tag < 1 || group.tag > PBWIO__MOST_TAG)) {
         group.tag = w->largest + 3 + (long long)number;
     }
+    group.name = w->words != NULL ? w->words[number] : group.name;
     return group;
 }
 
@@ -6190,9 +6294,13 @@ static pbwio_group pbwio__group(pbwio__writer *w)
     size_t what = part;
     pbw_index number;
     pbwio_group group;
-    group.dim = part >= PBWIO__EDGES ? (int)(PBWIO__MARKED - part) : (int)(w->dim - (part == PBWIO__FACETS));
+    group.dim = part >= PBWIO__EDGES ? (int)(PBWIO__MARKED - part)
+              : (int)(w->corners - 1 - (part == PBWIO__FACETS));
     group.tag = 0;
     group.name = NULL;
+    if (groups[part] == NULL && o->groups != NULL && o->group_count == 0) {
+        return group;
+    }
     if (groups[part] == NULL) {                      /* the default groups */
         what = part == PBWIO__FACETS && !pbwio__on_hull(w, w->simplex, w->k) ? (size_t)PBWIO__PARTS : part;
         group.tag = (what == PBWIO__CELLS || what == PBWIO__PARTS) + 1;
@@ -6261,7 +6369,7 @@ static void pbwio__element_numbers(pbwio__writer *w, char which)
                 pbwio__int(w, pbwio__on_hull(w, w->simplex, i) ? -1 : pbwio__number_of(w, other), 4);
             }
             break;
-        case 'q': pbwio__real(w, w->k > w->corners ? 0 : pbwio__quality(mesh, w->simplex)); break;
+        case 'q': pbwio__real(w, w->k > w->corners ? 0 : pbwio__quality(mesh, w->corners, w->simplex)); break;
         case 'u': pbwio__real(w, w->k > w->corners ? 0 : w->output->values[w->simplex]); break;
         case 'a': pbwio__int(w, (long long)(w->node += pbwio__corners(w, corner)), 8); break;
         case 't': pbwio__int(w, vtk[pbwio__corners(w, corner)], 1); break;
@@ -6408,12 +6516,11 @@ static int pbwio__little_endian(void)
 static int pbwio__holds(const pbwio__writer *w, char condition)
 {
     switch (condition) {
-        case '2': return w->dim == 2;
-        case '3': return w->dim == 3;
+        case '2': return w->corners == 3;
+        case '3': return w->corners == 4;
         case 'w': return w->mesh->weights != NULL;
         case 'z': return pbwio__width(w) == 3;
-        case 'h': return pbwio__width(w) > w->dim;
-        case 'H': return pbwio__width(w) == w->dim;
+        case 'Z': return pbwio__width(w) == 2;
         case 'M': return w->output->point_groups != NULL;
         case 'W': return w->mesh->weights == NULL;
         case 'm': return w->normals != NULL;
@@ -6558,6 +6665,10 @@ static int pbwio__make_item(const pbwio__writer *w, size_t k, int hull_only, pbw
     item->inside = pbwio__region_of(w, w->simplex);
     item->outside = PBW_NONE;
     item->group = !facet ? item->inside : o->patches != NULL ? o->patches[at] : !hull;
+    if (hull && o->groups != NULL && item->group == PBW_NONE
+        && (o->format == PBWIO_MSH || o->format == PBWIO_MSH2 || o->format == PBWIO_VTU)) {
+        return 0;                                                    /* Gmsh does not write what is in no group */
+    }
     if (!facet || hull || w->mesh->neighbors == NULL || hull_only) {
         return !facet || hull;
     }
@@ -6602,7 +6713,7 @@ static int pbwio__make_mark(const pbwio__writer *w, int part, size_t i, pbwio__i
 /* Lists and sorts all parts.  Returns whether there is memory. */
 static int pbwio__list_items(pbwio__writer *w, int hull_only)
 {
-    const size_t marks[] = { w->corners == 4 && w->output->edges != NULL ? w->output->edge_count : 0,
+    const size_t marks[] = { w->dim == 3 && w->output->edges != NULL ? w->output->edge_count : 0,
                              w->output->point_groups != NULL ? w->mesh->point_count : 0 };
     pbwio__item item;
     size_t count[PBWIO__PARTS], i, k;
@@ -6700,6 +6811,151 @@ static void pbwio__put_group(pbwio__writer *w, const pbwio_group *group)
     pbwio__print(w, "\n");
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   Names of groups as words, for .inp and .su2.
+   In: the caller's groups.  Out: words, one a group.  Holds: no two that may be taken for each other are the same.
+   ------------------------------------------------------------------------------------------------------ */
+
+/* The group that all simplices are in, PBW_NONE if there is none. */
+static pbw_index pbwio__only_region(const pbw_mesh *mesh, const pbwio_output *o)
+{
+    pbw_index only = PBW_NONE;
+    size_t i, count = 0;
+    for (i = 0; o->regions != NULL && i < mesh->simplex_count; i++) {
+        if (o->keep == NULL || o->keep[i]) {
+            only = count++ == 0 || only == o->regions[i] ? o->regions[i] : PBW_NONE;
+            if (only == PBW_NONE) {
+                break;
+            }
+        }
+    }
+    return only;
+}
+
+/* The group that all facets of the hull are in, and no others, PBW_NONE if there is none. */
+static pbw_index pbwio__only_patch(const pbw_mesh *mesh, const pbwio_output *o)
+{
+    const size_t n = (size_t)mesh->dim + 1;
+    pbw_index only = PBW_NONE;
+    size_t i, count = 0;
+    int inner;
+    for (inner = 0; inner < 2; inner++) {
+        for (i = 0; o->patches != NULL && mesh->neighbors != NULL && i < n * mesh->simplex_count; i++) {
+            const pbw_index next = mesh->neighbors[i], patch = o->patches[i];
+            const int inside = next != PBW_NONE && (o->keep == NULL || o->keep[next]);
+            if (inside != inner || (o->keep != NULL && !o->keep[i / n])) {
+                continue;
+            }
+            only = !inner && count++ == 0 ? patch : only;
+            if ((patch == only) == inner) {
+                return PBW_NONE;
+            }
+        }
+    }
+    return only;
+}
+
+/* The groups of the caller's that are called as what .inp has anyway, and are the same: by parts. */
+static void pbwio__find_own(const pbw_mesh *mesh, const pbwio_output *o, size_t corners, pbw_index own[2])
+{
+    static const char *const names[] = { "BOUNDARY", "DOMAIN" };
+    int part;
+    own[PBWIO__CELLS] = pbwio__only_region(mesh, o);
+    own[PBWIO__FACETS] = corners == (size_t)mesh->dim + 1 ? pbwio__only_patch(mesh, o) : PBW_NONE;
+    for (part = 0; part < 2; part++) {
+        const char *name = own[part] < o->group_count ? o->groups[own[part]].name : NULL;
+        own[part] = name != NULL && pbwio__same(name, strlen(name), names[part], strlen(names[part])) ? own[part]
+                  : PBW_NONE;
+    }
+}
+
+/* The kind of names in .inp: sets of elements, or of nodes and surfaces; in .su2 those of facets, 0 for others. */
+static int pbwio__word_kind(pbwio_format format, int corners, int dim)
+{
+    return format == PBWIO_SU2 ? (dim == corners - 2 ? 's' : 0) : dim == corners - 1 ? 'e' : 's';
+}
+
+/* The place of a word in a table, or the free place for it. */
+static size_t pbwio__word_place(char *const *words, const int *kinds, const pbw_index *table, size_t size, int kind,
+                                const char *word)
+{
+    pbwio__field name;
+    size_t at;
+    name.begin = word;
+    name.end = word + strlen(word);
+    for (at = (size_t)pbwio__set_hash(kind, name) & (size - 1); table[at] != PBW_NONE; at = (at + 1) & (size - 1)) {
+        if (kinds[table[at]] == kind && pbwio__is(name, words[table[at]])) {
+            break;
+        }
+    }
+    return at;
+}
+
+/* The names of groups as words of letters, digits, points, hyphens and underscores, group_TAG of those without a name;
+   of names that become one word, whatever the case of letters, or a word that files have anyway, the later ones end with
+   _2, _3 and so on.  own: as in the writer.  One block for the caller to free; NULL: no memory. */
+static char **pbwio__make_words(const pbwio_output *o, int corners, const pbw_index own[2])
+{
+    static const char *const taken[] = { "BOUNDARY", "DOMAIN", "NALL", "ungrouped" };
+    const size_t n = o->group_count + 4;
+    size_t size = 8, length = 0, i, at;
+    char **words, *text;
+    int *kinds, *last;                               /* last: the number behind the last word made of this one */
+    pbw_index *table;
+    for (i = 0; i < o->group_count; i++) {
+        length += (o->groups[i].name != NULL ? strlen(o->groups[i].name) : 0) + 48;
+    }
+    for (; size < 2 * n; size *= 2) {
+    }
+    words = (char **)PBWIO_REALLOC(NULL, n * (sizeof *words + 2 * sizeof *kinds) + size * sizeof *table + length);
+    if (words == NULL) {
+        return NULL;
+    }
+    kinds = (int *)(void *)(words + n);
+    last = kinds + n;
+    table = (pbw_index *)(void *)(last + n);
+    text = (char *)(table + size);
+    memset(table, 0xff, size * sizeof *table);
+    for (i = n; i-- > o->group_count;) {             /* behind the groups: words that are taken */
+        const size_t k = i - o->group_count;
+        words[i] = (char *)(uintptr_t)taken[k];
+        kinds[i] = o->format == PBWIO_SU2 ? (k == 3 ? 's' : 0) : k == 3 ? 0 : k == 1 ? 'e' : 's';
+        last[i] = 1;
+        if (kinds[i] != 0 && (k > 1 || own[k] == PBW_NONE)) {
+            table[pbwio__word_place(words, kinds, table, size, kinds[i], words[i])] = (pbw_index)i;
+        }
+    }
+    for (i = 0; i < o->group_count; i++) {
+        const char *s = o->groups[i].name;
+        char *end = text;
+        words[i] = text;
+        kinds[i] = pbwio__word_kind(o->format, corners, o->groups[i].dim);
+        last[i] = 1;
+        for (; s != NULL && *s != 0; s++) {
+            const int c = pbwio__lower(*s);
+            *end++ = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '.' ? *s : '_';
+        }
+        end += end == text ? sprintf(end, "group_%lld", o->groups[i].tag) : 0;
+        *end = 0;
+        at = pbwio__word_place(words, kinds, table, size, kinds[i], text);
+        if (table[at] != PBW_NONE && kinds[i] != 0) {
+            int *number = last + table[at];
+            do {
+                sprintf(end, "_%d", ++*number);
+                at = pbwio__word_place(words, kinds, table, size, kinds[i], text);
+            } while (table[at] != PBW_NONE);
+        }
+        table[at] = (pbw_index)i;
+        text += strlen(text) + 1;
+    }
+    return words;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Formats with groups: .msh .obj .stl .inp .su2 .vtu.
+   In: items in runs.  Out: the text or bytes of a file.
+   ------------------------------------------------------------------------------------------------------ */
+
 /* $PhysicalNames of the groups of the caller's that have a name, and of the default groups that are written. */
 static void pbwio__write_names(pbwio__writer *w)
 {
@@ -6724,7 +6980,7 @@ static void pbwio__write_names(pbwio__writer *w)
         for (n = 0; n < PBWIO__PARTS; n++) {
             part = pbwio__in_order[n];
             for (i = w->first[part]; i < w->first[part + 1]; i = pbwio__run(w, i, 1)) {
-                if (o->groups == NULL || given[part] == NULL) {
+                if (o->groups == NULL || (given[part] == NULL && o->group_count > 0)) {
                     pbwio__seek(w, i);
                     group = pbwio__group(w);
                     count++;
@@ -6782,8 +7038,8 @@ static void pbwio__write_entities(pbwio__writer *w)
     }
     count[0] = w->first[PBWIO__PARTS] - w->first[PBWIO__MARKED];
     count[1] = pbwio__runs(w, PBWIO__EDGES, 0);
-    count[w->dim - 1] += pbwio__runs(w, PBWIO__FACETS, 0);
-    count[w->dim] = pbwio__runs(w, PBWIO__CELLS, 0);
+    count[w->corners - 2] += pbwio__runs(w, PBWIO__FACETS, 0);
+    count[w->corners - 1] = pbwio__runs(w, PBWIO__CELLS, 0);
     pbwio__print(w, "$Entities\n");
     w->text = !w->binary;
     for (i = 0; i < 4; i++) {
@@ -6840,7 +7096,7 @@ static void pbwio__write_msh(pbwio__writer *w)
     pbwio__write_names(w);
     pbwio__write_entities(w);
     pbwio__fill_in(w, "@1&1%n&1%n\n");
-    pbwio__write_block(w, w->dim, 1, 0, w->point_count);
+    pbwio__write_block(w, w->corners - 1, 1, 0, w->point_count);
     pbwio__fill_in(w, "@p%i\n@p%X\n[b\n]$EndNodes\n$Elements\n");
     w->text = !w->binary;
     blocks = all - w->first[PBWIO__MARKED] + pbwio__runs(w, PBWIO__EDGES, 0) + pbwio__runs(w, PBWIO__FACETS, 0)
@@ -6852,7 +7108,8 @@ static void pbwio__write_msh(pbwio__writer *w)
     pbwio__end_line(w);
     for (n = 0; n < PBWIO__PARTS; n++) {
         part = pbwio__in_order[n];
-        dim = part == PBWIO__MARKED ? 0 : part == PBWIO__EDGES ? 1 : w->dim - (part == PBWIO__FACETS);
+        dim = part == PBWIO__MARKED ? 0 : part == PBWIO__EDGES ? 1
+            : w->corners - 1 - (part == PBWIO__FACETS);
         for (i = w->first[part], tag = 1; i < w->first[part + 1]; i = end, tag++) {
             end = part == PBWIO__MARKED ? i + 1 : pbwio__run(w, i, 0);
             pbwio__write_block(w, dim, tag, types[dim], end - i);
@@ -6875,6 +7132,60 @@ static void pbwio__write_msh2(pbwio__writer *w)
     pbwio__print(w, "$EndElements\n");
 }
 
+/* Triangles of .obj and .stl by groups, those in none first. */
+static void pbwio__write_triangles(pbwio__writer *w, const char *before, const char *row, const char *after)
+{
+    const int part = w->corners == 4 ? PBWIO__FACETS : PBWIO__CELLS;
+    size_t i, end, last = w->first[part + 1];
+    int none, pass;
+    for (none = last > w->first[part] && w->items[last - 1].group >= w->output->group_count, pass = !none; pass < 2;
+         pass++) {
+        for (i = w->first[part]; i < last; i = end) {
+            const pbw_index group = w->items[i].group;
+            const char *name = group < w->output->group_count ? w->output->groups[group].name : "";
+            end = pbwio__run(w, i, 1);
+            if ((group >= w->output->group_count) != (pass == 0)) {
+                continue;
+            }
+            w->text = 1;
+            if (pass == 1 || w->output->format == PBWIO_STL) {
+                pbwio__print(w, "%s", before);
+                if (name == NULL) {
+                    pbwio__print(w, " group_%lld", w->output->groups[group].tag);
+                } else {
+                    pbwio__put(w, " ", *name != 0);
+                    pbwio__put_name(w, name, 0);
+                }
+                pbwio__print(w, "\n");
+            }
+            pbwio__item_rows(w, i, end, row);
+            pbwio__print(w, "%s", after);
+        }
+    }
+}
+
+static void pbwio__write_obj(pbwio__writer *w)
+{
+    pbwio__fill_in(w, "@pv %X\n@nvn %m\n");
+    if (w->items == NULL) {
+        pbwio__fill_in(w, "@sf %V\n");
+    } else {
+        pbwio__write_triangles(w, "g", "f %V\n", "");
+    }
+}
+
+#define PBWIO__STL_ROW "[tfacet normal ]%N|[touter loop|vertex ]%0|[tvertex ]%1|[tvertex ]%2|[tendloop|endfacet][b%z]\n"
+
+static void pbwio__write_stl(pbwio__writer *w)
+{
+    if (w->items == NULL || w->binary) {
+        pbwio__fill_in(w, "[tsolid triangles\n][b       binary STL, triangles                                          "
+                       "          ][b@1%s\n]@s" PBWIO__STL_ROW "[tendsolid triangles\n]");
+    } else {
+        pbwio__write_triangles(w, "solid", PBWIO__STL_ROW, "endsolid\n");
+    }
+}
+
 /* The points of the items from i on, before end, each once: mark holds the last list that has it. */
 static void pbwio__write_points(pbwio__writer *w, size_t i, size_t end, pbw_index *mark)
 {
@@ -6892,6 +7203,8 @@ static void pbwio__write_points(pbwio__writer *w, size_t i, size_t end, pbw_inde
         }
     }
 }
+
+#define PBWIO__SIDE_ROW "%p[3S%k][2[ZS%k][zE%k]]"      /* edges of shells are E1 to E3 */
 
 /* .inp: an ELSET for each region; for each patch a SURFACE and an NSET of its points; an NSET of the points of each
    group of edges and points.  w->number has room for marks behind the numbers. */
@@ -6913,7 +7226,8 @@ static void pbwio__write_inp(pbwio__writer *w)
             end = pbwio__run(w, i, 1);
             pbwio__seek(w, i);
             group = pbwio__group(w);
-            if (group.tag == 0 || (part == PBWIO__FACETS && o->patches == NULL && w->items[i].group == 0)) {
+            if (group.tag == 0 || (part == PBWIO__FACETS && o->patches == NULL && w->items[i].group == 0)
+                || (o->groups != NULL && part <= PBWIO__CELLS && w->items[i].group == w->own[part])) {
                 continue;
             }
             pbwio__print(w, part == PBWIO__CELLS ? "*ELSET, ELSET=" : "*NSET, NSET=");
@@ -6926,7 +7240,7 @@ static void pbwio__write_inp(pbwio__writer *w)
             if (part == PBWIO__FACETS) {
                 pbwio__print(w, "*SURFACE, TYPE=ELEMENT, NAME=");
                 pbwio__put_group(w, &group);
-                pbwio__item_rows(w, i, end, "%pS%k\n");
+                pbwio__item_rows(w, i, end, PBWIO__SIDE_ROW "\n");
             }
         }
     }
@@ -7054,58 +7368,64 @@ static void pbwio__write_vtu(pbwio__writer *w)
 #define PBWIO__BASE    256u            /* numbers start where the caller wants */
 #define PBWIO__HULL    512u            /* of facets, those of the hull only */
 
+#define PBWIO__ALL_GROUPS ((unsigned)(PBWIO_REGIONS | PBWIO_PATCHES | PBWIO_INNER_PATCHES | PBWIO_EDGES | PBWIO_MARKS \
+                                      | PBWIO_NAMES))
+
 #define PBWIO__GROUPS "$PhysicalNames\n2\n[21][32] 1 \"boundary\"\n[22][33] 2 \"domain\"\n$EndPhysicalNames\n"
 
 typedef struct pbwio__kind {
     const char *endings;               /* of names */
-    unsigned traits;
+    unsigned traits, keeps;            /* keeps: as pbwio_keeps */
     void (*read)(pbwio__reader *r);    /* NULL: it is not read */
     void (*write)(pbwio__writer *w);   /* NULL: by its form */
     const char *form;
 } pbwio__kind;
 
 static const pbwio__kind pbwio__kinds[] = {
-    { "", 0, NULL, NULL, NULL },
-    { "obj", PBWIO__SURFACE | PBWIO__FROM_1, pbwio__read_obj, NULL, "@pv %X\n@nvn %m\n@sf %V\n" },
-    { "ply", PBWIO__SURFACE | PBWIO__BINARY, pbwio__read_ply, NULL,
+    { "", 0, 0, NULL, NULL, NULL },
+    { "obj", PBWIO__SURFACE | PBWIO__FROM_1 | PBWIO__GROUPED | PBWIO__HULL, PBWIO_NAMES | PBWIO_HEIGHTS, pbwio__read_obj,
+      pbwio__write_obj, NULL },
+    { "ply", PBWIO__SURFACE | PBWIO__BINARY, PBWIO_COLUMNS | PBWIO_HEIGHTS, pbwio__read_ply, NULL,
       "ply\nformat [tascii][lbinary_little_endian][gbinary_big_endian] 1.0\n"
       "element vertex %n\nproperty double x\nproperty double y\nproperty double z\n"
       "[mproperty double nx\nproperty double ny\nproperty double nz\n]%H"
       "[selement face %s\nproperty list uchar int vertex_indices\n]end_header\n@p%X%m%C\n@s[t3 ][b\3]%v\n" },
-    { "stl", PBWIO__SURFACE | PBWIO__BINARY, pbwio__read_stl, NULL,
-      "[tsolid triangles\n][b       binary STL, triangles                                                    ]"
-      "[b@1%s\n]@s[tfacet normal ]%N|[touter loop|vertex ]%0|[tvertex ]%1|[tvertex ]%2|[tendloop|endfacet][b%z]\n"
-      "[tendsolid triangles\n]" },
-    { "off", PBWIO__SURFACE, pbwio__read_off, NULL, "OFF\n%n%s0\n@p%X\n@s3 %v\n" },
-    { "node", PBWIO__BOUNDARY | PBWIO__BASE, pbwio__read_node, NULL, "%n%d%A1\n@p%i%y%w%C%h%b\n" },
-    { "xyz txt pts asc dat tsv", 0, pbwio__read_table, NULL, "@p%x%w%m\n" },
-    { "csv", PBWIO__COMMAS, pbwio__read_table, NULL,
+    { "stl", PBWIO__SURFACE | PBWIO__BINARY | PBWIO__GROUPED | PBWIO__HULL, PBWIO_NAMES | PBWIO_HEIGHTS, pbwio__read_stl,
+      pbwio__write_stl, NULL },
+    { "off", PBWIO__SURFACE, PBWIO_HEIGHTS, pbwio__read_off, NULL, "OFF\n%n%s0\n@p%X\n@s3 %v\n" },
+    { "node", PBWIO__BOUNDARY | PBWIO__BASE, PBWIO_MARKS | PBWIO_COLUMNS | PBWIO_HEIGHTS | PBWIO_WEIGHTS,
+      pbwio__read_node, NULL, "%n%d%A1\n@p%i%y%w%C%h%b\n" },
+    { "xyz txt pts asc dat tsv", 0, PBWIO_HEIGHTS | PBWIO_WEIGHTS, pbwio__read_table, NULL, "@p%x%w%m\n" },
+    { "csv", PBWIO__COMMAS, PBWIO_MARKS | PBWIO_COLUMNS | PBWIO_HEIGHTS | PBWIO_WEIGHTS, pbwio__read_table, NULL,
       "x,y[z,z][w,weight][m,nx,ny,nz]%H[M,marker]\n@p%x%w%m%C[M%M]\n" },
-    { "vtu", PBWIO__BINARY | PBWIO__GROUPED, pbwio__read_vtu, pbwio__write_vtu, NULL },
+    { "vtu", PBWIO__BINARY | PBWIO__GROUPED, PBWIO__ALL_GROUPS | PBWIO_COLUMNS | PBWIO_HEIGHTS | PBWIO_WEIGHTS,
+      pbwio__read_vtu, pbwio__write_vtu, NULL },
     /* Entity 1 of dimension dim-1 is the boundary, entity 1 of dimension dim the domain with all points: tag, box,
        physical groups, entities that bound it.  Blocks start with dimension, entity, type, count. */
-    { "msh", PBWIO__BINARY | PBWIO__FROM_1 | PBWIO__GROUPED, pbwio__read_msh, NULL,
+    { "msh", PBWIO__BINARY | PBWIO__FROM_1 | PBWIO__GROUPED, PBWIO__ALL_GROUPS | PBWIO_HEIGHTS, pbwio__read_msh, NULL,
       "$MeshFormat\n4.1 [t0][b1] 8\n[b@1#1\n\n]$EndMeshFormat\n" PBWIO__GROUPS
       "$Entities\n@1&0[2&1][3&0]&1[2&0][3&1]\n@1#1%B&1#1&0\n@1#1%B&1#2&1#1\n[b\n]$EndEntities\n"
       "$Nodes\n@1&1%n&1%n\n@1%d#1#0%n\n@p%i\n@p%X\n[b\n]$EndNodes\n"
       "$Elements\n@1[f&2][F&1]%e&1%e\n[f@1[2#1][3#2]#1[2#1][3#2]%f\n@f%j%v\n]@1%d#1[2#2][3#4]%c\n@c%j%v\n"
       "[b\n]$EndElements\n" },
-    { "mesh", PBWIO__FROM_1 | PBWIO__GROUPED, pbwio__read_medit, NULL,
+    { "mesh", PBWIO__FROM_1 | PBWIO__GROUPED, (PBWIO__ALL_GROUPS & ~(unsigned)PBWIO_NAMES) | PBWIO_HEIGHTS,
+      pbwio__read_medit, NULL,
       "MeshVersionFormatted 2\nDimension %D\nVertices\n%n\n@p%x%M\n[eEdges\n%l\n@e%v%P\n]"
       "[f[2Edges][3Triangles]\n%f\n@f%v%P\n][2Triangles][3Tetrahedra]\n%c\n@c%v%P\nEnd\n" },
-    { "ele", PBWIO__BASE, pbwio__read_ele, NULL, "%c[23][34] [a1][A0]\n@c%j%v[a%P]\n" },
-    { "neigh", PBWIO__SIMPLICES | PBWIO__BASE, NULL, NULL, "%c[23][34]\n@c%j%g\n" },
-    { "face edge", PBWIO__BASE | PBWIO__GROUPED, pbwio__read_facets, NULL, "%f1\n@f%j%v%P\n" },
-    { "msh2", PBWIO__FROM_1 | PBWIO__GROUPED, pbwio__read_msh, NULL,
+    { "ele", PBWIO__BASE, PBWIO_REGIONS, pbwio__read_ele, NULL, "%c[23][34] [a1][A0]\n@c%j%v[a%P]\n" },
+    { "neigh", PBWIO__SIMPLICES | PBWIO__BASE, 0, NULL, NULL, "%c[23][34]\n@c%j%g\n" },
+    { "face edge", PBWIO__BASE | PBWIO__GROUPED, PBWIO_PATCHES | PBWIO_INNER_PATCHES, pbwio__read_facets, NULL, "%f1\n@f%j%v%P\n" },
+    { "msh2", PBWIO__FROM_1 | PBWIO__GROUPED, PBWIO__ALL_GROUPS | PBWIO_HEIGHTS, pbwio__read_msh, NULL,
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" PBWIO__GROUPS
       "$Nodes\n%n\n@p%i%X\n$EndNodes\n"
       "$Elements\n%e\n@f%j[21][32] 2 1 1 %v\n@c%j[22][34] 2 2 1 %v\n$EndElements\n" },
-    { "inp", PBWIO__FROM_1 | PBWIO__NO_ORPHANS | PBWIO__BOUNDARY | PBWIO__COMMAS | PBWIO__GROUPED, pbwio__read_inp, NULL,
-      "*NODE, NSET=NALL\n@p%i%x\n*ELEMENT, TYPE=[2[HCPS3][hS3]][3C3D4], ELSET=DOMAIN\n@c%j%v\n"
-      "[f*NSET, NSET=BOUNDARY\n@b%i\n*SURFACE, NAME=BOUNDARY, TYPE=ELEMENT\n@h%pS%k\n]" },
-    { "su2", PBWIO__NO_ORPHANS | PBWIO__GROUPED | PBWIO__HULL, pbwio__read_su2, pbwio__write_su2, NULL },
-    { "json geojson", 0, pbwio__read_json, NULL, NULL },
-    { "vtk", 0, pbwio__read_vtk, NULL, NULL }
+    { "inp", PBWIO__FROM_1 | PBWIO__NO_ORPHANS | PBWIO__BOUNDARY | PBWIO__COMMAS | PBWIO__GROUPED,
+      (PBWIO__ALL_GROUPS & ~(unsigned)PBWIO_EDGES) | PBWIO_HEIGHTS, pbwio__read_inp, NULL,
+      "*NODE, NSET=NALL\n@p%i%x\n*ELEMENT, TYPE=[2[ZCPS3][zS3]][3C3D4], ELSET=DOMAIN\n@c%j%v\n"
+      "[f*NSET, NSET=BOUNDARY\n@b%i\n*SURFACE, NAME=BOUNDARY, TYPE=ELEMENT\n@h" PBWIO__SIDE_ROW "\n]" },
+    { "su2", PBWIO__NO_ORPHANS | PBWIO__GROUPED | PBWIO__HULL, PBWIO_PATCHES | PBWIO_NAMES, pbwio__read_su2, pbwio__write_su2, NULL },
+    { "json geojson", 0, 0, pbwio__read_json, NULL, NULL },
+    { "vtk", 0, 0, pbwio__read_vtk, NULL, NULL }
 };
 
 static const pbwio__kind *pbwio__kind_of(pbwio_format format)
@@ -7123,6 +7443,121 @@ PBWIODEF pbwio_format pbwio_format_of(const char *path)
         }
     }
     return PBWIO_AUTO;
+}
+
+PBWIODEF unsigned pbwio_keeps(pbwio_format format, int corners, unsigned flags)
+{
+    const unsigned keeps = pbwio__kind_of(format)->keeps;
+    const int groups = format == PBWIO_OBJ || (format == PBWIO_STL && flags & PBWIO_TEXT);
+    return format == PBWIO_STL && !groups ? keeps & ~(unsigned)PBWIO_NAMES
+         : groups ? keeps | (corners == 3 ? (unsigned)PBWIO_REGIONS : (unsigned)PBWIO_PATCHES) : keeps;
+}
+
+/* Whether a group has a name that is not made of its number. */
+static int pbwio__is_named(const pbwio_group *group)
+{
+    static const char *const made[] = { "region_", "patch_", "group_" };
+    const char *name = group->name;
+    size_t i;
+    for (i = 0; i < 3 && name != NULL; i++) {
+        const size_t length = strlen(made[i]);
+        if (strncmp(name, made[i], length) == 0 && name[length + strspn(name + length, "0123456789")] == 0) {
+            return 0;
+        }
+    }
+    return name != NULL;
+}
+
+/* Whether numbers of groups say anything: an element is in one with a name, or two are in different ones. */
+static int pbwio__tells(const pbwio_output *o, pbw_index number, pbw_index *first, size_t *count)
+{
+    const int differs = (*count)++ > 0 && number != *first;
+    *first = *count == 1 ? number : *first;
+    return differs || (o->groups != NULL && number < o->group_count && pbwio__is_named(o->groups + number));
+}
+
+/* Which groups there are, as bits of PBWIO_REGIONS to PBWIO_MARKS; n corners. */
+static unsigned pbwio__groups_of(size_t n, const pbw_mesh *mesh, const pbwio_output *o)
+{
+    unsigned has = o->edges != NULL && o->edge_count > 0 ? (unsigned)PBWIO_EDGES : 0;
+    size_t i, count[3] = { 0, 0, 0 };
+    pbw_index first[3] = { 0, 0, 0 };
+    for (i = 0; o->regions != NULL && i < mesh->simplex_count && !(has & PBWIO_REGIONS); i++) {
+        has |= (o->keep == NULL || o->keep[i]) && pbwio__tells(o, o->regions[i], first, count)
+             ? (unsigned)PBWIO_REGIONS : 0;
+    }
+    for (i = 0; o->patches != NULL && mesh->neighbors != NULL && i < n * mesh->simplex_count; i++) {
+        const int hull = mesh->neighbors[i] == PBW_NONE || (o->keep != NULL && !o->keep[mesh->neighbors[i]]);
+        if ((o->keep == NULL || o->keep[i / n]) && (hull || o->groups != NULL)
+            && pbwio__tells(o, o->patches[i], first + 1 + hull, count + 1 + hull)) {
+            has |= hull ? (unsigned)PBWIO_PATCHES : (unsigned)PBWIO_INNER_PATCHES;
+        }
+    }
+    for (i = 0; o->point_groups != NULL && i < mesh->point_count && !(has & PBWIO_MARKS); i++) {
+        has |= o->point_groups[i] != PBW_NONE ? (unsigned)PBWIO_MARKS : 0;
+    }
+    return has;
+}
+
+static void pbwio__append(char *text, size_t size, const char *what)
+{
+    const size_t used = strlen(text);
+    snprintf(text + used, size - used, "%s%s", used > 0 ? ", " : "", what);
+}
+
+PBWIODEF void pbwio_losses(unsigned keeps, int corners, const pbw_mesh *mesh, const pbwio_output *output, char *text,
+                           size_t size)
+{
+    const char *const words[] = { corners <= mesh->dim ? "groups of triangles" : "regions", "patches", "patches inside",
+                                  "edges", "markers of points" };
+    const unsigned has = pbwio__groups_of((size_t)corners, mesh, output);
+    size_t i, named = 0;
+    text[0] = 0;
+    for (i = 0; i < 5; i++) {
+        if (has >> i & ~keeps >> i & 1) {
+            pbwio__append(text, size, words[i]);
+        }
+    }
+    for (i = 0; output->groups != NULL && i < output->group_count; i++) {
+        named += (size_t)pbwio__is_named(output->groups + i);
+    }
+    if (named > 0 && has & keeps && !(keeps & PBWIO_NAMES)) {
+        pbwio__append(text, size, "names of groups");
+    }
+    for (i = 0; i < output->column_count && !(keeps & PBWIO_COLUMNS); i++) {
+        pbwio__append(text, size, output->columns[i].name != NULL ? output->columns[i].name : "an attribute");
+    }
+    if (output->heights != NULL && !(keeps & PBWIO_HEIGHTS)) {
+        pbwio__append(text, size, "heights");
+    }
+    if (mesh->weights != NULL && !(keeps & PBWIO_WEIGHTS)) {
+        pbwio__append(text, size, "weights");
+    }
+}
+
+PBWIODEF void pbwio_renamed(pbwio_format format, int corners, const pbw_mesh *mesh, const pbwio_output *output,
+                            char *text, size_t size)
+{
+    pbwio_output o = *output;
+    pbw_index own[2];
+    char **words;
+    size_t i, used = 0;
+    text[0] = 0;
+    o.format = format;
+    if (o.groups == NULL || (format != PBWIO_INP && format != PBWIO_SU2)) {
+        return;
+    }
+    pbwio__find_own(mesh, &o, (size_t)corners, own);
+    words = pbwio__make_words(&o, corners, own);
+    for (i = 0; words != NULL && i < o.group_count && used + 80 < size; i++) {
+        const char *name = o.groups[i].name;
+        if (name != NULL && strcmp(name, words[i]) != 0
+            && pbwio__word_kind(format, corners, o.groups[i].dim) != 0) {
+            used += (size_t)snprintf(text + used, size - used, "%s\"%.30s\" is %.30s", used > 0 ? ", " : "", name,
+                                     words[i]);
+        }
+    }
+    PBWIO_FREE(words);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -7328,6 +7763,9 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
         pbwio__dropped(&r, "columns (those of tables are, on request)");
     }
     PBWIO_FREE(r.polygons);
+    if (r.unread[0] != 0) {
+        pbwio__dropped(&r, "data: %s", r.unread);
+    }
     if (r.status == PBWIO_OK && r.middles != NULL) {
         pbwio__leave_out_middles(&r);
     }
@@ -8028,19 +8466,27 @@ static pbwio_status pbwio__write(const char *path, const pbw_mesh *mesh, int mod
         while (!failed && pbwio__step(w, 0)) {
             w->number[w->simplex] = (pbw_index)w->cell;
         }
-    } else if (!model && (surface || kind->traits & PBWIO__NO_ORPHANS || settings.flags & PBWIO_NO_ORPHANS)) {
+    } else if ((!model || settings.format == PBWIO_INP) && (surface || kind->traits & PBWIO__NO_ORPHANS || settings.flags & PBWIO_NO_ORPHANS)) {
         failed |= !pbwio__number_points(w, surface && corners == 4);
     }
     grouped = settings.patches != NULL || settings.edges != NULL || settings.point_groups != NULL
            || (settings.format != PBWIO_VTU && (settings.regions != NULL || settings.groups != NULL));
+    grouped |= model && settings.format != PBWIO_VTU && !surface;
+    grouped &= !surface || (settings.groups != NULL && (corners == 4 ? settings.patches : settings.regions) != NULL);
     if (!failed && grouped && kind->traits & PBWIO__GROUPED) {
         failed = !pbwio__list_items(w, (kind->traits & PBWIO__HULL) != 0);
+    }
+    if (!failed && settings.groups != NULL && (settings.format == PBWIO_INP || settings.format == PBWIO_SU2)) {
+        pbwio__find_own(mesh, &settings, corners, w->own);
+        w->words = pbwio__make_words(&settings, (int)corners, w->own);
+        failed = w->words == NULL;
     }
     status = failed ? pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory")
                     : pbwio_save(path, pbwio__emit, w, error);
     PBWIO_FREE(w->boundary);
     PBWIO_FREE(w->number);
     PBWIO_FREE(w->items);
+    PBWIO_FREE(w->words);
     PBWIO_FREE(w);
     return status;
 }

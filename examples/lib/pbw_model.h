@@ -15,7 +15,8 @@
        pbwio_free(&normals);
        pbwio_free(&cloud);
 
-   Writes .obj .ply .stl .off with triangles; .xyz .csv and, with normals or without triangles, .obj .ply: points.
+   Writes .obj .ply .stl .off .vtu .msh .msh2 .mesh .inp with triangles; .xyz .csv and, with normals or without
+   triangles, .obj .ply: points.
 
    FUNCTIONS
      pbwmodel_read_normals  the normals that a file has
@@ -36,7 +37,10 @@ typedef struct pbwmodel_content {      /* what is written; the arrays are the ca
     size_t point_count, triangle_count;
     const double *points, *normals;    /* normals: 3 coordinates for each point, or NULL */
     const pbw_index *triangles;
+    const double *weights;             /* one a point, for .vtu .xyz .csv; NULL = none */
     pbwio_format format;               /* PBWIO_AUTO = by the name of the file */
+    const pbwio_output *output;        /* groups, with regions one a triangle, edges, groups of points, columns; NULL =
+                                          none */
 } pbwmodel_content;
 
 /* Reads the normals that a file has beside its points: `vn` of .obj; properties or columns nx ny nz of .ply, .xyz and
@@ -128,20 +132,31 @@ extern int pbwmodel_read_normals(const char *path, const pbwio_cloud *model, pbw
 extern pbwio_status pbwmodel_write(const char *path, const pbwmodel_content *content, unsigned flags,
                                    pbwio_error *error)
 {
-    pbwio_format format = content->format != PBWIO_AUTO ? content->format : pbwio_format_of(path);
+    static const pbwio_group no_group = { 2, 0, NULL };
+    const pbwio_format format = content->format != PBWIO_AUTO ? content->format : pbwio_format_of(path);
+    const int of_mesh = format == PBWIO_VTU || format == PBWIO_MSH || format == PBWIO_MSH2 || format == PBWIO_MESH
+                     || format == PBWIO_INP;
     pbwio_output output;
     pbw_mesh mesh;
-    if (format == PBWIO_AUTO || format == PBWIO_NODE || format > PBWIO_CSV
-        || (format == PBWIO_STL && content->triangle_count == 0)) {
-        return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, path, "%s", format == PBWIO_STL
+    if (format == PBWIO_AUTO || format == PBWIO_NODE || (format > PBWIO_CSV && !of_mesh)
+        || ((format == PBWIO_STL || of_mesh) && content->triangle_count == 0)) {
+        return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, path, "%s", format == PBWIO_STL || of_mesh
             ? "there are no triangles" : "no format of that name is written from points and triangles");
     }
     memset(&output, 0, sizeof output);
     memset(&mesh, 0, sizeof mesh);
+    if (content->output != NULL) {
+        output = *content->output;
+        output.keep = NULL;
+        output.patches = NULL;
+        output.values = NULL;
+    }
+    output.groups = output.groups != NULL ? output.groups : &no_group;       /* no default names */
     output.format = format;
     output.flags = flags & PBWIO_TEXT;
     mesh.dim = content->dim;
     mesh.points = content->points;
+    mesh.weights = content->weights;
     mesh.point_count = content->point_count;
     mesh.simplices = content->triangles;
     mesh.simplex_count = content->triangle_count;

@@ -98,13 +98,20 @@ int complete_groups(job *j)
 int find_patches(job *j, const pbw_index *simplices, size_t count)
 {
     const size_t n = (size_t)j->cloud.dim + 1;
+    int done;
     free(j->patches);
     j->patches = NULL;
-    if ((n == 4 ? j->cloud.triangle_groups : j->cloud.segment_groups) == NULL) {
+    if (j->cloud.group_count == 0) {
         return 0;
     }
     j->patches = (pbw_index *)malloc((n * count + 1) * sizeof *j->patches);
-    return j->patches != NULL && match_facets(j, simplices, count, j->patches) ? 0 : fail(j, "out of memory");
+    done = j->patches != NULL;
+    if (done && (n == 4 ? j->cloud.triangle_groups : j->cloud.segment_groups) != NULL) {
+        done = match_facets(j, simplices, count, j->patches);
+    } else if (done) {
+        memset(j->patches, 0xff, n * count * sizeof *j->patches);    /* PBW_NONE: a file with groups, but not of facets */
+    }
+    return done ? 0 : fail(j, "out of memory");
 }
 
 int keep_groups(job *j)

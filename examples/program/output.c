@@ -428,7 +428,7 @@ static pbwio_status write_page(const job *j, const char *path, pbwio_error *erro
 
 static pbwio_format format_of(const char *ending)
 {
-    char name[16];
+    char name[24];
     snprintf(name, sizeof name, "a.%s", ending);
     return pbwio_format_of(name);
 }
@@ -454,32 +454,45 @@ static pbwio_status write_one(job *j, const char *path, const char *ending, void
     return pbwio_write(path, &j->mesh, &j->write, error);
 }
 
-/* A word about what points carry and a format has no place for. */
-static void warn_of_drops(const job *j, const char *path, const char *ending)
+/* What a file keeps of simplices of so many corners; .node .ele .face .edge .neigh are one set of files. */
+static unsigned kept_by(const job *j, const char *ending, int corners)
 {
-    const pbwio_output *o = &j->write;
-    char what[300] = "";
-    size_t i;
-    if (o->groups != NULL && find_word("obj ply stl off", ending) != NULL) {
-        snprintf(what, sizeof what, "%s%s%s", o->regions != NULL ? "regions" : "",
-                 o->regions != NULL && o->patches != NULL ? ", " : "", o->patches != NULL ? "patches" : "");
+    static const char family[] = "node ele face edge neigh";
+    unsigned keeps = 0;
+    int k;
+    if (strcmp(ending, "geojson") == 0) {
+        return PBWIO_REGIONS | PBWIO_NAMES | PBWIO_HEIGHTS;
     }
-    if (find_word("ele neigh edge face", ending) != NULL) {          /* they have no points */
-        return;
+    if (strcmp(ending, "bin") == 0) {
+        return PBWIO_WEIGHTS;
     }
-    if (o->heights != NULL && find_word("su2 svg", ending) != NULL) {
-        snprintf(what + strlen(what), sizeof what - strlen(what), "%sheights", what[0] == 0 ? "" : ", ");
+    if (strcmp(ending, "svg") == 0) {                                /* a picture of regions and patches */
+        return ~(unsigned)(PBWIO_MARKS | PBWIO_COLUMNS | PBWIO_HEIGHTS);
     }
-    for (i = 0; i < o->column_count && find_word("vtu csv node ply poly", ending) == NULL && strlen(what) < 200;
-         i++) {
-        snprintf(what + strlen(what), sizeof what - strlen(what), "%s%.40s", what[0] == 0 ? "" : ", ",
-                 o->columns[i].name != NULL ? o->columns[i].name : "an attribute");
+    for (k = 0; k < j->outputs && find_word(family, ending) != NULL; k++) {
+        const char *other = ending_of(j, j->output[k]);
+        keeps |= find_word(family, other) != NULL ? pbwio_keeps(format_of(other), corners, j->write.flags) : 0;
+        if (other == NULL || (k < j->written && find_word(family, other) != NULL)) {
+            return ~0u;                                              /* the word is said */
+        }
     }
-    if (o->point_groups != NULL && find_word("obj ply stl off su2 svg", ending) != NULL) {
-        snprintf(what + strlen(what), sizeof what - strlen(what), "%smarkers of points", what[0] == 0 ? "" : ", ");
-    }
+    return keeps != 0 ? keeps : format_of(ending) == PBWIO_AUTO ? ~0u
+         : pbwio_keeps(format_of(ending), corners, j->write.flags);
+}
+
+/* A word about what a format has no place for, and about groups that it calls otherwise. */
+static void warn_of_drops(const job *j, const char *path)
+{
+    const int corners = j->mesh.simplices == j->cloud.triangles ? 3 : j->mesh.dim + 1;
+    char ending[16], what[300];
+    snprintf(ending, sizeof ending, "%s", ending_of(j, path) != NULL ? ending_of(j, path) : "");
+    pbwio_losses(kept_by(j, ending, corners), corners, &j->mesh, &j->write, what, sizeof what);
     if (what[0] != 0) {
         warn(j, "%s: the format .%s has no place for: %s", path, ending, what);
+    }
+    pbwio_renamed(format_of(ending), corners, &j->mesh, &j->write, what, sizeof what);
+    if (what[0] != 0) {
+        warn(j, "%s: names of groups are words there: %s", path, what);
     }
 }
 
@@ -494,7 +507,7 @@ int write_with(job *j, writer *write, void *user)
             return interrupted ? stopped(j) : fail(j, "%s", error.text);
         }
         say(j, "write", now() - start, "%s", strcmp(path, "-") == 0 ? "standard output" : path);
-        warn_of_drops(j, path, ending_of(j, path));
+        warn_of_drops(j, path);
     }
     return interrupted ? stopped(j) : 0;
 }

@@ -536,7 +536,9 @@ static int make(job *j, plan *d, const pbw_plane_options *options)
     }
     if (!failed) {
         show_carried(&j->write, &r.carried, d->base);
+        j->mesh = r.mesh;                            /* a view */
         failed = write_with(j, write_one, &r);
+        memset(&j->mesh, 0, sizeof j->mesh);
     }
     finish_free(&r);
     pbw_plane_free(&plane);
