@@ -321,6 +321,15 @@ check "--region-by both" regions "5 6" --region-by mix
 check "a feature without that property" grep 'without the property "mix"' said
 check "no such property" says 1 'no feature has a property "none"; the first has "n", "name", "mix"' r.geojson \
     --region-by none
+printf '[[0,0],[1,0],[0,1]]' > points.json
+printf '{ "type" : "Feature", "properties": {"n": 7}, "geometry": {"type":"Polygon","coordinates":[[[0,0],[1,0],[0,1],[0,0]]]}}' \
+    > feature.json
+gzip -c feature.json > feature2.geojson.gz
+for file in feature.json feature2.geojson.gz; do
+    check "GeoJSON in $file" says 0 "1 polygon, 1 feature" $file --region-by n -o feature.msh2
+    check "has its regions" grep -q '^1 2 2 7 \|^[0-9]* 2 2 7 7 ' feature.msh2
+done
+check "JSON without features has no regions" says 1 "points.json: --region-by needs GeoJSON" points.json --region-by n -o n.msh
 check "--region-by is for GeoJSON" says 2 "it needs an input .geojson" plate.poly --region-by n
 hole() { says 0 "8 triangles" plate.geojson -o again.poly && says 0 "8 triangles" again.poly; }
 check "a hole of GeoJSON is one in .poly" hole

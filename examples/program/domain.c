@@ -440,6 +440,26 @@ static int ends_with(const char *path, const char *ending)
     return n > m && strncmp(path + n - m, ending, m) == 0;
 }
 
+/* Whether a .json file is GeoJSON: its first "type" is one of that. */
+static int is_geojson(const char *path)
+{
+    static const char *const types[] = { "FeatureCollection", "Feature", "GeometryCollection", "Polygon", "MultiPolygon",
+                                         "LineString", "MultiLineString" };
+    size_t size, i;
+    char *data = ends_with(path, ".json") ? pbwio_load(path, &size, NULL) : NULL;
+    const char *at = data != NULL ? strstr(data, "\"type\"") : NULL;
+    int found = 0;
+    if (at != NULL) {
+        at += 6 + strspn(at + 6, " \t\r\n:\"");
+    }
+    for (i = 0; at != NULL && i < sizeof types / sizeof types[0]; i++) {
+        const size_t length = strlen(types[i]);
+        found |= strncmp(at, types[i], length) == 0 && at[length] == '"';
+    }
+    free(data);
+    return found;
+}
+
 /* Points or triangles, as for `pbw mesh`, of one plane, with heights. */
 static int read_points_of(job *j, plan *d, const char *column)
 {
@@ -458,7 +478,11 @@ int read_domain(job *j, plan *d, const char *column)
     text t;
     int ok, poly, dropped = 0;
     memset(d, 0, sizeof *d);
-    if (j->input == NULL || (!ends_with(j->input, ".poly") && !ends_with(j->input, ".geojson"))) {
+    if (j->input == NULL || (!ends_with(j->input, ".poly") && !ends_with(j->input, ".geojson")
+                             && !is_geojson(j->input))) {
+        if (is_given(j, "--region-by")) {
+            return fail(j, "%s: --region-by needs GeoJSON, with features", j->input);
+        }
         return read_points_of(j, d, column);
     }
     poly = ends_with(j->input, ".poly");

@@ -46,7 +46,7 @@ static const rule rules[] = {
     { "plane", "--steiner", REFINING, NULL },
     { "plane", "--most", REFINING, NULL },
     { "plane", "--rounds", "--smooth", NULL },
-    { "plane", "--region-by", "*.geojson", NULL },
+    { "plane", "--region-by", "*.geojson *.json", NULL },
     { "improve", "--only-smooth", "--smooth", NULL },
     { "improve", "--size", NULL, "--error" },
     { "improve", "--count", "--error", NULL },
@@ -76,10 +76,11 @@ static int is_in(const char *list, const char *name)
 /* Whether the job has what a word of a rule stands for. */
 static int has(const job *j, const char *word)
 {
-    const char *dot = j->input != NULL ? strrchr(j->input, '.') : NULL;
+    const size_t length = strlen(word), input = j->input != NULL ? strlen(j->input) : 0;
+    const size_t end = input > 3 && strcmp(j->input + input - 3, ".gz") == 0 ? input - 3 : input;
     int i;
     if (word[0] == '*') {
-        return dot != NULL && strcmp(dot, word + 1) == 0;
+        return end >= length && strncmp(j->input + end - (length - 1), word + 1, length - 1) == 0;
     }
     if (word[0] == '.') {
         for (i = 0; i < j->outputs && strcmp(ending_of(j, j->output[i]), word + 1) != 0; i++) {
