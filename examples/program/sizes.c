@@ -2,7 +2,7 @@
    In: the option; the input, whose weights are the column's values.  Out: sizes at places. */
 #include "program.h"
 
-enum { LATTICE = 17 };                               /* places a side of the box where a formula is looked at */
+enum { PER_SIDE = 17 };                               /* places a side of the box where a formula is looked at */
 static const double growth = 0.3;                    /* of a column's sizes, per distance from the surface */
 
 const char *size_column(const char *size)
@@ -100,11 +100,11 @@ static void look_at_formula(const pbwio_cloud *c, sizing *s, const double low[3]
     const char *wrong;
     size_t i;
     int k;
-    for (i = 0; i < LATTICE * LATTICE * LATTICE; i++) {
-        const size_t at[3] = { i % LATTICE, i / LATTICE % LATTICE, i / LATTICE / LATTICE };
+    for (i = 0; i < PER_SIDE * PER_SIDE * PER_SIDE; i++) {
+        const size_t at[3] = { i % PER_SIDE, i / PER_SIDE % PER_SIDE, i / PER_SIDE / PER_SIDE };
         double p[3];
         for (k = 0; k < 3; k++) {
-            p[k] = low[k] + (high[k] - low[k]) * (double)at[k] / (LATTICE - 1);
+            p[k] = low[k] + (high[k] - low[k]) * (double)at[k] / (PER_SIDE - 1);
         }
         stretch(s, evaluate(s->formula, 3, p, &wrong));
     }
