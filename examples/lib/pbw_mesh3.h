@@ -1681,12 +1681,14 @@ static int pbwm3__find_across(pbwm3__work *w, pbwm3__features *f)
     return 1;
 }
 
-/* Adds up the normals of the triangles that are connected with t within a distance of the middle, each at most as long
-   as the square of the size; side: of the plane through the middle that they lie on, less its sign.  Returns whether
-   they are flat, to half a degree, and as large as half a disk of that radius; flat: ends once they are not. */
-static int pbwm3__mean_normal(const pbwm3__work *w, pbwm3__features *f, size_t t, const double middle[3],
-                              const double side[3], double within, int flat, double sum[3])
+/* Adds up the normals of the triangles that are connected with t within a size of the middle, each at most as long as
+   the square of the size; plane: the middle, and a vector to the side of the plane through it that they lie on.
+   flat: within three sizes, and it ends once they are not flat, to half a degree.  Returns whether they are, and as
+   large as half a disk of that radius. */
+static int pbwm3__mean_normal(const pbwm3__work *w, pbwm3__features *f, size_t t, const double plane[2][3], int flat,
+                              double sum[3])
 {
+    const double *middle = plane[0], *side = plane[1], within = flat ? 3 * w->size : w->size;
     const size_t *across = (const size_t *)f->across.data, most = flat ? PBWM3__FLAT : PBWM3__FLOOD;
     size_t queue[PBWM3__FLAT], count = 1, done, *seen = (size_t *)f->seen.data;
     double area = 0;
@@ -1739,7 +1741,7 @@ static int pbwm3__mean_normal(const pbwm3__work *w, pbwm3__features *f, size_t t
 static int pbwm3__bends_far(const pbwm3__work *w, pbwm3__features *f, const pbwim__facet *edge)
 {
     const double *a = w->surface.points + 3 * (size_t)edge[0].v[0], *b = w->surface.points + 3 * (size_t)edge[0].v[1];
-    double middle[3], along[3], n[2][3], mean[3], side[3], out[2][3], sum[2][3];
+    double middle[3], along[3], n[2][3], mean[3], side[3], plane[2][2][3], sum[2][3];
     int i, k;
     pbwsf__between(a, b, 0.5, middle);
     pbwsf__minus(b, a, along);
@@ -1759,20 +1761,20 @@ static int pbwm3__bends_far(const pbwm3__work *w, pbwm3__features *f, const pbwi
     pbwsf__cross(mean, along, side);
     for (i = 0; i < 2; i++) {
         const double *c = pbwsf__corner(&w->surface, edge[i].t, (edge[i].i + 2) % 3);
-        double sign;
-        pbwsf__minus(c, middle, out[i]);
-        sign = pbwsf__dot(out[i], side) < 0 ? -1 : 1;
+        double out[3];
+        pbwsf__minus(c, middle, out);
         for (k = 0; k < 3; k++) {
-            out[i][k] = sign * side[k];
+            plane[i][0][k] = middle[k];
+            plane[i][1][k] = pbwsf__dot(out, side) < 0 ? -side[k] : side[k];
         }
-        pbwm3__mean_normal(w, f, edge[i].t, middle, out[i], w->size, 0, sum[i]);
+        pbwm3__mean_normal(w, f, edge[i].t, (const double (*)[3])plane[i], 0, sum[i]);
         for (k = 0; k < 3 && i == 1 && edge[0].v[2] == edge[1].v[2]; k++) {
             sum[1][k] = -sum[1][k];
         }
     }
     return !pbwim__turned_less(sum[0], sum[1], 0.61566147532565829)          /* cos 52 degrees */
-        || (pbwm3__mean_normal(w, f, edge[0].t, middle, out[0], 3 * w->size, 1, sum[0])
-            && pbwm3__mean_normal(w, f, edge[1].t, middle, out[1], 3 * w->size, 1, sum[1]));
+        || (pbwm3__mean_normal(w, f, edge[0].t, (const double (*)[3])plane[0], 1, sum[0])
+            && pbwm3__mean_normal(w, f, edge[1].t, (const double (*)[3])plane[1], 1, sum[1]));
 }
 
 /* Drops branches shorter than three sizes, from a loose end to where edges meet.  Returns how many edges. */
@@ -4424,6 +4426,7 @@ typedef struct pbwm3__call {               /* what the caller gave */
     const pbw_solid_input *input;
     const pbw_solid_options *how;
     const pbw_options *options;
+    size_t held;                           /* bytes, when an attempt begins */
     double late;                           /* the processor time by which the work ends with what it has */
 } pbwm3__call;
 
@@ -4465,8 +4468,8 @@ static pbw_status pbwm3__count_faults(pbwm3__work *w)
 }
 
 /* An attempt up to its rounds.  whole: the surface is one patch, else sharp edges bound patches; sharp: which are
-   kept; begin: of its part of the progress; held: bytes that the call holds already. */
-static pbw_status pbwm3__attempt(const pbwm3__call *call, int whole, int sharp, double begin, size_t held,
+   kept; begin: of its part of the progress. */
+static pbw_status pbwm3__attempt(const pbwm3__call *call, int whole, int sharp, double begin,
                                  pbw_solid_report *report, pbwm3__work *w)
 {
     double since = (double)clock() / CLOCKS_PER_SEC;
@@ -4476,7 +4479,7 @@ static pbw_status pbwm3__attempt(const pbwm3__call *call, int whole, int sharp, 
     report->sharp_share = -1;
     w->report = report;
     w->memory = pbwsf__memory_of(call->options);
-    w->memory.used = held;
+    w->memory.used = call->held;
     if (call->options != NULL) {
         w->options = *call->options;
         w->options.progress = NULL;
@@ -4514,7 +4517,7 @@ static size_t pbwm3__faults(const pbw_solid_report *r)
 /* Makes a second attempt after one with faults or missing pieces: without sharp edges if some of them were kept, else
    with the surface as one patch.  If it has fewer, it takes the first one's place; if it fails, the first one stays,
    unless the call was cancelled. */
-static pbw_status pbwm3__again(const pbwm3__call *call, pbwm3__work *w, double *done)
+static pbw_status pbwm3__again(pbwm3__call *call, pbwm3__work *w, double *done)
 {
     pbw_solid_report *r = w->report, report;
     const int fewer = r->sharp == PBW_SOLID_SHARP_SOME && w->sharp == PBW_SOLID_SHARP_AUTO;
@@ -4525,8 +4528,8 @@ static pbw_status pbwm3__again(const pbwm3__call *call, pbwm3__work *w, double *
     if (pbwm3__faults(r) + r->missing_edges == 0 || w->open || r->sharp_edges == 0 || pbwm3__is_late(w)) {
         return PBW_OK;
     }
-    status = pbwm3__attempt(call, !fewer, fewer ? PBW_SOLID_SHARP_NONE : w->sharp, *done, w->memory.used, &report,
-                             &second);
+    call->held = w->memory.used;
+    status = pbwm3__attempt(call, !fewer, fewer ? PBW_SOLID_SHARP_NONE : w->sharp, *done, &report, &second);
     *done += 0.3;
     for (k = 0; k < 2; k++) {
         report.seconds[k] += r->seconds[k];
@@ -4587,9 +4590,10 @@ PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_o
         call.input = input;
         call.how = how;
         call.options = options;
+        call.held = 0;
         call.late = how != NULL && how->improve.seconds > 0
                   ? (double)clock() / CLOCKS_PER_SEC + how->improve.seconds : HUGE_VAL;
-        status = pbwm3__attempt(&call, 0, how != NULL ? how->sharp : PBW_SOLID_SHARP_AUTO, 0, 0, &r.report, &w);
+        status = pbwm3__attempt(&call, 0, how != NULL ? how->sharp : PBW_SOLID_SHARP_AUTO, 0, &r.report, &w);
         status = status != PBW_OK ? status : pbwm3__again(&call, &w, &done);
         status = status != PBW_OK ? status : pbwm3__complete(&w, done, &r);
         pbwm3__free(&w);
