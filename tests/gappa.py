@@ -512,7 +512,7 @@ def queries():
     squared.P = Fraction(1, 2)                           # so is that of the weight
     reach, mesh = Rows(), Rows()
     mesh.weights = Every(Value(0, Fraction(1, 2)))
-    q = run('pbw__set_error', dict(fits=0, q=Every(None)), ['q[3]'])[1]['q']
+    q = run('pbw__query_at', dict(fits=0, q=Every(None)), ['q[3]'])[1]['q']
     local = dict(squared=squared, q=q, reach=reach, mesh=mesh, vertex=0)
     run('pbw__reach_of', local, ['reach.squared', 'reach.slack'])
     prove('pbw__reach_of', reach.squared, reach.slack)
