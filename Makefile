@@ -249,7 +249,7 @@ campaign:
 	@$(MAKE) --no-print-directory B=$B/campaign CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=$(SANITIZE_sanitize)' \
 	    $B/campaign/campaign.log
 	@$(MAKE) --no-print-directory B=$B/campaign/tsan CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=thread' \
-	    COUNT=$(or $(COUNT),1000) $(CAMPAIGN_THREADS:%=$B/campaign/tsan/%.log)
+	    COUNT=600 $(CAMPAIGN_THREADS:%=$B/campaign/tsan/%.log)
 CAMPAIGN_THREADS = test_threads test_levels test_contract test_live
 $B/campaign.log: tests/campaign.sh $B/pbw $B/pbw_failing $B/campaign $(FUZZERS:%=$B/%_random) \
     $(addprefix $B/,test_levels test_contract test_adapt2 test_mesh2) FORCE

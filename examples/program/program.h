@@ -74,7 +74,7 @@ extern const option input_options[], weight_options[], build_options[], inside_o
 /* Options that several commands have in groups of their own; each is defined here alone, so that it means the same. */
 extern const char *const smoothers[];                /* laplace, lloyd, odt */
 #define OPTION_COUNT { "--count", "N", \
-    "points on the surface; default 20000; pbw improve: tetrahedra that --error makes,\nabout; default: as many as " \
+    "points on the surface, default 20000; or tetrahedra that --error makes, about,\ndefault as many as " \
     "there are", WHOLE, 1, 4e9, NULL }
 #define OPTION_FEATURE_ANGLE { "--feature-angle", "DEGREES", \
     "edges of the surface that bend by more are sharp, and stay; default 40", WHOLE, 1, 180, NULL }
@@ -87,14 +87,14 @@ extern const char *const smoothers[];                /* laplace, lloyd, odt */
 #define OPTION_QUALITY { "--quality", NULL, \
     "print measures of quality, by the names of Verdict and Gmsh", SWITCH, 0, 0, NULL }
 #define OPTION_ROUNDS { "--rounds", "N", \
-    "of --smooth; default 5; pbw solid: of adding points, at most; default 16", WHOLE, 1, 1000, NULL }
+    "of --smooth, default 5; or of adding points to a solid, at most, default 16", WHOLE, 1, 1000, NULL }
 #define OPTION_SECONDS { "--seconds", "S", \
     "of all threads' processor time, then it ends with what it has", POSITIVE, 0, 0, NULL }
 #define OPTION_SEED { "--seed", "S", "of random numbers, up to 1000000; default 1", WHOLE, 0, 1e6, NULL }
 #define OPTION_SIZE { "--size", "SIZE", \
     "length of edges, at most: a number, or a formula in x, y (and z) such as\n\"0.1+0.2*hypot(x,y)\", with " \
     "+ - * / ^ sqrt abs exp log sin cos min max hypot, or a\ncolumn with the size at each point, by its name or " \
-    "as #4; pbw improve: about that\nlength", FORMULA, 0, 0, NULL }
+    "as #4; in pbw improve about\nthat length", FORMULA, 0, 0, NULL }
 #define OPTION_SMOOTH { "--smooth", "WAY", \
     "move points to better means: laplace, lloyd or odt, the default of triangles", CHOICE, 0, 0, smoothers }
 #define OPTION_TARGET { "--target", "DEGREES", \
