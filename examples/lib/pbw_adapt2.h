@@ -121,7 +121,7 @@ PBWADAPT2DEF pbw_status pbw_plane_adapt(const pbw_plane *plane, const double *si
                                         const pbw_plane_options *options, pbw_plane *result, pbw_index *from);
 
 /* Makes a plane of triangles of either orientation, to be refined, adapted or smoothed.  What they cover becomes the
-   domain, which is triangulated anew; edges between triangles of different regions stay, and so do the segments.
+   domain, which is triangulated again; edges between triangles of different regions stay, and so do the segments.
    input: the points; segments that are edges of the triangles or lie elsewhere, with their segment_ids; sizes.  The
    rest of it does not count.  regions: numbers, one a triangle, that become region_seeds, so that all triangles
    keep theirs; NULL = PBW_NONE for all.  Lists of edge_segments have the ids of segments only: that of a border on no

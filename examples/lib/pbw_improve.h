@@ -485,7 +485,7 @@ static void pbwim__add_quality(pbw_quality *sum, const pbw_quality *q)
     }
 }
 
-/* Returns options for a part of the work: it reports no progress, and has what is left of the limit. */
+/* Returns options for a part of the work, without progress.  Its limit is the memory limit less the memory held. */
 static pbw_options pbwim__quiet(const pbw_options *options, const pbwsf__memory *memory)
 {
     pbw_options quiet;

@@ -3250,9 +3250,9 @@ static void pbwio__read_ele(pbwio__reader *r)
     }
 }
 
-/* .face and .edge: "count markers", then "id corners marker"; the points are in the .node file, whose ids start where
-   these do.  The middle points of second-order faces stand between corners and marker; behind the marker may be the
-   elements on both sides.  Beside simplices those without a marker say nothing. */
+/* .face and .edge: "count markers", then "id corners marker".  The points are in the .node file; the ids of both
+   files start with the same number.  Second-order faces have middle points before the marker.  The elements on both
+   sides may follow the marker.  Beside simplices, rows without a marker add nothing. */
 static void pbwio__read_facets(pbwio__reader *r)
 {
     const pbwio_cloud *cloud = r->cloud;
@@ -4587,7 +4587,7 @@ static void pbwio__read_vtk(pbwio__reader *r)
 enum { PBWIO__KEY_TYPE, PBWIO__KEY_ELSET, PBWIO__KEY_NSET, PBWIO__KEY_NAME, PBWIO__KEY_INPUT, PBWIO__KEY_SYSTEM,
        PBWIO__KEY_INSTANCE, PBWIO__KEY_GENERATE, PBWIO__KEY_INTERNAL, PBWIO__KEYS };
 
-typedef struct pbwio__numbered {             /* what a number of the file stands for */
+typedef struct pbwio__numbered {             /* the points or elements of a number of the file */
     long long number;
     pbw_index place;                         /* the first of its points or elements in the cloud */
     unsigned char count, dim, corners, shell;        /* count: how many those are, 0: it is passed over */
@@ -5001,7 +5001,7 @@ static void pbwio__add_member(pbwio__reader *r, pbwio__inp *p, pbw_index s, cons
     set->last = (pbw_index)p->member_count++;
 }
 
-/* Adds what a field stands for: a number, or the members of a set of that kind so far, on that side. */
+/* Adds the number in a field, or the members so far of the set of that kind that it names, on that side. */
 static void pbwio__add_to_set(pbwio__reader *r, pbwio__inp *p, int kind, pbwio__field field, int side)
 {
     const pbwio__index *numbers = kind == 'n' ? &p->points : &p->elements;
@@ -5043,7 +5043,7 @@ static void pbwio__add_to_set(pbwio__reader *r, pbwio__inp *p, int kind, pbwio__
     }
 }
 
-/* What stands for a side of an element: 0 if nothing does. */
+/* Returns the number of the side of an element that a field names; 0 if it names none. */
 static int pbwio__inp_side(pbwio__field field)
 {
     const size_t length = (size_t)(field.end - field.begin);

@@ -367,7 +367,7 @@ static pbw_status pbwm3__goes_on(pbwm3__work *w, double share)
     return pbwm3__stops(w, share) ? PBW_CANCELLED : PBW_OK;
 }
 
-/* The options of a call within this work: it has what is left of the memory limit. */
+/* Returns the options of a call within this work.  Its limit is the memory limit less the memory held. */
 static const pbw_options *pbwm3__rest(pbwm3__work *w)
 {
     w->options.memory_limit = pbwsf__left(&w->memory);

@@ -19,7 +19,7 @@
        pbwt_close(&tile);
 
    FUNCTIONS
-     pbwt_cut_points   cuts space into parts of about as many points
+     pbwt_cut_points   cuts space into parts of nearly equal numbers of points
      pbwt_part         the part that a point is in
      pbwt_tree_make    a tree of a part's points, which it sorts
      pbwt_tree_over    a tree over points that are sorted

@@ -30,7 +30,7 @@ typedef struct plan {
     size_t point_count, segment_count, hole_count, region_count, triangle_count, group_count, column_count,
            feature_count, polygon_count, line_count;
     int base;                                        /* number of the first point in its file */
-    int has_windings, has_seeds, has_groups;         /* polygons; a file whose holes are points; groups of a mesh */
+    int has_windings, has_seeds, has_groups;         /* polygons; holes as points; groups of a mesh */
 } plan;
 
 /* Reads the input of the job, and sizes from a column of it, by name or "#" and number; returns 0 or the exit

@@ -576,7 +576,7 @@ const command command_plane = {
     "an area or a size is given.\n"
     "\n"
     "input:   .poly (with its .node), .geojson; points: as for pbw mesh.  Triangles in the plane, of .ele .vtu .msh\n"
-    "         and so on, give their domain, which is triangulated anew, with their regions, groups of edges and of\n"
+    "         and so on, give their domain, which is triangulated again, with their regions, groups of edges and of\n"
     "         points, and the borders between regions; --rule takes their points and segments alone\n"
     "output:  .svg .html (regions, segments, angles), .poly, .geojson (triangles); .vtu .msh .msh2 .mesh .ele .node\n"
     "         .neigh .edge .csv .obj .ply .off .stl .inp .su2\n"

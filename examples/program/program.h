@@ -74,8 +74,8 @@ extern const option input_options[], weight_options[], build_options[], inside_o
 /* Options that several commands have in groups of their own; each is defined here alone, so that it means the same. */
 extern const char *const smoothers[];                /* laplace, lloyd, odt */
 #define OPTION_COUNT { "--count", "N", \
-    "points on the surface, default 20000; or tetrahedra that --error makes, about,\ndefault as many as " \
-    "there are", WHOLE, 1, 4e9, NULL }
+    "points on the surface, default 20000; with --error: about how many tetrahedra it\n" \
+    "makes, default the number before", WHOLE, 1, 4e9, NULL }
 #define OPTION_FEATURE_ANGLE { "--feature-angle", "DEGREES", \
     "edges of the surface that bend by more are sharp, and stay; default 40", WHOLE, 1, 180, NULL }
 #define OPTION_MOST { "--most", "N", \

@@ -4,26 +4,26 @@
 /* pbw_plane_make, or pbw_plane_from_triangles if there are some, and pbw_plane_smooth; the plane is freed by
    pbw_plane_free. */
 int pbw_python_plane(const pbw_plane_input *input, const pbw_index *triangles, const pbw_index *regions,
-                     size_t triangle_count, const plane_wish *wish, const volatile int *stop, pbw_plane *plane)
+                     size_t triangle_count, const plane_request *request, const volatile int *stop, pbw_plane *plane)
 {
     pbw_status status;
     watch w = { stop, NULL };
     pbw_options build = { 0 };
     pbw_plane_options options = { 0 };
-    build.threads = wish->threads;
+    build.threads = request->threads;
     build.progress = pbw_python_progress;
     build.progress_user = &w;
     options.build = &build;
-    options.rule = (pbw_plane_rule)wish->rule;
-    options.flags = wish->flags;
-    options.angle = wish->angle;
-    options.area = wish->area;
-    options.steiner_limit = wish->steiner_limit;
-    options.most = wish->most;
+    options.rule = (pbw_plane_rule)request->rule;
+    options.flags = request->flags;
+    options.angle = request->angle;
+    options.area = request->area;
+    options.steiner_limit = request->steiner_limit;
+    options.most = request->most;
     status = triangles == NULL ? pbw_plane_make(input, &options, plane)
            : pbw_plane_from_triangles(input, triangles, regions, triangle_count, &options, plane);
-    if (status == PBW_OK && wish->rounds > 0) {
-        status = pbw_plane_smooth(plane, (pbw_plane_way)wish->way, wish->rounds, NULL, &options);
+    if (status == PBW_OK && request->rounds > 0) {
+        status = pbw_plane_smooth(plane, (pbw_plane_way)request->way, request->rounds, NULL, &options);
     }
     return (int)status;
 }

@@ -15,7 +15,7 @@
 size_t pbw_python_size(int structure)
 {
     static const size_t size[] = {
-        sizeof(arrays), sizeof(pbw_lists), sizeof(pbw_cells), sizeof(pbw_plane_input), sizeof(plane_wish),
+        sizeof(arrays), sizeof(pbw_lists), sizeof(pbw_cells), sizeof(pbw_plane_input), sizeof(plane_request),
         sizeof(watch), sizeof(pbw_changes), sizeof(pbw_plane), sizeof(pbw_tets), sizeof(pbw_quality),
         sizeof(pbw_improve_options), sizeof(pbw_improve_report), sizeof(pbw_solid_input), sizeof(pbw_solid_options),
         sizeof(pbw_solid_report), sizeof(pbw_solid_boundary)

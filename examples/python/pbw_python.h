@@ -25,14 +25,14 @@ typedef struct watch {
     int (*progress)(int stage, double done);       /* or NULL */
 } watch;
 
-typedef struct plane_wish {            /* of pbw_plane_options */
+typedef struct plane_request {            /* of pbw_plane_options */
     int rule, threads;
     unsigned flags;
     double angle, area;
     size_t steiner_limit;
     double most;
     int way, rounds;                   /* of smoothing */
-} plane_wish;
+} plane_request;
 
 size_t pbw_python_size(int structure);
 pbw_mesh *pbw_python_build(int dim, const double *points, const double *weights, size_t count, int threads,
@@ -54,7 +54,7 @@ int pbw_python_cells(const arrays *a, const double *box, const double *lattice, 
 int pbw_python_stars(const arrays *a, pbw_lists *stars);
 int pbw_python_check(const arrays *a, int *valid);
 int pbw_python_plane(const pbw_plane_input *input, const pbw_index *triangles, const pbw_index *regions,
-                     size_t triangle_count, const plane_wish *wish, const volatile int *stop, pbw_plane *plane);
+                     size_t triangle_count, const plane_request *request, const volatile int *stop, pbw_plane *plane);
 int pbw_python_improve(const pbw_tets *mesh, const pbw_improve_options *how, const watch *w, char message[128],
                        pbw_tets *better, pbw_improve_report *report);
 int pbw_python_solid(const pbw_solid_input *input, const pbw_solid_options *how, const watch *w, pbw_tets *mesh,

@@ -46,8 +46,8 @@ class _PlaneInput(ctypes.Structure):
                 for name, kind in zip(names.split(), (ctypes.c_void_p, ctypes.c_size_t))]
 
 
-class _PlaneWish(ctypes.Structure):
-    """struct plane_wish of pbw_python.h."""
+class _PlaneRequest(ctypes.Structure):
+    """struct plane_request of pbw_python.h."""
     _fields_ = [("rule", ctypes.c_int), ("threads", ctypes.c_int), ("flags", ctypes.c_uint),
                 ("angle", ctypes.c_double), ("area", ctypes.c_double), ("steiner_limit", ctypes.c_size_t),
                 ("most", ctypes.c_double), ("way", ctypes.c_int), ("rounds", ctypes.c_int)]
@@ -105,7 +105,7 @@ def _load():
 
 def _declare(library):
     library.pbw_python_size.restype = ctypes.c_size_t
-    _fit(library, 0, _Arrays, _Lists, _Cells, _PlaneInput, _PlaneWish, _Watch, _Changes, _Plane)
+    _fit(library, 0, _Arrays, _Lists, _Cells, _PlaneInput, _PlaneRequest, _Watch, _Changes, _Plane)
     doubles = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
     ints = np.ctypeslib.ndpointer(np.int32, flags="C_CONTIGUOUS")
     size, integer, arrays = ctypes.c_size_t, ctypes.POINTER(ctypes.c_int), ctypes.POINTER(_Arrays)
@@ -129,7 +129,7 @@ def _declare(library):
     library.pbw_python_stars.argtypes = [arrays, ctypes.POINTER(_Lists)]
     library.pbw_python_check.argtypes = [arrays, integer]
     library.pbw_python_plane.argtypes = [ctypes.POINTER(_PlaneInput), ctypes.c_void_p, ctypes.c_void_p, size,
-                                         ctypes.POINTER(_PlaneWish), integer, ctypes.POINTER(_Plane)]
+                                         ctypes.POINTER(_PlaneRequest), integer, ctypes.POINTER(_Plane)]
     library.pbw_plane_transfer.argtypes = [ctypes.POINTER(_Plane), ctypes.POINTER(_Plane), doubles, size, doubles,
                                            ctypes.c_void_p]
     library.pbw_plane_free.restype = None
@@ -251,9 +251,9 @@ def _cell_arrays(c):
     return made
 
 
-def plane(points, segments, holes, regions, triangles=None, of_triangles=None, **wish):
-    """The arrays of pbw_plane by name; regions: x, y, area each; triangles: those of a mesh, with their regions; wish:
-    fields of _PlaneWish."""
+def plane(points, segments, holes, regions, triangles=None, of_triangles=None, **request):
+    """The arrays of pbw_plane by name; regions: x, y, area each; triangles: those of a mesh, with their regions;
+    request: fields of _PlaneRequest."""
     given, found, made = _PlaneInput(), _Plane(), {}
     for name, array in (("point", points), ("segment", segments), ("hole", holes), ("region", regions)):
         setattr(given, name + "s", array.ctypes.data)
@@ -263,7 +263,7 @@ def plane(points, segments, holes, regions, triangles=None, of_triangles=None, *
     def ask(arrays):
         status = _library.pbw_python_plane(
             given, *(None if array is None else array.ctypes.data for array in (triangles, of_triangles)),
-            0 if triangles is None else len(triangles), _PlaneWish(**wish), arrays.stop, found)
+            0 if triangles is None else len(triangles), _PlaneRequest(**request), arrays.stop, found)
         try:
             if status == 0:
                 made.update(_plane_arrays(found))
