@@ -158,7 +158,7 @@ $(SCRIPTS:%=$B/%.log) $B/arm.log: $B/%.log: tests/%.sh FORCE
 $B/test_io.log: $B/pbw
 $B/view.log: $B/pbw $B/swarm $B/terrain
 $B/examples.log: $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECTED)))
-$B/python.log: $B/libpbw_python.so
+$B/python.log: $B/libpbw_python.so $B/pbw
 $B/csharp.log: $B/libpbw.so
 $B/install.log: $B/pbw $B/pbw_pic.o $B/libpbw.so
 $B/plane.log $B/program.log $B/programs.log $B/queries.log $B/tiles.log: $B/pbw

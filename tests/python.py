@@ -509,6 +509,83 @@ def lloyd_lowers_the_energy():
 
 
 @test
+def lloyd_in_lattices():
+    """As in the box that is the same lattice; cells of skew ones against cells among images; the energy falls."""
+    for dim in (2, 3):
+        start = np.random.default_rng(8).random((30, dim))
+        size = np.array([1.0, 1.5, 0.75])[:dim]
+        boxed = pbw.lloyd(start * size, 3, [[0] * dim, size], periodic="xyz"[:dim])
+        for turn in (np.eye(dim), np.eye(dim) + np.tril(np.full((dim, dim), 2.0), -1)):
+            points = pbw.lloyd(start * size, 3, lattice=turn @ np.diag(size))
+            moved = (points - boxed) / size
+            check(np.abs(moved - np.round(moved)).max() < 1e-11, moved)
+        lattice = np.array([[1, 0.1, 0.2], [0.3, 0.9, -0.1], [-0.2, 0.4, 1.1]])[:dim, :dim]
+        points = start @ lattice
+        shifts = np.array(list(itertools.product((0, 1, -1, 2, -2), repeat=dim))) @ lattice
+        images = (shifts[:, None] + points).reshape(-1, dim)
+        wanted = pbw.power_cells(images, box=[[-9] * dim, [9] * dim]).centroids[:30]
+        moved = (pbw.lloyd(points, 1, lattice=lattice) - wanted) @ np.linalg.inv(lattice)
+        check(np.abs(moved - np.round(moved)).max() < 1e-11, moved)
+        equal(pbw.lloyd(pbw.lloyd(points, 1, lattice=lattice), 2, lattice=lattice),
+              pbw.lloyd(points, 3, lattice=lattice))
+        sample, energy = np.random.default_rng(4).random((5000, dim)) @ lattice, []
+        for steps in (0, 1, 4, 16):
+            points = pbw.lloyd(start @ lattice, steps, lattice=lattice)
+            images = (shifts[:, None] + points).reshape(-1, dim)
+            energy.append((pbw.Delaunay(images).nearest(sample)[0] ** 2).mean())
+        check(all(a > b for a, b in zip(energy, energy[1:])) and energy[-1] < 0.9 * energy[0], energy)
+        raises_text(ValueError, "exclude each other", pbw.lloyd, start, 1, [[0] * dim, size], lattice=lattice)
+        raises_text(ValueError, "lattice must be", pbw.lloyd, start, 1, lattice=lattice[0])
+        raises_text(ValueError, "needs a box", pbw.lloyd, start, 1, lattice=lattice, periodic="x")
+
+
+def squared_radius(corners, weights):
+    """Of the sphere orthogonal to the balls of a simplex's corners, exactly."""
+    p, w = [[Fraction(x) for x in corner] for corner in corners.tolist()], [Fraction(x) for x in weights.tolist()]
+    edges = [[x - y for x, y in zip(q, p[0])] for q in p[1:]]
+    sides = [(sum(x * x for x in e) + w[0] - v) / 2 for e, v in zip(edges, w[1:])]
+    det = determinant(edges)
+    centre = [determinant([e[:k] + [h] + e[k + 1:] for e, h in zip(edges, sides)]) / det for k in range(len(edges))]
+    return sum(x * x for x in centre) - w[0]
+
+
+@test
+def alpha_shapes():
+    """Against exact radii and lengths, and the program."""
+    program = os.path.join(os.path.dirname(os.environ.get("PBW_LIBRARY", "")), "pbw")
+    for dim in (2, 3):
+        rng = np.random.default_rng(dim)
+        points = rng.random((200, dim))
+        for weights in (None, rng.random(200) * 0.004):
+            tri = pbw.Delaunay(points, weights=weights)
+            own = np.zeros(200) if weights is None else weights
+            radius = np.array([float(max(0, squared_radius(points[s], own[s]))) for s in tri.simplices]) ** 0.5
+            length = np.array([max(np.linalg.norm(a - b) for a, b in itertools.combinations(points[s], 2))
+                               for s in tri.simplices])
+            for alpha, longest in ((0.08, np.inf), (np.inf, 0.2), (0.2, 0.3), (np.inf, np.inf), (1e-9, 1e-9)):
+                kept = tri.alpha_shape(alpha, longest)
+                equal(kept, (radius <= alpha) & (length <= longest))
+                check(kept.dtype == bool and kept.shape == (tri.nsimplex,))
+            if os.path.exists(program):
+                with tempfile.TemporaryDirectory() as folder:
+                    np.savetxt(os.path.join(folder, "p.csv"), np.column_stack([points, own]), "%.17g", ",")
+                    words = [program, "p.csv", "-o", "p.ele", "--alpha", "0.2", "--longest", "0.3", "--dim", str(dim)]
+                    subprocess.run(words + ([] if weights is None else ["--weights", str(dim + 1)]), cwd=folder,
+                                   check=True, capture_output=True)
+                    rows = np.loadtxt(os.path.join(folder, "p.ele"), skiprows=1, dtype=int)
+                wanted = tri.simplices[tri.alpha_shape(alpha=0.2, longest=0.3)]
+                check(sets(rows[:, 1:dim + 2]) == sets(wanted))
+        square = 3 * np.array(list(itertools.product((0, 1), repeat=dim)), float)
+        for scale in (1, 1e-150, 1e150):
+            tri = pbw.Delaunay(square * scale)
+            check(tri.alpha_shape(1.5 * dim ** 0.5 * (1 + 1e-12) * scale).all())
+            check(not tri.alpha_shape(1.5 * dim ** 0.5 * (1 - 1e-12) * scale).any())
+            check(tri.alpha_shape(longest=3 * dim ** 0.5 * (1 + 1e-12) * scale).all())
+        raises_text(ValueError, "alpha must be above 0", tri.alpha_shape, 0)
+        raises_text(ValueError, "longest must be above 0", tri.alpha_shape, 1, float("nan"))
+
+
+@test
 def voronoi_in_scipys_words():
     """The example of SciPy's documentation, whatever the order."""
     points = np.array(list(itertools.product(range(3), repeat=2)))

@@ -5,13 +5,14 @@
     tri = pbw.Delaunay(points)                       # or with weights=, which SciPy has not
     tri.simplices, tri.neighbors, tri.find_simplex([0.5, 0.5, 0.5])
     tri.nearest([[0.5, 0.5, 0.5]], k=8)              # distances, points
+    tri.simplices[tri.alpha_shape(0.05)]             # circumradius at most 0.05; longest=: no edge longer
     scipy.interpolate.LinearNDInterpolator(tri, values)
     pbw.interpolate(points, values, xi, method="sibson")
     live = pbw.Live(points)                          # points that are inserted, removed and moved
     live.move([0, 1], [[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]); live.commit()
     pbw.Voronoi(points).regions                      # as scipy.spatial.Voronoi
     pbw.power_cells(points, weights, box=[(0, 0, 0), (1, 1, 1)], periodic="xyz").volumes
-    pbw.lloyd(points, steps=20)
+    pbw.lloyd(points, steps=20)                      # or box=, periodic=; lattice= for triclinic boxes
     pbw.triangulate(dict(vertices=v, segments=s, holes=h), "pq30a0.1")     # as the package triangle has it
     pbw.triangulate(dict(vertices=v, triangles=t, triangle_attributes=r), "r", smooth="odt")     # regions stay
     pbw.polygon([outline, hole])                     # triangles of a polygon with holes

@@ -91,22 +91,25 @@ def power_cells(points, weights=None, box=None, *, periodic="", lattice=None, me
     return Cells(Mesh(points, weights, threads, None).cells(what))
 
 
-def lloyd(points, steps=10, box=None, *, periodic="", threads=0):
+def lloyd(points, steps=10, box=None, *, periodic="", lattice=None, threads=0):
     """The points after so many steps of Lloyd's relaxation: each moves to the centroid of its Voronoi cell.
 
-    box: low corner and high corner, default that of the points' bounds; along axes of periodic it repeats.
+    box        low corner and high corner, default that of the points' bounds; along axes of periodic it repeats
+    lattice    instead of a box: vectors, a row each, by which all repeats, at any angles, as of triclinic crystals.
+               Then points are moved by sums of vectors, as by power_cells
     """
     points = checked_points(points)
     check_options(False, None, threads)
     if operator.index(steps) < 0:
         raise ValueError("steps must not be negative: %d" % steps)
     dim = points.shape[1]
-    if box is None and len(points):
+    lattice = _checked_lattice(lattice, box, dim)
+    if box is None and lattice is None and len(points):
         box = [points.min(axis=0), points.max(axis=0)]
     box = _checked_box(box, dim)
     axes = _checked_axes(periodic, box, dim)
     for _ in range(steps):
-        points = _library.boxed_cells(points, None, box, None, axes, 0, threads)["centroids"]
+        points = _library.boxed_cells(points, None, box, lattice, axes, 0, threads)["centroids"]
     return points
 
 

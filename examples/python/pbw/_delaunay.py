@@ -141,6 +141,24 @@ class Delaunay:
     def equations(self):
         return _geometry.planes(self._mesh.points, self._mesh.weights, self._mesh.simplices)
 
+    # Parts
+    def alpha_shape(self, alpha=np.inf, longest=np.inf):
+        """Which simplices have a circumradius of at most alpha and no edge longer than longest: (nsimplex,) bool.
+
+        tri.simplices[tri.alpha_shape(0.5)] is the alpha shape; both limits cut the ragged border of scattered points.
+        With weights the radius is that of the sphere orthogonal to the balls of the corners.
+        """
+        for name, limit in ("alpha", alpha), ("longest", longest):
+            if not limit > 0:
+                raise ValueError("%s must be above 0, not %r" % (name, limit))
+        points, weights, simplices = self._mesh.points, self._mesh.weights, self._mesh.simplices
+        kept = np.ones(self.nsimplex, bool)
+        if longest < np.inf:
+            kept &= _geometry.longest_edges(points, simplices) <= longest
+        if alpha < np.inf:
+            kept &= _geometry.radii(points, weights, simplices) <= alpha
+        return kept
+
     # Queries
     def lift_points(self, x):
         """The points with their height on the paraboloid as one more coordinate."""

@@ -50,7 +50,8 @@ def triangulate(data, options="", *, split_crossings=False, most=50e6, smooth=No
     triangles of the domain, with r in those of data, at vertices that are new or have moved; with p or r segments and
     segment_markers; with A triangle_attributes, and with r if data has them; with e edges, with n neighbors.  A marker
     of a vertex is its own; else that of the first of its segments that has one; else 1 on the boundary, or 0.  If data
-    has no markers, all on segments have 1.  Raises pbw.Error if nothing is enclosed; ValueError for more than `most` triangles of refinement, before work if areas ask for them.
+    has no markers, all on segments have 1.  Raises pbw.Error if nothing is enclosed; ValueError for more than `most`
+    triangles of refinement, before work if areas ask for them.
     """
     given = _switches(options)
     if "vertices" not in data:
