@@ -113,7 +113,6 @@
      >>change        a batch of queued changes, vertex by vertex
      >>moves         points that keep their neighbours, or most
      >>commit        queued changes carried out
-     >>adopt         a finished mesh becomes a live triangulation
      >>view          the arrays of a live triangulation
      >>api          argument checks, the stages in order, backends, status texts
      >>history      versions
@@ -509,13 +508,12 @@ typedef struct pbw_changes {               /* start from {0}; pbw_changes_free w
     void *memory;                          /* private */
 } pbw_changes;
 
-/* Makes one from a finished mesh, which may be freed then: of any flags and backend, PBW_DEGENERATE too.  For one
-   without points give a mesh that is {0} but for dim.  The arrays of the mesh are checked, exactly, and taken over;
-   where there are no neighbors, or the arrays are not the triangulation of mesh.points (borrowed ones may have
-   moved), the points with a canonical one are triangulated anew.  So the result is right whatever the arrays say, if
-   they have their sizes.  Returns PBW_DEGENERATE, with a triangulation that may be used, if the points do not span
-   the space.  options are for all later calls on it: threads, memory_limit, resize, run, progress; they are copied,
-   flags, strides and backend must be 0. */
+/* Makes one with the points, weights and numbers of a mesh, which may be freed then: of any flags and backend,
+   PBW_DEGENERATE too.  For one without points give a mesh that is {0} but for dim.  Triangulates the points that have
+   a canonical one again, so it takes as long as a build, and the result is right whatever simplices and neighbors say
+   (borrowed points may have moved).  Returns PBW_DEGENERATE, with a triangulation that may be used, if the points do
+   not span the space.  options are for all later calls on it: threads, memory_limit, resize, run, progress; they are
+   copied, flags, strides and backend must be 0. */
 PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **live);
 PBWDEF void pbw_live_free(pbw_live *live);         /* fine on NULL */
 
@@ -14173,37 +14171,36 @@ static pbw_status pbw__core_scan(pbw__core *core)
     return PBW_OK;
 }
 
-/* list: per id of a vertex, its number; NULL: ids are numbers.  box: per task, the box of its records. */
+/* list: per id of a vertex, its number.  box: per task, the box of its records. */
 typedef struct pbw__taking {
     pbw__core *core;
     const pbw_index *list;
     double (*box)[8];
-    int tasks, named;
+    int tasks;
 } pbw__taking;
 
-/* Computes the box of a task's records, and names its vertices unless they have names. */
+/* Computes the box of a task's records, and names its vertices. */
 PBW__INLINE void pbw__core_take_of(const pbw__taking *taking, int task, int dim)
 {
     pbw__core *core = taking->core;
     const size_t width = (size_t)dim + 1, end = pbw__share(core->vertex_count, task + 1, taking->tasks) + 1;
     double low[4] = { HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL };
     double high[4] = { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL };
-    size_t r, k;
+    size_t soon, r, k;
+    pbw_index id;
     for (r = pbw__share(core->vertex_count, task, taking->tasks) + 1; r < end; r++) {
         const double *x = core->record + r * width;
         for (k = 0; k < width; k++) {
             low[k] = x[k] < low[k] ? x[k] : low[k];
             high[k] = x[k] > high[k] ? x[k] : high[k];
         }
-        if (!taking->named) {
-            const size_t soon = core->name[r + 16 < end ? r + 16 : r];
-            const pbw_index id = taking->list != NULL ? taking->list[core->name[r]] : core->name[r];
-            PBW__PREFETCH_TO_WRITE(core->vertex + soon);
-            PBW__PREFETCH_TO_WRITE(core->twin + soon);
-            core->name[r] = id;
-            core->vertex[id] = (pbw_index)r;
-            core->twin[id] = id;
-        }
+        soon = core->name[r + 16 < end ? r + 16 : r];
+        id = taking->list[core->name[r]];
+        PBW__PREFETCH_TO_WRITE(core->vertex + soon);
+        PBW__PREFETCH_TO_WRITE(core->twin + soon);
+        core->name[r] = id;
+        core->vertex[id] = (pbw_index)r;
+        core->twin[id] = id;
     }
     memcpy(taking->box[task], low, sizeof(low));
     memcpy(taking->box[task] + 4, high, sizeof(high));
@@ -14226,9 +14223,9 @@ static int pbw__core_reserve(pbw__core *core, size_t records, size_t numbers)
     return 1;
 }
 
-/* Moves the records into the core, names the vertices unless they are named, and chains the numbers at one point.
-   `canonical` and `id` of the vertices are places in the list of numbers; if list is NULL, numbers. */
-static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const pbw_index *list, int named)
+/* Moves the records into the core, names the vertices, and chains the numbers at one point.  `canonical` and `id` of
+   the vertices are places in the list of numbers. */
+static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const pbw_index *list)
 {
     pbw__context *context = core->kernel.context;
     const size_t records = vertices->point_count + 1, width = (size_t)vertices->dim + 1;
@@ -14245,7 +14242,6 @@ static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const
     vertices->id = NULL;
     taking.core = core;
     taking.list = list;
-    taking.named = named;
     taking.tasks = pbw__tasks(context, vertices->count, 16384);
     taking.box = (double (*)[8])pbw__allocate(&context->memory, (size_t)taking.tasks, sizeof(*taking.box));
     if (taking.box == NULL) {
@@ -14264,7 +14260,7 @@ static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const
     for (i = 0; i < vertices->point_count && vertices->duplicate_count > 0; i++) {
         const pbw_index other = vertices->canonical[i];
         if (other != i && other != PBW_NONE) {
-            const pbw_index id = list != NULL ? list[i] : (pbw_index)i, first = list != NULL ? list[other] : other;
+            const pbw_index id = list[i], first = list[other];
             core->vertex[id] = core->vertex[first];
             core->twin[id] = core->twin[first];
             core->twin[first] = id;
@@ -14315,7 +14311,7 @@ static pbw_status pbw__core_build(pbw__context *context, const pbw__stand *stand
         pbw_status taken = vertices.duplicate_count == 0 ? PBW_OK : pbw__make_canonical(context, &vertices, NULL);
         taken = taken != PBW_OK ? taken
               : !pbw__core_reserve(core, vertices.point_count + 1, numbers) ? PBW_ERROR_MEMORY
-              : pbw__core_take(core, &vertices, stand->list, 0);
+              : pbw__core_take(core, &vertices, stand->list);
         status = taken != PBW_OK ? taken : status;
     }
     if (status == PBW_OK) {
@@ -16951,7 +16947,8 @@ static pbw_status pbw__live_shift(pbw_live *live, size_t count, size_t most_effo
 /* ------------------------------------------------------------------------------------------------------
    >>commit       Carries out queued changes.
    In: a live triangulation with a queue.  Out: its core with the changes, by the fastest way.
-   Holds: all ways lead to one triangulation; after a failure the core and the queue are as before.
+   Holds: all ways lead to one triangulation; after a failure the core and the queue are as before.  The first commit
+   is that of pbw_live_create, with all points of a mesh.
    ------------------------------------------------------------------------------------------------------ */
 /* Replaces the core by another one. */
 static void pbw__live_replace(pbw_live *live, pbw__context *context, const pbw__core *core)
@@ -17185,484 +17182,6 @@ static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_change
     return status;
 }
 
-static pbw_status pbw__live_load(pbw_live *live, pbw__context *context, const pbw_mesh *mesh);      /* >>adopt */
-static pbw_status pbw__live_import(pbw_live *live, pbw__context *context, const pbw_mesh *mesh);
-
-/* Carries out the queue.  If mesh is not NULL, first queues its points, to adopt the mesh or insert them. */
-static pbw_status pbw__live_run(pbw_live *live, const pbw_mesh *mesh, pbw_changes *changes)
-{
-    pbw__context context;
-    pbw_status status;
-    pbw__fp fp = pbw__fp_enter();
-    pbw__context_start(&context, &live->options, mesh != NULL ? mesh->point_count : live->count);
-    context.memory = live->memory;
-    live->core.kernel.context = &context;
-    status = !pbw__fp_is_exact() ? PBW_ERROR_FP_MODE : mesh != NULL ? pbw__live_load(live, &context, mesh) : PBW_OK;
-    status = status != PBW_OK ? status : mesh != NULL ? pbw__live_import(live, &context, mesh) : PBW__ANEW;
-    status = status == PBW__ANEW ? pbw__live_go(live, &context, changes) : status;
-    pbw__team_stop(&context);
-    if (status != PBW_OK && status != PBW_DEGENERATE) {
-        pbw__changes_release(&context.memory, changes);
-    } else {
-        pbw__live_settle(live);
-    }
-    if (changes != NULL && changes->memory != NULL) {        /* the caller's from here on */
-        const pbw__owned_changes *owned = (const pbw__owned_changes *)changes->memory;
-        context.memory.used -= sizeof(*owned) + (owned->deleted + owned->made + owned->points) * sizeof(pbw_index);
-    }
-    live->core.kernel.context = NULL;
-    live->memory = context.memory;
-    pbw__fp_leave(fp);
-    return status;
-}
-
-PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes)
-{
-    if (changes != NULL) {
-        memset(changes, 0, sizeof(*changes));
-    }
-    return live == NULL ? PBW_ERROR_ARGUMENT : pbw__live_run(live, NULL, changes);
-}
-
-/* ------------------------------------------------------------------------------------------------------
-   >>adopt        A finished mesh becomes a live triangulation.
-   In: the arrays of a mesh.  Out: a core; or none, and then the points are triangulated.
-   Holds: the mesh is not trusted.  A link is set only between simplices that have the vertices of a facet in common,
-   in opposite orders, so the core is an oriented complex; with ghosts at the hull each facet has two sides.  Whether
-   it is the triangulation, >>verify tells; walks find the simplices that hide the other points.
-   Vertices are numbered in the order in which the simplices have them, which is nearly along the curve.
-   ------------------------------------------------------------------------------------------------------ */
-typedef struct pbw__import {
-    const pbw_mesh *mesh;
-    const double *points, *weights;                  /* the copies of the live triangulation */
-    pbw__core *core;                                 /* core->vertex: 0 for a point without a vertex so far */
-    pbw__vertices vertices;
-    size_t (*first)[2];                              /* per block: vertices and ghosts of the blocks before it */
-    size_t visible, found;                           /* vertices in simplices, which come first: as counted from the
-                                                        points, and from the blocks */
-    int alone;                                       /* there is only one thread */
-    size_t ghosts, faults, duplicates, places;       /* places: points that are no duplicates */
-    unsigned char facing[16 * 16 * 16];              /* see pbw__import_facing */
-} pbw__import;
-
-#define PBW__IMPORTED ((size_t)4096)                 /* simplices in a block */
-
-/* Counts vertices, duplicates, canonical points and faulty entries. */
-static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
-{
-    pbw__import *import = (pbw__import *)arg;
-    const pbw_mesh *mesh = import->mesh;
-    const size_t dim = (size_t)mesh->dim;
-    size_t faults = 0, visible = 0, duplicates = 0, places = 0, i;
-    for (i = from; i < to; i++) {
-        const pbw_index first = mesh->canonical[i], t = mesh->incident[i];
-        import->core->vertex[i] = 0;
-        import->core->twin[i] = (pbw_index)i;
-        places += first == i;
-        visible += t < mesh->simplex_count;
-        faults += (size_t)(t < mesh->simplex_count ? first != i : t != PBW_NONE);
-        if (first != i && first != PBW_NONE) {
-            duplicates++;
-            if (first >= mesh->point_count || mesh->canonical[first] != first
-                || !pbw__same_place(import->points + i * dim, import->points + first * dim, mesh->dim)) {
-                faults++;
-            } else {
-                const double w = import->weights[i], more = import->weights[first];
-                faults += !(more > w || (more == w && first < i));
-            }
-        }
-    }
-    (void)PBW__ADD(&import->faults, faults);
-    (void)PBW__ADD(&import->visible, visible);
-    (void)PBW__ADD(&import->duplicates, duplicates);
-    (void)PBW__ADD(&import->places, places);
-    return PBW_OK;
-}
-
-/* Lists the corners of a block's simplices that have this simplex as the incident one, in the order of the corners.
-   The list has room for all corners.  Returns its length. */
-PBW__INLINE size_t pbw__import_list(const pbw_mesh *mesh, size_t from, size_t to, pbw_index *list, int dim)
-{
-    const size_t corners = (size_t)dim + 1, soon = PBW__SOON * corners, end = to * corners;
-    const pbw_index *corner = mesh->simplices;
-    size_t count = 0, t, i;
-    int k;
-    for (t = from, i = from * corners; t < to; t++) {
-        for (k = 0; k <= dim; k++, i++) {            /* branchless: unpredictable */
-            PBW__PREFETCH(mesh->incident + corner[i + soon < end ? i + soon : i]);
-            list[count] = corner[i];
-            count += mesh->incident[corner[i]] == t;
-        }
-    }
-    return count;
-}
-
-/* Counts the vertices and the hull facets of a block.  PBW__ANEW: an entry is not the index of a point or simplex. */
-PBW__INLINE pbw_status pbw__import_count_of(pbw__import *import, size_t from, size_t to, pbw_index *list,
-                                            size_t *count, int dim)
-{
-    const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)dim + 1;
-    const pbw_index points = (pbw_index)mesh->point_count, simplices = (pbw_index)mesh->simplex_count;
-    pbw_index ghosts = 0, faults = 0;                /* as narrow as the entries: the compiler uses vectors */
-    size_t i;
-    for (i = from * corners; i < to * corners; i++) {
-        const pbw_index next = mesh->neighbors[i];
-        ghosts += next == PBW_NONE;
-        faults += (pbw_index)(mesh->simplices[i] >= points) | ((next >= simplices) & (next != PBW_NONE));
-    }
-    import->first[from / PBW__IMPORTED][1] = ghosts;
-    *count = faults == 0 ? pbw__import_list(mesh, from, to, list, dim) : 0;
-    return faults == 0 ? PBW_OK : PBW__ANEW;
-}
-
-static pbw_status pbw__import_count(void *arg, size_t from, size_t to)
-{
-    pbw__import *import = (pbw__import *)arg;
-    size_t *count = import->first[from / PBW__IMPORTED];
-    pbw_index list[PBW__IMPORTED * 4];
-    return PBW__BY_DIM(import->mesh->dim, pbw__import_count_of, import, from, to, list, count);
-}
-
-PBW__INLINE void pbw__import_vertex(pbw__import *import, pbw_index p, size_t v, int dim)
-{
-    const size_t width = (size_t)dim + 1;
-    import->core->vertex[p] = (pbw_index)v;
-    import->core->incident[v] = import->mesh->incident[p];
-    import->vertices.id[v] = p;
-    memcpy(import->vertices.record + v * width, import->points + p * (size_t)dim, (size_t)dim * sizeof(double));
-    import->vertices.record[v * width + (size_t)dim] = import->mesh->weights != NULL ? import->weights[p] : 0.0;
-}
-
-/* Numbers the vertices of a block; a single thread counts them here too. */
-PBW__INLINE pbw_status pbw__import_number_of(pbw__import *import, size_t from, size_t to, int dim)
-{
-    const pbw_mesh *mesh = import->mesh;
-    pbw_index list[PBW__IMPORTED * 4];
-    size_t first = import->first[from / PBW__IMPORTED][0], count = 0, i;
-    pbw_status status = PBW_OK;
-    if (import->alone) {
-        status = pbw__import_count_of(import, from, to, list, &count, dim);
-        first = import->found;
-        import->found += count;
-    } else {
-        count = pbw__import_list(mesh, from, to, list, dim);
-    }
-    if (status != PBW_OK || first + count > import->visible) {
-        return PBW__ANEW;
-    }
-    for (i = 0; i < count + PBW__SOON; i++) {
-        if (i < count) {
-            PBW__PREFETCH(import->points + list[i] * (size_t)dim);
-            PBW__PREFETCH_TO_WRITE(import->core->vertex + list[i]);
-        }
-        if (i < count && mesh->weights != NULL) {
-            PBW__PREFETCH(import->weights + list[i]);
-        }
-        if (i >= PBW__SOON) {
-            pbw__import_vertex(import, list[i - PBW__SOON], first + 1 + i - PBW__SOON, dim);
-        }
-    }
-    return PBW_OK;
-}
-
-static pbw_status pbw__import_number(void *arg, size_t from, size_t to)
-{
-    pbw__import *import = (pbw__import *)arg;
-    return PBW__BY_DIM(import->mesh->dim, pbw__import_number_of, import, from, to);
-}
-
-/* Numbers the canonical points that are in no simplex. */
-static void pbw__import_others(pbw__import *import)
-{
-    const pbw_mesh *mesh = import->mesh;
-    size_t count = import->visible, i;
-    for (i = 0; i < mesh->point_count && count < import->places; i++) {
-        if (import->core->vertex[i] == 0 && mesh->canonical[i] == i) {
-            PBW__BY_DIM(mesh->dim, pbw__import_vertex, import, (pbw_index)i, ++count);
-        }
-    }
-    import->vertices.count = count;
-}
-
-/* Returns the set of corners of a simplex that are x. */
-PBW__INLINE unsigned pbw__corners_at(const pbw_index *v, pbw_index x, int dim)
-{
-#ifdef PBW__AVX2
-    if (dim == 3) {                                  /* SSE2, which each such processor has */
-        const __m128i four = _mm_loadu_si128((const __m128i *)(const void *)v);
-        return (unsigned)_mm_movemask_ps(_mm_castsi128_ps(_mm_cmpeq_epi32(four, _mm_set1_epi32((int)x))));
-    }
-#endif
-    return (unsigned)(v[0] == x) | (unsigned)(v[1] == x) << 1 | (unsigned)(v[2] == x) << 2
-         | (unsigned)(dim == 3 && v[dim] == x) << 3;
-}
-
-/* Fills a table for space.  Given the sets of corners at which another simplex has the three vertices of a facet, it
-   tells the facet of that simplex with these vertices in the opposite order; 4: none, also if either simplex has one
-   of these vertices twice. */
-static void pbw__import_facing(pbw__import *import)
-{
-    static const pbw_index corner[4] = { 0, 1, 2, 3 };
-    unsigned j, k;
-    memset(import->facing, 4, sizeof(import->facing));
-    for (j = 0; j < 4; j++) {
-        pbw_index f[3];
-        pbw__facet_of(corner, j, 3, f);
-        for (k = 0; k < 3; k++) {
-            const unsigned a = f[k], b = f[(k + 2) % 3], c = f[(k + 1) % 3];
-            import->facing[1u << a | 16u << b | 256u << c] = (unsigned char)j;
-        }
-    }
-}
-
-/* Makes ghost g behind facet k of the simplex in slot t, which is on the hull. */
-static void pbw__import_ghost(pbw__import *import, size_t g, size_t t, unsigned k)
-{
-    const int dim = import->mesh->dim;
-    pbw__store *store = &import->core->store;
-    pbw_index *ghost = store->corner + 4 * g;
-    pbw__facet_of(store->corner + 4 * t, k, dim, ghost);
-    if (dim == 2) {
-        const pbw_index first = ghost[0];
-        ghost[0] = ghost[1];
-        ghost[1] = first;
-    }
-    ghost[dim] = PBW__GHOST;
-    store->link[4 * g + (size_t)dim] = (pbw__link)(4 * t + k);
-    store->link[4 * t + k] = (pbw__link)(4 * g + (size_t)dim);
-}
-
-/* Links facet k of simplex t to the simplex across.  Sets bits of *wrong unless that has the vertices of the facet,
-   in the opposite order, and t across from there.  *g: the next ghost.  Branchless: the corner is unpredictable. */
-PBW__INLINE void pbw__import_facet(pbw__import *import, size_t t, unsigned k, size_t *g, pbw_index *wrong, int dim)
-{
-    const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)dim + 1, u = mesh->neighbors[t * corners + k];
-    const pbw_index *w, *back;
-    pbw_index f[3];
-    unsigned j;
-    if (PBW__UNLIKELY(u == PBW_NONE)) {
-        pbw__import_ghost(import, (*g)++, t, k);
-        return;
-    }
-    w = mesh->simplices + u * corners;
-    back = mesh->neighbors + u * corners;
-    pbw__facet_of(mesh->simplices + t * corners, k, dim, f);
-    if (dim == 2) {
-        const unsigned one = back[1] == t, two = back[2] == t, next = 1 + one - two;
-        j = one + 2 * two - (one & two);
-        *wrong |= (w[next] ^ f[1]) | (w[3 - j - next] ^ f[0]);
-    } else {
-        j = pbw__corners_at(w, f[0], dim) | pbw__corners_at(w, f[1], dim) << 4;
-        j = import->facing[j | pbw__corners_at(w, f[2], dim) << 8];
-        *wrong |= j & 4;
-        j &= 3;
-    }
-    *wrong |= back[j] ^ (pbw_index)t;
-    import->core->store.link[4 * t + k] = (pbw__link)(4 * u + j);
-}
-
-/* Sets the corners and links of a block of simplices. */
-PBW__INLINE void pbw__import_slots_of(pbw__import *import, size_t from, size_t to, int dim)
-{
-    const pbw_mesh *mesh = import->mesh;
-    const size_t corners = (size_t)dim + 1;
-    const pbw_index *vertex = import->core->vertex;
-    pbw_index *corner = import->core->store.corner, wrong = 0;
-    size_t g = mesh->simplex_count + import->first[from / PBW__IMPORTED][1], t, k;
-    for (t = from; t < to; t++) {
-        const pbw_index *v = mesh->simplices + t * corners, *next = mesh->neighbors + t * corners;
-        for (k = 0; k < corners; k++) {
-            const size_t later = t + 16 < to ? 16 * corners + k : k, soon = next[later] != PBW_NONE ? next[later] : t;
-            PBW__PREFETCH(mesh->simplices + soon * corners);
-            PBW__PREFETCH(mesh->neighbors + soon * corners);
-            PBW__PREFETCH(vertex + v[later]);
-            corner[4 * t + k] = vertex[v[k]];
-            wrong |= vertex[v[k]] == 0;
-        }
-        pbw__import_facet(import, t, 0, &g, &wrong, dim);
-        pbw__import_facet(import, t, 1, &g, &wrong, dim);
-        pbw__import_facet(import, t, 2, &g, &wrong, dim);
-        if (dim == 3) {
-            pbw__import_facet(import, t, 3, &g, &wrong, dim);
-        }
-    }
-    (void)PBW__ADD(&import->faults, (size_t)(wrong != 0));
-}
-
-static pbw_status pbw__import_slots(void *arg, size_t from, size_t to)
-{
-    PBW__BY_DIM(((pbw__import *)arg)->mesh->dim, pbw__import_slots_of, (pbw__import *)arg, from, to);
-    return PBW_OK;
-}
-
-/* Links ghosts: turns round each ridge, through the finite simplices that have it, from one hull facet to the other.
-   The turn ends there, as each step can be undone in one way only, unless a simplex has a vertex twice; in space such
-   a simplex is linked to ghosts only, see pbw__import_facing.  PBW__ANEW: a triangle has a vertex twice. */
-static pbw_status pbw__import_ridges(void *arg, size_t from, size_t to)
-{
-    pbw__import *import = (pbw__import *)arg;
-    const size_t first = import->mesh->simplex_count;
-    const unsigned dim = (unsigned)import->mesh->dim;
-    const pbw_index *corner = import->core->store.corner;
-    pbw__link *link = import->core->store.link;
-    size_t g;
-    unsigned i;
-    for (g = first + from; g < first + to; g++) {
-        for (i = 0; i < dim; i++) {
-            pbw__link at = link[4 * g + dim];        /* the simplex, and the facet by which we came in */
-            pbw_index next = corner[4 * g + i];      /* we leave by the facet opposite to this vertex */
-            for (;;) {
-                const size_t t = at >> 2;
-                const pbw_index last = corner[at], *v = corner + 4 * t;
-                if (dim == 2 && (v[0] == v[1] || v[1] == v[2] || v[2] == v[0])) {
-                    return PBW__ANEW;
-                }
-                at = link[4 * t + pbw__corner_at(corner + 4 * t, next)];
-                next = last;
-                if (at >> 2 >= first) {
-                    break;
-                }
-            }
-            link[4 * g + i] = (pbw__link)(4 * (at >> 2) + pbw__corner_at(corner + 4 * (size_t)(at >> 2), next));
-        }
-    }
-    return PBW_OK;
-}
-
-/* Finds witnesses for the vertices in no simplex, along the curve.  PBW__ANEW: one is not hidden, or is a duplicate.
-   */
-static pbw_status pbw__import_hidden(pbw_live *live, pbw__core *core, size_t visible)
-{
-    const size_t count = core->vertex_count - visible;
-    pbw__memory *memory = &core->kernel.context->memory;
-    pbw_index *list = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index)), witness = 0;
-    pbw_status status = list == NULL ? PBW_ERROR_MEMORY : PBW_OK;
-    size_t i;
-    int k;
-    for (i = 0; i < count && list != NULL; i++) {
-        list[i] = (pbw_index)(visible + 1 + i);
-    }
-    status = status == PBW_OK ? pbw__live_sort(live, core->record, (size_t)live->dim + 1, list, count) : status;
-    for (i = 0; i < count && status == PBW_OK; i++) {
-        const double *p = pbw__core_record(core, list[i]);
-        (void)pbw__find_witness(core, &witness, list[i]);
-        if (pbw__slot_conflict(core, witness, p)
-            || (i > 0 && pbw__same_place(p, pbw__core_record(core, list[i - 1]), live->dim))) {
-            status = PBW__ANEW;
-        }
-        for (k = 0; k <= live->dim && status == PBW_OK; k++) {
-            const pbw_index v = core->kernel.corner[4 * (size_t)witness + (size_t)k];
-            status = pbw__same_place(p, pbw__core_record(core, v), live->dim) ? PBW__ANEW : PBW_OK;
-        }
-        if (status == PBW_OK && !pbw__cover_vertex(core, list[i], witness)) {
-            status = PBW_ERROR_MEMORY;
-        }
-    }
-    pbw__release(memory, list, count + 1, sizeof(pbw_index));
-    return status;
-}
-
-/* Numbers the vertices.  PBW__ANEW: entries of the mesh are faulty. */
-static pbw_status pbw__import_survey(pbw__import *import, pbw__context *context)
-{
-    const pbw_mesh *mesh = import->mesh;
-    const size_t simplices = mesh->simplex_count, blocks = (simplices + PBW__IMPORTED - 1) / PBW__IMPORTED;
-    size_t block, i;
-    pbw_status status;
-    memset(import->first, 0, blocks * sizeof(*import->first));
-    import->alone = context->threads <= 1;
-    status = pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_points, import);
-    if (status == PBW_OK && import->faults > 0) {
-        return PBW__ANEW;
-    }
-    if (status == PBW_OK && !import->alone) {
-        status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.05, pbw__import_count, import);
-    }
-    for (i = 0; i < 2 && status == PBW_OK; i++) {
-        size_t *sum = i == 0 ? &import->found : &import->ghosts;
-        if (i == 1) {
-            status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.1, pbw__import_number, import);
-        }
-        for (block = 0; block < blocks; block++) {
-            const size_t old = *sum;
-            *sum += import->first[block][i];
-            import->first[block][i] = old;
-        }
-    }
-    return status != PBW_OK ? status
-         : import->visible != import->found || import->visible > import->places
-           || (import->visible < import->places && mesh->weights == NULL) ? PBW__ANEW : PBW_OK;
-}
-
-/* Fills the core with the vertices of a mesh, then with its simplices, unverified. */
-static pbw_status pbw__import_fill(pbw__import *import, pbw__context *context)
-{
-    const pbw_mesh *mesh = import->mesh;
-    const size_t simplices = mesh->simplex_count;
-    pbw__core *core = import->core;
-    pbw_status status = pbw__import_survey(import, context);
-    if (status != PBW_OK) {
-        return status;
-    }
-    pbw__import_others(import);
-    pbw__grid_scan(context, import->vertices.record + mesh->dim + 1, import->vertices.count, mesh->dim,
-                   &import->vertices.grid);
-    status = pbw__store_reserve(context, &core->store, simplices + import->ghosts);
-    if (status == PBW_OK) {
-        core->store.count = simplices + import->ghosts;
-        pbw__import_facing(import);
-        status = pbw__for_range(context, simplices, PBW__IMPORTED, 0.4, pbw__import_slots, import);
-    }
-    if (status != PBW_OK || import->faults > 0) {
-        return status != PBW_OK ? status : PBW__ANEW;
-    }
-    core->simplex_count = simplices;
-    return pbw__for_range(context, import->ghosts, 4096, 0.4, pbw__import_ridges, import);
-}
-
-/* Makes a core of a mesh.  PBW__ANEW: it is not the triangulation of its points. */
-static pbw_status pbw__import_core(pbw_live *live, pbw__context *context, pbw__import *import)
-{
-    const pbw_mesh *mesh = import->mesh;
-    pbw__core *core = import->core;
-    const size_t records = mesh->point_count + 1, blocks = mesh->simplex_count / PBW__IMPORTED + 1;
-    pbw__vertices *vertices = &import->vertices;
-    pbw_status status;
-    vertices->dim = mesh->dim;
-    vertices->weighted = mesh->weights != NULL;
-    vertices->point_count = mesh->point_count;
-    vertices->record = (double *)pbw__allocate_large(context, records * ((size_t)mesh->dim + 1), sizeof(double));
-    vertices->id = (pbw_index *)pbw__allocate_large(context, records, sizeof(pbw_index));
-    import->first = (size_t (*)[2])pbw__allocate(&context->memory, blocks, sizeof(*import->first));
-    status = vertices->record == NULL || vertices->id == NULL || import->first == NULL
-             || !pbw__core_reserve(core, records, mesh->point_count) ? PBW_ERROR_MEMORY
-           : pbw__import_fill(import, context);
-    pbw__release(&context->memory, import->first, blocks, sizeof(*import->first));
-    if (status != PBW_OK) {
-        pbw__release(&context->memory, vertices->record, records * ((size_t)mesh->dim + 1), sizeof(double));
-        pbw__release(&context->memory, vertices->id, records, sizeof(pbw_index));
-        return status;
-    }
-    vertices->canonical = (pbw_index *)(uintptr_t)mesh->canonical;
-    vertices->duplicate_count = import->duplicates;
-    memset(vertices->record, 0, ((size_t)mesh->dim + 1) * sizeof(double));
-    vertices->record[0] = HUGE_VAL;                  /* the ghost's, see >>order */
-    status = pbw__core_take(core, vertices, NULL, 1);
-    status = status == PBW_OK ? pbw__core_start(context, core, vertices) : status;
-    if (status == PBW_OK) {
-        status = pbw__journal_reserve(core) ? pbw__verify(core, 0) : PBW_ERROR_MEMORY;
-    }
-    if (status == PBW_OK && import->visible < core->vertex_count) {
-        status = pbw__import_hidden(live, core, import->visible);
-        pbw__swap_covers(core);
-    }
-    core->kernel.last = 0;
-    pbw__journal_clear(core);
-    return status;
-}
-
 /* Queues the points of a mesh that exist; counts the absent ones, and those that are not finite. */
 typedef struct pbw__loading { pbw_live *live; const pbw_mesh *mesh; size_t absent, wild; } pbw__loading;
 
@@ -17712,33 +17231,39 @@ static pbw_status pbw__live_load(pbw_live *live, pbw__context *context, const pb
     return PBW_OK;
 }
 
-/* Makes a core of the mesh with the queued points.  PBW__ANEW: it is not the triangulation of its points. */
-static pbw_status pbw__live_import(pbw_live *live, pbw__context *context, const pbw_mesh *mesh)
+/* Carries out the queue.  If mesh is not NULL, first queues its points. */
+static pbw_status pbw__live_run(pbw_live *live, const pbw_mesh *mesh, pbw_changes *changes)
 {
-    pbw__import import;
-    pbw__core core;
+    pbw__context context;
     pbw_status status;
-    if (mesh->simplex_count == 0 || mesh->neighbors == NULL) {
-        return PBW__ANEW;
-    }
-    if (pbw__enter_stage(context, PBW_STAGE_WORK)) {
-        return PBW_CANCELLED;
-    }
-    memset(&import, 0, sizeof(import));
-    memset(&core, 0, sizeof(core));
-    core.kernel.context = context;
-    core.kernel.dim = mesh->dim;
-    import.mesh = mesh;
-    import.points = live->point;
-    import.weights = live->weight;
-    import.core = &core;
-    status = pbw__import_core(live, context, &import);
-    if (status == PBW_OK) {
-        pbw__live_replace(live, context, &core);
+    pbw__fp fp = pbw__fp_enter();
+    pbw__context_start(&context, &live->options, mesh != NULL ? mesh->point_count : live->count);
+    context.memory = live->memory;
+    live->core.kernel.context = &context;
+    status = !pbw__fp_is_exact() ? PBW_ERROR_FP_MODE : mesh != NULL ? pbw__live_load(live, &context, mesh) : PBW_OK;
+    status = status == PBW_OK ? pbw__live_go(live, &context, changes) : status;
+    pbw__team_stop(&context);
+    if (status != PBW_OK && status != PBW_DEGENERATE) {
+        pbw__changes_release(&context.memory, changes);
     } else {
-        pbw__core_free(context, &core);
+        pbw__live_settle(live);
     }
+    if (changes != NULL && changes->memory != NULL) {        /* the caller's from here on */
+        const pbw__owned_changes *owned = (const pbw__owned_changes *)changes->memory;
+        context.memory.used -= sizeof(*owned) + (owned->deleted + owned->made + owned->points) * sizeof(pbw_index);
+    }
+    live->core.kernel.context = NULL;
+    live->memory = context.memory;
+    pbw__fp_leave(fp);
     return status;
+}
+
+PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes)
+{
+    if (changes != NULL) {
+        memset(changes, 0, sizeof(*changes));
+    }
+    return live == NULL ? PBW_ERROR_ARGUMENT : pbw__live_run(live, NULL, changes);
 }
 
 PBWDEF void pbw_live_free(pbw_live *live)

@@ -232,7 +232,7 @@ static void damage(state *s, copied *c, const unsigned char *data, size_t size)
 }
 
 /* NULL, or what is wrong with what becomes of the changed mesh of the points. */
-static const char *adopt(state *s, const pbw_options *options, const unsigned char *data, size_t size)
+static const char *from_mesh(state *s, const pbw_options *options, const unsigned char *data, size_t size)
 {
     pbw_mesh mesh;
     pbw_live *live;
@@ -293,5 +293,5 @@ static const char *fuzz(const unsigned char *data, size_t size, int print)
         small_print(&s.in);
     }
     options.threads = 1 + (data[size - 1] % 16 == 1);
-    return data[size - 1] & 1 ? adopt(&s, &options, data, size) : begin(&s, &options, data, size);
+    return data[size - 1] & 1 ? from_mesh(&s, &options, data, size) : begin(&s, &options, data, size);
 }
