@@ -205,7 +205,8 @@ done
 # >>interface, >>history, >>license), and has 700 lines at most; the contents list at the top names them in order.  A
 # file whose rooms have tags is added to one of these lists and stays there.
 rooms="pbw.h"
-rooms_of_companions=""
+rooms_of_companions="examples/lib/pbw_film.h examples/lib/pbw_generate.h examples/lib/pbw_io.h examples/lib/pbw_model.h
+    examples/lib/pbw_picture.h examples/lib/pbw_sample.h examples/lib/pbw_view.h"
 cat > "$work/rooms.awk" << 'END'
 function leave() {
     if (name == "") return

@@ -1,5 +1,6 @@
 /* pbw_film.h - v0.2.0 - pages that play a changing plane mesh in a browser - MIT-0
 
+   QUICK START
    In one source file, define PBW_FILM_IMPLEMENTATION before the include; in all others, only include.
    Needs pbw_io.h, with its implementation in some source file.
 
@@ -8,17 +9,32 @@
        options.box[2] = options.box[3] = 1;                          // the unit square is seen
        if (pbwfilm_write("film.html", &options, next, user, &error) != PBWIO_OK) puts(error.text);
 
-   `next` is your function: it simulates a step, sets members of the frame and returns 1, or 0 after the last frame.
-   The page is one file and needs no network and no server; it has play, step and speed.  A frame is a set of dots,
-   lines and polygons, coloured by a number: triangles of a mesh, cells of a diagram, a front.
-   Size: 2.7 bytes a shape and 5.4 a corner in each frame; browsers draw 10,000 polygons 30 times a second.
-   No globals, no allocation.
-
    FUNCTIONS
      pbwfilm_write  writes a page that plays steps of points
+
+   CONTENTS  (search for the marks)
+     >>interface    types and functions
+     >>shapes       shapes of a frame as bytes
+     >>emit         the file, frame after frame
+     >>page         the page
+
+   HOW
+     1. `next` is your function.  It simulates a step, sets members of the frame and returns 1, or 0 after the last
+        frame.
+     2. A frame is a set of dots, lines and polygons, coloured by a number: triangles of a mesh, cells of a diagram, a
+        front.
+     3. The page is one file and needs no network and no server; it has play, step and speed.
+
+   PROMISES  (tests/view.sh and tests/page.sh guard them)
+     small       2.7 bytes a shape and 5.4 a corner in each frame; browsers draw 10,000 polygons 30 times a second
+     whole       there is the whole page or none
+     quiet       no globals, no allocation, nothing printed, no exit
 */
 #ifndef PBW_FILM_H
 #define PBW_FILM_H
+/* ------------------------------------------------------------------------------------------------------
+   >>interface    types and functions
+   ------------------------------------------------------------------------------------------------------ */
 #ifndef PBW_IO_H
 #include "pbw_io.h"
 #endif
@@ -69,6 +85,12 @@ PBWFILMDEF pbwio_status pbwfilm_write(const char *path, const pbwfilm_options *o
 /* Returns the lines of one of three parts of the page: up to the title, up to the data, after the data.  NULL ends
    the lines.  They are at the end of this file. */
 static const char *const *pbwfilm__part(int part);
+
+/* ------------------------------------------------------------------------------------------------------
+   >>shapes       The shapes of a frame as bytes.
+   In: a frame, the box that is seen.  Out: base64: the corners and the colour of each shape, then its points.
+   Holds: coordinates are 16 bits, 8192 to 57344 across the box.
+   ------------------------------------------------------------------------------------------------------ */
 
 typedef struct pbwfilm__page {
     const pbwfilm_options *options;
@@ -162,6 +184,12 @@ static void pbwfilm__shapes(pbwfilm__page *page, const pbwfilm_frame *frame)
     }
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   >>emit         The file, frame after frame.
+   In: the options, frames from the caller.  Out: the page, or a status and a message.
+   Holds: one frame at a time.
+   ------------------------------------------------------------------------------------------------------ */
+
 static void pbwfilm__lines(FILE *file, const char *const *line)
 {
     for (; *line != NULL; line++) {
@@ -219,7 +247,8 @@ PBWFILMDEF pbwio_status pbwfilm_write(const char *path, const pbwfilm_options *o
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   The page, made of the files in examples/lib/film/ by `make page`: edit those.
+   >>page         The page, made of the files in examples/lib/film/ by `make page`: edit those.
+   In: nothing.  Out: pbwfilm__part: lines of HTML, styles and scripts.
    ------------------------------------------------------------------------------------------------------ */
 static const char *const pbwfilm__part0[] = {
     "<!DOCTYPE html>\n",

@@ -1,10 +1,27 @@
 /* pbw_generate.h - v0.2.0 - points in many patterns, for trials - MIT-0
 
+   QUICK START
    Include it; every function is static.  Needs pbw_io.h, with its implementation in some source file.
 
        pbwio_cloud cloud;
        if (!pbwgen_points(3, 3, 1000000, 1, &cloud)) puts("out of memory");  // kind 3: sphere, dimension, count, seed
        pbwio_free(&cloud);
+
+   FUNCTIONS
+     pbwgen_points  makes points of a kind
+
+   CONTENTS  (search for the marks)
+     >>random       random numbers
+     >>kinds        the kinds by name; a point of each
+     >>cloud        the points of a cloud
+
+   HOW
+     Coordinates are sums, products and elementary functions of uniform random numbers, of the number of the point, or
+     both; pbwgen_kinds has the names of the kinds, by which the pbw command takes them.
+
+   PROMISES  (tests/program.sh and tests/hashes_lib.c guard them)
+     same        points are a function of kind, dimension, count and seed alone
+     quiet       no globals, nothing printed, no exit
 */
 #ifndef PBW_GENERATE_H
 #define PBW_GENERATE_H
@@ -12,6 +29,12 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ------------------------------------------------------------------------------------------------------
+   >>random       Random numbers.
+   In: a counter.  Out: a number in [0, 1), or a nearly normal one.
+   Holds: a number is a function of the counter alone.
+   ------------------------------------------------------------------------------------------------------ */
 
 static double pbwgen__mixed(uint64_t z)                      /* splitmix64 (Steele, Lea and Flood 2014), to [0, 1) */
 {
@@ -35,6 +58,12 @@ static double pbwgen__gauss(uint64_t *state)                         /* nearly: 
     }
     return sum;
 }
+
+/* ------------------------------------------------------------------------------------------------------
+   >>kinds        The kinds by name, and a point of each.
+   In: a kind, the number of a point.  Out: its coordinates.
+   Holds: a point takes its random numbers from the state, so points are made in the order of their numbers.
+   ------------------------------------------------------------------------------------------------------ */
 
 static const char *const pbwgen_kinds[] = { "uniform", "gauss", "ball", "sphere", "lattice", "clusters", "lines",
                                             "spiral", "plane", "anisotropic", "moment", NULL };
@@ -83,6 +112,12 @@ static void pbwgen__point(int kind, int dim, size_t i, size_t count, uint64_t *s
         }
     }
 }
+
+/* ------------------------------------------------------------------------------------------------------
+   >>cloud        The points of a cloud.
+   In: kind, dimension, count, seed.  Out: a cloud.
+   Holds: without memory the cloud is empty.
+   ------------------------------------------------------------------------------------------------------ */
 
 /* Makes points of a kind, 0 to 10: its number in pbwgen_kinds; dim: 2 or 3.  Returns whether there was memory for
    them; pbwio_free when done. */

@@ -29,6 +29,35 @@
      pbwio_save         writes any text to a file in that way
      pbwio_format_of    the format that the name of a file tells
 
+   CONTENTS  (search for the marks)
+     >>interface    types and functions
+     >>names        names in any case; messages
+     >>numbers      text to doubles and back
+     >>inflate      Deflate, gzip, zlib: unpacking
+     >>reader       lines, fields, counts, memory within the budget
+     >>columns      which columns are coordinates
+     >>points       points from rows of fields
+     >>elements     elements and their groups
+     >>polygons     triangles inside the outline of a polygon
+     >>rows         tables, .node, .obj, .off
+     >>binary       .stl, .ply
+     >>medit        .mesh, .ele, .face, .edge
+     >>msh          .msh
+     >>vtu          .vtu
+     >>vtk          .vtk
+     >>inp          .inp: nodes and elements
+     >>sets         .inp: sets and surfaces
+     >>su2          .su2
+     >>json         .json, .geojson
+     >>writer       values, rows and forms
+     >>groups       regions, patches, edges and points as runs
+     >>words        names of groups as words
+     >>files        files with groups
+     >>formats      the table of all formats; what each keeps
+     >>read         a file into a cloud
+     >>deflate      packing
+     >>write        a mesh into a file
+
    READS     what                                     columns that can be chosen
      .obj    v and f lines, polygons, negative ids    numbers of the v line
      .ply    ascii and binary, both byte orders, any  properties by name or number
@@ -103,35 +132,46 @@
      quiet       no globals, nothing printed, no locale set, no exit
 
    CONVENTIONS
-     Positive simplices, as in pbw.h.  Quality is the mean ratio: 1 for the regular simplex, 0 for a flat one.
-      Facets of the hull turn counter-clockwise seen from outside.
-     Groups are read as physical groups of .msh, of files without such its entities; references of .mesh; the first
-     attribute of .ele, the marker of .face and .edge; in .vtu the first of the arrays of integers region,
-     gmsh:physical, medit:ref, su2:tag, material, MaterialIDs, MaterialID, CellEntityIds, CellEntityID, physical,
-     attribute, subdomain, cell_tags, facet_tags, of lower dimensions also patch and edge, of points marker, with names
-     as fields of the file, a tag and a dimension.
-     Solids of .stl text, if there are several, and groups of .obj by usemtl, if that names several, else by g, else by
-     o, are groups of triangles.  0 is no group.  An element in several groups is in the first.
-     Of .inp sets and surfaces are groups, of points without the nodes of a surface of that name.  Of several sets an
-     element is in the last that a section names, else in the last; a set of all elements is a group if no other set has
-     any of them.  Markers of .su2 are groups of facets, "ungrouped" is none.
-     Groups are written the same way, those of .obj and text .stl too; in .inp as an ELSET, a SURFACE with an NSET of
-     its points, an NSET of the points of edges; in .su2 as markers.  Facets of the hull in no group are left out of
-     .msh and .vtu and are the marker "ungrouped" of .su2.  Tags that .msh .inp .su2 cannot have, below 1 or above 10^9,
-     are replaced by numbers after the largest.  Names: .msh .msh2 .vtu .obj .stl .inp .su2, the last two with an
-     underscore for all but letters, digits, points and hyphens; where that makes one word of two names, or one that
-     .inp or .su2 have anyway, the later name ends with _2 and so on.
-     Without groups the simplices are the group "domain", 2, the facets of the hull "boundary", 1, facets between
-     regions "interface", 2, edges "edges", 1.  Regions and patches, r and p, where the caller has them, are the groups
-     r + 1, "region_r", and p + 1, "patch_p"; in .mesh the reference of region r is r + 2.  In .inp all simplices are
-     the ELSET "DOMAIN", too, all points of the hull the NSET "BOUNDARY" and its facets the SURFACE of that name.
-     Columns of points are attributes in .node, arrays in .vtu, columns in .csv, properties in .ply; tags of their
-     groups the mark in .node, the array or column "marker" in .vtu and .csv, references in .mesh.  Heights are the
-     third coordinate of a mesh in the plane, in .node the last attribute; .su2 has none.  Other formats of points have
-     no columns and no marks of points.
+     Positive simplices, as in pbw.h.  Quality is the mean ratio: 1 for the regular simplex, 0 for a flat one.  Facets
+     of the hull turn counter-clockwise seen from outside.
+
+     Groups that are read.  0 is no group.  An element in several groups is in the first.
+       .msh         physical groups; of a file without such, its entities
+       .mesh        references
+       .ele         the first attribute;  .face .edge  the marker
+       .vtu .vtk    the first of the arrays of integers region, gmsh:physical, medit:ref, su2:tag, material,
+                    MaterialIDs, MaterialID, CellEntityIds, CellEntityID, physical, attribute, subdomain, cell_tags,
+                    facet_tags; of triangles also patch, of edges also edge, of points marker.  Names are fields of
+                    the file, each of a tag and a dimension
+       .stl         of text: its solids, if there are several: groups of triangles
+       .obj         usemtl, if that names several, else g, else o: groups of triangles
+       .inp         sets and surfaces; of points no set of the nodes of a surface of its name.  Of several sets an
+                    element is in the last that a section names, else in the last.  A set of all elements is a group
+                    if no other set has any of them
+       .su2         markers: groups of facets; "ungrouped" is none
+
+     Groups that are written, the same way, .obj and text .stl too.
+       .inp         an ELSET; a SURFACE with an NSET of its points; an NSET of the points of edges.  All simplices are
+                    the ELSET "DOMAIN", too, all points of the hull the NSET "BOUNDARY", its facets the SURFACE of
+                    that name
+       .su2         markers
+       1. Facets of the hull in no group: left out of .msh and .vtu, the marker "ungrouped" of .su2.
+       2. Tags that .msh .inp .su2 cannot have, below 1 or above 10^9: replaced by numbers after the largest.
+       3. Names: in .msh .msh2 .vtu .obj .stl .inp .su2.  The last two have an underscore for all but letters, digits,
+          points and hyphens.  Where that makes one word of two names, or one that .inp or .su2 have anyway, the later
+          name ends with _2 and so on.
+       4. Without groups: the simplices are the group "domain", 2, the facets of the hull "boundary", 1, facets
+          between regions "interface", 2, edges "edges", 1.
+       5. Regions and patches without groups, r and p: the groups r + 1, "region_r", and p + 1, "patch_p"; in .mesh
+          the reference of region r is r + 2.
+
+     Columns of points are attributes in .node, arrays in .vtu, columns in .csv, properties in .ply.  The tag of a
+     point's group is the marker in .node, the array or column "marker" in .vtu and .csv, the reference in .mesh.
+     Other formats of points have neither.
+     Heights are the third coordinate of a mesh in the plane, in .node the last attribute; .su2 has none.
      Points keep their ids, so a file can hold points that are corners of nothing: duplicates and hidden points.
-     PBWIO_NO_ORPHANS leaves those out and numbers the rest anew (solvers want that); .inp and .su2 always do.
-     .obj .stl .ply .off of a hull hold the corners of the hull only.
+     PBWIO_NO_ORPHANS leaves those out and numbers the rest from the first on (solvers want that); .inp and .su2
+     always do.  .obj .stl .ply .off of a hull hold the corners of the hull only.
      A number in an .inp file has at most 20 characters, as the format demands, so it may lose its last digits.
 
    CONFIGURATION MACROS
@@ -142,6 +182,9 @@
 */
 #ifndef PBW_IO_H
 #define PBW_IO_H
+/* ------------------------------------------------------------------------------------------------------
+   >>interface    types and functions
+   ------------------------------------------------------------------------------------------------------ */
 #ifndef PBW_H
 #include "pbw.h"
 #endif
@@ -202,8 +245,8 @@ typedef struct pbwio_cloud {           /* start from {0}; pbwio_free when done *
     pbw_index *segments;               /* segment_count*2 ids of points */
     size_t group_count;                /* what follows is empty where the file has nothing of the kind */
     pbwio_group *groups;               /* in the order of the file; those without an element too */
-    pbw_index *tetrahedron_groups, *triangle_groups, *segment_groups, *point_groups;     /* one an element: its place in
-                                          groups, PBW_NONE = in none */
+    pbw_index *tetrahedron_groups, *triangle_groups, *segment_groups, *point_groups;     /* one an element: its
+                                          place in groups, PBW_NONE = in none */
     size_t column_count;
     pbwio_column *columns;
     double *heights;                   /* z of each point, which options.dim = 2 leaves out of points; NULL: the file
@@ -240,8 +283,8 @@ typedef struct pbwio_output {          /* NULL or all zero = best defaults */
     const pbw_index *patches;          /* one a corner of a simplex, of the facet across from it; NULL = 0 */
     const pbw_index *edges;            /* of a mesh in space: feature edges, two points each; NULL = none */
     size_t edge_count;
-    const pbwio_group *groups;         /* if not NULL, regions, patches, edge_groups and point_groups are places in it,
-                                          or PBW_NONE, and files have its tags and names instead of r + 1, p + 1 */
+    const pbwio_group *groups;         /* if not NULL, regions, patches, edge_groups and point_groups are places in
+                                          it, or PBW_NONE, and files have its tags and names, not r + 1, p + 1 */
     size_t group_count;
     const pbw_index *edge_groups;      /* one an edge; NULL = none */
     const pbw_index *point_groups;     /* one a point; NULL = none */
@@ -265,8 +308,8 @@ PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options,
 /* Reads a file that is in memory; name is for its format and for messages.  data is not kept. */
 PBWIODEF pbwio_status pbwio_read_memory(const char *name, const void *data, size_t size, const pbwio_options *options,
                                         pbwio_cloud *cloud, pbwio_error *error);
-/* The whole of a file, unpacked if gzip has packed it, and a 0 behind its `size` bytes; "-" is the standard input.  The
-   caller frees it with PBWIO_FREE, by default free.  Returns NULL on failure. */
+/* The whole of a file, unpacked if gzip has packed it, and a 0 behind its `size` bytes; "-" is the standard input.
+   The caller frees it with PBWIO_FREE, by default free.  Returns NULL on failure. */
 PBWIODEF char *pbwio_load(const char *path, size_t *size, pbwio_error *error);
 /* Frees what a cloud holds and zeroes it; fine on {0}, fine twice. */
 PBWIODEF void pbwio_free(pbwio_cloud *cloud);
@@ -279,14 +322,14 @@ PBWIODEF unsigned pbwio_keeps(pbwio_format format, int corners, unsigned flags);
    text, size bytes; "" = nothing. */
 PBWIODEF void pbwio_losses(unsigned keeps, int corners, const pbw_mesh *mesh, const pbwio_output *output, char *text,
                            size_t size);
-/* Which groups of simplices of that many corners, and so on, have other names in .inp and .su2, in words: "a b" is a_b;
-   "" = none has. */
+/* Which groups of simplices of that many corners, and so on, have other names in .inp and .su2, in words: "a b" is
+   a_b; "" = none has. */
 PBWIODEF void pbwio_renamed(pbwio_format format, int corners, const pbw_mesh *mesh, const pbwio_output *output,
                             char *text, size_t size);
 /* Writes any file whole or not at all: emit writes to the stream and need not look for errors.  That is a new file,
-   "path.part.PROCESS-NUMBER", so that runs at the same time and files that are there are safe; in the end it is renamed
-   to path, or removed if the disk was full.  A file that is replaced gives its mode to the new one; a symbolic link
-   stays, and what it leads to is replaced.  "-" is the standard output; that, FIFOs, devices and names
+   "path.part.PROCESS-NUMBER", so that runs at the same time and files that are there are safe; in the end it is
+   renamed to path, or removed if the disk was full.  A file that is replaced gives its mode to the new one; a
+   symbolic link stays, and what it leads to is replaced.  "-" is the standard output; that, FIFOs, devices and names
    under /dev are written in place.  What is written to a path that ends in .gz is packed by gzip. */
 PBWIODEF pbwio_status pbwio_save(const char *path, void (*emit)(void *user, FILE *file), void *user,
                                  pbwio_error *error);
@@ -333,7 +376,9 @@ extern ssize_t readlink(const char *path, char *link, size_t size);     /* stric
 #endif
 
 /* ------------------------------------------------------------------------------------------------------
-   Names and messages.
+   >>names        Names in any case, and messages with a place.
+   In: words of a file, what is wrong with it.  Out: whether two words are the same; the text of a pbwio_error.
+   Holds: a message ends with a 0 and fits into its text; of a long path it has the end.
    ------------------------------------------------------------------------------------------------------ */
 
 static int pbwio__lower(int c)
@@ -374,7 +419,9 @@ static pbwio_status pbwio__file_error(pbwio_error *error, pbwio_status status, c
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Numbers.  Decimal text to the nearest double and back, whatever the locale.
+   >>numbers      Decimal text to the nearest double and back.
+   In: text, or a double.  Out: the nearest double, or the fewest digits that read back the same.
+   Holds: no locale takes part, as no decimal point is given to the C library or taken from it.
    ------------------------------------------------------------------------------------------------------ */
 
 /* Converts a well-formed number from its digits, as an integer and a power of ten, so that no decimal point and no
@@ -533,8 +580,9 @@ static int pbwio__print_number(char text[40], double x, int longest)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Compressed data: Deflate (RFC 1951) as gzip (RFC 1952) and zlib (RFC 1950) wrap it.
-   In: bytes.  Out: a block.  Holds: no read beyond end; copies reach back no farther than the member's start.
+   >>inflate      Deflate (RFC 1951) as gzip (RFC 1952) and zlib (RFC 1950) wrap it.
+   In: packed bytes.  Out: a block of unpacked ones.
+   Holds: no read beyond the end; copies reach back no farther than the start of their member.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWIO__FAST 10                       /* codes of at most so many bits are looked up at once */
 
@@ -848,9 +896,10 @@ static pbwio_status pbwio__gunzip(const char *name, const char **data, size_t *s
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   The reader: lines, fields, points, triangles.
-   In: the whole file in memory.  Out: a cloud.  Holds: every pointer stays in [begin, end]; held <= budget.
-   The first failure stays in status; from then on there are no more lines and fields, so that loops end.
+   >>reader       Lines, fields and counts of a text; blocks within the budget.
+   In: the whole file in memory.  Out: its lines and fields one after the other; the first failure, with its place.
+   Holds: every pointer stays in [begin, end]; held <= budget; after a failure there are no more lines and fields, so
+   that loops end.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWIO__MOST_COLUMNS 256
 
@@ -880,7 +929,7 @@ typedef struct pbwio__reader {
     size_t fan[2];                           /* the first and the last corner of the polygon at hand */
     pbwio__polygon *polygons;                /* of more than three corners */
     size_t polygon_count, polygon_capacity;
-    unsigned char *middles;                  /* per point: 1 in the middle of an element's edge or facet; NULL: none */
+    unsigned char *middles;                  /* per point: 1 in the middle of an edge or facet; NULL: none */
     pbwio_error *error;
     char shown[32];                          /* a field for a message */
     char unread[120];                        /* names of data that the cloud does not keep */
@@ -1144,7 +1193,11 @@ static void pbwio__no_column(pbwio__reader *r, const char *name, size_t length, 
     }
 }
 
-/* ---- columns with names that are known ---- */
+/* ------------------------------------------------------------------------------------------------------
+   >>columns      Which columns are coordinates, the weight, or kept.
+   In: the names of the columns or their number; the options.  Out: r->column and r->kept; what was taken, in words.
+   Holds: of columns that may as well be others none is taken: the file is refused, and the message lists them.
+   ------------------------------------------------------------------------------------------------------ */
 
 /* Names of x and y that belong together, then names of z and of ids, all as pbwio__plain_name makes them. */
 static const char *const pbwio__pairs[][2] = {
@@ -1389,6 +1442,12 @@ static void pbwio__choose(pbwio__reader *r, const pbwio__field *names, int name_
     }
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   >>points       Points of the cloud, from rows of fields.
+   In: how many points are announced; the fields of a line.  Out: points, weights, heights, columns of the cloud.
+   Holds: no more points than announced; no memory for more than the rest of the file has bytes for.
+   ------------------------------------------------------------------------------------------------------ */
+
 /* Room for the points of the rest of the file.  smallest: the fewest bytes that a point takes there; a file that
    announces more points than it has bytes for gets no memory for them. */
 static void pbwio__reserve(pbwio__reader *r, unsigned long long announced, size_t smallest)
@@ -1490,8 +1549,9 @@ static void pbwio__point(pbwio__reader *r)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Elements and their groups.
+   >>elements     Elements and their groups.
    In: corners of elements, tags and names of groups.  Out: the elements and groups of the cloud.
+   Holds: an array of groups, where there is one, has as much room as the array of its elements.
    ------------------------------------------------------------------------------------------------------ */
 
 /* The groups of elements, from the first that is in one on: one an element, as much room as elements have. */
@@ -1694,17 +1754,19 @@ static void pbwio__add_corner(pbwio__reader *r, double id, long long point_count
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Polygons.  A reader adds a polygon as a fan of triangles about its first corner.
-   In: the fans of polygons with more than three corners, all points.  Out: the same number of triangles in the same
-   places, inside the outline of the polygon.  Holds: signs are exact; n corners take O(n log n) steps.
+   >>polygons     Triangles inside the outline of a polygon.
+   In: polygons of more than three corners, each as a fan of triangles about its first corner; all points.
+   Out: the same number of triangles in the same places, inside the outline.
+   Holds: signs are exact; n corners take O(n log n) steps.
 
-   A polygon is looked at along the axis in which its area vector is largest.  A fan that lies inside stays.  Else a
-   line sweeps over the corners, ordered by x and then by y.  The parts of the line inside the polygon are strips,
-   each between a lower and an upper edge.  To the left of a strip all is triangulated up to a chain of corners from
-   the left end of its lower edge to that of its upper edge; the next corner takes the triangles that it sees there
-   (Hertel and Mehlhorn 1983, "Fast triangulation of simple polygons").  Edges that become neighbours are tested
-   against each other, so that an outline that crosses or touches itself is found (Shamos and Hoey 1976, "Geometric
-   intersection problems").
+   1. The polygon is projected along the axis in which its area vector is largest.  A fan that lies inside stays.
+   2. Else a line sweeps over the corners, ordered by x and then by y.  The parts of the line inside the polygon are
+      strips, each between a lower and an upper edge.
+   3. To the left of a strip all is triangulated up to a chain of corners, from the left end of its lower edge to that
+      of its upper edge.  The next corner takes the triangles that it sees there (Hertel and Mehlhorn 1983, "Fast
+      triangulation of simple polygons").
+   4. Edges that become neighbours are tested against each other, so that an outline that crosses or touches itself is
+      found (Shamos and Hoey 1976, "Geometric intersection problems").
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwio__node { pbw_index corner, next[2]; } pbwio__node;      /* of a chain; next: lower, upper */
 
@@ -2207,7 +2269,9 @@ static void pbwio__cut_polygons(pbwio__reader *r)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Formats where a point is a line: tables, .node, .obj, .off.
+   >>rows         Formats with a line for each point: tables, .node, .obj, .off.
+   In: the reader at the start of the file.  Out: the cloud.
+   Holds: a first line of counts is passed only where the rows below agree with it.
    ------------------------------------------------------------------------------------------------------ */
 
 /* How many lines there are from here on; with a letter, only those whose first word is that letter. */
@@ -2384,7 +2448,6 @@ static void pbwio__read_table(pbwio__reader *r)
     }
 }
 
-/* "count dim attributes markers", then "id x y (z) attributes marker" with ids from 0 or 1. */
 /* Room for the attributes of a .node file, but the weight. */
 static void pbwio__node_columns(pbwio__reader *r, long long dim, long long attributes)
 {
@@ -2431,6 +2494,7 @@ static void pbwio__node_row(pbwio__reader *r, long long dim, long long attribute
     }
 }
 
+/* "count dim attributes markers", then "id x y (z) attributes marker" with ids from 0 or 1. */
 static void pbwio__read_node(pbwio__reader *r)
 {
     long long count, dim, attributes, markers, first = 0, id, i;
@@ -2609,7 +2673,9 @@ static void pbwio__read_off(pbwio__reader *r)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Formats with binary forms: .stl, .ply.
+   >>binary       Formats in text or binary: .stl, .ply.
+   In: the reader at the start of the file.  Out: the cloud.
+   Holds: binary values are read byte by byte, in the file's byte order, whatever that of the machine.
    ------------------------------------------------------------------------------------------------------ */
 static const struct { const char *name, *old_name; size_t size; } pbwio__types[] = {
     { "int8", "char", 1 }, { "uint8", "uchar", 1 }, { "int16", "short", 2 }, { "uint16", "ushort", 2 },
@@ -2729,7 +2795,7 @@ static void pbwio__read_stl_text(pbwio__reader *r)
     for (corners = 0; corners < r->cloud->triangle_count && r->cloud->triangle_groups != NULL
          && r->cloud->triangle_groups[corners] != PBW_NONE; corners++) {
     }
-    if (r->cloud->group_count == 1 && corners == r->cloud->triangle_count) {         /* the model's name, no part of it */
+    if (r->cloud->group_count == 1 && corners == r->cloud->triangle_count) {   /* the model's name, no part of it */
         pbwio__forget_groups(r);
     }
 }
@@ -2963,7 +3029,10 @@ static void pbwio__read_ply(pbwio__reader *r)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Meshes: .mesh, .msh, .ele.  Points, faces and tetrahedra; other elements are passed over.
+   >>medit        Meshes of Medit, TetGen and Triangle: .mesh, .ele, .face, .edge.
+   In: the reader; for .ele .face .edge also the points of the .node file, in the cloud.  Out: elements and groups.
+   Holds: corners are points that are there; elements other than triangles, quadrilaterals, tetrahedra and edges are
+   named in cloud->dropped.
    ------------------------------------------------------------------------------------------------------ */
 
 /* The next field, on this line or a later one. */
@@ -3105,7 +3174,8 @@ static void pbwio__leave_out_middles(pbwio__reader *r)
     }
     cloud->count = kept;
     PBWIO_FREE(number);
-    pbwio__leave_out(r, "the points within edges and faces of second-order elements, which are read as straight ones");
+    pbwio__leave_out(r, "the points within edges and faces of second-order elements, which are read as straight "
+                     "ones");
 }
 
 /* The elements of Medit by their words; rows of nodes and a reference. */
@@ -3297,6 +3367,12 @@ static void pbwio__read_facets(pbwio__reader *r)
         }
     }
 }
+
+/* ------------------------------------------------------------------------------------------------------
+   >>msh          Meshes of Gmsh: .msh, versions 2.2 and 4.1, text and binary.
+   In: the reader at the start of the file.  Out: points, elements, and physical groups as groups.
+   Holds: of a file without physical groups the entities are the groups.
+   ------------------------------------------------------------------------------------------------------ */
 
 typedef struct pbwio__entity { int dim; long long tag, group; } pbwio__entity;   /* its first physical group or 0 */
 
@@ -3520,7 +3596,8 @@ static const unsigned char pbwio__shapes[32][3] = {
 /* Whether an element is the last of its dimension again, as version 2.2 has those of several physical groups. */
 static int pbwio__is_again(const pbwio_cloud *cloud, int dim, const long long *id)
 {
-    const size_t count = dim == 3 ? cloud->tetrahedron_count : dim == 2 ? cloud->triangle_count : cloud->segment_count;
+    const size_t count = dim == 3 ? cloud->tetrahedron_count : dim == 2 ? cloud->triangle_count
+                       : cloud->segment_count;
     const pbw_index *last = dim == 3 ? cloud->tetrahedra : dim == 2 ? cloud->triangles : cloud->segments;
     const size_t first = count > 0 ? ((size_t)dim + 1) * (count - 1) : 0;
     size_t k = 0;
@@ -3578,7 +3655,8 @@ static void pbwio__msh_elements(pbwio__reader *r, pbwio__msh *m)
             in_block = pbwio__msh_integer(r, m, m->version == 4 ? 8 : 4);
             tags = m->version == 4 ? 0 : pbwio__msh_integer(r, m, 4);
         }
-        if (in_block < 0 || in_block > total || tags < 0 || (m->version == 2 && in_block == 0) || dim < 0 || dim > 3) {
+        if (in_block < 0 || in_block > total || tags < 0 || (m->version == 2 && in_block == 0) || dim < 0
+            || dim > 3) {
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "a block of %lld elements, %lld are left", in_block, total);
         }
         for (k = 0; k < in_block && r->status == PBWIO_OK; k++) {
@@ -3657,7 +3735,10 @@ static void pbwio__read_msh(pbwio__reader *r)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   .vtu: arrays of numbers between tags, as text, in base64 or raw behind all tags, plain or in zlib's blocks.
+   >>vtu          .vtu: arrays of numbers between tags.
+   In: the reader; arrays as text, in base64, or raw behind all tags; plain or in zlib's blocks.
+   Out: points, cells as elements, arrays of integers as groups.
+   Holds: no array is read beyond its end.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWIO__POINTS, PBWIO__WEIGHTS, PBWIO__MARKERS, PBWIO__CORNERS, PBWIO__ENDS, PBWIO__KINDS, PBWIO__REGIONS,
        PBWIO__PATCHES, PBWIO__CURVES, PBWIO__ARRAYS };
@@ -4125,8 +4206,8 @@ static void pbwio__vtu_points(pbwio__reader *r, pbwio__vtu *v)
     double value[4], row[3], i;
     int k;
     if (!points->is || points->components != 3 || (r->options->weight != NULL && !weights->is)) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, points->is && points->components == 3 ? "there is no array of that name for weights"
-                    : "there are no points of three coordinates");
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, points->is && points->components == 3
+                    ? "there is no array of that name for weights" : "there are no points of three coordinates");
     }
     pbwio__vtu_open(r, v, points);
     r->at = points->block == NULL ? points->values.at : r->at;       /* else they lie in a block, not in the file */
@@ -4270,7 +4351,7 @@ static void pbwio__read_vtu(pbwio__reader *r)
 {
     pbwio__vtu *v = (pbwio__vtu *)PBWIO_REALLOC(NULL, sizeof *v);
     const pbwio_options *given = r->options;
-    pbwio_options options = *given;                                  /* without the weight, an array of another name */
+    pbwio_options options = *given;          /* without the weight, an array of another name */
     int k;
     if (v == NULL) {
         pbwio__fail(r, PBWIO_ERROR_MEMORY, "out of memory");
@@ -4292,8 +4373,10 @@ static void pbwio__read_vtu(pbwio__reader *r)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   .vtk, the legacy format: sections with keywords; numbers as text, or binary with the highest byte first.
-   In: versions 1.0 to 5.1.  Out: the arrays of a .vtu file, of which that reader makes points and cells.
+   >>vtk          .vtk, the legacy format: sections with keywords.
+   In: versions 1.0 to 5.1; numbers as text, or binary with the highest byte first.
+   Out: the arrays of a .vtu file, of which that reader makes points and cells.
+   Holds: a section of unknown length ends the file, and cloud->dropped says so.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWIO__VTK_PARTS = 4 };               /* of PolyData: vertices, lines, polygons, strips of triangles */
 
@@ -4581,8 +4664,10 @@ static void pbwio__read_vtk(pbwio__reader *r)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   .inp: nodes and elements by numbers; keywords in any case, lines that go on after a comma.
-   In: the file, in four passes: how many nodes; nodes; elements; sets.  Out: points and elements, by their numbers.
+   >>inp          .inp: nodes and elements by numbers.
+   In: keywords in any case, with lines that go on after a comma; pass 1 reads nodes, pass 2 elements (pass 0 counts
+   nodes, pass 3 reads sets).  Out: points and elements; lists of their numbers.
+   Holds: a list is sorted before it is searched, and no number is in it twice.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWIO__KEY_TYPE, PBWIO__KEY_ELSET, PBWIO__KEY_NSET, PBWIO__KEY_NAME, PBWIO__KEY_INPUT, PBWIO__KEY_SYSTEM,
        PBWIO__KEY_INSTANCE, PBWIO__KEY_GENERATE, PBWIO__KEY_INTERNAL, PBWIO__KEYS };
@@ -4854,7 +4939,7 @@ static void pbwio__inp_node(pbwio__reader *r, pbwio__inp *p)
 /* An element: its number and its nodes, on several lines where they end with a comma. */
 static void pbwio__inp_element(pbwio__reader *r, pbwio__inp *p)
 {
-    long long id[10] = { 0 };                                        /* more nodes have only elements that are passed */
+    long long id[10] = { 0 };        /* more nodes have only elements that are passed */
     pbwio__numbered entry;
     pbwio__field field;
     int k = 0;
@@ -4875,7 +4960,8 @@ static void pbwio__inp_element(pbwio__reader *r, pbwio__inp *p)
         }
     }
     if (p->corners > 0 && k < p->nodes) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, "element %lld has %d nodes where %d are needed", entry.number, k, p->nodes);
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "element %lld has %d nodes where %d are needed", entry.number, k,
+                    p->nodes);
     }
     if (p->dim == 1 && p->nodes == 3) {                              /* end, middle, end */
         const long long middle = id[1];
@@ -4893,13 +4979,16 @@ static void pbwio__inp_element(pbwio__reader *r, pbwio__inp *p)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Sets of .inp, and all of the file.
+   >>sets         Sets and surfaces of .inp, and all of the file.
    In: rows of sets and surfaces.  Out: groups.
    Holds: members of sets are looked at 16 times a byte of the file at most.
 
-   A set has elements of several dimensions: it is a group of each.  Of several sets an element is in the last that a
-   section names, else the last of the others; those that surfaces are made of count less, then those of all elements,
-   then surfaces of shells.  What sets lose so, and sets of all elements beside others, is reported.
+   A set has elements of several dimensions: it is a group of each.  An element in several sets is in one group: of
+   1. the last set that a section names,
+   2. else the last of the other sets,
+   3. else the last of the sets that surfaces are made of, or that have all elements,
+   4. else the last surface of shells.
+   Sets that lose elements so, and sets of all elements beside others, are reported.
    ------------------------------------------------------------------------------------------------------ */
 
 static uint64_t pbwio__set_hash(int kind, pbwio__field name)
@@ -5085,7 +5174,8 @@ static void pbwio__inp_members(pbwio__reader *r, pbwio__inp *p)
         return;
     }
     if (k < 2 || range[0] > range[1] || range[2] < 1 || range[2] >= PBW_NONE) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, "numbers from %lld to %lld in steps of %lld", range[0], range[1], range[2]);
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "numbers from %lld to %lld in steps of %lld", range[0], range[1],
+                    range[2]);
         return;
     }
     memset(&member, 0, sizeof member);
@@ -5124,7 +5214,8 @@ static void pbwio__inp_refuse(pbwio__reader *r, pbwio__inp *p)
 static void pbwio__inp_start(pbwio__reader *r, pbwio__inp *p)
 {
     static const struct { const char *word; int rows; } words[] = {
-        { "node", 'p' }, { "element", 'c' }, { "nset", 'n' }, { "elset", 'e' }, { "surface", 's' }, { "instance", 'i' }
+        { "node", 'p' }, { "element", 'c' }, { "nset", 'n' }, { "elset", 'e' }, { "surface", 's' },
+        { "instance", 'i' }
     };
     static const char passed[] = "heading preprint part endpart endinstance assembly endassembly instance system "
         "nodeoutput";
@@ -5161,7 +5252,8 @@ static void pbwio__inp_start(pbwio__reader *r, pbwio__inp *p)
 static void pbwio__inp_open_set(pbwio__reader *r, pbwio__inp *p)
 {
     const int kind = p->rows == 's' ? 's' : p->rows == 'p' || p->rows == 'n' ? 'n' : 'e';
-    const pbwio__field name = p->value[kind == 's' ? PBWIO__KEY_NAME : kind == 'n' ? PBWIO__KEY_NSET : PBWIO__KEY_ELSET];
+    const pbwio__field name = p->value[kind == 's' ? PBWIO__KEY_NAME : kind == 'n' ? PBWIO__KEY_NSET
+                                       : PBWIO__KEY_ELSET];
     const size_t length = strlen(p->word);
     const int section = length > 7 && strcmp(p->word + length - 7, "section") == 0;
     const pbw_index set = name.begin < name.end && (section || (p->rows != 0 && p->rows != 'i'))
@@ -5313,8 +5405,8 @@ static size_t pbwio__put_into(pbwio__reader *r, pbwio__inp *p, pbw_index s, int 
     return count;
 }
 
-/* Whether a set is no group of that dimension: all points, all elements or the boundary, where this header calls it so,
-   where others have some of them, or of points at all. */
+/* Whether a set is no group of that dimension: a program's own; all points; all elements or the boundary, where this
+   header calls it so or other sets have some of them. */
 static int pbwio__is_idle(const pbwio__set *set, int dim, size_t others)
 {
     const char *own = dim == 0 ? "NALL" : dim >= 4 ? "BOUNDARY" : "DOMAIN";
@@ -5360,7 +5452,8 @@ static void pbwio__rank_sets(pbwio__reader *r, pbwio__inp *p, int dim, pbw_index
         for (i = 0; i < p->set_count && r->status == PBWIO_OK; i++) {
             const pbwio__set *set = p->sets + i;
             if (set->size > 0 && !pbwio__is_idle(set, dim, others)
-                && level == (set->kind == 's' && dim < 4 ? 0 : set->whole || set->helper ? 1 : set->section ? 3 : 2)) {
+                && level == (set->kind == 's' && dim < 4 ? 0 : set->whole || set->helper ? 1
+                             : set->section ? 3 : 2)) {
                 (void)pbwio__put_into(r, p, (pbw_index)i, dim, of);
             }
         }
@@ -5475,8 +5568,9 @@ static void pbwio__read_inp(pbwio__reader *r)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   .su2: keys with values, then rows; all after % is a comment.
+   >>su2          .su2: keys with values, then rows; all after % is a comment.
    In: the file, in two passes: the points, then all elements.  Out: elements; markers as groups of facets.
+   Holds: each key has the number of rows that it announces.
    ------------------------------------------------------------------------------------------------------ */
 
 /* Steps to the next line that has something; key: what is before =, empty if it is a row. */
@@ -5499,7 +5593,7 @@ static int pbwio__su2_line(pbwio__reader *r, pbwio__field *key)
 
 typedef struct pbwio__su2 {
     long long dim, points, left, markers, marked;    /* left: rows that are due */
-    int rows;                                /* of the key at hand: 'p' points, 'e' elements, 'm' of a marker, 0 others */
+    int rows;                                /* of this key: 'p' points, 'e' elements, 'm' of a marker, 0 others */
     int named;                               /* a marker */
     pbw_index group;                         /* of the marker */
 } pbwio__su2;
@@ -5553,7 +5647,8 @@ static void pbwio__su2_start(pbwio__reader *r, pbwio__su2 *p, pbwio__field key, 
 /* An element: its type as VTK has it, its points; a number may follow. */
 static void pbwio__su2_element(pbwio__reader *r, pbwio__su2 *p)
 {
-    static const unsigned char nodes[25] = { 0, 1, 0, 2, 0, 3, 0, 0, 0, 4, 4, 0, 8, 6, 5, 0, 0, 0, 0, 0, 0, 3, 6, 8, 10 };
+    static const unsigned char nodes[25] = { 0, 1, 0, 2, 0, 3, 0, 0, 0, 4, 4, 0, 8, 6, 5, 0, 0, 0, 0, 0, 0, 3, 6, 8,
+                                             10 };
     const long long type = pbwio__count(r, "type of elements");
     long long id[10] = { 0 };
     int k, corners, dim;
@@ -5607,11 +5702,16 @@ static void pbwio__read_su2(pbwio__reader *r)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   JSON and GeoJSON.  A point is an array of two numbers or more, or an object with the members x and y (or those that
-   the options name).  Where there are "coordinates", as in GeoJSON, only arrays within them are points, and the last
-   position of a ring is not read twice.  Else points are the list that the options name, or that is named points,
-   vertices, positions or nodes, or the only one; lists of edges, faces and the like are none.
-   Two passes: the first counts, the second fills.
+   >>json         JSON and GeoJSON.
+   In: the file, in two passes: the first counts, the second fills.  Out: points.
+   Holds: brackets are at most 64 deep; nothing recurses.
+
+   1. A point is an array of two numbers or more, or an object with the members x and y, or those that the options
+      name.
+   2. Where there are "coordinates", as in GeoJSON, only arrays within them are points.  The last position of a ring
+      is not read twice.
+   3. Else the points are the list that the options name, or that is named points, vertices, positions or nodes, or
+      the only one.  Lists of edges, faces and the like are none.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWIO__DEEPEST 64
 #define PBWIO__NUMBERS 16                    /* an array of more numbers is a list, not a point */
@@ -5972,15 +6072,17 @@ static void pbwio__read_json(pbwio__reader *r)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   The writer: values in text or binary; rows of points, simplices and facets; forms.
-   In: a mesh.  Out: a stream; the first failure of the stream stays in it and is found when it is closed.
+   >>writer       Values, rows and forms of files.
+   In: a mesh.  Out: a stream.
+   Holds: the first failure of the stream stays in it and is found when it is closed.
 
    A form is the text of a file with these signs in it.
      %n      stands for numbers, n says which (pbwio__numbers); in text they are set apart by one character
      #1 &1   the number 1 in 4 or 8 bytes, of one digit
      @p      starts a row, a line that is written for each point; @b those of the boundary, @n those with normals;
-             @c each simplex, @f each facet, @h those of the hull, @e each edge, @s each triangle of a surface: the facets in 3D, else the
-             simplices; @1 once.  In binary files rows are binary and have no ends, other lines are text.
+             @c each simplex, @f each facet, @h those of the hull, @e each edge; @s each triangle of a surface, in 3D
+             the facets, else the simplices; @1 once.  In binary files rows are binary and have no ends, other lines
+             are text.
      |       ends a line within a row
      [c ..]  is there if the condition c holds (pbwio__holds)
    ------------------------------------------------------------------------------------------------------ */
@@ -6002,7 +6104,7 @@ typedef struct pbwio__writer {
     int longest;                             /* text: the most characters that a number may have */
     size_t id_size, real_size;               /* bytes of a point id and of a coordinate in binary */
     unsigned base;                           /* the first number of points and elements */
-    size_t dim, corners;                     /* coordinates; corners of a simplex: dim+1, or 3 of a model's triangles */
+    size_t dim, corners;                     /* coordinates; corners of a simplex: dim+1, or 3 in a model */
     pbw_index *number;                       /* of a point or simplex in the file; PBW_NONE: left out; NULL: itself */
     unsigned char *boundary;                 /* 1 for the points on facets; NULL: nobody asks */
     size_t point_count, cell_count, facet_count;     /* what the file holds */
@@ -6011,7 +6113,7 @@ typedef struct pbwio__writer {
                                                 point `simplex` */
     size_t cell, element, node;              /* simplices, elements, and nodes of elements that came before it */
     size_t column;                           /* the column at hand */
-    pbwio__item *items;                      /* by parts, in each of them in runs of one group; NULL: there are none */
+    pbwio__item *items;                      /* by parts, in each of them in runs of one group; NULL: none */
     size_t first[PBWIO__PARTS + 1];          /* where each part starts */
     long long largest;                       /* of the caller's tags that a file can have */
     pbw_index own[2];                        /* of .inp: the patch and the region that BOUNDARY and DOMAIN are, by
@@ -6394,9 +6496,7 @@ static long long pbwio__marker(const pbwio__writer *w)
     return group == PBW_NONE ? 0 : w->output->groups[group].tag;
 }
 
-/* The name of a column, or attribute_1 and so on: in .vtu as XML has it, in .csv in quotes if it must be, in .ply
-   without what its reader takes for the end of a name. */
-/* A character of a name in XML. */
+/* Writes a name as XML has it. */
 static void pbwio__put_escaped(pbwio__writer *w, const char *s)
 {
     for (; *s != 0; s++) {
@@ -6408,6 +6508,8 @@ static void pbwio__put_escaped(pbwio__writer *w, const char *s)
     }
 }
 
+/* The name of a column, or attribute_1 and so on: in .vtu as XML has it, in .csv in quotes if it must be, in .ply
+   without what its reader takes for the end of a name. */
 static void pbwio__column_name(pbwio__writer *w, size_t column)
 {
     const char *s = w->output->columns[column].name;
@@ -6631,8 +6733,9 @@ static void pbwio__fill_in(pbwio__writer *w, const char *form)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Groups: regions, patches, edges and points as entities of their own.
-   In: the caller's groups of elements.  Out: items, sorted, so that each group is a run of them.
+   >>groups       Regions, patches, edges and points as entities of their own.
+   In: the caller's groups of elements.  Out: items.
+   Holds: items are sorted by parts and groups, so that each group is a run of them.
    ------------------------------------------------------------------------------------------------------ */
 
 static int pbwio__compare_items(const void *a, const void *b)
@@ -6696,7 +6799,7 @@ static void pbwio__sort_items(pbwio__item *items, size_t from, size_t to)
     }
 }
 
-/* Fills in edge or point i of the caller's.  Returns whether the file has it: its points, and points in groups only. */
+/* Fills in edge or point i of the caller's.  Returns whether the file has it: its points, and points in groups. */
 static int pbwio__make_mark(const pbwio__writer *w, int part, size_t i, pbwio__item *item)
 {
     const pbwio_output *o = w->output;
@@ -6812,8 +6915,9 @@ static void pbwio__put_group(pbwio__writer *w, const pbwio_group *group)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Names of groups as words, for .inp and .su2.
-   In: the caller's groups.  Out: words, one a group.  Holds: no two that may be taken for each other are the same.
+   >>words        Names of groups as words, for .inp and .su2.
+   In: the caller's groups.  Out: words, one a group.
+   Holds: no two names of one kind, and no name and a word that the format has anyway, become the same word.
    ------------------------------------------------------------------------------------------------------ */
 
 /* The group that all simplices are in, PBW_NONE if there is none. */
@@ -6891,9 +6995,9 @@ static size_t pbwio__word_place(char *const *words, const int *kinds, const pbw_
     return at;
 }
 
-/* The names of groups as words of letters, digits, points, hyphens and underscores, group_TAG of those without a name;
-   of names that become one word, whatever the case of letters, or a word that files have anyway, the later ones end with
-   _2, _3 and so on.  own: as in the writer.  One block for the caller to free; NULL: no memory. */
+/* The names of groups as words of letters, digits, points, hyphens and underscores, group_TAG of those without a
+   name.  Of names that become one word, whatever the case of letters, or a word that files have anyway, the later
+   ones end with _2, _3 and so on.  own: as in the writer.  One block for the caller to free; NULL: no memory. */
 static char **pbwio__make_words(const pbwio_output *o, int corners, const pbw_index own[2])
 {
     static const char *const taken[] = { "BOUNDARY", "DOMAIN", "NALL", "ungrouped" };
@@ -6952,8 +7056,9 @@ static char **pbwio__make_words(const pbwio_output *o, int corners, const pbw_in
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Formats with groups: .msh .obj .stl .inp .su2 .vtu.
+   >>files        Files with groups: .msh .obj .stl .inp .su2 .vtu.
    In: items in runs.  Out: the text or bytes of a file.
+   Holds: w->text tells how the next value is written; elements are numbered in the order in which they are written.
    ------------------------------------------------------------------------------------------------------ */
 
 /* $PhysicalNames of the groups of the caller's that have a name, and of the default groups that are written. */
@@ -7174,13 +7279,14 @@ static void pbwio__write_obj(pbwio__writer *w)
     }
 }
 
-#define PBWIO__STL_ROW "[tfacet normal ]%N|[touter loop|vertex ]%0|[tvertex ]%1|[tvertex ]%2|[tendloop|endfacet][b%z]\n"
+#define PBWIO__STL_ROW \
+    "[tfacet normal ]%N|[touter loop|vertex ]%0|[tvertex ]%1|[tvertex ]%2|[tendloop|endfacet][b%z]\n"
 
 static void pbwio__write_stl(pbwio__writer *w)
 {
     if (w->items == NULL || w->binary) {
-        pbwio__fill_in(w, "[tsolid triangles\n][b       binary STL, triangles                                          "
-                       "          ][b@1%s\n]@s" PBWIO__STL_ROW "[tendsolid triangles\n]");
+        pbwio__fill_in(w, "[tsolid triangles\n][b       binary STL, triangles                    "
+                       "                                ][b@1%s\n]@s" PBWIO__STL_ROW "[tendsolid triangles\n]");
     } else {
         pbwio__write_triangles(w, "solid", PBWIO__STL_ROW, "endsolid\n");
     }
@@ -7355,7 +7461,9 @@ static void pbwio__write_vtu(pbwio__writer *w)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   All formats, in the order of pbwio_format.
+   >>formats      All formats, and what each keeps.
+   In: the name of a file, or a format.  Out: its reader and its writer or form; what files of it keep and lose.
+   Holds: the table has the formats in the order of pbwio_format.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWIO__SURFACE   1u            /* holds the hull in 3D, the triangles in 2D, and their corners only */
 #define PBWIO__BINARY    2u            /* has a binary form */
@@ -7368,8 +7476,8 @@ static void pbwio__write_vtu(pbwio__writer *w)
 #define PBWIO__BASE    256u            /* numbers start where the caller wants */
 #define PBWIO__HULL    512u            /* of facets, those of the hull only */
 
-#define PBWIO__ALL_GROUPS ((unsigned)(PBWIO_REGIONS | PBWIO_PATCHES | PBWIO_INNER_PATCHES | PBWIO_EDGES | PBWIO_MARKS \
-                                      | PBWIO_NAMES))
+#define PBWIO__ALL_GROUPS ((unsigned)(PBWIO_REGIONS | PBWIO_PATCHES | PBWIO_INNER_PATCHES | PBWIO_EDGES \
+                                      | PBWIO_MARKS | PBWIO_NAMES))
 
 #define PBWIO__GROUPS "$PhysicalNames\n2\n[21][32] 1 \"boundary\"\n[22][33] 2 \"domain\"\n$EndPhysicalNames\n"
 
@@ -7383,15 +7491,15 @@ typedef struct pbwio__kind {
 
 static const pbwio__kind pbwio__kinds[] = {
     { "", 0, 0, NULL, NULL, NULL },
-    { "obj", PBWIO__SURFACE | PBWIO__FROM_1 | PBWIO__GROUPED | PBWIO__HULL, PBWIO_NAMES | PBWIO_HEIGHTS, pbwio__read_obj,
-      pbwio__write_obj, NULL },
+    { "obj", PBWIO__SURFACE | PBWIO__FROM_1 | PBWIO__GROUPED | PBWIO__HULL, PBWIO_NAMES | PBWIO_HEIGHTS,
+      pbwio__read_obj, pbwio__write_obj, NULL },
     { "ply", PBWIO__SURFACE | PBWIO__BINARY, PBWIO_COLUMNS | PBWIO_HEIGHTS, pbwio__read_ply, NULL,
       "ply\nformat [tascii][lbinary_little_endian][gbinary_big_endian] 1.0\n"
       "element vertex %n\nproperty double x\nproperty double y\nproperty double z\n"
       "[mproperty double nx\nproperty double ny\nproperty double nz\n]%H"
       "[selement face %s\nproperty list uchar int vertex_indices\n]end_header\n@p%X%m%C\n@s[t3 ][b\3]%v\n" },
-    { "stl", PBWIO__SURFACE | PBWIO__BINARY | PBWIO__GROUPED | PBWIO__HULL, PBWIO_NAMES | PBWIO_HEIGHTS, pbwio__read_stl,
-      pbwio__write_stl, NULL },
+    { "stl", PBWIO__SURFACE | PBWIO__BINARY | PBWIO__GROUPED | PBWIO__HULL, PBWIO_NAMES | PBWIO_HEIGHTS,
+      pbwio__read_stl, pbwio__write_stl, NULL },
     { "off", PBWIO__SURFACE, PBWIO_HEIGHTS, pbwio__read_off, NULL, "OFF\n%n%s0\n@p%X\n@s3 %v\n" },
     { "node", PBWIO__BOUNDARY | PBWIO__BASE, PBWIO_MARKS | PBWIO_COLUMNS | PBWIO_HEIGHTS | PBWIO_WEIGHTS,
       pbwio__read_node, NULL, "%n%d%A1\n@p%i%y%w%C%h%b\n" },
@@ -7414,7 +7522,8 @@ static const pbwio__kind pbwio__kinds[] = {
       "[f[2Edges][3Triangles]\n%f\n@f%v%P\n][2Triangles][3Tetrahedra]\n%c\n@c%v%P\nEnd\n" },
     { "ele", PBWIO__BASE, PBWIO_REGIONS, pbwio__read_ele, NULL, "%c[23][34] [a1][A0]\n@c%j%v[a%P]\n" },
     { "neigh", PBWIO__SIMPLICES | PBWIO__BASE, 0, NULL, NULL, "%c[23][34]\n@c%j%g\n" },
-    { "face edge", PBWIO__BASE | PBWIO__GROUPED, PBWIO_PATCHES | PBWIO_INNER_PATCHES, pbwio__read_facets, NULL, "%f1\n@f%j%v%P\n" },
+    { "face edge", PBWIO__BASE | PBWIO__GROUPED, PBWIO_PATCHES | PBWIO_INNER_PATCHES, pbwio__read_facets, NULL,
+      "%f1\n@f%j%v%P\n" },
     { "msh2", PBWIO__FROM_1 | PBWIO__GROUPED, PBWIO__ALL_GROUPS | PBWIO_HEIGHTS, pbwio__read_msh, NULL,
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" PBWIO__GROUPS
       "$Nodes\n%n\n@p%i%X\n$EndNodes\n"
@@ -7423,7 +7532,8 @@ static const pbwio__kind pbwio__kinds[] = {
       (PBWIO__ALL_GROUPS & ~(unsigned)PBWIO_EDGES) | PBWIO_HEIGHTS, pbwio__read_inp, NULL,
       "*NODE, NSET=NALL\n@p%i%x\n*ELEMENT, TYPE=[2[ZCPS3][zS3]][3C3D4], ELSET=DOMAIN\n@c%j%v\n"
       "[f*NSET, NSET=BOUNDARY\n@b%i\n*SURFACE, NAME=BOUNDARY, TYPE=ELEMENT\n@h" PBWIO__SIDE_ROW "\n]" },
-    { "su2", PBWIO__NO_ORPHANS | PBWIO__GROUPED | PBWIO__HULL, PBWIO_PATCHES | PBWIO_NAMES, pbwio__read_su2, pbwio__write_su2, NULL },
+    { "su2", PBWIO__NO_ORPHANS | PBWIO__GROUPED | PBWIO__HULL, PBWIO_PATCHES | PBWIO_NAMES, pbwio__read_su2,
+      pbwio__write_su2, NULL },
     { "json geojson", 0, 0, pbwio__read_json, NULL, NULL },
     { "vtk", 0, 0, pbwio__read_vtk, NULL, NULL }
 };
@@ -7508,8 +7618,8 @@ static void pbwio__append(char *text, size_t size, const char *what)
 PBWIODEF void pbwio_losses(unsigned keeps, int corners, const pbw_mesh *mesh, const pbwio_output *output, char *text,
                            size_t size)
 {
-    const char *const words[] = { corners <= mesh->dim ? "groups of triangles" : "regions", "patches", "patches inside",
-                                  "edges", "markers of points" };
+    const char *const words[] = { corners <= mesh->dim ? "groups of triangles" : "regions", "patches",
+                                  "patches inside", "edges", "markers of points" };
     const unsigned has = pbwio__groups_of((size_t)corners, mesh, output);
     size_t i, named = 0;
     text[0] = 0;
@@ -7561,14 +7671,16 @@ PBWIODEF void pbwio_renamed(pbwio_format format, int corners, const pbw_mesh *me
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Reading: which format, the whole file, the verdict.
+   >>read         A file or a block of memory into a cloud.
+   In: a path or bytes; options.  Out: the cloud, or a status and a message.
+   Holds: on failure the cloud is empty and nothing is held.
    ------------------------------------------------------------------------------------------------------ */
 
 /* Endings of files that are no tables and are not read, whatever they look like. */
 static const char pbwio__unread[] = "3dm 3ds 3mf amf bdf blend brep cas cdb cgns dae dgn dwg dxf e57 exo fbx fem "
-    "foam glb gltf gml gpkg gpx h5 hdf5 html ifc iges igs jpg kml kmz las laz med meshb mphtxt nas nastran nc ods pcd "
-    "pdf png pvtu rar sat shp shx skp sldprt step stp svg tif tiff ugrid unv usd usda usdc usdz vdb vti vtm vtp vtr vts "
-    "wkb wkt wrl x3d x_b x_t xdmf xls xlsx xmf xml zip";
+    "foam glb gltf gml gpkg gpx h5 hdf5 html ifc iges igs jpg kml kmz las laz med meshb mphtxt nas nastran nc ods "
+    "pcd pdf png pvtu rar sat shp shx skp sldprt step stp svg tif tiff ugrid unv usd usda usdc usdz vdb vti vtm vtp "
+    "vtr vts wkb wkt wrl x3d x_b x_t xdmf xls xlsx xmf xml zip";
 
 /* Refuses a file, and says which are read. */
 static pbwio_status pbwio__refuse(pbwio_error *error, const char *name, const char *what)
@@ -7877,8 +7989,8 @@ static pbwio_status pbwio__read_file(const char *path, const pbwio_options *opti
 }
 
 /* Reads a file of the same name but its ending; optional: if it is there. */
-static pbwio_status pbwio__read_beside(const char *path, const char *ending, int optional, const pbwio_options *options,
-                                       pbwio_cloud *cloud, pbwio_error *error)
+static pbwio_status pbwio__read_beside(const char *path, const char *ending, int optional,
+                                       const pbwio_options *options, pbwio_cloud *cloud, pbwio_error *error)
 {
     const pbwio__field own = pbwio__ending(path);
     const size_t length = own.end > own.begin ? (size_t)(own.begin - path) : strlen(path);
@@ -7931,8 +8043,9 @@ PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options,
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Compression: gzip (RFC 1952) of Deflate (RFC 1951) blocks with codes of their own.
-   In: a stream.  Out: a stream; its failures stay in it.  Holds: memory does not grow with the input.
+   >>deflate      gzip (RFC 1952) of Deflate (RFC 1951) blocks with codes of their own.
+   In: a stream.  Out: a stream; its failures stay in it.
+   Holds: memory does not grow with the input.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWIO__PAST = 32768, PBWIO__BLOCK = 65536, PBWIO__HASHES = 32768, PBWIO__SHORTEST = 4, PBWIO__LONGEST = 258 };
 
@@ -8229,7 +8342,9 @@ static int pbwio__gzip(FILE *in, FILE *out)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Writing: a file that is whole or is not there.
+   >>write        A mesh into a file that is whole or is not there.
+   In: a path, a mesh; or a function that writes to a stream.  Out: the file, or a status and a message.
+   Holds: on failure the old file is as it was and no part of a new one is left.
    ------------------------------------------------------------------------------------------------------ */
 
 #ifdef _WIN32
@@ -8282,7 +8397,7 @@ static char *pbwio__target(const char *path)
    name is NULL then if there was no memory. */
 static FILE *pbwio__create(const char *target, char **name)
 {
-    enum { MOST = 200, MORE = 48 };                  /* bytes of the last name, which systems limit to 255; after it */
+    enum { MOST = 200, MORE = 48 };          /* bytes of the last name, which systems limit to 255; after it */
     size_t length, last = 0;
     unsigned number;
     FILE *file = NULL;
@@ -8294,8 +8409,10 @@ static FILE *pbwio__create(const char *target, char **name)
         }
     }
     *name = (char *)PBWIO_REALLOC(NULL, length + MORE);
-    for (number = 0; *name != NULL && file == NULL && (number == 0 || (errno == EEXIST && number < 10000)); number++) {
-        snprintf(*name, length + MORE, "%.*s.part.%lu-%u", (int)length, target, (unsigned long)PBWIO__PROCESS(), number);
+    for (number = 0; *name != NULL && file == NULL && (number == 0 || (errno == EEXIST && number < 10000));
+         number++) {
+        snprintf(*name, length + MORE, "%.*s.part.%lu-%u", (int)length, target, (unsigned long)PBWIO__PROCESS(),
+                 number);
         file = pbwio__exclusive(*name);
     }
     return file;
@@ -8466,7 +8583,8 @@ static pbwio_status pbwio__write(const char *path, const pbw_mesh *mesh, int mod
         while (!failed && pbwio__step(w, 0)) {
             w->number[w->simplex] = (pbw_index)w->cell;
         }
-    } else if ((!model || settings.format == PBWIO_INP) && (surface || kind->traits & PBWIO__NO_ORPHANS || settings.flags & PBWIO_NO_ORPHANS)) {
+    } else if ((!model || settings.format == PBWIO_INP)
+               && (surface || kind->traits & PBWIO__NO_ORPHANS || settings.flags & PBWIO_NO_ORPHANS)) {
         failed |= !pbwio__number_points(w, surface && corners == 4);
     }
     grouped = settings.patches != NULL || settings.edges != NULL || settings.point_groups != NULL

@@ -1,5 +1,6 @@
 /* pbw_model.h - v0.2.0 - surfaces and points with normals, from files and to files - MIT-0
 
+   QUICK START
    In one source file, define PBW_MODEL_IMPLEMENTATION before the include; in all others, only include.
    Needs the implementation of pbw_io.h in the same source file, before it.
 
@@ -15,15 +16,30 @@
        pbwio_free(&normals);
        pbwio_free(&cloud);
 
-   Writes .obj .ply .stl .off .vtu .msh .msh2 .mesh .inp with triangles; .xyz .csv and, with normals or without
-   triangles, .obj .ply: points.
-
    FUNCTIONS
      pbwmodel_read_normals  the normals that a file has
      pbwmodel_write         writes a surface to a file
+
+   CONTENTS  (search for the marks)
+     >>interface    types and functions
+     >>normals      the normals of a file, read as points
+     >>write        a surface as a mesh of triangles
+
+   HOW
+     Reads   normals as a second cloud: columns nx ny nz are read as points, and so are the vn lines of .obj.
+     Writes  .obj .ply .stl .off .vtu .msh .msh2 .mesh .inp with triangles; .xyz .csv and, with normals or without
+             triangles, .obj .ply: points.
+
+   PROMISES  (tests/test_io.c and tests/test_groups.c guard them)
+     whole       there is the whole file or none
+     all there   groups, edges and columns go to the file as those of a mesh do (pbwio_keeps)
+     quiet       no globals, nothing printed, no exit
 */
 #ifndef PBW_MODEL_H
 #define PBW_MODEL_H
+/* ------------------------------------------------------------------------------------------------------
+   >>interface    types and functions
+   ------------------------------------------------------------------------------------------------------ */
 #ifndef PBW_IO_H
 #include "pbw_io.h"
 #endif
@@ -39,7 +55,8 @@ typedef struct pbwmodel_content {      /* what is written; the arrays are the ca
     const pbw_index *triangles;
     const double *weights;             /* one a point, for .vtu .xyz .csv; NULL = none */
     pbwio_format format;               /* PBWIO_AUTO = by the name of the file */
-    const pbwio_output *output;        /* groups, with regions one a triangle, edges, groups of points, columns; NULL =
+    const pbwio_output *output;        /* groups, with regions one a triangle, edges, groups of points, columns; NULL
+    =
                                           none */
 } pbwmodel_content;
 
@@ -60,6 +77,12 @@ extern pbwio_status pbwmodel_write(const char *path, const pbwmodel_content *con
 #define PBWMODEL__IMPLEMENTED
 
 #include <string.h>
+
+/* ------------------------------------------------------------------------------------------------------
+   >>normals      The normals of a file, read as points.
+   In: the name of a file, the model that was read from it.  Out: normals, and their ids for each triangle.
+   Holds: there are as many triangles, or points, as the model has; else normals is empty.
+   ------------------------------------------------------------------------------------------------------ */
 
 /* Rewrites an .obj file: the points become the normals, the corners of faces the ids of normals.  A corner without a
    normal makes it a bad file. */
@@ -128,6 +151,12 @@ extern int pbwmodel_read_normals(const char *path, const pbwio_cloud *model, pbw
     pbwio_free(normals);
     return 0;
 }
+
+/* ------------------------------------------------------------------------------------------------------
+   >>write        A surface as a mesh of triangles.
+   In: points, triangles, what belongs to them.  Out: a file, or a status and a message.
+   Holds: no name of a group is made up.
+   ------------------------------------------------------------------------------------------------------ */
 
 extern pbwio_status pbwmodel_write(const char *path, const pbwmodel_content *content, unsigned flags,
                                    pbwio_error *error)

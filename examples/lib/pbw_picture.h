@@ -1,20 +1,40 @@
 /* pbw_picture.h - v0.2.0 - pictures of triangulations, as SVG - MIT-0
 
+   QUICK START
    In one source file, define PBW_PICTURE_IMPLEMENTATION before the include; in all others, only include.
    Needs pbw_io.h, with its implementation in some source file.
 
        pbwpic_write("mesh.svg", &mesh, NULL, &error);
 
-   2D: all triangles, coloured by area.
-   3D: a cut-away view in perspective.  Simplices beyond a plane are removed; the visible faces of the others are
-   drawn: the hull in one colour, the cut coloured by volume, both shaded by one light and by ambient occlusion.
-   A picture has no size of its own, and fills the window or the column that it is shown in.  No globals.  Memory: at most 100 bytes for each face that looks to the viewer, 17 bytes a simplex, 16 MB.
-
    FUNCTIONS
      pbwpic_write  writes a mesh as an SVG picture
+
+   CONTENTS  (search for the marks)
+     >>interface    types and functions
+     >>colours      the colour scale; sizes of simplices as colours
+     >>raster       a depth buffer, and ambient occlusion from it
+     >>faces        which faces are drawn, and where on the screen
+     >>emit         the file
+
+   HOW
+     2D: all triangles, coloured by area.
+     3D: a cut-away view in perspective.
+     1. Simplices beyond a plane are removed.
+     2. The visible faces of the others are drawn, the farthest first: the hull in one colour, the cut coloured by
+        volume.
+     3. Both are shaded by one light and by ambient occlusion.
+     A picture has no size of its own, and fills the window or the column that it is shown in.
+
+   PROMISES  (tests/test_io.c guards them)
+     whole       there is the whole picture or none
+     bounded     memory: at most 100 bytes for each face that looks to the viewer, 17 bytes a simplex, 16 MB
+     quiet       no globals, nothing printed, no exit
 */
 #ifndef PBW_PICTURE_H
 #define PBW_PICTURE_H
+/* ------------------------------------------------------------------------------------------------------
+   >>interface    types and functions
+   ------------------------------------------------------------------------------------------------------ */
 #ifndef PBW_IO_H
 #include "pbw_io.h"
 #endif
@@ -50,6 +70,12 @@ PBWPICDEF pbwio_status pbwpic_write(const char *path, const pbw_mesh *mesh, cons
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ------------------------------------------------------------------------------------------------------
+   >>colours      The colour scale, and sizes of simplices as colours.
+   In: a mesh.  Out: its frame; a value for each simplex, and the range that the colours show.
+   Holds: coordinates are halved before they are subtracted, so that no difference overflows.
+   ------------------------------------------------------------------------------------------------------ */
 
 #define PBWPIC__WIDE 1600                      /* pixels of the depth buffer and units of the picture */
 #define PBWPIC__HIGH 1200
@@ -183,6 +209,12 @@ static void pbwpic__unit(double a[3])
     }
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   >>raster       A depth buffer, and ambient occlusion from it.
+   In: faces on the screen.  Out: for each pixel the nearest face and its depth; how much of the sky a face sees.
+   Holds: a pixel belongs to the face that its middle is on; of faces at one depth to the first.
+   ------------------------------------------------------------------------------------------------------ */
+
 /* Assigns a face the pixels that have their middle on it and no nearer face so far. */
 static void pbwpic__raster(pbwpic__view *v, unsigned id)
 {
@@ -250,6 +282,12 @@ static double pbwpic__hidden(const pbwpic__view *v, const pbwpic__face *f)
     }
     return sum / 16;
 }
+
+/* ------------------------------------------------------------------------------------------------------
+   >>faces        Which faces are drawn, and where on the screen.
+   In: a mesh, the eye, the cut.  Out: faces with colour and shade, from the farthest to the nearest.
+   Holds: in space only faces that own a pixel are drawn.
+   ------------------------------------------------------------------------------------------------------ */
 
 static int pbwpic__compare_keys(const void *a, const void *b)
 {
@@ -453,6 +491,12 @@ static int pbwpic__visible(pbwpic__view *v)
 }
 
 /* Units are tenths of pixels.  Lines get thinner where faces get smaller. */
+/* ------------------------------------------------------------------------------------------------------
+   >>emit         The file.
+   In: a mesh, the options.  Out: the picture, or a status and a message.
+   Holds: on failure nothing is held.
+   ------------------------------------------------------------------------------------------------------ */
+
 static void pbwpic__emit(void *user, FILE *file)
 {
     const pbwpic__view *v = (const pbwpic__view *)user;

@@ -26,6 +26,17 @@
      pbwsample_free           frees a set
      pbwsample_status_string  a status in words
 
+   CONTENTS  (search for the marks)
+     >>interface    types and functions
+     >>tools        random numbers, memory, a hash table
+     >>surface      areas, edges, normals
+     >>uniform      independent samples
+     >>inside       rays through a surface
+     >>balls        Poisson sets: samples and their balls
+     >>pieces       Poisson sets: triangles and boxes
+     >>darts        Poisson sets: a dart at a piece
+     >>sets         Poisson sets: rounds; the radius for a count
+
    WHAT                      how                                                       promise
      pbwsample_uniform       independent, as dense as options.size asks                the same for every options.run
      pbwsample_poisson       blue noise: no two closer than a radius                   maximal (by radius), or the
@@ -56,6 +67,9 @@
 */
 #ifndef PBW_SAMPLE_H
 #define PBW_SAMPLE_H
+/* ------------------------------------------------------------------------------------------------------
+   >>interface    types and functions
+   ------------------------------------------------------------------------------------------------------ */
 #ifndef PBW_H
 #include "pbw.h"
 #endif
@@ -165,7 +179,9 @@ PBWSAMPLEDEF const char *pbwsample_status_string(pbwsample_status status);    /*
 #endif
 
 /* ------------------------------------------------------------------------------------------------------
-   Random numbers, memory, a hash table.
+   >>tools        Random numbers, memory, a hash table.
+   In: a key and a counter; sizes; keys of 64 bits.  Out: random bits; blocks, or NULL; the value of a key.
+   Holds: random numbers are a function of the key and the counter alone; a table is at most half full.
    ------------------------------------------------------------------------------------------------------ */
 
 /* Number i of the stream of that key: splitmix64 (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number
@@ -249,7 +265,9 @@ static pbw_index *pbwsample__enter(pbwsample__table *table, uint64_t key)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   The surface: areas, edges, normals.
+   >>surface      Areas, edges and normals of a surface.
+   In: a model.  Out: its report; normals of points; room for samples, and their normals.
+   Holds: points at one place count as the first of them.
    ------------------------------------------------------------------------------------------------------ */
 
 static double pbwsample__dot(const double a[3], const double b[3])
@@ -532,10 +550,14 @@ PBWSAMPLEDEF const char *pbwsample_status_string(pbwsample_status status)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Uniform samples.
-   Sample i is a function of the seed and of i: which task makes it does not matter.  Its triangle is found in the
-   running sum of the weights through a table of as many equal steps as there are triangles (Chen and Asau 1974, "On
-   generating random variates from an empirical distribution"), its place by folding the unit square.
+   >>uniform      Uniform samples.
+   In: a model, sizes.  Out: as many independent samples as are asked for.
+   Holds: sample i is a function of the seed and of i: which task makes it does not matter.
+
+   1. The weight of a triangle is its area over the square of the size in its middle.
+   2. A random number is looked up in the running sum of the weights, through a table of as many equal steps as there
+      are triangles (Chen and Asau 1974, "On generating random variates from an empirical distribution").
+   3. A point of the unit square, folded to a triangle, is the place in it.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWSAMPLE__BLOCK 65536
 
@@ -667,10 +689,10 @@ PBWSAMPLEDEF pbwsample_status pbwsample_uniform(const pbwsample_model *model, co
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Inside and outside.
-   A ray from the point along an axis crosses the surface an odd number of times, if the point is inside.  Every sign
-   is exact, and the point counts as moved by (e, e^2) within the plane across the ray, e infinitesimal, so that the
-   ray meets no corner and no edge.
+   >>inside       Which points are inside of a surface.
+   In: a model, points.  Out: for each whether a ray from it along an axis crosses the surface an odd number of times.
+   Holds: every sign is exact.  The point counts as moved by (e, e^2) within the plane across the ray, e
+   infinitesimal, so that the ray meets no corner and no edge.
    ------------------------------------------------------------------------------------------------------ */
 
 typedef struct pbwsample__box { double low[3], high[3]; } pbwsample__box;
@@ -858,18 +880,24 @@ PBWSAMPLEDEF pbwsample_status pbwsample_inside(const pbwsample_model *model, con
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Poisson sets.
-   Darts are thrown at pieces: triangles, cut at their longest edge, or boxes, cut in eight (White, Cline and Egbert
-   2007, "Poisson disk point sets by hierarchical dart throwing"; Cline et al. 2009, "Dart throwing on surfaces").
-   A dart that is in no ball becomes a sample, the centre of a ball.  A piece inside one ball is done, any other is
-   cut; when no piece is left, there is no room left.  Each round visits all pieces once, in random order, so that
-   gaps are filled from wide to narrow: the last samples are the least important ones. Most boxes lie in several balls
-   but not in a single one; cutting them to find the last gaps would make about a hundred for each sample.  So a box
-   is done when it is in a ball of 1.25 times the radius: only narrow gaps are left.
+   >>balls        Poisson sets: samples as centres of balls, found by a hashed grid.
+   In: points.  Out: samples, each the centre of a ball; the balls at a point, or near it.
+   Holds: no sample lies in the ball of an earlier one; with PBWSAMPLE_THIN, balls of facets
+   that look away from its own do not count.
 
-   Balls are found by a hashed grid, one for each power of two of radii: a ball is listed in all cells that it may
-   touch, about eight, so a point reads one cell.  A ball that contains the whole piece also contains the dart, so one
-   search finds both; the other balls that it meets tell which parts of the piece are done.
+   1. Darts are thrown at pieces: triangles, cut at their longest edge, or boxes, cut in eight (White, Cline and
+      Egbert 2007, "Poisson disk point sets by hierarchical dart throwing"; Cline et al. 2009, "Dart throwing on
+      surfaces").
+   2. A dart that is in no ball becomes a sample, the centre of a ball.
+   3. A piece inside one ball is done, any other is cut.  When no piece is left, there is no room left.
+   4. Each round visits all pieces once, in random order, so that gaps are filled from wide to narrow: the last
+      samples are the least important ones.
+   5. Most boxes lie in several balls but not in a single one.  Cutting them to find the last gaps would make about a
+      hundred for each sample.  So a box is done when it is in a ball of 1.25 times the radius: only narrow gaps stay.
+
+   The grid has a level for each power of two of radii.  A ball is listed in all cells that it may touch, about eight,
+   so a point reads one cell a level.  A ball that contains the whole piece also contains the dart, so one search
+   finds both; the other balls that it meets tell which parts of the piece are done.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWSAMPLE__ONE 2147483648u             /* coordinates in a piece count in units of 2^-31 of the whole */
 #define PBWSAMPLE__LISTED 15
@@ -1077,6 +1105,12 @@ static void pbwsample__add_sample(pbwsample__work *w, const double p[3], double 
     }
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   >>pieces       Poisson sets: triangles and boxes, cut to parts.
+   In: a piece, the balls near it.  Out: its corners; its parts; what of it lies in no ball; whether it is inside.
+   Holds: corners of pieces are whole numbers of units of 2^-31, so halves meet exactly.
+   ------------------------------------------------------------------------------------------------------ */
+
 /* The corners of a piece, where places in it count from.  Returns how many they are. */
 static int pbwsample__corners(const pbwsample__work *w, const pbwsample__piece *piece, double corner[8][3])
 {
@@ -1259,6 +1293,12 @@ static int pbwsample__rest(const pbwsample__work *w, const pbwsample__piece *pie
     return whole ? count : count > 0;
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   >>darts        Poisson sets: a dart at a piece.
+   In: a piece.  Out: perhaps a sample; the parts of the piece that go to the next round.
+   Holds: a part that goes nowhere lies in a ball, or is too small to count.
+   ------------------------------------------------------------------------------------------------------ */
+
 /* The square of the distance from p to the farthest corner of a box, given two of its corners. */
 static double pbwsample__farthest(const double low[3], const double high[3], const double p[3])
 {
@@ -1356,6 +1396,12 @@ static void pbwsample__visit_triangle(pbwsample__work *w, const pbwsample__piece
         }
     }
 }
+
+/* ------------------------------------------------------------------------------------------------------
+   >>sets         Poisson sets: rounds, the radius for a count.
+   In: a model, a radius or a count.  Out: a set.
+   Holds: on failure the set is as it was before the call.
+   ------------------------------------------------------------------------------------------------------ */
 
 /* The triangles by the cells of a grid that their first corners are in, and those along a Z-order curve: pieces are
    near those that they follow.  NULL = out of memory. */

@@ -1,22 +1,44 @@
 /* pbw_view.h - v0.2.0 - pages to look at triangulations in a browser - MIT-0
 
+   QUICK START
    In one source file, define PBW_VIEW_IMPLEMENTATION before the include; in all others, only include.
    Needs pbw_io.h, with its implementation in some source file.
 
        pbwview_write("mesh.html", &mesh, NULL, &error);
 
-   Writes one file that needs a browser with WebGL 2, no network and no server.  The mesh can be turned, cut open
-   (simplices whole or cut through), exploded, thinned out by value, and coloured by quality and by your own arrays,
-   with a histogram; by mouse, touch and keys.  A mesh without simplices (dim, point_count and points set, the rest 0)
-   is shown as points, or with the triangles of a model as a surface.  A click shows the ids of the mesh.
-   Size: about 7 bytes a tetrahedron, 4 a triangle, 20 a point (15 in 2D), and for each array 1 to 7 bytes a number.
-   No globals.  Memory: 4 bytes a point.
-
    FUNCTIONS
      pbwview_write  writes a mesh as a page
+
+   CONTENTS  (search for the marks)
+     >>interface    types and functions
+     >>base64       numbers and texts in a page
+     >>data         points, corners, arrays, flags
+     >>emit         the file
+     >>page         the page: HTML and styles
+     >>figures      its scripts: data, measures, colours, camera, chart
+     >>scene        its scripts: what is shown, and how WebGL draws it
+     >>panel        its scripts: the panel beside the picture
+
+   HOW
+     The page is one file that needs a browser with WebGL 2, no network and no server.
+     1. The mesh can be turned, cut open (simplices whole or cut through), exploded, thinned out by value, and
+        coloured by quality and by your own arrays, with a histogram; by mouse, touch and keys.
+     2. A click shows the ids of the mesh.
+     3. A mesh without simplices (dim, point_count and points set, the rest 0) is shown as points, or with the
+        triangles of a model as a surface.
+
+   PROMISES  (tests/test_view.c and tests/page.sh guard them)
+     all there   ids, corners, values and names are in the page; coordinates in single precision
+     small       about 7 bytes a tetrahedron, 4 a triangle, 20 a point (15 in 2D), for each array 1 to 7 bytes a
+     number whole       there is the whole page or none
+     bounded     memory: 4 bytes a point
+     quiet       no globals, nothing printed, no exit
 */
 #ifndef PBW_VIEW_H
 #define PBW_VIEW_H
+/* ------------------------------------------------------------------------------------------------------
+   >>interface    types and functions
+   ------------------------------------------------------------------------------------------------------ */
 #ifndef PBW_IO_H
 #include "pbw_io.h"
 #endif
@@ -47,11 +69,13 @@ typedef struct pbwview_options {       /* NULL or all zero = best defaults */
     const char *title, *note;          /* UTF-8, any characters; NULL = "pbw", none */
     const unsigned char *keep;         /* one a simplex, 0 = not part of the body; NULL = all are */
     const unsigned char *inside;       /* one a simplex, 0 = outside the model: hidden at first; NULL = not known */
-    int body;                          /* 1: all simplices are part of it; 0: slivers at the hull are hidden at first */
+    int body;                          /* 1: all simplices are part of it; 0: slivers at the hull are hidden at first
+    */
     const pbw_index *triangles;        /* faces of the model, three points each: shown first, not cut; NULL = none */
     size_t triangle_count;
     const double *heights;             /* 2D: one a point, shown as a surface in space; NULL = flat */
-    int surface;                       /* 1: with heights: triangles of a surface in space, measured there; it need not
+    int surface;                       /* 1: with heights: triangles of a surface in space, measured there; it need
+    not
                                           lie over the plane */
     const pbwview_array *arrays;
     size_t array_count;
@@ -88,7 +112,9 @@ PBWVIEWDEF pbwio_status pbwview_write(const char *path, const pbw_mesh *mesh, co
 static const char *const *pbwview__part(int part);
 
 /* ------------------------------------------------------------------------------------------------------
-   The data: in base64, little-endian.
+   >>base64       Numbers and texts in a page.
+   In: bytes, numbers, texts.  Out: lines of base64; texts with their signs escaped.
+   Holds: all numbers are little-endian; whole ones have seven bits a byte.
    ------------------------------------------------------------------------------------------------------ */
 
 typedef struct pbwview__page {
@@ -194,6 +220,12 @@ static void pbwview__lines(FILE *file, const char *const *line)
         fputs(*line, file);
     }
 }
+
+/* ------------------------------------------------------------------------------------------------------
+   >>data         The data of a page: points, corners, arrays, flags.
+   In: a mesh, the options.  Out: a script of type text/plain for each kind of data, as data.js reads it.
+   Holds: points are numbered in the order in which corners of simplices, then of triangles meet them.
+   ------------------------------------------------------------------------------------------------------ */
 
 static int pbwview__kept(const pbwview__page *page, size_t simplex)
 {
@@ -367,6 +399,12 @@ static void pbwview__model(pbwview__page *page)
     }
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   >>emit         The file: head, data, and the scripts.
+   In: a mesh, the options.  Out: the page, or a status and a message.
+   Holds: nothing is written before all is known to fit.
+   ------------------------------------------------------------------------------------------------------ */
+
 static void pbwview__emit(void *user, FILE *file)
 {
     pbwview__page *page = (pbwview__page *)user;
@@ -494,8 +532,11 @@ PBWVIEWDEF pbwio_status pbwview_write(const char *path, const pbw_mesh *mesh, co
     free(page.number);
     return status;
 }
+
 /* ------------------------------------------------------------------------------------------------------
-   The page, made of the files in examples/lib/view/ by `make page`: edit it there.
+   >>page         The page, made of the files in examples/lib/view/ by `make page`: edit those.
+   In: nothing.  Out: pbwview__part: lines of HTML, and of the styles.
+   Holds: lines are those of the files.
    ------------------------------------------------------------------------------------------------------ */
 static const char *const pbwview__part0[] = {
     "<!DOCTYPE html>\n",
@@ -642,6 +683,10 @@ static const char *const pbwview__part1[] = {
     NULL
 };
 static const char *const pbwview__part2[] = {
+/* ------------------------------------------------------------------------------------------------------
+   >>figures      Scripts: data, measures, colours, camera, chart.
+   In: the data.  Out: arrays of numbers, ranges.
+   ------------------------------------------------------------------------------------------------------ */
     "<script>\n",
     "(() => {\n",
     "'use strict';\n",
@@ -1194,6 +1239,10 @@ static const char *const pbwview__part2[] = {
     "  draw_chart();\n",
     "  change();\n",
     "}\n",
+/* ------------------------------------------------------------------------------------------------------
+   >>scene        Scripts: what is shown, and how WebGL draws it.
+   In: arrays, the cut.  Out: the picture, marks.
+   ------------------------------------------------------------------------------------------------------ */
     "// Scene: which simplices, faces and points are drawn, from cut, limits, body and mode.  In: the controls; out: ids,\n",
     "// facets, cut_ids, caps, shown.\n",
     "\n",
@@ -1795,6 +1844,10 @@ static const char *const pbwview__part2[] = {
     "}\n",
     "const look = () => { if (!asked) { asked = true; requestAnimationFrame(paint); } };\n",
     "const change = () => { selected = false; look(); };\n",
+/* ------------------------------------------------------------------------------------------------------
+   >>panel        Scripts: the panel beside the picture.
+   In: mouse, touch, keys.  Out: what is shown, a link.
+   ------------------------------------------------------------------------------------------------------ */
     "// Panel: mouse, touch, keys, controls, the link; then the start.\n",
     "\n",
     "const move = (dx, dy) => {                              // in pixels of the page\n",

@@ -1,7 +1,8 @@
 # embed.awk: prints a header with the page of a folder in it:
 #     awk -v name=pbwview -f embed.awk FOLDER/page.html pbw_view.h
 # Style sheets and scripts that page.html names are put into it, all scripts as one function; <!-- title --> and
-# <!-- data --> end the first and the second part.  Files are ASCII: mawk and gawk then print the same bytes.
+# <!-- data --> end the first and the second part; <!-- room TAG Title.  In: ...  Out: ... --> becomes a banner of the
+# header.  Files are ASCII: mawk and gawk then print the same bytes.
 function emit(text)
 {
     gsub(/\\/, "&&", text)
@@ -26,6 +27,21 @@ function part()
     line[++lines] = "};"
     line[++lines] = "static const char *const " name "__part" ++parts "[] = {"
 }
+function room(text,   rule, tag, title)
+{
+    rule = sprintf("%102s", "")
+    gsub(/ /, "-", rule)
+    gsub(/^<!-- room | -->$/, "", text)
+    tag = title = text
+    sub(/ .*/, "", tag)
+    sub(/^[^ ]* /, "", title)
+    sub(/  In: .*/, "", title)
+    sub(/.*  In: /, "In: ", text)
+    line[++lines] = "/* " rule
+    line[++lines] = sprintf("   >>%-12s %s", tag, title)
+    line[++lines] = "   " text
+    line[++lines] = "   " rule " */"
+}
 function named(text)
 {
     sub(/.*(src|href)='/, "", text)
@@ -39,6 +55,7 @@ FNR == 1 && NR == 1 {
 }
 NR != FNR && !ends { line[++lines] = "    NULL"; line[++lines] = "};"; ends = 1 }
 NR == FNR && /^<!-- (title|data) -->$/ { part(); next }
+NR == FNR && /^<!-- room / { room($0); next }
 NR == FNR && /^<link rel='stylesheet'/ { emit("<style>"); inline(named($0)); emit("</style>"); next }
 NR == FNR && /^<script src=/ {
     if (!scripts++) {
