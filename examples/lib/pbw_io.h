@@ -246,7 +246,7 @@ typedef struct pbwio_cloud {           /* start from {0}; pbwio_free when done *
     size_t group_count;                /* what follows is empty where the file has nothing of the kind */
     pbwio_group *groups;               /* in the order of the file; those without an element too */
     pbw_index *tetrahedron_groups, *triangle_groups, *segment_groups, *point_groups;     /* one an element: its
-                                          place in groups, PBW_NONE = in none */
+                                          index in groups, PBW_NONE = in none */
     size_t column_count;
     pbwio_column *columns;
     double *heights;                   /* z of each point, which options.dim = 2 leaves out of points; NULL: the file
@@ -283,7 +283,7 @@ typedef struct pbwio_output {          /* NULL or all zero = best defaults */
     const pbw_index *patches;          /* one a corner of a simplex, of the facet across from it; NULL = 0 */
     const pbw_index *edges;            /* of a mesh in space: feature edges, two points each; NULL = none */
     size_t edge_count;
-    const pbwio_group *groups;         /* if not NULL, regions, patches, edge_groups and point_groups are places in
+    const pbwio_group *groups;         /* if not NULL, regions, patches, edge_groups, point_groups are indices into
                                           it, or PBW_NONE, and files have its tags and names, not r + 1, p + 1 */
     size_t group_count;
     const pbw_index *edge_groups;      /* one an edge; NULL = none */
@@ -601,7 +601,7 @@ typedef struct pbwio__inflater {
 } pbwio__inflater;
 
 /* The next bits, the first of them lowest; zeros beyond the end. */
-static unsigned pbwio__peek(pbwio__inflater *z, int count)
+static unsigned pbwio__peek_bits(pbwio__inflater *z, int count)
 {
     while (z->bit_count < count && z->in < z->end) {
         z->bits |= (uint64_t)*z->in++ << z->bit_count;
@@ -610,17 +610,17 @@ static unsigned pbwio__peek(pbwio__inflater *z, int count)
     return (unsigned)(z->bits & (((uint64_t)1 << count) - 1));
 }
 
-static void pbwio__drop(pbwio__inflater *z, int count)
+static void pbwio__skip_bits(pbwio__inflater *z, int count)
 {
     z->failed |= count > z->bit_count;
     z->bits >>= count;
     z->bit_count = count > z->bit_count ? 0 : z->bit_count - count;
 }
 
-static unsigned pbwio__take(pbwio__inflater *z, int count)
+static unsigned pbwio__read_bits(pbwio__inflater *z, int count)
 {
-    unsigned value = pbwio__peek(z, count);
-    pbwio__drop(z, count);
+    unsigned value = pbwio__peek_bits(z, count);
+    pbwio__skip_bits(z, count);
     return value;
 }
 
@@ -659,16 +659,16 @@ static void pbwio__make_codes(pbwio__inflater *z, pbwio__codes *codes, const uns
 
 static int pbwio__symbol(pbwio__inflater *z, const pbwio__codes *codes)
 {
-    unsigned bits = pbwio__peek(z, 15), fast = codes->fast[bits & ((1 << PBWIO__FAST) - 1)];
+    unsigned bits = pbwio__peek_bits(z, 15), fast = codes->fast[bits & ((1 << PBWIO__FAST) - 1)];
     int code = 0, first = 0, at = 0, length;
     if (fast != 0) {
-        pbwio__drop(z, (int)(fast & 15));
+        pbwio__skip_bits(z, (int)(fast & 15));
         return (int)(fast >> 4);
     }
     for (length = 1; length < 16; length++, bits >>= 1) {
         code |= (int)(bits & 1);
         if (code - first < codes->count[length]) {
-            pbwio__drop(z, length);
+            pbwio__skip_bits(z, length);
             return codes->symbol[at + code - first];
         }
         at += codes->count[length];
@@ -696,7 +696,7 @@ static int pbwio__room(pbwio__inflater *z, size_t more)
     return 1;
 }
 
-/* The lengths of the codes of a block: its own, or fixed ones. */
+/* The lengths of the codes of a block: its builtin, or fixed ones. */
 static void pbwio__read_codes(pbwio__inflater *z, int fixed)
 {
     static const unsigned char order[19] = { 16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1, 15 };
@@ -709,18 +709,18 @@ static void pbwio__read_codes(pbwio__inflater *z, int fixed)
         }
         memset(length + 288, 5, 30);
     } else {
-        literals = 257 + (int)pbwio__take(z, 5);
-        distances = 1 + (int)pbwio__take(z, 5);
-        count = 4 + (int)pbwio__take(z, 4);
+        literals = 257 + (int)pbwio__read_bits(z, 5);
+        distances = 1 + (int)pbwio__read_bits(z, 5);
+        count = 4 + (int)pbwio__read_bits(z, 4);
         for (i = 0; i < count; i++) {
-            length[order[i]] = (unsigned char)pbwio__take(z, 3);
+            length[order[i]] = (unsigned char)pbwio__read_bits(z, 3);
         }
         pbwio__make_codes(z, &z->literals, length, 19);
         memset(length, 0, sizeof length);
         for (i = 0; i < literals + distances && !z->failed;) {
             symbol = pbwio__symbol(z, &z->literals);
-            repeat = symbol < 16 ? 1 : symbol == 16 ? 3 + (int)pbwio__take(z, 2)
-                   : symbol == 17 ? 3 + (int)pbwio__take(z, 3) : 11 + (int)pbwio__take(z, 7);
+            repeat = symbol < 16 ? 1 : symbol == 16 ? 3 + (int)pbwio__read_bits(z, 2)
+                   : symbol == 17 ? 3 + (int)pbwio__read_bits(z, 3) : 11 + (int)pbwio__read_bits(z, 7);
             z->failed |= i + repeat > literals + distances || (symbol == 16 && i == 0);
             for (; repeat > 0 && !z->failed; repeat--, i++) {
                 length[i] = (unsigned char)(symbol < 16 ? symbol : symbol == 16 ? length[i - 1] : 0);
@@ -753,14 +753,14 @@ static void pbwio__read_block(pbwio__inflater *z)
             return;
         }
         extra = symbol < 8 || symbol == 28 ? 0 : symbol / 4 - 1;
-        length = length_base[symbol] + (int)pbwio__take(z, extra);
+        length = length_base[symbol] + (int)pbwio__read_bits(z, extra);
         code = pbwio__symbol(z, &z->distances);
         if (code > 29) {
             z->failed = 1;
             return;
         }
         extra = code < 4 ? 0 : code / 2 - 1;
-        distance = (code < 4 ? (size_t)code + 1 : ((size_t)(2 + code % 2) << extra) + 1) + pbwio__take(z, extra);
+        distance = (code < 4 ? (size_t)code + 1 : ((size_t)(2 + code % 2) << extra) + 1) + pbwio__read_bits(z, extra);
         z->failed |= distance > z->used - z->start;
         if (!z->failed && pbwio__room(z, (size_t)length)) {
             for (; length > 0; length--, z->used++) {                /* byte by byte: it may overlap */
@@ -779,12 +779,12 @@ static void pbwio__inflate(pbwio__inflater *z)
     z->bit_count = 0;
     z->start = z->used;
     while (!last && !z->failed) {
-        last = (int)pbwio__take(z, 1);
-        kind = (int)pbwio__take(z, 2);
+        last = (int)pbwio__read_bits(z, 1);
+        kind = (int)pbwio__read_bits(z, 2);
         if (kind == 0) {
-            pbwio__drop(z, z->bit_count % 8);
-            length = pbwio__take(z, 16);
-            z->failed |= (pbwio__take(z, 16) ^ length) != 0xffff;
+            pbwio__skip_bits(z, z->bit_count % 8);
+            length = pbwio__read_bits(z, 16);
+            z->failed |= (pbwio__read_bits(z, 16) ^ length) != 0xffff;
             z->in -= z->bit_count / 8;
             z->bits = 0;
             z->bit_count = 0;
@@ -919,17 +919,17 @@ typedef struct pbwio__reader {
     int column[4], last_column;              /* where x, y, z and the weight are, from 0; -1 = nowhere.  In 2D z is
                                                 the height, which rows may lack: then there are no heights */
     int known;                               /* the columns of coordinates have known names or were chosen */
-    unsigned char kept[PBWIO__MOST_COLUMNS]; /* of a column of the file: 1 + its place in cloud->columns; 0: none */
+    unsigned char kept[PBWIO__MOST_COLUMNS]; /* of a column of the file: 1 + its index in cloud->columns; 0: none */
     const pbwio_options *options;
     pbwio_cloud *cloud;
     size_t point_capacity, triangle_capacity, tetrahedron_capacity, segment_capacity, group_capacity, held, budget;
     pbw_index group[4];                      /* of elements of that dimension that come next; PBW_NONE: none */
-    pbw_index *group_table;                  /* places of groups by hashes of their dimension and tag, or name */
+    pbw_index *group_table;                  /* indices of groups by hashes of their dimension and tag, or name */
     size_t group_table_size;                 /* 0 or a power of two, above twice their number */
     size_t fan[2];                           /* the first and the last corner of the polygon at hand */
     pbwio__polygon *polygons;                /* of more than three corners */
     size_t polygon_count, polygon_capacity;
-    unsigned char *middles;                  /* per point: 1 in the middle of an edge or facet; NULL: none */
+    unsigned char *midpoints;                /* per point: 1 in the middle of an edge or facet; NULL: none */
     pbwio_error *error;
     char shown[32];                          /* a field for a message */
     char unread[120];                        /* names of data that the cloud does not keep */
@@ -954,9 +954,9 @@ static void pbwio__fail(pbwio__reader *r, pbwio_status status, const char *forma
     r->status = status;
 }
 
-/* Notes what the cloud does not keep. */
+/* Says in cloud->dropped what the cloud does not keep. */
 PBWIO__PRINTF(2, 3)
-static void pbwio__dropped(pbwio__reader *r, const char *format, ...)
+static void pbwio__report_dropped(pbwio__reader *r, const char *format, ...)
 {
     char *text = r->cloud->dropped;
     size_t used = strlen(text);
@@ -970,11 +970,11 @@ static void pbwio__dropped(pbwio__reader *r, const char *format, ...)
     va_end(list);
 }
 
-/* Notes once what the cloud does not keep. */
-static void pbwio__leave_out(pbwio__reader *r, const char *what)
+/* The same, once for each text. */
+static void pbwio__report_once(pbwio__reader *r, const char *what)
 {
     if (strstr(r->cloud->dropped, what) == NULL) {
-        pbwio__dropped(r, "%s", what);
+        pbwio__report_dropped(r, "%s", what);
     }
 }
 
@@ -1122,8 +1122,8 @@ static const char *pbwio__show(pbwio__reader *r, pbwio__field field)
     return r->shown;
 }
 
-/* Notes data of that name that the cloud does not keep. */
-static void pbwio__note_data(pbwio__reader *r, pbwio__field name)
+/* Adds a name to the list of data that the cloud does not keep. */
+static void pbwio__report_unread(pbwio__reader *r, pbwio__field name)
 {
     const size_t used = strlen(r->unread);
     const char *text = used < sizeof r->unread - 40 ? pbwio__show(r, name) : "...";
@@ -1311,7 +1311,7 @@ static int pbwio__known_columns(pbwio__reader *r, const pbwio__field *names, int
 }
 
 /* Says which columns are the coordinates, unless they are named x, y, z, or are all that there are. */
-static void pbwio__say_taken(pbwio__reader *r, const pbwio__field *names, int count, int column_count)
+static void pbwio__report_columns(pbwio__reader *r, const pbwio__field *names, int count, int column_count)
 {
     char *text = r->cloud->taken;
     const size_t size = sizeof r->cloud->taken;
@@ -1354,7 +1354,7 @@ static void pbwio__keep_columns(pbwio__reader *r, const pbwio__field *names, int
         texts += other && !r->kept[column];
     }
     if (texts > 0) {
-        pbwio__dropped(r, "%d column%s of text", texts, texts == 1 ? "" : "s");
+        pbwio__report_dropped(r, "%d column%s of text", texts, texts == 1 ? "" : "s");
     }
     while (*s != 0 && strcmp(s, "*") != 0 && r->status == PBWIO_OK) {
         const size_t length = strcspn(s, ",");
@@ -1650,7 +1650,7 @@ static int pbwio__group_table(pbwio__reader *r, int by_name)
     return 1;
 }
 
-/* The place of the group of that dimension and tag, or, if there is a name and the tag is 0, of that dimension and
+/* The index of the group of that dimension and tag, or, if there is a name and the tag is 0, of that dimension and
    name; new if there is none.  A file finds all of its groups by tags, or all by names.  PBW_NONE: it has failed. */
 static pbw_index pbwio__find_group(pbwio__reader *r, int dim, long long tag, const char *name, size_t length)
 {
@@ -1690,8 +1690,8 @@ static pbw_index pbwio__find_group(pbwio__reader *r, int dim, long long tag, con
     return (pbw_index)cloud->group_count++;
 }
 
-/* Notes that the last triangle is of a polygon of that many corners, four or more. */
-static void pbwio__note_polygon(pbwio__reader *r, size_t corners)
+/* Records that the last triangle is of a polygon of that many corners, four or more. */
+static void pbwio__record_polygon(pbwio__reader *r, size_t corners)
 {
     if (corners == 4) {
         const size_t first = r->cloud->triangle_count - 2;
@@ -1713,7 +1713,7 @@ static void pbwio__note_polygon(pbwio__reader *r, size_t corners)
 }
 
 /* No element and no point is in a group. */
-static void pbwio__forget_groups(pbwio__reader *r)
+static void pbwio__clear_groups(pbwio__reader *r)
 {
     pbwio_cloud *cloud = r->cloud;
     pbw_index *const groups[4] = { cloud->point_groups, cloud->segment_groups, cloud->triangle_groups,
@@ -1748,7 +1748,7 @@ static void pbwio__add_corner(pbwio__reader *r, double id, long long point_count
         pbwio__add_triangle(r, r->fan[0], r->fan[1], (size_t)id);
     }
     if (k >= 3 && r->status == PBWIO_OK) {
-        pbwio__note_polygon(r, (size_t)k + 1);
+        pbwio__record_polygon(r, (size_t)k + 1);
     }
     r->fan[k > 0] = (size_t)id;
 }
@@ -1761,30 +1761,30 @@ static void pbwio__add_corner(pbwio__reader *r, double id, long long point_count
 
    1. The polygon is projected along the axis in which its area vector is largest.  A fan that lies inside stays.
    2. Else a line sweeps over the corners, ordered by x and then by y.  The parts of the line inside the polygon are
-      strips, each between a lower and an upper edge.
-   3. To the left of a strip all is triangulated up to a chain of corners, from the left end of its lower edge to that
-      of its upper edge.  The next corner takes the triangles that it sees there (Hertel and Mehlhorn 1983, "Fast
+      intervals, each between a lower and an upper edge.
+   3. To the left of an interval all is triangulated up to a chain of corners, from the left end of its lower edge to
+      that of its upper edge.  The next corner takes the triangles that it sees there (Hertel and Mehlhorn 1983, "Fast
       triangulation of simple polygons").
    4. Edges that become neighbours are tested against each other, so that an outline that crosses or touches itself is
       found (Shamos and Hoey 1976, "Geometric intersection problems").
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwio__node { pbw_index corner, next[2]; } pbwio__node;      /* of a chain; next: lower, upper */
 
-typedef struct pbwio__strip {
+typedef struct pbwio__interval {
     pbw_index edge[2];                       /* lower, upper; edge i goes from corner i to the next one */
     pbw_index end[2], last;                  /* nodes of the chain: its lower and its upper end, its rightmost */
-    pbw_index near[2];                       /* the strips below and above */
+    pbw_index near[2];                       /* the intervals below and above */
     pbw_index child[2], parent;              /* in a splay tree, from below to above */
-} pbwio__strip;
+} pbwio__interval;
 
 typedef struct pbwio__sweep {
     size_t n;
     const pbw_index *id;                     /* the points of the corners */
     double *xy;                              /* counter-clockwise if the polygon is simple */
-    pbw_index *order, *strip_of;             /* corners from left to right; the strip of an edge */
+    pbw_index *order, *interval_of;          /* corners from left to right; the interval of an edge */
     pbwio__node *nodes;
-    pbwio__strip *strips;
-    pbw_index node_count, strip_count, root;
+    pbwio__interval *intervals;
+    pbw_index node_count, interval_count, root;
     pbw_index *triangles;
     size_t triangle_count;
     int failed;                              /* the polygon is not simple */
@@ -1832,9 +1832,9 @@ static void pbwio__sort_corners(const double *xy, pbw_index *order, pbw_index *s
     }
 }
 
-/* ---- the tree of strips ---- */
+/* ---- the tree of intervals ---- */
 
-static void pbwio__rotate(pbwio__strip *all, pbw_index x)
+static void pbwio__rotate(pbwio__interval *all, pbw_index x)
 {
     const pbw_index p = all[x].parent, g = all[p].parent;
     const int side = all[p].child[1] == x;
@@ -1851,10 +1851,10 @@ static void pbwio__rotate(pbwio__strip *all, pbw_index x)
     }
 }
 
-/* Makes a strip the root (Sleator and Tarjan 1985, "Self-adjusting binary search trees"). */
+/* Makes an interval the root (Sleator and Tarjan 1985, "Self-adjusting binary search trees"). */
 static void pbwio__splay(pbwio__sweep *s, pbw_index x)
 {
-    pbwio__strip *all = s->strips;
+    pbwio__interval *all = s->intervals;
     while (all[x].parent != PBW_NONE) {
         const pbw_index p = all[x].parent, g = all[p].parent;
         if (g != PBW_NONE) {
@@ -1865,40 +1865,42 @@ static void pbwio__splay(pbwio__sweep *s, pbw_index x)
     s->root = x;
 }
 
-/* Adds a strip above that one, or below all others. */
-static pbw_index pbwio__add_strip(pbwio__sweep *s, pbw_index below)
+/* Adds an interval above that one, or below all others. */
+static pbw_index pbwio__add_interval(pbwio__sweep *s, pbw_index below)
 {
-    const pbw_index x = s->strip_count++;
-    pbwio__strip *all = s->strips, *strip = all + x;
+    const pbw_index x = s->interval_count++;
+    pbwio__interval *all = s->intervals, *interval = all + x;
     pbw_index upper = s->root;
-    memset(strip, 0xff, sizeof *strip);                              /* PBW_NONE everywhere */
+    memset(interval, 0xff, sizeof *interval);                      /* PBW_NONE everywhere */
     if (below != PBW_NONE) {
         pbwio__splay(s, below);
         upper = all[below].child[1];
         all[below].child[1] = PBW_NONE;
         all[below].parent = x;
-        strip->near[1] = all[below].near[1];
+        interval->near[1] = all[below].near[1];
         all[below].near[1] = x;
     } else {
-        for (strip->near[1] = s->root; strip->near[1] != PBW_NONE && all[strip->near[1]].near[0] != PBW_NONE;) {
-            strip->near[1] = all[strip->near[1]].near[0];
+        pbw_index lowest = s->root;
+        while (lowest != PBW_NONE && all[lowest].near[0] != PBW_NONE) {
+            lowest = all[lowest].near[0];
         }
+        interval->near[1] = lowest;
     }
-    strip->near[0] = strip->child[0] = below;
-    strip->child[1] = upper;
+    interval->near[0] = interval->child[0] = below;
+    interval->child[1] = upper;
     if (upper != PBW_NONE) {
         all[upper].parent = x;
     }
-    if (strip->near[1] != PBW_NONE) {
-        all[strip->near[1]].near[0] = x;
+    if (interval->near[1] != PBW_NONE) {
+        all[interval->near[1]].near[0] = x;
     }
     s->root = x;
     return x;
 }
 
-static void pbwio__remove_strip(pbwio__sweep *s, pbw_index x)
+static void pbwio__remove_interval(pbwio__sweep *s, pbw_index x)
 {
-    pbwio__strip *all = s->strips;
+    pbwio__interval *all = s->intervals;
     const pbw_index below = all[x].near[0], above = all[x].near[1];
     pbw_index lower, upper;
     pbwio__splay(s, x);
@@ -1917,17 +1919,17 @@ static void pbwio__remove_strip(pbwio__sweep *s, pbw_index x)
     }
 }
 
-/* The highest strip with a lower edge below corner v; PBW_NONE: there is none. */
-static pbw_index pbwio__strip_below(pbwio__sweep *s, pbw_index v)
+/* The highest interval with a lower edge below corner v; PBW_NONE: there is none. */
+static pbw_index pbwio__interval_below(pbwio__sweep *s, pbw_index v)
 {
     pbw_index at = s->root, found = PBW_NONE, deepest = PBW_NONE;
     while (at != PBW_NONE && !s->failed) {
-        const pbw_index edge = s->strips[at].edge[0];
+        const pbw_index edge = s->intervals[at].edge[0];
         const int side = pbwio__turn(s, edge, pbwio__after(s, edge), v);
         s->failed |= side == 0;
         deepest = at;
         found = side > 0 ? at : found;
-        at = s->strips[at].child[side > 0];
+        at = s->intervals[at].child[side > 0];
     }
     if (deepest != PBW_NONE) {
         pbwio__splay(s, deepest);                                    /* pays for the search */
@@ -1949,13 +1951,13 @@ static void pbwio__test_edges(pbwio__sweep *s, pbw_index e, pbw_index f)
     }
 }
 
-/* Tests the lower (0) or the upper (1) edge of a strip against both of its neighbours. */
-static void pbwio__test_strip(pbwio__sweep *s, pbw_index strip, int side)
+/* Tests the lower (0) or the upper (1) edge of an interval against both of its neighbours. */
+static void pbwio__test_interval(pbwio__sweep *s, pbw_index interval, int side)
 {
-    const pbwio__strip *p = s->strips + strip;
+    const pbwio__interval *p = s->intervals + interval;
     pbwio__test_edges(s, p->edge[0], p->edge[1]);
     if (p->near[side] != PBW_NONE) {
-        pbwio__test_edges(s, p->edge[side], s->strips[p->near[side]].edge[!side]);
+        pbwio__test_edges(s, p->edge[side], s->intervals[p->near[side]].edge[!side]);
     }
 }
 
@@ -1969,7 +1971,7 @@ static pbw_index pbwio__add_node(pbwio__sweep *s, pbw_index corner)
 
 /* From a node on, down (0) or up (1) along its chain, adds the triangles that corner v sees.  Returns the node
    where they end. */
-static pbw_index pbwio__take_triangles(pbwio__sweep *s, pbw_index at, int side, pbw_index v)
+static pbw_index pbwio__add_visible(pbwio__sweep *s, pbw_index at, int side, pbw_index v)
 {
     pbw_index next;
     for (; (next = s->nodes[at].next[side]) != PBW_NONE; at = next) {
@@ -1992,16 +1994,16 @@ static void pbwio__link(pbwio__sweep *s, pbw_index lower, pbw_index upper)
 
 /* ---- the corners that the line meets ---- */
 
-/* Both edges of v go to the right: a strip starts, or, where v lies in one, that is parted in two. */
-static void pbwio__start_strip(pbwio__sweep *s, pbw_index v)
+/* Both edges of v go to the right: an interval starts, or the interval that v lies in becomes two. */
+static void pbwio__start_interval(pbwio__sweep *s, pbw_index v)
 {
-    const pbw_index before = pbwio__before(s, v), found = pbwio__strip_below(s, v);
+    const pbw_index before = pbwio__before(s, v), found = pbwio__interval_below(s, v);
     const int turn = pbwio__turn(s, before, v, pbwio__after(s, v));
-    pbw_index strip, last, lower, upper, low, high;
-    pbwio__strip *p;
+    pbw_index interval, last, lower, upper, low, high;
+    pbwio__interval *p;
     int inside = 0;
     if (found != PBW_NONE) {
-        const pbw_index edge = s->strips[found].edge[1];
+        const pbw_index edge = s->intervals[found].edge[1];
         const int side = pbwio__turn(s, edge, pbwio__after(s, edge), v);
         s->failed |= side == 0;
         inside = side > 0;
@@ -2010,17 +2012,17 @@ static void pbwio__start_strip(pbwio__sweep *s, pbw_index v)
     if (s->failed) {
         return;
     }
-    strip = pbwio__add_strip(s, found);
-    p = s->strips + strip;
+    interval = pbwio__add_interval(s, found);
+    p = s->intervals + interval;
     p->edge[0] = v;
     p->edge[1] = before;
     p->end[0] = p->end[1] = p->last = low = high = pbwio__add_node(s, v);
     if (inside) {
-        last = s->strips[found].last;
-        lower = pbwio__take_triangles(s, last, 0, v);
-        upper = pbwio__take_triangles(s, last, 1, v);
+        last = s->intervals[found].last;
+        lower = pbwio__add_visible(s, last, 0, v);
+        upper = pbwio__add_visible(s, last, 1, v);
         high = pbwio__add_node(s, v);
-        p->end[1] = s->strips[found].end[1];
+        p->end[1] = s->intervals[found].end[1];
         if (lower == upper) {                                        /* the corner is in both chains */
             upper = pbwio__add_node(s, s->nodes[last].corner);
             if (s->nodes[last].next[1] != PBW_NONE) {
@@ -2030,45 +2032,45 @@ static void pbwio__start_strip(pbwio__sweep *s, pbw_index v)
         }
         pbwio__link(s, low, upper);
         pbwio__link(s, lower, high);
-        p->edge[1] = s->strips[found].edge[1];
-        s->strips[found].edge[1] = before;
-        s->strips[found].end[1] = s->strips[found].last = high;
-        pbwio__test_strip(s, found, 1);
+        p->edge[1] = s->intervals[found].edge[1];
+        s->intervals[found].edge[1] = before;
+        s->intervals[found].end[1] = s->intervals[found].last = high;
+        pbwio__test_interval(s, found, 1);
     }
-    s->strip_of[before] = inside ? found : strip;
-    s->strip_of[v] = strip;
-    s->strip_of[p->edge[1]] = inside ? strip : s->strip_of[p->edge[1]];
-    pbwio__test_strip(s, strip, 0);
-    pbwio__test_strip(s, strip, 1);
+    s->interval_of[before] = inside ? found : interval;
+    s->interval_of[v] = interval;
+    s->interval_of[p->edge[1]] = inside ? interval : s->interval_of[p->edge[1]];
+    pbwio__test_interval(s, interval, 0);
+    pbwio__test_interval(s, interval, 1);
 }
 
-/* Edge `old` of a strip ends in v, where edge `fresh` starts. */
-static void pbwio__go_on(pbwio__sweep *s, pbw_index v, pbw_index old, pbw_index fresh)
+/* Edge `old` of an interval ends in v; edge `next` starts there and takes its place. */
+static void pbwio__continue_interval(pbwio__sweep *s, pbw_index v, pbw_index old, pbw_index next)
 {
-    const pbw_index strip = s->strip_of[old], node = pbwio__add_node(s, v);
-    pbwio__strip *p = s->strips + strip;
+    const pbw_index interval = s->interval_of[old], node = pbwio__add_node(s, v);
+    pbwio__interval *p = s->intervals + interval;
     const int side = p->edge[1] == old;
-    const pbw_index end = pbwio__take_triangles(s, p->end[side], !side, v);
+    const pbw_index end = pbwio__add_visible(s, p->end[side], !side, v);
     pbwio__link(s, side ? end : node, side ? node : end);
     p->end[side] = p->last = node;
-    p->edge[side] = fresh;
-    s->strip_of[fresh] = strip;
-    pbwio__test_strip(s, strip, side);
+    p->edge[side] = next;
+    s->interval_of[next] = interval;
+    pbwio__test_interval(s, interval, side);
 }
 
-/* Both edges of v come from the left: a strip ends, or two become one. */
-static void pbwio__end_strip(pbwio__sweep *s, pbw_index v)
+/* Both edges of v come from the left: an interval ends, or two become one. */
+static void pbwio__end_interval(pbwio__sweep *s, pbw_index v)
 {
-    const pbw_index upper = s->strip_of[pbwio__before(s, v)], lower = s->strip_of[v];
-    pbwio__strip *p = s->strips + lower, *q = s->strips + upper;
+    const pbw_index upper = s->interval_of[pbwio__before(s, v)], lower = s->interval_of[v];
+    pbwio__interval *p = s->intervals + lower, *q = s->intervals + upper;
     pbw_index node, low, high;
     if (lower == upper) {
-        s->failed |= pbwio__take_triangles(s, p->end[0], 1, v) != p->end[1];
+        s->failed |= pbwio__add_visible(s, p->end[0], 1, v) != p->end[1];
         low = p->near[0];
         high = p->near[1];
-        pbwio__remove_strip(s, lower);
+        pbwio__remove_interval(s, lower);
         if (low != PBW_NONE && high != PBW_NONE) {
-            pbwio__test_edges(s, s->strips[low].edge[1], s->strips[high].edge[0]);
+            pbwio__test_edges(s, s->intervals[low].edge[1], s->intervals[high].edge[0]);
         }
         return;
     }
@@ -2077,16 +2079,16 @@ static void pbwio__end_strip(pbwio__sweep *s, pbw_index v)
         return;
     }
     node = pbwio__add_node(s, v);
-    low = pbwio__take_triangles(s, p->end[1], 0, v);
-    high = pbwio__take_triangles(s, q->end[0], 1, v);
+    low = pbwio__add_visible(s, p->end[1], 0, v);
+    high = pbwio__add_visible(s, q->end[0], 1, v);
     pbwio__link(s, low, node);
     pbwio__link(s, node, high);
     p->end[1] = q->end[1];
     p->edge[1] = q->edge[1];
     p->last = node;
-    s->strip_of[p->edge[1]] = lower;
-    pbwio__remove_strip(s, upper);
-    pbwio__test_strip(s, lower, 1);
+    s->interval_of[p->edge[1]] = lower;
+    pbwio__remove_interval(s, upper);
+    pbwio__test_interval(s, lower, 1);
 }
 
 /* Triangulates the polygon of s->xy; returns whether it is simple. */
@@ -2094,7 +2096,7 @@ static int pbwio__sweep_polygon(pbwio__sweep *s)
 {
     const size_t n = s->n;
     pbw_index i, v, before, after;
-    s->node_count = s->strip_count = 0;
+    s->node_count = s->interval_count = 0;
     s->root = PBW_NONE;
     s->triangle_count = 0;
     pbwio__sort_corners(s->xy, s->order, (pbw_index *)(void *)s->nodes, n);
@@ -2117,14 +2119,14 @@ static int pbwio__sweep_polygon(pbwio__sweep *s)
         after = pbwio__after(s, v);
         if (pbwio__left_of(s->xy, before, v)) {
             if (pbwio__left_of(s->xy, after, v)) {
-                pbwio__end_strip(s, v);
+                pbwio__end_interval(s, v);
             } else {
-                pbwio__go_on(s, v, before, v);
+                pbwio__continue_interval(s, v, before, v);
             }
         } else if (pbwio__left_of(s->xy, after, v)) {
-            pbwio__go_on(s, v, v, before);
+            pbwio__continue_interval(s, v, v, before);
         } else {
-            pbwio__start_strip(s, v);
+            pbwio__start_interval(s, v);
         }
     }
     return !s->failed && s->triangle_count == n - 2;
@@ -2209,9 +2211,9 @@ static int pbwio__fan_fits(const pbwio_cloud *cloud, const pbw_index *fan, size_
 /* Cuts the polygon of n corners with a fan that does not fit; returns whether it is simple. */
 static int pbwio__cut_polygon(pbwio__reader *r, pbw_index *fan, size_t n, int axes[3][2], int tries)
 {
-    const size_t dim = (size_t)r->cloud->dim, strips = n / 2 + 1;
+    const size_t dim = (size_t)r->cloud->dim, intervals = n / 2 + 1;
     const size_t size = n * (2 * sizeof(double) + 3 * sizeof(pbw_index) + 2 * sizeof(pbwio__node))
-                      + strips * sizeof(pbwio__strip);
+                      + intervals * sizeof(pbwio__interval);
     char *block = (char *)pbwio__resize(r, NULL, 0, size, 1);
     pbwio__sweep s;
     pbw_index *id;
@@ -2224,10 +2226,10 @@ static int pbwio__cut_polygon(pbwio__reader *r, pbw_index *fan, size_t n, int ax
     s.n = n;
     s.xy = (double *)(void *)block;
     s.nodes = (pbwio__node *)(void *)(s.xy + 2 * n);
-    s.strips = (pbwio__strip *)(void *)(s.nodes + 2 * n);
-    s.order = (pbw_index *)(void *)(s.strips + strips);
-    s.strip_of = s.order + n;
-    id = s.strip_of + n;
+    s.intervals = (pbwio__interval *)(void *)(s.nodes + 2 * n);
+    s.order = (pbw_index *)(void *)(s.intervals + intervals);
+    s.interval_of = s.order + n;
+    id = s.interval_of + n;
     s.id = id;
     s.triangles = fan;
     for (i = 0; i < n; i++) {
@@ -2263,8 +2265,8 @@ static void pbwio__cut_polygons(pbwio__reader *r)
         }
     }
     if (bad > 0 && r->status == PBWIO_OK) {
-        pbwio__dropped(r, "outlines of %zu polygon%s: flat, or they cross or touch themselves (fans instead)", bad,
-                       bad == 1 ? "" : "s");
+        pbwio__report_dropped(r, "outlines of %zu polygon%s: flat, or they cross or touch themselves (fans instead)",
+                              bad, bad == 1 ? "" : "s");
     }
 }
 
@@ -2440,7 +2442,7 @@ static void pbwio__read_table(pbwio__reader *r)
         r->at = r->line;
         r->line_number--;
         pbwio__reserve(r, pbwio__most(r, pbwio__count_lines(r, 0)), 1);
-        pbwio__say_taken(r, names, name_count, count);
+        pbwio__report_columns(r, names, name_count, count);
         pbwio__keep_columns(r, names, name_count, columns, count);
         while (pbwio__row_line(r)) {
             pbwio__point(r);
@@ -2563,7 +2565,8 @@ static const char *pbwio__obj_word(pbwio__reader r, pbwio__reader *all)
     }
     for (k = 0; k < 2; k++) {
         if (several[k] && several[k + 1] + several[2] > 0) {
-            pbwio__leave_out(all, k == 0 ? "groups of faces but those by usemtl" : "groups of faces but those by g");
+            pbwio__report_once(all, k == 0 ? "groups of faces but those by usemtl"
+                               : "groups of faces but those by g");
             break;
         }
     }
@@ -2639,7 +2642,7 @@ static void pbwio__read_off(pbwio__reader *r)
                 pbwio__fail(r, PBWIO_ERROR_FORMAT, "files of kind \"%s\" are not read", pbwio__show(r, field));
             }
             if (r->options->columns == NULL && r->options->weight == NULL) {
-                pbwio__leave_out(r, "colours, normals, texture");
+                pbwio__report_once(r, "colours, normals, texture");
             }
         }
         if (!pbwio__next(r, &field)) {
@@ -2720,13 +2723,14 @@ static void pbwio__read_stl_binary(pbwio__reader *r, size_t count)
     r->at += 84;
     r->line_number = 0;
     if ((count == 0 || count == 0xffffffff) && left > 0 && left % 50 == 0) {     /* as writers of streams leave it */
-        pbwio__dropped(r, "the number %zu of triangles in the head, %zu follow", count, left / 50);
+        pbwio__report_dropped(r, "the number %zu of triangles in the head, %zu follow", count, left / 50);
         count = left / 50;
     } else if (left / 50 < count) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "%zu triangle%s announced, %zu byte%s", count,
                     count == 1 ? " is" : "s are", left, left == 1 ? " follows" : "s follow");
     } else if (left > 50 * count) {
-        pbwio__dropped(r, "%zu byte%s behind the triangles", left - 50 * count, left - 50 * count == 1 ? "" : "s");
+        pbwio__report_dropped(r, "%zu byte%s behind the triangles", left - 50 * count,
+                              left - 50 * count == 1 ? "" : "s");
     }
     pbwio__reserve(r, 3 * (unsigned long long)count, 16);
     for (i = 0; i < count && r->status == PBWIO_OK; i++, r->at += 2) {
@@ -2796,7 +2800,7 @@ static void pbwio__read_stl_text(pbwio__reader *r)
          && r->cloud->triangle_groups[corners] != PBW_NONE; corners++) {
     }
     if (r->cloud->group_count == 1 && corners == r->cloud->triangle_count) {   /* the model's name, no part of it */
-        pbwio__forget_groups(r);
+        pbwio__clear_groups(r);
     }
 }
 
@@ -2856,19 +2860,19 @@ static double pbwio__ply_value(pbwio__reader *r, const pbwio__ply *ply, int type
     return value;
 }
 
-/* Notes properties and elements that are not kept. */
-static void pbwio__ply_note(pbwio__reader *r, const pbwio__ply *ply, int vertex, int face)
+/* Reports properties and elements that are not kept. */
+static void pbwio__ply_report(pbwio__reader *r, const pbwio__ply *ply, int vertex, int face)
 {
     const pbwio_options *o = r->options;
     int p;
     if (!vertex && !face && ply->count > 0) {
-        pbwio__note_data(r, ply->name);
+        pbwio__report_unread(r, ply->name);
     }
     for (p = 0; p < ply->property_count && (vertex || face) && o->columns == NULL; p++) {
         const pbwio__field name = ply->property[p].name;
         if (!pbwio__lists(vertex ? "x y z nx ny nz" : "vertex_indices vertex_index", name)
             && (o->weight == NULL || !pbwio__is(name, o->weight))) {
-            pbwio__note_data(r, name);
+            pbwio__report_unread(r, name);
         }
     }
 }
@@ -2886,7 +2890,7 @@ static void pbwio__ply_element(pbwio__reader *r, const pbwio__ply *ply)
         lists |= property->list >= 0;
         row += ply->text ? 2 : pbwio__types[property->list >= 0 ? property->list : property->type].size;
     }
-    pbwio__ply_note(r, ply, vertex, face);
+    pbwio__ply_report(r, ply, vertex, face);
     if (vertex && r->cloud->points != NULL) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "element \"vertex\" comes twice");
     } else if (vertex) {
@@ -3092,7 +3096,7 @@ static void pbwio__group_point(pbwio__reader *r, size_t point)
     if (cloud->point_groups[point] == PBW_NONE) {
         cloud->point_groups[point] = r->group[0];
     } else if (cloud->point_groups[point] != r->group[0]) {
-        pbwio__leave_out(r, PBWIO__OTHER_GROUPS);
+        pbwio__report_once(r, PBWIO__OTHER_GROUPS);
     }
 }
 
@@ -3111,15 +3115,15 @@ static void pbwio__add_element(pbwio__reader *r, int dim, int corners, int nodes
             corner[k] = (pbw_index)id[k];
         }
     }
-    if (nodes > corners && r->middles == NULL) {
-        r->middles = (unsigned char *)pbwio__resize(r, NULL, 0, r->cloud->count, 1);
-        if (r->middles == NULL) {
+    if (nodes > corners && r->midpoints == NULL) {
+        r->midpoints = (unsigned char *)pbwio__resize(r, NULL, 0, r->cloud->count, 1);
+        if (r->midpoints == NULL) {
             return;
         }
-        memset(r->middles, 0, r->cloud->count);
+        memset(r->midpoints, 0, r->cloud->count);
     }
     for (k = corners; k < nodes; k++) {
-        r->middles[id[k]] = 1;
+        r->midpoints[id[k]] = 1;
     }
     if (dim == 0) {
         pbwio__group_point(r, (size_t)id[0]);
@@ -3131,8 +3135,8 @@ static void pbwio__add_element(pbwio__reader *r, int dim, int corners, int nodes
     }
 }
 
-/* Takes out the points in the middles of elements that are a corner of none. */
-static void pbwio__leave_out_middles(pbwio__reader *r)
+/* Takes out the midpoints of edges and facets that are a corner of none. */
+static void pbwio__remove_midpoints(pbwio__reader *r)
 {
     pbwio_cloud *cloud = r->cloud;
     pbw_index *const ids[3] = { cloud->segments, cloud->triangles, cloud->tetrahedra }, *number;
@@ -3145,12 +3149,12 @@ static void pbwio__leave_out_middles(pbwio__reader *r)
     }
     for (k = 0; k < 3; k++) {
         for (i = 0; i < counts[k]; i++) {
-            r->middles[ids[k][i]] = 0;
+            r->midpoints[ids[k][i]] = 0;
         }
     }
     for (i = 0; i < cloud->count; i++) {
         number[i] = (pbw_index)kept;
-        if (!r->middles[i]) {
+        if (!r->midpoints[i]) {
             memmove(cloud->points + dim * kept, cloud->points + dim * i, dim * sizeof(double));
             if (cloud->weights != NULL) {
                 cloud->weights[kept] = cloud->weights[i];
@@ -3174,8 +3178,8 @@ static void pbwio__leave_out_middles(pbwio__reader *r)
     }
     cloud->count = kept;
     PBWIO_FREE(number);
-    pbwio__leave_out(r, "the points within edges and faces of second-order elements, which are read as straight "
-                     "ones");
+    pbwio__report_once(r, "the points within edges and faces of second-order elements, which are read as straight "
+                       "ones");
 }
 
 /* The elements of Medit by their words; rows of nodes and a reference. */
@@ -3248,9 +3252,9 @@ static void pbwio__read_medit(pbwio__reader *r)
             }
         } else if (pbwio__is(word, "Hexahedra") || pbwio__is(word, "Prisms") || pbwio__is(word, "Pentahedra")
                    || pbwio__is(word, "Pyramids")) {
-            pbwio__leave_out(r, PBWIO__OTHER_SOLIDS);
+            pbwio__report_once(r, PBWIO__OTHER_SOLIDS);
         } else if (!pbwio__is(word, "MeshVersionFormatted")) {
-            pbwio__note_data(r, word);
+            pbwio__report_unread(r, word);
         }
     }
 }
@@ -3265,7 +3269,7 @@ static int pbwio__has_nodes(pbwio__reader *r)
 }
 
 /* Groups of elements of a dimension, which come behind `before` others, are no groups after all. */
-static void pbwio__give_up_groups(pbwio__reader *r, int dim, size_t before)
+static void pbwio__discard_groups(pbwio__reader *r, int dim, size_t before)
 {
     pbw_index **groups = dim == 3 ? &r->cloud->tetrahedron_groups : &r->cloud->triangle_groups;
     r->held -= *groups != NULL ? (dim == 3 ? r->tetrahedron_capacity : r->triangle_capacity) * sizeof **groups : 0;
@@ -3273,7 +3277,7 @@ static void pbwio__give_up_groups(pbwio__reader *r, int dim, size_t before)
     *groups = NULL;
     r->group[dim] = PBW_NONE;
     r->cloud->group_count = before;
-    pbwio__leave_out(r, "attributes of elements, which are no whole numbers and so no regions");
+    pbwio__report_once(r, "attributes of elements, which are no whole numbers and so no regions");
 }
 
 /* "count corners attributes", then "id corners attributes"; the points are in the .node file.  Its ids start where
@@ -3295,7 +3299,7 @@ static void pbwio__read_ele(pbwio__reader *r)
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "elements of %lld corners in %dD", corners, dim);
     }
     if (attributes > 1) {
-        pbwio__leave_out(r, "attributes of elements but the first");
+        pbwio__report_once(r, "attributes of elements but the first");
     }
     for (i = 0; i < count && r->status == PBWIO_OK; i++) {
         if (!pbwio__row_line(r)) {
@@ -3309,7 +3313,7 @@ static void pbwio__read_ele(pbwio__reader *r)
         if (attributes > 0 && (!pbwio__next(r, &field) || !pbwio__number(field.begin, field.end, &tag))) {
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is not a finite number", pbwio__show(r, field));
         } else if (attributes > 0 && (tag < floor(tag) || tag > floor(tag) || fabs(tag) >= 1e18)) {
-            pbwio__give_up_groups(r, dim, before);
+            pbwio__discard_groups(r, dim, before);
             attributes = 0;
         } else if (attributes > 0) {
             r->group[dim] = (long long)tag == 0 ? PBW_NONE : pbwio__find_group(r, dim, (long long)tag, "", 0);
@@ -3356,7 +3360,7 @@ static void pbwio__read_facets(pbwio__reader *r)
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "%d numbers where %lld are needed", k + 1, dim + 2 + markers);
         }
         if (dim == 1 && markers > 0 && k > 3) {
-            pbwio__leave_out(r, "edges with more than two points and a marker");
+            pbwio__report_once(r, "edges with more than two points and a marker");
             continue;
         }
         k = dim == 2 && k == 6 + markers ? 6 : dim + 1;              /* where the marker is */
@@ -3423,7 +3427,7 @@ static double pbwio__msh_real(pbwio__reader *r, const pbwio__msh *m)
     return value;
 }
 
-/* Notes that the number of the file stands for that point. */
+/* Records that the number of the file is that point. */
 static void pbwio__msh_number(pbwio__reader *r, pbwio__msh *m, long long number, size_t point)
 {
     size_t count = m->of_count, i;
@@ -3541,7 +3545,7 @@ static void pbwio__read_entities(pbwio__reader *r, pbwio__msh *m)
                 m->physical = 1;
             }
             if (left > 1) {
-                pbwio__leave_out(r, PBWIO__OTHER_GROUPS);
+                pbwio__report_once(r, PBWIO__OTHER_GROUPS);
             }
             left = e.dim > 0 ? pbwio__msh_integer(r, m, 8) : 0;
             for (k = 0; k < left && r->status == PBWIO_OK; k++) {
@@ -3579,7 +3583,7 @@ static pbw_index pbwio__msh_group(pbwio__reader *r, pbwio__msh *m, int dim, long
     physical = physical < 0 ? -physical : physical;
     if (physical != 0 && !m->physical) {
         m->physical = 1;                                             /* so the entities before were no groups */
-        pbwio__forget_groups(r);
+        pbwio__clear_groups(r);
     }
     physical = m->physical || dim == 0 ? physical : entity;
     return physical <= 0 || r->status != PBWIO_OK ? PBW_NONE : pbwio__find_group(r, dim, physical, "", 0);
@@ -3594,7 +3598,7 @@ static const unsigned char pbwio__shapes[32][3] = {
 };
 
 /* Whether an element is the last of its dimension again, as version 2.2 has those of several physical groups. */
-static int pbwio__is_again(const pbwio_cloud *cloud, int dim, const long long *id)
+static int pbwio__repeats_last(const pbwio_cloud *cloud, int dim, const long long *id)
 {
     const size_t count = dim == 3 ? cloud->tetrahedron_count : dim == 2 ? cloud->triangle_count
                        : cloud->segment_count;
@@ -3621,10 +3625,10 @@ static void pbwio__msh_element(pbwio__reader *r, const pbwio__msh *m, long long 
               ? (long long)m->of[number] : -1;
     }
     if (r->status == PBWIO_OK && shape[1] == 0) {
-        pbwio__leave_out(r, PBWIO__OTHER_SOLIDS);
+        pbwio__report_once(r, PBWIO__OTHER_SOLIDS);
     } else if (r->status == PBWIO_OK && m->version == 2 && shape[1] < 4 + (shape[0] == 3)
-               && pbwio__is_again(r->cloud, shape[0], id)) {
-        pbwio__leave_out(r, PBWIO__OTHER_GROUPS);
+               && pbwio__repeats_last(r->cloud, shape[0], id)) {
+        pbwio__report_once(r, PBWIO__OTHER_GROUPS);
     } else if (r->status == PBWIO_OK) {
         pbwio__add_element(r, shape[0], shape[1], shape[2], id);
     }
@@ -3722,7 +3726,7 @@ static void pbwio__read_msh(pbwio__reader *r)
             }
         } else if (word.end - word.begin > 4 && *word.begin == '$' && !pbwio__same(word.begin, 4, end, 4)) {
             if (!pbwio__lists("$Comments $Entities $Periodic $PartitionedEntities", word)) {
-                pbwio__note_data(r, word);
+                pbwio__report_unread(r, word);
             }
             while (m.binary && r->at < r->end && (r->end - r->at < 4 || memcmp(r->at, end, 4) != 0)) {
                 const char *next = (const char *)memchr(r->at + 1, '$', (size_t)(r->end - r->at) - 1);
@@ -3740,7 +3744,7 @@ static void pbwio__read_msh(pbwio__reader *r)
    Out: points, cells as elements, arrays of integers as groups.
    Holds: no array is read beyond its end.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWIO__POINTS, PBWIO__WEIGHTS, PBWIO__MARKERS, PBWIO__CORNERS, PBWIO__ENDS, PBWIO__KINDS, PBWIO__REGIONS,
+enum { PBWIO__POINTS, PBWIO__WEIGHTS, PBWIO__MARKERS, PBWIO__CORNERS, PBWIO__ENDS, PBWIO__TYPES, PBWIO__REGIONS,
        PBWIO__PATCHES, PBWIO__CURVES, PBWIO__ARRAYS };
 
 typedef struct pbwio__array {
@@ -3757,7 +3761,7 @@ typedef struct pbwio__vtu {
     int big, packed, raw;                    /* byte order; zlib; what is appended is not base64 */
     size_t head;                             /* bytes of a length: 4 or 8 */
     double points, cells;
-    int kind;                                /* of cells without an array of kinds */
+    int type;                                /* of cells without an array of types */
     const char *fields;                      /* where the fields of the whole file start; NULL: none */
     const char *appended;                    /* the first byte behind the underscore; NULL: none */
     pbwio__array array[PBWIO__ARRAYS];
@@ -3795,9 +3799,9 @@ static const char *const pbwio__region_names[] = { "region", "gmsh:physical", "m
     "MaterialIDs", "MaterialID", "CellEntityIds", "CellEntityID", "physical", "attribute", "subdomain", "cell_tags",
     "facet_tags" };
 
-/* Where an array of that name is noted; NULL: it is not needed. */
-static pbwio__array *pbwio__vtu_place(pbwio__reader *r, pbwio__vtu *v, const char *section, pbwio__field name,
-                                      int *rank)
+/* The array of that name; NULL: it is not needed. */
+static pbwio__array *pbwio__vtu_array_of(pbwio__reader *r, pbwio__vtu *v, const char *section, pbwio__field name,
+                                         int *rank)
 {
     static const char *const names[] = { "connectivity", "offsets", "types" };
     int k;
@@ -3810,7 +3814,7 @@ static pbwio__array *pbwio__vtu_place(pbwio__reader *r, pbwio__vtu *v, const cha
             return &v->array[PBWIO__WEIGHTS];
         }
         if (!pbwio__is(name, "marker") && !pbwio__is(name, "id")) {
-            pbwio__note_data(r, name);
+            pbwio__report_unread(r, name);
         }
         return pbwio__is(name, "marker") ? &v->array[PBWIO__MARKERS] : NULL;
     }
@@ -3829,7 +3833,7 @@ static pbwio__array *pbwio__vtu_place(pbwio__reader *r, pbwio__vtu *v, const cha
         }
     }
     if (!pbwio__lists("patch edge quality", name)) {
-        pbwio__note_data(r, name);
+        pbwio__report_unread(r, name);
     }
     return pbwio__is(name, "patch") ? &v->array[PBWIO__PATCHES]
          : pbwio__is(name, "edge") ? &v->array[PBWIO__CURVES] : NULL;
@@ -3856,13 +3860,13 @@ static int pbwio__vtu_describe(pbwio__reader *r, pbwio__array *a, const char *s,
     return k < 10;
 }
 
-/* Notes an array that is needed. */
+/* Records an array that is needed. */
 static void pbwio__vtu_array(pbwio__reader *r, pbwio__vtu *v, const char *section, const char *s, const char *end)
 {
     const pbwio__field name = pbwio__attribute(s, end, "Name");
     pbwio__array *a, found;
     int rank, known, groups;
-    a = pbwio__vtu_place(r, v, section, name, &rank);
+    a = pbwio__vtu_array_of(r, v, section, name, &rank);
     if (a == NULL) {
         return;
     }
@@ -3871,7 +3875,7 @@ static void pbwio__vtu_array(pbwio__reader *r, pbwio__vtu *v, const char *sectio
     groups = a == &v->array[PBWIO__MARKERS] || a >= &v->array[PBWIO__REGIONS];
     if (groups && (!known || found.type == 6 || found.type == 7 || found.components > 1
                    || (a->is && a->rank <= rank))) {
-        pbwio__note_data(r, name);
+        pbwio__report_unread(r, name);
         return;                                                      /* no numbers of groups, or others count more */
     }
     if ((a->is && !groups) || !known) {
@@ -4249,32 +4253,32 @@ static void pbwio__vtu_points(pbwio__reader *r, pbwio__vtu *v)
 
 /* The dimension of a type of cells of VTK, -1: it is not kept; its corners, 0: all nodes.  The others are in the
    middles of its edges and so on. */
-static int pbwio__vtk_shape(int kind, int *corners)
+static int pbwio__vtk_shape(int type, int *corners)
 {
-    static const unsigned char kinds[][3] = { { 1, 0, 1 }, { 2, 0, 1 }, { 3, 1, 2 }, { 4, 1, 0 }, { 5, 2, 3 },
+    static const unsigned char types[][3] = { { 1, 0, 1 }, { 2, 0, 1 }, { 3, 1, 2 }, { 4, 1, 0 }, { 5, 2, 3 },
         { 6, 2, 0 }, { 7, 2, 0 }, { 8, 2, 4 }, { 9, 2, 4 }, { 10, 3, 4 }, { 21, 1, 2 }, { 22, 2, 3 }, { 23, 2, 4 },
         { 24, 3, 4 }, { 28, 2, 4 },
         { 34, 2, 3 }, { 68, 1, 2 }, { 69, 2, 3 }, { 70, 2, 4 }, { 71, 3, 4 } };
     size_t i;
-    for (i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
-        if (kinds[i][0] == kind) {
-            *corners = kinds[i][2];
-            return kinds[i][1];
+    for (i = 0; i < sizeof types / sizeof types[0]; i++) {
+        if (types[i][0] == type) {
+            *corners = types[i][2];
+            return types[i][1];
         }
     }
     return -1;
 }
 
 /* One cell, of nodes that come next in the array. */
-static void pbwio__vtu_cell(pbwio__reader *r, pbwio__vtu *v, int kind, double nodes)
+static void pbwio__vtu_cell(pbwio__reader *r, pbwio__vtu *v, int type, double nodes)
 {
     long long id[56] = { 0 };
     double value, at;
-    int corners = 0, k = 0, dim = pbwio__vtk_shape(kind, &corners);
+    int corners = 0, k = 0, dim = pbwio__vtk_shape(type, &corners);
     for (at = 0; at < nodes && r->status == PBWIO_OK; at++) {
         value = pbwio__vtu_value(r, v, &v->array[PBWIO__CORNERS]);
         id[k] = value >= 0 && value < (double)r->cloud->count ? (long long)value : -1;
-        if (kind == 6) {                                             /* a strip of triangles, which turn by turns */
+        if (type == 6) {                                             /* a strip of triangles, which turn by turns */
             const long long turned[3] = { id[1], id[0], id[k] };
             id[2] = id[k];
             if (at >= 2) {
@@ -4294,13 +4298,13 @@ static void pbwio__vtu_cell(pbwio__reader *r, pbwio__vtu *v, int kind, double no
         k += k < 55 && (corners > 0 || k == 0);
     }
     if (dim < 0) {
-        pbwio__leave_out(r, PBWIO__OTHER_SOLIDS);
+        pbwio__report_once(r, PBWIO__OTHER_SOLIDS);
     } else if (r->status == PBWIO_OK && corners > 0) {
         if (k < corners) {
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "a cell of %d nodes where %d are needed", k, corners);
             return;
         }
-        if (kind == 8) {                                             /* a pixel goes by rows, not around */
+        if (type == 8) {                                             /* a pixel goes by rows, not around */
             const long long third = id[2];
             id[2] = id[3];
             id[3] = third;
@@ -4311,13 +4315,13 @@ static void pbwio__vtu_cell(pbwio__reader *r, pbwio__vtu *v, int kind, double no
 
 static void pbwio__vtu_cells(pbwio__reader *r, pbwio__vtu *v)
 {
-    pbwio__array *ends = &v->array[PBWIO__ENDS], *kinds = &v->array[PBWIO__KINDS];
+    pbwio__array *ends = &v->array[PBWIO__ENDS], *types = &v->array[PBWIO__TYPES];
     pbwio__array *regions = &v->array[PBWIO__REGIONS], *patches = &v->array[PBWIO__PATCHES];
     pbwio__array *curves = &v->array[PBWIO__CURVES];
     double i, at = 0, end, region, patch, curve;
-    int k, kind, unused, dim;
+    int k, type, unused, dim;
     if (!(v->cells > 0) || !v->array[PBWIO__CORNERS].is || (!v->array[PBWIO__CORNERS].plain && !ends->is)
-        || (v->kind == 0 && !kinds->is)) {
+        || (v->type == 0 && !types->is)) {
         return;
     }
     for (k = PBWIO__CORNERS; k < PBWIO__ARRAYS; k++) {
@@ -4329,7 +4333,7 @@ static void pbwio__vtu_cells(pbwio__reader *r, pbwio__vtu *v)
         pbwio__vtu_value(r, v, ends);                                /* offsets start with 0 */
     }
     for (i = 0; i < v->cells && r->status == PBWIO_OK; i++) {
-        kind = v->kind != 0 ? v->kind : (int)fmin(fmax(pbwio__vtu_value(r, v, kinds), 0), 1000);
+        type = v->type != 0 ? v->type : (int)fmin(fmax(pbwio__vtu_value(r, v, types), 0), 1000);
         end = ends->is ? pbwio__vtu_value(r, v, ends) : at + pbwio__vtu_value(r, v, &v->array[PBWIO__CORNERS]);
         if (end < at) {
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "offsets that fall");
@@ -4337,12 +4341,12 @@ static void pbwio__vtu_cells(pbwio__reader *r, pbwio__vtu *v)
         region = regions->is ? pbwio__vtu_value(r, v, regions) : 0;
         patch = patches->is ? pbwio__vtu_value(r, v, patches) : 0;
         curve = curves->is ? pbwio__vtu_value(r, v, curves) : 0;
-        dim = pbwio__vtk_shape(kind, &unused);
+        dim = pbwio__vtk_shape(type, &unused);
         if (dim >= 0) {
             region = dim < 3 && fabs(patch) > 0 ? patch : region;
             r->group[dim] = pbwio__vtu_group(r, dim, dim == 1 && fabs(curve) > 0 ? curve : region);
         }
-        pbwio__vtu_cell(r, v, kind, end - at);
+        pbwio__vtu_cell(r, v, type, end - at);
         at = end;
     }
 }
@@ -4385,7 +4389,7 @@ typedef struct pbwio__vtk {
     double rows;                             /* values of those arrays */
     pbwio__array corners[PBWIO__VTK_PARTS], offsets[PBWIO__VTK_PARTS];
     double cells[PBWIO__VTK_PARTS];
-    int kind[PBWIO__VTK_PARTS];
+    int type[PBWIO__VTK_PARTS];
     pbwio__vtu vtu;
 } pbwio__vtk;
 
@@ -4411,7 +4415,7 @@ static int pbwio__vtk_type(pbwio__reader *r)
     return 0;
 }
 
-/* Passes the numbers that follow; notes where they are if there is an array for them. */
+/* Skips the numbers that follow; an array for them, if there is one, records where they are. */
 static void pbwio__vtk_numbers(pbwio__reader *r, const pbwio__vtk *k, int type, double count, pbwio__array *a)
 {
     const char *begin = k->binary ? r->at : r->cursor;
@@ -4419,7 +4423,7 @@ static void pbwio__vtk_numbers(pbwio__reader *r, const pbwio__vtk *k, int type, 
     pbwio__field field;
     double i, bytes = ceil(count * size);
     if (type == -2) {
-        pbwio__dropped(r, "what is behind an array of strings");
+        pbwio__report_dropped(r, "what is behind an array of strings");
         r->at = r->cursor = r->line_end = r->end;
         return;
     }
@@ -4462,7 +4466,7 @@ static int pbwio__vtk_takes(pbwio__reader *r, const char *word)
 }
 
 /* CELLS or a part of PolyData: counts and corners in one array, or, from version 5 on, offsets and corners. */
-static void pbwio__vtk_part(pbwio__reader *r, pbwio__vtk *k, int kind)
+static void pbwio__vtk_part(pbwio__reader *r, pbwio__vtk *k, int type)
 {
     const double count = (double)pbwio__count(r, "number of cells");
     const double size = (double)pbwio__count(r, "number of numbers");
@@ -4471,7 +4475,7 @@ static void pbwio__vtk_part(pbwio__reader *r, pbwio__vtk *k, int kind)
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "more than %d sections of cells", PBWIO__VTK_PARTS);
         return;
     }
-    k->kind[part] = kind;
+    k->type[part] = type;
     if (pbwio__vtk_takes(r, "OFFSETS")) {
         pbwio__vtk_numbers(r, k, pbwio__vtk_type(r), count, &k->offsets[part]);
         if (!pbwio__vtk_takes(r, "CONNECTIVITY")) {
@@ -4494,12 +4498,13 @@ static void pbwio__vtk_values(pbwio__reader *r, pbwio__vtk *k, pbwio__field name
     pbwio__array *a, found;
     int rank;
     if (components > 1) {
-        pbwio__note_data(r, name);
+        pbwio__report_unread(r, name);
     }
-    a = components > 1 ? NULL : pbwio__vtu_place(r, &k->vtu, k->point_data ? "PointData" : "CellData", name, &rank);
+    a = components > 1 ? NULL
+      : pbwio__vtu_array_of(r, &k->vtu, k->point_data ? "PointData" : "CellData", name, &rank);
     if (a != NULL && a != &k->vtu.array[PBWIO__WEIGHTS]
         && (type == 6 || type == 7 || type < 0 || (a->is && a->rank <= rank))) {
-        pbwio__note_data(r, name);
+        pbwio__report_unread(r, name);
         a = NULL;                                                    /* no numbers of groups, or others count more */
     }
     pbwio__vtk_numbers(r, k, type, components * count, &found);
@@ -4533,7 +4538,7 @@ static void pbwio__vtk_field(pbwio__reader *r, pbwio__vtk *k)
 /* A keyword of attributes; returns whether it is one. */
 static int pbwio__vtk_attribute(pbwio__reader *r, pbwio__vtk *k, pbwio__field word)
 {
-    static const struct { const char *words; int components; } kinds[] = {
+    static const struct { const char *words; int components; } types[] = {
         { "VECTORS NORMALS", 3 }, { "TENSORS", 9 }, { "TENSORS6", 6 }, { "GLOBAL_IDS PEDIGREE_IDS EDGE_FLAGS", 1 }
     };
     const int scalars = pbwio__is(word, "SCALARS");
@@ -4558,10 +4563,10 @@ static int pbwio__vtk_attribute(pbwio__reader *r, pbwio__vtk *k, pbwio__field wo
                            : (double)components * k->rows, NULL);
         return 1;
     }
-    for (i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
-        if (pbwio__lists(kinds[i].words, word)) {
+    for (i = 0; i < sizeof types / sizeof types[0]; i++) {
+        if (pbwio__lists(types[i].words, word)) {
             pbwio__next(r, &name);
-            pbwio__vtk_values(r, k, name, pbwio__vtk_type(r), kinds[i].components, k->rows);
+            pbwio__vtk_values(r, k, name, pbwio__vtk_type(r), types[i].components, k->rows);
             return 1;
         }
     }
@@ -4572,12 +4577,12 @@ static int pbwio__vtk_attribute(pbwio__reader *r, pbwio__vtk *k, pbwio__field wo
 static void pbwio__vtk_section(pbwio__reader *r, pbwio__vtk *k, pbwio__field word)
 {
     static const char *const parts[] = { "VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS", "CELLS" };
-    static const int kinds[] = { 2, 4, 7, 6, 0 };
+    static const int types[] = { 2, 4, 7, 6, 0 };
     pbwio__field name;
     int i;
     for (i = 0; i < 5; i++) {
         if (pbwio__is(word, parts[i])) {
-            pbwio__vtk_part(r, k, kinds[i]);
+            pbwio__vtk_part(r, k, types[i]);
             return;
         }
     }
@@ -4592,7 +4597,7 @@ static void pbwio__vtk_section(pbwio__reader *r, pbwio__vtk *k, pbwio__field wor
         pbwio__vtk_numbers(r, k, pbwio__vtk_type(r), 3 * k->vtu.points, &k->vtu.array[PBWIO__POINTS]);
         k->vtu.array[PBWIO__POINTS].components = 3;
     } else if (pbwio__is(word, "CELL_TYPES")) {
-        pbwio__vtk_numbers(r, k, 4, (double)pbwio__count(r, "number of cells"), &k->vtu.array[PBWIO__KINDS]);
+        pbwio__vtk_numbers(r, k, 4, (double)pbwio__count(r, "number of cells"), &k->vtu.array[PBWIO__TYPES]);
     } else if (pbwio__is(word, "POINT_DATA") || pbwio__is(word, "CELL_DATA")) {
         k->point_data = pbwio__is(word, "POINT_DATA");
         k->rows = (double)pbwio__count(r, "number of values");
@@ -4623,11 +4628,11 @@ static void pbwio__vtk_make(pbwio__reader *r, pbwio__vtk *k)
     for (i = 0; i < k->parts && r->status == PBWIO_OK; i++) {
         v->array[PBWIO__CORNERS] = k->corners[i];
         v->array[PBWIO__ENDS] = k->offsets[i];
-        v->kind = k->kind[i];
+        v->type = k->type[i];
         v->cells = k->cells[i];
         if (k->parts > 1 && v->array[PBWIO__REGIONS].is) {           /* it goes on through all parts */
             v->array[PBWIO__REGIONS].is = 0;
-            pbwio__dropped(r, "the regions of points, lines and polygons in one file");
+            pbwio__report_dropped(r, "the regions of points, lines and polygons in one file");
         }
         pbwio__vtu_cells(r, v);
     }
@@ -4674,7 +4679,7 @@ enum { PBWIO__KEY_TYPE, PBWIO__KEY_ELSET, PBWIO__KEY_NSET, PBWIO__KEY_NAME, PBWI
 
 typedef struct pbwio__numbered {             /* the points or elements of a number of the file */
     long long number;
-    pbw_index place;                         /* the first of its points or elements in the cloud */
+    pbw_index first;                         /* the first of its points or elements in the cloud */
     unsigned char count, dim, corners, shell;        /* count: how many those are, 0: it is passed over */
 } pbwio__numbered;
 
@@ -4689,7 +4694,7 @@ typedef struct pbwio__member {               /* of a set: numbers from first to 
 typedef struct pbwio__set {
     pbwio__field name;
     int kind;                                /* 'n' of nodes, 'e' of elements, 's' a surface */
-    int section, helper, internal;           /* a section names it; a surface is made of it; a program's own */
+    int section, of_surface, internal;       /* a section names it; a surface is made of it; a program's own */
     pbw_index first, last;                   /* its members, PBW_NONE: none */
     size_t size;                             /* of its elements of the dimension at hand */
     int whole;                               /* those are all that there are */
@@ -4700,7 +4705,8 @@ typedef struct pbwio__inp {
     char word[32];                           /* the keyword at hand, small letters without blanks */
     pbwio__field value[PBWIO__KEYS];         /* of its parameters; begin NULL: it has none of that name */
     int rows;                                /* what its rows are: 'p' nodes, 'c' elements, sets as above, 'i', 0 */
-    int coordinates, parts, instances, assembly, foreign;    /* foreign: rows are numbers of the assembly's own */
+    int coordinates, parts, instances, assembly;
+    int of_assembly;                         /* rows are numbers of the assembly's own */
     int dim, corners, nodes, shell;          /* of elements of the type at hand */
     pbw_index set;                           /* that the rows belong to */
     pbwio__index points, elements;
@@ -4831,7 +4837,7 @@ static void pbwio__sort_numbers(pbwio__reader *r, pbwio__index *n, const char *w
     }
 }
 
-/* The place in the list of the first number that is not below that one. */
+/* The index of the first number of the list that is not below that one. */
 static size_t pbwio__from_number(const pbwio__index *n, long long number)
 {
     size_t low = 0, high = n->count;
@@ -4897,11 +4903,11 @@ static void pbwio__inp_type(pbwio__reader *r, pbwio__inp *p)
         p->corners = p->nodes == 4 || p->nodes == 10 ? 4 : 0;
     }
     if (p->corners == 0 && p->dim == 3) {
-        pbwio__leave_out(r, PBWIO__OTHER_SOLIDS);
+        pbwio__report_once(r, PBWIO__OTHER_SOLIDS);
     } else if (p->corners == 0 && strlen(r->cloud->dropped) < 180) {
         char text[64];
         snprintf(text, sizeof text, "elements of type %s", pbwio__show(r, type));
-        pbwio__leave_out(r, text);
+        pbwio__report_once(r, text);
     }
 }
 
@@ -4924,7 +4930,7 @@ static void pbwio__inp_node(pbwio__reader *r, pbwio__inp *p)
     memset(&entry, 0, sizeof entry);
     pbwio__next(r, &field);
     entry.number = pbwio__inp_number(r, field, "node number");
-    entry.place = (pbw_index)r->cloud->count;
+    entry.first = (pbw_index)r->cloud->count;
     entry.count = 1;
     for (k = 0; k < 3 && pbwio__next(r, &field); k++) {
         if (field.end > field.begin && !pbwio__number(field.begin, field.end, row + k)) {
@@ -4956,7 +4962,7 @@ static void pbwio__inp_element(pbwio__reader *r, pbwio__inp *p)
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "element %lld has node %s, which is not there", entry.number,
                         pbwio__show(r, field));
         } else if (p->corners > 0) {
-            id[k] = (long long)node->place;
+            id[k] = (long long)node->first;
         }
     }
     if (p->corners > 0 && k < p->nodes) {
@@ -4970,7 +4976,7 @@ static void pbwio__inp_element(pbwio__reader *r, pbwio__inp *p)
     }
     if (r->status == PBWIO_OK && p->corners > 0) {
         const pbwio_cloud *cloud = r->cloud;
-        entry.place = (pbw_index)(p->dim == 3 ? cloud->tetrahedron_count : p->dim == 2 ? cloud->triangle_count
+        entry.first = (pbw_index)(p->dim == 3 ? cloud->tetrahedron_count : p->dim == 2 ? cloud->triangle_count
                                   : cloud->segment_count);
         entry.count = p->dim == 2 ? (unsigned char)(p->corners - 2) : 1;
         pbwio__add_element(r, p->dim, p->corners, p->nodes, id);
@@ -5105,7 +5111,7 @@ static void pbwio__add_to_set(pbwio__reader *r, pbwio__inp *p, int kind, pbwio__
     rest.begin = p->instances > 0 ? s : field.begin;
     from = from == PBW_NONE ? pbwio__find_set(r, p, kind, rest, 0) : from;
     if (from == PBW_NONE && pbwio__natural(rest, &member.first)) {
-        if (p->foreign && rest.begin == field.begin) {
+        if (p->of_assembly && rest.begin == field.begin) {
             return;
         }
         if (pbwio__find_number(numbers, member.first) == NULL) {
@@ -5122,7 +5128,7 @@ static void pbwio__add_to_set(pbwio__reader *r, pbwio__inp *p, int kind, pbwio__
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is neither a number nor a set so far", pbwio__show(r, field));
         return;
     }
-    p->sets[from].helper |= side != 0;
+    p->sets[from].of_surface |= side != 0;
     end = p->sets[from].last;
     for (at = p->sets[from].first; at != PBW_NONE && r->status == PBWIO_OK; at = at == end ? PBW_NONE
          : p->members[at].next) {
@@ -5161,7 +5167,7 @@ static void pbwio__inp_members(pbwio__reader *r, pbwio__inp *p)
             (void)pbwio__next(r, &side);
             k = pbwio__inp_side(side);
             if (k == 0 || field.end == field.begin) {
-                pbwio__leave_out(r, "parts of surfaces that name no side of elements");
+                pbwio__report_once(r, "parts of surfaces that name no side of elements");
                 return;
             }
             pbwio__add_to_set(r, p, 'e', field, k);
@@ -5170,7 +5176,7 @@ static void pbwio__inp_members(pbwio__reader *r, pbwio__inp *p)
             pbwio__add_to_set(r, p, kind, field, 0);
         }
     }
-    if (!generated || r->status != PBWIO_OK || p->foreign) {
+    if (!generated || r->status != PBWIO_OK || p->of_assembly) {
         return;
     }
     if (k < 2 || range[0] > range[1] || range[2] < 1 || range[2] >= PBW_NONE) {
@@ -5210,7 +5216,7 @@ static void pbwio__inp_refuse(pbwio__reader *r, pbwio__inp *p)
     }
 }
 
-/* Notes where the file is after a keyword, and what its rows are. */
+/* Updates what follows from a keyword: parts, assemblies, what its rows are. */
 static void pbwio__inp_start(pbwio__reader *r, pbwio__inp *p)
 {
     static const struct { const char *word; int rows; } words[] = {
@@ -5229,22 +5235,22 @@ static void pbwio__inp_start(pbwio__reader *r, pbwio__inp *p)
     for (k = 0; k < sizeof words / sizeof words[0]; k++) {
         p->rows = strcmp(p->word, words[k].word) == 0 ? words[k].rows : p->rows;
     }
-    p->foreign = p->assembly && p->value[PBWIO__KEY_INSTANCE].begin == NULL;
-    if ((p->rows == 'p' || p->rows == 'c') && p->foreign) {
-        pbwio__leave_out(r, "nodes and elements of the assembly");
+    p->of_assembly = p->assembly && p->value[PBWIO__KEY_INSTANCE].begin == NULL;
+    if ((p->rows == 'p' || p->rows == 'c') && p->of_assembly) {
+        pbwio__report_once(r, "nodes and elements of the assembly");
         p->rows = 0;
     } else if (p->rows == 'n' && p->value[PBWIO__KEY_ELSET].begin != NULL) {
-        pbwio__leave_out(r, "sets of the nodes of sets of elements");
+        pbwio__report_once(r, "sets of the nodes of sets of elements");
         p->rows = 0;
     } else if (p->rows == 's' && p->value[PBWIO__KEY_TYPE].begin != NULL
                && !pbwio__is(p->value[PBWIO__KEY_TYPE], "ELEMENT")) {
-        pbwio__leave_out(r, "surfaces of nodes and other kinds");
+        pbwio__report_once(r, "surfaces of nodes and other kinds");
         p->rows = 0;
     }
     word.begin = p->word;
     word.end = p->word + strlen(p->word);
     if (p->rows == 0 && !pbwio__lists(passed, word)) {
-        pbwio__leave_out(r, "what is no node, element, set or surface: materials, sections, steps");
+        pbwio__report_once(r, "what is no node, element, set or surface: materials, sections, steps");
     }
 }
 
@@ -5343,8 +5349,8 @@ static int pbwio__side_of(const pbwio__numbered *e, int side)
 static int pbwio__facet_of(const pbwio_cloud *cloud, const pbwio__numbered *e, int side, pbw_index corner[3])
 {
     static const unsigned char facets[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
-    const pbw_index *t = e->dim == 3 ? cloud->tetrahedra + 4 * (size_t)e->place
-                       : cloud->triangles + 3 * (size_t)e->place;
+    const pbw_index *t = e->dim == 3 ? cloud->tetrahedra + 4 * (size_t)e->first
+                       : cloud->triangles + 3 * (size_t)e->first;
     int k;
     for (k = 0; k < 3 && e->dim == 3; k++) {
         corner[k] = t[facets[side][k]];
@@ -5372,7 +5378,7 @@ static uint64_t pbwio__facet_hash(const pbwio_cloud *cloud, const pbwio__numbere
 
 /* Puts what a set has into it: points (dim 0), elements of a dimension, triangles (dim 4) or edges (dim 5) between
    elements.  Returns how many were not in it; the hashes of such facets go into p->sum. */
-static size_t pbwio__put_into(pbwio__reader *r, pbwio__inp *p, pbw_index s, int dim, pbw_index *of)
+static size_t pbwio__assign_set(pbwio__reader *r, pbwio__inp *p, pbw_index s, int dim, pbw_index *of)
 {
     const pbwio__set *set = p->sets + s;
     const pbwio__index *n = set->kind == 'n' ? &p->points : &p->elements;
@@ -5394,7 +5400,7 @@ static size_t pbwio__put_into(pbwio__reader *r, pbwio__inp *p, pbw_index s, int 
                 || (dim < 4 ? side != 4 || (dim > 0 && e->dim != dim) : side < 0 || side > 3 || e->dim != 7 - dim)) {
                 continue;
             }
-            place = dim < 4 ? e->place : 4 * at + (size_t)side;
+            place = dim < 4 ? e->first : 4 * at + (size_t)side;
             for (k = 0; k < (dim < 4 ? (size_t)e->count : 1); k++) {
                 p->sum ^= dim >= 4 && of[place + k] != s ? pbwio__facet_hash(r->cloud, e, side) : 0;
                 count += of[place + k] != s;
@@ -5407,14 +5413,14 @@ static size_t pbwio__put_into(pbwio__reader *r, pbwio__inp *p, pbw_index s, int 
 
 /* Whether a set is no group of that dimension: a program's own; all points; all elements or the boundary, where this
    header calls it so or other sets have some of them. */
-static int pbwio__is_idle(const pbwio__set *set, int dim, size_t others)
+static int pbwio__is_no_group(const pbwio__set *set, int dim, size_t others)
 {
     const char *own = dim == 0 ? "NALL" : dim >= 4 ? "BOUNDARY" : "DOMAIN";
     return set->internal || (set->whole && (dim == 0 || others > 0 || pbwio__is(set->name, own)));
 }
 
-/* Notes sets that lost members to others: `kept` is how many they have, one a set. */
-static void pbwio__note_lost(pbwio__reader *r, pbwio__inp *p, int dim, const size_t *kept)
+/* Lists sets that lost members to others; kept: how many each set still has. */
+static void pbwio__report_lost(pbwio__reader *r, pbwio__inp *p, int dim, const size_t *kept)
 {
     const char *own = dim == 0 ? "NALL" : dim >= 4 ? "BOUNDARY" : "DOMAIN";
     size_t i, used = strlen(p->lost);
@@ -5429,7 +5435,7 @@ static void pbwio__note_lost(pbwio__reader *r, pbwio__inp *p, int dim, const siz
 
 /* Finds out which of the sets are groups of points, elements or facets (dim, as above), makes groups of them, in the
    order of the sets, and puts the numbers of sets into `of`, which has `total` places; PBW_NONE: in none. */
-static void pbwio__rank_sets(pbwio__reader *r, pbwio__inp *p, int dim, pbw_index *of, size_t total)
+static void pbwio__assign_sets(pbwio__reader *r, pbwio__inp *p, int dim, pbw_index *of, size_t total)
 {
     const uint64_t boundary = p->sum;
     size_t *kept = (size_t *)pbwio__resize(r, NULL, 0, p->set_count + 1, sizeof *kept), i, others = 0;
@@ -5443,7 +5449,7 @@ static void pbwio__rank_sets(pbwio__reader *r, pbwio__inp *p, int dim, pbw_index
         pbwio__set *set = p->sets + i;
         p->sum = 0;
         set->size = set->kind == 'n' && pbwio__find_set(r, p, 's', set->name, 0) != PBW_NONE ? 0
-                  : pbwio__put_into(r, p, (pbw_index)i, dim, of);    /* nodes of a surface say no more than that */
+                  : pbwio__assign_set(r, p, (pbw_index)i, dim, of);    /* nodes of a surface say no more than that */
         set->whole = set->size > 0 && (dim < 4 ? set->size == total : p->sum == boundary);
         others += set->size > 0 && !set->whole && !set->internal && (set->kind != 's' || dim >= 4);
     }
@@ -5451,17 +5457,17 @@ static void pbwio__rank_sets(pbwio__reader *r, pbwio__inp *p, int dim, pbw_index
     for (level = 0; level < 4; level++) {
         for (i = 0; i < p->set_count && r->status == PBWIO_OK; i++) {
             const pbwio__set *set = p->sets + i;
-            if (set->size > 0 && !pbwio__is_idle(set, dim, others)
-                && level == (set->kind == 's' && dim < 4 ? 0 : set->whole || set->helper ? 1
+            if (set->size > 0 && !pbwio__is_no_group(set, dim, others)
+                && level == (set->kind == 's' && dim < 4 ? 0 : set->whole || set->of_surface ? 1
                              : set->section ? 3 : 2)) {
-                (void)pbwio__put_into(r, p, (pbw_index)i, dim, of);
+                (void)pbwio__assign_set(r, p, (pbw_index)i, dim, of);
             }
         }
     }
     for (i = 0; i < total; i++) {
         kept[of[i] == PBW_NONE ? p->set_count : of[i]]++;
     }
-    pbwio__note_lost(r, p, dim, kept);
+    pbwio__report_lost(r, p, dim, kept);
     for (i = 0; i < p->set_count && r->status == PBWIO_OK; i++) {
         pbwio__set *set = p->sets + i;
         set->group = kept[i] == 0 ? PBW_NONE
@@ -5486,7 +5492,7 @@ static void pbwio__inp_groups(pbwio__reader *r, pbwio__inp *p, int dim)
     if (count == 0 || p->set_count == 0 || !pbwio__group_room(r, of, 0, 0, capacity)) {
         return;
     }
-    pbwio__rank_sets(r, p, dim, *of, count);
+    pbwio__assign_sets(r, p, dim, *of, count);
     for (i = 0; i < count && r->status == PBWIO_OK; i++) {
         found += (*of)[i] != PBW_NONE;
         (*of)[i] = (*of)[i] == PBW_NONE ? PBW_NONE : p->sets[(*of)[i]].group;
@@ -5517,7 +5523,7 @@ static void pbwio__inp_surfaces(pbwio__reader *r, pbwio__inp *p, int dim)
             p->sum ^= pbwio__facet_hash(r->cloud, e, side);
         }
     }
-    pbwio__rank_sets(r, p, dim, of, total);
+    pbwio__assign_sets(r, p, dim, of, total);
     for (i = 0; i < total && r->status == PBWIO_OK; i++) {
         if (of[i] != PBW_NONE) {
             (void)pbwio__facet_of(r->cloud, p->elements.list + i / 4, (int)(i % 4), corner);
@@ -5557,7 +5563,7 @@ static void pbwio__read_inp(pbwio__reader *r)
     pbwio__inp_surfaces(r, p, 4);
     pbwio__inp_surfaces(r, p, 5);
     if (p->lost[0] != 0) {
-        pbwio__dropped(r, "members that other sets have, too, of %s", p->lost);
+        pbwio__report_dropped(r, "members that other sets have, too, of %s", p->lost);
     }
     PBWIO_FREE(p->points.list);
     PBWIO_FREE(p->elements.list);
@@ -5598,7 +5604,7 @@ typedef struct pbwio__su2 {
     pbw_index group;                         /* of the marker */
 } pbwio__su2;
 
-/* Notes what a key says. */
+/* Takes what a key says. */
 static void pbwio__su2_start(pbwio__reader *r, pbwio__su2 *p, pbwio__field key, int pass)
 {
     const int rows = pbwio__is(key, "NELEM") ? 'e' : pbwio__is(key, "NPOIN") ? 'p'
@@ -5640,7 +5646,7 @@ static void pbwio__su2_start(pbwio__reader *r, pbwio__su2 *p, pbwio__field key, 
         pbwio__choose(r, NULL, (int)p->dim, (int)p->dim);
         pbwio__reserve(r, (unsigned long long)p->left, 2 * (size_t)p->dim);
     } else if (rows == 0 && !pbwio__lists("NZONE IZONE", key)) {
-        pbwio__leave_out(r, "keys other than of points, elements and markers");
+        pbwio__report_once(r, "keys other than of points, elements and markers");
     }
 }
 
@@ -5661,9 +5667,9 @@ static void pbwio__su2_element(pbwio__reader *r, pbwio__su2 *p)
     }
     dim = pbwio__vtk_shape((int)type, &corners);
     if (dim < 0) {
-        pbwio__leave_out(r, PBWIO__OTHER_SOLIDS);
+        pbwio__report_once(r, PBWIO__OTHER_SOLIDS);
     } else if (dim == 0) {
-        pbwio__leave_out(r, "elements of one point");
+        pbwio__report_once(r, "elements of one point");
     } else if (r->status == PBWIO_OK) {
         r->group[dim] = p->rows == 'm' && dim < p->dim ? p->group : PBW_NONE;
         pbwio__add_element(r, dim, corners, nodes[type], id);
@@ -5733,11 +5739,12 @@ typedef struct pbwio__json {
     double row[PBWIO__NUMBERS];              /* of the innermost array: its numbers, how many; pure: nothing else */
     int numbers, pure;
     pbwio__field name[PBWIO__DEEPEST + 1];   /* the key of what is at each depth; in arrays that of the array */
-    size_t since[PBWIO__DEEPEST + 1];        /* the number of points when it started */
-    int holds[PBWIO__DEEPEST + 1];           /* whether it is a list of positions */
+    size_t first_point[PBWIO__DEEPEST + 1];  /* the number of points when it started */
+    int is_ring[PBWIO__DEEPEST + 1];         /* whether it is a list of positions */
     pbwio__list list[PBWIO__LISTS], coordinates;
     int list_count;
-    int way, all;                            /* way: 0: counts; else fills with 'c', 'a' or 'o'; all: of every list */
+    int source;                              /* 0: counts; else fills with 'c', 'a' or 'o' */
+    int all;                                 /* of every list */
     pbwio__field chosen;                     /* the list to fill with */
 } pbwio__json;
 
@@ -5801,8 +5808,8 @@ static void pbwio__json_array(pbwio__reader *r, pbwio__json *j)
     list->columns = list->columns == 0 ? j->numbers : list->columns;
     list->longest = j->numbers > list->longest ? j->numbers : list->longest;
     list->arrays++;
-    j->holds[j->depth - 1] = inside;
-    if (inside ? j->way == 'c' : j->way == 'a' && (j->all || pbwio__same_field(list->name, j->chosen))) {
+    j->is_ring[j->depth - 1] = inside;
+    if (inside ? j->source == 'c' : j->source == 'a' && (j->all || pbwio__same_field(list->name, j->chosen))) {
         if (r->cloud->dim == 2 && j->numbers <= r->column[2]) {
             pbwio__no_heights(r);
         }
@@ -5822,8 +5829,9 @@ static void pbwio__json_array(pbwio__reader *r, pbwio__json *j)
 static void pbwio__json_ring(pbwio__reader *r, const pbwio__json *j)
 {
     pbwio_cloud *cloud = r->cloud;
-    const size_t first = j->since[j->depth], dim = (size_t)cloud->dim;
-    if (j->way == 'c' && j->holds[j->depth] && !(r->options->flags & PBWIO_CLOSED_RINGS) && cloud->count >= first + 4
+    const size_t first = j->first_point[j->depth], dim = (size_t)cloud->dim;
+    if (j->source == 'c' && j->is_ring[j->depth] && !(r->options->flags & PBWIO_CLOSED_RINGS)
+        && cloud->count >= first + 4
         && memcmp(cloud->points + dim * first, cloud->points + dim * (cloud->count - 1), dim * sizeof(double)) == 0) {
         cloud->count--;
     }
@@ -5838,7 +5846,7 @@ static void pbwio__json_object(pbwio__reader *r, pbwio__json *j)
     }
     list->columns = list->objects == 0 ? (found & 4 ? 3 : 2) : list->columns;
     list->objects++;
-    if (j->way == 'o' && (j->all || pbwio__same_field(list->name, j->chosen))) {
+    if (j->source == 'o' && (j->all || pbwio__same_field(list->name, j->chosen))) {
         for (k = 2; k < 4; k++) {
             needed |= r->column[k] >= 0 && (k == 3 || r->cloud->dim == 3) ? 1 << k : 0;
         }
@@ -5889,8 +5897,8 @@ static void pbwio__json_bracket(pbwio__reader *r, pbwio__json *j, char c)
         }
         j->name[j->depth + 1] = j->kind[j->depth] == '{' ? j->key : j->name[j->depth];
         j->kind[++j->depth] = c;
-        j->found[j->depth] = j->holds[j->depth] = j->numbers = 0;
-        j->since[j->depth] = r->cloud->count;
+        j->found[j->depth] = j->is_ring[j->depth] = j->numbers = 0;
+        j->first_point[j->depth] = r->cloud->count;
         j->pure = c == '[';
         return;
     }
@@ -5969,7 +5977,7 @@ static pbwio__list pbwio__json_choose(pbwio__reader *r, pbwio__json *j)
     pbwio__list total = j->coordinates, *found = NULL;
     char text[256] = "";
     int k, rank, best = 0, matches = 0, single = 1;
-    j->way = 'c';
+    j->source = 'c';
     for (k = 0; k < j->list_count && total.arrays == 0; k++) {       /* named by options, by habit; objects; arrays */
         pbwio__list *list = j->list + k;
         rank = j->chosen.begin < j->chosen.end && pbwio__same_field(list->name, j->chosen) ? 4
@@ -6005,7 +6013,7 @@ static pbwio__list pbwio__json_choose(pbwio__reader *r, pbwio__json *j)
             total.longest = j->list[k].longest > total.longest ? j->list[k].longest : total.longest;
         }
         j->chosen = total.name;
-        j->way = total.objects > 0 ? 'o' : 'a';
+        j->source = total.objects > 0 ? 'o' : 'a';
     }
     return total;
 }
@@ -6017,23 +6025,23 @@ static void pbwio__json_points(pbwio__reader *r, pbwio__field chosen)
     pbwio__json j;
     pbwio__list list;
     size_t count;
-    int way, all, k;
+    int source, all, k;
     memset(&j, 0, sizeof j);
     j.key.begin = j.key.end = j.name[0].begin = j.name[0].end = begin;
     j.chosen = chosen;
     pbwio__json_names(r, &j);
     pbwio__json_pass(r, &j);
     list = pbwio__json_choose(r, &j);
-    way = j.way;
+    source = j.source;
     all = j.all;
     chosen = j.chosen;
-    count = way == 'o' ? list.objects : list.arrays;
-    if (r->status == PBWIO_OK && (count == 0 || (way != 'o' && list.longest > PBWIO__NUMBERS))) {
+    count = source == 'o' ? list.objects : list.arrays;
+    if (r->status == PBWIO_OK && (count == 0 || (source != 'o' && list.longest > PBWIO__NUMBERS))) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, count == 0 ? "no points: arrays of numbers, or objects with x and y"
                     : "a list of many numbers: points are arrays of two or three");
     }
     r->at = begin;
-    if (way == 'o') {
+    if (source == 'o') {
         r->cloud->dim = list.columns == 3 && r->options->dim != 2 ? 3 : 2;
         for (k = 0; k < 4; k++) {
             r->column[k] = k < (list.columns == 3 ? 3 : 2) || (k == 3 && r->options->weight != NULL) ? k : -1;
@@ -6048,7 +6056,7 @@ static void pbwio__json_points(pbwio__reader *r, pbwio__field chosen)
     memset(&j, 0, sizeof j);
     j.key.begin = j.key.end = j.name[0].begin = j.name[0].end = begin;
     pbwio__json_names(r, &j);
-    j.way = way;
+    j.source = source;
     j.all = all;
     j.chosen = chosen;
     pbwio__json_pass(r, &j);
@@ -6076,7 +6084,7 @@ static void pbwio__read_json(pbwio__reader *r)
    In: a mesh.  Out: a stream.
    Holds: the first failure of the stream stays in it and is found when it is closed.
 
-   A form is the text of a file with these signs in it.
+   A form is the text of a file with these directives in it.
      %n      stands for numbers, n says which (pbwio__numbers); in text they are set apart by one character
      #1 &1   the number 1 in 4 or 8 bytes, of one digit
      @p      starts a row, a line that is written for each point; @b those of the boundary, @n those with normals;
@@ -6084,7 +6092,7 @@ static void pbwio__read_json(pbwio__reader *r)
              the facets, else the simplices; @1 once.  In binary files rows are binary and have no ends, other lines
              are text.
      |       ends a line within a row
-     [c ..]  is there if the condition c holds (pbwio__holds)
+     [c ..]  is there if the condition c holds (pbwio__condition)
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWIO__FACETS, PBWIO__CELLS, PBWIO__EDGES, PBWIO__MARKED, PBWIO__PARTS };     /* marked: points in groups */
 
@@ -6100,7 +6108,7 @@ typedef struct pbwio__writer {
     const pbwio_output *output;
     FILE *file;
     int binary, text;                        /* binary: what the format is; text: how values are written just now */
-    int between, gap;                        /* text: what sets values apart; whether it is due before the next one */
+    int separator, pending;                  /* text: what is between values; whether it is due before the next one */
     int longest;                             /* text: the most characters that a number may have */
     size_t id_size, real_size;               /* bytes of a point id and of a coordinate in binary */
     unsigned base;                           /* the first number of points and elements */
@@ -6116,7 +6124,7 @@ typedef struct pbwio__writer {
     pbwio__item *items;                      /* by parts, in each of them in runs of one group; NULL: none */
     size_t first[PBWIO__PARTS + 1];          /* where each part starts */
     long long largest;                       /* of the caller's tags that a file can have */
-    pbw_index own[2];                        /* of .inp: the patch and the region that BOUNDARY and DOMAIN are, by
+    pbw_index builtin[2];                    /* of .inp: the patch and the region that BOUNDARY and DOMAIN are, by
                                                 parts; PBW_NONE: none */
     char **words;                            /* of .inp and .su2: names of the caller's groups; NULL: as they are */
     char name[32];                           /* of a group that the caller does not name */
@@ -6156,12 +6164,12 @@ static void pbwio__print(pbwio__writer *w, const char *format, ...)
     pbwio__put(w, text, strlen(text));
 }
 
-/* What sets a value apart from the one before it. */
-static void pbwio__part(pbwio__writer *w)
+/* The separator that is due before the next value. */
+static void pbwio__put_separator(pbwio__writer *w)
 {
-    char between = (char)w->between;
-    pbwio__put(w, &between, (size_t)w->gap);
-    w->gap = 0;
+    char between = (char)w->separator;
+    pbwio__put(w, &between, (size_t)w->pending);
+    w->pending = 0;
 }
 
 static void pbwio__int(pbwio__writer *w, long long value, size_t size)
@@ -6183,9 +6191,9 @@ static void pbwio__int(pbwio__writer *w, long long value, size_t size)
     if (value < 0) {
         digits[--at] = '-';
     }
-    pbwio__part(w);
+    pbwio__put_separator(w);
     pbwio__put(w, digits + at, sizeof digits - at);
-    w->gap = 1;
+    w->pending = 1;
 }
 
 static void pbwio__real(pbwio__writer *w, double x)
@@ -6196,9 +6204,9 @@ static void pbwio__real(pbwio__writer *w, double x)
         pbwio__put(w, w->real_size == 4 ? (void *)&single : (void *)&x, w->real_size);
         return;
     }
-    pbwio__part(w);
+    pbwio__put_separator(w);
     pbwio__put(w, text, (size_t)pbwio__print_number(text, x, w->longest));
-    w->gap = 1;
+    w->pending = 1;
 }
 
 static void pbwio__end_line(pbwio__writer *w)
@@ -6206,7 +6214,7 @@ static void pbwio__end_line(pbwio__writer *w)
     if (w->text) {
         pbwio__put(w, "\n", 1);
     }
-    w->gap = 0;
+    w->pending = 0;
 }
 
 static int pbwio__kept(const pbwio__writer *w, size_t simplex)
@@ -6214,7 +6222,7 @@ static int pbwio__kept(const pbwio__writer *w, size_t simplex)
     return w->output->keep == NULL || w->output->keep[simplex] != 0;
 }
 
-/* Without neighbours nothing is known to be. */
+/* Whether a facet is on the hull; 0 for all if the mesh has no neighbours. */
 static int pbwio__on_hull(const pbwio__writer *w, size_t simplex, size_t k)
 {
     pbw_index other = w->mesh->neighbors == NULL ? 0 : w->mesh->neighbors[w->corners * simplex + k];
@@ -6263,34 +6271,34 @@ static int pbwio__step(pbwio__writer *w, int facets)
 }
 
 /* 1 for each point that is a corner of a simplex or a facet; NULL: out of memory. */
-static unsigned char *pbwio__touched(pbwio__writer *w, int facets)
+static unsigned char *pbwio__used_points(pbwio__writer *w, int facets)
 {
-    unsigned char *touched = (unsigned char *)PBWIO_REALLOC(NULL, w->mesh->point_count + 1);
+    unsigned char *used = (unsigned char *)PBWIO_REALLOC(NULL, w->mesh->point_count + 1);
     pbw_index corner[4];
     size_t i, n;
-    if (touched != NULL) {
-        memset(touched, 0, w->mesh->point_count + 1);
+    if (used != NULL) {
+        memset(used, 0, w->mesh->point_count + 1);
         pbwio__rewind(w);
         while (pbwio__step(w, facets)) {
             for (i = 0, n = pbwio__corners(w, corner); i < n; i++) {
-                touched[corner[i]] = 1;
+                used[corner[i]] = 1;
             }
         }
     }
-    return touched;
+    return used;
 }
 
 /* Numbers the points that the file will hold, the corners of what is written.  Returns whether there is memory. */
 static int pbwio__number_points(pbwio__writer *w, int facets)
 {
     size_t i, size = (w->mesh->point_count + 1) * sizeof *w->number * (w->output->format == PBWIO_INP ? 2 : 1);
-    unsigned char *touched = pbwio__touched(w, facets);
-    w->number = touched != NULL ? (pbw_index *)PBWIO_REALLOC(NULL, size) : NULL;
+    unsigned char *used = pbwio__used_points(w, facets);
+    w->number = used != NULL ? (pbw_index *)PBWIO_REALLOC(NULL, size) : NULL;
     w->point_count = 0;
     for (i = 0; i < w->mesh->point_count && w->number != NULL; i++) {
-        w->number[i] = touched[i] ? (pbw_index)w->point_count++ : PBW_NONE;
+        w->number[i] = used[i] ? (pbw_index)w->point_count++ : PBW_NONE;
     }
-    PBWIO_FREE(touched);
+    PBWIO_FREE(used);
     return w->number != NULL;
 }
 
@@ -6443,7 +6451,7 @@ static void pbwio__element_numbers(pbwio__writer *w, char which)
                 pbwio__int(w, pbwio__number_of(w, corner[i]), w->id_size);
                 if (which == 'V' && w->normals != NULL) {
                     pbwio__put(w, "//", 2);
-                    w->gap = 0;
+                    w->pending = 0;
                     pbwio__int(w, pbwio__number_of(w, corner[i]), 4);
                 }
             }
@@ -6615,7 +6623,7 @@ static int pbwio__little_endian(void)
     return first == 1;
 }
 
-static int pbwio__holds(const pbwio__writer *w, char condition)
+static int pbwio__condition(const pbwio__writer *w, char condition)
 {
     switch (condition) {
         case '2': return w->corners == 3;
@@ -6638,8 +6646,8 @@ static int pbwio__holds(const pbwio__writer *w, char condition)
     }
 }
 
-/* Writes what stands at s, a sign or a character, and returns where the next one stands. */
-static const char *pbwio__sign(pbwio__writer *w, const char *s)
+/* Writes the directive or the character at s.  Returns where the next one is. */
+static const char *pbwio__directive(pbwio__writer *w, const char *s)
 {
     int depth = 1;
     if (*s == '%') {
@@ -6651,7 +6659,7 @@ static const char *pbwio__sign(pbwio__writer *w, const char *s)
         return s + 2;
     }
     if (*s == '[') {
-        if (!pbwio__holds(w, s[1])) {
+        if (!pbwio__condition(w, s[1])) {
             for (s += 2; depth > 0; s++) {
                 depth += (*s == '[') - (*s == ']');
             }
@@ -6662,13 +6670,13 @@ static const char *pbwio__sign(pbwio__writer *w, const char *s)
     if (*s == '\n' || *s == '|') {
         pbwio__end_line(w);
     } else if (*s != ']') {
-        pbwio__part(w);
+        pbwio__put_separator(w);
         pbwio__put(w, s, 1);
     }
     return s + 1;
 }
 
-/* Puts item i at hand. */
+/* Makes item i the current one. */
 static void pbwio__seek(pbwio__writer *w, size_t i)
 {
     w->simplex = w->items[i].simplex;
@@ -6679,7 +6687,7 @@ static void pbwio__seek(pbwio__writer *w, size_t i)
 static void pbwio__row(pbwio__writer *w, const char *s)
 {
     while (*s != '\n') {
-        s = pbwio__sign(w, s);
+        s = pbwio__directive(w, s);
     }
     pbwio__end_line(w);
 }
@@ -6718,7 +6726,7 @@ static void pbwio__rows(pbwio__writer *w, char kind, const char *row)
     }
 }
 
-static void pbwio__fill_in(pbwio__writer *w, const char *form)
+static void pbwio__print_form(pbwio__writer *w, const char *form)
 {
     while (*form != 0) {
         w->text = 1;
@@ -6726,7 +6734,7 @@ static void pbwio__fill_in(pbwio__writer *w, const char *form)
             pbwio__rows(w, form[1], form + 2);
             form = strchr(form, '\n') + 1;
         } else {
-            form = pbwio__sign(w, form);
+            form = pbwio__directive(w, form);
         }
     }
     w->text = !w->binary;
@@ -6960,16 +6968,17 @@ static pbw_index pbwio__only_patch(const pbw_mesh *mesh, const pbwio_output *o)
 }
 
 /* The groups of the caller's that are called as what .inp has anyway, and are the same: by parts. */
-static void pbwio__find_own(const pbw_mesh *mesh, const pbwio_output *o, size_t corners, pbw_index own[2])
+static void pbwio__find_builtin(const pbw_mesh *mesh, const pbwio_output *o, size_t corners, pbw_index builtin[2])
 {
     static const char *const names[] = { "BOUNDARY", "DOMAIN" };
     int part;
-    own[PBWIO__CELLS] = pbwio__only_region(mesh, o);
-    own[PBWIO__FACETS] = corners == (size_t)mesh->dim + 1 ? pbwio__only_patch(mesh, o) : PBW_NONE;
+    builtin[PBWIO__CELLS] = pbwio__only_region(mesh, o);
+    builtin[PBWIO__FACETS] = corners == (size_t)mesh->dim + 1 ? pbwio__only_patch(mesh, o) : PBW_NONE;
     for (part = 0; part < 2; part++) {
-        const char *name = own[part] < o->group_count ? o->groups[own[part]].name : NULL;
-        own[part] = name != NULL && pbwio__same(name, strlen(name), names[part], strlen(names[part])) ? own[part]
-                  : PBW_NONE;
+        const char *name = builtin[part] < o->group_count ? o->groups[builtin[part]].name : NULL;
+        if (name == NULL || !pbwio__same(name, strlen(name), names[part], strlen(names[part]))) {
+            builtin[part] = PBW_NONE;
+        }
     }
 }
 
@@ -6979,9 +6988,9 @@ static int pbwio__word_kind(pbwio_format format, int corners, int dim)
     return format == PBWIO_SU2 ? (dim == corners - 2 ? 's' : 0) : dim == corners - 1 ? 'e' : 's';
 }
 
-/* The place of a word in a table, or the free place for it. */
-static size_t pbwio__word_place(char *const *words, const int *kinds, const pbw_index *table, size_t size, int kind,
-                                const char *word)
+/* The slot of a word in a table, or the free slot for it. */
+static size_t pbwio__word_slot(char *const *words, const int *kinds, const pbw_index *table, size_t size, int kind,
+                               const char *word)
 {
     pbwio__field name;
     size_t at;
@@ -6997,8 +7006,8 @@ static size_t pbwio__word_place(char *const *words, const int *kinds, const pbw_
 
 /* The names of groups as words of letters, digits, points, hyphens and underscores, group_TAG of those without a
    name.  Of names that become one word, whatever the case of letters, or a word that files have anyway, the later
-   ones end with _2, _3 and so on.  own: as in the writer.  One block for the caller to free; NULL: no memory. */
-static char **pbwio__make_words(const pbwio_output *o, int corners, const pbw_index own[2])
+   ones end with _2, _3 and so on.  builtin: as in the writer.  One block for the caller to free; NULL: no memory. */
+static char **pbwio__make_words(const pbwio_output *o, int corners, const pbw_index builtin[2])
 {
     static const char *const taken[] = { "BOUNDARY", "DOMAIN", "NALL", "ungrouped" };
     const size_t n = o->group_count + 4;
@@ -7025,8 +7034,8 @@ static char **pbwio__make_words(const pbwio_output *o, int corners, const pbw_in
         words[i] = (char *)(uintptr_t)taken[k];
         kinds[i] = o->format == PBWIO_SU2 ? (k == 3 ? 's' : 0) : k == 3 ? 0 : k == 1 ? 'e' : 's';
         last[i] = 1;
-        if (kinds[i] != 0 && (k > 1 || own[k] == PBW_NONE)) {
-            table[pbwio__word_place(words, kinds, table, size, kinds[i], words[i])] = (pbw_index)i;
+        if (kinds[i] != 0 && (k > 1 || builtin[k] == PBW_NONE)) {
+            table[pbwio__word_slot(words, kinds, table, size, kinds[i], words[i])] = (pbw_index)i;
         }
     }
     for (i = 0; i < o->group_count; i++) {
@@ -7041,12 +7050,12 @@ static char **pbwio__make_words(const pbwio_output *o, int corners, const pbw_in
         }
         end += end == text ? sprintf(end, "group_%lld", o->groups[i].tag) : 0;
         *end = 0;
-        at = pbwio__word_place(words, kinds, table, size, kinds[i], text);
+        at = pbwio__word_slot(words, kinds, table, size, kinds[i], text);
         if (table[at] != PBW_NONE && kinds[i] != 0) {
             int *number = last + table[at];
             do {
                 sprintf(end, "_%d", ++*number);
-                at = pbwio__word_place(words, kinds, table, size, kinds[i], text);
+                at = pbwio__word_slot(words, kinds, table, size, kinds[i], text);
             } while (table[at] != PBW_NONE);
         }
         table[at] = (pbw_index)i;
@@ -7197,12 +7206,12 @@ static void pbwio__write_msh(pbwio__writer *w)
     const size_t all = w->first[PBWIO__PARTS];
     size_t i, end, tag, blocks, dim;
     int n, part;
-    pbwio__fill_in(w, "$MeshFormat\n4.1 [t0][b1] 8\n[b@1#1\n\n]$EndMeshFormat\n");
+    pbwio__print_form(w, "$MeshFormat\n4.1 [t0][b1] 8\n[b@1#1\n\n]$EndMeshFormat\n");
     pbwio__write_names(w);
     pbwio__write_entities(w);
-    pbwio__fill_in(w, "@1&1%n&1%n\n");
+    pbwio__print_form(w, "@1&1%n&1%n\n");
     pbwio__write_block(w, w->corners - 1, 1, 0, w->point_count);
-    pbwio__fill_in(w, "@p%i\n@p%X\n[b\n]$EndNodes\n$Elements\n");
+    pbwio__print_form(w, "@p%i\n@p%X\n[b\n]$EndNodes\n$Elements\n");
     w->text = !w->binary;
     blocks = all - w->first[PBWIO__MARKED] + pbwio__runs(w, PBWIO__EDGES, 0) + pbwio__runs(w, PBWIO__FACETS, 0)
            + pbwio__runs(w, PBWIO__CELLS, 0);
@@ -7221,7 +7230,7 @@ static void pbwio__write_msh(pbwio__writer *w)
             pbwio__item_rows(w, i, end, "%j%v\n");
         }
     }
-    pbwio__fill_in(w, "[b\n]$EndElements\n");
+    pbwio__print_form(w, "[b\n]$EndElements\n");
 }
 
 static void pbwio__write_msh2(pbwio__writer *w)
@@ -7229,7 +7238,7 @@ static void pbwio__write_msh2(pbwio__writer *w)
     int n;
     pbwio__print(w, "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n");
     pbwio__write_names(w);
-    pbwio__fill_in(w, "$Nodes\n%n\n@p%i%X\n$EndNodes\n$Elements\n%e\n");
+    pbwio__print_form(w, "$Nodes\n%n\n@p%i%X\n$EndNodes\n$Elements\n%e\n");
     for (n = 0; n < PBWIO__PARTS; n++) {
         const int part = pbwio__in_order[n];
         pbwio__item_rows(w, w->first[part], w->first[part + 1], "%j%T2 %P%E%v\n");
@@ -7271,9 +7280,9 @@ static void pbwio__write_triangles(pbwio__writer *w, const char *before, const c
 
 static void pbwio__write_obj(pbwio__writer *w)
 {
-    pbwio__fill_in(w, "@pv %X\n@nvn %m\n");
+    pbwio__print_form(w, "@pv %X\n@nvn %m\n");
     if (w->items == NULL) {
-        pbwio__fill_in(w, "@sf %V\n");
+        pbwio__print_form(w, "@sf %V\n");
     } else {
         pbwio__write_triangles(w, "g", "f %V\n", "");
     }
@@ -7285,8 +7294,8 @@ static void pbwio__write_obj(pbwio__writer *w)
 static void pbwio__write_stl(pbwio__writer *w)
 {
     if (w->items == NULL || w->binary) {
-        pbwio__fill_in(w, "[tsolid triangles\n][b       binary STL, triangles                    "
-                       "                                ][b@1%s\n]@s" PBWIO__STL_ROW "[tendsolid triangles\n]");
+        pbwio__print_form(w, "[tsolid triangles\n][b       binary STL, triangles                    "
+                          "                                ][b@1%s\n]@s" PBWIO__STL_ROW "[tendsolid triangles\n]");
     } else {
         pbwio__write_triangles(w, "solid", PBWIO__STL_ROW, "endsolid\n");
     }
@@ -7333,7 +7342,7 @@ static void pbwio__write_inp(pbwio__writer *w)
             pbwio__seek(w, i);
             group = pbwio__group(w);
             if (group.tag == 0 || (part == PBWIO__FACETS && o->patches == NULL && w->items[i].group == 0)
-                || (o->groups != NULL && part <= PBWIO__CELLS && w->items[i].group == w->own[part])) {
+                || (o->groups != NULL && part <= PBWIO__CELLS && w->items[i].group == w->builtin[part])) {
                 continue;
             }
             pbwio__print(w, part == PBWIO__CELLS ? "*ELSET, ELSET=" : "*NSET, NSET=");
@@ -7357,9 +7366,9 @@ static void pbwio__write_su2(pbwio__writer *w)
 {
     const char *row = w->corners == 4 ? "5 %v\n" : "3 %v\n";
     size_t i, end;
-    pbwio__fill_in(w, "NDIME= %d\nNELEM= %c\n@c[25][310] %v\nNPOIN= %n\n@p%y\n");
+    pbwio__print_form(w, "NDIME= %d\nNELEM= %c\n@c[25][310] %v\nNPOIN= %n\n@p%y\n");
     if (w->items == NULL) {
-        pbwio__fill_in(w, "[fNMARK= 1\nMARKER_TAG= boundary\nMARKER_ELEMS= %f\n@f[23][35] %v\n]");
+        pbwio__print_form(w, "[fNMARK= 1\nMARKER_TAG= boundary\nMARKER_ELEMS= %f\n@f[23][35] %v\n]");
         return;
     }
     pbwio__print(w, "NMARK= %zu\n", pbwio__runs(w, PBWIO__FACETS, 1));
@@ -7481,15 +7490,15 @@ static void pbwio__write_vtu(pbwio__writer *w)
 
 #define PBWIO__GROUPS "$PhysicalNames\n2\n[21][32] 1 \"boundary\"\n[22][33] 2 \"domain\"\n$EndPhysicalNames\n"
 
-typedef struct pbwio__kind {
+typedef struct pbwio__format_info {
     const char *endings;               /* of names */
     unsigned traits, keeps;            /* keeps: as pbwio_keeps */
     void (*read)(pbwio__reader *r);    /* NULL: it is not read */
     void (*write)(pbwio__writer *w);   /* NULL: by its form */
     const char *form;
-} pbwio__kind;
+} pbwio__format_info;
 
-static const pbwio__kind pbwio__kinds[] = {
+static const pbwio__format_info pbwio__format_table[] = {
     { "", 0, 0, NULL, NULL, NULL },
     { "obj", PBWIO__SURFACE | PBWIO__FROM_1 | PBWIO__GROUPED | PBWIO__HULL, PBWIO_NAMES | PBWIO_HEIGHTS,
       pbwio__read_obj, pbwio__write_obj, NULL },
@@ -7537,18 +7546,19 @@ static const pbwio__kind pbwio__kinds[] = {
     { "json geojson", 0, 0, pbwio__read_json, NULL, NULL },
     { "vtk", 0, 0, pbwio__read_vtk, NULL, NULL }
 };
+enum { PBWIO__FORMATS = sizeof pbwio__format_table / sizeof pbwio__format_table[0] };
 
-static const pbwio__kind *pbwio__kind_of(pbwio_format format)
+static const pbwio__format_info *pbwio__info_of(pbwio_format format)
 {
-    return pbwio__kinds + ((size_t)format < sizeof pbwio__kinds / sizeof pbwio__kinds[0] ? (size_t)format : 0);
+    return pbwio__format_table + ((size_t)format < PBWIO__FORMATS ? (size_t)format : 0);
 }
 
 PBWIODEF pbwio_format pbwio_format_of(const char *path)
 {
     const pbwio__field ending = pbwio__ending(path);
     size_t i;
-    for (i = 1; i < sizeof pbwio__kinds / sizeof pbwio__kinds[0]; i++) {
-        if (pbwio__lists(pbwio__kinds[i].endings, ending)) {
+    for (i = 1; i < PBWIO__FORMATS; i++) {
+        if (pbwio__lists(pbwio__format_table[i].endings, ending)) {
             return (pbwio_format)i;
         }
     }
@@ -7557,7 +7567,7 @@ PBWIODEF pbwio_format pbwio_format_of(const char *path)
 
 PBWIODEF unsigned pbwio_keeps(pbwio_format format, int corners, unsigned flags)
 {
-    const unsigned keeps = pbwio__kind_of(format)->keeps;
+    const unsigned keeps = pbwio__info_of(format)->keeps;
     const int groups = format == PBWIO_OBJ || (format == PBWIO_STL && flags & PBWIO_TEXT);
     return format == PBWIO_STL && !groups ? keeps & ~(unsigned)PBWIO_NAMES
          : groups ? keeps | (corners == 3 ? (unsigned)PBWIO_REGIONS : (unsigned)PBWIO_PATCHES) : keeps;
@@ -7579,7 +7589,7 @@ static int pbwio__is_named(const pbwio_group *group)
 }
 
 /* Whether numbers of groups say anything: an element is in one with a name, or two are in different ones. */
-static int pbwio__tells(const pbwio_output *o, pbw_index number, pbw_index *first, size_t *count)
+static int pbwio__distinguishes(const pbwio_output *o, pbw_index number, pbw_index *first, size_t *count)
 {
     const int differs = (*count)++ > 0 && number != *first;
     *first = *count == 1 ? number : *first;
@@ -7593,13 +7603,13 @@ static unsigned pbwio__groups_of(size_t n, const pbw_mesh *mesh, const pbwio_out
     size_t i, count[3] = { 0, 0, 0 };
     pbw_index first[3] = { 0, 0, 0 };
     for (i = 0; o->regions != NULL && i < mesh->simplex_count && !(has & PBWIO_REGIONS); i++) {
-        has |= (o->keep == NULL || o->keep[i]) && pbwio__tells(o, o->regions[i], first, count)
+        has |= (o->keep == NULL || o->keep[i]) && pbwio__distinguishes(o, o->regions[i], first, count)
              ? (unsigned)PBWIO_REGIONS : 0;
     }
     for (i = 0; o->patches != NULL && mesh->neighbors != NULL && i < n * mesh->simplex_count; i++) {
         const int hull = mesh->neighbors[i] == PBW_NONE || (o->keep != NULL && !o->keep[mesh->neighbors[i]]);
         if ((o->keep == NULL || o->keep[i / n]) && (hull || o->groups != NULL)
-            && pbwio__tells(o, o->patches[i], first + 1 + hull, count + 1 + hull)) {
+            && pbwio__distinguishes(o, o->patches[i], first + 1 + hull, count + 1 + hull)) {
             has |= hull ? (unsigned)PBWIO_PATCHES : (unsigned)PBWIO_INNER_PATCHES;
         }
     }
@@ -7649,7 +7659,7 @@ PBWIODEF void pbwio_renamed(pbwio_format format, int corners, const pbw_mesh *me
                             char *text, size_t size)
 {
     pbwio_output o = *output;
-    pbw_index own[2];
+    pbw_index builtin[2];
     char **words;
     size_t i, used = 0;
     text[0] = 0;
@@ -7657,8 +7667,8 @@ PBWIODEF void pbwio_renamed(pbwio_format format, int corners, const pbw_mesh *me
     if (o.groups == NULL || (format != PBWIO_INP && format != PBWIO_SU2)) {
         return;
     }
-    pbwio__find_own(mesh, &o, (size_t)corners, own);
-    words = pbwio__make_words(&o, corners, own);
+    pbwio__find_builtin(mesh, &o, (size_t)corners, builtin);
+    words = pbwio__make_words(&o, corners, builtin);
     for (i = 0; words != NULL && i < o.group_count && used + 80 < size; i++) {
         const char *name = o.groups[i].name;
         if (name != NULL && strcmp(name, words[i]) != 0
@@ -7677,9 +7687,9 @@ PBWIODEF void pbwio_renamed(pbwio_format format, int corners, const pbw_mesh *me
    ------------------------------------------------------------------------------------------------------ */
 
 /* Endings of files that are no tables and are not read, whatever they look like. */
-static const char pbwio__unread[] = "3dm 3ds 3mf amf bdf blend brep cas cdb cgns dae dgn dwg dxf e57 exo fbx fem "
-    "foam glb gltf gml gpkg gpx h5 hdf5 html ifc iges igs jpg kml kmz las laz med meshb mphtxt nas nastran nc ods "
-    "pcd pdf png pvtu rar sat shp shx skp sldprt step stp svg tif tiff ugrid unv usd usda usdc usdz vdb vti vtm vtp "
+static const char pbwio__refused_endings[] = "3dm 3ds 3mf amf bdf blend brep cas cdb cgns dae dgn dwg dxf e57 exo "
+    "fbx fem foam glb gltf gml gpkg gpx h5 hdf5 html ifc iges igs jpg kml kmz las laz med meshb mphtxt nas nastran "
+    "nc ods pcd pdf png pvtu rar sat shp shx skp sldprt step stp svg tif tiff ugrid unv usd usda usdc usdz vdb vti vtm vtp "
     "vtr vts wkb wkt wrl x3d x_b x_t xdmf xls xlsx xmf xml zip";
 
 /* Refuses a file, and says which are read. */
@@ -7688,8 +7698,9 @@ static pbwio_status pbwio__refuse(pbwio_error *error, const char *name, const ch
     char text[300] = "";
     const char *ending;
     size_t i, length, used = 0;
-    for (i = 1; i < sizeof pbwio__kinds / sizeof pbwio__kinds[0]; i++) {
-        for (ending = pbwio__kinds[i].endings; *ending != 0 && pbwio__kinds[i].read != NULL; ending += length) {
+    for (i = 1; i < PBWIO__FORMATS; i++) {
+        const pbwio__format_info *info = pbwio__format_table + i;
+        for (ending = info->endings; *ending != 0 && info->read != NULL; ending += length) {
             ending += *ending == ' ';
             length = strcspn(ending, " ");
             used += (size_t)snprintf(text + used, sizeof text - used, " .%.*s", (int)length, ending);
@@ -7782,7 +7793,7 @@ static void pbwio__shrink_ids(pbw_index **ids, size_t count)
 }
 
 /* What is wrong with content, whatever its format; NULL: nothing. */
-static const char *pbwio__wrong(const char *at, size_t left, pbwio_format format)
+static const char *pbwio__content_error(const char *at, size_t left, pbwio_format format)
 {
     if (left == 0) {
         return "the file is empty";
@@ -7802,7 +7813,7 @@ static const char *pbwio__wrong(const char *at, size_t left, pbwio_format format
 }
 
 /* Gives back what was reserved and not used, and heights that are all 0. */
-static void pbwio__fit(pbwio_cloud *cloud)
+static void pbwio__trim_arrays(pbwio_cloud *cloud)
 {
     size_t i;
     cloud->points = (double *)pbwio__shrink(cloud->points, cloud->count * (size_t)cloud->dim * sizeof(double));
@@ -7853,35 +7864,35 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
         r.at += 3;                                                   /* UTF-8 byte order mark */
     }
     format = r.options->format != PBWIO_AUTO ? r.options->format : pbwio_format_of(name);
-    if (format == PBWIO_AUTO && pbwio__lists(pbwio__unread, pbwio__ending(name))) {
+    if (format == PBWIO_AUTO && pbwio__lists(pbwio__refused_endings, pbwio__ending(name))) {
         return pbwio__refuse(error, name, "files with this ending are not read");
     }
     format = format != PBWIO_AUTO ? format : pbwio__sniff(r);
     left = (size_t)(r.end - r.at);
-    wrong = pbwio__wrong(r.at, left, format);
+    wrong = pbwio__content_error(r.at, left, format);
     if (wrong != NULL) {
         return pbwio__file_error(error, PBWIO_ERROR_FORMAT, name, "%s", wrong);
     }
     if ((format == PBWIO_XYZ || format == PBWIO_CSV) && memchr(r.at, 0, left < 4096 ? left : 4096) != NULL) {
         return pbwio__refuse(error, name, "the content is binary and no table");
     }
-    if (pbwio__kind_of(format)->read == NULL) {
+    if (pbwio__info_of(format)->read == NULL) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, name, "this format is written, not read");
     }
-    pbwio__kind_of(format)->read(&r);
+    pbwio__info_of(format)->read(&r);
     PBWIO_FREE(r.group_table);
     pbwio__cut_polygons(&r);
     if (r.options->keep != NULL && r.options->keep[0] != 0 && cloud->column_count == 0) {
-        pbwio__dropped(&r, "columns (those of tables are, on request)");
+        pbwio__report_dropped(&r, "columns (those of tables are, on request)");
     }
     PBWIO_FREE(r.polygons);
     if (r.unread[0] != 0) {
-        pbwio__dropped(&r, "data: %s", r.unread);
+        pbwio__report_dropped(&r, "data: %s", r.unread);
     }
-    if (r.status == PBWIO_OK && r.middles != NULL) {
-        pbwio__leave_out_middles(&r);
+    if (r.status == PBWIO_OK && r.midpoints != NULL) {
+        pbwio__remove_midpoints(&r);
     }
-    PBWIO_FREE(r.middles);
+    PBWIO_FREE(r.midpoints);
     if (r.status == PBWIO_OK && cloud->count == 0) {
         r.status = pbwio__file_error(error, PBWIO_ERROR_FORMAT, name, "the file has no points");
     }
@@ -7889,7 +7900,7 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
         pbwio_free(cloud);
         return r.status;
     }
-    pbwio__fit(cloud);
+    pbwio__trim_arrays(cloud);
     return PBWIO_OK;
 }
 
@@ -8047,11 +8058,13 @@ PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options,
    In: a stream.  Out: a stream; its failures stay in it.
    Holds: memory does not grow with the input.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWIO__PAST = 32768, PBWIO__BLOCK = 65536, PBWIO__HASHES = 32768, PBWIO__SHORTEST = 4, PBWIO__LONGEST = 258 };
+enum { PBWIO__WINDOW = 32768, PBWIO__BLOCK = 65536, PBWIO__HASHES = 32768, PBWIO__SHORTEST = 4,
+       PBWIO__LONGEST = 258 };
 
 typedef struct pbwio__deflater {
-    unsigned char bytes[PBWIO__PAST + PBWIO__BLOCK];     /* what matches reach back to, then the block at hand */
-    int32_t head[PBWIO__HASHES], before[PBWIO__PAST];    /* places with the same hash, from the last one back; -1 */
+    unsigned char bytes[PBWIO__WINDOW + PBWIO__BLOCK];     /* what matches reach back to, then the block at hand */
+    int32_t head[PBWIO__HASHES];             /* the last position with a hash; -1: none */
+    int32_t before[PBWIO__WINDOW];           /* of a position: the last one before it with the same hash */
     uint32_t tokens[PBWIO__BLOCK];           /* 65536 times a literal or a length, plus the distance; 0: a literal */
     size_t token_count;
     uint32_t count[286 + 30];                /* of each symbol: literals and lengths, then distances */
@@ -8064,7 +8077,7 @@ typedef struct pbwio__deflater {
     size_t used;
 } pbwio__deflater;
 
-static void pbwio__give_bytes(pbwio__deflater *z, int count)         /* of the first bits, count <= 8 */
+static void pbwio__put_bytes(pbwio__deflater *z, int count)         /* of the first bits, count <= 8 */
 {
     if (z->used + 8 > sizeof z->packed) {
         fwrite(z->packed, 1, z->used, z->out);
@@ -8077,48 +8090,48 @@ static void pbwio__give_bytes(pbwio__deflater *z, int count)         /* of the f
     }
 }
 
-static void pbwio__give(pbwio__deflater *z, uint64_t bits, int count)        /* count <= 16 */
+static void pbwio__put_bits(pbwio__deflater *z, uint64_t bits, int count)        /* count <= 16 */
 {
     z->bits |= bits << z->bit_count;
     z->bit_count += count;
     if (z->bit_count >= 48) {
-        pbwio__give_bytes(z, 6);
+        pbwio__put_bytes(z, 6);
     }
 }
 
-/* Notes where the four bytes at a place are; returns the last place before that with their hash, or -1. */
-static int pbwio__note_place(pbwio__deflater *z, int at)
+/* Enters the four bytes at a position.  Returns the last position before it with their hash, or -1. */
+static int pbwio__hash_position(pbwio__deflater *z, int at)
 {
     int32_t *head = z->head + ((pbwio__word(z->bytes + at) * 0x9e3779b1u) >> 17);
-    const int place = *head;
-    z->before[at % PBWIO__PAST] = place;
+    const int position = *head;
+    z->before[at % PBWIO__WINDOW] = position;
     *head = at;
-    return place;
+    return position;
 }
 
-/* The longest match at a place among ten with its hash; 0: there is none. */
+/* The longest match at a position among ten with its hash; 0: there is none. */
 static int pbwio__match(pbwio__deflater *z, int at, int end, int *distance)
 {
     const unsigned char *s = z->bytes + at;
     const int longest = end - at < PBWIO__LONGEST ? end - at : PBWIO__LONGEST;
-    int best = PBWIO__SHORTEST - 1, place, tries, length;
+    int best = PBWIO__SHORTEST - 1, position, tries, length;
     if (longest < PBWIO__SHORTEST) {
         return 0;
     }
-    place = pbwio__note_place(z, at);
-    for (tries = 0; tries < 10 && place >= 0 && at - place <= PBWIO__PAST && best < longest; tries++) {
-        const unsigned char *t = z->bytes + place;
+    position = pbwio__hash_position(z, at);
+    for (tries = 0; tries < 10 && position >= 0 && at - position <= PBWIO__WINDOW && best < longest; tries++) {
+        const unsigned char *t = z->bytes + position;
         if (t[best] == s[best] && memcmp(t, s, PBWIO__SHORTEST) == 0) {
             for (length = PBWIO__SHORTEST; length < longest && t[length] == s[length]; length++) {
             }
             if (length > best) {
                 best = length;
-                *distance = at - place;
+                *distance = at - position;
             }
         }
-        length = place;
-        place = z->before[place % PBWIO__PAST];
-        if (place >= length) {                                       /* that place was overwritten */
+        length = position;
+        position = z->before[position % PBWIO__WINDOW];
+        if (position >= length) {                                       /* that position was overwritten */
             break;
         }
     }
@@ -8158,7 +8171,7 @@ static void pbwio__add_token(pbwio__deflater *z, int length, int distance)
 /* Parts a block into literals and matches; a match waits for one that starts a byte later and is longer. */
 static void pbwio__tokenize(pbwio__deflater *z, int end)
 {
-    int at = PBWIO__PAST, distance = 0, later = 0, length = pbwio__match(z, at, end, &distance), next, k;
+    int at = PBWIO__WINDOW, distance = 0, later = 0, length = pbwio__match(z, at, end, &distance), next, k;
     while (at < end) {
         next = at + 1 < end && length < 32 ? pbwio__match(z, at + 1, end, &later) : 0;
         if (length == 0 || next > length) {
@@ -8168,7 +8181,7 @@ static void pbwio__tokenize(pbwio__deflater *z, int end)
         } else {
             pbwio__add_token(z, length, distance);
             for (k = at + (length < 32 ? 2 : 1); k < at + length && k <= end - PBWIO__SHORTEST; k++) {
-                pbwio__note_place(z, k);
+                pbwio__hash_position(z, k);
             }
             at += length;
             length = at < end ? pbwio__match(z, at, end, &distance) : 0;
@@ -8202,7 +8215,7 @@ static void pbwio__make_code(const uint32_t *count, int n, int most, unsigned ch
             parent[i] = fill;
         }
     }
-    for (i = 2 * used - 2; i >= 0; i--) {                            /* depths take the place of parents */
+    for (i = 2 * used - 2; i >= 0; i--) {                            /* depths take the position of parents */
         parent[i] = i == 2 * used - 2 ? (used == 1) : parent[parent[i]] + 1;
         if (i < used) {
             k = parent[i] < most ? parent[i] : most;
@@ -8264,15 +8277,15 @@ static void pbwio__put_lengths(pbwio__deflater *z)
     pbwio__make_code(count, 19, 7, length, code);
     for (n = 19; n > 4 && length[order[n - 1]] == 0; n--) {
     }
-    pbwio__give(z, 286 - 257, 5);
-    pbwio__give(z, 30 - 1, 5);
-    pbwio__give(z, (uint64_t)n - 4, 4);
+    pbwio__put_bits(z, 286 - 257, 5);
+    pbwio__put_bits(z, 30 - 1, 5);
+    pbwio__put_bits(z, (uint64_t)n - 4, 4);
     for (i = 0; i < n; i++) {
-        pbwio__give(z, length[order[i]], 3);
+        pbwio__put_bits(z, length[order[i]], 3);
     }
     for (i = 0; i < runs; i++) {
-        pbwio__give(z, code[run[i]], length[run[i]]);
-        pbwio__give(z, run[i] < 16 ? 0 : extra[i], run[i] < 16 ? 0 : run[i] == 16 ? 2 : run[i] == 17 ? 3 : 7);
+        pbwio__put_bits(z, code[run[i]], length[run[i]]);
+        pbwio__put_bits(z, run[i] < 16 ? 0 : extra[i], run[i] < 16 ? 0 : run[i] == 16 ? 2 : run[i] == 17 ? 3 : 7);
     }
 }
 
@@ -8285,23 +8298,23 @@ static void pbwio__put_block(pbwio__deflater *z, int last)
     z->count[286] += 1;                                              /* there is a distance at least */
     pbwio__make_code(z->count, 286, 15, z->length, z->code);
     pbwio__make_code(z->count + 286, 30, 15, z->length + 286, z->code + 286);
-    pbwio__give(z, (uint64_t)(4 + last), 3);
+    pbwio__put_bits(z, (uint64_t)(4 + last), 3);
     pbwio__put_lengths(z);
     for (i = 0; i < z->token_count; i++) {
         length = (int)(z->tokens[i] >> 16);
         distance = (int)(z->tokens[i] & 65535);
         if (distance == 0) {
-            pbwio__give(z, z->code[length], z->length[length]);
+            pbwio__put_bits(z, z->code[length], z->length[length]);
             continue;
         }
         symbol = pbwio__length_symbol(length, &extra);
-        pbwio__give(z, z->code[symbol], z->length[symbol]);
-        pbwio__give(z, (uint64_t)(length - 3) & (((uint64_t)1 << extra) - 1), extra);
+        pbwio__put_bits(z, z->code[symbol], z->length[symbol]);
+        pbwio__put_bits(z, (uint64_t)(length - 3) & (((uint64_t)1 << extra) - 1), extra);
         symbol = 286 + pbwio__symbol_of(distance - 1, 2, &extra);
-        pbwio__give(z, z->code[symbol], z->length[symbol]);
-        pbwio__give(z, (uint64_t)(distance - 1) & (((uint64_t)1 << extra) - 1), extra);
+        pbwio__put_bits(z, z->code[symbol], z->length[symbol]);
+        pbwio__put_bits(z, (uint64_t)(distance - 1) & (((uint64_t)1 << extra) - 1), extra);
     }
-    pbwio__give(z, z->code[256], z->length[256]);
+    pbwio__put_bits(z, z->code[256], z->length[256]);
     memset(z->count, 0, sizeof z->count);
     z->token_count = 0;
 }
@@ -8322,20 +8335,20 @@ static int pbwio__gzip(FILE *in, FILE *out)
     z->out = out;
     fwrite(header, 1, sizeof header, out);
     do {
-        got = fread(z->bytes + PBWIO__PAST, 1, PBWIO__BLOCK, in);
-        crc = pbwio__crc(crc, z->bytes + PBWIO__PAST, got);
+        got = fread(z->bytes + PBWIO__WINDOW, 1, PBWIO__BLOCK, in);
+        crc = pbwio__crc(crc, z->bytes + PBWIO__WINDOW, got);
         size += (uint32_t)got;
-        pbwio__tokenize(z, PBWIO__PAST + (int)got);
+        pbwio__tokenize(z, PBWIO__WINDOW + (int)got);
         pbwio__put_block(z, got < PBWIO__BLOCK);
-        memmove(z->bytes, z->bytes + PBWIO__BLOCK, PBWIO__PAST);
+        memmove(z->bytes, z->bytes + PBWIO__BLOCK, PBWIO__WINDOW);
         for (i = 0; i < PBWIO__HASHES; i++) {
             z->head[i] = z->head[i] >= PBWIO__BLOCK ? z->head[i] - PBWIO__BLOCK : -1;
             z->before[i] = z->before[i] >= PBWIO__BLOCK ? z->before[i] - PBWIO__BLOCK : -1;
         }
     } while (got == PBWIO__BLOCK);
-    pbwio__give_bytes(z, (z->bit_count + 7) / 8);
+    pbwio__put_bytes(z, (z->bit_count + 7) / 8);
     z->bits = (uint64_t)size << 32 | crc;
-    pbwio__give_bytes(z, 8);
+    pbwio__put_bytes(z, 8);
     fwrite(z->packed, 1, z->used, out);
     PBWIO_FREE(z);
     return ferror(in) != 0;
@@ -8495,17 +8508,17 @@ PBWIODEF pbwio_status pbwio_save(const char *path, void (*emit)(void *user, FILE
 static void pbwio__emit(void *user, FILE *file)
 {
     pbwio__writer *w = (pbwio__writer *)user;
-    const pbwio__kind *kind = pbwio__kind_of(w->output->format);
+    const pbwio__format_info *info = pbwio__info_of(w->output->format);
     w->file = file;
     w->text = !w->binary;
     if (w->output->format == PBWIO_MSH && w->items != NULL) {
         pbwio__write_msh(w);
     } else if (w->output->format == PBWIO_MSH2 && w->items != NULL) {
         pbwio__write_msh2(w);
-    } else if (kind->write != NULL) {
-        kind->write(w);
+    } else if (info->write != NULL) {
+        info->write(w);
     } else {
-        pbwio__fill_in(w, kind->form);
+        pbwio__print_form(w, info->form);
         if (w->output->format == PBWIO_INP && w->items != NULL) {
             pbwio__write_inp(w);
         }
@@ -8513,22 +8526,22 @@ static void pbwio__emit(void *user, FILE *file)
     pbwio__flush(w);
 }
 
-/* Sets up the writer from the kind of file, the mesh and the caller's output; counts the simplices to write. */
-static void pbwio__writer_start(pbwio__writer *w, const pbwio__kind *kind, const pbw_mesh *mesh, size_t corners,
-                                const pbwio_output *output)
+/* Sets up the writer from the info of file, the mesh and the caller's output; counts the simplices to write. */
+static void pbwio__writer_start(pbwio__writer *w, const pbwio__format_info *info, const pbw_mesh *mesh,
+                                size_t corners, const pbwio_output *output)
 {
     size_t i;
     memset(w, 0, sizeof *w);
     w->mesh = mesh;
     w->output = output;
-    w->between = kind->traits & PBWIO__COMMAS ? ',' : ' ';
+    w->separator = info->traits & PBWIO__COMMAS ? ',' : ' ';
     w->longest = output->format == PBWIO_INP ? 20 : 40;
     w->id_size = output->format == PBWIO_MSH ? 8 : 4;
     w->real_size = output->format == PBWIO_STL ? 4 : 8;
-    w->base = kind->traits & PBWIO__FROM_1 ? 1 : kind->traits & PBWIO__BASE ? (unsigned)output->base : 0;
+    w->base = info->traits & PBWIO__FROM_1 ? 1 : info->traits & PBWIO__BASE ? (unsigned)output->base : 0;
     w->dim = (size_t)mesh->dim;
     w->corners = corners;
-    w->binary = kind->traits & PBWIO__BINARY && !(output->flags & PBWIO_TEXT)
+    w->binary = info->traits & PBWIO__BINARY && !(output->flags & PBWIO_TEXT)
              && (output->format != PBWIO_STL || pbwio__little_endian());     /* STL has no other byte order */
     w->point_count = mesh->point_count;
     for (i = 0; output->groups != NULL && i < output->group_count; i++) {
@@ -8549,7 +8562,7 @@ static pbwio_status pbwio__write(const char *path, const pbw_mesh *mesh, int mod
                                  const pbwio_output *output, pbwio_error *error)
 {
     pbwio_output settings;
-    const pbwio__kind *kind;
+    const pbwio__format_info *info;
     pbwio_status status;
     pbwio__writer *w;
     size_t corners = model ? 3 : (size_t)mesh->dim + 1;
@@ -8557,26 +8570,26 @@ static pbwio_status pbwio__write(const char *path, const pbw_mesh *mesh, int mod
     memset(&settings, 0, sizeof settings);
     settings = output != NULL ? *output : settings;
     settings.format = settings.format != PBWIO_AUTO ? settings.format : pbwio_format_of(path);
-    kind = pbwio__kind_of(settings.format);
-    surface = (kind->traits & PBWIO__SURFACE) != 0;
-    if (kind->write == NULL && kind->form == NULL) {
+    info = pbwio__info_of(settings.format);
+    surface = (info->traits & PBWIO__SURFACE) != 0;
+    if (info->write == NULL && info->form == NULL) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, path, "no format of that name is written");
     }
     if (mesh->neighbors == NULL && mesh->simplex_count > 0
-        && (kind->traits & PBWIO__SIMPLICES || (surface && corners == 4))) {
+        && (info->traits & PBWIO__SIMPLICES || (surface && corners == 4))) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, path, "this format needs neighbors, the mesh has none");
     }
     w = (pbwio__writer *)PBWIO_REALLOC(NULL, sizeof *w);
     if (w == NULL) {
         return pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
     }
-    pbwio__writer_start(w, kind, mesh, corners, &settings);
+    pbwio__writer_start(w, info, mesh, corners, &settings);
     w->normals = normals;
-    if (kind->traits & PBWIO__BOUNDARY) {
-        w->boundary = pbwio__touched(w, 1);
+    if (info->traits & PBWIO__BOUNDARY) {
+        w->boundary = pbwio__used_points(w, 1);
         failed |= w->boundary == NULL;
     }
-    if (kind->traits & PBWIO__SIMPLICES) {
+    if (info->traits & PBWIO__SIMPLICES) {
         w->number = (pbw_index *)PBWIO_REALLOC(NULL, (mesh->simplex_count + 1) * sizeof *w->number);
         failed = w->number == NULL;
         pbwio__rewind(w);
@@ -8584,19 +8597,19 @@ static pbwio_status pbwio__write(const char *path, const pbw_mesh *mesh, int mod
             w->number[w->simplex] = (pbw_index)w->cell;
         }
     } else if ((!model || settings.format == PBWIO_INP)
-               && (surface || kind->traits & PBWIO__NO_ORPHANS || settings.flags & PBWIO_NO_ORPHANS)) {
+               && (surface || info->traits & PBWIO__NO_ORPHANS || settings.flags & PBWIO_NO_ORPHANS)) {
         failed |= !pbwio__number_points(w, surface && corners == 4);
     }
     grouped = settings.patches != NULL || settings.edges != NULL || settings.point_groups != NULL
            || (settings.format != PBWIO_VTU && (settings.regions != NULL || settings.groups != NULL));
     grouped |= model && settings.format != PBWIO_VTU && !surface;
     grouped &= !surface || (settings.groups != NULL && (corners == 4 ? settings.patches : settings.regions) != NULL);
-    if (!failed && grouped && kind->traits & PBWIO__GROUPED) {
-        failed = !pbwio__list_items(w, (kind->traits & PBWIO__HULL) != 0);
+    if (!failed && grouped && info->traits & PBWIO__GROUPED) {
+        failed = !pbwio__list_items(w, (info->traits & PBWIO__HULL) != 0);
     }
     if (!failed && settings.groups != NULL && (settings.format == PBWIO_INP || settings.format == PBWIO_SU2)) {
-        pbwio__find_own(mesh, &settings, corners, w->own);
-        w->words = pbwio__make_words(&settings, (int)corners, w->own);
+        pbwio__find_builtin(mesh, &settings, corners, w->builtin);
+        w->words = pbwio__make_words(&settings, (int)corners, w->builtin);
         failed = w->words == NULL;
     }
     status = failed ? pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory")
