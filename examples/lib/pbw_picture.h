@@ -82,7 +82,7 @@ PBWPICDEF pbwio_status pbwpic_write(const char *path, const pbw_mesh *mesh, cons
 
 typedef struct pbwpic__face {                  /* a triangle on the screen */
     float x[3], y[3], z[3];                    /* pixels; z: towards the viewer */
-    float shade, value;                        /* value: colour on the scale 0..1; below 0: skin */
+    float shade, value;                        /* value: colour on the scale 0..1; below 0: the hull */
 } pbwpic__face;
 
 typedef struct pbwpic__key { float z; unsigned face; } pbwpic__key;
@@ -108,19 +108,19 @@ static int pbwpic__compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The colour scale, from small to large, and the skin below it; as red, green, blue. */
+/* The colour scale, from small to large, and the colour of the hull below it; as red, green, blue. */
 static unsigned pbwpic__colour(double value, double shade)
 {
     static const unsigned char scale[6][3] = {
         { 38, 26, 84 }, { 92, 44, 128 }, { 190, 62, 112 }, { 244, 124, 78 }, { 252, 196, 104 }, { 255, 246, 204 }
     };
-    static const unsigned char skin[3] = { 150, 178, 196 };
+    static const unsigned char hull[3] = { 150, 178, 196 };
     unsigned colour = 0;
     int k;
     for (k = 0; k < 3; k++) {
         double at = value < 0 ? 0 : value > 1 ? 5 : value * 5, c;
         int i = at >= 5 ? 4 : (int)at;
-        c = value < 0 ? skin[k] : scale[i][k] + (at - i) * (scale[i + 1][k] - scale[i][k]);
+        c = value < 0 ? hull[k] : scale[i][k] + (at - i) * (scale[i + 1][k] - scale[i][k]);
         c = c * shade + (1 - shade) * (10 + 14 * k);                 /* shadows are bluish */
         colour = colour << 8 | (unsigned)(c < 0 ? 0 : c > 255 ? 255 : c);
     }
@@ -296,7 +296,7 @@ static int pbwpic__compare_keys(const void *a, const void *b)
 }
 
 /* A new face with the colour of a simplex, NULL if there is no memory. */
-static pbwpic__face *pbwpic__add(pbwpic__view *v, size_t simplex, int skin)
+static pbwpic__face *pbwpic__add(pbwpic__view *v, size_t simplex, int hull)
 {
     double span = v->range[1] > v->range[0] ? v->range[1] - v->range[0] : 1, t;
     pbwpic__face *f;
@@ -311,7 +311,7 @@ static pbwpic__face *pbwpic__add(pbwpic__view *v, size_t simplex, int skin)
     f = &v->face[v->face_count++];
     memset(f, 0, sizeof *f);
     t = (v->value[simplex] - v->range[0]) / span;
-    f->value = (float)(skin ? -1 : t < 0 ? 0 : t > 1 ? 1 : t);
+    f->value = (float)(hull ? -1 : t < 0 ? 0 : t > 1 ? 1 : t);
     f->shade = 1;
     return f;
 }

@@ -806,7 +806,7 @@ static int pbwsample__side(const double a[2], const double b[2], const double p[
 }
 
 /* Returns whether the ray upwards along the axis crosses the surface an odd number of times. */
-static int pbwsample__odd(const pbwsample__columns *grid, const double p[3])
+static int pbwsample__crosses_odd(const pbwsample__columns *grid, const double p[3])
 {
     int u = (grid->axis + 1) % 3, v = (grid->axis + 2) % 3, turn, odd = 0;
     size_t cell = pbwsample__column(grid, p[v], 1) * grid->side + pbwsample__column(grid, p[u], 0), i, j;
@@ -834,7 +834,7 @@ static int pbwsample__odd(const pbwsample__columns *grid, const double p[3])
 }
 
 /* One axis for a closed surface, three for any other.  Returns how many, 0 = out of memory. */
-static int pbwsample__make_rays(pbwsample__columns grid[3], const pbwsample_model *model)
+static int pbwsample__make_grids(pbwsample__columns grid[3], const pbwsample_model *model)
 {
     pbwsample_report report;
     int i, axes = pbwsample_inspect(model, &report) != PBWSAMPLE_OK ? 0 : report.closed ? 1 : 3;
@@ -852,9 +852,9 @@ static int pbwsample__make_rays(pbwsample__columns grid[3], const pbwsample_mode
 
 static int pbwsample__is_inside(const pbwsample__columns *grid, int axes, const double p[3])
 {
-    int votes = pbwsample__odd(grid, p);
+    int votes = pbwsample__crosses_odd(grid, p);
     if (axes == 3) {
-        votes = (votes + pbwsample__odd(grid + 1, p) + pbwsample__odd(grid + 2, p)) / 2;
+        votes = (votes + pbwsample__crosses_odd(grid + 1, p) + pbwsample__crosses_odd(grid + 2, p)) / 2;
     }
     return votes;
 }
@@ -869,7 +869,7 @@ PBWSAMPLEDEF pbwsample_status pbwsample_inside(const pbwsample_model *model, con
     if (status != PBWSAMPLE_OK || points == NULL || inside == NULL) {
         return status != PBWSAMPLE_OK ? status : PBWSAMPLE_ERROR_ARGUMENT;
     }
-    axes = pbwsample__make_rays(grid, model);
+    axes = pbwsample__make_grids(grid, model);
     for (i = 0; i < count && axes > 0; i++) {
         inside[i] = (unsigned char)pbwsample__is_inside(grid, axes, points + 3 * i);
     }
@@ -923,7 +923,7 @@ typedef struct pbwsample__work {
     size_t capacity, fixed;                    /* of the set; its samples that were there before */
     double radius, low[3], high[3], unit;      /* of the boxes */
     uint64_t key, drawn;
-    int solid, axes, crowded;
+    int solid, axes, too_many;
     pbwsample__columns rays[3];
     pbwsample__pieces pieces, next, stack;
     pbw_index *lists;                          /* of triangles, for the boxes on the stack */
@@ -1041,7 +1041,7 @@ static pbw_index pbwsample__list_at(const pbwsample__work *w, int level, const d
 
 /* Gathers in w->near the balls within a distance of p, as far as the cell of p lists them.  Returns the radius of one
    that p is in, 0 if there is none.  Few branches depend on where p is. */
-static double pbwsample__look(pbwsample__work *w, const double p[3], double distance, pbw_index triangle)
+static double pbwsample__find_balls(pbwsample__work *w, const double p[3], double distance, pbw_index triangle)
 {
     double radius = 0;
     int level, i, count = 0;
@@ -1192,7 +1192,7 @@ static int pbwsample__touches(const pbwsample__columns *grid, const double low[3
 /* Returns whether a part of a box may be inside; notes if all of it is.  at[5]: the place in w->lists of the number
    of triangles that the parent box meets, followed by these; it becomes the place of the box's own list, which is
    appended: as boxes are on a stack, later lists belong to boxes that are done. */
-static int pbwsample__is_needed(pbwsample__work *w, pbwsample__piece *box)
+static int pbwsample__may_be_inside(pbwsample__work *w, pbwsample__piece *box)
 {
     double corner[8][3], middle[3];
     size_t from = box->at[5], count = w->lists[from], to = from + 1 + count, met = 0, i;
@@ -1256,8 +1256,8 @@ static int pbwsample__cut(const pbwsample__piece *piece, int longest, pbwsample_
 /* Takes away the parts of a triangle that lie in one ball of w->near, by at most `cuts` cuts.  Stores in `left` the
    smallest part that holds the rest, or the rests of both halves if that is the whole piece.  Returns how many it
    stored, 0 to 2.  mask: the balls that hold each corner.  If a corner is in no ball, cutting does not help. */
-static int pbwsample__rest(const pbwsample__work *w, const pbwsample__piece *piece, double (*corner)[3],
-                           const uint32_t mask[3], int cuts, pbwsample__piece left[2])
+static int pbwsample__uncovered(const pbwsample__work *w, const pbwsample__piece *piece, double (*corner)[3],
+                                const uint32_t mask[3], int cuts, pbwsample__piece left[2])
 {
     pbwsample__piece part[8], rest[2];
     double half[3][3], middle[3], square;
@@ -1285,7 +1285,7 @@ static int pbwsample__rest(const pbwsample__work *w, const pbwsample__piece *pie
         memcpy(half_mask, mask, sizeof half_mask);
         memcpy(half[i == 0 ? a : b], middle, sizeof middle);
         half_mask[i == 0 ? a : b] = middle_mask;
-        if (pbwsample__rest(w, part + i, half, half_mask, cuts - 1, rest) > 0) {
+        if (pbwsample__uncovered(w, part + i, half, half_mask, cuts - 1, rest) > 0) {
             count++;
             left[whole ? count - 1 : 0] = count == 1 || whole ? rest[0] : *piece;
         }
@@ -1314,7 +1314,7 @@ static double pbwsample__farthest(const double low[3], const double high[3], con
 
 /* One dart at a box; the box goes to the next round in parts, unless all of it is within 1.25 radii of one sample.
    A box whose diagonal is a quarter of a radius is, if the dart is in a ball. */
-static void pbwsample__visit_box(pbwsample__work *w, const pbwsample__piece *box)
+static void pbwsample__throw_at_box(pbwsample__work *w, const pbwsample__piece *box)
 {
     pbwsample__piece part[8];
     double low[3], high[3], p[3], r = 0, side = w->unit * (double)box->at[3];
@@ -1356,7 +1356,7 @@ static void pbwsample__visit_box(pbwsample__work *w, const pbwsample__piece *box
 }
 
 /* One dart at a triangle; what is left of it goes to the next round in parts. */
-static void pbwsample__visit_triangle(pbwsample__work *w, const pbwsample__piece *piece)
+static void pbwsample__throw_at_triangle(pbwsample__work *w, const pbwsample__piece *piece)
 {
     pbwsample__piece part[2];
     double corner[8][3], p[3], square, r;
@@ -1373,7 +1373,7 @@ static void pbwsample__visit_triangle(pbwsample__work *w, const pbwsample__piece
     for (i = 0; i < 3; i++) {
         p[i] = corner[0][i] + u * (corner[1][i] - corner[0][i]) + v * (corner[2][i] - corner[0][i]);
     }
-    r = pbwsample__look(w, p, sqrt(square), piece->triangle);
+    r = pbwsample__find_balls(w, p, sqrt(square), piece->triangle);
     if (!(r > 0)) {
         r = pbwsample__radius_at(w, p);
         for (i = 0; i < 2; i++) {
@@ -1390,7 +1390,7 @@ static void pbwsample__visit_triangle(pbwsample__work *w, const pbwsample__piece
         mask[i] = pbwsample__mask(w, corner[i]);
     }
     if ((mask[0] & mask[1] & mask[2]) == 0 && square >= r * r / 1099511627776.0) {
-        count = pbwsample__rest(w, piece, corner, mask, PBWSAMPLE__CUTS, part);
+        count = pbwsample__uncovered(w, piece, corner, mask, PBWSAMPLE__CUTS, part);
         for (i = 0; i < count; i++) {
             pbwsample__push(w, &w->next, part + i);
         }
@@ -1443,7 +1443,7 @@ static pbw_index *pbwsample__in_order(const pbwsample__work *w, double extent)
 }
 
 /* Reports progress every so many pieces.  A nonzero answer of the callback ends the work. */
-static void pbwsample__tell(pbwsample__work *w, size_t i, double done)
+static void pbwsample__report(pbwsample__work *w, size_t i, double done)
 {
     if (i % 1024 == 0 && w->options->progress != NULL && w->status == PBWSAMPLE_OK
         && w->options->progress(w->options->progress_user, done) != 0) {
@@ -1452,8 +1452,8 @@ static void pbwsample__tell(pbwsample__work *w, size_t i, double done)
 }
 
 /* Cuts the surface or volume to pieces that fit into a ball, or to lattice cells.  With a count, a radius that makes
-   far more pieces than samples is too small, as may be for a needle or a sheet: crowded is set then. */
-static void pbwsample__begin(pbwsample__work *w, double side)
+   far more pieces than samples is too small, as may be for a needle or a sheet: too_many is set then. */
+static void pbwsample__cut_model(pbwsample__work *w, double side)
 {
     pbwsample__piece piece, part[8];
     double corner[8][3], middle[3], square, r, extent = 0;
@@ -1464,7 +1464,7 @@ static void pbwsample__begin(pbwsample__work *w, double side)
     double most = w->options->count > 0
                 ? 1024.0 * (double)w->options->count + 64.0 * (double)w->model->triangle_count + 4096 : DBL_MAX;
     w->pieces.count = w->stack.count = 0;
-    w->crowded = 0;
+    w->too_many = 0;
     for (k = 0; k < 3; k++) {
         extent = w->high[k] - w->low[k] > extent ? w->high[k] - w->low[k] : extent;
     }
@@ -1492,11 +1492,11 @@ static void pbwsample__begin(pbwsample__work *w, double side)
             continue;
         }
         pbwsample__push(w, &w->stack, &piece);
-        while (w->stack.count > 0 && w->status == PBWSAMPLE_OK && !w->crowded) {
+        while (w->stack.count > 0 && w->status == PBWSAMPLE_OK && !w->too_many) {
             piece = w->stack.list[--w->stack.count];
-            pbwsample__tell(w, ++steps, 0);
-            w->crowded = (double)steps > most;
-            if (w->solid && !pbwsample__is_needed(w, &piece)) {
+            pbwsample__report(w, ++steps, 0);
+            w->too_many = (double)steps > most;
+            if (w->solid && !pbwsample__may_be_inside(w, &piece)) {
                 continue;
             }
             corners = pbwsample__corners(w, &piece, corner);
@@ -1543,14 +1543,14 @@ static void pbwsample__lattice(pbwsample__work *w)
     int half, k;
     for (i = 0; i < w->pieces.count && w->status == PBWSAMPLE_OK; i++) {
         const pbwsample__piece *cell = w->pieces.list + i;
-        pbwsample__tell(w, i, (double)i / (double)w->pieces.count);
+        pbwsample__report(w, i, (double)i / (double)w->pieces.count);
         for (half = 0; half < 2; half++) {
             for (k = 0; k < 3; k++) {
                 double move = jitter * (pbwsample__low_half(pbwsample__draw(w)) - 0.5);
                 p[k] = w->low[k] + w->unit * ((double)cell->at[k] + (0.5 * half + move) * (double)cell->at[3]);
             }
             if (pbwsample__is_inside(w->rays, w->axes, p)
-                && !(pbwsample__look(w, p, 0, PBW_NONE) > 0)) {
+                && !(pbwsample__find_balls(w, p, 0, PBW_NONE) > 0)) {
                 pbwsample__add_sample(w, p, 0, PBW_NONE, 0, 0);
             }
         }
@@ -1558,7 +1558,7 @@ static void pbwsample__lattice(pbwsample__work *w)
 }
 
 /* One set with the present radius. */
-static void pbwsample__fill(pbwsample__work *w)
+static void pbwsample__make_set(pbwsample__work *w)
 {
     int lattice = w->solid && w->options->flags & PBWSAMPLE_LATTICE, round;
     double side = w->radius * (lattice ? 1.4 : 0.577);               /* 1.4: as dense as blue noise;  1/sqrt 3 */
@@ -1574,21 +1574,21 @@ static void pbwsample__fill(pbwsample__work *w)
     for (i = 0; i < w->fixed && w->status == PBWSAMPLE_OK; i++) {
         pbwsample__list_ball(w, i, w->set->points + 3 * i, pbwsample__radius_at(w, w->set->points + 3 * i));
     }
-    pbwsample__begin(w, side);
+    pbwsample__cut_model(w, side);
     if (lattice) {
         pbwsample__lattice(w);
         return;
     }
-    for (round = 1; w->pieces.count > 0 && w->status == PBWSAMPLE_OK && !w->crowded; round++) {   /* takes half */
+    for (round = 1; w->pieces.count > 0 && w->status == PBWSAMPLE_OK && !w->too_many; round++) {   /* takes half */
         pbwsample__pieces swap = w->pieces;
         pbwsample__shuffle(w);
         w->next.count = 0;
         for (i = 0; i < w->pieces.count && w->status == PBWSAMPLE_OK; i++) {
-            pbwsample__tell(w, i, 1 - ldexp(1 - 0.5 * (double)i / (double)w->pieces.count, 1 - round));
+            pbwsample__report(w, i, 1 - ldexp(1 - 0.5 * (double)i / (double)w->pieces.count, 1 - round));
             if (w->solid) {
-                pbwsample__visit_box(w, w->pieces.list + i);
+                pbwsample__throw_at_box(w, w->pieces.list + i);
             } else {
-                pbwsample__visit_triangle(w, w->pieces.list + i);
+                pbwsample__throw_at_triangle(w, w->pieces.list + i);
             }
         }
         w->pieces = w->next;
@@ -1611,12 +1611,12 @@ static void pbwsample__search(pbwsample__work *w, double content)
     }
     if (w->solid && wanted >= 4096 && content / pow(w->radius, 3) < PBW_NONE) {
         w->radius *= 2;
-        pbwsample__fill(w);
+        pbwsample__make_set(w);
         if (w->status != PBWSAMPLE_OK) {
             return;
         }
         slope = ((double)(w->set->count - w->fixed) * pow(w->radius, 3) / content - density) / w->radius;
-        for (i = 0; i < 32 && !w->crowded; i++) {
+        for (i = 0; i < 32 && !w->too_many; i++) {
             w->radius = pow(fabs(density + slope * w->radius) * content / (1.01 * wanted), power);
         }
     }
@@ -1624,13 +1624,13 @@ static void pbwsample__search(pbwsample__work *w, double content)
         if (!(w->radius > 0 && content / pow(w->radius, 1 / power) < PBW_NONE)) {
             w->status = PBWSAMPLE_ERROR_TOO_LARGE;
         } else {
-            pbwsample__fill(w);
+            pbwsample__make_set(w);
         }
         found = (double)(w->set->count - w->fixed);
         if (w->status != PBWSAMPLE_OK || wanted == 0) {
             return;
         }
-        if (w->crowded) {                      /* it ends, as a radius that makes few pieces gives few samples */
+        if (w->too_many) {                      /* it ends, as a radius that makes few pieces gives few samples */
             w->radius *= 2;
             w->status = !few || attempt <= 16 ? PBWSAMPLE_OK
                       : w->solid ? PBWSAMPLE_ERROR_VOLUME : PBWSAMPLE_ERROR_TOO_LARGE;
@@ -1670,7 +1670,7 @@ static pbwsample_status pbwsample__poisson(const pbwsample_model *model, const p
     memcpy(w->high, all.high, sizeof w->high);
     if (solid) {
         content = fabs(pbwsample__volume_of(model));
-        w->axes = pbwsample__make_rays(w->rays, model);
+        w->axes = pbwsample__make_grids(w->rays, model);
         w->status = w->axes == 0 ? PBWSAMPLE_ERROR_MEMORY : content > 0 ? PBWSAMPLE_OK : PBWSAMPLE_ERROR_VOLUME;
     } else if (options->flags & PBWSAMPLE_NORMALS) {
         made = model->normals == NULL ? pbwsample__point_normals(model) : NULL;
