@@ -19,17 +19,24 @@
      pbw_solid_boundary_free  frees its boundary
 
    HOW
-   Points are laid on sharp edges, on the surface and on a lattice inside.  Each round triangulates all of them anew,
-   takes the tetrahedra whose circumcentre is inside (restricted Delaunay triangulation: Boissonnat and Oudot 2005,
-   "Provably good sampling and meshing of surfaces"), and adds points: where a facet's dual segment meets the surface
-   farther than the size from the facet's corners, where a facet is far from the surface, on pieces of sharp edges
-   that are no edges (points in their diametral balls are removed), and where the boundary is no manifold; when
-   nothing else is left to add, on tips and ridges of the surface that are far from the boundary.  Then, or after
-   options.rounds, pbw_improve raises the least dihedral angle. Sharp edges cut the surface into patches; tetrahedra
-   between points of the surface without a common patch are inside if their middle is.  If that leaves faults, the
-   rounds are repeated with the surface as one patch, or without sharp edges if not all were kept, and the attempt
-   with fewer faults is improved.  An implicit function is first turned into triangles, over the tetrahedra of a cubic
-   grid (Kuhn 1960); samples are then moved to where it is zero.
+   1. An implicit function is turned into triangles, over the tetrahedra of a cubic grid (Kuhn 1960).  Later, all
+      samples of the surface are moved to where it is zero.
+   2. Points are placed on sharp edges, on the surface, and on a lattice inside.  Sharp edges cut the surface into
+      patches.
+   3. Each round triangulates all points and takes the tetrahedra that have their circumcentre inside (restricted
+      Delaunay triangulation: Boissonnat and Oudot 2005, "Provably good sampling and meshing of surfaces").  A
+      tetrahedron between points of the surface that have no common patch is taken if its middle is inside.
+   4. Then the round adds points:
+        - where a facet's dual segment meets the surface farther than the size from the facet's corners;
+        - where a facet is far from the surface;
+        - in the middle of pieces of sharp edges that are no edges of the mesh, and it removes the points in the
+          diametral balls of these pieces;
+        - where the boundary is no manifold;
+        - if there is nothing else to add, on tips and ridges of the surface that are far from the boundary.
+      Rounds end when none of these is left, or after options.rounds.
+   5. If the boundary has faults, steps 2 to 4 are repeated: with the surface as one patch; or without sharp edges, if
+      only some of them were kept.  The attempt with fewer faults goes on.
+   6. pbw_improve raises the least dihedral angle.
 
    PROMISES  (tests/test_mesh3.c guards them)
      positive    tetrahedra are positively oriented, by exact signs; every point is a corner
@@ -122,8 +129,8 @@ typedef struct pbw_solid_options {         /* NULL or all zero = best defaults *
        edges, the estimate.  NULL = nobody. */
     void (*plan)(void *user, const struct pbw_solid_report *report);
     void *plan_user;
-    const char **stage;                    /* gets the name of what is at work, before its progress is reported: sample,
-                                              rounds, improve, measure, in the order of report.seconds; NULL = none */
+    const char **stage;                    /* gets the name of the stage, before its progress is reported: sample,
+                                              rounds, improve or measure, as in report.seconds; NULL = none */
     double feature_angle;                  /* degrees: edges whose normals differ by more are sharp; 0 = 40; functions
                                               have none */
     double distance;                       /* facets farther from the surface, in sizes, get points, and improvement
@@ -239,26 +246,27 @@ PBWMESH3DEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary);      /* 
    Holds: kind[p] says what point p is on; pieces are the parts of sharp chains between neighbouring samples; label[t]
    is 1 for tetrahedra inside.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWM3__SHARP, PBWM3__SMOOTH, PBWM3__INSIDE, PBWM3__GONE };    /* gone: it lies on another point */
+enum { PBWM3__SHARP, PBWM3__SMOOTH, PBWM3__INSIDE, PBWM3__REMOVED }; /* removed: it lies on another point */
 enum { PBWM3__BATCH = 8192 };              /* samples of the surface that threads compute at once */
 
-typedef struct pbwm3__wish {               /* of a facet: a point */
+typedef struct pbwm3__new_point {          /* that a facet needs */
     double p[3];                           /* on the surface */
     size_t facet;                          /* 4 t + i */
-    pbw_index inside, patch;               /* a corner of the facet that is inside, or PBW_NONE; where p is */
-} pbwm3__wish;
+    pbw_index inside;                      /* a corner of the facet that is a point inside, or PBW_NONE */
+    pbw_index patch;                       /* of p */
+} pbwm3__new_point;
 
 typedef struct pbwm3__piece { pbw_index a, b; size_t chain; double from, to; } pbwm3__piece;  /* lengths along it */
 typedef struct pbwm3__chain { size_t first, count, set; int closed, loose; } pbwm3__chain;    /* range of `path`;
                                               loose: an end of it is no other chain's; set: of its patches */
-typedef struct pbwm3__knot { pbw_index vertex; double along; } pbwm3__knot;
+typedef struct pbwm3__chain_vertex { pbw_index vertex; double along; } pbwm3__chain_vertex;
 
 typedef struct pbwm3__work {
     pbwsf__memory memory;
     const pbw_solid_input *input;
     pbw_solid_options how;
     int open;                              /* 1: not all holes of the input are closed: inside by winding number */
-    double capped;                         /* area of the triangles that close holes */
+    double closing_area;                   /* area of the triangles that close holes */
     int nested;
     int joined;                            /* 1: triangles cross, and inside is where the winding number is above 0 */
     int walls;                             /* 1: a complex of walls between regions: edges of more than two triangles,
@@ -267,7 +275,7 @@ typedef struct pbwm3__work {
     int sharp;                             /* which sharp edges are kept */
     const pbw_options *caller;
     pbw_options options;                   /* the caller's, less what does not concern parts */
-    double late;                           /* the processor time by which the work ends with what it has */
+    double deadline;                       /* the processor time by which the work ends with what it has */
     double from, to;                       /* progress: the present stage's part of 0 to 1 */
     double begin, end;                     /* and the part of this attempt in all */
     double size, distance, cosine, low[3], high[3];
@@ -278,11 +286,12 @@ typedef struct pbwm3__work {
     pbw_surface surface;                   /* of points at different places */
     pbwsf__array vertices, triangles;      /* its own arrays */
     pbwsf__array x, kind;                  /* points of the mesh */
-    size_t given;                          /* triangles from here on close holes */
+    size_t first_closing;                  /* triangles from here on close holes */
     pbwsf__array origin;                   /* of each triangle of the surface: its number in the input */
     pbwsf__array shell, shells;            /* of each triangle; and what they are */
     pbwsf__array sides;                    /* with walls: per triangle, the shells in front of it and behind it */
-    pbwsf__array beyond;                   /* and the label around its body; before, the number of that */
+    pbwsf__array outer;                    /* with walls: per triangle, the shell around its body, PBW_NONE outside
+                                              all; before it is known, the body's number */
     pbwsf__array holes;
     pbwsf__array part;                     /* of each triangle: its part of the surface between sharp edges */
     pbwsf__array patch;                    /* the same, or 0 if the surface is one patch */
@@ -296,7 +305,7 @@ typedef struct pbwm3__work {
     pbwsf__array pieces, chains, path;
     pbw_mesh mesh;
     pbwsf__array centre, label;
-    pbwsf__array wants, extra;             /* per tetrahedron, bits of facets; the points that they want */
+    pbwsf__array needs, new_points;        /* per tetrahedron, bits of the facets that need a point; these points */
     pbwsf__array corners, marks, regions;  /* the solid before improvement */
     pbw_solid_report *report;
 } pbwm3__work;
@@ -327,32 +336,33 @@ static int pbwm3__append(pbwm3__work *w, pbwsf__array *array, const void *item, 
     return 1;
 }
 
-/* Reports progress; share: of the current stage.  Returns whether to stop. */
-static int pbwm3__stops(const pbwm3__work *w, double share)
+/* Reports that a share of the current stage is done.  Returns 1 if the caller cancels. */
+static int pbwm3__progress(const pbwm3__work *w, double share)
 {
     const double done = w->begin + (w->end - w->begin) * (w->from + (w->to - w->from) * share);
     return w->caller != NULL && w->caller->progress != NULL
         && w->caller->progress(w->caller->progress_user, PBW_STAGE_WORK, done) != 0;
 }
 
-/* Begins a stage, which goes on to `to` of the progress.  Returns whether to stop. */
-static int pbwm3__enters(pbwm3__work *w, const char *stage, double to)
+/* Begins a stage, which ends at `to` of the progress.  Returns 1 if the caller cancels. */
+static int pbwm3__begin_stage(pbwm3__work *w, const char *stage, double to)
 {
     w->from = w->to;
     w->to = to;
     if (w->how.stage != NULL) {
         *w->how.stage = stage;
     }
-    return pbwm3__stops(w, 0);
+    return pbwm3__progress(w, 0);
 }
 
 static int pbwm3__is_late(const pbwm3__work *w)
 {
-    return w->late < HUGE_VAL && (double)clock() / CLOCKS_PER_SEC > w->late;
+    return w->deadline < HUGE_VAL && (double)clock() / CLOCKS_PER_SEC > w->deadline;
 }
 
-/* What ends sampling: the caller, the time, or too many points; a point makes about five tetrahedra. */
-static pbw_status pbwm3__goes_on(pbwm3__work *w, double share)
+/* Returns why sampling must end: the caller cancels, the time is over, or there are too many points; PBW_OK if none.
+   A point makes about five tetrahedra. */
+static pbw_status pbwm3__check_budget(pbwm3__work *w, double share)
 {
     const double tets = 5 * (double)w->x.count;
     if (pbwm3__is_late(w)) {
@@ -364,11 +374,11 @@ static pbw_status pbwm3__goes_on(pbwm3__work *w, double share)
         w->report->estimate = fmax(tets, w->report->estimate);
         return PBW_ERROR_TOO_LARGE;
     }
-    return pbwm3__stops(w, share) ? PBW_CANCELLED : PBW_OK;
+    return pbwm3__progress(w, share) ? PBW_CANCELLED : PBW_OK;
 }
 
-/* Returns the options of a call within this work.  Its limit is the memory limit less the memory held. */
-static const pbw_options *pbwm3__rest(pbwm3__work *w)
+/* Returns the options for a call of the library: their memory limit is the caller's less the bytes held. */
+static const pbw_options *pbwm3__inner_options(pbwm3__work *w)
 {
     w->options.memory_limit = pbwsf__left(&w->memory);
     return &w->options;
@@ -378,8 +388,8 @@ static const pbw_options *pbwm3__rest(pbwm3__work *w)
 static pbw_status pbwm3__make_surface(pbwm3__work *w, const double *points, size_t point_count,
                                       const pbw_index *triangles, size_t triangle_count, pbw_surface *surface)
 {
-    const pbw_status status = pbw_surface_create(points, point_count, triangles, triangle_count, pbwm3__rest(w),
-                                                 surface);
+    const pbw_status status = pbw_surface_create(points, point_count, triangles, triangle_count,
+                                                 pbwm3__inner_options(w), surface);
     w->memory.used += pbwim__surface_bytes(surface);
     return status;
 }
@@ -390,8 +400,7 @@ static void pbwm3__drop_surface(pbwm3__work *w, pbw_surface *surface)
     pbw_surface_free(surface);
 }
 
-/* What a mesh that borrows its points holds: corners, links; incident, canonical; and some for its parts of other
-   sizes. */
+/* The bytes of a mesh that borrows its points: corners, links, incident, canonical, and 1024 for small parts. */
 static size_t pbwm3__mesh_bytes(const pbw_mesh *mesh)
 {
     return mesh->memory == NULL ? 0 : 8 * mesh->simplex_count * sizeof(pbw_index)
@@ -414,10 +423,10 @@ static size_t pbwm3__tets_bytes(const pbw_tets *tets)
 }
 
 /* Reports the progress of a call that is the current stage. */
-static int pbwm3__part_stops(void *user, pbw_stage stage, double done)
+static int pbwm3__part_progress(void *user, pbw_stage stage, double done)
 {
     (void)stage;
-    return pbwm3__stops((const pbwm3__work *)user, done);
+    return pbwm3__progress((const pbwm3__work *)user, done);
 }
 
 /* The field's cell that p is in, or nearest to. */
@@ -459,7 +468,7 @@ static size_t pbwm3__cell_of(const pbwm3__work *w, const double p[3])
 }
 
 /* The nearest point to p of kinds `least` to `most` within a distance; PBW_NONE if there is none. */
-static pbw_index pbwm3__near(const pbwm3__work *w, const double p[3], double within, int least, int most)
+static pbw_index pbwm3__nearest(const pbwm3__work *w, const double p[3], double within, int least, int most)
 {
     const pbw_index *heads = (const pbw_index *)w->heads.data, *links = (const pbw_index *)w->links.data;
     const unsigned char *kinds = PBWM3__KIND(w);
@@ -578,7 +587,7 @@ static pbw_status pbwm3__take_triangles(pbwm3__work *w, const pbw_solid_input *i
     memset(&number, 0, sizeof number);
     if (pbwsf__resize(&w->memory, &order, (in->point_count + 1) * sizeof(pbw_index))
         && pbwsf__resize(&w->memory, &number, (in->point_count + 1) * sizeof(pbw_index))) {
-        status = pbw_order(3, in->points, in->point_count, pbwm3__rest(w), (pbw_index *)order.data);
+        status = pbw_order(3, in->points, in->point_count, pbwm3__inner_options(w), (pbw_index *)order.data);
         if ((status == PBW_OK || status == PBW_DEGENERATE)
             && !pbwm3__weld(w, in, (const pbw_index *)order.data, (pbw_index *)number.data)) {
             status = PBW_ERROR_MEMORY;
@@ -728,7 +737,7 @@ static pbw_status pbwm3__take_function(pbwm3__work *w)
     if (pbwsf__resize(&w->memory, &g.value, nodes * sizeof(double))
         && pbwsf__resize(&w->memory, &g.crossing, 7 * nodes * sizeof(pbw_index))) {
         memset(g.crossing.data, 0xff, 7 * nodes * sizeof(pbw_index));
-        status = pbw_for(pbwm3__rest(w), nodes, 1024, pbwm3__value_range, &g);
+        status = pbw_for(pbwm3__inner_options(w), nodes, 1024, pbwm3__value_range, &g);
         for (i = 0; i < nodes && status == PBW_OK; i++) {
             if (i % g.n[0] + 1 < g.n[0] && i / g.n[0] % g.n[1] + 1 < g.n[1] && i / g.n[0] / g.n[1] + 1 < g.n[2]) {
                 status = pbwm3__cross_cube(w, &g, i) ? PBW_OK : PBW_ERROR_MEMORY;
@@ -740,7 +749,7 @@ static pbw_status pbwm3__take_function(pbwm3__work *w)
     }
     if (status == PBW_OK) {
         w->vertices.count = g.ends.count;
-        status = pbw_for(pbwm3__rest(w), g.ends.count, 128, pbwm3__root_range, &g);
+        status = pbw_for(pbwm3__inner_options(w), g.ends.count, 128, pbwm3__root_range, &g);
     }
     pbwsf__release(&w->memory, &g.value);
     pbwsf__release(&w->memory, &g.crossing);
@@ -794,29 +803,29 @@ static size_t pbwm3__root_of(size_t *parent, size_t i)
    Shells: triangles joined by edges with two triangles.  They are oriented alike, in closed shells outward; holes are
    listed, and closed by triangles.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwm3__turned {             /* trees of triangles: turned as the parent, or not */
+typedef struct pbwm3__orientation {        /* union-find trees of triangles */
     size_t *parent;
-    unsigned char *against;
-} pbwm3__turned;
+    unsigned char *flipped;                /* 1: oriented the other way than the parent */
+} pbwm3__orientation;
 
-/* The root of i; *against: whether i is turned against it. */
-static size_t pbwm3__turned_root(const pbwm3__turned *trees, size_t i, int *against)
+/* Returns the root of i; *flipped: whether i is oriented the other way than the root. */
+static size_t pbwm3__oriented_root(const pbwm3__orientation *trees, size_t i, int *flipped)
 {
-    *against = 0;
+    *flipped = 0;
     while (trees->parent[i] != i) {
         const size_t up = trees->parent[i];
-        trees->against[i] ^= trees->parent[up] != up ? trees->against[up] : 0;
+        trees->flipped[i] ^= trees->parent[up] != up ? trees->flipped[up] : 0;
         trees->parent[i] = trees->parent[up];
-        *against ^= trees->against[i];
+        *flipped ^= trees->flipped[i];
         i = trees->parent[i];
     }
     return i;
 }
 
-typedef struct pbwm3__rim { pbw_index a, b, triangle, next; } pbwm3__rim;    /* an open edge; another from a */
+typedef struct pbwm3__open_edge { pbw_index a, b, triangle, next; } pbwm3__open_edge;    /* next: another from a */
 
 /* Joins the triangles at edges of two, and lists the open edges, as their triangles have them. */
-static int pbwm3__join_shells(pbwm3__work *w, const pbwm3__turned *trees, pbwsf__array *open)
+static int pbwm3__join_shells(pbwm3__work *w, const pbwm3__orientation *trees, pbwsf__array *open)
 {
     const size_t count = 3 * (w->triangles.count);
     pbwsf__array blocks[3];
@@ -830,20 +839,20 @@ static int pbwm3__join_shells(pbwm3__work *w, const pbwm3__turned *trees, pbwsf_
         w->report->crowded_edges += k - i > 2;
         if (k - i == 1) {
             const size_t at = edge[i].v[2] ? 0 : 1;
-            pbwm3__rim rim;
-            rim.a = edge[i].v[at];
-            rim.b = edge[i].v[1 - at];
-            rim.triangle = edge[i].t;
-            rim.next = PBW_NONE;
+            pbwm3__open_edge e;
+            e.a = edge[i].v[at];
+            e.b = edge[i].v[1 - at];
+            e.triangle = edge[i].t;
+            e.next = PBW_NONE;
             w->report->open_edges++;
-            good = pbwm3__append(w, open, &rim, sizeof rim);
+            good = pbwm3__append(w, open, &e, sizeof e);
         } else if (k - i == 2) {
             int first, second;
-            const size_t a = pbwm3__turned_root(trees, edge[i].t, &first);
-            const size_t b = pbwm3__turned_root(trees, edge[i + 1].t, &second);
+            const size_t a = pbwm3__oriented_root(trees, edge[i].t, &first);
+            const size_t b = pbwm3__oriented_root(trees, edge[i + 1].t, &second);
             if (a != b) {
                 trees->parent[a < b ? b : a] = a < b ? a : b;
-                trees->against[a < b ? b : a] = (unsigned char)(first ^ second
+                trees->flipped[a < b ? b : a] = (unsigned char)(first ^ second
                                                                 ^ (edge[i].v[2] == edge[i + 1].v[2]));
             }
         }
@@ -852,7 +861,7 @@ static int pbwm3__join_shells(pbwm3__work *w, const pbwm3__turned *trees, pbwsf_
     return good;
 }
 
-static void pbwm3__turn_triangle(pbwm3__work *w, size_t t)
+static void pbwm3__flip_triangle(pbwm3__work *w, size_t t)
 {
     pbw_index *c = (pbw_index *)w->triangles.data + 3 * t;
     const pbw_index was = c[1];
@@ -861,32 +870,32 @@ static void pbwm3__turn_triangle(pbwm3__work *w, size_t t)
 }
 
 /* Orients the triangles of each shell like the majority, and numbers the shells by their first triangles. */
-static int pbwm3__number_shells(pbwm3__work *w, const pbwm3__turned *trees)
+static int pbwm3__number_shells(pbwm3__work *w, const pbwm3__orientation *trees)
 {
     const size_t count = w->triangles.count;
     pbwm3__shell shell;
     pbw_index *number;
     size_t t;
-    int against;
+    int flipped;
     memset(&shell, 0, sizeof shell);
     if (!pbwsf__resize(&w->memory, &w->shell, (count + 1) * sizeof *number)) {
         return 0;
     }
     number = (pbw_index *)w->shell.data;
     for (t = 0; t < count; t++) {
-        const size_t root = pbwm3__turned_root(trees, t, &against);
+        const size_t root = pbwm3__oriented_root(trees, t, &flipped);
         shell.triangle = (pbw_index)t;
         shell.body = w->shells.count;
         number[t] = root == t ? (pbw_index)w->shells.count : number[root];
         if (root == t && !pbwm3__append(w, &w->shells, &shell, sizeof shell)) {
             return 0;
         }
-        ((pbwm3__shell *)w->shells.data)[number[t]].volume += against ? -1 : 1;
+        ((pbwm3__shell *)w->shells.data)[number[t]].volume += flipped ? -1 : 1;
     }
     for (t = 0; t < count; t++) {
-        (void)pbwm3__turned_root(trees, t, &against);
-        if (against == (((pbwm3__shell *)w->shells.data)[number[t]].volume >= 0)) {
-            pbwm3__turn_triangle(w, t);
+        (void)pbwm3__oriented_root(trees, t, &flipped);
+        if (flipped == (((pbwm3__shell *)w->shells.data)[number[t]].volume >= 0)) {
+            pbwm3__flip_triangle(w, t);
         }
     }
     w->shell.count = count;
@@ -920,7 +929,7 @@ static void pbwm3__measure_shells(pbwm3__work *w)
     }
     for (t = 0; t < w->triangles.count; t++) {
         if (shell[number[t]].volume < 0 && !shell[number[t]].open) {
-            pbwm3__turn_triangle(w, t);
+            pbwm3__flip_triangle(w, t);
         }
     }
 }
@@ -988,7 +997,7 @@ static int pbwm3__close_by_fan(pbwm3__work *w, const pbw_index *loop, size_t n, 
     for (i = 0; i < n; i++) {
         double normal[3];
         pbwsf__normal(hole->place, x + 3 * (size_t)loop[i], x + 3 * (size_t)loop[(i + 1) % n], normal);
-        w->capped += sqrt(pbwsf__dot(normal, normal)) / 2;
+        w->closing_area += sqrt(pbwsf__dot(normal, normal)) / 2;
     }
     if (!pbwm3__append(w, &w->vertices, hole->place, sizeof hole->place)) {
         return 0;
@@ -1018,7 +1027,7 @@ static int pbwm3__close_loop(pbwm3__work *w, const pbw_index *loop, size_t n, pb
     area = (double *)block.data;
     best = (pbw_index *)(void *)(area + n * n);
     out = best + n * n;
-    w->capped += pbwm3__least_area((const double *)w->vertices.data, loop, n, area, best, out);
+    w->closing_area += pbwm3__least_area((const double *)w->vertices.data, loop, n, area, best, out);
     for (i = 0, good = 1; i + 2 < n && good; i++) {
         good = pbwm3__close_with(w, loop[out[3 * i + 2]], loop[out[3 * i + 1]], loop[out[3 * i]], number);
     }
@@ -1026,21 +1035,21 @@ static int pbwm3__close_loop(pbwm3__work *w, const pbw_index *loop, size_t n, pb
     return good;
 }
 
-/* Lists the points of the loop that starts with a rim, and marks its rims used (triangle = PBW_NONE); head: the first
-   rim from each point.  Returns 0 without memory; *closed: whether it comes back. */
-static int pbwm3__walk_loop(pbwm3__work *w, pbwm3__rim *rim, size_t start, const pbw_index *head,
+/* Lists the points of the loop that starts with an open edge, and marks its edges used (triangle = PBW_NONE).  head:
+   the first edge from each point.  Returns 0 without memory; *closed: whether the loop returns to its first point. */
+static int pbwm3__walk_loop(pbwm3__work *w, pbwm3__open_edge *e, size_t start, const pbw_index *head,
                             pbwsf__array *loop, int *closed)
 {
     pbw_index at = (pbw_index)start;
     loop->count = 0;
     while (at != PBW_NONE) {
-        rim[at].triangle = PBW_NONE;
-        if (!pbwm3__append(w, loop, &rim[at].a, sizeof(pbw_index))) {
+        e[at].triangle = PBW_NONE;
+        if (!pbwm3__append(w, loop, &e[at].a, sizeof(pbw_index))) {
             return 0;
         }
-        *closed = rim[at].b == rim[start].a;
-        for (at = *closed ? PBW_NONE : head[rim[at].b]; at != PBW_NONE && rim[at].triangle == PBW_NONE;
-             at = rim[at].next) {
+        *closed = e[at].b == e[start].a;
+        for (at = *closed ? PBW_NONE : head[e[at].b]; at != PBW_NONE && e[at].triangle == PBW_NONE;
+             at = e[at].next) {
         }
     }
     return 1;
@@ -1083,7 +1092,7 @@ static int pbwm3__compare_holes(const void *a, const void *b)
 
 static int pbwm3__find_holes(pbwm3__work *w, pbwsf__array *open)
 {
-    pbwm3__rim *rim = (pbwm3__rim *)open->data;
+    pbwm3__open_edge *e = (pbwm3__open_edge *)open->data;
     pbwsf__array heads, loop;
     size_t i, k;
     int good, closed = 0;
@@ -1094,20 +1103,20 @@ static int pbwm3__find_holes(pbwm3__work *w, pbwsf__array *open)
         memset(heads.data, 0xff, heads.bytes);
     }
     for (i = open->count; good && i-- > 0;) {
-        const pbw_index *c = (const pbw_index *)w->triangles.data + 3 * (size_t)rim[i].triangle;
-        const pbw_index a = rim[i].a;
+        const pbw_index *c = (const pbw_index *)w->triangles.data + 3 * (size_t)e[i].triangle;
+        const pbw_index a = e[i].a;
         for (k = 0; c[k] != a; k++) {
         }
-        ((pbwm3__shell *)w->shells.data)[((const pbw_index *)w->shell.data)[rim[i].triangle]].open = 1;
-        rim[i].a = c[(k + 1) % 3] == rim[i].b ? a : rim[i].b;    /* as the triangle is turned now */
-        rim[i].b = rim[i].a == a ? rim[i].b : a;
-        rim[i].next = ((const pbw_index *)heads.data)[rim[i].a];
-        ((pbw_index *)heads.data)[rim[i].a] = (pbw_index)i;
+        ((pbwm3__shell *)w->shells.data)[((const pbw_index *)w->shell.data)[e[i].triangle]].open = 1;
+        e[i].a = c[(k + 1) % 3] == e[i].b ? a : e[i].b;    /* as the triangle is turned now */
+        e[i].b = e[i].a == a ? e[i].b : a;
+        e[i].next = ((const pbw_index *)heads.data)[e[i].a];
+        ((pbw_index *)heads.data)[e[i].a] = (pbw_index)i;
     }
     for (i = 0; good && i < open->count; i++) {
-        const pbw_index triangle = rim[i].triangle;
+        const pbw_index triangle = e[i].triangle;
         good = triangle == PBW_NONE
-            || (pbwm3__walk_loop(w, rim, i, (const pbw_index *)heads.data, &loop, &closed)
+            || (pbwm3__walk_loop(w, e, i, (const pbw_index *)heads.data, &loop, &closed)
                 && pbwm3__name_hole(w, (const pbw_index *)loop.data, loop.count, closed,
                                     ((const pbw_index *)w->shell.data)[triangle]));
     }
@@ -1164,31 +1173,32 @@ static int pbwm3__drop_doubles(pbwm3__work *w)
     return good;
 }
 
-/* A triangle at an edge from a to b: c is its third corner, `first` that of the first triangle there. */
-typedef struct pbwm3__leaf {
+/* A triangle at an edge from a to b, for the sort by angle around the edge.  c: its third corner; first: that of the
+   first triangle there. */
+typedef struct pbwm3__radial {
     const double *a, *b, *c, *first;
-    int turn;                              /* of its angle from the first: 0 none, 1 below 180 degrees, 2, 3 above */
-    size_t up, down;                       /* its sides: 2 t in front, 2 t + 1 behind; up: towards larger angles */
-} pbwm3__leaf;
+    int half;                              /* the angle from the first: 0 none, 1 below 180 degrees, 2 180, 3 above */
+    size_t up, down;                       /* its sides to larger and smaller angles: 2 t in front, 2 t + 1 behind */
+} pbwm3__radial;
 
-static int pbwm3__turn_of(const pbwm3__leaf *leaf)
+static int pbwm3__half_of(const pbwm3__radial *r)
 {
-    const int sign = pbw_orient3(leaf->a, leaf->b, leaf->first, leaf->c);
+    const int sign = pbw_orient3(r->a, r->b, r->first, r->c);
     double n[2][3];
     if (sign != 0) {
         return sign > 0 ? 1 : 3;
     }
-    pbwsf__normal(leaf->a, leaf->b, leaf->first, n[0]);
-    pbwsf__normal(leaf->a, leaf->b, leaf->c, n[1]);
+    pbwsf__normal(r->a, r->b, r->first, n[0]);
+    pbwsf__normal(r->a, r->b, r->c, n[1]);
     return pbwsf__dot(n[0], n[1]) < 0 ? 2 : 0;
 }
 
 /* Compares two triangles at an edge by their angles around it, by exact signs. */
-static int pbwm3__compare_leaves(const void *p, const void *q)
+static int pbwm3__compare_radials(const void *p, const void *q)
 {
-    const pbwm3__leaf *x = (const pbwm3__leaf *)p, *y = (const pbwm3__leaf *)q;
-    int sign = x->turn - y->turn;
-    if (sign == 0 && (x->turn == 1 || x->turn == 3)) {
+    const pbwm3__radial *x = (const pbwm3__radial *)p, *y = (const pbwm3__radial *)q;
+    int sign = x->half - y->half;
+    if (sign == 0 && (x->half == 1 || x->half == 3)) {
         sign = -pbw_orient3(x->a, x->b, x->c, y->c);
     }
     if (sign == 0 && x->up % 2 != y->up % 2) {       /* one lies on the other: their fronts see each other */
@@ -1217,25 +1227,25 @@ static int pbwm3__join_sides(pbwm3__work *w, size_t *parent)
     int good = edge != NULL;
     memset(&room, 0, sizeof room);
     for (i = 0; good && i < count; i = k) {
-        pbwm3__leaf leaf, *leaves;
+        pbwm3__radial radial, *radials;
         room.count = 0;
         for (k = i; good && k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
-            leaf.a = x + 3 * (size_t)edge[i].v[0];
-            leaf.b = x + 3 * (size_t)edge[i].v[1];
-            leaf.c = x + 3 * (size_t)corner[3 * (size_t)edge[k].t + (size_t)((edge[k].i + 2) % 3)];
-            leaf.first = k == i ? leaf.c : ((const pbwm3__leaf *)room.data)->c;
-            leaf.turn = k == i ? 0 : pbwm3__turn_of(&leaf);
-            leaf.up = 2 * (size_t)edge[k].t + (edge[k].v[2] ? 0 : 1);
-            leaf.down = leaf.up ^ 1;
+            radial.a = x + 3 * (size_t)edge[i].v[0];
+            radial.b = x + 3 * (size_t)edge[i].v[1];
+            radial.c = x + 3 * (size_t)corner[3 * (size_t)edge[k].t + (size_t)((edge[k].i + 2) % 3)];
+            radial.first = k == i ? radial.c : ((const pbwm3__radial *)room.data)->c;
+            radial.half = k == i ? 0 : pbwm3__half_of(&radial);
+            radial.up = 2 * (size_t)edge[k].t + (edge[k].v[2] ? 0 : 1);
+            radial.down = radial.up ^ 1;
             pbwm3__join(parent, 2 * triangles + edge[i].t, 2 * triangles + edge[k].t);
-            good = pbwm3__append(w, &room, &leaf, sizeof leaf);
+            good = pbwm3__append(w, &room, &radial, sizeof radial);
         }
-        leaves = (pbwm3__leaf *)room.data;
+        radials = (pbwm3__radial *)room.data;
         if (good) {
-            qsort(leaves, room.count, sizeof leaf, pbwm3__compare_leaves);
+            qsort(radials, room.count, sizeof radial, pbwm3__compare_radials);
         }
         for (j = 0; good && j < room.count; j++) {
-            pbwm3__join(parent, leaves[j].up, leaves[(j + 1) % room.count].down);
+            pbwm3__join(parent, radials[j].up, radials[(j + 1) % room.count].down);
         }
     }
     pbwm3__free_blocks(&w->memory, blocks);
@@ -1272,7 +1282,7 @@ static int pbwm3__find_walls(pbwm3__work *w)
     const size_t triangles = w->triangles.count;
     pbwsf__array parents, volumes;
     pbwm3__shell shell;
-    pbw_index *sides, *beyond;
+    pbw_index *sides, *outer;
     size_t *parent, i;
     double *volume;
     int good;
@@ -1282,11 +1292,11 @@ static int pbwm3__find_walls(pbwm3__work *w)
     good = pbwsf__resize(&w->memory, &parents, (3 * triangles + 1) * sizeof *parent)
         && pbwsf__resize(&w->memory, &volumes, (2 * triangles + 1) * sizeof *volume)
         && pbwsf__resize(&w->memory, &w->sides, (2 * triangles + 1) * sizeof *sides)
-        && pbwsf__resize(&w->memory, &w->beyond, (triangles + 1) * sizeof *beyond);
+        && pbwsf__resize(&w->memory, &w->outer, (triangles + 1) * sizeof *outer);
     parent = (size_t *)parents.data;
     volume = (double *)volumes.data;
     sides = (pbw_index *)w->sides.data;
-    beyond = (pbw_index *)w->beyond.data;
+    outer = (pbw_index *)w->outer.data;
     for (i = 0; good && i < 3 * triangles; i++) {
         parent[i] = i;
     }
@@ -1308,7 +1318,7 @@ static int pbwm3__find_walls(pbwm3__work *w)
     }
     for (i = 0; good && i < 2 * triangles; i++) {
         sides[i] = sides[pbwm3__root_of(parent, i)];
-        beyond[i / 2] = (pbw_index)(pbwm3__root_of(parent, 2 * triangles + i / 2) - 2 * triangles);
+        outer[i / 2] = (pbw_index)(pbwm3__root_of(parent, 2 * triangles + i / 2) - 2 * triangles);
     }
     w->report->shells = w->shells.count;
     pbwsf__release(&w->memory, &parents);
@@ -1320,24 +1330,24 @@ static int pbwm3__find_walls(pbwm3__work *w)
 static int pbwm3__find_shells(pbwm3__work *w)
 {
     const size_t count = w->triangles.count;
-    pbwm3__turned trees;
-    pbwsf__array parents, against, open;
+    pbwm3__orientation trees;
+    pbwsf__array parents, flipped, open;
     double sum = 0;
     size_t i;
     int good;
     memset(&parents, 0, sizeof parents);
-    memset(&against, 0, sizeof against);
+    memset(&flipped, 0, sizeof flipped);
     memset(&open, 0, sizeof open);
     good = pbwsf__resize(&w->memory, &parents, (count + 1) * sizeof(size_t))
-        && pbwsf__resize(&w->memory, &against, count + 1);
+        && pbwsf__resize(&w->memory, &flipped, count + 1);
     trees.parent = (size_t *)parents.data;
-    trees.against = (unsigned char *)against.data;
+    trees.flipped = (unsigned char *)flipped.data;
     for (i = 0; good && i < count; i++) {
         trees.parent[i] = i;
-        trees.against[i] = 0;
+        trees.flipped[i] = 0;
     }
     good = good && pbwm3__join_shells(w, &trees, &open) && pbwm3__number_shells(w, &trees);
-    w->given = count;
+    w->first_closing = count;
     w->walls = open.count == 0 && w->report->crowded_edges + w->report->doubles > 0;
     if (good && open.count > 0) {
         pbwm3__measure_shells(w);
@@ -1347,7 +1357,7 @@ static int pbwm3__find_shells(pbwm3__work *w)
             sum += ((const pbwm3__shell *)w->shells.data)[i].area;
             ((pbwm3__shell *)w->shells.data)[i].open &= w->open;
         }
-        w->report->hole_share = sum > 0 ? w->capped / sum : 0;
+        w->report->hole_share = sum > 0 ? w->closing_area / sum : 0;
     }
     if (good && w->walls) {
         good = pbwm3__find_walls(w);
@@ -1355,7 +1365,7 @@ static int pbwm3__find_shells(pbwm3__work *w)
         pbwm3__measure_shells(w);
     }
     pbwsf__release(&w->memory, &parents);
-    pbwsf__release(&w->memory, &against);
+    pbwsf__release(&w->memory, &flipped);
     pbwsf__release(&w->memory, &open);
     return good;
 }
@@ -1367,7 +1377,7 @@ static int pbwm3__find_shells(pbwm3__work *w)
 
 enum { PBWM3__ODD = 64 };                  /* shells that one ray keeps in mind */
 
-typedef struct pbwm3__crossed {
+typedef struct pbwm3__ray_shells {
     const pbwm3__work *w;
     size_t own;                            /* the body whose shells do not count */
     size_t step, rest;                     /* of the shells rest, rest + step, ... */
@@ -1376,7 +1386,7 @@ typedef struct pbwm3__crossed {
     int full;                              /* there were more */
     size_t around;                         /* out: how many shells are around the point, and the innermost */
     pbw_index innermost;
-} pbwm3__crossed;
+} pbwm3__ray_shells;
 
 /* The shell in front of a triangle or behind it, PBW_NONE if that side is out of the body. */
 static pbw_index pbwm3__side(const pbwm3__work *w, pbw_index triangle, int back)
@@ -1385,9 +1395,9 @@ static pbw_index pbwm3__side(const pbwm3__work *w, pbw_index triangle, int back)
          : back ? ((const pbw_index *)w->shell.data)[triangle] : PBW_NONE;
 }
 
-static void pbwm3__cross(void *user, pbw_index triangle, int front)
+static void pbwm3__cross_shell(void *user, pbw_index triangle, int front)
 {
-    pbwm3__crossed *c = (pbwm3__crossed *)user;
+    pbwm3__ray_shells *c = (pbwm3__ray_shells *)user;
     const pbwm3__shell *shells = (const pbwm3__shell *)c->w->shells.data;
     size_t i;
     int back;
@@ -1411,10 +1421,10 @@ static void pbwm3__cross(void *user, pbw_index triangle, int front)
 
 /* Returns how many shells are around p, without those of the body `own`, and the innermost.  If one ray crosses too
    many shells, several follow, each for some of them. */
-static pbwm3__crossed pbwm3__shells_around(const pbwm3__work *w, const double p[3], size_t own)
+static pbwm3__ray_shells pbwm3__shells_around(const pbwm3__work *w, const double p[3], size_t own)
 {
     const pbwm3__shell *shells = (const pbwm3__shell *)w->shells.data;
-    pbwm3__crossed c;
+    pbwm3__ray_shells c;
     size_t i;
     c.w = w;
     c.own = own;
@@ -1425,7 +1435,7 @@ static pbwm3__crossed pbwm3__shells_around(const pbwm3__work *w, const double p[
         c.full = 0;
         for (c.rest = 0; c.rest < c.step && !c.full; c.rest++) {
             c.count = 0;
-            pbwsf__ray(&w->surface, p, pbwm3__cross, &c);
+            pbwsf__ray(&w->surface, p, pbwm3__cross_shell, &c);
             c.around += c.count;
             for (i = 0; i < c.count; i++) {
                 const double least = c.innermost == PBW_NONE ? HUGE_VAL : fabs(shells[c.innermost].volume);
@@ -1451,7 +1461,7 @@ static int pbwm3__shell_label(const pbwm3__work *w, pbw_index shell)
 static int pbwm3__side_label(const pbwm3__work *w, pbw_index triangle, int back)
 {
     const pbw_index shell = pbwm3__side(w, triangle, back);
-    return pbwm3__shell_label(w, shell != PBW_NONE ? shell : ((const pbw_index *)w->beyond.data)[triangle]);
+    return pbwm3__shell_label(w, shell != PBW_NONE ? shell : ((const pbw_index *)w->outer.data)[triangle]);
 }
 
 static void pbwm3__middle_of(const pbwm3__work *w, pbw_index triangle, double p[3])
@@ -1465,40 +1475,47 @@ static void pbwm3__middle_of(const pbwm3__work *w, pbw_index triangle, double p[
 
 /* ---- triangles that cross ---- */
 
-typedef struct pbwm3__cuts { const pbwm3__work *w; unsigned char *cuts; } pbwm3__cuts;      /* per triangle */
+typedef struct pbwm3__crossing_counts {
+    const pbwm3__work *w;
+    unsigned char *count;                  /* per triangle */
+} pbwm3__crossing_counts;
 
-typedef struct pbwm3__cut { const pbwm3__work *w; pbw_index a, b; int found; } pbwm3__cut;  /* of the edge a b */
+typedef struct pbwm3__crossing {           /* of the edge a b */
+    const pbwm3__work *w;
+    pbw_index a, b;
+    int found;
+} pbwm3__crossing;
 
-static int pbwm3__meet(void *user, pbw_index triangle)
+static int pbwm3__test_crossing(void *user, pbw_index triangle)
 {
-    pbwm3__cut *cut = (pbwm3__cut *)user;
-    const pbw_index *c = cut->w->surface.triangles + 3 * (size_t)triangle;
+    pbwm3__crossing *crossing = (pbwm3__crossing *)user;
+    const pbw_index *c = crossing->w->surface.triangles + 3 * (size_t)triangle;
     int k;
-    for (k = 0; k < 3 && c[k] != cut->a && c[k] != cut->b; k++) {
+    for (k = 0; k < 3 && c[k] != crossing->a && c[k] != crossing->b; k++) {
     }
-    cut->found = k == 3;
-    return cut->found;
+    crossing->found = k == 3;
+    return crossing->found;
 }
 
-static pbw_status pbwm3__cut_range(void *arg, size_t from, size_t to)
+static pbw_status pbwm3__crossing_range(void *arg, size_t from, size_t to)
 {
-    const pbwm3__cuts *cuts = (const pbwm3__cuts *)arg;
-    const pbw_surface *s = &cuts->w->surface;
+    const pbwm3__crossing_counts *counts = (const pbwm3__crossing_counts *)arg;
+    const pbw_surface *s = &counts->w->surface;
     size_t i;
     int k;
     for (i = from; i < to; i++) {
-        cuts->cuts[i] = 0;
+        counts->count[i] = 0;
         for (k = 0; k < 3; k++) {
-            pbwm3__cut cut;
-            cut.w = cuts->w;
-            cut.a = s->triangles[3 * i + (size_t)k];
-            cut.b = s->triangles[3 * i + (size_t)(k + 1) % 3];
-            cut.found = 0;
-            if (cut.a < cut.b) {
+            pbwm3__crossing crossing;
+            crossing.w = counts->w;
+            crossing.a = s->triangles[3 * i + (size_t)k];
+            crossing.b = s->triangles[3 * i + (size_t)(k + 1) % 3];
+            crossing.found = 0;
+            if (crossing.a < crossing.b) {
                 pbwsf__all_met(s, pbwsf__corner(s, (pbw_index)i, k), pbwsf__corner(s, (pbw_index)i, (k + 1) % 3),
-                               pbwm3__meet, &cut);
+                               pbwm3__test_crossing, &crossing);
             }
-            cuts->cuts[i] = (unsigned char)(cuts->cuts[i] + cut.found);
+            counts->count[i] = (unsigned char)(counts->count[i] + crossing.found);
         }
     }
     return PBW_OK;
@@ -1509,16 +1526,16 @@ static pbw_status pbwm3__find_crossings(pbwm3__work *w)
 {
     const size_t count = w->surface.triangle_count;
     pbwsf__array room;
-    pbwm3__cuts cuts;
+    pbwm3__crossing_counts counts;
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i;
     memset(&room, 0, sizeof room);
     if (pbwsf__resize(&w->memory, &room, count + 1)) {
-        cuts.w = w;
-        cuts.cuts = (unsigned char *)room.data;
-        status = pbw_for(pbwm3__rest(w), count, 64, pbwm3__cut_range, &cuts);
+        counts.w = w;
+        counts.count = (unsigned char *)room.data;
+        status = pbw_for(pbwm3__inner_options(w), count, 64, pbwm3__crossing_range, &counts);
         for (i = 0; status == PBW_OK && i < count; i++) {
-            w->report->crossings += cuts.cuts[i];
+            w->report->crossings += counts.count[i];
         }
     }
     w->joined = w->report->crossings > 0 && !w->nested && !w->open && !w->walls;
@@ -1529,7 +1546,7 @@ static pbw_status pbwm3__find_crossings(pbwm3__work *w)
 static void pbwm3__nest_shells(pbwm3__work *w)
 {
     pbwm3__shell *shell = (pbwm3__shell *)w->shells.data;
-    pbw_index *beyond = (pbw_index *)w->beyond.data;
+    pbw_index *outer = (pbw_index *)w->outer.data;
     double p[3];
     size_t i;
     for (i = 0; i < w->shells.count; i++) {
@@ -1539,9 +1556,9 @@ static void pbwm3__nest_shells(pbwm3__work *w)
                                  * fabs(shell[i].volume);
     }
     for (i = 0; i < w->triangles.count && w->walls; i++) {       /* a body's number is its first triangle */
-        const pbw_index body = beyond[i];
+        const pbw_index body = outer[i];
         pbwm3__middle_of(w, (pbw_index)i, p);
-        beyond[i] = body == i ? pbwm3__shells_around(w, p, body).innermost : beyond[body];
+        outer[i] = body == i ? pbwm3__shells_around(w, p, body).innermost : outer[body];
     }
 }
 
@@ -1593,7 +1610,7 @@ static size_t pbwm3__to_surface(const pbwm3__work *w, double p[3])
         }
     }
     t = pbw_surface_closest(&w->surface, p, HUGE_VAL, place);
-    if (t == PBW_NONE || !(pbwsf__distance(p, place) < w->size)) {       /* it has gone astray */
+    if (t == PBW_NONE || !(pbwsf__distance(p, place) < w->size)) {       /* Newton's method diverged */
         memcpy(p, place, sizeof place);
     }
     return t != PBW_NONE ? patch[t] : 0;
@@ -1606,10 +1623,10 @@ static void pbwm3__project(void *user, double p[3])
 
 /* ------------------------------------------------------------------------------------------------------
    Features: sharp edges at the scale of the size.
-   In: edges that bend, in the order of all edges.  Out: which of them are kept.
+   In: edges with an angle above the feature angle, in the order of all edges.  Out: which of them are kept.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWM3__FLOOD = 256, PBWM3__FLAT = 1024 };    /* triangles on one side of an edge that are looked at: for the
-                                              mean normal, to be flat */
+/* Triangles that are visited on one side of an edge, at most: for the mean normal, and for the test of flatness. */
+enum { PBWM3__FLOOD = 256, PBWM3__FLAT = 1024 };
 
 typedef struct pbwm3__graph {              /* of sharp edges */
     const pbw_index *ends;                 /* two for each */
@@ -1648,14 +1665,14 @@ static pbw_index pbwm3__other_end(const pbwm3__graph *g, size_t edge, pbw_index 
 
 typedef struct pbwm3__features {
     const pbwim__facet *edge;              /* all edges, sorted */
-    pbwsf__array bends, keeps;             /* places in `edge` of those that bend; 1 for those that are kept */
+    pbwsf__array candidates, keeps;        /* where `edge` has those above the feature angle; 1: it is kept */
     pbwsf__array across;                   /* per corner 3 t + i, the edge from it: 2 u, or 2 u + 1 if the triangle u
                                               across is turned the other way; (size_t)-1: none, or several */
     pbwsf__array seen;                     /* per triangle: the last flood that had it */
     size_t floods;
-    pbwm3__graph graph;                    /* of kept edges: `fixed` that have no choice, then those that bend */
+    pbwm3__graph graph;                    /* of kept edges: the `fixed` first ones are always kept */
     size_t fixed;
-    pbwsf__array ends, degree, trail;      /* its edges; edges at each vertex that are left; those of a branch */
+    pbwsf__array ends, degree, branch;     /* its edges; how many are left at each vertex; those of a branch */
 } pbwm3__features;
 
 static int pbwm3__find_across(pbwm3__work *w, pbwm3__features *f)
@@ -1681,10 +1698,10 @@ static int pbwm3__find_across(pbwm3__work *w, pbwm3__features *f)
     return 1;
 }
 
-/* Adds up the normals of the triangles that are connected with t within a size of the middle, each at most as long as
-   the square of the size; plane: the middle, and a vector to the side of the plane through it that they lie on.
-   flat: within three sizes, and it ends once they are not flat, to half a degree.  Returns whether they are, and as
-   large as half a disk of that radius. */
+/* Adds up the normals of the triangles that are connected with t, are near the middle, and lie on one side of the
+   plane through it.  plane: the middle, and a vector to that side.  Each normal is at most as long as the square of
+   the size.  flat 0: near is within a size; returns 0.  flat 1: near is within three sizes; returns whether the
+   triangles are flat, to half a degree, and have the area of half a disk of that radius. */
 static int pbwm3__mean_normal(const pbwm3__work *w, pbwm3__features *f, size_t t, const double plane[2][3], int flat,
                               double sum[3])
 {
@@ -1735,10 +1752,10 @@ static int pbwm3__mean_normal(const pbwm3__work *w, pbwm3__features *f, size_t t
     return flat && area > 1.57 * within * within;
 }
 
-/* Returns whether an edge that bends is sharp at the scale of the size: the mean normals on both sides of it, within a
-   size of its middle, differ by more than 52 degrees; or its sides are flat for three sizes.  The bend of a smooth
-   surface falls with the scale, that between two planes does not. */
-static int pbwm3__bends_far(const pbwm3__work *w, pbwm3__features *f, const pbwim__facet *edge)
+/* Returns whether an edge is sharp at the scale of the size: the mean normals on its two sides, within a size of its
+   middle, differ by more than 52 degrees; or both sides are flat for three sizes.  The angle between such normals
+   falls with the scale on a smooth surface, but not between two planes. */
+static int pbwm3__is_sharp_at_scale(const pbwm3__work *w, pbwm3__features *f, const pbwim__facet *edge)
 {
     const double *a = w->surface.points + 3 * (size_t)edge[0].v[0], *b = w->surface.points + 3 * (size_t)edge[0].v[1];
     double middle[3], along[3], n[2][3], mean[3], side[3], plane[2][2][3], sum[2][3];
@@ -1782,25 +1799,25 @@ static size_t pbwm3__drop_spurs(const pbwm3__work *w, pbwm3__features *f)
 {
     const pbwm3__graph *g = &f->graph;
     const size_t *first = (const size_t *)g->first.data, *at = (const size_t *)g->at.data;
-    size_t *degree = (size_t *)f->degree.data, *trail = (size_t *)f->trail.data, v, i, dropped = 0;
+    size_t *degree = (size_t *)f->degree.data, *branch = (size_t *)f->branch.data, v, i, dropped = 0;
     char *gone = (char *)g->used.data;
     for (v = 0; v < w->surface.point_count; v++) {
         pbw_index end = (pbw_index)v;
         double length = 0;
         size_t count = 0;
         while (degree[end] == (count == 0 ? 1 : 2) && length < 3 * w->size) {
-            for (i = first[end]; gone[at[i]] || (count > 0 && at[i] == trail[count - 1]); i++) {
+            for (i = first[end]; gone[at[i]] || (count > 0 && at[i] == branch[count - 1]); i++) {
             }
             length += at[i] < f->fixed ? HUGE_VAL
                     : pbwsf__distance(w->surface.points + 3 * (size_t)g->ends[2 * at[i]],
                                       w->surface.points + 3 * (size_t)g->ends[2 * at[i] + 1]);
-            trail[count++] = at[i];
+            branch[count++] = at[i];
             end = pbwm3__other_end(g, at[i], end);
         }
         for (i = 0; i < count && degree[end] > 2 && length < 3 * w->size; i++) {
-            gone[trail[i]] = 1;
-            degree[g->ends[2 * trail[i]]]--;
-            degree[g->ends[2 * trail[i] + 1]]--;
+            gone[branch[i]] = 1;
+            degree[g->ends[2 * branch[i]]]--;
+            degree[g->ends[2 * branch[i] + 1]]--;
             dropped++;
         }
     }
@@ -1852,10 +1869,10 @@ static int pbwm3__drop_parts(pbwm3__work *w, pbwm3__features *f)
     return good;
 }
 
-/* Sets keeps[i] to 1 for the edges that are features; fixed: the edges that have no choice. */
+/* Sets keeps[i] to 1 for the candidates that are features; fixed: the edges that are always kept. */
 static int pbwm3__find_features(pbwm3__work *w, pbwm3__features *f, const pbwsf__array *fixed)
 {
-    const size_t *bend = (const size_t *)f->bends.data;
+    const size_t *candidate = (const size_t *)f->candidates.data;
     char *keeps = (char *)f->keeps.data;
     size_t i, at;
     int good = pbwm3__find_across(w, f);
@@ -1863,15 +1880,15 @@ static int pbwm3__find_features(pbwm3__work *w, pbwm3__features *f, const pbwsf_
         good = pbwm3__append(w, &f->ends, (const pbw_index *)fixed->data + 2 * i, 2 * sizeof(pbw_index));
     }
     f->fixed = fixed->count;
-    for (i = 0; good && i < f->bends.count; i++) {
-        keeps[i] = (char)pbwm3__bends_far(w, f, f->edge + bend[i]);
-        good = !keeps[i] || pbwm3__append(w, &f->ends, f->edge[bend[i]].v, 2 * sizeof(pbw_index));
+    for (i = 0; good && i < f->candidates.count; i++) {
+        keeps[i] = (char)pbwm3__is_sharp_at_scale(w, f, f->edge + candidate[i]);
+        good = !keeps[i] || pbwm3__append(w, &f->ends, f->edge[candidate[i]].v, 2 * sizeof(pbw_index));
     }
     f->graph.ends = (const pbw_index *)f->ends.data;
     f->graph.count = f->ends.count;
     good = good && pbwm3__make_graph(w, &f->graph)
         && pbwsf__resize(&w->memory, &f->degree, (w->surface.point_count + 1) * sizeof(size_t))
-        && pbwsf__resize(&w->memory, &f->trail, (f->ends.count + 1) * sizeof(size_t));
+        && pbwsf__resize(&w->memory, &f->branch, (f->ends.count + 1) * sizeof(size_t));
     for (i = 0; good && i < w->surface.point_count; i++) {
         const size_t *first = (const size_t *)f->graph.first.data;
         ((size_t *)f->degree.data)[i] = first[i + 1] - first[i];
@@ -1879,37 +1896,37 @@ static int pbwm3__find_features(pbwm3__work *w, pbwm3__features *f, const pbwsf_
     for (i = 0; good && i < 8 && pbwm3__drop_spurs(w, f) > 0; i++) {
     }
     good = good && pbwm3__drop_parts(w, f);
-    for (i = 0, at = f->fixed; good && i < f->bends.count; i++) {
+    for (i = 0, at = f->fixed; good && i < f->candidates.count; i++) {
         keeps[i] = (char)(keeps[i] && !((const char *)f->graph.used.data)[at++]);
     }
     return good;
 }
 
-/* Chooses which of the edges that bend are kept; fixed: those that have no choice, two points each. */
+/* Chooses which of the candidates are kept; fixed: the edges that are always kept, two points each. */
 static int pbwm3__choose_sharp(pbwm3__work *w, pbwm3__features *f, const pbwsf__array *fixed)
 {
     size_t i, kept = 0;
-    int good = pbwsf__resize(&w->memory, &f->keeps, f->bends.count + 1), sharp = w->sharp;
-    if (good && f->bends.count > 0 && (sharp == PBW_SOLID_SHARP_AUTO || sharp == PBW_SOLID_SHARP_SOME)) {
+    int good = pbwsf__resize(&w->memory, &f->keeps, f->candidates.count + 1), sharp = w->sharp;
+    if (good && f->candidates.count > 0 && (sharp == PBW_SOLID_SHARP_AUTO || sharp == PBW_SOLID_SHARP_SOME)) {
         good = pbwm3__find_features(w, f, fixed);
-        for (i = 0; good && i < f->bends.count; i++) {
+        for (i = 0; good && i < f->candidates.count; i++) {
             kept += (size_t)((const char *)f->keeps.data)[i];
         }
-        w->report->sharp_share = (double)kept / (double)f->bends.count;
+        w->report->sharp_share = (double)kept / (double)f->candidates.count;
     }
     if (sharp == PBW_SOLID_SHARP_AUTO) {
         sharp = w->report->sharp_share < 0 || w->report->sharp_share >= 0.85 ? PBW_SOLID_SHARP_ALL
               : w->report->sharp_share > 0.3 ? PBW_SOLID_SHARP_SOME : PBW_SOLID_SHARP_NONE;
     }
     if (good && sharp != PBW_SOLID_SHARP_SOME) {
-        memset(f->keeps.data, sharp == PBW_SOLID_SHARP_ALL, f->bends.count + 1);
+        memset(f->keeps.data, sharp == PBW_SOLID_SHARP_ALL, f->candidates.count + 1);
     }
     w->report->sharp = sharp;
     pbwsf__release(&w->memory, &f->across);
     pbwsf__release(&w->memory, &f->seen);
     pbwsf__release(&w->memory, &f->ends);
     pbwsf__release(&w->memory, &f->degree);
-    pbwsf__release(&w->memory, &f->trail);
+    pbwsf__release(&w->memory, &f->branch);
     pbwsf__release(&w->memory, &f->graph.first);
     pbwsf__release(&w->memory, &f->graph.at);
     pbwsf__release(&w->memory, &f->graph.used);
@@ -1920,8 +1937,8 @@ static int pbwm3__choose_sharp(pbwm3__work *w, pbwm3__features *f, const pbwsf__
    Sharp edges: found, and chained between corners.
    ------------------------------------------------------------------------------------------------------ */
 
-/* Returns whether an edge of two triangles bends by more than the feature angle.  Triangles without area bend
-   nothing. */
+/* Returns whether the normals of an edge's two triangles differ by more than the feature angle; 0 if one has no
+   area. */
 static int pbwm3__is_sharp(const pbwm3__work *w, const pbwim__facet *edge)
 {
     double n[2][3];
@@ -1990,7 +2007,7 @@ static int pbwm3__number_patches(pbwm3__work *w, size_t *parent)
 /* The caller's patch of a triangle, 0 if there are none, PBW_NONE of one that closes a hole. */
 static pbw_index pbwm3__patch_of(const pbwm3__work *w, pbw_index triangle)
 {
-    return w->input->value != NULL ? 0 : triangle >= w->given ? PBW_NONE
+    return w->input->value != NULL ? 0 : triangle >= w->first_closing ? PBW_NONE
          : w->input->patches != NULL ? w->input->patches[((const pbw_index *)w->origin.data)[triangle]] : 0;
 }
 
@@ -2010,8 +2027,8 @@ static int pbwm3__keep_sharp(pbwm3__work *w, const pbwim__facet *edge, size_t co
     return pbwm3__append(w, list, edge->v, 2 * sizeof(pbw_index));
 }
 
-/* Lists the sharp edges that are kept, and joins the triangles at other edges: those that only bend are chosen from
-   once all are found. */
+/* Lists the sharp edges that are kept, and joins the triangles at all others.  Which candidates are kept is chosen
+   once all of them are found. */
 static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__array *list, size_t *parent)
 {
     pbwsf__array blocks[3];
@@ -2030,22 +2047,22 @@ static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__array *list, size_t *parent)
         if (w->input->value == NULL && (k - i > 2 || (k - i == 2 && pbwm3__has_border(w, edge + i)))) {
             good = pbwm3__keep_sharp(w, edge + i, k - i, list);
         } else if (w->input->value == NULL && k - i == 2 && pbwm3__is_sharp(w, edge + i)
-                   && (edge[i].t < w->given || edge[i + 1].t < w->given)) {
-            good = pbwm3__append(w, &f.bends, &i, sizeof i);
+                   && (edge[i].t < w->first_closing || edge[i + 1].t < w->first_closing)) {
+            good = pbwm3__append(w, &f.candidates, &i, sizeof i);
         } else if (k - i == 2) {
             pbwm3__join(parent, edge[i].t, edge[i + 1].t);
         }
     }
     good = good && pbwm3__choose_sharp(w, &f, list);
-    for (i = 0; good && i < f.bends.count; i++) {
-        k = ((const size_t *)f.bends.data)[i];
+    for (i = 0; good && i < f.candidates.count; i++) {
+        k = ((const size_t *)f.candidates.data)[i];
         if (((const char *)f.keeps.data)[i]) {
             good = pbwm3__keep_sharp(w, edge + k, 2, list);
         } else {
             pbwm3__join(parent, edge[k].t, edge[k + 1].t);
         }
     }
-    pbwsf__release(&w->memory, &f.bends);
+    pbwsf__release(&w->memory, &f.candidates);
     pbwsf__release(&w->memory, &f.keeps);
     w->report->sharp_edges = list->count;
     if (!w->walls) {
@@ -2055,7 +2072,8 @@ static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__array *list, size_t *parent)
     return good;
 }
 
-/* Returns whether chains end at v: the edges there are not two, or form an angle.  In scans angles are noise. */
+/* Returns whether chains end at v: it has not two edges, or they form an angle.  On open surfaces, which are scans,
+   angles are noise. */
 static int pbwm3__is_corner(const pbwm3__work *w, const pbwm3__graph *g, pbw_index v)
 {
     const size_t *first = (const size_t *)g->first.data, *at = (const size_t *)g->at.data;
@@ -2077,21 +2095,21 @@ static int pbwm3__walk_chain(pbwm3__work *w, pbwm3__graph *g, pbw_index v, size_
     char *used = (char *)g->used.data;
     const pbw_index start = v;
     pbwm3__chain chain;
-    pbwm3__knot knot;
-    knot.vertex = v;
-    knot.along = 0;
+    pbwm3__chain_vertex item;
+    item.vertex = v;
+    item.along = 0;
     chain.first = w->path.count;
     chain.count = 1;
-    if (!pbwm3__append(w, &w->path, &knot, sizeof knot)) {
+    if (!pbwm3__append(w, &w->path, &item, sizeof item)) {
         return 0;
     }
     for (;;) {
         const pbw_index next = pbwm3__other_end(g, edge, v);
         used[edge] = 1;
-        knot.along += pbwsf__distance(w->surface.points + 3 * (size_t)v, w->surface.points + 3 * (size_t)next);
-        knot.vertex = next;
+        item.along += pbwsf__distance(w->surface.points + 3 * (size_t)v, w->surface.points + 3 * (size_t)next);
+        item.vertex = next;
         chain.count++;
-        if (!pbwm3__append(w, &w->path, &knot, sizeof knot)) {
+        if (!pbwm3__append(w, &w->path, &item, sizeof item)) {
             return 0;
         }
         v = next;
@@ -2186,17 +2204,17 @@ static pbw_index pbwm3__common_patch(const pbwm3__work *w, const pbw_index *c, i
 static void pbwm3__along(const pbwm3__work *w, size_t number, double along, double out[3])
 {
     const pbwm3__chain *chain = (const pbwm3__chain *)w->chains.data + number;
-    const pbwm3__knot *knot = (const pbwm3__knot *)w->path.data + chain->first;
+    const pbwm3__chain_vertex *path = (const pbwm3__chain_vertex *)w->path.data + chain->first;
     size_t low = 0, high = chain->count - 1;
     double length;
     while (high - low > 1) {
         const size_t middle = (low + high) / 2;
-        *(knot[middle].along <= along ? &low : &high) = middle;
+        *(path[middle].along <= along ? &low : &high) = middle;
     }
-    length = knot[high].along - knot[low].along;
-    pbwsf__between(w->surface.points + 3 * (size_t)knot[low].vertex,
-                   w->surface.points + 3 * (size_t)knot[high].vertex,
-                   length > 0 ? (along - knot[low].along) / length : 0, out);
+    length = path[high].along - path[low].along;
+    pbwsf__between(w->surface.points + 3 * (size_t)path[low].vertex,
+                   w->surface.points + 3 * (size_t)path[high].vertex,
+                   length > 0 ? (along - path[low].along) / length : 0, out);
 }
 
 /* All chains, those from corners first, then closed ones without a corner. */
@@ -2378,11 +2396,11 @@ static void pbwm3__grade(pbwm3__work *w)
     }
 }
 
-typedef struct pbwm3__bend { double area, tensor[6]; } pbwm3__bend;          /* sums over a cell of the field */
+typedef struct pbwm3__curvature { double area, tensor[6]; } pbwm3__curvature;  /* sums over a cell of the field */
 
-/* Adds parts of a triangle's area, of at most half a size, to the cells that they are in, unless bends is NULL.
+/* Adds parts of a triangle's area, of at most half a size, to the cells that they are in, unless cell is NULL.
    Returns its area in squares of the local sizes. */
-static double pbwm3__spread_area(const pbwm3__work *w, pbw_index t, pbwm3__bend *bends)
+static double pbwm3__spread_area(const pbwm3__work *w, pbw_index t, pbwm3__curvature *cell)
 {
     const double *c[3];
     double n[3], longest = 0, p[3], size, squares = 0;
@@ -2401,8 +2419,8 @@ static double pbwm3__spread_area(const pbwm3__work *w, pbw_index t, pbwm3__bend 
             for (k = 0; k < 3; k++) {
                 p[k] = c[0][k] + u * (c[1][k] - c[0][k]) + v * (c[2][k] - c[1][k]);
             }
-            if (bends != NULL) {
-                bends[pbwm3__field_cell(w, p)].area += 0.5 * sqrt(pbwsf__dot(n, n)) / (double)(parts * parts);
+            if (cell != NULL) {
+                cell[pbwm3__field_cell(w, p)].area += 0.5 * sqrt(pbwsf__dot(n, n)) / (double)(parts * parts);
             }
             size = pbwm3__size(w, p);
             squares += 0.5 * sqrt(pbwsf__dot(n, n)) / (double)(parts * parts) / (size * size);
@@ -2411,8 +2429,8 @@ static double pbwm3__spread_area(const pbwm3__work *w, pbw_index t, pbwm3__bend 
     return squares;
 }
 
-/* Adds the bend of an edge to the cells along it. */
-static void pbwm3__spread_bend(const pbwm3__work *w, const pbwim__facet *edge, pbwm3__bend *bends)
+/* Adds the curvature tensor of an edge to the cells along it. */
+static void pbwm3__spread_curvature(const pbwm3__work *w, const pbwim__facet *edge, pbwm3__curvature *cell)
 {
     static const int pair[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
     const double *a = w->surface.points + 3 * (size_t)edge[0].v[0], *b = w->surface.points + 3 * (size_t)edge[0].v[1];
@@ -2431,47 +2449,47 @@ static void pbwm3__spread_bend(const pbwm3__work *w, const pbwim__facet *edge, p
     for (i = 0; i < parts && length > 0; i++) {
         pbwsf__between(a, b, ((double)i + 0.5) / (double)parts, p);
         for (k = 0; k < 6; k++) {
-            bends[pbwm3__field_cell(w, p)].tensor[k] += bend * along[pair[k][0]] * along[pair[k][1]] / length
+            cell[pbwm3__field_cell(w, p)].tensor[k] += bend * along[pair[k][0]] * along[pair[k][1]] / length
                                                       / (double)parts;
         }
     }
 }
 
-/* Lowers the field where smooth edges bend, by the tensor of Cohen-Steiner and Morvan (2003, "Restricted Delaunay
-   triangulations and normal cycle") over each cell: the norm of its mean is the root of the sum of both principal
-   curvatures' squares. */
+/* Lowers the field where the surface is curved, by the tensor of Cohen-Steiner and Morvan (2003, "Restricted Delaunay
+   triangulations and normal cycle").  Its norm, divided by the area of the cell, is the root of the sum of both
+   principal curvatures' squares. */
 static int pbwm3__measure_curvature(pbwm3__work *w)
 {
     pbwsf__array blocks[3], sums;
     const size_t count = 3 * w->surface.triangle_count, total = w->n[0] * w->n[1] * w->n[2];
     const pbwim__facet *edge = pbwm3__edges(&w->memory, w->surface.triangles, w->surface.triangle_count,
                                             w->surface.point_count, blocks);
-    pbwm3__bend *bends;
+    pbwm3__curvature *cell;
     size_t i, k;
     int good;
     memset(&sums, 0, sizeof sums);
-    good = edge != NULL && pbwsf__resize(&w->memory, &sums, total * sizeof *bends);
-    bends = (pbwm3__bend *)sums.data;
+    good = edge != NULL && pbwsf__resize(&w->memory, &sums, total * sizeof *cell);
+    cell = (pbwm3__curvature *)sums.data;
     if (good) {
-        memset(bends, 0, total * sizeof *bends);
+        memset(cell, 0, total * sizeof *cell);
     }
     for (i = 0; good && i < w->surface.triangle_count; i++) {
-        (void)pbwm3__spread_area(w, (pbw_index)i, bends);
+        (void)pbwm3__spread_area(w, (pbw_index)i, cell);
     }
     for (i = 0; good && i < count; i = k) {
         for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
         }
         if (k - i == 2 && (w->input->value != NULL || !pbwm3__is_sharp(w, edge + i))) {
-            pbwm3__spread_bend(w, edge + i, bends);
+            pbwm3__spread_curvature(w, edge + i, cell);
         }
     }
     for (i = 0; good && i < total; i++) {
-        const double *t = bends[i].tensor;
+        const double *t = cell[i].tensor;
         const double norm = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]
                                  + 2 * (t[3] * t[3] + t[4] * t[4] + t[5] * t[5]));
-        if (norm > 0 && bends[i].area > 0.1 * w->size * w->size) {
+        if (norm > 0 && cell[i].area > 0.1 * w->size * w->size) {
             double *size = (double *)w->field.data + i;
-            *size = fmin(*size, fmax(w->floor, w->how.curvature * bends[i].area / norm));
+            *size = fmin(*size, fmax(w->floor, w->how.curvature * cell[i].area / norm));
         }
     }
     pbwm3__free_blocks(&w->memory, blocks);
@@ -2479,26 +2497,26 @@ static int pbwm3__measure_curvature(pbwm3__work *w)
     return good;
 }
 
-typedef struct pbwm3__dot { double p[3]; size_t chain; pbw_index next; } pbwm3__dot;  /* next: in its cell */
+typedef struct pbwm3__probe { double p[3]; size_t chain; pbw_index next; } pbwm3__probe;  /* next: in its cell */
 
-/* Dots on all chains, a quarter of the size apart, in lists by cells of the field. */
-static int pbwm3__dot_chains(pbwm3__work *w, pbwsf__array *dots, pbw_index *head)
+/* Probes on all chains, a quarter of the size apart, in lists by cells of the field. */
+static int pbwm3__probe_chains(pbwm3__work *w, pbwsf__array *probes, pbw_index *head)
 {
     size_t i;
     for (i = 0; i < w->chains.count; i++) {
         const pbwm3__chain *chain = (const pbwm3__chain *)w->chains.data + i;
-        const double length = ((const pbwm3__knot *)w->path.data)[chain->first + chain->count - 1].along;
+        const double length = ((const pbwm3__chain_vertex *)w->path.data)[chain->first + chain->count - 1].along;
         const size_t most = chain->loose ? 0 : (size_t)ceil(fmin(4 * length / w->size, 1e8));
         size_t k;
         for (k = 0; k < most; k++) {
-            pbwm3__dot dot;
+            pbwm3__probe probe;
             size_t cell;
-            pbwm3__along(w, i, length * ((double)k + 0.5) / (double)most, dot.p);
-            cell = pbwm3__field_cell(w, dot.p);
-            dot.chain = i;
-            dot.next = head[cell];
-            head[cell] = (pbw_index)dots->count;
-            if (dots->count >= PBW_NONE || !pbwm3__append(w, dots, &dot, sizeof dot)) {
+            pbwm3__along(w, i, length * ((double)k + 0.5) / (double)most, probe.p);
+            cell = pbwm3__field_cell(w, probe.p);
+            probe.chain = i;
+            probe.next = head[cell];
+            head[cell] = (pbw_index)probes->count;
+            if (probes->count >= PBW_NONE || !pbwm3__append(w, probes, &probe, sizeof probe)) {
                 return 0;
             }
         }
@@ -2510,43 +2528,43 @@ static int pbwm3__dot_chains(pbwm3__work *w, pbwsf__array *dots, pbw_index *head
 static int pbwm3__chains_meet(const pbwm3__work *w, size_t a, size_t b)
 {
     const pbwm3__chain *x = (const pbwm3__chain *)w->chains.data + a, *y = (const pbwm3__chain *)w->chains.data + b;
-    const pbwm3__knot *path = (const pbwm3__knot *)w->path.data;
+    const pbwm3__chain_vertex *path = (const pbwm3__chain_vertex *)w->path.data;
     const pbw_index p = path[x->first].vertex, q = path[x->first + x->count - 1].vertex;
     const pbw_index r = path[y->first].vertex, s = path[y->first + y->count - 1].vertex;
     return a == b || p == r || p == s || q == r || q == s;
 }
 
-/* Lowers the field at dots of chains that are near each other. */
+/* Lowers the field at probes of chains that are near each other. */
 static int pbwm3__measure_chains(pbwm3__work *w)
 {
     const size_t total = w->n[0] * w->n[1] * w->n[2];
-    pbwsf__array heads, dots;
+    pbwsf__array heads, probes;
     size_t i;
     int good, k;
     memset(&heads, 0, sizeof heads);
-    memset(&dots, 0, sizeof dots);
+    memset(&probes, 0, sizeof probes);
     good = pbwsf__resize(&w->memory, &heads, total * sizeof(pbw_index));
     if (good) {
         memset(heads.data, 0xff, heads.bytes);
-        good = pbwm3__dot_chains(w, &dots, (pbw_index *)heads.data);
+        good = pbwm3__probe_chains(w, &probes, (pbw_index *)heads.data);
     }
-    for (i = 0; good && i < dots.count; i++) {
-        const pbwm3__dot *dot = (const pbwm3__dot *)dots.data + i;
+    for (i = 0; good && i < probes.count; i++) {
+        const pbwm3__probe *probe = (const pbwm3__probe *)probes.data + i;
         double least = HUGE_VAL;
         for (k = 0; k < 27; k++) {
-            const double q[3] = { dot->p[0] + (k % 3 - 1) * w->size, dot->p[1] + (k / 3 % 3 - 1) * w->size,
-                                  dot->p[2] + (k / 9 - 1) * w->size };
+            const double q[3] = { probe->p[0] + (k % 3 - 1) * w->size, probe->p[1] + (k / 3 % 3 - 1) * w->size,
+                                  probe->p[2] + (k / 9 - 1) * w->size };
             pbw_index other = ((const pbw_index *)heads.data)[pbwm3__field_cell(w, q)];
-            for (; other != PBW_NONE; other = ((const pbwm3__dot *)dots.data)[other].next) {
-                const pbwm3__dot *o = (const pbwm3__dot *)dots.data + other;
-                const double d = pbwsf__distance(dot->p, o->p);
-                least = d < least && !pbwm3__chains_meet(w, dot->chain, o->chain) ? d : least;
+            for (; other != PBW_NONE; other = ((const pbwm3__probe *)probes.data)[other].next) {
+                const pbwm3__probe *o = (const pbwm3__probe *)probes.data + other;
+                const double d = pbwsf__distance(probe->p, o->p);
+                least = d < least && !pbwm3__chains_meet(w, probe->chain, o->chain) ? d : least;
             }
         }
-        pbwm3__lower(w, dot->p, least / 1.5);
+        pbwm3__lower(w, probe->p, least / 1.5);
     }
     pbwsf__release(&w->memory, &heads);
-    pbwsf__release(&w->memory, &dots);
+    pbwsf__release(&w->memory, &probes);
     return good;
 }
 
@@ -2599,7 +2617,7 @@ static pbw_status pbwm3__lower_gaps(pbwm3__work *w, pbwm3__gap *gap, size_t coun
     size_t i;
     gaps.w = w;
     gaps.gap = gap;
-    status = pbw_for(pbwm3__rest(w), count, 64, pbwm3__gap_range, &gaps);
+    status = pbw_for(pbwm3__inner_options(w), count, 64, pbwm3__gap_range, &gaps);
     for (i = 0; status == PBW_OK && i < count; i++) {
         pbwm3__lower(w, gap[i].p, gap[i].size);
     }
@@ -2619,11 +2637,11 @@ static pbw_status pbwm3__measure_gaps(pbwm3__work *w)
     }
     for (i = 0; i < w->surface.triangle_count && status == PBW_OK; i++) {
         pbwm3__gap *gap = (pbwm3__gap *)room.data;
-        double n[3], wish;
+        double n[3], wanted;
         pbwsf__normal(pbwsf__corner(&w->surface, (pbw_index)i, 0), pbwsf__corner(&w->surface, (pbw_index)i, 1),
                       pbwsf__corner(&w->surface, (pbw_index)i, 2), n);
-        wish = 2 * sqrt(pbwsf__dot(n, n)) / (w->size * w->size) + pbwm3__random(number++);
-        for (; wish >= 1 && status == PBW_OK; wish--) {
+        wanted = 2 * sqrt(pbwsf__dot(n, n)) / (w->size * w->size) + pbwm3__random(number++);
+        for (; wanted >= 1 && status == PBW_OK; wanted--) {
             gap[count].number = number;
             gap[count++].triangle = (pbw_index)i;
             number += 2;
@@ -2729,28 +2747,29 @@ static double pbwm3__step_along(const pbwm3__work *w, size_t number, double from
 /* Returns whether a chain is noise of a scan: it is short and ends on a smooth part. */
 static int pbwm3__is_noise(const pbwm3__work *w, const pbwm3__chain *chain)
 {
-    return chain->loose && ((const pbwm3__knot *)w->path.data)[chain->first + chain->count - 1].along < 2 * w->size;
+    return chain->loose
+        && ((const pbwm3__chain_vertex *)w->path.data)[chain->first + chain->count - 1].along < 2 * w->size;
 }
 
 /* Samples a chain evenly; corner: the numbers of points at vertices, PBW_NONE where there is none yet. */
 static int pbwm3__sample_chain(pbwm3__work *w, const pbwm3__stars *stars, size_t number, pbw_index *corner)
 {
     pbwm3__chain *chain = (pbwm3__chain *)w->chains.data + number;
-    const pbwm3__knot *knot = (const pbwm3__knot *)w->path.data + chain->first;
-    const pbw_index ends[2] = { knot[0].vertex, knot[chain->count - 1].vertex };
-    const double length = knot[chain->count - 1].along, sum = pbwm3__sizes_along(w, number, length);
-    const double wish = ceil(sum / 0.6);
+    const pbwm3__chain_vertex *path = (const pbwm3__chain_vertex *)w->path.data + chain->first;
+    const pbw_index ends[2] = { path[0].vertex, path[chain->count - 1].vertex };
+    const double length = path[chain->count - 1].along, sum = pbwm3__sizes_along(w, number, length);
+    const double wanted = ceil(sum / 0.6);
     const int closed = chain->closed;
     size_t count, i;
     pbwm3__piece piece;
-    if (!(wish < 1e9)) {
+    if (!(wanted < 1e9)) {
         return 0;
     }
     if (pbwm3__is_noise(w, chain)) {
         return 1;
     }
-    count = wish < (closed ? 3 : 1) ? (closed ? 3 : 1) : (size_t)wish;
-    chain->set = pbwm3__set_at(w, stars, knot[0].vertex, knot[1].vertex);
+    count = wanted < (closed ? 3 : 1) ? (closed ? 3 : 1) : (size_t)wanted;
+    chain->set = pbwm3__set_at(w, stars, path[0].vertex, path[1].vertex);
     for (i = 0; i < 2; i++) {
         if (corner[ends[i]] == PBW_NONE) {
             const size_t set = pbwm3__set_at(w, stars, ends[i], ends[i]);
@@ -2841,7 +2860,7 @@ static void pbwm3__throw_dart(const pbwm3__throw *b, uint64_t i, pbwm3__dart *da
         dart->patch = w->input->value != NULL ? (pbw_index)pbwm3__to_surface(w, dart->p)
                     : ((const pbw_index *)w->patch.data)[low];
         dart->size = size;
-        dart->stays = pbwm3__near(w, dart->p, 0.65 * size, PBWM3__SHARP, PBWM3__SMOOTH) == PBW_NONE;
+        dart->stays = pbwm3__nearest(w, dart->p, 0.65 * size, PBWM3__SHARP, PBWM3__SMOOTH) == PBW_NONE;
     }
 }
 
@@ -2859,11 +2878,11 @@ static pbw_status pbwm3__throw_range(void *arg, size_t from, size_t to)
 static pbw_status pbwm3__throw_batch(pbwm3__throw *b, size_t count)
 {
     pbwm3__work *w = b->w;
-    const pbw_status status = pbw_for(pbwm3__rest(w), count, 128, pbwm3__throw_range, b);
+    const pbw_status status = pbw_for(pbwm3__inner_options(w), count, 128, pbwm3__throw_range, b);
     size_t i;
     for (i = 0; status == PBW_OK && i < count; i++) {
         const pbwm3__dart *dart = b->dart + i;
-        if (dart->stays && pbwm3__near(w, dart->p, 0.65 * dart->size, PBWM3__SHARP, PBWM3__SMOOTH) == PBW_NONE
+        if (dart->stays && pbwm3__nearest(w, dart->p, 0.65 * dart->size, PBWM3__SHARP, PBWM3__SMOOTH) == PBW_NONE
             && pbwm3__add(w, dart->p, PBWM3__SMOOTH, dart->patch) == PBW_NONE) {
             return PBW_ERROR_MEMORY;
         }
@@ -2874,11 +2893,11 @@ static pbw_status pbwm3__throw_batch(pbwm3__throw *b, size_t count)
 static pbw_status pbwm3__throw_darts(pbwm3__work *w, const double *area)
 {
     const double finest = 0.65 * w->least;
-    const double wish = 12 * area[w->surface.triangle_count - 1] / (finest * finest) + 100;
+    const double wanted = 12 * area[w->surface.triangle_count - 1] / (finest * finest) + 100;
     pbwsf__array darts;
     pbwm3__throw batch;
     pbw_status status = PBW_ERROR_MEMORY;
-    if (!(wish < 4e9)) {
+    if (!(wanted < 4e9)) {
         return PBW_ERROR_TOO_LARGE;
     }
     memset(&darts, 0, sizeof darts);
@@ -2886,10 +2905,10 @@ static pbw_status pbwm3__throw_darts(pbwm3__work *w, const double *area)
     batch.area = area;
     if (pbwsf__resize(&w->memory, &darts, PBWM3__BATCH * sizeof *batch.dart)) {
         batch.dart = (pbwm3__dart *)darts.data;
-        for (batch.first = 0, status = PBW_OK; status == PBW_OK && batch.first < (uint64_t)wish;
+        for (batch.first = 0, status = PBW_OK; status == PBW_OK && batch.first < (uint64_t)wanted;
              batch.first += PBWM3__BATCH) {
-            const uint64_t left = (uint64_t)wish - batch.first, most = PBWM3__BATCH;
-            status = pbwm3__goes_on(w, 0.5 * (double)batch.first / wish);
+            const uint64_t left = (uint64_t)wanted - batch.first, most = PBWM3__BATCH;
+            status = pbwm3__check_budget(w, 0.5 * (double)batch.first / wanted);
             status = status != PBW_OK ? status : pbwm3__throw_batch(&batch, (size_t)(left < most ? left : most));
         }
     }
@@ -2968,7 +2987,7 @@ static pbw_status pbwm3__take_lattice(pbwm3__work *w, const pbwm3__lattice *l, s
             continue;
         }
         pbwm3__lattice_point(l, l->first + i, p);
-        if ((l->level == 0 || pbwm3__near(w, p, 0.7 * pbwm3__size(w, p), PBWM3__INSIDE, PBWM3__INSIDE) == PBW_NONE)
+        if ((l->level == 0 || pbwm3__nearest(w, p, 0.7 * pbwm3__size(w, p), PBWM3__INSIDE, PBWM3__INSIDE) == PBW_NONE)
             && pbwm3__add(w, p, PBWM3__INSIDE, 0) == PBW_NONE) {
             return PBW_ERROR_MEMORY;
         }
@@ -2989,11 +3008,11 @@ static pbw_status pbwm3__sample_level(pbwm3__work *w, int level)
     l.level = level;
     l.cell = 1.15 * ldexp(w->size, -level);
     for (k = 0; k < 3; k++) {
-        const double wish = ceil(2 * (w->high[k] - w->low[k]) / l.cell);
-        if (!(wish < 1e6)) {
+        const double cells = ceil(2 * (w->high[k] - w->low[k]) / l.cell);
+        if (!(cells < 1e6)) {
             return PBW_ERROR_TOO_LARGE;
         }
-        l.n[k] = (size_t)wish + 1;
+        l.n[k] = (size_t)cells + 1;
         total *= l.n[k];
     }
     if (total / 4 >= PBW_NONE / 8) {
@@ -3005,8 +3024,8 @@ static pbw_status pbwm3__sample_level(pbwm3__work *w, int level)
     l.inside = (unsigned char *)inside.data;
     for (l.first = 0; status == PBW_OK && l.first < total; l.first += batch) {
         const size_t count = total - l.first < batch ? total - l.first : batch;
-        status = pbwm3__goes_on(w, level == 0 ? 0.5 + 0.5 * (double)l.first / (double)total : 1);
-        status = status != PBW_OK ? status : pbw_for(pbwm3__rest(w), count, 1024, pbwm3__lattice_range, &l);
+        status = pbwm3__check_budget(w, level == 0 ? 0.5 + 0.5 * (double)l.first / (double)total : 1);
+        status = status != PBW_OK ? status : pbw_for(pbwm3__inner_options(w), count, 1024, pbwm3__lattice_range, &l);
         status = status != PBW_OK ? status : pbwm3__take_lattice(w, &l, count);
     }
     pbwsf__release(&w->memory, &inside);
@@ -3041,10 +3060,10 @@ static void pbwm3__circumcentre(const double *const c[4], double out[3])
     }
 }
 
-/* Returns whether a tetrahedron is flat, between samples of one sheet of the surface, and therefore outside.  On a
-   plane or a straight edge in general position, samples are coplanar or collinear up to rounding, and the hull has
-   tetrahedra of that thickness.  Their circumcentres are noise, and their dihedral angles too if three corners are
-   collinear: these are recognised by their volume alone, and so are those that bridge patches. */
+/* Returns whether a tetrahedron is flat: its corners lie on one sheet of the surface, and it is outside.  Samples of
+   a plane or of a straight edge are coplanar or collinear up to rounding, so tetrahedra of that thickness occur.
+   Their circumcentres are noise.  If three corners are collinear, so are the dihedral angles: the volume alone
+   decides.  It also decides for tetrahedra that bridge patches. */
 static int pbwm3__is_flat(const pbwm3__work *w, const pbw_index c[4], int bridge)
 {
     const double *p[4];
@@ -3108,9 +3127,9 @@ static int pbwm3__label_of_middle(const pbwm3__work *w, const double *const p[4]
     return pbwm3__inside(w, middle);
 }
 
-/* Returns the label outside of the shell on which a flat tetrahedron lies; with walls, the smaller of the two labels
-   at the lowest patch that its corners have in common: each side of a patch has one label. */
-static int pbwm3__label_beyond(const pbwm3__work *w, const double *const p[4], const pbw_index c[4])
+/* Returns the label of a flat tetrahedron: that outside of the shell which it lies on.  With walls, each side of a
+   patch has one label: it is the smaller of the two at the lowest patch that the corners have in common. */
+static int pbwm3__label_outside(const pbwm3__work *w, const double *const p[4], const pbw_index c[4])
 {
     double middle[3], place[3];
     pbw_index t;
@@ -3152,7 +3171,7 @@ static pbw_status pbwm3__label_range(void *arg, size_t from, size_t to)
             }
         }
         bridge = pbwm3__bridges(w, c);
-        PBWM3__LABEL(w)[t] = far && !bridge ? 0 : pbwm3__is_flat(w, c, bridge) ? pbwm3__label_beyond(w, p, c)
+        PBWM3__LABEL(w)[t] = far && !bridge ? 0 : pbwm3__is_flat(w, c, bridge) ? pbwm3__label_outside(w, p, c)
                            : bridge ? pbwm3__label_of_middle(w, p) : pbwm3__inside(w, centre);
     }
     return PBW_OK;
@@ -3163,7 +3182,7 @@ static pbw_status pbwm3__rebuild(pbwm3__work *w)
     pbw_options options;
     pbw_status status;
     pbwm3__drop_mesh(w);
-    options = *pbwm3__rest(w);
+    options = *pbwm3__inner_options(w);
     options.flags = PBW_BORROW;
     status = pbw_triangulate(3, (const double *)w->x.data, NULL, w->x.count, &options, &w->mesh);
     w->memory.used += pbwm3__mesh_bytes(&w->mesh);
@@ -3177,33 +3196,33 @@ static pbw_status pbwm3__rebuild(pbwm3__work *w)
             return PBW_ERROR_MEMORY;
         }
     }
-    return pbw_for(pbwm3__rest(w), w->mesh.simplex_count, 256, pbwm3__label_range, w);
+    return pbw_for(pbwm3__inner_options(w), w->mesh.simplex_count, 256, pbwm3__label_range, w);
 }
 
-/* ---- what to add ---- */
+/* ---- points that facets need ---- */
 
 static int pbwm3__label_of(const pbwm3__work *w, pbw_index t)
 {
     return t != PBW_NONE ? PBWM3__LABEL(w)[t] : 0;
 }
 
-static int pbwm3__is_near(const pbwm3__work *w, const double p[3])
+static int pbwm3__is_near_surface(const pbwm3__work *w, const double p[3])
 {
     double place[3];
     return pbw_surface_closest(&w->surface, p, w->distance * pbwm3__size(w, p), place) != PBW_NONE;
 }
 
-/* Finds where facet i of t needs a point.  Returns 0 if nowhere.  Points inside must not be corners of the boundary.
-   Facets between two sides of the surface are no part of it, wherever their dual segments are; on the boundary they
-   cut off a sharp edge. */
-static int pbwm3__facet_wants(const pbwm3__work *w, size_t t, int i, pbwm3__wish *wish)
+/* Returns whether facet i of t needs a point, and where.  A boundary facet with a corner inside needs one.  A facet
+   between points without a common patch is no part of the surface, wherever its dual segment is; on the boundary it
+   cuts off a sharp edge, and needs one. */
+static int pbwm3__needs_point(const pbwm3__work *w, size_t t, int i, pbwm3__new_point *point)
 {
     const pbw_index n = w->mesh.neighbors[4 * t + (size_t)i], *c = w->mesh.simplices + 4 * t;
     const int inner = pbwm3__label_of(w, (pbw_index)t), outer = pbwm3__label_of(w, n);
-    double where = 0, *p = wish->p;
+    double where = 0, *p = point->p;
     pbw_index f[3], met;
     int k, bridge;
-    wish->inside = PBW_NONE;
+    point->inside = PBW_NONE;
     for (k = 0; k < 3; k++) {
         f[k] = c[pbwim__opposite[i][k]];
         if (inner == outer && PBWM3__KIND(w)[f[k]] == PBWM3__INSIDE) {
@@ -3221,29 +3240,29 @@ static int pbwm3__facet_wants(const pbwm3__work *w, size_t t, int i, pbwm3__wish
         }
     }
     for (k = 0; k < 3; k++) {
-        wish->inside = PBWM3__KIND(w)[f[k]] == PBWM3__INSIDE ? f[k] : wish->inside;
+        point->inside = PBWM3__KIND(w)[f[k]] == PBWM3__INSIDE ? f[k] : point->inside;
         p[k] = (PBWM3__X(w, f[0])[k] + PBWM3__X(w, f[1])[k] + PBWM3__X(w, f[2])[k]) / 3;
     }
-    if (inner == outer || bridge || wish->inside != PBW_NONE) {
+    if (inner == outer || bridge || point->inside != PBW_NONE) {
         return inner != outer;
     }
-    for (i = 0; i < 3 && pbwm3__is_near(w, p); i++) {        /* its middle, and those of its edges */
+    for (i = 0; i < 3 && pbwm3__is_near_surface(w, p); i++) {        /* its middle, and those of its edges */
         pbwsf__between(PBWM3__X(w, f[i]), PBWM3__X(w, f[(i + 1) % 3]), 0.5, p);
     }
-    return i < 3 || !pbwm3__is_near(w, p);
+    return i < 3 || !pbwm3__is_near_surface(w, p);
 }
 
-/* Adds a point of the surface unless others are near; it replaces a near one inside.  Returns 1 if it was added, 0 if
-   not, -1 without memory. */
-static int pbwm3__offer(pbwm3__work *w, const double p[3], size_t patch, double from_sharp, double from_smooth)
+/* Adds a point of the surface unless others of the surface are near; it takes the place of a near point inside.
+   Returns 1 if it was added, 0 if not, -1 without memory. */
+static int pbwm3__add_if_far(pbwm3__work *w, const double p[3], size_t patch, double from_sharp, double from_smooth)
 {
     const double size = pbwm3__size(w, p);
     pbw_index inside;
-    if (pbwm3__near(w, p, from_sharp * size, PBWM3__SHARP, PBWM3__SHARP) != PBW_NONE
-        || pbwm3__near(w, p, from_smooth * size, PBWM3__SMOOTH, PBWM3__SMOOTH) != PBW_NONE) {
+    if (pbwm3__nearest(w, p, from_sharp * size, PBWM3__SHARP, PBWM3__SHARP) != PBW_NONE
+        || pbwm3__nearest(w, p, from_smooth * size, PBWM3__SMOOTH, PBWM3__SMOOTH) != PBW_NONE) {
         return 0;
     }
-    inside = pbwm3__near(w, p, 0.45 * size, PBWM3__INSIDE, PBWM3__INSIDE);
+    inside = pbwm3__nearest(w, p, 0.45 * size, PBWM3__INSIDE, PBWM3__INSIDE);
     if (inside != PBW_NONE) {
         pbwm3__take_from_cell(w, inside);
         memcpy(PBWM3__X(w, inside), p, 3 * sizeof *p);
@@ -3334,7 +3353,7 @@ static int pbwm3__examine(pbwsf__memory *memory, const pbw_index *facets, size_t
 }
 
 /* Gives the corners of facets separate numbers for each label; owner: their points.  Returns 0 without memory. */
-static int pbwm3__split(pbwm3__work *w, pbwsf__array *facets, const pbwsf__array *labels, size_t points,
+static int pbwm3__split_by_label(pbwm3__work *w, pbwsf__array *facets, const pbwsf__array *labels, size_t points,
                         pbwsf__array *owner)
 {
     const int *label = (const int *)labels->data;
@@ -3396,7 +3415,7 @@ static int pbwm3__measure_walls(pbwm3__work *w)
         good = label == 0 || (pbwm3__append(w, &facets, w->surface.triangles + i / 2 * 3, 3 * sizeof(pbw_index))
                               && pbwm3__append(w, &labels, &label, sizeof label));
     }
-    good = good && pbwm3__split(w, &facets, &labels, w->surface.point_count, &owner);
+    good = good && pbwm3__split_by_label(w, &facets, &labels, w->surface.point_count, &owner);
     w->report->input_euler = (long)owner.count - (long)facets.count / 2;     /* 3/2 edges a facet */
     pbwsf__release(&w->memory, &facets);
     pbwsf__release(&w->memory, &labels);
@@ -3418,7 +3437,7 @@ static int pbwm3__examine_labels(pbwm3__work *w, pbwsf__array *facets, const pbw
     memset(&owner, 0, sizeof owner);
     memset(&flags, 0, sizeof flags);
     memset(top, 0, sizeof *top);
-    good = pbwm3__split(w, facets, labels, points, &owner)
+    good = pbwm3__split_by_label(w, facets, labels, points, &owner)
         && pbwm3__examine(&w->memory, f, facets->count, owner.count, top)
         && pbwsf__resize(&w->memory, &flags, points + 1);
     point = (pbw_index *)owner.data;
@@ -3445,7 +3464,7 @@ static int pbwm3__examine_labels(pbwm3__work *w, pbwsf__array *facets, const pbw
 
 /* Lists the boundary's facets, outward, those between two labels once; with walls, if labels is not NULL, for both
    labels, and lists the labels too. */
-static int pbwm3__boundary(pbwm3__work *w, pbwsf__array *facets, pbwsf__array *labels)
+static int pbwm3__list_boundary(pbwm3__work *w, pbwsf__array *facets, pbwsf__array *labels)
 {
     const int both = labels != NULL && w->walls;
     size_t t;
@@ -3467,8 +3486,8 @@ static int pbwm3__boundary(pbwm3__work *w, pbwsf__array *facets, pbwsf__array *l
     return 1;
 }
 
-/* Points for bad edges and bad points of the boundary.  Returns how many, -1 without memory. */
-static long pbwm3__mend_boundary(pbwm3__work *w)
+/* Adds points at bad edges and bad points of the boundary.  Returns how many, -1 without memory. */
+static long pbwm3__refine_boundary(pbwm3__work *w)
 {
     pbwsf__array facets, labels;
     pbwm3__topology top;
@@ -3478,7 +3497,7 @@ static long pbwm3__mend_boundary(pbwm3__work *w)
     memset(&facets, 0, sizeof facets);
     memset(&labels, 0, sizeof labels);
     memset(&top, 0, sizeof top);
-    if (!pbwm3__boundary(w, &facets, &labels)
+    if (!pbwm3__list_boundary(w, &facets, &labels)
         || !pbwm3__examine_labels(w, &facets, &labels, w->x.count, &top)) {
         got = -1;
     }
@@ -3487,7 +3506,7 @@ static long pbwm3__mend_boundary(pbwm3__work *w)
         double p[3];
         pbwsf__between(PBWM3__X(w, pair[0]), PBWM3__X(w, pair[1]), 0.5, p);
         patch = pbwm3__to_surface(w, p);
-        got = pbwm3__offer(w, p, patch, 0.08, 0.08);
+        got = pbwm3__add_if_far(w, p, patch, 0.08, 0.08);
         added += got;
     }
     for (i = 0; got >= 0 && top.bad_points > 0 && i < facets.count; i++) {
@@ -3499,7 +3518,7 @@ static long pbwm3__mend_boundary(pbwm3__work *w)
                 p[k] = (PBWM3__X(w, f[0])[k] + PBWM3__X(w, f[1])[k] + PBWM3__X(w, f[2])[k]) / 3;
             }
             patch = pbwm3__to_surface(w, p);
-            got = pbwm3__offer(w, p, patch, 0.08, 0.08);
+            got = pbwm3__add_if_far(w, p, patch, 0.08, 0.08);
             added += got;
         }
     }
@@ -3510,14 +3529,14 @@ static long pbwm3__mend_boundary(pbwm3__work *w)
     return got < 0 ? -1 : added;
 }
 
-/* ---- sharp edges: pieces that are no edges are halved, and points in their diametral balls go ---- */
+/* ---- sharp edges: pieces that are no edges are halved, and points in their diametral balls removed ---- */
 
-/* Removes a point that is not sharp: moves it onto the first point, where it does not count. */
-static void pbwm3__take_out(pbwm3__work *w, pbw_index p)
+/* Removes a point that is not sharp: as a duplicate of point 0 it is no vertex of the triangulation. */
+static void pbwm3__remove_point(pbwm3__work *w, pbw_index p)
 {
     pbwm3__take_from_cell(w, p);
     memcpy(PBWM3__X(w, p), PBWM3__X(w, 0), 3 * sizeof(double));
-    PBWM3__KIND(w)[p] = PBWM3__GONE;
+    PBWM3__KIND(w)[p] = PBWM3__REMOVED;
     pbwm3__put_in_cell(w, p);
 }
 
@@ -3558,15 +3577,15 @@ static void pbwm3__clear_ball(pbwm3__work *w, const pbwm3__piece *piece)
     pbw_index p;
     pbwsf__between(a, b, 0.5, middle);
     do {
-        p = pbwm3__near(w, middle, 0.5 * pbwsf__distance(a, b), PBWM3__SMOOTH, PBWM3__INSIDE);
+        p = pbwm3__nearest(w, middle, 0.5 * pbwsf__distance(a, b), PBWM3__SMOOTH, PBWM3__INSIDE);
         if (p != PBW_NONE) {
-            pbwm3__take_out(w, p);
+            pbwm3__remove_point(w, p);
         }
     } while (p != PBW_NONE);
 }
 
 /* Returns how many points are added, -1 without memory; counts missing pieces in the report. */
-static long pbwm3__mend_pieces(pbwm3__work *w)
+static long pbwm3__halve_pieces(pbwm3__work *w)
 {
     const size_t count = w->pieces.count;
     pbwsf__array found;
@@ -3604,85 +3623,86 @@ static long pbwm3__mend_pieces(pbwm3__work *w)
     return added;
 }
 
-/* Per tetrahedron a bit for each facet to a higher number that wants a point. */
-static pbw_status pbwm3__want_range(void *arg, size_t from, size_t to)
+/* Sets the bits of the facets that need a point, each at the tetrahedron with the lower number. */
+static pbw_status pbwm3__need_range(void *arg, size_t from, size_t to)
 {
     pbwm3__work *w = (pbwm3__work *)arg;
-    unsigned char *wants = (unsigned char *)w->wants.data;
+    unsigned char *needs = (unsigned char *)w->needs.data;
     size_t t;
     int k;
     for (t = from; t < to; t++) {
-        wants[t] = 0;
+        needs[t] = 0;
         for (k = 0; k < 4; k++) {
             const pbw_index n = w->mesh.neighbors[4 * t + (size_t)k];
-            pbwm3__wish wish;
-            if ((n == PBW_NONE || n > t) && pbwm3__facet_wants(w, t, k, &wish)) {
-                wants[t] |= (unsigned char)(1 << k);
+            pbwm3__new_point point;
+            if ((n == PBW_NONE || n > t) && pbwm3__needs_point(w, t, k, &point)) {
+                needs[t] |= (unsigned char)(1 << k);
             }
         }
     }
     return PBW_OK;
 }
 
-static pbw_status pbwm3__wish_range(void *arg, size_t from, size_t to)
+static pbw_status pbwm3__new_point_range(void *arg, size_t from, size_t to)
 {
     pbwm3__work *w = (pbwm3__work *)arg;
-    pbwm3__wish *wish = (pbwm3__wish *)w->extra.data;
+    pbwm3__new_point *point = (pbwm3__new_point *)w->new_points.data;
     size_t i;
     for (i = from; i < to; i++) {
-        (void)pbwm3__facet_wants(w, wish[i].facet / 4, (int)(wish[i].facet % 4), wish + i);
-        wish[i].patch = (pbw_index)pbwm3__to_surface(w, wish[i].p);
+        (void)pbwm3__needs_point(w, point[i].facet / 4, (int)(point[i].facet % 4), point + i);
+        point[i].patch = (pbw_index)pbwm3__to_surface(w, point[i].p);
     }
     return PBW_OK;
 }
 
-/* Lists the points that facets want, in the order of facets: threads find these facets, then the points. */
-static pbw_status pbwm3__wishes(pbwm3__work *w)
+/* Lists the points that facets need, in the order of facets: threads find these facets, then the points. */
+static pbw_status pbwm3__list_new_points(pbwm3__work *w)
 {
     pbw_options options = w->options;
     pbw_status status;
     size_t i;
-    w->extra.count = 0;
-    if (w->wants.bytes < w->mesh.simplex_count
-        && !pbwsf__resize(&w->memory, &w->wants, w->label.bytes / sizeof(int))) {
+    w->new_points.count = 0;
+    if (w->needs.bytes < w->mesh.simplex_count
+        && !pbwsf__resize(&w->memory, &w->needs, w->label.bytes / sizeof(int))) {
         return PBW_ERROR_MEMORY;
     }
-    options.progress = pbwm3__part_stops;
+    options.progress = pbwm3__part_progress;
     options.progress_user = w;
-    status = pbw_for(&options, w->mesh.simplex_count, 256, pbwm3__want_range, w);
+    status = pbw_for(&options, w->mesh.simplex_count, 256, pbwm3__need_range, w);
     for (i = 0; status == PBW_OK && i < 4 * w->mesh.simplex_count; i++) {
-        pbwm3__wish wish;
-        memset(&wish, 0, sizeof wish);
-        wish.facet = i;
-        if (((const unsigned char *)w->wants.data)[i / 4] >> i % 4 & 1
-            && !pbwm3__append(w, &w->extra, &wish, sizeof wish)) {
+        pbwm3__new_point point;
+        memset(&point, 0, sizeof point);
+        point.facet = i;
+        if (((const unsigned char *)w->needs.data)[i / 4] >> i % 4 & 1
+            && !pbwm3__append(w, &w->new_points, &point, sizeof point)) {
             status = PBW_ERROR_MEMORY;
         }
     }
-    return status == PBW_OK ? pbw_for(pbwm3__rest(w), w->extra.count, 64, pbwm3__wish_range, w) : status;
+    return status != PBW_OK ? status
+         : pbw_for(pbwm3__inner_options(w), w->new_points.count, 64, pbwm3__new_point_range, w);
 }
 
-/* One round: offers all points that facets want, halves pieces, mends the boundary; added: how many points came. */
+/* One round.  *added: how many points it added. */
 static pbw_status pbwm3__round(pbwm3__work *w, long *added)
 {
-    const pbw_status status = pbwm3__wishes(w);
-    const pbwm3__wish *wishes = (const pbwm3__wish *)w->extra.data;
+    const pbw_status status = pbwm3__list_new_points(w);
+    const pbwm3__new_point *point = (const pbwm3__new_point *)w->new_points.data;
     long mended;
     size_t i;
     int got = 0;
     if (status != PBW_OK) {
         return status;
     }
-    *added = pbwm3__mend_pieces(w);
-    for (i = 0; i < w->extra.count && *added >= 0 && got >= 0; i++) {
-        got = pbwm3__offer(w, wishes[i].p, wishes[i].patch, 0.3, 0.25);
-        if (got == 0 && wishes[i].inside != PBW_NONE && PBWM3__KIND(w)[wishes[i].inside] == PBWM3__INSIDE) {
-            pbwm3__take_out(w, wishes[i].inside);
+    *added = pbwm3__halve_pieces(w);
+    for (i = 0; i < w->new_points.count && *added >= 0 && got >= 0; i++) {
+        got = pbwm3__add_if_far(w, point[i].p, point[i].patch, 0.3, 0.25);
+        if (got == 0 && point[i].inside != PBW_NONE && PBWM3__KIND(w)[point[i].inside] == PBWM3__INSIDE) {
+            pbwm3__remove_point(w, point[i].inside);
             got = 1;
         }
         *added += got;
     }
-    mended = *added >= 0 && got >= 0 ? pbwm3__mend_boundary(w) : -1;
+    mended = *added >= 0 && got >= 0 ? pbwm3__refine_boundary(w) : -1;
     *added += mended;
     return mended < 0 ? PBW_ERROR_MEMORY : PBW_OK;
 }
@@ -3693,7 +3713,7 @@ typedef struct pbwm3__place { double p[3], distance; } pbwm3__place;
 
 typedef struct pbwm3__places { const pbw_surface *boundary; pbwm3__place *place; } pbwm3__places;
 
-static pbw_status pbwm3__reach_range(void *arg, size_t from, size_t to)
+static pbw_status pbwm3__place_range(void *arg, size_t from, size_t to)
 {
     const pbwm3__places *places = (const pbwm3__places *)arg;
     size_t i;
@@ -3709,7 +3729,7 @@ static pbw_status pbwm3__reach_range(void *arg, size_t from, size_t to)
 /* Marks the vertices that sampled chains have. */
 static void pbwm3__mark_chains(const pbwm3__work *w, unsigned char *chained)
 {
-    const pbwm3__knot *path = (const pbwm3__knot *)w->path.data;
+    const pbwm3__chain_vertex *path = (const pbwm3__chain_vertex *)w->path.data;
     size_t i, k;
     for (i = 0; i < w->chains.count; i++) {
         const pbwm3__chain *chain = (const pbwm3__chain *)w->chains.data + i;
@@ -3719,8 +3739,8 @@ static void pbwm3__mark_chains(const pbwm3__work *w, unsigned char *chained)
     }
 }
 
-/* Lists the vertices of the surface on no chain, and places half a size apart on its edges that bend by more than a
-   degree: the surface stands out nowhere else. */
+/* Lists the places where the surface can be far from the boundary: its vertices on no chain, and places half a size
+   apart on its edges of more than a degree. */
 static int pbwm3__list_places(pbwm3__work *w, const unsigned char *chained, pbwsf__array *places)
 {
     pbwsf__array blocks[3];
@@ -3766,8 +3786,9 @@ static int pbwm3__compare_places(const void *a, const void *b)
     return (x->p[k] > y->p[k]) - (x->p[k] < y->p[k]);
 }
 
-/* Offers places, the farthest first.  Returns how many are added, -1 without memory. */
-static long pbwm3__offer_places(pbwm3__work *w, pbwsf__array *places)
+/* Adds points at the places that are too far from the boundary, the farthest first.  Returns how many, -1 without
+   memory. */
+static long pbwm3__add_places(pbwm3__work *w, pbwsf__array *places)
 {
     pbwm3__place *place = (pbwm3__place *)places->data;
     size_t i, far = 0;
@@ -3786,14 +3807,14 @@ static long pbwm3__offer_places(pbwm3__work *w, pbwsf__array *places)
         size_t patch;
         memcpy(p, place[i].p, sizeof p);
         patch = pbwm3__to_surface(w, p);
-        got = pbwm3__offer(w, p, patch, 0.3, 0.25);
+        got = pbwm3__add_if_far(w, p, patch, 0.3, 0.25);
         added += got;
     }
     return got < 0 ? -1 : added;
 }
 
-/* Offers the places of the surface that are far from the boundary; *added: how many points came. */
-static pbw_status pbwm3__reach(pbwm3__work *w, long *added)
+/* Adds points where the surface is far from the boundary; *added: how many. */
+static pbw_status pbwm3__cover_surface(pbwm3__work *w, long *added)
 {
     pbwsf__array facets, list, chained;
     pbw_surface boundary;
@@ -3806,16 +3827,18 @@ static pbw_status pbwm3__reach(pbwm3__work *w, long *added)
     if (pbwsf__resize(&w->memory, &chained, w->surface.point_count + 1)) {
         memset(chained.data, 0, chained.bytes);
         pbwm3__mark_chains(w, (unsigned char *)chained.data);
-        if (pbwm3__list_places(w, (const unsigned char *)chained.data, &list) && pbwm3__boundary(w, &facets, NULL)) {
+        if (pbwm3__list_places(w, (const unsigned char *)chained.data, &list)
+            && pbwm3__list_boundary(w, &facets, NULL)) {
             status = pbwm3__make_surface(w, (const double *)w->x.data, w->x.count, (const pbw_index *)facets.data,
                                          facets.count, &boundary);
         }
     }
     places.boundary = &boundary;
     places.place = (pbwm3__place *)list.data;
-    status = status == PBW_OK ? pbw_for(pbwm3__rest(w), list.count, 256, pbwm3__reach_range, &places) : status;
+    status = status != PBW_OK ? status
+           : pbw_for(pbwm3__inner_options(w), list.count, 256, pbwm3__place_range, &places);
     if (status == PBW_OK) {
-        *added = pbwm3__offer_places(w, &list);
+        *added = pbwm3__add_places(w, &list);
         status = *added < 0 ? PBW_ERROR_MEMORY : PBW_OK;
     }
     pbwm3__drop_surface(w, &boundary);
@@ -3840,7 +3863,7 @@ static pbw_status pbwm3__rounds(pbwm3__work *w)
         w->report->rounds++;
         status = pbwm3__round(w, &added);
         if (status == PBW_OK && added == 0) {
-            status = pbwm3__reach(w, &added);
+            status = pbwm3__cover_surface(w, &added);
         }
         if (status == PBW_OK && added == 0) {
             w->report->settled = 1;
@@ -3853,8 +3876,8 @@ static pbw_status pbwm3__rounds(pbwm3__work *w)
 /* ------------------------------------------------------------------------------------------------------
    The result, and its report.
    ------------------------------------------------------------------------------------------------------ */
-/* Gives the tetrahedra of t's label that facets connect to t a number of their own.  Returns the largest of them,
-   PBW_NONE without memory. */
+/* Numbers the tetrahedra of t's label that facets connect to t.  Returns the largest of them, PBW_NONE without
+   memory. */
 static pbw_index pbwm3__flood(pbwm3__work *w, pbw_index t, pbw_index *region, pbw_index number, pbwsf__array *queue)
 {
     pbw_index largest = t;
@@ -3931,7 +3954,7 @@ static int pbwm3__find_regions(pbwm3__work *w, pbw_tets *in)
     return good;
 }
 
-static pbw_status pbwm3__finish(pbwm3__work *w, pbw_tets *out)
+static pbw_status pbwm3__improve(pbwm3__work *w, pbw_tets *out)
 {
     pbw_improve_options improve = w->how.improve;
     pbw_options own = w->options;
@@ -3968,8 +3991,8 @@ static pbw_status pbwm3__finish(pbwm3__work *w, pbw_tets *out)
     improve.distance = improve.distance > 0 ? improve.distance : 1.48 * w->distance * w->size;
     improve.passes = improve.target < 0 ? -1 : improve.passes;
     improve.target = improve.target < 0 ? 0 : improve.target;
-    improve.seconds = w->late < HUGE_VAL ? fmax(1e-9, w->late - (double)clock() / CLOCKS_PER_SEC) : 0;
-    own.progress = pbwm3__part_stops;
+    improve.seconds = w->deadline < HUGE_VAL ? fmax(1e-9, w->deadline - (double)clock() / CLOCKS_PER_SEC) : 0;
+    own.progress = pbwm3__part_progress;
     own.progress_user = w;
     own.memory_limit = pbwsf__left(&w->memory);
     status = pbw_improve(&in, &improve, &own, out, &w->report->improve);
@@ -3978,16 +4001,16 @@ static pbw_status pbwm3__finish(pbwm3__work *w, pbw_tets *out)
 }
 
 /* How far triangles are from a surface. */
-typedef struct pbwm3__far {
+typedef struct pbwm3__distances {
     const double *points;
     const pbw_index *triangles;
     const pbw_surface *surface;
     double *distance;                      /* per triangle, of its corners, middle, and middles of edges */
-} pbwm3__far;
+} pbwm3__distances;
 
-static pbw_status pbwm3__far_range(void *arg, size_t from, size_t to)
+static pbw_status pbwm3__distance_range(void *arg, size_t from, size_t to)
 {
-    const pbwm3__far *far = (const pbwm3__far *)arg;
+    const pbwm3__distances *far = (const pbwm3__distances *)arg;
     size_t i;
     int k, j;
     for (i = from; i < to; i++) {
@@ -4011,18 +4034,18 @@ static pbw_status pbwm3__far_range(void *arg, size_t from, size_t to)
 }
 
 /* Raises *least to the largest distance of the triangles from the surface. */
-static pbw_status pbwm3__farthest(pbwm3__work *w, pbwm3__far *far, size_t count, double *least)
+static pbw_status pbwm3__farthest(pbwm3__work *w, pbwm3__distances *far, size_t count, double *least)
 {
     pbwsf__array room;
     pbw_options options = w->options;
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i;
     memset(&room, 0, sizeof room);
-    options.progress = pbwm3__part_stops;
+    options.progress = pbwm3__part_progress;
     options.progress_user = w;
     if (pbwsf__resize(&w->memory, &room, (count + 1) * sizeof(double))) {
         far->distance = (double *)room.data;
-        status = pbw_for(&options, count, 64, pbwm3__far_range, far);
+        status = pbw_for(&options, count, 64, pbwm3__distance_range, far);
         for (i = 0; status == PBW_OK && i < count; i++) {
             *least = fmax(*least, far->distance[i]);
         }
@@ -4031,7 +4054,7 @@ static pbw_status pbwm3__farthest(pbwm3__work *w, pbwm3__far *far, size_t count,
     return status;
 }
 
-static void pbwm3__note_places(pbw_solid_report *r, const pbwm3__topology *top, const pbw_tets *out)
+static void pbwm3__list_bad_places(pbw_solid_report *r, const pbwm3__topology *top, const pbw_tets *out)
 {
     const pbw_index *edge = (const pbw_index *)top->edges.data;
     size_t i, count = 0;
@@ -4048,13 +4071,13 @@ static void pbwm3__note_places(pbw_solid_report *r, const pbwm3__topology *top, 
 
 /* ---- the boundary of the result ---- */
 
-typedef struct pbwm3__skin {               /* what boundary.memory is */
+typedef struct pbwm3__boundary_arrays {    /* boundary.memory points at them */
     pbwsf__memory memory;
     pbwsf__array self, facets, corners, patches, parts, sides, edges, holes;
-} pbwm3__skin;
+} pbwm3__boundary_arrays;
 
 /* Facets of the result, out of its regions: between two, out of that with the smaller shell. */
-static int pbwm3__list_facets(pbwm3__work *w, const pbw_tets *out, pbwm3__skin *skin)
+static int pbwm3__list_result_facets(pbwm3__work *w, const pbw_tets *out, pbwm3__boundary_arrays *arrays)
 {
     const pbwm3__shell *shell = (const pbwm3__shell *)w->shells.data;
     size_t i, k;
@@ -4069,8 +4092,8 @@ static int pbwm3__list_facets(pbwm3__work *w, const pbw_tets *out, pbwm3__skin *
         for (k = 0; k < 3; k++) {
             f[k] = out->corners[i / 4 * 4 + (size_t)pbwim__opposite[i % 4][2 - k]];
         }
-        if (!pbwm3__append(w, &skin->facets, f, sizeof f) || !pbwm3__append(w, &skin->sides, sides, sizeof sides)
-            || !pbwm3__append(w, &skin->corners, &corner, sizeof corner)) {
+        if (!pbwm3__append(w, &arrays->facets, f, sizeof f) || !pbwm3__append(w, &arrays->sides, sides, sizeof sides)
+            || !pbwm3__append(w, &arrays->corners, &corner, sizeof corner)) {
             return 0;
         }
     }
@@ -4078,7 +4101,8 @@ static int pbwm3__list_facets(pbwm3__work *w, const pbw_tets *out, pbwm3__skin *
 }
 
 /* Appends the patch and the part of a facet: those of the triangle nearest to its middle. */
-static int pbwm3__place_facet(pbwm3__work *w, const double *points, const pbw_index *f, pbwm3__skin *skin)
+static int pbwm3__place_facet(pbwm3__work *w, const double *points, const pbw_index *f,
+                              pbwm3__boundary_arrays *arrays)
 {
     double middle[3], place[3];
     pbw_index t, part, patch;
@@ -4089,10 +4113,10 @@ static int pbwm3__place_facet(pbwm3__work *w, const double *points, const pbw_in
     }
     t = pbw_surface_closest(&w->surface, middle, w->open ? w->size / 2 : HUGE_VAL, place);
     part = t == PBW_NONE ? PBW_NONE : ((const pbw_index *)w->part.data)[t];
-    patch = t == PBW_NONE || (w->input->value == NULL && t >= w->given) ? PBW_NONE
+    patch = t == PBW_NONE || (w->input->value == NULL && t >= w->first_closing) ? PBW_NONE
           : w->input->value == NULL && w->input->patches != NULL ? pbwm3__patch_of(w, t) : part;
-    return pbwm3__append(w, &skin->patches, &patch, sizeof patch)
-        && pbwm3__append(w, &skin->parts, &part, sizeof part);
+    return pbwm3__append(w, &arrays->patches, &patch, sizeof patch)
+        && pbwm3__append(w, &arrays->parts, &part, sizeof part);
 }
 
 /* Returns whether two points of the result are the ends of a piece of a sharp edge; the pieces are sorted. */
@@ -4105,12 +4129,12 @@ static int pbwm3__is_piece(const pbwm3__work *w, const pbw_tets *out, const pbw_
         && bsearch(&key, w->pieces.data, w->pieces.count, sizeof key, pbwm3__compare_pieces) != NULL;
 }
 
-static int pbwm3__list_edges(pbwm3__work *w, const pbw_tets *out, pbwm3__skin *skin)
+static int pbwm3__list_edges(pbwm3__work *w, const pbw_tets *out, pbwm3__boundary_arrays *arrays)
 {
     pbwsf__array blocks[3];
-    const size_t count = 3 * skin->facets.count;
-    const pbw_index *patch = (const pbw_index *)skin->patches.data;
-    const pbwim__facet *edge = pbwm3__edges(&w->memory, (const pbw_index *)skin->facets.data, skin->facets.count,
+    const size_t count = 3 * arrays->facets.count;
+    const pbw_index *patch = (const pbw_index *)arrays->patches.data;
+    const pbwim__facet *edge = pbwm3__edges(&w->memory, (const pbw_index *)arrays->facets.data, arrays->facets.count,
                                             out->point_count, blocks);
     size_t i, k;
     int good = edge != NULL;
@@ -4122,46 +4146,46 @@ static int pbwm3__list_edges(pbwm3__work *w, const pbw_tets *out, pbwm3__skin *s
         for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
             feature |= patch[edge[k].t] != patch[edge[i].t];
         }
-        good = !feature || pbwm3__append(w, &skin->edges, edge[i].v, 2 * sizeof(pbw_index));
+        good = !feature || pbwm3__append(w, &arrays->edges, edge[i].v, 2 * sizeof(pbw_index));
     }
     pbwm3__free_blocks(&w->memory, blocks);
     return good;
 }
 
-static int pbwm3__fill_skin(pbwm3__work *w, const pbw_tets *out, pbwm3__skin *skin)
+static int pbwm3__fill_boundary(pbwm3__work *w, const pbw_tets *out, pbwm3__boundary_arrays *arrays)
 {
     size_t i;
-    for (i = 0; i < skin->facets.count; i++) {
-        if (!pbwm3__place_facet(w, out->points, (const pbw_index *)skin->facets.data + 3 * i, skin)) {
+    for (i = 0; i < arrays->facets.count; i++) {
+        if (!pbwm3__place_facet(w, out->points, (const pbw_index *)arrays->facets.data + 3 * i, arrays)) {
             return 0;
         }
     }
     for (i = 0; i < w->holes.count; i++) {
-        if (!pbwm3__append(w, &skin->holes, (const pbw_solid_hole *)w->holes.data + i, sizeof(pbw_solid_hole))) {
+        if (!pbwm3__append(w, &arrays->holes, (const pbw_solid_hole *)w->holes.data + i, sizeof(pbw_solid_hole))) {
             return 0;
         }
     }
-    return pbwm3__list_edges(w, out, skin);
+    return pbwm3__list_edges(w, out, arrays);
 }
 
-static void pbwm3__release_skin(pbwsf__memory *memory, pbwm3__skin *skin)
+static void pbwm3__release_boundary(pbwsf__memory *memory, pbwm3__boundary_arrays *arrays)
 {
-    pbwsf__release(memory, &skin->facets);
-    pbwsf__release(memory, &skin->corners);
-    pbwsf__release(memory, &skin->patches);
-    pbwsf__release(memory, &skin->parts);
-    pbwsf__release(memory, &skin->sides);
-    pbwsf__release(memory, &skin->edges);
-    pbwsf__release(memory, &skin->holes);
+    pbwsf__release(memory, &arrays->facets);
+    pbwsf__release(memory, &arrays->corners);
+    pbwsf__release(memory, &arrays->patches);
+    pbwsf__release(memory, &arrays->parts);
+    pbwsf__release(memory, &arrays->sides);
+    pbwsf__release(memory, &arrays->edges);
+    pbwsf__release(memory, &arrays->holes);
 }
 
 PBWMESH3DEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary)
 {
     if (boundary != NULL && boundary->memory != NULL) {
-        pbwm3__skin *skin = (pbwm3__skin *)boundary->memory;
-        pbwsf__memory memory = skin->memory;
-        pbwsf__array self = skin->self;
-        pbwm3__release_skin(&memory, skin);
+        pbwm3__boundary_arrays *arrays = (pbwm3__boundary_arrays *)boundary->memory;
+        pbwsf__memory memory = arrays->memory;
+        pbwsf__array self = arrays->self;
+        pbwm3__release_boundary(&memory, arrays);
         pbwsf__release(&memory, &self);
     }
     if (boundary != NULL) {
@@ -4169,28 +4193,28 @@ PBWMESH3DEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary)
     }
 }
 
-/* Gives the arrays to the caller. */
-static pbw_status pbwm3__give_skin(pbwm3__work *w, pbwm3__skin *skin, pbw_solid_boundary *boundary)
+/* Moves the arrays to the caller's boundary. */
+static pbw_status pbwm3__export_boundary(pbwm3__work *w, pbwm3__boundary_arrays *arrays, pbw_solid_boundary *boundary)
 {
-    pbwm3__skin *own;
-    if (!pbwsf__resize(&w->memory, &skin->self, sizeof *skin)) {
+    pbwm3__boundary_arrays *own;
+    if (!pbwsf__resize(&w->memory, &arrays->self, sizeof *arrays)) {
         return PBW_ERROR_MEMORY;
     }
-    own = (pbwm3__skin *)skin->self.data;
-    skin->memory = w->memory;
-    *own = *skin;
+    own = (pbwm3__boundary_arrays *)arrays->self.data;
+    arrays->memory = w->memory;
+    *own = *arrays;
     boundary->memory = own;
-    boundary->facet_count = skin->facets.count;
-    boundary->edge_count = skin->edges.count;
-    boundary->hole_count = skin->holes.count;
-    boundary->facets = (const pbw_index *)skin->facets.data;
-    boundary->corners = (const pbw_index *)skin->corners.data;
-    boundary->patches = (const pbw_index *)skin->patches.data;
-    boundary->parts = (const pbw_index *)skin->parts.data;
-    boundary->sides = (const pbw_index *)skin->sides.data;
-    boundary->edges = (const pbw_index *)skin->edges.data;
-    boundary->holes = (const pbw_solid_hole *)skin->holes.data;
-    memset(skin, 0, sizeof *skin);
+    boundary->facet_count = arrays->facets.count;
+    boundary->edge_count = arrays->edges.count;
+    boundary->hole_count = arrays->holes.count;
+    boundary->facets = (const pbw_index *)arrays->facets.data;
+    boundary->corners = (const pbw_index *)arrays->corners.data;
+    boundary->patches = (const pbw_index *)arrays->patches.data;
+    boundary->parts = (const pbw_index *)arrays->parts.data;
+    boundary->sides = (const pbw_index *)arrays->sides.data;
+    boundary->edges = (const pbw_index *)arrays->edges.data;
+    boundary->holes = (const pbw_solid_hole *)arrays->holes.data;
+    memset(arrays, 0, sizeof *arrays);
     return PBW_OK;
 }
 
@@ -4234,13 +4258,13 @@ static int pbwm3__examine_result(pbwm3__work *w, const pbw_tets *out, const pbws
 }
 
 /* Fills the report of the boundary's facets. */
-static pbw_status pbwm3__report_on(pbwm3__work *w, const pbw_tets *out, const pbwsf__array *facets)
+static pbw_status pbwm3__report_boundary(pbwm3__work *w, const pbw_tets *out, const pbwsf__array *facets)
 {
     pbw_solid_report *r = w->report;
     const pbw_index *facet = (const pbw_index *)facets->data;
     pbwm3__topology top;
     pbw_surface boundary;
-    pbwm3__far far;
+    pbwm3__distances far;
     pbw_status status = PBW_ERROR_MEMORY;
     double distance = 0;
     memset(&top, 0, sizeof top);
@@ -4253,7 +4277,7 @@ static pbw_status pbwm3__report_on(pbwm3__work *w, const pbw_tets *out, const pb
         r->bad_edges = top.bad_edges;
         r->bad_points = top.bad_points;
         r->euler = top.euler;
-        pbwm3__note_places(r, &top, out);
+        pbwm3__list_bad_places(r, &top, out);
         far.points = out->points;
         far.triangles = facet;
         far.surface = &w->surface;
@@ -4276,17 +4300,18 @@ static pbw_status pbwm3__report_on(pbwm3__work *w, const pbw_tets *out, const pb
 
 static pbw_status pbwm3__measure(pbwm3__work *w, const pbw_tets *out, pbw_solid_boundary *boundary)
 {
-    pbwm3__skin skin;
+    pbwm3__boundary_arrays arrays;
     pbw_status status = PBW_ERROR_MEMORY;
-    memset(&skin, 0, sizeof skin);
+    memset(&arrays, 0, sizeof arrays);
     pbwm3__count_regions(w, out);
-    if (pbwm3__list_facets(w, out, &skin)) {
-        status = pbwm3__report_on(w, out, &skin.facets);
+    if (pbwm3__list_result_facets(w, out, &arrays)) {
+        status = pbwm3__report_boundary(w, out, &arrays.facets);
     }
     if (status == PBW_OK && boundary != NULL) {
-        status = pbwm3__fill_skin(w, out, &skin) ? pbwm3__give_skin(w, &skin, boundary) : PBW_ERROR_MEMORY;
+        status = !pbwm3__fill_boundary(w, out, &arrays) ? PBW_ERROR_MEMORY
+               : pbwm3__export_boundary(w, &arrays, boundary);
     }
-    pbwm3__release_skin(&w->memory, &skin);
+    pbwm3__release_boundary(&w->memory, &arrays);
     return status;
 }
 
@@ -4294,7 +4319,7 @@ static pbw_status pbwm3__measure(pbwm3__work *w, const pbw_tets *out, pbw_solid_
    The stages in order.
    ------------------------------------------------------------------------------------------------------ */
 /* Refuses surfaces that are mostly holes, or walls too thin for the size, and sizes that need too many tetrahedra. */
-static pbw_status pbwm3__judge(pbwm3__work *w)
+static pbw_status pbwm3__check_input(pbwm3__work *w)
 {
     pbw_solid_report *r = w->report;
     const double h = w->size, volume = fabs(r->input_volume);
@@ -4363,7 +4388,7 @@ static pbw_status pbwm3__take_input(pbwm3__work *w)
     if (status == PBW_OK) {
         pbwm3__nest_shells(w);
         status = in->value == NULL ? pbwm3__find_crossings(w) : PBW_OK;
-        status = status != PBW_OK ? status : pbwm3__judge(w);
+        status = status != PBW_OK ? status : pbwm3__check_input(w);
     }
     if (status == PBW_OK) {
         status = w->walls && !pbwm3__measure_walls(w) ? PBW_ERROR_MEMORY : PBW_OK;
@@ -4403,10 +4428,10 @@ static pbw_status pbwm3__sample(pbwm3__work *w)
 static void pbwm3__free(pbwm3__work *w)
 {
     pbwsf__array *const arrays[] = { &w->field, &w->vertices, &w->triangles, &w->origin, &w->shell, &w->shells,
-                                     &w->sides, &w->beyond, &w->holes, &w->x, &w->kind, &w->part, &w->patch,
+                                     &w->sides, &w->outer, &w->holes, &w->x, &w->kind, &w->part, &w->patch,
                                      &w->firsts, &w->sets, &w->members, &w->set,
                                      &w->heads, &w->links, &w->pieces, &w->chains, &w->path, &w->centre, &w->label,
-                                     &w->wants, &w->extra, &w->corners, &w->marks, &w->regions };
+                                     &w->needs, &w->new_points, &w->corners, &w->marks, &w->regions };
     size_t i;
     pbwm3__drop_mesh(w);
     pbwm3__drop_surface(w, &w->surface);
@@ -4427,7 +4452,7 @@ typedef struct pbwm3__call {               /* what the caller gave */
     const pbw_solid_options *how;
     const pbw_options *options;
     size_t held;                           /* bytes, when an attempt begins */
-    double late;                           /* the processor time by which the work ends with what it has */
+    double deadline;                       /* the processor time by which the work ends with what it has */
 } pbwm3__call;
 
 typedef struct pbwm3__result {
@@ -4437,7 +4462,7 @@ typedef struct pbwm3__result {
     int with_boundary;
 } pbwm3__result;
 
-static void pbwm3__drop(pbwm3__result *r)
+static void pbwm3__free_result(pbwm3__result *r)
 {
     if (r->mesh.memory != NULL) {
         pbw_tets_free(&r->mesh);
@@ -4454,7 +4479,7 @@ static pbw_status pbwm3__count_faults(pbwm3__work *w)
     memset(&facets, 0, sizeof facets);
     memset(&labels, 0, sizeof labels);
     memset(&top, 0, sizeof top);
-    if (pbwm3__boundary(w, &facets, &labels)
+    if (pbwm3__list_boundary(w, &facets, &labels)
         && pbwm3__examine_labels(w, &facets, &labels, w->x.count, &top)) {
         w->report->bad_edges = top.bad_edges;
         w->report->bad_points = top.bad_points;
@@ -4494,16 +4519,16 @@ static pbw_status pbwm3__attempt(const pbwm3__call *call, int whole, int sharp, 
     w->caller = call->options;
     w->whole = whole;
     w->sharp = sharp;
-    w->late = call->late;
+    w->deadline = call->deadline;
     w->nested = w->how.nested != 0;
     w->begin = begin;
     w->end = begin + (begin > 0 ? 0.5 : 0.7);
     w->distance = w->how.distance > 0 ? w->how.distance : 0.1;
     w->cosine = cos((w->how.feature_angle > 0 ? w->how.feature_angle : 40) / 57.295779513082321);
-    status = pbwm3__enters(w, "sample", 0.1) ? PBW_CANCELLED : pbwm3__take_input(w);
+    status = pbwm3__begin_stage(w, "sample", 0.1) ? PBW_CANCELLED : pbwm3__take_input(w);
     status = status != PBW_OK ? status : pbwm3__sample(w);
     report->seconds[0] = pbwm3__lap(&since);
-    status = status != PBW_OK ? status : pbwm3__enters(w, "rounds", 0.1) ? PBW_CANCELLED : pbwm3__rounds(w);
+    status = status != PBW_OK ? status : pbwm3__begin_stage(w, "rounds", 0.1) ? PBW_CANCELLED : pbwm3__rounds(w);
     status = status != PBW_OK ? status : pbwm3__count_faults(w);
     report->seconds[1] = pbwm3__lap(&since);
     return status;
@@ -4517,7 +4542,7 @@ static size_t pbwm3__faults(const pbw_solid_report *r)
 /* Makes a second attempt after one with faults or missing pieces: without sharp edges if some of them were kept, else
    with the surface as one patch.  If it has fewer, it takes the first one's place; if it fails, the first one stays,
    unless the call was cancelled. */
-static pbw_status pbwm3__again(pbwm3__call *call, pbwm3__work *w, double *done)
+static pbw_status pbwm3__second_attempt(pbwm3__call *call, pbwm3__work *w, double *done)
 {
     pbw_solid_report *r = w->report, report;
     const int fewer = r->sharp == PBW_SOLID_SHARP_SOME && w->sharp == PBW_SOLID_SHARP_AUTO;
@@ -4559,15 +4584,15 @@ static pbw_status pbwm3__complete(pbwm3__work *w, double done, pbwm3__result *r)
     w->end = 1;                                      /* 0.6 of this attempt are done */
     w->begin = (done - 0.6) / 0.4;
     w->to = 0.6;
-    status = pbwm3__enters(w, "improve", 0.9) ? PBW_CANCELLED : pbwm3__finish(w, &r->mesh);
+    status = pbwm3__begin_stage(w, "improve", 0.9) ? PBW_CANCELLED : pbwm3__improve(w, &r->mesh);
     w->report->seconds[2] = pbwm3__lap(&since);
     if (status == PBW_OK) {
-        status = pbwm3__enters(w, "measure", 0.95) ? PBW_CANCELLED
+        status = pbwm3__begin_stage(w, "measure", 0.95) ? PBW_CANCELLED
                : pbwm3__measure(w, &r->mesh, r->with_boundary ? &r->boundary : NULL);
         w->report->seconds[3] = pbwm3__lap(&since);
     }
     if (status != PBW_OK) {
-        pbwm3__drop(r);
+        pbwm3__free_result(r);
     }
     return status;
 }
@@ -4591,10 +4616,10 @@ PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_o
         call.how = how;
         call.options = options;
         call.held = 0;
-        call.late = how != NULL && how->improve.seconds > 0
+        call.deadline = how != NULL && how->improve.seconds > 0
                   ? (double)clock() / CLOCKS_PER_SEC + how->improve.seconds : HUGE_VAL;
         status = pbwm3__attempt(&call, 0, how != NULL ? how->sharp : PBW_SOLID_SHARP_AUTO, 0, &r.report, &w);
-        status = status != PBW_OK ? status : pbwm3__again(&call, &w, &done);
+        status = status != PBW_OK ? status : pbwm3__second_attempt(&call, &w, &done);
         status = status != PBW_OK ? status : pbwm3__complete(&w, done, &r);
         pbwm3__free(&w);
     }
