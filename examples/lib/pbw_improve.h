@@ -31,24 +31,25 @@
        peeling         a flat tetrahedron at the boundary is taken off
        2-3 flips       a facet is replaced by an edge
        contraction     one end of an edge moves into the other
-       rejoining       a corner's star grows over the tetrahedra around it, and all are made anew from that corner
+       rejoining       a corner's star grows over the tetrahedra around it, and its facets are joined to that corner
        insertion       an edge or a tetrahedron gets a corner in its middle, joined to a cavity that grows likewise
    An operation is carried out only if it raises the least quality of the tetrahedra that it changes (Klingner and
    Shewchuk 2007, "Aggressive tetrahedral mesh improvement").  Threads work at once on tetrahedra that are far from
    each other; the choice depends on the mesh only.
-   Before, options.rounds move all points that are not fixed, to raise the mean: by optimal Delaunay triangulation
-   (ODT; Alliez, Cohen-Steiner, Yvinec, Desbrun 2005), Lloyd's way or the Laplacian one.  Points without a common
-   tetrahedron move together, on all threads: colours decide the order.
-   Before all else, if options.sizes gives edge lengths, edges longer than 1.4 times that are halved, longest first,
-   and edges shorter than half of it are contracted, with passes between.
+   Two steps come first if the options ask for them:
+   1. options.sizes gives edge lengths.  Edges shorter than half of theirs are contracted, and edges longer than 1.4
+      times theirs are halved, the worst first, with passes between.
+   2. options.rounds move all points that are not fixed, to raise the mean quality: by optimal Delaunay triangulation
+      (ODT; Alliez, Cohen-Steiner, Yvinec, Desbrun 2005), by Lloyd's method, or to the mean of the neighbours
+      (Laplacian).  Points of one colour have no common tetrahedron and move at once, on all threads.
 
    PROMISES  (tests/test_improve.c guards them)
      monotone    the least quality never falls below both its old value and the target, up to rounding: when its
                  budget ends, a mesh is not worse than before, unless sizes change it
      positive    every tetrahedron made is positively oriented, by exact signs
-     kept        fixed points, feature edges, the edges given, regions and their interfaces, patches and their borders;
-                 the boundary is as manifold as it was and has the same Euler number, and stays on the surface, to 25
-                 degrees of its normals
+     kept        fixed points, feature edges, the edges given, regions and their interfaces, patches and their
+                 borders; the boundary is as manifold as it was and has the same Euler number, and stays on the
+                 surface, to 25 degrees of its normals
      same        the same bytes for the same input, whatever options.threads says (and unless a budget in seconds ends
                  it)
 
@@ -85,9 +86,9 @@ typedef struct pbw_tets {                  /* in: the caller's arrays; out: star
     const pbw_index *patches;              /* one a corner: of the facet across from it, any number, PBW_NONE = none.
                                               Edges where two of them meet are features.  Inside the facets stay as
                                               they are; in: one of their sides will do.  NULL = none */
-    const pbw_index *edges;                /* 2 points each: edges that stay; with sizes they may get points.  In: what
-                                              is no edge of the mesh is ignored */
-    const pbw_index *edge_origins;         /* out: of each edge the number of the input's that it is, or is a part of */
+    const pbw_index *edges;                /* 2 points each: edges that stay; with sizes they may get points.  In:
+                                              pairs that are no edge of the mesh are ignored */
+    const pbw_index *edge_origins;         /* out: per edge, the number of the input's edge that has it */
     size_t edge_count;
     void *memory;                          /* private */
 } pbw_tets;
@@ -461,7 +462,7 @@ static void pbwim__measure_block(const pbwim__measuring *work, size_t block, pbw
     }
 }
 
-static pbw_status pbwim__measure_some(void *arg, size_t from, size_t to)
+static pbw_status pbwim__measure_range(void *arg, size_t from, size_t to)
 {
     const pbwim__measuring *work = (const pbwim__measuring *)arg;
     for (; from < to; from++) {
@@ -485,17 +486,18 @@ static void pbwim__add_quality(pbw_quality *sum, const pbw_quality *q)
     }
 }
 
-/* Returns options for a part of the work, without progress.  Its limit is the memory limit less the memory held. */
-static pbw_options pbwim__quiet(const pbw_options *options, const pbwsf__memory *memory)
+/* Returns the options for a call of the library, without progress: their memory limit is the caller's less the bytes
+   held. */
+static pbw_options pbwim__inner_options(const pbw_options *options, const pbwsf__memory *memory)
 {
-    pbw_options quiet;
-    memset(&quiet, 0, sizeof quiet);
+    pbw_options inner;
+    memset(&inner, 0, sizeof inner);
     if (options != NULL) {
-        quiet = *options;
-        quiet.progress = NULL;
-        quiet.memory_limit = pbwsf__left(memory);
+        inner = *options;
+        inner.progress = NULL;
+        inner.memory_limit = pbwsf__left(memory);
     }
-    return quiet;
+    return inner;
 }
 
 PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pbw_quality *quality)
@@ -504,7 +506,7 @@ PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *opti
     pbwsf__memory memory = pbwsf__memory_of(options);
     pbwsf__array room;
     pbwim__measuring work;
-    pbw_options quiet;
+    pbw_options inner;
     size_t i;
     int kept, done;
     memset(&room, 0, sizeof room);
@@ -515,8 +517,8 @@ PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *opti
     work.mesh = mesh;
     work.block = (pbw_quality *)room.data;
     work.least = kept ? (double *)(work.block + blocks + 1) : NULL;
-    quiet = pbwim__quiet(options, &memory);
-    done = kept && pbw_for(&quiet, blocks, 1, pbwim__measure_some, &work) == PBW_OK;
+    inner = pbwim__inner_options(options, &memory);
+    done = kept && pbw_for(&inner, blocks, 1, pbwim__measure_range, &work) == PBW_OK;
     for (i = 0; i < blocks; i++) {
         pbw_quality q;
         if (!done) {
@@ -545,14 +547,14 @@ enum {
     PBWIM__MOST = 192,                     /* tetrahedra that one operation replaces; larger stars are left alone */
     PBWIM__RING = 10,                      /* corners of a ring */
     PBWIM__OPEN = 8 * PBWIM__MOST,          /* facets of that, at most */
-    PBWIM__SPARE = 2 * PBWIM__RING         /* free slots of a lane: no operation of a pass makes more tetrahedra */
+    PBWIM__SPARE = 2 * PBWIM__RING         /* free slots of a task: no operation of a pass makes more tetrahedra */
 };
 #define PBWIM__PASSES 60
 #define PBWIM__GAIN 1e-3                   /* least gain of the least sine for an operation */
-#define PBWIM__PROGRESS 0.1                /* least gain for smoothing, of what lacks to the target */
-#define PBWIM__ROOM 0.6                    /* of the distance limit: what boundary facets use at first */
+#define PBWIM__SMOOTH_GAIN 0.1             /* least gain of smoothing, as a share of the way to the target */
+#define PBWIM__DISTANCE_SHARE 0.6          /* of the distance limit: what boundary facets may use at first */
 #define PBWIM__RAISE 0.07                  /* radians, 4 degrees: raises the target around bad tetrahedra */
-#define PBWIM__BEND 0.90630778703665       /* cos 25 degrees: by more, boundary facets do not turn */
+#define PBWIM__SMOOTH_COSINE 0.90630778703665          /* cos 25 degrees: boundary facets turn by less */
 
 typedef struct pbwim__mesh {
     pbwsf__memory memory;
@@ -566,7 +568,7 @@ typedef struct pbwim__mesh {
     /* per tetrahedron */
     pbwsf__array corner, next, quality, region, tried, seen;
     pbwsf__array patch;                    /* 4 each, of facets; empty if there are none */
-    pbwsf__array edge;                     /* table of edges to keep, by hashes of their ends; count: of used entries */
+    pbwsf__array edge;                     /* hash table of the edges to keep, by their ends; count: used entries */
     size_t points, tets;                   /* slots in use, free ones included */
     pbw_index free;                        /* the first free slot */
     size_t spare;                          /* how many there are */
@@ -575,8 +577,8 @@ typedef struct pbwim__mesh {
     double cosine;                         /* of the feature angle */
     int sized, patched;
     pbw_improve_report *report;
-    pbwsf__array queue, lanes, taken;      /* taken: per point, the last batch that had it */
-    pbwsf__array near;                     /* per point: not 0 where passes work, if there are any */
+    pbwsf__array queue, tasks, taken;      /* taken: per point, the last batch that had it */
+    pbwsf__array active;                   /* per point: passes work where it is not 0; empty: everywhere */
     pbw_index batch;
     pbw_surface surface;                   /* the input's boundary, for project */
     pbwsf__array facets;
@@ -595,7 +597,7 @@ typedef struct pbwim__mesh {
 #define PBWIM__SEEN(m) ((pbw_index *)(m)->seen.data)
 #define PBWIM__PATCH(m, t) ((pbw_index *)(m)->patch.data + 4 * (size_t)(t))
 
-typedef struct pbwim__edge_kept { pbw_index a, b, origin; } pbwim__edge_kept;     /* a < b; origin PBW_NONE: no more */
+typedef struct pbwim__kept_edge { pbw_index a, b, origin; } pbwim__kept_edge; /* a < b; origin PBW_NONE: no more */
 
 static double pbwim__sine_of(const pbwim__mesh *m, const pbw_index c[4])
 {
@@ -608,7 +610,7 @@ static int pbwim__sign_of(const pbwim__mesh *m, const pbw_index c[4])
 }
 
 /* Returns the corner of t at which p is; 4 if it is none. */
-static int pbwim__place(const pbwim__mesh *m, pbw_index t, pbw_index p)
+static int pbwim__corner_of(const pbwim__mesh *m, pbw_index t, pbw_index p)
 {
     const pbw_index *c = PBWIM__CORNER(m, t);
     return c[0] == p ? 0 : c[1] == p ? 1 : c[2] == p ? 2 : c[3] == p ? 3 : 4;
@@ -661,9 +663,9 @@ static int pbwim__resize_tets(pbwim__mesh *m, size_t count)
 /* ---- edges to keep ---- */
 
 /* The entry of an edge, or a free one: a = PBW_NONE. */
-static pbwim__edge_kept *pbwim__find_edge(const pbwim__mesh *m, pbw_index a, pbw_index b)
+static pbwim__kept_edge *pbwim__find_edge(const pbwim__mesh *m, pbw_index a, pbw_index b)
 {
-    pbwim__edge_kept *table = (pbwim__edge_kept *)m->edge.data;
+    pbwim__kept_edge *table = (pbwim__kept_edge *)m->edge.data;
     const size_t mask = m->edge.bytes / sizeof *table - 1;       /* their number is a power of two */
     const pbw_index low = a < b ? a : b, high = a < b ? b : a;
     size_t at = (size_t)((((uint64_t)low << 32 | high) * 0x9e3779b97f4a7c15u) >> 32) & mask;
@@ -675,14 +677,14 @@ static pbwim__edge_kept *pbwim__find_edge(const pbwim__mesh *m, pbw_index a, pbw
 
 static int pbwim__is_kept(const pbwim__mesh *m, pbw_index a, pbw_index b)
 {
-    const pbwim__edge_kept *e = m->edge.count > 0 ? pbwim__find_edge(m, a, b) : NULL;
+    const pbwim__kept_edge *e = m->edge.count > 0 ? pbwim__find_edge(m, a, b) : NULL;
     return e != NULL && e->a != PBW_NONE && e->origin != PBW_NONE;
 }
 
 /* Notes an edge; there is room. */
 static void pbwim__keep_edge(pbwim__mesh *m, pbw_index a, pbw_index b, pbw_index origin)
 {
-    pbwim__edge_kept *e = pbwim__find_edge(m, a, b);
+    pbwim__kept_edge *e = pbwim__find_edge(m, a, b);
     m->edge.count += e->a == PBW_NONE;
     e->a = a < b ? a : b;
     e->b = a < b ? b : a;
@@ -693,7 +695,7 @@ static void pbwim__keep_edge(pbwim__mesh *m, pbw_index a, pbw_index b, pbw_index
 static int pbwim__reserve_edges(pbwim__mesh *m, size_t more)
 {
     pbwsf__array old = m->edge;
-    const pbwim__edge_kept *entry = (const pbwim__edge_kept *)old.data;
+    const pbwim__kept_edge *entry = (const pbwim__kept_edge *)old.data;
     size_t size = 64, i;
     while (size < 2 * (old.count + more)) {
         size *= 2;
@@ -717,11 +719,11 @@ static int pbwim__reserve_edges(pbwim__mesh *m, size_t more)
     return 1;
 }
 
-/* Makes room for one operation and for `lanes` of a batch, so that none fails half-way.  The arrays resized last have
-   the least room. */
-static int pbwim__reserve(pbwim__mesh *m, size_t lanes)
+/* Makes room for one operation and for the tasks of a batch, so that none of them fails.  Compares with the arrays
+   that are resized last: if memory ran out between, these are the shortest. */
+static int pbwim__reserve(pbwim__mesh *m, size_t tasks)
 {
-    const size_t tets = m->tets + 2 * PBWIM__MOST + lanes * PBWIM__SPARE, points = m->points + 4 + lanes;
+    const size_t tets = m->tets + 2 * PBWIM__MOST + tasks * PBWIM__SPARE, points = m->points + 4 + tasks;
     if (tets >= PBW_NONE / 4 || points >= PBW_NONE || (m->edge.count > 0 && !pbwim__reserve_edges(m, 2))) {
         return 0;
     }
@@ -738,7 +740,7 @@ static void pbwim__visit(pbwim__mesh *m)
     }
 }
 
-static pbw_index pbwim__take(pbwim__mesh *m)
+static pbw_index pbwim__new_slot(pbwim__mesh *m)
 {
     pbw_index t = m->free;
     if (t == PBW_NONE) {
@@ -752,7 +754,7 @@ static pbw_index pbwim__take(pbwim__mesh *m)
     return t;
 }
 
-static void pbwim__give(pbwim__mesh *m, pbw_index t)
+static void pbwim__free_slot(pbwim__mesh *m, pbw_index t)
 {
     *PBWIM__CORNER(m, t) = PBW_NONE;
     *PBWIM__NEXT(m, t) = m->free;
@@ -760,7 +762,7 @@ static void pbwim__give(pbwim__mesh *m, pbw_index t)
     m->spare++;
 }
 
-/* ---- one operation: these tetrahedra go, those come ---- */
+/* ---- one operation: old tetrahedra are replaced by new ones ---- */
 
 typedef struct pbwim__change {
     int olds, news;
@@ -798,7 +800,7 @@ static pbwim__facet pbwim__facet_of(const pbwim__mesh *m, pbw_index t, int i)
 }
 
 /* Removes the old tetrahedra.  Returns the number of facets of others that this leaves open. */
-static int pbwim__take_out(pbwim__mesh *m, const pbwim__change *change, pbwim__facet *open)
+static int pbwim__remove_tets(pbwim__mesh *m, const pbwim__change *change, pbwim__facet *open)
 {
     int count = 0, i, k;
     pbwim__visit(m);
@@ -828,8 +830,8 @@ static int pbwim__take_out(pbwim__mesh *m, const pbwim__change *change, pbwim__f
     return count;
 }
 
-/* Fills in the old tetrahedra's facets on the boundary, their patches as t.  Returns how many. */
-static int pbwim__lose_facets(const pbwim__mesh *m, const pbwim__change *change, pbwim__facet *lost)
+/* Lists the boundary facets of the old tetrahedra, with their patches as t.  Returns how many. */
+static int pbwim__list_lost(const pbwim__mesh *m, const pbwim__change *change, pbwim__facet *lost)
 {
     int count = 0, i, k;
     for (i = 0; i < change->olds && m->patched; i++) {
@@ -843,9 +845,10 @@ static int pbwim__lose_facets(const pbwim__mesh *m, const pbwim__change *change,
     return count;
 }
 
-/* Gives the facets that came to the boundary the patches of those that went: the same facet's, if it went and came;
-   the others were all of one patch. */
-static void pbwim__give_patches(pbwim__mesh *m, const pbwim__facet *open, int count, pbwim__facet *lost, int lost_count)
+/* Sets the patches of the new boundary facets: a lost facet with the same corners has the patch; all other lost
+   facets are of one patch, which the other new ones get. */
+static void pbwim__assign_patches(pbwim__mesh *m, const pbwim__facet *open, int count, pbwim__facet *lost,
+                                  int lost_count)
 {
     pbw_index rest = PBW_NONE;
     int i, j, pass;
@@ -867,7 +870,7 @@ static void pbwim__give_patches(pbwim__mesh *m, const pbwim__facet *open, int co
     }
 }
 
-/* The patches of the halves of tetrahedra: those of the facets that they halve, none between the two. */
+/* Fills the patches of the halves of tetrahedra: those of the facets that are halved, none between two halves. */
 static void pbwim__halve_patches(const pbwim__mesh *m, const pbwim__change *change, pbw_index (*half)[4])
 {
     int i, k;
@@ -889,17 +892,17 @@ static void pbwim__apply(pbwim__mesh *m, const pbwim__change *change)
     for (i = 0; i < change->news; i++) {
         region[i] = PBWIM__REGION(m)[change->old[change->halves ? i / 2 : 0]];
     }
-    losses = pbwim__lose_facets(m, change, lost);
+    losses = pbwim__list_lost(m, change, lost);
     if (m->patched && change->halves) {
         pbwim__halve_patches(m, change, half);
     }
     m->clock++;
-    count = pbwim__take_out(m, change, open);
+    count = pbwim__remove_tets(m, change, open);
     for (i = 0; i < change->olds; i++) {
-        pbwim__give(m, change->old[i]);
+        pbwim__free_slot(m, change->old[i]);
     }
     for (i = 0; i < change->news; i++) {
-        const pbw_index t = pbwim__take(m);
+        const pbw_index t = pbwim__new_slot(m);
         memcpy(PBWIM__CORNER(m, t), change->fresh[i], 4 * sizeof(pbw_index));
         PBWIM__REGION(m)[t] = region[i];
         PBWIM__QUALITY(m)[t] = pbwim__sine_of(m, change->fresh[i]);
@@ -926,12 +929,12 @@ static void pbwim__apply(pbwim__mesh *m, const pbwim__change *change)
         }
     }
     if (m->patched && !change->halves) {
-        pbwim__give_patches(m, open, count, lost, losses);
+        pbwim__assign_patches(m, open, count, lost, losses);
     }
 }
 
 /* Returns whether a patch lies between old tetrahedra, or an edge to keep is in none of the new ones. */
-static int pbwim__breaks(const pbwim__mesh *m, const pbwim__change *change)
+static int pbwim__breaks_constraint(const pbwim__mesh *m, const pbwim__change *change)
 {
     int i, k, j;
     for (i = 0; i < 4 * change->olds && m->patched; i++) {
@@ -966,8 +969,8 @@ static int pbwim__breaks(const pbwim__mesh *m, const pbwim__change *change)
     return 0;
 }
 
-/* Returns whether all new tetrahedra are positive, by exact signs, and all old ones are of one region, without a patch
-   or an edge to keep inside. */
+/* Returns whether all new tetrahedra are positive, by exact signs, and all old ones are of one region, without a
+   patch or an edge to keep inside. */
 static int pbwim__is_sound(const pbwim__mesh *m, const pbwim__change *change)
 {
     int i;
@@ -978,7 +981,7 @@ static int pbwim__is_sound(const pbwim__mesh *m, const pbwim__change *change)
     }
     for (i = 0; i < change->news && pbwim__sign_of(m, change->fresh[i]) > 0; i++) {
     }
-    return i == change->news && (change->halves || !pbwim__breaks(m, change));
+    return i == change->news && (change->halves || !pbwim__breaks_constraint(m, change));
 }
 
 static double pbwim__worst_old(const pbwim__mesh *m, const pbwim__change *change)
@@ -1024,24 +1027,24 @@ typedef struct pbwim__ring {               /* around the edge from a to b, count
 } pbwim__ring;
 
 /* The other two corners of t at the edge, so that a, b, *c, *d are positive. */
-static void pbwim__others(const pbwim__mesh *m, pbw_index t, const pbwim__ring *ring, int *c, int *d)
+static void pbwim__other_corners(const pbwim__mesh *m, pbw_index t, const pbwim__ring *ring, int *c, int *d)
 {
     static const signed char others[4][4][2] = {
         { { 0, 0 }, { 2, 3 }, { 3, 1 }, { 1, 2 } }, { { 3, 2 }, { 0, 0 }, { 0, 3 }, { 2, 0 } },
         { { 1, 3 }, { 3, 0 }, { 0, 0 }, { 0, 1 } }, { { 2, 1 }, { 0, 2 }, { 1, 0 }, { 0, 0 } }
     };
-    const int i = pbwim__place(m, t, ring->a), k = pbwim__place(m, t, ring->b);
+    const int i = pbwim__corner_of(m, t, ring->a), k = pbwim__corner_of(m, t, ring->b);
     *c = others[i][k][0];
     *d = others[i][k][1];
 }
 
 /* Walks around the edge of t; a and b are set.  Returns 0 if too many are there. */
-static int pbwim__walk(const pbwim__mesh *m, pbw_index t, pbwim__ring *ring)
+static int pbwim__walk_ring(const pbwim__mesh *m, pbw_index t, pbwim__ring *ring)
 {
     pbw_index at = t, first = t;
     int c, d, steps;
     for (steps = 0; steps <= PBWIM__RING; steps++) {         /* back to the boundary, or once around */
-        pbwim__others(m, at, ring, &c, &d);
+        pbwim__other_corners(m, at, ring, &c, &d);
         first = at;
         at = PBWIM__NEXT(m, at)[d];
         if (at == PBW_NONE || at == t) {
@@ -1053,7 +1056,7 @@ static int pbwim__walk(const pbwim__mesh *m, pbw_index t, pbwim__ring *ring)
     ring->tets = ring->corners = 0;
     for (at = first; steps <= PBWIM__RING && ring->tets < PBWIM__RING;) {
         const pbw_index *corner = PBWIM__CORNER(m, at);
-        pbwim__others(m, at, ring, &c, &d);
+        pbwim__other_corners(m, at, ring, &c, &d);
         ring->tet[ring->tets++] = at;
         ring->corner[ring->corners++] = corner[c];
         at = PBWIM__NEXT(m, at)[c];
@@ -1085,7 +1088,7 @@ static double pbwim__farthest(const pbwim__mesh *m, const double *a, const doubl
 }
 
 /* Returns whether the facets at the edge between an open ring's ends would be near the surface. */
-static int pbwim__flips_near(const pbwim__mesh *m, const pbwim__ring *ring)
+static int pbwim__flip_stays_near(const pbwim__mesh *m, const pbwim__ring *ring)
 {
     const double *a = PBWIM__X(m, ring->a), *b = PBWIM__X(m, ring->b), *first = PBWIM__X(m, ring->corner[0]);
     const double *last = PBWIM__X(m, ring->corner[ring->corners - 1]);
@@ -1104,8 +1107,8 @@ static int pbwim__is_border(const pbwim__mesh *m, const pbwim__ring *ring)
     int i, n;
     for (i = 0; i < ring->tets && m->patched; i++) {
         const pbw_index t = ring->tet[i];
-        const int next = pbwim__place(m, t, ring->corner[(i + 1) % ring->corners]);
-        const int here = pbwim__place(m, t, ring->corner[i]);
+        const int next = pbwim__corner_of(m, t, ring->corner[(i + 1) % ring->corners]);
+        const int here = pbwim__corner_of(m, t, ring->corner[i]);
         for (n = 0; n < 2; n++) {                    /* the facets before and after it */
             const int k = n == 0 ? next : here;
             if (PBWIM__NEXT(m, t)[k] == PBW_NONE) {
@@ -1130,20 +1133,20 @@ static int pbwim__may_flip(pbwim__mesh *m, const pbwim__ring *ring)
     pbwsf__normal(PBWIM__X(m, b), PBWIM__X(m, a), PBWIM__X(m, last), n[1]);
     pbwsf__normal(PBWIM__X(m, a), PBWIM__X(m, last), PBWIM__X(m, first), n[2]);
     pbwsf__normal(PBWIM__X(m, b), PBWIM__X(m, first), PBWIM__X(m, last), n[3]);
-    if (!pbwim__turned_less(n[0], n[1], PBWIM__BEND) || pbwim__is_border(m, ring)) {
+    if (!pbwim__turned_less(n[0], n[1], PBWIM__SMOOTH_COSINE) || pbwim__is_border(m, ring)) {
         return 0;
     }
     for (i = 0; i < 3; i++) {
         sum[i] = n[0][i] + n[1][i];
     }
-    if (!pbwim__turned_less(n[2], sum, PBWIM__BEND) || !pbwim__turned_less(n[3], sum, PBWIM__BEND)
-        || !pbwim__turned_less(n[2], n[3], PBWIM__BEND)) {
+    if (!pbwim__turned_less(n[2], sum, PBWIM__SMOOTH_COSINE) || !pbwim__turned_less(n[3], sum, PBWIM__SMOOTH_COSINE)
+        || !pbwim__turned_less(n[2], n[3], PBWIM__SMOOTH_COSINE)) {
         return 0;
     }
     count = pbwim__star_of(m, first, star);                  /* is there such an edge already? */
-    for (i = 0; i < count && pbwim__place(m, star[i], last) == 4; i++) {
+    for (i = 0; i < count && pbwim__corner_of(m, star[i], last) == 4; i++) {
     }
-    return count > 0 && i == count && pbwim__flips_near(m, ring);
+    return count > 0 && i == count && pbwim__flip_stays_near(m, ring);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1158,7 +1161,7 @@ typedef struct pbwim__table {              /* of the dynamic programme: polygons
     signed char apex[PBWIM__RING + 1][PBWIM__RING + 1];
 } pbwim__table;
 
-static double pbwim__pair(const pbwim__mesh *m, const pbwim__ring *ring, int i, int j, int k)
+static double pbwim__pair_sine(const pbwim__mesh *m, const pbwim__ring *ring, int i, int j, int k)
 {
     const double *p = PBWIM__X(m, ring->corner[i]), *q = PBWIM__X(m, ring->corner[j]);
     const double *r = PBWIM__X(m, ring->corner[k]);
@@ -1180,7 +1183,7 @@ static double pbwim__triangulate(const pbwim__mesh *m, const pbwim__ring *ring, 
             for (j = i + 1; j < k; j++) {
                 const double sides = fmin(table->best[i][j], table->best[j][k]);
                 if (sides > least && sides > table->best[i][k]) {
-                    const double all = fmin(sides, pbwim__pair(m, ring, i, j, k));
+                    const double all = fmin(sides, pbwim__pair_sine(m, ring, i, j, k));
                     if (all > table->best[i][k]) {
                         table->best[i][k] = all;
                         table->apex[i][k] = (signed char)j;
@@ -1228,7 +1231,7 @@ static int pbwim__remove_edge(pbwim__mesh *m, pbw_index t)
         double worst = 2, reached;
         ring.a = PBWIM__CORNER(m, t)[pbwim__edge[e][0]];
         ring.b = PBWIM__CORNER(m, t)[pbwim__edge[e][1]];
-        if (!pbwim__walk(m, t, &ring) || ring.corners < 3) {
+        if (!pbwim__walk_ring(m, t, &ring) || ring.corners < 3) {
             continue;
         }
         for (i = 0; i < ring.tets; i++) {
@@ -1283,7 +1286,7 @@ static double pbwim__cone_sine(const pbwim__mesh *m, pbwim__cone *cone, const do
 }
 
 /* Eight directions across the normal, or fourteen of space.  Returns how many. */
-static int pbwim__ways(const double *normal, double way[14][3])
+static int pbwim__directions(const double *normal, double direction[14][3])
 {
     static const double round[8][2] = { { 1, 0 }, { -1, 0 }, { 0, 1 }, { 0, -1 },
                                         { .7071, .7071 }, { -.7071, .7071 }, { .7071, -.7071 }, { -.7071, -.7071 } };
@@ -1292,12 +1295,12 @@ static int pbwim__ways(const double *normal, double way[14][3])
     if (normal == NULL) {
         for (i = 0; i < 6; i++) {
             for (k = 0; k < 3; k++) {
-                way[i][k] = k != i / 2 ? 0 : i % 2 == 0 ? 1 : -1;
+                direction[i][k] = k != i / 2 ? 0 : i % 2 == 0 ? 1 : -1;
             }
         }
         for (; i < 14; i++) {
             for (k = 0; k < 3; k++) {
-                way[i][k] = (i - 6) >> k & 1 ? -.577 : .577;
+                direction[i][k] = (i - 6) >> k & 1 ? -.577 : .577;
             }
         }
         return 14;
@@ -1314,29 +1317,30 @@ static int pbwim__ways(const double *normal, double way[14][3])
     }
     for (i = 0; i < 8; i++) {
         for (k = 0; k < 3; k++) {
-            way[i][k] = round[i][0] * side[k] + round[i][1] * other[k];
+            direction[i][k] = round[i][0] * side[k] + round[i][1] * other[k];
         }
     }
     return 8;
 }
 
-/* Climbs from x to a nearby maximum of the cone's least sine, in the best of some directions, with half the step each
-   time; `from` is the sine at x.  With the normal of a surface, x stays on this.  Projecting takes longest, so places
-   that are far from better are not projected.  Returns the sine in the end. */
+/* Hill climbing: moves x to a nearby maximum of the cone's least sine.  Each step takes the best of some directions;
+   if none is better, steps become half as long.  from: the sine at x.  With the normal of a surface, x stays on it;
+   places with a clearly lower sine are not projected, as projecting takes longest.  Returns the sine at the last x.
+   */
 static double pbwim__climb(pbwim__mesh *m, pbwim__cone *cone, const double *normal, double from, double x[3])
 {
-    double way[14][3], best = from, length = 0, step;
-    const int ways = pbwim__ways(normal, way);
+    double direction[14][3], best = from, length = 0, step;
+    const int directions = pbwim__directions(normal, direction);
     int i, k, moves;
     for (i = 0; i < cone->count; i++) {
         length += pbwsf__distance(PBWIM__X(m, cone->facet[i][0]), PBWIM__X(m, cone->facet[i][1])) / cone->count;
     }
     for (step = 0.2 * length, moves = 0; step > 0.01 * length && moves < 40 && best < m->target; moves++) {
         double place[3], chosen[3], reached = best;
-        for (i = 0; i < ways; i++) {
+        for (i = 0; i < directions; i++) {
             double sine;
             for (k = 0; k < 3; k++) {
-                place[k] = x[k] + step * way[i][k];
+                place[k] = x[k] + step * direction[i][k];
             }
             if (normal != NULL) {
                 const double near = reached - 0.1 * fabs(reached);
@@ -1382,7 +1386,7 @@ static void pbwim__cone_of(const pbwim__mesh *m, pbw_index p, const pbw_index *s
     int i, k;
     for (i = 0; i < count; i++) {
         const pbw_index *c = PBWIM__CORNER(m, star[i]);
-        const int *o = pbwim__opposite[pbwim__place(m, star[i], p)];
+        const int *o = pbwim__opposite[pbwim__corner_of(m, star[i], p)];
         for (k = 0; k < 3; k++) {
             cone->facet[i][k] = c[o[k]];
         }
@@ -1412,7 +1416,8 @@ static double pbwim__farthest_at(const pbwim__mesh *m, pbw_index p, const double
 }
 
 /* Returns whether the boundary stays near the surface where p moves to x. */
-static int pbwim__moves_near(const pbwim__mesh *m, pbw_index p, const double *x, const pbw_index *star, int count)
+static int pbwim__move_stays_near(const pbwim__mesh *m, pbw_index p, const double *x, const pbw_index *star,
+                                  int count)
 {
     double after;
     if (!(m->distance > 0)) {
@@ -1446,8 +1451,8 @@ static int pbwim__smooth(pbwim__mesh *m, pbw_index p)
     memcpy(before, PBWIM__X(m, p), sizeof before);
     memcpy(x, before, sizeof x);
     if (pbwim__climb(m, &cone, slides ? normal : NULL, worst, x)
-        <= worst + fmax(PBWIM__GAIN, PBWIM__PROGRESS * (m->target - worst))
-        || (slides && !pbwim__moves_near(m, p, x, star, count))) {
+        <= worst + fmax(PBWIM__GAIN, PBWIM__SMOOTH_GAIN * (m->target - worst))
+        || (slides && !pbwim__move_stays_near(m, p, x, star, count))) {
         return 0;
     }
     memcpy(PBWIM__X(m, p), x, sizeof x);
@@ -1470,9 +1475,10 @@ static int pbwim__smooth(pbwim__mesh *m, pbw_index p)
 
 /* ---- at the boundary ---- */
 
-/* Returns whether t may be peeled off, as to what its boundary facets hide: with one such facet, the corner opposite
-   gets on the boundary and must be inside; with two, so must the edge opposite; with three, their corner is lost. */
-static int pbwim__is_loose(pbwim__mesh *m, pbw_index t)
+/* Returns whether the boundary stays a manifold without t.  With one boundary facet, the opposite corner comes to the
+   boundary, and must be inside before; with two, so must the opposite edge; with three, their common corner is lost,
+   and must be on a smooth part. */
+static int pbwim__may_peel(pbwim__mesh *m, pbw_index t)
 {
     const pbw_index *c = PBWIM__CORNER(m, t), *next = PBWIM__NEXT(m, t);
     pbw_index star[PBWIM__MOST];
@@ -1488,7 +1494,7 @@ static int pbwim__is_loose(pbwim__mesh *m, pbw_index t)
     if (outer == 2) {
         ring.a = c[on[0]];
         ring.b = c[on[1]];
-        return pbwim__walk(m, t, &ring) && ring.closed;
+        return pbwim__walk_ring(m, t, &ring) && ring.closed;
     }
     if (outer == 3) {
         return PBWIM__MARK(m)[c[off[0]]] == PBW_TETS_SLIDES;
@@ -1508,7 +1514,7 @@ static int pbwim__is_loose(pbwim__mesh *m, pbw_index t)
 }
 
 /* Returns whether the facets beneath the boundary facets of t are near the surface. */
-static int pbwim__peels_near(const pbwim__mesh *m, pbw_index t)
+static int pbwim__peel_stays_near(const pbwim__mesh *m, pbw_index t)
 {
     const pbw_index *c = PBWIM__CORNER(m, t);
     double before = 0, after = 0;
@@ -1521,8 +1527,9 @@ static int pbwim__peels_near(const pbwim__mesh *m, pbw_index t)
     return after <= fmax(m->distance, before);
 }
 
-/* Returns whether t may be peeled off as to patches and edges: its facets on the boundary are of one patch. */
-static int pbwim__peels_whole(const pbwim__mesh *m, pbw_index t)
+/* Returns whether peeling t keeps patches and edges: its boundary facets are of one patch, its other facets of none,
+   and no edge of it is to be kept. */
+static int pbwim__peel_keeps_patches(const pbwim__mesh *m, pbw_index t)
 {
     const pbw_index *c = PBWIM__CORNER(m, t), *next = PBWIM__NEXT(m, t);
     int i, first = -1;
@@ -1559,18 +1566,18 @@ static int pbwim__peel(pbwim__mesh *m, pbw_index t)
     }
     for (i = 0; i < 4; i++) {
         for (k = 0; k < i; k++) {
-            if (!pbwim__turned_less(n[i], n[k], PBWIM__BEND)) {
+            if (!pbwim__turned_less(n[i], n[k], PBWIM__SMOOTH_COSINE)) {
                 return 0;
             }
         }
     }
-    if (!pbwim__is_loose(m, t) || !pbwim__peels_whole(m, t) || !pbwim__peels_near(m, t)) {
+    if (!pbwim__may_peel(m, t) || !pbwim__peel_keeps_patches(m, t) || !pbwim__peel_stays_near(m, t)) {
         return 0;
     }
     change.olds = 1;
     change.news = change.halves = 0;
     change.old[0] = t;
-    for (i = 0; i < 4; i++) {                        /* what was inside is on the boundary now */
+    for (i = 0; i < 4; i++) {                        /* corners that were inside are on the boundary now */
         unsigned char *mark = PBWIM__MARK(m) + PBWIM__CORNER(m, t)[i];
         *mark = *mark == PBW_TETS_FOUND ? PBW_TETS_SLIDES : *mark;
     }
@@ -1625,7 +1632,7 @@ static int pbwim__may_slide_to(const pbwim__mesh *m, pbw_index p, pbw_index q, c
     int i, k;
     for (i = 0; i < count; i++) {
         const pbw_index *c = PBWIM__CORNER(m, star[i]);
-        if (pbwim__place(m, star[i], q) < 4) {
+        if (pbwim__corner_of(m, star[i], q) < 4) {
             continue;
         }
         for (k = 0; k < 4; k++) {
@@ -1635,7 +1642,7 @@ static int pbwim__may_slide_to(const pbwim__mesh *m, pbw_index p, pbw_index q, c
                 pbwim__outward(m, star[i], k, n[0]);
                 pbwsf__normal(PBWIM__X(m, c[o[0]] == p ? q : c[o[0]]), PBWIM__X(m, c[o[2]] == p ? q : c[o[2]]),
                               PBWIM__X(m, c[o[1]] == p ? q : c[o[1]]), n[1]);
-                if (!pbwim__turned_less(n[0], n[1], PBWIM__BEND)) {
+                if (!pbwim__turned_less(n[0], n[1], PBWIM__SMOOTH_COSINE)) {
                     return 0;
                 }
             }
@@ -1659,8 +1666,9 @@ static int pbwim__loses_corner(const pbwim__mesh *m, const pbwim__change *change
     return 0;
 }
 
-/* Returns whether p and q have no common neighbours but those around their edge. */
-static int pbwim__is_linked_once(pbwim__mesh *m, pbw_index q, const pbwim__ring *ring, const pbwim__cone *cone)
+/* The link condition: returns whether p and q have no common neighbours but the ring of their edge (Dey,
+   Edelsbrunner, Guha, Nekhayev 1999, "Topology preserving edge contraction"). */
+static int pbwim__link_condition(pbwim__mesh *m, pbw_index q, const pbwim__ring *ring, const pbwim__cone *cone)
 {
     pbw_index star[PBWIM__MOST], corner[3 * PBWIM__MOST];
     const int count = pbwim__star_of(m, q, star);
@@ -1677,7 +1685,7 @@ static int pbwim__is_linked_once(pbwim__mesh *m, pbw_index q, const pbwim__ring 
     }
     for (i = 0; i < count; i++) {
         for (j = 0; j < corners; j++) {
-            if (pbwim__place(m, star[i], corner[j]) < 4) {
+            if (pbwim__corner_of(m, star[i], corner[j]) < 4) {
                 return 0;
             }
         }
@@ -1685,7 +1693,7 @@ static int pbwim__is_linked_once(pbwim__mesh *m, pbw_index q, const pbwim__ring 
     return count > 0;
 }
 
-/* Moves p into q, both of t, if the tetrahedra get better, or at least not worse than `floor`. */
+/* Contracts the edge of t from p to q, if the least sine rises or stays above `floor`. */
 static int pbwim__contract_to(pbwim__mesh *m, pbw_index t, pbw_index p, pbw_index q, double floor)
 {
     pbwim__change change;
@@ -1696,7 +1704,7 @@ static int pbwim__contract_to(pbwim__mesh *m, pbw_index t, pbw_index p, pbw_inde
     int i;
     ring.a = p;
     ring.b = q;
-    if (PBWIM__MARK(m)[p] == PBW_TETS_FIXED || !pbwim__walk(m, t, &ring) || (slides && ring.closed)) {
+    if (PBWIM__MARK(m)[p] == PBW_TETS_FIXED || !pbwim__walk_ring(m, t, &ring) || (slides && ring.closed)) {
         return 0;
     }
     change.halves = 0;
@@ -1708,7 +1716,7 @@ static int pbwim__contract_to(pbwim__mesh *m, pbw_index t, pbw_index p, pbw_inde
     worst = fmin(pbwim__worst_old(m, &change) + PBWIM__GAIN, floor);
     for (i = change.news = 0; i < change.olds; i++) {
         pbw_index *fresh = change.fresh[change.news];
-        if (pbwim__place(m, change.old[i], q) == 4) {
+        if (pbwim__corner_of(m, change.old[i], q) == 4) {
             memcpy(fresh, cone.facet[i], 3 * sizeof *fresh);
             fresh[3] = q;
             if (pbwim__sine_of(m, fresh) <= worst) {
@@ -1719,8 +1727,8 @@ static int pbwim__contract_to(pbwim__mesh *m, pbw_index t, pbw_index p, pbw_inde
     }
     if (change.news == 0 || !pbwim__is_sound(m, &change) || pbwim__loses_corner(m, &change, p)
         || (slides && (!pbwim__may_slide_to(m, p, q, change.old, change.olds)
-                       || !pbwim__moves_near(m, p, PBWIM__X(m, q), change.old, change.olds)))
-        || !pbwim__is_linked_once(m, q, &ring, &cone)) {
+                       || !pbwim__move_stays_near(m, p, PBWIM__X(m, q), change.old, change.olds)))
+        || !pbwim__link_condition(m, q, &ring, &cone)) {
         return 0;
     }
     pbwim__apply(m, &change);
@@ -1746,16 +1754,16 @@ enum { PBWIM__CAVITY = 60 };               /* tetrahedra of a cavity that grows,
 
 typedef struct pbwim__cavity {             /* change->old, whose facets are joined to a point */
     pbwim__change *change;
-    const pbwim__ring *split;              /* boundary facets at this edge give way; NULL = none */
-    pbw_index t, p;                        /* what is to be mended; the point, PBW_NONE if it is new */
+    const pbwim__ring *split;              /* boundary facets at this edge are replaced; NULL = none */
+    pbw_index t, p;                        /* the tetrahedron to improve; the point, PBW_NONE if it is new */
     const double *x;                       /* its place */
     pbwim__cone cone;
-    pbw_index beyond[PBWIM__MOST];         /* across each facet, PBW_NONE on the boundary */
+    pbw_index across[PBWIM__MOST];         /* across each facet, PBW_NONE on the boundary */
     double sine[PBWIM__MOST];              /* of the tetrahedron from each facet to x */
 } pbwim__cavity;
 
-/* Returns whether a boundary facet gives way: it has the point, or both ends of the edge that is split. */
-static int pbwim__gives_way(const pbwim__cavity *v, const pbw_index f[3])
+/* Returns whether a boundary facet is replaced: it has the point, or both ends of the edge that is split. */
+static int pbwim__is_replaced(const pbwim__cavity *v, const pbw_index f[3])
 {
     const pbw_index a = v->split != NULL ? v->split->a : v->p, b = v->split != NULL ? v->split->b : v->p;
     return a != PBW_NONE && (f[0] == a || f[1] == a || f[2] == a) && (f[0] == b || f[1] == b || f[2] == b);
@@ -1771,8 +1779,8 @@ static void pbwim__add_facets(const pbwim__mesh *m, pbwim__cavity *v, pbw_index 
         for (j = 0; j < 3; j++) {
             f[j] = c[pbwim__opposite[k][j]];
         }
-        if (n == PBW_NONE ? !pbwim__gives_way(v, f) : PBWIM__SEEN(m)[n] != m->visit) {
-            v->beyond[v->cone.count] = n;
+        if (n == PBW_NONE ? !pbwim__is_replaced(v, f) : PBWIM__SEEN(m)[n] != m->visit) {
+            v->across[v->cone.count] = n;
             v->sine[v->cone.count++] = pbwim__sine(PBWIM__X(m, f[0]), PBWIM__X(m, f[1]), PBWIM__X(m, f[2]), v->x);
         }
     }
@@ -1791,19 +1799,19 @@ static void pbwim__open_cavity(pbwim__mesh *m, pbwim__cavity *v)
     }
 }
 
-/* Returns whether a tetrahedron may join the cavity: one at a corner of t, so that lanes do not meet. */
+/* Returns whether a tetrahedron may join the cavity: it is at a corner of t, so it is in the zone of the task. */
 static int pbwim__may_grow(const pbwim__mesh *m, const pbwim__cavity *v, pbw_index n)
 {
     const pbw_index *c = PBWIM__CORNER(m, v->t);
     return n != PBW_NONE && PBWIM__REGION(m)[n] == PBWIM__REGION(m)[v->t]
-        && (v->p == PBW_NONE || pbwim__place(m, n, v->p) == 4)
-        && (pbwim__place(m, n, c[0]) < 4 || pbwim__place(m, n, c[1]) < 4 || pbwim__place(m, n, c[2]) < 4
-            || pbwim__place(m, n, c[3]) < 4);
+        && (v->p == PBW_NONE || pbwim__corner_of(m, n, v->p) == 4)
+        && (pbwim__corner_of(m, n, c[0]) < 4 || pbwim__corner_of(m, n, c[1]) < 4 || pbwim__corner_of(m, n, c[2]) < 4
+            || pbwim__corner_of(m, n, c[3]) < 4);
 }
 
-/* Grows the cavity, always across the facet with the worst tetrahedron, and goes back to where this worst was best.
-   Returns its sine. */
-static double pbwim__grow(pbwim__mesh *m, pbwim__cavity *v)
+/* Grows the cavity, always across the facet that has the worst tetrahedron to x, then returns to the size at which
+   this worst was best.  Returns its sine. */
+static double pbwim__grow_cavity(pbwim__mesh *m, pbwim__cavity *v)
 {
     pbwim__change *change = v->change;
     double best = -2;
@@ -1818,16 +1826,16 @@ static double pbwim__grow(pbwim__mesh *m, pbwim__cavity *v)
             best = v->sine[worst];
             kept = change->olds;
         }
-        n = v->beyond[worst];
+        n = v->across[worst];
         if (v->sine[worst] >= m->target || change->olds >= PBWIM__CAVITY || v->cone.count > PBWIM__MOST - 4
             || !pbwim__may_grow(m, v, n)) {
             break;
         }
         for (i = v->cone.count; i-- > 0;) {
-            if (v->beyond[i] == n) {
+            if (v->across[i] == n) {
                 v->cone.count--;
                 memcpy(v->cone.facet[i], v->cone.facet[v->cone.count], sizeof v->cone.facet[i]);
-                v->beyond[i] = v->beyond[v->cone.count];
+                v->across[i] = v->across[v->cone.count];
                 v->sine[i] = v->sine[v->cone.count];
             }
         }
@@ -1843,7 +1851,7 @@ static double pbwim__grow(pbwim__mesh *m, pbwim__cavity *v)
 }
 
 /* Joins the cavity's facets to p, if all tetrahedra are positive. */
-static int pbwim__fill(pbwim__mesh *m, pbwim__cavity *v, pbw_index p)
+static int pbwim__fill_cavity(pbwim__mesh *m, pbwim__cavity *v, pbw_index p)
 {
     pbwim__change *change = v->change;
     int i;
@@ -1873,8 +1881,8 @@ static int pbwim__rejoin(pbwim__mesh *m, pbw_index t)
         if (change.olds == 0 || change.olds >= PBWIM__CAVITY) {
             continue;
         }
-        best = pbwim__grow(m, &v);
-        if (best > pbwim__worst_old(m, &change) + PBWIM__GAIN && pbwim__fill(m, &v, v.p)) {
+        best = pbwim__grow_cavity(m, &v);
+        if (best > pbwim__worst_old(m, &change) + PBWIM__GAIN && pbwim__fill_cavity(m, &v, v.p)) {
             pbwim__apply(m, &change);
             m->report->flips++;
             return 1;
@@ -1901,16 +1909,16 @@ static int pbwim__insert(pbwim__mesh *m, pbw_index t, pbwim__change *change, con
         pbwim__add_normals(m, split->tet[0], PBW_NONE, normal);
         pbwim__add_normals(m, split->tet[split->tets - 1], PBW_NONE, normal);
     }
-    best = pbwim__grow(m, &v);
+    best = pbwim__grow_cavity(m, &v);
     best = pbwim__climb(m, &v.cone, slides ? normal : NULL, best, x);
-    if (best < m->target) {                          /* from there, the cavity may grow on */
-        best = pbwim__climb(m, &v.cone, slides ? normal : NULL, pbwim__grow(m, &v), x);
+    if (best < m->target) {                          /* the cavity of the new x may be larger */
+        best = pbwim__climb(m, &v.cone, slides ? normal : NULL, pbwim__grow_cavity(m, &v), x);
     }
     if (best <= pbwim__worst_old(m, change) + PBWIM__GAIN) {
         return 0;
     }
     memcpy(PBWIM__X(m, p), x, 3 * sizeof(double));
-    if (!pbwim__fill(m, &v, p)) {
+    if (!pbwim__fill_cavity(m, &v, p)) {
         return 0;
     }
     m->points++;
@@ -1924,9 +1932,9 @@ static int pbwim__insert(pbwim__mesh *m, pbw_index t, pbwim__change *change, con
     return 1;
 }
 
-/* Inserts a point beyond a facet of t, half or a quarter of the way to the corner there, as t may be too flat for a
-   point inside. */
-static int pbwim__split_beyond(pbwim__mesh *m, pbw_index t)
+/* Inserts a point across a facet of t, half or a quarter of the way to the neighbour's corner: t may be too flat for
+   a point inside. */
+static int pbwim__insert_across(pbwim__mesh *m, pbw_index t)
 {
     pbwim__change change;
     int i, k;
@@ -1961,12 +1969,12 @@ static int pbwim__split(pbwim__mesh *m, pbw_index t)
     for (e = 0; e < 6; e++) {
         ring.a = PBWIM__CORNER(m, t)[pbwim__edge[e][0]];
         ring.b = PBWIM__CORNER(m, t)[pbwim__edge[e][1]];
-        if (!pbwim__walk(m, t, &ring)) {
+        if (!pbwim__walk_ring(m, t, &ring)) {
             continue;
         }
         pbwsf__normal(PBWIM__X(m, ring.a), PBWIM__X(m, ring.b), PBWIM__X(m, ring.corner[0]), n[0]);
         pbwsf__normal(PBWIM__X(m, ring.b), PBWIM__X(m, ring.a), PBWIM__X(m, ring.corner[ring.corners - 1]), n[1]);
-        if (!ring.closed && (!pbwim__turned_less(n[0], n[1], PBWIM__BEND) || pbwim__is_border(m, &ring))) {
+        if (!ring.closed && (!pbwim__turned_less(n[0], n[1], PBWIM__SMOOTH_COSINE) || pbwim__is_border(m, &ring))) {
             continue;
         }
         pbwsf__between(PBWIM__X(m, ring.a), PBWIM__X(m, ring.b), 0.5, x);
@@ -1987,14 +1995,14 @@ static int pbwim__split(pbwim__mesh *m, pbw_index t)
             x[k] += 0.25 * PBWIM__X(m, PBWIM__CORNER(m, t)[i])[k];
         }
     }
-    return pbwim__insert(m, t, &change, NULL, x) || pbwim__split_beyond(m, t);
+    return pbwim__insert(m, t, &change, NULL, x) || pbwim__insert_across(m, t);
 }
 
 /* ------------------------------------------------------------------------------------------------------
    Setting up: neighbours, orientation, the boundary and its features.
    In: the caller's arrays.  Out: a mesh as above, or a status and a message.
    ------------------------------------------------------------------------------------------------------ */
-static void pbwim__complain(const pbwim__mesh *m, const char *text, size_t i, size_t k)
+static void pbwim__set_message(const pbwim__mesh *m, const char *text, size_t i, size_t k)
 {
     if (m->options != NULL && m->options->message != NULL && m->options->message_size > 0) {
         snprintf(m->options->message, m->options->message_size, text, i, k);
@@ -2028,15 +2036,15 @@ static pbwim__facet *pbwim__sort(pbwim__facet *items, pbwim__facet *other, size_
     return items;
 }
 
-/* Returns whether t sees its facet with ascending corners counter-clockwise. */
-static int pbwim__sees_turned(const pbwim__mesh *m, pbw_index t, int i)
+/* Returns whether t sees the corners of its facet i, in ascending order, counter-clockwise. */
+static int pbwim__facet_parity(const pbwim__mesh *m, pbw_index t, int i)
 {
     const pbw_index *c = PBWIM__CORNER(m, t);
     const pbw_index a = c[pbwim__opposite[i][0]], b = c[pbwim__opposite[i][1]], d = c[pbwim__opposite[i][2]];
     return ((a < b) + (b < d) + (a < d)) % 2;
 }
 
-static void pbwim__turn(pbwim__mesh *m, pbw_index t)
+static void pbwim__invert(pbwim__mesh *m, pbw_index t)
 {
     pbw_index *c = PBWIM__CORNER(m, t), *next = PBWIM__NEXT(m, t), swap = c[0];
     c[0] = c[1];
@@ -2065,7 +2073,7 @@ static pbw_status pbwim__link(pbwim__mesh *m, const pbwim__facet *facet, size_t 
             i++;
         }
         if (paired && i + 1 < count && memcmp(f->v, f[2].v, sizeof f->v) == 0) {
-            pbwim__complain(m, "tetrahedra %zu and %zu are at a facet that others have, too", f->t, f[1].t);
+            pbwim__set_message(m, "tetrahedra %zu and %zu are at a facet that others have, too", f->t, f[1].t);
             return PBW_ERROR_ARGUMENT;
         }
     }
@@ -2073,7 +2081,7 @@ static pbw_status pbwim__link(pbwim__mesh *m, const pbwim__facet *facet, size_t 
 }
 
 /* Orients flat tetrahedra as their neighbours are; then all must agree. */
-static pbw_status pbwim__agree(pbwim__mesh *m)
+static pbw_status pbwim__check_orientation(pbwim__mesh *m)
 {
     size_t t;
     int i, flat;
@@ -2084,14 +2092,14 @@ static pbw_status pbwim__agree(pbwim__mesh *m)
             }
             for (i = 0; i < 4; i++) {
                 const pbw_index n = PBWIM__NEXT(m, t)[i];
-                if (n != PBW_NONE && pbwim__sees_turned(m, (pbw_index)t, i)
-                                     == pbwim__sees_turned(m, n, pbwim__facet_to(m, n, (pbw_index)t))) {
+                if (n != PBW_NONE && pbwim__facet_parity(m, (pbw_index)t, i)
+                                     == pbwim__facet_parity(m, n, pbwim__facet_to(m, n, (pbw_index)t))) {
                     if (!flat) {
-                        pbwim__complain(m, "tetrahedra %zu and %zu overlap", t, n);
+                        pbwim__set_message(m, "tetrahedra %zu and %zu overlap", t, n);
                         return PBW_ERROR_ARGUMENT;
                     }
                     if (PBWIM__QUALITY(m)[n] > 0 || n < t) {
-                        pbwim__turn(m, (pbw_index)t);
+                        pbwim__invert(m, (pbw_index)t);
                         break;
                     }
                 }
@@ -2101,8 +2109,8 @@ static pbw_status pbwim__agree(pbwim__mesh *m)
     return PBW_OK;
 }
 
-/* Fixes the ends of boundary edges that bend by more than the feature angle or have not exactly two facets; or of
-   those between patches.  edges: each boundary facet three times, sorted by edges. */
+/* Fixes the ends of boundary edges that have an angle above the feature angle, or not exactly two facets; with
+   borders, of edges between patches.  edge: each boundary facet three times, sorted by edges. */
 static void pbwim__fix_features(pbwim__mesh *m, const pbwim__facet *edge, size_t count, double cosine, int borders)
 {
     size_t i, k;
@@ -2127,7 +2135,7 @@ static void pbwim__fix_features(pbwim__mesh *m, const pbwim__facet *edge, size_t
     }
 }
 
-/* Points at several regions, and those at which tetrahedra meet without a facet between, are fixed. */
+/* Fixes points of several regions, and joints: points at which tetrahedra meet without a facet between. */
 static void pbwim__fix_joints(pbwim__mesh *m, size_t *valence)
 {
     pbw_index star[PBWIM__MOST];
@@ -2154,7 +2162,7 @@ static void pbwim__fix_joints(pbwim__mesh *m, size_t *valence)
 }
 
 /* The boundary's triangles, outward, and its edges, three for each. */
-static size_t pbwim__boundary(pbwim__mesh *m, pbw_index *triangles, pbwim__facet *edges)
+static size_t pbwim__list_boundary(pbwim__mesh *m, pbw_index *triangles, pbwim__facet *edges)
 {
     size_t t, count = 0;
     int i, k;
@@ -2189,7 +2197,7 @@ static void pbwim__to_surface(void *user, double point[3])
     }
 }
 
-/* Both sides of facets inside have their patch, and their corners are fixed. */
+/* Copies the patches of facets inside to their other sides, and fixes their corners. */
 static void pbwim__fix_patches(pbwim__mesh *m)
 {
     size_t t;
@@ -2210,7 +2218,7 @@ static void pbwim__fix_patches(pbwim__mesh *m)
 /* Lists the edges to keep that the mesh has, and fixes their ends. */
 static pbw_status pbwim__load_edges(pbwim__mesh *m, const pbw_tets *in)
 {
-    pbwim__edge_kept *e;
+    pbwim__kept_edge *e;
     unsigned char *found;
     pbwsf__array marks;
     size_t i;
@@ -2237,7 +2245,7 @@ static pbw_status pbwim__load_edges(pbwim__mesh *m, const pbw_tets *in)
             PBWIM__MARK(m)[e->a] = PBWIM__MARK(m)[e->b] = PBW_TETS_FIXED;
         }
     }
-    for (e = (pbwim__edge_kept *)m->edge.data, i = m->edge.bytes / sizeof *e; i-- > 0; e++) {
+    for (e = (pbwim__kept_edge *)m->edge.data, i = m->edge.bytes / sizeof *e; i-- > 0; e++) {
         e->origin = e->a != PBW_NONE && found[e->origin] ? e->origin : PBW_NONE;
     }
     pbwsf__release(&m->memory, &marks);
@@ -2264,7 +2272,7 @@ static pbw_status pbwim__set_marks(pbwim__mesh *m, const pbw_tets *in, double co
                                          || !pbwsf__resize(&m->memory, blocks + 1, 3 * facets * sizeof *edges)))) {
         return PBW_ERROR_MEMORY;
     }
-    facets = pbwim__boundary(m, (pbw_index *)m->facets.data, (pbwim__facet *)blocks[0].data);
+    facets = pbwim__list_boundary(m, (pbw_index *)m->facets.data, (pbwim__facet *)blocks[0].data);
     edges = pbwim__sort((pbwim__facet *)blocks[0].data, (pbwim__facet *)blocks[1].data, 3 * facets, counts, 2);
     pbwim__fix_features(m, edges, 3 * facets, cosine, 0);
     pbwim__fix_joints(m, (size_t *)counts->data);
@@ -2280,10 +2288,10 @@ static pbw_status pbwim__set_marks(pbwim__mesh *m, const pbw_tets *in, double co
     }
     status = pbwim__load_edges(m, in);
     if (status == PBW_OK && m->project == NULL) {
-        const pbw_options quiet = pbwim__quiet(m->options, &m->memory);
+        const pbw_options inner = pbwim__inner_options(m->options, &m->memory);
         m->project = pbwim__to_surface;
         m->project_user = &m->surface;
-        status = pbw_surface_create(in->points, in->point_count, (pbw_index *)m->facets.data, facets, &quiet,
+        status = pbw_surface_create(in->points, in->point_count, (pbw_index *)m->facets.data, facets, &inner,
                                     &m->surface);
         m->memory.used += pbwim__surface_bytes(&m->surface);
     }
@@ -2309,7 +2317,7 @@ static pbw_status pbwim__connect(pbwim__mesh *m, const pbw_tets *in, double cosi
         }
         facet = pbwim__sort(facet, (pbwim__facet *)blocks[1].data, count, &counts, 3);
         status = pbwim__link(m, facet, count);
-        status = status != PBW_OK ? status : pbwim__agree(m);
+        status = status != PBW_OK ? status : pbwim__check_orientation(m);
         status = status != PBW_OK ? status : pbwim__set_marks(m, in, cosine, blocks, &counts);
     }
     pbwsf__release(&m->memory, blocks);
@@ -2329,7 +2337,7 @@ static int pbwim__load_one(pbwim__mesh *m, const pbw_tets *in, size_t t)
     }
     for (i = 0; i < 4; i++) {
         if (c[i] >= in->point_count || c[i] == c[(i + 1) % 4] || c[i] == c[(i + 2) % 4]) {
-            pbwim__complain(m, "tetrahedron %zu has a corner %zu that is out of range or twice there", t, c[i]);
+            pbwim__set_message(m, "tetrahedron %zu has a corner %zu that is out of range or twice there", t, c[i]);
             return 0;
         }
         PBWIM__STAR(m)[c[i]] = (pbw_index)t;
@@ -2337,7 +2345,7 @@ static int pbwim__load_one(pbwim__mesh *m, const pbw_tets *in, size_t t)
     }
     sign = pbwim__sign_of(m, c);
     if (sign < 0) {
-        pbwim__turn(m, (pbw_index)t);
+        pbwim__invert(m, (pbw_index)t);
         m->report->turned++;
     }
     PBWIM__QUALITY(m)[t] = sign == 0 ? 0 : fmax(pbwim__sine_of(m, c), 1e-300);
@@ -2400,7 +2408,7 @@ typedef struct pbwim__smoothing {
 } pbwim__smoothing;
 
 /* Adds the contribution of one simplex at corner p to the aim: weighted places relative to p, and the weight. */
-static void pbwim__add(double sum[4], const double place[3], double weight)
+static void pbwim__add_weighted(double sum[4], const double place[3], double weight)
 {
     int k;
     for (k = 0; k < 3; k++) {
@@ -2424,7 +2432,7 @@ static void pbwim__aim_inside(pbw_smoother smoother, double u[3][3], double sum[
         centre[k] = (square[0] * n[0][k] + square[1] * n[1][k] + square[2] * n[2][k]) / (2 * volume);
     }
     if (smoother == PBW_SMOOTHER_ODT) {
-        pbwim__add(sum, centre, volume);
+        pbwim__add_weighted(sum, centre, volume);
         return;
     }
     for (i = 0; i < 3; i++) {                        /* the facet of 0, u[i], u[j], with normal n[i + 2] */
@@ -2442,7 +2450,7 @@ static void pbwim__aim_inside(pbw_smoother smoother, double u[3][3], double sum[
             for (k = 0; k < 3; k++) {
                 place[k] = (edge[k] / 2 + flat[k] + centre[k]) / 4;
             }
-            pbwim__add(sum, place, (j == 0 ? 0.5 : -0.5) * pbwsf__dot(edge, across));
+            pbwim__add_weighted(sum, place, (j == 0 ? 0.5 : -0.5) * pbwsf__dot(edge, across));
         }
     }
 }
@@ -2460,7 +2468,7 @@ static void pbwim__aim_on(pbw_smoother smoother, const double a[3], const double
         flat[k] = ((aa - ab) * bb * a[k] + (bb - ab) * aa * b[k]) / area2;
     }
     if (smoother == PBW_SMOOTHER_ODT) {
-        pbwim__add(sum, flat, sqrt(area2));
+        pbwim__add_weighted(sum, flat, sqrt(area2));
         return;
     }
     for (j = 0; j < 2; j++) {
@@ -2469,7 +2477,7 @@ static void pbwim__aim_on(pbw_smoother smoother, const double a[3], const double
             place[k] = (edge[k] / 2 + flat[k]) / 3;
         }
         pbwsf__cross(edge, flat, across);
-        pbwim__add(sum, place, (j == 0 ? 1 : -1) * pbwsf__dot(across, normal));
+        pbwim__add_weighted(sum, place, (j == 0 ? 1 : -1) * pbwsf__dot(across, normal));
     }
 }
 
@@ -2482,7 +2490,7 @@ static void pbwim__aim_mean(const pbw_index *corner, int corners, double u[3][3]
         }
         if (k == count) {
             seen[count++] = corner[i];
-            pbwim__add(sum, u[i], 1);
+            pbwim__add_weighted(sum, u[i], 1);
         }
     }
 }
@@ -2497,7 +2505,7 @@ static int pbwim__aim(const pbwim__smoothing *s, pbw_index p, const pbw_index *s
     int i, j, k;
     for (i = 0; i < count; i++) {
         const pbw_index *c = PBWIM__CORNER(m, star[i]);
-        const int at = pbwim__place(m, star[i], p);
+        const int at = pbwim__corner_of(m, star[i], p);
         for (j = 0; j < (slides ? 3 : 1); j++) {     /* each of its facets at p, or all of it */
             const int *o = pbwim__opposite[at];
             const int out = slides ? o[j] : 4, corners = slides ? 2 : 3;
@@ -2566,7 +2574,7 @@ static int pbwim__move(const pbwim__smoothing *s, pbw_index p)
     return 0;
 }
 
-static pbw_status pbwim__move_some(void *arg, size_t from, size_t to)
+static pbw_status pbwim__move_range(void *arg, size_t from, size_t to)
 {
     const pbwim__smoothing *s = (const pbwim__smoothing *)arg;
     size_t i;
@@ -2645,13 +2653,13 @@ static int pbwim__set_colours(pbwim__smoothing *s)
     return 1;
 }
 
-static int pbwim__stops(const pbwim__mesh *m, double done)
+static int pbwim__progress(const pbwim__mesh *m, double done)
 {
     return m->options != NULL && m->options->progress != NULL
         && m->options->progress(m->options->progress_user, PBW_STAGE_WORK, done) != 0;
 }
 
-/* Returns whether the budget of processor time, 0 = any, is used up. */
+/* Returns whether the processor time `end` has passed; 0 = it never does. */
 static int pbwim__is_late(double end)
 {
     return end > 0 && (double)clock() / CLOCKS_PER_SEC > end;
@@ -2661,21 +2669,21 @@ static int pbwim__is_late(double end)
 static pbw_status pbwim__rounds(pbwim__smoothing *s, int rounds, double done, double end)
 {
     pbwim__mesh *m = s->m;
-    const pbw_options quiet = pbwim__quiet(m->options, &m->memory);
+    const pbw_options inner = pbwim__inner_options(m->options, &m->memory);
     pbw_status status = PBW_OK;
     size_t moves = 1, p;
     int round, k;
     for (round = 0; round < rounds && moves > 0 && status == PBW_OK; round++) {
         memset(s->moved.data, 0, s->moved.bytes);
         for (k = 0; k < PBWIM__COLOURS && s->begin[k] < s->begin[PBWIM__COLOURS] && status == PBW_OK; k++) {
-            if (pbwim__stops(m, done * round / rounds)) {
+            if (pbwim__progress(m, done * round / rounds)) {
                 return PBW_CANCELLED;
             }
             if (pbwim__is_late(end)) {
                 return PBW_OK;
             }
             s->at = s->begin[k];
-            status = pbw_for(&quiet, s->begin[k + 1] - s->at, PBWIM__GRAIN, pbwim__move_some, s);
+            status = pbw_for(&inner, s->begin[k + 1] - s->at, PBWIM__GRAIN, pbwim__move_range, s);
         }
         for (p = moves = 0; p < m->points; p++) {
             moves += ((const unsigned char *)s->moved.data)[p];
@@ -2705,25 +2713,29 @@ static pbw_status pbwim__smooth_all(pbwim__mesh *m, const pbw_improve_options *h
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Passes: the tetrahedra below the target, worst first.  If all operations on one failed, it is tried again only
-   after a corner of it has changed.  Contraction and insertion are used in each fourth pass, and after a pass that
-   changed little. Threads: the queue is processed in batches.  The ground of a tetrahedron is all that mending it
-   reads: the tetrahedra at its corners, and for boundary edges those at one end of the ring.  Grounds of one batch
-   have no point in common, so no lane reads what another one changes.  (A tetrahedron beyond a facet of a ground has
-   three corners in it; only its link through that facet changes, and no other ground has these three.)  Each
-   tetrahedron of a batch has a lane: a copy of pbwim__mesh with free slots, one new point and counters of its own.
-   Batches, lanes and slots depend on the mesh only, so the answer does not depend on threads.
+   Passes: improve the tetrahedra below the target, worst first.
+   1. The queue of a pass has all tetrahedra below the target, but for those on which all operations failed and no
+      corner has changed since.  Contraction and insertion are used in each fourth pass, and after a pass that changed
+      little.
+   2. The queue is processed in batches.  The zone of a tetrahedron is all that improving it reads: the tetrahedra at
+      its corners, and for boundary edges those at one end of the ring.  Zones of one batch have no point in common.
+   3. Each tetrahedron of a batch is a task for any thread: a copy of pbwim__mesh with free slots, a free point and
+      counters of its own.
+   4. When all tasks of a batch are done, they are merged in order.
+   No task reads what another one changes.  A tetrahedron across a facet of a zone has three corners in it: of this
+   tetrahedron, only the link through that facet changes, and no other zone has these three corners.  Batches, tasks
+   and slots depend on the mesh only, so the answer does not depend on threads.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWIM__LANES = 256, PBWIM__WINDOW = 512 };      /* of a batch; of the queue, looked at for a batch */
+enum { PBWIM__TASKS = 256, PBWIM__WINDOW = 512 };      /* of a batch; of the queue, looked at for a batch */
 
 typedef struct pbwim__item { double quality; pbw_index t; } pbwim__item;
 
-typedef struct pbwim__lane {
+typedef struct pbwim__task {
     pbwim__mesh m;
     pbw_improve_report report;
-    pbw_index t, point;                    /* to mend; to insert, PBW_NONE if it is used */
+    pbw_index t, point;                    /* the tetrahedron to improve; a free point, PBW_NONE once it is used */
     int all, changed;
-} pbwim__lane;
+} pbwim__task;
 
 static int pbwim__compare_items(const void *a, const void *b)
 {
@@ -2744,7 +2756,7 @@ static int pbwim__is_due(const pbwim__mesh *m, pbw_index t, int all)
 }
 
 /* Makes one tetrahedron better, or replaces it.  Returns whether it did. */
-static int pbwim__mend(pbwim__mesh *m, pbw_index t, int all)
+static int pbwim__improve_tet(pbwim__mesh *m, pbw_index t, int all)
 {
     int k, moved = 0;
     if (pbwim__remove_edge(m, t) || pbwim__peel(m, t)) {
@@ -2764,44 +2776,44 @@ static int pbwim__mend(pbwim__mesh *m, pbw_index t, int all)
     return moved > 0;
 }
 
-/* Returns whether a point of t is flagged as near, or none are flagged at all; points inserted later count as near.
-   */
-static int pbwim__is_near(const pbwim__mesh *m, pbw_index t)
+/* Returns whether a corner of t is active.  Points that were inserted after the flags were set are. */
+static int pbwim__is_active(const pbwim__mesh *m, pbw_index t)
 {
-    const unsigned char *near = (const unsigned char *)m->near.data;
+    const unsigned char *active = (const unsigned char *)m->active.data;
     int k;
     for (k = 0; k < 4; k++) {
         const pbw_index p = PBWIM__CORNER(m, t)[k];
-        if (p >= m->near.count || near[p]) {
+        if (p >= m->active.count || active[p]) {
             return 1;
         }
     }
     return 0;
 }
 
-/* Flags the corners of bad tetrahedra, and of those around.  Returns 0 if there is no memory. */
-static int pbwim__flag_near(pbwim__mesh *m)
+/* Flags the corners of bad tetrahedra and of their neighbours as active.  Returns 0 if there is no memory. */
+static int pbwim__flag_active(pbwim__mesh *m)
 {
-    unsigned char *near;
+    unsigned char *active;
     size_t t;
     int k, ring;
-    if (!pbwsf__resize(&m->memory, &m->near, m->points)) {
+    if (!pbwsf__resize(&m->memory, &m->active, m->points)) {
         return 0;
     }
-    near = (unsigned char *)m->near.data;
-    memset(near, 0, m->points);
+    active = (unsigned char *)m->active.data;
+    memset(active, 0, m->points);
     for (ring = 1; ring <= 2; ring++) {
         for (t = 0; t < m->tets; t++) {
             const pbw_index *c = PBWIM__CORNER(m, t);
-            if (*c != PBW_NONE && (ring == 1 ? pbwim__is_bad(m, (pbw_index)t)
-                                   : near[c[0]] == 1 || near[c[1]] == 1 || near[c[2]] == 1 || near[c[3]] == 1)) {
+            const int inside = ring == 1 ? pbwim__is_bad(m, (pbw_index)t) : *c != PBW_NONE
+                && (active[c[0]] == 1 || active[c[1]] == 1 || active[c[2]] == 1 || active[c[3]] == 1);
+            if (inside) {
                 for (k = 0; k < 4; k++) {
-                    near[c[k]] = near[c[k]] == 0 ? (unsigned char)ring : near[c[k]];
+                    active[c[k]] = active[c[k]] == 0 ? (unsigned char)ring : active[c[k]];
                 }
             }
         }
     }
-    m->near.count = m->points;
+    m->active.count = m->points;
     return 1;
 }
 
@@ -2812,7 +2824,7 @@ static int pbwim__fill_queue(pbwim__mesh *m, int all)
     size_t t, count = 0;
     for (t = 0; t < m->tets; t++) {
         count += pbwim__is_bad(m, (pbw_index)t) && pbwim__is_due(m, (pbw_index)t, all)
-              && pbwim__is_near(m, (pbw_index)t);
+              && pbwim__is_active(m, (pbw_index)t);
     }
     m->queue.count = 0;
     item = (pbwim__item *)pbwsf__room(&m->memory, &m->queue, count + 1, sizeof *item);
@@ -2821,7 +2833,7 @@ static int pbwim__fill_queue(pbwim__mesh *m, int all)
     }
     for (t = 0; t < m->tets; t++) {
         if (pbwim__is_bad(m, (pbw_index)t) && pbwim__is_due(m, (pbw_index)t, all)
-            && pbwim__is_near(m, (pbw_index)t)) {
+            && pbwim__is_active(m, (pbw_index)t)) {
             item[m->queue.count].quality = PBWIM__QUALITY(m)[t];
             item[m->queue.count++].t = (pbw_index)t;
         }
@@ -2830,15 +2842,15 @@ static int pbwim__fill_queue(pbwim__mesh *m, int all)
     return 1;
 }
 
-/* Fills `ground`.  Returns its number of tetrahedra, 0 if not all can be found. */
-static int pbwim__ground_of(pbwim__mesh *m, pbw_index t, pbw_index ground[10 * PBWIM__MOST])
+/* Fills `zone`.  Returns its number of tetrahedra, 0 if not all can be found. */
+static int pbwim__zone_of(pbwim__mesh *m, pbw_index t, pbw_index zone[10 * PBWIM__MOST])
 {
     const pbw_index *c = PBWIM__CORNER(m, t);
     const unsigned char *mark = PBWIM__MARK(m);
     pbwim__ring ring;
     int count = 0, more, k;
     for (k = 0; k < 4; k++) {
-        more = pbwim__star_of(m, c[k], ground + count);
+        more = pbwim__star_of(m, c[k], zone + count);
         if (more == 0 || PBWIM__SEEN(m)[t] != m->visit) {
             return 0;
         }
@@ -2847,9 +2859,9 @@ static int pbwim__ground_of(pbwim__mesh *m, pbw_index t, pbw_index ground[10 * P
     for (k = 0; k < 6; k++) {
         ring.a = c[pbwim__edge[k][0]];
         ring.b = c[pbwim__edge[k][1]];
-        if (mark[ring.a] != PBW_TETS_FOUND && mark[ring.b] != PBW_TETS_FOUND && pbwim__walk(m, t, &ring)
+        if (mark[ring.a] != PBW_TETS_FOUND && mark[ring.b] != PBW_TETS_FOUND && pbwim__walk_ring(m, t, &ring)
             && !ring.closed) {
-            more = pbwim__star_of(m, ring.corner[0], ground + count);
+            more = pbwim__star_of(m, ring.corner[0], zone + count);
             if (more == 0) {
                 return 0;
             }
@@ -2859,10 +2871,10 @@ static int pbwim__ground_of(pbwim__mesh *m, pbw_index t, pbw_index ground[10 * P
     return count;
 }
 
-/* Returns whether t joins a batch with `others` in it.  A tetrahedron without a ground is a batch of its own. */
-static int pbwim__joins(pbwim__mesh *m, pbw_index t, size_t others)
+/* Returns whether t joins a batch of `others` tetrahedra.  One without a zone is a batch of its own. */
+static int pbwim__join_batch(pbwim__mesh *m, pbw_index t, size_t others)
 {
-    pbw_index ground[10 * PBWIM__MOST], *taken = (pbw_index *)m->taken.data;
+    pbw_index zone[10 * PBWIM__MOST], *taken = (pbw_index *)m->taken.data;
     const pbw_index *c = PBWIM__CORNER(m, t);
     int count, i;
     for (i = 0; i < 4; i++) {
@@ -2870,39 +2882,39 @@ static int pbwim__joins(pbwim__mesh *m, pbw_index t, size_t others)
             return 0;
         }
     }
-    count = pbwim__ground_of(m, t, ground);
+    count = pbwim__zone_of(m, t, zone);
     for (i = 0; i < 4 * count; i++) {
-        if (taken[PBWIM__CORNER(m, ground[i / 4])[i % 4]] == m->batch) {
+        if (taken[PBWIM__CORNER(m, zone[i / 4])[i % 4]] == m->batch) {
             return 0;
         }
     }
     for (i = 0; i < 4 * count; i++) {
-        taken[PBWIM__CORNER(m, ground[i / 4])[i % 4]] = m->batch;
+        taken[PBWIM__CORNER(m, zone[i / 4])[i % 4]] = m->batch;
     }
     return count > 0 || others == 0;
 }
 
-/* Chooses a batch from the queue's items first, first + 1, ....  Returns how many tetrahedra it has.  Those that have
-   to wait stay in order, and *first is the first of them. */
-static size_t pbwim__choose(pbwim__mesh *m, int all, size_t *first)
+/* Chooses a batch from the queue's items first, first + 1, ....  Returns how many tetrahedra it has.  Those that must
+   wait stay in order; *first becomes the first of them. */
+static size_t pbwim__choose_batch(pbwim__mesh *m, int all, size_t *first)
 {
     pbwim__item *item = (pbwim__item *)m->queue.data + *first;
-    pbwim__lane *lane = (pbwim__lane *)m->lanes.data;
+    pbwim__task *task = (pbwim__task *)m->tasks.data;
     size_t left = m->queue.count - *first, count = 0, waiting = 0, i;
     int closed = 0;
     if (left > PBWIM__WINDOW) {
         left = PBWIM__WINDOW;
     }
     m->batch++;
-    for (i = 0; i < left && count < PBWIM__LANES && !closed; i++) {
+    for (i = 0; i < left && count < PBWIM__TASKS && !closed; i++) {
         const pbw_index t = item[i].t;
         if (!pbwim__is_bad(m, t) || !pbwim__is_due(m, t, all)) {
             continue;
         }
-        if (pbwim__joins(m, t, count)) {
+        if (pbwim__join_batch(m, t, count)) {
             closed = ((pbw_index *)m->taken.data)[*PBWIM__CORNER(m, t)] != m->batch;
-            lane[count].t = t;
-            lane[count++].all = all;
+            task[count].t = t;
+            task[count++].all = all;
         } else {
             item[waiting++] = item[i];
         }
@@ -2912,39 +2924,39 @@ static size_t pbwim__choose(pbwim__mesh *m, int all, size_t *first)
     return count;
 }
 
-/* Makes a lane ready for its tetrahedron. */
-static void pbwim__open_lane(pbwim__mesh *m, pbwim__lane *lane)
+/* Makes a task ready for its tetrahedron: a copy of the mesh, with a free point and free slots of its own. */
+static void pbwim__begin_task(pbwim__mesh *m, pbwim__task *task)
 {
-    const pbw_index free = lane->m.free;
-    const size_t spare = lane->m.spare;
-    if (lane->point == PBW_NONE) {
-        lane->point = (pbw_index)m->points++;
-        PBWIM__STAR(m)[lane->point] = ((pbw_index *)m->original.data)[lane->point] = PBW_NONE;
-        PBWIM__TOUCHED(m)[lane->point] = 0;
-        PBWIM__MARK(m)[lane->point] = PBW_TETS_FOUND;
+    const pbw_index free = task->m.free;
+    const size_t spare = task->m.spare;
+    if (task->point == PBW_NONE) {
+        task->point = (pbw_index)m->points++;
+        PBWIM__STAR(m)[task->point] = ((pbw_index *)m->original.data)[task->point] = PBW_NONE;
+        PBWIM__TOUCHED(m)[task->point] = 0;
+        PBWIM__MARK(m)[task->point] = PBW_TETS_FOUND;
     }
-    lane->m = *m;
-    lane->m.free = free;
-    lane->m.spare = spare;
-    lane->m.points = lane->point;
-    lane->m.report = &lane->report;
-    memset(&lane->report, 0, sizeof lane->report);
-    while (lane->m.spare < PBWIM__SPARE) {
-        pbwim__give(&lane->m, pbwim__take(m));
+    task->m = *m;
+    task->m.free = free;
+    task->m.spare = spare;
+    task->m.points = task->point;
+    task->m.report = &task->report;
+    memset(&task->report, 0, sizeof task->report);
+    while (task->m.spare < PBWIM__SPARE) {
+        pbwim__free_slot(&task->m, pbwim__new_slot(m));
     }
-    while (lane->m.spare > 2 * PBWIM__SPARE) {
-        pbwim__give(m, pbwim__take(&lane->m));
+    while (task->m.spare > 2 * PBWIM__SPARE) {
+        pbwim__free_slot(m, pbwim__new_slot(&task->m));
     }
 }
 
-/* Merges the changes of a lane into the mesh. */
-static void pbwim__close_lane(pbwim__mesh *m, pbwim__lane *lane)
+/* Merges the changes of a task into the mesh. */
+static void pbwim__end_task(pbwim__mesh *m, pbwim__task *task)
 {
     pbw_improve_report *sum = m->report;
-    const pbw_improve_report *r = &lane->report;
-    m->clock = lane->m.clock > m->clock ? lane->m.clock : m->clock;
-    m->visit = lane->m.visit > m->visit ? lane->m.visit : m->visit;
-    lane->point = lane->m.points == lane->point ? lane->point : PBW_NONE;
+    const pbw_improve_report *r = &task->report;
+    m->clock = task->m.clock > m->clock ? task->m.clock : m->clock;
+    m->visit = task->m.visit > m->visit ? task->m.visit : m->visit;
+    task->point = task->m.points == task->point ? task->point : PBW_NONE;
     sum->removals += r->removals;
     sum->boundary_removals += r->boundary_removals;
     sum->smoothings += r->smoothings;
@@ -2955,22 +2967,22 @@ static void pbwim__close_lane(pbwim__mesh *m, pbwim__lane *lane)
     sum->insertions += r->insertions;
 }
 
-static pbw_status pbwim__mend_some(void *arg, size_t from, size_t to)
+static pbw_status pbwim__improve_range(void *arg, size_t from, size_t to)
 {
-    pbwim__lane *lane = (pbwim__lane *)((pbwim__mesh *)arg)->lanes.data;
+    pbwim__task *task = (pbwim__task *)((pbwim__mesh *)arg)->tasks.data;
     for (; from < to; from++) {
-        lane[from].changed = pbwim__mend(&lane[from].m, lane[from].t, lane[from].all);
+        task[from].changed = pbwim__improve_tet(&task[from].m, task[from].t, task[from].all);
     }
     return PBW_OK;
 }
 
-/* Room for the next batch, and lanes.  Returns 0 if there is no memory. */
+/* Room for the next batch, and tasks.  Returns 0 if there is no memory. */
 static int pbwim__prepare(pbwim__mesh *m, size_t left)
 {
     size_t count = left;
-    pbwim__lane *lane;
-    if (count > PBWIM__LANES) {
-        count = PBWIM__LANES;
+    pbwim__task *task;
+    if (count > PBWIM__TASKS) {
+        count = PBWIM__TASKS;
     }
     if (!pbwim__reserve(m, count)) {
         return 0;
@@ -2982,17 +2994,17 @@ static int pbwim__prepare(pbwim__mesh *m, size_t left)
         memset(m->taken.data, 0, m->taken.bytes);
         m->batch = 0;
     }
-    if (m->visit > PBW_NONE / 2) {                   /* no lane shall begin anew */
+    if (m->visit > PBW_NONE / 2) {                   /* so that it overflows in no task */
         memset(m->seen.data, 0, m->seen.bytes);
         m->visit = 0;
     }
-    for (; m->lanes.count < count; m->lanes.count++) {
-        lane = (pbwim__lane *)pbwsf__room(&m->memory, &m->lanes, count - m->lanes.count, sizeof *lane);
-        if (lane == NULL) {
+    for (; m->tasks.count < count; m->tasks.count++) {
+        task = (pbwim__task *)pbwsf__room(&m->memory, &m->tasks, count - m->tasks.count, sizeof *task);
+        if (task == NULL) {
             return 0;
         }
-        lane->point = lane->m.free = PBW_NONE;
-        lane->m.spare = 0;
+        task->point = task->m.free = PBW_NONE;
+        task->m.spare = 0;
     }
     return 1;
 }
@@ -3007,8 +3019,8 @@ static pbw_status pbwim__pass(pbwim__mesh *m, int all, const double done[2], dou
         return PBW_ERROR_MEMORY;
     }
     while (first < m->queue.count && status == PBW_OK) {
-        pbw_options quiet;
-        if (pbwim__stops(m, done[0] + (done[1] - done[0]) * (double)first / (double)m->queue.count)) {
+        pbw_options inner;
+        if (pbwim__progress(m, done[0] + (done[1] - done[0]) * (double)first / (double)m->queue.count)) {
             return PBW_CANCELLED;
         }
         if (pbwim__is_late(end)) {
@@ -3017,16 +3029,16 @@ static pbw_status pbwim__pass(pbwim__mesh *m, int all, const double done[2], dou
         if (!pbwim__prepare(m, m->queue.count - first)) {
             return PBW_ERROR_MEMORY;
         }
-        count = pbwim__choose(m, all, &first);
+        count = pbwim__choose_batch(m, all, &first);
         for (i = 0; i < count; i++) {
-            pbwim__open_lane(m, (pbwim__lane *)m->lanes.data + i);
+            pbwim__begin_task(m, (pbwim__task *)m->tasks.data + i);
         }
-        quiet = pbwim__quiet(m->options, &m->memory);
-        status = pbw_for(&quiet, count, 1, pbwim__mend_some, m);
+        inner = pbwim__inner_options(m->options, &m->memory);
+        status = pbw_for(&inner, count, 1, pbwim__improve_range, m);
         for (i = 0; i < count && status == PBW_OK; i++) {
-            pbwim__lane *lane = (pbwim__lane *)m->lanes.data + i;
-            pbwim__close_lane(m, lane);
-            *changes += (size_t)lane->changed;
+            pbwim__task *task = (pbwim__task *)m->tasks.data + i;
+            pbwim__end_task(m, task);
+            *changes += (size_t)task->changed;
         }
     }
     return status;
@@ -3098,7 +3110,7 @@ static int pbwim__halve(pbwim__mesh *m, pbw_index t, int e)
     unsigned char mark;
     ring.a = PBWIM__CORNER(m, t)[pbwim__edge[e][0]];
     ring.b = PBWIM__CORNER(m, t)[pbwim__edge[e][1]];
-    if (!pbwim__walk(m, t, &ring)
+    if (!pbwim__walk_ring(m, t, &ring)
         || (ring.a < m->joint.bytes - 1 && joint[ring.a] && ring.b < m->joint.bytes - 1 && joint[ring.b])) {
         return 0;                                    /* there may be another ring */
     }
@@ -3116,7 +3128,7 @@ static int pbwim__halve(pbwim__mesh *m, pbw_index t, int e)
     PBWIM__SIZE(m)[p] = (PBWIM__SIZE(m)[ring.a] + PBWIM__SIZE(m)[ring.b]) / 2;
     ((pbw_index *)m->original.data)[p] = PBW_NONE;
     if (pbwim__is_kept(m, ring.a, ring.b)) {
-        pbwim__edge_kept *whole = pbwim__find_edge(m, ring.a, ring.b);
+        pbwim__kept_edge *whole = pbwim__find_edge(m, ring.a, ring.b);
         const pbw_index origin = whole->origin;
         whole->origin = PBW_NONE;
         pbwim__keep_edge(m, ring.a, p, origin);
@@ -3128,7 +3140,7 @@ static int pbwim__halve(pbwim__mesh *m, pbw_index t, int e)
 }
 
 /* The longest edge of t, or the shortest. */
-static int pbwim__extreme(const pbwim__mesh *m, pbw_index t, int longest, double *ratio)
+static int pbwim__extreme_edge(const pbwim__mesh *m, pbw_index t, int longest, double *ratio)
 {
     int e, best = 0;
     *ratio = pbwim__ratio(m, t, 0);
@@ -3142,12 +3154,12 @@ static int pbwim__extreme(const pbwim__mesh *m, pbw_index t, int longest, double
     return best;
 }
 
-static int pbwim__fits(const pbwim__mesh *m, pbw_index t, int longest, int *e, double *ratio)
+static int pbwim__edges_fit(const pbwim__mesh *m, pbw_index t, int longest, int *e, double *ratio)
 {
     if (*PBWIM__CORNER(m, t) == PBW_NONE) {
         return 1;
     }
-    *e = pbwim__extreme(m, t, longest, ratio);
+    *e = pbwim__extreme_edge(m, t, longest, ratio);
     return longest ? *ratio <= PBWIM__LONG : *ratio >= PBWIM__SHORT;
 }
 
@@ -3159,7 +3171,7 @@ static pbw_status pbwim__resize_edges(pbwim__mesh *m, int longest, size_t *chang
     size_t t, i, count = 0;
     int e;
     for (t = 0; t < m->tets; t++) {
-        count += !pbwim__fits(m, (pbw_index)t, longest, &e, &ratio);
+        count += !pbwim__edges_fit(m, (pbw_index)t, longest, &e, &ratio);
     }
     m->queue.count = 0;
     item = (pbwim__item *)pbwsf__room(&m->memory, &m->queue, count + 1, sizeof *item);
@@ -3167,7 +3179,7 @@ static pbw_status pbwim__resize_edges(pbwim__mesh *m, int longest, size_t *chang
         return PBW_ERROR_MEMORY;
     }
     for (t = 0; t < m->tets; t++) {
-        if (!pbwim__fits(m, (pbw_index)t, longest, &e, &ratio)) {
+        if (!pbwim__edges_fit(m, (pbw_index)t, longest, &e, &ratio)) {
             item[m->queue.count].quality = longest ? -ratio : ratio;
             item[m->queue.count++].t = (pbw_index)t;
         }
@@ -3175,13 +3187,13 @@ static pbw_status pbwim__resize_edges(pbwim__mesh *m, int longest, size_t *chang
     qsort(item, m->queue.count, sizeof *item, pbwim__compare_items);
     for (i = 0; i < m->queue.count; i++) {
         const pbw_index at = item[i].t;
-        if (i % 64 == 0 && pbwim__stops(m, 0)) {
+        if (i % 64 == 0 && pbwim__progress(m, 0)) {
             return PBW_CANCELLED;
         }
         if (!pbwim__reserve(m, 0)) {
             return PBW_ERROR_MEMORY;
         }
-        if (!pbwim__fits(m, at, longest, &e, &ratio)) {
+        if (!pbwim__edges_fit(m, at, longest, &e, &ratio)) {
             const pbw_index a = PBWIM__CORNER(m, at)[pbwim__edge[e][0]];
             const pbw_index b = PBWIM__CORNER(m, at)[pbwim__edge[e][1]];
             *changes += (size_t)(longest ? pbwim__halve(m, at, e) : pbwim__contract_to(m, at, a, b, PBWIM__FLOOR)
@@ -3223,24 +3235,23 @@ static double pbwim__badness(const pbwim__mesh *m)
     return bad * (1 - least);
 }
 
-/* Once passes gain no more, allows the boundary its full distance from the surface, of which it used a part so far.
-   */
-static int pbwim__gives_room(pbwim__mesh *m, const pbw_improve_options *how)
+/* When passes gain no more: allows the boundary its full distance from the surface.  Returns 0 if it has that. */
+static int pbwim__relax_distance(pbwim__mesh *m, const pbw_improve_options *how)
 {
-    const int gives = how != NULL && m->distance < how->distance;
-    m->distance = gives ? how->distance : m->distance;
-    return gives;
+    const int relaxed = how != NULL && m->distance < how->distance;
+    m->distance = relaxed ? how->distance : m->distance;
+    return relaxed;
 }
 
 /* Raises the target around the bad tetrahedra for four passes, which changes their neighbours, then makes four passes
    with the old target.  While it is raised, the boundary moves no farther from the surface. */
-static pbw_status pbwim__shake(pbwim__mesh *m, double done[2], double end)
+static pbw_status pbwim__raise_target(pbwim__mesh *m, double done[2], double end)
 {
     const double target = m->target, distance = m->distance;
     pbw_status status = PBW_OK;
     size_t t, changes;
     int i;
-    if (!pbwim__flag_near(m)) {
+    if (!pbwim__flag_active(m)) {
         return PBW_ERROR_MEMORY;
     }
     for (t = 0; t < 2 * m->tets; t++) {
@@ -3256,7 +3267,7 @@ static pbw_status pbwim__shake(pbwim__mesh *m, double done[2], double end)
     }
     m->target = target;
     m->distance = distance;
-    m->near.count = 0;
+    m->active.count = 0;
     return status;
 }
 
@@ -3277,7 +3288,7 @@ static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
         status = pbwim__smooth_all(m, how, end);
         done[0] = 0.5;
     }
-    while (status == PBW_OK && m->report->passes < most && (changes > 0 || !all || pbwim__gives_room(m, how))) {
+    while (status == PBW_OK && m->report->passes < most && (changes > 0 || !all || pbwim__relax_distance(m, how))) {
         all = m->report->passes % 4 == 3 || changes * 5 < m->queue.count || changes == 0;
         done[1] = done[0] + (1 - done[0]) / 8;
         status = pbwim__pass(m, all, done, end, &changes);
@@ -3285,7 +3296,7 @@ static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
         m->report->passes++;
         if (m->report->passes % 8 == 0) {
             const double now = pbwim__badness(m);
-            if (now > 0.97 * bad && !pbwim__gives_room(m, how)) {
+            if (now > 0.97 * bad && !pbwim__relax_distance(m, how)) {
                 break;
             }
             bad = now;
@@ -3297,13 +3308,13 @@ static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
     for (i = 0; i < 2 && status == PBW_OK && (most == PBWIM__PASSES || m->report->passes + 8 <= most)
          && pbwim__badness(m) > 0 && (i == 0 || pbwim__badness(m) < 0.97 * bad); i++) {
         bad = pbwim__badness(m);
-        status = pbwim__shake(m, done, end);
+        status = pbwim__raise_target(m, done, end);
     }
     return status;
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   The result: slots in use, points of tetrahedra, numbered anew in their order.
+   The result: slots in use, and points of tetrahedra, numbered in their order.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwim__result {
     pbwsf__memory memory;
@@ -3326,7 +3337,7 @@ static int pbwim__allocate(pbwim__result *r, size_t points, size_t tets, int pat
 
 static int pbwim__compare_edges(const void *a, const void *b)
 {
-    const pbwim__edge_kept *x = (const pbwim__edge_kept *)a, *y = (const pbwim__edge_kept *)b;
+    const pbwim__kept_edge *x = (const pbwim__kept_edge *)a, *y = (const pbwim__kept_edge *)b;
     return x->origin != y->origin ? (x->origin > y->origin) - (x->origin < y->origin)
          : x->a != y->a ? (x->a > y->a) - (x->a < y->a) : (x->b > y->b) - (x->b < y->b);
 }
@@ -3334,7 +3345,7 @@ static int pbwim__compare_edges(const void *a, const void *b)
 /* Numbers points in `star` and tetrahedra in `tried`, which are no longer needed; puts edges first in their table. */
 static void pbwim__number(pbwim__mesh *m, pbw_tets *out)
 {
-    pbwim__edge_kept *e = (pbwim__edge_kept *)m->edge.data;
+    pbwim__kept_edge *e = (pbwim__kept_edge *)m->edge.data;
     size_t t, p;
     for (t = 0; t < m->edge.bytes / sizeof *e; t++) {
         if (e[t].origin != PBW_NONE) {
@@ -3359,7 +3370,7 @@ static void pbwim__number(pbwim__mesh *m, pbw_tets *out)
 
 static void pbwim__copy(const pbwim__mesh *m, const pbwim__result *r, size_t edges)
 {
-    const pbwim__edge_kept *e = (const pbwim__edge_kept *)m->edge.data;
+    const pbwim__kept_edge *e = (const pbwim__kept_edge *)m->edge.data;
     size_t t, p, k;
     for (t = 0; t < edges; t++) {
         ((pbw_index *)r->edges.data)[2 * t] = PBWIM__STAR(m)[e[t].a];
@@ -3467,7 +3478,7 @@ static pbw_status pbwim__close_gaps(pbwim__mesh *m)
         f = pbwim__sort(f, (pbwim__facet *)blocks[1].data, count, &counts, 3);
         for (i = 0; i + 1 < count; i++, f++) {
             if (memcmp(f->v, f[1].v, sizeof f->v) == 0
-                && pbwim__sees_turned(m, f->t, f->i) != pbwim__sees_turned(m, f[1].t, f[1].i)) {
+                && pbwim__facet_parity(m, f->t, f->i) != pbwim__facet_parity(m, f[1].t, f[1].i)) {
                 PBWIM__NEXT(m, f->t)[f->i] = f[1].t;
                 PBWIM__NEXT(m, f[1].t)[f[1].i] = f->t;
             }
@@ -3483,8 +3494,8 @@ static pbw_status pbwim__close_gaps(pbwim__mesh *m)
 static void pbwim__free(pbwim__mesh *m)
 {
     pbwsf__array *const arrays[] = { &m->x, &m->star, &m->mark, &m->touched, &m->original, &m->corner, &m->next,
-                                     &m->quality, &m->region, &m->tried, &m->seen, &m->queue, &m->lanes,
-                                     &m->taken, &m->facets, &m->size, &m->joint, &m->near, &m->patch, &m->edge };
+                                     &m->quality, &m->region, &m->tried, &m->seen, &m->queue, &m->tasks,
+                                     &m->taken, &m->facets, &m->size, &m->joint, &m->active, &m->patch, &m->edge };
     size_t i;
     m->memory.used -= pbwim__surface_bytes(&m->surface);
     pbw_surface_free(&m->surface);
@@ -3496,18 +3507,18 @@ static void pbwim__free(pbwim__mesh *m)
 /* Loads, works, and writes the result. */
 static pbw_status pbwim__run(pbwim__mesh *m, const pbw_tets *in, const pbw_improve_options *how, pbw_tets *better)
 {
-    const double bend = how != NULL && how->feature_angle > 0 ? how->feature_angle : 40;
+    const double angle = how != NULL && how->feature_angle > 0 ? how->feature_angle : 40;
     pbw_status status = pbwim__load(m, in);
-    pbw_options quiet;
+    pbw_options inner;
     pbw_tets view;
     size_t t;
     if (status != PBW_OK) {
         return status;
     }
-    m->cosine = cos(bend / 57.295779513082321);
+    m->cosine = cos(angle / 57.295779513082321);
     for (t = 0; t < m->points && m->sized; t++) {
         if (!(how->sizes[t] > 0 && how->sizes[t] <= 1e300)) {
-            pbwim__complain(m, "size %zu is not above 0", t, 0);
+            pbwim__set_message(m, "size %zu is not above 0", t, 0);
             return PBW_ERROR_ARGUMENT;
         }
         PBWIM__SIZE(m)[t] = how->sizes[t];
@@ -3517,14 +3528,14 @@ static pbw_status pbwim__run(pbwim__mesh *m, const pbw_tets *in, const pbw_impro
     view.points = in->points;
     view.corners = (const pbw_index *)m->corner.data;
     view.tet_count = m->tets;
-    quiet = pbwim__quiet(m->options, &m->memory);
-    (void)pbw_tets_quality(&view, &quiet, &m->report->before);
+    inner = pbwim__inner_options(m->options, &m->memory);
+    (void)pbw_tets_quality(&view, &inner, &m->report->before);
     status = status != PBW_OK ? status : pbwim__passes(m, how);
     status = status != PBW_OK ? status : pbwim__close_gaps(m);
     for (t = 0; t < m->tets; t++) {
         m->report->left += (size_t)pbwim__is_bad(m, (pbw_index)t);
     }
-    if (status == PBW_OK && pbwim__stops(m, 1)) {
+    if (status == PBW_OK && pbwim__progress(m, 1)) {
         status = PBW_CANCELLED;
     }
     return status != PBW_OK ? status : pbwim__output(m, better);
@@ -3553,7 +3564,7 @@ PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_opt
     m.options = options;
     m.project = how != NULL ? how->project : NULL;
     m.project_user = how != NULL ? how->project_user : NULL;
-    m.distance = how != NULL ? PBWIM__ROOM * how->distance : 0;
+    m.distance = how != NULL ? PBWIM__DISTANCE_SHARE * how->distance : 0;
     m.sized = how != NULL && how->sizes != NULL;
     m.patched = mesh->patches != NULL;
     m.target = sin(target / 57.295779513082321);
@@ -3561,8 +3572,8 @@ PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_opt
     status = pbwim__run(&m, mesh, how, better);
     pbwim__free(&m);
     if (status == PBW_OK) {
-        const pbw_options quiet = pbwim__quiet(options, &m.memory);
-        (void)pbw_tets_quality(better, &quiet, &report->after);
+        const pbw_options inner = pbwim__inner_options(options, &m.memory);
+        (void)pbw_tets_quality(better, &inner, &report->after);
     }
     return status;
 }
