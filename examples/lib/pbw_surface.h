@@ -11,6 +11,14 @@
        pbw_surface_inside(&surface, p);                              // 1: p is inside of a closed surface
        pbw_surface_free(&surface);
 
+   CONTENTS  (search for the marks)
+     >>interface    types and functions
+     >>memory       growing arrays
+     >>vectors      vectors and triangles in space
+     >>tree         boxes over the triangles
+     >>queries      nearest places, crossings, the inside
+     >>seam         private names that other headers use
+
    FUNCTIONS
      pbw_surface_create   a tree over triangles
      pbw_surface_closest  the nearest place of the surface
@@ -50,6 +58,9 @@
 extern "C" {
 #endif
 
+/* ------------------------------------------------------------------------------------------------------
+   >>interface    Types and functions.
+   ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw_surface {               /* start from {0}; pbw_surface_free when done */
     size_t point_count, triangle_count;
     const double *points;                  /* the caller's, 3 coordinates each: they must outlive the surface */
@@ -99,8 +110,14 @@ PBWSURFACEDEF void pbw_surface_free(pbw_surface *surface);   /* fine on {0}, fin
 #pragma GCC optimize("fp-contract=off")
 #endif
 
+#if defined(__GNUC__)                      /* functions of >>seam that this file has no use for */
+#define PBWSF__SHARED __attribute__((unused))
+#else
+#define PBWSF__SHARED
+#endif
+
 /* ------------------------------------------------------------------------------------------------------
-   Memory: growing arrays through options.resize; pbw_improve.h and pbw_mesh3.h use them too.
+   >>memory       Growing arrays, through options.resize.
    Holds: used = the sum of all live arrays; over the limit nothing grows.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwsf__memory {
@@ -168,7 +185,7 @@ static int pbwsf__resize(pbwsf__memory *memory, pbwsf__array *array, size_t byte
 }
 
 /* Makes room for `extra` items after the last.  Returns the place of the first of them, or NULL. */
-static void *pbwsf__room(pbwsf__memory *memory, pbwsf__array *array, size_t extra, size_t size)
+PBWSF__SHARED static void *pbwsf__room(pbwsf__memory *memory, pbwsf__array *array, size_t extra, size_t size)
 {
     const size_t need = (array->count + extra) * size, more = array->bytes + array->bytes / 2;
     if ((need > array->bytes || array->data == NULL)
@@ -179,7 +196,8 @@ static void *pbwsf__room(pbwsf__memory *memory, pbwsf__array *array, size_t extr
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Vectors.
+   >>vectors      Vectors and triangles in space.
+   In: coordinates.  Out: coordinates, or a number.
    ------------------------------------------------------------------------------------------------------ */
 static double pbwsf__dot(const double a[3], const double b[3])
 {
@@ -227,7 +245,9 @@ static void pbwsf__between(const double a[3], const double b[3], double t, doubl
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   The tree: node i has the children 2 i + 1 and 2 i + 2; node first_leaf + j has the triangles 4 j .. 4 j + 3 of
+   >>tree         Boxes over the triangles.
+   In: a surface.  Out: its tree.
+   Holds: node i has the children 2 i + 1 and 2 i + 2; node first_leaf + j has the triangles 4 j .. 4 j + 3 of
    `order`.  The box of a node without triangles is empty: its low corner is above its high one.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWSF__LEAF = 4, PBWSF__DEPTH = 64 };
@@ -248,6 +268,18 @@ typedef struct pbwsf__tree {
 static const double *pbwsf__corner(const pbw_surface *s, pbw_index triangle, int k)
 {
     return s->points + 3 * (size_t)s->triangles[3 * (size_t)triangle + (size_t)k];
+}
+
+/* Leaf i has the triangles order[first_of] .. order[end_of - 1]. */
+static size_t pbwsf__first_of(const pbwsf__tree *tree, size_t i)
+{
+    return (i - tree->first_leaf) * PBWSF__LEAF;
+}
+
+static size_t pbwsf__end_of(const pbw_surface *s, const pbwsf__tree *tree, size_t i)
+{
+    const size_t end = (i - tree->first_leaf + 1) * PBWSF__LEAF;
+    return end < s->triangle_count ? end : s->triangle_count;
 }
 
 static void pbwsf__box_clear(pbwsf__box *box)
@@ -284,8 +316,7 @@ static void pbwsf__fill_boxes(const pbw_surface *s, pbwsf__tree *tree)
             }
             continue;
         }
-        for (k = (i - tree->first_leaf) * PBWSF__LEAF;
-             k < s->triangle_count && k < (i - tree->first_leaf + 1) * PBWSF__LEAF; k++) {
+        for (k = pbwsf__first_of(tree, i); k < pbwsf__end_of(s, tree, i); k++) {
             double n[3];
             int j;
             pbwsf__normal(pbwsf__corner(s, order[k], 0), pbwsf__corner(s, order[k], 1), pbwsf__corner(s, order[k], 2),
@@ -394,6 +425,12 @@ PBWSURFACEDEF pbw_status pbw_surface_create(const double *points, size_t point_c
     return status;
 }
 
+/* Returns how many bytes a surface holds. */
+PBWSF__SHARED static size_t pbwsf__bytes(const pbw_surface *surface)
+{
+    return surface->memory != NULL ? ((const pbwsf__tree *)surface->memory)->memory.used : 0;
+}
+
 PBWSURFACEDEF void pbw_surface_free(pbw_surface *surface)
 {
     if (surface != NULL && surface->memory != NULL) {
@@ -410,7 +447,8 @@ PBWSURFACEDEF void pbw_surface_free(pbw_surface *surface)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Queries.
+   >>queries      Nearest places, crossings, and the inside.
+   In: a surface and its tree; points.  Out: triangles, places, numbers.
    ------------------------------------------------------------------------------------------------------ */
 
 /* The nearest point of a triangle: in the Voronoi region of a corner, of an edge, or of the inside (Ericson 2005,
@@ -490,8 +528,7 @@ PBWSURFACEDEF pbw_index pbw_surface_closest(const pbw_surface *surface, const do
             stack[depth++].distance = near_last ? right : left;
             continue;
         }
-        for (k = (i - tree->first_leaf) * PBWSF__LEAF;
-             k < surface->triangle_count && k < (i - tree->first_leaf + 1) * PBWSF__LEAF; k++) {
+        for (k = pbwsf__first_of(tree, i); k < pbwsf__end_of(surface, tree, i); k++) {
             double q[3], d[3];
             pbwsf__nearest_in(pbwsf__corner(surface, order[k], 0), pbwsf__corner(surface, order[k], 1),
                               pbwsf__corner(surface, order[k], 2), p, q);
@@ -582,8 +619,7 @@ PBWSURFACEDEF pbw_index pbw_surface_meets(const pbw_surface *surface, const doub
             }
             continue;
         }
-        for (k = (i - tree->first_leaf) * PBWSF__LEAF;
-             k < surface->triangle_count && k < (i - tree->first_leaf + 1) * PBWSF__LEAF; k++) {
+        for (k = pbwsf__first_of(tree, i); k < pbwsf__end_of(surface, tree, i); k++) {
             const double *c[3];
             double t;
             c[0] = pbwsf__corner(surface, order[k], 0);
@@ -600,39 +636,53 @@ PBWSURFACEDEF pbw_index pbw_surface_meets(const pbw_surface *surface, const doub
     return found;
 }
 
-/* Calls met for triangles that the segment from a to b meets, touching included, until it returns 1.  For pbw_mesh3.h.
-   */
-#if defined(__GNUC__)
-__attribute__((unused))
-#endif
-static void pbwsf__all_met(const pbw_surface *surface, const double a[3], const double b[3],
+/* A walk over the leaves that have boxes in common with one: begin it, then call pbwsf__next_leaf. */
+typedef struct pbwsf__walk {
+    const pbw_surface *surface;
+    double low[3], high[3];
+    size_t stack[PBWSF__DEPTH], from, to;  /* order[from] .. order[to - 1] are the leaf's triangles */
+    int depth;
+} pbwsf__walk;
+
+/* Goes to the next leaf.  Returns 0 if there is none. */
+static int pbwsf__next_leaf(pbwsf__walk *walk)
+{
+    const pbwsf__tree *tree = (const pbwsf__tree *)walk->surface->memory;
+    const pbwsf__box *box = PBWSF__BOXES(tree);
+    while (walk->depth > 0) {
+        const size_t i = walk->stack[--walk->depth];
+        int j;
+        for (j = 0; j < 3 && walk->low[j] <= box[i].high[j] && walk->high[j] >= box[i].low[j]; j++) {
+        }
+        if (j == 3 && i < tree->first_leaf) {
+            walk->stack[walk->depth++] = 2 * i + 1;
+            walk->stack[walk->depth++] = 2 * i + 2;
+        } else if (j == 3) {
+            walk->from = pbwsf__first_of(tree, i);
+            walk->to = pbwsf__end_of(walk->surface, tree, i);
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Calls met for each triangle that the segment from a to b meets, touching included, until it returns 1. */
+PBWSF__SHARED static void pbwsf__all_met(const pbw_surface *surface, const double a[3], const double b[3],
                            int (*met)(void *user, pbw_index triangle), void *user)
 {
-    const pbwsf__tree *tree = (const pbwsf__tree *)surface->memory;
-    const pbwsf__box *box = PBWSF__BOXES(tree);
-    const pbw_index *order = (const pbw_index *)tree->order.data;
-    double low[3], high[3];
-    size_t stack[PBWSF__DEPTH], k;
-    int depth = 1, j;
+    const pbw_index *order = (const pbw_index *)((const pbwsf__tree *)surface->memory)->order.data;
+    pbwsf__walk walk;
+    size_t k;
+    int j;
     for (j = 0; j < 3; j++) {
-        low[j] = a[j] < b[j] ? a[j] : b[j];
-        high[j] = a[j] < b[j] ? b[j] : a[j];
+        walk.low[j] = a[j] < b[j] ? a[j] : b[j];
+        walk.high[j] = a[j] < b[j] ? b[j] : a[j];
     }
-    stack[0] = 0;
-    while (depth > 0) {
-        const size_t i = stack[--depth];
-        for (j = 0; j < 3 && low[j] <= box[i].high[j] && high[j] >= box[i].low[j]; j++) {
-        }
-        if (j < 3) {
-            continue;
-        }
-        if (i < tree->first_leaf) {
-            stack[depth++] = 2 * i + 1;
-            stack[depth++] = 2 * i + 2;
-            continue;
-        }
-        for (k = (i - tree->first_leaf) * PBWSF__LEAF;
-             k < surface->triangle_count && k < (i - tree->first_leaf + 1) * PBWSF__LEAF; k++) {
+    walk.surface = surface;
+    walk.stack[0] = 0;
+    walk.depth = 1;
+    while (pbwsf__next_leaf(&walk)) {
+        for (k = walk.from; k < walk.to; k++) {
             const double *const c[3] = { pbwsf__corner(surface, order[k], 0), pbwsf__corner(surface, order[k], 1),
                                          pbwsf__corner(surface, order[k], 2) };
             if (pbwsf__crossing(c, a, b) <= 1 && met(user, order[k])) {
@@ -670,25 +720,17 @@ static int pbwsf__is_below(const pbw_surface *s, pbw_index triangle, const doubl
 static void pbwsf__ray(const pbw_surface *surface, const double p[3],
                        void (*met)(void *user, pbw_index triangle, int front), void *user)
 {
-    const pbwsf__tree *tree = (const pbwsf__tree *)surface->memory;
-    const pbwsf__box *box = PBWSF__BOXES(tree);
-    const pbw_index *order = (const pbw_index *)tree->order.data;
-    size_t stack[PBWSF__DEPTH], k;
-    int depth = 1;
-    stack[0] = 0;
-    while (depth > 0) {
-        const size_t i = stack[--depth];
-        if (p[0] < box[i].low[0] || p[0] > box[i].high[0] || p[1] < box[i].low[1] || p[1] > box[i].high[1]
-            || p[2] > box[i].high[2]) {
-            continue;
-        }
-        if (i < tree->first_leaf) {
-            stack[depth++] = 2 * i + 1;
-            stack[depth++] = 2 * i + 2;
-            continue;
-        }
-        for (k = (i - tree->first_leaf) * PBWSF__LEAF;
-             k < surface->triangle_count && k < (i - tree->first_leaf + 1) * PBWSF__LEAF; k++) {
+    const pbw_index *order = (const pbw_index *)((const pbwsf__tree *)surface->memory)->order.data;
+    pbwsf__walk walk;
+    size_t k;
+    memcpy(walk.low, p, sizeof walk.low);
+    memcpy(walk.high, p, sizeof walk.high);
+    walk.high[2] = HUGE_VAL;
+    walk.surface = surface;
+    walk.stack[0] = 0;
+    walk.depth = 1;
+    while (pbwsf__next_leaf(&walk)) {
+        for (k = walk.from; k < walk.to; k++) {
             const int front = pbwsf__is_below(surface, order[k], p);
             if (front != 0) {
                 met(user, order[k], front);
@@ -753,14 +795,41 @@ PBWSURFACEDEF double pbw_surface_winding(const pbw_surface *surface, const doubl
             stack[depth++] = 2 * i + 1;
             stack[depth++] = 2 * i + 2;
         } else {
-            for (k = (i - tree->first_leaf) * PBWSF__LEAF;
-                 k < surface->triangle_count && k < (i - tree->first_leaf + 1) * PBWSF__LEAF; k++) {
+            for (k = pbwsf__first_of(tree, i); k < pbwsf__end_of(surface, tree, i); k++) {
                 sum += pbwsf__angle(surface, order[k], p);
             }
         }
     }
     return sum;
 }
+
+/* ------------------------------------------------------------------------------------------------------
+   >>seam         What pbw_improve.h, pbw_mesh3.h, pbw_adapt3.h and pbw_stuffing.h use of the rooms above.
+   Holds: the list is what they use, tests/seam.sh compares; whoever changes what a name in it means, raises it.
+
+   They are compiled behind this header, in one source file, and refuse another number.
+
+     PBWSF__SHARED      improve                        interface
+     pbwsf__array       adapt3 improve mesh3           memory
+     pbwsf__left        adapt3 improve mesh3           memory
+     pbwsf__memory      adapt3 improve mesh3           memory
+     pbwsf__memory_of   adapt3 improve mesh3           memory
+     pbwsf__release     adapt3 improve mesh3           memory
+     pbwsf__resize      adapt3 improve mesh3           memory
+     pbwsf__room        improve mesh3                  memory
+     pbwsf__between     improve mesh3                  vectors
+     pbwsf__cross       improve mesh3                  vectors
+     pbwsf__distance    adapt3 improve mesh3 stuffing  vectors
+     pbwsf__dot         improve mesh3                  vectors
+     pbwsf__minus       improve mesh3                  vectors
+     pbwsf__normal      improve mesh3                  vectors
+     pbwsf__bytes       adapt3 improve mesh3           tree
+     pbwsf__corner      mesh3                          tree
+     pbwsf__all_met     mesh3                          queries
+     pbwsf__nearest_in  mesh3                          queries
+     pbwsf__ray         mesh3                          queries
+   ------------------------------------------------------------------------------------------------------ */
+#define PBWSF__SEAM 1
 
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT DEFAULT
