@@ -13,6 +13,21 @@
        printf("%g..%g\n", report.after.least, report.after.largest);
        pbw_tets_free(&better);
 
+   CONTENTS  (search for the marks)
+     >>interface    types and functions
+     >>measures     measures of tetrahedra and of meshes
+     >>mesh         the mesh that changes: points, slots of tetrahedra, edges to keep
+     >>change       old tetrahedra replaced by new ones; stars, rings, boundary edges
+     >>flips        operations of every pass: edge removal, smoothing, peeling, 2-3 flips
+     >>insertion    operations of thorough passes: contraction, rejoining, insertion
+     >>load         the input: neighbours, orientation, boundary, features
+     >>smoothers    rounds that move all points
+     >>passes       batches of tetrahedra, worst first, on all threads
+     >>sizes        edges halved and contracted until they have their lengths
+     >>result       the mesh written to the caller's arrays
+     >>stages       all of it in order
+     >>seam         private names that pbw_mesh3.h and pbw_adapt3.h use
+
    FUNCTIONS
      pbw_improve       makes the worst tetrahedra better
      pbw_tet_measure   a measure of quality of one tetrahedron
@@ -71,6 +86,9 @@
 extern "C" {
 #endif
 
+/* ------------------------------------------------------------------------------------------------------
+   >>interface    Types and functions.
+   ------------------------------------------------------------------------------------------------------ */
 #define PBW_TETS_FOUND  0u                 /* marks of points: fixed on features, else as they lie */
 #define PBW_TETS_SLIDES 1u                 /* on the boundary: stays on the surface */
 #define PBW_TETS_FIXED  2u
@@ -187,6 +205,9 @@ PBWIMPROVEDEF void pbw_tets_free(pbw_tets *mesh);            /* fine on {0}, fin
 
 #if defined(PBW_IMPROVE_IMPLEMENTATION) && !defined(PBWIMPROVE__IMPLEMENTED)
 #define PBWIMPROVE__IMPLEMENTED
+#if PBWSF__SEAM != 1
+#error "pbw_improve.h is compiled where pbw_surface.h of its version is: define PBW_SURFACE_IMPLEMENTATION, too"
+#else
 
 #include <math.h>
 #include <stdio.h>
@@ -203,7 +224,8 @@ PBWIMPROVEDEF void pbw_tets_free(pbw_tets *mesh);            /* fine on {0}, fin
 #endif
 
 /* ------------------------------------------------------------------------------------------------------
-   Measures.
+   >>measures     Measures of tetrahedra and of meshes.
+   In: points and corners.  Out: a number; angles and quality of a mesh, by blocks on all threads.
    ------------------------------------------------------------------------------------------------------ */
 
 /* Corner i's opposite facet, turned so that corner i is on its positive side. */
@@ -537,8 +559,8 @@ PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *opti
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   The mesh that changes.
-   In: arrays of any tetrahedral mesh.  Holds: tetrahedra are positive but for flat ones of the input;
+   >>mesh         The mesh that changes: points, slots of tetrahedra, edges to keep.
+   Holds: tetrahedra are positive but for flat ones of the input;
    next[4 t + i] is the tetrahedron across from corner i, PBW_NONE on the boundary; star[p] is one of p's tetrahedra,
    PBW_NONE if it has none; quality[t] is the least sine of t; a free slot has corner[4 t] = PBW_NONE and next[4 t] =
    the free slot after it.
@@ -762,7 +784,11 @@ static void pbwim__free_slot(pbwim__mesh *m, pbw_index t)
     m->spare++;
 }
 
-/* ---- one operation: old tetrahedra are replaced by new ones ---- */
+/* ------------------------------------------------------------------------------------------------------
+   >>change       Old tetrahedra replaced by new ones; stars, rings and boundary edges.
+   In: a mesh; old tetrahedra, and the corners of new ones in the same space.  Out: the mesh with the new ones.
+   Holds: new tetrahedra are positive, by exact signs; regions, patches and edges to keep stay.
+   ------------------------------------------------------------------------------------------------------ */
 
 typedef struct pbwim__change {
     int olds, news;
@@ -1150,8 +1176,9 @@ static int pbwim__may_flip(pbwim__mesh *m, const pbwim__ring *ring)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Operations.  Each returns whether it changed the mesh; if so, the least quality of the changed tetrahedra has risen
-   by PBWIM__GAIN or more.
+   >>flips        Operations of every pass: edge removal, smoothing, peeling, 2-3 flips.
+   In: a mesh and a tetrahedron of it.  Out: 1 if the mesh is changed, else 0.
+   Holds: an operation raises the least quality of the tetrahedra that it changes, by PBWIM__GAIN or more.
    ------------------------------------------------------------------------------------------------------ */
 
 /* ---- edge removal ---- */
@@ -1624,6 +1651,12 @@ static int pbwim__flip(pbwim__mesh *m, pbw_index t)
     return 0;
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   >>insertion    Operations of thorough passes: contraction, rejoining, insertion.
+   In: a mesh and a tetrahedron of it.  Out: 1 if the mesh is changed, else 0.
+   Holds: an operation raises the least quality of the tetrahedra that it changes, by PBWIM__GAIN or more; a cavity
+   stays within the zone of its tetrahedron (>>passes).
+   ------------------------------------------------------------------------------------------------------ */
 /* ---- contraction ---- */
 
 /* Returns whether p may move along a boundary edge to q: the boundary around p stays smooth. */
@@ -1999,7 +2032,7 @@ static int pbwim__split(pbwim__mesh *m, pbw_index t)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Setting up: neighbours, orientation, the boundary and its features.
+   >>load         Neighbours, orientation, the boundary and its features.
    In: the caller's arrays.  Out: a mesh as above, or a status and a message.
    ------------------------------------------------------------------------------------------------------ */
 static void pbwim__set_message(const pbwim__mesh *m, const char *text, size_t i, size_t k)
@@ -2252,11 +2285,6 @@ static pbw_status pbwim__load_edges(pbwim__mesh *m, const pbw_tets *in)
     return PBW_OK;
 }
 
-static size_t pbwim__surface_bytes(const pbw_surface *surface)
-{
-    return surface->memory != NULL ? ((const pbwsf__tree *)surface->memory)->memory.used : 0;
-}
-
 /* Marks the boundary's points and builds its surface; blocks: two of facets, as many as tetrahedra have. */
 static pbw_status pbwim__set_marks(pbwim__mesh *m, const pbw_tets *in, double cosine, pbwsf__array *blocks,
                                    pbwsf__array *counts)
@@ -2293,7 +2321,7 @@ static pbw_status pbwim__set_marks(pbwim__mesh *m, const pbw_tets *in, double co
         m->project_user = &m->surface;
         status = pbw_surface_create(in->points, in->point_count, (pbw_index *)m->facets.data, facets, &inner,
                                     &m->surface);
-        m->memory.used += pbwim__surface_bytes(&m->surface);
+        m->memory.used += pbwsf__bytes(&m->surface);
     }
     return status;
 }
@@ -2390,8 +2418,9 @@ static pbw_status pbwim__load(pbwim__mesh *m, const pbw_tets *in)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Smoothers.
-   In: a mesh with marks.  A point moves to the aim of the smoother, or half or a quarter as far, if all of its
+   >>smoothers    Rounds that move all points.
+   In: a mesh with marks.  Out: the mesh with other places of points.
+   A point moves to the aim of the smoother, or half or a quarter as far, if all of its
    tetrahedra are positive there, by exact signs, and none of them is below both the target and the worst before.
    Points of one colour have no tetrahedron in common, so threads may move them at once; colours are processed one
    after the other.  Moves change neither the tetrahedra nor the colours: the answer does not depend on threads.
@@ -2713,7 +2742,9 @@ static pbw_status pbwim__smooth_all(pbwim__mesh *m, const pbw_improve_options *h
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Passes: improve the tetrahedra below the target, worst first.
+   >>passes       Tetrahedra below the target, worst first, in batches on all threads.
+   In: a mesh.  Out: the mesh, better.
+
    1. The queue of a pass has all tetrahedra below the target, but for those on which all operations failed and no
       corner has changed since.  Contraction and insertion are used in each fourth pass, and after a pass that changed
       little.
@@ -3045,7 +3076,7 @@ static pbw_status pbwim__pass(pbwim__mesh *m, int all, const double done[2], dou
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Sizes: edges are halved and contracted until they are as long as the sizes at their ends demand.
+   >>sizes        Edges halved and contracted until they are as long as the sizes at their ends demand.
    Holds: conformity, regions, features; halves of positive tetrahedra are positive, by exact signs.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWIM__LONG 1.4
@@ -3221,100 +3252,9 @@ static pbw_status pbwim__set_sizes(pbwim__mesh *m, double end)
     return status;
 }
 
-/* Returns the number of tetrahedra below the target, times 1 minus the worst quality. */
-static double pbwim__badness(const pbwim__mesh *m)
-{
-    double bad = 0, least = 1;
-    size_t t;
-    for (t = 0; t < m->tets; t++) {
-        if (pbwim__is_bad(m, (pbw_index)t)) {
-            bad++;
-            least = fmin(least, PBWIM__QUALITY(m)[t]);
-        }
-    }
-    return bad * (1 - least);
-}
-
-/* When passes gain no more: allows the boundary its full distance from the surface.  Returns 0 if it has that. */
-static int pbwim__relax_distance(pbwim__mesh *m, const pbw_improve_options *how)
-{
-    const int relaxed = how != NULL && m->distance < how->distance;
-    m->distance = relaxed ? how->distance : m->distance;
-    return relaxed;
-}
-
-/* Raises the target around the bad tetrahedra for four passes, which changes their neighbours, then makes four passes
-   with the old target.  While it is raised, the boundary moves no farther from the surface. */
-static pbw_status pbwim__raise_target(pbwim__mesh *m, double done[2], double end)
-{
-    const double target = m->target, distance = m->distance;
-    pbw_status status = PBW_OK;
-    size_t t, changes;
-    int i;
-    if (!pbwim__flag_active(m)) {
-        return PBW_ERROR_MEMORY;
-    }
-    for (t = 0; t < 2 * m->tets; t++) {
-        PBWIM__TRIED(m)[t] = 0;
-    }
-    for (i = 0; i < 8 && status == PBW_OK && !pbwim__is_late(end); i++) {
-        m->target = i < 4 ? sin(fmin(asin(target) + PBWIM__RAISE, 1.2)) : target;
-        m->distance = i < 4 && distance > 0 ? 1e-300 : distance;
-        done[1] = done[0] + (1 - done[0]) / 8;
-        status = pbwim__pass(m, 1, done, end, &changes);
-        done[0] = done[1];
-        m->report->passes++;
-    }
-    m->target = target;
-    m->distance = distance;
-    m->active.count = 0;
-    return status;
-}
-
-/* Passes end, too, when eight of them changed the badness by less than 3 %. */
-static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
-{
-    const int most = how == NULL || how->passes == 0 ? PBWIM__PASSES : how->passes;
-    const double limit = how != NULL ? how->seconds : 0;
-    const double end = limit > 0 ? (double)clock() / CLOCKS_PER_SEC + limit : 0;
-    pbw_status status = PBW_OK;
-    double done[2] = { 0, 0 }, bad = HUGE_VAL;
-    size_t changes = 1;
-    int all = 0, i;
-    if (m->sized) {
-        status = pbwim__set_sizes(m, end);
-    }
-    if (how != NULL && how->rounds > 0 && status == PBW_OK) {
-        status = pbwim__smooth_all(m, how, end);
-        done[0] = 0.5;
-    }
-    while (status == PBW_OK && m->report->passes < most && (changes > 0 || !all || pbwim__relax_distance(m, how))) {
-        all = m->report->passes % 4 == 3 || changes * 5 < m->queue.count || changes == 0;
-        done[1] = done[0] + (1 - done[0]) / 8;
-        status = pbwim__pass(m, all, done, end, &changes);
-        done[0] = done[1];
-        m->report->passes++;
-        if (m->report->passes % 8 == 0) {
-            const double now = pbwim__badness(m);
-            if (now > 0.97 * bad && !pbwim__relax_distance(m, how)) {
-                break;
-            }
-            bad = now;
-        }
-        if (pbwim__is_late(end)) {
-            break;
-        }
-    }
-    for (i = 0; i < 2 && status == PBW_OK && (most == PBWIM__PASSES || m->report->passes + 8 <= most)
-         && pbwim__badness(m) > 0 && (i == 0 || pbwim__badness(m) < 0.97 * bad); i++) {
-        bad = pbwim__badness(m);
-        status = pbwim__raise_target(m, done, end);
-    }
-    return status;
-}
-
 /* ------------------------------------------------------------------------------------------------------
-   The result: slots in use, and points of tetrahedra, numbered in their order.
+   >>result       The mesh written to the caller's arrays.
+   In: the mesh.  Out: its slots in use, and its points of tetrahedra, numbered in their order.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwim__result {
     pbwsf__memory memory;
@@ -3421,6 +3361,15 @@ PBWIMPROVEDEF void pbw_tets_free(pbw_tets *mesh)
     }
 }
 
+/* Returns how many bytes a result holds. */
+PBWSF__SHARED static size_t pbwim__result_bytes(const pbw_tets *tets)
+{
+    const pbwim__result *r = (const pbwim__result *)tets->memory;
+    return r == NULL ? 0 : r->self.bytes + r->points.bytes + r->corners.bytes + r->regions.bytes + r->marks.bytes
+                           + r->neighbors.bytes + r->original.bytes + r->patches.bytes + r->edges.bytes
+                           + r->origins.bytes;
+}
+
 static pbw_status pbwim__output(pbwim__mesh *m, pbw_tets *out)
 {
     pbwsf__array self;
@@ -3491,13 +3440,109 @@ static pbw_status pbwim__close_gaps(pbwim__mesh *m)
     return status;
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   >>stages       All of it in order.
+   In: what the caller gives.  Out: the improved mesh, and the report.
+   ------------------------------------------------------------------------------------------------------ */
+/* Returns the number of tetrahedra below the target, times 1 minus the worst quality. */
+static double pbwim__badness(const pbwim__mesh *m)
+{
+    double bad = 0, least = 1;
+    size_t t;
+    for (t = 0; t < m->tets; t++) {
+        if (pbwim__is_bad(m, (pbw_index)t)) {
+            bad++;
+            least = fmin(least, PBWIM__QUALITY(m)[t]);
+        }
+    }
+    return bad * (1 - least);
+}
+
+/* When passes gain no more: allows the boundary its full distance from the surface.  Returns 0 if it has that. */
+static int pbwim__relax_distance(pbwim__mesh *m, const pbw_improve_options *how)
+{
+    const int relaxed = how != NULL && m->distance < how->distance;
+    m->distance = relaxed ? how->distance : m->distance;
+    return relaxed;
+}
+
+/* Raises the target around the bad tetrahedra for four passes, which changes their neighbours, then makes four passes
+   with the old target.  While it is raised, the boundary moves no farther from the surface. */
+static pbw_status pbwim__raise_target(pbwim__mesh *m, double done[2], double end)
+{
+    const double target = m->target, distance = m->distance;
+    pbw_status status = PBW_OK;
+    size_t t, changes;
+    int i;
+    if (!pbwim__flag_active(m)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (t = 0; t < 2 * m->tets; t++) {
+        PBWIM__TRIED(m)[t] = 0;
+    }
+    for (i = 0; i < 8 && status == PBW_OK && !pbwim__is_late(end); i++) {
+        m->target = i < 4 ? sin(fmin(asin(target) + PBWIM__RAISE, 1.2)) : target;
+        m->distance = i < 4 && distance > 0 ? 1e-300 : distance;
+        done[1] = done[0] + (1 - done[0]) / 8;
+        status = pbwim__pass(m, 1, done, end, &changes);
+        done[0] = done[1];
+        m->report->passes++;
+    }
+    m->target = target;
+    m->distance = distance;
+    m->active.count = 0;
+    return status;
+}
+
+/* Passes end, too, when eight of them changed the badness by less than 3 %. */
+static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
+{
+    const int most = how == NULL || how->passes == 0 ? PBWIM__PASSES : how->passes;
+    const double limit = how != NULL ? how->seconds : 0;
+    const double end = limit > 0 ? (double)clock() / CLOCKS_PER_SEC + limit : 0;
+    pbw_status status = PBW_OK;
+    double done[2] = { 0, 0 }, bad = HUGE_VAL;
+    size_t changes = 1;
+    int all = 0, i;
+    if (m->sized) {
+        status = pbwim__set_sizes(m, end);
+    }
+    if (how != NULL && how->rounds > 0 && status == PBW_OK) {
+        status = pbwim__smooth_all(m, how, end);
+        done[0] = 0.5;
+    }
+    while (status == PBW_OK && m->report->passes < most && (changes > 0 || !all || pbwim__relax_distance(m, how))) {
+        all = m->report->passes % 4 == 3 || changes * 5 < m->queue.count || changes == 0;
+        done[1] = done[0] + (1 - done[0]) / 8;
+        status = pbwim__pass(m, all, done, end, &changes);
+        done[0] = done[1];
+        m->report->passes++;
+        if (m->report->passes % 8 == 0) {
+            const double now = pbwim__badness(m);
+            if (now > 0.97 * bad && !pbwim__relax_distance(m, how)) {
+                break;
+            }
+            bad = now;
+        }
+        if (pbwim__is_late(end)) {
+            break;
+        }
+    }
+    for (i = 0; i < 2 && status == PBW_OK && (most == PBWIM__PASSES || m->report->passes + 8 <= most)
+         && pbwim__badness(m) > 0 && (i == 0 || pbwim__badness(m) < 0.97 * bad); i++) {
+        bad = pbwim__badness(m);
+        status = pbwim__raise_target(m, done, end);
+    }
+    return status;
+}
+
 static void pbwim__free(pbwim__mesh *m)
 {
     pbwsf__array *const arrays[] = { &m->x, &m->star, &m->mark, &m->touched, &m->original, &m->corner, &m->next,
                                      &m->quality, &m->region, &m->tried, &m->seen, &m->queue, &m->tasks,
                                      &m->taken, &m->facets, &m->size, &m->joint, &m->active, &m->patch, &m->edge };
     size_t i;
-    m->memory.used -= pbwim__surface_bytes(&m->surface);
+    m->memory.used -= pbwsf__bytes(&m->surface);
     pbw_surface_free(&m->surface);
     for (i = 0; i < sizeof arrays / sizeof *arrays; i++) {
         pbwsf__release(&m->memory, arrays[i]);
@@ -3578,9 +3623,29 @@ PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_opt
     return status;
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   >>seam         What pbw_mesh3.h and pbw_adapt3.h use of the rooms above.
+   Holds: the list is what they use, tests/seam.sh compares; whoever changes what a name in it means, raises it.
+
+   They are compiled behind this header, in one source file, and refuse another number.
+
+     pbwim__edge          adapt3 mesh3  measures
+     pbwim__opposite      adapt3 mesh3  measures
+     pbwim__shape         mesh3         measures
+     pbwim__shape_of      mesh3         measures
+     pbwim__sine          mesh3         measures
+     pbwim__turned_less   mesh3         mesh
+     pbwim__facet         mesh3         change
+     pbwim__sort3         mesh3         change
+     pbwim__sort          mesh3         load
+     pbwim__result_bytes  mesh3         result
+   ------------------------------------------------------------------------------------------------------ */
+#define PBWIM__SEAM 1
+
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT DEFAULT
 #elif defined(__GNUC__)
 #pragma GCC pop_options
 #endif
+#endif /* PBWSF__SEAM */
 #endif /* PBW_IMPROVE_IMPLEMENTATION */
