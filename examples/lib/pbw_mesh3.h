@@ -14,6 +14,22 @@
        if (report.bad_edges + report.bad_points > 0) puts("no manifold");    // report.places tells where
        pbw_tets_free(&mesh);
 
+   CONTENTS  (search for the marks)
+     >>interface    types and functions
+     >>work         the work in progress: progress, memory, local sizes, points in a grid
+     >>input        the surface: welded triangles, or those of an implicit function; its edges
+     >>shells       triangles oriented alike; holes closed; regions between walls
+     >>inside       which shells are around a point; the label of a place
+     >>features     which sharp edges are kept
+     >>chains       sharp edges chained between corners; patches
+     >>sizes        local sizes
+     >>samples      the first points: on sharp edges, on smooth parts, inside
+     >>labels       the triangulation of the points, and the label of each tetrahedron
+     >>manifold     where the boundary is no manifold
+     >>rounds       points added until nothing is left to add
+     >>result       improvement; the boundary; the report
+     >>stages       all of it in order
+
    FUNCTIONS
      pbw_solid                fills a surface with tetrahedra
      pbw_solid_boundary_free  frees its boundary
@@ -94,6 +110,9 @@
 extern "C" {
 #endif
 
+/* ------------------------------------------------------------------------------------------------------
+   >>interface    Types and functions.
+   ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw_solid_input {           /* a surface, or a function */
     const double *points;                  /* 3 coordinates each; points at one place count as one */
     size_t point_count;
@@ -227,6 +246,11 @@ PBWMESH3DEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary);      /* 
 
 #if defined(PBW_MESH3_IMPLEMENTATION) && !defined(PBWMESH3__IMPLEMENTED)
 #define PBWMESH3__IMPLEMENTED
+#if PBWSF__SEAM != 1
+#error "pbw_mesh3.h is compiled where pbw_surface.h of its version is: define PBW_SURFACE_IMPLEMENTATION, too"
+#elif PBWIM__SEAM != 1
+#error "pbw_mesh3.h is compiled where pbw_improve.h of its version is: define PBW_IMPROVE_IMPLEMENTATION, too"
+#else
 
 #include <math.h>
 #include <stdlib.h>
@@ -242,9 +266,9 @@ PBWMESH3DEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary);      /* 
 #endif
 
 /* ------------------------------------------------------------------------------------------------------
-   The work in progress.
+   >>work         The work in progress: progress, memory, local sizes, points in a grid.
    Holds: kind[p] says what point p is on; pieces are the parts of sharp chains between neighbouring samples; label[t]
-   is 1 for tetrahedra inside.
+   is 0 for tetrahedra outside; each point is in the list of its cell of the spacing grid.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWM3__SHARP, PBWM3__SMOOTH, PBWM3__INSIDE, PBWM3__REMOVED }; /* removed: it lies on another point */
 enum { PBWM3__BATCH = 8192 };              /* samples of the surface that threads compute at once */
@@ -390,13 +414,13 @@ static pbw_status pbwm3__make_surface(pbwm3__work *w, const double *points, size
 {
     const pbw_status status = pbw_surface_create(points, point_count, triangles, triangle_count,
                                                  pbwm3__inner_options(w), surface);
-    w->memory.used += pbwim__surface_bytes(surface);
+    w->memory.used += pbwsf__bytes(surface);
     return status;
 }
 
 static void pbwm3__drop_surface(pbwm3__work *w, pbw_surface *surface)
 {
-    w->memory.used -= pbwim__surface_bytes(surface);
+    w->memory.used -= pbwsf__bytes(surface);
     pbw_surface_free(surface);
 }
 
@@ -411,15 +435,6 @@ static void pbwm3__drop_mesh(pbwm3__work *w)
 {
     w->memory.used -= pbwm3__mesh_bytes(&w->mesh);
     pbw_free(&w->mesh);
-}
-
-/* What a result of pbw_improve holds. */
-static size_t pbwm3__tets_bytes(const pbw_tets *tets)
-{
-    const pbwim__result *r = (const pbwim__result *)tets->memory;
-    return r == NULL ? 0 : r->self.bytes + r->points.bytes + r->corners.bytes + r->regions.bytes + r->marks.bytes
-                           + r->neighbors.bytes + r->original.bytes + r->patches.bytes + r->edges.bytes
-                           + r->origins.bytes;
 }
 
 /* Reports the progress of a call that is the current stage. */
@@ -531,7 +546,9 @@ static pbw_index pbwm3__add(pbwm3__work *w, const double p[3], int kind, size_t 
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   The input's surface: points at one place become one, triangles with a corner twice go.
+   >>input        The input's surface, and its edges.
+   In: triangles; or an implicit function.  Out: `vertices` at different places, and `triangles` of them without a
+   corner twice; of any triangles, their edges sorted.
    ------------------------------------------------------------------------------------------------------ */
 static int pbwm3__weld(pbwm3__work *w, const pbw_solid_input *in, const pbw_index *order, pbw_index *number)
 {
@@ -800,8 +817,9 @@ static size_t pbwm3__root_of(size_t *parent, size_t i)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Shells: triangles joined by edges with two triangles.  They are oriented alike, in closed shells outward; holes are
-   listed, and closed by triangles.
+   >>shells       Shells: triangles joined by edges with two triangles.
+   In: triangles.  Out: `shells`, their triangles oriented alike, in closed ones outward; holes, listed and closed by
+   triangles; with walls, the shells on both sides of each triangle.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwm3__orientation {        /* union-find trees of triangles */
     size_t *parent;
@@ -1371,8 +1389,8 @@ static int pbwm3__find_shells(pbwm3__work *w)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Inside: which shell is in which, which triangles cross, and the label of a place.
-   In: shells, turned, and the tree of their triangles.
+   >>inside       Which shells are around a point, and which triangles cross.
+   In: oriented shells, and the tree of their triangles.  Out: the label of a place; points moved to the surface.
    ------------------------------------------------------------------------------------------------------ */
 
 enum { PBWM3__ODD = 64 };                  /* shells that one ray keeps in mind */
@@ -1622,7 +1640,7 @@ static void pbwm3__project(void *user, double p[3])
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Features: sharp edges at the scale of the size.
+   >>features     Sharp edges at the scale of the size.
    In: edges with an angle above the feature angle, in the order of all edges.  Out: which of them are kept.
    ------------------------------------------------------------------------------------------------------ */
 /* Triangles that are visited on one side of an edge, at most: for the mean normal, and for the test of flatness. */
@@ -1934,7 +1952,9 @@ static int pbwm3__choose_sharp(pbwm3__work *w, pbwm3__features *f, const pbwsf__
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Sharp edges: found, and chained between corners.
+   >>chains       Sharp edges chained between corners, and the patches that they bound.
+   In: the surface.  Out: `chains` of the sharp edges that are kept; per triangle its part and its patch; sets of the
+   patches that meet at edges and corners.
    ------------------------------------------------------------------------------------------------------ */
 
 /* Returns whether the normals of an edge's two triangles differ by more than the feature angle; 0 if one has no
@@ -2327,10 +2347,14 @@ static double pbwm3__random(uint64_t i)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Local sizes, the least of: the size; the caller's; three quarters of the distance between two sheets of the surface
-   that face each other, or four thirds if they are nearer than 0.4 sizes; two thirds of that between sharp chains
-   without a common corner; a multiple of the radius of curvature.  None is below the floor; they grow by 0.35 for
-   each unit of length.
+   >>sizes        Local sizes.
+   In: the surface, chains, the caller's sizes.  Out: `field`, a size per cell, the least of
+     - the size, and the caller's;
+     - three quarters of the distance between two sheets of the surface that face each other, or four thirds of it
+       below 0.4 sizes;
+     - two thirds of the distance between sharp chains without a common corner;
+     - a multiple of the radius of curvature.
+   Holds: no size is below the floor; sizes grow by at most 0.35 for each unit of length.
    ------------------------------------------------------------------------------------------------------ */
 
 /* Lowers the field at p to a size, but not below the floor. */
@@ -2709,8 +2733,13 @@ static pbw_status pbwm3__make_field(pbwm3__work *w)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Samples of sharp edges.
+   >>samples      The first points: on sharp edges, on smooth parts of the surface, inside.
+   In: chains, patches, sizes.  Out: points `x` with their kinds and sets, and the pieces of chains between them.
+   Holds: no two samples of smooth parts are closer than 0.65 sizes; points inside are those of a body-centred cubic
+   lattice, 0.55 sizes from the surface.
    ------------------------------------------------------------------------------------------------------ */
+/* ---- sharp edges ---- */
+
 /* How many local sizes long the chain is; a step of the sum is a quarter of the size there. */
 static double pbwm3__sizes_along(const pbwm3__work *w, size_t number, double length)
 {
@@ -2819,10 +2848,7 @@ static pbw_status pbwm3__sample_sharp(pbwm3__work *w)
     return good ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
-/* ------------------------------------------------------------------------------------------------------
-   Samples of smooth parts: darts, no two closer than 0.65 sizes; and a body-centred cubic lattice inside, 0.55 sizes
-   from the surface.
-   ------------------------------------------------------------------------------------------------------ */
+/* ---- smooth parts, by darts ---- */
 
 typedef struct pbwm3__dart { double p[3], size; pbw_index patch; int stays; } pbwm3__dart;
 
@@ -2937,6 +2963,8 @@ static pbw_status pbwm3__sample_smooth(pbwm3__work *w)
     return status;
 }
 
+/* ---- the lattice inside ---- */
+
 typedef struct pbwm3__lattice {
     const pbwm3__work *w;
     int level;                             /* cells are 2^level times finer than the size, where that is local */
@@ -3043,7 +3071,8 @@ static pbw_status pbwm3__sample_inside(pbwm3__work *w)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Rounds.
+   >>labels       The triangulation of the points, and the label of each tetrahedron.
+   In: points.  Out: `mesh`, with the circumcentre and the label of each tetrahedron.
    ------------------------------------------------------------------------------------------------------ */
 
 /* The circumcentre, far away for flat tetrahedra; up to rounding, as it only decides what is added and labelled. */
@@ -3199,82 +3228,16 @@ static pbw_status pbwm3__rebuild(pbwm3__work *w)
     return pbw_for(pbwm3__inner_options(w), w->mesh.simplex_count, 256, pbwm3__label_range, w);
 }
 
-/* ---- points that facets need ---- */
-
 static int pbwm3__label_of(const pbwm3__work *w, pbw_index t)
 {
     return t != PBW_NONE ? PBWM3__LABEL(w)[t] : 0;
 }
 
-static int pbwm3__is_near_surface(const pbwm3__work *w, const double p[3])
-{
-    double place[3];
-    return pbw_surface_closest(&w->surface, p, w->distance * pbwm3__size(w, p), place) != PBW_NONE;
-}
-
-/* Returns whether facet i of t needs a point, and where.  A boundary facet with a corner inside needs one.  A facet
-   between points without a common patch is no part of the surface, wherever its dual segment is; on the boundary it
-   cuts off a sharp edge, and needs one. */
-static int pbwm3__needs_point(const pbwm3__work *w, size_t t, int i, pbwm3__new_point *point)
-{
-    const pbw_index n = w->mesh.neighbors[4 * t + (size_t)i], *c = w->mesh.simplices + 4 * t;
-    const int inner = pbwm3__label_of(w, (pbw_index)t), outer = pbwm3__label_of(w, n);
-    double where = 0, *p = point->p;
-    pbw_index f[3], met;
-    int k, bridge;
-    point->inside = PBW_NONE;
-    for (k = 0; k < 3; k++) {
-        f[k] = c[pbwim__opposite[i][k]];
-        if (inner == outer && PBWM3__KIND(w)[f[k]] == PBWM3__INSIDE) {
-            return 0;
-        }
-    }
-    for (k = 0; k < 3 && PBWM3__KIND(w)[f[k]] != PBWM3__INSIDE; k++) {
-    }
-    bridge = k == 3 && pbwm3__common_patch(w, f, 3) == PBW_NONE;
-    if (n != PBW_NONE && !bridge) {
-        met = pbw_surface_meets(&w->surface, PBWM3__CENTRE(w, t), PBWM3__CENTRE(w, n), &where);
-        pbwsf__between(PBWM3__CENTRE(w, t), PBWM3__CENTRE(w, n), where, p);
-        if (met != PBW_NONE && pbwsf__distance(p, PBWM3__X(w, f[0])) > 1.1 * pbwm3__size(w, p)) {
-            return 1;
-        }
-    }
-    for (k = 0; k < 3; k++) {
-        point->inside = PBWM3__KIND(w)[f[k]] == PBWM3__INSIDE ? f[k] : point->inside;
-        p[k] = (PBWM3__X(w, f[0])[k] + PBWM3__X(w, f[1])[k] + PBWM3__X(w, f[2])[k]) / 3;
-    }
-    if (inner == outer || bridge || point->inside != PBW_NONE) {
-        return inner != outer;
-    }
-    for (i = 0; i < 3 && pbwm3__is_near_surface(w, p); i++) {        /* its middle, and those of its edges */
-        pbwsf__between(PBWM3__X(w, f[i]), PBWM3__X(w, f[(i + 1) % 3]), 0.5, p);
-    }
-    return i < 3 || !pbwm3__is_near_surface(w, p);
-}
-
-/* Adds a point of the surface unless others of the surface are near; it takes the place of a near point inside.
-   Returns 1 if it was added, 0 if not, -1 without memory. */
-static int pbwm3__add_if_far(pbwm3__work *w, const double p[3], size_t patch, double from_sharp, double from_smooth)
-{
-    const double size = pbwm3__size(w, p);
-    pbw_index inside;
-    if (pbwm3__nearest(w, p, from_sharp * size, PBWM3__SHARP, PBWM3__SHARP) != PBW_NONE
-        || pbwm3__nearest(w, p, from_smooth * size, PBWM3__SMOOTH, PBWM3__SMOOTH) != PBW_NONE) {
-        return 0;
-    }
-    inside = pbwm3__nearest(w, p, 0.45 * size, PBWM3__INSIDE, PBWM3__INSIDE);
-    if (inside != PBW_NONE) {
-        pbwm3__take_from_cell(w, inside);
-        memcpy(PBWM3__X(w, inside), p, 3 * sizeof *p);
-        PBWM3__KIND(w)[inside] = PBWM3__SMOOTH;
-        ((pbw_index *)w->set.data)[inside] = (pbw_index)patch;
-        pbwm3__put_in_cell(w, inside);
-        return 1;
-    }
-    return pbwm3__add(w, p, PBWM3__SMOOTH, patch) == PBW_NONE ? -1 : 1;
-}
-
-/* ---- the boundary as a manifold ---- */
+/* ------------------------------------------------------------------------------------------------------
+   >>manifold     Where the boundary is no manifold.
+   In: facets, with the labels of what they bound.  Out: edges without exactly two facets, points with several fans of
+   facets, the Euler number.
+   ------------------------------------------------------------------------------------------------------ */
 
 typedef struct pbwm3__topology {
     pbwsf__array edges, flags;             /* bad edges, two points each; per point: 1 it has several fans */
@@ -3484,6 +3447,80 @@ static int pbwm3__list_boundary(pbwm3__work *w, pbwsf__array *facets, pbwsf__arr
         }
     }
     return 1;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>rounds       Points added until nothing is left to add.
+   In: labelled tetrahedra.  Out: the same of more points, in rounds; the report's faults.
+   ------------------------------------------------------------------------------------------------------ */
+/* ---- points that facets need ---- */
+
+static int pbwm3__is_near_surface(const pbwm3__work *w, const double p[3])
+{
+    double place[3];
+    return pbw_surface_closest(&w->surface, p, w->distance * pbwm3__size(w, p), place) != PBW_NONE;
+}
+
+/* Returns whether facet i of t needs a point, and where.  A boundary facet with a corner inside needs one.  A facet
+   between points without a common patch is no part of the surface, wherever its dual segment is; on the boundary it
+   cuts off a sharp edge, and needs one. */
+static int pbwm3__needs_point(const pbwm3__work *w, size_t t, int i, pbwm3__new_point *point)
+{
+    const pbw_index n = w->mesh.neighbors[4 * t + (size_t)i], *c = w->mesh.simplices + 4 * t;
+    const int inner = pbwm3__label_of(w, (pbw_index)t), outer = pbwm3__label_of(w, n);
+    double where = 0, *p = point->p;
+    pbw_index f[3], met;
+    int k, bridge;
+    point->inside = PBW_NONE;
+    for (k = 0; k < 3; k++) {
+        f[k] = c[pbwim__opposite[i][k]];
+        if (inner == outer && PBWM3__KIND(w)[f[k]] == PBWM3__INSIDE) {
+            return 0;
+        }
+    }
+    for (k = 0; k < 3 && PBWM3__KIND(w)[f[k]] != PBWM3__INSIDE; k++) {
+    }
+    bridge = k == 3 && pbwm3__common_patch(w, f, 3) == PBW_NONE;
+    if (n != PBW_NONE && !bridge) {
+        met = pbw_surface_meets(&w->surface, PBWM3__CENTRE(w, t), PBWM3__CENTRE(w, n), &where);
+        pbwsf__between(PBWM3__CENTRE(w, t), PBWM3__CENTRE(w, n), where, p);
+        if (met != PBW_NONE && pbwsf__distance(p, PBWM3__X(w, f[0])) > 1.1 * pbwm3__size(w, p)) {
+            return 1;
+        }
+    }
+    for (k = 0; k < 3; k++) {
+        point->inside = PBWM3__KIND(w)[f[k]] == PBWM3__INSIDE ? f[k] : point->inside;
+        p[k] = (PBWM3__X(w, f[0])[k] + PBWM3__X(w, f[1])[k] + PBWM3__X(w, f[2])[k]) / 3;
+    }
+    if (inner == outer || bridge || point->inside != PBW_NONE) {
+        return inner != outer;
+    }
+    for (i = 0; i < 3 && pbwm3__is_near_surface(w, p); i++) {        /* its middle, and those of its edges */
+        pbwsf__between(PBWM3__X(w, f[i]), PBWM3__X(w, f[(i + 1) % 3]), 0.5, p);
+    }
+    return i < 3 || !pbwm3__is_near_surface(w, p);
+}
+
+/* Adds a point of the surface unless others of the surface are near; it takes the place of a near point inside.
+   Returns 1 if it was added, 0 if not, -1 without memory. */
+static int pbwm3__add_if_far(pbwm3__work *w, const double p[3], size_t patch, double from_sharp, double from_smooth)
+{
+    const double size = pbwm3__size(w, p);
+    pbw_index inside;
+    if (pbwm3__nearest(w, p, from_sharp * size, PBWM3__SHARP, PBWM3__SHARP) != PBW_NONE
+        || pbwm3__nearest(w, p, from_smooth * size, PBWM3__SMOOTH, PBWM3__SMOOTH) != PBW_NONE) {
+        return 0;
+    }
+    inside = pbwm3__nearest(w, p, 0.45 * size, PBWM3__INSIDE, PBWM3__INSIDE);
+    if (inside != PBW_NONE) {
+        pbwm3__take_from_cell(w, inside);
+        memcpy(PBWM3__X(w, inside), p, 3 * sizeof *p);
+        PBWM3__KIND(w)[inside] = PBWM3__SMOOTH;
+        ((pbw_index *)w->set.data)[inside] = (pbw_index)patch;
+        pbwm3__put_in_cell(w, inside);
+        return 1;
+    }
+    return pbwm3__add(w, p, PBWM3__SMOOTH, patch) == PBW_NONE ? -1 : 1;
 }
 
 /* Adds points at bad edges and bad points of the boundary.  Returns how many, -1 without memory. */
@@ -3874,7 +3911,8 @@ static pbw_status pbwm3__rounds(pbwm3__work *w)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   The result, and its report.
+   >>result       Improvement, the boundary, and the report.
+   In: labelled tetrahedra.  Out: improved tetrahedra with regions; their boundary with patches; the report.
    ------------------------------------------------------------------------------------------------------ */
 /* Numbers the tetrahedra of t's label that facets connect to t.  Returns the largest of them, PBW_NONE without
    memory. */
@@ -3996,7 +4034,7 @@ static pbw_status pbwm3__improve(pbwm3__work *w, pbw_tets *out)
     own.progress_user = w;
     own.memory_limit = pbwsf__left(&w->memory);
     status = pbw_improve(&in, &improve, &own, out, &w->report->improve);
-    w->memory.used += pbwm3__tets_bytes(out);
+    w->memory.used += pbwim__result_bytes(out);
     return status;
 }
 
@@ -4316,7 +4354,8 @@ static pbw_status pbwm3__measure(pbwm3__work *w, const pbw_tets *out, pbw_solid_
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   The stages in order.
+   >>stages       All of it in order.
+   In: what the caller gives.  Out: the result, of the better of two attempts.
    ------------------------------------------------------------------------------------------------------ */
 /* Refuses surfaces that are mostly holes, or walls too thin for the size, and sizes that need too many tetrahedra. */
 static pbw_status pbwm3__check_input(pbwm3__work *w)
@@ -4640,4 +4679,5 @@ PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_o
 #elif defined(__GNUC__)
 #pragma GCC pop_options
 #endif
+#endif /* PBWSF__SEAM, PBWIM__SEAM */
 #endif /* PBW_MESH3_IMPLEMENTATION */
