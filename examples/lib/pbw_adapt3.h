@@ -13,6 +13,11 @@
        pbw_improve(&mesh, &how, NULL, &next, NULL);                            // finer where the error is
        pbw_tets_transfer(&mesh, &next, values, 1, NULL, new_values);           // one number a point
 
+   CONTENTS  (search for the marks)
+     >>interface    functions
+     >>sizes        sizes from errors
+     >>transfer     values carried over to another mesh
+
    FUNCTIONS
      pbw_tets_sizes     sizes at points, of errors of tetrahedra
      pbw_tets_transfer  values at the points of another mesh
@@ -44,6 +49,9 @@
 extern "C" {
 #endif
 
+/* ------------------------------------------------------------------------------------------------------
+   >>interface    Functions.
+   ------------------------------------------------------------------------------------------------------ */
 /* Fills sizes, one a point: edge lengths for a mesh of about `count` tetrahedra with equal errors, between an eighth
    of the old lengths and four times these.  error: per tetrahedron, in the energy norm over it, not squared. */
 PBWADAPT3DEF void pbw_tets_sizes(const pbw_tets *mesh, const double *error, size_t count, double *sizes);
@@ -62,6 +70,11 @@ PBWADAPT3DEF pbw_status pbw_tets_transfer(const pbw_tets *from, const pbw_tets *
 
 #if defined(PBW_ADAPT3_IMPLEMENTATION) && !defined(PBWADAPT3__IMPLEMENTED)
 #define PBWADAPT3__IMPLEMENTED
+#if PBWSF__SEAM != 1
+#error "pbw_adapt3.h is compiled where pbw_surface.h of its version is: define PBW_SURFACE_IMPLEMENTATION, too"
+#elif PBWIM__SEAM != 1
+#error "pbw_adapt3.h is compiled where pbw_improve.h of its version is: define PBW_IMPROVE_IMPLEMENTATION, too"
+#else
 
 #include <math.h>
 #include <string.h>
@@ -74,6 +87,10 @@ PBWADAPT3DEF pbw_status pbw_tets_transfer(const pbw_tets *from, const pbw_tets *
 #pragma GCC optimize("fp-contract=off")
 #endif
 
+/* ------------------------------------------------------------------------------------------------------
+   >>sizes        Sizes from errors.
+   In: a mesh, errors of its tetrahedra.  Out: sizes at its points.
+   ------------------------------------------------------------------------------------------------------ */
 static void pbwa3__corners(const pbw_tets *mesh, size_t t, const double *c[4])
 {
     int k;
@@ -82,11 +99,7 @@ static void pbwa3__corners(const pbw_tets *mesh, size_t t, const double *c[4])
     }
 }
 
-/* ------------------------------------------------------------------------------------------------------
-   Sizes.
-   ------------------------------------------------------------------------------------------------------ */
-
-/* The mean length of the edges. */
+/* Returns the mean length of the edges. */
 static double pbwa3__length(const pbw_tets *mesh, size_t t)
 {
     const double *c[4];
@@ -111,8 +124,8 @@ PBWADAPT3DEF void pbw_tets_sizes(const pbw_tets *mesh, const double *error, size
         sizes[k] = HUGE_VAL;
     }
     for (t = 0; t < mesh->tet_count; t++) {
-        const double wish = error[t] > 0 ? pow(due / error[t], 0.4) : 4;
-        const double size = pbwa3__length(mesh, t) * fmin(fmax(wish, 0.125), 4);
+        const double factor = error[t] > 0 ? pow(due / error[t], 0.4) : 4;
+        const double size = pbwa3__length(mesh, t) * fmin(fmax(factor, 0.125), 4);
         for (k = 0; k < 4; k++) {
             double *s = sizes + mesh->corners[4 * t + k];
             *s = fmin(*s, size);
@@ -132,7 +145,8 @@ PBWADAPT3DEF void pbw_tets_sizes(const pbw_tets *mesh, const double *error, size
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Transfer.
+   >>transfer     Values carried over to another mesh.
+   In: a mesh with values at its points; other points.  Out: values at these.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwa3__places {
     const pbw_tets *from;
@@ -212,7 +226,7 @@ static void pbwa3__value(const pbw_tets *from, pbw_index t, const double p[3], c
     }
 }
 
-/* The boundary of `from` as a surface. */
+/* Makes the boundary of `from` a surface. */
 static pbw_status pbwa3__boundary(pbwa3__places *places, pbwsf__memory *memory, const pbw_options *options)
 {
     const pbw_tets *from = places->from;
@@ -238,7 +252,7 @@ static pbw_status pbwa3__boundary(pbwa3__places *places, pbwsf__memory *memory, 
     own.memory_limit = pbwsf__left(memory);
     status = pbw_surface_create(from->points, from->point_count, (const pbw_index *)places->facets.data, count, &own,
                                 &places->surface);
-    memory->used += pbwim__surface_bytes(&places->surface);
+    memory->used += pbwsf__bytes(&places->surface);
     return status;
 }
 
@@ -290,4 +304,5 @@ PBWADAPT3DEF pbw_status pbw_tets_transfer(const pbw_tets *from, const pbw_tets *
 #elif defined(__GNUC__)
 #pragma GCC pop_options
 #endif
+#endif /* PBWSF__SEAM, PBWIM__SEAM */
 #endif /* PBW_ADAPT3_IMPLEMENTATION */

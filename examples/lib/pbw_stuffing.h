@@ -1,5 +1,6 @@
 /* pbw_stuffing.h - v0.2.0 - tetrahedra for implicit functions by isosurface stuffing - MIT-0
 
+   QUICK START
    Include it where the implementations of pbw.h and pbw_surface.h are included; every function is static.
 
        pbwst_mesh mesh;
@@ -8,11 +9,31 @@
        }                                                             // mesh.x, and mesh.corners: four each
        pbwst_free(&mesh);
 
-   Nodes of a body-centred cubic lattice that are near the surface move onto it; then each tetrahedron of the lattice
-   is kept, left out, or cut by the surface into a few (Labelle and Shewchuk 2007, "Isosurface stuffing: fast
-   tetrahedral meshes with good dihedral angles").  It needs no triangulation and never fails.  For elements of one
-   size the paper proves angles of 10.7 to 164.8 degrees.  Sharp edges are rounded off, and parts thinner than a cell
-   are lost.  Points that are no corners stay in x. */
+   CONTENTS  (search for the marks)
+     >>interface    types and functions
+     >>lattice      the nodes of two cubic lattices, moved to the surface
+     >>tetrahedra   the lattice's tetrahedra: kept, left out, or cut
+     >>stages       all of it in order
+
+   FUNCTIONS
+     pbwst_make  fills what is inside with tetrahedra
+     pbwst_free  frees them
+
+   HOW
+   Isosurface stuffing (Labelle and Shewchuk 2007, "Isosurface stuffing: fast tetrahedral meshes with good dihedral
+   angles"), with elements of one size; no triangulation is needed.
+   1. The function is computed at the nodes of a body-centred cubic lattice.
+   2. Nodes that are near the surface move onto it.
+   3. Each tetrahedron of the lattice is kept, left out, or cut by the surface into a few.
+
+   PROMISES  (tests/test_mesh3.c guards them)
+     angles      dihedral angles are 10.7 to 164.8 degrees, as the paper proves
+     manifold    facets fit, and tetrahedra are positively oriented, by exact signs
+     always      it fails only if there is no memory
+
+   DOES NOT  keep sharp edges, which are rounded off, nor parts thinner than a cell.  Points that are no corners
+             stay in x.
+*/
 #ifndef PBW_STUFFING_H
 #define PBW_STUFFING_H
 #include "pbw_surface.h"
@@ -20,9 +41,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PBWST__EDGES = 14 };                 /* at a node: 6 long ones along axes, 8 short ones to the other lattice */
+#if PBWSF__SEAM != 1
+#error "pbw_stuffing.h is compiled where pbw_surface.h of its version is: define PBW_SURFACE_IMPLEMENTATION, too"
+#else
 
-typedef struct pbwst_mesh {                 /* start by pbwst_make; pbwst_free when done */
+/* ------------------------------------------------------------------------------------------------------
+   >>interface    Types and functions.
+   ------------------------------------------------------------------------------------------------------ */
+enum { PBWST__EDGES = 14 };                /* at a node: 6 long ones along axes, 8 short ones to the other lattice */
+
+typedef struct pbwst_mesh {                /* filled by pbwst_make; pbwst_free when done */
     int n;                                 /* nodes along an axis of each of the two lattices */
     double (*x)[3], *value;
     pbw_index (*cut)[PBWST__EDGES];        /* per node and edge: the point where the surface cuts it, or PBW_NONE */
@@ -31,7 +59,17 @@ typedef struct pbwst_mesh {                 /* start by pbwst_make; pbwst_free w
     double (*f)(const double p[3]);        /* above zero inside */
 } pbwst_mesh;
 
-/* The node across edge e of a node; PBW_NONE beyond the box. */
+/* Fills what is inside of the cube from low to high, with n nodes along an axis, 4 to 200; f must be below zero at
+   the cube's sides.  Returns 0, and leaves *s empty, if there is no memory. */
+static int pbwst_make(int n, double low, double high, double (*f)(const double p[3]), pbwst_mesh *s);
+static void pbwst_free(pbwst_mesh *s);     /* fine on {0}, fine twice */
+
+/* ------------------------------------------------------------------------------------------------------
+   >>lattice      The nodes of two cubic lattices, moved to the surface.
+   In: numbers and values of nodes.  Out: their neighbours; places where the function is zero; nodes on the surface.
+   ------------------------------------------------------------------------------------------------------ */
+
+/* Returns the node across edge e of a node; PBW_NONE out of the box. */
 static pbw_index pbwst__across(const pbwst_mesh *s, pbw_index node, int e)
 {
     const int n = s->n, body = (int)node >= n * n * n, at = (int)node - body * n * n * n;
@@ -86,7 +124,13 @@ static void pbwst__warp(pbwst_mesh *s, pbw_index node)
     }
 }
 
-/* The point where the surface cuts the edge from a, inside, to b; a itself if b is on the surface or inside. */
+/* ------------------------------------------------------------------------------------------------------
+   >>tetrahedra   The lattice's tetrahedra: kept, left out, or cut by the surface.
+   In: nodes with signs.  Out: tetrahedra.
+   Holds: two tetrahedra cut a facet between them in the same way.
+   ------------------------------------------------------------------------------------------------------ */
+/* Returns the point where the surface cuts the edge from a, inside, to b; b itself if it is on the surface or inside.
+   */
 static pbw_index pbwst__cut_of(pbwst_mesh *s, pbw_index a, pbw_index b)
 {
     int e = 0;
@@ -123,7 +167,8 @@ static int pbwst__from_first(const pbwst_mesh *s, pbw_index a, pbw_index b, pbw_
     return long_a != long_b ? long_b : a < b;
 }
 
-/* A prism of three columns from u[i] to w[i]; before[i]: how many of the others' diagonals it has at its foot. */
+/* Adds the three tetrahedra of a prism with edges from u[i] to w[i].  before[i]: how many diagonals of its sides
+   start at u[i]. */
 static void pbwst__add_prism(pbwst_mesh *s, const pbw_index u[3], const pbw_index w[3], const int before[3])
 {
     int a = 0, c = 0, b, i;
@@ -170,7 +215,7 @@ static void pbwst__stuff(pbwst_mesh *s, const pbw_index v[4])
     }
 }
 
-/* The tetrahedra around each long edge from a body node. */
+/* Stuffs the four tetrahedra around each long edge from a node of the second lattice. */
 static void pbwst__stuff_all(pbwst_mesh *s)
 {
     static const int turn[4] = { 0, 1, 3, 2 };
@@ -196,6 +241,10 @@ static void pbwst__stuff_all(pbwst_mesh *s)
     }
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   >>stages       All of it in order.
+   In: a function.  Out: tetrahedra.
+   ------------------------------------------------------------------------------------------------------ */
 static void pbwst_free(pbwst_mesh *s)
 {
     free(s->x);
@@ -205,8 +254,6 @@ static void pbwst_free(pbwst_mesh *s)
     memset(s, 0, sizeof *s);
 }
 
-/* Fills what is inside of the cube from low to high, with n nodes along an axis, 4 to 200; f must be below zero at
-   the cube's sides.  Returns 0 without memory. */
 static int pbwst_make(int n, double low, double high, double (*f)(const double p[3]), pbwst_mesh *s)
 {
     const size_t half = (size_t)n * (size_t)n * (size_t)n, nodes = 2 * half;
@@ -238,4 +285,5 @@ static int pbwst_make(int n, double low, double high, double (*f)(const double p
     return 1;
 }
 
-#endif
+#endif /* PBWSF__SEAM */
+#endif /* PBW_STUFFING_H */
