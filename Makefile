@@ -12,8 +12,9 @@ C = $(CC) -std=c99 $(CFLAGS) $(WARN) -I. -Iexamples/lib
 LIBS = -lpthread -lm
 TESTS = $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
 SLOWEST = test_threads test_scalar test_live_local      # started first, so that none runs alone in the end
-PROGRAM = $(patsubst examples/program/%.c,$B/objects/%.o,examples/program/library.c \
-    $(filter-out %/library.c,$(wildcard examples/program/*.c)))    # library.c takes longest, so it comes first
+COMPANIONS = $(patsubst examples/program/%.c,$B/objects/%.o,$(sort $(wildcard examples/program/library*.c)))
+PROGRAM = $(COMPANIONS) $(filter-out $(COMPANIONS),$(patsubst examples/program/%.c,$B/objects/%.o,\
+    $(wildcard examples/program/*.c)))                  # the companions take longest, so they come first
 EXAMPLES = $(patsubst examples/%.c,%,$(filter-out examples/mpi.c,$(wildcard examples/*.c)))
 MPI = $(if $(shell command -v mpicc),$B/mpi)
 EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/%.cpp,%,$(wildcard examples/*.cpp)))
@@ -78,17 +79,22 @@ help:
 	@echo 'CC=clang CXX=clang++ CFLAGS=-O3 B=build/clang  for any of them;  COUNT=n random inputs in tests'
 
 # Programs.  Each example is whole by itself, `cc -O2 -Iexamples/lib example.c -lpthread -lm`; here pbw.h is compiled
-# once, and the macro that marks its implementation leaves it out of them.
+# once, and the macro that marks its implementation leaves it out of them.  IMPLEMENTED does so for the companions, too.
 SHARED = -DPBW__IMPLEMENTED
+IMPLEMENTED := $(shell sed -n 's/^\#define \(PBW[A-Z0-9]*__IMPLEMENTED\)$$/-D\1/p' pbw.h examples/lib/*.h)
 $B/libpbw.a: pbw.h
 	@mkdir -p $B
 	printf '#define PBW_IMPLEMENTATION\n#include "pbw.h"\n' > $B/libpbw.c
-	$C -c $B/libpbw.c -o $B/libpbw.o
+	$C -fPIC -c $B/libpbw.c -o $B/libpbw.o
 	rm -f $@ && ar rcs $@ $B/libpbw.o
 
 $(PROGRAM): $B/objects/%.o: examples/program/%.c $(HEADERS)
 	@mkdir -p $(@D)
-	$C $(SHARED) -c $< -o $@
+	$C $(SHARED) -fPIC -c $< -o $@
+
+# The implementations of the companion headers: the tests, too, take from here those that they do not need in private.
+$B/companions.a: $(COMPANIONS)
+	rm -f $@ && ar rcs $@ $(COMPANIONS)
 
 $B/pbw: $B/libpbw.a $(PROGRAM)
 	$C $(PROGRAM) -o $@ $B/libpbw.a $(LIBS)
@@ -96,19 +102,19 @@ $B/pbw: $B/libpbw.a $(PROGRAM)
 $(EXAMPLES:%=$B/%): $B/%: examples/%.c $(HEADERS) $B/libpbw.a
 	$C $(SHARED) $< -o $@ $B/libpbw.a $(LIBS)
 
-$B/mpi: examples/mpi.c $(HEADERS) $B/libpbw.a
-	mpicc -std=c99 $(CFLAGS) $(WARN) $(SHARED) -I. -Iexamples/lib $< -o $@ $B/libpbw.a $(LIBS)
+$B/mpi: examples/mpi.c $(HEADERS) $B/libpbw.a $B/companions.a
+	mpicc -std=c99 $(CFLAGS) $(WARN) $(filter-out -DPBWM__IMPLEMENTED,$(IMPLEMENTED)) -I. -Iexamples/lib $< -o $@ \
+	    $B/companions.a $B/libpbw.a $(LIBS)
 
 $(EXAMPLES_CXX:%=$B/%): $B/%: examples/%.cpp pbw.h $B/libpbw.a
 	$(CXX) -std=c++11 $(CXXFLAGS) $(WARN) $(SHARED) -I. $< -o $@ $B/libpbw.a $(LIBS)
 
 BINDING = $(wildcard examples/python/*.c)
-$B/libpbw_python.so: $(BINDING) examples/python/pbw_python.h $(HEADERS)
-	@mkdir -p $B
-	$C -fPIC -shared $(BINDING) -o $@ $(LIBS)
+$B/libpbw_python.so: $(BINDING) examples/python/pbw_python.h $(HEADERS) $B/libpbw.a $B/companions.a
+	$C $(IMPLEMENTED) -fPIC -shared $(BINDING) -o $@ $B/companions.a $B/libpbw.a $(LIBS)
 
-$(TESTS:%=$B/%): $B/%: tests/%.c $(HEADERS) $B/libpbw.a
-	$C $< -o $@ $B/libpbw.a $(LIBS)
+$(TESTS:%=$B/%): $B/%: tests/%.c $(HEADERS) $B/libpbw.a $B/companions.a
+	$C $< -o $@ $B/companions.a $B/libpbw.a $(LIBS)
 
 $B/test_tilefile: examples/program/tiles.c examples/program/pbwt.c
 $B/test_scalar: tests/test_threads.c

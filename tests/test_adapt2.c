@@ -1,9 +1,7 @@
 /* test_adapt2.c: pbw_adapt2.h: measures against closed forms, smoothing, adaptation and transfer, each mesh by the
    exact check of planes.h. */
 #include "pbw.h"
-#define PBW_MESH2_IMPLEMENTATION
 #include "../examples/lib/pbw_mesh2.h"
-#define PBW_ADAPT2_IMPLEMENTATION
 #include "../examples/lib/pbw_adapt2.h"
 #include "inputs.h"
 #include "meter.h"
@@ -60,7 +58,7 @@ static void check_plate(const pbw_plane *plane)
             const double *a = planes_at(plane->points, plane->edges[2 * i]);
             const double *b = planes_at(plane->points, plane->edges[2 * i + 1]);
             if (CHECK(plane->edge_segments[k] >= 20 && plane->edge_segments[k] < 27)) {
-                length[plane->edge_segments[k] - 20] += sqrt(pbwa2__apart2(a, b));
+                length[plane->edge_segments[k] - 20] += hypot(a[0] - b[0], a[1] - b[1]);
             }
         }
     }
@@ -333,7 +331,8 @@ static void check_region(const carrier *c, const pbw_plane *plane, pbw_index reg
 
 static double length_of(const double *points, const pbw_index *ends)
 {
-    return sqrt(pbwa2__apart2(planes_at(points, ends[0]), planes_at(points, ends[1])));
+    const double *a = planes_at(points, ends[0]), *b = planes_at(points, ends[1]);
+    return hypot(a[0] - b[0], a[1] - b[1]);
 }
 
 static void check_segments(const carrier *c, const pbw_plane *plane, pbw_index id)

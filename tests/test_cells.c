@@ -1,6 +1,5 @@
 /* test_cells.c: Voronoi and power cells: whole, closed, symmetric, equal to cells cut by brute force, exact where
    points are degenerate, the same bytes for every number of threads, and sound after every failure. */
-#define PBW_CELLS_IMPLEMENTATION
 #include "pbw_cells.h"
 #include "inputs.h"
 #include "meter.h"

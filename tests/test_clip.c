@@ -1,6 +1,5 @@
 /* test_clip.c: cells in the plane clipped by polygons: equal to brute force, whole, closed, exact where polygons lie
    along sides of cells, the same bytes for every number of threads, and sound after every failure. */
-#define PBW_CELLS_IMPLEMENTATION
 #include "pbw_cells.h"
 #include "inputs.h"
 #include "meter.h"

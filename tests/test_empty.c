@@ -1,17 +1,11 @@
 /* test_empty.c: nothing in, and almost nothing: no array where there are no entries, points without a simplex, lists
    without items.  Every interface gives its status and empty arrays; sanitizers find offsets to arrays that are not
    there. */
-#define PBW_CELLS_IMPLEMENTATION
 #include "pbw_cells.h"
-#define PBW_MESH2_IMPLEMENTATION
 #include "pbw_mesh2.h"
-#define PBW_SURFACE_IMPLEMENTATION
 #include "pbw_surface.h"
-#define PBW_IMPROVE_IMPLEMENTATION
 #include "pbw_improve.h"
-#define PBW_MESH3_IMPLEMENTATION
 #include "pbw_mesh3.h"
-#define PBW_TILES_IMPLEMENTATION
 #include "pbw_tiles.h"
 #include "test.h"
 

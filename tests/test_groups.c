@@ -7,13 +7,9 @@
 #include <string.h>
 #include <unistd.h>
 #include "../pbw.h"
-#define PBW_SURFACE_IMPLEMENTATION
 #include "../examples/lib/pbw_surface.h"
-#define PBW_IMPROVE_IMPLEMENTATION
 #include "../examples/lib/pbw_improve.h"
-#define PBW_IO_IMPLEMENTATION
 #include "../examples/lib/pbw_io.h"
-#define PBW_MODEL_IMPLEMENTATION
 #include "../examples/lib/pbw_model.h"
 #include "test.h"
 

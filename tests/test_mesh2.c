@@ -1,7 +1,6 @@
 /* test_mesh2.c: pbw_mesh2.h on the inputs that constrained triangulations and domains break on, by an exact check of
    every mesh, and on random small ones by a slow way as well (planes.h). */
 #include "pbw.h"
-#define PBW_MESH2_IMPLEMENTATION
 #include "../examples/lib/pbw_mesh2.h"
 #include "domains.h"
 #include "meter.h"

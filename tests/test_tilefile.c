@@ -1,9 +1,6 @@
 /* test_tilefile.c: files of tiles, by the functions of the pbw program itself in one process: a file that differs in
    any word from what was written is refused by every reader to whom that word means something; so are scratch files
    of a run that goes on, files that are truncated while they are read, and a second run in one folder. */
-#define PBW_TILES_IMPLEMENTATION
-#define PBW_TILEFILE_IMPLEMENTATION
-#define PBW_IO_IMPLEMENTATION
 #include "pbw_tilefile.h"
 #include "pbw_io.h"
 #include "inputs.h"

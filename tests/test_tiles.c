@@ -1,6 +1,5 @@
 /* test_tiles.c: parts in one process: whatever the cuts and limits, the simplices of all parts together are those of
    one triangulation, and so are their links; sound after every failure. */
-#define PBW_TILES_IMPLEMENTATION
 #include "pbw_tiles.h"
 #include "inputs.h"
 #include "meter.h"

@@ -1,30 +1,10 @@
-/* library.c: the implementation of every header that the program uses. */
+/* library.c: the implementation of pbw.h and of the headers of cells, samples and tiles; library_*.c have others. */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
-#define PBW_ADAPT2_IMPLEMENTATION
-#include "pbw_adapt2.h"
 #define PBW_CELLS_IMPLEMENTATION
 #include "pbw_cells.h"
-#define PBW_IO_IMPLEMENTATION
-#include "pbw_io.h"
-#define PBW_MESH2_IMPLEMENTATION
-#include "pbw_mesh2.h"
-#define PBW_MODEL_IMPLEMENTATION
-#include "pbw_model.h"
-#define PBW_PICTURE_IMPLEMENTATION
-#include "pbw_picture.h"
 #define PBW_SAMPLE_IMPLEMENTATION
 #include "pbw_sample.h"
-#define PBW_SURFACE_IMPLEMENTATION
-#include "pbw_surface.h"
-#define PBW_IMPROVE_IMPLEMENTATION
-#include "pbw_improve.h"
-#define PBW_MESH3_IMPLEMENTATION
-#include "pbw_mesh3.h"
-#define PBW_ADAPT3_IMPLEMENTATION
-#include "pbw_adapt3.h"
-#define PBW_VIEW_IMPLEMENTATION
-#include "pbw_view.h"
 #define PBW_TILES_IMPLEMENTATION
 #include "pbw_tiles.h"
 #define PBW_TILEFILE_IMPLEMENTATION
