@@ -1087,6 +1087,92 @@ static void test_crowded(void)
     }
 }
 
+/* How much nearer a corner of a cell is to an image of another point than to its own; of a box from 0, all of which
+   repeats, the nearest image is so along each axis. */
+static double corner_fault(const pbw_cells *cells, const double *w, const double *box)
+{
+    const size_t dim = (size_t)cells->dim;
+    double worst = 0;
+    size_t i, at, j, k;
+    for (i = 0; i < cells->cell_count; i++) {
+        for (at = cells->loop_first[cells->first[i]]; at < cells->loop_first[cells->first[i + 1]]; at++) {
+            const double *x = cells->vertices + dim * cells->loops[at];
+            double own = w != NULL ? -w[i] : 0, least = HUGE_VAL, d;
+            for (k = 0; k < dim; k++) {
+                own += (x[k] - cells->sites[dim * i + k]) * (x[k] - cells->sites[dim * i + k]);
+            }
+            for (j = 0; j < cells->cell_count; j++) {
+                double power = w != NULL ? -w[j] : 0;
+                for (k = 0; k < dim; k++) {
+                    d = x[k] - cells->sites[dim * j + k];
+                    d -= box[dim + k] * floor(d / box[dim + k] + 0.5);
+                    power += d * d;
+                }
+                least = fmin(least, power);
+            }
+            worst = fmax(worst, (own - least) / own);
+        }
+    }
+    return worst;
+}
+
+/* Points in a thin slab of a high box: balls in the void are many periods wide, and hold few copies.  Bytes bound the
+   copies that are made. */
+static void test_slab(int dim, size_t count, double height, int weighted)
+{
+    if (test_begin("periodic: %dD, %d points in 1/%g of a box, weights %d", dim, (int)count, height, weighted)) {
+        const size_t d = (size_t)dim;
+        sites s = sites_make(INPUT_UNIFORM, dim, count, weighted ? INPUT_WEIGHTS_HALF : INPUT_WEIGHTS_ZERO);
+        double box[6] = { 0, 0, 0, 1, 1, 1 }, skew[9] = { 0 };
+        pbw_options options = threads(1), four = threads(4);
+        pbw_domain domain, lattice;
+        pbw_cells cells, again;
+        double differ = 0;
+        size_t i;
+        meter m;
+        memset(&domain, 0, sizeof domain);
+        memset(&lattice, 0, sizeof lattice);
+        box[d] = 1;
+        box[2 * d - 1] = height;
+        for (i = 0; i < d; i++) {                    /* the same lattice as the box */
+            skew[i * d + i] = i + 1 < d ? 1 : height;
+            skew[i * d] += i > 0 ? 2 : 0;
+        }
+        for (i = 0; i < d * count; i++) {
+            s.x[i] = fmod(fabs(s.x[i]), 1);
+        }
+        domain.box = box;
+        domain.periodic = (1u << dim) - 1;
+        lattice.lattice = skew;
+        options.resize = meter_resize;
+        options.resize_user = &m;
+        meter_start(&m, 0, 0);
+        CHECK_EQUAL(pbw_cells_periodic(dim, s.x, s.w, count, &domain, ALL, &options, &cells), PBW_OK);
+        if (!CHECK(m.peak < 20000 * count + 2000000)) {
+            test_say("%g bytes a point", (double)m.peak / (double)count);
+        }
+        if (!CHECK(cells.first != NULL && corner_fault(&cells, s.w, box) < 1e-9)
+            || !CHECK(fabs(sum_of(&cells) / height - 1) < 1e-12)) {
+            test_say("a corner %g nearer, volume %.17g", cells.first != NULL ? corner_fault(&cells, s.w, box) : 0,
+                     sum_of(&cells));
+        }
+        CHECK_EQUAL(pbw_cells_periodic(dim, s.x, s.w, count, &domain, ALL, &four, &again), PBW_OK);
+        CHECK(same_cells(&cells, &again));
+        pbw_cells_free(&again);
+        CHECK_EQUAL(pbw_cells_periodic(dim, s.x, s.w, count, &lattice, ALL, &four, &again), PBW_OK);
+        for (i = 0; i < count && again.volumes != NULL && cells.volumes != NULL; i++) {
+            differ = fmax(differ, fabs(again.volumes[i] - cells.volumes[i]));
+        }
+        if (!CHECK(differ < 1e-8 * height)) {        /* points of a lattice are rounded to 2^-45 of its height */
+            test_say("volumes differ by %g", differ);
+        }
+        pbw_cells_free(&again);
+        pbw_cells_free(&cells);
+        sites_free(&s);
+        test_end();
+    }
+}
+
 /* ---- lattices of any vectors, against brute force: `base` are vectors of moderate angles, and the given ones are
    sums of them, sum[k][i] of each, which make the same lattice. */
 
@@ -1390,6 +1476,11 @@ static void test_periodics(void)
     unsigned axes;
     int dim, i, w;
     test_crowded();
+    test_slab(3, 1000, 100, 0);
+    test_slab(3, 300, 1000, 1);
+    test_slab(3, 60, 10000, 0);
+    test_slab(2, 1000, 1000, 0);
+    test_slab(2, 400, 5000, 1);
     for (dim = 2; dim <= 3; dim++) {
         for (i = 0; i < 7; i++) {
             for (axes = 1; axes < 1u << dim; axes++) {

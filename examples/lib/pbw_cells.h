@@ -1015,6 +1015,27 @@ typedef struct pbwc__work {                /* of one range */
 
 #define PBWC__GRID 64
 
+/* Copies that are searched one by one, where a grid is too coarse for them. */
+typedef struct pbwc__copy { double shift[3]; pbw_index source; } pbwc__copy;
+typedef struct pbwc__found { pbwc__copy copy; double depth; } pbwc__found;      /* source PBW_NONE: none was found;
+                                                                       depth: radius^2 less its squared distance */
+
+#define PBWC__BRANCHES 8u
+#define PBWC__TREE_LEVELS 11u                        /* 8^11 points are more than indices have */
+
+typedef struct pbwc__searched {
+    int on;
+    pbwc__array added;                     /* copies that searches found, sorted */
+    pbwc__array found;                     /* of this round: of each point's cell, then of each simplex */
+    pbwc__array order, boxes;              /* points along a curve; low and high corners, 6 numbers, around 8 of them
+                                              each, then around 8 of these each, and so on to one */
+    size_t level[PBWC__TREE_LEVELS + 1], levels;     /* where boxes of a level begin */
+    int axis[3];                           /* periods, the longest one last */
+    double frame[3][3], step[3][3];        /* orthogonal directions of length 1, the first ones in the span of the
+                                              first periods; periods along them */
+    double low[3], high[3];                /* of the points along them */
+} pbwc__searched;
+
 struct pbwc__period {
     int dim, apexes;                       /* apexes: dim + 1 points far out, where the others are flat */
     unsigned axes;
@@ -1033,7 +1054,8 @@ struct pbwc__period {
     double from[3], to[3];                 /* bounds of the marked part */
     pbwc__array x, w, source, marks;       /* source: of each copy */
     pbwc__array thin;                      /* per point: is it one of few that are copied far out?  NULL: none is */
-    unsigned char marked;                  /* 1: new marks in this round */
+    unsigned char marked;                  /* 1: new marks, or found copies, in this round */
+    pbwc__searched searched;
 };
 
 struct pbwc__job {
@@ -4012,10 +4034,16 @@ static void pbwc__end_clip(pbwc__job *job)
    that is, if it lies in the ball around that corner that reaches to the site (with weights, the squared radius is
    the corner's power distance plus the largest weight).  Balls that leave the padded box mark a grid, and the copies
    there are added.  A cell that shrinks has smaller balls, in the union of its old ones, so a second round is the
-   last. If points are clustered, balls in the empty parts are large and would add most copies; then a few copies, one
-   point of each cell of a coarse grid, shrink them first.  Once marks add no copy, none is missing. Along a periodic
-   axis a cell reaches at most half the box from its site, as its images have the rest; so it is cut from a box of 3/4
-   to each side.
+   last.  If points are clustered, balls in the empty parts are large and would add most copies; then a few copies,
+   one point of each cell of a coarse grid, shrink them first.  Once marks add no copy, none is missing.
+   In a long box balls may be many periods wide and reach beyond the grid, which then marks far too much.  So they are
+   searched instead: of each cell the copy that is deepest in one of its balls is added, until no ball has one.  A
+   search goes through the periods of the longest axis first, nearest first, then the next axis's, then through a tree
+   of boxes around the points, and leaves out what is farther than the deepest copy so far.  The radius has the same
+   allowance for rounding as with marks, 1e-9 of itself, so a ball holds its site, which is there, and copies that are
+   as near up to rounding.
+   Along a periodic axis a cell reaches at most half the box from its site, as its images have the rest; so it is cut
+   from a box of 3/4 to each side.
    A lattice: all of that with heights instead of coordinates, which are distances from the faces of a parallelepiped,
    that of its reduced vectors.  Vector k adds its height to the k-th one and 0 to the others, and two points are as
    far apart as their heights or further, so balls are between two heights.  A cell lies in that of the lattice itself,
@@ -4041,18 +4069,220 @@ static unsigned char *pbwc__grid_mark(const pbwc__period *period, const int at[3
     return (unsigned char *)period->marks.data + ((size_t)at[2] * PBWC__GRID + (size_t)at[1]) * PBWC__GRID + at[0];
 }
 
-/* Marks what the ball around x covers if it leaves the padded box; square: of its radius, less the largest weight. */
-static void pbwc__certify(pbwc__period *period, const double *x, double square)
+/* The copy of a point at x. */
+static void pbwc__copy_at(const pbwc__period *period, size_t i, const double shift[3], double *x)
+{
+    const size_t dim = (size_t)period->dim;
+    const double *p = PBWC__DOUBLES(period->x) + i * dim;
+    size_t k;
+    for (k = 0; k < dim; k++) {
+        x[k] = !period->is_lattice ? p[k] + shift[k] * period->size[k]
+             : p[k] + (shift[0] * period->vector[0][k] + shift[1] * period->vector[1][k]
+                       + shift[2] * period->vector[2][k]);
+    }
+}
+
+/* The shifts of point i between from and to. */
+static void pbwc__shift_range(const pbwc__period *period, size_t i, double first[3], double last[3])
+{
+    const double *p = PBWC__DOUBLES(period->x) + i * (size_t)period->dim;
+    int k;
+    for (k = 0; k < 3; k++) {
+        first[k] = last[k] = 0;
+        if (k < period->dim && (period->axes >> k & 1) != 0) {
+            const double h = pbwc__height(period, k, p);
+            first[k] = ceil((period->from[k] - h) / period->size[k]);
+            last[k] = floor((period->to[k] - h) / period->size[k]);
+        }
+    }
+}
+
+/* Returns whether the copy of point i at x is in the padded box or at a mark. */
+static int pbwc__is_copied(const pbwc__period *period, size_t i, const double *x)
+{
+    int at[3] = { 0, 0, 0 }, k, inside = 1;
+    int near = period->thin.data != NULL && ((const unsigned char *)period->thin.data)[i] != 0;
+    for (k = 0; k < period->dim; k++) {
+        const double h = pbwc__height(period, k, x);
+        at[k] = pbwc__grid_at(period, k, h);
+        if ((period->axes >> k & 1) != 0) {
+            inside &= h >= -period->margin[k] && h <= period->size[k] + period->margin[k];
+            near &= h >= -0.5 * period->size[k] && h <= 1.5 * period->size[k];
+        }
+    }
+    return inside || near || *pbwc__grid_mark(period, at) != 0;
+}
+
+static int pbwc__compare_copies(const void *left, const void *right)
+{
+    const pbwc__copy *a = (const pbwc__copy *)left, *b = (const pbwc__copy *)right;
+    int k;
+    for (k = 0; k < 3; k++) {
+        if (a->shift[k] < b->shift[k] || a->shift[k] > b->shift[k]) {
+            return a->shift[k] < b->shift[k] ? -1 : 1;
+        }
+    }
+    return (a->source > b->source) - (a->source < b->source);
+}
+
+/* Returns whether the mesh of this round has a copy; x: where that is. */
+static int pbwc__is_present(const pbwc__period *period, const pbwc__copy *copy, const double *x)
+{
+    double first[3], last[3];
+    int k, within = 1;
+    pbwc__shift_range(period, copy->source, first, last);
+    for (k = 0; k < 3; k++) {
+        within &= copy->shift[k] >= first[k] && copy->shift[k] <= last[k];
+    }
+    return (within && pbwc__is_copied(period, copy->source, x))
+        || (period->searched.added.count > 0
+            && bsearch(copy, period->searched.added.data, period->searched.added.count, sizeof *copy,
+                       pbwc__compare_copies) != NULL);
+}
+
+/* A ball of which the deepest missing copy is searched. */
+typedef struct pbwc__ball {
+    const pbwc__period *period;
+    const double *x;                       /* its centre */
+    double along[3];                       /* that in the frame */
+    double limit;                          /* the squared radius, less the depth of the deepest copy so far */
+    double square;                         /* the squared radius */
+    pbwc__copy copy;                       /* with the shift at hand */
+    pbwc__found *found;
+} pbwc__ball;
+
+/* Tries all points with one shift. */
+static void pbwc__search_points(pbwc__ball *ball)
+{
+    const pbwc__period *period = ball->period;
+    const pbwc__searched *tree = &period->searched;
+    const size_t dim = (size_t)period->dim;
+    size_t stack[PBWC__TREE_LEVELS * PBWC__BRANCHES], depth = 1, k, i;
+    double moved[3] = { 0, 0, 0 };
+    pbwc__copy_at(period, 0, ball->copy.shift, moved);
+    for (k = 0; k < dim; k++) {                      /* the centre, seen from the points */
+        moved[k] = ball->x[k] - (moved[k] - PBWC__DOUBLES(period->x)[k]);
+    }
+    for (stack[0] = tree->level[tree->levels - 1]; depth > 0; ) {
+        const size_t node = stack[--depth];
+        const double *box = PBWC__DOUBLES(tree->boxes) + 6 * node;
+        double square = 0;
+        size_t level = 0, first, end;
+        for (k = 0; k < dim; k++) {
+            const double off = moved[k] < box[k] ? box[k] - moved[k]
+                             : moved[k] > box[3 + k] ? moved[k] - box[3 + k] : 0;
+            square += off * off;
+        }
+        if (square >= ball->limit) {
+            continue;
+        }
+        while (node >= tree->level[level + 1]) {
+            level++;
+        }
+        first = (node - tree->level[level]) * PBWC__BRANCHES;
+        end = level == 0 ? period->count : tree->level[level] - tree->level[level - 1];
+        end = first + PBWC__BRANCHES < end ? first + PBWC__BRANCHES : end;
+        for (i = first; level > 0 && i < end; i++) {
+            stack[depth++] = tree->level[level - 1] + i;
+        }
+        for (i = first; level == 0 && i < end; i++) {
+            double p[3];
+            ball->copy.source = PBWC__INDICES(tree->order)[i];
+            pbwc__copy_at(period, ball->copy.source, ball->copy.shift, p);
+            square = period->heaviest - PBWC__DOUBLES(period->w)[ball->copy.source];
+            for (k = 0; k < dim; k++) {
+                square += (p[k] - ball->x[k]) * (p[k] - ball->x[k]);
+            }
+            if (square < ball->limit && !pbwc__is_present(period, &ball->copy, p)) {
+                ball->limit = square;
+                ball->found->copy = ball->copy;
+                ball->found->depth = ball->square - square;
+            }
+        }
+    }
+}
+
+/* Tries the shifts along axes of the frame up to the k-th one, nearest first; sum: of those along the others, where
+   the points are `far` from the centre, squared. */
+static void pbwc__search_shifts(pbwc__ball *ball, int k, const double sum[3], double far)
+{
+    const pbwc__period *period = ball->period;
+    const pbwc__searched *tree = &period->searched;
+    const int axis = k < 0 ? 0 : tree->axis[k];
+    double middle = 0, next[3] = { 0, 0, 0 };
+    int side, i;
+    if (k < 0) {
+        if (fabs(ball->copy.shift[0]) + fabs(ball->copy.shift[1]) + fabs(ball->copy.shift[2]) > 0) {
+            pbwc__search_points(ball);
+        }
+        return;
+    }
+    if ((period->axes >> axis & 1) != 0) {
+        middle = floor((ball->along[k] - sum[k] - 0.5 * (tree->low[k] + tree->high[k])) / tree->step[axis][k] + 0.5);
+    }
+    for (side = 1; side >= -1; side -= 2) {
+        double shift = side > 0 ? middle : middle - 1;
+        for (; (period->axes >> axis & 1) != 0 || (side > 0 && !(fabs(shift) > 0)); shift += side) {
+            const double at = ball->along[k] - sum[k] - shift * tree->step[axis][k];
+            const double off = at < tree->low[k] ? tree->low[k] - at : at > tree->high[k] ? at - tree->high[k] : 0;
+            if (far + off * off >= ball->limit) {
+                break;
+            }
+            for (i = 0; i < k; i++) {
+                next[i] = sum[i] + shift * tree->step[axis][i];
+            }
+            ball->copy.shift[axis] = shift;
+            pbwc__search_shifts(ball, k - 1, next, far + off * off);
+        }
+    }
+    ball->copy.shift[axis] = 0;
+}
+
+/* Searches the ball around x for missing copies; found: the deepest one in the balls of a cell or simplex. */
+static void pbwc__search(pbwc__period *period, const double *x, double radius, pbwc__found *found)
+{
+    const double none[3] = { 0, 0, 0 };
+    const pbwc__searched *tree = &period->searched;
+    pbwc__ball ball;
+    int k, i;
+    memset(&ball, 0, sizeof ball);
+    ball.period = period;
+    ball.x = x;
+    ball.square = radius * radius;
+    ball.limit = ball.square - (found->copy.source != PBW_NONE ? found->depth : 0);
+    ball.found = found;
+    for (k = 0; k < period->dim; k++) {
+        for (i = 0; i < period->dim; i++) {
+            ball.along[k] += tree->frame[k][i] * x[i];
+        }
+    }
+    pbwc__search_shifts(&ball, period->dim - 1, none, 0);
+    if (found->copy.source != PBW_NONE) {
+        PBWC__WRITE(&period->marked, 1);
+    }
+}
+
+/* If the ball around x leaves the padded box, marks what it covers, or searches it; square: of its radius, less the
+   largest weight; which: the point, or the number of points and a simplex, that has the ball. */
+static void pbwc__certify(pbwc__period *period, const double *x, double square, size_t which)
 {
     const double radius = sqrt(square + period->heaviest > 0 ? square + period->heaviest : 0) * (1 + 1e-9);
     int from[3] = { 0, 0, 0 }, to[3] = { 0, 0, 0 }, at[3], k, inside = 1;
+    double widest = 0;
     for (k = 0; k < period->dim; k++) {
         const double slack = radius + 1e-12 * (period->high[k] - period->low[k]), h = pbwc__height(period, k, x);
+        widest = slack > widest ? slack : widest;
         from[k] = pbwc__grid_at(period, k, h - slack);
         to[k] = pbwc__grid_at(period, k, h + slack);
         if ((period->axes >> k & 1) != 0) {
             inside &= h - slack > -period->margin[k] && h + slack < period->size[k] + period->margin[k];
         }
+    }
+    if (period->searched.on) {
+        if (!inside) {
+            pbwc__search(period, x, widest, (pbwc__found *)period->searched.found.data + which);
+        }
+        return;
     }
     for (at[2] = from[2]; !inside && at[2] <= to[2]; at[2]++) {
         for (at[1] = from[1]; at[1] <= to[1]; at[1]++) {
@@ -4081,7 +4311,7 @@ static void pbwc__certify_cut(const pbwc__work *work, pbw_index v)
             x[k] = mesh->points[v * dim + k] + d[k];
             square += d[k] * d[k];
         }
-        pbwc__certify(work->job->period, x, square);
+        pbwc__certify(work->job->period, x, square, v);
     }
 }
 
@@ -4105,7 +4335,7 @@ static pbw_status pbwc__certify_simplices(void *arg, size_t from, size_t to)
                 square += x[k] * x[k];
                 x[k] += mesh->points[corner[0] * dim + k];
             }
-            pbwc__certify(job->period, x, square);
+            pbwc__certify(job->period, x, square, job->count + from);
         }
     }
     return PBW_OK;
@@ -5246,22 +5476,6 @@ static void pbwc__extent(pbwc__period *period)
     }
 }
 
-/* Returns whether the copy of point i at x is needed. */
-static int pbwc__is_copied(const pbwc__period *period, size_t i, const double *x)
-{
-    int at[3] = { 0, 0, 0 }, k, inside = 1;
-    int near = period->thin.data != NULL && ((const unsigned char *)period->thin.data)[i] != 0;
-    for (k = 0; k < period->dim; k++) {
-        const double h = pbwc__height(period, k, x);
-        at[k] = pbwc__grid_at(period, k, h);
-        if ((period->axes >> k & 1) != 0) {
-            inside &= h >= -period->margin[k] && h <= period->size[k] + period->margin[k];
-            near &= h >= -0.5 * period->size[k] && h <= 1.5 * period->size[k];
-        }
-    }
-    return inside || near || *pbwc__grid_mark(period, at) != 0;
-}
-
 /* One more point.  Returns 0 if there is no memory. */
 static int pbwc__add_copy(pbwc__period *period, const double *x, double weight, pbw_index source)
 {
@@ -5282,30 +5496,16 @@ static int pbwc__add_copy(pbwc__period *period, const double *x, double weight, 
 
 static int pbwc__add_copies(pbwc__period *period, size_t i)
 {
-    const size_t dim = (size_t)period->dim;
     const double weight = PBWC__DOUBLES(period->w)[i];
-    double p[3], x[3], first[3] = { 0, 0, 0 }, last[3] = { 0, 0, 0 }, shift[3];
-    size_t k;
-    memcpy(p, PBWC__DOUBLES(period->x) + i * dim, dim * sizeof *p);
-    memcpy(x, p, dim * sizeof *x);
-    for (k = 0; k < dim; k++) {
-        if ((period->axes >> k & 1) != 0) {
-            const double h = pbwc__height(period, (int)k, p);
-            first[k] = ceil((period->from[k] - h) / period->size[k]);
-            last[k] = floor((period->to[k] - h) / period->size[k]);
-        }
-    }
+    double x[3], first[3], last[3], shift[3];
+    pbwc__shift_range(period, i, first, last);
     for (shift[2] = first[2]; shift[2] <= last[2]; shift[2]++) {
         for (shift[1] = first[1]; shift[1] <= last[1]; shift[1]++) {
             for (shift[0] = first[0]; shift[0] <= last[0]; shift[0]++) {
                 if (shift[0] == 0 && shift[1] == 0 && shift[2] == 0) {
                     continue;
                 }
-                for (k = 0; k < dim; k++) {
-                    x[k] = !period->is_lattice ? p[k] + shift[k] * period->size[k]
-                         : p[k] + (shift[0] * period->vector[0][k] + shift[1] * period->vector[1][k]
-                                   + shift[2] * period->vector[2][k]);
-                }
+                pbwc__copy_at(period, i, shift, x);
                 if (pbwc__is_copied(period, i, x) && !pbwc__add_copy(period, x, weight, (pbw_index)i)) {
                     return 0;
                 }
@@ -5328,6 +5528,13 @@ static pbw_status pbwc__copies(pbwc__period *period)
             return PBW_ERROR_TOO_LARGE;
         }
         if (!pbwc__add_copies(period, i)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    for (i = 0; i < period->searched.added.count; i++) {
+        const pbwc__copy *copy = (const pbwc__copy *)period->searched.added.data + i;
+        pbwc__copy_at(period, copy->source, copy->shift, x);
+        if (!pbwc__add_copy(period, x, PBWC__DOUBLES(period->w)[copy->source], copy->source)) {
             return PBW_ERROR_MEMORY;
         }
     }
@@ -5455,11 +5662,180 @@ static pbw_status pbwc__unwrap(pbwc__job *job, const double *box)
     return PBW_OK;
 }
 
-/* After a round, adds the marked copies.  Clears period->marked if all of them were there. */
-static pbw_status pbwc__more_copies(pbwc__period *period)
+/* Directions along which copies are searched, and where points and periods are along them (Gram-Schmidt). */
+static void pbwc__set_frame(pbwc__period *period)
+{
+    pbwc__searched *tree = &period->searched;
+    const int dim = period->dim;
+    double vector[3][3] = { { 0 } }, square[3] = { 0, 0, 0 };
+    size_t i;
+    int k, m, c;
+    for (k = 0; k < dim; k++) {
+        for (m = 0; m < dim; m++) {
+            vector[k][m] = period->is_lattice ? period->vector[k][m] : m == k ? period->size[k] : 0;
+            square[k] += vector[k][m] * vector[k][m];
+        }
+        for (m = k; m > 0 && square[tree->axis[m - 1]] > square[k]; m--) {
+            tree->axis[m] = tree->axis[m - 1];
+        }
+        tree->axis[m] = k;
+    }
+    for (k = 0; k < dim; k++) {
+        double rest[3], length = 0;
+        memcpy(rest, vector[tree->axis[k]], sizeof rest);
+        for (m = 0; m < k; m++) {
+            double along = 0;
+            for (c = 0; c < dim; c++) {
+                along += rest[c] * tree->frame[m][c];
+            }
+            for (c = 0; c < dim; c++) {
+                rest[c] -= along * tree->frame[m][c];
+            }
+        }
+        for (c = 0; c < dim; c++) {
+            length += rest[c] * rest[c];
+        }
+        tree->low[k] = HUGE_VAL;
+        tree->high[k] = -HUGE_VAL;
+        for (c = 0; c < dim; c++) {
+            tree->frame[k][c] = rest[c] / sqrt(length);
+            for (m = 0; m < dim; m++) {
+                tree->step[m][k] += tree->frame[k][c] * vector[m][c];
+            }
+        }
+    }
+    for (i = 0; i < period->count; i++) {
+        for (k = 0; k < dim; k++) {
+            double along = 0;
+            for (c = 0; c < dim; c++) {
+                along += tree->frame[k][c] * PBWC__DOUBLES(period->x)[i * (size_t)dim + (size_t)c];
+            }
+            tree->low[k] = along < tree->low[k] ? along : tree->low[k];
+            tree->high[k] = along > tree->high[k] ? along : tree->high[k];
+        }
+    }
+}
+
+/* Boxes around points, along a curve, and around boxes. */
+static pbw_status pbwc__plant_tree(pbwc__period *period, const pbw_options *options)
+{
+    pbwc__searched *tree = &period->searched;
+    const size_t dim = (size_t)period->dim;
+    size_t count = period->count, i, k, c, total = 0;
+    pbw_status status;
+    for (tree->levels = 0; tree->levels == 0 || count > 1; tree->levels++) {
+        count = (count + PBWC__BRANCHES - 1) / PBWC__BRANCHES;
+        tree->level[tree->levels] = total;
+        total += count;
+    }
+    tree->level[tree->levels] = total;
+    if (!pbwc__resize(period->memory, &tree->order, period->count * sizeof(pbw_index))
+        || !pbwc__resize(period->memory, &tree->boxes, total * 6 * sizeof(double))) {
+        return PBW_ERROR_MEMORY;
+    }
+    status = pbw_order(period->dim, PBWC__DOUBLES(period->x), period->count, options, PBWC__INDICES(tree->order));
+    for (i = 0; status == PBW_OK && i < total; i++) {
+        double *box = PBWC__DOUBLES(tree->boxes) + 6 * i;
+        for (k = 0; k < 3; k++) {
+            box[k] = HUGE_VAL;
+            box[3 + k] = -HUGE_VAL;
+        }
+    }
+    for (i = 0; status == PBW_OK && i < period->count; i++) {
+        const double *x = PBWC__DOUBLES(period->x) + PBWC__INDICES(tree->order)[i] * dim;
+        for (c = 0, count = i; c < tree->levels; c++) {
+            double *box = PBWC__DOUBLES(tree->boxes) + 6 * (tree->level[c] + (count /= PBWC__BRANCHES));
+            for (k = 0; k < dim; k++) {
+                box[k] = x[k] < box[k] ? x[k] : box[k];
+                box[3 + k] = x[k] > box[3 + k] ? x[k] : box[3 + k];
+            }
+        }
+    }
+    return status;
+}
+
+/* Returns whether the marked part is so many periods wide that trying all copies in it would take long.  In a cube it
+   is 7 periods wide at most. */
+static int pbwc__is_vast(const pbwc__period *period)
+{
+    double shifts = 1;
+    int k;
+    for (k = 0; k < period->dim; k++) {
+        shifts *= (period->axes >> k & 1) != 0 ? (period->to[k] - period->from[k]) / period->size[k] + 1 : 1;
+    }
+    return shifts > pow(7, period->dim) && shifts * (double)period->count > 131072;
+}
+
+/* From now on searches balls for copies, one by one. */
+static pbw_status pbwc__begin_searches(pbwc__period *period, const pbw_options *options)
+{
+    pbw_status status = PBW_OK;
+    period->searched.on = 1;
+    memset(period->marks.data, 0, period->marks.bytes);
+    if (period->count >= 500 && period->thin.data == NULL) {
+        status = pbwc__choose_thin(period, 1);
+    }
+    pbwc__set_frame(period);
+    return status == PBW_OK ? pbwc__plant_tree(period, options) : status;
+}
+
+/* Nothing is found yet in the balls of a mesh. */
+static pbw_status pbwc__start_searches(pbwc__period *period, size_t simplices)
+{
+    pbwc__array *found = &period->searched.found;
+    size_t i;
+    if (!pbwc__resize(period->memory, found, (period->count + simplices) * sizeof(pbwc__found))) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < period->count + simplices; i++) {
+        ((pbwc__found *)found->data)[i].copy.source = PBW_NONE;
+    }
+    found->count = i;
+    return PBW_OK;
+}
+
+/* Adds what searches found, each copy once.  Returns 0 if there is no memory. */
+static int pbwc__add_found(pbwc__period *period)
+{
+    const pbwc__found *found = (const pbwc__found *)period->searched.found.data;
+    pbwc__array *added = &period->searched.added;
+    pbwc__copy *copy;
+    size_t i, kept = 0;
+    for (i = 0; i < period->searched.found.count; i++) {
+        if (found[i].copy.source != PBW_NONE) {
+            copy = (pbwc__copy *)pbwc__room(period->memory, added, 1, sizeof *copy);
+            if (copy == NULL) {
+                return 0;
+            }
+            *copy = found[i].copy;
+            added->count++;
+        }
+    }
+    copy = (pbwc__copy *)added->data;
+    qsort(copy, added->count, sizeof *copy, pbwc__compare_copies);
+    for (i = 0; i < added->count; i++) {
+        if (i == 0 || pbwc__compare_copies(copy + i, copy + i - 1) != 0) {
+            copy[kept++] = copy[i];
+        }
+    }
+    added->count = kept;
+    return 1;
+}
+
+/* After a round, adds the copies that are marked or found.  Clears period->marked if all of them were there. */
+static pbw_status pbwc__more_copies(pbwc__period *period, const pbw_options *options)
 {
     const size_t before = period->total;
-    pbw_status status = pbwc__copies(period);
+    pbw_status status;
+    if (period->searched.on) {
+        return pbwc__add_found(period) ? pbwc__copies(period) : PBW_ERROR_MEMORY;
+    }
+    pbwc__extent(period);
+    if (pbwc__is_vast(period)) {
+        status = pbwc__begin_searches(period, options);
+        return status == PBW_OK ? pbwc__copies(period) : status;
+    }
+    status = pbwc__copies(period);
     if (status == PBW_OK && period->total == before) {
         period->marked = 0;
     } else if (status == PBW_OK && period->total > 5 * period->count && period->count >= 500
@@ -5496,9 +5872,10 @@ static pbw_status pbwc__round(pbwc__job *job, const double *box)
         }
         domain.box = walls;
         job->mesh = &mesh;
-        status = pbwc__run(job, &domain);
+        status = period->searched.on ? pbwc__start_searches(period, mesh.simplex_count) : PBW_OK;
+        status = status == PBW_OK ? pbwc__run(job, &domain) : status;
         if (status == PBW_OK && period->marked) {
-            status = pbwc__more_copies(period);
+            status = pbwc__more_copies(period, &job->options);
         }
         if (status == PBW_OK && !period->marked) {
             status = pbwc__unwrap(job, box);
@@ -5565,6 +5942,10 @@ PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const d
     pbwc__release(&job.memory, &period.source);
     pbwc__release(&job.memory, &period.marks);
     pbwc__release(&job.memory, &period.thin);
+    pbwc__release(&job.memory, &period.searched.added);
+    pbwc__release(&job.memory, &period.searched.found);
+    pbwc__release(&job.memory, &period.searched.order);
+    pbwc__release(&job.memory, &period.searched.boxes);
     if (cells->memory != NULL) {
         ((pbwc__owned *)cells->memory)->memory = job.memory;
     }
