@@ -4189,6 +4189,7 @@ typedef struct pbw__store {
     size_t corner_capacity, link_capacity, mark_capacity;
     size_t capacity;                                 /* in simplices, the least of all */
     int plain;                                       /* no marks: in the plane, without >>core, and in the output */
+    int lent;                                        /* `link` is that of another store, for the output to read */
     size_t count;                                    /* slots given to regions and threads */
     pbw_index *region;                               /* per region: its first slot that was never used */
     pbw_index *hint;                                 /* >>parallel: per zone, at its first region: where walks may
@@ -4446,21 +4447,29 @@ PBW__INLINE size_t pbw__region_end(const pbw__store *store, size_t region)
     return end < store->region_slots && region + 1 < store->region_count ? end : store->region_slots;
 }
 
+/* There are at most 65536 regions, as each round of >>parallel visits all of them; with less than 128 ranks (2D: 512)
+   too many would be full while others are not. */
+static int pbw__region_bits(size_t vertices, int dim)
+{
+    int bits = dim == 3 ? 7 : 9;
+    while (vertices >> bits >= 65536) {
+        bits++;
+    }
+    return bits;
+}
+
 /* Regions and a tail.  A region has slots for 6 7/8 simplices a vertex in space: uniform points need 6.77, and the
    tail takes the surplus of one region in five.  In the plane each vertex makes two more triangles than it deletes,
-   ghosts included, so a region needs two slots a vertex and two more for the first star.  There are at most 65536
-   regions, as each round of >>parallel visits all of them; with less than 128 ranks (2D: 512) too many would be full
-   while others are not.  The output moves each simplex to a place in the order of lowest ranks.  About n^(2/3) of the
-   first n ranks share simplices with higher ranks, in slots of later regions.  In space the first region has spare
-   slots for them, so that places do not get ahead of the slots that are read. */
+   ghosts included, so a region needs two slots a vertex and two more for the first star.  The output moves each
+   simplex to a place in the order of lowest ranks.  About n^(2/3) of the first n ranks share simplices with higher
+   ranks, in slots of later regions.  In space the first region has spare slots for them, so that places do not get
+   ahead of the slots that are read. */
 static pbw_status pbw__store_create(pbw__context *context, pbw__store *store, size_t vertices, int dim)
 {
     pbw__memory *memory = &context->memory;
     size_t slots, tail = 64 + vertices / (dim == 3 ? 32 : 1024), side = 1, r;
     pbw_status status;
-    for (store->region_bits = dim == 3 ? 7 : 9; vertices >> store->region_bits >= 65536; ) {
-        store->region_bits++;
-    }
+    store->region_bits = pbw__region_bits(vertices, dim);
     store->slots_each = ((size_t)1 << store->region_bits) / 16 * (dim == 3 ? 110 : 32) + (dim == 3 ? 0 : 2);
     while (side * side * side < vertices) {
         side++;
@@ -8043,7 +8052,8 @@ static void pbw__emit_pass2(void *arg, int task)
    order and loaded with acquire order, says that the chunk was read.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__CHUNK ((size_t)1 << 12)                 /* the largest */
-#define PBW__APART PBW__SMALLER(3072)                /* slots, at most, whose simplices are written to new arrays */
+#define PBW__APART PBW__SMALLER(3072)                /* slots, at most, whose simplices are written to new arrays: many
+                                                        would be set aside */
 
 /* Large chunks are better: the start of a chunk is not prefetched, and near slots have places in the same cache
    lines, which tasks would share.  But a simplex is set aside if its place lies in a chunk in progress, and of points
@@ -8316,18 +8326,17 @@ static pbw_status pbw__emit_status(const pbw__emission *emission)
     return emission->failed ? PBW_ERROR_MEMORY : PBW__LOAD(&emission->context->cancelled) ? PBW_CANCELLED : PBW_OK;
 }
 
-/* Chooses the arrays to write to: the store's or, for few simplices, new ones, since many would be set aside.
-   Returns 0 if memory is short. */
+/* Chooses the arrays to write to: the store's or new ones.  Returns 0 if memory is short. */
 static int pbw__emit_begin(pbw__emission *emission)
 {
-    pbw__memory *memory = &emission->context->memory;
     const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1);
     const int links = emission->link != NULL;
     emission->to_corner = emission->corner;
     emission->to_link = (pbw_index *)(void *)emission->link;
     if (emission->apart) {
-        emission->to_corner = (pbw_index *)pbw__allocate(memory, entries, sizeof(pbw_index));
-        emission->to_link = links ? (pbw_index *)pbw__allocate(memory, entries, sizeof(pbw_index)) : NULL;
+        emission->to_corner = (pbw_index *)pbw__allocate_large(emission->context, entries, sizeof(pbw_index));
+        emission->to_link = links ? (pbw_index *)pbw__allocate_large(emission->context, entries, sizeof(pbw_index))
+                                  : NULL;
         emission->failed = emission->to_corner == NULL || (emission->to_link == NULL && links);
     }
     return !emission->failed;
@@ -8512,7 +8521,7 @@ static int pbw__emit_cut(pbw__emission *emission, pbw__store *store, pbw__vertic
         return 0;
     }
     pbw__emit_arrays(emission, store, vertices);
-    emission->incident = pbw__make_incident(emission->context, owned, mesh, vertices->duplicate_count > 0,
+    emission->incident = pbw__make_incident(emission->context, owned, mesh, vertices->count < mesh->point_count,
                                             behind > 0 ? vertices->record + kept : NULL);
     return emission->incident != NULL;
 }
@@ -8549,7 +8558,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     emission.id = vertices->id;
     emission.chain = store->hint;
     emission.tasks = pbw__tasks(context, vertices->count, 16384);
-    emission.apart = emission.tasks == 1 && emission.slot_count <= PBW__APART;
+    emission.apart = store->lent || (emission.tasks == 1 && emission.slot_count <= PBW__APART);
     emission.chunk_bits = pbw__chunk_bits(emission.dim, emission.tasks, context->threads, store->count);
     status = pbw__emit_all(&emission, store, vertices);
     if (status == PBW_OK) {
@@ -17329,29 +17338,17 @@ PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *optio
 /* ------------------------------------------------------------------------------------------------------
    >>view         The arrays of a live triangulation.
    In: a core.  Out: the mesh that pbw_triangulate makes of the points that live.
-   The vertices are sorted along the curve as for a build, which gives their ranks.  The simplices are put into the
-   canonical order of >>number, in new arrays, as the core keeps its own.  Each belongs to the list of its lowest
-   rank. A radix sort, one task per chunk of slots, distributes them to blocks of lists; then each block is sorted and
-   written; then neighbours are looked up.
+   The vertices are sorted along the curve as for a build, which gives their ranks.  The corners are copied as ranks;
+   from there on >>number and >>output work as after a build, but write to new arrays, as the core keeps its own.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__LISTED ((size_t)512)                    /* ranks in a block */
-
 typedef struct pbw__viewing {
     const pbw_live *live;
     pbw_mesh *mesh;
-    pbw__emission emission;                          /* how lists are sorted: see >>number */
-    int alone;                                       /* there is one thread; it takes blocks in descending order */
-    size_t ranks, blocks, chunks, visible, duplicates;       /* ranks: including 0 */
+    size_t duplicates;
     const pbw_index *list;                           /* per entry of the sort's input: its vertex; NULL: all */
     pbw_index *id;                                   /* per rank */
     pbw_index *rank;                                 /* per vertex */
-    pbw_index *number;                               /* per slot: its list, then its place */
-    unsigned char *turn;                             /* per slot: see pbw__canonical_order */
-    pbw_index *first, *outer;                        /* per rank: its first simplex; with several threads: in its
-                                                        block, in other blocks */
-    pbw_index *base;                                 /* per block: its first simplex; then the end of the last one */
-    pbw_index *bin;                                  /* per chunk and block: the count; then the next place */
-    pbw_index *simplices, *neighbors, *incident;     /* the mesh's; neighbors: at first each begins with its slot */
+    pbw_index *corner;                               /* per slot: the ranks of the corners */
 } pbw__viewing;
 
 /* ---- points: those in the queue have other coordinates than their vertices */
@@ -17447,230 +17444,6 @@ static pbw_status pbw__view_order(const pbw_live *live, pbw__context *context, p
 }
 
 /* ---- simplices */
-/* Finds the list of each simplex of a chunk, and counts the simplices per block. */
-PBW__INLINE void pbw__view_count_of(const pbw__viewing *viewing, size_t from, size_t to, pbw_index *bin, int dim)
-{
-    const pbw_index *corner = viewing->live->core.store.corner, *rank = viewing->rank;
-    pbw_index *number = viewing->number;
-    for (; from < to; from++) {
-        const pbw_index *v = corner + 4 * from;
-        pbw_index r[4];
-        unsigned order;
-        int k;
-        if (v[0] == PBW_NONE || v[dim] == PBW__GHOST) {
-            number[from] = PBW_NONE;
-            continue;
-        }
-        for (k = 0; k <= dim; k++) {
-            r[k] = rank[v[k]];
-        }
-        order = pbw__canonical_order(r, dim);
-        viewing->turn[from] = (unsigned char)order;
-        number[from] = r[order & 3];
-        bin[r[order & 3] / PBW__LISTED]++;
-    }
-}
-
-/* Returns the first slot of a chunk. */
-PBW__INLINE size_t pbw__view_chunk(const pbw__viewing *viewing, size_t chunk)
-{
-    return pbw__share(viewing->live->core.store.count, (int)chunk, (int)viewing->chunks);
-}
-
-static pbw_status pbw__view_count(void *arg, size_t from, size_t to)
-{
-    const pbw__viewing *viewing = (const pbw__viewing *)arg;
-    for (; from < to; from++) {
-        pbw_index *bin = viewing->bin + from * viewing->blocks;
-        memset(bin, 0, viewing->blocks * sizeof(pbw_index));
-        PBW__BY_DIM(viewing->live->dim, pbw__view_count_of, viewing, pbw__view_chunk(viewing, from),
-                    pbw__view_chunk(viewing, from + 1), bin);
-    }
-    return PBW_OK;
-}
-
-/* Distributes the slots of a chunk to blocks. */
-static pbw_status pbw__view_scatter(void *arg, size_t from, size_t to)
-{
-    const pbw__viewing *viewing = (const pbw__viewing *)arg;
-    const pbw_index *number = viewing->number;
-    const size_t corners = (size_t)viewing->live->dim + 1;
-    for (; from < to; from++) {
-        pbw_index *bin = viewing->bin + from * viewing->blocks;
-        const size_t end = pbw__view_chunk(viewing, from + 1);
-        size_t t;
-        for (t = pbw__view_chunk(viewing, from); t < end; t++) {
-            if (number[t] != PBW_NONE) {
-                viewing->neighbors[corners * bin[number[t] / PBW__LISTED]++] = (pbw_index)t;
-            }
-        }
-    }
-    return PBW_OK;
-}
-
-/* Makes the items of a block, see >>number, list by list; the i-th list ends at end[i]. */
-PBW__INLINE void pbw__view_items(const pbw__viewing *viewing, size_t block, pbw_index *end, pbw__item *item, int dim)
-{
-    const pbw_index *corner = viewing->live->core.store.corner, *rank = viewing->rank, *number = viewing->number;
-    const size_t corners = (size_t)dim + 1, from = viewing->base[block], to = viewing->base[block + 1];
-    const pbw_index *list = viewing->neighbors, low = (pbw_index)(block * PBW__LISTED);
-    pbw_index sum = 0;
-    size_t i;
-    memset(end, 0, PBW__LISTED * sizeof(pbw_index));
-    for (i = from; i < to; i++) {
-        const size_t soon = list[corners * (i + PBW__SOON < to ? i + PBW__SOON : i)];
-        PBW__PREFETCH(number + soon);
-        PBW__PREFETCH(corner + 4 * soon);
-        PBW__PREFETCH(viewing->turn + soon);
-        end[number[list[corners * i]] - low]++;
-    }
-    for (i = 0; i < PBW__LISTED; i++) {
-        const pbw_index length = end[i];
-        end[i] = sum;
-        sum += length;
-    }
-    for (i = from; i < to; i++) {
-        const size_t t = list[corners * i];
-        const pbw_index *v = corner + 4 * t;
-        const unsigned order = viewing->turn[t];
-        const pbw_index second = rank[v[order >> 2 & 3]], third = rank[v[order >> 4 & 3]];
-        pbw__item *to_item = item + end[number[t] - low]++;
-        to_item->key = dim == 3 ? (uint64_t)second << 32 | third : (uint64_t)number[t] << 32 | second;
-        to_item->last = dim == 3 ? rank[v[order >> 6]] : third;
-        to_item->simplex = (pbw_index)t;
-    }
-}
-
-/* Writes the simplices of a block, from the last to the first.  later: the first rank of later blocks if other
-   threads write these; otherwise PBW_NONE. */
-PBW__INLINE void pbw__view_write(const pbw__viewing *viewing, size_t from, size_t to, const pbw__item *item,
-                                 pbw_index later, int dim)
-{
-    pbw_index *number = viewing->number, *first = viewing->first, *outer = viewing->outer;
-    const pbw_index *id = viewing->id;
-    while (to-- > from) {
-        const pbw__item *here = item + (to - from);
-        const pbw_index place = (pbw_index)to, a = (pbw_index)(here->key >> 32), b = (pbw_index)here->key;
-        pbw_index *v = viewing->simplices + ((size_t)dim + 1) * to;
-        if (dim == 3) {
-            const pbw_index low = number[here->simplex];
-            v[0] = id[low];
-            v[1] = id[a];
-            v[2] = id[b];
-            v[3] = id[here->last];
-            first[low] = place;
-        } else {
-            v[0] = id[a];
-            v[1] = id[b];
-            v[2] = id[here->last];
-        }
-        pbw__emit_first(first, outer, a, place, later);
-        pbw__emit_first(first, outer, b, place, later);
-        pbw__emit_first(first, outer, here->last, place, later);
-        number[here->simplex] = place;
-        viewing->neighbors[((size_t)dim + 1) * to] = here->simplex;
-    }
-}
-
-/* Sorts and writes the lists of a block.  item: room for 2 * room items; room: a few more than the block has. */
-static void pbw__view_block(const pbw__viewing *viewing, size_t block, pbw__item *item, size_t room)
-{
-    const int dim = viewing->live->dim;
-    const size_t first = block * PBW__LISTED, rest = viewing->ranks - first;
-    const size_t lists = rest < PBW__LISTED ? rest : PBW__LISTED;
-    const size_t from = viewing->base[block], to = viewing->base[block + 1];
-    const pbw_index later = (pbw_index)(first + lists);
-    pbw_index end[PBW__LISTED];
-    PBW__BY_DIM(dim, pbw__view_items, viewing, block, end, item);
-    memset(item + (to - from), 0, 4 * sizeof(*item));
-    memset(viewing->first + first, 0xff, lists * sizeof(pbw_index));         /* PBW_NONE */
-    pbw__sort_region(&viewing->emission, item, end, lists, item + room);
-    if (viewing->alone) {                            /* a constant: compiled without comparisons */
-        PBW__BY_DIM(dim, pbw__view_write, viewing, from, to, item + room + 1, PBW_NONE);
-    } else {
-        PBW__BY_DIM(dim, pbw__view_write, viewing, from, to, item + room + 1, later);
-    }
-}
-
-/* Makes blocks in descending order: the i-th is the i-th from the end. */
-static pbw_status pbw__view_blocks(void *arg, size_t from, size_t to)
-{
-    const pbw__viewing *viewing = (const pbw__viewing *)arg;
-    pbw__memory *memory = &viewing->emission.context->memory;
-    const pbw_index *base = viewing->base;
-    size_t room = 0, i, block;
-    pbw__item *item;
-    for (i = from; i < to; i++) {
-        block = viewing->blocks - 1 - i;
-        room = base[block + 1] - base[block] > room ? base[block + 1] - base[block] : room;
-    }
-    room += 4;                                       /* see >>number */
-    item = (pbw__item *)pbw__allocate(memory, 2 * room, sizeof(pbw__item));
-    for (i = from; i < to && item != NULL; i++) {
-        pbw__view_block(viewing, viewing->blocks - 1 - i, item, room);
-    }
-    pbw__release(memory, item, 2 * room, sizeof(pbw__item));
-    return item != NULL ? PBW_OK : PBW_ERROR_MEMORY;
-}
-
-PBW__INLINE void pbw__view_neighbors_of(const pbw__viewing *viewing, size_t from, size_t to, int dim)
-{
-    const pbw__link *link = viewing->live->core.store.link;
-    const pbw_index *number = viewing->number;
-    const size_t corners = (size_t)dim + 1;
-    for (; from < to; from++) {
-        pbw_index *neighbor = viewing->neighbors + corners * from;
-        const size_t t = neighbor[0], soon = neighbor[from + 40 < to ? 40 * corners : 0];
-        const unsigned order = viewing->turn[t];
-        int k;
-        PBW__PREFETCH(link + 4 * soon);
-        PBW__PREFETCH(viewing->turn + soon);
-        for (k = 0; k <= dim; k++) {
-            neighbor[k] = number[link[4 * t + (order >> 2 * k & 3)] >> 2];
-        }
-    }
-}
-
-static pbw_status pbw__view_neighbors(void *arg, size_t from, size_t to)
-{
-    const pbw__viewing *viewing = (const pbw__viewing *)arg;
-    PBW__BY_DIM(viewing->live->dim, pbw__view_neighbors_of, viewing, from, to);
-    return PBW_OK;
-}
-
-static pbw_status pbw__view_incident(void *arg, size_t from, size_t to)
-{
-    pbw__viewing *viewing = (pbw__viewing *)arg;
-    size_t visible = 0, r;
-    for (r = from + 1; r <= to; r++) {
-        const pbw_index own = viewing->first[r], other = viewing->alone ? own : viewing->outer[r];
-        const pbw_index first = own < other ? own : other;
-        viewing->incident[viewing->id[r]] = first;
-        visible += first != PBW_NONE;
-    }
-    (void)PBW__ADD(&viewing->visible, visible);
-    return PBW_OK;
-}
-
-/* Distributes the simplices to blocks. */
-static pbw_status pbw__view_sort(pbw__viewing *viewing, pbw__context *context)
-{
-    pbw_status status = pbw__for_range(context, viewing->chunks, 1, 0.2, pbw__view_count, viewing);
-    pbw_index sum = 0;
-    size_t block, chunk;
-    for (block = 0; block < viewing->blocks && status == PBW_OK; block++) {
-        viewing->base[block] = sum;
-        for (chunk = 0; chunk < viewing->chunks; chunk++) {
-            pbw_index *bin = viewing->bin + chunk * viewing->blocks + block;
-            const pbw_index count = *bin;
-            *bin = sum;
-            sum += count;
-        }
-    }
-    viewing->base[viewing->blocks] = sum;
-    return status == PBW_OK ? pbw__for_range(context, viewing->chunks, 1, 0.3, pbw__view_scatter, viewing) : status;
-}
-
 /* Sets the rank of each vertex, and the id of each rank. */
 static pbw_status pbw__view_ranks(void *arg, size_t from, size_t to)
 {
@@ -17688,69 +17461,67 @@ static pbw_status pbw__view_ranks(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Fills ranks, then simplices, their neighbours, and incident simplices. */
-static pbw_status pbw__view_fill(pbw__viewing *viewing, pbw__context *context)
+/* Copies the corners of a range of slots as ranks. */
+PBW__INLINE void pbw__view_corners_of(const pbw__viewing *viewing, size_t from, size_t to, int dim)
 {
-    const size_t ranks = viewing->ranks, all = viewing->live->core.simplex_count;
-    pbw_status status;
-    viewing->outer = viewing->first + (viewing->alone ? 0 : ranks);
-    memset(viewing->outer, 0xff, ranks * sizeof(pbw_index));         /* PBW_NONE */
-    viewing->rank[0] = 0;
-    status = pbw__for_range(context, ranks - 1, 16384, 0.1, pbw__view_ranks, viewing);
-    status = status == PBW_OK ? pbw__view_sort(viewing, context) : status;
-    status = status == PBW_OK ? pbw__for_range(context, viewing->blocks, 8, 0.7, pbw__view_blocks, viewing) : status;
-    status = status == PBW_OK ? pbw__for_range(context, all, 16384, 0.95, pbw__view_neighbors, viewing) : status;
-    status = status == PBW_OK ? pbw__for_range(context, ranks - 1, 16384, 1.0, pbw__view_incident, viewing) : status;
-    return status;
+    const pbw_index *rank = viewing->rank;
+    size_t t;
+    for (t = from; t < to; t++) {
+        const pbw_index *v = viewing->live->core.store.corner + 4 * t;
+        pbw_index *r = viewing->corner + 4 * t;
+        int k;
+        r[0] = PBW_NONE;
+        for (k = 0; k <= dim && v[0] != PBW_NONE; k++) {
+            r[k] = rank[v[k]];
+        }
+    }
 }
 
-/* Makes the simplices of a view. */
-static pbw_status pbw__view_simplices(pbw__viewing *viewing, pbw__context *context, pbw__vertices *vertices)
+static pbw_status pbw__view_corners(void *arg, size_t from, size_t to)
+{
+    const pbw__viewing *viewing = (const pbw__viewing *)arg;
+    PBW__BY_DIM(viewing->live->dim, pbw__view_corners_of, viewing, from, to);
+    return PBW_OK;
+}
+
+/* Makes a store of ranks that borrows the core's links, with the slots of the build in regions. */
+static pbw_status pbw__view_store(pbw__viewing *viewing, pbw__context *context, const pbw__vertices *vertices,
+                                  pbw__store *store)
 {
     const pbw__core *core = &viewing->live->core;
     pbw__memory *memory = &context->memory;
-    const size_t slots = core->store.count, ranks = vertices->count + 1, firsts = viewing->alone ? ranks : 2 * ranks;
-    const size_t entries = core->simplex_count * ((size_t)viewing->live->dim + 1), least = slots >> 22;
-    pbw_mesh *mesh = viewing->mesh;
-    pbw__owned *owned = (pbw__owned *)mesh->memory;
+    const size_t slots = core->store.count, vertex_entries = core->vertex_count + 1;
     pbw_status status = PBW_ERROR_MEMORY;
-    viewing->chunks = (size_t)pbw__tasks(context, slots, 16384);
-    viewing->chunks = viewing->chunks > least ? viewing->chunks : least;
-    viewing->ranks = ranks;
-    viewing->blocks = (ranks + PBW__LISTED - 1) / PBW__LISTED;
+    store->plain = store->lent = 1;
+    store->link = core->store.link;
+    store->count = store->capacity = slots;
+    store->region_bits = pbw__region_bits(vertices->count, vertices->dim);
+    store->region_count = (vertices->count >> store->region_bits) + 1;
+    store->region_slots = core->store.region_slots < slots ? core->store.region_slots : slots;
+    store->slots_each = store->region_slots / store->region_count + 1;
+    store->hint = (pbw_index *)pbw__allocate(memory, store->region_count, sizeof(pbw_index));
+    store->corner = (pbw_index *)pbw__allocate_large(context, 4 * slots, sizeof(pbw_index));
+    store->corner_capacity = 4 * slots;
+    viewing->corner = store->corner;
     viewing->id = vertices->id;
-    viewing->rank = (pbw_index *)pbw__allocate_large(context, core->vertex_count + 1, sizeof(pbw_index));
-    viewing->number = (pbw_index *)pbw__allocate_large(context, slots, sizeof(pbw_index));
-    viewing->turn = (unsigned char *)pbw__allocate_large(context, slots, 1);
-    viewing->first = (pbw_index *)pbw__allocate_large(context, firsts, sizeof(pbw_index));
-    viewing->base = (pbw_index *)pbw__allocate(memory, viewing->blocks + 1, sizeof(pbw_index));
-    viewing->bin = (pbw_index *)pbw__allocate(memory, viewing->blocks * viewing->chunks, sizeof(pbw_index));
-    viewing->incident = pbw__make_incident(context, owned, mesh, vertices->count < viewing->live->numbers, NULL);
-    mesh->simplices = viewing->simplices = (pbw_index *)pbw__allocate_large(context, entries, sizeof(pbw_index));
-    mesh->neighbors = viewing->neighbors = (pbw_index *)pbw__allocate_large(context, entries, sizeof(pbw_index));
-    owned->simplices = owned->neighbors = entries;
-    mesh->simplex_count = core->simplex_count;
-    if (viewing->rank != NULL && viewing->number != NULL && viewing->turn != NULL && viewing->first != NULL
-        && viewing->base != NULL && viewing->bin != NULL && viewing->incident != NULL && mesh->simplices != NULL
-        && mesh->neighbors != NULL) {
-        status = pbw__view_fill(viewing, context);
+    viewing->rank = (pbw_index *)pbw__allocate_large(context, vertex_entries, sizeof(pbw_index));
+    if (store->hint != NULL && store->corner != NULL && viewing->rank != NULL) {
+        viewing->rank[0] = PBW__GHOST;
+        status = pbw__for_range(context, vertices->count, 16384, 0.0, pbw__view_ranks, viewing);
+        status = status == PBW_OK ? pbw__for_range(context, slots, 16384, 0.0, pbw__view_corners, viewing) : status;
     }
-    mesh->hidden_count = vertices->count - viewing->visible;
-    pbw__release(memory, viewing->rank, core->vertex_count + 1, sizeof(pbw_index));
-    pbw__release(memory, viewing->number, slots, sizeof(pbw_index));
-    pbw__release(memory, viewing->turn, slots, 1);
-    pbw__release(memory, viewing->first, firsts, sizeof(pbw_index));
-    pbw__release(memory, viewing->base, viewing->blocks + 1, sizeof(pbw_index));
-    pbw__release(memory, viewing->bin, viewing->blocks * viewing->chunks, sizeof(pbw_index));
+    pbw__release(memory, viewing->rank, vertex_entries, sizeof(pbw_index));
     return status;
 }
 
 static pbw_status pbw__view(const pbw_live *live, pbw__context *context, pbw_mesh *mesh)
 {
-    pbw__owned *owned = (pbw__owned *)pbw__allocate(&context->memory, 1, sizeof(pbw__owned));
+    pbw__memory *memory = &context->memory;
+    pbw__owned *owned = (pbw__owned *)pbw__allocate(memory, 1, sizeof(pbw__owned));
     pbw__viewing viewing;
     pbw__stand stand;
     pbw__vertices vertices;
+    pbw__store store;
     pbw_status status;
     if (owned == NULL) {
         return PBW_ERROR_MEMORY;
@@ -17758,14 +17529,9 @@ static pbw_status pbw__view(const pbw_live *live, pbw__context *context, pbw_mes
     memset(owned, 0, sizeof(*owned));
     memset(&stand, 0, sizeof(stand));
     memset(&viewing, 0, sizeof(viewing));
+    memset(&store, 0, sizeof(store));
     viewing.live = live;
     viewing.mesh = mesh;
-    viewing.alone = context->threads == 1;
-    viewing.emission.context = context;
-    viewing.emission.dim = live->dim;
-#ifdef PBW__AVX2
-    viewing.emission.simd = pbw__simd_works();
-#endif
     mesh->memory = owned;
     mesh->dim = live->dim;
     mesh->point_count = live->numbers;
@@ -17781,11 +17547,14 @@ static pbw_status pbw__view(const pbw_live *live, pbw__context *context, pbw_mes
         viewing.list = stand.list;
         if (status == PBW_OK) {
             status = pbw__enter_stage(context, PBW_STAGE_OUTPUT) ? PBW_CANCELLED
-                   : pbw__view_simplices(&viewing, context, &vertices);
+                   : pbw__view_store(&viewing, context, &vertices, &store);
+            status = status == PBW_OK ? pbw__output(context, &store, &vertices, PBW_BORROW, owned, mesh) : status;
+            store.link = NULL;                       /* the core's */
+            pbw__store_free(memory, &store);
             pbw__vertices_free(context, &vertices);
         }
     }
-    pbw__stand_free(&context->memory, &stand);
+    pbw__stand_free(memory, &stand);
     return status;
 }
 
