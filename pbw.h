@@ -40,6 +40,25 @@
      pbw_order               the order of points along a Hilbert curve
      pbw_conflict2           whether a point is in conflict with a triangle, ties decided
      pbw_conflict3           whether it is with a tetrahedron
+     pbw_atomic_max          raises a number that threads share
+     pbw_memory_start        one call's memory: an allocator, a limit
+     pbw_memory_left         what is left of the limit
+     pbw_memory_nest         makes the calls inside a call count in its memory
+     pbw_memory_resize       allocates, resizes and frees
+     pbw_memory_fit          the same of an array that knows its capacity: PBW_FIT, PBW_RELEASE
+     pbw_memory_grow         room for more items of an array: PBW_RESERVE, PBW_PUSH
+     pbw_memory_zeros        an array of zeros: PBW_ZEROS
+     pbw_sort                the order of 64-bit keys
+     pbw_sort_key            a key for a double
+     pbw_mix                 mixes 64 bits
+     pbw_random              item i of a stream of random numbers
+     pbw_two_sum             a sum and its rounding error
+     pbw_two_product         a product and its rounding error
+     pbw_pair_plus           the sum of two pairs of doubles
+     pbw_pair_times          their product
+     pbw_pair_minor          a determinant of four pairs
+     pbw_sign_of_products    the sign of a sum of products, exactly
+     pbw_centre              the centre of a simplex
      pbw_status_string       a status in words
      pbw_version             of the implementation
      pbw_lists_free          frees lists
@@ -194,6 +213,9 @@
    ------------------------------------------------------------------------------------------------------ */
 #include <stddef.h>
 #include <stdint.h>
+#if defined(_MSC_VER) && defined(_M_X64)
+#include <intrin.h>                        /* atomics */
+#endif
 
 #define PBW_VERSION_MAJOR 0
 #define PBW_VERSION_MINOR 2
@@ -417,6 +439,237 @@ PBWDEF int pbw_conflict2(const double a[2], const double b[2], const double c[2]
                          const double w[4]);
 PBWDEF int pbw_conflict3(const double a[3], const double b[3], const double c[3], const double d[3],
                          const double p[3], const double w[5]);
+
+/* ---- the base: what companion headers are built of.  Nothing here is needed to triangulate. */
+#ifndef PBW__DEVICE                        /* pbw_cuda.cu compiles some of it for the GPU too */
+#define PBW__DEVICE
+#endif
+#if defined(__GNUC__)
+#define PBW_INLINE PBW__DEVICE static __inline __attribute__((always_inline, unused))
+#define PBW_PREFETCH(address) __builtin_prefetch(address)
+#else
+#define PBW_INLINE PBW__DEVICE static __inline
+#define PBW_PREFETCH(address) ((void)(address))
+#endif
+
+/* Around code that must round each product and each sum, as fused operations give other numbers: OFF before the first
+   function, ON after the last. */
+#if defined(__clang__)
+#define PBW_CONTRACTION_OFF _Pragma("STDC FP_CONTRACT OFF")
+#define PBW_CONTRACTION_ON _Pragma("STDC FP_CONTRACT DEFAULT")
+#define PBW__NOT_FUSED _Pragma("STDC FP_CONTRACT OFF")          /* first in a function */
+#elif defined(__GNUC__)
+#define PBW_CONTRACTION_OFF _Pragma("GCC push_options") _Pragma("GCC optimize(\"fp-contract=off\")")
+#define PBW_CONTRACTION_ON _Pragma("GCC pop_options")
+#define PBW__NOT_FUSED
+#else
+#define PBW_CONTRACTION_OFF
+#define PBW_CONTRACTION_ON
+#define PBW__NOT_FUSED
+#endif
+
+/* Words that threads share, in relaxed order; x: the address of an integer of 1, 4 or 8 bytes, for ADD of 4 or 8.
+   PBW_ATOMIC_ADD returns the value before; PBW_ATOMIC_CAS whether *x was *old and became y, else *old becomes what *x
+   is, and it may fail where they are equal. */
+#if defined(__GNUC__)
+#define PBW_ATOMIC_LOAD(x) __atomic_load_n(x, __ATOMIC_RELAXED)
+#define PBW_ATOMIC_STORE(x, y) __atomic_store_n(x, y, __ATOMIC_RELAXED)
+#define PBW_ATOMIC_ADD(x, y) __atomic_fetch_add(x, y, __ATOMIC_RELAXED)
+#define PBW_ATOMIC_CAS(x, old, y) __atomic_compare_exchange_n(x, old, y, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)
+#elif defined(_MSC_VER) && defined(_M_X64)
+#define PBW_ATOMIC_LOAD(x) pbw__atomic_load(x, sizeof(*(x)))
+#define PBW_ATOMIC_STORE(x, y) pbw__atomic_store(x, (uint64_t)(y), sizeof(*(x)))
+#define PBW_ATOMIC_ADD(x, y) pbw__atomic_add(x, (uint64_t)(y), sizeof(*(x)))
+#define PBW_ATOMIC_CAS(x, old, y) pbw__atomic_cas(x, old, (uint64_t)(y), sizeof(*(x)))
+/* Words of 1, 4 or 8 bytes by the intrinsics of MSVC; the barriers are for the compiler. */
+PBW_INLINE uint64_t pbw__atomic_load(const volatile void *x, size_t size)
+{
+    const uint64_t value = size == 1 ? *(const volatile uint8_t *)x : size == 4 ? *(const volatile uint32_t *)x
+                                                                                : *(const volatile uint64_t *)x;
+    _ReadWriteBarrier();
+    return value;
+}
+
+PBW_INLINE void pbw__atomic_store(volatile void *x, uint64_t y, size_t size)
+{
+    _ReadWriteBarrier();
+    if (size == 1) {
+        *(volatile uint8_t *)x = (uint8_t)y;
+    } else if (size == 4) {
+        *(volatile uint32_t *)x = (uint32_t)y;
+    } else {
+        *(volatile uint64_t *)x = y;
+    }
+}
+
+PBW_INLINE uint64_t pbw__atomic_add(volatile void *x, uint64_t y, size_t size)
+{
+    return size == 4 ? (uint32_t)_InterlockedExchangeAdd((volatile long *)x, (long)y)
+                     : (uint64_t)_InterlockedExchangeAdd64((volatile __int64 *)x, (__int64)y);
+}
+
+/* Returns whether *x was *old and became y; else *old becomes what *x is. */
+PBW_INLINE int pbw__atomic_cas(volatile void *x, void *old, uint64_t y, size_t size)
+{
+    const uint64_t expected = pbw__atomic_load(old, size), value = size == 1
+        ? (uint8_t)_InterlockedCompareExchange8((volatile char *)x, (char)y, (char)expected) : size == 4
+        ? (uint32_t)_InterlockedCompareExchange((volatile long *)x, (long)y, (long)expected)
+        : (uint64_t)_InterlockedCompareExchange64((volatile __int64 *)x, (__int64)y, (__int64)expected);
+    pbw__atomic_store(old, value, size);
+    return value == expected;
+}
+#else                                                /* there the library starts no threads */
+#define PBW_ATOMIC_LOAD(x) (*(x))
+#define PBW_ATOMIC_STORE(x, y) ((void)(*(x) = (y)))
+#define PBW_ATOMIC_ADD(x, y) ((*(x) += (y)) - (y))
+#define PBW_ATOMIC_CAS(x, old, y) ((void)(old), *(x) = (y), 1)
+#endif
+
+PBW_INLINE void pbw_atomic_max(size_t *x, size_t y)          /* raises *x to y if it is lower */
+{
+    size_t old = PBW_ATOMIC_LOAD(x);
+    while (old < y && !PBW_ATOMIC_CAS(x, &old, y)) {
+    }
+}
+
+/* The memory of a call, through one allocator.  Any thread may use it.  Large blocks get huge pages if there are any,
+   but not those of a caller's allocator.  Holds: used = the bytes of all its blocks <= peak; with a limit, peak <=
+   limit. */
+typedef struct pbw_memory {
+    void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);        /* as in pbw_options */
+    void *user;
+    size_t limit, used, peak;
+} pbw_memory;
+
+/* With the allocator and memory_limit of the options, which may be NULL. */
+PBWDEF void pbw_memory_start(pbw_memory *memory, const pbw_options *options);
+/* The memory_limit for a call within this one: 0 = none; 1 if nothing is left. */
+PBWDEF size_t pbw_memory_left(const pbw_memory *memory);
+/* Sets resize, resize_user and memory_limit of options so that calls with them count in `memory` if it has a limit.
+   What such calls allocate must be freed while *memory exists. */
+PBWDEF void pbw_memory_nest(pbw_memory *memory, pbw_options *options);
+/* Resizes a block from old_count to count items of `size` bytes: ptr NULL allocates, count 0 frees and returns NULL.
+   Returns NULL, and leaves the block, if memory is short or the limit reached, and if a size_t is too
+   small for the bytes. */
+PBWDEF void *pbw_memory_resize(pbw_memory *memory, void *ptr, size_t old_count, size_t count, size_t size);
+
+/* A growing array, all zero when it is empty: items at[0] .. at[count - 1], room for capacity of them.  In the macros
+   array is such a struct, an lvalue without side effects.  They return 1, or 0 and leave it as it is.
+   PBW_FIT       changes the capacity
+   PBW_ZEROS     count = wanted zeros, where there were no items; at is not NULL then, even of none
+   PBW_RESERVE   room for `more` items behind the last; capacities grow by half
+   PBW_PUSH      puts an item behind the last; it is evaluated once, after the array has grown
+   PBW_RELEASE   frees it: all zero again */
+#define PBW_ARRAY(type) struct { type *at; size_t count, capacity; }
+#define PBW_FIT(memory, array, wanted) \
+    pbw_memory_fit(memory, &(array).at, &(array).capacity, wanted, sizeof *(array).at)
+#define PBW_ZEROS(memory, array, wanted) \
+    (pbw_memory_zeros(memory, &(array).at, &(array).capacity, wanted, sizeof *(array).at) \
+     && ((array).count = (wanted), 1))
+#define PBW_RESERVE(memory, array, more) \
+    ((more) <= (array).capacity - (array).count \
+     || pbw_memory_grow(memory, &(array).at, &(array).capacity, (array).count, more, sizeof *(array).at))
+#define PBW_PUSH(memory, array, item) \
+    (PBW_RESERVE(memory, array, 1) && ((array).at[(array).count] = (item), ++(array).count))
+#define PBW_RELEASE(memory, array) ((void)((array).count = 0, PBW_FIT(memory, array, 0)))
+/* For the macros; array: the address of a pointer. */
+PBWDEF int pbw_memory_fit(pbw_memory *memory, void *array, size_t *capacity, size_t wanted, size_t size);
+PBWDEF int pbw_memory_grow(pbw_memory *memory, void *array, size_t *capacity, size_t count, size_t more, size_t size);
+PBWDEF int pbw_memory_zeros(pbw_memory *memory, void *array, size_t *capacity, size_t wanted, size_t size);
+
+/* Fills order with 0..count-1 so that keys[order[i]] ascend; equal keys by index.  The same for any number of
+   threads.  Takes 16 bytes an item.  Fails as pbw_for does. */
+PBWDEF pbw_status pbw_sort(const uint64_t *keys, size_t count, const pbw_options *options, pbw_index *order);
+PBWDEF uint64_t pbw_sort_key(double x);    /* in the order of the numbers, -0.0 as 0.0; NaN before or behind all */
+
+/* Numbers that look random: a bijection of 64 bits, the finalizer of splitmix64, and item i of the stream of a key
+   (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators", whose state is a counter). */
+PBW_INLINE uint64_t pbw_mix(uint64_t x)
+{
+    x = (x ^ (x >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+    x = (x ^ (x >> 27)) * UINT64_C(0x94d049bb133111eb);
+    return x ^ (x >> 31);
+}
+
+PBW_INLINE uint64_t pbw_random(uint64_t key, uint64_t i)
+{
+    return pbw_mix(key + (i + 1) * UINT64_C(0x9e3779b97f4a7c15));
+}
+
+/* Pairs of doubles, head + tail.  Where nothing over- or underflows, and between PBW_CONTRACTION_OFF and ON,
+   pbw_two_sum (Knuth 1969) and pbw_two_product (Dekker 1971) are exact: head is the rounded result, tail its error.
+   The latter uses the processor's fused operation where the compiler has it, and never the fma of a library, as some
+   round twice.  The others round to some 105 bits, and normalise: |tail| <= 2^-53 |head|. */
+#ifndef PBW__FMA
+#if defined(__GNUC__) && (defined(__FMA__) || defined(__ARM_FEATURE_FMA) || defined(__FP_FAST_FMA) \
+                          || defined(__CUDA_ARCH__))
+#define PBW__FMA 1
+#else
+#define PBW__FMA 0
+#endif
+#endif
+
+typedef struct pbw_pair { double head, tail; } pbw_pair;
+
+PBW_INLINE pbw_pair pbw_two_sum(double a, double b)
+{
+    PBW__NOT_FUSED
+    pbw_pair sum;
+    double other;
+    sum.head = a + b;
+    other = sum.head - a;
+    sum.tail = (a - (sum.head - other)) + (b - other);
+    return sum;
+}
+
+PBW_INLINE pbw_pair pbw_two_product(double a, double b)
+{
+    PBW__NOT_FUSED
+    pbw_pair product;
+#if PBW__FMA
+    product.head = __builtin_fma(a, b, 0.0);
+    product.tail = __builtin_fma(a, b, -product.head);
+#else
+    double ca = 134217729.0 * a, ha = ca - (ca - a), ta = a - ha;        /* 2^27 + 1, halves of 26 bits */
+    double cb = 134217729.0 * b, hb = cb - (cb - b), tb = b - hb;
+    product.head = a * b;
+    product.tail = ta * tb - (((product.head - ha * hb) - ta * hb) - ha * tb);
+#endif
+    return product;
+}
+
+PBW_INLINE pbw_pair pbw_pair_plus(pbw_pair a, pbw_pair b)
+{
+    pbw_pair sum = pbw_two_sum(a.head, b.head);
+    return pbw_two_sum(sum.head, sum.tail + (a.tail + b.tail));
+}
+
+PBW_INLINE pbw_pair pbw_pair_times(pbw_pair a, pbw_pair b)
+{
+    PBW__NOT_FUSED
+    pbw_pair product = pbw_two_product(a.head, b.head);
+    return pbw_two_sum(product.head, product.tail + (a.head * b.tail + a.tail * b.head));
+}
+
+PBW_INLINE pbw_pair pbw_pair_minor(pbw_pair a, pbw_pair b, pbw_pair c, pbw_pair d)           /* a d - b c */
+{
+    b.head = -b.head;
+    b.tail = -b.tail;
+    return pbw_pair_plus(pbw_pair_times(a, d), pbw_pair_times(b, c));
+}
+
+/* Returns the sign, -1, 0 or 1, of a[0] b[0] + ... + a[count-1] b[count-1]: exact for all finite doubles. */
+PBWDEF int pbw_sign_of_products(const double *a, const double *b, int count);
+
+/* Computes where the bisectors of a simplex meet, with weights (or NULL) its radical planes, relative to corner[0]:
+   in pairs of doubles from exact differences, with a relative error of some 1e-26 L^3 / V, where L is the longest
+   edge at corner 0 and V six times the volume (in the plane L^2, twice the area).  corner: dim + 1 points, positively
+   oriented.  Returns 0 if V < 1e-14 L^3, and the centre may be far off. */
+PBWDEF int pbw_centre(int dim, const double *const *corner, const double *weight, double *centre);
+
+/* Corner k, 0 to 2, of the facet opposite to corner `facet` of a tetrahedron: the lowest first, counter-clockwise
+   seen from outside.  {1,2,3}, {0,3,2}, {0,1,3}, {0,2,1}. */
+#define PBW_FACET_CORNER(facet, k) (0x634b39u >> (6 * (facet) + 2 * (k)) & 3u)
 
 PBWDEF const char *pbw_status_string(pbw_status status);    /* never NULL, never freed */
 PBWDEF int pbw_version(void);              /* differs from PBW_VERSION if header and implementation do */
@@ -688,22 +941,17 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #pragma fp_contract(off)
 #endif
 
-#ifndef PBW__DEVICE                                  /* pbw_cuda.cu compiles the predicates for the GPU too */
-#define PBW__DEVICE
-#endif
+#define PBW__INLINE PBW_INLINE
+#define PBW__PREFETCH(address) PBW_PREFETCH(address)
 #if defined(__GNUC__)
-#define PBW__INLINE PBW__DEVICE static inline __attribute__((always_inline, unused))
 #define PBW__NOINLINE __attribute__((noinline))
 #define PBW__LIKELY(x) __builtin_expect(!!(x), 1)
 #define PBW__UNLIKELY(x) __builtin_expect(!!(x), 0)
-#define PBW__PREFETCH(address) __builtin_prefetch(address)
 #define PBW__PREFETCH_TO_WRITE(address) __builtin_prefetch(address, 1)
 #else
-#define PBW__INLINE PBW__DEVICE static inline
 #define PBW__NOINLINE
 #define PBW__LIKELY(x) (x)
 #define PBW__UNLIKELY(x) (x)
-#define PBW__PREFETCH(address) ((void)(address))
 #define PBW__PREFETCH_TO_WRITE(address) ((void)(address))
 #endif
 /* For array[i], where `i` goes on to `end`: hardware prefetchers stop at page ends, this goes across them. */
@@ -731,76 +979,33 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 enum { PBW__WALK, PBW__CAVITY, PBW__STAR, PBW__EXACT, PBW__OTHER };
 
 /* Atomic access to words that threads share; in relaxed order, see >>threads and >>parallel. */
-#if defined(PBW__THREADS) && defined(__GNUC__)
-#define PBW__LOAD(x) __atomic_load_n(x, __ATOMIC_RELAXED)
-#define PBW__STORE(x, y) __atomic_store_n(x, y, __ATOMIC_RELAXED)
-#define PBW__ADD(x, y) __atomic_fetch_add(x, y, __ATOMIC_RELAXED)
-#define PBW__CAS(x, old, y) __atomic_compare_exchange_n(x, old, y, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)
-/* Release pairs with acquire: what was written before a release is visible after the acquire. */
-#define PBW__STORE_RELEASE(x, y) __atomic_store_n(x, y, __ATOMIC_RELEASE)
-#define PBW__LOAD_ACQUIRE(x) __atomic_load_n(x, __ATOMIC_ACQUIRE)
-#define PBW__CAS_ACQUIRE(x, old, y) __atomic_compare_exchange_n(x, old, y, 0, __ATOMIC_ACQUIRE, __ATOMIC_RELAXED)
-#define PBW__SUB_RELEASE(x, y) __atomic_fetch_sub(x, y, __ATOMIC_RELEASE)
-#elif defined(PBW__THREADS)                          /* MSVC on x86-64: each load acquires, each store releases */
-#define PBW__LOAD(x) pbw__atomic_load(x, sizeof(*(x)))
-#define PBW__STORE(x, y) pbw__atomic_store(x, (uint64_t)(y), sizeof(*(x)))
-#define PBW__ADD(x, y) pbw__atomic_add(x, (uint64_t)(y), sizeof(*(x)))
-#define PBW__CAS(x, old, y) pbw__atomic_cas(x, old, (uint64_t)(y), sizeof(*(x)))
-#define PBW__STORE_RELEASE(x, y) PBW__STORE(x, y)
-#define PBW__LOAD_ACQUIRE(x) PBW__LOAD(x)
-#define PBW__CAS_ACQUIRE(x, old, y) PBW__CAS(x, old, y)
-#define PBW__SUB_RELEASE(x, y) PBW__ADD(x, 0 - (uint64_t)(y))
-#pragma warning(push)
-#pragma warning(disable : 4244 4996)                 /* what is returned fits the word that it was read from; barriers
-                                                        are called obsolete */
+#ifdef PBW__THREADS
+#define PBW__LOAD(x) PBW_ATOMIC_LOAD(x)
+#define PBW__STORE(x, y) PBW_ATOMIC_STORE(x, y)
+#define PBW__ADD(x, y) PBW_ATOMIC_ADD(x, y)
+#define PBW__CAS(x, old, y) PBW_ATOMIC_CAS(x, old, y)
 #else
 #define PBW__LOAD(x) (*(x))
 #define PBW__STORE(x, y) ((void)(*(x) = (y)))
 #define PBW__ADD(x, y) ((*(x) += (y)) - (y))
 #define PBW__CAS(x, old, y) ((void)(old), *(x) = (y), 1)
+#endif
+/* Release pairs with acquire: what was written before a release is visible after the acquire. */
+#if defined(PBW__THREADS) && defined(__GNUC__)
+#define PBW__STORE_RELEASE(x, y) __atomic_store_n(x, y, __ATOMIC_RELEASE)
+#define PBW__LOAD_ACQUIRE(x) __atomic_load_n(x, __ATOMIC_ACQUIRE)
+#define PBW__CAS_ACQUIRE(x, old, y) __atomic_compare_exchange_n(x, old, y, 0, __ATOMIC_ACQUIRE, __ATOMIC_RELAXED)
+#define PBW__SUB_RELEASE(x, y) __atomic_fetch_sub(x, y, __ATOMIC_RELEASE)
+#else                                                /* MSVC on x86-64: each load acquires, each store releases */
 #define PBW__STORE_RELEASE(x, y) PBW__STORE(x, y)
 #define PBW__LOAD_ACQUIRE(x) PBW__LOAD(x)
 #define PBW__CAS_ACQUIRE(x, old, y) PBW__CAS(x, old, y)
+#define PBW__SUB_RELEASE(x, y) PBW__ADD(x, 0 - (uint64_t)(y))
 #endif
-
 #if defined(PBW__THREADS) && !defined(__GNUC__)
-/* Words of 1, 4 or 8 bytes by the intrinsics of MSVC; the barriers are for the compiler. */
-PBW__INLINE uint64_t pbw__atomic_load(const volatile void *x, size_t size)
-{
-    const uint64_t value = size == 1 ? *(const volatile uint8_t *)x : size == 4 ? *(const volatile uint32_t *)x
-                                                                                : *(const volatile uint64_t *)x;
-    _ReadWriteBarrier();
-    return value;
-}
-
-PBW__INLINE void pbw__atomic_store(volatile void *x, uint64_t y, size_t size)
-{
-    _ReadWriteBarrier();
-    if (size == 1) {
-        *(volatile uint8_t *)x = (uint8_t)y;
-    } else if (size == 4) {
-        *(volatile uint32_t *)x = (uint32_t)y;
-    } else {
-        *(volatile uint64_t *)x = y;
-    }
-}
-
-PBW__INLINE uint64_t pbw__atomic_add(volatile void *x, uint64_t y, size_t size)
-{
-    return size == 4 ? (uint32_t)_InterlockedExchangeAdd((volatile long *)x, (long)y)
-                     : (uint64_t)_InterlockedExchangeAdd64((volatile __int64 *)x, (__int64)y);
-}
-
-/* Returns whether *x was *old and became y; else *old becomes what *x is. */
-PBW__INLINE int pbw__atomic_cas(volatile void *x, void *old, uint64_t y, size_t size)
-{
-    const uint64_t expected = pbw__atomic_load(old, size), value = size == 1
-        ? (uint8_t)_InterlockedCompareExchange8((volatile char *)x, (char)y, (char)expected) : size == 4
-        ? (uint32_t)_InterlockedCompareExchange((volatile long *)x, (long)y, (long)expected)
-        : (uint64_t)_InterlockedCompareExchange64((volatile __int64 *)x, (__int64)y, (__int64)expected);
-    pbw__atomic_store(old, value, size);
-    return value == expected;
-}
+#pragma warning(push)
+#pragma warning(disable : 4244 4996)                 /* what is returned fits the word that it was read from; barriers
+                                                        are called obsolete */
 #endif
 
 #define PBW__EPSILON 1.1102230246251565e-16          /* u = 2^-53: half an ulp of 1 */
@@ -1374,12 +1579,6 @@ PBW__SIMD_INLINE pbw__pair4 pbw__difference4(pbw__d4 a, pbw__d4 b, pbw__d4 mask)
    In: options.resize or NULL, options.memory_limit.  Out: blocks, or NULL for out of memory or over the limit.
    Holds: used = sum of the sizes of live blocks <= peak; with a limit, peak <= limit.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbw__memory {
-    void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
-    void *user;
-    size_t limit, used, peak;
-} pbw__memory;
-
 static void *pbw__default_resize(void *user, void *ptr, size_t old_size, size_t new_size)
 {
     (void)user;
@@ -1391,19 +1590,42 @@ static void *pbw__default_resize(void *user, void *ptr, size_t old_size, size_t 
     return realloc(ptr, new_size);
 }
 
-static void pbw__memory_start(pbw__memory *memory, const pbw_options *options)
+#define PBW__LARGE ((size_t)1 << 20)                 /* bytes of a block that is worth the system's advice */
+
+/* Asks for huge pages under a large block, and under all of the pages at its ends, where other bytes may be: advice
+   for a part of a mapping splits it, and then realloc copies the pages instead of moving them.  Advice only: it may
+   fail.  Memory of the caller's allocator is left alone. */
+static void pbw__advise(const pbw_memory *memory, void *start, size_t bytes)
 {
-    memset(memory, 0, sizeof(*memory));
-    memory->resize = options->resize != NULL ? options->resize : pbw__default_resize;
-    memory->user = options->resize_user;
-    memory->limit = options->memory_limit;
+#ifdef __linux__
+    const size_t page = 4096, skip = (size_t)(uintptr_t)start % page;
+    if (bytes >= PBW__LARGE && memory->resize == pbw__default_resize) {
+        (void)madvise((char *)start - skip, (skip + bytes + page - 1) / page * page, 14);        /* MADV_HUGEPAGE */
+    }
+#else
+    (void)memory;
+    (void)start;
+    (void)bytes;
+#endif
 }
 
-/* Resizes a block of old_count*size bytes to count*size.  Returns NULL, the old block intact, if memory is short.
-   Any thread may call it. */
-static void *pbw__resize(pbw__memory *memory, void *ptr, size_t old_count, size_t count, size_t size)
+PBWDEF void pbw_memory_start(pbw_memory *memory, const pbw_options *options)
 {
-    size_t old_bytes = old_count * size, bytes, grown = 0, used, peak;
+    memset(memory, 0, sizeof(*memory));
+    memory->resize = options != NULL && options->resize != NULL ? options->resize : pbw__default_resize;
+    memory->user = options != NULL ? options->resize_user : NULL;
+    memory->limit = options != NULL ? options->memory_limit : 0;
+}
+
+PBWDEF size_t pbw_memory_left(const pbw_memory *memory)
+{
+    const size_t used = PBW__LOAD(&memory->used);
+    return memory->limit == 0 ? 0 : used < memory->limit ? memory->limit - used : 1;
+}
+
+PBWDEF void *pbw_memory_resize(pbw_memory *memory, void *ptr, size_t old_count, size_t count, size_t size)
+{
+    size_t old_bytes = old_count * size, bytes, grown = 0, used = 0;
     void *block;
     if (count > (size_t)-1 / 2 / size) {
         return NULL;
@@ -1423,34 +1645,46 @@ static void *pbw__resize(pbw__memory *memory, void *ptr, size_t old_count, size_
     } else if (grown == 0) {
         (void)PBW__ADD(&memory->used, bytes - old_bytes);        /* wraps around */
     } else {
-        for (peak = PBW__LOAD(&memory->peak); used > peak && !PBW__CAS(&memory->peak, &peak, used); ) {
-        }
+        pbw_atomic_max(&memory->peak, used);
+        pbw__advise(memory, block, bytes);
     }
     return block;
 }
 
-static void *pbw__allocate(pbw__memory *memory, size_t count, size_t size)
+static void *pbw__nested_resize(void *user, void *ptr, size_t old_size, size_t new_size)
 {
-    return pbw__resize(memory, NULL, 0, count == 0 ? 1 : count, size);
+    return pbw_memory_resize((pbw_memory *)user, ptr, old_size, new_size, 1);
 }
 
-static void pbw__release(pbw__memory *memory, void *ptr, size_t count, size_t size)
+PBWDEF void pbw_memory_nest(pbw_memory *memory, pbw_options *options)
+{
+    const int own = memory->limit == 0 && memory->resize == pbw__default_resize;
+    options->resize = memory->limit != 0 ? pbw__nested_resize : own ? NULL : memory->resize;
+    options->resize_user = memory->limit != 0 ? memory : memory->user;
+    options->memory_limit = 0;
+}
+
+static void *pbw__allocate(pbw_memory *memory, size_t count, size_t size)
+{
+    return pbw_memory_resize(memory, NULL, 0, count == 0 ? 1 : count, size);
+}
+
+static void pbw__release(pbw_memory *memory, void *ptr, size_t count, size_t size)
 {
     if (ptr != NULL) {
-        (void)pbw__resize(memory, ptr, count == 0 ? 1 : count, 0, size);
+        (void)pbw_memory_resize(memory, ptr, count == 0 ? 1 : count, 0, size);
     }
 }
 
-/* Resize and release the array x, a member of `owner` beside its size x_capacity. */
-#define PBW__RESIZE(memory, owner, x, wanted) \
-    pbw__resize_array(memory, &(owner)->x, &(owner)->x##_capacity, wanted, sizeof(*(owner)->x))
-#define PBW__RELEASE(memory, owner, x) pbw__release(memory, (owner)->x, (owner)->x##_capacity, sizeof(*(owner)->x))
-static int pbw__resize_array(pbw__memory *memory, void *array, size_t *capacity, size_t wanted, size_t size)
+PBWDEF int pbw_memory_fit(pbw_memory *memory, void *array, size_t *capacity, size_t wanted, size_t size)
 {
     void *old, *block;
+    if (wanted == *capacity) {
+        return 1;
+    }
     memcpy(&old, array, sizeof(old));
-    block = pbw__resize(memory, old, *capacity, wanted, size);
-    if (block == NULL) {
+    block = pbw_memory_resize(memory, old, *capacity, wanted, size);
+    if (block == NULL && wanted != 0) {
         return 0;
     }
     memcpy(array, &block, sizeof(block));
@@ -1458,10 +1692,34 @@ static int pbw__resize_array(pbw__memory *memory, void *array, size_t *capacity,
     return 1;
 }
 
+PBWDEF int pbw_memory_grow(pbw_memory *memory, void *array, size_t *capacity, size_t count, size_t more, size_t size)
+{
+    const size_t need = count + more, larger = *capacity + *capacity / 2 + 16;
+    return need >= count && (need <= *capacity
+           || (need < larger && pbw_memory_fit(memory, array, capacity, larger, size))
+           || pbw_memory_fit(memory, array, capacity, need, size));
+}
+
+PBWDEF int pbw_memory_zeros(pbw_memory *memory, void *array, size_t *capacity, size_t wanted, size_t size)
+{
+    void *items;
+    if (!pbw_memory_fit(memory, array, capacity, wanted == 0 ? 1 : wanted, size)) {
+        return 0;
+    }
+    memcpy(&items, array, sizeof(items));
+    memset(items, 0, *capacity * size);
+    return 1;
+}
+
+/* Resize and release the array x, a member of `owner` beside its size x_capacity. */
+#define PBW__RESIZE(memory, owner, x, wanted) \
+    pbw_memory_fit(memory, &(owner)->x, &(owner)->x##_capacity, wanted, sizeof(*(owner)->x))
+#define PBW__RELEASE(memory, owner, x) pbw__release(memory, (owner)->x, (owner)->x##_capacity, sizeof(*(owner)->x))
+
 /* One call: its memory, progress and threads. */
 typedef struct pbw__context {
     pbw_options options;                             /* the caller's, or the defaults */
-    pbw__memory memory;
+    pbw_memory memory;
     pbw__fp fp;                                      /* the caller's floating-point state */
     pbw_stage stage;
     double last_report, last_done;
@@ -1479,25 +1737,6 @@ typedef void pbw__task(void *arg, int i);
 static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *arg);      /* these three: >>threads */
 static int pbw__report(pbw__context *context, double done);
 PBW__INLINE size_t pbw__share(size_t count, int i, int tasks);
-
-#define PBW__LARGE ((size_t)1 << 20)                 /* bytes of a block that is worth the system's advice */
-
-/* Asks for huge pages under a large block, and under all of the pages at its ends, where other bytes may be: advice
-   for a part of a mapping splits it, and then realloc copies the pages instead of moving them.  Advice only: it may
-   fail.  Memory of the caller's allocator is left alone. */
-static void pbw__advise(const pbw__memory *memory, void *start, size_t bytes)
-{
-#ifdef __linux__
-    const size_t page = 4096, skip = (size_t)(uintptr_t)start % page;
-    if (bytes >= PBW__LARGE && memory->resize == pbw__default_resize) {
-        (void)madvise((char *)start - skip, (skip + bytes + page - 1) / page * page, 14);        /* MADV_HUGEPAGE */
-    }
-#else
-    (void)memory;
-    (void)start;
-    (void)bytes;
-#endif
-}
 
 /* Commits the pages of large blocks up front, as huge pages where there are any; taking the faults one by one costs
    up to a quarter of a build.  Advice only, as above. */
@@ -1568,7 +1807,6 @@ static void pbw__populate(pbw__context *context, const pbw__block *block, int bl
         pages->huge = ((size_t)(uintptr_t)pages->start % PBW__HUGE + pages->length + PBW__HUGE - 1) / PBW__HUGE;
         populating.huge += pages->huge;
         populating.blocks++;
-        pbw__advise(&context->memory, block->start, block->to);
     }
     populating.tasks = populating.huge < (size_t)most ? (int)populating.huge : most;
     pbw__for(context, populating.tasks, pbw__make_pages, &populating);
@@ -1832,7 +2070,7 @@ static void pbw__context_start(pbw__context *context, const pbw_options *options
     if (options != NULL) {
         context->options = *options;
     }
-    pbw__memory_start(&context->memory, &context->options);
+    pbw_memory_start(&context->memory, &context->options);
     context->threads = pbw__thread_count(context->options.threads, count);
 #ifdef PBW__THREADS
     context->caller = PBW__THIS_THREAD();
@@ -2693,79 +2931,53 @@ PBW__DEVICE static int pbw__integers(int dim, int count, const double *const *ro
    one that adds 0.0, which is no multiplication for a compiler (-0.0 + 0.0 is not -0.0), so that neither clang's
    -ffp-contract=fast, which overrides all pragmas, nor gcc's vfmaddsub can touch it.  Other fusions only save a
    rounding, which the bounds allow. */
-#ifndef PBW__FMA
-#if defined(__GNUC__) && (defined(__FMA__) || defined(__ARM_FEATURE_FMA) || defined(__FP_FAST_FMA) \
-                          || defined(__CUDA_ARCH__))
-#define PBW__FMA 1
-#else
-#define PBW__FMA 0
-#endif
-#endif
-
-typedef struct pbw__pair {
-    double head, tail;
-} pbw__pair;
-
-PBW__INLINE pbw__pair pbw__pair_plus(pbw__pair a, pbw__pair b)
+PBW__INLINE pbw_pair pbw__pair_plus(pbw_pair a, pbw_pair b)
 {
-    pbw__pair result;
-    double other;
-    result.head = a.head + b.head;
-    other = result.head - a.head;
-    result.tail = ((a.head - (result.head - other)) + (b.head - other)) + (a.tail + b.tail);
+    pbw_pair result = pbw_two_sum(a.head, b.head);
+    result.tail = result.tail + (a.tail + b.tail);
     return result;
 }
 
-PBW__INLINE pbw__pair pbw__pair_minus(pbw__pair a, pbw__pair b)
+PBW__INLINE pbw_pair pbw__pair_minus(pbw_pair a, pbw_pair b)
 {
     b.head = -b.head;
     b.tail = -b.tail;
     return pbw__pair_plus(a, b);
 }
 
-PBW__INLINE pbw__pair pbw__pair_difference(double a, double b)
+PBW__INLINE pbw_pair pbw__pair_difference(double a, double b)
 {
-    pbw__pair x = { a, 0.0 }, y = { b, 0.0 };
+    pbw_pair x = { a, 0.0 }, y = { b, 0.0 };
     return pbw__pair_minus(x, y);
 }
 
-PBW__INLINE pbw__pair pbw__pair_times(pbw__pair a, pbw__pair b)
+PBW__INLINE pbw_pair pbw__pair_times(pbw_pair a, pbw_pair b)
 {
-    pbw__pair result;
-    double error;
-#if PBW__FMA
-    result.head = __builtin_fma(a.head, b.head, 0.0);
-    error = __builtin_fma(a.head, b.head, -result.head);
-#else
-    double ca = 134217729.0 * a.head, ha = ca - (ca - a.head), ta = a.head - ha;     /* 2^27 + 1, halves of 26 bits */
-    double cb = 134217729.0 * b.head, hb = cb - (cb - b.head), tb = b.head - hb;
-    result.head = a.head * b.head;
-    error = ta * tb - (((result.head - ha * hb) - ta * hb) - ha * tb);
-#endif
-    result.tail = error + (a.head * b.tail + a.tail * b.head);
+    pbw_pair result = pbw_two_product(a.head, b.head);
+    result.tail = result.tail + (a.head * b.tail + a.tail * b.head);
     return result;
 }
 
 /* a0 b0 - a1 b1 + a2 b2, of minors by rows or of lifts with minors. */
-PBW__INLINE pbw__pair pbw__pair_sum(pbw__pair a0, pbw__pair b0, pbw__pair a1, pbw__pair b1,
-                                    pbw__pair a2, pbw__pair b2)
+PBW__INLINE pbw_pair pbw__pair_sum(pbw_pair a0, pbw_pair b0, pbw_pair a1, pbw_pair b1,
+                                    pbw_pair a2, pbw_pair b2)
 {
     return pbw__pair_plus(pbw__pair_minus(pbw__pair_times(a0, b0), pbw__pair_times(a1, b1)), pbw__pair_times(a2, b2));
 }
 
-PBW__INLINE pbw__pair pbw__pair_cross(pbw__pair (*u)[4], int i, int j)
+PBW__INLINE pbw_pair pbw__pair_cross(pbw_pair (*u)[4], int i, int j)
 {
     return pbw__pair_minus(pbw__pair_times(u[0][i], u[1][j]), pbw__pair_times(u[0][j], u[1][i]));
 }
 
-PBW__INLINE pbw__pair pbw__pair_minor(pbw__pair (*u)[4], int i, int j, int k)
+PBW__INLINE pbw_pair pbw__pair_minor(pbw_pair (*u)[4], int i, int j, int k)
 {
     return pbw__pair_sum(u[2][i], pbw__pair_cross(u, j, k), u[2][j], pbw__pair_cross(u, i, k),
                          u[2][k], pbw__pair_cross(u, i, j));
 }
 
 /* Multiplies by a power of two. */
-PBW__INLINE pbw__pair pbw__pair_scaled(pbw__pair a, double scale)
+PBW__INLINE pbw_pair pbw__pair_scaled(pbw_pair a, double scale)
 {
     a.head *= scale;
     a.tail *= scale;
@@ -2777,7 +2989,7 @@ PBW__INLINE pbw__pair pbw__pair_scaled(pbw__pair a, double scale)
    2^-1020 beside a bound above 2^-370. */
 PBW__DEVICE static int pbw__pairs(int dim, int count, const double *const *row, const double *origin)
 {
-    pbw__pair u[3][4], v[3][4], lift[4], det;
+    pbw_pair u[3][4], v[3][4], lift[4], det;
     double low = 1e100, high = 0.0, size = PBW__EPSILON * PBW__EPSILON, scale;
     int i, k;
     for (k = 0; k < dim; k++) {
@@ -2802,7 +3014,7 @@ PBW__DEVICE static int pbw__pairs(int dim, int count, const double *const *row, 
     }
     scale = pbw__power_of_two(-pbw__exponent(high));
     for (high = 0.0, i = 0; i < count; i++) {
-        pbw__pair weight = pbw__pair_difference(row[i][dim], origin[dim]);
+        pbw_pair weight = pbw__pair_difference(row[i][dim], origin[dim]);
         weight = pbw__pair_scaled(pbw__pair_scaled(weight, scale), scale);
         for (k = 0; k < dim; k++) {
             v[k][i] = pbw__pair_scaled(v[k][i], scale);
@@ -3980,7 +4192,7 @@ static void pbw__vertices_free(pbw__context *context, pbw__vertices *vertices)
 static int pbw__order_begin(pbw__ordering *ordering)
 {
     pbw__context *context = ordering->context;
-    pbw__memory *memory = &context->memory;
+    pbw_memory *memory = &context->memory;
     pbw__vertices *vertices = ordering->vertices;
     const size_t count = ordering->input->count, tasks = (size_t)ordering->tasks, step = vertices->width;
     pbw__block block[2];
@@ -4012,7 +4224,7 @@ static int pbw__order_begin(pbw__ordering *ordering)
    (PBW_BORROW), or if only the order is wanted.  Returns 0 if memory is short. */
 static int pbw__order_end(pbw__ordering *ordering)
 {
-    pbw__memory *memory = &ordering->context->memory;
+    pbw_memory *memory = &ordering->context->memory;
     pbw__vertices *vertices = ordering->vertices;
     const size_t tasks = (size_t)ordering->tasks;
     const int output = vertices->dim == 3 && !ordering->input->bare && !ordering->input->borrow;
@@ -4024,7 +4236,7 @@ static int pbw__order_end(pbw__ordering *ordering)
         pbw__release(memory, ordering->shares, PBW__CUTS * tasks, sizeof(pbw__grid_share));
     }
     return vertices->record == NULL || room == vertices->room
-        || pbw__resize_array(memory, &vertices->record, &vertices->room, room, sizeof(double));
+        || pbw_memory_fit(memory, &vertices->record, &vertices->room, room, sizeof(double));
 }
 
 /* Sorts all keys and cuts them into parts.  Returns the number of parts, 0 if cancelled or a number is not finite. */
@@ -4295,14 +4507,14 @@ typedef struct pbw__kernel {
 /* Makes room for `needed` items in the array x, whose size x_capacity is beside it; grows by half. */
 #define PBW__GROW(kernel, owner, x, needed) \
     pbw__grow(&(kernel)->context->memory, &(owner)->x, &(owner)->x##_capacity, needed, sizeof(*(owner)->x))
-static int pbw__grow(pbw__memory *memory, void *array, size_t *capacity, size_t needed, size_t size)
+static int pbw__grow(pbw_memory *memory, void *array, size_t *capacity, size_t needed, size_t size)
 {
     const size_t bigger = *capacity + *capacity / 2;
     void *block;
     if (needed <= *capacity) {
         return 1;
     }
-    if (!pbw__resize_array(memory, array, capacity, bigger > needed ? bigger : needed, size)) {
+    if (!pbw_memory_fit(memory, array, capacity, bigger > needed ? bigger : needed, size)) {
         return 0;
     }
     memcpy(&block, array, sizeof(block));
@@ -4312,7 +4524,7 @@ static int pbw__grow(pbw__memory *memory, void *array, size_t *capacity, size_t 
 
 static void pbw__kernel_free(pbw__kernel *kernel)
 {
-    pbw__memory *memory = &kernel->context->memory;
+    pbw_memory *memory = &kernel->context->memory;
     PBW__RELEASE(memory, &kernel->scratch, cavity);
     PBW__RELEASE(memory, &kernel->scratch, parent);
     PBW__RELEASE(memory, &kernel->scratch, carved);
@@ -4408,7 +4620,7 @@ static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__car
 /* Resizes the store to `needed` simplices. */
 static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__context *context, pbw__store *store, size_t needed)
 {
-    pbw__memory *memory = &context->memory;
+    pbw_memory *memory = &context->memory;
     const size_t old = store->capacity;
     pbw__block block[3];
     if (needed > PBW__SIMPLEX_LIMIT) {
@@ -4466,7 +4678,7 @@ static int pbw__region_bits(size_t vertices, int dim)
    ahead of the slots that are read. */
 static pbw_status pbw__store_create(pbw__context *context, pbw__store *store, size_t vertices, int dim)
 {
-    pbw__memory *memory = &context->memory;
+    pbw_memory *memory = &context->memory;
     size_t slots, tail = 64 + vertices / (dim == 3 ? 32 : 1024), side = 1, r;
     pbw_status status;
     store->region_bits = pbw__region_bits(vertices, dim);
@@ -4504,7 +4716,7 @@ static pbw_status pbw__close_regions(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-static void pbw__store_free(pbw__memory *memory, pbw__store *store)
+static void pbw__store_free(pbw_memory *memory, pbw__store *store)
 {
     pbw__release(memory, store->region, store->region_count, sizeof(pbw_index));
     pbw__release(memory, store->hint, store->region_count, sizeof(pbw_index));
@@ -6832,7 +7044,7 @@ static pbw_status pbw__find_extremes(void *arg, size_t span, size_t to)
    contend for them; then the others, by few tasks. */
 static pbw_status pbw__level_extremes(pbw__build *build)
 {
-    pbw__memory *memory = &build->context->memory;
+    pbw_memory *memory = &build->context->memory;
     const size_t count = build->vertices->count, most = 8 * (count / PBW__SPAN + 1);
     size_t rank, seen, first;
     pbw_status status;
@@ -6863,7 +7075,7 @@ static pbw_status pbw__level_extremes(pbw__build *build)
 
 static void pbw__build_free(pbw__build *build)
 {
-    pbw__memory *memory = &build->context->memory;
+    pbw_memory *memory = &build->context->memory;
     size_t zones = build->store->region_count;
     int i;
     for (i = 0; i < build->kernel_count; i++) {
@@ -7995,7 +8207,7 @@ PBW__INLINE void pbw__emit_region(const pbw__emission *emission, pbw__buffers *b
 static void pbw__emit_pass2(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
-    pbw__memory *memory = &emission->context->memory;
+    pbw_memory *memory = &emission->context->memory;
     size_t regions = emission->store->region_count, least = pbw__share(regions, task, emission->tasks);
     size_t region = pbw__share(regions, task + 1, emission->tasks);
     const pbw_index later = region < regions ? (pbw_index)pbw__emit_ranks(emission, region) : PBW_NONE;
@@ -8012,9 +8224,9 @@ static void pbw__emit_pass2(void *arg, int task)
         }
         longest += 4;                                /* for sorted[0], and the surplus of the last four */
         if ((sum >= buffers.slot_capacity
-             && !pbw__resize_array(memory, &buffers.slot, &buffers.slot_capacity, sum + 1, sizeof(pbw_index)))
+             && !pbw_memory_fit(memory, &buffers.slot, &buffers.slot_capacity, sum + 1, sizeof(pbw_index)))
             || (2 * longest > buffers.item_capacity
-                && !pbw__resize_array(memory, &buffers.item, &buffers.item_capacity, 2 * longest,
+                && !pbw_memory_fit(memory, &buffers.item, &buffers.item_capacity, 2 * longest,
                                       sizeof(pbw__item)))) {
             PBW__STORE(&emission->failed, 1);
             break;
@@ -8250,7 +8462,7 @@ static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside)
         PBW__BY_DIM(emission->dim, pbw__emit_aside, emission, aside);
         wanted = aside->count + aside->count / 8 + chunk;
         if (wanted > aside->capacity
-            && !pbw__resize_array(&emission->context->memory, &aside->simplex, &aside->capacity, wanted,
+            && !pbw_memory_fit(&emission->context->memory, &aside->simplex, &aside->capacity, wanted,
                                   sizeof(pbw__emitted))) {
             PBW__STORE(&emission->failed, 1);
             return 0;
@@ -8370,7 +8582,7 @@ static pbw_status pbw__emit(pbw__emission *emission)
 
 /* The sizes of a mesh's arrays; mesh->memory points at it. */
 typedef struct pbw__owned {
-    pbw__memory memory;
+    pbw_memory memory;
     size_t simplices, neighbors, incident, canonical, original, points, weights;        /* items in each array; 0: not
                                                                                            the mesh's own */
 } pbw__owned;
@@ -8457,14 +8669,14 @@ static void pbw__emit_arrays(pbw__emission *emission, const pbw__store *store, c
 /* Makes the arrays of an emission in blocks that the build no longer needs: their pages exist. */
 static int pbw__emit_room(pbw__emission *emission, pbw__store *store, pbw__vertices *vertices)
 {
-    pbw__memory *memory = &emission->context->memory;
+    pbw_memory *memory = &emission->context->memory;
     const size_t chunks = (emission->slot_count >> emission->chunk_bits) + 1, ranks = emission->vertex_count + 1;
     size_t room;
     emission->rank_entries = ranks * ((emission->tasks > 1 ? 1u : 0u) + (store->mark == NULL ? 1u : 0u));
     room = ((emission->slot_count + emission->rank_entries) * sizeof(pbw_index) + chunks) / sizeof(double) + 1;
     if ((store->mark != NULL && !PBW__RESIZE(memory, store, mark, ranks * sizeof(pbw_index)))
         || (room > vertices->room
-            && !pbw__resize_array(memory, &vertices->record, &vertices->room, room, sizeof(double)))) {
+            && !pbw_memory_fit(memory, &vertices->record, &vertices->room, room, sizeof(double)))) {
         return 0;
     }
     pbw__emit_arrays(emission, store, vertices);
@@ -8476,7 +8688,7 @@ static int pbw__emit_room(pbw__emission *emission, pbw__store *store, pbw__verti
 /* Allocates what the tasks of an emission need and runs it. */
 static pbw_status pbw__emit_all(pbw__emission *emission, pbw__store *store, pbw__vertices *vertices)
 {
-    pbw__memory *memory = &emission->context->memory;
+    pbw_memory *memory = &emission->context->memory;
     const size_t tasks = (size_t)emission->tasks;
     pbw_status status = PBW_ERROR_MEMORY;
     emission->task = tasks > 1 ? (pbw__emitting *)pbw__allocate(memory, tasks, sizeof(pbw__emitting))
@@ -8497,15 +8709,15 @@ static pbw_status pbw__emit_all(pbw__emission *emission, pbw__store *store, pbw_
 static int pbw__emit_cut(pbw__emission *emission, pbw__store *store, pbw__vertices *vertices, pbw__owned *owned,
                          pbw_mesh *mesh, size_t points)
 {
-    pbw__memory *memory = &emission->context->memory;
+    pbw_memory *memory = &emission->context->memory;
     const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1);
     const size_t firsts = emission->rank_entries / 2 + 1, kept = points > firsts ? points : firsts;      /* doubles */
     const size_t behind = points > 0 ? vertices->point_count / 2 + 1 : 0;
     size_t links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
     if (!emission->apart) {
-        if (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
+        if (!pbw_memory_fit(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
             || (store->link != NULL
-                && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
+                && !pbw_memory_fit(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
             return 0;
         }
         emission->to_corner = store->corner;
@@ -8517,7 +8729,7 @@ static int pbw__emit_cut(pbw__emission *emission, pbw__store *store, pbw__vertic
     mesh->neighbors = emission->to_link;
     mesh->simplex_count = emission->simplex_count;
     owned->simplices = owned->neighbors = entries;
-    if (!pbw__resize_array(memory, &vertices->record, &vertices->room, kept + behind, sizeof(double))) {
+    if (!pbw_memory_fit(memory, &vertices->record, &vertices->room, kept + behind, sizeof(double))) {
         return 0;
     }
     pbw__emit_arrays(emission, store, vertices);
@@ -8530,7 +8742,7 @@ static int pbw__emit_cut(pbw__emission *emission, pbw__store *store, pbw__vertic
 static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__vertices *vertices, unsigned flags,
                               pbw__owned *owned, pbw_mesh *mesh)
 {
-    pbw__memory *memory = &context->memory;
+    pbw_memory *memory = &context->memory;
     const size_t corners = (size_t)vertices->dim + 1;
     const size_t points = (flags & PBW_BORROW) == 0 ? vertices->point_count * (size_t)vertices->dim : 0;
     pbw__emission emission;
@@ -9172,15 +9384,6 @@ static int pbw__check_span(pbw__check *check)
     }
 }
 
-/* Mixes 64 bits: the bijection of splitmix64 (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number
-   generators"). */
-PBW__INLINE uint64_t pbw__mix(uint64_t x)
-{
-    x = (x ^ (x >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
-    x = (x ^ (x >> 27)) * UINT64_C(0x94d049bb133111eb);
-    return x ^ (x >> 31);
-}
-
 /* Hash of count doubles, going on from another; equal for -0.0 and 0.0 in every floating-point mode. */
 PBW__INLINE uint64_t pbw__hash_doubles(uint64_t hash, const double *x, int count)
 {
@@ -9188,7 +9391,7 @@ PBW__INLINE uint64_t pbw__hash_doubles(uint64_t hash, const double *x, int count
     for (k = 0; k < count; k++) {
         uint64_t bits;
         memcpy(&bits, x + k, sizeof(bits));
-        hash = pbw__mix(hash + UINT64_C(0x9e3779b97f4a7c15) + (bits << 1 == 0 ? 0 : bits));
+        hash = pbw_mix(hash + UINT64_C(0x9e3779b97f4a7c15) + (bits << 1 == 0 ? 0 : bits));
     }
     return hash;
 }
@@ -9231,7 +9434,7 @@ static int pbw__check_apart(pbw__check *check, pbw__check_part *part, size_t fro
 static int pbw__check_others(pbw__check *check)
 {
     pbw__context *context = check->context;
-    pbw__memory *memory = &context->memory;
+    pbw_memory *memory = &context->memory;
     const size_t count = check->other_count;
     const int bits = check->dim == 2 ? 16 : 10, tasks = pbw__tasks(context, count, 16384);
     uint64_t *keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
@@ -9408,7 +9611,7 @@ static pbw_status pbw__hash_simplices(void *arg, size_t s, size_t end)
             }
             points += hashing->point != NULL ? hashing->point[corner[k]] : pbw__hash_point(hashing->mesh, corner[k]);
         }
-        sum += pbw__mix(points);
+        sum += pbw_mix(points);
     }
     (void)PBW__ADD(&hashing->sum, sum);
     return PBW_OK;
@@ -9444,7 +9647,7 @@ PBWDEF pbw_status pbw_hash_parts(const pbw_mesh *mesh, const unsigned char *poin
 
 PBWDEF uint64_t pbw_hash_of(const pbw_hash_sums *sums)
 {
-    return sums == NULL ? 0 : pbw__mix(sums->points + pbw__mix(sums->simplices));
+    return sums == NULL ? 0 : pbw_mix(sums->points + pbw_mix(sums->simplices));
 }
 
 PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh, const pbw_options *options)
@@ -9455,8 +9658,9 @@ PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh, const pbw_options *options)
     return hashed ? pbw_hash_of(&sums) : 0;
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>tools        For companion headers: loops on threads, points in the order of the curve.
-   In: the caller's arrays.  Out: the library's threads and its sort, as public functions.
+   >>tools        For companion headers: sorting, signs, centres, loops on threads, points along the curve.
+   In: the caller's arrays.  Out: the library's threads, its sorts and its exact numbers, as public functions; what
+   must be inlined is in >>interface, what allocates in >>memory.
    ------------------------------------------------------------------------------------------------------ */
 /* New numbers along the curve, for pbw_order and PBW_CURVE_ORDER: each vertex is followed by its duplicates, in
    ascending order.  Fills `original` (new number -> the caller's), and turns `id` and `canonical` of the vertices
@@ -9530,6 +9734,174 @@ static pbw_status pbw__number_along_curve(pbw__context *context, pbw__vertices *
     return PBW_OK;
 }
 
+/* ---- sorting
+   Keys of 64 bits, by their low halves first, then by their high ones: words of half a key and, below it, the
+   index. */
+typedef struct pbw__halves {
+    const uint64_t *keys;
+    pbw_index *order;
+    uint64_t *words;
+    uint64_t differing;                              /* bits in which some key differs from the first */
+    int half;                                        /* 0: low; order is not read, but that of the indices */
+} pbw__halves;
+
+static pbw_status pbw__fill_halves(void *arg, size_t from, size_t to)
+{
+    pbw__halves *halves = (pbw__halves *)arg;
+    uint64_t differing = 0, old;
+    for (; from < to; from++) {
+        const uint64_t index = halves->half ? halves->order[from] : from, key = halves->keys[index];
+        differing |= key ^ halves->keys[0];
+        halves->words[from] = (halves->half ? key >> 32 : key & 0xffffffff) << 32 | index;
+    }
+    old = PBW__LOAD(&halves->differing);
+    while ((differing & ~old) != 0 && !PBW__CAS(&halves->differing, &old, old | differing)) {
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbw__read_order(void *arg, size_t from, size_t to)
+{
+    const pbw__halves *halves = (const pbw__halves *)arg;
+    for (; from < to; from++) {
+        halves->order[from] = (pbw_index)halves->words[from];
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbw__sort_halves(pbw__context *context, pbw__halves *halves, pbw__sorting *sorting, uint32_t *start)
+{
+    pbw_status status = PBW_OK;
+    for (halves->half = 0; halves->half < 2 && status == PBW_OK; halves->half++) {
+        const double done = 0.5 * halves->half;
+        halves->words = sorting->a;
+        status = pbw__for_range(context, sorting->count, 65536, done + 0.1, pbw__fill_halves, halves);
+        if (status == PBW_OK && (halves->differing >> 32 * halves->half & 0xffffffff) != 0) {
+            sorting->start = start;
+            sorting->tasks = context->threads;
+            halves->words = start == NULL ? pbw__sort_keys(sorting, 32, 32) : pbw__sort_by(sorting, 32, 32);
+            status = halves->words == NULL ? PBW_CANCELLED : PBW_OK;
+        }
+        if (status == PBW_OK) {
+            status = pbw__for_range(context, sorting->count, 65536, done + 0.5, pbw__read_order, halves);
+        }
+    }
+    return status;
+}
+
+PBWDEF pbw_status pbw_sort(const uint64_t *keys, size_t count, const pbw_options *options, pbw_index *order)
+{
+    pbw__context context;
+    pbw__sorting sorting;
+    pbw__halves halves = { keys, order, NULL, 0, 0 };
+    pbw_status status;
+    if (count > 0 && (keys == NULL || order == NULL)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    if (count > PBW_NONE) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    status = pbw__begin_call(&context, options, count);
+    status = status == PBW_OK && pbw__enter_stage(&context, PBW_STAGE_WORK) ? PBW_CANCELLED : status;
+    if (status == PBW_OK && count > 0) {
+        const size_t starts = context.threads > 1 ? ((size_t)context.threads + 1) * PBW__DIGITS : 0;
+        uint64_t *a = (uint64_t *)pbw__allocate(&context.memory, count, sizeof(uint64_t));
+        uint64_t *b = (uint64_t *)pbw__allocate(&context.memory, count, sizeof(uint64_t));
+        uint32_t *start = starts > 0 ? (uint32_t *)pbw__allocate(&context.memory, starts, sizeof(uint32_t)) : NULL;
+        sorting.context = &context;
+        sorting.a = a;
+        sorting.b = b;
+        sorting.count = count;
+        status = a == NULL || b == NULL || (starts > 0 && start == NULL) ? PBW_ERROR_MEMORY
+               : pbw__sort_halves(&context, &halves, &sorting, start);
+        pbw__release(&context.memory, a, count, sizeof(uint64_t));
+        pbw__release(&context.memory, b, count, sizeof(uint64_t));
+        pbw__release(&context.memory, start, starts, sizeof(uint32_t));
+    }
+    return pbw__end_call(&context, status);
+}
+
+PBWDEF uint64_t pbw_sort_key(double x)
+{
+    const uint64_t top = (uint64_t)1 << 63, bits = pbw__bits(x) << 1 == 0 ? 0 : pbw__bits(x);
+    return bits & top ? ~bits : bits | top;
+}
+
+/* ---- numbers
+   The filter is a sum in doubles.  Its error and that of the sum of absolute values are each at most count 2^-52
+   times the latter, to first order and in any rounding mode (Higham 2002, "Accuracy and Stability of Numerical
+   Algorithms", section 3.1), and the smallest normal number for each product that underflows: 2^-50 covers both. */
+PBWDEF int pbw_sign_of_products(const double *a, const double *b, int count)
+{
+    pbw__digit pool[2][PBW__POOL / 4], factor[PBW__POOL / 4], one_digit = 1;
+    const pbw__integer one = { &one_digit, 0, 1 };
+    pbw__integer sum = { pool[0], 0, 0 };
+    double value = 0.0, size = 0.0;
+    const int low[2] = { pbw__exact_unit(a, count, 1024), pbw__exact_unit(b, count, 1024) };
+    int i;
+    for (i = 0; i < count; i++) {
+        const double product = a[i] * b[i];
+        value += product;
+        size += pbw__abs(product);
+    }
+    size = count * (9e-16 * size + DBL_MIN);
+    if (value > size || value < -size) {             /* not with infinities or NaN */
+        return value > 0 ? 1 : -1;
+    }
+    for (i = 0; i < count; i++) {
+        pbw__digit *top = factor, *room = pool[i % 2 == 0];
+        const pbw__integer x = pbw__exact_difference(a[i], 0.0, low[0], &top);
+        const pbw__integer y = pbw__exact_difference(b[i], 0.0, low[1], &top);
+        const pbw__product term[2] = { { { &sum, &one }, 0 }, { { &x, &y }, 0 } };
+        sum = pbw__exact_sum(term, 2, &room);
+    }
+    return pbw__exact_sign(&sum);
+}
+
+/* With B, C, D the other corners relative to the first one, a, and B2 = |B|^2 - (w_b - w_a), and so on,
+       centre = (B2 CxD + C2 DxB + D2 BxC) / (2 B.CxD). */
+PBWDEF int pbw_centre(int dim, const double *const *corner, const double *weight, double *centre)
+{
+    static const pbw_pair zero = { 0.0, 0.0 };
+    pbw_pair row[3][3], height[3], minor[3][3], sum[3] = { { 0.0, 0.0 }, { 0.0, 0.0 }, { 0.0, 0.0 } }, det = zero;
+    double largest = 0.0, least;
+    int i, k;
+    for (i = 0; i < dim; i++) {
+        double square = 0.0;
+        height[i] = weight != NULL ? pbw_two_sum(weight[0], -weight[i + 1]) : zero;
+        for (k = 0; k < dim; k++) {
+            row[i][k] = pbw_two_sum(corner[i + 1][k], -corner[0][k]);
+            height[i] = pbw_pair_plus(height[i], pbw_pair_times(row[i][k], row[i][k]));
+            square += row[i][k].head * row[i][k].head;
+        }
+        largest = pbw__max(largest, square);
+    }
+    least = 1e-30 * (dim == 3 ? largest * sqrt(largest) : largest);
+    for (i = 0; i < dim; i++) {
+        if (dim == 3) {                              /* the cross product of the other two rows */
+            const pbw_pair *p = row[(i + 1) % 3], *q = row[(i + 2) % 3];
+            for (k = 0; k < 3; k++) {
+                minor[i][k] = pbw_pair_minor(p[(k + 1) % 3], p[(k + 2) % 3], q[(k + 1) % 3], q[(k + 2) % 3]);
+            }
+        } else {                                     /* the other row, turned */
+            const double sign = i == 0 ? 1.0 : -1.0;
+            minor[i][0] = pbw__pair_scaled(row[1 - i][1], sign);
+            minor[i][1] = pbw__pair_scaled(row[1 - i][0], -sign);
+        }
+        for (k = 0; k < dim; k++) {
+            sum[k] = pbw_pair_plus(sum[k], pbw_pair_times(height[i], minor[i][k]));
+        }
+    }
+    for (k = 0; k < dim; k++) {
+        det = pbw_pair_plus(det, pbw_pair_times(row[0][k], minor[0][k]));
+    }
+    for (k = 0; k < dim; k++) {                      /* positive, but perhaps below what pairs resolve */
+        centre[k] = sum[k].head / (2.0 * pbw__max(det.head, least));
+    }
+    return det.head > 1e16 * least;
+}
+
+/* ---- threads and order */
 PBWDEF pbw_status pbw_for(const pbw_options *options, size_t count, size_t grain, pbw_body *body, void *arg)
 {
     const size_t blocks = grain > 0 ? count / grain + (count % grain != 0) : 0, most = (size_t)-1 / 8192;
@@ -9814,7 +10186,7 @@ typedef struct pbw__tree pbw__tree;                      /* see >>boxes */
 
 /* The scratch memory of one task; its arrays grow. */
 typedef struct pbw__desk {
-    pbw__memory *memory;
+    pbw_memory *memory;
     int failed;                                      /* out of memory */
     int astray;                                      /* points of the mesh have moved */
     pbw__set seen, other;
@@ -9863,7 +10235,7 @@ static int pbw__room(pbw__desk *desk, void *array, size_t *capacity, size_t need
 {
     const size_t bigger = 2 * *capacity > 64 ? 2 * *capacity : 64;
     desk->failed |= needed > *capacity
-                 && !pbw__resize_array(desk->memory, array, capacity, bigger > needed ? bigger : needed, size);
+                 && !pbw_memory_fit(desk->memory, array, capacity, bigger > needed ? bigger : needed, size);
     return needed <= *capacity;
 }
 
@@ -9936,12 +10308,12 @@ PBW__INLINE uint32_t *pbw__set_add(pbw__desk *desk, pbw__set *set, uint64_t key,
     return &entry->value;
 }
 
-static void pbw__cavity_free(pbw__memory *memory, pbw__cavity *cavity);
+static void pbw__cavity_free(pbw_memory *memory, pbw__cavity *cavity);
 
 static pbw_status pbw__answer_range(void *arg, size_t from, size_t to)
 {
     pbw__queries *queries = (pbw__queries *)arg;
-    pbw__memory *memory = &queries->context.memory;
+    pbw_memory *memory = &queries->context.memory;
     pbw__desk desk;
     memset(&desk, 0, sizeof(desk));
     desk.memory = memory;
@@ -9991,10 +10363,10 @@ static pbw_status pbw__sort_points(pbw__context *context, pbw__input *input, pbw
     return status;
 }
 
-typedef struct pbw__owned_lists { pbw__memory memory; size_t first, items, values; } pbw__owned_lists;
+typedef struct pbw__owned_lists { pbw_memory memory; size_t first, items, values; } pbw__owned_lists;
 
 /* Frees the arrays of lists.  `memory` counts their bytes. */
-static void pbw__lists_release(pbw__memory *memory, const pbw_lists *lists)
+static void pbw__lists_release(pbw_memory *memory, const pbw_lists *lists)
 {
     pbw__owned_lists *owned = (pbw__owned_lists *)lists->memory;
     if (owned != NULL) {
@@ -10070,7 +10442,7 @@ static pbw_index pbw__guess(const pbw_mesh *mesh, const double *p)
 PBWDEF void pbw_lists_free(pbw_lists *lists)
 {
     if (lists != NULL && lists->memory != NULL) {
-        pbw__memory memory = ((pbw__owned_lists *)lists->memory)->memory;
+        pbw_memory memory = ((pbw__owned_lists *)lists->memory)->memory;
         pbw__lists_release(&memory, lists);
     }
     if (lists != NULL) {
@@ -10139,7 +10511,7 @@ static pbw_status pbw__make_lists(pbw__queries *queries, pbw__answer *answer, si
                                   pbw_lists *lists)
 {
     const int with_values = queries->with_values;
-    pbw__memory *memory = &queries->context.memory;
+    pbw_memory *memory = &queries->context.memory;
     const size_t blocks = (items + size - 1) / size;
     pbw__owned_lists *owned = (pbw__owned_lists *)pbw__allocate(memory, 1, sizeof(pbw__owned_lists));
     pbw_status status = PBW_ERROR_MEMORY;
@@ -10260,7 +10632,7 @@ typedef struct pbw__bins {
 
 struct pbw_finder {
     const pbw_mesh *mesh;
-    pbw__memory memory;
+    pbw_memory memory;
     pbw__bins *grids;
     pbw__bin *bins;                                  /* of all grids */
     size_t grids_capacity, bins_capacity, grid_count, bin_count;
@@ -10372,7 +10744,7 @@ static void pbw__bins_fill(const pbw__binning *binning, const pbw__bins *grid)
 static pbw_status pbw__bins_refine(const pbw__binning *binning, pbw__bins grid)
 {
     pbw_finder *finder = binning->finder;
-    pbw__memory *memory = &binning->queries->context.memory;
+    pbw_memory *memory = &binning->queries->context.memory;
     const pbw_mesh *mesh = finder->mesh;
     size_t i, at, end = grid.from, full = 0;
     for (at = 0; at < grid.count; at++) {
@@ -10410,7 +10782,7 @@ static pbw_status pbw__bins_refine(const pbw__binning *binning, pbw__bins grid)
 static pbw_status pbw__bins_make(const pbw__binning *binning)
 {
     pbw_finder *finder = binning->finder;
-    pbw__memory *memory = &binning->queries->context.memory;
+    pbw_memory *memory = &binning->queries->context.memory;
     const pbw_mesh *mesh = finder->mesh;
     pbw_status status = PBW_OK;
     size_t v, g;
@@ -10438,7 +10810,7 @@ static pbw_status pbw__bins_make(const pbw__binning *binning)
 
 static pbw_status pbw__finder_fill(pbw__queries *queries, pbw_finder *finder)
 {
-    pbw__memory *memory = &queries->context.memory;
+    pbw_memory *memory = &queries->context.memory;
     const size_t count = finder->mesh->point_count, most = count / 4 + 8;    /* bins: see pbw__bins_measure */
     pbw_status status = PBW_ERROR_MEMORY;
     pbw__binning binning;
@@ -10507,7 +10879,7 @@ PBWDEF pbw_index pbw_finder_locate(const pbw_finder *finder, const double *point
 PBWDEF void pbw_finder_free(pbw_finder *finder)
 {
     if (finder != NULL) {
-        pbw__memory memory = finder->memory;
+        pbw_memory memory = finder->memory;
         PBW__RELEASE(&memory, finder, grids);
         PBW__RELEASE(&memory, finder, bins);
         pbw__release(&memory, finder, 1, sizeof(pbw_finder));
@@ -11355,7 +11727,7 @@ static pbw_status pbw__tree_vertices(pbw__queries *queries, pbw__tree *tree)
 }
 
 /* Allocates leaves and the boxes of all levels.  Returns 0 if memory is short. */
-static int pbw__tree_room(pbw__memory *memory, pbw__tree *tree, int dim)
+static int pbw__tree_room(pbw_memory *memory, pbw__tree *tree, int dim)
 {
     const size_t leaves = (tree->count + PBW__BRANCH - 1) / PBW__BRANCH;
     int level = 0;
@@ -11378,7 +11750,7 @@ static int pbw__tree_room(pbw__memory *memory, pbw__tree *tree, int dim)
 static pbw_status pbw__plant(pbw__queries *queries, pbw__tree *tree)
 {
     const pbw_mesh *mesh = queries->mesh;
-    pbw__memory *memory = &queries->context.memory;
+    pbw_memory *memory = &queries->context.memory;
     pbw_status status;
     int level;
     tree->vertex = (pbw_index *)pbw__allocate(memory, mesh->point_count, sizeof(pbw_index));
@@ -11532,7 +11904,7 @@ static pbw_status pbw__search_all(pbw__queries *queries)
 {
     const pbw_mesh *mesh = queries->mesh;
     const size_t width = PBW__BRANCH * (size_t)mesh->dim;
-    pbw__memory *memory = &queries->context.memory;
+    pbw_memory *memory = &queries->context.memory;
     pbw__tree tree;
     pbw_status status;
     memset(&tree, 0, sizeof(tree));
@@ -11592,36 +11964,36 @@ PBWDEF pbw_status pbw_nearest(const pbw_mesh *mesh, const pbw_lists *stars, cons
    Holds: with `fine`, and but for underflow, the error of the determinant and of each numerator of a centre is at
    most 2^-98 times the sum of the absolute products, of coordinates relative to the query.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbw__vector { pbw__pair x, y, z; } pbw__vector;
+typedef struct pbw__vector { pbw_pair x, y, z; } pbw__vector;
 
 /* ---- arithmetic: on pairs if `fine`, otherwise on their heads only */
-PBW__INLINE pbw__pair pbw__number(double head)
+PBW__INLINE pbw_pair pbw__number(double head)
 {
-    pbw__pair number;
+    pbw_pair number;
     number.head = head;
     number.tail = 0.0;
     return number;
 }
 
-PBW__INLINE pbw__pair pbw__add(int fine, pbw__pair a, pbw__pair b)
+PBW__INLINE pbw_pair pbw__add(int fine, pbw_pair a, pbw_pair b)
 {
     return fine ? pbw__pair_plus(a, b) : pbw__number(a.head + b.head);
 }
 
-PBW__INLINE pbw__pair pbw__sub(int fine, pbw__pair a, pbw__pair b)
+PBW__INLINE pbw_pair pbw__sub(int fine, pbw_pair a, pbw_pair b)
 {
     return fine ? pbw__pair_minus(a, b) : pbw__number(a.head - b.head);
 }
 
-PBW__INLINE pbw__pair pbw__mul(int fine, pbw__pair a, pbw__pair b)
+PBW__INLINE pbw_pair pbw__mul(int fine, pbw_pair a, pbw_pair b)
 {
     return fine ? pbw__pair_times(a, b) : pbw__number(a.head * b.head);
 }
 
 /* Divides.  b is normalised first, |tail| <= u |head|, so that one correction by the remainder is enough. */
-PBW__INLINE pbw__pair pbw__div(int fine, pbw__pair a, pbw__pair b)
+PBW__INLINE pbw_pair pbw__div(int fine, pbw_pair a, pbw_pair b)
 {
-    pbw__pair quotient, rest;
+    pbw_pair quotient, rest;
     double head = b.head + b.tail;
     if (!fine) {
         return pbw__number(a.head / b.head);
@@ -11650,7 +12022,7 @@ PBW__INLINE pbw__vector pbw__vector_add(int fine, pbw__vector a, pbw__vector b)
     return a;
 }
 
-PBW__INLINE pbw__vector pbw__vector_times(int fine, pbw__vector a, pbw__pair factor)
+PBW__INLINE pbw__vector pbw__vector_times(int fine, pbw__vector a, pbw_pair factor)
 {
     a.x = pbw__mul(fine, a.x, factor);
     a.y = pbw__mul(fine, a.y, factor);
@@ -11658,14 +12030,14 @@ PBW__INLINE pbw__vector pbw__vector_times(int fine, pbw__vector a, pbw__pair fac
     return a;
 }
 
-PBW__INLINE pbw__pair pbw__vector_dot(int fine, pbw__vector a, pbw__vector b)
+PBW__INLINE pbw_pair pbw__vector_dot(int fine, pbw__vector a, pbw__vector b)
 {
     return pbw__add(fine, pbw__add(fine, pbw__mul(fine, a.x, b.x), pbw__mul(fine, a.y, b.y)),
                     pbw__mul(fine, a.z, b.z));
 }
 
 /* a x b in the plane, and in space. */
-PBW__INLINE pbw__pair pbw__vector_area(int fine, pbw__vector a, pbw__vector b)
+PBW__INLINE pbw_pair pbw__vector_area(int fine, pbw__vector a, pbw__vector b)
 {
     return pbw__sub(fine, pbw__mul(fine, a.x, b.y), pbw__mul(fine, a.y, b.x));
 }
@@ -11732,11 +12104,11 @@ static void pbw__exact_row(int dim, const double *p, const double *origin, int u
 }
 
 /* Returns a / radix^length as a pair; digits far below 2^-106 are dropped. */
-static pbw__pair pbw__exact_pair(const pbw__integer *a, int length)
+static pbw_pair pbw__exact_pair(const pbw__integer *a, int length)
 {
     const double radix = 1.0 / (double)((pbw__column)1 << PBW__DIGIT_BITS);
     const pbw__digit half = (pbw__digit)1 << (PBW__DIGIT_BITS / 2);
-    pbw__pair sum = { 0.0, 0.0 }, piece = { 0.0, 0.0 };
+    pbw_pair sum = { 0.0, 0.0 }, piece = { 0.0, 0.0 };
     double weight = radix;
     int i;
     for (i = length - 1; i >= 0 && i >= length - 10; i--, weight *= radix) {
@@ -11772,17 +12144,17 @@ static PBW__NOINLINE void pbw__exact_sides(const pbw_mesh *mesh, const pbw_index
         longest = value[i].length > longest ? value[i].length : longest;
     }
     for (i = 0; i <= dim; i++) {
-        const pbw__pair pair = pbw__exact_pair(value + i, longest);
+        const pbw_pair pair = pbw__exact_pair(value + i, longest);
         side[i] = i % 2 == 0 ? pair.head + pair.tail : -(pair.head + pair.tail);     /* a cycle of 4 rows is odd */
     }
 }
 
 /* Returns the centre c of a simplex, relative to the origin of its rows: 2 c . row = lift for each row.  Rows are at
    most 2 long.  Sets *flat if their determinant is too small for an accurate centre. */
-PBW__INLINE pbw__vector pbw__centre_of(int fine, int dim, const pbw__vector *row, const pbw__pair *lift, int *flat)
+PBW__INLINE pbw__vector pbw__centre_of(int fine, int dim, const pbw__vector *row, const pbw_pair *lift, int *flat)
 {
     pbw__vector sum;
-    pbw__pair det;
+    pbw_pair det;
     if (dim == 3) {
         const pbw__vector yz = pbw__vector_cross(fine, row[1], row[2]);
         sum = pbw__vector_times(fine, yz, lift[0]);
@@ -11803,9 +12175,9 @@ PBW__INLINE pbw__vector pbw__centre_of(int fine, int dim, const pbw__vector *row
 typedef struct pbw__exact_point { pbw__integer at[3], by; } pbw__exact_point;
 
 /* Returns a / (by[0] by[1] ..) * 2^exponent. */
-static pbw__pair pbw__exact_quotient(const pbw__integer *a, const pbw__integer *const *by, int count, int exponent)
+static pbw_pair pbw__exact_quotient(const pbw__integer *a, const pbw__integer *const *by, int count, int exponent)
 {
-    pbw__pair value = pbw__exact_pair(a, a->length);
+    pbw_pair value = pbw__exact_pair(a, a->length);
     double some, rest;
     int i;
     exponent += PBW__DIGIT_BITS * a->length;
@@ -11843,7 +12215,7 @@ static pbw__pair pbw__exact_quotient(const pbw__integer *a, const pbw__integer *
    that rounding errors of their products may matter beside the sum, doubles give way to pairs, and pairs to exact
    integers for each contribution.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbw__site { pbw__vector at; pbw__pair weight, gain; pbw_index vertex; } pbw__site;
+typedef struct pbw__site { pbw__vector at; pbw_pair weight, gain; pbw_index vertex; } pbw__site;
 
 /* A simplex of the cavity: the sites at its corners; across from each, a simplex of the cavity or PBW_NONE.  Or a new
    simplex, of a facet of the boundary and q: q is PBW_NONE, the last corner, and across[0] the old simplex inside. */
@@ -11861,7 +12233,7 @@ struct pbw__cavity {
     int unit;                                        /* of exact numbers */
 };
 
-static void pbw__cavity_free(pbw__memory *memory, pbw__cavity *cavity)
+static void pbw__cavity_free(pbw_memory *memory, pbw__cavity *cavity)
 {
     if (cavity != NULL) {
         PBW__RELEASE(memory, cavity, old);
@@ -12022,7 +12394,7 @@ PBW__INLINE void pbw__cavity_place(const pbw_mesh *mesh, int dim, pbw__cavity *c
     for (i = 0; i < cavity->sites; i++) {
         pbw__site *site = cavity->site + i;
         const double *p = mesh->points + site->vertex * (size_t)dim;
-        pbw__pair *at[3];
+        pbw_pair *at[3];
         at[0] = &site->at.x;
         at[1] = &site->at.y;
         at[2] = &site->at.z;
@@ -12096,11 +12468,11 @@ PBW__INLINE int pbw__cavity_centre(int fine, int dim, int weighted, const pbw__c
 {
     const pbw__site *base = x->corner[dim] != PBW_NONE ? cavity->site + x->corner[dim] : NULL;
     pbw__vector row[3];
-    pbw__pair lift[3];
+    pbw_pair lift[3];
     int flat, k;
     for (k = 0; k < dim; k++) {
         const pbw__site *site = cavity->site + x->corner[k];
-        pbw__pair weight = site->weight;
+        pbw_pair weight = site->weight;
         row[k] = site->at;
         if (base != NULL) {
             row[k] = pbw__vector_sub(fine, site->at, base->at);
@@ -12145,7 +12517,7 @@ static PBW__NOINLINE void pbw__cavity_exact(int laplace, pbw__desk *desk, pbw__s
         pbw__site *a = x[i], *b = x[i < 2 ? i + 1 : 0], *end = a->vertex != PBW_NONE ? a : b;
         const uint64_t low = a->vertex < b->vertex ? a->vertex : b->vertex, high = a->vertex ^ b->vertex ^ low;
         pbw__integer det;
-        pbw__pair value;
+        pbw_pair value;
         if (dim == 3) {
             const uint32_t *met = pbw__set_add(desk, &desk->other, low << 32 | high, (uint32_t)id, &added);
             if (met == NULL) {
@@ -12184,10 +12556,10 @@ PBW__INLINE void pbw__cavity_edge(int fine, int weighted, pbw__site *a, pbw__sit
                                   pbw__vector away)
 {
     const pbw__vector along = pbw__vector_sub(fine, b->at, a->at);
-    pbw__pair value = pbw__sub(fine, pbw__vector_dot(fine, along, cross),
+    pbw_pair value = pbw__sub(fine, pbw__vector_dot(fine, along, cross),
                                pbw__vector_dot(fine, away, pbw__vector_cross(fine, a->at, b->at)));
     if (weighted) {
-        pbw__pair more = pbw__div(fine, pbw__mul(fine, value, pbw__sub(fine, a->weight, b->weight)),
+        pbw_pair more = pbw__div(fine, pbw__mul(fine, value, pbw__sub(fine, a->weight, b->weight)),
                                   pbw__vector_dot(fine, along, along));
         b->gain = pbw__sub(fine, b->gain, more);
         a->gain = pbw__add(fine, a->gain, more);
@@ -12595,7 +12967,7 @@ typedef struct pbw__core {
 /* Frees the members that one thread owns. */
 static void pbw__core_free_own(pbw__context *context, pbw__core *core)
 {
-    pbw__memory *memory = &context->memory;
+    pbw_memory *memory = &context->memory;
     core->kernel.context = context;
     pbw__kernel_free(&core->kernel);
     PBW__RELEASE(memory, core, rim_vertex);
@@ -12610,7 +12982,7 @@ static void pbw__core_free_own(pbw__context *context, pbw__core *core)
 
 static void pbw__core_free(pbw__context *context, pbw__core *core)
 {
-    pbw__memory *memory = &context->memory;
+    pbw_memory *memory = &context->memory;
     pbw__core_free_own(context, core);
     while (core->tasks > 0) {
         pbw__core_free_own(context, core->task[--core->tasks]);
@@ -14105,14 +14477,14 @@ typedef struct pbw__stand {
     size_t count, room, dim;
 } pbw__stand;
 
-static void pbw__stand_free(pbw__memory *memory, pbw__stand *stand)
+static void pbw__stand_free(pbw_memory *memory, pbw__stand *stand)
 {
     pbw__release(memory, stand->points, stand->room * stand->dim, sizeof(double));
     pbw__release(memory, stand->weights, stand->room, sizeof(double));
     pbw__release(memory, stand->list, stand->room, sizeof(pbw_index));
 }
 
-static int pbw__stand_create(pbw__memory *memory, pbw__stand *stand, size_t room, int dim)
+static int pbw__stand_create(pbw_memory *memory, pbw__stand *stand, size_t room, int dim)
 {
     stand->room = room;
     stand->count = 0;
@@ -14980,7 +15352,7 @@ typedef struct pbw__edit { pbw_index table, at, old; } pbw__edit;
 enum { PBW__EDIT_VERTEX, PBW__EDIT_TWIN, PBW__EDIT_PLACE };
 
 struct pbw_live {
-    pbw__memory memory;
+    pbw_memory memory;
     pbw_options options;
     int dim, weighted, weighted_past;                /* weighted: from the next commit on; past: at the last one */
     double *point, *weight;                          /* per number */
@@ -15031,7 +15403,7 @@ PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i, size_t end)
 /* Makes room for `count` numbers, `queued` of them in the queue. */
 static pbw_status pbw__live_reserve(pbw_live *live, size_t count, size_t queued)
 {
-    pbw__memory *memory = &live->memory;
+    pbw_memory *memory = &live->memory;
     if (count >= PBW__POINT_LIMIT || count > (size_t)-1 / 256) {
         return PBW_ERROR_TOO_LARGE;
     }
@@ -15218,14 +15590,14 @@ PBW__INLINE void pbw__turn_tuple(pbw_index *v, int dim)
     }
 }
 
-typedef struct pbw__owned_changes { pbw__memory memory; size_t deleted, made, points; } pbw__owned_changes;
+typedef struct pbw__owned_changes { pbw_memory memory; size_t deleted, made, points; } pbw__owned_changes;
 
 /* Frees changes.  `memory` counts their bytes; NULL: the commit has ended. */
-static void pbw__changes_release(pbw__memory *memory, pbw_changes *changes)
+static void pbw__changes_release(pbw_memory *memory, pbw_changes *changes)
 {
     if (changes != NULL && changes->memory != NULL) {
         pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
-        pbw__memory own = owned->memory;
+        pbw_memory own = owned->memory;
         memory = memory != NULL ? memory : &own;
         pbw__release(memory, (void *)(uintptr_t)changes->deleted, owned->deleted, sizeof(pbw_index));
         pbw__release(memory, (void *)(uintptr_t)changes->made, owned->made, sizeof(pbw_index));
@@ -15324,7 +15696,7 @@ PBW__INLINE unsigned pbw__first_bit(uint64_t set)
 }
 
 /* Lists the marked numbers. */
-static pbw_status pbw__changes_points(pbw__memory *memory, pbw_changes *changes, const uint64_t *mark, size_t words)
+static pbw_status pbw__changes_points(pbw_memory *memory, pbw_changes *changes, const uint64_t *mark, size_t words)
 {
     pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
     pbw_index *points;
@@ -15353,7 +15725,7 @@ static pbw_status pbw__changes_points(pbw__memory *memory, pbw_changes *changes,
 static pbw_status pbw__changes_sort(pbw__context *context, const pbw_index **list, size_t *room, pbw__tuples *tuples,
                                     size_t numbers)
 {
-    pbw__memory *memory = &context->memory;
+    pbw_memory *memory = &context->memory;
     const size_t count = tuples->count, words = count * ((size_t)tuples->dim + 1) + 1;
     const int bits = pbw__index_bits(numbers);
     uint64_t *key = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
@@ -15414,7 +15786,7 @@ static pbw_status pbw__changes_close(pbw__context *context, pbw_changes *changes
 static pbw_status pbw__changes_start(const pbw_live *live, pbw_changes *changes, size_t deleted, size_t made)
 {
     const size_t corners = (size_t)live->dim + 1;
-    pbw__memory *memory = &live->core.kernel.context->memory;
+    pbw_memory *memory = &live->core.kernel.context->memory;
     pbw__owned_changes *owned = (pbw__owned_changes *)pbw__allocate(memory, 1, sizeof(*owned));
     if (owned == NULL) {
         return PBW_ERROR_MEMORY;
@@ -17279,7 +17651,7 @@ PBWDEF void pbw_live_free(pbw_live *live)
 {
     if (live != NULL) {
         pbw__context context;
-        pbw__memory *memory = &context.memory;
+        pbw_memory *memory = &context.memory;
         memset(&context, 0, sizeof(context));
         context.memory = live->memory;
         pbw__core_free(&context, &live->core);
@@ -17301,7 +17673,7 @@ PBWDEF void pbw_live_free(pbw_live *live)
 PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **result)
 {
     pbw_options defaults;
-    pbw__memory memory;
+    pbw_memory memory;
     pbw_live *live;
     pbw_status status;
     memset(&defaults, 0, sizeof(defaults));
@@ -17314,7 +17686,7 @@ PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *optio
         || options->stride != 0 || options->weight_stride != 0 || options->backend != NULL) {
         return PBW_ERROR_ARGUMENT;
     }
-    pbw__memory_start(&memory, options);
+    pbw_memory_start(&memory, options);
     live = (pbw_live *)pbw__allocate(&memory, 1, sizeof(*live));
     if (live == NULL) {
         return PBW_ERROR_MEMORY;
@@ -17489,7 +17861,7 @@ static pbw_status pbw__view_store(pbw__viewing *viewing, pbw__context *context, 
                                   pbw__store *store)
 {
     const pbw__core *core = &viewing->live->core;
-    pbw__memory *memory = &context->memory;
+    pbw_memory *memory = &context->memory;
     const size_t slots = core->store.count, vertex_entries = core->vertex_count + 1;
     pbw_status status = PBW_ERROR_MEMORY;
     store->plain = store->lent = 1;
@@ -17516,7 +17888,7 @@ static pbw_status pbw__view_store(pbw__viewing *viewing, pbw__context *context, 
 
 static pbw_status pbw__view(const pbw_live *live, pbw__context *context, pbw_mesh *mesh)
 {
-    pbw__memory *memory = &context->memory;
+    pbw_memory *memory = &context->memory;
     pbw__owned *owned = (pbw__owned *)pbw__allocate(memory, 1, sizeof(pbw__owned));
     pbw__viewing viewing;
     pbw__stand stand;
@@ -17620,7 +17992,7 @@ PBWDEF void pbw_free(pbw_mesh *mesh)
 {
     if (mesh != NULL && mesh->memory != NULL) {
         pbw__owned *owned = (pbw__owned *)mesh->memory;
-        pbw__memory memory = owned->memory;
+        pbw_memory memory = owned->memory;
         pbw__release(&memory, (void *)(uintptr_t)mesh->simplices, owned->simplices, sizeof(pbw_index));
         pbw__release(&memory, (void *)(uintptr_t)mesh->neighbors, owned->neighbors, sizeof(pbw_index));
         if (owned->incident > 0) {                   /* else it lies behind the points */
@@ -17665,7 +18037,7 @@ static pbw_status pbw__hand_over_canonical(pbw__context *context, pbw__vertices 
     pbw_status status = PBW_OK;
     if (vertices->canonical == NULL) {
         size_t room = vertices->point_count + 1;
-        if (!pbw__resize_array(&context->memory, &vertices->id, &room, vertices->point_count, sizeof(pbw_index))) {
+        if (!pbw_memory_fit(&context->memory, &vertices->id, &room, vertices->point_count, sizeof(pbw_index))) {
             return PBW_ERROR_MEMORY;
         }
         status = pbw__make_canonical(context, vertices, vertices->id);
@@ -17679,7 +18051,7 @@ static pbw_status pbw__hand_over_canonical(pbw__context *context, pbw__vertices 
 
 static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *input, unsigned flags, pbw_mesh *mesh)
 {
-    pbw__memory *memory = &context->memory;
+    pbw_memory *memory = &context->memory;
     pbw__owned *owned = (pbw__owned *)pbw__allocate(memory, 1, sizeof(pbw__owned));
     pbw__vertices vertices;
     pbw__store store;
@@ -17772,7 +18144,7 @@ static pbw_status pbw__job_reserve(pbw_job *job, size_t simplex_count)
         if (i == 1 && (job->flags & PBW_NO_NEIGHBORS) != 0) {
             continue;
         }
-        if (!pbw__resize_array(&dispatch->context->memory, array[i], held[i], wanted, sizeof(pbw_index))) {
+        if (!pbw_memory_fit(&dispatch->context->memory, array[i], held[i], wanted, sizeof(pbw_index))) {
             status = PBW_ERROR_MEMORY;
         }
         block[blocks++] = pbw__block_of(*array[i], old * sizeof(pbw_index), *held[i] * sizeof(pbw_index));
@@ -17855,7 +18227,7 @@ static pbw_status pbw__renumber_corners(void *arg, size_t from, size_t to)
 static pbw_status pbw__renumber(pbw__dispatch *dispatch)
 {
     pbw__context *context = dispatch->context;
-    pbw__memory *memory = &context->memory;
+    pbw_memory *memory = &context->memory;
     pbw__owned *owned = dispatch->owned;
     pbw_mesh *mesh = dispatch->mesh;
     const size_t count = mesh->point_count, corners = mesh->simplex_count * ((size_t)mesh->dim + 1);
@@ -18042,7 +18414,8 @@ PBWDEF pbw_status pbw_triangulatef(int dim, const float *points, const float *we
 /* ------------------------------------------------------------------------------------------------------
    >>history
    0.2.0   2026-11-28   New: queries, pbw_stars to pbw_coordinates.  New: live triangulations, pbw_live.  New:
-                        pbw_for, pbw_order, pbw_conflict2, pbw_conflict3, pbw_hash_parts; PBW_CURVE_ORDER and
+                        pbw_for, pbw_order, pbw_conflict2, pbw_conflict3, pbw_hash_parts; the base of the companions,
+                        pbw_memory to PBW_FACET_CORNER; PBW_CURVE_ORDER and
                         mesh.original, PBW_BORROW; PBW_STAGE_WORK; loops of pbw_cuda.cu; pbw_job.memory_limit.
                         Changed: pbw_hash takes options, and is 0 for what is no mesh; memory_limit counts what a
                         live triangulation holds, in each call on it; arguments are checked before progress is

@@ -4960,7 +4960,7 @@ void send_mesh(call &c, const pbw_mesh &host, const input &in)
 /* Builds a mesh of points on the device by the CPU: the points go to the host, the arrays to the device. */
 void build_by(pbw_triangulator *cpu, call &c, const input &in, pbw_options options)
 {
-    pbw__memory &memory = ((pbw__dispatch *)c.job->context)->context->memory;
+    pbw_memory &memory = ((pbw__dispatch *)c.job->context)->context->memory;
     const size_t coordinates = in.count * (size_t)in.dim, numbers = coordinates + (in.weights != NULL ? in.count : 0);
     double *points = (double *)pbw__allocate(&memory, numbers, sizeof(double));
     pbw_mesh host = {};
@@ -5167,7 +5167,7 @@ extern "C" pbw_status pbw_cuda_loop_step(pbw_cuda_loop *loop, const pbw_cuda_poi
 extern "C" void pbw_cuda_loop_free(pbw_cuda_loop *loop)
 {
     if (loop != NULL) {
-        pbw__memory memory;
+        pbw_memory memory;
         cudaFreeAsync(loop->last.id, loop->stream);
         pbw_cuda_free(&loop->last.mesh, loop->stream);
         cudaStreamSynchronize(loop->stream);
@@ -5175,7 +5175,7 @@ extern "C" void pbw_cuda_loop_free(pbw_cuda_loop *loop)
         cudaFreeHost(loop->tools.pinned);
         cudaMemPoolDestroy(loop->tools.pool);
         (void)cudaGetLastError();
-        pbw__memory_start(&memory, &loop->options);
+        pbw_memory_start(&memory, &loop->options);
         memory.used = sizeof *loop;
         pbw__release(&memory, loop, 1, sizeof *loop);
     }
