@@ -92,15 +92,15 @@ static void report(const job *j, const pbw_cells *cells, const pbw_domain *domai
         empty += v <= 0;
         unbounded += v > DBL_MAX;
     }
-    note(j, "%zu cell%s, %zu of them empty, %zu unbounded; %zu facet%s", COUNT(cells->cell_count), empty,
-         unbounded, COUNT(cells->facet_count));
+    report_line(j, "%zu cell%s, %zu of them empty, %zu unbounded; %zu facet%s", COUNT(cells->cell_count), empty,
+                unbounded, COUNT(cells->facet_count));
     if (!is_bounded(domain)) {
-        note(j, "%s %.15g, the sum of bounded cells", volume, sum + rest);
+        report_line(j, "%s %.15g, the sum of bounded cells", volume, sum + rest);
         return;
     }
-    note(j, "%s %.15g, the sum of cells; %.15g, the %s; relative difference %.1e", volume, sum + rest, whole,
-         domain->box != NULL || domain->lattice != NULL ? "box" : cells->dim == 3 ? "body" : "polygon",
-         fabs(sum - whole + rest) / whole);
+    report_line(j, "%s %.15g, the sum of cells; %.15g, the %s; relative difference %.1e", volume, sum + rest, whole,
+                domain->box != NULL || domain->lattice != NULL ? "box" : cells->dim == 3 ? "body" : "polygon",
+                fabs(sum - whole + rest) / whole);
 }
 
 /* Says where rings cross, by their numbers from 1, or what else is wrong with them. */
@@ -296,7 +296,7 @@ static int make(job *j, const pbw_domain *domain, unsigned what, pbw_cells *cell
            : fail(j, "coordinates or weights beyond 1e-57 to 1e60, which --clip %s does not take",
                   text_of(j, "--clip"));
     if (!failed) {
-        say(j, "cells", now() - start, "%s", "");
+        report_step(j, "cells", now() - start, "%s", "");
         if (!is_in_range(c)) {
             warn(j, "points beyond 1e-57 to 1e60 of each other: volumes over- or underflow");
         }

@@ -503,11 +503,11 @@ int read_domain(job *j, plan *d, const char *column)
     d->has_windings = d->polygon_count > 0;
     d->has_seeds = poly;
     if (poly) {
-        note(j, "%zu point%s, %zu segment%s, %zu hole%s, %zu region%s", COUNT(d->point_count),
-             COUNT(d->segment_count), COUNT(d->hole_count), COUNT(d->region_count));
+        report_line(j, "%zu point%s, %zu segment%s, %zu hole%s, %zu region%s", COUNT(d->point_count),
+                    COUNT(d->segment_count), COUNT(d->hole_count), COUNT(d->region_count));
     } else {
-        note(j, "%zu point%s, %zu segment%s, %zu polygon%s, %zu feature%s", COUNT(d->point_count),
-             COUNT(d->segment_count), COUNT(d->polygon_count), COUNT(d->feature_count));
+        report_line(j, "%zu point%s, %zu segment%s, %zu polygon%s, %zu feature%s", COUNT(d->point_count),
+                    COUNT(d->segment_count), COUNT(d->polygon_count), COUNT(d->feature_count));
     }
     return 0;
 }

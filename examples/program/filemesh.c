@@ -151,15 +151,15 @@ int take_simplices(job *j, mesh_faults *faults)
         return fail(j, "out of memory");
     }
     j->mesh.neighbors = j->links;
-    say(j, "link", now() - start, "%zu %s, %zu facet%s on the boundary", j->mesh.simplex_count,
-        simplices(j->mesh.dim, j->mesh.simplex_count), COUNT(faults->boundary));
+    report_step(j, "link", now() - start, "%zu %s, %zu facet%s on the boundary", j->mesh.simplex_count,
+                simplices(j->mesh.dim, j->mesh.simplex_count), COUNT(faults->boundary));
     return keep_groups(j);
 }
 
 static void tell_fault(const job *j, const mesh_fault *f, const char *what)
 {
     if (f->count > 0) {
-        note(j, "%zu %s; the first: %s %zu", f->count, what, simplices(j->mesh.dim, 1), f->first);
+        report_line(j, "%zu %s; the first: %s %zu", f->count, what, simplices(j->mesh.dim, 1), f->first);
     }
 }
 
@@ -239,11 +239,11 @@ int check_simplices(job *j)
     tell_fault(j, &faults.crowded, "facets of more than two simplices");
     tell_fault(j, &faults.folded, "facets with both of their simplices on one side");
     not_delaunay = count_not_delaunay(&j->mesh);
-    say(j, "check", now() - start, "%s", faults.flat.count + faults.crowded.count + faults.folded.count > 0
-        ? "no triangulation" : not_delaunay > 0 ? "links are right" : "links are right, Delaunay");
+    report_step(j, "check", now() - start, "%s", faults.flat.count + faults.crowded.count + faults.folded.count > 0
+                ? "no triangulation" : not_delaunay > 0 ? "links are right" : "links are right, Delaunay");
     if (not_delaunay > 0) {
-        note(j, "%zu facet%s not Delaunay: a sphere around one side has the corner of the other inside",
-             COUNT(not_delaunay));
+        report_line(j, "%zu facet%s not Delaunay: a sphere around one side has the corner of the other inside",
+                    COUNT(not_delaunay));
     }
     describe_mesh_quality(j);
     if (j->mesh.dim == 3 && faults.crowded.count == 0) {

@@ -605,8 +605,8 @@ static void warn_of(const job *j, const reader *r)
              COUNT(r->nameless), r->region_by);
     }
     if (d->line_count > 0 && d->polygon_count == 0 && !is_given(j, "--rule")) {
-        note(j, "lines without polygons: the domain is the hull of all points; --rule even-odd takes closed lines "
-             "for outlines, --rule seeds what lines enclose together");
+        report_line(j, "lines without polygons: the domain is the hull of all points; --rule even-odd takes closed "
+                    "lines for outlines, --rule seeds what lines enclose together");
     }
 }
 

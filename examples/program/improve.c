@@ -18,9 +18,9 @@ static const option improve_options[] = {
 
 void describe_quality(const job *j, const char *when, const pbw_quality *q)
 {
-    note(j, "%sdihedral angles %.2f, %.2f (0.1 %%), %.2f (1 %%) to %.2f degrees; "
-         "below 5, 10, 20, 30: %zu, %zu, %zu, %zu", when, q->least, q->permille, q->percent, q->largest, q->below[0],
-         q->below[1], q->below[2], q->below[3]);
+    report_line(j, "%sdihedral angles %.2f, %.2f (0.1 %%), %.2f (1 %%) to %.2f degrees; "
+                "below 5, 10, 20, 30: %zu, %zu, %zu, %zu", when, q->least, q->permille, q->percent, q->largest,
+                q->below[0], q->below[1], q->below[2], q->below[3]);
 }
 
 void describe_histogram(const job *j, const pbw_quality *q)
@@ -30,7 +30,7 @@ void describe_histogram(const job *j, const pbw_quality *q)
     for (i = 0; i < 18; i++) {
         used += (size_t)snprintf(line + used, sizeof line - used, " %zu", q->bins[i]);
     }
-    note(j, "angles in each 10 degrees:%s", line);
+    report_line(j, "angles in each 10 degrees:%s", line);
 }
 
 void describe_measures(const job *j, const pbw_tets *tets)
@@ -38,8 +38,8 @@ void describe_measures(const job *j, const pbw_tets *tets)
     pbw_spread s;
     int i;
     for (i = 0; i < PBW_MEASURES && pbw_tets_spread(tets, (pbw_measure)i, &j->build, &s); i++) {
-        note(j, "%-16s least %.7g, 0.1 %% %.7g, 1 %% %.7g, mean %.7g, most %.7g", pbw_measure_name((pbw_measure)i),
-             s.least, s.permille, s.percent, s.mean, s.most);
+        report_line(j, "%-16s least %.7g, 0.1 %% %.7g, 1 %% %.7g, mean %.7g, most %.7g",
+                    pbw_measure_name((pbw_measure)i), s.least, s.permille, s.percent, s.mean, s.most);
     }
 }
 
@@ -57,18 +57,18 @@ void show_tets(job *j, const pbw_tets *tets)
 
 static void describe_moves(const job *j, const pbw_improve_report *r)
 {
-    note(j, "%zu edge%s removed, %zu of the boundary; %zu point%s moved, %zu on the boundary; %zu peeled off, "
-         "%zu flip%s, %zu contraction%s, %zu insertion%s; %zu pass%s", COUNT(r->removals + r->boundary_removals),
-         r->boundary_removals, COUNT(r->smoothings + r->slides), r->slides, r->peelings, COUNT(r->flips),
-         COUNT(r->contractions), COUNT(r->insertions), (size_t)r->passes, r->passes == 1 ? "" : "es");
+    report_line(j, "%zu edge%s removed, %zu of the boundary; %zu point%s moved, %zu on the boundary; %zu peeled off, "
+                "%zu flip%s, %zu contraction%s, %zu insertion%s; %zu pass%s",
+                COUNT(r->removals + r->boundary_removals), r->boundary_removals, COUNT(r->smoothings + r->slides), r->slides, r->peelings, COUNT(r->flips),
+                COUNT(r->contractions), COUNT(r->insertions), (size_t)r->passes, r->passes == 1 ? "" : "es");
     if (r->splits > 0) {
-        note(j, "edges split for sizes: %zu", r->splits);
+        report_line(j, "edges split for sizes: %zu", r->splits);
     }
     if (r->rounds > 0) {
-        note(j, "before that, %zu round%s of smoothing: %zu move%s", COUNT(r->rounds), COUNT(r->moves));
+        report_line(j, "before that, %zu round%s of smoothing: %zu move%s", COUNT(r->rounds), COUNT(r->moves));
     }
     if (r->left > 0) {
-        note(j, "below the target in the end: %zu", r->left);
+        report_line(j, "below the target in the end: %zu", r->left);
     }
 }
 
@@ -235,15 +235,15 @@ static int improve_tets(job *j)
     if (status != PBW_OK) {
         return explain_file(j, status, why);
     }
-    say(j, "improve", now() - start, "%zu %s, %zu point%s", better.tet_count,
-        simplices(3, better.tet_count), COUNT(better.point_count));
+    report_step(j, "improve", now() - start, "%zu %s, %zu point%s", better.tet_count,
+                simplices(3, better.tet_count), COUNT(better.point_count));
     describe_quality(j, "before: ", &report.before);
     describe_quality(j, "after:  ", &report.after);
     describe_histogram(j, &report.after);
     if (is_given(j, "--quality")) {
         describe_measures(j, &better);
     }
-    note(j, "volume %.12g, before %.12g", report.after.volume, report.before.volume);
+    report_line(j, "volume %.12g, before %.12g", report.after.volume, report.before.volume);
     describe_moves(j, &report);
     warn_of_segments(j, &better);
     show_tets(j, &better);
@@ -260,8 +260,8 @@ static void describe_plane(const job *j, const char *when, const pbw_plane *plan
     const pbw_plane_quality least = pbw_plane_quality_of(plane, PBW_PLANE_MIN_ANGLE);
     const pbw_plane_quality most = pbw_plane_quality_of(plane, PBW_PLANE_MAX_ANGLE);
     const pbw_plane_quality shape = pbw_plane_quality_of(plane, PBW_PLANE_SHAPE);
-    note(j, "%sangles %.2f to %.2f degrees, least angle of a triangle in the mean %.2f; shape in the mean %.4f", when,
-         least.least, most.most, least.mean, shape.mean);
+    report_line(j, "%sangles %.2f to %.2f degrees, least angle of a triangle in the mean %.2f; shape in the mean "
+                "%.4f", when, least.least, most.most, least.mean, shape.mean);
 }
 
 void describe_mesh_quality(const job *j)
@@ -276,7 +276,7 @@ void describe_mesh_quality(const job *j)
         tets.tet_count = j->mesh.simplex_count;
         if (pbw_tets_quality(&tets, &j->build, &quality)) {
             describe_quality(j, "", &quality);
-            note(j, "volume %.12g", quality.volume);
+            report_line(j, "volume %.12g", quality.volume);
         }
     } else {
         pbw_plane plane;
@@ -369,8 +369,8 @@ static int improve_triangles(job *j)
                : fail(j, "%s: %s", j->input, plane.what[0] != 0 ? plane.what : pbw_status_string(status));
     }
     if (!failed) {
-        say(j, "improve", now() - start, "%zu triangle%s, %zu point%s", COUNT(plane.triangle_count),
-            COUNT(plane.point_count));
+        report_step(j, "improve", now() - start, "%zu triangle%s, %zu point%s", COUNT(plane.triangle_count),
+                    COUNT(plane.point_count));
         describe_plane(j, "after:  ", &plane);
         if (is_given(j, "--quality")) {
             describe_plane_measures(j, &plane);

@@ -125,9 +125,9 @@ static int commit(script *s)
         failed = hash_now(s, hash, sizeof hash);
     }
     if (!failed) {
-        say(s->j, "commit", seconds, "%zu: %zu inserted, %zu removed, %zu moved; %s: %zu %s deleted, "
-            "%zu made%s", ++s->commits, s->inserted, s->removed, s->moved, ways[changes.way], changes.deleted_count,
-            simplices(0, changes.deleted_count), changes.made_count, hash);
+        report_step(s->j, "commit", seconds, "%zu: %zu inserted, %zu removed, %zu moved; %s: %zu %s deleted, "
+                    "%zu made%s", ++s->commits, s->inserted, s->removed, s->moved, ways[changes.way],
+                    changes.deleted_count, simplices(0, changes.deleted_count), changes.made_count, hash);
     }
     s->inserted = s->removed = s->moved = 0;
     pbw_changes_free(&changes);
@@ -163,10 +163,10 @@ static int obey(script *s, char *text)
     int (*change)(script *, const double *, int) = strcmp(text, "insert") == 0 ? insert
         : strcmp(text, "remove") == 0 ? remove_point : strcmp(text, "move") == 0 ? move : NULL;
     if (change == NULL && strcmp(text, "commit") != 0) {
-        consider(&n, "insert");
-        consider(&n, "remove");
-        consider(&n, "move");
-        consider(&n, "commit");
+        suggest(&n, "insert");
+        suggest(&n, "remove");
+        suggest(&n, "move");
+        suggest(&n, "commit");
         snprintf(why, sizeof why, "\"%.40s\" is none of insert, remove, move, commit%s%s", text,
                  n.name != NULL ? "; the nearest is " : "", n.name != NULL ? n.name : "");
         return refuse(s, why);
@@ -280,8 +280,8 @@ static int finish(script *s)
     }
     if (!failed) {
         renumber(s, &view, &r, &j->mesh);
-        note(j, "%zu point%s", COUNT(j->mesh.point_count));
-        say(j, "output", now() - start, "%s", "");
+        report_line(j, "%zu point%s", COUNT(j->mesh.point_count));
+        report_step(j, "output", now() - start, "%s", "");
         failed = is_given(j, "--no-check") ? 0 : check(j);
     }
     if (!failed) {
@@ -320,7 +320,7 @@ static int start(script *s)
     begin = now();
     failed = explain(j, s->ids == NULL ? PBW_ERROR_MEMORY : pbw_live_create(&j->mesh, &j->build, &s->live));
     if (!failed) {
-        say(j, "live", now() - begin, "%s", "");
+        report_step(j, "live", now() - begin, "%s", "");
     }
     pbw_free(&j->mesh);
     return failed;

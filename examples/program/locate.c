@@ -45,7 +45,7 @@ static int locate(job *j)
         for (i = 0; i < count; i++) {
             outside += simplices[i] == PBW_NONE;
         }
-        say(j, "locate", seconds, "%zu inside, %zu outside", count - outside, outside);
+        report_step(j, "locate", seconds, "%zu inside, %zu outside", count - outside, outside);
         f.j = j;
         f.simplices = simplices;
         f.facets = facets;

@@ -112,7 +112,7 @@ static int mark_small(job *j)
         return fail(j, "nothing is left: the shortest longest edge is %.6g, the least radius %.6g", least_length,
                     least_radius);
     }
-    say(j, "parts", now() - start, "%zu of %zu %s", kept, count, simplices(j->mesh.dim, count));
+    report_step(j, "parts", now() - start, "%zu of %zu %s", kept, count, simplices(j->mesh.dim, count));
     return 0;
 }
 

@@ -42,7 +42,7 @@ static int search(job *j)
             missing += points[i] == PBW_NONE;
             most = points[i] != PBW_NONE && distances[i] > most ? distances[i] : most;
         }
-        say(j, "nearest", seconds, "%zu found, the farthest at %g", count * k - missing, most);
+        report_step(j, "nearest", seconds, "%zu found, the farthest at %g", count * k - missing, most);
         f.j = j;
         f.k = k;
         f.points = points;

@@ -51,7 +51,7 @@ static int distance(const char *a, const char *b)
     return row[m % 3][n];
 }
 
-void consider(nearest *n, const char *name)
+void suggest(nearest *n, const char *name)
 {
     int d = distance(n->word, name);
     if (d <= (int)strlen(name) / 2 && (n->name == NULL || d < n->distance)) {
@@ -96,7 +96,7 @@ static int unknown_command(const char *name)
     nearest n = { name, NULL, 0 };
     int i;
     for (i = 0; commands[i] != NULL; i++) {
-        consider(&n, commands[i]->name);
+        suggest(&n, commands[i]->name);
     }
     if (n.name != NULL) {
         return complain("\"%s\" is neither a command nor a file; the nearest command is %s", name, n.name);
@@ -114,7 +114,7 @@ static int unknown_option(const command *c, const char *text)
     for (i = 0; c->options[i] != NULL; i++) {
         for (o = c->options[i]; o->name != NULL; o++) {
             if (strlen(o->name) > 2) {                               /* any letter is near to -o */
-                consider(&n, o->name);
+                suggest(&n, o->name);
             }
         }
     }
@@ -257,7 +257,7 @@ static int refuse(const option *o, const char *value, const char *more)
     int i;
     for (i = 0; o->choices != NULL && o->choices[i] != NULL; i++) {
         snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s", i > 0 ? ", " : "", o->choices[i]);
-        consider(&n, o->choices[i]);
+        suggest(&n, o->choices[i]);
     }
     fprintf(stderr, "pbw: %s", o->name);
     if (value != NULL) {

@@ -506,7 +506,7 @@ int write_with(job *j, writer *write, void *user)
         if (write(j, path, ending_of(j, path), user, &error) != PBWIO_OK) {
             return interrupted ? stopped(j) : fail(j, "%s", error.text);
         }
-        say(j, "write", now() - start, "%s", strcmp(path, "-") == 0 ? "standard output" : path);
+        report_step(j, "write", now() - start, "%s", strcmp(path, "-") == 0 ? "standard output" : path);
         warn_of_drops(j, path);
     }
     return interrupted ? stopped(j) : 0;

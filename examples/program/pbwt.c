@@ -612,12 +612,12 @@ static int open_proof(job *j, proof *p)
     if (!counts_agree(p)) {
         return fail(j, "%s: the counts in the header are not those of the tiles", j->input);
     }
-    note(j, "%zu point%s in %uD%s, %zu %s in %zu tile%s%s, hash %016llx", COUNT(p->file.header->points),
-         p->file.header->dim, p->file.header->flags & PBWTF_WEIGHTS ? ", weighted" : "",
-         (size_t)p->file.header->simplices, simplices(0, (size_t)p->file.header->simplices),
-         COUNT(p->file.header->tiles),
-         p->file.header->chunks > p->file.header->tiles ? " and one of leftovers" : "",
-         (unsigned long long)p->file.header->hash);
+    report_line(j, "%zu point%s in %uD%s, %zu %s in %zu tile%s%s, hash %016llx", COUNT(p->file.header->points),
+                p->file.header->dim, p->file.header->flags & PBWTF_WEIGHTS ? ", weighted" : "",
+                (size_t)p->file.header->simplices, simplices(0, (size_t)p->file.header->simplices),
+                COUNT(p->file.header->tiles),
+                p->file.header->chunks > p->file.header->tiles ? " and one of leftovers" : "",
+                (unsigned long long)p->file.header->hash);
     return 0;
 }
 
@@ -656,7 +656,8 @@ int check_pbwt(job *j)
         failed = fault_in(&p, "");
     }
     if (!failed) {
-        say(j, "check", now() - start, "valid%s", hidden > 0 ? "; that hidden points are hidden is not proved" : "");
+        report_step(j, "check", now() - start, "valid%s", hidden > 0 ? "; that hidden points are hidden is not "
+                    "proved" : "");
     }
     return close_proof(&p, failed);
 }

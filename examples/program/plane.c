@@ -164,8 +164,8 @@ static void histogram(const job *j, const result *r)
         most = bin[i] > most ? bin[i] : most;
     }
     for (i = 0; i < 12; i++) {
-        note(j, "  %2zu..%-2zu %10zu %.*s", 5 * i, 5 * i + 5, bin[i], (int)(40 * bin[i] / most),
-             "########################################");
+        report_line(j, "  %2zu..%-2zu %10zu %.*s", 5 * i, 5 * i + 5, bin[i], (int)(40 * bin[i] / most),
+                    "########################################");
     }
 }
 
@@ -174,8 +174,8 @@ void describe_plane_measures(const job *j, const pbw_plane *plane)
     int i;
     for (i = 0; i < PBW_PLANE_MEASURES; i++) {
         const pbw_plane_quality q = pbw_plane_quality_of(plane, (pbw_plane_measure)i);
-        note(j, "%-16s least %.7g, mean %.7g, most %.7g", pbw_plane_measure_name((pbw_plane_measure)i), q.least,
-             q.mean, q.most);
+        report_line(j, "%-16s least %.7g, mean %.7g, most %.7g", pbw_plane_measure_name((pbw_plane_measure)i),
+                    q.least, q.mean, q.most);
     }
 }
 
@@ -192,21 +192,21 @@ static void report(const job *j, const result *r, double seconds)
                                              p->points + 2 * (size_t)v[(k + 2) % 3]));
         }
     }
-    say(j, "mesh", seconds, "%s", "");
-    note(j, "%zu triangle%s, %zu point%s, %zu edge%s of segments, %zu region%s", COUNT(p->triangle_count),
-         COUNT(p->point_count), COUNT(p->edge_count), COUNT(p->region_count));
+    report_step(j, "mesh", seconds, "%s", "");
+    report_line(j, "%zu triangle%s, %zu point%s, %zu edge%s of segments, %zu region%s", COUNT(p->triangle_count),
+                COUNT(p->point_count), COUNT(p->edge_count), COUNT(p->region_count));
     if (p->triangle_count > 0) {
-        note(j, "angles from %.2f to %.2f degrees", least, largest);
+        report_line(j, "angles from %.2f to %.2f degrees", least, largest);
     }
     if (p->report.rounds > 0) {
-        note(j, "%zu point%s at crossings, in %zu round%s",
-             COUNT(p->point_count - p->input_count - p->report.steiner_count), COUNT(p->report.rounds));
+        report_line(j, "%zu point%s at crossings, in %zu round%s",
+                    COUNT(p->point_count - p->input_count - p->report.steiner_count), COUNT(p->report.rounds));
     }
     if (p->report.steiner_count + p->report.small_angles + p->report.too_large > 0) {
-        note(j, "%zu new point%s, %zu more removed again; %zu triangle%s with smaller angles than wanted, "
-             "%zu larger%s", COUNT(p->report.steiner_count), p->report.removed, COUNT(p->report.small_angles),
-             p->report.too_large,
-             p->report.limited ? "; --steiner ended it" : "");
+        report_line(j, "%zu new point%s, %zu more removed again; %zu triangle%s with smaller angles than wanted, "
+                    "%zu larger%s", COUNT(p->report.steiner_count), p->report.removed, COUNT(p->report.small_angles),
+                    p->report.too_large,
+                    p->report.limited ? "; --steiner ended it" : "");
     }
     if (is_given(j, "--quality") && p->triangle_count > 0) {
         describe_plane_measures(j, p);
@@ -452,8 +452,8 @@ static pbw_status make_plane(const job *j, const plan *d, const pbw_plane_option
     if (status == PBW_OK && way >= 0 && plane->triangle_count > 0) {
         const double before = pbw_plane_quality_of(plane, PBW_PLANE_MIN_ANGLE).mean;
         status = smooth(d, plane, *origin, (pbw_plane_way)way, (int)number_of(j, "--rounds", 5), options);
-        note(j, "smoothed: mean of least angles from %.2f to %.2f degrees", before,
-             pbw_plane_quality_of(plane, PBW_PLANE_MIN_ANGLE).mean);
+        report_line(j, "smoothed: mean of least angles from %.2f to %.2f degrees", before,
+                    pbw_plane_quality_of(plane, PBW_PLANE_MIN_ANGLE).mean);
     }
     free(from);
     return status;

@@ -165,7 +165,7 @@ PRINTF(1, 2) int complain(const char *format, ...);                   /* prints;
 
 /* The best of the names that were considered, if it is near enough to be meant. */
 typedef struct nearest { const char *word, *name; int distance; } nearest;
-void consider(nearest *n, const char *name);
+void suggest(nearest *n, const char *name);
 
 void print_help(const command *c, int all);
 
@@ -192,8 +192,8 @@ PRINTF(2, 3) int fail(const job *j, const char *format, ...);         /* prints;
 int stopped(const job *j);                                            /* the same after an interrupt */
 PRINTF(2, 3) void warn(const job *j, const char *format, ...);
 /* A line of the report, with and without a time. */
-PRINTF(4, 5) void say(const job *j, const char *what, double seconds, const char *format, ...);
-PRINTF(2, 3) void note(const job *j, const char *format, ...);
+PRINTF(4, 5) void report_step(const job *j, const char *what, double seconds, const char *format, ...);
+PRINTF(2, 3) void report_line(const job *j, const char *format, ...);
 const char *plural(size_t count);                                     /* "" for 1, else "s" */
 #define COUNT(n) (size_t)(n), plural((size_t)(n))                     /* for "%zu point%s" */
 

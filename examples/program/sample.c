@@ -42,9 +42,9 @@ static pbwsample_status make(job *j, const pbwsample_model *model, pbwsample_set
     }
     on_surface = set->count;
     if (uniform) {
-        say(j, "sample", now() - start, "%zu point%s", COUNT(set->count));
+        report_step(j, "sample", now() - start, "%zu point%s", COUNT(set->count));
     } else {
-        say(j, "sample", now() - start, "%zu point%s, none closer than %g", COUNT(set->count), set->radius);
+        report_step(j, "sample", now() - start, "%zu point%s, none closer than %g", COUNT(set->count), set->radius);
     }
     if (is_given(j, "--fill")) {
         start = now();
@@ -53,7 +53,7 @@ static pbwsample_status make(job *j, const pbwsample_model *model, pbwsample_set
         options.flags |= choice_of(j, "--fill") == 0 ? PBWSAMPLE_LATTICE : 0;
         status = pbwsample_volume(model, &options, set);
         if (status == PBWSAMPLE_OK) {
-            say(j, "fill", now() - start, "%zu point%s inside", COUNT(set->count - on_surface));
+            report_step(j, "fill", now() - start, "%zu point%s inside", COUNT(set->count - on_surface));
         }
     }
     return status;

@@ -34,13 +34,13 @@ static const option solid_options[] = {
 static void list_holes(const job *j, const pbw_solid_report *r)
 {
     size_t i;
-    note(j, "%zu hole%s of the surface%s:", COUNT(r->holes),
-         r->holes > PBW_SOLID_PLACES ? ", the largest of them" : "");
+    report_line(j, "%zu hole%s of the surface%s:", COUNT(r->holes),
+                r->holes > PBW_SOLID_PLACES ? ", the largest of them" : "");
     for (i = 0; i < PBW_SOLID_PLACES && i < r->holes; i++) {
         const pbw_solid_hole *h = r->hole + i;
-        note(j, "  %zu edge%s, length %.6g, around (%.6g, %.6g, %.6g), %s", COUNT(h->edges), h->length,
-             h->place[0], h->place[1], h->place[2],
-             h->closed ? "closed by triangles" : "no loop: closed by the winding number");
+        report_line(j, "  %zu edge%s, length %.6g, around (%.6g, %.6g, %.6g), %s", COUNT(h->edges), h->length,
+                    h->place[0], h->place[1], h->place[2],
+                    h->closed ? "closed by triangles" : "no loop: closed by the winding number");
     }
 }
 
@@ -51,8 +51,8 @@ static void warn_of(const job *j, const pbw_solid_report *r)
         warn(j, "the surface has %zu open edge%s and %zu of more than two triangles", COUNT(r->open_edges),
              r->crowded_edges);
     } else if (r->crowded_edges + r->doubles > 0) {
-        note(j, "walls between regions: %zu edge%s of more than two triangles, %zu triangle%s given again",
-             COUNT(r->crowded_edges), COUNT(r->doubles));
+        report_line(j, "walls between regions: %zu edge%s of more than two triangles, %zu triangle%s given again",
+                    COUNT(r->crowded_edges), COUNT(r->doubles));
     }
     if (r->holes > 0) {
         list_holes(j, r);
@@ -91,23 +91,24 @@ static void warn_of(const job *j, const pbw_solid_report *r)
 static void report_on(const job *j, const pbw_tets *mesh, const pbw_solid_report *r)
 {
     const double seconds = r->seconds[0] + r->seconds[1] + r->seconds[2];
-    say(j, "sample", r->seconds[0], "%zu corner%s, %zu sharp edge%s", COUNT(r->corners), COUNT(r->sharp_edges));
-    say(j, "rounds", r->seconds[1], "%d, %s", r->rounds, r->settled ? "settled" : "not settled");
-    say(j, "improve", r->seconds[2], "%d pass%s", r->improve.passes, r->improve.passes == 1 ? "" : "es");
-    say(j, "measure", r->seconds[3], "%s", "");
-    note(j, "%zu %s in %zu region%s, %zu point%s, %zu facet%s on boundaries; %.0f tetrahedra a second",
-         mesh->tet_count, simplices(3, mesh->tet_count), COUNT(r->regions), COUNT(mesh->point_count),
-         COUNT(r->facets), seconds > 0 ? (double)mesh->tet_count / seconds : 0);
+    report_step(j, "sample", r->seconds[0], "%zu corner%s, %zu sharp edge%s", COUNT(r->corners),
+                COUNT(r->sharp_edges));
+    report_step(j, "rounds", r->seconds[1], "%d, %s", r->rounds, r->settled ? "settled" : "not settled");
+    report_step(j, "improve", r->seconds[2], "%d pass%s", r->improve.passes, r->improve.passes == 1 ? "" : "es");
+    report_step(j, "measure", r->seconds[3], "%s", "");
+    report_line(j, "%zu %s in %zu region%s, %zu point%s, %zu facet%s on boundaries; %.0f tetrahedra a second",
+                mesh->tet_count, simplices(3, mesh->tet_count), COUNT(r->regions), COUNT(mesh->point_count),
+                COUNT(r->facets), seconds > 0 ? (double)mesh->tet_count / seconds : 0);
     describe_quality(j, "before: ", &r->improve.before);
     describe_quality(j, "after:  ", &r->improve.after);
     describe_histogram(j, &r->improve.after);
     if (is_given(j, "--quality")) {
         describe_measures(j, mesh);
     }
-    note(j, "Euler number %ld, of the surface %ld; edges that are no manifold %zu, points %zu", r->euler,
-         r->input_euler, r->bad_edges, r->bad_points);
-    note(j, "Hausdorff distance %.3f sizes of %.6g; volume %.9g, of the surface %.9g", r->distance, r->size,
-         r->improve.after.volume, r->input_volume);
+    report_line(j, "Euler number %ld, of the surface %ld; edges that are no manifold %zu, points %zu", r->euler,
+                r->input_euler, r->bad_edges, r->bad_points);
+    report_line(j, "Hausdorff distance %.3f sizes of %.6g; volume %.9g, of the surface %.9g", r->distance, r->size,
+                r->improve.after.volume, r->input_volume);
     warn_of(j, r);
 }
 
@@ -271,9 +272,9 @@ static void list_patches(const job *j, const pbw_tets *mesh, const pbw_solid_bou
             strcpy(number, "hole");
         }
         if (s[4] > 0) {
-            note(j, "patch %lld %s: %.0f facet%s, area %.6g, centre (%.6g, %.6g, %.6g)",
-                 i == count ? 0 : n->groups == NULL ? (long long)i + 1 : n->groups[i].tag, name, s[4],
-                 plural((size_t)s[4]), s[0], s[1] / s[0], s[2] / s[0], s[3] / s[0]);
+            report_line(j, "patch %lld %s: %.0f facet%s, area %.6g, centre (%.6g, %.6g, %.6g)",
+                        i == count ? 0 : n->groups == NULL ? (long long)i + 1 : n->groups[i].tag, name, s[4],
+                        plural((size_t)s[4]), s[0], s[1] / s[0], s[2] / s[0], s[3] / s[0]);
         }
     }
     free(sum);
@@ -321,10 +322,10 @@ static void announce(void *user, const pbw_solid_report *r)
 {
     const job *j = (const job *)user;
     const double scale = pow(10, floor(log10(fmax(r->estimate, 1))) - 1);
-    note(j, "about %.0f tetrahedra of size %.6g", scale * floor(r->estimate / scale + 0.5), r->size);
+    report_line(j, "about %.0f tetrahedra of size %.6g", scale * floor(r->estimate / scale + 0.5), r->size);
     if (r->sharp_share >= 0) {
-        note(j, "sharp edges: %s are kept, as %.0f %% of them are sharp at the scale of the size",
-             sharp_names[r->sharp], 100 * r->sharp_share);
+        report_line(j, "sharp edges: %s are kept, as %.0f %% of them are sharp at the scale of the size",
+                    sharp_names[r->sharp], 100 * r->sharp_share);
     }
 }
 

@@ -78,12 +78,12 @@ int load(job *j, int flat)
     if (flat && j->read.dim == 0 && j->cloud.dim == 3) {
         flatten(&j->cloud);
     }
-    note(j, "%zu point%s in %dD%s, %zu face%s", COUNT(j->cloud.count), j->cloud.dim,
-         j->cloud.weights != NULL ? ", weighted" : "", COUNT(j->cloud.triangle_count));
+    report_line(j, "%zu point%s in %dD%s, %zu face%s", COUNT(j->cloud.count), j->cloud.dim,
+                j->cloud.weights != NULL ? ", weighted" : "", COUNT(j->cloud.triangle_count));
     if (j->cloud.taken[0] != 0) {
-        note(j, "columns: %s", j->cloud.taken);
+        report_line(j, "columns: %s", j->cloud.taken);
     }
-    say(j, "read", now() - start, "%s", "");
+    report_step(j, "read", now() - start, "%s", "");
     return 0;
 }
 
@@ -111,8 +111,8 @@ int load_queries(job *j)
         return fail(j, "%s: %s in %dD, but points in %dD%s", j->second, j->command->second, queries->dim,
                     j->cloud.dim, queries->dim == 3 ? "; --dim 2 leaves z out" : "");
     }
-    say(j, "read", now() - start, "%zu %s", queries->count,
-        queries->count == 1 ? "query" : j->command->second);
+    report_step(j, "read", now() - start, "%zu %s", queries->count,
+                queries->count == 1 ? "query" : j->command->second);
     return 0;
 }
 
@@ -152,9 +152,9 @@ int build(job *j)
     if (status != PBW_OK && !(status == PBW_DEGENERATE && j->command->may_be_flat)) {
         return explain(j, status);
     }
-    say(j, "order", j->mesh.statistics.order_seconds, "%s", "");
-    say(j, "build", j->mesh.statistics.build_seconds, "%s", "");
-    say(j, "output", j->mesh.statistics.output_seconds, "%s", "");
+    report_step(j, "order", j->mesh.statistics.order_seconds, "%s", "");
+    report_step(j, "build", j->mesh.statistics.build_seconds, "%s", "");
+    report_step(j, "output", j->mesh.statistics.output_seconds, "%s", "");
     return 0;
 }
 
@@ -166,7 +166,7 @@ int check(job *j)
     if (status != PBW_OK) {
         return explain(j, status);
     }
-    say(j, "check", now() - start, "%s", report.valid ? "valid" : report.what);
+    report_step(j, "check", now() - start, "%s", report.valid ? "valid" : report.what);
     return report.valid ? 0 : fail(j, "the result is wrong: please report this");
 }
 
@@ -184,15 +184,15 @@ void describe(const job *j)
     for (i = 0; i < mesh->simplex_count * (size_t)(mesh->dim + 1); i++) {
         hull += mesh->neighbors[i] == PBW_NONE;
     }
-    note(j, "%zu %s, %zu facet%s on the hull, %zu duplicate%s, %zu hidden point%s", mesh->simplex_count,
-         simplices(mesh->dim, mesh->simplex_count), COUNT(hull), COUNT(mesh->duplicate_count),
-         COUNT(mesh->hidden_count));
+    report_line(j, "%zu %s, %zu facet%s on the hull, %zu duplicate%s, %zu hidden point%s", mesh->simplex_count,
+                simplices(mesh->dim, mesh->simplex_count), COUNT(hull), COUNT(mesh->duplicate_count),
+                COUNT(mesh->hidden_count));
     if (mesh->point_count >= 10000) {                /* below, what the threads hold is most of it */
         snprintf(share, sizeof share, ", %.0f bytes a point",
                  (double)mesh->statistics.peak_bytes / (double)mesh->point_count);
     }
-    note(j, "peak memory %.2f MB%s, hash %016llx", (double)mesh->statistics.peak_bytes * 1e-6, share,
-         (unsigned long long)pbw_hash(mesh, NULL));
+    report_line(j, "peak memory %.2f MB%s, hash %016llx", (double)mesh->statistics.peak_bytes * 1e-6, share,
+                (unsigned long long)pbw_hash(mesh, NULL));
 }
 
 pbwsample_model model_of(const pbwio_cloud *cloud)
@@ -299,6 +299,6 @@ int mark_inside(job *j)
     for (i = 0; i < j->mesh.simplex_count; i++) {
         kept += j->inside[i];
     }
-    say(j, "inside", now() - start, "%zu %s", kept, simplices(j->mesh.dim, kept));
+    report_step(j, "inside", now() - start, "%zu %s", kept, simplices(j->mesh.dim, kept));
     return is_given(j, "--inside") && (kept == 0 || !winds) ? nothing_inside(j, winds) : 0;
 }

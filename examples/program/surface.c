@@ -165,7 +165,7 @@ static int find_faults(surface *f)
 static void list_components(const job *j, const surface *f)
 {
     size_t i, shown = 0;
-    note(j, "%zu component%s:", COUNT(f->components));
+    report_line(j, "%zu component%s:", COUNT(f->components));
     for (i = 0; i < f->cloud->count && shown < MOST_SHOWN; i++) {
         const part *at = f->parts + i;
         if (at->faces == 0) {
@@ -173,14 +173,14 @@ static void list_components(const job *j, const surface *f)
         }
         shown++;
         if (at->open + at->crowded + at->turned == 0) {
-            note(j, "  with point %zu: %zu face%s, closed, volume %g", i, COUNT(at->faces), at->volume);
+            report_line(j, "  with point %zu: %zu face%s, closed, volume %g", i, COUNT(at->faces), at->volume);
         } else {
-            note(j, "  with point %zu: %zu face%s, %zu open, %zu crowded, %zu turned edge%s", i, COUNT(at->faces),
-                 at->open, at->crowded, COUNT(at->turned));
+            report_line(j, "  with point %zu: %zu face%s, %zu open, %zu crowded, %zu turned edge%s", i,
+                        COUNT(at->faces), at->open, at->crowded, COUNT(at->turned));
         }
     }
     if (shown < f->components) {
-        note(j, "  and %zu more", f->components - shown);
+        report_line(j, "  and %zu more", f->components - shown);
     }
 }
 
@@ -189,7 +189,7 @@ static void list_loops(const job *j, surface *f)
 {
     size_t i, k, end, next, length, loops = 0;
     pbw_index last = PBW_NONE;
-    note(j, "%zu open edge%s in %zu loop%s:", COUNT(f->open), COUNT(f->loops));
+    report_line(j, "%zu open edge%s in %zu loop%s:", COUNT(f->open), COUNT(f->loops));
     for (i = 0; i < f->side_count && loops < MOST_SHOWN; i = end) {
         pbw_index a = f->sides[i].a;
         char text[512] = "";
@@ -204,19 +204,19 @@ static void list_loops(const job *j, surface *f)
                          (unsigned long)f->sides[k].b);
             }
         }
-        note(j, "  %zu edge%s from (%g, %g, %g):%s%s", COUNT(length), p[0], p[1], p[2], text,
-             length > MOST_SHOWN ? " ..." : "");
+        report_line(j, "  %zu edge%s from (%g, %g, %g):%s%s", COUNT(length), p[0], p[1], p[2], text,
+                    length > MOST_SHOWN ? " ..." : "");
         loops++;
     }
     if (loops < f->loops) {
-        note(j, "  and %zu more", f->loops - loops);
+        report_line(j, "  and %zu more", f->loops - loops);
     }
 }
 
 static void list_edges(const job *j, const surface *f, fault what, size_t count, const char *name)
 {
     size_t i, k, end, shown = 0;
-    note(j, "%zu %s edge%s:", count, name, plural(count));
+    report_line(j, "%zu %s edge%s:", count, name, plural(count));
     for (i = 0; i < f->side_count && shown < MOST_SHOWN; i = end) {
         char text[256] = "";
         if (fault_of(f, i, &end) != what) {
@@ -225,12 +225,12 @@ static void list_edges(const job *j, const surface *f, fault what, size_t count,
         for (k = i; k < end && k < i + 6; k++) {
             snprintf(text + strlen(text), sizeof text - strlen(text), " %lu", (unsigned long)f->sides[k].face);
         }
-        note(j, "  %lu-%lu: faces%s%s", (unsigned long)f->sides[i].a, (unsigned long)f->sides[i].b, text,
-             k < end ? " ..." : "");
+        report_line(j, "  %lu-%lu: faces%s%s", (unsigned long)f->sides[i].a, (unsigned long)f->sides[i].b, text,
+                    k < end ? " ..." : "");
         shown++;
     }
     if (shown < count) {
-        note(j, "  and %zu more", count - shown);
+        report_line(j, "  and %zu more", count - shown);
     }
 }
 
@@ -248,20 +248,22 @@ int describe_surface(const job *j, const pbwio_cloud *cloud, int details)
     status = pbwsample_inspect(&model, &report);
     found = status == PBWSAMPLE_OK && find_faults(&f);
     if (status != PBWSAMPLE_OK) {
-        say(j, "surface", now() - start, "%s", pbwsample_status_string(status));
+        report_step(j, "surface", now() - start, "%s", pbwsample_status_string(status));
     } else if (!found) {
-        say(j, "surface", now() - start, "out of memory");
+        report_step(j, "surface", now() - start, "out of memory");
     } else {
         closed = report.closed;
-        say(j, "surface", now() - start, closed ? "closed, %zu component%s" : "not closed, %zu component%s",
-            COUNT(f.components));
+        report_step(j, "surface", now() - start, closed ? "closed, %zu component%s" : "not closed, %zu component%s",
+                    COUNT(f.components));
         if (closed) {
-            note(j, "area %g, volume %g, %zu flat face%s, %zu unused and %zu duplicate point%s", report.area,
-                 report.volume, COUNT(report.flat_triangles), report.unused_points, COUNT(report.duplicate_points));
+            report_line(j, "area %g, volume %g, %zu flat face%s, %zu unused and %zu duplicate point%s", report.area,
+                        report.volume, COUNT(report.flat_triangles), report.unused_points,
+                        COUNT(report.duplicate_points));
         } else {
-            note(j, "area %g, no volume: %zu open, %zu crowded, %zu turned edge%s in %zu loop%s; %zu flat face%s, "
-                 "%zu unused and %zu duplicate point%s", report.area, f.open, f.crowded, COUNT(f.turned),
-                 COUNT(f.loops), COUNT(report.flat_triangles), report.unused_points, COUNT(report.duplicate_points));
+            report_line(j, "area %g, no volume: %zu open, %zu crowded, %zu turned edge%s in %zu loop%s; %zu flat "
+                        "face%s, %zu unused and %zu duplicate point%s", report.area, f.open, f.crowded,
+                        COUNT(f.turned), COUNT(f.loops), COUNT(report.flat_triangles), report.unused_points,
+                        COUNT(report.duplicate_points));
         }
         if (details && (!closed || f.components > 1)) {
             list_components(j, &f);

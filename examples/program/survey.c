@@ -309,8 +309,8 @@ static void warn_of_overlaps(const job *j, const area *areas, size_t count, pbw_
         warn(j, "%s: %s overlap around (%.9g, %.9g)%s: what is in two of them is outside by the even-odd rule; "
              "--rule nonzero takes it in", j->input, who, first->x, first->y, overlaps > 1 ? " and elsewhere" : "");
     } else if (rule == PBW_PLANE_NONZERO && first->next > 0) {
-        note(j, "%s overlap around (%.9g, %.9g)%s: the last one in the file names the region", who, first->x,
-             first->y, overlaps > 1 ? " and elsewhere" : "");
+        report_line(j, "%s overlap around (%.9g, %.9g)%s: the last one in the file names the region", who, first->x,
+                    first->y, overlaps > 1 ? " and elsewhere" : "");
     }
 }
 

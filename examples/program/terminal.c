@@ -110,7 +110,7 @@ void warn(const job *j, const char *format, ...)
     }
 }
 
-void say(const job *j, const char *what, double seconds, const char *format, ...)
+void report_step(const job *j, const char *what, double seconds, const char *format, ...)
 {
     va_list list;
     char text[1200];                                 /* the names of outputs have at most 1000 */
@@ -124,7 +124,7 @@ void say(const job *j, const char *what, double seconds, const char *format, ...
     }
 }
 
-void note(const job *j, const char *format, ...)
+void report_line(const job *j, const char *format, ...)
 {
     va_list list;
     clear_bar(j);

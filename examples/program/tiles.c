@@ -295,7 +295,8 @@ static void load_state(work *w)
         w->s = s;
         begin(w->j, "tiles", "those of an earlier run are read");
         check_finished(w);
-        note(w->j, "going on: %u of %zu tile%s %s finished", w->s.done, COUNT(s.parts), s.parts == 1 ? "is" : "are");
+        report_line(w->j, "going on: %u of %zu tile%s %s finished", w->s.done, COUNT(s.parts),
+                    s.parts == 1 ? "is" : "are");
     } else {
         memset(w->tile, 0, (w->s.parts + 1) * sizeof *w->tile);
         remove_scratch(w, is_state && s.parts > w->s.parts ? s.parts : w->s.parts);
@@ -337,7 +338,7 @@ static int open_input(work *w)
                     (long)size, (unsigned long)record);
     }
     w->s.points = (uint64_t)size / record;
-    note(j, "%zu point%s in %uD%s", COUNT(w->s.points), w->s.dim, w->s.weighted ? ", weighted" : "");
+    report_line(j, "%zu point%s in %uD%s", COUNT(w->s.points), w->s.dim, w->s.weighted ? ", weighted" : "");
     return 0;
 }
 
@@ -379,47 +380,47 @@ static int bad_point(work *w, FILE *file, uint64_t at)
 
 /* ---- threads at work: readers of the input, then builders of tiles */
 
-typedef struct crew {
+typedef struct workers {
     work *w;
     FILE *out;
     size_t next;                                     /* the tile to begin */
     uint64_t read;                                   /* points that are distributed */
     unsigned char *started;                          /* per tile: its file is there */
     unsigned char *at_work;                          /* per tile: its tree is in memory */
-    int reading, forgetting;                         /* those who read trees; one waits for them */
+    int reading, forgetting;                         /* workers that read trees; one waits for them */
     int stop, failed, short_of_memory;
 #ifndef _WIN32
-    pthread_mutex_t lock;                            /* for all of the crew, the report and work.s.done */
+    pthread_mutex_t lock;                            /* for all workers, the report and work.s.done */
     pthread_cond_t turn;
 #endif
-} crew;
+} workers;
 
 #ifdef _WIN32                                        /* one at a time */
 enum { READERS = 1 };
-static void crew_start(crew *c) { (void)c; }
-static void crew_end(crew *c) { (void)c; }
-static void enter(crew *c) { (void)c; }
-static void leave(crew *c) { (void)c; }
-static void await(crew *c) { c->stop = 1; }
-static void wake(crew *c) { (void)c; }
+static void workers_start(workers *c) { (void)c; }
+static void workers_end(workers *c) { (void)c; }
+static void enter(workers *c) { (void)c; }
+static void leave(workers *c) { (void)c; }
+static void await(workers *c) { c->stop = 1; }
+static void wake(workers *c) { (void)c; }
 #else
 enum { READERS = 256 };
-static void crew_start(crew *c)
+static void workers_start(workers *c)
 {
     pthread_mutex_init(&c->lock, NULL);
     pthread_cond_init(&c->turn, NULL);
 }
 
-static void crew_end(crew *c)
+static void workers_end(workers *c)
 {
     pthread_cond_destroy(&c->turn);
     pthread_mutex_destroy(&c->lock);
 }
 
-static void enter(crew *c) { pthread_mutex_lock(&c->lock); }
-static void leave(crew *c) { pthread_mutex_unlock(&c->lock); }
-static void await(crew *c) { pthread_cond_wait(&c->turn, &c->lock); }
-static void wake(crew *c) { pthread_cond_broadcast(&c->turn); }
+static void enter(workers *c) { pthread_mutex_lock(&c->lock); }
+static void leave(workers *c) { pthread_mutex_unlock(&c->lock); }
+static void await(workers *c) { pthread_cond_wait(&c->turn, &c->lock); }
+static void wake(workers *c) { pthread_cond_broadcast(&c->turn); }
 #endif
 
 /* ---- distribution */
@@ -461,7 +462,7 @@ static uint64_t sum_of_points(const pbwt_point *points, size_t count)
     return sum;
 }
 
-static int flush_points(crew *c, size_t tile, const pbwt_point *points, size_t count)
+static int flush_points(workers *c, size_t tile, const pbwt_point *points, size_t count)
 {
     char name[NAME];
     FILE *file;
@@ -475,13 +476,13 @@ static int flush_points(crew *c, size_t tile, const pbwt_point *points, size_t c
 }
 
 typedef struct reading {
-    crew c;
+    workers c;
     const pbwt_cut *cuts;
     size_t readers, each;                            /* room of each for points: of each tile and of the input */
 } reading;
 
-/* Writes the points of a tile that a reader has, unless the crew stops. */
-static void pass_on(crew *c, size_t tile, const pbwt_point *points, size_t count)
+/* Writes the points of a tile that a reader has, unless the workers stop. */
+static void pass_on(workers *c, size_t tile, const pbwt_point *points, size_t count)
 {
     const uint64_t sum = sum_of_points(points, count);
     enter(c);
@@ -497,7 +498,7 @@ static void pass_on(crew *c, size_t tile, const pbwt_point *points, size_t count
 /* Sorts points of the input, where `file` stands; used: points in the room of each tile. */
 static void distribute_run(reading *r, FILE *file, uint64_t from, uint64_t to, pbwt_point *room, size_t *used)
 {
-    crew *c = &r->c;
+    workers *c = &r->c;
     work *w = c->w;
     pbwt_point *block = room + w->s.parts * r->each;
     int stop = 0;
@@ -575,9 +576,9 @@ static int distribute(work *w)
         r.readers = threads > 1 ? (size_t)threads : 1;
         r.each = (size_t)fmax(64, fmin(BUFFER, records / (double)r.readers));
         options.threads = (int)r.readers;
-        crew_start(&r.c);
+        workers_start(&r.c);
         pbw_for(&options, r.readers, 1, read_share, &r);
-        crew_end(&r.c);
+        workers_end(&r.c);
         failed = r.c.failed ? r.c.failed : r.c.stop ? paused(w) : 0;
     }
     free(cuts);
@@ -843,7 +844,7 @@ static int explain_tile(work *w, const pbwt_tile *tile, size_t p, pbw_status sta
 }
 
 /* Trees are read by many and forgotten by one. */
-static void begin_reading(crew *c)
+static void begin_reading(workers *c)
 {
     enter(c);
     while (c->forgetting) {
@@ -854,7 +855,7 @@ static void begin_reading(crew *c)
 }
 
 /* Returns whether the tree of tile q is as it was written. */
-static int end_reading(crew *c, size_t q)
+static int end_reading(workers *c, size_t q)
 {
     const int good = pbwtf_fault(c->w->map + q) == NULL;
     enter(c);
@@ -868,7 +869,7 @@ static int end_reading(crew *c, size_t q)
 }
 
 /* Forgets trees of which no tile at work is made if more of them is in memory than their share. */
-static void forget_trees(crew *c)
+static void forget_trees(workers *c)
 {
     size_t q, bytes = 0;
     enter(c);
@@ -897,7 +898,7 @@ static void forget_trees(crew *c)
 }
 
 /* The whole tree of a tile, until forget_trees after its end.  Returns whether it is as it was written. */
-static int fetch_own_tree(crew *c, size_t p)
+static int fetch_own_tree(workers *c, size_t p)
 {
     pbwtf_map *map = c->w->map + p;
     begin_reading(c);
@@ -907,7 +908,7 @@ static int fetch_own_tree(crew *c, size_t p)
 }
 
 /* Asks and answers until the tile is finished. */
-static pbw_status run_tile(crew *c, pbwt_tile *tile, size_t p)
+static pbw_status run_tile(workers *c, pbwt_tile *tile, size_t p)
 {
     work *w = c->w;
     pbwt_served *served = (pbwt_served *)calloc(w->s.parts, sizeof *served);
@@ -980,20 +981,20 @@ static int end_tile(work *w, pbwtf_writer *chunk, const pbwt_tile *tile, size_t 
     return save_state(w);
 }
 
-/* ---- several at a time: triangulated in any order, written in their own, so that the output does not depend on how
-   many.  A tile whose turn has not come waits with its first simplex. */
+/* ---- several tiles at a time: triangulated in any order, but written in the order of their numbers, so that the
+   output does not depend on the number of workers.  A tile waits with its first simplex until its turn comes. */
 
-typedef struct hand {
-    crew *c;
+typedef struct tile_task {
+    workers *c;
     size_t tile;
     int has_turn;
     pbwt_options options;
     pbwtf_writer chunk;
-} hand;
+} tile_task;
 
 static int on_tile(void *user, pbw_stage stage, double done)
 {
-    crew *c = ((hand *)user)->c;
+    workers *c = ((tile_task *)user)->c;
     const pbw_options *build = &c->w->j->build;
     int stop;
     if (c->w->jobs == 1) {
@@ -1006,10 +1007,10 @@ static int on_tile(void *user, pbw_stage stage, double done)
     return stop;
 }
 
-/* Begins the chunk once all tiles before are written; returns 0 if the crew stops. */
-static int take_turn(hand *h)
+/* Begins the chunk once all tiles before are written; returns 0 if the workers stop. */
+static int take_turn(tile_task *h)
 {
-    crew *c = h->c;
+    workers *c = h->c;
     work *w = c->w;
     enter(c);
     while (!h->has_turn && !c->stop && w->s.done != h->tile) {
@@ -1027,14 +1028,14 @@ static int take_turn(hand *h)
 static pbw_status emit_in_turn(void *user, const pbwt_tile *tile, size_t first, size_t count, const uint32_t *corners,
                                const uint32_t *links)
 {
-    hand *h = (hand *)user;
+    tile_task *h = (tile_task *)user;
     return h->has_turn || take_turn(h) ? pbwtf_emit(&h->chunk, tile, first, count, corners, links) : PBW_CANCELLED;
 }
 
 /* Writes the end of a tile, or says why it failed, and passes the turn on. */
-static void end_turn(hand *h, const pbwt_tile *tile, pbw_status status)
+static void end_turn(tile_task *h, const pbwt_tile *tile, pbw_status status)
 {
-    crew *c = h->c;
+    workers *c = h->c;
     work *w = c->w;
     const size_t p = h->tile;
     enter(c);
@@ -1047,11 +1048,11 @@ static void end_turn(hand *h, const pbwt_tile *tile, pbw_status status)
     }
     c->stop |= status != PBW_OK || c->failed;
     if (!c->stop) {
-        say(w->j, "tile", now() - w->start, "%lu of %u: %zu point%s, halo %lu + %lu, %lu %s, %zu round%s, "
-            "%lu given up", (unsigned long)p + 1, w->s.parts, COUNT(w->tree[p].count),
-            (unsigned long)tile->numbers.halo, (unsigned long)tile->numbers.later,
-            (unsigned long)tile->numbers.simplices, simplices(0, (size_t)tile->numbers.simplices),
-            COUNT(tile->numbers.rounds), (unsigned long)tile->numbers.given_up);
+        report_step(w->j, "tile", now() - w->start, "%lu of %u: %zu point%s, halo %lu + %lu, %lu %s, %zu round%s, "
+                    "%lu given up", (unsigned long)p + 1, w->s.parts, COUNT(w->tree[p].count),
+                    (unsigned long)tile->numbers.halo, (unsigned long)tile->numbers.later,
+                    (unsigned long)tile->numbers.simplices, simplices(0, (size_t)tile->numbers.simplices),
+                    COUNT(tile->numbers.rounds), (unsigned long)tile->numbers.given_up);
     }
     c->at_work[p] = 0;
     wake(c);
@@ -1059,11 +1060,11 @@ static void end_turn(hand *h, const pbwt_tile *tile, pbw_status status)
     forget_trees(c);
 }
 
-static void build_tile(crew *c, size_t p)
+static void build_tile(workers *c, size_t p)
 {
     work *w = c->w;
     pbwt_tile tile;
-    hand h;
+    tile_task h;
     pbw_status status;
     memset(&h, 0, sizeof h);
     h.c = c;
@@ -1084,7 +1085,7 @@ static void build_tile(crew *c, size_t p)
 
 static pbw_status work_on(void *arg, size_t from, size_t to)
 {
-    crew *c = (crew *)arg;
+    workers *c = (workers *)arg;
     for (; from < to;) {
         size_t p;
         int stop;
@@ -1119,7 +1120,7 @@ static int build_rest(work *w, FILE *out)
     int failed = 0;
     while (w->s.done < w->s.parts && !failed) {
         pbw_options options;
-        crew c;
+        workers c;
         memset(&options, 0, sizeof options);
         memset(&c, 0, sizeof c);
         if (cut_output(w, out, w->s.size)) {
@@ -1133,14 +1134,14 @@ static int build_rest(work *w, FILE *out)
             return fail(w->j, "out of memory");
         }
         options.threads = w->jobs;
-        crew_start(&c);
+        workers_start(&c);
         pbw_for(&options, (size_t)w->jobs, 1, work_on, &c);
-        crew_end(&c);
+        workers_end(&c);
         free(c.at_work);
         failed = c.failed;
         if (c.short_of_memory) {
             w->jobs /= 2;
-            note(w->j, "little memory: on with %d at a time", w->jobs);
+            report_line(w->j, "little memory: on with %d at a time", w->jobs);
         }
     }
     return failed;
@@ -1268,8 +1269,8 @@ static int build_leftovers(work *w, FILE *out, size_t count)
     tile.numbers.given_up = count;
     failed = status == PBW_OK ? end_tile(w, &chunk, &tile, w->s.parts) : explain_tile(w, &tile, w->s.parts, status);
     if (!failed) {
-        say(w->j, "leftovers", now() - w->start, "%zu point%s, %lu %s", COUNT(count),
-            (unsigned long)tile.numbers.simplices, simplices(0, (size_t)tile.numbers.simplices));
+        report_step(w->j, "leftovers", now() - w->start, "%zu point%s, %lu %s", COUNT(count),
+                    (unsigned long)tile.numbers.simplices, simplices(0, (size_t)tile.numbers.simplices));
     }
     pbwt_close(&tile);
     free(known.data);
@@ -1359,10 +1360,10 @@ static int finish_file(work *w, FILE *out)
         if (w->s.links) {
             snprintf(on_hull, sizeof on_hull, "%zu facet%s on the hull, ", COUNT(hull));
         }
-        note(w->j, "%zu %s, %s%zu duplicate%s, halo %.1f %%, %zu round%s, hash %016llx", (size_t)header.simplices,
-             simplices(0, (size_t)header.simplices), on_hull, COUNT(header.duplicates),
-             100 * (double)halo / (double)(w->s.points > 0 ? w->s.points : 1), COUNT(rounds),
-             (unsigned long long)header.hash);
+        report_line(w->j, "%zu %s, %s%zu duplicate%s, halo %.1f %%, %zu round%s, hash %016llx",
+                    (size_t)header.simplices, simplices(0, (size_t)header.simplices), on_hull,
+                    COUNT(header.duplicates), 100 * (double)halo / (double)(w->s.points > 0 ? w->s.points : 1),
+                    COUNT(rounds), (unsigned long long)header.hash);
     }
     return failed;
 }
@@ -1540,7 +1541,7 @@ static int run(job *j)
     }
     if (!failed) {
         j->written = j->outputs;
-        say(j, "all", now() - w->start, "%zu tile%s", COUNT(w->s.parts));
+        report_step(j, "all", now() - w->start, "%zu tile%s", COUNT(w->s.parts));
     }
     close_maps(w);
     if (w->lock >= 0) {

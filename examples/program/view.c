@@ -104,7 +104,7 @@ static int run(job *j)
     }
     status = status != 0 ? status : write_mesh(j);
     if (status == 0) {
-        note(j, "open this in a browser: %s", j->output[j->outputs - 1]);
+        report_line(j, "open this in a browser: %s", j->output[j->outputs - 1]);
     }
     return status;
 }
