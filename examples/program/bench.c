@@ -69,12 +69,14 @@ static int run(job *j)
 }
 
 const command command_bench = {
-    "bench", "measure",
+    .name = "bench",
+    .summary = "measure",
+    .usage =
     "usage: pbw bench [options] [input]\n"
     "\n"
     "Times of the triangulation by number of threads, best of three; default: --generate uniform 1000000.\n"
     "\n",
-    NULL,
-    { input_options, weight_options, build_options, common_options, NULL, NULL, NULL, NULL, NULL },
-    run, 1, 0, 0, NULL, 0
+    .options = { input_options, weight_options, build_options, common_options, NULL },
+    .run = run,
+    .may_lack_input = 1,
 };

@@ -438,7 +438,9 @@ static int run(job *j)
 }
 
 const command command_cells = {
-    "cells", "compute Voronoi or power cells",
+    .name = "cells",
+    .summary = "compute Voronoi or power cells",
+    .usage =
     "usage: pbw cells [options] points [-o output]...\n"
     "\n"
     "Computes the Voronoi cells of points, or with --weights the power cells.  Without --box or --clip those at the\n"
@@ -454,7 +456,8 @@ const command command_cells = {
     "         .html: a page to look at them: cut, exploded, coloured by volume or number of facets.  In .svg and\n"
     "         .html, unbounded cells end at a box a tenth larger than the points\n"
     "\n",
-    "csv vtu obj svg html geojson",
-    { cells_options, input_options, weight_options, build_options, output_options, common_options, NULL, NULL, NULL },
-    run, 0, 0, 0, NULL, 1
+    .writes = "csv vtu obj svg html geojson",
+    .options = { cells_options, input_options, weight_options, build_options, output_options, common_options, NULL },
+    .run = run,
+    .may_be_flat = 1,
 };

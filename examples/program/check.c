@@ -28,7 +28,9 @@ static int run(job *j)
 }
 
 const command command_check = {
-    "check", "find faults in a model and its triangulation",
+    .name = "check",
+    .summary = "find faults in a model and its triangulation",
+    .usage =
     "usage: pbw check [options] input\n"
     "\n"
     "Tells what is wrong and where, with exit status 1.  Of a mesh: simplices without volume, facets of more than\n"
@@ -37,7 +39,6 @@ const command command_check = {
     "Of points, or with --retriangulate: proves their triangulation.  Points, simplices, faces are counted from 0.\n"
     "Of a .pbwt file the triangulation is proved tile by tile, links across tiles and the hull with it.\n"
     "\n",
-    NULL,
-    { file_mesh_options, input_options, weight_options, build_options, common_options, NULL, NULL, NULL, NULL },
-    run, 0, 0, 0, NULL, 0
+    .options = { file_mesh_options, input_options, weight_options, build_options, common_options, NULL },
+    .run = run,
 };

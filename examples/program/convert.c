@@ -163,7 +163,9 @@ static int run(job *j)
 }
 
 const command command_convert = {
-    "convert", "from one format to another",
+    .name = "convert",
+    .summary = "from one format to another",
+    .usage =
     "usage: pbw convert [options] input output...\n"
     "\n"
     "Points, normals, faces and simplices from one format to another; simplices are turned positive.\n"
@@ -173,7 +175,8 @@ const command command_convert = {
     "         tetrahedra, of triangles in the plane and of a tile also .su2 .node .ele .neigh .face .edge; .bin,\n"
     "         doubles for pbw tiles, with --weights w: and a weight\n"
     "\n",
-    "obj ply off stl xyz bin csv txt pts asc dat tsv vtu msh msh2 mesh inp su2 node ele neigh face edge",
-    { tile_options, input_options, weight_options, output_options, text_options, common_options, NULL, NULL },
-    run, 0, 1, 0, NULL, 0
+    .writes = "obj ply off stl xyz bin csv txt pts asc dat tsv vtu msh msh2 mesh inp su2 node ele neigh face edge",
+    .options = { tile_options, input_options, weight_options, output_options, text_options, common_options, NULL },
+    .run = run,
+    .outputs_follow = 1,
 };

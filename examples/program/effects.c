@@ -5,6 +5,8 @@
    *.ending: an input of such a name. */
 typedef struct rule {
     const char *commands;                            /* with blanks between; NULL: all that have the option */
+    const option *group;                             /* NULL, or only commands that have this group of options */
+    int one_input;                                   /* only commands that read no second input */
     const char *option;
     const char *needs;                               /* one of these; NULL: nothing */
     const char *excludes;                            /* none of these; NULL: anything may be there */
@@ -13,44 +15,46 @@ typedef struct rule {
 #define REFINING "--angle --area --size --conforming"
 
 static const rule rules[] = {
-    { "mesh check convert bench view locate nearest cells plane tiles hash live", "--seed", "--generate", NULL },
-    { "mesh check convert bench view cells plane tiles hash live", "--columns", NULL, "--generate *.pbwt *.bin" },
-    { "mesh check convert bench view cells plane tiles hash live", "--decimal-comma", NULL,
-      "--generate *.pbwt *.bin" },
-    { NULL, "--keep", NULL, "--generate *.pbwt *.bin" },
-    { NULL, "--weights", NULL, "--generate *.pbwt" },
-    { "check convert hash", "--dim", NULL, "*.pbwt" },
-    { NULL, "--surface", "--inside", NULL },
-    { NULL, "--title", ".html", NULL },
-    { NULL, "--colour", ".html", NULL },
-    { NULL, "--cut-through", ".html", NULL },
-    { NULL, "--colour-outside", ".html", NULL },
-    { NULL, "--eye", ".html .svg", NULL },
-    { NULL, "--up", ".html .svg", NULL },
-    { NULL, "--cut", ".html .svg", NULL },
-    { NULL, "--text", ".vtu .msh .ply .stl", NULL },
-    { NULL, "--no-orphans", ".vtu .msh .msh2 .mesh .node .ele .face .edge .xyz .csv .txt .pts .asc .dat .tsv", NULL },
-    { "view", "--points", NULL, "--inside --weights --threads --memory-limit --cut-through" },
-    { "convert", "--tile", "*.pbwt", NULL },
-    { "convert", "--weights", ".bin", NULL },
-    { "sample", "--count", NULL, "--radius" },
-    { "sample", "--uniform", NULL, "--radius --fill --thin" },
-    { "sample", "--facet-normals", ".ply .obj .xyz .csv .txt .pts .asc .dat .tsv", "--fill" },
-    { "cells", "--periodic", "--box", NULL },
-    { "cells", "--box", NULL, "--clip --lattice" },
-    { "cells", "--lattice", NULL, "--clip --periodic" },
-    { "plane", "--coarsen", "--size", NULL },
-    { "plane", "--gradation", REFINING, NULL },
-    { "plane", "--keep-boundary", REFINING, NULL },
-    { "plane", "--keep-segments", REFINING, NULL },
-    { "plane", "--steiner", REFINING, NULL },
-    { "plane", "--most", REFINING, NULL },
-    { "plane", "--rounds", "--smooth", NULL },
-    { "plane", "--region-by", "*.geojson *.json", NULL },
-    { "improve", "--only-smooth", "--smooth", NULL },
-    { "improve", "--size", NULL, "--error" },
-    { "improve", "--count", "--error", NULL },
-    { "tiles", "--no-links", NULL, "--no-mesh" },
+    { .group = input_options, .option = "--seed", .needs = "--generate" },
+    { .group = input_options, .one_input = 1, .option = "--columns", .excludes = "--generate *.pbwt *.bin" },
+    { .group = input_options, .one_input = 1, .option = "--decimal-comma", .excludes = "--generate *.pbwt *.bin" },
+    { .option = "--keep", .excludes = "--generate *.pbwt *.bin" },
+    { .option = "--weights", .excludes = "--generate *.pbwt" },
+    { .commands = "check convert hash", .option = "--dim", .excludes = "*.pbwt" },
+    { .option = "--surface", .needs = "--inside" },
+    { .option = "--title", .needs = ".html" },
+    { .option = "--colour", .needs = ".html" },
+    { .option = "--cut-through", .needs = ".html" },
+    { .option = "--colour-outside", .needs = ".html" },
+    { .option = "--eye", .needs = ".html .svg" },
+    { .option = "--up", .needs = ".html .svg" },
+    { .option = "--cut", .needs = ".html .svg" },
+    { .option = "--text", .needs = ".vtu .msh .ply .stl" },
+    { .option = "--no-orphans",
+      .needs = ".vtu .msh .msh2 .mesh .node .ele .face .edge .xyz .csv .txt .pts .asc .dat .tsv" },
+    { .commands = "view", .option = "--points",
+      .excludes = "--inside --weights --threads --memory-limit --cut-through" },
+    { .commands = "convert", .option = "--tile", .needs = "*.pbwt" },
+    { .commands = "convert", .option = "--weights", .needs = ".bin" },
+    { .commands = "sample", .option = "--count", .excludes = "--radius" },
+    { .commands = "sample", .option = "--uniform", .excludes = "--radius --fill --thin" },
+    { .commands = "sample", .option = "--facet-normals", .needs = ".ply .obj .xyz .csv .txt .pts .asc .dat .tsv",
+      .excludes = "--fill" },
+    { .commands = "cells", .option = "--periodic", .needs = "--box" },
+    { .commands = "cells", .option = "--box", .excludes = "--clip --lattice" },
+    { .commands = "cells", .option = "--lattice", .excludes = "--clip --periodic" },
+    { .commands = "plane", .option = "--coarsen", .needs = "--size" },
+    { .commands = "plane", .option = "--gradation", .needs = REFINING },
+    { .commands = "plane", .option = "--keep-boundary", .needs = REFINING },
+    { .commands = "plane", .option = "--keep-segments", .needs = REFINING },
+    { .commands = "plane", .option = "--steiner", .needs = REFINING },
+    { .commands = "plane", .option = "--most", .needs = REFINING },
+    { .commands = "plane", .option = "--rounds", .needs = "--smooth" },
+    { .commands = "plane", .option = "--region-by", .needs = "*.geojson *.json" },
+    { .commands = "improve", .option = "--only-smooth", .needs = "--smooth" },
+    { .commands = "improve", .option = "--size", .excludes = "--error" },
+    { .commands = "improve", .option = "--count", .needs = "--error" },
+    { .commands = "tiles", .option = "--no-links", .excludes = "--no-mesh" },
 };
 
 /* The next word of a list with blanks between, of at most 15 letters; NULL at its end. */
@@ -97,6 +101,17 @@ static const char *in_words(const job *j, const char *word, char text[100])
     snprintf(text, 100, "%s%.20s%s%.60s", word[0] == '*' ? "an input " : "", word + (word[0] == '*'),
              value != NULL ? " " : "", value != NULL ? value : "");
     return text;
+}
+
+static int applies(const job *j, const rule *r)
+{
+    const command *c = j->command;
+    int g = 0;
+    while (r->group != NULL && c->options[g] != NULL && c->options[g] != r->group) {
+        g++;
+    }
+    return is_given(j, r->option) && (r->commands == NULL || is_in(r->commands, c->name))
+        && (r->group == NULL || c->options[g] != NULL) && !(r->one_input && c->second != NULL);
 }
 
 static int check_rule(const job *j, const rule *r)
@@ -160,8 +175,7 @@ int check_effects(const job *j)
     int status = check_colour(j);
     status = status != 0 ? status : check_format(j);
     for (i = 0; i < sizeof rules / sizeof *rules && status == 0; i++) {
-        if (is_given(j, rules[i].option)
-            && (rules[i].commands == NULL || is_in(rules[i].commands, j->command->name))) {
+        if (applies(j, rules + i)) {
             status = check_rule(j, rules + i);
         }
     }

@@ -398,7 +398,9 @@ static int run(job *j)
 }
 
 const command command_improve = {
-    "improve", "make the worst tetrahedra or triangles of a mesh better",
+    .name = "improve",
+    .summary = "make the worst tetrahedra or triangles of a mesh better",
+    .usage =
     "usage: pbw improve [options] mesh [-o output]...\n"
     "\n"
     "Makes the worst tetrahedra of a mesh better, until all dihedral angles reach the target or nothing helps.\n"
@@ -411,7 +413,7 @@ const command command_improve = {
     "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face (tetrahedra, boundary), .obj .ply .stl .off\n"
     "         (boundary), .svg (picture), .html (page to look around in); any number of them\n"
     "\n",
-    "vtu msh msh2 mesh inp su2 node ele neigh face obj ply stl off svg html",
-    { improve_options, look_options, build_options, output_options, text_options, common_options, NULL },
-    run, 0, 0, 0, NULL, 0
+    .writes = "vtu msh msh2 mesh inp su2 node ele neigh face obj ply stl off svg html",
+    .options = { improve_options, look_options, build_options, output_options, text_options, common_options, NULL },
+    .run = run,
 };

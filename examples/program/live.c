@@ -355,7 +355,9 @@ static int run(job *j)
 }
 
 const command command_live = {
-    "live", "insert, remove and move points by a script",
+    .name = "live",
+    .summary = "insert, remove and move points by a script",
+    .usage =
     "usage: pbw live [options] points --script changes.csv [-o output]...\n"
     "\n"
     "Triangulates the points, then inserts, removes and moves some.  After each commit the triangulation is that\n"
@@ -370,8 +372,9 @@ const command command_live = {
     "input:   as for pbw mesh\n"
     "output:  as of pbw mesh\n"
     "\n",
-    "vtu msh msh2 mesh inp su2 node ele neigh face edge obj ply stl off xyz csv txt pts asc dat tsv svg html",
-    { live_options, inside_options, look_options, input_options, weight_options, build_options, output_options,
-      text_options, common_options, NULL },
-    run, 0, 0, 0, NULL, 1
+    .writes = "vtu msh msh2 mesh inp su2 node ele neigh face edge obj ply stl off xyz csv txt pts asc dat tsv svg html",
+    .options = { live_options, inside_options, look_options, input_options, weight_options, build_options,
+                 output_options, text_options, common_options, NULL },
+    .run = run,
+    .may_be_flat = 1,
 };

@@ -68,7 +68,9 @@ static int run(job *j)
 }
 
 const command command_locate = {
-    "locate", "find the simplices that have given points",
+    .name = "locate",
+    .summary = "find the simplices that have given points",
+    .usage =
     "usage: pbw locate [options] points queries [-o output.csv]...\n"
     "\n"
     "Finds for each query the simplex of the triangulation of the points that has it, exactly: of several, where it\n"
@@ -78,7 +80,8 @@ const command command_locate = {
     "output:  .csv: query, simplex, its corners; outside of the hull the simplex is -1, and instead there are the\n"
     "         corners of a facet of the hull that sees the query, and -1\n"
     "\n",
-    "csv",
-    { input_options, weight_options, build_options, output_options, common_options, NULL, NULL, NULL, NULL },
-    run, 0, 0, 0, "queries", 0
+    .writes = "csv",
+    .options = { input_options, weight_options, build_options, output_options, common_options, NULL },
+    .run = run,
+    .second = "queries",
 };

@@ -144,7 +144,9 @@ static int run(job *j)
 }
 
 const command command_mesh = {
-    "mesh", "triangulate points; also without its name",
+    .name = "mesh",
+    .summary = "triangulate points; also without its name",
+    .usage =
     "usage: pbw [mesh] [options] input [-o output]...\n"
     "\n"
     "Exact Delaunay triangulation of the points of a file, or with --weights the regular one.\n"
@@ -155,8 +157,8 @@ const command command_mesh = {
     "         .obj .ply .stl .off (hull), .xyz .csv (points), .svg (picture), .html (page to look around\n"
     "         in), .geojson (triangles of the plane); any number of them\n"
     "\n",
-    "vtu msh msh2 mesh inp su2 node ele neigh face edge obj ply stl off xyz csv txt pts asc dat tsv svg html geojson",
-    { mesh_options, inside_options, look_options, input_options, weight_options, build_options, output_options,
-      text_options, common_options, NULL },
-    run, 0, 0, 0, NULL, 0
+    .writes = "vtu msh msh2 mesh inp su2 node ele neigh face edge obj ply stl off xyz csv txt pts asc dat tsv svg html geojson",
+    .options = { mesh_options, inside_options, look_options, input_options, weight_options, build_options,
+                 output_options, text_options, common_options, NULL },
+    .run = run,
 };

@@ -66,7 +66,9 @@ static int run(job *j)
 }
 
 const command command_nearest = {
-    "nearest", "find the points that are nearest to given ones",
+    .name = "nearest",
+    .summary = "find the points that are nearest to given ones",
+    .usage =
     "usage: pbw nearest [options] points queries [-k K] [-o output.csv]...\n"
     "\n"
     "Finds for each query the K nearest points: the nearest first, equally near ones by number, in exact order.\n"
@@ -76,7 +78,9 @@ const command command_nearest = {
     "input:   as for pbw mesh, both files\n"
     "output:  .csv: query, rank, point, distance; fewer than K lines for a query if there are fewer points\n"
     "\n",
-    "csv",
-    { nearest_options, input_options, weight_options, build_options, output_options, common_options, NULL },
-    run, 0, 0, 0, "queries", 1
+    .writes = "csv",
+    .options = { nearest_options, input_options, weight_options, build_options, output_options, common_options, NULL },
+    .run = run,
+    .second = "queries",
+    .may_be_flat = 1,
 };

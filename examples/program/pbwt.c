@@ -703,7 +703,9 @@ static int run(job *j)
 }
 
 const command command_hash = {
-    "hash", "one number for a triangulation",
+    .name = "hash",
+    .summary = "one number for a triangulation",
+    .usage =
     "usage: pbw hash [options] input\n"
     "\n"
     "Prints the hash of the triangulation: equal for two files if they are the same triangulation of the same\n"
@@ -711,7 +713,7 @@ const command command_hash = {
     "\n"
     "input:   as for pbw mesh, or .pbwt\n"
     "\n",
-    NULL,
-    { input_options, weight_options, build_options, common_options, NULL, NULL, NULL, NULL, NULL },
-    run, 0, 0, 0, NULL, 1
+    .options = { input_options, weight_options, build_options, common_options, NULL },
+    .run = run,
+    .may_be_flat = 1,
 };

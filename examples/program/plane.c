@@ -569,7 +569,9 @@ static int run(job *j)
 }
 
 const command command_plane = {
-    "plane", "triangulate and refine plane domains",
+    .name = "plane",
+    .summary = "triangulate and refine plane domains",
+    .usage =
     "usage: pbw plane [options] domain [-o output]...\n"
     "\n"
     "The constrained Delaunay triangulation of points and segments, with holes and regions; refined if an angle,\n"
@@ -591,7 +593,7 @@ const command command_plane = {
     "-c --rule hull, -Y --keep-boundary, -YY --keep-segments, -D --conforming, -S99 --steiner 99, -j --no-orphans;\n"
     "-A is always on.\n"
     "\n",
-    "svg html poly geojson vtu msh msh2 mesh ele node neigh edge csv obj ply off stl inp su2",
-    { plane_options, input_options, build_options, output_options, text_options, common_options, NULL, NULL },
-    run, 0, 0, 0, NULL, 0
+    .writes = "svg html poly geojson vtu msh msh2 mesh ele node neigh edge csv obj ply off stl inp su2",
+    .options = { plane_options, input_options, build_options, output_options, text_options, common_options, NULL },
+    .run = run,
 };

@@ -103,7 +103,9 @@ static int run(job *j)
 }
 
 const command command_sample = {
-    "sample", "spread points over a model",
+    .name = "sample",
+    .summary = "spread points over a model",
+    .usage =
     "usage: pbw sample [options] model -o output...\n"
     "\n"
     "Points spread evenly over the surface of a model, none closer to another than a radius, with normals.\n"
@@ -111,7 +113,7 @@ const command command_sample = {
     "input:   .obj .ply .stl .off .msh .mesh .inp .vtu .vtk with faces\n"
     "output:  .ply .obj .off .xyz .csv; any number of them\n"
     "\n",
-    "ply obj off xyz csv txt pts asc dat tsv",
-    { sample_options, output_options, text_options, common_options, NULL, NULL, NULL, NULL },
-    run, 0, 0, 0, NULL, 0
+    .writes = "ply obj off xyz csv txt pts asc dat tsv",
+    .options = { sample_options, output_options, text_options, common_options, NULL },
+    .run = run,
 };

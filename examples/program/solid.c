@@ -436,7 +436,9 @@ static int run(job *j)
 }
 
 const command command_solid = {
-    "solid", "fill a closed surface with tetrahedra",
+    .name = "solid",
+    .summary = "fill a closed surface with tetrahedra",
+    .usage =
     "usage: pbw solid [options] model [-o output]...\n"
     "\n"
     "Fills a surface with good tetrahedra; holes are closed.  Sharp edges are kept; elsewhere the boundary is\n"
@@ -448,7 +450,7 @@ const command command_solid = {
     "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face (tetrahedra, boundary), .obj .ply .stl .off\n"
     "         (boundary), .svg (picture), .html (page to look around in); any number of them\n"
     "\n",
-    "vtu msh msh2 mesh inp su2 node ele neigh face obj ply stl off svg html",
-    { solid_options, look_options, build_options, output_options, text_options, common_options, NULL },
-    run, 0, 0, 0, NULL, 0
+    .writes = "vtu msh msh2 mesh inp su2 node ele neigh face obj ply stl off svg html",
+    .options = { solid_options, look_options, build_options, output_options, text_options, common_options, NULL },
+    .run = run,
 };

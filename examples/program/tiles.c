@@ -1560,7 +1560,9 @@ static int run(job *j)
 }
 
 const command command_tiles = {
-    "tiles", "triangulate what memory does not hold",
+    .name = "tiles",
+    .summary = "triangulate what memory does not hold",
+    .usage =
     "usage: pbw tiles [options] points -o mesh.pbwt\n"
     "\n"
     "Triangulates points tile by tile within a limit of memory, into a file that has simplices, links across tiles\n"
@@ -1571,7 +1573,7 @@ const command command_tiles = {
     "         or as for pbw mesh, then in memory\n"
     "output:  .pbwt: see pbw_tilefile.h; pbw check, pbw hash and pbw convert read it\n"
     "\n",
-    "pbwt",
-    { tiles_options, input_options, weight_options, build_options, output_options, common_options, NULL, NULL, NULL },
-    run, 0, 0, 0, NULL, 0
+    .writes = "pbwt",
+    .options = { tiles_options, input_options, weight_options, build_options, output_options, common_options, NULL },
+    .run = run,
 };

@@ -110,7 +110,9 @@ static int run(job *j)
 }
 
 const command command_view = {
-    "view", "make a page to look at",
+    .name = "view",
+    .summary = "make a page to look at",
+    .usage =
     "usage: pbw view [options] input [-o page.html]\n"
     "\n"
     "Makes a page to look at a mesh, a surface or the triangulation of points in a browser: one file, no network.\n"
@@ -120,8 +122,10 @@ const command command_view = {
     "input:   as for pbw mesh\n"
     "output:  .html; default: the name of the input with that ending; of that name, it replaces pages of pbw only\n"
     "\n",
-    "html",
-    { view_options, file_mesh_options, inside_options, look_options, input_options, weight_options, build_options,
-      output_options, common_options, NULL },
-    run, 0, 0, 1, NULL, 1
+    .writes = "html",
+    .options = { view_options, file_mesh_options, inside_options, look_options, input_options, weight_options,
+                 build_options, output_options, common_options, NULL },
+    .run = run,
+    .names_output = 1,
+    .may_be_flat = 1,
 };
