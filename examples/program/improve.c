@@ -5,12 +5,12 @@ static const option improve_options[] = {
     OPTION_TARGET,
     OPTION_SECONDS,
     OPTION_FEATURE_ANGLE,
-    OPTION_SIZE,
+    OPTION_SIZE("about"),
     { "--error", "FILE", "first split and contract edges for sizes from errors, one number a tetrahedron, of\n"
       "linear elements in the energy norm", PLAIN, 0, 0, NULL },
-    OPTION_COUNT,
-    OPTION_SMOOTH,
-    OPTION_ROUNDS,
+    OPTION_COUNT("with --error: about how many tetrahedra it makes, default the number before"),
+    OPTION_SMOOTH("move points to better means: laplace, lloyd or odt, the default of triangles"),
+    OPTION_ROUNDS("of --smooth, default 5"),
     { "--only-smooth", NULL, "nothing but --smooth", SWITCH, 0, 0, NULL },
     OPTION_QUALITY,
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }

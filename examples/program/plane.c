@@ -7,12 +7,12 @@ static const option plane_options[] = {
     { "--angle", "DEGREES", "refine: no smaller angle, up to 34, but at small angles of the input", POSITIVE, 0, 34,
       NULL },
     { "--area", "A", "refine: no larger triangle", POSITIVE, 0, 0, NULL },
-    OPTION_SIZE,
+    OPTION_SIZE("at most"),
     { "--gradation", "G", "most growth of sizes per distance: of a column, default 0.3; of a formula and of the\n"
       "areas of regions, default any", POSITIVE, 0, 0, NULL },
     { "--coarsen", NULL, "leave points out that are nearer to each other than half of --size", SWITCH, 0, 0, NULL },
-    OPTION_SMOOTH,
-    OPTION_ROUNDS,
+    OPTION_SMOOTH("move points to better means: laplace, lloyd or odt"),
+    OPTION_ROUNDS("of --smooth, default 5"),
     { "--split-crossings", NULL, "put points where segments cross, instead of an error", SWITCH, 0, 0, NULL },
     { "--rule", "RULE", "what belongs to the domain: hull (all), seeds (what segments enclose, but holes),\n"
       "even-odd, nonzero (by winding numbers); default: .poly seeds, .geojson with\n"
@@ -23,7 +23,7 @@ static const option plane_options[] = {
     { "--keep-segments", NULL, "no new points on segments", SWITCH, 0, 0, NULL },
     { "--conforming", NULL, "all triangles Delaunay, across segments too", SWITCH, 0, 0, NULL },
     { "--steiner", "N", "at most N new points", WHOLE, 1, 4e9, NULL },
-    OPTION_MOST,
+    OPTION_MOST("triangles"),
     OPTION_NO_ORPHANS,
     OPTION_QUALITY,
     { "--histogram", NULL, "print how many triangles have which least angle", SWITCH, 0, 0, NULL },

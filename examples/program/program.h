@@ -71,32 +71,28 @@ typedef struct option {
 extern const option input_options[], weight_options[], build_options[], inside_options[], look_options[],
                     output_options[], text_options[], common_options[], file_mesh_options[];
 
-/* Options that several commands have in groups of their own; each is defined here alone, so that it means the same. */
+/* Options that several commands have in groups of their own; each is defined here alone.  Where the meaning depends on
+   the command, the help is an argument. */
 extern const char *const smoothers[];                /* laplace, lloyd, odt */
-#define OPTION_COUNT { "--count", "N", \
-    "points on the surface, default 20000; with --error: about how many tetrahedra it\n" \
-    "makes, default the number before", WHOLE, 1, 4e9, NULL }
+#define OPTION_COUNT(help) { "--count", "N", help, WHOLE, 1, 4e9, NULL }
 #define OPTION_FEATURE_ANGLE { "--feature-angle", "DEGREES", \
     "edges of the surface that bend by more are sharp, and stay; default 40", WHOLE, 1, 180, NULL }
-#define OPTION_MOST { "--most", "N", \
-    "triangles or tetrahedra; more are refused, before work if sizes ask for them; default\n50 million", POSITIVE, \
-    0, 0, NULL }
+#define OPTION_MOST(simplices) { "--most", "N", \
+    simplices "; more are refused, before work if sizes ask for them; default 50 million", POSITIVE, 0, 0, NULL }
 #define OPTION_NO_CHECK { "--no-check", NULL, "skip the exact check of the result", SWITCH, 0, 0, NULL }
 #define OPTION_NO_ORPHANS { "--no-orphans", NULL, \
     "leave points that are corners of nothing out of the output", SWITCH, 0, 0, NULL }
 #define OPTION_QUALITY { "--quality", NULL, \
     "print measures of quality, by the names of Verdict and Gmsh", SWITCH, 0, 0, NULL }
-#define OPTION_ROUNDS { "--rounds", "N", \
-    "of --smooth, default 5; or of adding points to a solid, at most, default 16", WHOLE, 1, 1000, NULL }
+#define OPTION_ROUNDS(help) { "--rounds", "N", help, WHOLE, 1, 1000, NULL }
 #define OPTION_SECONDS { "--seconds", "S", \
     "of all threads' processor time, then it ends with what it has", POSITIVE, 0, 0, NULL }
 #define OPTION_SEED { "--seed", "S", "of random numbers, up to 1000000; default 1", WHOLE, 0, 1e6, NULL }
-#define OPTION_SIZE { "--size", "SIZE", \
-    "length of edges, at most: a number, or a formula in x, y (and z) such as\n\"0.1+0.2*hypot(x,y)\", with " \
+#define OPTION_SIZE(bound) { "--size", "SIZE", \
+    "length of edges, " bound ": a number, or a formula in x, y (and z) such as\n\"0.1+0.2*hypot(x,y)\", with " \
     "+ - * / ^ sqrt abs exp log sin cos min max hypot, or a\ncolumn with the size at each point, by its name or " \
-    "as #4; in pbw improve about\nthat length", FORMULA, 0, 0, NULL }
-#define OPTION_SMOOTH { "--smooth", "WAY", \
-    "move points to better means: laplace, lloyd or odt, the default of triangles", CHOICE, 0, 0, smoothers }
+    "as #4", FORMULA, 0, 0, NULL }
+#define OPTION_SMOOTH(help) { "--smooth", "WAY", help, CHOICE, 0, 0, smoothers }
 #define OPTION_TARGET { "--target", "DEGREES", \
     "dihedral angles from this to 180 less this; default 30", WHOLE, 1, 60, NULL }
 

@@ -4,7 +4,7 @@
 static const char *const fills[] = { "lattice", "poisson", NULL };
 
 static const option sample_options[] = {
-    OPTION_COUNT,
+    OPTION_COUNT("points on the surface, default 20000"),
     { "--radius", "R", "instead: that distance apart, as many as there is room for", POSITIVE, 0, 0, NULL },
     { "--uniform", NULL, "independent random points instead, with --count", SWITCH, 0, 0, NULL },
     { "--fill", "WAY", "add points inside, as far apart: lattice (a jittered one) or poisson\n(blue noise)", CHOICE,

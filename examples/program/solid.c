@@ -4,7 +4,7 @@
 static const char *const sharp_names[] = { "auto", "all", "some", "none", NULL };    /* as PBW_SOLID_SHARP_... */
 
 static const option solid_options[] = {
-    OPTION_SIZE,
+    OPTION_SIZE("at most"),
     { "--least-size", "H", "edges are not shorter where walls are thin; default: 1/6 of the size, 1/3 without\n"
       "sharp edges", POSITIVE, 0, 0,
       NULL },
@@ -16,7 +16,7 @@ static const option solid_options[] = {
       "or auto, the default: by how many of them are", CHOICE, 0, 0, sharp_names },
     { "--close", NULL, "closes large holes, and fills thin sheets, which are refused else", SWITCH, 0, 0, NULL },
     { "--keep-faults", NULL, "writes a boundary that is no manifold, too", SWITCH, 0, 0, NULL },
-    OPTION_MOST,
+    OPTION_MOST("tetrahedra"),
     { "--patches", NULL, "list patches: the groups of the model, which are kept anyway; of a model without\n"
       "groups those between sharp edges, which are then written", SWITCH, 0, 0, NULL },
     { "--split-patches", NULL, "the same, but sharp edges cut groups, too: those of several parts become NAME_1,\n"
@@ -24,7 +24,7 @@ static const option solid_options[] = {
     OPTION_FEATURE_ANGLE,
     { "--distance", "D", "facets farther than D sizes from the surface get points; default 0.1", POSITIVE, 0, 0,
       NULL },
-    OPTION_ROUNDS,
+    OPTION_ROUNDS("of adding points, at most, default 16"),
     OPTION_TARGET,
     OPTION_SECONDS,
     OPTION_QUALITY,
