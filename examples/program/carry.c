@@ -4,7 +4,7 @@
    markers of the mesh; groups. */
 #include "domain.h"
 
-/* ---- points that coincide: the first one's values count */
+/* ---- points that coincide: the first one's values count ---- */
 
 size_t unify(const pbw_index *first, size_t count, double *values)
 {
@@ -60,7 +60,7 @@ int unify_duplicates(const job *j, plan *d)
     return done;
 }
 
-/* ---- values */
+/* ---- values ---- */
 
 /* The values of a crossing: the mean of those along the segments through it.  values: `width` a point, 0 there. */
 static int add_crossings(const plan *d, const pbw_plane *own, size_t width, double *values)
@@ -137,7 +137,7 @@ static pbw_status carry_values(const job *j, const plan *d, const pbw_plane *own
     return status;
 }
 
-/* ---- markers */
+/* ---- markers ---- */
 
 /* Markers of edges and points, as Triangle has them: a point's own; else that of the first segment through it that
    has one; else 1 on the boundary, and 0 inside.  Where nothing has a marker, edges of segments have 1. */
@@ -183,7 +183,7 @@ static int carry_markers(const plan *d, const pbw_plane *mesh, const pbw_index *
     return 1;
 }
 
-/* ---- groups */
+/* ---- groups ---- */
 
 typedef struct item { long long tag; pbw_index place; } item;
 
@@ -361,7 +361,7 @@ static int carry_groups(const plan *d, const pbw_plane *mesh, const pbw_index *o
     return 1;
 }
 
-/* ---- all of it */
+/* ---- all of it ---- */
 
 void warn_of_losses(const job *j, const plan *d, const pbw_plane *plane)
 {

@@ -1,4 +1,5 @@
-/* cells.c: pbw cells. */
+/* cells.c: pbw cells.
+   In: points; a box, a lattice or a clip.  Out: tables, files of shapes, pictures and pages of their cells. */
 #include "program.h"
 
 static const option cells_options[] = {
@@ -13,6 +14,8 @@ static const option cells_options[] = {
       0, 0, NULL },
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
+
+/* ---- outputs ---- */
 
 static void emit(void *user, FILE *file)
 {
@@ -52,6 +55,8 @@ static pbwio_status write_cells(job *j, const char *path, const char *ending, vo
          ? write_cell_page(j, path, cells, cells->dim == 2 && is_given(j, "--clip"), error)
          : write_diagram(path, ending, cells, error);
 }
+
+/* ---- the report ---- */
 
 static int is_bounded(const pbw_domain *domain)
 {
@@ -102,6 +107,8 @@ static void report(const job *j, const pbw_cells *cells, const pbw_domain *domai
                 domain->box != NULL || domain->lattice != NULL ? "box" : cells->dim == 3 ? "body" : "polygon",
                 fabs(sum - whole + rest) / whole);
 }
+
+/* ---- the clip ---- */
 
 /* Says where rings cross, by their numbers from 1, or what else is wrong with them. */
 static int refuse_rings(const job *j, const pbw_domain *domain, const pbw_rings *found)
@@ -239,6 +246,8 @@ static int load_clip(job *j, pbw_domain *domain, pbwio_cloud *cloud, void **kept
     return failed;
 }
 
+/* ---- the cells ---- */
+
 /* Bit k: axis k. */
 static unsigned axes_of(const job *j)
 {
@@ -344,6 +353,8 @@ static int make_bounded(job *j, unsigned what, pbw_cells *cells)
     domain.box = box;
     return explain(j, pbw_cells_of(&j->mesh, &domain, what, &j->build, cells));
 }
+
+/* ---- the command ---- */
 
 /* Does the domain say that points are in 3D, even where all have one z? */
 static int is_solid(const job *j)

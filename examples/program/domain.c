@@ -6,7 +6,7 @@
 
 enum { MOST_ATTRIBUTES = 64 };                       /* of a point */
 
-/* ---- growing arrays */
+/* ---- growing arrays ---- */
 
 int grow(void **data, size_t count, size_t size)
 {
@@ -41,7 +41,7 @@ int append_segment(plan *d, size_t a, size_t b, source from)
     return 1;
 }
 
-/* ---- groups */
+/* ---- groups ---- */
 
 static char *copy_of(const char *name)
 {
@@ -129,7 +129,7 @@ void domain_free(plan *d)
     memset(d, 0, sizeof *d);
 }
 
-/* ---- text */
+/* ---- text ---- */
 
 int refuse(text *t, const char *format, ...)
 {
@@ -176,7 +176,7 @@ int next_number(text *t, double *x)
     return 1;
 }
 
-/* ---- .poly and .node: numbers; # starts a comment */
+/* ---- .poly and .node: numbers; # starts a comment ---- */
 
 static void skip_blanks(text *t, int lines)
 {
@@ -430,7 +430,7 @@ static int read_poly(text *t, plan *d, int column, int *dropped)
     return ok && read_segments(t, d, base) && read_holes(t, d);
 }
 
-/* ---- all of them */
+/* ---- all of them ---- */
 
 /* Whether a path ends so, or so and with .gz. */
 static int ends_with(const char *path, const char *ending)

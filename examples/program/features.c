@@ -57,7 +57,7 @@ static void begin_feature(FILE *file, int first, size_t id, const pbwio_group *r
     fprintf(file, "},\"geometry\":{\"type\":\"%s\",\"coordinates\":[", type);
 }
 
-/* ---- triangles */
+/* ---- triangles ---- */
 
 typedef struct triangles { const pbw_mesh *mesh; const pbwio_output *output; } triangles;
 
@@ -95,7 +95,7 @@ pbwio_status write_triangles(const char *path, const pbw_mesh *mesh, const pbwio
     return pbwio_save(path, emit_triangles, &t, error);
 }
 
-/* ---- cells */
+/* ---- cells ---- */
 
 typedef struct loop { size_t begin, end; double area; } loop;        /* facets; the area is below 0 around holes */
 

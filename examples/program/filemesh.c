@@ -16,6 +16,8 @@ int has_simplices(const job *j)
 
 typedef struct facet { pbw_index b, c, id; int odd; } facet;        /* b < c: corners beside the least; id: n t + i */
 
+/* ---- neighbours ---- */
+
 static int by_corners(const void *a, const void *b)
 {
     const facet *f = (const facet *)a, *g = (const facet *)b;
@@ -155,6 +157,8 @@ int take_simplices(job *j, mesh_faults *faults)
                 simplices(j->mesh.dim, j->mesh.simplex_count), COUNT(faults->boundary));
     return keep_groups(j);
 }
+
+/* ---- the check ---- */
 
 static void tell_fault(const job *j, const mesh_fault *f, const char *what)
 {

@@ -23,7 +23,7 @@ typedef struct reader {
     char properties[128];                            /* the names of those of the first feature */
 } reader;
 
-/* ---- JSON */
+/* ---- JSON ---- */
 
 static void skip_space(text *t)
 {
@@ -246,7 +246,7 @@ static place here(const text *t)
     return where;
 }
 
-/* ---- coordinates */
+/* ---- coordinates ---- */
 
 /* Reads a position: x, y, and a height if there is a third number. */
 static int read_position(reader *r)
@@ -435,7 +435,7 @@ static int read_geometry(reader *r)
     return 1;
 }
 
-/* ---- features */
+/* ---- features ---- */
 
 /* The names of properties, for messages. */
 static void list_properties(reader *r, place properties)

@@ -1,4 +1,5 @@
-/* improve.c: pbw improve. */
+/* improve.c: pbw improve.
+   In: tetrahedra, or triangles of a plane.  Out: better ones, with the groups of the input, and a report. */
 #include "domain.h"
 
 static const option improve_options[] = {
@@ -15,6 +16,8 @@ static const option improve_options[] = {
     OPTION_QUALITY,
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
+
+/* ---- the report ---- */
 
 void describe_quality(const job *j, const char *when, const pbw_quality *q)
 {
@@ -71,6 +74,8 @@ static void describe_moves(const job *j, const pbw_improve_report *r)
         report_line(j, "below the target in the end: %zu", r->left);
     }
 }
+
+/* ---- sizes from errors ---- */
 
 /* Reads a number for each tetrahedron; returns NULL after a message. */
 static double *read_errors(const job *j, const char *path, size_t count)
@@ -183,6 +188,8 @@ static void warn_of_segments(const job *j, const pbw_tets *better)
     }
 }
 
+/* ---- tetrahedra ---- */
+
 static int improve_tets(job *j)
 {
     pbw_improve_options how;
@@ -253,7 +260,7 @@ static int improve_tets(job *j)
     return failed;
 }
 
-/* ---- triangles of the plane */
+/* ---- triangles of the plane ---- */
 
 static void describe_plane(const job *j, const char *when, const pbw_plane *plane)
 {
@@ -383,6 +390,8 @@ static int improve_triangles(job *j)
     domain_free(&d);
     return failed;
 }
+
+/* ---- the command ---- */
 
 static int run(job *j)
 {

@@ -299,6 +299,8 @@ static int finish(script *s)
     return failed;
 }
 
+/* ---- the command ---- */
+
 static int start(script *s)
 {
     job *j = s->j;

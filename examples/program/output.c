@@ -1,4 +1,5 @@
-/* output.c: outputs are checked before the work and written after it; the options for that. */
+/* output.c: outputs are checked before the work and written after it; the options for that.
+   In: a job, later its mesh.  Out: files, whole or not at all; or a message that names the output. */
 #include "program.h"
 #include <errno.h>
 #include <sys/stat.h>

@@ -34,7 +34,7 @@ int is_pbwt(const job *j)
     return dot != NULL && strcmp(dot, ".pbwt") == 0;
 }
 
-/* ---- access */
+/* ---- access ---- */
 
 /* Bytes of a chunk; those of the one under test have been fetched. */
 static const void *bytes_of(const proof *p, size_t chunk, const void *from, size_t size)
@@ -93,7 +93,7 @@ static void facet_of(const proof *p, size_t chunk, size_t simplex, size_t corner
     qsort(key, n, sizeof *key, compare_keys);
 }
 
-/* ---- simplices */
+/* ---- simplices ---- */
 
 static int is_on_hull(const pbwtf_view *v, uint32_t link)
 {
@@ -199,7 +199,7 @@ static pbw_status check_range(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* ---- chunks */
+/* ---- chunks ---- */
 
 static int fault_in(const proof *p, const char *what)
 {
@@ -407,7 +407,7 @@ static int read_chunks(proof *p)
     return !failed && p->ids == NULL ? fail(p->j, "out of memory: ids") : failed;
 }
 
-/* ---- the hash */
+/* ---- the hash ---- */
 
 static int add_hash(proof *p)
 {
@@ -432,7 +432,7 @@ static int add_hash(proof *p)
          : explain(p->j, status);
 }
 
-/* ---- facets and neighbours */
+/* ---- facets and neighbours ---- */
 
 static int check_chunk(proof *p)                     /* once the bytes of all chunks are known to be right */
 {
@@ -447,7 +447,7 @@ static int check_chunk(proof *p)                     /* once the bytes of all ch
     return fault != NULL ? fault_in(p, fault) : status != PBW_OK ? explain(p->j, status) : add_hash(p);
 }
 
-/* ---- the hull, points */
+/* ---- the hull, points ---- */
 
 static int compare_facets(const void *a, const void *b)
 {
@@ -566,7 +566,7 @@ static int compare_hash(const proof *p)
          : fail(p->j, "%s: the hash is not that of its simplices", p->j->input);
 }
 
-/* ---- commands */
+/* ---- commands ---- */
 
 /* Whether the counts in the header are those of all chunks. */
 static int counts_agree(const proof *p)

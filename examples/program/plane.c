@@ -1,4 +1,5 @@
-/* plane.c: pbw plane. */
+/* plane.c: pbw plane.
+   In: a plane domain.  Out: its triangles, with what its points, segments and regions carry, and a report. */
 #include "domain.h"
 
 static const char *const rules[] = { "hull", "seeds", "even-odd", "nonzero", NULL };
@@ -49,7 +50,7 @@ static double size_at(void *user, double x, double y)
     return value > 0 ? value : 0;
 }
 
-/* ---- the triangles as a mesh, with their angles */
+/* ---- the triangles as a mesh, with their angles ---- */
 
 static double angle_of(const double *a, const double *b, const double *c)
 {
@@ -151,7 +152,7 @@ static void finish_free(result *r)
     carried_free(&r->carried);
 }
 
-/* ---- report */
+/* ---- report ---- */
 
 static void histogram(const job *j, const result *r)
 {
@@ -216,7 +217,7 @@ static void report(const job *j, const result *r, double seconds)
     }
 }
 
-/* ---- outputs */
+/* ---- outputs ---- */
 
 /* The marker of an edge or point in a .poly file. */
 static long long marker_of(const carried *c, const pbw_index *groups, const int *markers, size_t i)
@@ -362,7 +363,7 @@ static pbwio_status write_one(job *j, const char *path, const char *ending, void
     return pbwio_write(path, &r->mesh, &j->write, error);
 }
 
-/* ---- the command */
+/* ---- the command ---- */
 
 /* Whether the domain is that of the input's triangles. */
 static int is_of_mesh(const job *j, const plan *d)

@@ -1,4 +1,5 @@
-/* solid.c: pbw solid. */
+/* solid.c: pbw solid.
+   In: a surface, perhaps with groups of faces.  Out: tetrahedra, their boundary with those groups, and a report. */
 #include "program.h"
 
 static const char *const sharp_names[] = { "auto", "all", "some", "none", NULL };    /* as PBW_SOLID_SHARP_... */
@@ -30,6 +31,8 @@ static const option solid_options[] = {
     OPTION_QUALITY,
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
+
+/* ---- the report ---- */
 
 static void list_holes(const job *j, const pbw_solid_report *r)
 {
@@ -280,6 +283,8 @@ static void list_patches(const job *j, const pbw_tets *mesh, const pbw_solid_bou
     free(sum);
 }
 
+/* ---- the output ---- */
+
 /* Writes the tetrahedra with regions, and patches of facets, as both of their sides have them. */
 static int write_solid(job *j, const pbw_tets *mesh, const pbw_solid_boundary *boundary, const naming *n)
 {
@@ -316,6 +321,8 @@ static int write_solid(job *j, const pbw_tets *mesh, const pbw_solid_boundary *b
     free(regions);
     return failed;
 }
+
+/* ---- the command ---- */
 
 /* Before work: how many tetrahedra there will be. */
 static void announce(void *user, const pbw_solid_report *r)

@@ -1,4 +1,5 @@
-/* steps.c: reads, triangulates, checks, describes; the options for that. */
+/* steps.c: reads, triangulates, checks, describes; the options for that.
+   In: a job with its options.  Out: its cloud, its mesh, lines of the report; or a failure in words. */
 #include "program.h"
 #include "pbw_generate.h"
 
@@ -27,6 +28,8 @@ const option build_options[] = {
       NULL },
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
+
+/* ---- reading ---- */
 
 /* Makes z a height if all points have the same; returns whether they do. */
 static int flatten(pbwio_cloud *cloud)
@@ -116,6 +119,8 @@ int load_queries(job *j)
     return 0;
 }
 
+/* ---- failures in words ---- */
+
 /* The need is what pbw.h promises for uniform points. */
 static int out_of_memory(const job *j)
 {
@@ -141,6 +146,8 @@ int explain_file(const job *j, pbw_status status, const char *why)
          : fail(j, "%s: %s%s%s", j->input, why[0] != 0 ? why : pbw_status_string(status),
                 limit != NULL ? " within --memory-limit " : "", limit != NULL ? limit : "");
 }
+
+/* ---- the triangulation ---- */
 
 int build(job *j)
 {

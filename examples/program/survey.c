@@ -60,7 +60,7 @@ pbw_status survey(const plan *d, const pbw_plane_options *options, pbw_plane *hu
     return make_domain(d, &own, hull);
 }
 
-/* ---- regions of features: a walk over the triangles from outside, which counts what it crosses */
+/* ---- regions of features: a walk over the triangles from outside, which counts what it crosses ---- */
 
 typedef struct area {                                /* of the plane, which segments separate from others */
     int winding, open;                               /* open: it reaches the outside without crossing a segment */
@@ -343,7 +343,7 @@ int find_regions(const job *j, plan *d, const pbw_plane *hull, pbw_plane_rule ru
     return done ? 0 : fail(j, "out of memory");
 }
 
-/* ---- faults, in words */
+/* ---- faults, in words ---- */
 
 /* A point for a message: its number, if the file has numbers, and where it is. */
 static void name_point(const plan *d, const pbw_plane *hull, size_t i, char *out, size_t room)

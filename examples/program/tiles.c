@@ -102,7 +102,7 @@ static int paused(work *w)
          : fail(w->j, "interrupted; nothing was finished");
 }
 
-/* ---- the folder of scratch files: one run at a time */
+/* ---- the folder of scratch files: one run at a time ---- */
 
 /* A folder that is there, and no scratch folder, must not have files with the names of scratch files. */
 static int is_clear(const work *w)
@@ -141,7 +141,7 @@ static int take_scratch(work *w)
     return 0;
 }
 
-/* ---- the state */
+/* ---- the state ---- */
 
 static int save_state(const work *w)
 {
@@ -309,7 +309,7 @@ static void load_state(work *w)
     }
 }
 
-/* ---- input */
+/* ---- input ---- */
 
 static int open_input(work *w)
 {
@@ -378,7 +378,7 @@ static int bad_point(work *w, FILE *file, uint64_t at)
          : fail(w->j, "point %.0f: a number is not finite", (double)at);
 }
 
-/* ---- threads at work: readers of the input, then builders of tiles */
+/* ---- threads at work: readers of the input, then builders of tiles ---- */
 
 typedef struct workers {
     work *w;
@@ -423,7 +423,7 @@ static void await(workers *c) { pthread_cond_wait(&c->turn, &c->lock); }
 static void wake(workers *c) { pthread_cond_broadcast(&c->turn); }
 #endif
 
-/* ---- distribution */
+/* ---- distribution ---- */
 
 static int make_cuts(work *w, pbwt_cut *cuts)
 {
@@ -587,7 +587,7 @@ static int distribute(work *w)
     return failed ? failed : save_state(w);
 }
 
-/* ---- trees */
+/* ---- trees ---- */
 
 typedef struct tree_file { FILE *file; char *block; uint64_t *sums; size_t filled, blocks; int failed; } tree_file;
 
@@ -817,7 +817,7 @@ static int make_trees(work *w)
     return save_state(w);
 }
 
-/* ---- tiles */
+/* ---- tiles ---- */
 
 static int explain_tile(work *w, const pbwt_tile *tile, size_t p, pbw_status status)
 {
@@ -1147,7 +1147,7 @@ static int build_rest(work *w, FILE *out)
     return failed;
 }
 
-/* ---- leftovers: what tiles know of them is in their chunks, and in their borders */
+/* ---- leftovers: what tiles know of them is in their chunks, and in their borders ---- */
 
 static int compare_ids(const void *a, const void *b)
 {
@@ -1277,7 +1277,7 @@ static int build_leftovers(work *w, FILE *out, size_t count)
     return failed;
 }
 
-/* ---- links across tiles, and the end of the file */
+/* ---- links across tiles, and the end of the file ---- */
 
 static int link_tiles(work *w, FILE *out, uint64_t *hull)
 {
@@ -1414,7 +1414,7 @@ static int build_tiles(work *w)
     return failed;
 }
 
-/* ---- the command */
+/* ---- the command ---- */
 
 /* Bytes that a tile holds for each point of its own, with a tenth of others and its tree; and its part of the share of
    all other trees. */
