@@ -350,7 +350,7 @@ static pbw_status fresh_step(moving *m, pbw_cuda_mesh *mesh, double *time)
     return status;
 }
 
-static pbw_status loop_step(moving *m, pbw_cuda_loop *loop, int anew, pbw_cuda_mesh *mesh, double *time)
+static pbw_status loop_step(moving *m, pbw_cuda_loop *loop, int rebuild, pbw_cuda_mesh *mesh, double *time)
 {
     pbw_cuda_points in;
     pbw_status status;
@@ -360,7 +360,7 @@ static pbw_status loop_step(moving *m, pbw_cuda_loop *loop, int anew, pbw_cuda_m
     in.points = m->there;
     in.weights = m->weights_there;
     in.count = m->count;
-    in.anew = anew;
+    in.anew = rebuild;
     cudaDeviceSynchronize();
     start = seconds();
     status = pbw_cuda_loop_step(loop, &in, mesh);

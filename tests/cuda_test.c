@@ -968,7 +968,7 @@ static void walk_end(walk *w)
 }
 
 /* A step with the points where they are; its mesh is the CPU's or empty. */
-static pbw_status walk_step(walk *w, int anew, int expected)
+static pbw_status walk_step(walk *w, int rebuild, int expected)
 {
     void *there = to_device(w->points, w->count * (size_t)w->dim * sizeof(double));
     void *weights_there = w->weights == NULL ? NULL : to_device(w->weights, w->count * sizeof(double));
@@ -986,7 +986,7 @@ static pbw_status walk_step(walk *w, int anew, int expected)
     in.points = there;
     in.weights = weights_there;
     in.count = w->count;
-    in.anew = anew;
+    in.anew = rebuild;
     if (w->loop == NULL) {
         CHECK_EQUAL(pbw_cuda_loop_create(&w->options, w->stream, w->cpu, &w->loop), PBW_OK);
     }

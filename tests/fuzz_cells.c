@@ -21,7 +21,7 @@
 typedef struct fuzz_case {
     small_input in;
     double low[3], high[3], volume, size;  /* a box with a margin that may be negative; size: of its longest edge */
-    int tame;                              /* may volumes be compared?  Else all must only come to an end */
+    int in_range;                          /* may volumes be compared?  Else all must only come to an end */
     unsigned choice;
 } fuzz_case;
 
@@ -50,13 +50,14 @@ static void fuzz_decode(fuzz_case *c, const unsigned char *data, size_t size)
         longest = fmax(longest, c->high[k] - c->low[k]);
         shortest = fmin(shortest, c->high[k] - c->low[k]);
     }
-    c->tame = 1;
+    c->in_range = 1;
     for (i = 0; i < in->count * in->dim; i++) {      /* what polygons take */
         const double x = fabs(in->points[i]), w = fabs(in->weights[i / in->dim]);
-        c->tame = c->tame && !(x > 0 && x < 1e-50) && !(w > 0 && w < 1e-100) && w <= 100 * longest * longest;
+        c->in_range = c->in_range && !(x > 0 && x < 1e-50) && !(w > 0 && w < 1e-100) && w <= 100 * longest * longest;
     }
     c->size = longest;
-    c->tame = c->tame && most < 1e4 * longest && longest < 1e3 * shortest && longest > 1e-30 && longest < 1e30;
+    c->in_range = c->in_range && most < 1e4 * longest && longest < 1e3 * shortest && longest > 1e-30
+               && longest < 1e30;
 }
 
 static double fuzz_sum(const pbw_cells *cells)
@@ -73,7 +74,7 @@ static double fuzz_sum(const pbw_cells *cells)
 static const char *fuzz_whole(const fuzz_case *c, const pbw_cells *cells, double volume)
 {
     size_t i;
-    if (!c->tame) {
+    if (!c->in_range) {
         return NULL;
     }
     for (i = 0; i < cells->cell_count; i++) {
@@ -90,7 +91,7 @@ static const char *fuzz_closed(const fuzz_case *c, const pbw_mesh *mesh, const p
 {
     const size_t dim = (size_t)mesh->dim;
     size_t i, f, k;
-    for (i = 0; c->tame && i < cells->cell_count; i++) {
+    for (i = 0; c->in_range && i < cells->cell_count; i++) {
         double sum[3] = { 0, 0, 0 };
         for (f = cells->first[i]; f < cells->first[i + 1]; f++) {
             const pbw_index j = cells->neighbors[f], wall = PBW_NONE - 1 - j;
@@ -182,7 +183,7 @@ static const char *fuzz_parts(const fuzz_case *c, const pbw_mesh *mesh, unsigned
         }
         fault = fuzz_part(c, mesh, &domain, c->volume * (part == 0 ? t : 1 - t), 1, sum);
     }
-    for (i = 0; i < mesh->point_count && c->tame && fault == NULL; i++) {
+    for (i = 0; i < mesh->point_count && c->in_range && fault == NULL; i++) {
         fault = fabs(sum[i]) <= CLOSE * c->volume ? NULL : "parts that are not the whole";
     }
     return fault;
@@ -224,7 +225,7 @@ static const char *fuzz_periodic(const fuzz_case *c)
                                 PBW_CELLS_FACETS, NULL, &cells);
     if (status == PBW_OK) {
         fault = c->in.count > 0 ? fuzz_whole(c, &cells, c->volume) : NULL;
-    } else if (c->tame) {
+    } else if (c->in_range) {
         fault = "a status of a periodic box";
     }
     pbw_cells_free(&cells);
@@ -241,17 +242,17 @@ static const char *fuzz(const unsigned char *data, size_t size, int print)
     options.threads = 1;
     fuzz_decode(&c, data, size);
     if (pbw_triangulate(c.in.dim, c.in.points, small_weights(&c.in), (size_t)c.in.count, &options, &mesh) == PBW_OK
-        && c.tame) {
+        && c.in_range) {
         fault = fuzz_parts(&c, &mesh, c.choice / 8);
         fault = fault == NULL ? fuzz_merged(&c, &mesh) : fault;
     }
-    if (fault == NULL && c.choice % 16 == 3 && c.tame) {
+    if (fault == NULL && c.choice % 16 == 3 && c.in_range) {
         fault = fuzz_periodic(&c);
     }
     pbw_free(&mesh);
     if (print) {
-        printf("choice %u, tame %d, box %g %g %g to %g %g %g\n", c.choice, c.tame, c.low[0], c.low[1], c.low[2],
-               c.high[0], c.high[1], c.high[2]);
+        printf("choice %u, in_range %d, box %g %g %g to %g %g %g\n", c.choice, c.in_range, c.low[0], c.low[1],
+               c.low[2], c.high[0], c.high[1], c.high[2]);
         small_print(&c.in);
     }
     return fault;
