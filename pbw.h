@@ -445,12 +445,13 @@ PBWDEF int pbw_conflict3(const double a[3], const double b[3], const double c[3]
 #define PBW__DEVICE
 #endif
 #if defined(__GNUC__)
-#define PBW_INLINE PBW__DEVICE static __inline __attribute__((always_inline, unused))
+#define PBW__HOST_INLINE static __inline __attribute__((always_inline, unused))
 #define PBW_PREFETCH(address) __builtin_prefetch(address)
 #else
-#define PBW_INLINE PBW__DEVICE static __inline
+#define PBW__HOST_INLINE static __inline
 #define PBW_PREFETCH(address) ((void)(address))
 #endif
+#define PBW_INLINE PBW__DEVICE PBW__HOST_INLINE
 
 /* Around code that must round each product and each sum, as fused operations give other numbers: OFF before the first
    function, ON after the last. */
@@ -482,7 +483,7 @@ PBWDEF int pbw_conflict3(const double a[3], const double b[3], const double c[3]
 #define PBW_ATOMIC_ADD(x, y) pbw__atomic_add(x, (uint64_t)(y), sizeof(*(x)))
 #define PBW_ATOMIC_CAS(x, old, y) pbw__atomic_cas(x, old, (uint64_t)(y), sizeof(*(x)))
 /* Words of 1, 4 or 8 bytes by the intrinsics of MSVC; the barriers are for the compiler. */
-PBW_INLINE uint64_t pbw__atomic_load(const volatile void *x, size_t size)
+PBW__HOST_INLINE uint64_t pbw__atomic_load(const volatile void *x, size_t size)
 {
     const uint64_t value = size == 1 ? *(const volatile uint8_t *)x : size == 4 ? *(const volatile uint32_t *)x
                                                                                 : *(const volatile uint64_t *)x;
@@ -490,7 +491,7 @@ PBW_INLINE uint64_t pbw__atomic_load(const volatile void *x, size_t size)
     return value;
 }
 
-PBW_INLINE void pbw__atomic_store(volatile void *x, uint64_t y, size_t size)
+PBW__HOST_INLINE void pbw__atomic_store(volatile void *x, uint64_t y, size_t size)
 {
     _ReadWriteBarrier();
     if (size == 1) {
@@ -502,14 +503,14 @@ PBW_INLINE void pbw__atomic_store(volatile void *x, uint64_t y, size_t size)
     }
 }
 
-PBW_INLINE uint64_t pbw__atomic_add(volatile void *x, uint64_t y, size_t size)
+PBW__HOST_INLINE uint64_t pbw__atomic_add(volatile void *x, uint64_t y, size_t size)
 {
     return size == 4 ? (uint32_t)_InterlockedExchangeAdd((volatile long *)x, (long)y)
                      : (uint64_t)_InterlockedExchangeAdd64((volatile __int64 *)x, (__int64)y);
 }
 
 /* Returns whether *x was *old and became y; else *old becomes what *x is. */
-PBW_INLINE int pbw__atomic_cas(volatile void *x, void *old, uint64_t y, size_t size)
+PBW__HOST_INLINE int pbw__atomic_cas(volatile void *x, void *old, uint64_t y, size_t size)
 {
     const uint64_t expected = pbw__atomic_load(old, size), value = size == 1
         ? (uint8_t)_InterlockedCompareExchange8((volatile char *)x, (char)y, (char)expected) : size == 4
@@ -525,7 +526,7 @@ PBW_INLINE int pbw__atomic_cas(volatile void *x, void *old, uint64_t y, size_t s
 #define PBW_ATOMIC_CAS(x, old, y) ((void)(old), *(x) = (y), 1)
 #endif
 
-PBW_INLINE void pbw_atomic_max(size_t *x, size_t y)          /* raises *x to y if it is lower */
+PBW__HOST_INLINE void pbw_atomic_max(size_t *x, size_t y)          /* raises *x to y if it is lower */
 {
     size_t old = PBW_ATOMIC_LOAD(x);
     while (old < y && !PBW_ATOMIC_CAS(x, &old, y)) {
