@@ -30,26 +30,34 @@
    Unweighted points in space on surfaces (scans, terrain) have rungs of their own, >>wide, which search another tree.
    They are recognised by a sample of 1024 stars of which the first rung certifies less than half.
 
-   SEVERAL DEVICES.  All cards put all points into order, a twentieth of the work of one.  Then each makes the stars
-   of its share, a span of the curve, and writes their simplices over its own link to the host; they exchange the
-   numbers of simplices across the borders of the shares (>>cells).  A card holds all points and its share of the
-   rest: 90 + 560 / cards bytes a point (2D: 75 + 155 / cards).  So two cards of one kind take 1.7 times the points of
-   one, and many cards up to the limit of the simplex numbers (600 million points).  If one card leaves a star to the
-   CPU, the whole input goes there.  Devices that can reach each other open their pools to each other, and leave them
-   so; for a pool that keeps 60 GB the first call takes half a second longer.
+   SEVERAL DEVICES.
+     1. Every card puts all points into order: a twentieth of the work of one card.
+     2. Each card builds the stars of its part, a span of the curve.
+     3. Each writes the simplices of its part over its own link to the host.
+     4. The cards exchange the numbers of simplices across the borders of their parts (>>cells).
+   A card holds all points, and its part of everything else: 90 + 560 / cards bytes a point (2D: 75 + 155 / cards).
+   So two cards of one kind take 1.7 times the points of one, and many cards take points up to the limit of the
+   simplex numbers (600 million).  If one card leaves a star to the CPU, the CPU takes the whole input.  Devices that
+   can reach each other open their pools to each other, and never close them again; if a pool keeps 60 GB, the first
+   call takes half a second longer.
 
-   POINTS THAT MOVE.  A loop has a pool of its own, which keeps what one step frees for the next, and it keeps the
-   mesh of the last step.  A step puts the points into order and, if the duplicates have not changed, tests that mesh
-   with the new coordinates (>>check): positive simplices, locally regular facets under the tie rule, a convex hull
-   that is covered once, hidden points in conflict with none.  If it passes it is the triangulation of the new points;
-   only the order of its simplices changes, with the ranks of their corners (>>keep).  Else the stars are built.
+   POINTS THAT MOVE.  A loop has a pool of its own, which keeps what one step frees for the next.  It also keeps the
+   mesh of the last step.
+     1. A step puts the points into order.
+     2. If the duplicates are the same, it tests the last mesh with the new coordinates (>>check): positive simplices,
+        locally regular facets under the tie rule, a convex hull that is covered once, hidden points in conflict with
+        no simplex.
+     3. A mesh that passes is the triangulation of the new points.  Only the order of its simplices changes, as the
+        ranks of their corners do (>>keep).
+     4. If there is none that passes, the stars are built.
 
    MEMORY.  Device memory comes from the pool of the current device, at most options.memory_limit bytes of it.  If
    that is too little, which is known before the stars and before the output, the message says the bytes needed and
    available, and under PBW_BACKEND_OR_CPU the CPU takes over.
 
    CONTENTS
-     >>device    types, tiles of lanes, what a call holds
+     >>device    types, tiles of lanes
+     >>call      what one call holds: status, memory, streams, launches, the cards of a job
      >>curve     points in the order of the Hilbert curve, duplicates set aside
      >>tree      groups of 8 points, boxes of 32 boxes
      >>sphere    the float form of a conflict test and its bound; the exact test
@@ -57,11 +65,15 @@
      >>near      the first rung
      >>far       the second and third rung
      >>wide      the rungs for points on surfaces
+     >>stars     all stars of a card: its part of the points, memory, the choice of rungs
+     >>cards     copies between the cards of a job
      >>cells     simplices, neighbours, incident simplices
      >>check     the exact verdict on a mesh
      >>keep      a mesh whose points have moved, put into the order of the curve again
      >>run       the stages in order
-     >>entry     the backend, and the entries for points on the device
+     >>backend   a job of pbw.h on one card or several
+     >>local     points on the device: triangulate, free, check
+     >>loop      points that move
 */
 #include <cuda_runtime.h>
 
@@ -100,11 +112,14 @@ long pbw_cuda_fail_at = 0;                           /* counts down: the allocat
 }
 
 namespace {
+
 /* ------------------------------------------------------------------------------------------------------
    >>device       Types, tiles of lanes.
-   A tile is 8 or 32 neighbouring lanes of a warp that work on one star.  The tiles of a warp run in lockstep: every
-   collective is on the full warp, and tiles with nothing to do (`go` is false there) pass through it.  Sub-warp masks
-   are legal, but tiles then drift apart, and the instruction cache thrashes.
+   Holds: every collective is executed by all lanes of a warp.
+
+   A tile is 8 or 32 neighbouring lanes of a warp that work on one star.  The tiles of a warp run in lockstep: tiles
+   with nothing to do (`go` is false there) pass through each collective.  Masks of less than a warp are legal, but
+   tiles then drift apart, and the instruction cache thrashes.
    ------------------------------------------------------------------------------------------------------ */
 const unsigned all_lanes = 0xffffffffu;
 const uint32_t none = 0xffffffffu;                   /* no point; as a vertex of a star: the vertex at infinity */
@@ -156,14 +171,14 @@ struct queue {                                       /* vertices for the next ru
 
 const uint32_t stored_mark = 1u << 31;               /* in a queue: the store holds a star to go on from */
 
-/* The numbers first, ..., end - 1; a share: the ranks of the vertices that a card has. */
+/* The numbers first, ..., end - 1.  The part of a card: the ranks of its vertices. */
 struct range {
     uint32_t first, end;
     __host__ __device__ uint32_t size() const { return end - first; }
     __device__ bool has(uint32_t v) const { return v >= first && v < end; }
 };
 
-/* The finished stars of a share.  A star is a head (triangles << 16 | vertices), its vertices, and its triangles: 3
+/* The finished stars of a part.  A star is a head (triangles << 16 | vertices), its vertices, and its triangles: 3
    numbers of vertices in 10 bits each (2D: edges, 2 numbers), bit 30: verified; padded to 16 bytes. */
 struct store : range {
     uint32_t *word;
@@ -182,15 +197,15 @@ struct near_list {
     uint32_t close;
 };
 
-/* The stars of a card's share while the rungs make them. */
-struct workshop {
+/* The stars of a card's part while the rungs build them. */
+struct star_build {
     space all;
     tree boxes;
-    uint32_t *lists;                                 /* of groups near each group of the share */
+    uint32_t *lists;                                 /* of groups near each group of the part */
     near_list *infos;
     store out;
     queue q[3];                                      /* stars for the next rung, in turn; q[2]: large stars */
-    unsigned long long *seed;                        /* behind it: looks of a sample */
+    unsigned long long *seed;                        /* then a word: the search steps of a sample */
     uint32_t *next;                                  /* the first star that no warp has taken */
 };
 
@@ -205,7 +220,7 @@ template <int T> DEVICE unsigned lanes_below()
     return (1u << (threadIdx.x & (T - 1))) - 1;
 }
 
-/* The places of the lanes that take part, behind the first length of a list, which grows by them. */
+/* Returns the index in a list at which each lane that takes part appends; length: of the list, which grows. */
 template <int T> DEVICE int append(bool takes_part, int &length)
 {
     const unsigned vote = tile_ballot<T>(takes_part);
@@ -234,7 +249,7 @@ template <typename V> DEVICE void exchange(V &a, V &b)
     b = c;
 }
 
-/* A value of all lanes that differ in the bits of FROM, ..., TO / 2, made from two at a time. */
+/* Reduces the values of the lanes that differ in the bits FROM, ..., TO / 2 of their numbers, two at a time. */
 template <int FROM, int TO, typename V, typename F> DEVICE V combined(V value, F both)
 {
     for (int step = TO / 2; step >= FROM; step /= 2) {
@@ -290,11 +305,422 @@ __host__ __device__ inline double unordered(unsigned long long bits)
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   >>call         What one call holds: status, memory, streams, launches, the cards of a job.
+   In: a job of pbw.h, or points on the device.  Out: functions by which all later rooms allocate, launch, sort, wait
+   and fail.
+   Holds: the blocks in the list of a call are all device memory that it has to free.
+
+   All work is in the order of one stream; the host waits where it needs a count.  A stage that fails sets the status
+   of its call, reports a message, and throws; so each stage may rely on all before it.  The entries catch, and free
+   the memory of the call.
+
+   A team of cards works on one job, each with a thread of the host, the whole tree and a part of the curve.  The
+   cards wait for each other three times: to number the simplices, to fetch their halo simplices, and to fetch the
+   simplices across them.  What a card offers to the others is complete when all have arrived, and stays until all
+   leave.
+   ------------------------------------------------------------------------------------------------------ */
+/* Bytes of device memory at the peak, for uniform points, in 2D and 3D: of each point, and of each star of a part. */
+const double bytes_a_point[2] = { 75.0, 90.0 }, bytes_a_star[2] = { 155.0, 560.0 };
+const int most_cards = 16;
+const char *const few_points = "so few points are quicker on the CPU";
+const char *const no_host_memory = "out of memory on the host";
+const char *const too_many = "too many simplices for the index type";
+
+struct offer {                                       /* what a card offers to the others */
+    int device;
+    range part;
+    uint32_t simplices;
+    void *halo[most_cards];                          /* the halo simplices of each higher card, their numbers */
+    uint32_t *halo_numbers[most_cards], halo_count[most_cards];
+    pbw_index *across, *incident;                    /* across: for its own halo, that of the lowest card first */
+    bool open[most_cards];                           /* whether a card can read from this one */
+};
+
+struct card_team {
+    std::mutex lock;
+    std::condition_variable changed;
+    int count, arrived = 0, departed = 0;
+    unsigned generation = 0;
+    std::atomic<int> status{ PBW_OK };               /* of the first card that failed */
+    bool declined = false;
+    offer offers[most_cards] = {};
+};
+
+/* What a call uses besides blocks of memory; all steps of a loop use those of the loop. */
+struct call_resources {
+    cudaMemPool_t pool;
+    cudaStream_t copies;
+    cudaEvent_t mark[8], ready[2];                   /* ready: of the end of work, for the host; for copies */
+    char *pinned;                                    /* host memory for counts; NULL but in a loop */
+};
+const size_t pinned_bytes = 512;
+
+/* What a loop keeps from step to step. */
+struct loop_state {
+    pbw_cuda_mesh mesh;
+    uint32_t *id, count;                             /* of each rank; NULL if the CPU built the mesh */
+};
+
+struct call : call_resources {
+    card_team *team;                                 /* of this job; one card for points on the device */
+    pbw_cuda_mesh *mesh;                             /* what the call makes; of several cards each makes its part */
+    loop_state *last;                                /* NULL: no step of a loop */
+    bool borrowed, rebuild;                          /* borrowed: the resources; rebuild: without the last mesh */
+    int card;
+    cudaStream_t stream;
+    pbw_job *job;                                    /* without reserve, keep: results stay on the device */
+    size_t used, count, stars;                       /* bytes; points; stars of the part */
+    uint32_t *stop;                                  /* on the device: kernels of stars end early if it is not 0 */
+    bool stopped;
+    int dim;
+    pbw_status status;
+    bool declined, no_cpu;                           /* no_cpu: the call may not leave it to the CPU */
+    struct { void *address; size_t bytes; } block[40 + 3 * most_cards];
+    int blocks;
+};
+
+/* Reports the first failure of any card; then all stop.  text: the message, or NULL. */
+void report_failure(call &c, const char *text)
+{
+    std::lock_guard<std::mutex> hold(c.team->lock);
+    if (c.team->status == PBW_OK && c.status != PBW_OK) {
+        c.team->status = c.status;
+        c.team->declined = c.declined;
+        if (text != NULL) {
+            c.job->say(c.job, text);
+        }
+        c.team->changed.notify_all();
+    }
+}
+
+/* Sets the status of a call that has not failed yet, and reports the message. */
+void fail(call &c, pbw_status status, const char *format, ...)
+{
+    char text[256];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    if (c.status == PBW_OK) {
+        c.status = status;
+        report_failure(c, text);
+    }
+}
+
+struct failure {};                                   /* thrown: the status of the call is no longer PBW_OK */
+
+void throw_if_failed(const call &c)
+{
+    if (c.status != PBW_OK) {
+        throw failure();
+    }
+}
+
+/* Fails unless a condition holds. */
+template <typename... A> void require(call &c, bool holds, pbw_status status, const char *format, A... arguments)
+{
+    if (!holds) {
+        fail(c, status, format, arguments...);
+        throw failure();
+    }
+}
+
+/* Declines the input, which the CPU may then take over, unless a condition holds that only the device needs. */
+template <typename... A> void decline_unless(call &c, bool holds, const char *format, A... arguments)
+{
+    c.declined = c.declined || !holds;
+    require(c, holds, PBW_ERROR_BACKEND, format, arguments...);
+}
+
+/* Declines the input if the last rung failed more than limit stars. */
+void decline_above(call &c, uint32_t left, uint32_t limit)
+{
+    decline_unless(c, left <= limit, "%u stars are too large for the device (cospherical points?)", left);
+}
+
+/* Fails if the device reports an error; returns whether the call has not failed. */
+bool good(call &c, cudaError_t error, const char *what)
+{
+    if (error != cudaSuccess) {
+        fail(c, PBW_ERROR_BACKEND, "%s: %s", what, cudaGetErrorString(error));
+    }
+    return c.status == PBW_OK;
+}
+
+void need(call &c, cudaError_t error, const char *what)
+{
+    good(c, error, what);
+    throw_if_failed(c);
+}
+
+/* Fails unless more bytes fit into free memory and the pool; the message has the need of the whole call, as far as it
+   is known. */
+void need_memory(call &c, size_t more)
+{
+    size_t available = 0, all = 0, needed = c.used + more;
+    size_t usual = (size_t)((double)c.count * bytes_a_point[c.dim - 2] + (double)c.stars * bytes_a_star[c.dim - 2]);
+    uint64_t kept = 0, used = 0;
+    need(c, cudaMemGetInfo(&available, &all), "cudaMemGetInfo");
+    need(c, cudaMemPoolGetAttribute(c.pool, cudaMemPoolAttrReservedMemCurrent, &kept), "memory of the pool");
+    need(c, cudaMemPoolGetAttribute(c.pool, cudaMemPoolAttrUsedMemCurrent, &used), "memory of the pool");
+    available += c.used + (kept > used ? (size_t)(kept - used) : 0);
+    available = c.job->memory_limit > 0 && c.job->memory_limit < available ? c.job->memory_limit : available;
+    require(c, needed <= available, PBW_ERROR_BACKEND,
+            "too little device memory: %zu bytes are needed, %zu are available", usual > needed ? usual : needed,
+            available);
+}
+
+void add_block(call &c, void *block, size_t bytes)
+{
+    c.block[c.blocks].address = block;
+    c.block[c.blocks++].bytes = bytes;
+    c.used += bytes;
+}
+
+template <typename V> V *allocate(call &c, size_t count)
+{
+    void *block = NULL;
+    const size_t bytes = (count > 0 ? count : 1) * sizeof(V);
+    require(c, c.blocks < (int)(sizeof c.block / sizeof c.block[0]), PBW_ERROR_BACKEND,
+            "too many blocks of device memory");
+    if (c.job->memory_limit > 0 && c.used + bytes > c.job->memory_limit) {
+        need_memory(c, bytes);
+    }
+    const bool fails = pbw_cuda_fail_at > 0 && --pbw_cuda_fail_at == 0;
+    cudaError_t error = fails ? cudaErrorMemoryAllocation : cudaMallocFromPoolAsync(&block, bytes, c.pool, c.stream);
+    if (error == cudaErrorMemoryAllocation) {
+        (void)cudaGetLastError();
+        need_memory(c, bytes);
+    }
+    need(c, error, "cudaMallocAsync");
+    add_block(c, block, bytes);
+    return (V *)block;
+}
+
+/* Frees a block, or with keep only removes it from the list. */
+void release(call &c, const void *address, bool keep = false)
+{
+    for (int i = 0; i < c.blocks; i++) {
+        if (address != NULL && c.block[i].address == address) {
+            c.used -= c.block[i].bytes;
+            if (!keep) {
+                cudaFreeAsync(c.block[i].address, c.stream);
+            }
+            c.block[i] = c.block[--c.blocks];
+            return;
+        }
+    }
+}
+
+/* Device memory that is freed at the end of its scope. */
+template <typename V> struct buffer {
+    call &c;
+    V *at;
+    explicit buffer(call &of) : c(of), at(NULL) {}
+    buffer(call &of, size_t count) : c(of), at(NULL) { make(count); }
+    buffer(buffer &&from) : c(from.c), at(from.at) { from.at = NULL; }
+    buffer &operator=(buffer &&from) { std::swap(at, from.at); return *this; }
+    ~buffer() { release(c, at); }
+    void make(size_t count) { at = allocate<V>(c, count); }
+};
+
+/* Reports progress on the caller's thread; if the call is cancelled or another card has failed, so has this one. */
+void poll(call &c, pbw_stage stage, double done)
+{
+    if (c.card == 0 && c.status == PBW_OK && c.job->report(c.job, stage, done) != 0) {
+        c.status = PBW_CANCELLED;
+        report_failure(c, NULL);
+    }
+    if (c.status == PBW_OK && c.team->status != PBW_OK) {
+        c.status = (pbw_status)c.team->status.load();
+    }
+}
+
+/* Waits for a stream and reports progress meanwhile.  If the call is cancelled or another card has failed, sets the
+   stop word of the kernels through the stream of copies. */
+void wait_for_stream(call &c, cudaStream_t stream, pbw_stage stage, double done)
+{
+    static const uint32_t one = 1;
+    cudaError_t error = cudaEventRecord(c.ready[0], stream);
+    while (error == cudaSuccess && (error = cudaEventQuery(c.ready[0])) == cudaErrorNotReady) {
+        poll(c, stage, done);
+        if (c.status != PBW_OK && c.stop != NULL && !c.stopped) {
+            c.stopped = true;
+            cudaMemcpyAsync(c.stop, &one, sizeof one, cudaMemcpyHostToDevice, c.copies);
+        }
+        std::this_thread::yield();
+        error = cudaSuccess;
+    }
+    good(c, error, "waiting for the device");
+}
+
+void wait(call &c, pbw_stage stage, double done)
+{
+    wait_for_stream(c, c.stream, stage, done);
+    throw_if_failed(c);
+}
+
+/* A barrier: waits for the other cards until all arrive or one fails; with leaving until all leave, failed or not. */
+void wait_for_cards(call &c, bool leaving, double done)
+{
+    card_team &t = *c.team;
+    std::unique_lock<std::mutex> hold(t.lock);
+    unsigned generation = t.generation;
+    t.departed += leaving;
+    t.arrived += !leaving;
+    if (t.arrived == t.count) {
+        t.arrived = 0;
+        t.generation++;
+    }
+    t.changed.notify_all();
+    while (leaving ? t.departed < t.count : t.generation == generation && t.status == PBW_OK) {
+        t.changed.wait_for(hold, std::chrono::milliseconds(20));
+        hold.unlock();
+        poll(c, PBW_STAGE_OUTPUT, done);
+        hold.lock();
+    }
+    hold.unlock();
+    poll(c, PBW_STAGE_OUTPUT, done);
+    if (!leaving) {
+        throw_if_failed(c);
+    }
+}
+
+template <typename V> V read_back(call &c, const V *address, pbw_stage stage, double done)
+{
+    static_assert(sizeof(V) <= pinned_bytes, "room for what is read back");
+    V value, *to = c.pinned != NULL ? (V *)c.pinned : &value;
+    if (c.pinned == NULL) {                          /* the copy would block */
+        wait(c, stage, done);
+    }
+    need(c, cudaMemcpyAsync(to, address, sizeof(V), cudaMemcpyDeviceToHost, c.stream), "reading a count");
+    wait(c, stage, done);
+    return *to;
+}
+
+template <typename V> void fill(call &c, V *address, int byte, size_t count)
+{
+    need(c, cudaMemsetAsync(address, byte, count * sizeof(V), c.stream), "cudaMemsetAsync");
+}
+
+void record_mark(call &c, int mark)
+{
+    need(c, cudaEventRecord(c.mark[mark], c.stream), "cudaEventRecord");
+}
+
+/* Makes all later work of the stream of copies wait for the work that the call's stream has now. */
+void copies_follow(call &c)
+{
+    need(c, cudaEventRecord(c.ready[1], c.stream), "cudaEventRecord");
+    need(c, cudaStreamWaitEvent(c.copies, c.ready[1], 0), "cudaStreamWaitEvent");
+}
+
+struct shape {                                       /* of a launch; bytes: of dynamic shared memory */
+    unsigned blocks, threads;
+    size_t bytes;
+};
+
+shape over(size_t threads, unsigned block)
+{
+    return { threads > 0 ? (unsigned)((threads + block - 1) / block) : 1, block, 0 };
+}
+
+/* For loops that stride over the grid. */
+shape at_most(unsigned blocks, shape s)
+{
+    s.blocks = s.blocks < blocks ? s.blocks : blocks;
+    return s;
+}
+
+template <typename... P, typename... A>
+void launch(call &c, const char *what, void (*kernel)(P...), shape s, const A &...arguments)
+{
+    kernel<<<s.blocks, s.threads, s.bytes, c.stream>>>(arguments...);
+    need(c, cudaGetLastError(), what);
+}
+
+/* An array and room to sort it. */
+template <typename V> struct sortable {
+    buffer<V> array, spare;
+    explicit sortable(call &c) : array(c), spare(c) {}
+    sortable(call &c, size_t count) : array(c, count), spare(c, count) {}
+    void take(cub::DoubleBuffer<V> &sorted)
+    {
+        array.at = sorted.Current();
+        spare.at = sorted.Alternate();
+    }
+};
+
+/* Calls a function of CUB twice: for the size of the scratch memory that it needs, then to do its work. */
+template <typename F> void with_scratch(call &c, const char *what, F function)
+{
+    size_t bytes = 0;
+    need(c, function((void *)NULL, bytes), what);
+    buffer<char> scratch(c, bytes);
+    need(c, function((void *)scratch.at, bytes), what);
+}
+
+/* Sorts by the bits of the keys from low to high - 1. */
+struct key_bits {
+    int low, high;
+};
+
+template <typename K, typename V>
+void sort_pairs(call &c, sortable<K> &key, sortable<V> &value, size_t count, key_bits by)
+{
+    cub::DoubleBuffer<K> keys(key.array.at, key.spare.at);
+    cub::DoubleBuffer<V> values(value.array.at, value.spare.at);
+    with_scratch(c, "sort", [&](void *scratch, size_t &bytes) {
+        return cub::DeviceRadixSort::SortPairs(scratch, bytes, keys, values, count, by.low, by.high, c.stream);
+    });
+    key.take(keys);
+    value.take(values);
+}
+
+void sum_before(call &c, const uint32_t *value, uint32_t *sum, size_t count)
+{
+    with_scratch(c, "scan", [&](void *scratch, size_t &bytes) {
+        return cub::DeviceScan::ExclusiveSum(scratch, bytes, value, sum, count, c.stream);
+    });
+}
+
+int processors_of(call &c, int device)
+{
+    int processors = 1;
+    need(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "cudaDeviceGetAttribute");
+    return processors;
+}
+
+const int mesh_arrays = 4;
+
+pbw_index *&array_of(pbw_cuda_mesh &mesh, int i)
+{
+    return i == 0 ? mesh.simplices : i == 1 ? mesh.neighbors : i == 2 ? mesh.incident : mesh.canonical;
+}
+
+size_t entries_of(const pbw_cuda_mesh &mesh, int i)
+{
+    return i < 2 ? mesh.simplex_count * (size_t)(mesh.dim + 1) : mesh.point_count;
+}
+
+/* Removes the arrays of a mesh from the blocks of the call: with keep they live on, else they are freed. */
+void release_mesh(call &c, pbw_cuda_mesh mesh, bool keep)
+{
+    for (int i = 0; i < mesh_arrays; i++) {
+        release(c, array_of(mesh, i), keep);
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
    >>curve        Points in the order of the Hilbert curve, duplicates set aside.
-   In: packed points and weights.  Out: records by rank, the caller's id of each rank, and for each point the one that
-   it duplicates, all as >>order of pbw.h has them, from equal keys: short runs of equal keys go into lexicographic
-   order; the points of a long run get keys from a grid over their own box, and so on.  The long runs of one depth are
-   taken together: their points are gathered, sorted by the new key, then by their run, and put back.
+   In: packed points and weights.  Out: records by rank, the caller's id of each rank, for each point the one that it
+   duplicates, and the ranges of coordinates and weights; all as >>order of pbw.h has them, from equal keys.
+
+   1. All points are sorted by their keys on the curve.
+   2. Short runs of equal keys go into lexicographic order.
+   3. The points of a long run get keys from a grid over their own box.  The long runs of one depth are ordered
+      together: their points are gathered, sorted by the new key, then by their run, and put back.
+   4. Steps 2 and 3 again for the runs of equal keys that remain.
    ------------------------------------------------------------------------------------------------------ */
 struct input {
     const void *points, *weights;
@@ -532,10 +958,167 @@ __global__ void gather_kernel(const __grid_constant__ keyed k, const uint32_t *f
     }
 }
 
+struct run_buffers {
+    buffer<range> place;
+    buffer<uint32_t> offset;                         /* with the sum of all lengths behind */
+    explicit run_buffers(call &c) : place(c), offset(c) {}
+    run_buffers(call &c, size_t count) : place(c, count), offset(c, count + 1) {}
+    run_list list() const { return { place.at, offset.at }; }
+};
+
+/* Points that are put into the order of the curve. */
+struct ordering {
+    keyed all;
+    sortable<uint64_t> key;
+    buffer<uint32_t> root;                           /* empty if there are no long runs */
+    buffer<survey> found;
+    ordering(call &c, const input &in) : key(c), root(c), found(c, 1)
+    {
+        pbw__curve one_level;
+        pbw__curve_create(&one_level, 0, in.dim);
+        memcpy(all.step, one_level.step, sizeof all.step);
+        all.in = in;
+        all.index_bits = pbw__index_bits(in.count);
+        all.bits = pbw__grid_bits(all.index_bits, in.dim);
+    }
+    key_bits sorted_bits() const { return { all.index_bits, all.index_bits + all.bits * all.in.dim }; }
+};
+
+/* Gives the points of count long runs keys from a grid for each run, and puts them back in their order.  Returns the
+   long runs of equal keys that are left, and sets count to their number. */
+run_buffers order_long_runs(call &c, ordering &o, const run_list &runs, uint32_t &count)
+{
+    const shape warps = over((size_t)count * 32, 128);
+    const uint32_t runs_here = count;
+    buffer<pbw__box> box(c, count);
+    run_buffers next(c);
+    fill(c, runs.offset + count, 0, 1);
+    launch(c, "runs", measure_kernel, warps, o.all, runs, count, box.at, o.root.at);
+    sum_before(c, runs.offset, runs.offset, (size_t)count + 1);
+    const uint32_t total = read_back(c, runs.offset + count, PBW_STAGE_ORDER, 0.4);
+    count = 0;
+    if (total > 0) {
+        sortable<uint64_t> gathered(c, total);
+        sortable<uint32_t> segment(c, total);
+        keyed some = o.all;
+        launch(c, "runs", rekey_kernel, warps, o.all, runs, runs_here, box.at, gathered.array.at, segment.array.at);
+        sort_pairs(c, gathered, segment, total, o.sorted_bits());
+        sort_pairs(c, segment, gathered, total, { 0, pbw__index_bits(runs_here) });
+        some.key = gathered.array.at;
+        next = run_buffers(c, total / PBW__SHORT_RUN + 1);
+        fill(c, &o.found.at->long_runs, 0, 1);
+        launch(c, "runs", run_kernel, over(total, 256), some, total, segment.array.at, runs, next.list(), o.found.at);
+        launch(c, "runs", put_back_kernel, over(total, 256), some.key, segment.array.at, total, runs, o.all.key);
+        count = read_back(c, &o.found.at->long_runs, PBW_STAGE_ORDER, 0.4);
+    }
+    return next;
+}
+
+/* Puts the runs of equal keys into order.  As in >>order of pbw.h each level divides the extent by 2^bits. */
+void order_runs(call &c, ordering &o)
+{
+    const size_t n = o.all.in.count;
+    run_buffers runs(c, n / PBW__SHORT_RUN + 1);
+    launch(c, "runs", run_kernel, over(n, 256), o.all, n, nullptr, run_list(), runs.list(), o.found.at);
+    uint32_t count = read_back(c, &o.found.at->long_runs, PBW_STAGE_ORDER, 0.4);
+    if (count > 0) {
+        o.root.make(n);
+        fill(c, o.root.at, 0xff, n);
+    }
+    while (count > 0) {
+        runs = order_long_runs(c, o, runs.list(), count);
+    }
+}
+
+/* Returns the ranges of coordinates and weights, and the unit of their common grid; later kernels use on_device. */
+pbw__grid_share survey_points(call &c, const input &in, const buffer<survey> &on_device)
+{
+    survey found = {};
+    pbw__grid_share range;
+    memset(found.low, 0xff, sizeof found.low);
+    found.unit = 1024;
+    need(c, cudaMemcpyAsync(on_device.at, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy");
+    launch(c, "survey", survey_kernel, at_most(2048, over(in.count, 256)), in, on_device.at);
+    found = read_back(c, on_device.at, PBW_STAGE_ORDER, 0.1);
+    require(c, found.bad == 0, PBW_ERROR_NOT_FINITE, "a coordinate or weight is not a finite number");
+    pbw__grid_share_reset(&range);
+    range.unit = found.unit;
+    for (int k = 0; k <= in.dim; k++) {
+        range.low[k] = unordered(found.low[k]);
+        range.high[k] = unordered(found.high[k]);
+    }
+    return range;
+}
+
+/* Sets the units of the space; fails if the device code cannot work in them.  Returns the box of the curve. */
+pbw__box measure_space(call &c, const pbw__grid_share &range, int bits, int dim, space &s)
+{
+    const double weight_range = range.high[dim] - range.low[dim];
+    pbw__box domain;
+    int exponent;
+    pbw__box_reset(&domain, bits);
+    pbw__box_add(&domain, range.low, dim);
+    pbw__box_add(&domain, range.high, dim);
+    pbw__box_close(&domain, dim);
+    decline_unless(c, domain.extent > 1e-100 && domain.extent < 1e100,
+                   "the extent of the points is beyond the range of the device code");
+    (void)frexp(domain.extent, &exponent);
+    s.unit = ldexp(1.0, 1 - exponent);
+    decline_unless(c, weight_range * (s.unit * s.unit) < 1e12, "the weights are beyond the range of the device code");
+    s.heaviest = range.high[dim];
+    pbw__grid_close(&s.grid, &range, 1, dim);
+    for (int k = 0; k < dim; k++) {
+        s.low[k] = domain.low[k];
+        s.end[k] = domain.high[k];
+        s.high[k] = (float)((domain.high[k] - domain.low[k]) * s.unit);
+    }
+    if (s.grid.inverse_unit > 1e-30 && s.grid.inverse_unit < 1e30) {     /* nothing underflows or overflows */
+        double step = s.unit / s.grid.inverse_unit;
+        s.exact_height = (dim == 3 ? PBW__EXACT_HEIGHT3 : PBW__EXACT_HEIGHT2) * (step * step);
+    }
+    return domain;
+}
+
+/* Sets duplicates aside: fills id, canonical and the points of s. */
+void gather_points(call &c, const ordering &o, space &s, uint32_t *&id)
+{
+    const size_t n = o.all.in.count;
+    buffer<uint32_t> first(c, n), rank(c);
+    launch(c, "places", place_kernel, over(n, 256), o.all, o.root.at, first.at, c.mesh->canonical, o.found.at);
+    c.mesh->duplicate_count = read_back(c, &o.found.at->duplicates, PBW_STAGE_ORDER, 0.5);
+    s.count = (uint32_t)(n - c.mesh->duplicate_count);
+    decline_unless(c, s.count >= PBW_CUDA_FEW, few_points);
+    if (s.count < n) {
+        rank.make(n);
+        sum_before(c, first.at, rank.at, n);
+    }
+    record *const point = allocate<record>(c, s.count);
+    id = allocate<uint32_t>(c, s.count);
+    launch(c, "gather", gather_kernel, over(n, 256), o.all, first.at, rank.at, point, id);
+    s.point = point;
+}
+
+/* Fills s, which was zeros, id and canonical; returns whether weights differ. */
+bool order_points(call &c, const input &in, space &s, uint32_t *&id)
+{
+    ordering o(c, in);
+    const pbw__grid_share range = survey_points(c, in, o.found);
+    const pbw__box domain = measure_space(c, range, o.all.bits, in.dim, s);
+    sortable<cub::NullType> nothing(c);
+    o.key = sortable<uint64_t>(c, in.count);
+    o.all.key = o.key.array.at;
+    launch(c, "keys", key_kernel, over(in.count, 256), o.all, domain);
+    sort_pairs(c, o.key, nothing, in.count, o.sorted_bits());
+    o.all.key = o.key.array.at;
+    order_runs(c, o);
+    gather_points(c, o, s, id);
+    return in.weights != NULL && range.high[in.dim] > range.low[in.dim];
+}
+
 /* ------------------------------------------------------------------------------------------------------
    >>tree         Groups of 8 points, boxes of 32 boxes; for each group the list of groups near it.
-   In: a space.  Out: a tree, where the children of a node are neighbours in memory, so that a warp looks at all of
-   them at once; and lists.
+   In: a space.  Out: a tree, and lists.  The children of a node are neighbours in memory, so that a warp tests all of
+   them at once.
    ------------------------------------------------------------------------------------------------------ */
 const int group_size = 8, list_size = 192;
 
@@ -708,8 +1291,28 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t fi
     }
 }
 
+void build_tree(call &c, space &s, int dim, tree &t)
+{
+    uint32_t size = (s.count + group_size - 1) / group_size;
+    float4 *const rough = allocate<float4>(c, s.count);
+    s.rough = rough;
+    for (t.levels = 0; t.levels == 0 || t.size[t.levels - 1] > 32; size = (size + 31) / 32) {
+        box *const b = allocate<box>(c, size);
+        if (t.levels == 0) {
+            launch(c, "boxes", group_kernel, over(size, 128), s, dim, b, rough, size);
+        } else {
+            launch(c, "boxes", box_kernel, over(size, 128), t.level[t.levels - 1], t.size[t.levels - 1], b, size);
+        }
+        t.level[t.levels] = b;
+        t.size[t.levels++] = size;
+    }
+}
+
 /* ------------------------------------------------------------------------------------------------------
    >>sphere       The float form of a conflict test and its bound; the exact test.
+   In: a vertex v, points around it.  Out: the spheres of simplices, four floats each; whether a point is in conflict
+   with a simplex: 1, 0, or open_sign.
+
    Everything is relative to the star's vertex v and in units of the space: a = (a' - v') unit.  For a simplex
    (v, a, b, c) with D = a . (b x c) > 0 and lifts l = |a|^2 - (w_a - w_v) the point p is in conflict if and only if
 
@@ -955,7 +1558,7 @@ template <int DIM> __device__ int triangle_with(const uint32_t *triangle, int co
 }
 
 /* Returns the number of the triangle across from corner k of the packed one. */
-template <int DIM> DEVICE int mate_of(const uint32_t *triangle, int count, uint32_t packed, int k)
+template <int DIM> DEVICE int opposite_of(const uint32_t *triangle, int count, uint32_t packed, int k)
 {
     return DIM == 3 ? triangle_with<DIM>(triangle, count, corner(packed, (k + 2) % 3), corner(packed, (k + 1) % 3))
          : k == 0 ? triangle_with<DIM>(triangle, count, corner(packed, 1), 0)
@@ -972,6 +1575,7 @@ struct site {
 
 /* ------------------------------------------------------------------------------------------------------
    >>star         One star: a link of triangles (in the plane: edges), each counter-clockwise as seen from outside.
+   In: points near a vertex, one by one.  Out: its star, packed, in the store.
    Holds between insertions: the link is closed; every simplex (v, triangle) is positively oriented, or is infinite
    and has corner 0; each triangle has the sphere of its simplex; the bit matrix is all zeros.
    ------------------------------------------------------------------------------------------------------ */
@@ -1004,7 +1608,7 @@ template <typename S> struct point_of {
 };
 
 /* The candidate of this lane; if there is none, at the place of v. */
-template <typename S> DEVICE point_of<S> newcomer_at(const site &at, const record &own, uint32_t id)
+template <typename S> DEVICE point_of<S> candidate_at(const site &at, const record &own, uint32_t id)
 {
     const record &r = at.all->point[id != none ? id : at.v];
     return { id, relative<S::dim, typename S::real>(*at.all, own, r) };
@@ -1085,15 +1689,16 @@ template <int T, typename S> DEVICE void find_used(S &s, bool go, int count)
     __syncwarp();
 }
 
-/* The cavity of a point in a star: conflicts triangles; its border: edges; and the number of the point. */
-struct hole {
+/* The cavity of a point in a star: how many triangles are in conflict with it, how many edges its border has, and the
+   number of the point. */
+struct star_cavity {
     int conflicts, edges;
     uint32_t number;
 };
 
 /* Returns whether point p is in conflict with triangle t of a star, by exact tests.  For an infinite simplex with p
    in the plane of its facet the answer is that for the finite simplex behind the facet. */
-template <typename S> __device__ __noinline__ int settle(const S &s, site at, int count, int t, uint32_t p)
+template <typename S> __device__ __noinline__ int exact_conflict(const S &s, site at, int count, int t, uint32_t p)
 {
     const space &all = *at.all;
     const double *row[4] = { all.point[at.v].c }, *origin = all.point[p].c;
@@ -1111,7 +1716,7 @@ template <typename S> __device__ __noinline__ int settle(const S &s, site at, in
         if (sign != 0) {
             return sign == PBW__OPEN ? open_sign : sign > 0;
         }
-        t = mate_of<S::dim>(s.triangle, count, s.triangle[t], infinite);
+        t = opposite_of<S::dim>(s.triangle, count, s.triangle[t], infinite);
         if (t < 0) {
             return open_sign;
         }
@@ -1119,11 +1724,11 @@ template <typename S> __device__ __noinline__ int settle(const S &s, site at, in
     return open_sign;
 }
 
-/* As settle, for p relative to v, by doubles that round nothing: on a small grid all products are integers in its
-   unit, below 2^53 (>>cavity3 of pbw.h: there p is the origin, here v, but the 24 products have the same bound).  The
-   coefficients of the lifts are those of pbw__tie.  Returns open_sign if a height is beyond the limit of that. */
+/* As exact_conflict, for p relative to v, by doubles that round nothing: on a small grid all products are integers in
+   its unit, below 2^53 (>>cavity3 of pbw.h: there p is the origin, here v, but the 24 products have the same bound).
+   The coefficients of the lifts are those of pbw__tie.  Returns open_sign if a height is beyond the limit of that. */
 template <typename S>
-__device__ __noinline__ int settle_on_grid(const S &s, int count, int t, double limit, place_in<S> point)
+__device__ __noinline__ int exact_conflict_on_grid(const S &s, int count, int t, double limit, place_in<S> point)
 {
     const double p[3] = { point.x[0], point.x[1], point.x[2] };
     const double lift = square<S::dim>(p) - (S::weighted ? point.w : 0.0);
@@ -1165,7 +1770,7 @@ __device__ __noinline__ int settle_on_grid(const S &s, int count, int t, double 
             if (d != 0.0 || round > 0) {
                 return round > 0 ? open_sign : d > 0.0;
             }
-            t = mate_of<S::dim>(s.triangle, count, packed, at);
+            t = opposite_of<S::dim>(s.triangle, count, packed, at);
             if (t < 0) {
                 return open_sign;
             }
@@ -1193,7 +1798,7 @@ __device__ __noinline__ int settle_on_grid(const S &s, int count, int t, double 
     return open_sign;
 }
 
-/* Makes the sphere of triangle t anew, by doubles.  Returns the answer for point p. */
+/* Calculates the sphere of triangle t again, by doubles.  Returns the answer for point p. */
 template <typename S> __device__ __noinline__ int refine(S &s, site at, int t, uint32_t p)
 {
     const record *point = at.all->point, own = point[at.v];
@@ -1212,13 +1817,13 @@ template <typename S> DEVICE int decide(S &s, const site &at, int count, int t, 
     if (!std::is_same<typename S::real, double>::value) {
         return refine(s, at, t, point.id);
     }
-    int hit = settle_on_grid(s, count, t, at.all->exact_height, point.p);
-    return hit != open_sign ? hit : settle(s, at, count, t, point.id);
+    int hit = exact_conflict_on_grid(s, count, t, at.all->exact_height, point.p);
+    return hit != open_sign ? hit : exact_conflict(s, at, count, t, point.id);
 }
 
 /* Lists the triangles in conflict with a point.  Returns star_open if a sign stays open, else 0. */
 template <int T, bool SETTLES, typename S>
-DEVICE int find_conflicts(S &s, const site &at, bool go, const point_of<S> &point, int count, hole &cavity)
+DEVICE int find_conflicts(S &s, const site &at, bool go, const point_of<S> &point, int count, star_cavity &cavity)
 {
     const int lane = (int)threadIdx.x & (T - 1), rounds = (warp_max<T>(go ? count : 0) + T - 1) / T;
     const probe float_p = probe_of<S::dim, S::weighted>(point.p);
@@ -1270,7 +1875,7 @@ template <int DIM> DEVICE matrix_bit bit_of(uint32_t triangle, int k)
 }
 
 /* Sets the bits of all edges of the cavity, or clears their words; end: the most conflicts of any tile. */
-template <int T, bool SETS, typename S> DEVICE void mark_edges(S &s, bool go, const hole &cavity, int end)
+template <int T, bool SETS, typename S> DEVICE void mark_edges(S &s, bool go, const star_cavity &cavity, int end)
 {
     const int lane = (int)threadIdx.x & (T - 1);
     for (int base = 0; base < end; base += T) {
@@ -1309,7 +1914,7 @@ template <int T, typename S> DEVICE uint32_t free_number(S &s, bool go, int coun
 }
 
 /* Lists the border: edges without their reverse in the cavity; in 2D each end of the chain with the new vertex. */
-template <int T, typename S> DEVICE void list_border(S &s, bool go, hole &cavity, int end)
+template <int T, typename S> DEVICE void list_border(S &s, bool go, star_cavity &cavity, int end)
 {
     const int lane = (int)threadIdx.x & (T - 1), most = S::vertices - 1;
     cavity.edges = 0;
@@ -1335,7 +1940,7 @@ template <int T, typename S> DEVICE void list_border(S &s, bool go, hole &cavity
 /* Finds the cavity of a point in the star of each tile that goes, of count triangles, and makes the point a vertex.
    Without SETTLES what floats leave open stays open. */
 template <int T, bool SETTLES, typename S>
-DEVICE int carve(S &s, const site &at, bool go, const point_of<S> &point, int count, hole &cavity)
+DEVICE int carve(S &s, const site &at, bool go, const point_of<S> &point, int count, star_cavity &cavity)
 {
     int result = find_conflicts<T, SETTLES>(s, at, go, point, count, cavity);
     result |= cavity.conflicts == count && go ? star_hidden : 0;
@@ -1364,7 +1969,8 @@ DEVICE int carve(S &s, const site &at, bool go, const point_of<S> &point, int co
    addresses from the old count, with offsets of -4 and -16 bytes, but gives the old and the new count one register
    and decrements that first: the simplex before the last one moves, and most of the zoo in cuda_test fails.
    tests/cuda_inline.cu has that loop alone. */
-template <int T, typename S> DEVICE void fan(S &s, bool go, const hole &cavity, int fans, int &count, unsigned walls)
+template <int T, typename S>
+DEVICE void fan(S &s, bool go, const star_cavity &cavity, int fans, int &count, unsigned walls)
 {
     const int lane = (int)threadIdx.x & (T - 1), conflicts = cavity.conflicts, edges = cavity.edges;
     const int edge_end = warp_max<T>(go ? edges : 0);
@@ -1409,7 +2015,7 @@ template <int T, typename S> DEVICE void clear_star(S &s, bool go, uint32_t vert
 }
 
 /* Starts a star with three points, in the plane two: a finite triangle, and an infinite one on each of its edges, as
-   the border of a hole { 0, DIM + 1, 3 } that fan fills.  number: that of the lane's point as a vertex, or 0. */
+   the border of a cavity { 0, DIM + 1, 3 } that fan fills.  number: that of the lane's point as a vertex, or 0. */
 template <int T, typename S> DEVICE void start(S &s, bool go, const point_of<S> &point, uint32_t number)
 {
     int lane = (int)threadIdx.x & (T - 1);
@@ -1503,7 +2109,7 @@ DEVICE void enqueue(const queue &q, bool put, uint32_t v)
     }
 }
 
-/* The determinant of three points relative to v: a fat corner is one whose sign needs no filter. */
+/* The determinant of three points relative to v. */
 template <int DIM, typename REAL>
 DEVICE REAL corner_size(const place<REAL> &a, const place<REAL> &b, const place<REAL> &c)
 {
@@ -1528,10 +2134,11 @@ DEVICE float fatness(const place<REAL> &a, const place<REAL> &b, const place<REA
     return d * d > 0 ? (float)(d * d) : 0.0f;
 }
 
-/* Starts the star of each tile that goes with points of lanes below have, nearest first; fan is left to do.  Takes
-   the nearest, the first that is not nearly on a line with it and v, and the first that is not nearly in a plane with
-   them; or, with EXACT and for T = 32, those farthest from line and plane, if the sign is known.  Returns the lanes
-   used, or 0 where there is no such corner. */
+/* Starts the star of each tile that goes, with points of the lanes below have, nearest first; the caller calls fan.
+   1. Takes the nearest point.
+   2. Takes the first that is not nearly on a line with it and v; with EXACT (T = 32) the farthest from that line.
+   3. Takes the first that is not nearly in a plane with them; with EXACT the farthest from it, if the sign is known.
+   Returns the lanes used, or 0 where there are no such points. */
 template <int T, bool EXACT, typename S>
 DEVICE unsigned start_from_lanes(S &s, const site &at, bool go, const point_of<S> &point, int have)
 {
@@ -1654,14 +2261,20 @@ template <int T, typename S> DEVICE bool may_conflict(const S &s, bool go, int c
 
 /* ------------------------------------------------------------------------------------------------------
    >>near         The first rung: 8 lanes a star, candidates from the list of its group.
-   1. Points within the start radius are collected and sorted by distance.  2. The nearest make the first corner, and
-   the others are inserted; all but the first 16 are screened first: stars only shrink, so a point in conflict with
-   nothing now will never be.  3. The list is walked again for points outside the start radius and within the bounds
-   of the spheres.  Both passes calculate the distance alike, so no point is met twice.  4. The star is certified if
-   its spheres lie within the box that the list covers, or reach out of it only where no points are.
-   For most inputs floats decide nearly all signs, and a kernel without exact tests is quicker; a second kernel, which
-   has them, builds the stars again where a sign stays open.  For points on surfaces (keeps) the rung ends after 2.,
-   stores the star without the points that floats leave open, and certifies nothing.
+   In: the vertices of a part, the lists.  Out: certified stars in the store; the other vertices in q[0].
+
+   1. Points within the start radius are collected and sorted by distance.
+   2. The nearest make the first corner, and the others are inserted.  All but the first 16 are tested against all
+      spheres first: stars only shrink, so a point in conflict with nothing now will never be.
+   3. The list is read again for points outside the start radius and within the bounds of the spheres.  Both passes
+      calculate the distance alike, so no point occurs in both.
+   4. The star is certified if its spheres lie within the box that the list covers, or reach out of it only where no
+      points are.
+
+   For most inputs floats decide nearly all signs, and a kernel without exact tests is quicker.  It lists the stars
+   with an open sign in q[1]; a second kernel, which has exact tests, builds those again.  For points on surfaces
+   (keeps) the rung ends after step 2, stores the star without the points that floats leave open, and certifies
+   nothing.
    ------------------------------------------------------------------------------------------------------ */
 const int near_triangles = 48, near_vertices = 32, near_points = 64, near_block = 128;
 const int at_once = 2;                               /* groups that are loaded before their points are tested */
@@ -1672,7 +2285,7 @@ using near_star = star<DIM, WEIGHTED, near_triangles, near_vertices, near_points
 /* A launch of the first rung.  Without EXACT it builds total vertices from first on, each stride-th, with EXACT those
    of q[1].  q[0] gets those that it leaves to the next rung, q[1] those that floats leave open. */
 struct near_launch {
-    workshop w;
+    star_build w;
     uint32_t first, stride, total;
     bool keeps;
 };
@@ -1783,7 +2396,7 @@ template <typename S> DEVICE void next_candidates(near_state<S> &n)
             next = n.lane < take ? n.s.scratch[(n.walking ? n.stored - take : n.cursor) + n.lane] : none;
             n.stored -= n.walking ? take : 0;
         }
-        n.candidate = newcomer_at<S>(n.at, n.own, next);
+        n.candidate = candidate_at<S>(n.at, n.own, next);
         bool screened = n.walking || n.cursor >= 2 * T;
         bool may = may_conflict<T>(n.s, feed && screened, n.count, n.candidate.p) || !screened;
         unsigned vote = tile_ballot<T>(feed && next != none && may);
@@ -1905,11 +2518,11 @@ template <typename S> DEVICE void open_near(near_state<S> &n, uint32_t v, bool v
     n.have = 0;
 }
 
-/* Step 2: starts the star with the nearest points that make a fat corner; the others are candidates. */
+/* Step 2: starts the star with the nearest points that are not nearly flat with v; the others are candidates. */
 template <typename S> DEVICE void start_near(near_state<S> &n)
 {
     const int T = near_lanes;
-    n.candidate = newcomer_at<S>(n.at, n.own, n.go && n.lane < n.have ? n.s.scratch[n.lane] : none);
+    n.candidate = candidate_at<S>(n.at, n.own, n.go && n.lane < n.have ? n.s.scratch[n.lane] : none);
     const unsigned used = start_from_lanes<T, false>(n.s, n.at, n.go, n.candidate, n.have);
     n.go = n.go && used != 0;
     n.pending = n.go ? ((1u << (n.have < T ? n.have : T)) - 1) & ~used : 0;
@@ -1954,7 +2567,7 @@ near_kernel(const __grid_constant__ near_launch a)
         if (!any(now)) {
             continue;
         }
-        hole cavity = { 0, DIM + 1, 3 };             /* of start */
+        star_cavity cavity = { 0, DIM + 1, 3 };      /* of start */
         int fans = 1;
         if (!starting) {
             int from = now ? __ffs((int)n.pending) - 1 : 0;
@@ -1980,12 +2593,87 @@ near_kernel(const __grid_constant__ near_launch a)
     }
 }
 
+/* No sample is taken of fewer points than sampled_from: any rung builds them soon. */
+const uint32_t sample_size = 1024, sampled_from = 1u << 14;
+
+/* Copies the points that a mesh keeps, while the device is at work. */
+void keep_points(call &c)
+{
+    if (c.job->keep != NULL && c.card == 0 && c.job->kept_points == NULL) {
+        pbw_status status = c.job->keep(c.job);
+        require(c, status == PBW_OK, status, "the points could not be kept");
+    }
+}
+
+/* Clears the store and the queues. */
+void clear_stars(call &c, const star_build &w)
+{
+    fill(c, w.q[0].count, 0, 3);
+    fill(c, w.out.used, 0, 1);
+    fill(c, w.out.owned + w.out.size(), 0, 1);
+    fill(c, w.out.place, 0xff, w.out.size());
+}
+
+/* The first rung for total vertices from first on, each stride-th; with EXACT for the first total of q[1]. */
+template <int DIM, bool WEIGHTED, bool EXACT>
+void launch_near(call &c, const star_build &w, uint32_t first, uint32_t stride, uint32_t total, bool keeps = false)
+{
+    const size_t bytes = sizeof(near_star<DIM, WEIGHTED, rung_real<EXACT> >) * (near_block / near_lanes);
+    static_assert(bytes <= 48 << 10, "the stars of a block fit what every device has of shared memory");
+    shape s = over((size_t)total * near_lanes, near_block);
+    s.bytes = bytes;
+    launch(c, "near stars", near_kernel<DIM, WEIGHTED, EXACT>, s, near_launch{ w, first, stride, total, keeps });
+}
+
+/* Returns whether the first rung certifies less than half of a sample, as where points lie on surfaces and curves. */
+template <int DIM, bool WEIGHTED> bool sample_reaches_far(call &c, const star_build &w)
+{
+    clear_stars(c, w);
+    launch_near<DIM, WEIGHTED, false>(c, w, w.out.first, w.out.size() / sample_size, sample_size);
+    const uint2 counts = read_back(c, (const uint2 *)w.q[0].count, PBW_STAGE_BUILD, 0.0);
+    if (counts.y == 0 || counts.x + counts.y <= sample_size / 2) {
+        return counts.x > sample_size / 2;
+    }
+    launch_near<DIM, WEIGHTED, true>(c, w, 0, 1, counts.y);
+    return read_back(c, w.q[0].count, PBW_STAGE_BUILD, 0.0) > sample_size / 2;
+}
+
+/* The first rung: all stars of the part, then those that floats left open.  Returns how many it leaves in q[0]. */
+template <int DIM, bool WEIGHTED> uint32_t build_near_stars(call &c, const star_build &w)
+{
+    const uint32_t chunk = 1u << 22;
+    clear_stars(c, w);
+    c.mesh->stars[0] = w.out.size();
+    for (uint32_t first = w.out.first; first < w.out.end; first += chunk) {
+        const uint32_t count = w.out.end - first < chunk ? w.out.end - first : chunk;
+        const bool more = first + count < w.out.end;
+        launch_near<DIM, WEIGHTED, false>(c, w, first, 1, count);
+        if (first == w.out.first && more) {          /* one ahead: the host has time for its part */
+            continue;
+        }
+        keep_points(c);
+        if (more) {
+            wait(c, PBW_STAGE_BUILD, 0.7 * (double)(first - w.out.first) / (double)w.out.size());
+        }
+    }
+    const uint32_t open = read_back(c, w.q[1].count, PBW_STAGE_BUILD, 0.7);
+    if (open > 0) {
+        launch_near<DIM, WEIGHTED, true>(c, w, 0, 1, open);
+    }
+    record_mark(c, 3);
+    return read_back(c, w.q[0].count, PBW_STAGE_BUILD, 0.8);
+}
+
 /* ------------------------------------------------------------------------------------------------------
    >>far          The second and third rung: a warp or more a star, candidates from a search of the tree.
+   In: vertices of a queue, with a star in the store or without.  Out: certified stars in the store; the vertices that
+   fail in another queue.
+
    The star is that of the first rung, or starts from the neighbours of v on the curve.  For each simplex that is not
    verified the tree is searched depth first for points in conflict with it; if there are none, it is verified.  A
    simplex without conflicts is in the result: so nothing is searched twice, and when all simplices are verified, the
-   star is certified whatever its size.  A cap on the search keeps the total work linear.
+   star is certified, large or small.  A cap on the steps of a search keeps the total work linear.
+
    With t the point of a box where |x|^2 - q . x is least, axis by axis, and h = 2^-20 Q, for any x of the box
 
        |x|^2 - q . x - h |x|_1 >= sum over axes of t (t - q) - h |t| - h^2 / 4,
@@ -2001,18 +2689,19 @@ typedef rung<128, 1, 24, false, true> quick_rung;
 typedef rung<256, 8, 2, true, true> far_rung;
 typedef rung<2048, 8, 2, true, false> last_rung;
 
-/* What the warps of a star tell each other, behind their stacks. */
-struct talk {
-    int count, verdict, hand[8];                     /* hand: the simplex that a warp has in hand, or -1 */
+/* What the warps of a block share, stored after their stacks. */
+struct block_state {
+    int count, verdict, current[8];                  /* current: the simplex that a warp searches for, or -1 */
     uint32_t waits[8];                               /* whether a warp has points to insert */
     int changed;
 };
 
 template <int DIM, bool WEIGHTED, typename RUNG>
 using far_star = star<DIM, WEIGHTED, RUNG::triangles, RUNG::vertices,
-                      RUNG::warps * stack_size + (int)(sizeof(talk) / sizeof(uint32_t)), rung_real<RUNG::exact> >;
+                      RUNG::warps * stack_size + (int)(sizeof(block_state) / sizeof(uint32_t)),
+                      rung_real<RUNG::exact> >;
 
-template <int WARPS> DEVICE void meet()
+template <int WARPS> DEVICE void sync_warps()
 {
     WARPS == 1 ? __syncwarp() : __syncthreads();
 }
@@ -2058,7 +2747,7 @@ template <int DIM> __global__ void seed_kernel(const __grid_constant__ space s, 
 /* Inserts a point into the star of a warp. */
 template <typename S> DEVICE int insert(S &s, const site &at, const point_of<S> &point, int &count)
 {
-    hole cavity;
+    star_cavity cavity;
     int result = carve<32, true>(s, at, true, point, count, cavity);
     fan<32>(s, result == star_changed, cavity, cavity.edges, count, at.walls);
     return result;
@@ -2078,7 +2767,7 @@ DEVICE bool start_on_curve(S &s, const site &at, const unsigned long long *seed,
     if (lane < 28) {
         id = (lane & 1) != 0 ? (v + offset < points ? v + offset : none) : (offset <= v ? v - offset : none);
     }
-    point = newcomer_at<S>(at, own, id);
+    point = candidate_at<S>(at, own, id);
     uint32_t key = id != none ? (__float_as_uint((float)square<S::dim>(point.p.x)) & ~31u) | (uint32_t)lane : none;
     int before = 0, have = __popc(__ballot_sync(all_lanes, id != none));
     for (int i = 0; i < 32; i++) {
@@ -2090,17 +2779,17 @@ DEVICE bool start_on_curve(S &s, const site &at, const unsigned long long *seed,
         order[before] = id;
     }
     __syncwarp();
-    point = newcomer_at<S>(at, own, order[lane]);
+    point = candidate_at<S>(at, own, order[lane]);
     __syncwarp();
     bool started = start_from_lanes<32, false>(s, at, true, point, have) != 0;
     if (!started && EXACT) {                         /* with four seeds that span the space */
         if (point.id == none) {
             uint32_t other = lane - have > S::dim ? none : lane == have ? 0 : (uint32_t)seed[lane - have];
-            point = newcomer_at<S>(at, own, other == v ? none : other);
+            point = candidate_at<S>(at, own, other == v ? none : other);
         }
         started = start_from_lanes<32, true>(s, at, true, point, 32) != 0;
     }
-    fan<32>(s, started, hole{ 0, S::dim + 1, 3 }, 1, count, at.walls);
+    fan<32>(s, started, star_cavity{ 0, S::dim + 1, 3 }, 1, count, at.walls);
     return started;
 }
 
@@ -2115,7 +2804,7 @@ template <typename S> DEVICE int start_from_store(S &s, const site &at, const st
     clear_star<32>(s, true, vertices + first);
     for (uint32_t i = (uint32_t)lane; i < vertices; i += 32) {
         if (word[1 + i] != none) {
-            const point_of<S> vertex = newcomer_at<S>(at, own, word[1 + i]);
+            const point_of<S> vertex = candidate_at<S>(at, own, word[1 + i]);
             set_vertex(s, i + first, vertex.id, vertex.p);
         }
     }
@@ -2131,10 +2820,10 @@ template <typename S> DEVICE int start_from_store(S &s, const site &at, const st
 
 enum { far_busy, far_certified, far_hidden, far_lost, far_capped };
 
-/* A launch of a later rung: total stars, each with at most cap looks.  After more than limit failures the remaining
-   stars are not tried.  Without shared memory stars live in scratch. */
+/* A launch of a later rung: total stars, each with at most cap search steps.  After more than limit failures the
+   remaining stars are not tried.  Without shared memory stars live in scratch. */
 struct rung_launch {
-    workshop w;
+    star_build w;
     const uint32_t *vertex;
     uint32_t total, limit;
     int cap;
@@ -2147,8 +2836,8 @@ struct rung_launch {
 template <typename S> struct far_state {
     S &s;
     const rung_launch &a;
-    talk &shared;
-    uint32_t *stack;                                 /* nodes of the tree that wait, level << 29 | number */
+    block_state &shared;
+    uint32_t *stack;                                 /* nodes of the tree, level << 29 | number */
     site at;
     record own;                                      /* v */
     float origin[3];
@@ -2157,8 +2846,8 @@ template <typename S> struct far_state {
     point_of<S> candidate;                           /* of each lane */
     unsigned pending, hit;                           /* lanes with a candidate to insert, with a group to search */
     uint32_t node;                                   /* the group of lane 0 */
-    uint32_t word;                                   /* the triangle of the simplex in hand */
-    int t, depth, spent;                             /* the simplex in hand, or -1; nodes that wait; looks */
+    uint32_t word;                                   /* the triangle of the current simplex */
+    int t, depth, spent;                             /* the current simplex, or -1; nodes on the stack; steps */
 };
 
 /* The star of v, with nothing in it yet. */
@@ -2169,7 +2858,7 @@ DEVICE far_state<S> open_far(S &s, const rung_launch &a, uint32_t v, pbw__digit 
     const int lane = (int)threadIdx.x & 31, warp = (int)threadIdx.x / 32;
     const record own = all.point[v];
     const float4 rough = all.rough[v];
-    return { s, a, *(talk *)(s.scratch + WARPS * stack_size), s.scratch + warp * stack_size,
+    return { s, a, *(block_state *)(s.scratch + WARPS * stack_size), s.scratch + warp * stack_size,
              { &all, v, walls_of<S::dim>(all, own), pool }, own, { rough.x, rough.y, rough.z },
              (own.c[S::dim] - all.heaviest) * (all.unit * all.unit), lane, warp, 0, { none, {} },
              0, 0, 0, 0, -1, 0, 0 };
@@ -2195,7 +2884,7 @@ template <bool EXACT, typename S> DEVICE void start_far(far_state<S> &n, bool re
     }
 }
 
-/* Whether the simplex in hand is there no more. */
+/* Returns whether the current simplex has been deleted. */
 template <typename S> DEVICE bool is_gone(const far_state<S> &n, int count)
 {
     return n.t >= 0 && (n.t >= count || n.s.triangle[n.t] != n.word);
@@ -2230,7 +2919,7 @@ template <typename S> DEVICE void insert_pending(far_state<S> &n)
     }
     while (n.pending != 0 && verdict == far_busy) {
         const point_of<S> next = take_nearest(n);
-        if (is_vertex(n.s, next.id)) {               /* the search meets vertices too */
+        if (is_vertex(n.s, next.id)) {               /* the search finds vertices too */
             continue;
         }
         int result = insert(n.s, n.at, next, count);
@@ -2270,12 +2959,12 @@ template <bool EXACT, int WARPS, typename S> DEVICE void insert_in_turns(far_sta
     }
 }
 
-/* Takes another simplex in hand, that no warp has, where the last one is done with. */
+/* Where the current simplex is finished, makes one current that no other warp has. */
 template <int WARPS, typename S> DEVICE void take_simplex(far_state<S> &n)
 {
     if (WARPS > 1) {
         if (n.lane == 0) {
-            n.shared.hand[n.warp] = n.t;
+            n.shared.current[n.warp] = n.t;
         }
         __syncthreads();
     }
@@ -2284,12 +2973,12 @@ template <int WARPS, typename S> DEVICE void take_simplex(far_state<S> &n)
     }
     int skip = 0;
     for (int w = 0; w < n.warp; w++) {
-        skip += n.shared.hand[w] < 0;
+        skip += n.shared.current[w] < 0;
     }
     for (int base = 0; base < n.count && n.t < 0; base += 32) {
         bool open = base + n.lane < n.count && (n.s.triangle[base + n.lane] & verified) == 0;
         for (int w = 0; w < WARPS && WARPS > 1; w++) {
-            open = open && n.shared.hand[w] != base + n.lane;
+            open = open && n.shared.current[w] != base + n.lane;
         }
         unsigned vote = __ballot_sync(all_lanes, open);
         for (; skip > 0 && vote != 0; skip--) {
@@ -2308,7 +2997,7 @@ template <int WARPS, typename S> DEVICE void take_simplex(far_state<S> &n)
     }
 }
 
-/* Looks at the points of 4 groups. */
+/* Tests the points of 4 groups. */
 template <bool EXACT, typename S> DEVICE void search_groups(far_state<S> &n)
 {
     uint32_t group = none, id;
@@ -2322,7 +3011,7 @@ template <bool EXACT, typename S> DEVICE void search_groups(far_state<S> &n)
         const uint32_t c = corner(n.word, k);
         id = c != 0 && n.s.id[c] == id ? none : id;
     }
-    n.candidate = newcomer_at<S>(n.at, n.own, id);
+    n.candidate = candidate_at<S>(n.at, n.own, id);
     int answer = id != none ? side(n.s.sphere[n.t], probe_of<S::dim, S::weighted>(n.candidate.p)) : 0;
     if (EXACT && answer == open_sign) {              /* a flat simplex on the hull leaves many points open */
         const site without_pool = { n.at.all, n.at.v, n.at.walls, NULL };
@@ -2331,7 +3020,7 @@ template <bool EXACT, typename S> DEVICE void search_groups(far_state<S> &n)
     n.pending = __ballot_sync(all_lanes, answer != 0);
 }
 
-/* Looks at 32 boxes: those that may have points in conflict wait, the nearest on top. */
+/* Tests 32 boxes: pushes those that may have points in conflict, the nearest last. */
 template <typename S> DEVICE void search_boxes(far_state<S> &n)
 {
     const tree &boxes = n.a.w.boxes;
@@ -2364,14 +3053,15 @@ template <typename S> DEVICE void search_boxes(far_state<S> &n)
     __syncwarp();
 }
 
-/* One star, by all warps of a block: each searches for conflicts of its own simplex, then they insert in turns. */
+/* Builds a star by all warps of a block: each searches for points in conflict with its own simplex, then they insert
+   in turns. */
 template <bool EXACT, int WARPS, typename S> DEVICE int build_far(far_state<S> &n, bool resume)
 {
     start_far<EXACT>(n, resume);
-    meet<WARPS>();
+    sync_warps<WARPS>();
     for (;;) {
         insert_in_turns<EXACT, WARPS>(n);
-        meet<WARPS>();
+        sync_warps<WARPS>();
         n.count = n.shared.count;
         if (n.shared.verdict != far_busy) {
             return n.shared.verdict;
@@ -2393,18 +3083,18 @@ template <bool EXACT, int WARPS, typename S> DEVICE int build_far(far_state<S> &
                 search_boxes(n);
             }
         }
-        meet<WARPS>();                               /* all have read the star */
+        sync_warps<WARPS>();                         /* all have read the star */
         if (n.lane == 0 && n.t >= 0 && n.spent > n.a.cap) {
             n.shared.verdict = far_capped;
         } else if (n.lane == 0 && n.t >= 0 && n.pending == 0) {      /* no point is in conflict with it */
             n.s.triangle[n.t] = n.word | verified;
         }
         n.t = n.pending != 0 ? n.t : -1;
-        meet<WARPS>();
+        sync_warps<WARPS>();
     }
 }
 
-/* A star in shared memory, a block each; else in scratch, and blocks take vertices in turn.
+/* Stars in shared memory have a block each; for stars in scratch each block takes one vertex after another.
    Only the warp that inserts calls the exact stages, so one pool serves a block. */
 template <int DIM, bool WEIGHTED, typename RUNG>
 __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) far_kernel(const __grid_constant__ rung_launch a)
@@ -2420,7 +3110,7 @@ __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) far_kernel(con
         if (threadIdx.x == 0) {
             ends = *(volatile uint32_t *)a.failed.count > a.limit || *a.w.out.stop != 0;
         }
-        meet<RUNG::warps>();
+        sync_warps<RUNG::warps>();
         if (ends) {
             return;
         }
@@ -2438,49 +3128,123 @@ __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) far_kernel(con
             enqueue(a.failed, fails && threadIdx.x == 0, stays ? v | stored_mark : entry);
             enqueue(a.w.q[2], verdict == far_certified && threadIdx.x == 0, v);
         }
-        meet<RUNG::warps>();
+        sync_warps<RUNG::warps>();
     }
+}
+
+/* Caps on the search steps of a warp: each tests 32 boxes or points; an insertion counts as 4 steps. */
+const int quick_cap = 1024, far_cap = 4096, last_cap[2] = { 1 << 17, 1 << 20 };
+const uint32_t last_blocks = 128;
+
+template <int DIM> void find_seeds(call &c, const star_build &w)
+{
+    fill(c, w.seed, 0, 4);
+    for (int found = 1; found <= DIM; found++) {
+        launch(c, "seeds", seed_kernel<DIM>, at_most(1024, over(w.all.count, 256)), w.all, found, w.seed);
+    }
+}
+
+/* Builds stars by a kernel of a later rung, in at most `blocks` blocks.  Returns how many it leaves in a.failed. */
+template <typename RUNG, typename STAR, typename LAUNCH>
+uint32_t run_rung(call &c, void (*kernel)(LAUNCH), LAUNCH a, uint32_t blocks)
+{
+    buffer<STAR> scratch(c);
+    buffer<pbw__digit> pool(c);
+    if (a.total == 0) {
+        return 0;
+    }
+    blocks = !RUNG::shared ? last_blocks : blocks;
+    blocks = a.total < blocks ? a.total : blocks;
+    if (!RUNG::shared) {
+        scratch.make(blocks);
+        pool.make((size_t)blocks * 32 * PBW__POOL);
+    }
+    a.scratch = scratch.at;
+    a.pool = pool.at;
+    fill(c, a.w.next, 0, 1);
+    fill(c, a.failed.count, 0, 1);
+    launch(c, "stars", kernel, shape{ blocks, 32 * RUNG::warps, RUNG::shared ? sizeof(STAR) : 0 }, a);
+    keep_points(c);
+    return read_back(c, a.failed.count, PBW_STAGE_BUILD, 0.8);
+}
+
+/* Builds stars of q[from] by the second or third rung, with at most cap steps each, until more than limit fail.
+   Returns how many it leaves in q[1 - from]. */
+template <int DIM, bool WEIGHTED, typename RUNG>
+uint32_t run_far_rung(call &c, const star_build &w, int from, uint32_t total, uint32_t limit, int cap)
+{
+    const rung_launch a = { w, w.q[from].vertex, total, limit, cap, NULL, NULL, w.q[1 - from] };
+    return run_rung<RUNG, far_star<DIM, WEIGHTED, RUNG> >(c, far_kernel<DIM, WEIGHTED, RUNG>, a, total);
+}
+
+/* How many stars may need more than the second rung. */
+uint32_t far_limit(const star_build &w)
+{
+    return 128 + w.out.size() / 2048;
+}
+
+/* Builds the stars in q[0], `left` of them, by the second rung, at first without exact tests, and the third; the few
+   that the third fails come again with a larger cap. */
+template <int DIM, bool WEIGHTED> void build_far_stars(call &c, const star_build &w, uint32_t left)
+{
+    left = run_far_rung<DIM, WEIGHTED, quick_rung>(c, w, 0, left, none, quick_cap);
+    if (left > 0) {
+        find_seeds<DIM>(c, w);
+    }
+    left = run_far_rung<DIM, WEIGHTED, far_rung>(c, w, 1, left, far_limit(w), far_cap);
+    c.mesh->stars[2] = left;
+    decline_above(c, left, far_limit(w));
+    left = run_far_rung<DIM, WEIGHTED, last_rung>(c, w, 0, left, last_blocks, last_cap[0]);
+    if (left <= last_blocks) {
+        left = run_far_rung<DIM, WEIGHTED, last_rung>(c, w, 1, left, 0, last_cap[1]);
+    }
+    record_mark(c, 4);
+    decline_above(c, left, 0);
 }
 
 /* ------------------------------------------------------------------------------------------------------
    >>wide         The rungs for points on surfaces: all simplices of a star search at once.
-   Where points lie on a surface most spheres are large and hug it: a box along the axes of space touches them
-   wherever the surface is aslant, and a search for each simplex alone meets the same boxes again and again.  So here
-   one search serves all simplices of a star, in a tree of bricks: boxes along the axes of their own points, on a
-   surface as thin as its noise.  Let m be the middle of a brick relative to v, e_j its axes, h_j the largest distance
-   of its points from m along them, and g = q - 2m.  A point m + y of the brick is in conflict with a simplex only if
+   In: as >>far.  Out: as >>far.
+
+   Where points lie on a surface most spheres are large and follow it closely.  A box along the axes of space meets
+   them wherever the surface is aslant, and a search for each simplex alone tests the same boxes again and again.  So
+   here one search serves all simplices of a star, in a tree of OBBs: oriented bounding boxes, along the axes of their
+   own points, and on a surface as thin as its noise.
+
+   Let m be the middle of an OBB relative to v, e_j its axes, h_j the largest distance
+   of its points from m along them, and g = q - 2m.  A point m + y of the OBB is in conflict with a simplex only if
    this is above 0:
 
        q . (m + y) - |m + y|^2 = q . m - |m|^2 + g . y - |y|^2
                               <= q . m - |m|^2 + sum over axes of t (|g . e_j| - t),     t = min(|g . e_j| / 2, h_j).
 
-   Errors, with f = 2^-24 and B the sum of all |m_k| and h_j, which no point of the brick is farther away than: q is
+   Errors, with f = 2^-24 and B the sum of all |m_k| and h_j, which no point of the OBB is farther away than: q is
    off by 16 f Q; m, rounded to floats, by f |m|; two axes are those of Jacobi's method, rounded, the third is their
    cross product: for y that counts like axes of length 1, at right angles, that are off by 8 f; products and sums,
    10 f.  In all that is less than 40 f (Q B + B^2), and 48 f = 3 2^-20 is taken.  For infinite simplices |m|^2 and
    |y|^2 do not count (>>sphere).
 
-   The depth of a point p in a sphere is the value above over Q |p|^2.  It is how much more curved the sphere through
-   v and p with its centre in the direction of q is.  So the deepest points make the star small soonest, and the
-   bricks that may have the deepest are searched first.
+   The depth of a point p in a sphere is the value above over Q |p|^2.  It tells how much larger the curvature is of
+   the sphere through v and p with its centre in the direction of q.  So the deepest points make the star small
+   soonest, and the OBBs that may have the deepest are searched first.
    ------------------------------------------------------------------------------------------------------ */
 /* A box along the axes of its points, of 8 points or 8 boxes: its middle, two of its axes (the third is their cross
    product), and how far points are from the middle along each axis; all in units. */
-struct alignas(16) brick {
+struct alignas(16) obb {
     double middle[3];
     float axis[2][3], half[3], unused;
 };
 
-struct moments {                                     /* of the points of a brick; spread: around the mean */
+struct moments {                                     /* of the points of an OBB; spread: around the mean */
     double mean[3], spread[3][3];
 };
 
-const int brick_levels = 9;
-typedef tree_of<brick, brick_levels> brick_tree;
+const int obb_levels = 9;
+typedef tree_of<obb, obb_levels> obb_tree;
 
-/* The bricks of a level, of 8 points or of 8 bricks, but for half, which half_kernel adds. */
-__global__ void brick_kernel(const __grid_constant__ space s, const moments *child, uint32_t children, moments *own,
-                             brick *out, uint32_t size)
+/* The OBBs of a level, of 8 points or of 8 OBBs, but for half, which half_kernel adds. */
+__global__ void obb_kernel(const __grid_constant__ space s, const moments *child, uint32_t children, moments *own,
+                             obb *out, uint32_t size)
 {
     size_t g = thread_number();
     if (g < size) {
@@ -2489,7 +3253,7 @@ __global__ void brick_kernel(const __grid_constant__ space s, const moments *chi
         moments m = {};
         double turn[3][3] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 0.0, 0.0, 1.0 } };
         double(&a)[3][3] = m.spread;
-        brick b = {};
+        obb b = {};
         for (int pass = 0; pass < 2; pass++) {
             for (uint32_t i = first; i < end; i++) {
                 double x[3];
@@ -2536,14 +3300,14 @@ __global__ void brick_kernel(const __grid_constant__ space s, const moments *chi
     }
 }
 
-/* Sets half of all bricks, a thread a point. */
-__global__ void half_kernel(const __grid_constant__ space s, const __grid_constant__ brick_tree t)
+/* Sets half of all OBBs, a thread a point. */
+__global__ void half_kernel(const __grid_constant__ space s, const __grid_constant__ obb_tree t)
 {
     const size_t i = thread_number() < s.count ? thread_number() : s.count - 1;
     const record r = s.point[i];
     size_t above = i / 8;
     for (int level = 0; level < t.levels; level++, above /= 8) {
-        brick &b = ((brick *)t.level[level])[above];
+        obb &b = ((obb *)t.level[level])[above];
         float last[3];
         double d[3] = { 0.0, 0.0, 0.0 };
         cross(b.axis[0], b.axis[1], last);
@@ -2563,7 +3327,7 @@ __global__ void half_kernel(const __grid_constant__ space s, const __grid_consta
     }
 }
 
-/* A star that a rung has no room for goes on to the next.  room: for bricks that wait. */
+/* A star that is too large for a rung goes on to the next.  room: for OBBs that wait. */
 template <int TRIANGLES, int BLOCKS, int ROOM, bool SHARED>
 struct wide_rung_of : rung<TRIANGLES, 1, BLOCKS, true, SHARED> {
     static const int room = ROOM;
@@ -2576,13 +3340,13 @@ const int group_room = 36;                           /* for groups, of which 4 a
 
 template <typename RUNG> struct wide_star {
     typedef star<3, false, RUNG::triangles, RUNG::vertices, RUNG::room + group_room, rung_real<RUNG::exact> > type;
-    type s;                                          /* scratch: bricks that wait, levels << 28 | number; groups */
+    type s;                                          /* scratch: OBBs that wait, levels << 28 | number; groups */
     float inverse[RUNG::triangles];                  /* 1 / Q, or 0: no point that matters is in conflict with it */
-    uint16_t depth[RUNG::room];                      /* of bricks that wait, half of a float */
+    uint16_t depth[RUNG::room];                      /* of OBBs that wait, half of a float */
 };
 
-/* Returns an upper bound of the depth of the points of a brick in the spheres of a star. */
-template <typename STAR> DEVICE float depth_of_brick(const STAR &w, int count, const brick &b, const double *v)
+/* Returns an upper bound of the depth of the points of an OBB in the spheres of a star. */
+template <typename STAR> DEVICE float depth_of_obb(const STAR &w, int count, const obb &b, const double *v)
 {
     float depth = 0.0f, m[3], last[3], ones = 0.0f, square_m = 1e-30f;
     for (int k = 0; k < 3; k++) {
@@ -2632,13 +3396,13 @@ template <typename STAR> DEVICE void find_inverses(STAR &w, int count)
     __syncwarp();
 }
 
-/* Returns for each 8 lanes the deepest of a quarter of the bricks that wait, as depth << 16 | where it waits, or 0.
-   If there is little room it returns the last ones: they are of low levels, so few more will wait. */
+/* Returns for each 8 lanes the deepest of a quarter of the OBBs that wait, as depth << 16 | index, or 0.  If little
+   room is left it returns the last ones: they are of low levels, so they add few more. */
 template <typename RUNG> DEVICE uint32_t deepest(const wide_star<RUNG> &w, int waits)
 {
     const int lane = (int)threadIdx.x & 31;
     uint32_t best = 0;
-    if (waits > RUNG::room - 32 * (brick_levels + 1)) {
+    if (waits > RUNG::room - 32 * (obb_levels + 1)) {
         return 1u << 16 | (uint32_t)(waits - 1 - lane / 8);
     }
     for (int i = (lane & 7) * 4 + lane / 8; i < waits; i += 32) {
@@ -2648,19 +3412,19 @@ template <typename RUNG> DEVICE uint32_t deepest(const wide_star<RUNG> &w, int w
     return tile_max<8>(best);
 }
 
-/* A launch of a rung for surfaces: for the listed vertices or, without a list, each stride-th of the share. */
+/* A launch of a rung for surfaces: for the listed vertices or, without a list, each stride-th of the part. */
 struct wide_launch : rung_launch {
-    brick_tree bricks;
+    obb_tree obbs;
     store in;                                        /* what earlier rungs have made */
     uint32_t stride;
-    unsigned long long *looks;                       /* the sum over all stars, or NULL */
+    unsigned long long *steps;                       /* the sum over all stars, or NULL */
 };
 
 /* A star of these rungs while its warp builds it. */
 template <typename RUNG> struct wide_state {
     wide_star<RUNG> &w;
     const wide_launch &a;
-    uint32_t *waiting, *group;                       /* bricks and groups that wait */
+    uint32_t *waiting, *group;                       /* OBBs and groups that wait */
     site at;
     int lane, count, waits, groups;
     point_of<typename wide_star<RUNG>::type> candidate;              /* of each lane */
@@ -2675,7 +3439,7 @@ template <typename RUNG> DEVICE void screen_candidates(wide_state<RUNG> &n, unsi
     n.pending = __ballot_sync(all_lanes, n.deep > 0.0f);
 }
 
-/* Starts with the star of v in the store, or else from points on the curve; all bricks of the top level wait.
+/* Starts with the star of v in the store, or else from points on the curve; all OBBs of the top level wait.
    Returns whether there is a star. */
 template <typename RUNG> DEVICE bool start_wide(wide_state<RUNG> &n)
 {
@@ -2689,7 +3453,7 @@ template <typename RUNG> DEVICE bool start_wide(wide_state<RUNG> &n)
         candidates = started ? __ballot_sync(all_lanes, n.candidate.id != none) : 0;
     }
     if (n.lane < n.waits) {
-        n.waiting[n.lane] = (uint32_t)n.a.bricks.levels << 28 | (uint32_t)n.lane;
+        n.waiting[n.lane] = (uint32_t)n.a.obbs.levels << 28 | (uint32_t)n.lane;
         n.w.depth[n.lane] = 0x7f00;
     }
     find_inverses(n.w, n.count);
@@ -2699,7 +3463,7 @@ template <typename RUNG> DEVICE bool start_wide(wide_state<RUNG> &n)
     return started;
 }
 
-/* Looks at the points of 4 groups. */
+/* Tests the points of 4 groups. */
 template <typename RUNG> DEVICE void search_groups(wide_state<RUNG> &n)
 {
     const int take = n.groups < 4 ? n.groups : 4;
@@ -2707,12 +3471,12 @@ template <typename RUNG> DEVICE void search_groups(wide_state<RUNG> &n)
     id = id < n.a.w.all.count && id != n.at.v ? id : none;
     n.groups -= take;
     __syncwarp();
-    n.candidate = newcomer_at<typename wide_star<RUNG>::type>(n.at, n.at.all->point[n.at.v], id);
+    n.candidate = candidate_at<typename wide_star<RUNG>::type>(n.at, n.at.all->point[n.at.v], id);
     screen_candidates(n, __ballot_sync(all_lanes, id != none));
 }
 
-/* Removes the bricks at up to 4 places, a place for each 8 lanes, from those that wait: the last takes the place. */
-template <typename RUNG> DEVICE void take_bricks(wide_state<RUNG> &n, int at)
+/* Removes up to 4 OBBs from those that wait, at an index for each 8 lanes: the last ones move there. */
+template <typename RUNG> DEVICE void take_obbs(wide_state<RUNG> &n, int at)
 {
     for (int k = 0; k < 4; k++) {
         const int most = warp_max<8>(at);
@@ -2726,23 +3490,23 @@ template <typename RUNG> DEVICE void take_bricks(wide_state<RUNG> &n, int at)
     }
 }
 
-/* Looks at the bricks in 4 bricks. */
-template <typename RUNG> DEVICE void search_bricks(wide_state<RUNG> &n)
+/* Tests the children of 4 OBBs. */
+template <typename RUNG> DEVICE void search_obbs(wide_state<RUNG> &n)
 {
-    const brick_tree &bricks = n.a.bricks;
+    const obb_tree &obbs = n.a.obbs;
     const uint32_t best = deepest(n.w, n.waits);
     const int at = best != 0 ? (int)(best & 0xffff) : -1;
     const uint32_t node = at >= 0 ? n.waiting[at] : 0;
     const uint32_t level = (node >> 28) - 1, index = (node & 0xfffffff) * 8 + (uint32_t)(n.lane & 7);
     float may = 0.0f;
-    if (at >= 0 && index < bricks.size[level]) {
+    if (at >= 0 && index < obbs.size[level]) {
         const record &own = n.at.all->point[n.at.v]; /* read again: few registers are left */
         const double origin[3] = { in_units(*n.at.all, own, 0), in_units(*n.at.all, own, 1),
                                    in_units(*n.at.all, own, 2) };
-        may = depth_of_brick(n.w, n.count, bricks.level[level][index], origin);
+        may = depth_of_obb(n.w, n.count, obbs.level[level][index], origin);
     }
     __syncwarp();
-    take_bricks(n, at);
+    take_obbs(n, at);
     const int to = append<32>(may > 0.0f && level > 0, n.waits);
     const int to_group = append<32>(may > 0.0f && level == 0, n.groups);
     if (may > 0.0f && level > 0) {
@@ -2754,7 +3518,7 @@ template <typename RUNG> DEVICE void search_bricks(wide_state<RUNG> &n)
     __syncwarp();
 }
 
-/* Inserts the deepest of the candidates, unless it is a vertex: the search meets vertices too.  Returns whether the
+/* Inserts the deepest of the candidates, unless it is a vertex: the search finds vertices too.  Returns whether the
    star stays within its room. */
 template <typename RUNG> DEVICE bool insert_deepest(wide_state<RUNG> &n)
 {
@@ -2775,9 +3539,9 @@ template <typename RUNG> DEVICE bool insert_deepest(wide_state<RUNG> &n)
     return (result & ~star_changed) == 0;
 }
 
-/* Builds a star by each warp, from that of an earlier rung on.  It searches the tree once: stars only shrink, so what
-   is in conflict with no simplex now will never be, and when nothing waits any more the star is certified.  The
-   deepest brick is searched first, the deepest point inserted first. */
+/* Each warp builds a star, from that of an earlier rung on.  It searches the tree once: stars only shrink, so what is
+   in conflict with no simplex now will never be.  When no OBB waits any more, the star is certified.  The deepest OBB
+   is searched first, the deepest point inserted first. */
 template <typename RUNG>
 __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) wide_kernel(const __grid_constant__ wide_launch a)
 {
@@ -2805,12 +3569,12 @@ __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) wide_kernel(co
             } else if (n.groups >= 4 || n.waits == 0) {
                 search_groups(n);
             } else {
-                search_bricks(n);
+                search_obbs(n);
             }
             lost = lost || spent > a.cap || ((spent & 63) == 0 && any(*a.w.out.stop != 0));
         }
-        if (a.looks != NULL && lane == 0) {
-            atomicAdd(a.looks, (unsigned long long)spent);
+        if (a.steps != NULL && lane == 0) {
+            atomicAdd(a.steps, (unsigned long long)spent);
         }
         finish<32>(w.s, started, v, n.count, a.w.out);
         enqueue(a.failed, lane == 0 && lost, v);
@@ -2818,15 +3582,268 @@ __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) wide_kernel(co
     }
 }
 
+/* Steps for a star of a sample on the rungs for surfaces: the cap, and the largest average that is not declined. */
+const int sample_cap = 384;
+const unsigned long long most_steps = 128;
+
+/* Builds the tree of OBBs, one level after another, in an array that is large enough for all. */
+obb_tree build_obb_tree(call &c, const space &s, obb *room)
+{
+    obb_tree t = {};
+    buffer<moments> child(c);
+    for (uint32_t size = s.count; t.levels == 0 || size > 32; t.levels++) {
+        const uint32_t children = size;
+        size = (size + 7) / 8;
+        buffer<moments> own(c, size);
+        launch(c, "oriented boxes", obb_kernel, over(size, 128), s, child.at, children, own.at, room, size);
+        child = std::move(own);
+        t.level[t.levels] = room;
+        t.size[t.levels] = size;
+        room += size;
+    }
+    launch(c, "oriented boxes", half_kernel, over(s.count, 256), s, t);
+    return t;
+}
+
+/* Builds stars by a rung for surfaces, as run_far_rung does; returns how many it leaves. */
+template <typename RUNG> uint32_t run_wide_rung(call &c, wide_launch &a, uint32_t total, uint32_t limit, int cap)
+{
+    a.total = total;
+    a.limit = limit;
+    a.cap = cap;
+    const unsigned processors = (unsigned)processors_of(c, c.team->offers[c.card].device);
+    return run_rung<RUNG, wide_star<RUNG> >(c, wide_kernel<RUNG>, a, processors * RUNG::blocks);
+}
+
+/* Returns whether a sample shows that few stars are large or need many steps.  The CPU takes 150 to 250 ns a point on
+   16 threads; 4 warps a multiprocessor take 3 us each for a step. */
+bool sample_stays_cheap(call &c, wide_launch a)
+{
+    a.stride = a.w.out.size() / sample_size;
+    a.steps = a.w.seed + 4;
+    clear_stars(c, a.w);
+    launch_near<3, false, false>(c, a.w, a.w.out.first, a.stride, sample_size, true);
+    fill(c, a.steps, 0, 1);
+    const uint32_t failed = run_wide_rung<wide_rung>(c, a, sample_size, none, sample_cap);
+    const unsigned long long steps = read_back(c, a.steps, PBW_STAGE_BUILD, 0.1);
+    return failed <= sample_size / 64 && steps <= most_steps * sample_size;
+}
+
+/* Stars that the first rung for surfaces left in q[0]. */
+void build_large_wide_stars(call &c, wide_launch a, uint32_t failed)
+{
+    a.in = a.w.out;
+    a.vertex = a.w.q[0].vertex;
+    a.failed = a.w.q[1];
+    const uint32_t last = run_wide_rung<large_wide_rung>(c, a, failed, far_limit(a.w), far_cap);
+    decline_above(c, last, far_limit(a.w));          /* above its limit a rung leaves stars untried, uncounted */
+    a.vertex = a.w.q[1].vertex;
+    a.failed = a.w.q[0];
+    failed = run_wide_rung<last_wide_rung>(c, a, last, 0, last_cap[0]);
+    c.mesh->stars[2] = last;
+    record_mark(c, 4);
+    decline_above(c, failed, 0);
+}
+
+/* Builds the stars of points on surfaces; returns false if a sample shows that they would take too long.  The stars
+   that the first rung begins are in a store of their own, which is freed. */
+bool build_wide_stars(call &c, star_build &w, const obb_tree &obbs)
+{
+    const uint32_t mine = w.out.size(), limit = 128 + mine / 16;
+    const unsigned long long enough = (unsigned long long)mine * 15 + 4096;
+    wide_launch a = { { w, NULL, 0, 0, 0, NULL, NULL, w.q[0] }, obbs, w.out, 1, NULL };
+    find_seeds<3>(c, w);
+    if (!sample_stays_cheap(c, a)) {
+        return false;
+    }
+    clear_stars(c, w);
+    launch_near<3, false, false>(c, w, w.out.first, 1, mine, true);
+    record_mark(c, 3);
+    if (read_back(c, w.out.used, PBW_STAGE_BUILD, 0.2) > w.out.capacity) {
+        return true;
+    }
+    w.out.capacity = w.out.capacity > enough ? w.out.capacity : enough;
+    fill(c, w.out.used, 0, 1);
+    w.out.word = allocate<uint32_t>(c, (size_t)w.out.capacity * 4);
+    a.w = w;
+    const uint32_t failed = run_wide_rung<wide_rung>(c, a, mine, limit, quick_cap);
+    const unsigned long long used = read_back(c, w.out.used, PBW_STAGE_BUILD, 0.8);
+    release(c, a.in.word);
+    if (used > w.out.capacity) {
+        return true;
+    }
+    c.mesh->stars[0] = c.mesh->stars[1] = mine;
+    decline_above(c, failed, limit);
+    build_large_wide_stars(c, a, failed);
+    return true;
+}
+
 /* ------------------------------------------------------------------------------------------------------
-   >>cells        Simplices, neighbours, incident simplices, from the stars.
+   >>stars        All stars of a card: its part of the points, memory, the choice of rungs.
+   In: the points in order.  Out: the store with the stars of the part.
+   Holds: when the store is used, it has the star of every vertex of the part that is not hidden; else the call fails.
+   ------------------------------------------------------------------------------------------------------ */
+/* Sets the part of a card: whole groups, in proportion to its multiprocessors. */
+void set_part(call &c, star_build &w)
+{
+    const int cards = c.team->count;
+    double before[most_cards + 1] = { 0.0 };
+    for (int i = 0; i < cards; i++) {
+        before[i + 1] = before[i] + processors_of(c, c.team->offers[i].device);
+    }
+    auto first_of = [&](int card) {
+        const double all = (double)w.all.count * (before[card] / before[cards]);
+        return card == cards ? w.all.count : (uint32_t)all / group_size * group_size;
+    };
+    w.out.first = first_of(c.card);
+    w.out.end = first_of(c.card + 1);
+    c.stars = w.out.size();
+}
+
+/* Shares the points, grows the tree, and allocates what the rungs need. */
+void open_star_build(call &c, star_build &w, int dim)
+{
+    set_part(c, w);
+    const uint32_t mine = w.out.size(), groups = (mine + group_size - 1) / group_size;
+    w.out.capacity = (unsigned long long)mine * (dim == 3 ? 13 : 5) + 4096;
+    /* rough points and boxes; the store, queues, places and counts; lists and their heads of 8 points */
+    need_memory(c, (size_t)w.all.count * 16 + (size_t)w.all.count / group_size * sizeof(box)
+                   + (size_t)w.out.capacity * 16 + (size_t)mine * (12 + 8)
+                   + (size_t)groups * (list_size * 4 + sizeof(near_list)));
+    build_tree(c, w.all, dim, w.boxes);
+    uint32_t *const counts = allocate<uint32_t>(c, 5);         /* of the queues, next, stop */
+    w.lists = allocate<uint32_t>(c, (size_t)groups * list_size);
+    w.infos = allocate<near_list>(c, groups);
+    w.out.used = allocate<unsigned long long>(c, 6);
+    w.out.place = allocate<uint32_t>(c, mine);
+    w.out.owned = allocate<uint32_t>(c, (size_t)mine + 1);
+    fill(c, counts + 4, 0, 1);
+    for (int i = 0; i < 3; i++) {
+        w.q[i].count = counts + i;
+        w.q[i].vertex = allocate<uint32_t>(c, mine);
+    }
+    w.next = counts + 3;
+    w.out.stop = counts + 4;
+    w.seed = w.out.used + 1;
+    if (c.copies != NULL) {
+        copies_follow(c);
+        c.stop = counts + 4;
+    }
+    launch(c, "lists", list_kernel, over((size_t)groups * 32, 128), w.boxes, dim, w.out.first / group_size,
+           w.out.first / group_size + groups, w.lists, w.infos);
+}
+
+template <int DIM, bool WEIGHTED> void build_stars(call &c, star_build &w)
+{
+    /* weights hide points, which is quick: no sample */
+    const bool far = !WEIGHTED && !pbw_cuda_patient && w.all.count >= sampled_from && w.out.size() >= sample_size
+                  && sample_reaches_far<DIM, WEIGHTED>(c, w);
+    if (far && DIM == 3) {
+        buffer<obb> obbs(c, w.all.count / 7 + 2 * obb_levels);
+        if (build_wide_stars(c, w, build_obb_tree(c, w.all, obbs.at))) {
+            return;
+        }
+    }
+    decline_unless(c, !far || c.no_cpu,
+                   "most stars reach far (points on lines, or nearly in a plane?): quicker on the CPU");
+    const uint32_t left = build_near_stars<DIM, WEIGHTED>(c, w);
+    c.mesh->stars[1] = left;
+    build_far_stars<DIM, WEIGHTED>(c, w, left);
+}
+
+/* Builds all stars, once more if the store turns out too small. */
+template <int DIM, bool WEIGHTED> void fill_store(call &c, star_build &w)
+{
+    unsigned long long used = w.out.capacity;
+    record_mark(c, 2);
+    do {
+        release(c, w.out.word);
+        w.out.capacity = used > w.out.capacity ? used + used / 16 : used;
+        w.out.word = allocate<uint32_t>(c, (size_t)w.out.capacity * 4);
+        build_stars<DIM, WEIGHTED>(c, w);
+        used = read_back(c, w.out.used, PBW_STAGE_BUILD, 0.95);
+    } while (used > w.out.capacity);
+    release(c, w.lists);
+    release(c, w.infos);
+    require(c, used <= ((unsigned long long)1 << 32) - 16, PBW_ERROR_TOO_LARGE, too_many);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>cards        Copies between the cards of a job.
+   In: an offer of another card, complete.  Out: a copy on this one: directly where the devices reach each other, else
+   by way of the host.
+   ------------------------------------------------------------------------------------------------------ */
+/* Gives the other devices that can read this one access to its pool: copies then go directly. */
+void open_pool(call &c)
+{
+    offer &own = c.team->offers[c.card];
+    cudaMemPool_t pool;
+    need(c, cudaDeviceGetMemPool(&pool, own.device), "cudaDeviceGetMemPool");
+    for (int i = 0; i < c.team->count; i++) {
+        const int other = c.team->offers[i].device;
+        int can = other != own.device;
+        if (can) {
+            need(c, cudaDeviceCanAccessPeer(&can, other, own.device), "cudaDeviceCanAccessPeer");
+        }
+        if (can) {
+            cudaMemAccessDesc access = { { cudaMemLocationTypeDevice, other }, cudaMemAccessFlagsProtReadWrite };
+            can = cudaMemPoolSetAccess(pool, &access, 1) == cudaSuccess;
+            (void)cudaGetLastError();
+        }
+        own.open[i] = (can || other == own.device) && !pbw_cuda_by_host;
+    }
+}
+
+/* Copies by way of the host from a card that this one cannot read; the offer is complete.  Pinned memory would be
+   copied more quickly, but to pin it takes time, and to free it waits for all streams of the device.  From four cards
+   on that costs more. */
+void fetch_by_host(call &c, int card, char *to, const char *from, size_t bytes)
+{
+    const size_t most = (size_t)1 << 24;
+    void *const host = malloc(bytes < most ? bytes : most);
+    require(c, host != NULL, PBW_ERROR_MEMORY, no_host_memory);
+    auto copy = [&](int on, void *target, const void *source, size_t part, cudaStream_t stream) {
+        return good(c, cudaSetDevice(c.team->offers[on].device), "cudaSetDevice")
+            && good(c, cudaMemcpyAsync(target, source, part, cudaMemcpyDefault, stream), "copying by the host")
+            && good(c, cudaStreamSynchronize(stream), "copying by the host");
+    };
+    for (size_t at = 0; at < bytes && c.status == PBW_OK; at += most) {
+        const size_t part = bytes - at < most ? bytes - at : most;
+        copy(card, host, from + at, part, cudaStreamPerThread);
+        copy(c.card, to + at, host, part, c.stream);
+    }
+    free(host);
+    throw_if_failed(c);
+}
+
+template <typename V> void fetch_from(call &c, int card, V *to, const void *from, size_t count)
+{
+    const offer *offers = c.team->offers;
+    const size_t bytes = count * sizeof(V);
+    if (bytes > 0 && !offers[card].open[c.card]) {
+        fetch_by_host(c, card, (char *)to, (const char *)from, bytes);
+    } else if (bytes > 0) {
+        need(c, cudaMemcpyPeerAsync(to, offers[c.card].device, from, offers[card].device, bytes, c.stream),
+             "copying between devices");
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>cells        Simplices, neighbours, incident simplices.
+   In: the store.  Out: the arrays on the device, and for a job of pbw.h also in its memory, copied while later stages
+   run.
+
    A simplex is written by its lowest vertex, in the canonical form and order of >>output of pbw.h: the simplices of a
    vertex lie together, sorted by their second and third corner.  The star of a facet's lowest vertex has both sides
    of the facet, as two triangles with a common edge; the numbers of the two simplices are found by their corners.
-   On several cards each writes the simplices that have their lowest vertex in its share.  The stars of a share also
-   have simplices with their lowest vertex in a lower share: the guests of the share.  The lower cards, which write
-   them, list them for it with their numbers, in the canonical order.  Only one facet of a guest can have its lowest
-   vertex in the share, the one that lacks the guest's first corner; the lower cards are told the simplex across it.
+
+   Several cards:
+     1. Each writes the simplices that have their lowest vertex in its part.
+     2. The stars of a part also have simplices with their lowest vertex in a lower part: the halo simplices of the
+        part.  The lower cards, which write them, list them and their numbers, in the canonical order.
+     3. Only one facet of a halo simplex can have its lowest vertex in the part: the one without the first corner of
+        the simplex.  Its card finds the simplex across that facet.
+     4. The lower cards fetch the numbers of these.
    ------------------------------------------------------------------------------------------------------ */
 template <int DIM> struct alignas(DIM == 3 ? 16 : 4) cell {
     uint32_t corner[DIM + 1];
@@ -2903,11 +3920,11 @@ template <int DIM> DEVICE cell<DIM> renumbered(cell<DIM> c, const uint32_t *numb
 
 const int emit_block = 64;
 
-/* The simplices of a share, in order, by ranks, and its guests. */
+/* The simplices of a part, in order, by ranks, and its halo simplices. */
 template <int DIM> struct directory {
-    uint32_t first, base, guests;                    /* first vertex; number of the first simplex; how many guests */
-    const uint32_t *offset, *guest_number;           /* offset: where the simplices of each vertex begin */
-    const cell<DIM> *cells, *guest;
+    uint32_t first, base, halo_count;                /* the first vertex; the number of the first simplex */
+    const uint32_t *offset, *halo_numbers;           /* offset: where the simplices of each vertex begin */
+    const cell<DIM> *cells, *halo;
 };
 
 /* Writes the simplices of a star by 8 lanes.  cells: by ranks, in order; out: first by ranks, as the triangles of the
@@ -2964,24 +3981,25 @@ template <int DIM> DEVICE uint32_t last_until(const cell<DIM> &c, const cell<DIM
 template <int DIM> DEVICE uint32_t number_of(const cell<DIM> &c, const directory<DIM> &all)
 {
     if (c.corner[0] < all.first) {
-        return all.guest_number[last_until<DIM>(c, all.guest, 0, all.guests)];
+        return all.halo_numbers[last_until<DIM>(c, all.halo, 0, all.halo_count)];
     }
     const uint32_t *offset = all.offset + (c.corner[0] - all.first);
     return all.base + last_until<DIM>(c, all.cells, offset[0], offset[1]);
 }
 
-/* Where links go.  neighbors: NULL if the caller wants none; beyond: for each guest the simplex across its facet;
-   incident: by the caller's ids, or from the share's first vertex on if id is NULL. */
+/* Where links go.  neighbors: NULL if the caller wants none; across: for each halo simplex the one behind its facet;
+   incident: by the caller's ids, or from the part's first vertex on if id is NULL. */
 struct links {
-    pbw_index *neighbors, *beyond, *incident;
+    pbw_index *neighbors, *across, *incident;
     const uint32_t *id;
 };
 
 /* Writes the links of the star of v by T lanes: its lowest simplex, and the neighbours across facets that have v as
-   their lowest vertex.  number(t): of the simplex on triangle t, or none; mate(triangle, k): which triangle is
-   across from corner k of a packed one. */
+   their lowest vertex.  number(t): of the simplex on triangle t, or none; opposite(triangle, k): the triangle across
+   from corner k of a packed one. */
 template <int T, int DIM, typename F, typename G>
-DEVICE void link_star(const directory<DIM> &all, const links &out, uint32_t v, const stored_star &s, F number, G mate)
+DEVICE void link_star(const directory<DIM> &all, const links &out, uint32_t v, const stored_star &s, F number,
+                      G opposite)
 {
     const int lane = (int)threadIdx.x & (T - 1);
     uint32_t lowest = none, a[3];
@@ -2996,13 +4014,13 @@ DEVICE void link_star(const directory<DIM> &all, const links &out, uint32_t v, c
 #pragma unroll
         for (int k = 0; k < DIM; k++) {
             if (is_lowest<DIM>(v, a, k) && c.corner[0] < all.first) {
-                out.beyond[last_until<DIM>(c, all.guest, 0, all.guests)] = number(mate(triangle, k));
+                out.across[last_until<DIM>(c, all.halo, 0, all.halo_count)] = number(opposite(triangle, k));
             } else if (is_lowest<DIM>(v, a, k)) {
                 int at = 0;
                 for (int i = 1; i <= DIM; i++) {
                     at = c.corner[i] == a[k] ? i : at;
                 }
-                out.neighbors[(size_t)(own - all.base) * (DIM + 1) + (size_t)at] = number(mate(triangle, k));
+                out.neighbors[(size_t)(own - all.base) * (DIM + 1) + (size_t)at] = number(opposite(triangle, k));
             }
         }
     }
@@ -3017,8 +4035,8 @@ DEVICE bool is_small(const stored_star &s)
     return s.count <= small_triangles && s.vertices <= small_vertices;
 }
 
-/* The links of the small stars, 8 lanes each, with a table of mates.  3D: the triangle that has a directed edge; 2D:
-   row 0 has the edge that begins at a vertex, row 1 the edge that ends there. */
+/* Writes the links of the small stars, 8 lanes each, with a table of triangles.  3D: the triangle that has a directed
+   edge; 2D: row 0 has the edge that begins at a vertex, row 1 the edge that ends there. */
 template <int DIM>
 __global__ void neighbor_kernel(const __grid_constant__ store in, const __grid_constant__ directory<DIM> all,
                                 const __grid_constant__ links out, uint32_t *hidden_count)
@@ -3051,7 +4069,7 @@ __global__ void neighbor_kernel(const __grid_constant__ store in, const __grid_c
     });
 }
 
-/* The links of the larger stars, a warp each, looking for mates one by one. */
+/* Writes the links of the larger stars, a warp each, with a search for each triangle across an edge. */
 template <int DIM>
 __global__ void large_neighbor_kernel(queue large, const __grid_constant__ store in,
                                       const __grid_constant__ directory<DIM> all, const __grid_constant__ links out)
@@ -3066,22 +4084,22 @@ __global__ void large_neighbor_kernel(queue large, const __grid_constant__ store
         uint32_t a[3];
         return t >= 0 && triangle_of<DIM>(s, t, a) ? number_of<DIM>(canonical<DIM>(v, a), all) : none;
     };
-    auto mate = [&](uint32_t triangle, int k) { return mate_of<DIM>(s.triangle, s.count, triangle, k); };
-    link_star<32>(all, out, v, s, number, mate);
+    auto opposite = [&](uint32_t triangle, int k) { return opposite_of<DIM>(s.triangle, s.count, triangle, k); };
+    link_star<32>(all, out, v, s, number, opposite);
 }
 
-/* The guests that one card has for another: the count of each vertex, and where its guests go. */
-template <int DIM> struct guest_list {
+/* The halo simplices that one card has for another: the count of each vertex, and where they go. */
+template <int DIM> struct halo_list {
     uint32_t *count;
     const uint32_t *place;
-    cell<DIM> *guest;                                /* NULL: they are only counted */
+    cell<DIM> *halo;                                 /* NULL: they are only counted */
     uint32_t *number;
 };
 
-/* Lists the simplices of a share that have vertices of another, a thread a vertex. */
+/* Lists the simplices of a part that have vertices of another, a thread a vertex. */
 template <int DIM>
-__global__ void guest_kernel(const __grid_constant__ directory<DIM> all, uint32_t vertices, range other,
-                             const __grid_constant__ guest_list<DIM> out)
+__global__ void halo_kernel(const __grid_constant__ directory<DIM> all, uint32_t vertices, range other,
+                             const __grid_constant__ halo_list<DIM> out)
 {
     size_t v = thread_number();
     uint32_t found = 0;
@@ -3091,21 +4109,21 @@ __global__ void guest_kernel(const __grid_constant__ directory<DIM> all, uint32_
         for (int k = 1; k <= DIM; k++) {
             visits = visits || other.has(c.corner[k]);
         }
-        if (visits && out.guest != NULL) {
-            out.guest[out.place[v] + found] = c;
+        if (visits && out.halo != NULL) {
+            out.halo[out.place[v] + found] = c;
             out.number[out.place[v] + found] = all.base + i;
         }
         found += visits;
     }
-    if (v < vertices && out.guest == NULL) {
+    if (v < vertices && out.halo == NULL) {
         out.count[v] = found;
     }
 }
 
-/* Writes the links that the card of another share has found for its guests. */
+/* Writes the links that the card of another part has found for its halo simplices. */
 template <int DIM>
 __global__ void return_kernel(const __grid_constant__ directory<DIM> all, range other, uint32_t count,
-                              const uint32_t *number, const pbw_index *beyond, pbw_index *neighbors)
+                              const uint32_t *number, const pbw_index *across, pbw_index *neighbors)
 {
     size_t i = thread_number();
     if (i < count) {
@@ -3115,7 +4133,7 @@ __global__ void return_kernel(const __grid_constant__ directory<DIM> all, range 
             second = min(second, c.corner[k]);
         }
         if (other.has(second)) {
-            neighbors[(size_t)own * (DIM + 1)] = beyond[i];
+            neighbors[(size_t)own * (DIM + 1)] = across[i];
         }
     }
 }
@@ -3129,12 +4147,203 @@ __global__ void scatter_kernel(const uint32_t *id, uint32_t count, const uint32_
     }
 }
 
+/* Copies results in parts, since memory that is not pinned makes the host wait for each. */
+void copy_out(call &c, void *to, const void *from, size_t bytes, double done)
+{
+    const size_t most = (size_t)1 << 25;
+    copies_follow(c);
+    for (size_t at = 0; at < bytes; at += most) {
+        need(c, cudaMemcpyAsync((char *)to + at, (const char *)from + at, bytes - at < most ? bytes - at : most,
+                                cudaMemcpyDeviceToHost, c.copies), "copying results");
+        poll(c, PBW_STAGE_OUTPUT, done);
+        throw_if_failed(c);
+    }
+}
+
+/* Lists the halo simplices of higher cards that this one writes. */
+template <int DIM> void list_halo(call &c, const directory<DIM> &all, uint32_t vertices)
+{
+    offer &own = c.team->offers[c.card];
+    buffer<uint32_t> count(c, (size_t)vertices + 1), place(c, (size_t)vertices + 1);
+    fill(c, count.at + vertices, 0, 1);
+    for (int i = c.card + 1; i < c.team->count; i++) {
+        const range part = c.team->offers[i].part;
+        halo_list<DIM> list = { count.at, place.at, NULL, NULL };
+        launch(c, "halo simplices", halo_kernel<DIM>, over(vertices, 128), all, vertices, part, list);
+        sum_before(c, count.at, place.at, (size_t)vertices + 1);
+        own.halo_count[i] = read_back(c, place.at + vertices, PBW_STAGE_OUTPUT, 0.2);
+        own.halo[i] = list.halo = allocate<cell<DIM> >(c, own.halo_count[i]);
+        own.halo_numbers[i] = list.number = allocate<uint32_t>(c, own.halo_count[i]);
+        launch(c, "halo simplices", halo_kernel<DIM>, over(vertices, 128), all, vertices, part, list);
+    }
+    wait(c, PBW_STAGE_OUTPUT, 0.2);
+}
+
+/* Fetches the halo simplices of this card from the lower ones. */
+template <int DIM> void fetch_halo(call &c, directory<DIM> &all)
+{
+    const offer *offers = c.team->offers;
+    size_t count = 0;
+    for (int i = 0; i < c.card; i++) {
+        count += offers[i].halo_count[c.card];
+    }
+    cell<DIM> *const halo = allocate<cell<DIM> >(c, count);
+    uint32_t *const number = allocate<uint32_t>(c, count);
+    pbw_index *const across = c.team->offers[c.card].across = allocate<pbw_index>(c, count);
+    fill(c, across, 0xff, count);                    /* some are copied and never read: those without a facet here */
+    all.halo = halo;
+    all.halo_numbers = number;
+    for (int i = 0; i < c.card; i++) {
+        const uint32_t some = offers[i].halo_count[c.card];
+        fetch_from(c, i, halo + all.halo_count, offers[i].halo[c.card], some);
+        fetch_from(c, i, number + all.halo_count, offers[i].halo_numbers[c.card], some);
+        all.halo_count += some;
+    }
+}
+
+/* Fetches the links that higher cards have found for the simplices of this one. */
+template <int DIM> void fetch_across(call &c, const directory<DIM> &all, pbw_index *neighbors)
+{
+    const offer *offers = c.team->offers;
+    for (int i = c.card + 1; i < c.team->count; i++) {
+        const uint32_t count = offers[c.card].halo_count[i];
+        size_t before = 0;
+        buffer<pbw_index> across(c, count);
+        for (int k = 0; k < c.card; k++) {
+            before += offers[k].halo_count[i];
+        }
+        fetch_from(c, i, across.at, offers[i].across + before, count);
+        launch(c, "neighbours", return_kernel<DIM>, over(count, 128), all, offers[i].part, count,
+               offers[c.card].halo_numbers[i], across.at, neighbors);
+    }
+}
+
+/* Where the simplices of a part go. */
+struct output {
+    const uint32_t *id;
+    bool alone, with_neighbors, to_host;
+    uint32_t *offset, total;                         /* of each vertex; of the part */
+    size_t before;                                   /* simplices of lower parts */
+};
+
+void number_simplices(call &c, const star_build &w, output &o)
+{
+    const uint32_t mine = w.out.size();
+    o.offset = allocate<uint32_t>(c, (size_t)mine + 1);
+    sum_before(c, w.out.owned, o.offset, (size_t)mine + 1);
+    o.total = read_back(c, o.offset + mine, PBW_STAGE_OUTPUT, 0.0);
+    c.team->offers[c.card].part = w.out;
+    c.team->offers[c.card].simplices = o.total;
+    wait_for_cards(c, false, 0.0);
+    for (int i = 0; i < c.team->count; i++) {
+        o.before += i < c.card ? c.team->offers[i].simplices : 0;
+        c.mesh->simplex_count += c.team->offers[i].simplices;
+    }
+    record_mark(c, 5);
+    require(c, c.mesh->simplex_count < hidden, PBW_ERROR_TOO_LARGE, too_many);
+}
+
+/* Writes the simplices, and lists those that other cards need. */
+template <int DIM> void emit_simplices(call &c, const star_build &w, const output &o, directory<DIM> &all)
+{
+    const uint32_t mine = w.out.size();
+    pbw_cuda_mesh *const mesh = c.mesh;
+    const size_t links = (size_t)o.total * (DIM + 1), incident = o.alone ? c.count : mine;
+    need_memory(c, (size_t)o.total * (o.with_neighbors ? 3 : 2) * sizeof(cell<DIM>) + c.count * 4);
+    cell<DIM> *const cells = allocate<cell<DIM> >(c, o.total);
+    mesh->simplices = allocate<pbw_index>(c, links);
+    mesh->incident = allocate<pbw_index>(c, incident);
+    mesh->neighbors = o.with_neighbors ? allocate<pbw_index>(c, links) : NULL;
+    fill(c, mesh->incident, 0xff, incident);
+    fill(c, w.next, 0, 1);
+    launch(c, "simplices", emit_kernel<DIM>, over((size_t)mine * 8, emit_block), w.out, o.offset, o.id, cells,
+           (cell<DIM> *)mesh->simplices);
+    record_mark(c, 6);
+    all = { w.out.first, (uint32_t)o.before, 0, o.offset, NULL, cells, NULL };
+    pbw_status status = o.to_host && c.card == 0 ? c.job->reserve(c.job, mesh->simplex_count) : PBW_OK;
+    require(c, status == PBW_OK, status, no_host_memory);
+    if (!o.alone) {
+        list_halo<DIM>(c, all, mine);
+        wait_for_cards(c, false, 0.1);
+        fetch_halo<DIM>(c, all);
+    }
+    if (o.to_host) {
+        copy_out(c, c.job->simplices + o.before * (DIM + 1), mesh->simplices, links * sizeof(pbw_index), 0.1);
+    }
+}
+
+/* Finds the neighbours and incident simplices; w.next counts hidden points. */
+template <int DIM> void find_neighbors(call &c, const star_build &w, const output &o, const directory<DIM> &all)
+{
+    const links out = { c.mesh->neighbors, o.alone ? NULL : c.team->offers[c.card].across, c.mesh->incident,
+                        o.alone ? o.id : NULL };
+    const shape tiles = over((size_t)w.out.size() * 8, emit_block);
+    launch(c, "neighbours", neighbor_kernel<DIM>, tiles, w.out, all, out, w.next);
+    if (c.mesh->stars[1] > 0) {
+        const shape warps = over(c.mesh->stars[1] * 32, 128);
+        launch(c, "neighbours", large_neighbor_kernel<DIM>, warps, w.q[2], w.out, all, out);
+    }
+    record_mark(c, 7);
+    if (!o.alone) {
+        c.team->offers[c.card].incident = c.mesh->incident;
+        wait(c, PBW_STAGE_OUTPUT, 0.2);
+        wait_for_cards(c, false, 0.3);
+    }
+    if (!o.alone && o.with_neighbors) {
+        fetch_across<DIM>(c, all, c.mesh->neighbors);
+    }
+    if (o.to_host && o.with_neighbors) {
+        copy_out(c, c.job->neighbors + o.before * (DIM + 1), c.mesh->neighbors,
+                 (size_t)o.total * (DIM + 1) * sizeof(pbw_index), 0.4);
+    }
+}
+
+/* Writes the arrays of points: the first card the incident simplices of all, the last card the canonical points. */
+void copy_points(call &c, const output &o)
+{
+    pbw_index *incident = c.mesh->incident;
+    const size_t bytes = c.count * sizeof(pbw_index);
+    if (!o.alone && c.card == 0) {
+        incident = allocate<pbw_index>(c, c.count);
+        fill(c, incident, 0xff, c.count);
+    }
+    for (int i = 0; !o.alone && c.card == 0 && i < c.team->count; i++) {
+        const range part = c.team->offers[i].part;
+        buffer<pbw_index> some(c, part.size());
+        fetch_from(c, i, some.at, c.team->offers[i].incident, part.size());
+        launch(c, "incident simplices", scatter_kernel, over(part.size(), 256), o.id + part.first, part.size(),
+               some.at, incident);
+    }
+    if (o.to_host && c.card == 0) {
+        copy_out(c, c.job->incident, incident, bytes, 0.4);
+    }
+    if (o.to_host && c.card + 1 == c.team->count) {
+        copy_out(c, c.job->canonical, c.mesh->canonical, bytes, 0.4);
+    }
+}
+
+template <int DIM, bool WEIGHTED> void build(call &c, const space &s, const uint32_t *id, unsigned flags)
+{
+    output o = { id, c.team->count == 1, (flags & PBW_NO_NEIGHBORS) == 0, c.job->reserve != NULL, NULL, 0, 0 };
+    star_build w = {};
+    directory<DIM> all = {};
+    w.all = s;
+    open_star_build(c, w, DIM);
+    fill_store<DIM, WEIGHTED>(c, w);
+    number_simplices(c, w, o);
+    emit_simplices<DIM>(c, w, o, all);
+    find_neighbors<DIM>(c, w, o, all);
+    copy_points(c, o);
+    c.mesh->hidden_count = read_back(c, w.next, PBW_STAGE_OUTPUT, 0.5);
+}
+
 /* ------------------------------------------------------------------------------------------------------
    >>check        The exact verdict on a mesh.
-   In: points and the arrays of a mesh.  Out: the first fault of the first pass that has one, and counts.  The tests
-   are those of pbw_check, in its order (>>faults of pbw.h), but for one: two hidden points at one place are not
-   found.  The passes: points, simplices, hull, hidden points; a thread an item.  If the stages without memory leave
-   an item open, it is listed, and tested again by a thread that has a pool.
+   In: points and the arrays of a mesh.  Out: the first fault of the first pass that has one, and counts.
+
+   The tests are those of pbw_check, in its order (>>faults of pbw.h), but for one: two hidden points with the same
+   coordinates are not found.  The passes: points, simplices, hull, hidden points; a thread an item.  If the stages
+   without memory leave an item open, it is listed, and tested again by a thread that has a pool.
    ------------------------------------------------------------------------------------------------------ */
 enum { check_points, check_simplices, check_hull, check_hidden, check_passes };
 
@@ -3247,10 +4456,92 @@ template <int DIM> __global__ void check_kernel(const __grid_constant__ check_la
     }
 }
 
+struct checking {
+    call &c;
+    view m;
+    buffer<double> record;
+    buffer<uint32_t> open;                           /* items that the stages without memory leave open */
+    buffer<pbw__digit> pool;
+    buffer<check_result> on_device;
+    check_result found;
+    uint32_t points;                                 /* of a pass */
+    pbw_report *report;                              /* NULL: only whether there is a fault */
+    checking(call &of, const pbw_cuda_mesh &mesh, const input &in, const pbw__grid &grid, pbw_report *to)
+        : c(of), record(of, in.count * (size_t)(in.dim + 1)),
+          open(of, mesh.simplex_count > in.count ? mesh.simplex_count : in.count),
+          pool(of, (size_t)check_blocks * 32 * PBW__POOL), on_device(of, 1), points((uint32_t)in.count), report(to)
+    {
+        (pbw__tested &)m = { mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical, record.at, in.count,
+                             mesh.simplex_count, grid, in.dim, to == NULL };
+        m.order = NULL;
+        found = check_result();
+        found.least = ~0ull;
+        need(c, cudaMemcpyAsync(on_device.at, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy");
+        launch(c, "check", record_kernel, over(in.count, 256), in, record.at);
+    }
+};
+
+/* Tests items by the threads of a shape; list: NULL for all of them; pool: NULL without the exact stage. */
+template <int DIM>
+void check_items(checking &k, int pass, uint32_t count, shape threads, const uint32_t *list, pbw__digit *pool)
+{
+    launch(k.c, "check", check_kernel<DIM>, threads,
+           check_launch{ k.m, pass, count, list, k.open.at, pool, k.on_device.at });
+    k.found = read_back(k.c, k.on_device.at, PBW_STAGE_BUILD, 0.0);
+}
+
+/* Runs a pass; returns false if there is a fault, which the report then names. */
+template <int DIM> bool check_pass(checking &k, int pass)
+{
+    call &c = k.c;
+    const bool of_points = pass == check_points || pass == check_hidden;
+    const uint32_t count = of_points ? k.points : (uint32_t)k.m.simplex_count;
+    check_items<DIM>(k, pass, count, at_most(1u << 16, over(count, 128)), NULL, NULL);
+    if (k.found.open > 0) {
+        check_items<DIM>(k, pass, k.found.open, shape{ check_blocks, 32, 0 }, k.open.at, k.pool.at);
+        fill(c, &k.on_device.at->open, 0, 1);
+    }
+    if (k.found.least != ~0ull && k.report != NULL) {      /* once more, to describe it */
+        const uint32_t item = (uint32_t)(k.found.least >> 32);
+        need(c, cudaMemcpyAsync(k.open.at, &item, sizeof item, cudaMemcpyHostToDevice, c.stream), "copy");
+        check_items<DIM>(k, pass, 1, shape{ 1, 32, 0 }, k.open.at, k.pool.at);
+        const pbw__finding &first = k.found.first;
+        (void)pbw__fault(k.report, first.fault, first.simplex, first.facet, first.point);
+    }
+    return k.found.least == ~0ull;
+}
+
+bool miscounts(pbw_report *report, size_t claimed, size_t counted, int fault)
+{
+    return claimed != counted && !pbw__fault(report, fault, PBW_NONE, -1, PBW_NONE);
+}
+
+template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const input &in, pbw_report *report)
+{
+    buffer<survey> surveyed(c, 1);
+    const pbw__grid_share range = survey_points(c, in, surveyed);
+    pbw__grid grid;
+    pbw__grid_close(&grid, &range, 1, in.dim);
+    checking k(c, mesh, in, grid, report);
+    if (!check_pass<DIM>(k, check_points)) {
+        return false;
+    }
+    const size_t others = (size_t)k.found.counted[check_points][1];
+    report->vertex_count = (size_t)k.found.counted[check_points][0];
+    if (miscounts(report, mesh.duplicate_count, (size_t)k.found.counted[check_points][2], PBW__FAULT_DUPLICATES)
+        || miscounts(report, mesh.hidden_count, others, PBW__FAULT_HIDDEN) || !check_pass<DIM>(k, check_simplices)) {
+        return false;
+    }
+    report->facet_count = (size_t)k.found.counted[check_simplices][0];
+    report->hull_facet_count = (size_t)k.found.counted[check_simplices][1];
+    return check_pass<DIM>(k, check_hull) && (others == 0 || check_pass<DIM>(k, check_hidden));
+}
+
 /* ------------------------------------------------------------------------------------------------------
    >>keep         A mesh whose points have moved, put into the order of the curve again.
-   In: a mesh that holds for its points where they are now, by the ids of the caller; the new order of the points.
-   Out: its arrays as >>cells writes them: simplices in canonical form, sorted by their first three corners.
+   In: the last mesh of a loop, by the ids of the caller; the new coordinates and the new order of the points.  Out:
+   its arrays as >>cells writes them, if it is the triangulation of the points where they are now: simplices in
+   canonical form, sorted by their first three corners.
    ------------------------------------------------------------------------------------------------------ */
 __global__ void compare_kernel(const uint32_t *a, const uint32_t *b, uint32_t count, uint32_t *differ)
 {
@@ -3316,1242 +4607,21 @@ __global__ void rewrite_kernel(const __grid_constant__ reorder m, const uint32_t
     ((cell<DIM> *)neighbors)[i] = other;
 }
 
-/* ------------------------------------------------------------------------------------------------------
-   >>run          The stages in order.
-   In: packed points on the device.  Out: the arrays on the device, and for a job of pbw.h also in its memory, copied
-   while later stages run.  All work is in the order of one stream; the host waits where it needs a count.
-   A team of cards works on one job, each with a thread of the host, the whole tree and a share of the curve.  The
-   cards meet to number the simplices, to fetch their guests, and to fetch the simplices across them.  What one offers
-   to the others is complete when they meet, and stays until all leave.
-   A stage that fails sets the status of its call, says why, and throws; so each stage may rely on all before it.  The
-   entries catch, and free the memory of the call.
-   ------------------------------------------------------------------------------------------------------ */
-/* Bytes of device memory at the peak, for uniform points, in 2D and 3D: for all points, and more for the share. */
-const double bytes_a_point[2] = { 75.0, 90.0 }, bytes_a_star[2] = { 155.0, 560.0 };
-const int most_cards = 16;
-const char *const few_points = "so few points are quicker on the CPU";
-const char *const no_host_memory = "out of memory on the host";
-const char *const too_many = "too many simplices for the index type";
-
-struct offer {                                       /* of a card to the others */
-    int device;
-    range part;                                      /* its share */
-    uint32_t simplices;
-    void *guests[most_cards];                        /* for each higher card */
-    uint32_t *guest_numbers[most_cards], guest_count[most_cards];
-    pbw_index *beyond, *incident;                    /* beyond: of all guests, those of the lowest card first */
-    bool open[most_cards];                           /* whether a card can read from this one */
-};
-
-struct team {
-    std::mutex lock;
-    std::condition_variable news;
-    int cards, here = 0, left = 0;
-    unsigned meetings = 0;
-    std::atomic<int> status{ PBW_OK };               /* of the first card that failed */
-    bool declined = false;
-    offer of[most_cards] = {};
-};
-
-/* What a call uses besides blocks of memory; a loop lends its own to all its steps. */
-struct gear {
-    cudaMemPool_t pool;
-    cudaStream_t copies;
-    cudaEvent_t mark[8], ready[2];                   /* ready: of the end of work, for the host; for copies */
-    char *pinned;                                    /* host memory for counts; NULL but in a loop */
-};
-const size_t pinned_bytes = 512;
-
-/* What a loop keeps from step to step. */
-struct keepsake {
-    pbw_cuda_mesh mesh;
-    uint32_t *id, count;                             /* of each rank; NULL if the CPU built the mesh */
-};
-
-struct call : gear {
-    team *cards;                                     /* of this job; a call for points on the device is one alone */
-    pbw_cuda_mesh *mesh;                             /* what the call makes, of several cards each its part */
-    keepsake *last;                                  /* NULL: no step of a loop */
-    bool lent, anew;                                 /* lent: the gear; anew: the last mesh is not looked at */
-    int card;
-    cudaStream_t stream;
-    pbw_job *job;                                    /* without reserve, keep: results stay on the device */
-    size_t used, count, stars;                       /* bytes; points; stars of the share */
-    uint32_t *stop;                                  /* on the device: kernels of stars end early if it is not 0 */
-    bool stopped;
-    int dim;
-    pbw_status status;
-    bool declined, must;                             /* must: there is no CPU that it could be left to */
-    struct { void *address; size_t bytes; } block[40 + 3 * most_cards];
-    int blocks;
-};
-
-/* Reports the first failure of any card; then all stop.  text: the message, or NULL. */
-void fall_out(call &c, const char *text)
-{
-    std::lock_guard<std::mutex> hold(c.cards->lock);
-    if (c.cards->status == PBW_OK && c.status != PBW_OK) {
-        c.cards->status = c.status;
-        c.cards->declined = c.declined;
-        if (text != NULL) {
-            c.job->say(c.job, text);
-        }
-        c.cards->news.notify_all();
-    }
-}
-
-/* Sets the status of a call that has not failed yet, and says why. */
-void fail(call &c, pbw_status status, const char *format, ...)
-{
-    char text[256];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    if (c.status == PBW_OK) {
-        c.status = status;
-        fall_out(c, text);
-    }
-}
-
-struct failure {};                                   /* thrown: the status of the call is no longer PBW_OK */
-
-void go_on(const call &c)
-{
-    if (c.status != PBW_OK) {
-        throw failure();
-    }
-}
-
-/* Fails unless a condition holds. */
-template <typename... A> void require(call &c, bool holds, pbw_status status, const char *format, A... arguments)
-{
-    if (!holds) {
-        fail(c, status, format, arguments...);
-        throw failure();
-    }
-}
-
-/* Declines the input unless a condition holds that only the device needs: the CPU may take over. */
-template <typename... A> void suit(call &c, bool suits, const char *format, A... arguments)
-{
-    c.declined = c.declined || !suits;
-    require(c, suits, PBW_ERROR_BACKEND, format, arguments...);
-}
-
-/* Declines the input if the last rung left more than limit stars. */
-void suit_stars(call &c, uint32_t left, uint32_t limit)
-{
-    suit(c, left <= limit, "%u stars are too large for the device (cospherical points?)", left);
-}
-
-/* Takes over a failure of the device; returns whether the call has none. */
-bool good(call &c, cudaError_t error, const char *what)
-{
-    if (error != cudaSuccess) {
-        fail(c, PBW_ERROR_BACKEND, "%s: %s", what, cudaGetErrorString(error));
-    }
-    return c.status == PBW_OK;
-}
-
-void need(call &c, cudaError_t error, const char *what)
-{
-    good(c, error, what);
-    go_on(c);
-}
-
-/* Fails unless more bytes fit into free memory and the pool; says what the call needs in all, as far as is known. */
-void need_memory(call &c, size_t more)
-{
-    size_t available = 0, all = 0, needed = c.used + more;
-    size_t usual = (size_t)((double)c.count * bytes_a_point[c.dim - 2] + (double)c.stars * bytes_a_star[c.dim - 2]);
-    uint64_t kept = 0, used = 0;
-    need(c, cudaMemGetInfo(&available, &all), "cudaMemGetInfo");
-    need(c, cudaMemPoolGetAttribute(c.pool, cudaMemPoolAttrReservedMemCurrent, &kept), "memory of the pool");
-    need(c, cudaMemPoolGetAttribute(c.pool, cudaMemPoolAttrUsedMemCurrent, &used), "memory of the pool");
-    available += c.used + (kept > used ? (size_t)(kept - used) : 0);
-    available = c.job->memory_limit > 0 && c.job->memory_limit < available ? c.job->memory_limit : available;
-    require(c, needed <= available, PBW_ERROR_BACKEND,
-            "too little device memory: %zu bytes are needed, %zu are available", usual > needed ? usual : needed,
-            available);
-}
-
-void own(call &c, void *block, size_t bytes)
-{
-    c.block[c.blocks].address = block;
-    c.block[c.blocks++].bytes = bytes;
-    c.used += bytes;
-}
-
-template <typename V> V *allocate(call &c, size_t count)
-{
-    void *block = NULL;
-    const size_t bytes = (count > 0 ? count : 1) * sizeof(V);
-    require(c, c.blocks < (int)(sizeof c.block / sizeof c.block[0]), PBW_ERROR_BACKEND,
-            "too many blocks of device memory");
-    if (c.job->memory_limit > 0 && c.used + bytes > c.job->memory_limit) {
-        need_memory(c, bytes);
-    }
-    const bool fails = pbw_cuda_fail_at > 0 && --pbw_cuda_fail_at == 0;
-    cudaError_t error = fails ? cudaErrorMemoryAllocation : cudaMallocFromPoolAsync(&block, bytes, c.pool, c.stream);
-    if (error == cudaErrorMemoryAllocation) {
-        (void)cudaGetLastError();
-        need_memory(c, bytes);
-    }
-    need(c, error, "cudaMallocAsync");
-    own(c, block, bytes);
-    return (V *)block;
-}
-
-/* Frees a block, or with keep only removes it from the list. */
-void release(call &c, const void *address, bool keep = false)
-{
-    for (int i = 0; i < c.blocks; i++) {
-        if (address != NULL && c.block[i].address == address) {
-            c.used -= c.block[i].bytes;
-            if (!keep) {
-                cudaFreeAsync(c.block[i].address, c.stream);
-            }
-            c.block[i] = c.block[--c.blocks];
-            return;
-        }
-    }
-}
-
-/* Device memory that is freed at the end of its scope. */
-template <typename V> struct buffer {
-    call &c;
-    V *at;
-    explicit buffer(call &of) : c(of), at(NULL) {}
-    buffer(call &of, size_t count) : c(of), at(NULL) { make(count); }
-    buffer(buffer &&from) : c(from.c), at(from.at) { from.at = NULL; }
-    buffer &operator=(buffer &&from) { std::swap(at, from.at); return *this; }
-    ~buffer() { release(c, at); }
-    void make(size_t count) { at = allocate<V>(c, count); }
-};
-
-/* Reports progress on the caller's thread, and takes over a cancellation or another card's failure. */
-void look_up(call &c, pbw_stage stage, double done)
-{
-    if (c.card == 0 && c.status == PBW_OK && c.job->report(c.job, stage, done) != 0) {
-        c.status = PBW_CANCELLED;
-        fall_out(c, NULL);
-    }
-    if (c.status == PBW_OK && c.cards->status != PBW_OK) {
-        c.status = (pbw_status)c.cards->status.load();
-    }
-}
-
-/* Waits for a stream and reports progress meanwhile.  When the call is cancelled or another card has failed, sets the
-   stop word of the kernels through the other stream. */
-void finish_stream(call &c, cudaStream_t stream, pbw_stage stage, double done)
-{
-    static const uint32_t one = 1;
-    cudaError_t error = cudaEventRecord(c.ready[0], stream);
-    while (error == cudaSuccess && (error = cudaEventQuery(c.ready[0])) == cudaErrorNotReady) {
-        look_up(c, stage, done);
-        if (c.status != PBW_OK && c.stop != NULL && !c.stopped) {
-            c.stopped = true;
-            cudaMemcpyAsync(c.stop, &one, sizeof one, cudaMemcpyHostToDevice, c.copies);
-        }
-        std::this_thread::yield();
-        error = cudaSuccess;
-    }
-    good(c, error, "waiting for the device");
-}
-
-void wait(call &c, pbw_stage stage, double done)
-{
-    finish_stream(c, c.stream, stage, done);
-    go_on(c);
-}
-
-/* Waits for the other cards, or with leaving until all leave, whether they have failed or not. */
-void meet_cards(call &c, bool leaving, double done)
-{
-    team &t = *c.cards;
-    std::unique_lock<std::mutex> hold(t.lock);
-    unsigned meeting = t.meetings;
-    t.left += leaving;
-    t.here += !leaving;
-    if (t.here == t.cards) {
-        t.here = 0;
-        t.meetings++;
-    }
-    t.news.notify_all();
-    while (leaving ? t.left < t.cards : t.meetings == meeting && t.status == PBW_OK) {
-        t.news.wait_for(hold, std::chrono::milliseconds(20));
-        hold.unlock();
-        look_up(c, PBW_STAGE_OUTPUT, done);
-        hold.lock();
-    }
-    hold.unlock();
-    look_up(c, PBW_STAGE_OUTPUT, done);
-    if (!leaving) {
-        go_on(c);
-    }
-}
-
-template <typename V> V read_back(call &c, const V *address, pbw_stage stage, double done)
-{
-    static_assert(sizeof(V) <= pinned_bytes, "room for what is read back");
-    V value, *to = c.pinned != NULL ? (V *)c.pinned : &value;
-    if (c.pinned == NULL) {                          /* the copy would block */
-        wait(c, stage, done);
-    }
-    need(c, cudaMemcpyAsync(to, address, sizeof(V), cudaMemcpyDeviceToHost, c.stream), "reading a count");
-    wait(c, stage, done);
-    return *to;
-}
-
-template <typename V> void fill(call &c, V *address, int byte, size_t count)
-{
-    need(c, cudaMemsetAsync(address, byte, count * sizeof(V), c.stream), "cudaMemsetAsync");
-}
-
-void note(call &c, int mark)
-{
-    need(c, cudaEventRecord(c.mark[mark], c.stream), "cudaEventRecord");
-}
-
-/* Lets all later work of the other stream wait for the work that the call's stream has now. */
-void follow(call &c)
-{
-    need(c, cudaEventRecord(c.ready[1], c.stream), "cudaEventRecord");
-    need(c, cudaStreamWaitEvent(c.copies, c.ready[1], 0), "cudaStreamWaitEvent");
-}
-
-struct shape {                                       /* of a launch; bytes: of dynamic shared memory */
-    unsigned blocks, threads;
-    size_t bytes;
-};
-
-shape over(size_t threads, unsigned block)
-{
-    return { threads > 0 ? (unsigned)((threads + block - 1) / block) : 1, block, 0 };
-}
-
-/* For loops that stride over the grid. */
-shape at_most(unsigned blocks, shape s)
-{
-    s.blocks = s.blocks < blocks ? s.blocks : blocks;
-    return s;
-}
-
-template <typename... P, typename... A>
-void launch(call &c, const char *what, void (*kernel)(P...), shape s, const A &...arguments)
-{
-    kernel<<<s.blocks, s.threads, s.bytes, c.stream>>>(arguments...);
-    need(c, cudaGetLastError(), what);
-}
-
-/* An array and room to sort it. */
-template <typename V> struct sortable {
-    buffer<V> array, spare;
-    explicit sortable(call &c) : array(c), spare(c) {}
-    sortable(call &c, size_t count) : array(c, count), spare(c, count) {}
-    void take(cub::DoubleBuffer<V> &sorted)
-    {
-        array.at = sorted.Current();
-        spare.at = sorted.Alternate();
-    }
-};
-
-/* Calls a function of CUB twice: for the size of the scratch memory that it needs, then to do its work. */
-template <typename F> void with_scratch(call &c, const char *what, F function)
-{
-    size_t bytes = 0;
-    need(c, function((void *)NULL, bytes), what);
-    buffer<char> scratch(c, bytes);
-    need(c, function((void *)scratch.at, bytes), what);
-}
-
-/* Sorts by the bits of the keys from low to high - 1. */
-struct key_bits {
-    int low, high;
-};
-
-template <typename K, typename V>
-void sort_pairs(call &c, sortable<K> &key, sortable<V> &value, size_t count, key_bits by)
-{
-    cub::DoubleBuffer<K> keys(key.array.at, key.spare.at);
-    cub::DoubleBuffer<V> values(value.array.at, value.spare.at);
-    with_scratch(c, "sort", [&](void *scratch, size_t &bytes) {
-        return cub::DeviceRadixSort::SortPairs(scratch, bytes, keys, values, count, by.low, by.high, c.stream);
-    });
-    key.take(keys);
-    value.take(values);
-}
-
-void sum_before(call &c, const uint32_t *value, uint32_t *sum, size_t count)
-{
-    with_scratch(c, "scan", [&](void *scratch, size_t &bytes) {
-        return cub::DeviceScan::ExclusiveSum(scratch, bytes, value, sum, count, c.stream);
-    });
-}
-
-struct run_room {
-    buffer<range> place;
-    buffer<uint32_t> offset;                         /* with the sum of all lengths behind */
-    explicit run_room(call &c) : place(c), offset(c) {}
-    run_room(call &c, size_t count) : place(c, count), offset(c, count + 1) {}
-    run_list list() const { return { place.at, offset.at }; }
-};
-
-/* Points that are put into the order of the curve. */
-struct ordering {
-    keyed all;
-    sortable<uint64_t> key;
-    buffer<uint32_t> root;                           /* empty if there are no long runs */
-    buffer<survey> found;
-    ordering(call &c, const input &in) : key(c), root(c), found(c, 1)
-    {
-        pbw__curve one_level;
-        pbw__curve_create(&one_level, 0, in.dim);
-        memcpy(all.step, one_level.step, sizeof all.step);
-        all.in = in;
-        all.index_bits = pbw__index_bits(in.count);
-        all.bits = pbw__grid_bits(all.index_bits, in.dim);
-    }
-    key_bits sorted_bits() const { return { all.index_bits, all.index_bits + all.bits * all.in.dim }; }
-};
-
-/* Gives the points of count long runs keys from a grid for each run, and puts them back in their order.  Returns the
-   long runs of equal keys that are left, and sets count to their number. */
-run_room order_long_runs(call &c, ordering &o, const run_list &runs, uint32_t &count)
-{
-    const shape warps = over((size_t)count * 32, 128);
-    const uint32_t runs_here = count;
-    buffer<pbw__box> box(c, count);
-    run_room next(c);
-    fill(c, runs.offset + count, 0, 1);
-    launch(c, "runs", measure_kernel, warps, o.all, runs, count, box.at, o.root.at);
-    sum_before(c, runs.offset, runs.offset, (size_t)count + 1);
-    const uint32_t total = read_back(c, runs.offset + count, PBW_STAGE_ORDER, 0.4);
-    count = 0;
-    if (total > 0) {
-        sortable<uint64_t> gathered(c, total);
-        sortable<uint32_t> segment(c, total);
-        keyed some = o.all;
-        launch(c, "runs", rekey_kernel, warps, o.all, runs, runs_here, box.at, gathered.array.at, segment.array.at);
-        sort_pairs(c, gathered, segment, total, o.sorted_bits());
-        sort_pairs(c, segment, gathered, total, { 0, pbw__index_bits(runs_here) });
-        some.key = gathered.array.at;
-        next = run_room(c, total / PBW__SHORT_RUN + 1);
-        fill(c, &o.found.at->long_runs, 0, 1);
-        launch(c, "runs", run_kernel, over(total, 256), some, total, segment.array.at, runs, next.list(), o.found.at);
-        launch(c, "runs", put_back_kernel, over(total, 256), some.key, segment.array.at, total, runs, o.all.key);
-        count = read_back(c, &o.found.at->long_runs, PBW_STAGE_ORDER, 0.4);
-    }
-    return next;
-}
-
-/* Puts the runs of equal keys into order.  As in >>order of pbw.h each level divides the extent by 2^bits. */
-void order_runs(call &c, ordering &o)
-{
-    const size_t n = o.all.in.count;
-    run_room runs(c, n / PBW__SHORT_RUN + 1);
-    launch(c, "runs", run_kernel, over(n, 256), o.all, n, nullptr, run_list(), runs.list(), o.found.at);
-    uint32_t count = read_back(c, &o.found.at->long_runs, PBW_STAGE_ORDER, 0.4);
-    if (count > 0) {
-        o.root.make(n);
-        fill(c, o.root.at, 0xff, n);
-    }
-    while (count > 0) {
-        runs = order_long_runs(c, o, runs.list(), count);
-    }
-}
-
-/* Returns the ranges of coordinates and weights, and the unit of their common grid; later kernels use on_device. */
-pbw__grid_share survey_points(call &c, const input &in, const buffer<survey> &on_device)
-{
-    survey found = {};
-    pbw__grid_share range;
-    memset(found.low, 0xff, sizeof found.low);
-    found.unit = 1024;
-    need(c, cudaMemcpyAsync(on_device.at, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy");
-    launch(c, "survey", survey_kernel, at_most(2048, over(in.count, 256)), in, on_device.at);
-    found = read_back(c, on_device.at, PBW_STAGE_ORDER, 0.1);
-    require(c, found.bad == 0, PBW_ERROR_NOT_FINITE, "a coordinate or weight is not a finite number");
-    pbw__grid_share_reset(&range);
-    range.unit = found.unit;
-    for (int k = 0; k <= in.dim; k++) {
-        range.low[k] = unordered(found.low[k]);
-        range.high[k] = unordered(found.high[k]);
-    }
-    return range;
-}
-
-/* Sets the units of the space; fails if the device code cannot work in them.  Returns the box of the curve. */
-pbw__box measure_space(call &c, const pbw__grid_share &range, int bits, int dim, space &s)
-{
-    const double weight_range = range.high[dim] - range.low[dim];
-    pbw__box domain;
-    int exponent;
-    pbw__box_reset(&domain, bits);
-    pbw__box_add(&domain, range.low, dim);
-    pbw__box_add(&domain, range.high, dim);
-    pbw__box_close(&domain, dim);
-    suit(c, domain.extent > 1e-100 && domain.extent < 1e100,
-         "the extent of the points is beyond the range of the device code");
-    (void)frexp(domain.extent, &exponent);
-    s.unit = ldexp(1.0, 1 - exponent);
-    suit(c, weight_range * (s.unit * s.unit) < 1e12, "the weights are beyond the range of the device code");
-    s.heaviest = range.high[dim];
-    pbw__grid_close(&s.grid, &range, 1, dim);
-    for (int k = 0; k < dim; k++) {
-        s.low[k] = domain.low[k];
-        s.end[k] = domain.high[k];
-        s.high[k] = (float)((domain.high[k] - domain.low[k]) * s.unit);
-    }
-    if (s.grid.inverse_unit > 1e-30 && s.grid.inverse_unit < 1e30) {     /* nothing underflows or overflows */
-        double step = s.unit / s.grid.inverse_unit;
-        s.exact_height = (dim == 3 ? PBW__EXACT_HEIGHT3 : PBW__EXACT_HEIGHT2) * (step * step);
-    }
-    return domain;
-}
-
-/* Sets duplicates aside: fills id, canonical and the points of s. */
-void gather_points(call &c, const ordering &o, space &s, uint32_t *&id)
-{
-    const size_t n = o.all.in.count;
-    buffer<uint32_t> first(c, n), rank(c);
-    launch(c, "places", place_kernel, over(n, 256), o.all, o.root.at, first.at, c.mesh->canonical, o.found.at);
-    c.mesh->duplicate_count = read_back(c, &o.found.at->duplicates, PBW_STAGE_ORDER, 0.5);
-    s.count = (uint32_t)(n - c.mesh->duplicate_count);
-    suit(c, s.count >= PBW_CUDA_FEW, few_points);
-    if (s.count < n) {
-        rank.make(n);
-        sum_before(c, first.at, rank.at, n);
-    }
-    record *const point = allocate<record>(c, s.count);
-    id = allocate<uint32_t>(c, s.count);
-    launch(c, "gather", gather_kernel, over(n, 256), o.all, first.at, rank.at, point, id);
-    s.point = point;
-}
-
-/* Fills s, which was zeros, id and canonical; returns whether weights differ. */
-bool order_points(call &c, const input &in, space &s, uint32_t *&id)
-{
-    ordering o(c, in);
-    const pbw__grid_share range = survey_points(c, in, o.found);
-    const pbw__box domain = measure_space(c, range, o.all.bits, in.dim, s);
-    sortable<cub::NullType> nothing(c);
-    o.key = sortable<uint64_t>(c, in.count);
-    o.all.key = o.key.array.at;
-    launch(c, "keys", key_kernel, over(in.count, 256), o.all, domain);
-    sort_pairs(c, o.key, nothing, in.count, o.sorted_bits());
-    o.all.key = o.key.array.at;
-    order_runs(c, o);
-    gather_points(c, o, s, id);
-    return in.weights != NULL && range.high[in.dim] > range.low[in.dim];
-}
-
-void grow_tree(call &c, space &s, int dim, tree &t)
-{
-    uint32_t size = (s.count + group_size - 1) / group_size;
-    float4 *const rough = allocate<float4>(c, s.count);
-    s.rough = rough;
-    for (t.levels = 0; t.levels == 0 || t.size[t.levels - 1] > 32; size = (size + 31) / 32) {
-        box *const b = allocate<box>(c, size);
-        if (t.levels == 0) {
-            launch(c, "boxes", group_kernel, over(size, 128), s, dim, b, rough, size);
-        } else {
-            launch(c, "boxes", box_kernel, over(size, 128), t.level[t.levels - 1], t.size[t.levels - 1], b, size);
-        }
-        t.level[t.levels] = b;
-        t.size[t.levels++] = size;
-    }
-}
-
-/* The caps on the looks of a warp at 32 boxes or points; an insertion counts as 4. */
-const int quick_cap = 1024, far_cap = 4096, last_cap[2] = { 1 << 17, 1 << 20 };
-const uint32_t last_blocks = 128;
-
-int processors_of(call &c, int device)
-{
-    int processors = 1;
-    need(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "cudaDeviceGetAttribute");
-    return processors;
-}
-
-/* Looks for a star of a sample on the rungs for surfaces: the cap, and the largest average that is not declined. */
-const int sample_cap = 384;
-const unsigned long long most_looks = 128;
-
-/* Of fewer points no sample is taken: they are built soon on any rung. */
-const uint32_t sample_size = 1024, sampled_from = 1u << 14;
-
-/* Copies the points that a mesh keeps, while the device is at work. */
-void keep_points(call &c)
-{
-    if (c.job->keep != NULL && c.card == 0 && c.job->kept_points == NULL) {
-        pbw_status status = c.job->keep(c.job);
-        require(c, status == PBW_OK, status, "the points could not be kept");
-    }
-}
-
-/* Empties the store and the queues. */
-void start_over(call &c, const workshop &w)
-{
-    fill(c, w.q[0].count, 0, 3);
-    fill(c, w.out.used, 0, 1);
-    fill(c, w.out.owned + w.out.size(), 0, 1);
-    fill(c, w.out.place, 0xff, w.out.size());
-}
-
-template <int DIM> void find_seeds(call &c, const workshop &w)
-{
-    fill(c, w.seed, 0, 4);
-    for (int found = 1; found <= DIM; found++) {
-        launch(c, "seeds", seed_kernel<DIM>, at_most(1024, over(w.all.count, 256)), w.all, found, w.seed);
-    }
-}
-
-/* The first rung for total vertices from first on, each stride-th; with EXACT for the first total of q[1]. */
-template <int DIM, bool WEIGHTED, bool EXACT>
-void launch_near(call &c, const workshop &w, uint32_t first, uint32_t stride, uint32_t total, bool keeps = false)
-{
-    const size_t bytes = sizeof(near_star<DIM, WEIGHTED, rung_real<EXACT> >) * (near_block / near_lanes);
-    static_assert(bytes <= 48 << 10, "the stars of a block fit what every device has of shared memory");
-    shape s = over((size_t)total * near_lanes, near_block);
-    s.bytes = bytes;
-    launch(c, "near stars", near_kernel<DIM, WEIGHTED, EXACT>, s, near_launch{ w, first, stride, total, keeps });
-}
-
-/* Returns whether the first rung certifies less than half of a sample, as where points lie on surfaces and curves. */
-template <int DIM, bool WEIGHTED> bool sample_reaches_far(call &c, const workshop &w)
-{
-    start_over(c, w);
-    launch_near<DIM, WEIGHTED, false>(c, w, w.out.first, w.out.size() / sample_size, sample_size);
-    const uint2 counts = read_back(c, (const uint2 *)w.q[0].count, PBW_STAGE_BUILD, 0.0);
-    if (counts.y == 0 || counts.x + counts.y <= sample_size / 2) {
-        return counts.x > sample_size / 2;
-    }
-    launch_near<DIM, WEIGHTED, true>(c, w, 0, 1, counts.y);
-    return read_back(c, w.q[0].count, PBW_STAGE_BUILD, 0.0) > sample_size / 2;
-}
-
-/* The first rung: all stars of the share, then those that floats left open.  Returns how many it leaves in q[0]. */
-template <int DIM, bool WEIGHTED> uint32_t build_near_stars(call &c, const workshop &w)
-{
-    const uint32_t chunk = 1u << 22;
-    start_over(c, w);
-    c.mesh->stars[0] = w.out.size();
-    for (uint32_t first = w.out.first; first < w.out.end; first += chunk) {
-        const uint32_t count = w.out.end - first < chunk ? w.out.end - first : chunk;
-        const bool more = first + count < w.out.end;
-        launch_near<DIM, WEIGHTED, false>(c, w, first, 1, count);
-        if (first == w.out.first && more) {          /* one ahead: the host has time for its part */
-            continue;
-        }
-        keep_points(c);
-        if (more) {
-            wait(c, PBW_STAGE_BUILD, 0.7 * (double)(first - w.out.first) / (double)w.out.size());
-        }
-    }
-    const uint32_t open = read_back(c, w.q[1].count, PBW_STAGE_BUILD, 0.7);
-    if (open > 0) {
-        launch_near<DIM, WEIGHTED, true>(c, w, 0, 1, open);
-    }
-    note(c, 3);
-    return read_back(c, w.q[0].count, PBW_STAGE_BUILD, 0.8);
-}
-
-/* Stars by a kernel of a later rung, in at most so many blocks.  Returns how many it leaves in a.failed. */
-template <typename RUNG, typename STAR, typename LAUNCH>
-uint32_t run_rung(call &c, void (*kernel)(LAUNCH), LAUNCH a, uint32_t blocks)
-{
-    buffer<STAR> scratch(c);
-    buffer<pbw__digit> pool(c);
-    if (a.total == 0) {
-        return 0;
-    }
-    blocks = !RUNG::shared ? last_blocks : blocks;
-    blocks = a.total < blocks ? a.total : blocks;
-    if (!RUNG::shared) {
-        scratch.make(blocks);
-        pool.make((size_t)blocks * 32 * PBW__POOL);
-    }
-    a.scratch = scratch.at;
-    a.pool = pool.at;
-    fill(c, a.w.next, 0, 1);
-    fill(c, a.failed.count, 0, 1);
-    launch(c, "stars", kernel, shape{ blocks, 32 * RUNG::warps, RUNG::shared ? sizeof(STAR) : 0 }, a);
-    keep_points(c);
-    return read_back(c, a.failed.count, PBW_STAGE_BUILD, 0.8);
-}
-
-/* Builds stars of q[from] by the second or third rung, with at most cap looks each, until more than limit fail.
-   Returns how many it leaves in q[1 - from]. */
-template <int DIM, bool WEIGHTED, typename RUNG>
-uint32_t run_far_rung(call &c, const workshop &w, int from, uint32_t total, uint32_t limit, int cap)
-{
-    const rung_launch a = { w, w.q[from].vertex, total, limit, cap, NULL, NULL, w.q[1 - from] };
-    return run_rung<RUNG, far_star<DIM, WEIGHTED, RUNG> >(c, far_kernel<DIM, WEIGHTED, RUNG>, a, total);
-}
-
-/* How many stars may need more than the second rung. */
-uint32_t far_limit(const workshop &w)
-{
-    return 128 + w.out.size() / 2048;
-}
-
-/* Builds the stars in q[0], `left` of them, by the second rung, at first without exact tests, and the third; the few
-   that the third fails come again with a larger cap. */
-template <int DIM, bool WEIGHTED> void build_far_stars(call &c, const workshop &w, uint32_t left)
-{
-    left = run_far_rung<DIM, WEIGHTED, quick_rung>(c, w, 0, left, none, quick_cap);
-    if (left > 0) {
-        find_seeds<DIM>(c, w);
-    }
-    left = run_far_rung<DIM, WEIGHTED, far_rung>(c, w, 1, left, far_limit(w), far_cap);
-    c.mesh->stars[2] = left;
-    suit_stars(c, left, far_limit(w));
-    left = run_far_rung<DIM, WEIGHTED, last_rung>(c, w, 0, left, last_blocks, last_cap[0]);
-    if (left <= last_blocks) {
-        left = run_far_rung<DIM, WEIGHTED, last_rung>(c, w, 1, left, 0, last_cap[1]);
-    }
-    note(c, 4);
-    suit_stars(c, left, 0);
-}
-
-/* Returns the tree over the bricks that it lays one level after another, in room that is enough for all. */
-brick_tree lay_bricks(call &c, const space &s, brick *room)
-{
-    brick_tree t = {};
-    buffer<moments> child(c);
-    for (uint32_t size = s.count; t.levels == 0 || size > 32; t.levels++) {
-        const uint32_t children = size;
-        size = (size + 7) / 8;
-        buffer<moments> own(c, size);
-        launch(c, "bricks", brick_kernel, over(size, 128), s, child.at, children, own.at, room, size);
-        child = std::move(own);
-        t.level[t.levels] = room;
-        t.size[t.levels] = size;
-        room += size;
-    }
-    launch(c, "bricks", half_kernel, over(s.count, 256), s, t);
-    return t;
-}
-
-/* Builds stars by a rung for surfaces, as run_far_rung does; returns how many it leaves. */
-template <typename RUNG> uint32_t run_wide_rung(call &c, wide_launch &a, uint32_t total, uint32_t limit, int cap)
-{
-    a.total = total;
-    a.limit = limit;
-    a.cap = cap;
-    const unsigned processors = (unsigned)processors_of(c, c.cards->of[c.card].device);
-    return run_rung<RUNG, wide_star<RUNG> >(c, wide_kernel<RUNG>, a, processors * RUNG::blocks);
-}
-
-/* Whether a sample shows that few stars are large or searched for long.  The CPU takes 150 to 250 ns a point on
-   16 threads; 4 warps a multiprocessor take 3 us each for a look at 32 places. */
-bool sample_stays_cheap(call &c, wide_launch a)
-{
-    a.stride = a.w.out.size() / sample_size;
-    a.looks = a.w.seed + 4;
-    start_over(c, a.w);
-    launch_near<3, false, false>(c, a.w, a.w.out.first, a.stride, sample_size, true);
-    fill(c, a.looks, 0, 1);
-    const uint32_t failed = run_wide_rung<wide_rung>(c, a, sample_size, none, sample_cap);
-    const unsigned long long looks = read_back(c, a.looks, PBW_STAGE_BUILD, 0.1);
-    return failed <= sample_size / 64 && looks <= most_looks * sample_size;
-}
-
-/* Stars that the first rung for surfaces left in q[0]. */
-void build_large_wide_stars(call &c, wide_launch a, uint32_t failed)
-{
-    a.in = a.w.out;
-    a.vertex = a.w.q[0].vertex;
-    a.failed = a.w.q[1];
-    const uint32_t last = run_wide_rung<large_wide_rung>(c, a, failed, far_limit(a.w), far_cap);
-    suit_stars(c, last, far_limit(a.w));             /* beyond its limit a rung leaves stars untried, uncounted */
-    a.vertex = a.w.q[1].vertex;
-    a.failed = a.w.q[0];
-    failed = run_wide_rung<last_wide_rung>(c, a, last, 0, last_cap[0]);
-    c.mesh->stars[2] = last;
-    note(c, 4);
-    suit_stars(c, failed, 0);
-}
-
-/* Builds the stars of points on surfaces; returns false if a sample speaks against it.  What the first rung begins
-   has a store of its own, which is given back. */
-bool build_wide_stars(call &c, workshop &w, const brick_tree &bricks)
-{
-    const uint32_t mine = w.out.size(), limit = 128 + mine / 16;
-    const unsigned long long enough = (unsigned long long)mine * 15 + 4096;
-    wide_launch a = { { w, NULL, 0, 0, 0, NULL, NULL, w.q[0] }, bricks, w.out, 1, NULL };
-    find_seeds<3>(c, w);
-    if (!sample_stays_cheap(c, a)) {
-        return false;
-    }
-    start_over(c, w);
-    launch_near<3, false, false>(c, w, w.out.first, 1, mine, true);
-    note(c, 3);
-    if (read_back(c, w.out.used, PBW_STAGE_BUILD, 0.2) > w.out.capacity) {
-        return true;
-    }
-    w.out.capacity = w.out.capacity > enough ? w.out.capacity : enough;
-    fill(c, w.out.used, 0, 1);
-    w.out.word = allocate<uint32_t>(c, (size_t)w.out.capacity * 4);
-    a.w = w;
-    const uint32_t failed = run_wide_rung<wide_rung>(c, a, mine, limit, quick_cap);
-    const unsigned long long used = read_back(c, w.out.used, PBW_STAGE_BUILD, 0.8);
-    release(c, a.in.word);
-    if (used > w.out.capacity) {
-        return true;
-    }
-    c.mesh->stars[0] = c.mesh->stars[1] = mine;
-    suit_stars(c, failed, limit);
-    build_large_wide_stars(c, a, failed);
-    return true;
-}
-
-template <int DIM, bool WEIGHTED> void build_stars(call &c, workshop &w)
-{
-    /* weights hide points, which is quick: no sample */
-    const bool far = !WEIGHTED && !pbw_cuda_patient && w.all.count >= sampled_from && w.out.size() >= sample_size
-                  && sample_reaches_far<DIM, WEIGHTED>(c, w);
-    if (far && DIM == 3) {
-        buffer<brick> bricks(c, w.all.count / 7 + 2 * brick_levels);
-        if (build_wide_stars(c, w, lay_bricks(c, w.all, bricks.at))) {
-            return;
-        }
-    }
-    suit(c, !far || c.must, "most stars reach far (points on lines, or nearly in a plane?): quicker on the CPU");
-    const uint32_t left = build_near_stars<DIM, WEIGHTED>(c, w);
-    c.mesh->stars[1] = left;
-    build_far_stars<DIM, WEIGHTED>(c, w, left);
-}
-
-/* Copies results in parts, since memory that is not pinned makes the host wait for each. */
-void copy_out(call &c, void *to, const void *from, size_t bytes, double done)
-{
-    const size_t most = (size_t)1 << 25;
-    follow(c);
-    for (size_t at = 0; at < bytes; at += most) {
-        need(c, cudaMemcpyAsync((char *)to + at, (const char *)from + at, bytes - at < most ? bytes - at : most,
-                                cudaMemcpyDeviceToHost, c.copies), "copying results");
-        look_up(c, PBW_STAGE_OUTPUT, done);
-        go_on(c);
-    }
-}
-
-/* Lets the other devices read the pool of this one, where they can: copies then go directly. */
-void open_pool(call &c)
-{
-    offer &own = c.cards->of[c.card];
-    cudaMemPool_t pool;
-    need(c, cudaDeviceGetMemPool(&pool, own.device), "cudaDeviceGetMemPool");
-    for (int i = 0; i < c.cards->cards; i++) {
-        const int other = c.cards->of[i].device;
-        int can = other != own.device;
-        if (can) {
-            need(c, cudaDeviceCanAccessPeer(&can, other, own.device), "cudaDeviceCanAccessPeer");
-        }
-        if (can) {
-            cudaMemAccessDesc access = { { cudaMemLocationTypeDevice, other }, cudaMemAccessFlagsProtReadWrite };
-            can = cudaMemPoolSetAccess(pool, &access, 1) == cudaSuccess;
-            (void)cudaGetLastError();
-        }
-        own.open[i] = (can || other == own.device) && !pbw_cuda_by_host;
-    }
-}
-
-/* Copies by way of the host from a card that this one cannot read; the offer is complete.  Pinned memory would be
-   copied more quickly, but to pin it takes time, and to free it waits for all streams of the device.  From four cards
-   on that costs more. */
-void fetch_by_host(call &c, int card, char *to, const char *from, size_t bytes)
-{
-    const size_t most = (size_t)1 << 24;
-    void *const host = malloc(bytes < most ? bytes : most);
-    require(c, host != NULL, PBW_ERROR_MEMORY, no_host_memory);
-    auto copy = [&](int on, void *target, const void *source, size_t part, cudaStream_t stream) {
-        return good(c, cudaSetDevice(c.cards->of[on].device), "cudaSetDevice")
-            && good(c, cudaMemcpyAsync(target, source, part, cudaMemcpyDefault, stream), "copying by the host")
-            && good(c, cudaStreamSynchronize(stream), "copying by the host");
-    };
-    for (size_t at = 0; at < bytes && c.status == PBW_OK; at += most) {
-        const size_t part = bytes - at < most ? bytes - at : most;
-        copy(card, host, from + at, part, cudaStreamPerThread);
-        copy(c.card, to + at, host, part, c.stream);
-    }
-    free(host);
-    go_on(c);
-}
-
-template <typename V> void fetch_from(call &c, int card, V *to, const void *from, size_t count)
-{
-    const offer *of = c.cards->of;
-    const size_t bytes = count * sizeof(V);
-    if (bytes > 0 && !of[card].open[c.card]) {
-        fetch_by_host(c, card, (char *)to, (const char *)from, bytes);
-    } else if (bytes > 0) {
-        need(c, cudaMemcpyPeerAsync(to, of[c.card].device, from, of[card].device, bytes, c.stream),
-             "copying between devices");
-    }
-}
-
-/* Sets the share of a card: whole groups, in proportion to its multiprocessors. */
-void share_points(call &c, workshop &w)
-{
-    const int cards = c.cards->cards;
-    double before[most_cards + 1] = { 0.0 };
-    for (int i = 0; i < cards; i++) {
-        before[i + 1] = before[i] + processors_of(c, c.cards->of[i].device);
-    }
-    auto first_of = [&](int card) {
-        const double all = (double)w.all.count * (before[card] / before[cards]);
-        return card == cards ? w.all.count : (uint32_t)all / group_size * group_size;
-    };
-    w.out.first = first_of(c.card);
-    w.out.end = first_of(c.card + 1);
-    c.stars = w.out.size();
-}
-
-/* Lists the guests that this card has for higher cards. */
-template <int DIM> void list_guests(call &c, const directory<DIM> &all, uint32_t vertices)
-{
-    offer &own = c.cards->of[c.card];
-    buffer<uint32_t> count(c, (size_t)vertices + 1), place(c, (size_t)vertices + 1);
-    fill(c, count.at + vertices, 0, 1);
-    for (int i = c.card + 1; i < c.cards->cards; i++) {
-        guest_list<DIM> list = { count.at, place.at, NULL, NULL };
-        launch(c, "guests", guest_kernel<DIM>, over(vertices, 128), all, vertices, c.cards->of[i].part, list);
-        sum_before(c, count.at, place.at, (size_t)vertices + 1);
-        own.guest_count[i] = read_back(c, place.at + vertices, PBW_STAGE_OUTPUT, 0.2);
-        own.guests[i] = list.guest = allocate<cell<DIM> >(c, own.guest_count[i]);
-        own.guest_numbers[i] = list.number = allocate<uint32_t>(c, own.guest_count[i]);
-        launch(c, "guests", guest_kernel<DIM>, over(vertices, 128), all, vertices, c.cards->of[i].part, list);
-    }
-    wait(c, PBW_STAGE_OUTPUT, 0.2);
-}
-
-/* Fetches the guests that lower cards have for this one. */
-template <int DIM> void fetch_guests(call &c, directory<DIM> &all)
-{
-    const offer *of = c.cards->of;
-    size_t count = 0;
-    for (int i = 0; i < c.card; i++) {
-        count += of[i].guest_count[c.card];
-    }
-    cell<DIM> *const guest = allocate<cell<DIM> >(c, count);
-    uint32_t *const number = allocate<uint32_t>(c, count);
-    pbw_index *const beyond = c.cards->of[c.card].beyond = allocate<pbw_index>(c, count);
-    fill(c, beyond, 0xff, count);                    /* some are copied and never read: guests without a facet here */
-    all.guest = guest;
-    all.guest_number = number;
-    for (int i = 0; i < c.card; i++) {
-        const uint32_t some = of[i].guest_count[c.card];
-        fetch_from(c, i, guest + all.guests, of[i].guests[c.card], some);
-        fetch_from(c, i, number + all.guests, of[i].guest_numbers[c.card], some);
-        all.guests += some;
-    }
-}
-
-/* Fetches the links that higher cards have found for the simplices of this one. */
-template <int DIM> void fetch_beyond(call &c, const directory<DIM> &all, pbw_index *neighbors)
-{
-    const offer *of = c.cards->of;
-    for (int i = c.card + 1; i < c.cards->cards; i++) {
-        const uint32_t count = of[c.card].guest_count[i];
-        size_t before = 0;
-        buffer<pbw_index> beyond(c, count);
-        for (int k = 0; k < c.card; k++) {
-            before += of[k].guest_count[i];
-        }
-        fetch_from(c, i, beyond.at, of[i].beyond + before, count);
-        launch(c, "neighbours", return_kernel<DIM>, over(count, 128), all, of[i].part, count,
-               of[c.card].guest_numbers[i], beyond.at, neighbors);
-    }
-}
-
-/* Shares the points, grows the tree, and allocates what the rungs need. */
-void open_workshop(call &c, workshop &w, int dim)
-{
-    share_points(c, w);
-    const uint32_t mine = w.out.size(), groups = (mine + group_size - 1) / group_size;
-    w.out.capacity = (unsigned long long)mine * (dim == 3 ? 13 : 5) + 4096;
-    /* rough points and boxes; the store, queues, places and counts; lists and their heads of 8 points */
-    need_memory(c, (size_t)w.all.count * 16 + (size_t)w.all.count / group_size * sizeof(box)
-                   + (size_t)w.out.capacity * 16 + (size_t)mine * (12 + 8)
-                   + (size_t)groups * (list_size * 4 + sizeof(near_list)));
-    grow_tree(c, w.all, dim, w.boxes);
-    uint32_t *const counts = allocate<uint32_t>(c, 5);         /* of the queues, next, stop */
-    w.lists = allocate<uint32_t>(c, (size_t)groups * list_size);
-    w.infos = allocate<near_list>(c, groups);
-    w.out.used = allocate<unsigned long long>(c, 6);
-    w.out.place = allocate<uint32_t>(c, mine);
-    w.out.owned = allocate<uint32_t>(c, (size_t)mine + 1);
-    fill(c, counts + 4, 0, 1);
-    for (int i = 0; i < 3; i++) {
-        w.q[i].count = counts + i;
-        w.q[i].vertex = allocate<uint32_t>(c, mine);
-    }
-    w.next = counts + 3;
-    w.out.stop = counts + 4;
-    w.seed = w.out.used + 1;
-    if (c.copies != NULL) {
-        follow(c);
-        c.stop = counts + 4;
-    }
-    launch(c, "lists", list_kernel, over((size_t)groups * 32, 128), w.boxes, dim, w.out.first / group_size,
-           w.out.first / group_size + groups, w.lists, w.infos);
-}
-
-/* Builds all stars, once more if the store turns out too small. */
-template <int DIM, bool WEIGHTED> void fill_store(call &c, workshop &w)
-{
-    unsigned long long used = w.out.capacity;
-    note(c, 2);
-    do {
-        release(c, w.out.word);
-        w.out.capacity = used > w.out.capacity ? used + used / 16 : used;
-        w.out.word = allocate<uint32_t>(c, (size_t)w.out.capacity * 4);
-        build_stars<DIM, WEIGHTED>(c, w);
-        used = read_back(c, w.out.used, PBW_STAGE_BUILD, 0.95);
-    } while (used > w.out.capacity);
-    release(c, w.lists);
-    release(c, w.infos);
-    require(c, used <= ((unsigned long long)1 << 32) - 16, PBW_ERROR_TOO_LARGE, too_many);
-}
-
-/* Where the simplices of a share go. */
-struct output {
-    const uint32_t *id;
-    bool alone, with_neighbors, to_host;
-    uint32_t *offset, total;                         /* of each vertex; of the share */
-    size_t before;                                   /* simplices of lower shares */
-};
-
-void number_simplices(call &c, const workshop &w, output &o)
-{
-    const uint32_t mine = w.out.size();
-    o.offset = allocate<uint32_t>(c, (size_t)mine + 1);
-    sum_before(c, w.out.owned, o.offset, (size_t)mine + 1);
-    o.total = read_back(c, o.offset + mine, PBW_STAGE_OUTPUT, 0.0);
-    c.cards->of[c.card].part = w.out;
-    c.cards->of[c.card].simplices = o.total;
-    meet_cards(c, false, 0.0);
-    for (int i = 0; i < c.cards->cards; i++) {
-        o.before += i < c.card ? c.cards->of[i].simplices : 0;
-        c.mesh->simplex_count += c.cards->of[i].simplices;
-    }
-    note(c, 5);
-    require(c, c.mesh->simplex_count < hidden, PBW_ERROR_TOO_LARGE, too_many);
-}
-
-/* Writes the simplices, and lists those that other cards need. */
-template <int DIM> void emit_simplices(call &c, const workshop &w, const output &o, directory<DIM> &all)
-{
-    const uint32_t mine = w.out.size();
-    pbw_cuda_mesh *const mesh = c.mesh;
-    const size_t links = (size_t)o.total * (DIM + 1), incident = o.alone ? c.count : mine;
-    need_memory(c, (size_t)o.total * (o.with_neighbors ? 3 : 2) * sizeof(cell<DIM>) + c.count * 4);
-    cell<DIM> *const cells = allocate<cell<DIM> >(c, o.total);
-    mesh->simplices = allocate<pbw_index>(c, links);
-    mesh->incident = allocate<pbw_index>(c, incident);
-    mesh->neighbors = o.with_neighbors ? allocate<pbw_index>(c, links) : NULL;
-    fill(c, mesh->incident, 0xff, incident);
-    fill(c, w.next, 0, 1);
-    launch(c, "simplices", emit_kernel<DIM>, over((size_t)mine * 8, emit_block), w.out, o.offset, o.id, cells,
-           (cell<DIM> *)mesh->simplices);
-    note(c, 6);
-    all = { w.out.first, (uint32_t)o.before, 0, o.offset, NULL, cells, NULL };
-    pbw_status status = o.to_host && c.card == 0 ? c.job->reserve(c.job, mesh->simplex_count) : PBW_OK;
-    require(c, status == PBW_OK, status, no_host_memory);
-    if (!o.alone) {
-        list_guests<DIM>(c, all, mine);
-        meet_cards(c, false, 0.1);
-        fetch_guests<DIM>(c, all);
-    }
-    if (o.to_host) {
-        copy_out(c, c.job->simplices + o.before * (DIM + 1), mesh->simplices, links * sizeof(pbw_index), 0.1);
-    }
-}
-
-/* Finds the neighbours and incident simplices; w.next counts hidden points. */
-template <int DIM> void find_neighbors(call &c, const workshop &w, const output &o, const directory<DIM> &all)
-{
-    const links out = { c.mesh->neighbors, o.alone ? NULL : c.cards->of[c.card].beyond, c.mesh->incident,
-                        o.alone ? o.id : NULL };
-    const shape tiles = over((size_t)w.out.size() * 8, emit_block);
-    launch(c, "neighbours", neighbor_kernel<DIM>, tiles, w.out, all, out, w.next);
-    if (c.mesh->stars[1] > 0) {
-        const shape warps = over(c.mesh->stars[1] * 32, 128);
-        launch(c, "neighbours", large_neighbor_kernel<DIM>, warps, w.q[2], w.out, all, out);
-    }
-    note(c, 7);
-    if (!o.alone) {
-        c.cards->of[c.card].incident = c.mesh->incident;
-        wait(c, PBW_STAGE_OUTPUT, 0.2);
-        meet_cards(c, false, 0.3);
-    }
-    if (!o.alone && o.with_neighbors) {
-        fetch_beyond<DIM>(c, all, c.mesh->neighbors);
-    }
-    if (o.to_host && o.with_neighbors) {
-        copy_out(c, c.job->neighbors + o.before * (DIM + 1), c.mesh->neighbors,
-                 (size_t)o.total * (DIM + 1) * sizeof(pbw_index), 0.4);
-    }
-}
-
-/* The arrays of points: the first card writes the incident simplices of all, the last the canonical points. */
-void copy_points(call &c, const output &o)
-{
-    pbw_index *incident = c.mesh->incident;
-    const size_t bytes = c.count * sizeof(pbw_index);
-    if (!o.alone && c.card == 0) {
-        incident = allocate<pbw_index>(c, c.count);
-        fill(c, incident, 0xff, c.count);
-    }
-    for (int i = 0; !o.alone && c.card == 0 && i < c.cards->cards; i++) {
-        const range part = c.cards->of[i].part;
-        buffer<pbw_index> some(c, part.size());
-        fetch_from(c, i, some.at, c.cards->of[i].incident, part.size());
-        launch(c, "incident simplices", scatter_kernel, over(part.size(), 256), o.id + part.first, part.size(),
-               some.at, incident);
-    }
-    if (o.to_host && c.card == 0) {
-        copy_out(c, c.job->incident, incident, bytes, 0.4);
-    }
-    if (o.to_host && c.card + 1 == c.cards->cards) {
-        copy_out(c, c.job->canonical, c.mesh->canonical, bytes, 0.4);
-    }
-}
-
-template <int DIM, bool WEIGHTED> void build(call &c, const space &s, const uint32_t *id, unsigned flags)
-{
-    output o = { id, c.cards->cards == 1, (flags & PBW_NO_NEIGHBORS) == 0, c.job->reserve != NULL, NULL, 0, 0 };
-    workshop w = {};
-    directory<DIM> all = {};
-    w.all = s;
-    open_workshop(c, w, DIM);
-    fill_store<DIM, WEIGHTED>(c, w);
-    number_simplices(c, w, o);
-    emit_simplices<DIM>(c, w, o, all);
-    find_neighbors<DIM>(c, w, o, all);
-    copy_points(c, o);
-    c.mesh->hidden_count = read_back(c, w.next, PBW_STAGE_OUTPUT, 0.5);
-}
-
-struct checking {
-    call &c;
-    view m;
-    buffer<double> record;
-    buffer<uint32_t> open;                           /* items that the stages without memory leave open */
-    buffer<pbw__digit> pool;
-    buffer<check_result> on_device;
-    check_result found;
-    uint32_t points;                                 /* of a pass */
-    pbw_report *report;                              /* NULL: only whether there is a fault */
-    checking(call &of, const pbw_cuda_mesh &mesh, const input &in, const pbw__grid &grid, pbw_report *to)
-        : c(of), record(of, in.count * (size_t)(in.dim + 1)),
-          open(of, mesh.simplex_count > in.count ? mesh.simplex_count : in.count),
-          pool(of, (size_t)check_blocks * 32 * PBW__POOL), on_device(of, 1), points((uint32_t)in.count), report(to)
-    {
-        (pbw__tested &)m = { mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical, record.at, in.count,
-                             mesh.simplex_count, grid, in.dim, to == NULL };
-        m.order = NULL;
-        found = check_result();
-        found.least = ~0ull;
-        need(c, cudaMemcpyAsync(on_device.at, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy");
-        launch(c, "check", record_kernel, over(in.count, 256), in, record.at);
-    }
-};
-
-/* Items by the threads of a shape; list: NULL if they are all; pool: NULL without the exact stage. */
-template <int DIM>
-void check_items(checking &k, int pass, uint32_t count, shape threads, const uint32_t *list, pbw__digit *pool)
-{
-    launch(k.c, "check", check_kernel<DIM>, threads,
-           check_launch{ k.m, pass, count, list, k.open.at, pool, k.on_device.at });
-    k.found = read_back(k.c, k.on_device.at, PBW_STAGE_BUILD, 0.0);
-}
-
-/* One pass; returns false if there is a fault, which the report then names. */
-template <int DIM> bool check_pass(checking &k, int pass)
-{
-    call &c = k.c;
-    const bool of_points = pass == check_points || pass == check_hidden;
-    const uint32_t count = of_points ? k.points : (uint32_t)k.m.simplex_count;
-    check_items<DIM>(k, pass, count, at_most(1u << 16, over(count, 128)), NULL, NULL);
-    if (k.found.open > 0) {
-        check_items<DIM>(k, pass, k.found.open, shape{ check_blocks, 32, 0 }, k.open.at, k.pool.at);
-        fill(c, &k.on_device.at->open, 0, 1);
-    }
-    if (k.found.least != ~0ull && k.report != NULL) {      /* once more, for a description of it */
-        const uint32_t item = (uint32_t)(k.found.least >> 32);
-        need(c, cudaMemcpyAsync(k.open.at, &item, sizeof item, cudaMemcpyHostToDevice, c.stream), "copy");
-        check_items<DIM>(k, pass, 1, shape{ 1, 32, 0 }, k.open.at, k.pool.at);
-        const pbw__finding &first = k.found.first;
-        (void)pbw__fault(k.report, first.fault, first.simplex, first.facet, first.point);
-    }
-    return k.found.least == ~0ull;
-}
-
-bool miscounts(pbw_report *report, size_t said, size_t counted, int fault)
-{
-    return said != counted && !pbw__fault(report, fault, PBW_NONE, -1, PBW_NONE);
-}
-
-template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const input &in, pbw_report *report)
-{
-    buffer<survey> surveyed(c, 1);
-    const pbw__grid_share range = survey_points(c, in, surveyed);
-    pbw__grid grid;
-    pbw__grid_close(&grid, &range, 1, in.dim);
-    checking k(c, mesh, in, grid, report);
-    if (!check_pass<DIM>(k, check_points)) {
-        return false;
-    }
-    const size_t others = (size_t)k.found.counted[check_points][1];
-    report->vertex_count = (size_t)k.found.counted[check_points][0];
-    if (miscounts(report, mesh.duplicate_count, (size_t)k.found.counted[check_points][2], PBW__FAULT_DUPLICATES)
-        || miscounts(report, mesh.hidden_count, others, PBW__FAULT_HIDDEN) || !check_pass<DIM>(k, check_simplices)) {
-        return false;
-    }
-    report->facet_count = (size_t)k.found.counted[check_simplices][0];
-    report->hull_facet_count = (size_t)k.found.counted[check_simplices][1];
-    return check_pass<DIM>(k, check_hull) && (others == 0 || check_pass<DIM>(k, check_hidden));
-}
-
-const int mesh_arrays = 4;
-
-pbw_index *&array_of(pbw_cuda_mesh &mesh, int i)
-{
-    return i == 0 ? mesh.simplices : i == 1 ? mesh.neighbors : i == 2 ? mesh.incident : mesh.canonical;
-}
-
-size_t entries_of(const pbw_cuda_mesh &mesh, int i)
-{
-    return i < 2 ? mesh.simplex_count * (size_t)(mesh.dim + 1) : mesh.point_count;
-}
-
-/* The arrays of a mesh leave the blocks of the call. */
-void release_mesh(call &c, pbw_cuda_mesh mesh, bool keep)
-{
-    for (int i = 0; i < mesh_arrays; i++) {
-        release(c, array_of(mesh, i), keep);
-    }
-}
-
-/* The last mesh of a loop becomes the call's: where the call fails, it frees that too. */
+/* Adds the last mesh of a loop to the blocks of the call, which frees them if it fails. */
 void adopt_last(call &c)
 {
     for (int i = 0; i < mesh_arrays; i++) {
         if (array_of(c.last->mesh, i) != NULL) {
-            own(c, array_of(c.last->mesh, i), entries_of(c.last->mesh, i) * sizeof(pbw_index));
+            add_block(c, array_of(c.last->mesh, i), entries_of(c.last->mesh, i) * sizeof(pbw_index));
         }
     }
     if (c.last->id != NULL) {
-        own(c, c.last->id, c.last->count * sizeof(uint32_t));
+        add_block(c, c.last->id, c.last->count * sizeof(uint32_t));
     }
 }
 
-/* Returns whether an earlier mesh is the triangulation of the points where they are now.  Its links must be sound and
-   its duplicates those of the points; id: of each rank. */
+/* Returns whether an earlier mesh is the triangulation of the points where they are now.  The caller knows that its
+   links are sound and that its duplicates are those of the points; id: of each rank. */
 template <int DIM> bool holds(call &c, const pbw_cuda_mesh &mesh, const input &in, const space &s, const uint32_t *id)
 {
     checking k(c, mesh, in, s.grid, NULL);
@@ -4586,7 +4656,7 @@ template <int DIM> void reorder_mesh(call &c, const pbw_cuda_mesh &old, const sp
            mesh->incident);
 }
 
-/* Makes the mesh from the last one; returns false if that does not hold. */
+/* Makes the mesh from the last one; returns false if that is not the triangulation of the points. */
 template <int DIM>
 bool keep_mesh(call &c, const pbw_cuda_mesh &old, const input &in, const space &s, const uint32_t *id)
 {
@@ -4613,19 +4683,19 @@ bool keep_mesh(call &c, const pbw_cuda_mesh &old, const input &in, const space &
     mesh->simplex_count = old.simplex_count;
     mesh->hidden_count = old.hidden_count;
     mesh->kept = 1;
-    note(c, 7);
+    record_mark(c, 7);
     wait(c, PBW_STAGE_OUTPUT, 0.5);
     return true;
 }
 
-/* As keep_mesh, for a call with or without a last mesh; frees one that does not hold. */
+/* As keep_mesh, for a call with or without a last mesh; frees a mesh that is of no use. */
 bool keep_last(call &c, const input &in, const space &s, uint32_t *id)
 {
     if (c.last == NULL) {
         return false;
     }
     const pbw_cuda_mesh old = c.last->mesh;
-    const bool alike = !c.anew && old.simplex_count > 0 && old.neighbors != NULL && old.dim == in.dim
+    const bool alike = !c.rebuild && old.simplex_count > 0 && old.neighbors != NULL && old.dim == in.dim
                     && old.point_count == in.count && old.duplicate_count == c.mesh->duplicate_count;
     const bool kept = alike && (in.dim == 3 ? keep_mesh<3> : keep_mesh<2>)(c, old, in, s, id);
     if (!kept) {
@@ -4637,44 +4707,27 @@ bool keep_last(call &c, const input &in, const space &s, uint32_t *id)
     return kept;
 }
 
-void run(call &c, const input &in, unsigned flags)
+/* ------------------------------------------------------------------------------------------------------
+   >>run          The stages in order.
+   In: packed points on the device.  Out: the mesh of the call, on the device, and the times of its
+   stages.
+   ------------------------------------------------------------------------------------------------------ */
+void open_stream(call &c, cudaStream_t &stream)
 {
-    space s = {};
-    uint32_t *id = NULL;
-    c.mesh->dim = in.dim;
-    c.mesh->point_count = in.count;
-    suit(c, in.count >= PBW_CUDA_FEW, few_points);
-    suit(c, in.count < (size_t)1 << 31, "too many points for the device code");
-    note(c, 0);
-    c.mesh->canonical = allocate<pbw_index>(c, in.count);
-    const bool weighted = order_points(c, in, s, id);
-    release(c, in.points);                           /* those of a job: the records have all */
-    release(c, in.weights);
-    note(c, 1);
-    if (!keep_last(c, in, s, id)) {
-        (in.dim == 3 ? (weighted ? build<3, true> : build<3, false>)
-                     : (weighted ? build<2, true> : build<2, false>))(c, s, id, flags);
-    }
-    for (int i = 0; i < 8; i += c.mesh->kept ? 7 : 1) {
-        need(c, cudaEventElapsedTime(&c.mesh->milliseconds[i], c.mark[i < 7 ? i : 0], c.mark[i < 7 ? i + 1 : 7]),
-             "cudaEventElapsedTime");
-    }
+    need(c, cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "cudaStreamCreate");
 }
 
-/* ------------------------------------------------------------------------------------------------------
-   >>entry        The backend, and the entries for points on the device.
-   ------------------------------------------------------------------------------------------------------ */
 /* count: the points to triangulate; 0 in a check. */
 void open_call(call &c, int dim, size_t count)
 {
-    const int device = c.cards->of[c.card].device;
+    const int device = c.team->offers[c.card].device;
     int pools = 0;
     c.dim = dim;
     c.count = count;
-    c.stars = count / (size_t)c.cards->cards;
+    c.stars = count / (size_t)c.team->count;
     need(c, cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, device), "cudaDeviceGetAttribute");
     require(c, pools != 0, PBW_ERROR_BACKEND, "the device or its driver has no memory pools");
-    if (!c.lent) {
+    if (!c.borrowed) {
         need(c, cudaDeviceGetMemPool(&c.pool, device), "cudaDeviceGetMemPool");
         for (int i = 0; i < 10; i++) {
             need(c, i < 8 ? cudaEventCreate(&c.mark[i])
@@ -4683,8 +4736,8 @@ void open_call(call &c, int dim, size_t count)
     }
 }
 
-/* Destroys the events and the other stream; those that were not made are NULL. */
-void destroy(const gear &g)
+/* Destroys the events and the stream of copies; those that were not made are NULL. */
+void destroy(const call_resources &g)
 {
     for (int i = 0; i < 10; i++) {
         const cudaEvent_t event = i < 8 ? g.mark[i] : g.ready[i - 8];
@@ -4697,23 +4750,47 @@ void destroy(const gear &g)
     }
 }
 
-void open_stream(call &c, cudaStream_t &stream)
-{
-    need(c, cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "cudaStreamCreate");
-}
-
 /* Frees all blocks; the stream may still have work for them. */
 void close_call(call &c)
 {
     while (c.blocks > 0) {
         release(c, c.block[0].address);
     }
-    if (!c.lent) {
+    if (!c.borrowed) {
         destroy(c);
     }
     (void)cudaGetLastError();
 }
 
+void run(call &c, const input &in, unsigned flags)
+{
+    space s = {};
+    uint32_t *id = NULL;
+    c.mesh->dim = in.dim;
+    c.mesh->point_count = in.count;
+    decline_unless(c, in.count >= PBW_CUDA_FEW, few_points);
+    decline_unless(c, in.count < (size_t)1 << 31, "too many points for the device code");
+    record_mark(c, 0);
+    c.mesh->canonical = allocate<pbw_index>(c, in.count);
+    const bool weighted = order_points(c, in, s, id);
+    release(c, in.points);                           /* those of a job: the records have all */
+    release(c, in.weights);
+    record_mark(c, 1);
+    if (!keep_last(c, in, s, id)) {
+        (in.dim == 3 ? (weighted ? build<3, true> : build<3, false>)
+                     : (weighted ? build<2, true> : build<2, false>))(c, s, id, flags);
+    }
+    for (int i = 0; i < 8; i += c.mesh->kept ? 7 : 1) {
+        need(c, cudaEventElapsedTime(&c.mesh->milliseconds[i], c.mark[i < 7 ? i : 0], c.mark[i < 7 ? i + 1 : 7]),
+             "cudaEventElapsedTime");
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>backend      A job of pbw.h on one card or several.
+   In: a job.  Out: its arrays in the memory of the host.
+   Holds: no copy to the memory of the job is under way when the job ends.
+   ------------------------------------------------------------------------------------------------------ */
 size_t number_size(bool is_float)
 {
     return is_float ? sizeof(float) : sizeof(double);
@@ -4741,33 +4818,33 @@ input upload(call &c)
     return in;
 }
 
-/* A card's part in a job. */
-void take_part(team *cards, int card, pbw_job *job, pbw_cuda_mesh *mesh)
+/* Does the part of a card in a job. */
+void run_card(card_team *team, int card, pbw_job *job, pbw_cuda_mesh *mesh)
 {
     call c = call();
-    c.cards = cards;
+    c.team = team;
     c.card = card;
     c.job = job;
     c.mesh = mesh;
     try {
-        need(c, cudaSetDevice(cards->of[card].device), "cudaSetDevice");
+        need(c, cudaSetDevice(team->offers[card].device), "cudaSetDevice");
         open_stream(c, c.stream);
         open_call(c, job->dim, job->count);
         open_stream(c, c.copies);
         open_pool(c);
         run(c, upload(c), job->flags);
     } catch (const failure &) {
-        fall_out(c, NULL);
+        report_failure(c, NULL);
     }
     if (c.copies != NULL) {                          /* they must end before the job's memory may be freed */
-        finish_stream(c, c.copies, PBW_STAGE_OUTPUT, 0.8);
+        wait_for_stream(c, c.copies, PBW_STAGE_OUTPUT, 0.8);
         good(c, cudaStreamSynchronize(c.copies), "copying results");
     }
     if (c.stream != NULL) {
         good(c, cudaStreamSynchronize(c.stream), "waiting for the device");
     }
-    fall_out(c, NULL);
-    meet_cards(c, true, 0.9);
+    report_failure(c, NULL);
+    wait_for_cards(c, true, 0.9);
     close_call(c);
     if (c.stream != NULL) {
         good(c, cudaStreamSynchronize(c.stream), "waiting for the device");
@@ -4788,16 +4865,16 @@ pbw_status triangulate(const pbw_backend *backend, pbw_job *job)
     cudaError_t error = cudaGetDeviceCount(&devices);
     pbw_cuda_mesh mesh[most_cards] = {};
     std::thread helper[most_cards];
-    team cards;
+    card_team team;
     char text[128];
-    cards.cards = list.count;
+    team.count = list.count;
     if (job->count < PBW_CUDA_FEW) {
         job->say(job, few_points);
         job->declined = 1;
         return PBW_ERROR_BACKEND;
     }
     for (int i = 0; i < list.count; i++) {
-        cards.of[i].device = list.device[i];
+        team.offers[i].device = list.device[i];
         if (error != cudaSuccess || list.device[i] >= devices) {
             snprintf(text, sizeof text, "device %d: %s", list.device[i],
                      error != cudaSuccess ? cudaGetErrorString(error) : "there is no such device");
@@ -4812,14 +4889,14 @@ pbw_status triangulate(const pbw_backend *backend, pbw_job *job)
     cudaGetDevice(&before);
     try {
         for (; helpers + 1 < list.count; helpers++) {
-            helper[helpers] = std::thread(take_part, &cards, helpers + 1, job, &mesh[helpers + 1]);
+            helper[helpers] = std::thread(run_card, &team, helpers + 1, job, &mesh[helpers + 1]);
         }
     } catch (...) {
-        std::lock_guard<std::mutex> hold(cards.lock);
-        cards.cards = helpers + 1;
-        cards.status = PBW_ERROR_THREAD;
+        std::lock_guard<std::mutex> hold(team.lock);
+        team.count = helpers + 1;
+        team.status = PBW_ERROR_THREAD;
     }
-    take_part(&cards, 0, job, &mesh[0]);
+    run_card(&team, 0, job, &mesh[0]);
     for (int i = 0; i < helpers; i++) {
         helper[i].join();
     }
@@ -4828,14 +4905,51 @@ pbw_status triangulate(const pbw_backend *backend, pbw_job *job)
     for (int i = 0; i < list.count; i++) {
         job->hidden_count += mesh[i].hidden_count;
     }
-    job->declined = cards.declined;
-    return (pbw_status)cards.status.load();
+    job->declined = team.declined;
+    return (pbw_status)team.status.load();
 }
 
-/* A call for points on the device: a job whose results stay there. */
+} /* namespace */
+
+extern "C" const pbw_backend *pbw_cuda_backend_multi(const int *devices, int count)
+{
+    static std::mutex lock;
+    static device_list *lists = NULL;                /* one for each list of devices seen so far */
+    device_list *list;
+    if (count < 1 || count > most_cards || *std::min_element(devices, devices + count) < 0) {
+        return NULL;
+    }
+    std::lock_guard<std::mutex> hold(lock);
+    for (list = lists; list != NULL; list = list->next) {
+        if (list->count == count && memcmp(list->device, devices, (size_t)count * sizeof *devices) == 0) {
+            return &list->backend;
+        }
+    }
+    list = (device_list *)malloc(sizeof *list);
+    if (list == NULL) {
+        return NULL;
+    }
+    *list = device_list{ { PBW_VERSION, triangulate, list }, count, {}, lists };
+    memcpy(list->device, devices, (size_t)count * sizeof *devices);
+    lists = list;
+    return &list->backend;
+}
+
+extern "C" const pbw_backend *pbw_cuda_backend(int device)
+{
+    return pbw_cuda_backend_multi(&device, 1);
+}
+
+namespace {
+/* ------------------------------------------------------------------------------------------------------
+   >>local        Points on the device: triangulate, free, check.
+   In: points and weights on the current device.  Out: arrays there, or a report; after a failure nothing is left
+   allocated.
+   ------------------------------------------------------------------------------------------------------ */
+/* A call for points on the device: a job that leaves its results there. */
 struct local_call {
     call c;
-    team alone;
+    card_team alone;
     pbw_job job;
     pbw__context context;
     pbw__dispatch dispatch;
@@ -4855,9 +4969,9 @@ struct request {
     cudaStream_t stream;
     pbw_triangulator *cpu;
     pbw_cuda_mesh *mesh;                             /* what it makes; NULL: nothing */
-    keepsake *last;                                  /* of a loop, with its gear; else NULL */
-    const gear *tools;
-    bool anew, check;
+    loop_state *last;                                /* of a loop, with its resources; else NULL */
+    const call_resources *resources;
+    bool rebuild, check;
     pbw_options options;
 };
 
@@ -4865,7 +4979,7 @@ void open_local(local_call &local, const request &r)
 {
     const pbw_options &options = r.options;
     call &c = local.c;
-    local.alone.cards = 1;
+    local.alone.count = 1;
     pbw__context_start(&local.context, &options, r.check ? 0 : r.in.count);
     local.dispatch.context = &local.context;
     local.dispatch.options = &options;
@@ -4878,25 +4992,25 @@ void open_local(local_call &local, const request &r)
     }
     local.job.say = pbw__job_say;
     local.job.context = &local.dispatch;
-    c.cards = &local.alone;
+    c.team = &local.alone;
     c.stream = r.stream;
     c.job = &local.job;
     c.mesh = r.mesh;
-    c.must = r.cpu == NULL;
+    c.no_cpu = r.cpu == NULL;
     if (r.last != NULL) {
-        (gear &)c = *r.tools;
-        c.lent = true;
-        c.anew = r.anew;
+        (call_resources &)c = *r.resources;
+        c.borrowed = true;
+        c.rebuild = r.rebuild;
         c.last = r.last;
         adopt_last(c);
     }
     local.fp = pbw__fp_enter();
     require(c, pbw__fp_is_exact(), PBW_ERROR_FP_MODE, pbw_status_string(PBW_ERROR_FP_MODE));
-    look_up(c, PBW_STAGE_ORDER, 0.0);
-    go_on(c);
-    need(c, cudaGetDevice(&local.alone.of[0].device), "no usable device");
+    poll(c, PBW_STAGE_ORDER, 0.0);
+    throw_if_failed(c);
+    need(c, cudaGetDevice(&local.alone.offers[0].device), "no usable device");
     open_call(c, r.in.dim, r.check ? 0 : r.in.count);
-    if (options.progress != NULL && !c.lent) {
+    if (options.progress != NULL && !c.borrowed) {
         open_stream(c, c.copies);
     }
 }
@@ -4914,7 +5028,7 @@ pbw_status close_local(local_call &local)
         memset(mesh, 0, sizeof *mesh);               /* everything is still in the list of blocks */
     }
     if (c.last != NULL) {
-        *c.last = failed ? keepsake() : keepsake{ *mesh, c.last->id, c.last->count };
+        *c.last = failed ? loop_state() : loop_state{ *mesh, c.last->id, c.last->count };
         release(c, c.last->id, true);
     }
     if (mesh != NULL) {
@@ -4977,14 +5091,14 @@ void build_by(pbw_triangulator *cpu, call &c, const input &in, pbw_options optio
         send_mesh(c, host, in);
     } catch (const failure &) {
     }
-    finish_stream(c, c.stream, PBW_STAGE_OUTPUT, 0.9);      /* the host arrays are freed next */
+    wait_for_stream(c, c.stream, PBW_STAGE_OUTPUT, 0.9);    /* the host arrays are freed next */
     c.status = c.status == PBW_OK ? status : c.status;
     pbw_free(&host);
     pbw__release(&memory, points, numbers, sizeof(double));
 }
 
 /* Builds a mesh, by the CPU where the device fails or declines and the caller allows it. */
-pbw_status serve(request &r, const pbw_options *given_options)
+pbw_status run_request(request &r, const pbw_options *given_options)
 {
     const size_t size = number_size(r.in.is_float);
     pbw_status status = PBW_ERROR_BACKEND;
@@ -5011,7 +5125,7 @@ pbw_status serve(request &r, const pbw_options *given_options)
             } else {
                 run(c, r.in, r.options.flags);
             }
-            look_up(c, PBW_STAGE_OUTPUT, 1.0);
+            poll(c, PBW_STAGE_OUTPUT, 1.0);
         } catch (const failure &) {
         }
         status = close_local(local);
@@ -5024,41 +5138,12 @@ pbw_status serve(request &r, const pbw_options *given_options)
 
 } /* namespace */
 
-extern "C" const pbw_backend *pbw_cuda_backend_multi(const int *devices, int count)
-{
-    static std::mutex lock;
-    static device_list *lists = NULL;                /* one for each list of devices seen so far */
-    device_list *list;
-    if (count < 1 || count > most_cards || *std::min_element(devices, devices + count) < 0) {
-        return NULL;
-    }
-    std::lock_guard<std::mutex> hold(lock);
-    for (list = lists; list != NULL; list = list->next) {
-        if (list->count == count && memcmp(list->device, devices, (size_t)count * sizeof *devices) == 0) {
-            return &list->backend;
-        }
-    }
-    list = (device_list *)malloc(sizeof *list);
-    if (list == NULL) {
-        return NULL;
-    }
-    *list = device_list{ { PBW_VERSION, triangulate, list }, count, {}, lists };
-    memcpy(list->device, devices, (size_t)count * sizeof *devices);
-    lists = list;
-    return &list->backend;
-}
-
-extern "C" const pbw_backend *pbw_cuda_backend(int device)
-{
-    return pbw_cuda_backend_multi(&device, 1);
-}
-
 extern "C" pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *points, const void *weights,
                                            size_t count, const pbw_options *given_options, void *stream,
                                            pbw_triangulator *cpu, pbw_cuda_mesh *mesh)
 {
     request r = { { points, weights, count, dim, is_float }, (cudaStream_t)stream, cpu, mesh };
-    return serve(r, given_options);
+    return run_request(r, given_options);
 }
 
 extern "C" void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream)
@@ -5093,19 +5178,23 @@ extern "C" pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, co
     try {
         open_local(local, r);
         report->valid = (mesh->dim == 3 ? check_mesh<3> : check_mesh<2>)(local.c, *mesh, r.in, report);
-        look_up(local.c, PBW_STAGE_CHECK, 1.0);
+        poll(local.c, PBW_STAGE_CHECK, 1.0);
     } catch (const failure &) {
     }
     return close_local(local);
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   >>loop         Points that move.
+   In: points on the device of the loop, step by step.  Out: the mesh of each step; the loop keeps it, and a pool.
+   ------------------------------------------------------------------------------------------------------ */
 struct pbw_cuda_loop {
     int device;
     cudaStream_t stream;
     pbw_options options;
     pbw_triangulator *cpu;
-    gear tools;
-    keepsake last;
+    call_resources resources;
+    loop_state last;
 };
 
 extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, void *stream, pbw_triangulator *cpu,
@@ -5135,8 +5224,8 @@ extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, voi
         open_stream(c, c.copies);
         need(c, cudaMallocHost(&c.pinned, pinned_bytes), "cudaMallocHost");
         c.pool = pool;
-        c.lent = true;
-        *loop = pbw_cuda_loop{ properties.location.id, r.stream, options, cpu, c, keepsake() };
+        c.borrowed = true;
+        *loop = pbw_cuda_loop{ properties.location.id, r.stream, options, cpu, c, loop_state() };
     } catch (const failure &) {
         if (pool != NULL) {
             cudaMemPoolDestroy(pool);
@@ -5160,8 +5249,8 @@ extern "C" pbw_status pbw_cuda_loop_step(pbw_cuda_loop *loop, const pbw_cuda_poi
         return PBW_ERROR_ARGUMENT;
     }
     request r = { { points->points, points->weights, points->count, points->dim, points->is_float }, loop->stream,
-                  loop->cpu, mesh, &loop->last, &loop->tools, points->anew != 0 };
-    return serve(r, &loop->options);
+                  loop->cpu, mesh, &loop->last, &loop->resources, points->anew != 0 };
+    return run_request(r, &loop->options);
 }
 
 extern "C" void pbw_cuda_loop_free(pbw_cuda_loop *loop)
@@ -5171,9 +5260,9 @@ extern "C" void pbw_cuda_loop_free(pbw_cuda_loop *loop)
         cudaFreeAsync(loop->last.id, loop->stream);
         pbw_cuda_free(&loop->last.mesh, loop->stream);
         cudaStreamSynchronize(loop->stream);
-        destroy(loop->tools);
-        cudaFreeHost(loop->tools.pinned);
-        cudaMemPoolDestroy(loop->tools.pool);
+        destroy(loop->resources);
+        cudaFreeHost(loop->resources.pinned);
+        cudaMemPoolDestroy(loop->resources.pool);
         (void)cudaGetLastError();
         pbw_memory_start(&memory, &loop->options);
         memory.used = sizeof *loop;

@@ -204,7 +204,7 @@ done
 # Rooms: each begins with a banner, which has its >>tag and tells what comes In, goes Out or always Holds (but for
 # >>interface, >>history, >>license), and has 700 lines at most; the contents list at the top names them in order.  A
 # file whose rooms have tags is added to one of these lists and stays there.
-rooms="pbw.h"
+rooms="pbw.h pbw_cuda.cu"
 rooms_of_companions="examples/lib/pbw_film.h examples/lib/pbw_generate.h examples/lib/pbw_io.h examples/lib/pbw_model.h
     examples/lib/pbw_picture.h examples/lib/pbw_sample.h examples/lib/pbw_view.h
     examples/lib/pbw_adapt3.h examples/lib/pbw_improve.h examples/lib/pbw_mesh3.h examples/lib/pbw_stuffing.h
@@ -223,8 +223,8 @@ function leave() {
         print FILENAME ":" FNR ": " $1 " is where the contents have " contents[rooms]
     name = $1; start = FNR; in_ = out = holds = 0; banner = 1
 }
-banner && /(^   |[.]  )In: / { in_ = 1 }
-banner && /(^   |[.]  )Out: / { out = 1 }
+banner && /(^   |[.]  )In:( |$)/ { in_ = 1 }
+banner && /(^   |[.]  )Out:( |$)/ { out = 1 }
 banner && /(^   |[.]  )Holds[:, ]/ { holds = 1 }
 /\*\/$/ { banner = 0 }
 END {
