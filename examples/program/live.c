@@ -154,7 +154,7 @@ static int split(char *text, double number[5])
     return *text == 0 ? count : -1;
 }
 
-static int obey(script *s, char *text)
+static int execute(script *s, char *text)
 {
     nearest n = { text, NULL, 0 };
     double number[5];
@@ -190,7 +190,7 @@ static int read_script(script *s)
         for (end = from + strlen(from); end > from && strchr(" \t\r\n", end[-1]) != NULL; end--) {
         }
         *end = 0;
-        failed = *from == 0 || *from == '#' ? 0 : obey(s, from);
+        failed = *from == 0 || *from == '#' ? 0 : execute(s, from);
     }
     if (!failed && ferror(s->file)) {
         return fail(s->j, "%s: %s", s->name, strerror(errno));
@@ -229,7 +229,7 @@ static int reserve(result *r, const pbw_mesh *mesh)
         && r->canonical != NULL && r->rank != NULL;
 }
 
-/* Numbers anew: the points that are left, in the order of the script's numbers.  Of duplicates the lowest number of
+/* Renumbers the remaining points in the order of the script's numbers.  Of duplicates the lowest number of
    the largest weight stands for all, as in pbw mesh. */
 static void renumber(const script *s, const pbw_mesh *mesh, result *r, pbw_mesh *out)
 {

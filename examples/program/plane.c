@@ -397,7 +397,7 @@ static int set_up(const job *j, const plan *d, pbw_plane_options *options)
     return check_sizes(j, 2);
 }
 
-/* Makes a plane anew, finer and coarser by sizes at its points: a column of the input, or a formula. */
+/* Makes a plane finer and coarser by sizes at its points: a column of the input, or a formula. */
 static pbw_status adapt(const job *j, const plan *d, const pbw_plane_options *options, pbw_plane *plane,
                         pbw_index *from)
 {
