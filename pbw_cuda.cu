@@ -7,25 +7,27 @@
    The result equals that of the CPU byte for byte, because it is a function of the points alone (see CONVENTIONS in
    pbw.h) and every sign that it depends on is exact.
 
-   CERTIFIED LOCAL STARS.  The star of a vertex v is built alone.  As in Bowyer-Watson points near v are inserted, but
-   only the simplices around v are kept: a new point replaces those in conflict with it by the fan from it to their
-   border.  If no other point of the input is in conflict with any simplex of the star, each of them belongs to the
-   one perturbed triangulation, and together they surround v: the star is certified, it is the star of v in the
-   result.  So no star depends on another.  Each simplex is written by its lowest vertex, and its neighbour across a
-   facet is found in the star of the facet's lowest vertex.
+   CERTIFIED LOCAL STARS.  The star of each vertex v is built alone.
+     1. As in Bowyer-Watson, points near v are inserted, but only the simplices around v are kept: a new point
+        replaces those in conflict with it by the fan from it to their border.
+     2. Let no other point of the input be in conflict with any simplex of the star.  Then each of them belongs to the
+        one perturbed triangulation, and together they surround v: the star is certified, it is that of the result.
+     3. Each simplex is written by its lowest vertex.
+     4. Its neighbour across a facet is found in the star of the facet's lowest vertex.
+   So no star depends on another while it is built.
 
      first rung    8 lanes a star; candidates from a list of groups of points near v; certified if the spheres of the
                    star lie within the box that the list covers.  About 97 of 100 stars of uniform points.
      second rung   a warp a star; candidates from a search of the box tree for points in conflict with the simplices
-                   that the first rung left uncertified.  Hull stars, sparse places, larger stars.  At first by floats
-                   and, where they leave a sign open, doubles; then with exact tests and more room.
-     third rung    like the second, with room for 1000 vertices and with the last exact stage of pbw.h.  A handful;
-                   the few that reach the cap on their search get a much larger one once.
+                   that the first rung left uncertified.  Stars of the hull, of sparse places, larger stars.  At first
+                   by floats and, where they leave a sign open, doubles; then with exact tests and more room.
+     third rung    like the second, with room for 1000 vertices and with the last exact stage of pbw.h.  A handful of
+                   stars; the few that reach the cap on their search get a much larger one once.
      the CPU       takes the whole input if a star fits no rung, if the points are few, or if a sample of stars
-                   predicts that the CPU is faster: on lines stars are too large, nearly in a plane too flat for
-                   floats, and on a common sphere, even a noisy one, each circumsphere passes near all points.
-                   Points on the device are then copied to the host, and the arrays back; if the caller names no
-                   CPU, the rungs above build them or the call fails.
+                   predicts that the CPU is faster.  (Stars are too large where points are on lines, and too flat for
+                   floats where they are nearly in a plane; if all are near one sphere, each circumsphere passes near
+                   all of them.)  Points on the device are then copied to the host, and the arrays back.  If the
+                   caller names no CPU, the rungs above build the stars or the call fails.
 
    Unweighted points in space on surfaces (scans, terrain) have rungs of their own, >>wide, which search another tree.
    They are recognised by a sample of 1024 stars of which the first rung certifies less than half.
@@ -35,11 +37,13 @@
      2. Each card builds the stars of its part, a span of the curve.
      3. Each writes the simplices of its part over its own link to the host.
      4. The cards exchange the numbers of simplices across the borders of their parts (>>cells).
+
    A card holds all points, and its part of everything else: 90 + 560 / cards bytes a point (2D: 75 + 155 / cards).
    So two cards of one kind take 1.7 times the points of one, and many cards take points up to the limit of the
-   simplex numbers (600 million).  If one card leaves a star to the CPU, the CPU takes the whole input.  Devices that
-   can reach each other open their pools to each other, and never close them again; if a pool keeps 60 GB, the first
-   call takes half a second longer.
+   simplex numbers (600 million).  If one card leaves a star to the CPU, the CPU takes the whole input.
+
+   Devices that can reach each other open their pools to each other, and never close them again.  If a pool keeps
+   60 GB, the first call takes half a second longer for that.
 
    POINTS THAT MOVE.  A loop has a pool of its own, which keeps what one step frees for the next.  It also keeps the
    mesh of the last step.
@@ -1313,18 +1317,20 @@ void build_tree(call &c, space &s, int dim, tree &t)
    In: a vertex v, points around it.  Out: the spheres of simplices, four floats each; whether a point is in conflict
    with a simplex: 1, 0, or open_sign.
 
-   Everything is relative to the star's vertex v and in units of the space: a = (a' - v') unit.  For a simplex
-   (v, a, b, c) with D = a . (b x c) > 0 and lifts l = |a|^2 - (w_a - w_v) the point p is in conflict if and only if
+   All places are relative to v and in units of the space: a = (a' - v') unit.  Let (v, a, b, c) be a simplex with
+   D = a . (b x c) > 0 and lifts l_a = |a|^2 - (w_a - w_v) and so on.  The point p is in conflict if and only if
 
        l_p - q . p < 0,     q = N / D,     N = l_a (b x c) + l_b (c x a) + l_c (a x b):
 
-   q is twice the centre of the (ortho)sphere.  For an infinite simplex on the facet (v, a, b) it is -q . p < 0 with
-   q = 2^112 (a x b) / |a x b|: beside it the lift, below 2^41, does not count.  In the plane D = a x b,
-   N = l_a b' - l_b a' with a' = a turned by a right angle.
+   q is twice the centre of the (ortho)sphere.  For an infinite simplex on the facet (v, a, b) the test is -q . p < 0
+   with q = 2^112 (a x b) / |a x b|: the lift, below 2^41, is negligible beside that.  In the plane D = a x b and
+   N = l_a b' - l_b a', where a' is a turned by a right angle.
+
    A sphere is four floats: q, and Q, a size that carries the error of q; Q >= 2^112 marks an infinite simplex.  It is
-   calculated in doubles, or in floats: differences are those of doubles, rounded, and nothing else is double, which
-   many cards are slow at.  Let f = 2^-24, and g = 2^-53 for doubles, f for floats, A = |a|, L_a = |a|^2 + |w_a - w_v|
-   and so on.
+   calculated in doubles or, as many cards are slow at those, in floats: then only the differences of coordinates are
+   doubles, and rounded.
+
+   Let f = 2^-24; g = 2^-53 for doubles, f for floats; A = |a|, L_a = |a|^2 + |w_a - w_v|, and so on for b, c and p.
 
      D    3 factors for differences, 5 for products and sums, terms at most 1.16 ABC (the permanent of a matrix with
           rows of norm 1 is at most 6/3^1.5):                                     error at most  10 g ABC
@@ -1336,19 +1342,21 @@ void build_tree(call &c, space &s, int dim, tree &t)
      test lift 6, p, q rounded to floats or so calculated; 4 sums:           error at most  10 f L_p + 9 f |q| P more
           (a float p is off by f P, that is f |q| P in q . p; each fused step rounds a sum of at most L_p + |q| P).
 
-   With Q = |q| + h (E + |q| ABC) / D, h = 2^-27 for doubles and 21/16 > 20/16 for floats, the bound 2^-20 (L_p + Q P)
-   = 16 f (L_p + |q| P) + 16 f h P (...) holds all that, roots that are off by 2^-22, and for an infinite simplex the
-   lift: 8 f Q P > 2^41.  So the true q is within 2^-20 Q, the true centre within 2^-21 Q of q / 2, and the radius is
-   at most |q| / 2 + 2^-21 Q.  Q is infinite if nothing is known; then, and for P below 2^-50 (floats: 2^-24), where
-   squares (products of four lengths) might underflow, the sign is open.  In the plane and for infinite simplices
-   there are fewer factors: a x b is off by 6 g AB, which is little beside it if its length is more than 2^-48 (2^-12)
-   AB, and then its direction by 12 g AB / |a x b| <= 16 f h AB / |a x b|.
+   Let Q = |q| + h (E + |q| ABC) / D, with h = 2^-27 for doubles and 21/16 > 20/16 for floats.
+
+     1. The bound 2^-20 (L_p + Q P) = 16 f (L_p + |q| P) + 16 f h P (...) is above the sum of these errors, of those
+        of roots (2^-22) and, for an infinite simplex, of the lift: 8 f Q P > 2^41.
+     2. So the true q is within 2^-20 Q of q, the true centre within 2^-21 Q of q / 2, and the radius is at most
+        |q| / 2 + 2^-21 Q.
+     3. The sign is open if Q is infinite, which means that nothing is known of the sphere, and for P below 2^-50
+        (floats: 2^-24), where squares (products of four lengths) might underflow.
+     4. In the plane and for infinite simplices there are fewer factors: a x b is off by 6 g AB.  If its length is
+        more than 2^-48 AB (floats: 2^-12 AB), its direction is off by 12 g AB / |a x b| <= 16 f h AB / |a x b|.
 
    A wall is an infinite simplex on a side of the box of all points: v, a and b have one extreme coordinate in common.
-   No point is beyond it, and a point in its plane is in conflict with it exactly if it is in conflict with the finite
-   simplex behind it, which is in the star too.  So the search leaves walls out (else each point of a flat side would
-   be a candidate for each star there).  A wall has Q = -2^111: its q is exact, and the test of no point says
-   conflict.
+   No point is outside of it.  A point in its plane is in conflict with it exactly if it is in conflict with the
+   finite simplex behind it, which is in the star too.  So the search leaves walls out; else each point of a flat side
+   would be a candidate for each star there.  A wall has Q = -2^111: its q is exact, and no point passes the test.
    ------------------------------------------------------------------------------------------------------ */
 const float slack = 9.5367431640625e-7f;             /* 2^-20 */
 const float far_away = 5.192296858534828e33f;        /* 2^112 */
@@ -1964,11 +1972,12 @@ DEVICE int carve(S &s, const site &at, bool go, const point_of<S> &point, int co
 }
 
 /* Replaces the cavities of the tiles that go by the triangles from the first fans edges of their borders to the new
-   vertex, and from the others to infinity; in the plane the border is the new edges.  The last loop must not
-   decrement count and then move triangle[count].  In an insertion that is inlined, ptxas V13.0.88 for sm_90 takes the
-   addresses from the old count, with offsets of -4 and -16 bytes, but gives the old and the new count one register
-   and decrements that first: the simplex before the last one moves, and most of the zoo in cuda_test fails.
-   tests/cuda_inline.cu has that loop alone. */
+   vertex, and from the others to infinity; in the plane the border is the new edges.
+
+   The last loop must not decrement count and then move triangle[count].  Where the insertion is inlined, ptxas
+   V13.0.88 for sm_90 takes the addresses from the old count, with offsets of -4 and -16 bytes.  But it gives the old
+   and the new count one register, and decrements that first: the simplex before the last one moves, and most of the
+   zoo in cuda_test fails.  tests/cuda_inline.cu has that loop alone. */
 template <int T, typename S>
 DEVICE void fan(S &s, bool go, const star_cavity &cavity, int fans, int &count, unsigned walls)
 {
