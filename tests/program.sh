@@ -763,6 +763,13 @@ for command in mesh sample check convert bench view locate nearest cells plane i
         check "pbw $line" sh -c "cd shown && '$pbw' $line < /dev/null"
     done < shown.txt
 done
+tells_its_own() {   # the help of an option that commands share has no meaning that another command gives it
+    "$pbw" help sample > one.txt && "$pbw" help improve > two.txt && "$pbw" help plane > three.txt &&
+        "$pbw" help solid > four.txt && ! grep -e '--error' one.txt && ! grep 'points on the surface, def' two.txt &&
+        ! grep -E 'in pbw improve|the default of triangles' three.txt four.txt &&
+        ! grep 'adding points' two.txt three.txt && ! grep 'of --smooth' four.txt && grep 'of --smooth' two.txt
+}
+check "the help of a shared option is the command's own" tells_its_own
 check "the manual page" sh -c "'$pbw' help --man | grep '^.SH PBW solid'"
 "$pbw" help --bash > pbw.bash
 completes() {   # completes ANSWER WORD...
