@@ -8265,7 +8265,7 @@ static void pbw__emit_pass2(void *arg, int task)
    order and loaded with acquire order, says that the chunk was read.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__CHUNK ((size_t)1 << 12)                 /* the largest */
-#define PBW__APART PBW__SMALLER(3072)                /* slots, at most, whose simplices are written to new arrays: many
+#define PBW__APART PBW__SMALLER(3072)                /* slots, at most, that are written to new arrays: many
                                                         would be set aside */
 
 /* Large chunks are better: the start of a chunk is not prefetched, and near slots have places in the same cache
