@@ -95,8 +95,9 @@ static const char *judge(const pbwio_cloud *cloud, pbwio_status status, const pb
     return NULL;
 }
 
-static int grow_tired(void *patience, double done)
+static int grow_tired(void *patience, pbw_stage stage, double done)
 {
+    (void)stage;
     return !(done >= 0 && done <= 1) || --*(int *)patience < 0;
 }
 
@@ -106,9 +107,10 @@ static const char *sample(const pbwio_cloud *cloud, size_t seed)
     static const unsigned flags[] = { 0, PBWSAMPLE_NORMALS, PBWSAMPLE_NORMALS | PBWSAMPLE_THIN, PBWSAMPLE_LATTICE };
     pbwsample_model model;
     pbwsample_options options;
+    pbw_options build;
     pbwsample_report report;
     pbwsample_set set;
-    pbwsample_status status;
+    pbw_status status;
     int way, patience;
     size_t i;
     memset(&report, 0, sizeof report);
@@ -117,26 +119,28 @@ static const char *sample(const pbwio_cloud *cloud, size_t seed)
     model.point_count = cloud->count;
     model.triangles = cloud->triangles;
     model.triangle_count = cloud->triangle_count;
-    status = pbwsample_inspect(&model, &report);
-    if ((status == PBWSAMPLE_OK) != (model.triangle_count > 0 && report.area > 0 && report.area <= DBL_MAX)) {
+    status = pbwsample_inspect(&model, NULL, &report);
+    if ((status == PBW_OK) != (model.triangle_count > 0 && report.area > 0 && report.area <= DBL_MAX)) {
         return "a surface without an area, or an area without a surface";
     }
     for (way = 0; way < 4; way++) {          /* uniform, Poisson, inside by count, inside by radius */
         patience = 8;
         memset(&set, 0, sizeof set);
         memset(&options, 0, sizeof options);
+        memset(&build, 0, sizeof build);
         options.seed = seed;
         options.flags = flags[way == 2 ? 0 : seed / 4 % 4];
-        options.progress = grow_tired;
-        options.progress_user = &patience;
+        build.progress = grow_tired;
+        build.progress_user = &patience;
+        options.build = &build;
         options.count = way < 3 ? 1 + seed % 23 : 0;
         options.radius = way < 3 ? 0 : sqrt(report.area / 40);
         status = way == 0 ? pbwsample_uniform(&model, &options, &set)
                : way == 1 ? pbwsample_poisson(&model, &options, &set) : pbwsample_volume(&model, &options, &set);
-        if (status != PBWSAMPLE_OK && (set.count != 0 || (way < 2 && set.points != NULL))) {
+        if (status != PBW_OK && (set.count != 0 || (way < 2 && set.points != NULL))) {
             return "samples after a failure";
         }
-        if (status == PBWSAMPLE_OK && way < 3 && set.count != options.count) {
+        if (status == PBW_OK && way < 3 && set.count != options.count) {
             return "not as many samples as asked for";
         }
         for (i = 0; i < 3 * set.count; i++) {

@@ -39,7 +39,7 @@ static void print_samples(const part *m)
     pbwsample_model model;
     pbwsample_options how;
     pbwsample_set set;
-    pbwsample_status status;
+    pbw_status status;
     memset(&model, 0, sizeof model);
     memset(&how, 0, sizeof how);
     memset(&set, 0, sizeof set);
@@ -49,7 +49,7 @@ static void print_samples(const part *m)
     model.triangles = m->t[0];
     how.radius = 0.08;
     status = pbwsample_poisson(&model, &how, &set);
-    status = status != PBWSAMPLE_OK ? status : pbwsample_volume(&model, &how, &set);
+    status = status != PBW_OK ? status : pbwsample_volume(&model, &how, &set);
     print_one("samples", (int)status, set.points, 3 * set.count, set.triangles, set.count);
     pbwsample_free(&set);
 }

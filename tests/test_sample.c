@@ -6,29 +6,29 @@
 #include <stdlib.h>
 #include "../pbw.h"
 
-static size_t held, fail_at, requests;
+static size_t held, most_held, fail_at, requests;
 static int once;                                /* refuses request number fail_at only, else also all after it */
 
-static void *count_realloc(void *ptr, size_t size)
+/* An allocator that counts bytes by what it is told of the old sizes, and refuses. */
+static void *count_resize(void *user, void *ptr, size_t old_size, size_t new_size)
 {
     void *block;
+    (void)user;
+    if (new_size == 0) {
+        held -= old_size;
+        free(ptr);
+        return NULL;
+    }
     requests++;
     if (fail_at != 0 && (once ? requests == fail_at : requests >= fail_at)) {
         return NULL;
     }
-    block = realloc(ptr, size);
-    held += ptr == NULL && block != NULL;
+    block = realloc(ptr, new_size);
+    held += block != NULL ? new_size - old_size : 0;
+    most_held = held > most_held ? held : most_held;
     return block;
 }
 
-static void count_free(void *ptr)
-{
-    held -= ptr != NULL;
-    free(ptr);
-}
-
-#define PBWSAMPLE_REALLOC(ptr, size) count_realloc(ptr, size)
-#define PBWSAMPLE_FREE(ptr) count_free(ptr)
 #define PBW_SAMPLE_IMPLEMENTATION
 #include "../examples/lib/pbw_sample.h"
 #include "test.h"
@@ -218,7 +218,7 @@ static void test_uniform(void)
     options.seed = test_seed;
     for (sized = 0; sized < 2; sized++) {
         options.size = sized ? wide_size : NULL;
-        CHECK_EQUAL(pbwsample_uniform(&model, &options, &set), PBWSAMPLE_OK);
+        CHECK_EQUAL(pbwsample_uniform(&model, &options, &set), PBW_OK);
         CHECK_EQUAL(set.count, options.count);
         check_places(&model, &set, 3.5);
         for (i = 0, sum = 0; i < model.triangle_count; i++) {
@@ -303,31 +303,34 @@ static void test_same(void)
     pbwsample_model model = ball(20, 30);
     pbwsample_options options;
     pbwsample_set a, b;
+    pbw_options build;
     int threads;
     memset(&options, 0, sizeof options);
+    memset(&build, 0, sizeof build);
     options.count = 300001;
     options.flags = PBWSAMPLE_NORMALS;
-    options.run_user = &threads;
-    CHECK_EQUAL(pbwsample_uniform(&model, &options, &a), PBWSAMPLE_OK);
+    build.run_user = &threads;
+    CHECK_EQUAL(pbwsample_uniform(&model, &options, &a), PBW_OK);
     for (threads = 0; threads <= 8; threads++) {
-        options.run = threads == 0 ? run_backwards : run_on_threads;
-        CHECK_EQUAL(pbwsample_uniform(&model, &options, &b), PBWSAMPLE_OK);
+        options.build = &build;
+        build.run = threads == 0 ? run_backwards : run_on_threads;
+        CHECK_EQUAL(pbwsample_uniform(&model, &options, &b), PBW_OK);
         CHECK(same(&a, &b));
         pbwsample_free(&b);
     }
-    options.run = NULL;
+    options.build = NULL;
     options.seed = 1;
-    CHECK_EQUAL(pbwsample_uniform(&model, &options, &b), PBWSAMPLE_OK);
+    CHECK_EQUAL(pbwsample_uniform(&model, &options, &b), PBW_OK);
     CHECK(!same(&a, &b));
     pbwsample_free(&a);
     pbwsample_free(&b);
     options.count = 1000;
-    CHECK_EQUAL(pbwsample_poisson(&model, &options, &a), PBWSAMPLE_OK);
-    CHECK_EQUAL(pbwsample_poisson(&model, &options, &b), PBWSAMPLE_OK);
+    CHECK_EQUAL(pbwsample_poisson(&model, &options, &a), PBW_OK);
+    CHECK_EQUAL(pbwsample_poisson(&model, &options, &b), PBW_OK);
     CHECK(same(&a, &b));
     pbwsample_free(&b);
     options.seed = 2;
-    CHECK_EQUAL(pbwsample_poisson(&model, &options, &b), PBWSAMPLE_OK);
+    CHECK_EQUAL(pbwsample_poisson(&model, &options, &b), PBW_OK);
     CHECK(!same(&a, &b));
     pbwsample_free(&a);
     pbwsample_free(&b);
@@ -350,10 +353,10 @@ static void test_radius(void)
             options.radius = radius[kind];
             options.seed = test_seed;
             options.size = sized ? wide_size : NULL;
-            CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBWSAMPLE_OK);
+            CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBW_OK);
             check_places(&model, &set, 3.5);
             options.count = 50000;
-            CHECK_EQUAL(pbwsample_uniform(&model, &options, &probe), PBWSAMPLE_OK);
+            CHECK_EQUAL(pbwsample_uniform(&model, &options, &probe), PBW_OK);
             for (i = 0; i < set.count; i++) {
                 for (j = i + 1; j < set.count; j++) {
                     const double *p = set.points + 3 * i;
@@ -394,8 +397,8 @@ static void test_counts(void)
         memset(&options, 0, sizeof options);
         options.seed = test_seed;
         options.count = counts[i / 3];
-        CHECK_EQUAL(pbwsample_inspect(&model, &report), PBWSAMPLE_OK);
-        CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBWSAMPLE_OK);
+        CHECK_EQUAL(pbwsample_inspect(&model, NULL, &report), PBW_OK);
+        CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBW_OK);
         CHECK_EQUAL(set.count, options.count);
         CHECK(set.count < 2 || closest_pair(&set) >= set.radius);
         if (set.count >= 999) {                                      /* against the hexagonal lattice */
@@ -411,7 +414,7 @@ static void test_counts(void)
 /* Needles and sheets, whose areas and volumes tell nothing of how far apart samples may be. */
 static void test_thin_models(void)
 {
-    pbwsample_status status;
+    pbw_status status;
     static const double width[] = { 1e-3, 1e-9, 1e-100 };
     pbwsample_options options;
     pbwsample_set set;
@@ -438,9 +441,9 @@ static void test_thin_models(void)
             status = pbwsample_poisson(&model, &options, &set);
         }
         if (solid && w < 1e-3) {             /* too thin for any dart */
-            CHECK(status == PBWSAMPLE_OK || (status == PBWSAMPLE_ERROR_VOLUME && set.count == 0));
+            CHECK(status == PBW_OK || (status == PBW_DEGENERATE && set.count == 0));
         } else {
-            CHECK_EQUAL(status, PBWSAMPLE_OK);
+            CHECK_EQUAL(status, PBW_OK);
             CHECK_EQUAL(set.count, 30);
             CHECK(closest_pair(&set) >= set.radius && set.radius > 0.01);
         }
@@ -459,7 +462,7 @@ static void test_far_speck(void)
     options.count = 30;
     add_point(&model, -1e30, -1e60, 1e90);
     add_triangle(&model, model.point_count - 1, model.point_count - 1, model.point_count - 1);
-    CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBWSAMPLE_OK);
+    CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBW_OK);
     CHECK_EQUAL(set.count, 30);
     CHECK(closest_pair(&set) >= set.radius && set.radius > 0.01);
     pbwsample_free(&set);
@@ -483,7 +486,7 @@ static void test_spectrum(void)
     options.count = 1500;
     for (seed = 0; seed < 4; seed++) {
         options.seed = test_seed + (uint64_t)seed;
-        CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBWSAMPLE_OK);
+        CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBW_OK);
         for (y = 0; y <= MOST; y++) {
             for (x = y == 0 ? 1 : -MOST; x <= MOST; x++) {
                 double c = 0, s = 0;
@@ -525,9 +528,9 @@ static void test_thin(void)
     add_patch(&model, 5, 5, high, u, v);
     memset(&options, 0, sizeof options);
     options.radius = 0.03;
-    CHECK_EQUAL(pbwsample_poisson(&model, &options, &one), PBWSAMPLE_OK);
+    CHECK_EQUAL(pbwsample_poisson(&model, &options, &one), PBW_OK);
     options.flags = PBWSAMPLE_THIN;
-    CHECK_EQUAL(pbwsample_poisson(&model, &options, &two), PBWSAMPLE_OK);
+    CHECK_EQUAL(pbwsample_poisson(&model, &options, &two), PBW_OK);
     CHECK((double)two.count > 1.9 * (double)one.count && (double)two.count < 2.1 * (double)one.count);
     pbwsample_free(&one);
     pbwsample_free(&two);
@@ -541,35 +544,39 @@ static void test_normals(void)
     pbwsample_model model = ball(40, 60);
     pbwsample_options options;
     pbwsample_set set;
-    double *made, n[3];
+    pbwsample__doubles made = { NULL, 0, 0 };
+    pbw_memory memory;
+    double n[3];
     size_t i;
     memset(&options, 0, sizeof options);
     options.count = 2000;
     options.flags = PBWSAMPLE_NORMALS;
-    CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBWSAMPLE_OK);
+    CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBW_OK);
     for (i = 0; i < set.count; i++) {
         CHECK(fabs(pbwsample__dot(set.normals + 3 * i, set.normals + 3 * i) - 1) < 1e-12);
         CHECK(pbwsample__dot(set.normals + 3 * i, set.points + 3 * i) > 0.995);
     }
     pbwsample_free(&set);
     options.flags |= PBWSAMPLE_FACET_NORMALS;
-    CHECK_EQUAL(pbwsample_uniform(&model, &options, &set), PBWSAMPLE_OK);
+    CHECK_EQUAL(pbwsample_uniform(&model, &options, &set), PBW_OK);
     for (i = 0; i < set.count; i++) {
         pbwsample__facet_normal(&model, set.triangles[i], n);
         CHECK(fabs(pbwsample__dot(n, set.normals + 3 * i) / sqrt(pbwsample__dot(n, n)) - 1) < 1e-12);
     }
     pbwsample_free(&set);
     model = cube(1);                     /* one triangle or two of a face meet at a corner, the angle is the same */
-    made = pbwsample__point_normals(&model);
+    pbw_memory_start(&memory, NULL);
+    CHECK(pbwsample__point_normals(&memory, &model, &made));
     for (i = 0; i < model.point_count; i++) {
-        double length = sqrt(pbwsample__dot(made + 3 * i, made + 3 * i)), d = 0;
+        double length = sqrt(pbwsample__dot(made.at + 3 * i, made.at + 3 * i)), d = 0;
         int k;
         for (k = 0; k < 3; k++) {
-            d += made[3 * i + (size_t)k] * (2 * points[3 * i + (size_t)k] - 1) / length / sqrt(3.0);
+            d += made.at[3 * i + (size_t)k] * (2 * points[3 * i + (size_t)k] - 1) / length / sqrt(3.0);
         }
         CHECK(d > 1 - 1e-12);
     }
-    count_free(made);
+    PBW_RELEASE(&memory, made);
+    CHECK_EQUAL(memory.used, 0);
     model = square(1, 1);                /* given ones; where they cancel or are zero, those of the facet */
     model.triangle_count = 1;
     model.normals = given;
@@ -579,11 +586,11 @@ static void test_normals(void)
     options.count = 10;
     memcpy(given, up, sizeof up);
     memcpy(given + 3, up, sizeof up);
-    CHECK_EQUAL(pbwsample_uniform(&model, &options, &set), PBWSAMPLE_OK);
+    CHECK_EQUAL(pbwsample_uniform(&model, &options, &set), PBW_OK);
     CHECK(fabs(set.normals[1] - 0.6) < 1e-15 && fabs(set.normals[2] - 0.8) < 1e-15);
     pbwsample_free(&set);
     memset(given, 0, sizeof given);
-    CHECK_EQUAL(pbwsample_uniform(&model, &options, &set), PBWSAMPLE_OK);
+    CHECK_EQUAL(pbwsample_uniform(&model, &options, &set), PBW_OK);
     CHECK(set.normals[0] <= 0 && set.normals[0] >= 0 && fabs(set.normals[2] - 1) < 1e-15);
     pbwsample_free(&set);
 }
@@ -605,7 +612,7 @@ static void test_inside(void)
             }
             count += !on;
         }
-        CHECK_EQUAL(pbwsample_inside(&model, p, count, inside), PBWSAMPLE_OK);
+        CHECK_EQUAL(pbwsample_inside(&model, p, count, NULL, inside), PBW_OK);
         for (i = 0; i < count; i++) {
             int in = 1;
             for (k = 0; k < 3; k++) {
@@ -629,7 +636,7 @@ static double meshed_volume(const pbwsample_model *model, const pbwsample_set *s
     for (i = 0; i < 12 * mesh.simplex_count; i++) {
         centre[i / 12 * 3 + i % 3] += 0.25 * set->points[3 * (size_t)mesh.simplices[i / 3] + i % 3];
     }
-    CHECK_EQUAL(pbwsample_inside(model, centre, mesh.simplex_count, inside), PBWSAMPLE_OK);
+    CHECK_EQUAL(pbwsample_inside(model, centre, mesh.simplex_count, NULL, inside), PBW_OK);
     for (i = 0; i < mesh.simplex_count; i++) {
         double e[3][3];
         for (k = 0; k < 9; k++) {
@@ -659,21 +666,21 @@ static void test_volume(void)
         for (lattice = 0; lattice < 2; lattice++) {
             double volume, worst = 0, p[3];
             model = ball(40, 60);
-            CHECK_EQUAL(pbwsample_inspect(&model, &report), PBWSAMPLE_OK);
+            CHECK_EQUAL(pbwsample_inspect(&model, NULL, &report), PBW_OK);
             CHECK(report.closed && fabs(report.volume - 4.18879) < 0.05);
             model.triangle_count -= (size_t)open * 7;
             memset(&options, 0, sizeof options);
             options.seed = test_seed;
             options.flags = PBWSAMPLE_NORMALS;
             options.radius = 0.15;
-            CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBWSAMPLE_OK);
+            CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBW_OK);
             surface = set.count;
             options.radius = 0;
             options.flags = lattice ? PBWSAMPLE_LATTICE : 0;
-            CHECK_EQUAL(pbwsample_volume(&model, &options, &set), PBWSAMPLE_OK);
+            CHECK_EQUAL(pbwsample_volume(&model, &options, &set), PBW_OK);
             CHECK(set.count > 3 * surface / 2);
             CHECK(set.radius >= 0.15 && set.radius <= 0.15);
-            CHECK_EQUAL(pbwsample_inside(&model, set.points, set.count, inside), PBWSAMPLE_OK);
+            CHECK_EQUAL(pbwsample_inside(&model, set.points, set.count, NULL, inside), PBW_OK);
             for (i = surface; i < set.count; i++) {
                 CHECK(inside[i] && set.triangles[i] == PBW_NONE && !(set.normals[3 * i] > 0));
                 CHECK(nearest(&set, 0, lattice ? surface : i, set.points + 3 * i) >= set.radius);
@@ -682,7 +689,7 @@ static void test_volume(void)
                 uint64_t key = test_seed + 1000;
                 int k;
                 for (k = 0; k < 3; k++) {
-                    p[k] = 2 * pbwsample__low_half(pbwsample__random(key, 3 * i + (size_t)k)) - 1;
+                    p[k] = 2 * pbwsample__low_half(pbw_random(key, 3 * i + (size_t)k)) - 1;
                 }
                 if (pbwsample__dot(p, p) < 0.95) {
                     double d = nearest(&set, 0, set.count, p);
@@ -701,23 +708,23 @@ static void test_volume(void)
     memset(&options, 0, sizeof options);
     memset(&set, 0, sizeof set);
     options.count = 1234;
-    CHECK_EQUAL(pbwsample_volume(&model, &options, &set), PBWSAMPLE_OK);
+    CHECK_EQUAL(pbwsample_volume(&model, &options, &set), PBW_OK);
     CHECK_EQUAL(set.count, 1234);
     CHECK(closest_pair(&set) >= set.radius);
     pbwsample_free(&set);
     options.count = 5000;                /* of which an eighth was made first */
-    CHECK_EQUAL(pbwsample_volume(&model, &options, &set), PBWSAMPLE_OK);
+    CHECK_EQUAL(pbwsample_volume(&model, &options, &set), PBW_OK);
     CHECK_EQUAL(set.count, 5000);
     pbwsample_free(&set);
     options.count = 0;
     options.radius = 0.08;
-    CHECK_EQUAL(pbwsample_volume(&model, &options, &set), PBWSAMPLE_OK);
+    CHECK_EQUAL(pbwsample_volume(&model, &options, &set), PBW_OK);
     CHECK(closest_pair(&set) >= set.radius && (double)set.count * 0.08 * 0.08 * 0.08 > 0.67);
     for (i = 0; i < 60000; i++) {
         double p[3];
         int k;
         for (k = 0; k < 3; k++) {
-            p[k] = pbwsample__low_half(pbwsample__random(test_seed, 3 * i + (size_t)k));
+            p[k] = pbwsample__low_half(pbw_random(test_seed, 3 * i + (size_t)k));
         }
         CHECK(nearest(&set, 0, set.count, p) <= 1.25 * 0.08);
     }
@@ -727,7 +734,7 @@ static void test_volume(void)
     for (lattice = 0; lattice < 2; lattice++) {
         size_t left = 0, right = 0;
         options.flags = lattice ? PBWSAMPLE_LATTICE : 0;
-        CHECK_EQUAL(pbwsample_volume(&model, &options, &set), PBWSAMPLE_OK);
+        CHECK_EQUAL(pbwsample_volume(&model, &options, &set), PBW_OK);
         for (i = 0; i < set.count; i++) {
             left += set.points[3 * i] < 0.15;
             right += set.points[3 * i] > 0.85;
@@ -738,14 +745,14 @@ static void test_volume(void)
         pbwsample_free(&set);
     }
     model = square(2, 2);
-    CHECK_EQUAL(pbwsample_volume(&model, &options, &set), PBWSAMPLE_ERROR_VOLUME);
+    CHECK_EQUAL(pbwsample_volume(&model, &options, &set), PBW_DEGENERATE);
     CHECK_EQUAL(set.count, 0);
     pbwsample_free(&set);
 }
 
-static int refuse(void *user, double done)
+static int refuse(void *user, pbw_stage stage, double done)
 {
-    CHECK(done >= 0 && done <= 1);
+    CHECK(done >= 0 && done <= 1 && stage == PBW_STAGE_WORK);
     return --*(int *)user < 0;
 }
 
@@ -755,6 +762,8 @@ static void test_bad(void)
     pbwsample_options options;
     pbwsample_report report;
     pbwsample_set set;
+    pbw_options build;
+    unsigned char inside;
     int patience = 3, k;
     memset(&options, 0, sizeof options);
     memset(&none, 0, sizeof none);
@@ -762,104 +771,162 @@ static void test_bad(void)
     add_point(&model, 0, 0, -0.0);
     add_triangle(&model, 0, 1, 1);
     add_triangle(&model, 0, 1, 2);
-    CHECK_EQUAL(pbwsample_inspect(&model, &report), PBWSAMPLE_OK);
+    CHECK_EQUAL(pbwsample_inspect(&model, NULL, &report), PBW_OK);
     CHECK_EQUAL(report.unused_points, 2);
     CHECK_EQUAL(report.duplicate_points, 1);
     CHECK_EQUAL(report.flat_triangles, 2);
     CHECK(!report.closed && report.open_edges > 0 && fabs(report.area - 1) < 1e-12);
     options.radius = 0.2;
-    CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBWSAMPLE_OK);
+    CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBW_OK);
     for (k = 0; k < (int)set.count; k++) {
         CHECK(set.triangles[k] < 8);
     }
     pbwsample_free(&set);
     model = square(1, 1);
-    CHECK_EQUAL(pbwsample_inspect(&model, &report), PBWSAMPLE_OK);
+    CHECK_EQUAL(pbwsample_inspect(&model, NULL, &report), PBW_OK);
     CHECK(report.open_edges == 4 && report.crowded_edges == 0 && report.turned_edges == 0);
     add_triangle(&model, 0, 2, 3);
     add_triangle(&model, 2, 1, 3);
-    CHECK_EQUAL(pbwsample_inspect(&model, &report), PBWSAMPLE_OK);
+    CHECK_EQUAL(pbwsample_inspect(&model, NULL, &report), PBW_OK);
     CHECK(report.crowded_edges == 2 && report.turned_edges == 1);
     model = cube(4);
-    CHECK_EQUAL(pbwsample_inspect(&model, &report), PBWSAMPLE_OK);
+    CHECK_EQUAL(pbwsample_inspect(&model, NULL, &report), PBW_OK);
     CHECK(report.closed && fabs(report.volume - 1) < 1e-12 && fabs(report.area - 6) < 1e-12);
     triangles[0] = (pbw_index)model.point_count;
-    CHECK_EQUAL(pbwsample_inspect(&model, &report), PBWSAMPLE_ERROR_ARGUMENT);
-    CHECK_EQUAL(pbwsample_uniform(&model, &options, &set), PBWSAMPLE_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbwsample_inspect(&model, NULL, &report), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbwsample_uniform(&model, &options, &set), PBW_ERROR_ARGUMENT);
     model = cube(3);
-    CHECK_EQUAL(pbwsample_inspect(&none, &report), PBWSAMPLE_ERROR_ARGUMENT);
-    CHECK_EQUAL(pbwsample_poisson(NULL, &options, &set), PBWSAMPLE_ERROR_ARGUMENT);
-    CHECK_EQUAL(pbwsample_poisson(&model, NULL, &set), PBWSAMPLE_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbwsample_inspect(&none, NULL, &report), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbwsample_poisson(NULL, &options, &set), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbwsample_poisson(&model, NULL, &set), PBW_ERROR_ARGUMENT);
     options.count = 5;                                               /* and a radius */
-    CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBWSAMPLE_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBW_ERROR_ARGUMENT);
     options.count = 0;
     options.radius = 1e-9;
-    CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBWSAMPLE_ERROR_TOO_LARGE);
+    CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBW_ERROR_TOO_LARGE);
     options.radius = 0.1;
     options.size = zero_size;
-    CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBWSAMPLE_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBW_ERROR_ARGUMENT);
     options.count = 5;
-    CHECK_EQUAL(pbwsample_uniform(&model, &options, &set), PBWSAMPLE_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbwsample_uniform(&model, &options, &set), PBW_ERROR_ARGUMENT);
     options.count = 0;
     options.size = NULL;
-    options.progress = refuse;
-    options.progress_user = &patience;
+    memset(&build, 0, sizeof build);
+    build.progress = refuse;
+    build.progress_user = &patience;
+    options.build = &build;
     options.radius = 0.01;
-    CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBWSAMPLE_CANCELLED);
+    CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBW_CANCELLED);
     CHECK(set.count == 0 && set.points == NULL);
-    options.progress = NULL;
+    patience = 0;
+    CHECK_EQUAL(pbwsample_volume(&model, &options, &set), PBW_CANCELLED);
+    CHECK_EQUAL(pbwsample_inspect(&model, &build, &report), PBW_CANCELLED);
+    CHECK_EQUAL(pbwsample_inside(&model, points, 1, &build, &inside), PBW_CANCELLED);
+    options.radius = 0;
+    options.count = 5;
+    CHECK_EQUAL(pbwsample_uniform(&model, &options, &set), PBW_CANCELLED);
+    CHECK(set.count == 0 && set.points == NULL);
+    options.count = 0;
+    options.radius = 0.01;
+    options.build = NULL;
     points[0] = HUGE_VAL;
-    CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBWSAMPLE_ERROR_SURFACE);
+    CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBW_ERROR_NOT_FINITE);
     model = square(1, 1);
     model.point_count = 0;
     for (k = 0; k < 4; k++) {
         add_point(&model, k, k, k);
     }
-    CHECK_EQUAL(pbwsample_uniform(&model, &options, &set), PBWSAMPLE_ERROR_SURFACE);
-    CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBWSAMPLE_ERROR_SURFACE);
+    CHECK_EQUAL(pbwsample_uniform(&model, &options, &set), PBW_DEGENERATE);
+    CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBW_DEGENERATE);
     for (k = -1; k < 8; k++) {
-        CHECK(*pbwsample_status_string((pbwsample_status)(k + 1)) != 0);
+        CHECK(*pbwsample_status_string((pbw_status)(k + 1)) != 0);
     }
+}
+
+/* One call of each kind, on an empty set; the last adds to a set that holds samples. */
+static pbw_status make(int kind, const pbwsample_model *model, const pbw_options *build, pbwsample_set *set)
+{
+    pbwsample_options options;
+    pbwsample_report report;
+    unsigned char inside[2];
+    pbw_status status;
+    memset(set, 0, sizeof *set);
+    memset(&options, 0, sizeof options);
+    options.flags = PBWSAMPLE_NORMALS;
+    options.build = build;
+    options.count = kind == 1 ? 0 : 200;
+    options.radius = kind == 1 ? 0.2 : 0;
+    if (kind == 5) {
+        status = pbwsample_poisson(model, &options, set);
+        options.count = 300;
+        options.build = status == PBW_OK && build->memory_limit == 0 ? NULL : build;     /* the allocator stays */
+        return status == PBW_OK ? pbwsample_volume(model, &options, set) : status;
+    }
+    return kind == 0 ? pbwsample_uniform(model, &options, set) : kind <= 2 ? pbwsample_poisson(model, &options, set)
+         : kind == 3 ? pbwsample_volume(model, &options, set)
+         : kind == 4 ? pbwsample_inside(model, points, 2, build, inside) : pbwsample_inspect(model, build, &report);
 }
 
 static void test_no_memory(void)
 {
     pbwsample_model model = ball(8, 10);
-    pbwsample_options options;
-    pbwsample_report report;
+    pbw_options build;
     pbwsample_set set;
-    unsigned char inside[2];
-    pbwsample_status status;
+    pbw_status status = PBW_OK;
     int kind;
-    memset(&options, 0, sizeof options);
-    options.flags = PBWSAMPLE_NORMALS;
-    for (kind = 0; kind < 10; kind++) {
-        once = kind >= 5;
+    memset(&build, 0, sizeof build);
+    build.threads = 1;
+    build.resize = count_resize;
+    for (kind = 0; kind < 14; kind++) {
+        once = kind >= 7;
         requests = 1;
         for (fail_at = 1; requests + 1 >= fail_at && fail_at < 2000; fail_at++) {
-            requests = held = 0;
-            memset(&set, 0, sizeof set);
-            options.count = kind % 5 == 1 ? 0 : 200;
-            options.radius = kind % 5 == 1 ? 0.2 : 0;
-            status = kind % 5 == 0 ? pbwsample_uniform(&model, &options, &set)
-                   : kind % 5 <= 2 ? pbwsample_poisson(&model, &options, &set)
-                   : kind % 5 == 3 ? pbwsample_volume(&model, &options, &set)
-                   : pbwsample_inside(&model, points, 2, inside);
-            CHECK(status == PBWSAMPLE_OK || status == PBWSAMPLE_ERROR_MEMORY);
-            CHECK(status == PBWSAMPLE_OK ? kind % 5 > 2 || set.normals != NULL : set.count == 0);
+            requests = 0;
+            status = make(kind % 7, &model, &build, &set);
+            CHECK(status == PBW_OK || status == PBW_ERROR_MEMORY);
+            CHECK(status == PBW_OK ? kind % 7 == 3 || kind % 7 == 4 || kind % 7 == 6 || set.normals != NULL
+                                   : set.count == (kind % 7 == 5 && set.points != NULL ? 200 : 0));
             pbwsample_free(&set);
             CHECK_EQUAL(held, 0);
         }
-        CHECK_EQUAL(status, PBWSAMPLE_OK);
+        CHECK_EQUAL(status, PBW_OK);
         CHECK(fail_at > 4);
-    }
-    for (fail_at = 1; fail_at < 4; fail_at++) {
-        requests = held = 0;
-        CHECK_EQUAL(pbwsample_inspect(&model, &report), PBWSAMPLE_ERROR_MEMORY);
-        CHECK_EQUAL(held, 0);
     }
     fail_at = 0;
     once = 0;
+}
+
+/* At each level of the limit a call succeeds or says that memory is short, and never holds more. */
+static void test_limit(void)
+{
+    pbwsample_model model = ball(8, 10);
+    pbw_options build;
+    pbwsample_set set;
+    pbw_status status = PBW_OK;
+    size_t most;
+    int kind, part, failures;
+    memset(&build, 0, sizeof build);
+    build.threads = 1;
+    build.resize = count_resize;
+    for (kind = 0; kind < 7; kind++) {
+        build.memory_limit = 0;
+        most_held = 0;
+        CHECK_EQUAL(make(kind, &model, &build, &set), PBW_OK);
+        pbwsample_free(&set);
+        most = most_held;
+        for (part = 1, failures = 0; part <= 16; part++) {
+            build.memory_limit = most * (size_t)part / 16;
+            most_held = 0;
+            status = make(kind, &model, &build, &set);
+            CHECK(status == PBW_OK || status == PBW_ERROR_MEMORY);
+            CHECK(most_held <= build.memory_limit);
+            failures += status != PBW_OK;
+            pbwsample_free(&set);
+            CHECK_EQUAL(held, 0);
+        }
+        CHECK_EQUAL(status, PBW_OK);
+        CHECK(failures > 4);
+    }
 }
 
 int main(int argc, char **argv)
@@ -870,7 +937,7 @@ int main(int argc, char **argv)
         { "needles and sheets", test_thin_models }, { "a far speck", test_far_speck }, { "spectrum", test_spectrum },
         { "thin sheets", test_thin }, { "normals", test_normals },
         { "inside", test_inside }, { "volumes", test_volume }, { "bad surfaces and arguments", test_bad },
-        { "every allocation fails", test_no_memory }
+        { "every allocation fails", test_no_memory }, { "memory_limit", test_limit }
     };
     size_t i;
     test_start(argc, argv, 0);

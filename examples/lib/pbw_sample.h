@@ -28,7 +28,7 @@
 
    CONTENTS  (search for the marks)
      >>interface    types and functions
-     >>tools        random numbers, memory, a hash table
+     >>tools        arrays, progress, a hash table
      >>surface      areas, edges, normals
      >>uniform      independent samples
      >>inside       rays through a surface
@@ -38,7 +38,8 @@
      >>sets         Poisson sets: rounds; the radius for a count
 
    WHAT                      how                                                       promise
-     pbwsample_uniform       independent, as dense as options.size asks                the same for every options.run
+     pbwsample_uniform       independent, as dense as options.size asks                the same for any number of
+                                                                                       threads
      pbwsample_poisson       blue noise: no two closer than a radius                   maximal (by radius), or the
                                                                                        exact count
      pbwsample_volume        the same inside a closed surface, away from what the      same
@@ -56,14 +57,13 @@
      any model   facets without area, unused points, open and crowded edges, triangle soup: they are handled if that
                  makes sense, otherwise a status names them
      quiet       no globals, nothing printed, no exit
-     bounded     memory: about 75 bytes a triangle, 110 for a volume, 260 if its surface is open; and for each sample
-                 65 if uniform or in a lattice, 470 in a Poisson set of a surface, 2400 of a volume
+     bounded     memory_limit holds in every call.  Memory: about 75 bytes a triangle, 110 for a volume, 260 if its
+                 surface is open; and for each sample 65 if uniform or in a lattice, 470 in a Poisson set of a surface,
+                 2400 of a volume
 
    CONFIGURATION MACROS
      PBW_SAMPLE_IMPLEMENTATION   in one source file: compile the implementation there
      PBWSAMPLEDEF                everywhere: your own linkage for the functions, for example static
-     PBWSAMPLE_REALLOC(ptr, n)   where PBW_SAMPLE_IMPLEMENTATION is: your own realloc
-     PBWSAMPLE_FREE(ptr)         where PBW_SAMPLE_IMPLEMENTATION is: your own free
 */
 #ifndef PBW_SAMPLE_H
 #define PBW_SAMPLE_H
@@ -81,16 +81,6 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-typedef enum pbwsample_status {
-    PBWSAMPLE_OK = 0,
-    PBWSAMPLE_CANCELLED,               /* the progress callback said stop */
-    PBWSAMPLE_ERROR_ARGUMENT,          /* NULL, an id out of range, not one of count and radius, a size <= 0 */
-    PBWSAMPLE_ERROR_SURFACE,           /* no facet has an area, or coordinates are not finite or too large */
-    PBWSAMPLE_ERROR_VOLUME,            /* nothing is inside, or so little that no sample hits it */
-    PBWSAMPLE_ERROR_TOO_LARGE,         /* more samples than an index can number */
-    PBWSAMPLE_ERROR_MEMORY
-} pbwsample_status;
 
 typedef struct pbwsample_model {       /* a surface; the arrays are the caller's */
     size_t point_count, triangle_count, normal_count;
@@ -112,10 +102,9 @@ typedef struct pbwsample_options {     /* all zero = best defaults, but for coun
     double (*size)(void *user, const double point[3]);     /* the radius there is this times as large; NULL = 1 */
     unsigned flags;
     double jitter;                     /* lattice: how far points may move, in cells; 0 = 0.1, < 0: none */
-    /* The caller's job system as in pbw_options, for pbwsample_uniform; NULL = on this thread. */
-    void (*run)(void *user, int tasks, void (*task)(void *arg, int i), void *arg);
-    int (*progress)(void *user, double done);              /* Poisson: a nonzero answer ends the call */
-    void *size_user, *run_user, *progress_user;
+    void *size_user;
+    const pbw_options *build;          /* memory_limit, resize, progress; threads and run of pbwsample_uniform; as in
+                                          pbw.h, NULL = defaults */
 } pbwsample_options;
 
 typedef struct pbwsample_set {         /* start from {0}; pbwsample_free when done */
@@ -125,6 +114,8 @@ typedef struct pbwsample_set {         /* start from {0}; pbwsample_free when do
     double *normals;                   /* 3 each, of length 1, zero inside; NULL without PBWSAMPLE_NORMALS */
     pbw_index *triangles;              /* which one each lies on, PBW_NONE inside */
     double *places;                    /* 2 each: a point is (1 - u - v) a + u b + v c; zero inside */
+    pbw_memory memory;                 /* private: of these arrays, and their capacities */
+    size_t capacity[4];
 } pbwsample_set;
 
 typedef struct pbwsample_report {      /* edges are counted with points at one place taken for one */
@@ -134,23 +125,36 @@ typedef struct pbwsample_report {      /* edges are counted with points at one p
     double area, volume;               /* volume: less than zero if the facets look inwards */
 } pbwsample_report;
 
-/* Fill an empty set; on failure it is left empty.
-   The three functions need finite coordinates; samples keep to the surface within rounding. */
-PBWSAMPLEDEF pbwsample_status pbwsample_uniform(const pbwsample_model *model, const pbwsample_options *options,
-                                                pbwsample_set *set);
-PBWSAMPLEDEF pbwsample_status pbwsample_poisson(const pbwsample_model *model, const pbwsample_options *options,
-                                                pbwsample_set *set);
-/* Adds points inside to a set, which on failure is as before. */
-PBWSAMPLEDEF pbwsample_status pbwsample_volume(const pbwsample_model *model, const pbwsample_options *options,
-                                               pbwsample_set *set);
+/* All of them return PBW_OK, or
+   PBW_DEGENERATE         no triangle has an area; or nothing is inside, or so little that no sample hits it
+   PBW_CANCELLED          the progress callback said stop
+   PBW_ERROR_ARGUMENT     NULL, an id out of range, not one of count and radius, a size that is not above 0
+   PBW_ERROR_NOT_FINITE   a coordinate is not finite, or so large that areas are not
+   PBW_ERROR_TOO_LARGE    more samples than an index can number
+   PBW_ERROR_MEMORY       out of memory, or over memory_limit
+   or what pbw_for returns. */
+
+/* Fill an empty set; on failure it is left empty.  Samples keep to the surface within rounding. */
+PBWSAMPLEDEF pbw_status pbwsample_uniform(const pbwsample_model *model, const pbwsample_options *options,
+                                          pbwsample_set *set);
+PBWSAMPLEDEF pbw_status pbwsample_poisson(const pbwsample_model *model, const pbwsample_options *options,
+                                          pbwsample_set *set);
+/* Adds points inside to a set, which on failure is as before.  The set keeps the allocator that it was first filled
+   with, and counts against memory_limit. */
+PBWSAMPLEDEF pbw_status pbwsample_volume(const pbwsample_model *model, const pbwsample_options *options,
+                                         pbwsample_set *set);
 /* inside[i] = 1 if point i is: a ray leaves the surface an odd number of times.  Exact for a closed surface; of an
-   open one, two of three rays along the axes must say so.  A point on the surface may count as either. */
-PBWSAMPLEDEF pbwsample_status pbwsample_inside(const pbwsample_model *model, const double *points, size_t count,
-                                               unsigned char *inside);
-PBWSAMPLEDEF pbwsample_status pbwsample_inspect(const pbwsample_model *model, pbwsample_report *report);
+   open one, two of three rays along the axes must say so.  A point on the surface may count as either.
+   options: threads, run, memory_limit, resize, progress; NULL = defaults. */
+PBWSAMPLEDEF pbw_status pbwsample_inside(const pbwsample_model *model, const double *points, size_t count,
+                                         const pbw_options *options, unsigned char *inside);
+/* options: memory_limit, resize, progress; NULL = defaults. */
+PBWSAMPLEDEF pbw_status pbwsample_inspect(const pbwsample_model *model, const pbw_options *options,
+                                          pbwsample_report *report);
 /* Frees what a set holds and zeroes it; fine on {0}, fine twice. */
 PBWSAMPLEDEF void pbwsample_free(pbwsample_set *set);
-PBWSAMPLEDEF const char *pbwsample_status_string(pbwsample_status status);    /* never NULL, never freed */
+/* What a status of these functions means.  Never NULL, never freed. */
+PBWSAMPLEDEF const char *pbwsample_status_string(pbw_status status);
 
 #ifdef __cplusplus
 }
@@ -165,60 +169,27 @@ PBWSAMPLEDEF const char *pbwsample_status_string(pbwsample_status status);    /*
 #include <stdlib.h>
 #include <string.h>
 
-#ifndef PBWSAMPLE_REALLOC
-#define PBWSAMPLE_REALLOC(ptr, size) realloc(ptr, size)
-#define PBWSAMPLE_FREE(ptr) free(ptr)
-#endif
-
-/* No contraction: fused operations would give other coordinates. */
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#elif defined(__GNUC__)
-#pragma GCC push_options
-#pragma GCC optimize("fp-contract=off")
-#endif
+PBW_CONTRACTION_OFF
 
 /* ------------------------------------------------------------------------------------------------------
-   >>tools        Random numbers, memory, a hash table.
-   In: a key and a counter; sizes; keys of 64 bits.  Out: random bits; blocks, or NULL; the value of a key.
-   Holds: random numbers are a function of the key and the counter alone; a table is at most half full.
+   >>tools        Arrays, progress, a hash table.
+   In: keys of 64 bits.  Out: the value of a key, a new one if there is none.
+   Holds: a table is at most half full.
    ------------------------------------------------------------------------------------------------------ */
 
-/* Number i of the stream of that key: splitmix64 (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number
-   generators"), whose state is a counter. */
-static uint64_t pbwsample__random(uint64_t key, uint64_t i)
-{
-    uint64_t z = key + (i + 1) * 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return z ^ z >> 31;
-}
+typedef PBW_ARRAY(double) pbwsample__doubles;
+typedef PBW_ARRAY(pbw_index) pbwsample__ids;
 
 static double pbwsample__low_half(uint64_t bits)                     /* inside (0, 1) */
 {
     return ((double)(bits & 0xffffffffu) + 0.5) / 4294967296.0;
 }
 
-/* A block with room for need items at least, or NULL, and then the old one stays. */
-static void *pbwsample__grow(void *block, size_t *capacity, size_t need, size_t item)
+/* Reports progress every 1024 items.  Returns whether the callback ends the call. */
+static int pbwsample__stops(const pbw_options *build, size_t i, double done)
 {
-    size_t next = *capacity + *capacity / 2 > need ? *capacity + *capacity / 2 : need;
-    void *grown = block;
-    if (need > *capacity || block == NULL) {
-        grown = next < (size_t)-1 / 2 / item ? PBWSAMPLE_REALLOC(block, (next + 1) * item) : NULL;
-        *capacity = grown != NULL ? next : *capacity;
-    }
-    return grown;
-}
-
-static void *pbwsample__zeros(size_t count, size_t item)
-{
-    size_t none = 0;
-    void *block = pbwsample__grow(NULL, &none, count, item);
-    if (block != NULL) {
-        memset(block, 0, (count + 1) * item);
-    }
-    return block;
+    return i % 1024 == 0 && build != NULL && build->progress != NULL
+        && build->progress(build->progress_user, PBW_STAGE_WORK, done) != 0;
 }
 
 #define PBWSAMPLE__NO_KEY ((uint64_t)-1)
@@ -236,24 +207,33 @@ static pbwsample__slot *pbwsample__slot_of(const pbwsample__table *table, uint64
     return table->slots + at;
 }
 
-/* The value of the key, PBW_NONE if it is new; NULL = out of memory. */
-static pbw_index *pbwsample__enter(pbwsample__table *table, uint64_t key)
+static void pbwsample__free_table(pbw_memory *memory, pbwsample__table *table)
 {
+    if (table->slots != NULL) {
+        (void)pbw_memory_resize(memory, table->slots, (size_t)1 << table->bits, 0, sizeof *table->slots);
+    }
+    memset(table, 0, sizeof *table);
+}
+
+/* The value of the key, PBW_NONE if it is new; NULL = out of memory. */
+static pbw_index *pbwsample__enter(pbw_memory *memory, pbwsample__table *table, uint64_t key)
+{
+    const size_t old = table->slots == NULL ? 0 : (size_t)1 << table->bits;
     pbwsample__slot *slot;
-    if (table->slots == NULL || 2 * table->used >= (size_t)1 << table->bits) {
+    if (2 * table->used >= old) {
         pbwsample__table larger = *table;
-        size_t i, count = (size_t)1 << (larger.bits = table->slots == NULL ? 10 : table->bits + 1), none = 0;
-        larger.slots = (pbwsample__slot *)pbwsample__grow(NULL, &none, count, sizeof *larger.slots);
+        size_t i, count = (size_t)1 << (larger.bits = old == 0 ? 10 : table->bits + 1);
+        larger.slots = (pbwsample__slot *)pbw_memory_resize(memory, NULL, 0, count, sizeof *larger.slots);
         if (larger.slots == NULL) {
             return NULL;
         }
         memset(larger.slots, 0xff, count * sizeof *larger.slots);    /* PBWSAMPLE__NO_KEY, PBW_NONE */
-        for (i = 0; table->slots != NULL && i < (size_t)1 << table->bits; i++) {
+        for (i = 0; i < old; i++) {
             if (table->slots[i].key != PBWSAMPLE__NO_KEY) {
                 *pbwsample__slot_of(&larger, table->slots[i].key) = table->slots[i];
             }
         }
-        PBWSAMPLE_FREE(table->slots);
+        pbwsample__free_table(memory, table);
         *table = larger;
     }
     slot = pbwsample__slot_of(table, key);
@@ -321,85 +301,79 @@ static double pbwsample__volume_of(const pbwsample_model *model)
     return sum;
 }
 
-static pbwsample_status pbwsample__check_model(const pbwsample_model *model)
+static pbw_status pbwsample__check_model(const pbwsample_model *model)
 {
     size_t i;
     double total = 0;
     if (model == NULL || model->points == NULL || model->triangles == NULL || model->point_count >= PBW_NONE
         || model->triangle_count >= PBW_NONE / 3) {
-        return PBWSAMPLE_ERROR_ARGUMENT;
+        return PBW_ERROR_ARGUMENT;
     }
     for (i = 0; i < 3 * model->triangle_count; i++) {
         if (model->triangles[i] >= model->point_count
             || (model->normals != NULL && (model->normal_ids != NULL ? model->normal_ids[i] : model->triangles[i])
                                           >= model->normal_count)) {
-            return PBWSAMPLE_ERROR_ARGUMENT;
+            return PBW_ERROR_ARGUMENT;
         }
     }
     for (i = 0; i < model->triangle_count; i++) {
         total += pbwsample__area(model, i);
     }
-    return total > 0 && total <= DBL_MAX ? PBWSAMPLE_OK : PBWSAMPLE_ERROR_SURFACE;
+    return !(total <= DBL_MAX) ? PBW_ERROR_NOT_FINITE : total > 0 ? PBW_OK : PBW_DEGENERATE;
 }
 
-/* For each point the first one at its place; NULL = out of memory. */
-static pbw_index *pbwsample__weld(const pbwsample_model *model)
+/* For each point the first one at its place.  Returns 0 = out of memory. */
+static int pbwsample__weld(pbw_memory *memory, const pbwsample_model *model, pbwsample__ids *first)
 {
     pbwsample__table table = { NULL, 0, 0 };
-    pbw_index *first = (pbw_index *)pbwsample__zeros(model->point_count, sizeof *first), *value;
+    pbw_index *value;
     size_t i;
-    int k;
-    for (i = 0; i < model->point_count && first != NULL; i++) {
+    int k, done = PBW_ZEROS(memory, *first, model->point_count);
+    for (i = 0; i < model->point_count && done; i++) {
         const double *p = model->points + 3 * i;
         uint64_t key = 1;
         for (k = 0; k < 3; k++) {
             double x = p[k] + 0.0;                                   /* -0.0 becomes 0.0 */
             uint64_t bits;
             memcpy(&bits, &x, sizeof bits);
-            key = pbwsample__random(key, bits);
+            key = pbw_random(key, bits);
         }
         do {
-            key = pbwsample__random(key, 0) >> 1;                    /* another one, if its place was another */
-            value = pbwsample__enter(&table, key);
+            key = pbw_random(key, 0) >> 1;                           /* another one, if its place was another */
+            value = pbwsample__enter(memory, &table, key);
         } while (value != NULL && *value != PBW_NONE && pbwsample__square(p, model->points + 3 * (size_t)*value) > 0);
-        if (value == NULL) {
-            PBWSAMPLE_FREE(first);
-            first = NULL;
-        } else {
+        done = value != NULL;
+        if (done) {
             *value = *value == PBW_NONE ? (pbw_index)i : *value;
-            first[i] = *value;
+            first->at[i] = *value;
         }
     }
-    PBWSAMPLE_FREE(table.slots);
-    return first;
+    pbwsample__free_table(memory, &table);
+    return done;
 }
 
-PBWSAMPLEDEF pbwsample_status pbwsample_inspect(const pbwsample_model *model, pbwsample_report *report)
+/* Counts how often triangles run along each edge, into a table: there, and 65536 times back, each 3 at most.  Fills in
+   what the report says of triangles and points.  share: of the progress. */
+static pbw_status pbwsample__count_edges(pbw_memory *memory, const pbwsample_model *model, const pbw_options *options,
+                                         double share, pbwsample__table *edges, pbwsample_report *report)
 {
-    pbwsample_status status = pbwsample__check_model(model);
-    pbwsample__table edges = { NULL, 0, 0 };
-    pbw_index *first = status == PBWSAMPLE_OK ? pbwsample__weld(model) : NULL, *value;
-    unsigned char *used = status == PBWSAMPLE_OK ? (unsigned char *)pbwsample__zeros(model->point_count, 1) : NULL;
-    size_t i, k, slots;
-    if (report == NULL || status != PBWSAMPLE_OK) {
-        PBWSAMPLE_FREE(first);
-        PBWSAMPLE_FREE(used);
-        return status != PBWSAMPLE_OK ? status : PBWSAMPLE_ERROR_ARGUMENT;
-    }
-    memset(report, 0, sizeof *report);
-    status = first == NULL || used == NULL ? PBWSAMPLE_ERROR_MEMORY : PBWSAMPLE_OK;
-    for (i = 0; i < model->triangle_count && status == PBWSAMPLE_OK; i++) {
+    pbwsample__ids first = { NULL, 0, 0 };
+    PBW_ARRAY(unsigned char) used = { NULL, 0, 0 };
+    pbw_status status = pbwsample__weld(memory, model, &first) && PBW_ZEROS(memory, used, model->point_count)
+                      ? PBW_OK : PBW_ERROR_MEMORY;
+    size_t i, k;
+    for (i = 0; i < model->triangle_count && status == PBW_OK; i++) {
         const pbw_index *t = model->triangles + 3 * i;
         double area = pbwsample__area(model, i);
         report->area += area;
         report->flat_triangles += !(area > 0);
-        for (k = 0; k < 3 && status == PBWSAMPLE_OK; k++) {
-            pbw_index a = first[t[k]], b = first[t[(k + 1) % 3]];
-            used[t[k]] = 1;
-            if (a != b) {                            /* value: how often there, and 65536 times how often back */
-                value = pbwsample__enter(&edges, a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a);
+        for (k = 0; k < 3 && status == PBW_OK; k++) {
+            pbw_index a = first.at[t[k]], b = first.at[t[(k + 1) % 3]], *value;
+            used.at[t[k]] = 1;
+            if (a != b) {
+                value = pbwsample__enter(memory, edges, a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a);
                 if (value == NULL) {
-                    status = PBWSAMPLE_ERROR_MEMORY;
+                    status = PBW_ERROR_MEMORY;
                 } else {
                     unsigned shift = a < b ? 0 : 16;
                     *value = *value == PBW_NONE ? 0 : *value;
@@ -407,13 +381,29 @@ PBWSAMPLEDEF pbwsample_status pbwsample_inspect(const pbwsample_model *model, pb
                 }
             }
         }
+        if (pbwsample__stops(options, i, share * (double)i / (double)model->triangle_count)) {
+            status = PBW_CANCELLED;
+        }
     }
-    for (i = 0; i < model->point_count && status == PBWSAMPLE_OK; i++) {
-        report->duplicate_points += first[i] != i;
-        report->unused_points += !used[i];
+    for (i = 0; i < model->point_count && status == PBW_OK; i++) {
+        report->duplicate_points += first.at[i] != i;
+        report->unused_points += !used.at[i];
     }
+    PBW_RELEASE(memory, first);
+    PBW_RELEASE(memory, used);
+    return status;
+}
+
+static pbw_status pbwsample__inspect(pbw_memory *memory, const pbwsample_model *model, const pbw_options *options,
+                                     double share, pbwsample_report *report)
+{
+    pbwsample__table edges = { NULL, 0, 0 };
+    pbw_status status;
+    size_t i, slots;
+    memset(report, 0, sizeof *report);
+    status = pbwsample__count_edges(memory, model, options, share, &edges, report);
     slots = edges.slots != NULL ? (size_t)1 << edges.bits : 0;
-    for (i = 0; i < slots && status == PBWSAMPLE_OK; i++) {
+    for (i = 0; i < slots && status == PBW_OK; i++) {
         if (edges.slots[i].key != PBWSAMPLE__NO_KEY) {
             unsigned there = edges.slots[i].value & 0xffff, back = edges.slots[i].value >> 16;
             report->open_edges += there + back == 1;
@@ -421,30 +411,33 @@ PBWSAMPLEDEF pbwsample_status pbwsample_inspect(const pbwsample_model *model, pb
             report->turned_edges += there + back == 2 && there != back;
         }
     }
-    if (status == PBWSAMPLE_OK) {
+    if (status == PBW_OK) {
         report->volume = pbwsample__volume_of(model);
         report->closed = report->open_edges + report->crowded_edges + report->turned_edges == 0;
     }
-    PBWSAMPLE_FREE(edges.slots);
-    PBWSAMPLE_FREE(first);
-    PBWSAMPLE_FREE(used);
+    pbwsample__free_table(memory, &edges);
     return status;
 }
 
-/* Normals of the points: of the facets around, weighted with their angles there (Thuermer and Wuethrich 1998,
-   "Computing vertex normals from polygonal facets"); NULL = out of memory. */
-static double *pbwsample__point_normals(const pbwsample_model *model)
+PBWSAMPLEDEF pbw_status pbwsample_inspect(const pbwsample_model *model, const pbw_options *options,
+                                          pbwsample_report *report)
 {
-    pbw_index *first = pbwsample__weld(model);
-    double *normals = (double *)pbwsample__zeros(3 * model->point_count, sizeof *normals);
+    pbw_memory memory;
+    pbw_status status = pbwsample__check_model(model);
+    pbw_memory_start(&memory, options);
+    return status != PBW_OK ? status : report == NULL ? PBW_ERROR_ARGUMENT
+         : pbwsample__inspect(&memory, model, options, 1, report);
+}
+
+/* Normals of the points: of the facets around, weighted with their angles there (Thuermer and Wuethrich 1998,
+   "Computing vertex normals from polygonal facets").  Returns 0 = out of memory. */
+static int pbwsample__point_normals(pbw_memory *memory, const pbwsample_model *model, pbwsample__doubles *normals)
+{
+    pbwsample__ids first = { NULL, 0, 0 };
+    const int done = pbwsample__weld(memory, model, &first) && PBW_ZEROS(memory, *normals, 3 * model->point_count);
     double n[3], p[3], q[3], length, angle;
     size_t i, j, k;
-    if (first == NULL || normals == NULL) {
-        PBWSAMPLE_FREE(first);
-        PBWSAMPLE_FREE(normals);
-        return NULL;
-    }
-    for (i = 0; i < model->triangle_count; i++) {
+    for (i = 0; i < model->triangle_count && done; i++) {
         pbwsample__facet_normal(model, i, n);
         length = sqrt(pbwsample__dot(n, n));
         for (j = 0; j < 3 && length > 0; j++) {
@@ -454,17 +447,17 @@ static double *pbwsample__point_normals(const pbwsample_model *model)
             }
             angle = atan2(length, pbwsample__dot(p, q));
             for (k = 0; k < 3; k++) {
-                normals[3 * (size_t)first[model->triangles[3 * i + j]] + k] += angle * n[k] / length;
+                normals->at[3 * (size_t)first.at[model->triangles[3 * i + j]] + k] += angle * n[k] / length;
             }
         }
     }
-    for (i = model->point_count; i-- > 0;) {                         /* first[i] <= i: it is still whole */
-        if (first[i] != i) {
-            memcpy(normals + 3 * i, normals + 3 * (size_t)first[i], 3 * sizeof *normals);
+    for (i = done ? model->point_count : 0; i-- > 0;) {              /* first[i] <= i: it is still whole */
+        if (first.at[i] != i) {
+            memcpy(normals->at + 3 * i, normals->at + 3 * (size_t)first.at[i], 3 * sizeof(double));
         }
     }
-    PBWSAMPLE_FREE(first);
-    return normals;
+    PBW_RELEASE(memory, first);
+    return done;
 }
 
 /* The normals of samples begin to end - 1, from those of the model's points; normals NULL: those of the facets. */
@@ -500,53 +493,36 @@ static void pbwsample__set_normals(const pbwsample_model *model, const double *n
     }
 }
 
-/* Makes room for capacity samples.  Returns whether there is. */
-static int pbwsample__reserve(pbwsample_set *set, size_t *capacity, size_t need, unsigned flags)
+/* Makes room for more samples behind the last.  Returns whether there is. */
+static int pbwsample__reserve(pbwsample_set *set, size_t more, unsigned flags)
 {
-    size_t room[4];
-    void *block;
-    int i;
-    for (i = 0; i < 4; i++) {
-        static const size_t items[] = { 3, 2, 3, 1 };
-        size_t item = i < 3 ? items[i] * sizeof(double) : sizeof(pbw_index);
-        void *old = i == 0 ? (void *)set->points : i == 1 ? (void *)set->places : i == 2 ? (void *)set->normals
-                  : (void *)set->triangles;
-        room[i] = *capacity;
-        if (i == 2 && !(flags & PBWSAMPLE_NORMALS)) {
-            continue;
-        }
-        block = pbwsample__grow(old, &room[i], need, item);
-        if (block == NULL) {
-            return 0;
-        }
-        set->points = i == 0 ? (double *)block : set->points;
-        set->places = i == 1 ? (double *)block : set->places;
-        set->normals = i == 2 ? (double *)block : set->normals;
-        set->triangles = i == 3 ? (pbw_index *)block : set->triangles;
-    }
-    *capacity = room[0];
-    return 1;
+    pbw_memory *memory = &set->memory;
+    size_t *capacity = set->capacity;
+    return pbw_memory_grow(memory, &set->points, capacity, set->count, more, 3 * sizeof(double))
+        && pbw_memory_grow(memory, &set->places, capacity + 1, set->count, more, 2 * sizeof(double))
+        && pbw_memory_grow(memory, &set->triangles, capacity + 2, set->count, more, sizeof(pbw_index))
+        && (!(flags & PBWSAMPLE_NORMALS)
+            || pbw_memory_grow(memory, &set->normals, capacity + 3, set->count, more, 3 * sizeof(double)));
 }
 
 PBWSAMPLEDEF void pbwsample_free(pbwsample_set *set)
 {
     if (set != NULL) {
-        PBWSAMPLE_FREE(set->points);
-        PBWSAMPLE_FREE(set->normals);
-        PBWSAMPLE_FREE(set->triangles);
-        PBWSAMPLE_FREE(set->places);
+        (void)pbw_memory_fit(&set->memory, &set->points, set->capacity, 0, 3 * sizeof(double));
+        (void)pbw_memory_fit(&set->memory, &set->places, set->capacity + 1, 0, 2 * sizeof(double));
+        (void)pbw_memory_fit(&set->memory, &set->triangles, set->capacity + 2, 0, sizeof(pbw_index));
+        (void)pbw_memory_fit(&set->memory, &set->normals, set->capacity + 3, 0, 3 * sizeof(double));
         memset(set, 0, sizeof *set);
     }
 }
 
-PBWSAMPLEDEF const char *pbwsample_status_string(pbwsample_status status)
+PBWSAMPLEDEF const char *pbwsample_status_string(pbw_status status)
 {
-    static const char *const texts[] = {
-        "done", "cancelled", "an argument is wrong: NULL, an id out of range, no count or radius, a size of 0",
-        "the surface has no area that can be measured", "the surface encloses nothing, or too little to be hit",
-        "more samples than an index can number", "out of memory"
-    };
-    return (size_t)status < sizeof texts / sizeof texts[0] ? texts[status] : "unknown status";
+    return status == PBW_DEGENERATE ? "the surface has no area, or encloses nothing, or too little to be hit"
+         : status == PBW_ERROR_ARGUMENT
+         ? "an argument is wrong: NULL, an id out of range, no count or radius, a size of 0"
+         : status == PBW_ERROR_NOT_FINITE ? "a coordinate is not finite, or so large that areas are not"
+         : status == PBW_ERROR_TOO_LARGE ? "more samples than an index can number" : pbw_status_string(status);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -568,22 +544,21 @@ typedef struct pbwsample__uniform_work {
     unsigned flags;
     const double *normals;
     const pbw_index *ids;
-    double *sums;                              /* the weight of each triangle and of all before */
-    pbw_index *guide;                          /* the first triangle of each step */
+    pbwsample__doubles sums;                   /* the weight of each triangle and of all before */
+    pbwsample__ids guide;                      /* the first triangle of each step */
 } pbwsample__uniform_work;
 
-static void pbwsample__uniform_task(void *arg, int task)
+static pbw_status pbwsample__uniform_range(void *arg, size_t begin, size_t end)
 {
     const pbwsample__uniform_work *w = (const pbwsample__uniform_work *)arg;
-    size_t triangles = w->model->triangle_count, i, k, begin = (size_t)task * PBWSAMPLE__BLOCK;
-    size_t end = w->set->count - begin < PBWSAMPLE__BLOCK ? w->set->count : begin + PBWSAMPLE__BLOCK;
+    size_t triangles = w->model->triangle_count, i, k;
     for (i = begin; i < end; i++) {
-        uint64_t bits = pbwsample__random(w->key, 2 * i + 1);
-        double at = (double)(pbwsample__random(w->key, 2 * i) >> 11) / 9007199254740992.0;
+        uint64_t bits = pbw_random(w->key, 2 * i + 1);
+        double at = (double)(pbw_random(w->key, 2 * i) >> 11) / 9007199254740992.0;
         double u = pbwsample__low_half(bits), v = pbwsample__low_half(bits >> 32);
-        size_t t = w->guide[(size_t)(at * (double)triangles)];
+        size_t t = w->guide.at[(size_t)(at * (double)triangles)];
         const double *a, *b, *c;
-        while (w->sums[t] <= at * w->sums[triangles - 1]) {
+        while (w->sums.at[t] <= at * w->sums.at[triangles - 1]) {
             t++;
         }
         if (u + v > 1) {
@@ -604,6 +579,7 @@ static void pbwsample__uniform_task(void *arg, int task)
         pbwsample__set_normals(w->model, w->flags & PBWSAMPLE_FACET_NORMALS ? NULL : w->normals, w->ids,
                                w->set, begin, end);
     }
+    return PBW_OK;
 }
 
 /* The size that the callback gives for the middle of a triangle; 0 if it is not proper. */
@@ -614,7 +590,7 @@ static double pbwsample__size_at(const pbwsample_options *options, const double 
 }
 
 /* The weights: areas over squared sizes. */
-static pbwsample_status pbwsample__weigh(pbwsample__uniform_work *w, const pbwsample_options *options)
+static pbw_status pbwsample__weigh(pbwsample__uniform_work *w, const pbwsample_options *options)
 {
     size_t i, k, step = 0, triangles = w->model->triangle_count;
     double sum = 0, size, middle[3];
@@ -625,66 +601,60 @@ static pbwsample_status pbwsample__weigh(pbwsample__uniform_work *w, const pbwsa
         }
         size = pbwsample__size_at(options, middle);
         if (!(size > 0)) {
-            return PBWSAMPLE_ERROR_ARGUMENT;
+            return PBW_ERROR_ARGUMENT;
         }
-        w->sums[i] = sum += pbwsample__area(w->model, i) / (size * size);
+        w->sums.at[i] = sum += pbwsample__area(w->model, i) / (size * size);
     }
     for (i = 0; i < triangles; i++) {
-        while (step < triangles && w->sums[i] > sum * ((double)step / (double)triangles)) {
-            w->guide[step++] = (pbw_index)i;
+        while (step < triangles && w->sums.at[i] > sum * ((double)step / (double)triangles)) {
+            w->guide.at[step++] = (pbw_index)i;
         }
     }
-    return sum > 0 && sum <= DBL_MAX ? PBWSAMPLE_OK : PBWSAMPLE_ERROR_SURFACE;
+    return sum > 0 && sum <= DBL_MAX ? PBW_OK : PBW_ERROR_ARGUMENT;
 }
 
-PBWSAMPLEDEF pbwsample_status pbwsample_uniform(const pbwsample_model *model, const pbwsample_options *options,
-                                                pbwsample_set *set)
+PBWSAMPLEDEF pbw_status pbwsample_uniform(const pbwsample_model *model, const pbwsample_options *options,
+                                          pbwsample_set *set)
 {
     pbwsample__uniform_work w;
-    size_t capacity = 0;
-    double *made = NULL;
-    int i, tasks;
-    pbwsample_status status = pbwsample__check_model(model);
-    if (set == NULL || options == NULL || options->count == 0 || status != PBWSAMPLE_OK) {
-        return status != PBWSAMPLE_OK ? status : PBWSAMPLE_ERROR_ARGUMENT;
+    pbwsample__doubles computed = { NULL, 0, 0 };
+    pbw_options build;
+    pbw_memory *memory;
+    pbw_status status = pbwsample__check_model(model);
+    if (set == NULL || options == NULL || options->count == 0 || status != PBW_OK) {
+        return status != PBW_OK ? status : PBW_ERROR_ARGUMENT;
     }
     memset(set, 0, sizeof *set);
     if (options->count >= PBW_NONE) {
-        return PBWSAMPLE_ERROR_TOO_LARGE;
+        return PBW_ERROR_TOO_LARGE;
     }
+    memory = &set->memory;
+    pbw_memory_start(memory, options->build);
+    memset(&w, 0, sizeof w);
     w.model = model;
     w.set = set;
-    w.key = pbwsample__random(0, options->seed);
+    w.key = pbw_random(0, options->seed);
     w.flags = options->flags;
-    w.sums = (double *)pbwsample__zeros(model->triangle_count, sizeof *w.sums);
-    w.guide = (pbw_index *)pbwsample__zeros(model->triangle_count, sizeof *w.guide);
-    if (options->flags & PBWSAMPLE_NORMALS && model->normals == NULL) {
-        made = pbwsample__point_normals(model);
-    }
-    w.normals = model->normals != NULL ? model->normals : made;
+    status = PBW_ZEROS(memory, w.sums, model->triangle_count) && PBW_ZEROS(memory, w.guide, model->triangle_count)
+          && (!(options->flags & PBWSAMPLE_NORMALS) || model->normals != NULL
+              || pbwsample__point_normals(memory, model, &computed))
+          && pbwsample__reserve(set, options->count, options->flags) ? PBW_OK : PBW_ERROR_MEMORY;
+    w.normals = model->normals != NULL ? model->normals : computed.at;
     w.ids = model->normals != NULL && model->normal_ids != NULL ? model->normal_ids : model->triangles;
-    if (w.sums == NULL || w.guide == NULL || (options->flags & PBWSAMPLE_NORMALS && w.normals == NULL)
-        || !pbwsample__reserve(set, &capacity, options->count, options->flags)) {
-        status = PBWSAMPLE_ERROR_MEMORY;
-    } else {
-        status = pbwsample__weigh(&w, options);
-    }
-    if (status == PBWSAMPLE_OK) {
+    status = status != PBW_OK ? status : pbwsample__weigh(&w, options);
+    if (status == PBW_OK) {
+        memset(&build, 0, sizeof build);
+        build = options->build != NULL ? *options->build : build;
+        pbw_memory_nest(memory, &build);
         set->count = options->count;
-        tasks = (int)((set->count + PBWSAMPLE__BLOCK - 1) / PBWSAMPLE__BLOCK);
-        if (options->run != NULL) {
-            options->run(options->run_user, tasks, pbwsample__uniform_task, &w);
-        } else {
-            for (i = 0; i < tasks; i++) {
-                pbwsample__uniform_task(&w, i);
-            }
-        }
-    } else {
+        status = pbw_for(&build, set->count, PBWSAMPLE__BLOCK, pbwsample__uniform_range, &w);
+    }
+    PBW_RELEASE(memory, computed);
+    PBW_RELEASE(memory, w.sums);
+    PBW_RELEASE(memory, w.guide);
+    if (status != PBW_OK) {
         pbwsample_free(set);
     }
-    PBWSAMPLE_FREE(made);
-    PBWSAMPLE_FREE(w.sums);
-    PBWSAMPLE_FREE(w.guide);
     return status;
 }
 
@@ -700,9 +670,10 @@ typedef struct pbwsample__box { double low[3], high[3]; } pbwsample__box;
 typedef struct pbwsample__columns {            /* a grid across an axis; which triangles are over each cell */
     const pbwsample_model *model;
     int axis;
-    size_t side, *first;                       /* first[c] to first[c+1] in list are those over cell c */
-    pbw_index *list;
-    pbwsample__box *boxes;                     /* around each triangle */
+    size_t side;
+    PBW_ARRAY(size_t) first;                   /* first[c] to first[c+1] in list are those over cell c */
+    pbwsample__ids list;
+    PBW_ARRAY(pbwsample__box) boxes;           /* around each triangle */
     double low[2], scale[2];
 } pbwsample__columns;
 
@@ -735,9 +706,10 @@ static void pbwsample__unite(pbwsample__box *box, const pbwsample__box *other)
     }
 }
 
-static int pbwsample__make_columns(pbwsample__columns *grid, const pbwsample_model *model, int axis)
+static int pbwsample__make_columns(pbw_memory *memory, pbwsample__columns *grid, const pbwsample_model *model,
+                                   int axis)
 {
-    size_t i, x, y, total = 0, none = 0, range[2][2];
+    size_t i, x, y, total = 0, range[2][2];
     pbwsample__box all = pbwsample__box_of(model, 0);
     int k, pass;
     memset(grid, 0, sizeof *grid);
@@ -745,14 +717,13 @@ static int pbwsample__make_columns(pbwsample__columns *grid, const pbwsample_mod
     grid->axis = axis;
     grid->side = (size_t)sqrt((double)model->triangle_count / 2) + 1;
     grid->side = grid->side < 1024 ? grid->side : 1024;
-    grid->first = (size_t *)pbwsample__zeros(grid->side * grid->side, sizeof *grid->first);
-    grid->boxes = (pbwsample__box *)pbwsample__zeros(model->triangle_count, sizeof *grid->boxes);
-    if (grid->first == NULL || grid->boxes == NULL) {
+    if (!PBW_ZEROS(memory, grid->first, grid->side * grid->side + 1)
+        || !PBW_FIT(memory, grid->boxes, model->triangle_count)) {
         return 0;
     }
     for (i = 0; i < model->triangle_count; i++) {
-        grid->boxes[i] = pbwsample__box_of(model, i);
-        pbwsample__unite(&all, grid->boxes + i);
+        grid->boxes.at[i] = pbwsample__box_of(model, i);
+        pbwsample__unite(&all, grid->boxes.at + i);
     }
     for (k = 0; k < 2; k++) {
         int across = (axis + 1 + k) % 3;
@@ -763,25 +734,24 @@ static int pbwsample__make_columns(pbwsample__columns *grid, const pbwsample_mod
     for (pass = 0; pass < 2; pass++) {                               /* count, then fill from the back */
         for (i = 0; i < model->triangle_count; i++) {
             for (k = 0; k < 2; k++) {
-                range[k][0] = pbwsample__column(grid, grid->boxes[i].low[(axis + 1 + k) % 3], k);
-                range[k][1] = pbwsample__column(grid, grid->boxes[i].high[(axis + 1 + k) % 3], k);
+                range[k][0] = pbwsample__column(grid, grid->boxes.at[i].low[(axis + 1 + k) % 3], k);
+                range[k][1] = pbwsample__column(grid, grid->boxes.at[i].high[(axis + 1 + k) % 3], k);
             }
             for (y = range[1][0]; y <= range[1][1]; y++) {
                 for (x = range[0][0]; x <= range[0][1]; x++) {
                     if (pass == 0) {
-                        grid->first[y * grid->side + x]++;
+                        grid->first.at[y * grid->side + x]++;
                     } else {
-                        grid->list[--grid->first[y * grid->side + x]] = (pbw_index)i;
+                        grid->list.at[--grid->first.at[y * grid->side + x]] = (pbw_index)i;
                     }
                 }
             }
         }
         for (i = 0; pass == 0 && i <= grid->side * grid->side; i++) {
-            grid->first[i] = total += grid->first[i];
+            grid->first.at[i] = total += grid->first.at[i];
         }
         if (pass == 0) {
-            grid->list = (pbw_index *)pbwsample__grow(NULL, &none, total, sizeof *grid->list);
-            if (grid->list == NULL) {
+            if (!PBW_FIT(memory, grid->list, total)) {
                 return 0;
             }
         }
@@ -789,12 +759,11 @@ static int pbwsample__make_columns(pbwsample__columns *grid, const pbwsample_mod
     return 1;
 }
 
-static void pbwsample__free_columns(pbwsample__columns *grid)
+static void pbwsample__free_columns(pbw_memory *memory, pbwsample__columns *grid)
 {
-    PBWSAMPLE_FREE(grid->first);
-    PBWSAMPLE_FREE(grid->list);
-    PBWSAMPLE_FREE(grid->boxes);
-    memset(grid, 0, sizeof *grid);
+    PBW_RELEASE(memory, grid->first);
+    PBW_RELEASE(memory, grid->list);
+    PBW_RELEASE(memory, grid->boxes);
 }
 
 /* The side of the line from a to b that the moved point is on, in the plane of x and y; 0 only if a and b are at one
@@ -813,9 +782,9 @@ static int pbwsample__crosses_odd(const pbwsample__columns *grid, const double p
     double corner[3][2], q[2];
     q[0] = p[u];
     q[1] = p[v];
-    for (i = grid->first[cell]; i < grid->first[cell + 1]; i++) {
-        size_t t = grid->list[i];
-        const pbwsample__box *box = grid->boxes + t;
+    for (i = grid->first.at[cell]; i < grid->first.at[cell + 1]; i++) {
+        size_t t = grid->list.at[i];
+        const pbwsample__box *box = grid->boxes.at + t;
         if (box->high[grid->axis] < p[grid->axis] || box->low[u] > p[u] || box->high[u] < p[u] || box->low[v] > p[v]
             || box->high[v] < p[v]) {
             continue;                                                /* it is below or beside the ray */
@@ -833,21 +802,22 @@ static int pbwsample__crosses_odd(const pbwsample__columns *grid, const double p
     return odd;
 }
 
-/* One axis for a closed surface, three for any other.  Returns how many, 0 = out of memory. */
-static int pbwsample__make_grids(pbwsample__columns grid[3], const pbwsample_model *model)
+/* One axis for a closed surface, three for any other: *axes. */
+static pbw_status pbwsample__make_grids(pbw_memory *memory, pbwsample__columns grid[3], const pbwsample_model *model,
+                                        const pbw_options *options, int *axes)
 {
     pbwsample_report report;
-    int i, axes = pbwsample_inspect(model, &report) != PBWSAMPLE_OK ? 0 : report.closed ? 1 : 3;
+    pbw_status status = pbwsample__inspect(memory, model, options, 0, &report);
+    int i;
     memset(grid, 0, 3 * sizeof *grid);
-    for (i = 0; i < axes; i++) {
-        if (!pbwsample__make_columns(grid + i, model, 2 - i)) {
-            axes = 0;
-        }
+    *axes = report.closed ? 1 : 3;
+    for (i = 0; i < *axes && status == PBW_OK; i++) {
+        status = pbwsample__make_columns(memory, grid + i, model, 2 - i) ? PBW_OK : PBW_ERROR_MEMORY;
     }
-    for (i = 0; i < 3 && axes == 0; i++) {
-        pbwsample__free_columns(grid + i);
+    for (i = 0; i < 3 && status != PBW_OK; i++) {
+        pbwsample__free_columns(memory, grid + i);
     }
-    return axes;
+    return status;
 }
 
 static int pbwsample__is_inside(const pbwsample__columns *grid, int axes, const double p[3])
@@ -859,24 +829,48 @@ static int pbwsample__is_inside(const pbwsample__columns *grid, int axes, const 
     return votes;
 }
 
-PBWSAMPLEDEF pbwsample_status pbwsample_inside(const pbwsample_model *model, const double *points, size_t count,
-                                               unsigned char *inside)
-{
+typedef struct pbwsample__inside_work {
     pbwsample__columns grid[3];
-    size_t i;
     int axes;
-    pbwsample_status status = pbwsample__check_model(model);
-    if (status != PBWSAMPLE_OK || points == NULL || inside == NULL) {
-        return status != PBWSAMPLE_OK ? status : PBWSAMPLE_ERROR_ARGUMENT;
+    const double *points;
+    unsigned char *inside;
+} pbwsample__inside_work;
+
+static pbw_status pbwsample__inside_range(void *arg, size_t begin, size_t end)
+{
+    const pbwsample__inside_work *w = (const pbwsample__inside_work *)arg;
+    size_t i;
+    for (i = begin; i < end; i++) {
+        w->inside[i] = (unsigned char)pbwsample__is_inside(w->grid, w->axes, w->points + 3 * i);
     }
-    axes = pbwsample__make_grids(grid, model);
-    for (i = 0; i < count && axes > 0; i++) {
-        inside[i] = (unsigned char)pbwsample__is_inside(grid, axes, points + 3 * i);
+    return PBW_OK;
+}
+
+PBWSAMPLEDEF pbw_status pbwsample_inside(const pbwsample_model *model, const double *points, size_t count,
+                                         const pbw_options *options, unsigned char *inside)
+{
+    pbwsample__inside_work w;
+    pbw_memory memory;
+    pbw_options build;
+    int i;
+    pbw_status status = pbwsample__check_model(model);
+    if (status != PBW_OK || points == NULL || inside == NULL) {
+        return status != PBW_OK ? status : PBW_ERROR_ARGUMENT;
     }
-    for (i = 0; i < (size_t)axes; i++) {
-        pbwsample__free_columns(grid + i);
+    memset(&build, 0, sizeof build);
+    build = options != NULL ? *options : build;
+    pbw_memory_start(&memory, options);
+    pbw_memory_nest(&memory, &build);
+    w.points = points;
+    w.inside = inside;
+    status = pbwsample__make_grids(&memory, w.grid, model, options, &w.axes);
+    if (status == PBW_OK) {
+        status = pbw_for(&build, count, 4096, pbwsample__inside_range, &w);
+        for (i = 0; i < w.axes; i++) {
+            pbwsample__free_columns(&memory, w.grid + i);
+        }
     }
-    return axes > 0 ? PBWSAMPLE_OK : PBWSAMPLE_ERROR_MEMORY;
+    return status;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -911,27 +905,26 @@ typedef struct pbwsample__piece {
                                                   the side, and 1 if it is known to be inside */
 } pbwsample__piece;
 
-typedef struct pbwsample__pieces { pbwsample__piece *list; size_t count, capacity; } pbwsample__pieces;
+typedef PBW_ARRAY(pbwsample__piece) pbwsample__pieces;
 typedef struct pbwsample__ball { double at[3], r; } pbwsample__ball;
 typedef struct pbwsample__chunk { pbw_index ids[PBWSAMPLE__LISTED], next; } pbwsample__chunk;
 
 typedef struct pbwsample__work {
     const pbwsample_model *model;
     const pbwsample_options *options;
-    pbwsample_status status;
+    pbw_memory *memory;
+    pbw_status status;
     pbwsample_set *set;
-    size_t capacity, fixed;                    /* of the set; its samples that were there before */
+    size_t fixed;                              /* samples of the set that were there before */
     double radius, low[3], high[3], unit;      /* of the boxes */
     uint64_t key, drawn;
     int solid, axes, too_many;
     pbwsample__columns rays[3];
     pbwsample__pieces pieces, next, stack;
-    pbw_index *lists;                          /* of triangles, for the boxes on the stack */
-    size_t list_capacity;
-    pbwsample__ball *balls;
-    pbwsample__chunk *chunks;
+    pbwsample__ids lists;                      /* of triangles, for the boxes on the stack */
+    PBW_ARRAY(pbwsample__ball) balls;          /* by samples */
+    PBW_ARRAY(pbwsample__chunk) chunks;
     pbwsample__table cells;
-    size_t ball_capacity, chunk_count, chunk_capacity;
     pbwsample__ball near[PBWSAMPLE__NEAR];     /* those around the last dart */
     int near_count;
     int levels, level[64];                     /* those in use; at level l cells have the side 2^(l+1) radius */
@@ -940,14 +933,14 @@ typedef struct pbwsample__work {
 
 static uint64_t pbwsample__draw(pbwsample__work *w)
 {
-    return pbwsample__random(w->key, w->drawn++);
+    return pbw_random(w->key, w->drawn++);
 }
 
 static double pbwsample__radius_at(pbwsample__work *w, const double p[3])
 {
     double size = pbwsample__size_at(w->options, p);
     if (!(size > 1 / 2147483648.0 && size < 2147483648.0)) {
-        w->status = PBWSAMPLE_ERROR_ARGUMENT;
+        w->status = PBW_ERROR_ARGUMENT;
         size = 1;
     }
     return w->radius * size;
@@ -968,19 +961,18 @@ static int64_t pbwsample__cell(double offset, double scale)
     return (int64_t)(cell < 4e18 ? cell : 4e18);
 }
 
-/* Lists ball number id, which is at p. */
+/* Lists the next ball, number id, which is at p. */
 static void pbwsample__list_ball(pbwsample__work *w, size_t id, const double p[3], double r)
 {
     int level, i, k;
     int64_t from[3], to[3], x, y, z;
-    void *block = pbwsample__grow(w->balls, &w->ball_capacity, id + 1, sizeof *w->balls);
-    if (block == NULL) {
-        w->status = PBWSAMPLE_ERROR_MEMORY;
+    pbwsample__ball ball;
+    memcpy(ball.at, p, sizeof ball.at);
+    ball.r = r;
+    if (!PBW_PUSH(w->memory, w->balls, ball)) {
+        w->status = PBW_ERROR_MEMORY;
         return;
     }
-    w->balls = (pbwsample__ball *)block;
-    memcpy(w->balls[id].at, p, sizeof w->balls[id].at);
-    w->balls[id].r = r;
     level = frexp(r / w->radius, &level) > 0.5 ? level : level - 1;  /* the least that has 2^level radius >= r */
     for (i = 0; i < w->levels && w->level[i] != level; i++) { }
     if (i == w->levels) {
@@ -994,20 +986,19 @@ static void pbwsample__list_ball(pbwsample__work *w, size_t id, const double p[3
     for (z = from[2]; z <= to[2]; z++) {
         for (y = from[1]; y <= to[1]; y++) {
             for (x = from[0]; x <= to[0]; x++) {
-                pbw_index *value = pbwsample__enter(&w->cells, pbwsample__cell_key(level, x, y, z));
-                pbwsample__chunk *chunk = value != NULL && *value != PBW_NONE ? w->chunks + *value : NULL;
+                pbw_index *value = pbwsample__enter(w->memory, &w->cells, pbwsample__cell_key(level, x, y, z));
+                pbwsample__chunk *chunk = value != NULL && *value != PBW_NONE ? w->chunks.at + *value : NULL;
                 if (value != NULL && (chunk == NULL || chunk->ids[PBWSAMPLE__LISTED - 1] != PBW_NONE)) {
-                    block = pbwsample__grow(w->chunks, &w->chunk_capacity, w->chunk_count + 1, sizeof *chunk);
-                    if (block != NULL && w->chunk_count < PBW_NONE) {
-                        w->chunks = (pbwsample__chunk *)block;
-                        chunk = w->chunks + w->chunk_count;
+                    chunk = NULL;
+                    if (w->chunks.count < PBW_NONE && PBW_RESERVE(w->memory, w->chunks, 1)) {
+                        chunk = w->chunks.at + w->chunks.count;
                         memset(chunk, 0xff, sizeof *chunk);          /* PBW_NONE in all of it */
                         chunk->next = *value;
-                        *value = (pbw_index)w->chunk_count++;
+                        *value = (pbw_index)w->chunks.count++;
                     }
                 }
-                if (value == NULL || block == NULL) {
-                    w->status = PBWSAMPLE_ERROR_MEMORY;
+                if (chunk == NULL) {
+                    w->status = PBW_ERROR_MEMORY;
                     return;
                 }
                 for (k = 0; chunk->ids[k] != PBW_NONE; k++) { }
@@ -1048,9 +1039,9 @@ static double pbwsample__find_balls(pbwsample__work *w, const double p[3], doubl
     for (level = 0; level < w->levels; level++) {
         pbw_index at = pbwsample__list_at(w, level, p);
         while (at != PBW_NONE) {
-            const pbwsample__chunk *chunk = w->chunks + at;
+            const pbwsample__chunk *chunk = w->chunks.at + at;
             for (i = 0; i < PBWSAMPLE__LISTED && chunk->ids[i] != PBW_NONE; i++) {
-                const pbwsample__ball *ball = w->balls + chunk->ids[i];
+                const pbwsample__ball *ball = w->balls.at + chunk->ids[i];
                 double square = pbwsample__square(ball->at, p), reach = ball->r + distance;
                 int hit = square < ball->r * ball->r;
                 if (w->options->flags & PBWSAMPLE_THIN && square < reach * reach
@@ -1087,9 +1078,9 @@ static void pbwsample__add_sample(pbwsample__work *w, const double p[3], double 
     pbwsample_set *set = w->set;
     size_t i = set->count;
     if (i + 1 >= PBW_NONE) {
-        w->status = PBWSAMPLE_ERROR_TOO_LARGE;
-    } else if (!pbwsample__reserve(set, &w->capacity, i + 1, set->normals != NULL ? PBWSAMPLE_NORMALS : 0)) {
-        w->status = PBWSAMPLE_ERROR_MEMORY;
+        w->status = PBW_ERROR_TOO_LARGE;
+    } else if (!pbwsample__reserve(set, 1, set->normals != NULL ? PBWSAMPLE_NORMALS : 0)) {
+        w->status = PBW_ERROR_MEMORY;
     } else {
         memcpy(set->points + 3 * i, p, 3 * sizeof *p);
         set->triangles[i] = triangle;
@@ -1153,12 +1144,8 @@ static int pbwsample__longest(double (*corner)[3], int corners, double *square)
 
 static void pbwsample__push(pbwsample__work *w, pbwsample__pieces *pieces, const pbwsample__piece *piece)
 {
-    void *block = pbwsample__grow(pieces->list, &pieces->capacity, pieces->count + 1, sizeof *pieces->list);
-    if (block == NULL) {
-        w->status = PBWSAMPLE_ERROR_MEMORY;
-    } else {
-        pieces->list = (pbwsample__piece *)block;
-        pieces->list[pieces->count++] = *piece;
+    if (!PBW_PUSH(w->memory, *pieces, *piece)) {
+        w->status = PBW_ERROR_MEMORY;
     }
 }
 
@@ -1179,8 +1166,8 @@ static int pbwsample__touches(const pbwsample__columns *grid, const double low[3
     }
     for (y = begin[1]; y <= end[1]; y++) {
         for (x = begin[0]; x <= end[0]; x++) {
-            for (i = grid->first[y * grid->side + x]; i < grid->first[y * grid->side + x + 1]; i++) {
-                if (pbwsample__meets(grid->boxes + grid->list[i], low, high)) {
+            for (i = grid->first.at[y * grid->side + x]; i < grid->first.at[y * grid->side + x + 1]; i++) {
+                if (pbwsample__meets(grid->boxes.at + grid->list.at[i], low, high)) {
                     return 1;
                 }
             }
@@ -1195,24 +1182,21 @@ static int pbwsample__touches(const pbwsample__columns *grid, const double low[3
 static int pbwsample__may_be_inside(pbwsample__work *w, pbwsample__piece *box)
 {
     double corner[8][3], middle[3];
-    size_t from = box->at[5], count = w->lists[from], to = from + 1 + count, met = 0, i;
-    void *block;
+    size_t from = box->at[5], count = w->lists.at[from], to = from + 1 + count, met = 0, i;
     int k;
     if (box->at[4]) {
         return 1;
     }
-    block = pbwsample__grow(w->lists, &w->list_capacity, to + 1 + count, sizeof *w->lists);
-    if (block == NULL || to >= PBW_NONE) {
-        w->status = PBWSAMPLE_ERROR_MEMORY;
+    if (!PBW_RESERVE(w->memory, w->lists, to + 1 + count) || to >= PBW_NONE) {
+        w->status = PBW_ERROR_MEMORY;
         return 0;
     }
-    w->lists = (pbw_index *)block;
     pbwsample__corners(w, box, corner);
     for (i = 1; i <= count; i++) {
-        w->lists[to + 1 + met] = w->lists[from + i];
-        met += (size_t)pbwsample__meets(w->rays[0].boxes + w->lists[from + i], corner[0], corner[7]);
+        w->lists.at[to + 1 + met] = w->lists.at[from + i];
+        met += (size_t)pbwsample__meets(w->rays[0].boxes.at + w->lists.at[from + i], corner[0], corner[7]);
     }
-    w->lists[to] = (pbw_index)met;
+    w->lists.at[to] = (pbw_index)met;
     box->at[5] = (uint32_t)to;
     if (met == 0) {
         for (k = 0; k < 3; k++) {
@@ -1326,10 +1310,10 @@ static void pbwsample__throw_at_box(pbwsample__work *w, const pbwsample__piece *
     }
     for (level = 0; level < w->levels; level++) {
         pbw_index at = pbwsample__list_at(w, level, p);
-        for (; at != PBW_NONE; at = w->chunks[at].next) {
-            const pbwsample__chunk *chunk = w->chunks + at;
+        for (; at != PBW_NONE; at = w->chunks.at[at].next) {
+            const pbwsample__chunk *chunk = w->chunks.at + at;
             for (i = 0; i < PBWSAMPLE__LISTED && chunk->ids[i] != PBW_NONE; i++) {
-                const pbwsample__ball *ball = w->balls + chunk->ids[i];
+                const pbwsample__ball *ball = w->balls.at + chunk->ids[i];
                 double square = ball->r * ball->r, apart = pbwsample__square(ball->at, p);
                 r = apart < square ? ball->r : r;
                 covered |= apart < 1.5625 * square && pbwsample__farthest(low, high, ball->at) <= 1.5625 * square;
@@ -1380,10 +1364,10 @@ static void pbwsample__throw_at_triangle(pbwsample__work *w, const pbwsample__pi
             place[i] = ((1 - u - v) * piece->at[i] + u * piece->at[2 + i] + v * piece->at[4 + i]) / PBWSAMPLE__ONE;
         }
         pbwsample__add_sample(w, p, r, piece->triangle, place[0], place[1]);
-        if (w->status != PBWSAMPLE_OK) {
+        if (w->status != PBW_OK) {
             return;
         }
-        w->near[0] = w->balls[w->set->count - 1];                    /* likely enough for all of it */
+        w->near[0] = w->balls.at[w->set->count - 1];                    /* likely enough for all of it */
         w->near_count = 1;
     }
     for (i = 0; i < 3; i++) {
@@ -1404,17 +1388,17 @@ static void pbwsample__throw_at_triangle(pbwsample__work *w, const pbwsample__pi
    ------------------------------------------------------------------------------------------------------ */
 
 /* The triangles by the cells of a grid that their first corners are in, and those along a Z-order curve: pieces are
-   near those that they follow.  NULL = out of memory. */
-static pbw_index *pbwsample__in_order(const pbwsample__work *w, double extent)
+   near those that they follow.  Returns 0 = out of memory. */
+static int pbwsample__in_order(pbwsample__work *w, double extent, pbwsample__ids *order)
 {
     size_t count = w->model->triangle_count, i, sum = 0;
-    pbw_index *order = (pbw_index *)pbwsample__zeros(count, sizeof *order), *first;
-    int bits = 1, pass, k, bit;
+    pbwsample__ids first = { NULL, 0, 0 };
+    int bits = 1, pass, k, bit, done;
     while (bits < 7 && (size_t)1 << 3 * bits < count) {
         bits++;
     }
-    first = (pbw_index *)pbwsample__zeros((size_t)1 << 3 * bits, sizeof *first);
-    for (pass = 0; pass < 2 && order != NULL && first != NULL; pass++) {     /* count, then fill */
+    done = PBW_FIT(w->memory, *order, count) && PBW_ZEROS(w->memory, first, ((size_t)1 << 3 * bits) + 1);
+    for (pass = 0; pass < 2 && done; pass++) {                       /* count, then fill */
         for (i = 0; i < count; i++) {
             size_t key = 0;
             for (k = 0; k < 3; k++) {
@@ -1425,29 +1409,23 @@ static pbw_index *pbwsample__in_order(const pbwsample__work *w, double extent)
                 }
             }
             if (pass == 0) {
-                first[key + 1]++;
+                first.at[key + 1]++;
             } else {
-                order[first[key]++] = (pbw_index)i;
+                order->at[first.at[key]++] = (pbw_index)i;
             }
         }
         for (i = 0; pass == 0 && i < (size_t)1 << 3 * bits; i++) {
-            first[i] = (pbw_index)(sum += first[i]);
+            first.at[i] = (pbw_index)(sum += first.at[i]);
         }
     }
-    if (first == NULL) {
-        PBWSAMPLE_FREE(order);
-        return NULL;
-    }
-    PBWSAMPLE_FREE(first);
-    return order;
+    PBW_RELEASE(w->memory, first);
+    return done;
 }
 
-/* Reports progress every so many pieces.  A nonzero answer of the callback ends the work. */
 static void pbwsample__report(pbwsample__work *w, size_t i, double done)
 {
-    if (i % 1024 == 0 && w->options->progress != NULL && w->status == PBWSAMPLE_OK
-        && w->options->progress(w->options->progress_user, done) != 0) {
-        w->status = PBWSAMPLE_CANCELLED;
+    if (w->status == PBW_OK && pbwsample__stops(w->options->build, i, done)) {
+        w->status = PBW_CANCELLED;
     }
 }
 
@@ -1457,8 +1435,7 @@ static void pbwsample__cut_model(pbwsample__work *w, double side)
 {
     pbwsample__piece piece, part[8];
     double corner[8][3], middle[3], square, r, extent = 0;
-    pbw_index *order = NULL;
-    void *block;
+    pbwsample__ids order = { NULL, 0, 0 };
     size_t t, steps = 0;
     int i, k, corners, longest, lattice = w->solid && w->options->flags & PBWSAMPLE_LATTICE;
     double most = w->options->count > 0
@@ -1470,30 +1447,27 @@ static void pbwsample__cut_model(pbwsample__work *w, double side)
     }
     for (i = 1; ldexp(side, i) <= extent; i++) { }
     w->unit = ldexp(side, i) / PBWSAMPLE__ONE;
-    if (w->solid) {
-        block = pbwsample__grow(w->lists, &w->list_capacity, w->model->triangle_count + 1, sizeof *w->lists);
-        for (t = 0; t <= w->model->triangle_count && block != NULL; t++) {
-            w->lists = (pbw_index *)block;
-            w->lists[t] = (pbw_index)(t == 0 ? w->model->triangle_count : t - 1);
-        }
-        w->status = block == NULL ? PBWSAMPLE_ERROR_MEMORY : w->status;
-    } else if ((order = pbwsample__in_order(w, extent)) == NULL) {
-        w->status = PBWSAMPLE_ERROR_MEMORY;
+    if (!(w->solid ? PBW_RESERVE(w->memory, w->lists, w->model->triangle_count + 1)
+          : pbwsample__in_order(w, extent, &order))) {
+        w->status = PBW_ERROR_MEMORY;
     }
-    for (t = 0; t < (w->solid ? 1 : w->model->triangle_count) && w->status == PBWSAMPLE_OK; t++) {
+    for (t = 0; w->solid && t <= w->model->triangle_count && w->status == PBW_OK; t++) {
+        w->lists.at[t] = (pbw_index)(t == 0 ? w->model->triangle_count : t - 1);
+    }
+    for (t = 0; t < (w->solid ? 1 : w->model->triangle_count) && w->status == PBW_OK; t++) {
         memset(&piece, 0, sizeof piece);
         if (w->solid) {
             piece.triangle = PBW_NONE;
             piece.at[3] = PBWSAMPLE__ONE;
-        } else if (pbwsample__area(w->model, order[t]) > 0) {
-            piece.triangle = order[t];
+        } else if (pbwsample__area(w->model, order.at[t]) > 0) {
+            piece.triangle = order.at[t];
             piece.at[2] = piece.at[5] = PBWSAMPLE__ONE;
         } else {
             continue;
         }
         pbwsample__push(w, &w->stack, &piece);
-        while (w->stack.count > 0 && w->status == PBWSAMPLE_OK && !w->too_many) {
-            piece = w->stack.list[--w->stack.count];
+        while (w->stack.count > 0 && w->status == PBW_OK && !w->too_many) {
+            piece = w->stack.at[--w->stack.count];
             pbwsample__report(w, ++steps, 0);
             w->too_many = (double)steps > most;
             if (w->solid && !pbwsample__may_be_inside(w, &piece)) {
@@ -1515,7 +1489,7 @@ static void pbwsample__cut_model(pbwsample__work *w, double side)
             }
         }
     }
-    PBWSAMPLE_FREE(order);
+    PBW_RELEASE(w->memory, order);
 }
 
 /* A random order within stretches of the list. */
@@ -1523,7 +1497,7 @@ static void pbwsample__shuffle(pbwsample__work *w)
 {
     size_t begin, i, j, count;
     for (begin = 0; begin < w->pieces.count; begin += PBWSAMPLE__SHUFFLED) {
-        pbwsample__piece *list = w->pieces.list + begin, swap;
+        pbwsample__piece *list = w->pieces.at + begin, swap;
         count = w->pieces.count - begin < PBWSAMPLE__SHUFFLED ? w->pieces.count - begin : PBWSAMPLE__SHUFFLED;
         for (i = count; i > 1; i--) {
             j = (size_t)((pbwsample__draw(w) >> 32) * i >> 32);
@@ -1541,8 +1515,8 @@ static void pbwsample__lattice(pbwsample__work *w)
     double jitter = w->options->jitter > 0 ? w->options->jitter : w->options->jitter < 0 ? 0 : 0.1, p[3];
     size_t i;
     int half, k;
-    for (i = 0; i < w->pieces.count && w->status == PBWSAMPLE_OK; i++) {
-        const pbwsample__piece *cell = w->pieces.list + i;
+    for (i = 0; i < w->pieces.count && w->status == PBW_OK; i++) {
+        const pbwsample__piece *cell = w->pieces.at + i;
         pbwsample__report(w, i, (double)i / (double)w->pieces.count);
         for (half = 0; half < 2; half++) {
             for (k = 0; k < 3; k++) {
@@ -1564,14 +1538,13 @@ static void pbwsample__make_set(pbwsample__work *w)
     double side = w->radius * (lattice ? 1.4 : 0.577);               /* 1.4: as dense as blue noise;  1/sqrt 3 */
     size_t i;
     w->set->count = w->fixed;
-    w->drawn = w->chunk_count = w->cells.used = 0;
+    w->drawn = w->chunks.count = w->balls.count = 0;
     w->levels = 0;
-    PBWSAMPLE_FREE(w->cells.slots);
-    memset(&w->cells, 0, sizeof w->cells);
-    if (pbwsample__enter(&w->cells, 0) == NULL) {                    /* so that there are slots to look into */
-        w->status = PBWSAMPLE_ERROR_MEMORY;
+    pbwsample__free_table(w->memory, &w->cells);
+    if (pbwsample__enter(w->memory, &w->cells, 0) == NULL) {                    /* so that there are slots to look into */
+        w->status = PBW_ERROR_MEMORY;
     }
-    for (i = 0; i < w->fixed && w->status == PBWSAMPLE_OK; i++) {
+    for (i = 0; i < w->fixed && w->status == PBW_OK; i++) {
         pbwsample__list_ball(w, i, w->set->points + 3 * i, pbwsample__radius_at(w, w->set->points + 3 * i));
     }
     pbwsample__cut_model(w, side);
@@ -1579,16 +1552,16 @@ static void pbwsample__make_set(pbwsample__work *w)
         pbwsample__lattice(w);
         return;
     }
-    for (round = 1; w->pieces.count > 0 && w->status == PBWSAMPLE_OK && !w->too_many; round++) {   /* takes half */
+    for (round = 1; w->pieces.count > 0 && w->status == PBW_OK && !w->too_many; round++) {   /* takes half */
         pbwsample__pieces swap = w->pieces;
         pbwsample__shuffle(w);
         w->next.count = 0;
-        for (i = 0; i < w->pieces.count && w->status == PBWSAMPLE_OK; i++) {
+        for (i = 0; i < w->pieces.count && w->status == PBW_OK; i++) {
             pbwsample__report(w, i, 1 - ldexp(1 - 0.5 * (double)i / (double)w->pieces.count, 1 - round));
             if (w->solid) {
-                pbwsample__throw_at_box(w, w->pieces.list + i);
+                pbwsample__throw_at_box(w, w->pieces.at + i);
             } else {
-                pbwsample__throw_at_triangle(w, w->pieces.list + i);
+                pbwsample__throw_at_triangle(w, w->pieces.at + i);
             }
         }
         w->pieces = w->next;
@@ -1612,7 +1585,7 @@ static void pbwsample__search(pbwsample__work *w, double content)
     if (w->solid && wanted >= 4096 && content / pow(w->radius, 3) < PBW_NONE) {
         w->radius *= 2;
         pbwsample__make_set(w);
-        if (w->status != PBWSAMPLE_OK) {
+        if (w->status != PBW_OK) {
             return;
         }
         slope = ((double)(w->set->count - w->fixed) * pow(w->radius, 3) / content - density) / w->radius;
@@ -1622,18 +1595,18 @@ static void pbwsample__search(pbwsample__work *w, double content)
     }
     for (attempt = 1;; attempt++) {
         if (!(w->radius > 0 && content / pow(w->radius, 1 / power) < PBW_NONE)) {
-            w->status = PBWSAMPLE_ERROR_TOO_LARGE;
+            w->status = PBW_ERROR_TOO_LARGE;
         } else {
             pbwsample__make_set(w);
         }
         found = (double)(w->set->count - w->fixed);
-        if (w->status != PBWSAMPLE_OK || wanted == 0) {
+        if (w->status != PBW_OK || wanted == 0) {
             return;
         }
         if (w->too_many) {                      /* it ends, as a radius that makes few pieces gives few samples */
             w->radius *= 2;
-            w->status = !few || attempt <= 16 ? PBWSAMPLE_OK
-                      : w->solid ? PBWSAMPLE_ERROR_VOLUME : PBWSAMPLE_ERROR_TOO_LARGE;
+            w->status = !few || attempt <= 16 ? PBW_OK
+                      : w->solid ? PBW_DEGENERATE : PBW_ERROR_TOO_LARGE;
             attempt -= !few;
             continue;
         }
@@ -1646,11 +1619,12 @@ static void pbwsample__search(pbwsample__work *w, double content)
     }
 }
 
-static pbwsample_status pbwsample__poisson(const pbwsample_model *model, const pbwsample_options *options,
+static pbw_status pbwsample__poisson(const pbwsample_model *model, const pbwsample_options *options,
                                            pbwsample_set *set, int solid)
 {
     pbwsample__work work, *w = &work;
-    double *made = NULL, content = 0;
+    pbwsample__doubles computed = { NULL, 0, 0 };
+    double content = 0;
     pbwsample__box all = pbwsample__box_of(model, 0), box;
     size_t i;
     int k;
@@ -1658,9 +1632,10 @@ static pbwsample_status pbwsample__poisson(const pbwsample_model *model, const p
     w->model = model;
     w->options = options;
     w->set = set;
+    w->memory = &set->memory;
     w->solid = solid;
-    w->capacity = w->fixed = set->count;
-    w->key = pbwsample__random(1 + (uint64_t)solid, options->seed);
+    w->fixed = set->count;
+    w->key = pbw_random(1 + (uint64_t)solid, options->seed);
     for (i = 0; i < model->triangle_count; i++) {
         content += solid ? 0 : pbwsample__area(model, i);
         box = pbwsample__box_of(model, i);
@@ -1670,80 +1645,85 @@ static pbwsample_status pbwsample__poisson(const pbwsample_model *model, const p
     memcpy(w->high, all.high, sizeof w->high);
     if (solid) {
         content = fabs(pbwsample__volume_of(model));
-        w->axes = pbwsample__make_grids(w->rays, model);
-        w->status = w->axes == 0 ? PBWSAMPLE_ERROR_MEMORY : content > 0 ? PBWSAMPLE_OK : PBWSAMPLE_ERROR_VOLUME;
+        w->status = pbwsample__make_grids(w->memory, w->rays, model, options->build, &w->axes);
+        w->axes = w->status == PBW_OK ? w->axes : 0;
+        w->status = w->status == PBW_OK && !(content > 0) ? PBW_DEGENERATE : w->status;
     } else if (options->flags & PBWSAMPLE_NORMALS) {
-        made = model->normals == NULL ? pbwsample__point_normals(model) : NULL;
-        w->status = (made != NULL || model->normals != NULL)
-                 && pbwsample__reserve(set, &w->capacity, 0, options->flags) ? PBWSAMPLE_OK : PBWSAMPLE_ERROR_MEMORY;
+        w->status = (model->normals != NULL || pbwsample__point_normals(w->memory, model, &computed))
+                 && pbwsample__reserve(set, 1, options->flags) ? PBW_OK : PBW_ERROR_MEMORY;
     }
-    if (w->status == PBWSAMPLE_OK) {
+    if (w->status == PBW_OK) {
         pbwsample__search(w, content);
     }
-    if (w->status == PBWSAMPLE_OK && set->count == 0) {
-        w->status = PBWSAMPLE_ERROR_VOLUME;
+    if (w->status == PBW_OK && set->count == 0) {
+        w->status = PBW_DEGENERATE;
     }
-    if (w->status == PBWSAMPLE_OK && !solid && set->normals != NULL) {
-        const double *normals = made != NULL ? made : model->normals;
+    if (w->status == PBW_OK && !solid && set->normals != NULL) {
+        const double *normals = model->normals != NULL ? model->normals : computed.at;
         pbwsample__set_normals(model, options->flags & PBWSAMPLE_FACET_NORMALS ? NULL : normals,
-                               made == NULL && model->normal_ids != NULL ? model->normal_ids : model->triangles,
+                               model->normals != NULL && model->normal_ids != NULL ? model->normal_ids
+                               : model->triangles,
                                set, 0, set->count);
     }
-    if (w->status != PBWSAMPLE_OK) {
+    if (w->status != PBW_OK) {
         set->count = w->fixed;
     } else if (!solid || !(options->flags & PBWSAMPLE_LATTICE)) {
         set->radius = w->radius;
     }
     for (k = 0; k < w->axes; k++) {
-        pbwsample__free_columns(w->rays + k);
+        pbwsample__free_columns(w->memory, w->rays + k);
     }
-    PBWSAMPLE_FREE(made);
-    PBWSAMPLE_FREE(w->pieces.list);
-    PBWSAMPLE_FREE(w->next.list);
-    PBWSAMPLE_FREE(w->stack.list);
-    PBWSAMPLE_FREE(w->lists);
-    PBWSAMPLE_FREE(w->balls);
-    PBWSAMPLE_FREE(w->chunks);
-    PBWSAMPLE_FREE(w->cells.slots);
+    PBW_RELEASE(w->memory, computed);
+    PBW_RELEASE(w->memory, w->pieces);
+    PBW_RELEASE(w->memory, w->next);
+    PBW_RELEASE(w->memory, w->stack);
+    PBW_RELEASE(w->memory, w->lists);
+    PBW_RELEASE(w->memory, w->balls);
+    PBW_RELEASE(w->memory, w->chunks);
+    pbwsample__free_table(w->memory, &w->cells);
     return w->status;
 }
 
-PBWSAMPLEDEF pbwsample_status pbwsample_poisson(const pbwsample_model *model, const pbwsample_options *options,
-                                                pbwsample_set *set)
+PBWSAMPLEDEF pbw_status pbwsample_poisson(const pbwsample_model *model, const pbwsample_options *options,
+                                          pbwsample_set *set)
 {
-    pbwsample_status status = pbwsample__check_model(model);
-    if (status == PBWSAMPLE_OK && (options == NULL || set == NULL || (options->count > 0) == (options->radius > 0))) {
-        status = PBWSAMPLE_ERROR_ARGUMENT;
+    pbw_status status = pbwsample__check_model(model);
+    if (status == PBW_OK && (options == NULL || set == NULL || (options->count > 0) == (options->radius > 0))) {
+        status = PBW_ERROR_ARGUMENT;
     }
-    if (status == PBWSAMPLE_OK) {
+    if (status == PBW_OK) {
         memset(set, 0, sizeof *set);
-        status = options->count >= PBW_NONE ? PBWSAMPLE_ERROR_TOO_LARGE : pbwsample__poisson(model, options, set, 0);
+        pbw_memory_start(&set->memory, options->build);
+        status = options->count >= PBW_NONE ? PBW_ERROR_TOO_LARGE : pbwsample__poisson(model, options, set, 0);
     }
-    if (status != PBWSAMPLE_OK && set != NULL && options != NULL) {
+    if (status != PBW_OK && set != NULL && options != NULL) {
         pbwsample_free(set);
     }
     return status;
 }
 
-PBWSAMPLEDEF pbwsample_status pbwsample_volume(const pbwsample_model *model, const pbwsample_options *options,
-                                               pbwsample_set *set)
+PBWSAMPLEDEF pbw_status pbwsample_volume(const pbwsample_model *model, const pbwsample_options *options,
+                                         pbwsample_set *set)
 {
-    pbwsample_status status = pbwsample__check_model(model);
+    pbw_status status = pbwsample__check_model(model);
     pbwsample_options copy;
-    if (status != PBWSAMPLE_OK || options == NULL || set == NULL) {
-        return status != PBWSAMPLE_OK ? status : PBWSAMPLE_ERROR_ARGUMENT;
+    if (status != PBW_OK || options == NULL || set == NULL) {
+        return status != PBW_OK ? status : PBW_ERROR_ARGUMENT;
     }
+    if (set->memory.resize == NULL) {
+        if (set->points != NULL) {
+            return PBW_ERROR_ARGUMENT;                               /* arrays of another origin */
+        }
+        pbw_memory_start(&set->memory, options->build);
+    }
+    set->memory.limit = options->build != NULL ? options->build->memory_limit : 0;
     copy = *options;
     copy.radius = copy.count == 0 && !(copy.radius > 0) ? set->radius : copy.radius;
     if ((copy.count > 0) == (copy.radius > 0) || (copy.count > 0 && copy.flags & PBWSAMPLE_LATTICE)) {
-        return PBWSAMPLE_ERROR_ARGUMENT;
+        return PBW_ERROR_ARGUMENT;
     }
-    return copy.count >= PBW_NONE ? PBWSAMPLE_ERROR_TOO_LARGE : pbwsample__poisson(model, &copy, set, 1);
+    return copy.count >= PBW_NONE ? PBW_ERROR_TOO_LARGE : pbwsample__poisson(model, &copy, set, 1);
 }
 
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT DEFAULT
-#elif defined(__GNUC__)
-#pragma GCC pop_options
-#endif
+PBW_CONTRACTION_ON
 #endif /* PBW_SAMPLE_IMPLEMENTATION */

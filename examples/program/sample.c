@@ -15,16 +15,11 @@ static const option sample_options[] = {
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 
-static int on_sampled(void *user, double done)
-{
-    return draw_bar((const job *)user, "sample", done);
-}
-
 /* Fills the set: on the surface, then inside. */
-static pbwsample_status make(job *j, const pbwsample_model *model, pbwsample_set *set)
+static pbw_status make(job *j, const pbwsample_model *model, pbwsample_set *set)
 {
     pbwsample_options options;
-    pbwsample_status status;
+    pbw_status status;
     double start = now();
     size_t on_surface;
     int uniform = is_given(j, "--uniform");
@@ -34,10 +29,9 @@ static pbwsample_status make(job *j, const pbwsample_model *model, pbwsample_set
     options.count = (size_t)number_of(j, "--count", options.radius > 0 ? 0 : 20000);
     options.flags = PBWSAMPLE_NORMALS | (is_given(j, "--thin") ? PBWSAMPLE_THIN : 0)
                   | (is_given(j, "--facet-normals") ? PBWSAMPLE_FACET_NORMALS : 0);
-    options.progress = on_sampled;
-    options.progress_user = j;
+    options.build = &j->build;
     status = uniform ? pbwsample_uniform(model, &options, set) : pbwsample_poisson(model, &options, set);
-    if (status != PBWSAMPLE_OK) {
+    if (status != PBW_OK) {
         return status;
     }
     on_surface = set->count;
@@ -52,7 +46,7 @@ static pbwsample_status make(job *j, const pbwsample_model *model, pbwsample_set
         options.radius = 0;
         options.flags |= choice_of(j, "--fill") == 0 ? PBWSAMPLE_LATTICE : 0;
         status = pbwsample_volume(model, &options, set);
-        if (status == PBWSAMPLE_OK) {
+        if (status == PBW_OK) {
             report_step(j, "fill", now() - start, "%zu point%s inside", COUNT(set->count - on_surface));
         }
     }
@@ -64,7 +58,7 @@ static int run(job *j)
     pbwio_cloud normals;
     pbwsample_model model;
     pbwsample_set set;
-    pbwsample_status status;
+    pbw_status status;
     pbwmodel_content content;
     int failed;
     j->read.dim = 3;
@@ -87,7 +81,7 @@ static int run(job *j)
         warn(j, "the surface is not closed: what is inside is decided by two of three rays");
     }
     status = make(j, &model, &set);
-    if (status != PBWSAMPLE_OK) {
+    if (status != PBW_OK) {
         failed = interrupted ? stopped(j) : fail(j, "%s", pbwsample_status_string(status));
     } else {
         memset(&content, 0, sizeof content);

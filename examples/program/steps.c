@@ -222,7 +222,7 @@ int load_surface(job *j)
     pbwio_error error;
     pbwsample_model model;
     pbwsample_report report;
-    pbwsample_status status;
+    pbw_status status;
     if (!is_given(j, "--inside")) {
         return 0;
     }
@@ -236,8 +236,8 @@ int load_surface(job *j)
                     path != NULL ? path : j->input != NULL ? j->input : "what is generated");
     }
     model = model_of(surface);
-    status = pbwsample_inspect(&model, &report);
-    if (status != PBWSAMPLE_OK) {
+    status = pbwsample_inspect(&model, &j->build, &report);
+    if (status != PBW_OK) {
         return fail(j, "%s: %s", path != NULL ? path : j->input, pbwsample_status_string(status));
     }
     j->open_surface = report.open_edges > 0 && report.turned_edges == 0;
@@ -278,7 +278,7 @@ int mark_inside(job *j)
 {
     const pbwio_cloud *surface = is_given(j, "--surface") ? &j->surface : &j->cloud;
     pbwsample_model model = model_of(surface);
-    pbwsample_status status = PBWSAMPLE_ERROR_MEMORY;
+    pbw_status status = PBW_ERROR_MEMORY;
     double start = now(), *centre;
     size_t i, k, kept = 0;
     int winds = 1;
@@ -294,13 +294,13 @@ int mark_inside(job *j)
         }
     }
     if (centre != NULL && j->inside != NULL) {
-        status = pbwsample_inside(&model, centre, j->mesh.simplex_count, j->inside);
+        status = pbwsample_inside(&model, centre, j->mesh.simplex_count, &j->build, j->inside);
     }
-    if (status == PBWSAMPLE_OK && j->open_surface && winds_around(j, surface, centre, &winds) != PBW_OK) {
-        status = PBWSAMPLE_ERROR_MEMORY;
+    if (status == PBW_OK && j->open_surface && winds_around(j, surface, centre, &winds) != PBW_OK) {
+        status = PBW_ERROR_MEMORY;
     }
     free(centre);
-    if (status != PBWSAMPLE_OK) {
+    if (status != PBW_OK) {
         return fail(j, "%s", pbwsample_status_string(status));
     }
     for (i = 0; i < j->mesh.simplex_count; i++) {

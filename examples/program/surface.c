@@ -239,15 +239,15 @@ int describe_surface(const job *j, const pbwio_cloud *cloud, int details)
     surface f;
     pbwsample_model model = model_of(cloud);
     pbwsample_report report;
-    pbwsample_status status;
+    pbw_status status;
     double start = now();
     int closed = 0, found;
     begin(j, "surface", "");
     memset(&f, 0, sizeof f);
     f.cloud = cloud;
-    status = pbwsample_inspect(&model, &report);
-    found = status == PBWSAMPLE_OK && find_faults(&f);
-    if (status != PBWSAMPLE_OK) {
+    status = pbwsample_inspect(&model, &j->build, &report);
+    found = status == PBW_OK && find_faults(&f);
+    if (status != PBW_OK) {
         report_step(j, "surface", now() - start, "%s", pbwsample_status_string(status));
     } else if (!found) {
         report_step(j, "surface", now() - start, "out of memory");
