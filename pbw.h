@@ -1628,7 +1628,7 @@ PBWDEF void *pbw_memory_resize(pbw_memory *memory, void *ptr, size_t old_count, 
 {
     size_t old_bytes = old_count * size, bytes, grown = 0, used = 0;
     void *block;
-    if (count > (size_t)-1 / 2 / size) {
+    if (count > (size_t)-1 / 2 / size || (count == 0 && ptr == NULL)) {
         return NULL;
     }
     bytes = count * size;
@@ -1696,9 +1696,8 @@ PBWDEF int pbw_memory_fit(pbw_memory *memory, void *array, size_t *capacity, siz
 PBWDEF int pbw_memory_grow(pbw_memory *memory, void *array, size_t *capacity, size_t count, size_t more, size_t size)
 {
     const size_t need = count + more, larger = *capacity + *capacity / 2 + 16;
-    return need >= count && (need <= *capacity
-           || (need < larger && pbw_memory_fit(memory, array, capacity, larger, size))
-           || pbw_memory_fit(memory, array, capacity, need, size));
+    return need >= count
+        && (need <= *capacity || pbw_memory_fit(memory, array, capacity, need > larger ? need : larger, size));
 }
 
 PBWDEF int pbw_memory_zeros(pbw_memory *memory, void *array, size_t *capacity, size_t wanted, size_t size)
