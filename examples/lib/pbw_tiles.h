@@ -242,146 +242,14 @@ PBWTDEF size_t pbwt_match(pbwt_facet *facets, size_t count);
 #define PBWT__IMPLEMENTED
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
-#ifdef __linux__
-#include <sys/mman.h>
-#ifndef __cplusplus
-extern int madvise(void *address, size_t length, int advice);        /* strict C modes hide it */
-#endif
-#endif
 
-#if defined(__GNUC__)
-#define PBWT__ADD(x, y) __atomic_add_fetch(x, y, __ATOMIC_RELAXED)
-#define PBWT__PREFETCH(p) __builtin_prefetch(p)
-#elif defined(_MSC_VER) && defined(_M_X64) /* pbw.h has threads there */
-#include <intrin.h>
-#define PBWT__PREFETCH(p) ((void)0)
-#define PBWT__ADD(x, y) ((size_t)_InterlockedExchangeAdd64((volatile __int64 *)(x), (__int64)(y)) + (y))
-#else
-#define PBWT__PREFETCH(p) ((void)0)
-#define PBWT__ADD(x, y) (*(x) += (y))      /* pbw.h has one thread then */
-#endif
+PBW_CONTRACTION_OFF
 
-/* No contraction: fused operations would give other coordinates. */
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#elif defined(__GNUC__)
-#pragma GCC push_options
-#pragma GCC optimize("fp-contract=off")
-#endif
-
-/* ------------------------------------------------------------------------------------------------------
-   Memory: growing arrays through options.resize.
-   Holds: used = the sum of all live arrays; over the limit nothing grows.
-   ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwt__memory {
-    void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
-    void *user;
-    size_t limit, used;
-} pbwt__memory;
-
-typedef struct pbwt__array { void *data; size_t count, bytes; } pbwt__array;     /* count: the owner's */
-
-/* Large blocks get huge pages if there are any: the system allocates and frees fewer pages.  The pages at both ends
-   get the advice too, although other bytes may be there: realloc moves a uniform mapping, but copies a mixed one. */
-static void pbwt__advise(void *block, size_t size)
-{
-#ifdef __linux__
-    const size_t page = 4096, skip = (size_t)block % page;
-    if (block != NULL && size >= (size_t)1 << 22) {
-        (void)madvise((char *)block - skip, (skip + size + page - 1) / page * page, 14);     /* MADV_HUGEPAGE */
-    }
-#else
-    (void)block;
-    (void)size;
-#endif
-}
-
-static void *pbwt__default_resize(void *user, void *ptr, size_t old_size, size_t new_size)
-{
-    void *block;
-    (void)user;
-    (void)old_size;
-    if (new_size == 0) {
-        free(ptr);
-        return NULL;
-    }
-    block = realloc(ptr, new_size);
-    pbwt__advise(block, new_size);
-    return block;
-}
-
-static pbwt__memory pbwt__memory_of(const pbw_options *options)
-{
-    pbwt__memory memory;
-    memory.resize = options->resize != NULL ? options->resize : pbwt__default_resize;
-    memory.user = options->resize_user;
-    memory.limit = options->memory_limit;
-    memory.used = 0;
-    return memory;
-}
-
-static void pbwt__release(pbwt__memory *memory, pbwt__array *array)
-{
-    if (array->data != NULL) {
-        (void)memory->resize(memory->user, array->data, array->bytes, 0);
-        (void)PBWT__ADD(&memory->used, (size_t)0 - array->bytes);
-    }
-    memset(array, 0, sizeof *array);
-}
-
-/* Makes the array `bytes` long.  Returns 0 and leaves it alone if there is no memory. */
-static int pbwt__resize(pbwt__memory *memory, pbwt__array *array, size_t bytes)
-{
-    void *data = NULL;
-    const size_t used = PBWT__ADD(&memory->used, bytes - array->bytes);
-    if (memory->limit == 0 || used <= memory->limit) {
-        data = memory->resize(memory->user, array->data, array->bytes, bytes);
-    }
-    if (data == NULL) {
-        (void)PBWT__ADD(&memory->used, array->bytes - bytes);
-        return 0;
-    }
-    array->data = data;
-    array->bytes = bytes;
-    return 1;
-}
-
-/* Makes room for `extra` items after the last.  Returns the place of the first of them, or NULL. */
-static void *pbwt__room(pbwt__memory *memory, pbwt__array *array, size_t extra, size_t size)
-{
-    const size_t need = (array->count + extra) * size, more = array->bytes + array->bytes / 4;
-    if ((need > array->bytes || array->data == NULL)
-        && !pbwt__resize(memory, array, need > more || more == 0 ? need + 256 : more)) {
-        return NULL;
-    }
-    return (char *)array->data + array->count * size;
-}
-
-static int pbwt__push(pbwt__memory *memory, pbwt__array *array, const void *item, size_t size)
-{
-    void *place = pbwt__room(memory, array, 1, size);
-    if (place == NULL) {
-        return 0;
-    }
-    memcpy(place, item, size);
-    array->count++;
-    return 1;
-}
-
-/* A new array of count zeros; there is always something to free. */
-static int pbwt__zeros(pbwt__memory *memory, pbwt__array *array, size_t count, size_t size)
-{
-    if (!pbwt__resize(memory, array, (count + 1) * size)) {
-        return 0;
-    }
-    memset(array->data, 0, array->bytes);
-    array->count = count;
-    return 1;
-}
-#define PBWT__U32(array) ((uint32_t *)(array).data)
-#define PBWT__BYTES(array) ((unsigned char *)(array).data)
+typedef PBW_ARRAY(unsigned char) pbwt__bytes;
+typedef PBW_ARRAY(uint32_t) pbwt__numbers;
+typedef PBW_ARRAY(pbwt_vertex) pbwt__vertices;
+typedef PBW_ARRAY(pbwt_facet) pbwt__facets;
 
 /* ------------------------------------------------------------------------------------------------------
    Sorting, in place: quicksort with the median of three, heap sort where that goes too deep; n log n at worst.
@@ -769,7 +637,7 @@ static size_t pbwt__gather(const pbwt_point *points, const pbw_index *order, siz
     size_t i, n = 0;
     for (i = 0; i < count; i++) {
         const pbwt_point *p = points + order[i];
-        PBWT__PREFETCH(points + order[i + PBWT__AHEAD < count ? i + PBWT__AHEAD : i]);
+        PBW_PREFETCH(points + order[i + PBWT__AHEAD < count ? i + PBWT__AHEAD : i]);
         if (n == 0 || !pbwt__same_place(p->x, out[n - 1].x)) {
             out[n++] = *p;
         } else if (p->weight > out[n - 1].weight
@@ -784,41 +652,41 @@ PBWTDEF pbw_status pbwt_tree_make(int dim, int part, const pbwt_point *points, s
                                   const pbw_options *options, pbwt_tree *tree)
 {
     pbw_options order_options, zero;
-    pbwt__memory memory;
-    pbwt__array order, block;
+    pbw_memory memory;
+    PBW_ARRAY(pbw_index) order = { NULL, 0, 0 };
+    pbwt__bytes block = { NULL, 0, 0 };
     pbwt__making making;
     pbw_status status;
     size_t i;
     memset(&zero, 0, sizeof zero);
-    memset(&order, 0, sizeof order);
-    memset(&block, 0, sizeof block);
     memset(tree, 0, sizeof *tree);
     order_options = options != NULL ? *options : zero;
-    memory = pbwt__memory_of(&order_options);
+    pbw_memory_start(&memory, options);
     for (i = 0; i < count; i++) {
         if (!(fabs(points[i].weight) < HUGE_VAL)) {
             return PBW_ERROR_NOT_FINITE;
         }
     }
-    if (!pbwt__resize(&memory, &block, (count + 1) * sizeof *points + pbwt_boxes_of(count) * sizeof(pbwt_box))
-        || !pbwt__resize(&memory, &order, (count + 1) * sizeof(pbw_index))) {
-        pbwt__release(&memory, &block);
+    if (!PBW_FIT(&memory, block, (count + 1) * sizeof *points + pbwt_boxes_of(count) * sizeof(pbwt_box))
+        || !PBW_FIT(&memory, order, count + 1)) {
+        PBW_RELEASE(&memory, block);
         return PBW_ERROR_MEMORY;
     }
     order_options.stride = sizeof *points;
-    order_options.memory_limit = memory.limit > memory.used ? memory.limit - memory.used : memory.limit != 0;
-    status = pbw_order(dim, count > 0 ? points[0].x : NULL, count, &order_options, (pbw_index *)order.data);
+    order_options.memory_limit = pbw_memory_left(&memory);
+    status = pbw_order(dim, count > 0 ? points[0].x : NULL, count, &order_options, order.at);
     if (status == PBW_OK) {
-        pbwt_point *place = (pbwt_point *)(void *)((pbwt_box *)block.data + pbwt_boxes_of(count));
-        making.boxes = (pbwt_box *)block.data;
+        pbwt_point *place;
+        making.boxes = (pbwt_box *)(void *)block.at;
+        place = (pbwt_point *)(void *)(making.boxes + pbwt_boxes_of(count));
         making.points = place;
-        making.count = pbwt__gather(points, (pbw_index *)order.data, count, place);
+        making.count = pbwt__gather(points, order.at, count, place);
         i = (making.count + PBWT_LEAF - 1) / PBWT_LEAF;
         status = pbw_for(&order_options, i, 512, pbwt__lowest_boxes, &making);
     }
-    pbwt__release(&memory, &order);
+    PBW_RELEASE(&memory, order);
     if (status != PBW_OK) {
-        pbwt__release(&memory, &block);
+        PBW_RELEASE(&memory, block);
         return status;
     }
     pbwt__upper_boxes(making.boxes, i);
@@ -831,46 +699,45 @@ PBWTDEF pbw_status pbwt_tree_make(int dim, int part, const pbwt_point *points, s
     pbwt__choose_samples(tree);
     tree->duplicates = count - making.count;
     tree->options = options != NULL ? *options : zero;
-    tree->bytes = block.bytes;
-    tree->memory = block.data;
+    tree->bytes = block.capacity;
+    tree->memory = block.at;
     return PBW_OK;
 }
 
 /* Makes the room behind the tree's points as large as so many.  Returns it, or NULL without memory. */
-static pbwt_point *pbwt__tree_room(pbwt_tree *tree, pbwt__memory *memory, size_t extra)
+static pbwt_point *pbwt__tree_room(pbwt_tree *tree, pbw_memory *memory, size_t extra)
 {
     const size_t boxes = (size_t)((const char *)tree->points - (const char *)tree->memory);
+    const size_t bytes = boxes + (tree->count + extra + 1) * sizeof(pbwt_point);
+    char *block = (char *)pbw_memory_resize(memory, tree->memory, tree->bytes, bytes, 1);
     pbwt_point *points;
-    pbwt__array block;
-    memset(&block, 0, sizeof block);
-    block.data = tree->memory;
-    block.bytes = tree->bytes;
-    if (!pbwt__resize(memory, &block, boxes + (tree->count + extra + 1) * sizeof *points)) {
+    if (block == NULL) {
         return NULL;
     }
-    points = (pbwt_point *)(void *)((char *)block.data + boxes);
-    tree->memory = block.data;
-    tree->bytes = block.bytes;
-    tree->boxes = (const pbwt_box *)block.data;
+    points = (pbwt_point *)(void *)(block + boxes);
+    tree->memory = block;
+    tree->bytes = bytes;
+    tree->boxes = (const pbwt_box *)(void *)block;
     tree->points = points;
     return points + tree->count;
 }
 
 /* The memory of a call that has the tree. */
-static pbwt__memory pbwt__memory_beside(const pbwt_tree *tree)
+static pbw_memory pbwt__memory_beside(const pbwt_tree *tree)
 {
-    pbwt__memory memory = pbwt__memory_of(&tree->options);
+    pbw_memory memory;
+    pbw_memory_start(&memory, &tree->options);
     memory.used = tree->bytes;
     return memory;
 }
 
 PBWTDEF void pbwt_tree_free(pbwt_tree *tree)
 {
-    pbwt__memory memory = pbwt__memory_of(&tree->options);
-    pbwt__array block;
-    block.data = tree->memory;
-    block.bytes = tree->bytes;
-    pbwt__release(&memory, &block);
+    pbw_memory memory;
+    if (tree->memory != NULL) {
+        pbw_memory_start(&memory, &tree->options);
+        (void)pbw_memory_resize(&memory, tree->memory, tree->bytes, 0, 1);
+    }
     memset(tree, 0, sizeof *tree);
 }
 
@@ -1212,19 +1079,20 @@ typedef struct pbwt__head { uint32_t kind, count; uint64_t points; } pbwt__head;
 typedef struct pbwt__serving {
     const pbwt_tree *tree;
     pbwt_served *served;
-    pbwt__memory memory;
+    pbw_memory memory;
     pbwt__levels levels;
-    pbwt__array set, out, found;                     /* set: hash table of index + 1; out: pbwt_vertex; found: u32 */
+    pbwt__numbers set, found;                        /* set: a hash table of index + 1 */
+    pbwt__vertices out;
     size_t most, few;                                /* points in an answer, and if there are more */
     size_t work, points;                             /* most visits, and points in a reply */
     int samples;                                     /* known: never sent */
 } pbwt__serving;
 
-static size_t pbwt__slot(const pbwt__array *set, uint32_t index)         /* where it is or would be */
+static size_t pbwt__slot(const pbwt__numbers *set, uint32_t index)       /* where it is or would be */
 {
-    const size_t mask = set->bytes / sizeof(uint32_t) - 1;
+    const size_t mask = set->capacity - 1;
     size_t at = (index * (size_t)0x9e3779b1u >> 7) & mask;
-    while (PBWT__U32(*set)[at] != 0 && PBWT__U32(*set)[at] != index + 1) {
+    while (set->at[at] != 0 && set->at[at] != index + 1) {
         at = (at + 1) & mask;
     }
     return at;
@@ -1233,22 +1101,20 @@ static size_t pbwt__slot(const pbwt__array *set, uint32_t index)         /* wher
 /* Sizes are powers of two, at most half full. */
 static int pbwt__grow_set(pbwt__serving *s)
 {
-    pbwt__array larger;
+    pbwt__numbers larger = { NULL, 0, 0 };
     size_t i;
-    memset(&larger, 0, sizeof larger);
-    if (2 * (s->served->sent + 1) * sizeof(uint32_t) <= s->set.bytes) {
+    if (2 * (s->served->sent + 1) <= s->set.capacity) {
         return 1;
     }
-    if (!pbwt__resize(&s->memory, &larger, s->set.bytes > 0 ? 2 * s->set.bytes : 4096)) {
+    if (!PBW_ZEROS(&s->memory, larger, s->set.capacity > 0 ? 2 * s->set.capacity : 1024)) {
         return 0;
     }
-    memset(larger.data, 0, larger.bytes);
-    for (i = 0; i < s->set.bytes / sizeof(uint32_t); i++) {
-        if (PBWT__U32(s->set)[i] != 0) {
-            PBWT__U32(larger)[pbwt__slot(&larger, PBWT__U32(s->set)[i] - 1)] = PBWT__U32(s->set)[i];
+    for (i = 0; i < s->set.capacity; i++) {
+        if (s->set.at[i] != 0) {
+            larger.at[pbwt__slot(&larger, s->set.at[i] - 1)] = s->set.at[i];
         }
     }
-    pbwt__release(&s->memory, &s->set);
+    PBW_RELEASE(&s->memory, s->set);
     s->set = larger;
     return 1;
 }
@@ -1267,15 +1133,15 @@ static int pbwt__send(pbwt__serving *s, uint32_t index)      /* unless it was se
         return 0;
     }
     at = pbwt__slot(&s->set, index);
-    if (PBWT__U32(s->set)[at] != 0) {
+    if (s->set.at[at] != 0) {
         return 1;
     }
-    PBWT__U32(s->set)[at] = index + 1;
+    s->set.at[at] = index + 1;
     s->served->sent++;
     vertex.point = s->tree->points[index];
     vertex.part = (uint32_t)s->tree->part;
     vertex.index = index;
-    return pbwt__push(&s->memory, &s->out, &vertex, sizeof vertex);
+    return PBW_PUSH(&s->memory, s->out, vertex);
 }
 
 /* Finds points of the shape below a node, up to `most`.  Returns 0 without memory. */
@@ -1290,7 +1156,7 @@ static int pbwt__collect(pbwt__serving *s, const pbwt__shape *shape, pbwt__node 
                    (left < PBWT_LEAF ? left : PBWT_LEAF) * sizeof(pbwt_point));
         for (i = leaf * PBWT_LEAF; i < (leaf + 1) * PBWT_LEAF && i < s->tree->count && s->found.count < most; i++) {
             const uint32_t index = (uint32_t)i;
-            if (pbwt__has(shape, s->tree->points + i) && !pbwt__push(&s->memory, &s->found, &index, sizeof index)) {
+            if (pbwt__has(shape, s->tree->points + i) && !PBW_PUSH(&s->memory, s->found, index)) {
                 return 0;
             }
         }
@@ -1356,7 +1222,7 @@ static int pbwt__answer_one(pbwt__serving *s, const pbwt__shape *shape)
         }
     }
     for (i = 0; i < s->found.count; i++) {
-        if (!pbwt__send(s, PBWT__U32(s->found)[i])) {
+        if (!pbwt__send(s, s->found.at[i])) {
             return -1;
         }
     }
@@ -1386,37 +1252,35 @@ static int pbwt__answer_record(pbwt__serving *s, int kind, const char *record)
     return pbwt__answer_one(s, &shape);
 }
 
-static pbw_status pbwt__write_reply(pbwt__serving *s, const pbwt__array *verdicts, pbwt_bytes *reply)
+static pbw_status pbwt__write_reply(pbwt__serving *s, const pbwt__bytes *verdicts, pbwt_bytes *reply)
 {
     const size_t bytes = (verdicts->count + 7) / 8 * 8, points = s->out.count * sizeof(pbwt_vertex);
     pbwt__head head;
-    pbwt__array text;
-    memset(&text, 0, sizeof text);
-    if (!pbwt__resize(&s->memory, &text, sizeof head + bytes + points)) {
+    char *text = (char *)pbw_memory_resize(&s->memory, NULL, 0, sizeof head + bytes + points, 1);
+    if (text == NULL) {
         return PBW_ERROR_MEMORY;
     }
     head.kind = PBWT__REPLY;
     head.count = (uint32_t)verdicts->count;
     head.points = s->out.count;
-    memcpy(text.data, &head, sizeof head);
-    memset((char *)text.data + sizeof head, 0, bytes);
-    memcpy((char *)text.data + sizeof head, verdicts->data, verdicts->count);
+    memcpy(text, &head, sizeof head);
+    memset(text + sizeof head, 0, bytes);
+    memcpy(text + sizeof head, verdicts->at, verdicts->count);
     if (points > 0) {
-        memcpy((char *)text.data + sizeof head + bytes, s->out.data, points);
+        memcpy(text + sizeof head + bytes, s->out.at, points);
     }
-    reply->data = (char *)text.data;
-    reply->size = text.bytes;
+    reply->data = text;
+    reply->size = sizeof head + bytes + points;
     return PBW_OK;
 }
 
 PBWTDEF void pbwt_bytes_free(const pbwt_tree *tree, pbwt_bytes *bytes)
 {
-    pbwt__memory memory = pbwt__memory_of(&tree->options);
-    pbwt__array array;
-    memset(&array, 0, sizeof array);
-    array.data = bytes->data;
-    array.bytes = bytes->size;
-    pbwt__release(&memory, &array);
+    pbw_memory memory;
+    if (bytes->data != NULL) {
+        pbw_memory_start(&memory, &tree->options);
+        (void)pbw_memory_resize(&memory, bytes->data, bytes->size, 0, 1);
+    }
     memset(bytes, 0, sizeof *bytes);
 }
 
@@ -1428,7 +1292,7 @@ PBWTDEF void pbwt_served_free(const pbwt_tree *tree, pbwt_served *served)
 
 /* Answers every `step`-th record that has no verdict yet, within limits of visits and points.  Returns 0 without
    memory. */
-static int pbwt__answer_every(pbwt__serving *s, const pbwt_bytes *request, size_t step, pbwt__array *verdicts)
+static int pbwt__answer_every(pbwt__serving *s, const pbwt_bytes *request, size_t step, pbwt__bytes *verdicts)
 {
     pbwt__head head;
     size_t i, size;
@@ -1436,7 +1300,7 @@ static int pbwt__answer_every(pbwt__serving *s, const pbwt_bytes *request, size_
     size = head.kind == PBWT__WANT ? sizeof(pbwt_box) : sizeof(pbwt__question);
     for (i = 0; i < head.count; i += step) {
         int verdict = PBWT__REFUSED;
-        if (PBWT__BYTES(*verdicts)[i] != PBWT__OPEN) {
+        if (verdicts->at[i] != PBWT__OPEN) {
             continue;
         }
         if (head.kind == PBWT__WANT || (s->served->visits <= s->work && s->out.count <= s->points)) {
@@ -1445,7 +1309,7 @@ static int pbwt__answer_every(pbwt__serving *s, const pbwt_bytes *request, size_
         if (verdict < 0) {
             return 0;
         }
-        PBWT__BYTES(*verdicts)[i] = (unsigned char)verdict;
+        verdicts->at[i] = (unsigned char)verdict;
     }
     return 1;
 }
@@ -1453,7 +1317,7 @@ static int pbwt__answer_every(pbwt__serving *s, const pbwt_bytes *request, size_
 /* If there are many questions, answers a sample first.  If by this sample half of all would have to be refused,
    nearly every star would have a refused one, so all others are refused. */
 static pbw_status pbwt__answer_all(pbwt__serving *s, const pbwt_bytes *request, const pbwt_limits *limits,
-                                   uint64_t asker, pbwt__array *verdicts)
+                                   uint64_t asker, pbwt__bytes *verdicts)
 {
     const size_t before = s->served->visits;
     pbwt__head head;
@@ -1473,10 +1337,10 @@ static pbw_status pbwt__answer_all(pbwt__serving *s, const pbwt_bytes *request, 
     s->few = head.kind == PBWT__WANT ? 64 : (s->most + 2) / 3;
     s->samples = head.points != 0 ? s->tree->samples : 0;
     s->few = s->few > 64 ? 64 : s->few > s->most ? s->most : s->few;
-    if (!pbwt__zeros(&s->memory, verdicts, head.count, 1)) {
+    if (!PBW_ZEROS(&s->memory, *verdicts, head.count)) {
         return PBW_ERROR_MEMORY;
     }
-    memset(verdicts->data, PBWT__OPEN, head.count);
+    memset(verdicts->at, PBWT__OPEN, head.count);
     step = head.kind == PBWT__ASK ? head.count / 256 : 0;
     if (step > 16) {
         if (!pbwt__answer_every(s, request, step, verdicts)) {
@@ -1493,11 +1357,10 @@ PBWTDEF pbw_status pbwt_answer(const pbwt_tree *tree, pbwt_served *served, const
                                const pbwt_limits *limits, uint64_t asker, pbwt_bytes *reply)
 {
     pbwt__serving s;
-    pbwt__array verdicts;
+    pbwt__bytes verdicts = { NULL, 0, 0 };
     pbwt_limits defaults;
     pbw_status status;
     memset(&s, 0, sizeof s);
-    memset(&verdicts, 0, sizeof verdicts);
     memset(&defaults, 0, sizeof defaults);
     s.tree = tree;
     s.served = served;
@@ -1507,18 +1370,18 @@ PBWTDEF pbw_status pbwt_answer(const pbwt_tree *tree, pbwt_served *served, const
     if (s.levels.levels > 0) {
         pbwt__need(tree, s.levels.box[s.levels.levels - 1], sizeof(pbwt_box));
     }
-    s.set.data = served->set.data;
-    s.set.bytes = served->set.size;
+    s.set.at = (uint32_t *)(void *)served->set.data;
+    s.set.capacity = served->set.size / sizeof(uint32_t);
     pbwt_bytes_free(tree, reply);
     status = pbwt__answer_all(&s, request, limits != NULL ? limits : &defaults, asker, &verdicts);
     if (status == PBW_OK) {
         status = pbwt__write_reply(&s, &verdicts, reply);
     }
-    served->set.data = (char *)s.set.data;
-    served->set.size = s.set.bytes;
-    pbwt__release(&s.memory, &s.out);
-    pbwt__release(&s.memory, &s.found);
-    pbwt__release(&s.memory, &verdicts);
+    served->set.data = (char *)s.set.at;
+    served->set.size = s.set.capacity * sizeof(uint32_t);
+    PBW_RELEASE(&s.memory, s.out);
+    PBW_RELEASE(&s.memory, s.found);
+    PBW_RELEASE(&s.memory, verdicts);
     return status;
 }
 
@@ -1536,27 +1399,32 @@ enum { PBWT__DONE, PBWT__SUBJECT, PBWT__ASKED, PBWT__AFFECTED, PBWT__MORE, PBWT_
 typedef struct pbwt__level {
     pbw_mesh mesh;
     size_t bytes;                                    /* of the mesh, in the tile's memory.used */
-    pbwt__array map;                                 /* u32 per point of the mesh: its local number; none: the same */
+    pbwt__numbers map;                               /* per point of the mesh: its local number; none: the same */
 } pbwt__level;
 
 struct pbwt__tile {
     pbwt_options options;
-    pbwt__memory memory;                             /* used: the tree and the level's mesh included */
+    pbw_memory memory;                               /* used: the tree and the level's mesh included */
     pbwt_tile *tile;
     size_t own;                                      /* points of the tree: local numbers below are own ones */
     int stage;                                       /* calls of pbwt_ask */
-    pbwt__array parts;                               /* pbwt_box: the hierarchy over the boxes of all parts */
-    pbwt__array known;                               /* per part, a byte: its samples are foreign points */
+    PBW_ARRAY(pbwt_box) parts;                       /* the hierarchy over the boxes of all parts */
+    pbwt__bytes known;                               /* per part, a byte: its samples are foreign points */
     pbwt__levels levels;
     double foreign_weight;                           /* the largest elsewhere */
-    pbwt__array request, asked;                      /* per part: pbwt__array */
-    pbwt__array foreign, state, held, facets, given; /* held: per leaf, how far around it all points are known */
-    pbwt__array border;                              /* corners of final simplices that have others, too */
+    PBW_ARRAY(pbwt__bytes) request;                  /* per part */
+    PBW_ARRAY(pbwt__numbers) asked;                  /* per part: what the records of the request are about */
+    pbwt__vertices foreign;
+    pbwt__bytes state;                               /* per own vertex */
+    PBW_ARRAY(double) held;                          /* per leaf, how far around it all points are known */
+    pbwt__facets facets;
+    pbwt__numbers given;                             /* own vertices given up */
+    pbwt__numbers border;                            /* corners of final simplices that have others, too */
     size_t before;                                   /* foreign points before the last replies */
     pbwt__level level;
-    pbwt__array mark, queue;                         /* per simplex; u32 */
+    pbwt__bytes mark;                                /* per simplex, or per point */
+    pbwt__numbers queue;                             /* of simplices */
 };
-#define PBWT__PART(array, p) ((pbwt__array *)(array).data + (p))
 
 static int pbwt__corners(const struct pbwt__tile *t)
 {
@@ -1565,27 +1433,26 @@ static int pbwt__corners(const struct pbwt__tile *t)
 
 static uint32_t pbwt__local(const struct pbwt__tile *t, pbw_index vertex)       /* of a point of the level's mesh */
 {
-    return t->level.map.data != NULL ? PBWT__U32(t->level.map)[vertex] : vertex;
+    return t->level.map.at != NULL ? t->level.map.at[vertex] : vertex;
 }
 
 static int pbwt__state(const struct pbwt__tile *t, uint32_t local)               /* of foreign points: DONE */
 {
-    return local < t->own ? (int)PBWT__BYTES(t->state)[local] : (int)PBWT__DONE;
+    return local < t->own ? (int)t->state.at[local] : (int)PBWT__DONE;
 }
 
 static const pbwt_point *pbwt__point(const struct pbwt__tile *t, uint32_t local)
 {
     return local < t->own ? t->tile->tree->points + local
-         : &((pbwt_vertex *)t->foreign.data)[local - t->own].point;
+         : &t->foreign.at[local - t->own].point;
 }
 
 static pbw_options pbwt__inner_options(const struct pbwt__tile *t)               /* with the memory that is left */
 {
     pbw_options options = t->options.build;
-    const size_t used = t->memory.used;
     options.stride = options.weight_stride = 0;
     options.trace = NULL;
-    options.memory_limit = t->memory.limit == 0 ? 0 : t->memory.limit > used ? t->memory.limit - used : 1;
+    options.memory_limit = pbw_memory_left(&t->memory);
     return options;
 }
 
@@ -1594,64 +1461,61 @@ static void pbwt__level_free(struct pbwt__tile *t, pbwt__level *level)
     pbw_free(&level->mesh);
     t->memory.used -= level->bytes;
     level->bytes = 0;
-    pbwt__release(&t->memory, &level->map);
+    PBW_RELEASE(&t->memory, level->map);
 }
 
 PBWTDEF void pbwt_close(pbwt_tile *tile)
 {
     struct pbwt__tile *t = tile->memory;
-    pbwt__memory memory;
-    pbwt__array self;
+    pbw_memory memory;
     int p;
     if (t == NULL) {
         memset(tile, 0, sizeof *tile);
         return;
     }
     memory = t->memory;
-    for (p = 0; p < tile->parts && t->request.data != NULL; p++) {
-        pbwt__release(&t->memory, PBWT__PART(t->request, p));
+    for (p = 0; p < tile->parts && t->request.at != NULL; p++) {
+        PBW_RELEASE(&t->memory, t->request.at[p]);
     }
-    for (p = 0; p < tile->parts && t->asked.data != NULL; p++) {
-        pbwt__release(&t->memory, PBWT__PART(t->asked, p));
+    for (p = 0; p < tile->parts && t->asked.at != NULL; p++) {
+        PBW_RELEASE(&t->memory, t->asked.at[p]);
     }
     pbwt__level_free(t, &t->level);
-    pbwt__release(&t->memory, &t->parts);
-    pbwt__release(&t->memory, &t->known);
-    pbwt__release(&t->memory, &t->request);
-    pbwt__release(&t->memory, &t->asked);
-    pbwt__release(&t->memory, &t->foreign);
-    pbwt__release(&t->memory, &t->state);
-    pbwt__release(&t->memory, &t->held);
-    pbwt__release(&t->memory, &t->facets);
-    pbwt__release(&t->memory, &t->given);
-    pbwt__release(&t->memory, &t->border);
-    pbwt__release(&t->memory, &t->mark);
-    pbwt__release(&t->memory, &t->queue);
-    self.data = t;
-    self.bytes = sizeof *t;
-    pbwt__release(&memory, &self);
-    self.data = tile->request;
-    self.bytes = (size_t)tile->parts * sizeof *tile->request;
-    pbwt__release(&memory, &self);
+    PBW_RELEASE(&t->memory, t->parts);
+    PBW_RELEASE(&t->memory, t->known);
+    PBW_RELEASE(&t->memory, t->request);
+    PBW_RELEASE(&t->memory, t->asked);
+    PBW_RELEASE(&t->memory, t->foreign);
+    PBW_RELEASE(&t->memory, t->state);
+    PBW_RELEASE(&t->memory, t->held);
+    PBW_RELEASE(&t->memory, t->facets);
+    PBW_RELEASE(&t->memory, t->given);
+    PBW_RELEASE(&t->memory, t->border);
+    PBW_RELEASE(&t->memory, t->mark);
+    PBW_RELEASE(&t->memory, t->queue);
+    (void)pbw_memory_resize(&memory, t, 1, 0, sizeof *t);
+    (void)pbw_memory_resize(&memory, tile->request, (size_t)tile->parts, 0, sizeof *tile->request);
     memset(tile, 0, sizeof *tile);
 }
 
 static int pbwt__allocate_tile(pbwt_tile *tile, const pbwt_options *options)
 {
-    pbwt__memory memory = pbwt__memory_of(&options->build);
-    pbwt__array self, request;
-    memset(&self, 0, sizeof self);
-    memset(&request, 0, sizeof request);
-    if (tile->parts > 0 && !pbwt__zeros(&memory, &request, (size_t)tile->parts - 1, sizeof(pbwt_bytes))) {
+    const size_t parts = (size_t)tile->parts;        /* 0 of pbwt_finish: no requests */
+    pbw_memory memory;
+    pbw_memory_start(&memory, &options->build);
+    tile->request = (pbwt_bytes *)pbw_memory_resize(&memory, NULL, 0, parts, sizeof *tile->request);
+    if (tile->request == NULL && parts > 0) {
         return 0;
     }
-    if (!pbwt__resize(&memory, &self, sizeof(struct pbwt__tile))) {
-        pbwt__release(&memory, &request);
+    tile->memory = (struct pbwt__tile *)pbw_memory_resize(&memory, NULL, 0, 1, sizeof *tile->memory);
+    if (tile->memory == NULL) {
+        (void)pbw_memory_resize(&memory, tile->request, parts, 0, sizeof *tile->request);
         return 0;
     }
-    memset(self.data, 0, self.bytes);
-    tile->request = (pbwt_bytes *)request.data;
-    tile->memory = (struct pbwt__tile *)self.data;
+    if (parts > 0) {
+        memset(tile->request, 0, parts * sizeof *tile->request);
+    }
+    memset(tile->memory, 0, sizeof *tile->memory);
     tile->memory->options = *options;
     tile->memory->memory = memory;
     tile->memory->tile = tile;
@@ -1664,7 +1528,7 @@ static int pbwt__takes_samples(const struct pbwt__tile *t, const pbwt_summary *s
 {
     const size_t parts = (size_t)t->tile->parts;
     const pbwt_box *own = &summaries[t->tile->tree->part].box, *box = &summaries[p].box;
-    const pbwt_box *all = (const pbwt_box *)t->parts.data + t->parts.count - 1;
+    const pbwt_box *all = t->parts.at + t->parts.count - 1;
     int k, near = 1, end = 0;
     for (k = 0; k < t->tile->dim; k++) {
         const double size = own->high[k] - own->low[k];
@@ -1681,13 +1545,13 @@ static pbw_status pbwt__meet_parts(struct pbwt__tile *t, const pbwt_summary *sum
     pbwt_box *box;
     size_t p;
     int i;
-    if (!pbwt__zeros(&t->memory, &t->parts, pbwt__level_boxes(parts), sizeof(pbwt_box))
-        || !pbwt__zeros(&t->memory, &t->known, parts, 1)
-        || !pbwt__zeros(&t->memory, &t->request, parts, sizeof(pbwt__array))
-        || !pbwt__zeros(&t->memory, &t->asked, parts, sizeof(pbwt__array))) {
+    if (!PBW_ZEROS(&t->memory, t->parts, pbwt__level_boxes(parts))
+        || !PBW_ZEROS(&t->memory, t->known, parts)
+        || !PBW_ZEROS(&t->memory, t->request, parts)
+        || !PBW_ZEROS(&t->memory, t->asked, parts)) {
         return PBW_ERROR_MEMORY;
     }
-    box = (pbwt_box *)t->parts.data;
+    box = t->parts.at;
     t->foreign_weight = -HUGE_VAL;
     for (p = 0; p < parts; p++) {
         box[p] = summaries[p].box;
@@ -1703,9 +1567,9 @@ static pbw_status pbwt__meet_parts(struct pbwt__tile *t, const pbwt_summary *sum
         if ((int)p == t->tile->tree->part || !pbwt__takes_samples(t, summaries, p)) {
             continue;
         }
-        PBWT__BYTES(t->known)[p] = 1;
+        t->known.at[p] = 1;
         for (i = 0; i < summaries[p].samples; i++) {
-            if (!pbwt__push(&t->memory, &t->foreign, summaries[p].sample + i, sizeof(pbwt_vertex))) {
+            if (!PBW_PUSH(&t->memory, t->foreign, summaries[p].sample[i])) {
                 return PBW_ERROR_MEMORY;
             }
         }
@@ -1735,15 +1599,14 @@ PBWTDEF pbw_status pbwt_open(pbwt_tile *tile, pbwt_tree *tree, const pbwt_summar
     tile->memory->memory.used += tree->bytes;
     status = pbwt__meet_parts(tile->memory, summaries);
     if (status == PBW_OK
-        && (!pbwt__zeros(&tile->memory->memory, &tile->memory->state, tree->count, 1)
-            || !pbwt__zeros(&tile->memory->memory, &tile->memory->held, tree->count / PBWT_LEAF + 1,
-                            sizeof(double)))) {
+        && (!PBW_ZEROS(&tile->memory->memory, tile->memory->state, tree->count)
+            || !PBW_ZEROS(&tile->memory->memory, tile->memory->held, tree->count / PBWT_LEAF + 1))) {
         status = PBW_ERROR_MEMORY;
     }
     if (status != PBW_OK) {
         pbwt_close(tile);
     } else {
-        memset(tile->memory->state.data, PBWT__ASKED, tree->count);
+        memset(tile->memory->state.at, PBWT__ASKED, tree->count);
     }
     return status;
 }
@@ -1754,8 +1617,8 @@ static void pbwt__drop_requests(struct pbwt__tile *t)
 {
     int p;
     for (p = 0; p < t->tile->parts; p++) {
-        pbwt__release(&t->memory, PBWT__PART(t->request, p));
-        pbwt__release(&t->memory, PBWT__PART(t->asked, p));
+        PBW_RELEASE(&t->memory, t->request.at[p]);
+        PBW_RELEASE(&t->memory, t->asked.at[p]);
         t->tile->request[p].data = NULL;
         t->tile->request[p].size = 0;
     }
@@ -1764,23 +1627,14 @@ static void pbwt__drop_requests(struct pbwt__tile *t)
 /* Appends a record to the request for a part, and notes what it is about. */
 static int pbwt__request(struct pbwt__tile *t, size_t part, const void *record, size_t size, uint32_t about)
 {
-    pbwt__array *request = PBWT__PART(t->request, part);
-    char *place;
-    if (request->count == 0) {
-        pbwt__head head;
-        memset(&head, 0, sizeof head);
-        if (pbwt__room(&t->memory, request, sizeof head, 1) == NULL) {
-            return 0;
-        }
-        memcpy(request->data, &head, sizeof head);
-        request->count = sizeof head;
-    }
-    place = (char *)pbwt__room(&t->memory, request, size, 1);
-    if (place == NULL || !pbwt__push(&t->memory, PBWT__PART(t->asked, part), &about, sizeof about)) {
+    pbwt__bytes *request = t->request.at + part;
+    const size_t head = request->count == 0 ? sizeof(pbwt__head) : 0;
+    if (!PBW_RESERVE(&t->memory, *request, head + size) || !PBW_PUSH(&t->memory, t->asked.at[part], about)) {
         return 0;
     }
-    memcpy(place, record, size);
-    request->count += size;
+    memset(request->at + request->count, 0, head);   /* filled in the end */
+    memcpy(request->at + request->count + head, record, size);
+    request->count += head + size;
     return 1;
 }
 
@@ -1789,15 +1643,15 @@ static int pbwt__end_requests(struct pbwt__tile *t, uint32_t kind)
 {
     int p, any = 0;
     for (p = 0; p < t->tile->parts; p++) {
-        pbwt__array *request = PBWT__PART(t->request, p);
+        pbwt__bytes *request = t->request.at + p;
         pbwt__head head;
         if (request->count > 0) {
             memset(&head, 0, sizeof head);
             head.kind = kind;
-            head.count = (uint32_t)PBWT__PART(t->asked, p)->count;
-            head.points = PBWT__BYTES(t->known)[p];
-            memcpy(request->data, &head, sizeof head);
-            t->tile->request[p].data = (char *)request->data;
+            head.count = (uint32_t)t->asked.at[p].count;
+            head.points = t->known.at[p];
+            memcpy(request->at, &head, sizeof head);
+            t->tile->request[p].data = (char *)request->at;
             t->tile->request[p].size = request->count;
             t->tile->numbers.sent_bytes += request->count;
             any = 1;
@@ -1830,7 +1684,7 @@ static pbw_status pbwt__want_halo(struct pbwt__tile *t)
 {
     const pbwt_tree *tree = t->tile->tree;
     const double wide = t->options.halo > 0 ? t->options.halo : t->options.halo < 0 ? 0 : 1.5;
-    double *held = (double *)t->held.data;
+    double *held = t->held.at;
     size_t leaf, part;
     int k;
     for (leaf = 0; leaf * PBWT_LEAF < tree->count; leaf++) {
@@ -1873,7 +1727,7 @@ static void pbwt__hear(struct pbwt__tile *t, uint32_t simplex, int verdict)
         const uint32_t v = pbwt__local(t, corner[k]);
         const int now = pbwt__state(t, v);
         if (now >= PBWT__ASKED && state > now) {
-            PBWT__BYTES(t->state)[v] = (unsigned char)state;
+            t->state.at[v] = (unsigned char)state;
         }
     }
 }
@@ -1881,15 +1735,14 @@ static void pbwt__hear(struct pbwt__tile *t, uint32_t simplex, int verdict)
 PBWTDEF pbw_status pbwt_take(pbwt_tile *tile, int part, const void *reply, size_t size)
 {
     struct pbwt__tile *t = tile->memory;
-    const pbwt__array *asked;
+    const pbwt__numbers *asked;
     const char *text = (const char *)reply;
     pbwt__head head;
     size_t bytes, i;
-    void *place;
     if (t == NULL || part < 0 || part >= tile->parts || size < sizeof head) {
         return PBW_ERROR_ARGUMENT;
     }
-    asked = PBWT__PART(t->asked, part);
+    asked = t->asked.at + part;
     memcpy(&head, reply, sizeof head);
     bytes = ((size_t)head.count + 7) / 8 * 8;
     if (head.kind != PBWT__REPLY || head.count != asked->count || head.points > size / sizeof(pbwt_vertex)
@@ -1898,22 +1751,22 @@ PBWTDEF pbw_status pbwt_take(pbwt_tile *tile, int part, const void *reply, size_
     }
     for (i = 0; i < head.count; i++) {
         const int verdict = text[sizeof head + i];
-        const uint32_t about = PBWT__U32(*asked)[i];
+        const uint32_t about = asked->at[i];
         if (t->stage == 1 && verdict >= PBWT__SOME) {
-            ((double *)t->held.data)[about] = -1;
+            t->held.at[about] = -1;
         } else if (t->stage > 1 && verdict != PBWT__NOTHING) {
             pbwt__hear(t, about, verdict);
         }
     }
-    place = pbwt__room(&t->memory, &t->foreign, (size_t)head.points, sizeof(pbwt_vertex));
-    if (place == NULL) {
+    if (!PBW_RESERVE(&t->memory, t->foreign, (size_t)head.points)) {
         return PBW_ERROR_MEMORY;
     }
     if (head.points > 0) {
-        memcpy(place, text + sizeof head + bytes, (size_t)head.points * sizeof(pbwt_vertex));
+        memcpy(t->foreign.at + t->foreign.count, text + sizeof head + bytes,
+               (size_t)head.points * sizeof(pbwt_vertex));
     }
     t->foreign.count += (size_t)head.points;
-    tile->foreign = (const pbwt_vertex *)t->foreign.data;
+    tile->foreign = t->foreign.at;
     tile->foreign_count = t->foreign.count;
     tile->numbers.sent_bytes += size;
     return PBW_OK;
@@ -1952,21 +1805,20 @@ static pbw_status pbwt__build(struct pbwt__tile *t, const double *x, const doubl
 static pbw_status pbwt__triangulate(struct pbwt__tile *t, size_t count)
 {
     const size_t dim = (size_t)t->tile->dim, entries = dim + (t->options.weighted != 0);
-    pbwt__array copy;
+    PBW_ARRAY(double) copy = { NULL, 0, 0 };
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i;
-    memset(&copy, 0, sizeof copy);
-    if (pbwt__resize(&t->memory, &copy, (count + 1) * entries * sizeof(double))) {
-        double *to = (double *)copy.data;
+    if (PBW_FIT(&t->memory, copy, (count + 1) * entries)) {
+        double *to = copy.at;
         for (i = 0; i < count; i++, to += entries) {
             const pbwt_point *p = pbwt__point(t, pbwt__local(t, (pbw_index)i));
             memcpy(to, p->x, dim * sizeof *to);
             to[entries - 1] = t->options.weighted ? p->weight : p->x[dim - 1];
         }
-        to = (double *)copy.data;
+        to = copy.at;
         status = pbwt__build(t, to, to + dim, count, entries * sizeof *to);
     }
-    pbwt__release(&t->memory, &copy);
+    PBW_RELEASE(&t->memory, copy);
     return status;
 }
 
@@ -1974,10 +1826,11 @@ static pbw_status pbwt__triangulate(struct pbwt__tile *t, size_t count)
 static pbw_status pbwt__triangulate_in_place(struct pbwt__tile *t)
 {
     pbwt_tree *tree = t->tile->tree;
-    pbwt__memory memory = pbwt__memory_of(&tree->options);
+    pbw_memory memory;
     pbwt_point *room;
     pbw_status status;
     size_t i;
+    pbw_memory_start(&memory, &tree->options);
     memory.limit = t->memory.limit;
     memory.used = t->memory.used;
     room = pbwt__tree_room(tree, &memory, t->foreign.count);
@@ -1986,7 +1839,7 @@ static pbw_status pbwt__triangulate_in_place(struct pbwt__tile *t)
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < t->foreign.count; i++) {
-        room[i] = ((const pbwt_vertex *)t->foreign.data)[i].point;
+        room[i] = t->foreign.at[i].point;
     }
     status = pbwt__build(t, tree->points->x, &tree->points->weight, t->own + t->foreign.count, sizeof *room);
     memory.used = t->memory.used;
@@ -2018,9 +1871,9 @@ static int pbwt__is_held(const struct pbwt__tile *t, uint32_t simplex, const pbw
     int i, k;
     for (i = 0; i < pbwt__corners(t); i++) {
         const uint32_t v = pbwt__local(t, corner[i]), leaf = v / PBWT_LEAF;
-        int inside = v < t->own && ((double *)t->held.data)[leaf] >= 0;
+        int inside = v < t->own && t->held.at[leaf] >= 0;
         for (k = 0; k < t->tile->dim && inside; k++) {
-            const double h = ((double *)t->held.data)[leaf] * (1 - 1e-9);
+            const double h = t->held.at[leaf] * (1 - 1e-9);
             inside &= around->low[k] >= t->tile->tree->boxes[leaf].low[k] - h
                    && around->high[k] <= t->tile->tree->boxes[leaf].high[k] + h;
         }
@@ -2034,10 +1887,12 @@ static int pbwt__is_held(const struct pbwt__tile *t, uint32_t simplex, const pbw
 /* Certification goes in waves over lists of simplices; threads test ranges of one, each into a list of its own. */
 typedef struct pbwt__doubt { uint32_t simplex, facet, part; } pbwt__doubt;       /* a question, and the part to ask */
 
+typedef PBW_ARRAY(pbwt__doubt) pbwt__doubts;
+
 typedef struct pbwt__certifying {
     struct pbwt__tile *t;
     const uint32_t *wave;
-    pbwt__array *doubts;                             /* per range */
+    pbwt__doubts *doubts;                            /* per range */
     size_t tested;                                   /* by all threads */
 } pbwt__certifying;
 
@@ -2045,7 +1900,7 @@ enum { PBWT__RANGE = 1024, PBWT__WAVE = 16 * PBWT__RANGE, PBWT__SCAN = 65536 }; 
 
 /* Lists the parts that may have points in conflict with a simplex (facet 0) or beyond a facet of it.  Returns 0
    without memory. */
-static int pbwt__inquire(struct pbwt__tile *t, uint32_t simplex, int facet, pbwt__array *doubts)
+static int pbwt__inquire(struct pbwt__tile *t, uint32_t simplex, int facet, pbwt__doubts *doubts)
 {
     pbwt__question q;
     pbwt__ball ball;
@@ -2066,7 +1921,7 @@ static int pbwt__inquire(struct pbwt__tile *t, uint32_t simplex, int facet, pbwt
         doubt.simplex = simplex;
         doubt.facet = (uint32_t)facet;
         doubt.part = (uint32_t)part;
-        if (!pbwt__push(&t->memory, doubts, &doubt, sizeof doubt)) {
+        if (!PBW_PUSH(&t->memory, *doubts, doubt)) {
             return 0;
         }
     }
@@ -2079,7 +1934,7 @@ static pbw_status pbwt__test_range(void *arg, size_t from, size_t to)
     pbwt__certifying *c = (pbwt__certifying *)arg;
     struct pbwt__tile *t = c->t;
     const size_t corners = (size_t)pbwt__corners(t);
-    pbwt__array *doubts = c->doubts + from / PBWT__RANGE;
+    pbwt__doubts *doubts = c->doubts + from / PBWT__RANGE;
     size_t tested = to - from, k, j;
     for (; from < to; from++) {
         const size_t first = c->wave[from] * corners;
@@ -2101,7 +1956,7 @@ static pbw_status pbwt__test_range(void *arg, size_t from, size_t to)
             return PBW_ERROR_MEMORY;
         }
     }
-    (void)PBWT__ADD(&c->tested, tested);
+    (void)PBW_ATOMIC_ADD(&c->tested, tested);
     return PBW_OK;
 }
 
@@ -2121,7 +1976,7 @@ static int pbwt__starts(const struct pbwt__tile *t, size_t simplex)
 {
     const size_t corners = (size_t)pbwt__corners(t);
     size_t k;
-    int border = t->level.map.data != NULL;
+    int border = t->level.map.at != NULL;
     for (k = 0; k < corners && !border; k++) {
         border = t->level.mesh.simplices[simplex * corners + k] >= t->own
               || t->level.mesh.neighbors[simplex * corners + k] == PBW_NONE;
@@ -2134,8 +1989,8 @@ static void pbwt__give_up(struct pbwt__tile *t)
 {
     size_t i;
     for (i = 0; i < t->own; i++) {
-        if (PBWT__BYTES(t->state)[i] == PBWT__ASKED) {
-            PBWT__BYTES(t->state)[i] = PBWT__GIVEN;
+        if (t->state.at[i] == PBWT__ASKED) {
+            t->state.at[i] = PBWT__GIVEN;
         }
     }
     pbwt__drop_requests(t);
@@ -2145,16 +2000,16 @@ static pbw_status pbwt__find_starts(void *arg, size_t from, size_t to)
 {
     struct pbwt__tile *t = (struct pbwt__tile *)arg;
     for (; from < to; from++) {
-        PBWT__BYTES(t->mark)[from] = (unsigned char)pbwt__starts(t, from);
+        t->mark.at[from] = (unsigned char)pbwt__starts(t, from);
     }
     return PBW_OK;
 }
 
 /* Asks the questions of a range, and queues the neighbours of simplices in doubt. */
-static int pbwt__ask_range(struct pbwt__tile *t, const pbwt__array *doubts)
+static int pbwt__ask_range(struct pbwt__tile *t, const pbwt__doubts *doubts)
 {
     const size_t corners = (size_t)pbwt__corners(t);
-    const pbwt__doubt *doubt = (const pbwt__doubt *)doubts->data;
+    const pbwt__doubt *doubt = doubts->at;
     size_t i, k;
     for (i = 0; i < doubts->count; i++) {
         pbwt__question q;
@@ -2170,9 +2025,9 @@ static int pbwt__ask_range(struct pbwt__tile *t, const pbwt__array *doubts)
         t->tile->numbers.uncertified++;
         for (k = 0; k < corners; k++) {
             const pbw_index n = t->level.mesh.neighbors[doubt[i].simplex * corners + k];
-            if (n != PBW_NONE && !PBWT__BYTES(t->mark)[n]) {
-                PBWT__BYTES(t->mark)[n] = 1;
-                if (pbwt__has_asked(t, n) && !pbwt__push(&t->memory, &t->queue, &n, sizeof n)) {
+            if (n != PBW_NONE && !t->mark.at[n]) {
+                t->mark.at[n] = 1;
+                if (pbwt__has_asked(t, n) && !PBW_PUSH(&t->memory, t->queue, n)) {
                     return 0;
                 }
             }
@@ -2185,13 +2040,13 @@ static int pbwt__ask_range(struct pbwt__tile *t, const pbwt__array *doubts)
 static pbw_status pbwt__test_wave(struct pbwt__tile *t, size_t first, size_t count, const pbw_options *options)
 {
     const size_t ranges = (count + PBWT__RANGE - 1) / PBWT__RANGE;
-    pbwt__array doubts[PBWT__WAVE / PBWT__RANGE];
+    pbwt__doubts doubts[PBWT__WAVE / PBWT__RANGE];
     pbwt__certifying c;
     pbw_status status;
     size_t i;
     memset(doubts, 0, sizeof doubts);
     c.t = t;
-    c.wave = PBWT__U32(t->queue) + first;
+    c.wave = t->queue.at + first;
     c.doubts = doubts;
     c.tested = 0;
     status = pbw_for(options, count, PBWT__RANGE, pbwt__test_range, &c);
@@ -2200,7 +2055,7 @@ static pbw_status pbwt__test_wave(struct pbwt__tile *t, size_t first, size_t cou
         if (status == PBW_OK && !pbwt__ask_range(t, doubts + i)) {
             status = PBW_ERROR_MEMORY;
         }
-        pbwt__release(&t->memory, doubts + i);
+        PBW_RELEASE(&t->memory, doubts[i]);
     }
     return status;
 }
@@ -2210,13 +2065,12 @@ static pbw_status pbwt__guess(struct pbwt__tile *t, size_t most, const pbw_optio
 {
     const size_t step = 1 + t->queue.count / PBWT__RANGE;
     uint32_t some[PBWT__RANGE];
-    pbwt__array doubts;
+    pbwt__doubts doubts = { NULL, 0, 0 };
     pbwt__certifying c;
     pbw_status status;
     size_t i, n = 0;
-    memset(&doubts, 0, sizeof doubts);
     for (i = 0; i < t->queue.count; i += step) {
-        some[n++] = PBWT__U32(t->queue)[i];
+        some[n++] = t->queue.at[i];
     }
     c.t = t;
     c.wave = some;
@@ -2224,7 +2078,7 @@ static pbw_status pbwt__guess(struct pbwt__tile *t, size_t most, const pbw_optio
     c.tested = 0;
     status = pbw_for(options, n, PBWT__RANGE, pbwt__test_range, &c);
     *too_many = status == PBW_OK && (double)doubts.count * (double)step > 2 * (double)most;
-    pbwt__release(&t->memory, &doubts);
+    PBW_RELEASE(&t->memory, doubts);
     return status;
 }
 
@@ -2248,12 +2102,12 @@ static pbw_status pbwt__certify(struct pbwt__tile *t)
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i, count;
     t->queue.count = 0;
-    if (pbwt__zeros(&t->memory, &t->mark, simplices, 1)) {
+    if (PBW_ZEROS(&t->memory, t->mark, simplices)) {
         status = pbw_for(&options, simplices, PBWT__SCAN, pbwt__find_starts, t);
     }
     for (i = 0; i < simplices && status == PBW_OK; i++) {
         const uint32_t start = (uint32_t)i;
-        if (PBWT__BYTES(t->mark)[i] && !pbwt__push(&t->memory, &t->queue, &start, sizeof start)) {
+        if (t->mark.at[i] && !PBW_PUSH(&t->memory, t->queue, start)) {
             status = PBW_ERROR_MEMORY;
         }
     }
@@ -2268,7 +2122,7 @@ static pbw_status pbwt__certify(struct pbwt__tile *t)
     if (too_many && status == PBW_OK) {
         pbwt__give_up(t);
     }
-    pbwt__release(&t->memory, &t->mark);
+    PBW_RELEASE(&t->memory, t->mark);
     return status;
 }
 
@@ -2277,14 +2131,14 @@ static pbw_status pbwt__certify(struct pbwt__tile *t)
 typedef struct pbwt__emission {
     pbwt_tile *tile;
     const pbwt_options *options;
-    pbwt__memory *memory;
+    pbw_memory *memory;
     const pbw_mesh *mesh;
     uint32_t part;
     size_t base;                                     /* number of the first simplex */
-    pbwt__array chosen;                              /* per simplex, a byte: 1 = emitted */
-    pbwt__array first;                               /* u32 per PBWT__RUN simplices: the number of the first emitted
-                                                        one there or after */
-    pbwt__array facets;                              /* out */
+    pbwt__bytes chosen;                              /* per simplex: 1 = emitted */
+    pbwt__numbers first;                             /* per PBWT__RUN simplices: the number of the first emitted one
+                                                        there or after */
+    pbwt__facets facets;                             /* out */
 } pbwt__emission;
 
 enum { PBWT__BLOCK = 2048, PBWT__RUN = 64 };
@@ -2292,19 +2146,19 @@ enum { PBWT__BLOCK = 2048, PBWT__RUN = 64 };
 /* Counts the chosen simplices of each run.  Returns 0 without memory. */
 static int pbwt__count_runs(pbwt__emission *e)
 {
-    const unsigned char *chosen = PBWT__BYTES(e->chosen);
+    const unsigned char *chosen = e->chosen.at;
     const size_t runs = (e->mesh->simplex_count + PBWT__RUN - 1) / PBWT__RUN;
     size_t s = 0, run, n = e->base;
-    if (!pbwt__resize(e->memory, &e->first, (runs + 1) * sizeof(uint32_t))) {
+    if (!PBW_FIT(e->memory, e->first, runs + 1)) {
         return 0;
     }
     for (run = 0; run < runs; run++) {
-        PBWT__U32(e->first)[run] = (uint32_t)n;
+        e->first.at[run] = (uint32_t)n;
         for (; s < (run + 1) * PBWT__RUN && s < e->mesh->simplex_count; s++) {
             n += chosen[s];
         }
     }
-    PBWT__U32(e->first)[runs] = (uint32_t)n;
+    e->first.at[runs] = (uint32_t)n;
     return 1;
 }
 
@@ -2325,8 +2179,8 @@ static uint32_t pbwt__count_ones(const unsigned char *bytes, size_t count)
 /* The number of a simplex, PBW_NONE if it is not emitted.  In most runs all or none are. */
 static uint32_t pbwt__number_of(const pbwt__emission *e, size_t s)
 {
-    const unsigned char *chosen = PBWT__BYTES(e->chosen);
-    const uint32_t *first = PBWT__U32(e->first) + s / PBWT__RUN;
+    const unsigned char *chosen = e->chosen.at;
+    const uint32_t *first = e->first.at + s / PBWT__RUN;
     if (first[1] - first[0] == PBWT__RUN) {
         return first[0] + (uint32_t)(s % PBWT__RUN);
     }
@@ -2367,7 +2221,7 @@ static int pbwt__open_facet(pbwt__emission *e, const pbwt__corner *corners, size
     pbwt__sort(facet.id, n, sizeof *facet.id, pbwt__id_before, 0);
     facet.from = (uint64_t)e->part << 40 | (uint64_t)number << 2 | corner;
     facet.to = pbwt__owner(e->tile, least->local);
-    return pbwt__push(e->memory, &e->facets, &facet, sizeof facet);
+    return PBW_PUSH(e->memory, e->facets, facet);
 }
 
 /* The links of one simplex to others that are emitted.  Returns whether these are all. */
@@ -2446,7 +2300,7 @@ static pbw_status pbwt__emit(pbwt__emission *e, pbwt__naming *name, const void *
     }
     memset(links, 0xff, sizeof links);
     for (s = 0; s < e->mesh->simplex_count && status == PBW_OK; s++) {
-        if (!PBWT__BYTES(e->chosen)[s]) {
+        if (!e->chosen.at[s]) {
             continue;
         }
         if (!pbwt__emit_one(e, s, name, user, corner + count * corners, links + count * corners)) {
@@ -2488,9 +2342,9 @@ static int pbwt__is_inside(const struct pbwt__tile *t, const pbw_index *corner)
 {
     const size_t corners = (size_t)pbwt__corners(t);
     size_t k;
-    int inside = t->level.map.data == NULL;
+    int inside = t->level.map.at == NULL;
     for (k = 0; k < corners && inside; k++) {
-        inside = corner[k] < t->own && PBWT__BYTES(t->state)[corner[k]] == PBWT__ASKED;
+        inside = corner[k] < t->own && t->state.at[corner[k]] == PBWT__ASKED;
     }
     return inside;
 }
@@ -2537,30 +2391,28 @@ static pbw_status pbwt__choose_range(void *arg, size_t from, size_t to)
 static int pbwt__keep_border(struct pbwt__tile *t, size_t s)
 {
     const size_t corners = (size_t)pbwt__corners(t);
-    uint32_t *place = (uint32_t *)pbwt__room(&t->memory, &t->border, corners, sizeof *place);
     size_t k;
-    for (k = 0; k < corners && place != NULL; k++) {
-        place[k] = pbwt__local(t, t->level.mesh.simplices[s * corners + k]);
+    int room = 1;
+    for (k = 0; k < corners && room; k++) {
+        room = PBW_PUSH(&t->memory, t->border, pbwt__local(t, t->level.mesh.simplices[s * corners + k]));
     }
-    t->border.count += place != NULL ? corners : 0;
-    return place != NULL;
+    return room;
 }
 
 static pbw_status pbwt__hash_level(struct pbwt__tile *t, pbwt__emission *e)
 {
     pbw_options options = pbwt__inner_options(t);
     pbw_hash_sums sums;
-    pbwt__array points;
+    pbwt__bytes points = { NULL, 0, 0 };
     pbw_status status;
-    memset(&points, 0, sizeof points);
-    if (!pbwt__zeros(&t->memory, &points, t->level.mesh.point_count, 1)) {
+    if (!PBW_ZEROS(&t->memory, points, t->level.mesh.point_count)) {
         return PBW_ERROR_MEMORY;
     }
-    if (t->level.map.data == NULL) {
-        memset(points.data, 1, t->own);
+    if (t->level.map.at == NULL) {
+        memset(points.at, 1, t->own);
     }
-    status = pbw_hash_parts(&t->level.mesh, PBWT__BYTES(points), PBWT__BYTES(e->chosen), &options, &sums);
-    pbwt__release(&t->memory, &points);
+    status = pbw_hash_parts(&t->level.mesh, points.at, e->chosen.at, &options, &sums);
+    PBW_RELEASE(&t->memory, points);
     t->tile->hash.points += status == PBW_OK ? sums.points : 0;
     t->tile->hash.simplices += status == PBW_OK ? sums.simplices : 0;
     return status;
@@ -2571,13 +2423,13 @@ static int pbwt__note(struct pbwt__tile *t, size_t s, int choice)
 {
     const uint32_t simplex = (uint32_t)s;
     return ((choice & PBWT__BORDER) == 0 || pbwt__keep_border(t, s))
-        && ((choice & PBWT__REPAIR) == 0 || pbwt__push(&t->memory, &t->queue, &simplex, sizeof simplex));
+        && ((choice & PBWT__REPAIR) == 0 || PBW_PUSH(&t->memory, t->queue, simplex));
 }
 
 /* Counts the chosen simplices, and takes notes of the others.  Returns 0 without memory. */
 static int pbwt__count_chosen(struct pbwt__tile *t, pbwt__emission *e, size_t *count)
 {
-    unsigned char *chosen = PBWT__BYTES(e->chosen);
+    unsigned char *chosen = e->chosen.at;
     size_t s, n = e->base;
     t->queue.count = 0;
     for (s = 0; s < e->mesh->simplex_count; s++) {
@@ -2599,11 +2451,11 @@ static pbw_status pbwt__emit_chosen(struct pbwt__tile *t, pbwt__emission *e)
     pbwt__choosing choosing;
     size_t n;
     pbw_status status;
-    if (!pbwt__zeros(&t->memory, &e->chosen, count, 1)) {
+    if (!PBW_ZEROS(&t->memory, e->chosen, count)) {
         return PBW_ERROR_MEMORY;
     }
     choosing.t = t;
-    choosing.chosen = PBWT__BYTES(e->chosen);
+    choosing.chosen = e->chosen.at;
     status = pbw_for(&options, count, PBWT__SCAN, pbwt__choose_range, &choosing);
     if (status != PBW_OK) {
         return status;
@@ -2618,7 +2470,7 @@ static pbw_status pbwt__emit_chosen(struct pbwt__tile *t, pbwt__emission *e)
     e->facets = t->facets;
     status = status == PBW_OK ? pbwt__emit(e, pbwt__name_local, t) : status;
     t->facets = e->facets;
-    t->tile->facets = (const pbwt_facet *)t->facets.data;
+    t->tile->facets = t->facets.at;
     t->tile->facet_count = t->facets.count;
     t->tile->numbers.simplices = n;
     return status;
@@ -2637,11 +2489,11 @@ static pbw_status pbwt__emit_level(struct pbwt__tile *t)
     e.part = (uint32_t)t->tile->tree->part;
     e.base = t->tile->numbers.simplices;
     status = pbwt__emit_chosen(t, &e);
-    pbwt__release(&t->memory, &e.first);
-    pbwt__release(&t->memory, &e.chosen);
+    PBW_RELEASE(&t->memory, e.first);
+    PBW_RELEASE(&t->memory, e.chosen);
     for (i = 0; i < t->own && status == PBW_OK; i++) {
-        if (pbwt__is_final(PBWT__BYTES(t->state)[i])) {
-            PBWT__BYTES(t->state)[i] = PBWT__DONE;
+        if (pbwt__is_final(t->state.at[i])) {
+            t->state.at[i] = PBWT__DONE;
         }
     }
     return status;
@@ -2657,30 +2509,30 @@ static pbw_status pbwt__repair(struct pbwt__tile *t)
     pbwt__level next;
     pbw_status status;
     size_t s, k, i, stars = 0;
-    int room = pbwt__zeros(&t->memory, &t->mark, t->level.mesh.point_count, 1);
+    int room = PBW_ZEROS(&t->memory, t->mark, t->level.mesh.point_count);
     memset(&next, 0, sizeof next);
     for (s = 0; s < t->queue.count && room; s++) {
-        const pbw_index *corner = t->level.mesh.simplices + PBWT__U32(t->queue)[s] * corners;
+        const pbw_index *corner = t->level.mesh.simplices + t->queue.at[s] * corners;
         for (k = 0; k < corners && room; k++) {
             const uint32_t local = pbwt__local(t, corner[k]);
-            if (!PBWT__BYTES(t->mark)[corner[k]]) {
-                PBWT__BYTES(t->mark)[corner[k]] = 1;
-                room = pbwt__push(&t->memory, &next.map, &local, sizeof local);
+            if (!t->mark.at[corner[k]]) {
+                t->mark.at[corner[k]] = 1;
+                room = PBW_PUSH(&t->memory, next.map, local);
             }
         }
     }
     for (i = t->own + t->before; i < t->own + t->foreign.count && room; i++) {
         const uint32_t local = (uint32_t)i;
-        room = pbwt__push(&t->memory, &next.map, &local, sizeof local);
+        room = PBW_PUSH(&t->memory, next.map, local);
     }
-    pbwt__release(&t->memory, &t->mark);
+    PBW_RELEASE(&t->memory, t->mark);
     pbwt__level_free(t, &t->level);
     t->level = next;
     if (!room) {
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < t->own; i++) {
-        unsigned char *state = PBWT__BYTES(t->state) + i;
+        unsigned char *state = t->state.at + i;
         if (*state == PBWT__AFFECTED || *state == PBWT__MORE) {
             *state = *state == PBWT__MORE ? PBWT__ASKED : PBWT__SUBJECT;
             stars++;
@@ -2701,7 +2553,7 @@ static void pbwt__give_up_flat(struct pbwt__tile *t)
 {
     size_t i;
     for (i = 0; i < t->own && t->level.mesh.simplex_count == 0; i++) {
-        unsigned char *state = PBWT__BYTES(t->state) + i;
+        unsigned char *state = t->state.at + i;
         if (pbwt__is_final(*state)) {
             *state = PBWT__GIVEN;
         }
@@ -2712,13 +2564,13 @@ static pbw_status pbwt__list_given(struct pbwt__tile *t)
 {
     uint32_t i;
     for (i = 0; i < t->own; i++) {
-        if (PBWT__BYTES(t->state)[i] == PBWT__GIVEN && !pbwt__push(&t->memory, &t->given, &i, sizeof i)) {
+        if (t->state.at[i] == PBWT__GIVEN && !PBW_PUSH(&t->memory, t->given, i)) {
             return PBW_ERROR_MEMORY;
         }
     }
-    t->tile->border = PBWT__U32(t->border);
+    t->tile->border = t->border.at;
     t->tile->border_count = t->border.count;
-    t->tile->leftovers = PBWT__U32(t->given);
+    t->tile->leftovers = t->given.at;
     t->tile->leftover_count = t->tile->numbers.given_up = t->given.count;
     return PBW_OK;
 }
@@ -2739,7 +2591,7 @@ static pbw_status pbwt__next_level(struct pbwt__tile *t, int *more)
         t->tile->numbers.later += t->foreign.count - t->before;
         status = pbwt__emit_level(t);
         status = status != PBW_OK ? status : pbwt__repair(t);
-        if (status == PBW_OK && t->level.map.data != NULL) {
+        if (status == PBW_OK && t->level.map.at != NULL) {
             pbwt__give_up_flat(t);
         }
     }
@@ -2760,7 +2612,7 @@ PBWTDEF pbw_status pbwt_ask(pbwt_tile *tile, int *more)
     if (t == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
-    tile->foreign = (const pbwt_vertex *)t->foreign.data;
+    tile->foreign = t->foreign.at;
     tile->foreign_count = t->foreign.count;
     if (t->stage == 0 && t->own > 0) {
         status = pbwt__want_halo(t);
@@ -2773,7 +2625,7 @@ PBWTDEF pbw_status pbwt_ask(pbwt_tile *tile, int *more)
     while (status == PBW_OK && t->own > 0 && t->stage > 0 && !*more) {
         status = pbwt__next_level(t, more);
         t->stage++;
-        if (status == PBW_OK && !*more && t->level.map.data == NULL && t->level.mesh.point_count == 0) {
+        if (status == PBW_OK && !*more && t->level.map.at == NULL && t->level.mesh.point_count == 0) {
             t->stage = -1;                           /* nothing left to emit or repair */
             status = pbwt__list_given(t);
         }
@@ -2806,21 +2658,23 @@ static int pbwt__is_in(const uint64_t *ids, size_t count, uint64_t id)
 
 typedef struct pbwt__knowing {
     const pbwt_tile *tile;
-    pbwt__memory memory;
-    pbwt__array vertices, seen, done;                /* pbwt_vertex; u64; byte per own point: it is in vertices */
+    pbw_memory memory;
+    pbwt__vertices vertices;
+    PBW_ARRAY(uint64_t) seen;                        /* ids */
+    pbwt__bytes done;                                /* per own point: it is in vertices */
 } pbwt__knowing;
 
 static int pbwt__add_known(pbwt__knowing *k, uint32_t own)
 {
     pbwt_vertex vertex;
-    if (PBWT__BYTES(k->done)[own]) {
+    if (k->done.at[own]) {
         return 1;
     }
-    PBWT__BYTES(k->done)[own] = 1;
+    k->done.at[own] = 1;
     vertex.point = k->tile->tree->points[own];
     vertex.part = (uint32_t)k->tile->tree->part;
     vertex.index = own;
-    return pbwt__push(&k->memory, &k->vertices, &vertex, sizeof vertex);
+    return PBW_PUSH(&k->memory, k->vertices, vertex);
 }
 
 /* Adds the corners of one simplex of the border if any was given up. */
@@ -2835,7 +2689,7 @@ static int pbwt__know_simplex(pbwt__knowing *k, const uint32_t *corner, const ui
                           : tile->foreign[corner[i] - own].point.id;
         if (pbwt__is_in(ids, count, id)) {
             near = 1;
-            room = pbwt__push(&k->memory, &k->seen, &id, sizeof id);
+            room = PBW_PUSH(&k->memory, k->seen, id);
         }
     }
     for (i = 0; i < corners && near && room; i++) {
@@ -2850,7 +2704,7 @@ static int pbwt__find_known(pbwt__knowing *k, const uint64_t *ids, size_t count)
     const pbwt_tile *tile = k->tile;
     const size_t corners = (size_t)tile->dim + 1;
     size_t i;
-    int room = pbwt__zeros(&k->memory, &k->done, tile->tree->count, 1);
+    int room = PBW_ZEROS(&k->memory, k->done, tile->tree->count);
     for (i = 0; i < tile->leftover_count && room; i++) {
         room = pbwt__add_known(k, tile->leftovers[i]);
     }
@@ -2863,11 +2717,10 @@ static int pbwt__find_known(pbwt__knowing *k, const uint64_t *ids, size_t count)
 PBWTDEF pbw_status pbwt_leftovers(const pbwt_tile *tile, const uint64_t *ids, size_t count, pbwt_bytes *out)
 {
     pbwt__knowing k;
-    pbwt__array text;
     pbwt__known head;
-    size_t vertices;
+    size_t vertices, size;
+    char *text;
     memset(&k, 0, sizeof k);
-    memset(&text, 0, sizeof text);
     memset(out, 0, sizeof *out);
     if (tile->tree == NULL) {
         return PBW_ERROR_ARGUMENT;
@@ -2880,27 +2733,29 @@ PBWTDEF pbw_status pbwt_leftovers(const pbwt_tile *tile, const uint64_t *ids, si
         head.seen = k.seen.count;
         head.emitted = tile->numbers.simplices;
         vertices = k.vertices.count * sizeof(pbwt_vertex);
-        if (pbwt__resize(&k.memory, &text, sizeof head + vertices + k.seen.count * 8)) {
-            memcpy(text.data, &head, sizeof head);
-            memcpy((char *)text.data + sizeof head, vertices > 0 ? k.vertices.data : &head, vertices);
-            memcpy((char *)text.data + sizeof head + vertices, k.seen.count > 0 ? k.seen.data : &head,
+        size = sizeof head + vertices + k.seen.count * 8;
+        text = (char *)pbw_memory_resize(&k.memory, NULL, 0, size, 1);
+        if (text != NULL) {
+            memcpy(text, &head, sizeof head);
+            memcpy(text + sizeof head, vertices > 0 ? (const void *)k.vertices.at : &head, vertices);
+            memcpy(text + sizeof head + vertices, k.seen.count > 0 ? (const void *)k.seen.at : &head,
                    k.seen.count * 8);
-            out->data = (char *)text.data;
-            out->size = text.bytes;
+            out->data = text;
+            out->size = size;
         }
     }
-    pbwt__release(&k.memory, &k.vertices);
-    pbwt__release(&k.memory, &k.seen);
-    pbwt__release(&k.memory, &k.done);
+    PBW_RELEASE(&k.memory, k.vertices);
+    PBW_RELEASE(&k.memory, k.seen);
+    PBW_RELEASE(&k.memory, k.done);
     return out->data != NULL ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
 typedef struct pbwt__rest {                          /* of pbwt_finish */
     struct pbwt__tile *t;
     size_t given;                                    /* the first vertices of tile.foreign */
-    pbwt__array group;                               /* u32 per vertex given up: towards the least of its component */
-    pbwt__array wanted;                              /* byte per vertex given up: its component counts */
-    pbwt__array seen;                                /* ids, ascending */
+    pbwt__numbers group;                             /* per vertex given up: towards the least of its component */
+    pbwt__bytes wanted;                              /* per vertex given up: its component counts */
+    PBW_ARRAY(uint64_t) seen;                        /* ids, ascending */
     int others;                                      /* are there vertices that were not given up? */
 } pbwt__rest;
 
@@ -2912,9 +2767,8 @@ static pbw_status pbwt__read_known(pbwt__rest *rest, const pbwt_bytes *known, in
     while (at < known->size) {
         const size_t left = known->size - at - sizeof(pbwt__known);
         pbwt__known head;
-        size_t skip, count, size = which < 2 ? sizeof(pbwt_vertex) : sizeof(uint64_t);
-        pbwt__array *to = which < 2 ? &t->foreign : &rest->seen;
-        void *place;
+        const char *from;
+        size_t skip, count;
         if (known->size - at < sizeof head) {
             return PBW_ERROR_ARGUMENT;
         }
@@ -2925,14 +2779,17 @@ static pbw_status pbwt__read_known(pbwt__rest *rest, const pbwt_bytes *known, in
         }
         skip = (size_t)(which == 0 ? 0 : which == 1 ? head.given : head.given + head.near) * sizeof(pbwt_vertex);
         count = (size_t)(which == 0 ? head.given : which == 1 ? head.near : head.seen);
-        place = pbwt__room(&t->memory, to, count, size);
-        if (place == NULL) {
+        from = known->data + at + sizeof head + skip;
+        if (which < 2 ? !PBW_RESERVE(&t->memory, t->foreign, count) : !PBW_RESERVE(&t->memory, rest->seen, count)) {
             return PBW_ERROR_MEMORY;
         }
-        if (count > 0) {
-            memcpy(place, known->data + at + sizeof head + skip, count * size);
+        if (which < 2 && count > 0) {
+            memcpy(t->foreign.at + t->foreign.count, from, count * sizeof *t->foreign.at);
+            t->foreign.count += count;
+        } else if (count > 0) {
+            memcpy(rest->seen.at + rest->seen.count, from, count * sizeof *rest->seen.at);
+            rest->seen.count += count;
         }
-        to->count += count;
         rest->others |= head.near > 0 || head.emitted > 0;
         at += sizeof head + (size_t)(head.given + head.near) * sizeof(pbwt_vertex) + (size_t)head.seen * 8;
     }
@@ -2941,7 +2798,7 @@ static pbw_status pbwt__read_known(pbwt__rest *rest, const pbwt_bytes *known, in
 
 static uint32_t pbwt__least(const pbwt__rest *rest, uint32_t v)
 {
-    uint32_t *group = PBWT__U32(rest->group);
+    uint32_t *group = rest->group.at;
     while (group[v] != v) {
         group[v] = group[group[v]];
         v = group[v];
@@ -2954,14 +2811,14 @@ static pbw_status pbwt__components(pbwt__rest *rest)
 {
     struct pbwt__tile *t = rest->t;
     const size_t corners = (size_t)pbwt__corners(t);
-    const pbwt_vertex *vertex = (const pbwt_vertex *)t->foreign.data;
+    const pbwt_vertex *vertex = t->foreign.at;
     size_t i, k;
-    if (!pbwt__resize(&t->memory, &rest->group, (rest->given + 1) * sizeof(uint32_t))
-        || !pbwt__zeros(&t->memory, &rest->wanted, rest->given, 1)) {
+    if (!PBW_FIT(&t->memory, rest->group, rest->given + 1)
+        || !PBW_ZEROS(&t->memory, rest->wanted, rest->given)) {
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < rest->given; i++) {
-        PBWT__U32(rest->group)[i] = (uint32_t)i;
+        rest->group.at[i] = (uint32_t)i;
     }
     for (i = 0; i < t->level.mesh.simplex_count; i++) {
         const pbw_index *corner = t->level.mesh.simplices + i * corners;
@@ -2970,16 +2827,16 @@ static pbw_status pbwt__components(pbwt__rest *rest)
             if (corner[k] < rest->given) {
                 const uint32_t root = pbwt__least(rest, corner[k]);
                 if (last != PBW_NONE) {
-                    PBWT__U32(rest->group)[root > last ? root : last] = root > last ? last : root;
+                    rest->group.at[root > last ? root : last] = root > last ? last : root;
                 }
                 last = last == PBW_NONE || root < last ? root : last;
             }
         }
     }
-    pbwt__sort(rest->seen.data, rest->seen.count, sizeof(uint64_t), pbwt__id_before, 0);
+    pbwt__sort(rest->seen.at, rest->seen.count, sizeof(uint64_t), pbwt__id_before, 0);
     for (i = 0; i < rest->given; i++) {
-        if (!rest->others || pbwt__is_in((uint64_t *)rest->seen.data, rest->seen.count, vertex[i].point.id)) {
-            PBWT__BYTES(rest->wanted)[pbwt__least(rest, (uint32_t)i)] = 1;
+        if (!rest->others || pbwt__is_in(rest->seen.at, rest->seen.count, vertex[i].point.id)) {
+            rest->wanted.at[pbwt__least(rest, (uint32_t)i)] = 1;
         }
     }
     return PBW_OK;
@@ -2989,10 +2846,10 @@ static pbw_status pbwt__emit_rest(pbwt__rest *rest, pbwt__emission *e)
 {
     struct pbwt__tile *t = rest->t;
     const size_t corners = (size_t)pbwt__corners(t);
-    const pbwt_vertex *vertex = (const pbwt_vertex *)t->foreign.data;
+    const pbwt_vertex *vertex = t->foreign.at;
     size_t s, k, n = 0;
     pbw_status status;
-    if (!pbwt__zeros(&t->memory, &e->chosen, e->mesh->simplex_count, 1)) {
+    if (!PBW_ZEROS(&t->memory, e->chosen, e->mesh->simplex_count)) {
         return PBW_ERROR_MEMORY;
     }
     for (s = 0; s < e->mesh->simplex_count; s++) {
@@ -3002,13 +2859,13 @@ static pbw_status pbwt__emit_rest(pbwt__rest *rest, pbwt__emission *e)
         for (k = 1; k < corners; k++) {
             least = vertex[corner[k]].point.id < vertex[least].point.id ? corner[k] : least;
         }
-        chosen = least < rest->given && PBWT__BYTES(rest->wanted)[pbwt__least(rest, least)];
-        PBWT__BYTES(e->chosen)[s] = (unsigned char)chosen;
+        chosen = least < rest->given && rest->wanted.at[pbwt__least(rest, least)];
+        e->chosen.at[s] = (unsigned char)chosen;
         n += chosen != 0;
     }
     status = pbwt__emit(e, pbwt__name_local, t);
     t->facets = e->facets;
-    t->tile->facets = (const pbwt_facet *)t->facets.data;
+    t->tile->facets = t->facets.at;
     t->tile->facet_count = t->facets.count;
     t->tile->numbers.simplices = n;
     return status == PBW_OK ? pbwt__hash_level(t, e) : status;
@@ -3025,7 +2882,7 @@ static pbw_status pbwt__finish_rest(pbwt__rest *rest, int parts, const pbwt_byte
     status = status != PBW_OK ? status : pbwt__read_known(rest, known, 2);
     status = status != PBW_OK ? status : pbwt__triangulate(t, t->foreign.count);
     status = status != PBW_OK ? status : pbwt__components(rest);
-    t->tile->foreign = (const pbwt_vertex *)t->foreign.data;
+    t->tile->foreign = t->foreign.at;
     t->tile->foreign_count = t->foreign.count;
     t->tile->numbers.given_up = rest->given;
     if (status == PBW_OK) {
@@ -3035,8 +2892,8 @@ static pbw_status pbwt__finish_rest(pbwt__rest *rest, int parts, const pbwt_byte
         e.mesh = &t->level.mesh;
         e.part = (uint32_t)parts;
         status = pbwt__emit_rest(rest, &e);
-        pbwt__release(&t->memory, &e.first);
-        pbwt__release(&t->memory, &e.chosen);
+        PBW_RELEASE(&t->memory, e.first);
+        PBW_RELEASE(&t->memory, e.chosen);
         if (status == PBW_OK && e.mesh->simplex_count == 0 && !rest->others) {
             status = PBW_DEGENERATE;
         }
@@ -3063,9 +2920,9 @@ PBWTDEF pbw_status pbwt_finish(pbwt_tile *tile, int dim, int parts, const pbwt_b
     }
     rest.t = tile->memory;
     status = pbwt__finish_rest(&rest, parts, known);
-    pbwt__release(&rest.t->memory, &rest.group);
-    pbwt__release(&rest.t->memory, &rest.wanted);
-    pbwt__release(&rest.t->memory, &rest.seen);
+    PBW_RELEASE(&rest.t->memory, rest.group);
+    PBW_RELEASE(&rest.t->memory, rest.wanted);
+    PBW_RELEASE(&rest.t->memory, rest.seen);
     if (status != PBW_OK && status != PBW_DEGENERATE) {
         pbwt_close(tile);
     }
@@ -3112,9 +2969,5 @@ PBWTDEF size_t pbwt_match(pbwt_facet *facets, size_t count)
     return single;
 }
 
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT DEFAULT
-#elif defined(__GNUC__)
-#pragma GCC pop_options
-#endif
+PBW_CONTRACTION_ON
 #endif /* PBW_TILES_IMPLEMENTATION */
