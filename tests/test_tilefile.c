@@ -7,12 +7,8 @@
 #include "test.h"
 #include <dirent.h>
 #include <sys/wait.h>
-#define run run_hash                                 /* both files have a function of that name */
 #include "../examples/program/pbwt.c"
-#undef run
-#define run run_tiles
 #include "../examples/program/tiles.c"
-#undef run
 #include <stdarg.h>
 
 /* ---- what the program has in its other files: options by name, and texts that are kept instead of printed */
@@ -55,17 +51,17 @@ void warn(const job *j, const char *format, ...)
     va_end(list);
 }
 
-static void (*on_note)(void), (*on_tile_end)(void);  /* what happens meanwhile: once a file is open, a tile written */
+static void (*on_line)(void), (*on_tile_end)(void);  /* what happens meanwhile: once a file is open, a tile written */
 
-void note(const job *j, const char *format, ...)
+void report_line(const job *j, const char *format, ...)
 {
     va_list list;
     (void)j;
     va_start(list, format);
     keep(format, list);
     va_end(list);
-    if (on_note != NULL) {
-        on_note();
+    if (on_line != NULL) {
+        on_line();
     }
 }
 
@@ -76,7 +72,7 @@ void begin(const job *j, const char *name, const char *what)
     (void)what;
 }
 
-void say(const job *j, const char *what, double seconds, const char *format, ...)
+void report_step(const job *j, const char *what, double seconds, const char *format, ...)
 {
     (void)j;
     (void)seconds;
@@ -440,22 +436,22 @@ static void test_truncation(void)
         make_file(INPUT_UNIFORM, 3, 3000, "3");
         for (i = 0; i < 12; i++) {
             cut_to = i < 2 ? i : size * i / 12;
-            on_note = cut_file;
+            on_line = cut_file;
             CHECK(checked() == FAILURE && strstr(said, "truncated or replaced") != NULL);
-            on_note = NULL;
+            on_line = NULL;
             remove(path);
             fclose(fopen(path, "wb"));
             put(path, old, size);
-            on_note = cut_file;
+            on_line = cut_file;
             cut_to = cut_to < 4096 ? cut_to : 4096;
             CHECK(hashed() == 0 && strstr(said, "truncated or replaced") != NULL);
-            on_note = NULL;
+            on_line = NULL;
             remove(path);
             fclose(fopen(path, "wb"));
             put(path, old, size);
-            on_note = cut_file;
+            on_line = cut_file;
             CHECK(converted() == 0 && strstr(said, "truncated or replaced") != NULL);
-            on_note = NULL;
+            on_line = NULL;
             remove(path);
             fclose(fopen(path, "wb"));
             put(path, old, size);

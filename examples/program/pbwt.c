@@ -681,7 +681,7 @@ int convert_pbwt(job *j, pbw_mesh *mesh)
     return close_proof(&p, failed);
 }
 
-static int run(job *j)
+static int run_hash(job *j)
 {
     proof p;
     int failed;
@@ -714,6 +714,6 @@ const command command_hash = {
     "input:   as for pbw mesh, or .pbwt\n"
     "\n",
     .options = { input_options, weight_options, build_options, common_options, NULL },
-    .run = run,
+    .run = run_hash,
     .may_be_flat = 1,
 };

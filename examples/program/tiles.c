@@ -1511,7 +1511,7 @@ static void clean(work *w)
     }
 }
 
-static int run(job *j)
+static int run_tiles(job *j)
 {
     work *w;
     int failed;
@@ -1575,5 +1575,5 @@ const command command_tiles = {
     "\n",
     .writes = "pbwt",
     .options = { tiles_options, input_options, weight_options, build_options, output_options, common_options, NULL },
-    .run = run,
+    .run = run_tiles,
 };
