@@ -15,6 +15,18 @@
    each rank: written to one file (pbw_tilefile.h), or passed to options.emit; and its hash, which is pbw_hash of one
    machine's.
 
+   CONTENTS  (search for the marks)
+     >>interface    types and functions
+     >>ranks        memory, agreement, clocks
+     >>exchange     messages between all ranks
+     >>points       to the rank that has their brick
+     >>files        chunks and states of tiles
+     >>rounds       requests, and answers to others'
+     >>leftovers    rank 0 triangulates what all ranks gave up
+     >>links        facets across tiles
+     >>output       chunks at their places in one file
+     >>triangulate  the stages in order
+
    FUNCTIONS
      pbwm_triangulate  triangulates points of all processes
      pbwm_agree        the same status on all processes, of the first that failed
@@ -58,6 +70,9 @@
 extern "C" {
 #endif
 
+/* ------------------------------------------------------------------------------------------------------
+   >>interface    Types and functions.
+   ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwm_options {              /* all zero = best defaults */
     pbw_options build;                     /* of each rank's tile; threads 0 = the node's cores / its ranks; backend:
                                               each rank may have its own device */
@@ -113,64 +128,44 @@ PBWMDEF pbw_status pbwm_agree(MPI_Comm comm, pbw_status status, char *text, size
 #include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
-#ifdef __linux__
-#include <sys/mman.h>
-#ifndef __cplusplus
-extern int madvise(void *address, size_t length, int advice);        /* strict C modes hide it */
-#endif
-#endif
 
 /* ------------------------------------------------------------------------------------------------------
-   The ranks: memory, agreement, clocks.
+   >>ranks        Memory, agreement, clocks.
+   In: a status of each rank.  Out: the status and the text of the lowest rank that failed, on all.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwm__group {
     MPI_Comm comm;
     MPI_Datatype word;                               /* 8 bytes, so that an int counts 16 GB */
     int rank, ranks, dim;
     pbwm_options options;
+    pbw_memory memory;                               /* of exchanges; without a limit, which is that of the tile */
     pbwm_report *report;
     double began;
     int *count;                                      /* of exchanges: 2 a rank */
     MPI_Request *request;                            /* 2 a rank */
 } pbwm__group;
 
-/* Allocates zeros through options.build.resize; the size is stored before the block.  Large blocks get huge pages if
-   there are any: the system allocates and frees fewer pages. */
-static void *pbwm__take(const pbwm__group *g, size_t bytes)
+/* Allocates zeros; the size is stored before the block. */
+static void *pbwm__take(pbwm__group *g, size_t bytes)
 {
-    const pbw_options *o = &g->options.build;
     const size_t all = bytes + 16;
-    char *block = (char *)(o->resize != NULL ? o->resize(o->resize_user, NULL, 0, all) : calloc(all, 1));
+    char *block = (char *)pbw_memory_resize(&g->memory, NULL, 0, all, 1);
     if (block == NULL) {
         return NULL;
     }
-    if (o->resize != NULL) {
-        memset(block, 0, all);
-    }
-#ifdef __linux__
-    if (o->resize == NULL && all >= (size_t)1 << 22) {
-        const size_t skip = (size_t)block % 4096;
-        (void)madvise(block - skip, (skip + all + 4095) / 4096 * 4096, 14);      /* MADV_HUGEPAGE */
-    }
-#endif
+    memset(block, 0, all);
     memcpy(block, &all, sizeof all);
     return block + 16;
 }
 
-static void pbwm__give(const pbwm__group *g, void *data)
+static void pbwm__give(pbwm__group *g, void *data)
 {
-    const pbw_options *o = &g->options.build;
     char *block;
     size_t all;
-    if (data == NULL) {
-        return;
-    }
-    block = (char *)data - 16;
-    memcpy(&all, block, sizeof all);
-    if (o->resize != NULL) {
-        (void)o->resize(o->resize_user, block, all, 0);
-    } else {
-        free(block);
+    if (data != NULL) {
+        block = (char *)data - 16;
+        memcpy(&all, block, sizeof all);
+        (void)pbw_memory_resize(&g->memory, block, all, 0, 1);
     }
 }
 
@@ -223,7 +218,7 @@ static void pbwm__end_phase(pbwm__group *g, int which)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Exchange.
+   >>exchange     Messages between all ranks.
    In: out[p], whole words for rank p.  Out: in[p], the words from rank p, and in[ranks], the block that has all of
    them, for the caller to free.  First all ranks exchange sizes; then messages go where there are any.
    ------------------------------------------------------------------------------------------------------ */
@@ -325,16 +320,10 @@ static pbw_status pbwm__join(pbwm__group *g, const pbwt_bytes *mine, int root, p
     return status;
 }
 
-static uint64_t pbwm__mixed(uint64_t x)              /* splitmix64 (Steele, Lea and Flood 2014) */
-{
-    x += 0x9e3779b97f4a7c15u;
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-    return x ^ x >> 31;
-}
-
 /* ------------------------------------------------------------------------------------------------------
-   One rank's work.
+   >>points       To the rank that has their brick.
+   In: points of each rank, any of them.  Out: on each rank a tree of the points in its brick.
+   Holds: cuts are those of one sample, the same on all ranks.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWM__MOST_RANKS 65536
 
@@ -386,7 +375,7 @@ static pbw_status pbwm__cut(pbwm__work *w, const pbwt_point *points, size_t coun
     pbw_status status;
     size_t i;
     for (i = 0; i < some && sample != NULL; i++) {
-        sample[i] = points[pbwm__mixed(i) % count];
+        sample[i] = points[pbw_random(i, 0) % count];
     }
     status = pbwm__agree(g, sample != NULL ? PBW_OK : PBW_ERROR_MEMORY, "room for a sample");
     mine.data = (char *)sample;
@@ -559,8 +548,9 @@ static pbw_status pbwm__plant(pbwm__work *w)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Files of a tile: a chunk in a file of its own until its place in the output is known; and its state once it is
-   finished, for a run that goes on.
+   >>files        Chunks and states of tiles.
+   In: a finished tile.  Out: its chunk, in a file of its own until its place in the output is known; its state, for a
+   run that goes on.
    ------------------------------------------------------------------------------------------------------ */
 static uint32_t pbwm__flags(const pbwm__group *g)
 {
@@ -572,9 +562,9 @@ static uint64_t pbwm__key(const pbwm__work *w)
 {
     const pbwm__group *g = w->g;
     const uint64_t own = pbwtf_checksum((uint64_t)g->rank + 1, w->tree.points, w->tree.count * sizeof(pbwt_point));
-    uint64_t mine = pbwm__mixed(own), all;
+    uint64_t mine = pbw_random(own, 0), all;
     MPI_Allreduce(&mine, &all, 1, MPI_UINT64_T, MPI_SUM, g->comm);
-    return pbwm__mixed(all + ((uint64_t)g->ranks << 8 | (uint64_t)g->dim << 4 | pbwm__flags(g)));
+    return pbw_random(all + ((uint64_t)g->ranks << 8 | (uint64_t)g->dim << 4 | pbwm__flags(g)), 0);
 }
 
 static size_t pbwm__state_size(const pbwm__state *state)            /* of the arrays after it, whole words */
@@ -814,7 +804,8 @@ static pbw_status pbwm__open_files(pbwm__work *w)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   The tile, and answers to others.
+   >>rounds       Requests, and answers to others'.
+   In: the requests of the tile of each rank.  Out: replies, until no rank has a question.
    ------------------------------------------------------------------------------------------------------ */
 /* One round: requests go out, answers come back. */
 static pbw_status pbwm__round(pbwm__work *w)
@@ -898,7 +889,8 @@ static pbw_status pbwm__make_tile(pbwm__work *w)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Leftovers: rank 0 triangulates what all ranks gave up.
+   >>leftovers    Rank 0 triangulates what all ranks gave up.
+   In: what tiles know of these vertices.  Out: a chunk more, on rank 0.
    ------------------------------------------------------------------------------------------------------ */
 static int pbwm__compare_ids(const void *a, const void *b)
 {
@@ -954,7 +946,9 @@ static pbw_status pbwm__leftovers(pbwm__work *w)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Links across tiles: facets meet at the rank that owns the vertex of the lowest id, and go back.
+   >>links        Facets across tiles.
+   In: facets of each tile.  Out: the same, matched: they meet at the rank that owns the vertex of the lowest id, and
+   go back.
    ------------------------------------------------------------------------------------------------------ */
 static int pbwm__compare_facets(const void *a, const void *b)        /* the order in which a tile has them */
 {
@@ -1011,7 +1005,8 @@ static pbw_status pbwm__match(pbwm__work *w)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   The output: each rank copies its chunk to its place.
+   >>output       Chunks at their places in one file.
+   In: chunks in files of their own.  Out: the output, in which each rank writes its chunk; rank 0 the header, last.
    ------------------------------------------------------------------------------------------------------ */
 /* Fills `across` of a finished chunk with those facets that are of this tile.  Returns 0 if it cannot be written. */
 static int pbwm__link_chunk(pbwm__work *w, pbwm__chunk *c, int number)
@@ -1145,7 +1140,9 @@ static pbw_status pbwm__end_file(pbwm__work *w)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   All together.
+   >>triangulate  The stages in order.
+   In: points, options.  Out: a tile on each rank, the output, the report.
+   Holds: each stage ends with an agreement.
    ------------------------------------------------------------------------------------------------------ */
 static uint64_t pbwm__resident(void)                 /* at most so far, in bytes */
 {
@@ -1263,6 +1260,8 @@ PBWMDEF pbw_status pbwm_triangulate(MPI_Comm comm, const pbwt_point *points, siz
     w.lock = -1;
     g.comm = comm;
     g.options = *options;
+    pbw_memory_start(&g.memory, &options->build);
+    g.memory.limit = 0;
     g.report = report;
     g.dim = options->dim == 2 ? 2 : 3;
     MPI_Comm_rank(comm, &g.rank);

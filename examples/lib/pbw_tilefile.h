@@ -14,6 +14,15 @@
        pbwtf_mesh_free(&mesh);
        pbwtf_close(&file);
 
+   CONTENTS  (search for the marks)
+     >>interface    types and functions
+     >>places       beyond 2 GB; names that are new
+     >>scratch      folders of scratch files
+     >>maps         memory of the size of a file, read where needed
+     >>layout       sizes of the parts of a chunk
+     >>reading      headers, chunks, meshes
+     >>writing      a chunk after the other; the header last
+
    FUNCTIONS
      pbwtf_map_file       maps a file
      pbwtf_unmap          ends that
@@ -78,6 +87,9 @@
 extern "C" {
 #endif
 
+/* ------------------------------------------------------------------------------------------------------
+   >>interface    Types and functions.
+   ------------------------------------------------------------------------------------------------------ */
 #define PBWTF_ERROR 400                    /* bytes of an error text */
 #define PBWTF_WEIGHTS 1u                   /* flags */
 #define PBWTF_LINKS 2u
@@ -255,7 +267,8 @@ PBWTFDEF uint64_t pbwtf_sum(const void *data, size_t size)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Files: places beyond 2 GB, names that are new.
+   >>places       Beyond 2 GB; names that are new.
+   In: a position in a file, or its name.  Out: the file at that position, or a file that did not exist before.
    ------------------------------------------------------------------------------------------------------ */
 PBWTFDEF int pbwtf_seek(FILE *file, uint64_t place)
 {
@@ -298,7 +311,9 @@ PBWTFDEF FILE *pbwtf_create(const char *path, char *name, size_t size)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Folders of scratch files.
+   >>scratch      Folders of scratch files.
+   In: a folder.  Out: its lock, or the words that say which process has it.
+   Holds: one run at a time works in a folder.
    ------------------------------------------------------------------------------------------------------ */
 static int pbwtf__in_use(const char *folder, long process, char *error)
 {
@@ -386,8 +401,10 @@ PBWTFDEF void pbwtf_leave(const char *folder, int lock, int remove_it)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Maps of files: memory of the file's size, of which the system has given only what was fetched.  Each block is read
-   by itself, from a file that is opened for it: no file stays open, and another one under its name is noticed.
+   >>maps         Memory of the size of a file, read where needed.
+   In: a name.  Out: addresses that have its bytes after pbwtf_fetch.
+   Holds: the system has given only what was fetched.  Each block is read by itself, from a file that is opened for
+   it: no file stays open, and another one under its name is noticed.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwtf__blocks {
     const uint64_t *sums;
@@ -404,13 +421,11 @@ typedef struct pbwtf__blocks {
 #define PBWTF__SET(p, value) __atomic_store_n(p, value, __ATOMIC_RELEASE)
 #define PBWTF__TAKE(p, none) __atomic_compare_exchange_n(p, none, 1, 0, __ATOMIC_ACQUIRE, __ATOMIC_ACQUIRE)
 #define PBWTF__YIELD() sched_yield()
-#define PBWTF__COUNT(p) __atomic_add_fetch(p, 1, __ATOMIC_RELAXED)
 #else                                                /* what two threads write is the same */
 #define PBWTF__GET(p) (*(p))
 #define PBWTF__SET(p, value) (*(p) = (value))
 #define PBWTF__TAKE(p, none) ((void)(none), 1)
 #define PBWTF__YIELD() ((void)0)
-#define PBWTF__COUNT(p) ((void)++*(p))
 #endif
 
 static size_t pbwtf__block_count(size_t size)
@@ -580,7 +595,7 @@ static void pbwtf__load(const pbwtf_map *map, size_t block)
     } else if (b->sums != NULL && pbwtf_sum(map->data + from, size) != b->sums[block]) {
         PBWTF__SET(&b->fault, 2);
     }
-    PBWTF__COUNT(&b->count);
+    (void)PBW_ATOMIC_ADD(&b->count, 1);
     PBWTF__SET(b->state + block, 2);
 }
 
@@ -615,7 +630,9 @@ PBWTFDEF void pbwtf_expect(pbwtf_map *map, size_t size, const uint64_t *sums)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Layout.
+   >>layout       Sizes of the parts of a chunk.
+   In: the head of a chunk.  Out: pointers to its parts.
+   Holds: parts start on multiples of 8 bytes, and are filled up with zeros.
    ------------------------------------------------------------------------------------------------------ */
 static size_t pbwtf__round(size_t bytes)
 {
@@ -652,7 +669,9 @@ PBWTFDEF void pbwtf_seal(pbwtf_header *header, const pbw_hash_sums *sums)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Reading.
+   >>reading      Headers, chunks, meshes.
+   In: a file of tiles.  Out: views of its chunks, or an error in words.
+   Holds: no number of the file is used before it was compared with the size of the file.
    ------------------------------------------------------------------------------------------------------ */
 static int pbwtf__is_zero(const uint64_t *words, size_t count)
 {
@@ -882,7 +901,8 @@ PBWTFDEF int pbwtf_mesh(const pbwtf_view *view, pbw_mesh *mesh)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Writing.
+   >>writing      A chunk after the other; the header last.
+   In: simplices, as a tile emits them.  Out: a chunk with its checksums; a file that is complete or has no header.
    ------------------------------------------------------------------------------------------------------ */
 static void pbwtf__write(pbwtf_writer *w, const void *data, size_t size)
 {

@@ -18,6 +18,22 @@
        }                                                             // over MPI: goes on while any part has more
        pbwt_close(&tile);
 
+   CONTENTS  (search for the marks)
+     >>interface    types and functions
+     >>sorting      records, in place
+     >>partition    cuts between parts
+     >>boxes        a hierarchy over points or parts
+     >>trees        one part's points, sorted, and boxes over them
+     >>balls        what a simplex may be in conflict with, by floating-point bounds
+     >>walks        the lowest boxes that meet a box or a ball
+     >>answers      the points that another part asks for
+     >>tile         one part's state; its requests, and the replies
+     >>levels       meshes, and which of their simplices are certain
+     >>emission     which simplices are given out, and their links
+     >>repair       the next level; the stages in order
+     >>leftovers    vertices given up, by one part
+     >>links        facets across parts
+
    FUNCTIONS
      pbwt_cut_points   cuts space into parts of nearly equal numbers of points
      pbwt_part         the part that a point is in
@@ -46,7 +62,7 @@
                   vertex is below a convex combination of two old ones.  So a star with full answers is final after
                   one repair; truncated answers leave less to ask about.
      repair       The star of a vertex after an insertion is its star in the triangulation of its old neighbours and
-                  the new points: those few are triangulated anew, and nothing is inserted.
+                  the new points: those few are triangulated by themselves, and nothing is inserted.
      where        Parts are convex (lexicographic k-d cells), so only simplices with a foreign corner, those at the
                   hull, and those connected to them through simplices in doubt can be wrong.
      leftovers    Vertices given up (all points on one sphere ask about everything) are triangulated together with
@@ -83,6 +99,9 @@ typedef struct pbwt_vertex { pbwt_point point; uint32_t part, index; } pbwt_vert
 typedef struct pbwt_box { double low[3], high[3], weight; } pbwt_box;            /* weight: the largest inside */
 typedef struct pbwt_bytes { char *data; size_t size; } pbwt_bytes;
 
+/* ------------------------------------------------------------------------------------------------------
+   >>interface    Types and functions.
+   ------------------------------------------------------------------------------------------------------ */
 /* ---- partition: bricks by recursive bisection, cut along the lexicographic order that begins with the cut's axis */
 
 typedef struct pbwt_cut { double x[3]; int axis, unused; } pbwt_cut;
@@ -252,7 +271,9 @@ typedef PBW_ARRAY(pbwt_vertex) pbwt__vertices;
 typedef PBW_ARRAY(pbwt_facet) pbwt__facets;
 
 /* ------------------------------------------------------------------------------------------------------
-   Sorting, in place: quicksort with the median of three, heap sort where that goes too deep; n log n at worst.
+   >>sorting      Records, in place.
+   In: items of equal size, and a comparison.  Out: the items, ascending.  Quicksort with the median of three, heap
+   sort where that goes too deep: n log n at worst, and no memory.
    ------------------------------------------------------------------------------------------------------ */
 typedef int pbwt__before(const void *a, const void *b, int how);
 
@@ -349,8 +370,9 @@ static void pbwt__sort(void *items, size_t count, size_t size, pbwt__before *bef
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Partition.
-   Cut b lies between the parts below b and those from b on, so that parts-1 cuts are an array.
+   >>partition    Cuts between parts.
+   In: a sample of the points.  Out: cuts of recursive bisection, and the part of a point.
+   Holds: cut b lies between the parts below b and those from b on, so that parts-1 cuts are an array.
    ------------------------------------------------------------------------------------------------------ */
 static int pbwt__is_below(int dim, int axis, const double *a, const double *b)   /* lexicographic, from the axis on */
 {
@@ -441,7 +463,8 @@ PBWTDEF int pbwt_part(int dim, const pbwt_cut *cuts, int parts, const pbwt_point
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Boxes: a hierarchy over points in the order of the curve, or over the boxes of all parts.
+   >>boxes        A hierarchy over points in the order of the curve, or over the boxes of all parts.
+   In: the lowest boxes.  Out: the levels above them.
    Holds: box i of a level is over boxes PBWT_ARITY*i ... of the level below.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWT__LEVELS = 14 };
@@ -541,7 +564,9 @@ static size_t pbwt__below(const pbwt__levels *levels, int level, size_t at, size
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Trees.
+   >>trees        One part's points, sorted, and boxes over them.
+   In: points of a part, in any order.  Out: pbwt_tree, and its summary for the other parts.
+   Holds: of points at one place one is kept; the points behind the boxes, in one block, may be followed by others.
    ------------------------------------------------------------------------------------------------------ */
 /* Returns the first of the points that are lowest, or highest, along an axis: in the first of such boxes. */
 static uint32_t pbwt__extreme(const pbwt_tree *tree, int axis, int high)
@@ -760,7 +785,8 @@ PBWTDEF void pbwt_summarise(const pbwt_tree *tree, pbwt_summary *summary)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Balls: which points and boxes a simplex, or the half-space beyond a facet, may be in conflict with.
+   >>balls        Which points and boxes a simplex, or the half-space beyond a facet, may be in conflict with.
+   In: a question.  Out: yes, or certainly not.
    Relative to the first corner a, with rows u, v, w to the others, D = det[u v w], h(u) = |u|^2 - (w_b - w_a) and
        N = h(u) v x w + h(v) w x u + h(w) u x v,     F(t) = D (|t|^2 - (w_x - w_a)) - N . t,   t = x - a,
    x is outside if and only if F > 0.  No division: a flat simplex turns into a half-space.  Beyond a facet D is 0
@@ -780,7 +806,7 @@ typedef struct pbwt__question {            /* what travels */
 typedef struct pbwt__ball {
     const pbwt__question *q;
     double a[3], weight, d, d_error, n[3], n_error[3];
-    int tame;                              /* 0: decides nothing */
+    int in_range;                          /* 0: the bounds of rounding do not hold, and nothing is decided */
 } pbwt__ball;
 
 #define PBWT__EPSILON 1e-14
@@ -791,7 +817,7 @@ static double pbwt__minor(double a, double b, double c, double d, double *size) 
     return a * d - b * c;
 }
 
-static int pbwt__is_tame(double x)
+static int pbwt__is_in_range(double x)
 {
     return (fabs(x) >= 1e-50 && fabs(x) <= 1e50) || (x <= 0 && x >= 0);
 }
@@ -823,7 +849,7 @@ static void pbwt__ball_of_facet(pbwt__ball *ball, const pbwt__question *q)
     for (i = 0; i + 1 < dim; i++) {
         for (k = 0; k < 3; k++) {
             u[i][k] = corner[i + 1][k] - corner[0][k];
-            ball->tame &= pbwt__is_tame(u[i][k]);
+            ball->in_range &= pbwt__is_in_range(u[i][k]);
         }
     }
     if (dim == 2) {
@@ -848,7 +874,7 @@ static void pbwt__ball_of(pbwt__ball *ball, const pbwt__question *q)
     int i, k;
     memset(ball, 0, sizeof *ball);
     ball->q = q;
-    ball->tame = 1;
+    ball->in_range = 1;
     if (q->facet != 0) {
         pbwt__ball_of_facet(ball, q);
         return;
@@ -859,9 +885,9 @@ static void pbwt__ball_of(pbwt__ball *ball, const pbwt__question *q)
     for (i = 0; i < (int)q->dim; i++) {
         for (k = 0; k < 3; k++) {
             u[i][k] = q->x[i + 1][k] - q->x[0][k];
-            ball->tame &= pbwt__is_tame(u[i][k]);
+            ball->in_range &= pbwt__is_in_range(u[i][k]);
         }
-        ball->tame &= pbwt__is_tame(q->weight[i + 1] - q->weight[0]);
+        ball->in_range &= pbwt__is_in_range(q->weight[i + 1] - q->weight[0]);
         h[i] = u[i][0] * u[i][0] + u[i][1] * u[i][1] + u[i][2] * u[i][2];
         h_size[i] = h[i] + fabs(q->weight[i + 1] - q->weight[0]);
         h[i] -= q->weight[i + 1] - q->weight[0];
@@ -891,7 +917,7 @@ static int pbwt__around(const pbwt__ball *ball, double most, pbwt_box *box)
     const double d = ball->d - ball->d_error;
     double centre[3], radius = most - ball->weight, size = 0;
     int k;
-    if (!ball->tame || !(d > 0.999999 * (ball->d + ball->d_error))) {
+    if (!ball->in_range || !(d > 0.999999 * (ball->d + ball->d_error))) {
         return 0;
     }
     for (k = 0; k < 3; k++) {
@@ -925,7 +951,7 @@ static int pbwt__is_clear(const pbwt__ball *ball, const double *low, const doubl
     const double d = ball->d > ball->d_error ? ball->d - ball->d_error : 0;      /* simplices are positive */
     double sum = 0, size = 0;
     int k;
-    if (!ball->tame) {
+    if (!ball->in_range) {
         return 0;
     }
     for (k = 0; k < 3; k++) {
@@ -989,7 +1015,8 @@ static int pbwt__corners_clear(const pbwt__question *q, const pbwt_box *box)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Walks over a hierarchy: the lowest boxes that meet a box or a ball.
+   >>walks        The lowest boxes that meet a box or a ball.
+   In: levels, a shape.  Out: one such box after the other.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwt__shape { const pbwt_box *box; const pbwt__ball *ball; } pbwt__shape;     /* NULL, or inside */
 
@@ -1065,7 +1092,7 @@ static size_t pbwt__next(pbwt__walk *walk)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Answers.
+   >>answers      The points that another part asks for.
    In: a request: a head, then boxes of the halo or questions.  Out: a reply: a head, a verdict for each (a byte,
    filled up to 8), then points that were not sent before.
    Holds: after the verdict PBWT__ALL the part that asked has all points in conflict; after PBWT__SOME at least one.
@@ -1386,11 +1413,13 @@ PBWTDEF pbw_status pbwt_answer(const pbwt_tree *tree, pbwt_served *served, const
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   One part's work.
-   A level is a mesh and its subjects, own vertices with complete stars in it.  The first mesh is of all local points;
-   the next ones are of the points that a repair needs, fewer each time.  After each round of questions, subjects
-   without a point in conflict are final: their simplices are emitted, and the repair of the others replaces the
-   level.
+   >>tile         One part's state; its requests, and the replies.
+   In: summaries of all parts; replies.  Out: a request for each part.
+   Holds: local numbers below `own` are points of the tree, those from there on are foreign points.
+   A level is a mesh and its subjects, own vertices with complete stars in it.
+     1. The first mesh is of all local points; the next ones are of the points that a repair needs, fewer each time.
+     2. After each round of questions, subjects without a point in conflict are final: their simplices are emitted.
+     3. The repair of the others replaces the level.
    ------------------------------------------------------------------------------------------------------ */
 /* States of own vertices: emitted; final in this level; to be certified; with points in conflict, all known or only
    some; given up. */
@@ -1772,7 +1801,12 @@ PBWTDEF pbw_status pbwt_take(pbwt_tile *tile, int part, const void *reply, size_
     return PBW_OK;
 }
 
-/* ---- levels */
+/* ------------------------------------------------------------------------------------------------------
+   >>levels       Meshes, and which of their simplices are certain.
+   In: the local points of a level.  Out: their mesh; questions about simplices that a foreign point may be in
+   conflict with.
+   Holds: a simplex that was not reached from the hull or a foreign corner, through simplices in doubt, is certain.
+   ------------------------------------------------------------------------------------------------------ */
 
 /* At least what a mesh that owns its points holds: corners, links; coordinates, weights, incident, canonical; and
    some for its parts of other sizes. */
@@ -2126,7 +2160,11 @@ static pbw_status pbwt__certify(struct pbwt__tile *t)
     return status;
 }
 
-/* ---- emission, also of leftovers.  The corner with the smallest id decides whether a simplex is emitted. */
+/* ------------------------------------------------------------------------------------------------------
+   >>emission     Which simplices are given out, and their links.
+   In: a mesh, a byte for each simplex.  Out: calls of options.emit; facets to be matched across parts.
+   Holds: the part of the corner with the smallest id emits a simplex, and no other does.  Leftovers use it too.
+   ------------------------------------------------------------------------------------------------------ */
 
 typedef struct pbwt__emission {
     pbwt_tile *tile;
@@ -2499,7 +2537,11 @@ static pbw_status pbwt__emit_level(struct pbwt__tile *t)
     return status;
 }
 
-/* ---- repair */
+/* ------------------------------------------------------------------------------------------------------
+   >>repair       The next level; the stages in order.
+   In: a level after its replies.  Out: the next one, or the end.
+   Holds: each own vertex is final in one level, or given up.
+   ------------------------------------------------------------------------------------------------------ */
 
 /* Replaces the level by the triangulation of the neighbours of stars in repair, whose simplices are in the queue, and
    the new points. */
@@ -2634,7 +2676,8 @@ PBWTDEF pbw_status pbwt_ask(pbwt_tile *tile, int *more)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Leftovers.
+   >>leftovers    Vertices given up, by one part.
+   In: what all tiles know of them.  Out: their simplices.
    Let U be the vertices given up and C the others, with exact stars.  The star of u in U among all points is its star
    among U and the neighbours in C of U, since these neighbours know u, and the star is closed.  With weights a vertex
    of U may be hidden, but appear among so few points; then its simplices have only hidden vertices in common.  So
@@ -2930,7 +2973,8 @@ PBWTDEF pbw_status pbwt_finish(pbwt_tile *tile, int dim, int parts, const pbwt_b
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Links across parts.
+   >>links        Facets across parts.
+   In: facets of all parts, each twice but for those of the hull.  Out: for each the simplex on its other side.
    ------------------------------------------------------------------------------------------------------ */
 static int pbwt__facet_before(const void *a, const void *b, int how)
 {
