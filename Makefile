@@ -22,7 +22,7 @@ EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.t
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/*.h examples/lib/*.h examples/program/*.h)
 SCRIPTS = $(filter packaging interface hashes examples asm oracle cells cmake csharp gappa install page plane python program \
-    programs queries tiles view web, $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
+    programs queries seam tiles view web, $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 # `make test` leaves these to `make test-all`, and tells the scripts by QUICK that one compiler is enough; it leaves out
 # those of WITHOUT, too.
 LONG = asm cmake csharp install oracle programs view web
@@ -78,14 +78,15 @@ help:
 	@echo 'make fuzz-cells  a million small inputs with cells in boxes, half-spaces, polygons, periodic boxes'
 	@echo 'CC=clang CXX=clang++ CFLAGS=-O3 B=build/clang  for any of them;  COUNT=n random inputs in tests'
 
-# Programs.  Each example is whole by itself, `cc -O2 -Iexamples/lib example.c -lpthread -lm`; here pbw.h is compiled
-# once, and the macro that marks its implementation leaves it out of them.  IMPLEMENTED does so for the companions, too.
-SHARED = -DPBW__IMPLEMENTED
+# Programs.  Each example is whole by itself, `cc -O2 -Iexamples/lib example.c -lpthread -lm`; here pbw.h, pbw_query.h
+# and pbw_live.h are compiled once, and the macros that mark their implementations leave them out of these.  IMPLEMENTED
+# does so for all companions.
+SHARED = -DPBW__IMPLEMENTED -DPBWQ__IMPLEMENTED -DPBWL__IMPLEMENTED
 IMPLEMENTED := $(shell sed -n 's/^\#define \(PBW[A-Z0-9]*__IMPLEMENTED\)$$/-D\1/p' pbw.h examples/lib/*.h)
-$B/libpbw.a: pbw.h
+LIBRARY = pbw.h examples/lib/pbw_query.h examples/lib/pbw_live.h
+$B/libpbw.a: examples/install/library.c $(LIBRARY)
 	@mkdir -p $B
-	printf '#define PBW_IMPLEMENTATION\n#include "pbw.h"\n' > $B/libpbw.c
-	$C -fPIC -c $B/libpbw.c -o $B/libpbw.o
+	$C -fPIC -c $< -o $B/libpbw.o
 	rm -f $@ && ar rcs $@ $B/libpbw.o
 
 $(PROGRAM): $B/objects/%.o: examples/program/%.c $(HEADERS)
@@ -106,7 +107,7 @@ $B/mpi: examples/mpi.c $(HEADERS) $B/libpbw.a $B/companions.a
 	mpicc -std=c99 $(CFLAGS) $(WARN) $(filter-out -DPBWM__IMPLEMENTED,$(IMPLEMENTED)) -I. -Iexamples/lib $< -o $@ \
 	    $B/companions.a $B/libpbw.a $(LIBS)
 
-$(EXAMPLES_CXX:%=$B/%): $B/%: examples/%.cpp pbw.h $B/libpbw.a
+$(EXAMPLES_CXX:%=$B/%): $B/%: examples/%.cpp $(LIBRARY) $B/libpbw.a
 	$(CXX) -std=c++11 $(CXXFLAGS) $(WARN) $(SHARED) -I. $< -o $@ $B/libpbw.a $(LIBS)
 
 BINDING = $(wildcard examples/python/*.c)

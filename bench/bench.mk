@@ -71,9 +71,9 @@ bench-cells: build/bench_cells
 	$<
 
 # Queries beside CGAL and nanoflann: bench/query.cpp
-build/bench_query: bench/query.cpp $(BENCH_INPUTS)
+build/bench_query: bench/query.cpp examples/lib/pbw_query.h $(BENCH_INPUTS)
 	@mkdir -p build
-	$(CXX) -std=c++17 -frounding-math $(BENCH_FLAGS) -DNDEBUG -I. $< -o $@ -lgmp -lmpfr -lpthread -lm
+	$(CXX) -std=c++17 -frounding-math $(BENCH_FLAGS) -DNDEBUG -I. -Iexamples/lib $< -o $@ -lgmp -lmpfr -lpthread -lm
 
 .PHONY: bench-query
 bench-query: build/bench_query
@@ -159,9 +159,9 @@ bench-ranks: build/bench_ranks build/bench_tiles build/pbw build/mpi
 .PHONY: bench-ranks
 
 # Live triangulations beside CGAL's insert, remove and move: bench/live.cpp
-build/bench_live: bench/live.cpp $(BENCH_INPUTS)
+build/bench_live: bench/live.cpp examples/lib/pbw_live.h $(BENCH_INPUTS)
 	@mkdir -p build
-	$(CXX) -std=c++17 -frounding-math $(BENCH_FLAGS) -DNDEBUG -I. $< -o $@ -lgmp -lmpfr -lpthread -lm
+	$(CXX) -std=c++17 -frounding-math $(BENCH_FLAGS) -DNDEBUG -I. -Iexamples/lib $< -o $@ -lgmp -lmpfr -lpthread -lm
 
 .PHONY: bench-live
 bench-live: build/bench_live

@@ -4,7 +4,8 @@
    build of all points on one thread, in the same run.  A row has the value, the goal, what would be better still, and
    whether they are reached.  Rates beside CGAL's are those of bench/live.cpp. */
 #define PBW_IMPLEMENTATION
-#include "../pbw.h"
+#define PBW_LIVE_IMPLEMENTATION
+#include "pbw_live.h"
 #define PBW_CELLS_IMPLEMENTATION
 #include "pbw_cells.h"
 #include "../examples/swarm.h"

@@ -6,7 +6,8 @@
    2 % of the points are removed, inserted again and moved by a tenth of the mean distance, in random order, for both:
    ours sorts them inside, CGAL sorts those that it inserts as a range. */
 #define PBW_IMPLEMENTATION
-#include "../pbw.h"
+#define PBW_LIVE_IMPLEMENTATION
+#include "pbw_live.h"
 #include "../tests/inputs.h"
 
 #include <CGAL/Delaunay_triangulation_2.h>

@@ -1,4 +1,4 @@
-/* query.cpp: queries of pbw.h beside CGAL and nanoflann: one thread, in one run, on the same points and queries
+/* query.cpp: pbw_query.h beside CGAL and nanoflann: one thread, in one run, on the same points and queries
 
    make bench-query [POINTS=n]     uniform points and queries, then a lattice and clusters, processor time; each row
                                    is the median of five runs, ours and the rival's in turn.  speed: how many times
@@ -9,7 +9,8 @@
    sort, which is timed as ours is; so does nanoflann get the queries sorted in the one row, and as they come in the
    other.  Its leaves have 10 points, as it recommends. */
 #define PBW_IMPLEMENTATION
-#include "../pbw.h"
+#define PBW_QUERY_IMPLEMENTATION
+#include "pbw_query.h"
 #include "../tests/inputs.h"
 
 #include <CGAL/Delaunay_triangulation_2.h>

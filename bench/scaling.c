@@ -5,7 +5,10 @@
    the points, commit included; moves are by a tenth of the mean distance, or anywhere.  The last rows mesh a ball in
    steps that suit the number of points, once, and improve that mesh. */
 #define PBW_IMPLEMENTATION
-#include "../pbw.h"
+#define PBW_QUERY_IMPLEMENTATION
+#include "pbw_query.h"
+#define PBW_LIVE_IMPLEMENTATION
+#include "pbw_live.h"
 #define PBW_CELLS_IMPLEMENTATION
 #include "pbw_cells.h"
 #define PBW_SURFACE_IMPLEMENTATION

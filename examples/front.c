@@ -4,7 +4,10 @@
    does not fall as 1 / points, as linear interpolation does where points are well placed, or if a fixed grid of
    that many points is not five times as far off. */
 #define PBW_IMPLEMENTATION
-#include "pbw.h"
+#define PBW_QUERY_IMPLEMENTATION
+#include "pbw_query.h"
+#define PBW_LIVE_IMPLEMENTATION
+#include "pbw_live.h"
 #define PBW_IO_IMPLEMENTATION
 #include "pbw_io.h"
 #define PBW_FILM_IMPLEMENTATION

@@ -5,7 +5,8 @@
    tolerance, and removed where it errs by much less; one pbw_live carries both out. */
 #ifndef FRONT_H
 #define FRONT_H
-#include "pbw.h"
+#include "pbw_live.h"
+#include "pbw_query.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,9 +1,10 @@
 /* nearest_graph.c: the nearest-neighbour graph of a million points, and how it falls into pieces.
-   cc -O2 -I. examples/nearest_graph.c -o nearest_graph -lpthread
+   cc -O2 -I. -Iexamples/lib examples/nearest_graph.c -o nearest_graph -lpthread
    Each point asks for its two nearest: itself and the other.  Each piece has just one pair that is mutual, so there
    are as many pieces as such pairs: 0.3108 a point, if random in the plane.  Prints expected/nearest_graph.txt. */
 #define PBW_IMPLEMENTATION
-#include "pbw.h"
+#define PBW_QUERY_IMPLEMENTATION
+#include "pbw_query.h"
 #include <stdio.h>
 #include <stdlib.h>
 

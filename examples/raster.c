@@ -1,11 +1,12 @@
 /* raster.c: soundings along the tracks of a ship, made a raster of depths by natural neighbours.
-   cc -O2 -I. examples/raster.c -o raster -lpthread -lm
+   cc -O2 -I. -Iexamples/lib examples/raster.c -o raster -lpthread -lm
    raster depths.pgm [linear.pgm] also writes it, lit from the north west, and that of linear interpolation.
    Soundings crowd along the tracks and are rare between them: there triangles are long and thin, and linear
    interpolation shows them as facets.  A place's natural neighbours are those whose Voronoi cells its own would take
    from (Sibson 1981).  Prints expected/raster.txt: how far both are off the true ground. */
 #define PBW_IMPLEMENTATION
-#include "pbw.h"
+#define PBW_QUERY_IMPLEMENTATION
+#include "pbw_query.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,11 +1,12 @@
 /* sibson.c: smooth interpolation of scattered data: Sibson's C1 interpolant, from weights and gradients.
-   cc -O2 -I. examples/sibson.c -o sibson -lpthread -lm
+   cc -O2 -I. -Iexamples/lib examples/sibson.c -o sibson -lpthread -lm
    Data are z = f(x, y) at random places.  Sibson's weighted mean of the data is continuous, and smooth but at the
    data; mixed with the mean of the planes through the data it has continuous gradients, and reproduces |x|^2 where
    gradients are exact.  Prints the errors of linear interpolation and of both (expected/sibson.txt).
    Sibson 1981, "A brief description of natural neighbour interpolation". */
 #define PBW_IMPLEMENTATION
-#include "pbw.h"
+#define PBW_QUERY_IMPLEMENTATION
+#include "pbw_query.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

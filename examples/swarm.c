@@ -4,7 +4,8 @@
    exit status is 1 if the cells of a frame do not add up to the box, or if a 100th frame has another triangulation,
    by its hash, than pbw_triangulate makes of its points, or other cells than pbw_cells_of. */
 #define PBW_IMPLEMENTATION
-#include "pbw.h"
+#define PBW_LIVE_IMPLEMENTATION
+#include "pbw_live.h"
 #define PBW_CELLS_IMPLEMENTATION
 #include "pbw_cells.h"
 #define PBW_IO_IMPLEMENTATION

@@ -9,6 +9,7 @@
 #ifndef SWARM_H
 #define SWARM_H
 #include "pbw_cells.h"
+#include "pbw_live.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

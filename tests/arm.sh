@@ -36,9 +36,9 @@ program vectors $cross-gcc -O2 -static tests/hashes.c
 program scalar $cross-gcc -O2 -static -DPBW_NO_SIMD tests/hashes.c
 program signs $cross-gcc -O2 -static tests/test_predicates.c
 printf 'double f(double a, double b, double c) { return a * b + c; }\n' > "$work/net.c"
-printf '#define PBW_IMPLEMENTATION\n#include "pbw.h"\n' > "$work/whole.c"
+cp examples/install/library.c "$work/whole.c"
 $cross-gcc -O2 -c "$work/net.c" -o "$work/net.o" &
-whole() { $cross-gcc "$@" -ffp-contract=fast -I. -DPBW__FMA=0 -c "$work/whole.c" & }
+whole() { $cross-gcc "$@" -ffp-contract=fast -I. -Iexamples/lib -DPBW__FMA=0 -c "$work/whole.c" & }
 whole -O2 -o "$work/O2.o"
 whole -O3 -o "$work/O3.o"
 whole -O2 -DPBW_NO_SIMD -o "$work/scalar.o"

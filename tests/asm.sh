@@ -6,7 +6,7 @@ work=${1:-build}/asm
 warn="-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Werror"
 passed=0 failed=0 skipped=0
 rm -rf "$work" && mkdir -p "$work" || exit 2
-printf '#define PBW_IMPLEMENTATION\n#include "pbw.h"\n' > "$work/whole.c"
+cp examples/install/library.c "$work/whole.c"
 
 fused() {   # fused OBJECT: function, instruction, count
     objdump -d --no-show-raw-insn "$1" |
@@ -55,7 +55,7 @@ for compiler in $compilers; do
     for flags in "-O2 -mavx2 -mfma" ${medium:+"$medium"} "-O3 -mavx512f -mavx512dq -mavx512vl -mfma"; do
         # At the highest level the optimiser may find something to warn of.
         # shellcheck disable=SC2086
-        if $compiler -std=gnu99 $warn $flags $contract -I. -DPBW__FMA=0 -c "$work/whole.c" -o "$work/whole.o" &&
+        if $compiler -std=gnu99 $warn $flags $contract -I. -Iexamples/lib -DPBW__FMA=0 -c "$work/whole.c" -o "$work/whole.o" &&
             [ -z "$(fused "$work/whole.o")" ]; then
             passed=$((passed + 1))
         else

@@ -3,12 +3,13 @@
    points, the others from the mesh of the points, of which the bytes change some entries: so nothing in its arrays
    may be believed.
        make fuzz            libFuzzer where clang is installed, else random bytes
-       cc -O2 -DFUZZ_MAIN tests/fuzz_live.c -o fuzz -lm -lpthread && ./fuzz --count 100000 --seed 1 */
+       cc -O2 -I. -Iexamples/lib -DFUZZ_MAIN tests/fuzz_live.c -o fuzz -lm -lpthread && ./fuzz --count 100000 --seed 1 */
 #define PBW_IMPLEMENTATION
+#define PBW_LIVE_IMPLEMENTATION
 static double verify_at;
 #define PBW__REBUILD_AT(dim) (1e9)                     /* so few points would always be triangulated anew */
 #define PBW__VERIFY_AT(dim) verify_at
-#include "../pbw.h"
+#include "pbw_live.h"
 #if defined(__clang__)                                 /* coverage of the library is to guide the fuzzer, not ours */
 #pragma clang attribute push(__attribute__((no_sanitize("coverage"))), apply_to = function)
 #endif

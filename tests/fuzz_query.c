@@ -1,9 +1,10 @@
 /* fuzz_query.c: small inputs decoded from bytes, and queries at their vertices, between them, outside and not finite,
    judged by exact orientations and by each other.
        make fuzz            libFuzzer where clang is installed, else random bytes
-       cc -O2 -DFUZZ_MAIN tests/fuzz_query.c -o fuzz -lm -lpthread && ./fuzz --count 100000 --seed 1 */
+       cc -O2 -I. -Iexamples/lib -DFUZZ_MAIN tests/fuzz_query.c -o fuzz -lm -lpthread && ./fuzz --count 100000 --seed 1 */
 #define PBW_IMPLEMENTATION
-#include "../pbw.h"
+#define PBW_QUERY_IMPLEMENTATION
+#include "pbw_query.h"
 #if defined(__clang__)                                 /* coverage of the library is to guide the fuzzer, not ours */
 #pragma clang attribute push(__attribute__((no_sanitize("coverage"))), apply_to = function)
 #endif

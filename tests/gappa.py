@@ -1,4 +1,5 @@
-"""Proves the error bounds of pbw.h with Gappa: gappa.py HEADER SCRIPTS [first].  Keeps Gappa's input in SCRIPTS; with
+"""Proves the error bounds of pbw.h with Gappa: gappa.py HEADER SCRIPTS [first].  HEADER: pbw.h, pbw_query.h and
+pbw_live.h in one file.  Keeps Gappa's input in SCRIPTS; with
 `first` it ends at the first bound that is not proved.
 
 The operations are read from the header: each predicate's expressions are evaluated on values that record the

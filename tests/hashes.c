@@ -1,8 +1,6 @@
 /* hashes.c: prints, for each of many inputs, a hash of all arrays that pbw made, byte by byte, and pbw_hash; then
    those of a few others for which they are not what is stored here.  tests/hashes.sh compares what differently
    compiled programs print. */
-#define PBW_NO_QUERIES                                    /* half as much to compile */
-#define PBW_NO_LIVE
 #define PBW_IMPLEMENTATION
 #include "../pbw.h"
 #include "zoo.h"

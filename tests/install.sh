@@ -32,7 +32,7 @@ done
 
 # pkg-config: the shared library, the static one, the header alone.
 if command -v pkg-config > /dev/null; then
-    export PKG_CONFIG_PATH="$prefix/lib/pkgconfig" less="-DPBW_NO_QUERIES -DPBW_NO_LIVE"
+    export PKG_CONFIG_PATH="$prefix/lib/pkgconfig"
     check "pkg-config: version" [ "$(pkg-config --modversion pbw)" = "$version" ]
     cflags=$(pkg-config --cflags pbw)
     check "pkg-config: shared: compiles" $CC examples/cmake/app.c $cflags $(pkg-config --libs pbw) -o "$work/shared"
@@ -41,7 +41,7 @@ if command -v pkg-config > /dev/null; then
         $CC examples/cmake/app.c $cflags -static $(pkg-config --static --libs pbw) -o "$work/static"
     check "pkg-config: static: runs" says "$work/static"
     check "pkg-config: header: compiles" \
-        $CC $less examples/cmake/app.c examples/cmake/pbw.c $cflags -lpthread -o "$work/header"
+        $CC examples/cmake/app.c examples/cmake/pbw.c $cflags -lpthread -o "$work/header"
     check "pkg-config: header: runs" says "$work/header"
 else
     skip "pkg-config: not installed"
@@ -62,7 +62,6 @@ target_link_libraries(library PRIVATE pbw::library)
 foreach(target header pbw)
     add_executable(own_${target} app.c pbw.c)
     target_link_libraries(own_${target} PRIVATE pbw::${target})
-    target_compile_definitions(own_${target} PRIVATE PBW_NO_QUERIES PBW_NO_LIVE)
 endforeach()
 TEXT
 cp examples/cmake/app.c examples/cmake/pbw.c "$work"

@@ -6,20 +6,32 @@ warn="-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Werror"
 . tests/check.sh
 same() { diff "$1" "$2" && [ -s "$1" ]; }
 declines() {   # declines COMPILER FLAGS...: does not compile and says why, or answers PBW_ERROR_FP_MODE
-    if "$@" -DPBW_NO_QUERIES -DPBW_NO_LIVE -I. "$work/mode.c" -o "$work/mode" -lpthread 2> "$work/refused"; then
+    if "$@" -I. "$work/mode.c" -o "$work/mode" -lpthread 2> "$work/refused"; then
         "$work/mode"
     else
         grep 'exact only w[hi]' "$work/refused"
     fi
 }
 
-printf '#include "pbw.h"\n' > "$work/interface.c"
-printf '#define PBW_IMPLEMENTATION\n#include "pbw.h"\n' > "$work/whole.c"
+# alone: pbw.h; query, live: with one of the headers that are compiled behind it; whole: with both, as the library.
+printf '#include "%s"\n' pbw.h examples/lib/pbw_query.h examples/lib/pbw_live.h > "$work/interface.c"
+printf '#define PBW_IMPLEMENTATION\n#include "pbw.h"\n' > "$work/alone.c"
+printf '#define PBW_QUERY_IMPLEMENTATION\n#include "examples/lib/pbw_query.h"\n' | cat "$work/alone.c" - > "$work/query.c"
+printf '#define PBW_LIVE_IMPLEMENTATION\n#include "examples/lib/pbw_live.h"\n' | cat "$work/alone.c" - > "$work/live.c"
+printf '#define PBW_LIVE_IMPLEMENTATION\n#include "examples/lib/pbw_live.h"\n' | cat "$work/query.c" - > "$work/whole.c"
 cat > "$work/static.c" << 'END'
 #define PBW_STATIC
+#ifndef ALONE
+#define PBW_QUERY_IMPLEMENTATION
+#define PBW_LIVE_IMPLEMENTATION
+#endif
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
 #include "pbw.h"
+#include "examples/lib/pbw_query.h"
+#include "examples/lib/pbw_live.h"
+#include "examples/lib/pbw_query.h"
+#include "examples/lib/pbw_live.h"
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
 unsigned long COPY(void);
@@ -92,8 +104,8 @@ for compiler in $compilers; do
             -fsyntax-only bench/bench.c
     done
     check "$compiler: PBW_WIDE" $compiler -std=c99 $warn -I. -DPBW_WIDE -fsyntax-only "$work/whole.c"
-    for less in ${long:+-DPBW_NO_QUERIES -DPBW_NO_LIVE} "-DPBW_NO_QUERIES -DPBW_NO_LIVE"; do
-        check "$compiler: $less" $compiler -std=c99 $warn -I. $less -fsyntax-only "$work/whole.c"
+    for file in alone query live; do
+        check "$compiler: $file" $compiler -std=c99 $warn -I. -fsyntax-only "$work/$file.c"
     done
     for flags in -ffast-math -funsafe-math-optimizations -mfpmath=387 ${long:+-Ofast -freciprocal-math} \
         ${long:+-fno-signed-zeros -ffinite-math-only -fsingle-precision-constant} \
@@ -103,19 +115,6 @@ for compiler in $compilers; do
         fi
     done
 done
-
-# Without queries and live triangulations their functions are not there, and all others still link.
-leaves_out() {
-    $CC -std=c99 -O0 -I. -DPBW_NO_QUERIES -DPBW_NO_LIVE "$work/whole.c" -c -o "$work/less.o" &&
-        nm -g --defined-only "$work/less.o" > "$work/less" && grep -q ' pbw_triangulate$' "$work/less" &&
-        ! grep -E ' pbw_(locate|nearest|within|stars|coordinates|finder|live)' "$work/less" &&
-        $CC -std=c99 -I. -DPBW__IMPLEMENTED "$work/mode.c" "$work/less.o" -o "$work/less" -lpthread
-}
-if command -v nm > /dev/null; then
-    check "PBW_NO_QUERIES, PBW_NO_LIVE: what they leave out" leaves_out
-else
-    skip "PBW_NO_QUERIES, PBW_NO_LIVE: no nm"
-fi
 
 # What strangers trip over.
 refuses() {   # refuses TEXT COMMAND...: it fails, with one error, of this text
@@ -131,9 +130,7 @@ pbw_mesh empty(void) { pbw_mesh mesh = {}; return mesh; }
 bool is_none(pbw_index i);
 bool is_none(pbw_index i) { return i == PBW_NONE; }
 END
-cat > "$work/fused.c" << 'END'
-#define PBW_IMPLEMENTATION
-#include "pbw.h"
+cat "$work/whole.c" - > "$work/fused.c" << 'END'
 double fused(double a, double b, double c);
 double fused(double a, double b, double c) { return a * b + c; }
 END
@@ -145,7 +142,7 @@ for compiler in $compilers; do
     esac
     for std in c89 gnu89; do
         check "$compiler -std=$std: one clear error" refuses 'C99 or later' \
-            $compiler -std=$std -I. -c "$work/whole.c" -o "$work/c89.o"
+            $compiler -std=$std -I. -c "$work/alone.c" -o "$work/c89.o"
         check "$compiler -std=$std: the interface" $compiler -std=$std -Wall -I. -fsyntax-only "$work/interface.c"
     done
     if command -v "${plus%% *}" > /dev/null; then
@@ -154,13 +151,13 @@ for compiler in $compilers; do
     fi
     if $compiler -mfpmath=387 -Werror -c "$work/double.c" -o "$work/x87.o" 2> /dev/null; then
         check "$compiler: x87 arithmetic is a compile error" refuses '-msse2 -mfpmath=sse' \
-            $compiler -std=c99 -mfpmath=387 -I. -c "$work/whole.c" -o "$work/x87.o"
+            $compiler -std=c99 -mfpmath=387 -I. -c "$work/alone.c" -o "$work/x87.o"
     fi
     # Contraction is the user's again after the implementation, with a compiler that turns it off by a pragma.
     case "$(uname -m) $($compiler --version)" in
     *x86_64*clang*)
         if command -v objdump > /dev/null; then
-            $compiler -std=gnu99 -O1 -DPBW_NO_QUERIES -DPBW_NO_LIVE -mfma -ffp-contract=on -I. -c "$work/fused.c" \
+            $compiler -std=gnu99 -O0 -mfma -ffp-contract=on -I. -c "$work/fused.c" \
                 -o "$work/fused.o"
             objdump -d "$work/fused.o" | sed -n '/<fused>:/,/ret/p' > "$work/fused"
             check "$compiler: contracts the code after the implementation" grep -q vfmadd "$work/fused"
@@ -170,7 +167,7 @@ done
 
 # Copies and callers.
 check "two PBW_STATIC copies compile" sh -c "$CC -O0 -I. -DCOPY=f -c $work/static.c -o $work/f.o &&
-    $CC -O0 -DPBW_NO_QUERIES -DPBW_NO_LIVE -I. -DCOPY=g -c $work/static.c -o $work/g.o"
+    $CC -O0 -DALONE -I. -DCOPY=g -c $work/static.c -o $work/g.o"
 check "two PBW_STATIC copies link" $CC "$work/copies.c" "$work/f.o" "$work/g.o" -o "$work/copies" -lpthread
 check "two PBW_STATIC copies work" "$work/copies"
 check "the implementation compiles" $CC -O1 -fno-pie -I. -c "$work/whole.c" -o "$work/whole.o"
@@ -204,7 +201,7 @@ done
 # Rooms: each begins with a banner, which has its >>tag and tells what comes In, goes Out or always Holds (but for
 # >>interface, >>history, >>license), and has 700 lines at most; the contents list at the top names them in order.  A
 # file whose rooms have tags is added to one of these lists and stays there.
-rooms="pbw.h pbw_cuda.cu"
+rooms="pbw.h examples/lib/pbw_query.h examples/lib/pbw_live.h pbw_cuda.cu"
 rooms_of_companions="examples/lib/pbw_film.h examples/lib/pbw_generate.h examples/lib/pbw_io.h examples/lib/pbw_model.h
     examples/lib/pbw_picture.h examples/lib/pbw_sample.h examples/lib/pbw_view.h
     examples/lib/pbw_adapt3.h examples/lib/pbw_improve.h examples/lib/pbw_mesh3.h examples/lib/pbw_stuffing.h
@@ -258,10 +255,13 @@ tag=$(git describe --tags --exact-match 2> /dev/null)
 if [ -n "$tag" ]; then
     check "the tag $tag is the version" [ "$tag" = "v$title" ]
 fi
-check "includes no stdio.h, and never prints, exits or aborts" sh -c \
-    "! sed '1,/^ \*\//d' pbw.h | grep -nE '# *include <stdio|\\<(printf|puts|exit|abort|assert|longjmp)\\> *\\('"
-check "no line of pbw.h and pbw_cuda.cu is over 118 columns" sh -c \
-    "! awk 'length > 118 { print FILENAME, FNR }' pbw.h pbw_cuda.cu | grep ."
+for file in pbw.h examples/lib/pbw_query.h examples/lib/pbw_live.h; do
+    check "$file includes no stdio.h, and never prints, exits or aborts" sh -c \
+        "! sed '1,/^\*\//d' $file | grep -nE '# *include <stdio|\\<(printf|puts|exit|abort|assert|longjmp)\\> *\\('"
+done
+check "no line of pbw.h, pbw_query.h, pbw_live.h and pbw_cuda.cu is over 118 columns" sh -c \
+    "! awk 'length > 118 { print FILENAME, FNR }' pbw.h examples/lib/pbw_query.h examples/lib/pbw_live.h pbw_cuda.cu |
+    grep ."
 # Functions stay small.  A function starts in column 1, in pbw_cuda.cu perhaps with its template parameters,
 # and ends with a } there; names of the interface are exempt from the limit of parameters.
 cat > "$work/functions.awk" << 'END'
@@ -302,14 +302,27 @@ gallery() {     # every example is in examples/README.md, and what that and READ
 check "the gallery has all examples, and all pictures are there" gallery
 check "no function is over 70 lines or has more than 6 parameters" sh -c \
     "! awk -f $work/functions.awk pbw.h examples/lib/*.h pbw_cuda.cu | grep ."
-check "every promise names a test that is there" sh -c \
-    "for t in \$(sed -n '/PROMISES/,/CONVENTIONS/s/.* \(tests\/[a-z_.]*\)\$/\1/p' pbw.h); do ls \$t || exit 1; done"
-sed -n '/^   QUICK START/,/^   Build:/s/^       //p' pbw.h > "$work/quickstart.c"
-check "the quick start compiles" $CC -O1 -I. "$work/quickstart.c" -o "$work/quickstart" -lpthread
-check "the quick start as C++, without a warning" "${CXX:-c++}" -x c++ -O1 -Wall -Wextra -Wpedantic -Werror -I. \
-    -fsyntax-only "$work/quickstart.c"
-"$work/quickstart" > "$work/printed" 2>&1
-check "the quick start prints two tetrahedra" sh -c "[ \$(grep -cE '^([0-4] ){3}[0-4]\$' $work/printed) = 2 ]"
+promised() {    # promised HEADER: the tests that its promises name are there
+    sed -n '/PROMISES/,/^   C/s/.* \(tests\/[a-z_.]*\)$/\1/p' "$1" > "$work/promised"
+    [ -s "$work/promised" ] && ls $(cat "$work/promised")
+}
+quick() {       # quick HEADER PRINTED: its quick start compiles, as C++ without a warning, and prints this
+    sed -n '/^   QUICK START/,/^   Build:/s/^       //p' "$1" > "$work/quickstart.c"
+    $CC -O0 -I. -Iexamples/lib "$work/quickstart.c" -o "$work/quickstart" -lpthread &&
+        ${CXX:-c++} -x c++ -Wall -Wextra -Wpedantic -Werror -I. -Iexamples/lib -fsyntax-only "$work/quickstart.c" &&
+        "$work/quickstart" > "$work/printed" && echo "$2" | diff "$work/printed" -
+}
+for header in examples/lib/pbw_query.h examples/lib/pbw_live.h pbw.h; do
+    check "every promise of $header names a test that is there" promised "$header"
+    case $header in
+    pbw.h) printed='0 1 2 3
+3 1 2 4' ;;
+    *query.h) printed='in triangle 1, nearest to point 1
+in triangle 0, nearest to point 4' ;;
+    *) printed='point 4, 4 triangles' ;;
+    esac
+    check "the quick start of $header" quick "$header" "$printed"
+done
 if [ -f README.md ]; then
     awk '/^```c$/ { inside = 1; text = ""; next }
          /^```/ && inside { inside = 0; if (text ~ /int main/) { printf "%s", text; exit } }
@@ -365,6 +378,7 @@ for header in examples/lib/*.h; do
         command -v mpicc > /dev/null || { skip "pbw_mpi.h: no mpicc"; continue; }
         given='static const pbwt_point *points; static size_t count;' ;;
     esac
+    case $header in pbw_query.h | pbw_live.h) continue ;; esac      # a whole program, see above
     check "$header: the example at its top compiles" example "$header" "$given"
 done
 check "the root holds nothing that should be elsewhere" sh -c \
@@ -410,8 +424,8 @@ for compiler in "$other-gcc -std=c99" "$other-g++ -std=c++11" "clang --target=$o
     fi
 done
 if $other-gcc "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
-    check "$other: the pbw program" $other-gcc -std=c99 -O1 -DPBW__IMPLEMENTED -I. -Iexamples/lib \
-        examples/program/*.c "$work/$other-gcc.o" -o "$work/pbw.exe"
+    check "$other: the pbw program" $other-gcc -std=c99 -O1 -DPBW__IMPLEMENTED -DPBWQ__IMPLEMENTED -DPBWL__IMPLEMENTED \
+        -I. -Iexamples/lib examples/program/*.c "$work/$other-gcc.o" -o "$work/pbw.exe"
     if command -v wine > /dev/null; then
         check "$other: the implementation compiles" $other-gcc -std=c99 -Os -I. -c "$work/whole.c" -o "$work/other.o"
         check "$other: a test compiles" \
@@ -523,7 +537,7 @@ fi
 if $CC -m32 "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
     compiled="-DPBW__IMPLEMENTED $work/$(basename "${CC%% *}").o"
     check "-m32: x87 arithmetic is a compile error" refuses '-msse2 -mfpmath=sse' \
-        $CC -m32 -mno-sse -std=c99 -I. -c "$work/whole.c" -o "$work/x87.o"
+        $CC -m32 -mno-sse -std=c99 -I. -c "$work/alone.c" -o "$work/x87.o"
     # shellcheck disable=SC2086
     check "-m32: a test compiles" $CC -m32 -msse2 -mfpmath=sse -std=c99 -O1 -I. $compiled \
         tests/test_answer.c -o "$work/answer32" -lpthread -lm

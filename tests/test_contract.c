@@ -3,7 +3,8 @@
 #if defined(__linux__)
 #define _GNU_SOURCE
 #endif
-#include "../pbw.h"
+#include "pbw_live.h"
+#include "pbw_query.h"
 #include "inputs.h"
 #include "test.h"
 

@@ -7,6 +7,8 @@
 #include "pbw_improve.h"
 #include "pbw_mesh3.h"
 #include "pbw_tiles.h"
+#include "pbw_live.h"
+#include "pbw_query.h"
 #include "test.h"
 
 /* none; one; two at one place; three on a line; a simplex, in the plane with a point inside. */

@@ -6,6 +6,7 @@
 #include "pbw_improve.h"
 #define PBW_ADAPT3_IMPLEMENTATION
 #include "pbw_adapt3.h"
+#include "pbw_query.h"
 #include "meter.h"
 #include "test.h"
 #include "watch.h"

@@ -3,7 +3,7 @@
 
    A cell is a sum of signed orthoschemes: for each simplex of a star and each flag vertex, edge, facet, simplex, the
    one of the centres of those.  That shares neither formula nor order with pbw.h. */
-#include "pbw.h"
+#include "pbw_query.h"
 #include "inputs.h"
 #include "meshes.h"
 #include "test.h"

@@ -1,7 +1,5 @@
 /* test_limit.c: more simplices than can be numbered, with a limit so low that small inputs reach it, and odd, as
    a new point of the plane takes two. */
-#define PBW_NO_QUERIES                                    /* half as much to compile */
-#define PBW_NO_LIVE
 #define PBW_IMPLEMENTATION
 #define PBW__TEST_SIMPLEX_LIMIT 2999
 #include "../pbw.h"

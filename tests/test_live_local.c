@@ -9,6 +9,7 @@ static void pause_a_while(void);
 #define PBW__TEST_SMALL_SHARES
 #define PBW_STATIC
 #define PBW_IMPLEMENTATION
+#define PBW_LIVE_IMPLEMENTATION
 static double verify_at;
 #define PBW__REBUILD_AT(dim) (1e9)
 #define PBW__VERIFY_AT(dim) verify_at

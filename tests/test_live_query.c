@@ -1,6 +1,7 @@
 /* test_live_query.c: queries on the mesh of pbw_live_view, between commits and with changes in the queue, answer as on
    a fresh build of the points that live. */
-#include "../pbw.h"
+#include "pbw_live.h"
+#include "pbw_query.h"
 #include "test.h"
 #include <math.h>
 

@@ -3,8 +3,6 @@
 #include <pthread.h>
 
 #define PBW__TEST_SMALL_SHARES                       /* few points make many tasks */
-#define PBW_NO_QUERIES                                    /* half as much to compile */
-#define PBW_NO_LIVE
 #define PBW_IMPLEMENTATION
 #include "../pbw.h"
 #include "inputs.h"

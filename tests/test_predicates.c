@@ -9,8 +9,6 @@
 #ifndef CALLS
 #define CALLS 200000
 #endif
-#define PBW_NO_QUERIES                                    /* half as much to compile */
-#define PBW_NO_LIVE
 #define PBW_IMPLEMENTATION
 #include "../pbw.h"
 #include "oracle.h"

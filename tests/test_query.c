@@ -1,6 +1,6 @@
 /* test_query.c: what pbw.h answers about finished meshes, against brute force in exact arithmetic: location,
    stars, nearest vertices, vertices in a ball; for all inputs of the zoo, with queries at corners, on edges. */
-#include "pbw.h"
+#include "pbw_query.h"
 #include "inputs.h"
 #include "meshes.h"
 #include "meter.h"

@@ -17,12 +17,12 @@ static long threads_allowed = -1;                    /* that may still be starte
 #define PBW__TEST_PAUSE() do { static long calls; pause_a_while(&calls); } while (0)
 #define PBW__TEST_MAY_START() may_start_thread()
 #define PBW__TEST_SMALL_SHARES
-#define PBW_NO_QUERIES                               /* half as much to compile */
-#ifndef PBW_WIDE
-#define PBW_NO_LIVE
+#ifdef PBW_WIDE
+#define PBW_LIVE_IMPLEMENTATION
 #endif
 #define PBW_IMPLEMENTATION
 #include "../pbw.h"
+#include "pbw_live.h"
 #include "meshes.h"
 #include "meter.h"
 #include "test.h"

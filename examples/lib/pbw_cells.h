@@ -3146,7 +3146,7 @@ struct pbwc__clip {
     pbwc__array x, name, next;             /* two doubles a corner; the edge's number in the rings; per corner */
     pbwc__array before, run;               /* per corner: the one before; the first edge of the straight run that the
                                               edge from it belongs to */
-    pbwc__array home;                      /* per corner: the cell it is in */
+    pbwc__array home, order;               /* per corner: the cell it is in; the corners along a curve */
     pbwc__array chunks, visits, first;     /* visits of runs of edges; of cell v: visits first[v]..first[v+1]-1 */
     pbwc__array root, inside;              /* per point: the first cell connected with it without a crossing; bit 0,
                                               of those: they are inside, bit 1: an edge crosses into the cell */
@@ -3277,27 +3277,43 @@ static pbw_status pbwc__follow_edges(void *arg, size_t from, size_t to)
     return good ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
-/* Finds the cells of the polygon's corners: steps to nearer vertices, from a corner of the simplex that contains it,
-   or of a hull facet that faces it. */
+/* Returns a vertex near p: the nearest of a few. */
+static pbw_index pbwc__vertex_near(const pbw_mesh *mesh, const double *p)
+{
+    const size_t step = mesh->point_count / 64 + 1;
+    pbw_index nearest = mesh->simplices[0];
+    double size;
+    size_t i;
+    for (i = 0; i < mesh->point_count; i += step) {
+        if (mesh->incident[i] != PBW_NONE && pbwc__closer(mesh, p, nearest, (pbw_index)i, &size) > 0) {
+            nearest = (pbw_index)i;
+        }
+    }
+    return nearest;
+}
+
+/* Finds the cells of the polygon's corners: steps to nearer vertices, from the cell of the corner before on a curve. */
 static pbw_status pbwc__find_homes(void *arg, size_t from, size_t to)
 {
     pbwc__job *job = (pbwc__job *)arg;
     const pbw_mesh *mesh = job->mesh;
-    pbw_index *home = PBWC__INDICES(job->clip->home);
+    pbw_index *home = PBWC__INDICES(job->clip->home), *order = PBWC__INDICES(job->clip->order);
+    pbw_index then = pbwc__vertex_near(mesh, PBWC__CORNERS(job->clip) + 2 * (size_t)order[from]);
     pbwc__work work;
     int good = pbwc__work_start(&work, job);
     for (; good && from < to; from++) {
-        pbw_index at = home[from], then = at;
+        const pbw_index corner = order[from];
+        pbw_index at;
         do {
             size_t u;
             at = then;
             good = pbwc__gather(&work, at);
             for (u = 0; good && u < work.links.count; u++) {
                 const pbw_index other = PBWC__LINKS(&work)[u].vertex;
-                then = pbwc__corner_side(job->clip, mesh, (pbw_index)from, then, other) > 0 ? other : then;
+                then = pbwc__corner_side(job->clip, mesh, corner, then, other) > 0 ? other : then;
             }
         } while (good && then != at);
-        home[from] = at;
+        home[corner] = at;
     }
     pbwc__work_end(&work);
     return good ? PBW_OK : PBW_ERROR_MEMORY;
@@ -3981,26 +3997,18 @@ static pbw_status pbwc__start_clip(pbwc__job *job)
 {
     const pbw_options *options = &job->options;
     pbwc__clip *clip = job->clip;
-    pbwc__array hulls;
-    pbw_index *home = PBWC__INDICES(clip->home);
-    size_t i;
     pbw_status status = PBW_OK;
-    memset(&hulls, 0, sizeof hulls);
     clip->chunks.count = (clip->count + PBWC__EDGES - 1) / PBWC__EDGES;
-    if (!pbwc__resize(&job->memory, &hulls, clip->count * sizeof(pbw_index))
+    if (!pbwc__resize(&job->memory, &clip->order, clip->count * sizeof(pbw_index))
         || !pbwc__resize(&job->memory, &clip->chunks, clip->chunks.count * sizeof(pbwc__array))) {
         clip->chunks.count = 0;
         status = PBW_ERROR_MEMORY;
     } else {
         memset(clip->chunks.data, 0, clip->chunks.bytes);
-        status = pbw_locate(job->mesh, PBWC__CORNERS(clip), clip->count, options, home, PBWC__INDICES(hulls));
+        status = pbw_order(2, PBWC__CORNERS(clip), clip->count, options, PBWC__INDICES(clip->order));
     }
-    for (i = 0; status == PBW_OK && i < clip->count; i++) {          /* a corner of what was found, to start from */
-        const pbw_index hull = PBWC__INDICES(hulls)[i], corner = (hull + 1) % 3;
-        home[i] = job->mesh->simplices[home[i] != PBW_NONE ? 3 * (size_t)home[i] : hull - hull % 3 + corner];
-    }
-    pbwc__release(&job->memory, &hulls);
     status = status == PBW_OK ? pbw_for(options, clip->count, PBWC__EDGES, pbwc__find_homes, job) : status;
+    pbwc__release(&job->memory, &clip->order);
     status = status == PBW_OK ? pbw_for(options, clip->count, PBWC__EDGES, pbwc__follow_edges, job) : status;
     status = status == PBW_OK ? pbwc__sort_visits(job) : status;
     status = status == PBW_OK ? pbwc__connect(job) : status;
@@ -4021,6 +4029,7 @@ static void pbwc__end_clip(pbwc__job *job)
     pbwc__release(&job->memory, &clip->before);
     pbwc__release(&job->memory, &clip->run);
     pbwc__release(&job->memory, &clip->home);
+    pbwc__release(&job->memory, &clip->order);
     pbwc__release(&job->memory, &clip->visits);
     pbwc__release(&job->memory, &clip->first);
     pbwc__release(&job->memory, &clip->root);

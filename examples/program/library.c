@@ -1,6 +1,10 @@
-/* library.c: the implementation of pbw.h and of the headers of cells, samples and tiles; library_*.c have others. */
+/* library.c: the implementations of pbw.h, queries, live points, cells, samples and tiles; library_*.c have others. */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
+#define PBW_QUERY_IMPLEMENTATION
+#include "pbw_query.h"
+#define PBW_LIVE_IMPLEMENTATION
+#include "pbw_live.h"
 #define PBW_CELLS_IMPLEMENTATION
 #include "pbw_cells.h"
 #define PBW_SAMPLE_IMPLEMENTATION

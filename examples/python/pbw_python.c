@@ -3,6 +3,8 @@
    pbw_domains.c meshes domains.
    cc -O2 -I. -Iexamples/lib -fPIC -shared examples/python/pbw_*.c -o libpbw_python.so -lpthread -lm */
 #define PBW_IMPLEMENTATION
+#define PBW_QUERY_IMPLEMENTATION
+#define PBW_LIVE_IMPLEMENTATION
 #define PBW_CELLS_IMPLEMENTATION
 #define PBW_MESH2_IMPLEMENTATION
 #define PBW_ADAPT2_IMPLEMENTATION

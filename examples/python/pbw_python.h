@@ -2,6 +2,8 @@
 #ifndef PBW_PYTHON_H
 #define PBW_PYTHON_H
 #include "pbw.h"
+#include "pbw_query.h"
+#include "pbw_live.h"
 #include "pbw_cells.h"
 #include "pbw_mesh2.h"
 #include "pbw_adapt2.h"

@@ -1,0 +1,6 @@
+/* library.c: what libpbw.a and libpbw.so have: triangulations, queries, live triangulations. */
+#define PBW_IMPLEMENTATION
+#define PBW_QUERY_IMPLEMENTATION
+#define PBW_LIVE_IMPLEMENTATION
+#include "pbw_query.h"
+#include "pbw_live.h"

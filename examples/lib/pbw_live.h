@@ -1,0 +1,5274 @@
+/* pbw_live.h - v0.2.0 - a triangulation whose points are inserted, removed and moved - MIT-0
+
+   QUICK START
+   In the source file that defines PBW_IMPLEMENTATION, define PBW_LIVE_IMPLEMENTATION too; in all others, only include.
+
+       #define PBW_IMPLEMENTATION
+       #define PBW_LIVE_IMPLEMENTATION
+       #include "pbw_live.h"
+       #include <stdio.h>
+
+       int main(void) {
+           double points[] = { 0,0,  4,0,  0,4,  4,4 }, more[] = { 1,2 };
+           pbw_index id;
+           pbw_live *live;
+           static pbw_mesh mesh;
+           pbw_status status = pbw_triangulate(2, points, NULL, 4, NULL, &mesh);
+           if (status == PBW_OK) status = pbw_live_create(&mesh, NULL, &live);
+           if (status != PBW_OK) { printf("%s\n", pbw_status_string(status)); return 1; }
+           pbw_free(&mesh);                                        // live has all that it needs
+           status = pbw_live_insert(live, more, NULL, 1, &id);
+           if (status == PBW_OK) status = pbw_live_commit(live, NULL);
+           if (status == PBW_OK) status = pbw_live_view(live, &mesh);
+           if (status == PBW_OK) printf("point %u, %u triangles\n", id, (unsigned)mesh.simplex_count);
+           pbw_free(&mesh);
+           pbw_live_free(live);
+           return status != PBW_OK;
+       }
+
+   Build:  cc -O2 quickstart.c -lpthread
+
+   FUNCTIONS
+     pbw_live_create   points to insert, remove and move
+     pbw_live_free     frees them
+     pbw_live_insert   queues new points, and gives their ids
+     pbw_live_remove   queues removals
+     pbw_live_move     queues moves
+     pbw_live_commit   carries out what is queued
+     pbw_changes_free  frees what a commit reports
+     pbw_live_view     the arrays of the present triangulation
+
+   CONTENTS  (search for the marks)
+     >>interface  types and functions
+     >>core       a triangulation that persists, and a journal of deleted simplices
+     >>apex       the vertex behind a facet of a hole
+     >>ears       the hole of a vertex in space, cut off ear by ear
+     >>removal    removes or inserts one vertex
+     >>verify     after vertices moved: tests whether the triangulation holds; flips
+     >>live       points to insert, remove and move: the queue
+     >>hints      where walks start, and what batches prefetch
+     >>tasks      a batch of changes by many threads
+     >>change     a batch of queued changes, vertex by vertex
+     >>moves      points that keep their neighbours, or most
+     >>commit     queued changes carried out
+     >>view       the arrays of a live triangulation
+
+   PROMISES  (and the test that guards each)
+     same        after each commit the arrays that a build of the points gives, whatever
+                 happened before and on any number of threads                               tests/test_live.c
+     all or nothing   a commit that fails changes nothing: triangulation and queue stay     tests/test_live.c
+     the others  of pbw.h: never exits, re-entrant, bounded                                 tests/test_contract.c
+
+   Words are those of pbw.h's GLOSSARY and CONVENTIONS.
+
+   CONFIGURATION MACROS
+     PBW_LIVE_IMPLEMENTATION   in the source file that has PBW_IMPLEMENTATION: compile the implementation there
+     and those of pbw.h: PBW_STATIC and PBWDEF, PBW_NO_SIMD, PBW_NO_THREADS, PBW_WIDE
+*/
+#ifndef PBW_LIVE_H
+#define PBW_LIVE_H
+/* ------------------------------------------------------------------------------------------------------
+   >>interface
+   ------------------------------------------------------------------------------------------------------ */
+#include "pbw.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- a triangulation that lives: points are inserted, removed and moved, in batches.  One thread at a time may use
+   a pbw_live; the meshes that it gives are the caller's, as those of pbw_triangulate, and queries work on them.
+   Points have numbers that stay theirs: those of the mesh it was made from, then those that pbw_live_insert gives.
+   The number of a removed point is given again, to an insertion after the commit that removed it. */
+typedef struct pbw_live pbw_live;
+
+typedef enum pbw_way {                     /* how a commit was carried out, which may depend on the threads; the
+                                              result does not */
+    PBW_WAY_NOTHING,                       /* no simplex changed */
+    PBW_WAY_FLIPS,                         /* edges were flipped, in the plane */
+    PBW_WAY_BATCH,                         /* points were taken out and put in, one by one */
+    PBW_WAY_REBUILD                        /* all was triangulated anew */
+} pbw_way;
+
+typedef struct pbw_changes {               /* start from {0}; pbw_changes_free when done */
+    pbw_way way;
+    size_t deleted_count, made_count, point_count;
+    const pbw_index *deleted, *made;       /* the dim+1 points of each simplex that went, and of each that came: the
+                                              lowest first, positively oriented, in ascending order */
+    const pbw_index *points;               /* with another star than before, ascending */
+    void *memory;                          /* private */
+} pbw_changes;
+
+/* Makes one with the points, weights and numbers of a mesh, which may be freed then: of any flags and backend,
+   PBW_DEGENERATE too.  For one without points give a mesh that is {0} but for dim.  Triangulates the points that have
+   a canonical one again, so it takes as long as a build, and the result is right whatever simplices and neighbors say
+   (borrowed points may have moved).  Returns PBW_DEGENERATE, with a triangulation that may be used, if the points do
+   not span the space.  options are for all later calls on it: threads, memory_limit, resize, run, progress; they are
+   copied, flags, strides and backend must be 0. */
+PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **live);
+PBWDEF void pbw_live_free(pbw_live *live);         /* fine on NULL */
+
+/* These queue changes for the next commit; on any status but PBW_OK the queue is as before.  Points are packed, dim
+   coordinates each.  Numbers must be those of points that are neither removed nor in the queue to be; one that was
+   just inserted will do.
+   insert: ids (may be NULL) gets the numbers of the new points.  weights NULL: 0 each.  From the first weights on the
+   triangulation is a regular one.
+   remove: no number twice.
+   move: ids NULL: all points, count is the number of all numbers (mesh.point_count), and what stands at a number that
+   is free is not read.  Of a number given twice the last point counts.  Weights stay. */
+PBWDEF pbw_status pbw_live_insert(pbw_live *live, const double *points, const double *weights, size_t count,
+                                  pbw_index *ids);
+PBWDEF pbw_status pbw_live_remove(pbw_live *live, const pbw_index *ids, size_t count);
+PBWDEF pbw_status pbw_live_move(pbw_live *live, const pbw_index *ids, const double *points, size_t count);
+
+/* Carries out all that is queued, and lists in changes (may be NULL, which is quicker) what that changed.  Returns
+   PBW_OK, or PBW_DEGENERATE if the points left do not span the space; on any other status the triangulation and the
+   queue are as they were.  Takes the way that is likely to be the quickest. */
+PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes);
+PBWDEF void pbw_changes_free(pbw_changes *changes);        /* fine on {0}, fine twice */
+
+/* The triangulation after the last commit: returns PBW_OK or PBW_DEGENERATE, and the arrays that pbw_triangulate
+   gives for its points in the order of their numbers, with the numbers in place of their ranks.  A number that is
+   free has canonical PBW_NONE, incident PBW_NONE and the coordinates 0.  pbw_free the mesh when done. */
+PBWDEF pbw_status pbw_live_view(pbw_live *live, pbw_mesh *mesh);
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* PBW_LIVE_H */
+
+/* Interface ends here; what follows is for those who want to know how it works. */
+
+#if defined(PBW_LIVE_IMPLEMENTATION) && !defined(PBWL__IMPLEMENTED)
+#define PBWL__IMPLEMENTED
+#if PBW__SEAM != 1
+#error "pbw_live.h is compiled where pbw.h of its version is: define PBW_IMPLEMENTATION, too, above the first include"
+#else
+
+/* Contraction is off here as in pbw.h, whose >>platform tells why; each compiler ignores the other's pragma. */
+#if defined(__clang__)
+#if defined(__x86_64__) || defined(__i386__)
+#pragma float_control(push)
+#endif
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC push_options
+#pragma GCC optimize("fp-contract=off")
+#ifdef _WIN32
+#pragma GCC optimize("no-ipa-ra")
+#endif
+#elif defined(_MSC_VER)
+#pragma fp_contract(off)
+#pragma warning(push)
+#pragma warning(disable : 4244 4996)
+#endif
+#ifdef _WIN32
+#pragma push_macro("far")
+#pragma push_macro("near")
+#undef far
+#undef near
+#endif
+/* ------------------------------------------------------------------------------------------------------
+   >>core         A triangulation that persists: vertices with numbers, and a journal of deleted simplices.
+   In: a triangulation by the kernel.  Out: for each vertex an incident simplex; an undo.
+   Holds: the invariants of >>mesh; incident[v] is a simplex that has v, PBW_NONE if v is hidden, or a code that says
+   why v is in no simplex; the journal leads back to the triangulation at its start.
+
+   The journal has each simplex as it was when it was first deleted.  Of two simplices that were neighbours at the
+   start, the one that was deleted first has a link to the other.  A link is right, in both directions, if it leads to
+   a facet with the same vertices; so all links can be restored once the corners are written back, in any order.
+
+   A task of >>tasks has a core of its own.  Its members before `kernel` are copies of the main core's, with the same
+   arrays; the members from `kernel` on belong to the task.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__WAITING (PBW_NONE - 1)                  /* incident: a vertex that is to be inserted */
+#define PBW__GONE (PBW_NONE - 2)                     /* incident: a vertex that was removed */
+#define PBW__ANEW ((pbw_status)13)                   /* not carried out: triangulate all points again */
+
+typedef struct pbw__past { pbw_index slot, corner[4]; pbw__link link[4]; } pbw__past;        /* before its deletion */
+
+/* A facet of the hole, open or matched.  v: its vertices, as places in rim_vertex; (apex, v[0], v[1], v[2]) is
+   positive for an apex in the hole.  across: the facet of a simplex outside of the hole, or, if `made`, 4 * filling +
+   corner. */
+typedef struct pbw__rim { uint64_t key; pbw_index v[3]; unsigned char made, closed; pbw__link across; } pbw__rim;
+
+typedef struct pbw__filling { pbw_index v[4]; pbw__link link[4]; unsigned char made[4]; } pbw__filling;
+
+/* The facets of the hole of v, see >>ears.  Place 4 i + k is corner k of the i-th simplex of the star; the place of v
+   itself is not used.  Each edge is opposite to two places.  A hole with n vertices has 2 n - 4 facets and 3 n - 6
+   edges. */
+#define PBW__MOST_EARS 60
+#define PBW__NEW_EARS 92                             /* 90 edges at most; 91: no edge; 92: the first new time */
+#define PBW__MOST_FILLINGS 128
+typedef struct pbw__ears {
+    double row[PBW__MOST_EARS / 2 + 3][4];           /* per vertex of rim_vertex: its point relative to v; its lift */
+    double low[PBW__NEW_EARS + 4];                   /* per edge: the interval of its time, from low to high; then */
+    double high[PBW__NEW_EARS + 4];                  /* four new times */
+    double spare;                                    /* the largest height - lift */
+    pbw__link across[PBW__MOST_EARS];                /* per facet, as in pbw__rim */
+    unsigned char made[PBW__MOST_EARS];
+    unsigned char vertex[4 * PBW__MOST_EARS];        /* per place: its vertex; the next corner of the facet; the */
+    unsigned char turn[4 * PBW__MOST_EARS];          /* place across the edge opposite to it; this edge */
+    unsigned char twin[4 * PBW__MOST_EARS], edge[4 * PBW__MOST_EARS];
+    unsigned char entry[PBW__MOST_EARS + 1];         /* per facet: the place from which it was met */
+    unsigned char place[PBW__NEW_EARS + 4];          /* per edge, and per new time: a place opposite to it */
+    unsigned char renewed[4];                        /* per new time: the edge */
+    unsigned char degree[PBW__MOST_EARS / 2 + 3];    /* per vertex: its facets */
+    unsigned facets, edges;
+} pbw__ears;
+
+typedef struct pbw__core {
+    pbw__store store;
+    pbw__grid grid;
+    double low[4], high[4];                          /* the box of the records that the grid was made for */
+    double *record;                                  /* per vertex, as in >>order */
+    pbw_index *name, *incident, *local;              /* per vertex: its number for the caller; a simplex; its place in
+                                                        rim_vertex, if it is there */
+    pbw_index *vertex, *twin;                        /* per number: its vertex; the next number at the same point */
+    pbw_index *place;                                /* a hash table of vertices by coordinates; 0: empty.  Removed
+                                                        and moved vertices may still have old entries */
+    pbw_index *unused, *hidden, *witness;            /* vertices; witness: a simplex that contains hidden[i] */
+    pbw_index *covered, *cover;                      /* hidden and witness as they will be after the commit */
+    pbw_index *start;                                /* per cell of a grid: a vertex that is or was there; 0: none */
+    double start_low[3], start_scale[3];
+    size_t start_side, searched;                     /* cells along an axis; walks so far, see pbw__start_table */
+    size_t record_capacity, name_capacity, incident_capacity, local_capacity, vertex_capacity, twin_capacity;
+    size_t start_capacity, place_capacity, unused_capacity, hidden_capacity, witness_capacity, covered_capacity;
+    size_t cover_capacity, touched_capacity;
+    size_t vertex_count, unused_count, hidden_count, covered_count, placed, duplicate_count, past_simplices;
+    unsigned char *touched;                          /* per slot: 1 if it is in a journal */
+    struct pbw__core **task;                         /* >>tasks */
+    size_t task_capacity, tasks;
+    /* owned by one thread from here on */
+    pbw__kernel kernel;
+    size_t simplex_count;                            /* a task's: the change of the count */
+    /* scratch to remove one vertex */
+    pbw_index *rim_vertex, *table;                   /* table: a hash table of rims by their keys; 1 + index */
+    pbw__rim *rim;
+    pbw__filling *filling;
+    size_t rim_vertex_capacity, table_capacity, rim_capacity, filling_capacity;
+    size_t rim_vertices, rims, fillings, effort, reinserted;
+    double rim_at[4][PBW__FEW];                      /* the records of rim_vertex, by columns; the ghost's is 0 */
+    int rim_fits;                                    /* rim_at is filled, so vectors can be used */
+    pbw__ears ears;
+    /* the journal */
+    pbw__past *past;
+    pbw_index *taken;                                /* slots that were free */
+    pbw__link *edge, *open;                          /* edges to test, see >>verify; still to test, see >>moves */
+    size_t past_capacity, taken_capacity, edge_capacity, open_capacity, past_count, taken_count, open_count;
+    int inserting;                                   /* a weighted point, which may hide others */
+} pbw__core;
+
+/* Frees the members that one thread owns. */
+static void pbw__core_free_own(pbw__context *context, pbw__core *core)
+{
+    pbw_memory *memory = &context->memory;
+    core->kernel.context = context;
+    pbw__kernel_free(&core->kernel);
+    PBW__RELEASE(memory, core, rim_vertex);
+    PBW__RELEASE(memory, core, table);
+    PBW__RELEASE(memory, core, rim);
+    PBW__RELEASE(memory, core, filling);
+    PBW__RELEASE(memory, core, past);
+    PBW__RELEASE(memory, core, taken);
+    PBW__RELEASE(memory, core, edge);
+    PBW__RELEASE(memory, core, open);
+}
+
+static void pbw__core_free(pbw__context *context, pbw__core *core)
+{
+    pbw_memory *memory = &context->memory;
+    pbw__core_free_own(context, core);
+    while (core->tasks > 0) {
+        pbw__core_free_own(context, core->task[--core->tasks]);
+        pbw__release(memory, core->task[core->tasks], 1, sizeof(pbw__core));
+    }
+    PBW__RELEASE(memory, core, task);
+    pbw__store_free(memory, &core->store);
+    PBW__RELEASE(memory, core, record);
+    PBW__RELEASE(memory, core, name);
+    PBW__RELEASE(memory, core, incident);
+    PBW__RELEASE(memory, core, local);
+    PBW__RELEASE(memory, core, vertex);
+    PBW__RELEASE(memory, core, twin);
+    PBW__RELEASE(memory, core, place);
+    PBW__RELEASE(memory, core, start);
+    PBW__RELEASE(memory, core, unused);
+    PBW__RELEASE(memory, core, hidden);
+    PBW__RELEASE(memory, core, witness);
+    PBW__RELEASE(memory, core, covered);
+    PBW__RELEASE(memory, core, cover);
+    PBW__RELEASE(memory, core, touched);
+    memset(core, 0, sizeof(*core));
+}
+
+#define PBW__CORE_GROW(core, x, needed) PBW__GROW(&(core)->kernel, core, x, needed)
+
+PBW__INLINE const double *pbw__core_record(const pbw__core *core, pbw_index v)
+{
+    return core->record + (size_t)v * ((size_t)core->kernel.dim + 1);
+}
+
+/* Returns whether this task owns a vertex, claiming it if it is free; always if there are no tasks.  See >>tasks. */
+PBW__INLINE int pbw__hold(pbw__kernel *kernel, pbw_index v)
+{
+    return kernel->own.owner == NULL || v == PBW__GHOST || pbw__owns_zone(kernel, v);
+}
+
+PBW__INLINE int pbw__hold_corners(pbw__kernel *kernel, size_t t)
+{
+    const pbw_index *v = kernel->corner + 4 * t;
+    const int dim = kernel->dim;
+    int k;
+    if (kernel->own.owner == NULL || (pbw__is_ours(kernel, v[0]) & pbw__is_ours(kernel, v[1])
+                                      & pbw__is_ours(kernel, v[2]) & pbw__is_ours(kernel, v[dim]))) {
+        return 1;
+    }
+    for (k = 0; k <= dim && pbw__hold(kernel, v[k]); k++) {
+    }
+    return k > dim;
+}
+
+/* Returns the status for a missing slot: a task may get one in a later round. */
+PBW__INLINE pbw_status pbw__no_room(const pbw__kernel *kernel, pbw_status status)
+{
+    return status == PBW__LEFT && kernel->own.owner == NULL ? PBW_ERROR_TOO_LARGE : status;
+}
+
+PBW__INLINE unsigned pbw__corner_at(const pbw_index *corner, pbw_index v)
+{
+    unsigned k = 0;
+    while (corner[k] != v) {
+        k++;
+    }
+    return k;
+}
+
+/* Sets facet to a, b, c, the facet opposite to corner i of a positive simplex v: (v[i], a, b, c) is positive. */
+PBW__INLINE void pbw__facet_of(const pbw_index *v, unsigned i, int dim, pbw_index *facet)
+{
+    if (dim == 2) {
+        facet[0] = v[i == 2 ? 0 : i + 1];
+        facet[1] = v[i == 0 ? 2 : i - 1];
+        facet[2] = PBW_NONE;
+    } else {
+        facet[0] = v[pbw__facet_corners[i][1]];
+        facet[1] = v[pbw__facet_corners[i][2]];
+        facet[2] = v[pbw__facet_corners[i][3]];
+    }
+}
+
+/* Returns whether facet j of simplex u is facet k of simplex t: the same vertices in the opposite order. */
+PBW__INLINE unsigned pbw__facets_fit(const pbw_index *t, unsigned k, const pbw_index *u, unsigned j, int dim)
+{
+    pbw_index a[3], b[3];
+    pbw__facet_of(t, k, dim, a);
+    pbw__facet_of(u, j, dim, b);
+    return dim == 2 ? (unsigned)((a[0] == b[1]) & (a[1] == b[0]))
+                    : (unsigned)(((a[0] == b[0]) & (a[1] == b[2]) & (a[2] == b[1]))
+                                 | ((a[0] == b[1]) & (a[1] == b[0]) & (a[2] == b[2]))
+                                 | ((a[0] == b[2]) & (a[1] == b[1]) & (a[2] == b[0])));
+}
+
+/* ---- the journal */
+/* Makes `touched` as long as the store; new entries are 0. */
+static int pbw__journal_reserve(pbw__core *core)
+{
+    const size_t old = core->touched_capacity;
+    if (!PBW__CORE_GROW(core, touched, core->store.capacity)) {
+        return 0;
+    }
+    memset(core->touched + old, 0, core->touched_capacity - old);
+    return 1;
+}
+
+/* Returns the place of a vertex in rim_vertex, where the ghost is the first; adds it if it is not there. */
+static pbw_index pbw__rim_place(pbw__core *core, pbw_index v)
+{
+    const pbw_index at = core->local[v];
+    if (at < core->rim_vertices && core->rim_vertex[at] == v) {
+        return at;
+    }
+    core->rim_vertex[core->rim_vertices] = v;
+    return core->local[v] = (pbw_index)core->rim_vertices++;
+}
+
+/* Notes the simplices of the cavity before they are deleted.  PBW__LEFT: not all of their corners are ours. */
+static pbw_status pbw__journal_cavity(pbw__kernel *kernel)
+{
+    pbw__core *core = (pbw__core *)kernel->journal;
+    const size_t count = kernel->scratch.cavity_count;
+    size_t i;
+    for (i = 0; i < count && kernel->own.owner != NULL; i++) {
+        if (!pbw__hold_corners(kernel, kernel->scratch.cavity[i])) {
+            return PBW__LEFT;
+        }
+    }
+    if (!PBW__CORE_GROW(core, past, core->past_count + count)
+        || (core->inserting && !PBW__CORE_GROW(core, rim_vertex, 4 * count + 8))) {
+        return PBW_ERROR_MEMORY;
+    }
+    core->rim_vertices = core->inserting ? 0 : core->rim_vertices;
+    for (i = 0; i < count; i++) {
+        const size_t t = kernel->scratch.cavity[i];
+        int k;
+        core->simplex_count -= kernel->corner[4 * t + (size_t)kernel->dim] != PBW__GHOST;
+        for (k = 0; k <= kernel->dim && core->inserting; k++) {
+            const pbw_index v = kernel->corner[4 * t + (size_t)k];
+            if (v != PBW__GHOST) {
+                core->incident[v] = PBW_NONE;        /* until it is in the star */
+                (void)pbw__rim_place(core, v);
+            }
+        }
+        if (!core->touched[t]) {
+            pbw__past *past = core->past + core->past_count++;
+            core->touched[t] = 1;
+            past->slot = (pbw_index)t;
+            memcpy(past->corner, kernel->corner + 4 * t, sizeof(past->corner));
+            memcpy(past->link, kernel->link + 4 * t, sizeof(past->link));
+        }
+    }
+    return PBW_OK;
+}
+
+/* Makes a new simplex, or if it is a ghost the finite one behind it, incident to its corners. */
+static void pbw__note_corners(pbw__core *core, size_t t)
+{
+    const pbw__kernel *kernel = &core->kernel;
+    const int dim = kernel->dim;
+    const pbw_index *v = kernel->corner + 4 * t;
+    const int finite = v[dim] != PBW__GHOST;
+    const pbw_index incident = finite ? (pbw_index)t : (pbw_index)(kernel->link[4 * t + (size_t)dim] >> 2);
+    int k;
+    for (k = 0; k < dim + finite; k++) {
+        core->incident[v[k]] = incident;
+    }
+    core->simplex_count += (size_t)finite;
+}
+
+/* Notes those slots of the new star that were free, before they are used. */
+static pbw_status pbw__journal_slots(pbw__kernel *kernel)
+{
+    pbw__core *core = (pbw__core *)kernel->journal;
+    const size_t count = kernel->scratch.facet_count;
+    size_t i;
+    if (!pbw__journal_reserve(core) || !PBW__CORE_GROW(core, taken, core->taken_count + count)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < count; i++) {
+        const size_t t = kernel->scratch.cavity[i];
+        if (!core->touched[t]) {
+            core->touched[t] = 1;
+            core->taken[core->taken_count++] = (pbw_index)t;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Makes simplices of the new star incident to its vertices. */
+static void pbw__note_star(pbw__core *core)
+{
+    size_t i;
+    for (i = 0; i < core->kernel.scratch.facet_count; i++) {
+        pbw__note_corners(core, core->kernel.scratch.cavity[i]);
+    }
+}
+
+/* Returns the number of finite simplices in the cavity. */
+static size_t pbw__count_finite(const pbw__kernel *kernel)
+{
+    size_t i, finite = 0;
+    for (i = 0; i < kernel->scratch.cavity_count; i++) {
+        finite += kernel->corner[4 * (size_t)kernel->scratch.cavity[i] + (size_t)kernel->dim] != PBW__GHOST;
+    }
+    return finite;
+}
+
+/* Makes the list of free slots again. */
+static void pbw__list_free_slots(pbw__core *core)
+{
+    pbw__kernel *kernel = &core->kernel;
+    size_t t;
+    for (t = 0; t <= core->tasks; t++) {
+        pbw__slots *slots = &(t < core->tasks ? core->task[t] : core)->kernel.slots;
+        slots->free_count = slots->tail = slots->tail_end = 0;
+        slots->free_list = PBW_NONE;
+    }
+    for (t = 0; t < core->store.count; t++) {        /* the last is taken first: see >>change */
+        kernel->mark[t] = 0;
+        if (kernel->corner[4 * t] == PBW_NONE) {
+            pbw__free_slot(kernel, (pbw_index)t);
+        }
+    }
+}
+
+/* Returns the core with the i-th journal: the main core, then its tasks. */
+PBW__INLINE pbw__core *pbw__journal(pbw__core *core, size_t i)
+{
+    return i == 0 ? core : core->task[i - 1];
+}
+
+/* Returns whether simplices were deleted. */
+static int pbw__journal_any(pbw__core *core)
+{
+    size_t j;
+    for (j = 0; j <= core->tasks && pbw__journal(core, j)->past_count == 0; j++) {
+    }
+    return j <= core->tasks;
+}
+
+static void pbw__journal_clear_one(void *arg, int j)
+{
+    pbw__core *core = (pbw__core *)arg, *own = pbw__journal(core, (size_t)j);
+    size_t i;
+    for (i = 0; i < own->past_count; i++) {
+        PBW__PREFETCH_TO_WRITE(core->touched + own->past[i + 16 < own->past_count ? i + 16 : i].slot);
+        core->touched[own->past[i].slot] = 0;
+    }
+    for (i = 0; i < own->taken_count; i++) {
+        core->touched[own->taken[i]] = 0;
+    }
+    own->past_count = own->taken_count = 0;
+}
+
+static void pbw__journal_clear(pbw__core *core)
+{
+    size_t count = 0, j;
+    for (j = 0; j <= core->tasks; j++) {
+        count += pbw__journal(core, j)->past_count;
+    }
+    if (count > PBW__SMALLER(16384)) {
+        pbw__for(core->kernel.context, (int)core->tasks + 1, pbw__journal_clear_one, core);
+    } else {
+        for (j = 0; j <= core->tasks; j++) {
+            pbw__journal_clear_one(core, (int)j);
+        }
+    }
+    core->past_simplices = core->simplex_count;
+}
+
+/* Sets the links of restored simplices. */
+static void pbw__journal_link(pbw__core *core, const pbw__past *past, size_t count)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const unsigned dim = (unsigned)kernel->dim;
+    size_t i;
+    unsigned k;
+    for (i = 0; i < count; i++) {
+        const size_t t = past[i].slot;
+        for (k = 0; k <= dim; k++) {
+            const pbw__link to = past[i].link[k];
+            const pbw_index *u = kernel->corner + 4 * (size_t)(to >> 2);
+            if (u[0] != PBW_NONE && pbw__facets_fit(kernel->corner + 4 * t, k, u, (unsigned)(to & 3), (int)dim)) {
+                kernel->link[4 * t + k] = to;
+                kernel->link[to] = (pbw__link)(4 * t + k);
+            }
+        }
+    }
+}
+
+/* Restores the triangulation at the start of the journal. */
+static void pbw__journal_undo(pbw__core *core)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const int any = pbw__journal_any(core);
+    size_t i, j;
+    for (j = 0; j <= core->tasks; j++) {
+        const pbw__core *own = pbw__journal(core, j);
+        for (i = 0; i < own->taken_count; i++) {
+            kernel->corner[4 * (size_t)own->taken[i]] = PBW_NONE;
+        }
+        for (i = 0; i < own->past_count; i++) {
+            const pbw__past *past = own->past + i;
+            memcpy(kernel->corner + 4 * (size_t)past->slot, past->corner, sizeof(past->corner));
+        }
+    }
+    for (j = 0; j <= core->tasks; j++) {
+        pbw__journal_link(core, pbw__journal(core, j)->past, pbw__journal(core, j)->past_count);
+    }
+    for (j = 0; j <= core->tasks; j++) {
+        const pbw__core *own = pbw__journal(core, j);
+        for (i = 0; i < own->past_count; i++) {
+            pbw__note_corners(core, own->past[i].slot);
+        }
+    }
+    for (i = 0; i < core->hidden_count; i++) {
+        core->incident[core->hidden[i]] = PBW_NONE;
+    }
+    core->simplex_count = core->past_simplices;
+    if (any) {
+        pbw__list_free_slots(core);
+    }
+    kernel->last = PBW_NONE;
+    pbw__journal_clear(core);
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>apex         The vertex behind a facet of a hole.
+   In: the vertices of a link, a facet of the hole (a rim).  Out: the one of them that makes, with the facet, the
+   simplex behind it, or none: see >>removal.
+   Holds: every verdict is exact.  Vectors choose the vertex that the growing sphere meets first, in rounded numbers,
+   and then test whether another one may be in conflict with that simplex; if this is not certain, a tournament with
+   exact signs decides.
+
+   Errors: see >>predicates, which also decides what a bound leaves open.  A side, which is an orientation, and a
+   conflict are compared as squares with the square of the bound; h, the largest height of the rows, is raised to
+   1e-55.  The determinant of a conflict is that of >>cavity3 or >>cavity2 with the last corner as the origin: a
+   product has 6 roundings for the lift, 4 for its minor, 3 for their product and sums, 2 for the coordinate that
+   this multiplies, 3 for the last sums; in the plane 5 for the lift, 1 for the coordinate beside it, 2, 2 and 2.  An
+   infinite limit decides nothing.  The choice by a pencil needs no bound, as it is tested.
+   ------------------------------------------------------------------------------------------------------ */
+/* Copies the records of the link vertices to columns, for vectors, if there are few. */
+static void pbw__rim_columns(pbw__core *core)
+{
+    const size_t width = (size_t)core->kernel.dim + 1;
+    size_t i, k;
+#ifdef PBW__SIMD
+    core->rim_fits = core->rim_vertices <= PBW__FEW && pbw__simd_works();
+#endif
+    for (i = 0; i < PBW__FEW && core->rim_fits && i < (core->rim_vertices + 3) / 4 * 4; i++) {
+        const double *x = pbw__core_record(core, i < core->rim_vertices ? core->rim_vertex[i] : PBW__GHOST);
+        for (k = 0; k < width; k++) {
+            core->rim_at[k][i] = i > 0 && i < core->rim_vertices ? x[k] : 0.0;
+        }
+    }
+}
+
+/* A finite simplex with its last corner as the origin: its orientation, and the plane through its lifted corners,
+   lift * orientation = normal . x.  Points with lifts below it are in conflict. */
+typedef struct pbw__plane { double origin[4], normal[3], orientation, height; } pbw__plane;
+
+/* Sets row to x relative to the origin, then its lift.  Returns its height. */
+PBW__INLINE double pbw__plane_row(const pbw__plane *plane, const double *x, int dim, double *row)
+{
+    const double weight = x[dim] - plane->origin[dim];
+    double square = 0.0;
+    int k;
+    for (k = 0; k < dim; k++) {
+        row[k] = x[k] - plane->origin[k];
+        square += row[k] * row[k];
+    }
+    row[dim] = square - weight;
+    return square + pbw__abs(weight);
+}
+
+PBW__INLINE double pbw__row_dot(const double *a, const double *b, int dim)
+{
+    return dim == 2 ? a[0] * b[0] + a[1] * b[1] : a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+PBW__INLINE void pbw__cross_row(const double *a, const double *b, double *x)
+{
+    x[0] = a[1] * b[2] - a[2] * b[1];
+    x[1] = a[2] * b[0] - a[0] * b[2];
+    x[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* Sets normal to that of the facet of rows a and b and the origin, towards apexes of positive simplices. */
+PBW__INLINE void pbw__facet_normal(const double *a, const double *b, int dim, double *normal)
+{
+    if (dim == 2) {
+        normal[0] = a[1];
+        normal[1] = -a[0];
+        normal[2] = 0.0;
+    } else {
+        pbw__cross_row(b, a, normal);
+    }
+}
+
+/* Sets the plane of the rows a, b and c and the origin; normal: that of the facet of b and c. */
+PBW__INLINE void pbw__plane_set(pbw__plane *plane, const double *a, const double *b, const double *c,
+                                const double *normal, int dim)
+{
+    double ac[3], ba[3];
+    int k;
+    plane->orientation = pbw__row_dot(a, normal, dim);
+    if (dim == 2) {
+        plane->normal[0] = a[2] * b[1] - b[2] * a[1];
+        plane->normal[1] = b[2] * a[0] - a[2] * b[0];
+        plane->normal[2] = 0.0;
+        return;
+    }
+    pbw__cross_row(a, c, ac);
+    pbw__cross_row(b, a, ba);
+    for (k = 0; k < 3; k++) {
+        plane->normal[k] = a[3] * normal[k] + b[3] * ac[k] + c[3] * ba[k];
+    }
+}
+
+PBW__INLINE void pbw__plane_of(const pbw__core *core, const pbw_index *v, int dim, pbw__plane *plane)
+{
+    double row[3][4], normal[3], height = 1e-55;
+    int i;
+    for (i = 0; i <= dim; i++) {
+        plane->origin[i] = core->record[v[dim] * ((size_t)dim + 1) + (size_t)i];
+    }
+    for (i = 0; i < dim; i++) {
+        height = pbw__max(height, pbw__plane_row(plane, core->record + v[i] * ((size_t)dim + 1), dim, row[i]));
+    }
+    plane->height = height;
+    pbw__facet_normal(row[1], row[2], dim, normal);
+    pbw__plane_set(plane, row[0], row[1], row[2], normal, dim);
+}
+
+/* Return the squares of the bounds of a side and of a conflict. */
+PBW__INLINE double pbw__side_limit(double h, int dim)
+{
+    return h * h * (dim == 2 ? PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR
+                             : h * (PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR));
+}
+
+PBW__INLINE double pbw__conflict_limit(double h, int dim)
+{
+    return h * h * (h * h) * (dim == 2 ? PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR
+                                       : h * (PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
+}
+
+/* Returns whether e is strictly on the open side of the rim v; side: its product with the normal of the rim. */
+PBW__INLINE int pbw__rim_sees(const pbw__core *core, const pbw_index *v, pbw_index e, double side, double height,
+                              int dim)
+{
+    const double *x[4] = { NULL, NULL, NULL, NULL };
+    int k;
+    if (PBW__LIKELY(side * side > pbw__side_limit(height, dim))) {
+        return side > 0.0;
+    }
+    x[0] = pbw__core_record(core, e);
+    for (k = 0; k < dim; k++) {
+        x[k + 1] = pbw__core_record(core, v[k]);
+    }
+    return pbw__orient(dim, x, &core->grid) > 0;
+}
+
+/* Returns whether e is in conflict with the simplex of these corners and this plane; row: e's, then its height. */
+PBW__INLINE int pbw__plane_conflict(const pbw__core *core, const pbw__plane *plane, const pbw_index *corner,
+                                    pbw_index e, const double *row, int dim)
+{
+    const double det = pbw__row_dot(row, plane->normal, dim) - row[dim] * plane->orientation;
+    const double limit = pbw__conflict_limit(pbw__max(plane->height, row[4]), dim);
+    const double *p = pbw__core_record(core, e), *x[4] = { NULL, NULL, NULL, NULL };
+    int k;
+    if (PBW__LIKELY(det * det > limit)) {
+        return det > 0.0;
+    }
+    for (k = 0; k <= dim; k++) {
+        x[k] = pbw__core_record(core, corner[k]);
+    }
+    return pbw__conflict(dim, x, p, &core->grid);
+}
+
+/* Returns the apex behind a rim, by a tournament; 0, the ghost's place, if there is none. */
+PBW__INLINE pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *rim, int dim)
+{
+    const pbw_index *u = core->rim_vertex;
+    pbw_index corner[4] = { 0, u[rim[0]], u[rim[1]], dim == 3 ? u[rim[2]] : 0 }, i, apex = 0;
+    pbw__plane plane;
+    double a[4], b[4] = { 0.0, 0.0, 0.0, 0.0 }, normal[3], row[5], height;
+    memset(&plane, 0, sizeof(plane));
+    memcpy(plane.origin, pbw__core_record(core, corner[dim]), ((size_t)dim + 1) * sizeof(double));
+    height = pbw__max(1e-55, pbw__plane_row(&plane, pbw__core_record(core, corner[1]), dim, a));
+    if (dim == 3) {
+        height = pbw__max(height, pbw__plane_row(&plane, pbw__core_record(core, corner[2]), dim, b));
+    }
+    pbw__facet_normal(a, b, dim, normal);
+    for (i = 1; i < core->rim_vertices; i++) {
+        if (i == rim[0] || i == rim[1] || i == rim[2]) {
+            continue;
+        }
+        row[4] = pbw__plane_row(&plane, core->record + u[i] * ((size_t)dim + 1), dim, row);
+        if (pbw__rim_sees(core, corner + 1, u[i], pbw__row_dot(row, normal, dim), pbw__max(height, row[4]), dim)
+            && (apex == 0 || pbw__plane_conflict(core, &plane, corner, u[i], row, dim))) {
+            apex = i;
+            corner[0] = u[i];
+            pbw__plane_of(core, corner, dim, &plane);
+        }
+    }
+    return apex;
+}
+
+#ifdef PBW__SIMD
+/* Four link vertices: their rows; the set of those certainly on the open side of a rim. */
+typedef struct pbw__candidates4 { pbw__d4 x, y, z, lift, height; unsigned open; int certain; } pbw__candidates4;
+
+/* A rim with its last vertex as the origin: the normal to its open side; its height; `centre`, twice the centre of
+   its smallest circumsphere, which is in its plane (with weights, of the sphere orthogonal to its vertices).  Of the
+   spheres through its vertices, the one through e has its centre further along the normal the larger
+   (lift - centre . e) / (normal . e) is. */
+typedef struct pbw__pencil { double origin[4], normal[3], centre[3], height; } pbw__pencil;
+
+PBW__INLINE void pbw__pencil_of(const double *a, const double *b, int dim, pbw__pencil *pencil)
+{
+    double *normal = pencil->normal, square, nb[3], an[3];
+    int k;
+    pbw__facet_normal(a, b, dim, normal);
+    square = pbw__row_dot(normal, normal, dim);
+    if (dim == 2) {
+        pencil->centre[0] = a[0] * (a[2] / square);
+        pencil->centre[1] = a[1] * (a[2] / square);
+        pencil->centre[2] = 0.0;
+        return;
+    }
+    pbw__cross_row(normal, b, nb);
+    pbw__cross_row(a, normal, an);
+    square = 1.0 / square;
+    for (k = 0; k < 3; k++) {
+        pencil->centre[k] = (a[3] * nb[k] + b[3] * an[k]) * square;
+    }
+}
+
+/* Sets the rows of four link vertices, from the i-th on.  Returns how far along the pencil each is; infinity on the
+   closed side and in `skip`.  c->certain: the sides of all others are certain. */
+PBW__SIMD_INLINE pbw__d4 pbw__candidates4_of(const pbw__core *core, size_t i, const pbw__pencil *pencil,
+                                             unsigned skip, pbw__candidates4 *c, int dim)
+{
+    const double *origin = pencil->origin;
+    const pbw__d4 weight = pbw__load4d(core->rim_at[dim] + i) - pbw__splat(origin[dim]);
+    pbw__d4 side, limit, certain, open, h, far;
+    c->x = pbw__load4d(core->rim_at[0] + i) - pbw__splat(origin[0]);
+    c->y = pbw__load4d(core->rim_at[1] + i) - pbw__splat(origin[1]);
+    c->z = pbw__splat(0.0);
+    c->height = pbw__fma(c->y, c->y, c->x * c->x);
+    side = pbw__fma(c->y, pbw__splat(pencil->normal[1]), c->x * pbw__splat(pencil->normal[0]));
+    far = pbw__fma(c->y, pbw__splat(pencil->centre[1]), c->x * pbw__splat(pencil->centre[0]));
+    if (dim == 3) {
+        c->z = pbw__load4d(core->rim_at[2] + i) - pbw__splat(origin[2]);
+        c->height = pbw__fma(c->z, c->z, c->height);
+        side = pbw__fma(c->z, pbw__splat(pencil->normal[2]), side);
+        far = pbw__fma(c->z, pbw__splat(pencil->centre[2]), far);
+    }
+    c->lift = c->height - weight;
+    c->height = c->height + pbw__abs4(weight);
+    h = pbw__max4(c->height, pbw__splat(pencil->height));
+    limit = dim == 2 ? h * h * pbw__splat(PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR)
+                     : h * h * h * pbw__splat(PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR);
+    certain = pbw__greater(side * side, limit);
+    open = pbw__and4(certain, pbw__greater(side, pbw__splat(0.0)));
+    c->open = pbw__signs(open) & ~skip;
+    far = pbw__blend(pbw__splat(HUGE_VAL), (c->lift - far) / side, open);
+    c->certain = (pbw__signs(certain) | skip) == 15;
+    return pbw__blend(far, pbw__splat(HUGE_VAL), pbw__lanes_mask(skip));
+}
+
+/* Returns whether one of these on the open side, not in `skip`, may be in conflict with the simplex of the plane. */
+PBW__SIMD_INLINE int pbw__candidates4_conflict(const pbw__candidates4 *c, const pbw__plane *plane, unsigned skip,
+                                               int dim)
+{
+    const pbw__d4 h = pbw__max4(c->height, pbw__splat(plane->height));
+    pbw__d4 det = pbw__fma(c->y, pbw__splat(plane->normal[1]), c->x * pbw__splat(plane->normal[0])), limit, sure;
+    if (dim == 3) {
+        det = pbw__fma(c->z, pbw__splat(plane->normal[2]), det);
+    }
+    det = pbw__fnma(c->lift, pbw__splat(plane->orientation), det);
+    limit = h * h * (h * h);
+    limit = dim == 2 ? limit * pbw__splat(PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR)
+                     : limit * h * pbw__splat(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR);
+    sure = pbw__and4(pbw__greater(det * det, limit), pbw__greater(pbw__splat(0.0), det));
+    return (c->open & ~skip & ~pbw__signs(sure)) != 0;
+}
+
+/* pbw__rim_apex by vectors: returns the first vertex that the sphere meets as it grows into the open side, if no
+   other one is certainly in conflict with the simplex; PBW_NONE if that is not certain. */
+PBW__SIMD_INLINE pbw_index pbw__rim_apex4(const pbw__core *core, const pbw_index *rim, int dim)
+{
+    const size_t count = core->rim_vertices, last = rim[dim - 1];
+    uint64_t skip = (uint64_t)1 << rim[0] | (uint64_t)1 << rim[1] | (uint64_t)1 << last | 1;
+    pbw__candidates4 candidate[PBW__FEW / 4];
+    pbw__d4 least = pbw__splat(HUGE_VAL), number = pbw__splat(0.0);
+    double row[3][4], far[4], place[4];
+    pbw__pencil pencil;
+    pbw__plane plane;
+    size_t i;
+    unsigned apex = 0, open = 0;
+    int k;
+    skip |= count < 64 ? ~(uint64_t)0 << count : 0;
+    for (k = 0; k <= dim; k++) {
+        plane.origin[k] = pencil.origin[k] = core->rim_at[k][last];
+    }
+    pencil.height = 1e-55;
+    for (k = 1; k < dim; k++) {
+        const double *x = pbw__core_record(core, core->rim_vertex[rim[k - 1]]);
+        pencil.height = pbw__max(pencil.height, pbw__plane_row(&plane, x, dim, row[k]));
+    }
+    pbw__pencil_of(row[1], row[2], dim, &pencil);
+    for (i = 0; i < count; i += 4) {
+        const pbw__d4 distance = pbw__candidates4_of(core, i, &pencil, (unsigned)(skip >> i) & 15, candidate + i / 4,
+                                                     dim);
+        pbw__d4 nearer;
+        if (!candidate[i / 4].certain) {
+            return PBW_NONE;
+        }
+        open |= candidate[i / 4].open;
+        nearer = pbw__greater(least, distance);
+        least = pbw__blend(least, distance, nearer);
+        number = pbw__blend(number, pbw__splat((double)i), nearer);
+    }
+    if (open == 0) {
+        return 0;
+    }
+    memcpy(far, &least, sizeof(far));
+    memcpy(place, &number, sizeof(place));
+    apex = far[1] < far[0];
+    open = 2 + (unsigned)(far[3] < far[2]);
+    apex = far[open] < far[apex] ? open : apex;
+    if (!(far[apex] < HUGE_VAL)) {
+        return PBW_NONE;
+    }
+    apex += (unsigned)place[apex];
+    plane.height = pbw__max(pencil.height, pbw__plane_row(&plane, pbw__core_record(core, core->rim_vertex[apex]), dim,
+                                                          row[0]));
+    pbw__plane_set(&plane, row[0], row[1], row[2], pencil.normal, dim);
+    for (i = 0; i < count; i += 4) {
+        if (pbw__candidates4_conflict(candidate + i / 4, &plane, (unsigned)((uint64_t)1 << apex >> i) & 15, dim)) {
+            return PBW_NONE;
+        }
+    }
+    return apex;
+}
+
+PBW__SIMD static PBW__NOINLINE pbw_index pbw__rim_apex_simd(const pbw__core *core, const pbw_index *rim)
+{
+    return core->kernel.dim == 3 ? pbw__rim_apex4(core, rim, 3) : pbw__rim_apex4(core, rim, 2);
+}
+#endif
+
+/* Returns the apex behind a rim; 0, the ghost's place, if there is none. */
+static pbw_index pbw__rim_behind(const pbw__core *core, const pbw_index *rim)
+{
+#ifdef PBW__SIMD
+    const pbw_index apex = core->rim_fits ? pbw__rim_apex_simd(core, rim) : PBW_NONE;
+    if (apex != PBW_NONE) {
+        return apex;
+    }
+#endif
+    return core->kernel.dim == 3 ? pbw__rim_apex(core, rim, 3) : pbw__rim_apex(core, rim, 2);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>ears         The hole of a vertex in space, cut off ear by ear.
+   In: a vertex v inside the hull.  Out: its star in scratch.cavity, its link in rim_vertex, the simplices that fill
+   the hole in `filling`; or PBW__NO_FIT: rounded numbers leave them uncertain, or there are too many facets.
+   Holds: every verdict is exact.
+
+   Let the lift of v rise by t, from 0 on, while all others stay.  The regular triangulation changes by flips in the
+   star of v, until a last simplex hides v; the simplices without v that the flips make fill the hole.  Two facets abc
+   and bad of the hole meet in the edge ab; behind it is the facet vab of the star.  This facet is regular until the
+   lifts of v, a, b, c and d are in one plane, at t = P / Q: Q is the orientation of (d, a, b, c), P the power
+   determinant of (v, a, b, c) and d.  It stays regular if Q < 0.  So the edge with the least time is flipped next,
+   which makes the simplex dabc.  If only three facets meet in a, the facet dbc replaces them, and likewise at b;
+   otherwise cad and dbc replace abc and bad.  The last simplex is between four facets.
+
+   Each time has an error interval.  The edges at a vertex of three facets have one and the same time.  If the
+   interval of any other edge overlaps the least one, the order is uncertain.  This covers flips of four vertices in a
+   plane, where two edges have one time.  Tie-breaking changes a time by less than the gap between any two intervals.
+   ------------------------------------------------------------------------------------------------------ */
+#ifdef PBW__SIMD
+/* The intervals of the times of four edges; both ends are infinite for an edge without a time. */
+typedef struct pbw__spans4 { pbw__d4 low, high; } pbw__spans4;
+
+PBW__SIMD_INLINE pbw__spans4 pbw__ear_spans(const pbw__d4 *a, const pbw__d4 *b, const pbw__d4 *c, const pbw__d4 *d,
+                                            pbw__d4 spare)
+{
+    const pbw__d4 ab = pbw__det2(a[0], a[1], b[0], b[1]), ac = pbw__det2(a[0], a[1], c[0], c[1]);
+    const pbw__d4 ad = pbw__det2(a[0], a[1], d[0], d[1]), bc = pbw__det2(b[0], b[1], c[0], c[1]);
+    const pbw__d4 bd = pbw__det2(b[0], b[1], d[0], d[1]), cd = pbw__det2(c[0], c[1], d[0], d[1]);
+    const pbw__d4 abc = pbw__fma(c[2], ab, pbw__fnma(b[2], ac, a[2] * bc));
+    const pbw__d4 abd = pbw__fma(d[2], ab, pbw__fnma(b[2], ad, a[2] * bd));
+    const pbw__d4 acd = pbw__fma(d[2], ac, pbw__fnma(c[2], ad, a[2] * cd));
+    const pbw__d4 bcd = pbw__fma(d[2], bc, pbw__fnma(c[2], bd, b[2] * cd));
+    const pbw__d4 h = pbw__max4(pbw__max4(a[3], b[3]), pbw__max4(c[3], d[3])) + spare, h3 = h * pbw__sqrt4(h);
+    const pbw__d4 side = (abc - abd) + (acd - bcd), side_error = h3 * pbw__splat(PBW__EAR_ERROR);
+    const pbw__d4 power = pbw__fnma(c[3], abd, d[3] * abc) + pbw__fnma(a[3], bcd, b[3] * acd);
+    const pbw__d4 power_error = h3 * h * pbw__splat(PBW__SPHERE_ERROR), inverse = pbw__splat(1.0) / side;
+    const pbw__d4 t = power * inverse;
+    const pbw__d4 error = pbw__fma(pbw__abs4(t), side_error, power_error) * (inverse * pbw__splat(PBW__TIME_ERROR));
+    const pbw__d4 none = pbw__greater(pbw__splat(0.0) - side_error, side);
+    pbw__spans4 spans = { t - error, t + error };
+    pbw__d4 sure = pbw__greater(side, side_error * pbw__splat(PBW__TIME_LEAST));
+    sure = pbw__and4(sure, pbw__greater(pbw__splat(HUGE_VAL), spans.high));
+    spans.low = pbw__blend(pbw__blend(pbw__splat(-HUGE_VAL), spans.low, sure), pbw__splat(HUGE_VAL), none);
+    return spans;
+}
+
+PBW__INLINE const double *pbw__ear_row(const pbw__ears *ears, unsigned place)
+{
+    return ears->row[ears->vertex[place]];
+}
+
+PBW__SIMD_INLINE void pbw__ear_columns(const double *a, const double *b, const double *c, const double *d, pbw__d4 *x)
+{
+    pbw__columns(a, b, c, d, x, x + 1);
+    pbw__columns(a + 2, b + 2, c + 2, d + 2, x + 2, x + 3);
+}
+
+/* Computes the times of edges e to e + 3. */
+PBW__SIMD_INLINE void pbw__ear_times(pbw__ears *ears, unsigned e)
+{
+    const unsigned a0 = ears->place[e], a1 = ears->place[e + 1], a2 = ears->place[e + 2], a3 = ears->place[e + 3];
+    const unsigned b0 = ears->turn[a0], b1 = ears->turn[a1], b2 = ears->turn[a2], b3 = ears->turn[a3];
+    const unsigned c0 = ears->turn[b0], c1 = ears->turn[b1], c2 = ears->turn[b2], c3 = ears->turn[b3];
+    const unsigned d0 = ears->twin[a0], d1 = ears->twin[a1], d2 = ears->twin[a2], d3 = ears->twin[a3];
+    pbw__d4 a[4], b[4], c[4], d[4];
+    pbw__spans4 spans;
+    pbw__ear_columns(ears->row[ears->vertex[a0]], ears->row[ears->vertex[a1]], ears->row[ears->vertex[a2]],
+                     ears->row[ears->vertex[a3]], a);
+    pbw__ear_columns(ears->row[ears->vertex[b0]], ears->row[ears->vertex[b1]], ears->row[ears->vertex[b2]],
+                     ears->row[ears->vertex[b3]], b);
+    pbw__ear_columns(ears->row[ears->vertex[c0]], ears->row[ears->vertex[c1]], ears->row[ears->vertex[c2]],
+                     ears->row[ears->vertex[c3]], c);
+    pbw__ear_columns(ears->row[ears->vertex[d0]], ears->row[ears->vertex[d1]], ears->row[ears->vertex[d2]],
+                     ears->row[ears->vertex[d3]], d);
+    spans = pbw__ear_spans(a, b, c, d, pbw__splat(ears->spare));
+    memcpy(ears->low + e, &spans.low, sizeof(spans.low));
+    memcpy(ears->high + e, &spans.high, sizeof(spans.high));
+}
+
+/* Joins facet k of filling f to the facet of a place, across which it lies. */
+PBW__INLINE void pbw__ear_sew(pbw__core *core, unsigned place, unsigned f, unsigned k)
+{
+    const pbw__link across = core->ears.across[place >> 2];
+    const unsigned made = core->ears.made[place >> 2];
+    pbw__filling *other = core->filling + (made ? across >> 2 : PBW__MOST_FILLINGS);        /* it, or a dummy */
+    core->filling[f].link[k] = across;
+    core->filling[f].made[k] = (unsigned char)made;
+    other->link[across & 3] = 4 * f + k;
+    other->made[across & 3] = 1;
+}
+
+/* Makes facet k of filling f the facet of a place. */
+PBW__INLINE void pbw__ear_open(pbw__ears *ears, unsigned place, unsigned f, unsigned k)
+{
+    ears->across[place >> 2] = 4 * f + k;
+    ears->made[place >> 2] = 1;
+}
+
+/* Makes e the edge opposite to place p, with place q on its other side. */
+PBW__INLINE void pbw__ear_join(pbw__ears *ears, unsigned p, unsigned q, unsigned e)
+{
+    ears->twin[p] = (unsigned char)q;
+    ears->twin[q] = (unsigned char)p;
+    ears->edge[p] = ears->edge[q] = (unsigned char)e;
+    ears->place[e] = (unsigned char)p;
+}
+
+/* Notes that the edge opposite to place p gets time k of the four new ones. */
+PBW__INLINE void pbw__ear_renew(pbw__ears *ears, unsigned p, unsigned k)
+{
+    ears->place[PBW__NEW_EARS + k] = (unsigned char)p;
+    ears->renewed[k] = ears->edge[p];
+    ears->low[ears->edge[p]] = HUGE_VAL;
+}
+
+/* Makes a filling of the vertices at four places.  Returns its index. */
+PBW__INLINE unsigned pbw__ear_make(pbw__core *core, unsigned a, unsigned b, unsigned c, unsigned d)
+{
+    pbw__filling *filling = core->filling + core->fillings;
+    filling->v[0] = core->ears.vertex[a];
+    filling->v[1] = core->ears.vertex[b];
+    filling->v[2] = core->ears.vertex[c];
+    filling->v[3] = core->ears.vertex[d];
+    return (unsigned)core->fillings++;
+}
+
+/* Cuts off the edge opposite to place c, between c and d: facets (c, a, b) and (d, b, a) become (c, a, d) and
+   (d, b, c).  Returns the new times. */
+PBW__SIMD_INLINE pbw__spans4 pbw__ear_flip(pbw__core *core, unsigned c)
+{
+    pbw__ears *ears = &core->ears;
+    const unsigned a = ears->turn[c], b = ears->turn[a], d = ears->twin[c], other_b = ears->turn[d];
+    const unsigned other_a = ears->turn[other_b], e = ears->edge[c];
+    const unsigned ad = ears->twin[other_b], ca = ears->twin[b], bc = ears->twin[a], db = ears->twin[other_a];
+    const double *at_a = pbw__ear_row(ears, a), *at_b = pbw__ear_row(ears, b);
+    const double *at_c = pbw__ear_row(ears, c), *at_d = pbw__ear_row(ears, d);
+    pbw__d4 x[4][4];
+    pbw__spans4 spans;
+    unsigned f;
+    pbw__ear_columns(at_a, at_a, at_b, at_b, x[0]);
+    pbw__ear_columns(at_d, at_d, at_c, at_c, x[1]);
+    pbw__ear_columns(at_c, at_c, at_d, at_d, x[2]);
+    pbw__ear_columns(pbw__ear_row(ears, ad), pbw__ear_row(ears, ca), pbw__ear_row(ears, bc), pbw__ear_row(ears, db),
+                     x[3]);
+    spans = pbw__ear_spans(x[0], x[1], x[2], x[3], pbw__splat(ears->spare));
+    f = pbw__ear_make(core, d, c, a, b);
+    pbw__ear_sew(core, c, f, 0);
+    pbw__ear_sew(core, d, f, 1);
+    pbw__ear_open(ears, d, f, 2);
+    pbw__ear_open(ears, c, f, 3);
+    ears->degree[ears->vertex[a]]--;
+    ears->degree[ears->vertex[b]]--;
+    ears->degree[ears->vertex[c]]++;
+    ears->degree[ears->vertex[d]]++;
+    ears->vertex[b] = ears->vertex[d];
+    ears->vertex[other_a] = ears->vertex[c];
+    ears->low[e] = HUGE_VAL;
+    pbw__ear_join(ears, c, ad, ears->edge[ad]);
+    pbw__ear_join(ears, d, bc, ears->edge[bc]);
+    pbw__ear_join(ears, a, other_b, e);
+    pbw__ear_renew(ears, c, 0);
+    pbw__ear_renew(ears, b, 1);
+    pbw__ear_renew(ears, d, 2);
+    pbw__ear_renew(ears, other_a, 3);
+    return spans;
+}
+
+/* Cuts off the vertex at place p, where three facets meet: (p, b, c), (p, c, d) and (p, d, b) become (d, b, c).
+   Returns the new times; subtracts from *overlap the number of the three edges that may have a time up to `high`. */
+PBW__SIMD_INLINE pbw__spans4 pbw__ear_cut(pbw__core *core, unsigned p, double high, unsigned *overlap)
+{
+    pbw__ears *ears = &core->ears;
+    const unsigned b = ears->turn[p], c = ears->turn[b], d = ears->twin[b], second_p = ears->turn[d];
+    const unsigned third_p = ears->turn[ears->turn[ears->twin[c]]];
+    const unsigned cd = ears->twin[second_p], db = ears->twin[third_p], bc = ears->twin[p];
+    const unsigned gone[3] = { ears->edge[b], ears->edge[c], ears->edge[ears->turn[second_p]] };
+    const double *at_b = pbw__ear_row(ears, b), *at_c = pbw__ear_row(ears, c), *at_d = pbw__ear_row(ears, d);
+    pbw__d4 x[4][4];
+    pbw__spans4 spans;
+    unsigned f, k;
+    pbw__ear_columns(at_d, at_d, at_d, at_d, x[0]);
+    pbw__ear_columns(at_b, at_b, at_b, at_b, x[1]);
+    pbw__ear_columns(at_c, at_c, at_c, at_c, x[2]);
+    pbw__ear_columns(pbw__ear_row(ears, bc), pbw__ear_row(ears, cd), pbw__ear_row(ears, db), at_b, x[3]);
+    spans = pbw__ear_spans(x[0], x[1], x[2], x[3], pbw__splat(ears->spare));
+    spans.low = pbw__blend(spans.low, pbw__splat(HUGE_VAL), pbw__lanes_mask(8));
+    f = pbw__ear_make(core, d, p, b, c);
+    pbw__ear_sew(core, p, f, 0);
+    pbw__ear_sew(core, second_p, f, 2);
+    pbw__ear_sew(core, third_p, f, 3);
+    pbw__ear_open(ears, p, f, 1);
+    for (k = 0; k < 3; k++) {
+        *overlap -= ears->low[gone[k]] <= high;
+        ears->low[gone[k]] = HUGE_VAL;
+    }
+    ears->degree[ears->vertex[b]]--;
+    ears->degree[ears->vertex[c]]--;
+    ears->degree[ears->vertex[d]]--;
+    ears->vertex[p] = ears->vertex[d];
+    pbw__ear_join(ears, b, cd, ears->edge[cd]);
+    pbw__ear_join(ears, c, db, ears->edge[db]);
+    ears->facets -= 2;
+    pbw__ear_renew(ears, p, 0);
+    pbw__ear_renew(ears, b, 1);
+    pbw__ear_renew(ears, c, 2);
+    ears->renewed[3] = PBW__NEW_EARS - 1;
+    return spans;
+}
+
+/* Returns the edge with the least time, or PBW__NEW_EARS + k for the k-th new time.  *overlap: the number of edges
+   that may have this time. */
+PBW__SIMD_INLINE unsigned pbw__ear_least(const pbw__ears *ears, pbw__d4 renewed, unsigned *overlap)
+{
+    pbw__d4 least = pbw__load4d(ears->low), number = pbw__splat(0.0), most = pbw__min_lane(renewed);
+    double at[4], new_least = pbw__first(most);
+    unsigned i, set = pbw__signs(pbw__equal(renewed, most)), e;
+    for (i = 4; i < ears->edges; i += 4) {
+        const pbw__d4 low = pbw__load4d(ears->low + i), less = pbw__greater(least, low);
+        least = pbw__blend(least, low, less);
+        number = pbw__blend(number, pbw__splat((double)i), less);
+    }
+    memcpy(at, &number, sizeof(at));
+    most = pbw__min_lane(least);
+    e = pbw__lane_of(pbw__signs(pbw__equal(least, most)));
+    e += (unsigned)at[e];
+    e = new_least < pbw__first(most) ? PBW__NEW_EARS + pbw__lane_of(set) : e;
+    most = pbw__splat(ears->high[e]);
+    *overlap = pbw__count4(pbw__signs(pbw__at_least(most, renewed)));
+    for (i = 0; i < ears->edges; i += 4) {
+        *overlap += pbw__count4(pbw__signs(pbw__at_least(most, pbw__load4d(ears->low + i))));
+    }
+    return e;
+}
+
+/* Fills the hole, ear by ear. */
+PBW__SIMD static PBW__NOINLINE pbw_status pbw__cut_ears(pbw__core *core)
+{
+    pbw__ears *ears = &core->ears;
+    pbw__spans4 spans = { pbw__splat(HUGE_VAL), pbw__splat(HUGE_VAL) };
+    unsigned p = ears->place[0], k, f;
+    for (k = 0; k < ears->edges; k += 4) {
+        pbw__ear_times(ears, k);
+    }
+    for (k = ears->edges; k % 4 != 0; k++) {
+        ears->low[k] = HUGE_VAL;
+    }
+    memset(ears->renewed, PBW__NEW_EARS - 1, sizeof(ears->renewed));
+    while (ears->facets > 4) {
+        unsigned overlap, e, a;
+        double high;
+        memcpy(ears->low + PBW__NEW_EARS, &spans.low, sizeof(spans.low));
+        memcpy(ears->high + PBW__NEW_EARS, &spans.high, sizeof(spans.high));
+        e = pbw__ear_least(ears, spans.low, &overlap);
+        high = ears->high[e];
+        if (!(ears->low[e] > -HUGE_VAL && ears->low[e] < HUGE_VAL) || core->fillings + 2 > PBW__MOST_FILLINGS) {
+            return PBW__NO_FIT;
+        }
+        for (k = 0; k < 4; k++) {
+            ears->low[ears->renewed[k]] = ears->low[PBW__NEW_EARS + k];
+            ears->high[ears->renewed[k]] = ears->high[PBW__NEW_EARS + k];
+        }
+        p = ears->place[e];
+        a = ears->turn[p];
+        if (ears->degree[ears->vertex[a]] != 3 && ears->degree[ears->vertex[ears->turn[a]]] != 3) {
+            spans = pbw__ear_flip(core, p);
+            overlap--;
+        } else {
+            p = ears->degree[ears->vertex[a]] == 3 ? a : ears->turn[a];
+            spans = pbw__ear_cut(core, p, high, &overlap);
+        }
+        if (overlap != 0) {
+            return PBW__NO_FIT;
+        }
+    }
+    f = pbw__ear_make(core, ears->twin[p], p, ears->turn[p], ears->turn[ears->turn[p]]);
+    pbw__ear_sew(core, p, f, 0);
+    for (k = 1; k < 4; k++) {
+        pbw__ear_sew(core, ears->twin[p], f, k);
+        p = ears->turn[p];
+    }
+    return PBW_OK;
+}
+
+/* Lists the facet opposite to v of simplex i of scratch.cavity, and appends those of its neighbours at v that are not
+   in the cavity yet. */
+PBW__INLINE pbw_status pbw__star_facet(pbw__core *core, pbw_index v, size_t i)
+{
+    pbw__kernel *kernel = &core->kernel;
+    pbw__ears *ears = &core->ears;
+    const pbw_index *corner = kernel->corner + 4 * (size_t)kernel->scratch.cavity[i];
+    const pbw__link *link = kernel->link + 4 * (size_t)kernel->scratch.cavity[i];
+    const unsigned at = (unsigned)((corner[1] == v) + 2 * (corner[2] == v) + 3 * (corner[3] == v));
+    const unsigned char *around = pbw__facet_corners[at];
+    unsigned here = (unsigned)(4 * i), k;
+    size_t count = kernel->scratch.cavity_count;
+    if (corner[3] == PBW__GHOST) {
+        return PBW__NO_FIT;
+    }
+    ears->across[i] = link[at];
+    ears->made[i] = 0;
+    for (k = 1; k < 4; k++) {
+        ears->turn[here + around[k]] = (unsigned char)(here + around[k < 3 ? k + 1 : 1]);
+    }
+    for (k = 1; k < 4; k++) {
+        const pbw__link to = link[around[k]];
+        const size_t next = (size_t)(to >> 2);
+        const int fresh = kernel->mark[next] == 0;
+        if (fresh && kernel->own.owner != NULL && !pbw__hold(kernel, kernel->corner[to])) {
+            kernel->scratch.cavity_count = count;
+            return PBW__LEFT;
+        }
+        kernel->mark[next] = (unsigned char)(fresh ? count + 1 : kernel->mark[next]);
+        kernel->scratch.cavity[count] = (pbw_index)next;
+        ears->entry[count] = (unsigned char)(here + around[k]);
+        count += (size_t)fresh;
+        ears->twin[here + around[k]] = (unsigned char)(4 * (kernel->mark[next] - 1u) + (unsigned)(to & 3));
+        PBW__PREFETCH(kernel->corner + 4 * next);
+        PBW__PREFETCH(kernel->link + 4 * next);
+    }
+    kernel->scratch.cavity_count = count;
+    if (i > 0) {                                     /* it has two vertices of the simplex it was met from */
+        const unsigned from = ears->entry[i], b = ears->turn[from];
+        here = ears->twin[from];
+        ears->vertex[here] = (unsigned char)pbw__rim_place(core, corner[here & 3]);
+        ears->vertex[ears->turn[ears->turn[here]]] = ears->vertex[b];
+        ears->vertex[ears->turn[here]] = ears->vertex[ears->turn[b]];
+    } else {
+        ears->entry[0] = ears->twin[around[1]];
+        for (k = 1; k < 4; k++) {
+            ears->vertex[around[k]] = (unsigned char)pbw__rim_place(core, corner[around[k]]);
+        }
+    }
+    return PBW_OK;
+}
+
+/* Collects the star of v and the facets of its hole. */
+static pbw_status pbw__open_star(pbw__core *core, pbw_index v)
+{
+    pbw__kernel *kernel = &core->kernel;
+    pbw_status status = PBW_OK;
+    size_t i;
+    kernel->scratch.cavity_count = 0;
+    if (!pbw__hold(kernel, v) || !pbw__hold_corners(kernel, core->incident[v])) {
+        return PBW__LEFT;
+    }
+    if (!pbw__grow_lists(kernel, PBW__MOST_EARS + 8) || !PBW__CORE_GROW(core, rim_vertex, PBW__MOST_EARS + 8)
+        || !PBW__CORE_GROW(core, filling, PBW__MOST_FILLINGS + 1)) {
+        return PBW_ERROR_MEMORY;
+    }
+    kernel->scratch.cavity[0] = core->incident[v];
+    kernel->scratch.cavity_count = 1;
+    kernel->mark[core->incident[v]] = 1;
+    core->rim_vertex[0] = PBW__GHOST;                /* core->local[PBW__GHOST] is always 0 */
+    core->rim_vertices = 1;
+    core->fillings = 0;
+    for (i = 0; i < kernel->scratch.cavity_count && status == PBW_OK; i++) {
+        status = kernel->scratch.cavity_count > PBW__MOST_EARS - 3 ? PBW__NO_FIT : pbw__star_facet(core, v, i);
+    }
+    return status;
+}
+
+/* Lists the edges of the hole; makes the rows of its vertices relative to v. */
+static void pbw__list_ears(pbw__core *core, pbw_index v)
+{
+    pbw__ears *ears = &core->ears;
+    pbw__plane plane;
+    unsigned i, k, edges = 0;
+    memcpy(plane.origin, pbw__core_record(core, v), sizeof(plane.origin));
+    ears->spare = 1e-55;
+    for (i = 1; i < core->rim_vertices; i++) {
+        const double height = pbw__plane_row(&plane, core->record + 4 * (size_t)core->rim_vertex[i], 3, ears->row[i]);
+        ears->spare = pbw__max(ears->spare, height - ears->row[i][3]);
+        ears->degree[i] = 0;
+    }
+    ears->facets = (unsigned)core->kernel.scratch.cavity_count;
+    for (i = 0; i < ears->facets; i++) {
+        unsigned p = ears->twin[ears->entry[i]];
+        for (k = 0; k < 3; k++) {
+            const unsigned q = ears->twin[p];
+            ears->degree[ears->vertex[p]]++;
+            if (p < q) {
+                pbw__ear_join(ears, p, q, edges++);
+            }
+            p = ears->turn[p];
+        }
+    }
+    ears->edges = edges;
+    for (k = edges; k % 4 != 0; k++) {
+        ears->place[k] = ears->place[0];
+    }
+}
+#endif
+
+/* ------------------------------------------------------------------------------------------------------
+   >>removal      Removes or inserts one vertex.
+   In: a core, a vertex to remove or to insert.  Out: the triangulation without it, or with it.
+   Holds: the invariants of >>core.
+
+   Removal wraps the hole.  Let N be the vertices of the link of v.  The triangulation without v has the same
+   simplices outside of the star of v; inside it has those simplices of the triangulation of N that are in conflict
+   with v: all vertices there are in N, and none of N is in conflict with them.  So behind a facet abc of the hole is
+   the simplex abce: e is the vertex of N strictly on the open side such that no other one of these is in conflict
+   with abce; the ghost, if there is none.  Ties are broken as everywhere, so e is unique, and all facets of the new
+   simplices meet in pairs.  Time: the new simplices times the size of N; if that grows too large, all points are
+   triangulated again.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__MOST_RIM ((size_t)1 << 21)              /* vertices of a link: three places fit a key */
+
+/* Returns the places of a rim in ascending order, as a key; in the plane the third is above all places. */
+PBW__INLINE uint64_t pbw__rim_key(const pbw_index *v, unsigned dim)
+{
+    const uint64_t a = v[0], b = v[1], c = dim == 3 ? v[2] : PBW__MOST_RIM;
+    const uint64_t least = a < b ? a : b, most = a < b ? b : a;
+    const uint64_t low = c < least ? c : least, high = c > most ? c : most;
+    return low | (a + b + c - low - high) << 21 | high << 42;
+}
+
+/* Returns the entry of the table that has, or would have, a rim with this key. */
+PBW__INLINE size_t pbw__rim_find(const pbw__core *core, uint64_t key, size_t room)
+{
+    size_t at = (size_t)(key * 0x9e3779b97f4a7c15u >> 32) & (room - 1);
+    while (core->table[at] != 0 && core->rim[core->table[at] - 1].key != key) {
+        at = (at + 1) & (room - 1);
+    }
+    return at;
+}
+
+/* Collects the star of v in scratch.cavity.  PBW__LEFT: not all of its vertices are ours.  The caller clears the
+   marks of the cavity, on any status. */
+PBW__INLINE pbw_status pbw__collect_star(pbw__core *core, pbw_index v, size_t dim)
+{
+    pbw__kernel *kernel = &core->kernel;
+    pbw_index *cavity = kernel->scratch.cavity;
+    size_t count = 1, i, k;
+    kernel->scratch.cavity_count = 0;
+    if (!pbw__hold(kernel, v) || !pbw__hold_corners(kernel, core->incident[v])) {
+        return PBW__LEFT;
+    }
+    cavity[0] = core->incident[v];
+    kernel->mark[cavity[0]] = 1;
+    for (i = 0; i < count; i++) {
+        const size_t t = cavity[i];
+        kernel->scratch.cavity_count = count;
+        if (count + dim + 8 > kernel->scratch.cavity_capacity && !pbw__grow_lists(kernel, count + dim + 8)) {
+            return PBW_ERROR_MEMORY;
+        }
+        cavity = kernel->scratch.cavity;
+        for (k = 0; k <= dim; k++) {
+            const size_t next = kernel->link[4 * t + k] >> 2;
+            if (kernel->corner[4 * t + k] != v && !kernel->mark[next]) {
+                if (!pbw__hold(kernel, kernel->corner[kernel->link[4 * t + k]])) {
+                    kernel->scratch.cavity_count = count;
+                    return PBW__LEFT;
+                }
+                kernel->mark[next] = 1;
+                cavity[count++] = (pbw_index)next;
+                PBW__PREFETCH(kernel->corner + 4 * next);
+                PBW__PREFETCH(kernel->link + 4 * next);
+            }
+        }
+    }
+    kernel->scratch.cavity_count = count;
+    return PBW_OK;
+}
+
+/* Collects the star of v in scratch.cavity, its link in rim_vertex and rim. */
+static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const unsigned dim = (unsigned)kernel->dim;
+    pbw_status status = dim == 3 ? pbw__collect_star(core, v, 3) : pbw__collect_star(core, v, 2);
+    const size_t count = kernel->scratch.cavity_count;
+    size_t i;
+    unsigned k;
+    if (status == PBW_OK && (!PBW__CORE_GROW(core, rim, count)
+                             || !PBW__CORE_GROW(core, rim_vertex, (count + 1) * dim + 8))) {
+        status = PBW_ERROR_MEMORY;
+    }
+    if (status != PBW_OK) {
+        (void)pbw__leave_cavity(kernel, count);
+        return status;
+    }
+    core->rim_vertex[0] = PBW__GHOST;                /* core->local[PBW__GHOST] is always 0 */
+    core->rim_vertices = 1;
+    core->rims = core->fillings = 0;
+    for (i = 0; i < count; i++) {
+        const size_t t = kernel->scratch.cavity[i];
+        const unsigned at = pbw__corner_at(kernel->corner + 4 * t, v);
+        pbw__rim *rim = core->rim + core->rims++;
+        pbw__facet_of(kernel->corner + 4 * t, at, (int)dim, rim->v);
+        for (k = 0; k < dim; k++) {
+            rim->v[k] = pbw__rim_place(core, rim->v[k]);
+        }
+        rim->key = pbw__rim_key(rim->v, dim);
+        rim->across = kernel->link[4 * t + at];
+        rim->made = rim->closed = 0;
+    }
+    pbw__rim_columns(core);
+    return PBW_OK;
+}
+
+/* Joins facet k of filling f to the rim with its vertices, or makes it an open rim. */
+static pbw_status pbw__sew(pbw__core *core, size_t f, unsigned k, size_t room)
+{
+    pbw__filling *filling = core->filling + f;
+    const pbw__link here = (pbw__link)(4 * f + k);
+    const unsigned dim = (unsigned)core->kernel.dim;
+    pbw_index facet[3];
+    pbw__rim *rim;
+    uint64_t key;
+    size_t at;
+    pbw__facet_of(filling->v, k, (int)dim, facet);
+    key = pbw__rim_key(facet, dim);
+    at = pbw__rim_find(core, key, room);
+    if (core->table[at] == 0) {
+        rim = core->rim + core->rims++;
+        rim->key = key;
+        rim->v[0] = facet[dim == 2];                 /* in the opposite order */
+        rim->v[1] = facet[dim == 3 ? 2 : 0];
+        rim->v[2] = facet[dim == 3 ? 1 : 2];
+        rim->made = 1;
+        rim->closed = 0;
+        rim->across = here;
+        core->table[at] = (pbw_index)core->rims;
+        return PBW_OK;
+    }
+    rim = core->rim + (core->table[at] - 1);
+    if (rim->closed) {
+        return PBW__ANEW;                            /* a third simplex at one facet: impossible */
+    }
+    rim->closed = 1;
+    filling->link[k] = rim->across;
+    filling->made[k] = rim->made;
+    if (rim->made) {
+        core->filling[rim->across >> 2].link[rim->across & 3] = here;
+        core->filling[rim->across >> 2].made[rim->across & 3] = 1;
+    }
+    return PBW_OK;
+}
+
+/* Makes room for one more simplex and its facets; the table stays at most half full.  Returns the size of the table,
+   0 if memory is short. */
+static size_t pbw__wrap_room(pbw__core *core, size_t room)
+{
+    size_t i;
+    if (!PBW__CORE_GROW(core, filling, core->fillings + 1) || !PBW__CORE_GROW(core, rim, core->rims + 4)) {
+        return 0;
+    }
+    if (room >= 2 * (core->rims + 4)) {
+        return room;
+    }
+    for (room = 64; room < 4 * (core->rims + 4); room *= 2) {
+    }
+    if (!PBW__CORE_GROW(core, table, room)) {
+        return 0;
+    }
+    memset(core->table, 0, room * sizeof(pbw_index));
+    for (i = 0; i < core->rims; i++) {
+        core->table[pbw__rim_find(core, core->rim[i].key, room)] = (pbw_index)i + 1;
+    }
+    return room;
+}
+
+/* Fills the hole behind its open rims. */
+static pbw_status pbw__wrap(pbw__core *core)
+{
+    const unsigned dim = (unsigned)core->kernel.dim;
+    size_t room = pbw__wrap_room(core, 0), i, f;
+    pbw_status status = PBW_OK;
+    unsigned k;
+    if (core->rim_vertices >= PBW__MOST_RIM) {
+        return PBW__ANEW;
+    }
+    for (i = 0; i < core->rims && status == PBW_OK; i++) {
+        const pbw_index *v = core->rim[i].v;
+        pbw__filling *filling;
+        pbw_index apex;
+        if (core->rim[i].closed || v[0] == 0 || v[1] == 0 || v[2] == 0) {
+            continue;                                /* facets of the ghost are only matched */
+        }
+        room = pbw__wrap_room(core, room);
+        if (room == 0) {
+            return PBW_ERROR_MEMORY;
+        }
+        v = core->rim[i].v;
+        core->effort += core->rim_vertices;
+        apex = pbw__rim_behind(core, v);
+        f = core->fillings++;
+        filling = core->filling + f;
+        if (apex != 0) {
+            filling->v[0] = apex;
+            filling->v[1] = v[0];
+            filling->v[2] = v[1];
+            filling->v[3] = v[2];
+        } else {                                     /* the ghost comes last */
+            filling->v[0] = v[0];
+            filling->v[1] = v[dim == 3 ? 2 : 1];
+            filling->v[2] = dim == 3 ? v[1] : 0;
+            filling->v[3] = 0;
+        }
+        for (k = 0; k <= dim && status == PBW_OK; k++) {
+            status = pbw__sew(core, f, k, room);
+        }
+    }
+    for (i = 0; i < core->rims && status == PBW_OK && room > 0; i++) {
+        status = core->rim[i].closed ? PBW_OK : PBW__ANEW;
+    }
+    return room == 0 ? PBW_ERROR_MEMORY : status;
+}
+
+/* Writes the fillings to slots. */
+static void pbw__fill_hole(pbw__core *core)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const unsigned dim = (unsigned)kernel->dim;
+    const pbw_index *slot = kernel->scratch.cavity;
+    size_t f;
+    unsigned k;
+    for (f = 0; f < core->fillings; f++) {
+        const pbw__filling *filling = core->filling + f;
+        const size_t t = slot[f];
+        kernel->mark[t] = 0;
+        for (k = 0; k <= dim; k++) {
+            const pbw__link to = filling->link[k];
+            kernel->corner[4 * t + k] = core->rim_vertex[filling->v[k]];
+            if (filling->made[k]) {
+                kernel->link[4 * t + k] = (pbw__link)slot[to >> 2] * 4 + (to & 3);
+            } else {
+                kernel->link[4 * t + k] = to;
+                kernel->link[to] = (pbw__link)(4 * t + k);
+            }
+        }
+    }
+}
+
+/* Fills the hole by >>ears. */
+static PBW__NOINLINE pbw_status pbw__ear_hole(pbw__core *core, pbw_index v)
+{
+    pbw_status status = PBW__NO_FIT;
+#ifdef PBW__SIMD
+    if (core->kernel.dim == 3 && pbw__simd_works()) {
+        status = pbw__open_star(core, v);
+        if (status == PBW_OK) {
+            pbw__list_ears(core, v);
+            status = pbw__cut_ears(core);
+            core->effort += core->fillings * core->rim_vertices;
+        }
+        if (status != PBW_OK) {
+            (void)pbw__leave_cavity(&core->kernel, core->kernel.scratch.cavity_count);
+        }
+    }
+#else
+    (void)core;
+    (void)v;
+#endif
+    return status;
+}
+
+/* Removes a vertex.  PBW__ANEW: no simplex would be left, or its link is too large.  PBW__LEFT, from a task only: it
+   does not own all vertices around, or would make no finite simplex, which may mean that none would be left. */
+static pbw_status pbw__remove_vertex(pbw__core *core, pbw_index v)
+{
+    pbw__kernel *kernel = &core->kernel;
+    size_t made, i;
+    pbw_status status = pbw__ear_hole(core, v);
+    if (status == PBW__NO_FIT) {
+        status = pbw__open_hole(core, v);
+        if (status != PBW_OK) {
+            return status;
+        }
+        status = pbw__wrap(core);
+    }
+    for (made = i = 0; i < core->fillings; i++) {
+        made += core->filling[i].v[kernel->dim] != 0;
+    }
+    if (status == PBW_OK && made == 0) {
+        status = kernel->own.owner != NULL ? PBW__LEFT : core->simplex_count == pbw__count_finite(kernel) ? PBW__ANEW
+               : PBW_OK;
+    }
+    if (status != PBW_OK) {
+        (void)pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
+        return status;
+    }
+    kernel->scratch.facet_count = core->fillings;
+    status = pbw__take_slots(kernel);
+    if (status != PBW_OK) {
+        return pbw__no_room(kernel, status);
+    }
+    pbw__fill_hole(core);
+    core->incident[v] = PBW__GONE;
+    pbw__note_star(core);
+    return PBW_OK;
+}
+
+/* ---- insertion, and hidden vertices */
+/* Lists a vertex as hidden after the commit, in simplex `witness`; PBW_NONE: not known yet. */
+static int pbw__cover_vertex(pbw__core *core, pbw_index v, pbw_index witness)
+{
+    if (!PBW__CORE_GROW(core, covered, core->covered_count + 1)
+        || !PBW__CORE_GROW(core, cover, core->covered_count + 1)) {
+        return 0;
+    }
+    core->covered[core->covered_count] = v;
+    core->cover[core->covered_count++] = witness;
+    core->incident[v] = PBW_NONE;
+    return 1;
+}
+
+/* Walks by exact signs from *start to a simplex that contains a vertex that is no corner, or to a ghost.  PBW__LEFT:
+   not all vertices on the way are ours. */
+static pbw_status pbw__find_witness(pbw__core *core, pbw_index *start, pbw_index vertex)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const int dim = kernel->dim;
+    const double *p = pbw__core_record(core, vertex);
+    const double *x[4];
+    pbw_index t = pbw__walk_start(kernel, *start, dim);
+    int k = 0;
+    while (k <= dim && kernel->corner[4 * (size_t)t + (size_t)dim] != PBW__GHOST) {
+        if (!pbw__hold_corners(kernel, t)) {
+            return PBW__LEFT;
+        }
+        pbw__corners_of(kernel, t, x);
+        for (k = 0; k <= dim && pbw__side(dim, x, k, p, &core->grid) >= 0; k++) {
+        }
+        t = k <= dim ? (pbw_index)(kernel->link[4 * (size_t)t + (size_t)k] >> 2) : t;
+    }
+    *start = t;
+    return PBW_OK;
+}
+
+/* Inserts a vertex; the walk starts from simplex `hint`.  The vertex may be hidden, or hide others. */
+static pbw_status pbw__insert_vertex(pbw__core *core, pbw_index v, pbw_index hint)
+{
+    pbw__kernel *kernel = &core->kernel;
+    size_t i;
+    pbw_status status;
+    kernel->last = hint;
+    kernel->scratch.facet_count = 0;
+    core->inserting = kernel->weighted;
+    status = kernel->insert(kernel, v);
+    core->inserting = 0;
+    if (status != PBW_OK) {
+        return pbw__no_room(kernel, status);
+    }
+    if (kernel->scratch.facet_count == 0) {
+        kernel->last = hint;
+        status = pbw__find_witness(core, &hint, v);
+        return status != PBW_OK || pbw__cover_vertex(core, v, hint) ? status : PBW_ERROR_MEMORY;
+    }
+    pbw__note_star(core);
+    for (i = 0; i < core->rim_vertices && kernel->weighted; i++) {
+        if (core->incident[core->rim_vertex[i]] == PBW_NONE
+            && !pbw__cover_vertex(core, core->rim_vertex[i], PBW_NONE)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Returns a simplex to start a walk from: that in slot t, if there is one, or one of the last star. */
+static pbw_index pbw__start_near(const pbw__core *core, pbw_index t)
+{
+    const pbw__kernel *kernel = &core->kernel;
+    if (t >= PBW__GONE || kernel->corner[4 * (size_t)t] == PBW_NONE) {
+        for (t = kernel->last != PBW_NONE ? kernel->last : 0; kernel->corner[4 * (size_t)t] == PBW_NONE; t++) {
+        }
+    }
+    return t;
+}
+
+/* Inserts hidden vertices without a witness, or with one that was deleted, until each hidden one has a witness. */
+static pbw_status pbw__uncover(pbw__core *core)
+{
+    int again = 1;
+    while (again) {
+        size_t i, kept = 0;
+        const size_t count = core->covered_count;
+        again = 0;
+        for (i = 0; i < count; i++) {
+            const pbw_index v = core->covered[i], witness = core->cover[i];
+            pbw_status status;
+            if (witness != PBW_NONE && !core->touched[witness]) {
+                continue;
+            }
+            core->covered[i] = PBW__GHOST;
+            status = pbw__insert_vertex(core, v, pbw__start_near(core, witness));
+            if (status != PBW_OK) {
+                return status;
+            }
+            again |= core->incident[v] < PBW__GONE;
+        }
+        for (i = 0; i < core->covered_count; i++) {
+            if (core->covered[i] != PBW__GHOST) {
+                core->covered[kept] = core->covered[i];
+                core->cover[kept++] = core->cover[i];
+            }
+        }
+        core->covered_count = kept;
+    }
+    return PBW_OK;
+}
+
+static void pbw__swap_lists(pbw_index **a, size_t *a_capacity, pbw_index **b, size_t *b_capacity)
+{
+    pbw_index *list = *a;
+    const size_t capacity = *a_capacity;
+    *a = *b;
+    *a_capacity = *b_capacity;
+    *b = list;
+    *b_capacity = capacity;
+}
+
+/* Makes the covered vertices the hidden ones. */
+static void pbw__swap_covers(pbw__core *core)
+{
+    pbw__swap_lists(&core->hidden, &core->hidden_capacity, &core->covered, &core->covered_capacity);
+    pbw__swap_lists(&core->witness, &core->witness_capacity, &core->cover, &core->cover_capacity);
+    core->hidden_count = core->covered_count;
+    core->covered_count = 0;
+}
+
+/* ---- from points to a core */
+/* The points with the numbers in `list`, contiguous and in that order. */
+typedef struct pbw__stand {
+    double *points, *weights;
+    pbw_index *list;
+    size_t count, room, dim;
+} pbw__stand;
+
+static void pbw__stand_free(pbw_memory *memory, pbw__stand *stand)
+{
+    pbw__release(memory, stand->points, stand->room * stand->dim, sizeof(double));
+    pbw__release(memory, stand->weights, stand->room, sizeof(double));
+    pbw__release(memory, stand->list, stand->room, sizeof(pbw_index));
+}
+
+static int pbw__stand_create(pbw_memory *memory, pbw__stand *stand, size_t room, int dim)
+{
+    stand->room = room;
+    stand->count = 0;
+    stand->dim = (size_t)dim;
+    stand->points = (double *)pbw__allocate(memory, room * stand->dim, sizeof(double));
+    stand->weights = (double *)pbw__allocate(memory, room, sizeof(double));
+    stand->list = (pbw_index *)pbw__allocate(memory, room, sizeof(pbw_index));
+    if (stand->points == NULL || stand->weights == NULL || stand->list == NULL) {
+        return 0;
+    }
+    pbw__advise(memory, stand->points, room * stand->dim * sizeof(double));
+    pbw__advise(memory, stand->weights, room * sizeof(double));
+    pbw__advise(memory, stand->list, room * sizeof(pbw_index));
+    return 1;
+}
+
+PBW__INLINE void pbw__stand_add(pbw__stand *stand, pbw_index id, const double *x, double weight)
+{
+    double *to = stand->points + stand->count * stand->dim;
+    to[0] = x[0];
+    to[1] = x[1];
+    to[stand->dim - 1] = x[stand->dim - 1];
+    stand->weights[stand->count] = weight;
+    stand->list[stand->count++] = id;
+}
+
+static void pbw__stand_input(const pbw__stand *stand, int weighted, pbw__input *input)
+{
+    pbw_options none;
+    memset(&none, 0, sizeof(none));
+    *input = pbw__input_of((int)stand->dim, 0, stand->points, weighted ? stand->weights : NULL, stand->count);
+    (void)pbw__input_check(input, &none);
+}
+
+/* After the build: finds incident simplices, free slots and hidden vertices. */
+static pbw_status pbw__core_scan(pbw__core *core)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const size_t dim = (size_t)kernel->dim;
+    size_t t, k;
+    pbw_index v, witness;
+    core->simplex_count = 0;
+    for (t = 0; t < core->store.count; t++) {
+        const pbw_index *corner = kernel->corner + 4 * t;
+        if (corner[0] != PBW_NONE && corner[dim] != PBW__GHOST) {
+            for (k = 0; k <= dim; k++) {
+                core->incident[corner[k]] = (pbw_index)t;
+            }
+            core->simplex_count++;
+            kernel->last = (pbw_index)t;
+        }
+    }
+    pbw__list_free_slots(core);
+    if (!pbw__journal_reserve(core)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (v = 1, witness = kernel->last; v <= core->vertex_count && kernel->weighted; v++) {
+        if (core->incident[v] == PBW_NONE) {
+            (void)pbw__find_witness(core, &witness, (pbw_index)v);
+            if (!pbw__cover_vertex(core, v, witness)) {
+                return PBW_ERROR_MEMORY;
+            }
+        }
+    }
+    return PBW_OK;
+}
+
+/* list: per id of a vertex, its number.  box: per task, the box of its records. */
+typedef struct pbw__taking {
+    pbw__core *core;
+    const pbw_index *list;
+    double (*box)[8];
+    int tasks;
+} pbw__taking;
+
+/* Computes the box of a task's records, and names its vertices. */
+PBW__INLINE void pbw__core_take_of(const pbw__taking *taking, int task, int dim)
+{
+    pbw__core *core = taking->core;
+    const size_t width = (size_t)dim + 1, end = pbw__share(core->vertex_count, task + 1, taking->tasks) + 1;
+    double low[4] = { HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL };
+    double high[4] = { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL };
+    size_t soon, r, k;
+    pbw_index id;
+    for (r = pbw__share(core->vertex_count, task, taking->tasks) + 1; r < end; r++) {
+        const double *x = core->record + r * width;
+        for (k = 0; k < width; k++) {
+            low[k] = x[k] < low[k] ? x[k] : low[k];
+            high[k] = x[k] > high[k] ? x[k] : high[k];
+        }
+        soon = core->name[r + 16 < end ? r + 16 : r];
+        id = taking->list[core->name[r]];
+        PBW__PREFETCH_TO_WRITE(core->vertex + soon);
+        PBW__PREFETCH_TO_WRITE(core->twin + soon);
+        core->name[r] = id;
+        core->vertex[id] = (pbw_index)r;
+        core->twin[id] = id;
+    }
+    memcpy(taking->box[task], low, sizeof(low));
+    memcpy(taking->box[task] + 4, high, sizeof(high));
+}
+
+static void pbw__core_take_share(void *arg, int task)
+{
+    const pbw__taking *taking = (const pbw__taking *)arg;
+    PBW__BY_DIM(taking->core->kernel.dim, pbw__core_take_of, taking, task);
+}
+
+/* Makes room for vertices and numbers. */
+static int pbw__core_reserve(pbw__core *core, size_t records, size_t numbers)
+{
+    if (!PBW__CORE_GROW(core, incident, records) || !PBW__CORE_GROW(core, local, records)
+        || !PBW__CORE_GROW(core, vertex, numbers) || !PBW__CORE_GROW(core, twin, numbers)) {
+        return 0;
+    }
+    memset(core->local, 0, core->local_capacity * sizeof(pbw_index));
+    return 1;
+}
+
+/* Moves the records into the core, names the vertices, and chains the numbers at one point.  `canonical` and `id` of
+   the vertices are places in the list of numbers. */
+static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const pbw_index *list)
+{
+    pbw__context *context = core->kernel.context;
+    const size_t records = vertices->point_count + 1, width = (size_t)vertices->dim + 1;
+    pbw__taking taking;
+    size_t i, k;
+    core->record = vertices->record;
+    core->record_capacity = records * width;
+    core->name = vertices->id;
+    core->name_capacity = records;
+    core->vertex_count = vertices->count;
+    core->duplicate_count = vertices->duplicate_count;
+    core->grid = vertices->grid;
+    vertices->record = NULL;
+    vertices->id = NULL;
+    taking.core = core;
+    taking.list = list;
+    taking.tasks = pbw__tasks(context, vertices->count, 16384);
+    taking.box = (double (*)[8])pbw__allocate(&context->memory, (size_t)taking.tasks, sizeof(*taking.box));
+    if (taking.box == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    pbw__for(context, taking.tasks, pbw__core_take_share, &taking);
+    for (k = 0; k < width; k++) {
+        core->low[k] = taking.box[0][k];
+        core->high[k] = taking.box[0][4 + k];
+        for (i = 1; i < (size_t)taking.tasks; i++) {
+            core->low[k] = taking.box[i][k] < core->low[k] ? taking.box[i][k] : core->low[k];
+            core->high[k] = taking.box[i][4 + k] > core->high[k] ? taking.box[i][4 + k] : core->high[k];
+        }
+    }
+    pbw__release(&context->memory, taking.box, (size_t)taking.tasks, sizeof(*taking.box));
+    for (i = 0; i < vertices->point_count && vertices->duplicate_count > 0; i++) {
+        const pbw_index other = vertices->canonical[i];
+        if (other != i && other != PBW_NONE) {
+            const pbw_index id = list[i], first = list[other];
+            core->vertex[id] = core->vertex[first];
+            core->twin[id] = core->twin[first];
+            core->twin[first] = id;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Makes a kernel for the vertices of the core. */
+static pbw_status pbw__core_start(pbw__context *context, pbw__core *core, pbw__vertices *vertices)
+{
+    pbw_status status;
+    vertices->record = core->record;
+    vertices->width = (size_t)vertices->dim + 1;
+    status = pbw__kernel_create(&core->kernel, context, &core->store, vertices, &core->grid);
+    vertices->record = NULL;
+    core->kernel.journal = core;
+    core->kernel.note_cavity = pbw__journal_cavity;
+    core->kernel.note_slots = pbw__journal_slots;
+    core->kernel.slots.region = 0;                   /* all free slots are in the list */
+    core->kernel.slots.free_list = PBW_NONE;
+    core->store.region_bits = 31;
+    return status;
+}
+
+/* Triangulates points; PBW_DEGENERATE: there are no simplices.  The caller frees the core, on any status. */
+static pbw_status pbw__core_build(pbw__context *context, const pbw__stand *stand, int weighted, size_t numbers,
+                                  pbw__core *core)
+{
+    pbw__vertices vertices;
+    pbw__input input;
+    pbw_statistics statistics;
+    pbw_status status;
+    memset(core, 0, sizeof(*core));
+    memset(&statistics, 0, sizeof(statistics));
+    core->kernel.context = context;
+    core->kernel.dim = (int)stand->dim;
+    if (stand->count == 0) {
+        return PBW_DEGENERATE;
+    }
+    pbw__stand_input(stand, weighted, &input);
+    input.padded = 1;
+    status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED : pbw__order(context, &input, &vertices);
+    if (status != PBW_OK) {
+        return status;
+    }
+    status = pbw__enter_stage(context, PBW_STAGE_BUILD) ? PBW_CANCELLED
+           : pbw__build_all(context, &core->store, &vertices, &vertices.grid, &statistics);
+    if (status == PBW_OK || status == PBW_DEGENERATE) {
+        pbw_status taken = vertices.duplicate_count == 0 ? PBW_OK : pbw__make_canonical(context, &vertices, NULL);
+        taken = taken != PBW_OK ? taken
+              : !pbw__core_reserve(core, vertices.point_count + 1, numbers) ? PBW_ERROR_MEMORY
+              : pbw__core_take(core, &vertices, stand->list);
+        status = taken != PBW_OK ? taken : status;
+    }
+    if (status == PBW_OK) {
+        memset(core->incident, 0xff, core->incident_capacity * sizeof(pbw_index));           /* PBW_NONE */
+    }
+    status = status == PBW_OK ? pbw__core_start(context, core, &vertices) : status;
+    if (status == PBW_OK) {
+        status = pbw__core_scan(core);
+        pbw__swap_covers(core);
+        pbw__journal_clear(core);
+    } else if (status == PBW_DEGENERATE) {
+        pbw__store_free(&context->memory, &core->store);
+    }
+    pbw__vertices_free(context, &vertices);
+    return status;
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>verify       After vertices moved: tests whether the triangulation still holds; flips edges until it does.
+   In: a triangulation, other coordinates of its vertices.  Out: whether it is their triangulation too; in the plane,
+   after flips.
+   Holds: a core is the triangulation of its vertices if (1) its finite simplices are positive, (2) all facets are
+   locally regular and the hull is locally convex, and (3) some point o inside one simplex is in no other and is on
+   the inner side of each facet of the hull.  For a straight walk from any point in any simplex to o cannot leave
+   through the hull; it ends in the simplex of o, and backwards it leads to one simplex only.  So no point is covered
+   twice. (Without o a star might wind twice round a vertex, all its simplices positive.)
+
+   A ray from o to infinity tells in how many simplices o is.  No simplex covers its far end.  A point that moves
+   along it leaves one simplex more than it enters where the ray crosses a facet of the hull, and, as o is inside of
+   all of them, it only ever leaves there.  So o is in one simplex if the ray meets one facet of the hull.  (A ray
+   through a face of the hull meets two facets, which counts as a fault.)
+
+   Flips (Lawson 1977) replace an edge that is not locally Delaunay by the other diagonal of its two triangles.  If
+   their quadrilateral is not strictly convex, or flips are too many, the caller takes another way.  An edge at the
+   ghost is flipped if the hull is not convex there.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__INVERTED 128                            /* a mark: the simplex is not positive; else bits of facets */
+
+typedef struct pbw__verifying {
+    pbw__core *core;
+    double o[4], ahead[4];                           /* a point inside of a simplex; another one on a ray from it */
+    size_t inverted, failing, most, covers;          /* most: with more failing facets the test is given up */
+    float *depth;                                    /* four for each of the slots from..to-1; NULL: no vectors */
+    size_t from, to;
+    double scale;                                    /* of the depths */
+} pbw__verifying;
+
+/* Returns whether the simplex in slot t, finite or a ghost, is in conflict with p: see pbw__in_conflict. */
+static int pbw__slot_conflict(const pbw__core *core, size_t t, const double *p)
+{
+    const pbw__kernel *kernel = &core->kernel;
+    const int dim = kernel->dim;
+    const size_t last = 4 * t + (size_t)dim;
+    const double *x[4];
+    pbw__corners_of(kernel, (pbw_index)t, x);
+    if (kernel->corner[last] == PBW__GHOST) {
+        const int side = pbw__side(dim, x, dim, p, &core->grid);
+        if (side != 0) {
+            return side > 0;
+        }
+        pbw__corners_of(kernel, (pbw_index)(kernel->link[last] >> 2), x);
+    }
+    return pbw__conflict(dim, x, p, &core->grid);
+}
+
+/* Returns the orientation of a simplex with corner i (dim+1: none) replaced by p, which need not be on the grid. */
+static int pbw__slot_side(const pbw__core *core, size_t t, int i, const double *p)
+{
+    const int dim = core->kernel.dim;
+    const double *x[4] = { NULL, NULL, NULL, NULL };
+    int k;
+    for (k = 0; k <= dim; k++) {
+        x[k] = k == i ? p : pbw__core_record(core, core->kernel.corner[4 * t + (size_t)k]);
+    }
+    return pbw__orient(dim, x, i > dim ? &core->grid : NULL);
+}
+
+/* Returns the set of facets of the simplex in slot t that are not locally regular, or PBW__INVERTED.  all: tests each
+   facet, not only those that are tested from this side. */
+PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int all, int dim)
+{
+    const pbw_index *v = core->kernel.corner + 4 * t;
+    const pbw__link *link = core->kernel.link + 4 * t;
+    const int ghost = v[dim] == PBW__GHOST;
+    pbw__plane plane;
+    unsigned faults = 0;
+    int k;
+    memset(&plane, 0, sizeof(plane));
+    if (!ghost) {
+        double side;
+        pbw__plane_of(core, v, dim, &plane);
+        side = plane.orientation;
+        if (!(side > 0.0 && side * side > pbw__side_limit(plane.height, dim))
+            && pbw__slot_side(core, t, dim + 1, NULL) <= 0) {
+            return PBW__INVERTED;
+        }
+    }
+    for (k = 0; k <= dim - ghost; k++) {
+        const pbw_index far = core->kernel.corner[link[k]];
+        const double *e = core->record + far * ((size_t)dim + 1);
+        double row[5];
+        if (far == PBW__GHOST || (!ghost && !all && t > link[k] >> 2)) {
+            continue;
+        }
+        row[4] = ghost ? 0.0 : pbw__plane_row(&plane, e, dim, row);
+        if (ghost ? pbw__slot_conflict(core, t, e) : pbw__plane_conflict(core, &plane, v, far, row, dim)) {
+            faults |= 1u << k;
+        }
+    }
+    return faults;
+}
+
+/* ---- depths
+   The depth of facet k of a simplex is the signed way from it to the centre of the simplex's sphere, inwards, times
+   twice the facet's measure.  A facet is locally regular if its depths on both sides add up to more than 0: in the
+   plane, if cot(d) + cot(e) > 0 for the angles d and e opposite to an edge (Cline and Renka 1984).  So each simplex
+   of a window of slots is read once, and again if it is behind a facet of an earlier window.
+
+   Proof.  Let f be linear on each simplex, with the lifts of vertices as its values.  A facet is locally regular if f
+   is convex across it, that is, if its slope along the facet's normal n grows.  With the last corner d as the origin,
+   the rows a, b, c of the other corners and the minors m of >>predicates, V = a.m_a is the orientation, N = l_a m_a +
+   l_b m_b + l_c m_c, and the slope of f is N / V + 2 d.  m_i is the inner normal across from corner i, of length
+   twice the facet's area (in the plane: its length), so that across from d is -sum m.  From a corner q of the facet
+   the slope along the inner normal is H / V, H = N.n + 2 V (d - q).n: H_i = N.m_i, and, with q = a, H_d = 2 V^2 - sum
+   H_i, as a.m_a = V and a.m_b = a.m_c = 0.  Both sides have one facet and opposite normals: the sum of the two H / V
+   is minus what the slope grows by, from outside to inside, so it must be positive.
+
+   A depth is stored as a lower bound in single precision, so the sum of two is certain if it is positive.  Roundings
+   and absolute products, see >>predicates, u = 2^-53, with the largest height h:
+                in the plane                                      in space
+      V         2 differences, product, sum: 4, h                 3, minor 2, product, 2 sums: 8, 6 h^(3/2)
+      H_i       lift 5, |b|^2 4, product, sum: 11, 2 h^2          lift 6, minors 4 each, products, sums: 20, 36 h^3
+      H_d       sum, difference: 13, 6 h^2: 78 u h^2              2 sums, difference: 23, 180 h^3: 4140 u h^3
+   Absolute products in the plane are at most |a| |b| (Cauchy).  Where V is above 1e-6 h, or 5e-6 h^(3/2), and so has
+   a relative error of 8 u / 5e-6 * 6 = 1.1e-9, a depth is (H - bound) (scale / V): that error, three roundings, and a
+   conversion of 2^-24 change it by less than 1e-7 of it.  Underflow takes less than half of the least float, 2^-150,
+   and, if scale / V is denormal, 2^-1075 (36 h^3), h^3 < 1e270.  Depths are in units of the scale, which is that of
+   the points' box.  Other simplices, ghosts and free slots get NaN: their signs are left open. */
+#define PBW__DEPTH2_ERROR 9e-15                      /* of H, times h^2, h^3 */
+#define PBW__DEPTH3_ERROR 4.7e-13
+#define PBW__DEPTH2_LEAST 1e-12                      /* of V^2, times h^2, h^3 */
+#define PBW__DEPTH3_LEAST 2.5e-11
+#define PBW__DEPTH_V_ERROR 1.2e-9                    /* of V, relative */
+#define PBW__DEPTH_ERROR 1e-7                        /* of a depth, relative */
+#define PBW__DEPTH_LOST 1e-45                        /* to underflow */
+#define PBW__DEPTH_MOST 1e270                        /* of h^2, h^3 */
+
+#ifdef PBW__SIMD
+/* Makes the points of four vertices the origins of the four lanes. */
+PBW__SIMD_INLINE void pbw__origins4(const double *record, const pbw_index *v, pbw__point4 *origin)
+{
+    const size_t width = (size_t)origin->dim + 1;
+    const double *a = record + width * v[0], *b = record + width * v[1], *c = record + width * v[2],
+                 *d = record + width * v[3];
+    pbw__columns(a, b, c, d, &origin->x, &origin->y);
+    if (origin->dim == 3) {
+        pbw__columns(a + 2, b + 2, c + 2, d + 2, &origin->z, &origin->weight);
+    } else if (origin->weighted) {
+        origin->weight = pbw__four(a[2], b[2], c[2], d[2]);
+    }
+}
+
+/* Computes V and H of four simplices, one in each lane, with the last corners as origins.  Returns the largest
+   heights. */
+PBW__SIMD_INLINE pbw__d4 pbw__depths4(const double *record, pbw_index v[4][4], const pbw__point4 *origin, pbw__d4 *V,
+                                      pbw__d4 *H)
+{
+    const pbw__rows4 a = pbw__rows4_of(record, v[0], 0, origin), b = pbw__rows4_of(record, v[1], 0, origin);
+    const pbw__d4 h = pbw__max4(pbw__max4(a.height, b.height), pbw__splat(1e-55));
+    if (origin->dim == 2) {
+        const pbw__d4 aa = pbw__fma(a.y, a.y, a.x * a.x), bb = pbw__fma(b.y, b.y, b.x * b.x);
+        const pbw__d4 ab = pbw__fma(a.y, b.y, a.x * b.x), side = pbw__det2(a.x, a.y, b.x, b.y);
+        H[0] = pbw__det2(a.lift, b.lift, ab, bb);
+        H[1] = pbw__det2(b.lift, a.lift, ab, aa);
+        H[2] = (side + side) * side - (H[0] + H[1]);
+        H[3] = H[2];
+        *V = side;
+        return h;
+    } else {
+        const pbw__rows4 c = pbw__rows4_of(record, v[2], 0, origin);
+        const pbw__d4 ax = pbw__det2(c.y, c.z, b.y, b.z), bx = pbw__det2(a.y, a.z, c.y, c.z),
+                      cx = pbw__det2(b.y, b.z, a.y, a.z), ay = pbw__det2(c.z, c.x, b.z, b.x),
+                      by = pbw__det2(a.z, a.x, c.z, c.x), cy = pbw__det2(b.z, b.x, a.z, a.x),
+                      az = pbw__det2(c.x, c.y, b.x, b.y), bz = pbw__det2(a.x, a.y, c.x, c.y),
+                      cz = pbw__det2(b.x, b.y, a.x, a.y);
+        const pbw__d4 nx = pbw__dot4(a.lift, b.lift, c.lift, ax, bx, cx);
+        const pbw__d4 ny = pbw__dot4(a.lift, b.lift, c.lift, ay, by, cy);
+        const pbw__d4 nz = pbw__dot4(a.lift, b.lift, c.lift, az, bz, cz);
+        const pbw__d4 side = pbw__dot4(a.x, a.y, a.z, ax, ay, az);
+        H[0] = pbw__dot4(nx, ny, nz, ax, ay, az);
+        H[1] = pbw__dot4(nx, ny, nz, bx, by, bz);
+        H[2] = pbw__dot4(nx, ny, nz, cx, cy, cz);
+        H[3] = (side + side) * side - (H[0] + H[1] + H[2]);
+        *V = side;
+        return pbw__max4(h, c.height);
+    }
+}
+
+/* Stores the depths of the simplices in four slots: NaN unless the simplex is certainly positive.  Free slots read
+   the record of the ghost, too. */
+PBW__SIMD_INLINE void pbw__depths_of(const pbw__verifying *verifying, const pbw_index *slot, float *depths, int dim)
+{
+    const pbw__core *core = verifying->core;
+    const pbw__d4 nan = pbw__splat(HUGE_VAL) - pbw__splat(HUGE_VAL);
+    pbw__point4 origin = pbw__point4_of(core->record, dim, core->kernel.weighted, (size_t)dim + 1);
+    pbw__d4 h, V, H[4], power, scale, certain;
+    pbw_index v[4][4];
+    unsigned i, k;
+    for (i = 0; i < 4; i++) {
+        const pbw_index *corner = core->kernel.corner + 4 * (size_t)slot[i];
+        const pbw_index used = 0 - (pbw_index)(corner[0] != PBW_NONE);
+        for (k = 0; k <= (unsigned)dim; k++) {
+            v[k][i] = corner[k] & used;
+        }
+    }
+    pbw__origins4(core->record, v[dim], &origin);
+    h = pbw__depths4(core->record, v, &origin, &V, H);
+    power = dim == 2 ? h * h : h * h * h;
+    certain = pbw__greater(V * V, power * pbw__splat(dim == 2 ? PBW__DEPTH2_LEAST : PBW__DEPTH3_LEAST));
+    certain = pbw__and4(certain, pbw__greater(pbw__splat(PBW__DEPTH_MOST), power));
+    certain = pbw__and4(certain, pbw__greater(V, pbw__splat(0.0)));
+    scale = pbw__blend(nan, pbw__splat(verifying->scale) / V, certain);
+    power = power * pbw__splat(dim == 2 ? PBW__DEPTH2_ERROR : PBW__DEPTH3_ERROR);
+    for (k = 0; k < 4; k++) {
+        const pbw__d4 depth = (H[k] - power) * scale;
+        H[k] = depth - pbw__fma(pbw__abs4(depth), pbw__splat(PBW__DEPTH_ERROR), pbw__splat(PBW__DEPTH_LOST));
+    }
+    pbw__store_rows(depths, H[0], H[1], H[2], H[3]);
+}
+
+/* pbw__depths_of for a list of slots; count is a multiple of four. */
+PBW__SIMD static PBW__NOINLINE void pbw__depths(const pbw__verifying *verifying, const pbw_index *slot, size_t count,
+                                                float *depths)
+{
+    const int dim = verifying->core->kernel.dim;
+    size_t i;
+    for (i = 0; i < count; i += 4) {
+        PBW__BY_DIM(dim, pbw__depths_of, verifying, slot + i, depths + 4 * i);
+    }
+}
+#endif
+
+#define PBW__VERIFIED ((size_t)65536)                /* slots of a window, for each thread: a megabyte of depths */
+#define PBW__PENDING ((size_t)64)                    /* facets between windows that are judged together */
+
+/* Returns whether the ray from o through `ahead` meets the closed facet of the ghost in slot t: ahead - o is then a
+   sum of (corner - o) without negative coefficients. */
+static int pbw__ray_meets(const pbw__verifying *verifying, size_t t)
+{
+    const pbw__core *core = verifying->core;
+    const int dim = core->kernel.dim;
+    const double *x[4] = { NULL, NULL, NULL, NULL };
+    int i, side = -1;
+    for (i = 0; i < dim; i++) {
+        x[i] = pbw__core_record(core, core->kernel.corner[4 * t + (size_t)i]);
+    }
+    x[dim] = verifying->o;
+    for (i = 0; i < dim && side <= 0; i++) {         /* negative with all corners: o is inside */
+        side = pbw__side(dim, x, i, verifying->ahead, NULL);
+    }
+    return side <= 0;
+}
+
+/* Returns 2 if o is not on the inner side of the facet of the ghost in slot t, 1 if the ray meets this facet. */
+static size_t pbw__covers(const pbw__verifying *verifying, size_t t)
+{
+    return pbw__slot_side(verifying->core, t, verifying->core->kernel.dim, verifying->o) >= 0
+           ? 2 : (size_t)pbw__ray_meets(verifying, t);
+}
+
+/* Judges exactly those facets of a simplex that are tested from this side. */
+static PBW__NOINLINE void pbw__verify_slot(pbw__verifying *verifying, size_t t)
+{
+    pbw__core *core = verifying->core;
+    const unsigned faults = core->kernel.dim == 3 ? pbw__slot_faults(core, t, 0, 3) : pbw__slot_faults(core, t, 0, 2);
+    if (faults != 0 && core->kernel.mark[t] == 0) {  /* it may be judged for each facet */
+        core->kernel.mark[t] = (unsigned char)faults;
+        (void)PBW__ADD(faults == PBW__INVERTED ? &verifying->inverted : &verifying->failing, 1);
+    }
+}
+
+#ifdef PBW__SIMD
+/* Computes the depths of slots from..to-1 of the window. */
+static pbw_status pbw__verify_depths(void *arg, size_t from, size_t to)
+{
+    const pbw__verifying *verifying = (const pbw__verifying *)arg;
+    pbw_index slot[64];
+    for (; from < to; from += 64) {
+        const size_t count = to - from < 64 ? to - from : 64;
+        size_t i;
+        for (i = 0; i < 64; i++) {                   /* the last ones fill up to a multiple of four */
+            slot[i] = (pbw_index)(verifying->from + from + (i < count ? i : count - 1));
+        }
+        pbw__depths(verifying, slot, (count + 3) / 4 * 4, verifying->depth + 4 * from);
+    }
+    return PBW_OK;
+}
+
+/* Facets between this window and later ones. */
+typedef struct pbw__verify_links { size_t count; pbw__link pending[PBW__PENDING + 4]; } pbw__verify_links;
+
+/* Judges the pending facets, and empties the list. */
+static void pbw__verify_pending(pbw__verifying *verifying, pbw__verify_links *links)
+{
+    const pbw__link *link = verifying->core->kernel.link;
+    float behind[4 * (PBW__PENDING + 4)];
+    pbw_index slot[PBW__PENDING + 4];
+    size_t i;
+    for (i = 0; i < (links->count + 3) / 4 * 4; i++) {
+        slot[i] = (pbw_index)(link[links->pending[i < links->count ? i : 0]] >> 2);
+    }
+    pbw__depths(verifying, slot, i, behind);
+    for (i = 0; i < links->count; i++) {
+        const pbw__link here = links->pending[i];
+        if (!(verifying->depth[here - 4 * verifying->from] + behind[4 * i + (link[here] & 3)] > 0.0f)) {
+            pbw__verify_slot(verifying, here >> 2);
+        }
+    }
+    links->count = 0;
+}
+
+/* Returns whether facet `here` is certainly locally regular, or is judged elsewhere.  Branchless: the slot across is
+   unpredictable. */
+PBW__INLINE int pbw__verify_facet(const pbw__verifying *verifying, pbw__verify_links *links, pbw__link here)
+{
+    const pbw__link first = (pbw__link)(4 * verifying->from), all = (pbw__link)(4 * verifying->to) - first;
+    const pbw__link across = verifying->core->kernel.link[here], there = across - first;
+    links->pending[links->count] = here;
+    links->count += across >= first + all;
+    return verifying->depth[here - first] + verifying->depth[there < all ? there : all] > 0.0f;
+}
+
+/* Judges the facets of slots from..to-1 by their depths on both sides, or exactly.  For slots outside of the window
+   the depth at its end, infinity, leaves the facet to another test. */
+PBW__INLINE void pbw__verify_facets_of(pbw__verifying *shared, size_t from, size_t to, int dim)
+{
+    const pbw__verifying verifying = *shared;        /* a copy, as the stores below might alias it */
+    const pbw_index *corner = verifying.core->kernel.corner;
+    pbw__verify_links links;
+    size_t covers = 0, t;
+    links.count = 0;
+    for (t = from; t < to; t++) {
+        const pbw__link here = (pbw__link)(4 * t);
+        int certain;
+        if (corner[here] == PBW_NONE) {
+            continue;
+        }
+        certain = pbw__verify_facet(&verifying, &links, here) & pbw__verify_facet(&verifying, &links, here + 1)
+                & pbw__verify_facet(&verifying, &links, here + 2)
+                & (dim == 2 || pbw__verify_facet(&verifying, &links, here + 3));
+        if (PBW__UNLIKELY(!certain)) {
+            pbw__verify_slot(shared, t);
+            covers += corner[here + (unsigned)dim] == PBW__GHOST ? pbw__covers(shared, t) : 0;
+        }
+        if (links.count >= PBW__PENDING) {
+            pbw__verify_pending(shared, &links);
+        }
+    }
+    pbw__verify_pending(shared, &links);
+    (void)PBW__ADD(&shared->covers, covers);
+}
+#endif
+
+/* Adds pbw__covers of the ghosts in slots from..to-1. */
+static pbw_status pbw__cover_range(void *arg, size_t from, size_t to)
+{
+    pbw__verifying *verifying = (pbw__verifying *)arg;
+    const pbw_index *corner = verifying->core->kernel.corner;
+    const size_t dim = (size_t)verifying->core->kernel.dim;
+    size_t covers = 0, t;
+    for (t = from; t < to; t++) {
+        covers += corner[4 * t] != PBW_NONE && corner[4 * t + dim] == PBW__GHOST ? pbw__covers(verifying, t) : 0;
+    }
+    (void)PBW__ADD(&verifying->covers, covers);
+    return PBW_OK;
+}
+
+/* Judges the simplices and facets of slots from..to-1 of the window, and counts as pbw__cover_range does. */
+static pbw_status pbw__verify_range(void *arg, size_t from, size_t to)
+{
+    pbw__verifying *verifying = (pbw__verifying *)arg;
+    const pbw_index *corner = verifying->core->kernel.corner;
+    size_t t;
+    from += verifying->from;
+    to += verifying->from;
+    if (PBW__LOAD(&verifying->inverted) > 0 || PBW__LOAD(&verifying->failing) > verifying->most) {
+        return PBW__ANEW;
+    }
+#ifdef PBW__SIMD
+    if (verifying->depth != NULL) {
+        PBW__BY_DIM(verifying->core->kernel.dim, pbw__verify_facets_of, verifying, from, to);
+        return PBW_OK;
+    }
+#endif
+    for (t = from; t < to; t++) {
+        if (corner[4 * t] != PBW_NONE) {
+            pbw__verify_slot(verifying, t);
+        }
+    }
+    return pbw__cover_range(verifying, from, to);
+}
+
+/* Where no facet may fail, tests a sample first: if many facets fail, one of these does. */
+static pbw_status pbw__verify_some(const pbw__core *core)
+{
+    const size_t count = core->store.count, step = count / 256 + 1;
+    const int dim = core->kernel.dim;
+    size_t t;
+    for (t = 0; t < count && step >= 16; t += step) {
+        if (core->kernel.corner[4 * t] != PBW_NONE && pbw__slot_faults(core, t, 1, dim) != 0) {
+            return PBW__ANEW;
+        }
+    }
+    return PBW_OK;
+}
+
+#ifdef PBW__SIMD
+/* Tests all simplices, window by window, with vectors. */
+static pbw_status pbw__verify_windows(pbw__verifying *verifying)
+{
+    pbw__core *core = verifying->core;
+    pbw__context *context = core->kernel.context;
+    const size_t count = core->store.count, most = PBW__SMALLER(PBW__VERIFIED) * (size_t)context->threads;
+    const size_t room = 4 * ((count < most ? count : most) + 4);
+    pbw_status status = PBW_OK;
+    int k;
+    verifying->scale = (double)core->vertex_count;
+    for (k = 0; k < core->kernel.dim; k++) {
+        verifying->scale /= core->high[k] - core->low[k];
+    }
+    verifying->scale = verifying->scale >= 1e-300 && verifying->scale <= 1e300 ? verifying->scale : 1.0;
+    verifying->depth = (float *)pbw__allocate_large(context, room, sizeof(float));
+    if (verifying->depth == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (verifying->from = 0; verifying->from < count && status == PBW_OK; verifying->from = verifying->to) {
+        const size_t rest = count - verifying->from, length = rest < most ? rest : most;
+        const double done = 0.5 * (double)verifying->from / (double)count;
+        verifying->to = verifying->from + length;
+        status = pbw__for_range(context, length, 4096, done, pbw__verify_depths, verifying);
+        verifying->depth[4 * length] = (float)HUGE_VAL;
+        if (status == PBW_OK) {
+            status = pbw__for_range(context, length, 4096, done, pbw__verify_range, verifying);
+        }
+    }
+    pbw__release(&context->memory, verifying->depth, room, sizeof(float));
+    return status;
+}
+#endif
+
+/* Tests all simplices. */
+static pbw_status pbw__verify_all(pbw__verifying *verifying)
+{
+    pbw__core *core = verifying->core;
+    const pbw_status status = verifying->most == 0 ? pbw__verify_some(core) : PBW_OK;
+#ifdef PBW__SIMD
+    if (status == PBW_OK && pbw__simd_works()) {
+        return pbw__verify_windows(verifying);
+    }
+#endif
+    return status != PBW_OK ? status
+         : pbw__for_range(core->kernel.context, core->store.count, 4096, 0.5, pbw__verify_range, verifying);
+}
+
+/* Chooses o inside a simplex, of a few in the middle of the store, and a ray.  Returns 0 if rounding puts each
+   outside of its simplex. */
+static int pbw__choose_inside(pbw__verifying *verifying)
+{
+    static const double direction[3] = { 0.31, 0.19, -0.23 };
+    const pbw__core *core = verifying->core;
+    const int dim = core->kernel.dim;
+    const size_t count = core->store.count;
+    size_t step, left = 64;
+    int i, k, finite = 1;
+    for (step = 0; step < count && left > 0; step++) {
+        const size_t t = (count / 2 + step) % count;
+        const pbw_index *v = core->kernel.corner + 4 * t;
+        if (v[0] == PBW_NONE || v[dim] == PBW__GHOST) {
+            continue;
+        }
+        left--;
+        for (k = 0; k < dim; k++) {
+            double low = HUGE_VAL, high = -HUGE_VAL;
+            verifying->o[k] = 0.0;
+            for (i = 0; i <= dim; i++) {
+                const double x = pbw__core_record(core, v[i])[k];
+                verifying->o[k] += x / (double)(dim + 1);
+                low = x < low ? x : low;
+                high = x > high ? x : high;
+            }
+            verifying->ahead[k] = verifying->o[k] + direction[k] * (high - low);
+            finite &= pbw__abs(verifying->ahead[k]) <= DBL_MAX;
+        }
+        verifying->o[dim] = verifying->ahead[dim] = 0.0;
+        for (i = 0; i <= dim && pbw__slot_side(core, t, i, verifying->o) > 0; i++) {
+        }
+        if (i > dim) {
+            return finite;
+        }
+    }
+    return 0;
+}
+
+/* ---- flips */
+/* Returns by how many places to rotate the corners v to the left so that the ghost comes last. */
+PBW__INLINE unsigned pbw__ghost_turn(const pbw_index *v)
+{
+    return v[0] == PBW__GHOST ? 1 : v[1] == PBW__GHOST ? 2 : 0;
+}
+
+/* Sets corners and links of a triangle, and the links back. */
+static void pbw__set_triangle(pbw__kernel *kernel, size_t t, const pbw_index *v, const pbw__link *link)
+{
+    const unsigned turn = pbw__ghost_turn(v);
+    unsigned k;
+    for (k = 0; k < 3; k++) {
+        const pbw__link to = link[(k + turn) % 3];
+        kernel->corner[4 * t + k] = v[(k + turn) % 3];
+        kernel->link[4 * t + k] = to;
+        kernel->link[to] = (pbw__link)(4 * t + k);
+    }
+}
+
+/* Returns whether three vertices are a positive triangle, or one is the ghost. */
+static int pbw__may_be_triangle(const pbw__core *core, const pbw_index *v)
+{
+    const double *x[3] = { pbw__core_record(core, v[0]), pbw__core_record(core, v[1]), pbw__core_record(core, v[2]) };
+    return v[0] == PBW__GHOST || v[1] == PBW__GHOST || v[2] == PBW__GHOST || pbw__orient(2, x, &core->grid) > 0;
+}
+
+/* Replaces the edge opposite to corner k of t by the other diagonal.  PBW__ANEW: the quadrilateral is not convex. */
+static pbw_status pbw__flip(pbw__core *core, size_t t, unsigned k)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const pbw__link across = kernel->link[4 * t + k], here = (pbw__link)(4 * t + k);
+    const size_t u = (size_t)(across >> 2);
+    const unsigned j = (unsigned)(across & 3), k1 = (k + 1) % 3, k2 = (k + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+    const pbw_index p = kernel->corner[here], q = kernel->corner[across];
+    const pbw_index a = kernel->corner[4 * t + k1], b = kernel->corner[4 * t + k2];
+    const pbw_index first[3] = { p, a, q }, second[3] = { p, q, b };
+    const unsigned at_a = (4 - pbw__ghost_turn(first)) % 3, at_b = (5 - pbw__ghost_turn(second)) % 3;
+    const pbw__link of_first[3] = { kernel->link[4 * u + j1], (pbw__link)(4 * u + at_b), kernel->link[4 * t + k2] };
+    const pbw__link of_second[3] = { kernel->link[4 * u + j2], kernel->link[4 * t + k1], (pbw__link)(4 * t + at_a) };
+    pbw_status status;
+    if (!pbw__may_be_triangle(core, first) || !pbw__may_be_triangle(core, second)) {
+        return PBW__ANEW;
+    }
+    kernel->scratch.cavity[0] = (pbw_index)t;
+    kernel->scratch.cavity[1] = (pbw_index)u;
+    kernel->scratch.cavity_count = 2;
+    status = pbw__journal_cavity(kernel);
+    if (status == PBW_OK) {
+        pbw__set_triangle(kernel, t, first, of_first);
+        pbw__set_triangle(kernel, u, second, of_second);
+        pbw__note_corners(core, t);
+        pbw__note_corners(core, u);
+    }
+    return status;
+}
+
+/* Flips until all edges are locally Delaunay; `edge` is the worklist, with `count` edges at first.  PBW__ANEW:
+   more than `most` flips.  A task notes in `open` the edges at which it does not own all vertices. */
+static pbw_status pbw__flip_all(pbw__core *core, size_t count, size_t most)
+{
+    pbw__kernel *kernel = &core->kernel;
+    size_t flips = 0;
+    pbw_status status = PBW_OK;
+    while (count > 0 && status == PBW_OK) {
+        const pbw__link facet = core->edge[--count];
+        const size_t s = (size_t)(kernel->link[facet] >> 2), t = (size_t)(facet >> 2);
+        const int ghost = kernel->corner[4 * t + 2] == PBW__GHOST;
+        const pbw_index far = kernel->corner[kernel->link[facet]];
+        unsigned k = (unsigned)(facet & 3);
+        if (far == PBW__GHOST || (ghost && k == 2) || !pbw__slot_conflict(core, t, pbw__core_record(core, far))) {
+            continue;
+        }
+        status = ++flips > most ? PBW__ANEW : pbw__flip(core, t, k);
+        if (status == PBW__LEFT) {
+            status = PBW__CORE_GROW(core, open, core->open_count + 1) ? PBW_OK : PBW_ERROR_MEMORY;
+            if (status == PBW_OK) {
+                core->open[core->open_count++] = facet;
+                continue;
+            }
+        }
+        if (status == PBW_OK && !PBW__CORE_GROW(core, edge, count + 6)) {
+            status = PBW_ERROR_MEMORY;
+        }
+        for (k = 0; k < 3 && status == PBW_OK; k++) {
+            core->edge[count++] = (pbw__link)(4 * t + k);
+            core->edge[count++] = (pbw__link)(4 * s + k);
+        }
+        if ((flips & 1023) == 0 && pbw__report(kernel->context, 0.5)) {
+            status = PBW_CANCELLED;
+        }
+    }
+    return status;
+}
+
+/* pbw__flip_all, starting from the marks of a verification. */
+static pbw_status pbw__flip_marked(pbw__core *core, size_t most)
+{
+    pbw__kernel *kernel = &core->kernel;
+    size_t count = 0, t;
+    unsigned k;
+    for (t = 0; t < core->store.count; t++) {
+        for (k = 0; k < 3 && kernel->mark[t] != 0 && kernel->corner[4 * t] != PBW_NONE; k++) {
+            if (!PBW__CORE_GROW(core, edge, count + 1)) {
+                return PBW_ERROR_MEMORY;
+            }
+            core->edge[count] = (pbw__link)(4 * t + k);
+            count += kernel->mark[t] >> k & 1;
+        }
+        kernel->mark[t] = 0;
+    }
+    return pbw__flip_all(core, count, most);
+}
+
+/* After the records got other coordinates: PBW_OK if the core is their triangulation, in the plane after at most
+   `most` flips; PBW__ANEW if not. */
+static pbw_status pbw__verify(pbw__core *core, size_t most)
+{
+    pbw__context *context = core->kernel.context;
+    pbw__verifying verifying;
+    pbw_status status;
+    memset(&verifying, 0, sizeof(verifying));
+    verifying.core = core;
+    verifying.most = core->kernel.dim == 3 || core->kernel.weighted ? 0 : most;
+    status = pbw__choose_inside(&verifying) ? pbw__verify_all(&verifying) : PBW__ANEW;
+    if (status == PBW_OK && (verifying.inverted > 0 || verifying.failing > verifying.most)) {
+        status = PBW__ANEW;
+    } else if (status == PBW_OK && verifying.failing > 0) {
+        verifying.covers = 0;
+        status = pbw__flip_marked(core, most);
+        status = status != PBW_OK ? status : !pbw__choose_inside(&verifying) ? PBW__ANEW
+               : pbw__for_range(context, core->store.count, 16384, 1.0, pbw__cover_range, &verifying);
+    }
+    if (status != PBW_OK) {
+        memset(core->kernel.mark, 0, core->store.count);
+    }
+    return status == PBW_OK && verifying.covers != 1 ? PBW__ANEW : status;
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>live         Points to insert, remove and move: the queue.
+   In: a mesh, then changes by number.  Out: for >>commit, the points as they are to be.
+   Holds: `point`, `weight` and `state` are as they will be after the next commit; the core is as the last one left
+   it. A commit that fails changes neither: it works on another core, or undoes its changes, which needs no memory.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__LIVES 1u                                /* it is a point of the last commit */
+#define PBW__STAYS 2u                                /* it will be one of the next commit */
+#define PBW__QUEUED 4u                               /* its number is in the queue */
+#define PBW__LEAVES 8u                               /* in a commit: it leaves its old place */
+#define PBW__ARRIVES 16u                             /* in a commit: it arrives at a new place */
+
+#define PBW__LIVE_GROW(live, x, needed) PBW__GROW(&(live)->core.kernel, live, x, needed)
+
+/* A write to a table of the core, to be undone: the entry and its old value. */
+typedef struct pbw__edit { pbw_index table, at, old; } pbw__edit;
+enum { PBW__EDIT_VERTEX, PBW__EDIT_TWIN, PBW__EDIT_PLACE };
+
+struct pbw_live {
+    pbw_memory memory;
+    pbw_options options;
+    int dim, weighted, weighted_past;                /* weighted: from the next commit on; past: at the last one */
+    double *point, *weight;                          /* per number */
+    unsigned char *state;
+    pbw_index *spare, *queue;                        /* numbers that are free; numbers with changes */
+    size_t point_capacity, weight_capacity, state_capacity, spare_capacity, queue_capacity;
+    size_t count, spare_count, queue_count;          /* count: numbers */
+    size_t numbers, points;                          /* how many there were at the last commit */
+    pbw__core core;
+    /* of one commit */
+    pbw__edit *edit;
+    pbw_index *head, *leaving, *arriving;            /* head: per place that changes, a number; others: vertices */
+    pbw_index *joining;                              /* numbers that arrive; then vertices that they did not need */
+    double *moved;                                   /* the other coordinates of those in `leaving` */
+    size_t edit_capacity, head_capacity, leaving_capacity, arriving_capacity, joining_capacity, moved_capacity;
+    size_t edit_count, leaving_count, arriving_count, joining_count, first_edit;
+    size_t past_vertices, past_unused, past_placed;
+    pbw__grid past_grid;
+    double past_height;
+};
+
+/* ---- the queue */
+PBW__INLINE const double *pbw__live_point(const pbw_live *live, size_t id)
+{
+    return live->point + id * (size_t)live->dim;
+}
+
+/* Prefetches for later entries of the queue, which has no order. */
+PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i, size_t end)
+{
+    if (i + 32 < end) {
+        const pbw_index far = live->queue[i + 32], near = live->queue[i + 16];
+        PBW__PREFETCH(live->state + far);
+        PBW__PREFETCH(live->point + (size_t)live->dim * far);
+        if (live->core.vertex == NULL) {             /* the points span no simplex */
+            return;
+        }
+        if (far < live->numbers) {
+            PBW__PREFETCH(live->core.vertex + far);
+        }
+        if (near < live->numbers && (live->state[near] & PBW__LIVES) != 0) {
+            PBW__PREFETCH(pbw__core_record(&live->core, live->core.vertex[near]));
+            PBW__PREFETCH(live->core.local + live->core.vertex[near]);
+        }
+    }
+}
+
+/* Makes room for `count` numbers, `queued` of them in the queue. */
+static pbw_status pbw__live_reserve(pbw_live *live, size_t count, size_t queued)
+{
+    pbw_memory *memory = &live->memory;
+    if (count >= PBW__POINT_LIMIT || count > (size_t)-1 / 256) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    return pbw__grow(memory, &live->point, &live->point_capacity, count * (size_t)live->dim, sizeof(double))
+        && pbw__grow(memory, &live->weight, &live->weight_capacity, count, sizeof(double))
+        && pbw__grow(memory, &live->state, &live->state_capacity, count, 1)
+        && pbw__grow(memory, &live->spare, &live->spare_capacity, count, sizeof(pbw_index))
+        && pbw__grow(memory, &live->queue, &live->queue_capacity, queued, sizeof(pbw_index))
+        ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+static void pbw__live_queue(pbw_live *live, pbw_index id)
+{
+    if ((live->state[id] & PBW__QUEUED) == 0) {
+        live->state[id] |= PBW__QUEUED;
+        live->queue[live->queue_count++] = id;
+    }
+}
+
+PBW__INLINE int pbw__all_finite(const double *x, size_t count)
+{
+    double sum = 0.0;
+    size_t i;
+    for (i = 0; i < count; i++) {
+        sum += x[i] - x[i];
+    }
+    return sum == 0.0;
+}
+
+PBWDEF pbw_status pbw_live_insert(pbw_live *live, const double *points, const double *weights, size_t count,
+                                  pbw_index *ids)
+{
+    size_t dim, i, k;
+    pbw_status status;
+    if (live == NULL || (points == NULL && count != 0)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    dim = (size_t)live->dim;
+    status = count > (size_t)-1 / 256 ? PBW_ERROR_TOO_LARGE
+           : pbw__live_reserve(live, live->count + (count > live->spare_count ? count - live->spare_count : 0),
+                               live->queue_count + count);
+    if (status != PBW_OK) {
+        return status;
+    }
+    if (!pbw__all_finite(points, count * dim) || (weights != NULL && !pbw__all_finite(weights, count))) {
+        return PBW_ERROR_NOT_FINITE;
+    }
+    live->weighted |= weights != NULL;
+    for (i = 0; i < count; i++) {
+        const pbw_index id = live->spare_count > 0 ? live->spare[--live->spare_count] : (pbw_index)live->count++;
+        for (k = 0; k < dim; k++) {
+            live->point[id * dim + k] = points[i * dim + k] + 0.0;       /* no -0.0 */
+        }
+        live->weight[id] = weights != NULL ? weights[i] + 0.0 : 0.0;
+        live->state[id] = PBW__STAYS;
+        pbw__live_queue(live, id);
+        if (ids != NULL) {
+            ids[i] = id;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Returns whether all of these are numbers of points that stay. */
+static int pbw__live_all_stay(const pbw_live *live, const pbw_index *ids, size_t count)
+{
+    size_t i;
+    for (i = 0; i < count; i++) {
+        if (ids[i] >= live->count || (live->state[ids[i]] & PBW__STAYS) == 0) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+PBWDEF pbw_status pbw_live_remove(pbw_live *live, const pbw_index *ids, size_t count)
+{
+    size_t i;
+    pbw_status status;
+    if (live == NULL || (ids == NULL && count != 0) || count > live->count || !pbw__live_all_stay(live, ids, count)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    status = pbw__live_reserve(live, live->count, live->queue_count + count);
+    if (status != PBW_OK) {
+        return status;
+    }
+    for (i = 0; i < count && (live->state[ids[i]] & PBW__STAYS) != 0; i++) {
+        live->state[ids[i]] &= (unsigned char)~PBW__STAYS;
+    }
+    if (i < count) {                                 /* a number occurs twice */
+        while (i-- > 0) {
+            live->state[ids[i]] |= PBW__STAYS;
+        }
+        return PBW_ERROR_ARGUMENT;
+    }
+    for (i = 0; i < count; i++) {
+        pbw__live_queue(live, ids[i]);
+    }
+    return PBW_OK;
+}
+
+PBWDEF pbw_status pbw_live_move(pbw_live *live, const pbw_index *ids, const double *points, size_t count)
+{
+    size_t dim, i, k;
+    pbw_status status;
+    if (live == NULL || (points == NULL && count != 0) || (ids == NULL && count != live->count)
+        || (ids != NULL && !pbw__live_all_stay(live, ids, count))) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    dim = (size_t)live->dim;
+    for (i = 0; i < count; i++) {
+        if ((ids != NULL || (live->state[i] & PBW__STAYS) != 0) && !pbw__all_finite(points + i * dim, dim)) {
+            return PBW_ERROR_NOT_FINITE;
+        }
+    }
+    status = pbw__live_reserve(live, live->count, live->queue_count + count);
+    if (status != PBW_OK) {
+        return status;
+    }
+    for (i = 0; i < count; i++) {
+        const pbw_index id = ids != NULL ? ids[i] : (pbw_index)i;
+        if ((live->state[id] & PBW__STAYS) != 0) {
+            for (k = 0; k < dim; k++) {
+                live->point[id * dim + k] = points[i * dim + k] + 0.0;
+            }
+            pbw__live_queue(live, id);
+        }
+    }
+    return PBW_OK;
+}
+
+/* ---- what a commit changed */
+PBW__INLINE int pbw__tuple_order(const pbw_index *a, const pbw_index *b, size_t corners)
+{
+    size_t i;
+    for (i = 0; i + 1 < corners && a[i] == b[i]; i++) {
+    }
+    return (a[i] > b[i]) - (a[i] < b[i]);
+}
+
+static void pbw__sift_tuple(pbw_index *heap, size_t root, size_t count, size_t corners)
+{
+    const size_t bytes = corners * sizeof(pbw_index);
+    pbw_index item[4];
+    size_t child;
+    memcpy(item, heap + root * corners, bytes);
+    while ((child = 2 * root + 1) < count) {
+        child += child + 1 < count
+                 && pbw__tuple_order(heap + (child + 1) * corners, heap + child * corners, corners) > 0;
+        if (pbw__tuple_order(heap + child * corners, item, corners) <= 0) {
+            break;
+        }
+        memcpy(heap + root * corners, heap + child * corners, bytes);
+        root = child;
+    }
+    memcpy(heap + root * corners, item, bytes);
+}
+
+/* Sorts the simplices of one vertex by their corners: a heap sort, which needs no memory. */
+static void pbw__sort_tuples(pbw_index *tuple, size_t count, size_t corners)
+{
+    pbw_index last[4];
+    size_t i;
+    for (i = count / 2; i-- > 0; ) {
+        pbw__sift_tuple(tuple, i, count, corners);
+    }
+    for (i = count; i-- > 1; ) {
+        memcpy(last, tuple + i * corners, corners * sizeof(pbw_index));
+        memcpy(tuple + i * corners, tuple, corners * sizeof(pbw_index));
+        memcpy(tuple, last, corners * sizeof(pbw_index));
+        pbw__sift_tuple(tuple, 0, i, corners);
+    }
+}
+
+/* Rotates the corners of a simplex: the lowest first, in space the lowest of the others second. */
+PBW__INLINE void pbw__turn_tuple(pbw_index *v, int dim)
+{
+    const unsigned order = pbw__canonical_order(v, dim);
+    pbw_index old[4];
+    int k;
+    memcpy(old, v, ((size_t)dim + 1) * sizeof(pbw_index));
+    for (k = 0; k <= dim; k++) {
+        v[k] = old[order >> 2 * k & 3];
+    }
+}
+
+typedef struct pbw__owned_changes { pbw_memory memory; size_t deleted, made, points; } pbw__owned_changes;
+
+/* Frees changes.  `memory` counts their bytes; NULL: the commit has ended. */
+static void pbw__changes_release(pbw_memory *memory, pbw_changes *changes)
+{
+    if (changes != NULL && changes->memory != NULL) {
+        pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
+        pbw_memory own = owned->memory;
+        memory = memory != NULL ? memory : &own;
+        pbw__release(memory, (void *)(uintptr_t)changes->deleted, owned->deleted, sizeof(pbw_index));
+        pbw__release(memory, (void *)(uintptr_t)changes->made, owned->made, sizeof(pbw_index));
+        pbw__release(memory, (void *)(uintptr_t)changes->points, owned->points, sizeof(pbw_index));
+        pbw__release(memory, owned, 1, sizeof(pbw__owned_changes));
+    }
+    if (changes != NULL) {
+        memset(changes, 0, sizeof(*changes));
+    }
+}
+
+PBWDEF void pbw_changes_free(pbw_changes *changes)
+{
+    pbw__changes_release(NULL, changes);
+}
+
+/* A list of simplices that is being sorted. */
+typedef struct pbw__tuples {
+    pbw_index *tuple, *sorted;
+    uint64_t *key;                                   /* the lowest corner, and below it the place in `tuple` */
+    uint32_t *digit;
+    size_t count;
+    int dim;
+} pbw__tuples;
+
+static pbw_status pbw__tuples_turn(void *arg, size_t from, size_t to)
+{
+    pbw__tuples *tuples = (pbw__tuples *)arg;
+    const size_t corners = (size_t)tuples->dim + 1;
+    size_t i;
+    for (i = from; i < to; i++) {
+        pbw__turn_tuple(tuples->tuple + i * corners, tuples->dim);
+        tuples->key[i] = (uint64_t)tuples->tuple[i * corners] << 32 | i;
+    }
+    return PBW_OK;
+}
+
+/* Copies the simplices of each lowest corner that first occurs in this range, and sorts them. */
+static pbw_status pbw__tuples_gather(void *arg, size_t from, size_t to)
+{
+    const pbw__tuples *tuples = (const pbw__tuples *)arg;
+    const uint64_t *key = tuples->key;
+    const size_t corners = (size_t)tuples->dim + 1, count = tuples->count;
+    size_t i = from, first;
+    while (i > 0 && i < to && key[i] >> 32 == key[i - 1] >> 32) {
+        i++;
+    }
+    for (first = i; first < to; first = i) {
+        do {
+            PBW__PREFETCH(tuples->tuple + (uint32_t)key[i + 16 < count ? i + 16 : i] * corners);
+            memcpy(tuples->sorted + i * corners, tuples->tuple + (uint32_t)key[i] * corners,
+                   corners * sizeof(pbw_index));
+        } while (++i < count && key[i] >> 32 == key[first] >> 32);
+        pbw__sort_tuples(tuples->sorted + first * corners, i - first, corners);
+    }
+    return PBW_OK;
+}
+
+/* Keeps in each of two sorted lists what is not in the other; marks the points of both, a bit each. */
+static void pbw__changes_differ(pbw_changes *changes, size_t corners, uint64_t *mark)
+{
+    pbw_index *tuple[2];
+    const size_t bytes = corners * sizeof(pbw_index), count[2] = { changes->deleted_count, changes->made_count };
+    size_t kept[2] = { 0, 0 }, i, j, k;
+    tuple[0] = (pbw_index *)(uintptr_t)changes->deleted;
+    tuple[1] = (pbw_index *)(uintptr_t)changes->made;
+    for (i = j = 0; i < count[0] || j < count[1]; ) {
+        const int order = i == count[0] ? 1 : j == count[1] ? -1
+                        : pbw__tuple_order(tuple[0] + i * corners, tuple[1] + j * corners, corners);
+        const size_t at = order > 0 ? j : i, which = order > 0;
+        if (order != 0) {
+            const pbw_index *from = tuple[which] + at * corners;
+            for (k = 0; k < corners; k++) {
+                mark[from[k] / 64] |= (uint64_t)1 << from[k] % 64;
+            }
+            memmove(tuple[which] + kept[which]++ * corners, from, bytes);
+        }
+        i += order <= 0;
+        j += order >= 0;
+    }
+    changes->deleted_count = kept[0];
+    changes->made_count = kept[1];
+}
+
+/* Returns the number of the lowest bit that is set. */
+PBW__INLINE unsigned pbw__first_bit(uint64_t set)
+{
+#ifdef __GNUC__
+    return (unsigned)__builtin_ctzll(set);
+#else
+    unsigned i;
+    for (i = 0; (set >> i & 1) == 0; i++) {
+    }
+    return i;
+#endif
+}
+
+/* Lists the marked numbers. */
+static pbw_status pbw__changes_points(pbw_memory *memory, pbw_changes *changes, const uint64_t *mark, size_t words)
+{
+    pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
+    pbw_index *points;
+    size_t i;
+    uint64_t rest;
+    for (i = 0; i < words; i++) {
+        for (rest = mark[i]; rest != 0; rest &= rest - 1) {
+            changes->point_count++;
+        }
+    }
+    points = (pbw_index *)pbw__allocate(memory, changes->point_count + 1, sizeof(pbw_index));
+    if (points == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    owned->points = changes->point_count + 1;
+    changes->points = points;
+    for (i = 0; i < words; i++) {
+        for (rest = mark[i]; rest != 0; rest &= rest - 1) {
+            *points++ = (pbw_index)(64 * i) + (pbw_index)pbw__first_bit(rest);
+        }
+    }
+    return PBW_OK;
+}
+
+/* Sorts one list, in an array of *room words, with numbers below `numbers`, into a new array that just fits. */
+static pbw_status pbw__changes_sort(pbw__context *context, const pbw_index **list, size_t *room, pbw__tuples *tuples,
+                                    size_t numbers)
+{
+    pbw_memory *memory = &context->memory;
+    const size_t count = tuples->count, words = count * ((size_t)tuples->dim + 1) + 1;
+    const int bits = pbw__index_bits(numbers);
+    uint64_t *key = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
+    uint64_t *spare = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
+    pbw__sorting sorting = { context, key, spare, tuples->digit, count, context->threads, 0, 0 };
+    pbw_status status = PBW_ERROR_MEMORY;
+    tuples->key = key;
+    tuples->tuple = (pbw_index *)(uintptr_t)*list;
+    tuples->sorted = (pbw_index *)pbw__allocate(memory, words, sizeof(pbw_index));
+    if (key != NULL && spare != NULL && tuples->sorted != NULL) {
+        status = pbw__for_range(context, count, PBW__TICK, 0.0, pbw__tuples_turn, tuples);
+    }
+    if (status == PBW_OK) {
+        tuples->key = count < PBW__TICK ? pbw__sort_keys(&sorting, 32, bits) : pbw__sort_by(&sorting, 32, bits);
+        status = tuples->key == NULL ? PBW_CANCELLED
+               : pbw__for_range(context, count, PBW__TICK, 0.0, pbw__tuples_gather, tuples);
+    }
+    pbw__release(memory, key, count, sizeof(uint64_t));
+    pbw__release(memory, spare, count, sizeof(uint64_t));
+    if (tuples->sorted != NULL) {
+        pbw__release(memory, tuples->tuple, *room, sizeof(pbw_index));
+        *list = tuples->sorted;
+        *room = words;
+    }
+    return status;
+}
+
+/* Sorts both lists, deleted and made, with numbers below `numbers`, and keeps in them what differs. */
+static pbw_status pbw__changes_close(pbw__context *context, pbw_changes *changes, int dim, size_t numbers)
+{
+    pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
+    const size_t words = numbers / 64 + 1, digits = ((size_t)context->threads + 1) * PBW__DIGITS;
+    uint64_t *mark = (uint64_t *)pbw__allocate(&context->memory, words, sizeof(uint64_t));
+    uint32_t *digit = (uint32_t *)pbw__allocate(&context->memory, digits, sizeof(uint32_t));
+    pbw_status status = mark == NULL || digit == NULL ? PBW_ERROR_MEMORY : PBW_OK;
+    pbw__tuples tuples = { NULL, NULL, NULL, NULL, 0, 0 };
+    tuples.digit = digit;
+    tuples.dim = dim;
+    if (status == PBW_OK) {
+        tuples.count = changes->deleted_count;
+        status = pbw__changes_sort(context, &changes->deleted, &owned->deleted, &tuples, numbers);
+    }
+    if (status == PBW_OK) {
+        tuples.count = changes->made_count;
+        status = pbw__changes_sort(context, &changes->made, &owned->made, &tuples, numbers);
+    }
+    if (status == PBW_OK) {
+        memset(mark, 0, words * sizeof(uint64_t));
+        pbw__changes_differ(changes, (size_t)dim + 1, mark);
+        status = pbw__changes_points(&context->memory, changes, mark, words);
+    }
+    pbw__release(&context->memory, mark, words, sizeof(uint64_t));
+    pbw__release(&context->memory, digit, digits, sizeof(uint32_t));
+    return status;
+}
+
+/* Makes room for so many deleted and made simplices. */
+static pbw_status pbw__changes_start(const pbw_live *live, pbw_changes *changes, size_t deleted, size_t made)
+{
+    const size_t corners = (size_t)live->dim + 1;
+    pbw_memory *memory = &live->core.kernel.context->memory;
+    pbw__owned_changes *owned = (pbw__owned_changes *)pbw__allocate(memory, 1, sizeof(*owned));
+    if (owned == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    changes->memory = owned;
+    owned->memory = *memory;
+    owned->points = 0;
+    owned->deleted = deleted * corners + 1;
+    owned->made = made * corners + 1;
+    changes->deleted = (pbw_index *)pbw__allocate(memory, owned->deleted, sizeof(pbw_index));
+    changes->made = (pbw_index *)pbw__allocate(memory, owned->made, sizeof(pbw_index));
+    return changes->deleted != NULL && changes->made != NULL ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+/* Adds a simplex of a core, if it is finite, to one of the lists. */
+static void pbw__changes_add(const pbw__core *core, const pbw_index *v, int dim, const pbw_index *list, size_t *count)
+{
+    pbw_index *to = (pbw_index *)(uintptr_t)list + *count * ((size_t)dim + 1);
+    int k;
+    if (v[0] != PBW_NONE && v[dim] != PBW__GHOST) {
+        for (k = 0; k <= dim; k++) {
+            to[k] = core->name[v[k]];
+        }
+        *count += 1;
+    }
+}
+
+/* Lists the changes of a batch, from the journals. */
+static pbw_status pbw__batch_changes(pbw_live *live, pbw_changes *changes)
+{
+    pbw__core *core = &live->core;
+    size_t past = 0, taken = 0, i, j;
+    pbw_status status;
+    for (j = 0; j <= core->tasks; j++) {
+        past += pbw__journal(core, j)->past_count;
+        taken += pbw__journal(core, j)->taken_count;
+    }
+    status = pbw__changes_start(live, changes, past, past + taken);
+    if (status != PBW_OK) {
+        return status;
+    }
+    for (j = 0; j <= core->tasks; j++) {
+        const pbw__core *own = pbw__journal(core, j);
+        for (i = 0; i < own->past_count; i++) {
+            pbw__changes_add(core, own->past[i].corner, live->dim, changes->deleted, &changes->deleted_count);
+            pbw__changes_add(core, core->store.corner + 4 * (size_t)own->past[i].slot, live->dim, changes->made,
+                             &changes->made_count);
+        }
+        for (i = 0; i < own->taken_count; i++) {
+            pbw__changes_add(core, core->store.corner + 4 * (size_t)own->taken[i], live->dim, changes->made,
+                             &changes->made_count);
+        }
+    }
+    return pbw__changes_close(core->kernel.context, changes, live->dim, live->count);
+}
+
+/* Lists the changes from the live core to another one. */
+static pbw_status pbw__rebuild_changes(const pbw_live *live, const pbw__core *core, pbw_changes *changes)
+{
+    const pbw__core *old = &live->core;
+    pbw_status status = pbw__changes_start(live, changes, old->simplex_count, core->simplex_count);
+    size_t t;
+    if (status != PBW_OK) {
+        return status;
+    }
+    for (t = 0; t < old->store.count && old->simplex_count > 0; t++) {
+        pbw__changes_add(old, old->store.corner + 4 * t, live->dim, changes->deleted, &changes->deleted_count);
+    }
+    for (t = 0; t < core->store.count && core->simplex_count > 0; t++) {
+        pbw__changes_add(core, core->store.corner + 4 * t, live->dim, changes->made, &changes->made_count);
+    }
+    return pbw__changes_close(old->kernel.context, changes, live->dim, live->count);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>hints        Where walks start, and what batches prefetch.
+   In: the vertices of a batch, along the curve.  Out: for each a simplex near it; the stars that are needed soon, in
+   the cache, as those of a small batch are cold.
+   Holds: any simplex may be a hint; an outdated one makes a walk longer, never wrong.  The table has a vertex for
+   each cell of a grid on the box of all vertices, with half as many cells as vertices.
+   ------------------------------------------------------------------------------------------------------ */
+PBW__INLINE size_t pbw__start_cell(const pbw__core *core, const double *x)
+{
+    const int dim = core->kernel.dim;
+    size_t cell = 0;
+    int k;
+    for (k = dim; k-- > 0; ) {
+        const double at = (x[k] - core->start_low[k]) * core->start_scale[k];
+        const double side = (double)(core->start_side - 1);
+        cell = cell * core->start_side + (size_t)(at > 0.0 ? at < side ? at : side : 0.0);
+    }
+    return cell;
+}
+
+static pbw_status pbw__start_fill(void *arg, size_t from, size_t to)
+{
+    pbw__core *core = (pbw__core *)arg;
+    for (from++, to++; from < to; from++) {
+        if (core->incident[from] < PBW__GONE) {
+            PBW__STORE(core->start + pbw__start_cell(core, pbw__core_record(core, (pbw_index)from)), (pbw_index)from);
+        }
+    }
+    return PBW_OK;
+}
+
+/* Makes the table once there have been enough walks to pay for it. */
+static void pbw__start_table(pbw__core *core, size_t walks)
+{
+    const size_t cells = core->vertex_count / 2 + 1;
+    size_t side = 1, all;
+    int k;
+    core->searched += walks;
+    if (core->start != NULL || core->searched < cells / 64) {
+        return;
+    }
+    while ((side + 1) * (side + 1) * (core->kernel.dim == 3 ? side + 1 : 1) <= cells) {
+        side++;
+    }
+    all = side * side * (core->kernel.dim == 3 ? side : 1);
+    if (!PBW__CORE_GROW(core, start, all)) {
+        return;                                      /* walks start without it */
+    }
+    core->start_side = side;
+    for (k = 0; k < core->kernel.dim; k++) {
+        const double scale = (double)side / (core->high[k] - core->low[k]);
+        core->start_low[k] = core->low[k];
+        core->start_scale[k] = scale > 0.0 && scale <= DBL_MAX ? scale : 0.0;
+    }
+    memset(core->start, 0, core->start_capacity * sizeof(pbw_index));
+    (void)pbw__for_range(core->kernel.context, core->vertex_count, 16384, 0.0, pbw__start_fill, core);
+}
+
+/* Prefetches, step by step: (0) a simplex of v; (1) its vertices and its neighbours at v; (2) the vertices of these
+   and the simplices behind them; (3) the vertices of the latter.  A task that owns v may read all this. */
+PBW__INLINE void pbw__prefetch_star(const pbw__core *core, pbw_index v, int step)
+{
+    const size_t dim = (size_t)core->kernel.dim, width = dim + 1, t = core->incident[v];
+    const pbw_index *corner = core->kernel.corner;
+    const pbw__link *link = core->kernel.link;
+    size_t k, m;
+    if (step == 0) {
+        PBW__PREFETCH(corner + 4 * t);
+        PBW__PREFETCH(link + 4 * t);
+        PBW__PREFETCH(core->kernel.mark + t);
+        return;
+    }
+    for (k = 0; k <= dim; k++) {
+        size_t u;
+        if (corner[4 * t + k] == v) {
+            continue;
+        }
+        u = link[4 * t + k] >> 2;
+        if (step == 1) {
+            PBW__PREFETCH(core->record + width * corner[4 * t + k]);
+            PBW__PREFETCH(corner + 4 * u);
+            PBW__PREFETCH(link + 4 * u);
+            PBW__PREFETCH(core->kernel.mark + u);
+            continue;
+        }
+        for (m = 0; m <= dim; m++) {
+            pbw__link behind;
+            if (corner[4 * u + m] == v) {
+                continue;
+            }
+            behind = link[4 * u + m];
+            if (step == 2) {
+                PBW__PREFETCH(core->record + width * corner[4 * u + m]);
+                PBW__PREFETCH(corner + behind);
+                PBW__PREFETCH(link + behind);
+                PBW__PREFETCH(core->kernel.mark + (behind >> 2));
+            } else {
+                PBW__PREFETCH(core->record + width * corner[behind]);
+                PBW__PREFETCH(core->local + corner[behind]);
+            }
+        }
+    }
+}
+
+/* Returns the nearer to p of two vertices, of those from which this thread may start; 0 if there is none. */
+PBW__INLINE pbw_index pbw__nearer_start(pbw__core *core, pbw_index a, pbw_index b, const double *p)
+{
+    const int dim = core->kernel.dim, has_a = a != 0 && pbw__hold(&core->kernel, a) && core->incident[a] < PBW__GONE;
+    if (b == 0 || b == a || !pbw__hold(&core->kernel, b) || core->incident[b] >= PBW__GONE) {
+        return has_a ? a : 0;
+    }
+    return has_a && pbw__squared(pbw__core_record(core, a), p, dim) <= pbw__squared(pbw__core_record(core, b), p, dim)
+         ? a : b;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>tasks        A batch of changes by many threads.
+   In: a core, changes to its vertices, in any order.  Out: the core with the changes.
+   Holds: the invariants of >>core.  The triangulation of the points is unique, so the order of changes does not
+   matter.
+
+   A task takes blocks of changes, which are neighbours on the curve, and works in small groups: it claims a vertex
+   near each change, prefetches the stars of these, then makes the changes.  For each change it claims the vertices
+   that it needs, as in >>parallel, but a zone is one vertex here.  After each group it releases all of them.  A
+   change that needs a vertex of another task is put off to the end of the task, then to the next round.  One thread
+   makes the last ones.
+
+   No data races: the rule is stricter than in >>parallel.  Only a task that owns all finite vertices of a simplex
+   deletes it.  So
+     (a) if a task owns one vertex of a simplex, no other task deletes this simplex, or changes its links across
+     facets that have this vertex;
+     (b) only the owner of a vertex reads and writes its incident simplex: a task owns all corners of the simplices
+     that it makes, but for the ghost;
+     (c) only a task that owns all vertices of a star changes the coordinates of its centre.  A task that reads the
+     coordinates of a vertex owns it, or owns another vertex of a simplex of that star; or no coordinates change in
+     this batch;
+     (d) marks and slots, acquire and release are as in >>parallel.
+   The ghost has no owner: the task that owns the other vertices of a ghost simplex deletes it.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__GROUP 8                                 /* changes whose vertices are claimed and prefetched ahead */
+#define PBW__LEAST_CHANGES PBW__SMALLER((size_t)256)  /* a task must have so many to pay off */
+
+typedef struct pbw__changing {
+    void *arg;
+    /* near: returns a vertex near the i-th change, or 0.  change: makes it; on PBW__LEFT nothing has changed. */
+    pbw_index (*near)(void *arg, pbw__core *core, size_t i);
+    pbw_status (*change)(void *arg, pbw__core *core, size_t i, pbw_index near);
+    size_t count, slots, most_effort;                /* slots: per change; a task without free ones leaves changes */
+    double begin, end;                               /* of the stage's progress */
+    /* of a round */
+    pbw__core *core;
+    const pbw_index *which;                          /* the changes of this round; NULL: all */
+    size_t round_count, grain, next;
+    int parts, stop;
+} pbw__changing;
+
+/* Makes a group of changes; those that cannot be made now go to kernel.left. */
+static pbw_status pbw__batch_group(const pbw__changing *batch, pbw__core *core, const pbw_index *which, size_t from,
+                                   size_t to)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const size_t count = to - from < PBW__GROUP ? to - from : PBW__GROUP;
+    pbw_index at[PBW__GROUP], near[PBW__GROUP];
+    pbw_status status = PBW_OK;
+    size_t i;
+    int step;
+    for (i = 0; i < count; i++) {
+        at[i] = which != NULL ? which[from + i] : (pbw_index)(from + i);
+        near[i] = batch->near(batch->arg, core, at[i]);
+        near[i] = near[i] != 0 && pbw__hold(kernel, near[i]) && core->incident[near[i]] < PBW__GONE ? near[i] : 0;
+    }
+    for (step = 0; step < 4; step++) {
+        for (i = 0; i < count; i++) {
+            if (near[i] != 0) {
+                pbw__prefetch_star(core, near[i], step);
+            }
+        }
+    }
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        status = kernel->slots.no_room ? PBW__LEFT : batch->change(batch->arg, core, at[i], near[i]);
+        if (status == PBW__LEFT) {
+            status = PBW__GROW(kernel, kernel, left, kernel->left_count + 1) ? PBW_OK : PBW_ERROR_MEMORY;
+            if (status == PBW_OK) {
+                kernel->left[kernel->left_count++] = at[i];
+            }
+        }
+        status = status == PBW_OK && core->effort > batch->most_effort ? PBW__ANEW : status;
+    }
+    return status;
+}
+
+/* Makes changes from..to-1 of a list, which may be kernel.left itself.  Releases the vertices that it claims, unless
+   a change fails. */
+static pbw_status pbw__batch_range(const pbw__changing *batch, pbw__core *core, const pbw_index *which, size_t from,
+                                   size_t to)
+{
+    pbw__ownership *own = &core->kernel.own;
+    pbw_status status = PBW_OK;
+    size_t i;
+    for (i = from; i < to && status == PBW_OK && !PBW__LOAD(&batch->stop); i += PBW__GROUP) {
+        status = pbw__batch_group(batch, core, which, i, to);
+        while (status == PBW_OK && own->owner != NULL && own->claim_count > 0) {     /* on failure a star is open */
+            PBW__STORE_RELEASE(own->owner + own->claim[--own->claim_count], PBW__NOBODY);
+            PBW__TEST_PAUSE();
+        }
+        if (status == PBW_OK && pbw__report(core->kernel.context, batch->begin + (batch->end - batch->begin)
+                                                                  * ((double)i / (double)batch->round_count))) {
+            status = PBW_CANCELLED;
+        }
+    }
+    return status;
+}
+
+static void pbw__batch_task(void *arg, int part)
+{
+    pbw__changing *batch = (pbw__changing *)arg;
+    pbw__core *core = batch->core->task[part];
+    pbw__kernel *kernel = &core->kernel;
+    size_t from = PBW__ADD(&batch->next, batch->grain), count;
+    while (from < batch->round_count && kernel->status == PBW_OK && !PBW__LOAD(&batch->stop)) {
+        const size_t rest = batch->round_count - from;
+        kernel->status = pbw__batch_range(batch, core, batch->which, from,
+                                          from + (rest < batch->grain ? rest : batch->grain));
+        from = PBW__ADD(&batch->next, batch->grain);
+    }
+    count = kernel->left_count;
+    kernel->left_count = 0;                          /* once more: other tasks have moved on */
+    if (kernel->status == PBW_OK) {
+        kernel->status = pbw__batch_range(batch, core, kernel->left, 0, count);
+    }
+    if (kernel->status != PBW_OK) {
+        PBW__STORE(&batch->stop, 1);
+    }
+}
+
+/* Moves the free slots of a task to the core's list. */
+static void pbw__collect_slots(pbw__core *core, pbw__core *task)
+{
+    pbw__slots *slots = &task->kernel.slots, *all = &core->kernel.slots;
+    while (slots->tail < slots->tail_end) {
+        core->kernel.mark[slots->tail] = 0;
+        pbw__free_slot(&core->kernel, (pbw_index)slots->tail++);
+    }
+    if (slots->free_count > 0) {
+        core->kernel.corner[4 * (size_t)slots->free_last + 1] = all->free_list;
+        all->free_last = all->free_count == 0 ? slots->free_last : all->free_last;
+        all->free_list = slots->free_list;
+        all->free_count += slots->free_count;
+        slots->free_list = PBW_NONE;
+        slots->free_count = 0;
+    }
+}
+
+/* Moves up to `count` free slots from one core to another; core: the main one. */
+static void pbw__move_slots(const pbw__core *core, pbw__core *from, pbw__core *to, size_t count)
+{
+    pbw__slots *source = &from->kernel.slots, *slots = &to->kernel.slots;
+    for (; count > 0 && source->free_count > 0; count--, source->free_count--) {
+        const pbw_index t = source->free_list;
+        source->free_list = core->kernel.corner[4 * (size_t)t + 1];
+        core->kernel.corner[4 * (size_t)t + 1] = slots->free_list;
+        slots->free_list = t;
+        slots->free_last = slots->free_count++ == 0 ? t : slots->free_last;
+    }
+}
+
+/* Gives free slots to the tasks of a round.  Each keeps its own between rounds, as walking a list takes time; slots
+   beyond its needs go to others. */
+static void pbw__share_slots(const pbw__changing *batch)
+{
+    pbw__core *core = batch->core;
+    const size_t parts = (size_t)batch->parts, wanted = batch->slots * (batch->round_count / parts) + 64;
+    size_t missing = 0, part;
+    for (part = 0; part < core->tasks; part++) {
+        const size_t have = core->task[part]->kernel.slots.free_count;
+        missing += part < parts && have < wanted ? wanted - have : 0;
+        if (part >= parts) {
+            pbw__collect_slots(core, core->task[part]);
+        }
+    }
+    for (part = 0; part < parts && missing > core->kernel.slots.free_count; part++) {
+        const size_t have = core->task[part]->kernel.slots.free_count;
+        const size_t surplus = have > wanted ? have - wanted : 0, more = missing - core->kernel.slots.free_count;
+        pbw__move_slots(core, core->task[part], core, surplus < more ? surplus : more);
+    }
+    for (part = 0; part < parts; part++) {
+        const size_t have = core->task[part]->kernel.slots.free_count;
+        const size_t share = core->kernel.slots.free_count / (parts - part), less = have < wanted ? wanted - have : 0;
+        pbw__move_slots(core, core, core->task[part], less < share ? less : share);
+    }
+}
+
+/* Makes a task's core share the arrays of the main core. */
+static void pbw__task_begin(const pbw__changing *batch, int part, uint8_t *owner)
+{
+    pbw__core *core = batch->core, *task = core->task[part];
+    pbw__kernel *kernel = &task->kernel, *main = &core->kernel;
+    memcpy(task, core, offsetof(pbw__core, kernel));
+    memcpy(&kernel->context, &main->context, offsetof(pbw__kernel, slots) - offsetof(pbw__kernel, context));
+    kernel->last = PBW_NONE;
+    kernel->previous = kernel->vertex_count = 0;
+    kernel->journal = task;
+    kernel->left_count = 0;
+    kernel->status = PBW_OK;
+    kernel->own.owner = owner;
+    kernel->own.me = (uint8_t)part;
+    kernel->own.owner_bits = kernel->own.claim_count = 0;
+    kernel->slots.no_room = 0;
+    task->simplex_count = task->effort = task->reinserted = task->open_count = 0;
+}
+
+/* Adds up what a task counted, and collects the changes that it left. */
+static pbw_status pbw__task_end(pbw__core *core, pbw__core *task)
+{
+    const pbw__kernel *kernel = &task->kernel;
+    pbw__kernel *main = &core->kernel;
+    core->simplex_count += task->simplex_count;
+    core->effort += task->effort;
+    core->reinserted += task->reinserted;
+    if (!PBW__GROW(main, main, left, main->left_count + kernel->left_count)
+        || !PBW__CORE_GROW(core, open, core->open_count + task->open_count)) {
+        return PBW_ERROR_MEMORY;
+    }
+    if (kernel->left_count > 0) {
+        memcpy(main->left + main->left_count, kernel->left, kernel->left_count * sizeof(pbw_index));
+    }
+    if (task->open_count > 0) {
+        memcpy(core->open + core->open_count, task->open, task->open_count * sizeof(pbw__link));
+    }
+    main->left_count += kernel->left_count;
+    core->open_count += task->open_count;
+    return kernel->status;
+}
+
+/* Makes cores for the tasks, and enough slots. */
+static pbw_status pbw__batch_room(const pbw__changing *batch)
+{
+    pbw__core *core = batch->core;
+    pbw__context *context = core->kernel.context;
+    pbw__store *store = &core->store;
+    const size_t parts = (size_t)batch->parts, wanted = batch->slots * batch->round_count + 2048 * parts;
+    size_t have = core->kernel.slots.free_count + store->capacity - store->count, needed, part;
+    pbw_status status = PBW_OK;
+    for (part = 0; part < core->tasks; part++) {
+        have += core->task[part]->kernel.slots.free_count;
+    }
+    needed = wanted > have ? store->capacity + wanted - have : 0;
+    if (!PBW__CORE_GROW(core, task, parts)) {
+        return PBW_ERROR_MEMORY;
+    }
+    while (core->tasks < parts) {
+        pbw__core *task = (pbw__core *)pbw__allocate(&context->memory, 1, sizeof(pbw__core));
+        if (task == NULL) {
+            return PBW_ERROR_MEMORY;
+        }
+        memset(task, 0, sizeof(*task));
+        task->kernel.context = context;
+        task->kernel.dim = core->kernel.dim;
+        task->kernel.slots.free_list = PBW_NONE;
+        if (pbw__scratch_create(&task->kernel) != PBW_OK) {
+            pbw__core_free_own(context, task);
+            pbw__release(&context->memory, task, 1, sizeof(pbw__core));
+            return PBW_ERROR_MEMORY;
+        }
+        core->task[core->tasks++] = task;
+    }
+    needed = needed < PBW__SIMPLEX_LIMIT ? needed : PBW__SIMPLEX_LIMIT;
+    if (needed > store->capacity) {
+        status = pbw__store_reserve(context, store, needed);
+        pbw__kernel_attach(&core->kernel);
+    }
+    return status == PBW_OK && !pbw__journal_reserve(core) ? PBW_ERROR_MEMORY : status;
+}
+
+static pbw_status pbw__batch_round(pbw__changing *batch)
+{
+    pbw__core *core = batch->core;
+    pbw__context *context = core->kernel.context;
+    const size_t vertices = core->vertex_count + 1, grain = batch->round_count / (size_t)(8 * batch->parts);
+    uint8_t *owner;
+    pbw_status status = pbw__batch_room(batch);
+    int part;
+    if (status != PBW_OK) {
+        return status;
+    }
+    owner = (uint8_t *)pbw__allocate(&context->memory, vertices, 1);
+    if (owner == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(owner, PBW__NOBODY, vertices);
+    batch->grain = grain < PBW__GROUP ? PBW__GROUP : grain < 512 ? grain : 512;
+    batch->next = 0;
+    pbw__share_slots(batch);
+    for (part = 0; part < batch->parts; part++) {
+        pbw__task_begin(batch, part, owner);
+    }
+    pbw__for(context, batch->parts, pbw__batch_task, batch);
+    core->kernel.left_count = 0;
+    core->kernel.last = PBW_NONE;
+    for (part = 0; part < batch->parts; part++) {
+        const pbw_status ended = pbw__task_end(core, core->task[part]);
+        status = status == PBW_OK ? ended : status;
+    }
+    pbw__release(&context->memory, owner, vertices, 1);
+    return status;
+}
+
+/* Returns the number of tasks for so many changes: 1 with weights, as hidden points are for one thread. */
+static int pbw__batch_parts(const pbw__core *core, size_t count)
+{
+    const size_t most = count / PBW__LEAST_CHANGES;
+    const size_t threads = (size_t)core->kernel.context->threads;
+    const size_t parts = threads < PBW__NOBODY ? threads : PBW__NOBODY;
+    return core->kernel.weighted ? 1 : (int)(most < parts ? most : parts);
+}
+
+/* Makes all changes of a batch, or if `again` those in kernel.left, which then has those that are left. */
+static pbw_status pbw__batch_all(pbw__core *core, pbw__changing *batch, int again)
+{
+    pbw__kernel *kernel = &core->kernel;
+    pbw_status status = PBW_OK;
+    size_t before, part;
+    batch->core = core;
+    batch->stop = 0;
+    batch->which = again ? kernel->left : NULL;
+    batch->round_count = again ? kernel->left_count : batch->count;
+    batch->parts = pbw__batch_parts(core, batch->round_count);
+    while (batch->parts > 1 && status == PBW_OK) {
+        before = batch->round_count;
+        status = pbw__batch_round(batch);
+        batch->which = kernel->left;
+        batch->round_count = kernel->left_count;
+        batch->parts = 4 * batch->round_count < 3 * before ? pbw__batch_parts(core, batch->round_count) : 1;
+    }
+    for (part = 0; part < core->tasks && kernel->slots.free_count < batch->slots * batch->round_count + 64; part++) {
+        pbw__collect_slots(core, core->task[part]);
+    }
+    kernel->left_count = 0;
+    return status == PBW_OK ? pbw__batch_range(batch, core, batch->which, 0, batch->round_count) : status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>change       A batch of queued changes, vertex by vertex.
+   In: a live triangulation with a queue.  Out: its core with the changes, and which simplices these made and
+   deleted; or both as they were.
+
+   Points at one place have one vertex, that of the largest weight, then of the lowest number.  A batch first updates
+   the numbers of all places, which tells the vertices that leave and arrive; then it removes and inserts these, each
+   along the curve.  Writes to tables are noted as edits, deleted simplices in the journal: both are undone if
+   something fails.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbw__classes { pbw_live *live; size_t leave, arrive; } pbw__classes;
+
+/* Marks and counts those in the queue that leave a place, and those that arrive at one. */
+static pbw_status pbw__live_classify_range(void *arg, size_t from, size_t to)
+{
+    pbw__classes *classes = (pbw__classes *)arg;
+    pbw_live *live = classes->live;
+    size_t leave = 0, arrive = 0, i;
+    for (i = from; i < to; i++) {
+        const pbw_index id = live->queue[i];
+        const unsigned state = live->state[id] & (PBW__LIVES | PBW__STAYS | PBW__QUEUED);
+        const int lives = (state & PBW__LIVES) != 0, stays = (state & PBW__STAYS) != 0;
+        const int moves = lives && stays && !pbw__same_place(pbw__live_point(live, id),
+                                                             pbw__core_record(&live->core, live->core.vertex[id]),
+                                                             live->dim);
+        const unsigned leaves = lives && (moves || !stays), arrives = stays && (moves || !lives);
+        live->state[id] = (unsigned char)(state | leaves * PBW__LEAVES | arrives * PBW__ARRIVES);
+        leave += leaves;
+        arrive += arrives;
+        pbw__live_prefetch(live, i, to);
+    }
+    (void)PBW__ADD(&classes->leave, leave);
+    (void)PBW__ADD(&classes->arrive, arrive);
+    return PBW_OK;
+}
+
+static pbw_index *pbw__live_entry(pbw_live *live, unsigned table, size_t at)
+{
+    pbw__core *core = &live->core;
+    return (table == PBW__EDIT_VERTEX ? core->vertex : table == PBW__EDIT_TWIN ? core->twin : core->place) + at;
+}
+
+/* Writes to a table of the core and notes the edit.  Returns 0 if memory is short. */
+static int pbw__live_set(pbw_live *live, unsigned table, size_t at, pbw_index value)
+{
+    pbw_index *entry = pbw__live_entry(live, table, at);
+    pbw__edit *edit;
+    if (!PBW__LIVE_GROW(live, edit, live->edit_count + 1)) {
+        return 0;
+    }
+    edit = live->edit + live->edit_count++;
+    edit->table = table;
+    edit->at = (pbw_index)at;
+    edit->old = *entry;
+    *entry = value;
+    return 1;
+}
+
+PBW__INLINE size_t pbw__place_slot(const pbw__core *core, const double *x)
+{
+    return (size_t)(pbw__hash_doubles(0, x, core->kernel.dim) >> 20) & (core->place_capacity - 1);
+}
+
+/* Returns the entry of the table of places that has, or would have, the vertex at x. */
+static size_t pbw__place_find(const pbw__core *core, const double *x)
+{
+    const int dim = core->kernel.dim;
+    size_t at = pbw__place_slot(core, x);
+    for (; core->place[at] != 0; at = (at + 1) & (core->place_capacity - 1)) {
+        const pbw_index v = core->place[at];
+        if (pbw__same_place(pbw__core_record(core, v), x, dim) && core->incident[v] != PBW__GONE) {
+            break;
+        }
+    }
+    return at;
+}
+
+/* Puts a vertex into an empty entry of the table, by compare-and-swap, as tasks compete.  Returns the entry, or
+   PBW_NONE if a vertex is at the same place. */
+PBW__INLINE pbw_index pbw__place_enter(pbw__core *core, const double *x, pbw_index vertex)
+{
+    size_t at = pbw__place_slot(core, x);
+    pbw_index v = PBW__LOAD(core->place + at);
+    while (v != 0 || !PBW__CAS(core->place + at, &v, vertex)) {
+        if (v == 0) {
+            continue;                                /* a spurious failure */
+        }
+        if (v != vertex && pbw__same_place(pbw__core_record(core, v), x, core->kernel.dim)
+            && core->incident[v] != PBW__GONE) {
+            return PBW_NONE;
+        }
+        at = (at + 1) & (core->place_capacity - 1);
+        v = PBW__LOAD(core->place + at);
+    }
+    return (pbw_index)at;
+}
+
+static pbw_status pbw__place_clear(void *arg, size_t from, size_t to)
+{
+    memset((pbw_index *)arg + from, 0, (to - from) * sizeof(pbw_index));
+    return PBW_OK;
+}
+
+static pbw_status pbw__place_fill(void *arg, size_t from, size_t to)
+{
+    pbw__core *core = (pbw__core *)arg;
+    size_t placed = 0, v;
+    for (v = from + 1; v <= to; v++) {
+        const size_t soon = v + 16 <= to ? v + 16 : v;
+        PBW__PREFETCH_TO_WRITE(core->place + pbw__place_slot(core, pbw__core_record(core, (pbw_index)soon)));
+        if (core->incident[v] != PBW__GONE) {
+            (void)pbw__place_enter(core, pbw__core_record(core, (pbw_index)v), (pbw_index)v);
+            placed++;
+        }
+    }
+    (void)PBW__ADD(&core->placed, placed);
+    return PBW_OK;
+}
+
+/* Makes room in the table of places for `more` vertices, in a new table if need be. */
+static pbw_status pbw__place_reserve(pbw_live *live, size_t more)
+{
+    pbw__core *core = &live->core;
+    pbw__context *context = core->kernel.context;
+    size_t room = 64;
+    pbw_status status;
+    if (core->place != NULL && 2 * (core->placed + more) < core->place_capacity) {
+        return PBW_OK;
+    }
+    while (room < 3 * (live->points + more)) {
+        room *= 2;
+    }
+    PBW__RELEASE(&context->memory, core, place);
+    core->place_capacity = core->placed = 0;
+    core->place = (pbw_index *)pbw__allocate_large(context, room, sizeof(pbw_index));
+    if (core->place == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    core->place_capacity = room;
+    status = pbw__for_range(context, room, 65536, 0.0, pbw__place_clear, core->place);
+    status = status == PBW_OK ? pbw__for_range(context, core->vertex_count, 4096, 0.0, pbw__place_fill, core)
+                              : status;
+    if (status != PBW_OK) {
+        PBW__RELEASE(&context->memory, core, place);
+        core->place = NULL;
+        core->place_capacity = core->placed = 0;
+    }
+    return status;
+}
+
+/* Prefetches the entry for x in the table of places or, some steps later, the record of the vertex in it. */
+PBW__INLINE void pbw__place_prefetch(const pbw__core *core, const double *x, int later)
+{
+    const size_t at = pbw__place_slot(core, x);
+    if (!later) {
+        PBW__PREFETCH(core->place + at);
+    } else {
+        PBW__PREFETCH(pbw__core_record(core, PBW__LOAD(core->place + at)));
+    }
+}
+
+/* Makes room for a batch that changes `more` places.  anew: they may get new vertices, and are looked up. */
+static pbw_status pbw__batch_reserve(pbw_live *live, size_t more, int anew)
+{
+    pbw__core *core = &live->core;
+    const size_t vertices = core->vertex_count + (anew ? more : 0) + 1, width = (size_t)live->dim + 1;
+    const size_t old = core->local_capacity;
+    const int room = vertices < PBW__GONE && PBW__CORE_GROW(core, vertex, live->count)
+        && PBW__CORE_GROW(core, twin, live->count) && PBW__CORE_GROW(core, record, vertices * width)
+        && PBW__CORE_GROW(core, name, vertices) && PBW__CORE_GROW(core, incident, vertices)
+        && PBW__CORE_GROW(core, local, vertices) && PBW__CORE_GROW(core, rim_vertex, more + 1)
+        && PBW__CORE_GROW(core, unused, core->unused_count + more)
+        && PBW__CORE_GROW(core, covered, core->hidden_count)
+        && PBW__CORE_GROW(core, cover, core->hidden_count) && PBW__LIVE_GROW(live, head, more + 1)
+        && PBW__LIVE_GROW(live, leaving, more + 1) && PBW__LIVE_GROW(live, arriving, more + 1)
+        && PBW__LIVE_GROW(live, joining, more + 1);
+    core->kernel.record = core->record;              /* it may have moved even if memory ran short later */
+    memset(core->local + old, 0, (core->local_capacity - old) * sizeof(pbw_index));
+    return !room ? PBW_ERROR_MEMORY : anew ? pbw__place_reserve(live, more) : PBW_OK;
+}
+
+/* Adds a vertex to the list of those with changes, rim_vertex, unless it is there.  Returns where it is.  head: the
+   first of its numbers, PBW_NONE if it has none yet. */
+static size_t pbw__live_affect(pbw_live *live, pbw_index v, pbw_index head)
+{
+    pbw__core *core = &live->core;
+    const size_t before = core->rim_vertices, at = pbw__rim_place(core, v);
+    if (core->rim_vertices != before) {
+        live->head[at] = head;
+    }
+    return at;
+}
+
+/* Removes the numbers that leave from those of a place.  Returns 0 if memory is short. */
+static int pbw__live_sieve(pbw_live *live, size_t at)
+{
+    const pbw_index *twin = live->core.twin;
+    const pbw_index first = live->core.name[live->core.rim_vertex[at]];
+    pbw_index head = PBW_NONE, last = PBW_NONE, id = first, next;
+    do {
+        next = twin[id];
+        if ((live->state[id] & PBW__LEAVES) == 0) {
+            if (last != PBW_NONE && twin[last] != id && !pbw__live_set(live, PBW__EDIT_TWIN, last, id)) {
+                return 0;
+            }
+            head = head == PBW_NONE ? id : head;
+            last = id;
+        }
+        id = next;
+    } while (id != first);
+    live->head[at] = head;
+    return head == PBW_NONE || twin[last] == head || pbw__live_set(live, PBW__EDIT_TWIN, last, head);
+}
+
+/* Makes a vertex for a number at a place; it still has to be inserted. */
+static pbw_index pbw__live_new_vertex(pbw_live *live, const double *x, pbw_index id)
+{
+    pbw__core *core = &live->core;
+    const size_t dim = (size_t)live->dim;
+    const pbw_index v = core->unused_count > 0 ? core->unused[--core->unused_count] : (pbw_index)++core->vertex_count;
+    double *record = core->record + v * (dim + 1);
+    memmove(record, x, dim * sizeof(double));
+    record[dim] = live->weight[id];
+    core->incident[v] = PBW__WAITING;
+    core->name[v] = id;
+    core->local[v] = 0;
+    return v;
+}
+
+/* Adds a number to those of its place.  The place has no vertex only if two numbers arrived there and each found an
+   outdated entry of the other one's vertex, which had been in use before.  Returns 0 if memory is short. */
+static int pbw__live_join(pbw_live *live, pbw_index id)
+{
+    pbw__core *core = &live->core;
+    const size_t slot = pbw__place_find(core, pbw__live_point(live, id));
+    const int none = core->place[slot] == 0;
+    const pbw_index v = none ? pbw__live_new_vertex(live, pbw__live_point(live, id), id) : core->place[slot];
+    const size_t at = pbw__live_affect(live, v, none ? PBW_NONE : core->name[v]);
+    const pbw_index head = live->head[at];
+    if (none) {
+        core->placed++;
+        live->arriving[live->arriving_count++] = v;
+    }
+    if ((none && !pbw__live_set(live, PBW__EDIT_PLACE, slot, v))
+        || !pbw__live_set(live, PBW__EDIT_VERTEX, id, v)
+        || !pbw__live_set(live, PBW__EDIT_TWIN, id, head == PBW_NONE ? id : core->twin[head])
+        || (head != PBW_NONE && !pbw__live_set(live, PBW__EDIT_TWIN, head, id))) {
+        return 0;
+    }
+    live->head[at] = head == PBW_NONE ? id : head;
+    return 1;
+}
+
+/* Chooses the number that gives a place its vertex: the largest weight, then the lowest number.  If that is another
+   number than before, a new vertex replaces the old one.  Returns 0 if memory is short. */
+static int pbw__live_elect(pbw_live *live, size_t at)
+{
+    pbw__core *core = &live->core;
+    const pbw_index v = core->rim_vertex[at], head = live->head[at];
+    pbw_index best = head, id, other;
+    if (head == PBW_NONE) {
+        live->leaving[live->leaving_count++] = v;
+        return 1;
+    }
+    for (id = core->twin[head]; id != head; id = core->twin[id]) {
+        if (live->weight[id] != live->weight[best] ? live->weight[id] > live->weight[best] : id < best) {
+            best = id;
+        }
+    }
+    if (core->incident[v] == PBW__WAITING) {
+        core->name[v] = best;
+        core->record[v * ((size_t)live->dim + 1) + (size_t)live->dim] = live->weight[best];
+        core->local[v] = 0;
+        return 1;
+    }
+    if (best == core->name[v]) {
+        return 1;
+    }
+    other = pbw__live_new_vertex(live, pbw__core_record(core, v), best);
+    live->leaving[live->leaving_count++] = v;
+    live->arriving[live->arriving_count++] = other;
+    id = head;
+    do {
+        if (!pbw__live_set(live, PBW__EDIT_VERTEX, id, other)) {
+            return 0;
+        }
+        id = core->twin[id];
+    } while (id != head);
+    return pbw__live_set(live, PBW__EDIT_PLACE, pbw__place_find(core, pbw__core_record(core, v)), other);
+}
+
+/* Sorts a list along the curve by the points base[list[i] * stride]. */
+static pbw_status pbw__live_sort(const pbw_live *live, const double *base, size_t stride, pbw_index *list,
+                                 size_t count)
+{
+    pbw__context *context = live->core.kernel.context;
+    const size_t dim = (size_t)live->dim;
+    const pbw_stage stage = context->stage;
+    pbw__stand stand;
+    pbw__input input;
+    pbw__vertices vertices;
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i;
+    if (count < 3) {
+        return PBW_OK;
+    }
+    memset(&stand, 0, sizeof(stand));
+    if (pbw__stand_create(&context->memory, &stand, count, live->dim)) {
+        for (i = 0; i < count; i++) {
+            PBW__PREFETCH(base + list[i + 16 < count ? i + 16 : i] * stride);
+            memcpy(stand.points + i * dim, base + list[i] * stride, dim * sizeof(double));
+        }
+        stand.count = count;
+        pbw__stand_input(&stand, 0, &input);
+        input.bare = 1;
+        status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED : pbw__order(context, &input, &vertices);
+    }
+    if (status == PBW_OK) {
+        memcpy(stand.list, list, count * sizeof(pbw_index));
+        for (i = 0; i < count; i++) {
+            list[i] = stand.list[vertices.id[i + 1]];
+        }
+        pbw__vertices_free(context, &vertices);
+        status = pbw__enter_stage(context, stage) ? PBW_CANCELLED : PBW_OK;
+    }
+    pbw__stand_free(&context->memory, &stand);
+    return status;
+}
+
+/* Lists the numbers that arrive, along the curve, so that their vertices are in this order too. */
+static pbw_status pbw__batch_arrivals(pbw_live *live)
+{
+    size_t i, count = 0;
+    for (i = 0; i < live->queue_count; i++) {
+        live->joining[count] = live->queue[i];
+        count += (live->state[live->queue[i]] & PBW__ARRIVES) != 0;
+    }
+    live->joining_count = count;
+    return pbw__live_sort(live, live->point, (size_t)live->dim, live->joining, count);
+}
+
+/* Returns the vertex for the i-th number that arrives: first the unused ones, then new ones. */
+PBW__INLINE pbw_index pbw__arrive_vertex(const pbw_live *live, size_t i)
+{
+    const size_t unused = live->past_unused;
+    return i < unused ? live->core.unused[unused - 1 - i] : (pbw_index)(live->past_vertices + 1 + (i - unused));
+}
+
+/* Makes a vertex for each number that arrives. */
+static pbw_status pbw__arrive_make(void *arg, size_t from, size_t to)
+{
+    pbw_live *live = (pbw_live *)arg;
+    pbw__core *core = &live->core;
+    const size_t dim = (size_t)live->dim;
+    for (; from < to; from++) {
+        const size_t soon = from + 16 < to ? from + 16 : from;
+        const pbw_index id = live->joining[from], v = pbw__arrive_vertex(live, from);
+        double *record = core->record + v * (dim + 1);
+        PBW__PREFETCH(pbw__live_point(live, live->joining[soon]));
+        PBW__PREFETCH(live->weight + live->joining[soon]);
+        memcpy(record, pbw__live_point(live, id), dim * sizeof(double));
+        record[dim] = live->weight[id];
+        core->incident[v] = PBW__WAITING;
+        core->name[v] = id;
+        core->local[v] = 0;
+        live->arriving[from] = v;
+    }
+    return PBW_OK;
+}
+
+/* Enters the new vertices into the tables.  If a vertex is at its place already, a number gets 0 in `arriving`. */
+static pbw_status pbw__arrive_enter(void *arg, size_t from, size_t to)
+{
+    pbw_live *live = (pbw_live *)arg;
+    pbw__core *core = &live->core;
+    pbw__edit *edit = live->edit + live->first_edit;
+    size_t i;
+    for (i = from; i < to; i++) {
+        const pbw_index id = live->joining[i], v = live->arriving[i], soon = live->joining[i + 16 < to ? i + 16 : i];
+        const pbw_index at = pbw__place_enter(core, pbw__core_record(core, v), v);
+        pbw__place_prefetch(core, pbw__core_record(core, live->arriving[i + 16 < to ? i + 16 : i]), 0);
+        pbw__place_prefetch(core, pbw__core_record(core, live->arriving[i + 8 < to ? i + 8 : i]), 1);
+        PBW__PREFETCH_TO_WRITE(core->vertex + soon);
+        PBW__PREFETCH_TO_WRITE(core->twin + soon);
+        if (at == PBW_NONE) {
+            live->arriving[i] = 0;
+            continue;
+        }
+        edit[3 * i].at = at;
+        edit[3 * i + 1].at = edit[3 * i + 2].at = id;
+        edit[3 * i + 1].old = core->vertex[id];
+        edit[3 * i + 2].old = core->twin[id];
+        core->vertex[id] = v;
+        core->twin[id] = id;
+    }
+    return PBW_OK;
+}
+
+/* Adds edits that are filled in later; the i-th is of table[i % tables].  Returns 0 if memory is short. */
+static int pbw__live_edits(pbw_live *live, size_t count, const unsigned *table, size_t tables)
+{
+    size_t i;
+    if (!PBW__LIVE_GROW(live, edit, live->edit_count + count)) {
+        return 0;
+    }
+    for (i = 0; i < count; i++) {
+        pbw__edit *edit = live->edit + live->edit_count++;
+        edit->table = table[i % tables];
+        edit->at = PBW_NONE;                         /* nothing to undo yet */
+        edit->old = 0;
+    }
+    return 1;
+}
+
+/* Gives vertices to the numbers that arrive.  Numbers at the place of another vertex join its numbers; `joining` then
+   has the vertices that they did not need. */
+static pbw_status pbw__batch_arrive(pbw_live *live)
+{
+    static const unsigned table[3] = { PBW__EDIT_PLACE, PBW__EDIT_VERTEX, PBW__EDIT_TWIN };
+    pbw__core *core = &live->core;
+    pbw__context *context = core->kernel.context;
+    const size_t count = live->joining_count, used = count < live->past_unused ? count : live->past_unused;
+    pbw_status status;
+    size_t i;
+    live->joining_count = 0;
+    if (!pbw__live_edits(live, 3 * count, table, 3)) {
+        return PBW_ERROR_MEMORY;
+    }
+    live->first_edit = live->edit_count - 3 * count;
+    core->unused_count -= used;
+    core->vertex_count += count - used;
+    core->placed += count;
+    status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__arrive_make, live);
+    status = status == PBW_OK ? pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__arrive_enter, live)
+                              : status;
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        if (live->arriving[i] == 0) {
+            core->incident[pbw__arrive_vertex(live, i)] = PBW__GONE;
+        }
+    }
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        if (live->arriving[i] != 0) {
+            live->arriving[live->arriving_count++] = live->arriving[i];
+        } else if (pbw__live_join(live, live->joining[i])) {
+            live->joining[live->joining_count++] = pbw__arrive_vertex(live, i);
+        } else {
+            status = PBW_ERROR_MEMORY;
+        }
+    }
+    return status;
+}
+
+/* Lists the vertices that leave and arrive, and updates the numbers of places. */
+static pbw_status pbw__batch_plan(pbw_live *live)
+{
+    pbw__core *core = &live->core;
+    size_t i;
+    pbw_status status = pbw__batch_arrivals(live);
+    if (status != PBW_OK) {
+        return status;
+    }
+    core->rim_vertices = 0;
+    for (i = 0; i < live->queue_count; i++) {
+        pbw__live_prefetch(live, i, live->queue_count);
+        if ((live->state[live->queue[i]] & PBW__LEAVES) != 0) {
+            (void)pbw__live_affect(live, core->vertex[live->queue[i]], PBW_NONE);
+        }
+    }
+    for (i = 0; i < core->rim_vertices; i++) {
+        PBW__PREFETCH(core->name + core->rim_vertex[i + 16 < core->rim_vertices ? i + 16 : i]);
+        PBW__PREFETCH(core->twin + core->name[core->rim_vertex[i + 8 < core->rim_vertices ? i + 8 : i]]);
+        if (!pbw__live_sieve(live, i)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    status = pbw__batch_arrive(live);
+    for (i = 0; i < core->rim_vertices; i++) {
+        if (status == PBW_OK && !pbw__live_elect(live, i)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    return status;
+}
+
+typedef struct pbw__fitting { const pbw_live *live; const pbw_index *list; int beyond; } pbw__fitting;
+
+static pbw_status pbw__live_fit_range(void *arg, size_t from, size_t to)
+{
+    pbw__fitting *fitting = (pbw__fitting *)arg;
+    const pbw__core *core = &fitting->live->core;
+    const int dim = fitting->live->dim;
+    const double unit = core->grid.inverse_unit;
+    int k;
+    for (; from < to && !PBW__LOAD(&fitting->beyond); from++) {
+        const double *x = pbw__core_record(core, fitting->list[from]);
+        for (k = 0; k <= dim; k++) {
+            const double units = x[k] * (k < dim ? unit : unit * unit);
+            if (!(x[k] >= core->low[k] && x[k] <= core->high[k]
+                  && (pbw__abs(units) >= 9007199254740992.0 || (double)(int64_t)units == units))) {
+                PBW__STORE(&fitting->beyond, 1);
+                break;
+            }
+        }
+    }
+    return PBW_OK;
+}
+
+/* Gives up the grid if a new record is not on it, or outside of the box that it was made for. */
+static pbw_status pbw__live_fit_grid(pbw_live *live, const pbw_index *list, size_t count)
+{
+    pbw__core *core = &live->core;
+    pbw__fitting fitting = { live, list, 0 };
+    pbw_status status = PBW_OK;
+    if (core->grid.inverse_unit != 0.0) {
+        status = pbw__for_range(core->kernel.context, count, 8192, 0.0, pbw__live_fit_range, &fitting);
+        if (fitting.beyond) {
+            memset(&core->grid, 0, sizeof(core->grid));
+            core->kernel.exact_height = 0.0;
+        }
+    }
+    return status;
+}
+
+/* ---- the changes of a batch, see >>tasks */
+static pbw_index pbw__near_leaving(void *arg, pbw__core *core, size_t i)
+{
+    (void)core;
+    return ((const pbw_live *)arg)->leaving[i];
+}
+
+/* Removes the i-th vertex that leaves.  If its number arrives elsewhere, `local` of the new vertex gets a neighbour.
+   */
+static pbw_status pbw__change_leaving(void *arg, pbw__core *core, size_t i, pbw_index near)
+{
+    const pbw_live *live = (const pbw_live *)arg;
+    const pbw_index v = live->leaving[i], other = core->vertex[core->name[v]];
+    pbw_status status = pbw__hold(&core->kernel, v) ? PBW_OK : PBW__LEFT;
+    (void)near;
+    if (status == PBW_OK && core->incident[v] == PBW_NONE) {
+        core->incident[v] = PBW__GONE;               /* it was hidden */
+        return PBW_OK;
+    }
+    status = status == PBW_OK ? pbw__remove_vertex(core, v) : status;
+    if (status == PBW_OK && other != v && pbw__hold(&core->kernel, other) && core->incident[other] == PBW__WAITING) {
+        core->local[other] = core->rim_vertex[core->rim_vertices - 1];
+    }
+    return status;
+}
+
+/* Returns a vertex near the i-th that arrives: the last one in its cell, or the neighbour in `local`. */
+static pbw_index pbw__near_arriving(void *arg, pbw__core *core, size_t i)
+{
+    const pbw_index v = ((const pbw_live *)arg)->arriving[i];
+    const double *p = pbw__core_record(core, v);
+    return pbw__nearer_start(core, core->local[v],
+                             core->start != NULL ? PBW__LOAD(core->start + pbw__start_cell(core, p)) : 0, p);
+}
+
+/* Inserts the i-th vertex that arrives, starting from `near` or from the vertex before. */
+static pbw_status pbw__change_arriving(void *arg, pbw__core *core, size_t i, pbw_index near)
+{
+    const pbw_live *live = (const pbw_live *)arg;
+    const pbw_index v = live->arriving[i];
+    const double *p = pbw__core_record(core, v);
+    pbw_status status;
+    near = pbw__nearer_start(core, near, i > 0 ? live->arriving[i - 1] : 0, p);
+    if (!pbw__hold(&core->kernel, v) || (near == 0 && core->kernel.own.owner != NULL)) {
+        return PBW__LEFT;
+    }
+    status = pbw__insert_vertex(core, v, pbw__start_near(core, near != 0 ? core->incident[near] : core->kernel.last));
+    if (core->start != NULL) {
+        PBW__STORE(core->start + pbw__start_cell(core, p), v);
+    }
+    return status;
+}
+
+/* Carries out a batch; on any status but PBW_OK the caller undoes it.  PBW__ANEW: rebuild instead. */
+static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
+{
+    pbw__core *core = &live->core;
+    const double all = (double)(live->leaving_count + live->arriving_count + 1);
+    pbw__changing batch;
+    pbw_status status = pbw__live_sort(live, core->record, (size_t)live->dim + 1, live->leaving, live->leaving_count);
+    size_t i;
+    for (i = 0; i < live->arriving_count / 2; i++) { /* backwards: the slots freed last are taken first, and near */
+        const pbw_index v = live->arriving[i];
+        live->arriving[i] = live->arriving[live->arriving_count - 1 - i];
+        live->arriving[live->arriving_count - 1 - i] = v;
+    }
+    status = status == PBW_OK ? pbw__live_fit_grid(live, live->arriving, live->arriving_count) : status;
+    memset(&batch, 0, sizeof(batch));
+    core->effort = 0;
+    batch.arg = live;
+    batch.most_effort = most_effort;
+    batch.count = live->leaving_count;
+    batch.near = pbw__near_leaving;
+    batch.change = pbw__change_leaving;
+    batch.end = (double)live->leaving_count / all;
+    status = status == PBW_OK ? pbw__batch_all(core, &batch, 0) : status;
+    core->covered_count = 0;
+    for (i = 0; i < core->hidden_count; i++) {
+        if (core->incident[core->hidden[i]] == PBW_NONE) {
+            core->covered[core->covered_count] = core->hidden[i];
+            core->cover[core->covered_count++] = core->witness[i];
+        }
+    }
+    pbw__start_table(core, pbw__batch_parts(core, live->arriving_count) > 1 ? core->vertex_count
+                                                                            : live->arriving_count);
+    batch.count = live->arriving_count;
+    batch.near = pbw__near_arriving;
+    batch.change = pbw__change_arriving;
+    batch.slots = live->dim == 3 ? 9 : 3;            /* 6.8 and 2 on average; some tasks make more of the changes */
+    batch.begin = batch.end;
+    batch.end = 1.0;
+    status = status == PBW_OK ? pbw__batch_all(core, &batch, 0) : status;
+    return status == PBW_OK ? pbw__uncover(core) : status;
+}
+
+/* Saves what pbw__batch_undo needs besides edits and the journal. */
+static void pbw__batch_begin(pbw_live *live)
+{
+    const pbw__core *core = &live->core;
+    live->edit_count = 0;
+    live->past_vertices = core->vertex_count;
+    live->past_unused = core->unused_count;
+    live->past_placed = core->placed;
+    live->past_grid = core->grid;
+    live->past_height = core->kernel.exact_height;
+}
+
+static void pbw__batch_undo(pbw_live *live)
+{
+    pbw__core *core = &live->core;
+    core->grid = live->past_grid;
+    core->kernel.exact_height = live->past_height;
+    while (live->edit_count > 0) {
+        const pbw__edit *edit = live->edit + --live->edit_count;
+        if (edit->at != PBW_NONE) {
+            *pbw__live_entry(live, edit->table, edit->at) = edit->old;
+        }
+    }
+    pbw__journal_undo(core);
+    core->vertex_count = live->past_vertices;
+    while (core->unused_count < live->past_unused) {
+        core->incident[core->unused[core->unused_count++]] = PBW__GONE;
+    }
+    core->placed = live->past_placed;
+}
+
+/* Makes a batch of changes, all or nothing. */
+static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, size_t most_effort,
+                                  pbw_changes *changes)
+{
+    pbw__core *core = &live->core;
+    const int duplicates = core->vertex_count - core->unused_count != live->points;
+    pbw_status status = pbw__batch_reserve(live, leave + 2 * arrive, arrive > 0 || duplicates);
+    if (status != PBW_OK) {
+        return status;
+    }
+    pbw__batch_begin(live);
+    live->leaving_count = live->arriving_count = 0;
+    status = pbw__batch_plan(live);
+    status = status == PBW_OK ? pbw__batch_run(live, most_effort) : status;
+    if (status == PBW_OK && changes != NULL) {
+        status = pbw__batch_changes(live, changes);
+    }
+    if (status != PBW_OK) {
+        pbw__batch_undo(live);
+        return status;
+    }
+    memcpy(core->unused + core->unused_count, live->leaving, live->leaving_count * sizeof(pbw_index));
+    core->unused_count += live->leaving_count;
+    memcpy(core->unused + core->unused_count, live->joining, live->joining_count * sizeof(pbw_index));
+    core->unused_count += live->joining_count;
+    pbw__swap_covers(core);
+    pbw__journal_clear(core);
+    return PBW_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>moves        Points that keep their neighbours, or most of them.
+   In: a live triangulation with points that only move.  Out: its core with these in new places, or as it was.
+
+   All at once: the coordinates are exchanged, then >>verify runs.  One by one: a vertex gets its new place if its
+   star stays positive; in the plane flips then make it Delaunay.  If a simplex would be inverted, at the hull, and in
+   space if its star is not Delaunay, the vertex is removed and inserted.  In between, the core triangulates some old
+   and some new places, so no new place may be an old one.  The table of places tells that, if there is one.  Without
+   it, one walk per vertex that is inserted again does; a vertex that stays in its star meets no other vertex there.
+   ------------------------------------------------------------------------------------------------------ */
+/* Exchanges the coordinates of a vertex with others. */
+PBW__INLINE void pbw__exchange(pbw__core *core, pbw_index v, double *other)
+{
+    const size_t dim = (size_t)core->kernel.dim;
+    double *record = core->record + v * (dim + 1);
+    size_t k;
+    for (k = 0; k < dim; k++) {
+        const double x = record[k];
+        record[k] = other[k];
+        other[k] = x;
+    }
+}
+
+/* Exchanges the coordinates of those that move with the other ones; completes even if the call is cancelled. */
+static void pbw__exchange_share(void *arg, int part)
+{
+    pbw_live *live = (pbw_live *)arg;
+    const int parts = pbw__tasks(live->core.kernel.context, live->leaving_count, 8192);
+    const size_t dim = (size_t)live->dim, end = pbw__share(live->leaving_count, part + 1, parts);
+    size_t i;
+    for (i = pbw__share(live->leaving_count, part, parts); i < end; i++) {
+        const size_t soon = live->leaving[i + 16 < end ? i + 16 : i];
+        PBW__PREFETCH_TO_WRITE(live->core.record + soon * (dim + 1));
+        pbw__exchange(&live->core, live->leaving[i], live->moved + i * dim);
+    }
+}
+
+static void pbw__live_exchange(pbw_live *live)
+{
+    pbw__context *context = live->core.kernel.context;
+    pbw__for(context, pbw__tasks(context, live->leaving_count, 8192), pbw__exchange_share, live);
+}
+
+/* Lists the vertices that move.  PBW__ANEW: there are other changes, or duplicates or hidden points matter. */
+static pbw_status pbw__live_list_moves(pbw_live *live, size_t count)
+{
+    const pbw__core *core = &live->core;
+    const size_t dim = (size_t)live->dim;
+    size_t i;
+    if (core->hidden_count > 0) {
+        return PBW__ANEW;
+    }
+    if (!PBW__LIVE_GROW(live, leaving, count) || !PBW__LIVE_GROW(live, moved, count * dim)) {
+        return PBW_ERROR_MEMORY;
+    }
+    live->leaving_count = 0;
+    for (i = 0; i < live->queue_count; i++) {
+        const pbw_index id = live->queue[i], soon = live->queue[i + 16 < live->queue_count ? i + 16 : i];
+        const unsigned both = live->state[id] & (PBW__LEAVES | PBW__ARRIVES);
+        PBW__PREFETCH(core->twin + soon);
+        PBW__PREFETCH(core->vertex + soon);
+        PBW__PREFETCH(pbw__live_point(live, soon));
+        if (both == (PBW__LEAVES | PBW__ARRIVES) && core->twin[id] == id) {
+            memcpy(live->moved + live->leaving_count * dim, pbw__live_point(live, id), dim * sizeof(double));
+            live->leaving[live->leaving_count++] = core->vertex[id];
+        } else if (both != 0) {
+            return PBW__ANEW;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Moves the listed vertices in place, all or nothing.  PBW__ANEW: impossible in place. */
+static pbw_status pbw__live_in_place(pbw_live *live, pbw_changes *changes)
+{
+    pbw__core *core = &live->core;
+    pbw_status status;
+    pbw__batch_begin(live);
+    pbw__live_exchange(live);
+    status = pbw__live_fit_grid(live, live->leaving, live->leaving_count);
+    status = status == PBW_OK ? pbw__verify(core, core->simplex_count / 2 + 64) : status;
+    if (status == PBW_OK && changes != NULL) {
+        status = pbw__batch_changes(live, changes);
+    }
+    if (status != PBW_OK) {
+        pbw__live_exchange(live);
+        pbw__batch_undo(live);
+        return status;
+    }
+    PBW__RELEASE(&core->kernel.context->memory, core, place);        /* outdated */
+    core->place = NULL;
+    core->place_capacity = core->placed = 0;
+    return PBW_OK;
+}
+
+/* ---- one by one */
+/* Collects the star of v in scratch.cavity, without marks.  PBW__NO_FIT: it has a ghost.  PBW__LEFT: not all of its
+   vertices are ours. */
+static pbw_status pbw__shift_star(pbw__core *core, pbw_index v)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const size_t dim = (size_t)kernel->dim;
+    pbw_status status = dim == 3 ? pbw__collect_star(core, v, 3) : pbw__collect_star(core, v, 2);
+    const size_t count = kernel->scratch.cavity_count;
+    size_t i;
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        status = kernel->corner[4 * (size_t)kernel->scratch.cavity[i] + dim] == PBW__GHOST ? PBW__NO_FIT : PBW_OK;
+    }
+    (void)pbw__leave_cavity(kernel, count);
+    kernel->scratch.cavity_count = count;
+    return status;
+}
+
+/* Gives the i-th vertex that moves its new place, or the old one back. */
+static void pbw__shift_exchange(pbw_live *live, size_t i)
+{
+    pbw__exchange(&live->core, live->leaving[i], live->moved + live->arriving[i] * (size_t)live->dim);
+    live->head[i] ^= 1;
+}
+
+/* Gives a vertex its new place if its star stays positive; then flips.  PBW__NO_FIT: the star does not stay positive,
+   or in space is not Delaunay. */
+static pbw_status pbw__shift_in_place(pbw_live *live, pbw__core *core, size_t at)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const int dim = kernel->dim;
+    size_t count = 0, i;
+    unsigned k;
+    pbw_status status = pbw__shift_star(core, live->leaving[at]);
+    core->effort += kernel->scratch.cavity_count;
+    if (status != PBW_OK) {
+        return status;
+    }
+    pbw__shift_exchange(live, at);
+    for (i = 0; i < kernel->scratch.cavity_count && status == PBW_OK; i++) {
+        const size_t t = kernel->scratch.cavity[i];
+        const unsigned faults = dim == 3 ? pbw__slot_faults(core, t, 1, 3) : pbw__slot_faults(core, t, 1, 2);
+        if (faults == PBW__INVERTED || (faults != 0 && dim == 3)) {
+            status = PBW__NO_FIT;
+        } else if (faults != 0 && !PBW__CORE_GROW(core, edge, count + 3)) {
+            status = PBW_ERROR_MEMORY;
+        }
+        for (k = 0; k < 3 && status == PBW_OK && faults != 0; k++) {
+            core->edge[count] = (pbw__link)(4 * t + k);
+            count += faults >> k & 1;
+        }
+    }
+    if (status == PBW__NO_FIT) {
+        pbw__shift_exchange(live, at);
+    }
+    return status != PBW_OK || count == 0 ? status : pbw__flip_all(core, count, live->core.past_simplices);
+}
+
+/* Walks to where v, which is in no simplex, is to be inserted.  PBW__ANEW: another vertex is there; it is a corner of
+   each simplex that contains the place. */
+static pbw_status pbw__shift_witness(pbw__core *core, pbw_index v, pbw_index *start)
+{
+    const pbw_status status = pbw__find_witness(core, start, v);
+    const pbw_index *corner = core->kernel.corner + 4 * (size_t)*start;
+    const double *x = pbw__core_record(core, v);
+    const int dim = core->kernel.dim;
+    int k, taken = 0;
+    for (k = 0; k <= dim && status == PBW_OK; k++) {
+        taken |= corner[k] != PBW__GHOST && pbw__same_place(pbw__core_record(core, corner[k]), x, dim);
+    }
+    return taken ? PBW__ANEW : status;
+}
+
+/* Removes the i-th vertex and inserts it at its new place.  PBW__LEFT is possible after the removal, too: the next
+   call then inserts it. */
+static pbw_status pbw__change_again(void *arg, pbw__core *core, size_t i, pbw_index near)
+{
+    pbw_live *live = (pbw_live *)arg;
+    const pbw_index v = live->leaving[i];
+    pbw_index start;
+    pbw_status status;
+    (void)near;
+    if (!pbw__hold(&core->kernel, v)) {
+        return PBW__LEFT;
+    }
+    if (core->incident[v] != PBW__GONE) {
+        status = pbw__remove_vertex(core, v);
+        if (status != PBW_OK) {
+            return status;
+        }
+        core->local[v] = core->rim_vertex[core->rim_vertices - 1];
+        core->reinserted++;
+        pbw__shift_exchange(live, i);
+    }
+    near = pbw__nearer_start(core, core->local[v], 0, pbw__core_record(core, v));
+    if (near == 0 && core->kernel.own.owner != NULL) {
+        return PBW__LEFT;
+    }
+    start = pbw__start_near(core, near != 0 ? core->incident[near] : core->kernel.last);
+    status = core->place == NULL ? pbw__shift_witness(core, v, &start) : PBW_OK;
+    return status == PBW_OK ? pbw__insert_vertex(core, v, start) : status;
+}
+
+/* Moves the i-th vertex.  In the plane, PBW__LEFT if it cannot stay in its star: flips may be due around it. */
+static pbw_status pbw__change_place(void *arg, pbw__core *core, size_t i, pbw_index near)
+{
+    pbw_live *live = (pbw_live *)arg;
+    const pbw_index v = live->leaving[i];
+    pbw_status status = pbw__hold(&core->kernel, v) ? PBW_OK : PBW__LEFT;
+    if (status == PBW_OK && core->incident[v] != PBW__GONE) {
+        status = pbw__shift_in_place(live, core, i);
+    } else if (status == PBW_OK) {
+        status = PBW__NO_FIT;
+    }
+    return status != PBW__NO_FIT ? status : live->dim == 2 ? PBW__LEFT : pbw__change_again(live, core, i, near);
+}
+
+/* Enters the new places into the table.  PBW__ANEW: a vertex is at one of them. */
+static pbw_status pbw__shift_enter(void *arg, size_t from, size_t to)
+{
+    pbw_live *live = (pbw_live *)arg;
+    pbw__core *core = &live->core;
+    const size_t dim = (size_t)live->dim;
+    size_t i;
+    for (i = from; i < to; i++) {
+        const double *x = live->moved + i * dim;
+        pbw__place_prefetch(core, live->moved + (i + 16 < to ? i + 16 : i) * dim, 0);
+        pbw__place_prefetch(core, live->moved + (i + 8 < to ? i + 8 : i) * dim, 1);
+        live->edit[i].at = pbw__place_enter(core, x, live->leaving[i]);
+        if (live->edit[i].at == PBW_NONE) {
+            return PBW__ANEW;
+        }
+    }
+    return PBW_OK;
+}
+
+/* With the new places in the records, tests that no two vertices are at one place.  PBW__ANEW: two are. */
+static pbw_status pbw__shift_unique(void *arg, size_t from, size_t to)
+{
+    const pbw_live *live = (const pbw_live *)arg;
+    const pbw__core *core = &live->core;
+    for (; from < to; from++) {
+        const double *x = pbw__core_record(core, live->leaving[from]);
+        PBW__PREFETCH(pbw__core_record(core, live->leaving[from + 8 < to ? from + 8 : from]));
+        if (core->place[pbw__place_find(core, x)] != live->leaving[from]) {
+            return PBW__ANEW;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Enters all new places into the table, if there is one.  PBW__ANEW: a vertex is, or was, at one of them. */
+static pbw_status pbw__shift_places(pbw_live *live)
+{
+    pbw__core *core = &live->core;
+    pbw__context *context = core->kernel.context;
+    const size_t count = live->leaving_count;
+    const unsigned table = PBW__EDIT_PLACE;
+    const int placed = core->place != NULL;
+    pbw_status status = PBW_OK;
+    if (placed && !pbw__live_edits(live, count, &table, 1)) {
+        return PBW_ERROR_MEMORY;
+    }
+    if (placed) {
+        core->placed += count;
+        status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_enter, live);
+    }
+    pbw__live_exchange(live);
+    status = status == PBW_OK ? pbw__live_fit_grid(live, live->leaving, count) : status;
+    if (status == PBW_OK && placed) {
+        status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_unique, live);
+    }
+    pbw__live_exchange(live);
+    return status;
+}
+
+/* Moves vertices one by one along the curve. */
+static pbw_status pbw__shift_all(pbw_live *live, size_t most_effort)
+{
+    pbw__core *core = &live->core;
+    const size_t count = live->leaving_count;
+    pbw__changing batch;
+    pbw_status status;
+    size_t i;
+    for (i = 0; i < count; i++) {
+        core->local[live->leaving[i]] = (pbw_index)i;
+    }
+    status = pbw__live_sort(live, core->record, (size_t)live->dim + 1, live->leaving, count);
+    for (i = 0; i < count; i++) {
+        live->arriving[i] = core->local[live->leaving[i]];
+    }
+    memset(&batch, 0, sizeof(batch));
+    batch.arg = live;
+    batch.near = pbw__near_leaving;
+    batch.change = pbw__change_place;
+    batch.count = count;
+    batch.slots = live->dim == 3 ? 2 : 0;            /* a removal frees slots, perhaps of another task */
+    batch.most_effort = most_effort;
+    batch.end = 0.9;
+    core->effort = core->reinserted = core->open_count = 0;
+    status = status == PBW_OK ? pbw__batch_all(core, &batch, 0) : status;
+    if (status == PBW_OK && live->dim == 2) {
+        status = PBW__CORE_GROW(core, edge, core->open_count) ? PBW_OK : PBW_ERROR_MEMORY;
+        if (status == PBW_OK && core->open_count > 0) {
+            memcpy(core->edge, core->open, core->open_count * sizeof(pbw__link));
+            status = pbw__flip_all(core, core->open_count, core->past_simplices);
+        }
+        batch.change = pbw__change_again;
+        batch.begin = 0.9;
+        batch.end = 1.0;
+        status = status == PBW_OK ? pbw__batch_all(core, &batch, 1) : status;
+    }
+    return status;
+}
+
+/* Moves a few of the vertices one by one, all or nothing.  PBW__ANEW: impossible one by one. */
+static pbw_status pbw__live_shift(pbw_live *live, size_t count, size_t most_effort, pbw_changes *changes,
+                                  pbw_way *way)
+{
+    pbw__core *core = &live->core;
+    const int placed = core->place != NULL;
+    size_t i;
+    pbw_status status = core->kernel.weighted ? PBW__ANEW : pbw__live_list_moves(live, count);
+    status = status == PBW_OK ? pbw__batch_reserve(live, count, placed) : status;
+    if (status != PBW_OK) {
+        return status;
+    }
+    pbw__batch_begin(live);
+    memset(live->head, 0, count * sizeof(pbw_index));
+    core->reinserted = 0;
+    status = pbw__shift_places(live);
+    status = status == PBW_OK ? pbw__shift_all(live, most_effort) : status;
+    *way = core->reinserted > 0 ? PBW_WAY_BATCH : pbw__journal_any(core) ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
+    if (status == PBW_OK && changes != NULL) {
+        status = pbw__batch_changes(live, changes);
+    }
+    if (status != PBW_OK) {
+        for (i = 0; i < count; i++) {
+            if (live->head[i] != 0) {
+                pbw__shift_exchange(live, i);
+            }
+        }
+        pbw__batch_undo(live);
+        return status;
+    }
+    pbw__journal_clear(core);
+    return PBW_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>commit       Carries out queued changes.
+   In: a live triangulation with a queue.  Out: its core with the changes, by the fastest way.
+   Holds: all ways lead to one triangulation; after a failure the core and the queue are as before.  The first commit
+   is that of pbw_live_create, with all points of a mesh.
+   ------------------------------------------------------------------------------------------------------ */
+/* Replaces the core by another one. */
+static void pbw__live_replace(pbw_live *live, pbw__context *context, const pbw__core *core)
+{
+    pbw__core_free(context, &live->core);
+    live->core = *core;
+    if (core->kernel.journal != NULL) {
+        live->core.kernel.store = &live->core.store;
+        live->core.kernel.grid = &live->core.grid;
+        live->core.kernel.journal = &live->core;
+    }
+}
+
+/* Triangulates the points that stay into another core, which replaces this one. */
+static pbw_status pbw__live_rebuild(pbw_live *live, pbw__context *context, pbw_changes *changes)
+{
+    pbw__stand stand;
+    pbw__core core;
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i;
+    memset(&core, 0, sizeof(core));
+    core.kernel.context = context;
+    if (pbw__stand_create(&context->memory, &stand, live->count, live->dim)) {
+        for (i = 0; i < live->count; i++) {
+            if ((live->state[i] & PBW__STAYS) != 0) {
+                pbw__stand_add(&stand, (pbw_index)i, pbw__live_point(live, i), live->weight[i]);
+            }
+        }
+        status = pbw__core_build(context, &stand, live->weighted, live->count, &core);
+    }
+    pbw__stand_free(&context->memory, &stand);
+    if ((status == PBW_OK || status == PBW_DEGENERATE) && changes != NULL) {
+        const pbw_status listed = pbw__rebuild_changes(live, &core, changes);
+        status = listed != PBW_OK ? listed : status;
+    }
+    if (status == PBW_OK || status == PBW_DEGENERATE) {
+        pbw__live_replace(live, context, &core);
+    } else {
+        pbw__core_free(context, &core);
+    }
+    return status;
+}
+
+/* Empties the queue after its changes have been carried out. */
+static void pbw__live_settle(pbw_live *live)
+{
+    size_t i, k;
+    for (i = 0; i < live->queue_count; i++) {
+        const pbw_index id = live->queue[i];
+        const int lived = (live->state[id] & PBW__LIVES) != 0, stays = (live->state[id] & PBW__STAYS) != 0;
+        live->points += (size_t)stays - (size_t)lived;
+        live->state[id] = stays ? PBW__STAYS | PBW__LIVES : 0;
+        if (!stays) {
+            live->spare[live->spare_count++] = id;
+            for (k = 0; k < (size_t)live->dim; k++) {
+                live->point[id * (size_t)live->dim + k] = 0.0;
+            }
+            live->weight[id] = 0.0;
+        }
+    }
+    live->queue_count = 0;
+    live->numbers = live->count;
+    live->weighted_past = live->weighted;
+}
+
+/* What changes cost, in points of a rebuild.  Measured with bench/live.cpp, these limits at 1e9 and at -1, on one
+   thread, 5 to 20 % of 200,000 uniform points: in the plane remove 0.82 us, insert 1.05, move 0.53, rebuild 0.134 us
+   per point; in space 5.3, 3.0, 6.5 and 0.8.  A rebuild is chosen if changes cost more than PBW__REBUILD_AT rebuilds.
+   Verifying all costs 0.21 rebuilds in the plane and 0.14 in space, less if it soon fails: no more than moving one
+   point in ten. */
+#ifndef PBW__REBUILD_AT
+#define PBW__REBUILD_AT(dim) 1.0
+#endif
+#ifndef PBW__VERIFY_AT
+#define PBW__VERIFY_AT(dim) 0.1
+#endif
+#define PBW__EFFORT 128                              /* so many tests for an apex take as long as an insertion */
+
+static double pbw__change_cost(int dim, size_t leave, size_t arrive, int near)
+{
+    return near ? (dim == 3 ? 8.0 : 4.0) * (double)leave
+         : 6.0 * (double)leave + (dim == 3 ? 3.8 : 8.0) * (double)arrive;
+}
+
+/* Returns 1 if most of a sample of the points that move do so by less than four edges.  Others are better removed and
+   inserted, with walks that start near their new places. */
+static int pbw__live_near(const pbw_live *live)
+{
+    const pbw__core *core = &live->core;
+    const size_t dim = (size_t)live->dim, step = live->queue_count / 64 + 1;
+    size_t i, k, seen = 0, far = 0;
+    for (i = 0; i < live->queue_count; i += step) {
+        const pbw_index id = live->queue[i];
+        const int both = (live->state[id] & PBW__LIVES) != 0 && (live->state[id] & PBW__STAYS) != 0;
+        const pbw_index v = both ? core->vertex[id] : PBW__GHOST;              /* others may have no vertex yet */
+        if (both && core->twin[id] == id && core->incident[v] < PBW__GONE
+            && !pbw__same_place(pbw__live_point(live, id), pbw__core_record(core, v), live->dim)) {
+            const pbw_index *corner = core->kernel.corner + 4 * (size_t)core->incident[v];
+            const double *x = pbw__core_record(core, v), *y = pbw__live_point(live, id);
+            const double *z = pbw__core_record(core, corner[corner[0] == v]);
+            double way = 0, edge = 0;
+            for (k = 0; k < dim; k++) {
+                way += (y[k] - x[k]) * (y[k] - x[k]);
+                edge += (z[k] - x[k]) * (z[k] - x[k]);
+            }
+            far += !(way <= 16 * edge);
+            seen++;
+        }
+    }
+    return 2 * far <= seen;
+}
+
+/* Lists the vertices of a range.  Counts those that move, and those in the queue that live and stay. */
+PBW__INLINE void pbw__list_all_of(pbw__classes *classes, size_t from, size_t to, int dim)
+{
+    pbw_live *live = classes->live;
+    const pbw_index *name = live->core.name + 1;
+    const size_t size = (size_t)dim, width = size + 1;
+    size_t moves = 0, remain = 0, i;
+    for (i = from; i < to; i++) {
+        const pbw_index id = name[i], soon = name[i + PBW__SOON < to ? i + PBW__SOON : i];
+        double *x = live->moved + i * size;
+        PBW__PREFETCH(live->point + soon * size);
+        PBW__PREFETCH(live->state + soon);
+        memcpy(x, live->point + id * size, size * sizeof(double));
+        moves += !pbw__same_place(x, live->core.record + (i + 1) * width, dim);
+        remain += live->state[id] == (PBW__LIVES | PBW__STAYS | PBW__QUEUED);
+        live->leaving[i] = (pbw_index)(i + 1);
+    }
+    (void)PBW__ADD(&classes->leave, moves);
+    (void)PBW__ADD(&classes->arrive, remain);
+}
+
+static pbw_status pbw__list_all_range(void *arg, size_t from, size_t to)
+{
+    pbw__classes *classes = (pbw__classes *)arg;
+    PBW__BY_DIM(classes->live->dim, pbw__list_all_of, classes, from, to);
+    return PBW_OK;
+}
+
+/* Lists all vertices in the order of their records, not of the queue, if all points are queued only to move and
+   enough of them do.  PBW__ANEW if not. */
+static pbw_status pbw__live_list_all(pbw_live *live)
+{
+    const pbw__core *core = &live->core;
+    const size_t count = core->vertex_count;
+    pbw__classes classes = { live, 0, 0 };
+    pbw_status status;
+    if (live->queue_count != count || live->points != count || core->unused_count > 0 || core->hidden_count > 0
+        || core->simplex_count == 0 || !pbw__live_near(live)) {
+        return PBW__ANEW;
+    }
+    if (!PBW__LIVE_GROW(live, leaving, count) || !PBW__LIVE_GROW(live, moved, count * (size_t)live->dim)) {
+        return PBW_ERROR_MEMORY;
+    }
+    status = pbw__for_range(core->kernel.context, count, 8192, 0.0, pbw__list_all_range, &classes);
+    live->leaving_count = count;
+    return status != PBW_OK ? status
+         : classes.arrive < count || classes.leave == 0
+           || (double)classes.leave < PBW__VERIFY_AT(live->dim) * (double)count ? PBW__ANEW : PBW_OK;
+}
+
+/* Tries to move in place.  listed: the status of listing those that move. */
+static pbw_status pbw__live_try_moves(pbw_live *live, pbw_status listed, pbw_changes *changes, pbw_way *way)
+{
+    const pbw_status status = listed != PBW_OK ? listed
+                            : pbw__enter_stage(live->core.kernel.context, PBW_STAGE_WORK) ? PBW_CANCELLED
+                            : pbw__live_in_place(live, changes);
+    if (status == PBW_OK) {
+        *way = pbw__journal_any(&live->core) ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
+        pbw__journal_clear(&live->core);
+    } else if (status == PBW__ANEW) {
+        pbw__changes_release(&live->core.kernel.context->memory, changes);
+    }
+    return status;
+}
+
+/* Chooses a way and carries out the changes.  in_place: 0 if moving in place is known to fail. */
+static pbw_status pbw__live_choose(pbw_live *live, pbw__context *context, int in_place, pbw_changes *changes,
+                                   pbw_way *way)
+{
+    const double points = (double)live->points;
+    const size_t most = PBW__EFFORT * (live->points + 100);
+    pbw__classes classes = { live, 0, 0 };
+    size_t leave, arrive;
+    int near;
+    pbw_status status = pbw__for_range(context, live->queue_count, 8192, 0.0, pbw__live_classify_range, &classes);
+    if (status != PBW_OK) {
+        return status;
+    }
+    status = PBW__ANEW;
+    leave = classes.leave;
+    arrive = classes.arrive;
+    if (leave + arrive == 0) {
+        return live->core.simplex_count > 0 ? PBW_OK : PBW_DEGENERATE;
+    }
+    near = live->core.simplex_count > 0 && leave == arrive && pbw__live_near(live);
+    if (near && in_place && (double)leave >= PBW__VERIFY_AT(live->dim) * points) {
+        status = pbw__live_try_moves(live, pbw__live_list_moves(live, leave), changes, way);
+    }
+    if (status == PBW__ANEW && live->core.simplex_count > 0 && live->weighted == live->core.kernel.weighted
+        && pbw__change_cost(live->dim, leave, arrive, near && !live->weighted)
+           <= PBW__REBUILD_AT(live->dim) * points) {
+        if (pbw__enter_stage(context, PBW_STAGE_WORK)) {
+            return PBW_CANCELLED;
+        }
+        status = !near ? PBW__ANEW : pbw__live_shift(live, leave, most, changes, way);
+        if (status == PBW__ANEW) {
+            pbw__changes_release(&context->memory, changes);
+            status = pbw__live_batch(live, leave, arrive, most, changes);
+            *way = PBW_WAY_BATCH;
+        }
+    }
+    if (status == PBW__ANEW) {
+        pbw__changes_release(&context->memory, changes);
+        status = pbw__live_rebuild(live, context, changes);
+        *way = PBW_WAY_REBUILD;
+    }
+    return status;
+}
+
+static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_changes *changes)
+{
+    pbw_way way = PBW_WAY_NOTHING;
+    const pbw_status listed = pbw__live_list_all(live);
+    pbw_status status = listed == PBW__ANEW ? PBW__ANEW : pbw__live_try_moves(live, listed, changes, &way);
+    status = status == PBW__ANEW ? pbw__live_choose(live, context, listed == PBW__ANEW, changes, &way) : status;
+    if (changes != NULL) {
+        changes->way = way;
+    }
+    return status;
+}
+
+/* Queues the points of a mesh that exist; counts the absent ones, and those that are not finite. */
+typedef struct pbw__loading { pbw_live *live; const pbw_mesh *mesh; size_t absent, wild; } pbw__loading;
+
+static pbw_status pbw__load_range(void *arg, size_t from, size_t to)
+{
+    pbw__loading *loading = (pbw__loading *)arg;
+    pbw_live *live = loading->live;
+    const pbw_mesh *mesh = loading->mesh;
+    const size_t dim = (size_t)live->dim;
+    size_t absent = 0, wild = 0, i, k;
+    for (i = from; i < to; i++) {
+        const int there = mesh->canonical[i] != PBW_NONE;
+        for (k = 0; k < dim; k++) {
+            live->point[i * dim + k] = there ? mesh->points[i * dim + k] + 0.0 : 0.0;        /* no -0.0 */
+        }
+        live->weight[i] = there && mesh->weights != NULL ? mesh->weights[i] + 0.0 : 0.0;
+        live->state[i] = there ? PBW__STAYS | PBW__QUEUED : 0;
+        live->queue[i] = (pbw_index)i;
+        absent += !there;
+        wild += !pbw__all_finite(live->point + i * dim, dim) || !pbw__all_finite(live->weight + i, 1);
+    }
+    (void)PBW__ADD(&loading->absent, absent);
+    (void)PBW__ADD(&loading->wild, wild);
+    return PBW_OK;
+}
+
+/* Queues all points of a mesh; room is reserved. */
+static pbw_status pbw__live_load(pbw_live *live, pbw__context *context, const pbw_mesh *mesh)
+{
+    pbw__loading loading = { live, mesh, 0, 0 };
+    pbw_status status = pbw__for_range(context, mesh->point_count, 16384, 0.0, pbw__load_range, &loading);
+    size_t i;
+    if (status != PBW_OK || loading.wild > 0) {
+        return status != PBW_OK ? status : PBW_ERROR_NOT_FINITE;
+    }
+    live->count = live->queue_count = mesh->point_count;
+    if (loading.absent > 0) {
+        live->queue_count = 0;
+        for (i = live->count; i-- > 0; ) {
+            if (live->state[i] == 0) {
+                live->spare[live->spare_count++] = (pbw_index)i;
+            } else {
+                live->queue[live->queue_count++] = (pbw_index)i;
+            }
+        }
+    }
+    return PBW_OK;
+}
+
+/* Carries out the queue.  If mesh is not NULL, first queues its points. */
+static pbw_status pbw__live_run(pbw_live *live, const pbw_mesh *mesh, pbw_changes *changes)
+{
+    pbw__context context;
+    pbw_status status;
+    pbw__fp fp = pbw__fp_enter();
+    pbw__context_start(&context, &live->options, mesh != NULL ? mesh->point_count : live->count);
+    context.memory = live->memory;
+    live->core.kernel.context = &context;
+    status = !pbw__fp_is_exact() ? PBW_ERROR_FP_MODE : mesh != NULL ? pbw__live_load(live, &context, mesh) : PBW_OK;
+    status = status == PBW_OK ? pbw__live_go(live, &context, changes) : status;
+    pbw__team_stop(&context);
+    if (status != PBW_OK && status != PBW_DEGENERATE) {
+        pbw__changes_release(&context.memory, changes);
+    } else {
+        pbw__live_settle(live);
+    }
+    if (changes != NULL && changes->memory != NULL) {        /* the caller's from here on */
+        const pbw__owned_changes *owned = (const pbw__owned_changes *)changes->memory;
+        context.memory.used -= sizeof(*owned) + (owned->deleted + owned->made + owned->points) * sizeof(pbw_index);
+    }
+    live->core.kernel.context = NULL;
+    live->memory = context.memory;
+    pbw__fp_leave(fp);
+    return status;
+}
+
+PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes)
+{
+    if (changes != NULL) {
+        memset(changes, 0, sizeof(*changes));
+    }
+    return live == NULL ? PBW_ERROR_ARGUMENT : pbw__live_run(live, NULL, changes);
+}
+
+PBWDEF void pbw_live_free(pbw_live *live)
+{
+    if (live != NULL) {
+        pbw__context context;
+        pbw_memory *memory = &context.memory;
+        memset(&context, 0, sizeof(context));
+        context.memory = live->memory;
+        pbw__core_free(&context, &live->core);
+        PBW__RELEASE(memory, live, point);
+        PBW__RELEASE(memory, live, weight);
+        PBW__RELEASE(memory, live, state);
+        PBW__RELEASE(memory, live, spare);
+        PBW__RELEASE(memory, live, queue);
+        PBW__RELEASE(memory, live, edit);
+        PBW__RELEASE(memory, live, head);
+        PBW__RELEASE(memory, live, leaving);
+        PBW__RELEASE(memory, live, arriving);
+        PBW__RELEASE(memory, live, joining);
+        PBW__RELEASE(memory, live, moved);
+        pbw__release(memory, live, 1, sizeof(*live));
+    }
+}
+
+PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **result)
+{
+    pbw_options defaults;
+    pbw_memory memory;
+    pbw_live *live;
+    pbw_status status;
+    memset(&defaults, 0, sizeof(defaults));
+    options = options != NULL ? options : &defaults;
+    if (result == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    *result = NULL;
+    if (!pbw__has_arrays(mesh, 0) || options->threads < 0 || options->threads > 256 || options->flags != 0
+        || options->stride != 0 || options->weight_stride != 0 || options->backend != NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    pbw_memory_start(&memory, options);
+    live = (pbw_live *)pbw__allocate(&memory, 1, sizeof(*live));
+    if (live == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(live, 0, sizeof(*live));
+    live->memory = memory;
+    live->options = *options;
+    live->options.trace = NULL;
+    live->options.message = NULL;
+    live->dim = mesh->dim;
+    live->weighted = mesh->weights != NULL;
+    status = pbw__live_reserve(live, mesh->point_count, mesh->point_count);
+    status = status == PBW_OK ? pbw__live_run(live, mesh, NULL) : status;
+    if (status != PBW_OK && status != PBW_DEGENERATE) {
+        pbw_live_free(live);
+        return status;
+    }
+    *result = live;
+    return status;
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>view         The arrays of a live triangulation.
+   In: a core.  Out: the mesh that pbw_triangulate makes of the points that live.
+   The vertices are sorted along the curve as for a build, which gives their ranks.  The corners are copied as ranks;
+   from there on >>number and >>output work as after a build, but write to new arrays, as the core keeps its own.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbw__viewing {
+    const pbw_live *live;
+    pbw_mesh *mesh;
+    size_t duplicates;
+    const pbw_index *list;                           /* per entry of the sort's input: its vertex; NULL: all */
+    pbw_index *id;                                   /* per rank */
+    pbw_index *rank;                                 /* per vertex */
+    pbw_index *corner;                               /* per slot: the ranks of the corners */
+} pbw__viewing;
+
+/* ---- points: those in the queue have other coordinates than their vertices */
+PBW__INLINE void pbw__view_points_of(pbw__viewing *viewing, size_t from, size_t to, int dims)
+{
+    const pbw_live *live = viewing->live;
+    const pbw__core *core = &live->core;
+    const size_t dim = (size_t)dims;
+    const pbw_mesh *mesh = viewing->mesh;
+    double *points = (double *)(uintptr_t)mesh->points, *weights = (double *)(uintptr_t)mesh->weights;
+    pbw_index *canonical = (pbw_index *)(uintptr_t)mesh->canonical;
+    const int settled = live->queue_count == 0 && core->twin != NULL;
+    size_t duplicates = 0, i;
+    for (i = from; i < to; i++) {
+        const int lives = (live->state[i] & PBW__LIVES) != 0, single = settled && lives && core->twin[i] == i;
+        const pbw_index v = lives && !single ? core->vertex[i] : PBW__GHOST;
+        if (lives) {
+            const double *place = single ? live->point + i * dim : core->record + v * (dim + 1);
+            memcpy(points + i * dim, place, dim * sizeof(double));
+        } else {
+            memset(points + i * dim, 0, dim * sizeof(double));
+        }
+        canonical[i] = single ? (pbw_index)i : lives ? core->name[v] : PBW_NONE;
+        duplicates += lives && canonical[i] != i;
+        if (weights != NULL) {
+            weights[i] = lives ? live->weight[i] : 0.0;
+        }
+    }
+    (void)PBW__ADD(&viewing->duplicates, duplicates);
+}
+
+static pbw_status pbw__view_points(void *arg, size_t from, size_t to)
+{
+    pbw__viewing *viewing = (pbw__viewing *)arg;
+    PBW__BY_DIM(viewing->live->dim, pbw__view_points_of, viewing, from, to);
+    return PBW_OK;
+}
+
+/* Makes the points, weights and canonical of a view. */
+static pbw_status pbw__view_begin(pbw__viewing *viewing, pbw__context *context)
+{
+    const pbw_live *live = viewing->live;
+    const size_t numbers = live->numbers, entries = numbers * (size_t)live->dim;
+    pbw_mesh *mesh = viewing->mesh;
+    pbw__owned *owned = (pbw__owned *)mesh->memory;
+    pbw_status status;
+    mesh->points = (double *)pbw__allocate_large(context, entries, sizeof(double));
+    mesh->canonical = (pbw_index *)pbw__allocate_large(context, numbers, sizeof(pbw_index));
+    mesh->weights = live->weighted_past ? (double *)pbw__allocate_large(context, numbers, sizeof(double)) : NULL;
+    owned->points = entries;
+    owned->weights = owned->canonical = numbers;
+    if (mesh->points == NULL || mesh->canonical == NULL || (mesh->weights == NULL && live->weighted_past)) {
+        return PBW_ERROR_MEMORY;
+    }
+    status = pbw__for_range(context, numbers, 16384, 0.0, pbw__view_points, viewing);
+    mesh->duplicate_count = viewing->duplicates;
+    return status;
+}
+
+/* Sorts the vertices.  Copies them to `stand` if some were removed, or if there are duplicates, which count for the
+   grid of the keys. */
+static pbw_status pbw__view_order(const pbw_live *live, pbw__context *context, pbw__stand *stand,
+                                  pbw__vertices *vertices)
+{
+    const pbw__core *core = &live->core;
+    const size_t width = (size_t)live->dim + 1;
+    pbw__input input;
+    pbw_index v;
+    size_t i;
+    if (core->unused_count == 0 && core->vertex_count == live->points) {
+        input = pbw__input_of(live->dim, 0, core->record + width, core->record + 2 * width - 1, live->points);
+        input.weights = live->weighted_past ? input.weights : NULL;
+        input.stride = input.weight_stride = width * sizeof(double);
+        input.bare = 1;
+        return pbw__order(context, &input, vertices);
+    }
+    if (!pbw__stand_create(&context->memory, stand, live->points, live->dim)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (v = 1; v <= core->vertex_count; v++) {
+        if (core->incident[v] != PBW__GONE) {
+            pbw__stand_add(stand, v, pbw__core_record(core, v), pbw__core_record(core, v)[width - 1]);
+        }
+    }
+    for (i = 0; stand->count < live->points && i < live->numbers; i++) {
+        if ((live->state[i] & PBW__LIVES) != 0 && core->name[core->vertex[i]] != i) {
+            pbw__stand_add(stand, core->vertex[i], pbw__core_record(core, core->vertex[i]), live->weight[i]);
+        }
+    }
+    pbw__stand_input(stand, live->weighted_past, &input);
+    input.bare = core->vertex_count - core->unused_count == live->points;
+    return pbw__order(context, &input, vertices);
+}
+
+/* ---- simplices */
+/* Sets the rank of each vertex, and the id of each rank. */
+static pbw_status pbw__view_ranks(void *arg, size_t from, size_t to)
+{
+    const pbw__viewing *viewing = (const pbw__viewing *)arg;
+    const pbw_index *name = viewing->live->core.name, *list = viewing->list;
+    size_t r;
+    for (r = from + 1; r <= to; r++) {
+        const size_t soon = viewing->id[r + 16 <= to ? r + 16 : r], near = list != NULL ? list[soon] : soon + 1;
+        const pbw_index v = list != NULL ? list[viewing->id[r]] : viewing->id[r] + 1;
+        PBW__PREFETCH(name + near);
+        PBW__PREFETCH_TO_WRITE(viewing->rank + near);
+        viewing->id[r] = name[v];
+        viewing->rank[v] = (pbw_index)r;
+    }
+    return PBW_OK;
+}
+
+/* Copies the corners of a range of slots as ranks. */
+PBW__INLINE void pbw__view_corners_of(const pbw__viewing *viewing, size_t from, size_t to, int dim)
+{
+    const pbw_index *rank = viewing->rank;
+    size_t t;
+    for (t = from; t < to; t++) {
+        const pbw_index *v = viewing->live->core.store.corner + 4 * t;
+        pbw_index *r = viewing->corner + 4 * t;
+        int k;
+        r[0] = PBW_NONE;
+        for (k = 0; k <= dim && v[0] != PBW_NONE; k++) {
+            r[k] = rank[v[k]];
+        }
+    }
+}
+
+static pbw_status pbw__view_corners(void *arg, size_t from, size_t to)
+{
+    const pbw__viewing *viewing = (const pbw__viewing *)arg;
+    PBW__BY_DIM(viewing->live->dim, pbw__view_corners_of, viewing, from, to);
+    return PBW_OK;
+}
+
+/* Makes a store of ranks that borrows the core's links, with the slots of the build in regions. */
+static pbw_status pbw__view_store(pbw__viewing *viewing, pbw__context *context, const pbw__vertices *vertices,
+                                  pbw__store *store)
+{
+    const pbw__core *core = &viewing->live->core;
+    pbw_memory *memory = &context->memory;
+    const size_t slots = core->store.count, vertex_entries = core->vertex_count + 1;
+    pbw_status status = PBW_ERROR_MEMORY;
+    store->plain = store->lent = 1;
+    store->link = core->store.link;
+    store->count = store->capacity = slots;
+    store->region_bits = pbw__region_bits(vertices->count, vertices->dim);
+    store->region_count = (vertices->count >> store->region_bits) + 1;
+    store->region_slots = core->store.region_slots < slots ? core->store.region_slots : slots;
+    store->slots_each = store->region_slots / store->region_count + 1;
+    store->hint = (pbw_index *)pbw__allocate(memory, store->region_count, sizeof(pbw_index));
+    store->corner = (pbw_index *)pbw__allocate_large(context, 4 * slots, sizeof(pbw_index));
+    store->corner_capacity = 4 * slots;
+    viewing->corner = store->corner;
+    viewing->id = vertices->id;
+    viewing->rank = (pbw_index *)pbw__allocate_large(context, vertex_entries, sizeof(pbw_index));
+    if (store->hint != NULL && store->corner != NULL && viewing->rank != NULL) {
+        viewing->rank[0] = PBW__GHOST;
+        status = pbw__for_range(context, vertices->count, 16384, 0.0, pbw__view_ranks, viewing);
+        status = status == PBW_OK ? pbw__for_range(context, slots, 16384, 0.0, pbw__view_corners, viewing) : status;
+    }
+    pbw__release(memory, viewing->rank, vertex_entries, sizeof(pbw_index));
+    return status;
+}
+
+static pbw_status pbw__view(const pbw_live *live, pbw__context *context, pbw_mesh *mesh)
+{
+    pbw_memory *memory = &context->memory;
+    pbw__owned *owned = (pbw__owned *)pbw__allocate(memory, 1, sizeof(pbw__owned));
+    pbw__viewing viewing;
+    pbw__stand stand;
+    pbw__vertices vertices;
+    pbw__store store;
+    pbw_status status;
+    if (owned == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(owned, 0, sizeof(*owned));
+    memset(&stand, 0, sizeof(stand));
+    memset(&viewing, 0, sizeof(viewing));
+    memset(&store, 0, sizeof(store));
+    viewing.live = live;
+    viewing.mesh = mesh;
+    mesh->memory = owned;
+    mesh->dim = live->dim;
+    mesh->point_count = live->numbers;
+    if (live->numbers == 0) {
+        return PBW_DEGENERATE;
+    }
+    status = pbw__view_begin(&viewing, context);
+    if (status == PBW_OK && live->core.simplex_count == 0) {
+        status = pbw__make_incident(context, owned, mesh, 1, NULL) == NULL ? PBW_ERROR_MEMORY : PBW_DEGENERATE;
+    } else if (status == PBW_OK) {
+        status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED
+               : pbw__view_order(live, context, &stand, &vertices);
+        viewing.list = stand.list;
+        if (status == PBW_OK) {
+            status = pbw__enter_stage(context, PBW_STAGE_OUTPUT) ? PBW_CANCELLED
+                   : pbw__view_store(&viewing, context, &vertices, &store);
+            status = status == PBW_OK ? pbw__output(context, &store, &vertices, PBW_BORROW, owned, mesh) : status;
+            store.link = NULL;                       /* the core's */
+            pbw__store_free(memory, &store);
+            pbw__vertices_free(context, &vertices);
+        }
+    }
+    pbw__stand_free(memory, &stand);
+    return status;
+}
+
+PBWDEF pbw_status pbw_live_view(pbw_live *live, pbw_mesh *mesh)
+{
+    pbw__context context;
+    pbw_status status;
+    pbw__fp fp;
+    if (mesh == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(mesh, 0, sizeof(*mesh));
+    if (live == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    fp = pbw__fp_enter();
+    pbw__context_start(&context, &live->options, live->points);
+    context.memory.used = live->memory.used;         /* what is held counts */
+    live->core.kernel.context = &context;
+    status = pbw__fp_is_exact() ? pbw__view(live, &context, mesh) : PBW_ERROR_FP_MODE;
+    live->core.kernel.context = NULL;
+    pbw__team_stop(&context);
+    if (mesh->memory != NULL) {
+        ((pbw__owned *)mesh->memory)->memory = context.memory;
+    }
+    mesh->statistics.threads = context.threads;
+    mesh->statistics.peak_bytes = context.memory.peak;
+    if (status != PBW_OK && status != PBW_DEGENERATE) {
+        pbw_free(mesh);
+    }
+    pbw__fp_leave(fp);
+    return status;
+}
+#ifdef _WIN32
+#pragma pop_macro("far")
+#pragma pop_macro("near")
+#endif
+#if defined(__clang__) && (defined(__x86_64__) || defined(__i386__))
+#pragma float_control(pop)
+#elif defined(__clang__)
+#pragma STDC FP_CONTRACT DEFAULT
+#elif defined(__GNUC__)
+#pragma GCC pop_options
+#elif defined(_MSC_VER)
+#pragma warning(pop)
+#endif
+#endif
+#endif /* PBW_LIVE_IMPLEMENTATION */

@@ -1,0 +1,3109 @@
+/* pbw_query.h - v0.2.0 - which simplex contains a point, nearest vertices, interpolation - MIT-0
+
+   QUICK START
+   In the source file that defines PBW_IMPLEMENTATION, define PBW_QUERY_IMPLEMENTATION too; in all others, only include.
+
+       #define PBW_IMPLEMENTATION
+       #define PBW_QUERY_IMPLEMENTATION
+       #include "pbw_query.h"
+       #include <stdio.h>
+
+       int main(void) {
+           double points[] = { 0,0,  4,0,  0,4,  4,4,  1,2 }, queries[] = { 3,1,  1,3 };
+           pbw_index triangle[2], nearest[2];
+           static pbw_mesh mesh;
+           pbw_status status = pbw_triangulate(2, points, NULL, 5, NULL, &mesh);
+           if (status == PBW_OK) status = pbw_locate(&mesh, queries, 2, NULL, triangle, NULL);
+           if (status == PBW_OK) status = pbw_nearest(&mesh, NULL, queries, 2, 1, NULL, nearest, NULL);
+           if (status != PBW_OK) { printf("%s\n", pbw_status_string(status)); return 1; }
+           for (int i = 0; i < 2; i++) printf("in triangle %u, nearest to point %u\n", triangle[i], nearest[i]);
+           pbw_free(&mesh);
+           return 0;
+       }
+
+   Build:  cc -O2 quickstart.c -lpthread
+
+   FUNCTIONS
+     pbw_lists_free     frees lists
+     pbw_stars          the simplices around each vertex
+     pbw_locate_one     the simplex that contains a point, by a walk
+     pbw_locate         those of many points
+     pbw_finder_create  what finds places for walks to start
+     pbw_finder_locate  the simplex that contains a point, by it
+     pbw_finder_free    frees it
+     pbw_nearest        the nearest vertices of many points
+     pbw_within         the vertices in a ball around each of many points
+     pbw_coordinates    barycentric, Sibson's or Laplace's weights of many points
+
+   CONTENTS  (search for the marks)
+     >>interface    types and functions
+     >>query        which simplex contains a point
+     >>batch        many queries: sorting, blocks, location, lists
+     >>finder       where walks of single queries start: nested grids
+     >>reach        distances from a query, in exact order
+     >>nearest      stars, nearest vertices, vertices in a ball
+     >>boxes        many nearest vertices, by a tree of boxes
+     >>centres      vectors, pairs, centres of simplices
+     >>interpolate  barycentric, Sibson's and Laplace's weights
+
+   PROMISES  (and the test that guards each)
+     exact       answers by the true signs of all decisions, for every finite double        tests/test_query.c
+     one answer  the same for any number of threads                                         tests/test_query.c
+     the others  of pbw.h: never exits, re-entrant, bounded                                 tests/test_contract.c
+
+   Words are those of pbw.h's GLOSSARY and CONVENTIONS.
+
+   CONFIGURATION MACROS
+     PBW_QUERY_IMPLEMENTATION   in the source file that has PBW_IMPLEMENTATION: compile the implementation there
+     and those of pbw.h: PBW_STATIC and PBWDEF, PBW_NO_SIMD, PBW_NO_THREADS, PBW_WIDE
+*/
+#ifndef PBW_QUERY_H
+#define PBW_QUERY_H
+/* ------------------------------------------------------------------------------------------------------
+   >>interface
+   ------------------------------------------------------------------------------------------------------ */
+#include "pbw.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- queries, on a finished mesh with neighbors, which they only read: any number of threads may query it at once.
+   Batches are sorted inside along the Hilbert curve and answered by all threads; the answers do not depend on their
+   number.  options: threads, stride of the query points, memory_limit, resize, run, progress.
+   If a query point is not finite, the status is PBW_ERROR_NOT_FINITE and no query is answered.  On any status but
+   PBW_OK the caller's arrays hold undefined values, and lists are empty.  In a mesh of PBW_DEGENERATE points every
+   query point lies outside of the hull, stars are empty, and all canonical points count as vertices.  Where points of
+   a mesh with PBW_BORROW have moved, answers are undefined; a batch may also end with PBW_ERROR_ARGUMENT. */
+typedef struct pbw_lists {                 /* list i: items first[i] .. first[i+1]-1; pbw_lists_free when done */
+    size_t count;                          /* of lists */
+    const size_t *first;                   /* count+1 */
+    const pbw_index *item;
+    const double *value;                   /* one for each item, or NULL */
+    void *memory;                          /* private */
+} pbw_lists;
+
+/* Frees what lists hold and zeroes them; fine on {0}, fine twice. */
+PBWDEF void pbw_lists_free(pbw_lists *lists);
+
+/* The neighbours of each point, a list for each; empty for a point that is no vertex.  They come in the order in
+   which a walk round the point, from simplex to simplex and starting from mesh->incident, meets them. */
+PBWDEF pbw_status pbw_stars(const pbw_mesh *mesh, const pbw_options *options, pbw_lists *stars);
+
+/* Returns the simplex that contains the point (dim coordinates): of those that do, boundaries included, the one of
+   the lowest index.  PBW_NONE if the point is outside of the hull, or not finite.
+   hull_facet (may be NULL) gets (dim+1)*simplex + corner: the facet opposite to that corner is on the hull, and the
+   point on its outer side.  It gets PBW_NONE if there is none: for a point in a simplex, one that is not finite, and
+   a mesh without simplices; and where that number does not fit, beyond 1.07e9 simplices (2D: 1.43e9) with PBW_WIDE.
+   hint: a simplex to start from; any number will do, and a near simplex is quick.  No allocation. */
+PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_index hint, pbw_index *hull_facet);
+/* pbw_locate_one for many points; simplices and hull_facets (may be NULL) get an entry for each.  Where several
+   facets have the point on their outer side, the other queries of the batch decide which one is named. */
+PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t count, const pbw_options *options,
+                             pbw_index *simplices, pbw_index *hull_facets);
+
+/* For single queries in any order: grids of simplices to start from, finer where there are more points, one to five
+   bytes a point.  Refers to the mesh, which must outlive it.  Locating changes nothing: any number of threads may.
+   create: on any status but PBW_OK *finder is NULL.  locate: as pbw_locate_one. */
+typedef struct pbw_finder pbw_finder;
+PBWDEF pbw_status pbw_finder_create(const pbw_mesh *mesh, const pbw_options *options, pbw_finder **finder);
+PBWDEF pbw_index pbw_finder_locate(const pbw_finder *finder, const double *point, pbw_index *hull_facet);
+PBWDEF void pbw_finder_free(pbw_finder *finder);           /* fine on NULL */
+
+/* The k nearest vertices of each query point, the nearest first, equally near ones by index: k entries for each of
+   vertices and distances (may be NULL).  Where there are fewer: PBW_NONE and HUGE_VAL.  The order is exact, distances
+   are rounded.  With weights the distance is the power distance.  stars: of pbw_stars, or NULL to have them made.
+   A mesh without simplices takes time in proportion to its points for each query. */
+PBWDEF pbw_status pbw_nearest(const pbw_mesh *mesh, const pbw_lists *stars, const double *points, size_t count,
+                              size_t k, const pbw_options *options, pbw_index *vertices, double *distances);
+/* The vertices not farther than the radius, exactly: a list for each query point, in the order of pbw_nearest, with
+   distances as values.  With weights: those of a power distance of at most radius^2. */
+PBWDEF pbw_status pbw_within(const pbw_mesh *mesh, const pbw_lists *stars, const double *points, size_t count,
+                             double radius, const pbw_options *options, pbw_lists *lists);
+
+typedef enum pbw_scheme { PBW_BARYCENTRIC, PBW_SIBSON, PBW_LAPLACE } pbw_scheme;
+/* Generalised barycentric coordinates of each query point: a list of vertices, in the order of their indices, and
+   their weights, which are not negative, sum to 1, and have the point as the weighted mean of the vertices.
+   PBW_BARYCENTRIC: of the simplex that contains it.  PBW_SIBSON: the share that its Voronoi cell would take from the
+   cells of its neighbours; PBW_LAPLACE: the facets of its cell over the distances of the neighbours.  With weights,
+   cells are power cells, and the query has the weight 0.  Outside of the hull a list is empty.  On the boundary of
+   the hull, where the query would be a hidden point, and where differences of coordinates overflow, all schemes give
+   barycentric coordinates. */
+PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, size_t count, pbw_scheme scheme,
+                                  const pbw_options *options, pbw_lists *lists);
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* PBW_QUERY_H */
+
+/* Interface ends here; what follows is for those who want to know how it works. */
+
+#if defined(PBW_QUERY_IMPLEMENTATION) && !defined(PBWQ__IMPLEMENTED)
+#define PBWQ__IMPLEMENTED
+#if PBW__SEAM != 1
+#error "pbw_query.h is compiled where pbw.h of its version is: define PBW_IMPLEMENTATION, too, above the first include"
+#else
+
+/* Contraction is off here as in pbw.h, whose >>platform tells why; each compiler ignores the other's pragma. */
+#if defined(__clang__)
+#if defined(__x86_64__) || defined(__i386__)
+#pragma float_control(push)
+#endif
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC push_options
+#pragma GCC optimize("fp-contract=off")
+#ifdef _WIN32
+#pragma GCC optimize("no-ipa-ra")
+#endif
+#elif defined(_MSC_VER)
+#pragma fp_contract(off)
+#pragma warning(push)
+#pragma warning(disable : 4244 4996)
+#endif
+#ifdef _WIN32
+#pragma push_macro("far")
+#undef far
+#endif
+/* ------------------------------------------------------------------------------------------------------
+   >>query        Which simplex contains a point.
+   In: a finished mesh with neighbors, a finite point.  Out: the lowest simplex that contains it, or a hull facet that
+   has it on the outer side.
+   Holds: the mesh is only read; all decisions are by exact signs.
+
+   A walk steps from simplex to simplex through the facet that has the query most clearly on its outer side, always by
+   an exactly negative sign.  It cannot come back to a simplex: in front of the query the simplices of a regular
+   triangulation are acyclic (Edelsbrunner 1990, "An acyclicity theorem for cell complexes in d dimensions").  It ends
+   outside, or in a simplex that contains the query; signs that are 0 say which others do, and the lowest index wins.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__INSIDE 4u                               /* no corner to leave a simplex by */
+#define PBW__ASTRAY 5u                               /* a walk came back, or to a flat simplex: points have moved */
+
+/* Finds, by exact signs, a facet that has p strictly on its outer side, and returns the corner opposite to it.
+   Returns PBW__INSIDE if there is none; *on is then the set of corners with p on the opposite facet.  All of them:
+   the simplex is flat, PBW__ASTRAY. */
+static PBW__NOINLINE unsigned pbw__side_exact(const pbw_mesh *mesh, const pbw_index *v, const double *p,
+                                              const pbw__grid *grid, unsigned *on)
+{
+    const size_t dim = (size_t)mesh->dim;
+    const double *x[4];
+    unsigned i;
+    for (i = 0; i <= dim; i++) {
+        x[i] = mesh->points + v[i] * dim;
+    }
+    *on = 0;
+    for (i = 0; i <= dim; i++) {
+        const int sign = pbw__side(mesh->dim, x, (int)i, p, grid);
+        if (sign < 0) {
+            return i;
+        }
+        *on |= (unsigned)(sign == 0) << i;
+    }
+    return *on == (2u << dim) - 1 ? PBW__ASTRAY : PBW__INSIDE;
+}
+
+/* Computes side[i], the orientation of the simplex with corner i replaced by p.  Returns a bound for the error of
+   each: that of orient3 in >>predicates, as the determinants and roundings are the same.  It is infinite outside of
+   the range of pbw__certain, as after an overflow. */
+PBW__INLINE double pbw__sides3(const double *points, const pbw_index *v, const double *p, double *side)
+{
+    double x[4], y[4], z[4], mx, my, mz, low, high, s01, s02, s03, s12, s13, s23;
+    int i;
+    for (i = 0; i < 4; i++) {
+        const double *q = points + (size_t)v[i] * 3;
+        x[i] = q[0] - p[0];
+        y[i] = q[1] - p[1];
+        z[i] = q[2] - p[2];
+    }
+    mx = pbw__max_abs(x[0], x[1], x[2], x[3]);
+    my = pbw__max_abs(y[0], y[1], y[2], y[3]);
+    mz = pbw__max_abs(z[0], z[1], z[2], z[3]);
+    s01 = x[0] * y[1] - x[1] * y[0];
+    s02 = x[0] * y[2] - x[2] * y[0];
+    s03 = x[0] * y[3] - x[3] * y[0];
+    s12 = x[1] * y[2] - x[2] * y[1];
+    s13 = x[1] * y[3] - x[3] * y[1];
+    s23 = x[2] * y[3] - x[3] * y[2];
+    side[0] = z[1] * s23 - z[2] * s13 + z[3] * s12;
+    side[1] = z[2] * s03 - z[0] * s23 - z[3] * s02;
+    side[2] = z[0] * s13 - z[1] * s03 + z[3] * s01;
+    side[3] = z[1] * s02 - z[0] * s12 - z[2] * s01;
+    low = mx < my ? mx : my;
+    low = low < mz ? low : mz;
+    high = pbw__max(pbw__max(mx, my), mz);
+    return low > 1e-50 && high < 1e100 ? PBW__FILTER_ORIENT3_ERROR * DBL_EPSILON * mx * my * mz : HUGE_VAL;
+}
+
+/* pbw__sides3 in the plane, with the bound of orient2. */
+PBW__INLINE double pbw__sides2(const double *points, const pbw_index *v, const double *p, double *side)
+{
+    double x[3], y[3], mx, my, low, high;
+    int i;
+    for (i = 0; i < 3; i++) {
+        const double *q = points + (size_t)v[i] * 2;
+        x[i] = q[0] - p[0];
+        y[i] = q[1] - p[1];
+    }
+    mx = pbw__max_abs(x[0], x[1], x[2], x[2]);
+    my = pbw__max_abs(y[0], y[1], y[2], y[2]);
+    side[0] = x[1] * y[2] - x[2] * y[1];
+    side[1] = x[2] * y[0] - x[0] * y[2];
+    side[2] = x[0] * y[1] - x[1] * y[0];
+    low = mx < my ? mx : my;
+    high = pbw__max(mx, my);
+    return low > 1e-50 && high < 1e100 ? PBW__FILTER_ORIENT2_ERROR * DBL_EPSILON * mx * my : HUGE_VAL;
+}
+
+/* Where a walk ends. */
+typedef struct pbw__spot {
+    size_t simplex;
+    unsigned leave;                                  /* PBW__INSIDE, PBW__ASTRAY, or the corner opposite to a hull
+                                                        facet that has the query on the outer side */
+    unsigned on;                                     /* if inside: the corners with the query on the opposite facet */
+} pbw__spot;
+
+/* Walks to p from spot->simplex, always through the facet with the least orientation.  If that is certainly negative
+   the walk goes on; if it is certainly positive p is inside; otherwise exact signs decide.  A triangulation has no
+   walk of more steps than simplices; where borrowed points have moved, there may be one without end. */
+PBW__INLINE void pbw__walk_of(const pbw_mesh *mesh, pbw__spot *spot, const double *p, const pbw__grid *grid, int dim)
+{
+    size_t t = spot->simplex, steps = mesh->simplex_count;
+    for (;;) {
+        const pbw_index *v = mesh->simplices + t * (size_t)(dim + 1);
+        const pbw_index *next = mesh->neighbors + t * (size_t)(dim + 1);
+        double side[4], least, bound;
+        unsigned k, far;
+        PBW__PREFETCH(next);                         /* so that it comes with the corners */
+        bound = dim == 3 ? pbw__sides3(mesh->points, v, p, side) : pbw__sides2(mesh->points, v, p, side);
+        k = side[1] < side[0];
+        far = side[2] < side[k] ? 2 : k;
+        far = dim == 3 && side[3] < side[far] ? 3 : far;
+        least = side[far];
+        spot->on = 0;
+        if (PBW__UNLIKELY(!(least < -bound))) {
+            far = least > bound ? PBW__INSIDE : pbw__side_exact(mesh, v, p, grid, &spot->on);
+        }
+        if (far >= PBW__INSIDE || next[far] == PBW_NONE || steps-- == 0) {
+            spot->simplex = t;
+            spot->leave = far >= PBW__INSIDE || next[far] == PBW_NONE ? far : PBW__ASTRAY;
+            return;
+        }
+        t = next[far];
+    }
+}
+
+static void pbw__walk_to(const pbw_mesh *mesh, pbw__spot *spot, const double *p, const pbw__grid *grid)
+{
+    PBW__BY_DIM(mesh->dim, pbw__walk_of, mesh, spot, p, grid);
+}
+
+/* Returns the lowest of the tetrahedra round the edge of t that lies in the facets opposite to corners i and j.  Sets
+   *hull if the edge lies on the hull; the turn one way then ends there, so we turn the other way too.  Each step
+   crosses the facet of the edge and the vertex `stays`; the next one crosses that of the edge and the corner behind.
+   */
+static pbw_index pbw__lowest_round_edge(const pbw_mesh *mesh, size_t t, unsigned i, unsigned j, int *hull)
+{
+    const pbw_index *v = mesh->simplices + t * 4;
+    const pbw_index edge = v[0] ^ v[1] ^ v[2] ^ v[3] ^ v[i] ^ v[j];      /* both ends, by exclusive or */
+    size_t lowest = t, s = PBW_NONE;
+    unsigned way;
+    for (way = 0; way < 2 && s != t; way++) {
+        unsigned leave = way == 0 ? i : j;
+        pbw_index stays = v[i + j - leave];
+        for (s = mesh->neighbors[t * 4 + leave]; s != PBW_NONE && s != t; s = mesh->neighbors[s * 4 + leave]) {
+            const pbw_index *u = mesh->simplices + s * 4;
+            for (leave = 0; u[leave] != stays; leave++) {
+            }
+            stays ^= u[0] ^ u[1] ^ u[2] ^ u[3] ^ edge;
+            lowest = s < lowest ? s : lowest;
+        }
+        *hull |= s == PBW_NONE;
+    }
+    return (pbw_index)lowest;
+}
+
+/* Given a point of simplex t in the facets opposite to the corners in the set `on`, returns the lowest simplex that
+   contains it; *hull tells whether the point is known to lie on the hull. */
+static pbw_index pbw__lowest_with(const pbw_mesh *mesh, size_t t, unsigned on, int *hull)
+{
+    const size_t corners = (size_t)mesh->dim + 1;
+    const unsigned off = ~on & ((1u << corners) - 1);
+    unsigned i = 0, j;
+    *hull = 0;
+    if (on == 0) {
+        return (pbw_index)t;
+    }
+    if ((off & (off - 1)) == 0) {                    /* at a corner */
+        for (; (off >> i & 1) == 0; i++) {
+        }
+        return mesh->incident[mesh->simplices[t * corners + i]];
+    }
+    for (; (on >> i & 1) == 0; i++) {
+    }
+    if ((on & (on - 1)) != 0) {                      /* on an edge of a tetrahedron */
+        for (j = i + 1; (on >> j & 1) == 0; j++) {
+        }
+        return pbw__lowest_round_edge(mesh, t, i, j, hull);
+    }
+    *hull = mesh->neighbors[t * corners + i] == PBW_NONE;
+    return mesh->neighbors[t * corners + i] < t ? mesh->neighbors[t * corners + i] : (pbw_index)t;
+}
+
+/* Returns the number of the hull facet where a walk left the mesh; PBW_NONE if there is none or it does not fit. */
+PBW__INLINE pbw_index pbw__facet_left(const pbw_mesh *mesh, const pbw__spot *spot)
+{
+    const uint64_t number = (uint64_t)spot->simplex * ((uint64_t)mesh->dim + 1) + spot->leave;
+    return number < PBW_NONE && spot->leave < PBW__INSIDE ? (pbw_index)number : PBW_NONE;
+}
+
+PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_index hint, pbw_index *hull_facet)
+{
+    pbw__spot spot;
+    int k, hull;
+    if (hull_facet != NULL) {
+        *hull_facet = PBW_NONE;
+    }
+    if (mesh == NULL || point == NULL || mesh->simplex_count == 0 || mesh->neighbors == NULL) {
+        return PBW_NONE;
+    }
+    for (k = 0; k < mesh->dim; k++) {
+        if (!(pbw__abs(point[k]) <= DBL_MAX)) {
+            return PBW_NONE;
+        }
+    }
+    spot.simplex = hint < mesh->simplex_count ? hint : 0;
+    pbw__walk_to(mesh, &spot, point, NULL);
+    if (spot.leave == PBW__INSIDE) {
+        return pbw__lowest_with(mesh, spot.simplex, spot.on, &hull);
+    }
+    if (hull_facet != NULL) {
+        *hull_facet = pbw__facet_left(mesh, &spot);
+    }
+    return PBW_NONE;
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>batch        Many queries at a time: sorted, cut into blocks, answered by all threads; location; lists.
+   In: a mesh, query points.  Out: for each query an item in an array, or a list.
+   Holds: blocks have a fixed size, so no answer depends on the number of threads.
+
+   A batch is sorted along a Hilbert curve, as points are in >>order.  A walk starts where the last one of its block
+   ended; the first walk of a block starts from the nearest of a few vertices.  Lists take two passes: each block
+   writes its lists into a chunk; once all lengths are known, the chunks are copied to their places.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__BLOCK_QUERIES 512
+
+/* A vertex and its computed distance, see >>reach; done: pbw__near_few has looked at its neighbours. */
+typedef struct pbw__reach { double squared, slack; pbw_index vertex, done; } pbw__reach;
+typedef struct pbw__entry { uint64_t key; uint32_t value, stamp; } pbw__entry;
+
+/* A hash table from keys to numbers.  Entries with another stamp are empty. */
+typedef struct pbw__set {
+    pbw__entry *entry;
+    size_t room, count;                              /* room: a power of two */
+    uint32_t stamp;
+} pbw__set;
+
+typedef struct pbw__cavity pbw__cavity;                  /* see >>interpolate */
+typedef struct pbw__tree pbw__tree;                      /* see >>boxes */
+
+/* The scratch memory of one task; its arrays grow. */
+typedef struct pbw__desk {
+    pbw_memory *memory;
+    int failed;                                      /* out of memory */
+    int astray;                                      /* points of the mesh have moved */
+    pbw__set seen, other;
+    pbw_index *list;
+    size_t list_room;
+    pbw__reach *reach;
+    size_t reach_room, reach_count;
+    pbw__cavity *cavity;
+} pbw__desk;
+
+/* The lists of a block, each as its number, its length and its items; value[i] belongs to the item in word[i]. */
+typedef struct pbw__chunk {
+    pbw_index *word;
+    double *value;
+    size_t words, word_room, value_room;
+} pbw__chunk;
+
+typedef struct pbw__queries pbw__queries;
+typedef void pbw__answer(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to);
+
+struct pbw__queries {
+    pbw__context context;
+    pbw__grid grid;                                  /* none, but it says that rounding is to nearest */
+    const pbw_mesh *mesh;
+    const pbw_lists *stars;                          /* the caller's, or own_stars */
+    pbw_lists own_stars;
+    const pbw__tree *tree;
+    pbw__input input;                                /* the query points */
+    pbw__vertices sorted;                            /* their order along the curve */
+    pbw__answer *answer;
+    size_t grain;                                    /* items in a block */
+    pbw__chunk *chunk;                               /* per block, if the answers are lists */
+    int with_values;                                 /* the lists have values */
+    size_t *first;
+    pbw_index *item;
+    double *value;
+    pbw_index *simplices, *facets, *vertices;        /* of locate, of nearest */
+    double *distances, radius;
+    double large;                                    /* nearest: see pbw__find_unit */
+    size_t k;
+    pbw_scheme scheme;
+};
+
+/* Makes room for `needed` items.  If memory is short, sets desk->failed and returns 0. */
+static int pbw__room(pbw__desk *desk, void *array, size_t *capacity, size_t needed, size_t size)
+{
+    const size_t bigger = 2 * *capacity > 64 ? 2 * *capacity : 64;
+    desk->failed |= needed > *capacity
+                 && !pbw_memory_fit(desk->memory, array, capacity, bigger > needed ? bigger : needed, size);
+    return needed <= *capacity;
+}
+
+PBW__INLINE size_t pbw__set_place(const pbw__set *set, uint64_t key)
+{
+    size_t at = (size_t)((key * 0x9e3779b97f4a7c15u) >> 32) & (set->room - 1);
+    while (set->entry[at].stamp == set->stamp && set->entry[at].key != key) {
+        at = (at + 1) & (set->room - 1);
+    }
+    return at;
+}
+
+static PBW__NOINLINE int pbw__set_grow(pbw__desk *desk, pbw__set *set)
+{
+    pbw__set bigger;
+    size_t i;
+    bigger.room = set->room == 0 ? 256 : 4 * set->room;
+    bigger.count = set->count;
+    bigger.stamp = 1;
+    bigger.entry = (pbw__entry *)pbw__allocate(desk->memory, bigger.room, sizeof(pbw__entry));
+    if (bigger.entry == NULL) {
+        desk->failed = 1;
+        return 0;
+    }
+    memset(bigger.entry, 0, bigger.room * sizeof(pbw__entry));
+    for (i = 0; i < set->room; i++) {
+        if (set->entry[i].stamp == set->stamp) {
+            size_t at = pbw__set_place(&bigger, set->entry[i].key);
+            bigger.entry[at] = set->entry[i];
+            bigger.entry[at].stamp = 1;
+        }
+    }
+    pbw__release(desk->memory, set->entry, set->room, sizeof(pbw__entry));
+    *set = bigger;
+    return 1;
+}
+
+/* Empties a set and leaves room for one number; pbw__set_add keeps such room.  Returns 0 if memory is short. */
+static int pbw__set_clear(pbw__desk *desk, pbw__set *set)
+{
+    set->count = 0;
+    if (set->room == 0 || set->stamp == 0xffffffffu) {
+        pbw__release(desk->memory, set->entry, set->room, sizeof(pbw__entry));
+        memset(set, 0, sizeof(*set));
+        return pbw__set_grow(desk, set);
+    }
+    set->stamp++;
+    return 1;
+}
+
+/* Returns where the number of a key is.  *added: the key is new, and its number is `value`.  NULL if memory is
+   short. */
+PBW__INLINE uint32_t *pbw__set_add(pbw__desk *desk, pbw__set *set, uint64_t key, uint32_t value, int *added)
+{
+    size_t at = pbw__set_place(set, key);
+    pbw__entry *entry = set->entry + at;
+    *added = entry->stamp != set->stamp;
+    if (*added) {
+        if (PBW__UNLIKELY(2 * set->count >= set->room)) {
+            if (!pbw__set_grow(desk, set)) {
+                return NULL;
+            }
+            entry = set->entry + pbw__set_place(set, key);
+        }
+        set->count++;
+        entry->key = key;
+        entry->value = value;
+        entry->stamp = set->stamp;
+    }
+    return &entry->value;
+}
+
+static void pbw__cavity_free(pbw_memory *memory, pbw__cavity *cavity);
+
+static pbw_status pbw__answer_range(void *arg, size_t from, size_t to)
+{
+    pbw__queries *queries = (pbw__queries *)arg;
+    pbw_memory *memory = &queries->context.memory;
+    pbw__desk desk;
+    memset(&desk, 0, sizeof(desk));
+    desk.memory = memory;
+    queries->answer(queries, &desk, from / queries->grain, from, to);
+    pbw__release(memory, desk.seen.entry, desk.seen.room, sizeof(pbw__entry));
+    pbw__release(memory, desk.other.entry, desk.other.room, sizeof(pbw__entry));
+    pbw__release(memory, desk.list, desk.list_room, sizeof(pbw_index));
+    pbw__release(memory, desk.reach, desk.reach_room, sizeof(pbw__reach));
+    pbw__cavity_free(memory, desk.cavity);
+    return desk.failed ? PBW_ERROR_MEMORY : desk.astray ? PBW_ERROR_ARGUMENT : PBW_OK;
+}
+
+/* Calls `answer` for `items` queries, or other items, in blocks of `grain`. */
+static pbw_status pbw__answer_all(pbw__queries *queries, pbw__answer *answer, size_t items, size_t grain)
+{
+    queries->answer = answer;
+    queries->grain = grain;
+    return items == 0 ? PBW_OK : pbw__for_range(&queries->context, items, grain, 1.0, pbw__answer_range, queries);
+}
+
+/* ---- order
+   Sorting the points counts as a twentieth of a stage's progress. */
+typedef struct pbw__sort_progress { pbw_options options; double begin; } pbw__sort_progress;
+
+static int pbw__report_sort(void *user, pbw_stage stage, double done)
+{
+    const pbw__sort_progress *outer = (const pbw__sort_progress *)user;
+    return outer->options.progress(outer->options.progress_user, stage, outer->begin + 0.05 * done);
+}
+
+/* Sorts one point or more along a curve: sorted->id[1], sorted->id[2], ... are their numbers.  The caller frees
+   `sorted` with pbw__vertices_free after success. */
+static pbw_status pbw__sort_points(pbw__context *context, pbw__input *input, pbw__vertices *sorted)
+{
+    pbw__sort_progress outer = { context->options, context->reached };
+    pbw_status status;
+    if (outer.options.progress != NULL) {
+        context->options.progress = pbw__report_sort;
+        context->options.progress_user = &outer;
+        context->last_done = 0.0;
+    }
+    input->bare = 1;                                 /* keeps duplicates */
+    status = pbw__order(context, input, sorted);
+    context->options.progress = outer.options.progress;
+    context->options.progress_user = outer.options.progress_user;
+    context->last_done = context->reached = outer.begin + 0.05;
+    return status;
+}
+
+typedef struct pbw__owned_lists { pbw_memory memory; size_t first, items, values; } pbw__owned_lists;
+
+/* Frees the arrays of lists.  `memory` counts their bytes. */
+static void pbw__lists_release(pbw_memory *memory, const pbw_lists *lists)
+{
+    pbw__owned_lists *owned = (pbw__owned_lists *)lists->memory;
+    if (owned != NULL) {
+        pbw__release(memory, (void *)(uintptr_t)lists->first, owned->first, sizeof(size_t));
+        pbw__release(memory, (void *)(uintptr_t)lists->item, owned->items, sizeof(pbw_index));
+        pbw__release(memory, (void *)(uintptr_t)lists->value, owned->values, sizeof(double));
+        pbw__release(memory, owned, 1, sizeof(pbw__owned_lists));
+    }
+}
+
+/* Begins a call, checks the arguments that all queries have in common, enters the stage and sorts the query points.
+   pbw__queries_end must follow on any status. */
+static pbw_status pbw__queries_start(pbw__queries *queries, const pbw_mesh *mesh, const double *points, size_t count,
+                                     const pbw_options *options)
+{
+    const size_t work = points != NULL || mesh == NULL ? count : mesh->simplex_count;
+    pbw_status status;
+    memset(queries, 0, sizeof(*queries));
+    queries->mesh = mesh;
+    /* 8192: begin_call starts a thread for so many points; a block of queries is worth one. */
+    status = pbw__begin_call(&queries->context, options, work * (8192 / PBW__BLOCK_QUERIES));
+    if (!pbw__has_arrays(mesh, 1) || (points == NULL && count != 0)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    queries->input = pbw__input_of(mesh->dim, 0, points, NULL, count);
+    queries->input.stride = (size_t)mesh->dim * sizeof(double);
+    if (queries->context.options.stride != 0) {
+        if (queries->context.options.stride < queries->input.stride) {
+            return PBW_ERROR_ARGUMENT;
+        }
+        queries->input.stride = queries->context.options.stride;
+    }
+    if (count >= PBW_NONE || count > (size_t)-1 / queries->input.stride) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    status = status == PBW_OK && pbw__enter_stage(&queries->context, PBW_STAGE_WORK) ? PBW_CANCELLED : status;
+    return status == PBW_OK && count > 0 ? pbw__sort_points(&queries->context, &queries->input, &queries->sorted)
+         : status;
+}
+
+static pbw_status pbw__queries_end(pbw__queries *queries, pbw_status status)
+{
+    pbw__vertices_free(&queries->context, &queries->sorted);
+    pbw__lists_release(&queries->context.memory, &queries->own_stars);
+    return pbw__end_call(&queries->context, status);
+}
+
+/* Returns the number of the query at a place along the curve. */
+PBW__INLINE size_t pbw__query_index(const pbw__queries *queries, size_t place)
+{
+    return queries->sorted.id[place + 1];
+}
+
+/* Returns the vertex nearest to p, by rounded distances, of a few spread over the mesh. */
+static pbw_index pbw__guess(const pbw_mesh *mesh, const double *p)
+{
+    const size_t some = 48, dim = (size_t)mesh->dim;
+    double least = HUGE_VAL;
+    pbw_index best = mesh->simplices[0];
+    size_t i, v;
+    for (i = 0; i < some; i++) {
+        v = (size_t)((double)mesh->simplex_count * ((double)i / (double)some));
+        v = mesh->simplices[v * (dim + 1)];
+        if (pbw__squared(mesh->points + v * dim, p, mesh->dim) < least) {
+            least = pbw__squared(mesh->points + v * dim, p, mesh->dim);
+            best = (pbw_index)v;
+        }
+    }
+    return best;
+}
+
+/* ---- lists */
+PBWDEF void pbw_lists_free(pbw_lists *lists)
+{
+    if (lists != NULL && lists->memory != NULL) {
+        pbw_memory memory = ((pbw__owned_lists *)lists->memory)->memory;
+        pbw__lists_release(&memory, lists);
+    }
+    if (lists != NULL) {
+        memset(lists, 0, sizeof(*lists));
+    }
+}
+
+/* Sorts items, and their values with them, by Shell's sort. */
+static void pbw__sort_items(pbw_index *items, double *values, size_t count)
+{
+    size_t gap, i, j;
+    for (gap = count > 64 ? count / 3 : 1; gap > 0; gap = gap == 2 ? 1 : gap / 3) {
+        for (i = gap; i < count; i++) {
+            const pbw_index item = items[i];
+            const double value = values[i];
+            for (j = i; j >= gap && items[j - gap] > item; j -= gap) {
+                items[j] = items[j - gap];
+                values[j] = values[j - gap];
+            }
+            items[j] = item;
+            values[j] = value;
+        }
+    }
+}
+
+/* Adds list `id` of `length` items to a chunk.  Returns where to write its items, NULL if memory is short; sets
+   *values to where to write its values, if values is not NULL. */
+static pbw_index *pbw__chunk_add(pbw__queries *queries, pbw__desk *desk, size_t block, size_t id, size_t length,
+                                 double **values)
+{
+    pbw__chunk *chunk = queries->chunk + block;
+    const size_t at = chunk->words + 2, end = at + length;
+    if (!pbw__room(desk, &chunk->word, &chunk->word_room, end, sizeof(pbw_index))
+        || (values != NULL && !pbw__room(desk, &chunk->value, &chunk->value_room, end, sizeof(double)))) {
+        return NULL;
+    }
+    queries->first[id + 1] = length;
+    chunk->word[at - 2] = (pbw_index)id;
+    chunk->word[at - 1] = (pbw_index)length;
+    chunk->words = end;
+    if (values != NULL) {
+        *values = chunk->value + at;
+    }
+    return chunk->word + at;
+}
+
+static void pbw__copy_chunk(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+{
+    const pbw__chunk *chunk = queries->chunk + block;
+    size_t at, length;
+    (void)desk;
+    (void)from;
+    (void)to;
+    for (at = 2; at <= chunk->words; at += length + 2) {
+        const size_t first = queries->first[chunk->word[at - 2]];
+        length = chunk->word[at - 1];
+        memcpy(queries->item + first, chunk->word + at, length * sizeof(pbw_index));
+        if (queries->value != NULL) {
+            memcpy(queries->value + first, chunk->value + at, length * sizeof(double));
+        }
+    }
+}
+
+/* Makes `count` lists.  `answer` adds the lists of a block of items, in any order, to the block's chunk. */
+static pbw_status pbw__make_lists(pbw__queries *queries, pbw__answer *answer, size_t items, size_t size, size_t count,
+                                  pbw_lists *lists)
+{
+    const int with_values = queries->with_values;
+    pbw_memory *memory = &queries->context.memory;
+    const size_t blocks = (items + size - 1) / size;
+    pbw__owned_lists *owned = (pbw__owned_lists *)pbw__allocate(memory, 1, sizeof(pbw__owned_lists));
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i, total = 0;
+    if (owned == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(owned, 0, sizeof(*owned));
+    lists->memory = owned;
+    lists->count = count;
+    owned->first = count + 1;
+    lists->first = queries->first = (size_t *)pbw__allocate_large(&queries->context, count + 1, sizeof(size_t));
+    queries->chunk = (pbw__chunk *)pbw__allocate(memory, blocks, sizeof(pbw__chunk));
+    if (queries->chunk != NULL) {
+        memset(queries->chunk, 0, blocks * sizeof(pbw__chunk));
+    }
+    if (queries->first != NULL && queries->chunk != NULL) {
+        memset(queries->first, 0, (count + 1) * sizeof(size_t));
+        status = pbw__answer_all(queries, answer, items, size);
+    }
+    if (status == PBW_OK) {
+        for (i = 1; i <= count; i++) {
+            total = queries->first[i] += total;
+        }
+        owned->items = total;
+        owned->values = with_values ? total : 0;
+        lists->item = queries->item = (pbw_index *)pbw__allocate_large(&queries->context, total, sizeof(pbw_index));
+        lists->value = queries->value = with_values
+                     ? (double *)pbw__allocate_large(&queries->context, total, sizeof(double)) : NULL;
+        status = lists->item == NULL || (with_values && lists->value == NULL) ? PBW_ERROR_MEMORY
+               : pbw__answer_all(queries, pbw__copy_chunk, items, size);
+    }
+    for (i = 0; i < blocks && queries->chunk != NULL; i++) {
+        pbw__release(memory, queries->chunk[i].word, queries->chunk[i].word_room, sizeof(pbw_index));
+        pbw__release(memory, queries->chunk[i].value, queries->chunk[i].value_room, sizeof(double));
+    }
+    pbw__release(memory, queries->chunk, blocks, sizeof(pbw__chunk));
+    return status;
+}
+
+/* Ends the queries; from then on the lists count their bytes in a memory of their own. */
+static pbw_status pbw__lists_end(pbw__queries *queries, pbw_status status, pbw_lists *lists)
+{
+    status = pbw__queries_end(queries, status);
+    if (lists->memory != NULL) {
+        ((pbw__owned_lists *)lists->memory)->memory = queries->context.memory;
+    }
+    if (status != PBW_OK) {
+        pbw_lists_free(lists);
+    }
+    return status;
+}
+
+/* ---- locate */
+static void pbw__locate_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    pbw__spot spot = { 0, 0, 0 };
+    size_t i;
+    (void)block;
+    for (i = from; i < to && !desk->astray; i++) {
+        const size_t query = pbw__query_index(queries, i);
+        double p[4];
+        int hull, inside;
+        pbw__fetch(&queries->input, query, p);
+        if (i == from) {
+            spot.simplex = mesh->incident[pbw__guess(mesh, p)];
+        }
+        pbw__walk_to(mesh, &spot, p, &queries->grid);
+        desk->astray = spot.leave == PBW__ASTRAY;
+        inside = spot.leave == PBW__INSIDE;
+        queries->simplices[query] = inside ? pbw__lowest_with(mesh, spot.simplex, spot.on, &hull) : PBW_NONE;
+        if (queries->facets != NULL) {
+            queries->facets[query] = inside ? PBW_NONE : pbw__facet_left(mesh, &spot);
+        }
+    }
+}
+
+PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t count, const pbw_options *options,
+                             pbw_index *simplices, pbw_index *hull_facets)
+{
+    pbw__queries queries;
+    pbw_status status;
+    if (simplices == NULL && count != 0) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    status = pbw__queries_start(&queries, mesh, points, count, options);
+    if (status == PBW_OK && mesh->simplex_count == 0 && count > 0) {
+        memset(simplices, 0xff, count * sizeof(pbw_index));          /* PBW_NONE */
+        if (hull_facets != NULL) {
+            memset(hull_facets, 0xff, count * sizeof(pbw_index));
+        }
+    } else if (status == PBW_OK) {
+        queries.simplices = simplices;
+        queries.facets = hull_facets;
+        status = pbw__answer_all(&queries, pbw__locate_block, count, PBW__BLOCK_QUERIES);
+    }
+    return pbw__queries_end(&queries, status);
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>finder       Where walks of single queries start: nested grids.
+   In: a mesh; then query points, one at a time.  Out: for each bin of a grid over the vertices, a simplex at the
+   vertex nearest to the bin's centre; for a bin with many vertices, a finer grid over them, and so on.
+   Holds: a finished finder is never written, so any number of threads may use it at once.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__MANY    64                              /* vertices: a bin with more gets a finer grid */
+#define PBW__DEEPEST 12                              /* levels of nested grids */
+
+typedef struct pbw__bin { pbw_index start, finer; } pbw__bin;        /* a simplex; the finer grid's number, or 0 */
+
+/* A grid: bins first .. first+count-1, side[k] along axis k; vertices from .. to-1 of pbw__binning. */
+typedef struct pbw__bins {
+    double low[3], scale[3];
+    size_t side[3], first, count;
+    size_t from, to;
+    int depth;
+} pbw__bins;
+
+struct pbw_finder {
+    const pbw_mesh *mesh;
+    pbw_memory memory;
+    pbw__bins *grids;
+    pbw__bin *bins;                                  /* of all grids */
+    size_t grids_capacity, bins_capacity, grid_count, bin_count;
+};
+
+typedef struct pbw__binning {
+    pbw__queries *queries;
+    pbw_finder *finder;
+    pbw_index *vertices, *sorted;                    /* those of a grid are contiguous */
+    float *least;                                    /* per bin of a grid: the least squared distance of a vertex from
+                                                        the centre, in edges of a bin */
+    size_t *counts;                                  /* per bin of a grid: vertices; then where the next goes */
+} pbw__binning;
+
+/* Returns the bin of p, or the nearest one.  Adds to *centre the squared distance from its centre, in edges. */
+PBW__INLINE size_t pbw__bin_of(const pbw__bins *grid, int dim, const double *p, double *centre)
+{
+    size_t bin = 0;
+    int k;
+    for (k = dim; k-- > 0; ) {
+        double at = (p[k] - grid->low[k]) * grid->scale[k];
+        const double last = (double)(grid->side[k] - 1);
+        at = at > 0.0 ? at < last ? at : last : 0.0;         /* 0 for the NaN of an overflow too */
+        bin = bin * grid->side[k] + (size_t)at;
+        *centre += (at - (double)(size_t)at - 0.5) * (at - (double)(size_t)at - 0.5);
+    }
+    return grid->first + bin;
+}
+
+/* Chooses the edge of a grid of cubes: starts with the longest side of the box, at most 2 bins along each axis, and
+   halves it while the bins stay at most a quarter of the vertices plus 1. */
+static void pbw__bins_measure(const pbw__binning *binning, pbw__bins *grid)
+{
+    const pbw_mesh *mesh = binning->finder->mesh;
+    const int dim = mesh->dim;
+    const double most = (double)(grid->to - grid->from) * 0.25 + 1.0;
+    double bins, edge = 0.0;
+    pbw__box box;
+    size_t i;
+    int k;
+    pbw__box_reset(&box, 0);
+    for (i = grid->from; i < grid->to; i++) {
+        pbw__box_add(&box, mesh->points + binning->vertices[i] * (size_t)dim, dim);
+    }
+    for (k = 0; k < dim; k++) {
+        edge = pbw__max(edge, box.high[k] - box.low[k]);
+        grid->low[k] = box.low[k];
+        grid->scale[k] = 0.0;
+        grid->side[k] = 1;
+    }
+    grid->count = 1;
+    if (!(edge > 0.0 && edge <= DBL_MAX)) {
+        return;                                      /* too large to measure: one bin */
+    }
+    for (;;) {
+        const double smaller = edge * 0.5;
+        for (bins = 1.0, k = 0; k < dim; k++) {
+            const double side = (box.high[k] - box.low[k]) / smaller;
+            bins *= (double)(size_t)(side < most ? side : most) + 1.0;
+        }
+        if (bins > most) {
+            break;
+        }
+        edge = smaller;
+    }
+    if (!(1.0 / edge <= DBL_MAX)) {
+        return;                                      /* too small to divide: one bin */
+    }
+    for (k = 0; k < dim; k++) {
+        grid->side[k] = (size_t)((box.high[k] - box.low[k]) / edge) + 1;
+        grid->scale[k] = 1.0 / edge;
+        grid->count *= grid->side[k];
+    }
+}
+
+/* Sets the start of each bin of a grid, and counts its vertices.  An empty bin starts where the bin before does. */
+static void pbw__bins_fill(const pbw__binning *binning, const pbw__bins *grid)
+{
+    const pbw_mesh *mesh = binning->finder->mesh;
+    pbw__bin *bins = binning->finder->bins + grid->first;
+    size_t i, at;
+    pbw_index last = mesh->incident[binning->vertices[grid->from]];
+    memset(binning->counts, 0, grid->count * sizeof(size_t));
+    for (at = 0; at < grid->count; at++) {
+        bins[at].start = PBW_NONE;
+        bins[at].finer = 0;
+        binning->least[at] = 1e30f;
+    }
+    for (i = grid->from; i < grid->to; i++) {
+        const size_t v = binning->vertices[i];
+        double far = 0.0;
+        if (i % PBW__TICK == 0 && pbw__report(&binning->queries->context, 0.5)) {
+            return;
+        }
+        at = pbw__bin_of(grid, mesh->dim, mesh->points + v * (size_t)mesh->dim, &far) - grid->first;
+        binning->counts[at]++;
+        if ((float)far < binning->least[at]) {
+            binning->least[at] = (float)far;
+            bins[at].start = mesh->incident[v];
+        }
+    }
+    for (at = 0; at < grid->count; at++) {
+        last = bins[at].start != PBW_NONE ? bins[at].start : last;
+        bins[at].start = last;
+    }
+}
+
+/* Makes finer grids for the bins of a grid that have many vertices. */
+static pbw_status pbw__bins_refine(const pbw__binning *binning, pbw__bins grid)
+{
+    pbw_finder *finder = binning->finder;
+    pbw_memory *memory = &binning->queries->context.memory;
+    const pbw_mesh *mesh = finder->mesh;
+    size_t i, at, end = grid.from, full = 0;
+    for (at = 0; at < grid.count; at++) {
+        full += binning->counts[at] > PBW__MANY;
+    }
+    if (full == 0 || grid.count == 1 || grid.depth == PBW__DEEPEST) {
+        return PBW_OK;
+    }
+    if (finder->grid_count + full > finder->grids_capacity
+        && !PBW__RESIZE(memory, finder, grids, 2 * (finder->grid_count + full))) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (at = 0; at < grid.count; at++) {
+        pbw__bins *finer = finder->grids + finder->grid_count;
+        const size_t count = binning->counts[at];
+        binning->counts[at] = end;
+        end += count;
+        if (count > PBW__MANY) {
+            finder->bins[grid.first + at].finer = (pbw_index)finder->grid_count++;
+            finer->from = end - count;
+            finer->to = end;
+            finer->depth = grid.depth + 1;
+        }
+    }
+    for (i = grid.from; i < grid.to; i++) {
+        const size_t v = binning->vertices[i];
+        double far = 0.0;
+        at = pbw__bin_of(&grid, mesh->dim, mesh->points + v * (size_t)mesh->dim, &far) - grid.first;
+        binning->sorted[binning->counts[at]++] = (pbw_index)v;
+    }
+    memcpy(binning->vertices + grid.from, binning->sorted + grid.from, (grid.to - grid.from) * sizeof(pbw_index));
+    return PBW_OK;
+}
+
+static pbw_status pbw__bins_make(const pbw__binning *binning)
+{
+    pbw_finder *finder = binning->finder;
+    pbw_memory *memory = &binning->queries->context.memory;
+    const pbw_mesh *mesh = finder->mesh;
+    pbw_status status = PBW_OK;
+    size_t v, g;
+    finder->grid_count = 1;
+    memset(finder->grids, 0, sizeof(pbw__bins));
+    for (v = 0; v < mesh->point_count; v++) {
+        if (mesh->incident[v] != PBW_NONE) {
+            binning->vertices[finder->grids->to++] = (pbw_index)v;
+        }
+    }
+    for (g = 0; g < finder->grid_count && status == PBW_OK; g++) {
+        pbw__bins *grid = finder->grids + g;
+        pbw__bins_measure(binning, grid);
+        grid->first = finder->bin_count;
+        finder->bin_count += grid->count;
+        if (finder->bin_count > finder->bins_capacity
+            && !PBW__RESIZE(memory, finder, bins, finder->bin_count + finder->bin_count / 2)) {
+            return PBW_ERROR_MEMORY;
+        }
+        pbw__bins_fill(binning, grid);
+        status = PBW__LOAD(&binning->queries->context.cancelled) ? PBW_CANCELLED : pbw__bins_refine(binning, *grid);
+    }
+    return status;
+}
+
+static pbw_status pbw__finder_fill(pbw__queries *queries, pbw_finder *finder)
+{
+    pbw_memory *memory = &queries->context.memory;
+    const size_t count = finder->mesh->point_count, most = count / 4 + 8;    /* bins: see pbw__bins_measure */
+    pbw_status status = PBW_ERROR_MEMORY;
+    pbw__binning binning;
+    binning.queries = queries;
+    binning.finder = finder;
+    binning.vertices = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
+    binning.sorted = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
+    binning.least = (float *)pbw__allocate(memory, most, sizeof(float));
+    binning.counts = (size_t *)pbw__allocate(memory, most, sizeof(size_t));
+    if (binning.vertices != NULL && binning.sorted != NULL && binning.least != NULL && binning.counts != NULL
+        && PBW__RESIZE(memory, finder, grids, 1)) {
+        status = pbw__bins_make(&binning);
+    }
+    pbw__release(memory, binning.vertices, count, sizeof(pbw_index));
+    pbw__release(memory, binning.sorted, count, sizeof(pbw_index));
+    pbw__release(memory, binning.least, most, sizeof(float));
+    pbw__release(memory, binning.counts, most, sizeof(size_t));
+    return status;
+}
+
+PBWDEF pbw_status pbw_finder_create(const pbw_mesh *mesh, const pbw_options *options, pbw_finder **finder)
+{
+    pbw__queries queries;
+    pbw_status status;
+    pbw_finder *made = NULL;
+    if (finder == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    *finder = NULL;
+    status = pbw__queries_start(&queries, mesh, NULL, 0, options);
+    if (status == PBW_OK) {
+        made = (pbw_finder *)pbw__allocate(&queries.context.memory, 1, sizeof(pbw_finder));
+        status = made == NULL ? PBW_ERROR_MEMORY : PBW_OK;
+    }
+    if (status == PBW_OK) {
+        memset(made, 0, sizeof(*made));
+        made->mesh = mesh;
+        status = mesh->simplex_count > 0 ? pbw__finder_fill(&queries, made) : PBW_OK;
+    }
+    status = pbw__queries_end(&queries, status);
+    if (made != NULL) {
+        made->memory = queries.context.memory;
+        if (status == PBW_OK) {
+            *finder = made;
+        } else {
+            pbw_finder_free(made);
+        }
+    }
+    return status;
+}
+
+PBWDEF pbw_index pbw_finder_locate(const pbw_finder *finder, const double *point, pbw_index *hull_facet)
+{
+    const pbw__bin *bin;
+    double far = 0.0;
+    if (finder == NULL || point == NULL || finder->bins == NULL) {
+        return pbw_locate_one(NULL, NULL, 0, hull_facet);
+    }
+    bin = finder->bins + pbw__bin_of(finder->grids, finder->mesh->dim, point, &far);
+    while (bin->finer != 0) {
+        bin = finder->bins + pbw__bin_of(finder->grids + bin->finer, finder->mesh->dim, point, &far);
+    }
+    return pbw_locate_one(finder->mesh, point, bin->start, hull_facet);
+}
+
+PBWDEF void pbw_finder_free(pbw_finder *finder)
+{
+    if (finder != NULL) {
+        pbw_memory memory = finder->memory;
+        PBW__RELEASE(&memory, finder, grids);
+        PBW__RELEASE(&memory, finder, bins);
+        pbw__release(&memory, finder, 1, sizeof(pbw_finder));
+    }
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>reach        Power distances of vertices from a query, in exact order.
+   In: a query, vertices.  Out: which is nearer, and distances.
+   Holds: rounded distances decide only where they differ by more than their error bounds; elsewhere integers do.
+   ------------------------------------------------------------------------------------------------------ */
+/* Returns the power distance of a vertex, |v - q|^2 - w, with an error of at most slack: see >>predicates.  The
+   parameter `squared` is |v - q|^2 as computed.  Underflow loses less than 2^-1020 in all.  An overflow makes slack
+   infinite or NaN.  q[3] is the relative error of squares, 0 if all are exact. */
+PBW__INLINE pbw__reach pbw__reach_of(const pbw_mesh *mesh, const double *q, double squared, pbw_index vertex)
+{
+    pbw__reach reach;
+    reach.squared = squared;
+    reach.slack = q[3] * (squared + 1e-280);
+    if (mesh->weights != NULL) {
+        reach.squared -= mesh->weights[vertex];
+        reach.slack += q[3] * pbw__abs(mesh->weights[vertex]);
+    }
+    reach.vertex = vertex;
+    reach.done = 0;
+    return reach;
+}
+
+PBW__INLINE pbw__reach pbw__reach_to(const pbw_mesh *mesh, int dim, const double *q, pbw_index vertex)
+{
+    return pbw__reach_of(mesh, q, pbw__squared(mesh->points + vertex * (size_t)dim, q, dim), vertex);
+}
+
+/* Without weights: returns a square such that a vertex with a larger computed square is certainly farther than a.  It
+   exceeds a.squared by d > 2.8 a.slack: 3 a.slack, less the rounding of the sum, an eighth of a.slack.  The slack of
+   both together is below 2 a.slack + q[3] d < d.  Likewise, a vertex with a square less than a.squared by as much is
+   certainly nearer. */
+PBW__INLINE double pbw__reach_limit(const pbw__reach *a)
+{
+    return a->squared + 3.0 * a->slack;
+}
+
+/* Looks for a unit, a power of two: all coordinates are multiples of it, at most 2^23 units large, as on lattices.
+   Squared distances to queries with such coordinates are exact.  Sets queries->large to 3 * 2^51 units if there is
+   one. */
+static void pbw__find_unit(pbw__queries *queries)
+{
+    const double *x = queries->mesh->points;
+    const size_t count = queries->mesh->point_count * (size_t)queries->mesh->dim;
+    double most = 0.0, unit, large;
+    size_t i;
+    if (queries->mesh->weights != NULL || queries->input.count < queries->mesh->point_count / 16) {
+        return;
+    }
+    for (i = 0; i < count; i += count / 64 + 1) {
+        most = pbw__max(most, pbw__abs(x[i]));
+    }
+    if (!(most > 1e-100 && most < 1e100)) {
+        return;
+    }
+    unit = pbw__power_of_two(pbw__exponent(most) - 20);
+    large = 6755399441055744.0 * unit;
+    for (i = 0; i < count; i++) {
+        if (!(pbw__abs(x[i]) <= 8388608.0 * unit) || (large + x[i]) - large != x[i]) {
+            return;
+        }
+    }
+    queries->large = large;
+}
+
+/* Returns whether the squares (a-b)^2 and their sums have no rounding errors in any mode, as on lattices: a and b are
+   multiples of a unit, a power of two, and at most 2^51 units; `most`, the largest sum as computed, is at most 2^50
+   units squared.  Adding and subtracting 3 * 2^51 units changes a number that is no multiple of the unit. */
+static int pbw__squares_fit(double (*term)[2], int count, double most)
+{
+    const double unit = pbw__power_of_two((pbw__exponent(most) + 1023) / 2 - 536);       /* most < 2^exponent */
+    const double limit = 2251799813685248.0 * unit, large = 3.0 * limit;
+    int i, k;
+    if (!(most < 1e300)) {
+        return 0;
+    }
+    for (i = 0; i < count; i++) {
+        for (k = 0; k < 2; k++) {
+            const double x = term[i][k];
+            if (!(pbw__abs(x) <= limit) || (large + x) - large != x) {
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* Returns the exact sign of the sum of the squares (a-b)^2 and of more - less; the first `plus` squares are added,
+   the others subtracted.  Sums of 7 products of 37 digits and one of 55 fit a column: see >>exact. */
+static PBW__NOINLINE int pbw__sign_of_squares(double (*term)[2], int plus, int count, double more, double less)
+{
+    pbw__digit pool[8 * 120], *top = pool, one_digit = 1;
+    pbw__integer difference[8], sum, one = { &one_digit, 0, 1 };
+    pbw__product product[8];
+    double total[2] = { 0.0, 0.0 }, weight[2];
+    int unit, i;
+    for (i = 0; i < count; i++) {
+        const double x = term[i][0] - term[i][1];
+        total[i >= plus] += x * x;
+    }
+    if (more == less && pbw__squares_fit(term, count, pbw__max(total[0], total[1]))) {
+        return (total[0] > total[1]) - (total[0] < total[1]);
+    }
+    weight[0] = more;
+    weight[1] = less;
+    unit = pbw__exact_unit(weight, 2, 1024);
+    unit = (unit - (unit & 1)) / 2;                  /* its square divides the weights */
+    for (i = 0; i < count; i++) {
+        unit = pbw__exact_unit(term[i], 2, unit);
+    }
+    for (i = 0; i < count; i++) {
+        difference[i] = pbw__exact_difference(term[i][0], term[i][1], unit, &top);
+        product[i].factor[0] = product[i].factor[1] = difference + i;
+        product[i].negative = i >= plus;
+    }
+    difference[count] = pbw__exact_difference(more, less, 2 * unit, &top);
+    product[count].factor[0] = difference + count;
+    product[count].factor[1] = &one;
+    product[count].negative = 0;
+    sum = pbw__exact_sum(product, count + 1, &top);
+    return pbw__exact_sign(&sum);
+}
+
+static PBW__NOINLINE int pbw__reach_exact(const pbw_mesh *mesh, const double *q, const pbw__reach *a,
+                                          const pbw__reach *b)
+{
+    const size_t dim = (size_t)mesh->dim;
+    double term[6][2];
+    size_t k;
+    for (k = 0; k < dim; k++) {
+        term[k][0] = mesh->points[a->vertex * dim + k];
+        term[dim + k][0] = mesh->points[b->vertex * dim + k];
+        term[k][1] = term[dim + k][1] = q[k];
+    }
+    return pbw__sign_of_squares(term, mesh->dim, 2 * mesh->dim,
+                                mesh->weights != NULL ? mesh->weights[b->vertex] : 0.0,
+                                mesh->weights != NULL ? mesh->weights[a->vertex] : 0.0);
+}
+
+/* Returns -1 if a is nearer to q than b, 0 if both are equally near. */
+PBW__INLINE int pbw__reach_order(const pbw_mesh *mesh, const double *q, const pbw__reach *a, const pbw__reach *b)
+{
+    const double gap = a->squared - b->squared, slack = a->slack + b->slack;
+    return gap > slack ? 1 : gap < -slack ? -1 : slack == 0.0 ? 0 : pbw__reach_exact(mesh, q, a, b);
+}
+
+/* Returns whether a comes before b, another vertex: it is nearer, or as near and has the lower index. */
+PBW__INLINE int pbw__reach_before(const pbw_mesh *mesh, const double *q, const pbw__reach *a, const pbw__reach *b)
+{
+    const int order = pbw__reach_order(mesh, q, a, b);
+    return order != 0 ? order < 0 : a->vertex < b->vertex;
+}
+
+/* Returns whether a is within the radius. */
+PBW__INLINE int pbw__reach_within(const pbw_mesh *mesh, const double *q, const pbw__reach *a, double radius)
+{
+    const double squared = radius * radius, gap = a->squared - squared;
+    const double slack = a->slack + PBW__REACH_ERROR * DBL_EPSILON * squared;
+    const size_t dim = (size_t)mesh->dim;
+    double term[4][2];
+    size_t k;
+    if (PBW__LIKELY(gap > slack || gap < -slack)) {
+        return gap < 0.0;
+    }
+    for (k = 0; k < dim; k++) {
+        term[k][0] = mesh->points[a->vertex * dim + k];
+        term[k][1] = q[k];
+    }
+    term[dim][0] = radius;
+    term[dim][1] = 0.0;
+    return pbw__sign_of_squares(term, mesh->dim, mesh->dim + 1, 0.0,
+                                mesh->weights != NULL ? mesh->weights[a->vertex] : 0.0) <= 0;
+}
+
+/* One instruction where possible, so that nothing needs libm. */
+static inline double pbw__square_root(double x)
+{
+#if defined(__SSE2__)
+    const __m128d y = _mm_set_sd(x);
+    return _mm_cvtsd_f64(_mm_sqrt_sd(y, y));
+#elif defined(__aarch64__) && defined(__GNUC__)
+    double y;
+    __asm__("fsqrt %d0, %d1" : "=w"(y) : "w"(x));
+    return y;
+#else
+    return sqrt(x);
+#endif
+}
+
+/* Returns the distance, or with weights the power distance, as the caller gets it. */
+static double pbw__reach_distance(const pbw_mesh *mesh, const double *q, const pbw__reach *a)
+{
+    const double *p = mesh->points + a->vertex * (size_t)mesh->dim;
+    double scale, sum = 0.0;
+    int k;
+    if (mesh->weights != NULL) {
+        return a->squared;
+    }
+    if (a->squared > 1e-280 && a->squared < 1e300) {
+        return pbw__square_root(a->squared);
+    }
+    scale = a->squared < 1.0 ? 4.149515568880993e+180 : 2.409919865102884e-181;      /* 2^600, 2^-600 */
+    for (k = 0; k < mesh->dim; k++) {
+        const double x = a->squared < 1.0 ? (p[k] - q[k]) * scale : p[k] * scale - q[k] * scale;
+        sum += x * x;
+    }
+    return pbw__square_root(sum) / scale;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>nearest      Stars; the k nearest vertices; the vertices in a ball.
+   In: a mesh, its stars.  Out: vertices in the exact order of >>reach, lists.
+
+   Up to a constant, the power distances from q are the values of a convex function at the vertices, linear on each
+   simplex.  At a vertex that is no minimum it decreases within the cone of some simplex, hence along an edge.  So
+     - steps to strictly nearer neighbours end at a nearest vertex;
+     - equally near minima are connected by edges among them;
+     - each other vertex has a strictly nearer neighbour, so the next nearest is a neighbour of one of those before;
+     - the vertices within a radius are connected.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__NEAR_LIST 64                            /* up to so many are kept in a sorted list, more in a heap */
+
+/* ---- stars */
+/* Adds the list of a vertex's neighbours, by a walk round it, breadth first. */
+static void pbw__star_of(pbw__queries *queries, pbw__desk *desk, size_t block, pbw_index vertex)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t corners = (size_t)mesh->dim + 1;
+    size_t count = 0, met = 1, next, k;
+    pbw_index *items;
+    int added;
+    if (!pbw__set_clear(desk, &desk->seen) || !pbw__set_clear(desk, &desk->other)
+        || pbw__set_add(desk, &desk->seen, mesh->incident[vertex], 0, &added) == NULL
+        || pbw__set_add(desk, &desk->other, vertex, 0, &added) == NULL
+        || !pbw__room(desk, &desk->list, &desk->list_room, 64, sizeof(pbw_index))) {
+        return;
+    }
+    desk->list[0] = mesh->incident[vertex];          /* simplices at even places, neighbours at odd ones */
+    for (next = 0; next < met; next++) {
+        const size_t t = desk->list[2 * next];
+        const pbw_index *v = mesh->simplices + t * corners;
+        if (!pbw__room(desk, &desk->list, &desk->list_room, 2 * (met + count) + 16, sizeof(pbw_index))) {
+            return;
+        }
+        for (k = 0; k < corners; k++) {
+            const pbw_index s = mesh->neighbors[t * corners + k];
+            if (pbw__set_add(desk, &desk->other, v[k], 0, &added) == NULL) {
+                return;
+            }
+            if (added) {
+                desk->list[2 * count++ + 1] = v[k];
+            }
+            if (v[k] != vertex && s != PBW_NONE) {
+                if (pbw__set_add(desk, &desk->seen, s, 0, &added) == NULL) {
+                    return;
+                }
+                if (added) {
+                    desk->list[2 * met++] = s;
+                }
+            }
+        }
+    }
+    items = pbw__chunk_add(queries, desk, block, vertex, count, NULL);
+    for (k = 0; k < count && items != NULL; k++) {
+        items[k] = desk->list[2 * k + 1];
+    }
+}
+
+/* Makes the stars of the vertices with incident simplices in this range: this follows the curve. */
+static void pbw__stars_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t corners = (size_t)mesh->dim + 1;
+    size_t i;
+    for (i = from * corners; i < to * corners && !desk->failed; i++) {
+        if (mesh->incident[mesh->simplices[i]] == i / corners) {
+            pbw__star_of(queries, desk, block, mesh->simplices[i]);
+        }
+    }
+}
+
+PBWDEF pbw_status pbw_stars(const pbw_mesh *mesh, const pbw_options *options, pbw_lists *stars)
+{
+    pbw__queries queries;
+    pbw_status status;
+    if (stars == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(stars, 0, sizeof(*stars));
+    status = pbw__queries_start(&queries, mesh, NULL, 0, options);
+    if (status == PBW_OK) {
+        status = pbw__make_lists(&queries, pbw__stars_block, mesh->simplex_count, 4096, mesh->point_count, stars);
+    }
+    return pbw__lists_end(&queries, status, stars);
+}
+
+/* ---- searches: the result is in desk->reach */
+/* Steps from *best to nearer neighbours until it is a nearest vertex.  Returns whether a neighbour is as near.
+   Without weights computed squares mostly decide, see pbw__reach_limit; otherwise all neighbours are compared
+   exactly. */
+PBW__INLINE int pbw__descend_of(const pbw__queries *queries, int dim, const double *q, pbw__reach *best)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t *first = queries->stars->first;
+    for (;;) {
+        const pbw_index *item = queries->stars->item;
+        const pbw_index from = best->vertex;
+        size_t i = first[from];
+        const size_t end = first[from + (size_t)1];
+        int equal = 0;
+        if (mesh->weights == NULL) {                 /* branchless: unpredictable */
+            double least = HUGE_VAL;
+            pbw_index at = from;
+            size_t j;
+            for (j = i; j < end; j++) {
+                const double squared = pbw__squared(mesh->points + item[j] * (size_t)dim, q, dim);
+                at = squared < least ? item[j] : at;
+                least = squared < least ? squared : least;
+            }
+            if (least > pbw__reach_limit(best) && least < HUGE_VAL) {
+                return 0;
+            }
+            if (least < best->squared - 3.0 * best->slack) {
+                *best = pbw__reach_to(mesh, dim, q, at);
+                continue;
+            }
+            if (best->slack == 0.0 && least == best->squared) {
+                return 1;
+            }
+        }
+        for (; i < end; i++) {
+            pbw__reach other = pbw__reach_to(mesh, dim, q, item[i]);
+            const double gap = other.squared - best->squared, slack = other.slack + best->slack;
+            if (PBW__UNLIKELY(!(gap > slack))) {
+                const int order = pbw__reach_order(mesh, q, &other, best);
+                equal |= order == 0;
+                *best = order < 0 ? other : *best;
+            }
+        }
+        if (best->vertex == from) {
+            return equal;
+        }
+    }
+}
+
+/* Adds a vertex to desk->seen.  Returns whether it is new there; 0 too if memory is short. */
+PBW__INLINE int pbw__is_new(pbw__desk *desk, pbw_index vertex)
+{
+    int added = 0;
+    return pbw__set_add(desk, &desk->seen, vertex, 0, &added) != NULL && added;
+}
+
+static void pbw__reach_push(const pbw_mesh *mesh, pbw__desk *desk, const double *q, const pbw__reach *reach)
+{
+    size_t at = desk->reach_count;
+    if (!pbw__room(desk, &desk->reach, &desk->reach_room, at + 1, sizeof(pbw__reach))) {
+        return;
+    }
+    for (; at > 0 && pbw__reach_before(mesh, q, reach, desk->reach + (at - 1) / 2); at = (at - 1) / 2) {
+        desk->reach[at] = desk->reach[(at - 1) / 2];
+    }
+    desk->reach[at] = *reach;
+    desk->reach_count++;
+}
+
+/* Removes and returns the nearest of a heap that is not empty. */
+static pbw__reach pbw__reach_pop(const pbw_mesh *mesh, pbw__desk *desk, const double *q)
+{
+    const pbw__reach first = desk->reach[0], moving = desk->reach[--desk->reach_count];
+    size_t at = 0, child;
+    while ((child = 2 * at + 1) < desk->reach_count) {
+        child += child + 1 < desk->reach_count
+              && pbw__reach_before(mesh, q, desk->reach + child + 1, desk->reach + child);
+        if (!pbw__reach_before(mesh, q, desk->reach + child, &moving)) {
+            break;
+        }
+        desk->reach[at] = desk->reach[child];
+        at = child;
+    }
+    desk->reach[at] = moving;
+    return first;
+}
+
+/* Puts `start` and the vertices connected to it into the heap: radius < 0: through vertices as near as it; else
+   through vertices within the radius. */
+static void pbw__flood(pbw__queries *queries, pbw__desk *desk, const double *q, const pbw__reach *start,
+                       double radius)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t *first = queries->stars->first;
+    size_t next, count = 1, i;
+    if (!pbw__set_clear(desk, &desk->seen) || !pbw__is_new(desk, start->vertex)
+        || !pbw__room(desk, &desk->list, &desk->list_room, 1, sizeof(pbw_index))) {
+        return;
+    }
+    desk->list[0] = start->vertex;
+    pbw__reach_push(mesh, desk, q, start);
+    for (next = 0; next < count && !desk->failed; next++) {
+        for (i = first[desk->list[next]]; i < first[desk->list[next] + (size_t)1] && !desk->failed; i++) {
+            const pbw_index vertex = queries->stars->item[i];
+            const pbw__reach reach = pbw__reach_to(mesh, mesh->dim, q, vertex);
+            if ((radius < 0.0 ? pbw__reach_order(mesh, q, &reach, start) == 0
+                              : pbw__reach_within(mesh, q, &reach, radius))
+                && pbw__is_new(desk, vertex)
+                && pbw__room(desk, &desk->list, &desk->list_room, count + 1, sizeof(pbw_index))) {
+                desk->list[count++] = vertex;
+                pbw__reach_push(mesh, desk, q, &reach);
+            }
+        }
+        if (next % 4096 == 4095 && pbw__report(&queries->context, 0.0)) {
+            return;
+        }
+    }
+}
+
+/* Moves the entry at a place of the list past others that are nearly as near, to its place in exact order.  Returns
+   that place. */
+static PBW__NOINLINE size_t pbw__near_settle(const pbw_mesh *mesh, pbw__desk *desk, const double *q, size_t at)
+{
+    pbw__reach *list = desk->reach;
+    const pbw__reach moving = list[at];
+    for (; at > 0 && pbw__reach_before(mesh, q, &moving, list + at - 1); at--) {
+        list[at] = list[at - 1];
+    }
+    for (; at < desk->reach_count && pbw__reach_before(mesh, q, list + at + 1, &moving); at++) {
+        list[at] = list[at + 1];
+    }
+    list[at] = moving;
+    return at;
+}
+
+/* Inserts a vertex that is not in desk->reach into the list there, at most `most` vertices in exact order, with room
+   for one more.  Returns its place, `most` if it is too far.  It is put behind the last square that is not larger.
+   If both squares next to it differ from its own by more than the slacks, this place is exact, as all others lie
+   beyond these two; otherwise pbw__near_settle moves it. */
+PBW__INLINE size_t pbw__offer_near(const pbw_mesh *mesh, pbw__desk *desk, const double *q, const pbw__reach *reach,
+                                   size_t most)
+{
+    pbw__reach *list = desk->reach;
+    const size_t count = desk->reach_count;
+    size_t at = count;
+    for (; at > 0 && (list[at - 1].squared > reach->squared
+                      || (list[at - 1].squared == reach->squared && list[at - 1].vertex > reach->vertex)); at--) {
+        list[at] = list[at - 1];
+    }
+    list[at] = *reach;
+    if (PBW__UNLIKELY((at > 0 && !(reach->squared - list[at - 1].squared > reach->slack + list[at - 1].slack))
+                      || (at < count && !(list[at + 1].squared - reach->squared > reach->slack + list[at + 1].slack)))
+        && !(reach->slack == 0.0)) {
+        at = pbw__near_settle(mesh, desk, q, at);
+    }
+    desk->reach_count += count < most;
+    return at;
+}
+
+/* Returns a limit: vertices with larger squares are not among the k nearest.  With weights there is none. */
+PBW__INLINE double pbw__near_limit(const pbw__queries *queries, const pbw__desk *desk)
+{
+    return queries->mesh->weights == NULL && desk->reach_count == queries->k
+         ? pbw__reach_limit(desk->reach + queries->k - 1) : HUGE_VAL;
+}
+
+/* Completes the k <= PBW__NEAR_LIST nearest in desk->reach by the neighbours of those that are in it. */
+PBW__INLINE void pbw__near_few(pbw__queries *queries, pbw__desk *desk, const double *q, int dim)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t *first = queries->stars->first, k = queries->k;
+    size_t next = 0, i;
+    while (next < desk->reach_count && next + 1 < k) {
+        size_t least = next + 1, j;
+        const pbw_index vertex = desk->reach[next].vertex;
+        double limit;
+        if (desk->reach[next].done) {
+            next++;
+            continue;
+        }
+        desk->reach[next].done = 1;
+        limit = pbw__near_limit(queries, desk);
+        for (i = first[vertex]; i < first[vertex + (size_t)1]; i++) {
+            const pbw_index other = queries->stars->item[i];
+            const double squared = pbw__squared(mesh->points + other * (size_t)dim, q, dim);
+            if (squared > limit) {
+                continue;
+            }
+            for (j = 0; j < desk->reach_count && desk->reach[j].vertex != other; j++) {
+            }
+            if (j == desk->reach_count) {
+                const pbw__reach reach = pbw__reach_of(mesh, q, squared, other);
+                j = pbw__offer_near(mesh, desk, q, &reach, k);
+                least = j < least ? j : least;
+                limit = pbw__near_limit(queries, desk);
+            }
+        }
+        next = least;
+    }
+}
+
+static void pbw__give_near(pbw__queries *queries, const double *q, size_t query, size_t at, const pbw__reach *reach)
+{
+    const size_t place = query * queries->k + at;
+    queries->vertices[place] = reach != NULL ? reach->vertex : PBW_NONE;
+    if (queries->distances != NULL) {
+        queries->distances[place] = reach != NULL ? pbw__reach_distance(queries->mesh, q, reach) : HUGE_VAL;
+    }
+}
+
+/* Writes the k <= PBW__NEAR_LIST nearest, which desk->reach has in order, to the caller's arrays. */
+static void pbw__give_list(pbw__queries *queries, const pbw__desk *desk, const double *q, size_t query)
+{
+    size_t at;
+    for (at = 0; at < queries->k; at++) {
+        pbw__give_near(queries, q, query, at, at < desk->reach_count ? desk->reach + at : NULL);
+    }
+}
+
+/* Writes the k nearest, in order: the heap holds the nearest ones at first, and gets the neighbours of each vertex
+   that leaves it. */
+static void pbw__near_many(pbw__queries *queries, pbw__desk *desk, const double *q, size_t query)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t *first = queries->stars->first;
+    size_t at, i;
+    for (at = 0; at < queries->k && !desk->failed; at++) {
+        if (desk->reach_count == 0) {
+            pbw__give_near(queries, q, query, at, NULL);
+        } else {
+            const pbw__reach best = pbw__reach_pop(mesh, desk, q);
+            pbw__give_near(queries, q, query, at, &best);
+            for (i = first[best.vertex]; i < first[best.vertex + (size_t)1]; i++) {
+                if (pbw__is_new(desk, queries->stars->item[i])) {
+                    const pbw__reach reach = pbw__reach_to(mesh, mesh->dim, q, queries->stars->item[i]);
+                    pbw__reach_push(mesh, desk, q, &reach);
+                }
+            }
+        }
+        if (at % 4096 == 4095 && pbw__report(&queries->context, 0.0)) {
+            return;
+        }
+    }
+}
+
+/* Sets *start to the lowest of the vertices as near as it.  Returns 0 if these are more than PBW__NEAR_LIST. */
+PBW__INLINE int pbw__lowest_of_few(const pbw__queries *queries, const double *q, pbw__reach *start, int dim)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const pbw_lists *stars = queries->stars;
+    const double limit = mesh->weights == NULL ? pbw__reach_limit(start) : HUGE_VAL;
+    pbw_index list[PBW__NEAR_LIST], near_ones[PBW__NEAR_LIST];
+    size_t count = 1, next, i, j;
+    list[0] = start->vertex;
+    for (next = 0; next < count; next++) {
+        const size_t end = stars->first[list[next] + (size_t)1];
+        for (i = stars->first[list[next]]; i < end; ) {
+            const size_t stop = end - i < PBW__NEAR_LIST ? end : i + PBW__NEAR_LIST;
+            size_t found = 0;
+            for (; i < stop; i++) {                  /* branchless: unpredictable */
+                near_ones[found] = stars->item[i];
+                found += pbw__squared(mesh->points + stars->item[i] * (size_t)dim, q, dim) <= limit;
+            }
+            while (found-- > 0) {
+                const pbw__reach reach = pbw__reach_to(mesh, dim, q, near_ones[found]);
+                for (j = 0; j < count && list[j] != reach.vertex; j++) {
+                }
+                if (j < count || pbw__reach_order(mesh, q, &reach, start) != 0) {
+                    continue;
+                }
+                if (count == PBW__NEAR_LIST) {
+                    return 0;
+                }
+                list[count++] = reach.vertex;
+            }
+        }
+    }
+    for (i = 1; i < count; i++) {
+        start->vertex = list[i] < start->vertex ? list[i] : start->vertex;
+    }
+    return 1;
+}
+
+/* Answers one query, given a nearest vertex; equal: others are as near. */
+static void pbw__near_one(pbw__queries *queries, pbw__desk *desk, const double *q, size_t query,
+                          const pbw__reach *best, int equal)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    pbw__reach lowest[PBW__NEAR_LIST];
+    size_t count = 1;
+    lowest[0] = *best;
+    if (equal && queries->k == 1) {
+        equal = !PBW__BY_DIM(mesh->dim, pbw__lowest_of_few, queries, q, lowest);
+    }
+    if (equal || queries->k > PBW__NEAR_LIST) {
+        pbw__flood(queries, desk, q, best, -1.0);
+        if (queries->k > PBW__NEAR_LIST) {
+            pbw__near_many(queries, desk, q, query);
+            return;
+        }
+        for (count = 0; count < queries->k && desk->reach_count > 0; count++) {
+            lowest[count] = pbw__reach_pop(mesh, desk, q);
+        }
+    }
+    if (pbw__room(desk, &desk->reach, &desk->reach_room, PBW__NEAR_LIST + 1, sizeof(pbw__reach))) {
+        memcpy(desk->reach, lowest, count * sizeof(lowest[0]));
+        desk->reach_count = count;
+        PBW__BY_DIM(mesh->dim, pbw__near_few, queries, desk, q);
+        pbw__give_list(queries, desk, q, query);
+    }
+}
+
+/* Without simplices: puts all canonical points, or those within a radius >= 0, into the heap. */
+static void pbw__push_all(pbw__queries *queries, pbw__desk *desk, const double *q, double radius)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    size_t v;
+    for (v = 0; v < mesh->point_count && !desk->failed; v++) {
+        const pbw__reach reach = pbw__reach_to(mesh, mesh->dim, q, (pbw_index)v);
+        if (v % PBW__TICK == 0 && pbw__report(&queries->context, 0.0)) {
+            return;
+        }
+        if (mesh->canonical[v] == v && (radius < 0.0 || pbw__reach_within(mesh, q, &reach, radius))) {
+            pbw__reach_push(mesh, desk, q, &reach);
+        }
+    }
+}
+
+/* Reads the query at a place along the curve, and sets q[3], the relative error of squares. */
+PBW__INLINE void pbw__query_at(const pbw__queries *queries, size_t place, double *q)
+{
+    const double large = queries->large, limit = large / 805306368.0;        /* 2^23 units */
+    int fits = large > 0.0, k;
+    pbw__fetch(&queries->input, pbw__query_index(queries, place), q);
+    for (k = 0; k < 3; k++) {
+        fits &= (pbw__abs(q[k]) <= limit) & ((large + q[k]) - large == q[k]);
+    }
+    q[3] = fits ? 0.0 : PBW__REACH_ERROR * DBL_EPSILON;
+}
+
+/* Sets *best to a nearest vertex of q, by steps from *best, or at the start of a block from a guess.  Returns whether
+   another vertex is as near. */
+static int pbw__query_descend(const pbw__queries *queries, int start, const double *q, pbw__reach *best)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    *best = pbw__reach_to(mesh, mesh->dim, q, start ? pbw__guess(mesh, q) : best->vertex);
+    return mesh->dim == 3 ? pbw__descend_of(queries, 3, q, best) : pbw__descend_of(queries, 2, q, best);
+}
+
+static void pbw__nearest_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+{
+    pbw__reach best;
+    double q[4];
+    size_t i;
+    (void)block;
+    memset(&best, 0, sizeof(best));
+    for (i = from; i < to && !desk->failed; i++) {
+        const size_t query = pbw__query_index(queries, i);
+        pbw__query_at(queries, i, q);
+        desk->reach_count = 0;
+        if (queries->mesh->simplex_count == 0) {
+            pbw__push_all(queries, desk, q, -1.0);
+            pbw__near_many(queries, desk, q, query);
+        } else {
+            const int equal = pbw__query_descend(queries, i == from, q, &best);
+            pbw__near_one(queries, desk, q, query, &best, equal);
+        }
+    }
+}
+
+/* Returns whether these may be the stars of the mesh.  NULL may: we make them. */
+PBW__INLINE int pbw__fits(const pbw_mesh *mesh, const pbw_lists *stars)
+{
+    return stars == NULL || mesh == NULL || (stars->count == mesh->point_count && stars->first != NULL);
+}
+
+/* Uses the caller's stars, or makes the stars of the mesh. */
+static pbw_status pbw__take_stars(pbw__queries *queries, const pbw_lists *stars)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    queries->stars = stars != NULL ? stars : &queries->own_stars;
+    return stars != NULL ? PBW_OK
+         : pbw__make_lists(queries, pbw__stars_block, mesh->simplex_count, 4096, mesh->point_count,
+                           &queries->own_stars);
+}
+
+static void pbw__within_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    pbw__reach best;
+    double q[4], *values;
+    pbw_index *items;
+    size_t i, k, count;
+    memset(&best, 0, sizeof(best));
+    for (i = from; i < to && !desk->failed; i++) {
+        pbw__query_at(queries, i, q);
+        desk->reach_count = 0;
+        if (mesh->simplex_count == 0) {
+            pbw__push_all(queries, desk, q, queries->radius);
+        } else {
+            (void)pbw__query_descend(queries, i == from, q, &best);
+            if (pbw__reach_within(mesh, q, &best, queries->radius)) {
+                pbw__flood(queries, desk, q, &best, queries->radius);
+            }
+        }
+        count = desk->reach_count;
+        items = desk->failed ? NULL
+              : pbw__chunk_add(queries, desk, block, pbw__query_index(queries, i), count, &values);
+        for (k = 0; k < count && items != NULL; k++) {
+            const pbw__reach reach = pbw__reach_pop(mesh, desk, q);
+            items[k] = reach.vertex;
+            values[k] = pbw__reach_distance(mesh, q, &reach);
+        }
+        if (pbw__report(&queries->context, 0.0)) {
+            return;
+        }
+    }
+}
+
+PBWDEF pbw_status pbw_within(const pbw_mesh *mesh, const pbw_lists *stars, const double *points, size_t count,
+                             double radius, const pbw_options *options, pbw_lists *lists)
+{
+    pbw__queries queries;
+    pbw_status status;
+    if (lists == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(lists, 0, sizeof(*lists));
+    if (!(radius >= 0.0 && radius <= DBL_MAX) || !pbw__fits(mesh, stars)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    status = pbw__queries_start(&queries, mesh, points, count, options);
+    status = status == PBW_OK ? pbw__take_stars(&queries, stars) : status;
+    if (status == PBW_OK) {
+        queries.radius = radius;
+        queries.with_values = 1;
+        status = pbw__make_lists(&queries, pbw__within_block, count, PBW__BLOCK_QUERIES, count, lists);
+    }
+    return pbw__lists_end(&queries, status, lists);
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>boxes        Many nearest vertices, by a tree of boxes.
+   In: a mesh, queries.  Out: for each query the k nearest vertices in exact order.
+   Holds: a box is skipped only if all vertices in it are farther than the k nearest so far: pbw__reach_limit applies
+   to the square of the box's distance too, which is computed by the operations of pbw__squared and exceeds that of no
+   vertex in it.
+
+   Eight successive vertices on the curve are a leaf, eight leaves a node, eight nodes a node of the next level.  The
+   numbers to compare with a query are contiguous, eight for each axis: no gather, no branch.  The last answer bounds
+   the next one, so few boxes remain.  Without vectors, with weights, and for few neighbours or few queries >>nearest
+   searches the mesh itself, with the same answers.
+   ------------------------------------------------------------------------------------------------------ */
+#ifdef PBW__SIMD
+#define PBW__BRANCH 8
+#define PBW__TREE_LEVELS 11                          /* 8^11 leaves: more than there can be */
+
+struct pbw__tree {
+    size_t count, groups;                            /* vertices; groups of eight nodes */
+    int top;                                         /* the level that is one group; leaves are level 0 */
+    size_t nodes[PBW__TREE_LEVELS], first[PBW__TREE_LEVELS];     /* per level: its nodes, its first group */
+    pbw_index *vertex;                               /* along the curve */
+    double *coordinate;                              /* per leaf and axis, eight */
+    double *box;                                     /* per group and axis, eight low ends, then eight high ends */
+};
+
+/* A node, or a leaf at level 0, and the squared distance of its box. */
+typedef struct pbw__branch { double squared; size_t node; int level; } pbw__branch;
+
+/* Returns where the low end of a node's box on the first axis is.  The high end is 8 entries further on, the low end
+   on the next axis 16. */
+PBW__INLINE double *pbw__tree_box(const pbw__tree *tree, int dim, int level, size_t node)
+{
+    return tree->box + (tree->first[level] + node / PBW__BRANCH) * 2 * PBW__BRANCH * (size_t)dim + node % PBW__BRANCH;
+}
+
+/* Sets the ends of a box on one axis to the least of `count` low ends and the largest of the high ends. */
+PBW__INLINE void pbw__plant_ends(double *end, const double *low, const double *high, size_t count)
+{
+    size_t i;
+    end[0] = HUGE_VAL;
+    end[PBW__BRANCH] = -HUGE_VAL;
+    for (i = 0; i < count; i++) {
+        end[0] = low[i] < end[0] ? low[i] : end[0];
+        end[PBW__BRANCH] = high[i] > end[PBW__BRANCH] ? high[i] : end[PBW__BRANCH];
+    }
+}
+
+/* Fills leaves and their boxes.  The last leaf repeats its last vertex. */
+static pbw_status pbw__plant_leaves(void *arg, size_t from, size_t to)
+{
+    const pbw__queries *queries = (const pbw__queries *)arg;
+    const pbw__tree *tree = queries->tree;
+    const size_t dim = (size_t)queries->mesh->dim;
+    size_t leaf, i, k;
+    for (leaf = from; leaf < to; leaf++) {
+        double *box = pbw__tree_box(tree, (int)dim, 0, leaf);
+        for (k = 0; k < dim; k++) {
+            double *c = tree->coordinate + (leaf * dim + k) * PBW__BRANCH;
+            for (i = 0; i < PBW__BRANCH; i++) {
+                const size_t at = leaf * PBW__BRANCH + i, last = tree->count - 1;
+                c[i] = queries->mesh->points[tree->vertex[at < last ? at : last] * dim + k];
+            }
+            pbw__plant_ends(box + k * 2 * PBW__BRANCH, c, c, PBW__BRANCH);
+        }
+    }
+    return PBW_OK;
+}
+
+/* Computes the boxes of a level above the leaves. */
+static void pbw__plant_level(const pbw__tree *tree, int dim, int level)
+{
+    size_t node;
+    int k;
+    for (node = 0; node < tree->nodes[level]; node++) {
+        double *box = pbw__tree_box(tree, dim, level, node);
+        const double *below = pbw__tree_box(tree, dim, level - 1, node * PBW__BRANCH);
+        const size_t rest = tree->nodes[level - 1] - node * PBW__BRANCH;
+        for (k = 0; k < dim * 2 * PBW__BRANCH; k += 2 * PBW__BRANCH) {
+            pbw__plant_ends(box + k, below + k, below + k + PBW__BRANCH, rest < PBW__BRANCH ? rest : PBW__BRANCH);
+        }
+    }
+}
+
+/* Lists the vertices, or the canonical points of a degenerate mesh, along the curve. */
+static pbw_status pbw__tree_vertices(pbw__queries *queries, pbw__tree *tree)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    pbw__input input = pbw__input_of(mesh->dim, 0, mesh->points, NULL, mesh->point_count);
+    pbw__vertices sorted;
+    pbw_status status = PBW_OK;
+    size_t i;
+    memset(&sorted, 0, sizeof(sorted));
+    input.stride = (size_t)mesh->dim * sizeof(double);
+    if (mesh->original == NULL) {                    /* else the points are along the curve already */
+        status = pbw__sort_points(&queries->context, &input, &sorted);
+    }
+    for (i = 0; i < mesh->point_count && status == PBW_OK; i++) {
+        const size_t v = sorted.id != NULL ? sorted.id[i + 1] : i;
+        if (mesh->simplex_count > 0 ? mesh->incident[v] != PBW_NONE : mesh->canonical[v] == v) {
+            tree->vertex[tree->count++] = (pbw_index)v;
+        }
+    }
+    pbw__vertices_free(&queries->context, &sorted);
+    return status;
+}
+
+/* Allocates leaves and the boxes of all levels.  Returns 0 if memory is short. */
+static int pbw__tree_room(pbw_memory *memory, pbw__tree *tree, int dim)
+{
+    const size_t leaves = (tree->count + PBW__BRANCH - 1) / PBW__BRANCH;
+    int level = 0;
+    tree->nodes[0] = leaves;
+    for (; tree->nodes[level] > PBW__BRANCH; level++) {
+        tree->nodes[level + 1] = (tree->nodes[level] + PBW__BRANCH - 1) / PBW__BRANCH;
+        tree->first[level + 1] = tree->first[level] + tree->nodes[level + 1];
+    }
+    tree->top = level;
+    tree->groups = tree->first[level] + 1;
+    tree->coordinate = (double *)pbw__allocate(memory, leaves * PBW__BRANCH * (size_t)dim, sizeof(double));
+    tree->box = (double *)pbw__allocate(memory, tree->groups * 2 * PBW__BRANCH * (size_t)dim, sizeof(double));
+    if (tree->coordinate == NULL || tree->box == NULL) {
+        return 0;
+    }
+    memset(tree->box, 0, tree->groups * 2 * PBW__BRANCH * (size_t)dim * sizeof(double));
+    return 1;
+}
+
+static pbw_status pbw__plant(pbw__queries *queries, pbw__tree *tree)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    pbw_memory *memory = &queries->context.memory;
+    pbw_status status;
+    int level;
+    tree->vertex = (pbw_index *)pbw__allocate(memory, mesh->point_count, sizeof(pbw_index));
+    if (tree->vertex == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    status = pbw__tree_vertices(queries, tree);
+    if (status == PBW_OK && !pbw__tree_room(memory, tree, mesh->dim)) {
+        status = PBW_ERROR_MEMORY;
+    }
+    if (status == PBW_OK) {
+        status = pbw__for_range(&queries->context, tree->nodes[0], 1024, 0.1, pbw__plant_leaves, queries);
+    }
+    for (level = 1; status == PBW_OK && level <= tree->top; level++) {
+        pbw__plant_level(tree, mesh->dim, level);
+    }
+    return status;
+}
+
+/* ---- searches */
+/* Offers the vertices of a leaf with squares of at most `most`.  Returns the new `most`. */
+PBW__SIMD_INLINE double pbw__search_leaf(const pbw__queries *queries, int dim, pbw__desk *desk, const double *q,
+                                         double most, size_t leaf)
+{
+    const pbw__tree *tree = queries->tree;
+    const double *c = tree->coordinate + leaf * (size_t)dim * PBW__BRANCH;
+    const size_t rest = tree->count - leaf * PBW__BRANCH;
+    const pbw__d4 limit = pbw__splat(most);
+    double squared[PBW__BRANCH];
+    unsigned set = 0, half;
+    for (half = 0; half < 2; half++) {
+        const double *from = c + half * 4;
+        const pbw__d4 x = pbw__load4d(from) - pbw__splat(q[0]);
+        const pbw__d4 y = pbw__load4d(from + PBW__BRANCH) - pbw__splat(q[1]);
+        pbw__d4 sum = x * x + y * y;
+        if (dim == 3) {
+            const pbw__d4 z = pbw__load4d(from + 2 * PBW__BRANCH) - pbw__splat(q[2]);
+            sum = sum + z * z;
+        }
+        set |= pbw__signs(pbw__at_least(limit, sum)) << half * 4;
+        memcpy(squared + half * 4, &sum, sizeof(sum));
+    }
+    set &= rest < PBW__BRANCH ? (1u << rest) - 1 : 255;
+    for (; set != 0; set &= set - 1) {
+        const unsigned i = (unsigned)__builtin_ctz(set);
+        if (squared[i] <= most) {
+            const pbw_index vertex = tree->vertex[leaf * PBW__BRANCH + i];
+            const pbw__reach reach = pbw__reach_of(queries->mesh, q, squared[i], vertex);
+            (void)pbw__offer_near(queries->mesh, desk, q, &reach, queries->k);
+            most = desk->reach_count == queries->k ? pbw__reach_limit(desk->reach + queries->k - 1) : most;
+        }
+    }
+    return most;
+}
+
+/* Replaces the node on top of the stack by those of its eight children that are near enough.  Returns the new
+   height. */
+PBW__SIMD_INLINE size_t pbw__search_group(const pbw__tree *tree, int dim, const double *q, double most,
+                                          pbw__branch *stack, size_t height)
+{
+    const pbw__branch at = stack[--height];
+    const double *box = pbw__tree_box(tree, dim, at.level - 1, at.node * PBW__BRANCH);
+    const size_t rest = tree->nodes[at.level - 1] - at.node * PBW__BRANCH;
+    const pbw__d4 limit = pbw__splat(most), zero = pbw__splat(0.0);
+    double squared[PBW__BRANCH];
+    unsigned set = 0, half;
+    int k;
+    for (half = 0; half < 2; half++) {
+        pbw__d4 sum = zero;
+        for (k = 0; k < dim; k++) {
+            const double *from = box + k * 2 * PBW__BRANCH + half * 4;
+            const pbw__d4 x = pbw__splat(q[k]);
+            const pbw__d4 below = pbw__load4d(from) - x, above = x - pbw__load4d(from + PBW__BRANCH);
+            const pbw__d4 away = pbw__max4(pbw__max4(below, above), zero);
+            sum = sum + away * away;
+        }
+        set |= pbw__signs(pbw__at_least(limit, sum)) << half * 4;
+        memcpy(squared + half * 4, &sum, sizeof(sum));
+    }
+    set &= rest < PBW__BRANCH ? (1u << rest) - 1 : 255;
+    for (; set != 0; set &= set - 1) {
+        const unsigned i = (unsigned)__builtin_ctz(set);
+        stack[height].squared = squared[i];
+        stack[height].node = at.node * PBW__BRANCH + i;
+        stack[height++].level = at.level - 1;
+    }
+    return height;
+}
+
+/* Returns a bound for the squares of the k nearest, from the farthest vertex of the last answer. */
+PBW__SIMD_INLINE double pbw__search_limit(const pbw__queries *queries, int dim, const pbw__desk *desk,
+                                          const double *q)
+{
+    pbw__reach farthest;
+    double most = 0.0;
+    size_t i;
+    for (i = 0; i < desk->reach_count; i++) {
+        const pbw_index vertex = desk->reach[i].vertex;
+        most = pbw__max(most, pbw__squared(queries->mesh->points + vertex * (size_t)dim, q, dim));
+    }
+    farthest = pbw__reach_of(queries->mesh, q, most, 0);         /* without weights it may be any vertex */
+    return desk->reach_count < queries->k ? HUGE_VAL : pbw__reach_limit(&farthest);
+}
+
+/* Finds the k nearest of a query; desk->reach still has the last answer. */
+PBW__SIMD_INLINE void pbw__search_of(pbw__queries *queries, pbw__desk *desk, const double *q, int dim)
+{
+    const pbw__tree *tree = queries->tree;
+    double most = pbw__search_limit(queries, dim, desk, q);
+    size_t height = 1, looked = 0;
+    pbw__branch stack[PBW__TREE_LEVELS * PBW__BRANCH];
+    stack[0].squared = 0.0;
+    stack[0].node = 0;
+    stack[0].level = tree->top + 1;
+    desk->reach_count = 0;
+    while (height > 0) {
+        const pbw__branch *at = stack + height - 1;
+        if (at->squared > most) {
+            height--;
+        } else if (at->level > 0) {
+            height = pbw__search_group(tree, dim, q, most, stack, height);
+        } else {
+            height--;
+            most = pbw__search_leaf(queries, dim, desk, q, most, at->node);
+            if (++looked % 4096 == 0 && pbw__report(&queries->context, 0.0)) {
+                return;
+            }
+        }
+    }
+}
+
+PBW__SIMD static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+{
+    double q[4];
+    size_t i;
+    (void)block;
+    if (!pbw__room(desk, &desk->reach, &desk->reach_room, PBW__NEAR_LIST + 1, sizeof(pbw__reach))) {
+        return;
+    }
+    for (i = from; i < to; i++) {
+        pbw__query_at(queries, i, q);
+        PBW__BY_DIM(queries->mesh->dim, pbw__search_of, queries, desk, q);
+#ifdef PBW__AVX2
+        _mm256_zeroupper();                          /* SSE code would stall otherwise */
+#endif
+        pbw__give_list(queries, desk, q, pbw__query_index(queries, i));
+    }
+}
+
+static pbw_status pbw__search_all(pbw__queries *queries)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t width = PBW__BRANCH * (size_t)mesh->dim;
+    pbw_memory *memory = &queries->context.memory;
+    pbw__tree tree;
+    pbw_status status;
+    memset(&tree, 0, sizeof(tree));
+    queries->tree = &tree;
+    status = pbw__plant(queries, &tree);
+    status = status == PBW_OK ? pbw__answer_all(queries, pbw__search_block, queries->input.count, PBW__BLOCK_QUERIES)
+                              : status;
+    pbw__release(memory, tree.vertex, mesh->point_count, sizeof(pbw_index));
+    pbw__release(memory, tree.coordinate, tree.nodes[0] * width, sizeof(double));
+    pbw__release(memory, tree.box, tree.groups * 2 * width, sizeof(double));
+    return status;
+}
+#endif
+
+static pbw_status pbw__nearest_all(pbw__queries *queries, const pbw_lists *stars)
+{
+    pbw_status status;
+    pbw__find_unit(queries);
+#ifdef PBW__SIMD
+    /* The tree knows no weights and at most PBW__NEAR_LIST neighbours.  With the caller's stars the mesh is faster
+       for few queries, and for few neighbours: 4 in 0.8 of the time of the tree, 8 in 1.5. */
+    if (pbw__simd_works() && queries->mesh->weights == NULL && queries->k <= PBW__NEAR_LIST
+        && queries->mesh->point_count > 0
+        && (stars == NULL || (queries->k > 4 && queries->input.count >= queries->mesh->point_count / 8))) {
+        return pbw__search_all(queries);
+    }
+#endif
+    status = pbw__take_stars(queries, stars);
+    status = status == PBW_OK ? pbw__answer_all(queries, pbw__nearest_block, queries->input.count, PBW__BLOCK_QUERIES)
+                              : status;
+    return status;
+}
+
+PBWDEF pbw_status pbw_nearest(const pbw_mesh *mesh, const pbw_lists *stars, const double *points, size_t count,
+                              size_t k, const pbw_options *options, pbw_index *vertices, double *distances)
+{
+    pbw__queries queries;
+    pbw_status status;
+    if ((vertices == NULL && count != 0 && k != 0) || !pbw__fits(mesh, stars)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    if (count != 0 && k > (size_t)-1 / sizeof(double) / count) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    status = pbw__queries_start(&queries, mesh, points, count, options);
+    if (status == PBW_OK && count != 0 && k != 0) {
+        queries.k = k;
+        queries.vertices = vertices;
+        queries.distances = distances;
+        status = pbw__nearest_all(&queries, stars);
+    }
+    return pbw__queries_end(&queries, status);
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>centres      Vectors of doubles or of pairs of doubles; centres of simplices in both.
+   In: points, weights.  Out: centres, relative to a point; orientations to nearly the full precision of doubles.
+   Holds: with `fine`, and but for underflow, the error of the determinant and of each numerator of a centre is at
+   most 2^-98 times the sum of the absolute products, of coordinates relative to the query.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbw__vector { pbw_pair x, y, z; } pbw__vector;
+
+/* ---- arithmetic: on pairs if `fine`, otherwise on their heads only */
+PBW__INLINE pbw_pair pbw__number(double head)
+{
+    pbw_pair number;
+    number.head = head;
+    number.tail = 0.0;
+    return number;
+}
+
+PBW__INLINE pbw_pair pbw__add(int fine, pbw_pair a, pbw_pair b)
+{
+    return fine ? pbw__pair_plus(a, b) : pbw__number(a.head + b.head);
+}
+
+PBW__INLINE pbw_pair pbw__sub(int fine, pbw_pair a, pbw_pair b)
+{
+    return fine ? pbw__pair_minus(a, b) : pbw__number(a.head - b.head);
+}
+
+PBW__INLINE pbw_pair pbw__mul(int fine, pbw_pair a, pbw_pair b)
+{
+    return fine ? pbw__pair_times(a, b) : pbw__number(a.head * b.head);
+}
+
+/* Divides.  b is normalised first, |tail| <= u |head|, so that one correction by the remainder is enough. */
+PBW__INLINE pbw_pair pbw__div(int fine, pbw_pair a, pbw_pair b)
+{
+    pbw_pair quotient, rest;
+    double head = b.head + b.tail;
+    if (!fine) {
+        return pbw__number(a.head / b.head);
+    }
+    b.tail = (b.head - head) + b.tail;
+    b.head = head;
+    quotient = pbw__number((a.head + a.tail) / head);
+    rest = pbw__pair_minus(a, pbw__pair_times(quotient, b));
+    quotient.tail = (rest.head + rest.tail) / head;
+    return quotient;
+}
+
+PBW__INLINE pbw__vector pbw__vector_sub(int fine, pbw__vector a, pbw__vector b)
+{
+    a.x = pbw__sub(fine, a.x, b.x);
+    a.y = pbw__sub(fine, a.y, b.y);
+    a.z = pbw__sub(fine, a.z, b.z);
+    return a;
+}
+
+PBW__INLINE pbw__vector pbw__vector_add(int fine, pbw__vector a, pbw__vector b)
+{
+    a.x = pbw__add(fine, a.x, b.x);
+    a.y = pbw__add(fine, a.y, b.y);
+    a.z = pbw__add(fine, a.z, b.z);
+    return a;
+}
+
+PBW__INLINE pbw__vector pbw__vector_times(int fine, pbw__vector a, pbw_pair factor)
+{
+    a.x = pbw__mul(fine, a.x, factor);
+    a.y = pbw__mul(fine, a.y, factor);
+    a.z = pbw__mul(fine, a.z, factor);
+    return a;
+}
+
+PBW__INLINE pbw_pair pbw__vector_dot(int fine, pbw__vector a, pbw__vector b)
+{
+    return pbw__add(fine, pbw__add(fine, pbw__mul(fine, a.x, b.x), pbw__mul(fine, a.y, b.y)),
+                    pbw__mul(fine, a.z, b.z));
+}
+
+/* a x b in the plane, and in space. */
+PBW__INLINE pbw_pair pbw__vector_area(int fine, pbw__vector a, pbw__vector b)
+{
+    return pbw__sub(fine, pbw__mul(fine, a.x, b.y), pbw__mul(fine, a.y, b.x));
+}
+
+PBW__INLINE pbw__vector pbw__vector_cross(int fine, pbw__vector a, pbw__vector b)
+{
+    pbw__vector c;
+    c.x = pbw__sub(fine, pbw__mul(fine, a.y, b.z), pbw__mul(fine, a.z, b.y));
+    c.y = pbw__sub(fine, pbw__mul(fine, a.z, b.x), pbw__mul(fine, a.x, b.z));
+    c.z = pbw__sub(fine, pbw__mul(fine, a.x, b.y), pbw__mul(fine, a.y, b.x));
+    return c;
+}
+
+/* ---- exact numbers */
+/* c = a x b */
+static void pbw__exact_cross(const pbw__integer *a, const pbw__integer *b, pbw__integer *c, pbw__digit **top)
+{
+    pbw__product term[2];
+    int k;
+    for (k = 0; k < 3; k++) {
+        term[0].factor[0] = a + (k + 1) % 3;
+        term[0].factor[1] = b + (k + 2) % 3;
+        term[0].negative = 0;
+        term[1].factor[0] = a + (k + 2) % 3;
+        term[1].factor[1] = b + (k + 1) % 3;
+        term[1].negative = 1;
+        c[k] = pbw__exact_sum(term, 2, top);
+    }
+}
+
+/* Returns the sum of a[i] b[i * step]. */
+static pbw__integer pbw__exact_dot(const pbw__integer *a, const pbw__integer *b, int step, int count,
+                                   pbw__digit **top)
+{
+    pbw__product term[4];
+    int i;
+    for (i = 0; i < count; i++) {
+        term[i].factor[0] = a + i;
+        term[i].factor[1] = b + i * step;
+        term[i].negative = 0;
+    }
+    return pbw__exact_sum(term, count, top);
+}
+
+static pbw__integer pbw__exact_number(int value, pbw__digit **top)
+{
+    pbw__integer number = { NULL, 0, 0 };
+    number.digit = (*top)++;
+    number.digit[0] = value;
+    number.length = value != 0;
+    return number;
+}
+
+/* Stores p - origin.  In the plane z is 0.  If p is NULL the row is (0, 0, 1), which turns determinants of space into
+   those of the plane. */
+static void pbw__exact_row(int dim, const double *p, const double *origin, int unit, pbw__integer *row,
+                           pbw__digit **top)
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        row[k] = k < dim && p != NULL ? pbw__exact_difference(p[k], origin[k], unit, top)
+                                      : pbw__exact_number(p == NULL && k == 2, top);
+    }
+}
+
+/* Returns a / radix^length as a pair; digits far below 2^-106 are dropped. */
+static pbw_pair pbw__exact_pair(const pbw__integer *a, int length)
+{
+    const double radix = 1.0 / (double)((pbw__column)1 << PBW__DIGIT_BITS);
+    const pbw__digit half = (pbw__digit)1 << (PBW__DIGIT_BITS / 2);
+    pbw_pair sum = { 0.0, 0.0 }, piece = { 0.0, 0.0 };
+    double weight = radix;
+    int i;
+    for (i = length - 1; i >= 0 && i >= length - 10; i--, weight *= radix) {
+        if (i < a->length) {                         /* two pieces, each exact in a double */
+            piece.head = (double)(a->digit[i] / half * half) * weight;
+            sum = pbw__pair_plus(sum, piece);
+            piece.head = (double)(a->digit[i] % half) * weight;
+            sum = pbw__pair_plus(sum, piece);
+        }
+    }
+    return sum;
+}
+
+/* ---- orientations */
+/* Computes the orientations of pbw__sides3 and pbw__sides2 from exact integers, all times one common factor. */
+static PBW__NOINLINE void pbw__exact_sides(const pbw_mesh *mesh, const pbw_index *v, const double *p, double *side)
+{
+    const int dim = mesh->dim;
+    pbw__digit pool[PBW__POOL], *top = pool;
+    pbw__integer row[4][3], normal[3], value[4];
+    const double *x[4] = { NULL, NULL, NULL, NULL };
+    int unit = pbw__exact_unit(p, dim, 1024), longest = 0, i;
+    for (i = 0; i <= dim; i++) {
+        x[i] = mesh->points + v[i] * (size_t)dim;
+        unit = pbw__exact_unit(x[i], dim, unit);
+    }
+    for (i = 0; i < 4; i++) {
+        pbw__exact_row(dim, x[i], p, unit, row[i], &top);
+    }
+    for (i = 0; i <= dim; i++) {                     /* the rows other than i, in cyclic order */
+        pbw__exact_cross(row[(i + 2) % 4], row[(i + 3) % 4], normal, &top);
+        value[i] = pbw__exact_dot(row[(i + 1) % 4], normal, 1, 3, &top);
+        longest = value[i].length > longest ? value[i].length : longest;
+    }
+    for (i = 0; i <= dim; i++) {
+        const pbw_pair pair = pbw__exact_pair(value + i, longest);
+        side[i] = i % 2 == 0 ? pair.head + pair.tail : -(pair.head + pair.tail);     /* a cycle of 4 rows is odd */
+    }
+}
+
+/* Returns the centre c of a simplex, relative to the origin of its rows: 2 c . row = lift for each row.  Rows are at
+   most 2 long.  Sets *flat if their determinant is too small for an accurate centre. */
+PBW__INLINE pbw__vector pbw__centre_of(int fine, int dim, const pbw__vector *row, const pbw_pair *lift, int *flat)
+{
+    pbw__vector sum;
+    pbw_pair det;
+    if (dim == 3) {
+        const pbw__vector yz = pbw__vector_cross(fine, row[1], row[2]);
+        sum = pbw__vector_times(fine, yz, lift[0]);
+        sum = pbw__vector_add(fine, sum, pbw__vector_times(fine, pbw__vector_cross(fine, row[2], row[0]), lift[1]));
+        sum = pbw__vector_add(fine, sum, pbw__vector_times(fine, pbw__vector_cross(fine, row[0], row[1]), lift[2]));
+        det = pbw__vector_dot(fine, row[0], yz);
+    } else {
+        sum.x = pbw__sub(fine, pbw__mul(fine, lift[0], row[1].y), pbw__mul(fine, lift[1], row[0].y));
+        sum.y = pbw__sub(fine, pbw__mul(fine, lift[1], row[0].x), pbw__mul(fine, lift[0], row[1].x));
+        sum.z = pbw__number(0.0);
+        det = pbw__vector_area(fine, row[0], row[1]);
+    }
+    *flat = !(pbw__abs(det.head) > (fine ? 1e-6 : 1e-9));
+    return pbw__vector_times(fine, sum, pbw__div(fine, pbw__number(0.5), det));
+}
+
+/* The centre of a simplex, relative to q, in units of 2^(unit-1): at / by. */
+typedef struct pbw__exact_point { pbw__integer at[3], by; } pbw__exact_point;
+
+/* Returns a / (by[0] by[1] ..) * 2^exponent. */
+static pbw_pair pbw__exact_quotient(const pbw__integer *a, const pbw__integer *const *by, int count, int exponent)
+{
+    pbw_pair value = pbw__exact_pair(a, a->length);
+    double some, rest;
+    int i;
+    exponent += PBW__DIGIT_BITS * a->length;
+    for (i = 0; i < count; i++) {
+        value = pbw__div(1, value, pbw__exact_pair(by[i], by[i]->length));
+        exponent -= PBW__DIGIT_BITS * by[i]->length;
+    }
+    some = pbw__power_of_two(exponent / 2);
+    rest = pbw__power_of_two(exponent - exponent / 2);
+    return pbw__pair_scaled(pbw__pair_scaled(value, some), rest);
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>interpolate  Weights of vertices for a point inside: barycentric, Sibson's, Laplace's.
+   In: the simplex that contains a query q.  Out: vertices and weights that have q as their mean.
+
+   Sibson's weights (1981) are the volumes that the cell of q would take from the cells of its neighbours.  The mesh
+   is not changed: the simplices in conflict with q form a cavity; q and its boundary facets would be the new ones.
+   Each facet abc between two simplices is dual to an edge from the centre n behind it to the centre s in front, from
+   where a, b, c are counter-clockwise.  Relative to any one origin, this dual edge adds a volume to the cells of a
+   and of b for the edge ab; six times this volume is
+
+       ((b - a) . (n x s) - (n - s) . (a x b)) / 2 * (1 +- (w_a - w_b) / |b - a|^2)
+
+   The sum over all facets is the volume of each cell, even if centres lie outside of their simplices.  So q takes
+   from each cell the sum over the facets inside the cavity, plus the sum over the boundary facets, from the new
+   centre to the old centre inside, minus the sum over the facets at q.  (The old centre outside lies on the line
+   through those two and cancels, so a hull facet is no special case.)  In the plane an edge ab adds
+   (n - a) x (s - a) for a and (s - b) x (n - b) for b, twice the area.
+   Laplace's weight of a neighbour is the area (in the plane, the length) of the facet between its cell and that of q,
+   divided by its distance from q.  The facets at q yield these areas.
+
+   Coordinates are relative to q and scaled by a power of two.  Centres of nearly flat simplices are far away and
+   badly conditioned.  If there are any, or if the weighted mean of the neighbours is not q, the weights are computed
+   again with pairs of doubles, and with exact integers for the centres of flat simplices.  Where centres are so far
+   that rounding errors of their products may matter beside the sum, doubles give way to pairs, and pairs to exact
+   integers for each contribution.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbw__site { pbw__vector at; pbw_pair weight, gain; pbw_index vertex; } pbw__site;
+
+/* A simplex of the cavity: the sites at its corners; across from each, a simplex of the cavity or PBW_NONE.  Or a new
+   simplex, of a facet of the boundary and q: q is PBW_NONE, the last corner, and across[0] the old simplex inside. */
+typedef struct pbw__cell { pbw__vector centre; pbw_index simplex, corner[4], across[4]; } pbw__cell;
+
+/* The cavity of a query. */
+struct pbw__cavity {
+    const pbw_mesh *mesh;
+    pbw__site *site;
+    pbw__cell *old, *face;                           /* face: the new ones */
+    size_t old_capacity, site_capacity, face_capacity;
+    size_t simplices, sites, faces;
+    double query[3];
+    int scale;                                       /* sites are 2^scale times as far from q */
+    int unit;                                        /* of exact numbers */
+};
+
+static void pbw__cavity_free(pbw_memory *memory, pbw__cavity *cavity)
+{
+    if (cavity != NULL) {
+        PBW__RELEASE(memory, cavity, old);
+        PBW__RELEASE(memory, cavity, site);
+        PBW__RELEASE(memory, cavity, face);
+        pbw__release(memory, cavity, 1, sizeof(pbw__cavity));
+    }
+}
+
+/* Adds the barycentric coordinates of p in the simplex that contains it; leaves out zeros. */
+static void pbw__barycentric(pbw__queries *queries, pbw__desk *desk, size_t block, size_t query,
+                             const pbw__spot *spot, const double *p)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t corners = (size_t)mesh->dim + 1;
+    const pbw_index *v = mesh->simplices + spot->simplex * corners;
+    pbw_index *items;
+    double side[4], *values, total = 0.0, bound;
+    size_t i, at, count = 0;
+    bound = mesh->dim == 3 ? pbw__sides3(mesh->points, v, p, side) : pbw__sides2(mesh->points, v, p, side);
+    for (i = 0; i < corners; i++) {
+        total += side[i];
+    }
+    if (!(bound < 1e-14 * total)) {
+        pbw__exact_sides(mesh, v, p, side);
+    }
+    for (total = 0.0, i = 0; i < corners; i++) {
+        side[i] = (spot->on >> i & 1) == 0 && side[i] > 0.0 ? side[i] : 0.0;
+        total += side[i];
+        count += side[i] > 0.0;
+    }
+    items = pbw__chunk_add(queries, desk, block, query, count, &values);
+    if (items != NULL) {
+        for (at = i = 0; i < corners; i++) {
+            if (side[i] > 0.0) {
+                items[at] = v[i];
+                values[at++] = side[i] / total;
+            }
+        }
+        pbw__sort_items(items, values, count);
+    }
+}
+
+/* ---- the cavity */
+/* Returns whether p, a record, is in conflict with simplex t: by the tie rule if `tied`, else strictly. */
+PBW__INLINE int pbw__has_conflict(const pbw__queries *queries, int dim, size_t t, const double *p, int tied)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const pbw_index *v = mesh->simplices + t * (size_t)(dim + 1);
+    double record[4][4];
+    const double *x[4];
+    int i;
+    for (i = 0; i <= dim; i++) {
+        memcpy(record[i], mesh->points + v[i] * (size_t)dim, (size_t)dim * sizeof(double));
+        record[i][dim] = mesh->weights != NULL ? mesh->weights[v[i]] : 0.0;
+        x[i] = record[i];
+    }
+    return tied ? pbw__conflict(dim, x, p, &queries->grid) : pbw__power(dim, x, p, &queries->grid) > 0;
+}
+
+static int pbw__cavity_reserve(pbw__desk *desk, pbw__cavity *cavity)
+{
+    return pbw__room(desk, &cavity->old, &cavity->old_capacity, cavity->simplices + 4, sizeof(pbw__cell))
+        && pbw__room(desk, &cavity->site, &cavity->site_capacity, cavity->sites + 4, sizeof(pbw__site))
+        && pbw__room(desk, &cavity->face, &cavity->face_capacity, cavity->faces + 4, sizeof(pbw__cell));
+}
+
+/* The corners of the facet opposite to each corner, counter-clockwise seen from that corner. */
+static const unsigned char pbw__opposite[2][4][3] = {
+    { { 1, 2, 0 }, { 2, 0, 0 }, { 0, 1, 0 }, { 0, 0, 0 } }, { { 1, 3, 2 }, { 0, 2, 3 }, { 1, 0, 3 }, { 0, 1, 2 } }
+};
+
+/* Adds to the boundary the facet opposite to corner i of the cavity's simplex s. */
+PBW__INLINE void pbw__cavity_face(pbw__cavity *cavity, int dim, size_t s, size_t i)
+{
+    pbw__cell *face = cavity->face + cavity->faces++;
+    int k;
+    for (k = 0; k < 3; k++) {
+        face->corner[k] = cavity->old[s].corner[pbw__opposite[dim - 2][i][k]];
+    }
+    face->corner[dim] = PBW_NONE;
+    face->across[0] = (pbw_index)s;
+}
+
+/* Finds the simplices in conflict with q by a flood from t, which is one of them.  Their corners become the sites;
+   the facets to simplices without conflict become the boundary.  Returns 0 if memory is short. */
+PBW__INLINE int pbw__cavity_find(const pbw__queries *queries, int dim, pbw__desk *desk, size_t t, const double *q)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t corners = (size_t)dim + 1;
+    pbw__cavity *cavity = desk->cavity;
+    size_t next, i;
+    int added;
+    cavity->simplices = 1;
+    cavity->sites = cavity->faces = 0;
+    if (!pbw__set_clear(desk, &desk->seen) || !pbw__set_clear(desk, &desk->other)
+        || !pbw__cavity_reserve(desk, cavity) || pbw__set_add(desk, &desk->seen, t, 0, &added) == NULL) {
+        return 0;
+    }
+    cavity->old[0].simplex = (pbw_index)t;
+    for (next = 0; next < cavity->simplices; next++) {
+        const size_t s = cavity->old[next].simplex;
+        pbw__cell *old;
+        if (!pbw__cavity_reserve(desk, cavity)) {
+            return 0;
+        }
+        old = cavity->old + next;
+        for (i = 0; i < corners; i++) {
+            const pbw_index vertex = mesh->simplices[s * corners + i];
+            const uint32_t *site = pbw__set_add(desk, &desk->other, vertex, (uint32_t)cavity->sites, &added);
+            if (site == NULL) {
+                return 0;
+            }
+            old->corner[i] = *site;
+            if (added) {
+                cavity->site[cavity->sites++].vertex = vertex;
+            }
+        }
+        for (i = 0; i < corners; i++) {
+            const pbw_index other = mesh->neighbors[s * corners + i];
+            uint32_t *known = NULL;
+            old->across[i] = PBW_NONE;
+            if (other != PBW_NONE) {
+                known = pbw__set_add(desk, &desk->seen, other, PBW_NONE, &added);
+                if (known == NULL) {
+                    return 0;
+                }
+                if (added && pbw__has_conflict(queries, dim, other, q, 1)) {
+                    *known = (uint32_t)cavity->simplices;
+                    cavity->old[cavity->simplices++].simplex = other;
+                }
+                old->across[i] = *known;
+            }
+            if (old->across[i] == PBW_NONE) {
+                pbw__cavity_face(cavity, dim, next, i);
+            }
+        }
+    }
+    return 1;
+}
+
+/* Makes the sites relative to q, scaled by a power of two so that the farthest is about 1 away. */
+PBW__INLINE void pbw__cavity_place(const pbw_mesh *mesh, int dim, pbw__cavity *cavity, const double *q)
+{
+    double largest = 0.0, scale;
+    size_t i;
+    int k;
+    cavity->mesh = mesh;
+    memcpy(cavity->query, q, (size_t)dim * sizeof(q[0]));
+    for (i = 0; i < cavity->sites; i++) {
+        for (k = 0; k < dim; k++) {
+            largest = pbw__max(largest,
+                                  pbw__abs(mesh->points[cavity->site[i].vertex * (size_t)dim + (size_t)k] - q[k]));
+        }
+    }
+    cavity->scale = largest < 1e300 ? -pbw__exponent(largest) : -1000;
+    scale = pbw__power_of_two(cavity->scale);
+    for (i = 0; i < cavity->sites; i++) {
+        pbw__site *site = cavity->site + i;
+        const double *p = mesh->points + site->vertex * (size_t)dim;
+        pbw_pair *at[3];
+        at[0] = &site->at.x;
+        at[1] = &site->at.y;
+        at[2] = &site->at.z;
+        site->at.z = pbw__number(0.0);
+        for (k = 0; k < dim; k++) {
+            *at[k] = pbw__pair_scaled(pbw__pair_difference(p[k], q[k]), scale);
+        }
+        site->weight = pbw__number(mesh->weights != NULL ? mesh->weights[site->vertex] * scale * scale : 0.0);
+    }
+}
+
+/* Stores the centre of a simplex. */
+static void pbw__exact_centre(const pbw__cavity *cavity, const pbw__cell *x, pbw__exact_point *centre,
+                              pbw__digit **top)
+{
+    const pbw_mesh *mesh = cavity->mesh;
+    const int dim = mesh->dim, unit = cavity->unit;
+    const double *q = cavity->query, *point[4], *origin;
+    pbw__integer row[3][4], same[4], lift[3], normal[3][3], twice[3];
+    pbw__product term[4];
+    double weight[4];
+    int i, k;
+    for (i = 0; i <= dim; i++) {
+        const size_t v = x->corner[i] != PBW_NONE ? cavity->site[x->corner[i]].vertex : 0;
+        point[i] = x->corner[i] != PBW_NONE ? mesh->points + v * (size_t)dim : q;
+        weight[i] = mesh->weights != NULL && x->corner[i] != PBW_NONE ? mesh->weights[v] : 0.0;
+    }
+    origin = point[dim];
+    for (i = 0; i < 3; i++) {
+        pbw__exact_row(dim, i < dim ? point[i] : NULL, origin, unit, row[i], top);
+        memcpy(same, row[i], sizeof(row[i]));
+        lift[i] = pbw__exact_number(0, top);
+        same[3] = pbw__exact_number(-1, top);
+        if (i < dim) {                               /* |row|^2 - dw */
+            row[i][3] = pbw__exact_difference(weight[i], weight[dim], 2 * unit, top);
+            lift[i] = pbw__exact_dot(row[i], same, 1, 4, top);
+        }
+        twice[i] = pbw__exact_difference(i < dim ? origin[i] : 0.0, i < dim ? q[i] : 0.0, unit - 1, top);
+    }
+    for (i = 0; i < 3; i++) {                        /* the cofactors of lift i */
+        pbw__exact_cross(row[(i + 1) % 3], row[(i + 2) % 3], normal[i], top);
+    }
+    centre->by = pbw__exact_dot(row[0], normal[0], 1, 3, top);
+    for (k = 0; k < 3; k++) {
+        for (i = 0; i < 4; i++) {
+            term[i].factor[0] = i < 3 ? lift + i : &centre->by;
+            term[i].factor[1] = i < 3 ? &normal[i][k] : twice + k;
+            term[i].negative = 0;
+        }
+        centre->at[k] = pbw__exact_sum(term, 4, top);
+    }
+}
+
+/* Returns the centre in pairs; only the quotients are rounded. */
+static PBW__NOINLINE pbw__vector pbw__cavity_flat_centre(const pbw__cavity *cavity, const pbw__cell *x)
+{
+    const int exponent = cavity->unit - 1 + cavity->scale;
+    pbw__digit pool[2 * PBW__POOL], *top = pool;
+    pbw__exact_point centre;
+    const pbw__integer *by = &centre.by;
+    pbw__vector result;
+    pbw__exact_centre(cavity, x, &centre, &top);
+    result.x = pbw__exact_quotient(centre.at, &by, 1, exponent);
+    result.y = pbw__exact_quotient(centre.at + 1, &by, 1, exponent);
+    result.z = pbw__exact_quotient(centre.at + 2, &by, 1, exponent);
+    return result;
+}
+
+/* Computes the centre of a simplex.  Returns 0 if it is too flat for doubles; with `fine` it is right even so. */
+PBW__INLINE int pbw__cavity_centre(int fine, int dim, int weighted, const pbw__cavity *cavity, pbw__cell *x)
+{
+    const pbw__site *base = x->corner[dim] != PBW_NONE ? cavity->site + x->corner[dim] : NULL;
+    pbw__vector row[3];
+    pbw_pair lift[3];
+    int flat, k;
+    for (k = 0; k < dim; k++) {
+        const pbw__site *site = cavity->site + x->corner[k];
+        pbw_pair weight = site->weight;
+        row[k] = site->at;
+        if (base != NULL) {
+            row[k] = pbw__vector_sub(fine, site->at, base->at);
+            weight = pbw__sub(fine, weight, base->weight);
+        }
+        lift[k] = pbw__vector_dot(fine, row[k], row[k]);
+        if (weighted) {
+            lift[k] = pbw__sub(fine, lift[k], weight);
+        }
+    }
+    x->centre = pbw__centre_of(fine, dim, row, lift, &flat);
+    if (base != NULL) {
+        x->centre = pbw__vector_add(fine, base->at, x->centre);
+    }
+    if (fine && flat) {
+        x->centre = pbw__cavity_flat_centre(cavity, x);
+    }
+    return !flat;
+}
+
+/* Adds to the gains, by exact integers, the contributions of the dual edge from n to s to the polygons dual to the
+   edges of its facet: the volume of the cone from q over the triangle of the edge and a corner of the polygon, the
+   first centre met.  In the plane, that of q and the dual edge.  Laplace's weight is that of the polygons dual to
+   edges at q, divided by its height, which is the lift of the other end.  Each is rounded once. */
+static PBW__NOINLINE void pbw__cavity_exact(int laplace, pbw__desk *desk, pbw__site *const *x,
+                                            const pbw__cell *const *ends)
+{
+    const pbw__cell *n = ends[0];
+    const pbw__cavity *cavity = desk->cavity;
+    const int dim = cavity->mesh->dim, exponent = dim * (cavity->unit - 1 + cavity->scale);
+    const size_t id = n->corner[dim] == PBW_NONE ? cavity->simplices + (size_t)(n - cavity->face)
+                                                 : (size_t)(n - cavity->old);
+    pbw__digit pool[5 * PBW__POOL], *top = pool, *bottom;
+    pbw__exact_point first, from, to;
+    pbw__integer normal[3], volume, row[4], same[4];
+    const pbw__integer *by[4] = { &from.by, &to.by, &first.by, &volume };
+    int i, k, added;
+    pbw__exact_centre(cavity, n, &from, &top);
+    pbw__exact_centre(cavity, ends[1], &to, &top);
+    pbw__exact_cross(from.at, to.at, normal, &top);
+    for (i = laplace && dim == 3, bottom = top; i < (dim == 3 ? 3 : 1); i++, top = bottom) {
+        pbw__site *a = x[i], *b = x[i < 2 ? i + 1 : 0], *end = a->vertex != PBW_NONE ? a : b;
+        const uint64_t low = a->vertex < b->vertex ? a->vertex : b->vertex, high = a->vertex ^ b->vertex ^ low;
+        pbw__integer det;
+        pbw_pair value;
+        if (dim == 3) {
+            const uint32_t *met = pbw__set_add(desk, &desk->other, low << 32 | high, (uint32_t)id, &added);
+            if (met == NULL) {
+                return;
+            }
+            pbw__exact_centre(cavity, *met < cavity->simplices ? cavity->old + *met
+                                     : cavity->face + (*met - cavity->simplices), &first, &top);
+        } else {
+            for (k = 0; k < 3; k++) {
+                first.at[k] = pbw__exact_number(k == 2, &top);
+            }
+            first.by = first.at[2];
+        }
+        det = pbw__exact_dot(first.at, normal, 1, 3, &top);
+        if (laplace) {
+            pbw__exact_row(dim, cavity->mesh->points + end->vertex * (size_t)dim, cavity->query, cavity->unit, row,
+                           &top);
+            memcpy(same, row, sizeof(row));
+            row[3] = pbw__exact_difference(cavity->mesh->weights != NULL ? cavity->mesh->weights[end->vertex] : 0.0,
+                                           0.0, 2 * cavity->unit, &top);
+            same[3] = pbw__exact_number(-1, &top);
+            volume = pbw__exact_dot(row, same, 1, 4, &top);
+        }
+        if (det.length > 0) {
+            value = pbw__exact_quotient(&det, by, laplace ? 4 : 3,
+                                        laplace ? exponent - 2 * (cavity->unit + cavity->scale) : exponent);
+            a->gain = pbw__pair_plus(a->gain, value);
+            b->gain = pbw__pair_minus(b->gain, value);
+        }
+    }
+}
+
+/* Adds to the gains of a and b the contribution of the dual edge from n to s for the edge ab:
+   (b - a) . cross - away . (a x b), where cross = n x s and away = n - s. */
+PBW__INLINE void pbw__cavity_edge(int fine, int weighted, pbw__site *a, pbw__site *b, pbw__vector cross,
+                                  pbw__vector away)
+{
+    const pbw__vector along = pbw__vector_sub(fine, b->at, a->at);
+    pbw_pair value = pbw__sub(fine, pbw__vector_dot(fine, along, cross),
+                               pbw__vector_dot(fine, away, pbw__vector_cross(fine, a->at, b->at)));
+    if (weighted) {
+        pbw_pair more = pbw__div(fine, pbw__mul(fine, value, pbw__sub(fine, a->weight, b->weight)),
+                                  pbw__vector_dot(fine, along, along));
+        b->gain = pbw__sub(fine, b->gain, more);
+        a->gain = pbw__add(fine, a->gain, more);
+    }
+    a->gain = pbw__add(fine, a->gain, value);
+    b->gain = pbw__add(fine, b->gain, value);
+}
+
+/* Adds the contributions of the dual edge from n to s for all edges of its facet, counter-clockwise seen from s. */
+PBW__INLINE void pbw__cavity_facet(int fine, int dim, int weighted, pbw__desk *desk, pbw__site *const *x,
+                                   const pbw__cell *const *ends)
+{
+    const pbw__vector n = ends[0]->centre, s = ends[1]->centre;
+    if (fine > 1) {
+        pbw__cavity_exact(0, desk, x, ends);
+    } else if (dim == 3) {
+        const pbw__vector cross = pbw__vector_cross(fine, n, s), away = pbw__vector_sub(fine, n, s);
+        pbw__cavity_edge(fine, weighted, x[0], x[1], cross, away);
+        pbw__cavity_edge(fine, weighted, x[1], x[2], cross, away);
+        pbw__cavity_edge(fine, weighted, x[2], x[0], cross, away);
+    } else {
+        pbw__site *a = x[0], *b = x[1];
+        a->gain = pbw__add(fine, a->gain, pbw__vector_area(fine, pbw__vector_sub(fine, n, a->at),
+                                                           pbw__vector_sub(fine, s, a->at)));
+        b->gain = pbw__add(fine, b->gain, pbw__vector_area(fine, pbw__vector_sub(fine, s, b->at),
+                                                           pbw__vector_sub(fine, n, b->at)));
+    }
+}
+
+/* Subtracts from the gains the contribution of the dual edge of a new facet: the facet of q and x[0], in space also
+   x[1], counter-clockwise seen from s, between the new simplices with centres n and s.  scheme: 1 with weights; 2 for
+   Laplace's weights: adds the contribution to the facet between the cells of q and x[0], and in space of q and x[1],
+   each divided by the distance of the two. */
+PBW__INLINE void pbw__cavity_spoke(int fine, int dim, int scheme, pbw__desk *desk, pbw__site *const *x,
+                                   const pbw__cell *const *ends)
+{
+    const pbw__cell *const back[2] = { ends[1], ends[0] };
+    pbw__site origin, *corner[3];
+    memset(&origin, 0, sizeof(origin));
+    origin.vertex = PBW_NONE;
+    corner[0] = x[0];
+    corner[1] = dim == 3 ? x[1] : &origin;
+    corner[2] = &origin;
+    if (scheme < 2) {
+        pbw__cavity_facet(fine, dim, scheme, desk, corner, back);
+    } else if (fine > 1) {
+        pbw__cavity_exact(1, desk, corner, back);
+    } else {
+        const pbw__vector cross = dim == 3 ? pbw__vector_cross(fine, ends[0]->centre, ends[1]->centre)
+                                           : pbw__vector_sub(fine, ends[0]->centre, ends[1]->centre);
+        x[0]->gain = pbw__add(fine, x[0]->gain,
+                              pbw__div(fine, dim == 3 ? pbw__vector_dot(fine, x[0]->at, cross)
+                                                      : pbw__vector_area(fine, x[0]->at, cross),
+                                       pbw__vector_dot(fine, x[0]->at, x[0]->at)));
+        if (dim == 3) {
+            x[1]->gain = pbw__sub(fine, x[1]->gain, pbw__div(fine, pbw__vector_dot(fine, x[1]->at, cross),
+                                                             pbw__vector_dot(fine, x[1]->at, x[1]->at)));
+        }
+    }
+}
+
+/* Adds the contributions of all facets at q.  Each belongs to a ridge (in the plane, a vertex) where two boundary
+   facets meet.  Returns 0 if memory is short. */
+PBW__INLINE int pbw__cavity_spokes(int fine, int dim, int weighted, int laplace, pbw__desk *desk)
+{
+    pbw__cavity *cavity = desk->cavity;
+    size_t f;
+    int k, added;
+    if (!pbw__set_clear(desk, &desk->seen)) {
+        return 0;
+    }
+    for (f = 0; f < cavity->faces; f++) {
+        const pbw__cell *face = cavity->face + f;
+        for (k = 0; k < dim; k++) {
+            const pbw_index a = face->corner[k], b = dim == 3 ? face->corner[k < 2 ? k + 1 : 0] : a;
+            const uint64_t key = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+            const uint32_t *other = pbw__set_add(desk, &desk->seen, key, (uint32_t)f, &added);
+            if (other == NULL) {
+                return 0;
+            }
+            if (!added) {
+                const pbw__cell *first = cavity->face + *other;
+                const int turn = dim == 2 && k == 0; /* this edge begins at a: counter-clockwise for the other */
+                const pbw__cell *const ends[2] = { turn ? face : first, turn ? first : face };
+                pbw__site *const x[2] = { cavity->site + b, cavity->site + a };
+                pbw__cavity_spoke(fine, dim, laplace ? 2 : weighted, desk, x, ends);
+            }
+        }
+    }
+    return 1;
+}
+
+/* Computes the gain of each site, with fine = 2 by exact integers.  Returns 1 if the weights that they give are
+   right, otherwise 0; -1 if memory is short. */
+PBW__INLINE int pbw__cavity_weigh(int fine, int weighted, int laplace, pbw__desk *desk, int dim)
+{
+    pbw__cavity *cavity = desk->cavity;
+    const pbw__cell *ends[2];
+    pbw__site *x[3];
+    double mean[3] = { 0.0, 0.0, 0.0 }, total = 0.0, far = 1.0, off;
+    size_t i, s;
+    int k, round = 1;
+    for (i = 0; i < cavity->simplices + cavity->faces && fine < 2; i++) {
+        pbw__cell *cell = i < cavity->faces ? cavity->face + i : cavity->old + (i - cavity->faces);
+        if (i < cavity->faces || !laplace) {
+            round &= pbw__cavity_centre(fine, dim, weighted, cavity, cell);
+            far = pbw__max(far, pbw__max_abs(cell->centre.x.head, cell->centre.y.head, cell->centre.z.head, 0.0));
+        }
+    }
+    if (!fine && !round) {
+        return 0;
+    }
+    for (i = 0; i < cavity->sites; i++) {
+        cavity->site[i].gain = pbw__number(0.0);
+    }
+    for (s = 0; s < cavity->simplices && !laplace; s++) {
+        for (i = 0; i <= (size_t)dim; i++) {
+            const pbw_index n = cavity->old[s].across[i];
+            if (n < s) {                             /* a facet inside, once */
+                for (k = 0; k < dim; k++) {
+                    x[k] = cavity->site + cavity->old[s].corner[pbw__opposite[dim - 2][i][k]];
+                }
+                ends[0] = cavity->old + n;
+                ends[1] = cavity->old + s;
+                pbw__cavity_facet(fine, dim, weighted, desk, x, ends);
+            }
+        }
+    }
+    for (i = 0; i < cavity->faces && !laplace; i++) {
+        const pbw__cell *face = cavity->face + i;
+        for (k = 0; k < dim; k++) {
+            x[k] = cavity->site + face->corner[k];
+        }
+        ends[0] = face;
+        ends[1] = cavity->old + face->across[0];
+        pbw__cavity_facet(fine, dim, weighted, desk, x, ends);
+    }
+    if (!pbw__cavity_spokes(fine, dim, weighted, laplace, desk) || desk->failed) {
+        return -1;
+    }
+    for (i = 0; i < cavity->sites; i++) {
+        const pbw__site *site = cavity->site + i;
+        const double gain = pbw__max(site->gain.head + site->gain.tail, 0.0);
+        total += gain;
+        mean[0] += gain * site->at.x.head;
+        mean[1] += gain * site->at.y.head;
+        mean[2] += gain * site->at.z.head;
+    }
+    off = pbw__max_abs(mean[0], mean[1], mean[2], 0.0);
+    return total > 0.0 && total <= DBL_MAX && off <= (fine ? 1e-12 : 1e-14) * total
+        && (fine > 1 || (dim == 3 ? far * far * far : far * far) * (fine ? 1e-11 : 1e-8) <= total);
+}
+
+/* Stores the unit of exact numbers: it divides all coordinates, and its square all weights. */
+static void pbw__cavity_unit(pbw__cavity *cavity)
+{
+    const pbw_mesh *mesh = cavity->mesh;
+    size_t i;
+    for (cavity->unit = 2048, i = 0; i < cavity->sites && mesh->weights != NULL; i++) {
+        cavity->unit = pbw__exact_unit(mesh->weights + cavity->site[i].vertex, 1, cavity->unit);
+    }
+    cavity->unit = pbw__exact_unit(cavity->query, mesh->dim, (cavity->unit - (cavity->unit & 1)) / 2);
+    for (i = 0; i < cavity->sites; i++) {
+        cavity->unit = pbw__exact_unit(mesh->points + cavity->site[i].vertex * (size_t)mesh->dim, mesh->dim,
+                                       cavity->unit);
+    }
+}
+
+static PBW__NOINLINE int pbw__cavity_weigh_fine(int fine, int laplace, pbw__desk *desk)
+{
+    const int weighted = desk->cavity->mesh->weights != NULL, dim = desk->cavity->mesh->dim;
+    return fine == 1 ? PBW__BY_DIM(dim, pbw__cavity_weigh, 1, weighted, laplace, desk)
+                     : PBW__BY_DIM(dim, pbw__cavity_weigh, 2, weighted, laplace, desk);
+}
+
+static int pbw__cavity_weigh_coarse(int laplace, pbw__desk *desk)
+{
+    const int weighted = desk->cavity->mesh->weights != NULL, dim = desk->cavity->mesh->dim;
+    return weighted || laplace ? PBW__BY_DIM(dim, pbw__cavity_weigh, 0, weighted, laplace, desk)
+                               : PBW__BY_DIM(dim, pbw__cavity_weigh, 0, 0, 0, desk);
+}
+
+/* Adds the list of a query: the sites with positive weights, by index. */
+static void pbw__cavity_give(pbw__queries *queries, pbw__desk *desk, size_t block, size_t query)
+{
+    pbw__cavity *cavity = desk->cavity;
+    pbw_index *items;
+    double *values, total = 0.0;
+    size_t count = 0, i;
+    for (i = 0; i < cavity->sites; i++) {
+        const pbw__site site = cavity->site[i];
+        if (site.gain.head + site.gain.tail > 0.0) {
+            cavity->site[count++] = site;
+        }
+    }
+    items = pbw__chunk_add(queries, desk, block, query, count, &values);
+    if (items == NULL) {
+        return;
+    }
+    for (i = 0; i < count; i++) {
+        items[i] = cavity->site[i].vertex;
+        values[i] = cavity->site[i].gain.head + cavity->site[i].gain.tail;
+    }
+    pbw__sort_items(items, values, count);
+    for (i = 0; i < count; i++) {
+        total += values[i];
+    }
+    for (i = 0; i < count; i++) {
+        values[i] /= total;
+    }
+}
+
+/* Adds Sibson's or Laplace's weights of a query inside simplex t. */
+static void pbw__coordinates_of(pbw__queries *queries, pbw__desk *desk, size_t block, size_t query, size_t t,
+                                const double *p)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const int dim = mesh->dim, laplace = queries->scheme == PBW_LAPLACE;
+    int right;
+    if (desk->cavity == NULL) {
+        desk->cavity = (pbw__cavity *)pbw__allocate(desk->memory, 1, sizeof(pbw__cavity));
+        if (desk->cavity == NULL) {
+            desk->failed = 1;
+            return;
+        }
+        memset(desk->cavity, 0, sizeof(pbw__cavity));
+    }
+    if (!(dim == 3 ? pbw__cavity_find(queries, 3, desk, t, p) : pbw__cavity_find(queries, 2, desk, t, p))) {
+        return;
+    }
+    pbw__cavity_place(mesh, dim, desk->cavity, p);
+    right = pbw__cavity_weigh_coarse(laplace, desk);
+    if (right == 0) {
+        pbw__cavity_unit(desk->cavity);
+        right = pbw__cavity_weigh_fine(1, laplace, desk);
+    }
+    if (right == 0) {
+        right = pbw__set_clear(desk, &desk->other) ? pbw__cavity_weigh_fine(2, laplace, desk) : -1;
+    }
+    if (right > 0) {
+        pbw__cavity_give(queries, desk, block, query);
+    } else if (right == 0) {
+        const pbw__spot spot = { t, PBW__INSIDE, 0 };
+        pbw__barycentric(queries, desk, block, query, &spot, p);
+    }
+}
+
+static void pbw__coordinates_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t dim = (size_t)mesh->dim;
+    pbw__spot end = { 0, 0, 0 };
+    size_t i;
+    for (i = from; i < to && !desk->failed && !desk->astray; i++) {
+        const size_t query = pbw__query_index(queries, i);
+        pbw__spot spot;
+        unsigned spread, facets = 0;
+        double p[4];
+        int hull;
+        pbw__fetch(&queries->input, query, p);
+        if (i == from) {
+            end.simplex = mesh->incident[pbw__guess(mesh, p)];
+        }
+        pbw__walk_to(mesh, &end, p, &queries->grid);
+        if (end.leave != PBW__INSIDE) {
+            desk->astray = end.leave == PBW__ASTRAY;
+            continue;                                /* outside: an empty list */
+        }
+        spot = end;
+        spot.simplex = pbw__lowest_with(mesh, end.simplex, end.on, &hull);
+        if (spot.simplex != end.simplex) {
+            const pbw_index *v = mesh->simplices + spot.simplex * (dim + 1);
+            (void)pbw__side_exact(mesh, v, p, &queries->grid, &spot.on);
+        }
+        for (spread = spot.on; spread != 0; spread &= spread - 1) {
+            facets++;
+        }
+        if (queries->scheme == PBW_BARYCENTRIC || hull || facets == dim
+            || (mesh->weights != NULL && !pbw__has_conflict(queries, mesh->dim, spot.simplex, p, 0))) {
+            pbw__barycentric(queries, desk, block, query, &spot, p);
+        } else {
+            pbw__coordinates_of(queries, desk, block, query, spot.simplex, p);
+        }
+        if (pbw__report(&queries->context, 0.0)) {
+            return;
+        }
+    }
+}
+
+PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, size_t count, pbw_scheme scheme,
+                                  const pbw_options *options, pbw_lists *lists)
+{
+    pbw__queries queries;
+    pbw_status status;
+    if (lists == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(lists, 0, sizeof(*lists));
+    if (scheme != PBW_BARYCENTRIC && scheme != PBW_SIBSON && scheme != PBW_LAPLACE) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    status = pbw__queries_start(&queries, mesh, points, count, options);
+    if (status == PBW_OK) {
+        queries.scheme = scheme;
+        queries.with_values = 1;
+        status = pbw__make_lists(&queries, pbw__coordinates_block, mesh->simplex_count == 0 ? 0 : count,
+                                 PBW__BLOCK_QUERIES, count, lists);
+    }
+    return pbw__lists_end(&queries, status, lists);
+}
+#ifdef _WIN32
+#pragma pop_macro("far")
+#endif
+#if defined(__clang__) && (defined(__x86_64__) || defined(__i386__))
+#pragma float_control(pop)
+#elif defined(__clang__)
+#pragma STDC FP_CONTRACT DEFAULT
+#elif defined(__GNUC__)
+#pragma GCC pop_options
+#elif defined(_MSC_VER)
+#pragma warning(pop)
+#endif
+#endif
+#endif /* PBW_QUERY_IMPLEMENTATION */
