@@ -864,6 +864,25 @@ PBW__INLINE double pbw__max_abs(double a, double b, double c, double d)
     return pbw__max(pbw__max(pbw__abs(a), pbw__abs(b)), pbw__max(pbw__abs(c), pbw__abs(d)));
 }
 
+/* Returns the squared distance of two points, rounded. */
+PBW__INLINE double pbw__squared(const double *p, const double *q, int dim)
+{
+    const double x = p[0] - q[0], y = p[1] - q[1], z = dim == 3 ? p[2] - q[2] : 0.0;
+    return x * x + y * y + z * z;
+}
+
+/* Hash of count doubles, going on from another; equal for -0.0 and 0.0 in every floating-point mode. */
+PBW__INLINE uint64_t pbw__hash_doubles(uint64_t hash, const double *x, int count)
+{
+    int k;
+    for (k = 0; k < count; k++) {
+        uint64_t bits;
+        memcpy(&bits, x + k, sizeof(bits));
+        hash = pbw_mix(hash + UINT64_C(0x9e3779b97f4a7c15) + (bits << 1 == 0 ? 0 : bits));
+    }
+    return hash;
+}
+
 /* What we call of Windows.  windows.h would leave its macros behind, so we declare it as that does, which may still
    follow.  Where it came first it has declared all, but not for a target before Windows 7. */
 #ifdef _WIN32
@@ -1431,9 +1450,8 @@ static void *pbw__default_resize(void *user, void *ptr, size_t old_size, size_t 
 
 #define PBW__LARGE ((size_t)1 << 20)                 /* bytes of a block that is worth the system's advice */
 
-/* Asks for huge pages under a large block, and under all of the pages at its ends, where other bytes may be: advice
-   for a part of a mapping splits it, and then realloc copies the pages instead of moving them.  Advice only: it may
-   fail.  Memory of the caller's allocator is left alone. */
+/* MADV_HUGEPAGE on a large block, rounded outwards to pages: rounded inwards it would split the mapping, and realloc
+   could no longer move it by mremap.  Advice only: it may fail.  A block of the caller's allocator gets none. */
 static void pbw__advise(const pbw_memory *memory, void *start, size_t bytes)
 {
 #ifdef __linux__
@@ -1663,8 +1681,8 @@ static void *pbw__allocate_large(pbw__context *context, size_t count, size_t siz
    threads or on the caller's; and the caller's answers to progress.
    Holds: between two calls of pbw__for no task runs, and what tasks wrote is seen by all that follows (the team's
    word of work, or the promise of options.run, orders it).  While tasks run, `cancelled` is the only word that one
-   thread writes and another reads; it is only ever set, and a late view of it costs time only, so relaxed order
-   serves.
+   thread writes and another reads; it is only ever set, and a stale read only delays the end, so relaxed order
+   is enough.
    ------------------------------------------------------------------------------------------------------ */
 /* Hooks for tests.  PBW__TEST_SMALL_SHARES: few points make many tasks; else PBW__SMALLER(items) are the items below
    which another task does not pay.  PBW__TEST_PAUSE(): a place where a test may delay a thread.
@@ -2225,7 +2243,7 @@ PBW__DEVICE static int pbw__exact_determinant_in(pbw__digit *pool, int dim, int 
    ------------------------------------------------------------------------------------------------------ */
 /* The common grid of a build's records.  inverse_unit is 0 if they have no common grid, else a power of two:
    coordinates are multiples of the unit and weights of its square, and they differ by less than 2^bits units and
-   4^bits unit^2. A NULL grid means a call from outside: nothing is known, not even the rounding mode. */
+   4^bits unit^2.  grid NULL: the caller is a public predicate, so ranges and the rounding mode are checked first. */
 typedef struct pbw__grid {
     double inverse_unit;
     int bits;
@@ -3080,13 +3098,6 @@ PBWDEF int pbw_conflict3(const double a[3], const double b[3], const double c[3]
    In: the caller's points and weights, and a box.  Out: their records; the key of a point: the number of its cell in
    the box's grid, along the curve.
    ------------------------------------------------------------------------------------------------------ */
-/* Returns the squared distance of two points, rounded. */
-PBW__INLINE double pbw__squared(const double *p, const double *q, int dim)
-{
-    const double x = p[0] - q[0], y = p[1] - q[1], z = dim == 3 ? p[2] - q[2] : 0.0;
-    return x * x + y * y + z * z;
-}
-
 #define PBW__POINT_LIMIT ((size_t)1 << 31)           /* the highest bit of a vertex is free for marks of >>cavity2 */
 
 typedef struct pbw__input {
@@ -3282,7 +3293,7 @@ PBW__DEVICE static void pbw__box_close(pbw__box *box, int dim)
     }
 }
 
-/* Returns x with dim - 1 zeros before each bit: halves, then halves of halves, move apart. */
+/* Spreads the bits of x dim places apart: first its halves, then the halves of those. */
 PBW__INLINE uint64_t pbw__spread(uint64_t x, int dim)
 {
     const int space = dim == 3;
@@ -4719,12 +4730,14 @@ PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
    points that are hidden, none.
 
    A visibility walk (Devillers, Pion & Teillaud 2002, "Walking in a triangulation"): step through a facet that has
-   the point strictly on its far side.  It ends, because in a Delaunay or regular triangulation the relation "in front
-   of, seen from a fixed point" has no cycle (Edelsbrunner 1990, "An acyclicity theorem for cell complexes in d
-   dimensions"), and every step is taken on an exact sign.  Of several such facets any will do; the path is shorter
-   through the one with the most negative volume; vectors in 2D have a rule of their own.  What overflows or vanishes
-   there makes it longer at worst.  The four orientations S_i also give the sphere test, sum(lift_i * S_i), so the
-   walk stops at the first simplex that is certainly in conflict; its neighbourhood is the cavity's all the same.
+   the point strictly on its far side.
+     1. It ends, because every step is taken on an exact sign, and in a Delaunay or regular triangulation the relation
+        "in front of, seen from a fixed point" has no cycle (Edelsbrunner 1990, "An acyclicity theorem for cell
+        complexes in d dimensions").
+     2. Of several such facets any will do; the path is shorter through the one with the most negative volume; vectors
+        in 2D have a rule of their own.  What overflows or vanishes there makes it longer at worst.
+     3. The four orientations S_i also give the sphere test, sum(lift_i * S_i), so the walk stops at the first simplex
+        that is certainly in conflict; its neighbourhood is the cavity's all the same.
 
    Errors: see >>predicates.  An orientation S is compared as S^2 with the square of its bound, h raised to 1e-55 if
    it is less; with vectors in 2D as it is.  Where something overflows the bound is infinite, or a comparison with it
@@ -5078,15 +5091,16 @@ PBW__INLINE pbw_status pbw__located(pbw__kernel *kernel, pbw_index t)
    In: a simplex in conflict.  Out: the star of the new vertex.   (Bowyer 1981, Watson 1981)
    Holds before and after: the invariants of >>mesh.
 
-   The search takes one simplex of the cavity after the other and tests its four neighbours at once.  The neighbour
-   across facet i is this simplex with corner i replaced by the far vertex o: with rows (x, y, z, lift) relative to
-   the point, det(rows, row i replaced by o's) > 0 exactly if it is in conflict.  Expanded along row i this is a dot
-   product of o's row with four cofactors, and the cofactors of the four facets share their 2x2 minors.  A ghost
-   vertex has the row (0, 0, 0, W), any W > 0: the same determinant is then W times the orientation that a ghost's
-   conflict asks for; W is the height of the simplex, so that it fits the bound.  Vertices of the cavity get local
-   numbers: a small table indexed by pairs of them sews the star.  A simplex has three vertices in common with the one
-   that it was met from, and the fourth was the far vertex there: vectors take rows and numbers over, with one lane
-   replaced, in the order of the corners in memory.
+   The search takes one simplex of the cavity after the other and tests its four neighbours at once.
+     1. The neighbour across facet i is this simplex with corner i replaced by the far vertex o: with rows
+        (x, y, z, lift) relative to the point, it is in conflict exactly if det(rows, row i replaced by o's) > 0.
+     2. Expanded along row i this is a dot product of o's row with four cofactors, and the cofactors of the four
+        facets share their 2x2 minors.
+     3. A ghost vertex has the row (0, 0, 0, W), any W > 0: the same determinant is then W times the orientation that
+        a ghost's conflict asks for.  W is the height of the simplex, so that it fits the bound.
+     4. Vertices of the cavity get local numbers: a small table indexed by pairs of them links the star.
+     5. A simplex has three vertices in common with the one that it was met from, and the fourth was the far vertex
+        there: vectors take rows and numbers over, with one lane replaced, in the order of the corners in memory.
 
    Errors: see >>predicates, where what the bound leaves open goes.  Compared as det^2 with the square of the bound, h
    raised to 1e-55 if it is less; above 4e61 the product h^5, computed first, is infinite and nothing exceeds it.
@@ -5880,12 +5894,14 @@ static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
 
 #ifdef PBW__SIMD
 /* The vector search, for cavities from which no vertex disappears, as without weights none does: then all vertices of
-   the cavity are on its boundary and no triangle is met twice, so nothing is marked.  The boundary is a ring of
-   edges.  Edge i goes from start to end, counter-clockwise seen from inside; beyond is the link across it.  When the
-   triangle there joins the cavity, two edges replace this one, with the far vertex between them: the first keeps its
-   number, the second follows it in the ring.  The queue has the numbers of the edges to be tested, four at a time,
-   and zeros behind them.  Nothing is written to the triangulation before the star is: a cavity that does not fit the
-   ring is left to pbw__carve2.
+   the cavity are on its boundary and no triangle is met twice, so nothing is marked.
+     1. The boundary is a ring of edges.  Edge i goes from start to end, counter-clockwise seen from inside; beyond is
+        the link across it.
+     2. When the triangle there joins the cavity, two edges replace this one, with the far vertex between them: the
+        first keeps its number, the second follows it in the ring.
+     3. The queue has the numbers of the edges to be tested, four at a time, and zeros behind them.
+     4. The star is written last, and before it nothing of the triangulation: a cavity that does not fit the ring is
+        left to pbw__carve2.
 
    The ghost vertex has the row (0, 0, W), W the height of the triangle, as in >>cavity3.  The search begins without
    ghosts and goes on in pbw__ring_hull once it meets one. */
@@ -6322,13 +6338,14 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
    In: vertices along the Hilbert curve.  Out: the store with their triangulation, or PBW_DEGENERATE.
 
    Insertion order: level l holds the ranks divisible by 8^l (2D: 64^l) that no higher level holds; levels go from
-   coarse to fine, along the curve, alternately forwards and backwards.  Coarse levels keep the cavities small, as the
-   random rounds of Amenta, Choi & Rote 2003 ("Incremental constructions con BRIO") do, but need no shuffle and no
-   second sort; within a level the next point lies near the last one, so the walk is short and the caches warm.  The
-   finest level goes backwards.  So a vertex has the lowest rank of its neighbourhood when it is inserted, and most
-   simplices that will belong to it in >>number are made with its star, in slots side by side.
-   Fewer levels are faster on one thread (each coarse step is a cache miss) until cavities grow.  In space, where they
-   grow on lattices and tasks contend for zones, a ratio of 8 is better.
+   coarse to fine, along the curve, alternately forwards and backwards.
+     1. Coarse levels keep the cavities small, as the random rounds of Amenta, Choi & Rote 2003 ("Incremental
+        constructions con BRIO") do, but need no shuffle and no second sort.
+     2. Within a level the next point lies near the last one, so the walk is short and the caches warm.
+     3. The finest level goes backwards.  So a vertex has the lowest rank of its neighbourhood when it is inserted,
+        and most simplices that will belong to it in >>number are made with its star, in slots side by side.
+     4. Fewer levels are faster on one thread (each coarse step is a cache miss) until cavities grow.  In space, where
+        they grow on lattices and tasks contend for zones, a ratio of 8 is better.
 
    Where points lie near a few lines, only the outermost vertices of a line have neighbours on other lines, and their
    stars are large.  Each level would make such stars and destroy them again, as vertices farther out come.  So in
@@ -6985,14 +7002,16 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    its ends.  No task owns the ghost in 3D.  A task claims the free zones that it needs.  Where it needs a zone of
    another task, it leaves the vertex for the next round; no task ever waits.
 
-   A task inserts the vertices of a share of the curve, one after the other, so an insertion mostly needs the zones
-   of the last ones.  A task keeps its zones and gives back the older half when they are many, and all of them when
-   it leaves a vertex, when another task asks for one of them, and at the end.  A task that leaves a vertex asks the
-   owner of the missing zone.  The owner reads that word after its current vertex or later; a late view costs time
-   only, so relaxed order serves.  The zones of all tasks are a small part of all zones, and mostly far apart.
-   Shares are worked off in batches; after a batch the vertices left are tried again, as other tasks have moved on.
-   A task that has finished its own share continues with the ends of other shares, far from their tasks.  A walk
-   starts in the zone of its vertex or near it: a long one would claim zones all along.
+     1. A task inserts the vertices of a share of the curve, one after the other, so an insertion mostly needs the
+        zones of the last ones.  The zones of all tasks are a small part of all zones, and mostly far apart.
+     2. A task keeps its zones.  It gives back the older half when they are many, and all of them when it leaves a
+        vertex, when another task asks for one of them, and at the end.
+     3. A task that leaves a vertex asks the owner of the missing zone.  The owner reads that word after its current
+        vertex or later; a stale read only delays the hand-over, so relaxed order is enough.
+     4. Shares are worked off in batches; after a batch the vertices left are tried again, as other tasks have moved
+        on.
+     5. A task that has finished its own share continues with the ends of other shares, far from their tasks.
+     6. A walk starts in the zone of its vertex or near it: a long one would claim zones all along.
 
    Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of
    its vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
@@ -8081,7 +8100,7 @@ static void pbw__emit_pass2(void *arg, int task)
 /* ------------------------------------------------------------------------------------------------------
    >>output       From the store's simplices to the caller's arrays, in place.
    In: the places of >>number.  Out: simplices and neighbours in canonical order, with the caller's ids; the first
-   simplex of each point; the points.
+   simplex of each point; the points; their numbers along the curve.
 
    The store's arrays become the caller's: a copy beside them would be the peak of the memory.  Other arrays use
    blocks that the build no longer needs, as new pages cost more: `head` that of the marks, if there are any; `first`
@@ -8616,33 +8635,114 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     mesh->hidden_count = vertices->count - emission.visible;
     return status;
 }
+
+/* New numbers along the curve, for pbw_order and PBW_CURVE_ORDER: each vertex is followed by its duplicates, in
+   ascending order.  Fills `original` (new number -> the caller's), and turns `id` and `canonical` of the vertices
+   into new numbers. */
+typedef struct pbw__numbering {
+    pbw__vertices *vertices;
+    pbw_index *original, *next;                      /* next: per canonical point, the first free number of its
+                                                        group; unused if there are no duplicates */
+} pbw__numbering;
+
+static pbw_status pbw__number_range(void *arg, size_t from, size_t to)
+{
+    const pbw__numbering *numbering = (const pbw__numbering *)arg;
+    pbw_index *id = numbering->vertices->id + 1;
+    for (; from < to; from++) {
+        numbering->original[from] = id[from];
+        id[from] = (pbw_index)from;
+    }
+    return PBW_OK;
+}
+
+static void pbw__number_groups(pbw__numbering *numbering)
+{
+    pbw__vertices *vertices = numbering->vertices;
+    pbw_index *next = numbering->next, *original = numbering->original, *canonical = vertices->canonical;
+    size_t i, r, free_number = 0;
+    memset(next, 0, vertices->point_count * sizeof(pbw_index));
+    for (i = 0; i < vertices->point_count; i++) {
+        next[canonical[i]]++;
+    }
+    for (r = 1; r <= vertices->count; r++) {
+        const pbw_index point = vertices->id[r];
+        const size_t points = next[point];
+        original[free_number] = point;
+        vertices->id[r] = (pbw_index)free_number;
+        next[point] = (pbw_index)free_number + 1;
+        free_number += points;
+    }
+    for (i = 0; i < vertices->point_count; i++) {
+        if (canonical[i] != i) {
+            original[next[canonical[i]]++] = (pbw_index)i;
+        }
+    }
+    for (r = 1; r <= vertices->count; r++) {         /* groups lie between the numbers of successive vertices */
+        const size_t first = vertices->id[r], end = r < vertices->count ? vertices->id[r + 1] : vertices->point_count;
+        for (i = first; i < end; i++) {
+            canonical[i] = (pbw_index)first;
+        }
+    }
+}
+
+static pbw_status pbw__number_along_curve(pbw__context *context, pbw__vertices *vertices, pbw_index *original)
+{
+    pbw__numbering numbering;
+    pbw_status status;
+    numbering.vertices = vertices;
+    numbering.original = original;
+    if (vertices->duplicate_count == 0) {
+        return pbw__for_range(context, vertices->count, 65536, 0.0, pbw__number_range, &numbering);
+    }
+    status = pbw__make_canonical(context, vertices, NULL);
+    if (status != PBW_OK) {
+        return status;
+    }
+    numbering.next = (pbw_index *)pbw__allocate(&context->memory, vertices->point_count, sizeof(pbw_index));
+    if (numbering.next == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    pbw__number_groups(&numbering);
+    pbw__release(&context->memory, numbering.next, vertices->point_count, sizeof(pbw_index));
+    return PBW_OK;
+}
 /* ------------------------------------------------------------------------------------------------------
    >>faults       The tests of >>check, a point or simplex each, and what they find, with its words; for CPU and GPU.
    In: a mesh and its points as records.  Out: 1, or 0 and the fault.  A thread without a pool may find
    PBW__FAULT_OPEN: no verdict yet.  Functions that are called for each simplex take the dimension as an argument, so
    that it is a constant there.
    ------------------------------------------------------------------------------------------------------ */
-enum {
-    PBW__FAULT_OPEN = -1, PBW__SOUND,
-    PBW__FAULT_FINITE, PBW__FAULT_CANONICAL, PBW__FAULT_PLACE, PBW__FAULT_RIGHT, PBW__FAULT_VERTEX,
-    PBW__FAULT_INCIDENT, PBW__FAULT_CORNER, PBW__FAULT_FIRST, PBW__FAULT_NEGATIVE, PBW__FAULT_FLAT,
-    PBW__FAULT_OVERLAP, PBW__FAULT_INWARD, PBW__FAULT_OTHER, PBW__FAULT_BACK, PBW__FAULT_FACET, PBW__FAULT_CONFLICT,
-    PBW__FAULT_CONVEX, PBW__FAULT_OUTSIDE, PBW__FAULT_REPEATED, PBW__FAULT_UNHIDDEN, PBW__FAULT_TWICE,
-    PBW__FAULT_SPAN, PBW__FAULT_DUPLICATES, PBW__FAULT_HIDDEN
-};
-
-static const char *const pbw__fault_words[] = {
-    "", "a coordinate or weight is not finite", "the canonical point is none",
-    "a duplicate is not where its canonical point is", "a duplicate has the better right to be canonical",
-    "a duplicate is a vertex", "the incident simplex of a vertex does not have it", "a corner is no point",
-    "the incident simplex of a corner is not the first that has it", "a simplex is negatively oriented",
-    "a simplex is flat", "two simplices overlap, the first of the mesh and this", "a hull facet faces inward",
-    "a neighbor is no other simplex", "a neighbor does not name the simplex once",
-    "neighbors do not share the facet from opposite sides", "the corner across a facet is in conflict",
-    "the hull is not convex", "a point outside the hull is no vertex", "a point at a vertex is no duplicate of it",
-    "a point that is no vertex is not hidden", "two points at one place are no duplicates",
-    "the points span a simplex but there is none", "duplicate_count is wrong", "hidden_count is wrong"
-};
+/* F(name, words) of each. */
+#define PBW__FAULTS(F) \
+    F(FINITE, "a coordinate or weight is not finite") \
+    F(CANONICAL, "the canonical point is none") \
+    F(PLACE, "a duplicate is not where its canonical point is") \
+    F(RIGHT, "a duplicate has the better right to be canonical") \
+    F(VERTEX, "a duplicate is a vertex") \
+    F(INCIDENT, "the incident simplex of a vertex does not have it") \
+    F(CORNER, "a corner is no point") \
+    F(FIRST, "the incident simplex of a corner is not the first that has it") \
+    F(NEGATIVE, "a simplex is negatively oriented") \
+    F(FLAT, "a simplex is flat") \
+    F(OVERLAP, "two simplices overlap, the first of the mesh and this") \
+    F(INWARD, "a hull facet faces inward") \
+    F(OTHER, "a neighbor is no other simplex") \
+    F(BACK, "a neighbor does not name the simplex once") \
+    F(FACET, "neighbors do not share the facet from opposite sides") \
+    F(CONFLICT, "the corner across a facet is in conflict") \
+    F(CONVEX, "the hull is not convex") \
+    F(OUTSIDE, "a point outside the hull is no vertex") \
+    F(REPEATED, "a point at a vertex is no duplicate of it") \
+    F(UNHIDDEN, "a point that is no vertex is not hidden") \
+    F(TWICE, "two points at one place are no duplicates") \
+    F(SPAN, "the points span a simplex but there is none") \
+    F(DUPLICATES, "duplicate_count is wrong") \
+    F(HIDDEN, "hidden_count is wrong")
+#define PBW__FAULT_NUMBER(name, words) , PBW__FAULT_##name
+#define PBW__FAULT_WORDS(name, words) , words
+enum { PBW__FAULT_OPEN = -1, PBW__SOUND PBW__FAULTS(PBW__FAULT_NUMBER) };
+static const char *const pbw__fault_words[] = { "" PBW__FAULTS(PBW__FAULT_WORDS) };
 
 typedef struct pbw__tested {                         /* a mesh */
     const pbw_index *simplices, *neighbors, *incident, *canonical;
@@ -8700,7 +8800,8 @@ PBW__INLINE int pbw__test_side(const pbw__tested *mesh, int dim, const double *c
 }
 
 /* Returns whether the point o of >>check is on the inner side of a facet of the simplex x, or PBW__OPEN.  The
-   orientation with o is affine in o, so its sign is that of the first nonzero one among those with a, b, c, ... */
+   point o is infinitely near a, then b, then c: the first of orient(facet, a), orient(facet, b), ... that is not 0
+   decides, as an orientation is affine in o. */
 PBW__DEVICE static PBW__NOINLINE int pbw__faces_inside(const pbw__tested *mesh, const double *const *x, int facet,
                                                        pbw__digit *pool)
 {
@@ -9217,18 +9318,6 @@ static int pbw__check_span(pbw__check *check)
     }
 }
 
-/* Hash of count doubles, going on from another; equal for -0.0 and 0.0 in every floating-point mode. */
-PBW__INLINE uint64_t pbw__hash_doubles(uint64_t hash, const double *x, int count)
-{
-    int k;
-    for (k = 0; k < count; k++) {
-        uint64_t bits;
-        memcpy(&bits, x + k, sizeof(bits));
-        hash = pbw_mix(hash + UINT64_C(0x9e3779b97f4a7c15) + (bits << 1 == 0 ? 0 : bits));
-    }
-    return hash;
-}
-
 /* Lists the points of a range that are neither duplicates nor vertices. */
 static int pbw__check_gather(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
@@ -9491,82 +9580,10 @@ PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh, const pbw_options *options)
     return hashed ? pbw_hash_of(&sums) : 0;
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>tools        For companion headers: sorting, signs, centres, loops on threads, points along the curve.
+   >>tools        For companion headers: sorting, signs, centres, loops on threads.
    In: the caller's arrays.  Out: the library's threads, its sorts and its exact numbers, as public functions; what
    must be inlined is in >>interface, what allocates in >>memory.
    ------------------------------------------------------------------------------------------------------ */
-/* New numbers along the curve, for pbw_order and PBW_CURVE_ORDER: each vertex is followed by its duplicates, in
-   ascending order.  Fills `original` (new number -> the caller's), and turns `id` and `canonical` of the vertices
-   into new numbers. */
-typedef struct pbw__numbering {
-    pbw__vertices *vertices;
-    pbw_index *original, *next;                      /* next: per canonical point, the first free number of its
-                                                        group; unused if there are no duplicates */
-} pbw__numbering;
-
-static pbw_status pbw__number_range(void *arg, size_t from, size_t to)
-{
-    const pbw__numbering *numbering = (const pbw__numbering *)arg;
-    pbw_index *id = numbering->vertices->id + 1;
-    for (; from < to; from++) {
-        numbering->original[from] = id[from];
-        id[from] = (pbw_index)from;
-    }
-    return PBW_OK;
-}
-
-static void pbw__number_groups(pbw__numbering *numbering)
-{
-    pbw__vertices *vertices = numbering->vertices;
-    pbw_index *next = numbering->next, *original = numbering->original, *canonical = vertices->canonical;
-    size_t i, r, free_number = 0;
-    memset(next, 0, vertices->point_count * sizeof(pbw_index));
-    for (i = 0; i < vertices->point_count; i++) {
-        next[canonical[i]]++;
-    }
-    for (r = 1; r <= vertices->count; r++) {
-        const pbw_index point = vertices->id[r];
-        const size_t points = next[point];
-        original[free_number] = point;
-        vertices->id[r] = (pbw_index)free_number;
-        next[point] = (pbw_index)free_number + 1;
-        free_number += points;
-    }
-    for (i = 0; i < vertices->point_count; i++) {
-        if (canonical[i] != i) {
-            original[next[canonical[i]]++] = (pbw_index)i;
-        }
-    }
-    for (r = 1; r <= vertices->count; r++) {         /* groups lie between the numbers of successive vertices */
-        const size_t first = vertices->id[r], end = r < vertices->count ? vertices->id[r + 1] : vertices->point_count;
-        for (i = first; i < end; i++) {
-            canonical[i] = (pbw_index)first;
-        }
-    }
-}
-
-static pbw_status pbw__number_along_curve(pbw__context *context, pbw__vertices *vertices, pbw_index *original)
-{
-    pbw__numbering numbering;
-    pbw_status status;
-    numbering.vertices = vertices;
-    numbering.original = original;
-    if (vertices->duplicate_count == 0) {
-        return pbw__for_range(context, vertices->count, 65536, 0.0, pbw__number_range, &numbering);
-    }
-    status = pbw__make_canonical(context, vertices, NULL);
-    if (status != PBW_OK) {
-        return status;
-    }
-    numbering.next = (pbw_index *)pbw__allocate(&context->memory, vertices->point_count, sizeof(pbw_index));
-    if (numbering.next == NULL) {
-        return PBW_ERROR_MEMORY;
-    }
-    pbw__number_groups(&numbering);
-    pbw__release(&context->memory, numbering.next, vertices->point_count, sizeof(pbw_index));
-    return PBW_OK;
-}
-
 /* ---- sorting
    Keys of 64 bits, by their low halves first, then by their high ones: words of half a key and, below it, the
    index. */
@@ -9778,7 +9795,8 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
 /* ------------------------------------------------------------------------------------------------------
    >>seam         What pbw_query.h and pbw_live.h use of the rooms above.
    In: the private names of this file.  Out: those that these two may use, with their rooms; of a struct, its members.
-   Holds: the list is what they use, tests/seam.sh compares; whoever changes what a name in it means, raises PBW__SEAM.
+   Holds: the list is what they use, tests/seam.sh compares; whoever changes what a name in it means raises
+   PBW__SEAM.
 
    They are compiled behind this file, in one source file, and refuse another number.
 
@@ -9791,6 +9809,7 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      pbw__fp_enter              live        platform
      pbw__fp_is_exact           live        platform
      pbw__fp_leave              live        platform
+     pbw__hash_doubles          live        platform
      PBW__INLINE                query live  platform
      PBW__LIKELY                query live  platform
      PBW__LOAD                  query live  platform
@@ -9800,6 +9819,7 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      PBW__PREFETCH              query live  platform
      PBW__PREFETCH_TO_WRITE     live        platform
      PBW__SIMD                  query live  platform
+     pbw__squared               query live  platform
      PBW__STORE                 live        platform
      PBW__STORE_RELEASE         live        platform
      PBW__UNLIKELY              query live  platform
@@ -9889,7 +9909,6 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      pbw__input_check           live        curve
      pbw__input_of              query live  curve
      PBW__POINT_LIMIT           live        curve
-     pbw__squared               query live  curve
      PBW__DIGITS                live        sort
      pbw__sort_by               live        sort
      pbw__sort_keys             live        sort
@@ -9940,7 +9959,6 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      pbw__output                live        output
      pbw__owned                 live        output
      pbw__has_arrays            query live  check
-     pbw__hash_doubles          live        check
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__SEAM 1
 
