@@ -4238,8 +4238,8 @@ typedef uint32_t pbw__link;
 
 #define PBW__GHOST 0u
 #define PBW__MARK ((pbw_index)1 << 31)               /* of corners, in the plane: see >>cavity2 */
-#define PBW__LEFT ((pbw_status)15)                   /* not inserted: for the next round of >>parallel */
-#define PBW__NO_FIT ((pbw_status)14)                 /* not inserted: the cavity does not fit >>cavity2's ring */
+#define PBW__DEFERRED ((pbw_status)15)               /* not inserted: for the next round of >>parallel */
+#define PBW__RING_OVERFLOW ((pbw_status)14)          /* not inserted: the cavity does not fit >>cavity2's ring */
 #define PBW__FOREIGN (PBW_NONE - 1)                  /* returned by a walk that would leave our zones */
 
 /* The simplices, shared by all threads. */
@@ -4584,7 +4584,7 @@ static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t co
     for (i = 0; i < count && kernel->mark != NULL; i++) {
         kernel->mark[kernel->scratch.cavity[i]] = 0;
     }
-    return PBW__LEFT;
+    return PBW__DEFERRED;
 }
 
 /* Makes room for `needed` items in each of the lists of cavity and boundary. */
@@ -4648,7 +4648,7 @@ static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t neede
         block = store->capacity - from < most ? store->capacity - from : most;
         if (block < needed) {
             kernel->slots.no_room = 1;               /* at the end of the round there will be more */
-            return PBW__LEFT;
+            return PBW__DEFERRED;
         }
     } while (!PBW__CAS(&store->count, &from, from + block));
     for (t = kernel->slots.tail; t < kernel->slots.tail_end; t++) {
@@ -5077,12 +5077,12 @@ PBW__INLINE pbw_index pbw__insert_start(pbw__kernel *kernel, pbw_index vertex)
     return kernel->last != PBW_NONE ? kernel->last : PBW__FOREIGN;
 }
 
-/* Ends a walk at t.  Returns PBW_OK or PBW__LEFT; the next walk begins at t if the vertex is left. */
+/* Ends a walk at t.  Returns PBW_OK or PBW__DEFERRED; the next walk begins at t if the vertex is left. */
 PBW__INLINE pbw_status pbw__located(pbw__kernel *kernel, pbw_index t)
 {
     kernel->last = t < PBW__FOREIGN ? t : kernel->last;
     if (t == PBW__FOREIGN || (t != PBW_NONE && kernel->own.owner != NULL && !pbw__may_delete(kernel, t))) {
-        return PBW__LEFT;
+        return PBW__DEFERRED;
     }
     return PBW_OK;
 }
@@ -5850,7 +5850,7 @@ static pbw_status pbw__carve2(pbw__kernel *kernel, pbw_index t, const double *p)
         } else if (!pbw__test2(kernel, o, p)) {
             scratch->beyond[scratch->facet_count++] = link;
         } else if (kernel->own.owner != NULL && !pbw__may_delete(kernel, o)) {
-            status = PBW__LEFT;
+            status = PBW__DEFERRED;
         } else {
             pbw__flip_mark2(kernel, o);
             scratch->cavity[scratch->cavity_count++] = o;
@@ -6039,7 +6039,7 @@ static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ri
 
 /* Adds the triangles across some of the next edges in the queue to the cavity: `inside` is the set of these edges.
    Some of them may join the queue only now, as edges of the triangles before them.
-   PBW__NO_FIT: with weights, a vertex was met again, and may become hidden. */
+   PBW__RING_OVERFLOW: with weights, a vertex was met again, and may become hidden. */
 PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
                                             unsigned inside, int weighted)
 {
@@ -6055,10 +6055,10 @@ PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring
             met |= ring->start[i] == far;
         }
         if (PBW__UNLIKELY(met)) {
-            return PBW__NO_FIT;
+            return PBW__RING_OVERFLOW;
         }
         if (PBW__UNLIKELY(kernel->own.owner != NULL) && far != PBW__GHOST && !pbw__owns(kernel, far)) {
-            return PBW__LEFT;                        /* all others of the ring are ours, or the ghost */
+            return PBW__DEFERRED;                        /* all others of the ring are ours, or the ghost */
         }
         ring->slot[count - 2] = (pbw_index)(beyond >> 2);
         ring->start[count] = far;
@@ -6077,8 +6077,8 @@ PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring
     return PBW_OK;
 }
 
-/* Tests the triangles across the next edges of the queue; those in conflict join the cavity.  PBW__NO_FIT: they may
-   not fit the ring. */
+/* Tests the triangles across the next edges of the queue; those in conflict join the cavity.
+   PBW__RING_OVERFLOW: they may not fit the ring. */
 PBW__SIMD_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
                                            const pbw__triangles *t, const pbw__point4 *point, int hull)
 {
@@ -6094,7 +6094,7 @@ PBW__SIMD_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring,
         PBW__PHASE(PBW__CAVITY);
     }
     if (PBW__UNLIKELY(ring->count > PBW__RING - 4)) {
-        return PBW__NO_FIT;
+        return PBW__RING_OVERFLOW;
     }
     return pbw__ring_split(kernel, ring, head, inside, point->weighted);
 }
@@ -6225,8 +6225,8 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring
                             : pbw__ring_split(kernel, ring, 3, pbw__pairs_of(inside[1], inside[2], inside[0]), 0);
 }
 
-/* Finds the cavity of the point from t, a triangle in conflict, of these rows if it is finite.  PBW__NO_FIT: the
-   cavity does not fit the ring, or a vertex may become hidden. */
+/* Finds the cavity of the point from t, a triangle in conflict, of these rows if it is finite.
+   PBW__RING_OVERFLOW: the cavity does not fit the ring, or a vertex may become hidden. */
 PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *ring, pbw_index t,
                                              const pbw__rows4 *rows, const pbw__point4 *point)
 {
@@ -6366,7 +6366,7 @@ static PBW__NOINLINE pbw_status pbw__replace(pbw__kernel *kernel, pbw_index t, p
     return status != PBW_OK ? status : dim == 3 ? pbw__refill3(kernel, vertex) : pbw__refill2(kernel, vertex);
 }
 
-/* Inserts a vertex, which may turn out to be hidden.  PBW__LEFT: another task owns a zone that this one needs. */
+/* Inserts a vertex, which may turn out to be hidden.  PBW__DEFERRED: another task owns a zone that this one needs. */
 static pbw_status pbw__insert_scalar(pbw__kernel *kernel, pbw_index vertex)
 {
     pbw_index t = pbw__insert_start(kernel, vertex);
@@ -6429,11 +6429,11 @@ PBW__SIMD_INLINE pbw_status pbw__insert_simd(pbw__kernel *kernel, pbw_index vert
         status = PBW__LIKELY(status == PBW_OK) ? pbw__refill3_simd(kernel, vertex) : status;
     } else {
         status = PBW__LIKELY(kernel->slots.fresh_end - kernel->slots.fresh >= 2)
-               ? pbw__carve2_simd(kernel, &ring, t, &rows, &point) : PBW__NO_FIT;
+               ? pbw__carve2_simd(kernel, &ring, t, &rows, &point) : PBW__RING_OVERFLOW;
         PBW__PHASE(PBW__STAR);
         if (PBW__LIKELY(status == PBW_OK)) {
             pbw__refill2_simd(kernel, &ring, vertex, width);
-        } else if (status == PBW__NO_FIT) {
+        } else if (status == PBW__RING_OVERFLOW) {
             status = pbw__replace(kernel, t, vertex, p);
         }
     }
@@ -6712,8 +6712,8 @@ PBW__INLINE int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_in
     }
     /* Once a star finds no room, the rest of the round would search cavities in vain: leave the vertices. */
     status = alone ? kernel->insert(kernel, v)
-           : kernel->slots.no_room ? PBW__LEFT : pbw__insert_claiming(build, kernel, v);
-    if (status == PBW__LEFT) {
+           : kernel->slots.no_room ? PBW__DEFERRED : pbw__insert_claiming(build, kernel, v);
+    if (status == PBW__DEFERRED) {
         if (!PBW__GROW(kernel, kernel, left, kernel->left_count + 1)) {
             kernel->status = PBW_ERROR_MEMORY;
             return 0;
@@ -7243,8 +7243,8 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
 {
     size_t created = kernel->statistics.created;
     pbw_status status = pbw__owns_zone(kernel, v >> build->owner_bits) && pbw__find_start(build, kernel, v)
-                      ? kernel->insert(kernel, v) : PBW__LEFT;
-    if (status != PBW_OK && status != PBW__LEFT) {
+                      ? kernel->insert(kernel, v) : PBW__DEFERRED;
+    if (status != PBW_OK && status != PBW__DEFERRED) {
         return status;                               /* the star may be incomplete: its zones stay taken */
     }
     if (kernel->statistics.created > created) {
@@ -7253,13 +7253,13 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
     } else {
         kernel->scratch.facet_count = 0;
     }
-    if (PBW__UNLIKELY(status == PBW__LEFT)) {
+    if (PBW__UNLIKELY(status == PBW__DEFERRED)) {
         kernel->own.missed++;
         if (kernel->own.blocker != PBW__NOBODY) {
             PBW__STORE(&build->kernel[kernel->own.blocker]->asked, 1);
         }
     }
-    if (PBW__UNLIKELY(status == PBW__LEFT) || PBW__UNLIKELY(PBW__LOAD(&kernel->asked))) {
+    if (PBW__UNLIKELY(status == PBW__DEFERRED) || PBW__UNLIKELY(PBW__LOAD(&kernel->asked))) {
         PBW__STORE(&kernel->asked, 0);
         pbw__give_back(build, kernel, kernel->own.claim_count);
     } else if (kernel->own.claim_count > build->hold) {
@@ -9919,6 +9919,7 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      pbw__vertices              query live  order
      pbw__vertices_free         query live  order
      pbw__corners_of            live        mesh
+     PBW__DEFERRED              live        mesh
      pbw__facet_corners         live        mesh
      PBW__FEW                   live        mesh
      PBW__GHOST                 live        mesh
@@ -9927,9 +9928,7 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      pbw__kernel                live        mesh
      pbw__kernel_attach         live        mesh
      pbw__kernel_free           live        mesh
-     PBW__LEFT                  live        mesh
      pbw__link                  live        mesh
-     PBW__NO_FIT                live        mesh
      PBW__NOBODY                live        mesh
      pbw__ownership             live        mesh
      PBW__SIMPLEX_LIMIT         live        mesh

@@ -183,6 +183,7 @@ PBWDEF pbw_status pbw_live_view(pbw_live *live, pbw_mesh *mesh);
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__WAITING (PBW_NONE - 1)                  /* incident: a vertex that is to be inserted */
 #define PBW__GONE (PBW_NONE - 2)                     /* incident: a vertex that was removed */
+#define PBW__UNSUITED ((pbw_status)14)               /* not carried out: another way serves every case */
 #define PBW__ANEW ((pbw_status)13)                   /* not carried out: triangulate all points again */
 
 typedef struct pbw__past { pbw_index slot, corner[4]; pbw__link link[4]; } pbw__past;        /* before its deletion */
@@ -332,7 +333,7 @@ PBW__INLINE int pbw__hold_corners(pbw__kernel *kernel, size_t t)
 /* Returns the status for a missing slot: a task may get one in a later round. */
 PBW__INLINE pbw_status pbw__no_room(const pbw__kernel *kernel, pbw_status status)
 {
-    return status == PBW__LEFT && kernel->own.owner == NULL ? PBW_ERROR_TOO_LARGE : status;
+    return status == PBW__DEFERRED && kernel->own.owner == NULL ? PBW_ERROR_TOO_LARGE : status;
 }
 
 PBW__INLINE unsigned pbw__corner_at(const pbw_index *corner, pbw_index v)
@@ -393,7 +394,7 @@ static pbw_index pbw__rim_place(pbw__core *core, pbw_index v)
     return core->local[v] = (pbw_index)core->rim_vertices++;
 }
 
-/* Notes the simplices of the cavity before they are deleted.  PBW__LEFT: not all of their corners are ours. */
+/* Notes the simplices of the cavity before they are deleted.  PBW__DEFERRED: not all of their corners are ours. */
 static pbw_status pbw__journal_cavity(pbw__kernel *kernel)
 {
     pbw__core *core = (pbw__core *)kernel->journal;
@@ -401,7 +402,7 @@ static pbw_status pbw__journal_cavity(pbw__kernel *kernel)
     size_t i;
     for (i = 0; i < count && kernel->own.owner != NULL; i++) {
         if (!pbw__hold_corners(kernel, kernel->scratch.cavity[i])) {
-            return PBW__LEFT;
+            return PBW__DEFERRED;
         }
     }
     if (!PBW__CORE_GROW(core, past, core->past_count + count)
@@ -945,7 +946,7 @@ static pbw_index pbw__rim_behind(const pbw__core *core, const pbw_index *rim)
 /* ------------------------------------------------------------------------------------------------------
    >>ears         The hole of a vertex in space, cut off ear by ear.
    In: a vertex v inside the hull.  Out: its star in scratch.cavity, its link in rim_vertex, the simplices that fill
-   the hole in `filling`; or PBW__NO_FIT: rounded numbers leave them uncertain, or there are too many facets.
+   the hole in `filling`; or PBW__UNSUITED: rounded numbers leave them uncertain, or there are too many facets.
    Holds: every verdict is exact.
 
    Let the lift of v rise by t, from 0 on, while all others stay.  The regular triangulation changes by flips in the
@@ -1197,7 +1198,7 @@ PBW__SIMD static PBW__NOINLINE pbw_status pbw__cut_ears(pbw__core *core)
         e = pbw__ear_least(ears, spans.low, &overlap);
         high = ears->high[e];
         if (!(ears->low[e] > -HUGE_VAL && ears->low[e] < HUGE_VAL) || core->fillings + 2 > PBW__MOST_FILLINGS) {
-            return PBW__NO_FIT;
+            return PBW__UNSUITED;
         }
         for (k = 0; k < 4; k++) {
             ears->low[ears->renewed[k]] = ears->low[PBW__NEW_EARS + k];
@@ -1213,7 +1214,7 @@ PBW__SIMD static PBW__NOINLINE pbw_status pbw__cut_ears(pbw__core *core)
             spans = pbw__ear_cut(core, p, high, &overlap);
         }
         if (overlap != 0) {
-            return PBW__NO_FIT;
+            return PBW__UNSUITED;
         }
     }
     f = pbw__ear_make(core, ears->twin[p], p, ears->turn[p], ears->turn[ears->turn[p]]);
@@ -1238,7 +1239,7 @@ PBW__INLINE pbw_status pbw__star_facet(pbw__core *core, pbw_index v, size_t i)
     unsigned here = (unsigned)(4 * i), k;
     size_t count = kernel->scratch.cavity_count;
     if (corner[3] == PBW__GHOST) {
-        return PBW__NO_FIT;
+        return PBW__UNSUITED;
     }
     ears->across[i] = link[at];
     ears->made[i] = 0;
@@ -1251,7 +1252,7 @@ PBW__INLINE pbw_status pbw__star_facet(pbw__core *core, pbw_index v, size_t i)
         const int fresh = kernel->mark[next] == 0;
         if (fresh && kernel->own.owner != NULL && !pbw__hold(kernel, kernel->corner[to])) {
             kernel->scratch.cavity_count = count;
-            return PBW__LEFT;
+            return PBW__DEFERRED;
         }
         kernel->mark[next] = (unsigned char)(fresh ? count + 1 : kernel->mark[next]);
         kernel->scratch.cavity[count] = (pbw_index)next;
@@ -1285,7 +1286,7 @@ static pbw_status pbw__open_star(pbw__core *core, pbw_index v)
     size_t i;
     kernel->scratch.cavity_count = 0;
     if (!pbw__hold(kernel, v) || !pbw__hold_corners(kernel, core->incident[v])) {
-        return PBW__LEFT;
+        return PBW__DEFERRED;
     }
     if (!pbw__grow_lists(kernel, PBW__MOST_EARS + 8) || !PBW__CORE_GROW(core, rim_vertex, PBW__MOST_EARS + 8)
         || !PBW__CORE_GROW(core, filling, PBW__MOST_FILLINGS + 1)) {
@@ -1298,7 +1299,7 @@ static pbw_status pbw__open_star(pbw__core *core, pbw_index v)
     core->rim_vertices = 1;
     core->fillings = 0;
     for (i = 0; i < kernel->scratch.cavity_count && status == PBW_OK; i++) {
-        status = kernel->scratch.cavity_count > PBW__MOST_EARS - 3 ? PBW__NO_FIT : pbw__star_facet(core, v, i);
+        status = kernel->scratch.cavity_count > PBW__MOST_EARS - 3 ? PBW__UNSUITED : pbw__star_facet(core, v, i);
     }
     return status;
 }
@@ -1369,7 +1370,7 @@ PBW__INLINE size_t pbw__rim_find(const pbw__core *core, uint64_t key, size_t roo
     return at;
 }
 
-/* Collects the star of v in scratch.cavity.  PBW__LEFT: not all of its vertices are ours.  The caller clears the
+/* Collects the star of v in scratch.cavity.  PBW__DEFERRED: not all of its vertices are ours.  The caller clears the
    marks of the cavity, on any status. */
 PBW__INLINE pbw_status pbw__collect_star(pbw__core *core, pbw_index v, size_t dim)
 {
@@ -1378,7 +1379,7 @@ PBW__INLINE pbw_status pbw__collect_star(pbw__core *core, pbw_index v, size_t di
     size_t count = 1, i, k;
     kernel->scratch.cavity_count = 0;
     if (!pbw__hold(kernel, v) || !pbw__hold_corners(kernel, core->incident[v])) {
-        return PBW__LEFT;
+        return PBW__DEFERRED;
     }
     cavity[0] = core->incident[v];
     kernel->mark[cavity[0]] = 1;
@@ -1394,7 +1395,7 @@ PBW__INLINE pbw_status pbw__collect_star(pbw__core *core, pbw_index v, size_t di
             if (kernel->corner[4 * t + k] != v && !kernel->mark[next]) {
                 if (!pbw__hold(kernel, kernel->corner[kernel->link[4 * t + k]])) {
                     kernel->scratch.cavity_count = count;
-                    return PBW__LEFT;
+                    return PBW__DEFERRED;
                 }
                 kernel->mark[next] = 1;
                 cavity[count++] = (pbw_index)next;
@@ -1580,7 +1581,7 @@ static void pbw__fill_hole(pbw__core *core)
 /* Fills the hole by >>ears. */
 static PBW__NOINLINE pbw_status pbw__ear_hole(pbw__core *core, pbw_index v)
 {
-    pbw_status status = PBW__NO_FIT;
+    pbw_status status = PBW__UNSUITED;
 #ifdef PBW__SIMD
     if (core->kernel.dim == 3 && pbw__simd_works()) {
         status = pbw__open_star(core, v);
@@ -1600,14 +1601,14 @@ static PBW__NOINLINE pbw_status pbw__ear_hole(pbw__core *core, pbw_index v)
     return status;
 }
 
-/* Removes a vertex.  PBW__ANEW: no simplex would be left, or its link is too large.  PBW__LEFT, from a task only: it
-   does not own all vertices around, or would make no finite simplex, which may mean that none would be left. */
+/* Removes a vertex.  PBW__ANEW: no simplex would be left, or its link is too large.  PBW__DEFERRED, from a task only:
+   it does not own all vertices around, or would make no finite simplex, which may mean that none would be left. */
 static pbw_status pbw__remove_vertex(pbw__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
     size_t made, i;
     pbw_status status = pbw__ear_hole(core, v);
-    if (status == PBW__NO_FIT) {
+    if (status == PBW__UNSUITED) {
         status = pbw__open_hole(core, v);
         if (status != PBW_OK) {
             return status;
@@ -1618,8 +1619,8 @@ static pbw_status pbw__remove_vertex(pbw__core *core, pbw_index v)
         made += core->filling[i].v[kernel->dim] != 0;
     }
     if (status == PBW_OK && made == 0) {
-        status = kernel->own.owner != NULL ? PBW__LEFT : core->simplex_count == pbw__count_finite(kernel) ? PBW__ANEW
-               : PBW_OK;
+        status = kernel->own.owner != NULL ? PBW__DEFERRED
+               : core->simplex_count == pbw__count_finite(kernel) ? PBW__ANEW : PBW_OK;
     }
     if (status != PBW_OK) {
         (void)pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
@@ -1650,8 +1651,8 @@ static int pbw__cover_vertex(pbw__core *core, pbw_index v, pbw_index witness)
     return 1;
 }
 
-/* Walks by exact signs from *start to a simplex that contains a vertex that is no corner, or to a ghost.  PBW__LEFT:
-   not all vertices on the way are ours. */
+/* Walks by exact signs from *start to a simplex that contains a vertex that is no corner, or to a ghost.
+   PBW__DEFERRED: not all vertices on the way are ours. */
 static pbw_status pbw__find_witness(pbw__core *core, pbw_index *start, pbw_index vertex)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -1662,7 +1663,7 @@ static pbw_status pbw__find_witness(pbw__core *core, pbw_index *start, pbw_index
     int k = 0;
     while (k <= dim && kernel->corner[4 * (size_t)t + (size_t)dim] != PBW__GHOST) {
         if (!pbw__hold_corners(kernel, t)) {
-            return PBW__LEFT;
+            return PBW__DEFERRED;
         }
         pbw__corners_of(kernel, t, x);
         for (k = 0; k <= dim && pbw__side(dim, x, k, p, &core->grid) >= 0; k++) {
@@ -2566,7 +2567,7 @@ static pbw_status pbw__flip_all(pbw__core *core, size_t count, size_t most)
             continue;
         }
         status = ++flips > most ? PBW__ANEW : pbw__flip(core, t, k);
-        if (status == PBW__LEFT) {
+        if (status == PBW__DEFERRED) {
             status = PBW__CORE_GROW(core, open, core->open_count + 1) ? PBW_OK : PBW_ERROR_MEMORY;
             if (status == PBW_OK) {
                 core->open[core->open_count++] = facet;
@@ -3302,7 +3303,7 @@ PBW__INLINE pbw_index pbw__nearer_start(pbw__core *core, pbw_index a, pbw_index 
 
 typedef struct pbw__changing {
     void *arg;
-    /* near: returns a vertex near the i-th change, or 0.  change: makes it; on PBW__LEFT nothing has changed. */
+    /* near: returns a vertex near the i-th change, or 0.  change: makes it; on PBW__DEFERRED nothing has changed. */
     pbw_index (*near)(void *arg, pbw__core *core, size_t i);
     pbw_status (*change)(void *arg, pbw__core *core, size_t i, pbw_index near);
     size_t count, slots, most_effort;                /* slots: per change; a task without free ones leaves changes */
@@ -3337,8 +3338,8 @@ static pbw_status pbw__batch_group(const pbw__changing *batch, pbw__core *core, 
         }
     }
     for (i = 0; i < count && status == PBW_OK; i++) {
-        status = kernel->slots.no_room ? PBW__LEFT : batch->change(batch->arg, core, at[i], near[i]);
-        if (status == PBW__LEFT) {
+        status = kernel->slots.no_room ? PBW__DEFERRED : batch->change(batch->arg, core, at[i], near[i]);
+        if (status == PBW__DEFERRED) {
             status = PBW__GROW(kernel, kernel, left, kernel->left_count + 1) ? PBW_OK : PBW_ERROR_MEMORY;
             if (status == PBW_OK) {
                 kernel->left[kernel->left_count++] = at[i];
@@ -4135,7 +4136,7 @@ static pbw_status pbw__change_leaving(void *arg, pbw__core *core, size_t i, pbw_
 {
     const pbw_live *live = (const pbw_live *)arg;
     const pbw_index v = live->leaving[i], other = core->vertex[core->name[v]];
-    pbw_status status = pbw__hold(&core->kernel, v) ? PBW_OK : PBW__LEFT;
+    pbw_status status = pbw__hold(&core->kernel, v) ? PBW_OK : PBW__DEFERRED;
     (void)near;
     if (status == PBW_OK && core->incident[v] == PBW_NONE) {
         core->incident[v] = PBW__GONE;               /* it was hidden */
@@ -4166,7 +4167,7 @@ static pbw_status pbw__change_arriving(void *arg, pbw__core *core, size_t i, pbw
     pbw_status status;
     near = pbw__nearer_start(core, near, i > 0 ? live->arriving[i - 1] : 0, p);
     if (!pbw__hold(&core->kernel, v) || (near == 0 && core->kernel.own.owner != NULL)) {
-        return PBW__LEFT;
+        return PBW__DEFERRED;
     }
     status = pbw__insert_vertex(core, v, pbw__start_near(core, near != 0 ? core->incident[near] : core->kernel.last));
     if (core->start != NULL) {
@@ -4374,8 +4375,8 @@ static pbw_status pbw__live_in_place(pbw_live *live, pbw_changes *changes)
 }
 
 /* ---- one by one */
-/* Collects the star of v in scratch.cavity, without marks.  PBW__NO_FIT: it has a ghost.  PBW__LEFT: not all of its
-   vertices are ours. */
+/* Collects the star of v in scratch.cavity, without marks.  PBW__UNSUITED: it has a ghost.  PBW__DEFERRED: not
+   all of its vertices are ours. */
 static pbw_status pbw__shift_star(pbw__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -4384,7 +4385,7 @@ static pbw_status pbw__shift_star(pbw__core *core, pbw_index v)
     const size_t count = kernel->scratch.cavity_count;
     size_t i;
     for (i = 0; i < count && status == PBW_OK; i++) {
-        status = kernel->corner[4 * (size_t)kernel->scratch.cavity[i] + dim] == PBW__GHOST ? PBW__NO_FIT : PBW_OK;
+        status = kernel->corner[4 * (size_t)kernel->scratch.cavity[i] + dim] == PBW__GHOST ? PBW__UNSUITED : PBW_OK;
     }
     (void)pbw__leave_cavity(kernel, count);
     kernel->scratch.cavity_count = count;
@@ -4398,8 +4399,8 @@ static void pbw__shift_exchange(pbw_live *live, size_t i)
     live->head[i] ^= 1;
 }
 
-/* Gives a vertex its new place if its star stays positive; then flips.  PBW__NO_FIT: the star does not stay positive,
-   or in space is not Delaunay. */
+/* Gives a vertex its new place if its star stays positive; then flips.  PBW__UNSUITED: the star does not stay
+   positive, or in space is not Delaunay. */
 static pbw_status pbw__shift_in_place(pbw_live *live, pbw__core *core, size_t at)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -4416,7 +4417,7 @@ static pbw_status pbw__shift_in_place(pbw_live *live, pbw__core *core, size_t at
         const size_t t = kernel->scratch.cavity[i];
         const unsigned faults = dim == 3 ? pbw__slot_faults(core, t, 1, 3) : pbw__slot_faults(core, t, 1, 2);
         if (faults == PBW__INVERTED || (faults != 0 && dim == 3)) {
-            status = PBW__NO_FIT;
+            status = PBW__UNSUITED;
         } else if (faults != 0 && !PBW__CORE_GROW(core, edge, count + 3)) {
             status = PBW_ERROR_MEMORY;
         }
@@ -4425,7 +4426,7 @@ static pbw_status pbw__shift_in_place(pbw_live *live, pbw__core *core, size_t at
             count += faults >> k & 1;
         }
     }
-    if (status == PBW__NO_FIT) {
+    if (status == PBW__UNSUITED) {
         pbw__shift_exchange(live, at);
     }
     return status != PBW_OK || count == 0 ? status : pbw__flip_all(core, count, live->core.past_simplices);
@@ -4446,8 +4447,8 @@ static pbw_status pbw__shift_witness(pbw__core *core, pbw_index v, pbw_index *st
     return taken ? PBW__ANEW : status;
 }
 
-/* Removes the i-th vertex and inserts it at its new place.  PBW__LEFT is possible after the removal, too: the next
-   call then inserts it. */
+/* Removes the i-th vertex and inserts it at its new place.  PBW__DEFERRED is possible after the removal, too: the
+   next call then inserts it. */
 static pbw_status pbw__change_again(void *arg, pbw__core *core, size_t i, pbw_index near)
 {
     pbw_live *live = (pbw_live *)arg;
@@ -4456,7 +4457,7 @@ static pbw_status pbw__change_again(void *arg, pbw__core *core, size_t i, pbw_in
     pbw_status status;
     (void)near;
     if (!pbw__hold(&core->kernel, v)) {
-        return PBW__LEFT;
+        return PBW__DEFERRED;
     }
     if (core->incident[v] != PBW__GONE) {
         status = pbw__remove_vertex(core, v);
@@ -4469,25 +4470,25 @@ static pbw_status pbw__change_again(void *arg, pbw__core *core, size_t i, pbw_in
     }
     near = pbw__nearer_start(core, core->local[v], 0, pbw__core_record(core, v));
     if (near == 0 && core->kernel.own.owner != NULL) {
-        return PBW__LEFT;
+        return PBW__DEFERRED;
     }
     start = pbw__start_near(core, near != 0 ? core->incident[near] : core->kernel.last);
     status = core->place == NULL ? pbw__shift_witness(core, v, &start) : PBW_OK;
     return status == PBW_OK ? pbw__insert_vertex(core, v, start) : status;
 }
 
-/* Moves the i-th vertex.  In the plane, PBW__LEFT if it cannot stay in its star: flips may be due around it. */
+/* Moves the i-th vertex.  In the plane, PBW__DEFERRED if it cannot stay in its star: flips may be due around it. */
 static pbw_status pbw__change_place(void *arg, pbw__core *core, size_t i, pbw_index near)
 {
     pbw_live *live = (pbw_live *)arg;
     const pbw_index v = live->leaving[i];
-    pbw_status status = pbw__hold(&core->kernel, v) ? PBW_OK : PBW__LEFT;
+    pbw_status status = pbw__hold(&core->kernel, v) ? PBW_OK : PBW__DEFERRED;
     if (status == PBW_OK && core->incident[v] != PBW__GONE) {
         status = pbw__shift_in_place(live, core, i);
     } else if (status == PBW_OK) {
-        status = PBW__NO_FIT;
+        status = PBW__UNSUITED;
     }
-    return status != PBW__NO_FIT ? status : live->dim == 2 ? PBW__LEFT : pbw__change_again(live, core, i, near);
+    return status != PBW__UNSUITED ? status : live->dim == 2 ? PBW__DEFERRED : pbw__change_again(live, core, i, near);
 }
 
 /* Enters the new places into the table.  PBW__ANEW: a vertex is at one of them. */
