@@ -1,8 +1,8 @@
 /* cellpage.c: cells as a page.
    In: cells with shapes.  Out: the page of a mesh in which a cell is the simplices between its centroid and its
    facets; in space a facet is triangles around its middle, which both cells beside it share.  Cells in a polygon may
-   have notches and holes: they are shown flat in space, each as one facet of the triangles of its own corners, with an
-   edge of the cell as the side of a triangle that is drawn. */
+   have notches and holes: they are shown flat in space, each as one facet of the triangles of its own corners.  Of
+   those triangles only the sides that are edges of the cell are drawn. */
 #include "program.h"
 
 typedef struct pieces {

@@ -443,8 +443,8 @@ static int ends_with(const char *path, const char *ending)
 /* Whether a .json file is GeoJSON: its first "type" is one of that. */
 static int is_geojson(const char *path)
 {
-    static const char *const types[] = { "FeatureCollection", "Feature", "GeometryCollection", "Polygon", "MultiPolygon",
-                                         "LineString", "MultiLineString" };
+    static const char *const types[] = { "FeatureCollection", "Feature", "GeometryCollection", "Polygon",
+                                         "MultiPolygon", "LineString", "MultiLineString" };
     size_t size, i;
     char *data = ends_with(path, ".json") ? pbwio_load(path, &size, NULL) : NULL;
     const char *at = data != NULL ? strstr(data, "\"type\"") : NULL;

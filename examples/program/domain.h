@@ -91,7 +91,8 @@ pbw_status survey(const plan *d, const pbw_plane_options *options, pbw_plane *hu
 int find_regions(const job *j, plan *d, const pbw_plane *hull, pbw_plane_rule rule);
 /* The regions and holes of a mesh, as .poly needs them: a point in each.  groups: of its triangles, or PBW_NONE.
    Returns 0 or the exit status. */
-int seed_mesh(const job *j, plan *d, const pbw_plane *mesh, const pbw_index *groups, const pbw_plane_options *options);
+int seed_mesh(const job *j, plan *d, const pbw_plane *mesh, const pbw_index *groups,
+              const pbw_plane_options *options);
 /* Say what encloses nothing, and what crosses; the exit status. */
 int nothing_enclosed(const job *j, const plan *d, const pbw_plane_options *options);
 int crossing(const job *j, const plan *d, const pbw_plane *plane);

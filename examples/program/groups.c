@@ -21,8 +21,8 @@ static void set_key(key *k, pbw_index a, pbw_index b, pbw_index c)      /* c: PB
     k->v[2] = high < c ? c : high;
 }
 
-/* Facets of simplices by elements: fills `patches`, and says how many elements are no facet.  Returns 0 if there is no
-   memory. */
+/* Finds the facets of simplices that are elements: fills `patches`, and reports how many elements are no facet.
+   Returns 0 if memory is short. */
 static int match_facets(const job *j, const pbw_index *simplices, size_t simplex_count, pbw_index *patches)
 {
     const pbwio_cloud *c = &j->cloud;
@@ -62,7 +62,8 @@ static int match_facets(const job *j, const pbw_index *simplices, size_t simplex
         }
     }
     for (i = 0; i < count; i++) {
-        lost += !found[i] && groups[keys[i].element] != PBW_NONE && (i == 0 || by_corners(keys + i - 1, keys + i) != 0);
+        lost += !found[i] && groups[keys[i].element] != PBW_NONE
+             && (i == 0 || by_corners(keys + i - 1, keys + i) != 0);
     }
     if (lost > 0) {
         warn(j, "%s: %zu %s of groups %s between %s or at their boundary, and %s left out", j->input, lost,
@@ -109,7 +110,7 @@ int find_patches(job *j, const pbw_index *simplices, size_t count)
     if (done && (n == 4 ? j->cloud.triangle_groups : j->cloud.segment_groups) != NULL) {
         done = match_facets(j, simplices, count, j->patches);
     } else if (done) {
-        memset(j->patches, 0xff, n * count * sizeof *j->patches);    /* PBW_NONE: a file with groups, but not of facets */
+        memset(j->patches, 0xff, n * count * sizeof *j->patches);    /* PBW_NONE: the file has no groups of facets */
     }
     return done ? 0 : fail(j, "out of memory");
 }

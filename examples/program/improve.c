@@ -62,8 +62,9 @@ static void describe_moves(const job *j, const pbw_improve_report *r)
 {
     report_line(j, "%zu edge%s removed, %zu of the boundary; %zu point%s moved, %zu on the boundary; %zu peeled off, "
                 "%zu flip%s, %zu contraction%s, %zu insertion%s; %zu pass%s",
-                COUNT(r->removals + r->boundary_removals), r->boundary_removals, COUNT(r->smoothings + r->slides), r->slides, r->peelings, COUNT(r->flips),
-                COUNT(r->contractions), COUNT(r->insertions), (size_t)r->passes, r->passes == 1 ? "" : "es");
+                COUNT(r->removals + r->boundary_removals), r->boundary_removals, COUNT(r->smoothings + r->slides),
+                r->slides, r->peelings, COUNT(r->flips), COUNT(r->contractions), COUNT(r->insertions),
+                (size_t)r->passes, r->passes == 1 ? "" : "es");
     if (r->splits > 0) {
         report_line(j, "edges split for sizes: %zu", r->splits);
     }

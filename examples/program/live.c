@@ -374,7 +374,8 @@ const command command_live = {
     "input:   as for pbw mesh\n"
     "output:  as of pbw mesh\n"
     "\n",
-    .writes = "vtu msh msh2 mesh inp su2 node ele neigh face edge obj ply stl off xyz csv txt pts asc dat tsv svg html",
+    .writes = "vtu msh msh2 mesh inp su2 node ele neigh face edge obj "
+              "ply stl off xyz csv txt pts asc dat tsv svg html",
     .options = { live_options, inside_options, look_options, input_options, weight_options, build_options,
                  output_options, text_options, common_options, NULL },
     .run = run,

@@ -48,8 +48,8 @@ static double longest_edge(const pbw_mesh *m, size_t simplex)
     return most;
 }
 
-/* The radius of the sphere that is orthogonal to the balls of the corners, the circumscribed one without weights, up to
-   rounding; infinite where the simplex is flat.  Its centre c, seen from the first corner, is where
+/* The radius of the sphere that is orthogonal to the balls of the corners (without weights: of the circumscribed
+   sphere), up to rounding; infinite where the simplex is flat.  Its centre c, seen from the first corner, is where
    e . c = (|e|^2 + w0 - w) / 2 for each edge e from there to a corner of weight w: Cramer's rule, in the plane with a
    third edge across.  Edges are scaled to 1, so that no square is out of range. */
 static double radius_of(const pbw_mesh *m, size_t simplex)
@@ -157,7 +157,8 @@ const command command_mesh = {
     "         .obj .ply .stl .off (hull), .xyz .csv (points), .svg (picture), .html (page to look around\n"
     "         in), .geojson (triangles of the plane); any number of them\n"
     "\n",
-    .writes = "vtu msh msh2 mesh inp su2 node ele neigh face edge obj ply stl off xyz csv txt pts asc dat tsv svg html geojson",
+    .writes = "vtu msh msh2 mesh inp su2 node ele neigh face edge obj "
+              "ply stl off xyz csv txt pts asc dat tsv svg html geojson",
     .options = { mesh_options, inside_options, look_options, input_options, weight_options, build_options,
                  output_options, text_options, common_options, NULL },
     .run = run,

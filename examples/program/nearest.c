@@ -79,7 +79,8 @@ const command command_nearest = {
     "output:  .csv: query, rank, point, distance; fewer than K lines for a query if there are fewer points\n"
     "\n",
     .writes = "csv",
-    .options = { nearest_options, input_options, weight_options, build_options, output_options, common_options, NULL },
+    .options = { nearest_options, input_options, weight_options, build_options, output_options, common_options,
+                 NULL },
     .run = run,
     .second = "queries",
     .may_be_flat = 1,

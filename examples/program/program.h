@@ -73,8 +73,8 @@ typedef struct option {
 extern const option input_options[], weight_options[], build_options[], inside_options[], look_options[],
                     output_options[], text_options[], common_options[], file_mesh_options[];
 
-/* Options that several commands have in groups of their own; each is defined here alone.  Where the meaning depends on
-   the command, the help is an argument. */
+/* Options that several commands have in groups of their own; each is defined here alone.  Where the meaning depends
+   on the command, the help is an argument. */
 extern const char *const smoothers[];                /* laplace, lloyd, odt */
 #define OPTION_COUNT(help) { "--count", "N", help, WHOLE, 1, 4e9, NULL }
 #define OPTION_FEATURE_ANGLE { "--feature-angle", "DEGREES", \
@@ -146,7 +146,7 @@ struct job {
                                                         NULL: not known */
     pbw_index *links;                                /* neighbors of a mesh that a file has; NULL: none */
     pbw_index *patches;                              /* one a corner of a mesh that a file has: the facet's group */
-    double *over;                                    /* of a surface for a page: x, y of its points, then z; or NULL */
+    double *over;                                    /* of a surface for a page: x, y of its points, then z */
 };
 
 /* ---- options.c ---- */
@@ -170,7 +170,7 @@ void print_help(const command *c, int all);
 /* ---- manual.c: what is made of the tables of commands and options ---- */
 
 enum { EXAMPLES = 2 };
-const char *example_of(const command *c, int i);                     /* the i-th command line at the end of its help */
+const char *example_of(const command *c, int i);                     /* the i-th example at the end of its help */
 /* Prints the manual page, or completions for a shell: kind is --man, --bash or --zsh; returns 0 for others. */
 int print_manual(const char *kind, const command *const *commands);
 
@@ -216,8 +216,8 @@ pbwsample_model model_of(const pbwio_cloud *cloud);
 
 typedef struct mesh_fault { size_t count, first; } mesh_fault;       /* first: the number of a simplex */
 typedef struct mesh_faults {
-    mesh_fault turned, flat, crowded, folded;        /* negative; without volume; facets of more than two simplices, of
-                                                        two on one side */
+    mesh_fault turned, flat, crowded, folded;        /* negative; without volume; facets of more than two simplices,
+                                                        of two on one side */
     size_t boundary;                                 /* facets of one simplex */
 } mesh_faults;
 
@@ -225,7 +225,8 @@ int has_simplices(const job *j);                                     /* tetrahed
 /* j->mesh becomes the simplices of the file, all turned positive; it borrows the cloud's arrays. */
 int take_simplices(job *j, mesh_faults *faults);
 int check_simplices(job *j);                                         /* takes them, reports faults and quality */
-/* The facets of j->mesh without a neighbor, turned outward, three points each; the caller frees it.  NULL: no memory. */
+/* Returns the facets of j->mesh without a neighbor, turned outward, three points each; the caller frees them.  NULL:
+   no memory. */
 pbw_index *boundary_of(const job *j, size_t *count);
 
 /* ---- output.c ---- */
@@ -270,8 +271,8 @@ size_t cell_features_room(const pbw_cells *cells);
 
 /* ---- cellpage.c ---- */
 
-/* Cells with shapes as a page, those that are bounded.  in_polygon: of cells in the plane that may have notches, holes
-   and several parts. */
+/* Writes a page of the bounded ones of cells with shapes.  in_polygon: they are in the plane, and may have notches,
+   holes and several parts. */
 pbwio_status write_cell_page(job *j, const char *path, const pbw_cells *cells, int in_polygon, pbwio_error *error);
 
 /* ---- plane.c ---- */

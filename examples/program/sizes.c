@@ -140,11 +140,13 @@ int set_sizes(job *j, sizing *s, pbw_solid_options *how)
     if (!(s->most > 0)) {
         return fail(j, "--size %s: it is above 0 nowhere in the box of %s", size, j->input);
     }
-    s->most = fmin(s->most, sqrt(pow(high[0] - low[0], 2) + pow(high[1] - low[1], 2) + pow(high[2] - low[2], 2)) / 10);
+    s->most = fmin(s->most,
+                   sqrt(pow(high[0] - low[0], 2) + pow(high[1] - low[1], 2) + pow(high[2] - low[2], 2)) / 10);
     how->size = s->most;
     how->least_size = how->least_size > 0 ? how->least_size : fmin(s->least, s->most);
     how->size_at = size_in_space;
     how->size_user = s;
     return s->values == NULL ? 0
-         : explain(j, pbw_surface_create(c->points, c->count, c->triangles, c->triangle_count, &j->build, &s->surface));
+         : explain(j, pbw_surface_create(c->points, c->count, c->triangles, c->triangle_count, &j->build,
+                                         &s->surface));
 }

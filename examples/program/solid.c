@@ -431,8 +431,8 @@ static int run(job *j)
         list_patches(j, &mesh, &boundary, &names);
     }
     if (!failed && report.bad_edges + report.bad_points > 0 && !is_given(j, "--keep-faults")) {
-        failed = fail(j, "the boundary is no manifold, so nothing is written; a smaller --size mends it where gaps or "
-                      "walls are thin, or a smaller --least-size; --keep-faults writes it");
+        failed = fail(j, "the boundary is no manifold, so nothing is written; a smaller --size mends it where gaps "
+                      "or walls are thin, or a smaller --least-size; --keep-faults writes it");
     }
     failed = failed ? failed : write_solid(j, &mesh, &boundary, &names);
     free_naming(&names);

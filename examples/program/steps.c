@@ -249,8 +249,8 @@ int load_surface(job *j)
     return 0;
 }
 
-/* Whether an open surface has an inside: it winds by more than three quarters around the centre of a tetrahedron, as a
-   bowl does.  A flat sheet winds by at most half, one with waves by a little more in their pockets. */
+/* Finds whether an open surface has an inside: it winds by more than three quarters around the centre of a
+   tetrahedron, as a bowl does.  A flat sheet winds by at most half, one with waves by a little more. */
 static pbw_status winds_around(const job *j, const pbwio_cloud *cloud, const double *centre, int *winds)
 {
     pbw_surface surface;
@@ -268,8 +268,8 @@ static pbw_status winds_around(const job *j, const pbwio_cloud *cloud, const dou
 static int nothing_inside(const job *j, int winds)
 {
     const char *path = text_of(j, "--surface") != NULL ? text_of(j, "--surface") : j->input;
-    return winds ? fail(j, "%s: nothing is inside: no tetrahedron has its centre there; are the points and the surface "
-                        "at the same place, in the same unit?", path)
+    return winds ? fail(j, "%s: nothing is inside: no tetrahedron has its centre there; are the points and the "
+                        "surface at the same place, in the same unit?", path)
          : fail(j, "%s: nothing is inside: the surface is an open sheet; close it (pbw check says where it is open)",
                 path);
 }

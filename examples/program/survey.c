@@ -74,7 +74,7 @@ typedef struct walker {
     unsigned char *entry, *tried;                    /* per triangle: the side by which it was entered, 3: not yet;
                                                         how many sides were tried */
     pbw_index *inside;                               /* a tree of features: leaf i has i + 1 if feature i is around
-                                                        what is at hand, else 0; others have the larger of their two */
+                                                        the current triangle, else 0; a node the larger of its two */
     size_t leaves;
     int winding;
     area *areas;

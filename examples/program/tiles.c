@@ -1,10 +1,16 @@
 /* tiles.c: pbw tiles: triangulates points that memory does not hold, tile by tile, into a .pbwt file.
 
-   Beside the output, in a folder of scratch files: `state`, replaced as a whole after each step, so that a run that
-   was killed or had no room on the disk goes on; all go when none could, as of bad input; `lock`, locked by the run
-   that works there;
-   N.points (records of tile N as they come), N.tree (sorted, with boxes, then sums of its blocks), N.facets (to
-   link), N.border (simplices with a corner that may be given up).  The state has sums of all but trees, and its own. */
+   Beside the output is a folder of scratch files:
+
+     state       replaced as a whole after each step, so that a run that was killed or found the disk full goes on;
+                 with the sums of all files but trees, and its own
+     lock        locked by the run that works there
+     N.points    the points of tile N, in the order of the input
+     N.tree      those points, sorted, with boxes, then sums of its blocks
+     N.facets    the facets of tile N to link
+     N.border    simplices with a corner that may be given up
+
+   Where no run could go on, as after bad input, all of them are removed. */
 #include "program.h"
 #include "pbw_tilefile.h"
 #include <errno.h>
@@ -1416,8 +1422,8 @@ static int build_tiles(work *w)
 
 /* ---- the command ---- */
 
-/* Bytes that a tile holds for each point of its own, with a tenth of others and its tree; and its part of the share of
-   all other trees. */
+/* Returns the bytes that a tile holds for each point of its own: with a tenth of others, its tree, and its part of
+   the share of all other trees. */
 static double bytes_each(const work *w)
 {
     return (w->s.dim == 3 ? 458 : 245) * (1 + 1.0 / (SHARE_OF_TREES - 1));
