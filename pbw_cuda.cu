@@ -822,9 +822,10 @@ struct run_list {
     uint32_t *offset;
 };
 
-/* Finds runs among count keys: all keys or, with segment, those gathered from the runs of a list, of which segment
-   gives the number for each key.  The thread of the first key of a short run puts it into order: lexicographic, then
-   the larger weight, then the lower index.  Long runs go to found, with an upper bound of their ends. */
+/* Finds runs among count keys: all keys or, with segment, keys gathered from the runs of a list; then segment[i] is
+   the number of the run that key i is from.  The thread of the first key of a short run puts it into order:
+   lexicographic, then the larger weight, then the lower index.  Long runs go to found, with an upper bound of their
+   ends. */
 __global__ void run_kernel(const __grid_constant__ keyed k, size_t count, const uint32_t *segment, run_list of,
                            run_list found, survey *out)
 {
@@ -855,8 +856,8 @@ __global__ void run_kernel(const __grid_constant__ keyed k, size_t count, const 
     }
 }
 
-/* Measures a run by each warp: its end, length and box.  If all its points lie at one place the length is 0, the best
-   of them goes first, and root names that for all of them. */
+/* A warp measures each run: its end, length and box.  If all its points coincide the length is 0, the one that stays
+   goes first, and root has its index for all of them. */
 __global__ void measure_kernel(const __grid_constant__ keyed k, run_list runs, uint32_t count, pbw__box *boxes,
                                uint32_t *root)
 {
@@ -920,8 +921,8 @@ __global__ void put_back_kernel(const uint64_t *gathered, const uint32_t *segmen
     }
 }
 
-/* first[i] = 1 if the i-th point on the curve is the first at its place, which is the best of that place.  root_of:
-   NULL, or for the points of a long run at one place where it begins. */
+/* first[i] = 1 if the i-th point on the curve is the one that stays of those that coincide with it.  root_of: NULL,
+   or for each point of a long run of points that coincide where the run begins, else none. */
 __global__ void place_kernel(const __grid_constant__ keyed k, const uint32_t *root_of, uint32_t *first,
                              uint32_t *canonical, survey *out)
 {
@@ -1218,8 +1219,8 @@ DEVICE int list_within(const tree &t, const box &own, float reach, uint32_t *fou
     }
 }
 
-/* Writes the groups found for group g, the nearest centre first, by counting.  Returns, in all lanes, the number of
-   entries up to the last one that is closer than start. */
+/* Writes the groups found for group g, the nearest centre first: the place of a group is the number of nearer ones.
+   Returns, in all lanes, the number of entries up to the last one that is closer than start. */
 DEVICE uint32_t sort_list(const tree &t, uint32_t g, float start, uint32_t *found, int length, uint32_t *list)
 {
     const box own = t.level[0][g];
@@ -1366,7 +1367,7 @@ template <typename REAL> struct place {              /* relative to v, in units 
     REAL x[3], w;
 };
 
-/* The numbers that differ between doubles and floats: the least square that is large enough, the D / ABC and the
+/* The constants that differ between doubles and floats: the least square that is large enough, the D / ABC and the
    (|a x b| / AB)^2 from which the bounds hold, and the factor of the error in Q. */
 template <typename REAL> struct sizes {
     static const bool is_double = sizeof(REAL) == sizeof(double);
@@ -1830,7 +1831,7 @@ template <typename S> DEVICE int decide(S &s, const site &at, int count, int t, 
 }
 
 /* Lists the triangles in conflict with a point.  Returns star_open if a sign stays open, else 0. */
-template <int T, bool SETTLES, typename S>
+template <int T, bool DECIDES, typename S>
 DEVICE int find_conflicts(S &s, const site &at, bool go, const point_of<S> &point, int count, star_cavity &cavity)
 {
     const int lane = (int)threadIdx.x & (T - 1), rounds = (warp_max<T>(go ? count : 0) + T - 1) / T;
@@ -1847,8 +1848,8 @@ DEVICE int find_conflicts(S &s, const site &at, bool go, const point_of<S> &poin
         opens |= (typename S::set)(hit == open_sign) << i;
     }
     if (any(opens != 0)) {
-        bool undecided = !SETTLES && opens != 0;
-        for (int i = 0; SETTLES && i < rounds; i++) {
+        bool undecided = !DECIDES && opens != 0;
+        for (int i = 0; DECIDES && i < rounds; i++) {
             if ((opens >> i & 1) != 0) {
                 int hit = decide(s, at, count, i * T + lane, point);
                 hits |= (typename S::set)(hit == 1) << i;
@@ -1946,11 +1947,11 @@ template <int T, typename S> DEVICE void list_border(S &s, bool go, star_cavity 
 }
 
 /* Finds the cavity of a point in the star of each tile that goes, of count triangles, and makes the point a vertex.
-   Without SETTLES what floats leave open stays open. */
-template <int T, bool SETTLES, typename S>
+   Without DECIDES what floats leave open stays open. */
+template <int T, bool DECIDES, typename S>
 DEVICE int carve(S &s, const site &at, bool go, const point_of<S> &point, int count, star_cavity &cavity)
 {
-    int result = find_conflicts<T, SETTLES>(s, at, go, point, count, cavity);
+    int result = find_conflicts<T, DECIDES>(s, at, go, point, count, cavity);
     result |= cavity.conflicts == count && go ? star_hidden : 0;
     go = go && cavity.conflicts > 0 && result == 0;
     const int end = warp_max<T>(go ? cavity.conflicts : 0);
@@ -2250,9 +2251,10 @@ template <int T, typename S> DEVICE span reach_of(const S &s, bool go, int count
 }
 
 /* Returns whether point p may be in conflict with some simplex of the star, by floats; all lanes of a tile go or none
-   does, each with its own point.  The test is that of side, with the bound in the sum; that of a wall only adds.  The
-   bits of a float, less 1, are below those of infinity exactly if it is above 0, so their maximum tells whether all
-   are; a bool would be made a byte and back in each turn. */
+   does, each with its own point.  The test is that of side, with the bound in the sum; that of a wall only adds.
+
+   The bits of a float, less 1, are below those of infinity exactly if the float is above 0.  So the maximum of all
+   tells whether all are above 0; a bool would be made a byte and back in each iteration. */
 template <int T, typename S> DEVICE bool may_conflict(const S &s, bool go, int count, const place_in<S> &p)
 {
     probe f = probe_of<S::dim, S::weighted>(p);
