@@ -679,7 +679,7 @@ typedef struct pbw_cuda_points {           /* start from {0}; packed, on the dev
     int dim, is_float;                     /* is_float: floats, not doubles */
     const void *points, *weights;          /* weights NULL = Delaunay */
     size_t count;
-    int anew;                              /* 1: build without that test, as when all is known to have moved far */
+    int rebuild;                           /* 1: build without that test, as when all is known to have moved far */
 } pbw_cuda_points;
 typedef struct pbw_cuda_loop pbw_cuda_loop;
 extern pbw_status pbw_cuda_loop_create(const pbw_options *options, void *stream, pbw_triangulator *cpu,

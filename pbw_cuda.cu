@@ -5260,7 +5260,7 @@ extern "C" pbw_status pbw_cuda_loop_step(pbw_cuda_loop *loop, const pbw_cuda_poi
         return PBW_ERROR_ARGUMENT;
     }
     request r = { { points->points, points->weights, points->count, points->dim, points->is_float }, loop->stream,
-                  loop->cpu, mesh, &loop->last, &loop->resources, points->anew != 0 };
+                  loop->cpu, mesh, &loop->last, &loop->resources, points->rebuild != 0 };
     return run_request(r, &loop->options);
 }
 

@@ -360,7 +360,7 @@ static pbw_status loop_step(moving *m, pbw_cuda_loop *loop, int rebuild, pbw_cud
     in.points = m->there;
     in.weights = m->weights_there;
     in.count = m->count;
-    in.anew = rebuild;
+    in.rebuild = rebuild;
     cudaDeviceSynchronize();
     start = seconds();
     status = pbw_cuda_loop_step(loop, &in, mesh);

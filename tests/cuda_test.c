@@ -986,7 +986,7 @@ static pbw_status walk_step(walk *w, int rebuild, int expected)
     in.points = there;
     in.weights = weights_there;
     in.count = w->count;
-    in.anew = rebuild;
+    in.rebuild = rebuild;
     if (w->loop == NULL) {
         CHECK_EQUAL(pbw_cuda_loop_create(&w->options, w->stream, w->cpu, &w->loop), PBW_OK);
     }
