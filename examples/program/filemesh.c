@@ -214,7 +214,7 @@ pbw_index *boundary_of(const job *j, size_t *count)
     return triangles;
 }
 
-static int boundary_is_closed(const job *j)
+static int boundary_is_closed(job *j)
 {
     pbwio_cloud boundary;
     int closed;

@@ -322,6 +322,6 @@ int convert_pbwt(job *j, pbw_mesh *mesh);                          /* the tile o
 /* ---- surface.c ---- */
 
 /* Reports the faults of a surface; details: where they are.  Returns whether it has an inside. */
-int describe_surface(const job *j, const pbwio_cloud *cloud, int details);
+int describe_surface(job *j, const pbwio_cloud *cloud, int details);
 
 #endif

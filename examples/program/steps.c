@@ -236,7 +236,9 @@ int load_surface(job *j)
                     path != NULL ? path : j->input != NULL ? j->input : "what is generated");
     }
     model = model_of(surface);
+    j->stage = "surface";
     status = pbwsample_inspect(&model, &j->build, &report);
+    j->stage = NULL;
     if (status != PBW_OK) {
         return fail(j, "%s: %s", path != NULL ? path : j->input, pbwsample_status_string(status));
     }
@@ -286,6 +288,7 @@ int mark_inside(job *j)
         return fail(j, "--inside needs points in 3D");
     }
     begin(j, "inside", "");
+    j->stage = "inside";
     centre = (double *)calloc(j->mesh.simplex_count + 1, 3 * sizeof *centre);
     j->inside = (unsigned char *)calloc(j->mesh.simplex_count + 1, 1);
     for (i = 0; i < j->mesh.simplex_count && centre != NULL; i++) {
@@ -300,6 +303,7 @@ int mark_inside(job *j)
         status = PBW_ERROR_MEMORY;
     }
     free(centre);
+    j->stage = NULL;
     if (status != PBW_OK) {
         return fail(j, "%s", pbwsample_status_string(status));
     }

@@ -234,7 +234,7 @@ static void list_edges(const job *j, const surface *f, fault what, size_t count,
     }
 }
 
-int describe_surface(const job *j, const pbwio_cloud *cloud, int details)
+int describe_surface(job *j, const pbwio_cloud *cloud, int details)
 {
     surface f;
     pbwsample_model model = model_of(cloud);
@@ -245,7 +245,9 @@ int describe_surface(const job *j, const pbwio_cloud *cloud, int details)
     begin(j, "surface", "");
     memset(&f, 0, sizeof f);
     f.cloud = cloud;
+    j->stage = "surface";
     status = pbwsample_inspect(&model, &j->build, &report);
+    j->stage = NULL;
     found = status == PBW_OK && find_faults(&f);
     if (status != PBW_OK) {
         report_step(j, "surface", now() - start, "%s", pbwsample_status_string(status));
