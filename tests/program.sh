@@ -756,15 +756,6 @@ cp closed.obj shown/model.obj
 "$pbw" mesh --quiet --generate uniform 60 -o shown/points.csv -o shown/queries.csv -o shown/mesh.msh
 printf 'insert,0.5,0.5,0.5\nremove,3\ncommit\n' > shown/changes.csv
 printf '4 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n4 0\n1 1 2\n2 2 3\n3 3 4\n4 4 1\n0\n' > shown/domain.poly
-for command in mesh sample check convert bench view locate nearest cells plane improve solid tiles hash live; do
-    "$pbw" help $command > help.txt
-    sed -n '/^examples:/,$s/^  pbw //p' help.txt > shown.txt
-    check "the help of $command has the formats that it writes" tells_formats $command
-    check "the help of $command ends with two examples" [ "$(wc -l < shown.txt)" -eq 2 ]
-    while read -r line; do
-        check "pbw $line" sh -c "cd shown && '$pbw' $line < /dev/null"
-    done < shown.txt
-done
 tells_formats() {   # tells_formats COMMAND: but for texts; live has those of mesh
     "$pbw" $1 atoms.csv $(case $1 in locate | nearest) echo atoms.csv ;; esac) -o x.none > said 2>&1
     case $1 in check | bench | hash) grep 'has no option -o' said; return ;; esac
@@ -774,6 +765,15 @@ tells_formats() {   # tells_formats COMMAND: but for texts; live has those of me
     done
     grep "; pbw $1 writes [a-z]" said
 }
+for command in mesh sample check convert bench view locate nearest cells plane improve solid tiles hash live; do
+    "$pbw" help $command > help.txt
+    sed -n '/^examples:/,$s/^  pbw //p' help.txt > shown.txt
+    check "the help of $command has the formats that it writes" tells_formats $command
+    check "the help of $command ends with two examples" [ "$(wc -l < shown.txt)" -eq 2 ]
+    while read -r line; do
+        check "pbw $line" sh -c "cd shown && '$pbw' $line < /dev/null"
+    done < shown.txt
+done
 tells_its_own() {   # the help of an option that commands share has no meaning that another command gives it
     "$pbw" help sample > one.txt && "$pbw" help improve > two.txt && "$pbw" help plane > three.txt &&
         "$pbw" help solid > four.txt && ! grep -e '--error' one.txt && ! grep 'points on the surface, def' two.txt &&
