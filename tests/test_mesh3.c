@@ -231,7 +231,7 @@ static void test_stuffing(void)
     pbwst_mesh made;
     pbw_tets in, out;
     pbwm3__topology top;
-    pbwsf__memory memory = pbwsf__memory_of(NULL);
+    pbw_memory memory;
     pbw_index *facets;
     size_t count = 0, i;
     int k;
@@ -256,6 +256,7 @@ static void test_stuffing(void)
             facets[count++] = out.corners[i / 4 * 4 + (size_t)pbwim__opposite[i % 4][k]];
         }
     }
+    pbw_memory_start(&memory, NULL);
     CHECK(pbwm3__examine(&memory, facets, count / 3, out.point_count, &top));
     CHECK_EQUAL(top.bad_edges + top.bad_points, 0);
     CHECK_EQUAL(top.euler, 4);
@@ -427,7 +428,7 @@ static size_t make_cubes(part *m, const size_t n[3], int twice)
 /* A region's boundary is a manifold of that Euler number. */
 static int is_closed(const pbw_tets *t, const pbw_solid_boundary *b, pbw_index region, long euler)
 {
-    pbwsf__memory memory = pbwsf__memory_of(NULL);
+    pbw_memory memory;
     pbw_index *facets = (pbw_index *)zoo_grow(NULL, (b->facet_count + 1) * 3 * sizeof *facets);
     pbwm3__topology top;
     size_t i, count = 0;
@@ -437,6 +438,7 @@ static int is_closed(const pbw_tets *t, const pbw_solid_boundary *b, pbw_index r
             memcpy(facets + 3 * count++, b->facets + 3 * i, 3 * sizeof *facets);
         }
     }
+    pbw_memory_start(&memory, NULL);
     right = pbwm3__examine(&memory, facets, count, t->point_count, &top) && top.bad_edges + top.bad_points == 0
          && top.euler == euler;
     pbwsf__release(&memory, &top.edges);

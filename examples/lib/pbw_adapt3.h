@@ -79,13 +79,7 @@ PBWADAPT3DEF pbw_status pbw_tets_transfer(const pbw_tets *from, const pbw_tets *
 #include <math.h>
 #include <string.h>
 
-/* No contraction: fused operations would give other coordinates. */
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#elif defined(__GNUC__)
-#pragma GCC push_options
-#pragma GCC optimize("fp-contract=off")
-#endif
+PBW_CONTRACTION_OFF                        /* fused operations would give other coordinates */
 
 /* ------------------------------------------------------------------------------------------------------
    >>sizes        Sizes from errors.
@@ -151,7 +145,8 @@ PBWADAPT3DEF void pbw_tets_sizes(const pbw_tets *mesh, const double *error, size
 typedef struct pbwa3__places {
     const pbw_tets *from;
     pbw_surface surface;                   /* the boundary of `from` */
-    pbwsf__array facets, owners, order;    /* owners: the tetrahedron of each boundary facet */
+    PBW_ARRAY(pbw_index) facets, owners;   /* 3 points a facet of the boundary; its tetrahedron */
+    PBW_ARRAY(pbw_index) order;            /* of the points of the other mesh */
 } pbwa3__places;
 
 /* Walks from t towards p.  Returns the tetrahedron where it ends; *inside: it contains p. */
@@ -194,7 +189,7 @@ static pbw_index pbwa3__find(const pbwa3__places *places, double p[3], pbw_index
     if (facet == PBW_NONE) {
         return t;
     }
-    hint = ((const pbw_index *)places->owners.data)[facet];
+    hint = places->owners.at[facet];
     t = pbwa3__walk(places->from, p, hint, &inside);
     if (!inside) {
         memcpy(p, near, sizeof near);
@@ -227,7 +222,7 @@ static void pbwa3__value(const pbw_tets *from, pbw_index t, const double p[3], c
 }
 
 /* Makes the boundary of `from` a surface. */
-static pbw_status pbwa3__boundary(pbwa3__places *places, pbwsf__memory *memory, const pbw_options *options)
+static pbw_status pbwa3__boundary(pbwa3__places *places, pbw_memory *memory, const pbw_options *options)
 {
     const pbw_tets *from = places->from;
     pbw_options own = *options;
@@ -236,22 +231,19 @@ static pbw_status pbwa3__boundary(pbwa3__places *places, pbwsf__memory *memory, 
     for (i = 0; i < 4 * from->tet_count; i++) {
         count += from->neighbors[i] == PBW_NONE;
     }
-    if (!pbwsf__resize(memory, &places->facets, (3 * count + 1) * sizeof(pbw_index))
-        || !pbwsf__resize(memory, &places->owners, (count + 1) * sizeof(pbw_index))) {
+    if (!PBW_FIT(memory, places->facets, 3 * count + 1) || !PBW_FIT(memory, places->owners, count + 1)) {
         return PBW_ERROR_MEMORY;
     }
     for (i = count = 0; i < 4 * from->tet_count; i++) {
         if (from->neighbors[i] == PBW_NONE) {
             for (k = 0; k < 3; k++) {
-                ((pbw_index *)places->facets.data)[3 * count + k] =
-                    from->corners[i / 4 * 4 + (size_t)pbwim__opposite[i % 4][2 - k]];
+                places->facets.at[3 * count + k] = from->corners[i / 4 * 4 + (size_t)pbwim__opposite[i % 4][2 - k]];
             }
-            ((pbw_index *)places->owners.data)[count++] = (pbw_index)(i / 4);
+            places->owners.at[count++] = (pbw_index)(i / 4);
         }
     }
-    own.memory_limit = pbwsf__left(memory);
-    status = pbw_surface_create(from->points, from->point_count, (const pbw_index *)places->facets.data, count, &own,
-                                &places->surface);
+    own.memory_limit = pbw_memory_left(memory);
+    status = pbw_surface_create(from->points, from->point_count, places->facets.at, count, &own, &places->surface);
     memory->used += pbwsf__bytes(&places->surface);
     return status;
 }
@@ -259,7 +251,7 @@ static pbw_status pbwa3__boundary(pbwa3__places *places, pbwsf__memory *memory, 
 PBWADAPT3DEF pbw_status pbw_tets_transfer(const pbw_tets *from, const pbw_tets *to, const double *values,
                                           size_t width, const pbw_options *options, double *out)
 {
-    pbwsf__memory memory = pbwsf__memory_of(options);
+    pbw_memory memory;
     pbwa3__places places;
     pbw_options plain;
     pbw_status status;
@@ -270,6 +262,7 @@ PBWADAPT3DEF pbw_status pbw_tets_transfer(const pbw_tets *from, const pbw_tets *
         || from->neighbors == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
+    pbw_memory_start(&memory, options);
     memset(&plain, 0, sizeof plain);
     if (options != NULL) {                           /* not stride, weights or flags */
         plain.threads = options->threads;
@@ -278,31 +271,27 @@ PBWADAPT3DEF pbw_status pbw_tets_transfer(const pbw_tets *from, const pbw_tets *
     }
     places.from = from;
     status = pbwa3__boundary(&places, &memory, &plain);
-    if (status == PBW_OK && !pbwsf__resize(&memory, &places.order, (to->point_count + 1) * sizeof(pbw_index))) {
+    if (status == PBW_OK && !PBW_FIT(&memory, places.order, to->point_count + 1)) {
         status = PBW_ERROR_MEMORY;
     }
     if (status == PBW_OK) {
-        plain.memory_limit = pbwsf__left(&memory);
-        status = pbw_order(3, to->points, to->point_count, &plain, (pbw_index *)places.order.data);
+        plain.memory_limit = pbw_memory_left(&memory);
+        status = pbw_order(3, to->points, to->point_count, &plain, places.order.at);
     }
     for (i = 0; i < to->point_count && status == PBW_OK; i++) {
-        const size_t p = ((const pbw_index *)places.order.data)[i];
+        const size_t p = places.order.at[i];
         double place[3];
         memcpy(place, to->points + 3 * p, sizeof place);
         t = pbwa3__find(&places, place, t);
         pbwa3__value(from, t, place, values, width, out + width * p);
     }
     pbw_surface_free(&places.surface);
-    pbwsf__release(&memory, &places.facets);
-    pbwsf__release(&memory, &places.owners);
-    pbwsf__release(&memory, &places.order);
+    PBW_RELEASE(&memory, places.facets);
+    PBW_RELEASE(&memory, places.owners);
+    PBW_RELEASE(&memory, places.order);
     return status;
 }
 
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT DEFAULT
-#elif defined(__GNUC__)
-#pragma GCC pop_options
-#endif
+PBW_CONTRACTION_ON
 #endif /* PBWSF__SEAM, PBWIM__SEAM */
 #endif /* PBW_ADAPT3_IMPLEMENTATION */

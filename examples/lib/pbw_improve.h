@@ -215,13 +215,7 @@ PBWIMPROVEDEF void pbw_tets_free(pbw_tets *mesh);            /* fine on {0}, fin
 #include <string.h>
 #include <time.h>
 
-/* No contraction: fused operations would give other coordinates. */
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#elif defined(__GNUC__)
-#pragma GCC push_options
-#pragma GCC optimize("fp-contract=off")
-#endif
+PBW_CONTRACTION_OFF                        /* fused operations would give other coordinates */
 
 /* ------------------------------------------------------------------------------------------------------
    >>measures     Measures of tetrahedra and of meshes.
@@ -383,11 +377,12 @@ static int pbwim__compare(const void *a, const void *b)                      /* 
 PBWIMPROVEDEF int pbw_tets_spread(const pbw_tets *mesh, pbw_measure measure, const pbw_options *options,
                                       pbw_spread *spread)
 {
-    pbwsf__memory memory = pbwsf__memory_of(options);
+    pbw_memory memory;
     pbwsf__array sorted;
     const size_t count = mesh->tet_count;
     double *value;
     size_t i;
+    pbw_memory_start(&memory, options);
     memset(&sorted, 0, sizeof sorted);
     memset(spread, 0, sizeof *spread);
     if (!pbwsf__resize(&memory, &sorted, (count + 1) * sizeof *value)) {
@@ -510,14 +505,14 @@ static void pbwim__add_quality(pbw_quality *sum, const pbw_quality *q)
 
 /* Returns the options for a call of the library, without progress: their memory limit is the caller's less the bytes
    held. */
-static pbw_options pbwim__inner_options(const pbw_options *options, const pbwsf__memory *memory)
+static pbw_options pbwim__inner_options(const pbw_options *options, const pbw_memory *memory)
 {
     pbw_options inner;
     memset(&inner, 0, sizeof inner);
     if (options != NULL) {
         inner = *options;
         inner.progress = NULL;
-        inner.memory_limit = pbwsf__left(memory);
+        inner.memory_limit = pbw_memory_left(memory);
     }
     return inner;
 }
@@ -525,12 +520,13 @@ static pbw_options pbwim__inner_options(const pbw_options *options, const pbwsf_
 PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pbw_quality *quality)
 {
     const size_t count = mesh->tet_count, blocks = count / PBWIM__BLOCK + (count % PBWIM__BLOCK != 0);
-    pbwsf__memory memory = pbwsf__memory_of(options);
+    pbw_memory memory;
     pbwsf__array room;
     pbwim__measuring work;
     pbw_options inner;
     size_t i;
     int kept, done;
+    pbw_memory_start(&memory, options);
     memset(&room, 0, sizeof room);
     memset(quality, 0, sizeof *quality);
     kept = pbwsf__resize(&memory, &room, (count + 1) * sizeof(double) + (blocks + 1) * sizeof *work.block);
@@ -579,7 +575,7 @@ enum {
 #define PBWIM__SMOOTH_COSINE 0.90630778703665          /* cos 25 degrees: boundary facets turn by less */
 
 typedef struct pbwim__mesh {
-    pbwsf__memory memory;
+    pbw_memory memory;
     const pbw_options *options;
     void (*project)(void *user, double point[3]);
     void *project_user;
@@ -662,7 +658,7 @@ static int pbwim__turned_less(const double a[3], const double b[3], double cosin
 
 static int pbwim__resize_points(pbwim__mesh *m, size_t count)
 {
-    pbwsf__memory *y = &m->memory;
+    pbw_memory *y = &m->memory;
     return pbwsf__resize(y, &m->x, count * 3 * sizeof(double))
         && pbwsf__resize(y, &m->star, count * sizeof(pbw_index))
         && pbwsf__resize(y, &m->touched, count * sizeof(pbw_index))
@@ -672,7 +668,7 @@ static int pbwim__resize_points(pbwim__mesh *m, size_t count)
 
 static int pbwim__resize_tets(pbwim__mesh *m, size_t count)
 {
-    pbwsf__memory *y = &m->memory;
+    pbw_memory *y = &m->memory;
     return pbwsf__resize(y, &m->corner, count * 4 * sizeof(pbw_index))
         && pbwsf__resize(y, &m->next, count * 4 * sizeof(pbw_index))
         && pbwsf__resize(y, &m->quality, count * sizeof(double))
@@ -3257,13 +3253,13 @@ static pbw_status pbwim__set_sizes(pbwim__mesh *m, double end)
    In: the mesh.  Out: its slots in use, and its points of tetrahedra, numbered in their order.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwim__result {
-    pbwsf__memory memory;
+    pbw_memory memory;
     pbwsf__array self, points, corners, regions, marks, neighbors, original, patches, edges, origins;
 } pbwim__result;
 
 static int pbwim__allocate(pbwim__result *r, size_t points, size_t tets, int patched, size_t edges)
 {
-    pbwsf__memory *y = &r->memory;
+    pbw_memory *y = &r->memory;
     return (!patched || pbwsf__resize(y, &r->patches, (tets + 1) * 4 * sizeof(pbw_index)))
         && (edges == 0 || (pbwsf__resize(y, &r->edges, edges * 2 * sizeof(pbw_index))
                            && pbwsf__resize(y, &r->origins, edges * sizeof(pbw_index))))
@@ -3343,7 +3339,7 @@ PBWIMPROVEDEF void pbw_tets_free(pbw_tets *mesh)
 {
     if (mesh != NULL && mesh->memory != NULL) {
         pbwim__result *r = (pbwim__result *)mesh->memory;
-        pbwsf__memory memory = r->memory;
+        pbw_memory memory = r->memory;
         pbwsf__array self = r->self;
         pbwsf__release(&memory, &r->points);
         pbwsf__release(&memory, &r->corners);
@@ -3605,7 +3601,7 @@ PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_opt
         || (mesh->edge_count > 0 && mesh->edges == NULL)) {
         return PBW_ERROR_ARGUMENT;
     }
-    m.memory = pbwsf__memory_of(options);
+    pbw_memory_start(&m.memory, options);
     m.options = options;
     m.project = how != NULL ? how->project : NULL;
     m.project_user = how != NULL ? how->project_user : NULL;
@@ -3642,10 +3638,6 @@ PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_opt
    ------------------------------------------------------------------------------------------------------ */
 #define PBWIM__SEAM 1
 
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT DEFAULT
-#elif defined(__GNUC__)
-#pragma GCC pop_options
-#endif
+PBW_CONTRACTION_ON
 #endif /* PBWSF__SEAM */
 #endif /* PBW_IMPROVE_IMPLEMENTATION */

@@ -257,13 +257,7 @@ PBWMESH3DEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary);      /* 
 #include <string.h>
 #include <time.h>
 
-/* No contraction: fused operations would give other coordinates. */
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#elif defined(__GNUC__)
-#pragma GCC push_options
-#pragma GCC optimize("fp-contract=off")
-#endif
+PBW_CONTRACTION_OFF                        /* fused operations would give other coordinates */
 
 /* ------------------------------------------------------------------------------------------------------
    >>work         The work in progress: progress, memory, local sizes, points in a grid.
@@ -286,7 +280,7 @@ typedef struct pbwm3__chain { size_t first, count, set; int closed, loose; } pbw
 typedef struct pbwm3__chain_vertex { pbw_index vertex; double along; } pbwm3__chain_vertex;
 
 typedef struct pbwm3__work {
-    pbwsf__memory memory;
+    pbw_memory memory;
     const pbw_solid_input *input;
     pbw_solid_options how;
     int open;                              /* 1: not all holes of the input are closed: inside by winding number */
@@ -404,7 +398,7 @@ static pbw_status pbwm3__check_budget(pbwm3__work *w, double share)
 /* Returns the options for a call of the library: their memory limit is the caller's less the bytes held. */
 static const pbw_options *pbwm3__inner_options(pbwm3__work *w)
 {
-    w->options.memory_limit = pbwsf__left(&w->memory);
+    w->options.memory_limit = pbw_memory_left(&w->memory);
     return &w->options;
 }
 
@@ -776,7 +770,7 @@ static pbw_status pbwm3__take_function(pbwm3__work *w)
 
 /* Returns edges, sorted: v[0] < v[1], v[2] whether the triangle t has them upwards, i its corner that starts it.
    NULL: no memory. */
-static pbwim__facet *pbwm3__edges(pbwsf__memory *memory, const pbw_index *triangles, size_t count, size_t points,
+static pbwim__facet *pbwm3__edges(pbw_memory *memory, const pbw_index *triangles, size_t count, size_t points,
                                   pbwsf__array blocks[3])
 {
     pbwim__facet *edge;
@@ -800,7 +794,7 @@ static pbwim__facet *pbwm3__edges(pbwsf__memory *memory, const pbw_index *triang
     return pbwim__sort(edge, (pbwim__facet *)blocks[1].data, 3 * count, blocks + 2, 2);
 }
 
-static void pbwm3__free_blocks(pbwsf__memory *memory, pbwsf__array blocks[3])
+static void pbwm3__free_blocks(pbw_memory *memory, pbwsf__array blocks[3])
 {
     pbwsf__release(memory, blocks);
     pbwsf__release(memory, blocks + 1);
@@ -3247,7 +3241,7 @@ typedef struct pbwm3__topology {
 
 /* Lists the edges that have not exactly two facets, and joins the corners of facets across the others.  The edges are
    sorted. */
-static int pbwm3__join_fans(pbwsf__memory *memory, const pbwim__facet *edge, size_t count, size_t *parent,
+static int pbwm3__join_fans(pbw_memory *memory, const pbwim__facet *edge, size_t count, size_t *parent,
                             pbwm3__topology *top)
 {
     size_t i, k;
@@ -3278,7 +3272,7 @@ static int pbwm3__join_fans(pbwsf__memory *memory, const pbwim__facet *edge, siz
 }
 
 /* Examines a closed set of facets.  Returns 0 without memory. */
-static int pbwm3__examine(pbwsf__memory *memory, const pbw_index *facets, size_t count, size_t points,
+static int pbwm3__examine(pbw_memory *memory, const pbw_index *facets, size_t count, size_t points,
                           pbwm3__topology *top)
 {
     pbwsf__array blocks[3], parents;
@@ -4032,7 +4026,7 @@ static pbw_status pbwm3__improve(pbwm3__work *w, pbw_tets *out)
     improve.seconds = w->deadline < HUGE_VAL ? fmax(1e-9, w->deadline - (double)clock() / CLOCKS_PER_SEC) : 0;
     own.progress = pbwm3__part_progress;
     own.progress_user = w;
-    own.memory_limit = pbwsf__left(&w->memory);
+    own.memory_limit = pbw_memory_left(&w->memory);
     status = pbw_improve(&in, &improve, &own, out, &w->report->improve);
     w->memory.used += pbwim__result_bytes(out);
     return status;
@@ -4110,7 +4104,7 @@ static void pbwm3__list_bad_places(pbw_solid_report *r, const pbwm3__topology *t
 /* ---- the boundary of the result ---- */
 
 typedef struct pbwm3__boundary_arrays {    /* boundary.memory points at them */
-    pbwsf__memory memory;
+    pbw_memory memory;
     pbwsf__array self, facets, corners, patches, parts, sides, edges, holes;
 } pbwm3__boundary_arrays;
 
@@ -4206,7 +4200,7 @@ static int pbwm3__fill_boundary(pbwm3__work *w, const pbw_tets *out, pbwm3__boun
     return pbwm3__list_edges(w, out, arrays);
 }
 
-static void pbwm3__release_boundary(pbwsf__memory *memory, pbwm3__boundary_arrays *arrays)
+static void pbwm3__release_boundary(pbw_memory *memory, pbwm3__boundary_arrays *arrays)
 {
     pbwsf__release(memory, &arrays->facets);
     pbwsf__release(memory, &arrays->corners);
@@ -4221,7 +4215,7 @@ PBWMESH3DEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary)
 {
     if (boundary != NULL && boundary->memory != NULL) {
         pbwm3__boundary_arrays *arrays = (pbwm3__boundary_arrays *)boundary->memory;
-        pbwsf__memory memory = arrays->memory;
+        pbw_memory memory = arrays->memory;
         pbwsf__array self = arrays->self;
         pbwm3__release_boundary(&memory, arrays);
         pbwsf__release(&memory, &self);
@@ -4542,7 +4536,7 @@ static pbw_status pbwm3__attempt(const pbwm3__call *call, int whole, int sharp, 
     memset(report, 0, sizeof *report);
     report->sharp_share = -1;
     w->report = report;
-    w->memory = pbwsf__memory_of(call->options);
+    pbw_memory_start(&w->memory, call->options);
     w->memory.used = call->held;
     if (call->options != NULL) {
         w->options = *call->options;
@@ -4674,10 +4668,6 @@ PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_o
     return status;
 }
 
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT DEFAULT
-#elif defined(__GNUC__)
-#pragma GCC pop_options
-#endif
+PBW_CONTRACTION_ON
 #endif /* PBWSF__SEAM, PBWIM__SEAM */
 #endif /* PBW_MESH3_IMPLEMENTATION */

@@ -102,13 +102,7 @@ PBWSURFACEDEF void pbw_surface_free(pbw_surface *surface);   /* fine on {0}, fin
 #include <stdlib.h>
 #include <string.h>
 
-/* No contraction: fused operations would give other coordinates. */
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#elif defined(__GNUC__)
-#pragma GCC push_options
-#pragma GCC optimize("fp-contract=off")
-#endif
+PBW_CONTRACTION_OFF                        /* fused operations would give other coordinates */
 
 #if defined(__GNUC__)                      /* functions of >>seam that this file has no use for */
 #define PBWSF__SHARED __attribute__((unused))
@@ -120,72 +114,22 @@ PBWSURFACEDEF void pbw_surface_free(pbw_surface *surface);   /* fine on {0}, fin
    >>memory       Growing arrays, through options.resize.
    Holds: used = the sum of all live arrays; over the limit nothing grows.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwsf__memory {
-    void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
-    void *user;
-    size_t limit, used;
-} pbwsf__memory;
-
-static void *pbwsf__default_resize(void *user, void *ptr, size_t old_size, size_t new_size)
-{
-    (void)user;
-    (void)old_size;
-    if (new_size == 0) {
-        free(ptr);
-        return NULL;
-    }
-    return realloc(ptr, new_size);
-}
-
-static pbwsf__memory pbwsf__memory_of(const pbw_options *options)
-{
-    pbwsf__memory memory;
-    memset(&memory, 0, sizeof memory);
-    memory.resize = options != NULL && options->resize != NULL ? options->resize : pbwsf__default_resize;
-    memory.user = options != NULL ? options->resize_user : NULL;
-    memory.limit = options != NULL ? options->memory_limit : 0;
-    return memory;
-}
-
-/* The limit of a call that is made while `used` bytes are held: 1 if they are all. */
-static size_t pbwsf__left(const pbwsf__memory *memory)
-{
-    return memory->limit == 0 ? 0 : memory->limit > memory->used ? memory->limit - memory->used : 1;
-}
-
 typedef struct pbwsf__array { void *data; size_t count, bytes; } pbwsf__array;       /* count: the owner's, items */
 
-static void pbwsf__release(pbwsf__memory *memory, pbwsf__array *array)
+static void pbwsf__release(pbw_memory *memory, pbwsf__array *array)
 {
-    if (array->data != NULL) {
-        (void)memory->resize(memory->user, array->data, array->bytes, 0);
-        memory->used -= array->bytes;
-    }
-    memset(array, 0, sizeof *array);
+    (void)pbw_memory_fit(memory, &array->data, &array->bytes, 0, 1);
+    array->count = 0;
 }
 
 /* Makes the array `bytes` long.  Returns 0 and leaves it alone if there is no memory. */
-static int pbwsf__resize(pbwsf__memory *memory, pbwsf__array *array, size_t bytes)
+static int pbwsf__resize(pbw_memory *memory, pbwsf__array *array, size_t bytes)
 {
-    void *data = NULL;
-    const size_t used = memory->used - array->bytes + bytes;
-    if (bytes == array->bytes) {
-        return 1;
-    }
-    if (memory->limit == 0 || used <= memory->limit) {
-        data = memory->resize(memory->user, array->data, array->bytes, bytes);
-    }
-    if (data == NULL) {
-        return 0;
-    }
-    array->data = data;
-    array->bytes = bytes;
-    memory->used = used;
-    return 1;
+    return pbw_memory_fit(memory, &array->data, &array->bytes, bytes, 1);
 }
 
 /* Makes room for `extra` items after the last.  Returns the place of the first of them, or NULL. */
-PBWSF__SHARED static void *pbwsf__room(pbwsf__memory *memory, pbwsf__array *array, size_t extra, size_t size)
+PBWSF__SHARED static void *pbwsf__room(pbw_memory *memory, pbwsf__array *array, size_t extra, size_t size)
 {
     const size_t need = (array->count + extra) * size, more = array->bytes + array->bytes / 2;
     if ((need > array->bytes || array->data == NULL)
@@ -258,12 +202,11 @@ typedef struct pbwsf__box {
 } pbwsf__box;
 
 typedef struct pbwsf__tree {
-    pbwsf__memory memory;
-    pbwsf__array self, order, boxes;
+    pbw_memory memory;
+    PBW_ARRAY(pbw_index) order;
+    PBW_ARRAY(pbwsf__box) boxes;
     size_t first_leaf, nodes;
 } pbwsf__tree;
-
-#define PBWSF__BOXES(tree) ((pbwsf__box *)(tree)->boxes.data)
 
 static const double *pbwsf__corner(const pbw_surface *s, pbw_index triangle, int k)
 {
@@ -303,8 +246,8 @@ static void pbwsf__box_add(pbwsf__box *box, const double low[3], const double hi
 
 static void pbwsf__fill_boxes(const pbw_surface *s, pbwsf__tree *tree)
 {
-    pbwsf__box *box = PBWSF__BOXES(tree);
-    const pbw_index *order = (const pbw_index *)tree->order.data;
+    pbwsf__box *box = tree->boxes.at;
+    const pbw_index *order = tree->order.at;
     size_t i, k;
     for (i = tree->nodes; i-- > 0;) {
         pbwsf__box_clear(box + i);
@@ -332,11 +275,10 @@ static void pbwsf__fill_boxes(const pbw_surface *s, pbwsf__tree *tree)
 /* The order along a Hilbert curve through the triangles' centroids. */
 static pbw_status pbwsf__sort(const pbw_surface *s, const pbw_options *options, pbwsf__tree *tree)
 {
-    pbwsf__array middles;
+    PBW_ARRAY(double) middle = { NULL, 0, 0 };
     pbw_options own;
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i, k;
-    memset(&middles, 0, sizeof middles);
     memset(&own, 0, sizeof own);
     if (options != NULL) {
         own.threads = options->threads;
@@ -345,21 +287,20 @@ static pbw_status pbwsf__sort(const pbw_surface *s, const pbw_options *options, 
         own.run = options->run;
         own.run_user = options->run_user;
     }
-    if (pbwsf__resize(&tree->memory, &tree->order, (s->triangle_count + 1) * sizeof(pbw_index))
-        && pbwsf__resize(&tree->memory, &middles, (s->triangle_count + 1) * 3 * sizeof(double))) {
-        double *middle = (double *)middles.data;
+    if (PBW_FIT(&tree->memory, tree->order, s->triangle_count + 1)
+        && PBW_FIT(&tree->memory, middle, 3 * (s->triangle_count + 1))) {
         for (i = 0; i < s->triangle_count; i++) {
             for (k = 0; k < 3; k++) {
                 const pbw_index *c = s->triangles + 3 * i;
-                middle[3 * i + k] = s->points[3 * (size_t)c[0] + k] / 3 + s->points[3 * (size_t)c[1] + k] / 3
-                                  + s->points[3 * (size_t)c[2] + k] / 3;
+                middle.at[3 * i + k] = s->points[3 * (size_t)c[0] + k] / 3 + s->points[3 * (size_t)c[1] + k] / 3
+                                     + s->points[3 * (size_t)c[2] + k] / 3;
             }
         }
-        own.memory_limit = pbwsf__left(&tree->memory);
-        status = pbw_order(3, middle, s->triangle_count, &own, (pbw_index *)tree->order.data);
+        own.memory_limit = pbw_memory_left(&tree->memory);
+        status = pbw_order(3, middle.at, s->triangle_count, &own, tree->order.at);
         status = status == PBW_DEGENERATE ? PBW_OK : status;
     }
-    pbwsf__release(&tree->memory, &middles);
+    PBW_RELEASE(&tree->memory, middle);
     return status;
 }
 
@@ -376,7 +317,7 @@ static pbw_status pbwsf__build(const pbw_options *options, pbw_surface *surface)
     if (status != PBW_OK) {
         return status;
     }
-    if (!pbwsf__resize(&tree->memory, &tree->boxes, tree->nodes * sizeof(pbwsf__box))) {
+    if (!PBW_FIT(&tree->memory, tree->boxes, tree->nodes)) {
         return PBW_ERROR_MEMORY;
     }
     pbwsf__fill_boxes(surface, tree);
@@ -386,8 +327,7 @@ static pbw_status pbwsf__build(const pbw_options *options, pbw_surface *surface)
 PBWSURFACEDEF pbw_status pbw_surface_create(const double *points, size_t point_count, const pbw_index *triangles,
                                             size_t triangle_count, const pbw_options *options, pbw_surface *surface)
 {
-    pbwsf__memory memory = pbwsf__memory_of(options);
-    pbwsf__array self;
+    pbw_memory memory;
     pbwsf__tree *tree;
     pbw_status status;
     size_t i;
@@ -395,7 +335,6 @@ PBWSURFACEDEF pbw_status pbw_surface_create(const double *points, size_t point_c
         return PBW_ERROR_ARGUMENT;
     }
     memset(surface, 0, sizeof *surface);
-    memset(&self, 0, sizeof self);
     for (i = 0; i < 3 * triangle_count; i++) {
         if (triangles[i] >= point_count) {
             return PBW_ERROR_ARGUMENT;
@@ -406,13 +345,13 @@ PBWSURFACEDEF pbw_status pbw_surface_create(const double *points, size_t point_c
             return PBW_ERROR_NOT_FINITE;
         }
     }
-    if (!pbwsf__resize(&memory, &self, sizeof *tree)) {
+    pbw_memory_start(&memory, options);
+    tree = (pbwsf__tree *)pbw_memory_resize(&memory, NULL, 0, 1, sizeof *tree);
+    if (tree == NULL) {
         return PBW_ERROR_MEMORY;
     }
-    tree = (pbwsf__tree *)self.data;
     memset(tree, 0, sizeof *tree);
     tree->memory = memory;
-    tree->self = self;
     surface->points = points;
     surface->point_count = point_count;
     surface->triangles = triangles;
@@ -435,11 +374,10 @@ PBWSURFACEDEF void pbw_surface_free(pbw_surface *surface)
 {
     if (surface != NULL && surface->memory != NULL) {
         pbwsf__tree *tree = (pbwsf__tree *)surface->memory;
-        pbwsf__memory memory = tree->memory;
-        pbwsf__array self = tree->self;
-        pbwsf__release(&memory, &tree->order);
-        pbwsf__release(&memory, &tree->boxes);
-        pbwsf__release(&memory, &self);
+        pbw_memory memory = tree->memory;
+        PBW_RELEASE(&memory, tree->order);
+        PBW_RELEASE(&memory, tree->boxes);
+        (void)pbw_memory_resize(&memory, tree, 1, 0, sizeof *tree);
     }
     if (surface != NULL) {
         memset(surface, 0, sizeof *surface);
@@ -505,8 +443,8 @@ PBWSURFACEDEF pbw_index pbw_surface_closest(const pbw_surface *surface, const do
                                             double place[3])
 {
     const pbwsf__tree *tree = (const pbwsf__tree *)surface->memory;
-    const pbwsf__box *box = PBWSF__BOXES(tree);
-    const pbw_index *order = (const pbw_index *)tree->order.data;
+    const pbwsf__box *box = tree->boxes.at;
+    const pbw_index *order = tree->order.at;
     struct { size_t node; double distance; } stack[PBWSF__DEPTH];
     double best = limit * limit;
     pbw_index found = PBW_NONE;
@@ -586,8 +524,8 @@ PBWSURFACEDEF pbw_index pbw_surface_meets(const pbw_surface *surface, const doub
                                           double *where)
 {
     const pbwsf__tree *tree = (const pbwsf__tree *)surface->memory;
-    const pbwsf__box *box = PBWSF__BOXES(tree);
-    const pbw_index *order = (const pbw_index *)tree->order.data;
+    const pbwsf__box *box = tree->boxes.at;
+    const pbw_index *order = tree->order.at;
     struct { size_t node; double from; } stack[PBWSF__DEPTH];
     double per[3], best = 1;
     pbw_index found = PBW_NONE;
@@ -648,7 +586,7 @@ typedef struct pbwsf__walk {
 static int pbwsf__next_leaf(pbwsf__walk *walk)
 {
     const pbwsf__tree *tree = (const pbwsf__tree *)walk->surface->memory;
-    const pbwsf__box *box = PBWSF__BOXES(tree);
+    const pbwsf__box *box = tree->boxes.at;
     while (walk->depth > 0) {
         const size_t i = walk->stack[--walk->depth];
         int j;
@@ -670,7 +608,7 @@ static int pbwsf__next_leaf(pbwsf__walk *walk)
 PBWSF__SHARED static void pbwsf__all_met(const pbw_surface *surface, const double a[3], const double b[3],
                            int (*met)(void *user, pbw_index triangle), void *user)
 {
-    const pbw_index *order = (const pbw_index *)((const pbwsf__tree *)surface->memory)->order.data;
+    const pbw_index *order = ((const pbwsf__tree *)surface->memory)->order.at;
     pbwsf__walk walk;
     size_t k;
     int j;
@@ -720,7 +658,7 @@ static int pbwsf__is_below(const pbw_surface *s, pbw_index triangle, const doubl
 static void pbwsf__ray(const pbw_surface *surface, const double p[3],
                        void (*met)(void *user, pbw_index triangle, int front), void *user)
 {
-    const pbw_index *order = (const pbw_index *)((const pbwsf__tree *)surface->memory)->order.data;
+    const pbw_index *order = ((const pbwsf__tree *)surface->memory)->order.at;
     pbwsf__walk walk;
     size_t k;
     memcpy(walk.low, p, sizeof walk.low);
@@ -773,8 +711,8 @@ static double pbwsf__angle(const pbw_surface *s, pbw_index triangle, const doubl
 PBWSURFACEDEF double pbw_surface_winding(const pbw_surface *surface, const double p[3])
 {
     const pbwsf__tree *tree = (const pbwsf__tree *)surface->memory;
-    const pbwsf__box *box = PBWSF__BOXES(tree);
-    const pbw_index *order = (const pbw_index *)tree->order.data;
+    const pbwsf__box *box = tree->boxes.at;
+    const pbw_index *order = tree->order.at;
     size_t stack[PBWSF__DEPTH], k;
     double sum = 0;
     int depth = 1;
@@ -810,12 +748,9 @@ PBWSURFACEDEF double pbw_surface_winding(const pbw_surface *surface, const doubl
    They are compiled behind this header, in one source file, and refuse another number.
 
      PBWSF__SHARED      improve                        interface
-     pbwsf__array       adapt3 improve mesh3           memory
-     pbwsf__left        adapt3 improve mesh3           memory
-     pbwsf__memory      adapt3 improve mesh3           memory
-     pbwsf__memory_of   adapt3 improve mesh3           memory
-     pbwsf__release     adapt3 improve mesh3           memory
-     pbwsf__resize      adapt3 improve mesh3           memory
+     pbwsf__array       improve mesh3                  memory
+     pbwsf__release     improve mesh3                  memory
+     pbwsf__resize      improve mesh3                  memory
      pbwsf__room        improve mesh3                  memory
      pbwsf__between     improve mesh3                  vectors
      pbwsf__cross       improve mesh3                  vectors
@@ -831,9 +766,5 @@ PBWSURFACEDEF double pbw_surface_winding(const pbw_surface *surface, const doubl
    ------------------------------------------------------------------------------------------------------ */
 #define PBWSF__SEAM 1
 
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT DEFAULT
-#elif defined(__GNUC__)
-#pragma GCC pop_options
-#endif
+PBW_CONTRACTION_ON
 #endif /* PBW_SURFACE_IMPLEMENTATION */
