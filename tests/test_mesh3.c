@@ -260,8 +260,8 @@ static void test_stuffing(void)
     CHECK(pbwm3__examine(&memory, facets, count / 3, out.point_count, &top));
     CHECK_EQUAL(top.bad_edges + top.bad_points, 0);
     CHECK_EQUAL(top.euler, 4);
-    pbwsf__release(&memory, &top.edges);
-    pbwsf__release(&memory, &top.flags);
+    PBW_RELEASE(&memory, top.edges);
+    PBW_RELEASE(&memory, top.flags);
     free(facets);
     pbw_tets_free(&out);
     pbwst_free(&made);
@@ -441,8 +441,8 @@ static int is_closed(const pbw_tets *t, const pbw_solid_boundary *b, pbw_index r
     pbw_memory_start(&memory, NULL);
     right = pbwm3__examine(&memory, facets, count, t->point_count, &top) && top.bad_edges + top.bad_points == 0
          && top.euler == euler;
-    pbwsf__release(&memory, &top.edges);
-    pbwsf__release(&memory, &top.flags);
+    PBW_RELEASE(&memory, top.edges);
+    PBW_RELEASE(&memory, top.flags);
     free(facets);
     return right;
 }

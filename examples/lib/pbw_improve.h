@@ -2038,14 +2038,32 @@ static void pbwim__set_message(const pbwim__mesh *m, const char *text, size_t i,
     }
 }
 
-/* Sorts items by columns 0 .. columns-1, of numbers below `range`, with the help of a second block.  Returns the one
-   that has the result.  Counting, from the last column to the first: linear for any input. */
-static pbwim__facet *pbwim__sort(pbwim__facet *items, pbwim__facet *other, size_t count, pbwsf__array *counts,
-                                 int columns)
+typedef struct pbwim__sorting {            /* start from zeros */
+    PBW_ARRAY(pbwim__facet) items, other;
+    PBW_ARRAY(size_t) first;               /* per number, in a column */
+} pbwim__sorting;
+
+/* Makes room for items of numbers below `range`.  Returns 0 if there is no memory. */
+static int pbwim__begin_sorting(pbw_memory *memory, pbwim__sorting *s, size_t count, size_t range)
 {
-    const size_t range = counts->count;
-    size_t *first = (size_t *)counts->data, i;
-    pbwim__facet *swap;
+    return PBW_FIT(memory, s->items, count + 1) && PBW_FIT(memory, s->other, count + 1)
+        && PBW_FIT(memory, s->first, range + 2);
+}
+
+static void pbwim__end_sorting(pbw_memory *memory, pbwim__sorting *s)
+{
+    PBW_RELEASE(memory, s->items);
+    PBW_RELEASE(memory, s->other);
+    PBW_RELEASE(memory, s->first);
+}
+
+/* Sorts items.at[0] .. [count - 1] by columns 0 .. columns-1.  Returns where they are then.  Counting, from the last
+   column to the first: linear for any input. */
+static pbwim__facet *pbwim__sort(pbwim__sorting *s, size_t count, int columns)
+{
+    const size_t range = s->first.capacity - 2;
+    size_t *first = s->first.at, i;
+    pbwim__facet *items = s->items.at, *other = s->other.at, *swap;
     int k;
     for (k = columns - 1; k >= 0; k--) {
         memset(first, 0, (range + 1) * sizeof *first);
@@ -2281,25 +2299,23 @@ static pbw_status pbwim__load_edges(pbwim__mesh *m, const pbw_tets *in)
     return PBW_OK;
 }
 
-/* Marks the boundary's points and builds its surface; blocks: two of facets, as many as tetrahedra have. */
-static pbw_status pbwim__set_marks(pbwim__mesh *m, const pbw_tets *in, double cosine, pbwsf__array *blocks,
-                                   pbwsf__array *counts)
+/* Marks the boundary's points and builds its surface; sorting: with room for all facets of tetrahedra. */
+static pbw_status pbwim__set_marks(pbwim__mesh *m, const pbw_tets *in, double cosine, pbwim__sorting *sorting)
 {
-    pbwim__facet *edges = (pbwim__facet *)blocks[0].data;
+    pbwim__facet *edges;
     size_t facets = 0, i;
     pbw_status status;
     for (i = 0; i < 4 * m->tets; i++) {
         facets += ((pbw_index *)m->next.data)[i] == PBW_NONE;
     }
     if (!pbwsf__resize(&m->memory, &m->facets, (3 * facets + 1) * sizeof(pbw_index))
-        || (3 * facets > 4 * m->tets && (!pbwsf__resize(&m->memory, blocks, 3 * facets * sizeof *edges)
-                                         || !pbwsf__resize(&m->memory, blocks + 1, 3 * facets * sizeof *edges)))) {
+        || (3 * facets > 4 * m->tets && !pbwim__begin_sorting(&m->memory, sorting, 3 * facets, m->points))) {
         return PBW_ERROR_MEMORY;
     }
-    facets = pbwim__list_boundary(m, (pbw_index *)m->facets.data, (pbwim__facet *)blocks[0].data);
-    edges = pbwim__sort((pbwim__facet *)blocks[0].data, (pbwim__facet *)blocks[1].data, 3 * facets, counts, 2);
+    facets = pbwim__list_boundary(m, (pbw_index *)m->facets.data, sorting->items.at);
+    edges = pbwim__sort(sorting, 3 * facets, 2);
     pbwim__fix_features(m, edges, 3 * facets, cosine, 0);
-    pbwim__fix_joints(m, (size_t *)counts->data);
+    pbwim__fix_joints(m, sorting->first.at);
     for (i = 0; in->marks != NULL && i < m->points; i++) {
         const unsigned char mark = in->marks[i];
         if (mark == PBW_TETS_FIXED || (mark == PBW_TETS_SLIDES && PBWIM__MARK(m)[i] != PBW_TETS_FOUND)) {
@@ -2325,28 +2341,20 @@ static pbw_status pbwim__set_marks(pbwim__mesh *m, const pbw_tets *in, double co
 /* Neighbours, by sorting facets; then marks. */
 static pbw_status pbwim__connect(pbwim__mesh *m, const pbw_tets *in, double cosine)
 {
-    pbwsf__array blocks[2], counts;
+    pbwim__sorting sorting;
     pbw_status status = PBW_ERROR_MEMORY;
     const size_t count = 4 * m->tets;
     size_t i;
-    memset(blocks, 0, sizeof blocks);
-    memset(&counts, 0, sizeof counts);
-    counts.count = m->points;
-    if (pbwsf__resize(&m->memory, blocks, (count + 1) * sizeof(pbwim__facet))
-        && pbwsf__resize(&m->memory, blocks + 1, (count + 1) * sizeof(pbwim__facet))
-        && pbwsf__resize(&m->memory, &counts, (m->points + 2) * sizeof(size_t))) {
-        pbwim__facet *facet = (pbwim__facet *)blocks[0].data;
+    memset(&sorting, 0, sizeof sorting);
+    if (pbwim__begin_sorting(&m->memory, &sorting, count, m->points)) {
         for (i = 0; i < count; i++) {
-            facet[i] = pbwim__facet_of(m, (pbw_index)(i / 4), (int)(i % 4));
+            sorting.items.at[i] = pbwim__facet_of(m, (pbw_index)(i / 4), (int)(i % 4));
         }
-        facet = pbwim__sort(facet, (pbwim__facet *)blocks[1].data, count, &counts, 3);
-        status = pbwim__link(m, facet, count);
+        status = pbwim__link(m, pbwim__sort(&sorting, count, 3), count);
         status = status != PBW_OK ? status : pbwim__check_orientation(m);
-        status = status != PBW_OK ? status : pbwim__set_marks(m, in, cosine, blocks, &counts);
+        status = status != PBW_OK ? status : pbwim__set_marks(m, in, cosine, &sorting);
     }
-    pbwsf__release(&m->memory, blocks);
-    pbwsf__release(&m->memory, blocks + 1);
-    pbwsf__release(&m->memory, &counts);
+    pbwim__end_sorting(&m->memory, &sorting);
     return status;
 }
 
@@ -3402,25 +3410,21 @@ static pbw_status pbwim__output(pbwim__mesh *m, pbw_tets *out)
    close the space between two sheets of it. */
 static pbw_status pbwim__close_gaps(pbwim__mesh *m)
 {
-    pbwsf__array blocks[2], counts;
+    pbwim__sorting sorting;
     pbw_status status = PBW_ERROR_MEMORY;
     size_t count = 0, i;
-    memset(blocks, 0, sizeof blocks);
-    memset(&counts, 0, sizeof counts);
-    counts.count = m->points;
+    memset(&sorting, 0, sizeof sorting);
     for (i = 0; i < 4 * m->tets; i++) {
         count += *PBWIM__CORNER(m, i / 4) != PBW_NONE && PBWIM__NEXT(m, i / 4)[i % 4] == PBW_NONE;
     }
-    if (pbwsf__resize(&m->memory, blocks, (count + 1) * sizeof(pbwim__facet))
-        && pbwsf__resize(&m->memory, blocks + 1, (count + 1) * sizeof(pbwim__facet))
-        && pbwsf__resize(&m->memory, &counts, (m->points + 2) * sizeof(size_t))) {
-        pbwim__facet *f = (pbwim__facet *)blocks[0].data;
+    if (pbwim__begin_sorting(&m->memory, &sorting, count, m->points)) {
+        pbwim__facet *f = sorting.items.at;
         for (i = 0, count = 0; i < 4 * m->tets; i++) {
             if (*PBWIM__CORNER(m, i / 4) != PBW_NONE && PBWIM__NEXT(m, i / 4)[i % 4] == PBW_NONE) {
                 f[count++] = pbwim__facet_of(m, (pbw_index)(i / 4), (int)(i % 4));
             }
         }
-        f = pbwim__sort(f, (pbwim__facet *)blocks[1].data, count, &counts, 3);
+        f = pbwim__sort(&sorting, count, 3);
         for (i = 0; i + 1 < count; i++, f++) {
             if (memcmp(f->v, f[1].v, sizeof f->v) == 0
                 && pbwim__facet_parity(m, f->t, f->i) != pbwim__facet_parity(m, f[1].t, f[1].i)) {
@@ -3430,9 +3434,7 @@ static pbw_status pbwim__close_gaps(pbwim__mesh *m)
         }
         status = PBW_OK;
     }
-    pbwsf__release(&m->memory, blocks);
-    pbwsf__release(&m->memory, blocks + 1);
-    pbwsf__release(&m->memory, &counts);
+    pbwim__end_sorting(&m->memory, &sorting);
     return status;
 }
 

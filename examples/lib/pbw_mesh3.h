@@ -267,6 +267,17 @@ PBW_CONTRACTION_OFF                        /* fused operations would give other 
 enum { PBWM3__SHARP, PBWM3__SMOOTH, PBWM3__INSIDE, PBWM3__REMOVED }; /* removed: it lies on another point */
 enum { PBWM3__BATCH = 8192 };              /* samples of the surface that threads compute at once */
 
+typedef double pbwm3__vector[3];
+typedef pbw_index pbwm3__quadruple[4], pbwm3__triple[3], pbwm3__pair[2];
+typedef PBW_ARRAY(pbw_index) pbwm3__indices;
+typedef PBW_ARRAY(size_t) pbwm3__counts;
+typedef PBW_ARRAY(double) pbwm3__numbers;
+typedef PBW_ARRAY(unsigned char) pbwm3__flags;
+typedef PBW_ARRAY(int) pbwm3__labels;
+typedef PBW_ARRAY(pbwm3__vector) pbwm3__vectors;
+typedef PBW_ARRAY(pbwm3__triple) pbwm3__triples;
+typedef PBW_ARRAY(pbwm3__pair) pbwm3__pairs;
+
 typedef struct pbwm3__new_point {          /* that a facet needs */
     double p[3];                           /* on the surface */
     size_t facet;                          /* 4 t + i */
@@ -278,6 +289,16 @@ typedef struct pbwm3__piece { pbw_index a, b; size_t chain; double from, to; } p
 typedef struct pbwm3__chain { size_t first, count, set; int closed, loose; } pbwm3__chain;    /* range of `path`;
                                               loose: an end of it is no other chain's; set: of its patches */
 typedef struct pbwm3__chain_vertex { pbw_index vertex; double along; } pbwm3__chain_vertex;
+
+typedef struct pbwm3__set { size_t first, count; } pbwm3__set;       /* range of `members` */
+
+typedef struct pbwm3__shell {
+    double volume, area;                   /* volume: signed until all are turned outward */
+    size_t around;                         /* shells that it is inside of */
+    size_t body;                           /* shells of one body have walls in common; without walls, itself */
+    pbw_index triangle;                    /* its first */
+    int open, seen;
+} pbwm3__shell;
 
 typedef struct pbwm3__work {
     pbw_memory memory;
@@ -299,60 +320,48 @@ typedef struct pbwm3__work {
     double size, distance, cosine, low[3], high[3];
     double floor, least, step;             /* sizes: what none is below; the least of the field; width of the spacing
                                               grid's cells */
-    pbwsf__array field;                    /* local sizes, in cells as wide as the size, n along each axis */
+    pbwm3__numbers field;                  /* local sizes, in cells as wide as the size, n along each axis */
     size_t n[3];
     pbw_surface surface;                   /* of points at different places */
-    pbwsf__array vertices, triangles;      /* its own arrays */
-    pbwsf__array x, kind;                  /* points of the mesh */
+    pbwm3__vectors vertices;               /* its own arrays */
+    pbwm3__triples triangles;
+    pbwm3__vectors x;                      /* points of the mesh */
+    pbwm3__flags kind;
     size_t first_closing;                  /* triangles from here on close holes */
-    pbwsf__array origin;                   /* of each triangle of the surface: its number in the input */
-    pbwsf__array shell, shells;            /* of each triangle; and what they are */
-    pbwsf__array sides;                    /* with walls: per triangle, the shells in front of it and behind it */
-    pbwsf__array outer;                    /* with walls: per triangle, the shell around its body, PBW_NONE outside
+    pbwm3__indices origin;                 /* of each triangle of the surface: its number in the input */
+    pbwm3__indices shell;                  /* of each triangle */
+    PBW_ARRAY(pbwm3__shell) shells;
+    pbwm3__indices sides;                  /* with walls: per triangle, the shells in front of it and behind it */
+    pbwm3__indices outer;                  /* with walls: per triangle, the shell around its body, PBW_NONE outside
                                               all; before it is known, the body's number */
-    pbwsf__array holes;
-    pbwsf__array part;                     /* of each triangle: its part of the surface between sharp edges */
-    pbwsf__array patch;                    /* the same, or 0 if the surface is one patch */
-    pbwsf__array firsts;                   /* the first triangle of each patch */
-    pbwsf__array sets, members;            /* sets of patches: set i < patch_count is {i}, others are those that
+    PBW_ARRAY(pbw_solid_hole) holes;
+    pbwm3__indices part;                   /* of each triangle: its part of the surface between sharp edges */
+    pbwm3__indices patch;                  /* the same, or 0 if the surface is one patch */
+    pbwm3__indices firsts;                 /* the first triangle of each patch */
+    PBW_ARRAY(pbwm3__set) sets;
+    pbwm3__indices members;                /* sets of patches: set i < patch_count is {i}, others are those that
                                               meet at sharp edges and corners */
-    pbwsf__array set;                      /* of each point: the set of patches that it is on */
+    pbwm3__indices set;                    /* of each point: the set of patches that it is on */
     size_t patch_count;
-    pbwsf__array heads, links;             /* spacing grid: the first point of each cell, the next in its cell */
+    pbwm3__indices heads, links;           /* spacing grid: the first point of each cell, the next in its cell */
     size_t cells;
-    pbwsf__array pieces, chains, path;
+    PBW_ARRAY(pbwm3__piece) pieces;
+    PBW_ARRAY(pbwm3__chain) chains;
+    PBW_ARRAY(pbwm3__chain_vertex) path;
     pbw_mesh mesh;
-    pbwsf__array centre, label;
-    pbwsf__array needs, new_points;        /* per tetrahedron, bits of the facets that need a point; these points */
-    pbwsf__array corners, marks, regions;  /* the solid before improvement */
+    pbwm3__vectors centre;                 /* of the sphere of each tetrahedron */
+    pbwm3__labels label;
+    pbwm3__flags needs;                    /* per tetrahedron, bits of the facets that need a point */
+    PBW_ARRAY(pbwm3__new_point) new_points;
+    PBW_ARRAY(pbwm3__quadruple) corners;   /* the solid before improvement */
+    pbwm3__indices regions;
+    pbwm3__flags marks;
     pbw_solid_report *report;
 } pbwm3__work;
 
-#define PBWM3__X(w, p) ((double *)(w)->x.data + 3 * (size_t)(p))
-#define PBWM3__KIND(w) ((unsigned char *)(w)->kind.data)
-#define PBWM3__LABEL(w) ((int *)(w)->label.data)
-#define PBWM3__CENTRE(w, t) ((double *)(w)->centre.data + 3 * (size_t)(t))
-
-typedef struct pbwm3__set { size_t first, count; } pbwm3__set;       /* range of `members` */
-
-typedef struct pbwm3__shell {
-    double volume, area;                   /* volume: signed until all are turned outward */
-    size_t around;                         /* shells that it is inside of */
-    size_t body;                           /* shells of one body have walls in common; without walls, itself */
-    pbw_index triangle;                    /* its first */
-    int open, seen;
-} pbwm3__shell;
-
-static int pbwm3__append(pbwm3__work *w, pbwsf__array *array, const void *item, size_t size)
-{
-    void *place = pbwsf__room(&w->memory, array, 1, size);
-    if (place == NULL) {
-        return 0;
-    }
-    memcpy(place, item, size);
-    array->count++;
-    return 1;
-}
+/* Puts an item behind the last that is an array itself; item: its address.  Returns 0 without memory. */
+#define PBWM3__APPEND(w, array, item) (PBW_RESERVE(&(w)->memory, array, 1) \
+                                       && (memcpy((array).at + (array).count++, item, sizeof *(array).at), 1))
 
 /* Reports that a share of the current stage is done.  Returns 1 if the caller cancels. */
 static int pbwm3__progress(const pbwm3__work *w, double share)
@@ -452,7 +461,7 @@ static size_t pbwm3__field_cell(const pbwm3__work *w, const double p[3])
 
 static double pbwm3__size(const pbwm3__work *w, const double p[3])
 {
-    const double size = w->least < w->size ? ((const double *)w->field.data)[pbwm3__field_cell(w, p)] : w->size;
+    const double size = w->least < w->size ? w->field.at[pbwm3__field_cell(w, p)] : w->size;
     return w->how.size_at == NULL ? size : fmax(w->least, fmin(size, w->how.size_at(w->how.size_user, p)));
 }
 
@@ -479,8 +488,8 @@ static size_t pbwm3__cell_of(const pbwm3__work *w, const double p[3])
 /* The nearest point to p of kinds `least` to `most` within a distance; PBW_NONE if there is none. */
 static pbw_index pbwm3__nearest(const pbwm3__work *w, const double p[3], double within, int least, int most)
 {
-    const pbw_index *heads = (const pbw_index *)w->heads.data, *links = (const pbw_index *)w->links.data;
-    const unsigned char *kinds = PBWM3__KIND(w);
+    const pbw_index *heads = w->heads.at, *links = w->links.at;
+    const unsigned char *kinds = w->kind.at;
     double best = within;
     pbw_index found = PBW_NONE, q;
     int64_t low[3], high[3], at[3];
@@ -494,7 +503,7 @@ static pbw_index pbwm3__nearest(const pbwm3__work *w, const double p[3], double 
             for (at[0] = low[0]; at[0] <= high[0]; at[0]++) {
                 for (q = heads[pbwm3__cell(w, at)]; q != PBW_NONE; q = links[q]) {
                     const double d = kinds[q] < least || kinds[q] > most ? HUGE_VAL
-                                   : pbwsf__distance(p, PBWM3__X(w, q));
+                                   : pbwsf__distance(p, w->x.at[q]);
                     if (d < best || (d <= best && q < found && found != PBW_NONE)) {
                         best = d;
                         found = q;
@@ -508,18 +517,18 @@ static pbw_index pbwm3__nearest(const pbwm3__work *w, const double p[3], double 
 
 static void pbwm3__put_in_cell(pbwm3__work *w, pbw_index p)
 {
-    pbw_index *head = (pbw_index *)w->heads.data + pbwm3__cell_of(w, PBWM3__X(w, p));
-    ((pbw_index *)w->links.data)[p] = *head;
+    pbw_index *head = w->heads.at + pbwm3__cell_of(w, w->x.at[p]);
+    w->links.at[p] = *head;
     *head = p;
 }
 
 static void pbwm3__take_from_cell(pbwm3__work *w, pbw_index p)
 {
-    pbw_index *link = (pbw_index *)w->heads.data + pbwm3__cell_of(w, PBWM3__X(w, p));
+    pbw_index *link = w->heads.at + pbwm3__cell_of(w, w->x.at[p]);
     while (*link != p) {
-        link = (pbw_index *)w->links.data + *link;
+        link = w->links.at + *link;
     }
-    *link = ((pbw_index *)w->links.data)[p];
+    *link = w->links.at[p];
 }
 
 /* A new point on the patches of a set.  Returns its number, or PBW_NONE if there is no memory. */
@@ -528,13 +537,13 @@ static pbw_index pbwm3__add(pbwm3__work *w, const double p[3], int kind, size_t 
     const pbw_index number = (pbw_index)w->x.count;
     const unsigned char byte = (unsigned char)kind;
     const pbw_index on = (pbw_index)set;
-    if (w->x.count >= PBW_NONE / 8 || pbwsf__room(&w->memory, &w->links, 1, sizeof number) == NULL
-        || pbwsf__room(&w->memory, &w->kind, 1, 1) == NULL || !pbwm3__append(w, &w->set, &on, sizeof on)
-        || !pbwm3__append(w, &w->x, p, 3 * sizeof *p)) {
+    if (w->x.count >= PBW_NONE / 8 || !PBW_RESERVE(&w->memory, w->links, 1) || !PBW_RESERVE(&w->memory, w->kind, 1)
+        || !PBW_PUSH(&w->memory, w->set, on)
+        || !PBWM3__APPEND(w, w->x, p)) {
         return PBW_NONE;
     }
     w->links.count++;
-    PBWM3__KIND(w)[w->kind.count++] = byte;
+    w->kind.at[w->kind.count++] = byte;
     pbwm3__put_in_cell(w, number);
     return number;
 }
@@ -555,14 +564,13 @@ static int pbwm3__weld(pbwm3__work *w, const pbw_solid_input *in, const pbw_inde
     }
     for (i = 0; i < in->point_count; i++) {
         const double *p = in->points + 3 * (size_t)order[i];
-        const double *last = w->vertices.count == 0 ? p
-                           : (const double *)w->vertices.data + 3 * (w->vertices.count - 1);
+        const double *last = w->vertices.count == 0 ? p : w->vertices.at[w->vertices.count - 1];
         if (number[order[i]] == PBW_NONE) {
             continue;
         }
         if (w->vertices.count == 0 || p[0] < last[0] || p[0] > last[0] || p[1] < last[1] || p[1] > last[1]
             || p[2] < last[2] || p[2] > last[2]) {
-            if (!pbwm3__append(w, &w->vertices, p, 3 * sizeof *p)) {
+            if (!PBWM3__APPEND(w, w->vertices, p)) {
                 return 0;
             }
         }
@@ -576,7 +584,7 @@ static int pbwm3__weld(pbwm3__work *w, const pbw_solid_input *in, const pbw_inde
         }
         if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) {
             const pbw_index from = (pbw_index)i;
-            if (!pbwm3__append(w, &w->triangles, t, sizeof t) || !pbwm3__append(w, &w->origin, &from, sizeof from)) {
+            if (!PBWM3__APPEND(w, w->triangles, t) || !PBW_PUSH(&w->memory, w->origin, from)) {
                 return 0;
             }
         }
@@ -586,7 +594,7 @@ static int pbwm3__weld(pbwm3__work *w, const pbw_solid_input *in, const pbw_inde
 
 static pbw_status pbwm3__take_triangles(pbwm3__work *w, const pbw_solid_input *in)
 {
-    pbwsf__array order, number;
+    pbwm3__indices order = { NULL, 0, 0 }, number = { NULL, 0, 0 };
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i;
     for (i = 0; i < 3 * in->triangle_count; i++) {
@@ -594,29 +602,30 @@ static pbw_status pbwm3__take_triangles(pbwm3__work *w, const pbw_solid_input *i
             return PBW_ERROR_ARGUMENT;
         }
     }
-    memset(&order, 0, sizeof order);
-    memset(&number, 0, sizeof number);
-    if (pbwsf__resize(&w->memory, &order, (in->point_count + 1) * sizeof(pbw_index))
-        && pbwsf__resize(&w->memory, &number, (in->point_count + 1) * sizeof(pbw_index))) {
-        status = pbw_order(3, in->points, in->point_count, pbwm3__inner_options(w), (pbw_index *)order.data);
+    if (PBW_FIT(&w->memory, order, in->point_count + 1)
+        && PBW_FIT(&w->memory, number, in->point_count + 1)) {
+        status = pbw_order(3, in->points, in->point_count, pbwm3__inner_options(w), order.at);
         if ((status == PBW_OK || status == PBW_DEGENERATE)
-            && !pbwm3__weld(w, in, (const pbw_index *)order.data, (pbw_index *)number.data)) {
+            && !pbwm3__weld(w, in, order.at, number.at)) {
             status = PBW_ERROR_MEMORY;
         }
     }
-    pbwsf__release(&w->memory, &order);
-    pbwsf__release(&w->memory, &number);
+    PBW_RELEASE(&w->memory, order);
+    PBW_RELEASE(&w->memory, number);
     return status;
 }
 
 /* ---- an implicit function, over the six tetrahedra of each cube of a grid ---- */
 
+typedef size_t pbwm3__nodes[2];
+
 typedef struct pbwm3__grid {
     pbwm3__work *w;
     size_t n[3];                           /* nodes along the axes */
     double step;
-    pbwsf__array value, crossing;          /* per node; per node and direction 1..7, the vertex on that edge */
-    pbwsf__array ends;                     /* of each vertex: the nodes of its edge, that below zero first */
+    pbwm3__numbers value;                  /* per node */
+    pbwm3__indices crossing;               /* per node and direction 1..7, the vertex on that edge */
+    PBW_ARRAY(pbwm3__nodes) ends;          /* of each vertex: the nodes of its edge, that below zero first */
 } pbwm3__grid;
 
 static void pbwm3__node(const pbwm3__work *w, const pbwm3__grid *g, size_t node, double p[3])
@@ -640,10 +649,10 @@ static void pbwm3__root(const pbw_solid_input *in, const double a[3], const doub
 /* The vertex on the edge between nodes a and b = a + direction; PBW_NONE if there is no memory. */
 static pbw_index pbwm3__cross_edge(pbwm3__work *w, pbwm3__grid *g, size_t a, size_t b, int direction)
 {
-    pbw_index *vertex = (pbw_index *)g->crossing.data + 7 * a + (size_t)(direction - 1);
-    const double *value = (const double *)g->value.data;
+    pbw_index *vertex = g->crossing.at + 7 * a + (size_t)(direction - 1);
+    const double *value = g->value.at;
     const size_t ends[2] = { value[a] < 0 ? a : b, value[a] < 0 ? b : a };
-    if (*vertex == PBW_NONE && g->ends.count < PBW_NONE / 8 && pbwm3__append(w, &g->ends, ends, sizeof ends)) {
+    if (*vertex == PBW_NONE && g->ends.count < PBW_NONE / 8 && PBWM3__APPEND(w, g->ends, ends)) {
         *vertex = (pbw_index)(g->ends.count - 1);
     }
     return *vertex;
@@ -653,7 +662,7 @@ static pbw_index pbwm3__cross_edge(pbwm3__work *w, pbwm3__grid *g, size_t a, siz
    from the first one to each. */
 static int pbwm3__cross_tet(pbwm3__work *w, pbwm3__grid *g, const size_t node[4], const int bits[4])
 {
-    const double *value = (const double *)g->value.data;
+    const double *value = g->value.at;
     pbw_index v[4], t[3];
     int in[4], out[4], ins = 0, outs = 0, count = 0, i, k;
     for (i = 0; i < 4; i++) {
@@ -675,7 +684,7 @@ static int pbwm3__cross_tet(pbwm3__work *w, pbwm3__grid *g, const size_t node[4]
     }
     for (i = 2; i < count; i++) {
         t[0] = v[0], t[1] = v[i - 1], t[2] = v[i];
-        if (!pbwm3__append(w, &w->triangles, t, sizeof t)) {
+        if (!PBWM3__APPEND(w, w->triangles, t)) {
             return 0;
         }
     }
@@ -686,7 +695,7 @@ static int pbwm3__cross_cube(pbwm3__work *w, pbwm3__grid *g, size_t node)
 {
     static const int path[6][4] = { { 0, 1, 3, 7 }, { 0, 1, 5, 7 }, { 0, 2, 3, 7 }, { 0, 2, 6, 7 }, { 0, 4, 5, 7 },
                                     { 0, 4, 6, 7 } };
-    const double *value = (const double *)g->value.data;
+    const double *value = g->value.at;
     size_t corner[8], tet[4];
     int i, k, below = 0;
     for (i = 0; i < 8; i++) {
@@ -712,7 +721,7 @@ static pbw_status pbwm3__value_range(void *arg, size_t from, size_t to)
     for (i = from; i < to; i++) {
         double p[3];
         pbwm3__node(g->w, g, i, p);
-        ((double *)g->value.data)[i] = in->value(in->value_user, p);
+        g->value.at[i] = in->value(in->value_user, p);
     }
     return PBW_OK;
 }
@@ -722,11 +731,11 @@ static pbw_status pbwm3__root_range(void *arg, size_t from, size_t to)
     const pbwm3__grid *g = (const pbwm3__grid *)arg;
     size_t i;
     for (i = from; i < to; i++) {
-        const size_t *ends = (const size_t *)g->ends.data + 2 * i;
+        const size_t *ends = g->ends.at[i];
         double p[3], q[3];
         pbwm3__node(g->w, g, ends[0], p);
         pbwm3__node(g->w, g, ends[1], q);
-        pbwm3__root(g->w->input, p, q, (double *)g->w->vertices.data + 3 * i);
+        pbwm3__root(g->w->input, p, q, g->w->vertices.at[i]);
     }
     return PBW_OK;
 }
@@ -745,9 +754,9 @@ static pbw_status pbwm3__take_function(pbwm3__work *w)
         g.n[k] = (size_t)ceil((w->high[k] - w->low[k]) / g.step) + 1;
         nodes *= g.n[k];
     }
-    if (pbwsf__resize(&w->memory, &g.value, nodes * sizeof(double))
-        && pbwsf__resize(&w->memory, &g.crossing, 7 * nodes * sizeof(pbw_index))) {
-        memset(g.crossing.data, 0xff, 7 * nodes * sizeof(pbw_index));
+    if (PBW_FIT(&w->memory, g.value, nodes)
+        && PBW_FIT(&w->memory, g.crossing, 7 * nodes)) {
+        memset(g.crossing.at, 0xff, 7 * nodes * sizeof(pbw_index));
         status = pbw_for(pbwm3__inner_options(w), nodes, 1024, pbwm3__value_range, &g);
         for (i = 0; i < nodes && status == PBW_OK; i++) {
             if (i % g.n[0] + 1 < g.n[0] && i / g.n[0] % g.n[1] + 1 < g.n[1] && i / g.n[0] / g.n[1] + 1 < g.n[2]) {
@@ -755,34 +764,31 @@ static pbw_status pbwm3__take_function(pbwm3__work *w)
             }
         }
     }
-    if (status == PBW_OK && !pbwsf__resize(&w->memory, &w->vertices, (g.ends.count + 1) * 3 * sizeof(double))) {
+    if (status == PBW_OK && !PBW_FIT(&w->memory, w->vertices, g.ends.count + 1)) {
         status = PBW_ERROR_MEMORY;
     }
     if (status == PBW_OK) {
         w->vertices.count = g.ends.count;
         status = pbw_for(pbwm3__inner_options(w), g.ends.count, 128, pbwm3__root_range, &g);
     }
-    pbwsf__release(&w->memory, &g.value);
-    pbwsf__release(&w->memory, &g.crossing);
-    pbwsf__release(&w->memory, &g.ends);
+    PBW_RELEASE(&w->memory, g.value);
+    PBW_RELEASE(&w->memory, g.crossing);
+    PBW_RELEASE(&w->memory, g.ends);
     return status;
 }
 
 /* Returns edges, sorted: v[0] < v[1], v[2] whether the triangle t has them upwards, i its corner that starts it.
    NULL: no memory. */
 static pbwim__facet *pbwm3__edges(pbw_memory *memory, const pbw_index *triangles, size_t count, size_t points,
-                                  pbwsf__array blocks[3])
+                                  pbwim__sorting *sorting)
 {
     pbwim__facet *edge;
     size_t i;
-    memset(blocks, 0, 3 * sizeof *blocks);
-    blocks[2].count = points;
-    if (!pbwsf__resize(memory, blocks, (3 * count + 1) * sizeof *edge)
-        || !pbwsf__resize(memory, blocks + 1, (3 * count + 1) * sizeof *edge)
-        || !pbwsf__resize(memory, blocks + 2, (points + 2) * sizeof(size_t))) {
+    memset(sorting, 0, sizeof *sorting);
+    if (!pbwim__begin_sorting(memory, sorting, 3 * count, points)) {
         return NULL;
     }
-    edge = (pbwim__facet *)blocks[0].data;
+    edge = sorting->items.at;
     for (i = 0; i < 3 * count; i++) {
         const pbw_index a = triangles[i], b = triangles[i / 3 * 3 + (i + 1) % 3];
         edge[i].v[0] = a < b ? a : b;
@@ -791,14 +797,7 @@ static pbwim__facet *pbwm3__edges(pbw_memory *memory, const pbw_index *triangles
         edge[i].t = (pbw_index)(i / 3);
         edge[i].i = (int)(i % 3);
     }
-    return pbwim__sort(edge, (pbwim__facet *)blocks[1].data, 3 * count, blocks + 2, 2);
-}
-
-static void pbwm3__free_blocks(pbw_memory *memory, pbwsf__array blocks[3])
-{
-    pbwsf__release(memory, blocks);
-    pbwsf__release(memory, blocks + 1);
-    pbwsf__release(memory, blocks + 2);
+    return pbwim__sort(sorting, 3 * count, 2);
 }
 
 static size_t pbwm3__root_of(size_t *parent, size_t i)
@@ -835,14 +834,15 @@ static size_t pbwm3__oriented_root(const pbwm3__orientation *trees, size_t i, in
 }
 
 typedef struct pbwm3__open_edge { pbw_index a, b, triangle, next; } pbwm3__open_edge;    /* next: another from a */
+typedef PBW_ARRAY(pbwm3__open_edge) pbwm3__open_edges;
 
 /* Joins the triangles at edges of two, and lists the open edges, as their triangles have them. */
-static int pbwm3__join_shells(pbwm3__work *w, const pbwm3__orientation *trees, pbwsf__array *open)
+static int pbwm3__join_shells(pbwm3__work *w, const pbwm3__orientation *trees, pbwm3__open_edges *open)
 {
-    const size_t count = 3 * (w->triangles.count);
-    pbwsf__array blocks[3];
-    const pbw_index *triangles = (const pbw_index *)w->triangles.data;
-    const pbwim__facet *edge = pbwm3__edges(&w->memory, triangles, w->triangles.count, w->vertices.count, blocks);
+    const size_t count = 3 * w->triangles.count;
+    pbwim__sorting sorting;
+    const pbwim__facet *edge = pbwm3__edges(&w->memory, (const pbw_index *)w->triangles.at, w->triangles.count,
+                                            w->vertices.count, &sorting);
     size_t i, k;
     int good = edge != NULL;
     for (i = 0; good && i < count; i = k) {
@@ -857,7 +857,7 @@ static int pbwm3__join_shells(pbwm3__work *w, const pbwm3__orientation *trees, p
             e.triangle = edge[i].t;
             e.next = PBW_NONE;
             w->report->open_edges++;
-            good = pbwm3__append(w, open, &e, sizeof e);
+            good = PBW_PUSH(&w->memory, *open, e);
         } else if (k - i == 2) {
             int first, second;
             const size_t a = pbwm3__oriented_root(trees, edge[i].t, &first);
@@ -869,13 +869,13 @@ static int pbwm3__join_shells(pbwm3__work *w, const pbwm3__orientation *trees, p
             }
         }
     }
-    pbwm3__free_blocks(&w->memory, blocks);
+    pbwim__end_sorting(&w->memory, &sorting);
     return good;
 }
 
 static void pbwm3__flip_triangle(pbwm3__work *w, size_t t)
 {
-    pbw_index *c = (pbw_index *)w->triangles.data + 3 * t;
+    pbw_index *c = w->triangles.at[t];
     const pbw_index was = c[1];
     c[1] = c[2];
     c[2] = was;
@@ -890,23 +890,23 @@ static int pbwm3__number_shells(pbwm3__work *w, const pbwm3__orientation *trees)
     size_t t;
     int flipped;
     memset(&shell, 0, sizeof shell);
-    if (!pbwsf__resize(&w->memory, &w->shell, (count + 1) * sizeof *number)) {
+    if (!PBW_FIT(&w->memory, w->shell, count + 1)) {
         return 0;
     }
-    number = (pbw_index *)w->shell.data;
+    number = w->shell.at;
     for (t = 0; t < count; t++) {
         const size_t root = pbwm3__oriented_root(trees, t, &flipped);
         shell.triangle = (pbw_index)t;
         shell.body = w->shells.count;
         number[t] = root == t ? (pbw_index)w->shells.count : number[root];
-        if (root == t && !pbwm3__append(w, &w->shells, &shell, sizeof shell)) {
+        if (root == t && !PBW_PUSH(&w->memory, w->shells, shell)) {
             return 0;
         }
-        ((pbwm3__shell *)w->shells.data)[number[t]].volume += flipped ? -1 : 1;
+        w->shells.at[number[t]].volume += flipped ? -1 : 1;
     }
     for (t = 0; t < count; t++) {
         (void)pbwm3__oriented_root(trees, t, &flipped);
-        if (flipped == (((pbwm3__shell *)w->shells.data)[number[t]].volume >= 0)) {
+        if (flipped == (w->shells.at[number[t]].volume >= 0)) {
             pbwm3__flip_triangle(w, t);
         }
     }
@@ -918,9 +918,10 @@ static int pbwm3__number_shells(pbwm3__work *w, const pbwm3__orientation *trees)
 /* Areas and volumes of the shells, from the middle of the box; closed ones are turned outward. */
 static void pbwm3__measure_shells(pbwm3__work *w)
 {
-    const pbw_index *c = (const pbw_index *)w->triangles.data, *number = (const pbw_index *)w->shell.data;
-    const double *x = (const double *)w->vertices.data;
-    pbwm3__shell *shell = (pbwm3__shell *)w->shells.data;
+    const pbw_index *number = w->shell.at;
+    pbwm3__triple *c = w->triangles.at;
+    pbwm3__vector *x = w->vertices.at;
+    pbwm3__shell *shell = w->shells.at;
     double middle[3];
     size_t t;
     int i, k;
@@ -932,7 +933,7 @@ static void pbwm3__measure_shells(pbwm3__work *w)
         double p[3][3], n[3];
         for (i = 0; i < 3; i++) {
             for (k = 0; k < 3; k++) {
-                p[i][k] = x[3 * (size_t)c[3 * t + (size_t)i] + (size_t)k] - middle[k];
+                p[i][k] = x[c[t][i]][k] - middle[k];
             }
         }
         pbwsf__normal(p[0], p[1], p[2], n);
@@ -951,8 +952,8 @@ static void pbwm3__measure_shells(pbwm3__work *w)
 /* Triangles of least area between the n points of a loop, into `out`: n - 2, three places in the loop each.  area and
    best: of the run from i to j at i * n + j.  Returns their area (Barequet and Sharir 1995, "Filling gaps in the
    boundary of a polyhedron"). */
-static double pbwm3__least_area(const double *points, const pbw_index *loop, size_t n, double *area, pbw_index *best,
-                                pbw_index *out)
+static double pbwm3__least_area(const pbwm3__work *w, const pbw_index *loop, size_t n, double *area, pbw_index *best,
+                                pbwm3__triple *out)
 {
     size_t length, i, j, k, count, done;
     for (length = 1; length < n; length++) {
@@ -961,8 +962,7 @@ static double pbwm3__least_area(const double *points, const pbw_index *loop, siz
             j = i + length;
             for (k = i + 1; k < j; k++) {
                 double normal[3], sum = area[i * n + k] + area[k * n + j];
-                pbwsf__normal(points + 3 * (size_t)loop[i], points + 3 * (size_t)loop[k],
-                              points + 3 * (size_t)loop[j], normal);
+                pbwsf__normal(w->vertices.at[loop[i]], w->vertices.at[loop[k]], w->vertices.at[loop[j]], normal);
                 sum += sqrt(pbwsf__dot(normal, normal)) / 2;
                 if (sum < least || k == i + 1) {
                     least = sum;
@@ -972,15 +972,15 @@ static double pbwm3__least_area(const double *points, const pbw_index *loop, siz
             area[i * n + j] = least;
         }
     }
-    out[0] = 0;
-    out[2] = (pbw_index)(n - 1);
+    out[0][0] = 0;
+    out[0][2] = (pbw_index)(n - 1);
     for (done = 0, count = 1; done < count; done++) {            /* a run's triangle, then both of its parts */
-        pbw_index *run = out + 3 * done;
+        pbw_index *run = out[done];
         run[1] = best[(size_t)run[0] * n + run[2]];
         for (i = 0; i < 2; i++) {
             if (run[i + 1] - run[i] > 1) {
-                out[3 * count] = run[i];
-                out[3 * count++ + 2] = run[i + 1];
+                out[count][0] = run[i];
+                out[count++][2] = run[i + 1];
             }
         }
     }
@@ -994,8 +994,8 @@ static int pbwm3__close_with(pbwm3__work *w, pbw_index a, pbw_index b, pbw_index
     if (a == b || b == c || c == a) {
         return 1;
     }
-    return pbwm3__append(w, &w->triangles, t, sizeof t) && pbwm3__append(w, &w->origin, &none, sizeof none)
-        && pbwm3__append(w, &w->shell, &shell, sizeof shell);
+    return PBWM3__APPEND(w, w->triangles, t) && PBW_PUSH(&w->memory, w->origin, none)
+        && PBW_PUSH(&w->memory, w->shell, shell);
 }
 
 enum { PBWM3__LOOP = 400 };                /* points of a loop whose least area is found; longer ones become fans */
@@ -1004,14 +1004,14 @@ enum { PBWM3__LOOP = 400 };                /* points of a loop whose least area 
 static int pbwm3__close_by_fan(pbwm3__work *w, const pbw_index *loop, size_t n, pbw_index number,
                                pbw_solid_hole *hole)
 {
-    const double *x = (const double *)w->vertices.data;
+    pbwm3__vector *x = w->vertices.at;
     size_t i;
     for (i = 0; i < n; i++) {
         double normal[3];
-        pbwsf__normal(hole->place, x + 3 * (size_t)loop[i], x + 3 * (size_t)loop[(i + 1) % n], normal);
+        pbwsf__normal(hole->place, x[loop[i]], x[loop[(i + 1) % n]], normal);
         w->closing_area += sqrt(pbwsf__dot(normal, normal)) / 2;
     }
-    if (!pbwm3__append(w, &w->vertices, hole->place, sizeof hole->place)) {
+    if (!PBWM3__APPEND(w, w->vertices, hole->place)) {
         return 0;
     }
     for (i = 0; i < n; i++) {
@@ -1024,39 +1024,37 @@ static int pbwm3__close_by_fan(pbwm3__work *w, const pbw_index *loop, size_t n, 
 
 static int pbwm3__close_loop(pbwm3__work *w, const pbw_index *loop, size_t n, pbw_index number, pbw_solid_hole *hole)
 {
-    pbwsf__array block;
-    double *area;
-    pbw_index *best, *out;
+    pbwm3__numbers area = { NULL, 0, 0 };
+    pbwm3__indices best = { NULL, 0, 0 };
+    pbwm3__triples out = { NULL, 0, 0 };
     size_t i;
     int good;
     if (n > PBWM3__LOOP) {
         return pbwm3__close_by_fan(w, loop, n, number, hole);
     }
-    memset(&block, 0, sizeof block);
-    if (!pbwsf__resize(&w->memory, &block, n * n * (sizeof *area + sizeof *best) + 3 * n * sizeof *out)) {
-        return 0;
+    good = PBW_FIT(&w->memory, area, n * n) && PBW_FIT(&w->memory, best, n * n) && PBW_FIT(&w->memory, out, n);
+    if (good) {
+        w->closing_area += pbwm3__least_area(w, loop, n, area.at, best.at, out.at);
     }
-    area = (double *)block.data;
-    best = (pbw_index *)(void *)(area + n * n);
-    out = best + n * n;
-    w->closing_area += pbwm3__least_area((const double *)w->vertices.data, loop, n, area, best, out);
-    for (i = 0, good = 1; i + 2 < n && good; i++) {
-        good = pbwm3__close_with(w, loop[out[3 * i + 2]], loop[out[3 * i + 1]], loop[out[3 * i]], number);
+    for (i = 0; i + 2 < n && good; i++) {
+        good = pbwm3__close_with(w, loop[out.at[i][2]], loop[out.at[i][1]], loop[out.at[i][0]], number);
     }
-    pbwsf__release(&w->memory, &block);
+    PBW_RELEASE(&w->memory, area);
+    PBW_RELEASE(&w->memory, best);
+    PBW_RELEASE(&w->memory, out);
     return good;
 }
 
 /* Lists the points of the loop that starts with an open edge, and marks its edges used (triangle = PBW_NONE).  head:
    the first edge from each point.  Returns 0 without memory; *closed: whether the loop returns to its first point. */
 static int pbwm3__walk_loop(pbwm3__work *w, pbwm3__open_edge *e, size_t start, const pbw_index *head,
-                            pbwsf__array *loop, int *closed)
+                            pbwm3__indices *loop, int *closed)
 {
     pbw_index at = (pbw_index)start;
     loop->count = 0;
     while (at != PBW_NONE) {
         e[at].triangle = PBW_NONE;
-        if (!pbwm3__append(w, loop, &e[at].a, sizeof(pbw_index))) {
+        if (!PBW_PUSH(&w->memory, *loop, e[at].a)) {
             return 0;
         }
         *closed = e[at].b == e[start].a;
@@ -1069,22 +1067,22 @@ static int pbwm3__walk_loop(pbwm3__work *w, pbwm3__open_edge *e, size_t start, c
 
 static int pbwm3__name_hole(pbwm3__work *w, const pbw_index *loop, size_t n, int closed, pbw_index shell)
 {
-    const double *x = (const double *)w->vertices.data;
+    pbwm3__vector *x = w->vertices.at;
     pbw_solid_hole hole;
     size_t i;
     int k;
     memset(&hole, 0, sizeof hole);
     hole.edges = n;
     for (i = 0; i < n; i++) {
-        hole.length += pbwsf__distance(x + 3 * (size_t)loop[i], x + 3 * (size_t)loop[(i + 1) % n]);
+        hole.length += pbwsf__distance(x[loop[i]], x[loop[(i + 1) % n]]);
         for (k = 0; k < 3; k++) {
-            hole.place[k] += x[3 * (size_t)loop[i] + (size_t)k] / (double)n;
+            hole.place[k] += x[loop[i]][k] / (double)n;
         }
     }
     hole.closed = closed && n > 2;
     w->open |= !hole.closed;
     return (!hole.closed || pbwm3__close_loop(w, loop, n, shell, &hole))
-        && pbwm3__append(w, &w->holes, &hole, sizeof hole);
+        && PBW_PUSH(&w->memory, w->holes, hole);
 }
 
 static int pbwm3__compare_holes(const void *a, const void *b)
@@ -1102,44 +1100,42 @@ static int pbwm3__compare_holes(const void *a, const void *b)
     return (x->place[k] > y->place[k]) - (x->place[k] < y->place[k]);
 }
 
-static int pbwm3__find_holes(pbwm3__work *w, pbwsf__array *open)
+static int pbwm3__find_holes(pbwm3__work *w, pbwm3__open_edges *open)
 {
-    pbwm3__open_edge *e = (pbwm3__open_edge *)open->data;
-    pbwsf__array heads, loop;
+    pbwm3__open_edge *e = open->at;
+    pbwm3__indices heads = { NULL, 0, 0 }, loop = { NULL, 0, 0 };
     size_t i, k;
     int good, closed = 0;
-    memset(&heads, 0, sizeof heads);
-    memset(&loop, 0, sizeof loop);
-    good = pbwsf__resize(&w->memory, &heads, (w->vertices.count + 1) * sizeof(pbw_index));
+    good = PBW_FIT(&w->memory, heads, w->vertices.count + 1);
     if (good) {
-        memset(heads.data, 0xff, heads.bytes);
+        memset(heads.at, 0xff, heads.capacity * sizeof *heads.at);
     }
     for (i = open->count; good && i-- > 0;) {
-        const pbw_index *c = (const pbw_index *)w->triangles.data + 3 * (size_t)e[i].triangle;
+        const pbw_index *c = w->triangles.at[e[i].triangle];
         const pbw_index a = e[i].a;
         for (k = 0; c[k] != a; k++) {
         }
-        ((pbwm3__shell *)w->shells.data)[((const pbw_index *)w->shell.data)[e[i].triangle]].open = 1;
+        w->shells.at[w->shell.at[e[i].triangle]].open = 1;
         e[i].a = c[(k + 1) % 3] == e[i].b ? a : e[i].b;    /* as the triangle is turned now */
         e[i].b = e[i].a == a ? e[i].b : a;
-        e[i].next = ((const pbw_index *)heads.data)[e[i].a];
-        ((pbw_index *)heads.data)[e[i].a] = (pbw_index)i;
+        e[i].next = heads.at[e[i].a];
+        heads.at[e[i].a] = (pbw_index)i;
     }
     for (i = 0; good && i < open->count; i++) {
         const pbw_index triangle = e[i].triangle;
         good = triangle == PBW_NONE
-            || (pbwm3__walk_loop(w, e, i, (const pbw_index *)heads.data, &loop, &closed)
-                && pbwm3__name_hole(w, (const pbw_index *)loop.data, loop.count, closed,
-                                    ((const pbw_index *)w->shell.data)[triangle]));
+            || (pbwm3__walk_loop(w, e, i, heads.at, &loop, &closed)
+                && pbwm3__name_hole(w, loop.at, loop.count, closed,
+                                    w->shell.at[triangle]));
     }
     if (good && w->holes.count > 0) {
-        qsort(w->holes.data, w->holes.count, sizeof(pbw_solid_hole), pbwm3__compare_holes);
-        memcpy(w->report->hole, w->holes.data, sizeof(pbw_solid_hole)
+        qsort(w->holes.at, w->holes.count, sizeof(pbw_solid_hole), pbwm3__compare_holes);
+        memcpy(w->report->hole, w->holes.at, sizeof(pbw_solid_hole)
                * (w->holes.count < PBW_SOLID_PLACES ? w->holes.count : (size_t)PBW_SOLID_PLACES));
     }
     w->report->holes = w->holes.count;
-    pbwsf__release(&w->memory, &heads);
-    pbwsf__release(&w->memory, &loop);
+    PBW_RELEASE(&w->memory, heads);
+    PBW_RELEASE(&w->memory, loop);
     return good;
 }
 
@@ -1149,39 +1145,35 @@ static int pbwm3__find_holes(pbwm3__work *w, pbwsf__array *open)
 static int pbwm3__drop_doubles(pbwm3__work *w)
 {
     const size_t count = w->triangles.count;
-    pbw_index *corner = (pbw_index *)w->triangles.data, *origin = (pbw_index *)w->origin.data;
-    pbwsf__array blocks[3], gone;
+    pbwim__sorting sorting;
+    pbwm3__flags gone = { NULL, 0, 0 };
     pbwim__facet *facet;
     size_t i, kept = 0;
     int good;
-    memset(blocks, 0, sizeof blocks);
-    memset(&gone, 0, sizeof gone);
-    blocks[2].count = w->vertices.count;
-    good = pbwsf__resize(&w->memory, blocks, (count + 1) * sizeof *facet)
-        && pbwsf__resize(&w->memory, blocks + 1, (count + 1) * sizeof *facet)
-        && pbwsf__resize(&w->memory, blocks + 2, (w->vertices.count + 2) * sizeof(size_t))
-        && pbwsf__resize(&w->memory, &gone, count + 1);
-    facet = (pbwim__facet *)blocks[0].data;
+    memset(&sorting, 0, sizeof sorting);
+    good = pbwim__begin_sorting(&w->memory, &sorting, count, w->vertices.count)
+        && PBW_FIT(&w->memory, gone, count + 1);
+    facet = sorting.items.at;
     for (i = 0; good && i < count; i++) {
-        memcpy(facet[i].v, corner + 3 * i, sizeof facet[i].v);
+        memcpy(facet[i].v, w->triangles.at[i], sizeof facet[i].v);
         pbwim__sort3(facet[i].v);
         facet[i].t = (pbw_index)i;
-        ((char *)gone.data)[i] = 0;
+        gone.at[i] = 0;
     }
-    facet = good ? pbwim__sort(facet, (pbwim__facet *)blocks[1].data, count, blocks + 2, 3) : NULL;
+    facet = good ? pbwim__sort(&sorting, count, 3) : NULL;
     for (i = 1; good && i < count; i++) {            /* of equal ones, the first comes first */
-        ((char *)gone.data)[facet[i].t] = memcmp(facet[i].v, facet[i - 1].v, sizeof facet[i].v) == 0;
+        gone.at[facet[i].t] = memcmp(facet[i].v, facet[i - 1].v, sizeof facet[i].v) == 0;
     }
     for (i = 0; good && i < count; i++) {
-        if (!((const char *)gone.data)[i]) {
-            memmove(corner + 3 * kept, corner + 3 * i, 3 * sizeof *corner);
-            origin[kept++] = origin[i];
+        if (!gone.at[i]) {
+            memmove(w->triangles.at[kept], w->triangles.at[i], sizeof *w->triangles.at);
+            w->origin.at[kept++] = w->origin.at[i];
         }
     }
     w->report->doubles = good ? count - kept : 0;
     w->triangles.count = w->origin.count = good ? kept : count;
-    pbwm3__free_blocks(&w->memory, blocks);
-    pbwsf__release(&w->memory, &gone);
+    pbwim__end_sorting(&w->memory, &sorting);
+    PBW_RELEASE(&w->memory, gone);
     return good;
 }
 
@@ -1231,28 +1223,28 @@ static void pbwm3__join(size_t *parent, size_t a, size_t b)
 static int pbwm3__join_sides(pbwm3__work *w, size_t *parent)
 {
     const size_t triangles = w->triangles.count, count = 3 * triangles;
-    const pbw_index *corner = (const pbw_index *)w->triangles.data;
-    const double *x = (const double *)w->vertices.data;
-    pbwsf__array blocks[3], room;
-    const pbwim__facet *edge = pbwm3__edges(&w->memory, corner, triangles, w->vertices.count, blocks);
+    pbwm3__triple *corner = w->triangles.at;
+    pbwm3__vector *x = w->vertices.at;
+    pbwim__sorting sorting;
+    PBW_ARRAY(pbwm3__radial) room = { NULL, 0, 0 };
+    const pbwim__facet *edge = pbwm3__edges(&w->memory, corner[0], triangles, w->vertices.count, &sorting);
     size_t i, k, j;
     int good = edge != NULL;
-    memset(&room, 0, sizeof room);
     for (i = 0; good && i < count; i = k) {
         pbwm3__radial radial, *radials;
         room.count = 0;
         for (k = i; good && k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
-            radial.a = x + 3 * (size_t)edge[i].v[0];
-            radial.b = x + 3 * (size_t)edge[i].v[1];
-            radial.c = x + 3 * (size_t)corner[3 * (size_t)edge[k].t + (size_t)((edge[k].i + 2) % 3)];
-            radial.first = k == i ? radial.c : ((const pbwm3__radial *)room.data)->c;
+            radial.a = x[edge[i].v[0]];
+            radial.b = x[edge[i].v[1]];
+            radial.c = x[corner[edge[k].t][(edge[k].i + 2) % 3]];
+            radial.first = k == i ? radial.c : room.at->c;
             radial.half = k == i ? 0 : pbwm3__half_of(&radial);
             radial.up = 2 * (size_t)edge[k].t + (edge[k].v[2] ? 0 : 1);
             radial.down = radial.up ^ 1;
             pbwm3__join(parent, 2 * triangles + edge[i].t, 2 * triangles + edge[k].t);
-            good = pbwm3__append(w, &room, &radial, sizeof radial);
+            good = PBW_PUSH(&w->memory, room, radial);
         }
-        radials = (pbwm3__radial *)room.data;
+        radials = room.at;
         if (good) {
             qsort(radials, room.count, sizeof radial, pbwm3__compare_radials);
         }
@@ -1260,16 +1252,16 @@ static int pbwm3__join_sides(pbwm3__work *w, size_t *parent)
             pbwm3__join(parent, radials[j].up, radials[(j + 1) % room.count].down);
         }
     }
-    pbwm3__free_blocks(&w->memory, blocks);
-    pbwsf__release(&w->memory, &room);
+    pbwim__end_sorting(&w->memory, &sorting);
+    PBW_RELEASE(&w->memory, room);
     return good;
 }
 
 /* Adds up the volumes that the sides of triangles look into, at their roots. */
 static void pbwm3__fill_volumes(const pbwm3__work *w, size_t *parent, double *volume)
 {
-    const pbw_index *c = (const pbw_index *)w->triangles.data;
-    const double *x = (const double *)w->vertices.data;
+    pbwm3__triple *c = w->triangles.at;
+    pbwm3__vector *x = w->vertices.at;
     double middle[3], p[3][3], n[3];
     size_t i;
     int k;
@@ -1279,7 +1271,7 @@ static void pbwm3__fill_volumes(const pbwm3__work *w, size_t *parent, double *vo
     }
     for (i = 0; i < w->triangles.count; i++) {
         for (k = 0; k < 3; k++) {
-            pbwsf__minus(x + 3 * (size_t)c[3 * i + (size_t)k], middle, p[k]);
+            pbwsf__minus(x[c[i][k]], middle, p[k]);
         }
         pbwsf__normal(p[0], p[1], p[2], n);
         volume[pbwm3__root_of(parent, 2 * i)] -= pbwsf__dot(p[0], n) / 6;
@@ -1292,23 +1284,22 @@ static void pbwm3__fill_volumes(const pbwm3__work *w, size_t *parent, double *vo
 static int pbwm3__find_walls(pbwm3__work *w)
 {
     const size_t triangles = w->triangles.count;
-    pbwsf__array parents, volumes;
+    pbwm3__counts parents = { NULL, 0, 0 };
+    pbwm3__numbers volumes = { NULL, 0, 0 };
     pbwm3__shell shell;
     pbw_index *sides, *outer;
     size_t *parent, i;
     double *volume;
     int good;
-    memset(&parents, 0, sizeof parents);
-    memset(&volumes, 0, sizeof volumes);
     memset(&shell, 0, sizeof shell);
-    good = pbwsf__resize(&w->memory, &parents, (3 * triangles + 1) * sizeof *parent)
-        && pbwsf__resize(&w->memory, &volumes, (2 * triangles + 1) * sizeof *volume)
-        && pbwsf__resize(&w->memory, &w->sides, (2 * triangles + 1) * sizeof *sides)
-        && pbwsf__resize(&w->memory, &w->outer, (triangles + 1) * sizeof *outer);
-    parent = (size_t *)parents.data;
-    volume = (double *)volumes.data;
-    sides = (pbw_index *)w->sides.data;
-    outer = (pbw_index *)w->outer.data;
+    good = PBW_FIT(&w->memory, parents, 3 * triangles + 1)
+        && PBW_FIT(&w->memory, volumes, 2 * triangles + 1)
+        && PBW_FIT(&w->memory, w->sides, 2 * triangles + 1)
+        && PBW_FIT(&w->memory, w->outer, triangles + 1);
+    parent = parents.at;
+    volume = volumes.at;
+    sides = w->sides.at;
+    outer = w->outer.at;
     for (i = 0; good && i < 3 * triangles; i++) {
         parent[i] = i;
     }
@@ -1325,7 +1316,7 @@ static int pbwm3__find_walls(pbwm3__work *w)
             shell.triangle = (pbw_index)(i / 2);
             shell.body = pbwm3__root_of(parent, 2 * triangles + i / 2) - 2 * triangles;
             sides[root] = (pbw_index)w->shells.count;
-            good = pbwm3__append(w, &w->shells, &shell, sizeof shell);
+            good = PBW_PUSH(&w->memory, w->shells, shell);
         }
     }
     for (i = 0; good && i < 2 * triangles; i++) {
@@ -1333,8 +1324,8 @@ static int pbwm3__find_walls(pbwm3__work *w)
         outer[i / 2] = (pbw_index)(pbwm3__root_of(parent, 2 * triangles + i / 2) - 2 * triangles);
     }
     w->report->shells = w->shells.count;
-    pbwsf__release(&w->memory, &parents);
-    pbwsf__release(&w->memory, &volumes);
+    PBW_RELEASE(&w->memory, parents);
+    PBW_RELEASE(&w->memory, volumes);
     return good;
 }
 
@@ -1343,17 +1334,16 @@ static int pbwm3__find_shells(pbwm3__work *w)
 {
     const size_t count = w->triangles.count;
     pbwm3__orientation trees;
-    pbwsf__array parents, flipped, open;
+    pbwm3__counts parents = { NULL, 0, 0 };
+    pbwm3__flags flipped = { NULL, 0, 0 };
+    pbwm3__open_edges open = { NULL, 0, 0 };
     double sum = 0;
     size_t i;
     int good;
-    memset(&parents, 0, sizeof parents);
-    memset(&flipped, 0, sizeof flipped);
-    memset(&open, 0, sizeof open);
-    good = pbwsf__resize(&w->memory, &parents, (count + 1) * sizeof(size_t))
-        && pbwsf__resize(&w->memory, &flipped, count + 1);
-    trees.parent = (size_t *)parents.data;
-    trees.flipped = (unsigned char *)flipped.data;
+    good = PBW_FIT(&w->memory, parents, count + 1)
+        && PBW_FIT(&w->memory, flipped, count + 1);
+    trees.parent = parents.at;
+    trees.flipped = flipped.at;
     for (i = 0; good && i < count; i++) {
         trees.parent[i] = i;
         trees.flipped[i] = 0;
@@ -1366,8 +1356,8 @@ static int pbwm3__find_shells(pbwm3__work *w)
         w->open = w->report->crowded_edges > 0;
         good = pbwm3__find_holes(w, &open);
         for (i = 0; i < w->shells.count; i++) {
-            sum += ((const pbwm3__shell *)w->shells.data)[i].area;
-            ((pbwm3__shell *)w->shells.data)[i].open &= w->open;
+            sum += w->shells.at[i].area;
+            w->shells.at[i].open &= w->open;
         }
         w->report->hole_share = sum > 0 ? w->closing_area / sum : 0;
     }
@@ -1376,9 +1366,9 @@ static int pbwm3__find_shells(pbwm3__work *w)
     } else if (good) {
         pbwm3__measure_shells(w);
     }
-    pbwsf__release(&w->memory, &parents);
-    pbwsf__release(&w->memory, &flipped);
-    pbwsf__release(&w->memory, &open);
+    PBW_RELEASE(&w->memory, parents);
+    PBW_RELEASE(&w->memory, flipped);
+    PBW_RELEASE(&w->memory, open);
     return good;
 }
 
@@ -1403,14 +1393,14 @@ typedef struct pbwm3__ray_shells {
 /* The shell in front of a triangle or behind it, PBW_NONE if that side is out of the body. */
 static pbw_index pbwm3__side(const pbwm3__work *w, pbw_index triangle, int back)
 {
-    return w->walls ? ((const pbw_index *)w->sides.data)[2 * (size_t)triangle + (size_t)back]
-         : back ? ((const pbw_index *)w->shell.data)[triangle] : PBW_NONE;
+    return w->walls ? w->sides.at[2 * (size_t)triangle + (size_t)back]
+         : back ? w->shell.at[triangle] : PBW_NONE;
 }
 
 static void pbwm3__cross_shell(void *user, pbw_index triangle, int front)
 {
     pbwm3__ray_shells *c = (pbwm3__ray_shells *)user;
-    const pbwm3__shell *shells = (const pbwm3__shell *)c->w->shells.data;
+    const pbwm3__shell *shells = c->w->shells.at;
     size_t i;
     int back;
     (void)front;
@@ -1435,7 +1425,7 @@ static void pbwm3__cross_shell(void *user, pbw_index triangle, int front)
    many shells, several follow, each for some of them. */
 static pbwm3__ray_shells pbwm3__shells_around(const pbwm3__work *w, const double p[3], size_t own)
 {
-    const pbwm3__shell *shells = (const pbwm3__shell *)w->shells.data;
+    const pbwm3__shell *shells = w->shells.at;
     pbwm3__ray_shells c;
     size_t i;
     c.w = w;
@@ -1465,7 +1455,7 @@ static pbwm3__ray_shells pbwm3__shells_around(const pbwm3__work *w, const double
 /* With walls: returns the label inside a shell, its number + 1, or 0 for a cavity. */
 static int pbwm3__shell_label(const pbwm3__work *w, pbw_index shell)
 {
-    return shell == PBW_NONE || (!w->nested && ((const pbwm3__shell *)w->shells.data)[shell].around % 2 == 1) ? 0
+    return shell == PBW_NONE || (!w->nested && w->shells.at[shell].around % 2 == 1) ? 0
          : (int)shell + 1;
 }
 
@@ -1473,7 +1463,7 @@ static int pbwm3__shell_label(const pbwm3__work *w, pbw_index shell)
 static int pbwm3__side_label(const pbwm3__work *w, pbw_index triangle, int back)
 {
     const pbw_index shell = pbwm3__side(w, triangle, back);
-    return pbwm3__shell_label(w, shell != PBW_NONE ? shell : ((const pbw_index *)w->outer.data)[triangle]);
+    return pbwm3__shell_label(w, shell != PBW_NONE ? shell : w->outer.at[triangle]);
 }
 
 static void pbwm3__middle_of(const pbwm3__work *w, pbw_index triangle, double p[3])
@@ -1537,28 +1527,27 @@ static pbw_status pbwm3__crossing_range(void *arg, size_t from, size_t to)
 static pbw_status pbwm3__find_crossings(pbwm3__work *w)
 {
     const size_t count = w->surface.triangle_count;
-    pbwsf__array room;
+    pbwm3__flags room = { NULL, 0, 0 };
     pbwm3__crossing_counts counts;
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i;
-    memset(&room, 0, sizeof room);
-    if (pbwsf__resize(&w->memory, &room, count + 1)) {
+    if (PBW_FIT(&w->memory, room, count + 1)) {
         counts.w = w;
-        counts.count = (unsigned char *)room.data;
+        counts.count = room.at;
         status = pbw_for(pbwm3__inner_options(w), count, 64, pbwm3__crossing_range, &counts);
         for (i = 0; status == PBW_OK && i < count; i++) {
             w->report->crossings += counts.count[i];
         }
     }
     w->joined = w->report->crossings > 0 && !w->nested && !w->open && !w->walls;
-    pbwsf__release(&w->memory, &room);
+    PBW_RELEASE(&w->memory, room);
     return status;
 }
 
 static void pbwm3__nest_shells(pbwm3__work *w)
 {
-    pbwm3__shell *shell = (pbwm3__shell *)w->shells.data;
-    pbw_index *outer = (pbw_index *)w->outer.data;
+    pbwm3__shell *shell = w->shells.at;
+    pbw_index *outer = w->outer.at;
     double p[3];
     size_t i;
     for (i = 0; i < w->shells.count; i++) {
@@ -1590,7 +1579,7 @@ static int pbwm3__inside(const pbwm3__work *w, const double p[3])
    its zero. */
 static size_t pbwm3__to_surface(const pbwm3__work *w, double p[3])
 {
-    const pbw_index *patch = (const pbw_index *)w->patch.data;
+    const pbw_index *patch = w->patch.at;
     const pbw_solid_input *in = w->input;
     double place[3], a[3], b[3], n[3], h = 1e-4 * w->size;
     pbw_index t;
@@ -1641,63 +1630,66 @@ static void pbwm3__project(void *user, double p[3])
 enum { PBWM3__FLOOD = 256, PBWM3__FLAT = 1024 };
 
 typedef struct pbwm3__graph {              /* of sharp edges */
-    const pbw_index *ends;                 /* two for each */
+    pbwm3__pair *ends;
     size_t count;
-    pbwsf__array first, at, used;          /* edges at vertex v: at[first[v]] .. at[first[v + 1] - 1] */
+    pbwm3__counts first, at;               /* edges at vertex v: at[first[v]] .. at[first[v + 1] - 1] */
+    pbwm3__flags used;
 } pbwm3__graph;
 
 static int pbwm3__make_graph(pbwm3__work *w, pbwm3__graph *g)
 {
     const size_t points = w->surface.point_count;
     size_t *first, i;
-    if (!pbwsf__resize(&w->memory, &g->first, (points + 2) * sizeof *first)
-        || !pbwsf__resize(&w->memory, &g->at, (2 * g->count + 1) * sizeof(size_t))
-        || !pbwsf__resize(&w->memory, &g->used, g->count + 1)) {
+    if (!PBW_FIT(&w->memory, g->first, points + 2)
+        || !PBW_FIT(&w->memory, g->at, 2 * g->count + 1)
+        || !PBW_FIT(&w->memory, g->used, g->count + 1)) {
         return 0;
     }
-    first = (size_t *)g->first.data;
+    first = g->first.at;
     memset(first, 0, (points + 2) * sizeof *first);
-    memset(g->used.data, 0, g->count + 1);
+    memset(g->used.at, 0, g->count + 1);
     for (i = 0; i < 2 * g->count; i++) {
-        first[g->ends[i] + 2]++;
+        first[g->ends[i / 2][i % 2] + 2]++;
     }
     for (i = 0; i < points; i++) {
         first[i + 2] += first[i + 1];
     }
     for (i = 0; i < 2 * g->count; i++) {
-        ((size_t *)g->at.data)[first[g->ends[i] + 1]++] = i / 2;
+        g->at.at[first[g->ends[i / 2][i % 2] + 1]++] = i / 2;
     }
     return 1;
 }
 
 static pbw_index pbwm3__other_end(const pbwm3__graph *g, size_t edge, pbw_index v)
 {
-    return g->ends[2 * edge] == v ? g->ends[2 * edge + 1] : g->ends[2 * edge];
+    return g->ends[edge][0] == v ? g->ends[edge][1] : g->ends[edge][0];
 }
 
 typedef struct pbwm3__features {
     const pbwim__facet *edge;              /* all edges, sorted */
-    pbwsf__array candidates, keeps;        /* where `edge` has those above the feature angle; 1: it is kept */
-    pbwsf__array across;                   /* per corner 3 t + i, the edge from it: 2 u, or 2 u + 1 if the triangle u
+    pbwm3__counts candidates;              /* where `edge` has those above the feature angle */
+    pbwm3__flags keeps;                    /* 1: it is kept */
+    pbwm3__counts across;                  /* per corner 3 t + i, the edge from it: 2 u, or 2 u + 1 if the triangle u
                                               across is turned the other way; (size_t)-1: none, or several */
-    pbwsf__array seen;                     /* per triangle: the last flood that had it */
+    pbwm3__counts seen;                    /* per triangle: the last flood that had it */
     size_t floods;
     pbwm3__graph graph;                    /* of kept edges: the `fixed` first ones are always kept */
     size_t fixed;
-    pbwsf__array ends, degree, branch;     /* its edges; how many are left at each vertex; those of a branch */
+    pbwm3__pairs ends;                     /* its edges */
+    pbwm3__counts degree, branch;          /* how many are left at each vertex; those of a branch */
 } pbwm3__features;
 
 static int pbwm3__find_across(pbwm3__work *w, pbwm3__features *f)
 {
     const size_t count = 3 * w->surface.triangle_count;
     size_t *across, i, k;
-    if (!pbwsf__resize(&w->memory, &f->across, (count + 1) * sizeof *across)
-        || !pbwsf__resize(&w->memory, &f->seen, (count / 3 + 1) * sizeof(size_t))) {
+    if (!PBW_FIT(&w->memory, f->across, count + 1)
+        || !PBW_FIT(&w->memory, f->seen, count / 3 + 1)) {
         return 0;
     }
-    across = (size_t *)f->across.data;
+    across = f->across.at;
     memset(across, 0xff, (count + 1) * sizeof *across);
-    memset(f->seen.data, 0, f->seen.bytes);
+    memset(f->seen.at, 0, f->seen.capacity * sizeof *f->seen.at);
     for (i = 0; i < count; i = k) {
         const pbwim__facet *e = f->edge + i;
         for (k = i + 1; k < count && memcmp(e->v, f->edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
@@ -1718,8 +1710,8 @@ static int pbwm3__mean_normal(const pbwm3__work *w, pbwm3__features *f, size_t t
                               double sum[3])
 {
     const double *middle = plane[0], *side = plane[1], within = flat ? 3 * w->size : w->size;
-    const size_t *across = (const size_t *)f->across.data, most = flat ? PBWM3__FLAT : PBWM3__FLOOD;
-    size_t queue[PBWM3__FLAT], count = 1, done, *seen = (size_t *)f->seen.data;
+    const size_t *across = f->across.at, most = flat ? PBWM3__FLAT : PBWM3__FLOOD;
+    size_t queue[PBWM3__FLAT], count = 1, done, *seen = f->seen.at;
     double area = 0;
     int k, j;
     queue[0] = 2 * t;
@@ -1810,9 +1802,9 @@ static int pbwm3__is_sharp_at_scale(const pbwm3__work *w, pbwm3__features *f, co
 static size_t pbwm3__drop_spurs(const pbwm3__work *w, pbwm3__features *f)
 {
     const pbwm3__graph *g = &f->graph;
-    const size_t *first = (const size_t *)g->first.data, *at = (const size_t *)g->at.data;
-    size_t *degree = (size_t *)f->degree.data, *branch = (size_t *)f->branch.data, v, i, dropped = 0;
-    char *gone = (char *)g->used.data;
+    const size_t *first = g->first.at, *at = g->at.at;
+    size_t *degree = f->degree.at, *branch = f->branch.at, v, i, dropped = 0;
+    unsigned char *gone = g->used.at;
     for (v = 0; v < w->surface.point_count; v++) {
         pbw_index end = (pbw_index)v;
         double length = 0;
@@ -1821,15 +1813,15 @@ static size_t pbwm3__drop_spurs(const pbwm3__work *w, pbwm3__features *f)
             for (i = first[end]; gone[at[i]] || (count > 0 && at[i] == branch[count - 1]); i++) {
             }
             length += at[i] < f->fixed ? HUGE_VAL
-                    : pbwsf__distance(w->surface.points + 3 * (size_t)g->ends[2 * at[i]],
-                                      w->surface.points + 3 * (size_t)g->ends[2 * at[i] + 1]);
+                    : pbwsf__distance(w->surface.points + 3 * (size_t)g->ends[at[i]][0],
+                                      w->surface.points + 3 * (size_t)g->ends[at[i]][1]);
             branch[count++] = at[i];
             end = pbwm3__other_end(g, at[i], end);
         }
         for (i = 0; i < count && degree[end] > 2 && length < 3 * w->size; i++) {
             gone[branch[i]] = 1;
-            degree[g->ends[2 * branch[i]]]--;
-            degree[g->ends[2 * branch[i] + 1]]--;
+            degree[g->ends[branch[i]][0]]--;
+            degree[g->ends[branch[i]][1]]--;
             dropped++;
         }
     }
@@ -1839,32 +1831,31 @@ static size_t pbwm3__drop_spurs(const pbwm3__work *w, pbwm3__features *f)
 /* Drops connected edges that are shorter together than eight sizes if an end of them is loose, else than four. */
 static int pbwm3__drop_parts(pbwm3__work *w, pbwm3__features *f)
 {
-    const size_t points = w->surface.point_count, *degree = (const size_t *)f->degree.data;
-    const pbw_index *ends = f->graph.ends;
-    pbwsf__array parents, lengths;
+    const size_t points = w->surface.point_count, *degree = f->degree.at;
+    pbwm3__pair *ends = f->graph.ends;
+    pbwm3__counts parents = { NULL, 0, 0 };
+    pbwm3__numbers lengths = { NULL, 0, 0 };
     size_t *parent, i;
     double *length;
-    char *gone = (char *)f->graph.used.data;
+    unsigned char *gone = f->graph.used.at;
     int good;
-    memset(&parents, 0, sizeof parents);
-    memset(&lengths, 0, sizeof lengths);
-    good = pbwsf__resize(&w->memory, &parents, (points + 1) * sizeof *parent)
-        && pbwsf__resize(&w->memory, &lengths, (points + 1) * sizeof *length);
-    parent = (size_t *)parents.data;
-    length = (double *)lengths.data;
+    good = PBW_FIT(&w->memory, parents, points + 1)
+        && PBW_FIT(&w->memory, lengths, points + 1);
+    parent = parents.at;
+    length = lengths.at;
     for (i = 0; good && i < points; i++) {
         parent[i] = i;
         length[i] = 0;
     }
     for (i = 0; good && i < f->graph.count; i++) {
         if (!gone[i]) {
-            pbwm3__join(parent, ends[2 * i], ends[2 * i + 1]);
+            pbwm3__join(parent, ends[i][0], ends[i][1]);
         }
     }
     for (i = 0; good && i < f->graph.count; i++) {
         if (!gone[i]) {
-            length[pbwm3__root_of(parent, ends[2 * i])] += i < f->fixed ? HUGE_VAL : pbwsf__distance(
-                w->surface.points + 3 * (size_t)ends[2 * i], w->surface.points + 3 * (size_t)ends[2 * i + 1]);
+            length[pbwm3__root_of(parent, ends[i][0])] += i < f->fixed ? HUGE_VAL : pbwsf__distance(
+                w->surface.points + 3 * (size_t)ends[i][0], w->surface.points + 3 * (size_t)ends[i][1]);
         }
     }
     for (i = 0; good && i < points; i++) {
@@ -1874,55 +1865,55 @@ static int pbwm3__drop_parts(pbwm3__work *w, pbwm3__features *f)
         }
     }
     for (i = f->fixed; good && i < f->graph.count; i++) {
-        gone[i] |= length[pbwm3__root_of(parent, ends[2 * i])] < 4 * w->size;
+        gone[i] |= length[pbwm3__root_of(parent, ends[i][0])] < 4 * w->size;
     }
-    pbwsf__release(&w->memory, &parents);
-    pbwsf__release(&w->memory, &lengths);
+    PBW_RELEASE(&w->memory, parents);
+    PBW_RELEASE(&w->memory, lengths);
     return good;
 }
 
 /* Sets keeps[i] to 1 for the candidates that are features; fixed: the edges that are always kept. */
-static int pbwm3__find_features(pbwm3__work *w, pbwm3__features *f, const pbwsf__array *fixed)
+static int pbwm3__find_features(pbwm3__work *w, pbwm3__features *f, const pbwm3__pairs *fixed)
 {
-    const size_t *candidate = (const size_t *)f->candidates.data;
-    char *keeps = (char *)f->keeps.data;
+    const size_t *candidate = f->candidates.at;
+    unsigned char *keeps = f->keeps.at;
     size_t i, at;
     int good = pbwm3__find_across(w, f);
     for (i = 0; good && i < fixed->count; i++) {
-        good = pbwm3__append(w, &f->ends, (const pbw_index *)fixed->data + 2 * i, 2 * sizeof(pbw_index));
+        good = PBWM3__APPEND(w, f->ends, fixed->at[i]);
     }
     f->fixed = fixed->count;
     for (i = 0; good && i < f->candidates.count; i++) {
-        keeps[i] = (char)pbwm3__is_sharp_at_scale(w, f, f->edge + candidate[i]);
-        good = !keeps[i] || pbwm3__append(w, &f->ends, f->edge[candidate[i]].v, 2 * sizeof(pbw_index));
+        keeps[i] = (unsigned char)pbwm3__is_sharp_at_scale(w, f, f->edge + candidate[i]);
+        good = !keeps[i] || PBWM3__APPEND(w, f->ends, f->edge[candidate[i]].v);
     }
-    f->graph.ends = (const pbw_index *)f->ends.data;
+    f->graph.ends = f->ends.at;
     f->graph.count = f->ends.count;
     good = good && pbwm3__make_graph(w, &f->graph)
-        && pbwsf__resize(&w->memory, &f->degree, (w->surface.point_count + 1) * sizeof(size_t))
-        && pbwsf__resize(&w->memory, &f->branch, (f->ends.count + 1) * sizeof(size_t));
+        && PBW_FIT(&w->memory, f->degree, w->surface.point_count + 1)
+        && PBW_FIT(&w->memory, f->branch, f->ends.count + 1);
     for (i = 0; good && i < w->surface.point_count; i++) {
-        const size_t *first = (const size_t *)f->graph.first.data;
-        ((size_t *)f->degree.data)[i] = first[i + 1] - first[i];
+        const size_t *first = f->graph.first.at;
+        f->degree.at[i] = first[i + 1] - first[i];
     }
     for (i = 0; good && i < 8 && pbwm3__drop_spurs(w, f) > 0; i++) {
     }
     good = good && pbwm3__drop_parts(w, f);
     for (i = 0, at = f->fixed; good && i < f->candidates.count; i++) {
-        keeps[i] = (char)(keeps[i] && !((const char *)f->graph.used.data)[at++]);
+        keeps[i] = (unsigned char)(keeps[i] && !f->graph.used.at[at++]);
     }
     return good;
 }
 
 /* Chooses which of the candidates are kept; fixed: the edges that are always kept, two points each. */
-static int pbwm3__choose_sharp(pbwm3__work *w, pbwm3__features *f, const pbwsf__array *fixed)
+static int pbwm3__choose_sharp(pbwm3__work *w, pbwm3__features *f, const pbwm3__pairs *fixed)
 {
     size_t i, kept = 0;
-    int good = pbwsf__resize(&w->memory, &f->keeps, f->candidates.count + 1), sharp = w->sharp;
+    int good = PBW_FIT(&w->memory, f->keeps, f->candidates.count + 1), sharp = w->sharp;
     if (good && f->candidates.count > 0 && (sharp == PBW_SOLID_SHARP_AUTO || sharp == PBW_SOLID_SHARP_SOME)) {
         good = pbwm3__find_features(w, f, fixed);
         for (i = 0; good && i < f->candidates.count; i++) {
-            kept += (size_t)((const char *)f->keeps.data)[i];
+            kept += (size_t)f->keeps.at[i];
         }
         w->report->sharp_share = (double)kept / (double)f->candidates.count;
     }
@@ -1931,17 +1922,17 @@ static int pbwm3__choose_sharp(pbwm3__work *w, pbwm3__features *f, const pbwsf__
               : w->report->sharp_share > 0.3 ? PBW_SOLID_SHARP_SOME : PBW_SOLID_SHARP_NONE;
     }
     if (good && sharp != PBW_SOLID_SHARP_SOME) {
-        memset(f->keeps.data, sharp == PBW_SOLID_SHARP_ALL, f->candidates.count + 1);
+        memset(f->keeps.at, sharp == PBW_SOLID_SHARP_ALL, f->candidates.count + 1);
     }
     w->report->sharp = sharp;
-    pbwsf__release(&w->memory, &f->across);
-    pbwsf__release(&w->memory, &f->seen);
-    pbwsf__release(&w->memory, &f->ends);
-    pbwsf__release(&w->memory, &f->degree);
-    pbwsf__release(&w->memory, &f->branch);
-    pbwsf__release(&w->memory, &f->graph.first);
-    pbwsf__release(&w->memory, &f->graph.at);
-    pbwsf__release(&w->memory, &f->graph.used);
+    PBW_RELEASE(&w->memory, f->across);
+    PBW_RELEASE(&w->memory, f->seen);
+    PBW_RELEASE(&w->memory, f->ends);
+    PBW_RELEASE(&w->memory, f->degree);
+    PBW_RELEASE(&w->memory, f->branch);
+    PBW_RELEASE(&w->memory, f->graph.first);
+    PBW_RELEASE(&w->memory, f->graph.at);
+    PBW_RELEASE(&w->memory, f->graph.used);
     return good;
 }
 
@@ -1988,7 +1979,7 @@ static double pbwm3__angle_at(const pbwm3__work *w, const pbwim__facet *edge, si
    scan are noise. */
 static int pbwm3__number_patches(pbwm3__work *w, size_t *parent)
 {
-    pbw_index *patch = (pbw_index *)w->patch.data, *part = (pbw_index *)w->part.data, parts = 0;
+    pbw_index *patch = w->patch.at, *part = w->part.at, parts = 0;
     size_t t;
     for (t = 0; t < w->surface.triangle_count; t++) {            /* a root is the least of its tree */
         const size_t root = pbwm3__root_of(parent, t);
@@ -2005,9 +1996,9 @@ static int pbwm3__number_patches(pbwm3__work *w, size_t *parent)
             set.count = 1;
             patch[t] = number;
             const pbw_index first = (pbw_index)t;
-            if (!pbwm3__append(w, &w->members, &number, sizeof number)
-                || !pbwm3__append(w, &w->firsts, &first, sizeof first)
-                || !pbwm3__append(w, &w->sets, &set, sizeof set)) {
+            if (!PBW_PUSH(&w->memory, w->members, number)
+                || !PBW_PUSH(&w->memory, w->firsts, first)
+                || !PBW_PUSH(&w->memory, w->sets, set)) {
                 return 0;
             }
         }
@@ -2022,7 +2013,7 @@ static int pbwm3__number_patches(pbwm3__work *w, size_t *parent)
 static pbw_index pbwm3__patch_of(const pbwm3__work *w, pbw_index triangle)
 {
     return w->input->value != NULL ? 0 : triangle >= w->first_closing ? PBW_NONE
-         : w->input->patches != NULL ? w->input->patches[((const pbw_index *)w->origin.data)[triangle]] : 0;
+         : w->input->patches != NULL ? w->input->patches[w->origin.at[triangle]] : 0;
 }
 
 /* Returns whether an edge is between two of the caller's patches. */
@@ -2033,21 +2024,21 @@ static int pbwm3__has_border(const pbwm3__work *w, const pbwim__facet *edge)
 }
 
 /* Keeps a sharp edge in the list, two points each. */
-static int pbwm3__keep_sharp(pbwm3__work *w, const pbwim__facet *edge, size_t count, pbwsf__array *list)
+static int pbwm3__keep_sharp(pbwm3__work *w, const pbwim__facet *edge, size_t count, pbwm3__pairs *list)
 {
     const double angle = pbwm3__angle_at(w, edge, count);
     w->report->least_angle = fmin(w->report->least_angle, angle);
     w->report->acute_edges += angle < 60;
-    return pbwm3__append(w, list, edge->v, 2 * sizeof(pbw_index));
+    return PBWM3__APPEND(w, *list, edge->v);
 }
 
 /* Lists the sharp edges that are kept, and joins the triangles at all others.  Which candidates are kept is chosen
    once all of them are found. */
-static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__array *list, size_t *parent)
+static int pbwm3__find_sharp(pbwm3__work *w, pbwm3__pairs *list, size_t *parent)
 {
-    pbwsf__array blocks[3];
+    pbwim__sorting sorting;
     const pbwim__facet *edge = pbwm3__edges(&w->memory, w->surface.triangles, w->surface.triangle_count,
-                                            w->surface.point_count, blocks);
+                                            w->surface.point_count, &sorting);
     const size_t count = 3 * w->surface.triangle_count;
     pbwm3__features f;
     size_t i, k, edges = 0;
@@ -2062,27 +2053,27 @@ static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__array *list, size_t *parent)
             good = pbwm3__keep_sharp(w, edge + i, k - i, list);
         } else if (w->input->value == NULL && k - i == 2 && pbwm3__is_sharp(w, edge + i)
                    && (edge[i].t < w->first_closing || edge[i + 1].t < w->first_closing)) {
-            good = pbwm3__append(w, &f.candidates, &i, sizeof i);
+            good = PBW_PUSH(&w->memory, f.candidates, i);
         } else if (k - i == 2) {
             pbwm3__join(parent, edge[i].t, edge[i + 1].t);
         }
     }
     good = good && pbwm3__choose_sharp(w, &f, list);
     for (i = 0; good && i < f.candidates.count; i++) {
-        k = ((const size_t *)f.candidates.data)[i];
-        if (((const char *)f.keeps.data)[i]) {
+        k = f.candidates.at[i];
+        if (f.keeps.at[i]) {
             good = pbwm3__keep_sharp(w, edge + k, 2, list);
         } else {
             pbwm3__join(parent, edge[k].t, edge[k + 1].t);
         }
     }
-    pbwsf__release(&w->memory, &f.candidates);
-    pbwsf__release(&w->memory, &f.keeps);
+    PBW_RELEASE(&w->memory, f.candidates);
+    PBW_RELEASE(&w->memory, f.keeps);
     w->report->sharp_edges = list->count;
     if (!w->walls) {
         w->report->input_euler = (long)w->surface.point_count - (long)edges + (long)w->surface.triangle_count;
     }
-    pbwm3__free_blocks(&w->memory, blocks);
+    pbwim__end_sorting(&w->memory, &sorting);
     return good;
 }
 
@@ -2090,7 +2081,7 @@ static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__array *list, size_t *parent)
    angles are noise. */
 static int pbwm3__is_corner(const pbwm3__work *w, const pbwm3__graph *g, pbw_index v)
 {
-    const size_t *first = (const size_t *)g->first.data, *at = (const size_t *)g->at.data;
+    const size_t *first = g->first.at, *at = g->at.at;
     double a[3], b[3];
     if (first[v + 1] - first[v] != 2 || w->open) {
         return first[v + 1] - first[v] != 2 && first[v + 1] > first[v];
@@ -2105,8 +2096,8 @@ static int pbwm3__is_corner(const pbwm3__work *w, const pbwm3__graph *g, pbw_ind
 /* Walks from v along unused edges to a corner, or back to v. */
 static int pbwm3__walk_chain(pbwm3__work *w, pbwm3__graph *g, pbw_index v, size_t edge)
 {
-    const size_t *first = (const size_t *)g->first.data, *at = (const size_t *)g->at.data;
-    char *used = (char *)g->used.data;
+    const size_t *first = g->first.at, *at = g->at.at;
+    unsigned char *used = g->used.at;
     const pbw_index start = v;
     pbwm3__chain chain;
     pbwm3__chain_vertex item;
@@ -2114,7 +2105,7 @@ static int pbwm3__walk_chain(pbwm3__work *w, pbwm3__graph *g, pbw_index v, size_
     item.along = 0;
     chain.first = w->path.count;
     chain.count = 1;
-    if (!pbwm3__append(w, &w->path, &item, sizeof item)) {
+    if (!PBW_PUSH(&w->memory, w->path, item)) {
         return 0;
     }
     for (;;) {
@@ -2123,7 +2114,7 @@ static int pbwm3__walk_chain(pbwm3__work *w, pbwm3__graph *g, pbw_index v, size_
         item.along += pbwsf__distance(w->surface.points + 3 * (size_t)v, w->surface.points + 3 * (size_t)next);
         item.vertex = next;
         chain.count++;
-        if (!pbwm3__append(w, &w->path, &item, sizeof item)) {
+        if (!PBW_PUSH(&w->memory, w->path, item)) {
             return 0;
         }
         v = next;
@@ -2134,22 +2125,22 @@ static int pbwm3__walk_chain(pbwm3__work *w, pbwm3__graph *g, pbw_index v, size_
     }
     chain.closed = v == start;
     chain.loose = first[v + 1] - first[v] == 1 || first[start + 1] - first[start] == 1;
-    return pbwm3__append(w, &w->chains, &chain, sizeof chain);
+    return PBW_PUSH(&w->memory, w->chains, chain);
 }
 
 /* ---- patches at sharp edges and corners ---- */
 
-typedef struct pbwm3__stars { pbwsf__array first, at; } pbwm3__stars;    /* triangles at vertex v: as in the graph */
+typedef struct pbwm3__stars { pbwm3__counts first, at; } pbwm3__stars;    /* triangles at vertex v: as in the graph */
 
 static int pbwm3__make_stars(pbwm3__work *w, pbwm3__stars *stars)
 {
     const size_t points = w->surface.point_count, count = 3 * w->surface.triangle_count;
     size_t *first, i;
-    if (!pbwsf__resize(&w->memory, &stars->first, (points + 2) * sizeof *first)
-        || !pbwsf__resize(&w->memory, &stars->at, (count + 1) * sizeof(size_t))) {
+    if (!PBW_FIT(&w->memory, stars->first, points + 2)
+        || !PBW_FIT(&w->memory, stars->at, count + 1)) {
         return 0;
     }
-    first = (size_t *)stars->first.data;
+    first = stars->first.at;
     memset(first, 0, (points + 2) * sizeof *first);
     for (i = 0; i < count; i++) {
         first[w->surface.triangles[i] + 2]++;
@@ -2158,7 +2149,7 @@ static int pbwm3__make_stars(pbwm3__work *w, pbwm3__stars *stars)
         first[i + 2] += first[i + 1];
     }
     for (i = 0; i < count; i++) {
-        ((size_t *)stars->at.data)[first[w->surface.triangles[i] + 1]++] = i / 3;
+        stars->at.at[first[w->surface.triangles[i] + 1]++] = i / 3;
     }
     return 1;
 }
@@ -2167,31 +2158,31 @@ static int pbwm3__make_stars(pbwm3__work *w, pbwm3__stars *stars)
    (size_t)-1 if there is no memory. */
 static size_t pbwm3__set_at(pbwm3__work *w, const pbwm3__stars *stars, pbw_index u, pbw_index v)
 {
-    const size_t *first = (const size_t *)stars->first.data, *at = (const size_t *)stars->at.data;
+    const size_t *first = stars->first.at, *at = stars->at.at;
     pbwm3__set set;
     size_t i, k;
     set.first = w->members.count;
     set.count = 0;
     for (i = first[u]; i < first[u + 1]; i++) {
         const pbw_index *c = w->surface.triangles + 3 * at[i];
-        const pbw_index patch = ((const pbw_index *)w->patch.data)[at[i]];
-        const pbw_index *member = (const pbw_index *)w->members.data + set.first;
+        const pbw_index patch = w->patch.at[at[i]];
+        const pbw_index *member = w->members.at + set.first;
         for (k = 0; k < set.count && member[k] != patch; k++) {
         }
         if (k == set.count && (c[0] == v || c[1] == v || c[2] == v)) {
-            if (!pbwm3__append(w, &w->members, &patch, sizeof patch)) {
+            if (!PBW_PUSH(&w->memory, w->members, patch)) {
                 return (size_t)-1;
             }
             set.count++;
         }
     }
-    return pbwm3__append(w, &w->sets, &set, sizeof set) ? w->sets.count - 1 : (size_t)-1;
+    return PBW_PUSH(&w->memory, w->sets, set) ? w->sets.count - 1 : (size_t)-1;
 }
 
 static int pbwm3__set_has(const pbwm3__work *w, pbw_index point, pbw_index patch)
 {
-    const pbwm3__set set = ((const pbwm3__set *)w->sets.data)[((const pbw_index *)w->set.data)[point]];
-    const pbw_index *member = (const pbw_index *)w->members.data + set.first;
+    const pbwm3__set set = w->sets.at[w->set.at[point]];
+    const pbw_index *member = w->members.at + set.first;
     size_t i;
     for (i = 0; i < set.count && member[i] != patch; i++) {
     }
@@ -2201,12 +2192,12 @@ static int pbwm3__set_has(const pbwm3__work *w, pbw_index point, pbw_index patch
 /* Returns the least patch that all of these points of the surface are on, or PBW_NONE. */
 static pbw_index pbwm3__common_patch(const pbwm3__work *w, const pbw_index *c, int count)
 {
-    const pbwm3__set set = ((const pbwm3__set *)w->sets.data)[((const pbw_index *)w->set.data)[c[0]]];
+    const pbwm3__set set = w->sets.at[w->set.at[c[0]]];
     pbw_index best = PBW_NONE;
     size_t i;
     int k;
     for (i = 0; i < set.count; i++) {
-        const pbw_index patch = ((const pbw_index *)w->members.data)[set.first + i];
+        const pbw_index patch = w->members.at[set.first + i];
         for (k = 1; k < count && pbwm3__set_has(w, c[k], patch); k++) {
         }
         best = k == count && patch < best ? patch : best;
@@ -2217,8 +2208,8 @@ static pbw_index pbwm3__common_patch(const pbwm3__work *w, const pbw_index *c, i
 /* The point of a chain that far along it. */
 static void pbwm3__along(const pbwm3__work *w, size_t number, double along, double out[3])
 {
-    const pbwm3__chain *chain = (const pbwm3__chain *)w->chains.data + number;
-    const pbwm3__chain_vertex *path = (const pbwm3__chain_vertex *)w->path.data + chain->first;
+    const pbwm3__chain *chain = w->chains.at + number;
+    const pbwm3__chain_vertex *path = w->path.at + chain->first;
     size_t low = 0, high = chain->count - 1;
     double length;
     while (high - low > 1) {
@@ -2240,14 +2231,14 @@ static int pbwm3__chain_all(pbwm3__work *w, pbwm3__graph *g)
     if (!pbwm3__make_graph(w, g)) {
         return 0;
     }
-    first = (const size_t *)g->first.data;
-    at = (const size_t *)g->at.data;
+    first = g->first.at;
+    at = g->at.at;
     for (loops = 0; loops < 2; loops++) {
         for (v = 0; v < w->surface.point_count; v++) {
             const int corner = pbwm3__is_corner(w, g, (pbw_index)v);
             w->report->corners += corner && !loops;
             for (i = first[v]; (corner || loops) && i < first[v + 1]; i++) {
-                if (!((const char *)g->used.data)[at[i]] && !pbwm3__walk_chain(w, g, (pbw_index)v, at[i])) {
+                if (!g->used.at[at[i]] && !pbwm3__walk_chain(w, g, (pbw_index)v, at[i])) {
                     return 0;
                 }
             }
@@ -2257,77 +2248,74 @@ static int pbwm3__chain_all(pbwm3__work *w, pbwm3__graph *g)
 }
 
 /* Finds sharp edges and patches. */
-static int pbwm3__find_patches(pbwm3__work *w, pbwsf__array *list)
+static int pbwm3__find_patches(pbwm3__work *w, pbwm3__pairs *list)
 {
-    pbwsf__array parents;
+    pbwm3__counts parents = { NULL, 0, 0 };
     size_t i;
     int good;
-    memset(&parents, 0, sizeof parents);
-    good = pbwsf__resize(&w->memory, &parents, w->surface.triangle_count * sizeof(size_t))
-        && pbwsf__resize(&w->memory, &w->part, w->surface.triangle_count * sizeof(pbw_index))
-        && pbwsf__resize(&w->memory, &w->patch, w->surface.triangle_count * sizeof(pbw_index));
+    good = PBW_FIT(&w->memory, parents, w->surface.triangle_count)
+        && PBW_FIT(&w->memory, w->part, w->surface.triangle_count)
+        && PBW_FIT(&w->memory, w->patch, w->surface.triangle_count);
     for (i = 0; good && i < w->surface.triangle_count; i++) {
-        ((size_t *)parents.data)[i] = i;
+        parents.at[i] = i;
     }
-    good = good && pbwm3__find_sharp(w, list, (size_t *)parents.data)
-        && pbwm3__number_patches(w, (size_t *)parents.data);
-    pbwsf__release(&w->memory, &parents);
+    good = good && pbwm3__find_sharp(w, list, parents.at)
+        && pbwm3__number_patches(w, parents.at);
+    PBW_RELEASE(&w->memory, parents);
     return good;
 }
 
 /* Drops connected sharp edges of an open surface that are shorter than four sizes together: noise of a scan. */
-static int pbwm3__drop_noise(pbwm3__work *w, pbwsf__array *list)
+static int pbwm3__drop_noise(pbwm3__work *w, pbwm3__pairs *list)
 {
     const size_t points = w->surface.point_count;
-    pbw_index *ends = (pbw_index *)list->data;
-    pbwsf__array parents, lengths;
+    pbwm3__pair *ends = list->at;
+    pbwm3__counts parents = { NULL, 0, 0 };
+    pbwm3__numbers lengths = { NULL, 0, 0 };
     size_t *parent, i, kept = 0;
     double *length;
     int good;
-    memset(&parents, 0, sizeof parents);
-    memset(&lengths, 0, sizeof lengths);
-    good = pbwsf__resize(&w->memory, &parents, points * sizeof *parent)
-        && pbwsf__resize(&w->memory, &lengths, points * sizeof *length);
-    parent = (size_t *)parents.data;
-    length = (double *)lengths.data;
+    good = PBW_FIT(&w->memory, parents, points)
+        && PBW_FIT(&w->memory, lengths, points);
+    parent = parents.at;
+    length = lengths.at;
     for (i = 0; good && i < points; i++) {
         parent[i] = i;
         length[i] = 0;
     }
     for (i = 0; good && i < list->count; i++) {
-        parent[pbwm3__root_of(parent, ends[2 * i])] = pbwm3__root_of(parent, ends[2 * i + 1]);
+        parent[pbwm3__root_of(parent, ends[i][0])] = pbwm3__root_of(parent, ends[i][1]);
     }
     for (i = 0; good && i < list->count; i++) {
-        length[pbwm3__root_of(parent, ends[2 * i])] += pbwsf__distance(
-            w->surface.points + 3 * (size_t)ends[2 * i], w->surface.points + 3 * (size_t)ends[2 * i + 1]);
+        length[pbwm3__root_of(parent, ends[i][0])] += pbwsf__distance(
+            w->surface.points + 3 * (size_t)ends[i][0], w->surface.points + 3 * (size_t)ends[i][1]);
     }
     for (i = 0; good && i < list->count; i++) {
-        if (length[pbwm3__root_of(parent, ends[2 * i])] > 4 * w->size) {
-            memmove(ends + 2 * kept++, ends + 2 * i, 2 * sizeof *ends);
+        if (length[pbwm3__root_of(parent, ends[i][0])] > 4 * w->size) {
+            memmove(ends[kept++], ends[i], sizeof *ends);
         }
     }
     list->count = good ? kept : list->count;
-    pbwsf__release(&w->memory, &parents);
-    pbwsf__release(&w->memory, &lengths);
+    PBW_RELEASE(&w->memory, parents);
+    PBW_RELEASE(&w->memory, lengths);
     return good;
 }
 
 /* Finds patches, sharp edges and their chains. */
 static pbw_status pbwm3__find_chains(pbwm3__work *w)
 {
-    pbwsf__array list;
+    pbwm3__pairs list = { NULL, 0, 0 };
     pbwm3__graph graph;
     int good;
-    memset(&list, 0, sizeof list);
     memset(&graph, 0, sizeof graph);
     good = pbwm3__find_patches(w, &list) && (!w->open || pbwm3__drop_noise(w, &list));
-    graph.ends = (const pbw_index *)list.data;
+    graph.ends = list.at;
     graph.count = list.count;
     good = good && pbwm3__chain_all(w, &graph);
-    pbwsf__release(&w->memory, &list);
-    pbwsf__release(&w->memory, &graph.first);
-    pbwsf__release(&w->memory, &graph.at);
-    pbwsf__release(&w->memory, &graph.used);
+    PBW_RELEASE(&w->memory, list);
+    PBW_RELEASE(&w->memory, graph.first);
+    PBW_RELEASE(&w->memory, graph.at);
+    PBW_RELEASE(&w->memory, graph.used);
     return good ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
@@ -2354,7 +2342,7 @@ static double pbwm3__random(uint64_t i)
 /* Lowers the field at p to a size, but not below the floor. */
 static void pbwm3__lower(pbwm3__work *w, const double p[3], double size)
 {
-    double *field = (double *)w->field.data + pbwm3__field_cell(w, p);
+    double *field = w->field.at + pbwm3__field_cell(w, p);
     *field = fmin(*field, fmax(w->floor, size));
 }
 
@@ -2391,7 +2379,7 @@ static double pbwm3__measure_gap(const pbwm3__work *w, pbw_index triangle, const
 /* Four sweeps there and back, or until nothing changes: a cell is at most 0.35 cells above its neighbours. */
 static void pbwm3__grade(pbwm3__work *w)
 {
-    double *field = (double *)w->field.data;
+    double *field = w->field.at;
     const size_t total = w->n[0] * w->n[1] * w->n[2];
     size_t i, j;
     int sweep, k, changed = 1;
@@ -2478,16 +2466,16 @@ static void pbwm3__spread_curvature(const pbwm3__work *w, const pbwim__facet *ed
    principal curvatures' squares. */
 static int pbwm3__measure_curvature(pbwm3__work *w)
 {
-    pbwsf__array blocks[3], sums;
+    pbwim__sorting sorting;
+    PBW_ARRAY(pbwm3__curvature) sums = { NULL, 0, 0 };
     const size_t count = 3 * w->surface.triangle_count, total = w->n[0] * w->n[1] * w->n[2];
     const pbwim__facet *edge = pbwm3__edges(&w->memory, w->surface.triangles, w->surface.triangle_count,
-                                            w->surface.point_count, blocks);
+                                            w->surface.point_count, &sorting);
     pbwm3__curvature *cell;
     size_t i, k;
     int good;
-    memset(&sums, 0, sizeof sums);
-    good = edge != NULL && pbwsf__resize(&w->memory, &sums, total * sizeof *cell);
-    cell = (pbwm3__curvature *)sums.data;
+    good = edge != NULL && PBW_FIT(&w->memory, sums, total);
+    cell = sums.at;
     if (good) {
         memset(cell, 0, total * sizeof *cell);
     }
@@ -2506,24 +2494,25 @@ static int pbwm3__measure_curvature(pbwm3__work *w)
         const double norm = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]
                                  + 2 * (t[3] * t[3] + t[4] * t[4] + t[5] * t[5]));
         if (norm > 0 && cell[i].area > 0.1 * w->size * w->size) {
-            double *size = (double *)w->field.data + i;
+            double *size = w->field.at + i;
             *size = fmin(*size, fmax(w->floor, w->how.curvature * cell[i].area / norm));
         }
     }
-    pbwm3__free_blocks(&w->memory, blocks);
-    pbwsf__release(&w->memory, &sums);
+    pbwim__end_sorting(&w->memory, &sorting);
+    PBW_RELEASE(&w->memory, sums);
     return good;
 }
 
 typedef struct pbwm3__probe { double p[3]; size_t chain; pbw_index next; } pbwm3__probe;  /* next: in its cell */
+typedef PBW_ARRAY(pbwm3__probe) pbwm3__probes;
 
 /* Probes on all chains, a quarter of the size apart, in lists by cells of the field. */
-static int pbwm3__probe_chains(pbwm3__work *w, pbwsf__array *probes, pbw_index *head)
+static int pbwm3__probe_chains(pbwm3__work *w, pbwm3__probes *probes, pbw_index *head)
 {
     size_t i;
     for (i = 0; i < w->chains.count; i++) {
-        const pbwm3__chain *chain = (const pbwm3__chain *)w->chains.data + i;
-        const double length = ((const pbwm3__chain_vertex *)w->path.data)[chain->first + chain->count - 1].along;
+        const pbwm3__chain *chain = w->chains.at + i;
+        const double length = w->path.at[chain->first + chain->count - 1].along;
         const size_t most = chain->loose ? 0 : (size_t)ceil(fmin(4 * length / w->size, 1e8));
         size_t k;
         for (k = 0; k < most; k++) {
@@ -2534,7 +2523,7 @@ static int pbwm3__probe_chains(pbwm3__work *w, pbwsf__array *probes, pbw_index *
             probe.chain = i;
             probe.next = head[cell];
             head[cell] = (pbw_index)probes->count;
-            if (probes->count >= PBW_NONE || !pbwm3__append(w, probes, &probe, sizeof probe)) {
+            if (probes->count >= PBW_NONE || !PBW_PUSH(&w->memory, *probes, probe)) {
                 return 0;
             }
         }
@@ -2545,8 +2534,8 @@ static int pbwm3__probe_chains(pbwm3__work *w, pbwsf__array *probes, pbw_index *
 /* Returns whether two chains are one, or have an end in common. */
 static int pbwm3__chains_meet(const pbwm3__work *w, size_t a, size_t b)
 {
-    const pbwm3__chain *x = (const pbwm3__chain *)w->chains.data + a, *y = (const pbwm3__chain *)w->chains.data + b;
-    const pbwm3__chain_vertex *path = (const pbwm3__chain_vertex *)w->path.data;
+    const pbwm3__chain *x = w->chains.at + a, *y = w->chains.at + b;
+    const pbwm3__chain_vertex *path = w->path.at;
     const pbw_index p = path[x->first].vertex, q = path[x->first + x->count - 1].vertex;
     const pbw_index r = path[y->first].vertex, s = path[y->first + y->count - 1].vertex;
     return a == b || p == r || p == s || q == r || q == s;
@@ -2556,33 +2545,32 @@ static int pbwm3__chains_meet(const pbwm3__work *w, size_t a, size_t b)
 static int pbwm3__measure_chains(pbwm3__work *w)
 {
     const size_t total = w->n[0] * w->n[1] * w->n[2];
-    pbwsf__array heads, probes;
+    pbwm3__indices heads = { NULL, 0, 0 };
+    pbwm3__probes probes = { NULL, 0, 0 };
     size_t i;
     int good, k;
-    memset(&heads, 0, sizeof heads);
-    memset(&probes, 0, sizeof probes);
-    good = pbwsf__resize(&w->memory, &heads, total * sizeof(pbw_index));
+    good = PBW_FIT(&w->memory, heads, total);
     if (good) {
-        memset(heads.data, 0xff, heads.bytes);
-        good = pbwm3__probe_chains(w, &probes, (pbw_index *)heads.data);
+        memset(heads.at, 0xff, heads.capacity * sizeof *heads.at);
+        good = pbwm3__probe_chains(w, &probes, heads.at);
     }
     for (i = 0; good && i < probes.count; i++) {
-        const pbwm3__probe *probe = (const pbwm3__probe *)probes.data + i;
+        const pbwm3__probe *probe = probes.at + i;
         double least = HUGE_VAL;
         for (k = 0; k < 27; k++) {
             const double q[3] = { probe->p[0] + (k % 3 - 1) * w->size, probe->p[1] + (k / 3 % 3 - 1) * w->size,
                                   probe->p[2] + (k / 9 - 1) * w->size };
-            pbw_index other = ((const pbw_index *)heads.data)[pbwm3__field_cell(w, q)];
-            for (; other != PBW_NONE; other = ((const pbwm3__probe *)probes.data)[other].next) {
-                const pbwm3__probe *o = (const pbwm3__probe *)probes.data + other;
+            pbw_index other = heads.at[pbwm3__field_cell(w, q)];
+            for (; other != PBW_NONE; other = probes.at[other].next) {
+                const pbwm3__probe *o = probes.at + other;
                 const double d = pbwsf__distance(probe->p, o->p);
                 least = d < least && !pbwm3__chains_meet(w, probe->chain, o->chain) ? d : least;
             }
         }
         pbwm3__lower(w, probe->p, least / 1.5);
     }
-    pbwsf__release(&w->memory, &heads);
-    pbwsf__release(&w->memory, &probes);
+    PBW_RELEASE(&w->memory, heads);
+    PBW_RELEASE(&w->memory, probes);
     return good;
 }
 
@@ -2645,16 +2633,15 @@ static pbw_status pbwm3__lower_gaps(pbwm3__work *w, pbwm3__gap *gap, size_t coun
 /* Rays from 4 points for each square of the size, and from one of each triangle at least. */
 static pbw_status pbwm3__measure_gaps(pbwm3__work *w)
 {
-    pbwsf__array room;
+    PBW_ARRAY(pbwm3__gap) room = { NULL, 0, 0 };
     pbw_status status = PBW_OK;
     uint64_t number = 1ull << 40;
     size_t i, count = 0;
-    memset(&room, 0, sizeof room);
-    if (!pbwsf__resize(&w->memory, &room, PBWM3__BATCH * sizeof(pbwm3__gap))) {
+    if (!PBW_FIT(&w->memory, room, PBWM3__BATCH)) {
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < w->surface.triangle_count && status == PBW_OK; i++) {
-        pbwm3__gap *gap = (pbwm3__gap *)room.data;
+        pbwm3__gap *gap = room.at;
         double n[3], wanted;
         pbwsf__normal(pbwsf__corner(&w->surface, (pbw_index)i, 0), pbwsf__corner(&w->surface, (pbw_index)i, 1),
                       pbwsf__corner(&w->surface, (pbw_index)i, 2), n);
@@ -2669,8 +2656,8 @@ static pbw_status pbwm3__measure_gaps(pbwm3__work *w)
             }
         }
     }
-    status = status != PBW_OK ? status : pbwm3__lower_gaps(w, (pbwm3__gap *)room.data, count);
-    pbwsf__release(&w->memory, &room);
+    status = status != PBW_OK ? status : pbwm3__lower_gaps(w, room.at, count);
+    PBW_RELEASE(&w->memory, room);
     return status;
 }
 
@@ -2703,11 +2690,11 @@ static pbw_status pbwm3__make_field(pbwm3__work *w)
     if (total > 50000000) {
         return pbwm3__estimate(w);                   /* too fine a grid: one size */
     }
-    if (!pbwsf__resize(&w->memory, &w->field, total * sizeof(double))) {
+    if (!PBW_FIT(&w->memory, w->field, total)) {
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < total; i++) {
-        ((double *)w->field.data)[i] = w->size;
+        w->field.at[i] = w->size;
     }
     status = pbwm3__measure_gaps(w);
     if (status != PBW_OK) {
@@ -2718,7 +2705,7 @@ static pbw_status pbwm3__make_field(pbwm3__work *w)
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < total; i++) {
-        w->least = fmin(w->least, ((const double *)w->field.data)[i]);
+        w->least = fmin(w->least, w->field.at[i]);
     }
     if (w->least < w->size) {
         pbwm3__grade(w);
@@ -2771,14 +2758,14 @@ static double pbwm3__step_along(const pbwm3__work *w, size_t number, double from
 static int pbwm3__is_noise(const pbwm3__work *w, const pbwm3__chain *chain)
 {
     return chain->loose
-        && ((const pbwm3__chain_vertex *)w->path.data)[chain->first + chain->count - 1].along < 2 * w->size;
+        && w->path.at[chain->first + chain->count - 1].along < 2 * w->size;
 }
 
 /* Samples a chain evenly; corner: the numbers of points at vertices, PBW_NONE where there is none yet. */
 static int pbwm3__sample_chain(pbwm3__work *w, const pbwm3__stars *stars, size_t number, pbw_index *corner)
 {
-    pbwm3__chain *chain = (pbwm3__chain *)w->chains.data + number;
-    const pbwm3__chain_vertex *path = (const pbwm3__chain_vertex *)w->path.data + chain->first;
+    pbwm3__chain *chain = w->chains.at + number;
+    const pbwm3__chain_vertex *path = w->path.at + chain->first;
     const pbw_index ends[2] = { path[0].vertex, path[chain->count - 1].vertex };
     const double length = path[chain->count - 1].along, sum = pbwm3__sizes_along(w, number, length);
     const double wanted = ceil(sum / 0.6);
@@ -2811,7 +2798,7 @@ static int pbwm3__sample_chain(pbwm3__work *w, const pbwm3__stars *stars, size_t
         piece.to = i < count ? pbwm3__step_along(w, number, piece.from, sum / (double)count) : length;
         pbwm3__along(w, number, piece.to, p);
         piece.b = i < count ? pbwm3__add(w, p, PBWM3__SHARP, chain->set) : corner[ends[1]];
-        if (piece.b == PBW_NONE || !pbwm3__append(w, &w->pieces, &piece, sizeof piece)) {
+        if (piece.b == PBW_NONE || !PBW_PUSH(&w->memory, w->pieces, piece)) {
             return 0;
         }
         piece.a = piece.b;
@@ -2822,23 +2809,22 @@ static int pbwm3__sample_chain(pbwm3__work *w, const pbwm3__stars *stars, size_t
 
 static pbw_status pbwm3__sample_sharp(pbwm3__work *w)
 {
-    pbwsf__array corner;
+    pbwm3__indices corner = { NULL, 0, 0 };
     pbwm3__stars stars;
     size_t i;
     int good;
-    memset(&corner, 0, sizeof corner);
     memset(&stars, 0, sizeof stars);
     good = pbwm3__make_stars(w, &stars)
-        && pbwsf__resize(&w->memory, &corner, (w->surface.point_count + 1) * sizeof(pbw_index));
+        && PBW_FIT(&w->memory, corner, w->surface.point_count + 1);
     if (good) {
-        memset(corner.data, 0xff, corner.bytes);
+        memset(corner.at, 0xff, corner.capacity * sizeof *corner.at);
     }
     for (i = 0; good && i < w->chains.count; i++) {
-        good = pbwm3__sample_chain(w, &stars, i, (pbw_index *)corner.data);
+        good = pbwm3__sample_chain(w, &stars, i, corner.at);
     }
-    pbwsf__release(&w->memory, &corner);
-    pbwsf__release(&w->memory, &stars.first);
-    pbwsf__release(&w->memory, &stars.at);
+    PBW_RELEASE(&w->memory, corner);
+    PBW_RELEASE(&w->memory, stars.first);
+    PBW_RELEASE(&w->memory, stars.at);
     return good ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
@@ -2878,7 +2864,7 @@ static void pbwm3__throw_dart(const pbwm3__throw *b, uint64_t i, pbwm3__dart *da
     dart->stays = !(size > w->least && pbwm3__random(~i) * size * size > w->least * w->least);
     if (dart->stays) {
         dart->patch = w->input->value != NULL ? (pbw_index)pbwm3__to_surface(w, dart->p)
-                    : ((const pbw_index *)w->patch.data)[low];
+                    : w->patch.at[low];
         dart->size = size;
         dart->stays = pbwm3__nearest(w, dart->p, 0.65 * size, PBWM3__SHARP, PBWM3__SMOOTH) == PBW_NONE;
     }
@@ -2914,17 +2900,16 @@ static pbw_status pbwm3__throw_darts(pbwm3__work *w, const double *area)
 {
     const double finest = 0.65 * w->least;
     const double wanted = 12 * area[w->surface.triangle_count - 1] / (finest * finest) + 100;
-    pbwsf__array darts;
+    PBW_ARRAY(pbwm3__dart) darts = { NULL, 0, 0 };
     pbwm3__throw batch;
     pbw_status status = PBW_ERROR_MEMORY;
     if (!(wanted < 4e9)) {
         return PBW_ERROR_TOO_LARGE;
     }
-    memset(&darts, 0, sizeof darts);
     batch.w = w;
     batch.area = area;
-    if (pbwsf__resize(&w->memory, &darts, PBWM3__BATCH * sizeof *batch.dart)) {
-        batch.dart = (pbwm3__dart *)darts.data;
+    if (PBW_FIT(&w->memory, darts, PBWM3__BATCH)) {
+        batch.dart = darts.at;
         for (batch.first = 0, status = PBW_OK; status == PBW_OK && batch.first < (uint64_t)wanted;
              batch.first += PBWM3__BATCH) {
             const uint64_t left = (uint64_t)wanted - batch.first, most = PBWM3__BATCH;
@@ -2932,28 +2917,27 @@ static pbw_status pbwm3__throw_darts(pbwm3__work *w, const double *area)
             status = status != PBW_OK ? status : pbwm3__throw_batch(&batch, (size_t)(left < most ? left : most));
         }
     }
-    pbwsf__release(&w->memory, &darts);
+    PBW_RELEASE(&w->memory, darts);
     return status;
 }
 
 static pbw_status pbwm3__sample_smooth(pbwm3__work *w)
 {
-    pbwsf__array areas;
+    pbwm3__numbers areas = { NULL, 0, 0 };
     pbw_status status = PBW_ERROR_MEMORY;
     double sum = 0;
     size_t i;
-    memset(&areas, 0, sizeof areas);
-    if (pbwsf__resize(&w->memory, &areas, w->surface.triangle_count * sizeof(double))) {
+    if (PBW_FIT(&w->memory, areas, w->surface.triangle_count)) {
         for (i = 0; i < w->surface.triangle_count; i++) {
             double n[3];
             pbwsf__normal(pbwsf__corner(&w->surface, (pbw_index)i, 0), pbwsf__corner(&w->surface, (pbw_index)i, 1),
                           pbwsf__corner(&w->surface, (pbw_index)i, 2), n);
             sum += 0.5 * sqrt(pbwsf__dot(n, n));
-            ((double *)areas.data)[i] = sum;
+            areas.at[i] = sum;
         }
-        status = sum > 0 ? pbwm3__throw_darts(w, (const double *)areas.data) : PBW_DEGENERATE;
+        status = sum > 0 ? pbwm3__throw_darts(w, areas.at) : PBW_DEGENERATE;
     }
-    pbwsf__release(&w->memory, &areas);
+    PBW_RELEASE(&w->memory, areas);
     return status;
 }
 
@@ -2988,7 +2972,7 @@ static pbw_status pbwm3__lattice_range(void *arg, size_t from, size_t to)
             continue;
         }
         pbwm3__lattice_point(l, i, p);
-        if (l->level > 1 && ((const double *)w->field.data)[pbwm3__field_cell(w, p)] > 4 * l->cell) {
+        if (l->level > 1 && w->field.at[pbwm3__field_cell(w, p)] > 4 * l->cell) {
             const double along = (p[0] - w->low[0]) / w->size, left = (floor(along) + 1 - along) * w->size;
             i += (size_t)fmin(2 * left / l->cell, (double)(l->n[0] - 1 - x));    /* coarse up to this cell's end */
             continue;
@@ -3020,11 +3004,10 @@ static pbw_status pbwm3__take_lattice(pbwm3__work *w, const pbwm3__lattice *l, s
 static pbw_status pbwm3__sample_level(pbwm3__work *w, int level)
 {
     const size_t batch = (size_t)1 << 17;
-    pbwsf__array inside;
+    pbwm3__flags inside = { NULL, 0, 0 };
     pbwm3__lattice l;
     pbw_status status = PBW_OK;
     size_t k, total = 1;
-    memset(&inside, 0, sizeof inside);
     memset(&l, 0, sizeof l);
     l.w = w;
     l.level = level;
@@ -3040,17 +3023,17 @@ static pbw_status pbwm3__sample_level(pbwm3__work *w, int level)
     if (total / 4 >= PBW_NONE / 8) {
         return PBW_ERROR_TOO_LARGE;
     }
-    if (!pbwsf__resize(&w->memory, &inside, batch)) {
+    if (!PBW_FIT(&w->memory, inside, batch)) {
         return PBW_ERROR_MEMORY;
     }
-    l.inside = (unsigned char *)inside.data;
+    l.inside = inside.at;
     for (l.first = 0; status == PBW_OK && l.first < total; l.first += batch) {
         const size_t count = total - l.first < batch ? total - l.first : batch;
         status = pbwm3__check_budget(w, level == 0 ? 0.5 + 0.5 * (double)l.first / (double)total : 1);
         status = status != PBW_OK ? status : pbw_for(pbwm3__inner_options(w), count, 1024, pbwm3__lattice_range, &l);
         status = status != PBW_OK ? status : pbwm3__take_lattice(w, &l, count);
     }
-    pbwsf__release(&w->memory, &inside);
+    PBW_RELEASE(&w->memory, inside);
     return status;
 }
 
@@ -3094,8 +3077,8 @@ static int pbwm3__is_flat(const pbwm3__work *w, const pbw_index c[4], int bridge
     pbwim__shape shape;
     int i, k;
     for (i = 0; i < 4; i++) {
-        p[i] = PBWM3__X(w, c[i]);
-        if (PBWM3__KIND(w)[c[i]] == PBWM3__INSIDE) {
+        p[i] = w->x.at[c[i]];
+        if (w->kind.at[c[i]] == PBWM3__INSIDE) {
             return 0;
         }
         for (k = 0; k < 3; k++) {
@@ -3130,7 +3113,7 @@ static int pbwm3__is_flat(const pbwm3__work *w, const pbw_index c[4], int bridge
 static int pbwm3__bridges(const pbwm3__work *w, const pbw_index c[4])
 {
     int i;
-    for (i = 0; i < 4 && PBWM3__KIND(w)[c[i]] != PBWM3__INSIDE; i++) {
+    for (i = 0; i < 4 && w->kind.at[c[i]] != PBWM3__INSIDE; i++) {
     }
     return i == 4 && pbwm3__common_patch(w, c, 4) == PBW_NONE;
 }
@@ -3164,11 +3147,11 @@ static int pbwm3__label_outside(const pbwm3__work *w, const double *const p[4], 
     t = pbw_surface_closest(&w->surface, middle, HUGE_VAL, place);
     if (w->walls && t != PBW_NONE) {
         const pbw_index patch = w->whole ? PBW_NONE : pbwm3__common_patch(w, c, 4);
-        const pbw_index at = patch == PBW_NONE ? t : ((const pbw_index *)w->firsts.data)[patch];
+        const pbw_index at = patch == PBW_NONE ? t : w->firsts.at[patch];
         const int front = pbwm3__side_label(w, at, 0), back = pbwm3__side_label(w, at, 1);
         return front < back ? front : back;
     }
-    around = t == PBW_NONE ? 0 : ((const pbwm3__shell *)w->shells.data)[((const pbw_index *)w->shell.data)[t]].around;
+    around = t == PBW_NONE ? 0 : w->shells.at[w->shell.at[t]].around;
     return around < 255 ? (int)around : 255;
 }
 
@@ -3179,10 +3162,10 @@ static pbw_status pbwm3__label_range(void *arg, size_t from, size_t to)
     int i, far, bridge;
     for (t = from; t < to; t++) {
         const pbw_index *c = w->mesh.simplices + 4 * t;
-        double *centre = PBWM3__CENTRE(w, t);
+        double *centre = w->centre.at[t];
         const double *p[4];
         for (i = 0; i < 4; i++) {
-            p[i] = PBWM3__X(w, c[i]);
+            p[i] = w->x.at[c[i]];
         }
         pbwm3__circumcentre(p, centre);
         for (i = far = 0; i < 3; i++) {
@@ -3194,7 +3177,7 @@ static pbw_status pbwm3__label_range(void *arg, size_t from, size_t to)
             }
         }
         bridge = pbwm3__bridges(w, c);
-        PBWM3__LABEL(w)[t] = far && !bridge ? 0 : pbwm3__is_flat(w, c, bridge) ? pbwm3__label_outside(w, p, c)
+        w->label.at[t] = far && !bridge ? 0 : pbwm3__is_flat(w, c, bridge) ? pbwm3__label_outside(w, p, c)
                            : bridge ? pbwm3__label_of_middle(w, p) : pbwm3__inside(w, centre);
     }
     return PBW_OK;
@@ -3207,15 +3190,14 @@ static pbw_status pbwm3__rebuild(pbwm3__work *w)
     pbwm3__drop_mesh(w);
     options = *pbwm3__inner_options(w);
     options.flags = PBW_BORROW;
-    status = pbw_triangulate(3, (const double *)w->x.data, NULL, w->x.count, &options, &w->mesh);
+    status = pbw_triangulate(3, w->x.at[0], NULL, w->x.count, &options, &w->mesh);
     w->memory.used += pbwm3__mesh_bytes(&w->mesh);
     if (status != PBW_OK) {
         return status;
     }
-    if (w->label.bytes / sizeof(int) < w->mesh.simplex_count) {
+    if (w->label.capacity < w->mesh.simplex_count) {
         const size_t room = w->mesh.simplex_count + w->mesh.simplex_count / 8 + 1;
-        if (!pbwsf__resize(&w->memory, &w->label, room * sizeof(int))
-            || !pbwsf__resize(&w->memory, &w->centre, room * 3 * sizeof(double))) {
+        if (!PBW_FIT(&w->memory, w->label, room) || !PBW_FIT(&w->memory, w->centre, room)) {
             return PBW_ERROR_MEMORY;
         }
     }
@@ -3224,7 +3206,7 @@ static pbw_status pbwm3__rebuild(pbwm3__work *w)
 
 static int pbwm3__label_of(const pbwm3__work *w, pbw_index t)
 {
-    return t != PBW_NONE ? PBWM3__LABEL(w)[t] : 0;
+    return t != PBW_NONE ? w->label.at[t] : 0;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -3234,7 +3216,8 @@ static int pbwm3__label_of(const pbwm3__work *w, pbw_index t)
    ------------------------------------------------------------------------------------------------------ */
 
 typedef struct pbwm3__topology {
-    pbwsf__array edges, flags;             /* bad edges, two points each; per point: 1 it has several fans */
+    pbwm3__pairs edges;                    /* bad edges */
+    pbwm3__flags flags;                    /* per point: 1 it has several fans */
     size_t bad_edges, bad_points;
     long euler;
 } pbwm3__topology;
@@ -3259,12 +3242,10 @@ static int pbwm3__join_fans(pbw_memory *memory, const pbwim__facet *edge, size_t
             parent[pbwm3__root_of(parent, a + low)] = pbwm3__root_of(parent, b + low2);
             parent[pbwm3__root_of(parent, a + other)] = pbwm3__root_of(parent, b + other2);
         } else {
-            pbw_index *pair = (pbw_index *)pbwsf__room(memory, &top->edges, 1, 2 * sizeof *pair);
-            if (pair == NULL) {
+            if (!PBW_RESERVE(memory, top->edges, 1)) {
                 return 0;
             }
-            memcpy(pair, edge[i].v, 2 * sizeof *pair);
-            top->edges.count++;
+            memcpy(top->edges.at[top->edges.count++], edge[i].v, sizeof *top->edges.at);
             top->bad_edges++;
         }
     }
@@ -3275,17 +3256,17 @@ static int pbwm3__join_fans(pbw_memory *memory, const pbwim__facet *edge, size_t
 static int pbwm3__examine(pbw_memory *memory, const pbw_index *facets, size_t count, size_t points,
                           pbwm3__topology *top)
 {
-    pbwsf__array blocks[3], parents;
-    const pbwim__facet *edge = pbwm3__edges(memory, facets, count, points, blocks);
+    pbwim__sorting sorting;
+    pbwm3__counts parents = { NULL, 0, 0 };
+    const pbwim__facet *edge = pbwm3__edges(memory, facets, count, points, &sorting);
     size_t *parent, i;
     unsigned char *flag;
     int good;
     memset(top, 0, sizeof *top);
-    memset(&parents, 0, sizeof parents);
-    good = edge != NULL && pbwsf__resize(memory, &parents, (3 * count + 1) * sizeof *parent)
-        && pbwsf__resize(memory, &top->flags, points + 1);
-    parent = (size_t *)parents.data;
-    flag = (unsigned char *)top->flags.data;
+    good = edge != NULL && PBW_FIT(memory, parents, 3 * count + 1)
+        && PBW_FIT(memory, top->flags, points + 1);
+    parent = parents.at;
+    flag = top->flags.at;
     for (i = 0; good && i < 3 * count; i++) {
         parent[i] = i;
     }
@@ -3304,138 +3285,123 @@ static int pbwm3__examine(pbw_memory *memory, const pbw_index *facets, size_t co
     for (i = 0; good && i < points; i++) {
         flag[i] = flag[i] == 1;
     }
-    pbwm3__free_blocks(memory, blocks);
-    pbwsf__release(memory, &parents);
+    pbwim__end_sorting(memory, &sorting);
+    PBW_RELEASE(memory, parents);
     return good;
 }
 
 /* Gives the corners of facets separate numbers for each label; owner: their points.  Returns 0 without memory. */
-static int pbwm3__split_by_label(pbwm3__work *w, pbwsf__array *facets, const pbwsf__array *labels, size_t points,
-                        pbwsf__array *owner)
+static int pbwm3__split_by_label(pbwm3__work *w, pbwm3__triples *facets, const pbwm3__labels *labels, size_t points,
+                                 pbwm3__indices *owner)
 {
-    const int *label = (const int *)labels->data;
-    pbw_index *f = (pbw_index *)facets->data;
-    pbwsf__array firsts, orders, seen;
-    size_t *first, *order, i, k;
-    pbw_index *own;
-    int *last, good;
-    memset(&firsts, 0, sizeof firsts);
-    memset(&orders, 0, sizeof orders);
-    memset(&seen, 0, sizeof seen);
-    good = pbwsf__resize(&w->memory, &firsts, (w->shells.count + 3) * sizeof *first)
-        && pbwsf__resize(&w->memory, &orders, (facets->count + 1) * sizeof *order)
-        && pbwsf__resize(&w->memory, &seen, (points + 1) * (sizeof *own + sizeof *last));
-    first = (size_t *)firsts.data;
-    order = (size_t *)orders.data;
-    own = (pbw_index *)seen.data;
-    last = (int *)(void *)(own + points + 1);
-    if (good) {
-        memset(first, 0, (w->shells.count + 3) * sizeof *first);
-        memset(seen.data, 0, (points + 1) * (sizeof *own + sizeof *last));
-    }
+    const int *label = labels->at;
+    pbwm3__counts first = { NULL, 0, 0 }, order = { NULL, 0, 0 };
+    pbwm3__indices own = { NULL, 0, 0 };             /* per point, its number for the label `last` */
+    pbwm3__labels last = { NULL, 0, 0 };
+    size_t i;
+    int good = PBW_ZEROS(&w->memory, first, w->shells.count + 3) && PBW_FIT(&w->memory, order, facets->count + 1)
+        && PBW_FIT(&w->memory, own, points + 1) && PBW_ZEROS(&w->memory, last, points + 1);
     for (i = 0; good && i < facets->count; i++) {
-        first[label[i] + 1]++;
+        first.at[label[i] + 1]++;
     }
     for (i = 0; good && i < w->shells.count + 2; i++) {
-        first[i + 1] += first[i];
+        first.at[i + 1] += first.at[i];
     }
     for (i = 0; good && i < facets->count; i++) {
-        order[first[label[i]]++] = i;
+        order.at[first.at[label[i]]++] = i;
     }
     for (i = 0; good && i < 3 * facets->count; i++) {
-        const size_t at = order[i / 3];
-        k = 3 * at + i % 3;
-        if (last[f[k]] != label[at]) {
-            last[f[k]] = label[at];
-            own[f[k]] = (pbw_index)owner->count;
-            good = pbwm3__append(w, owner, f + k, sizeof *f);
+        const size_t facet = order.at[i / 3];
+        pbw_index *corner = &facets->at[facet][i % 3];
+        if (last.at[*corner] != label[facet]) {
+            last.at[*corner] = label[facet];
+            own.at[*corner] = (pbw_index)owner->count;
+            good = PBW_PUSH(&w->memory, *owner, *corner);
         }
-        f[k] = own[f[k]];
+        *corner = own.at[*corner];
     }
-    pbwsf__release(&w->memory, &firsts);
-    pbwsf__release(&w->memory, &orders);
-    pbwsf__release(&w->memory, &seen);
+    PBW_RELEASE(&w->memory, first);
+    PBW_RELEASE(&w->memory, order);
+    PBW_RELEASE(&w->memory, own);
+    PBW_RELEASE(&w->memory, last);
     return good;
 }
 
 /* The Euler number of the boundaries of all regions of the input. */
 static int pbwm3__measure_walls(pbwm3__work *w)
 {
-    pbwsf__array facets, labels, owner;
+    pbwm3__triples facets = { NULL, 0, 0 };
+    pbwm3__labels labels = { NULL, 0, 0 };
+    pbwm3__indices owner = { NULL, 0, 0 };
     size_t i;
     int good = 1;
-    memset(&facets, 0, sizeof facets);
-    memset(&labels, 0, sizeof labels);
-    memset(&owner, 0, sizeof owner);
     for (i = 0; good && i < 2 * w->triangles.count; i++) {
         const int label = pbwm3__side_label(w, (pbw_index)(i / 2), (int)(i % 2));
-        good = label == 0 || (pbwm3__append(w, &facets, w->surface.triangles + i / 2 * 3, 3 * sizeof(pbw_index))
-                              && pbwm3__append(w, &labels, &label, sizeof label));
+        good = label == 0 || (PBWM3__APPEND(w, facets, w->surface.triangles + i / 2 * 3)
+                              && PBW_PUSH(&w->memory, labels, label));
     }
     good = good && pbwm3__split_by_label(w, &facets, &labels, w->surface.point_count, &owner);
     w->report->input_euler = (long)owner.count - (long)facets.count / 2;     /* 3/2 edges a facet */
-    pbwsf__release(&w->memory, &facets);
-    pbwsf__release(&w->memory, &labels);
-    pbwsf__release(&w->memory, &owner);
+    PBW_RELEASE(&w->memory, facets);
+    PBW_RELEASE(&w->memory, labels);
+    PBW_RELEASE(&w->memory, owner);
     return good;
 }
 
 /* Examines the boundaries of all labels, each for itself: facets between two are listed for both. */
-static int pbwm3__examine_labels(pbwm3__work *w, pbwsf__array *facets, const pbwsf__array *labels, size_t points,
+static int pbwm3__examine_labels(pbwm3__work *w, pbwm3__triples *facets, const pbwm3__labels *labels, size_t points,
                                  pbwm3__topology *top)
 {
-    pbw_index *f = (pbw_index *)facets->data, *ends, *point;
-    pbwsf__array owner, flags;
+    const pbw_index *facet = (const pbw_index *)facets->at;
+    pbwm3__indices owner = { NULL, 0, 0 };
+    pbwm3__flags flags = { NULL, 0, 0 };
     size_t i;
     int good;
     if (!w->walls) {
-        return pbwm3__examine(&w->memory, f, facets->count, points, top);
+        return pbwm3__examine(&w->memory, facet, facets->count, points, top);
     }
-    memset(&owner, 0, sizeof owner);
-    memset(&flags, 0, sizeof flags);
     memset(top, 0, sizeof *top);
     good = pbwm3__split_by_label(w, facets, labels, points, &owner)
-        && pbwm3__examine(&w->memory, f, facets->count, owner.count, top)
-        && pbwsf__resize(&w->memory, &flags, points + 1);
-    point = (pbw_index *)owner.data;
-    ends = (pbw_index *)top->edges.data;
+        && pbwm3__examine(&w->memory, facet, facets->count, owner.count, top)
+        && PBW_ZEROS(&w->memory, flags, points + 1);
     if (good) {                                      /* back to points */
-        memset(flags.data, 0, points + 1);
         for (i = 0; i < owner.count; i++) {
-            ((unsigned char *)flags.data)[point[i]] |= ((const unsigned char *)top->flags.data)[i];
+            flags.at[owner.at[i]] |= top->flags.at[i];
         }
         for (i = 0; i < 3 * facets->count; i++) {
-            f[i] = point[f[i]];
+            pbw_index *corner = &facets->at[i / 3][i % 3];
+            *corner = owner.at[*corner];
         }
         for (i = 0; i < 2 * top->edges.count; i++) {
-            ends[i] = point[ends[i]];
+            pbw_index *end = &top->edges.at[i / 2][i % 2];
+            *end = owner.at[*end];
         }
-        pbwsf__release(&w->memory, &top->flags);
+        PBW_RELEASE(&w->memory, top->flags);
         top->flags = flags;
     } else {
-        pbwsf__release(&w->memory, &flags);
+        PBW_RELEASE(&w->memory, flags);
     }
-    pbwsf__release(&w->memory, &owner);
+    PBW_RELEASE(&w->memory, owner);
     return good;
 }
 
 /* Lists the boundary's facets, outward, those between two labels once; with walls, if labels is not NULL, for both
    labels, and lists the labels too. */
-static int pbwm3__list_boundary(pbwm3__work *w, pbwsf__array *facets, pbwsf__array *labels)
+static int pbwm3__list_boundary(pbwm3__work *w, pbwm3__triples *facets, pbwm3__labels *labels)
 {
     const int both = labels != NULL && w->walls;
     size_t t;
     int i;
     facets->count = 0;
     for (t = 0; t < w->mesh.simplex_count; t++) {
-        for (i = 0; i < 4 && PBWM3__LABEL(w)[t]; i++) {
+        for (i = 0; i < 4 && w->label.at[t]; i++) {
             const pbw_index *c = w->mesh.simplices + 4 * t;
             const pbw_index f[3] = { c[pbwim__opposite[i][0]], c[pbwim__opposite[i][2]], c[pbwim__opposite[i][1]] };
-            const int label = PBWM3__LABEL(w)[t];
+            const int label = w->label.at[t];
             const int other = pbwm3__label_of(w, w->mesh.neighbors[4 * t + (size_t)i]);
             if ((both ? other != label : other < label)
-                && (!pbwm3__append(w, facets, f, sizeof f)
-                    || (both && !pbwm3__append(w, labels, &label, sizeof label)))) {
+                && (!PBWM3__APPEND(w, *facets, f)
+                    || (both && !PBW_PUSH(&w->memory, *labels, label)))) {
                 return 0;
             }
         }
@@ -3468,29 +3434,29 @@ static int pbwm3__needs_point(const pbwm3__work *w, size_t t, int i, pbwm3__new_
     point->inside = PBW_NONE;
     for (k = 0; k < 3; k++) {
         f[k] = c[pbwim__opposite[i][k]];
-        if (inner == outer && PBWM3__KIND(w)[f[k]] == PBWM3__INSIDE) {
+        if (inner == outer && w->kind.at[f[k]] == PBWM3__INSIDE) {
             return 0;
         }
     }
-    for (k = 0; k < 3 && PBWM3__KIND(w)[f[k]] != PBWM3__INSIDE; k++) {
+    for (k = 0; k < 3 && w->kind.at[f[k]] != PBWM3__INSIDE; k++) {
     }
     bridge = k == 3 && pbwm3__common_patch(w, f, 3) == PBW_NONE;
     if (n != PBW_NONE && !bridge) {
-        met = pbw_surface_meets(&w->surface, PBWM3__CENTRE(w, t), PBWM3__CENTRE(w, n), &where);
-        pbwsf__between(PBWM3__CENTRE(w, t), PBWM3__CENTRE(w, n), where, p);
-        if (met != PBW_NONE && pbwsf__distance(p, PBWM3__X(w, f[0])) > 1.1 * pbwm3__size(w, p)) {
+        met = pbw_surface_meets(&w->surface, w->centre.at[t], w->centre.at[n], &where);
+        pbwsf__between(w->centre.at[t], w->centre.at[n], where, p);
+        if (met != PBW_NONE && pbwsf__distance(p, w->x.at[f[0]]) > 1.1 * pbwm3__size(w, p)) {
             return 1;
         }
     }
     for (k = 0; k < 3; k++) {
-        point->inside = PBWM3__KIND(w)[f[k]] == PBWM3__INSIDE ? f[k] : point->inside;
-        p[k] = (PBWM3__X(w, f[0])[k] + PBWM3__X(w, f[1])[k] + PBWM3__X(w, f[2])[k]) / 3;
+        point->inside = w->kind.at[f[k]] == PBWM3__INSIDE ? f[k] : point->inside;
+        p[k] = (w->x.at[f[0]][k] + w->x.at[f[1]][k] + w->x.at[f[2]][k]) / 3;
     }
     if (inner == outer || bridge || point->inside != PBW_NONE) {
         return inner != outer;
     }
     for (i = 0; i < 3 && pbwm3__is_near_surface(w, p); i++) {        /* its middle, and those of its edges */
-        pbwsf__between(PBWM3__X(w, f[i]), PBWM3__X(w, f[(i + 1) % 3]), 0.5, p);
+        pbwsf__between(w->x.at[f[i]], w->x.at[f[(i + 1) % 3]], 0.5, p);
     }
     return i < 3 || !pbwm3__is_near_surface(w, p);
 }
@@ -3508,9 +3474,9 @@ static int pbwm3__add_if_far(pbwm3__work *w, const double p[3], size_t patch, do
     inside = pbwm3__nearest(w, p, 0.45 * size, PBWM3__INSIDE, PBWM3__INSIDE);
     if (inside != PBW_NONE) {
         pbwm3__take_from_cell(w, inside);
-        memcpy(PBWM3__X(w, inside), p, 3 * sizeof *p);
-        PBWM3__KIND(w)[inside] = PBWM3__SMOOTH;
-        ((pbw_index *)w->set.data)[inside] = (pbw_index)patch;
+        memcpy(w->x.at[inside], p, 3 * sizeof *p);
+        w->kind.at[inside] = PBWM3__SMOOTH;
+        w->set.at[inside] = (pbw_index)patch;
         pbwm3__put_in_cell(w, inside);
         return 1;
     }
@@ -3520,43 +3486,42 @@ static int pbwm3__add_if_far(pbwm3__work *w, const double p[3], size_t patch, do
 /* Adds points at bad edges and bad points of the boundary.  Returns how many, -1 without memory. */
 static long pbwm3__refine_boundary(pbwm3__work *w)
 {
-    pbwsf__array facets, labels;
+    pbwm3__triples facets = { NULL, 0, 0 };
+    pbwm3__labels labels = { NULL, 0, 0 };
     pbwm3__topology top;
     long added = 0;
     size_t i, patch;
     int got = 0, k;
-    memset(&facets, 0, sizeof facets);
-    memset(&labels, 0, sizeof labels);
     memset(&top, 0, sizeof top);
     if (!pbwm3__list_boundary(w, &facets, &labels)
         || !pbwm3__examine_labels(w, &facets, &labels, w->x.count, &top)) {
         got = -1;
     }
     for (i = 0; got >= 0 && i < top.edges.count; i++) {
-        const pbw_index *pair = (const pbw_index *)top.edges.data + 2 * i;
+        const pbw_index *pair = top.edges.at[i];
         double p[3];
-        pbwsf__between(PBWM3__X(w, pair[0]), PBWM3__X(w, pair[1]), 0.5, p);
+        pbwsf__between(w->x.at[pair[0]], w->x.at[pair[1]], 0.5, p);
         patch = pbwm3__to_surface(w, p);
         got = pbwm3__add_if_far(w, p, patch, 0.08, 0.08);
         added += got;
     }
     for (i = 0; got >= 0 && top.bad_points > 0 && i < facets.count; i++) {
-        const pbw_index *f = (const pbw_index *)facets.data + 3 * i;
-        const unsigned char *flag = (const unsigned char *)top.flags.data;
+        const pbw_index *f = facets.at[i];
+        const unsigned char *flag = top.flags.at;
         double p[3];
         if (flag[f[0]] || flag[f[1]] || flag[f[2]]) {
             for (k = 0; k < 3; k++) {
-                p[k] = (PBWM3__X(w, f[0])[k] + PBWM3__X(w, f[1])[k] + PBWM3__X(w, f[2])[k]) / 3;
+                p[k] = (w->x.at[f[0]][k] + w->x.at[f[1]][k] + w->x.at[f[2]][k]) / 3;
             }
             patch = pbwm3__to_surface(w, p);
             got = pbwm3__add_if_far(w, p, patch, 0.08, 0.08);
             added += got;
         }
     }
-    pbwsf__release(&w->memory, &facets);
-    pbwsf__release(&w->memory, &labels);
-    pbwsf__release(&w->memory, &top.edges);
-    pbwsf__release(&w->memory, &top.flags);
+    PBW_RELEASE(&w->memory, facets);
+    PBW_RELEASE(&w->memory, labels);
+    PBW_RELEASE(&w->memory, top.edges);
+    PBW_RELEASE(&w->memory, top.flags);
     return got < 0 ? -1 : added;
 }
 
@@ -3566,8 +3531,8 @@ static long pbwm3__refine_boundary(pbwm3__work *w)
 static void pbwm3__remove_point(pbwm3__work *w, pbw_index p)
 {
     pbwm3__take_from_cell(w, p);
-    memcpy(PBWM3__X(w, p), PBWM3__X(w, 0), 3 * sizeof(double));
-    PBWM3__KIND(w)[p] = PBWM3__REMOVED;
+    memcpy(w->x.at[p], w->x.at[0], 3 * sizeof(double));
+    w->kind.at[p] = PBWM3__REMOVED;
     pbwm3__put_in_cell(w, p);
 }
 
@@ -3582,16 +3547,16 @@ static int pbwm3__compare_pieces(const void *a, const void *b)
 /* Marks in `found` the sorted pieces that are edges of tetrahedra inside. */
 static void pbwm3__find_pieces(const pbwm3__work *w, unsigned char *found)
 {
-    const pbwm3__piece *piece = (const pbwm3__piece *)w->pieces.data, *at;
+    const pbwm3__piece *piece = w->pieces.at, *at;
     size_t t;
     int e;
     for (t = 0; t < w->mesh.simplex_count; t++) {
         const pbw_index *c = w->mesh.simplices + 4 * t;
-        for (e = 0; e < 6 && PBWM3__LABEL(w)[t]; e++) {
+        for (e = 0; e < 6 && w->label.at[t]; e++) {
             pbwm3__piece key;
             key.a = c[pbwim__edge[e][0]];
             key.b = c[pbwim__edge[e][1]];
-            if (PBWM3__KIND(w)[key.a] == PBWM3__SHARP && PBWM3__KIND(w)[key.b] == PBWM3__SHARP) {
+            if (w->kind.at[key.a] == PBWM3__SHARP && w->kind.at[key.b] == PBWM3__SHARP) {
                 at = (const pbwm3__piece *)bsearch(&key, piece, w->pieces.count, sizeof key, pbwm3__compare_pieces);
                 if (at != NULL) {
                     found[at - piece] = 1;
@@ -3603,7 +3568,7 @@ static void pbwm3__find_pieces(const pbwm3__work *w, unsigned char *found)
 
 static void pbwm3__clear_ball(pbwm3__work *w, const pbwm3__piece *piece)
 {
-    const double *a = PBWM3__X(w, piece->a), *b = PBWM3__X(w, piece->b);
+    const double *a = w->x.at[piece->a], *b = w->x.at[piece->b];
     double middle[3];
     pbw_index p;
     pbwsf__between(a, b, 0.5, middle);
@@ -3619,24 +3584,23 @@ static void pbwm3__clear_ball(pbwm3__work *w, const pbwm3__piece *piece)
 static long pbwm3__halve_pieces(pbwm3__work *w)
 {
     const size_t count = w->pieces.count;
-    pbwsf__array found;
+    pbwm3__flags found = { NULL, 0, 0 };
     long added = 0;
     size_t i;
-    memset(&found, 0, sizeof found);
     w->report->missing_edges = 0;
     if (count == 0) {
         return 0;
     }
-    qsort(w->pieces.data, count, sizeof(pbwm3__piece), pbwm3__compare_pieces);
-    if (!pbwsf__resize(&w->memory, &found, count)) {
+    qsort(w->pieces.at, count, sizeof(pbwm3__piece), pbwm3__compare_pieces);
+    if (!PBW_FIT(&w->memory, found, count)) {
         return -1;
     }
-    memset(found.data, 0, count);
-    pbwm3__find_pieces(w, (unsigned char *)found.data);
+    memset(found.at, 0, count);
+    pbwm3__find_pieces(w, found.at);
     for (i = 0; i < count && added >= 0; i++) {
-        pbwm3__piece *piece = (pbwm3__piece *)w->pieces.data + i, second = *piece;
+        pbwm3__piece *piece = w->pieces.at + i, second = *piece;
         double p[3];
-        if (((const unsigned char *)found.data)[i]) {
+        if (found.at[i]) {
             continue;
         }
         w->report->missing_edges++;
@@ -3644,13 +3608,13 @@ static long pbwm3__halve_pieces(pbwm3__work *w)
         if (piece->to - piece->from > 0.1 * w->least) {
             second.from = (piece->from + piece->to) / 2;
             pbwm3__along(w, piece->chain, second.from, p);
-            second.a = pbwm3__add(w, p, PBWM3__SHARP, ((const pbwm3__chain *)w->chains.data)[piece->chain].set);
+            second.a = pbwm3__add(w, p, PBWM3__SHARP, w->chains.at[piece->chain].set);
             piece->to = second.from;
             piece->b = second.a;
-            added = second.a == PBW_NONE || !pbwm3__append(w, &w->pieces, &second, sizeof second) ? -1 : added + 1;
+            added = second.a == PBW_NONE || !PBW_PUSH(&w->memory, w->pieces, second) ? -1 : added + 1;
         }
     }
-    pbwsf__release(&w->memory, &found);
+    PBW_RELEASE(&w->memory, found);
     return added;
 }
 
@@ -3658,7 +3622,7 @@ static long pbwm3__halve_pieces(pbwm3__work *w)
 static pbw_status pbwm3__need_range(void *arg, size_t from, size_t to)
 {
     pbwm3__work *w = (pbwm3__work *)arg;
-    unsigned char *needs = (unsigned char *)w->needs.data;
+    unsigned char *needs = w->needs.at;
     size_t t;
     int k;
     for (t = from; t < to; t++) {
@@ -3677,7 +3641,7 @@ static pbw_status pbwm3__need_range(void *arg, size_t from, size_t to)
 static pbw_status pbwm3__new_point_range(void *arg, size_t from, size_t to)
 {
     pbwm3__work *w = (pbwm3__work *)arg;
-    pbwm3__new_point *point = (pbwm3__new_point *)w->new_points.data;
+    pbwm3__new_point *point = w->new_points.at;
     size_t i;
     for (i = from; i < to; i++) {
         (void)pbwm3__needs_point(w, point[i].facet / 4, (int)(point[i].facet % 4), point + i);
@@ -3693,8 +3657,7 @@ static pbw_status pbwm3__list_new_points(pbwm3__work *w)
     pbw_status status;
     size_t i;
     w->new_points.count = 0;
-    if (w->needs.bytes < w->mesh.simplex_count
-        && !pbwsf__resize(&w->memory, &w->needs, w->label.bytes / sizeof(int))) {
+    if (w->needs.capacity < w->mesh.simplex_count && !PBW_FIT(&w->memory, w->needs, w->label.capacity)) {
         return PBW_ERROR_MEMORY;
     }
     options.progress = pbwm3__part_progress;
@@ -3704,8 +3667,8 @@ static pbw_status pbwm3__list_new_points(pbwm3__work *w)
         pbwm3__new_point point;
         memset(&point, 0, sizeof point);
         point.facet = i;
-        if (((const unsigned char *)w->needs.data)[i / 4] >> i % 4 & 1
-            && !pbwm3__append(w, &w->new_points, &point, sizeof point)) {
+        if (w->needs.at[i / 4] >> i % 4 & 1
+            && !PBW_PUSH(&w->memory, w->new_points, point)) {
             status = PBW_ERROR_MEMORY;
         }
     }
@@ -3717,7 +3680,7 @@ static pbw_status pbwm3__list_new_points(pbwm3__work *w)
 static pbw_status pbwm3__round(pbwm3__work *w, long *added)
 {
     const pbw_status status = pbwm3__list_new_points(w);
-    const pbwm3__new_point *point = (const pbwm3__new_point *)w->new_points.data;
+    const pbwm3__new_point *point = w->new_points.at;
     long mended;
     size_t i;
     int got = 0;
@@ -3727,7 +3690,7 @@ static pbw_status pbwm3__round(pbwm3__work *w, long *added)
     *added = pbwm3__halve_pieces(w);
     for (i = 0; i < w->new_points.count && *added >= 0 && got >= 0; i++) {
         got = pbwm3__add_if_far(w, point[i].p, point[i].patch, 0.3, 0.25);
-        if (got == 0 && point[i].inside != PBW_NONE && PBWM3__KIND(w)[point[i].inside] == PBWM3__INSIDE) {
+        if (got == 0 && point[i].inside != PBW_NONE && w->kind.at[point[i].inside] == PBWM3__INSIDE) {
             pbwm3__remove_point(w, point[i].inside);
             got = 1;
         }
@@ -3741,6 +3704,7 @@ static pbw_status pbwm3__round(pbwm3__work *w, long *added)
 /* ---- places of the surface that the boundary does not reach: tips and ridges between samples ---- */
 
 typedef struct pbwm3__place { double p[3], distance; } pbwm3__place;
+typedef PBW_ARRAY(pbwm3__place) pbwm3__place_list;
 
 typedef struct pbwm3__places { const pbw_surface *boundary; pbwm3__place *place; } pbwm3__places;
 
@@ -3760,10 +3724,10 @@ static pbw_status pbwm3__place_range(void *arg, size_t from, size_t to)
 /* Marks the vertices that sampled chains have. */
 static void pbwm3__mark_chains(const pbwm3__work *w, unsigned char *chained)
 {
-    const pbwm3__chain_vertex *path = (const pbwm3__chain_vertex *)w->path.data;
+    const pbwm3__chain_vertex *path = w->path.at;
     size_t i, k;
     for (i = 0; i < w->chains.count; i++) {
-        const pbwm3__chain *chain = (const pbwm3__chain *)w->chains.data + i;
+        const pbwm3__chain *chain = w->chains.at + i;
         for (k = 0; k < chain->count && !pbwm3__is_noise(w, chain); k++) {
             chained[path[chain->first + k].vertex] = 1;
         }
@@ -3772,19 +3736,19 @@ static void pbwm3__mark_chains(const pbwm3__work *w, unsigned char *chained)
 
 /* Lists the places where the surface can be far from the boundary: its vertices on no chain, and places half a size
    apart on its edges of more than a degree. */
-static int pbwm3__list_places(pbwm3__work *w, const unsigned char *chained, pbwsf__array *places)
+static int pbwm3__list_places(pbwm3__work *w, const unsigned char *chained, pbwm3__place_list *places)
 {
-    pbwsf__array blocks[3];
+    pbwim__sorting sorting;
     const size_t count = 3 * w->surface.triangle_count;
     const pbwim__facet *edge = pbwm3__edges(&w->memory, w->surface.triangles, w->surface.triangle_count,
-                                            w->surface.point_count, blocks);
+                                            w->surface.point_count, &sorting);
     pbwm3__place place;
     size_t i, k, n;
     int good = edge != NULL;
     place.distance = 0;
     for (i = 0; good && i < w->surface.point_count; i++) {
         memcpy(place.p, w->surface.points + 3 * i, sizeof place.p);
-        good = chained[i] || pbwm3__append(w, places, &place, sizeof place);
+        good = chained[i] || PBW_PUSH(&w->memory, *places, place);
     }
     for (i = 0; good && i < count; i = k) {
         const double *a = w->surface.points + 3 * (size_t)edge[i].v[0];
@@ -3798,10 +3762,10 @@ static int pbwm3__list_places(pbwm3__work *w, const unsigned char *chained, pbws
         }
         for (n = 1; good && n < parts; n++) {
             pbwsf__between(a, b, (double)n / (double)parts, place.p);
-            good = pbwm3__append(w, places, &place, sizeof place);
+            good = PBW_PUSH(&w->memory, *places, place);
         }
     }
-    pbwm3__free_blocks(&w->memory, blocks);
+    pbwim__end_sorting(&w->memory, &sorting);
     return good;
 }
 
@@ -3819,9 +3783,9 @@ static int pbwm3__compare_places(const void *a, const void *b)
 
 /* Adds points at the places that are too far from the boundary, the farthest first.  Returns how many, -1 without
    memory. */
-static long pbwm3__add_places(pbwm3__work *w, pbwsf__array *places)
+static long pbwm3__add_places(pbwm3__work *w, pbwm3__place_list *places)
 {
-    pbwm3__place *place = (pbwm3__place *)places->data;
+    pbwm3__place *place = places->at;
     size_t i, far = 0;
     long added = 0;
     int got = 0;
@@ -3847,25 +3811,24 @@ static long pbwm3__add_places(pbwm3__work *w, pbwsf__array *places)
 /* Adds points where the surface is far from the boundary; *added: how many. */
 static pbw_status pbwm3__cover_surface(pbwm3__work *w, long *added)
 {
-    pbwsf__array facets, list, chained;
+    pbwm3__triples facets = { NULL, 0, 0 };
+    pbwm3__place_list list = { NULL, 0, 0 };
+    pbwm3__flags chained = { NULL, 0, 0 };
     pbw_surface boundary;
     pbwm3__places places;
     pbw_status status = PBW_ERROR_MEMORY;
-    memset(&facets, 0, sizeof facets);
-    memset(&list, 0, sizeof list);
-    memset(&chained, 0, sizeof chained);
     memset(&boundary, 0, sizeof boundary);
-    if (pbwsf__resize(&w->memory, &chained, w->surface.point_count + 1)) {
-        memset(chained.data, 0, chained.bytes);
-        pbwm3__mark_chains(w, (unsigned char *)chained.data);
-        if (pbwm3__list_places(w, (const unsigned char *)chained.data, &list)
+    if (PBW_FIT(&w->memory, chained, w->surface.point_count + 1)) {
+        memset(chained.at, 0, chained.capacity * sizeof *chained.at);
+        pbwm3__mark_chains(w, chained.at);
+        if (pbwm3__list_places(w, chained.at, &list)
             && pbwm3__list_boundary(w, &facets, NULL)) {
-            status = pbwm3__make_surface(w, (const double *)w->x.data, w->x.count, (const pbw_index *)facets.data,
+            status = pbwm3__make_surface(w, w->x.at[0], w->x.count, (const pbw_index *)facets.at,
                                          facets.count, &boundary);
         }
     }
     places.boundary = &boundary;
-    places.place = (pbwm3__place *)list.data;
+    places.place = list.at;
     status = status != PBW_OK ? status
            : pbw_for(pbwm3__inner_options(w), list.count, 256, pbwm3__place_range, &places);
     if (status == PBW_OK) {
@@ -3873,9 +3836,9 @@ static pbw_status pbwm3__cover_surface(pbwm3__work *w, long *added)
         status = *added < 0 ? PBW_ERROR_MEMORY : PBW_OK;
     }
     pbwm3__drop_surface(w, &boundary);
-    pbwsf__release(&w->memory, &facets);
-    pbwsf__release(&w->memory, &list);
-    pbwsf__release(&w->memory, &chained);
+    PBW_RELEASE(&w->memory, facets);
+    PBW_RELEASE(&w->memory, list);
+    PBW_RELEASE(&w->memory, chained);
     return status;
 }
 
@@ -3910,7 +3873,7 @@ static pbw_status pbwm3__rounds(pbwm3__work *w)
    ------------------------------------------------------------------------------------------------------ */
 /* Numbers the tetrahedra of t's label that facets connect to t.  Returns the largest of them, PBW_NONE without
    memory. */
-static pbw_index pbwm3__flood(pbwm3__work *w, pbw_index t, pbw_index *region, pbw_index number, pbwsf__array *queue)
+static pbw_index pbwm3__flood(pbwm3__work *w, pbw_index t, pbw_index *region, pbw_index number, pbwm3__indices *queue)
 {
     pbw_index largest = t;
     double most = -1;
@@ -3918,20 +3881,20 @@ static pbw_index pbwm3__flood(pbwm3__work *w, pbw_index t, pbw_index *region, pb
     int i;
     region[t] = number;
     queue->count = 0;
-    if (!pbwm3__append(w, queue, &t, sizeof t)) {
+    if (!PBW_PUSH(&w->memory, *queue, t)) {
         return PBW_NONE;
     }
     for (done = 0; done < queue->count; done++) {
-        const pbw_index at = ((const pbw_index *)queue->data)[done], *c = w->mesh.simplices + 4 * (size_t)at;
-        const double volume = pbw_tet_measure(PBW_MEASURE_VOLUME, PBWM3__X(w, c[0]), PBWM3__X(w, c[1]),
-                                              PBWM3__X(w, c[2]), PBWM3__X(w, c[3]));
+        const pbw_index at = queue->at[done], *c = w->mesh.simplices + 4 * (size_t)at;
+        const double volume = pbw_tet_measure(PBW_MEASURE_VOLUME, w->x.at[c[0]], w->x.at[c[1]],
+                                              w->x.at[c[2]], w->x.at[c[3]]);
         largest = volume > most ? at : largest;
         most = fmax(most, volume);
         for (i = 0; i < 4; i++) {
             const pbw_index next = w->mesh.neighbors[4 * (size_t)at + (size_t)i];
-            if (pbwm3__label_of(w, next) == PBWM3__LABEL(w)[t] && region[next] == PBW_NONE) {
+            if (pbwm3__label_of(w, next) == w->label.at[t] && region[next] == PBW_NONE) {
                 region[next] = number;
-                if (!pbwm3__append(w, queue, &next, sizeof next)) {
+                if (!PBW_PUSH(&w->memory, *queue, next)) {
                     return PBW_NONE;
                 }
             }
@@ -3944,12 +3907,11 @@ static pbw_index pbwm3__flood(pbwm3__work *w, pbw_index t, pbw_index *region, pb
    largest tetrahedron, 0 if there is none. */
 static int pbwm3__find_regions(pbwm3__work *w, pbw_tets *in)
 {
-    pbwsf__array queue;
+    pbwm3__indices queue = { NULL, 0, 0 };
     pbw_index *region, largest;
     size_t t, i, count = 0;
-    int good = pbwsf__resize(&w->memory, &w->regions, (w->mesh.simplex_count + 1) * sizeof *region);
-    memset(&queue, 0, sizeof queue);
-    region = (pbw_index *)w->regions.data;
+    int good = PBW_FIT(&w->memory, w->regions, w->mesh.simplex_count + 1);
+    region = w->regions.at;
     for (t = 0; good && t < w->mesh.simplex_count; t++) {
         region[t] = PBW_NONE;
     }
@@ -3957,31 +3919,31 @@ static int pbwm3__find_regions(pbwm3__work *w, pbw_tets *in)
         const double *p[4];
         double middle[3];
         pbw_index number;
-        if (w->walls && PBWM3__LABEL(w)[t]) {
-            region[t] = (pbw_index)(PBWM3__LABEL(w)[t] - 1);
+        if (w->walls && w->label.at[t]) {
+            region[t] = (pbw_index)(w->label.at[t] - 1);
         }
-        if (!PBWM3__LABEL(w)[t] || region[t] != PBW_NONE) {
+        if (!w->label.at[t] || region[t] != PBW_NONE) {
             continue;
         }
         largest = pbwm3__flood(w, (pbw_index)t, region, 0, &queue);
         good = largest != PBW_NONE;
         for (i = 0; i < 4 && good; i++) {
-            p[i] = PBWM3__X(w, w->mesh.simplices[4 * (size_t)largest + i]);
+            p[i] = w->x.at[w->mesh.simplices[4 * (size_t)largest + i]];
         }
         if (good) {
             pbwm3__middle(p, middle);
             number = pbwm3__shells_around(w, middle, (size_t)-1).innermost;
             for (i = 0; i < queue.count && number != PBW_NONE; i++) {
-                region[((const pbw_index *)queue.data)[i]] = number;
+                region[queue.at[i]] = number;
             }
         }
     }
     for (t = 0; good && t < w->mesh.simplex_count; t++) {
-        if (PBWM3__LABEL(w)[t]) {
+        if (w->label.at[t]) {
             region[count++] = region[t];
         }
     }
-    pbwsf__release(&w->memory, &queue);
+    PBW_RELEASE(&w->memory, queue);
     in->regions = region;
     return good;
 }
@@ -3998,25 +3960,25 @@ static pbw_status pbwm3__improve(pbwm3__work *w, pbw_tets *out)
         return PBW_ERROR_MEMORY;
     }
     for (t = 0; t < w->mesh.simplex_count; t++) {
-        if (PBWM3__LABEL(w)[t] && !pbwm3__append(w, &w->corners, w->mesh.simplices + 4 * t, 4 * sizeof(pbw_index))) {
+        if (w->label.at[t] && !PBWM3__APPEND(w, w->corners, w->mesh.simplices + 4 * t)) {
             return PBW_ERROR_MEMORY;
         }
     }
-    if (!pbwsf__resize(&w->memory, &w->marks, w->x.count + 1)) {
+    if (!PBW_FIT(&w->memory, w->marks, w->x.count + 1)) {
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < w->x.count; i++) {
-        ((unsigned char *)w->marks.data)[i] = PBWM3__KIND(w)[i] == PBWM3__SHARP ? PBW_TETS_FIXED : PBW_TETS_FOUND;
+        w->marks.at[i] = w->kind.at[i] == PBWM3__SHARP ? PBW_TETS_FIXED : PBW_TETS_FOUND;
     }
     if (w->corners.count == 0) {
         return PBW_DEGENERATE;
     }
     pbwm3__drop_mesh(w);
-    in.points = (const double *)w->x.data;
+    in.points = w->x.at[0];
     in.point_count = w->x.count;
-    in.corners = (const pbw_index *)w->corners.data;
+    in.corners = w->corners.at[0];
     in.tet_count = w->corners.count;
-    in.marks = (const unsigned char *)w->marks.data;
+    in.marks = w->marks.at;
     improve.feature_angle = improve.feature_angle > 0 ? improve.feature_angle : 75;      /* features are marked */
     improve.project = pbwm3__project;
     improve.project_user = w;
@@ -4068,34 +4030,32 @@ static pbw_status pbwm3__distance_range(void *arg, size_t from, size_t to)
 /* Raises *least to the largest distance of the triangles from the surface. */
 static pbw_status pbwm3__farthest(pbwm3__work *w, pbwm3__distances *far, size_t count, double *least)
 {
-    pbwsf__array room;
+    pbwm3__numbers room = { NULL, 0, 0 };
     pbw_options options = w->options;
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i;
-    memset(&room, 0, sizeof room);
     options.progress = pbwm3__part_progress;
     options.progress_user = w;
-    if (pbwsf__resize(&w->memory, &room, (count + 1) * sizeof(double))) {
-        far->distance = (double *)room.data;
+    if (PBW_FIT(&w->memory, room, count + 1)) {
+        far->distance = room.at;
         status = pbw_for(&options, count, 64, pbwm3__distance_range, far);
         for (i = 0; status == PBW_OK && i < count; i++) {
             *least = fmax(*least, far->distance[i]);
         }
     }
-    pbwsf__release(&w->memory, &room);
+    PBW_RELEASE(&w->memory, room);
     return status;
 }
 
 static void pbwm3__list_bad_places(pbw_solid_report *r, const pbwm3__topology *top, const pbw_tets *out)
 {
-    const pbw_index *edge = (const pbw_index *)top->edges.data;
     size_t i, count = 0;
     for (i = 0; i < top->edges.count && count < PBW_SOLID_PLACES; i++) {
-        pbwsf__between(out->points + 3 * (size_t)edge[2 * i], out->points + 3 * (size_t)edge[2 * i + 1], 0.5,
-                       r->places[count++]);
+        const pbw_index *end = top->edges.at[i];
+        pbwsf__between(out->points + 3 * (size_t)end[0], out->points + 3 * (size_t)end[1], 0.5, r->places[count++]);
     }
     for (i = 0; i < out->point_count && count < PBW_SOLID_PLACES; i++) {
-        if (((const unsigned char *)top->flags.data)[i]) {
+        if (top->flags.at[i]) {
             memcpy(r->places[count++], out->points + 3 * i, sizeof *r->places);
         }
     }
@@ -4105,13 +4065,16 @@ static void pbwm3__list_bad_places(pbw_solid_report *r, const pbwm3__topology *t
 
 typedef struct pbwm3__boundary_arrays {    /* boundary.memory points at them */
     pbw_memory memory;
-    pbwsf__array self, facets, corners, patches, parts, sides, edges, holes;
+    pbwm3__triples facets;
+    pbwm3__indices corners, patches, parts;
+    pbwm3__pairs sides, edges;
+    PBW_ARRAY(pbw_solid_hole) holes;
 } pbwm3__boundary_arrays;
 
 /* Facets of the result, out of its regions: between two, out of that with the smaller shell. */
 static int pbwm3__list_result_facets(pbwm3__work *w, const pbw_tets *out, pbwm3__boundary_arrays *arrays)
 {
-    const pbwm3__shell *shell = (const pbwm3__shell *)w->shells.data;
+    const pbwm3__shell *shell = w->shells.at;
     size_t i, k;
     for (i = 0; i < 4 * out->tet_count; i++) {
         const pbw_index next = out->neighbors[i], in = out->regions[i / 4];
@@ -4124,8 +4087,8 @@ static int pbwm3__list_result_facets(pbwm3__work *w, const pbw_tets *out, pbwm3_
         for (k = 0; k < 3; k++) {
             f[k] = out->corners[i / 4 * 4 + (size_t)pbwim__opposite[i % 4][2 - k]];
         }
-        if (!pbwm3__append(w, &arrays->facets, f, sizeof f) || !pbwm3__append(w, &arrays->sides, sides, sizeof sides)
-            || !pbwm3__append(w, &arrays->corners, &corner, sizeof corner)) {
+        if (!PBWM3__APPEND(w, arrays->facets, f) || !PBWM3__APPEND(w, arrays->sides, sides)
+            || !PBW_PUSH(&w->memory, arrays->corners, corner)) {
             return 0;
         }
     }
@@ -4144,11 +4107,11 @@ static int pbwm3__place_facet(pbwm3__work *w, const double *points, const pbw_in
                      + points[3 * (size_t)f[2] + (size_t)k]) / 3;
     }
     t = pbw_surface_closest(&w->surface, middle, w->open ? w->size / 2 : HUGE_VAL, place);
-    part = t == PBW_NONE ? PBW_NONE : ((const pbw_index *)w->part.data)[t];
+    part = t == PBW_NONE ? PBW_NONE : w->part.at[t];
     patch = t == PBW_NONE || (w->input->value == NULL && t >= w->first_closing) ? PBW_NONE
           : w->input->value == NULL && w->input->patches != NULL ? pbwm3__patch_of(w, t) : part;
-    return pbwm3__append(w, &arrays->patches, &patch, sizeof patch)
-        && pbwm3__append(w, &arrays->parts, &part, sizeof part);
+    return PBW_PUSH(&w->memory, arrays->patches, patch)
+        && PBW_PUSH(&w->memory, arrays->parts, part);
 }
 
 /* Returns whether two points of the result are the ends of a piece of a sharp edge; the pieces are sorted. */
@@ -4158,29 +4121,29 @@ static int pbwm3__is_piece(const pbwm3__work *w, const pbw_tets *out, const pbw_
     key.a = out->original[pair[0]];
     key.b = out->original[pair[1]];
     return key.a != PBW_NONE && key.b != PBW_NONE && w->pieces.count > 0
-        && bsearch(&key, w->pieces.data, w->pieces.count, sizeof key, pbwm3__compare_pieces) != NULL;
+        && bsearch(&key, w->pieces.at, w->pieces.count, sizeof key, pbwm3__compare_pieces) != NULL;
 }
 
 static int pbwm3__list_edges(pbwm3__work *w, const pbw_tets *out, pbwm3__boundary_arrays *arrays)
 {
-    pbwsf__array blocks[3];
+    pbwim__sorting sorting;
     const size_t count = 3 * arrays->facets.count;
-    const pbw_index *patch = (const pbw_index *)arrays->patches.data;
-    const pbwim__facet *edge = pbwm3__edges(&w->memory, (const pbw_index *)arrays->facets.data, arrays->facets.count,
-                                            out->point_count, blocks);
+    const pbw_index *patch = arrays->patches.at;
+    const pbwim__facet *edge = pbwm3__edges(&w->memory, (const pbw_index *)arrays->facets.at, arrays->facets.count,
+                                            out->point_count, &sorting);
     size_t i, k;
     int good = edge != NULL;
     if (w->pieces.count > 0) {
-        qsort(w->pieces.data, w->pieces.count, sizeof(pbwm3__piece), pbwm3__compare_pieces);
+        qsort(w->pieces.at, w->pieces.count, sizeof(pbwm3__piece), pbwm3__compare_pieces);
     }
     for (i = 0; good && i < count; i = k) {
         int feature = pbwm3__is_piece(w, out, edge[i].v);
         for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
             feature |= patch[edge[k].t] != patch[edge[i].t];
         }
-        good = !feature || pbwm3__append(w, &arrays->edges, edge[i].v, 2 * sizeof(pbw_index));
+        good = !feature || PBWM3__APPEND(w, arrays->edges, edge[i].v);
     }
-    pbwm3__free_blocks(&w->memory, blocks);
+    pbwim__end_sorting(&w->memory, &sorting);
     return good;
 }
 
@@ -4188,12 +4151,12 @@ static int pbwm3__fill_boundary(pbwm3__work *w, const pbw_tets *out, pbwm3__boun
 {
     size_t i;
     for (i = 0; i < arrays->facets.count; i++) {
-        if (!pbwm3__place_facet(w, out->points, (const pbw_index *)arrays->facets.data + 3 * i, arrays)) {
+        if (!pbwm3__place_facet(w, out->points, arrays->facets.at[i], arrays)) {
             return 0;
         }
     }
     for (i = 0; i < w->holes.count; i++) {
-        if (!pbwm3__append(w, &arrays->holes, (const pbw_solid_hole *)w->holes.data + i, sizeof(pbw_solid_hole))) {
+        if (!PBW_PUSH(&w->memory, arrays->holes, w->holes.at[i])) {
             return 0;
         }
     }
@@ -4202,13 +4165,13 @@ static int pbwm3__fill_boundary(pbwm3__work *w, const pbw_tets *out, pbwm3__boun
 
 static void pbwm3__release_boundary(pbw_memory *memory, pbwm3__boundary_arrays *arrays)
 {
-    pbwsf__release(memory, &arrays->facets);
-    pbwsf__release(memory, &arrays->corners);
-    pbwsf__release(memory, &arrays->patches);
-    pbwsf__release(memory, &arrays->parts);
-    pbwsf__release(memory, &arrays->sides);
-    pbwsf__release(memory, &arrays->edges);
-    pbwsf__release(memory, &arrays->holes);
+    PBW_RELEASE(memory, arrays->facets);
+    PBW_RELEASE(memory, arrays->corners);
+    PBW_RELEASE(memory, arrays->patches);
+    PBW_RELEASE(memory, arrays->parts);
+    PBW_RELEASE(memory, arrays->sides);
+    PBW_RELEASE(memory, arrays->edges);
+    PBW_RELEASE(memory, arrays->holes);
 }
 
 PBWMESH3DEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary)
@@ -4216,9 +4179,8 @@ PBWMESH3DEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary)
     if (boundary != NULL && boundary->memory != NULL) {
         pbwm3__boundary_arrays *arrays = (pbwm3__boundary_arrays *)boundary->memory;
         pbw_memory memory = arrays->memory;
-        pbwsf__array self = arrays->self;
         pbwm3__release_boundary(&memory, arrays);
-        pbwsf__release(&memory, &self);
+        (void)pbw_memory_resize(&memory, arrays, 1, 0, sizeof *arrays);
     }
     if (boundary != NULL) {
         memset(boundary, 0, sizeof *boundary);
@@ -4228,24 +4190,23 @@ PBWMESH3DEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary)
 /* Moves the arrays to the caller's boundary. */
 static pbw_status pbwm3__export_boundary(pbwm3__work *w, pbwm3__boundary_arrays *arrays, pbw_solid_boundary *boundary)
 {
-    pbwm3__boundary_arrays *own;
-    if (!pbwsf__resize(&w->memory, &arrays->self, sizeof *arrays)) {
+    pbwm3__boundary_arrays *own = (pbwm3__boundary_arrays *)pbw_memory_resize(&w->memory, NULL, 0, 1, sizeof *own);
+    if (own == NULL) {
         return PBW_ERROR_MEMORY;
     }
-    own = (pbwm3__boundary_arrays *)arrays->self.data;
     arrays->memory = w->memory;
     *own = *arrays;
     boundary->memory = own;
     boundary->facet_count = arrays->facets.count;
     boundary->edge_count = arrays->edges.count;
     boundary->hole_count = arrays->holes.count;
-    boundary->facets = (const pbw_index *)arrays->facets.data;
-    boundary->corners = (const pbw_index *)arrays->corners.data;
-    boundary->patches = (const pbw_index *)arrays->patches.data;
-    boundary->parts = (const pbw_index *)arrays->parts.data;
-    boundary->sides = (const pbw_index *)arrays->sides.data;
-    boundary->edges = (const pbw_index *)arrays->edges.data;
-    boundary->holes = (const pbw_solid_hole *)arrays->holes.data;
+    boundary->facets = (const pbw_index *)arrays->facets.at;
+    boundary->corners = arrays->corners.at;
+    boundary->patches = arrays->patches.at;
+    boundary->parts = arrays->parts.at;
+    boundary->sides = (const pbw_index *)arrays->sides.at;
+    boundary->edges = (const pbw_index *)arrays->edges.at;
+    boundary->holes = arrays->holes.at;
     memset(arrays, 0, sizeof *arrays);
     return PBW_OK;
 }
@@ -4253,7 +4214,7 @@ static pbw_status pbwm3__export_boundary(pbwm3__work *w, pbwm3__boundary_arrays 
 /* How many regions the result has: numbers of shells that occur. */
 static void pbwm3__count_regions(pbwm3__work *w, const pbw_tets *out)
 {
-    pbwm3__shell *shell = (pbwm3__shell *)w->shells.data;
+    pbwm3__shell *shell = w->shells.at;
     size_t i;
     for (i = 0; i < out->tet_count; i++) {
         w->report->regions += shell[out->regions[i]].seen == 0;
@@ -4262,17 +4223,16 @@ static void pbwm3__count_regions(pbwm3__work *w, const pbw_tets *out)
 }
 
 /* Examines the boundary; with walls that of each region, whose facets out->neighbors tell. */
-static int pbwm3__examine_result(pbwm3__work *w, const pbw_tets *out, const pbwsf__array *facets,
+static int pbwm3__examine_result(pbwm3__work *w, const pbw_tets *out, const pbwm3__triples *facets,
                                  pbwm3__topology *top)
 {
-    pbwsf__array all, labels;
+    pbwm3__triples all = { NULL, 0, 0 };
+    pbwm3__labels labels = { NULL, 0, 0 };
     size_t i, k;
     int good = 1;
     if (!w->walls) {
-        return pbwm3__examine(&w->memory, (const pbw_index *)facets->data, facets->count, out->point_count, top);
+        return pbwm3__examine(&w->memory, (const pbw_index *)facets->at, facets->count, out->point_count, top);
     }
-    memset(&all, 0, sizeof all);
-    memset(&labels, 0, sizeof labels);
     for (i = 0; good && i < 4 * out->tet_count; i++) {
         const int label = (int)out->regions[i / 4] + 1;
         pbw_index f[3];
@@ -4280,20 +4240,20 @@ static int pbwm3__examine_result(pbwm3__work *w, const pbw_tets *out, const pbws
             for (k = 0; k < 3; k++) {
                 f[k] = out->corners[i / 4 * 4 + (size_t)pbwim__opposite[i % 4][2 - k]];
             }
-            good = pbwm3__append(w, &all, f, sizeof f) && pbwm3__append(w, &labels, &label, sizeof label);
+            good = PBWM3__APPEND(w, all, f) && PBW_PUSH(&w->memory, labels, label);
         }
     }
     good = good && pbwm3__examine_labels(w, &all, &labels, out->point_count, top);
-    pbwsf__release(&w->memory, &all);
-    pbwsf__release(&w->memory, &labels);
+    PBW_RELEASE(&w->memory, all);
+    PBW_RELEASE(&w->memory, labels);
     return good;
 }
 
 /* Fills the report of the boundary's facets. */
-static pbw_status pbwm3__report_boundary(pbwm3__work *w, const pbw_tets *out, const pbwsf__array *facets)
+static pbw_status pbwm3__report_boundary(pbwm3__work *w, const pbw_tets *out, const pbwm3__triples *facets)
 {
     pbw_solid_report *r = w->report;
-    const pbw_index *facet = (const pbw_index *)facets->data;
+    const pbw_index *facet = (const pbw_index *)facets->at;
     pbwm3__topology top;
     pbw_surface boundary;
     pbwm3__distances far;
@@ -4325,8 +4285,8 @@ static pbw_status pbwm3__report_boundary(pbwm3__work *w, const pbw_tets *out, co
     }
     r->distance = distance / w->size;
     pbwm3__drop_surface(w, &boundary);
-    pbwsf__release(&w->memory, &top.edges);
-    pbwsf__release(&w->memory, &top.flags);
+    PBW_RELEASE(&w->memory, top.edges);
+    PBW_RELEASE(&w->memory, top.flags);
     return status;
 }
 
@@ -4416,8 +4376,8 @@ static pbw_status pbwm3__take_input(pbwm3__work *w)
     if ((in->value == NULL && !pbwm3__drop_doubles(w)) || !pbwm3__find_shells(w)) {
         return PBW_ERROR_MEMORY;
     }
-    status = pbwm3__make_surface(w, (const double *)w->vertices.data, w->vertices.count,
-                                 (const pbw_index *)w->triangles.data, w->triangles.count, &w->surface);
+    status = pbwm3__make_surface(w, w->vertices.at[0], w->vertices.count, w->triangles.at[0], w->triangles.count,
+                                 &w->surface);
     if (status == PBW_OK) {
         pbwm3__nest_shells(w);
         status = in->value == NULL ? pbwm3__find_crossings(w) : PBW_OK;
@@ -4449,10 +4409,10 @@ static pbw_status pbwm3__sample(pbwm3__work *w)
            < 2 * (w->high[0] - w->low[0]) * (w->high[1] - w->low[1]) * (w->high[2] - w->low[2])) {
         w->cells *= 2;
     }
-    if (!pbwsf__resize(&w->memory, &w->heads, w->cells * sizeof(pbw_index))) {
+    if (!PBW_FIT(&w->memory, w->heads, w->cells)) {
         return PBW_ERROR_MEMORY;
     }
-    memset(w->heads.data, 0xff, w->heads.bytes);
+    memset(w->heads.at, 0xff, w->heads.capacity * sizeof *w->heads.at);
     status = pbwm3__sample_sharp(w);
     status = status != PBW_OK ? status : pbwm3__sample_smooth(w);
     return status != PBW_OK ? status : pbwm3__sample_inside(w);
@@ -4460,17 +4420,37 @@ static pbw_status pbwm3__sample(pbwm3__work *w)
 
 static void pbwm3__free(pbwm3__work *w)
 {
-    pbwsf__array *const arrays[] = { &w->field, &w->vertices, &w->triangles, &w->origin, &w->shell, &w->shells,
-                                     &w->sides, &w->outer, &w->holes, &w->x, &w->kind, &w->part, &w->patch,
-                                     &w->firsts, &w->sets, &w->members, &w->set,
-                                     &w->heads, &w->links, &w->pieces, &w->chains, &w->path, &w->centre, &w->label,
-                                     &w->needs, &w->new_points, &w->corners, &w->marks, &w->regions };
-    size_t i;
     pbwm3__drop_mesh(w);
     pbwm3__drop_surface(w, &w->surface);
-    for (i = 0; i < sizeof arrays / sizeof *arrays; i++) {
-        pbwsf__release(&w->memory, arrays[i]);
-    }
+    PBW_RELEASE(&w->memory, w->field);
+    PBW_RELEASE(&w->memory, w->vertices);
+    PBW_RELEASE(&w->memory, w->triangles);
+    PBW_RELEASE(&w->memory, w->origin);
+    PBW_RELEASE(&w->memory, w->shell);
+    PBW_RELEASE(&w->memory, w->shells);
+    PBW_RELEASE(&w->memory, w->sides);
+    PBW_RELEASE(&w->memory, w->outer);
+    PBW_RELEASE(&w->memory, w->holes);
+    PBW_RELEASE(&w->memory, w->x);
+    PBW_RELEASE(&w->memory, w->kind);
+    PBW_RELEASE(&w->memory, w->part);
+    PBW_RELEASE(&w->memory, w->patch);
+    PBW_RELEASE(&w->memory, w->firsts);
+    PBW_RELEASE(&w->memory, w->sets);
+    PBW_RELEASE(&w->memory, w->members);
+    PBW_RELEASE(&w->memory, w->set);
+    PBW_RELEASE(&w->memory, w->heads);
+    PBW_RELEASE(&w->memory, w->links);
+    PBW_RELEASE(&w->memory, w->pieces);
+    PBW_RELEASE(&w->memory, w->chains);
+    PBW_RELEASE(&w->memory, w->path);
+    PBW_RELEASE(&w->memory, w->centre);
+    PBW_RELEASE(&w->memory, w->label);
+    PBW_RELEASE(&w->memory, w->needs);
+    PBW_RELEASE(&w->memory, w->new_points);
+    PBW_RELEASE(&w->memory, w->corners);
+    PBW_RELEASE(&w->memory, w->marks);
+    PBW_RELEASE(&w->memory, w->regions);
 }
 
 static double pbwm3__lap(double *since)
@@ -4506,11 +4486,10 @@ static void pbwm3__free_result(pbwm3__result *r)
 /* Counts the faults of the boundary before improvement. */
 static pbw_status pbwm3__count_faults(pbwm3__work *w)
 {
-    pbwsf__array facets, labels;
+    pbwm3__triples facets = { NULL, 0, 0 };
+    pbwm3__labels labels = { NULL, 0, 0 };
     pbwm3__topology top;
     pbw_status status = PBW_ERROR_MEMORY;
-    memset(&facets, 0, sizeof facets);
-    memset(&labels, 0, sizeof labels);
     memset(&top, 0, sizeof top);
     if (pbwm3__list_boundary(w, &facets, &labels)
         && pbwm3__examine_labels(w, &facets, &labels, w->x.count, &top)) {
@@ -4518,10 +4497,10 @@ static pbw_status pbwm3__count_faults(pbwm3__work *w)
         w->report->bad_points = top.bad_points;
         status = PBW_OK;
     }
-    pbwsf__release(&w->memory, &facets);
-    pbwsf__release(&w->memory, &labels);
-    pbwsf__release(&w->memory, &top.edges);
-    pbwsf__release(&w->memory, &top.flags);
+    PBW_RELEASE(&w->memory, facets);
+    PBW_RELEASE(&w->memory, labels);
+    PBW_RELEASE(&w->memory, top.edges);
+    PBW_RELEASE(&w->memory, top.flags);
     return status;
 }
 
