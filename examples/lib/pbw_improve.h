@@ -378,17 +378,16 @@ PBWIMPROVEDEF int pbw_tets_spread(const pbw_tets *mesh, pbw_measure measure, con
                                       pbw_spread *spread)
 {
     pbw_memory memory;
-    pbwsf__array sorted;
+    pbwsf__numbers sorted = { NULL, 0, 0 };
     const size_t count = mesh->tet_count;
     double *value;
     size_t i;
     pbw_memory_start(&memory, options);
-    memset(&sorted, 0, sizeof sorted);
     memset(spread, 0, sizeof *spread);
-    if (!pbwsf__resize(&memory, &sorted, (count + 1) * sizeof *value)) {
+    if (!PBW_FIT(&memory, sorted, count + 1)) {
         return 0;
     }
-    value = (double *)sorted.data;
+    value = sorted.at;
     for (i = 0; i < count; i++) {
         const pbw_index *c = mesh->corners + 4 * i;
         value[i] = pbw_tet_measure(measure, mesh->points + 3 * (size_t)c[0], mesh->points + 3 * (size_t)c[1],
@@ -404,7 +403,7 @@ PBWIMPROVEDEF int pbw_tets_spread(const pbw_tets *mesh, pbw_measure measure, con
         spread->percent = value[count / 100];
         spread->most = value[count - 1];
     }
-    pbwsf__release(&memory, &sorted);
+    PBW_RELEASE(&memory, sorted);
     return 1;
 }
 
@@ -521,20 +520,20 @@ PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *opti
 {
     const size_t count = mesh->tet_count, blocks = count / PBWIM__BLOCK + (count % PBWIM__BLOCK != 0);
     pbw_memory memory;
-    pbwsf__array room;
+    pbwsf__numbers least = { NULL, 0, 0 };
+    PBW_ARRAY(pbw_quality) block = { NULL, 0, 0 };
     pbwim__measuring work;
     pbw_options inner;
     size_t i;
     int kept, done;
     pbw_memory_start(&memory, options);
-    memset(&room, 0, sizeof room);
     memset(quality, 0, sizeof *quality);
-    kept = pbwsf__resize(&memory, &room, (count + 1) * sizeof(double) + (blocks + 1) * sizeof *work.block);
+    kept = PBW_FIT(&memory, least, count + 1) && PBW_FIT(&memory, block, blocks + 1);
     quality->least = count > 0 ? 180 : 0;
     quality->least_sine = count > 0 ? 1 : 0;
     work.mesh = mesh;
-    work.block = (pbw_quality *)room.data;
-    work.least = kept ? (double *)(work.block + blocks + 1) : NULL;
+    work.block = block.at;
+    work.least = kept ? least.at : NULL;
     inner = pbwim__inner_options(options, &memory);
     done = kept && pbw_for(&inner, blocks, 1, pbwim__measure_range, &work) == PBW_OK;
     for (i = 0; i < blocks; i++) {
@@ -550,7 +549,8 @@ PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *opti
         pbwim__select(work.least, count / 100 + 1, count / 1000);
         quality->permille = work.least[count / 1000];
     }
-    pbwsf__release(&memory, &room);
+    PBW_RELEASE(&memory, least);
+    PBW_RELEASE(&memory, block);
     return kept;
 }
 
@@ -574,6 +574,12 @@ enum {
 #define PBWIM__RAISE 0.07                  /* radians, 4 degrees: raises the target around bad tetrahedra */
 #define PBWIM__SMOOTH_COSINE 0.90630778703665          /* cos 25 degrees: boundary facets turn by less */
 
+typedef struct pbwim__kept_edge { pbw_index a, b, origin; } pbwim__kept_edge; /* a < b; origin PBW_NONE: no more */
+typedef PBW_ARRAY(pbwim__kept_edge) pbwim__kept_edges;
+typedef struct pbwim__item { double quality; pbw_index t; } pbwim__item;
+
+struct pbwim__task;
+
 typedef struct pbwim__mesh {
     pbw_memory memory;
     const pbw_options *options;
@@ -581,12 +587,18 @@ typedef struct pbwim__mesh {
     void *project_user;
     double distance;                       /* of boundary facets from the surface, at most */
     /* per point */
-    pbwsf__array x, star, mark, touched, original, size;   /* size: only if there are sizes */
-    pbwsf__array joint;                    /* of the input's points: 1 where tetrahedra meet with no facet between */
+    pbwsf__vectors x;
+    pbwsf__indices star, touched, original;
+    pbwsf__flags mark;
+    pbwsf__numbers size;                   /* only if there are sizes */
+    pbwsf__flags joint;                    /* of the input's points: 1 where tetrahedra meet with no facet between */
     /* per tetrahedron */
-    pbwsf__array corner, next, quality, region, tried, seen;
-    pbwsf__array patch;                    /* 4 each, of facets; empty if there are none */
-    pbwsf__array edge;                     /* hash table of the edges to keep, by their ends; count: used entries */
+    pbwsf__quadruples corner, next;
+    pbwsf__numbers quality;
+    pbwsf__indices region, seen;
+    pbwsf__pairs tried;                    /* when: by operations of every pass, by all; see `clock` */
+    pbwsf__quadruples patch;               /* of facets; empty if there are none */
+    pbwim__kept_edges edge;                /* hash table of the edges to keep, by their ends; count: used entries */
     size_t points, tets;                   /* slots in use, free ones included */
     pbw_index free;                        /* the first free slot */
     size_t spare;                          /* how many there are */
@@ -595,58 +607,45 @@ typedef struct pbwim__mesh {
     double cosine;                         /* of the feature angle */
     int sized, patched;
     pbw_improve_report *report;
-    pbwsf__array queue, tasks, taken;      /* taken: per point, the last batch that had it */
-    pbwsf__array active;                   /* per point: passes work where it is not 0; empty: everywhere */
+    PBW_ARRAY(pbwim__item) queue;
+    PBW_ARRAY(struct pbwim__task) tasks;
+    pbwsf__indices taken;                  /* per point, the last batch that had it */
+    pbwsf__flags active;                   /* per point: passes work where it is not 0; empty: everywhere */
     pbw_index batch;
     pbw_surface surface;                   /* the input's boundary, for project */
-    pbwsf__array facets;
+    pbwsf__indices facets;
 } pbwim__mesh;
-
-#define PBWIM__X(m, p) ((double *)(m)->x.data + 3 * (size_t)(p))
-#define PBWIM__STAR(m) ((pbw_index *)(m)->star.data)
-#define PBWIM__MARK(m) ((unsigned char *)(m)->mark.data)
-#define PBWIM__TOUCHED(m) ((pbw_index *)(m)->touched.data)
-#define PBWIM__SIZE(m) ((double *)(m)->size.data)
-#define PBWIM__CORNER(m, t) ((pbw_index *)(m)->corner.data + 4 * (size_t)(t))
-#define PBWIM__NEXT(m, t) ((pbw_index *)(m)->next.data + 4 * (size_t)(t))
-#define PBWIM__QUALITY(m) ((double *)(m)->quality.data)
-#define PBWIM__REGION(m) ((pbw_index *)(m)->region.data)
-#define PBWIM__TRIED(m) ((pbw_index *)(m)->tried.data)
-#define PBWIM__SEEN(m) ((pbw_index *)(m)->seen.data)
-#define PBWIM__PATCH(m, t) ((pbw_index *)(m)->patch.data + 4 * (size_t)(t))
-
-typedef struct pbwim__kept_edge { pbw_index a, b, origin; } pbwim__kept_edge; /* a < b; origin PBW_NONE: no more */
 
 static double pbwim__sine_of(const pbwim__mesh *m, const pbw_index c[4])
 {
-    return pbwim__sine(PBWIM__X(m, c[0]), PBWIM__X(m, c[1]), PBWIM__X(m, c[2]), PBWIM__X(m, c[3]));
+    return pbwim__sine(m->x.at[c[0]], m->x.at[c[1]], m->x.at[c[2]], m->x.at[c[3]]);
 }
 
 static int pbwim__sign_of(const pbwim__mesh *m, const pbw_index c[4])
 {
-    return pbw_orient3(PBWIM__X(m, c[0]), PBWIM__X(m, c[1]), PBWIM__X(m, c[2]), PBWIM__X(m, c[3]));
+    return pbw_orient3(m->x.at[c[0]], m->x.at[c[1]], m->x.at[c[2]], m->x.at[c[3]]);
 }
 
 /* Returns the corner of t at which p is; 4 if it is none. */
 static int pbwim__corner_of(const pbwim__mesh *m, pbw_index t, pbw_index p)
 {
-    const pbw_index *c = PBWIM__CORNER(m, t);
+    const pbw_index *c = m->corner.at[t];
     return c[0] == p ? 0 : c[1] == p ? 1 : c[2] == p ? 2 : c[3] == p ? 3 : 4;
 }
 
 /* The facet of t through which its neighbour n is. */
 static int pbwim__facet_to(const pbwim__mesh *m, pbw_index t, pbw_index n)
 {
-    const pbw_index *next = PBWIM__NEXT(m, t);
+    const pbw_index *next = m->next.at[t];
     return next[0] == n ? 0 : next[1] == n ? 1 : next[2] == n ? 2 : 3;
 }
 
 /* The outward normal of a facet, twice the area long. */
 static void pbwim__outward(const pbwim__mesh *m, pbw_index t, int facet, double out[3])
 {
-    const pbw_index *c = PBWIM__CORNER(m, t);
+    const pbw_index *c = m->corner.at[t];
     const int *o = pbwim__opposite[facet];
-    pbwsf__normal(PBWIM__X(m, c[o[0]]), PBWIM__X(m, c[o[2]]), PBWIM__X(m, c[o[1]]), out);
+    pbwsf__normal(m->x.at[c[o[0]]], m->x.at[c[o[2]]], m->x.at[c[o[1]]], out);
 }
 
 /* Returns whether the angle between two directions is below that of the cosine. */
@@ -659,23 +658,23 @@ static int pbwim__turned_less(const double a[3], const double b[3], double cosin
 static int pbwim__resize_points(pbwim__mesh *m, size_t count)
 {
     pbw_memory *y = &m->memory;
-    return pbwsf__resize(y, &m->x, count * 3 * sizeof(double))
-        && pbwsf__resize(y, &m->star, count * sizeof(pbw_index))
-        && pbwsf__resize(y, &m->touched, count * sizeof(pbw_index))
-        && pbwsf__resize(y, &m->original, count * sizeof(pbw_index))
-        && (!m->sized || pbwsf__resize(y, &m->size, count * sizeof(double))) && pbwsf__resize(y, &m->mark, count);
+    return PBW_FIT(y, m->x, count)
+        && PBW_FIT(y, m->star, count)
+        && PBW_FIT(y, m->touched, count)
+        && PBW_FIT(y, m->original, count)
+        && (!m->sized || PBW_FIT(y, m->size, count)) && PBW_FIT(y, m->mark, count);
 }
 
 static int pbwim__resize_tets(pbwim__mesh *m, size_t count)
 {
     pbw_memory *y = &m->memory;
-    return pbwsf__resize(y, &m->corner, count * 4 * sizeof(pbw_index))
-        && pbwsf__resize(y, &m->next, count * 4 * sizeof(pbw_index))
-        && pbwsf__resize(y, &m->quality, count * sizeof(double))
-        && pbwsf__resize(y, &m->region, count * sizeof(pbw_index))
-        && pbwsf__resize(y, &m->tried, count * 2 * sizeof(pbw_index))
-        && (!m->patched || pbwsf__resize(y, &m->patch, count * 4 * sizeof(pbw_index)))
-        && pbwsf__resize(y, &m->seen, count * sizeof(pbw_index));
+    return PBW_FIT(y, m->corner, count)
+        && PBW_FIT(y, m->next, count)
+        && PBW_FIT(y, m->quality, count)
+        && PBW_FIT(y, m->region, count)
+        && PBW_FIT(y, m->tried, count)
+        && (!m->patched || PBW_FIT(y, m->patch, count))
+        && PBW_FIT(y, m->seen, count);
 }
 
 /* ---- edges to keep ---- */
@@ -683,8 +682,8 @@ static int pbwim__resize_tets(pbwim__mesh *m, size_t count)
 /* The entry of an edge, or a free one: a = PBW_NONE. */
 static pbwim__kept_edge *pbwim__find_edge(const pbwim__mesh *m, pbw_index a, pbw_index b)
 {
-    pbwim__kept_edge *table = (pbwim__kept_edge *)m->edge.data;
-    const size_t mask = m->edge.bytes / sizeof *table - 1;       /* their number is a power of two */
+    pbwim__kept_edge *table = m->edge.at;
+    const size_t mask = m->edge.capacity - 1;        /* a power of two */
     const pbw_index low = a < b ? a : b, high = a < b ? b : a;
     size_t at = (size_t)((((uint64_t)low << 32 | high) * 0x9e3779b97f4a7c15u) >> 32) & mask;
     while (table[at].a != PBW_NONE && (table[at].a != low || table[at].b != high)) {
@@ -712,28 +711,25 @@ static void pbwim__keep_edge(pbwim__mesh *m, pbw_index a, pbw_index b, pbw_index
 /* Makes room in the table for `more` edges, so that it stays half empty. */
 static int pbwim__reserve_edges(pbwim__mesh *m, size_t more)
 {
-    pbwsf__array old = m->edge;
-    const pbwim__kept_edge *entry = (const pbwim__kept_edge *)old.data;
+    pbwim__kept_edges old = m->edge, larger = { NULL, 0, 0 };
     size_t size = 64, i;
     while (size < 2 * (old.count + more)) {
         size *= 2;
     }
-    if (size * sizeof *entry <= old.bytes) {
+    if (size <= old.capacity) {
         return 1;
     }
-    memset(&m->edge, 0, sizeof m->edge);
-    if (!pbwsf__resize(&m->memory, &m->edge, size * sizeof *entry)) {
-        m->edge = old;
+    if (!PBW_FIT(&m->memory, larger, size)) {
         return 0;
     }
-    memset(m->edge.data, 0xff, m->edge.bytes);                   /* all PBW_NONE */
-    m->edge.count = 0;
-    for (i = 0; i < old.bytes / sizeof *entry; i++) {
-        if (entry[i].a != PBW_NONE && entry[i].origin != PBW_NONE) {
-            pbwim__keep_edge(m, entry[i].a, entry[i].b, entry[i].origin);
+    memset(larger.at, 0xff, size * sizeof *larger.at);           /* all PBW_NONE */
+    m->edge = larger;
+    for (i = 0; i < old.capacity; i++) {
+        if (old.at[i].a != PBW_NONE && old.at[i].origin != PBW_NONE) {
+            pbwim__keep_edge(m, old.at[i].a, old.at[i].b, old.at[i].origin);
         }
     }
-    pbwsf__release(&m->memory, &old);
+    PBW_RELEASE(&m->memory, old);
     return 1;
 }
 
@@ -745,15 +741,15 @@ static int pbwim__reserve(pbwim__mesh *m, size_t tasks)
     if (tets >= PBW_NONE / 4 || points >= PBW_NONE || (m->edge.count > 0 && !pbwim__reserve_edges(m, 2))) {
         return 0;
     }
-    return (m->seen.bytes >= tets * sizeof(pbw_index) || pbwim__resize_tets(m, tets + tets / 4))
-        && (m->mark.bytes >= points || pbwim__resize_points(m, points + points / 4));
+    return (m->seen.capacity >= tets || pbwim__resize_tets(m, tets + tets / 4))
+        && (m->mark.capacity >= points || pbwim__resize_points(m, points + points / 4));
 }
 
 /* A new search: no tetrahedron is seen. */
 static void pbwim__visit(pbwim__mesh *m)
 {
     if (++m->visit == PBW_NONE) {
-        memset(m->seen.data, 0, m->seen.bytes);
+        memset(m->seen.at, 0, m->seen.capacity * sizeof *m->seen.at);
         m->visit = 1;
     }
 }
@@ -764,18 +760,18 @@ static pbw_index pbwim__new_slot(pbwim__mesh *m)
     if (t == PBW_NONE) {
         t = (pbw_index)m->tets++;
     } else {
-        m->free = *PBWIM__NEXT(m, t);
+        m->free = *m->next.at[t];
         m->spare--;
     }
-    PBWIM__SEEN(m)[t] = 0;
-    PBWIM__TRIED(m)[2 * (size_t)t] = PBWIM__TRIED(m)[2 * (size_t)t + 1] = 0;
+    m->seen.at[t] = 0;
+    m->tried.at[t][0] = m->tried.at[t][1] = 0;
     return t;
 }
 
 static void pbwim__free_slot(pbwim__mesh *m, pbw_index t)
 {
-    *PBWIM__CORNER(m, t) = PBW_NONE;
-    *PBWIM__NEXT(m, t) = m->free;
+    *m->corner.at[t] = PBW_NONE;
+    *m->next.at[t] = m->free;
     m->free = t;
     m->spare++;
 }
@@ -813,7 +809,7 @@ static pbwim__facet pbwim__facet_of(const pbwim__mesh *m, pbw_index t, int i)
     pbwim__facet f;
     int k;
     for (k = 0; k < 3; k++) {
-        f.v[k] = PBWIM__CORNER(m, t)[pbwim__opposite[i][k]];
+        f.v[k] = m->corner.at[t][pbwim__opposite[i][k]];
     }
     pbwim__sort3(f.v);
     f.t = t;
@@ -827,24 +823,24 @@ static int pbwim__remove_tets(pbwim__mesh *m, const pbwim__change *change, pbwim
     int count = 0, i, k;
     pbwim__visit(m);
     for (i = 0; i < change->olds; i++) {
-        PBWIM__SEEN(m)[change->old[i]] = m->visit;
+        m->seen.at[change->old[i]] = m->visit;
     }
     for (i = 0; i < change->olds; i++) {
         for (k = 0; k < 4; k++) {
-            const pbw_index p = PBWIM__CORNER(m, change->old[i])[k];
-            PBWIM__STAR(m)[p] = PBW_NONE;
-            PBWIM__TOUCHED(m)[p] = m->clock;
+            const pbw_index p = m->corner.at[change->old[i]][k];
+            m->star.at[p] = PBW_NONE;
+            m->touched.at[p] = m->clock;
         }
     }
     for (i = 0; i < change->olds; i++) {
         for (k = 0; k < 4; k++) {
-            const pbw_index n = PBWIM__NEXT(m, change->old[i])[k];
-            if (n != PBW_NONE && PBWIM__SEEN(m)[n] != m->visit) {
+            const pbw_index n = m->next.at[change->old[i]][k];
+            if (n != PBW_NONE && m->seen.at[n] != m->visit) {
                 open[count] = pbwim__facet_of(m, n, pbwim__facet_to(m, n, change->old[i]));
-                PBWIM__NEXT(m, n)[open[count].i] = PBW_NONE;
-                PBWIM__STAR(m)[open[count].v[0]] = n;
-                PBWIM__STAR(m)[open[count].v[1]] = n;
-                PBWIM__STAR(m)[open[count].v[2]] = n;
+                m->next.at[n][open[count].i] = PBW_NONE;
+                m->star.at[open[count].v[0]] = n;
+                m->star.at[open[count].v[1]] = n;
+                m->star.at[open[count].v[2]] = n;
                 count++;
             }
         }
@@ -858,9 +854,9 @@ static int pbwim__list_lost(const pbwim__mesh *m, const pbwim__change *change, p
     int count = 0, i, k;
     for (i = 0; i < change->olds && m->patched; i++) {
         for (k = 0; k < 4; k++) {
-            if (PBWIM__NEXT(m, change->old[i])[k] == PBW_NONE) {
+            if (m->next.at[change->old[i]][k] == PBW_NONE) {
                 lost[count] = pbwim__facet_of(m, change->old[i], k);
-                lost[count++].t = PBWIM__PATCH(m, change->old[i])[k];
+                lost[count++].t = m->patch.at[change->old[i]][k];
             }
         }
     }
@@ -876,7 +872,7 @@ static void pbwim__assign_patches(pbwim__mesh *m, const pbwim__facet *open, int 
     int i, j, pass;
     for (pass = 0; pass < 2; pass++) {
         for (i = 0; i < count; i++) {
-            pbw_index *patch = PBWIM__PATCH(m, open[i].t) + open[i].i;
+            pbw_index *patch = m->patch.at[open[i].t] + open[i].i;
             for (j = 0; j < lost_count && memcmp(open[i].v, lost[j].v, sizeof lost[j].v) != 0; j++) {
             }
             if (j < lost_count) {
@@ -897,10 +893,10 @@ static void pbwim__halve_patches(const pbwim__mesh *m, const pbwim__change *chan
 {
     int i, k;
     for (i = 0; i < change->news; i++) {
-        const pbw_index *whole = PBWIM__CORNER(m, change->old[i / 2]);
+        const pbw_index *whole = m->corner.at[change->old[i / 2]];
         for (k = 0; k < 4; k++) {                    /* the corner that the other half has, and this one has not */
             const int between = change->fresh[i ^ 1][k] != whole[k];
-            half[i][k] = between ? PBW_NONE : PBWIM__PATCH(m, change->old[i / 2])[k];
+            half[i][k] = between ? PBW_NONE : m->patch.at[change->old[i / 2]][k];
         }
     }
 }
@@ -912,7 +908,7 @@ static void pbwim__apply(pbwim__mesh *m, const pbwim__change *change)
     pbw_index region[PBWIM__MOST], half[2 * PBWIM__RING][4];
     int count, losses, i, k, j;
     for (i = 0; i < change->news; i++) {
-        region[i] = PBWIM__REGION(m)[change->old[change->halves ? i / 2 : 0]];
+        region[i] = m->region.at[change->old[change->halves ? i / 2 : 0]];
     }
     losses = pbwim__list_lost(m, change, lost);
     if (m->patched && change->halves) {
@@ -925,29 +921,29 @@ static void pbwim__apply(pbwim__mesh *m, const pbwim__change *change)
     }
     for (i = 0; i < change->news; i++) {
         const pbw_index t = pbwim__new_slot(m);
-        memcpy(PBWIM__CORNER(m, t), change->fresh[i], 4 * sizeof(pbw_index));
-        PBWIM__REGION(m)[t] = region[i];
-        PBWIM__QUALITY(m)[t] = pbwim__sine_of(m, change->fresh[i]);
+        memcpy(m->corner.at[t], change->fresh[i], 4 * sizeof(pbw_index));
+        m->region.at[t] = region[i];
+        m->quality.at[t] = pbwim__sine_of(m, change->fresh[i]);
         for (k = 0; k < 4; k++) {
             const pbwim__facet f = pbwim__facet_of(m, t, k);
-            PBWIM__STAR(m)[change->fresh[i][k]] = t;
-            PBWIM__TOUCHED(m)[change->fresh[i][k]] = m->clock;
+            m->star.at[change->fresh[i][k]] = t;
+            m->touched.at[change->fresh[i][k]] = m->clock;
             for (j = count - 1; j >= 0 && memcmp(open[j].v, f.v, sizeof f.v) != 0; j--) {
             }
             if (m->patched) {
-                PBWIM__PATCH(m, t)[k] = j < 0 ? PBW_NONE : PBWIM__PATCH(m, open[j].t)[open[j].i];
+                m->patch.at[t][k] = j < 0 ? PBW_NONE : m->patch.at[open[j].t][open[j].i];
             }
             if (j < 0) {
-                PBWIM__NEXT(m, t)[k] = PBW_NONE;
+                m->next.at[t][k] = PBW_NONE;
                 open[count++] = f;
             } else {
-                PBWIM__NEXT(m, t)[k] = open[j].t;
-                PBWIM__NEXT(m, open[j].t)[open[j].i] = t;
+                m->next.at[t][k] = open[j].t;
+                m->next.at[open[j].t][open[j].i] = t;
                 open[j] = open[--count];
             }
         }
         if (m->patched && change->halves) {
-            memcpy(PBWIM__PATCH(m, t), half[i], sizeof half[i]);
+            memcpy(m->patch.at[t], half[i], sizeof half[i]);
         }
     }
     if (m->patched && !change->halves) {
@@ -960,8 +956,8 @@ static int pbwim__breaks_constraint(const pbwim__mesh *m, const pbwim__change *c
 {
     int i, k, j;
     for (i = 0; i < 4 * change->olds && m->patched; i++) {
-        const pbw_index n = PBWIM__NEXT(m, change->old[i / 4])[i % 4];
-        if (n != PBW_NONE && PBWIM__PATCH(m, change->old[i / 4])[i % 4] != PBW_NONE) {
+        const pbw_index n = m->next.at[change->old[i / 4]][i % 4];
+        if (n != PBW_NONE && m->patch.at[change->old[i / 4]][i % 4] != PBW_NONE) {
             for (j = 0; j < change->olds && change->old[j] != n; j++) {
             }
             if (j < change->olds) {
@@ -970,9 +966,9 @@ static int pbwim__breaks_constraint(const pbwim__mesh *m, const pbwim__change *c
         }
     }
     for (i = 0; i < 6 * change->olds && m->edge.count > 0; i++) {
-        const pbw_index *c = PBWIM__CORNER(m, change->old[i / 6]);
+        const pbw_index *c = m->corner.at[change->old[i / 6]];
         const pbw_index a = c[pbwim__edge[i % 6][0]], b = c[pbwim__edge[i % 6][1]];
-        if (PBWIM__MARK(m)[a] != PBW_TETS_FIXED || PBWIM__MARK(m)[b] != PBW_TETS_FIXED || !pbwim__is_kept(m, a, b)) {
+        if (m->mark.at[a] != PBW_TETS_FIXED || m->mark.at[b] != PBW_TETS_FIXED || !pbwim__is_kept(m, a, b)) {
             continue;
         }
         for (j = 0; j < change->news; j++) {
@@ -997,7 +993,7 @@ static int pbwim__is_sound(const pbwim__mesh *m, const pbwim__change *change)
 {
     int i;
     for (i = 1; i < change->olds && !change->halves; i++) {
-        if (PBWIM__REGION(m)[change->old[i]] != PBWIM__REGION(m)[change->old[0]]) {
+        if (m->region.at[change->old[i]] != m->region.at[change->old[0]]) {
             return 0;
         }
     }
@@ -1011,7 +1007,7 @@ static double pbwim__worst_old(const pbwim__mesh *m, const pbwim__change *change
     double worst = 2;
     int i;
     for (i = 0; i < change->olds; i++) {
-        worst = fmin(worst, PBWIM__QUALITY(m)[change->old[i]]);
+        worst = fmin(worst, m->quality.at[change->old[i]]);
     }
     return worst;
 }
@@ -1022,20 +1018,20 @@ static double pbwim__worst_old(const pbwim__mesh *m, const pbwim__change *change
 static int pbwim__star_of(pbwim__mesh *m, pbw_index p, pbw_index *star)
 {
     int count = 0, i, k;
-    if (PBWIM__STAR(m)[p] == PBW_NONE) {
+    if (m->star.at[p] == PBW_NONE) {
         return 0;
     }
     pbwim__visit(m);
-    star[count++] = PBWIM__STAR(m)[p];
-    PBWIM__SEEN(m)[star[0]] = m->visit;
+    star[count++] = m->star.at[p];
+    m->seen.at[star[0]] = m->visit;
     for (i = 0; i < count; i++) {
-        const pbw_index *c = PBWIM__CORNER(m, star[i]), *next = PBWIM__NEXT(m, star[i]);
+        const pbw_index *c = m->corner.at[star[i]], *next = m->next.at[star[i]];
         for (k = 0; k < 4; k++) {
-            if (c[k] != p && next[k] != PBW_NONE && PBWIM__SEEN(m)[next[k]] != m->visit) {
+            if (c[k] != p && next[k] != PBW_NONE && m->seen.at[next[k]] != m->visit) {
                 if (count == PBWIM__MOST) {
                     return 0;
                 }
-                PBWIM__SEEN(m)[next[k]] = m->visit;
+                m->seen.at[next[k]] = m->visit;
                 star[count++] = next[k];
             }
         }
@@ -1068,7 +1064,7 @@ static int pbwim__walk_ring(const pbwim__mesh *m, pbw_index t, pbwim__ring *ring
     for (steps = 0; steps <= PBWIM__RING; steps++) {         /* back to the boundary, or once around */
         pbwim__other_corners(m, at, ring, &c, &d);
         first = at;
-        at = PBWIM__NEXT(m, at)[d];
+        at = m->next.at[at][d];
         if (at == PBW_NONE || at == t) {
             break;
         }
@@ -1077,11 +1073,11 @@ static int pbwim__walk_ring(const pbwim__mesh *m, pbw_index t, pbwim__ring *ring
     first = ring->closed ? t : first;
     ring->tets = ring->corners = 0;
     for (at = first; steps <= PBWIM__RING && ring->tets < PBWIM__RING;) {
-        const pbw_index *corner = PBWIM__CORNER(m, at);
+        const pbw_index *corner = m->corner.at[at];
         pbwim__other_corners(m, at, ring, &c, &d);
         ring->tet[ring->tets++] = at;
         ring->corner[ring->corners++] = corner[c];
-        at = PBWIM__NEXT(m, at)[c];
+        at = m->next.at[at][c];
         if (at == PBW_NONE) {
             ring->corner[ring->corners++] = corner[d];
         }
@@ -1112,8 +1108,8 @@ static double pbwim__farthest(const pbwim__mesh *m, const double *a, const doubl
 /* Returns whether the facets at the edge between an open ring's ends would be near the surface. */
 static int pbwim__flip_stays_near(const pbwim__mesh *m, const pbwim__ring *ring)
 {
-    const double *a = PBWIM__X(m, ring->a), *b = PBWIM__X(m, ring->b), *first = PBWIM__X(m, ring->corner[0]);
-    const double *last = PBWIM__X(m, ring->corner[ring->corners - 1]);
+    const double *a = m->x.at[ring->a], *b = m->x.at[ring->b], *first = m->x.at[ring->corner[0]];
+    const double *last = m->x.at[ring->corner[ring->corners - 1]];
     double after;
     if (!(m->distance > 0)) {
         return 1;
@@ -1133,9 +1129,9 @@ static int pbwim__is_border(const pbwim__mesh *m, const pbwim__ring *ring)
         const int here = pbwim__corner_of(m, t, ring->corner[i]);
         for (n = 0; n < 2; n++) {                    /* the facets before and after it */
             const int k = n == 0 ? next : here;
-            if (PBWIM__NEXT(m, t)[k] == PBW_NONE) {
-                patch[n] = PBWIM__PATCH(m, t)[k];
-            } else if (PBWIM__PATCH(m, t)[k] != PBW_NONE) {
+            if (m->next.at[t][k] == PBW_NONE) {
+                patch[n] = m->patch.at[t][k];
+            } else if (m->patch.at[t][k] != PBW_NONE) {
                 return 1;
             }
         }
@@ -1151,10 +1147,10 @@ static int pbwim__may_flip(pbwim__mesh *m, const pbwim__ring *ring)
     pbw_index star[PBWIM__MOST];
     double n[4][3], sum[3];
     int i, count;
-    pbwsf__normal(PBWIM__X(m, a), PBWIM__X(m, b), PBWIM__X(m, first), n[0]);
-    pbwsf__normal(PBWIM__X(m, b), PBWIM__X(m, a), PBWIM__X(m, last), n[1]);
-    pbwsf__normal(PBWIM__X(m, a), PBWIM__X(m, last), PBWIM__X(m, first), n[2]);
-    pbwsf__normal(PBWIM__X(m, b), PBWIM__X(m, first), PBWIM__X(m, last), n[3]);
+    pbwsf__normal(m->x.at[a], m->x.at[b], m->x.at[first], n[0]);
+    pbwsf__normal(m->x.at[b], m->x.at[a], m->x.at[last], n[1]);
+    pbwsf__normal(m->x.at[a], m->x.at[last], m->x.at[first], n[2]);
+    pbwsf__normal(m->x.at[b], m->x.at[first], m->x.at[last], n[3]);
     if (!pbwim__turned_less(n[0], n[1], PBWIM__SMOOTH_COSINE) || pbwim__is_border(m, ring)) {
         return 0;
     }
@@ -1186,10 +1182,10 @@ typedef struct pbwim__table {              /* of the dynamic programme: polygons
 
 static double pbwim__pair_sine(const pbwim__mesh *m, const pbwim__ring *ring, int i, int j, int k)
 {
-    const double *p = PBWIM__X(m, ring->corner[i]), *q = PBWIM__X(m, ring->corner[j]);
-    const double *r = PBWIM__X(m, ring->corner[k]);
-    const double above = pbwim__sine(p, q, r, PBWIM__X(m, ring->b));
-    return above <= 0 ? above : fmin(above, pbwim__sine(q, p, r, PBWIM__X(m, ring->a)));
+    const double *p = m->x.at[ring->corner[i]], *q = m->x.at[ring->corner[j]];
+    const double *r = m->x.at[ring->corner[k]];
+    const double above = pbwim__sine(p, q, r, m->x.at[ring->b]);
+    return above <= 0 ? above : fmin(above, pbwim__sine(q, p, r, m->x.at[ring->a]));
 }
 
 /* Finds the best triangulation of the ring's polygon.  Returns its least sine, or a number not above `least`. */
@@ -1252,13 +1248,13 @@ static int pbwim__remove_edge(pbwim__mesh *m, pbw_index t)
     memset(&chosen, 0, sizeof chosen);
     for (e = 0; e < 6; e++) {
         double worst = 2, reached;
-        ring.a = PBWIM__CORNER(m, t)[pbwim__edge[e][0]];
-        ring.b = PBWIM__CORNER(m, t)[pbwim__edge[e][1]];
+        ring.a = m->corner.at[t][pbwim__edge[e][0]];
+        ring.b = m->corner.at[t][pbwim__edge[e][1]];
         if (!pbwim__walk_ring(m, t, &ring) || ring.corners < 3) {
             continue;
         }
         for (i = 0; i < ring.tets; i++) {
-            worst = fmin(worst, PBWIM__QUALITY(m)[ring.tet[i]]);
+            worst = fmin(worst, m->quality.at[ring.tet[i]]);
         }
         reached = pbwim__triangulate(m, &ring, fmax(worst + PBWIM__GAIN, best), &table);
         if (reached > fmax(worst + PBWIM__GAIN, best) && (ring.closed || pbwim__may_flip(m, &ring))) {
@@ -1295,7 +1291,7 @@ static double pbwim__cone_sine(const pbwim__mesh *m, pbwim__cone *cone, const do
     int i;
     for (i = 0; i < cone->count; i++) {
         const pbw_index *f = cone->facet[i];
-        const double sine = pbwim__sine(PBWIM__X(m, f[0]), PBWIM__X(m, f[1]), PBWIM__X(m, f[2]), x);
+        const double sine = pbwim__sine(m->x.at[f[0]], m->x.at[f[1]], m->x.at[f[2]], x);
         worst = sine < worst ? sine : worst;
         if (worst <= least) {
             pbw_index swap[3];
@@ -1356,7 +1352,7 @@ static double pbwim__climb(pbwim__mesh *m, pbwim__cone *cone, const double *norm
     const int directions = pbwim__directions(normal, direction);
     int i, k, moves;
     for (i = 0; i < cone->count; i++) {
-        length += pbwsf__distance(PBWIM__X(m, cone->facet[i][0]), PBWIM__X(m, cone->facet[i][1])) / cone->count;
+        length += pbwsf__distance(m->x.at[cone->facet[i][0]], m->x.at[cone->facet[i][1]]) / cone->count;
     }
     for (step = 0.2 * length, moves = 0; step > 0.01 * length && moves < 40 && best < m->target; moves++) {
         double place[3], chosen[3], reached = best;
@@ -1394,7 +1390,7 @@ static void pbwim__add_normals(const pbwim__mesh *m, pbw_index t, pbw_index p, d
     double n[3];
     int i, k;
     for (i = 0; i < 4; i++) {
-        if (PBWIM__NEXT(m, t)[i] == PBW_NONE && PBWIM__CORNER(m, t)[i] != p) {
+        if (m->next.at[t][i] == PBW_NONE && m->corner.at[t][i] != p) {
             pbwim__outward(m, t, i, n);
             for (k = 0; k < 3; k++) {
                 sum[k] += n[k];
@@ -1408,7 +1404,7 @@ static void pbwim__cone_of(const pbwim__mesh *m, pbw_index p, const pbw_index *s
 {
     int i, k;
     for (i = 0; i < count; i++) {
-        const pbw_index *c = PBWIM__CORNER(m, star[i]);
+        const pbw_index *c = m->corner.at[star[i]];
         const int *o = pbwim__opposite[pbwim__corner_of(m, star[i], p)];
         for (k = 0; k < 3; k++) {
             cone->facet[i][k] = c[o[k]];
@@ -1423,13 +1419,13 @@ static double pbwim__farthest_at(const pbwim__mesh *m, pbw_index p, const double
     double most = 0;
     int i, k, j;
     for (i = 0; i < count; i++) {
-        const pbw_index *c = PBWIM__CORNER(m, star[i]);
+        const pbw_index *c = m->corner.at[star[i]];
         for (k = 0; k < 4; k++) {
-            if (c[k] != p && PBWIM__NEXT(m, star[i])[k] == PBW_NONE) {
+            if (c[k] != p && m->next.at[star[i]][k] == PBW_NONE) {
                 const double *corner[3];
                 for (j = 0; j < 3; j++) {
                     const pbw_index v = c[pbwim__opposite[k][j]];
-                    corner[j] = v == p ? x : PBWIM__X(m, v);
+                    corner[j] = v == p ? x : m->x.at[v];
                 }
                 most = pbwim__farthest(m, corner[0], corner[1], corner[2], most);
             }
@@ -1447,7 +1443,7 @@ static int pbwim__move_stays_near(const pbwim__mesh *m, pbw_index p, const doubl
         return 1;
     }
     after = pbwim__farthest_at(m, p, x, star, count);
-    return after <= m->distance || after <= pbwim__farthest_at(m, p, PBWIM__X(m, p), star, count);
+    return after <= m->distance || after <= pbwim__farthest_at(m, p, m->x.at[p], star, count);
 }
 
 static int pbwim__smooth(pbwim__mesh *m, pbw_index p)
@@ -1455,14 +1451,14 @@ static int pbwim__smooth(pbwim__mesh *m, pbw_index p)
     pbw_index star[PBWIM__MOST];
     pbwim__cone cone;
     double before[3], worst = 2, x[3], normal[3] = { 0, 0, 0 };
-    const int slides = PBWIM__MARK(m)[p] == PBW_TETS_SLIDES;
+    const int slides = m->mark.at[p] == PBW_TETS_SLIDES;
     int count, i, k;
-    if (PBWIM__MARK(m)[p] == PBW_TETS_FIXED) {
+    if (m->mark.at[p] == PBW_TETS_FIXED) {
         return 0;
     }
     count = pbwim__star_of(m, p, star);
     for (i = 0; i < count; i++) {
-        worst = fmin(worst, PBWIM__QUALITY(m)[star[i]]);
+        worst = fmin(worst, m->quality.at[star[i]]);
     }
     if (count == 0 || worst >= m->target) {
         return 0;
@@ -1471,25 +1467,25 @@ static int pbwim__smooth(pbwim__mesh *m, pbw_index p)
         pbwim__add_normals(m, star[i], p, normal);
     }
     pbwim__cone_of(m, p, star, count, &cone);
-    memcpy(before, PBWIM__X(m, p), sizeof before);
+    memcpy(before, m->x.at[p], sizeof before);
     memcpy(x, before, sizeof x);
     if (pbwim__climb(m, &cone, slides ? normal : NULL, worst, x)
         <= worst + fmax(PBWIM__GAIN, PBWIM__SMOOTH_GAIN * (m->target - worst))
         || (slides && !pbwim__move_stays_near(m, p, x, star, count))) {
         return 0;
     }
-    memcpy(PBWIM__X(m, p), x, sizeof x);
-    for (i = 0; i < count && pbwim__sign_of(m, PBWIM__CORNER(m, star[i])) > 0; i++) {
+    memcpy(m->x.at[p], x, sizeof x);
+    for (i = 0; i < count && pbwim__sign_of(m, m->corner.at[star[i]]) > 0; i++) {
     }
     if (i < count) {
-        memcpy(PBWIM__X(m, p), before, sizeof before);
+        memcpy(m->x.at[p], before, sizeof before);
         return 0;
     }
     m->clock++;
     for (i = 0; i < count; i++) {
-        PBWIM__QUALITY(m)[star[i]] = pbwim__sine_of(m, PBWIM__CORNER(m, star[i]));
+        m->quality.at[star[i]] = pbwim__sine_of(m, m->corner.at[star[i]]);
         for (k = 0; k < 4; k++) {
-            PBWIM__TOUCHED(m)[PBWIM__CORNER(m, star[i])[k]] = m->clock;
+            m->touched.at[m->corner.at[star[i]][k]] = m->clock;
         }
     }
     *(slides ? &m->report->slides : &m->report->smoothings) += 1;
@@ -1503,7 +1499,7 @@ static int pbwim__smooth(pbwim__mesh *m, pbw_index p)
    and must be on a smooth part. */
 static int pbwim__may_peel(pbwim__mesh *m, pbw_index t)
 {
-    const pbw_index *c = PBWIM__CORNER(m, t), *next = PBWIM__NEXT(m, t);
+    const pbw_index *c = m->corner.at[t], *next = m->next.at[t];
     pbw_index star[PBWIM__MOST];
     pbwim__ring ring;
     int on[4], off[4], outer = 0, inner = 0, i, k, count;
@@ -1520,15 +1516,15 @@ static int pbwim__may_peel(pbwim__mesh *m, pbw_index t)
         return pbwim__walk_ring(m, t, &ring) && ring.closed;
     }
     if (outer == 3) {
-        return PBWIM__MARK(m)[c[off[0]]] == PBW_TETS_SLIDES;
+        return m->mark.at[c[off[0]]] == PBW_TETS_SLIDES;
     }
-    if (outer != 1 || PBWIM__MARK(m)[c[on[0]]] != PBW_TETS_FOUND) {
+    if (outer != 1 || m->mark.at[c[on[0]]] != PBW_TETS_FOUND) {
         return 0;
     }
     count = pbwim__star_of(m, c[on[0]], star);
     for (i = 0; i < count; i++) {
         for (k = 0; k < 4; k++) {
-            if (PBWIM__CORNER(m, star[i])[k] != c[on[0]] && PBWIM__NEXT(m, star[i])[k] == PBW_NONE) {
+            if (m->corner.at[star[i]][k] != c[on[0]] && m->next.at[star[i]][k] == PBW_NONE) {
                 return 0;
             }
         }
@@ -1539,13 +1535,13 @@ static int pbwim__may_peel(pbwim__mesh *m, pbw_index t)
 /* Returns whether the facets beneath the boundary facets of t are near the surface. */
 static int pbwim__peel_stays_near(const pbwim__mesh *m, pbw_index t)
 {
-    const pbw_index *c = PBWIM__CORNER(m, t);
+    const pbw_index *c = m->corner.at[t];
     double before = 0, after = 0;
     int i;
     for (i = 0; i < 4 && m->distance > 0; i++) {
         const int *o = pbwim__opposite[i];
-        double *most = PBWIM__NEXT(m, t)[i] == PBW_NONE ? &before : &after;
-        *most = pbwim__farthest(m, PBWIM__X(m, c[o[0]]), PBWIM__X(m, c[o[1]]), PBWIM__X(m, c[o[2]]), *most);
+        double *most = m->next.at[t][i] == PBW_NONE ? &before : &after;
+        *most = pbwim__farthest(m, m->x.at[c[o[0]]], m->x.at[c[o[1]]], m->x.at[c[o[2]]], *most);
     }
     return after <= fmax(m->distance, before);
 }
@@ -1554,10 +1550,10 @@ static int pbwim__peel_stays_near(const pbwim__mesh *m, pbw_index t)
    and no edge of it is to be kept. */
 static int pbwim__peel_keeps_patches(const pbwim__mesh *m, pbw_index t)
 {
-    const pbw_index *c = PBWIM__CORNER(m, t), *next = PBWIM__NEXT(m, t);
+    const pbw_index *c = m->corner.at[t], *next = m->next.at[t];
     int i, first = -1;
     for (i = 0; i < 4 && m->patched; i++) {
-        const pbw_index *patch = PBWIM__PATCH(m, t);
+        const pbw_index *patch = m->patch.at[t];
         first = next[i] == PBW_NONE && first < 0 ? i : first;
         if (next[i] == PBW_NONE ? patch[i] != patch[first] : patch[i] != PBW_NONE) {
             return 0;
@@ -1574,7 +1570,7 @@ static int pbwim__peel_keeps_patches(const pbwim__mesh *m, pbw_index t)
 /* Peels off a tetrahedron at the boundary, if its facets there and those beneath are nearly in one plane. */
 static int pbwim__peel(pbwim__mesh *m, pbw_index t)
 {
-    const pbw_index *next = PBWIM__NEXT(m, t);
+    const pbw_index *next = m->next.at[t];
     pbwim__change change;
     double n[4][3];
     int i, k;
@@ -1601,7 +1597,7 @@ static int pbwim__peel(pbwim__mesh *m, pbw_index t)
     change.news = change.halves = 0;
     change.old[0] = t;
     for (i = 0; i < 4; i++) {                        /* corners that were inside are on the boundary now */
-        unsigned char *mark = PBWIM__MARK(m) + PBWIM__CORNER(m, t)[i];
+        unsigned char *mark = m->mark.at + m->corner.at[t][i];
         *mark = *mark == PBW_TETS_FOUND ? PBW_TETS_SLIDES : *mark;
     }
     pbwim__apply(m, &change);
@@ -1616,7 +1612,7 @@ static int pbwim__flip(pbwim__mesh *m, pbw_index t)
     pbwim__change change;
     int i, k;
     for (i = 0; i < 4; i++) {
-        const pbw_index *c = PBWIM__CORNER(m, t), n = PBWIM__NEXT(m, t)[i];
+        const pbw_index *c = m->corner.at[t], n = m->next.at[t][i];
         const int *o = pbwim__opposite[i];
         double worst;
         if (n == PBW_NONE) {
@@ -1632,7 +1628,7 @@ static int pbwim__flip(pbwim__mesh *m, pbw_index t)
             pbw_index *fresh = change.fresh[k];
             fresh[0] = c[o[k]];
             fresh[1] = c[o[(k + 1) % 3]];
-            fresh[2] = PBWIM__CORNER(m, n)[pbwim__facet_to(m, n, t)];
+            fresh[2] = m->corner.at[n][pbwim__facet_to(m, n, t)];
             fresh[3] = c[i];
             if (pbwim__sine_of(m, fresh) <= worst) {
                 break;
@@ -1660,17 +1656,17 @@ static int pbwim__may_slide_to(const pbwim__mesh *m, pbw_index p, pbw_index q, c
 {
     int i, k;
     for (i = 0; i < count; i++) {
-        const pbw_index *c = PBWIM__CORNER(m, star[i]);
+        const pbw_index *c = m->corner.at[star[i]];
         if (pbwim__corner_of(m, star[i], q) < 4) {
             continue;
         }
         for (k = 0; k < 4; k++) {
-            if (c[k] != p && PBWIM__NEXT(m, star[i])[k] == PBW_NONE) {
+            if (c[k] != p && m->next.at[star[i]][k] == PBW_NONE) {
                 const int *o = pbwim__opposite[k];
                 double n[2][3];
                 pbwim__outward(m, star[i], k, n[0]);
-                pbwsf__normal(PBWIM__X(m, c[o[0]] == p ? q : c[o[0]]), PBWIM__X(m, c[o[2]] == p ? q : c[o[2]]),
-                              PBWIM__X(m, c[o[1]] == p ? q : c[o[1]]), n[1]);
+                pbwsf__normal(m->x.at[c[o[0]] == p ? q : c[o[0]]], m->x.at[c[o[2]] == p ? q : c[o[2]]],
+                              m->x.at[c[o[1]] == p ? q : c[o[1]]], n[1]);
                 if (!pbwim__turned_less(n[0], n[1], PBWIM__SMOOTH_COSINE)) {
                     return 0;
                 }
@@ -1685,7 +1681,7 @@ static int pbwim__loses_corner(const pbwim__mesh *m, const pbwim__change *change
 {
     int i, k;
     for (i = 0; i < 4 * change->olds; i++) {
-        const pbw_index v = PBWIM__CORNER(m, change->old[i / 4])[i % 4];
+        const pbw_index v = m->corner.at[change->old[i / 4]][i % 4];
         for (k = 0; k < 4 * change->news && change->fresh[k / 4][k % 4] != v; k++) {
         }
         if (k == 4 * change->news && v != p) {
@@ -1728,12 +1724,12 @@ static int pbwim__contract_to(pbwim__mesh *m, pbw_index t, pbw_index p, pbw_inde
     pbwim__change change;
     pbwim__cone cone;
     pbwim__ring ring;
-    const int slides = PBWIM__MARK(m)[p] == PBW_TETS_SLIDES;
+    const int slides = m->mark.at[p] == PBW_TETS_SLIDES;
     double worst;
     int i;
     ring.a = p;
     ring.b = q;
-    if (PBWIM__MARK(m)[p] == PBW_TETS_FIXED || !pbwim__walk_ring(m, t, &ring) || (slides && ring.closed)) {
+    if (m->mark.at[p] == PBW_TETS_FIXED || !pbwim__walk_ring(m, t, &ring) || (slides && ring.closed)) {
         return 0;
     }
     change.halves = 0;
@@ -1756,7 +1752,7 @@ static int pbwim__contract_to(pbwim__mesh *m, pbw_index t, pbw_index p, pbw_inde
     }
     if (change.news == 0 || !pbwim__is_sound(m, &change) || pbwim__loses_corner(m, &change, p)
         || (slides && (!pbwim__may_slide_to(m, p, q, change.old, change.olds)
-                       || !pbwim__move_stays_near(m, p, PBWIM__X(m, q), change.old, change.olds)))
+                       || !pbwim__move_stays_near(m, p, m->x.at[q], change.old, change.olds)))
         || !pbwim__link_condition(m, q, &ring, &cone)) {
         return 0;
     }
@@ -1769,7 +1765,7 @@ static int pbwim__contract(pbwim__mesh *m, pbw_index t)
 {
     int e;
     for (e = 0; e < 6; e++) {
-        const pbw_index a = PBWIM__CORNER(m, t)[pbwim__edge[e][0]], b = PBWIM__CORNER(m, t)[pbwim__edge[e][1]];
+        const pbw_index a = m->corner.at[t][pbwim__edge[e][0]], b = m->corner.at[t][pbwim__edge[e][1]];
         if (pbwim__contract_to(m, t, a, b, 2) || pbwim__contract_to(m, t, b, a, 2)) {
             return 1;
         }
@@ -1803,14 +1799,14 @@ static void pbwim__add_facets(const pbwim__mesh *m, pbwim__cavity *v, pbw_index 
 {
     int k, j;
     for (k = 0; k < 4; k++) {
-        const pbw_index *c = PBWIM__CORNER(m, t), n = PBWIM__NEXT(m, t)[k];
+        const pbw_index *c = m->corner.at[t], n = m->next.at[t][k];
         pbw_index *f = v->cone.facet[v->cone.count];
         for (j = 0; j < 3; j++) {
             f[j] = c[pbwim__opposite[k][j]];
         }
-        if (n == PBW_NONE ? !pbwim__is_replaced(v, f) : PBWIM__SEEN(m)[n] != m->visit) {
+        if (n == PBW_NONE ? !pbwim__is_replaced(v, f) : m->seen.at[n] != m->visit) {
             v->across[v->cone.count] = n;
-            v->sine[v->cone.count++] = pbwim__sine(PBWIM__X(m, f[0]), PBWIM__X(m, f[1]), PBWIM__X(m, f[2]), v->x);
+            v->sine[v->cone.count++] = pbwim__sine(m->x.at[f[0]], m->x.at[f[1]], m->x.at[f[2]], v->x);
         }
     }
 }
@@ -1821,7 +1817,7 @@ static void pbwim__open_cavity(pbwim__mesh *m, pbwim__cavity *v)
     int i;
     pbwim__visit(m);
     for (i = 0; i < v->change->olds; i++) {
-        PBWIM__SEEN(m)[v->change->old[i]] = m->visit;
+        m->seen.at[v->change->old[i]] = m->visit;
     }
     for (i = v->cone.count = 0; i < v->change->olds; i++) {
         pbwim__add_facets(m, v, v->change->old[i]);
@@ -1831,8 +1827,8 @@ static void pbwim__open_cavity(pbwim__mesh *m, pbwim__cavity *v)
 /* Returns whether a tetrahedron may join the cavity: it is at a corner of t, so it is in the zone of the task. */
 static int pbwim__may_grow(const pbwim__mesh *m, const pbwim__cavity *v, pbw_index n)
 {
-    const pbw_index *c = PBWIM__CORNER(m, v->t);
-    return n != PBW_NONE && PBWIM__REGION(m)[n] == PBWIM__REGION(m)[v->t]
+    const pbw_index *c = m->corner.at[v->t];
+    return n != PBW_NONE && m->region.at[n] == m->region.at[v->t]
         && (v->p == PBW_NONE || pbwim__corner_of(m, n, v->p) == 4)
         && (pbwim__corner_of(m, n, c[0]) < 4 || pbwim__corner_of(m, n, c[1]) < 4 || pbwim__corner_of(m, n, c[2]) < 4
             || pbwim__corner_of(m, n, c[3]) < 4);
@@ -1868,7 +1864,7 @@ static double pbwim__grow_cavity(pbwim__mesh *m, pbwim__cavity *v)
                 v->sine[i] = v->sine[v->cone.count];
             }
         }
-        PBWIM__SEEN(m)[n] = m->visit;
+        m->seen.at[n] = m->visit;
         change->old[change->olds++] = n;
         pbwim__add_facets(m, v, n);
     }
@@ -1904,8 +1900,8 @@ static int pbwim__rejoin(pbwim__mesh *m, pbw_index t)
     v.t = t;
     for (k = 0; k < 4; k++) {
         double best;
-        v.p = PBWIM__CORNER(m, t)[k];
-        v.x = PBWIM__X(m, v.p);
+        v.p = m->corner.at[t][k];
+        v.x = m->x.at[v.p];
         change.olds = pbwim__star_of(m, v.p, change.old);
         if (change.olds == 0 || change.olds >= PBWIM__CAVITY) {
             continue;
@@ -1946,15 +1942,15 @@ static int pbwim__insert(pbwim__mesh *m, pbw_index t, pbwim__change *change, con
     if (best <= pbwim__worst_old(m, change) + PBWIM__GAIN) {
         return 0;
     }
-    memcpy(PBWIM__X(m, p), x, 3 * sizeof(double));
+    memcpy(m->x.at[p], x, 3 * sizeof(double));
     if (!pbwim__fill_cavity(m, &v, p)) {
         return 0;
     }
     m->points++;
-    PBWIM__MARK(m)[p] = slides ? PBW_TETS_SLIDES : PBW_TETS_FOUND;
-    ((pbw_index *)m->original.data)[p] = PBW_NONE;
+    m->mark.at[p] = slides ? PBW_TETS_SLIDES : PBW_TETS_FOUND;
+    m->original.at[p] = PBW_NONE;
     if (m->sized) {
-        PBWIM__SIZE(m)[p] = PBWIM__SIZE(m)[v.cone.facet[0][0]];
+        m->size.at[p] = m->size.at[v.cone.facet[0][0]];
     }
     pbwim__apply(m, change);
     m->report->insertions++;
@@ -1968,16 +1964,16 @@ static int pbwim__insert_across(pbwim__mesh *m, pbw_index t)
     pbwim__change change;
     int i, k;
     for (i = 0; i < 8; i++) {
-        const pbw_index n = PBWIM__NEXT(m, t)[i % 4], *c = PBWIM__CORNER(m, t);
+        const pbw_index n = m->next.at[t][i % 4], *c = m->corner.at[t];
         const int *o = pbwim__opposite[i % 4];
         double middle[3], x[3];
         if (n == PBW_NONE) {
             continue;
         }
         for (k = 0; k < 3; k++) {
-            middle[k] = (PBWIM__X(m, c[o[0]])[k] + PBWIM__X(m, c[o[1]])[k] + PBWIM__X(m, c[o[2]])[k]) / 3;
+            middle[k] = (m->x.at[c[o[0]]][k] + m->x.at[c[o[1]]][k] + m->x.at[c[o[2]]][k]) / 3;
         }
-        pbwsf__between(middle, PBWIM__X(m, PBWIM__CORNER(m, n)[pbwim__facet_to(m, n, t)]), i < 4 ? 0.5 : 0.25, x);
+        pbwsf__between(middle, m->x.at[m->corner.at[n][pbwim__facet_to(m, n, t)]], i < 4 ? 0.5 : 0.25, x);
         change.olds = 2;
         change.old[0] = t;
         change.old[1] = n;
@@ -1996,17 +1992,17 @@ static int pbwim__split(pbwim__mesh *m, pbw_index t)
     double x[3] = { 0, 0, 0 }, n[2][3];
     int e, i, k;
     for (e = 0; e < 6; e++) {
-        ring.a = PBWIM__CORNER(m, t)[pbwim__edge[e][0]];
-        ring.b = PBWIM__CORNER(m, t)[pbwim__edge[e][1]];
+        ring.a = m->corner.at[t][pbwim__edge[e][0]];
+        ring.b = m->corner.at[t][pbwim__edge[e][1]];
         if (!pbwim__walk_ring(m, t, &ring)) {
             continue;
         }
-        pbwsf__normal(PBWIM__X(m, ring.a), PBWIM__X(m, ring.b), PBWIM__X(m, ring.corner[0]), n[0]);
-        pbwsf__normal(PBWIM__X(m, ring.b), PBWIM__X(m, ring.a), PBWIM__X(m, ring.corner[ring.corners - 1]), n[1]);
+        pbwsf__normal(m->x.at[ring.a], m->x.at[ring.b], m->x.at[ring.corner[0]], n[0]);
+        pbwsf__normal(m->x.at[ring.b], m->x.at[ring.a], m->x.at[ring.corner[ring.corners - 1]], n[1]);
         if (!ring.closed && (!pbwim__turned_less(n[0], n[1], PBWIM__SMOOTH_COSINE) || pbwim__is_border(m, &ring))) {
             continue;
         }
-        pbwsf__between(PBWIM__X(m, ring.a), PBWIM__X(m, ring.b), 0.5, x);
+        pbwsf__between(m->x.at[ring.a], m->x.at[ring.b], 0.5, x);
         change.olds = ring.tets;
         memcpy(change.old, ring.tet, sizeof ring.tet);
         if (pbwim__insert(m, t, &change, &ring, x)) {
@@ -2017,11 +2013,11 @@ static int pbwim__split(pbwim__mesh *m, pbw_index t)
     change.old[0] = t;
     memset(x, 0, sizeof x);
     for (i = 0; i < 4; i++) {
-        if (PBWIM__NEXT(m, t)[i] != PBW_NONE) {
-            change.old[change.olds++] = PBWIM__NEXT(m, t)[i];
+        if (m->next.at[t][i] != PBW_NONE) {
+            change.old[change.olds++] = m->next.at[t][i];
         }
         for (k = 0; k < 3; k++) {
-            x[k] += 0.25 * PBWIM__X(m, PBWIM__CORNER(m, t)[i])[k];
+            x[k] += 0.25 * m->x.at[m->corner.at[t][i]][k];
         }
     }
     return pbwim__insert(m, t, &change, NULL, x) || pbwim__insert_across(m, t);
@@ -2086,21 +2082,21 @@ static pbwim__facet *pbwim__sort(pbwim__sorting *s, size_t count, int columns)
 /* Returns whether t sees the corners of its facet i, in ascending order, counter-clockwise. */
 static int pbwim__facet_parity(const pbwim__mesh *m, pbw_index t, int i)
 {
-    const pbw_index *c = PBWIM__CORNER(m, t);
+    const pbw_index *c = m->corner.at[t];
     const pbw_index a = c[pbwim__opposite[i][0]], b = c[pbwim__opposite[i][1]], d = c[pbwim__opposite[i][2]];
     return ((a < b) + (b < d) + (a < d)) % 2;
 }
 
 static void pbwim__invert(pbwim__mesh *m, pbw_index t)
 {
-    pbw_index *c = PBWIM__CORNER(m, t), *next = PBWIM__NEXT(m, t), swap = c[0];
+    pbw_index *c = m->corner.at[t], *next = m->next.at[t], swap = c[0];
     c[0] = c[1];
     c[1] = swap;
     swap = next[0];
     next[0] = next[1];
     next[1] = swap;
     if (m->patched) {
-        pbw_index *patch = PBWIM__PATCH(m, t);
+        pbw_index *patch = m->patch.at[t];
         swap = patch[0];
         patch[0] = patch[1];
         patch[1] = swap;
@@ -2114,9 +2110,9 @@ static pbw_status pbwim__link(pbwim__mesh *m, const pbwim__facet *facet, size_t 
     for (i = 0; i < count; i++) {
         const pbwim__facet *f = facet + i;
         const int paired = i + 1 < count && memcmp(f->v, f[1].v, sizeof f->v) == 0;
-        PBWIM__NEXT(m, f->t)[f->i] = paired ? f[1].t : PBW_NONE;
+        m->next.at[f->t][f->i] = paired ? f[1].t : PBW_NONE;
         if (paired) {
-            PBWIM__NEXT(m, f[1].t)[f[1].i] = f->t;
+            m->next.at[f[1].t][f[1].i] = f->t;
             i++;
         }
         if (paired && i + 1 < count && memcmp(f->v, f[2].v, sizeof f->v) == 0) {
@@ -2134,18 +2130,18 @@ static pbw_status pbwim__check_orientation(pbwim__mesh *m)
     int i, flat;
     for (flat = 1; flat >= 0; flat--) {
         for (t = 0; t < m->tets; t++) {
-            if (flat && PBWIM__QUALITY(m)[t] > 0) {
+            if (flat && m->quality.at[t] > 0) {
                 continue;
             }
             for (i = 0; i < 4; i++) {
-                const pbw_index n = PBWIM__NEXT(m, t)[i];
+                const pbw_index n = m->next.at[t][i];
                 if (n != PBW_NONE && pbwim__facet_parity(m, (pbw_index)t, i)
                                      == pbwim__facet_parity(m, n, pbwim__facet_to(m, n, (pbw_index)t))) {
                     if (!flat) {
                         pbwim__set_message(m, "tetrahedra %zu and %zu overlap", t, n);
                         return PBW_ERROR_ARGUMENT;
                     }
-                    if (PBWIM__QUALITY(m)[n] > 0 || n < t) {
+                    if (m->quality.at[n] > 0 || n < t) {
                         pbwim__invert(m, (pbw_index)t);
                         break;
                     }
@@ -2169,15 +2165,15 @@ static void pbwim__fix_features(pbwim__mesh *m, const pbwim__facet *edge, size_t
         pair = k - i == 2;
         fixed = !pair && !borders;
         if (pair && borders) {
-            fixed = PBWIM__PATCH(m, edge[i].t)[edge[i].i] != PBWIM__PATCH(m, edge[i + 1].t)[edge[i + 1].i];
+            fixed = m->patch.at[edge[i].t][edge[i].i] != m->patch.at[edge[i + 1].t][edge[i + 1].i];
         } else if (pair) {
             pbwim__outward(m, edge[i].t, edge[i].i, n[0]);
             pbwim__outward(m, edge[i + 1].t, edge[i + 1].i, n[1]);
             fixed = !pbwim__turned_less(n[0], n[1], cosine);
         }
         if (fixed) {
-            PBWIM__MARK(m)[edge[i].v[0]] = PBW_TETS_FIXED;
-            PBWIM__MARK(m)[edge[i].v[1]] = PBW_TETS_FIXED;
+            m->mark.at[edge[i].v[0]] = PBW_TETS_FIXED;
+            m->mark.at[edge[i].v[1]] = PBW_TETS_FIXED;
         }
     }
 }
@@ -2191,18 +2187,18 @@ static void pbwim__fix_joints(pbwim__mesh *m, size_t *valence)
     memset(valence, 0, m->points * sizeof *valence);
     for (t = 0; t < m->tets; t++) {
         for (k = 0; k < 4; k++) {
-            valence[PBWIM__CORNER(m, t)[k]]++;
+            valence[m->corner.at[t][k]]++;
         }
     }
     for (p = 0; p < m->points; p++) {
-        ((unsigned char *)m->joint.data)[p] = 0;
+        m->joint.at[p] = 0;
         if (valence[p] > 0) {
             count = pbwim__star_of(m, (pbw_index)p, star);
-            for (i = 1; i < count && PBWIM__REGION(m)[star[i]] == PBWIM__REGION(m)[star[0]]; i++) {
+            for (i = 1; i < count && m->region.at[star[i]] == m->region.at[star[0]]; i++) {
             }
-            ((unsigned char *)m->joint.data)[p] = (size_t)count != valence[p];
+            m->joint.at[p] = (size_t)count != valence[p];
             if ((size_t)count != valence[p] || i < count) {
-                PBWIM__MARK(m)[p] = PBW_TETS_FIXED;
+                m->mark.at[p] = PBW_TETS_FIXED;
             }
         }
     }
@@ -2215,19 +2211,19 @@ static size_t pbwim__list_boundary(pbwim__mesh *m, pbw_index *triangles, pbwim__
     int i, k;
     for (t = 0; t < m->tets; t++) {
         for (i = 0; i < 4; i++) {
-            if (PBWIM__NEXT(m, t)[i] != PBW_NONE) {
+            if (m->next.at[t][i] != PBW_NONE) {
                 continue;
             }
             for (k = 0; k < 3; k++) {
-                const pbw_index *c = PBWIM__CORNER(m, t);
+                const pbw_index *c = m->corner.at[t];
                 const pbw_index a = c[pbwim__opposite[i][k]], b = c[pbwim__opposite[i][(k + 1) % 3]];
                 triangles[3 * count + (size_t)(2 - k)] = a;
                 edges[3 * count + (size_t)k].v[0] = a < b ? a : b;
                 edges[3 * count + (size_t)k].v[1] = a < b ? b : a;
                 edges[3 * count + (size_t)k].t = (pbw_index)t;
                 edges[3 * count + (size_t)k].i = i;
-                if (PBWIM__MARK(m)[a] == PBW_TETS_FOUND) {
-                    PBWIM__MARK(m)[a] = PBW_TETS_SLIDES;
+                if (m->mark.at[a] == PBW_TETS_FOUND) {
+                    m->mark.at[a] = PBW_TETS_SLIDES;
                 }
             }
             count++;
@@ -2251,11 +2247,11 @@ static void pbwim__fix_patches(pbwim__mesh *m)
     int i, k;
     for (t = 0; t < m->tets && m->patched; t++) {
         for (i = 0; i < 4; i++) {
-            const pbw_index n = PBWIM__NEXT(m, t)[i], patch = PBWIM__PATCH(m, t)[i];
+            const pbw_index n = m->next.at[t][i], patch = m->patch.at[t][i];
             if (n != PBW_NONE && patch != PBW_NONE) {
-                PBWIM__PATCH(m, n)[pbwim__facet_to(m, n, (pbw_index)t)] = patch;
+                m->patch.at[n][pbwim__facet_to(m, n, (pbw_index)t)] = patch;
                 for (k = 0; k < 3; k++) {
-                    PBWIM__MARK(m)[PBWIM__CORNER(m, t)[pbwim__opposite[i][k]]] = PBW_TETS_FIXED;
+                    m->mark.at[m->corner.at[t][pbwim__opposite[i][k]]] = PBW_TETS_FIXED;
                 }
             }
         }
@@ -2267,16 +2263,15 @@ static pbw_status pbwim__load_edges(pbwim__mesh *m, const pbw_tets *in)
 {
     pbwim__kept_edge *e;
     unsigned char *found;
-    pbwsf__array marks;
+    pbwsf__flags marks = { NULL, 0, 0 };
     size_t i;
-    memset(&marks, 0, sizeof marks);
     if (in->edge_count == 0) {
         return PBW_OK;
     }
-    if (!pbwim__reserve_edges(m, in->edge_count) || !pbwsf__resize(&m->memory, &marks, in->edge_count)) {
+    if (!pbwim__reserve_edges(m, in->edge_count) || !PBW_FIT(&m->memory, marks, in->edge_count)) {
         return PBW_ERROR_MEMORY;
     }
-    found = (unsigned char *)marks.data;
+    found = marks.at;
     memset(found, 0, in->edge_count);
     for (i = 0; i < in->edge_count; i++) {
         const pbw_index a = in->edges[2 * i], b = in->edges[2 * i + 1];
@@ -2285,17 +2280,17 @@ static pbw_status pbwim__load_edges(pbwim__mesh *m, const pbw_tets *in)
         }
     }
     for (i = 0; i < 6 * m->tets; i++) {
-        const pbw_index *c = PBWIM__CORNER(m, i / 6);
+        const pbw_index *c = m->corner.at[i / 6];
         e = pbwim__find_edge(m, c[pbwim__edge[i % 6][0]], c[pbwim__edge[i % 6][1]]);
         if (e->a != PBW_NONE) {
             found[e->origin] = 1;
-            PBWIM__MARK(m)[e->a] = PBWIM__MARK(m)[e->b] = PBW_TETS_FIXED;
+            m->mark.at[e->a] = m->mark.at[e->b] = PBW_TETS_FIXED;
         }
     }
-    for (e = (pbwim__kept_edge *)m->edge.data, i = m->edge.bytes / sizeof *e; i-- > 0; e++) {
+    for (e = m->edge.at, i = m->edge.capacity; i-- > 0; e++) {
         e->origin = e->a != PBW_NONE && found[e->origin] ? e->origin : PBW_NONE;
     }
-    pbwsf__release(&m->memory, &marks);
+    PBW_RELEASE(&m->memory, marks);
     return PBW_OK;
 }
 
@@ -2306,20 +2301,20 @@ static pbw_status pbwim__set_marks(pbwim__mesh *m, const pbw_tets *in, double co
     size_t facets = 0, i;
     pbw_status status;
     for (i = 0; i < 4 * m->tets; i++) {
-        facets += ((pbw_index *)m->next.data)[i] == PBW_NONE;
+        facets += m->next.at[i / 4][i % 4] == PBW_NONE;
     }
-    if (!pbwsf__resize(&m->memory, &m->facets, (3 * facets + 1) * sizeof(pbw_index))
+    if (!PBW_FIT(&m->memory, m->facets, 3 * facets + 1)
         || (3 * facets > 4 * m->tets && !pbwim__begin_sorting(&m->memory, sorting, 3 * facets, m->points))) {
         return PBW_ERROR_MEMORY;
     }
-    facets = pbwim__list_boundary(m, (pbw_index *)m->facets.data, sorting->items.at);
+    facets = pbwim__list_boundary(m, m->facets.at, sorting->items.at);
     edges = pbwim__sort(sorting, 3 * facets, 2);
     pbwim__fix_features(m, edges, 3 * facets, cosine, 0);
     pbwim__fix_joints(m, sorting->first.at);
     for (i = 0; in->marks != NULL && i < m->points; i++) {
         const unsigned char mark = in->marks[i];
-        if (mark == PBW_TETS_FIXED || (mark == PBW_TETS_SLIDES && PBWIM__MARK(m)[i] != PBW_TETS_FOUND)) {
-            PBWIM__MARK(m)[i] = mark;
+        if (mark == PBW_TETS_FIXED || (mark == PBW_TETS_SLIDES && m->mark.at[i] != PBW_TETS_FOUND)) {
+            m->mark.at[i] = mark;
         }
     }
     if (m->patched) {
@@ -2331,7 +2326,7 @@ static pbw_status pbwim__set_marks(pbwim__mesh *m, const pbw_tets *in, double co
         const pbw_options inner = pbwim__inner_options(m->options, &m->memory);
         m->project = pbwim__to_surface;
         m->project_user = &m->surface;
-        status = pbw_surface_create(in->points, in->point_count, (pbw_index *)m->facets.data, facets, &inner,
+        status = pbw_surface_create(in->points, in->point_count, m->facets.at, facets, &inner,
                                     &m->surface);
         m->memory.used += pbwsf__bytes(&m->surface);
     }
@@ -2361,28 +2356,28 @@ static pbw_status pbwim__connect(pbwim__mesh *m, const pbw_tets *in, double cosi
 /* One tetrahedron of the input, made positive. */
 static int pbwim__load_one(pbwim__mesh *m, const pbw_tets *in, size_t t)
 {
-    pbw_index *c = PBWIM__CORNER(m, t);
+    pbw_index *c = m->corner.at[t];
     int sign, i;
     memcpy(c, in->corners + 4 * t, 4 * sizeof *c);
     if (m->patched) {
-        memcpy(PBWIM__PATCH(m, t), in->patches + 4 * t, 4 * sizeof *c);
+        memcpy(m->patch.at[t], in->patches + 4 * t, 4 * sizeof *c);
     }
     for (i = 0; i < 4; i++) {
         if (c[i] >= in->point_count || c[i] == c[(i + 1) % 4] || c[i] == c[(i + 2) % 4]) {
             pbwim__set_message(m, "tetrahedron %zu has a corner %zu that is out of range or twice there", t, c[i]);
             return 0;
         }
-        PBWIM__STAR(m)[c[i]] = (pbw_index)t;
-        PBWIM__NEXT(m, t)[i] = PBW_NONE;
+        m->star.at[c[i]] = (pbw_index)t;
+        m->next.at[t][i] = PBW_NONE;
     }
     sign = pbwim__sign_of(m, c);
     if (sign < 0) {
         pbwim__invert(m, (pbw_index)t);
         m->report->turned++;
     }
-    PBWIM__QUALITY(m)[t] = sign == 0 ? 0 : fmax(pbwim__sine_of(m, c), 1e-300);
-    PBWIM__REGION(m)[t] = in->regions != NULL ? in->regions[t] : 0;
-    PBWIM__TRIED(m)[2 * t] = PBWIM__TRIED(m)[2 * t + 1] = PBWIM__SEEN(m)[t] = 0;
+    m->quality.at[t] = sign == 0 ? 0 : fmax(pbwim__sine_of(m, c), 1e-300);
+    m->region.at[t] = in->regions != NULL ? in->regions[t] : 0;
+    m->tried.at[t][0] = m->tried.at[t][1] = m->seen.at[t] = 0;
     return 1;
 }
 
@@ -2393,7 +2388,7 @@ static pbw_status pbwim__load(pbwim__mesh *m, const pbw_tets *in)
         return PBW_ERROR_TOO_LARGE;
     }
     if (!pbwim__resize_points(m, in->point_count + in->point_count / 16 + 256)
-        || !pbwsf__resize(&m->memory, &m->joint, in->point_count + 1)
+        || !PBW_FIT(&m->memory, m->joint, in->point_count + 1)
         || !pbwim__resize_tets(m, in->tet_count + in->tet_count / 16 + 4 * PBWIM__MOST)) {
         return PBW_ERROR_MEMORY;
     }
@@ -2405,13 +2400,13 @@ static pbw_status pbwim__load(pbwim__mesh *m, const pbw_tets *in)
         if (!(fabs(in->points[i]) <= 1e300)) {
             return PBW_ERROR_NOT_FINITE;
         }
-        ((double *)m->x.data)[i] = in->points[i];
+        m->x.at[i / 3][i % 3] = in->points[i];
     }
     for (i = 0; i < m->points; i++) {
-        PBWIM__STAR(m)[i] = PBW_NONE;
-        PBWIM__TOUCHED(m)[i] = 1;
-        PBWIM__MARK(m)[i] = PBW_TETS_FOUND;
-        ((pbw_index *)m->original.data)[i] = (pbw_index)i;
+        m->star.at[i] = PBW_NONE;
+        m->touched.at[i] = 1;
+        m->mark.at[i] = PBW_TETS_FOUND;
+        m->original.at[i] = (pbw_index)i;
     }
     for (i = 0; i < m->tets; i++) {
         if (!pbwim__load_one(m, in, i)) {
@@ -2434,8 +2429,10 @@ enum { PBWIM__COLOURS = 64, PBWIM__GRAIN = 256 };      /* points beyond the last
 typedef struct pbwim__smoothing {
     pbwim__mesh *m;
     pbw_smoother smoother;
-    pbwsf__array stars;                    /* tetrahedra of point p: from first[p] to first[p + 1] */
-    pbwsf__array first, order, moved;      /* order: points by colour; moved: how far, one a point, of any move */
+    pbwsf__indices stars;                  /* tetrahedra of point p: from first[p] to first[p + 1] */
+    pbwsf__counts first;
+    pbwsf__indices order;                  /* points by colour */
+    pbwsf__flags moved;                    /* per point: 1 it has moved; before, its colour */
     size_t begin[PBWIM__COLOURS + 1];      /* of each colour in `order` */
     size_t at;                             /* where the colour in work begins */
 } pbwim__smoothing;
@@ -2532,24 +2529,24 @@ static void pbwim__aim_mean(const pbw_index *corner, int corners, double u[3][3]
 static int pbwim__aim(const pbwim__smoothing *s, pbw_index p, const pbw_index *star, int count, double aim[3])
 {
     const pbwim__mesh *m = s->m;
-    const int slides = PBWIM__MARK(m)[p] == PBW_TETS_SLIDES;
+    const int slides = m->mark.at[p] == PBW_TETS_SLIDES;
     pbw_index seen[3 * PBWIM__MOST];
     double sum[4] = { 0, 0, 0, 0 };
     int i, j, k;
     for (i = 0; i < count; i++) {
-        const pbw_index *c = PBWIM__CORNER(m, star[i]);
+        const pbw_index *c = m->corner.at[star[i]];
         const int at = pbwim__corner_of(m, star[i], p);
         for (j = 0; j < (slides ? 3 : 1); j++) {     /* each of its facets at p, or all of it */
             const int *o = pbwim__opposite[at];
             const int out = slides ? o[j] : 4, corners = slides ? 2 : 3;
             pbw_index corner[3];
             double u[3][3];
-            if (slides && PBWIM__NEXT(m, star[i])[out] != PBW_NONE) {
+            if (slides && m->next.at[star[i]][out] != PBW_NONE) {
                 continue;
             }
             for (k = 0; k < corners; k++) {
                 corner[k] = c[slides ? o[(j + 1 + k) % 3] : o[k]];
-                pbwsf__minus(PBWIM__X(m, corner[k]), PBWIM__X(m, p), u[k]);
+                pbwsf__minus(m->x.at[corner[k]], m->x.at[p], u[k]);
             }
             if (s->smoother == PBW_SMOOTHER_LAPLACIAN) {
                 pbwim__aim_mean(corner, corners, u, seen, sum);
@@ -2570,40 +2567,40 @@ static int pbwim__aim(const pbwim__smoothing *s, pbw_index p, const pbw_index *s
 static int pbwim__move(const pbwim__smoothing *s, pbw_index p)
 {
     const pbwim__mesh *m = s->m;
-    const size_t *first = (const size_t *)s->first.data + p;
-    const pbw_index *star = (const pbw_index *)s->stars.data + first[0];
+    const size_t *first = s->first.at + p;
+    const pbw_index *star = s->stars.at + first[0];
     const int count = (int)(first[1] - first[0]);
     double aim[3], before[3], worst = m->target, quality[PBWIM__MOST];
     int i, k, tries;
     for (i = 0; i < count; i++) {
-        worst = fmin(worst, PBWIM__QUALITY(m)[star[i]]);
+        worst = fmin(worst, m->quality.at[star[i]]);
     }
     if (!pbwim__aim(s, p, star, count, aim)) {
         return 0;
     }
-    memcpy(before, PBWIM__X(m, p), sizeof before);
+    memcpy(before, m->x.at[p], sizeof before);
     for (tries = 0; tries < 3; tries++) {
-        double *x = PBWIM__X(m, p), step = tries == 0 ? 1 : tries == 1 ? 0.5 : 0.25;
+        double *x = m->x.at[p], step = tries == 0 ? 1 : tries == 1 ? 0.5 : 0.25;
         for (k = 0; k < 3; k++) {
             x[k] = before[k] + step * aim[k];
         }
-        if (PBWIM__MARK(m)[p] == PBW_TETS_SLIDES) {
+        if (m->mark.at[p] == PBW_TETS_SLIDES) {
             m->project(m->project_user, x);
         }
         for (i = 0; i < count; i++) {
-            quality[i] = pbwim__sine_of(m, PBWIM__CORNER(m, star[i]));
-            if (!(quality[i] >= worst) || pbwim__sign_of(m, PBWIM__CORNER(m, star[i])) <= 0) {
+            quality[i] = pbwim__sine_of(m, m->corner.at[star[i]]);
+            if (!(quality[i] >= worst) || pbwim__sign_of(m, m->corner.at[star[i]]) <= 0) {
                 break;
             }
         }
         if (i == count) {
             for (i = 0; i < count; i++) {
-                PBWIM__QUALITY(m)[star[i]] = quality[i];
+                m->quality.at[star[i]] = quality[i];
             }
             return memcmp(x, before, sizeof before) != 0;
         }
     }
-    memcpy(PBWIM__X(m, p), before, sizeof before);
+    memcpy(m->x.at[p], before, sizeof before);
     return 0;
 }
 
@@ -2612,8 +2609,8 @@ static pbw_status pbwim__move_range(void *arg, size_t from, size_t to)
     const pbwim__smoothing *s = (const pbwim__smoothing *)arg;
     size_t i;
     for (i = s->at + from; i < s->at + to; i++) {
-        const pbw_index p = ((const pbw_index *)s->order.data)[i];
-        ((unsigned char *)s->moved.data)[p] = (unsigned char)pbwim__move(s, p);
+        const pbw_index p = s->order.at[i];
+        s->moved.at[p] = (unsigned char)pbwim__move(s, p);
     }
     return PBW_OK;
 }
@@ -2621,17 +2618,17 @@ static pbw_status pbwim__move_range(void *arg, size_t from, size_t to)
 /* Returns the lowest colour that no neighbour of p has so far; PBWIM__COLOURS if there is none or p does not move. */
 static int pbwim__colour(const pbwim__smoothing *s, pbw_index p)
 {
-    const size_t *first = (const size_t *)s->first.data;
-    const unsigned char *colour = (const unsigned char *)s->moved.data;
+    const size_t *first = s->first.at;
+    const unsigned char *colour = s->moved.at;
     char used[PBWIM__COLOURS + 1] = { 0 };
     size_t i;
     int k;
-    if (PBWIM__MARK(s->m)[p] == PBW_TETS_FIXED || first[p + 1] - first[p] > PBWIM__MOST
+    if (s->m->mark.at[p] == PBW_TETS_FIXED || first[p + 1] - first[p] > PBWIM__MOST
         || first[p + 1] == first[p]) {
         return PBWIM__COLOURS;
     }
     for (i = first[p]; i < first[p + 1]; i++) {
-        const pbw_index *c = PBWIM__CORNER(s->m, ((const pbw_index *)s->stars.data)[i]);
+        const pbw_index *c = s->m->corner.at[s->stars.at[i]];
         for (k = 0; k < 4; k++) {
             used[c[k] < p ? (int)colour[c[k]] : (int)PBWIM__COLOURS] = 1;
         }
@@ -2649,27 +2646,27 @@ static int pbwim__set_colours(pbwim__smoothing *s)
     unsigned char *colour;
     pbw_index *order;
     int k;
-    if (!pbwsf__resize(&m->memory, &s->stars, (4 * m->tets + 1) * sizeof(pbw_index))
-        || !pbwsf__resize(&m->memory, &s->first, (m->points + 2) * sizeof(size_t))
-        || !pbwsf__resize(&m->memory, &s->order, (m->points + 1) * sizeof(pbw_index))
-        || !pbwsf__resize(&m->memory, &s->moved, m->points + 1)) {
+    if (!PBW_FIT(&m->memory, s->stars, 4 * m->tets + 1)
+        || !PBW_FIT(&m->memory, s->first, m->points + 2)
+        || !PBW_FIT(&m->memory, s->order, m->points + 1)
+        || !PBW_FIT(&m->memory, s->moved, m->points + 1)) {
         return 0;
     }
-    first = (size_t *)s->first.data;
-    colour = (unsigned char *)s->moved.data;
-    order = (pbw_index *)s->order.data;
-    memset(first, 0, s->first.bytes);
+    first = s->first.at;
+    colour = s->moved.at;
+    order = s->order.at;
+    memset(first, 0, s->first.capacity * sizeof *first);
     for (t = 0; t < 4 * m->tets; t++) {
-        if (*PBWIM__CORNER(m, t / 4) != PBW_NONE) {
-            first[((const pbw_index *)m->corner.data)[t] + 2]++;
+        if (*m->corner.at[t / 4] != PBW_NONE) {
+            first[m->corner.at[t / 4][t % 4] + 2]++;
         }
     }
     for (p = 2; p < m->points + 2; p++) {
         first[p] += first[p - 1];
     }
     for (t = 0; t < 4 * m->tets; t++) {
-        if (*PBWIM__CORNER(m, t / 4) != PBW_NONE) {
-            ((pbw_index *)s->stars.data)[first[((const pbw_index *)m->corner.data)[t] + 1]++] = (pbw_index)(t / 4);
+        if (*m->corner.at[t / 4] != PBW_NONE) {
+            s->stars.at[first[m->corner.at[t / 4][t % 4] + 1]++] = (pbw_index)(t / 4);
         }
     }
     for (p = 0; p < m->points; p++) {
@@ -2707,7 +2704,7 @@ static pbw_status pbwim__rounds(pbwim__smoothing *s, int rounds, double done, do
     size_t moves = 1, p;
     int round, k;
     for (round = 0; round < rounds && moves > 0 && status == PBW_OK; round++) {
-        memset(s->moved.data, 0, s->moved.bytes);
+        memset(s->moved.at, 0, s->moved.capacity * sizeof *s->moved.at);
         for (k = 0; k < PBWIM__COLOURS && s->begin[k] < s->begin[PBWIM__COLOURS] && status == PBW_OK; k++) {
             if (pbwim__progress(m, done * round / rounds)) {
                 return PBW_CANCELLED;
@@ -2719,7 +2716,7 @@ static pbw_status pbwim__rounds(pbwim__smoothing *s, int rounds, double done, do
             status = pbw_for(&inner, s->begin[k + 1] - s->at, PBWIM__GRAIN, pbwim__move_range, s);
         }
         for (p = moves = 0; p < m->points; p++) {
-            moves += ((const unsigned char *)s->moved.data)[p];
+            moves += s->moved.at[p];
         }
         m->report->moves += moves;
         m->report->rounds++;
@@ -2738,10 +2735,10 @@ static pbw_status pbwim__smooth_all(pbwim__mesh *m, const pbw_improve_options *h
     if (pbwim__set_colours(&s)) {
         status = pbwim__rounds(&s, how->rounds, how->passes < 0 ? 1 : 0.5, end);
     }
-    pbwsf__release(&m->memory, &s.stars);
-    pbwsf__release(&m->memory, &s.first);
-    pbwsf__release(&m->memory, &s.order);
-    pbwsf__release(&m->memory, &s.moved);
+    PBW_RELEASE(&m->memory, s.stars);
+    PBW_RELEASE(&m->memory, s.first);
+    PBW_RELEASE(&m->memory, s.order);
+    PBW_RELEASE(&m->memory, s.moved);
     return status;
 }
 
@@ -2763,8 +2760,6 @@ static pbw_status pbwim__smooth_all(pbwim__mesh *m, const pbw_improve_options *h
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWIM__TASKS = 256, PBWIM__WINDOW = 512 };      /* of a batch; of the queue, looked at for a batch */
 
-typedef struct pbwim__item { double quality; pbw_index t; } pbwim__item;
-
 typedef struct pbwim__task {
     pbwim__mesh m;
     pbw_improve_report report;
@@ -2780,13 +2775,13 @@ static int pbwim__compare_items(const void *a, const void *b)
 
 static int pbwim__is_bad(const pbwim__mesh *m, pbw_index t)
 {
-    return *PBWIM__CORNER(m, t) != PBW_NONE && PBWIM__QUALITY(m)[t] < m->target;
+    return *m->corner.at[t] != PBW_NONE && m->quality.at[t] < m->target;
 }
 
 static int pbwim__is_due(const pbwim__mesh *m, pbw_index t, int all)
 {
-    const pbw_index *c = PBWIM__CORNER(m, t), *touched = PBWIM__TOUCHED(m);
-    const pbw_index tried = PBWIM__TRIED(m)[2 * (size_t)t + (all != 0)];
+    const pbw_index *c = m->corner.at[t], *touched = m->touched.at;
+    const pbw_index tried = m->tried.at[t][all != 0];
     return touched[c[0]] > tried || touched[c[1]] > tried || touched[c[2]] > tried || touched[c[3]] > tried;
 }
 
@@ -2797,16 +2792,16 @@ static int pbwim__improve_tet(pbwim__mesh *m, pbw_index t, int all)
     if (pbwim__remove_edge(m, t) || pbwim__peel(m, t)) {
         return 1;
     }
-    for (k = 0; k < 4 && PBWIM__QUALITY(m)[t] < m->target; k++) {
-        moved += pbwim__smooth(m, PBWIM__CORNER(m, t)[k]);
+    for (k = 0; k < 4 && m->quality.at[t] < m->target; k++) {
+        moved += pbwim__smooth(m, m->corner.at[t][k]);
     }
     if (!moved && (pbwim__flip(m, t)
                    || (all && (pbwim__contract(m, t) || pbwim__rejoin(m, t) || pbwim__split(m, t))))) {
         return 1;
     }
     if (!moved) {
-        PBWIM__TRIED(m)[2 * (size_t)t] = m->clock;
-        PBWIM__TRIED(m)[2 * (size_t)t + 1] = all ? m->clock : PBWIM__TRIED(m)[2 * (size_t)t + 1];
+        m->tried.at[t][0] = m->clock;
+        m->tried.at[t][1] = all ? m->clock : m->tried.at[t][1];
     }
     return moved > 0;
 }
@@ -2814,10 +2809,10 @@ static int pbwim__improve_tet(pbwim__mesh *m, pbw_index t, int all)
 /* Returns whether a corner of t is active.  Points that were inserted after the flags were set are. */
 static int pbwim__is_active(const pbwim__mesh *m, pbw_index t)
 {
-    const unsigned char *active = (const unsigned char *)m->active.data;
+    const unsigned char *active = m->active.at;
     int k;
     for (k = 0; k < 4; k++) {
-        const pbw_index p = PBWIM__CORNER(m, t)[k];
+        const pbw_index p = m->corner.at[t][k];
         if (p >= m->active.count || active[p]) {
             return 1;
         }
@@ -2831,14 +2826,14 @@ static int pbwim__flag_active(pbwim__mesh *m)
     unsigned char *active;
     size_t t;
     int k, ring;
-    if (!pbwsf__resize(&m->memory, &m->active, m->points)) {
+    if (!PBW_FIT(&m->memory, m->active, m->points)) {
         return 0;
     }
-    active = (unsigned char *)m->active.data;
+    active = m->active.at;
     memset(active, 0, m->points);
     for (ring = 1; ring <= 2; ring++) {
         for (t = 0; t < m->tets; t++) {
-            const pbw_index *c = PBWIM__CORNER(m, t);
+            const pbw_index *c = m->corner.at[t];
             const int inside = ring == 1 ? pbwim__is_bad(m, (pbw_index)t) : *c != PBW_NONE
                 && (active[c[0]] == 1 || active[c[1]] == 1 || active[c[2]] == 1 || active[c[3]] == 1);
             if (inside) {
@@ -2862,14 +2857,14 @@ static int pbwim__fill_queue(pbwim__mesh *m, int all)
               && pbwim__is_active(m, (pbw_index)t);
     }
     m->queue.count = 0;
-    item = (pbwim__item *)pbwsf__room(&m->memory, &m->queue, count + 1, sizeof *item);
-    if (item == NULL) {
+    if (!PBW_RESERVE(&m->memory, m->queue, count + 1)) {
         return 0;
     }
+    item = m->queue.at;
     for (t = 0; t < m->tets; t++) {
         if (pbwim__is_bad(m, (pbw_index)t) && pbwim__is_due(m, (pbw_index)t, all)
             && pbwim__is_active(m, (pbw_index)t)) {
-            item[m->queue.count].quality = PBWIM__QUALITY(m)[t];
+            item[m->queue.count].quality = m->quality.at[t];
             item[m->queue.count++].t = (pbw_index)t;
         }
     }
@@ -2880,13 +2875,13 @@ static int pbwim__fill_queue(pbwim__mesh *m, int all)
 /* Fills `zone`.  Returns its number of tetrahedra, 0 if not all can be found. */
 static int pbwim__zone_of(pbwim__mesh *m, pbw_index t, pbw_index zone[10 * PBWIM__MOST])
 {
-    const pbw_index *c = PBWIM__CORNER(m, t);
-    const unsigned char *mark = PBWIM__MARK(m);
+    const pbw_index *c = m->corner.at[t];
+    const unsigned char *mark = m->mark.at;
     pbwim__ring ring;
     int count = 0, more, k;
     for (k = 0; k < 4; k++) {
         more = pbwim__star_of(m, c[k], zone + count);
-        if (more == 0 || PBWIM__SEEN(m)[t] != m->visit) {
+        if (more == 0 || m->seen.at[t] != m->visit) {
             return 0;
         }
         count += more;
@@ -2909,8 +2904,8 @@ static int pbwim__zone_of(pbwim__mesh *m, pbw_index t, pbw_index zone[10 * PBWIM
 /* Returns whether t joins a batch of `others` tetrahedra.  One without a zone is a batch of its own. */
 static int pbwim__join_batch(pbwim__mesh *m, pbw_index t, size_t others)
 {
-    pbw_index zone[10 * PBWIM__MOST], *taken = (pbw_index *)m->taken.data;
-    const pbw_index *c = PBWIM__CORNER(m, t);
+    pbw_index zone[10 * PBWIM__MOST], *taken = m->taken.at;
+    const pbw_index *c = m->corner.at[t];
     int count, i;
     for (i = 0; i < 4; i++) {
         if (taken[c[i]] == m->batch) {
@@ -2919,12 +2914,12 @@ static int pbwim__join_batch(pbwim__mesh *m, pbw_index t, size_t others)
     }
     count = pbwim__zone_of(m, t, zone);
     for (i = 0; i < 4 * count; i++) {
-        if (taken[PBWIM__CORNER(m, zone[i / 4])[i % 4]] == m->batch) {
+        if (taken[m->corner.at[zone[i / 4]][i % 4]] == m->batch) {
             return 0;
         }
     }
     for (i = 0; i < 4 * count; i++) {
-        taken[PBWIM__CORNER(m, zone[i / 4])[i % 4]] = m->batch;
+        taken[m->corner.at[zone[i / 4]][i % 4]] = m->batch;
     }
     return count > 0 || others == 0;
 }
@@ -2933,8 +2928,8 @@ static int pbwim__join_batch(pbwim__mesh *m, pbw_index t, size_t others)
    wait stay in order; *first becomes the first of them. */
 static size_t pbwim__choose_batch(pbwim__mesh *m, int all, size_t *first)
 {
-    pbwim__item *item = (pbwim__item *)m->queue.data + *first;
-    pbwim__task *task = (pbwim__task *)m->tasks.data;
+    pbwim__item *item = m->queue.at + *first;
+    pbwim__task *task = m->tasks.at;
     size_t left = m->queue.count - *first, count = 0, waiting = 0, i;
     int closed = 0;
     if (left > PBWIM__WINDOW) {
@@ -2947,7 +2942,7 @@ static size_t pbwim__choose_batch(pbwim__mesh *m, int all, size_t *first)
             continue;
         }
         if (pbwim__join_batch(m, t, count)) {
-            closed = ((pbw_index *)m->taken.data)[*PBWIM__CORNER(m, t)] != m->batch;
+            closed = m->taken.at[*m->corner.at[t]] != m->batch;
             task[count].t = t;
             task[count++].all = all;
         } else {
@@ -2966,9 +2961,9 @@ static void pbwim__begin_task(pbwim__mesh *m, pbwim__task *task)
     const size_t spare = task->m.spare;
     if (task->point == PBW_NONE) {
         task->point = (pbw_index)m->points++;
-        PBWIM__STAR(m)[task->point] = ((pbw_index *)m->original.data)[task->point] = PBW_NONE;
-        PBWIM__TOUCHED(m)[task->point] = 0;
-        PBWIM__MARK(m)[task->point] = PBW_TETS_FOUND;
+        m->star.at[task->point] = m->original.at[task->point] = PBW_NONE;
+        m->touched.at[task->point] = 0;
+        m->mark.at[task->point] = PBW_TETS_FOUND;
     }
     task->m = *m;
     task->m.free = free;
@@ -3004,7 +2999,7 @@ static void pbwim__end_task(pbwim__mesh *m, pbwim__task *task)
 
 static pbw_status pbwim__improve_range(void *arg, size_t from, size_t to)
 {
-    pbwim__task *task = (pbwim__task *)((pbwim__mesh *)arg)->tasks.data;
+    pbwim__task *task = ((pbwim__mesh *)arg)->tasks.at;
     for (; from < to; from++) {
         task[from].changed = pbwim__improve_tet(&task[from].m, task[from].t, task[from].all);
     }
@@ -3015,29 +3010,28 @@ static pbw_status pbwim__improve_range(void *arg, size_t from, size_t to)
 static int pbwim__prepare(pbwim__mesh *m, size_t left)
 {
     size_t count = left;
-    pbwim__task *task;
     if (count > PBWIM__TASKS) {
         count = PBWIM__TASKS;
     }
     if (!pbwim__reserve(m, count)) {
         return 0;
     }
-    if (m->taken.bytes < m->mark.bytes * sizeof(pbw_index) || m->batch == PBW_NONE) {
-        if (!pbwsf__resize(&m->memory, &m->taken, m->mark.bytes * sizeof(pbw_index))) {
+    if (m->taken.capacity < m->mark.capacity || m->batch == PBW_NONE) {
+        if (!PBW_FIT(&m->memory, m->taken, m->mark.capacity)) {
             return 0;
         }
-        memset(m->taken.data, 0, m->taken.bytes);
+        memset(m->taken.at, 0, m->taken.capacity * sizeof *m->taken.at);
         m->batch = 0;
     }
     if (m->visit > PBW_NONE / 2) {                   /* so that it overflows in no task */
-        memset(m->seen.data, 0, m->seen.bytes);
+        memset(m->seen.at, 0, m->seen.capacity * sizeof *m->seen.at);
         m->visit = 0;
     }
+    if (m->tasks.count < count && !PBW_RESERVE(&m->memory, m->tasks, count - m->tasks.count)) {
+        return 0;
+    }
     for (; m->tasks.count < count; m->tasks.count++) {
-        task = (pbwim__task *)pbwsf__room(&m->memory, &m->tasks, count - m->tasks.count, sizeof *task);
-        if (task == NULL) {
-            return 0;
-        }
+        pbwim__task *task = m->tasks.at + m->tasks.count;
         task->point = task->m.free = PBW_NONE;
         task->m.spare = 0;
     }
@@ -3066,12 +3060,12 @@ static pbw_status pbwim__pass(pbwim__mesh *m, int all, const double done[2], dou
         }
         count = pbwim__choose_batch(m, all, &first);
         for (i = 0; i < count; i++) {
-            pbwim__begin_task(m, (pbwim__task *)m->tasks.data + i);
+            pbwim__begin_task(m, m->tasks.at + i);
         }
         inner = pbwim__inner_options(m->options, &m->memory);
         status = pbw_for(&inner, count, 1, pbwim__improve_range, m);
         for (i = 0; i < count && status == PBW_OK; i++) {
-            pbwim__task *task = (pbwim__task *)m->tasks.data + i;
+            pbwim__task *task = m->tasks.at + i;
             pbwim__end_task(m, task);
             *changes += (size_t)task->changed;
         }
@@ -3090,8 +3084,8 @@ static pbw_status pbwim__pass(pbwim__mesh *m, int all, const double done[2], dou
 /* Returns the length of an edge of t, divided by the length that it should have. */
 static double pbwim__ratio(const pbwim__mesh *m, pbw_index t, int e)
 {
-    const pbw_index a = PBWIM__CORNER(m, t)[pbwim__edge[e][0]], b = PBWIM__CORNER(m, t)[pbwim__edge[e][1]];
-    return 2 * pbwsf__distance(PBWIM__X(m, a), PBWIM__X(m, b)) / (PBWIM__SIZE(m)[a] + PBWIM__SIZE(m)[b]);
+    const pbw_index a = m->corner.at[t][pbwim__edge[e][0]], b = m->corner.at[t][pbwim__edge[e][1]];
+    return 2 * pbwsf__distance(m->x.at[a], m->x.at[b]) / (m->size.at[a] + m->size.at[b]);
 }
 
 /* The mark of the middle of the ring's edge. */
@@ -3100,7 +3094,7 @@ static unsigned char pbwim__middle_mark(const pbwim__mesh *m, const pbwim__ring 
     double n[2][3];
     int i;
     for (i = 1; i < ring->tets; i++) {
-        if (PBWIM__REGION(m)[ring->tet[i]] != PBWIM__REGION(m)[ring->tet[0]]) {
+        if (m->region.at[ring->tet[i]] != m->region.at[ring->tet[0]]) {
             return PBW_TETS_FIXED;
         }
     }
@@ -3110,8 +3104,8 @@ static unsigned char pbwim__middle_mark(const pbwim__mesh *m, const pbwim__ring 
     if (ring->closed) {
         return PBW_TETS_FOUND;
     }
-    pbwsf__normal(PBWIM__X(m, ring->a), PBWIM__X(m, ring->b), PBWIM__X(m, ring->corner[0]), n[0]);
-    pbwsf__normal(PBWIM__X(m, ring->b), PBWIM__X(m, ring->a), PBWIM__X(m, ring->corner[ring->corners - 1]), n[1]);
+    pbwsf__normal(m->x.at[ring->a], m->x.at[ring->b], m->x.at[ring->corner[0]], n[0]);
+    pbwsf__normal(m->x.at[ring->b], m->x.at[ring->a], m->x.at[ring->corner[ring->corners - 1]], n[1]);
     return pbwim__turned_less(n[0], n[1], m->cosine) ? PBW_TETS_SLIDES : PBW_TETS_FIXED;
 }
 
@@ -3120,14 +3114,14 @@ static int pbwim__set_halves(pbwim__mesh *m, const pbwim__ring *ring, const doub
 {
     const pbw_index p = (pbw_index)m->points;
     int i, k;
-    memcpy(PBWIM__X(m, p), x, 3 * sizeof *x);
+    memcpy(m->x.at[p], x, 3 * sizeof *x);
     change->halves = 1;
     change->olds = ring->tets;
     change->news = 2 * ring->tets;
     memcpy(change->old, ring->tet, sizeof ring->tet);
     for (i = 0; i < ring->tets; i++) {
         for (k = 0; k < 4; k++) {
-            const pbw_index c = PBWIM__CORNER(m, ring->tet[i])[k];
+            const pbw_index c = m->corner.at[ring->tet[i]][k];
             change->fresh[2 * i][k] = c == ring->a ? p : c;
             change->fresh[2 * i + 1][k] = c == ring->b ? p : c;
         }
@@ -3138,19 +3132,19 @@ static int pbwim__set_halves(pbwim__mesh *m, const pbwim__ring *ring, const doub
 static int pbwim__halve(pbwim__mesh *m, pbw_index t, int e)
 {
     const pbw_index p = (pbw_index)m->points;
-    const unsigned char *joint = (const unsigned char *)m->joint.data;
+    const unsigned char *joint = m->joint.at;
     pbwim__change change;
     pbwim__ring ring;
     double x[3], middle[3];
     unsigned char mark;
-    ring.a = PBWIM__CORNER(m, t)[pbwim__edge[e][0]];
-    ring.b = PBWIM__CORNER(m, t)[pbwim__edge[e][1]];
+    ring.a = m->corner.at[t][pbwim__edge[e][0]];
+    ring.b = m->corner.at[t][pbwim__edge[e][1]];
     if (!pbwim__walk_ring(m, t, &ring)
-        || (ring.a < m->joint.bytes - 1 && joint[ring.a] && ring.b < m->joint.bytes - 1 && joint[ring.b])) {
+        || (ring.a < m->joint.capacity - 1 && joint[ring.a] && ring.b < m->joint.capacity - 1 && joint[ring.b])) {
         return 0;                                    /* there may be another ring */
     }
     mark = pbwim__middle_mark(m, &ring);
-    pbwsf__between(PBWIM__X(m, ring.a), PBWIM__X(m, ring.b), 0.5, middle);
+    pbwsf__between(m->x.at[ring.a], m->x.at[ring.b], 0.5, middle);
     memcpy(x, middle, sizeof x);
     if (mark == PBW_TETS_SLIDES) {
         m->project(m->project_user, x);
@@ -3159,9 +3153,9 @@ static int pbwim__halve(pbwim__mesh *m, pbw_index t, int e)
         return 0;
     }
     m->points++;
-    PBWIM__MARK(m)[p] = mark;
-    PBWIM__SIZE(m)[p] = (PBWIM__SIZE(m)[ring.a] + PBWIM__SIZE(m)[ring.b]) / 2;
-    ((pbw_index *)m->original.data)[p] = PBW_NONE;
+    m->mark.at[p] = mark;
+    m->size.at[p] = (m->size.at[ring.a] + m->size.at[ring.b]) / 2;
+    m->original.at[p] = PBW_NONE;
     if (pbwim__is_kept(m, ring.a, ring.b)) {
         pbwim__kept_edge *whole = pbwim__find_edge(m, ring.a, ring.b);
         const pbw_index origin = whole->origin;
@@ -3191,7 +3185,7 @@ static int pbwim__extreme_edge(const pbwim__mesh *m, pbw_index t, int longest, d
 
 static int pbwim__edges_fit(const pbwim__mesh *m, pbw_index t, int longest, int *e, double *ratio)
 {
-    if (*PBWIM__CORNER(m, t) == PBW_NONE) {
+    if (*m->corner.at[t] == PBW_NONE) {
         return 1;
     }
     *e = pbwim__extreme_edge(m, t, longest, ratio);
@@ -3209,10 +3203,10 @@ static pbw_status pbwim__resize_edges(pbwim__mesh *m, int longest, size_t *chang
         count += !pbwim__edges_fit(m, (pbw_index)t, longest, &e, &ratio);
     }
     m->queue.count = 0;
-    item = (pbwim__item *)pbwsf__room(&m->memory, &m->queue, count + 1, sizeof *item);
-    if (item == NULL) {
+    if (!PBW_RESERVE(&m->memory, m->queue, count + 1)) {
         return PBW_ERROR_MEMORY;
     }
+    item = m->queue.at;
     for (t = 0; t < m->tets; t++) {
         if (!pbwim__edges_fit(m, (pbw_index)t, longest, &e, &ratio)) {
             item[m->queue.count].quality = longest ? -ratio : ratio;
@@ -3229,8 +3223,8 @@ static pbw_status pbwim__resize_edges(pbwim__mesh *m, int longest, size_t *chang
             return PBW_ERROR_MEMORY;
         }
         if (!pbwim__edges_fit(m, at, longest, &e, &ratio)) {
-            const pbw_index a = PBWIM__CORNER(m, at)[pbwim__edge[e][0]];
-            const pbw_index b = PBWIM__CORNER(m, at)[pbwim__edge[e][1]];
+            const pbw_index a = m->corner.at[at][pbwim__edge[e][0]];
+            const pbw_index b = m->corner.at[at][pbwim__edge[e][1]];
             *changes += (size_t)(longest ? pbwim__halve(m, at, e) : pbwim__contract_to(m, at, a, b, PBWIM__FLOOR)
                                  || pbwim__contract_to(m, at, b, a, PBWIM__FLOOR));
         }
@@ -3262,21 +3256,26 @@ static pbw_status pbwim__set_sizes(pbwim__mesh *m, double end)
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwim__result {
     pbw_memory memory;
-    pbwsf__array self, points, corners, regions, marks, neighbors, original, patches, edges, origins;
+    size_t bytes;                          /* of all of it */
+    pbwsf__vectors points;
+    pbwsf__quadruples corners, neighbors, patches;
+    pbwsf__indices regions, original, origins;
+    pbwsf__flags marks;
+    pbwsf__pairs edges;
 } pbwim__result;
 
 static int pbwim__allocate(pbwim__result *r, size_t points, size_t tets, int patched, size_t edges)
 {
     pbw_memory *y = &r->memory;
-    return (!patched || pbwsf__resize(y, &r->patches, (tets + 1) * 4 * sizeof(pbw_index)))
-        && (edges == 0 || (pbwsf__resize(y, &r->edges, edges * 2 * sizeof(pbw_index))
-                           && pbwsf__resize(y, &r->origins, edges * sizeof(pbw_index))))
-        && pbwsf__resize(y, &r->points, (points + 1) * 3 * sizeof(double))
-        && pbwsf__resize(y, &r->corners, (tets + 1) * 4 * sizeof(pbw_index))
-        && pbwsf__resize(y, &r->neighbors, (tets + 1) * 4 * sizeof(pbw_index))
-        && pbwsf__resize(y, &r->regions, (tets + 1) * sizeof(pbw_index))
-        && pbwsf__resize(y, &r->original, (points + 1) * sizeof(pbw_index))
-        && pbwsf__resize(y, &r->marks, points + 1);
+    return (!patched || PBW_FIT(y, r->patches, tets + 1))
+        && (edges == 0 || (PBW_FIT(y, r->edges, edges)
+                           && PBW_FIT(y, r->origins, edges)))
+        && PBW_FIT(y, r->points, points + 1)
+        && PBW_FIT(y, r->corners, tets + 1)
+        && PBW_FIT(y, r->neighbors, tets + 1)
+        && PBW_FIT(y, r->regions, tets + 1)
+        && PBW_FIT(y, r->original, points + 1)
+        && PBW_FIT(y, r->marks, points + 1);
 }
 
 static int pbwim__compare_edges(const void *a, const void *b)
@@ -3289,9 +3288,9 @@ static int pbwim__compare_edges(const void *a, const void *b)
 /* Numbers points in `star` and tetrahedra in `tried`, which are no longer needed; puts edges first in their table. */
 static void pbwim__number(pbwim__mesh *m, pbw_tets *out)
 {
-    pbwim__kept_edge *e = (pbwim__kept_edge *)m->edge.data;
+    pbwim__kept_edge *e = m->edge.at;
     size_t t, p;
-    for (t = 0; t < m->edge.bytes / sizeof *e; t++) {
+    for (t = 0; t < m->edge.capacity; t++) {
         if (e[t].origin != PBW_NONE) {
             e[out->edge_count++] = e[t];
         }
@@ -3301,43 +3300,43 @@ static void pbwim__number(pbwim__mesh *m, pbw_tets *out)
     }
     out->tet_count = out->point_count = 0;
     for (t = 0; t < m->tets; t++) {
-        if (*PBWIM__CORNER(m, t) != PBW_NONE) {
-            PBWIM__TRIED(m)[t] = (pbw_index)out->tet_count++;
+        if (*m->corner.at[t] != PBW_NONE) {
+            m->tried.at[t][0] = (pbw_index)out->tet_count++;
         }
     }
     for (p = 0; p < m->points; p++) {
-        if (PBWIM__STAR(m)[p] != PBW_NONE) {
-            PBWIM__STAR(m)[p] = (pbw_index)out->point_count++;
+        if (m->star.at[p] != PBW_NONE) {
+            m->star.at[p] = (pbw_index)out->point_count++;
         }
     }
 }
 
 static void pbwim__copy(const pbwim__mesh *m, const pbwim__result *r, size_t edges)
 {
-    const pbwim__kept_edge *e = (const pbwim__kept_edge *)m->edge.data;
+    const pbwim__kept_edge *e = m->edge.at;
     size_t t, p, k;
     for (t = 0; t < edges; t++) {
-        ((pbw_index *)r->edges.data)[2 * t] = PBWIM__STAR(m)[e[t].a];
-        ((pbw_index *)r->edges.data)[2 * t + 1] = PBWIM__STAR(m)[e[t].b];
-        ((pbw_index *)r->origins.data)[t] = e[t].origin;
+        r->edges.at[t][0] = m->star.at[e[t].a];
+        r->edges.at[t][1] = m->star.at[e[t].b];
+        r->origins.at[t] = e[t].origin;
     }
     for (p = 0; p < m->points; p++) {
-        const pbw_index n = PBWIM__STAR(m)[p];
+        const pbw_index n = m->star.at[p];
         if (n != PBW_NONE) {
-            memcpy((double *)r->points.data + 3 * (size_t)n, PBWIM__X(m, p), 3 * sizeof(double));
-            ((unsigned char *)r->marks.data)[n] = PBWIM__MARK(m)[p];
-            ((pbw_index *)r->original.data)[n] = ((const pbw_index *)m->original.data)[p];
+            memcpy(r->points.at[n], m->x.at[p], sizeof *r->points.at);
+            r->marks.at[n] = m->mark.at[p];
+            r->original.at[n] = m->original.at[p];
         }
     }
     for (t = 0; t < m->tets; t++) {
-        const size_t n = PBWIM__TRIED(m)[t];
-        for (k = 0; k < 4 && *PBWIM__CORNER(m, t) != PBW_NONE; k++) {
-            const pbw_index next = PBWIM__NEXT(m, t)[k];
-            ((pbw_index *)r->corners.data)[4 * n + k] = PBWIM__STAR(m)[PBWIM__CORNER(m, t)[k]];
-            ((pbw_index *)r->neighbors.data)[4 * n + k] = next != PBW_NONE ? PBWIM__TRIED(m)[next] : PBW_NONE;
-            ((pbw_index *)r->regions.data)[n] = PBWIM__REGION(m)[t];
+        const size_t n = m->tried.at[t][0];
+        for (k = 0; k < 4 && *m->corner.at[t] != PBW_NONE; k++) {
+            const pbw_index next = m->next.at[t][k];
+            r->corners.at[n][k] = m->star.at[m->corner.at[t][k]];
+            r->neighbors.at[n][k] = next != PBW_NONE ? m->tried.at[next][0] : PBW_NONE;
+            r->regions.at[n] = m->region.at[t];
             if (m->patched) {
-                ((pbw_index *)r->patches.data)[4 * n + k] = PBWIM__PATCH(m, t)[k];
+                r->patches.at[n][k] = m->patch.at[t][k];
             }
         }
     }
@@ -3348,17 +3347,16 @@ PBWIMPROVEDEF void pbw_tets_free(pbw_tets *mesh)
     if (mesh != NULL && mesh->memory != NULL) {
         pbwim__result *r = (pbwim__result *)mesh->memory;
         pbw_memory memory = r->memory;
-        pbwsf__array self = r->self;
-        pbwsf__release(&memory, &r->points);
-        pbwsf__release(&memory, &r->corners);
-        pbwsf__release(&memory, &r->neighbors);
-        pbwsf__release(&memory, &r->regions);
-        pbwsf__release(&memory, &r->original);
-        pbwsf__release(&memory, &r->marks);
-        pbwsf__release(&memory, &r->patches);
-        pbwsf__release(&memory, &r->edges);
-        pbwsf__release(&memory, &r->origins);
-        pbwsf__release(&memory, &self);
+        PBW_RELEASE(&memory, r->points);
+        PBW_RELEASE(&memory, r->corners);
+        PBW_RELEASE(&memory, r->neighbors);
+        PBW_RELEASE(&memory, r->regions);
+        PBW_RELEASE(&memory, r->original);
+        PBW_RELEASE(&memory, r->marks);
+        PBW_RELEASE(&memory, r->patches);
+        PBW_RELEASE(&memory, r->edges);
+        PBW_RELEASE(&memory, r->origins);
+        (void)pbw_memory_resize(&memory, r, 1, 0, sizeof *r);
     }
     if (mesh != NULL) {
         memset(mesh, 0, sizeof *mesh);
@@ -3369,40 +3367,36 @@ PBWIMPROVEDEF void pbw_tets_free(pbw_tets *mesh)
 PBWSF__SHARED static size_t pbwim__result_bytes(const pbw_tets *tets)
 {
     const pbwim__result *r = (const pbwim__result *)tets->memory;
-    return r == NULL ? 0 : r->self.bytes + r->points.bytes + r->corners.bytes + r->regions.bytes + r->marks.bytes
-                           + r->neighbors.bytes + r->original.bytes + r->patches.bytes + r->edges.bytes
-                           + r->origins.bytes;
+    return r == NULL ? 0 : r->bytes;
 }
 
 static pbw_status pbwim__output(pbwim__mesh *m, pbw_tets *out)
 {
-    pbwsf__array self;
-    pbwim__result *r;
-    memset(&self, 0, sizeof self);
-    if (!pbwsf__resize(&m->memory, &self, sizeof *r)) {
+    const size_t used = m->memory.used;
+    pbwim__result *r = (pbwim__result *)pbw_memory_resize(&m->memory, NULL, 0, 1, sizeof *r);
+    if (r == NULL) {
         return PBW_ERROR_MEMORY;
     }
-    r = (pbwim__result *)self.data;
     memset(r, 0, sizeof *r);
     r->memory = m->memory;
-    r->self = self;
     out->memory = r;
     pbwim__number(m, out);
     if (!pbwim__allocate(r, out->point_count, out->tet_count, m->patched, out->edge_count)) {
         pbw_tets_free(out);
         return PBW_ERROR_MEMORY;
     }
+    r->bytes = r->memory.used - used;
     m->memory.used = r->memory.used;
     pbwim__copy(m, r, out->edge_count);
-    out->points = (const double *)r->points.data;
-    out->corners = (const pbw_index *)r->corners.data;
-    out->neighbors = (const pbw_index *)r->neighbors.data;
-    out->regions = (const pbw_index *)r->regions.data;
-    out->original = (const pbw_index *)r->original.data;
-    out->marks = (const unsigned char *)r->marks.data;
-    out->patches = (const pbw_index *)r->patches.data;
-    out->edges = (const pbw_index *)r->edges.data;
-    out->edge_origins = (const pbw_index *)r->origins.data;
+    out->points = (const double *)r->points.at;
+    out->corners = (const pbw_index *)r->corners.at;
+    out->neighbors = (const pbw_index *)r->neighbors.at;
+    out->regions = r->regions.at;
+    out->original = r->original.at;
+    out->marks = r->marks.at;
+    out->patches = (const pbw_index *)r->patches.at;
+    out->edges = (const pbw_index *)r->edges.at;
+    out->edge_origins = r->origins.at;
     return PBW_OK;
 }
 
@@ -3415,12 +3409,12 @@ static pbw_status pbwim__close_gaps(pbwim__mesh *m)
     size_t count = 0, i;
     memset(&sorting, 0, sizeof sorting);
     for (i = 0; i < 4 * m->tets; i++) {
-        count += *PBWIM__CORNER(m, i / 4) != PBW_NONE && PBWIM__NEXT(m, i / 4)[i % 4] == PBW_NONE;
+        count += *m->corner.at[i / 4] != PBW_NONE && m->next.at[i / 4][i % 4] == PBW_NONE;
     }
     if (pbwim__begin_sorting(&m->memory, &sorting, count, m->points)) {
         pbwim__facet *f = sorting.items.at;
         for (i = 0, count = 0; i < 4 * m->tets; i++) {
-            if (*PBWIM__CORNER(m, i / 4) != PBW_NONE && PBWIM__NEXT(m, i / 4)[i % 4] == PBW_NONE) {
+            if (*m->corner.at[i / 4] != PBW_NONE && m->next.at[i / 4][i % 4] == PBW_NONE) {
                 f[count++] = pbwim__facet_of(m, (pbw_index)(i / 4), (int)(i % 4));
             }
         }
@@ -3428,8 +3422,8 @@ static pbw_status pbwim__close_gaps(pbwim__mesh *m)
         for (i = 0; i + 1 < count; i++, f++) {
             if (memcmp(f->v, f[1].v, sizeof f->v) == 0
                 && pbwim__facet_parity(m, f->t, f->i) != pbwim__facet_parity(m, f[1].t, f[1].i)) {
-                PBWIM__NEXT(m, f->t)[f->i] = f[1].t;
-                PBWIM__NEXT(m, f[1].t)[f[1].i] = f->t;
+                m->next.at[f->t][f->i] = f[1].t;
+                m->next.at[f[1].t][f[1].i] = f->t;
             }
         }
         status = PBW_OK;
@@ -3450,7 +3444,7 @@ static double pbwim__badness(const pbwim__mesh *m)
     for (t = 0; t < m->tets; t++) {
         if (pbwim__is_bad(m, (pbw_index)t)) {
             bad++;
-            least = fmin(least, PBWIM__QUALITY(m)[t]);
+            least = fmin(least, m->quality.at[t]);
         }
     }
     return bad * (1 - least);
@@ -3476,7 +3470,7 @@ static pbw_status pbwim__raise_target(pbwim__mesh *m, double done[2], double end
         return PBW_ERROR_MEMORY;
     }
     for (t = 0; t < 2 * m->tets; t++) {
-        PBWIM__TRIED(m)[t] = 0;
+        m->tried.at[t / 2][t % 2] = 0;
     }
     for (i = 0; i < 8 && status == PBW_OK && !pbwim__is_late(end); i++) {
         m->target = i < 4 ? sin(fmin(asin(target) + PBWIM__RAISE, 1.2)) : target;
@@ -3536,15 +3530,28 @@ static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
 
 static void pbwim__free(pbwim__mesh *m)
 {
-    pbwsf__array *const arrays[] = { &m->x, &m->star, &m->mark, &m->touched, &m->original, &m->corner, &m->next,
-                                     &m->quality, &m->region, &m->tried, &m->seen, &m->queue, &m->tasks,
-                                     &m->taken, &m->facets, &m->size, &m->joint, &m->active, &m->patch, &m->edge };
-    size_t i;
     m->memory.used -= pbwsf__bytes(&m->surface);
     pbw_surface_free(&m->surface);
-    for (i = 0; i < sizeof arrays / sizeof *arrays; i++) {
-        pbwsf__release(&m->memory, arrays[i]);
-    }
+    PBW_RELEASE(&m->memory, m->x);
+    PBW_RELEASE(&m->memory, m->star);
+    PBW_RELEASE(&m->memory, m->mark);
+    PBW_RELEASE(&m->memory, m->touched);
+    PBW_RELEASE(&m->memory, m->original);
+    PBW_RELEASE(&m->memory, m->corner);
+    PBW_RELEASE(&m->memory, m->next);
+    PBW_RELEASE(&m->memory, m->quality);
+    PBW_RELEASE(&m->memory, m->region);
+    PBW_RELEASE(&m->memory, m->tried);
+    PBW_RELEASE(&m->memory, m->seen);
+    PBW_RELEASE(&m->memory, m->queue);
+    PBW_RELEASE(&m->memory, m->tasks);
+    PBW_RELEASE(&m->memory, m->taken);
+    PBW_RELEASE(&m->memory, m->facets);
+    PBW_RELEASE(&m->memory, m->size);
+    PBW_RELEASE(&m->memory, m->joint);
+    PBW_RELEASE(&m->memory, m->active);
+    PBW_RELEASE(&m->memory, m->patch);
+    PBW_RELEASE(&m->memory, m->edge);
 }
 
 /* Loads, works, and writes the result. */
@@ -3564,12 +3571,12 @@ static pbw_status pbwim__run(pbwim__mesh *m, const pbw_tets *in, const pbw_impro
             pbwim__set_message(m, "size %zu is not above 0", t, 0);
             return PBW_ERROR_ARGUMENT;
         }
-        PBWIM__SIZE(m)[t] = how->sizes[t];
+        m->size.at[t] = how->sizes[t];
     }
     status = pbwim__connect(m, in, m->cosine);
     memset(&view, 0, sizeof view);
     view.points = in->points;
-    view.corners = (const pbw_index *)m->corner.data;
+    view.corners = (const pbw_index *)m->corner.at;
     view.tet_count = m->tets;
     inner = pbwim__inner_options(m->options, &m->memory);
     (void)pbw_tets_quality(&view, &inner, &m->report->before);
@@ -3627,16 +3634,19 @@ PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_opt
 
    They are compiled behind this header, in one source file, and refuse another number.
 
-     pbwim__edge          adapt3 mesh3  measures
-     pbwim__opposite      adapt3 mesh3  measures
-     pbwim__shape         mesh3         measures
-     pbwim__shape_of      mesh3         measures
-     pbwim__sine          mesh3         measures
-     pbwim__turned_less   mesh3         mesh
-     pbwim__facet         mesh3         change
-     pbwim__sort3         mesh3         change
-     pbwim__sort          mesh3         load
-     pbwim__result_bytes  mesh3         result
+     pbwim__edge           adapt3 mesh3  measures
+     pbwim__opposite       adapt3 mesh3  measures
+     pbwim__shape          mesh3         measures
+     pbwim__shape_of       mesh3         measures
+     pbwim__sine           mesh3         measures
+     pbwim__turned_less    mesh3         mesh
+     pbwim__facet          mesh3         change
+     pbwim__sort3          mesh3         change
+     pbwim__begin_sorting  mesh3         load
+     pbwim__end_sorting    mesh3         load
+     pbwim__sort           mesh3         load
+     pbwim__sorting        mesh3         load
+     pbwim__result_bytes   mesh3         result
    ------------------------------------------------------------------------------------------------------ */
 #define PBWIM__SEAM 1
 

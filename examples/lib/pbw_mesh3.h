@@ -267,16 +267,7 @@ PBW_CONTRACTION_OFF                        /* fused operations would give other 
 enum { PBWM3__SHARP, PBWM3__SMOOTH, PBWM3__INSIDE, PBWM3__REMOVED }; /* removed: it lies on another point */
 enum { PBWM3__BATCH = 8192 };              /* samples of the surface that threads compute at once */
 
-typedef double pbwm3__vector[3];
-typedef pbw_index pbwm3__quadruple[4], pbwm3__triple[3], pbwm3__pair[2];
-typedef PBW_ARRAY(pbw_index) pbwm3__indices;
-typedef PBW_ARRAY(size_t) pbwm3__counts;
-typedef PBW_ARRAY(double) pbwm3__numbers;
-typedef PBW_ARRAY(unsigned char) pbwm3__flags;
 typedef PBW_ARRAY(int) pbwm3__labels;
-typedef PBW_ARRAY(pbwm3__vector) pbwm3__vectors;
-typedef PBW_ARRAY(pbwm3__triple) pbwm3__triples;
-typedef PBW_ARRAY(pbwm3__pair) pbwm3__pairs;
 
 typedef struct pbwm3__new_point {          /* that a facet needs */
     double p[3];                           /* on the surface */
@@ -320,42 +311,42 @@ typedef struct pbwm3__work {
     double size, distance, cosine, low[3], high[3];
     double floor, least, step;             /* sizes: what none is below; the least of the field; width of the spacing
                                               grid's cells */
-    pbwm3__numbers field;                  /* local sizes, in cells as wide as the size, n along each axis */
+    pbwsf__numbers field;                  /* local sizes, in cells as wide as the size, n along each axis */
     size_t n[3];
     pbw_surface surface;                   /* of points at different places */
-    pbwm3__vectors vertices;               /* its own arrays */
-    pbwm3__triples triangles;
-    pbwm3__vectors x;                      /* points of the mesh */
-    pbwm3__flags kind;
+    pbwsf__vectors vertices;               /* its own arrays */
+    pbwsf__triples triangles;
+    pbwsf__vectors x;                      /* points of the mesh */
+    pbwsf__flags kind;
     size_t first_closing;                  /* triangles from here on close holes */
-    pbwm3__indices origin;                 /* of each triangle of the surface: its number in the input */
-    pbwm3__indices shell;                  /* of each triangle */
+    pbwsf__indices origin;                 /* of each triangle of the surface: its number in the input */
+    pbwsf__indices shell;                  /* of each triangle */
     PBW_ARRAY(pbwm3__shell) shells;
-    pbwm3__indices sides;                  /* with walls: per triangle, the shells in front of it and behind it */
-    pbwm3__indices outer;                  /* with walls: per triangle, the shell around its body, PBW_NONE outside
+    pbwsf__indices sides;                  /* with walls: per triangle, the shells in front of it and behind it */
+    pbwsf__indices outer;                  /* with walls: per triangle, the shell around its body, PBW_NONE outside
                                               all; before it is known, the body's number */
     PBW_ARRAY(pbw_solid_hole) holes;
-    pbwm3__indices part;                   /* of each triangle: its part of the surface between sharp edges */
-    pbwm3__indices patch;                  /* the same, or 0 if the surface is one patch */
-    pbwm3__indices firsts;                 /* the first triangle of each patch */
+    pbwsf__indices part;                   /* of each triangle: its part of the surface between sharp edges */
+    pbwsf__indices patch;                  /* the same, or 0 if the surface is one patch */
+    pbwsf__indices firsts;                 /* the first triangle of each patch */
     PBW_ARRAY(pbwm3__set) sets;
-    pbwm3__indices members;                /* sets of patches: set i < patch_count is {i}, others are those that
+    pbwsf__indices members;                /* sets of patches: set i < patch_count is {i}, others are those that
                                               meet at sharp edges and corners */
-    pbwm3__indices set;                    /* of each point: the set of patches that it is on */
+    pbwsf__indices set;                    /* of each point: the set of patches that it is on */
     size_t patch_count;
-    pbwm3__indices heads, links;           /* spacing grid: the first point of each cell, the next in its cell */
+    pbwsf__indices heads, links;           /* spacing grid: the first point of each cell, the next in its cell */
     size_t cells;
     PBW_ARRAY(pbwm3__piece) pieces;
     PBW_ARRAY(pbwm3__chain) chains;
     PBW_ARRAY(pbwm3__chain_vertex) path;
     pbw_mesh mesh;
-    pbwm3__vectors centre;                 /* of the sphere of each tetrahedron */
+    pbwsf__vectors centre;                 /* of the sphere of each tetrahedron */
     pbwm3__labels label;
-    pbwm3__flags needs;                    /* per tetrahedron, bits of the facets that need a point */
+    pbwsf__flags needs;                    /* per tetrahedron, bits of the facets that need a point */
     PBW_ARRAY(pbwm3__new_point) new_points;
-    PBW_ARRAY(pbwm3__quadruple) corners;   /* the solid before improvement */
-    pbwm3__indices regions;
-    pbwm3__flags marks;
+    pbwsf__quadruples corners;             /* the solid before improvement */
+    pbwsf__indices regions;
+    pbwsf__flags marks;
     pbw_solid_report *report;
 } pbwm3__work;
 
@@ -594,7 +585,7 @@ static int pbwm3__weld(pbwm3__work *w, const pbw_solid_input *in, const pbw_inde
 
 static pbw_status pbwm3__take_triangles(pbwm3__work *w, const pbw_solid_input *in)
 {
-    pbwm3__indices order = { NULL, 0, 0 }, number = { NULL, 0, 0 };
+    pbwsf__indices order = { NULL, 0, 0 }, number = { NULL, 0, 0 };
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i;
     for (i = 0; i < 3 * in->triangle_count; i++) {
@@ -623,8 +614,8 @@ typedef struct pbwm3__grid {
     pbwm3__work *w;
     size_t n[3];                           /* nodes along the axes */
     double step;
-    pbwm3__numbers value;                  /* per node */
-    pbwm3__indices crossing;               /* per node and direction 1..7, the vertex on that edge */
+    pbwsf__numbers value;                  /* per node */
+    pbwsf__indices crossing;               /* per node and direction 1..7, the vertex on that edge */
     PBW_ARRAY(pbwm3__nodes) ends;          /* of each vertex: the nodes of its edge, that below zero first */
 } pbwm3__grid;
 
@@ -919,8 +910,8 @@ static int pbwm3__number_shells(pbwm3__work *w, const pbwm3__orientation *trees)
 static void pbwm3__measure_shells(pbwm3__work *w)
 {
     const pbw_index *number = w->shell.at;
-    pbwm3__triple *c = w->triangles.at;
-    pbwm3__vector *x = w->vertices.at;
+    pbwsf__triple *c = w->triangles.at;
+    pbwsf__vector *x = w->vertices.at;
     pbwm3__shell *shell = w->shells.at;
     double middle[3];
     size_t t;
@@ -953,7 +944,7 @@ static void pbwm3__measure_shells(pbwm3__work *w)
    best: of the run from i to j at i * n + j.  Returns their area (Barequet and Sharir 1995, "Filling gaps in the
    boundary of a polyhedron"). */
 static double pbwm3__least_area(const pbwm3__work *w, const pbw_index *loop, size_t n, double *area, pbw_index *best,
-                                pbwm3__triple *out)
+                                pbwsf__triple *out)
 {
     size_t length, i, j, k, count, done;
     for (length = 1; length < n; length++) {
@@ -1004,7 +995,7 @@ enum { PBWM3__LOOP = 400 };                /* points of a loop whose least area 
 static int pbwm3__close_by_fan(pbwm3__work *w, const pbw_index *loop, size_t n, pbw_index number,
                                pbw_solid_hole *hole)
 {
-    pbwm3__vector *x = w->vertices.at;
+    pbwsf__vector *x = w->vertices.at;
     size_t i;
     for (i = 0; i < n; i++) {
         double normal[3];
@@ -1024,9 +1015,9 @@ static int pbwm3__close_by_fan(pbwm3__work *w, const pbw_index *loop, size_t n, 
 
 static int pbwm3__close_loop(pbwm3__work *w, const pbw_index *loop, size_t n, pbw_index number, pbw_solid_hole *hole)
 {
-    pbwm3__numbers area = { NULL, 0, 0 };
-    pbwm3__indices best = { NULL, 0, 0 };
-    pbwm3__triples out = { NULL, 0, 0 };
+    pbwsf__numbers area = { NULL, 0, 0 };
+    pbwsf__indices best = { NULL, 0, 0 };
+    pbwsf__triples out = { NULL, 0, 0 };
     size_t i;
     int good;
     if (n > PBWM3__LOOP) {
@@ -1048,7 +1039,7 @@ static int pbwm3__close_loop(pbwm3__work *w, const pbw_index *loop, size_t n, pb
 /* Lists the points of the loop that starts with an open edge, and marks its edges used (triangle = PBW_NONE).  head:
    the first edge from each point.  Returns 0 without memory; *closed: whether the loop returns to its first point. */
 static int pbwm3__walk_loop(pbwm3__work *w, pbwm3__open_edge *e, size_t start, const pbw_index *head,
-                            pbwm3__indices *loop, int *closed)
+                            pbwsf__indices *loop, int *closed)
 {
     pbw_index at = (pbw_index)start;
     loop->count = 0;
@@ -1067,7 +1058,7 @@ static int pbwm3__walk_loop(pbwm3__work *w, pbwm3__open_edge *e, size_t start, c
 
 static int pbwm3__name_hole(pbwm3__work *w, const pbw_index *loop, size_t n, int closed, pbw_index shell)
 {
-    pbwm3__vector *x = w->vertices.at;
+    pbwsf__vector *x = w->vertices.at;
     pbw_solid_hole hole;
     size_t i;
     int k;
@@ -1103,7 +1094,7 @@ static int pbwm3__compare_holes(const void *a, const void *b)
 static int pbwm3__find_holes(pbwm3__work *w, pbwm3__open_edges *open)
 {
     pbwm3__open_edge *e = open->at;
-    pbwm3__indices heads = { NULL, 0, 0 }, loop = { NULL, 0, 0 };
+    pbwsf__indices heads = { NULL, 0, 0 }, loop = { NULL, 0, 0 };
     size_t i, k;
     int good, closed = 0;
     good = PBW_FIT(&w->memory, heads, w->vertices.count + 1);
@@ -1146,7 +1137,7 @@ static int pbwm3__drop_doubles(pbwm3__work *w)
 {
     const size_t count = w->triangles.count;
     pbwim__sorting sorting;
-    pbwm3__flags gone = { NULL, 0, 0 };
+    pbwsf__flags gone = { NULL, 0, 0 };
     pbwim__facet *facet;
     size_t i, kept = 0;
     int good;
@@ -1223,8 +1214,8 @@ static void pbwm3__join(size_t *parent, size_t a, size_t b)
 static int pbwm3__join_sides(pbwm3__work *w, size_t *parent)
 {
     const size_t triangles = w->triangles.count, count = 3 * triangles;
-    pbwm3__triple *corner = w->triangles.at;
-    pbwm3__vector *x = w->vertices.at;
+    pbwsf__triple *corner = w->triangles.at;
+    pbwsf__vector *x = w->vertices.at;
     pbwim__sorting sorting;
     PBW_ARRAY(pbwm3__radial) room = { NULL, 0, 0 };
     const pbwim__facet *edge = pbwm3__edges(&w->memory, corner[0], triangles, w->vertices.count, &sorting);
@@ -1260,8 +1251,8 @@ static int pbwm3__join_sides(pbwm3__work *w, size_t *parent)
 /* Adds up the volumes that the sides of triangles look into, at their roots. */
 static void pbwm3__fill_volumes(const pbwm3__work *w, size_t *parent, double *volume)
 {
-    pbwm3__triple *c = w->triangles.at;
-    pbwm3__vector *x = w->vertices.at;
+    pbwsf__triple *c = w->triangles.at;
+    pbwsf__vector *x = w->vertices.at;
     double middle[3], p[3][3], n[3];
     size_t i;
     int k;
@@ -1284,8 +1275,8 @@ static void pbwm3__fill_volumes(const pbwm3__work *w, size_t *parent, double *vo
 static int pbwm3__find_walls(pbwm3__work *w)
 {
     const size_t triangles = w->triangles.count;
-    pbwm3__counts parents = { NULL, 0, 0 };
-    pbwm3__numbers volumes = { NULL, 0, 0 };
+    pbwsf__counts parents = { NULL, 0, 0 };
+    pbwsf__numbers volumes = { NULL, 0, 0 };
     pbwm3__shell shell;
     pbw_index *sides, *outer;
     size_t *parent, i;
@@ -1334,8 +1325,8 @@ static int pbwm3__find_shells(pbwm3__work *w)
 {
     const size_t count = w->triangles.count;
     pbwm3__orientation trees;
-    pbwm3__counts parents = { NULL, 0, 0 };
-    pbwm3__flags flipped = { NULL, 0, 0 };
+    pbwsf__counts parents = { NULL, 0, 0 };
+    pbwsf__flags flipped = { NULL, 0, 0 };
     pbwm3__open_edges open = { NULL, 0, 0 };
     double sum = 0;
     size_t i;
@@ -1527,7 +1518,7 @@ static pbw_status pbwm3__crossing_range(void *arg, size_t from, size_t to)
 static pbw_status pbwm3__find_crossings(pbwm3__work *w)
 {
     const size_t count = w->surface.triangle_count;
-    pbwm3__flags room = { NULL, 0, 0 };
+    pbwsf__flags room = { NULL, 0, 0 };
     pbwm3__crossing_counts counts;
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i;
@@ -1630,10 +1621,10 @@ static void pbwm3__project(void *user, double p[3])
 enum { PBWM3__FLOOD = 256, PBWM3__FLAT = 1024 };
 
 typedef struct pbwm3__graph {              /* of sharp edges */
-    pbwm3__pair *ends;
+    pbwsf__pair *ends;
     size_t count;
-    pbwm3__counts first, at;               /* edges at vertex v: at[first[v]] .. at[first[v + 1] - 1] */
-    pbwm3__flags used;
+    pbwsf__counts first, at;               /* edges at vertex v: at[first[v]] .. at[first[v + 1] - 1] */
+    pbwsf__flags used;
 } pbwm3__graph;
 
 static int pbwm3__make_graph(pbwm3__work *w, pbwm3__graph *g)
@@ -1667,16 +1658,16 @@ static pbw_index pbwm3__other_end(const pbwm3__graph *g, size_t edge, pbw_index 
 
 typedef struct pbwm3__features {
     const pbwim__facet *edge;              /* all edges, sorted */
-    pbwm3__counts candidates;              /* where `edge` has those above the feature angle */
-    pbwm3__flags keeps;                    /* 1: it is kept */
-    pbwm3__counts across;                  /* per corner 3 t + i, the edge from it: 2 u, or 2 u + 1 if the triangle u
+    pbwsf__counts candidates;              /* where `edge` has those above the feature angle */
+    pbwsf__flags keeps;                    /* 1: it is kept */
+    pbwsf__counts across;                  /* per corner 3 t + i, the edge from it: 2 u, or 2 u + 1 if the triangle u
                                               across is turned the other way; (size_t)-1: none, or several */
-    pbwm3__counts seen;                    /* per triangle: the last flood that had it */
+    pbwsf__counts seen;                    /* per triangle: the last flood that had it */
     size_t floods;
     pbwm3__graph graph;                    /* of kept edges: the `fixed` first ones are always kept */
     size_t fixed;
-    pbwm3__pairs ends;                     /* its edges */
-    pbwm3__counts degree, branch;          /* how many are left at each vertex; those of a branch */
+    pbwsf__pairs ends;                     /* its edges */
+    pbwsf__counts degree, branch;          /* how many are left at each vertex; those of a branch */
 } pbwm3__features;
 
 static int pbwm3__find_across(pbwm3__work *w, pbwm3__features *f)
@@ -1832,9 +1823,9 @@ static size_t pbwm3__drop_spurs(const pbwm3__work *w, pbwm3__features *f)
 static int pbwm3__drop_parts(pbwm3__work *w, pbwm3__features *f)
 {
     const size_t points = w->surface.point_count, *degree = f->degree.at;
-    pbwm3__pair *ends = f->graph.ends;
-    pbwm3__counts parents = { NULL, 0, 0 };
-    pbwm3__numbers lengths = { NULL, 0, 0 };
+    pbwsf__pair *ends = f->graph.ends;
+    pbwsf__counts parents = { NULL, 0, 0 };
+    pbwsf__numbers lengths = { NULL, 0, 0 };
     size_t *parent, i;
     double *length;
     unsigned char *gone = f->graph.used.at;
@@ -1873,7 +1864,7 @@ static int pbwm3__drop_parts(pbwm3__work *w, pbwm3__features *f)
 }
 
 /* Sets keeps[i] to 1 for the candidates that are features; fixed: the edges that are always kept. */
-static int pbwm3__find_features(pbwm3__work *w, pbwm3__features *f, const pbwm3__pairs *fixed)
+static int pbwm3__find_features(pbwm3__work *w, pbwm3__features *f, const pbwsf__pairs *fixed)
 {
     const size_t *candidate = f->candidates.at;
     unsigned char *keeps = f->keeps.at;
@@ -1906,7 +1897,7 @@ static int pbwm3__find_features(pbwm3__work *w, pbwm3__features *f, const pbwm3_
 }
 
 /* Chooses which of the candidates are kept; fixed: the edges that are always kept, two points each. */
-static int pbwm3__choose_sharp(pbwm3__work *w, pbwm3__features *f, const pbwm3__pairs *fixed)
+static int pbwm3__choose_sharp(pbwm3__work *w, pbwm3__features *f, const pbwsf__pairs *fixed)
 {
     size_t i, kept = 0;
     int good = PBW_FIT(&w->memory, f->keeps, f->candidates.count + 1), sharp = w->sharp;
@@ -2024,7 +2015,7 @@ static int pbwm3__has_border(const pbwm3__work *w, const pbwim__facet *edge)
 }
 
 /* Keeps a sharp edge in the list, two points each. */
-static int pbwm3__keep_sharp(pbwm3__work *w, const pbwim__facet *edge, size_t count, pbwm3__pairs *list)
+static int pbwm3__keep_sharp(pbwm3__work *w, const pbwim__facet *edge, size_t count, pbwsf__pairs *list)
 {
     const double angle = pbwm3__angle_at(w, edge, count);
     w->report->least_angle = fmin(w->report->least_angle, angle);
@@ -2034,7 +2025,7 @@ static int pbwm3__keep_sharp(pbwm3__work *w, const pbwim__facet *edge, size_t co
 
 /* Lists the sharp edges that are kept, and joins the triangles at all others.  Which candidates are kept is chosen
    once all of them are found. */
-static int pbwm3__find_sharp(pbwm3__work *w, pbwm3__pairs *list, size_t *parent)
+static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__pairs *list, size_t *parent)
 {
     pbwim__sorting sorting;
     const pbwim__facet *edge = pbwm3__edges(&w->memory, w->surface.triangles, w->surface.triangle_count,
@@ -2130,7 +2121,7 @@ static int pbwm3__walk_chain(pbwm3__work *w, pbwm3__graph *g, pbw_index v, size_
 
 /* ---- patches at sharp edges and corners ---- */
 
-typedef struct pbwm3__stars { pbwm3__counts first, at; } pbwm3__stars;    /* triangles at vertex v: as in the graph */
+typedef struct pbwm3__stars { pbwsf__counts first, at; } pbwm3__stars;    /* triangles at vertex v: as in the graph */
 
 static int pbwm3__make_stars(pbwm3__work *w, pbwm3__stars *stars)
 {
@@ -2248,9 +2239,9 @@ static int pbwm3__chain_all(pbwm3__work *w, pbwm3__graph *g)
 }
 
 /* Finds sharp edges and patches. */
-static int pbwm3__find_patches(pbwm3__work *w, pbwm3__pairs *list)
+static int pbwm3__find_patches(pbwm3__work *w, pbwsf__pairs *list)
 {
-    pbwm3__counts parents = { NULL, 0, 0 };
+    pbwsf__counts parents = { NULL, 0, 0 };
     size_t i;
     int good;
     good = PBW_FIT(&w->memory, parents, w->surface.triangle_count)
@@ -2266,12 +2257,12 @@ static int pbwm3__find_patches(pbwm3__work *w, pbwm3__pairs *list)
 }
 
 /* Drops connected sharp edges of an open surface that are shorter than four sizes together: noise of a scan. */
-static int pbwm3__drop_noise(pbwm3__work *w, pbwm3__pairs *list)
+static int pbwm3__drop_noise(pbwm3__work *w, pbwsf__pairs *list)
 {
     const size_t points = w->surface.point_count;
-    pbwm3__pair *ends = list->at;
-    pbwm3__counts parents = { NULL, 0, 0 };
-    pbwm3__numbers lengths = { NULL, 0, 0 };
+    pbwsf__pair *ends = list->at;
+    pbwsf__counts parents = { NULL, 0, 0 };
+    pbwsf__numbers lengths = { NULL, 0, 0 };
     size_t *parent, i, kept = 0;
     double *length;
     int good;
@@ -2304,7 +2295,7 @@ static int pbwm3__drop_noise(pbwm3__work *w, pbwm3__pairs *list)
 /* Finds patches, sharp edges and their chains. */
 static pbw_status pbwm3__find_chains(pbwm3__work *w)
 {
-    pbwm3__pairs list = { NULL, 0, 0 };
+    pbwsf__pairs list = { NULL, 0, 0 };
     pbwm3__graph graph;
     int good;
     memset(&graph, 0, sizeof graph);
@@ -2545,7 +2536,7 @@ static int pbwm3__chains_meet(const pbwm3__work *w, size_t a, size_t b)
 static int pbwm3__measure_chains(pbwm3__work *w)
 {
     const size_t total = w->n[0] * w->n[1] * w->n[2];
-    pbwm3__indices heads = { NULL, 0, 0 };
+    pbwsf__indices heads = { NULL, 0, 0 };
     pbwm3__probes probes = { NULL, 0, 0 };
     size_t i;
     int good, k;
@@ -2809,7 +2800,7 @@ static int pbwm3__sample_chain(pbwm3__work *w, const pbwm3__stars *stars, size_t
 
 static pbw_status pbwm3__sample_sharp(pbwm3__work *w)
 {
-    pbwm3__indices corner = { NULL, 0, 0 };
+    pbwsf__indices corner = { NULL, 0, 0 };
     pbwm3__stars stars;
     size_t i;
     int good;
@@ -2923,7 +2914,7 @@ static pbw_status pbwm3__throw_darts(pbwm3__work *w, const double *area)
 
 static pbw_status pbwm3__sample_smooth(pbwm3__work *w)
 {
-    pbwm3__numbers areas = { NULL, 0, 0 };
+    pbwsf__numbers areas = { NULL, 0, 0 };
     pbw_status status = PBW_ERROR_MEMORY;
     double sum = 0;
     size_t i;
@@ -3004,7 +2995,7 @@ static pbw_status pbwm3__take_lattice(pbwm3__work *w, const pbwm3__lattice *l, s
 static pbw_status pbwm3__sample_level(pbwm3__work *w, int level)
 {
     const size_t batch = (size_t)1 << 17;
-    pbwm3__flags inside = { NULL, 0, 0 };
+    pbwsf__flags inside = { NULL, 0, 0 };
     pbwm3__lattice l;
     pbw_status status = PBW_OK;
     size_t k, total = 1;
@@ -3216,8 +3207,8 @@ static int pbwm3__label_of(const pbwm3__work *w, pbw_index t)
    ------------------------------------------------------------------------------------------------------ */
 
 typedef struct pbwm3__topology {
-    pbwm3__pairs edges;                    /* bad edges */
-    pbwm3__flags flags;                    /* per point: 1 it has several fans */
+    pbwsf__pairs edges;                    /* bad edges */
+    pbwsf__flags flags;                    /* per point: 1 it has several fans */
     size_t bad_edges, bad_points;
     long euler;
 } pbwm3__topology;
@@ -3257,7 +3248,7 @@ static int pbwm3__examine(pbw_memory *memory, const pbw_index *facets, size_t co
                           pbwm3__topology *top)
 {
     pbwim__sorting sorting;
-    pbwm3__counts parents = { NULL, 0, 0 };
+    pbwsf__counts parents = { NULL, 0, 0 };
     const pbwim__facet *edge = pbwm3__edges(memory, facets, count, points, &sorting);
     size_t *parent, i;
     unsigned char *flag;
@@ -3291,12 +3282,12 @@ static int pbwm3__examine(pbw_memory *memory, const pbw_index *facets, size_t co
 }
 
 /* Gives the corners of facets separate numbers for each label; owner: their points.  Returns 0 without memory. */
-static int pbwm3__split_by_label(pbwm3__work *w, pbwm3__triples *facets, const pbwm3__labels *labels, size_t points,
-                                 pbwm3__indices *owner)
+static int pbwm3__split_by_label(pbwm3__work *w, pbwsf__triples *facets, const pbwm3__labels *labels, size_t points,
+                                 pbwsf__indices *owner)
 {
     const int *label = labels->at;
-    pbwm3__counts first = { NULL, 0, 0 }, order = { NULL, 0, 0 };
-    pbwm3__indices own = { NULL, 0, 0 };             /* per point, its number for the label `last` */
+    pbwsf__counts first = { NULL, 0, 0 }, order = { NULL, 0, 0 };
+    pbwsf__indices own = { NULL, 0, 0 };             /* per point, its number for the label `last` */
     pbwm3__labels last = { NULL, 0, 0 };
     size_t i;
     int good = PBW_ZEROS(&w->memory, first, w->shells.count + 3) && PBW_FIT(&w->memory, order, facets->count + 1)
@@ -3330,9 +3321,9 @@ static int pbwm3__split_by_label(pbwm3__work *w, pbwm3__triples *facets, const p
 /* The Euler number of the boundaries of all regions of the input. */
 static int pbwm3__measure_walls(pbwm3__work *w)
 {
-    pbwm3__triples facets = { NULL, 0, 0 };
+    pbwsf__triples facets = { NULL, 0, 0 };
     pbwm3__labels labels = { NULL, 0, 0 };
-    pbwm3__indices owner = { NULL, 0, 0 };
+    pbwsf__indices owner = { NULL, 0, 0 };
     size_t i;
     int good = 1;
     for (i = 0; good && i < 2 * w->triangles.count; i++) {
@@ -3349,12 +3340,12 @@ static int pbwm3__measure_walls(pbwm3__work *w)
 }
 
 /* Examines the boundaries of all labels, each for itself: facets between two are listed for both. */
-static int pbwm3__examine_labels(pbwm3__work *w, pbwm3__triples *facets, const pbwm3__labels *labels, size_t points,
+static int pbwm3__examine_labels(pbwm3__work *w, pbwsf__triples *facets, const pbwm3__labels *labels, size_t points,
                                  pbwm3__topology *top)
 {
     const pbw_index *facet = (const pbw_index *)facets->at;
-    pbwm3__indices owner = { NULL, 0, 0 };
-    pbwm3__flags flags = { NULL, 0, 0 };
+    pbwsf__indices owner = { NULL, 0, 0 };
+    pbwsf__flags flags = { NULL, 0, 0 };
     size_t i;
     int good;
     if (!w->walls) {
@@ -3387,7 +3378,7 @@ static int pbwm3__examine_labels(pbwm3__work *w, pbwm3__triples *facets, const p
 
 /* Lists the boundary's facets, outward, those between two labels once; with walls, if labels is not NULL, for both
    labels, and lists the labels too. */
-static int pbwm3__list_boundary(pbwm3__work *w, pbwm3__triples *facets, pbwm3__labels *labels)
+static int pbwm3__list_boundary(pbwm3__work *w, pbwsf__triples *facets, pbwm3__labels *labels)
 {
     const int both = labels != NULL && w->walls;
     size_t t;
@@ -3486,7 +3477,7 @@ static int pbwm3__add_if_far(pbwm3__work *w, const double p[3], size_t patch, do
 /* Adds points at bad edges and bad points of the boundary.  Returns how many, -1 without memory. */
 static long pbwm3__refine_boundary(pbwm3__work *w)
 {
-    pbwm3__triples facets = { NULL, 0, 0 };
+    pbwsf__triples facets = { NULL, 0, 0 };
     pbwm3__labels labels = { NULL, 0, 0 };
     pbwm3__topology top;
     long added = 0;
@@ -3584,7 +3575,7 @@ static void pbwm3__clear_ball(pbwm3__work *w, const pbwm3__piece *piece)
 static long pbwm3__halve_pieces(pbwm3__work *w)
 {
     const size_t count = w->pieces.count;
-    pbwm3__flags found = { NULL, 0, 0 };
+    pbwsf__flags found = { NULL, 0, 0 };
     long added = 0;
     size_t i;
     w->report->missing_edges = 0;
@@ -3811,9 +3802,9 @@ static long pbwm3__add_places(pbwm3__work *w, pbwm3__place_list *places)
 /* Adds points where the surface is far from the boundary; *added: how many. */
 static pbw_status pbwm3__cover_surface(pbwm3__work *w, long *added)
 {
-    pbwm3__triples facets = { NULL, 0, 0 };
+    pbwsf__triples facets = { NULL, 0, 0 };
     pbwm3__place_list list = { NULL, 0, 0 };
-    pbwm3__flags chained = { NULL, 0, 0 };
+    pbwsf__flags chained = { NULL, 0, 0 };
     pbw_surface boundary;
     pbwm3__places places;
     pbw_status status = PBW_ERROR_MEMORY;
@@ -3873,7 +3864,7 @@ static pbw_status pbwm3__rounds(pbwm3__work *w)
    ------------------------------------------------------------------------------------------------------ */
 /* Numbers the tetrahedra of t's label that facets connect to t.  Returns the largest of them, PBW_NONE without
    memory. */
-static pbw_index pbwm3__flood(pbwm3__work *w, pbw_index t, pbw_index *region, pbw_index number, pbwm3__indices *queue)
+static pbw_index pbwm3__flood(pbwm3__work *w, pbw_index t, pbw_index *region, pbw_index number, pbwsf__indices *queue)
 {
     pbw_index largest = t;
     double most = -1;
@@ -3907,7 +3898,7 @@ static pbw_index pbwm3__flood(pbwm3__work *w, pbw_index t, pbw_index *region, pb
    largest tetrahedron, 0 if there is none. */
 static int pbwm3__find_regions(pbwm3__work *w, pbw_tets *in)
 {
-    pbwm3__indices queue = { NULL, 0, 0 };
+    pbwsf__indices queue = { NULL, 0, 0 };
     pbw_index *region, largest;
     size_t t, i, count = 0;
     int good = PBW_FIT(&w->memory, w->regions, w->mesh.simplex_count + 1);
@@ -4030,7 +4021,7 @@ static pbw_status pbwm3__distance_range(void *arg, size_t from, size_t to)
 /* Raises *least to the largest distance of the triangles from the surface. */
 static pbw_status pbwm3__farthest(pbwm3__work *w, pbwm3__distances *far, size_t count, double *least)
 {
-    pbwm3__numbers room = { NULL, 0, 0 };
+    pbwsf__numbers room = { NULL, 0, 0 };
     pbw_options options = w->options;
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i;
@@ -4065,9 +4056,9 @@ static void pbwm3__list_bad_places(pbw_solid_report *r, const pbwm3__topology *t
 
 typedef struct pbwm3__boundary_arrays {    /* boundary.memory points at them */
     pbw_memory memory;
-    pbwm3__triples facets;
-    pbwm3__indices corners, patches, parts;
-    pbwm3__pairs sides, edges;
+    pbwsf__triples facets;
+    pbwsf__indices corners, patches, parts;
+    pbwsf__pairs sides, edges;
     PBW_ARRAY(pbw_solid_hole) holes;
 } pbwm3__boundary_arrays;
 
@@ -4223,10 +4214,10 @@ static void pbwm3__count_regions(pbwm3__work *w, const pbw_tets *out)
 }
 
 /* Examines the boundary; with walls that of each region, whose facets out->neighbors tell. */
-static int pbwm3__examine_result(pbwm3__work *w, const pbw_tets *out, const pbwm3__triples *facets,
+static int pbwm3__examine_result(pbwm3__work *w, const pbw_tets *out, const pbwsf__triples *facets,
                                  pbwm3__topology *top)
 {
-    pbwm3__triples all = { NULL, 0, 0 };
+    pbwsf__triples all = { NULL, 0, 0 };
     pbwm3__labels labels = { NULL, 0, 0 };
     size_t i, k;
     int good = 1;
@@ -4250,7 +4241,7 @@ static int pbwm3__examine_result(pbwm3__work *w, const pbw_tets *out, const pbwm
 }
 
 /* Fills the report of the boundary's facets. */
-static pbw_status pbwm3__report_boundary(pbwm3__work *w, const pbw_tets *out, const pbwm3__triples *facets)
+static pbw_status pbwm3__report_boundary(pbwm3__work *w, const pbw_tets *out, const pbwsf__triples *facets)
 {
     pbw_solid_report *r = w->report;
     const pbw_index *facet = (const pbw_index *)facets->at;
@@ -4486,7 +4477,7 @@ static void pbwm3__free_result(pbwm3__result *r)
 /* Counts the faults of the boundary before improvement. */
 static pbw_status pbwm3__count_faults(pbwm3__work *w)
 {
-    pbwm3__triples facets = { NULL, 0, 0 };
+    pbwsf__triples facets = { NULL, 0, 0 };
     pbwm3__labels labels = { NULL, 0, 0 };
     pbwm3__topology top;
     pbw_status status = PBW_ERROR_MEMORY;

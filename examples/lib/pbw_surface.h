@@ -13,7 +13,7 @@
 
    CONTENTS  (search for the marks)
      >>interface    types and functions
-     >>memory       growing arrays
+     >>arrays       types of growing arrays
      >>vectors      vectors and triangles in space
      >>tree         boxes over the triangles
      >>queries      nearest places, crossings, the inside
@@ -111,33 +111,19 @@ PBW_CONTRACTION_OFF                        /* fused operations would give other 
 #endif
 
 /* ------------------------------------------------------------------------------------------------------
-   >>memory       Growing arrays, through options.resize.
-   Holds: used = the sum of all live arrays; over the limit nothing grows.
+   >>arrays       Types of growing arrays.
+   Holds: the arrays of a call, and what surfaces and meshes made in it hold, count in one pbw_memory.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwsf__array { void *data; size_t count, bytes; } pbwsf__array;       /* count: the owner's, items */
-
-static void pbwsf__release(pbw_memory *memory, pbwsf__array *array)
-{
-    (void)pbw_memory_fit(memory, &array->data, &array->bytes, 0, 1);
-    array->count = 0;
-}
-
-/* Makes the array `bytes` long.  Returns 0 and leaves it alone if there is no memory. */
-static int pbwsf__resize(pbw_memory *memory, pbwsf__array *array, size_t bytes)
-{
-    return pbw_memory_fit(memory, &array->data, &array->bytes, bytes, 1);
-}
-
-/* Makes room for `extra` items after the last.  Returns the place of the first of them, or NULL. */
-PBWSF__SHARED static void *pbwsf__room(pbw_memory *memory, pbwsf__array *array, size_t extra, size_t size)
-{
-    const size_t need = (array->count + extra) * size, more = array->bytes + array->bytes / 2;
-    if ((need > array->bytes || array->data == NULL)
-        && !pbwsf__resize(memory, array, need > more ? need + 256 : more)) {
-        return NULL;
-    }
-    return (char *)array->data + array->count * size;
-}
+typedef double pbwsf__vector[3];
+typedef pbw_index pbwsf__pair[2], pbwsf__triple[3], pbwsf__quadruple[4];
+typedef PBW_ARRAY(pbw_index) pbwsf__indices;
+typedef PBW_ARRAY(size_t) pbwsf__counts;
+typedef PBW_ARRAY(double) pbwsf__numbers;
+typedef PBW_ARRAY(unsigned char) pbwsf__flags;
+typedef PBW_ARRAY(pbwsf__vector) pbwsf__vectors;
+typedef PBW_ARRAY(pbwsf__pair) pbwsf__pairs;
+typedef PBW_ARRAY(pbwsf__triple) pbwsf__triples;
+typedef PBW_ARRAY(pbwsf__quadruple) pbwsf__quadruples;
 
 /* ------------------------------------------------------------------------------------------------------
    >>vectors      Vectors and triangles in space.
@@ -748,10 +734,17 @@ PBWSURFACEDEF double pbw_surface_winding(const pbw_surface *surface, const doubl
    They are compiled behind this header, in one source file, and refuse another number.
 
      PBWSF__SHARED      improve                        interface
-     pbwsf__array       improve mesh3                  memory
-     pbwsf__release     improve mesh3                  memory
-     pbwsf__resize      improve mesh3                  memory
-     pbwsf__room        improve mesh3                  memory
+     pbwsf__counts      improve mesh3                  arrays
+     pbwsf__flags       improve mesh3                  arrays
+     pbwsf__indices     improve mesh3                  arrays
+     pbwsf__numbers     improve mesh3                  arrays
+     pbwsf__pair        mesh3                          arrays
+     pbwsf__pairs       improve mesh3                  arrays
+     pbwsf__quadruples  improve mesh3                  arrays
+     pbwsf__triple      mesh3                          arrays
+     pbwsf__triples     mesh3                          arrays
+     pbwsf__vector      mesh3                          arrays
+     pbwsf__vectors     improve mesh3                  arrays
      pbwsf__between     improve mesh3                  vectors
      pbwsf__cross       improve mesh3                  vectors
      pbwsf__distance    adapt3 improve mesh3 stuffing  vectors
