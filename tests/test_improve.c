@@ -1015,11 +1015,46 @@ static void test_failures(void)
     test_end();
 }
 
+/* Setting up gives signs, and counts in the budget: when that is over by then, there is no pass. */
+static void test_budget(void)
+{
+    const size_t count = 300;
+    double *x = ball_points(count, 0);
+    pbw_options options;
+    pbw_improve_options how;
+    pbw_improve_report r;
+    pbw_mesh mesh;
+    pbw_tets in, out;
+    watch w;
+    if (!test_begin("a budget that is over when work begins")) {
+        free(x);
+        return;
+    }
+    memset(&mesh, 0, sizeof mesh);
+    memset(&options, 0, sizeof options);
+    memset(&how, 0, sizeof how);
+    CHECK_EQUAL(pbw_triangulate(3, x, NULL, count, NULL, &mesh), PBW_OK);
+    in = view(&mesh);
+    how.seconds = 1e-9;
+    options.progress = watch_progress;
+    options.progress_user = &w;
+    watch_start(&w, 0);
+    CHECK_EQUAL(pbw_improve(&in, &how, &options, &out, &r), PBW_OK);
+    CHECK(r.passes == 0 && r.left > 0 && out.tet_count == in.tet_count && w.wrong == 0);
+    CHECK(memcmp(&r.before, &r.after, sizeof r.before) == 0 && r.after.bins[0] > 0);
+    CHECK(w.calls >= 4);
+    pbw_tets_free(&out);
+    pbw_free(&mesh);
+    free(x);
+    test_end();
+}
+
 int main(int argc, char **argv)
 {
     test_start(argc, argv, 1);
     test_measures();
     test_spread();
+    test_budget();
     test_surface(0);
     test_surface(1);
     test_cube(0);

@@ -1080,6 +1080,60 @@ static void test_failures(void)
     test_end();
 }
 
+typedef struct signs { size_t calls, sizes; int planned; } signs;
+
+static int count_sign(void *user, pbw_stage stage, double done)
+{
+    signs *s = (signs *)user;
+    (void)stage;
+    (void)done;
+    s->calls += !s->planned;
+    return s->planned;
+}
+
+static double count_size(void *user, const double p[3])
+{
+    (void)p;
+    ((signs *)user)->sizes++;
+    return 0.1;
+}
+
+static void end_at_plan(void *user, const pbw_solid_report *report)
+{
+    (void)report;
+    ((signs *)user)->planned = 1;
+}
+
+/* Sizes are taken with signs between, however long the caller's function takes. */
+static void test_signs(void)
+{
+    static part m;
+    pbw_options options;
+    pbw_solid_options how;
+    pbw_solid_input in;
+    pbw_tets mesh;
+    signs s;
+    if (!test_begin("signs while sizes are taken")) {
+        return;
+    }
+    (void)part_make(PART_L, 0, &m);
+    in = input_of(&m);
+    memset(&options, 0, sizeof options);
+    memset(&how, 0, sizeof how);
+    memset(&s, 0, sizeof s);
+    how.size = how.least_size = 0.1;
+    how.size_at = count_size;
+    how.plan = end_at_plan;
+    how.size_user = how.plan_user = &s;
+    options.threads = 1;
+    options.progress = count_sign;
+    options.progress_user = &s;
+    CHECK_EQUAL(pbw_solid(&in, &how, &options, &mesh, NULL, NULL), PBW_CANCELLED);
+    test_say("%zu signs, %zu sizes", s.calls, s.sizes);
+    CHECK(s.sizes > 20000 && s.calls > s.sizes / 4096);
+    test_end();
+}
+
 typedef struct stages { const char *name; char seen[64]; } stages;
 
 static int note_stage(void *user, pbw_stage stage, double done)
@@ -1204,6 +1258,7 @@ int main(int argc, char **argv)
     test_holes();
     test_warnings();
     test_stages();
+    test_signs();
     test_failures();
     test_limits(0);
     test_limits(1);

@@ -607,6 +607,8 @@ typedef struct pbwim__mesh {
     double cosine;                         /* of the feature angle */
     int sized, patched;
     pbw_improve_report *report;
+    double done;                           /* of the work, as last reported */
+    double deadline;                       /* the processor time at which it ends with what it has; 0: never */
     PBW_ARRAY(pbwim__item) queue;
     PBW_ARRAY(struct pbwim__task) tasks;
     pbwsf__indices taken;                  /* per point, the last batch that had it */
@@ -2027,6 +2029,14 @@ static int pbwim__split(pbwim__mesh *m, pbw_index t)
    >>load         Neighbours, orientation, the boundary and its features.
    In: the caller's arrays.  Out: a mesh as above, or a status and a message.
    ------------------------------------------------------------------------------------------------------ */
+/* Reports that so much of the work is done.  Returns 1 if the caller cancels. */
+static int pbwim__progress(pbwim__mesh *m, double done)
+{
+    m->done = done;
+    return m->options != NULL && m->options->progress != NULL
+        && m->options->progress(m->options->progress_user, PBW_STAGE_WORK, done) != 0;
+}
+
 static void pbwim__set_message(const pbwim__mesh *m, const char *text, size_t i, size_t k)
 {
     if (m->options != NULL && m->options->message != NULL && m->options->message_size > 0) {
@@ -2346,6 +2356,7 @@ static pbw_status pbwim__connect(pbwim__mesh *m, const pbw_tets *in, double cosi
             sorting.items.at[i] = pbwim__facet_of(m, (pbw_index)(i / 4), (int)(i % 4));
         }
         status = pbwim__link(m, pbwim__sort(&sorting, count, 3), count);
+        status = status == PBW_OK && pbwim__progress(m, 0) ? PBW_CANCELLED : status;
         status = status != PBW_OK ? status : pbwim__check_orientation(m);
         status = status != PBW_OK ? status : pbwim__set_marks(m, in, cosine, &sorting);
     }
@@ -2411,6 +2422,9 @@ static pbw_status pbwim__load(pbwim__mesh *m, const pbw_tets *in)
     for (i = 0; i < m->tets; i++) {
         if (!pbwim__load_one(m, in, i)) {
             return PBW_ERROR_ARGUMENT;
+        }
+        if (i % 65536 == 65535 && pbwim__progress(m, 0)) {
+            return PBW_CANCELLED;
         }
     }
     return PBW_OK;
@@ -2683,20 +2697,14 @@ static int pbwim__set_colours(pbwim__smoothing *s)
     return 1;
 }
 
-static int pbwim__progress(const pbwim__mesh *m, double done)
+/* Returns whether the time of the call is over. */
+static int pbwim__is_late(const pbwim__mesh *m)
 {
-    return m->options != NULL && m->options->progress != NULL
-        && m->options->progress(m->options->progress_user, PBW_STAGE_WORK, done) != 0;
-}
-
-/* Returns whether the processor time `end` has passed; 0 = it never does. */
-static int pbwim__is_late(double end)
-{
-    return end > 0 && (double)clock() / CLOCKS_PER_SEC > end;
+    return m->deadline > 0 && (double)clock() / CLOCKS_PER_SEC > m->deadline;
 }
 
 /* Rounds over all colours, from `done` of the work to the next. */
-static pbw_status pbwim__rounds(pbwim__smoothing *s, int rounds, double done, double end)
+static pbw_status pbwim__rounds(pbwim__smoothing *s, int rounds, double done)
 {
     pbwim__mesh *m = s->m;
     const pbw_options inner = pbwim__inner_options(m->options, &m->memory);
@@ -2709,7 +2717,7 @@ static pbw_status pbwim__rounds(pbwim__smoothing *s, int rounds, double done, do
             if (pbwim__progress(m, done * round / rounds)) {
                 return PBW_CANCELLED;
             }
-            if (pbwim__is_late(end)) {
+            if (pbwim__is_late(m)) {
                 return PBW_OK;
             }
             s->at = s->begin[k];
@@ -2725,7 +2733,7 @@ static pbw_status pbwim__rounds(pbwim__smoothing *s, int rounds, double done, do
 }
 
 /* Smooths before the passes.  Progress goes to a half, where passes follow. */
-static pbw_status pbwim__smooth_all(pbwim__mesh *m, const pbw_improve_options *how, double end)
+static pbw_status pbwim__smooth_all(pbwim__mesh *m, const pbw_improve_options *how)
 {
     pbwim__smoothing s;
     pbw_status status = PBW_ERROR_MEMORY;
@@ -2733,7 +2741,7 @@ static pbw_status pbwim__smooth_all(pbwim__mesh *m, const pbw_improve_options *h
     s.m = m;
     s.smoother = how->smoother;
     if (pbwim__set_colours(&s)) {
-        status = pbwim__rounds(&s, how->rounds, how->passes < 0 ? 1 : 0.5, end);
+        status = pbwim__rounds(&s, how->rounds, how->passes < 0 ? 1 : 0.5);
     }
     PBW_RELEASE(&m->memory, s.stars);
     PBW_RELEASE(&m->memory, s.first);
@@ -3039,7 +3047,7 @@ static int pbwim__prepare(pbwim__mesh *m, size_t left)
 }
 
 /* One pass; *changes: how many operations succeeded.  It ends early when the budget is spent. */
-static pbw_status pbwim__pass(pbwim__mesh *m, int all, const double done[2], double end, size_t *changes)
+static pbw_status pbwim__pass(pbwim__mesh *m, int all, const double done[2], size_t *changes)
 {
     pbw_status status = PBW_OK;
     size_t first = 0, count, i;
@@ -3052,7 +3060,7 @@ static pbw_status pbwim__pass(pbwim__mesh *m, int all, const double done[2], dou
         if (pbwim__progress(m, done[0] + (done[1] - done[0]) * (double)first / (double)m->queue.count)) {
             return PBW_CANCELLED;
         }
-        if (pbwim__is_late(end)) {
+        if (pbwim__is_late(m)) {
             return PBW_OK;
         }
         if (!pbwim__prepare(m, m->queue.count - first)) {
@@ -3232,7 +3240,7 @@ static pbw_status pbwim__resize_edges(pbwim__mesh *m, int longest, size_t *chang
     return PBW_OK;
 }
 
-static pbw_status pbwim__set_sizes(pbwim__mesh *m, double end)
+static pbw_status pbwim__set_sizes(pbwim__mesh *m)
 {
     pbw_status status = PBW_OK;
     size_t changes = 1, ignored;
@@ -3242,8 +3250,8 @@ static pbw_status pbwim__set_sizes(pbwim__mesh *m, double end)
         changes = 0;
         status = pbwim__resize_edges(m, 0, &changes);
         status = status != PBW_OK ? status : pbwim__resize_edges(m, 1, &changes);
-        status = status != PBW_OK ? status : pbwim__pass(m, 0, done, end, &ignored);
-        if (pbwim__is_late(end)) {
+        status = status != PBW_OK ? status : pbwim__pass(m, 0, done, &ignored);
+        if (pbwim__is_late(m)) {
             break;
         }
     }
@@ -3460,7 +3468,7 @@ static int pbwim__relax_distance(pbwim__mesh *m, const pbw_improve_options *how)
 
 /* Raises the target around the bad tetrahedra for four passes, which changes their neighbours, then makes four passes
    with the old target.  While it is raised, the boundary moves no farther from the surface. */
-static pbw_status pbwim__raise_target(pbwim__mesh *m, double done[2], double end)
+static pbw_status pbwim__raise_target(pbwim__mesh *m, double done[2])
 {
     const double target = m->target, distance = m->distance;
     pbw_status status = PBW_OK;
@@ -3472,11 +3480,11 @@ static pbw_status pbwim__raise_target(pbwim__mesh *m, double done[2], double end
     for (t = 0; t < 2 * m->tets; t++) {
         m->tried.at[t / 2][t % 2] = 0;
     }
-    for (i = 0; i < 8 && status == PBW_OK && !pbwim__is_late(end); i++) {
+    for (i = 0; i < 8 && status == PBW_OK && !pbwim__is_late(m); i++) {
         m->target = i < 4 ? sin(fmin(asin(target) + PBWIM__RAISE, 1.2)) : target;
         m->distance = i < 4 && distance > 0 ? 1e-300 : distance;
         done[1] = done[0] + (1 - done[0]) / 8;
-        status = pbwim__pass(m, 1, done, end, &changes);
+        status = pbwim__pass(m, 1, done, &changes);
         done[0] = done[1];
         m->report->passes++;
     }
@@ -3490,23 +3498,22 @@ static pbw_status pbwim__raise_target(pbwim__mesh *m, double done[2], double end
 static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
 {
     const int most = how == NULL || how->passes == 0 ? PBWIM__PASSES : how->passes;
-    const double limit = how != NULL ? how->seconds : 0;
-    const double end = limit > 0 ? (double)clock() / CLOCKS_PER_SEC + limit : 0;
     pbw_status status = PBW_OK;
     double done[2] = { 0, 0 }, bad = HUGE_VAL;
     size_t changes = 1;
     int all = 0, i;
     if (m->sized) {
-        status = pbwim__set_sizes(m, end);
+        status = pbwim__set_sizes(m);
     }
     if (how != NULL && how->rounds > 0 && status == PBW_OK) {
-        status = pbwim__smooth_all(m, how, end);
+        status = pbwim__smooth_all(m, how);
         done[0] = 0.5;
     }
-    while (status == PBW_OK && m->report->passes < most && (changes > 0 || !all || pbwim__relax_distance(m, how))) {
+    while (status == PBW_OK && m->report->passes < most && !pbwim__is_late(m)
+           && (changes > 0 || !all || pbwim__relax_distance(m, how))) {
         all = m->report->passes % 4 == 3 || changes * 5 < m->queue.count || changes == 0;
         done[1] = done[0] + (1 - done[0]) / 8;
-        status = pbwim__pass(m, all, done, end, &changes);
+        status = pbwim__pass(m, all, done, &changes);
         done[0] = done[1];
         m->report->passes++;
         if (m->report->passes % 8 == 0) {
@@ -3516,14 +3523,12 @@ static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
             }
             bad = now;
         }
-        if (pbwim__is_late(end)) {
-            break;
-        }
     }
-    for (i = 0; i < 2 && status == PBW_OK && (most == PBWIM__PASSES || m->report->passes + 8 <= most)
-         && pbwim__badness(m) > 0 && (i == 0 || pbwim__badness(m) < 0.97 * bad); i++) {
+    for (i = 0; i < 2 && status == PBW_OK && !pbwim__is_late(m)
+         && (most == PBWIM__PASSES || m->report->passes + 8 <= most) && pbwim__badness(m) > 0
+         && (i == 0 || pbwim__badness(m) < 0.97 * bad); i++) {
         bad = pbwim__badness(m);
-        status = pbwim__raise_target(m, done, end);
+        status = pbwim__raise_target(m, done);
     }
     return status;
 }
@@ -3573,15 +3578,18 @@ static pbw_status pbwim__run(pbwim__mesh *m, const pbw_tets *in, const pbw_impro
         }
         m->size.at[t] = how->sizes[t];
     }
-    status = pbwim__connect(m, in, m->cosine);
+    status = pbwim__progress(m, 0) ? PBW_CANCELLED : pbwim__connect(m, in, m->cosine);
     memset(&view, 0, sizeof view);
     view.points = in->points;
     view.corners = (const pbw_index *)m->corner.at;
     view.tet_count = m->tets;
     inner = pbwim__inner_options(m->options, &m->memory);
+    if (status == PBW_OK && pbwim__progress(m, 0)) {
+        return PBW_CANCELLED;
+    }
     (void)pbw_tets_quality(&view, &inner, &m->report->before);
     status = status != PBW_OK ? status : pbwim__passes(m, how);
-    status = status != PBW_OK ? status : pbwim__close_gaps(m);
+    status = status != PBW_OK ? status : pbwim__progress(m, m->done) ? PBW_CANCELLED : pbwim__close_gaps(m);
     for (t = 0; t < m->tets; t++) {
         m->report->left += (size_t)pbwim__is_bad(m, (pbw_index)t);
     }
@@ -3619,9 +3627,14 @@ PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_opt
     m.patched = mesh->patches != NULL;
     m.target = sin(target / 57.295779513082321);
     m.report = report;
+    m.deadline = how != NULL && how->seconds > 0 ? (double)clock() / CLOCKS_PER_SEC + how->seconds : 0;
     status = pbwim__run(&m, mesh, how, better);
     pbwim__free(&m);
-    if (status == PBW_OK) {
+    if (status == PBW_OK && report->removals + report->boundary_removals + report->smoothings + report->slides
+                            + report->peelings + report->flips + report->contractions + report->insertions
+                            + report->splits + report->moves == 0) {
+        report->after = report->before;
+    } else if (status == PBW_OK) {
         const pbw_options inner = pbwim__inner_options(options, &m.memory);
         (void)pbw_tets_quality(better, &inner, &report->after);
     }

@@ -308,6 +308,10 @@ typedef struct pbwm3__work {
     double deadline;                       /* the processor time by which the work ends with what it has */
     double from, to;                       /* progress: the present stage's part of 0 to 1 */
     double begin, end;                     /* and the part of this attempt in all */
+    double done;                           /* what was reported last */
+    size_t spread;                         /* parts of areas since then */
+    int timed, late, cancelled;            /* timed: the stage ends at the deadline; late: it has; cancelled: by the
+                                              caller */
     double size, distance, cosine, low[3], high[3];
     double floor, least, step;             /* sizes: what none is below; the least of the field; width of the spacing
                                               grid's cells */
@@ -354,15 +358,48 @@ typedef struct pbwm3__work {
 #define PBWM3__APPEND(w, array, item) (PBW_RESERVE(&(w)->memory, array, 1) \
                                        && (memcpy((array).at + (array).count++, item, sizeof *(array).at), 1))
 
-/* Reports that a share of the current stage is done.  Returns 1 if the caller cancels. */
-static int pbwm3__progress(const pbwm3__work *w, double share)
+static int pbwm3__is_late(const pbwm3__work *w)
 {
-    const double done = w->begin + (w->end - w->begin) * (w->from + (w->to - w->from) * share);
-    return w->caller != NULL && w->caller->progress != NULL
-        && w->caller->progress(w->caller->progress_user, PBW_STAGE_WORK, done) != 0;
+    return w->deadline < HUGE_VAL && (double)clock() / CLOCKS_PER_SEC > w->deadline;
 }
 
-/* Begins a stage, which ends at `to` of the progress.  Returns 1 if the caller cancels. */
+static int pbwm3__has_ended(const pbwm3__work *w)
+{
+    return w->cancelled || (w->timed && w->late);
+}
+
+/* Reports the progress once more, within a share of it.  Returns 1 if the caller cancels, or the time of the stage is
+   over. */
+static int pbwm3__ends(pbwm3__work *w)
+{
+    w->late |= w->timed && pbwm3__is_late(w);
+    w->cancelled |= w->caller != NULL && w->caller->progress != NULL
+                 && w->caller->progress(w->caller->progress_user, PBW_STAGE_WORK, w->done) != 0;
+    return pbwm3__has_ended(w);
+}
+
+/* The same within a loop: only for some of its items. */
+static int pbwm3__ends_at(pbwm3__work *w, size_t i, size_t step)
+{
+    return i % step == step - 1 && pbwm3__ends(w);
+}
+
+/* Reports that a share of the current stage is done.  Returns as pbwm3__ends does. */
+static int pbwm3__progress(pbwm3__work *w, double share)
+{
+    w->done = w->begin + (w->end - w->begin) * (w->from + (w->to - w->from) * share);
+    return pbwm3__ends(w);
+}
+
+/* Progress of a call that is within a share. */
+static int pbwm3__inner_progress(void *user, pbw_stage stage, double done)
+{
+    (void)stage;
+    (void)done;
+    return pbwm3__ends((pbwm3__work *)user);
+}
+
+/* Begins a stage, which ends at `to` of the progress.  Returns as pbwm3__ends does. */
 static int pbwm3__begin_stage(pbwm3__work *w, const char *stage, double to)
 {
     w->from = w->to;
@@ -373,20 +410,11 @@ static int pbwm3__begin_stage(pbwm3__work *w, const char *stage, double to)
     return pbwm3__progress(w, 0);
 }
 
-static int pbwm3__is_late(const pbwm3__work *w)
-{
-    return w->deadline < HUGE_VAL && (double)clock() / CLOCKS_PER_SEC > w->deadline;
-}
-
 /* Returns why sampling must end: the caller cancels, the time is over, or there are too many points; PBW_OK if none.
    A point makes about five tetrahedra. */
 static pbw_status pbwm3__check_budget(pbwm3__work *w, double share)
 {
     const double tets = 5 * (double)w->x.count;
-    if (pbwm3__is_late(w)) {
-        w->report->refusal = PBW_SOLID_LATE;
-        return PBW_CANCELLED;
-    }
     if (tets > (w->how.most > 0 ? w->how.most : 5e7)) {
         w->report->refusal = PBW_SOLID_LARGE;
         w->report->estimate = fmax(tets, w->report->estimate);
@@ -399,6 +427,8 @@ static pbw_status pbwm3__check_budget(pbwm3__work *w, double share)
 static const pbw_options *pbwm3__inner_options(pbwm3__work *w)
 {
     w->options.memory_limit = pbw_memory_left(&w->memory);
+    w->options.progress = pbwm3__inner_progress;
+    w->options.progress_user = w;
     return &w->options;
 }
 
@@ -435,7 +465,7 @@ static void pbwm3__drop_mesh(pbwm3__work *w)
 static int pbwm3__part_progress(void *user, pbw_stage stage, double done)
 {
     (void)stage;
-    return pbwm3__progress((const pbwm3__work *)user, done);
+    return pbwm3__progress((pbwm3__work *)user, done);
 }
 
 /* The field's cell that p is in, or nearest to. */
@@ -1874,13 +1904,13 @@ static int pbwm3__find_features(pbwm3__work *w, pbwm3__features *f, const pbwsf_
         good = PBWM3__APPEND(w, f->ends, fixed->at[i]);
     }
     f->fixed = fixed->count;
-    for (i = 0; good && i < f->candidates.count; i++) {
+    for (i = 0; good && i < f->candidates.count && !pbwm3__ends_at(w, i, 256); i++) {
         keeps[i] = (unsigned char)pbwm3__is_sharp_at_scale(w, f, f->edge + candidate[i]);
         good = !keeps[i] || PBWM3__APPEND(w, f->ends, f->edge[candidate[i]].v);
     }
     f->graph.ends = f->ends.at;
     f->graph.count = f->ends.count;
-    good = good && pbwm3__make_graph(w, &f->graph)
+    good = good && !pbwm3__has_ended(w) && pbwm3__make_graph(w, &f->graph)
         && PBW_FIT(&w->memory, f->degree, w->surface.point_count + 1)
         && PBW_FIT(&w->memory, f->branch, f->ends.count + 1);
     for (i = 0; good && i < w->surface.point_count; i++) {
@@ -2307,7 +2337,7 @@ static pbw_status pbwm3__find_chains(pbwm3__work *w)
     PBW_RELEASE(&w->memory, graph.first);
     PBW_RELEASE(&w->memory, graph.at);
     PBW_RELEASE(&w->memory, graph.used);
-    return good ? PBW_OK : PBW_ERROR_MEMORY;
+    return pbwm3__has_ended(w) ? PBW_CANCELLED : good ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
 /* Number i of a stream, from 0 to 1: splitmix64 (Steele, Lea and Flood 2014), whose state is a counter. */
@@ -2374,9 +2404,9 @@ static void pbwm3__grade(pbwm3__work *w)
     const size_t total = w->n[0] * w->n[1] * w->n[2];
     size_t i, j;
     int sweep, k, changed = 1;
-    for (sweep = 0; sweep < 8 && changed; sweep++) {
+    for (sweep = 0; sweep < 8 && changed && !pbwm3__has_ended(w); sweep++) {
         changed = 0;
-        for (j = 0; j < total; j++) {
+        for (j = 0; j < total && !pbwm3__ends_at(w, j, 65536); j++) {
             i = sweep % 2 == 0 ? j : total - 1 - j;
             for (k = 0; k < 27; k++) {
                 const size_t x = i % w->n[0] + (size_t)(k % 3), y = i / w->n[0] % w->n[1] + (size_t)(k / 3 % 3);
@@ -2396,8 +2426,8 @@ static void pbwm3__grade(pbwm3__work *w)
 typedef struct pbwm3__curvature { double area, tensor[6]; } pbwm3__curvature;  /* sums over a cell of the field */
 
 /* Adds parts of a triangle's area, of at most half a size, to the cells that they are in, unless cell is NULL.
-   Returns its area in squares of the local sizes. */
-static double pbwm3__spread_area(const pbwm3__work *w, pbw_index t, pbwm3__curvature *cell)
+   Returns its area in squares of the local sizes; reports progress. */
+static double pbwm3__spread_area(pbwm3__work *w, pbw_index t, pbwm3__curvature *cell)
 {
     const double *c[3];
     double n[3], longest = 0, p[3], size, squares = 0;
@@ -2422,6 +2452,11 @@ static double pbwm3__spread_area(const pbwm3__work *w, pbw_index t, pbwm3__curva
             size = pbwm3__size(w, p);
             squares += 0.5 * sqrt(pbwsf__dot(n, n)) / (double)(parts * parts) / (size * size);
         }
+    }
+    w->spread += parts * parts;
+    if (w->spread > 16384) {
+        w->spread = 0;
+        (void)pbwm3__ends(w);
     }
     return squares;
 }
@@ -2470,7 +2505,7 @@ static int pbwm3__measure_curvature(pbwm3__work *w)
     if (good) {
         memset(cell, 0, total * sizeof *cell);
     }
-    for (i = 0; good && i < w->surface.triangle_count; i++) {
+    for (i = 0; good && i < w->surface.triangle_count && !pbwm3__has_ended(w); i++) {
         (void)pbwm3__spread_area(w, (pbw_index)i, cell);
     }
     for (i = 0; good && i < count; i = k) {
@@ -2570,7 +2605,8 @@ static void pbwm3__take_sizes(pbwm3__work *w)
 {
     size_t i, cell = 0;
     int k;
-    for (i = 0; w->how.size_at != NULL && i < 9 * w->n[0] * w->n[1] * w->n[2]; i++) {
+    for (i = 0; w->how.size_at != NULL && i < 9 * w->n[0] * w->n[1] * w->n[2] && !pbwm3__ends_at(w, i, 1024);
+         i++) {
         const int part = (int)(i % 9);
         double p[3];
         cell = i / 9;
@@ -2661,6 +2697,9 @@ static pbw_status pbwm3__estimate(pbwm3__work *w)
     size_t i;
     for (i = 0; i < w->surface.triangle_count; i++) {
         squares += pbwm3__spread_area(w, (pbw_index)i, NULL);
+        if (pbwm3__has_ended(w)) {
+            return PBW_CANCELLED;
+        }
     }
     r->estimate = 5 * fabs(r->input_volume) / w->size / w->size / w->size + 8 * squares;
     r->refusal = r->estimate > (w->how.most > 0 ? w->how.most : 5e7) ? PBW_SOLID_LARGE : PBW_SOLID_FILLED;
@@ -2694,6 +2733,9 @@ static pbw_status pbwm3__make_field(pbwm3__work *w)
     pbwm3__take_sizes(w);
     if (!pbwm3__measure_chains(w) || (w->how.curvature > 0 && !pbwm3__measure_curvature(w))) {
         return PBW_ERROR_MEMORY;
+    }
+    if (pbwm3__ends(w)) {
+        return PBW_CANCELLED;
     }
     for (i = 0; i < total; i++) {
         w->least = fmin(w->least, w->field.at[i]);
@@ -2810,13 +2852,13 @@ static pbw_status pbwm3__sample_sharp(pbwm3__work *w)
     if (good) {
         memset(corner.at, 0xff, corner.capacity * sizeof *corner.at);
     }
-    for (i = 0; good && i < w->chains.count; i++) {
+    for (i = 0; good && i < w->chains.count && !pbwm3__ends_at(w, i, 16); i++) {
         good = pbwm3__sample_chain(w, &stars, i, corner.at);
     }
     PBW_RELEASE(&w->memory, corner);
     PBW_RELEASE(&w->memory, stars.first);
     PBW_RELEASE(&w->memory, stars.at);
-    return good ? PBW_OK : PBW_ERROR_MEMORY;
+    return !good ? PBW_ERROR_MEMORY : pbwm3__ends(w) ? PBW_CANCELLED : PBW_OK;
 }
 
 /* ---- smooth parts, by darts ---- */
@@ -3667,19 +3709,18 @@ static pbw_status pbwm3__list_new_points(pbwm3__work *w)
          : pbw_for(pbwm3__inner_options(w), w->new_points.count, 64, pbwm3__new_point_range, w);
 }
 
-/* One round.  *added: how many points it added. */
+/* Adds the points of a round.  *added: how many. */
 static pbw_status pbwm3__round(pbwm3__work *w, long *added)
 {
-    const pbw_status status = pbwm3__list_new_points(w);
     const pbwm3__new_point *point = w->new_points.at;
     long mended;
     size_t i;
     int got = 0;
-    if (status != PBW_OK) {
-        return status;
-    }
     *added = pbwm3__halve_pieces(w);
     for (i = 0; i < w->new_points.count && *added >= 0 && got >= 0; i++) {
+        if (pbwm3__ends_at(w, i, 256)) {
+            return PBW_CANCELLED;
+        }
         got = pbwm3__add_if_far(w, point[i].p, point[i].patch, 0.3, 0.25);
         if (got == 0 && point[i].inside != PBW_NONE && w->kind.at[point[i].inside] == PBWM3__INSIDE) {
             pbwm3__remove_point(w, point[i].inside);
@@ -3845,10 +3886,20 @@ static pbw_status pbwm3__rounds(pbwm3__work *w)
         if (status != PBW_OK || w->report->rounds == most || pbwm3__is_late(w)) {
             break;
         }
-        w->report->rounds++;
-        status = pbwm3__round(w, &added);
+        w->timed = 1;                                /* until points are added, the mesh is whole */
+        status = pbwm3__list_new_points(w);
+        w->timed = 0;
+        if (status == PBW_OK) {
+            w->report->rounds++;
+            status = pbwm3__round(w, &added);
+        }
         if (status == PBW_OK && added == 0) {
+            w->timed = 1;
             status = pbwm3__cover_surface(w, &added);
+            w->timed = 0;
+        }
+        if (status == PBW_CANCELLED && !w->cancelled) {
+            return PBW_OK;                           /* late */
         }
         if (status == PBW_OK && added == 0) {
             w->report->settled = 1;
@@ -4142,7 +4193,7 @@ static int pbwm3__fill_boundary(pbwm3__work *w, const pbw_tets *out, pbwm3__boun
 {
     size_t i;
     for (i = 0; i < arrays->facets.count; i++) {
-        if (!pbwm3__place_facet(w, out->points, arrays->facets.at[i], arrays)) {
+        if (pbwm3__ends_at(w, i, 1024) || !pbwm3__place_facet(w, out->points, arrays->facets.at[i], arrays)) {
             return 0;
         }
     }
@@ -4291,7 +4342,7 @@ static pbw_status pbwm3__measure(pbwm3__work *w, const pbw_tets *out, pbw_solid_
         status = pbwm3__report_boundary(w, out, &arrays.facets);
     }
     if (status == PBW_OK && boundary != NULL) {
-        status = !pbwm3__fill_boundary(w, out, &arrays) ? PBW_ERROR_MEMORY
+        status = !pbwm3__fill_boundary(w, out, &arrays) ? w->cancelled ? PBW_CANCELLED : PBW_ERROR_MEMORY
                : pbwm3__export_boundary(w, &arrays, boundary);
     }
     pbwm3__release_boundary(&w->memory, &arrays);
@@ -4382,8 +4433,8 @@ static pbw_status pbwm3__take_input(pbwm3__work *w)
 
 static pbw_status pbwm3__sample(pbwm3__work *w)
 {
-    pbw_status status;
-    status = pbwm3__find_chains(w);
+    pbw_status status = pbwm3__find_chains(w);
+    w->timed = 1;                                    /* from now on: the report has the input's part */
     if (w->report->sharp == PBW_SOLID_SHARP_NONE && !(w->how.least_size > 0) && w->how.size_at == NULL) {
         w->floor = w->size / 3;                      /* details of a scan are noise */
     }
@@ -4510,7 +4561,6 @@ static pbw_status pbwm3__attempt(const pbwm3__call *call, int whole, int sharp, 
     w->memory.used = call->held;
     if (call->options != NULL) {
         w->options = *call->options;
-        w->options.progress = NULL;
         w->options.flags = 0;
         w->options.stride = w->options.weight_stride = 0;
         w->options.trace = NULL;
@@ -4530,6 +4580,10 @@ static pbw_status pbwm3__attempt(const pbwm3__call *call, int whole, int sharp, 
     w->cosine = cos((w->how.feature_angle > 0 ? w->how.feature_angle : 40) / 57.295779513082321);
     status = pbwm3__begin_stage(w, "sample", 0.1) ? PBW_CANCELLED : pbwm3__take_input(w);
     status = status != PBW_OK ? status : pbwm3__sample(w);
+    w->timed = 0;
+    if (status == PBW_CANCELLED && !w->cancelled) {
+        report->refusal = PBW_SOLID_LATE;
+    }
     report->seconds[0] = pbwm3__lap(&since);
     status = status != PBW_OK ? status : pbwm3__begin_stage(w, "rounds", 0.1) ? PBW_CANCELLED : pbwm3__rounds(w);
     status = status != PBW_OK ? status : pbwm3__count_faults(w);
