@@ -864,6 +864,21 @@ PBW__INLINE double pbw__max_abs(double a, double b, double c, double d)
     return pbw__max(pbw__max(pbw__abs(a), pbw__abs(b)), pbw__max(pbw__abs(c), pbw__abs(d)));
 }
 
+/* One instruction where possible, so that nothing needs libm. */
+PBW__INLINE double pbw__square_root(double x)
+{
+#if defined(__SSE2__)
+    const __m128d y = _mm_set_sd(x);
+    return _mm_cvtsd_f64(_mm_sqrt_sd(y, y));
+#elif defined(__aarch64__) && defined(__GNUC__)
+    double y;
+    __asm__("fsqrt %d0, %d1" : "=w"(y) : "w"(x));
+    return y;
+#else
+    return sqrt(x);
+#endif
+}
+
 /* Returns the squared distance of two points, rounded. */
 PBW__INLINE double pbw__squared(const double *p, const double *q, int dim)
 {
@@ -4357,21 +4372,7 @@ typedef struct pbw__kernel {
 
 /* Makes room for `needed` items in the array x, whose size x_capacity is beside it; grows by half. */
 #define PBW__GROW(kernel, owner, x, needed) \
-    pbw__grow(&(kernel)->context->memory, &(owner)->x, &(owner)->x##_capacity, needed, sizeof(*(owner)->x))
-static int pbw__grow(pbw_memory *memory, void *array, size_t *capacity, size_t needed, size_t size)
-{
-    const size_t bigger = *capacity + *capacity / 2;
-    void *block;
-    if (needed <= *capacity) {
-        return 1;
-    }
-    if (!pbw_memory_fit(memory, array, capacity, bigger > needed ? bigger : needed, size)) {
-        return 0;
-    }
-    memcpy(&block, array, sizeof(block));
-    pbw__advise(memory, block, *capacity * size);
-    return 1;
-}
+    pbw_memory_grow(&(kernel)->context->memory, &(owner)->x, &(owner)->x##_capacity, needed, 0, sizeof(*(owner)->x))
 
 static void pbw__kernel_free(pbw__kernel *kernel)
 {
@@ -9726,7 +9727,7 @@ PBWDEF int pbw_centre(int dim, const double *const *corner, const double *weight
         }
         largest = pbw__max(largest, square);
     }
-    least = 1e-30 * (dim == 3 ? largest * sqrt(largest) : largest);
+    least = 1e-30 * (dim == 3 ? largest * pbw__square_root(largest) : largest);
     for (i = 0; i < dim; i++) {
         if (dim == 3) {                              /* the cross product of the other two rows */
             const pbw_pair *p = row[(i + 1) % 3], *q = row[(i + 2) % 3];
@@ -9819,6 +9820,7 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      PBW__PREFETCH              query live  platform
      PBW__PREFETCH_TO_WRITE     live        platform
      PBW__SIMD                  query live  platform
+     pbw__square_root           query       platform
      pbw__squared               query live  platform
      PBW__STORE                 live        platform
      PBW__STORE_RELEASE         live        platform
@@ -9923,7 +9925,6 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      pbw__facet_corners         live        mesh
      PBW__FEW                   live        mesh
      PBW__GHOST                 live        mesh
-     pbw__grow                  live        mesh
      PBW__GROW                  live        mesh
      pbw__kernel                live        mesh
      pbw__kernel_attach         live        mesh

@@ -2705,11 +2705,11 @@ static pbw_status pbw__live_reserve(pbw_live *live, size_t count, size_t queued)
     if (count >= PBW__POINT_LIMIT || count > (size_t)-1 / 256) {
         return PBW_ERROR_TOO_LARGE;
     }
-    return pbw__grow(memory, &live->point, &live->point_capacity, count * (size_t)live->dim, sizeof(double))
-        && pbw__grow(memory, &live->weight, &live->weight_capacity, count, sizeof(double))
-        && pbw__grow(memory, &live->state, &live->state_capacity, count, 1)
-        && pbw__grow(memory, &live->spare, &live->spare_capacity, count, sizeof(pbw_index))
-        && pbw__grow(memory, &live->queue, &live->queue_capacity, queued, sizeof(pbw_index))
+    return pbw_memory_grow(memory, &live->point, &live->point_capacity, count * (size_t)live->dim, 0, sizeof(double))
+        && pbw_memory_grow(memory, &live->weight, &live->weight_capacity, count, 0, sizeof(double))
+        && pbw_memory_grow(memory, &live->state, &live->state_capacity, count, 0, 1)
+        && pbw_memory_grow(memory, &live->spare, &live->spare_capacity, count, 0, sizeof(pbw_index))
+        && pbw_memory_grow(memory, &live->queue, &live->queue_capacity, queued, 0, sizeof(pbw_index))
         ? PBW_OK : PBW_ERROR_MEMORY;
 }
 

@@ -1281,21 +1281,6 @@ PBW__INLINE int pbw__reach_within(const pbw_mesh *mesh, const double *q, const p
                                 mesh->weights != NULL ? mesh->weights[a->vertex] : 0.0) <= 0;
 }
 
-/* One instruction where possible, so that nothing needs libm. */
-static inline double pbw__square_root(double x)
-{
-#if defined(__SSE2__)
-    const __m128d y = _mm_set_sd(x);
-    return _mm_cvtsd_f64(_mm_sqrt_sd(y, y));
-#elif defined(__aarch64__) && defined(__GNUC__)
-    double y;
-    __asm__("fsqrt %d0, %d1" : "=w"(y) : "w"(x));
-    return y;
-#else
-    return sqrt(x);
-#endif
-}
-
 /* Returns the distance, or with weights the power distance, as the caller gets it. */
 static double pbw__reach_distance(const pbw_mesh *mesh, const double *q, const pbw__reach *a)
 {
