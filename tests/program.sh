@@ -428,10 +428,18 @@ if script -qec true /dev/null < /dev/null > /dev/null 2>&1; then
     check "stages of a solid" stages "read sample rounds improve measure write" solid cube.obj --size 0.1 -o cube.vtu
     estimate() { awk '/^rounds/ { exit !before } /^about [0-9]+ tetrahedra/ { before = 1 }' frames; }
     check "the estimate comes before the work" estimate
-    check "stages of a plane domain" stages "read order build output plane write" plane p.csv --size 0.01 -o plane.vtu
+    check "stages of a plane domain" stages "read order build output plane check measure write" plane p.csv --size 0.01 -o plane.vtu
     check "stages of a triangulation" stages "read order build output check write" mesh m.csv -o typed.vtu
     check "stages of what is inside" stages "read surface order build output check inside write" \
         mesh cube.obj --inside -o typed.vtu
+    # An input that is late: seconds are shown until it is there to be read.
+    slow() { until grep -q ' [2-9] s' typed || [ "$waited" = xxxxxxxxxx ]; do sleep 0.5; waited=x$waited; done; cat m.csv; }
+    late() {
+        : > typed
+        mkfifo late.csv && { slow > late.csv & } && script -qfec "'$pbw' mesh late.csv -o late.vtu" typed < /dev/null > said &&
+            tr '\r' '\n' < typed > frames && grep '^read  *late.csv [.][.][.] [2-9] s' frames && [ -s late.vtu ]
+    }
+    check "a stage that is silent shows its seconds" late
 else
     skip "stages on a terminal: no script"
 fi

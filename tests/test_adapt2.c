@@ -7,6 +7,7 @@
 #include "meter.h"
 #include "planes.h"
 #include "test.h"
+#include "watch.h"
 
 /* A plate of 10 by 6 with a hole, a wall inside, and a slit that ends inside; regions 3 and 5 of the caller. */
 static const double plate_points[] = { 0, 0, 10, 0, 10, 6, 0, 6, 2, 2, 3, 2, 3, 3, 2, 3, 5, 0, 5, 6, 7, 2, 8.3, 3.1 };
@@ -748,6 +749,40 @@ static pbw_status limited_transfer(const pbw_plane_options *options, uint64_t *d
     return status;
 }
 
+/* At each call of progress; those of smoothing and of values are as many as points ask for. */
+static void test_cancel(void)
+{
+    static const struct { const char *name; pbw_status (*call)(const pbw_plane_options *options, uint64_t *digest);
+                          long least; } calls[] = {
+        { "smooth", limited_smooth, 3 }, { "adapt", limited_adapt, 2 }, { "triangles", limited_triangles, 2 },
+        { "transfer", limited_transfer, 1 }
+    };
+    size_t i;
+    for (i = 0; i < sizeof calls / sizeof *calls; i++) {
+        if (test_begin("cancelled at any call: %s", calls[i].name)) {
+            pbw_plane_options options;
+            pbw_options build;
+            pbw_status status = PBW_CANCELLED;
+            uint64_t digest;
+            watch w;
+            long k;
+            memset(&options, 0, sizeof options);
+            memset(&build, 0, sizeof build);
+            options.build = &build;
+            build.threads = 1;
+            build.progress = watch_progress;
+            build.progress_user = &w;
+            for (k = 1; status != PBW_OK; k += 1 + k / 4) {
+                watch_start(&w, k);
+                status = calls[i].call(&options, &digest);
+                CHECK(status == PBW_OK || status == PBW_CANCELLED);
+            }
+            CHECK(k > calls[i].least);
+            test_end();
+        }
+    }
+}
+
 static void test_limit(void)
 {
     static const struct {
@@ -841,6 +876,7 @@ int main(int argc, char **argv)
     test_triangles();
     test_regions();
     test_limit();
+    test_cancel();
     test_failures();
     return test_finish();
 }

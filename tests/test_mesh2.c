@@ -642,6 +642,61 @@ static void test_failures(void)
 
 /* ---- refinement */
 
+/* Counts reports by stage, those of the points' triangulation apart, and stops at one of them. */
+typedef struct stages { size_t calls[PBW_STAGE_WORK + 1], stop; pbw_stage at; int worked; } stages;
+
+static int count_stages(void *user, pbw_stage stage, double done)
+{
+    stages *s = (stages *)user;
+    s->worked |= stage == PBW_STAGE_WORK;
+    s->calls[stage] += (size_t)s->worked;
+    CHECK(done >= 0 && done <= 1);
+    return s->worked && stage == s->at && s->calls[stage] == s->stop;
+}
+
+/* No loop over many triangles is without a report, and each report may end the call. */
+static void test_stages(void)
+{
+    if (test_begin("stages of refinement, and cancelled in each")) {
+        drawing d;
+        pbw_plane_options options;
+        pbw_options build;
+        pbw_plane plane;
+        stages s;
+        size_t full[PBW_STAGE_WORK + 1], stop;
+        int at;
+        memset(&options, 0, sizeof options);
+        memset(&build, 0, sizeof build);
+        memset(&s, 0, sizeof s);
+        memset(&d, 0, sizeof d);
+        box(&d, 0, 0, 1, 0);
+        build.threads = 1;
+        build.progress = count_stages;
+        build.progress_user = &s;
+        options.build = &build;
+        options.flags = PBW_PLANE_REFINE;
+        options.size = 0.02;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        CHECK(s.calls[PBW_STAGE_CHECK] + 1 >= plane.triangle_count / 1024);
+        CHECK(s.calls[PBW_STAGE_OUTPUT] + 3 >= (2 * plane.triangle_count + plane.point_count) / 1024);
+        CHECK(s.calls[PBW_STAGE_WORK] + 2 >= 2 * plane.report.steiner_count / 1024);
+        memcpy(full, s.calls, sizeof full);
+        pbw_plane_free(&plane);
+        for (at = PBW_STAGE_OUTPUT; at <= PBW_STAGE_WORK; at++) {
+            for (stop = 1; stop <= full[at]; stop += 1 + stop / 2) {
+                memset(&s, 0, sizeof s);
+                s.at = (pbw_stage)at;
+                s.stop = stop;
+                CHECK_EQUAL(make(&d, &options, &plane), PBW_CANCELLED);
+                CHECK(plane.triangle_count == 0 && strcmp(plane.what, pbw_status_string(PBW_CANCELLED)) == 0);
+                pbw_plane_free(&plane);
+            }
+        }
+        drawing_free(&d);
+        test_end();
+    }
+}
+
 static double longest_edge(const pbw_plane *plane, size_t i)
 {
     double longest = 0;
@@ -1359,6 +1414,7 @@ int main(int argc, char **argv)
     test_limits();
     test_memory();
     test_failures();
+    test_stages();
     test_random();
     return test_finish();
 }

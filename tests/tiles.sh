@@ -296,6 +296,27 @@ killed() {
     "$pbw" tiles long.bin --tiles 8 -o g.pbwt > said 2>&1 && cat said && cmp f.pbwt g.pbwt && ! [ -e g.pbwt.scratch ]
 }
 check "a killed run goes on" killed
+stopped() {    # by Ctrl-C, which shells turn off for what runs behind; once more if it came too late
+    for try in 1 2 3; do
+        env --default-signal=INT "$pbw" tiles long.bin --tiles 8 -o i.pbwt > going 2>&1 &
+        number=$!
+        while ! grep -q ' 2 of 8' going && kill -0 $number 2> /dev/null; do sleep 0.05; done
+        kill -INT $number 2> /dev/null
+        wait $number || break
+        rm i.pbwt
+    done
+    cat going
+    grep -q 'interrupted; [2-7] of 8 tiles are finished and kept in i.pbwt.scratch: the same command goes on' going &&
+        ! [ -e i.pbwt ] && kept=$(sed -n 's/.*interrupted; \([2-7]\) of.*/\1/p' going) &&
+        "$pbw" tiles long.bin --tiles 8 -o i.pbwt > said 2>&1 && cat said && cmp f.pbwt i.pbwt &&
+        grep -q "going on: $kept of 8 tiles are finished" said && [ "$(grep -c "^tile " said)" = $((8 - kept)) ] &&
+        ! [ -e i.pbwt.scratch ]
+}
+if env --default-signal=INT true 2> /dev/null; then
+    check "Ctrl-C keeps what is finished, and says so" stopped
+else
+    skip "Ctrl-C: env cannot turn it on"
+fi
 half() {    # leaves some of 8 tiles finished
     ! (ulimit -f 20000; trap '' XFSZ; "$pbw" tiles long.bin --tiles 8 -o h.pbwt > said 2>&1) &&
         grep -q ' 1 of 8' said && [ -e h.pbwt.scratch/state ]

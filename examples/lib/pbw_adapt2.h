@@ -136,7 +136,7 @@ PBWADAPT2DEF pbw_status pbw_plane_from_triangles(const pbw_plane_input *input, c
 /* Computes values at the points of another mesh of the domain: linear in each triangle of `from`, and not outside of
    the values at its corners; outside of all triangles the value at the nearest place.  width: numbers a point;
    values: from->point_count * width, out: room for to->point_count * width.  Of options only `build` counts; NULL =
-   defaults.  Returns PBW_ERROR_ARGUMENT if `from` has no triangles, or PBW_ERROR_MEMORY. */
+   defaults.  Returns PBW_ERROR_ARGUMENT if `from` has no triangles, PBW_ERROR_MEMORY or PBW_CANCELLED. */
 PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plane *to, const double *values,
                                            size_t width, double *out, const pbw_plane_options *options);
 
@@ -231,6 +231,14 @@ static pbw_status pbwa2__make(const pbwa2__memory *memory, const pbw_plane_input
         build.memory_limit = memory->limit > memory->used ? memory->limit - memory->used : 1;
     }
     return pbw_plane_make(input, &own, plane);
+}
+
+/* Reports PBW_STAGE_WORK before each 1024th item of a loop.  Returns nonzero if the call is cancelled. */
+static int pbwa2__step(const pbw_plane_options *options, size_t i, size_t count)
+{
+    const pbw_options *build = options != NULL ? options->build : NULL;
+    return i % 1024 == 0 && build != NULL && build->progress != NULL
+        && build->progress(build->progress_user, PBW_STAGE_WORK, (double)i / (double)count) != 0;
 }
 
 static pbw_status pbwa2__say(pbw_plane *plane, pbw_status status, const char *text)
@@ -584,7 +592,7 @@ static pbw_status pbwa2__round(const pbw_plane *plane, pbw_plane_way way, const 
         fixed[plane->edges[i]] = 1;
     }
     least = sin(pbw_plane_quality_of(plane, PBW_PLANE_MIN_ANGLE).least / PBWA2__DEGREES);
-    for (i = 0; i < plane->point_count; i++) {
+    for (i = 0; i < plane->point_count && !pbwa2__step(options, i, plane->point_count); i++) {
         if (!fixed[i] && !(keep != NULL && keep[i]) && stars.first[i] < stars.first[i + 1]) {
             pbwa2__move(plane, points, &stars, i, way, fmax(least * least, 0.25));
         }
@@ -592,7 +600,8 @@ static pbw_status pbwa2__round(const pbw_plane *plane, pbw_plane_way way, const 
     a.old = plane;
     a.points = points;
     a.stays = stays;
-    status = pbwa2__make_again(&a, &memory, options, next, NULL);
+    status = i < plane->point_count ? pbwa2__say(next, PBW_CANCELLED, NULL)
+           : pbwa2__make_again(&a, &memory, options, next, NULL);
     pbwa2__end(&memory);
     return status;
 }
@@ -1206,7 +1215,7 @@ PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plan
         pbwa2__end(&memory);
         return PBW_ERROR_MEMORY;
     }
-    for (i = 0; i < to->point_count; i++) {
+    for (i = 0; i < to->point_count && !pbwa2__step(options, i, to->point_count); i++) {
         const pbw_index *v;
         at = pbwa2__nearest(&tree, to->points + 2 * i, at, weight);
         v = from->triangles + 3 * at;
@@ -1216,7 +1225,7 @@ PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plan
         }
     }
     pbwa2__end(&memory);
-    return PBW_OK;
+    return i == to->point_count ? PBW_OK : PBW_CANCELLED;
 }
 
 #if defined(__clang__)

@@ -118,7 +118,10 @@ typedef struct pbw_plane_options {         /* NULL or all zero = best defaults *
     size_t steiner_limit;                  /* most points that refinement inserts, 0 = no limit but memory */
     double most;                           /* triangles of refinement; 0 = 50 million.  Sizes that ask for more are
                                               PBW_ERROR_TOO_LARGE before work, as is refinement once it has more */
-    const pbw_options *build;              /* threads, memory_limit, resize, progress, as in pbw.h; NULL = defaults */
+    const pbw_options *build;              /* threads, memory_limit, resize, progress, as in pbw.h; NULL = defaults.
+                                              Stages: those of pbw_triangulate for the points; PBW_STAGE_WORK for
+                                              segments and refinement, PBW_STAGE_CHECK for the counts of the report,
+                                              PBW_STAGE_OUTPUT for the arrays */
 } pbw_plane_options;
 
 /* ---- out */
@@ -206,7 +209,8 @@ extern int madvise(void *address, size_t length, int advice);        /* strict C
 /* ------------------------------------------------------------------------------------------------------
    Memory: growing arrays through options.resize.
    Holds: used = the sum of all live arrays; over the limit nothing grows.  fault is PBW_OK until an array could not
-   grow, and then stays what pbwp__hand_over returns: no result is made of arrays that lack items.
+   grow or progress cancelled, and then stays what pbwp__hand_over returns: no result is made of arrays that lack
+   items.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwp__memory {
     void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
@@ -333,6 +337,7 @@ typedef struct pbwp__job {
     size_t piece_count;
     pbw_index free_slot;
     double floor;                          /* see signs */
+    pbw_stage stage;                       /* that progress is of */
     size_t steps;                          /* since progress was reported */
     pbwp__array triangles, points, incidents;
     pbwp__array given, segments;           /* points, and pieces in their numbers; crossings and parts are added */
@@ -376,10 +381,17 @@ static pbw_status pbwp__say(pbwp__job *job, pbw_status status, const char *text)
 /* Every loop that may be long calls it.  Returns nonzero if the call is cancelled. */
 static int pbwp__step(pbwp__job *job, double done)
 {
-    if ((++job->steps & 1023) != 0 || job->build->progress == NULL) {
-        return 0;
+    if ((++job->steps & 1023) == 0 && job->build->progress != NULL && job->memory.fault == PBW_OK
+        && job->build->progress(job->build->progress_user, job->stage, done) != 0) {
+        job->memory.fault = PBW_CANCELLED;
     }
-    return job->build->progress(job->build->progress_user, PBW_STAGE_WORK, done);
+    return job->memory.fault == PBW_CANCELLED;
+}
+
+/* The share of items that a loop has done. */
+static double pbwp__share(size_t i, size_t count)
+{
+    return (double)i / (double)count;
 }
 
 /* Limits a call of pbw.h to the memory that the job does not hold.  Returns 0 if there is none. */
@@ -1024,7 +1036,7 @@ static pbw_status pbwp__constrain(pbwp__job *job, int *crosses)
         } else if (result == PBWP__CROSSES) {
             *crosses = 1;
             return PBW_OK;
-        } else if (pbwp__step(job, (double)i / (double)job->piece_count)) {
+        } else if (pbwp__step(job, pbwp__share(i, job->piece_count))) {
             status = pbwp__say(job, PBW_CANCELLED, NULL);
         }
     }
@@ -1216,7 +1228,7 @@ static pbw_status pbwp__find_pairs(pbwp__job *job, pbwp__array *pairs)
     status = pbwp__plant(job, &tree);
     for (i = 0; status == PBW_OK && i < job->segments.count; i++) {
         status = !pbwp__pairs_of(job, &tree, i, pairs) ? PBW_ERROR_MEMORY
-               : pbwp__step(job, (double)i / (double)job->segments.count) ? PBW_CANCELLED : PBW_OK;
+               : pbwp__step(job, pbwp__share(i, job->segments.count)) ? PBW_CANCELLED : PBW_OK;
     }
     pbwp__release(&job->memory, &tree.order);
     pbwp__release(&job->memory, &tree.boxes);
@@ -3039,6 +3051,12 @@ static void pbwp__mend_large(pbwp__refiner *r)
     }
 }
 
+/* How far refinement is, which nobody knows before it ends. */
+static double pbwp__refined(const pbwp__refiner *r)
+{
+    return 1 - 1 / (1 + 1e-5 * (double)r->inserted);
+}
+
 /* Queues the sharp triangles once no triangle is too large; most earlier ones have been deleted by then. */
 static void pbwp__begin_angles(pbwp__refiner *r)
 {
@@ -3050,6 +3068,7 @@ static void pbwp__begin_angles(pbwp__refiner *r)
             pbwp__examine_angle(r, (pbw_index)(i - 1));
             (void)pbwp__is_sharp(r, r->job->t + i - 1, &shortest2);
             least2 = pbwp__least(least2, shortest2);
+            (void)pbwp__step(r->job, pbwp__refined(r));
         }
     }
     r->shortest2 = least2 / 4;
@@ -3238,6 +3257,7 @@ static pbw_status pbwp__refine_all(pbwp__refiner *r)
     for (i = job->triangles.count; i > 0 && !pbwp__failed(r); i--) {      /* stacks: the first come out first */
         if (job->t[i - 1].v[0] != PBW_NONE) {
             pbwp__examine(r, (pbw_index)(i - 1));
+            (void)pbwp__step(job, 0);
         }
     }
     while (!pbwp__failed(r)) {
@@ -3261,7 +3281,7 @@ static pbw_status pbwp__refine_all(pbwp__refiner *r)
         } else {
             break;
         }
-        if (pbwp__step(job, 1 - 1 / (1 + 1e-5 * (double)r->inserted))) {
+        if (pbwp__step(job, pbwp__refined(r))) {
             return pbwp__say(job, PBW_CANCELLED, NULL);
         }
         if (pbwp__allow(job, (double)r->triangle_count) != PBW_OK) {
@@ -3271,12 +3291,14 @@ static pbw_status pbwp__refine_all(pbwp__refiner *r)
     return job->memory.fault == PBW_OK ? PBW_OK : pbwp__say(job, job->memory.fault, NULL);
 }
 
+/* Counts the triangles that are not as wanted. */
 static void pbwp__count_faults(const pbwp__refiner *r)
 {
     pbw_plane_report *report = &r->job->plane->report;
     double shortest2;
     size_t i;
-    for (i = 0; i < r->job->triangles.count; i++) {
+    r->job->stage = PBW_STAGE_CHECK;
+    for (i = 0; i < r->job->triangles.count && !pbwp__step(r->job, pbwp__share(i, r->job->triangles.count)); i++) {
         const pbwp__triangle *t = r->job->t + i;
         if (t->v[0] != PBW_NONE) {
             report->small_angles += (size_t)pbwp__is_sharp(r, t, &shortest2);
@@ -3308,6 +3330,7 @@ static pbw_status pbwp__refine(pbwp__job *job)
     status = status == PBW_OK ? pbwp__refine_all(&r) : status;
     if (status == PBW_OK) {
         pbwp__count_faults(&r);
+        status = job->memory.fault == PBW_OK ? PBW_OK : pbwp__say(job, job->memory.fault, NULL);
     }
     for (i = 0; i < PBWP__CLASSES; i++) {
         pbwp__release(memory, r.class_of + i);
@@ -3393,8 +3416,9 @@ static int pbwp__sort_triangles(pbwp__job *job)
     next = PBWP__INDICES(job->first_of);
     item = PBWP__INDICES(job->item_of);
     memset(head, 255, n * sizeof *head);
-    for (i = slots; i > 0; i--) {
+    for (i = slots; i > 0 && ok; i--) {
         const pbwp__triangle *t = job->t + i - 1;
+        ok = !pbwp__step(job, 0);
         if (t->v[0] != PBW_NONE) {
             const pbw_index code = pbwp__first_corner(job, (pbw_index)(i - 1));
             next[i - 1] = head[t->v[PBWP__SIDE(code)]];
@@ -3404,13 +3428,13 @@ static int pbwp__sort_triangles(pbwp__job *job)
             }
         }
     }
-    for (i = 0; i < n && ok; i++) {
+    for (i = 0; i < n && ok; i++) {                  /* a quarter of the stage, as each of its loops */
         const size_t first = count;
         pbw_index code;
         for (code = head[i]; code != PBW_NONE; code = next[PBWP__SLOT(code)]) {
             item[count++] = code;
         }
-        ok = pbwp__sort_fan(job, item + first, count - first);
+        ok = pbwp__sort_fan(job, item + first, count - first) && !pbwp__step(job, pbwp__share(i, 4 * n));
     }
     for (i = 0; i < count; i++) {
         next[PBWP__SLOT(item[i])] = (pbw_index)(4 * i + PBWP__SIDE(item[i]));
@@ -3511,7 +3535,7 @@ static int pbwp__out_triangles(pbwp__job *job, pbwp__block *block)
     corner = PBWP__INDICES(block->array[PBWP__TRIANGLES]);
     neighbor = PBWP__INDICES(block->array[PBWP__NEIGHBORS]);
     edge = PBWP__INDICES(job->old);
-    for (i = 0; i < count; i++) {
+    for (i = 0; i < count && !pbwp__step(job, 0.25 + pbwp__share(i, 2 * count)); i++) {
         const pbwp__triangle *t = job->t + PBWP__SLOT(item[i]);
         unsigned side = PBWP__SIDE(item[i]);
         if (i + 16 < count) {
@@ -3536,7 +3560,7 @@ static int pbwp__out_triangles(pbwp__job *job, pbwp__block *block)
     job->plane->triangles = corner;
     job->plane->neighbors = neighbor;
     job->plane->triangle_count = count;
-    return 1;
+    return i == count;
 }
 
 static void pbwp__sort_indices(pbw_index *item, size_t count)         /* Shell 1959; gaps of Gonnet 1991 */
@@ -3611,7 +3635,8 @@ static int pbwp__out_edges(pbwp__job *job, pbwp__block *block)
         end[2 * i] = vertex[t->v[pbwp__next[side]]];
         end[2 * i + 1] = vertex[t->v[pbwp__last[side]]];
         first[i] = list->count;
-        if (!pbwp__out_segments(job, list, pbwp__host_of(job, t->edge[side]))) {
+        if (!pbwp__out_segments(job, list, pbwp__host_of(job, t->edge[side]))
+            || pbwp__step(job, 0.75 + pbwp__share(i, 4 * count))) {
             return 0;
         }
     }
@@ -3655,6 +3680,7 @@ static pbw_status pbwp__hand_over(pbwp__job *job, pbw_status status)
     }
     block = (pbwp__block *)self.data;
     memset(block, 0, sizeof *block);
+    job->stage = PBW_STAGE_OUTPUT;
     if (status == PBW_OK) {
         ok = pbwp__sort_triangles(job) && pbwp__out_points(job, block) && pbwp__out_triangles(job, block)
           && pbwp__out_regions(job, block) && pbwp__out_edges(job, block);
@@ -3672,7 +3698,7 @@ static pbw_status pbwp__hand_over(pbwp__job *job, pbw_status status)
     if (!ok) {
         pbwp__block_free(block);
         memset(job->plane, 0, sizeof *job->plane);
-        return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+        return pbwp__say(job, job->memory.fault != PBW_OK ? job->memory.fault : PBW_ERROR_MEMORY, NULL);
     }
     job->plane->crossings = PBWP__INDICES(block->array[PBWP__CROSSINGS]);
     job->plane->crossing_count = block->array[PBWP__CROSSINGS].count / 2;
@@ -3778,6 +3804,7 @@ PBWMESH2DEF pbw_status pbw_plane_make(const pbw_plane_input *input, const pbw_pl
     job.memory.resize = job.build->resize != NULL ? job.build->resize : pbwp__default_resize;
     job.memory.user = job.build->resize_user;
     job.memory.limit = job.build->memory_limit;
+    job.stage = PBW_STAGE_WORK;
     if (input == NULL) {
         return pbwp__say(&job, PBW_ERROR_ARGUMENT, "no input");
     }

@@ -75,6 +75,7 @@ int main(int argc, char **argv)
     status = status != 0 ? status : check_effects(&j);
     if (status == 0) {
         catch_interrupt();
+        start_clock(&j);
         status = j.command->run(&j);
     }
     free(j.given);

@@ -40,6 +40,7 @@ typedef struct result {
                                                         list_groups */
     pbw_mesh mesh;                                   /* the triangles as a mesh, for what writes meshes */
     double *least;                                   /* per triangle: its least angle */
+    double least_angle, largest_angle;               /* of all */
     unsigned char *on_segment;                       /* per point */
 } result;
 
@@ -100,7 +101,8 @@ static int drop_orphans(result *r)
     return 1;
 }
 
-static int finish(result *r)
+/* Returns 0 or the exit status. */
+static int finish(const job *j, result *r)
 {
     const pbw_plane *p = r->plane;
     pbw_index *incident = (pbw_index *)malloc((p->point_count + 1) * sizeof *incident);
@@ -117,25 +119,33 @@ static int finish(result *r)
     r->mesh.incident = incident;
     r->mesh.canonical = canonical;
     if (incident == NULL || canonical == NULL || r->least == NULL || r->on_segment == NULL) {
-        return 0;
+        return fail(j, "out of memory");
     }
+    r->least_angle = 180;
     for (i = 0; i < p->point_count; i++) {
         incident[i] = PBW_NONE;
         canonical[i] = (pbw_index)i;
     }
     for (i = p->triangle_count; i > 0; i--) {
         const pbw_index *v = p->triangles + 3 * (i - 1);
+        const size_t done = p->triangle_count - i;
+        if (done % 65536 == 0 && draw_bar(j, "measure", (double)done / (double)p->triangle_count)) {
+            return stopped(j);
+        }
         r->least[i - 1] = 180;
         for (k = 0; k < 3; k++) {
-            r->least[i - 1] = fmin(r->least[i - 1], angle_of(p->points + 2 * (size_t)v[k],
-                                   p->points + 2 * (size_t)v[(k + 1) % 3], p->points + 2 * (size_t)v[(k + 2) % 3]));
+            const double angle = angle_of(p->points + 2 * (size_t)v[k], p->points + 2 * (size_t)v[(k + 1) % 3],
+                                          p->points + 2 * (size_t)v[(k + 2) % 3]);
+            r->least[i - 1] = fmin(r->least[i - 1], angle);
+            r->largest_angle = fmax(r->largest_angle, angle);
             incident[v[k]] = (pbw_index)(i - 1);
         }
+        r->least_angle = fmin(r->least_angle, r->least[i - 1]);
     }
     for (i = 0; i < 2 * p->edge_count; i++) {
         r->on_segment[p->edges[i]] = 1;
     }
-    return 1;
+    return 0;
 }
 
 static void finish_free(result *r)
@@ -174,7 +184,9 @@ void describe_plane_measures(const job *j, const pbw_plane *plane)
 {
     int i;
     for (i = 0; i < PBW_PLANE_MEASURES; i++) {
-        const pbw_plane_quality q = pbw_plane_quality_of(plane, (pbw_plane_measure)i);
+        pbw_plane_quality q;
+        (void)draw_bar(j, "measure", (double)i / PBW_PLANE_MEASURES);
+        q = pbw_plane_quality_of(plane, (pbw_plane_measure)i);
         report_line(j, "%-16s least %.7g, mean %.7g, most %.7g", pbw_plane_measure_name((pbw_plane_measure)i),
                     q.least, q.mean, q.most);
     }
@@ -183,21 +195,11 @@ void describe_plane_measures(const job *j, const pbw_plane *plane)
 static void report(const job *j, const result *r, double seconds)
 {
     const pbw_plane *p = r->plane;
-    double least = 180, largest = 0;
-    size_t i, k;
-    for (i = 0; i < p->triangle_count; i++) {
-        const pbw_index *v = p->triangles + 3 * i;
-        least = fmin(least, r->least[i]);
-        for (k = 0; k < 3; k++) {
-            largest = fmax(largest, angle_of(p->points + 2 * (size_t)v[k], p->points + 2 * (size_t)v[(k + 1) % 3],
-                                             p->points + 2 * (size_t)v[(k + 2) % 3]));
-        }
-    }
     report_step(j, "mesh", seconds, "%s", "");
     report_line(j, "%zu triangle%s, %zu point%s, %zu edge%s of segments, %zu region%s", COUNT(p->triangle_count),
                 COUNT(p->point_count), COUNT(p->edge_count), COUNT(p->region_count));
     if (p->triangle_count > 0) {
-        report_line(j, "angles from %.2f to %.2f degrees", least, largest);
+        report_line(j, "angles from %.2f to %.2f degrees", r->least_angle, r->largest_angle);
     }
     if (p->report.rounds > 0) {
         report_line(j, "%zu point%s at crossings, in %zu round%s",
@@ -486,8 +488,8 @@ static int make_result(job *j, const plan *d, const pbw_plane_options *options, 
              : fail(j, "%s%s%s", is_of_mesh(j, d) ? j->input : "", is_of_mesh(j, d) ? ": " : "",
                     r->plane->what[0] != 0 ? r->plane->what : pbw_status_string(status));
     }
-    if (!finish(r)) {
-        return fail(j, "out of memory");
+    if (finish(j, r) != 0) {
+        return FAILURE;
     }
     report(j, r, now() - start);
     return 0;

@@ -184,6 +184,7 @@ int check_effects(const job *j);
 extern volatile sig_atomic_t interrupted;
 void catch_interrupt(void);
 double now(void);
+void start_clock(const job *j);                      /* on a terminal, shows how long work is silent */
 int draw_bar(const job *j, const char *name, double done);            /* returns whether the work must stop */
 void begin(const job *j, const char *name, const char *what);         /* a stage that cannot tell how far it is */
 PRINTF(2, 3) int fail(const job *j, const char *format, ...);         /* prints; returns FAILURE */

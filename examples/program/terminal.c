@@ -1,13 +1,15 @@
 /* terminal.c: the report, the bar, failures, Ctrl-C. */
 #ifndef _WIN32
-#define _POSIX_C_SOURCE 199309L                      /* clock_gettime beside strict C99 */
+#define _POSIX_C_SOURCE 200809L                      /* clock_gettime and so on beside strict C99 */
 #endif
 #include "program.h"
+#include <errno.h>
 #include <stdarg.h>
 #ifdef _WIN32
 #include <windows.h>
 #else
 #include <time.h>
+#include <unistd.h>
 #endif
 
 volatile sig_atomic_t interrupted;
@@ -40,12 +42,61 @@ double now(void)                                     /* of a clock that nobody s
 }
 
 static char shown[128];                              /* what the terminal's last line has of us, "" for nothing */
+static volatile sig_atomic_t drawing, silent, clocked;  /* seconds without a sign; whether the line shows them */
+
+#ifndef _WIN32
+/* Each second: where work gives no sign for two, as in reading a large file, the line shows how long.  Calls nothing
+   but what handlers may call. */
+static void on_second(int number)
+{
+    char text[sizeof shown + 24] = "\r", digits[12];
+    size_t length = 1, i = sizeof digits;
+    const int error = errno;
+    if (!drawing && shown[0] != 0 && ++silent >= 2) {
+        unsigned rest = (unsigned)silent;
+        for (; length < sizeof shown && shown[length - 1] != 0; length++) {
+            text[length] = shown[length - 1];
+        }
+        for (; rest > 0; rest /= 10) {
+            digits[--i] = (char)('0' + rest % 10);
+        }
+        text[length++] = ' ';
+        while (i < sizeof digits) {
+            text[length++] = digits[i++];
+        }
+        memcpy(text + length, " s\033[K", 5);
+        clocked = write(2, text, length + 5) > 0;
+    }
+    (void)number;
+    alarm(1);
+    errno = error;
+}
+#endif
+
+void start_clock(const job *j)
+{
+#ifndef _WIN32
+    struct sigaction action;
+    if (j->terminal) {
+        memset(&action, 0, sizeof action);
+        action.sa_handler = on_second;
+        action.sa_flags = SA_RESTART;
+        sigemptyset(&action.sa_mask);
+        sigaction(SIGALRM, &action, NULL);
+        alarm(1);
+    }
+#else
+    (void)j;
+#endif
+}
 
 static void show(const job *j, const char *text)
 {
-    if (j->terminal && strcmp(text, shown) != 0) {
+    if (j->terminal && (clocked || strcmp(text, shown) != 0)) {
+        drawing = 1;
         fprintf(stderr, "\r%s\033[K", text);
         snprintf(shown, sizeof shown, "%s", text);
+        drawing = silent = clocked = 0;
     }
 }
 
