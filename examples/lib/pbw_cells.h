@@ -374,7 +374,7 @@ typedef struct pbwc__clip pbwc__clip;
 typedef struct pbwc__centre {
     double x[3];                           /* relative to the simplex's first corner */
     pbw_index simplex;
-    unsigned says;                         /* PBWC__GOOD and so on, or'ed */
+    unsigned flags;                        /* PBWC__GOOD and so on, or'ed */
 } pbwc__centre;
 
 static int pbwc__centre_exactly(const pbw_mesh *mesh, const pbw_index *corner, double least, double *centre)
@@ -1004,7 +1004,7 @@ typedef struct pbwc__work {                /* of one range */
     pbwc__centre *centres;                 /* kept */
     pbw_index site;                        /* the vertex of the star */
     int open;                              /* is the star at the hull? */
-    unsigned says;                         /* what all centres say */
+    unsigned flags;                        /* those that all centres have */
     double sum[4];                         /* of a closed star: moments * 24 (in the plane 6), volume * 6 (2) */
     const struct pbwc__visit *visits;      /* of a polygon's edges in the cell */
     size_t visit_count;
@@ -1081,7 +1081,7 @@ struct pbwc__job {
     size_t *first;
     pbwc__array entries;                   /* with shapes, per point: where its loops' entries begin */
     pbwc__array cut;                       /* per point: was its cell cut? */
-    pbwc__array states, left;              /* for volumes alone: per point what shares say; cells left for stars */
+    pbwc__array states, left;              /* for volumes alone: flags of each point's shares; cells left for stars */
 };
 
 #define PBWC__PARTS(work) ((pbwc__part *)(work)->parts.data)
@@ -1142,12 +1142,12 @@ static PBWC__INLINE void pbwc__make_centre(const pbwc__job *job, size_t dim, pbw
 {
     const double *a = job->mesh->points + job->mesh->simplices[simplex * (dim + 1)] * dim;
     centre->simplex = simplex;
-    centre->says = pbwc__centre_of(job->mesh, dim, simplex, centre->x) ? PBWC__GOOD | PBWC__INSIDE : 0;
-    if (centre->says == 0 && job->clip != NULL) {
+    centre->flags = pbwc__centre_of(job->mesh, dim, simplex, centre->x) ? PBWC__GOOD | PBWC__INSIDE : 0;
+    if (centre->flags == 0 && job->clip != NULL) {
         pbwc__centre_of_flat(job->mesh, simplex, centre->x);
     }
     if (!pbwc__inside(job, dim, a, centre->x)) {
-        centre->says &= ~PBWC__INSIDE;
+        centre->flags &= ~PBWC__INSIDE;
     }
 }
 
@@ -1175,7 +1175,7 @@ static PBWC__INLINE unsigned pbwc__from_site(const pbwc__job *job, pbwc__centre 
     for (k = 0; k < dim; k++) {
         x[k] = centre->x[k] + (a[k] - site[k]);
     }
-    return centre->says;
+    return centre->flags;
 }
 
 /* Adds a link with its bisector.  Returns NULL if there is no memory. */
@@ -1251,7 +1251,7 @@ static PBWC__INLINE int pbwc__is_known(const pbwc__map *map, pbw_index key)
 typedef struct pbwc__ring {
     double d[3], along, moment[3];
     double first[3], last[3];              /* centres */
-    unsigned says;
+    unsigned flags;
 } pbwc__ring;
 
 static PBWC__INLINE void pbwc__cross(const double *s, const double *t, double *x)
@@ -1285,7 +1285,7 @@ static PBWC__INLINE int pbwc__walk(pbwc__work *work, pbw_index u, pbw_index at[3
     const pbw_index edge = work->site ^ u, first = at[0];
     pbw_index simplex = first, p = at[1], q = at[2], next;
     double t[3];
-    ring->says &= pbwc__from_site(work->job, work->centres, 3, site, simplex, ring->first);
+    ring->flags &= pbwc__from_site(work->job, work->centres, 3, site, simplex, ring->first);
     memcpy(ring->last, ring->first, sizeof ring->last);
     for (;;) {
         next = pbwc__across(mesh, simplex, p);
@@ -1300,7 +1300,7 @@ static PBWC__INLINE int pbwc__walk(pbwc__work *work, pbw_index u, pbw_index at[3
         simplex = next;
         p = q;
         q = pbwc__fourth(mesh, simplex, edge ^ q);
-        ring->says &= pbwc__from_site(work->job, work->centres, 3, site, simplex, t);
+        ring->flags &= pbwc__from_site(work->job, work->centres, 3, site, simplex, t);
         pbwc__add_edge(ring, t);
     }
     pbwc__add_edge(ring, ring->first);
@@ -1322,7 +1322,7 @@ static int pbwc__walk_ring(pbwc__work *work, size_t number)
     int closed, k;
     memset(&ring, 0, sizeof ring);
     memcpy(ring.d, link->d, sizeof ring.d);
-    ring.says = work->says;
+    ring.flags = work->flags;
     at[0] = link->simplex;
     at[1] = link->p;
     at[2] = link->q;
@@ -1352,7 +1352,7 @@ static int pbwc__walk_ring(pbwc__work *work, size_t number)
         work->sum[k] += link->foot * (ring.moment[k] + ring.along * (link->foot * ring.d[k]));
     }
     work->sum[3] += link->foot * ring.along;
-    work->says = ring.says;
+    work->flags = ring.flags;
     return closed >= 0;
 }
 
@@ -1404,7 +1404,7 @@ static int pbwc__gather2(pbwc__work *work)
             }
             next = mesh->neighbors[3 * (size_t)at + (pbwc__place2(mesh, at, v) + 1) % 3];
             part->simplex = at;
-            work->says &= pbwc__from_site(work->job, work->centres, 2, site, at, part->centre);
+            work->flags &= pbwc__from_site(work->job, work->centres, 2, site, at, part->centre);
             work->parts.count++;
             at = next;
         } while (at != PBW_NONE && at != first);
@@ -1455,7 +1455,7 @@ static PBWC__INLINE int pbwc__gather_some(pbwc__work *work, pbw_index v, int lin
     work->parts.count = work->rings.count = work->links.count = 0;
     work->site = v;
     work->open = 0;
-    work->says = PBWC__GOOD | PBWC__INSIDE;
+    work->flags = PBWC__GOOD | PBWC__INSIDE;
     memset(work->sum, 0, sizeof work->sum);
     return work->job->mesh->dim == 3 ? pbwc__gather3(work) : pbwc__gather2(work) && (!links || pbwc__add_sides(work));
 }
@@ -1537,7 +1537,7 @@ static int pbwc__star_volume(pbwc__work *work)
 {
     pbwc__job *job = work->job;
     const size_t dim = (size_t)job->mesh->dim, v = work->site;
-    if (job->bounded && (work->open || (job->clip == NULL && (work->says & PBWC__INSIDE) == 0))) {
+    if (job->bounded && (work->open || (job->clip == NULL && (work->flags & PBWC__INSIDE) == 0))) {
         return 0;
     }
     if (dim == 2) {
@@ -1577,7 +1577,7 @@ typedef double pbwc__lanes;
 #define PBWC__ADDED  4u                    /* the sum of its first chunk has been added */
 #define PBWC__LISTED 8u                    /* it is done, or listed for its star */
 
-typedef struct pbwc__share { double sum[4]; pbw_index vertex; unsigned says; } pbwc__share;  /* moments, volume */
+typedef struct pbwc__share { double sum[4]; pbw_index vertex; unsigned flags; } pbwc__share; /* moments, volume */
 
 typedef struct pbwc__adder {               /* of one chunk */
     pbwc__job *job;
@@ -1585,14 +1585,14 @@ typedef struct pbwc__adder {               /* of one chunk */
     pbwc__array shares;
 } pbwc__adder;
 
-typedef struct pbwc__flesh {               /* of simplices; edges 01 02 03 12 13 23; facets: across from corners */
+typedef struct pbwc__simplex_geometry {    /* of simplices; edges 01 02 03 12 13 23; facets: across from corners */
     pbwc__lanes edge[6][3], square[6], weight[4];
     pbwc__lanes foot[6];                   /* |iM| / |ij| */
     pbwc__lanes given[6];                  /* G drop, of both facets at the edge */
     pbwc__lanes normal[4][3], drop[4];
     pbwc__lanes to[4][3];                  /* from the corners to the centre */
     pbwc__lanes sum[4][4];                 /* per corner: moments * 24, volume * 6 */
-} pbwc__flesh;
+} pbwc__simplex_geometry;
 
 static const int pbwc__ends[6][2] = { { 0, 1 }, { 0, 2 }, { 0, 3 }, { 1, 2 }, { 1, 3 }, { 2, 3 } };
 
@@ -1609,7 +1609,8 @@ static PBWC__INLINE void pbwc__cross_lanes(const pbwc__lanes *s, const pbwc__lan
 }
 
 /* Edges, and with weights feet, of simplices from..from+LANES-1, of which `last` is the last. */
-static PBWC__INLINE void pbwc__load(const pbw_mesh *mesh, int weighted, size_t from, size_t last, pbwc__flesh *flesh)
+static PBWC__INLINE void pbwc__load(const pbw_mesh *mesh, int weighted, size_t from, size_t last,
+                                    pbwc__simplex_geometry *geometry)
 {
     double x[4][4][PBWC__LANES];
     pbwc__lanes at[4][4];
@@ -1627,46 +1628,46 @@ static PBWC__INLINE void pbwc__load(const pbw_mesh *mesh, int weighted, size_t f
     for (e = 0; e < 6; e++) {
         const int i0 = pbwc__ends[e][0], i1 = pbwc__ends[e][1];
         for (k = 0; k < 3; k++) {
-            flesh->edge[e][k] = at[i1][k] - at[i0][k];
+            geometry->edge[e][k] = at[i1][k] - at[i0][k];
         }
-        flesh->square[e] = pbwc__dot(flesh->edge[e], flesh->edge[e]);
-        flesh->given[e] = flesh->square[e] - flesh->square[e];
+        geometry->square[e] = pbwc__dot(geometry->edge[e], geometry->edge[e]);
+        geometry->given[e] = geometry->square[e] - geometry->square[e];
         if (weighted) {
-            flesh->foot[e] = 0.5 + (at[i0][3] - at[i1][3]) / (2 * flesh->square[e]);
+            geometry->foot[e] = 0.5 + (at[i0][3] - at[i1][3]) / (2 * geometry->square[e]);
         }
     }
     for (i = 0; i < 4; i++) {
-        flesh->weight[i] = at[i][3];
+        geometry->weight[i] = at[i][3];
     }
 }
 
 /* Normals, and to[0], the centre as in pbwc__centre_of.  Returns 6 times the volume. */
-static PBWC__INLINE pbwc__lanes pbwc__find_centre(pbwc__flesh *flesh, int weighted)
+static PBWC__INLINE pbwc__lanes pbwc__find_centre(pbwc__simplex_geometry *geometry, int weighted)
 {
     pbwc__lanes height[3], det;
     int i, k;
     for (i = 0; i < 3; i++) {
-        pbwc__cross_lanes(flesh->edge[(i + 1) % 3], flesh->edge[(i + 2) % 3], flesh->normal[i + 1]);
-        height[i] = flesh->square[i];
+        pbwc__cross_lanes(geometry->edge[(i + 1) % 3], geometry->edge[(i + 2) % 3], geometry->normal[i + 1]);
+        height[i] = geometry->square[i];
         if (weighted) {
-            height[i] -= flesh->weight[i + 1] - flesh->weight[0];
+            height[i] -= geometry->weight[i + 1] - geometry->weight[0];
         }
     }
-    det = pbwc__dot(flesh->edge[0], flesh->normal[1]);
+    det = pbwc__dot(geometry->edge[0], geometry->normal[1]);
     for (k = 0; k < 3; k++) {
-        flesh->normal[0][k] = -(flesh->normal[1][k] + flesh->normal[2][k] + flesh->normal[3][k]);
-        flesh->to[0][k] = (height[0] * flesh->normal[1][k] + height[1] * flesh->normal[2][k]
-                           + height[2] * flesh->normal[3][k]) * (0.5 / det);
+        geometry->normal[0][k] = -(geometry->normal[1][k] + geometry->normal[2][k] + geometry->normal[3][k]);
+        geometry->to[0][k] = (height[0] * geometry->normal[1][k] + height[1] * geometry->normal[2][k]
+                              + height[2] * geometry->normal[3][k]) * (0.5 / det);
     }
     return det;
 }
 
 /* Adds the contributions of facet f with corners i, j, k; edges: ij, ik, jk. */
-static PBWC__INLINE void pbwc__add_facet(pbwc__flesh *flesh, int weighted, int f, const int corner[3],
+static PBWC__INLINE void pbwc__add_facet(pbwc__simplex_geometry *geometry, int weighted, int f, const int corner[3],
                                          const int edge[3])
 {
-    const pbwc__lanes *ij = flesh->edge[edge[0]], *ik = flesh->edge[edge[1]], *jk = flesh->edge[edge[2]];
-    const pbwc__lanes *square = flesh->square, half = 0.5 * flesh->drop[f];
+    const pbwc__lanes *ij = geometry->edge[edge[0]], *ik = geometry->edge[edge[1]], *jk = geometry->edge[edge[2]];
+    const pbwc__lanes *square = geometry->square, half = 0.5 * geometry->drop[f];
     pbwc__lanes at[3], g[3], part[3];
     int i, k;
     at[0] = pbwc__dot(ij, ik);
@@ -1676,7 +1677,7 @@ static PBWC__INLINE void pbwc__add_facet(pbwc__flesh *flesh, int weighted, int f
     g[1] = square[edge[1]] * at[1];
     g[2] = square[edge[2]] * at[0];
     if (weighted) {
-        const pbwc__lanes *w = flesh->weight;
+        const pbwc__lanes *w = geometry->weight;
         const pbwc__lanes wj = w[corner[1]] - w[corner[0]], wk = w[corner[2]] - w[corner[0]];
         g[0] -= square[edge[0]] * wk - at[0] * wj;
         g[1] -= square[edge[1]] * wj - at[0] * wk;
@@ -1684,10 +1685,10 @@ static PBWC__INLINE void pbwc__add_facet(pbwc__flesh *flesh, int weighted, int f
     }
     for (i = 0; i < 3; i++) {
         g[i] *= half;
-        flesh->given[edge[i]] += g[i];
+        geometry->given[edge[i]] += g[i];
     }
     if (weighted) {
-        const pbwc__lanes *foot = flesh->foot;
+        const pbwc__lanes *foot = geometry->foot;
         part[0] = foot[edge[0]] * g[0] + foot[edge[1]] * g[1];
         part[1] = (1 - foot[edge[0]]) * g[0] + foot[edge[2]] * g[2];
         part[2] = (1 - foot[edge[1]]) * g[1] + (1 - foot[edge[2]]) * g[2];
@@ -1697,65 +1698,66 @@ static PBWC__INLINE void pbwc__add_facet(pbwc__flesh *flesh, int weighted, int f
         part[2] = 0.5 * (g[1] + g[2]);
     }
     for (i = 0; i < 3; i++) {
-        pbwc__lanes *sum = flesh->sum[corner[i]];
-        const pbwc__lanes drop = part[i] * flesh->drop[f];
+        pbwc__lanes *sum = geometry->sum[corner[i]];
+        const pbwc__lanes drop = part[i] * geometry->drop[f];
         for (k = 0; k < 3; k++) {
-            sum[k] -= drop * flesh->normal[f][k];
+            sum[k] -= drop * geometry->normal[f][k];
         }
         sum[3] += part[i];
     }
 }
 
 /* Computes the contributions of simplices; to[0] is set. */
-static PBWC__INLINE void pbwc__fill(pbwc__flesh *flesh, int weighted)
+static PBWC__INLINE void pbwc__sum_corners(pbwc__simplex_geometry *geometry, int weighted)
 {
     static const int corners[4][3] = { { 1, 2, 3 }, { 0, 2, 3 }, { 0, 1, 3 }, { 0, 1, 2 } };
     static const int edges[4][3] = { { 3, 4, 5 }, { 1, 2, 5 }, { 0, 2, 4 }, { 0, 1, 3 } };
     int e, i, k;
-    memset(flesh->sum, 0, sizeof flesh->sum);
+    memset(geometry->sum, 0, sizeof geometry->sum);
     for (i = 0; i < 4; i++) {
         for (k = 0; k < 3 && i > 0; k++) {
-            flesh->to[i][k] = flesh->to[0][k] - flesh->edge[i - 1][k];
+            geometry->to[i][k] = geometry->to[0][k] - geometry->edge[i - 1][k];
         }
     }
     for (i = 0; i < 4; i++) {
-        flesh->drop[i] = pbwc__dot(flesh->to[i == 0], flesh->normal[i])
-                         / pbwc__dot(flesh->normal[i], flesh->normal[i]);
-        pbwc__add_facet(flesh, weighted, i, corners[i], edges[i]);
+        geometry->drop[i] = pbwc__dot(geometry->to[i == 0], geometry->normal[i])
+                         / pbwc__dot(geometry->normal[i], geometry->normal[i]);
+        pbwc__add_facet(geometry, weighted, i, corners[i], edges[i]);
     }
     for (e = 0; e < 6; e++) {
-        pbwc__lanes first = 0.25 * flesh->given[e], second = first;
+        pbwc__lanes first = 0.25 * geometry->given[e], second = first;
         if (weighted) {
-            first = flesh->given[e] * flesh->foot[e] * flesh->foot[e];
-            second = flesh->given[e] * (1 - flesh->foot[e]) * (1 - flesh->foot[e]);
+            first = geometry->given[e] * geometry->foot[e] * geometry->foot[e];
+            second = geometry->given[e] * (1 - geometry->foot[e]) * (1 - geometry->foot[e]);
         }
         for (k = 0; k < 3; k++) {
-            flesh->sum[pbwc__ends[e][0]][k] += first * flesh->edge[e][k];
-            flesh->sum[pbwc__ends[e][1]][k] -= second * flesh->edge[e][k];
+            geometry->sum[pbwc__ends[e][0]][k] += first * geometry->edge[e][k];
+            geometry->sum[pbwc__ends[e][1]][k] -= second * geometry->edge[e][k];
         }
     }
     for (i = 0; i < 4; i++) {
         for (k = 0; k < 3; k++) {
-            flesh->sum[i][k] += 2 * flesh->sum[i][3] * flesh->to[i][k];
+            geometry->sum[i][k] += 2 * geometry->sum[i][3] * geometry->to[i][k];
         }
     }
 }
 
-typedef struct pbwc__gift { double sum[4][4][PBWC__LANES]; unsigned says[PBWC__LANES]; } pbwc__gift;
+typedef struct pbwc__contribution { double sum[4][4][PBWC__LANES]; unsigned flags[PBWC__LANES]; } pbwc__contribution;
 
 /* Computes the contributions of simplices from..from+LANES-1, the last one `last`, and the flags of their centres. */
-static PBWC__INLINE void pbwc__give(const pbwc__job *job, int weighted, size_t from, size_t last, pbwc__gift *gift)
+static PBWC__INLINE void pbwc__contribute(const pbwc__job *job, int weighted, size_t from, size_t last,
+                                          pbwc__contribution *contribution)
 {
     const pbw_mesh *mesh = job->mesh;
-    pbwc__flesh flesh;
+    pbwc__simplex_geometry geometry;
     double x[3][PBWC__LANES], det[PBWC__LANES], square[3][PBWC__LANES];
     pbwc__lanes volume;
     size_t i;
-    pbwc__load(mesh, weighted, from, last, &flesh);
-    volume = pbwc__find_centre(&flesh, weighted);
-    memcpy(x, flesh.to[0], sizeof x);
+    pbwc__load(mesh, weighted, from, last, &geometry);
+    volume = pbwc__find_centre(&geometry, weighted);
+    memcpy(x, geometry.to[0], sizeof x);
     memcpy(det, &volume, sizeof det);
-    memcpy(square, flesh.square, sizeof square);
+    memcpy(square, geometry.square, sizeof square);
     for (i = 0; i < PBWC__LANES && from + i <= last; i++) {
         const double most = square[0][i] > square[1][i] ? square[0][i] : square[1][i];
         const double largest = most > square[2][i] ? most : square[2][i];
@@ -1772,34 +1774,35 @@ static PBWC__INLINE void pbwc__give(const pbwc__job *job, int weighted, size_t f
             x[2][i] = centre[2];
         }
         good = largest > 1e-60 && largest < 1e60 ? good : 0;         /* else products may be out of range */
-        gift->says[i] = good != 0 && pbwc__inside(job, 3, a, centre) ? good | PBWC__INSIDE : good;
+        contribution->flags[i] = good != 0 && pbwc__inside(job, 3, a, centre) ? good | PBWC__INSIDE : good;
     }
-    memcpy(flesh.to[0], x, sizeof x);
-    pbwc__fill(&flesh, weighted);
-    memcpy(gift->sum, flesh.sum, sizeof gift->sum);
+    memcpy(geometry.to[0], x, sizeof x);
+    pbwc__sum_corners(&geometry, weighted);
+    memcpy(contribution->sum, geometry.sum, sizeof contribution->sum);
 }
 
-static void pbwc__give_plain(const pbwc__job *job, size_t from, size_t last, pbwc__gift *gift)
+static void pbwc__contribute_plain(const pbwc__job *job, size_t from, size_t last, pbwc__contribution *contribution)
 {
-    pbwc__give(job, 0, from, last, gift);
+    pbwc__contribute(job, 0, from, last, contribution);
 }
 
-static void pbwc__give_weighted(const pbwc__job *job, size_t from, size_t last, pbwc__gift *gift)
+static void pbwc__contribute_weighted(const pbwc__job *job, size_t from, size_t last,
+                                      pbwc__contribution *contribution)
 {
-    pbwc__give(job, 1, from, last, gift);
+    pbwc__contribute(job, 1, from, last, contribution);
 }
 
 /* Sets the flags of a simplex's corners. */
-static PBWC__INLINE void pbwc__judge(const pbwc__job *job, size_t simplex, size_t from, size_t to, unsigned centre,
-                                     unsigned says[4])
+static PBWC__INLINE void pbwc__classify(const pbwc__job *job, size_t simplex, size_t from, size_t to, unsigned centre,
+                                        unsigned flags[4])
 {
     const pbw_index *next = job->mesh->neighbors + 4 * simplex;
     size_t i, k;
-    says[0] = (centre & (job->bounded ? PBWC__INSIDE : PBWC__GOOD)) == 0 ? PBWC__LEFT : 0;
-    says[1] = says[2] = says[3] = says[0];
+    flags[0] = (centre & (job->bounded ? PBWC__INSIDE : PBWC__GOOD)) == 0 ? PBWC__LEFT : 0;
+    flags[1] = flags[2] = flags[3] = flags[0];
     for (i = 0; i < 4; i++) {
         for (k = 0; k < 4 && next[i] - from >= to - from; k++) {
-            says[k] |= k == i ? 0 : next[i] == PBW_NONE ? PBWC__LEFT : PBWC__SHARED;
+            flags[k] |= k == i ? 0 : next[i] == PBW_NONE ? PBWC__LEFT : PBWC__SHARED;
         }
     }
 }
@@ -1826,22 +1829,22 @@ static int pbwc__add_simplices(pbwc__adder *adder, size_t from, size_t to)
 {
     const pbwc__job *job = adder->job;
     const pbw_mesh *mesh = job->mesh;
-    pbwc__gift gift;
-    unsigned says[4];
+    pbwc__contribution contribution;
+    unsigned flags[4];
     size_t s, lane, i, k;
     for (s = from; s < to; s += PBWC__LANES) {
-        (mesh->weights != NULL ? pbwc__give_weighted : pbwc__give_plain)(job, s, to - 1, &gift);
+        (mesh->weights != NULL ? pbwc__contribute_weighted : pbwc__contribute_plain)(job, s, to - 1, &contribution);
         for (lane = 0; lane < PBWC__LANES && s + lane < to; lane++) {
-            pbwc__judge(job, s + lane, from, to, gift.says[lane], says);
+            pbwc__classify(job, s + lane, from, to, contribution.flags[lane], flags);
             for (i = 0; i < 4; i++) {
                 pbwc__share *share = pbwc__share_of(adder, mesh->simplices[4 * (s + lane) + i]);
                 if (share == NULL) {
                     return 0;
                 }
                 for (k = 0; k < 4; k++) {
-                    share->sum[k] += gift.sum[i][k][lane];
+                    share->sum[k] += contribution.sum[i][k][lane];
                 }
-                share->says |= says[i];
+                share->flags |= flags[i];
             }
         }
     }
@@ -1861,7 +1864,7 @@ static pbw_status pbwc__add_chunk(void *arg, size_t from, size_t to)
     good = pbwc__map_grow(&job->memory, &adder.numbers) && pbwc__add_simplices(&adder, from, to);
     for (i = 0; good && i < adder.shares.count; i++) {
         const pbwc__share *share = (const pbwc__share *)adder.shares.data + i;
-        if (share->vertex < job->count && share->says == 0) {
+        if (share->vertex < job->count && share->flags == 0) {
             pbwc__set_cell(job, share->vertex, share->sum);
         } else if (share->vertex < job->count) {
             pbwc__share *place = (pbwc__share *)pbwc__room(&job->memory, kept, 1, sizeof *share);
@@ -3293,7 +3296,7 @@ static pbw_index pbwc__vertex_near(const pbw_mesh *mesh, const double *p)
 }
 
 /* Finds the cells of the polygon's corners: steps to nearer vertices, from the cell of the corner before on a curve. */
-static pbw_status pbwc__find_homes(void *arg, size_t from, size_t to)
+static pbw_status pbwc__find_own_cells(void *arg, size_t from, size_t to)
 {
     pbwc__job *job = (pbwc__job *)arg;
     const pbw_mesh *mesh = job->mesh;
@@ -3633,7 +3636,7 @@ static int pbwc__find_ends(pbwc__work *work, pbw_index v)
 }
 
 /* Marks uncrossed neighbours of crossed cells: such a neighbour is inside if the side between them is. */
-static pbw_status pbwc__tell_neighbors(void *arg, size_t from, size_t to)
+static pbw_status pbwc__classify_neighbors(void *arg, size_t from, size_t to)
 {
     pbwc__job *job = (pbwc__job *)arg;
     unsigned char *inside = (unsigned char *)job->clip->inside.data;
@@ -4007,12 +4010,12 @@ static pbw_status pbwc__start_clip(pbwc__job *job)
         memset(clip->chunks.data, 0, clip->chunks.bytes);
         status = pbw_order(2, PBWC__CORNERS(clip), clip->count, options, PBWC__INDICES(clip->order));
     }
-    status = status == PBW_OK ? pbw_for(options, clip->count, PBWC__EDGES, pbwc__find_homes, job) : status;
+    status = status == PBW_OK ? pbw_for(options, clip->count, PBWC__EDGES, pbwc__find_own_cells, job) : status;
     pbwc__release(&job->memory, &clip->order);
     status = status == PBW_OK ? pbw_for(options, clip->count, PBWC__EDGES, pbwc__follow_edges, job) : status;
     status = status == PBW_OK ? pbwc__sort_visits(job) : status;
     status = status == PBW_OK ? pbwc__connect(job) : status;
-    return status == PBW_OK ? pbw_for(options, job->count, 2048, pbwc__tell_neighbors, job) : status;
+    return status == PBW_OK ? pbw_for(options, job->count, 2048, pbwc__classify_neighbors, job) : status;
 }
 
 static void pbwc__end_clip(pbwc__job *job)
@@ -4359,7 +4362,7 @@ static int pbwc__is_near(const pbwc__work *work)
 {
     const double *x = PBWC__DOUBLES(work->cutter.poly.x);
     size_t i, k;
-    int near = (work->says & PBWC__GOOD) != 0;
+    int near = (work->flags & PBWC__GOOD) != 0;
     for (i = 0; i < work->cutter.poly.x.count; i++) {
         for (k = 0; k < (size_t)work->job->mesh->dim; k++) {
             near &= fabs(x[3 * i + k]) < 4 * work->job->extent[k];
@@ -4419,15 +4422,15 @@ static int pbwc__cell(pbwc__work *work, pbw_index v)
    no memory. */
 static int pbwc__add_shares(pbwc__job *job, size_t chunks, pbwc__array *left)
 {
-    unsigned char *says = (unsigned char *)job->states.data;
+    unsigned char *flags = (unsigned char *)job->states.data;
     size_t c, i, k;
     for (c = 0; c < chunks; c++) {
         const pbwc__array *kept = &((const pbwc__range *)job->ranges.data)[c].shares;
         for (i = 0; i < kept->count; i++) {
             const pbwc__share *share = (const pbwc__share *)kept->data + i;
             const size_t v = share->vertex;
-            const int more = (says[v] & PBWC__ADDED) != 0;
-            says[v] |= (unsigned char)(share->says | PBWC__ADDED);
+            const int more = (flags[v] & PBWC__ADDED) != 0;
+            flags[v] |= (unsigned char)(share->flags | PBWC__ADDED);
             job->volumes[v] = share->sum[3] + (more ? job->volumes[v] : 0);
             for (k = 0; k < 3; k++) {
                 job->centroids[3 * v + k] = share->sum[k] + (more ? job->centroids[3 * v + k] : 0);
@@ -4438,17 +4441,17 @@ static int pbwc__add_shares(pbwc__job *job, size_t chunks, pbwc__array *left)
         const pbwc__array *kept = &((const pbwc__range *)job->ranges.data)[c].shares;
         for (i = 0; i < kept->count; i++) {
             const size_t v = ((const pbwc__share *)kept->data)[i].vertex;
-            if ((says[v] & (PBWC__LISTED | PBWC__LEFT)) == PBWC__LEFT) {
+            if ((flags[v] & (PBWC__LISTED | PBWC__LEFT)) == PBWC__LEFT) {
                 if (!pbwc__push(&job->memory, left, (pbw_index)v)) {
                     return 0;
                 }
-            } else if ((says[v] & PBWC__LISTED) == 0) {
+            } else if ((flags[v] & PBWC__LISTED) == 0) {
                 double sum[4];
                 memcpy(sum, job->centroids + 3 * v, 3 * sizeof *sum);
                 sum[3] = job->volumes[v];
                 pbwc__set_cell(job, (pbw_index)v, sum);
             }
-            says[v] |= PBWC__LISTED;
+            flags[v] |= PBWC__LISTED;
         }
     }
     return 1;
@@ -5078,7 +5081,7 @@ static pbw_status pbwc__compute(pbwc__job *job, const pbw_domain *domain)
     return status;
 }
 
-static int pbwc__knows(unsigned what)
+static int pbwc__is_valid(unsigned what)
 {
     return (what & ~(PBW_CELLS_FACETS | PBW_CELLS_SHAPES | PBW_CELLS_MERGE)) == 0;
 }
@@ -5151,7 +5154,7 @@ PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *doma
     memset(cells, 0, sizeof *cells);
     memset(&clip, 0, sizeof clip);
     if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || (mesh->simplex_count > 0 && mesh->neighbors == NULL)
-        || !pbwc__knows(what)
+        || !pbwc__is_valid(what)
         || (domain != NULL && (domain->periodic != 0 || domain->lattice != NULL
                                 || (domain->plane_count > 0 && domain->planes == NULL)))) {
         return PBW_ERROR_ARGUMENT;
@@ -5726,7 +5729,7 @@ static void pbwc__set_frame(pbwc__period *period)
 }
 
 /* Boxes around points, along a curve, and around boxes. */
-static pbw_status pbwc__plant_tree(pbwc__period *period, const pbw_options *options)
+static pbw_status pbwc__build_tree(pbwc__period *period, const pbw_options *options)
 {
     pbwc__searched *tree = &period->searched;
     const size_t dim = (size_t)period->dim;
@@ -5785,7 +5788,7 @@ static pbw_status pbwc__begin_searches(pbwc__period *period, const pbw_options *
         status = pbwc__choose_thin(period, 1);
     }
     pbwc__set_frame(period);
-    return status == PBW_OK ? pbwc__plant_tree(period, options) : status;
+    return status == PBW_OK ? pbwc__build_tree(period, options) : status;
 }
 
 /* Nothing is found yet in the balls of a mesh. */
@@ -5911,7 +5914,7 @@ PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const d
     if ((dim != 2 && dim != 3) || (points == NULL && count > 0) || domain == NULL
         || (domain->box == NULL) == (domain->lattice == NULL)
         || domain->plane_count != 0 || domain->ring_count != 0 || (domain->periodic == 0) == (domain->box != NULL)
-        || domain->periodic >> dim != 0 || !pbwc__knows(what)
+        || domain->periodic >> dim != 0 || !pbwc__is_valid(what)
         || (options != NULL && (options->stride != 0 || options->weight_stride != 0))) {
         return PBW_ERROR_ARGUMENT;
     }
