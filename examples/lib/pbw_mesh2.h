@@ -184,8 +184,8 @@ PBWMESH2DEF void pbw_plane_free(pbw_plane *plane);
 #endif
 #endif /* PBW_MESH2_H */
 
-#if defined(PBW_MESH2_IMPLEMENTATION) && !defined(PBWP__IMPLEMENTED)
-#define PBWP__IMPLEMENTED
+#if defined(PBW_MESH2_IMPLEMENTATION) && !defined(PBWM2__IMPLEMENTED)
+#define PBWM2__IMPLEMENTED
 
 #include <math.h>
 #include <stdio.h>
@@ -209,22 +209,22 @@ extern int madvise(void *address, size_t length, int advice);        /* strict C
 /* ------------------------------------------------------------------------------------------------------
    Memory: growing arrays through options.resize.
    Holds: used = the sum of all live arrays; over the limit nothing grows.  fault is PBW_OK until an array could not
-   grow or progress cancelled, and then stays what pbwp__hand_over returns: no result is made of arrays that lack
+   grow or progress cancelled, and then stays what pbwm2__hand_over returns: no result is made of arrays that lack
    items.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwp__memory {
+typedef struct pbwm2__memory {
     void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
     void *user;
     size_t limit, used;
     pbw_status fault;
-} pbwp__memory;
+} pbwm2__memory;
 
-typedef struct pbwp__array { void *data; size_t count, bytes; } pbwp__array;     /* count: the owner's */
+typedef struct pbwm2__array { void *data; size_t count, bytes; } pbwm2__array;   /* count: the owner's */
 
 /* Large blocks get huge pages if there are any: without them page faults take a fifth of a call.  The pages at both
    ends get the advice too, although other bytes may be there: realloc moves a uniform mapping, but copies a mixed
    one. */
-static void *pbwp__default_resize(void *user, void *ptr, size_t old_size, size_t new_size)
+static void *pbwm2__default_resize(void *user, void *ptr, size_t old_size, size_t new_size)
 {
     void *block;
     (void)user;
@@ -243,7 +243,7 @@ static void *pbwp__default_resize(void *user, void *ptr, size_t old_size, size_t
     return block;
 }
 
-static void pbwp__release(pbwp__memory *memory, pbwp__array *array)
+static void pbwm2__release(pbwm2__memory *memory, pbwm2__array *array)
 {
     if (array->data != NULL) {
         (void)memory->resize(memory->user, array->data, array->bytes, 0);
@@ -253,7 +253,7 @@ static void pbwp__release(pbwp__memory *memory, pbwp__array *array)
 }
 
 /* Makes the array `bytes` long.  Returns 0 and leaves it alone if there is no memory. */
-static int pbwp__resize(pbwp__memory *memory, pbwp__array *array, size_t bytes)
+static int pbwm2__resize(pbwm2__memory *memory, pbwm2__array *array, size_t bytes)
 {
     const size_t used = memory->used - array->bytes + bytes;
     void *data = NULL;
@@ -274,31 +274,31 @@ static int pbwp__resize(pbwp__memory *memory, pbwp__array *array, size_t bytes)
 }
 
 /* Makes room for `extra` items after the last; at least one byte.  Returns 0 if there is no memory. */
-static int pbwp__room(pbwp__memory *memory, pbwp__array *array, size_t extra, size_t size)
+static int pbwm2__room(pbwm2__memory *memory, pbwm2__array *array, size_t extra, size_t size)
 {
     const size_t need = (array->count + extra) * size;
     if (need <= array->bytes && array->data != NULL) {
         return 1;
     }
-    return pbwp__resize(memory, array, array->data == NULL ? need + size : need + array->bytes / 2 + 16 * size);
+    return pbwm2__resize(memory, array, array->data == NULL ? need + size : need + array->bytes / 2 + 16 * size);
 }
 
-static int pbwp__push(pbwp__memory *memory, pbwp__array *array, pbw_index item)
+static int pbwm2__push(pbwm2__memory *memory, pbwm2__array *array, pbw_index item)
 {
-    if ((array->count + 1) * sizeof item > array->bytes && !pbwp__room(memory, array, 1, sizeof item)) {
+    if ((array->count + 1) * sizeof item > array->bytes && !pbwm2__room(memory, array, 1, sizeof item)) {
         return 0;
     }
     ((pbw_index *)array->data)[array->count++] = item;
     return 1;
 }
 #if defined(__GNUC__)
-#define PBWP__PREFETCH(address) __builtin_prefetch(address)
+#define PBWM2__PREFETCH(address) __builtin_prefetch(address)
 #else
-#define PBWP__PREFETCH(address) ((void)(address))
+#define PBWM2__PREFETCH(address) ((void)(address))
 #endif
 
-#define PBWP__INDICES(array) ((pbw_index *)(array).data)
-#define PBWP__DOUBLES(array) ((double *)(array).data)
+#define PBWM2__INDICES(array) ((pbw_index *)(array).data)
+#define PBWM2__DOUBLES(array) ((double *)(array).data)
 
 /* ------------------------------------------------------------------------------------------------------
    The job, and its triangles.
@@ -307,31 +307,31 @@ static int pbwp__push(pbwp__memory *memory, pbwp__array *array, pbw_index item)
    A free slot has v[0] = PBW_NONE, and link[0] leads to the next free one.
    Vertices are numbered along the curve of pbw_order; later points follow.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwp__triangle {
+typedef struct pbwm2__triangle {
     pbw_index v[3], link[3], edge[3];
     pbw_index region;                      /* component of the plane less the segments; top bit: in a cavity */
-} pbwp__triangle;
+} pbwm2__triangle;
 
-typedef struct pbwp__piece { pbw_index a, b, segment; } pbwp__piece; /* of that segment of the caller, from a to b */
+typedef struct pbwm2__piece { pbw_index a, b, segment; } pbwm2__piece; /* of that segment of the caller, a to b */
 /* A vertex of a chain.  slot: for the triangle with this apex, PBW_NONE: any free one.  link, edge: of the edge to
    the next vertex; link 4 i + 3: that edge is also the one from vertex i. */
-typedef struct pbwp__joint { pbw_index v, slot, link, edge; } pbwp__joint;
-typedef struct pbwp__group { pbw_index piece, rest; } pbwp__group;   /* rest: a piece, or a further group */
+typedef struct pbwm2__joint { pbw_index v, slot, link, edge; } pbwm2__joint;
+typedef struct pbwm2__group { pbw_index piece, rest; } pbwm2__group; /* rest: a piece, or a further group */
 
-#define PBWP__CAVITY 0x80000000u
-#define PBWP__SLOT(code) ((code) >> 2)
-#define PBWP__SIDE(code) ((code) & 3u)
-#define PBWP__TRIANGLES_MOST 0x3fffffffu
+#define PBWM2__CAVITY 0x80000000u
+#define PBWM2__SLOT(code) ((code) >> 2)
+#define PBWM2__SIDE(code) ((code) & 3u)
+#define PBWM2__TRIANGLES_MOST 0x3fffffffu
 
-static const unsigned char pbwp__next[3] = { 1, 2, 0 }, pbwp__last[3] = { 2, 0, 1 };
+static const unsigned char pbwm2__next[3] = { 1, 2, 0 }, pbwm2__last[3] = { 2, 0, 1 };
 
-typedef struct pbwp__job {
-    pbwp__memory memory;
+typedef struct pbwm2__job {
+    pbwm2__memory memory;
     const pbw_plane_input *input;
     const pbw_plane_options *options;
     const pbw_options *build;
     pbw_plane *plane;
-    pbwp__triangle *t;                     /* = triangles.data */
+    pbwm2__triangle *t;                    /* = triangles.data */
     double *p;                             /* = points.data */
     pbw_index *incident;                   /* = incidents.data: per vertex a triangle */
     size_t piece_count;
@@ -339,47 +339,47 @@ typedef struct pbwp__job {
     double floor;                          /* see signs */
     pbw_stage stage;                       /* that progress is of */
     size_t steps;                          /* since progress was reported */
-    pbwp__array triangles, points, incidents;
-    pbwp__array given, segments;           /* points, and pieces in their numbers; crossings and parts are added */
-    pbwp__array original;                  /* per vertex: its number in given */
-    pbwp__array vertex;                    /* and back; a duplicate has the vertex at its place */
-    pbwp__array pieces, groups;
-    pbwp__array chain[2];                  /* left and right of a segment: pbwp__joint */
-    pbwp__array stack, old, fresh;         /* fresh: slots that were filled last */
-    pbwp__array crossings;
+    pbwm2__array triangles, points, incidents;
+    pbwm2__array given, segments;          /* points, and pieces in their numbers; crossings and parts are added */
+    pbwm2__array original;                 /* per vertex: its number in given */
+    pbwm2__array vertex;                   /* and back; a duplicate has the vertex at its place */
+    pbwm2__array pieces, groups;
+    pbwm2__array chain[2];                 /* left and right of a segment: pbwm2__joint */
+    pbwm2__array stack, old, fresh;        /* fresh: slots that were filled last */
+    pbwm2__array crossings;
     size_t side_count;                     /* sides of triangles with an edge, those of the border twice */
-    pbwp__array hosts, vertex_host, sizes; /* see refinement */
-    pbwp__array first_of, item_of;         /* lists of various uses */
-    pbwp__array components;                /* pbwp__component */
-} pbwp__job;
+    pbwm2__array hosts, vertex_host, sizes; /* see refinement */
+    pbwm2__array first_of, item_of;        /* lists of various uses */
+    pbwm2__array components;               /* pbwm2__component */
+} pbwm2__job;
 
 /* The caller's number of the segment that a piece is of. */
-static pbw_index pbwp__id_of(const pbwp__job *job, pbwp__piece piece)
+static pbw_index pbwm2__id_of(const pbwm2__job *job, pbwm2__piece piece)
 {
     return job->input->segment_ids != NULL ? job->input->segment_ids[piece.segment] : piece.segment;
 }
 
 /* Takes the first piece off what an edge has: edge becomes the rest, PBW_NONE after the last. */
-static pbwp__piece pbwp__take_piece(const pbwp__job *job, pbw_index *edge)
+static pbwm2__piece pbwm2__take_piece(const pbwm2__job *job, pbw_index *edge)
 {
     pbw_index number = *edge;
     *edge = PBW_NONE;
     if (number >= job->piece_count) {
-        const pbwp__group group = ((const pbwp__group *)job->groups.data)[number - job->piece_count];
+        const pbwm2__group group = ((const pbwm2__group *)job->groups.data)[number - job->piece_count];
         number = group.piece;
         *edge = group.rest;
     }
-    return ((const pbwp__piece *)job->pieces.data)[number];
+    return ((const pbwm2__piece *)job->pieces.data)[number];
 }
 
-static pbw_status pbwp__say(pbwp__job *job, pbw_status status, const char *text)
+static pbw_status pbwm2__say(pbwm2__job *job, pbw_status status, const char *text)
 {
     snprintf(job->plane->what, sizeof job->plane->what, "%s", text != NULL ? text : pbw_status_string(status));
     return status;
 }
 
 /* Every loop that may be long calls it.  Returns nonzero if the call is cancelled. */
-static int pbwp__step(pbwp__job *job, double done)
+static int pbwm2__step(pbwm2__job *job, double done)
 {
     if ((++job->steps & 1023) == 0 && job->build->progress != NULL && job->memory.fault == PBW_OK
         && job->build->progress(job->build->progress_user, job->stage, done) != 0) {
@@ -389,13 +389,13 @@ static int pbwp__step(pbwp__job *job, double done)
 }
 
 /* The share of items that a loop has done. */
-static double pbwp__share(size_t i, size_t count)
+static double pbwm2__share(size_t i, size_t count)
 {
     return (double)i / (double)count;
 }
 
 /* Limits a call of pbw.h to the memory that the job does not hold.  Returns 0 if there is none. */
-static int pbwp__limit_rest(pbwp__job *job, pbw_options *options)
+static int pbwm2__limit_rest(pbwm2__job *job, pbw_options *options)
 {
     if (job->memory.limit != 0 && job->memory.used >= job->memory.limit) {
         job->memory.fault = PBW_ERROR_MEMORY;
@@ -406,7 +406,7 @@ static int pbwp__limit_rest(pbwp__job *job, pbw_options *options)
 }
 
 /* Takes a free slot, which the caller has reserved.  Invalidates no pointer. */
-static pbw_index pbwp__take_slot(pbwp__job *job)
+static pbw_index pbwm2__take_slot(pbwm2__job *job)
 {
     pbw_index slot = job->free_slot;
     if (slot == PBW_NONE) {
@@ -416,7 +416,7 @@ static pbw_index pbwp__take_slot(pbwp__job *job)
     return slot;
 }
 
-static void pbwp__free_slot(pbwp__job *job, pbw_index slot)
+static void pbwm2__free_slot(pbwm2__job *job, pbw_index slot)
 {
     job->t[slot].v[0] = PBW_NONE;
     job->t[slot].link[0] = job->free_slot;
@@ -424,36 +424,36 @@ static void pbwp__free_slot(pbwp__job *job, pbw_index slot)
 }
 
 /* Makes sure that `count` slots can be taken. */
-static int pbwp__reserve_slots(pbwp__job *job, size_t count)
+static int pbwm2__reserve_slots(pbwm2__job *job, size_t count)
 {
-    if (job->triangles.count + count > PBWP__TRIANGLES_MOST) {
+    if (job->triangles.count + count > PBWM2__TRIANGLES_MOST) {
         job->memory.fault = PBW_ERROR_TOO_LARGE;
         return 0;
     }
-    if (!pbwp__room(&job->memory, &job->triangles, count, sizeof(pbwp__triangle))) {
+    if (!pbwm2__room(&job->memory, &job->triangles, count, sizeof(pbwm2__triangle))) {
         return 0;
     }
-    job->t = (pbwp__triangle *)job->triangles.data;
+    job->t = (pbwm2__triangle *)job->triangles.data;
     return 1;
 }
 
 /* Joins two edges, either of which may be PBW_NONE. */
-static void pbwp__join(pbwp__job *job, pbw_index one, pbw_index other)
+static void pbwm2__join(pbwm2__job *job, pbw_index one, pbw_index other)
 {
     if (one != PBW_NONE) {
-        job->t[PBWP__SLOT(one)].link[PBWP__SIDE(one)] = other;
+        job->t[PBWM2__SLOT(one)].link[PBWM2__SIDE(one)] = other;
     }
     if (other != PBW_NONE) {
-        job->t[PBWP__SLOT(other)].link[PBWP__SIDE(other)] = one;
+        job->t[PBWM2__SLOT(other)].link[PBWM2__SIDE(other)] = one;
     }
 }
 
-static void pbwp__mark_edge(pbwp__job *job, pbw_index code, pbw_index edge)
+static void pbwm2__mark_edge(pbwm2__job *job, pbw_index code, pbw_index edge)
 {
-    const pbw_index other = job->t[PBWP__SLOT(code)].link[PBWP__SIDE(code)];
-    job->t[PBWP__SLOT(code)].edge[PBWP__SIDE(code)] = edge;
+    const pbw_index other = job->t[PBWM2__SLOT(code)].link[PBWM2__SIDE(code)];
+    job->t[PBWM2__SLOT(code)].edge[PBWM2__SIDE(code)] = edge;
     if (other != PBW_NONE) {
-        job->t[PBWP__SLOT(other)].edge[PBWP__SIDE(other)] = edge;
+        job->t[PBWM2__SLOT(other)].edge[PBWM2__SIDE(other)] = edge;
     }
 }
 
@@ -465,7 +465,7 @@ static void pbwp__mark_edge(pbwp__job *job, pbw_index code, pbw_index edge)
    2^-1075, and is multiplied by at most (2e70)^2 * 2 further on: below 1e-180 in all, which `floor` = 1e-170 covers.
    With larger coordinates floor is infinite, and every sign comes from pbw.h.
    ------------------------------------------------------------------------------------------------------ */
-static void pbwp__set_floor(pbwp__job *job, size_t from)
+static void pbwm2__set_floor(pbwm2__job *job, size_t from)
 {
     size_t i;
     job->floor = from == 0 ? 1e-170 : job->floor;
@@ -474,21 +474,21 @@ static void pbwp__set_floor(pbwp__job *job, size_t from)
     }
 }
 
-static int pbwp__orient_at(const pbwp__job *job, const double *a, const double *b, const double *c)
+static int pbwm2__orient_at(const pbwm2__job *job, const double *a, const double *b, const double *c)
 {
     const double left = (a[0] - c[0]) * (b[1] - c[1]), right = (a[1] - c[1]) * (b[0] - c[0]), det = left - right;
     const double bound = 3.3306690738754716e-16 * (fabs(left) + fabs(right)) + job->floor;
     return det > bound ? 1 : det < -bound ? -1 : pbw_orient2(a, b, c);
 }
 
-static int pbwp__orient(const pbwp__job *job, pbw_index a, pbw_index b, pbw_index c)
+static int pbwm2__orient(const pbwm2__job *job, pbw_index a, pbw_index b, pbw_index c)
 {
     const double *p = job->p;
-    return pbwp__orient_at(job, p + 2 * (size_t)a, p + 2 * (size_t)b, p + 2 * (size_t)c);
+    return pbwm2__orient_at(job, p + 2 * (size_t)a, p + 2 * (size_t)b, p + 2 * (size_t)c);
 }
 
-static int pbwp__conflict_at(const pbwp__job *job, const double *a, const double *b, const double *c,
-                             const double *d)
+static int pbwm2__conflict_at(const pbwm2__job *job, const double *a, const double *b, const double *c,
+                              const double *d)
 {
     const double ax = a[0] - d[0], ay = a[1] - d[1], bx = b[0] - d[0], by = b[1] - d[1];
     const double cx = c[0] - d[0], cy = c[1] - d[1];
@@ -501,14 +501,14 @@ static int pbwp__conflict_at(const pbwp__job *job, const double *a, const double
 }
 
 /* Returns whether d is in conflict with the triangle a b c: in its circle, ties by the rule of pbw.h. */
-static int pbwp__conflict(const pbwp__job *job, pbw_index a, pbw_index b, pbw_index c, pbw_index d)
+static int pbwm2__conflict(const pbwm2__job *job, pbw_index a, pbw_index b, pbw_index c, pbw_index d)
 {
     const double *p = job->p;
-    return pbwp__conflict_at(job, p + 2 * (size_t)a, p + 2 * (size_t)b, p + 2 * (size_t)c, p + 2 * (size_t)d);
+    return pbwm2__conflict_at(job, p + 2 * (size_t)a, p + 2 * (size_t)b, p + 2 * (size_t)c, p + 2 * (size_t)d);
 }
 
 /* Returns whether a comes before b in an order that is monotonic along every line. */
-static int pbwp__before(const pbwp__job *job, pbw_index a, pbw_index b)
+static int pbwm2__before(const pbwm2__job *job, pbw_index a, pbw_index b)
 {
     const double *p = job->p + 2 * (size_t)a, *q = job->p + 2 * (size_t)b;
     return p[0] < q[0] || (p[0] <= q[0] && p[1] < q[1]);
@@ -528,21 +528,21 @@ static int pbwp__before(const pbwp__job *job, pbw_index a, pbw_index b)
    ------------------------------------------------------------------------------------------------------ */
 
 /* Returns whether the direction u-x is in the counter-clockwise turn from u-from to u-to, ends included. */
-static int pbwp__in_turn(const pbwp__job *job, pbw_index u, pbw_index from, pbw_index to, pbw_index x)
+static int pbwm2__in_turn(const pbwm2__job *job, pbw_index u, pbw_index from, pbw_index to, pbw_index x)
 {
-    const int turn = from == to ? -1 : pbwp__orient(job, u, from, to);
+    const int turn = from == to ? -1 : pbwm2__orient(job, u, from, to);
     if (from == to) {
         return 1;
     }
     if (turn >= 0) {
-        return pbwp__orient(job, u, from, x) >= 0 && pbwp__orient(job, u, x, to) >= 0;
+        return pbwm2__orient(job, u, from, x) >= 0 && pbwm2__orient(job, u, x, to) >= 0;
     }
-    return !(pbwp__orient(job, u, to, x) > 0 && pbwp__orient(job, u, x, from) > 0);
+    return !(pbwm2__orient(job, u, to, x) > 0 && pbwm2__orient(job, u, x, from) > 0);
 }
 
 /* Returns the place of the apex for the base between places low and high of the chain; 0 if no vertex between them is
    on the inner side, which cannot happen in the cavity of a segment. */
-static size_t pbwp__apex(const pbwp__job *job, const pbwp__joint *chain, size_t low, size_t high)
+static size_t pbwm2__apex(const pbwm2__job *job, const pbwm2__joint *chain, size_t low, size_t high)
 {
     const pbw_index a = chain[low].v, b = chain[high].v;
     size_t best = 0, i;
@@ -556,14 +556,14 @@ static size_t pbwp__apex(const pbwp__job *job, const pbwp__joint *chain, size_t 
         if (c == a || c == b || (best != 0 && c == chain[best].v)) {
             continue;
         }
-        if ((best == 0 || pbwp__conflict(job, a, b, chain[best].v, c)) && pbwp__orient(job, a, b, c) > 0) {
+        if ((best == 0 || pbwm2__conflict(job, a, b, chain[best].v, c)) && pbwm2__orient(job, a, b, c) > 0) {
             best = i;
         }
     }
     for (i = low + 1; repeats && best != 0 && i < high; i++) {
         const pbw_index c = chain[i].v;
-        if (c == chain[best].v && pbwp__in_turn(job, c, chain[i - 1].v, chain[i + 1].v, a)
-            && pbwp__in_turn(job, c, chain[i - 1].v, chain[i + 1].v, b)) {
+        if (c == chain[best].v && pbwm2__in_turn(job, c, chain[i - 1].v, chain[i + 1].v, a)
+            && pbwm2__in_turn(job, c, chain[i - 1].v, chain[i + 1].v, b)) {
             return i;
         }
     }
@@ -571,11 +571,11 @@ static size_t pbwp__apex(const pbwp__job *job, const pbwp__joint *chain, size_t 
 }
 
 /* The triangle on a base of the chain, with its apex.  Returns its slot. */
-static pbw_index pbwp__put(pbwp__job *job, const pbwp__joint *low, const pbwp__joint *high, const pbwp__joint *apex,
-                           pbw_index region)
+static pbw_index pbwm2__put(pbwm2__job *job, const pbwm2__joint *low, const pbwm2__joint *high,
+                            const pbwm2__joint *apex, pbw_index region)
 {
-    const pbw_index slot = apex->slot != PBW_NONE ? apex->slot : pbwp__take_slot(job);
-    pbwp__triangle *t = job->t + slot;
+    const pbw_index slot = apex->slot != PBW_NONE ? apex->slot : pbwm2__take_slot(job);
+    pbwm2__triangle *t = job->t + slot;
     t->v[0] = low->v;
     t->v[1] = high->v;
     t->v[2] = apex->v;
@@ -588,16 +588,16 @@ static pbw_index pbwp__put(pbwp__job *job, const pbwp__joint *low, const pbwp__j
 /* Fills the polygon between a chain of `count` vertices, counter-clockwise from its last to its first, and the base.
    Free slots are reserved.  Returns the code of the base in its triangle, PBW_NONE without memory or if there is no
    apex. */
-static pbw_index pbwp__fill(pbwp__job *job, pbwp__joint *chain, size_t count, pbw_index region)
+static pbw_index pbwm2__fill(pbwm2__job *job, pbwm2__joint *chain, size_t count, pbw_index region)
 {
     pbw_index base = PBW_NONE, *stack;
     size_t top = 3;
     job->stack.count = job->fresh.count = 0;
-    if (!pbwp__room(&job->memory, &job->stack, 3 * (count + 2), sizeof(pbw_index))
-        || !pbwp__room(&job->memory, &job->fresh, count, sizeof(pbw_index))) {
+    if (!pbwm2__room(&job->memory, &job->stack, 3 * (count + 2), sizeof(pbw_index))
+        || !pbwm2__room(&job->memory, &job->fresh, count, sizeof(pbw_index))) {
         return PBW_NONE;
     }
-    stack = PBWP__INDICES(job->stack);
+    stack = PBWM2__INDICES(job->stack);
     stack[0] = 0;
     stack[1] = (pbw_index)(count - 1);
     stack[2] = PBW_NONE;
@@ -608,22 +608,22 @@ static pbw_index pbwp__fill(pbwp__job *job, pbwp__joint *chain, size_t count, pb
         size_t apex;
         top -= 3;
         if (high - low == 1) {                       /* an edge of the chain */
-            job->t[PBWP__SLOT(parent)].edge[PBWP__SIDE(parent)] = chain[low].edge;
-            if (PBWP__SIDE(link) == 3 && link != PBW_NONE) {
-                chain[PBWP__SLOT(link)].link = parent;
+            job->t[PBWM2__SLOT(parent)].edge[PBWM2__SIDE(parent)] = chain[low].edge;
+            if (PBWM2__SIDE(link) == 3 && link != PBW_NONE) {
+                chain[PBWM2__SLOT(link)].link = parent;
             } else {
-                pbwp__join(job, parent, link);
+                pbwm2__join(job, parent, link);
             }
             continue;
         }
-        apex = pbwp__apex(job, chain, low, high);
+        apex = pbwm2__apex(job, chain, low, high);
         if (apex == 0) {
             return PBW_NONE;
         }
-        slot = pbwp__put(job, chain + low, chain + high, chain + apex, region);
-        pbwp__join(job, 4 * slot + 2, parent);
+        slot = pbwm2__put(job, chain + low, chain + high, chain + apex, region);
+        pbwm2__join(job, 4 * slot + 2, parent);
         base = base == PBW_NONE ? 4 * slot + 2 : base;
-        PBWP__INDICES(job->fresh)[job->fresh.count++] = slot;
+        PBWM2__INDICES(job->fresh)[job->fresh.count++] = slot;
         stack[top] = low;
         stack[top + 1] = (pbw_index)apex;
         stack[top + 2] = 4 * slot + 1;
@@ -637,85 +637,85 @@ static pbw_index pbwp__fill(pbwp__job *job, pbwp__joint *chain, size_t count, pb
 
 /* Steps round corner `corner` (code 4 t + i of a corner): to the next triangle counter-clockwise, or the other way.
    */
-static pbw_index pbwp__round(const pbwp__job *job, pbw_index corner, int clockwise)
+static pbw_index pbwm2__round(const pbwm2__job *job, pbw_index corner, int clockwise)
 {
-    const unsigned i = PBWP__SIDE(corner);
-    const pbw_index link = job->t[PBWP__SLOT(corner)].link[clockwise ? pbwp__last[i] : pbwp__next[i]];
+    const unsigned i = PBWM2__SIDE(corner);
+    const pbw_index link = job->t[PBWM2__SLOT(corner)].link[clockwise ? pbwm2__last[i] : pbwm2__next[i]];
     if (link == PBW_NONE) {
         return PBW_NONE;
     }
-    return 4 * PBWP__SLOT(link) + (clockwise ? pbwp__last[PBWP__SIDE(link)] : pbwp__next[PBWP__SIDE(link)]);
+    return 4 * PBWM2__SLOT(link) + (clockwise ? pbwm2__last[PBWM2__SIDE(link)] : pbwm2__next[PBWM2__SIDE(link)]);
 }
 
-static pbw_index pbwp__corner_of(const pbwp__job *job, pbw_index vertex)
+static pbw_index pbwm2__corner_of(const pbwm2__job *job, pbw_index vertex)
 {
     const pbw_index slot = job->incident[vertex];
-    const pbwp__triangle *t = job->t + slot;
+    const pbwm2__triangle *t = job->t + slot;
     return 4 * slot + (t->v[0] == vertex ? 0u : t->v[1] == vertex ? 1u : 2u);
 }
 
-typedef struct pbwp__spin { pbw_index start, corner; int clockwise; } pbwp__spin;       /* round a vertex */
+typedef struct pbwm2__spin { pbw_index start, corner; int clockwise; } pbwm2__spin;     /* round a vertex */
 
 /* The next triangle: counter-clockwise, then from the border the other way from the start.  Returns 0 at the end. */
-static int pbwp__spin_on(const pbwp__job *job, pbwp__spin *spin)
+static int pbwm2__spin_on(const pbwm2__job *job, pbwm2__spin *spin)
 {
-    spin->corner = pbwp__round(job, spin->corner, spin->clockwise);
+    spin->corner = pbwm2__round(job, spin->corner, spin->clockwise);
     if (spin->corner == PBW_NONE && !spin->clockwise) {
         spin->clockwise = 1;
-        spin->corner = pbwp__round(job, spin->start, 1);
+        spin->corner = pbwm2__round(job, spin->start, 1);
     }
     return spin->corner != PBW_NONE && spin->corner != spin->start;
 }
 
 /* Returns the code of the edge between two vertices, in one of its triangles; PBW_NONE if there is none, and *fewer
    is then 1 if b has fewer triangles than a.  Searches round both alternately, as one may be a hub. */
-static pbw_index pbwp__look(const pbwp__job *job, pbw_index a, pbw_index b, int *fewer)
+static pbw_index pbwm2__look(const pbwm2__job *job, pbw_index a, pbw_index b, int *fewer)
 {
-    pbwp__spin spin[2];
+    pbwm2__spin spin[2];
     int s;
     memset(spin, 0, sizeof spin);
-    spin[0].start = spin[0].corner = pbwp__corner_of(job, a);
-    spin[1].start = spin[1].corner = pbwp__corner_of(job, b);
+    spin[0].start = spin[0].corner = pbwm2__corner_of(job, a);
+    spin[1].start = spin[1].corner = pbwm2__corner_of(job, b);
     for (s = 0; ; s = 1 - s) {
-        const unsigned i = PBWP__SIDE(spin[s].corner);
-        const pbw_index slot = PBWP__SLOT(spin[s].corner), other = s == 0 ? b : a;
-        if (job->t[slot].v[pbwp__next[i]] == other) {
-            return 4 * slot + pbwp__last[i];
+        const unsigned i = PBWM2__SIDE(spin[s].corner);
+        const pbw_index slot = PBWM2__SLOT(spin[s].corner), other = s == 0 ? b : a;
+        if (job->t[slot].v[pbwm2__next[i]] == other) {
+            return 4 * slot + pbwm2__last[i];
         }
-        if (job->t[slot].v[pbwp__last[i]] == other) {
-            return 4 * slot + pbwp__next[i];
+        if (job->t[slot].v[pbwm2__last[i]] == other) {
+            return 4 * slot + pbwm2__next[i];
         }
-        if (!pbwp__spin_on(job, spin + s)) {
+        if (!pbwm2__spin_on(job, spin + s)) {
             *fewer = s;
             return PBW_NONE;
         }
     }
 }
 
-static pbw_index pbwp__find_edge(const pbwp__job *job, pbw_index a, pbw_index b)
+static pbw_index pbwm2__find_edge(const pbwm2__job *job, pbw_index a, pbw_index b)
 {
     int unused;
-    return pbwp__look(job, a, b, &unused);
+    return pbwm2__look(job, a, b, &unused);
 }
 
 /* For a segment from a to b that is no edge: returns the corner at a of the triangle by which it leaves the star of
    a, across the opposite edge; or sets *through to the neighbour of a that it passes through. */
-static pbw_index pbwp__find_exit(const pbwp__job *job, pbw_index a, pbw_index b, pbw_index *through)
+static pbw_index pbwm2__find_exit(const pbwm2__job *job, pbw_index a, pbw_index b, pbw_index *through)
 {
-    const pbw_index start = pbwp__corner_of(job, a);
-    const int forwards = pbwp__before(job, a, b);
+    const pbw_index start = pbwm2__corner_of(job, a);
+    const int forwards = pbwm2__before(job, a, b);
     pbw_index corner;
     int clockwise, k;
     *through = PBW_NONE;
     for (clockwise = 0; clockwise < 2; clockwise++) {
         for (corner = start; corner != PBW_NONE; ) {
-            const unsigned i = PBWP__SIDE(corner);
-            const pbwp__triangle *t = job->t + PBWP__SLOT(corner);
-            const pbw_index ends[2] = { t->v[pbwp__next[i]], t->v[pbwp__last[i]] };
+            const unsigned i = PBWM2__SIDE(corner);
+            const pbwm2__triangle *t = job->t + PBWM2__SLOT(corner);
+            const pbw_index ends[2] = { t->v[pbwm2__next[i]], t->v[pbwm2__last[i]] };
             int sign[2];
             for (k = 0; k < 2; k++) {
-                sign[k] = pbwp__orient(job, a, b, ends[k]);
-                if (sign[k] == 0 && pbwp__before(job, a, ends[k]) == forwards) {
+                sign[k] = pbwm2__orient(job, a, b, ends[k]);
+                if (sign[k] == 0 && pbwm2__before(job, a, ends[k]) == forwards) {
                     *through = ends[k];
                     return corner;
                 }
@@ -723,7 +723,7 @@ static pbw_index pbwp__find_exit(const pbwp__job *job, pbw_index a, pbw_index b,
             if (sign[0] < 0 && sign[1] > 0) {
                 return corner;
             }
-            corner = pbwp__round(job, corner, clockwise);
+            corner = pbwm2__round(job, corner, clockwise);
             if (corner == start) {
                 return PBW_NONE;
             }
@@ -733,60 +733,60 @@ static pbw_index pbwp__find_exit(const pbwp__job *job, pbw_index a, pbw_index b,
 }
 
 /* Adds a vertex, and the edge from there, by its code in an old triangle, to a chain. */
-static int pbwp__chain_push(pbwp__job *job, int side, pbw_index vertex, pbw_index inner)
+static int pbwm2__chain_push(pbwm2__job *job, int side, pbw_index vertex, pbw_index inner)
 {
-    pbwp__array *chain = &job->chain[side];
-    pbwp__joint *joint;
-    if ((chain->count + 1) * sizeof *joint > chain->bytes && !pbwp__room(&job->memory, chain, 1, sizeof *joint)) {
+    pbwm2__array *chain = &job->chain[side];
+    pbwm2__joint *joint;
+    if ((chain->count + 1) * sizeof *joint > chain->bytes && !pbwm2__room(&job->memory, chain, 1, sizeof *joint)) {
         return 0;
     }
-    joint = (pbwp__joint *)chain->data + chain->count++;
+    joint = (pbwm2__joint *)chain->data + chain->count++;
     joint->v = vertex;
-    joint->slot = PBWP__SLOT(inner);
+    joint->slot = PBWM2__SLOT(inner);
     joint->link = inner;
     joint->edge = PBW_NONE;
     return 1;
 }
 
-static int pbwp__dig_old(pbwp__job *job, pbw_index slot)
+static int pbwm2__dig_old(pbwm2__job *job, pbw_index slot)
 {
-    job->t[slot].region |= PBWP__CAVITY;
-    return pbwp__push(&job->memory, &job->old, slot);
+    job->t[slot].region |= PBWM2__CAVITY;
+    return pbwm2__push(&job->memory, &job->old, slot);
 }
 
 /* Collects the cavity of a segment from a towards b: both chains, and the old triangles.  Returns the vertex at its
    end: b, or another one on the segment; PBW_NONE without memory, or if it crosses a segment (then *crossed is that
    edge). */
-static pbw_index pbwp__cavity(pbwp__job *job, pbw_index corner, pbw_index b, pbw_index *crossed)
+static pbw_index pbwm2__cavity(pbwm2__job *job, pbw_index corner, pbw_index b, pbw_index *crossed)
 {
-    const unsigned i = PBWP__SIDE(corner);
-    pbw_index slot = PBWP__SLOT(corner), a = job->t[slot].v[i];
-    pbw_index right = job->t[slot].v[pbwp__next[i]], left = job->t[slot].v[pbwp__last[i]], edge = corner;
+    const unsigned i = PBWM2__SIDE(corner);
+    pbw_index slot = PBWM2__SLOT(corner), a = job->t[slot].v[i];
+    pbw_index right = job->t[slot].v[pbwm2__next[i]], left = job->t[slot].v[pbwm2__last[i]], edge = corner;
     int ok = 1;
     job->chain[0].count = job->chain[1].count = job->old.count = 0;
-    ok = pbwp__chain_push(job, 0, a, 4 * slot + pbwp__next[i])
-      && pbwp__chain_push(job, 1, a, 4 * slot + pbwp__last[i]) && pbwp__dig_old(job, slot);
+    ok = pbwm2__chain_push(job, 0, a, 4 * slot + pbwm2__next[i])
+      && pbwm2__chain_push(job, 1, a, 4 * slot + pbwm2__last[i]) && pbwm2__dig_old(job, slot);
     while (ok) {
-        const pbw_index link = job->t[PBWP__SLOT(edge)].link[PBWP__SIDE(edge)];
-        const unsigned e = PBWP__SIDE(link);
+        const pbw_index link = job->t[PBWM2__SLOT(edge)].link[PBWM2__SIDE(edge)];
+        const unsigned e = PBWM2__SIDE(link);
         pbw_index x, to_left, to_right;
         int sign;
-        *crossed = job->t[PBWP__SLOT(edge)].edge[PBWP__SIDE(edge)];
+        *crossed = job->t[PBWM2__SLOT(edge)].edge[PBWM2__SIDE(edge)];
         if (*crossed != PBW_NONE) {
             return PBW_NONE;
         }
-        slot = PBWP__SLOT(link);
+        slot = PBWM2__SLOT(link);
         x = job->t[slot].v[e];
-        to_left = 4 * slot + pbwp__last[e];          /* the edges from x to left and to right */
-        to_right = 4 * slot + pbwp__next[e];
-        sign = x == b ? 0 : pbwp__orient(job, a, b, x);
-        ok = pbwp__dig_old(job, slot)
-          && (sign < 0 || pbwp__chain_push(job, 0, left, to_left))
-          && (sign > 0 || pbwp__chain_push(job, 1, right, to_right));
+        to_left = 4 * slot + pbwm2__last[e];         /* the edges from x to left and to right */
+        to_right = 4 * slot + pbwm2__next[e];
+        sign = x == b ? 0 : pbwm2__orient(job, a, b, x);
+        ok = pbwm2__dig_old(job, slot)
+          && (sign < 0 || pbwm2__chain_push(job, 0, left, to_left))
+          && (sign > 0 || pbwm2__chain_push(job, 1, right, to_right));
         if (sign == 0) {
-            pbwp__joint *right_last = (pbwp__joint *)job->chain[1].data + job->chain[1].count - 1;
-            right_last->slot = ok ? PBWP__INDICES(job->old)[0] : PBW_NONE;       /* the one left over */
-            ok = ok && pbwp__chain_push(job, 0, x, PBW_NONE) && pbwp__chain_push(job, 1, x, PBW_NONE);
+            pbwm2__joint *right_last = (pbwm2__joint *)job->chain[1].data + job->chain[1].count - 1;
+            right_last->slot = ok ? PBWM2__INDICES(job->old)[0] : PBW_NONE;      /* the one left over */
+            ok = ok && pbwm2__chain_push(job, 0, x, PBW_NONE) && pbwm2__chain_push(job, 1, x, PBW_NONE);
             return ok ? x : PBW_NONE;
         }
         left = sign > 0 ? x : left;
@@ -797,20 +797,20 @@ static pbw_index pbwp__cavity(pbwp__job *job, pbw_index corner, pbw_index b, pbw
 }
 
 /* Turns a chain round: it begins with its last vertex, edges stay between their vertices. */
-static void pbwp__reverse(pbwp__joint *chain, size_t count)
+static void pbwm2__reverse(pbwm2__joint *chain, size_t count)
 {
     size_t i;
     for (i = 0; i < count / 2; i++) {
-        pbwp__joint *one = chain + i, *other = chain + count - 1 - i;
-        const pbwp__joint swap = *one;
+        pbwm2__joint *one = chain + i, *other = chain + count - 1 - i;
+        const pbwm2__joint swap = *one;
         one->v = other->v;
         one->slot = other->slot;
         other->v = swap.v;
         other->slot = swap.slot;
     }
     for (i = 0; i < (count - 1) / 2; i++) {
-        pbwp__joint *one = chain + i, *other = chain + count - 2 - i;
-        const pbwp__joint swap = *one;
+        pbwm2__joint *one = chain + i, *other = chain + count - 2 - i;
+        const pbwm2__joint swap = *one;
         one->link = other->link;
         one->edge = other->edge;
         other->link = swap.link;
@@ -819,71 +819,71 @@ static void pbwp__reverse(pbwp__joint *chain, size_t count)
 }
 
 /* Replaces codes in old triangles by what is beyond, as these triangles go. */
-static void pbwp__look_beyond(pbwp__job *job, pbwp__joint *chain, size_t count)
+static void pbwm2__look_beyond(pbwm2__job *job, pbwm2__joint *chain, size_t count)
 {
     size_t i;
     for (i = 0; i + 1 < count; i++) {
-        const pbwp__triangle *t = job->t + PBWP__SLOT(chain[i].link);
-        const unsigned side = PBWP__SIDE(chain[i].link);
+        const pbwm2__triangle *t = job->t + PBWM2__SLOT(chain[i].link);
+        const unsigned side = PBWM2__SIDE(chain[i].link);
         const pbw_index link = t->link[side];
         chain[i].edge = t->edge[side];
         chain[i].link = link;
-        if (link != PBW_NONE && PBWP__SIDE(link) == 3) {
-            chain[PBWP__SLOT(link)].link = (pbw_index)(4 * i + 3);
-        } else if (link != PBW_NONE && (job->t[PBWP__SLOT(link)].region & PBWP__CAVITY) != 0) {
-            job->t[PBWP__SLOT(link)].link[PBWP__SIDE(link)] = (pbw_index)(4 * i + 3);
+        if (link != PBW_NONE && PBWM2__SIDE(link) == 3) {
+            chain[PBWM2__SLOT(link)].link = (pbw_index)(4 * i + 3);
+        } else if (link != PBW_NONE && (job->t[PBWM2__SLOT(link)].region & PBWM2__CAVITY) != 0) {
+            job->t[PBWM2__SLOT(link)].link[PBWM2__SIDE(link)] = (pbw_index)(4 * i + 3);
         }
     }
 }
 
 /* Replaces the triangles of a cavity.  Returns the code of the segment's edge; PBW_NONE without memory. */
-static pbw_index pbwp__refill(pbwp__job *job)
+static pbw_index pbwm2__refill(pbwm2__job *job)
 {
-    pbwp__joint *left = (pbwp__joint *)job->chain[0].data, *right = (pbwp__joint *)job->chain[1].data;
+    pbwm2__joint *left = (pbwm2__joint *)job->chain[0].data, *right = (pbwm2__joint *)job->chain[1].data;
     pbw_index base[2];
-    pbwp__reverse(right, job->chain[1].count);
-    pbwp__look_beyond(job, left, job->chain[0].count);
-    pbwp__look_beyond(job, right, job->chain[1].count);
-    base[0] = pbwp__fill(job, left, job->chain[0].count, 0);
-    base[1] = base[0] == PBW_NONE ? PBW_NONE : pbwp__fill(job, right, job->chain[1].count, 0);
+    pbwm2__reverse(right, job->chain[1].count);
+    pbwm2__look_beyond(job, left, job->chain[0].count);
+    pbwm2__look_beyond(job, right, job->chain[1].count);
+    base[0] = pbwm2__fill(job, left, job->chain[0].count, 0);
+    base[1] = base[0] == PBW_NONE ? PBW_NONE : pbwm2__fill(job, right, job->chain[1].count, 0);
     if (base[1] == PBW_NONE) {
         return PBW_NONE;
     }
-    pbwp__join(job, base[0], base[1]);
+    pbwm2__join(job, base[0], base[1]);
     return base[0];
 }
 
 /* Adds a piece to an edge, which may have others.  Returns 0 without memory. */
-static int pbwp__add_piece(pbwp__job *job, pbw_index code, pbw_index piece)
+static int pbwm2__add_piece(pbwm2__job *job, pbw_index code, pbw_index piece)
 {
-    const pbw_index rest = job->t[PBWP__SLOT(code)].edge[PBWP__SIDE(code)];
-    pbwp__group *groups;
+    const pbw_index rest = job->t[PBWM2__SLOT(code)].edge[PBWM2__SIDE(code)];
+    pbwm2__group *groups;
     if (rest == PBW_NONE) {
-        pbwp__mark_edge(job, code, piece);
+        pbwm2__mark_edge(job, code, piece);
         return 1;
     }
-    if (!pbwp__room(&job->memory, &job->groups, 1, sizeof *groups)) {
+    if (!pbwm2__room(&job->memory, &job->groups, 1, sizeof *groups)) {
         return 0;
     }
-    groups = (pbwp__group *)job->groups.data;
+    groups = (pbwm2__group *)job->groups.data;
     if (job->groups.count == 0 || groups[job->groups.count - 1].piece != piece
         || groups[job->groups.count - 1].rest != rest) {
         groups[job->groups.count].piece = piece;
         groups[job->groups.count++].rest = rest;
     }
-    pbwp__mark_edge(job, code, (pbw_index)(job->piece_count + job->groups.count - 1));
+    pbwm2__mark_edge(job, code, (pbw_index)(job->piece_count + job->groups.count - 1));
     return 1;
 }
 
-enum { PBWP__DONE, PBWP__CROSSES, PBWP__NO_MEMORY };
+enum { PBWM2__DONE, PBWM2__CROSSES, PBWM2__NO_MEMORY };
 
-static int pbwp__insert_piece(pbwp__job *job, pbw_index number)
+static int pbwm2__insert_piece(pbwm2__job *job, pbw_index number)
 {
-    const pbwp__piece piece = ((const pbwp__piece *)job->pieces.data)[number];
+    const pbwm2__piece piece = ((const pbwm2__piece *)job->pieces.data)[number];
     pbw_index a = piece.a, b = piece.b, end, crossed = PBW_NONE;
     while (a != b) {
         int fewer = 0;
-        pbw_index code = pbwp__look(job, a, b, &fewer), corner;
+        pbw_index code = pbwm2__look(job, a, b, &fewer), corner;
         if (fewer) {
             end = a;
             a = b;
@@ -891,45 +891,45 @@ static int pbwp__insert_piece(pbwp__job *job, pbw_index number)
         }
         end = b;
         if (code == PBW_NONE) {
-            corner = pbwp__find_exit(job, a, b, &end);
+            corner = pbwm2__find_exit(job, a, b, &end);
             if (end != PBW_NONE) {
-                code = pbwp__find_edge(job, a, end);
+                code = pbwm2__find_edge(job, a, end);
             } else {
-                end = pbwp__cavity(job, corner, b, &crossed);
+                end = pbwm2__cavity(job, corner, b, &crossed);
                 if (end == PBW_NONE) {
-                    return crossed != PBW_NONE ? PBWP__CROSSES : PBWP__NO_MEMORY;
+                    return crossed != PBW_NONE ? PBWM2__CROSSES : PBWM2__NO_MEMORY;
                 }
-                code = pbwp__refill(job);
+                code = pbwm2__refill(job);
                 if (code == PBW_NONE) {
-                    return PBWP__NO_MEMORY;
+                    return PBWM2__NO_MEMORY;
                 }
             }
         }
-        if (!pbwp__add_piece(job, code, number)) {
-            return PBWP__NO_MEMORY;
+        if (!pbwm2__add_piece(job, code, number)) {
+            return PBWM2__NO_MEMORY;
         }
         a = end;
     }
-    return PBWP__DONE;
+    return PBWM2__DONE;
 }
 
 /* ---- the triangulation of the points */
 
 /* Takes over the arrays of a mesh: links with the number of the edge, in place of neighbours. */
-static pbw_status pbwp__take_mesh(pbwp__job *job, const pbw_mesh *mesh)
+static pbw_status pbwm2__take_mesh(pbwm2__job *job, const pbw_mesh *mesh)
 {
     const pbw_index *neighbor = mesh->neighbors;
     const size_t n = mesh->point_count;
     size_t i, k;
     job->triangles.count = job->points.count = job->incidents.count = job->original.count = job->vertex.count = 0;
-    if (mesh->simplex_count > PBWP__TRIANGLES_MOST) {
+    if (mesh->simplex_count > PBWM2__TRIANGLES_MOST) {
         return PBW_ERROR_TOO_LARGE;
     }
-    if (!pbwp__reserve_slots(job, mesh->simplex_count)
-        || !pbwp__room(&job->memory, &job->points, n, 2 * sizeof(double))
-        || !pbwp__room(&job->memory, &job->incidents, n, sizeof(pbw_index))
-        || !pbwp__room(&job->memory, &job->original, n, sizeof(pbw_index))
-        || !pbwp__room(&job->memory, &job->vertex, n, sizeof(pbw_index))) {
+    if (!pbwm2__reserve_slots(job, mesh->simplex_count)
+        || !pbwm2__room(&job->memory, &job->points, n, 2 * sizeof(double))
+        || !pbwm2__room(&job->memory, &job->incidents, n, sizeof(pbw_index))
+        || !pbwm2__room(&job->memory, &job->original, n, sizeof(pbw_index))
+        || !pbwm2__room(&job->memory, &job->vertex, n, sizeof(pbw_index))) {
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < mesh->simplex_count; i++) {
@@ -948,20 +948,20 @@ static pbw_status pbwp__take_mesh(pbwp__job *job, const pbw_mesh *mesh)
     }
     job->triangles.count = mesh->simplex_count;
     job->points.count = job->incidents.count = job->original.count = job->vertex.count = n;
-    job->p = PBWP__DOUBLES(job->points);
-    job->incident = PBWP__INDICES(job->incidents);
+    job->p = PBWM2__DOUBLES(job->points);
+    job->incident = PBWM2__INDICES(job->incidents);
     memcpy(job->p, mesh->points, n * 2 * sizeof(double));
     memcpy(job->incident, mesh->incident, n * sizeof(pbw_index));
     memcpy(job->original.data, mesh->original, n * sizeof(pbw_index));
     for (i = 0; i < n; i++) {
-        PBWP__INDICES(job->vertex)[mesh->original[i]] = mesh->canonical[i];
+        PBWM2__INDICES(job->vertex)[mesh->original[i]] = mesh->canonical[i];
     }
     job->free_slot = PBW_NONE;
-    pbwp__set_floor(job, 0);
+    pbwm2__set_floor(job, 0);
     return PBW_OK;
 }
 
-static pbw_status pbwp__triangulate(pbwp__job *job)
+static pbw_status pbwm2__triangulate(pbwm2__job *job)
 {
     pbw_options options = *job->build;
     pbw_mesh mesh;
@@ -970,35 +970,35 @@ static pbw_status pbwp__triangulate(pbwp__job *job)
     options.flags = (options.flags & PBW_BACKEND_OR_CPU) | PBW_CURVE_ORDER;
     options.stride = 0;
     options.trace = NULL;
-    if (!pbwp__limit_rest(job, &options)) {
-        return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    if (!pbwm2__limit_rest(job, &options)) {
+        return pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
     }
-    status = pbw_triangulate(2, PBWP__DOUBLES(job->given), NULL, job->given.count, &options, &mesh);
+    status = pbw_triangulate(2, PBWM2__DOUBLES(job->given), NULL, job->given.count, &options, &mesh);
     if (status == PBW_OK) {
         const size_t held = mesh.statistics.peak_bytes;          /* at most: the mesh has some of them */
         job->memory.used += held;
-        status = pbwp__take_mesh(job, &mesh);
+        status = pbwm2__take_mesh(job, &mesh);
         job->memory.used -= held;
     }
     pbw_free(&mesh);
-    return status == PBW_OK ? status : pbwp__say(job, status, NULL);
+    return status == PBW_OK ? status : pbwm2__say(job, status, NULL);
 }
 
 /* Fills pieces from the segments: ends become vertices; in the order of the first of the two on the curve. */
-static pbw_status pbwp__order_pieces(pbwp__job *job)
+static pbw_status pbwm2__order_pieces(pbwm2__job *job)
 {
-    const pbwp__piece *segment = (const pbwp__piece *)job->segments.data;
-    const pbw_index *vertex = PBWP__INDICES(job->vertex);
+    const pbwm2__piece *segment = (const pbwm2__piece *)job->segments.data;
+    const pbw_index *vertex = PBWM2__INDICES(job->vertex);
     const size_t count = job->segments.count, n = job->points.count;
     pbw_index *first;
     size_t i, sum = 0;
     job->pieces.count = job->first_of.count = 0;
     job->groups.count = 0;
-    if (!pbwp__room(&job->memory, &job->pieces, count, sizeof(pbwp__piece))
-        || !pbwp__room(&job->memory, &job->first_of, n + 1, sizeof(pbw_index))) {
-        return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    if (!pbwm2__room(&job->memory, &job->pieces, count, sizeof(pbwm2__piece))
+        || !pbwm2__room(&job->memory, &job->first_of, n + 1, sizeof(pbw_index))) {
+        return pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
     }
-    first = PBWP__INDICES(job->first_of);
+    first = PBWM2__INDICES(job->first_of);
     memset(first, 0, (n + 1) * sizeof *first);
     for (i = 0; i < count; i++) {
         const pbw_index a = vertex[segment[i].a], b = vertex[segment[i].b];
@@ -1011,7 +1011,7 @@ static pbw_status pbwp__order_pieces(pbwp__job *job)
     }
     for (i = 0; i < count; i++) {
         const pbw_index a = vertex[segment[i].a], b = vertex[segment[i].b];
-        pbwp__piece *piece = (pbwp__piece *)job->pieces.data + first[a < b ? a : b]++;
+        pbwm2__piece *piece = (pbwm2__piece *)job->pieces.data + first[a < b ? a : b]++;
         piece->a = a;
         piece->b = b;
         piece->segment = segment[i].segment;
@@ -1021,23 +1021,23 @@ static pbw_status pbwp__order_pieces(pbwp__job *job)
 }
 
 /* Triangulates the points and inserts all pieces; *crosses is set if two of them cross. */
-static pbw_status pbwp__constrain(pbwp__job *job, int *crosses)
+static pbw_status pbwm2__constrain(pbwm2__job *job, int *crosses)
 {
-    pbw_status status = pbwp__triangulate(job);
+    pbw_status status = pbwm2__triangulate(job);
     size_t i;
     *crosses = 0;
     if (status == PBW_OK) {
-        status = pbwp__order_pieces(job);
+        status = pbwm2__order_pieces(job);
     }
     for (i = 0; status == PBW_OK && i < job->piece_count; i++) {
-        const int result = pbwp__insert_piece(job, (pbw_index)i);
-        if (result == PBWP__NO_MEMORY) {
-            status = pbwp__say(job, PBW_ERROR_MEMORY, NULL);
-        } else if (result == PBWP__CROSSES) {
+        const int result = pbwm2__insert_piece(job, (pbw_index)i);
+        if (result == PBWM2__NO_MEMORY) {
+            status = pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
+        } else if (result == PBWM2__CROSSES) {
             *crosses = 1;
             return PBW_OK;
-        } else if (pbwp__step(job, pbwp__share(i, job->piece_count))) {
-            status = pbwp__say(job, PBW_CANCELLED, NULL);
+        } else if (pbwm2__step(job, pbwm2__share(i, job->piece_count))) {
+            status = pbwm2__say(job, PBW_CANCELLED, NULL);
         }
     }
     return status;
@@ -1047,17 +1047,17 @@ static pbw_status pbwp__constrain(pbwp__job *job, int *crosses)
    Crossings: pairs of segments with a point inside both, by a tree of boxes over the segments along the curve.
    In: segments.  Out: all such pairs, or segments cut there.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwp__box { double low[2], high[2]; } pbwp__box;
-typedef struct pbwp__cut { double at; pbw_index segment, other; } pbwp__cut;     /* other: a segment, or a point */
-enum { PBWP__LEVELS = 17, PBWP__FAN = 4, PBWP__ROUNDS = 16 };
+typedef struct pbwm2__box { double low[2], high[2]; } pbwm2__box;
+typedef struct pbwm2__cut { double at; pbw_index segment, other; } pbwm2__cut;   /* other: a segment, or a point */
+enum { PBWM2__LEVELS = 17, PBWM2__FAN = 4, PBWM2__ROUNDS = 16 };
 
-typedef struct pbwp__tree {
-    pbwp__array order, boxes;
-    size_t first[PBWP__LEVELS + 1], count[PBWP__LEVELS];             /* of the boxes of each level; 0: the segments */
+typedef struct pbwm2__tree {
+    pbwm2__array order, boxes;
+    size_t first[PBWM2__LEVELS + 1], count[PBWM2__LEVELS];           /* of the boxes of each level; 0: the segments */
     int levels;
-} pbwp__tree;
+} pbwm2__tree;
 
-static int pbwp__cut_less(const pbwp__cut *a, const pbwp__cut *b)
+static int pbwm2__cut_less(const pbwm2__cut *a, const pbwm2__cut *b)
 {
     if (a->segment != b->segment) {
         return a->segment < b->segment;
@@ -1065,13 +1065,13 @@ static int pbwp__cut_less(const pbwp__cut *a, const pbwp__cut *b)
     return a->at < b->at || (a->at <= b->at && a->other < b->other);
 }
 
-static void pbwp__sift(pbwp__cut *cut, size_t root, size_t count)
+static void pbwm2__sift(pbwm2__cut *cut, size_t root, size_t count)
 {
-    const pbwp__cut item = cut[root];
+    const pbwm2__cut item = cut[root];
     size_t child;
     while ((child = 2 * root + 1) < count) {
-        child += child + 1 < count && pbwp__cut_less(cut + child, cut + child + 1);
-        if (!pbwp__cut_less(&item, cut + child)) {
+        child += child + 1 < count && pbwm2__cut_less(cut + child, cut + child + 1);
+        if (!pbwm2__cut_less(&item, cut + child)) {
             break;
         }
         cut[root] = cut[child];
@@ -1080,21 +1080,21 @@ static void pbwp__sift(pbwp__cut *cut, size_t root, size_t count)
     cut[root] = item;
 }
 
-static void pbwp__sort(pbwp__cut *cut, size_t count)                 /* heapsort (Williams 1964) */
+static void pbwm2__sort(pbwm2__cut *cut, size_t count)               /* heapsort (Williams 1964) */
 {
     size_t i;
     for (i = count / 2; i > 0; i--) {
-        pbwp__sift(cut, i - 1, count);
+        pbwm2__sift(cut, i - 1, count);
     }
     for (i = count; i > 1; i--) {
-        const pbwp__cut largest = cut[0];
+        const pbwm2__cut largest = cut[0];
         cut[0] = cut[i - 1];
         cut[i - 1] = largest;
-        pbwp__sift(cut, 0, i - 1);
+        pbwm2__sift(cut, 0, i - 1);
     }
 }
 
-static void pbwp__widen(pbwp__box *box, const double *low, const double *high)
+static void pbwm2__widen(pbwm2__box *box, const double *low, const double *high)
 {
     int k;
     for (k = 0; k < 2; k++) {
@@ -1103,76 +1103,76 @@ static void pbwp__widen(pbwp__box *box, const double *low, const double *high)
     }
 }
 
-static pbw_status pbwp__plant(pbwp__job *job, pbwp__tree *tree)
+static pbw_status pbwm2__build_tree(pbwm2__job *job, pbwm2__tree *tree)
 {
-    const pbwp__piece *segment = (const pbwp__piece *)job->segments.data;
-    const double *p = PBWP__DOUBLES(job->given);
+    const pbwm2__piece *segment = (const pbwm2__piece *)job->segments.data;
+    const double *p = PBWM2__DOUBLES(job->given);
     const size_t m = job->segments.count;
     pbw_options options = *job->build;
-    pbwp__array middles;
-    pbwp__box *box;
+    pbwm2__array middles;
+    pbwm2__box *box;
     pbw_status status;
     size_t i, k, total = m, n = m;
     memset(&middles, 0, sizeof middles);
-    for (tree->levels = 1, tree->count[0] = m; n > PBWP__FAN; tree->levels++) {
-        n = (n + PBWP__FAN - 1) / PBWP__FAN;
+    for (tree->levels = 1, tree->count[0] = m; n > PBWM2__FAN; tree->levels++) {
+        n = (n + PBWM2__FAN - 1) / PBWM2__FAN;
         tree->count[tree->levels] = n;
         total += n;
     }
-    if (!pbwp__room(&job->memory, &middles, m, 2 * sizeof(double))
-        || !pbwp__room(&job->memory, &tree->order, m, sizeof(pbw_index))
-        || !pbwp__room(&job->memory, &tree->boxes, total, sizeof(pbwp__box))) {
-        pbwp__release(&job->memory, &middles);
+    if (!pbwm2__room(&job->memory, &middles, m, 2 * sizeof(double))
+        || !pbwm2__room(&job->memory, &tree->order, m, sizeof(pbw_index))
+        || !pbwm2__room(&job->memory, &tree->boxes, total, sizeof(pbwm2__box))) {
+        pbwm2__release(&job->memory, &middles);
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < m; i++) {
         for (k = 0; k < 2; k++) {
             const double a = p[2 * (size_t)segment[i].a + k], b = p[2 * (size_t)segment[i].b + k];
-            PBWP__DOUBLES(middles)[2 * i + k] = a / 2 + b / 2;
+            PBWM2__DOUBLES(middles)[2 * i + k] = a / 2 + b / 2;
         }
     }
     options.stride = 0;
-    status = !pbwp__limit_rest(job, &options) ? PBW_ERROR_MEMORY
-           : pbw_order(2, PBWP__DOUBLES(middles), m, &options, PBWP__INDICES(tree->order));
-    pbwp__release(&job->memory, &middles);
-    box = (pbwp__box *)tree->boxes.data;
+    status = !pbwm2__limit_rest(job, &options) ? PBW_ERROR_MEMORY
+           : pbw_order(2, PBWM2__DOUBLES(middles), m, &options, PBWM2__INDICES(tree->order));
+    pbwm2__release(&job->memory, &middles);
+    box = (pbwm2__box *)tree->boxes.data;
     for (i = 0; status == PBW_OK && i < m; i++) {
-        const pbwp__piece s = segment[PBWP__INDICES(tree->order)[i]];
+        const pbwm2__piece s = segment[PBWM2__INDICES(tree->order)[i]];
         memcpy(box[i].low, p + 2 * (size_t)s.a, sizeof box[i].low);
         memcpy(box[i].high, p + 2 * (size_t)s.a, sizeof box[i].high);
-        pbwp__widen(box + i, p + 2 * (size_t)s.b, p + 2 * (size_t)s.b);
+        pbwm2__widen(box + i, p + 2 * (size_t)s.b, p + 2 * (size_t)s.b);
     }
     tree->first[0] = 0;
     for (k = 1; status == PBW_OK && k < (size_t)tree->levels; k++) {
-        const pbwp__box *below = box + tree->first[k - 1];
+        const pbwm2__box *below = box + tree->first[k - 1];
         tree->first[k] = tree->first[k - 1] + tree->count[k - 1];
         for (i = 0; i < tree->count[k - 1]; i++) {
-            pbwp__box *above = box + tree->first[k] + i / PBWP__FAN;
-            if (i % PBWP__FAN == 0) {
+            pbwm2__box *above = box + tree->first[k] + i / PBWM2__FAN;
+            if (i % PBWM2__FAN == 0) {
                 *above = below[i];
             }
-            pbwp__widen(above, below[i].low, below[i].high);
+            pbwm2__widen(above, below[i].low, below[i].high);
         }
     }
     return status;
 }
 
-static int pbwp__cross(const pbwp__job *job, pbwp__piece s, pbwp__piece t)
+static int pbwm2__cross(const pbwm2__job *job, pbwm2__piece s, pbwm2__piece t)
 {
-    const double *p = PBWP__DOUBLES(job->given);
+    const double *p = PBWM2__DOUBLES(job->given);
     const double *a = p + 2 * (size_t)s.a, *b = p + 2 * (size_t)s.b;
     const double *c = p + 2 * (size_t)t.a, *d = p + 2 * (size_t)t.b;
-    return pbwp__orient_at(job, a, b, c) * pbwp__orient_at(job, a, b, d) < 0
-        && pbwp__orient_at(job, c, d, a) * pbwp__orient_at(job, c, d, b) < 0;
+    return pbwm2__orient_at(job, a, b, c) * pbwm2__orient_at(job, a, b, d) < 0
+        && pbwm2__orient_at(job, c, d, a) * pbwm2__orient_at(job, c, d, b) < 0;
 }
 
-static int pbwp__add_cut(pbwp__job *job, pbwp__array *cuts, pbw_index segment, pbw_index other, double at)
+static int pbwm2__add_cut(pbwm2__job *job, pbwm2__array *cuts, pbw_index segment, pbw_index other, double at)
 {
-    pbwp__cut *cut;
-    if (!pbwp__room(&job->memory, cuts, 1, sizeof *cut)) {
+    pbwm2__cut *cut;
+    if (!pbwm2__room(&job->memory, cuts, 1, sizeof *cut)) {
         return 0;
     }
-    cut = (pbwp__cut *)cuts->data + cuts->count++;
+    cut = (pbwm2__cut *)cuts->data + cuts->count++;
     cut->segment = segment;
     cut->other = other;
     cut->at = at;
@@ -1180,13 +1180,13 @@ static int pbwp__add_cut(pbwp__job *job, pbwp__array *cuts, pbw_index segment, p
 }
 
 /* Adds the pairs of the segment at place i of the tree with those of later places. */
-static int pbwp__pairs_of(pbwp__job *job, const pbwp__tree *tree, size_t i, pbwp__array *pairs)
+static int pbwm2__pairs_of(pbwm2__job *job, const pbwm2__tree *tree, size_t i, pbwm2__array *pairs)
 {
-    const pbwp__piece *segment = (const pbwp__piece *)job->segments.data;
-    const pbw_index *order = PBWP__INDICES(tree->order);
-    const pbwp__box *box = (const pbwp__box *)tree->boxes.data, mine = box[i];
-    size_t stack[PBWP__LEVELS * PBWP__FAN], top = 0, n = tree->count[tree->levels - 1], width = 1, k;
-    int level[PBWP__LEVELS * PBWP__FAN];
+    const pbwm2__piece *segment = (const pbwm2__piece *)job->segments.data;
+    const pbw_index *order = PBWM2__INDICES(tree->order);
+    const pbwm2__box *box = (const pbwm2__box *)tree->boxes.data, mine = box[i];
+    size_t stack[PBWM2__LEVELS * PBWM2__FAN], top = 0, n = tree->count[tree->levels - 1], width = 1, k;
+    int level[PBWM2__LEVELS * PBWM2__FAN];
     for (k = 0; k < n; k++) {
         stack[top] = k;
         level[top++] = tree->levels - 1;
@@ -1194,9 +1194,9 @@ static int pbwp__pairs_of(pbwp__job *job, const pbwp__tree *tree, size_t i, pbwp
     while (top > 0) {
         const size_t node = stack[--top];
         const int l = level[top];
-        const pbwp__box *b = box + tree->first[l] + node;
+        const pbwm2__box *b = box + tree->first[l] + node;
         for (width = 1, k = 0; k < (size_t)l; k++) {
-            width *= PBWP__FAN;
+            width *= PBWM2__FAN;
         }
         if ((node + 1) * width <= i + 1 || b->low[0] > mine.high[0] || b->high[0] < mine.low[0]
             || b->low[1] > mine.high[1] || b->high[1] < mine.low[1]) {
@@ -1204,13 +1204,13 @@ static int pbwp__pairs_of(pbwp__job *job, const pbwp__tree *tree, size_t i, pbwp
         }
         if (l == 0) {
             const pbw_index s = order[i], t = order[node];
-            if (pbwp__cross(job, segment[s], segment[t])
-                && !pbwp__add_cut(job, pairs, s < t ? s : t, s < t ? t : s, 0)) {
+            if (pbwm2__cross(job, segment[s], segment[t])
+                && !pbwm2__add_cut(job, pairs, s < t ? s : t, s < t ? t : s, 0)) {
                 return 0;
             }
             continue;
         }
-        for (k = PBWP__FAN * node; k < PBWP__FAN * (node + 1) && k < tree->count[l - 1]; k++) {
+        for (k = PBWM2__FAN * node; k < PBWM2__FAN * (node + 1) && k < tree->count[l - 1]; k++) {
             stack[top] = k;
             level[top++] = l - 1;
         }
@@ -1218,71 +1218,71 @@ static int pbwp__pairs_of(pbwp__job *job, const pbwp__tree *tree, size_t i, pbwp
     return 1;
 }
 
-static pbw_status pbwp__find_pairs(pbwp__job *job, pbwp__array *pairs)
+static pbw_status pbwm2__find_pairs(pbwm2__job *job, pbwm2__array *pairs)
 {
-    pbwp__tree tree;
+    pbwm2__tree tree;
     pbw_status status;
     size_t i;
     memset(&tree, 0, sizeof tree);
     pairs->count = 0;
-    status = pbwp__plant(job, &tree);
+    status = pbwm2__build_tree(job, &tree);
     for (i = 0; status == PBW_OK && i < job->segments.count; i++) {
-        status = !pbwp__pairs_of(job, &tree, i, pairs) ? PBW_ERROR_MEMORY
-               : pbwp__step(job, pbwp__share(i, job->segments.count)) ? PBW_CANCELLED : PBW_OK;
+        status = !pbwm2__pairs_of(job, &tree, i, pairs) ? PBW_ERROR_MEMORY
+               : pbwm2__step(job, pbwm2__share(i, job->segments.count)) ? PBW_CANCELLED : PBW_OK;
     }
-    pbwp__release(&job->memory, &tree.order);
-    pbwp__release(&job->memory, &tree.boxes);
+    pbwm2__release(&job->memory, &tree.order);
+    pbwm2__release(&job->memory, &tree.boxes);
     if (status == PBW_OK) {
-        pbwp__sort((pbwp__cut *)pairs->data, pairs->count);
+        pbwm2__sort((pbwm2__cut *)pairs->data, pairs->count);
     }
-    return status == PBW_OK ? status : pbwp__say(job, status, NULL);
+    return status == PBW_OK ? status : pbwm2__say(job, status, NULL);
 }
 
 /* Cuts segments at the points on them, so that no point is where two parts cross.  Walks through the triangulation of
    the points, without constraints. */
-static pbw_status pbwp__cut_at_points(pbwp__job *job)
+static pbw_status pbwm2__cut_at_points(pbwm2__job *job)
 {
-    const pbw_index *vertex = PBWP__INDICES(job->vertex), *original = PBWP__INDICES(job->original);
-    pbwp__array parts;
-    pbw_status status = pbwp__triangulate(job);
+    const pbw_index *vertex = PBWM2__INDICES(job->vertex), *original = PBWM2__INDICES(job->original);
+    pbwm2__array parts;
+    pbw_status status = pbwm2__triangulate(job);
     size_t i;
     memset(&parts, 0, sizeof parts);
     for (i = 0; status == PBW_OK && i < job->segments.count; i++) {
-        pbwp__piece s = ((const pbwp__piece *)job->segments.data)[i];
+        pbwm2__piece s = ((const pbwm2__piece *)job->segments.data)[i];
         const pbw_index b = vertex[s.b];
         pbw_index a = vertex[s.a], crossed;
         while (status == PBW_OK && a != b) {
-            pbw_index end = b, code = pbwp__find_edge(job, a, b);
+            pbw_index end = b, code = pbwm2__find_edge(job, a, b);
             if (code == PBW_NONE) {
-                code = pbwp__find_exit(job, a, b, &end);
-                end = end != PBW_NONE ? end : pbwp__cavity(job, code, b, &crossed);
+                code = pbwm2__find_exit(job, a, b, &end);
+                end = end != PBW_NONE ? end : pbwm2__cavity(job, code, b, &crossed);
             }
-            if (end == PBW_NONE || !pbwp__room(&job->memory, &parts, 1, sizeof s)) {
-                status = pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+            if (end == PBW_NONE || !pbwm2__room(&job->memory, &parts, 1, sizeof s)) {
+                status = pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
             } else {
                 s.a = original[a];
                 s.b = original[end];
-                ((pbwp__piece *)parts.data)[parts.count++] = s;
+                ((pbwm2__piece *)parts.data)[parts.count++] = s;
                 a = end;
             }
         }
     }
     if (status == PBW_OK) {
-        pbwp__release(&job->memory, &job->segments);
+        pbwm2__release(&job->memory, &job->segments);
         job->segments = parts;
     } else {
-        pbwp__release(&job->memory, &parts);
+        pbwm2__release(&job->memory, &parts);
     }
     return status;
 }
 
 /* ---- the crossing of two segments, in pairs of doubles */
 
-typedef struct pbwp__dd { double high, low; } pbwp__dd;
+typedef struct pbwm2__dd { double high, low; } pbwm2__dd;
 
-static pbwp__dd pbwp__dd_sum(double a, double b)                     /* exact (Knuth 1969) */
+static pbwm2__dd pbwm2__dd_sum(double a, double b)                   /* exact (Knuth 1969) */
 {
-    pbwp__dd s;
+    pbwm2__dd s;
     double t;
     s.high = a + b;
     t = s.high - a;
@@ -1291,51 +1291,51 @@ static pbwp__dd pbwp__dd_sum(double a, double b)                     /* exact (K
 }
 
 /* By halves of 26 bits (Dekker 1971): some libraries round their fma twice. */
-static pbwp__dd pbwp__dd_times(pbwp__dd a, pbwp__dd b)
+static pbwm2__dd pbwm2__dd_times(pbwm2__dd a, pbwm2__dd b)
 {
     const double s = 134217729 * a.high, ah = s - (s - a.high), al = a.high - ah;    /* 2^27 + 1 */
     const double t = 134217729 * b.high, bh = t - (t - b.high), bl = b.high - bh;
     const double p = a.high * b.high, e = al * bl - (((p - ah * bh) - al * bh) - ah * bl);
-    return pbwp__dd_sum(p, e + (a.high * b.low + a.low * b.high));
+    return pbwm2__dd_sum(p, e + (a.high * b.low + a.low * b.high));
 }
 
-static pbwp__dd pbwp__dd_minor(pbwp__dd a, pbwp__dd b, pbwp__dd c, pbwp__dd d)   /* a d - b c */
+static pbwm2__dd pbwm2__dd_minor(pbwm2__dd a, pbwm2__dd b, pbwm2__dd c, pbwm2__dd d)  /* a d - b c */
 {
-    const pbwp__dd x = pbwp__dd_times(a, d), y = pbwp__dd_times(b, c), s = pbwp__dd_sum(x.high, -y.high);
-    return pbwp__dd_sum(s.high, s.low + (x.low - y.low));
+    const pbwm2__dd x = pbwm2__dd_times(a, d), y = pbwm2__dd_times(b, c), s = pbwm2__dd_sum(x.high, -y.high);
+    return pbwm2__dd_sum(s.high, s.low + (x.low - y.low));
 }
 
 /* Computes the crossing of a-b with c-d, where corner is a, b, c, d.  It is rounded to the grid of the doubles just
    below 2^exponent, which no coordinate reaches: to the nearest point unless the segments are parallel to 14 digits,
    and never outside of the boxes of both.  On the finer grid near 0, rounded crossings would keep making new ones.
    Returns how far along a-b it is, 0 to 1. */
-static double pbwp__crossing(const double *const corner[4], int exponent, double out[2])
+static double pbwm2__crossing(const double *const corner[4], int exponent, double out[2])
 {
     double x[4][2], at;
-    pbwp__dd ab[2], cd[2], ac[2], up, down, q;
+    pbwm2__dd ab[2], cd[2], ac[2], up, down, q;
     int i, k;
     for (i = 0; i < 8; i++) {                        /* within -1/2 .. 1/2 */
         x[i / 2][i % 2] = ldexp(corner[i / 2][i % 2], -exponent - 1);
     }
     for (k = 0; k < 2; k++) {
-        ab[k] = pbwp__dd_sum(x[1][k], -x[0][k]);
-        cd[k] = pbwp__dd_sum(x[3][k], -x[2][k]);
-        ac[k] = pbwp__dd_sum(x[2][k], -x[0][k]);
+        ab[k] = pbwm2__dd_sum(x[1][k], -x[0][k]);
+        cd[k] = pbwm2__dd_sum(x[3][k], -x[2][k]);
+        ac[k] = pbwm2__dd_sum(x[2][k], -x[0][k]);
     }
-    up = pbwp__dd_minor(ac[0], ac[1], cd[0], cd[1]);
-    down = pbwp__dd_minor(ab[0], ab[1], cd[0], cd[1]);
+    up = pbwm2__dd_minor(ac[0], ac[1], cd[0], cd[1]);
+    down = pbwm2__dd_minor(ab[0], ab[1], cd[0], cd[1]);
     at = fabs(down.high) > 0 ? up.high / down.high : 0.5;
     at = at >= 0 && at <= 1 ? at : at < 0 ? 0 : 1;
     q.high = at;
     q.low = 0;
     if (fabs(down.high) > 0) {                       /* the rest of the quotient, from the rest of the division */
-        const pbwp__dd back = pbwp__dd_times(q, down), rest = pbwp__dd_sum(up.high, -back.high);
-        q = pbwp__dd_sum(at, (rest.high + (rest.low + (up.low - back.low))) / down.high);
+        const pbwm2__dd back = pbwm2__dd_times(q, down), rest = pbwm2__dd_sum(up.high, -back.high);
+        q = pbwm2__dd_sum(at, (rest.high + (rest.low + (up.low - back.low))) / down.high);
     }
     for (k = 0; k < 2; k++) {
         const double a = corner[0][k], b = corner[1][k], c = corner[2][k], d = corner[3][k];
         const double low = fmax(fmin(a, b), fmin(c, d)), high = fmin(fmax(a, b), fmax(c, d));
-        const pbwp__dd step = pbwp__dd_times(q, ab[k]), sum = pbwp__dd_sum(x[0][k], step.high);
+        const pbwm2__dd step = pbwm2__dd_times(q, ab[k]), sum = pbwm2__dd_sum(x[0][k], step.high);
         const double steps = ldexp(sum.high + (sum.low + step.low), 54);
         const double y = ldexp(floor(steps + 0.5), exponent - 53);
         out[k] = y < low ? low : y > high ? high : y;
@@ -1343,35 +1343,35 @@ static double pbwp__crossing(const double *const corner[4], int exponent, double
     return at;
 }
 
-static int pbwp__place_before(const double *a, const double *b)
+static int pbwm2__place_before(const double *a, const double *b)
 {
     return a[0] < b[0] || (a[0] <= b[0] && a[1] < b[1]);
 }
 
 /* Makes the cuts of two segments that cross, at a new point, or at an end that is not farther from it than `near`. */
-static int pbwp__cut_pair(pbwp__job *job, pbwp__cut pair, int exponent, double near, pbwp__array *cuts)
+static int pbwm2__cut_pair(pbwm2__job *job, pbwm2__cut pair, int exponent, double near, pbwm2__array *cuts)
 {
-    const pbwp__piece *segment = (const pbwp__piece *)job->segments.data;
+    const pbwm2__piece *segment = (const pbwm2__piece *)job->segments.data;
     const double *corner[6];
-    double *p = PBWP__DOUBLES(job->given), out[2], unused[2], at[2], best = near;
+    double *p = PBWM2__DOUBLES(job->given), out[2], unused[2], at[2], best = near;
     pbw_index end[4], number[2], point = (pbw_index)job->given.count;
     int turned[2], i, k;
     number[0] = pair.segment;
     number[1] = pair.other;
     for (i = 0; i < 2; i++) {                        /* the same point for every order of segments and ends */
-        const pbwp__piece s = segment[number[i]];
-        turned[i] = pbwp__place_before(p + 2 * (size_t)s.b, p + 2 * (size_t)s.a);
+        const pbwm2__piece s = segment[number[i]];
+        turned[i] = pbwm2__place_before(p + 2 * (size_t)s.b, p + 2 * (size_t)s.a);
         end[2 * i] = turned[i] ? s.b : s.a;
         end[2 * i + 1] = turned[i] ? s.a : s.b;
     }
-    k = pbwp__place_before(p + 2 * (size_t)end[2], p + 2 * (size_t)end[0])
-     || (!pbwp__place_before(p + 2 * (size_t)end[0], p + 2 * (size_t)end[2])
-         && pbwp__place_before(p + 2 * (size_t)end[3], p + 2 * (size_t)end[1]));
+    k = pbwm2__place_before(p + 2 * (size_t)end[2], p + 2 * (size_t)end[0])
+     || (!pbwm2__place_before(p + 2 * (size_t)end[0], p + 2 * (size_t)end[2])
+         && pbwm2__place_before(p + 2 * (size_t)end[3], p + 2 * (size_t)end[1]));
     for (i = 0; i < 6; i++) {
         corner[i] = p + 2 * (size_t)end[(i + 2 * k) % 4];
     }
-    at[k] = pbwp__crossing(corner, exponent, out);
-    at[1 - k] = pbwp__crossing(corner + 2, exponent, unused);
+    at[k] = pbwm2__crossing(corner, exponent, out);
+    at[1 - k] = pbwm2__crossing(corner + 2, exponent, unused);
     for (i = 0; i < 4; i++) {
         const double apart = fmax(fabs(corner[i][0] - out[0]), fabs(corner[i][1] - out[1]));
         if (apart < best) {
@@ -1382,31 +1382,31 @@ static int pbwp__cut_pair(pbwp__job *job, pbwp__cut pair, int exponent, double n
     if (point == job->given.count) {
         memcpy(p + 2 * job->given.count++, out, sizeof out);
     }
-    return pbwp__add_cut(job, cuts, number[0], point, turned[0] ? 1 - at[0] : at[0])
-        && pbwp__add_cut(job, cuts, number[1], point, turned[1] ? 1 - at[1] : at[1]);
+    return pbwm2__add_cut(job, cuts, number[0], point, turned[0] ? 1 - at[0] : at[0])
+        && pbwm2__add_cut(job, cuts, number[1], point, turned[1] ? 1 - at[1] : at[1]);
 }
 
 /* Replaces the segments by their parts between cuts, which are sorted. */
-static int pbwp__cut_segments(pbwp__job *job, const pbwp__array *cuts)
+static int pbwm2__cut_segments(pbwm2__job *job, const pbwm2__array *cuts)
 {
-    const pbwp__cut *cut = (const pbwp__cut *)cuts->data;
-    pbwp__array parts;
+    const pbwm2__cut *cut = (const pbwm2__cut *)cuts->data;
+    pbwm2__array parts;
     size_t i, k = 0;
     memset(&parts, 0, sizeof parts);
-    if (!pbwp__room(&job->memory, &parts, job->segments.count + cuts->count, sizeof(pbwp__piece))) {
+    if (!pbwm2__room(&job->memory, &parts, job->segments.count + cuts->count, sizeof(pbwm2__piece))) {
         return 0;
     }
     for (i = 0; i < job->segments.count; i++) {
-        pbwp__piece s = ((const pbwp__piece *)job->segments.data)[i], part = s;
+        pbwm2__piece s = ((const pbwm2__piece *)job->segments.data)[i], part = s;
         for (; k < cuts->count && cut[k].segment == i; k++) {
             part.b = cut[k].other;
-            ((pbwp__piece *)parts.data)[parts.count++] = part;
+            ((pbwm2__piece *)parts.data)[parts.count++] = part;
             part.a = part.b;
         }
         part.b = s.b;
-        ((pbwp__piece *)parts.data)[parts.count++] = part;
+        ((pbwm2__piece *)parts.data)[parts.count++] = part;
     }
-    pbwp__release(&job->memory, &job->segments);
+    pbwm2__release(&job->memory, &job->segments);
     job->segments = parts;
     return 1;
 }
@@ -1414,49 +1414,49 @@ static int pbwp__cut_segments(pbwp__job *job, const pbwp__array *cuts)
 /* Cuts segments at their crossings: adds points to given, and replaces segments by their parts.  A part that passes
    an ulp beside a point could have new crossings in every round, so from the second round on a crossing near an end
    is moved there, and the distance that counts as near doubles from round to round. */
-static pbw_status pbwp__split(pbwp__job *job, const pbwp__array *pairs)
+static pbw_status pbwm2__split(pbwm2__job *job, const pbwm2__array *pairs)
 {
-    pbwp__array cuts;
+    pbwm2__array cuts;
     double most = 0;
     size_t i;
     int ok, exponent;
     memset(&cuts, 0, sizeof cuts);
     for (i = 0; i < 2 * job->given.count; i++) {
-        most = fmax(most, fabs(PBWP__DOUBLES(job->given)[i]));
+        most = fmax(most, fabs(PBWM2__DOUBLES(job->given)[i]));
     }
     (void)frexp(most, &exponent);
-    ok = pbwp__room(&job->memory, &job->given, pairs->count, 2 * sizeof(double));
+    ok = pbwm2__room(&job->memory, &job->given, pairs->count, 2 * sizeof(double));
     for (i = 0; ok && i < pairs->count; i++) {
         const int round = job->plane->report.rounds;
-        ok = pbwp__cut_pair(job, ((const pbwp__cut *)pairs->data)[i], exponent,
-                            round > 1 ? ldexp(1.5, exponent - 53 + round - 2) : 0, &cuts);
+        ok = pbwm2__cut_pair(job, ((const pbwm2__cut *)pairs->data)[i], exponent,
+                             round > 1 ? ldexp(1.5, exponent - 53 + round - 2) : 0, &cuts);
     }
     if (ok) {
-        pbwp__sort((pbwp__cut *)cuts.data, cuts.count);
-        ok = pbwp__cut_segments(job, &cuts);
+        pbwm2__sort((pbwm2__cut *)cuts.data, cuts.count);
+        ok = pbwm2__cut_segments(job, &cuts);
     }
-    pbwp__release(&job->memory, &cuts);
-    return ok ? PBW_OK : pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    pbwm2__release(&job->memory, &cuts);
+    return ok ? PBW_OK : pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
 }
 
 /* Reports all crossings: the error of an input that has some. */
-static pbw_status pbwp__refuse(pbwp__job *job, pbwp__array *pairs)
+static pbw_status pbwm2__refuse(pbwm2__job *job, pbwm2__array *pairs)
 {
-    pbwp__cut *pair = (pbwp__cut *)pairs->data;
+    pbwm2__cut *pair = (pbwm2__cut *)pairs->data;
     size_t i;
     for (i = 0; i < pairs->count; i++) {
-        const pbw_index s = pbwp__id_of(job, ((const pbwp__piece *)job->segments.data)[pair[i].segment]);
-        const pbw_index t = pbwp__id_of(job, ((const pbwp__piece *)job->segments.data)[pair[i].other]);
+        const pbw_index s = pbwm2__id_of(job, ((const pbwm2__piece *)job->segments.data)[pair[i].segment]);
+        const pbw_index t = pbwm2__id_of(job, ((const pbwm2__piece *)job->segments.data)[pair[i].other]);
         pair[i].segment = s < t ? s : t;
         pair[i].other = s < t ? t : s;
     }
-    pbwp__sort(pair, pairs->count);
-    if (!pbwp__room(&job->memory, &job->crossings, 2 * pairs->count, sizeof(pbw_index))) {
-        return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    pbwm2__sort(pair, pairs->count);
+    if (!pbwm2__room(&job->memory, &job->crossings, 2 * pairs->count, sizeof(pbw_index))) {
+        return pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
     }
     for (i = 0; i < pairs->count; i++) {
-        PBWP__INDICES(job->crossings)[2 * i] = pair[i].segment;
-        PBWP__INDICES(job->crossings)[2 * i + 1] = pair[i].other;
+        PBWM2__INDICES(job->crossings)[2 * i] = pair[i].segment;
+        PBWM2__INDICES(job->crossings)[2 * i + 1] = pair[i].other;
     }
     job->crossings.count = 2 * pairs->count;
     snprintf(job->plane->what, sizeof job->plane->what, "segments %u and %u cross; crossings in all: %lu",
@@ -1466,35 +1466,35 @@ static pbw_status pbwp__refuse(pbwp__job *job, pbwp__array *pairs)
 
 /* Makes the constrained triangulation.  Each round splits segments that cross; one or two rounds are usual.  If
    coordinates have very different exponents, parts bent by rounding can keep crossing: then it gives up. */
-static pbw_status pbwp__constrain_all(pbwp__job *job)
+static pbw_status pbwm2__constrain_all(pbwm2__job *job)
 {
-    pbwp__array pairs;
+    pbwm2__array pairs;
     pbw_status status;
     size_t most = 0;
     int crosses = 0;
     memset(&pairs, 0, sizeof pairs);
-    status = pbwp__constrain(job, &crosses);
+    status = pbwm2__constrain(job, &crosses);
     while (status == PBW_OK && crosses) {
-        status = pbwp__cut_at_points(job);
+        status = pbwm2__cut_at_points(job);
         if (status == PBW_OK) {
-            status = pbwp__find_pairs(job, &pairs);
+            status = pbwm2__find_pairs(job, &pairs);
         }
         if (status == PBW_OK && (job->options->flags & PBW_PLANE_SPLIT_CROSSINGS) == 0) {
-            status = pbwp__refuse(job, &pairs);
-        } else if (status == PBW_OK && (job->plane->report.rounds == PBWP__ROUNDS
+            status = pbwm2__refuse(job, &pairs);
+        } else if (status == PBW_OK && (job->plane->report.rounds == PBWM2__ROUNDS
                                         || (most != 0 && job->segments.count > most))) {
-            status = pbwp__say(job, PBW_ERROR_ARGUMENT, "rounded crossings do not settle: segments still cross");
+            status = pbwm2__say(job, PBW_ERROR_ARGUMENT, "rounded crossings do not settle: segments still cross");
         }
         if (status == PBW_OK) {
             job->plane->report.rounds++;
-            status = pbwp__split(job, &pairs);
+            status = pbwm2__split(job, &pairs);
             most = most != 0 ? most : 8 * job->segments.count + 256;
         }
         if (status == PBW_OK) {
-            status = pbwp__constrain(job, &crosses);
+            status = pbwm2__constrain(job, &crosses);
         }
     }
-    pbwp__release(&job->memory, &pairs);
+    pbwm2__release(&job->memory, &pairs);
     return status;
 }
 
@@ -1507,27 +1507,27 @@ static pbw_status pbwp__constrain_all(pbwp__job *job)
    A constraint with one component on both sides, such as a segment that sticks out, separates nothing.  Between two
    components the winding number changes by the pieces on the edge between them, each with its direction.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwp__component {
+typedef struct pbwm2__component {
     size_t first, count;                   /* codes of the edges of segments round it, in item_of */
     pbw_index seed;
     int winding, known, dead;
-} pbwp__component;
+} pbwm2__component;
 
-#define PBWP__BORDER (PBW_NONE - 1)        /* an edge that is a constraint because the hull ends there */
+#define PBWM2__BORDER (PBW_NONE - 1)       /* an edge that is a constraint because the hull ends there */
 
-static int pbwp__winding_of(const pbwp__job *job, pbw_index edge, pbw_index u, pbw_index v)
+static int pbwm2__winding_of(const pbwm2__job *job, pbw_index edge, pbw_index u, pbw_index v)
 {
-    const int forwards = pbwp__before(job, u, v);
+    const int forwards = pbwm2__before(job, u, v);
     int sum = 0;
     while (edge != PBW_NONE) {
-        const pbwp__piece piece = pbwp__take_piece(job, &edge);
-        sum += pbwp__before(job, piece.a, piece.b) == forwards ? 1 : -1;
+        const pbwm2__piece piece = pbwm2__take_piece(job, &edge);
+        sum += pbwm2__before(job, piece.a, piece.b) == forwards ? 1 : -1;
     }
     return sum;
 }
 
 /* The root of a set, the least of its items.  Halves the path to it (van Leeuwen and van der Weide 1977). */
-static pbw_index pbwp__root(pbw_index *parent, pbw_index item)
+static pbw_index pbwm2__root(pbw_index *parent, pbw_index item)
 {
     while (parent[item] != item) {
         parent[item] = parent[parent[item]];
@@ -1539,13 +1539,13 @@ static pbw_index pbwp__root(pbw_index *parent, pbw_index item)
 /* Joins triangles across free edges: item i + 1 of parent stands for slot i, item 0 for the outside.  The sweep in
    the order of slots stays in the cache; it is branchless in the common case that all earlier neighbours have one
    parent. Marks free edges of the hull as border. */
-static void pbwp__join_components(pbwp__job *job, pbw_index *parent)
+static void pbwm2__join_components(pbwm2__job *job, pbw_index *parent)
 {
     size_t i;
     unsigned k;
     parent[0] = 0;
     for (i = 0; i < job->triangles.count; i++) {
-        pbwp__triangle *t = job->t + i;
+        pbwm2__triangle *t = job->t + i;
         const pbw_index own = (pbw_index)(i + 1);
         pbw_index root = own, before[3], differ = 0;
         parent[own] = own;
@@ -1553,9 +1553,9 @@ static void pbwp__join_components(pbwp__job *job, pbw_index *parent)
             continue;
         }
         for (k = 0; k < 3; k++) {
-            const pbw_index other = PBWP__SLOT(t->link[k]) + 1;
+            const pbw_index other = PBWM2__SLOT(t->link[k]) + 1;
             if (t->link[k] == PBW_NONE && t->edge[k] == PBW_NONE) {
-                t->edge[k] = PBWP__BORDER;
+                t->edge[k] = PBWM2__BORDER;
                 root = 0;
             }
             before[k] = parent[((t->edge[k] == PBW_NONE) & (other < own)) ? other : own];
@@ -1566,43 +1566,43 @@ static void pbwp__join_components(pbwp__job *job, pbw_index *parent)
         }
         parent[own] = root;
         for (k = 0; differ && k < 3; k++) {
-            const pbw_index other = pbwp__root(parent, before[k]);
-            root = pbwp__root(parent, root);
+            const pbw_index other = pbwm2__root(parent, before[k]);
+            root = pbwm2__root(parent, root);
             parent[other < root ? root : other] = other < root ? other : root;
         }
     }
 }
 
-static int pbwp__add_component(pbwp__job *job)
+static int pbwm2__add_component(pbwm2__job *job)
 {
-    pbwp__component *c;
-    if (!pbwp__room(&job->memory, &job->components, 1, sizeof *c)) {
+    pbwm2__component *c;
+    if (!pbwm2__room(&job->memory, &job->components, 1, sizeof *c)) {
         return 0;
     }
-    c = (pbwp__component *)job->components.data + job->components.count++;
+    c = (pbwm2__component *)job->components.data + job->components.count++;
     memset(c, 0, sizeof *c);
     c->seed = PBW_NONE;
     return 1;
 }
 
-static int pbwp__find_components(pbwp__job *job)
+static int pbwm2__find_components(pbwm2__job *job)
 {
     const size_t n = job->triangles.count;
     pbw_index *parent;
     size_t i;
     job->item_of.count = job->components.count = 0;
-    if (!pbwp__room(&job->memory, &job->item_of, n + 1, sizeof(pbw_index)) || !pbwp__add_component(job)) {
+    if (!pbwm2__room(&job->memory, &job->item_of, n + 1, sizeof(pbw_index)) || !pbwm2__add_component(job)) {
         return 0;
     }
-    parent = PBWP__INDICES(job->item_of);
-    pbwp__join_components(job, parent);
+    parent = PBWM2__INDICES(job->item_of);
+    pbwm2__join_components(job, parent);
     for (i = 0; i < n; i++) {                        /* parents are numbered before: theirs is a component by now */
-        pbwp__triangle *t = job->t + i;
+        pbwm2__triangle *t = job->t + i;
         if (parent[i + 1] != i + 1) {
             parent[i + 1] = parent[parent[i + 1]];
         } else if (t->v[0] != PBW_NONE) {
             parent[i + 1] = (pbw_index)job->components.count;
-            if (!pbwp__add_component(job)) {
+            if (!pbwm2__add_component(job)) {
                 return 0;
             }
         }
@@ -1612,19 +1612,19 @@ static int pbwp__find_components(pbwp__job *job)
 }
 
 /* Fills item_of with the codes of the edges of segments, component by component. */
-static int pbwp__list_borders(pbwp__job *job)
+static int pbwm2__list_borders(pbwm2__job *job)
 {
-    pbwp__component *c = (pbwp__component *)job->components.data;
+    pbwm2__component *c = (pbwm2__component *)job->components.data;
     size_t i, sum = 0;
     unsigned k;
     int fill;
     for (fill = 0; fill < 2; fill++) {
         for (i = 0; i < job->triangles.count; i++) {
-            const pbwp__triangle *t = job->t + i;
+            const pbwm2__triangle *t = job->t + i;
             for (k = 0; t->v[0] != PBW_NONE && k < 3; k++) {
-                if (t->edge[k] < PBWP__BORDER && fill) {
-                    PBWP__INDICES(job->item_of)[c[t->region].first + c[t->region].count++] = (pbw_index)(4 * i + k);
-                } else if (t->edge[k] < PBWP__BORDER) {
+                if (t->edge[k] < PBWM2__BORDER && fill) {
+                    PBWM2__INDICES(job->item_of)[c[t->region].first + c[t->region].count++] = (pbw_index)(4 * i + k);
+                } else if (t->edge[k] < PBWM2__BORDER) {
                     c[t->region].count++;
                 }
             }
@@ -1635,7 +1635,7 @@ static int pbwp__list_borders(pbwp__job *job)
             c[i].count = 0;
         }
         job->item_of.count = 0;
-        if (!pbwp__room(&job->memory, &job->item_of, sum, sizeof(pbw_index))) {
+        if (!pbwm2__room(&job->memory, &job->item_of, sum, sizeof(pbw_index))) {
             return 0;
         }
     }
@@ -1644,14 +1644,14 @@ static int pbwp__list_borders(pbwp__job *job)
 }
 
 /* Sets or compares the winding number of a component beyond an edge; 0 if it has another one already. */
-static int pbwp__set_winding(pbwp__job *job, pbw_index component, int winding)
+static int pbwm2__set_winding(pbwm2__job *job, pbw_index component, int winding)
 {
-    pbwp__component *c = (pbwp__component *)job->components.data + component;
+    pbwm2__component *c = (pbwm2__component *)job->components.data + component;
     if (!c->known) {
         c->known = 1;
         c->winding = winding;
         job->stack.count++;
-        PBWP__INDICES(job->stack)[job->stack.count - 1] = component;
+        PBWM2__INDICES(job->stack)[job->stack.count - 1] = component;
         return 1;
     }
     return c->winding == winding;
@@ -1659,29 +1659,29 @@ static int pbwp__set_winding(pbwp__job *job, pbw_index component, int winding)
 
 /* Winding numbers of all components, from 0 outside.  Returns an edge at which they do not agree, PBW_NONE if they
    do. */
-static pbw_index pbwp__wind(pbwp__job *job)
+static pbw_index pbwm2__wind(pbwm2__job *job)
 {
-    pbwp__component *c = (pbwp__component *)job->components.data;
-    const pbw_index *item = PBWP__INDICES(job->item_of);
+    pbwm2__component *c = (pbwm2__component *)job->components.data;
+    const pbw_index *item = PBWM2__INDICES(job->item_of);
     size_t at, i;
     job->stack.count = 0;
-    (void)pbwp__set_winding(job, 0, 0);
+    (void)pbwm2__set_winding(job, 0, 0);
     for (i = c[0].count; i < job->item_of.count; i++) {      /* hull edges: from outside */
-        const pbwp__triangle *t = job->t + PBWP__SLOT(item[i]);
-        const unsigned k = PBWP__SIDE(item[i]);
-        if (t->link[k] == PBW_NONE && !pbwp__set_winding(job, t->region,
-            pbwp__winding_of(job, t->edge[k], t->v[pbwp__next[k]], t->v[pbwp__last[k]]))) {
+        const pbwm2__triangle *t = job->t + PBWM2__SLOT(item[i]);
+        const unsigned k = PBWM2__SIDE(item[i]);
+        if (t->link[k] == PBW_NONE && !pbwm2__set_winding(job, t->region,
+            pbwm2__winding_of(job, t->edge[k], t->v[pbwm2__next[k]], t->v[pbwm2__last[k]]))) {
             return t->edge[k];
         }
     }
     for (at = 0; at < job->stack.count; at++) {
-        const pbw_index here = PBWP__INDICES(job->stack)[at];
+        const pbw_index here = PBWM2__INDICES(job->stack)[at];
         for (i = c[here].first; i < c[here].first + c[here].count; i++) {
-            const pbwp__triangle *t = job->t + PBWP__SLOT(item[i]);
-            const unsigned k = PBWP__SIDE(item[i]);
-            const pbw_index beyond = t->link[k] == PBW_NONE ? here : job->t[PBWP__SLOT(t->link[k])].region;
-            if (beyond != here && !pbwp__set_winding(job, beyond, c[here].winding
-                - pbwp__winding_of(job, t->edge[k], t->v[pbwp__next[k]], t->v[pbwp__last[k]]))) {
+            const pbwm2__triangle *t = job->t + PBWM2__SLOT(item[i]);
+            const unsigned k = PBWM2__SIDE(item[i]);
+            const pbw_index beyond = t->link[k] == PBW_NONE ? here : job->t[PBWM2__SLOT(t->link[k])].region;
+            if (beyond != here && !pbwm2__set_winding(job, beyond, c[here].winding
+                - pbwm2__winding_of(job, t->edge[k], t->v[pbwm2__next[k]], t->v[pbwm2__last[k]]))) {
                 return t->edge[k];
             }
         }
@@ -1691,7 +1691,7 @@ static pbw_index pbwp__wind(pbwp__job *job)
 
 /* A triangle that contains a point, found from one near it; PBW_NONE outside.  A walk through constrained triangles
    may go round in circles: after too many steps all are searched. */
-static pbw_index pbwp__locate(const pbwp__job *job, const double *q, pbw_index start)
+static pbw_index pbwm2__locate(const pbwm2__job *job, const double *q, pbw_index start)
 {
     pbw_index slot = start;
     size_t steps, i;
@@ -1699,13 +1699,13 @@ static pbw_index pbwp__locate(const pbwp__job *job, const double *q, pbw_index s
     for (steps = 0; steps < 64 + 8 * job->triangles.count; steps++) {
         for (k = 0; k < 3; k++) {
             const unsigned e = (unsigned)((k + steps) % 3);
-            const pbwp__triangle *t = job->t + slot;
-            if (pbwp__orient_at(job, job->p + 2 * (size_t)t->v[pbwp__next[e]],
-                                job->p + 2 * (size_t)t->v[pbwp__last[e]], q) < 0) {
+            const pbwm2__triangle *t = job->t + slot;
+            if (pbwm2__orient_at(job, job->p + 2 * (size_t)t->v[pbwm2__next[e]],
+                                 job->p + 2 * (size_t)t->v[pbwm2__last[e]], q) < 0) {
                 if (t->link[e] == PBW_NONE) {
                     return PBW_NONE;
                 }
-                slot = PBWP__SLOT(t->link[e]);
+                slot = PBWM2__SLOT(t->link[e]);
                 break;
             }
         }
@@ -1714,10 +1714,10 @@ static pbw_index pbwp__locate(const pbwp__job *job, const double *q, pbw_index s
         }
     }
     for (i = 0; i < job->triangles.count; i++) {
-        const pbwp__triangle *t = job->t + i;
+        const pbwm2__triangle *t = job->t + i;
         for (k = 0; t->v[0] != PBW_NONE && k < 3; k++) {
-            if (pbwp__orient_at(job, job->p + 2 * (size_t)t->v[pbwp__next[k]],
-                                job->p + 2 * (size_t)t->v[pbwp__last[k]], q) < 0) {
+            if (pbwm2__orient_at(job, job->p + 2 * (size_t)t->v[pbwm2__next[k]],
+                                 job->p + 2 * (size_t)t->v[pbwm2__last[k]], q) < 0) {
                 break;
             }
         }
@@ -1728,32 +1728,32 @@ static pbw_index pbwp__locate(const pbwp__job *job, const double *q, pbw_index s
     return PBW_NONE;
 }
 
-/* Marks the components to the left of segments with the numbers that those have.  Where segments on an edge have none,
-   the components on both sides are joined, and share the least number. */
-static void pbwp__plant_lefts(pbwp__job *job)
+/* Marks the components to the left of segments with the numbers that those have.  Where segments on an edge have
+   none, the components on both sides are joined, and share the least number. */
+static void pbwm2__assign_lefts(pbwm2__job *job)
 {
-    pbwp__component *c = (pbwp__component *)job->components.data;
-    pbw_index *parent = PBWP__INDICES(job->stack);
+    pbwm2__component *c = (pbwm2__component *)job->components.data;
+    pbw_index *parent = PBWM2__INDICES(job->stack);
     size_t i;
     unsigned k;
     for (i = 0; i < job->components.count; i++) {
         parent[i] = (pbw_index)i;
     }
     for (i = 0; i < job->triangles.count; i++) {
-        const pbwp__triangle *t = job->t + i;
+        const pbwm2__triangle *t = job->t + i;
         for (k = 0; t->v[0] != PBW_NONE && k < 3; k++) {
-            pbw_index edge = t->edge[k] != PBWP__BORDER ? t->edge[k] : PBW_NONE, least = PBW_NONE;
-            const int forwards = pbwp__before(job, t->v[pbwp__next[k]], t->v[pbwp__last[k]]);
+            pbw_index edge = t->edge[k] != PBWM2__BORDER ? t->edge[k] : PBW_NONE, least = PBW_NONE;
+            const int forwards = pbwm2__before(job, t->v[pbwm2__next[k]], t->v[pbwm2__last[k]]);
             while (edge != PBW_NONE) {
-                const pbwp__piece piece = pbwp__take_piece(job, &edge);
+                const pbwm2__piece piece = pbwm2__take_piece(job, &edge);
                 const pbw_index left = job->input->segment_lefts[piece.segment];
                 least = left < least ? left : least;
-                c[t->region].seed = pbwp__before(job, piece.a, piece.b) == forwards && left < c[t->region].seed ? left
-                                  : c[t->region].seed;
+                c[t->region].seed = pbwm2__before(job, piece.a, piece.b) == forwards && left < c[t->region].seed
+                                  ? left : c[t->region].seed;
             }
             if (least == PBW_NONE && t->link[k] != PBW_NONE) {
-                const pbw_index one = pbwp__root(parent, t->region);
-                const pbw_index other = pbwp__root(parent, job->t[PBWP__SLOT(t->link[k])].region);
+                const pbw_index one = pbwm2__root(parent, t->region);
+                const pbw_index other = pbwm2__root(parent, job->t[PBWM2__SLOT(t->link[k])].region);
                 parent[one < other ? other : one] = one < other ? one : other;
             }
         }
@@ -1767,17 +1767,17 @@ static void pbwp__plant_lefts(pbwp__job *job)
 }
 
 /* Marks the components of holes dead, and those of regions with their seed. */
-static pbw_status pbwp__plant_seeds(pbwp__job *job)
+static pbw_status pbwm2__assign_seeds(pbwm2__job *job)
 {
     const pbw_plane_input *in = job->input;
-    pbwp__component *c = (pbwp__component *)job->components.data;
+    pbwm2__component *c = (pbwm2__component *)job->components.data;
     pbw_index slot = 0, found;
     size_t i;
     while (job->t[slot].v[0] == PBW_NONE) {
         slot++;
     }
     if (in->segment_lefts != NULL) {
-        pbwp__plant_lefts(job);
+        pbwm2__assign_lefts(job);
     }
     for (i = 0; i < in->hole_count + in->region_count; i++) {
         const int is_hole = i < in->hole_count;
@@ -1785,9 +1785,9 @@ static pbw_status pbwp__plant_seeds(pbwp__job *job)
         q[0] = is_hole ? in->holes[2 * i] : in->regions[i - in->hole_count].x;
         q[1] = is_hole ? in->holes[2 * i + 1] : in->regions[i - in->hole_count].y;
         if (!(fabs(q[0]) <= 1.7976931348623157e308 && fabs(q[1]) <= 1.7976931348623157e308)) {
-            return pbwp__say(job, PBW_ERROR_NOT_FINITE, "a hole or region is at a place that is not finite");
+            return pbwm2__say(job, PBW_ERROR_NOT_FINITE, "a hole or region is at a place that is not finite");
         }
-        found = pbwp__locate(job, q, slot);
+        found = pbwm2__locate(job, q, slot);
         slot = found == PBW_NONE ? slot : found;
         if (found != PBW_NONE && is_hole) {
             c[job->t[found].region].dead = 1;
@@ -1799,64 +1799,64 @@ static pbw_status pbwp__plant_seeds(pbwp__job *job)
 }
 
 /* Removes the triangles of dead components. */
-static void pbwp__carve(pbwp__job *job)
+static void pbwm2__carve(pbwm2__job *job)
 {
-    const pbwp__component *c = (const pbwp__component *)job->components.data;
+    const pbwm2__component *c = (const pbwm2__component *)job->components.data;
     size_t i;
     unsigned k;
     for (i = 0; i < job->triangles.count; i++) {
-        const pbwp__triangle *t = job->t + i;
+        const pbwm2__triangle *t = job->t + i;
         if (t->v[0] != PBW_NONE && c[t->region].dead) {
             for (k = 0; k < 3; k++) {
                 if (t->link[k] != PBW_NONE) {
-                    job->t[PBWP__SLOT(t->link[k])].link[PBWP__SIDE(t->link[k])] = PBW_NONE;
+                    job->t[PBWM2__SLOT(t->link[k])].link[PBWM2__SIDE(t->link[k])] = PBW_NONE;
                 }
             }
-            pbwp__free_slot(job, (pbw_index)i);
+            pbwm2__free_slot(job, (pbw_index)i);
         }
     }
     memset(job->incident, 255, job->incidents.count * sizeof *job->incident);
     for (i = 0; i < job->triangles.count; i++) {
-        const pbwp__triangle *t = job->t + i;
+        const pbwm2__triangle *t = job->t + i;
         for (k = 0; t->v[0] != PBW_NONE && k < 3; k++) {
             job->incident[t->v[k]] = (pbw_index)i;
         }
     }
 }
 
-static pbw_status pbwp__find_domain(pbwp__job *job)
+static pbw_status pbwm2__find_domain(pbwm2__job *job)
 {
     const pbw_plane_rule rule = job->options->rule;
-    pbwp__component *c;
+    pbwm2__component *c;
     pbw_status status;
     size_t i;
     int dead = 0;
-    if (!pbwp__find_components(job) || (job->stack.count = 0,
-        !pbwp__room(&job->memory, &job->stack, job->components.count, sizeof(pbw_index)))) {
-        return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    if (!pbwm2__find_components(job) || (job->stack.count = 0,
+        !pbwm2__room(&job->memory, &job->stack, job->components.count, sizeof(pbw_index)))) {
+        return pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
     }
     if (rule == PBW_PLANE_EVEN_ODD || rule == PBW_PLANE_NONZERO) {
         pbw_index edge;
-        if (!pbwp__list_borders(job)) {
-            return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+        if (!pbwm2__list_borders(job)) {
+            return pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
         }
-        edge = pbwp__wind(job);
+        edge = pbwm2__wind(job);
         if (edge != PBW_NONE) {
             snprintf(job->plane->what, sizeof job->plane->what,
                      "the segments do not close, which winding numbers need: see segment %u",
-                     (unsigned)pbwp__id_of(job, pbwp__take_piece(job, &edge)));
+                     (unsigned)pbwm2__id_of(job, pbwm2__take_piece(job, &edge)));
             return PBW_ERROR_ARGUMENT;
         }
     }
-    status = pbwp__plant_seeds(job);
-    c = (pbwp__component *)job->components.data;
+    status = pbwm2__assign_seeds(job);
+    c = (pbwm2__component *)job->components.data;
     for (i = 0; i < job->components.count; i++) {
         c[i].dead |= rule == PBW_PLANE_EVEN_ODD ? c[i].winding % 2 == 0
                    : rule == PBW_PLANE_NONZERO ? c[i].winding == 0 : rule == PBW_PLANE_SEEDS && i == 0;
         dead |= c[i].dead;
     }
     if (status == PBW_OK && dead) {
-        pbwp__carve(job);
+        pbwm2__carve(job);
     }
     return status;
 }
@@ -1885,19 +1885,19 @@ static pbw_status pbwp__find_domain(pbwp__job *job)
    there are finitely many points.  Triangles flatter than that are left alone too, and encroach upon nothing: one ulp
    of a point can bring two segments so close together over their whole length.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwp__host {                /* an edge of the constrained triangulation */
+typedef struct pbwm2__host {               /* an edge of the constrained triangulation */
     pbw_index a, b, edge;
     int stuck;                             /* 1: a part of it could not be split, for want of digits */
     int acute;                             /* 1: it meets another one at less than 60 degrees */
-} pbwp__host;
-typedef struct pbwp__rim { pbw_index u, v, link, edge, region; } pbwp__rim;      /* of a cavity */
-enum { PBWP__CLASSES = 64 };
+} pbwm2__host;
+typedef struct pbwm2__boundary_edge { pbw_index u, v, link, edge, region; } pbwm2__boundary_edge;  /* of a cavity */
+enum { PBWM2__CLASSES = 64 };
 
-#define PBWP__FREE PBW_NONE                /* vertex_host of points in no segment */
-#define PBWP__INPUT (PBW_NONE - 1)         /* of the caller's */
+#define PBWM2__FREE PBW_NONE               /* vertex_host of points in no segment */
+#define PBWM2__INPUT (PBW_NONE - 1)        /* of the caller's */
 
-typedef struct pbwp__refiner {
-    pbwp__job *job;
+typedef struct pbwm2__refiner {
+    pbwm2__job *job;
     double cosine2, lens2, off;            /* squared cosine of the bound, of the lens; off-centre's height */
     double sine, cos, cotan;               /* of the bound and a thousandth of a degree, for places */
     double least2, shortest2;              /* squared least length; of the shortest edge before, halved */
@@ -1905,116 +1905,116 @@ typedef struct pbwp__refiner {
     double growth;                         /* of sizes, per distance */
     int sizing;                            /* no angle was mended so far: sharp triangles are looked for later */
     uint64_t filled;                       /* bit: that class has triangles */
-    pbwp__array class_of[PBWP__CLASSES], large;      /* a slot and a mark each, see queues */
-    pbwp__array splits;                    /* two ends each */
-    pbwp__array slots, rim, hits;          /* a cavity: its triangles, its border, segments encroached upon */
-    pbwp__array lowered;                   /* vertices whose sizes have fallen, for their neighbours */
+    pbwm2__array class_of[PBWM2__CLASSES], large;    /* a slot and a mark each, see queues */
+    pbwm2__array splits;                   /* two ends each */
+    pbwm2__array slots, boundary, hits;    /* a cavity: its triangles, its border, segments encroached upon */
+    pbwm2__array lowered;                  /* vertices whose sizes have fallen, for their neighbours */
     size_t inserted, moved, triangle_count;
-} pbwp__refiner;
+} pbwm2__refiner;
 
-static pbw_index pbwp__host_of(const pbwp__job *job, pbw_index edge)
+static pbw_index pbwm2__host_of(const pbwm2__job *job, pbw_index edge)
 {
-    return job->hosts.count > 0 ? ((const pbwp__host *)job->hosts.data)[edge].edge : edge;
+    return job->hosts.count > 0 ? ((const pbwm2__host *)job->hosts.data)[edge].edge : edge;
 }
 
-static double pbwp__distance2(const double *a, const double *b)
+static double pbwm2__distance2(const double *a, const double *b)
 {
     const double x = a[0] - b[0], y = a[1] - b[1];
     return x * x + y * y;
 }
 
-static const double *pbwp__point(const pbwp__refiner *r, pbw_index v)
+static const double *pbwm2__point(const pbwm2__refiner *r, pbw_index v)
 {
     return r->job->p + 2 * (size_t)v;
 }
 
-static pbw_index pbwp__vertex_host(const pbwp__refiner *r, pbw_index v)
+static pbw_index pbwm2__vertex_host(const pbwm2__refiner *r, pbw_index v)
 {
-    return PBWP__INDICES(r->job->vertex_host)[v];
+    return PBWM2__INDICES(r->job->vertex_host)[v];
 }
 
 /* Returns whether there was no memory for an array: then all loops end. */
-static int pbwp__failed(const pbwp__refiner *r)
+static int pbwm2__failed(const pbwm2__refiner *r)
 {
     return r->job->memory.fault != PBW_OK;
 }
 
-static void pbwp__add(pbwp__refiner *r, pbwp__array *array, pbw_index item)
+static void pbwm2__add(pbwm2__refiner *r, pbwm2__array *array, pbw_index item)
 {
-    (void)pbwp__push(&r->job->memory, array, item);
+    (void)pbwm2__push(&r->job->memory, array, item);
 }
 
 /* Returns whether a point is in the lens of the segment u-v. */
-static int pbwp__in_lens(const pbwp__refiner *r, const double *u, const double *v, const double *p)
+static int pbwm2__in_lens(const pbwm2__refiner *r, const double *u, const double *v, const double *p)
 {
     const double dot = (u[0] - p[0]) * (v[0] - p[0]) + (u[1] - p[1]) * (v[1] - p[1]);
-    return dot < 0 && dot * dot >= r->lens2 * pbwp__distance2(u, p) * pbwp__distance2(v, p);
+    return dot < 0 && dot * dot >= r->lens2 * pbwm2__distance2(u, p) * pbwm2__distance2(v, p);
 }
 
 /* Returns whether c is nearer to the line a-b than the least length of edges. */
-static int pbwp__is_flat(const pbwp__refiner *r, const double *a, const double *b, const double *c)
+static int pbwm2__is_flat(const pbwm2__refiner *r, const double *a, const double *b, const double *c)
 {
     const double twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-    return twice * twice < r->least2 * pbwp__distance2(a, b);
+    return twice * twice < r->least2 * pbwm2__distance2(a, b);
 }
 
 /* Returns whether vertex v is on a segment at point z of the input that is not the host's. */
-static int pbwp__is_on_leg(const pbwp__refiner *r, pbw_index v, pbw_index z, pbw_index host)
+static int pbwm2__is_on_leg(const pbwm2__refiner *r, pbw_index v, pbw_index z, pbw_index host)
 {
-    const pbwp__job *job = r->job;
-    const pbwp__host *hosts = (const pbwp__host *)job->hosts.data;
-    const pbw_index own = pbwp__vertex_host(r, v);
-    pbwp__spin spin;
-    if (own != PBWP__INPUT) {
-        return own != PBWP__FREE && own != host && (hosts[own].a == z || hosts[own].b == z);
+    const pbwm2__job *job = r->job;
+    const pbwm2__host *hosts = (const pbwm2__host *)job->hosts.data;
+    const pbw_index own = pbwm2__vertex_host(r, v);
+    pbwm2__spin spin;
+    if (own != PBWM2__INPUT) {
+        return own != PBWM2__FREE && own != host && (hosts[own].a == z || hosts[own].b == z);
     }
-    spin.start = spin.corner = pbwp__corner_of(job, v);
+    spin.start = spin.corner = pbwm2__corner_of(job, v);
     spin.clockwise = 0;
     do {
-        const pbwp__triangle *t = job->t + PBWP__SLOT(spin.corner);
+        const pbwm2__triangle *t = job->t + PBWM2__SLOT(spin.corner);
         unsigned k;
         for (k = 1; k < 3; k++) {
-            const pbw_index edge = t->edge[(PBWP__SIDE(spin.corner) + k) % 3];
+            const pbw_index edge = t->edge[(PBWM2__SIDE(spin.corner) + k) % 3];
             if (edge != PBW_NONE && edge != host && (hosts[edge].a == z || hosts[edge].b == z)) {
                 return 1;
             }
         }
-    } while (pbwp__spin_on(job, &spin));
+    } while (pbwm2__spin_on(job, &spin));
     return 0;
 }
 
 /* Returns whether side k is an edge of a segment, and corner k is on another one that meets it at a sine below 1/32.
    Conforming meshes have no such exception. */
-static int pbwp__is_narrow(const pbwp__refiner *r, const pbwp__triangle *t, unsigned k)
+static int pbwm2__is_narrow(const pbwm2__refiner *r, const pbwm2__triangle *t, unsigned k)
 {
-    const double *p = pbwp__point(r, t->v[k]), *u = pbwp__point(r, t->v[pbwp__next[k]]);
-    const double *v = pbwp__point(r, t->v[pbwp__last[k]]);
+    const double *p = pbwm2__point(r, t->v[k]), *u = pbwm2__point(r, t->v[pbwm2__next[k]]);
+    const double *v = pbwm2__point(r, t->v[pbwm2__last[k]]);
     const double twice = (v[0] - u[0]) * (p[1] - u[1]) - (v[1] - u[1]) * (p[0] - u[0]);
-    const double side2 = pbwp__distance2(u, v);
-    const pbwp__host *hosts = (const pbwp__host *)r->job->hosts.data;
+    const double side2 = pbwm2__distance2(u, v);
+    const pbwm2__host *hosts = (const pbwm2__host *)r->job->hosts.data;
     int end, narrow = 0;
     for (end = 0; r->lens2 > 0 && t->edge[k] != PBW_NONE && end < 2 && !narrow; end++) {
         const pbw_index z = end == 0 ? hosts[t->edge[k]].a : hosts[t->edge[k]].b;
-        narrow = 1024 * twice * twice < side2 * pbwp__distance2(p, pbwp__point(r, z))
-              && pbwp__is_on_leg(r, t->v[k], z, t->edge[k]);
+        narrow = 1024 * twice * twice < side2 * pbwm2__distance2(p, pbwm2__point(r, z))
+              && pbwm2__is_on_leg(r, t->v[k], z, t->edge[k]);
     }
     return narrow;
 }
 
 /* Returns whether the corner across from side k of t, an edge of a segment, encroaches upon it. */
-static int pbwp__encroaches(const pbwp__refiner *r, const pbwp__triangle *t, unsigned k)
+static int pbwm2__encroaches(const pbwm2__refiner *r, const pbwm2__triangle *t, unsigned k)
 {
-    const double *u = pbwp__point(r, t->v[pbwp__next[k]]), *v = pbwp__point(r, t->v[pbwp__last[k]]);
-    const double *p = pbwp__point(r, t->v[k]);
-    return pbwp__in_lens(r, u, v, p) && !pbwp__is_flat(r, u, v, p) && !pbwp__is_narrow(r, t, k);
+    const double *u = pbwm2__point(r, t->v[pbwm2__next[k]]), *v = pbwm2__point(r, t->v[pbwm2__last[k]]);
+    const double *p = pbwm2__point(r, t->v[k]);
+    return pbwm2__in_lens(r, u, v, p) && !pbwm2__is_flat(r, u, v, p) && !pbwm2__is_narrow(r, t, k);
 }
 
-static int pbwp__may_split(const pbwp__refiner *r, pbw_index code)
+static int pbwm2__may_split(const pbwm2__refiner *r, pbw_index code)
 {
     const unsigned flags = r->job->options->flags;
-    const pbwp__triangle *t = r->job->t + PBWP__SLOT(code);
-    const pbw_index beyond = t->link[PBWP__SIDE(code)];
-    return !((const pbwp__host *)r->job->hosts.data)[t->edge[PBWP__SIDE(code)]].stuck
+    const pbwm2__triangle *t = r->job->t + PBWM2__SLOT(code);
+    const pbw_index beyond = t->link[PBWM2__SIDE(code)];
+    return !((const pbwm2__host *)r->job->hosts.data)[t->edge[PBWM2__SIDE(code)]].stuck
         && (flags & PBW_PLANE_KEEP_SEGMENTS) == 0 && ((flags & PBW_PLANE_KEEP_BOUNDARY) == 0 || beyond != PBW_NONE);
 }
 
@@ -2022,13 +2022,13 @@ static int pbwp__may_split(const pbwp__refiner *r, pbw_index code)
 
 /* Returns whether u and w are at the same distance from a point of the input, on two segments that meet there at less
    than 60 degrees: at 60 or more, an edge between them is no shorter than that distance, so lengths do not fall. */
-static int pbwp__are_twins(const pbwp__refiner *r, pbw_index u, pbw_index w)
+static int pbwm2__are_twins(const pbwm2__refiner *r, pbw_index u, pbw_index w)
 {
-    const pbw_index hu = pbwp__vertex_host(r, u), hw = pbwp__vertex_host(r, w);
-    const pbwp__host *host = (const pbwp__host *)r->job->hosts.data;
+    const pbw_index hu = pbwm2__vertex_host(r, u), hw = pbwm2__vertex_host(r, w);
+    const pbwm2__host *host = (const pbwm2__host *)r->job->hosts.data;
     double one, other;
     pbw_index z;
-    if (hu >= PBWP__INPUT || hw >= PBWP__INPUT || hu == hw) {
+    if (hu >= PBWM2__INPUT || hw >= PBWM2__INPUT || hu == hw) {
         return 0;
     }
     z = host[hu].a == host[hw].a || host[hu].a == host[hw].b ? host[hu].a
@@ -2036,66 +2036,66 @@ static int pbwp__are_twins(const pbwp__refiner *r, pbw_index u, pbw_index w)
     if (z == PBW_NONE) {
         return 0;
     }
-    one = pbwp__distance2(pbwp__point(r, z), pbwp__point(r, u));
-    other = pbwp__distance2(pbwp__point(r, z), pbwp__point(r, w));
-    return fabs(one - other) <= 1e-3 * one && pbwp__distance2(pbwp__point(r, u), pbwp__point(r, w)) < one;
+    one = pbwm2__distance2(pbwm2__point(r, z), pbwm2__point(r, u));
+    other = pbwm2__distance2(pbwm2__point(r, z), pbwm2__point(r, w));
+    return fabs(one - other) <= 1e-3 * one && pbwm2__distance2(pbwm2__point(r, u), pbwm2__point(r, w)) < one;
 }
 
 /* The edge k of a triangle, squared. */
-static double pbwp__side2(const pbwp__refiner *r, const pbwp__triangle *t, unsigned k)
+static double pbwm2__side2(const pbwm2__refiner *r, const pbwm2__triangle *t, unsigned k)
 {
-    return pbwp__distance2(pbwp__point(r, t->v[pbwp__next[k]]), pbwp__point(r, t->v[pbwp__last[k]]));
+    return pbwm2__distance2(pbwm2__point(r, t->v[pbwm2__next[k]]), pbwm2__point(r, t->v[pbwm2__last[k]]));
 }
 
-static double pbwp__least(double a, double b)
+static double pbwm2__least(double a, double b)
 {
     return a < b ? a : b;
 }
 
-static double pbwp__most(double a, double b)
+static double pbwm2__most(double a, double b)
 {
     return a < b ? b : a;
 }
 
 /* Returns whether a triangle has an angle below the bound; squares the length of its shortest edge.  No branches. */
-static int pbwp__is_sharp(const pbwp__refiner *r, const pbwp__triangle *t, double *shortest2)
+static int pbwm2__is_sharp(const pbwm2__refiner *r, const pbwm2__triangle *t, double *shortest2)
 {
-    const double a = pbwp__side2(r, t, 0), b = pbwp__side2(r, t, 1), c = pbwp__side2(r, t, 2);
-    const double least = pbwp__least(pbwp__least(a, b), c);
-    const double one = pbwp__most(a, b), other = pbwp__most(pbwp__least(a, b), c), dot = one + other - least;
+    const double a = pbwm2__side2(r, t, 0), b = pbwm2__side2(r, t, 1), c = pbwm2__side2(r, t, 2);
+    const double least = pbwm2__least(pbwm2__least(a, b), c);
+    const double one = pbwm2__most(a, b), other = pbwm2__most(pbwm2__least(a, b), c), dot = one + other - least;
     *shortest2 = least;
     return dot * dot > 4 * r->cosine2 * one * other;
 }
 
-static unsigned pbwp__shortest(const pbwp__refiner *r, const pbwp__triangle *t)
+static unsigned pbwm2__shortest(const pbwm2__refiner *r, const pbwm2__triangle *t)
 {
-    const double a = pbwp__side2(r, t, 0), b = pbwp__side2(r, t, 1), c = pbwp__side2(r, t, 2);
+    const double a = pbwm2__side2(r, t, 0), b = pbwm2__side2(r, t, 1), c = pbwm2__side2(r, t, 2);
     return a <= b && a <= c ? 0u : b <= c ? 1u : 2u;
 }
 
 /* Returns whether no point can mend the small angle: it is between two segments, or the triangle is flat. */
-static int pbwp__is_given(const pbwp__refiner *r, const pbwp__triangle *t, unsigned shortest)
+static int pbwm2__is_given(const pbwm2__refiner *r, const pbwm2__triangle *t, unsigned shortest)
 {
-    const double *a = pbwp__point(r, t->v[0]), *b = pbwp__point(r, t->v[1]), *c = pbwp__point(r, t->v[2]);
-    return pbwp__is_flat(r, a, b, c) || pbwp__is_flat(r, b, c, a) || pbwp__is_flat(r, c, a, b)
-        || (t->edge[pbwp__next[shortest]] != PBW_NONE && t->edge[pbwp__last[shortest]] != PBW_NONE)
-        || pbwp__are_twins(r, t->v[pbwp__next[shortest]], t->v[pbwp__last[shortest]])
-        || pbwp__is_narrow(r, t, pbwp__next[shortest]) || pbwp__is_narrow(r, t, pbwp__last[shortest]);
+    const double *a = pbwm2__point(r, t->v[0]), *b = pbwm2__point(r, t->v[1]), *c = pbwm2__point(r, t->v[2]);
+    return pbwm2__is_flat(r, a, b, c) || pbwm2__is_flat(r, b, c, a) || pbwm2__is_flat(r, c, a, b)
+        || (t->edge[pbwm2__next[shortest]] != PBW_NONE && t->edge[pbwm2__last[shortest]] != PBW_NONE)
+        || pbwm2__are_twins(r, t->v[pbwm2__next[shortest]], t->v[pbwm2__last[shortest]])
+        || pbwm2__is_narrow(r, t, pbwm2__next[shortest]) || pbwm2__is_narrow(r, t, pbwm2__last[shortest]);
 }
 
-static double pbwp__twice_area(const pbwp__refiner *r, const pbwp__triangle *t)
+static double pbwm2__twice_area(const pbwm2__refiner *r, const pbwm2__triangle *t)
 {
-    const double *a = pbwp__point(r, t->v[0]), *b = pbwp__point(r, t->v[1]), *c = pbwp__point(r, t->v[2]);
+    const double *a = pbwm2__point(r, t->v[0]), *b = pbwm2__point(r, t->v[1]), *c = pbwm2__point(r, t->v[2]);
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
 /* Returns the most area of a triangle there, 0 = no bound. */
-static double pbwp__area_for(const pbwp__refiner *r, const pbwp__triangle *t)
+static double pbwm2__area_for(const pbwm2__refiner *r, const pbwm2__triangle *t)
 {
     double area = r->job->options->area;
     if (r->job->input->region_count > 0) {
-        const pbw_index component = t->region & ~PBWP__CAVITY;
-        const pbw_index seed = ((const pbwp__component *)r->job->components.data)[component].seed;
+        const pbw_index component = t->region & ~PBWM2__CAVITY;
+        const pbw_index seed = ((const pbwm2__component *)r->job->components.data)[component].seed;
         const double there = seed < r->job->input->region_count ? r->job->input->regions[seed].area : 0;
         area = there > 0 && (!(area > 0) || there < area) ? there : area;
     }
@@ -2103,170 +2103,170 @@ static double pbwp__area_for(const pbwp__refiner *r, const pbwp__triangle *t)
 }
 
 /* Returns the most length of an edge there, 0 = no bound.  A function counts at corner k, in the middle if k is 3. */
-static double pbwp__size_for(const pbwp__refiner *r, const pbwp__triangle *t, unsigned k)
+static double pbwm2__size_for(const pbwm2__refiner *r, const pbwm2__triangle *t, unsigned k)
 {
     const pbw_plane_options *o = r->job->options;
     double size = o->size, there;
     if (r->has_sizes) {
-        const double *sizes = PBWP__DOUBLES(r->job->sizes);
+        const double *sizes = PBWM2__DOUBLES(r->job->sizes);
         there = (sizes[t->v[0]] + sizes[t->v[1]] + sizes[t->v[2]]) / 3;
         size = !(size > 0) || there < size ? there : size;
     }
     if (o->size_at != NULL) {
-        const double *a = pbwp__point(r, t->v[k % 3]), *b = pbwp__point(r, t->v[k < 3 ? k : 1]);
-        const double *c = pbwp__point(r, t->v[k < 3 ? k : 2]);
+        const double *a = pbwm2__point(r, t->v[k % 3]), *b = pbwm2__point(r, t->v[k < 3 ? k : 1]);
+        const double *c = pbwm2__point(r, t->v[k < 3 ? k : 2]);
         there = o->size_at(o->size_user, (a[0] + b[0] + c[0]) / 3, (a[1] + b[1] + c[1]) / 3);
         size = there > 0 && (!(size > 0) || there < size) ? there : size;
     }
     return size;
 }
 
-static int pbwp__is_large(const pbwp__refiner *r, const pbwp__triangle *t)
+static int pbwm2__is_large(const pbwm2__refiner *r, const pbwm2__triangle *t)
 {
-    const double area = pbwp__area_for(r, t);
+    const double area = pbwm2__area_for(r, t);
     double size;
-    if (area > 0 && pbwp__twice_area(r, t) > 2 * area) {
+    if (area > 0 && pbwm2__twice_area(r, t) > 2 * area) {
         return 1;
     }
-    size = pbwp__size_for(r, t, 3);
+    size = pbwm2__size_for(r, t, 3);
     if (size > 0) {
-        const double a = pbwp__side2(r, t, 0), b = pbwp__side2(r, t, 1), c = pbwp__side2(r, t, 2);
-        return pbwp__most(pbwp__most(a, b), c) > pbwp__most(size * size, 16 * r->least2);
+        const double a = pbwm2__side2(r, t, 0), b = pbwm2__side2(r, t, 1), c = pbwm2__side2(r, t, 2);
+        return pbwm2__most(pbwm2__most(a, b), c) > pbwm2__most(size * size, 16 * r->least2);
     }
     return 0;
 }
 
-static int pbwp__class_of(const pbwp__refiner *r, double length2)
+static int pbwm2__class_of(const pbwm2__refiner *r, double length2)
 {
     uint64_t bits;
     int exponent;
     memcpy(&bits, &length2, sizeof bits);
     exponent = r->classes - ((int)(bits >> 52) - 1022);          /* as frexp has it */
-    return exponent < 0 ? 0 : exponent >= PBWP__CLASSES ? PBWP__CLASSES - 1 : exponent;
+    return exponent < 0 ? 0 : exponent >= PBWM2__CLASSES ? PBWM2__CLASSES - 1 : exponent;
 }
 
 /* ---- queues: most triangles are deleted before their turn; a mark tells whether the slot still has the queued one,
    without reading points */
 
-static pbw_index pbwp__mark_of(const pbwp__triangle *t)
+static pbw_index pbwm2__mark_of(const pbwm2__triangle *t)
 {
     return t->v[0] + 2 * t->v[1] + 4 * t->v[2];
 }
 
-static void pbwp__enqueue(pbwp__refiner *r, pbwp__array *queue, pbw_index slot)
+static void pbwm2__enqueue(pbwm2__refiner *r, pbwm2__array *queue, pbw_index slot)
 {
-    pbwp__add(r, queue, slot);
-    pbwp__add(r, queue, pbwp__mark_of(r->job->t + slot));
+    pbwm2__add(r, queue, slot);
+    pbwm2__add(r, queue, pbwm2__mark_of(r->job->t + slot));
 }
 
 /* Takes the last triangle off a queue.  Returns its slot, PBW_NONE if the slot has another triangle by now: that has
    its own entry.  Prefetches the fourth after it, and the points of the second. */
-static pbw_index pbwp__dequeue(const pbwp__refiner *r, pbwp__array *queue)
+static pbw_index pbwm2__dequeue(const pbwm2__refiner *r, pbwm2__array *queue)
 {
-    const pbw_index *item = PBWP__INDICES(*queue) + (queue->count -= 2);
+    const pbw_index *item = PBWM2__INDICES(*queue) + (queue->count -= 2);
     if (queue->count >= 8) {
-        const pbwp__triangle *t = r->job->t + item[-4];
+        const pbwm2__triangle *t = r->job->t + item[-4];
         unsigned k;
-        PBWP__PREFETCH(r->job->t + item[-8]);
-        for (k = 0; k < 3 && t->v[0] != PBW_NONE && pbwp__mark_of(t) == item[-3]; k++) {
-            PBWP__PREFETCH(pbwp__point(r, t->v[k]));
+        PBWM2__PREFETCH(r->job->t + item[-8]);
+        for (k = 0; k < 3 && t->v[0] != PBW_NONE && pbwm2__mark_of(t) == item[-3]; k++) {
+            PBWM2__PREFETCH(pbwm2__point(r, t->v[k]));
         }
     }
-    return r->job->t[item[0]].v[0] != PBW_NONE && pbwp__mark_of(r->job->t + item[0]) == item[1] ? item[0] : PBW_NONE;
+    return r->job->t[item[0]].v[0] != PBW_NONE && pbwm2__mark_of(r->job->t + item[0]) == item[1] ? item[0] : PBW_NONE;
 }
 
 /* Puts a triangle where sharp ones wait, if it is one. */
-static void pbwp__examine_angle(pbwp__refiner *r, pbw_index slot)
+static void pbwm2__examine_angle(pbwm2__refiner *r, pbw_index slot)
 {
     double shortest2;
-    if (pbwp__is_sharp(r, r->job->t + slot, &shortest2)) {
-        const int c = pbwp__class_of(r, shortest2);
-        pbwp__enqueue(r, r->class_of + c, slot);
+    if (pbwm2__is_sharp(r, r->job->t + slot, &shortest2)) {
+        const int c = pbwm2__class_of(r, shortest2);
+        pbwm2__enqueue(r, r->class_of + c, slot);
         r->filled |= (uint64_t)1 << c;
     }
 }
 
 /* Puts a triangle, and the segments beside it, where the work on them waits. */
-static void pbwp__examine(pbwp__refiner *r, pbw_index slot)
+static void pbwm2__examine(pbwm2__refiner *r, pbw_index slot)
 {
-    const pbwp__triangle *t = r->job->t + slot;
+    const pbwm2__triangle *t = r->job->t + slot;
     unsigned k;
     for (k = 0; k < 3; k++) {
-        const pbw_index u = t->v[pbwp__next[k]], v = t->v[pbwp__last[k]];
-        if (t->edge[k] != PBW_NONE && pbwp__encroaches(r, t, k)) {
-            pbwp__add(r, &r->splits, u);
-            pbwp__add(r, &r->splits, v);
+        const pbw_index u = t->v[pbwm2__next[k]], v = t->v[pbwm2__last[k]];
+        if (t->edge[k] != PBW_NONE && pbwm2__encroaches(r, t, k)) {
+            pbwm2__add(r, &r->splits, u);
+            pbwm2__add(r, &r->splits, v);
         }
     }
-    if (pbwp__is_large(r, t)) {
-        pbwp__enqueue(r, &r->large, slot);
+    if (pbwm2__is_large(r, t)) {
+        pbwm2__enqueue(r, &r->large, slot);
     }
     if (!r->sizing) {
-        pbwp__examine_angle(r, slot);
+        pbwm2__examine_angle(r, slot);
     }
 }
 
 /* ---- cavities */
 
-static void pbwp__dig_here(pbwp__refiner *r, pbw_index slot)
+static void pbwm2__dig_at(pbwm2__refiner *r, pbw_index slot)
 {
-    r->job->t[slot].region |= PBWP__CAVITY;
-    pbwp__add(r, &r->slots, slot);
+    r->job->t[slot].region |= PBWM2__CAVITY;
+    pbwm2__add(r, &r->slots, slot);
 }
 
 /* Extends the cavity from the triangles in slots to all in conflict with p, without crossing a segment. */
-static void pbwp__dig(pbwp__refiner *r, const double *p)
+static void pbwm2__dig(pbwm2__refiner *r, const double *p)
 {
-    pbwp__job *job = r->job;
+    pbwm2__job *job = r->job;
     size_t at;
     unsigned k;
-    r->rim.count = 0;
-    for (at = 0; at < r->slots.count && !pbwp__failed(r); at++) {
-        const pbw_index slot = PBWP__INDICES(r->slots)[at];
-        if (!pbwp__room(&job->memory, &r->rim, 3, sizeof(pbwp__rim))) {
+    r->boundary.count = 0;
+    for (at = 0; at < r->slots.count && !pbwm2__failed(r); at++) {
+        const pbw_index slot = PBWM2__INDICES(r->slots)[at];
+        if (!pbwm2__room(&job->memory, &r->boundary, 3, sizeof(pbwm2__boundary_edge))) {
             return;
         }
         for (k = 0; k < 3; k++) {
-            const pbwp__triangle *t = job->t + slot;
+            const pbwm2__triangle *t = job->t + slot;
             const pbw_index link = t->link[k];
             if (link != PBW_NONE && t->edge[k] == PBW_NONE) {
-                const pbwp__triangle *n = job->t + PBWP__SLOT(link);
-                if ((n->region & PBWP__CAVITY) != 0) {
+                const pbwm2__triangle *n = job->t + PBWM2__SLOT(link);
+                if ((n->region & PBWM2__CAVITY) != 0) {
                     continue;
                 }
-                if (pbwp__conflict_at(job, pbwp__point(r, n->v[0]), pbwp__point(r, n->v[1]), pbwp__point(r, n->v[2]),
-                                      p)) {
-                    pbwp__dig_here(r, PBWP__SLOT(link));
+                if (pbwm2__conflict_at(job, pbwm2__point(r, n->v[0]), pbwm2__point(r, n->v[1]),
+                                       pbwm2__point(r, n->v[2]), p)) {
+                    pbwm2__dig_at(r, PBWM2__SLOT(link));
                     continue;
                 }
             }
             {
-                pbwp__rim *rim = (pbwp__rim *)r->rim.data + r->rim.count++;
-                rim->u = t->v[pbwp__next[k]];
-                rim->v = t->v[pbwp__last[k]];
-                rim->link = link;
-                rim->edge = t->edge[k];
-                rim->region = t->region & ~PBWP__CAVITY;
+                pbwm2__boundary_edge *side = (pbwm2__boundary_edge *)r->boundary.data + r->boundary.count++;
+                side->u = t->v[pbwm2__next[k]];
+                side->v = t->v[pbwm2__last[k]];
+                side->link = link;
+                side->edge = t->edge[k];
+                side->region = t->region & ~PBWM2__CAVITY;
             }
         }
     }
 }
 
-static void pbwp__undig(pbwp__refiner *r)
+static void pbwm2__undig(pbwm2__refiner *r)
 {
     size_t i;
     for (i = 0; i < r->slots.count; i++) {
-        r->job->t[PBWP__INDICES(r->slots)[i]].region &= ~PBWP__CAVITY;
+        r->job->t[PBWM2__INDICES(r->slots)[i]].region &= ~PBWM2__CAVITY;
     }
 }
 
-/* Returns whether p sees every edge of the rim from inside. */
-static int pbwp__is_star(const pbwp__refiner *r, const double *p)
+/* Returns whether p sees every edge of the boundary from inside. */
+static int pbwm2__is_star(const pbwm2__refiner *r, const double *p)
 {
-    const pbwp__rim *rim = (const pbwp__rim *)r->rim.data;
+    const pbwm2__boundary_edge *side = (const pbwm2__boundary_edge *)r->boundary.data;
     size_t i;
-    for (i = 0; i < r->rim.count; i++) {
-        if (pbwp__orient_at(r->job, p, pbwp__point(r, rim[i].u), pbwp__point(r, rim[i].v)) <= 0) {
+    for (i = 0; i < r->boundary.count; i++) {
+        if (pbwm2__orient_at(r->job, p, pbwm2__point(r, side[i].u), pbwm2__point(r, side[i].v)) <= 0) {
             return 0;
         }
     }
@@ -2274,28 +2274,28 @@ static int pbwp__is_star(const pbwp__refiner *r, const double *p)
 }
 
 /* Adds a vertex.  Returns it, PBW_NONE without memory. */
-static pbw_index pbwp__add_vertex(pbwp__refiner *r, const double *at, pbw_index host, double size)
+static pbw_index pbwm2__add_vertex(pbwm2__refiner *r, const double *at, pbw_index host, double size)
 {
-    pbwp__job *job = r->job;
+    pbwm2__job *job = r->job;
     const double p[2] = { at[0], at[1] };
     const size_t v = job->points.count;
-    (void)(pbwp__room(&job->memory, &job->points, 1, 2 * sizeof(double))
-           && pbwp__room(&job->memory, &job->incidents, 1, sizeof(pbw_index))
-           && pbwp__room(&job->memory, &job->vertex_host, 1, sizeof(pbw_index))
-           && (!r->has_sizes || pbwp__room(&job->memory, &job->sizes, 1, sizeof(double))));
-    job->p = PBWP__DOUBLES(job->points);             /* they may be elsewhere, even if others did not grow */
-    job->incident = PBWP__INDICES(job->incidents);
-    if (v >= PBWP__INPUT - 1) {
+    (void)(pbwm2__room(&job->memory, &job->points, 1, 2 * sizeof(double))
+           && pbwm2__room(&job->memory, &job->incidents, 1, sizeof(pbw_index))
+           && pbwm2__room(&job->memory, &job->vertex_host, 1, sizeof(pbw_index))
+           && (!r->has_sizes || pbwm2__room(&job->memory, &job->sizes, 1, sizeof(double))));
+    job->p = PBWM2__DOUBLES(job->points);            /* they may be elsewhere, even if others did not grow */
+    job->incident = PBWM2__INDICES(job->incidents);
+    if (v >= PBWM2__INPUT - 1) {
         job->memory.fault = PBW_ERROR_TOO_LARGE;
     }
-    if (pbwp__failed(r)) {
+    if (pbwm2__failed(r)) {
         return PBW_NONE;
     }
     memcpy(job->p + 2 * v, p, sizeof p);
     job->incident[v] = PBW_NONE;
-    PBWP__INDICES(job->vertex_host)[v] = host;
+    PBWM2__INDICES(job->vertex_host)[v] = host;
     if (r->has_sizes) {
-        PBWP__DOUBLES(job->sizes)[v] = size;
+        PBWM2__DOUBLES(job->sizes)[v] = size;
         job->sizes.count = v + 1;
     }
     job->points.count = job->incidents.count = job->vertex_host.count = v + 1;
@@ -2303,47 +2303,47 @@ static pbw_index pbwp__add_vertex(pbwp__refiner *r, const double *at, pbw_index 
 }
 
 /* Replaces an edge by the other diagonal of its two triangles. */
-static void pbwp__flip(pbwp__job *job, pbw_index code)
+static void pbwm2__flip(pbwm2__job *job, pbw_index code)
 {
-    const pbw_index slot = PBWP__SLOT(code), other = PBWP__SLOT(job->t[slot].link[PBWP__SIDE(code)]);
-    const unsigned e = PBWP__SIDE(code), f = PBWP__SIDE(job->t[slot].link[e]);
-    pbwp__triangle *t = job->t + slot, *n = job->t + other;
-    const pbwp__triangle a = *t, b = *n;
+    const pbw_index slot = PBWM2__SLOT(code), other = PBWM2__SLOT(job->t[slot].link[PBWM2__SIDE(code)]);
+    const unsigned e = PBWM2__SIDE(code), f = PBWM2__SIDE(job->t[slot].link[e]);
+    pbwm2__triangle *t = job->t + slot, *n = job->t + other;
+    const pbwm2__triangle a = *t, b = *n;
     t->v[0] = n->v[0] = a.v[e];
-    t->v[1] = a.v[pbwp__next[e]];
+    t->v[1] = a.v[pbwm2__next[e]];
     t->v[2] = n->v[1] = b.v[f];
-    n->v[2] = a.v[pbwp__last[e]];
-    t->edge[0] = b.edge[pbwp__next[f]];
-    t->edge[2] = a.edge[pbwp__last[e]];
-    n->edge[0] = b.edge[pbwp__last[f]];
-    n->edge[1] = a.edge[pbwp__next[e]];
+    n->v[2] = a.v[pbwm2__last[e]];
+    t->edge[0] = b.edge[pbwm2__next[f]];
+    t->edge[2] = a.edge[pbwm2__last[e]];
+    n->edge[0] = b.edge[pbwm2__last[f]];
+    n->edge[1] = a.edge[pbwm2__next[e]];
     t->edge[1] = n->edge[2] = PBW_NONE;
-    pbwp__join(job, 4 * slot, b.link[pbwp__next[f]]);
-    pbwp__join(job, 4 * slot + 2, a.link[pbwp__last[e]]);
-    pbwp__join(job, 4 * other, b.link[pbwp__last[f]]);
-    pbwp__join(job, 4 * other + 1, a.link[pbwp__next[e]]);
-    pbwp__join(job, 4 * slot + 1, 4 * other + 2);
+    pbwm2__join(job, 4 * slot, b.link[pbwm2__next[f]]);
+    pbwm2__join(job, 4 * slot + 2, a.link[pbwm2__last[e]]);
+    pbwm2__join(job, 4 * other, b.link[pbwm2__last[f]]);
+    pbwm2__join(job, 4 * other + 1, a.link[pbwm2__next[e]]);
+    pbwm2__join(job, 4 * slot + 1, 4 * other + 2);
     job->incident[t->v[0]] = job->incident[t->v[1]] = job->incident[t->v[2]] = slot;
     job->incident[n->v[2]] = other;
 }
 
 /* Flips free edges of the triangles in slots, and what follows, until all are locally regular (Lawson 1977).  A point
    beside its segment by an ulp can be outside of circles that the cavity takes it to be in. */
-static void pbwp__legalise(pbwp__refiner *r)
+static void pbwm2__legalise(pbwm2__refiner *r)
 {
-    pbwp__job *job = r->job;
+    pbwm2__job *job = r->job;
     size_t at;
     unsigned k;
-    for (at = 0; at < r->slots.count && !pbwp__failed(r); at++) {
-        const pbw_index slot = PBWP__INDICES(r->slots)[at];
+    for (at = 0; at < r->slots.count && !pbwm2__failed(r); at++) {
+        const pbw_index slot = PBWM2__INDICES(r->slots)[at];
         for (k = 0; k < 3; k++) {
-            const pbwp__triangle *t = job->t + slot;
+            const pbwm2__triangle *t = job->t + slot;
             const pbw_index link = t->link[k];
             if (t->edge[k] == PBW_NONE && link != PBW_NONE
-                && pbwp__conflict(job, t->v[0], t->v[1], t->v[2], job->t[PBWP__SLOT(link)].v[PBWP__SIDE(link)])) {
-                pbwp__flip(job, 4 * slot + k);
-                pbwp__add(r, &r->slots, slot);
-                pbwp__add(r, &r->slots, PBWP__SLOT(link));
+                && pbwm2__conflict(job, t->v[0], t->v[1], t->v[2], job->t[PBWM2__SLOT(link)].v[PBWM2__SIDE(link)])) {
+                pbwm2__flip(job, 4 * slot + k);
+                pbwm2__add(r, &r->slots, slot);
+                pbwm2__add(r, &r->slots, PBWM2__SLOT(link));
                 break;
             }
         }
@@ -2352,49 +2352,49 @@ static void pbwp__legalise(pbwp__refiner *r)
 
 /* Fills the cavity with triangles at vertex p, and examines them.  a, b, edge: the segment that p splits, or
    PBW_NONE. */
-static int pbwp__refill_star(pbwp__refiner *r, pbw_index p, pbw_index a, pbw_index b, pbw_index edge)
+static int pbwm2__refill_star(pbwm2__refiner *r, pbw_index p, pbw_index a, pbw_index b, pbw_index edge)
 {
-    pbwp__job *job = r->job;
-    const size_t count = r->rim.count;
+    pbwm2__job *job = r->job;
+    const size_t count = r->boundary.count;
     size_t i;
-    if (!pbwp__reserve_slots(job, count)) {
+    if (!pbwm2__reserve_slots(job, count)) {
         return 0;
     }
     r->triangle_count += count - r->slots.count;
     for (i = 0; i < r->slots.count; i++) {
-        pbwp__free_slot(job, PBWP__INDICES(r->slots)[i]);
+        pbwm2__free_slot(job, PBWM2__INDICES(r->slots)[i]);
     }
     r->slots.count = 0;
     for (i = 0; i < count; i++) {
-        const pbwp__rim rim = ((const pbwp__rim *)r->rim.data)[i];
-        const pbw_index slot = pbwp__take_slot(job);
-        pbwp__triangle *t = job->t + slot;
+        const pbwm2__boundary_edge side = ((const pbwm2__boundary_edge *)r->boundary.data)[i];
+        const pbw_index slot = pbwm2__take_slot(job);
+        pbwm2__triangle *t = job->t + slot;
         t->v[0] = p;
-        t->v[1] = rim.u;
-        t->v[2] = rim.v;
-        t->edge[0] = rim.edge;
-        t->edge[1] = rim.v == a || rim.v == b ? edge : PBW_NONE;
-        t->edge[2] = rim.u == a || rim.u == b ? edge : PBW_NONE;
+        t->v[1] = side.u;
+        t->v[2] = side.v;
+        t->edge[0] = side.edge;
+        t->edge[1] = side.v == a || side.v == b ? edge : PBW_NONE;
+        t->edge[2] = side.u == a || side.u == b ? edge : PBW_NONE;
         t->link[1] = t->link[2] = PBW_NONE;
-        t->region = rim.region;
-        pbwp__join(job, 4 * slot, rim.link);
-        job->incident[rim.u] = slot;
+        t->region = side.region;
+        pbwm2__join(job, 4 * slot, side.link);
+        job->incident[side.u] = slot;
         job->incident[p] = slot;
-        pbwp__add(r, &r->slots, slot);
+        pbwm2__add(r, &r->slots, slot);
     }
-    for (i = 0; i < count && !pbwp__failed(r); i++) {
-        const pbw_index slot = PBWP__INDICES(r->slots)[i], next = job->incident[job->t[slot].v[2]];
+    for (i = 0; i < count && !pbwm2__failed(r); i++) {
+        const pbw_index slot = PBWM2__INDICES(r->slots)[i], next = job->incident[job->t[slot].v[2]];
         if (job->t[next].v[0] == p && job->t[next].v[1] == job->t[slot].v[2]) {
-            pbwp__join(job, 4 * slot + 1, 4 * next + 2);
+            pbwm2__join(job, 4 * slot + 1, 4 * next + 2);
         } else {
             job->incident[job->t[slot].v[2]] = slot;     /* the border ends here */
         }
     }
     if (edge != PBW_NONE) {
-        pbwp__legalise(r);
+        pbwm2__legalise(r);
     }
-    for (i = 0; i < r->slots.count && !pbwp__failed(r); i++) {
-        pbwp__examine(r, PBWP__INDICES(r->slots)[i]);
+    for (i = 0; i < r->slots.count && !pbwm2__failed(r); i++) {
+        pbwm2__examine(r, PBWM2__INDICES(r->slots)[i]);
     }
     r->inserted++;
     return 1;
@@ -2403,21 +2403,21 @@ static int pbwp__refill_star(pbwp__refiner *r, pbw_index p, pbw_index a, pbw_ind
 /* ---- removing a vertex */
 
 /* Returns whether the new triangles are positive and locally regular. */
-static int pbwp__is_good_fill(const pbwp__job *job)
+static int pbwm2__is_good_fill(const pbwm2__job *job)
 {
     size_t i;
     unsigned k;
     for (i = 0; i < job->fresh.count; i++) {
-        const pbwp__triangle *t = job->t + PBWP__INDICES(job->fresh)[i];
-        if (pbwp__orient(job, t->v[0], t->v[1], t->v[2]) <= 0) {
+        const pbwm2__triangle *t = job->t + PBWM2__INDICES(job->fresh)[i];
+        if (pbwm2__orient(job, t->v[0], t->v[1], t->v[2]) <= 0) {
             return 0;
         }
     }
     for (i = 0; i < job->fresh.count; i++) {
-        const pbwp__triangle *t = job->t + PBWP__INDICES(job->fresh)[i];
+        const pbwm2__triangle *t = job->t + PBWM2__INDICES(job->fresh)[i];
         for (k = 0; k < 3; k++) {
-            if (t->edge[k] == PBW_NONE && pbwp__conflict(job, t->v[0], t->v[1], t->v[2],
-                job->t[PBWP__SLOT(t->link[k])].v[PBWP__SIDE(t->link[k])])) {
+            if (t->edge[k] == PBW_NONE && pbwm2__conflict(job, t->v[0], t->v[1], t->v[2],
+                job->t[PBWM2__SLOT(t->link[k])].v[PBWM2__SIDE(t->link[k])])) {
                 return 0;
             }
         }
@@ -2426,81 +2426,81 @@ static int pbwp__is_good_fill(const pbwp__job *job)
 }
 
 /* Removes a free vertex.  Returns 0, with nothing changed, if that is impossible or there is no memory. */
-static int pbwp__remove(pbwp__refiner *r, pbw_index vertex)
+static int pbwm2__remove(pbwm2__refiner *r, pbw_index vertex)
 {
-    pbwp__job *job = r->job;
-    const pbw_index start = pbwp__corner_of(job, vertex);
-    pbw_index corner = start, base = PBW_NONE, region = job->t[PBWP__SLOT(start)].region;
-    pbwp__joint *chain;
+    pbwm2__job *job = r->job;
+    const pbw_index start = pbwm2__corner_of(job, vertex);
+    pbw_index corner = start, base = PBW_NONE, region = job->t[PBWM2__SLOT(start)].region;
+    pbwm2__joint *chain;
     size_t i, count;
     int good;
     job->chain[0].count = job->old.count = job->fresh.count = 0;
     do {
-        const pbwp__triangle *t = job->t + PBWP__SLOT(corner);
-        const unsigned k = PBWP__SIDE(corner);
-        if (t->edge[pbwp__next[k]] != PBW_NONE || !pbwp__chain_push(job, 0, t->v[pbwp__next[k]], corner)
-            || !pbwp__push(&job->memory, &job->old, PBWP__SLOT(corner))) {
+        const pbwm2__triangle *t = job->t + PBWM2__SLOT(corner);
+        const unsigned k = PBWM2__SIDE(corner);
+        if (t->edge[pbwm2__next[k]] != PBW_NONE || !pbwm2__chain_push(job, 0, t->v[pbwm2__next[k]], corner)
+            || !pbwm2__push(&job->memory, &job->old, PBWM2__SLOT(corner))) {
             return 0;
         }
-        corner = pbwp__round(job, corner, 0);
+        corner = pbwm2__round(job, corner, 0);
     } while (corner != start);
     count = job->chain[0].count;
-    chain = (pbwp__joint *)job->chain[0].data;
-    if (!pbwp__reserve_slots(job, count)) {
+    chain = (pbwm2__joint *)job->chain[0].data;
+    if (!pbwm2__reserve_slots(job, count)) {
         return 0;
     }
     for (i = 0; i < count; i++) {                    /* old triangles stay until the new are known to be good */
-        const pbwp__triangle *t = job->t + PBWP__SLOT(chain[i].link);
+        const pbwm2__triangle *t = job->t + PBWM2__SLOT(chain[i].link);
         chain[i].slot = PBW_NONE;
-        chain[i].edge = t->edge[PBWP__SIDE(chain[i].link)];
-        chain[i].link = t->link[PBWP__SIDE(chain[i].link)];
+        chain[i].edge = t->edge[PBWM2__SIDE(chain[i].link)];
+        chain[i].link = t->link[PBWM2__SIDE(chain[i].link)];
     }
-    pbwp__reverse(chain, count);
-    base = pbwp__fill(job, chain, count, region);
+    pbwm2__reverse(chain, count);
+    base = pbwm2__fill(job, chain, count, region);
     good = base != PBW_NONE;
     if (good) {
-        job->t[PBWP__SLOT(base)].edge[PBWP__SIDE(base)] = chain[count - 1].edge;
-        pbwp__join(job, base, chain[count - 1].link);
-        good = pbwp__is_good_fill(job);
+        job->t[PBWM2__SLOT(base)].edge[PBWM2__SIDE(base)] = chain[count - 1].edge;
+        pbwm2__join(job, base, chain[count - 1].link);
+        good = pbwm2__is_good_fill(job);
     }
     if (!good) {                                     /* the old triangles are still there: link them again */
         for (i = 0; i < job->fresh.count; i++) {
-            pbwp__free_slot(job, PBWP__INDICES(job->fresh)[i]);
+            pbwm2__free_slot(job, PBWM2__INDICES(job->fresh)[i]);
         }
         for (corner = start, i = 0; i < count; i++) {
-            const pbwp__triangle *t = job->t + PBWP__SLOT(corner);
-            pbwp__join(job, corner, t->link[PBWP__SIDE(corner)]);
-            job->incident[t->v[pbwp__next[PBWP__SIDE(corner)]]] = PBWP__SLOT(corner);
-            corner = pbwp__round(job, corner, 0);
+            const pbwm2__triangle *t = job->t + PBWM2__SLOT(corner);
+            pbwm2__join(job, corner, t->link[PBWM2__SIDE(corner)]);
+            job->incident[t->v[pbwm2__next[PBWM2__SIDE(corner)]]] = PBWM2__SLOT(corner);
+            corner = pbwm2__round(job, corner, 0);
         }
         return 0;
     }
     for (i = 0; i < count; i++) {
-        pbwp__free_slot(job, PBWP__INDICES(job->old)[i]);
+        pbwm2__free_slot(job, PBWM2__INDICES(job->old)[i]);
     }
     job->incident[vertex] = PBW_NONE;
     job->plane->report.removed++;
     r->triangle_count -= count - job->fresh.count;
     for (i = 0; i < job->fresh.count; i++) {
-        pbwp__examine(r, PBWP__INDICES(job->fresh)[i]);
+        pbwm2__examine(r, PBWM2__INDICES(job->fresh)[i]);
     }
     return 1;
 }
 
 /* Removes free vertices that see an edge of a segment at an angle above 90 degrees. */
-static void pbwp__clear(pbwp__refiner *r, pbw_index u, pbw_index v)
+static void pbwm2__clear(pbwm2__refiner *r, pbw_index u, pbw_index v)
 {
-    pbwp__job *job = r->job;
+    pbwm2__job *job = r->job;
     int more = job->plane->report.removed / 4 < job->points.count + 250, side;   /* an end, however numbers round */
-    while (more && !pbwp__failed(r)) {
-        pbw_index code = pbwp__find_edge(job, u, v);
+    while (more && !pbwm2__failed(r)) {
+        pbw_index code = pbwm2__find_edge(job, u, v);
         more = 0;
         for (side = 0; side < 2 && code != PBW_NONE && !more; side++) {
-            const pbw_index x = job->t[PBWP__SLOT(code)].v[PBWP__SIDE(code)];
-            const double *a = pbwp__point(r, u), *b = pbwp__point(r, v), *p = pbwp__point(r, x);
-            more = pbwp__vertex_host(r, x) == PBWP__FREE
-                && (a[0] - p[0]) * (b[0] - p[0]) + (a[1] - p[1]) * (b[1] - p[1]) < 0 && pbwp__remove(r, x);
-            code = more ? code : job->t[PBWP__SLOT(code)].link[PBWP__SIDE(code)];
+            const pbw_index x = job->t[PBWM2__SLOT(code)].v[PBWM2__SIDE(code)];
+            const double *a = pbwm2__point(r, u), *b = pbwm2__point(r, v), *p = pbwm2__point(r, x);
+            more = pbwm2__vertex_host(r, x) == PBWM2__FREE
+                && (a[0] - p[0]) * (b[0] - p[0]) + (a[1] - p[1]) * (b[1] - p[1]) < 0 && pbwm2__remove(r, x);
+            code = more ? code : job->t[PBWM2__SLOT(code)].link[PBWM2__SIDE(code)];
         }
     }
 }
@@ -2515,85 +2515,85 @@ static void pbwp__clear(pbwp__refiner *r, pbw_index u, pbw_index v)
 
 /* Returns the size for the edges of a region: the longest edge of a triangle with angles of 30 degrees and the
    region's area, so that sizes grow from there, and no triangle in the region becomes smaller. */
-static double pbwp__size_of_region(const pbwp__refiner *r, const pbwp__triangle *t)
+static double pbwm2__size_of_region(const pbwm2__refiner *r, const pbwm2__triangle *t)
 {
-    const pbwp__job *job = r->job;
-    const pbwp__component *c = (const pbwp__component *)job->components.data + (t->region & ~PBWP__CAVITY);
+    const pbwm2__job *job = r->job;
+    const pbwm2__component *c = (const pbwm2__component *)job->components.data + (t->region & ~PBWM2__CAVITY);
     const double area = c->seed < job->input->region_count && job->options->gradation > 0
                       ? job->input->regions[c->seed].area : 0;
     return area > 0 ? 2.6321480259049848 * sqrt(area) : 1e60;          /* 2 * 3^(1/4) */
 }
 
-static double pbwp__size_at(const pbwp__refiner *r, pbw_index v)
+static double pbwm2__size_at(const pbwm2__refiner *r, pbw_index v)
 {
     const pbw_plane_options *o = r->job->options;
-    const double *p = pbwp__point(r, v);
+    const double *p = pbwm2__point(r, v);
     const double size = o->gradation > 0 && o->size_at != NULL ? o->size_at(o->size_user, p[0], p[1]) : 0;
     return size > 0 ? size : 1e60;
 }
 
 /* During refinement, ignores a fall of less than a twentieth: each new vertex makes paths slightly shorter. */
-static void pbwp__lower(pbwp__refiner *r, pbw_index v, double size)
+static void pbwm2__lower(pbwm2__refiner *r, pbw_index v, double size)
 {
-    double *sizes = PBWP__DOUBLES(r->job->sizes);
+    double *sizes = PBWM2__DOUBLES(r->job->sizes);
     if (size < (r->inserted > 0 ? 0.95 : 1) * sizes[v]) {
         sizes[v] = size;
-        pbwp__add(r, &r->lowered, v);
+        pbwm2__add(r, &r->lowered, v);
     }
 }
 
 /* Spreads lowered sizes to neighbours, and on, within the growth per distance.  It ends, as no size lowers itself.
    During refinement, examines the triangles there again. */
-static void pbwp__spread(pbwp__refiner *r)
+static void pbwm2__spread(pbwm2__refiner *r)
 {
-    const pbwp__job *job = r->job;
+    const pbwm2__job *job = r->job;
     size_t at;
     unsigned k;
-    for (at = 0; at < r->lowered.count && !pbwp__failed(r); at++) {
-        const pbw_index v = PBWP__INDICES(r->lowered)[at];
-        pbwp__spin spin;
-        spin.start = spin.corner = pbwp__corner_of(job, v);
+    for (at = 0; at < r->lowered.count && !pbwm2__failed(r); at++) {
+        const pbw_index v = PBWM2__INDICES(r->lowered)[at];
+        pbwm2__spin spin;
+        spin.start = spin.corner = pbwm2__corner_of(job, v);
         spin.clockwise = 0;
         do {
-            const pbwp__triangle *t = job->t + PBWP__SLOT(spin.corner);
+            const pbwm2__triangle *t = job->t + PBWM2__SLOT(spin.corner);
             for (k = 0; k < 3; k++) {
-                const double apart = sqrt(pbwp__distance2(pbwp__point(r, v), pbwp__point(r, t->v[k])));
-                pbwp__lower(r, t->v[k], PBWP__DOUBLES(job->sizes)[v] + r->growth * apart);
+                const double apart = sqrt(pbwm2__distance2(pbwm2__point(r, v), pbwm2__point(r, t->v[k])));
+                pbwm2__lower(r, t->v[k], PBWM2__DOUBLES(job->sizes)[v] + r->growth * apart);
             }
-            if (r->inserted > 0 && pbwp__is_large(r, t)) {
-                pbwp__enqueue(r, &r->large, PBWP__SLOT(spin.corner));
+            if (r->inserted > 0 && pbwm2__is_large(r, t)) {
+                pbwm2__enqueue(r, &r->large, PBWM2__SLOT(spin.corner));
             }
-        } while (pbwp__spin_on(job, &spin));
+        } while (pbwm2__spin_on(job, &spin));
     }
     r->lowered.count = 0;
 }
 
 /* Lowers the size of a new vertex to the bounds by its neighbours, its region and its place.  Returns 1, for its
    callers. */
-static int pbwp__grade(pbwp__refiner *r, pbw_index v)
+static int pbwm2__grade(pbwm2__refiner *r, pbw_index v)
 {
-    const pbwp__job *job = r->job;
-    double *sizes = PBWP__DOUBLES(job->sizes), most;
-    pbwp__spin spin;
+    const pbwm2__job *job = r->job;
+    double *sizes = PBWM2__DOUBLES(job->sizes), most;
+    pbwm2__spin spin;
     unsigned k;
     if (!r->has_sizes) {
         return 1;
     }
-    most = pbwp__size_at(r, v);
-    spin.start = spin.corner = pbwp__corner_of(job, v);
+    most = pbwm2__size_at(r, v);
+    spin.start = spin.corner = pbwm2__corner_of(job, v);
     spin.clockwise = 0;
     do {
-        const pbwp__triangle *t = job->t + PBWP__SLOT(spin.corner);
-        most = fmin(most, pbwp__size_of_region(r, t));
+        const pbwm2__triangle *t = job->t + PBWM2__SLOT(spin.corner);
+        most = fmin(most, pbwm2__size_of_region(r, t));
         for (k = 0; k < 3; k++) {
-            const double apart = sqrt(pbwp__distance2(pbwp__point(r, v), pbwp__point(r, t->v[k])));
+            const double apart = sqrt(pbwm2__distance2(pbwm2__point(r, v), pbwm2__point(r, t->v[k])));
             most = fmin(most, sizes[t->v[k]] + r->growth * apart);
         }
-    } while (pbwp__spin_on(job, &spin));
+    } while (pbwm2__spin_on(job, &spin));
     if (most < sizes[v]) {
         sizes[v] = most;
-        pbwp__add(r, &r->lowered, v);
-        pbwp__spread(r);
+        pbwm2__add(r, &r->lowered, v);
+        pbwm2__spread(r);
     }
     return 1;
 }
@@ -2602,14 +2602,14 @@ static int pbwp__grade(pbwp__refiner *r, pbw_index v)
 
 /* Where to split u-v: in the middle; or, if just one end is of the input, at a power of two from it, between one
    third and two thirds. */
-static double pbwp__where(const pbwp__refiner *r, pbw_index u, pbw_index v, double out[2])
+static double pbwm2__where(const pbwm2__refiner *r, pbw_index u, pbw_index v, double out[2])
 {
-    const int u_given = pbwp__vertex_host(r, u) == PBWP__INPUT, v_given = pbwp__vertex_host(r, v) == PBWP__INPUT;
-    const double *a = pbwp__point(r, u), *b = pbwp__point(r, v);
+    const int u_given = pbwm2__vertex_host(r, u) == PBWM2__INPUT, v_given = pbwm2__vertex_host(r, v) == PBWM2__INPUT;
+    const double *a = pbwm2__point(r, u), *b = pbwm2__point(r, v);
     double at = 0.5;
     int exponent;
     if (u_given != v_given) {
-        const double length = sqrt(pbwp__distance2(a, b));
+        const double length = sqrt(pbwm2__distance2(a, b));
         const double part = frexp(length, &exponent);            /* 1/2 .. 1 */
         const double power = ldexp(part < 0.75 ? 0.25 : 0.5, exponent);
         at = u_given ? power / length : 1 - power / length;
@@ -2622,10 +2622,10 @@ static double pbwp__where(const pbwp__refiner *r, pbw_index u, pbw_index v, doub
 /* Finds where p and q appear at the bound from u-v: of two such places the one farther from all four, if it is not
    nearer to them than they are to each other.  It lies to the left of p-q.  Returns the squared distance of p and q,
    or 0 if there is no such place. */
-static double pbwp__aim(const pbwp__refiner *r, const pbw_index end[4], double *at, double out[2])
+static double pbwm2__aim(const pbwm2__refiner *r, const pbw_index end[4], double *at, double out[2])
 {
-    const double *u = pbwp__point(r, end[0]), *v = pbwp__point(r, end[1]);
-    const double *p = pbwp__point(r, end[2]), *q = pbwp__point(r, end[3]);
+    const double *u = pbwm2__point(r, end[0]), *v = pbwm2__point(r, end[1]);
+    const double *p = pbwm2__point(r, end[2]), *q = pbwm2__point(r, end[3]);
     const double x = q[0] - p[0], y = q[1] - p[1], apart2 = x * x + y * y;
     const double dx = v[0] - u[0], dy = v[1] - u[1], d2 = dx * dx + dy * dy;
     /* The circle of all such places, its centre relative to u. */
@@ -2636,9 +2636,9 @@ static double pbwp__aim(const pbwp__refiner *r, const pbw_index end[4], double *
     int k, i;
     for (k = -1; k < 2; k += 2) {
         const double t = middle + k * half, place[2] = { u[0] + t * dx, u[1] + t * dy };
-        double near2 = t > 0 && t < 1 ? pbwp__distance2(place, u) : 0;
+        double near2 = t > 0 && t < 1 ? pbwm2__distance2(place, u) : 0;
         for (i = 1; i < 4; i++) {
-            near2 = pbwp__least(near2, pbwp__distance2(place, pbwp__point(r, end[i])));
+            near2 = pbwm2__least(near2, pbwm2__distance2(place, pbwm2__point(r, end[i])));
         }
         if (near2 > best) {
             best = near2;
@@ -2649,115 +2649,115 @@ static double pbwp__aim(const pbwp__refiner *r, const pbw_index end[4], double *
     return half2 > 0 && best >= 0.98 * apart2 ? apart2 : 0;
 }
 
-/* Digs the cavity of a point on an edge; the edge itself is no rim.  Returns the squared distance of the nearest
+/* Digs the cavity of a point on an edge, which is not of its boundary.  Returns the squared distance of the nearest
    vertex round it. */
-static double pbwp__dig_edge(pbwp__refiner *r, pbw_index code, const double *point)
+static double pbwm2__dig_edge(pbwm2__refiner *r, pbw_index code, const double *point)
 {
-    const pbwp__triangle *t = r->job->t + PBWP__SLOT(code);
-    const pbw_index beyond = t->link[PBWP__SIDE(code)];
-    const pbw_index u = t->v[pbwp__next[PBWP__SIDE(code)]], v = t->v[pbwp__last[PBWP__SIDE(code)]];
+    const pbwm2__triangle *t = r->job->t + PBWM2__SLOT(code);
+    const pbw_index beyond = t->link[PBWM2__SIDE(code)];
+    const pbw_index u = t->v[pbwm2__next[PBWM2__SIDE(code)]], v = t->v[pbwm2__last[PBWM2__SIDE(code)]];
     double least = HUGE_VAL;
     size_t i, kept = 0;
     r->slots.count = 0;
-    pbwp__dig_here(r, PBWP__SLOT(code));
+    pbwm2__dig_at(r, PBWM2__SLOT(code));
     if (beyond != PBW_NONE) {
-        pbwp__dig_here(r, PBWP__SLOT(beyond));
+        pbwm2__dig_at(r, PBWM2__SLOT(beyond));
     }
-    pbwp__dig(r, point);
-    for (i = 0; i < r->rim.count; i++) {
-        const pbwp__rim rim = ((const pbwp__rim *)r->rim.data)[i];
-        least = pbwp__least(least, pbwp__distance2(point, pbwp__point(r, rim.u)));
-        if ((rim.u != u || rim.v != v) && (rim.u != v || rim.v != u)) {
-            ((pbwp__rim *)r->rim.data)[kept++] = rim;
+    pbwm2__dig(r, point);
+    for (i = 0; i < r->boundary.count; i++) {
+        const pbwm2__boundary_edge side = ((const pbwm2__boundary_edge *)r->boundary.data)[i];
+        least = pbwm2__least(least, pbwm2__distance2(point, pbwm2__point(r, side.u)));
+        if ((side.u != u || side.v != v) && (side.u != v || side.v != u)) {
+            ((pbwm2__boundary_edge *)r->boundary.data)[kept++] = side;
         }
     }
-    r->rim.count = kept;
+    r->boundary.count = kept;
     return least;
 }
 
 /* Digs the cavity of the point where u-v is to be split.  base: the edge of a triangle that this is to mend; NULL: of
    the triangle beside u-v with a corner in the lens.  Returns where the point is, as a part of u-v. */
-static double pbwp__dig_split(pbwp__refiner *r, pbw_index code, const pbw_index *base, double point[2])
+static double pbwm2__dig_split(pbwm2__refiner *r, pbw_index code, const pbw_index *base, double point[2])
 {
-    const pbwp__job *job = r->job;
-    const pbwp__triangle *t = job->t + PBWP__SLOT(code);
-    const pbw_index beyond = t->link[PBWP__SIDE(code)];
-    unsigned k = PBWP__SIDE(code);
-    pbw_index end[4] = { t->v[pbwp__next[k]], t->v[pbwp__last[k]], 0, 0 };
+    const pbwm2__job *job = r->job;
+    const pbwm2__triangle *t = job->t + PBWM2__SLOT(code);
+    const pbw_index beyond = t->link[PBWM2__SIDE(code)];
+    unsigned k = PBWM2__SIDE(code);
+    pbw_index end[4] = { t->v[pbwm2__next[k]], t->v[pbwm2__last[k]], 0, 0 };
     double at = 0, apart2 = 0;
-    const int acute = ((const pbwp__host *)job->hosts.data)[t->edge[k]].acute;
+    const int acute = ((const pbwm2__host *)job->hosts.data)[t->edge[k]].acute;
     if (base != NULL) {
         memcpy(end + 2, base, 2 * sizeof *base);
     } else {
-        if (beyond != PBW_NONE && !pbwp__encroaches(r, t, k)) {
-            t = job->t + PBWP__SLOT(beyond);
-            k = PBWP__SIDE(beyond);
+        if (beyond != PBW_NONE && !pbwm2__encroaches(r, t, k)) {
+            t = job->t + PBWM2__SLOT(beyond);
+            k = PBWM2__SIDE(beyond);
         }
-        k = pbwp__side2(r, t, pbwp__next[k]) < pbwp__side2(r, t, pbwp__last[k]) ? pbwp__next[k] : pbwp__last[k];
-        end[2] = t->v[pbwp__next[k]];                /* the shorter of the other two sides */
-        end[3] = t->v[pbwp__last[k]];
+        k = pbwm2__side2(r, t, pbwm2__next[k]) < pbwm2__side2(r, t, pbwm2__last[k]) ? pbwm2__next[k] : pbwm2__last[k];
+        end[2] = t->v[pbwm2__next[k]];               /* the shorter of the other two sides */
+        end[3] = t->v[pbwm2__last[k]];
     }
-    apart2 = acute ? 0 : pbwp__aim(r, end, &at, point);
+    apart2 = acute ? 0 : pbwm2__aim(r, end, &at, point);
     if (apart2 > 0) {
-        if (pbwp__dig_edge(r, code, point) >= 0.97 * apart2) {
+        if (pbwm2__dig_edge(r, code, point) >= 0.97 * apart2) {
             return at;
         }
-        pbwp__undig(r);
+        pbwm2__undig(r);
     }
-    at = pbwp__where(r, end[0], end[1], point);
-    (void)pbwp__dig_edge(r, code, point);
+    at = pbwm2__where(r, end[0], end[1], point);
+    (void)pbwm2__dig_edge(r, code, point);
     return at;
 }
 
 /* Splits an edge of a segment for a triangle with this base, or if base is NULL only if a corner beside it lies in
    its lens.  Returns whether it did. */
-static int pbwp__split_edge(pbwp__refiner *r, pbw_index u, pbw_index v, const pbw_index *base)
+static int pbwm2__split_edge(pbwm2__refiner *r, pbw_index u, pbw_index v, const pbw_index *base)
 {
-    pbwp__job *job = r->job;
-    pbw_index code = pbwp__find_edge(job, u, v), beyond, edge, p;
+    pbwm2__job *job = r->job;
+    pbw_index code = pbwm2__find_edge(job, u, v), beyond, edge, p;
     double at, point[2], size = 0;
-    if (code == PBW_NONE || job->t[PBWP__SLOT(code)].edge[PBWP__SIDE(code)] == PBW_NONE
-        || !pbwp__may_split(r, code)) {
+    if (code == PBW_NONE || job->t[PBWM2__SLOT(code)].edge[PBWM2__SIDE(code)] == PBW_NONE
+        || !pbwm2__may_split(r, code)) {
         return 0;
     }
-    beyond = job->t[PBWP__SLOT(code)].link[PBWP__SIDE(code)];
-    if (base == NULL && !pbwp__encroaches(r, job->t + PBWP__SLOT(code), PBWP__SIDE(code))
-        && (beyond == PBW_NONE || !pbwp__encroaches(r, job->t + PBWP__SLOT(beyond), PBWP__SIDE(beyond)))) {
+    beyond = job->t[PBWM2__SLOT(code)].link[PBWM2__SIDE(code)];
+    if (base == NULL && !pbwm2__encroaches(r, job->t + PBWM2__SLOT(code), PBWM2__SIDE(code))
+        && (beyond == PBW_NONE || !pbwm2__encroaches(r, job->t + PBWM2__SLOT(beyond), PBWM2__SIDE(beyond)))) {
         return 0;
     }
-    if (pbwp__distance2(pbwp__point(r, u), pbwp__point(r, v)) < 16 * r->least2) {
+    if (pbwm2__distance2(pbwm2__point(r, u), pbwm2__point(r, v)) < 16 * r->least2) {
         job->plane->report.short_edges++;
         return 0;
     }
-    pbwp__clear(r, u, v);
-    code = pbwp__find_edge(job, u, v);
-    edge = job->t[PBWP__SLOT(code)].edge[PBWP__SIDE(code)];
-    u = job->t[PBWP__SLOT(code)].v[pbwp__next[PBWP__SIDE(code)]];
-    v = job->t[PBWP__SLOT(code)].v[pbwp__last[PBWP__SIDE(code)]];
-    at = pbwp__dig_split(r, code, base, point);
-    if (pbwp__failed(r) || !pbwp__is_star(r, point)) {
-        pbwp__undig(r);
-        ((pbwp__host *)job->hosts.data)[edge].stuck = 1;
+    pbwm2__clear(r, u, v);
+    code = pbwm2__find_edge(job, u, v);
+    edge = job->t[PBWM2__SLOT(code)].edge[PBWM2__SIDE(code)];
+    u = job->t[PBWM2__SLOT(code)].v[pbwm2__next[PBWM2__SIDE(code)]];
+    v = job->t[PBWM2__SLOT(code)].v[pbwm2__last[PBWM2__SIDE(code)]];
+    at = pbwm2__dig_split(r, code, base, point);
+    if (pbwm2__failed(r) || !pbwm2__is_star(r, point)) {
+        pbwm2__undig(r);
+        ((pbwm2__host *)job->hosts.data)[edge].stuck = 1;
         job->plane->report.short_edges++;
         return 0;
     }
     if (r->has_sizes) {
-        size = (1 - at) * PBWP__DOUBLES(job->sizes)[u] + at * PBWP__DOUBLES(job->sizes)[v];
+        size = (1 - at) * PBWM2__DOUBLES(job->sizes)[u] + at * PBWM2__DOUBLES(job->sizes)[v];
     }
-    p = pbwp__add_vertex(r, point, edge, size);
-    return p != PBW_NONE && pbwp__refill_star(r, p, u, v, edge) && pbwp__grade(r, p);
+    p = pbwm2__add_vertex(r, point, edge, size);
+    return p != PBW_NONE && pbwm2__refill_star(r, p, u, v, edge) && pbwm2__grade(r, p);
 }
 
 /* ---- moving a vertex */
 
-enum { PBWP__RING = 12 };                  /* most neighbours of a vertex that moves */
+enum { PBWM2__RING = 12 };                 /* most neighbours of a vertex that moves */
 
 /* An edge across from a vertex, from x, y in the direction along; and what places have triangles on it with angles of
    the bound: above two lines through its ends, and in a circle. */
-typedef struct pbwp__base { double x, y, along[2], length, height, radius; } pbwp__base;
+typedef struct pbwm2__base { double x, y, along[2], length, height, radius; } pbwm2__base;
 
 /* Returns whether two triangles with angles of the bound fit into the angle at b of a ring, counter-clockwise. */
-static int pbwp__is_wide(const pbwp__refiner *r, const double *a, const double *b, const double *c)
+static int pbwm2__is_wide(const pbwm2__refiner *r, const double *a, const double *b, const double *c)
 {
     const double ax = a[0] - b[0], ay = a[1] - b[1], cx = c[0] - b[0], cy = c[1] - b[1];
     const double dot = ax * cx + ay * cy, twice = 1 - 2 * r->sine * r->sine;          /* cosine of twice the bound */
@@ -2766,21 +2766,21 @@ static int pbwp__is_wide(const pbwp__refiner *r, const double *a, const double *
 
 /* Fills ring with the neighbours of a free vertex, counter-clockwise.  Returns their number; 0 if they are too many,
    or if two triangles do not fit at one of them. */
-static size_t pbwp__find_ring(const pbwp__refiner *r, pbw_index v, const double *ring[PBWP__RING + 2])
+static size_t pbwm2__find_ring(const pbwm2__refiner *r, pbw_index v, const double *ring[PBWM2__RING + 2])
 {
-    const pbw_index start = pbwp__corner_of(r->job, v);
+    const pbw_index start = pbwm2__corner_of(r->job, v);
     pbw_index corner = start;
     size_t n = 0, i;
     do {
-        ring[n++] = pbwp__point(r, r->job->t[PBWP__SLOT(corner)].v[pbwp__next[PBWP__SIDE(corner)]]);
-        if (n > PBWP__RING || (n > 2 && !pbwp__is_wide(r, ring[n - 3], ring[n - 2], ring[n - 1]))) {
+        ring[n++] = pbwm2__point(r, r->job->t[PBWM2__SLOT(corner)].v[pbwm2__next[PBWM2__SIDE(corner)]]);
+        if (n > PBWM2__RING || (n > 2 && !pbwm2__is_wide(r, ring[n - 3], ring[n - 2], ring[n - 1]))) {
             return 0;
         }
-        corner = pbwp__round(r->job, corner, 0);
+        corner = pbwm2__round(r->job, corner, 0);
     } while (corner != start);
     for (i = 0; i < 2; i++) {                        /* the ring goes on as it began */
         ring[n + i] = ring[i];
-        if (!pbwp__is_wide(r, ring[n + i - 2], ring[n + i - 1], ring[n + i])) {
+        if (!pbwm2__is_wide(r, ring[n + i - 2], ring[n + i - 1], ring[n + i])) {
             return 0;
         }
     }
@@ -2789,7 +2789,7 @@ static size_t pbwp__find_ring(const pbwp__refiner *r, pbw_index v, const double 
 
 /* Returns by how much a place misses the bound in the triangle on a base, at most 0 if it does not; step: the way
    there. */
-static double pbwp__miss(const pbwp__refiner *r, const pbwp__base *base, const double *p, double step[2])
+static double pbwm2__miss(const pbwm2__refiner *r, const pbwm2__base *base, const double *p, double step[2])
 {
     const double px = p[0] - base->x, py = p[1] - base->y;
     const double x = px * base->along[0] + py * base->along[1], y = py * base->along[0] - px * base->along[1];
@@ -2816,14 +2816,14 @@ static double pbwp__miss(const pbwp__refiner *r, const pbwp__base *base, const d
 /* Moves a place until all triangles from it to a ring have angles of the bound: the places for one triangle are a
    convex set, and each step goes to the nearest place of the set that is missed most, and a third farther (Agmon
    1954).  Returns 0 if five steps do not suffice, or none was needed. */
-static int pbwp__find_place(const pbwp__refiner *r, const double *const *ring, size_t n, double p[2])
+static int pbwm2__find_place(const pbwm2__refiner *r, const double *const *ring, size_t n, double p[2])
 {
-    pbwp__base base[PBWP__RING];
+    pbwm2__base base[PBWM2__RING];
     size_t i;
     int steps;
     for (i = 0; i < n; i++) {
         const double *a = ring[i], *b = ring[i + 1];
-        base[i].length = sqrt(pbwp__distance2(a, b));
+        base[i].length = sqrt(pbwm2__distance2(a, b));
         base[i].x = a[0];
         base[i].y = a[1];
         base[i].along[0] = (b[0] - a[0]) / base[i].length;
@@ -2834,7 +2834,7 @@ static int pbwp__find_place(const pbwp__refiner *r, const double *const *ring, s
     for (steps = 0; steps < 6; steps++) {
         double most = 0, step[2] = { 0, 0 }, one[2];
         for (i = 0; i < n; i++) {
-            const double miss = pbwp__miss(r, base + i, p, one);
+            const double miss = pbwm2__miss(r, base + i, p, one);
             if (miss > most) {
                 most = miss;
                 memcpy(step, one, sizeof one);
@@ -2850,19 +2850,19 @@ static int pbwp__find_place(const pbwp__refiner *r, const double *const *ring, s
 }
 
 /* Returns whether the triangles of a star are all as wanted, and no corner of the ring is near. */
-static int pbwp__is_mended(const pbwp__refiner *r)
+static int pbwm2__is_mended(const pbwm2__refiner *r)
 {
     size_t i;
     unsigned k;
     double unused;
     for (i = 0; i < r->slots.count; i++) {
-        const pbwp__triangle *t = r->job->t + PBWP__INDICES(r->slots)[i];
-        if (pbwp__orient(r->job, t->v[0], t->v[1], t->v[2]) <= 0 || pbwp__is_sharp(r, t, &unused)
-            || pbwp__is_large(r, t)) {
+        const pbwm2__triangle *t = r->job->t + PBWM2__INDICES(r->slots)[i];
+        if (pbwm2__orient(r->job, t->v[0], t->v[1], t->v[2]) <= 0 || pbwm2__is_sharp(r, t, &unused)
+            || pbwm2__is_large(r, t)) {
             return 0;
         }
         for (k = 0; k < 3; k++) {
-            if (pbwp__side2(r, t, k) < r->shortest2 || (t->edge[k] != PBW_NONE && pbwp__encroaches(r, t, k))) {
+            if (pbwm2__side2(r, t, k) < r->shortest2 || (t->edge[k] != PBW_NONE && pbwm2__encroaches(r, t, k))) {
                 return 0;
             }
         }
@@ -2872,48 +2872,48 @@ static int pbwp__is_mended(const pbwp__refiner *r)
 
 /* Moves a free vertex so that all its triangles are as wanted.  Returns 0, with nothing changed, if it found no
    place. */
-static int pbwp__move(pbwp__refiner *r, pbw_index v)
+static int pbwm2__move(pbwm2__refiner *r, pbw_index v)
 {
-    pbwp__job *job = r->job;
-    const double *ring[PBWP__RING + 2];
+    pbwm2__job *job = r->job;
+    const double *ring[PBWM2__RING + 2];
     double *p = job->p + 2 * (size_t)v, place[2], old[2];
     pbw_index start, corner;
     size_t n, i;
-    if (pbwp__vertex_host(r, v) != PBWP__FREE || r->moved / 4 > job->points.count + 250) {   /* an end, as in clear */
+    if (pbwm2__vertex_host(r, v) != PBWM2__FREE || r->moved / 4 > job->points.count + 250) { /* an end, as in clear */
         return 0;
     }
     memcpy(place, p, sizeof place);
     memcpy(old, p, sizeof old);
-    n = pbwp__find_ring(r, v, ring);
-    if (n == 0 || !pbwp__find_place(r, ring, n, place)) {
+    n = pbwm2__find_ring(r, v, ring);
+    if (n == 0 || !pbwm2__find_place(r, ring, n, place)) {
         return 0;
     }
     memcpy(p, place, sizeof place);
     r->slots.count = 0;
-    start = corner = pbwp__corner_of(job, v);
+    start = corner = pbwm2__corner_of(job, v);
     do {
-        pbwp__add(r, &r->slots, PBWP__SLOT(corner));
-        corner = pbwp__round(job, corner, 0);
+        pbwm2__add(r, &r->slots, PBWM2__SLOT(corner));
+        corner = pbwm2__round(job, corner, 0);
     } while (corner != start);
-    if (!pbwp__is_mended(r)) {
+    if (!pbwm2__is_mended(r)) {
         memcpy(p, old, sizeof old);
         return 0;
     }
-    pbwp__legalise(r);
-    for (i = 0; i < r->slots.count && !pbwp__failed(r); i++) {
-        pbwp__examine(r, PBWP__INDICES(r->slots)[i]);
+    pbwm2__legalise(r);
+    for (i = 0; i < r->slots.count && !pbwm2__failed(r); i++) {
+        pbwm2__examine(r, PBWM2__INDICES(r->slots)[i]);
     }
     r->moved++;
-    return pbwp__grade(r, v);
+    return pbwm2__grade(r, v);
 }
 
 /* ---- mending a triangle */
 
 /* The place for a new point: the circumcentre, or nearer to the shortest edge. */
-static void pbwp__centre(const pbwp__refiner *r, const pbwp__triangle *t, unsigned shortest, double out[2])
+static void pbwm2__centre(const pbwm2__refiner *r, const pbwm2__triangle *t, unsigned shortest, double out[2])
 {
-    const double *o = pbwp__point(r, t->v[pbwp__next[shortest]]), *d = pbwp__point(r, t->v[pbwp__last[shortest]]);
-    const double *a = pbwp__point(r, t->v[shortest]);
+    const double *o = pbwm2__point(r, t->v[pbwm2__next[shortest]]), *d = pbwm2__point(r, t->v[pbwm2__last[shortest]]);
+    const double *a = pbwm2__point(r, t->v[shortest]);
     const double dx = d[0] - o[0], dy = d[1] - o[1], ax = a[0] - o[0], ay = a[1] - o[1];
     const double a2 = ax * ax + ay * ay, det = 2 * (dx * ay - dy * ax);
     /* The centre is on the line through the middle of o-d, at height times its length on the left. */
@@ -2925,27 +2925,27 @@ static void pbwp__centre(const pbwp__refiner *r, const pbwp__triangle *t, unsign
 
 /* Walks from a triangle towards a point.  Returns the triangle that has it; or PBW_NONE, with the ends of the segment
    in the way in hits if there is one. */
-static pbw_index pbwp__walk(pbwp__refiner *r, pbw_index slot, const double *p)
+static pbw_index pbwm2__walk(pbwm2__refiner *r, pbw_index slot, const double *p)
 {
-    pbwp__job *job = r->job;
+    pbwm2__job *job = r->job;
     pbw_index from = PBW_NONE;
     int steps;
     unsigned k;
     for (steps = 0; steps < 10000; steps++) {
-        const pbwp__triangle *t = job->t + slot;
+        const pbwm2__triangle *t = job->t + slot;
         for (k = 0; k < 3; k++) {
-            const pbw_index u = t->v[pbwp__next[k]], v = t->v[pbwp__last[k]];
-            if (t->link[k] != PBW_NONE && PBWP__SLOT(t->link[k]) == from) {
+            const pbw_index u = t->v[pbwm2__next[k]], v = t->v[pbwm2__last[k]];
+            if (t->link[k] != PBW_NONE && PBWM2__SLOT(t->link[k]) == from) {
                 continue;
             }
-            if (pbwp__orient_at(job, pbwp__point(r, u), pbwp__point(r, v), p) < 0) {
+            if (pbwm2__orient_at(job, pbwm2__point(r, u), pbwm2__point(r, v), p) < 0) {
                 if (t->edge[k] != PBW_NONE) {
-                    pbwp__add(r, &r->hits, u);
-                    pbwp__add(r, &r->hits, v);
+                    pbwm2__add(r, &r->hits, u);
+                    pbwm2__add(r, &r->hits, v);
                     return PBW_NONE;
                 }
                 from = slot;
-                slot = PBWP__SLOT(t->link[k]);
+                slot = PBWM2__SLOT(t->link[k]);
                 break;
             }
         }
@@ -2956,58 +2956,58 @@ static pbw_index pbwp__walk(pbwp__refiner *r, pbw_index slot, const double *p)
     return PBW_NONE;
 }
 
-static double pbwp__size_in(const pbwp__refiner *r, const pbwp__triangle *t, const double *p)
+static double pbwm2__size_in(const pbwm2__refiner *r, const pbwm2__triangle *t, const double *p)
 {
     double weight[3], sum = 0, size = 0;
     unsigned k;
     for (k = 0; k < 3; k++) {
-        const double *a = pbwp__point(r, t->v[pbwp__next[k]]), *b = pbwp__point(r, t->v[pbwp__last[k]]);
+        const double *a = pbwm2__point(r, t->v[pbwm2__next[k]]), *b = pbwm2__point(r, t->v[pbwm2__last[k]]);
         weight[k] = fabs((a[0] - p[0]) * (b[1] - p[1]) - (a[1] - p[1]) * (b[0] - p[0]));
         sum += weight[k];
     }
     for (k = 0; k < 3 && sum > 0; k++) {
-        size += weight[k] / sum * PBWP__DOUBLES(r->job->sizes)[t->v[k]];
+        size += weight[k] / sum * PBWM2__DOUBLES(r->job->sizes)[t->v[k]];
     }
     return size;
 }
 
 /* Inserts a point for a triangle, or splits a segment that is in its way.  Returns whether either was done. */
-static int pbwp__mend(pbwp__refiner *r, pbw_index slot, unsigned shortest)
+static int pbwm2__mend(pbwm2__refiner *r, pbw_index slot, unsigned shortest)
 {
-    pbwp__job *job = r->job;
-    const pbw_index base[2] = { job->t[slot].v[pbwp__next[shortest]], job->t[slot].v[pbwp__last[shortest]] };
+    pbwm2__job *job = r->job;
+    const pbw_index base[2] = { job->t[slot].v[pbwm2__next[shortest]], job->t[slot].v[pbwm2__last[shortest]] };
     double point[2], size = 0;
     pbw_index found, p;
     size_t i;
     int done = 0;
     r->hits.count = r->slots.count = 0;
-    pbwp__centre(r, job->t + slot, shortest, point);
+    pbwm2__centre(r, job->t + slot, shortest, point);
     if (!(fabs(point[0]) < 1e70 && fabs(point[1]) < 1e70)) {
         return 0;
     }
-    found = pbwp__walk(r, slot, point);
+    found = pbwm2__walk(r, slot, point);
     if (found != PBW_NONE) {
-        pbwp__dig_here(r, found);
-        pbwp__dig(r, point);
-        for (i = 0; i < r->rim.count; i++) {
-            const pbwp__rim rim = ((const pbwp__rim *)r->rim.data)[i];
-            if (rim.edge != PBW_NONE && pbwp__in_lens(r, pbwp__point(r, rim.u), pbwp__point(r, rim.v), point)) {
-                pbwp__add(r, &r->hits, rim.u);
-                pbwp__add(r, &r->hits, rim.v);
+        pbwm2__dig_at(r, found);
+        pbwm2__dig(r, point);
+        for (i = 0; i < r->boundary.count; i++) {
+            const pbwm2__boundary_edge side = ((const pbwm2__boundary_edge *)r->boundary.data)[i];
+            if (side.edge != PBW_NONE && pbwm2__in_lens(r, pbwm2__point(r, side.u), pbwm2__point(r, side.v), point)) {
+                pbwm2__add(r, &r->hits, side.u);
+                pbwm2__add(r, &r->hits, side.v);
             }
         }
-        if (r->hits.count == 0 && !pbwp__failed(r) && pbwp__is_star(r, point)) {
-            size = r->has_sizes ? pbwp__size_in(r, job->t + found, point) : 0;
-            p = pbwp__add_vertex(r, point, PBWP__FREE, size);
-            return p != PBW_NONE && pbwp__refill_star(r, p, PBW_NONE, PBW_NONE, PBW_NONE) && pbwp__grade(r, p);
+        if (r->hits.count == 0 && !pbwm2__failed(r) && pbwm2__is_star(r, point)) {
+            size = r->has_sizes ? pbwm2__size_in(r, job->t + found, point) : 0;
+            p = pbwm2__add_vertex(r, point, PBWM2__FREE, size);
+            return p != PBW_NONE && pbwm2__refill_star(r, p, PBW_NONE, PBW_NONE, PBW_NONE) && pbwm2__grade(r, p);
         }
-        pbwp__undig(r);
+        pbwm2__undig(r);
     }
-    for (i = 0; i < r->hits.count && !done && !pbwp__failed(r); i += 2) {
-        done = pbwp__split_edge(r, PBWP__INDICES(r->hits)[i], PBWP__INDICES(r->hits)[i + 1], base);
+    for (i = 0; i < r->hits.count && !done && !pbwm2__failed(r); i += 2) {
+        done = pbwm2__split_edge(r, PBWM2__INDICES(r->hits)[i], PBWM2__INDICES(r->hits)[i + 1], base);
     }
     if (done && job->t[slot].v[0] != PBW_NONE) {
-        pbwp__examine(r, slot);                      /* it may be as bad as before */
+        pbwm2__examine(r, slot);                     /* it may be as bad as before */
     }
     return done;
 }
@@ -3017,93 +3017,93 @@ static int pbwp__mend(pbwp__refiner *r, pbw_index slot, unsigned shortest)
    In: the domain, the steps of the room before.  Out: the refined domain, or that it would have too many triangles.
    Holds: what the first of these rooms says.
    ------------------------------------------------------------------------------------------------------ */
-static void pbwp__mend_sharp(pbwp__refiner *r)
+static void pbwm2__mend_sharp(pbwm2__refiner *r)
 {
     double shortest2;
     pbw_index slot;
-    int c = PBWP__CLASSES - 1;
+    int c = PBWM2__CLASSES - 1;
     while ((r->filled >> c & 1) == 0) {
         c--;
     }
-    slot = pbwp__dequeue(r, r->class_of + c);
+    slot = pbwm2__dequeue(r, r->class_of + c);
     if (r->class_of[c].count == 0) {
         r->filled &= ~((uint64_t)1 << c);
     }
-    if (slot != PBW_NONE && pbwp__is_sharp(r, r->job->t + slot, &shortest2) && shortest2 > r->least2) {
-        const pbwp__triangle *t = r->job->t + slot;
-        const unsigned shortest = pbwp__shortest(r, t);
-        if (!pbwp__is_given(r, t, shortest) && !pbwp__move(r, t->v[shortest])
-            && !pbwp__move(r, t->v[pbwp__next[shortest]]) && !pbwp__move(r, t->v[pbwp__last[shortest]])) {
-            pbwp__mend(r, slot, shortest);
+    if (slot != PBW_NONE && pbwm2__is_sharp(r, r->job->t + slot, &shortest2) && shortest2 > r->least2) {
+        const pbwm2__triangle *t = r->job->t + slot;
+        const unsigned shortest = pbwm2__shortest(r, t);
+        if (!pbwm2__is_given(r, t, shortest) && !pbwm2__move(r, t->v[shortest])
+            && !pbwm2__move(r, t->v[pbwm2__next[shortest]]) && !pbwm2__move(r, t->v[pbwm2__last[shortest]])) {
+            pbwm2__mend(r, slot, shortest);
         }
     }
 }
 
-static void pbwp__mend_large(pbwp__refiner *r)
+static void pbwm2__mend_large(pbwm2__refiner *r)
 {
-    const pbw_index slot = pbwp__dequeue(r, &r->large);
-    if (slot != PBW_NONE && pbwp__is_large(r, r->job->t + slot)) {
-        const pbwp__triangle *t = r->job->t + slot;
-        const unsigned shortest = pbwp__shortest(r, t);
-        if (pbwp__side2(r, t, shortest) > r->least2) {
-            pbwp__mend(r, slot, shortest);
+    const pbw_index slot = pbwm2__dequeue(r, &r->large);
+    if (slot != PBW_NONE && pbwm2__is_large(r, r->job->t + slot)) {
+        const pbwm2__triangle *t = r->job->t + slot;
+        const unsigned shortest = pbwm2__shortest(r, t);
+        if (pbwm2__side2(r, t, shortest) > r->least2) {
+            pbwm2__mend(r, slot, shortest);
         }
     }
 }
 
 /* How far refinement is, which nobody knows before it ends. */
-static double pbwp__refined(const pbwp__refiner *r)
+static double pbwm2__refined(const pbwm2__refiner *r)
 {
     return 1 - 1 / (1 + 1e-5 * (double)r->inserted);
 }
 
 /* Queues the sharp triangles once no triangle is too large; most earlier ones have been deleted by then. */
-static void pbwp__begin_angles(pbwp__refiner *r)
+static void pbwm2__begin_angles(pbwm2__refiner *r)
 {
     double least2 = HUGE_VAL, shortest2;
     size_t i;
     r->sizing = 0;
-    for (i = r->job->triangles.count; i > 0 && !pbwp__failed(r); i--) {   /* stacks: the first come out first */
+    for (i = r->job->triangles.count; i > 0 && !pbwm2__failed(r); i--) {  /* stacks: the first come out first */
         if (r->job->t[i - 1].v[0] != PBW_NONE) {
-            pbwp__examine_angle(r, (pbw_index)(i - 1));
-            (void)pbwp__is_sharp(r, r->job->t + i - 1, &shortest2);
-            least2 = pbwp__least(least2, shortest2);
-            (void)pbwp__step(r->job, pbwp__refined(r));
+            pbwm2__examine_angle(r, (pbw_index)(i - 1));
+            (void)pbwm2__is_sharp(r, r->job->t + i - 1, &shortest2);
+            least2 = pbwm2__least(least2, shortest2);
+            (void)pbwm2__step(r->job, pbwm2__refined(r));
         }
     }
     r->shortest2 = least2 / 4;
 }
 
 /* Gives each vertex a host, each edge of a segment the number of a host. */
-static int pbwp__find_hosts(pbwp__refiner *r)
+static int pbwm2__find_hosts(pbwm2__refiner *r)
 {
-    pbwp__job *job = r->job;
+    pbwm2__job *job = r->job;
     const size_t n = job->points.count;
     size_t i;
     unsigned k;
     job->hosts.count = 0;
-    if (!pbwp__room(&job->memory, &job->vertex_host, n, sizeof(pbw_index))) {
+    if (!pbwm2__room(&job->memory, &job->vertex_host, n, sizeof(pbw_index))) {
         return 0;
     }
     job->vertex_host.count = n;
     for (i = 0; i < n; i++) {
-        PBWP__INDICES(job->vertex_host)[i] = PBWP__INPUT;
+        PBWM2__INDICES(job->vertex_host)[i] = PBWM2__INPUT;
     }
     for (i = 0; i < job->triangles.count; i++) {
         for (k = 0; job->t[i].v[0] != PBW_NONE && k < 3; k++) {
-            pbwp__triangle *t = job->t + i;
+            pbwm2__triangle *t = job->t + i;
             const pbw_index code = (pbw_index)(4 * i + k);
             if (t->edge[k] != PBW_NONE && code < t->link[k]) {
-                pbwp__host *host;
-                if (!pbwp__room(&job->memory, &job->hosts, 1, sizeof *host)) {
+                pbwm2__host *host;
+                if (!pbwm2__room(&job->memory, &job->hosts, 1, sizeof *host)) {
                     return 0;
                 }
-                host = (pbwp__host *)job->hosts.data + job->hosts.count;
-                host->a = t->v[pbwp__next[k]];
-                host->b = t->v[pbwp__last[k]];
+                host = (pbwm2__host *)job->hosts.data + job->hosts.count;
+                host->a = t->v[pbwm2__next[k]];
+                host->b = t->v[pbwm2__last[k]];
                 host->edge = t->edge[k];
                 host->stuck = host->acute = 0;
-                pbwp__mark_edge(job, code, (pbw_index)job->hosts.count++);
+                pbwm2__mark_edge(job, code, (pbw_index)job->hosts.count++);
             }
         }
     }
@@ -3111,24 +3111,24 @@ static int pbwp__find_hosts(pbwp__refiner *r)
 }
 
 /* Marks the hosts that meet at less than 60 degrees, rounding included, with nothing between them. */
-static void pbwp__find_acute(pbwp__refiner *r)
+static void pbwm2__find_acute(pbwm2__refiner *r)
 {
-    pbwp__job *job = r->job;
-    pbwp__host *hosts = (pbwp__host *)job->hosts.data;
+    pbwm2__job *job = r->job;
+    pbwm2__host *hosts = (pbwm2__host *)job->hosts.data;
     size_t i;
     for (i = 0; i < 4 * job->triangles.count; i++) {
-        const pbwp__triangle *t = job->t + i / 4;
+        const pbwm2__triangle *t = job->t + i / 4;
         const unsigned k = (unsigned)(i % 4);
         if (k < 3 && t->v[0] != PBW_NONE && t->edge[k] != PBW_NONE) {
-            const double *z = pbwp__point(r, t->v[pbwp__next[k]]), *a = pbwp__point(r, t->v[pbwp__last[k]]), *b;
-            pbw_index corner = (pbw_index)(i - k + pbwp__next[k]), edge;
+            const double *z = pbwm2__point(r, t->v[pbwm2__next[k]]), *a = pbwm2__point(r, t->v[pbwm2__last[k]]), *b;
+            pbw_index corner = (pbw_index)(i - k + pbwm2__next[k]), edge;
             double dot;
-            while (edge = job->t[PBWP__SLOT(corner)].edge[pbwp__next[PBWP__SIDE(corner)]], edge == PBW_NONE) {
-                corner = pbwp__round(job, corner, 0);
+            while (edge = job->t[PBWM2__SLOT(corner)].edge[pbwm2__next[PBWM2__SIDE(corner)]], edge == PBW_NONE) {
+                corner = pbwm2__round(job, corner, 0);
             }
-            b = pbwp__point(r, job->t[PBWP__SLOT(corner)].v[pbwp__last[PBWP__SIDE(corner)]]);
+            b = pbwm2__point(r, job->t[PBWM2__SLOT(corner)].v[pbwm2__last[PBWM2__SIDE(corner)]]);
             dot = (a[0] - z[0]) * (b[0] - z[0]) + (a[1] - z[1]) * (b[1] - z[1]);
-            if (edge != t->edge[k] && dot > 0 && dot * dot > 0.24 * pbwp__distance2(a, z) * pbwp__distance2(b, z)
+            if (edge != t->edge[k] && dot > 0 && dot * dot > 0.24 * pbwm2__distance2(a, z) * pbwm2__distance2(b, z)
                 && (a[0] - z[0]) * (b[1] - z[1]) > (a[1] - z[1]) * (b[0] - z[0])) {
                 hosts[t->edge[k]].acute = hosts[edge].acute = 1;
             }
@@ -3137,48 +3137,48 @@ static void pbwp__find_acute(pbwp__refiner *r)
 }
 
 /* Sets the sizes of vertices: the caller's, and at the others what they may grow to.  At a vertex where the domain
-   touches itself there are two stars, and pbwp__spread sees one: hence the rounds. */
-static int pbwp__find_sizes(pbwp__refiner *r)
+   touches itself there are two stars, and pbwm2__spread sees one: hence the rounds. */
+static int pbwm2__find_sizes(pbwm2__refiner *r)
 {
-    pbwp__job *job = r->job;
+    pbwm2__job *job = r->job;
     const double *given = job->input->sizes;
     const size_t n = job->points.count;
     double *sizes;
     size_t i;
     unsigned k;
     int more = 1;
-    if (!pbwp__room(&job->memory, &job->sizes, n, sizeof(double))) {
+    if (!pbwm2__room(&job->memory, &job->sizes, n, sizeof(double))) {
         return 0;
     }
     r->has_sizes = 1;
     r->growth = job->options->gradation > 0 ? job->options->gradation : 0.3;
-    sizes = PBWP__DOUBLES(job->sizes);
+    sizes = PBWM2__DOUBLES(job->sizes);
     job->sizes.count = n;
     for (i = 0; i < n; i++) {
-        const pbw_index from = PBWP__INDICES(job->original)[i];
+        const pbw_index from = PBWM2__INDICES(job->original)[i];
         const double size = given != NULL && from < job->input->point_count ? given[from] : 0;
-        sizes[i] = fmin(size > 0 ? size : 1e60, pbwp__size_at(r, (pbw_index)i));
+        sizes[i] = fmin(size > 0 ? size : 1e60, pbwm2__size_at(r, (pbw_index)i));
     }
-    while (more && !pbwp__failed(r)) {
+    while (more && !pbwm2__failed(r)) {
         more = 0;
         for (i = 0; i < job->triangles.count; i++) {
-            const pbwp__triangle *t = job->t + i;
+            const pbwm2__triangle *t = job->t + i;
             for (k = 0; t->v[0] != PBW_NONE && k < 6; k++) {
                 const pbw_index u = t->v[k % 3], v = t->v[(k + 1 + k / 3) % 3];
-                const double apart = sqrt(pbwp__distance2(pbwp__point(r, u), pbwp__point(r, v)));
-                pbwp__lower(r, v, fmin(sizes[u] + r->growth * apart, pbwp__size_of_region(r, t)));
+                const double apart = sqrt(pbwm2__distance2(pbwm2__point(r, u), pbwm2__point(r, v)));
+                pbwm2__lower(r, v, fmin(sizes[u] + r->growth * apart, pbwm2__size_of_region(r, t)));
             }
         }
         more = r->lowered.count > 0;
-        pbwp__spread(r);
+        pbwm2__spread(r);
     }
-    return !pbwp__failed(r);
+    return !pbwm2__failed(r);
 }
 
 /* Sets bounds from options and the box of the points.  Returns 0 if the coordinates are too large or too small. */
-static int pbwp__set_bounds(pbwp__refiner *r)
+static int pbwm2__set_bounds(pbwm2__refiner *r)
 {
-    const pbwp__job *job = r->job;
+    const pbwm2__job *job = r->job;
     const double angle = job->options->angle > 0 || job->options->angle < 0 ? job->options->angle : 30;
     const double radians = (angle > 0 ? angle : 30) * 3.14159265358979323846 / 180, cosine = cos(radians);
     const int conforming = (job->options->flags & PBW_PLANE_CONFORMING) != 0;
@@ -3205,37 +3205,37 @@ static int pbwp__set_bounds(pbwp__refiner *r)
 /* Counts the triangles.  Returns about how many sizes ask for: refinement of a square makes 1.56 A / a triangles of
    area a at most in an area A, and 5.1 A / h^2 with edges of length h at most.  Of a function the largest of four
    values in a triangle counts, as it may be small in a small part alone. */
-static double pbwp__estimate(pbwp__refiner *r)
+static double pbwm2__estimate(pbwm2__refiner *r)
 {
-    const pbwp__job *job = r->job;
+    const pbwm2__job *job = r->job;
     double sum = 0;
     size_t i;
     unsigned k;
     for (i = 0; i < job->triangles.count; i++) {
-        const pbwp__triangle *t = job->t + i;
+        const pbwm2__triangle *t = job->t + i;
         if (t->v[0] != PBW_NONE) {
-            const double twice = pbwp__twice_area(r, t), area = pbwp__area_for(r, t);
-            double size = pbwp__size_for(r, t, 3), many = 1;
+            const double twice = pbwm2__twice_area(r, t), area = pbwm2__area_for(r, t);
+            double size = pbwm2__size_for(r, t, 3), many = 1;
             for (k = 0; k < 3 && size > 0 && job->options->size_at != NULL; k++) {
-                const double there = pbwp__size_for(r, t, k);
-                size = there > 0 ? pbwp__most(size, there) : 0;
+                const double there = pbwm2__size_for(r, t, k);
+                size = there > 0 ? pbwm2__most(size, there) : 0;
             }
             if (area > 0) {
-                many = pbwp__most(many, 0.78 * twice / pbwp__most(area, r->least2));
+                many = pbwm2__most(many, 0.78 * twice / pbwm2__most(area, r->least2));
             }
             if (size > 0) {
-                many = pbwp__most(many, 2.55 * twice / pbwp__most(size * size, 16 * r->least2));
+                many = pbwm2__most(many, 2.55 * twice / pbwm2__most(size * size, 16 * r->least2));
             }
             sum += many;
             r->triangle_count++;
         }
     }
     return job->options->steiner_limit == 0 ? sum
-         : pbwp__least(sum, (double)r->triangle_count + 2.0 * (double)job->options->steiner_limit);
+         : pbwm2__least(sum, (double)r->triangle_count + 2.0 * (double)job->options->steiner_limit);
 }
 
 /* Refuses more triangles than wanted. */
-static pbw_status pbwp__allow(pbwp__job *job, double count)
+static pbw_status pbwm2__allow(pbwm2__job *job, double count)
 {
     const double most = job->options->most > 0 ? job->options->most : 5e7;
     if (!(count > most)) {
@@ -3247,100 +3247,100 @@ static pbw_status pbwp__allow(pbwp__job *job, double count)
     return PBW_ERROR_TOO_LARGE;
 }
 
-static pbw_status pbwp__refine_all(pbwp__refiner *r)
+static pbw_status pbwm2__refine_all(pbwm2__refiner *r)
 {
-    pbwp__job *job = r->job;
+    pbwm2__job *job = r->job;
     const size_t limit = job->options->steiner_limit;
     size_t i;
-    pbwp__find_acute(r);
+    pbwm2__find_acute(r);
     r->sizing = 1;
-    for (i = job->triangles.count; i > 0 && !pbwp__failed(r); i--) {      /* stacks: the first come out first */
+    for (i = job->triangles.count; i > 0 && !pbwm2__failed(r); i--) {     /* stacks: the first come out first */
         if (job->t[i - 1].v[0] != PBW_NONE) {
-            pbwp__examine(r, (pbw_index)(i - 1));
-            (void)pbwp__step(job, 0);
+            pbwm2__examine(r, (pbw_index)(i - 1));
+            (void)pbwm2__step(job, 0);
         }
     }
-    while (!pbwp__failed(r)) {
+    while (!pbwm2__failed(r)) {
         if (limit != 0 && (r->inserted >= limit + job->plane->report.removed || r->inserted / 8 >= limit)) {
             if (r->sizing) {
-                pbwp__begin_angles(r);
+                pbwm2__begin_angles(r);
             }
             job->plane->report.limited = r->splits.count + r->large.count > 0 || r->filled != 0;
             break;
         }
         if (r->splits.count > 0) {
             r->splits.count -= 2;
-            pbwp__split_edge(r, PBWP__INDICES(r->splits)[r->splits.count],
-                             PBWP__INDICES(r->splits)[r->splits.count + 1], NULL);
+            pbwm2__split_edge(r, PBWM2__INDICES(r->splits)[r->splits.count],
+                              PBWM2__INDICES(r->splits)[r->splits.count + 1], NULL);
         } else if (r->large.count > 0) {
-            pbwp__mend_large(r);
+            pbwm2__mend_large(r);
         } else if (r->sizing) {
-            pbwp__begin_angles(r);
+            pbwm2__begin_angles(r);
         } else if (r->filled != 0) {
-            pbwp__mend_sharp(r);
+            pbwm2__mend_sharp(r);
         } else {
             break;
         }
-        if (pbwp__step(job, pbwp__refined(r))) {
-            return pbwp__say(job, PBW_CANCELLED, NULL);
+        if (pbwm2__step(job, pbwm2__refined(r))) {
+            return pbwm2__say(job, PBW_CANCELLED, NULL);
         }
-        if (pbwp__allow(job, (double)r->triangle_count) != PBW_OK) {
+        if (pbwm2__allow(job, (double)r->triangle_count) != PBW_OK) {
             return PBW_ERROR_TOO_LARGE;
         }
     }
-    return job->memory.fault == PBW_OK ? PBW_OK : pbwp__say(job, job->memory.fault, NULL);
+    return job->memory.fault == PBW_OK ? PBW_OK : pbwm2__say(job, job->memory.fault, NULL);
 }
 
 /* Counts the triangles that are not as wanted. */
-static void pbwp__count_faults(const pbwp__refiner *r)
+static void pbwm2__count_faults(const pbwm2__refiner *r)
 {
     pbw_plane_report *report = &r->job->plane->report;
     double shortest2;
     size_t i;
     r->job->stage = PBW_STAGE_CHECK;
-    for (i = 0; i < r->job->triangles.count && !pbwp__step(r->job, pbwp__share(i, r->job->triangles.count)); i++) {
-        const pbwp__triangle *t = r->job->t + i;
+    for (i = 0; i < r->job->triangles.count && !pbwm2__step(r->job, pbwm2__share(i, r->job->triangles.count)); i++) {
+        const pbwm2__triangle *t = r->job->t + i;
         if (t->v[0] != PBW_NONE) {
-            report->small_angles += (size_t)pbwp__is_sharp(r, t, &shortest2);
-            report->too_large += (size_t)pbwp__is_large(r, t);
+            report->small_angles += (size_t)pbwm2__is_sharp(r, t, &shortest2);
+            report->too_large += (size_t)pbwm2__is_large(r, t);
         }
     }
 }
 
-static pbw_status pbwp__refine(pbwp__job *job)
+static pbw_status pbwm2__refine(pbwm2__job *job)
 {
-    pbwp__refiner r;
-    pbwp__memory *memory = &job->memory;
+    pbwm2__refiner r;
+    pbwm2__memory *memory = &job->memory;
     pbw_status status;
     int i, graded;
     memset(&r, 0, sizeof r);
     r.job = job;
-    if (!pbwp__set_bounds(&r)) {
-        return pbwp__say(job, PBW_ERROR_ARGUMENT,
-                         "coordinates are too large, or too small, for refinement: scale them");
+    if (!pbwm2__set_bounds(&r)) {
+        return pbwm2__say(job, PBW_ERROR_ARGUMENT,
+                          "coordinates are too large, or too small, for refinement: scale them");
     }
     graded = job->input->sizes != NULL
           || (job->options->gradation > 0 && (job->options->size_at != NULL || job->input->region_count > 0));
-    status = pbwp__find_hosts(&r) && (!graded || pbwp__find_sizes(&r)) ? PBW_OK
-           : pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    status = pbwm2__find_hosts(&r) && (!graded || pbwm2__find_sizes(&r)) ? PBW_OK
+           : pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
     if (status == PBW_OK) {
-        job->plane->report.estimate = pbwp__estimate(&r);
-        status = pbwp__allow(job, job->plane->report.estimate);
+        job->plane->report.estimate = pbwm2__estimate(&r);
+        status = pbwm2__allow(job, job->plane->report.estimate);
     }
-    status = status == PBW_OK ? pbwp__refine_all(&r) : status;
+    status = status == PBW_OK ? pbwm2__refine_all(&r) : status;
     if (status == PBW_OK) {
-        pbwp__count_faults(&r);
-        status = job->memory.fault == PBW_OK ? PBW_OK : pbwp__say(job, job->memory.fault, NULL);
+        pbwm2__count_faults(&r);
+        status = job->memory.fault == PBW_OK ? PBW_OK : pbwm2__say(job, job->memory.fault, NULL);
     }
-    for (i = 0; i < PBWP__CLASSES; i++) {
-        pbwp__release(memory, r.class_of + i);
+    for (i = 0; i < PBWM2__CLASSES; i++) {
+        pbwm2__release(memory, r.class_of + i);
     }
-    pbwp__release(memory, &r.large);
-    pbwp__release(memory, &r.splits);
-    pbwp__release(memory, &r.slots);
-    pbwp__release(memory, &r.rim);
-    pbwp__release(memory, &r.hits);
-    pbwp__release(memory, &r.lowered);
+    pbwm2__release(memory, &r.large);
+    pbwm2__release(memory, &r.splits);
+    pbwm2__release(memory, &r.slots);
+    pbwm2__release(memory, &r.boundary);
+    pbwm2__release(memory, &r.hits);
+    pbwm2__release(memory, &r.lowered);
     return status;
 }
 
@@ -3350,79 +3350,79 @@ static pbw_status pbwp__refine(pbwp__job *job)
    Holds: triangles begin with their corner of least number along the curve, and are sorted by their corners, so the
    arrays are the same whatever the order in which segments went in.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWP__POINTS, PBWP__TRIANGLES, PBWP__NEIGHBORS, PBWP__CONSTRAINTS, PBWP__REGIONS, PBWP__EDGES,
-       PBWP__EDGE_FIRST, PBWP__EDGE_SEGMENTS, PBWP__WINDINGS, PBWP__SEEDS, PBWP__CROSSINGS, PBWP__OUTPUTS };
+enum { PBWM2__POINTS, PBWM2__TRIANGLES, PBWM2__NEIGHBORS, PBWM2__CONSTRAINTS, PBWM2__REGIONS, PBWM2__EDGES,
+       PBWM2__EDGE_FIRST, PBWM2__EDGE_SEGMENTS, PBWM2__WINDINGS, PBWM2__SEEDS, PBWM2__CROSSINGS, PBWM2__OUTPUTS };
 
-typedef struct pbwp__block { pbwp__memory memory; pbwp__array array[PBWP__OUTPUTS]; } pbwp__block;
+typedef struct pbwm2__block { pbwm2__memory memory; pbwm2__array array[PBWM2__OUTPUTS]; } pbwm2__block;
 
 /* The code of the corner that comes first along the curve. */
-static pbw_index pbwp__first_corner(const pbwp__job *job, pbw_index slot)
+static pbw_index pbwm2__first_corner(const pbwm2__job *job, pbw_index slot)
 {
     const pbw_index *v = job->t[slot].v;
     return 4 * slot + (v[0] < v[1] && v[0] < v[2] ? 0u : v[1] < v[2] ? 1u : 2u);
 }
 
 /* The corner after the first, whose code is given. */
-static pbw_index pbwp__second(const pbwp__job *job, pbw_index code)
+static pbw_index pbwm2__second(const pbwm2__job *job, pbw_index code)
 {
-    return job->t[PBWP__SLOT(code)].v[pbwp__next[PBWP__SIDE(code)]];
+    return job->t[PBWM2__SLOT(code)].v[pbwm2__next[PBWM2__SIDE(code)]];
 }
 
 /* Sorts triangles of one first corner, by its codes, by their second. */
-static int pbwp__sort_fan(pbwp__job *job, pbw_index *item, size_t count)
+static int pbwm2__sort_fan(pbwm2__job *job, pbw_index *item, size_t count)
 {
-    pbwp__array keys;
+    pbwm2__array keys;
     size_t i, j;
     int ok = 1;
     memset(&keys, 0, sizeof keys);
     for (i = 1; i < count && count <= 32; i++) {
-        const pbw_index code = item[i], second = pbwp__second(job, code);
-        for (j = i; j > 0 && pbwp__second(job, item[j - 1]) > second; j--) {
+        const pbw_index code = item[i], second = pbwm2__second(job, code);
+        for (j = i; j > 0 && pbwm2__second(job, item[j - 1]) > second; j--) {
             item[j] = item[j - 1];
         }
         item[j] = code;
     }
     for (i = 0; i < count && count > 32 && ok; i++) {
-        ok = pbwp__add_cut(job, &keys, pbwp__second(job, item[i]), item[i], 0);
+        ok = pbwm2__add_cut(job, &keys, pbwm2__second(job, item[i]), item[i], 0);
     }
-    pbwp__sort((pbwp__cut *)keys.data, keys.count);
+    pbwm2__sort((pbwm2__cut *)keys.data, keys.count);
     for (i = 0; i < keys.count && ok; i++) {
-        item[i] = ((const pbwp__cut *)keys.data)[i].other;
+        item[i] = ((const pbwm2__cut *)keys.data)[i].other;
     }
-    pbwp__release(&job->memory, &keys);
+    pbwm2__release(&job->memory, &keys);
     return ok;
 }
 
 /* Fills item_of with the codes of first corners, in order; and first_of, per slot in use, with the code of the first
    corner, in which the number of the triangle replaces the slot. */
-static int pbwp__sort_triangles(pbwp__job *job)
+static int pbwm2__sort_triangles(pbwm2__job *job)
 {
     const size_t n = job->points.count, slots = job->triangles.count;
-    pbwp__array heads;
+    pbwm2__array heads;
     pbw_index *head, *next, *item;
     size_t i, count = 0;
     unsigned k;
     int ok = 1;
     memset(&heads, 0, sizeof heads);
     job->item_of.count = job->first_of.count = 0;
-    if (!pbwp__room(&job->memory, &job->item_of, slots, sizeof *item)
-        || !pbwp__room(&job->memory, &job->first_of, slots, sizeof *next)
-        || !pbwp__room(&job->memory, &heads, n, sizeof *head)) {
-        pbwp__release(&job->memory, &heads);
+    if (!pbwm2__room(&job->memory, &job->item_of, slots, sizeof *item)
+        || !pbwm2__room(&job->memory, &job->first_of, slots, sizeof *next)
+        || !pbwm2__room(&job->memory, &heads, n, sizeof *head)) {
+        pbwm2__release(&job->memory, &heads);
         return 0;
     }
     job->side_count = 0;
-    head = PBWP__INDICES(heads);                     /* lists of codes of first corners, one for each vertex */
-    next = PBWP__INDICES(job->first_of);
-    item = PBWP__INDICES(job->item_of);
+    head = PBWM2__INDICES(heads);                    /* lists of codes of first corners, one for each vertex */
+    next = PBWM2__INDICES(job->first_of);
+    item = PBWM2__INDICES(job->item_of);
     memset(head, 255, n * sizeof *head);
     for (i = slots; i > 0 && ok; i--) {
-        const pbwp__triangle *t = job->t + i - 1;
-        ok = !pbwp__step(job, 0);
+        const pbwm2__triangle *t = job->t + i - 1;
+        ok = !pbwm2__step(job, 0);
         if (t->v[0] != PBW_NONE) {
-            const pbw_index code = pbwp__first_corner(job, (pbw_index)(i - 1));
-            next[i - 1] = head[t->v[PBWP__SIDE(code)]];
-            head[t->v[PBWP__SIDE(code)]] = code;
+            const pbw_index code = pbwm2__first_corner(job, (pbw_index)(i - 1));
+            next[i - 1] = head[t->v[PBWM2__SIDE(code)]];
+            head[t->v[PBWM2__SIDE(code)]] = code;
             for (k = 0; k < 3; k++) {
                 job->side_count += (size_t)(t->edge[k] != PBW_NONE) + (size_t)(t->link[k] == PBW_NONE);
             }
@@ -3431,23 +3431,23 @@ static int pbwp__sort_triangles(pbwp__job *job)
     for (i = 0; i < n && ok; i++) {                  /* a quarter of the stage, as each of its loops */
         const size_t first = count;
         pbw_index code;
-        for (code = head[i]; code != PBW_NONE; code = next[PBWP__SLOT(code)]) {
+        for (code = head[i]; code != PBW_NONE; code = next[PBWM2__SLOT(code)]) {
             item[count++] = code;
         }
-        ok = pbwp__sort_fan(job, item + first, count - first) && !pbwp__step(job, pbwp__share(i, 4 * n));
+        ok = pbwm2__sort_fan(job, item + first, count - first) && !pbwm2__step(job, pbwm2__share(i, 4 * n));
     }
     for (i = 0; i < count; i++) {
-        next[PBWP__SLOT(item[i])] = (pbw_index)(4 * i + PBWP__SIDE(item[i]));
+        next[PBWM2__SLOT(item[i])] = (pbw_index)(4 * i + PBWM2__SIDE(item[i]));
     }
     job->item_of.count = count;
-    pbwp__release(&job->memory, &heads);
+    pbwm2__release(&job->memory, &heads);
     return ok;
 }
 
-static int pbwp__out(pbwp__job *job, pbwp__block *block, int which, size_t count, size_t size)
+static int pbwm2__out(pbwm2__job *job, pbwm2__block *block, int which, size_t count, size_t size)
 {
     block->array[which].count = 0;
-    if (!pbwp__room(&job->memory, block->array + which, count, size)) {
+    if (!pbwm2__room(&job->memory, block->array + which, count, size)) {
         return 0;
     }
     block->array[which].count = count;
@@ -3455,27 +3455,27 @@ static int pbwp__out(pbwp__job *job, pbwp__block *block, int which, size_t count
 }
 
 /* Points, and for each vertex its number, in job->vertex: the caller's, then those of refinement that are in use. */
-static int pbwp__out_points(pbwp__job *job, pbwp__block *block)
+static int pbwm2__out_points(pbwm2__job *job, pbwm2__block *block)
 {
     const size_t n = job->given.count;
     size_t i, next = n;
     double *p;
     job->vertex.count = 0;
-    if (!pbwp__room(&job->memory, &job->vertex, job->points.count, sizeof(pbw_index))) {
+    if (!pbwm2__room(&job->memory, &job->vertex, job->points.count, sizeof(pbw_index))) {
         return 0;
     }
     for (i = 0; i < job->points.count; i++) {
-        PBWP__INDICES(job->vertex)[i] = i < n ? PBWP__INDICES(job->original)[i]
+        PBWM2__INDICES(job->vertex)[i] = i < n ? PBWM2__INDICES(job->original)[i]
                                       : job->incident[i] != PBW_NONE ? (pbw_index)next++ : PBW_NONE;
     }
-    if (!pbwp__out(job, block, PBWP__POINTS, 2 * next, sizeof(double))) {
+    if (!pbwm2__out(job, block, PBWM2__POINTS, 2 * next, sizeof(double))) {
         return 0;
     }
-    p = PBWP__DOUBLES(block->array[PBWP__POINTS]);
+    p = PBWM2__DOUBLES(block->array[PBWM2__POINTS]);
     memcpy(p, job->given.data, 2 * n * sizeof *p);
     for (i = n; i < job->points.count; i++) {
         if (job->incident[i] != PBW_NONE) {
-            memcpy(p + 2 * (size_t)PBWP__INDICES(job->vertex)[i], job->p + 2 * i, 2 * sizeof *p);
+            memcpy(p + 2 * (size_t)PBWM2__INDICES(job->vertex)[i], job->p + 2 * i, 2 * sizeof *p);
         }
     }
     job->plane->points = p;
@@ -3485,74 +3485,74 @@ static int pbwp__out_points(pbwp__job *job, pbwp__block *block)
 }
 
 /* Regions are numbered as triangles come. */
-static int pbwp__out_regions(pbwp__job *job, pbwp__block *block)
+static int pbwm2__out_regions(pbwm2__job *job, pbwm2__block *block)
 {
-    const pbw_index *item = PBWP__INDICES(job->item_of);
-    const pbwp__component *component = (const pbwp__component *)job->components.data;
+    const pbw_index *item = PBWM2__INDICES(job->item_of);
+    const pbwm2__component *component = (const pbwm2__component *)job->components.data;
     const size_t count = job->item_of.count;
     pbw_index *region, *renumber;
     size_t i, regions = 0;
     job->stack.count = 0;
-    if (!pbwp__out(job, block, PBWP__REGIONS, count, sizeof *region)
-        || !pbwp__out(job, block, PBWP__WINDINGS, job->components.count, sizeof(int))
-        || !pbwp__out(job, block, PBWP__SEEDS, job->components.count, sizeof *region)
-        || !pbwp__room(&job->memory, &job->stack, job->components.count, sizeof *region)) {
+    if (!pbwm2__out(job, block, PBWM2__REGIONS, count, sizeof *region)
+        || !pbwm2__out(job, block, PBWM2__WINDINGS, job->components.count, sizeof(int))
+        || !pbwm2__out(job, block, PBWM2__SEEDS, job->components.count, sizeof *region)
+        || !pbwm2__room(&job->memory, &job->stack, job->components.count, sizeof *region)) {
         return 0;
     }
-    region = PBWP__INDICES(block->array[PBWP__REGIONS]);
-    renumber = PBWP__INDICES(job->stack);
+    region = PBWM2__INDICES(block->array[PBWM2__REGIONS]);
+    renumber = PBWM2__INDICES(job->stack);
     memset(renumber, 255, job->components.count * sizeof *renumber);
     for (i = 0; i < count; i++) {
-        const pbw_index c = job->t[PBWP__SLOT(item[i])].region;
+        const pbw_index c = job->t[PBWM2__SLOT(item[i])].region;
         if (renumber[c] == PBW_NONE) {
-            ((int *)block->array[PBWP__WINDINGS].data)[regions] = component[c].winding;
-            PBWP__INDICES(block->array[PBWP__SEEDS])[regions] = component[c].seed;
+            ((int *)block->array[PBWM2__WINDINGS].data)[regions] = component[c].winding;
+            PBWM2__INDICES(block->array[PBWM2__SEEDS])[regions] = component[c].seed;
             renumber[c] = (pbw_index)regions++;
         }
         region[i] = renumber[c];
     }
     job->plane->regions = region;
     job->plane->region_count = regions;
-    job->plane->region_windings = (const int *)block->array[PBWP__WINDINGS].data;
-    job->plane->region_seeds = PBWP__INDICES(block->array[PBWP__SEEDS]);
+    job->plane->region_windings = (const int *)block->array[PBWM2__WINDINGS].data;
+    job->plane->region_seeds = PBWM2__INDICES(block->array[PBWM2__SEEDS]);
     return 1;
 }
 
 /* Fills old with the codes of the edges of segments, each in the earlier of its two triangles. */
-static int pbwp__out_triangles(pbwp__job *job, pbwp__block *block)
+static int pbwm2__out_triangles(pbwm2__job *job, pbwm2__block *block)
 {
-    const pbw_index *item = PBWP__INDICES(job->item_of), *number = PBWP__INDICES(job->first_of);
-    const pbw_index *vertex = PBWP__INDICES(job->vertex);
+    const pbw_index *item = PBWM2__INDICES(job->item_of), *number = PBWM2__INDICES(job->first_of);
+    const pbw_index *vertex = PBWM2__INDICES(job->vertex);
     const size_t count = job->item_of.count;
     pbw_index *corner, *neighbor, *edge;
     size_t i, k, edges = 0;
     job->old.count = 0;
-    if (!pbwp__out(job, block, PBWP__TRIANGLES, 3 * count, sizeof *corner)
-        || !pbwp__out(job, block, PBWP__NEIGHBORS, 3 * count, sizeof *corner)
-        || !pbwp__room(&job->memory, &job->old, job->side_count / 2 + 1, sizeof *edge)) {
+    if (!pbwm2__out(job, block, PBWM2__TRIANGLES, 3 * count, sizeof *corner)
+        || !pbwm2__out(job, block, PBWM2__NEIGHBORS, 3 * count, sizeof *corner)
+        || !pbwm2__room(&job->memory, &job->old, job->side_count / 2 + 1, sizeof *edge)) {
         return 0;
     }
-    corner = PBWP__INDICES(block->array[PBWP__TRIANGLES]);
-    neighbor = PBWP__INDICES(block->array[PBWP__NEIGHBORS]);
-    edge = PBWP__INDICES(job->old);
-    for (i = 0; i < count && !pbwp__step(job, 0.25 + pbwp__share(i, 2 * count)); i++) {
-        const pbwp__triangle *t = job->t + PBWP__SLOT(item[i]);
-        unsigned side = PBWP__SIDE(item[i]);
+    corner = PBWM2__INDICES(block->array[PBWM2__TRIANGLES]);
+    neighbor = PBWM2__INDICES(block->array[PBWM2__NEIGHBORS]);
+    edge = PBWM2__INDICES(job->old);
+    for (i = 0; i < count && !pbwm2__step(job, 0.25 + pbwm2__share(i, 2 * count)); i++) {
+        const pbwm2__triangle *t = job->t + PBWM2__SLOT(item[i]);
+        unsigned side = PBWM2__SIDE(item[i]);
         if (i + 16 < count) {
-            const pbwp__triangle *soon = job->t + PBWP__SLOT(item[i + 8]);
-            PBWP__PREFETCH(job->t + PBWP__SLOT(item[i + 16]));
+            const pbwm2__triangle *soon = job->t + PBWM2__SLOT(item[i + 8]);
+            PBWM2__PREFETCH(job->t + PBWM2__SLOT(item[i + 16]));
             for (k = 0; k < 3; k++) {
                 if (soon->link[k] != PBW_NONE) {
-                    PBWP__PREFETCH(number + PBWP__SLOT(soon->link[k]));
+                    PBWM2__PREFETCH(number + PBWM2__SLOT(soon->link[k]));
                 }
             }
         }
-        for (k = 0; k < 3; k++, side = pbwp__next[side]) {
+        for (k = 0; k < 3; k++, side = pbwm2__next[side]) {
             const pbw_index link = t->link[side];
-            const pbw_index beyond = link == PBW_NONE ? PBW_NONE : PBWP__SLOT(number[PBWP__SLOT(link)]);
+            const pbw_index beyond = link == PBW_NONE ? PBW_NONE : PBWM2__SLOT(number[PBWM2__SLOT(link)]);
             corner[3 * i + k] = vertex[t->v[side]];
             neighbor[3 * i + k] = beyond;
-            edge[edges] = 4 * PBWP__SLOT(item[i]) + side;        /* stays if it counts */
+            edge[edges] = 4 * PBWM2__SLOT(item[i]) + side;       /* stays if it counts */
             edges += (size_t)((t->edge[side] != PBW_NONE) & (beyond > i));
         }
     }
@@ -3563,7 +3563,7 @@ static int pbwp__out_triangles(pbwp__job *job, pbwp__block *block)
     return i == count;
 }
 
-static void pbwp__sort_indices(pbw_index *item, size_t count)         /* Shell 1959; gaps of Gonnet 1991 */
+static void pbwm2__sort_indices(pbw_index *item, size_t count)        /* Shell 1959; gaps of Gonnet 1991 */
 {
     size_t gap = count, i, k;
     while (gap > 1) {
@@ -3579,14 +3579,14 @@ static void pbwp__sort_indices(pbw_index *item, size_t count)         /* Shell 1
 }
 
 /* Adds the caller's segments on an edge to a list, ascending, each once. */
-static int pbwp__out_segments(pbwp__job *job, pbwp__array *list, pbw_index edge)
+static int pbwm2__out_segments(pbwm2__job *job, pbwm2__array *list, pbw_index edge)
 {
     const size_t first = list->count;
     size_t count, kept = 0, i;
     pbw_index *item;
-    while (edge != PBW_NONE && edge != PBWP__BORDER) {
-        const pbw_index id = pbwp__id_of(job, pbwp__take_piece(job, &edge));
-        if (id != PBW_NONE && !pbwp__push(&job->memory, list, id)) {
+    while (edge != PBW_NONE && edge != PBWM2__BORDER) {
+        const pbw_index id = pbwm2__id_of(job, pbwm2__take_piece(job, &edge));
+        if (id != PBW_NONE && !pbwm2__push(&job->memory, list, id)) {
             return 0;
         }
     }
@@ -3594,8 +3594,8 @@ static int pbwp__out_segments(pbwp__job *job, pbwp__array *list, pbw_index edge)
     if (count == 0) {
         return 1;
     }
-    item = PBWP__INDICES(*list);
-    pbwp__sort_indices(item + first, count);
+    item = PBWM2__INDICES(*list);
+    pbwm2__sort_indices(item + first, count);
     for (i = 0; i < count; i++) {
         if (i == 0 || item[first + i] != item[first + i - 1]) {
             item[first + kept++] = item[first + i];
@@ -3606,37 +3606,38 @@ static int pbwp__out_segments(pbwp__job *job, pbwp__array *list, pbw_index edge)
 }
 
 /* Edges of segments, numbered as triangles have them, and the lists of their segments. */
-static int pbwp__out_edges(pbwp__job *job, pbwp__block *block)
+static int pbwm2__out_edges(pbwm2__job *job, pbwm2__block *block)
 {
-    const pbw_index *code = PBWP__INDICES(job->old), *number = PBWP__INDICES(job->first_of);
-    const pbw_index *vertex = PBWP__INDICES(job->vertex);
+    const pbw_index *code = PBWM2__INDICES(job->old), *number = PBWM2__INDICES(job->first_of);
+    const pbw_index *vertex = PBWM2__INDICES(job->vertex);
     const size_t count = job->old.count;
-    pbwp__array *list = block->array + PBWP__EDGE_SEGMENTS;
+    pbwm2__array *list = block->array + PBWM2__EDGE_SEGMENTS;
     pbw_index *constraint, *end;
     size_t *first, i, k;
-    if (!pbwp__out(job, block, PBWP__CONSTRAINTS, 3 * job->item_of.count, sizeof *constraint)
-        || !pbwp__out(job, block, PBWP__EDGES, 2 * count, sizeof *end)
-        || !pbwp__out(job, block, PBWP__EDGE_FIRST, count + 1, sizeof *first)
-        || !pbwp__room(&job->memory, list, count, sizeof *end)) {
+    if (!pbwm2__out(job, block, PBWM2__CONSTRAINTS, 3 * job->item_of.count, sizeof *constraint)
+        || !pbwm2__out(job, block, PBWM2__EDGES, 2 * count, sizeof *end)
+        || !pbwm2__out(job, block, PBWM2__EDGE_FIRST, count + 1, sizeof *first)
+        || !pbwm2__room(&job->memory, list, count, sizeof *end)) {
         return 0;
     }
-    constraint = PBWP__INDICES(block->array[PBWP__CONSTRAINTS]);
-    end = PBWP__INDICES(block->array[PBWP__EDGES]);
-    first = (size_t *)block->array[PBWP__EDGE_FIRST].data;
+    constraint = PBWM2__INDICES(block->array[PBWM2__CONSTRAINTS]);
+    end = PBWM2__INDICES(block->array[PBWM2__EDGES]);
+    first = (size_t *)block->array[PBWM2__EDGE_FIRST].data;
     memset(constraint, 255, 3 * job->item_of.count * sizeof *constraint);
     for (i = 0; i < count; i++) {
-        const pbwp__triangle *t = job->t + PBWP__SLOT(code[i]);
-        const unsigned side = PBWP__SIDE(code[i]);
+        const pbwm2__triangle *t = job->t + PBWM2__SLOT(code[i]);
+        const unsigned side = PBWM2__SIDE(code[i]);
         const pbw_index codes[2] = { code[i], t->link[side] };
         for (k = 0; k < 2 && codes[k] != PBW_NONE; k++) {
-            const pbw_index own = number[PBWP__SLOT(codes[k])];
-            constraint[3 * (size_t)PBWP__SLOT(own) + (PBWP__SIDE(codes[k]) + 3 - PBWP__SIDE(own)) % 3] = (pbw_index)i;
+            const pbw_index own = number[PBWM2__SLOT(codes[k])];
+            const unsigned corner = (PBWM2__SIDE(codes[k]) + 3 - PBWM2__SIDE(own)) % 3;
+            constraint[3 * (size_t)PBWM2__SLOT(own) + corner] = (pbw_index)i;
         }
-        end[2 * i] = vertex[t->v[pbwp__next[side]]];
-        end[2 * i + 1] = vertex[t->v[pbwp__last[side]]];
+        end[2 * i] = vertex[t->v[pbwm2__next[side]]];
+        end[2 * i + 1] = vertex[t->v[pbwm2__last[side]]];
         first[i] = list->count;
-        if (!pbwp__out_segments(job, list, pbwp__host_of(job, t->edge[side]))
-            || pbwp__step(job, 0.75 + pbwp__share(i, 4 * count))) {
+        if (!pbwm2__out_segments(job, list, pbwm2__host_of(job, t->edge[side]))
+            || pbwm2__step(job, 0.75 + pbwm2__share(i, 4 * count))) {
             return 0;
         }
     }
@@ -3645,67 +3646,67 @@ static int pbwp__out_edges(pbwp__job *job, pbwp__block *block)
     job->plane->edge_count = count;
     job->plane->edges = end;
     job->plane->edge_first = first;
-    job->plane->edge_segments = PBWP__INDICES(*list);
+    job->plane->edge_segments = PBWM2__INDICES(*list);
     return 1;
 }
 
-static void pbwp__block_free(pbwp__block *block)
+static void pbwm2__block_free(pbwm2__block *block)
 {
-    pbwp__memory memory = block->memory;
-    pbwp__array self;
+    pbwm2__memory memory = block->memory;
+    pbwm2__array self;
     int i;
-    for (i = 0; i < PBWP__OUTPUTS; i++) {
-        pbwp__release(&memory, block->array + i);
+    for (i = 0; i < PBWM2__OUTPUTS; i++) {
+        pbwm2__release(&memory, block->array + i);
     }
     self.data = block;
     self.bytes = sizeof *block;
-    pbwp__release(&memory, &self);
+    pbwm2__release(&memory, &self);
 }
 
 /* Hands over the result, or after a failure the crossings.  If memory is short, plane has only what and crossings. */
-static pbw_status pbwp__hand_over(pbwp__job *job, pbw_status status)
+static pbw_status pbwm2__hand_over(pbwm2__job *job, pbw_status status)
 {
-    pbwp__array self;
-    pbwp__block *block;
+    pbwm2__array self;
+    pbwm2__block *block;
     int ok = 1, i;
     if (status == PBW_OK && job->memory.fault != PBW_OK) {
-        status = pbwp__say(job, job->memory.fault, NULL);
+        status = pbwm2__say(job, job->memory.fault, NULL);
     }
     if (status != PBW_OK && status != PBW_DEGENERATE && job->crossings.count == 0) {
         return status;
     }
     memset(&self, 0, sizeof self);
-    if (!pbwp__resize(&job->memory, &self, sizeof *block)) {
-        return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    if (!pbwm2__resize(&job->memory, &self, sizeof *block)) {
+        return pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
     }
-    block = (pbwp__block *)self.data;
+    block = (pbwm2__block *)self.data;
     memset(block, 0, sizeof *block);
     job->stage = PBW_STAGE_OUTPUT;
     if (status == PBW_OK) {
-        ok = pbwp__sort_triangles(job) && pbwp__out_points(job, block) && pbwp__out_triangles(job, block)
-          && pbwp__out_regions(job, block) && pbwp__out_edges(job, block);
+        ok = pbwm2__sort_triangles(job) && pbwm2__out_points(job, block) && pbwm2__out_triangles(job, block)
+          && pbwm2__out_regions(job, block) && pbwm2__out_edges(job, block);
     } else if (status == PBW_DEGENERATE) {
-        ok = pbwp__out(job, block, PBWP__POINTS, 2 * job->given.count, sizeof(double));
+        ok = pbwm2__out(job, block, PBWM2__POINTS, 2 * job->given.count, sizeof(double));
         if (ok && job->given.count > 0) {
-            memcpy(block->array[PBWP__POINTS].data, job->given.data, 2 * job->given.count * sizeof(double));
+            memcpy(block->array[PBWM2__POINTS].data, job->given.data, 2 * job->given.count * sizeof(double));
         }
-        job->plane->points = PBWP__DOUBLES(block->array[PBWP__POINTS]);
+        job->plane->points = PBWM2__DOUBLES(block->array[PBWM2__POINTS]);
         job->plane->point_count = job->given.count;
     }
-    block->array[PBWP__CROSSINGS] = job->crossings;
+    block->array[PBWM2__CROSSINGS] = job->crossings;
     memset(&job->crossings, 0, sizeof job->crossings);
     block->memory = job->memory;
     if (!ok) {
-        pbwp__block_free(block);
+        pbwm2__block_free(block);
         memset(job->plane, 0, sizeof *job->plane);
-        return pbwp__say(job, job->memory.fault != PBW_OK ? job->memory.fault : PBW_ERROR_MEMORY, NULL);
+        return pbwm2__say(job, job->memory.fault != PBW_OK ? job->memory.fault : PBW_ERROR_MEMORY, NULL);
     }
-    job->plane->crossings = PBWP__INDICES(block->array[PBWP__CROSSINGS]);
-    job->plane->crossing_count = block->array[PBWP__CROSSINGS].count / 2;
+    job->plane->crossings = PBWM2__INDICES(block->array[PBWM2__CROSSINGS]);
+    job->plane->crossing_count = block->array[PBWM2__CROSSINGS].count / 2;
     job->plane->input_count = job->input->point_count;
     job->plane->memory = block;
     job->plane->bytes = sizeof *block;
-    for (i = 0; i < PBWP__OUTPUTS; i++) {
+    for (i = 0; i < PBWM2__OUTPUTS; i++) {
         job->plane->bytes += block->array[i].bytes;
     }
     return status;
@@ -3715,7 +3716,7 @@ static pbw_status pbwp__hand_over(pbwp__job *job, pbw_status status)
    The calls.
    ------------------------------------------------------------------------------------------------------ */
 
-static pbw_status pbwp__check_arguments(pbwp__job *job)
+static pbw_status pbwm2__check_arguments(pbwm2__job *job)
 {
     const pbw_plane_input *in = job->input;
     const pbw_plane_options *o = job->options;
@@ -3724,17 +3725,17 @@ static pbw_status pbwp__check_arguments(pbwp__job *job)
     size_t i;
     if ((in->points == NULL && in->point_count > 0) || (in->segments == NULL && in->segment_count > 0)
         || (in->holes == NULL && in->hole_count > 0) || (in->regions == NULL && in->region_count > 0)) {
-        return pbwp__say(job, PBW_ERROR_ARGUMENT, "an array is NULL");
+        return pbwm2__say(job, PBW_ERROR_ARGUMENT, "an array is NULL");
     }
     if ((unsigned)o->rule > PBW_PLANE_NONZERO || (o->flags & ~all) != 0) {
-        return pbwp__say(job, PBW_ERROR_ARGUMENT, "no such rule or flag");
+        return pbwm2__say(job, PBW_ERROR_ARGUMENT, "no such rule or flag");
     }
     if (!(o->angle <= 34) || !(o->area >= 0) || !(o->size >= 0) || !(o->gradation >= 0) || !(o->most >= 0)) {
-        return pbwp__say(job, PBW_ERROR_ARGUMENT,
-                         "an angle above 34 degrees, or an area, size, gradation or most below 0");
+        return pbwm2__say(job, PBW_ERROR_ARGUMENT,
+                          "an angle above 34 degrees, or an area, size, gradation or most below 0");
     }
     if (in->point_count > PBW_NONE - 16 || in->segment_count > PBW_NONE / 4) {
-        return pbwp__say(job, PBW_ERROR_TOO_LARGE, NULL);
+        return pbwm2__say(job, PBW_ERROR_TOO_LARGE, NULL);
     }
     for (i = 0; i < 2 * in->segment_count; i++) {
         if (in->segments[i] >= in->point_count) {
@@ -3746,20 +3747,20 @@ static pbw_status pbwp__check_arguments(pbwp__job *job)
     return PBW_OK;
 }
 
-static pbw_status pbwp__copy_input(pbwp__job *job)
+static pbw_status pbwm2__copy_input(pbwm2__job *job)
 {
     const pbw_plane_input *in = job->input;
     const size_t n = in->point_count, stride = job->build->stride != 0 ? job->build->stride : 2 * sizeof(double);
-    pbwp__piece *segment;
+    pbwm2__piece *segment;
     size_t i;
-    if (!pbwp__room(&job->memory, &job->given, n, 2 * sizeof(double))
-        || !pbwp__room(&job->memory, &job->segments, in->segment_count, sizeof *segment)) {
-        return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    if (!pbwm2__room(&job->memory, &job->given, n, 2 * sizeof(double))
+        || !pbwm2__room(&job->memory, &job->segments, in->segment_count, sizeof *segment)) {
+        return pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
     }
     for (i = 0; i < n; i++) {
-        memcpy(PBWP__DOUBLES(job->given) + 2 * i, (const char *)in->points + i * stride, 2 * sizeof(double));
+        memcpy(PBWM2__DOUBLES(job->given) + 2 * i, (const char *)in->points + i * stride, 2 * sizeof(double));
     }
-    segment = (pbwp__piece *)job->segments.data;
+    segment = (pbwm2__piece *)job->segments.data;
     for (i = 0; i < in->segment_count; i++) {
         segment[i].a = in->segments[2 * i];
         segment[i].b = in->segments[2 * i + 1];
@@ -3770,16 +3771,16 @@ static pbw_status pbwp__copy_input(pbwp__job *job)
     return PBW_OK;
 }
 
-static void pbwp__job_free(pbwp__job *job)
+static void pbwm2__job_free(pbwm2__job *job)
 {
-    pbwp__array *arrays[] = { &job->triangles, &job->points, &job->incidents, &job->given, &job->segments,
+    pbwm2__array *arrays[] = { &job->triangles, &job->points, &job->incidents, &job->given, &job->segments,
                               &job->original, &job->vertex, &job->pieces, &job->groups, &job->chain[0],
                               &job->chain[1], &job->stack, &job->old, &job->crossings,
                               &job->first_of, &job->item_of,
                               &job->components, &job->fresh, &job->hosts, &job->vertex_host, &job->sizes };
     size_t i;
     for (i = 0; i < sizeof arrays / sizeof *arrays; i++) {
-        pbwp__release(&job->memory, arrays[i]);
+        pbwm2__release(&job->memory, arrays[i]);
     }
 }
 
@@ -3788,7 +3789,7 @@ PBWMESH2DEF pbw_status pbw_plane_make(const pbw_plane_input *input, const pbw_pl
 {
     pbw_plane_options defaults;
     pbw_options build;
-    pbwp__job job;
+    pbwm2__job job;
     pbw_status status;
     if (plane == NULL) {
         return PBW_ERROR_ARGUMENT;
@@ -3801,28 +3802,28 @@ PBWMESH2DEF pbw_status pbw_plane_make(const pbw_plane_input *input, const pbw_pl
     job.input = input;
     job.options = options != NULL ? options : &defaults;
     job.build = job.options->build != NULL ? job.options->build : &build;
-    job.memory.resize = job.build->resize != NULL ? job.build->resize : pbwp__default_resize;
+    job.memory.resize = job.build->resize != NULL ? job.build->resize : pbwm2__default_resize;
     job.memory.user = job.build->resize_user;
     job.memory.limit = job.build->memory_limit;
     job.stage = PBW_STAGE_WORK;
     if (input == NULL) {
-        return pbwp__say(&job, PBW_ERROR_ARGUMENT, "no input");
+        return pbwm2__say(&job, PBW_ERROR_ARGUMENT, "no input");
     }
-    status = pbwp__check_arguments(&job);
+    status = pbwm2__check_arguments(&job);
     if (status == PBW_OK) {
-        status = pbwp__copy_input(&job);
-    }
-    if (status == PBW_OK) {
-        status = pbwp__constrain_all(&job);
+        status = pbwm2__copy_input(&job);
     }
     if (status == PBW_OK) {
-        status = pbwp__find_domain(&job);
+        status = pbwm2__constrain_all(&job);
+    }
+    if (status == PBW_OK) {
+        status = pbwm2__find_domain(&job);
     }
     if (status == PBW_OK && (job.options->flags & PBW_PLANE_REFINE) != 0) {
-        status = pbwp__refine(&job);
+        status = pbwm2__refine(&job);
     }
-    status = pbwp__hand_over(&job, status);
-    pbwp__job_free(&job);
+    status = pbwm2__hand_over(&job, status);
+    pbwm2__job_free(&job);
     return status;
 }
 
@@ -3832,7 +3833,7 @@ PBWMESH2DEF pbw_status pbw_plane_rings(const double *points, const size_t *first
     pbw_plane_options own;
     pbw_plane_input input;
     pbw_options build;
-    pbwp__job job;                                   /* for its memory */
+    pbwm2__job job;                                  /* for its memory */
     pbw_status status;
     size_t i, k;
     memset(&input, 0, sizeof input);
@@ -3847,32 +3848,32 @@ PBWMESH2DEF pbw_status pbw_plane_rings(const double *points, const size_t *first
     memset(plane, 0, sizeof *plane);
     job.plane = plane;
     if (first == NULL && ring_count > 0) {
-        return pbwp__say(&job, PBW_ERROR_ARGUMENT, "an array is NULL");
+        return pbwm2__say(&job, PBW_ERROR_ARGUMENT, "an array is NULL");
     }
     build = own.build != NULL ? *own.build : build;
     own.build = &build;
-    job.memory.resize = build.resize != NULL ? build.resize : pbwp__default_resize;
+    job.memory.resize = build.resize != NULL ? build.resize : pbwm2__default_resize;
     job.memory.user = build.resize_user;
     job.memory.limit = build.memory_limit;
     input.points = points;
     input.point_count = ring_count > 0 ? first[ring_count] : 0;
     if (input.point_count > PBW_NONE / 4) {
-        return pbwp__say(&job, PBW_ERROR_TOO_LARGE, NULL);
+        return pbwm2__say(&job, PBW_ERROR_TOO_LARGE, NULL);
     }
-    if (!pbwp__room(&job.memory, &job.segments, input.point_count, 2 * sizeof(pbw_index))) {
-        return pbwp__say(&job, PBW_ERROR_MEMORY, NULL);
+    if (!pbwm2__room(&job.memory, &job.segments, input.point_count, 2 * sizeof(pbw_index))) {
+        return pbwm2__say(&job, PBW_ERROR_MEMORY, NULL);
     }
     for (i = 0; i < ring_count; i++) {
         for (k = first[i]; k < first[i + 1]; k++) {
-            PBWP__INDICES(job.segments)[2 * k] = (pbw_index)k;
-            PBWP__INDICES(job.segments)[2 * k + 1] = (pbw_index)(k + 1 < first[i + 1] ? k + 1 : first[i]);
+            PBWM2__INDICES(job.segments)[2 * k] = (pbw_index)k;
+            PBWM2__INDICES(job.segments)[2 * k + 1] = (pbw_index)(k + 1 < first[i + 1] ? k + 1 : first[i]);
         }
     }
-    input.segments = PBWP__INDICES(job.segments);
+    input.segments = PBWM2__INDICES(job.segments);
     input.segment_count = input.point_count;
-    status = !pbwp__limit_rest(&job, &build) ? pbwp__say(&job, PBW_ERROR_MEMORY, NULL)
+    status = !pbwm2__limit_rest(&job, &build) ? pbwm2__say(&job, PBW_ERROR_MEMORY, NULL)
            : pbw_plane_make(&input, &own, plane);
-    pbwp__release(&job.memory, &job.segments);
+    pbwm2__release(&job.memory, &job.segments);
     return status;
 }
 
@@ -3880,7 +3881,7 @@ PBWMESH2DEF void pbw_plane_free(pbw_plane *plane)
 {
     if (plane != NULL) {
         if (plane->memory != NULL) {
-            pbwp__block_free((pbwp__block *)plane->memory);
+            pbwm2__block_free((pbwm2__block *)plane->memory);
         }
         memset(plane, 0, sizeof *plane);
     }
