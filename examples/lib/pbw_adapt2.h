@@ -185,7 +185,7 @@ static void pbwa2__start(pbwa2__memory *memory, const pbw_plane_options *options
 }
 
 /* Returns zeroes, or NULL. */
-static void *pbwa2__get(pbwa2__memory *memory, size_t count, size_t size)
+static void *pbwa2__zeros(pbwa2__memory *memory, size_t count, size_t size)
 {
     const size_t bytes = (count + 1) * size;
     void *data;
@@ -346,8 +346,8 @@ static int pbwa2__find_stars(pbwa2__memory *memory, const pbw_plane *plane, pbwa
 {
     const size_t n = plane->point_count, corners = 3 * plane->triangle_count;
     size_t i;
-    stars->first = (size_t *)pbwa2__get(memory, n + 2, sizeof *stars->first);
-    stars->item = (pbw_index *)pbwa2__get(memory, corners, sizeof *stars->item);
+    stars->first = (size_t *)pbwa2__zeros(memory, n + 2, sizeof *stars->first);
+    stars->item = (pbw_index *)pbwa2__zeros(memory, corners, sizeof *stars->item);
     if (stars->first == NULL || stars->item == NULL) {
         return 0;
     }
@@ -369,7 +369,7 @@ static int pbwa2__find_stars(pbwa2__memory *memory, const pbw_plane *plane, pbwa
    Out: the plane of those points and of the edges of segments; edges are joined over their points that do not stay.
    The domain is what the border winds round; edges inside of it occur in both directions, and add up to 0.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwa2__again {
+typedef struct pbwa2__remake {
     const pbw_plane *old;
     const double *points;
     const unsigned char *stays;
@@ -378,7 +378,7 @@ typedef struct pbwa2__again {
     pbw_index *sides;                      /* per old edge: the regions to its left and right, PBW_NONE outside */
     pbw_index *segments, *ids, *lefts;
     size_t segment_count;
-} pbwa2__again;
+} pbwa2__remake;
 
 static size_t pbwa2__id_count(const pbw_plane *p, size_t edge)
 {
@@ -386,7 +386,7 @@ static size_t pbwa2__id_count(const pbw_plane *p, size_t edge)
 }
 
 /* Adds a segment with a region of the old plane to its left. */
-static void pbwa2__emit(pbwa2__again *a, pbw_index u, pbw_index v, pbw_index id, pbw_index region)
+static void pbwa2__emit(pbwa2__remake *a, pbw_index u, pbw_index v, pbw_index id, pbw_index region)
 {
     a->segments[2 * a->segment_count] = a->number[u];
     a->segments[2 * a->segment_count + 1] = a->number[v];
@@ -396,7 +396,7 @@ static void pbwa2__emit(pbwa2__again *a, pbw_index u, pbw_index v, pbw_index id,
 
 /* Walks from point u along edge e to the first point that stays.  Adds the segment from u to there, unless the walk
    from the other end adds it. */
-static void pbwa2__chain(pbwa2__again *a, pbw_index u, size_t e, const size_t *edges_at)
+static void pbwa2__chain(pbwa2__remake *a, pbw_index u, size_t e, const size_t *edges_at)
 {
     const pbw_plane *p = a->old;
     const size_t start = e, ids = pbwa2__id_count(p, e);
@@ -422,18 +422,18 @@ static void pbwa2__chain(pbwa2__again *a, pbw_index u, size_t e, const size_t *e
     }
 }
 
-static int pbwa2__find_segments(pbwa2__again *a, pbwa2__memory *memory)
+static int pbwa2__find_segments(pbwa2__remake *a, pbwa2__memory *memory)
 {
     const pbw_plane *p = a->old;
-    size_t *edges_at = (size_t *)pbwa2__get(memory, p->point_count, sizeof *edges_at);   /* their numbers, xor'ed */
+    size_t *edges_at = (size_t *)pbwa2__zeros(memory, p->point_count, sizeof *edges_at); /* their numbers, xor'ed */
     size_t i, most = 2 * p->edge_count;
     if (p->edge_count > 0) {
         most += 2 * p->edge_first[p->edge_count];
     }
-    a->sides = (pbw_index *)pbwa2__get(memory, p->edge_count, 2 * sizeof *a->sides);
-    a->segments = (pbw_index *)pbwa2__get(memory, most, 2 * sizeof *a->segments);
-    a->ids = (pbw_index *)pbwa2__get(memory, most, sizeof *a->ids);
-    a->lefts = (pbw_index *)pbwa2__get(memory, most, sizeof *a->lefts);
+    a->sides = (pbw_index *)pbwa2__zeros(memory, p->edge_count, 2 * sizeof *a->sides);
+    a->segments = (pbw_index *)pbwa2__zeros(memory, most, 2 * sizeof *a->segments);
+    a->ids = (pbw_index *)pbwa2__zeros(memory, most, sizeof *a->ids);
+    a->lefts = (pbw_index *)pbwa2__zeros(memory, most, sizeof *a->lefts);
     if (edges_at == NULL || a->sides == NULL || a->segments == NULL || a->ids == NULL || a->lefts == NULL) {
         return 0;
     }
@@ -455,17 +455,17 @@ static int pbwa2__find_segments(pbwa2__again *a, pbwa2__memory *memory)
     return 1;
 }
 
-static pbw_status pbwa2__make_again(pbwa2__again *a, pbwa2__memory *memory, const pbw_plane_options *options,
+static pbw_status pbwa2__make_again(pbwa2__remake *a, pbwa2__memory *memory, const pbw_plane_options *options,
                                     pbw_plane *result, pbw_index *from)
 {
     const size_t n = a->old->point_count;
-    double *points = (double *)pbwa2__get(memory, n, 2 * sizeof *points);
-    double *sizes = a->sizes != NULL ? (double *)pbwa2__get(memory, n, sizeof *sizes) : NULL;
+    double *points = (double *)pbwa2__zeros(memory, n, 2 * sizeof *points);
+    double *sizes = a->sizes != NULL ? (double *)pbwa2__zeros(memory, n, sizeof *sizes) : NULL;
     pbw_plane_options own = *options;
     pbw_plane_input input;
     size_t i, kept = 0;
     memset(&input, 0, sizeof input);
-    a->number = (pbw_index *)pbwa2__get(memory, n, sizeof *a->number);
+    a->number = (pbw_index *)pbwa2__zeros(memory, n, sizeof *a->number);
     if (points == NULL || (a->sizes != NULL && sizes == NULL) || a->number == NULL) {
         return pbwa2__say(result, PBW_ERROR_MEMORY, NULL);
     }
@@ -519,7 +519,7 @@ static double pbwa2__star_sine2(const pbw_plane *p, const double *points, const 
 }
 
 /* Adds what a triangle contributes to the new place of its corner a: weight, and weight times place relative to a. */
-static void pbwa2__pull(pbw_plane_way way, const double *a, const double *b, const double *c, double sum[3])
+static void pbwa2__add_move(pbw_plane_way way, const double *a, const double *b, const double *c, double sum[3])
 {
     const double bx = b[0] - a[0], by = b[1] - a[1], cx = c[0] - a[0], cy = c[1] - a[1];
     const double twice = bx * cy - by * cx, b2 = bx * bx + by * by, c2 = cx * cx + cy * cy;
@@ -551,7 +551,7 @@ static void pbwa2__move(const pbw_plane *p, double *points, const pbwa2__stars *
     for (i = s->first[v]; i < s->first[v + 1]; i++) {
         const pbw_index *c = p->triangles + 3 * (size_t)s->item[i];
         const unsigned k = c[0] == v ? 0u : c[1] == v ? 1u : 2u;
-        pbwa2__pull(way, old, pbwa2__at(points, c[(k + 1) % 3]), pbwa2__at(points, c[(k + 2) % 3]), sum);
+        pbwa2__add_move(way, old, pbwa2__at(points, c[(k + 1) % 3]), pbwa2__at(points, c[(k + 2) % 3]), sum);
     }
     for (part = 1; part > 0.1 && sum[0] > 0; part /= 2) {
         points[2 * v] = old[0] + part * sum[1] / sum[0];
@@ -569,7 +569,7 @@ static pbw_status pbwa2__round(const pbw_plane *plane, pbw_plane_way way, const 
                                const pbw_plane_options *options, pbw_plane *next)
 {
     pbwa2__memory memory;
-    pbwa2__again a;
+    pbwa2__remake a;
     pbwa2__stars stars;
     double *points, least;
     unsigned char *fixed, *stays;
@@ -579,9 +579,9 @@ static pbw_status pbwa2__round(const pbw_plane *plane, pbw_plane_way way, const 
     memset(next, 0, sizeof *next);
     pbwa2__start(&memory, options);
     memory.used = held;
-    points = (double *)pbwa2__get(&memory, plane->point_count, 2 * sizeof *points);
-    fixed = (unsigned char *)pbwa2__get(&memory, plane->point_count, 1);
-    stays = (unsigned char *)pbwa2__get(&memory, plane->point_count, 1);
+    points = (double *)pbwa2__zeros(&memory, plane->point_count, 2 * sizeof *points);
+    fixed = (unsigned char *)pbwa2__zeros(&memory, plane->point_count, 1);
+    stays = (unsigned char *)pbwa2__zeros(&memory, plane->point_count, 1);
     if (points == NULL || fixed == NULL || stays == NULL || !pbwa2__find_stars(&memory, plane, &stars)) {
         pbwa2__end(&memory);
         return pbwa2__say(next, PBW_ERROR_MEMORY, NULL);
@@ -701,13 +701,13 @@ static void pbwa2__grade(const pbw_plane *p, double growth, double *sizes)
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWA2__FREE, PBWA2__INNER, PBWA2__END };      /* of no segment; inside of one; the rest */
 
-typedef struct pbwa2__thinner {
+typedef struct pbwa2__coarsening {
     const pbw_plane *p;
     pbwa2__stars stars;
     const double *sizes;
     unsigned char *kind, *stays;
     pbw_index *list, *seen;                          /* seen: the last point that looked at a point, plus 1 */
-} pbwa2__thinner;
+} pbwa2__coarsening;
 
 static int pbwa2__same_ids(const pbw_plane *p, size_t e, size_t f)
 {
@@ -735,12 +735,12 @@ static const double *pbwa2__other_end(const pbw_plane *p, size_t e, pbw_index v)
 }
 
 /* Finds the kinds of points: a point inside a segment has two collinear edges, with the same segments and sides. */
-static int pbwa2__find_kinds(pbwa2__thinner *t, pbwa2__memory *memory, const unsigned char *keep)
+static int pbwa2__find_kinds(pbwa2__coarsening *t, pbwa2__memory *memory, const unsigned char *keep)
 {
     const pbw_plane *p = t->p;
-    size_t *one = (size_t *)pbwa2__get(memory, p->point_count, sizeof *one);
-    unsigned char *inside = (unsigned char *)pbwa2__get(memory, p->edge_count, 1);
-    unsigned char *degree = (unsigned char *)pbwa2__get(memory, p->point_count, 1);
+    size_t *one = (size_t *)pbwa2__zeros(memory, p->point_count, sizeof *one);
+    unsigned char *inside = (unsigned char *)pbwa2__zeros(memory, p->edge_count, 1);
+    unsigned char *degree = (unsigned char *)pbwa2__zeros(memory, p->point_count, 1);
     size_t i;
     if (one == NULL || inside == NULL || degree == NULL) {
         return 0;
@@ -769,7 +769,7 @@ static int pbwa2__find_kinds(pbwa2__thinner *t, pbwa2__memory *memory, const uns
 }
 
 /* Returns whether a point that stays is close to v. */
-static int pbwa2__is_crowded(pbwa2__thinner *t, pbw_index v)
+static int pbwa2__is_crowded(pbwa2__coarsening *t, pbw_index v)
 {
     const double *here = pbwa2__at(t->p->points, v);
     size_t count = 1, at, i;
@@ -795,7 +795,7 @@ static int pbwa2__is_crowded(pbwa2__thinner *t, pbw_index v)
     return 0;
 }
 
-static void pbwa2__thin(pbwa2__thinner *t)
+static void pbwa2__coarsen(pbwa2__coarsening *t)
 {
     int kind;
     size_t i;
@@ -812,8 +812,8 @@ PBWADAPT2DEF pbw_status pbw_plane_adapt(const pbw_plane *plane, const double *si
                                         const pbw_plane_options *options, pbw_plane *result, pbw_index *from)
 {
     pbwa2__memory memory;
-    pbwa2__again a;
-    pbwa2__thinner t;
+    pbwa2__remake a;
+    pbwa2__coarsening t;
     pbw_plane_options own;
     pbw_status status = PBW_ERROR_MEMORY;
     double *graded;
@@ -832,11 +832,11 @@ PBWADAPT2DEF pbw_status pbw_plane_adapt(const pbw_plane *plane, const double *si
     own.flags |= PBW_PLANE_REFINE;
     n = plane->point_count;
     pbwa2__start(&memory, options);
-    graded = (double *)pbwa2__get(&memory, n, sizeof *graded);
-    t.kind = (unsigned char *)pbwa2__get(&memory, n, 1);
-    t.stays = (unsigned char *)pbwa2__get(&memory, n, 1);
-    t.list = (pbw_index *)pbwa2__get(&memory, n, sizeof *t.list);
-    t.seen = (pbw_index *)pbwa2__get(&memory, n, sizeof *t.seen);
+    graded = (double *)pbwa2__zeros(&memory, n, sizeof *graded);
+    t.kind = (unsigned char *)pbwa2__zeros(&memory, n, 1);
+    t.stays = (unsigned char *)pbwa2__zeros(&memory, n, 1);
+    t.list = (pbw_index *)pbwa2__zeros(&memory, n, sizeof *t.list);
+    t.seen = (pbw_index *)pbwa2__zeros(&memory, n, sizeof *t.seen);
     t.p = a.old = plane;
     t.sizes = a.sizes = graded;
     a.points = plane->points;
@@ -847,7 +847,7 @@ PBWADAPT2DEF pbw_status pbw_plane_adapt(const pbw_plane *plane, const double *si
             graded[i] = sizes[i] > 0 ? sizes[i] : 1e60;
         }
         pbwa2__grade(plane, own.gradation > 0 ? own.gradation : 0.3, graded);
-        pbwa2__thin(&t);
+        pbwa2__coarsen(&t);
         status = pbwa2__make_again(&a, &memory, &own, result, from);
     } else {
         status = pbwa2__say(result, status, NULL);
@@ -913,8 +913,8 @@ static int pbwa2__find_sides(const pbw_plane_input *input, const pbw_index *tria
 /* Gives sides the first of the corners at a place; each corner is u of one side.  Returns 0 without memory. */
 static int pbwa2__unite_points(pbwa2__memory *memory, const double *points, size_t n, pbwa2__side *side, size_t count)
 {
-    pbwa2__place *place = (pbwa2__place *)pbwa2__get(memory, count, sizeof *place);
-    pbw_index *first = (pbw_index *)pbwa2__get(memory, n, sizeof *first);
+    pbwa2__place *place = (pbwa2__place *)pbwa2__zeros(memory, count, sizeof *place);
+    pbw_index *first = (pbw_index *)pbwa2__zeros(memory, n, sizeof *first);
     size_t i, k = 0;
     if (place == NULL || first == NULL) {
         return 0;
@@ -969,7 +969,7 @@ static size_t pbwa2__find_border(const double *points, pbwa2__side *side, size_t
 }
 
 /* About where two segments cross. */
-static void pbwa2__meet(const double *points, const pbw_index *s, const pbw_index *t, double out[2])
+static void pbwa2__find_crossing(const double *points, const pbw_index *s, const pbw_index *t, double out[2])
 {
     const double *a = pbwa2__at(points, s[0]), *b = pbwa2__at(points, s[1]);
     const double *u = pbwa2__at(points, t[0]), *v = pbwa2__at(points, t[1]);
@@ -983,9 +983,9 @@ static pbw_status pbwa2__make_of_sides(pbwa2__memory *memory, const pbw_plane_in
                                        size_t count, const pbw_plane_options *options, pbw_plane *plane)
 {
     const size_t n = given->segment_count, all = count + 2 * n;
-    pbw_index *segments = (pbw_index *)pbwa2__get(memory, all, 2 * sizeof *segments);
-    pbw_index *ids = (pbw_index *)pbwa2__get(memory, all, sizeof *ids);
-    pbw_index *lefts = (pbw_index *)pbwa2__get(memory, all, sizeof *lefts);
+    pbw_index *segments = (pbw_index *)pbwa2__zeros(memory, all, 2 * sizeof *segments);
+    pbw_index *ids = (pbw_index *)pbwa2__zeros(memory, all, sizeof *ids);
+    pbw_index *lefts = (pbw_index *)pbwa2__zeros(memory, all, sizeof *lefts);
     pbw_plane_options own = *options;
     pbw_plane_input input;
     pbw_status status;
@@ -1023,7 +1023,7 @@ static pbw_status pbwa2__make_of_sides(pbwa2__memory *memory, const pbw_plane_in
         if (status == PBW_ERROR_ARGUMENT && plane->crossing_count > 0) {
             const pbw_index *s = segments + 2 * (size_t)plane->crossings[0];
             const pbw_index *t = segments + 2 * (size_t)plane->crossings[1];
-            pbwa2__meet(given->points, s, t, at);
+            pbwa2__find_crossing(given->points, s, t, at);
             pbw_plane_free(plane);
             snprintf(plane->what, sizeof plane->what, "borders of triangles, or segments, cross at (%.9g, %.9g): "
                      "triangles lie on each other, or a segment is no edge of one", at[0], at[1]);
@@ -1052,7 +1052,7 @@ PBWADAPT2DEF pbw_status pbw_plane_from_triangles(const pbw_plane_input *input, c
         return pbwa2__say(plane, PBW_ERROR_ARGUMENT, "points and triangles are needed, or an array is NULL");
     }
     pbwa2__start(&memory, options);
-    side = (pbwa2__side *)pbwa2__get(&memory, 3 * triangle_count, sizeof *side);
+    side = (pbwa2__side *)pbwa2__zeros(&memory, 3 * triangle_count, sizeof *side);
     status = side == NULL ? pbwa2__say(plane, PBW_ERROR_MEMORY, NULL)
            : pbwa2__find_sides(input, triangles, regions, triangle_count, side, plane) ? PBW_OK : PBW_ERROR_ARGUMENT;
     if (status == PBW_OK) {
@@ -1086,7 +1086,7 @@ typedef struct pbwa2__tree {
     int levels;
 } pbwa2__tree;
 
-static int pbwa2__plant(pbwa2__tree *tree, pbwa2__memory *memory)
+static int pbwa2__build_tree(pbwa2__tree *tree, pbwa2__memory *memory)
 {
     const pbw_plane *p = tree->p;
     size_t count = p->triangle_count, total = 0, i, j;
@@ -1097,7 +1097,7 @@ static int pbwa2__plant(pbwa2__tree *tree, pbwa2__memory *memory)
         total += count;
         count = (count + 3) / 4;
     }
-    tree->box = (pbwa2__box *)pbwa2__get(memory, total, sizeof *tree->box);
+    tree->box = (pbwa2__box *)pbwa2__zeros(memory, total, sizeof *tree->box);
     if (tree->box == NULL) {
         return 0;
     }
@@ -1121,7 +1121,7 @@ static int pbwa2__plant(pbwa2__tree *tree, pbwa2__memory *memory)
 }
 
 /* The squared distance of q from a triangle, and the weights of its corners at the nearest place. */
-static double pbwa2__reach(const pbw_plane *p, size_t triangle, const double *q, double weight[3])
+static double pbwa2__distance2_to(const pbw_plane *p, size_t triangle, const double *q, double weight[3])
 {
     const pbw_index *v = p->triangles + 3 * triangle;
     double sum = 0, best = HUGE_VAL;
@@ -1164,7 +1164,7 @@ static double pbwa2__box_apart2(const pbwa2__box *box, const double *q)
 static size_t pbwa2__nearest(const pbwa2__tree *tree, const double *q, size_t guess, double weight[3])
 {
     size_t stack[4 * 34], found = guess, n = 0;
-    double best = pbwa2__reach(tree->p, guess, q, weight), other[3];
+    double best = pbwa2__distance2_to(tree->p, guess, q, weight), other[3];
     stack[n++] = (size_t)(tree->levels - 1);         /* level, + 64 times the number in the level */
     while (n > 0 && best > 0) {
         const size_t level = stack[--n] & 63, at = stack[n] >> 6;
@@ -1173,7 +1173,7 @@ static size_t pbwa2__nearest(const pbwa2__tree *tree, const double *q, size_t gu
             continue;
         }
         if (level == 0) {
-            const double apart2 = pbwa2__reach(tree->p, at, q, other);
+            const double apart2 = pbwa2__distance2_to(tree->p, at, q, other);
             if (apart2 < best) {
                 best = apart2;
                 found = at;
@@ -1191,7 +1191,7 @@ static size_t pbwa2__nearest(const pbwa2__tree *tree, const double *q, size_t gu
 }
 
 /* The weighted mean of three values, rounded to one between them: a constant stays one. */
-static double pbwa2__mix(const double weight[3], double a, double b, double c)
+static double pbwa2__mean_of(const double weight[3], double a, double b, double c)
 {
     const double mean = weight[0] * a + weight[1] * b + weight[2] * c;
     const double low = a < b ? (a < c ? a : c) : b < c ? b : c, high = a > b ? (a > c ? a : c) : b > c ? b : c;
@@ -1211,7 +1211,7 @@ PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plan
     pbwa2__start(&memory, options);
     memset(&tree, 0, sizeof tree);
     tree.p = from;
-    if (!pbwa2__plant(&tree, &memory)) {
+    if (!pbwa2__build_tree(&tree, &memory)) {
         pbwa2__end(&memory);
         return PBW_ERROR_MEMORY;
     }
@@ -1220,8 +1220,8 @@ PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plan
         at = pbwa2__nearest(&tree, to->points + 2 * i, at, weight);
         v = from->triangles + 3 * at;
         for (k = 0; k < width; k++) {
-            out[width * i + k] = pbwa2__mix(weight, values[width * v[0] + k], values[width * v[1] + k],
-                                            values[width * v[2] + k]);
+            out[width * i + k] = pbwa2__mean_of(weight, values[width * v[0] + k], values[width * v[1] + k],
+                                                values[width * v[2] + k]);
         }
     }
     pbwa2__end(&memory);
