@@ -205,6 +205,7 @@ rooms="pbw.h examples/lib/pbw_query.h examples/lib/pbw_live.h pbw_cuda.cu"
 rooms_of_companions="examples/lib/pbw_film.h examples/lib/pbw_generate.h examples/lib/pbw_io.h examples/lib/pbw_model.h
     examples/lib/pbw_picture.h examples/lib/pbw_sample.h examples/lib/pbw_view.h
     examples/lib/pbw_adapt3.h examples/lib/pbw_improve.h examples/lib/pbw_mesh3.h examples/lib/pbw_stuffing.h
+    examples/lib/pbw_cells.h examples/lib/pbw_mesh2.h examples/lib/pbw_adapt2.h
     examples/lib/pbw_surface.h examples/lib/pbw_mpi.h examples/lib/pbw_tilefile.h examples/lib/pbw_tiles.h"
 cat > "$work/rooms.awk" << 'END'
 function leave() {

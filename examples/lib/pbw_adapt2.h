@@ -36,6 +36,18 @@
    LIMITS
    Lloyd's way and ODT even out sizes: a graded mesh loses some of its grading with every round.
 
+   CONTENTS
+     >>interface    types and functions
+     >>memory       arrays of a call
+     >>quality      measures of triangles
+     >>stars        triangles at points
+     >>remake       building a plane again
+     >>smoothing    points that move
+     >>sizes        sizes of errors; sizes that grow by a bound
+     >>coarsening   which points stay, and adaptation
+     >>triangles    a plane from triangles
+     >>transfer     values at the points of another mesh
+
    CONFIGURATION MACROS
      PBW_ADAPT2_IMPLEMENTATION    in one source file: compile the implementation there
      PBWADAPT2DEF                 everywhere: your own linkage for the functions, for example static
@@ -49,6 +61,10 @@
 #ifndef PBWADAPT2DEF
 #define PBWADAPT2DEF extern
 #endif
+
+/* ------------------------------------------------------------------------------------------------------
+   >>interface    Types and functions.
+   ------------------------------------------------------------------------------------------------------ */
 
 #ifdef __cplusplus
 extern "C" {
@@ -162,7 +178,7 @@ PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plan
 #endif
 
 /* ------------------------------------------------------------------------------------------------------
-   Memory: a few arrays a call, freed together.
+   >>memory       Memory: a few arrays a call, freed together.
    Holds: used = the sum of the arrays, and of planes that the call holds; over the limit there are no more.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWA2__ARRAYS = 24 };
@@ -263,7 +279,8 @@ static double pbwa2__apart2(const double *a, const double *b)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Quality.
+   >>quality      Quality.
+   In: triangles.  Out: measures, and how they spread.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWA2__SQRT3 1.7320508075688772
 #define PBWA2__DEGREES 57.295779513082323
@@ -338,7 +355,8 @@ PBWADAPT2DEF pbw_plane_quality pbw_plane_quality_of(const pbw_plane *plane, pbw_
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Triangles at points: those of point v are item[first[v]] .. item[first[v+1]-1], ascending.
+   >>stars        Triangles at points.
+   In: a plane.  Out: the triangles of point v are item[first[v]] .. item[first[v+1]-1], ascending.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwa2__stars { size_t *first; pbw_index *item; } pbwa2__stars;
 
@@ -364,7 +382,7 @@ static int pbwa2__find_stars(pbwa2__memory *memory, const pbw_plane *plane, pbwa
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Building a plane again.
+   >>remake       Building a plane again.
    In: a plane, the new places of its points, which of them stay.
    Out: the plane of those points and of the edges of segments; edges are joined over their points that do not stay.
    The domain is what the border winds round; edges inside of it occur in both directions, and add up to 0.
@@ -496,7 +514,9 @@ static pbw_status pbwa2__make_again(pbwa2__remake *a, pbwa2__memory *memory, con
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Smoothing.
+   >>smoothing    Smoothing.
+   In: a plane.  Out: one of as many points, those on no segment at other places.
+   Holds: no move makes the least angle of the mesh smaller; each round ends with a triangulation.
    ------------------------------------------------------------------------------------------------------ */
 
 /* The squared sine of the least angle, which has the least sine; negative: not counter-clockwise. */
@@ -640,7 +660,8 @@ PBWADAPT2DEF pbw_status pbw_plane_smooth(pbw_plane *plane, pbw_plane_way way, in
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Sizes.
+   >>sizes        Sizes.
+   In: errors of triangles, or sizes at points.  Out: sizes at points; they grow from point to point by a bound.
    ------------------------------------------------------------------------------------------------------ */
 
 /* A triangle with error e that is cut into m parts has m triangles of error e / m each, as the error falls with the
@@ -694,7 +715,7 @@ static void pbwa2__grade(const pbw_plane *p, double growth, double *sizes)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Coarsening: which points stay.
+   >>coarsening   Which points stay, and adaptation.
    In: sizes.  Out: stays.
    Holds: of two points that stay, if one could be removed and edges connect them nearby, the distance is at least
    half of the smaller of their sizes.
@@ -857,7 +878,7 @@ PBWADAPT2DEF pbw_status pbw_plane_adapt(const pbw_plane *plane, const double *si
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   A plane from triangles.
+   >>triangles    A plane from triangles.
    In: triangles, their regions, segments.
    Out: the plane of the sides that stay and of the segments.  A side turns as its triangle does, so the domain is
    what the sides wind round; segments go there and back, and add up to 0.
@@ -1074,8 +1095,10 @@ PBWADAPT2DEF pbw_status pbw_plane_from_triangles(const pbw_plane_input *input, c
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Transfer: the nearest triangle of each point, by a tree of boxes over runs of 4^k triangles, which pbw_plane has in
+   >>transfer     Values at the points of another mesh.
+   The nearest triangle of each point is found by a tree of boxes over runs of 4^k triangles, which pbw_plane has in
    the order of a curve.
+   In: values at the points of one plane.  Out: those at the points of another.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwa2__box { double low[2], high[2]; } pbwa2__box;
 

@@ -41,6 +41,31 @@
                  cells that are cut, too
      bounded     a call holds at most options.memory_limit, the mesh that it makes included
 
+   CONTENTS
+     >>interface    types and functions
+     >>memory       growing arrays
+     >>centres      the centre of a simplex
+     >>exact        exact numbers
+     >>polytopes    polytopes, and cuts by planes
+     >>stars        the simplices at a vertex
+     >>volumes      volumes from stars
+     >>shares       volumes from simplices
+     >>facets       facets of cells that are not cut
+     >>cuts         cells cut from the domain
+     >>true         cut cells of the true diagram
+     >>signs        exact signs for polygons
+     >>rings        the boundary of what rings enclose
+     >>polygons     polygons as domains
+     >>chains       one cell of a polygon
+     >>periodic     which copies of points are needed
+     >>ranges       ranges of points, and their parts in one
+     >>merging      centres that coincide
+     >>domain       the domain as a polytope
+     >>flat         points on a line or in a plane
+     >>calls        the calls without periods
+     >>units        units of periodic boxes
+     >>rounds       copies and rounds
+
    CONFIGURATION MACROS
      PBW_CELLS_IMPLEMENTATION    in one source file: compile the implementation there
      PBWCELLSDEF                 everywhere: your own linkage for the functions, for example static
@@ -54,6 +79,10 @@
 #ifndef PBWCELLSDEF
 #define PBWCELLSDEF extern
 #endif
+
+/* ------------------------------------------------------------------------------------------------------
+   >>interface    Types and functions.
+   ------------------------------------------------------------------------------------------------------ */
 
 #ifdef __cplusplus
 extern "C" {
@@ -194,7 +223,7 @@ PBWCELLSDEF void pbw_cells_free(pbw_cells *cells);           /* fine on {0}, fin
 #endif
 
 /* ------------------------------------------------------------------------------------------------------
-   Memory: growing arrays through options.resize.
+   >>memory       Memory: growing arrays through options.resize.
    Holds: used = the sum of all live arrays; over the limit nothing grows.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwc__memory {
@@ -289,8 +318,9 @@ static PBWC__INLINE int pbwc__push(pbwc__memory *memory, pbwc__array *array, pbw
 #define PBWC__DOUBLES(array) ((double *)(array).data)
 
 /* ------------------------------------------------------------------------------------------------------
-   Centres: where the bisectors (with weights: radical planes) of a simplex meet, relative to its first corner a.
-   With B, C, D the other corners relative to a and B2 = |B|^2 - (w_b - w_a), and so on,
+   >>centres      Where the bisectors (with weights: radical planes) of a simplex meet.
+   In: the corners of a simplex.  Out: its centre, and whether it has one.
+   Relative to the first corner a, with B, C, D the other corners and B2 = |B|^2 - (w_b - w_a), and so on,
        centre = (B2 CxD + C2 DxB + D2 BxC) / (2 B.CxD).
    The relative error is some 1e-15 L^3 / |B.CxD|, L the longest edge at a; below 1e-6 L^3 all is computed again in
    pairs of doubles, from exact differences, which leaves 1e-26 L^3 / |B.CxD|.
@@ -450,10 +480,12 @@ static PBWC__INLINE int pbwc__centre_of(const pbw_mesh *mesh, size_t dim, pbw_in
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Exact numbers: a sign and limbs of 32 bits, value = sign * sum of limb[i] * 2^(32 (low + i)); the first and the
-   last limb are not 0.  Every double is one, and so are sums and products: nothing is rounded, over- or underflows.
-   In: at most products of five coordinates or differences of two, and sums of a few hundred of them.  A double has
-   bits from 2^-1074 to 2^1023, so five factors have less than 10,500 bits, 329 limbs; PBWC__LIMBS has room for sums.
+   >>exact        Exact numbers.
+   A number is a sign and limbs of 32 bits: sign * sum of limb[i] * 2^(32 (low + i)); the first and the last limb are
+   not 0.  Every double is one, and so are sums and products: nothing is rounded, over- or underflows.
+   In: at most products of five coordinates or differences of two, and sums of a few hundred of them.  Out: signs.
+   A double has bits from 2^-1074 to 2^1023, so five factors have less than 10,500 bits, 329 limbs; PBWC__LIMBS has
+   room for sums.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWC__LIMBS 336
 
@@ -588,8 +620,9 @@ static double pbwc__exact_value(const pbwc__exact *a)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Polytopes: corners, and facets as loops of corners, counter-clockwise from outside.  In the plane one loop, whose
-   i-th edge, from corner i to the next, is facet i.
+   >>polytopes    Polytopes, and cuts of them by planes.
+   A polytope has corners, and facets as loops of corners, counter-clockwise from outside; in the plane one loop,
+   of which the i-th edge, from corner i to the next, is facet i.
    Holds: each edge of a polytope in space is in two loops, once in each direction; so the surface is closed.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwc__poly {
@@ -895,7 +928,8 @@ static int pbwc__cut(pbwc__memory *memory, pbwc__cutter *cutter, int dim, const 
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Stars: the simplices at a vertex v (in the plane, its parts), and their other vertices, the links.
+   >>stars        Stars: the simplices at a vertex v (in the plane, its parts), and their other vertices, the links.
+   In: a vertex.  Out: its links, and the rings of simplices around them.
    In space the simplices at the edge from v to a link are its ring, counter-clockwise seen from the link.  A ring is
    walked from simplex to simplex: from v, u, p, q, positively oriented, the walk leaves across from p; q and the new
    corner are the next p and q.  A corner met for the first time is a new link, so the rings find all links.
@@ -1504,7 +1538,8 @@ static pbw_index pbwc__root(pbw_index *merged, pbw_index s)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Volumes and centroids of cells from their stars.
+   >>volumes      Volumes and centroids of cells from their stars.
+   In: a star.  Out: the moments of its cell, if it is closed and inside of the domain.
    ------------------------------------------------------------------------------------------------------ */
 /* Ends the sums of a cell: moments * 24 (in the plane 6), volume * 6 (2). */
 static void pbwc__set_cell(pbwc__job *job, pbw_index v, const double *sum)
@@ -1552,7 +1587,7 @@ static int pbwc__star_volume(pbwc__work *work)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Volumes and centroids alone, in space: one pass over the simplices, without stars.
+   >>shares       Volumes and centroids alone, in space: one pass over the simplices, without stars.
    A simplex adds to the cells of its corners.  Let S be its centre, F the foot of S on the facet i j k, and M where
    the plane between the cells crosses the edge i j.  Cell i gets the signed tetrahedron i M F S; those of all
    simplices at i fill its cell.  With n the facet's inward normal, as long as twice its area,
@@ -1881,7 +1916,8 @@ static pbw_status pbwc__add_chunk(void *arg, size_t from, size_t to)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Facets read off stars.
+   >>facets       Facets read off stars.
+   In: a star.  Out: the facets of its cell, with neighbours, areas and corners.
    ------------------------------------------------------------------------------------------------------ */
 /* Appends a vector of 2 or 3 numbers to an array of doubles.  Returns its index there, PBW_NONE if there is no
    memory. */
@@ -2064,7 +2100,8 @@ static int pbwc__star_facets(pbwc__work *work)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Cells cut from the domain: those with corners outside the domain, or sites on the hull.
+   >>cuts         Cells cut from the domain: those with corners outside the domain, or sites on the hull.
+   In: a star, the domain.  Out: the polytope of the cell, and its facets.
    ------------------------------------------------------------------------------------------------------ */
 /* Makes the domain's polytope relative to the site, cut by the bisectors of all links.  Returns 0 if there is no
    memory. */
@@ -2293,7 +2330,8 @@ static int pbwc__cut_facets(pbwc__work *work, pbw_index v)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Cut cells of the true diagram: from the box around the domain, by its planes and the bisectors, with exact signs.
+   >>true         Cut cells of the true diagram: from the box around the domain, by its planes and the bisectors, with
+   exact signs.
    A corner is known by three planes a b c of facets that meet in it; row n c is the plane n.x <= c.  With
        X = c_a b x c + c_b c x a + c_c a x b,  D = a.(b x c)    it is at X / D,
    and n.X - c D has the sign of D if it is beyond a plane.  In the plane of the drawing, z = 0 is the third plane.
@@ -2552,8 +2590,10 @@ static int pbwc__cut_exactly(pbwc__work *work)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Exact signs for polygons in the plane.  Each is first tried in doubles, against a bound of its rounding errors.
+   >>signs        Exact signs for polygons in the plane.
+   Each is first tried in doubles, against a bound of its rounding errors.
    In: coordinates that are 0 or from PBWC__LEAST to PBWC__MOST in size, weights likewise with the squares of those.
+   Out: signs.
    Then no product of four overflows or underflows in doubles.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWC__LEAST 1e-57
@@ -2679,7 +2719,8 @@ static int pbwc__centre_side(const pbw_mesh *mesh, const double *p, const double
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   The boundary of what rings enclose, by a plane sweep over the corners in order of x, then y (Shamos, Hoey 1976).
+   >>rings        The boundary of what rings enclose, by a plane sweep over the corners in order of x, then y (Shamos,
+   Hoey 1976).
    Edges are cut at all corners on them.  Pieces of edges that lie on each other cancel in pairs, so neighbours that
    share edges become one, and spikes and rings without area vanish.  Two edges that cross elsewhere are an error.
    Bars are active pieces, from a corner on the left to one further right, each of one or more edges; they are sorted
@@ -3129,14 +3170,18 @@ PBWCELLSDEF pbw_status pbw_cells_rings(const pbw_domain *domain, const pbw_optio
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Polygons as domains, in the plane.  Each edge is followed from cell to cell: it leaves a cell across the side with
-   one corner on its right and one on its left.  A visit is the part of an edge in a cell.  The visits of a cell are
-   joined to chains.  Chains and parts of the cell's own sides, from where a chain leaves to where the next one
-   enters, make loops.  A cell that no edge crosses is inside or outside, as its neighbours are.
+   >>polygons     Polygons as domains, in the plane.
+     1. Each edge is followed from cell to cell: it leaves a cell across the side with one corner on its right and one
+        on its left.  A visit is the part of an edge in a cell.
+     2. The visits of a cell are joined to chains.
+     3. Chains and parts of the cell's own sides, from where a chain leaves to where the next one enters, make loops.
+     4. A cell that no edge crosses is inside or outside, as its neighbours are.
    Holds: each edge is treated as moved to its left by an infinitesimal distance, the same for all edges of a straight
-   run, larger for an earlier run than for all later ones.  So the polygon is a little smaller, none of its corners is on
-   the line between two cells, no edge passes through a centre, and a cell that it only touches has no part of it.
-   In: loops of the boundary, with the inside on the left of their edges, which do not cross if moved.
+   run, larger for an earlier run than for all later ones.  So the polygon is a little smaller, none of its corners
+   is on the line between two cells, no edge passes through a centre, and a cell that it only touches has no part of
+   it.
+   In: loops of the boundary, with the inside on the left of their edges, which do not cross if moved.  Out: visits,
+   by cells; for each cell without one, whether it is inside.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwc__visit {
     pbw_index cell, edge;
@@ -3295,7 +3340,8 @@ static pbw_index pbwc__vertex_near(const pbw_mesh *mesh, const double *p)
     return nearest;
 }
 
-/* Finds the cells of the polygon's corners: steps to nearer vertices, from the cell of the corner before on a curve. */
+/* Finds the cells of the polygon's corners: steps to nearer vertices, from the cell of the corner before on a
+   curve. */
 static pbw_status pbwc__find_own_cells(void *arg, size_t from, size_t to)
 {
     pbwc__job *job = (pbwc__job *)arg;
@@ -3487,7 +3533,10 @@ static pbw_status pbwc__connect(pbwc__job *job)
     return PBW_OK;
 }
 
-/* ---- one cell */
+/* ------------------------------------------------------------------------------------------------------
+   >>chains       One cell of a polygon: its visits joined to chains, chains and its own sides to loops.
+   In: a cell's star and visits.  Out: its loops, facets and moments.
+   ------------------------------------------------------------------------------------------------------ */
 
 typedef struct pbwc__end { int side, leaves, visit; } pbwc__end;     /* of a chain, at a link */
 
@@ -4040,8 +4089,10 @@ static void pbwc__end_clip(pbwc__job *job)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Periodic boxes: the cells of the points in a mesh that also has copies of them beyond the walls of the box.  Copies
-   are exact translates, as coordinates and box sizes are multiples of one power of two per axis.
+   >>periodic     Periodic boxes and lattices: which copies of points the cells need.
+   In: the cells of a round.  Out: marks where copies are missing, or the missing copies.
+   The cells are those of the points in a mesh that also has copies of them beyond the walls of the box.  Copies are
+   exact translates, as coordinates and box sizes are multiples of one power of two per axis.
    The copies are certainly enough: a missing copy could change a cell only if it takes one of the cell's corners,
    that is, if it lies in the ball around that corner that reaches to the site (with weights, the squared radius is
    the corner's power distance plus the largest weight).  Balls that leave the padded box mark a grid, and the copies
@@ -4058,8 +4109,9 @@ static void pbwc__end_clip(pbwc__job *job)
    from a box of 3/4 to each side.
    A lattice: all of that with heights instead of coordinates, which are distances from the faces of a parallelepiped,
    that of its reduced vectors.  Vector k adds its height to the k-th one and 0 to the others, and two points are as
-   far apart as their heights or further, so balls are between two heights.  A cell lies in that of the lattice itself,
-   which reaches at most half the sum of the vectors' lengths: each point is so near to a sum of whole vectors.
+   far apart as their heights or further, so balls are between two heights.  A cell lies in that of the lattice
+   itself, which reaches at most half the sum of the vectors' lengths: each point is so near to a sum of whole
+   vectors.
    ------------------------------------------------------------------------------------------------------ */
 
 /* How far x lies along the k-th axis, or of a lattice from the k-th face. */
@@ -4354,7 +4406,9 @@ static pbw_status pbwc__certify_simplices(void *arg, size_t from, size_t to)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Ranges of points, each with memory of its own; then their parts in one.
+   >>ranges       Ranges of points, each with memory of its own; then their parts in one.
+   In: stars and polytopes, range by range.  Out: the caller's arrays.
+   Holds: the arrays do not depend on which thread has which range.
    ------------------------------------------------------------------------------------------------------ */
 /* Returns whether the star's polytope can be cut: all centres are good, and none is so far from the domain that the
    cuts lose digits. */
@@ -4702,8 +4756,10 @@ static pbw_status pbwc__join_all(pbwc__job *job, size_t ranges)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Merging: two simplices that share a facet have one centre if and only if the far corner of either lies exactly on
-   the sphere of the other.  merged[s] is the first simplex that is connected to s by such facets.
+   >>merging      Centres that coincide.
+   Two simplices that share a facet have one centre if and only if the far corner of either lies exactly on the
+   sphere of the other.
+   In: a mesh.  Out: merged[s] is the first simplex that is connected to s by such facets.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwc__ties { const pbw_mesh *mesh; unsigned char *tied; } pbwc__ties;     /* a bit per corner */
 
@@ -4783,7 +4839,8 @@ static pbw_status pbwc__merge(pbwc__job *job)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   The domain as a polytope and as planes.
+   >>domain       The domain as a polytope and as planes.
+   In: the caller's box, planes, rings.  Out: those of the job; what bounds nothing is refused.
    ------------------------------------------------------------------------------------------------------ */
 /* The box cut by all planes.  Returns PBW_ERROR_ARGUMENT if nothing is left. */
 static pbw_status pbwc__cut_domain(pbwc__job *job, const pbw_domain *domain, const double *low, const double *high)
@@ -4913,9 +4970,10 @@ static pbw_status pbwc__prepare_domain(pbwc__job *job, const pbw_domain *domain)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Points that span no simplex: one, or all on a line or in a plane.  With the corners of a large simplex they do.
-   The cells of these do not meet the domain, so in there all other cells stay as they are: all that is in the box
-   around domain and points is nearer to each point than to the corners, which have the least weight.
+   >>flat         Points that span no simplex: one, or all on a line or in a plane.
+   In: those.  Out: a mesh of them and the corners of a large simplex.
+   The cells of the corners do not meet the domain, so in there all other cells stay as they are: all that is in the
+   box around domain and points is nearer to each point than to the corners, which have the least weight.
    ------------------------------------------------------------------------------------------------------ */
 /* Corner i of a simplex around a box, further from all in it than its points from each other. */
 static void pbwc__apex(int dim, int i, const double *low, const double *high, double *x)
@@ -4983,7 +5041,8 @@ static pbw_status pbwc__span(pbwc__job *job)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   The call.
+   >>calls        The calls without periods.
+   In: a mesh, a domain.  Out: cells, or a status, and nothing held.
    ------------------------------------------------------------------------------------------------------ */
 /* Empty cells, for points that are no vertices. */
 static pbw_status pbwc__no_cells(void *arg, size_t from, size_t to)
@@ -5171,7 +5230,7 @@ PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *doma
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Periodic boxes and lattices: units, points in them, how far cells reach.
+   >>units        Units of periodic boxes and lattices, points in them, how far cells reach.
    In: the domain and the points.  Out: those, rounded and moved in; sizes, walls, margins.
    ------------------------------------------------------------------------------------------------------ */
 /* Moves x into the parallelepiped. */
@@ -5460,7 +5519,7 @@ static pbw_status pbwc__reach(pbwc__period *period)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Periodic boxes and lattices: copies, rounds.
+   >>rounds       Copies and rounds of periodic boxes and lattices.
    In: points in the units.  Out: cells, by meshes of points and copies until no copy is missing.
    ------------------------------------------------------------------------------------------------------ */
 /* Where copies may be: the padded box and all marks. */

@@ -28,8 +28,7 @@
    Segments are inserted into the Delaunay triangulation of the points one by one: the triangles that a segment
    crosses are replaced on both sides of it.  The tie rule of pbw.h makes the result unique: the constrained
    triangulation of the set of points and segments, whatever their order.  Refinement moves its own points or inserts
-   more where an angle or a size is not as wanted, and splits segments that such points come close to.  Rooms, in
-   order: memory, signs, segments, crossings, domain, refinement, its steps and its loop, result.
+   more where an angle or a size is not as wanted, and splits segments that such points come close to.
 
    PROMISES  (tests/test_mesh2.c guards them)
      exact       no tolerance decides which triangles there are; segments are never moved to fit
@@ -44,6 +43,20 @@
      A segment that crosses n edges takes time n^2 at worst, n log n as a rule.  Refinement needs coordinates of at
      most 1e60, in a domain of at least 1e-60.  One thread, but for the triangulation of the points.
 
+   CONTENTS
+     >>interface    types and functions
+     >>memory       growing arrays
+     >>job          a call, and its triangles
+     >>signs        orientation, circles
+     >>segments     segments inserted into a triangulation
+     >>crossings    segments that cross, and are cut there
+     >>domain       winding numbers, holes, regions
+     >>refinement   what is wrong with a triangle; queues; cavities
+     >>steps        splits of segments, moves and insertions of points
+     >>loop         all steps, until nothing is wrong
+     >>result       the caller's arrays
+     >>calls        the public functions
+
    CONFIGURATION MACROS
      PBW_MESH2_IMPLEMENTATION    in one source file: compile the implementation there
      PBWMESH2DEF                 everywhere: your own linkage for the functions, for example static
@@ -57,6 +70,10 @@
 #ifndef PBWMESH2DEF
 #define PBWMESH2DEF extern
 #endif
+
+/* ------------------------------------------------------------------------------------------------------
+   >>interface    Types and functions.
+   ------------------------------------------------------------------------------------------------------ */
 
 #ifdef __cplusplus
 extern "C" {
@@ -207,7 +224,7 @@ extern int madvise(void *address, size_t length, int advice);        /* strict C
 #endif
 
 /* ------------------------------------------------------------------------------------------------------
-   Memory: growing arrays through options.resize.
+   >>memory       Memory: growing arrays through options.resize.
    Holds: used = the sum of all live arrays; over the limit nothing grows.  fault is PBW_OK until an array could not
    grow or progress cancelled, and then stays what pbwm2__hand_over returns: no result is made of arrays that lack
    items.
@@ -301,7 +318,8 @@ static int pbwm2__push(pbwm2__memory *memory, pbwm2__array *array, pbw_index ite
 #define PBWM2__DOUBLES(array) ((double *)(array).data)
 
 /* ------------------------------------------------------------------------------------------------------
-   The job, and its triangles.
+   >>job          A call, and its triangles.
+   Holds: links of neighbours name each other; slots that are free are a list; arrays grow before they are written.
    Triangle t has corners v, counter-clockwise.  Edge i is opposite to corner i; link[i] is the code 4 t' + i' of that
    edge in the triangle beyond, or PBW_NONE.  edge[i] is its constraint: PBW_NONE, a piece, or a group of pieces.
    A free slot has v[0] = PBW_NONE, and link[0] leads to the next free one.
@@ -458,7 +476,8 @@ static void pbwm2__mark_edge(pbwm2__job *job, pbw_index code, pbw_index edge)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Signs: filters here, the exact predicates of pbw.h behind them.
+   >>signs        Signs: filters here, the exact predicates of pbw.h behind them.
+   In: points.  Out: exact signs.
    The bounds are those of Shewchuk 1997 ("Adaptive precision floating-point arithmetic and fast robust geometric
    predicates", A-stage): (3 + 16 e) e for orientations, (10 + 96 e) e for circles, e = 2^-53, times the sum of
    magnitudes.  They hold without underflow.  Where no coordinate is above 1e70, a product that underflows is off by
@@ -515,7 +534,7 @@ static int pbwm2__before(const pbwm2__job *job, pbw_index a, pbw_index b)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Segments.
+   >>segments     Segments.
    In: a constrained triangulation, a segment.  Out: the triangulation with the segment, or that it crosses another.
    Holds: every free edge is locally regular, before and after.
 
@@ -1044,7 +1063,7 @@ static pbw_status pbwm2__constrain(pbwm2__job *job, int *crosses)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Crossings: pairs of segments with a point inside both, by a tree of boxes over the segments along the curve.
+   >>crossings    Pairs of segments with a point inside both, by a tree of boxes over the segments along the curve.
    In: segments.  Out: all such pairs, or segments cut there.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwm2__box { double low[2], high[2]; } pbwm2__box;
@@ -1499,7 +1518,7 @@ static pbw_status pbwm2__constrain_all(pbwm2__job *job)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Domain: which triangles belong to it.
+   >>domain       Which triangles belong to the domain.
    In: the constrained triangulation of the convex hull.  Out: regions, their winding numbers; the other triangles are
    removed, and every edge on the border is a constraint.
 
@@ -1862,7 +1881,7 @@ static pbw_status pbwm2__find_domain(pbwm2__job *job)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Refinement: no angle below the bound, no triangle above its size.
+   >>refinement   Refinement: no angle below the bound, no triangle above its size.
    In: the domain.  Out: the domain with more points.
    Holds: after each step it is the constrained Delaunay triangulation of its points and parts of segments.
 
@@ -2506,7 +2525,7 @@ static void pbwm2__clear(pbwm2__refiner *r, pbw_index u, pbw_index v)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Refinement, its steps: sizes at vertices, splits of segments, moves and insertions of points.
+   >>steps        Steps of refinement: sizes at vertices, splits of segments, moves and insertions of points.
    In: the state and the tools of the room before.  Out: a segment split, a triangle mended.
    Holds: what that room says.
    ------------------------------------------------------------------------------------------------------ */
@@ -3013,7 +3032,7 @@ static int pbwm2__mend(pbwm2__refiner *r, pbw_index slot, unsigned shortest)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Refinement, its loop.
+   >>loop         The loop of refinement.
    In: the domain, the steps of the room before.  Out: the refined domain, or that it would have too many triangles.
    Holds: what the first of these rooms says.
    ------------------------------------------------------------------------------------------------------ */
@@ -3345,7 +3364,7 @@ static pbw_status pbwm2__refine(pbwm2__job *job)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Result.
+   >>result       The result.
    In: triangles in slots.  Out: the caller's arrays.
    Holds: triangles begin with their corner of least number along the curve, and are sorted by their corners, so the
    arrays are the same whatever the order in which segments went in.
@@ -3713,7 +3732,9 @@ static pbw_status pbwm2__hand_over(pbwm2__job *job, pbw_status status)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   The calls.
+   >>calls        The calls.
+   In: the input and options.  Out: a plane, or a status and a text.
+   Holds: after a failure nothing is held but the crossings of a plane that pbw_plane_free frees.
    ------------------------------------------------------------------------------------------------------ */
 
 static pbw_status pbwm2__check_arguments(pbwm2__job *job)
