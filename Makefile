@@ -80,9 +80,10 @@ help:
 
 # Programs.  Each example is whole by itself, `cc -O2 -Iexamples/lib example.c -lpthread -lm`; here pbw.h, pbw_query.h
 # and pbw_live.h are compiled once, and the macros that mark their implementations leave them out of these.  IMPLEMENTED
-# does so for all companions.
+# does so for the companions, too.
 SHARED = -DPBW__IMPLEMENTED -DPBWQ__IMPLEMENTED -DPBWL__IMPLEMENTED
-IMPLEMENTED := $(shell sed -n 's/^\#define \(PBW[A-Z0-9]*__IMPLEMENTED\)$$/-D\1/p' pbw.h examples/lib/*.h)
+IMPLEMENTED := $(SHARED) $(shell cd examples/lib && sed -n 's/^\#define \(PBW[A-Z0-9]*__IMPLEMENTED\)$$/-D\1/p' \
+    $$(sed -n 's/^\#include "\(pbw_.*\)"$$/\1/p' ../program/library*.c))
 LIBRARY = pbw.h examples/lib/pbw_query.h examples/lib/pbw_live.h
 $B/libpbw.a: examples/install/library.c $(LIBRARY)
 	@mkdir -p $B
@@ -100,12 +101,14 @@ $B/companions.a: $(COMPANIONS)
 $B/pbw: $B/libpbw.a $(PROGRAM)
 	$C $(PROGRAM) -o $@ $B/libpbw.a $(LIBS)
 
-$(EXAMPLES:%=$B/%): $B/%: examples/%.c $(HEADERS) $B/libpbw.a
-	$C $(SHARED) $< -o $@ $B/libpbw.a $(LIBS)
+$(EXAMPLES:%=$B/%): $B/%: examples/%.c $(HEADERS) $B/libpbw.a $B/companions.a
+	$C $(IMPLEMENTED) $< -o $@ $B/companions.a $B/libpbw.a $(LIBS)
+
+# These use what only an implementation declares.
+$(addprefix $B/,adapt fracture navmesh stuffing): IMPLEMENTED = $(SHARED)
 
 $B/mpi: examples/mpi.c $(HEADERS) $B/libpbw.a $B/companions.a
-	mpicc -std=c99 $(CFLAGS) $(WARN) $(filter-out -DPBWM__IMPLEMENTED,$(IMPLEMENTED)) -I. -Iexamples/lib $< -o $@ \
-	    $B/companions.a $B/libpbw.a $(LIBS)
+	mpicc -std=c99 $(CFLAGS) $(WARN) $(IMPLEMENTED) -I. -Iexamples/lib $< -o $@ $B/companions.a $B/libpbw.a $(LIBS)
 
 $(EXAMPLES_CXX:%=$B/%): $B/%: examples/%.cpp $(LIBRARY) $B/libpbw.a
 	$(CXX) -std=c++11 $(CXXFLAGS) $(WARN) $(SHARED) -I. $< -o $@ $B/libpbw.a $(LIBS)
@@ -171,6 +174,7 @@ $B/install.log: $B/pbw $B/pbw_pic.o $B/libpbw.so
 $B/plane.log $B/program.log $B/programs.log $B/queries.log $B/tiles.log: $B/pbw
 $B/tiles.log: $(MPI)
 $B/hashes.log $B/oracle.log $B/cells.log $B/web.log: $B/libpbw.a
+$B/hashes.log $B/tiles.log: $B/companions.a
 
 # One that does not compile is a failure, and the others still run.  The long ones come first, and are compiled before
 # all: make would only come back to one whose program is not there when it has started all others.

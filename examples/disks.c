@@ -9,7 +9,9 @@
 #include "pbw.h"
 #define PBW_CELLS_IMPLEMENTATION
 #include "pbw_cells.h"
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 enum { DISKS = 6 };
 static const double disks[DISKS][3] = {              /* x, y, radius */

@@ -2,7 +2,9 @@
    fill: a colour 0xrrggbb per triangle; lines: the width of free edges and of segments. */
 #ifndef DRAW_H
 #define DRAW_H
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* Returns the exit status. */
 static int draw(const char *path, const pbw_plane *p, const unsigned *fill, const double lines[2])

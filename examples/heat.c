@@ -7,7 +7,10 @@
 #include "pbw.h"
 #define PBW_MESH2_IMPLEMENTATION
 #include "pbw_mesh2.h"
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 enum { HOLE = 64, STEPS = 20 };
 

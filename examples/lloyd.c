@@ -8,7 +8,9 @@
 #include "pbw.h"
 #define PBW_CELLS_IMPLEMENTATION
 #include "pbw_cells.h"
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* The integral of |x - site|^2 over a cell: its edges' triangles with the site. */
 static double energy_of(const pbw_cells *cells, const double *site, size_t cell)

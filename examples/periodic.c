@@ -8,6 +8,7 @@
 #include "pbw.h"
 #define PBW_CELLS_IMPLEMENTATION
 #include "pbw_cells.h"
+#include <math.h>
 #include <stdio.h>
 
 enum { COUNT = 120, MOST = 24 };

@@ -119,9 +119,6 @@ done
 # Files that are wrong, with checksums that are right.
 cat > forge.c << 'END'
 /* forge FILE HOW: changes a tile and its checksums. */
-#define PBW_IMPLEMENTATION
-#define PBW_TILES_IMPLEMENTATION
-#define PBW_TILEFILE_IMPLEMENTATION
 #include "pbw_tilefile.h"
 int main(int argc, char **argv)
 {
@@ -160,7 +157,8 @@ int main(int argc, char **argv)
 }
 END
 # shellcheck disable=SC2086
-${CC:-cc} -std=c99 $CFLAGS -I"$root" -I"$root/examples/lib" forge.c -o forge -lpthread -lm || exit 2
+${CC:-cc} -std=c99 $CFLAGS -I"$root" -I"$root/examples/lib" forge.c -o forge "$bin/companions.a" "$bin/libpbw.a" \
+    -lpthread -lm || exit 2
 forged() {
     cp c.pbwt bad.pbwt && ./forge bad.pbwt "$1" && ! "$pbw" check bad.pbwt > said 2>&1 && cat said &&
         ! grep checksum said && grep '^pbw: ' said
