@@ -1,5 +1,5 @@
 /* test_threads.c: the same bytes from any number of threads, whoever runs them and however they are held up; failures
-   in the middle of the work. */
+   in the middle of the work; more simplices than can be numbered. */
 #if defined(__linux__) || defined(__APPLE__)
 #define _GNU_SOURCE                                  /* nanosleep */
 #endif
@@ -14,9 +14,15 @@
 static void pause_a_while(long *calls);
 static int may_start_thread(void);
 static long threads_allowed = -1;                    /* that may still be started; -1 = any number */
+#ifdef PBW_WIDE
+static size_t simplex_limit = 0xfffffffeu;           /* as without this test */
+#else
+static size_t simplex_limit = (size_t)1 << 30;
+#endif
 #define PBW__TEST_PAUSE() do { static long calls; pause_a_while(&calls); } while (0)
 #define PBW__TEST_MAY_START() may_start_thread()
 #define PBW__TEST_SMALL_SHARES
+#define PBW__TEST_SIMPLEX_LIMIT simplex_limit
 #ifdef PBW_WIDE
 #define PBW_LIVE_IMPLEMENTATION
 #endif
@@ -706,9 +712,49 @@ static void test_wide_flips(void)
 #endif
 }
 
+/* More simplices than can be numbered, with a limit so low that small inputs reach it, and odd, as a new point of the
+   plane takes two. */
+static void test_limit(int dim, int kind)
+{
+    const size_t limit = simplex_limit;
+    double x[3 * 2000];
+    size_t n, refused = 0, done = 0;
+    if (!test_begin("more than 2999 simplices, ghosts included: %dD %s", dim, input_name(kind))) {
+        return;
+    }
+    simplex_limit = 2999;
+    for (n = 10; n <= 2000; n += n / 8) {
+        meter m;
+        pbw_mesh mesh;
+        pbw_options options;
+        pbw_status status;
+        meter_start(&m, 0, 0);
+        memset(&options, 0, sizeof options);
+        options.resize = meter_resize;
+        options.resize_user = &m;
+        options.threads = 1 + (int)(n % 2) * 2;
+        input_fill(kind, dim, n, test_seed, x);
+        status = pbw_triangulate(dim, x, NULL, n, &options, &mesh);
+        if (status == PBW_OK) {
+            CHECK(mesh.simplex_count <= simplex_limit && meshes_fault(&mesh) == NULL);
+            done++;
+        } else {
+            CHECK_EQUAL(status, PBW_ERROR_TOO_LARGE);
+            CHECK(meshes_is_empty(&mesh));
+            refused++;
+        }
+        pbw_free(&mesh);
+        CHECK(m.blocks == 0 && m.faults == 0);
+    }
+    CHECK(refused > 0 && done > 0);
+    simplex_limit = limit;
+    test_end();
+}
+
 int main(int argc, char **argv)
 {
     size_t count;
+    int dim, kind;
     test_start(argc, argv, COUNT);
     count = (size_t)test_count;
     test_same_bytes(count);
@@ -725,5 +771,10 @@ int main(int argc, char **argv)
     test_flat_report(count);
     test_many_builds(count);
     test_wide_flips();
+    for (dim = 2; dim <= 3; dim++) {
+        for (kind = 0; kind < INPUT_KINDS; kind++) {
+            test_limit(dim, kind);
+        }
+    }
     return test_finish();
 }
