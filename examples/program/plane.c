@@ -53,13 +53,6 @@ static double size_at(void *user, double x, double y)
 
 /* ---- the triangles as a mesh, with their angles ---- */
 
-static double angle_of(const double *a, const double *b, const double *c)
-{
-    const double x = (b[0] - a[0]) * (c[0] - a[0]) + (b[1] - a[1]) * (c[1] - a[1]);
-    const double y = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-    return atan2(y, x) * (180 / 3.14159265358979323846);
-}
-
 /* Leaves out points that are no corner, and numbers the others in their order. */
 static int drop_orphans(result *r)
 {
@@ -128,16 +121,15 @@ static int finish(const job *j, result *r)
     }
     for (i = p->triangle_count; i > 0; i--) {
         const pbw_index *v = p->triangles + 3 * (i - 1);
+        const double *a = p->points + 2 * (size_t)v[0], *b = p->points + 2 * (size_t)v[1];
+        const double *c = p->points + 2 * (size_t)v[2];
         const size_t done = p->triangle_count - i;
         if (done % 65536 == 0 && draw_bar(j, "measure", (double)done / (double)p->triangle_count)) {
             return stopped(j);
         }
-        r->least[i - 1] = 180;
+        r->least[i - 1] = pbw_plane_measure_of(PBW_PLANE_MIN_ANGLE, a, b, c);
+        r->largest_angle = fmax(r->largest_angle, pbw_plane_measure_of(PBW_PLANE_MAX_ANGLE, a, b, c));
         for (k = 0; k < 3; k++) {
-            const double angle = angle_of(p->points + 2 * (size_t)v[k], p->points + 2 * (size_t)v[(k + 1) % 3],
-                                          p->points + 2 * (size_t)v[(k + 2) % 3]);
-            r->least[i - 1] = fmin(r->least[i - 1], angle);
-            r->largest_angle = fmax(r->largest_angle, angle);
             incident[v[k]] = (pbw_index)(i - 1);
         }
         r->least_angle = fmin(r->least_angle, r->least[i - 1]);
