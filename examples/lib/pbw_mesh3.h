@@ -821,6 +821,19 @@ static pbwim__facet *pbwm3__edges(pbw_memory *memory, const pbw_index *triangles
     return pbwim__sort(sorting, 3 * count, 2);
 }
 
+/* Starts union-find trees of single items. */
+static int pbwm3__start_trees(pbw_memory *memory, pbwsf__counts *parents, size_t count)
+{
+    size_t i;
+    if (!PBW_FIT(memory, *parents, count + 1)) {
+        return 0;
+    }
+    for (i = 0; i < count; i++) {
+        parents->at[i] = i;
+    }
+    return 1;
+}
+
 static size_t pbwm3__root_of(size_t *parent, size_t i)
 {
     while (parent[i] != i) {
@@ -828,6 +841,14 @@ static size_t pbwm3__root_of(size_t *parent, size_t i)
         i = parent[i];
     }
     return i;
+}
+
+/* Joins the trees of a and b: a root is the least of its tree. */
+static void pbwm3__join(size_t *parent, size_t a, size_t b)
+{
+    a = pbwm3__root_of(parent, a);
+    b = pbwm3__root_of(parent, b);
+    parent[a < b ? b : a] = a < b ? a : b;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1232,13 +1253,6 @@ static int pbwm3__compare_radials(const void *p, const void *q)
     return sign != 0 ? sign : (x->up > y->up) - (x->up < y->up);
 }
 
-static void pbwm3__join(size_t *parent, size_t a, size_t b)
-{
-    a = pbwm3__root_of(parent, a);
-    b = pbwm3__root_of(parent, b);
-    parent[a < b ? b : a] = a < b ? a : b;
-}
-
 /* Joins sides that see each other across an edge, and the triangles at an edge to bodies.  parent: sides, then
    bodies. */
 static int pbwm3__join_sides(pbwm3__work *w, size_t *parent)
@@ -1313,7 +1327,7 @@ static int pbwm3__find_walls(pbwm3__work *w)
     double *volume;
     int good;
     memset(&shell, 0, sizeof shell);
-    good = PBW_FIT(&w->memory, parents, 3 * triangles + 1)
+    good = pbwm3__start_trees(&w->memory, &parents, 3 * triangles)
         && PBW_FIT(&w->memory, volumes, 2 * triangles + 1)
         && PBW_FIT(&w->memory, w->sides, 2 * triangles + 1)
         && PBW_FIT(&w->memory, w->outer, triangles + 1);
@@ -1321,9 +1335,6 @@ static int pbwm3__find_walls(pbwm3__work *w)
     volume = volumes.at;
     sides = w->sides.at;
     outer = w->outer.at;
-    for (i = 0; good && i < 3 * triangles; i++) {
-        parent[i] = i;
-    }
     good = good && pbwm3__join_sides(w, parent);
     if (good) {
         pbwm3__fill_volumes(w, parent, volume);
@@ -1360,15 +1371,9 @@ static int pbwm3__find_shells(pbwm3__work *w)
     pbwm3__open_edges open = { NULL, 0, 0 };
     double sum = 0;
     size_t i;
-    int good;
-    good = PBW_FIT(&w->memory, parents, count + 1)
-        && PBW_FIT(&w->memory, flipped, count + 1);
+    int good = pbwm3__start_trees(&w->memory, &parents, count) && PBW_ZEROS(&w->memory, flipped, count);
     trees.parent = parents.at;
     trees.flipped = flipped.at;
-    for (i = 0; good && i < count; i++) {
-        trees.parent[i] = i;
-        trees.flipped[i] = 0;
-    }
     good = good && pbwm3__join_shells(w, &trees, &open) && pbwm3__number_shells(w, &trees);
     w->first_closing = count;
     w->walls = open.count == 0 && w->report->crowded_edges + w->report->doubles > 0;
@@ -1790,8 +1795,7 @@ static int pbwm3__is_sharp_at_scale(const pbwm3__work *w, pbwm3__features *f, co
     for (i = 0; i < 2; i++) {
         const pbw_index t = edge[i].t;
         double length;
-        pbwsf__normal(pbwsf__corner(&w->surface, t, 0), pbwsf__corner(&w->surface, t, 1),
-                      pbwsf__corner(&w->surface, t, 2), n[i]);
+        pbwsf__normal_of(&w->surface, t, n[i]);
         length = sqrt(pbwsf__dot(n[i], n[i]));
         for (k = 0; k < 3; k++) {
             n[i][k] *= (i == 1 && edge[0].v[2] == edge[1].v[2] ? -1 : 1) / (length > 0 ? length : 1);
@@ -1849,44 +1853,46 @@ static size_t pbwm3__drop_spurs(const pbwm3__work *w, pbwm3__features *f)
     return dropped;
 }
 
+/* Finds the connected parts of the edges that are not marked `used`: trees of their vertices, and at each root the
+   length of the part, infinite if it has one of the first `fixed` edges. */
+static int pbwm3__measure_parts(pbwm3__work *w, const pbwm3__graph *g, size_t fixed, pbwsf__counts *parents,
+                                pbwsf__numbers *lengths)
+{
+    const size_t points = w->surface.point_count;
+    size_t i;
+    if (!pbwm3__start_trees(&w->memory, parents, points) || !PBW_ZEROS(&w->memory, *lengths, points)) {
+        return 0;
+    }
+    for (i = 0; i < g->count; i++) {
+        if (g->used.at == NULL || !g->used.at[i]) {
+            pbwm3__join(parents->at, g->ends[i][0], g->ends[i][1]);
+        }
+    }
+    for (i = 0; i < g->count; i++) {
+        if (g->used.at == NULL || !g->used.at[i]) {
+            lengths->at[pbwm3__root_of(parents->at, g->ends[i][0])] += i < fixed ? HUGE_VAL : pbwsf__distance(
+                w->surface.points + 3 * (size_t)g->ends[i][0], w->surface.points + 3 * (size_t)g->ends[i][1]);
+        }
+    }
+    return 1;
+}
+
 /* Drops connected edges that are shorter together than eight sizes if an end of them is loose, else than four. */
 static int pbwm3__drop_parts(pbwm3__work *w, pbwm3__features *f)
 {
-    const size_t points = w->surface.point_count, *degree = f->degree.at;
-    pbwsf__pair *ends = f->graph.ends;
+    const pbwm3__graph *g = &f->graph;
     pbwsf__counts parents = { NULL, 0, 0 };
     pbwsf__numbers lengths = { NULL, 0, 0 };
-    size_t *parent, i;
-    double *length;
-    unsigned char *gone = f->graph.used.at;
-    int good;
-    good = PBW_FIT(&w->memory, parents, points + 1)
-        && PBW_FIT(&w->memory, lengths, points + 1);
-    parent = parents.at;
-    length = lengths.at;
-    for (i = 0; good && i < points; i++) {
-        parent[i] = i;
-        length[i] = 0;
-    }
-    for (i = 0; good && i < f->graph.count; i++) {
-        if (!gone[i]) {
-            pbwm3__join(parent, ends[i][0], ends[i][1]);
+    size_t i;
+    const int good = pbwm3__measure_parts(w, g, f->fixed, &parents, &lengths);
+    for (i = 0; good && i < w->surface.point_count; i++) {
+        const size_t root = pbwm3__root_of(parents.at, i);
+        if (f->degree.at[i] == 1 && lengths.at[root] < 8 * w->size) {
+            lengths.at[root] = 0;
         }
     }
-    for (i = 0; good && i < f->graph.count; i++) {
-        if (!gone[i]) {
-            length[pbwm3__root_of(parent, ends[i][0])] += i < f->fixed ? HUGE_VAL : pbwsf__distance(
-                w->surface.points + 3 * (size_t)ends[i][0], w->surface.points + 3 * (size_t)ends[i][1]);
-        }
-    }
-    for (i = 0; good && i < points; i++) {
-        const size_t root = pbwm3__root_of(parent, i);
-        if (degree[i] == 1 && length[root] < 8 * w->size) {
-            length[root] = 0;
-        }
-    }
-    for (i = f->fixed; good && i < f->graph.count; i++) {
-        gone[i] |= length[pbwm3__root_of(parent, ends[i][0])] < 4 * w->size;
+    for (i = f->fixed; good && i < g->count; i++) {
+        g->used.at[i] |= lengths.at[pbwm3__root_of(parents.at, g->ends[i][0])] < 4 * w->size;
     }
     PBW_RELEASE(&w->memory, parents);
     PBW_RELEASE(&w->memory, lengths);
@@ -1971,8 +1977,7 @@ static int pbwm3__is_sharp(const pbwm3__work *w, const pbwim__facet *edge)
     int i, k;
     for (i = 0; i < 2; i++) {
         const pbw_index t = edge[i].t;
-        pbwsf__normal(pbwsf__corner(&w->surface, t, 0), pbwsf__corner(&w->surface, t, 1),
-                      pbwsf__corner(&w->surface, t, 2), n[i]);
+        pbwsf__normal_of(&w->surface, t, n[i]);
         for (k = 0; k < 3 && i == 1 && edge[0].v[2] == edge[1].v[2]; k++) {          /* turned the other way */
             n[1][k] = -n[1][k];
         }
@@ -2272,15 +2277,9 @@ static int pbwm3__chain_all(pbwm3__work *w, pbwm3__graph *g)
 static int pbwm3__find_patches(pbwm3__work *w, pbwsf__pairs *list)
 {
     pbwsf__counts parents = { NULL, 0, 0 };
-    size_t i;
-    int good;
-    good = PBW_FIT(&w->memory, parents, w->surface.triangle_count)
-        && PBW_FIT(&w->memory, w->part, w->surface.triangle_count)
-        && PBW_FIT(&w->memory, w->patch, w->surface.triangle_count);
-    for (i = 0; good && i < w->surface.triangle_count; i++) {
-        parents.at[i] = i;
-    }
-    good = good && pbwm3__find_sharp(w, list, parents.at)
+    const size_t count = w->surface.triangle_count;
+    const int good = pbwm3__start_trees(&w->memory, &parents, count) && PBW_FIT(&w->memory, w->part, count)
+        && PBW_FIT(&w->memory, w->patch, count) && pbwm3__find_sharp(w, list, parents.at)
         && pbwm3__number_patches(w, parents.at);
     PBW_RELEASE(&w->memory, parents);
     return good;
@@ -2289,31 +2288,18 @@ static int pbwm3__find_patches(pbwm3__work *w, pbwsf__pairs *list)
 /* Drops connected sharp edges of an open surface that are shorter than four sizes together: noise of a scan. */
 static int pbwm3__drop_noise(pbwm3__work *w, pbwsf__pairs *list)
 {
-    const size_t points = w->surface.point_count;
-    pbwsf__pair *ends = list->at;
     pbwsf__counts parents = { NULL, 0, 0 };
     pbwsf__numbers lengths = { NULL, 0, 0 };
-    size_t *parent, i, kept = 0;
-    double *length;
+    pbwm3__graph graph;
+    size_t i, kept = 0;
     int good;
-    good = PBW_FIT(&w->memory, parents, points)
-        && PBW_FIT(&w->memory, lengths, points);
-    parent = parents.at;
-    length = lengths.at;
-    for (i = 0; good && i < points; i++) {
-        parent[i] = i;
-        length[i] = 0;
-    }
+    memset(&graph, 0, sizeof graph);
+    graph.ends = list->at;
+    graph.count = list->count;
+    good = pbwm3__measure_parts(w, &graph, 0, &parents, &lengths);
     for (i = 0; good && i < list->count; i++) {
-        parent[pbwm3__root_of(parent, ends[i][0])] = pbwm3__root_of(parent, ends[i][1]);
-    }
-    for (i = 0; good && i < list->count; i++) {
-        length[pbwm3__root_of(parent, ends[i][0])] += pbwsf__distance(
-            w->surface.points + 3 * (size_t)ends[i][0], w->surface.points + 3 * (size_t)ends[i][1]);
-    }
-    for (i = 0; good && i < list->count; i++) {
-        if (length[pbwm3__root_of(parent, ends[i][0])] > 4 * w->size) {
-            memmove(ends[kept++], ends[i], sizeof *ends);
+        if (lengths.at[pbwm3__root_of(parents.at, list->at[i][0])] > 4 * w->size) {
+            memmove(list->at[kept++], list->at[i], sizeof *list->at);
         }
     }
     list->count = good ? kept : list->count;
@@ -2340,13 +2326,10 @@ static pbw_status pbwm3__find_chains(pbwm3__work *w)
     return pbwm3__has_ended(w) ? PBW_CANCELLED : good ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
-/* Number i of a stream, from 0 to 1: splitmix64 (Steele, Lea and Flood 2014), whose state is a counter. */
+/* Number i of a stream, from 0 to 1. */
 static double pbwm3__random(uint64_t i)
 {
-    uint64_t z = (i + 1) * 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return (double)((z ^ z >> 31) >> 11) / 9007199254740992.0;
+    return (double)(pbw_random(0, i) >> 11) / 9007199254740992.0;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -2374,8 +2357,7 @@ static double pbwm3__measure_gap(const pbwm3__work *w, pbw_index triangle, const
 {
     double n[3], m[3], a[3], b[3], across[3], where, gap, length, least = HUGE_VAL;
     int side, k;
-    pbwsf__normal(pbwsf__corner(&w->surface, triangle, 0), pbwsf__corner(&w->surface, triangle, 1),
-                  pbwsf__corner(&w->surface, triangle, 2), n);
+    pbwsf__normal_of(&w->surface, triangle, n);
     length = sqrt(pbwsf__dot(n, n));
     for (side = -1; side <= 1 && length > 0; side += 2) {
         pbw_index met;
@@ -2386,8 +2368,7 @@ static double pbwm3__measure_gap(const pbwm3__work *w, pbw_index triangle, const
         met = pbw_surface_meets(&w->surface, a, b, &where);
         gap = where * 1.399 + 1e-3;
         if (met != PBW_NONE) {
-            pbwsf__normal(pbwsf__corner(&w->surface, met, 0), pbwsf__corner(&w->surface, met, 1),
-                          pbwsf__corner(&w->surface, met, 2), m);
+            pbwsf__normal_of(&w->surface, met, m);
             pbwsf__cross(n, m, across);
             if (gap * fabs(pbwsf__dot(m, n)) > 1.5 * sqrt(pbwsf__dot(across, across))) {
                 least = fmin(least, (gap < 0.4 ? 1.33 : 0.75) * gap * w->size);
@@ -2670,8 +2651,7 @@ static pbw_status pbwm3__measure_gaps(pbwm3__work *w)
     for (i = 0; i < w->surface.triangle_count && status == PBW_OK; i++) {
         pbwm3__gap *gap = room.at;
         double n[3], wanted;
-        pbwsf__normal(pbwsf__corner(&w->surface, (pbw_index)i, 0), pbwsf__corner(&w->surface, (pbw_index)i, 1),
-                      pbwsf__corner(&w->surface, (pbw_index)i, 2), n);
+        pbwsf__normal_of(&w->surface, (pbw_index)i, n);
         wanted = 2 * sqrt(pbwsf__dot(n, n)) / (w->size * w->size) + pbwm3__random(number++);
         for (; wanted >= 1 && status == PBW_OK; wanted--) {
             gap[count].number = number;
@@ -2963,8 +2943,7 @@ static pbw_status pbwm3__sample_smooth(pbwm3__work *w)
     if (PBW_FIT(&w->memory, areas, w->surface.triangle_count)) {
         for (i = 0; i < w->surface.triangle_count; i++) {
             double n[3];
-            pbwsf__normal(pbwsf__corner(&w->surface, (pbw_index)i, 0), pbwsf__corner(&w->surface, (pbw_index)i, 1),
-                          pbwsf__corner(&w->surface, (pbw_index)i, 2), n);
+            pbwsf__normal_of(&w->surface, (pbw_index)i, n);
             sum += 0.5 * sqrt(pbwsf__dot(n, n));
             areas.at[i] = sum;
         }
@@ -3272,8 +3251,8 @@ static int pbwm3__join_fans(pbw_memory *memory, const pbwim__facet *edge, size_t
             const size_t low2 = edge[i + 1].v[2] ? second : (second + 1) % 3;
             const size_t other = edge[i].v[2] ? (first + 1) % 3 : first;
             const size_t other2 = edge[i + 1].v[2] ? (second + 1) % 3 : second;
-            parent[pbwm3__root_of(parent, a + low)] = pbwm3__root_of(parent, b + low2);
-            parent[pbwm3__root_of(parent, a + other)] = pbwm3__root_of(parent, b + other2);
+            pbwm3__join(parent, a + low, b + low2);
+            pbwm3__join(parent, a + other, b + other2);
         } else {
             if (!PBW_RESERVE(memory, top->edges, 1)) {
                 return 0;
@@ -3292,24 +3271,17 @@ static int pbwm3__examine(pbw_memory *memory, const pbw_index *facets, size_t co
     pbwim__sorting sorting;
     pbwsf__counts parents = { NULL, 0, 0 };
     const pbwim__facet *edge = pbwm3__edges(memory, facets, count, points, &sorting);
-    size_t *parent, i;
     unsigned char *flag;
+    size_t i;
     int good;
     memset(top, 0, sizeof *top);
-    good = edge != NULL && PBW_FIT(memory, parents, 3 * count + 1)
-        && PBW_FIT(memory, top->flags, points + 1);
-    parent = parents.at;
+    good = edge != NULL && pbwm3__start_trees(memory, &parents, 3 * count)
+        && PBW_ZEROS(memory, top->flags, points + 1)
+        && pbwm3__join_fans(memory, edge, 3 * count, parents.at, top);
     flag = top->flags.at;
-    for (i = 0; good && i < 3 * count; i++) {
-        parent[i] = i;
-    }
-    if (good) {
-        memset(flag, 0, points + 1);
-        good = pbwm3__join_fans(memory, edge, 3 * count, parent, top);
-    }
     top->euler += (long)count;
     for (i = 0; good && i < 3 * count; i++) {        /* fans: 0 none, 2 one, 1 several */
-        if (parent[i] == i) {
+        if (parents.at[i] == i) {
             top->euler += flag[facets[i]] == 0;
             top->bad_points += flag[facets[i]] == 2;
             flag[facets[i]] = flag[facets[i]] == 0 ? 2 : 1;
@@ -4362,8 +4334,7 @@ static pbw_status pbwm3__check_input(pbwm3__work *w)
     size_t i;
     for (i = 0; i < w->triangles.count; i++) {
         double n[3];
-        pbwsf__normal(pbwsf__corner(&w->surface, (pbw_index)i, 0), pbwsf__corner(&w->surface, (pbw_index)i, 1),
-                      pbwsf__corner(&w->surface, (pbw_index)i, 2), n);
+        pbwsf__normal_of(&w->surface, (pbw_index)i, n);
         area += sqrt(pbwsf__dot(n, n)) / 2;
     }
     r->thickness = area > 0 ? 2 * volume / area / h : 0;

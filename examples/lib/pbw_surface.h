@@ -211,6 +211,12 @@ static size_t pbwsf__end_of(const pbw_surface *s, const pbwsf__tree *tree, size_
     return end < s->triangle_count ? end : s->triangle_count;
 }
 
+/* The normal of a triangle, twice its area long. */
+static void pbwsf__normal_of(const pbw_surface *s, pbw_index triangle, double out[3])
+{
+    pbwsf__normal(pbwsf__corner(s, triangle, 0), pbwsf__corner(s, triangle, 1), pbwsf__corner(s, triangle, 2), out);
+}
+
 static void pbwsf__box_clear(pbwsf__box *box)
 {
     int k;
@@ -248,8 +254,7 @@ static void pbwsf__fill_boxes(const pbw_surface *s, pbwsf__tree *tree)
         for (k = pbwsf__first_of(tree, i); k < pbwsf__end_of(s, tree, i); k++) {
             double n[3];
             int j;
-            pbwsf__normal(pbwsf__corner(s, order[k], 0), pbwsf__corner(s, order[k], 1), pbwsf__corner(s, order[k], 2),
-                          n);
+            pbwsf__normal_of(s, order[k], n);
             for (j = 0; j < 3; j++) {
                 pbwsf__box_add(box + i, pbwsf__corner(s, order[k], j), pbwsf__corner(s, order[k], j));
                 box[i].area[j] += 0.5 * n[j];
@@ -753,6 +758,7 @@ PBWSURFACEDEF double pbw_surface_winding(const pbw_surface *surface, const doubl
      pbwsf__normal      improve mesh3                  vectors
      pbwsf__bytes       adapt3 improve mesh3           tree
      pbwsf__corner      mesh3                          tree
+     pbwsf__normal_of   mesh3                          tree
      pbwsf__all_met     mesh3                          queries
      pbwsf__nearest_in  mesh3                          queries
      pbwsf__ray         mesh3                          queries
