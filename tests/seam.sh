@@ -66,13 +66,23 @@ done
 
 # A header that does not find its seam says so, once.
 sed 's/^#define PBW__SEAM 1$/#define PBW__SEAM 2/' pbw.h > "$work/pbw.h"
-refuses() {     # refuses NAME FOLDER: a file with its implementation, and with pbw.h's of that folder unless it is none
-    ! printf '%s\n#define PBW_%s_IMPLEMENTATION\n#include "pbw_%s.h"\n' "$3" "$(echo "$1" | tr a-z A-Z)" "$1" |
-        LC_ALL=C $CC -std=c99 -I"$2" -Iexamples/lib -I. -x c -fsyntax-only - 2> "$work/refused" || return 1
-    [ "$(grep -c 'error:' "$work/refused")" = 1 ] && grep "pbw_$1.h is compiled where pbw.h of its version is" "$work/refused"
+sed 's/^#define PBWSF__SEAM 1$/#define PBWSF__SEAM 2/' examples/lib/pbw_surface.h > "$work/pbw_surface.h"
+refuses() {     # refuses NAME ON FOLDER LINES: a file with these lines and pbw_NAME.h's implementation, which is on ON.h
+    ! printf '%s\n#define PBW_%s_IMPLEMENTATION\n#include "pbw_%s.h"\n' "$4" "$(echo "$1" | tr a-z A-Z)" "$1" |
+        LC_ALL=C $CC -std=c99 -I"$3" -Iexamples/lib -I. -x c -fsyntax-only - 2> "$work/refused" || return 1
+    [ "$(grep -c 'error:' "$work/refused")" = 1 ] && grep "pbw_$1.h is compiled where $2.h of its version is" "$work/refused"
 }
 for behind in query live; do
-    check "pbw_$behind.h without PBW_IMPLEMENTATION: one clear error" refuses $behind . ''
-    check "pbw_$behind.h behind another version: one clear error" refuses $behind "$work" '#define PBW_IMPLEMENTATION'
+    check "pbw_$behind.h without PBW_IMPLEMENTATION: one clear error" refuses $behind pbw . ''
+    check "pbw_$behind.h behind another version: one clear error" refuses $behind pbw "$work" '#define PBW_IMPLEMENTATION'
+done
+surface='#define PBW_SURFACE_IMPLEMENTATION
+#include "pbw_surface.h"'
+for behind in improve mesh3 adapt3 stuffing; do
+    check "pbw_$behind.h without PBW_SURFACE_IMPLEMENTATION: one clear error" refuses $behind pbw_surface . ''
+    check "pbw_$behind.h behind another pbw_surface.h: one clear error" refuses $behind pbw_surface "$work" "$surface"
+done
+for behind in mesh3 adapt3; do
+    check "pbw_$behind.h without PBW_IMPROVE_IMPLEMENTATION: one clear error" refuses $behind pbw_improve . "$surface"
 done
 finish
