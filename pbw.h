@@ -559,13 +559,9 @@ PBW_INLINE uint64_t pbw_random(uint64_t key, uint64_t i)
    pbw_two_sum (Knuth 1969) and pbw_two_product (Dekker 1971) are exact: head is the rounded result, tail its error.
    The latter uses the processor's fused operation where the compiler has it, and never the fma of a library, as some
    round twice.  The others round to some 105 bits, and normalise: |tail| <= 2^-53 |head|. */
-#ifndef PBW__FMA
-#if defined(__GNUC__) && (defined(__FMA__) || defined(__ARM_FEATURE_FMA) || defined(__FP_FAST_FMA) \
-                          || defined(__CUDA_ARCH__))
-#define PBW__FMA 1
-#else
-#define PBW__FMA 0
-#endif
+#if !defined(PBW__FMA) && defined(__GNUC__) \
+    && (defined(__FMA__) || defined(__ARM_FEATURE_FMA) || defined(__FP_FAST_FMA) || defined(__CUDA_ARCH__))
+#define PBW__FMA 1                         /* 0, by tests: without fused operations of our own, and without vectors */
 #endif
 
 typedef struct pbw_pair { double head, tail; } pbw_pair;
@@ -585,7 +581,7 @@ PBW_INLINE pbw_pair pbw_two_product(double a, double b)
 {
     PBW__NOT_FUSED
     pbw_pair product;
-#if PBW__FMA
+#if defined(PBW__FMA) && PBW__FMA
     product.head = __builtin_fma(a, b, 0.0);
     product.tail = __builtin_fma(a, b, -product.head);
 #else

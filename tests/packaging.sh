@@ -171,6 +171,10 @@ check "two PBW_STATIC copies compile" sh -c "$CC -O0 -I. -DCOPY=f -c $work/stati
 check "two PBW_STATIC copies link" $CC "$work/copies.c" "$work/f.o" "$work/g.o" -o "$work/copies" -lpthread
 check "two PBW_STATIC copies work" "$work/copies"
 check "the implementation compiles" $CC -O1 -fno-pie -I. -c "$work/whole.c" -o "$work/whole.o"
+case $(uname -m) in
+x86_64) check "vectors are compiled on this machine" sh -c \
+    "$CC -E -dM -I. $work/whole.c | grep -q '^#define PBW__AVX2'" ;;
+esac
 check "C++ calls C: compiles" $CXX -I. -c "$work/caller.cpp" -o "$work/caller.o"
 check "C++ calls C: links" $CXX -no-pie "$work/caller.o" "$work/whole.o" -o "$work/caller" -lpthread
 check "versions of header and implementation agree" "$work/caller"
