@@ -170,12 +170,7 @@ PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plan
 #include <string.h>
 
 /* No contraction: fused operations would give other coordinates. */
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#elif defined(__GNUC__)
-#pragma GCC push_options
-#pragma GCC optimize("fp-contract=off")
-#endif
+PBW_CONTRACTION_OFF
 
 /* ------------------------------------------------------------------------------------------------------
    >>memory       Memory: a few arrays a call, freed together.
@@ -184,37 +179,28 @@ PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plan
 enum { PBWA2__ARRAYS = 24 };
 
 typedef struct pbwa2__memory {
-    const pbw_options *build;              /* NULL: malloc */
+    pbw_memory memory;
     void *data[PBWA2__ARRAYS];
     size_t bytes[PBWA2__ARRAYS];
-    size_t limit, used;
     int count;
 } pbwa2__memory;
 
 static void pbwa2__start(pbwa2__memory *memory, const pbw_plane_options *options)
 {
     memset(memory, 0, sizeof *memory);
-    if (options != NULL && options->build != NULL) {
-        memory->build = options->build->resize != NULL ? options->build : NULL;
-        memory->limit = options->build->memory_limit;
-    }
+    pbw_memory_start(&memory->memory, options != NULL ? options->build : NULL);
 }
 
 /* Returns zeroes, or NULL. */
 static void *pbwa2__zeros(pbwa2__memory *memory, size_t count, size_t size)
 {
     const size_t bytes = (count + 1) * size;
-    void *data;
-    if (count > (SIZE_MAX >> 1) / size - 1 || memory->count == PBWA2__ARRAYS
-        || (memory->limit != 0 && (memory->used > memory->limit || bytes > memory->limit - memory->used))) {
-        return NULL;
-    }
-    data = memory->build != NULL ? memory->build->resize(memory->build->resize_user, NULL, 0, bytes) : malloc(bytes);
+    void *data = count > (SIZE_MAX >> 1) / size - 1 || memory->count == PBWA2__ARRAYS ? NULL
+               : pbw_memory_resize(&memory->memory, NULL, 0, bytes, 1);
     if (data != NULL) {
         memset(data, 0, bytes);
         memory->data[memory->count] = data;
         memory->bytes[memory->count++] = bytes;
-        memory->used += bytes;
     }
     return data;
 }
@@ -222,12 +208,8 @@ static void *pbwa2__zeros(pbwa2__memory *memory, size_t count, size_t size)
 static void pbwa2__end(pbwa2__memory *memory)
 {
     while (memory->count > 0) {
-        void *data = memory->data[--memory->count];
-        if (memory->build != NULL) {
-            (void)memory->build->resize(memory->build->resize_user, data, memory->bytes[memory->count], 0);
-        } else {
-            free(data);
-        }
+        memory->count--;
+        (void)pbw_memory_resize(&memory->memory, memory->data[memory->count], memory->bytes[memory->count], 0, 1);
     }
 }
 
@@ -243,9 +225,7 @@ static pbw_status pbwa2__make(const pbwa2__memory *memory, const pbw_plane_input
         build.stride = 0;
     }
     own.build = &build;
-    if (memory->limit != 0) {                        /* 1: too little for anything, as 0 would be no limit */
-        build.memory_limit = memory->limit > memory->used ? memory->limit - memory->used : 1;
-    }
+    build.memory_limit = pbw_memory_left(&memory->memory);
     return pbw_plane_make(input, &own, plane);
 }
 
@@ -598,7 +578,7 @@ static pbw_status pbwa2__round(const pbw_plane *plane, pbw_plane_way way, const 
     memset(&a, 0, sizeof a);
     memset(next, 0, sizeof *next);
     pbwa2__start(&memory, options);
-    memory.used = held;
+    memory.memory.used = held;
     points = (double *)pbwa2__zeros(&memory, plane->point_count, 2 * sizeof *points);
     fixed = (unsigned char *)pbwa2__zeros(&memory, plane->point_count, 1);
     stays = (unsigned char *)pbwa2__zeros(&memory, plane->point_count, 1);
@@ -1251,9 +1231,5 @@ PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plan
     return i == to->point_count ? PBW_OK : PBW_CANCELLED;
 }
 
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT DEFAULT
-#elif defined(__GNUC__)
-#pragma GCC pop_options
-#endif
+PBW_CONTRACTION_ON
 #endif /* PBW_ADAPT2_IMPLEMENTATION */
