@@ -208,20 +208,8 @@ PBWMESH2DEF void pbw_plane_free(pbw_plane *plane);
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#ifdef __linux__
-#include <sys/mman.h>
-#ifndef __cplusplus
-extern int madvise(void *address, size_t length, int advice);        /* strict C modes hide it */
-#endif
-#endif
-
 /* No contraction: fused operations would give other coordinates. */
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#elif defined(__GNUC__)
-#pragma GCC push_options
-#pragma GCC optimize("fp-contract=off")
-#endif
+PBW_CONTRACTION_OFF
 
 /* ------------------------------------------------------------------------------------------------------
    >>memory       Memory: growing arrays through options.resize.
@@ -230,41 +218,16 @@ extern int madvise(void *address, size_t length, int advice);        /* strict C
    items.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwm2__memory {
-    void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
-    void *user;
-    size_t limit, used;
+    pbw_memory memory;
     pbw_status fault;
 } pbwm2__memory;
 
 typedef struct pbwm2__array { void *data; size_t count, bytes; } pbwm2__array;   /* count: the owner's */
 
-/* Large blocks get huge pages if there are any: without them page faults take a fifth of a call.  The pages at both
-   ends get the advice too, although other bytes may be there: realloc moves a uniform mapping, but copies a mixed
-   one. */
-static void *pbwm2__default_resize(void *user, void *ptr, size_t old_size, size_t new_size)
-{
-    void *block;
-    (void)user;
-    (void)old_size;
-    if (new_size == 0) {
-        free(ptr);
-        return NULL;
-    }
-    block = realloc(ptr, new_size);
-#ifdef __linux__
-    if (block != NULL && new_size >= (size_t)1 << 22) {
-        const size_t page = 4096, skip = (size_t)(uintptr_t)block % page;
-        (void)madvise((char *)block - skip, (skip + new_size + page - 1) / page * page, 14);     /* MADV_HUGEPAGE */
-    }
-#endif
-    return block;
-}
-
 static void pbwm2__release(pbwm2__memory *memory, pbwm2__array *array)
 {
     if (array->data != NULL) {
-        (void)memory->resize(memory->user, array->data, array->bytes, 0);
-        memory->used -= array->bytes;
+        (void)pbw_memory_resize(&memory->memory, array->data, array->bytes, 0, 1);
     }
     memset(array, 0, sizeof *array);
 }
@@ -272,21 +235,13 @@ static void pbwm2__release(pbwm2__memory *memory, pbwm2__array *array)
 /* Makes the array `bytes` long.  Returns 0 and leaves it alone if there is no memory. */
 static int pbwm2__resize(pbwm2__memory *memory, pbwm2__array *array, size_t bytes)
 {
-    const size_t used = memory->used - array->bytes + bytes;
-    void *data = NULL;
-    if (bytes == array->bytes) {
-        return 1;
-    }
-    if (memory->limit == 0 || used <= memory->limit) {
-        data = memory->resize(memory->user, array->data, array->bytes, bytes);
-    }
+    void *data = pbw_memory_resize(&memory->memory, array->data, array->bytes, bytes, 1);
     if (data == NULL) {
         memory->fault = PBW_ERROR_MEMORY;
         return 0;
     }
     array->data = data;
     array->bytes = bytes;
-    memory->used = used;
     return 1;
 }
 
@@ -308,11 +263,6 @@ static int pbwm2__push(pbwm2__memory *memory, pbwm2__array *array, pbw_index ite
     ((pbw_index *)array->data)[array->count++] = item;
     return 1;
 }
-#if defined(__GNUC__)
-#define PBWM2__PREFETCH(address) __builtin_prefetch(address)
-#else
-#define PBWM2__PREFETCH(address) ((void)(address))
-#endif
 
 #define PBWM2__INDICES(array) ((pbw_index *)(array).data)
 #define PBWM2__DOUBLES(array) ((double *)(array).data)
@@ -415,11 +365,11 @@ static double pbwm2__share(size_t i, size_t count)
 /* Limits a call of pbw.h to the memory that the job does not hold.  Returns 0 if there is none. */
 static int pbwm2__limit_rest(pbwm2__job *job, pbw_options *options)
 {
-    if (job->memory.limit != 0 && job->memory.used >= job->memory.limit) {
+    if (job->memory.memory.limit != 0 && job->memory.memory.used >= job->memory.memory.limit) {
         job->memory.fault = PBW_ERROR_MEMORY;
         return 0;
     }
-    options->memory_limit = job->memory.limit != 0 ? job->memory.limit - job->memory.used : 0;
+    options->memory_limit = job->memory.memory.limit != 0 ? job->memory.memory.limit - job->memory.memory.used : 0;
     return 1;
 }
 
@@ -995,9 +945,9 @@ static pbw_status pbwm2__triangulate(pbwm2__job *job)
     status = pbw_triangulate(2, PBWM2__DOUBLES(job->given), NULL, job->given.count, &options, &mesh);
     if (status == PBW_OK) {
         const size_t held = mesh.statistics.peak_bytes;          /* at most: the mesh has some of them */
-        job->memory.used += held;
+        job->memory.memory.used += held;
         status = pbwm2__take_mesh(job, &mesh);
-        job->memory.used -= held;
+        job->memory.memory.used -= held;
     }
     pbw_free(&mesh);
     return status == PBW_OK ? status : pbwm2__say(job, status, NULL);
@@ -1297,33 +1247,6 @@ static pbw_status pbwm2__cut_at_points(pbwm2__job *job)
 
 /* ---- the crossing of two segments, in pairs of doubles */
 
-typedef struct pbwm2__dd { double high, low; } pbwm2__dd;
-
-static pbwm2__dd pbwm2__dd_sum(double a, double b)                   /* exact (Knuth 1969) */
-{
-    pbwm2__dd s;
-    double t;
-    s.high = a + b;
-    t = s.high - a;
-    s.low = (a - (s.high - t)) + (b - t);
-    return s;
-}
-
-/* By halves of 26 bits (Dekker 1971): some libraries round their fma twice. */
-static pbwm2__dd pbwm2__dd_times(pbwm2__dd a, pbwm2__dd b)
-{
-    const double s = 134217729 * a.high, ah = s - (s - a.high), al = a.high - ah;    /* 2^27 + 1 */
-    const double t = 134217729 * b.high, bh = t - (t - b.high), bl = b.high - bh;
-    const double p = a.high * b.high, e = al * bl - (((p - ah * bh) - al * bh) - ah * bl);
-    return pbwm2__dd_sum(p, e + (a.high * b.low + a.low * b.high));
-}
-
-static pbwm2__dd pbwm2__dd_minor(pbwm2__dd a, pbwm2__dd b, pbwm2__dd c, pbwm2__dd d)  /* a d - b c */
-{
-    const pbwm2__dd x = pbwm2__dd_times(a, d), y = pbwm2__dd_times(b, c), s = pbwm2__dd_sum(x.high, -y.high);
-    return pbwm2__dd_sum(s.high, s.low + (x.low - y.low));
-}
-
 /* Computes the crossing of a-b with c-d, where corner is a, b, c, d.  It is rounded to the grid of the doubles just
    below 2^exponent, which no coordinate reaches: to the nearest point unless the segments are parallel to 14 digits,
    and never outside of the boxes of both.  On the finer grid near 0, rounded crossings would keep making new ones.
@@ -1331,31 +1254,31 @@ static pbwm2__dd pbwm2__dd_minor(pbwm2__dd a, pbwm2__dd b, pbwm2__dd c, pbwm2__d
 static double pbwm2__crossing(const double *const corner[4], int exponent, double out[2])
 {
     double x[4][2], at;
-    pbwm2__dd ab[2], cd[2], ac[2], up, down, q;
+    pbw_pair ab[2], cd[2], ac[2], up, down, q;
     int i, k;
     for (i = 0; i < 8; i++) {                        /* within -1/2 .. 1/2 */
         x[i / 2][i % 2] = ldexp(corner[i / 2][i % 2], -exponent - 1);
     }
     for (k = 0; k < 2; k++) {
-        ab[k] = pbwm2__dd_sum(x[1][k], -x[0][k]);
-        cd[k] = pbwm2__dd_sum(x[3][k], -x[2][k]);
-        ac[k] = pbwm2__dd_sum(x[2][k], -x[0][k]);
+        ab[k] = pbw_two_sum(x[1][k], -x[0][k]);
+        cd[k] = pbw_two_sum(x[3][k], -x[2][k]);
+        ac[k] = pbw_two_sum(x[2][k], -x[0][k]);
     }
-    up = pbwm2__dd_minor(ac[0], ac[1], cd[0], cd[1]);
-    down = pbwm2__dd_minor(ab[0], ab[1], cd[0], cd[1]);
-    at = fabs(down.high) > 0 ? up.high / down.high : 0.5;
+    up = pbw_pair_minor(ac[0], ac[1], cd[0], cd[1]);
+    down = pbw_pair_minor(ab[0], ab[1], cd[0], cd[1]);
+    at = fabs(down.head) > 0 ? up.head / down.head : 0.5;
     at = at >= 0 && at <= 1 ? at : at < 0 ? 0 : 1;
-    q.high = at;
-    q.low = 0;
-    if (fabs(down.high) > 0) {                       /* the rest of the quotient, from the rest of the division */
-        const pbwm2__dd back = pbwm2__dd_times(q, down), rest = pbwm2__dd_sum(up.high, -back.high);
-        q = pbwm2__dd_sum(at, (rest.high + (rest.low + (up.low - back.low))) / down.high);
+    q.head = at;
+    q.tail = 0;
+    if (fabs(down.head) > 0) {                       /* the rest of the quotient, from the rest of the division */
+        const pbw_pair back = pbw_pair_times(q, down), rest = pbw_two_sum(up.head, -back.head);
+        q = pbw_two_sum(at, (rest.head + (rest.tail + (up.tail - back.tail))) / down.head);
     }
     for (k = 0; k < 2; k++) {
         const double a = corner[0][k], b = corner[1][k], c = corner[2][k], d = corner[3][k];
         const double low = fmax(fmin(a, b), fmin(c, d)), high = fmin(fmax(a, b), fmax(c, d));
-        const pbwm2__dd step = pbwm2__dd_times(q, ab[k]), sum = pbwm2__dd_sum(x[0][k], step.high);
-        const double steps = ldexp(sum.high + (sum.low + step.low), 54);
+        const pbw_pair step = pbw_pair_times(q, ab[k]), sum = pbw_two_sum(x[0][k], step.head);
+        const double steps = ldexp(sum.head + (sum.tail + step.tail), 54);
         const double y = ldexp(floor(steps + 0.5), exponent - 53);
         out[k] = y < low ? low : y > high ? high : y;
     }
@@ -2186,9 +2109,9 @@ static pbw_index pbwm2__dequeue(const pbwm2__refiner *r, pbwm2__array *queue)
     if (queue->count >= 8) {
         const pbwm2__triangle *t = r->job->t + item[-4];
         unsigned k;
-        PBWM2__PREFETCH(r->job->t + item[-8]);
+        PBW_PREFETCH(r->job->t + item[-8]);
         for (k = 0; k < 3 && t->v[0] != PBW_NONE && pbwm2__mark_of(t) == item[-3]; k++) {
-            PBWM2__PREFETCH(pbwm2__point(r, t->v[k]));
+            PBW_PREFETCH(pbwm2__point(r, t->v[k]));
         }
     }
     return r->job->t[item[0]].v[0] != PBW_NONE && pbwm2__mark_of(r->job->t + item[0]) == item[1] ? item[0] : PBW_NONE;
@@ -3559,10 +3482,10 @@ static int pbwm2__out_triangles(pbwm2__job *job, pbwm2__block *block)
         unsigned side = PBWM2__SIDE(item[i]);
         if (i + 16 < count) {
             const pbwm2__triangle *soon = job->t + PBWM2__SLOT(item[i + 8]);
-            PBWM2__PREFETCH(job->t + PBWM2__SLOT(item[i + 16]));
+            PBW_PREFETCH(job->t + PBWM2__SLOT(item[i + 16]));
             for (k = 0; k < 3; k++) {
                 if (soon->link[k] != PBW_NONE) {
-                    PBWM2__PREFETCH(number + PBWM2__SLOT(soon->link[k]));
+                    PBW_PREFETCH(number + PBWM2__SLOT(soon->link[k]));
                 }
             }
         }
@@ -3823,9 +3746,7 @@ PBWMESH2DEF pbw_status pbw_plane_make(const pbw_plane_input *input, const pbw_pl
     job.input = input;
     job.options = options != NULL ? options : &defaults;
     job.build = job.options->build != NULL ? job.options->build : &build;
-    job.memory.resize = job.build->resize != NULL ? job.build->resize : pbwm2__default_resize;
-    job.memory.user = job.build->resize_user;
-    job.memory.limit = job.build->memory_limit;
+    pbw_memory_start(&job.memory.memory, job.build);
     job.stage = PBW_STAGE_WORK;
     if (input == NULL) {
         return pbwm2__say(&job, PBW_ERROR_ARGUMENT, "no input");
@@ -3873,9 +3794,7 @@ PBWMESH2DEF pbw_status pbw_plane_rings(const double *points, const size_t *first
     }
     build = own.build != NULL ? *own.build : build;
     own.build = &build;
-    job.memory.resize = build.resize != NULL ? build.resize : pbwm2__default_resize;
-    job.memory.user = build.resize_user;
-    job.memory.limit = build.memory_limit;
+    pbw_memory_start(&job.memory.memory, &build);
     input.points = points;
     input.point_count = ring_count > 0 ? first[ring_count] : 0;
     if (input.point_count > PBW_NONE / 4) {
@@ -3908,9 +3827,5 @@ PBWMESH2DEF void pbw_plane_free(pbw_plane *plane)
     }
 }
 
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT DEFAULT
-#elif defined(__GNUC__)
-#pragma GCC pop_options
-#endif
+PBW_CONTRACTION_ON
 #endif /* PBW_MESH2_IMPLEMENTATION */
