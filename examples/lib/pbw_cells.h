@@ -190,80 +190,28 @@ PBWCELLSDEF void pbw_cells_free(pbw_cells *cells);           /* fine on {0}, fin
 #include <stdlib.h>
 #include <string.h>
 
-#if defined(__GNUC__)
-#define PBWC__ADD(x, y) __atomic_add_fetch(x, y, __ATOMIC_RELAXED)
-#define PBWC__READ(x) __atomic_load_n(x, __ATOMIC_RELAXED)
-#define PBWC__WRITE(x, y) __atomic_store_n(x, y, __ATOMIC_RELAXED)
-#elif defined(_MSC_VER) && defined(_M_X64) /* pbw.h has threads there.  Counts are of 8 bytes, marks of 1 */
-#include <intrin.h>
-#define PBWC__READ(x) (*(const volatile unsigned char *)(x))
-#define PBWC__WRITE(x, y) ((void)(*(volatile unsigned char *)(x) = (y)))
-#define PBWC__ADD(x, y) ((size_t)_InterlockedExchangeAdd64((volatile __int64 *)(x), (__int64)(y)) + (y))
-#else                                      /* pbw.h has one thread then */
-#define PBWC__READ(x) (*(x))
-#define PBWC__WRITE(x, y) (*(x) = (y))
-#define PBWC__ADD(x, y) (*(x) += (y))
-#endif
-
-/* Inlined, so that it is compiled for each dimension. */
-#if defined(__GNUC__)
-#define PBWC__INLINE inline __attribute__((always_inline))
-#define PBWC__PREFETCH(x) __builtin_prefetch(x)
-#else
-#define PBWC__INLINE
-#define PBWC__PREFETCH(x) ((void)(x))
-#endif
-
 /* No contraction: fused operations would give other coordinates. */
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#elif defined(__GNUC__)
-#pragma GCC push_options
-#pragma GCC optimize("fp-contract=off")
-#endif
+PBW_CONTRACTION_OFF
 
 /* ------------------------------------------------------------------------------------------------------
    >>memory       Memory: growing arrays through options.resize.
    Holds: used = the sum of all live arrays; over the limit nothing grows.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwc__memory {
-    void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
-    void *user;
-    size_t limit, used;
-} pbwc__memory;
-
 typedef struct pbwc__array { void *data; size_t count, bytes; } pbwc__array;     /* count: the owner's */
 
-static void *pbwc__default_resize(void *user, void *ptr, size_t old_size, size_t new_size)
-{
-    (void)user;
-    (void)old_size;
-    if (new_size == 0) {
-        free(ptr);
-        return NULL;
-    }
-    return realloc(ptr, new_size);
-}
-
-static void pbwc__release(pbwc__memory *memory, pbwc__array *array)
+static void pbwc__release(pbw_memory *memory, pbwc__array *array)
 {
     if (array->data != NULL) {
-        (void)memory->resize(memory->user, array->data, array->bytes, 0);
-        (void)PBWC__ADD(&memory->used, (size_t)0 - array->bytes);
+        (void)pbw_memory_resize(memory, array->data, array->bytes, 0, 1);
     }
     memset(array, 0, sizeof *array);
 }
 
 /* Makes the array `bytes` long.  Returns 0 and leaves it alone if there is no memory. */
-static int pbwc__resize(pbwc__memory *memory, pbwc__array *array, size_t bytes)
+static int pbwc__resize(pbw_memory *memory, pbwc__array *array, size_t bytes)
 {
-    void *data = NULL;
-    const size_t used = PBWC__ADD(&memory->used, bytes - array->bytes);
-    if (memory->limit == 0 || used <= memory->limit) {
-        data = memory->resize(memory->user, array->data, array->bytes, bytes);
-    }
+    void *data = pbw_memory_resize(memory, array->data, array->bytes, bytes, 1);
     if (data == NULL) {
-        (void)PBWC__ADD(&memory->used, array->bytes - bytes);
         return 0;
     }
     array->data = data;
@@ -271,31 +219,14 @@ static int pbwc__resize(pbwc__memory *memory, pbwc__array *array, size_t bytes)
     return 1;
 }
 
-/* options.resize of calls within a call that has a limit: what they hold counts. */
-static void *pbwc__counted_resize(void *user, void *ptr, size_t old_size, size_t new_size)
-{
-    pbwc__memory *memory = (pbwc__memory *)user;
-    const size_t grown = new_size > old_size ? new_size - old_size : 0;
-    void *data = NULL;
-    if (grown == 0 || PBWC__ADD(&memory->used, grown) <= memory->limit) {
-        data = memory->resize(memory->user, ptr, old_size, new_size);
-    }
-    if (grown == 0 && (data != NULL || new_size == 0)) {
-        (void)PBWC__ADD(&memory->used, new_size - old_size);
-    } else if (grown > 0 && data == NULL) {
-        (void)PBWC__ADD(&memory->used, (size_t)0 - grown);
-    }
-    return data;
-}
-
-static int pbwc__grow_array(pbwc__memory *memory, pbwc__array *array, size_t need)
+static int pbwc__grow_array(pbw_memory *memory, pbwc__array *array, size_t need)
 {
     const size_t twice = 2 * array->bytes;
     return pbwc__resize(memory, array, need > twice ? need + 256 : twice);
 }
 
 /* Makes room for `extra` items after the last.  Returns the place of the first of them, or NULL. */
-static PBWC__INLINE void *pbwc__room(pbwc__memory *memory, pbwc__array *array, size_t extra, size_t size)
+PBW_INLINE void *pbwc__room(pbw_memory *memory, pbwc__array *array, size_t extra, size_t size)
 {
     const size_t need = (array->count + extra) * size;
     if (need > array->bytes && !pbwc__grow_array(memory, array, need)) {
@@ -304,7 +235,7 @@ static PBWC__INLINE void *pbwc__room(pbwc__memory *memory, pbwc__array *array, s
     return (char *)array->data + array->count * size;
 }
 
-static PBWC__INLINE int pbwc__push(pbwc__memory *memory, pbwc__array *array, pbw_index item)
+PBW_INLINE int pbwc__push(pbw_memory *memory, pbwc__array *array, pbw_index item)
 {
     pbw_index *place = (pbw_index *)pbwc__room(memory, array, 1, sizeof item);
     if (place == NULL) {
@@ -325,75 +256,6 @@ static PBWC__INLINE int pbwc__push(pbwc__memory *memory, pbwc__array *array, pbw
    The relative error is some 1e-15 L^3 / |B.CxD|, L the longest edge at a; below 1e-6 L^3 all is computed again in
    pairs of doubles, from exact differences, which leaves 1e-26 L^3 / |B.CxD|.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwc__dd { double high, low; } pbwc__dd;
-
-static pbwc__dd pbwc__dd_sum(double a, double b)                     /* exact (Knuth 1969) */
-{
-    pbwc__dd s;
-    double t;
-    s.high = a + b;
-    t = s.high - a;
-    s.low = (a - (s.high - t)) + (b - t);
-    return s;
-}
-
-static pbwc__dd pbwc__dd_add(pbwc__dd a, pbwc__dd b)
-{
-    pbwc__dd s = pbwc__dd_sum(a.high, b.high);
-    return pbwc__dd_sum(s.high, s.low + (a.low + b.low));
-}
-
-/* By halves of 26 bits (Dekker 1971): some libraries round their fma twice. */
-static pbwc__dd pbwc__dd_times(pbwc__dd a, pbwc__dd b)
-{
-    const double s = 134217729 * a.high, ah = s - (s - a.high), al = a.high - ah;    /* 2^27 + 1 */
-    const double t = 134217729 * b.high, bh = t - (t - b.high), bl = b.high - bh;
-    const double p = a.high * b.high, e = al * bl - (((p - ah * bh) - al * bh) - ah * bl);
-    return pbwc__dd_sum(p, e + (a.high * b.low + a.low * b.high));
-}
-
-static pbwc__dd pbwc__dd_minus(pbwc__dd a)
-{
-    a.high = -a.high;
-    a.low = -a.low;
-    return a;
-}
-
-static pbwc__dd pbwc__dd_minor(pbwc__dd a, pbwc__dd b, pbwc__dd c, pbwc__dd d)   /* a d - b c */
-{
-    return pbwc__dd_add(pbwc__dd_times(a, d), pbwc__dd_minus(pbwc__dd_times(b, c)));
-}
-
-/* row[i]: corner i + 1 relative to corner 0; height[i]: B2, C2, D2.  Returns 0 if pairs are not exact enough: the
-   simplex is flat to 14 digits. */
-static int pbwc__centre_slow(int dim, const pbwc__dd row[3][3], const pbwc__dd *height, double least, double *centre)
-{
-    pbwc__dd sum[3], minor[3][3], det = { 0, 0 };
-    int i, k;
-    memset(sum, 0, sizeof sum);
-    for (i = 0; i < dim; i++) {
-        if (dim == 3) {                              /* the cross product of the other two rows */
-            const pbwc__dd *p = row[(i + 1) % 3], *q = row[(i + 2) % 3];
-            for (k = 0; k < 3; k++) {
-                minor[i][k] = pbwc__dd_minor(p[(k + 1) % 3], p[(k + 2) % 3], q[(k + 1) % 3], q[(k + 2) % 3]);
-            }
-        } else {                                     /* the other row, turned */
-            minor[i][0] = i == 0 ? row[1][1] : pbwc__dd_minus(row[0][1]);
-            minor[i][1] = i == 0 ? pbwc__dd_minus(row[1][0]) : row[0][0];
-        }
-        for (k = 0; k < dim; k++) {
-            sum[k] = pbwc__dd_add(sum[k], pbwc__dd_times(height[i], minor[i][k]));
-        }
-    }
-    for (k = 0; k < dim; k++) {
-        det = pbwc__dd_add(det, pbwc__dd_times(row[0][k], minor[0][k]));
-    }
-    for (k = 0; k < dim; k++) {                      /* positive, but perhaps below what pairs resolve */
-        centre[k] = sum[k].high / (2 * (det.high > least ? det.high : least));
-    }
-    return det.high > 1e16 * least;
-}
-
 typedef struct pbwc__job pbwc__job;
 static void pbwc__job_start(pbwc__job *job, unsigned what, const pbw_options *options);
 typedef struct pbwc__period pbwc__period;
@@ -407,40 +269,19 @@ typedef struct pbwc__centre {
     unsigned flags;                        /* PBWC__GOOD and so on, or'ed */
 } pbwc__centre;
 
-static int pbwc__centre_exactly(const pbw_mesh *mesh, const pbw_index *corner, double least, double *centre)
-{
-    const size_t dim = (size_t)mesh->dim;
-    const double *a = mesh->points + corner[0] * dim;
-    pbwc__dd row[3][3], height[3];
-    size_t i, k;
-    memset(row, 0, sizeof row);
-    for (i = 0; i < dim; i++) {
-        const double *b = mesh->points + corner[i + 1] * dim;
-        height[i].high = height[i].low = 0;
-        if (mesh->weights != NULL) {
-            height[i] = pbwc__dd_sum(mesh->weights[corner[0]], -mesh->weights[corner[i + 1]]);
-        }
-        for (k = 0; k < dim; k++) {
-            row[i][k] = pbwc__dd_sum(b[k], -a[k]);
-            height[i] = pbwc__dd_add(height[i], pbwc__dd_times(row[i][k], row[i][k]));
-        }
-    }
-    return pbwc__centre_slow(mesh->dim, (const pbwc__dd (*)[3])row, height, least, centre);
-}
-
 /* Returns whether doubles are enough for the centre.  det: 6 times the volume; largest: the largest squared edge at
    corner 0. */
-static PBWC__INLINE int pbwc__is_thick3(double det, double largest)
+PBW_INLINE int pbwc__is_thick3(double det, double largest)
 {
     return det > 0 && det * det > 1e-12 * largest * largest * largest;
 }
 
 /* Returns 0 if the centre may be far off. */
-static PBWC__INLINE int pbwc__centre_of(const pbw_mesh *mesh, size_t dim, pbw_index simplex, double *centre)
+PBW_INLINE int pbwc__centre_of(const pbw_mesh *mesh, size_t dim, pbw_index simplex, double *centre)
 {
     const pbw_index *corner = mesh->simplices + simplex * (dim + 1);
-    const double *a = mesh->points + corner[0] * dim, *w = mesh->weights;
-    double r[3][3], height[3], largest = 0, det;
+    const double *a = mesh->points + corner[0] * dim, *w = mesh->weights, *at[4];
+    double r[3][3], height[3], weight[4], largest = 0, det;
     size_t i, k;
     for (i = 0; i < dim; i++) {
         const double *b = mesh->points + corner[i + 1] * dim;
@@ -476,7 +317,11 @@ static PBWC__INLINE int pbwc__centre_of(const pbw_mesh *mesh, size_t dim, pbw_in
             return 1;
         }
     }
-    return pbwc__centre_exactly(mesh, corner, 1e-30 * (dim == 3 ? largest * sqrt(largest) : largest), centre);
+    for (i = 0; i <= dim; i++) {
+        at[i] = mesh->points + corner[i] * dim;
+        weight[i] = w != NULL ? w[corner[i]] : 0;
+    }
+    return pbw_centre((int)dim, at, w != NULL ? weight : NULL, centre);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -524,7 +369,7 @@ static void pbwc__exact_of(double x, pbwc__exact *a)
     pbwc__trim(a);
 }
 
-static PBWC__INLINE uint32_t pbwc__limb(const pbwc__exact *a, int place)
+PBW_INLINE uint32_t pbwc__limb(const pbwc__exact *a, int place)
 {
     return place >= a->low && place < a->low + a->count ? a->limb[place - a->low] : 0;
 }
@@ -650,7 +495,7 @@ static void pbwc__poly_clear(pbwc__poly *poly)
     poly->name.count = poly->start.count = poly->loop.count = 0;
 }
 
-static void pbwc__poly_release(pbwc__memory *memory, pbwc__poly *poly)
+static void pbwc__poly_release(pbw_memory *memory, pbwc__poly *poly)
 {
     pbwc__release(memory, &poly->x);
     pbwc__release(memory, &poly->name);
@@ -658,7 +503,7 @@ static void pbwc__poly_release(pbwc__memory *memory, pbwc__poly *poly)
     pbwc__release(memory, &poly->loop);
 }
 
-static void pbwc__cutter_release(pbwc__memory *memory, pbwc__cutter *cutter)
+static void pbwc__cutter_release(pbw_memory *memory, pbwc__cutter *cutter)
 {
     pbwc__poly_release(memory, &cutter->poly);
     pbwc__poly_release(memory, &cutter->next);
@@ -673,13 +518,13 @@ static size_t pbwc__loop_end(const pbwc__poly *poly, size_t facet)
     return facet + 1 < poly->start.count ? PBWC__INDICES(poly->start)[facet + 1] : poly->loop.count;
 }
 
-static int pbwc__open_facet(pbwc__memory *memory, pbwc__poly *poly, pbw_index name)
+static int pbwc__open_facet(pbw_memory *memory, pbwc__poly *poly, pbw_index name)
 {
     return pbwc__push(memory, &poly->start, (pbw_index)poly->loop.count) && pbwc__push(memory, &poly->name, name);
 }
 
 /* The box with low and high corner, its walls named as in pbw_cells.neighbors. */
-static int pbwc__poly_box(pbwc__memory *memory, pbwc__poly *poly, int dim, const double *low, const double *high)
+static int pbwc__poly_box(pbw_memory *memory, pbwc__poly *poly, int dim, const double *low, const double *high)
 {
     static const unsigned char face[6][4] = { { 0, 4, 6, 2 }, { 1, 3, 7, 5 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 },
                                               { 0, 2, 3, 1 }, { 4, 5, 7, 6 } };
@@ -711,7 +556,7 @@ static int pbwc__poly_box(pbwc__memory *memory, pbwc__poly *poly, int dim, const
 }
 
 /* Adds a corner where planes meet.  Returns 0 if there is no memory. */
-static int pbwc__add_spot(pbwc__memory *memory, pbwc__cutter *cutter, pbw_index a, pbw_index b, pbw_index c)
+static int pbwc__add_spot(pbw_memory *memory, pbwc__cutter *cutter, pbw_index a, pbw_index b, pbw_index c)
 {
     pbwc__spot *spot = (pbwc__spot *)pbwc__room(memory, &cutter->spots, 1, sizeof *spot);
     if (spot == NULL) {
@@ -727,7 +572,7 @@ static int pbwc__add_spot(pbwc__memory *memory, pbwc__cutter *cutter, pbw_index 
 
 /* Returns the new corner on the edge from p to q of a facet, made at its first use; PBW_NONE if there is no memory.
    In space the edge is in two facets, and its second use tells the other one. */
-static pbw_index pbwc__cut_edge(pbwc__memory *memory, pbwc__cutter *cutter, pbw_index p, pbw_index q, pbw_index facet,
+static pbw_index pbwc__cut_edge(pbw_memory *memory, pbwc__cutter *cutter, pbw_index p, pbw_index q, pbw_index facet,
                                 pbw_index name)
 {
     const pbw_index low = p < q ? p : q, high = p < q ? q : p;
@@ -770,7 +615,7 @@ static int pbwc__is_on(const pbwc__cutter *cutter, pbw_index corner)
 
 /* Cuts the loop of one facet in space, and notes its edges on the plane, which the cap has the other way round.
    Returns 0 if there is no memory. */
-static int pbwc__cut_loop(pbwc__memory *memory, pbwc__cutter *cutter, size_t facet, pbw_index name)
+static int pbwc__cut_loop(pbw_memory *memory, pbwc__cutter *cutter, size_t facet, pbw_index name)
 {
     const double *side = PBWC__DOUBLES(cutter->side);
     const size_t begin = PBWC__INDICES(cutter->poly.start)[facet], end = pbwc__loop_end(&cutter->poly, facet);
@@ -819,7 +664,7 @@ static int pbwc__cut_loop(pbwc__memory *memory, pbwc__cutter *cutter, size_t fac
 }
 
 /* In the plane: cuts the loop of all edges.  The edge of the cut starts where the loop leaves the half-plane. */
-static int pbwc__cut_polygon(pbwc__memory *memory, pbwc__cutter *cutter, pbw_index name)
+static int pbwc__cut_polygon(pbw_memory *memory, pbwc__cutter *cutter, pbw_index name)
 {
     const double *side = PBWC__DOUBLES(cutter->side);
     const size_t count = cutter->poly.loop.count;
@@ -848,7 +693,7 @@ static int pbwc__cut_polygon(pbwc__memory *memory, pbwc__cutter *cutter, pbw_ind
 
 /* Adds the facets that close a cut in space: cycles of corners on its plane, only one unless rounding has bent the
    surface. */
-static int pbwc__cut_cap(pbwc__memory *memory, pbwc__cutter *cutter, pbw_index name)
+static int pbwc__cut_cap(pbw_memory *memory, pbwc__cutter *cutter, pbw_index name)
 {
     pbw_index *after = PBWC__INDICES(cutter->cap), i, at, then;
     for (i = 0; i < cutter->cap.count; i++) {
@@ -876,7 +721,7 @@ static int pbwc__cut_cap(pbwc__memory *memory, pbwc__cutter *cutter, pbw_index n
 }
 
 /* Keeps the part whose corners are not beyond the plane, by their sides.  Returns 0 if there is no memory. */
-static int pbwc__cut_by_sides(pbwc__memory *memory, pbwc__cutter *cutter, int dim, pbw_index name)
+static int pbwc__cut_by_sides(pbw_memory *memory, pbwc__cutter *cutter, int dim, pbw_index name)
 {
     size_t i;
     pbwc__poly swap;
@@ -907,7 +752,7 @@ static int pbwc__cut_by_sides(pbwc__memory *memory, pbwc__cutter *cutter, int di
 
 /* Keeps the part with n.x <= c, whose new facet gets the name.  Corners on the plane count as inside.  Returns 0 if
    there is no memory. */
-static int pbwc__cut(pbwc__memory *memory, pbwc__cutter *cutter, int dim, const double *plane, pbw_index name)
+static int pbwc__cut(pbw_memory *memory, pbwc__cutter *cutter, int dim, const double *plane, pbw_index name)
 {
     const size_t count = cutter->poly.x.count;
     const double c = plane[dim];
@@ -954,7 +799,7 @@ typedef struct pbwc__link {
 typedef struct pbwc__map { pbwc__array slots; size_t mask, count; uint32_t epoch; } pbwc__map;
 typedef struct pbwc__slot { uint32_t epoch; pbw_index key; int value; } pbwc__slot;
 
-static PBWC__INLINE size_t pbwc__slot_of(const pbwc__map *map, pbw_index key)
+PBW_INLINE size_t pbwc__slot_of(const pbwc__map *map, pbw_index key)
 {
     const pbwc__slot *slots = (const pbwc__slot *)map->slots.data;
     size_t i = (size_t)(key * 2654435761u >> 7) & map->mask;
@@ -965,7 +810,7 @@ static PBWC__INLINE size_t pbwc__slot_of(const pbwc__map *map, pbw_index key)
 }
 
 /* Doubles the slots of a map, or makes the first ones.  Returns 0 if there is no memory. */
-static int pbwc__map_grow(pbwc__memory *memory, pbwc__map *map)
+static int pbwc__map_grow(pbw_memory *memory, pbwc__map *map)
 {
     const size_t size = map->mask != 0 ? 2 * (map->mask + 1) : 256;
     const pbwc__slot *slots = (const pbwc__slot *)map->slots.data;
@@ -992,7 +837,7 @@ static int pbwc__map_grow(pbwc__memory *memory, pbwc__map *map)
 }
 
 /* Returns the number of a key, which becomes `fresh` if it had none; -1 if there is no memory. */
-static PBWC__INLINE int pbwc__number(pbwc__memory *memory, pbwc__map *map, pbw_index key, int fresh)
+PBW_INLINE int pbwc__number(pbw_memory *memory, pbwc__map *map, pbw_index key, int fresh)
 {
     pbwc__slot *slot;
     if (2 * map->count >= map->mask && !pbwc__map_grow(memory, map)) {
@@ -1029,7 +874,7 @@ typedef struct pbwc__range {               /* the cells of a range, in their ord
 
 typedef struct pbwc__work {                /* of one range */
     pbwc__job *job;
-    pbwc__memory *memory;
+    pbw_memory *memory;
     pbwc__range *out;
     pbwc__array parts, rings, links;       /* parts: in the plane; rings: of all links, in space */
     pbwc__map numbers;                     /* of links, or of parts, by vertex or simplex */
@@ -1074,7 +919,7 @@ struct pbwc__period {
     int dim, apexes;                       /* apexes: dim + 1 points far out, where the others are flat */
     unsigned axes;
     size_t count, total;                   /* points; with copies */
-    pbwc__memory *memory;
+    pbw_memory *memory;
     int is_lattice;
     double vector[3][3], to_given[3][3];   /* of a lattice: reduced vectors, sums of so many of each given one */
     double normal[3][3];                   /* heights: along these, from the face of the other two; else along axes */
@@ -1095,7 +940,7 @@ struct pbwc__period {
 struct pbwc__job {
     const pbw_mesh *mesh;
     pbw_mesh spanned;                      /* the mesh, where that of the caller has points but no simplex */
-    pbwc__memory memory;
+    pbw_memory memory;
     pbw_options options;                   /* of calls within this one, which share its limit of memory */
     pbwc__period *period;                  /* NULL: not periodic */
     pbwc__clip *clip;                      /* NULL: no polygon */
@@ -1122,7 +967,7 @@ struct pbwc__job {
 #define PBWC__LINKS(work) ((pbwc__link *)(work)->links.data)
 #define PBWC__RING(work, link) ((pbw_index *)(work)->rings.data + (link)->begin)
 
-static int pbwc__centres_new(pbwc__memory *memory, pbwc__array *centres)
+static int pbwc__centres_new(pbw_memory *memory, pbwc__array *centres)
 {
     size_t i;
     if (!pbwc__resize(memory, centres, PBWC__CENTRES * sizeof(pbwc__centre))) {
@@ -1157,7 +1002,7 @@ static int pbwc__in_planes(const pbwc__job *job, const double *a, const double *
 static void pbwc__centre_of_flat(const pbw_mesh *mesh, pbw_index simplex, double *centre);
 
 /* Returns whether a + x is certainly in the domain. */
-static PBWC__INLINE int pbwc__inside(const pbwc__job *job, size_t dim, const double *a, const double *x)
+PBW_INLINE int pbwc__inside(const pbwc__job *job, size_t dim, const double *a, const double *x)
 {
     double radius = 0;
     size_t k;
@@ -1172,7 +1017,7 @@ static PBWC__INLINE int pbwc__inside(const pbwc__job *job, size_t dim, const dou
     return inside && (job->plane_count == 0 || pbwc__in_planes(job, a, x, radius));
 }
 
-static PBWC__INLINE void pbwc__make_centre(const pbwc__job *job, size_t dim, pbw_index simplex, pbwc__centre *centre)
+PBW_INLINE void pbwc__make_centre(const pbwc__job *job, size_t dim, pbw_index simplex, pbwc__centre *centre)
 {
     const double *a = job->mesh->points + job->mesh->simplices[simplex * (dim + 1)] * dim;
     centre->simplex = simplex;
@@ -1197,8 +1042,8 @@ static void pbwc__make_centre3(const pbwc__job *job, pbw_index simplex, pbwc__ce
 
 /* Sets x to the centre of a simplex relative to the site.  It is cached, as other stars need it too.  Returns its
    flags. */
-static PBWC__INLINE unsigned pbwc__from_site(const pbwc__job *job, pbwc__centre *centres, size_t dim,
-                                             const double *site, pbw_index simplex, double *x)
+PBW_INLINE unsigned pbwc__from_site(const pbwc__job *job, pbwc__centre *centres, size_t dim,
+                                    const double *site, pbw_index simplex, double *x)
 {
     const double *a = job->mesh->points + job->mesh->simplices[simplex * (dim + 1)] * dim;
     pbwc__centre *centre = centres + simplex % PBWC__CENTRES;
@@ -1213,7 +1058,7 @@ static PBWC__INLINE unsigned pbwc__from_site(const pbwc__job *job, pbwc__centre 
 }
 
 /* Adds a link with its bisector.  Returns NULL if there is no memory. */
-static PBWC__INLINE pbwc__link *pbwc__add_link(pbwc__work *work, size_t dim, pbw_index vertex)
+PBW_INLINE pbwc__link *pbwc__add_link(pbwc__work *work, size_t dim, pbw_index vertex)
 {
     const pbw_mesh *mesh = work->job->mesh;
     const pbw_index v = work->site;
@@ -1240,22 +1085,22 @@ static PBWC__INLINE pbwc__link *pbwc__add_link(pbwc__work *work, size_t dim, pbw
 /* ---- in space */
 
 /* The simplex beyond the facet across from a corner. */
-static PBWC__INLINE pbw_index pbwc__across(const pbw_mesh *mesh, pbw_index simplex, pbw_index vertex)
+PBW_INLINE pbw_index pbwc__across(const pbw_mesh *mesh, pbw_index simplex, pbw_index vertex)
 {
     const pbw_index *corner = mesh->simplices + 4 * (size_t)simplex;
     const unsigned place = (corner[1] == vertex) + 2u * (corner[2] == vertex) + 3u * (corner[3] == vertex);
     return mesh->neighbors[4 * (size_t)simplex + place];
 }
 
-static PBWC__INLINE void pbwc__prefetch(const pbw_mesh *mesh, pbw_index simplex)
+PBW_INLINE void pbwc__prefetch(const pbw_mesh *mesh, pbw_index simplex)
 {
     const size_t at = simplex < mesh->simplex_count ? 4 * (size_t)simplex : 0;
-    PBWC__PREFETCH(mesh->simplices + at);
-    PBWC__PREFETCH(mesh->neighbors + at);
+    PBW_PREFETCH(mesh->simplices + at);
+    PBW_PREFETCH(mesh->neighbors + at);
 }
 
 /* Returns the fourth corner; others: the other three, xor'ed. */
-static PBWC__INLINE pbw_index pbwc__fourth(const pbw_mesh *mesh, pbw_index simplex, pbw_index others)
+PBW_INLINE pbw_index pbwc__fourth(const pbw_mesh *mesh, pbw_index simplex, pbw_index others)
 {
     const pbw_index *corner = mesh->simplices + 4 * (size_t)simplex;
     return corner[0] ^ corner[1] ^ corner[2] ^ corner[3] ^ others;
@@ -1275,7 +1120,7 @@ static int pbwc__new_link3(pbwc__work *work, pbw_index vertex, pbw_index simplex
     return 1;
 }
 
-static PBWC__INLINE int pbwc__is_known(const pbwc__map *map, pbw_index key)
+PBW_INLINE int pbwc__is_known(const pbwc__map *map, pbw_index key)
 {
     return ((const pbwc__slot *)map->slots.data)[pbwc__slot_of(map, key)].epoch == map->epoch;
 }
@@ -1288,7 +1133,7 @@ typedef struct pbwc__ring {
     unsigned flags;
 } pbwc__ring;
 
-static PBWC__INLINE void pbwc__cross(const double *s, const double *t, double *x)
+PBW_INLINE void pbwc__cross(const double *s, const double *t, double *x)
 {
     x[0] = s[1] * t[2] - s[2] * t[1];
     x[1] = s[2] * t[0] - s[0] * t[2];
@@ -1296,7 +1141,7 @@ static PBWC__INLINE void pbwc__cross(const double *s, const double *t, double *x
 }
 
 /* The edge from the last centre to t. */
-static PBWC__INLINE void pbwc__add_edge(pbwc__ring *ring, const double *t)
+PBW_INLINE void pbwc__add_edge(pbwc__ring *ring, const double *t)
 {
     double across[3], w;
     int k;
@@ -1312,7 +1157,7 @@ static PBWC__INLINE void pbwc__add_edge(pbwc__ring *ring, const double *t)
 /* Walks from a simplex around the edge from the site to u, back to it or to the hull.  Notes the simplices and new
    links, and adds to the sums, which hides the latency of fetching the next simplex.  at: simplex, p and q; updated.
    Returns 1 if the walk came back, 0 at the hull, -1 if there is no memory. */
-static PBWC__INLINE int pbwc__walk(pbwc__work *work, pbw_index u, pbw_index at[3], pbwc__ring *ring)
+PBW_INLINE int pbwc__walk(pbwc__work *work, pbw_index u, pbw_index at[3], pbwc__ring *ring)
 {
     const pbw_mesh *mesh = work->job->mesh;
     const double *site = mesh->points + 3 * (size_t)work->site;
@@ -1414,7 +1259,7 @@ static int pbwc__gather3(pbwc__work *work)
 /* ---- in the plane */
 
 /* The place of v in a triangle; the next triangle counter-clockwise around v is across from the corner after it. */
-static PBWC__INLINE unsigned pbwc__place2(const pbw_mesh *mesh, pbw_index simplex, pbw_index v)
+PBW_INLINE unsigned pbwc__place2(const pbw_mesh *mesh, pbw_index simplex, pbw_index v)
 {
     const pbw_index *corner = mesh->simplices + 3 * (size_t)simplex;
     return (corner[1] == v) + 2u * (corner[2] == v);
@@ -1484,7 +1329,7 @@ static int pbwc__add_sides(pbwc__work *work)
 }
 
 /* Gathers the star of v; in the plane with its links only if asked.  Returns 0 if there is no memory. */
-static PBWC__INLINE int pbwc__gather_some(pbwc__work *work, pbw_index v, int links)
+PBW_INLINE int pbwc__gather_some(pbwc__work *work, pbw_index v, int links)
 {
     work->parts.count = work->rings.count = work->links.count = 0;
     work->site = v;
@@ -1631,12 +1476,12 @@ typedef struct pbwc__simplex_geometry {    /* of simplices; edges 01 02 03 12 13
 
 static const int pbwc__ends[6][2] = { { 0, 1 }, { 0, 2 }, { 0, 3 }, { 1, 2 }, { 1, 3 }, { 2, 3 } };
 
-static PBWC__INLINE pbwc__lanes pbwc__dot(const pbwc__lanes *a, const pbwc__lanes *b)
+PBW_INLINE pbwc__lanes pbwc__dot(const pbwc__lanes *a, const pbwc__lanes *b)
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static PBWC__INLINE void pbwc__cross_lanes(const pbwc__lanes *s, const pbwc__lanes *t, pbwc__lanes *x)
+PBW_INLINE void pbwc__cross_lanes(const pbwc__lanes *s, const pbwc__lanes *t, pbwc__lanes *x)
 {
     x[0] = s[1] * t[2] - s[2] * t[1];
     x[1] = s[2] * t[0] - s[0] * t[2];
@@ -1644,8 +1489,8 @@ static PBWC__INLINE void pbwc__cross_lanes(const pbwc__lanes *s, const pbwc__lan
 }
 
 /* Edges, and with weights feet, of simplices from..from+LANES-1, of which `last` is the last. */
-static PBWC__INLINE void pbwc__load(const pbw_mesh *mesh, int weighted, size_t from, size_t last,
-                                    pbwc__simplex_geometry *geometry)
+PBW_INLINE void pbwc__load(const pbw_mesh *mesh, int weighted, size_t from, size_t last,
+                           pbwc__simplex_geometry *geometry)
 {
     double x[4][4][PBWC__LANES];
     pbwc__lanes at[4][4];
@@ -1677,7 +1522,7 @@ static PBWC__INLINE void pbwc__load(const pbw_mesh *mesh, int weighted, size_t f
 }
 
 /* Normals, and to[0], the centre as in pbwc__centre_of.  Returns 6 times the volume. */
-static PBWC__INLINE pbwc__lanes pbwc__find_centre(pbwc__simplex_geometry *geometry, int weighted)
+PBW_INLINE pbwc__lanes pbwc__find_centre(pbwc__simplex_geometry *geometry, int weighted)
 {
     pbwc__lanes height[3], det;
     int i, k;
@@ -1698,8 +1543,8 @@ static PBWC__INLINE pbwc__lanes pbwc__find_centre(pbwc__simplex_geometry *geomet
 }
 
 /* Adds the contributions of facet f with corners i, j, k; edges: ij, ik, jk. */
-static PBWC__INLINE void pbwc__add_facet(pbwc__simplex_geometry *geometry, int weighted, int f, const int corner[3],
-                                         const int edge[3])
+PBW_INLINE void pbwc__add_facet(pbwc__simplex_geometry *geometry, int weighted, int f, const int corner[3],
+                                const int edge[3])
 {
     const pbwc__lanes *ij = geometry->edge[edge[0]], *ik = geometry->edge[edge[1]], *jk = geometry->edge[edge[2]];
     const pbwc__lanes *square = geometry->square, half = 0.5 * geometry->drop[f];
@@ -1743,7 +1588,7 @@ static PBWC__INLINE void pbwc__add_facet(pbwc__simplex_geometry *geometry, int w
 }
 
 /* Computes the contributions of simplices; to[0] is set. */
-static PBWC__INLINE void pbwc__sum_corners(pbwc__simplex_geometry *geometry, int weighted)
+PBW_INLINE void pbwc__sum_corners(pbwc__simplex_geometry *geometry, int weighted)
 {
     static const int corners[4][3] = { { 1, 2, 3 }, { 0, 2, 3 }, { 0, 1, 3 }, { 0, 1, 2 } };
     static const int edges[4][3] = { { 3, 4, 5 }, { 1, 2, 5 }, { 0, 2, 4 }, { 0, 1, 3 } };
@@ -1780,8 +1625,8 @@ static PBWC__INLINE void pbwc__sum_corners(pbwc__simplex_geometry *geometry, int
 typedef struct pbwc__contribution { double sum[4][4][PBWC__LANES]; unsigned flags[PBWC__LANES]; } pbwc__contribution;
 
 /* Computes the contributions of simplices from..from+LANES-1, the last one `last`, and the flags of their centres. */
-static PBWC__INLINE void pbwc__contribute(const pbwc__job *job, int weighted, size_t from, size_t last,
-                                          pbwc__contribution *contribution)
+PBW_INLINE void pbwc__contribute(const pbwc__job *job, int weighted, size_t from, size_t last,
+                                 pbwc__contribution *contribution)
 {
     const pbw_mesh *mesh = job->mesh;
     pbwc__simplex_geometry geometry;
@@ -1828,8 +1673,8 @@ static void pbwc__contribute_weighted(const pbwc__job *job, size_t from, size_t 
 }
 
 /* Sets the flags of a simplex's corners. */
-static PBWC__INLINE void pbwc__classify(const pbwc__job *job, size_t simplex, size_t from, size_t to, unsigned centre,
-                                        unsigned flags[4])
+PBW_INLINE void pbwc__classify(const pbwc__job *job, size_t simplex, size_t from, size_t to, unsigned centre,
+                               unsigned flags[4])
 {
     const pbw_index *next = job->mesh->neighbors + 4 * simplex;
     size_t i, k;
@@ -1843,9 +1688,9 @@ static PBWC__INLINE void pbwc__classify(const pbwc__job *job, size_t simplex, si
 }
 
 /* Returns the sum of a vertex in this chunk; NULL if there is no memory. */
-static PBWC__INLINE pbwc__share *pbwc__share_of(pbwc__adder *adder, pbw_index vertex)
+PBW_INLINE pbwc__share *pbwc__share_of(pbwc__adder *adder, pbw_index vertex)
 {
-    pbwc__memory *memory = &adder->job->memory;
+    pbw_memory *memory = &adder->job->memory;
     const int fresh = (int)adder->shares.count, number = pbwc__number(memory, &adder->numbers, vertex, fresh);
     if (number == fresh) {
         pbwc__share *share = (pbwc__share *)pbwc__room(memory, &adder->shares, 1, sizeof *share);
@@ -2753,7 +2598,7 @@ typedef struct pbwc__way {                 /* of edges from a corner to the righ
 typedef struct pbwc__place { const double *x; pbw_index corner; } pbwc__place;
 
 typedef struct pbwc__sweep {
-    pbwc__memory *memory;
+    pbw_memory *memory;
     size_t count, corners;                 /* corners at different places; of rings */
     pbwc__array x, number, end, other;     /* two doubles a place; per corner of rings: its place, the place where its
                                               edge ends on the right, the next edge in a list */
@@ -3089,7 +2934,7 @@ static void pbwc__sweep_end(pbwc__sweep *sweep)
 }
 
 /* Finds the pieces of the boundary; pbwc__sweep_end is due in any case.  found: what crosses, or NULL. */
-static pbw_status pbwc__sweep_rings(pbwc__memory *memory, const pbw_domain *domain, pbwc__sweep *sweep,
+static pbw_status pbwc__sweep_rings(pbw_memory *memory, const pbw_domain *domain, pbwc__sweep *sweep,
                                     pbw_rings *found)
 {
     pbw_status status;
@@ -3694,7 +3539,7 @@ static pbw_status pbwc__classify_neighbors(void *arg, size_t from, size_t to)
     for (; good && from < to; from++) {
         const pbwc__end *end;
         size_t i, at;
-        if ((PBWC__READ(inside + from) & 2) == 0) {
+        if ((PBW_ATOMIC_LOAD(inside + from) & 2) == 0) {
             continue;
         }
         good = pbwc__find_ends(&work, (pbw_index)from);
@@ -3704,10 +3549,10 @@ static pbw_status pbwc__classify_neighbors(void *arg, size_t from, size_t to)
             while (at < work.ends.count && end[at].side <= (int)i) {
                 at++;
             }
-            if (other < job->count && (PBWC__READ(inside + other) & 2) == 0
+            if (other < job->count && (PBW_ATOMIC_LOAD(inside + other) & 2) == 0
                 && end[at > 0 ? at - 1 : work.ends.count - 1].leaves) {
                 unsigned char *mark = inside + PBWC__INDICES(job->clip->root)[other];
-                PBWC__WRITE(mark, 1);                /* threads may write the same */
+                PBW_ATOMIC_STORE(mark, 1);                /* threads may write the same */
             }
         }
     }
@@ -4115,7 +3960,7 @@ static void pbwc__end_clip(pbwc__job *job)
    ------------------------------------------------------------------------------------------------------ */
 
 /* How far x lies along the k-th axis, or of a lattice from the k-th face. */
-static PBWC__INLINE double pbwc__height(const pbwc__period *period, int k, const double *x)
+PBW_INLINE double pbwc__height(const pbwc__period *period, int k, const double *x)
 {
     const double *n = period->normal[k];
     return !period->is_lattice ? x[k] : n[0] * x[0] + n[1] * x[1] + (period->dim == 3 ? n[2] * x[2] : 0);
@@ -4322,7 +4167,7 @@ static void pbwc__search(pbwc__period *period, const double *x, double radius, p
     }
     pbwc__search_shifts(&ball, period->dim - 1, none, 0);
     if (found->copy.source != PBW_NONE) {
-        PBWC__WRITE(&period->marked, 1);
+        PBW_ATOMIC_STORE(&period->marked, 1);
     }
 }
 
@@ -4352,9 +4197,9 @@ static void pbwc__certify(pbwc__period *period, const double *x, double square, 
         for (at[1] = from[1]; at[1] <= to[1]; at[1]++) {
             for (at[0] = from[0]; at[0] <= to[0]; at[0]++) {
                 unsigned char *mark = pbwc__grid_mark(period, at);
-                if (PBWC__READ(mark) == 0) {         /* threads may write the same */
-                    PBWC__WRITE(mark, 1);
-                    PBWC__WRITE(&period->marked, 1);
+                if (PBW_ATOMIC_LOAD(mark) == 0) {         /* threads may write the same */
+                    PBW_ATOMIC_STORE(mark, 1);
+                    PBW_ATOMIC_STORE(&period->marked, 1);
                 }
             }
         }
@@ -4651,11 +4496,11 @@ static pbw_status pbwc__join(void *arg, size_t from, size_t to)
 enum { PBWC__VOLUMES, PBWC__CENTROIDS, PBWC__FIRST, PBWC__NEIGHBORS, PBWC__SHIFTS, PBWC__SITES, PBWC__AREAS,
        PBWC__VERTICES, PBWC__LOOP_FIRST, PBWC__LOOPS, PBWC__RAYS, PBWC__ARRAYS };
 typedef struct pbwc__owned {
-    pbwc__memory memory;
+    pbw_memory memory;
     pbwc__array array[PBWC__ARRAYS];
 } pbwc__owned;
 
-static void pbwc__drop(pbwc__memory *memory, pbw_cells *cells)
+static void pbwc__drop(pbw_memory *memory, pbw_cells *cells)
 {
     pbwc__owned *owned = (pbwc__owned *)cells->memory;
     pbwc__array self = { owned, 0, sizeof *owned };
@@ -4670,7 +4515,7 @@ static void pbwc__drop(pbwc__memory *memory, pbw_cells *cells)
 PBWCELLSDEF void pbw_cells_free(pbw_cells *cells)
 {
     if (cells != NULL && cells->memory != NULL) {
-        pbwc__memory memory = ((pbwc__owned *)cells->memory)->memory;
+        pbw_memory memory = ((pbwc__owned *)cells->memory)->memory;
         pbwc__drop(&memory, cells);
     }
 }
@@ -5153,17 +4998,11 @@ static void pbwc__job_start(pbwc__job *job, unsigned what, const pbw_options *op
     if (options != NULL) {
         job->options = *options;
     }
-    job->memory.resize = job->options.resize != NULL ? job->options.resize : pbwc__default_resize;
-    job->memory.user = job->options.resize_user;
-    job->memory.limit = job->options.memory_limit;
+    pbw_memory_start(&job->memory, options);
     job->options.stride = job->options.weight_stride = 0;
     job->options.flags = 0;
     job->options.trace = NULL;
-    if (job->memory.limit != 0) {
-        job->options.resize = pbwc__counted_resize;
-        job->options.resize_user = &job->memory;
-        job->options.memory_limit = 0;
-    }
+    pbw_memory_nest(&job->memory, &job->options);
 }
 
 /* Fills job->cells, with the mesh, the count, what and the memory of the job.  Leaves them empty if it fails. */
@@ -6023,9 +5862,5 @@ PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const d
     return status;
 }
 
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT DEFAULT
-#elif defined(__GNUC__)
-#pragma GCC pop_options
-#endif
+PBW_CONTRACTION_ON
 #endif /* PBW_CELLS_IMPLEMENTATION */
