@@ -861,7 +861,7 @@ PBW__INLINE double pbw__max_abs(double a, double b, double c, double d)
 }
 
 /* One instruction where possible, so that nothing needs libm. */
-PBW__INLINE double pbw__square_root(double x)
+PBW__HOST_INLINE double pbw__square_root(double x)
 {
 #if defined(__SSE2__)
     const __m128d y = _mm_set_sd(x);
