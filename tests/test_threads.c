@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <time.h>
 #ifndef COUNT
-#define COUNT 6000                                   /* points */
+#define COUNT 2000                                   /* points */
 #endif
 
 /* Hooks of pbw.h for this test: threads wait at random, and can be refused. */

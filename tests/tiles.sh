@@ -214,6 +214,11 @@ print(most, "KB")
 sys.exit(code or most > int(sys.argv[1]))' "$most" "$pbw" "$@"
 }
 check "memory of a run: the limit and a tenth" peak 21484 tiles long.bin --memory-limit 20M --threads 1 -o peak.pbwt
+# A proof holds a tile and at most 24 MiB of the file, which has 65 MB here.
+./points 0 3 250000 0 > large.bin
+"$pbw" tiles large.bin --tiles 12 -o large.pbwt > said
+check "memory of a proof: not that of the file" peak 48000 check large.pbwt
+rm -f large.bin large.pbwt
 check "enough memory" says 0 "all " tiles long.bin --memory-limit 12M -o m.pbwt
 
 # Several at a time: the same bytes for any number of threads; fewer if memory is too small for that.

@@ -20,22 +20,18 @@ INSTALLED = bin/pbw include/pbw lib/libpbw.a lib/libpbw.so lib/$(SONAME) lib/lib
 
 .PHONY: install uninstall
 
-$B/pbw_pic.o: examples/install/library.c $(LIBRARY)
-	@mkdir -p $B
-	$C -fPIC -c $< -o $@
-
-$B/libpbw.so: $B/pbw_pic.o
-	$(CC) $(CFLAGS) -shared -Wl,-soname,$(SONAME) $< -o $@ $(LIBS)
+$B/libpbw.so: $B/libpbw.a
+	$(CC) $(CFLAGS) -shared -Wl,-soname,$(SONAME) $B/libpbw.o -o $@ $(LIBS)
 
 $B/install/%: examples/install/% pbw.h
 	@mkdir -p $(@D)
 	sed 's/@VERSION@/$(VERSION)/' $< > $@
 
-install: $B/pbw $B/pbw_pic.o $B/libpbw.so $B/install/pbw.pc $(CONFIG:%=$B/install/%.cmake)
+install: $B/pbw $B/libpbw.a $B/libpbw.so $B/install/pbw.pc $(CONFIG:%=$B/install/%.cmake)
 	$(INSTALL) -d $(addprefix "$(ROOT)"/,bin include/pbw lib/pkgconfig lib/cmake/pbw)
 	$(INSTALL) -m 755 $B/pbw "$(ROOT)"/bin/pbw
 	$(INSTALL) -m 644 pbw.h pbw_cuda.cu $(wildcard examples/lib/*.h) "$(ROOT)"/include/pbw
-	rm -f "$(ROOT)"/lib/libpbw.a && ar rcs "$(ROOT)"/lib/libpbw.a $B/pbw_pic.o
+	$(INSTALL) -m 644 $B/libpbw.a "$(ROOT)"/lib/libpbw.a
 	$(INSTALL) -m 755 $B/libpbw.so "$(ROOT)"/lib/libpbw.so.$(VERSION)
 	ln -sf libpbw.so.$(VERSION) "$(ROOT)"/lib/$(SONAME)
 	ln -sf $(SONAME) "$(ROOT)"/lib/libpbw.so
