@@ -8788,11 +8788,8 @@ PBW__INLINE const double *pbw__test_basis(const pbw__tested *mesh, int dim, int 
 PBW__INLINE int pbw__test_side(const pbw__tested *mesh, int dim, const double *const *x, int i, const double *p,
                                pbw__digit *pool)
 {
-    const double *row[4];
-    int k;
-    for (k = 0; k <= dim; k++) {
-        row[k] = k == i ? p : x[k];
-    }
+    const double *row[4] = { x[0], x[1], x[2], x[dim] };
+    row[i] = p;
     return pbw__orient_in(pool, dim, row, &mesh->grid);
 }
 
