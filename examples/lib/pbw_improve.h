@@ -791,6 +791,7 @@ typedef struct pbwim__change {
 } pbwim__change;
 
 typedef struct pbwim__facet { pbw_index v[3], t; int i; } pbwim__facet;
+typedef PBW_ARRAY(pbwim__facet) pbwim__facets;
 
 static void pbwim__sort3(pbw_index v[3])
 {
@@ -2045,7 +2046,7 @@ static void pbwim__set_message(const pbwim__mesh *m, const char *text, size_t i,
 }
 
 typedef struct pbwim__sorting {            /* start from zeros */
-    PBW_ARRAY(pbwim__facet) items, other;
+    pbwim__facets items, other;
     PBW_ARRAY(size_t) first;               /* per number, in a column */
 } pbwim__sorting;
 
@@ -2063,30 +2064,34 @@ static void pbwim__end_sorting(pbw_memory *memory, pbwim__sorting *s)
     PBW_RELEASE(memory, s->first);
 }
 
-/* Sorts items.at[0] .. [count - 1] by columns 0 .. columns-1.  Returns where they are then.  Counting, from the last
-   column to the first: linear for any input. */
-static pbwim__facet *pbwim__sort(pbwim__sorting *s, size_t count, int columns)
+/* Sorts items.at[0] .. [count - 1] by a column, those of equal numbers in their order: by counting, linear for any
+   input. */
+static void pbwim__sort_by(pbwim__sorting *s, size_t count, int column)
 {
     const size_t range = s->first.capacity - 2;
+    const pbwim__facets swap = s->items;
     size_t *first = s->first.at, i;
-    pbwim__facet *items = s->items.at, *other = s->other.at, *swap;
-    int k;
-    for (k = columns - 1; k >= 0; k--) {
-        memset(first, 0, (range + 1) * sizeof *first);
-        for (i = 0; i < count; i++) {
-            first[items[i].v[k] + 1]++;
-        }
-        for (i = 0; i < range; i++) {
-            first[i + 1] += first[i];
-        }
-        for (i = 0; i < count; i++) {
-            other[first[items[i].v[k]]++] = items[i];
-        }
-        swap = items;
-        items = other;
-        other = swap;
+    memset(first, 0, (range + 1) * sizeof *first);
+    for (i = 0; i < count; i++) {
+        first[s->items.at[i].v[column] + 1]++;
     }
-    return items;
+    for (i = 0; i < range; i++) {
+        first[i + 1] += first[i];
+    }
+    for (i = 0; i < count; i++) {
+        s->other.at[first[s->items.at[i].v[column]]++] = s->items.at[i];
+    }
+    s->items = s->other;
+    s->other = swap;
+}
+
+/* Sorts by columns 0 .. columns-1.  Returns the items. */
+static pbwim__facet *pbwim__sort(pbwim__sorting *s, size_t count, int columns)
+{
+    while (columns > 0) {
+        pbwim__sort_by(s, count, --columns);
+    }
+    return s->items.at;
 }
 
 /* Returns whether t sees the corners of its facet i, in ascending order, counter-clockwise. */
@@ -2350,14 +2355,19 @@ static pbw_status pbwim__connect(pbwim__mesh *m, const pbw_tets *in, double cosi
     pbw_status status = PBW_ERROR_MEMORY;
     const size_t count = 4 * m->tets;
     size_t i;
+    int k;
     memset(&sorting, 0, sizeof sorting);
     if (pbwim__begin_sorting(&m->memory, &sorting, count, m->points)) {
         for (i = 0; i < count; i++) {
             sorting.items.at[i] = pbwim__facet_of(m, (pbw_index)(i / 4), (int)(i % 4));
         }
-        status = pbwim__link(m, pbwim__sort(&sorting, count, 3), count);
-        status = status == PBW_OK && pbwim__progress(m, 0) ? PBW_CANCELLED : status;
-        status = status != PBW_OK ? status : pbwim__check_orientation(m);
+        for (k = 3, status = PBW_OK; k > 0 && status == PBW_OK;) {
+            pbwim__sort_by(&sorting, count, --k);
+            status = pbwim__progress(m, 0) ? PBW_CANCELLED : PBW_OK;
+        }
+        status = status != PBW_OK ? status : pbwim__link(m, sorting.items.at, count);
+        status = status != PBW_OK ? status : pbwim__progress(m, 0) ? PBW_CANCELLED : pbwim__check_orientation(m);
+        status = status != PBW_OK ? status : pbwim__progress(m, 0) ? PBW_CANCELLED : PBW_OK;
         status = status != PBW_OK ? status : pbwim__set_marks(m, in, cosine, &sorting);
     }
     pbwim__end_sorting(&m->memory, &sorting);
@@ -3588,7 +3598,7 @@ static pbw_status pbwim__run(pbwim__mesh *m, const pbw_tets *in, const pbw_impro
         return PBW_CANCELLED;
     }
     (void)pbw_tets_quality(&view, &inner, &m->report->before);
-    status = status != PBW_OK ? status : pbwim__passes(m, how);
+    status = status != PBW_OK ? status : pbwim__progress(m, 0) ? PBW_CANCELLED : pbwim__passes(m, how);
     status = status != PBW_OK ? status : pbwim__progress(m, m->done) ? PBW_CANCELLED : pbwim__close_gaps(m);
     for (t = 0; t < m->tets; t++) {
         m->report->left += (size_t)pbwim__is_bad(m, (pbw_index)t);
