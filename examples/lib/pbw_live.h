@@ -1,7 +1,7 @@
 /* pbw_live.h - v0.2.0 - a triangulation whose points are inserted, removed and moved - MIT-0
 
    QUICK START
-   In the source file that defines PBW_IMPLEMENTATION, define PBW_LIVE_IMPLEMENTATION too; in all others, only include.
+   In the source file that defines PBW_IMPLEMENTATION, define PBW_LIVE_IMPLEMENTATION too; in others just include.
 
        #define PBW_IMPLEMENTATION
        #define PBW_LIVE_IMPLEMENTATION
@@ -142,7 +142,7 @@ PBWDEF pbw_status pbw_live_view(pbw_live *live, pbw_mesh *mesh);
 #if defined(PBW_LIVE_IMPLEMENTATION) && !defined(PBWL__IMPLEMENTED)
 #define PBWL__IMPLEMENTED
 #if PBW__SEAM != 1
-#error "pbw_live.h is compiled where pbw.h of its version is: define PBW_IMPLEMENTATION, too, above the first include"
+#error "pbw_live.h is compiled where pbw.h of its version is: define PBW_IMPLEMENTATION too, above the include"
 #else
 
 /* Contraction is off here as in pbw.h, whose >>platform tells why; each compiler ignores the other's pragma. */

@@ -1,7 +1,7 @@
 /* pbw_query.h - v0.2.0 - which simplex contains a point, nearest vertices, interpolation - MIT-0
 
    QUICK START
-   In the source file that defines PBW_IMPLEMENTATION, define PBW_QUERY_IMPLEMENTATION too; in all others, only include.
+   In the source file that defines PBW_IMPLEMENTATION, define PBW_QUERY_IMPLEMENTATION too; in others just include.
 
        #define PBW_IMPLEMENTATION
        #define PBW_QUERY_IMPLEMENTATION
@@ -142,7 +142,7 @@ PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, si
 #if defined(PBW_QUERY_IMPLEMENTATION) && !defined(PBWQ__IMPLEMENTED)
 #define PBWQ__IMPLEMENTED
 #if PBW__SEAM != 1
-#error "pbw_query.h is compiled where pbw.h of its version is: define PBW_IMPLEMENTATION, too, above the first include"
+#error "pbw_query.h is compiled where pbw.h of its version is: define PBW_IMPLEMENTATION too, above the include"
 #else
 
 /* Contraction is off here as in pbw.h, whose >>platform tells why; each compiler ignores the other's pragma. */

@@ -1,4 +1,4 @@
-/* library.c: the implementations of pbw.h, queries, live points, cells, samples and tiles; library_*.c have others. */
+/* library.c: the implementations of pbw.h, queries, live points, cells, samples, tiles; library_*.c have others. */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
 #define PBW_QUERY_IMPLEMENTATION
