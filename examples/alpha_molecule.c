@@ -129,7 +129,7 @@ static void print_shape(const pbw_mesh *mesh, double probe)
 int main(int argc, char **argv)
 {
     static const double probes[4] = { 0, 0.7, 2.1, 1.7 };
-    const pbwpic_options picture = { kept, { 0 }, { 0 }, { 0, -1, 0, 0 } };
+    const pbwpic_options picture = { kept, { 0 }, { 0 }, { 0, -1, 0, 0 }, NULL };
     make_atoms();
     printf("%d atoms\nprobe   volume     area  cavities   volume\n", ATOMS);
     for (int i = 0; i < 4; i++) {

@@ -12,37 +12,29 @@
 
 static size_t in_use, most_in_use;
 
-/* Blocks know their size, so that what is held can be counted; while a block is resized both sizes are. */
-static void *count_realloc(void *ptr, size_t size)
+/* Counts what is held; while a block is resized both sizes are. */
+static void *count_resize(void *user, void *ptr, size_t old_size, size_t new_size)
 {
-    size_t *old = ptr == NULL ? NULL : (size_t *)ptr - 2, before = old == NULL ? 0 : old[0];
-    size_t *block = (size_t *)malloc(size + 2 * sizeof(size_t));
-    if (block == NULL) {
-        return NULL;
+    void *block = NULL;
+    (void)user;
+    if (new_size != 0) {
+        block = malloc(new_size);
+        if (block == NULL) {
+            return NULL;
+        }
+        in_use += new_size;
+        most_in_use = in_use > most_in_use ? in_use : most_in_use;
     }
-    in_use += size;
-    most_in_use = in_use > most_in_use ? in_use : most_in_use;
-    block[0] = size;
-    if (old != NULL) {
-        memcpy(block + 2, ptr, before < size ? before : size);
-        in_use -= before;
-        free(old);
-    }
-    return block + 2;
-}
-
-static void count_free(void *ptr)
-{
     if (ptr != NULL) {
-        in_use -= *((size_t *)ptr - 2);
-        free((size_t *)ptr - 2);
+        if (block != NULL) {
+            memcpy(block, ptr, old_size < new_size ? old_size : new_size);
+        }
+        in_use -= old_size;
+        free(ptr);
     }
+    return block;
 }
 
-#define PBWIO_REALLOC(ptr, size) count_realloc(ptr, size)
-#define PBWIO_FREE(ptr) count_free(ptr)
-#define PBWSAMPLE_REALLOC(ptr, size) count_realloc(ptr, size)
-#define PBWSAMPLE_FREE(ptr) count_free(ptr)
 #define PBW_IMPLEMENTATION
 #include "../pbw.h"
 #define PBW_IO_IMPLEMENTATION
@@ -128,6 +120,8 @@ static const char *sample(const pbwio_cloud *cloud, size_t seed)
         memset(&set, 0, sizeof set);
         memset(&options, 0, sizeof options);
         memset(&build, 0, sizeof build);
+        build.threads = 1;
+        build.resize = count_resize;
         options.seed = seed;
         options.flags = flags[way == 2 ? 0 : seed / 4 % 4];
         build.progress = grow_tired;
@@ -165,11 +159,15 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
     int format;
     for (format = PBWIO_AUTO; format <= PBWIO_VTK; format++) {
         pbwio_options options;
+        pbw_options build;
         pbwio_cloud cloud;
         pbwio_error error;
         pbwio_status status;
         const char *fault;
         memset(&options, 0, sizeof options);
+        memset(&build, 0, sizeof build);
+        build.resize = count_resize;
+        options.build = &build;
         options.format = (pbwio_format)format;
         options.columns = columns[size % 5];
         options.weight = weights[size / 5 % 5];

@@ -324,7 +324,7 @@ static void test_files(void)
 static int has_word(const char *path, const char *word)
 {
     size_t size;
-    char *text = pbwio_load(path, &size, NULL);
+    char *text = pbwio_load(path, NULL, &size, NULL);
     const int has = text != NULL && strstr(text, word) != NULL;
     free(text);
     return has;

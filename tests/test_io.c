@@ -14,38 +14,37 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-static size_t held, peak, fail_at, requests;
+static size_t held, peak, most_held, fail_at, requests, wrong_sizes;
+static int once;                                     /* refuses request number fail_at only, else also all after it */
 
-/* Counts what is held, both sizes while a block is resized; refuses request number fail_at and all after it. */
-static void *count_realloc(void *ptr, size_t size)
+/* Counts what is held, peak with both sizes while a block is resized; compares what it is told of old sizes. */
+static void *count_resize(void *user, void *ptr, size_t old_size, size_t new_size)
 {
-    size_t *old = ptr == NULL ? NULL : (size_t *)ptr - 2, *block;
-    if (fail_at != 0 && ++requests >= fail_at) {
-        return NULL;
+    size_t *old = ptr == NULL ? NULL : (size_t *)ptr - 2, *block = NULL;
+    (void)user;
+    wrong_sizes += old_size != (old == NULL ? 0 : old[0]);
+    if (new_size != 0) {
+        requests++;
+        if (fail_at != 0 && (once ? requests == fail_at : requests >= fail_at)) {
+            return NULL;
+        }
+        block = (size_t *)malloc(new_size + 2 * sizeof(size_t));
+        held += new_size;
+        peak = held > peak ? held : peak;
+        block[0] = new_size;
     }
-    block = (size_t *)malloc(size + 2 * sizeof(size_t));
-    held += size;
-    peak = held > peak ? held : peak;
-    block[0] = size;
     if (old != NULL) {
-        memcpy(block + 2, ptr, old[0] < size ? old[0] : size);
+        if (block != NULL) {
+            memcpy(block + 2, ptr, old[0] < new_size ? old[0] : new_size);
+        }
         held -= old[0];
         free(old);
     }
-    return block + 2;
-}
-
-static void count_free(void *ptr)
-{
-    if (ptr != NULL) {
-        held -= *((size_t *)ptr - 2);
-        free((size_t *)ptr - 2);
-    }
+    most_held = held > most_held ? held : most_held;
+    return block == NULL ? NULL : block + 2;
 }
 
 #include "../pbw.h"
-#define PBWIO_REALLOC(ptr, size) count_realloc(ptr, size)
-#define PBWIO_FREE(ptr) count_free(ptr)
 #define PBW_IO_IMPLEMENTATION
 #include "../examples/lib/pbw_io.h"
 #define PBW_PICTURE_IMPLEMENTATION
@@ -54,6 +53,17 @@ static void count_free(void *ptr)
 #include "../examples/lib/pbw_model.h"
 #include "io_samples.h"
 #include "test.h"
+
+static pbw_options counted;                          /* with count_resize */
+static pbwio_options plain;                          /* with it */
+
+static pbwio_output counted_output(void)
+{
+    pbwio_output output;
+    memset(&output, 0, sizeof output);
+    output.build = &counted;
+    return output;
+}
 
 static char folder[64], program[256];
 
@@ -266,7 +276,7 @@ static void test_bad_files(void)
     size_t i;
     for (i = 0; i < sizeof bad_files / sizeof bad_files[0]; i++) {
         const bad_file *f = &bad_files[i];
-        pbwio_options options = { PBWIO_AUTO, f->dim, f->columns, f->weight, NULL, 0 };
+        pbwio_options options = { PBWIO_AUTO, f->dim, f->columns, f->weight, NULL, 0, &counted };
         pbwio_cloud cloud;
         pbwio_error error;
         pbwio_status status = pbwio_read_memory(f->name, f->text, strlen(f->text), &options, &cloud, &error);
@@ -287,7 +297,7 @@ static void check_sample(const io_sample *s, const char *name)
     size_t i;
     error.text[0] = 0;
     peak = 0;
-    if (!CHECK(pbwio_read_memory(name, s->data, s->size, NULL, &cloud, &error) == PBWIO_OK)) {
+    if (!CHECK(pbwio_read_memory(name, s->data, s->size, &plain, &cloud, &error) == PBWIO_OK)) {
         test_say("%s: %s", s->name, error.text);
         return;
     }
@@ -323,7 +333,7 @@ static void test_choices(void)
     static const char node[] = "2 2 2 1\n1 3 4 5 6 0\n2 7 8 9 10 1\n";
     char buffer[1024];
     io_sample ply = io_get_sample(IO_TEXT_SAMPLES + 1, buffer), obj = io_get_sample(7, buffer + 512);
-    pbwio_options o = { PBWIO_AUTO, 0, "east,north", "mass", NULL, 0 };
+    pbwio_options o = { PBWIO_AUTO, 0, "east,north", "mass", NULL, 0, &counted };
     pbwio_cloud c;
     CHECK(pbwio_read_memory("a.csv", table, sizeof table - 1, &o, &c, NULL) == PBWIO_OK);
     CHECK(c.dim == 2 && c.points[0] > 19 && c.points[1] < 11 && c.weights[1] < 0.3 && c.weights[0] > 0.4);
@@ -354,9 +364,9 @@ static void test_choices(void)
     CHECK(pbwio_read_memory("a.obj", obj.data, obj.size, &o, &c, NULL) == PBWIO_OK && c.dim == 2);
     CHECK(c.triangles[0] == 0 && c.triangles[1] == 2 && c.triangles[2] == 1);
     pbwio_free(&c);
-    CHECK(pbwio_read_memory(NULL, "", 0, NULL, &c, NULL) == PBWIO_ERROR_ARGUMENT);
-    CHECK(pbwio_read_memory("a", NULL, 1, NULL, &c, NULL) == PBWIO_ERROR_ARGUMENT);
-    CHECK(pbwio_read("/no/such/file.xyz", NULL, &c, NULL) == PBWIO_ERROR_FILE);
+    CHECK(pbwio_read_memory(NULL, "", 0, &plain, &c, NULL) == PBWIO_ERROR_ARGUMENT);
+    CHECK(pbwio_read_memory("a", NULL, 1, &plain, &c, NULL) == PBWIO_ERROR_ARGUMENT);
+    CHECK(pbwio_read("/no/such/file.xyz", &plain, &c, NULL) == PBWIO_ERROR_FILE);
 }
 
 /* Reads broken content in a block of its very size; whatever happens must happen properly. */
@@ -370,7 +380,7 @@ static void read_broken(const io_sample *s, const char *data, size_t size)
     memcpy(copy, data, size);
     peak = 0;
     error.text[0] = 0;
-    status = pbwio_read_memory(s->name, copy, size, NULL, &cloud, &error);
+    status = pbwio_read_memory(s->name, copy, size, &plain, &cloud, &error);
     CHECK(peak <= io_bound(data, size));
     CHECK((status == PBWIO_OK) == (error.text[0] == 0) && (status == PBWIO_OK) == (cloud.count != 0));
     CHECK(status == PBWIO_OK || strncmp(error.text, s->name, strlen(s->name)) == 0);
@@ -405,7 +415,7 @@ static int read_lie(const io_sample *s, const char *data, size_t size)
     pbwio_error error;
     const char *at;
     size_t byte;
-    const pbwio_status status = pbwio_read_memory(s->name, data, size, NULL, &cloud, &error);
+    const pbwio_status status = pbwio_read_memory(s->name, data, size, &plain, &cloud, &error);
     if (status != PBWIO_OK) {
         at = strstr(error.text, ": byte ");
         if (!CHECK(status != PBWIO_ERROR_MEMORY && strstr(error.text, "memory") == NULL
@@ -471,21 +481,51 @@ static void test_no_memory(void)
     char buffer[1024];
     size_t k;
     int i;
-    for (i = 0; i < IO_SAMPLES; i++) {
-        io_sample s = io_get_sample(i, buffer);
-        for (k = 1; k < 32; k++) {
+    for (i = 0; i < 2 * IO_SAMPLES; i++) {
+        io_sample s = io_get_sample(i / 2, buffer);
+        once = i % 2;
+        for (k = 1, requests = 1; k <= requests + 1; k++) {
             pbwio_cloud cloud;
             pbwio_status status;
             fail_at = k;
             requests = 0;
-            status = pbwio_read_memory(s.name, s.data, s.size, NULL, &cloud, NULL);
+            status = pbwio_read_memory(s.name, s.data, s.size, &plain, &cloud, NULL);
             fail_at = 0;
             CHECK(status == PBWIO_OK || (status == PBWIO_ERROR_MEMORY && held == 0 && cloud.points == NULL));
             CHECK(status != PBWIO_OK || k > 1);
             pbwio_free(&cloud);
-            CHECK(held == 0);
+            CHECK(held == 0 && wrong_sizes == 0);
         }
+        once = 0;
     }
+}
+
+/* At each level of the limit a file is read, or memory is short; what is held stays below it. */
+static void test_limit(void)
+{
+    char buffer[1024];
+    size_t most;
+    int i, part, failures = 0;
+    for (i = 0; i < IO_SAMPLES; i++) {
+        io_sample s = io_get_sample(i, buffer);
+        pbwio_cloud cloud;
+        pbwio_status status;
+        most_held = 0;
+        CHECK_EQUAL(pbwio_read_memory(s.name, s.data, s.size, &plain, &cloud, NULL), PBWIO_OK);
+        pbwio_free(&cloud);
+        most = most_held;
+        for (part = 1; part <= 8; part++) {
+            counted.memory_limit = most * (size_t)part / 8;
+            most_held = 0;
+            status = pbwio_read_memory(s.name, s.data, s.size, &plain, &cloud, NULL);
+            CHECK(status == PBWIO_OK || (status == PBWIO_ERROR_MEMORY && held == 0 && part < 8));
+            CHECK(most_held <= counted.memory_limit);
+            failures += status != PBWIO_OK;
+            pbwio_free(&cloud);
+        }
+        counted.memory_limit = 0;
+    }
+    CHECK(failures > 4 * IO_SAMPLES);
 }
 
 /* A line of a megabyte, a table of many columns, a polygon of many corners, a PLY of many properties. */
@@ -501,17 +541,17 @@ static void test_long(void)
     memset(text, ' ', size);
     memcpy(text, "1 2 3", 5);
     memcpy(text + size - 8, "4\n5 6 7\n", 8);
-    CHECK(pbwio_read_memory("a.xyz", text, size, NULL, &cloud, &error) == PBWIO_OK && cloud.count == 2);
+    CHECK(pbwio_read_memory("a.xyz", text, size, &plain, &cloud, &error) == PBWIO_OK && cloud.count == 2);
     pbwio_free(&cloud);
     memset(text, '9', size);
     memcpy(text + size - 5, " 2 3\n", 5);
-    CHECK(pbwio_read_memory("a.xyz", text, size, NULL, &cloud, &error) == PBWIO_ERROR_FORMAT);
+    CHECK(pbwio_read_memory("a.xyz", text, size, &plain, &cloud, &error) == PBWIO_ERROR_FORMAT);
     CHECK(strcmp(error.text, "a.xyz:1: column 1, \"999999999999999999999999...\", is not a finite number") == 0);
     for (i = 0; i < size; i += 2) {
         memcpy(text + i, "1 ", 2);
     }
     text[size - 1] = '\n';
-    CHECK(pbwio_read_memory("a.xyz", text, size, NULL, &cloud, &error) == PBWIO_OK && cloud.count == 1);
+    CHECK(pbwio_read_memory("a.xyz", text, size, &plain, &cloud, &error) == PBWIO_OK && cloud.count == 1);
     pbwio_free(&cloud);
     memcpy(text, "v 0 0 0\nf ", 10);
     s.name = "a.obj";
@@ -522,7 +562,7 @@ static void test_long(void)
     memcpy(text, "ply\nelement vertex 1", 20);
     s.name = "a.ply";
     read_broken(&s, text, i);
-    CHECK(pbwio_read_memory("a.ply", text, i, NULL, &cloud, &error) == PBWIO_ERROR_FORMAT);
+    CHECK(pbwio_read_memory("a.ply", text, i, &plain, &cloud, &error) == PBWIO_ERROR_FORMAT);
     memset(text, '\n', size);
     s.name = "a.xyz";
     read_broken(&s, text, size);
@@ -598,7 +638,7 @@ static void make_mesh(int dim, int weighted, size_t count, pbw_mesh *mesh)
 
 static void write_it(const char *name, const pbw_mesh *mesh, unsigned flags, const unsigned char *keep)
 {
-    pbwio_output output = {0};
+    pbwio_output output = counted_output();
     pbwio_error error;
     struct stat info;
     output.flags = flags;
@@ -631,7 +671,7 @@ static int same_number(double a, double b)
 
 static void check_points(const char *name, const pbw_mesh *mesh, const char *weight)
 {
-    pbwio_options options = { PBWIO_AUTO, 0, NULL, weight, NULL, 0 };
+    pbwio_options options = { PBWIO_AUTO, 0, NULL, weight, NULL, 0, &counted };
     pbwio_cloud cloud;
     pbwio_error error;
     if (!CHECK(pbwio_read(in_folder(name), &options, &cloud, &error) == PBWIO_OK)) {
@@ -704,7 +744,7 @@ static void check_surface(const char *name, const pbw_mesh *mesh, const unsigned
     pbwio_cloud c;
     size_t i, j, hull, count = kept_count(mesh, keep, &hull);
     double inside = 0, around = 0, tolerance = strstr(name, ".stl") != NULL && name[0] != 't' ? 1e-3 : 1e-8;
-    if (!CHECK(pbwio_read(in_folder(name), NULL, &c, NULL) == PBWIO_OK)) {
+    if (!CHECK(pbwio_read(in_folder(name), &plain, &c, NULL) == PBWIO_OK)) {
         return;
     }
     CHECK(c.dim == 3 && c.triangle_count == (mesh->dim == 3 ? hull : count));
@@ -1018,6 +1058,7 @@ static void test_groups(void)
     char *data;
     memset(&mesh, 0, sizeof mesh);
     memset(&output, 0, sizeof output);
+    output.build = &counted;
     make_mesh(3, 0, 300, &mesh);
     regions = (pbw_index *)malloc(mesh.simplex_count * sizeof *regions);
     patches = (pbw_index *)malloc(4 * mesh.simplex_count * sizeof *patches);
@@ -1041,7 +1082,7 @@ static void test_groups(void)
     for (i = 0; i < 5; i++) {
         output.flags = names[i][0] == 't' ? PBWIO_TEXT : 0;
         CHECK(pbwio_write(in_folder(names[i]), &mesh, &output, NULL) == PBWIO_OK);
-        if (i < 4 && CHECK(pbwio_read(in_folder(names[i]), NULL, &cloud, NULL) == PBWIO_OK)) {
+        if (i < 4 && CHECK(pbwio_read(in_folder(names[i]), &plain, &cloud, NULL) == PBWIO_OK)) {
             CHECK(cloud.count == mesh.point_count
                   && memcmp(cloud.points, mesh.points, 24 * mesh.point_count) == 0);
             CHECK(cloud.tetrahedron_count == mesh.simplex_count
@@ -1082,6 +1123,7 @@ static void check_column(const char *name, const char *column, int dim, const do
     pbwio_cloud cloud;
     size_t i, wrong = 0;
     memset(&options, 0, sizeof options);
+    options.build = &counted;
     options.weight = column;
     options.dim = dim;
     if (!CHECK(pbwio_read(in_folder(name), &options, &cloud, NULL) == PBWIO_OK)) {
@@ -1127,6 +1169,7 @@ static void test_columns(void)
     size_t i;
     memset(&mesh, 0, sizeof mesh);
     memset(&output, 0, sizeof output);
+    output.build = &counted;
     memset(groups, 0, sizeof groups);
     CHECK(pbw_triangulate(2, points, NULL, 4, NULL, &mesh) == PBW_OK);
     columns[0].name = (char *)(uintptr_t)"depth, \"m\"";
@@ -1209,6 +1252,7 @@ static void test_heights(void)
     pbwio_cloud cloud;
     size_t i, k;
     memset(&options, 0, sizeof options);
+    options.build = &counted;
     options.dim = 2;
     for (i = 0; i < sizeof files / sizeof *files; i++) {
         if (CHECK(pbwio_read_memory(files[i].name, files[i].text, strlen(files[i].text), &options, &cloud, NULL)
@@ -1251,7 +1295,7 @@ static void emit_halves(void *user, FILE *file)
         putc(s->letter, file);
         if (i == 100000 && s->runs > 0) {
             fflush(file);
-            CHECK(pbwio_save(in_folder(s->name), emit_halves, &other, &error) == PBWIO_OK);
+            CHECK(pbwio_save(in_folder(s->name), emit_halves, &other, NULL, &error) == PBWIO_OK);
         }
     }
 }
@@ -1292,7 +1336,7 @@ static void test_runs_at_once(void)
             CHECK(symlink(i == 1 ? "victim" : "none", in_folder(name)) == 0);
         }
     }
-    CHECK(pbwio_save(in_folder("a"), emit_halves, &s, &error) == PBWIO_OK);
+    CHECK(pbwio_save(in_folder("a"), emit_halves, &s, NULL, &error) == PBWIO_OK);
     check_letters("a", 'A');
     CHECK_EQUAL(files_in_folder(), 3 + 4);
     for (i = 0; i < 4; i++) {
@@ -1310,7 +1354,7 @@ static void test_runs_at_once(void)
         memcpy(longest + 198 + i, "\xe2\x82\xac", 3);
         longest[255] = 0;
         s.name = longest;
-        CHECK(pbwio_save(in_folder(longest), emit_halves, &s, &error) == PBWIO_OK);
+        CHECK(pbwio_save(in_folder(longest), emit_halves, &s, NULL, &error) == PBWIO_OK);
         check_letters(longest, 'A');
     }
     CHECK_EQUAL(files_in_folder(), 0);
@@ -1333,7 +1377,7 @@ static void test_full_disk(void)
     getrlimit(RLIMIT_FSIZE, &old);
     small = old;
     for (i = 0; i < 6; i++) {
-        pbwio_output output = {0};
+        pbwio_output output = counted_output();
         pbwio_status status;
         output.format = formats[i % 5];
         small.rlim_cur = i < 3 ? 5000 : 1;
@@ -1347,14 +1391,14 @@ static void test_full_disk(void)
     }
     unlink(in_folder("a.out"));
     if (access("/dev/full", W_OK) == 0) {
-        pbwio_output output = {0};
+        pbwio_output output = counted_output();
         output.format = PBWIO_VTU;
         CHECK(pbwio_write("/dev/full", &mesh, &output, &error) == PBWIO_ERROR_FILE);
         CHECK(strcmp(error.text, "/dev/full: No space left on device") == 0);
         CHECK(stat("/dev/full", &info) == 0 && S_ISCHR(info.st_mode));
     }
     for (k = 1; k < 10; k++) {
-        pbwio_output output = {0};
+        pbwio_output output = counted_output();
         pbwio_status status;
         output.format = k < 5 ? PBWIO_OBJ : PBWIO_INP;
         output.flags = PBWIO_NO_ORPHANS;
@@ -1436,7 +1480,7 @@ static void test_models(void)
     for (i = 0; i < 2 * sizeof files / sizeof files[0]; i++) {
         const char *path = in_folder(files[i / 2].name);
         CHECK_EQUAL(pbwmodel_write(path, &content, i % 2 ? PBWIO_TEXT : 0, &error), PBWIO_OK);
-        if (!CHECK_EQUAL(pbwio_read(path, NULL, &cloud, &error), PBWIO_OK)) {
+        if (!CHECK_EQUAL(pbwio_read(path, &plain, &cloud, &error), PBWIO_OK)) {
             test_say("%s", error.text);
             continue;
         }
@@ -1457,7 +1501,7 @@ static void test_models(void)
         const char *path = in_folder("n.obj");
         FILE *file = fopen(path, "wb");
         CHECK(file != NULL && fputs(texts[i], file) >= 0 && fclose(file) == 0);
-        CHECK_EQUAL(pbwio_read(path, NULL, &cloud, &error), PBWIO_OK);
+        CHECK_EQUAL(pbwio_read(path, &plain, &cloud, &error), PBWIO_OK);
         CHECK_EQUAL(pbwmodel_read_normals(path, &cloud, &read), i < 2);
         for (j = 0; j < 6 && i < 2; j++) {
             CHECK_EQUAL(read.triangles[j], turned[j]);
@@ -1681,6 +1725,66 @@ static void test_locale(void)
     test_end();
 }
 
+typedef struct watch { int calls, stop_at; double last; } watch;
+
+static int on_progress(void *user, pbw_stage stage, double done)
+{
+    watch *w = (watch *)user;
+    CHECK(stage == PBW_STAGE_WORK && done >= w->last && done <= 1);
+    w->last = done;
+    return ++w->calls == w->stop_at;
+}
+
+/* A long table, and a mesh in several formats: progress ascends, and each call of it may end the work. */
+static void test_progress(void)
+{
+    static const char *const names[] = { "p.xyz", "p.vtu", "p.msh", "p.mesh", "p.inp", "p.su2", "p.ply", "p.obj.gz" };
+    pbw_mesh mesh;
+    pbwio_error error;
+    size_t i;
+    memset(&mesh, 0, sizeof mesh);
+    make_mesh(3, 0, 9000, &mesh);
+    for (i = 0; i < sizeof names / sizeof names[0]; i++) {
+        pbwio_output output = counted_output();
+        pbwio_cloud cloud;
+        watch w = { 0, 0, 0 };
+        int calls, k;
+        counted.progress = on_progress;
+        counted.progress_user = &w;
+        CHECK_EQUAL(pbwio_write(in_folder(names[i]), &mesh, &output, &error), PBWIO_OK);
+        calls = w.calls;
+        CHECK(calls > 0);
+        for (k = 1; k <= calls; k += 1 + calls / 4) {
+            w.calls = 0;
+            w.last = 0;
+            w.stop_at = k;
+            CHECK_EQUAL(pbwio_write(in_folder("stopped"), &mesh, NULL, &error), PBWIO_ERROR_ARGUMENT);
+            output.format = pbwio_format_of(names[i]);
+            CHECK_EQUAL(pbwio_write(in_folder(i == 7 ? "stopped.gz" : "stopped"), &mesh, &output, &error),
+                        PBWIO_CANCELLED);
+            CHECK(held == 0 && access(in_folder("stopped"), F_OK) != 0 && access(in_folder("stopped.gz"), F_OK) != 0);
+            output.format = PBWIO_AUTO;
+        }
+        w.calls = w.stop_at = 0;
+        w.last = 0;
+        CHECK_EQUAL(pbwio_read(in_folder(names[i]), &plain, &cloud, &error), PBWIO_OK);
+        pbwio_free(&cloud);
+        calls = w.calls;
+        CHECK(calls > 2);
+        for (k = 1; k <= calls; k += 1 + calls / 4) {
+            w.calls = 0;
+            w.last = 0;
+            w.stop_at = k;
+            CHECK_EQUAL(pbwio_read(in_folder(names[i]), &plain, &cloud, &error), PBWIO_CANCELLED);
+            CHECK(held == 0 && cloud.points == NULL);
+        }
+        counted.progress = NULL;
+        unlink(in_folder(names[i]));
+    }
+    CHECK_EQUAL(wrong_sizes, 0);
+    pbw_free(&mesh);
+}
+
 int main(int argc, char **argv)
 {
     static const struct { const char *name; void (*run)(void); } tests[] = {
@@ -1688,13 +1792,16 @@ int main(int argc, char **argv)
         { "columns, weights and dimensions", test_choices }, { "bad files", test_bad_files },
         { "every truncation", test_truncations }, { "every flipped bit", test_flips },
         { "numbers that lie", test_lies },
-        { "memory runs out", test_no_memory }, { "long lines", test_long }, { "a small stack", test_stack },
+        { "memory runs out", test_no_memory }, { "memory_limit", test_limit }, { "progress", test_progress },
+        { "long lines", test_long }, { "a small stack", test_stack },
         { "what writers refuse", test_refusals }, { "groups", test_groups }, { "columns", test_columns },
         { "heights", test_heights }, { "a full disk", test_full_disk }, { "runs at once", test_runs_at_once },
         { "pictures", test_pictures }, { "models with normals", test_models }
     };
     size_t i;
     test_start(argc, argv, 0);
+    counted.resize = count_resize;
+    plain.build = &counted;
     snprintf(program, sizeof program, "%.*spbw", (int)(strrchr(argv[0], '/') == NULL ? 0
              : strrchr(argv[0], '/') + 1 - argv[0]), argv[0]);
     strcpy(folder, "/tmp/pbw-test-XXXXXX");

@@ -9,20 +9,11 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-static size_t refuse_over = (size_t)-1;
-
-static void *limited_malloc(size_t size)
-{
-    return size > refuse_over ? NULL : malloc(size);
-}
-
 #include "../pbw.h"
 #define PBW_IO_IMPLEMENTATION
 #include "../examples/lib/pbw_io.h"
-#define malloc limited_malloc
 #define PBW_VIEW_IMPLEMENTATION
 #include "../examples/lib/pbw_view.h"
-#undef malloc
 #include "test.h"
 
 static char folder[64], path[96];
@@ -268,6 +259,7 @@ static void test_errors(void)
 {
     static unsigned char none[5000];
     pbw_mesh mesh;
+    pbw_options build;
     pbwview_options options;
     pbwio_error error;
     struct rlimit old, small;
@@ -300,10 +292,12 @@ static void test_errors(void)
     }
     CHECK(pbwview_write("/no/such/a.html", &mesh, NULL, &error) == PBWIO_ERROR_FILE);
     CHECK(strcmp(error.text, "/no/such/a.html: No such file or directory") == 0);
-    refuse_over = 100;
-    CHECK(pbwview_write(path, &mesh, NULL, &error) == PBWIO_ERROR_MEMORY);
+    memset(&build, 0, sizeof build);
+    build.memory_limit = 100;
+    options.build = &build;
+    CHECK(pbwview_write(path, &mesh, &options, &error) == PBWIO_ERROR_MEMORY);
     CHECK(strstr(error.text, ": out of memory") != NULL);
-    refuse_over = (size_t)-1;
+    options.build = NULL;
     options.keep = none;
     CHECK(pbwview_write(path, &mesh, &options, &error) == PBWIO_OK);         /* no simplex is left: the points */
     pbw_free(&mesh);

@@ -243,7 +243,7 @@ PBWFILMDEF pbwio_status pbwfilm_write(const char *path, const pbwfilm_options *o
     page.options = options;
     page.next = next;
     page.user = user;
-    return pbwio_save(path, pbwfilm__emit, &page, error);
+    return pbwio_save(path, pbwfilm__emit, &page, NULL, error);
 }
 
 /* ------------------------------------------------------------------------------------------------------

@@ -28,6 +28,7 @@
      pbwio_renamed      names of groups that .inp and .su2 have as other words
      pbwio_save         writes any text to a file in that way
      pbwio_format_of    the format that the name of a file tells
+     pbwio_status_string  a status in words
 
    CONTENTS  (search for the marks)
      >>interface    types and functions
@@ -126,6 +127,7 @@
      bounded     a file of n bytes makes the readers hold at most 8 n bytes + 64 KiB beside its own text, n counted
                  unpacked; unpacking needs at most 3 n + 64 KiB; nothing recurses; the stack needed is below 64 KiB
                                                                                             tests/test_io.c
+     limited     memory_limit holds in every call, the text of a file included              tests/test_read.c
      safe        no input, however broken, crashes or hangs a reader                        tests/fuzz_io.c
      whole       a file is written under another name and renamed at the end: there is the whole file or
                  none                                                                       tests/test_io.c
@@ -177,8 +179,6 @@
    CONFIGURATION MACROS
      PBW_IO_IMPLEMENTATION    in one source file: compile the implementation there
      PBWIODEF                 everywhere: your own linkage for the functions, for example static
-     PBWIO_REALLOC(ptr, n)    where PBW_IO_IMPLEMENTATION is: your own realloc
-     PBWIO_FREE(ptr)          where PBW_IO_IMPLEMENTATION is: your own free
 */
 #ifndef PBW_IO_H
 #define PBW_IO_H
@@ -203,7 +203,9 @@ typedef enum pbwio_status {
     PBWIO_ERROR_FILE,                  /* cannot open, read, write or rename; the disk is full */
     PBWIO_ERROR_FORMAT,                /* the content is not what the format says */
     PBWIO_ERROR_ARGUMENT,              /* unknown format, no such column, mesh without what the format needs */
-    PBWIO_ERROR_MEMORY                 /* out of memory; what asks for more than the bound above is ERROR_FORMAT */
+    PBWIO_ERROR_MEMORY,                /* out of memory, or over memory_limit; what asks for more than the bound above
+                                          is ERROR_FORMAT */
+    PBWIO_CANCELLED                    /* the progress callback said stop */
 } pbwio_status;
 
 typedef struct pbwio_error {           /* filled when a function fails; may be NULL */
@@ -254,6 +256,8 @@ typedef struct pbwio_cloud {           /* start from {0}; pbwio_free when done *
     int base;                          /* number of the first point in the file: 0 or 1 */
     char dropped[256];                 /* what the file has and the cloud has not, in words; "" = nothing */
     char taken[200];                   /* which columns of a table are the coordinates, in words; "" = no question */
+    pbw_memory memory;                 /* private: of the arrays, and their bytes */
+    size_t capacity[13];
 } pbwio_cloud;
 
 typedef struct pbwio_options {         /* NULL or all zero = best defaults */
@@ -265,6 +269,7 @@ typedef struct pbwio_options {         /* NULL or all zero = best defaults */
     const char *weight;                /* the same for the weight; NULL = no weights */
     const char *keep;                  /* columns of tables to keep, the same way; "*": all; NULL: none */
     unsigned flags;                    /* PBWIO_DECIMAL_COMMA | PBWIO_CLOSED_RINGS */
+    const pbw_options *build;          /* memory_limit, resize, progress, as in pbw.h; NULL = defaults */
 } pbwio_options;
 
 #define PBWIO_CLOSED_RINGS  2u         /* GeoJSON: a ring keeps its last position, which is its first again */
@@ -293,6 +298,7 @@ typedef struct pbwio_output {          /* NULL or all zero = best defaults */
     const double *heights;             /* of a mesh in the plane: z of each point; in .node an attribute, in .su2
                                           nothing; NULL = 0, no z in .mesh .inp .xyz .csv */
     int base;                          /* of .node .ele .neigh .face .edge: number of the first point and element */
+    const pbw_options *build;          /* memory_limit, resize, progress, as in pbw.h; NULL = defaults */
 } pbwio_output;
 
 enum {                                 /* what files of a format keep beside points and simplices: bits */
@@ -309,9 +315,11 @@ PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options,
 PBWIODEF pbwio_status pbwio_read_memory(const char *name, const void *data, size_t size, const pbwio_options *options,
                                         pbwio_cloud *cloud, pbwio_error *error);
 /* The whole of a file, unpacked if gzip has packed it, and a 0 behind its `size` bytes; "-" is the standard input.
-   The caller frees it with PBWIO_FREE, by default free.  Returns NULL on failure. */
-PBWIODEF char *pbwio_load(const char *path, size_t *size, pbwio_error *error);
-/* Frees what a cloud holds and zeroes it; fine on {0}, fine twice. */
+   options: memory_limit, resize, progress; NULL = defaults.  The caller frees the block, of size + 1 bytes, by
+   options.resize, by default free.  Returns NULL on failure. */
+PBWIODEF char *pbwio_load(const char *path, const pbw_options *options, size_t *size, pbwio_error *error);
+/* Frees what a cloud holds and zeroes it; fine on {0}, fine twice.  An array may be taken over, its pointer set to
+   NULL, or replaced by one of the same allocator, by default malloc. */
 PBWIODEF void pbwio_free(pbwio_cloud *cloud);
 /* Writes a mesh. */
 PBWIODEF pbwio_status pbwio_write(const char *path, const pbw_mesh *mesh, const pbwio_output *output,
@@ -330,11 +338,14 @@ PBWIODEF void pbwio_renamed(pbwio_format format, int corners, const pbw_mesh *me
    "path.part.PROCESS-NUMBER", so that runs at the same time and files that are there are safe; in the end it is
    renamed to path, or removed if the disk was full.  A file that is replaced gives its mode to the new one; a
    symbolic link stays, and what it leads to is replaced.  "-" is the standard output; that, FIFOs, devices and names
-   under /dev are written in place.  What is written to a path that ends in .gz is packed by gzip. */
+   under /dev are written in place.  What is written to a path that ends in .gz is packed by gzip.  options:
+   memory_limit, resize, progress (while it packs); NULL = defaults. */
 PBWIODEF pbwio_status pbwio_save(const char *path, void (*emit)(void *user, FILE *file), void *user,
-                                 pbwio_error *error);
+                                 const pbw_options *options, pbwio_error *error);
 /* The format that a name's ending stands for, without .gz behind it; PBWIO_AUTO if none. */
 PBWIODEF pbwio_format pbwio_format_of(const char *path);
+/* What a status means; a pbwio_error says where, too.  Never NULL, never freed. */
+PBWIODEF const char *pbwio_status_string(pbwio_status status);
 
 #ifdef __cplusplus
 }
@@ -362,11 +373,6 @@ PBWIODEF pbwio_format pbwio_format_of(const char *path);
 #ifndef __cplusplus
 extern ssize_t readlink(const char *path, char *link, size_t size);     /* strict C modes hide it */
 #endif
-#endif
-
-#ifndef PBWIO_REALLOC
-#define PBWIO_REALLOC(ptr, size) realloc(ptr, size)
-#define PBWIO_FREE(ptr) free(ptr)
 #endif
 
 #if defined(__GNUC__)
@@ -405,6 +411,23 @@ static void pbwio__message(pbwio_error *error, const char *name, const char *pla
         used = strlen(error->text);
         vsnprintf(error->text + used, sizeof error->text - used, format, list);
     }
+}
+
+PBWIODEF const char *pbwio_status_string(pbwio_status status)
+{
+    static const char *const texts[] = {
+        "done", "a file cannot be opened, read, written or renamed", "the content is not what the format says",
+        "an argument is wrong: an unknown format, no such column, a mesh without what the format needs",
+        "out of memory, or over the memory limit", "cancelled"
+    };
+    return (size_t)status < sizeof texts / sizeof texts[0] ? texts[status] : "unknown status";
+}
+
+/* Reports progress.  Returns whether the callback ends the call. */
+static int pbwio__stops(const pbw_options *build, double done)
+{
+    return build != NULL && build->progress != NULL
+        && build->progress(build->progress_user, PBW_STAGE_WORK, done) != 0;
 }
 
 PBWIO__PRINTF(4, 5)
@@ -596,7 +619,10 @@ typedef struct pbwio__inflater {
     unsigned char *out;
     size_t used, capacity, start;            /* of out; start: where this member's bytes start */
     uint64_t bits;
-    int bit_count, grows, failed, no_memory; /* grows: out may be resized */
+    int bit_count, failed;
+    pbwio_status status;                     /* why it failed, if the data are not to blame */
+    pbw_memory *memory;                      /* NULL: out cannot grow */
+    const pbw_options *build;
     pbwio__codes literals, distances;
 } pbwio__inflater;
 
@@ -684,14 +710,12 @@ static int pbwio__room(pbwio__inflater *z, size_t more)
 {
     if (z->capacity - z->used < more) {
         size_t capacity = z->capacity + z->capacity / 2 + more + 4096;
-        void *block = z->grows && capacity > z->capacity ? PBWIO_REALLOC(z->out, capacity) : NULL;
-        if (block == NULL) {
-            z->no_memory = z->grows;
+        if (z->memory == NULL || capacity < z->capacity
+            || !pbw_memory_fit(z->memory, &z->out, &z->capacity, capacity, 1)) {
+            z->status = z->memory != NULL ? PBWIO_ERROR_MEMORY : z->status;
             z->failed = 1;
             return 0;
         }
-        z->out = (unsigned char *)block;
-        z->capacity = capacity;
     }
     return 1;
 }
@@ -779,6 +803,11 @@ static void pbwio__inflate(pbwio__inflater *z)
     z->bit_count = 0;
     z->start = z->used;
     while (!last && !z->failed) {
+        if (pbwio__stops(z->build, 0)) {
+            z->status = PBWIO_CANCELLED;
+            z->failed = 1;
+            return;
+        }
         last = (int)pbwio__read_bits(z, 1);
         kind = (int)pbwio__read_bits(z, 2);
         if (kind == 0) {
@@ -855,21 +884,24 @@ static int pbwio__gzip_header(pbwio__inflater *z)
     return 1;
 }
 
-/* Unpacks a .gz file, of one member or several: *data and *size become a block for the caller to free.  What is left
-   behind the last member, such as the zeros of tapes, does not matter. */
-static pbwio_status pbwio__gunzip(const char *name, const char **data, size_t *size, pbwio_error *error)
+typedef PBW_ARRAY(char) pbwio__bytes;
+
+/* Unpacks a .gz file, of one member or several.  What follows the last member, such as the zeros of tapes, does not
+   matter. */
+static pbwio_status pbwio__gunzip(const char *name, const char *data, size_t size, pbw_memory *memory,
+                                  const pbw_options *build, pbwio__bytes *out, pbwio_error *error)
 {
-    pbwio__inflater *z = (pbwio__inflater *)PBWIO_REALLOC(NULL, sizeof *z);
+    pbwio__inflater *z = (pbwio__inflater *)pbw_memory_resize(memory, NULL, 0, 1, sizeof *z);
     pbwio_status status = PBWIO_OK;
     int members = 0;
     if (z == NULL) {
-        *data = NULL;
         return pbwio__file_error(error, PBWIO_ERROR_MEMORY, name, "out of memory");
     }
     memset(z, 0, sizeof *z);
-    z->in = (const unsigned char *)*data;
-    z->end = z->in + *size;
-    z->grows = 1;
+    z->in = (const unsigned char *)data;
+    z->end = z->in + size;
+    z->memory = memory;
+    z->build = build;
     pbwio__room(z, 1);                                               /* a block even for no bytes */
     for (; !z->failed && (members == 0 || (z->end - z->in >= 2 && z->in[0] == 0x1f && z->in[1] == 0x8b)); members++) {
         z->failed |= !pbwio__gzip_header(z);
@@ -884,14 +916,15 @@ static pbwio_status pbwio__gunzip(const char *name, const char **data, size_t *s
         z->in += z->failed ? 0 : 8;
     }
     if (z->failed) {
-        status = z->no_memory ? pbwio__file_error(error, PBWIO_ERROR_MEMORY, name, "out of memory")
-               : pbwio__file_error(error, PBWIO_ERROR_FORMAT, name, "the compressed data are damaged");
-        PBWIO_FREE(z->out);
-        z->out = NULL;
+        status = pbwio__file_error(error, z->status != PBWIO_OK ? z->status : PBWIO_ERROR_FORMAT, name, "%s",
+                                   z->status == PBWIO_ERROR_MEMORY ? "out of memory"
+                                   : z->status == PBWIO_CANCELLED ? "cancelled" : "the compressed data are damaged");
+        (void)pbw_memory_fit(memory, &z->out, &z->capacity, 0, 1);
     }
-    *data = (const char *)z->out;
-    *size = z->used;
-    PBWIO_FREE(z);
+    out->at = (char *)z->out;
+    out->count = z->failed ? 0 : z->used;
+    out->capacity = z->capacity;
+    (void)pbw_memory_resize(memory, z, 1, 0, sizeof *z);
     return status;
 }
 
@@ -902,6 +935,10 @@ static pbwio_status pbwio__gunzip(const char *name, const char **data, size_t *s
    that loops end.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWIO__MOST_COLUMNS 256
+
+/* The arrays of a cloud by their capacities: elements and their groups by dimension. */
+enum { PBWIO__OF_ELEMENTS, PBWIO__OF_MEMBERS = 4, PBWIO__OF_WEIGHTS = 8, PBWIO__OF_HEIGHTS, PBWIO__OF_GROUPS,
+       PBWIO__OF_COLUMNS, PBWIO__OF_VALUES };        /* values: of each column */
 
 typedef struct pbwio__field { const char *begin, *end; } pbwio__field;
 
@@ -922,14 +959,15 @@ typedef struct pbwio__reader {
     unsigned char kept[PBWIO__MOST_COLUMNS]; /* of a column of the file: 1 + its index in cloud->columns; 0: none */
     const pbwio_options *options;
     pbwio_cloud *cloud;
-    size_t point_capacity, triangle_capacity, tetrahedron_capacity, segment_capacity, group_capacity, held, budget;
+    size_t point_capacity, held, budget;     /* point_capacity: how many points are announced */
+    const char *report_at;                   /* where progress is due; NULL: nowhere */
+    int pass, passes;                        /* through the file: this one, of so many; 0: one */
     pbw_index group[4];                      /* of elements of that dimension that come next; PBW_NONE: none */
     pbw_index *group_table;                  /* indices of groups by hashes of their dimension and tag, or name */
     size_t group_table_size;                 /* 0 or a power of two, above twice their number */
     size_t fan[2];                           /* the first and the last corner of the polygon at hand */
-    pbwio__polygon *polygons;                /* of more than three corners */
-    size_t polygon_count, polygon_capacity;
-    unsigned char *midpoints;                /* per point: 1 in the middle of an edge or facet; NULL: none */
+    PBW_ARRAY(pbwio__polygon) polygons;      /* of more than three corners */
+    PBW_ARRAY(unsigned char) midpoints;      /* per point: 1 in the middle of an edge or facet; at NULL: none */
     pbwio_error *error;
     char shown[32];                          /* a field for a message */
     char unread[120];                        /* names of data that the cloud does not keep */
@@ -978,6 +1016,17 @@ static void pbwio__report_once(pbwio__reader *r, const char *what)
     }
 }
 
+/* Reports progress and sets where it is due next. */
+static void pbwio__report(pbwio__reader *r)
+{
+    enum { STEP = 65536 };
+    const double done = r->pass + (double)(r->at - r->begin) / (double)(r->end - r->begin);
+    r->report_at = r->end - r->at > STEP ? r->at + STEP : NULL;
+    if (pbwio__stops(r->options->build, done / (r->passes > 0 ? r->passes : 1))) {
+        pbwio__fail(r, PBWIO_CANCELLED, "cancelled");
+    }
+}
+
 /* Blocks within the budget; while a block grows, both its sizes count. */
 static void *pbwio__resize(pbwio__reader *r, void *ptr, size_t old_count, size_t count, size_t size)
 {
@@ -986,7 +1035,7 @@ static void *pbwio__resize(pbwio__reader *r, void *ptr, size_t old_count, size_t
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "a count or an id is too large for the size of the file");
         return NULL;
     }
-    block = PBWIO_REALLOC(ptr, count * size);
+    block = pbw_memory_resize(&r->cloud->memory, ptr, old_count, count, size);
     if (block == NULL) {
         pbwio__fail(r, PBWIO_ERROR_MEMORY, "out of memory");
         return NULL;
@@ -995,9 +1044,63 @@ static void *pbwio__resize(pbwio__reader *r, void *ptr, size_t old_count, size_t
     return block;
 }
 
-static char *pbwio__copy(pbwio__reader *r, const char *text, size_t length)      /* with a 0 behind it */
+static void pbwio__release(pbwio__reader *r, void *ptr, size_t count, size_t size)
 {
-    char *copy = (char *)pbwio__resize(r, NULL, 0, length + 1, 1);
+    if (ptr != NULL) {
+        (void)pbw_memory_resize(&r->cloud->memory, ptr, count, 0, size);
+        r->held -= count * size;
+    }
+}
+
+/* Resizes an array to `wanted` items; array: the address of a pointer.  Returns 0, and leaves it, on failure. */
+static int pbwio__fit(pbwio__reader *r, void *array, size_t *capacity, size_t wanted, size_t size)
+{
+    void *block;
+    memcpy(&block, array, sizeof block);
+    block = pbwio__resize(r, block, *capacity, wanted, size);
+    if (block != NULL) {
+        memcpy(array, &block, sizeof block);
+        *capacity = wanted;
+    }
+    return block != NULL;
+}
+
+/* PBWIO__PUSH puts an item behind the last of a PBW_ARRAY, PBWIO__RELEASE frees it: within the budget. */
+#define PBWIO__PUSH(r, array, item) \
+    (((array).count < (array).capacity \
+      || pbwio__fit(r, &(array).at, &(array).capacity, (array).capacity + (array).capacity / 2 + 16, \
+                    sizeof *(array).at)) \
+     && ((array).at[(array).count] = (item), ++(array).count))
+#define PBWIO__RELEASE(r, array) pbwio__release(r, (array).at, (array).capacity, sizeof *(array).at)
+
+/* Resizes one of the cloud's arrays. */
+static int pbwio__fit_cloud(pbwio__reader *r, int which, void *array, size_t wanted, size_t size)
+{
+    size_t *capacity = r->cloud->capacity + which, items = *capacity / size;
+    const int done = pbwio__fit(r, array, &items, wanted, size);
+    *capacity = items * size;
+    return done;
+}
+
+/* A structure of zeros, which does not count in the budget; freed by pbw_memory_resize. */
+static void *pbwio__structure(pbwio__reader *r, size_t size)
+{
+    void *block = pbw_memory_resize(&r->cloud->memory, NULL, 0, 1, size);
+    if (block == NULL) {
+        pbwio__fail(r, PBWIO_ERROR_MEMORY, "out of memory");
+    } else {
+        memset(block, 0, size);
+    }
+    return block;
+}
+
+/* A text up to its first 0, with a 0 behind it: its size is that of the block. */
+static char *pbwio__copy(pbwio__reader *r, const char *text, size_t length)
+{
+    const char *zero = (const char *)memchr(text, 0, length);
+    char *copy;
+    length = zero != NULL ? (size_t)(zero - text) : length;
+    copy = (char *)pbwio__resize(r, NULL, 0, length + 1, 1);
     if (copy != NULL) {
         memcpy(copy, text, length);
         copy[length] = 0;
@@ -1008,6 +1111,9 @@ static char *pbwio__copy(pbwio__reader *r, const char *text, size_t length)     
 static int pbwio__line(pbwio__reader *r)
 {
     const char *stop;
+    if (r->report_at != NULL && r->at >= r->report_at) {
+        pbwio__report(r);
+    }
     if (r->at == r->end || r->status != PBWIO_OK) {
         return 0;
     }
@@ -1337,6 +1443,13 @@ static void pbwio__report_columns(pbwio__reader *r, const pbwio__field *names, i
     }
 }
 
+/* Room for the values of a column. */
+static double *pbwio__column_values(pbwio__reader *r)
+{
+    r->cloud->capacity[PBWIO__OF_VALUES] = r->point_capacity * sizeof(double);
+    return (double *)pbwio__resize(r, NULL, 0, r->point_capacity, sizeof(double));
+}
+
 /* Chooses the columns that the cloud keeps, with room for their values.  first: the fields of the first row. */
 static void pbwio__keep_columns(pbwio__reader *r, const pbwio__field *names, int name_count,
                                 const pbwio__field *first, int count)
@@ -1372,13 +1485,13 @@ static void pbwio__keep_columns(pbwio__reader *r, const pbwio__field *names, int
         kept += r->kept[column];
     }
     if (kept > 0) {
-        r->cloud->columns = (pbwio_column *)pbwio__resize(r, NULL, 0, (size_t)kept, sizeof(pbwio_column));
+        (void)pbwio__fit_cloud(r, PBWIO__OF_COLUMNS, &r->cloud->columns, (size_t)kept, sizeof(pbwio_column));
     }
     for (column = 0; column < count && r->cloud->columns != NULL; column++) {
         if (r->kept[column]) {
             pbwio_column *c = r->cloud->columns + r->cloud->column_count++;
             r->kept[column] = (unsigned char)r->cloud->column_count;
-            c->values = (double *)pbwio__resize(r, NULL, 0, r->point_capacity, sizeof(double));
+            c->values = pbwio__column_values(r);
             c->name = column < name_count ? pbwio__copy(r, names[column].begin,
                                                         (size_t)(names[column].end - names[column].begin)) : NULL;
             r->last_column = column > r->last_column ? column : r->last_column;
@@ -1465,21 +1578,21 @@ static void pbwio__reserve(pbwio__reader *r, unsigned long long announced, size_
     }
     count = (size_t)announced;
     r->point_capacity = count;
-    r->cloud->points = (double *)pbwio__resize(r, NULL, 0, count, dim * sizeof(double));
-    if (r->column[3] >= 0 && r->status == PBWIO_OK) {
-        r->cloud->weights = (double *)pbwio__resize(r, NULL, 0, count, sizeof(double));
+    if (pbwio__fit_cloud(r, PBWIO__OF_ELEMENTS, &r->cloud->points, count, dim * sizeof(double))
+        && r->column[3] >= 0) {
+        (void)pbwio__fit_cloud(r, PBWIO__OF_WEIGHTS, &r->cloud->weights, count, sizeof(double));
     }
     if (dim == 2 && r->column[2] >= 0 && r->status == PBWIO_OK) {
-        r->cloud->heights = (double *)pbwio__resize(r, NULL, 0, count, sizeof(double));
+        (void)pbwio__fit_cloud(r, PBWIO__OF_HEIGHTS, &r->cloud->heights, count, sizeof(double));
     }
 }
 
 /* What was taken for the height is missing or no number. */
 static void pbwio__no_heights(pbwio__reader *r)
 {
-    r->held -= r->cloud->heights != NULL ? r->point_capacity * sizeof(double) : 0;
-    PBWIO_FREE(r->cloud->heights);
+    pbwio__release(r, r->cloud->heights, r->cloud->capacity[PBWIO__OF_HEIGHTS], 1);
     r->cloud->heights = NULL;
+    r->cloud->capacity[PBWIO__OF_HEIGHTS] = 0;
     r->column[2] = -1;
 }
 
@@ -1554,19 +1667,33 @@ static void pbwio__point(pbwio__reader *r)
    Holds: an array of groups, where there is one, has as much room as the array of its elements.
    ------------------------------------------------------------------------------------------------------ */
 
-/* The groups of elements, from the first that is in one on: one an element, as much room as elements have. */
-static int pbwio__group_room(pbwio__reader *r, pbw_index **groups, size_t count, size_t old_capacity, size_t capacity)
+/* The groups of elements of a dimension, or of points; NULL: none is in a group. */
+static pbw_index **pbwio__members(pbwio_cloud *cloud, int dim)
 {
-    size_t i, old = *groups != NULL ? old_capacity : 0;
-    void *block = pbwio__resize(r, *groups, old, capacity, sizeof(pbw_index));
-    if (block == NULL) {
+    return dim == 3 ? &cloud->tetrahedron_groups : dim == 2 ? &cloud->triangle_groups
+         : dim == 1 ? &cloud->segment_groups : &cloud->point_groups;
+}
+
+/* The same from the first that is in one on: room for so many, `count` of which are filled. */
+static int pbwio__group_room(pbwio__reader *r, int dim, size_t count, size_t capacity)
+{
+    pbw_index **groups = pbwio__members(r->cloud, dim);
+    size_t i = *groups == NULL ? 0 : count;
+    if (!pbwio__fit_cloud(r, PBWIO__OF_MEMBERS + dim, groups, capacity, sizeof **groups)) {
         return 0;
     }
-    *groups = (pbw_index *)block;
-    for (i = old == 0 ? 0 : count; i < capacity; i++) {
+    for (; i < capacity; i++) {
         (*groups)[i] = PBW_NONE;
     }
     return 1;
+}
+
+static void pbwio__free_members(pbwio__reader *r, int dim)
+{
+    pbw_index **groups = pbwio__members(r->cloud, dim);
+    pbwio__release(r, *groups, r->cloud->capacity[PBWIO__OF_MEMBERS + dim], 1);
+    *groups = NULL;
+    r->cloud->capacity[PBWIO__OF_MEMBERS + dim] = 0;
 }
 
 /* Adds an element of dimension `dim`, 1 to 3, to the current group of that dimension. */
@@ -1574,24 +1701,18 @@ static void pbwio__add_simplex(pbwio__reader *r, int dim, const pbw_index *corne
 {
     pbwio_cloud *cloud = r->cloud;
     pbw_index **ids = dim == 3 ? &cloud->tetrahedra : dim == 2 ? &cloud->triangles : &cloud->segments;
-    pbw_index **groups = dim == 3 ? &cloud->tetrahedron_groups : dim == 2 ? &cloud->triangle_groups
-                       : &cloud->segment_groups;
+    pbw_index **groups = pbwio__members(cloud, dim);
     size_t *count = dim == 3 ? &cloud->tetrahedron_count : dim == 2 ? &cloud->triangle_count : &cloud->segment_count;
-    size_t *capacity = dim == 3 ? &r->tetrahedron_capacity : dim == 2 ? &r->triangle_capacity : &r->segment_capacity;
     const size_t size = ((size_t)dim + 1) * sizeof(pbw_index);
-    if (*count == *capacity) {
-        const size_t more = *capacity + *capacity / 2 + 64;
-        void *block = pbwio__resize(r, *ids, *capacity, more, size);
-        if (block == NULL) {
+    size_t capacity = cloud->capacity[PBWIO__OF_ELEMENTS + dim] / size;
+    if (*count == capacity) {
+        capacity += capacity / 2 + 64;
+        if (!pbwio__fit_cloud(r, PBWIO__OF_ELEMENTS + dim, ids, capacity, size)
+            || (*groups != NULL && !pbwio__group_room(r, dim, *count, capacity))) {
             return;
         }
-        *ids = (pbw_index *)block;
-        if (*groups != NULL && !pbwio__group_room(r, groups, *count, *capacity, more)) {
-            return;
-        }
-        *capacity = more;
     }
-    if (r->group[dim] != PBW_NONE && *groups == NULL && !pbwio__group_room(r, groups, 0, 0, *capacity)) {
+    if (r->group[dim] != PBW_NONE && *groups == NULL && !pbwio__group_room(r, dim, 0, capacity)) {
         return;
     }
     if (*groups != NULL) {
@@ -1626,16 +1747,12 @@ static int pbwio__group_table(pbwio__reader *r, int by_name)
 {
     const pbwio_cloud *cloud = r->cloud;
     size_t size = r->group_table_size == 0 ? 64 : 2 * r->group_table_size, i, at;
-    void *block;
     while (size < 2 * (cloud->group_count + 1)) {                    /* of a file that was read before this one */
         size *= 2;
     }
-    block = pbwio__resize(r, r->group_table, r->group_table_size, size, sizeof(pbw_index));
-    if (block == NULL) {
+    if (!pbwio__fit(r, &r->group_table, &r->group_table_size, size, sizeof(pbw_index))) {
         return 0;
     }
-    r->group_table = (pbw_index *)block;
-    r->group_table_size = size;
     for (i = 0; i < size; i++) {
         r->group_table[i] = PBW_NONE;
     }
@@ -1670,14 +1787,10 @@ static pbw_index pbwio__find_group(pbwio__reader *r, int dim, long long tag, con
             return r->group_table[at];
         }
     }
-    if (cloud->group_count == r->group_capacity) {
-        const size_t more = r->group_capacity + r->group_capacity / 2 + 16;
-        void *block = pbwio__resize(r, cloud->groups, r->group_capacity, more, sizeof *g);
-        if (block == NULL) {
-            return PBW_NONE;
-        }
-        cloud->groups = (pbwio_group *)block;
-        r->group_capacity = more;
+    if (cloud->group_count == cloud->capacity[PBWIO__OF_GROUPS] / sizeof *g
+        && !pbwio__fit_cloud(r, PBWIO__OF_GROUPS, &cloud->groups, cloud->group_count + cloud->group_count / 2 + 16,
+                             sizeof *g)) {
+        return PBW_NONE;
     }
     g = cloud->groups + cloud->group_count;
     g->dim = dim;
@@ -1695,44 +1808,38 @@ static void pbwio__record_polygon(pbwio__reader *r, size_t corners)
 {
     if (corners == 4) {
         const size_t first = r->cloud->triangle_count - 2;
-        if (r->polygon_count == r->polygon_capacity) {
-            const size_t more = r->polygon_capacity + r->polygon_capacity / 2 + 64;
-            void *block = pbwio__resize(r, r->polygons, r->polygon_capacity, more, sizeof *r->polygons);
-            if (block == NULL) {
-                return;
-            }
-            r->polygons = (pbwio__polygon *)block;
-            r->polygon_capacity = more;
-        }
+        pbwio__polygon polygon;
+        polygon.first = (pbw_index)first;
+        polygon.corners = 4;
         if (first >= PBW_NONE) {
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "more than %lu triangles", (unsigned long)PBW_NONE - 1);
         }
-        r->polygons[r->polygon_count++].first = (pbw_index)first;
+        if (!PBWIO__PUSH(r, r->polygons, polygon)) {
+            return;
+        }
     }
-    r->polygons[r->polygon_count - 1].corners = (pbw_index)corners;
+    r->polygons.at[r->polygons.count - 1].corners = (pbw_index)corners;
 }
 
 /* No element and no point is in a group. */
 static void pbwio__clear_groups(pbwio__reader *r)
 {
     pbwio_cloud *cloud = r->cloud;
-    pbw_index *const groups[4] = { cloud->point_groups, cloud->segment_groups, cloud->triangle_groups,
-                                   cloud->tetrahedron_groups };
-    const size_t capacity[4] = { r->point_capacity, r->segment_capacity, r->triangle_capacity,
-                                 r->tetrahedron_capacity };
     size_t i;
     int dim;
     for (i = 0; i < cloud->group_count; i++) {
-        PBWIO_FREE(cloud->groups[i].name);
+        char *name = cloud->groups[i].name;
+        pbwio__release(r, name, name != NULL ? strlen(name) + 1 : 0, 1);
     }
     cloud->group_count = 0;
     for (i = 0; i < r->group_table_size; i++) {
         r->group_table[i] = PBW_NONE;
     }
     for (dim = 0; dim < 4; dim++) {
+        pbw_index *groups = *pbwio__members(cloud, dim);
         r->group[dim] = PBW_NONE;
-        for (i = 0; groups[dim] != NULL && i < capacity[dim]; i++) {
-            groups[dim][i] = PBW_NONE;
+        for (i = 0; groups != NULL && i < cloud->capacity[PBWIO__OF_MEMBERS + dim] / sizeof *groups; i++) {
+            groups[i] = PBW_NONE;
         }
     }
 }
@@ -2246,8 +2353,7 @@ static int pbwio__cut_polygon(pbwio__reader *r, pbw_index *fan, size_t n, int ax
             fan[3 * i + (size_t)k] = id[k == 0 ? 0 : i + (size_t)k];
         }
     }
-    PBWIO_FREE(block);
-    r->held -= size;
+    pbwio__release(r, block, size, 1);
     return done;
 }
 
@@ -2256,9 +2362,12 @@ static void pbwio__cut_polygons(pbwio__reader *r)
 {
     size_t i, bad = 0;
     int axes[3][2], tries;
-    for (i = 0; i < r->polygon_count && r->status == PBWIO_OK; i++) {
-        const size_t n = r->polygons[i].corners;
-        pbw_index *fan = r->cloud->triangles + 3 * r->polygons[i].first;
+    for (i = 0; i < r->polygons.count && r->status == PBWIO_OK; i++) {
+        const size_t n = r->polygons.at[i].corners;
+        pbw_index *fan = r->cloud->triangles + 3 * r->polygons.at[i].first;
+        if (i % 1024 == 0 && pbwio__stops(r->options->build, 1)) {
+            pbwio__fail(r, PBWIO_CANCELLED, "cancelled");
+        }
         tries = pbwio__axes(r->cloud, fan, n, axes);
         if (!pbwio__fan_fits(r->cloud, fan, n, axes[0]) && !pbwio__cut_polygon(r, fan, n, axes, tries)) {
             bad++;
@@ -2367,9 +2476,11 @@ static int pbwio__read_molecule(pbwio__reader *r, pbwio__reader head, long long 
 static int pbwio__pass_counts(pbwio__reader *r)
 {
     pbwio__reader look = *r, after;
-    pbwio__shape head = pbwio__next_shape(&look), row;
+    pbwio__shape head, row;
     size_t rows = 1;
     int counted;
+    look.report_at = NULL;
+    head = pbwio__next_shape(&look);
     if (head.columns == 0 || head.naturals < head.columns) {
         return 0;
     }
@@ -2458,11 +2569,11 @@ static void pbwio__node_columns(pbwio__reader *r, long long dim, long long attri
     if (r->status != PBWIO_OK || count == 0 || r->point_capacity == 0) {
         return;
     }
-    cloud->columns = (pbwio_column *)pbwio__resize(r, NULL, 0, count, sizeof *cloud->columns);
+    (void)pbwio__fit_cloud(r, PBWIO__OF_COLUMNS, &cloud->columns, count, sizeof *cloud->columns);
     for (; cloud->columns != NULL && cloud->column_count < count && r->status == PBWIO_OK; cloud->column_count++) {
         pbwio_column *column = cloud->columns + cloud->column_count;
         column->name = NULL;
-        column->values = (double *)pbwio__resize(r, NULL, 0, r->point_capacity, sizeof(double));
+        column->values = pbwio__column_values(r);
     }
 }
 
@@ -2484,8 +2595,7 @@ static void pbwio__node_row(pbwio__reader *r, long long dim, long long attribute
             cloud->columns[k++].values[point] = value;
         } else if (i == dim + attributes && (value < 0 || value > 0)) {
             group = pbwio__find_group(r, 0, value >= -1e15 && value <= 1e15 ? (long long)value : 0, NULL, 0);
-            if (cloud->point_groups != NULL
-                || pbwio__group_room(r, &cloud->point_groups, 0, 0, r->point_capacity)) {
+            if (cloud->point_groups != NULL || pbwio__group_room(r, 0, 0, r->point_capacity)) {
                 cloud->point_groups[point] = group;
             }
         }
@@ -2584,7 +2694,9 @@ static void pbwio__read_obj(pbwio__reader *r)
     pbwio__choose(r, NULL, 3, 0);
     pbwio__reserve(r, pbwio__most(r, pbwio__count_lines(r, 'v')), 1);
     total = (long long)r->point_capacity;
+    r->passes = 2;
     group = pbwio__obj_word(*r, r);
+    r->pass = 1;
     while (pbwio__line(r)) {
         while (r->line_end > r->line && r->line_end[-1] == '\\' && r->at < r->end) {       /* continued */
             const char *line = r->line;
@@ -2694,6 +2806,9 @@ static double pbwio__binary(pbwio__reader *r, int type, int big)
     uint32_t low;
     double x;
     float f;
+    if (r->report_at != NULL && r->at >= r->report_at) {
+        pbwio__report(r);
+    }
     if (r->status != PBWIO_OK || (size_t)(r->end - r->at) < size) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "the file ends too early");
         return 0;
@@ -3090,7 +3205,7 @@ static void pbwio__group_point(pbwio__reader *r, size_t point)
 {
     pbwio_cloud *cloud = r->cloud;
     if (r->group[0] == PBW_NONE || r->status != PBWIO_OK
-        || (cloud->point_groups == NULL && !pbwio__group_room(r, &cloud->point_groups, 0, 0, r->point_capacity))) {
+        || (cloud->point_groups == NULL && !pbwio__group_room(r, 0, 0, r->point_capacity))) {
         return;
     }
     if (cloud->point_groups[point] == PBW_NONE) {
@@ -3115,15 +3230,14 @@ static void pbwio__add_element(pbwio__reader *r, int dim, int corners, int nodes
             corner[k] = (pbw_index)id[k];
         }
     }
-    if (nodes > corners && r->midpoints == NULL) {
-        r->midpoints = (unsigned char *)pbwio__resize(r, NULL, 0, r->cloud->count, 1);
-        if (r->midpoints == NULL) {
+    if (nodes > corners && r->midpoints.at == NULL) {
+        if (!pbwio__fit(r, &r->midpoints.at, &r->midpoints.capacity, r->cloud->count, 1)) {
             return;
         }
-        memset(r->midpoints, 0, r->cloud->count);
+        memset(r->midpoints.at, 0, r->cloud->count);
     }
     for (k = corners; k < nodes; k++) {
-        r->midpoints[id[k]] = 1;
+        r->midpoints.at[id[k]] = 1;
     }
     if (dim == 0) {
         pbwio__group_point(r, (size_t)id[0]);
@@ -3141,20 +3255,20 @@ static void pbwio__remove_midpoints(pbwio__reader *r)
     pbwio_cloud *cloud = r->cloud;
     pbw_index *const ids[3] = { cloud->segments, cloud->triangles, cloud->tetrahedra }, *number;
     const size_t counts[3] = { 2 * cloud->segment_count, 3 * cloud->triangle_count, 4 * cloud->tetrahedron_count };
-    const size_t dim = (size_t)cloud->dim;
+    const size_t dim = (size_t)cloud->dim, count = cloud->count;
     size_t i, k, kept = 0;
-    number = (pbw_index *)pbwio__resize(r, NULL, 0, cloud->count, sizeof *number);
+    number = (pbw_index *)pbwio__resize(r, NULL, 0, count, sizeof *number);
     if (number == NULL) {
         return;
     }
     for (k = 0; k < 3; k++) {
         for (i = 0; i < counts[k]; i++) {
-            r->midpoints[ids[k][i]] = 0;
+            r->midpoints.at[ids[k][i]] = 0;
         }
     }
     for (i = 0; i < cloud->count; i++) {
         number[i] = (pbw_index)kept;
-        if (!r->midpoints[i]) {
+        if (!r->midpoints.at[i]) {
             memmove(cloud->points + dim * kept, cloud->points + dim * i, dim * sizeof(double));
             if (cloud->weights != NULL) {
                 cloud->weights[kept] = cloud->weights[i];
@@ -3177,7 +3291,7 @@ static void pbwio__remove_midpoints(pbwio__reader *r)
         }
     }
     cloud->count = kept;
-    PBWIO_FREE(number);
+    pbwio__release(r, number, count, sizeof *number);
     pbwio__report_once(r, "the points within edges and faces of second-order elements, which are read as straight "
                        "ones");
 }
@@ -3271,10 +3385,7 @@ static int pbwio__has_nodes(pbwio__reader *r)
 /* Groups of elements of a dimension, which come behind `before` others, are no groups after all. */
 static void pbwio__discard_groups(pbwio__reader *r, int dim, size_t before)
 {
-    pbw_index **groups = dim == 3 ? &r->cloud->tetrahedron_groups : &r->cloud->triangle_groups;
-    r->held -= *groups != NULL ? (dim == 3 ? r->tetrahedron_capacity : r->triangle_capacity) * sizeof **groups : 0;
-    PBWIO_FREE(*groups);
-    *groups = NULL;
+    pbwio__free_members(r, dim);
     r->group[dim] = PBW_NONE;
     r->cloud->group_count = before;
     pbwio__report_once(r, "attributes of elements, which are no whole numbers and so no regions");
@@ -3383,10 +3494,8 @@ typedef struct pbwio__entity { int dim; long long tag, group; } pbwio__entity;  
 typedef struct pbwio__msh {
     int version, binary, big;                /* 2 or 4; of numbers; their byte order */
     int physical;                            /* 1: there are physical groups, 0: entities stand for them */
-    pbw_index *of;                           /* the point that a number of the file stands for; PBW_NONE = none */
-    size_t of_count;
-    pbwio__entity *entity;                   /* sorted by dimension and tag */
-    size_t entity_count, entity_capacity;
+    PBW_ARRAY(pbw_index) of;                 /* the point of a number of the file; PBW_NONE = none */
+    PBW_ARRAY(pbwio__entity) entities;       /* sorted by dimension and tag */
 } pbwio__msh;
 
 /* The next integer, of 4 or 8 bytes in binary files. */
@@ -3430,25 +3539,21 @@ static double pbwio__msh_real(pbwio__reader *r, const pbwio__msh *m)
 /* Records that the number of the file is that point. */
 static void pbwio__msh_number(pbwio__reader *r, pbwio__msh *m, long long number, size_t point)
 {
-    size_t count = m->of_count, i;
-    void *block;
+    size_t count = m->of.count;
     if (number < 0 || number > 0x7fffffffffff || r->status != PBWIO_OK) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "%lld is not a point number", number);
         return;
     }
     if ((size_t)number >= count) {
         count = (size_t)number + 1 > count + count / 2 ? (size_t)number + 1 : count + count / 2;
-        block = pbwio__resize(r, m->of, m->of_count, count, sizeof *m->of);
-        if (block == NULL) {
+        if (!pbwio__fit(r, &m->of.at, &m->of.capacity, count, sizeof *m->of.at)) {
             return;
         }
-        m->of = (pbw_index *)block;
-        for (i = m->of_count; i < count; i++) {
-            m->of[i] = PBW_NONE;
+        while (m->of.count < count) {
+            m->of.at[m->of.count++] = PBW_NONE;
         }
-        m->of_count = count;
     }
-    m->of[number] = (pbw_index)point;
+    m->of.at[number] = (pbw_index)point;
 }
 
 static void pbwio__msh_nodes(pbwio__reader *r, pbwio__msh *m)
@@ -3533,7 +3638,7 @@ static void pbwio__read_entities(pbwio__reader *r, pbwio__msh *m)
         count[e.dim] = pbwio__msh_integer(r, m, 8);
     }
     for (e.dim = 0; e.dim < 4 && r->status == PBWIO_OK; e.dim++) {
-        for (; count[e.dim]-- > 0 && r->status == PBWIO_OK; m->entity_count++) {
+        while (count[e.dim]-- > 0 && r->status == PBWIO_OK) {
             e.tag = pbwio__msh_integer(r, m, 4);
             for (k = 0; k < (e.dim == 0 ? 3 : 6); k++) {
                 pbwio__msh_real(r, m);
@@ -3551,32 +3656,25 @@ static void pbwio__read_entities(pbwio__reader *r, pbwio__msh *m)
             for (k = 0; k < left && r->status == PBWIO_OK; k++) {
                 pbwio__msh_integer(r, m, 4);
             }
-            if (m->entity_count == m->entity_capacity) {
-                const size_t more = m->entity_capacity + m->entity_capacity / 2 + 16;
-                void *block = pbwio__resize(r, m->entity, m->entity_capacity, more, sizeof e);
-                if (block == NULL) {
-                    return;
-                }
-                m->entity = (pbwio__entity *)block;
-                m->entity_capacity = more;
+            if (!PBWIO__PUSH(r, m->entities, e)) {
+                return;
             }
-            m->entity[m->entity_count] = e;
         }
     }
-    if (m->entity_count > 0) {
-        qsort(m->entity, m->entity_count, sizeof e, pbwio__compare_entities);
+    if (m->entities.count > 0) {
+        qsort(m->entities.at, m->entities.count, sizeof e, pbwio__compare_entities);
     }
 }
 
 /* The physical group that elements of an entity are in; of files without such the entity itself; PBW_NONE: none. */
 static pbw_index pbwio__msh_group(pbwio__reader *r, pbwio__msh *m, int dim, long long entity, long long physical)
 {
-    if (m->version == 4 && m->entity_count > 0) {
+    if (m->version == 4 && m->entities.count > 0) {
         pbwio__entity wanted;
         const pbwio__entity *found;
         wanted.dim = dim;
         wanted.tag = entity;
-        found = (const pbwio__entity *)bsearch(&wanted, m->entity, m->entity_count, sizeof wanted,
+        found = (const pbwio__entity *)bsearch(&wanted, m->entities.at, m->entities.count, sizeof wanted,
                                                pbwio__compare_entities);
         physical = found != NULL ? found->group : 0;
     }
@@ -3621,8 +3719,8 @@ static void pbwio__msh_element(pbwio__reader *r, const pbwio__msh *m, long long 
     int k;
     for (k = 0; k < shape[2] && r->status == PBWIO_OK; k++) {
         number = pbwio__msh_integer(r, m, m->version == 4 ? 8 : 4);
-        id[k] = number >= 0 && (unsigned long long)number < m->of_count && m->of[number] != PBW_NONE
-              ? (long long)m->of[number] : -1;
+        id[k] = number >= 0 && (unsigned long long)number < m->of.count && m->of.at[number] != PBW_NONE
+              ? (long long)m->of.at[number] : -1;
     }
     if (r->status == PBWIO_OK && shape[1] == 0) {
         pbwio__report_once(r, PBWIO__OTHER_SOLIDS);
@@ -3734,8 +3832,8 @@ static void pbwio__read_msh(pbwio__reader *r)
             }
         }
     }
-    PBWIO_FREE(m.of);
-    PBWIO_FREE(m.entity);
+    PBWIO__RELEASE(r, m.of);
+    PBWIO__RELEASE(r, m.entities);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -3753,7 +3851,7 @@ typedef struct pbwio__array {
     int components, rank;                    /* rank: of its name, where several will do; the least counts */
     const char *begin, *end;                 /* between its tags */
     double offset;                           /* behind them all */
-    char *block;                             /* the decoded bytes, if they are not in the file as they are */
+    pbwio__bytes block;                      /* the decoded bytes, if they are not in the file as they are */
     pbwio__reader values;
 } pbwio__array;
 
@@ -3961,6 +4059,11 @@ static int pbwio__base64(const char **at, const char *end, unsigned char *out, s
     return done == count;
 }
 
+static void pbwio__vtu_close(pbwio__reader *r, pbwio__bytes *block)
+{
+    PBW_RELEASE(&r->cloud->memory, *block);
+}
+
 /* Bytes of the array at *at, plain or out of base64, into a block that the array then has. */
 static const char *pbwio__vtu_bytes(pbwio__reader *r, const pbwio__vtu *v, pbwio__array *a, const char **at,
                                     size_t count)
@@ -3975,14 +4078,14 @@ static const char *pbwio__vtu_bytes(pbwio__reader *r, const pbwio__vtu *v, pbwio
         *at += count;
         return bytes;
     }
-    PBWIO_FREE(a->block);
-    a->block = NULL;
-    a->block = (char *)pbwio__resize(r, NULL, 0, count + 1, 1);
-    if (a->block != NULL && !pbwio__base64(at, end, (unsigned char *)a->block, count)) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, "the base64 code ends too early");
+    pbwio__vtu_close(r, &a->block);
+    if (pbwio__fit(r, &a->block.at, &a->block.capacity, count + 1, 1)) {
+        if (!pbwio__base64(at, end, (unsigned char *)a->block.at, count)) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "the base64 code ends too early");
+        }
+        r->held -= count + 1;                                        /* it does not count in the budget */
     }
-    r->held -= a->block != NULL ? count + 1 : 0;                     /* it is given back before the next one */
-    return r->status == PBWIO_OK ? a->block : NULL;
+    return r->status == PBWIO_OK ? a->block.at : NULL;
 }
 
 /* A length, of 4 or 8 bytes. */
@@ -4002,6 +4105,7 @@ static void pbwio__vtu_unpack(pbwio__reader *r, const pbwio__vtu *v, pbwio__arra
 {
     size_t blocks = pbwio__vtu_length(v, head), size = pbwio__vtu_length(v, head + v->head), i;
     size_t last = pbwio__vtu_length(v, head + 2 * v->head), packed = 0, total, length;
+    pbwio__bytes out = { NULL, 0, 0 };
     pbwio__inflater *z;
     for (i = 0; i < blocks; i++) {
         packed += pbwio__vtu_length(v, head + (3 + i) * v->head);
@@ -4017,11 +4121,11 @@ static void pbwio__vtu_unpack(pbwio__reader *r, const pbwio__vtu *v, pbwio__arra
         return;
     }
     r->budget += 8 * total;                                          /* the size of the file counts unpacked */
-    z = (pbwio__inflater *)PBWIO_REALLOC(NULL, sizeof *z);
+    z = (pbwio__inflater *)pbwio__structure(r, sizeof *z);
     if (z != NULL) {
-        memset(z, 0, sizeof *z);
-        z->out = (unsigned char *)pbwio__resize(r, NULL, 0, total + 1, 1);
-        z->failed = z->out == NULL;
+        z->failed = !pbwio__fit(r, &out.at, &out.capacity, total + 1, 1);
+        z->out = (unsigned char *)out.at;
+        z->build = r->options->build;
         for (i = 0; i < blocks && !z->failed; i++, in += length) {
             length = pbwio__vtu_length(v, head + (3 + i) * v->head);
             z->in = (const unsigned char *)in + 2;                   /* behind zlib's header */
@@ -4033,17 +4137,17 @@ static void pbwio__vtu_unpack(pbwio__reader *r, const pbwio__vtu *v, pbwio__arra
             }
             z->failed |= z->used != z->capacity;
         }
-        PBWIO_FREE(a->block);
-        a->block = (char *)z->out;
+        r->held -= out.capacity;
+        pbwio__vtu_close(r, &a->block);
+        a->block = out;
         if (z->failed) {
-            pbwio__fail(r, PBWIO_ERROR_FORMAT, "the compressed data are damaged");
+            pbwio__fail(r, z->status != PBWIO_OK ? z->status : PBWIO_ERROR_FORMAT, "%s",
+                        z->status != PBWIO_OK ? "cancelled" : "the compressed data are damaged");
         }
-        a->values.begin = a->values.at = a->block;
-        a->values.end = a->block == NULL ? NULL : a->block + total;
-    } else {
-        pbwio__fail(r, PBWIO_ERROR_MEMORY, "out of memory");
+        a->values.begin = a->values.at = a->block.at;
+        a->values.end = a->block.at == NULL ? NULL : a->block.at + total;
+        (void)pbw_memory_resize(&r->cloud->memory, z, 1, 0, sizeof *z);
     }
-    PBWIO_FREE(z);
 }
 
 /* Makes the values of an array ready to be read one after the other. */
@@ -4051,11 +4155,12 @@ static void pbwio__vtu_open(pbwio__reader *r, const pbwio__vtu *v, pbwio__array 
 {
     const char *at = a->appended ? v->appended : a->begin, *from, *bytes, *head;
     size_t length, count;
-    char *kept;
+    pbwio__bytes kept;
     a->values = *r;
     a->values.line_number = 0;
     a->values.line = a->values.line_end = a->values.cursor = a->values.at = at;
     a->values.end = a->end;
+    a->values.report_at = NULL;
     if (a->text || a->plain || r->status != PBWIO_OK) {
         return;
     }
@@ -4103,14 +4208,14 @@ static void pbwio__vtu_open(pbwio__reader *r, const pbwio__vtu *v, pbwio__array 
         count += pbwio__vtu_length(v, head + (2 + length) * v->head);
     }
     kept = a->block;
-    a->block = NULL;                                                 /* the head stays while the rest is decoded */
+    memset(&a->block, 0, sizeof a->block);                           /* the head stays while the rest is decoded */
     bytes = bytes != NULL ? pbwio__vtu_bytes(r, v, a, &at, count) : NULL;
     if (bytes != NULL) {
         pbwio__vtu_unpack(r, v, a, head, bytes);
     } else {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "the compressed data are damaged");
     }
-    PBWIO_FREE(kept);
+    pbwio__vtu_close(r, &kept);
 }
 
 static double pbwio__vtu_value(pbwio__reader *r, const pbwio__vtu *v, pbwio__array *a)
@@ -4191,15 +4296,22 @@ static void pbwio__vtu_names(pbwio__reader *r, const pbwio__vtu *v)
         pbwio__vtu_open(r, v, &a);
         value[0] = pbwio__vtu_value(r, v, &a);
         value[1] = pbwio__vtu_value(r, v, &a);
-        PBWIO_FREE(a.block);
-        length = (size_t)(name.end - name.begin);
-        copy = pbwio__copy(r, name.begin, length);
+        pbwio__vtu_close(r, &a.block);
+        copy = pbwio__copy(r, name.begin, (size_t)(name.end - name.begin));
+        length = copy != NULL ? strlen(copy) : 0;
         if (copy != NULL && r->status == PBWIO_OK && fabs(value[0]) > 0 && fabs(value[0]) < 9e15 && value[1] >= 0
             && value[1] <= 3) {
             (void)pbwio__find_group(r, (int)value[1], (long long)value[0], copy, pbwio__unescape(copy, length));
         }
-        r->held -= copy != NULL ? length + 1 : 0;
-        PBWIO_FREE(copy);
+        pbwio__release(r, copy, length + 1, 1);
+    }
+}
+
+/* Reports progress every 4096 values of an array, as these may lie in blocks. */
+static void pbwio__vtu_report(pbwio__reader *r, double i, double done)
+{
+    if (!(fmod(i, 4096) > 0) && pbwio__stops(r->options->build, done)) {
+        pbwio__fail(r, PBWIO_CANCELLED, "cancelled");
     }
 }
 
@@ -4214,7 +4326,7 @@ static void pbwio__vtu_points(pbwio__reader *r, pbwio__vtu *v)
                     ? "there is no array of that name for weights" : "there are no points of three coordinates");
     }
     pbwio__vtu_open(r, v, points);
-    r->at = points->block == NULL ? points->values.at : r->at;       /* else they lie in a block, not in the file */
+    r->at = points->block.at == NULL ? points->values.at : r->at;  /* else they lie in a block, not in the file */
     if (weights->is) {
         pbwio__vtu_open(r, v, weights);
         r->column[3] = 3;
@@ -4236,6 +4348,7 @@ static void pbwio__vtu_points(pbwio__reader *r, pbwio__vtu *v)
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "points: %.0f announced, the array is shorter", v->points);
     }
     for (i = 0; i < v->points && r->status == PBWIO_OK; i++) {
+        pbwio__vtu_report(r, i, 0.5 * i / v->points);
         for (k = 0; k < 3; k++) {
             row[k] = pbwio__vtu_value(r, v, points);
         }
@@ -4333,6 +4446,7 @@ static void pbwio__vtu_cells(pbwio__reader *r, pbwio__vtu *v)
         pbwio__vtu_value(r, v, ends);                                /* offsets start with 0 */
     }
     for (i = 0; i < v->cells && r->status == PBWIO_OK; i++) {
+        pbwio__vtu_report(r, i, 0.5 + 0.5 * i / v->cells);
         type = v->type != 0 ? v->type : (int)fmin(fmax(pbwio__vtu_value(r, v, types), 0), 1000);
         end = ends->is ? pbwio__vtu_value(r, v, ends) : at + pbwio__vtu_value(r, v, &v->array[PBWIO__CORNERS]);
         if (end < at) {
@@ -4353,15 +4467,13 @@ static void pbwio__vtu_cells(pbwio__reader *r, pbwio__vtu *v)
 
 static void pbwio__read_vtu(pbwio__reader *r)
 {
-    pbwio__vtu *v = (pbwio__vtu *)PBWIO_REALLOC(NULL, sizeof *v);
+    pbwio__vtu *v = (pbwio__vtu *)pbwio__structure(r, sizeof *v);
     const pbwio_options *given = r->options;
     pbwio_options options = *given;          /* without the weight, an array of another name */
     int k;
     if (v == NULL) {
-        pbwio__fail(r, PBWIO_ERROR_MEMORY, "out of memory");
         return;
     }
-    memset(v, 0, sizeof *v);
     options.weight = NULL;
     r->options = &options;
     pbwio__choose(r, NULL, 3, 3);
@@ -4371,9 +4483,9 @@ static void pbwio__read_vtu(pbwio__reader *r)
     pbwio__vtu_points(r, v);
     pbwio__vtu_cells(r, v);
     for (k = 0; k < PBWIO__ARRAYS; k++) {
-        PBWIO_FREE(v->array[k].block);
+        pbwio__vtu_close(r, &v->array[k].block);
     }
-    PBWIO_FREE(v);
+    (void)pbw_memory_resize(&r->cloud->memory, v, 1, 0, sizeof *v);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -4641,13 +4753,11 @@ static void pbwio__vtk_make(pbwio__reader *r, pbwio__vtk *k)
 
 static void pbwio__read_vtk(pbwio__reader *r)
 {
-    pbwio__vtk *k = (pbwio__vtk *)PBWIO_REALLOC(NULL, sizeof *k);
+    pbwio__vtk *k = (pbwio__vtk *)pbwio__structure(r, sizeof *k);
     pbwio__field word;
     if (k == NULL) {
-        pbwio__fail(r, PBWIO_ERROR_MEMORY, "out of memory");
         return;
     }
-    memset(k, 0, sizeof *k);
     k->vtu.big = 1;
     if (r->end - r->at < 5 || memcmp(r->at, "# vtk", 5) != 0) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "the first line is not \"# vtk DataFile Version\"");
@@ -4665,7 +4775,7 @@ static void pbwio__read_vtk(pbwio__reader *r)
     if (r->status == PBWIO_OK) {
         pbwio__vtk_make(r, k);
     }
-    PBWIO_FREE(k);
+    (void)pbw_memory_resize(&r->cloud->memory, k, 1, 0, sizeof *k);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -4683,7 +4793,7 @@ typedef struct pbwio__numbered {             /* the points or elements of a numb
     unsigned char count, dim, corners, shell;        /* count: how many those are, 0: it is passed over */
 } pbwio__numbered;
 
-typedef struct pbwio__index { pbwio__numbered *list; size_t count, capacity; int sorted; } pbwio__index;
+typedef struct pbwio__index { PBW_ARRAY(pbwio__numbered) list; int sorted; } pbwio__index;
 
 typedef struct pbwio__member {               /* of a set: numbers from first to last in steps, on that side */
     long long first, last;
@@ -4710,9 +4820,9 @@ typedef struct pbwio__inp {
     int dim, corners, nodes, shell;          /* of elements of the type at hand */
     pbw_index set;                           /* that the rows belong to */
     pbwio__index points, elements;
-    pbwio__member *members;
-    pbwio__set *sets;
-    size_t node_count, member_count, member_capacity, set_count, set_capacity, table_size;
+    PBW_ARRAY(pbwio__member) members;
+    PBW_ARRAY(pbwio__set) sets;
+    size_t node_count, table_size;
     pbw_index *table;                        /* of sets, by hashes of kinds and names */
     double steps;                            /* members that were looked at */
     uint64_t sum;                            /* of hashes of facets, where two of one facet cancel */
@@ -4803,17 +4913,9 @@ static void pbwio__inp_keyword(pbwio__reader *r, pbwio__inp *p)
 
 static void pbwio__add_number(pbwio__reader *r, pbwio__index *n, const pbwio__numbered *entry)
 {
-    if (n->count == n->capacity) {
-        const size_t more = n->capacity + n->capacity / 2 + 64;
-        void *block = pbwio__resize(r, n->list, n->capacity, more, sizeof *n->list);
-        if (block == NULL) {
-            return;
-        }
-        n->list = (pbwio__numbered *)block;
-        n->capacity = more;
-    }
-    n->sorted = n->count == 0 || (n->sorted && n->list[n->count - 1].number < entry->number);
-    n->list[n->count++] = *entry;
+    const size_t count = n->list.count;
+    n->sorted = count == 0 || (n->sorted && n->list.at[count - 1].number < entry->number);
+    (void)PBWIO__PUSH(r, n->list, *entry);
 }
 
 static int pbwio__compare_numbers(const void *a, const void *b)
@@ -4826,13 +4928,13 @@ static int pbwio__compare_numbers(const void *a, const void *b)
 static void pbwio__sort_numbers(pbwio__reader *r, pbwio__index *n, const char *what)
 {
     size_t i;
-    if (!n->sorted && n->count > 0) {
-        qsort(n->list, n->count, sizeof *n->list, pbwio__compare_numbers);
+    if (!n->sorted && n->list.count > 0) {
+        qsort(n->list.at, n->list.count, sizeof *n->list.at, pbwio__compare_numbers);
     }
-    for (i = 1; i < n->count && r->status == PBWIO_OK; i++) {
-        if (n->list[i - 1].number == n->list[i].number) {
+    for (i = 1; i < n->list.count && r->status == PBWIO_OK; i++) {
+        if (n->list.at[i - 1].number == n->list.at[i].number) {
             r->status = pbwio__file_error(r->error, PBWIO_ERROR_FORMAT, r->name, "%s %lld comes twice", what,
-                                          n->list[i].number);
+                                          n->list.at[i].number);
         }
     }
 }
@@ -4840,10 +4942,10 @@ static void pbwio__sort_numbers(pbwio__reader *r, pbwio__index *n, const char *w
 /* The index of the first number of the list that is not below that one. */
 static size_t pbwio__from_number(const pbwio__index *n, long long number)
 {
-    size_t low = 0, high = n->count;
+    size_t low = 0, high = n->list.count;
     while (low < high) {
         const size_t middle = low + (high - low) / 2;
-        if (n->list[middle].number < number) {
+        if (n->list.at[middle].number < number) {
             low = middle + 1;
         } else {
             high = middle;
@@ -4855,7 +4957,7 @@ static size_t pbwio__from_number(const pbwio__index *n, long long number)
 static const pbwio__numbered *pbwio__find_number(const pbwio__index *n, long long number)
 {
     const size_t at = pbwio__from_number(n, number);
-    return at < n->count && n->list[at].number == number ? n->list + at : NULL;
+    return at < n->list.count && n->list.at[at].number == number ? n->list.at + at : NULL;
 }
 
 /* ---- nodes and elements ---- */
@@ -5013,15 +5115,13 @@ static int pbwio__set_table(pbwio__reader *r, pbwio__inp *p)
 {
     const size_t size = p->table_size == 0 ? 64 : 2 * p->table_size;
     size_t i, at;
-    void *block = pbwio__resize(r, p->table, p->table_size, size, sizeof *p->table);
-    if (block == NULL) {
+    if (!pbwio__fit(r, &p->table, &p->table_size, size, sizeof *p->table)) {
         return 0;
     }
-    p->table = (pbw_index *)block;
-    p->table_size = size;
     memset(p->table, 0xff, size * sizeof *p->table);                 /* PBW_NONE */
-    for (i = 0; i < p->set_count; i++) {
-        for (at = (size_t)pbwio__set_hash(p->sets[i].kind, p->sets[i].name) & (size - 1); p->table[at] != PBW_NONE;
+    for (i = 0; i < p->sets.count; i++) {
+        const pbwio__set *set = p->sets.at + i;
+        for (at = (size_t)pbwio__set_hash(set->kind, set->name) & (size - 1); p->table[at] != PBW_NONE;
              at = (at + 1) & (size - 1)) {
         }
         p->table[at] = (pbw_index)i;
@@ -5033,14 +5133,14 @@ static int pbwio__set_table(pbwio__reader *r, pbwio__inp *p)
 static pbw_index pbwio__find_set(pbwio__reader *r, pbwio__inp *p, int kind, pbwio__field name, int make)
 {
     const size_t length = (size_t)(name.end - name.begin);
-    pbwio__set *set;
+    pbwio__set *set, added;
     size_t at;
-    if (2 * (p->set_count + 1) > p->table_size && !pbwio__set_table(r, p)) {
+    if (2 * (p->sets.count + 1) > p->table_size && !pbwio__set_table(r, p)) {
         return PBW_NONE;
     }
     for (at = (size_t)pbwio__set_hash(kind, name) & (p->table_size - 1); p->table[at] != PBW_NONE;
          at = (at + 1) & (p->table_size - 1)) {
-        set = p->sets + p->table[at];
+        set = p->sets.at + p->table[at];
         if (set->kind == kind && pbwio__same(set->name.begin, (size_t)(set->name.end - set->name.begin), name.begin,
                                              length)) {
             return p->table[at];
@@ -5049,51 +5149,40 @@ static pbw_index pbwio__find_set(pbwio__reader *r, pbwio__inp *p, int kind, pbwi
     if (!make) {
         return PBW_NONE;
     }
-    if (p->set_count == p->set_capacity) {
-        const size_t more = p->set_capacity + p->set_capacity / 2 + 16;
-        void *block = pbwio__resize(r, p->sets, p->set_capacity, more, sizeof *p->sets);
-        if (block == NULL) {
-            return PBW_NONE;
-        }
-        p->sets = (pbwio__set *)block;
-        p->set_capacity = more;
+    memset(&added, 0, sizeof added);
+    added.name = name;
+    added.kind = kind;
+    added.first = added.last = PBW_NONE;
+    if (!PBWIO__PUSH(r, p->sets, added)) {
+        return PBW_NONE;
     }
-    set = p->sets + p->set_count;
-    memset(set, 0, sizeof *set);
-    set->name = name;
-    set->kind = kind;
-    set->first = set->last = PBW_NONE;
-    p->table[at] = (pbw_index)p->set_count;
-    return (pbw_index)p->set_count++;
+    p->table[at] = (pbw_index)(p->sets.count - 1);
+    return p->table[at];
 }
 
 /* Adds numbers to a set; one that follows the last of its numbers only prolongs that. */
 static void pbwio__add_member(pbwio__reader *r, pbwio__inp *p, pbw_index s, const pbwio__member *member)
 {
-    pbwio__set *set = p->sets + s;
-    pbwio__member *last = set->last != PBW_NONE ? p->members + set->last : NULL;
+    pbwio__set *set = p->sets.at + s;
+    pbwio__member *last = set->last != PBW_NONE ? p->members.at + set->last : NULL, added;
+    pbw_index at;
     if (last != NULL && last->step == 1 && member->step == 1 && last->side == member->side
         && member->first == last->last + 1) {
         last->last = member->last;
         return;
     }
-    if (p->member_count == p->member_capacity) {
-        const size_t more = p->member_capacity + p->member_capacity / 2 + 16;
-        void *block = pbwio__resize(r, p->members, p->member_capacity, more, sizeof *p->members);
-        if (block == NULL) {
-            return;
-        }
-        p->members = (pbwio__member *)block;
-        p->member_capacity = more;
+    added = *member;
+    added.next = PBW_NONE;
+    if (!PBWIO__PUSH(r, p->members, added)) {
+        return;
     }
-    p->members[p->member_count] = *member;
-    p->members[p->member_count].next = PBW_NONE;
+    at = (pbw_index)(p->members.count - 1);
     if (set->last == PBW_NONE) {
-        set->first = (pbw_index)p->member_count;
+        set->first = at;
     } else {
-        p->members[set->last].next = (pbw_index)p->member_count;
+        p->members.at[set->last].next = at;
     }
-    set->last = (pbw_index)p->member_count++;
+    set->last = at;
 }
 
 /* Adds the number in a field, or the members so far of the set of that kind that it names, on that side. */
@@ -5128,11 +5217,11 @@ static void pbwio__add_to_set(pbwio__reader *r, pbwio__inp *p, int kind, pbwio__
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is neither a number nor a set so far", pbwio__show(r, field));
         return;
     }
-    p->sets[from].of_surface |= side != 0;
-    end = p->sets[from].last;
-    for (at = p->sets[from].first; at != PBW_NONE && r->status == PBWIO_OK; at = at == end ? PBW_NONE
-         : p->members[at].next) {
-        member = p->members[at];
+    p->sets.at[from].of_surface |= side != 0;
+    end = p->sets.at[from].last;
+    for (at = p->sets.at[from].first; at != PBW_NONE && r->status == PBWIO_OK; at = at == end ? PBW_NONE
+         : p->members.at[at].next) {
+        member = p->members.at[at];
         member.side = side != 0 ? side : member.side;
         pbwio__add_member(r, p, p->set, &member);
     }
@@ -5266,9 +5355,9 @@ static void pbwio__inp_open_set(pbwio__reader *r, pbwio__inp *p)
                         ? pbwio__find_set(r, p, kind, name, 1) : PBW_NONE;
     p->set = section ? PBW_NONE : set;
     if (set != PBW_NONE && section) {
-        p->sets[set].section = 1;
+        p->sets.at[set].section = 1;
     } else if (set != PBW_NONE && p->value[PBWIO__KEY_INTERNAL].begin != NULL) {
-        p->sets[set].internal = 1;
+        p->sets.at[set].internal = 1;
     } else if (set == PBW_NONE && strchr("nes", p->rows) != NULL && p->rows != 0) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "a set without a name");
     }
@@ -5300,7 +5389,7 @@ static void pbwio__inp_row(pbwio__reader *r, pbwio__inp *p, int pass)
         && ((pass == 1 && p->rows == 'p') || (pass == 2 && p->rows == 'c'))) {
         const pbwio__index *n = pass == 1 ? &p->points : &p->elements;
         memset(&member, 0, sizeof member);
-        member.first = member.last = n->list[n->count - 1].number;
+        member.first = member.last = n->list.at[n->list.count - 1].number;
         member.step = 1;
         pbwio__add_member(r, p, p->set, &member);
     }
@@ -5308,7 +5397,8 @@ static void pbwio__inp_row(pbwio__reader *r, pbwio__inp *p, int pass)
 
 static void pbwio__inp_pass(pbwio__reader *r, pbwio__inp *p, const char *begin, int pass)
 {
-    r->at = begin;
+    r->at = r->report_at = begin;
+    r->pass = pass;
     r->line_number = 0;
     p->rows = p->parts = p->instances = p->assembly = 0;
     while (pbwio__inp_line(r)) {
@@ -5380,17 +5470,17 @@ static uint64_t pbwio__facet_hash(const pbwio_cloud *cloud, const pbwio__numbere
    elements.  Returns how many were not in it; the hashes of such facets go into p->sum. */
 static size_t pbwio__assign_set(pbwio__reader *r, pbwio__inp *p, pbw_index s, int dim, pbw_index *of)
 {
-    const pbwio__set *set = p->sets + s;
+    const pbwio__set *set = p->sets.at + s;
     const pbwio__index *n = set->kind == 'n' ? &p->points : &p->elements;
     size_t count = 0, at, place, k;
     pbw_index i;
     if ((set->kind == 'n') != (dim == 0)) {
         return 0;
     }
-    for (i = set->first; i != PBW_NONE; i = p->members[i].next) {
-        const pbwio__member *m = p->members + i;
-        for (at = pbwio__from_number(n, m->first); at < n->count && n->list[at].number <= m->last; at++) {
-            const pbwio__numbered *e = n->list + at;
+    for (i = set->first; i != PBW_NONE; i = p->members.at[i].next) {
+        const pbwio__member *m = p->members.at + i;
+        for (at = pbwio__from_number(n, m->first); at < n->list.count && n->list.at[at].number <= m->last; at++) {
+            const pbwio__numbered *e = n->list.at + at;
             const int side = dim == 0 ? 4 : pbwio__side_of(e, m->side);
             if (++p->steps > 16.0 * (double)(r->end - r->begin) + 65536) {
                 pbwio__fail(r, PBWIO_ERROR_FORMAT, "sets have elements again and again, too often for their text");
@@ -5424,8 +5514,8 @@ static void pbwio__report_lost(pbwio__reader *r, pbwio__inp *p, int dim, const s
 {
     const char *own = dim == 0 ? "NALL" : dim >= 4 ? "BOUNDARY" : "DOMAIN";
     size_t i, used = strlen(p->lost);
-    for (i = 0; i < p->set_count && strstr(p->lost, "...") == NULL; i++) {
-        const pbwio__set *set = p->sets + i;
+    for (i = 0; i < p->sets.count && strstr(p->lost, "...") == NULL; i++) {
+        const pbwio__set *set = p->sets.at + i;
         if (kept[i] < set->size && !set->internal && !(set->whole && pbwio__is(set->name, own))) {
             used += (size_t)snprintf(p->lost + used, sizeof p->lost - used, "%s%s", used == 0 ? "" : ", ",
                                      used < sizeof p->lost - 40 ? pbwio__show(r, set->name) : "...");
@@ -5438,15 +5528,15 @@ static void pbwio__report_lost(pbwio__reader *r, pbwio__inp *p, int dim, const s
 static void pbwio__assign_sets(pbwio__reader *r, pbwio__inp *p, int dim, pbw_index *of, size_t total)
 {
     const uint64_t boundary = p->sum;
-    size_t *kept = (size_t *)pbwio__resize(r, NULL, 0, p->set_count + 1, sizeof *kept), i, others = 0;
+    size_t *kept = (size_t *)pbwio__resize(r, NULL, 0, p->sets.count + 1, sizeof *kept), i, others = 0;
     int level;
     if (kept == NULL) {
         return;
     }
     memset(of, 0xff, total * sizeof *of);
-    memset(kept, 0, (p->set_count + 1) * sizeof *kept);
-    for (i = 0; i < p->set_count && r->status == PBWIO_OK; i++) {
-        pbwio__set *set = p->sets + i;
+    memset(kept, 0, (p->sets.count + 1) * sizeof *kept);
+    for (i = 0; i < p->sets.count && r->status == PBWIO_OK; i++) {
+        pbwio__set *set = p->sets.at + i;
         p->sum = 0;
         set->size = set->kind == 'n' && pbwio__find_set(r, p, 's', set->name, 0) != PBW_NONE ? 0
                   : pbwio__assign_set(r, p, (pbw_index)i, dim, of);    /* nodes of a surface say no more than that */
@@ -5455,8 +5545,8 @@ static void pbwio__assign_sets(pbwio__reader *r, pbwio__inp *p, int dim, pbw_ind
     }
     memset(of, 0xff, total * sizeof *of);
     for (level = 0; level < 4; level++) {
-        for (i = 0; i < p->set_count && r->status == PBWIO_OK; i++) {
-            const pbwio__set *set = p->sets + i;
+        for (i = 0; i < p->sets.count && r->status == PBWIO_OK; i++) {
+            const pbwio__set *set = p->sets.at + i;
             if (set->size > 0 && !pbwio__is_no_group(set, dim, others)
                 && level == (set->kind == 's' && dim < 4 ? 0 : set->whole || set->of_surface ? 1
                              : set->section ? 3 : 2)) {
@@ -5465,60 +5555,56 @@ static void pbwio__assign_sets(pbwio__reader *r, pbwio__inp *p, int dim, pbw_ind
         }
     }
     for (i = 0; i < total; i++) {
-        kept[of[i] == PBW_NONE ? p->set_count : of[i]]++;
+        kept[of[i] == PBW_NONE ? p->sets.count : of[i]]++;
     }
     pbwio__report_lost(r, p, dim, kept);
-    for (i = 0; i < p->set_count && r->status == PBWIO_OK; i++) {
-        pbwio__set *set = p->sets + i;
+    for (i = 0; i < p->sets.count && r->status == PBWIO_OK; i++) {
+        pbwio__set *set = p->sets.at + i;
         set->group = kept[i] == 0 ? PBW_NONE
                    : pbwio__find_group(r, dim < 4 ? dim : 6 - dim, 0, set->name.begin,
                                        (size_t)(set->name.end - set->name.begin));
     }
-    r->held -= (p->set_count + 1) * sizeof *kept;
-    PBWIO_FREE(kept);
+    pbwio__release(r, kept, p->sets.count + 1, sizeof *kept);
 }
 
 /* Groups of points and elements. */
 static void pbwio__inp_groups(pbwio__reader *r, pbwio__inp *p, int dim)
 {
     pbwio_cloud *cloud = r->cloud;
-    pbw_index **of = dim == 0 ? &cloud->point_groups : dim == 1 ? &cloud->segment_groups
-                   : dim == 2 ? &cloud->triangle_groups : &cloud->tetrahedron_groups;
+    pbw_index **of = pbwio__members(cloud, dim);
     const size_t count = dim == 0 ? cloud->count : dim == 1 ? cloud->segment_count : dim == 2 ? cloud->triangle_count
                        : cloud->tetrahedron_count;
-    const size_t capacity = dim == 0 ? r->point_capacity : dim == 1 ? r->segment_capacity
-                          : dim == 2 ? r->triangle_capacity : r->tetrahedron_capacity;
+    const size_t size = dim == 0 ? (size_t)cloud->dim * sizeof(double) : ((size_t)dim + 1) * sizeof(pbw_index);
     size_t i, found = 0;
-    if (count == 0 || p->set_count == 0 || !pbwio__group_room(r, of, 0, 0, capacity)) {
+    if (count == 0 || p->sets.count == 0
+        || !pbwio__group_room(r, dim, 0, cloud->capacity[PBWIO__OF_ELEMENTS + dim] / size)) {
         return;
     }
     pbwio__assign_sets(r, p, dim, *of, count);
     for (i = 0; i < count && r->status == PBWIO_OK; i++) {
         found += (*of)[i] != PBW_NONE;
-        (*of)[i] = (*of)[i] == PBW_NONE ? PBW_NONE : p->sets[(*of)[i]].group;
+        (*of)[i] = (*of)[i] == PBW_NONE ? PBW_NONE : p->sets.at[(*of)[i]].group;
     }
     if (found == 0) {
-        PBWIO_FREE(*of);
-        *of = NULL;
-        r->held -= capacity * sizeof **of;
+        pbwio__free_members(r, dim);
     }
 }
 
 /* Groups of facets, of triangles (dim 4) or edges (dim 5), which become elements. */
 static void pbwio__inp_surfaces(pbwio__reader *r, pbwio__inp *p, int dim)
 {
-    const size_t total = 4 * p->elements.count;
+    const size_t total = 4 * p->elements.list.count;
     pbw_index *of, corner[3];
     size_t i;
     int side;
-    for (i = 0; i < p->set_count && p->sets[i].kind != 's'; i++) {
+    for (i = 0; i < p->sets.count && p->sets.at[i].kind != 's'; i++) {
     }
-    of = i < p->set_count && total > 0 ? (pbw_index *)pbwio__resize(r, NULL, 0, total, sizeof *of) : NULL;
+    of = i < p->sets.count && total > 0 ? (pbw_index *)pbwio__resize(r, NULL, 0, total, sizeof *of) : NULL;
     if (of == NULL) {
         return;
     }
-    for (i = 0, p->sum = 0; i < p->elements.count; i++) {            /* what two elements share cancels */
-        const pbwio__numbered *e = p->elements.list + i;
+    for (i = 0, p->sum = 0; i < p->elements.list.count; i++) {            /* what two elements share cancels */
+        const pbwio__numbered *e = p->elements.list.at + i;
         for (side = 0; e->corners > 0 && e->dim == 7 - dim && side < e->corners; side++) {
             p->sum ^= pbwio__facet_hash(r->cloud, e, side);
         }
@@ -5526,25 +5612,23 @@ static void pbwio__inp_surfaces(pbwio__reader *r, pbwio__inp *p, int dim)
     pbwio__assign_sets(r, p, dim, of, total);
     for (i = 0; i < total && r->status == PBWIO_OK; i++) {
         if (of[i] != PBW_NONE) {
-            (void)pbwio__facet_of(r->cloud, p->elements.list + i / 4, (int)(i % 4), corner);
-            r->group[6 - dim] = p->sets[of[i]].group;
+            (void)pbwio__facet_of(r->cloud, p->elements.list.at + i / 4, (int)(i % 4), corner);
+            r->group[6 - dim] = p->sets.at[of[i]].group;
             pbwio__add_simplex(r, 6 - dim, corner);
         }
     }
-    r->held -= total * sizeof *of;
-    PBWIO_FREE(of);
+    pbwio__release(r, of, total, sizeof *of);
 }
 
 static void pbwio__read_inp(pbwio__reader *r)
 {
     const char *begin = r->at;
-    pbwio__inp *p = (pbwio__inp *)PBWIO_REALLOC(NULL, sizeof *p);
+    pbwio__inp *p = (pbwio__inp *)pbwio__structure(r, sizeof *p);
     int dim;
     if (p == NULL) {
-        pbwio__fail(r, PBWIO_ERROR_MEMORY, "out of memory");
         return;
     }
-    memset(p, 0, sizeof *p);
+    r->passes = 4;
     r->separator = ',';
     pbwio__inp_pass(r, p, begin, 0);
     r->at = begin;
@@ -5565,12 +5649,12 @@ static void pbwio__read_inp(pbwio__reader *r)
     if (p->lost[0] != 0) {
         pbwio__report_dropped(r, "members that other sets have, too, of %s", p->lost);
     }
-    PBWIO_FREE(p->points.list);
-    PBWIO_FREE(p->elements.list);
-    PBWIO_FREE(p->members);
-    PBWIO_FREE(p->sets);
-    PBWIO_FREE(p->table);
-    PBWIO_FREE(p);
+    PBWIO__RELEASE(r, p->points.list);
+    PBWIO__RELEASE(r, p->elements.list);
+    PBWIO__RELEASE(r, p->members);
+    PBWIO__RELEASE(r, p->sets);
+    pbwio__release(r, p->table, p->table_size, sizeof *p->table);
+    (void)pbw_memory_resize(&r->cloud->memory, p, 1, 0, sizeof *p);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -5683,8 +5767,10 @@ static void pbwio__read_su2(pbwio__reader *r)
     pbwio__field key;
     int pass;
     memset(&p, 0, sizeof p);
+    r->passes = 2;
     for (pass = 0; pass < 2; pass++) {
-        r->at = begin;
+        r->at = r->report_at = begin;
+        r->pass = pass;
         r->line_number = 0;
         p.left = p.rows = p.named = 0;
         while (pbwio__su2_line(r, &key)) {
@@ -5957,6 +6043,9 @@ static void pbwio__json_pass(pbwio__reader *r, pbwio__json *j)
 {
     while (r->at < r->end && r->status == PBWIO_OK) {
         char c = *r->at;
+        if (r->report_at != NULL && r->at >= r->report_at) {
+            pbwio__report(r);
+        }
         if (pbwio__blank(r, c) || c == ',') {
             r->at++;
         } else if (c == '[' || c == '{' || c == ']' || c == '}') {
@@ -6030,6 +6119,7 @@ static void pbwio__json_points(pbwio__reader *r, pbwio__field chosen)
     j.key.begin = j.key.end = j.name[0].begin = j.name[0].end = begin;
     j.chosen = chosen;
     pbwio__json_names(r, &j);
+    r->passes = 2;
     pbwio__json_pass(r, &j);
     list = pbwio__json_choose(r, &j);
     source = j.source;
@@ -6040,7 +6130,8 @@ static void pbwio__json_points(pbwio__reader *r, pbwio__field chosen)
         pbwio__fail(r, PBWIO_ERROR_FORMAT, count == 0 ? "no points: arrays of numbers, or objects with x and y"
                     : "a list of many numbers: points are arrays of two or three");
     }
-    r->at = begin;
+    r->at = r->report_at = begin;
+    r->pass = 1;
     if (source == 'o') {
         r->cloud->dim = list.columns == 3 && r->options->dim != 2 ? 3 : 2;
         for (k = 0; k < 4; k++) {
@@ -6106,7 +6197,10 @@ typedef struct pbwio__writer {
     const pbw_mesh *mesh;
     const double *normals;                   /* 3 a point, or NULL */
     const pbwio_output *output;
+    pbw_memory memory;
     FILE *file;
+    size_t rows, all_rows;                   /* written; an estimate of all */
+    int cancelled;                           /* nothing more is written */
     int binary, text;                        /* binary: what the format is; text: how values are written just now */
     int separator, pending;                  /* text: what is between values; whether it is due before the next one */
     int longest;                             /* text: the most characters that a number may have */
@@ -6127,6 +6221,7 @@ typedef struct pbwio__writer {
     pbw_index builtin[2];                    /* of .inp: the patch and the region that BOUNDARY and DOMAIN are, by
                                                 parts; PBW_NONE: none */
     char **words;                            /* of .inp and .su2: names of the caller's groups; NULL: as they are */
+    size_t words_size, number_size, item_capacity;       /* bytes, bytes, items */
     char name[32];                           /* of a group that the caller does not name */
     size_t used;
     char buffer[16384];
@@ -6273,7 +6368,7 @@ static int pbwio__step(pbwio__writer *w, int facets)
 /* 1 for each point that is a corner of a simplex or a facet; NULL: out of memory. */
 static unsigned char *pbwio__used_points(pbwio__writer *w, int facets)
 {
-    unsigned char *used = (unsigned char *)PBWIO_REALLOC(NULL, w->mesh->point_count + 1);
+    unsigned char *used = (unsigned char *)pbw_memory_resize(&w->memory, NULL, 0, w->mesh->point_count + 1, 1);
     pbw_index corner[4];
     size_t i, n;
     if (used != NULL) {
@@ -6291,15 +6386,19 @@ static unsigned char *pbwio__used_points(pbwio__writer *w, int facets)
 /* Numbers the points that the file will hold, the corners of what is written.  Returns whether there is memory. */
 static int pbwio__number_points(pbwio__writer *w, int facets)
 {
-    size_t i, size = (w->mesh->point_count + 1) * sizeof *w->number * (w->output->format == PBWIO_INP ? 2 : 1);
+    const size_t size = (w->mesh->point_count + 1) * sizeof *w->number * (w->output->format == PBWIO_INP ? 2 : 1);
+    size_t i;
     unsigned char *used = pbwio__used_points(w, facets);
-    w->number = used != NULL ? (pbw_index *)PBWIO_REALLOC(NULL, size) : NULL;
+    if (used == NULL || !pbw_memory_fit(&w->memory, &w->number, &w->number_size, size, 1)) {
+        (void)pbw_memory_resize(&w->memory, used, w->mesh->point_count + 1, 0, 1);
+        return 0;
+    }
     w->point_count = 0;
-    for (i = 0; i < w->mesh->point_count && w->number != NULL; i++) {
+    for (i = 0; i < w->mesh->point_count; i++) {
         w->number[i] = used[i] ? (pbw_index)w->point_count++ : PBW_NONE;
     }
-    PBWIO_FREE(used);
-    return w->number != NULL;
+    (void)pbw_memory_resize(&w->memory, used, w->mesh->point_count + 1, 0, 1);
+    return 1;
 }
 
 /* Mean ratio: 12 (3 volume)^(2/3) or 4 sqrt(3) area, over the sum of the squared edge lengths; n corners. */
@@ -6686,6 +6785,10 @@ static void pbwio__seek(pbwio__writer *w, size_t i)
 
 static void pbwio__row(pbwio__writer *w, const char *s)
 {
+    if (w->rows++ % 4096 == 0 && !w->cancelled) {
+        const double done = (double)w->rows / (double)(w->all_rows + 1);
+        w->cancelled = pbwio__stops(w->output->build, done < 1 ? done : 1);
+    }
     while (*s != '\n') {
         s = pbwio__directive(w, s);
     }
@@ -6696,7 +6799,7 @@ static void pbwio__row(pbwio__writer *w, const char *s)
 static void pbwio__item_rows(pbwio__writer *w, size_t i, size_t end, const char *row)
 {
     w->text = !w->binary;
-    for (; i < end; i++, w->element++) {
+    for (; i < end && !w->cancelled; i++, w->element++) {
         pbwio__seek(w, i);
         pbwio__row(w, row);
     }
@@ -6714,11 +6817,11 @@ static void pbwio__rows(pbwio__writer *w, char kind, const char *row)
         const int part = kind == 'e' ? PBWIO__EDGES : PBWIO__FACETS;
         pbwio__item_rows(w, w->first[part], w->first[part + 1], row);
     } else if (strchr("pbn", kind) == NULL) {
-        for (; pbwio__step(w, facets); w->element++) {
+        for (; !w->cancelled && pbwio__step(w, facets); w->element++) {
             pbwio__row(w, row);
         }
     } else if ((kind != 'n' || w->normals != NULL) && (kind != 'b' || w->boundary != NULL)) {
-        for (w->point = 0; w->point < w->mesh->point_count; w->point++) {
+        for (w->point = 0; w->point < w->mesh->point_count && !w->cancelled; w->point++) {
             if ((w->number == NULL || w->number[w->point] != PBW_NONE) && (kind != 'b' || w->boundary[w->point])) {
                 pbwio__row(w, row);
             }
@@ -6835,8 +6938,7 @@ static int pbwio__list_items(pbwio__writer *w, int hull_only)
             count[part] = 0;
         }
         i = w->first[PBWIO__PARTS] + 1;
-        w->items = fill && i < (size_t)-1 / sizeof item ? (pbwio__item *)PBWIO_REALLOC(NULL, i * sizeof item) : NULL;
-        if (fill && w->items == NULL) {
+        if (fill && !pbw_memory_fit(&w->memory, &w->items, &w->item_capacity, i, sizeof item)) {
             return 0;
         }
         pbwio__rewind(w);
@@ -7006,8 +7108,9 @@ static size_t pbwio__word_slot(char *const *words, const int *kinds, const pbw_i
 
 /* The names of groups as words of letters, digits, points, hyphens and underscores, group_TAG of those without a
    name.  Of names that become one word, whatever the case of letters, or a word that files have anyway, the later
-   ones end with _2, _3 and so on.  builtin: as in the writer.  One block for the caller to free; NULL: no memory. */
-static char **pbwio__make_words(const pbwio_output *o, int corners, const pbw_index builtin[2])
+   ones end with _2, _3 and so on.  builtin: as in the writer.  One block of *bytes; NULL: no memory. */
+static char **pbwio__make_words(pbw_memory *memory, const pbwio_output *o, int corners, const pbw_index builtin[2],
+                                size_t *bytes)
 {
     static const char *const taken[] = { "BOUNDARY", "DOMAIN", "NALL", "ungrouped" };
     const size_t n = o->group_count + 4;
@@ -7020,7 +7123,8 @@ static char **pbwio__make_words(const pbwio_output *o, int corners, const pbw_in
     }
     for (; size < 2 * n; size *= 2) {
     }
-    words = (char **)PBWIO_REALLOC(NULL, n * (sizeof *words + 2 * sizeof *kinds) + size * sizeof *table + length);
+    *bytes = n * (sizeof *words + 2 * sizeof *kinds) + size * sizeof *table + length;
+    words = (char **)pbw_memory_resize(memory, NULL, 0, *bytes, 1);
     if (words == NULL) {
         return NULL;
     }
@@ -7659,16 +7763,18 @@ PBWIODEF void pbwio_renamed(pbwio_format format, int corners, const pbw_mesh *me
                             char *text, size_t size)
 {
     pbwio_output o = *output;
+    pbw_memory memory;
     pbw_index builtin[2];
     char **words;
-    size_t i, used = 0;
+    size_t i, used = 0, bytes;
     text[0] = 0;
     o.format = format;
     if (o.groups == NULL || (format != PBWIO_INP && format != PBWIO_SU2)) {
         return;
     }
     pbwio__find_builtin(mesh, &o, (size_t)corners, builtin);
-    words = pbwio__make_words(&o, corners, builtin);
+    pbw_memory_start(&memory, o.build);
+    words = pbwio__make_words(&memory, &o, corners, builtin, &bytes);
     for (i = 0; words != NULL && i < o.group_count && used + 80 < size; i++) {
         const char *name = o.groups[i].name;
         if (name != NULL && strcmp(name, words[i]) != 0
@@ -7677,7 +7783,9 @@ PBWIODEF void pbwio_renamed(pbwio_format format, int corners, const pbw_mesh *me
                                      words[i]);
         }
     }
-    PBWIO_FREE(words);
+    if (words != NULL) {
+        (void)pbw_memory_resize(&memory, words, bytes, 0, 1);
+    }
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -7753,43 +7861,56 @@ static pbwio_format pbwio__sniff(pbwio__reader r)
     return PBWIO_XYZ;
 }
 
+/* Resizes all arrays of a cloud to what they hold, or frees them; columns and groups keep their room.  An array that
+   cannot shrink is fine as it is. */
+static void pbwio__trim_arrays(pbwio_cloud *cloud, int free_all)
+{
+    const size_t n = cloud->count * sizeof(double), id = sizeof(pbw_index);
+    const struct { void *array; size_t bytes; } arrays[] = {
+        { &cloud->points, n * (size_t)cloud->dim }, { &cloud->segments, 2 * id * cloud->segment_count },
+        { &cloud->triangles, 3 * id * cloud->triangle_count },
+        { &cloud->tetrahedra, 4 * id * cloud->tetrahedron_count },
+        { &cloud->point_groups, id * cloud->count }, { &cloud->segment_groups, id * cloud->segment_count },
+        { &cloud->triangle_groups, id * cloud->triangle_count },
+        { &cloud->tetrahedron_groups, id * cloud->tetrahedron_count }, { &cloud->weights, n }, { &cloud->heights, n },
+        { &cloud->groups, cloud->capacity[PBWIO__OF_GROUPS] }, { &cloud->columns, cloud->capacity[PBWIO__OF_COLUMNS] }
+    };
+    size_t i;
+    for (i = 0; i < sizeof arrays / sizeof arrays[0]; i++) {
+        void *block;
+        memcpy(&block, arrays[i].array, sizeof block);
+        if (block != NULL && (free_all || arrays[i].bytes == 0)) {
+            (void)pbw_memory_resize(&cloud->memory, block, cloud->capacity[i], 0, 1);
+            block = NULL;
+            memcpy(arrays[i].array, &block, sizeof block);
+            cloud->capacity[i] = 0;
+        } else if (block != NULL) {
+            (void)pbw_memory_fit(&cloud->memory, arrays[i].array, cloud->capacity + i, arrays[i].bytes, 1);
+        }
+    }
+}
+
 PBWIODEF void pbwio_free(pbwio_cloud *cloud)
 {
     size_t i;
     if (cloud != NULL) {
+        pbw_memory *memory = &cloud->memory;
+        if (memory->resize == NULL) {                                /* it was made otherwise than by reading */
+            pbw_memory_start(memory, NULL);
+        }
         for (i = 0; i < cloud->group_count; i++) {
-            PBWIO_FREE(cloud->groups[i].name);
+            char *name = cloud->groups[i].name;
+            (void)pbw_memory_resize(memory, name, name != NULL ? strlen(name) + 1 : 0, 0, 1);
         }
         for (i = 0; i < cloud->column_count; i++) {
-            PBWIO_FREE(cloud->columns[i].name);
-            PBWIO_FREE(cloud->columns[i].values);
+            char *name = cloud->columns[i].name;
+            double *values = cloud->columns[i].values;
+            (void)pbw_memory_resize(memory, name, name != NULL ? strlen(name) + 1 : 0, 0, 1);
+            (void)pbw_memory_resize(memory, values, values != NULL ? cloud->capacity[PBWIO__OF_VALUES] : 0, 0, 1);
         }
-        PBWIO_FREE(cloud->points);
-        PBWIO_FREE(cloud->weights);
-        PBWIO_FREE(cloud->triangles);
-        PBWIO_FREE(cloud->tetrahedra);
-        PBWIO_FREE(cloud->segments);
-        PBWIO_FREE(cloud->groups);
-        PBWIO_FREE(cloud->tetrahedron_groups);
-        PBWIO_FREE(cloud->triangle_groups);
-        PBWIO_FREE(cloud->segment_groups);
-        PBWIO_FREE(cloud->point_groups);
-        PBWIO_FREE(cloud->columns);
-        PBWIO_FREE(cloud->heights);
+        pbwio__trim_arrays(cloud, 1);
         memset(cloud, 0, sizeof *cloud);
     }
-}
-
-/* What was reserved and not used goes back; a block that cannot shrink is fine as it is. */
-static void *pbwio__shrink(void *ptr, size_t size)
-{
-    void *block = ptr != NULL && size != 0 ? PBWIO_REALLOC(ptr, size) : NULL;
-    return block != NULL ? block : ptr;
-}
-
-static void pbwio__shrink_ids(pbw_index **ids, size_t count)
-{
-    *ids = (pbw_index *)pbwio__shrink(*ids, count * sizeof **ids);
 }
 
 /* What is wrong with content, whatever its format; NULL: nothing. */
@@ -7812,40 +7933,15 @@ static const char *pbwio__content_error(const char *at, size_t left, pbwio_forma
     return NULL;
 }
 
-/* Gives back what was reserved and not used, and heights that are all 0. */
-static void pbwio__trim_arrays(pbwio_cloud *cloud)
-{
-    size_t i;
-    cloud->points = (double *)pbwio__shrink(cloud->points, cloud->count * (size_t)cloud->dim * sizeof(double));
-    cloud->weights = (double *)pbwio__shrink(cloud->weights, cloud->count * sizeof(double));
-    for (i = 0; cloud->heights != NULL && i < cloud->count && !(fabs(cloud->heights[i]) > 0); i++) {
-    }
-    if (i == cloud->count) {
-        PBWIO_FREE(cloud->heights);
-        cloud->heights = NULL;
-    }
-    cloud->heights = (double *)pbwio__shrink(cloud->heights, cloud->count * sizeof(double));
-    for (i = 0; i < cloud->column_count; i++) {
-        cloud->columns[i].values = (double *)pbwio__shrink(cloud->columns[i].values, cloud->count * sizeof(double));
-    }
-    pbwio__shrink_ids(&cloud->triangles, 3 * cloud->triangle_count);
-    pbwio__shrink_ids(&cloud->tetrahedra, 4 * cloud->tetrahedron_count);
-    pbwio__shrink_ids(&cloud->segments, 2 * cloud->segment_count);
-    pbwio__shrink_ids(&cloud->triangle_groups, cloud->triangle_count);
-    pbwio__shrink_ids(&cloud->tetrahedron_groups, cloud->tetrahedron_count);
-    pbwio__shrink_ids(&cloud->segment_groups, cloud->segment_count);
-    pbwio__shrink_ids(&cloud->point_groups, cloud->count);
-}
-
 /* Reads content into a cloud that is empty or, for .ele .face .edge, has points and simplices. */
 static pbwio_status pbwio__read(const char *name, const void *data, size_t size, const pbwio_options *options,
                                 pbwio_cloud *cloud, pbwio_error *error)
 {
-    static const pbwio_options defaults = { PBWIO_AUTO, 0, NULL, NULL, NULL, 0 };
+    static const pbwio_options defaults = { PBWIO_AUTO, 0, NULL, NULL, NULL, 0, NULL };
     const char *wrong;
     pbwio_format format;
     pbwio__reader r;
-    size_t left;
+    size_t left, i;
     memset(&r, 0, sizeof r);
     r.name = name;
     r.mark = '.';
@@ -7856,13 +7952,15 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
     r.error = error;
     r.budget = (size > (size_t)-1 / 16 ? (size_t)-1 / 2 : 8 * size) + 65536;
     r.group[0] = r.group[1] = r.group[2] = r.group[3] = PBW_NONE;
-    r.group_capacity = cloud->group_count;
+    r.held = cloud->memory.used;
+    r.budget += r.held;
     if (r.options->dim != 0 && r.options->dim != 2 && r.options->dim != 3) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, name, "dimension %d is not 2 or 3", r.options->dim);
     }
     if (size >= 3 && memcmp(r.at, "\xef\xbb\xbf", 3) == 0) {
         r.at += 3;                                                   /* UTF-8 byte order mark */
     }
+    r.report_at = r.at;
     format = r.options->format != PBWIO_AUTO ? r.options->format : pbwio_format_of(name);
     if (format == PBWIO_AUTO && pbwio__lists(pbwio__refused_endings, pbwio__ending(name))) {
         return pbwio__refuse(error, name, "files with this ending are not read");
@@ -7880,121 +7978,127 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, name, "this format is written, not read");
     }
     pbwio__info_of(format)->read(&r);
-    PBWIO_FREE(r.group_table);
+    pbwio__release(&r, r.group_table, r.group_table_size, sizeof *r.group_table);
     pbwio__cut_polygons(&r);
     if (r.options->keep != NULL && r.options->keep[0] != 0 && cloud->column_count == 0) {
         pbwio__report_dropped(&r, "columns (those of tables are, on request)");
     }
-    PBWIO_FREE(r.polygons);
+    PBWIO__RELEASE(&r, r.polygons);
     if (r.unread[0] != 0) {
         pbwio__report_dropped(&r, "data: %s", r.unread);
     }
-    if (r.status == PBWIO_OK && r.midpoints != NULL) {
+    if (r.status == PBWIO_OK && r.midpoints.at != NULL) {
         pbwio__remove_midpoints(&r);
     }
-    PBWIO_FREE(r.midpoints);
+    PBWIO__RELEASE(&r, r.midpoints);
     if (r.status == PBWIO_OK && cloud->count == 0) {
         r.status = pbwio__file_error(error, PBWIO_ERROR_FORMAT, name, "the file has no points");
     }
-    if (r.status != PBWIO_OK) {
-        pbwio_free(cloud);
-        return r.status;
+    for (i = 0; cloud->heights != NULL && i < cloud->count && !(fabs(cloud->heights[i]) > 0); i++) {
     }
-    pbwio__trim_arrays(cloud);
-    return PBWIO_OK;
+    if (i == cloud->count) {
+        pbwio__no_heights(&r);                                       /* all are 0 */
+    }
+    pbwio__trim_arrays(cloud, 0);
+    return r.status;
 }
 
 PBWIODEF pbwio_status pbwio_read_memory(const char *name, const void *data, size_t size, const pbwio_options *options,
                                         pbwio_cloud *cloud, pbwio_error *error)
 {
-    const char *text = (const char *)data;
+    const pbw_options *build = options != NULL ? options->build : NULL;
+    pbwio__bytes unpacked = { NULL, 0, 0 };
     pbwio_status status = PBWIO_OK;
-    int packed;
     if (cloud == NULL || name == NULL || (data == NULL && size != 0)) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, "pbwio_read_memory", "an argument is NULL");
     }
     memset(cloud, 0, sizeof *cloud);
-    packed = size >= 2 && memcmp(text, "\x1f\x8b", 2) == 0;
-    if (packed) {
-        status = pbwio__gunzip(name, &text, &size, error);
+    pbw_memory_start(&cloud->memory, build);
+    if (size >= 2 && memcmp(data, "\x1f\x8b", 2) == 0) {
+        status = pbwio__gunzip(name, (const char *)data, size, &cloud->memory, build, &unpacked, error);
+        data = unpacked.at;
+        size = unpacked.count;
     }
-    status = status != PBWIO_OK ? status : pbwio__read(name, text, size, options, cloud, error);
-    if (packed) {
-        PBWIO_FREE((void *)(uintptr_t)text);
+    status = status != PBWIO_OK ? status : pbwio__read(name, data, size, options, cloud, error);
+    PBW_RELEASE(&cloud->memory, unpacked);
+    if (status != PBWIO_OK) {
+        pbwio_free(cloud);
     }
     return status;
 }
 
-/* The whole of a file, unpacked, "-" is the standard input, in a block for the caller to free; NULL: see *status. */
-static char *pbwio__load(const char *path, size_t *size, pbwio_status *status, pbwio_error *error)
+/* The whole of a file, unpacked; "-" is the standard input. */
+static pbwio_status pbwio__load(const char *path, pbw_memory *memory, const pbw_options *build, pbwio__bytes *data,
+                                pbwio_error *error)
 {
-    int standard = strcmp(path, "-") == 0;
-    size_t capacity = 0, got = 1;
-    char *data = NULL, *block;
+    const size_t chunk = (size_t)1 << 24;
+    const int standard = strcmp(path, "-") == 0;
     FILE *file = standard ? stdin : fopen(path, "rb");
-    *size = 0;
-    *status = PBWIO_OK;
+    pbwio_status status = PBWIO_OK;
+    size_t got = 1;
+    memset(data, 0, sizeof *data);
     if (file == NULL) {
-        *status = pbwio__file_error(error, PBWIO_ERROR_FILE, path, "%s", strerror(errno));
-        return NULL;
+        return pbwio__file_error(error, PBWIO_ERROR_FILE, path, "%s", strerror(errno));
     }
-    while (got != 0) {
-        if (*size == capacity) {
-            capacity = capacity == 0 ? 65536 : 2 * capacity;
-            block = capacity > *size ? (char *)PBWIO_REALLOC(data, capacity) : NULL;
-            if (block == NULL) {
-                break;
+    while (got != 0 && status == PBWIO_OK) {
+        const size_t room = data->capacity - data->count;
+        if (room == 0 && !PBW_RESERVE(memory, *data, data->capacity == 0 ? 65536 : data->capacity)) {
+            status = pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
+        } else if (room > 0) {
+            got = fread(data->at + data->count, 1, room < chunk ? room : chunk, file);
+            data->count += got;
+            if (pbwio__stops(build, 0)) {
+                status = pbwio__file_error(error, PBWIO_CANCELLED, path, "cancelled");
             }
-            data = block;
         }
-        got = fread(data + *size, 1, capacity - *size, file);
-        *size += got;
     }
-    if (got != 0) {
-        *status = pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
-    } else if (ferror(file)) {
-        *status = pbwio__file_error(error, PBWIO_ERROR_FILE, path, "%s", strerror(errno));
+    if (status == PBWIO_OK && ferror(file)) {
+        status = pbwio__file_error(error, PBWIO_ERROR_FILE, path, "%s", strerror(errno));
     }
     if (!standard) {
         fclose(file);
     }
-    if (*status == PBWIO_OK && *size >= 2 && memcmp(data, "\x1f\x8b", 2) == 0) {
-        const char *text = data;
-        *status = pbwio__gunzip(path, &text, size, error);
-        PBWIO_FREE(data);
-        data = (char *)(uintptr_t)text;
+    if (status == PBWIO_OK && data->count >= 2 && memcmp(data->at, "\x1f\x8b", 2) == 0) {
+        pbwio__bytes packed = *data;
+        memset(data, 0, sizeof *data);
+        status = pbwio__gunzip(path, packed.at, packed.count, memory, build, data, error);
+        PBW_RELEASE(memory, packed);
     }
-    if (*status != PBWIO_OK) {
-        PBWIO_FREE(data);
-        return NULL;
+    if (status != PBWIO_OK) {
+        PBW_RELEASE(memory, *data);
     }
-    return (char *)pbwio__shrink(data, *size);
+    return status;
 }
 
-PBWIODEF char *pbwio_load(const char *path, size_t *size, pbwio_error *error)
+PBWIODEF char *pbwio_load(const char *path, const pbw_options *options, size_t *size, pbwio_error *error)
 {
-    pbwio_status status;
-    char *data = pbwio__load(path, size, &status, error);
-    char *block = data != NULL ? (char *)PBWIO_REALLOC(data, *size + 1) : NULL;
-    if (block != NULL) {
-        block[*size] = 0;
-    } else if (data != NULL) {
-        PBWIO_FREE(data);
-        (void)pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
+    pbw_memory memory;
+    pbwio__bytes data;
+    pbw_memory_start(&memory, options);
+    if (pbwio__load(path, &memory, options, &data, error) != PBWIO_OK) {
+        return NULL;
     }
-    return block;
+    if (!PBW_FIT(&memory, data, data.count + 1)) {
+        (void)pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
+        PBW_RELEASE(&memory, data);
+        return NULL;
+    }
+    data.at[data.count] = 0;
+    *size = data.count;
+    return data.at;
 }
 
 /* Reads a file into a cloud that is empty or, for .ele .face .edge, has points and simplices. */
 static pbwio_status pbwio__read_file(const char *path, const pbwio_options *options, pbwio_cloud *cloud,
                                      pbwio_error *error)
 {
-    size_t size;
-    pbwio_status status;
-    char *data = pbwio__load(path, &size, &status, error);
-    if (data != NULL) {
-        status = pbwio__read(strcmp(path, "-") == 0 ? "standard input" : path, data, size, options, cloud, error);
-        PBWIO_FREE(data);
+    pbwio__bytes data;
+    pbwio_status status = pbwio__load(path, &cloud->memory, options != NULL ? options->build : NULL, &data, error);
+    if (status == PBWIO_OK) {
+        (void)PBW_FIT(&cloud->memory, data, data.count > 0 ? data.count : 1);
+        status = pbwio__read(strcmp(path, "-") == 0 ? "standard input" : path, data.at, data.count, options, cloud,
+                             error);
+        PBW_RELEASE(&cloud->memory, data);
     }
     return status;
 }
@@ -8005,7 +8109,7 @@ static pbwio_status pbwio__read_beside(const char *path, const char *ending, int
 {
     const pbwio__field own = pbwio__ending(path);
     const size_t length = own.end > own.begin ? (size_t)(own.begin - path) : strlen(path);
-    char *name = (char *)PBWIO_REALLOC(NULL, length + 8);
+    char *name = (char *)pbw_memory_resize(&cloud->memory, NULL, 0, length + 8, 1);
     pbwio_options o;
     pbwio_status status = PBWIO_OK;
     FILE *file = NULL;
@@ -8023,7 +8127,7 @@ static pbwio_status pbwio__read_beside(const char *path, const char *ending, int
     if (file != NULL || !optional) {
         status = pbwio__read_file(name, &o, cloud, error);
     }
-    PBWIO_FREE(name);
+    (void)pbw_memory_resize(&cloud->memory, name, length + 8, 0, 1);
     return status;
 }
 
@@ -8036,6 +8140,7 @@ PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options,
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, "pbwio_read", "an argument is NULL");
     }
     memset(cloud, 0, sizeof *cloud);
+    pbw_memory_start(&cloud->memory, options != NULL ? options->build : NULL);
     format = options != NULL && options->format != PBWIO_AUTO ? options->format : pbwio_format_of(path);
     if (format == PBWIO_ELE || format == PBWIO_FACE) {
         status = pbwio__read_beside(path, "node", 0, options, cloud, error);
@@ -8319,16 +8424,16 @@ static void pbwio__put_block(pbwio__deflater *z, int last)
     z->token_count = 0;
 }
 
-/* Packs the rest of a stream into another one; returns whether that failed. */
-static int pbwio__gzip(FILE *in, FILE *out)
+/* Packs the rest of a stream into another one.  PBWIO_ERROR_FILE: the streams failed. */
+static pbwio_status pbwio__gzip(FILE *in, FILE *out, pbw_memory *memory, const pbw_options *build)
 {
     static const unsigned char header[10] = { 0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 255 };
-    pbwio__deflater *z = (pbwio__deflater *)PBWIO_REALLOC(NULL, sizeof *z);
+    pbwio__deflater *z = (pbwio__deflater *)pbw_memory_resize(memory, NULL, 0, 1, sizeof *z);
     uint32_t crc = 0, size = 0;
     size_t got, i;
+    int stopped = 0;
     if (z == NULL) {
-        errno = ENOMEM;
-        return 1;
+        return PBWIO_ERROR_MEMORY;
     }
     memset(z, 0, sizeof *z);
     memset(z->head, 0xff, sizeof z->head);                           /* -1 */
@@ -8345,13 +8450,14 @@ static int pbwio__gzip(FILE *in, FILE *out)
             z->head[i] = z->head[i] >= PBWIO__BLOCK ? z->head[i] - PBWIO__BLOCK : -1;
             z->before[i] = z->before[i] >= PBWIO__BLOCK ? z->before[i] - PBWIO__BLOCK : -1;
         }
-    } while (got == PBWIO__BLOCK);
+        stopped = pbwio__stops(build, 1);
+    } while (got == PBWIO__BLOCK && !stopped);
     pbwio__put_bytes(z, (z->bit_count + 7) / 8);
     z->bits = (uint64_t)size << 32 | crc;
     pbwio__put_bytes(z, 8);
     fwrite(z->packed, 1, z->used, out);
-    PBWIO_FREE(z);
-    return ferror(in) != 0;
+    (void)pbw_memory_resize(memory, z, 1, 0, sizeof *z);
+    return stopped ? PBWIO_CANCELLED : ferror(in) ? PBWIO_ERROR_FILE : PBWIO_OK;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -8360,11 +8466,21 @@ static int pbwio__gzip(FILE *in, FILE *out)
    Holds: on failure the old file is as it was and no part of a new one is left.
    ------------------------------------------------------------------------------------------------------ */
 
+typedef struct pbwio__job {                  /* what is to be written */
+    void (*emit)(void *user, FILE *file);
+    void *user;
+    const int *cancelled;                    /* whether emit was stopped; NULL: it never is */
+    const pbw_options *build;
+} pbwio__job;
+
 #ifdef _WIN32
-static char *pbwio__target(const char *path)
+static int pbwio__target(const char *path, pbw_memory *memory, pbwio__bytes *name)
 {
-    char *name = (char *)PBWIO_REALLOC(NULL, strlen(path) + 1);
-    return name != NULL ? strcpy(name, path) : NULL;
+    const int done = PBW_FIT(memory, *name, strlen(path) + 1);
+    if (done) {
+        strcpy(name->at, path);
+    }
+    return done;
 }
 
 static FILE *pbwio__exclusive(const char *name)      /* fopen of some C libraries there has no "x" */
@@ -8378,37 +8494,34 @@ static FILE *pbwio__exclusive(const char *name)      /* a file that is there, or
     return fopen(name, "wbx");
 }
 
-/* The name that symbolic links at the end of a path lead to, for the caller to free; NULL: out of memory.  After 40
-   links it is left as it is. */
-static char *pbwio__target(const char *path)
+/* The name that symbolic links at the end of a path lead to.  After 40 links it is left as it is.  Returns 0 = out of
+   memory. */
+static int pbwio__target(const char *path, pbw_memory *memory, pbwio__bytes *name)
 {
     enum { MOST = 4096 };
-    char *name = (char *)PBWIO_REALLOC(NULL, strlen(path) + 1), link[MOST], *longer;
+    char link[MOST];
     int links;
     ssize_t length;
-    if (name == NULL) {
-        return NULL;
+    if (!PBW_FIT(memory, *name, strlen(path) + 1)) {
+        return 0;
     }
-    strcpy(name, path);
-    for (links = 0; links < 40 && (length = readlink(name, link, MOST - 1)) > 0; links++) {
-        const char *slash = strrchr(name, '/');
-        size_t folder = *link == '/' || slash == NULL ? 0 : (size_t)(slash - name) + 1;
-        longer = (char *)PBWIO_REALLOC(name, folder + (size_t)length + 1);
-        if (longer == NULL) {
-            PBWIO_FREE(name);
-            return NULL;
+    strcpy(name->at, path);
+    for (links = 0; links < 40 && (length = readlink(name->at, link, MOST - 1)) > 0; links++) {
+        const char *slash = strrchr(name->at, '/');
+        size_t folder = *link == '/' || slash == NULL ? 0 : (size_t)(slash - name->at) + 1;
+        if (!PBW_FIT(memory, *name, folder + (size_t)length + 1)) {
+            return 0;
         }
-        name = longer;
-        memcpy(name + folder, link, (size_t)length);
-        name[folder + (size_t)length] = 0;
+        memcpy(name->at + folder, link, (size_t)length);
+        name->at[folder + (size_t)length] = 0;
     }
-    return name;
+    return 1;
 }
 #endif
 
-/* Creates a file beside the target under a name of its own, for the caller to free.  Returns NULL if that fails; the
-   name is NULL then if there was no memory. */
-static FILE *pbwio__create(const char *target, char **name)
+/* Creates a file beside the target under a name of its own.  Returns NULL if that fails; the name has no bytes then
+   if there was no memory. */
+static FILE *pbwio__create(const char *target, pbw_memory *memory, pbwio__bytes *name)
 {
     enum { MOST = 200, MORE = 48 };          /* bytes of the last name, which systems limit to 255; after it */
     size_t length, last = 0;
@@ -8421,88 +8534,103 @@ static FILE *pbwio__create(const char *target, char **name)
         for (length = last + MOST; ((unsigned char)target[length] & 0xc0) == 0x80; length--) {       /* whole UTF-8 */
         }
     }
-    *name = (char *)PBWIO_REALLOC(NULL, length + MORE);
-    for (number = 0; *name != NULL && file == NULL && (number == 0 || (errno == EEXIST && number < 10000));
-         number++) {
-        snprintf(*name, length + MORE, "%.*s.part.%lu-%u", (int)length, target, (unsigned long)PBWIO__PROCESS(),
+    if (!PBW_FIT(memory, *name, length + MORE)) {
+        return NULL;
+    }
+    for (number = 0; file == NULL && (number == 0 || (errno == EEXIST && number < 10000)); number++) {
+        snprintf(name->at, length + MORE, "%.*s.part.%lu-%u", (int)length, target, (unsigned long)PBWIO__PROCESS(),
                  number);
-        file = pbwio__exclusive(*name);
+        file = pbwio__exclusive(name->at);
     }
     return file;
 }
 
-/* Writes to a stream, packed by gzip or as it is, and closes it, unless it is the standard output.  Returns whether
-   that failed. */
-static int pbwio__stream(FILE *file, int packed, void (*emit)(void *user, FILE *file), void *user)
+/* Writes to a stream, packed by gzip or as it is, and closes it, unless it is the standard output. */
+static pbwio_status pbwio__stream(FILE *file, pbw_memory *memory, int packed, const pbwio__job *job)
 {
     FILE *plain = packed ? tmpfile() : file;
-    int failed = plain == NULL;
-    if (!failed) {
-        emit(user, plain);
-        failed = ferror(plain) | fflush(plain);
+    pbwio_status status = PBWIO_ERROR_FILE;
+    if (plain != NULL) {
+        job->emit(job->user, plain);
+        status = ferror(plain) | fflush(plain) ? PBWIO_ERROR_FILE
+               : job->cancelled != NULL && *job->cancelled ? PBWIO_CANCELLED : PBWIO_OK;
     }
-    if (packed && !failed) {
+    if (packed && status == PBWIO_OK) {
         rewind(plain);
-        failed = pbwio__gzip(plain, file);
+        status = pbwio__gzip(plain, file, memory, job->build);
     }
     if (packed && plain != NULL) {
         fclose(plain);
     }
-    failed |= ferror(file) | fflush(file);
-    return file == stdout ? failed : failed | fclose(file);
+    if ((ferror(file) | fflush(file)) && status == PBWIO_OK) {
+        status = PBWIO_ERROR_FILE;
+    }
+    return file != stdout && fclose(file) != 0 && status == PBWIO_OK ? PBWIO_ERROR_FILE : status;
+}
+
+static pbwio_status pbwio__save(const char *path, const pbwio__job *job, pbwio_error *error)
+{
+    struct stat old;
+    pbw_memory memory;
+    pbwio__bytes target = { NULL, 0, 0 }, name = { NULL, 0, 0 };
+    FILE *file = NULL;
+    const int is = stat(path, &old) == 0;
+    const int in_place = strcmp(path, "-") == 0 || strncmp(path, "/dev/", 5) == 0 || (is && !S_ISREG(old.st_mode));
+    pbwio_status status;
+    pbw_memory_start(&memory, job->build);
+    status = pbwio__target(path, &memory, &target) ? PBWIO_OK : PBWIO_ERROR_MEMORY;
+    errno = 0;
+    if (in_place && status == PBWIO_OK) {
+        file = strcmp(path, "-") == 0 ? stdout : fopen(path, "wb");
+        status = file != NULL ? PBWIO_OK : PBWIO_ERROR_FILE;
+    } else if (is && status == PBWIO_OK) {           /* a file that may not be written to may not be replaced */
+        file = fopen(target.at, "r+b");
+        status = file == NULL || fclose(file) != 0 ? PBWIO_ERROR_FILE : PBWIO_OK;
+    }
+    if (!in_place && status == PBWIO_OK) {
+        file = pbwio__create(target.at, &memory, &name);
+        status = name.at == NULL ? PBWIO_ERROR_MEMORY : file == NULL ? PBWIO_ERROR_FILE : PBWIO_OK;
+    }
+    if (status == PBWIO_OK) {
+        status = pbwio__stream(file, &memory, pbwio__is_gz(path), job);
+        if (name.at != NULL && status == PBWIO_OK) {
+            if (is) {
+                chmod(name.at, old.st_mode & 07777);
+            }
+#ifdef _WIN32
+            remove(target.at);                       /* rename does not replace there */
+#endif
+            status = rename(name.at, target.at) != 0 ? PBWIO_ERROR_FILE : PBWIO_OK;
+        }
+        if (name.at != NULL && status != PBWIO_OK) {
+            const int reason = errno;
+            remove(name.at);
+            errno = reason;
+        }
+    }
+    if (status != PBWIO_OK) {
+        (void)pbwio__file_error(error, status, strcmp(path, "-") == 0 ? "standard output" : path, "%s",
+                                status == PBWIO_ERROR_MEMORY ? "out of memory"
+                                : status == PBWIO_CANCELLED ? "cancelled"
+                                : errno == 0 ? "cannot write" : strerror(errno));
+    }
+    PBW_RELEASE(&memory, name);
+    PBW_RELEASE(&memory, target);
+    return status;
 }
 
 PBWIODEF pbwio_status pbwio_save(const char *path, void (*emit)(void *user, FILE *file), void *user,
-                                 pbwio_error *error)
+                                 const pbw_options *options, pbwio_error *error)
 {
-    struct stat old;
-    char *target, *name = NULL;
-    FILE *file = NULL;
-    int in_place, is, failed = 0;
+    pbwio__job job;
     if (path == NULL || emit == NULL) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, "pbwio_save", "an argument is NULL");
     }
-    is = stat(path, &old) == 0;
-    in_place = strcmp(path, "-") == 0 || strncmp(path, "/dev/", 5) == 0 || (is && !S_ISREG(old.st_mode));
-    target = pbwio__target(path);
-    if (target == NULL) {
-        return pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
-    }
-    errno = 0;
-    if (in_place) {
-        file = strcmp(path, "-") == 0 ? stdout : fopen(path, "wb");
-    } else if (is) {                                 /* a file that may not be written to may not be replaced */
-        file = fopen(target, "r+b");
-        failed = file == NULL || fclose(file) != 0;
-        file = NULL;
-    }
-    if (!in_place && !failed) {
-        file = pbwio__create(target, &name);
-        if (name == NULL) {
-            PBWIO_FREE(target);
-            return pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
-        }
-    }
-    failed = file == NULL || pbwio__stream(file, pbwio__is_gz(path), emit, user);
-    if (name != NULL && !failed) {
-        if (is) {
-            chmod(name, old.st_mode & 07777);
-        }
-#ifdef _WIN32
-        remove(target);                              /* rename does not replace there */
-#endif
-        failed = rename(name, target) != 0;
-    }
-    if (failed) {
-        pbwio__file_error(error, PBWIO_ERROR_FILE, strcmp(path, "-") == 0 ? "standard output" : path, "%s",
-                          errno == 0 ? "cannot write" : strerror(errno));
-        if (file != NULL && name != NULL) {
-            remove(name);
-        }
-    }
-    PBWIO_FREE(name);
-    PBWIO_FREE(target);
-    return failed ? PBWIO_ERROR_FILE : PBWIO_OK;
+    job.emit = emit;
+    job.user = user;
+    job.cancelled = NULL;
+    job.build = options;
+    return pbwio__save(path, &job, error);
 }
 
 static void pbwio__emit(void *user, FILE *file)
@@ -8531,7 +8659,6 @@ static void pbwio__writer_start(pbwio__writer *w, const pbwio__format_info *info
                                 size_t corners, const pbwio_output *output)
 {
     size_t i;
-    memset(w, 0, sizeof *w);
     w->mesh = mesh;
     w->output = output;
     w->separator = info->traits & PBWIO__COMMAS ? ',' : ' ';
@@ -8555,6 +8682,21 @@ static void pbwio__writer_start(pbwio__writer *w, const pbwio__format_info *info
             w->facet_count += (size_t)pbwio__on_hull(w, w->simplex, i);
         }
     }
+    w->all_rows = (w->point_count + w->cell_count + w->facet_count) * (output->format == PBWIO_VTU ? 4 : 1);
+}
+
+static void pbwio__writer_end(pbwio__writer *w)
+{
+    pbw_memory memory = w->memory;
+    if (w->boundary != NULL) {
+        (void)pbw_memory_resize(&memory, w->boundary, w->mesh->point_count + 1, 0, 1);
+    }
+    if (w->words != NULL) {
+        (void)pbw_memory_resize(&memory, w->words, w->words_size, 0, 1);
+    }
+    (void)pbw_memory_fit(&memory, &w->number, &w->number_size, 0, 1);
+    (void)pbw_memory_fit(&memory, &w->items, &w->item_capacity, 0, sizeof *w->items);
+    (void)pbw_memory_resize(&memory, w, 1, 0, sizeof *w);
 }
 
 /* Writes a mesh; or a model, whose simplices are triangles in any dimension and which has all of its points. */
@@ -8563,6 +8705,9 @@ static pbwio_status pbwio__write(const char *path, const pbw_mesh *mesh, int mod
 {
     pbwio_output settings;
     const pbwio__format_info *info;
+    pbw_memory memory;
+    pbw_options build;
+    pbwio__job job;
     pbwio_status status;
     pbwio__writer *w;
     size_t corners = model ? 3 : (size_t)mesh->dim + 1;
@@ -8579,10 +8724,13 @@ static pbwio_status pbwio__write(const char *path, const pbw_mesh *mesh, int mod
         && (info->traits & PBWIO__SIMPLICES || (surface && corners == 4))) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, path, "this format needs neighbors, the mesh has none");
     }
-    w = (pbwio__writer *)PBWIO_REALLOC(NULL, sizeof *w);
+    pbw_memory_start(&memory, settings.build);
+    w = (pbwio__writer *)pbw_memory_resize(&memory, NULL, 0, 1, sizeof *w);
     if (w == NULL) {
         return pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
     }
+    memset(w, 0, sizeof *w);
+    w->memory = memory;
     pbwio__writer_start(w, info, mesh, corners, &settings);
     w->normals = normals;
     if (info->traits & PBWIO__BOUNDARY) {
@@ -8590,8 +8738,8 @@ static pbwio_status pbwio__write(const char *path, const pbw_mesh *mesh, int mod
         failed |= w->boundary == NULL;
     }
     if (info->traits & PBWIO__SIMPLICES) {
-        w->number = (pbw_index *)PBWIO_REALLOC(NULL, (mesh->simplex_count + 1) * sizeof *w->number);
-        failed = w->number == NULL;
+        failed = !pbw_memory_fit(&w->memory, &w->number, &w->number_size,
+                                 (mesh->simplex_count + 1) * sizeof *w->number, 1);
         pbwio__rewind(w);
         while (!failed && pbwio__step(w, 0)) {
             w->number[w->simplex] = (pbw_index)w->cell;
@@ -8609,16 +8757,19 @@ static pbwio_status pbwio__write(const char *path, const pbw_mesh *mesh, int mod
     }
     if (!failed && settings.groups != NULL && (settings.format == PBWIO_INP || settings.format == PBWIO_SU2)) {
         pbwio__find_builtin(mesh, &settings, corners, w->builtin);
-        w->words = pbwio__make_words(&settings, (int)corners, w->builtin);
+        w->words = pbwio__make_words(&w->memory, &settings, (int)corners, w->builtin, &w->words_size);
         failed = w->words == NULL;
     }
+    memset(&build, 0, sizeof build);
+    build = settings.build != NULL ? *settings.build : build;
+    pbw_memory_nest(&w->memory, &build);
+    job.emit = pbwio__emit;
+    job.user = w;
+    job.cancelled = &w->cancelled;
+    job.build = &build;
     status = failed ? pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory")
-                    : pbwio_save(path, pbwio__emit, w, error);
-    PBWIO_FREE(w->boundary);
-    PBWIO_FREE(w->number);
-    PBWIO_FREE(w->items);
-    PBWIO_FREE(w->words);
-    PBWIO_FREE(w);
+                    : pbwio__save(path, &job, error);
+    pbwio__writer_end(w);
     return status;
 }
 

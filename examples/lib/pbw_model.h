@@ -76,6 +76,7 @@ extern pbwio_status pbwmodel_write(const char *path, const pbwmodel_content *con
 #if defined(PBW_MODEL_IMPLEMENTATION) && !defined(PBWMODEL__IMPLEMENTED)
 #define PBWMODEL__IMPLEMENTED
 
+#include <stdlib.h>
 #include <string.h>
 
 /* ------------------------------------------------------------------------------------------------------
@@ -128,13 +129,13 @@ extern int pbwmodel_read_normals(const char *path, const pbwio_cloud *model, pbw
         return 0;
     }
     if (format == PBWIO_OBJ) {
-        text = pbwio__load(path, &size, &status, NULL);
+        text = pbwio_load(path, NULL, &size, NULL);
         if (text == NULL) {
             return 0;
         }
         pbwmodel__turn_to_normals(text, size);
         status = pbwio_read_memory("normals.obj", text, size, &options, normals, NULL);
-        PBWIO_FREE(text);
+        free(text);
         if (status == PBWIO_OK && normals->count > 0 && normals->triangle_count == model->triangle_count) {
             return 1;
         }

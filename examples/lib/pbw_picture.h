@@ -52,6 +52,7 @@ typedef struct pbwpic_options {        /* NULL or all zero = best defaults */
     double eye[3], up[3];              /* 3D: the directions from the middle to the viewer and upwards (0: z) */
     double cut[4];                     /* 3D: the plane's normal, and its distance from the middle, 1 = the radius of
                                           the body; simplices with their centre beyond it are removed */
+    const pbw_options *build;          /* memory_limit, resize, as in pbw.h; NULL = defaults */
 } pbwpic_options;
 
 /* Writes the picture whole or not at all.  3D needs mesh->neighbors. */
@@ -90,11 +91,12 @@ typedef struct pbwpic__key { float z; unsigned face; } pbwpic__key;
 typedef struct pbwpic__view {
     const pbw_mesh *mesh;
     const pbwpic_options *options;
+    pbw_memory memory;
     double middle[3], half;                    /* of the points' box: its middle and half its longest side */
     double *value, range[2];                   /* a simplex: logarithm of its size; those that are colours 0 and 1 */
     unsigned char *shown;                      /* a simplex: 0 = not part of the body, 1 = shown, 2 = cut away */
     pbwpic__face *face;
-    size_t face_count;
+    size_t face_count, face_capacity;
     pbwpic__key *key;                          /* faces that are drawn, from the farthest to the nearest */
     size_t key_count;
     float *depth;                              /* a pixel: z of the nearest face, and which that is */
@@ -170,7 +172,8 @@ static double pbwpic__size(const pbwpic__view *v, size_t simplex)    /* volume o
 static int pbwpic__values(pbwpic__view *v)
 {
     const unsigned char *keep = v->options->keep;
-    double *sorted = (double *)malloc((v->mesh->simplex_count + 1) * sizeof *sorted);
+    const size_t all = v->mesh->simplex_count + 1;
+    double *sorted = (double *)pbw_memory_resize(&v->memory, NULL, 0, all, sizeof *sorted);
     size_t i, count = 0;
     if (sorted == NULL) {
         return 0;
@@ -184,7 +187,7 @@ static int pbwpic__values(pbwpic__view *v)
     qsort(sorted, count, sizeof *sorted, pbwpic__compare);
     v->range[0] = count == 0 ? 0 : sorted[count / 100];
     v->range[1] = count == 0 ? 1 : sorted[count - 1 - count / 100];
-    free(sorted);
+    (void)pbw_memory_resize(&v->memory, sorted, all, 0, sizeof *sorted);
     return 1;
 }
 
@@ -300,13 +303,8 @@ static pbwpic__face *pbwpic__add(pbwpic__view *v, size_t simplex, int hull)
 {
     double span = v->range[1] > v->range[0] ? v->range[1] - v->range[0] : 1, t;
     pbwpic__face *f;
-    if ((v->face_count & (v->face_count - 1)) == 0 && (v->face_count == 0 || v->face_count >= 1024)) {
-        size_t capacity = v->face_count == 0 ? 1024 : 2 * v->face_count;
-        f = (pbwpic__face *)realloc(v->face, capacity * sizeof *f);
-        if (f == NULL) {
-            return NULL;
-        }
-        v->face = f;
+    if (!pbw_memory_grow(&v->memory, &v->face, &v->face_capacity, v->face_count, 1, sizeof *f)) {
+        return NULL;
     }
     f = &v->face[v->face_count++];
     memset(f, 0, sizeof *f);
@@ -457,9 +455,9 @@ static void pbwpic__fit(pbwpic__view *v)
 static int pbwpic__visible(pbwpic__view *v)
 {
     size_t i, pixels = v->mesh->dim == 3 ? (size_t)PBWPIC__WIDE * PBWPIC__HIGH : 0;
-    v->key = (pbwpic__key *)malloc((v->face_count + 1) * sizeof *v->key);
-    v->depth = (float *)malloc((pixels + 1) * sizeof *v->depth);
-    v->owner = (unsigned *)malloc((pixels + 1) * sizeof *v->owner);
+    v->key = (pbwpic__key *)pbw_memory_resize(&v->memory, NULL, 0, v->face_count + 1, sizeof *v->key);
+    v->depth = (float *)pbw_memory_resize(&v->memory, NULL, 0, pixels + 1, sizeof *v->depth);
+    v->owner = (unsigned *)pbw_memory_resize(&v->memory, NULL, 0, pixels + 1, sizeof *v->owner);
     if (v->key == NULL || v->depth == NULL || v->owner == NULL) {
         return 0;
     }
@@ -519,10 +517,29 @@ static void pbwpic__emit(void *user, FILE *file)
     fprintf(file, "</g>\n</svg>\n");
 }
 
+static void pbwpic__release(pbwpic__view *v, void *block, size_t bytes)
+{
+    if (block != NULL) {
+        (void)pbw_memory_resize(&v->memory, block, bytes, 0, 1);
+    }
+}
+
+static void pbwpic__end(pbwpic__view *v)
+{
+    const size_t pixels = v->mesh->dim == 3 ? (size_t)PBWPIC__WIDE * PBWPIC__HIGH : 0;
+    pbwpic__release(v, v->value, (v->mesh->simplex_count + 1) * sizeof *v->value);
+    pbwpic__release(v, v->shown, v->mesh->simplex_count + 1);
+    pbwpic__release(v, v->face, v->face_capacity * sizeof *v->face);
+    pbwpic__release(v, v->key, (v->face_count + 1) * sizeof *v->key);
+    pbwpic__release(v, v->depth, (pixels + 1) * sizeof *v->depth);
+    pbwpic__release(v, v->owner, (pixels + 1) * sizeof *v->owner);
+}
+
 PBWPICDEF pbwio_status pbwpic_write(const char *path, const pbw_mesh *mesh, const pbwpic_options *options,
                                     pbwio_error *error)
 {
-    static const pbwpic_options defaults = { NULL, { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0, 0 } };
+    static const pbwpic_options defaults = { NULL, { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0, 0 }, NULL };
+    pbw_options build;
     const char *what = "out of memory";
     pbwio_status status = PBWIO_ERROR_MEMORY;
     pbwpic__view v;
@@ -532,8 +549,12 @@ PBWPICDEF pbwio_status pbwpic_write(const char *path, const pbw_mesh *mesh, cons
     memset(&v, 0, sizeof v);
     v.mesh = mesh;
     v.options = options == NULL ? &defaults : options;
-    v.value = (double *)malloc((mesh->simplex_count + 1) * sizeof *v.value);
-    v.shown = (unsigned char *)malloc(mesh->simplex_count + 1);
+    pbw_memory_start(&v.memory, v.options->build);
+    memset(&build, 0, sizeof build);
+    build = v.options->build != NULL ? *v.options->build : build;
+    pbw_memory_nest(&v.memory, &build);
+    v.value = (double *)pbw_memory_resize(&v.memory, NULL, 0, mesh->simplex_count + 1, sizeof *v.value);
+    v.shown = (unsigned char *)pbw_memory_resize(&v.memory, NULL, 0, mesh->simplex_count + 1, 1);
     if (mesh->dim == 3 && mesh->neighbors == NULL) {
         status = PBWIO_ERROR_ARGUMENT;
         what = "a picture needs neighbors, the mesh has none";
@@ -542,18 +563,13 @@ PBWPICDEF pbwio_status pbwpic_write(const char *path, const pbw_mesh *mesh, cons
         pbwpic__fit(&v);
         if (pbwpic__visible(&v)) {
             what = NULL;
-            status = pbwio_save(path, pbwpic__emit, &v, error);
+            status = pbwio_save(path, pbwpic__emit, &v, &build, error);
         }
     }
     if (what != NULL && error != NULL) {
         snprintf(error->text, sizeof error->text, "%.200s: %s", path, what);
     }
-    free(v.value);
-    free(v.shown);
-    free(v.face);
-    free(v.key);
-    free(v.depth);
-    free(v.owner);
+    pbwpic__end(&v);
     return status;
 }
 #endif /* PBW_PICTURE_IMPLEMENTATION */

@@ -86,6 +86,7 @@ typedef struct pbwview_options {       /* NULL or all zero = best defaults */
                                           middle, towards the viewer; nothing where there are triangles */
     int cut_through;                   /* 1: tetrahedra at the cut are cut through, 0: they stay whole or go */
     int colour_outside;                /* 3D: 1: colours on the outside too, 0: where it is cut open */
+    const pbw_options *build;          /* memory_limit, resize, as in pbw.h; NULL = defaults */
     int cells;                         /* 1: cells: the simplices around one first corner, to which only the facets
                                           across from that belong; shown whole, and by arrays of the caller */
 } pbwview_options;
@@ -104,7 +105,6 @@ PBWVIEWDEF pbwio_status pbwview_write(const char *path, const pbw_mesh *mesh, co
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Returns the lines of one of three parts of the page: up to the title, up to the data, after the data.  NULL ends
@@ -122,6 +122,7 @@ typedef struct pbwview__page {
     const pbwview_options *options;
     pbw_index *number;                 /* per point: its number on the page, which is the order in which corners meet
                                           it; PBW_NONE if it is not there.  NULL: a page of points, all there */
+    pbw_memory memory;
     size_t simplices, points;          /* that are there */
     double middle[3], half;            /* of the box of the points */
     FILE *file;
@@ -470,7 +471,8 @@ static const char *pbwview__prepare(pbwview__page *page)
     }
     page->points = mesh->point_count;
     if (page->simplices > 0) {
-        page->number = (pbw_index *)malloc(mesh->point_count * sizeof *page->number);
+        page->number = (pbw_index *)pbw_memory_resize(&page->memory, NULL, 0, mesh->point_count,
+                                                      sizeof *page->number);
         if (page->number == NULL) {
             return "out of memory";
         }
@@ -510,6 +512,7 @@ PBWVIEWDEF pbwio_status pbwview_write(const char *path, const pbw_mesh *mesh, co
                                       pbwio_error *error)
 {
     pbwview_options defaults;
+    pbw_options build;
     const char *what;
     pbwio_status status;
     pbwview__page page;
@@ -520,16 +523,22 @@ PBWVIEWDEF pbwio_status pbwview_write(const char *path, const pbw_mesh *mesh, co
     memset(&page, 0, sizeof page);
     page.mesh = mesh;
     page.options = options == NULL ? &defaults : options;
+    pbw_memory_start(&page.memory, page.options->build);
+    memset(&build, 0, sizeof build);
+    build = page.options->build != NULL ? *page.options->build : build;
+    pbw_memory_nest(&page.memory, &build);
     what = pbwview__prepare(&page);
     if (what == NULL) {
-        status = pbwio_save(path, pbwview__emit, &page, error);
+        status = pbwio_save(path, pbwview__emit, &page, &build, error);
     } else {
         status = strcmp(what, "out of memory") == 0 ? PBWIO_ERROR_MEMORY : PBWIO_ERROR_ARGUMENT;
         if (error != NULL) {
             snprintf(error->text, sizeof error->text, "%.200s: %s", path, what);
         }
     }
-    free(page.number);
+    if (page.number != NULL) {
+        (void)pbw_memory_resize(&page.memory, page.number, mesh->point_count, 0, sizeof *page.number);
+    }
     return status;
 }
 

@@ -50,7 +50,7 @@ static int shows_pictures(const job *j)
 static pbwio_status write_cells(job *j, const char *path, const char *ending, void *user, pbwio_error *error)
 {
     pbw_cells *cells = ((pbw_cells **)user)[is_seen(ending)];
-    return strcmp(ending, "csv") == 0 ? pbwio_save(path, emit, cells, error)
+    return strcmp(ending, "csv") == 0 ? pbwio_save(path, emit, cells, &j->build, error)
          : strcmp(ending, "html") == 0
          ? write_cell_page(j, path, cells, cells->dim == 2 && is_given(j, "--clip"), error)
          : write_diagram(path, ending, cells, error);

@@ -60,7 +60,7 @@ static pbwio_status write_one(job *j, const char *path, const char *ending, void
     pbwmodel_content *content = (pbwmodel_content *)user;
     char name[16];
     if (strcmp(ending, "bin") == 0) {
-        return pbwio_save(path, emit_rows, &j->cloud, error);
+        return pbwio_save(path, emit_rows, &j->cloud, &j->build, error);
     }
     snprintf(name, sizeof name, "a.%s", ending);
     content->format = j->write.format = pbwio_format_of(name);

@@ -361,7 +361,7 @@ pbwio_status write_diagram(const char *path, const char *ending, const pbw_cells
     snprintf(error->text, sizeof error->text, "out of memory");
     if (d.number != NULL && d.seen != NULL && d.room != NULL) {
         number_corners(&d);
-        status = pbwio_save(path, emit, &d, error);
+        status = pbwio_save(path, emit, &d, NULL, error);
     }
     free(d.number);
     free(d.room != d.seen ? d.room : NULL);

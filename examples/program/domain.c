@@ -152,7 +152,7 @@ static int open_text(text *t, const char *path)
     memset(t, 0, sizeof *t);
     t->name = path;
     t->line = 1;
-    t->data = pbwio_load(path, &size, &error);
+    t->data = pbwio_load(path, NULL, &size, &error);
     if (t->data == NULL) {
         snprintf(t->error, sizeof t->error, "%.255s", error.text);
         return 0;
@@ -446,7 +446,7 @@ static int is_geojson(const char *path)
     static const char *const types[] = { "FeatureCollection", "Feature", "GeometryCollection", "Polygon",
                                          "MultiPolygon", "LineString", "MultiLineString" };
     size_t size, i;
-    char *data = ends_with(path, ".json") ? pbwio_load(path, &size, NULL) : NULL;
+    char *data = ends_with(path, ".json") ? pbwio_load(path, NULL, &size, NULL) : NULL;
     const char *at = data != NULL ? strstr(data, "\"type\"") : NULL;
     int found = 0;
     if (at != NULL) {

@@ -92,7 +92,7 @@ pbwio_status write_triangles(const char *path, const pbw_mesh *mesh, const pbwio
     triangles t;
     t.mesh = mesh;
     t.output = output;
-    return pbwio_save(path, emit_triangles, &t, error);
+    return pbwio_save(path, emit_triangles, &t, output->build, error);
 }
 
 /* ---- cells ---- */

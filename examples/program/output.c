@@ -503,9 +503,11 @@ int write_with(job *j, writer *write, void *user)
     for (; j->written < j->outputs && !interrupted; j->written++) {
         const char *path = j->output[j->written];
         double start = now();
+        pbwio_status status;
         begin(j, "write", path);
-        if (write(j, path, ending_of(j, path), user, &error) != PBWIO_OK) {
-            return interrupted ? stopped(j) : fail(j, "%s", error.text);
+        status = write(j, path, ending_of(j, path), user, &error);
+        if (status != PBWIO_OK) {
+            return explain_io(j, status, &error);
         }
         report_step(j, "write", now() - start, "%s", strcmp(path, "-") == 0 ? "standard output" : path);
         warn_of_drops(j, path);
@@ -518,9 +520,8 @@ typedef struct table { void (*emit)(void *user, FILE *file); void *user; } table
 static pbwio_status save_table(job *j, const char *path, const char *ending, void *user, pbwio_error *error)
 {
     const table *t = (const table *)user;
-    (void)j;
     (void)ending;
-    return pbwio_save(path, t->emit, t->user, error);
+    return pbwio_save(path, t->emit, t->user, &j->build, error);
 }
 
 int write_table(job *j, void (*emit)(void *user, FILE *file), void *user)

@@ -341,10 +341,10 @@ static pbwio_status write_one(job *j, const char *path, const char *ending, void
     result *r = (result *)user;
     char name[16];
     if (strcmp(ending, "poly") == 0) {
-        return pbwio_save(path, emit_poly, r, error);
+        return pbwio_save(path, emit_poly, r, &j->build, error);
     }
     if (strcmp(ending, "svg") == 0) {
-        return pbwio_save(path, emit_svg, r, error);
+        return pbwio_save(path, emit_svg, r, &j->build, error);
     }
     if (strcmp(ending, "html") == 0) {
         return write_page(j, path, r, error);

@@ -210,6 +210,7 @@ void describe(const job *j);
 int mark_inside(job *j);
 /* Says why the library failed; the exit status, 0 for PBW_OK. */
 int explain(const job *j, pbw_status status);
+int explain_io(const job *j, pbwio_status status, const pbwio_error *error);     /* of reading and writing */
 int explain_file(const job *j, pbw_status status, const char *why);  /* of the input; why: in words, "" = none */
 pbwsample_model model_of(const pbwio_cloud *cloud);
 

@@ -64,6 +64,7 @@ int load(job *j, int flat)
 {
     double start = now();
     pbwio_error error;
+    pbwio_status status = PBWIO_OK;
     begin(j, "read", j->generate != NULL ? j->generate : j->input);
     if (j->generate != NULL) {
         int kind = choice_of(j, "--generate");
@@ -71,11 +72,11 @@ int load(job *j, int flat)
                            (uint64_t)number_of(j, "--seed", 1), &j->cloud)) {
             return fail(j, "out of memory: %.0f bytes for %zu point%s", 24 * (double)j->count, COUNT(j->count));
         }
-    } else if (pbwio_read(j->input, &j->read, &j->cloud, &error) != PBWIO_OK && !interrupted) {
-        return fail(j, "%s", error.text);
+    } else {
+        status = pbwio_read(j->input, &j->read, &j->cloud, &error);
     }
-    if (interrupted) {
-        return stopped(j);
+    if (status != PBWIO_OK || interrupted) {
+        return explain_io(j, status, &error);
     }
     warn_dropped(j, j->input, &j->cloud);
     if (flat && j->read.dim == 0 && j->cloud.dim == 3) {
@@ -104,10 +105,12 @@ int load_queries(job *j)
     pbwio_options read = j->read;
     pbwio_cloud *queries = &j->queries;
     pbwio_error error;
+    pbwio_status status;
     begin(j, "read", j->second);
     read.weight = NULL;
-    if (pbwio_read(j->second, &read, queries, &error) != PBWIO_OK) {
-        return interrupted ? stopped(j) : fail(j, "%s", error.text);
+    status = pbwio_read(j->second, &read, queries, &error);
+    if (status != PBWIO_OK) {
+        return explain_io(j, status, &error);
     }
     warn_dropped(j, j->second, queries);
     if (queries->dim != j->cloud.dim && !(queries->dim == 3 && flatten(queries))) {
@@ -137,6 +140,13 @@ int explain(const job *j, pbw_status status)
 {
     return status == PBW_OK ? 0 : status == PBW_CANCELLED ? stopped(j) : status == PBW_ERROR_MEMORY ? out_of_memory(j)
          : fail(j, "%s", pbw_status_string(status));
+}
+
+int explain_io(const job *j, pbwio_status status, const pbwio_error *error)
+{
+    const char *limit = status == PBWIO_ERROR_MEMORY ? text_of(j, "--memory-limit") : NULL;
+    return interrupted ? stopped(j) : fail(j, "%s%s%s", error->text, limit != NULL ? " within --memory-limit " : "",
+                                           limit != NULL ? limit : "");
 }
 
 int explain_file(const job *j, pbw_status status, const char *why)
