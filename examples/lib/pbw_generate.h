@@ -36,12 +36,9 @@
    Holds: a number is a function of the counter alone.
    ------------------------------------------------------------------------------------------------------ */
 
-static double pbwgen__mixed(uint64_t z)                      /* splitmix64 (Steele, Lea and Flood 2014), to [0, 1) */
+static double pbwgen__mixed(uint64_t z)
 {
-    z *= 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return (double)((z ^ z >> 31) >> 11) / 9007199254740992.0;
+    return (double)(pbw_random(0, z - 1) >> 11) / 9007199254740992.0;
 }
 
 static double pbwgen__uniform(uint64_t *state)
