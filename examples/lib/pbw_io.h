@@ -888,7 +888,7 @@ typedef PBW_ARRAY(char) pbwio__bytes;
 
 /* Unpacks a .gz file, of one member or several.  What follows the last member, such as the zeros of tapes, does not
    matter. */
-static pbwio_status pbwio__gunzip(const char *name, const char *data, size_t size, pbw_memory *memory,
+static pbwio_status pbwio__gunzip(const char *name, const pbwio__bytes *packed, pbw_memory *memory,
                                   const pbw_options *build, pbwio__bytes *out, pbwio_error *error)
 {
     pbwio__inflater *z = (pbwio__inflater *)pbw_memory_resize(memory, NULL, 0, 1, sizeof *z);
@@ -898,8 +898,8 @@ static pbwio_status pbwio__gunzip(const char *name, const char *data, size_t siz
         return pbwio__file_error(error, PBWIO_ERROR_MEMORY, name, "out of memory");
     }
     memset(z, 0, sizeof *z);
-    z->in = (const unsigned char *)data;
-    z->end = z->in + size;
+    z->in = (const unsigned char *)packed->at;
+    z->end = z->in + packed->count;
     z->memory = memory;
     z->build = build;
     pbwio__room(z, 1);                                               /* a block even for no bytes */
@@ -7797,8 +7797,8 @@ PBWIODEF void pbwio_renamed(pbwio_format format, int corners, const pbw_mesh *me
 /* Endings of files that are no tables and are not read, whatever they look like. */
 static const char pbwio__refused_endings[] = "3dm 3ds 3mf amf bdf blend brep cas cdb cgns dae dgn dwg dxf e57 exo "
     "fbx fem foam glb gltf gml gpkg gpx h5 hdf5 html ifc iges igs jpg kml kmz las laz med meshb mphtxt nas nastran "
-    "nc ods pcd pdf png pvtu rar sat shp shx skp sldprt step stp svg tif tiff ugrid unv usd usda usdc usdz vdb vti vtm vtp "
-    "vtr vts wkb wkt wrl x3d x_b x_t xdmf xls xlsx xmf xml zip";
+    "nc ods pcd pdf png pvtu rar sat shp shx skp sldprt step stp svg tif tiff ugrid unv usd usda usdc usdz vdb vti vtm "
+    "vtp vtr vts wkb wkt wrl x3d x_b x_t xdmf xls xlsx xmf xml zip";
 
 /* Refuses a file, and says which are read. */
 static pbwio_status pbwio__refuse(pbwio_error *error, const char *name, const char *what)
@@ -8007,7 +8007,7 @@ PBWIODEF pbwio_status pbwio_read_memory(const char *name, const void *data, size
                                         pbwio_cloud *cloud, pbwio_error *error)
 {
     const pbw_options *build = options != NULL ? options->build : NULL;
-    pbwio__bytes unpacked = { NULL, 0, 0 };
+    pbwio__bytes packed = { NULL, 0, 0 }, unpacked = { NULL, 0, 0 };
     pbwio_status status = PBWIO_OK;
     if (cloud == NULL || name == NULL || (data == NULL && size != 0)) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, "pbwio_read_memory", "an argument is NULL");
@@ -8015,7 +8015,9 @@ PBWIODEF pbwio_status pbwio_read_memory(const char *name, const void *data, size
     memset(cloud, 0, sizeof *cloud);
     pbw_memory_start(&cloud->memory, build);
     if (size >= 2 && memcmp(data, "\x1f\x8b", 2) == 0) {
-        status = pbwio__gunzip(name, (const char *)data, size, &cloud->memory, build, &unpacked, error);
+        packed.at = (char *)(uintptr_t)data;
+        packed.count = size;
+        status = pbwio__gunzip(name, &packed, &cloud->memory, build, &unpacked, error);
         data = unpacked.at;
         size = unpacked.count;
     }
@@ -8061,7 +8063,7 @@ static pbwio_status pbwio__load(const char *path, pbw_memory *memory, const pbw_
     if (status == PBWIO_OK && data->count >= 2 && memcmp(data->at, "\x1f\x8b", 2) == 0) {
         pbwio__bytes packed = *data;
         memset(data, 0, sizeof *data);
-        status = pbwio__gunzip(path, packed.at, packed.count, memory, build, data, error);
+        status = pbwio__gunzip(path, &packed, memory, build, data, error);
         PBW_RELEASE(memory, packed);
     }
     if (status != PBWIO_OK) {
@@ -8659,6 +8661,7 @@ static void pbwio__writer_start(pbwio__writer *w, const pbwio__format_info *info
                                 size_t corners, const pbwio_output *output)
 {
     size_t i;
+    memset(w, 0, sizeof *w);
     w->mesh = mesh;
     w->output = output;
     w->separator = info->traits & PBWIO__COMMAS ? ',' : ' ';
@@ -8729,13 +8732,11 @@ static pbwio_status pbwio__write(const char *path, const pbw_mesh *mesh, int mod
     if (w == NULL) {
         return pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
     }
-    memset(w, 0, sizeof *w);
-    w->memory = memory;
     pbwio__writer_start(w, info, mesh, corners, &settings);
+    w->memory = memory;
     w->normals = normals;
     if (info->traits & PBWIO__BOUNDARY) {
-        w->boundary = pbwio__used_points(w, 1);
-        failed |= w->boundary == NULL;
+        failed = (w->boundary = pbwio__used_points(w, 1)) == NULL;
     }
     if (info->traits & PBWIO__SIMPLICES) {
         failed = !pbw_memory_fit(&w->memory, &w->number, &w->number_size,
