@@ -4417,16 +4417,15 @@ PBW__INLINE void pbw__corners_of(const pbw__kernel *kernel, pbw_index t, const d
     }
 }
 
-/* The exact verdict on any simplex, ghosts included.  A ghost with the point in its facet's plane is in conflict
-   exactly when the finite simplex behind the facet is. */
-static PBW__NOINLINE int pbw__in_conflict(pbw__kernel *kernel, pbw_index t, const double *p)
+/* Returns whether p is in conflict with any simplex, ghosts included, exactly.  A ghost with the point in its facet's
+   plane is in conflict exactly when the finite simplex behind the facet is. */
+static PBW__NOINLINE int pbw__simplex_conflict(const pbw__kernel *kernel, pbw_index t, const double *p)
 {
     const int dim = kernel->dim;
     const size_t last = 4 * (size_t)t + (size_t)dim;
     double copy[4][4];
     const double *x[4];
     int i;
-    kernel->statistics.exact_tests++;
     pbw__corners_of(kernel, t, x);
     if (kernel->corner[last] == PBW__GHOST) {
         const int side = pbw__side(dim, x, dim, p, kernel->grid);
@@ -4440,6 +4439,13 @@ static PBW__NOINLINE int pbw__in_conflict(pbw__kernel *kernel, pbw_index t, cons
         x[i] = copy[i];
     }
     return pbw__conflict(dim, x, p, kernel->grid);
+}
+
+/* pbw__simplex_conflict for a thread with a kernel of its own, where it counts. */
+PBW__INLINE int pbw__in_conflict(pbw__kernel *kernel, pbw_index t, const double *p)
+{
+    kernel->statistics.exact_tests++;
+    return pbw__simplex_conflict(kernel, t, p);
 }
 
 /* Ownership, defined in >>parallel.  They return whether this thread owns a zone or a vertex, may delete a simplex,
@@ -9913,10 +9919,8 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      pbw__same_place            live        order
      pbw__vertices              query live  order
      pbw__vertices_free         query live  order
-     pbw__corners_of            live        mesh
      PBW__DEFERRED              live        mesh
      pbw__facet_corners         live        mesh
-     PBW__FEW                   live        mesh
      PBW__GHOST                 live        mesh
      PBW__GROW                  live        mesh
      pbw__kernel                live        mesh
@@ -9925,6 +9929,7 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      pbw__link                  live        mesh
      PBW__NOBODY                live        mesh
      pbw__ownership             live        mesh
+     pbw__simplex_conflict      live        mesh
      PBW__SIMPLEX_LIMIT         live        mesh
      pbw__slots                 live        mesh
      pbw__store                 live        mesh
@@ -9935,6 +9940,7 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      pbw__store_free            live        slots
      pbw__store_reserve         live        slots
      pbw__take_slots            live        slots
+     pbw__exit                  live        walk
      pbw__point4                live        walk
      pbw__point4_of             live        walk
      pbw__rows4                 live        walk

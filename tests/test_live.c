@@ -863,8 +863,9 @@ static size_t depths_verdicts(pbw_live *live, double scale)
         for (k = 0; k <= dim && core->kernel.corner[4 * t] != PBW_NONE; k++) {
             const pbw__link across = core->kernel.link[4 * t + k];
             if (depth[4 * t + k] + depth[across] > 0) {
+                const double *far = pbw__core_record(core, core->kernel.corner[across]);
                 verdicts++;
-                wrong += (size_t)pbw__slot_conflict(core, t, pbw__core_record(core, core->kernel.corner[across]));
+                wrong += (size_t)pbw__simplex_conflict(&core->kernel, (pbw_index)t, far);
             }
         }
     }

@@ -693,7 +693,7 @@ static void test_wide_flips(void)
             const pbw_index far = core->kernel.corner[back];
             wrong += core->kernel.link[back] != i;
             wrong += far != PBW__GHOST && core->kernel.corner[4 * s + 2] != PBW__GHOST
-                  && pbw__slot_conflict(core, s, pbw__core_record(core, far));
+                  && pbw__simplex_conflict(&core->kernel, (pbw_index)s, pbw__core_record(core, far));
         }
     }
     CHECK_EQUAL(wrong, 0);

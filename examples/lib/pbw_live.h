@@ -249,8 +249,6 @@ typedef struct pbw__core {
     pbw__filling *filling;
     size_t rim_vertex_capacity, table_capacity, rim_capacity, filling_capacity;
     size_t rim_vertices, rims, fillings, effort, reinserted;
-    double rim_at[4][PBW__FEW];                      /* the records of rim_vertex, by columns; the ghost's is 0 */
-    int rim_fits;                                    /* rim_at is filled, so vectors can be used */
     pbw__ears ears;
     /* the journal */
     pbw__past *past;
@@ -607,33 +605,15 @@ static void pbw__journal_undo(pbw__core *core)
    >>apex         The vertex behind a facet of a hole.
    In: the vertices of a link, a facet of the hole (a rim).  Out: the one of them that makes, with the facet, the
    simplex behind it, or none: see >>removal.
-   Holds: every verdict is exact.  Vectors choose the vertex that the growing sphere meets first, in rounded numbers,
-   and then test whether another one may be in conflict with that simplex; if this is not certain, a tournament with
-   exact signs decides.
+   Holds: every verdict is exact.
 
    Errors: see >>predicates, which also decides what a bound leaves open.  A side, which is an orientation, and a
    conflict are compared as squares with the square of the bound; h, the largest height of the rows, is raised to
    1e-55.  The determinant of a conflict is that of >>cavity3 or >>cavity2 with the last corner as the origin: a
    product has 6 roundings for the lift, 4 for its minor, 3 for their product and sums, 2 for the coordinate that
    this multiplies, 3 for the last sums; in the plane 5 for the lift, 1 for the coordinate beside it, 2, 2 and 2.  An
-   infinite limit decides nothing.  The choice by a pencil needs no bound, as it is tested.
+   infinite limit decides nothing.
    ------------------------------------------------------------------------------------------------------ */
-/* Copies the records of the link vertices to columns, for vectors, if there are few. */
-static void pbw__rim_columns(pbw__core *core)
-{
-    const size_t width = (size_t)core->kernel.dim + 1;
-    size_t i, k;
-#ifdef PBW__SIMD
-    core->rim_fits = core->rim_vertices <= PBW__FEW && pbw__simd_works();
-#endif
-    for (i = 0; i < PBW__FEW && core->rim_fits && i < (core->rim_vertices + 3) / 4 * 4; i++) {
-        const double *x = pbw__core_record(core, i < core->rim_vertices ? core->rim_vertex[i] : PBW__GHOST);
-        for (k = 0; k < width; k++) {
-            core->rim_at[k][i] = i > 0 && i < core->rim_vertices ? x[k] : 0.0;
-        }
-    }
-}
-
 /* A finite simplex with its last corner as the origin: its orientation, and the plane through its lifted corners,
    lift * orientation = normal . x.  Points with lifts below it are in conflict. */
 typedef struct pbw__plane { double origin[4], normal[3], orientation, height; } pbw__plane;
@@ -784,163 +764,6 @@ PBW__INLINE pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *rim,
         }
     }
     return apex;
-}
-
-#ifdef PBW__SIMD
-/* Four link vertices: their rows; the set of those certainly on the open side of a rim. */
-typedef struct pbw__candidates4 { pbw__d4 x, y, z, lift, height; unsigned open; int certain; } pbw__candidates4;
-
-/* A rim with its last vertex as the origin: the normal to its open side; its height; `centre`, twice the centre of
-   its smallest circumsphere, which is in its plane (with weights, of the sphere orthogonal to its vertices).  Of the
-   spheres through its vertices, the one through e has its centre further along the normal the larger
-   (lift - centre . e) / (normal . e) is. */
-typedef struct pbw__pencil { double origin[4], normal[3], centre[3], height; } pbw__pencil;
-
-PBW__INLINE void pbw__pencil_of(const double *a, const double *b, int dim, pbw__pencil *pencil)
-{
-    double *normal = pencil->normal, square, nb[3], an[3];
-    int k;
-    pbw__facet_normal(a, b, dim, normal);
-    square = pbw__row_dot(normal, normal, dim);
-    if (dim == 2) {
-        pencil->centre[0] = a[0] * (a[2] / square);
-        pencil->centre[1] = a[1] * (a[2] / square);
-        pencil->centre[2] = 0.0;
-        return;
-    }
-    pbw__cross_row(normal, b, nb);
-    pbw__cross_row(a, normal, an);
-    square = 1.0 / square;
-    for (k = 0; k < 3; k++) {
-        pencil->centre[k] = (a[3] * nb[k] + b[3] * an[k]) * square;
-    }
-}
-
-/* Sets the rows of four link vertices, from the i-th on.  Returns how far along the pencil each is; infinity on the
-   closed side and in `skip`.  c->certain: the sides of all others are certain. */
-PBW__SIMD_INLINE pbw__d4 pbw__candidates4_of(const pbw__core *core, size_t i, const pbw__pencil *pencil,
-                                             unsigned skip, pbw__candidates4 *c, int dim)
-{
-    const double *origin = pencil->origin;
-    const pbw__d4 weight = pbw__load4d(core->rim_at[dim] + i) - pbw__splat(origin[dim]);
-    pbw__d4 side, limit, certain, open, h, far;
-    c->x = pbw__load4d(core->rim_at[0] + i) - pbw__splat(origin[0]);
-    c->y = pbw__load4d(core->rim_at[1] + i) - pbw__splat(origin[1]);
-    c->z = pbw__splat(0.0);
-    c->height = pbw__fma(c->y, c->y, c->x * c->x);
-    side = pbw__fma(c->y, pbw__splat(pencil->normal[1]), c->x * pbw__splat(pencil->normal[0]));
-    far = pbw__fma(c->y, pbw__splat(pencil->centre[1]), c->x * pbw__splat(pencil->centre[0]));
-    if (dim == 3) {
-        c->z = pbw__load4d(core->rim_at[2] + i) - pbw__splat(origin[2]);
-        c->height = pbw__fma(c->z, c->z, c->height);
-        side = pbw__fma(c->z, pbw__splat(pencil->normal[2]), side);
-        far = pbw__fma(c->z, pbw__splat(pencil->centre[2]), far);
-    }
-    c->lift = c->height - weight;
-    c->height = c->height + pbw__abs4(weight);
-    h = pbw__max4(c->height, pbw__splat(pencil->height));
-    limit = dim == 2 ? h * h * pbw__splat(PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR)
-                     : h * h * h * pbw__splat(PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR);
-    certain = pbw__greater(side * side, limit);
-    open = pbw__and4(certain, pbw__greater(side, pbw__splat(0.0)));
-    c->open = pbw__signs(open) & ~skip;
-    far = pbw__blend(pbw__splat(HUGE_VAL), (c->lift - far) / side, open);
-    c->certain = (pbw__signs(certain) | skip) == 15;
-    return pbw__blend(far, pbw__splat(HUGE_VAL), pbw__lanes_mask(skip));
-}
-
-/* Returns whether one of these on the open side, not in `skip`, may be in conflict with the simplex of the plane. */
-PBW__SIMD_INLINE int pbw__candidates4_conflict(const pbw__candidates4 *c, const pbw__plane *plane, unsigned skip,
-                                               int dim)
-{
-    const pbw__d4 h = pbw__max4(c->height, pbw__splat(plane->height));
-    pbw__d4 det = pbw__fma(c->y, pbw__splat(plane->normal[1]), c->x * pbw__splat(plane->normal[0])), limit, sure;
-    if (dim == 3) {
-        det = pbw__fma(c->z, pbw__splat(plane->normal[2]), det);
-    }
-    det = pbw__fnma(c->lift, pbw__splat(plane->orientation), det);
-    limit = h * h * (h * h);
-    limit = dim == 2 ? limit * pbw__splat(PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR)
-                     : limit * h * pbw__splat(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR);
-    sure = pbw__and4(pbw__greater(det * det, limit), pbw__greater(pbw__splat(0.0), det));
-    return (c->open & ~skip & ~pbw__signs(sure)) != 0;
-}
-
-/* pbw__rim_apex by vectors: returns the first vertex that the sphere meets as it grows into the open side, if no
-   other one is certainly in conflict with the simplex; PBW_NONE if that is not certain. */
-PBW__SIMD_INLINE pbw_index pbw__rim_apex4(const pbw__core *core, const pbw_index *rim, int dim)
-{
-    const size_t count = core->rim_vertices, last = rim[dim - 1];
-    uint64_t skip = (uint64_t)1 << rim[0] | (uint64_t)1 << rim[1] | (uint64_t)1 << last | 1;
-    pbw__candidates4 candidate[PBW__FEW / 4];
-    pbw__d4 least = pbw__splat(HUGE_VAL), number = pbw__splat(0.0);
-    double row[3][4], far[4], place[4];
-    pbw__pencil pencil;
-    pbw__plane plane;
-    size_t i;
-    unsigned apex = 0, open = 0;
-    int k;
-    skip |= count < 64 ? ~(uint64_t)0 << count : 0;
-    for (k = 0; k <= dim; k++) {
-        plane.origin[k] = pencil.origin[k] = core->rim_at[k][last];
-    }
-    pencil.height = 1e-55;
-    for (k = 1; k < dim; k++) {
-        const double *x = pbw__core_record(core, core->rim_vertex[rim[k - 1]]);
-        pencil.height = pbw__max(pencil.height, pbw__plane_row(&plane, x, dim, row[k]));
-    }
-    pbw__pencil_of(row[1], row[2], dim, &pencil);
-    for (i = 0; i < count; i += 4) {
-        const pbw__d4 distance = pbw__candidates4_of(core, i, &pencil, (unsigned)(skip >> i) & 15, candidate + i / 4,
-                                                     dim);
-        pbw__d4 nearer;
-        if (!candidate[i / 4].certain) {
-            return PBW_NONE;
-        }
-        open |= candidate[i / 4].open;
-        nearer = pbw__greater(least, distance);
-        least = pbw__blend(least, distance, nearer);
-        number = pbw__blend(number, pbw__splat((double)i), nearer);
-    }
-    if (open == 0) {
-        return 0;
-    }
-    memcpy(far, &least, sizeof(far));
-    memcpy(place, &number, sizeof(place));
-    apex = far[1] < far[0];
-    open = 2 + (unsigned)(far[3] < far[2]);
-    apex = far[open] < far[apex] ? open : apex;
-    if (!(far[apex] < HUGE_VAL)) {
-        return PBW_NONE;
-    }
-    apex += (unsigned)place[apex];
-    plane.height = pbw__max(pencil.height, pbw__plane_row(&plane, pbw__core_record(core, core->rim_vertex[apex]), dim,
-                                                          row[0]));
-    pbw__plane_set(&plane, row[0], row[1], row[2], pencil.normal, dim);
-    for (i = 0; i < count; i += 4) {
-        if (pbw__candidates4_conflict(candidate + i / 4, &plane, (unsigned)((uint64_t)1 << apex >> i) & 15, dim)) {
-            return PBW_NONE;
-        }
-    }
-    return apex;
-}
-
-PBW__SIMD static PBW__NOINLINE pbw_index pbw__rim_apex_simd(const pbw__core *core, const pbw_index *rim)
-{
-    return core->kernel.dim == 3 ? pbw__rim_apex4(core, rim, 3) : pbw__rim_apex4(core, rim, 2);
-}
-#endif
-
-/* Returns the apex behind a rim; 0, the ghost's place, if there is none. */
-static pbw_index pbw__rim_behind(const pbw__core *core, const pbw_index *rim)
-{
-#ifdef PBW__SIMD
-    const pbw_index apex = core->rim_fits ? pbw__rim_apex_simd(core, rim) : PBW_NONE;
-    if (apex != PBW_NONE) {
-        return apex;
-    }
-#endif
-    return core->kernel.dim == 3 ? pbw__rim_apex(core, rim, 3) : pbw__rim_apex(core, rim, 2);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1440,7 +1263,6 @@ static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
         rim->across = kernel->link[4 * t + at];
         rim->made = rim->closed = 0;
     }
-    pbw__rim_columns(core);
     return PBW_OK;
 }
 
@@ -1529,7 +1351,7 @@ static pbw_status pbw__wrap(pbw__core *core)
         }
         v = core->rim[i].v;
         core->effort += core->rim_vertices;
-        apex = pbw__rim_behind(core, v);
+        apex = PBW__BY_DIM(core->kernel.dim, pbw__rim_apex, core, v);
         f = core->fillings++;
         filling = core->filling + f;
         if (apex != 0) {
@@ -1658,17 +1480,14 @@ static pbw_status pbw__find_witness(pbw__core *core, pbw_index *start, pbw_index
     pbw__kernel *kernel = &core->kernel;
     const int dim = kernel->dim;
     const double *p = pbw__core_record(core, vertex);
-    const double *x[4];
     pbw_index t = pbw__walk_start(kernel, *start, dim);
-    int k = 0;
-    while (k <= dim && kernel->corner[4 * (size_t)t + (size_t)dim] != PBW__GHOST) {
+    unsigned k = 0;
+    while (k <= (unsigned)dim && kernel->corner[4 * (size_t)t + (size_t)dim] != PBW__GHOST) {
         if (!pbw__hold_corners(kernel, t)) {
             return PBW__DEFERRED;
         }
-        pbw__corners_of(kernel, t, x);
-        for (k = 0; k <= dim && pbw__side(dim, x, k, p, &core->grid) >= 0; k++) {
-        }
-        t = k <= dim ? (pbw_index)(kernel->link[4 * (size_t)t + (size_t)k] >> 2) : t;
+        k = pbw__exit(kernel, t, p, 0);
+        t = k <= (unsigned)dim ? (pbw_index)(kernel->link[4 * (size_t)t + k] >> 2) : t;
     }
     *start = t;
     return PBW_OK;
@@ -2037,24 +1856,6 @@ typedef struct pbw__verifying {
     double scale;                                    /* of the depths */
 } pbw__verifying;
 
-/* Returns whether the simplex in slot t, finite or a ghost, is in conflict with p: see pbw__in_conflict. */
-static int pbw__slot_conflict(const pbw__core *core, size_t t, const double *p)
-{
-    const pbw__kernel *kernel = &core->kernel;
-    const int dim = kernel->dim;
-    const size_t last = 4 * t + (size_t)dim;
-    const double *x[4];
-    pbw__corners_of(kernel, (pbw_index)t, x);
-    if (kernel->corner[last] == PBW__GHOST) {
-        const int side = pbw__side(dim, x, dim, p, &core->grid);
-        if (side != 0) {
-            return side > 0;
-        }
-        pbw__corners_of(kernel, (pbw_index)(kernel->link[last] >> 2), x);
-    }
-    return pbw__conflict(dim, x, p, &core->grid);
-}
-
 /* Returns the orientation of a simplex with corner i (dim+1: none) replaced by p, which need not be on the grid. */
 static int pbw__slot_side(const pbw__core *core, size_t t, int i, const double *p)
 {
@@ -2095,7 +1896,8 @@ PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int all, 
             continue;
         }
         row[4] = ghost ? 0.0 : pbw__plane_row(&plane, e, dim, row);
-        if (ghost ? pbw__slot_conflict(core, t, e) : pbw__plane_conflict(core, &plane, v, far, row, dim)) {
+        if (ghost ? pbw__simplex_conflict(&core->kernel, (pbw_index)t, e)
+                  : pbw__plane_conflict(core, &plane, v, far, row, dim)) {
             faults |= 1u << k;
         }
     }
@@ -2563,7 +2365,8 @@ static pbw_status pbw__flip_all(pbw__core *core, size_t count, size_t most)
         const int ghost = kernel->corner[4 * t + 2] == PBW__GHOST;
         const pbw_index far = kernel->corner[kernel->link[facet]];
         unsigned k = (unsigned)(facet & 3);
-        if (far == PBW__GHOST || (ghost && k == 2) || !pbw__slot_conflict(core, t, pbw__core_record(core, far))) {
+        if (far == PBW__GHOST || (ghost && k == 2)
+            || !pbw__simplex_conflict(kernel, (pbw_index)t, pbw__core_record(core, far))) {
             continue;
         }
         status = ++flips > most ? PBW__ANEW : pbw__flip(core, t, k);
