@@ -7797,8 +7797,8 @@ PBWIODEF void pbwio_renamed(pbwio_format format, int corners, const pbw_mesh *me
 /* Endings of files that are no tables and are not read, whatever they look like. */
 static const char pbwio__refused_endings[] = "3dm 3ds 3mf amf bdf blend brep cas cdb cgns dae dgn dwg dxf e57 exo "
     "fbx fem foam glb gltf gml gpkg gpx h5 hdf5 html ifc iges igs jpg kml kmz las laz med meshb mphtxt nas nastran "
-    "nc ods pcd pdf png pvtu rar sat shp shx skp sldprt step stp svg tif tiff ugrid unv usd usda usdc usdz vdb vti vtm "
-    "vtp vtr vts wkb wkt wrl x3d x_b x_t xdmf xls xlsx xmf xml zip";
+    "nc ods pcd pdf png pvtu rar sat shp shx skp sldprt step stp svg tif tiff ugrid unv usd usda usdc usdz vdb vti "
+    "vtm vtp vtr vts wkb wkt wrl x3d x_b x_t xdmf xls xlsx xmf xml zip";
 
 /* Refuses a file, and says which are read. */
 static pbwio_status pbwio__refuse(pbwio_error *error, const char *name, const char *what)
