@@ -9923,6 +9923,7 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      pbw__facet_corners         live        mesh
      PBW__GHOST                 live        mesh
      PBW__GROW                  live        mesh
+     pbw__grow                  live        mesh
      pbw__kernel                live        mesh
      pbw__kernel_attach         live        mesh
      pbw__kernel_free           live        mesh
