@@ -82,7 +82,7 @@ def run(name, local, wanted):
             continue
         held = depth if known else held
         for part in split(piece):
-            part = re.sub(r'^\s*(?:const |double |int |pbw__\w+ )*\*?', '', part)
+            part = re.sub(r'^\s*(?:const |double |int |pbw\w+ )*\*?', '', part)
             target = re.match(r'return|[\w.\[\]]+(?= *[-+*]?= )', part)
             if target and target.group() in wanted:
                 missing.discard(target.group())
@@ -502,7 +502,7 @@ def queries():
     """In any rounding mode, with and without flush-to-zero: pbw_locate_one leaves the caller's as it is."""
     Value.bits = 52
     for dim in (2, 3):
-        name = 'pbw__sides%d' % dim
+        name = 'pbwq__sides%d' % dim
         axes = 'xyz'[:dim]
         for i in range(dim + 1):
             names = ['m' + c for c in axes] + ['s01', 's02', 's03', 's12', 's13', 's23'] * (dim == 3)
@@ -511,25 +511,25 @@ def queries():
             prove('%s side %d' % (name, i), local['side'][i], bound, literal(name, r'low > ([-\d.e]+)') ** dim)
     squared = run('pbw__squared', dict(p=[Number(1)] * 3, q=[Number(1)] * 3, dim=3), ['x', 'y', 'z', 'return'])[0]
     squared.P = Fraction(1, 2)                           # so is that of the weight
-    reach, mesh = Rows(), Rows()
+    candidate, mesh = Rows(), Rows()
     mesh.weights = Every(Value(0, Fraction(1, 2)))
-    q = run('pbw__query_at', dict(fits=0, q=Every(None)), ['q[3]'])[1]['q']
-    local = dict(squared=squared, q=q, reach=reach, mesh=mesh, vertex=0)
-    run('pbw__reach_of', local, ['reach.squared', 'reach.slack'])
-    prove('pbw__reach_of', reach.squared, reach.slack)
-    name = 'pbw__reach_order'
-    local = run(name, dict(a=reach, b=reach), ['gap', 'slack'])[1]
+    q = run('pbwq__query_at', dict(fits=0, q=Every(None)), ['q[3]'])[1]['q']
+    local = dict(squared=squared, q=q, candidate=candidate, mesh=mesh, vertex=0)
+    run('pbwq__candidate_of', local, ['candidate.squared', 'candidate.slack'])
+    prove('pbwq__candidate_of', candidate.squared, candidate.slack)
+    name = 'pbwq__compare'
+    local = run(name, dict(a=candidate, b=candidate), ['gap', 'slack'])[1]
     prove(name, local['gap'], local['slack'])
-    name = 'pbw__reach_within'
-    local = run(name, dict(a=reach, radius=Value(0, 1)), ['squared', 'gap', 'slack'])[1]
+    name = 'pbwq__is_within'
+    local = run(name, dict(a=candidate, radius=Value(0, 1)), ['squared', 'gap', 'slack'])[1]
     prove(name, local['gap'], local['slack'])
     # Beyond the limit d is at least t a.slack, t = 3 less the roundings of the product and of the sum: in units of a.slack
     # an eighth, as the sum is at most (1 + 2^-48) a.squared.  The slack of both is (2 a.slack + q[3] d) (1 + 8u).
-    factor = literal('pbw__reach_limit', r'([\d.]+) \* a.slack')
+    factor = literal('pbwq__square_limit', r'([\d.]+) \* a.slack')
     error = Fraction(constant('PBW__REACH_ERROR')) / 2 ** 52
     for tenth in '', ', a tenth of the bound':
         t = factor / (10 if tenth else 1) * (1 - Fraction(1, 2 ** 52)) - Fraction(1 + Fraction(1, 2 ** 40)) / 8
-        judge('pbw__reach_limit', gappa('{ t in [%s, 1b2000] -> t * (1 - %s) - 2 * (1 + 16b-53) >= 0 }'
+        judge('pbwq__square_limit', gappa('{ t in [%s, 1b2000] -> t * (1 - %s) - 2 * (1 + 16b-53) >= 0 }'
                                         % (g(rounded(t, math.floor)), g(up(error * 2)))), tenth)
     Value.bits = 53
 
@@ -544,21 +544,21 @@ def centres():
     """In pairs, from sites relative to a query.  The bound is stated at the head of >>centres."""
     bits = int(re.search(r'error of the determinant and of each numerator of a centre is at\s+most 2\^-(\d+) times',
                          HEADER).group(1))
-    ENV['pbw__number'] = lambda head: Pair(0, 0)
-    define('pbw__add', 'pbw__sub', 'pbw__mul', 'pbw__vector_dot', 'pbw__vector_area')
+    ENV['pbwq__number'] = lambda head: Pair(0, 0)
+    define('pbwq__add', 'pbwq__sub', 'pbwq__mul', 'pbwq__vector_dot', 'pbwq__vector_area')
     for name in 'sub', 'add', 'times', 'cross':
-        ENV['pbw__vector_' + name] = lambda fine, a, b, name=name: vector_by('pbw__vector_' + name, a, b)
+        ENV['pbwq__vector_' + name] = lambda fine, a, b, name=name: vector_by('pbwq__vector_' + name, a, b)
     for dim in (2, 3):
         site, row, lift = Rows(), Every(None), Every(None)
         site.at, site.weight = Rows(), Pair(0, 0)
         site.at.x = site.at.y = Pair(U * (1 + U), 0)
         site.at.z = site.at.x if dim == 3 else Pair(0, 0, 0)
-        run('pbw__cavity_centre', dict(fine=1, site=site, base=site, k=0, row=row, lift=lift),
+        run('pbwq__cavity_centre', dict(fine=1, site=site, base=site, k=0, row=row, lift=lift),
             ['weight', 'row[k]', 'lift[k]'])
         names = ['det'] + (['yz', 'sum'] if dim == 3 else ['sum.x', 'sum.y'])
-        local = run('pbw__centre_of', dict(fine=1, dim=dim, row=row, lift=lift, sum=Rows()), names)[1]
+        local = run('pbwq__centre_of', dict(fine=1, dim=dim, row=row, lift=lift, sum=Rows()), names)[1]
         for name, det in ('det', local['det']), ('sum', local['sum'].x):
-            prove('pbw__centre_of %d %s' % (dim, name), det.head, Value(0, det.P / 2 ** bits))
+            prove('pbwq__centre_of %d %s' % (dim, name), det.head, Value(0, det.P / 2 ** bits))
 
 
 def apexes():

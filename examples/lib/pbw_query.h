@@ -40,7 +40,7 @@
      >>query        which simplex contains a point
      >>batch        many queries: sorting, blocks, location, lists
      >>finder       where walks of single queries start: nested grids
-     >>reach        distances from a query, in exact order
+     >>distance     distances from a query, in exact order
      >>nearest      stars, nearest vertices, vertices in a ball
      >>boxes        many nearest vertices, by a tree of boxes
      >>centres      vectors, pairs, centres of simplices
@@ -162,10 +162,6 @@ PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, si
 #pragma warning(push)
 #pragma warning(disable : 4244 4996)
 #endif
-#ifdef _WIN32
-#pragma push_macro("far")
-#undef far
-#endif
 /* ------------------------------------------------------------------------------------------------------
    >>query        Which simplex contains a point.
    In: a finished mesh with neighbors, a finite point.  Out: the lowest simplex that contains it, or a hull facet that
@@ -177,14 +173,14 @@ PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, si
    triangulation are acyclic (Edelsbrunner 1990, "An acyclicity theorem for cell complexes in d dimensions").  It ends
    outside, or in a simplex that contains the query; signs that are 0 say which others do, and the lowest index wins.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__INSIDE 4u                               /* no corner to leave a simplex by */
-#define PBW__ASTRAY 5u                               /* a walk came back, or to a flat simplex: points have moved */
+#define PBWQ__INSIDE 4u                               /* no corner to leave a simplex by */
+#define PBWQ__MOVED 5u                               /* a walk came back, or to a flat simplex: points have moved */
 
 /* Finds, by exact signs, a facet that has p strictly on its outer side, and returns the corner opposite to it.
-   Returns PBW__INSIDE if there is none; *on is then the set of corners with p on the opposite facet.  All of them:
-   the simplex is flat, PBW__ASTRAY. */
-static PBW__NOINLINE unsigned pbw__side_exact(const pbw_mesh *mesh, const pbw_index *v, const double *p,
-                                              const pbw__grid *grid, unsigned *on)
+   Returns PBWQ__INSIDE if there is none; *on is then the set of corners with p on the opposite facet.  All of them:
+   the simplex is flat, PBWQ__MOVED. */
+static PBW__NOINLINE unsigned pbwq__side_exact(const pbw_mesh *mesh, const pbw_index *v, const double *p,
+                                               const pbw__grid *grid, unsigned *on)
 {
     const size_t dim = (size_t)mesh->dim;
     const double *x[4];
@@ -200,13 +196,13 @@ static PBW__NOINLINE unsigned pbw__side_exact(const pbw_mesh *mesh, const pbw_in
         }
         *on |= (unsigned)(sign == 0) << i;
     }
-    return *on == (2u << dim) - 1 ? PBW__ASTRAY : PBW__INSIDE;
+    return *on == (2u << dim) - 1 ? PBWQ__MOVED : PBWQ__INSIDE;
 }
 
 /* Computes side[i], the orientation of the simplex with corner i replaced by p.  Returns a bound for the error of
    each: that of orient3 in >>predicates, as the determinants and roundings are the same.  It is infinite outside of
    the range of pbw__certain, as after an overflow. */
-PBW__INLINE double pbw__sides3(const double *points, const pbw_index *v, const double *p, double *side)
+PBW__INLINE double pbwq__sides3(const double *points, const pbw_index *v, const double *p, double *side)
 {
     double x[4], y[4], z[4], mx, my, mz, low, high, s01, s02, s03, s12, s13, s23;
     int i;
@@ -235,8 +231,8 @@ PBW__INLINE double pbw__sides3(const double *points, const pbw_index *v, const d
     return low > 1e-50 && high < 1e100 ? PBW__FILTER_ORIENT3_ERROR * DBL_EPSILON * mx * my * mz : HUGE_VAL;
 }
 
-/* pbw__sides3 in the plane, with the bound of orient2. */
-PBW__INLINE double pbw__sides2(const double *points, const pbw_index *v, const double *p, double *side)
+/* pbwq__sides3 in the plane, with the bound of orient2. */
+PBW__INLINE double pbwq__sides2(const double *points, const pbw_index *v, const double *p, double *side)
 {
     double x[3], y[3], mx, my, low, high;
     int i;
@@ -256,53 +252,54 @@ PBW__INLINE double pbw__sides2(const double *points, const pbw_index *v, const d
 }
 
 /* Where a walk ends. */
-typedef struct pbw__spot {
+typedef struct pbwq__location {
     size_t simplex;
-    unsigned leave;                                  /* PBW__INSIDE, PBW__ASTRAY, or the corner opposite to a hull
+    unsigned leave;                                  /* PBWQ__INSIDE, PBWQ__MOVED, or the corner opposite to a hull
                                                         facet that has the query on the outer side */
     unsigned on;                                     /* if inside: the corners with the query on the opposite facet */
-} pbw__spot;
+} pbwq__location;
 
-/* Walks to p from spot->simplex, always through the facet with the least orientation.  If that is certainly negative
-   the walk goes on; if it is certainly positive p is inside; otherwise exact signs decide.  A triangulation has no
-   walk of more steps than simplices; where borrowed points have moved, there may be one without end. */
-PBW__INLINE void pbw__walk_of(const pbw_mesh *mesh, pbw__spot *spot, const double *p, const pbw__grid *grid, int dim)
+/* Walks to p from location->simplex, always through the facet with the least orientation.  If that is certainly
+   negative the walk goes on; if it is certainly positive p is inside; otherwise exact signs decide.  A triangulation
+   has no walk of more steps than simplices; where borrowed points have moved, there may be one without end. */
+PBW__INLINE void pbwq__walk_of(const pbw_mesh *mesh, pbwq__location *location, const double *p,
+                               const pbw__grid *grid, int dim)
 {
-    size_t t = spot->simplex, steps = mesh->simplex_count;
+    size_t t = location->simplex, steps = mesh->simplex_count;
     for (;;) {
         const pbw_index *v = mesh->simplices + t * (size_t)(dim + 1);
         const pbw_index *next = mesh->neighbors + t * (size_t)(dim + 1);
         double side[4], least, bound;
-        unsigned k, far;
+        unsigned k, leave;
         PBW__PREFETCH(next);                         /* so that it comes with the corners */
-        bound = dim == 3 ? pbw__sides3(mesh->points, v, p, side) : pbw__sides2(mesh->points, v, p, side);
+        bound = dim == 3 ? pbwq__sides3(mesh->points, v, p, side) : pbwq__sides2(mesh->points, v, p, side);
         k = side[1] < side[0];
-        far = side[2] < side[k] ? 2 : k;
-        far = dim == 3 && side[3] < side[far] ? 3 : far;
-        least = side[far];
-        spot->on = 0;
+        leave = side[2] < side[k] ? 2 : k;
+        leave = dim == 3 && side[3] < side[leave] ? 3 : leave;
+        least = side[leave];
+        location->on = 0;
         if (PBW__UNLIKELY(!(least < -bound))) {
-            far = least > bound ? PBW__INSIDE : pbw__side_exact(mesh, v, p, grid, &spot->on);
+            leave = least > bound ? PBWQ__INSIDE : pbwq__side_exact(mesh, v, p, grid, &location->on);
         }
-        if (far >= PBW__INSIDE || next[far] == PBW_NONE || steps-- == 0) {
-            spot->simplex = t;
-            spot->leave = far >= PBW__INSIDE || next[far] == PBW_NONE ? far : PBW__ASTRAY;
+        if (leave >= PBWQ__INSIDE || next[leave] == PBW_NONE || steps-- == 0) {
+            location->simplex = t;
+            location->leave = leave >= PBWQ__INSIDE || next[leave] == PBW_NONE ? leave : PBWQ__MOVED;
             return;
         }
-        t = next[far];
+        t = next[leave];
     }
 }
 
-static void pbw__walk_to(const pbw_mesh *mesh, pbw__spot *spot, const double *p, const pbw__grid *grid)
+static void pbwq__walk_to(const pbw_mesh *mesh, pbwq__location *location, const double *p, const pbw__grid *grid)
 {
-    PBW__BY_DIM(mesh->dim, pbw__walk_of, mesh, spot, p, grid);
+    PBW__BY_DIM(mesh->dim, pbwq__walk_of, mesh, location, p, grid);
 }
 
 /* Returns the lowest of the tetrahedra round the edge of t that lies in the facets opposite to corners i and j.  Sets
    *hull if the edge lies on the hull; the turn one way then ends there, so we turn the other way too.  Each step
    crosses the facet of the edge and the vertex `stays`; the next one crosses that of the edge and the corner behind.
    */
-static pbw_index pbw__lowest_round_edge(const pbw_mesh *mesh, size_t t, unsigned i, unsigned j, int *hull)
+static pbw_index pbwq__lowest_round_edge(const pbw_mesh *mesh, size_t t, unsigned i, unsigned j, int *hull)
 {
     const pbw_index *v = mesh->simplices + t * 4;
     const pbw_index edge = v[0] ^ v[1] ^ v[2] ^ v[3] ^ v[i] ^ v[j];      /* both ends, by exclusive or */
@@ -325,7 +322,7 @@ static pbw_index pbw__lowest_round_edge(const pbw_mesh *mesh, size_t t, unsigned
 
 /* Given a point of simplex t in the facets opposite to the corners in the set `on`, returns the lowest simplex that
    contains it; *hull tells whether the point is known to lie on the hull. */
-static pbw_index pbw__lowest_with(const pbw_mesh *mesh, size_t t, unsigned on, int *hull)
+static pbw_index pbwq__lowest_with(const pbw_mesh *mesh, size_t t, unsigned on, int *hull)
 {
     const size_t corners = (size_t)mesh->dim + 1;
     const unsigned off = ~on & ((1u << corners) - 1);
@@ -344,22 +341,22 @@ static pbw_index pbw__lowest_with(const pbw_mesh *mesh, size_t t, unsigned on, i
     if ((on & (on - 1)) != 0) {                      /* on an edge of a tetrahedron */
         for (j = i + 1; (on >> j & 1) == 0; j++) {
         }
-        return pbw__lowest_round_edge(mesh, t, i, j, hull);
+        return pbwq__lowest_round_edge(mesh, t, i, j, hull);
     }
     *hull = mesh->neighbors[t * corners + i] == PBW_NONE;
     return mesh->neighbors[t * corners + i] < t ? mesh->neighbors[t * corners + i] : (pbw_index)t;
 }
 
 /* Returns the number of the hull facet where a walk left the mesh; PBW_NONE if there is none or it does not fit. */
-PBW__INLINE pbw_index pbw__facet_left(const pbw_mesh *mesh, const pbw__spot *spot)
+PBW__INLINE pbw_index pbwq__facet_left(const pbw_mesh *mesh, const pbwq__location *location)
 {
-    const uint64_t number = (uint64_t)spot->simplex * ((uint64_t)mesh->dim + 1) + spot->leave;
-    return number < PBW_NONE && spot->leave < PBW__INSIDE ? (pbw_index)number : PBW_NONE;
+    const uint64_t number = (uint64_t)location->simplex * ((uint64_t)mesh->dim + 1) + location->leave;
+    return number < PBW_NONE && location->leave < PBWQ__INSIDE ? (pbw_index)number : PBW_NONE;
 }
 
 PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_index hint, pbw_index *hull_facet)
 {
-    pbw__spot spot;
+    pbwq__location location;
     int k, hull;
     if (hull_facet != NULL) {
         *hull_facet = PBW_NONE;
@@ -372,13 +369,13 @@ PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_i
             return PBW_NONE;
         }
     }
-    spot.simplex = hint < mesh->simplex_count ? hint : 0;
-    pbw__walk_to(mesh, &spot, point, NULL);
-    if (spot.leave == PBW__INSIDE) {
-        return pbw__lowest_with(mesh, spot.simplex, spot.on, &hull);
+    location.simplex = hint < mesh->simplex_count ? hint : 0;
+    pbwq__walk_to(mesh, &location, point, NULL);
+    if (location.leave == PBWQ__INSIDE) {
+        return pbwq__lowest_with(mesh, location.simplex, location.on, &hull);
     }
     if (hull_facet != NULL) {
-        *hull_facet = pbw__facet_left(mesh, &spot);
+        *hull_facet = pbwq__facet_left(mesh, &location);
     }
     return PBW_NONE;
 }
@@ -391,78 +388,78 @@ PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_i
    ended; the first walk of a block starts from the nearest of a few vertices.  Lists take two passes: each block
    writes its lists into a chunk; once all lengths are known, the chunks are copied to their places.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__BLOCK_QUERIES 512
+#define PBWQ__BLOCK_QUERIES 512
 
-/* A vertex and its computed distance, see >>reach; done: pbw__near_few has looked at its neighbours. */
-typedef struct pbw__reach { double squared, slack; pbw_index vertex, done; } pbw__reach;
-typedef struct pbw__entry { uint64_t key; uint32_t value, stamp; } pbw__entry;
+/* A vertex and its computed distance, see >>distance; done: pbwq__near_few has looked at its neighbours. */
+typedef struct pbwq__candidate { double squared, slack; pbw_index vertex, done; } pbwq__candidate;
+typedef struct pbwq__entry { uint64_t key; uint32_t value, stamp; } pbwq__entry;
 
 /* A hash table from keys to numbers.  Entries with another stamp are empty. */
-typedef struct pbw__set {
-    pbw__entry *entry;
+typedef struct pbwq__set {
+    pbwq__entry *entry;
     size_t room, count;                              /* room: a power of two */
     uint32_t stamp;
-} pbw__set;
+} pbwq__set;
 
-typedef struct pbw__cavity pbw__cavity;                  /* see >>interpolate */
-typedef struct pbw__tree pbw__tree;                      /* see >>boxes */
+typedef struct pbwq__cavity pbwq__cavity;                  /* see >>interpolate */
+typedef struct pbwq__tree pbwq__tree;                      /* see >>boxes */
 
 /* The scratch memory of one task; its arrays grow. */
-typedef struct pbw__desk {
+typedef struct pbwq__scratch {
     pbw_memory *memory;
     int failed;                                      /* out of memory */
-    int astray;                                      /* points of the mesh have moved */
-    pbw__set seen, other;
+    int moved;                                      /* points of the mesh have moved */
+    pbwq__set seen, other;
     pbw_index *list;
     size_t list_room;
-    pbw__reach *reach;
-    size_t reach_room, reach_count;
-    pbw__cavity *cavity;
-} pbw__desk;
+    pbwq__candidate *found;
+    size_t found_room, found_count;
+    pbwq__cavity *cavity;
+} pbwq__scratch;
 
 /* The lists of a block, each as its number, its length and its items; value[i] belongs to the item in word[i]. */
-typedef struct pbw__chunk {
+typedef struct pbwq__chunk {
     pbw_index *word;
     double *value;
     size_t words, word_room, value_room;
-} pbw__chunk;
+} pbwq__chunk;
 
-typedef struct pbw__queries pbw__queries;
-typedef void pbw__answer(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to);
+typedef struct pbwq__queries pbwq__queries;
+typedef void pbwq__answer(pbwq__queries *queries, pbwq__scratch *scratch, size_t block, size_t from, size_t to);
 
-struct pbw__queries {
+struct pbwq__queries {
     pbw__context context;
     pbw__grid grid;                                  /* none, but it says that rounding is to nearest */
     const pbw_mesh *mesh;
     const pbw_lists *stars;                          /* the caller's, or own_stars */
     pbw_lists own_stars;
-    const pbw__tree *tree;
+    const pbwq__tree *tree;
     pbw__input input;                                /* the query points */
     pbw__vertices sorted;                            /* their order along the curve */
-    pbw__answer *answer;
+    pbwq__answer *answer;
     size_t grain;                                    /* items in a block */
-    pbw__chunk *chunk;                               /* per block, if the answers are lists */
+    pbwq__chunk *chunk;                               /* per block, if the answers are lists */
     int with_values;                                 /* the lists have values */
     size_t *first;
     pbw_index *item;
     double *value;
     pbw_index *simplices, *facets, *vertices;        /* of locate, of nearest */
     double *distances, radius;
-    double large;                                    /* nearest: see pbw__find_unit */
+    double large;                                    /* nearest: see pbwq__find_unit */
     size_t k;
     pbw_scheme scheme;
 };
 
-/* Makes room for `needed` items.  If memory is short, sets desk->failed and returns 0. */
-static int pbw__room(pbw__desk *desk, void *array, size_t *capacity, size_t needed, size_t size)
+/* Makes room for `needed` items.  If memory is short, sets scratch->failed and returns 0. */
+static int pbwq__room(pbwq__scratch *scratch, void *array, size_t *capacity, size_t needed, size_t size)
 {
     const size_t bigger = 2 * *capacity > 64 ? 2 * *capacity : 64;
-    desk->failed |= needed > *capacity
-                 && !pbw_memory_fit(desk->memory, array, capacity, bigger > needed ? bigger : needed, size);
+    scratch->failed |= needed > *capacity
+                 && !pbw_memory_fit(scratch->memory, array, capacity, bigger > needed ? bigger : needed, size);
     return needed <= *capacity;
 }
 
-PBW__INLINE size_t pbw__set_place(const pbw__set *set, uint64_t key)
+PBW__INLINE size_t pbwq__set_place(const pbwq__set *set, uint64_t key)
 {
     size_t at = (size_t)((key * 0x9e3779b97f4a7c15u) >> 32) & (set->room - 1);
     while (set->entry[at].stamp == set->stamp && set->entry[at].key != key) {
@@ -471,39 +468,40 @@ PBW__INLINE size_t pbw__set_place(const pbw__set *set, uint64_t key)
     return at;
 }
 
-static PBW__NOINLINE int pbw__set_grow(pbw__desk *desk, pbw__set *set)
+static PBW__NOINLINE int pbwq__set_grow(pbwq__scratch *scratch, pbwq__set *set)
 {
-    pbw__set bigger;
+    pbwq__set bigger;
     size_t i;
     bigger.room = set->room == 0 ? 256 : 4 * set->room;
     bigger.count = set->count;
     bigger.stamp = 1;
-    bigger.entry = (pbw__entry *)pbw__allocate(desk->memory, bigger.room, sizeof(pbw__entry));
+    bigger.entry = (pbwq__entry *)pbw__allocate(scratch->memory, bigger.room, sizeof(pbwq__entry));
     if (bigger.entry == NULL) {
-        desk->failed = 1;
+        scratch->failed = 1;
         return 0;
     }
-    memset(bigger.entry, 0, bigger.room * sizeof(pbw__entry));
+    memset(bigger.entry, 0, bigger.room * sizeof(pbwq__entry));
     for (i = 0; i < set->room; i++) {
         if (set->entry[i].stamp == set->stamp) {
-            size_t at = pbw__set_place(&bigger, set->entry[i].key);
+            size_t at = pbwq__set_place(&bigger, set->entry[i].key);
             bigger.entry[at] = set->entry[i];
             bigger.entry[at].stamp = 1;
         }
     }
-    pbw__release(desk->memory, set->entry, set->room, sizeof(pbw__entry));
+    pbw__release(scratch->memory, set->entry, set->room, sizeof(pbwq__entry));
     *set = bigger;
     return 1;
 }
 
-/* Empties a set and leaves room for one number; pbw__set_add keeps such room.  Returns 0 if memory is short. */
-static int pbw__set_clear(pbw__desk *desk, pbw__set *set)
+/* Clears a set.  Invariant, here and in pbwq__set_add: one more number fits without growth.  Returns 0 if memory is
+   short. */
+static int pbwq__set_clear(pbwq__scratch *scratch, pbwq__set *set)
 {
     set->count = 0;
     if (set->room == 0 || set->stamp == 0xffffffffu) {
-        pbw__release(desk->memory, set->entry, set->room, sizeof(pbw__entry));
+        pbw__release(scratch->memory, set->entry, set->room, sizeof(pbwq__entry));
         memset(set, 0, sizeof(*set));
-        return pbw__set_grow(desk, set);
+        return pbwq__set_grow(scratch, set);
     }
     set->stamp++;
     return 1;
@@ -511,17 +509,17 @@ static int pbw__set_clear(pbw__desk *desk, pbw__set *set)
 
 /* Returns where the number of a key is.  *added: the key is new, and its number is `value`.  NULL if memory is
    short. */
-PBW__INLINE uint32_t *pbw__set_add(pbw__desk *desk, pbw__set *set, uint64_t key, uint32_t value, int *added)
+PBW__INLINE uint32_t *pbwq__set_add(pbwq__scratch *scratch, pbwq__set *set, uint64_t key, uint32_t value, int *added)
 {
-    size_t at = pbw__set_place(set, key);
-    pbw__entry *entry = set->entry + at;
+    size_t at = pbwq__set_place(set, key);
+    pbwq__entry *entry = set->entry + at;
     *added = entry->stamp != set->stamp;
     if (*added) {
         if (PBW__UNLIKELY(2 * set->count >= set->room)) {
-            if (!pbw__set_grow(desk, set)) {
+            if (!pbwq__set_grow(scratch, set)) {
                 return NULL;
             }
-            entry = set->entry + pbw__set_place(set, key);
+            entry = set->entry + pbwq__set_place(set, key);
         }
         set->count++;
         entry->key = key;
@@ -531,50 +529,50 @@ PBW__INLINE uint32_t *pbw__set_add(pbw__desk *desk, pbw__set *set, uint64_t key,
     return &entry->value;
 }
 
-static void pbw__cavity_free(pbw_memory *memory, pbw__cavity *cavity);
+static void pbwq__cavity_free(pbw_memory *memory, pbwq__cavity *cavity);
 
-static pbw_status pbw__answer_range(void *arg, size_t from, size_t to)
+static pbw_status pbwq__answer_range(void *arg, size_t from, size_t to)
 {
-    pbw__queries *queries = (pbw__queries *)arg;
+    pbwq__queries *queries = (pbwq__queries *)arg;
     pbw_memory *memory = &queries->context.memory;
-    pbw__desk desk;
-    memset(&desk, 0, sizeof(desk));
-    desk.memory = memory;
-    queries->answer(queries, &desk, from / queries->grain, from, to);
-    pbw__release(memory, desk.seen.entry, desk.seen.room, sizeof(pbw__entry));
-    pbw__release(memory, desk.other.entry, desk.other.room, sizeof(pbw__entry));
-    pbw__release(memory, desk.list, desk.list_room, sizeof(pbw_index));
-    pbw__release(memory, desk.reach, desk.reach_room, sizeof(pbw__reach));
-    pbw__cavity_free(memory, desk.cavity);
-    return desk.failed ? PBW_ERROR_MEMORY : desk.astray ? PBW_ERROR_ARGUMENT : PBW_OK;
+    pbwq__scratch scratch;
+    memset(&scratch, 0, sizeof(scratch));
+    scratch.memory = memory;
+    queries->answer(queries, &scratch, from / queries->grain, from, to);
+    pbw__release(memory, scratch.seen.entry, scratch.seen.room, sizeof(pbwq__entry));
+    pbw__release(memory, scratch.other.entry, scratch.other.room, sizeof(pbwq__entry));
+    pbw__release(memory, scratch.list, scratch.list_room, sizeof(pbw_index));
+    pbw__release(memory, scratch.found, scratch.found_room, sizeof(pbwq__candidate));
+    pbwq__cavity_free(memory, scratch.cavity);
+    return scratch.failed ? PBW_ERROR_MEMORY : scratch.moved ? PBW_ERROR_ARGUMENT : PBW_OK;
 }
 
 /* Calls `answer` for `items` queries, or other items, in blocks of `grain`. */
-static pbw_status pbw__answer_all(pbw__queries *queries, pbw__answer *answer, size_t items, size_t grain)
+static pbw_status pbwq__answer_all(pbwq__queries *queries, pbwq__answer *answer, size_t items, size_t grain)
 {
     queries->answer = answer;
     queries->grain = grain;
-    return items == 0 ? PBW_OK : pbw__for_range(&queries->context, items, grain, 1.0, pbw__answer_range, queries);
+    return items == 0 ? PBW_OK : pbw__for_range(&queries->context, items, grain, 1.0, pbwq__answer_range, queries);
 }
 
 /* ---- order
    Sorting the points counts as a twentieth of a stage's progress. */
-typedef struct pbw__sort_progress { pbw_options options; double begin; } pbw__sort_progress;
+typedef struct pbwq__sort_progress { pbw_options options; double begin; } pbwq__sort_progress;
 
-static int pbw__report_sort(void *user, pbw_stage stage, double done)
+static int pbwq__report_sort(void *user, pbw_stage stage, double done)
 {
-    const pbw__sort_progress *outer = (const pbw__sort_progress *)user;
+    const pbwq__sort_progress *outer = (const pbwq__sort_progress *)user;
     return outer->options.progress(outer->options.progress_user, stage, outer->begin + 0.05 * done);
 }
 
 /* Sorts one point or more along a curve: sorted->id[1], sorted->id[2], ... are their numbers.  The caller frees
    `sorted` with pbw__vertices_free after success. */
-static pbw_status pbw__sort_points(pbw__context *context, pbw__input *input, pbw__vertices *sorted)
+static pbw_status pbwq__sort_points(pbw__context *context, pbw__input *input, pbw__vertices *sorted)
 {
-    pbw__sort_progress outer = { context->options, context->reached };
+    pbwq__sort_progress outer = { context->options, context->reached };
     pbw_status status;
     if (outer.options.progress != NULL) {
-        context->options.progress = pbw__report_sort;
+        context->options.progress = pbwq__report_sort;
         context->options.progress_user = &outer;
         context->last_done = 0.0;
     }
@@ -586,31 +584,31 @@ static pbw_status pbw__sort_points(pbw__context *context, pbw__input *input, pbw
     return status;
 }
 
-typedef struct pbw__owned_lists { pbw_memory memory; size_t first, items, values; } pbw__owned_lists;
+typedef struct pbwq__owned_lists { pbw_memory memory; size_t first, items, values; } pbwq__owned_lists;
 
 /* Frees the arrays of lists.  `memory` counts their bytes. */
-static void pbw__lists_release(pbw_memory *memory, const pbw_lists *lists)
+static void pbwq__lists_release(pbw_memory *memory, const pbw_lists *lists)
 {
-    pbw__owned_lists *owned = (pbw__owned_lists *)lists->memory;
+    pbwq__owned_lists *owned = (pbwq__owned_lists *)lists->memory;
     if (owned != NULL) {
         pbw__release(memory, (void *)(uintptr_t)lists->first, owned->first, sizeof(size_t));
         pbw__release(memory, (void *)(uintptr_t)lists->item, owned->items, sizeof(pbw_index));
         pbw__release(memory, (void *)(uintptr_t)lists->value, owned->values, sizeof(double));
-        pbw__release(memory, owned, 1, sizeof(pbw__owned_lists));
+        pbw__release(memory, owned, 1, sizeof(pbwq__owned_lists));
     }
 }
 
 /* Begins a call, checks the arguments that all queries have in common, enters the stage and sorts the query points.
-   pbw__queries_end must follow on any status. */
-static pbw_status pbw__queries_start(pbw__queries *queries, const pbw_mesh *mesh, const double *points, size_t count,
-                                     const pbw_options *options)
+   pbwq__queries_end must follow on any status. */
+static pbw_status pbwq__queries_start(pbwq__queries *queries, const pbw_mesh *mesh, const double *points,
+                                      size_t count, const pbw_options *options)
 {
     const size_t work = points != NULL || mesh == NULL ? count : mesh->simplex_count;
     pbw_status status;
     memset(queries, 0, sizeof(*queries));
     queries->mesh = mesh;
     /* 8192: begin_call starts a thread for so many points; a block of queries is worth one. */
-    status = pbw__begin_call(&queries->context, options, work * (8192 / PBW__BLOCK_QUERIES));
+    status = pbw__begin_call(&queries->context, options, work * (8192 / PBWQ__BLOCK_QUERIES));
     if (!pbw__has_arrays(mesh, 1) || (points == NULL && count != 0)) {
         return PBW_ERROR_ARGUMENT;
     }
@@ -626,25 +624,25 @@ static pbw_status pbw__queries_start(pbw__queries *queries, const pbw_mesh *mesh
         return PBW_ERROR_TOO_LARGE;
     }
     status = status == PBW_OK && pbw__enter_stage(&queries->context, PBW_STAGE_WORK) ? PBW_CANCELLED : status;
-    return status == PBW_OK && count > 0 ? pbw__sort_points(&queries->context, &queries->input, &queries->sorted)
+    return status == PBW_OK && count > 0 ? pbwq__sort_points(&queries->context, &queries->input, &queries->sorted)
          : status;
 }
 
-static pbw_status pbw__queries_end(pbw__queries *queries, pbw_status status)
+static pbw_status pbwq__queries_end(pbwq__queries *queries, pbw_status status)
 {
     pbw__vertices_free(&queries->context, &queries->sorted);
-    pbw__lists_release(&queries->context.memory, &queries->own_stars);
+    pbwq__lists_release(&queries->context.memory, &queries->own_stars);
     return pbw__end_call(&queries->context, status);
 }
 
 /* Returns the number of the query at a place along the curve. */
-PBW__INLINE size_t pbw__query_index(const pbw__queries *queries, size_t place)
+PBW__INLINE size_t pbwq__query_of(const pbwq__queries *queries, size_t place)
 {
     return queries->sorted.id[place + 1];
 }
 
 /* Returns the vertex nearest to p, by rounded distances, of a few spread over the mesh. */
-static pbw_index pbw__guess(const pbw_mesh *mesh, const double *p)
+static pbw_index pbwq__start_vertex(const pbw_mesh *mesh, const double *p)
 {
     const size_t some = 48, dim = (size_t)mesh->dim;
     double least = HUGE_VAL;
@@ -665,8 +663,8 @@ static pbw_index pbw__guess(const pbw_mesh *mesh, const double *p)
 PBWDEF void pbw_lists_free(pbw_lists *lists)
 {
     if (lists != NULL && lists->memory != NULL) {
-        pbw_memory memory = ((pbw__owned_lists *)lists->memory)->memory;
-        pbw__lists_release(&memory, lists);
+        pbw_memory memory = ((pbwq__owned_lists *)lists->memory)->memory;
+        pbwq__lists_release(&memory, lists);
     }
     if (lists != NULL) {
         memset(lists, 0, sizeof(*lists));
@@ -674,7 +672,7 @@ PBWDEF void pbw_lists_free(pbw_lists *lists)
 }
 
 /* Sorts items, and their values with them, by Shell's sort. */
-static void pbw__sort_items(pbw_index *items, double *values, size_t count)
+static void pbwq__sort_items(pbw_index *items, double *values, size_t count)
 {
     size_t gap, i, j;
     for (gap = count > 64 ? count / 3 : 1; gap > 0; gap = gap == 2 ? 1 : gap / 3) {
@@ -693,13 +691,13 @@ static void pbw__sort_items(pbw_index *items, double *values, size_t count)
 
 /* Adds list `id` of `length` items to a chunk.  Returns where to write its items, NULL if memory is short; sets
    *values to where to write its values, if values is not NULL. */
-static pbw_index *pbw__chunk_add(pbw__queries *queries, pbw__desk *desk, size_t block, size_t id, size_t length,
-                                 double **values)
+static pbw_index *pbwq__chunk_add(pbwq__queries *queries, pbwq__scratch *scratch, size_t block, size_t id,
+                                  size_t length, double **values)
 {
-    pbw__chunk *chunk = queries->chunk + block;
+    pbwq__chunk *chunk = queries->chunk + block;
     const size_t at = chunk->words + 2, end = at + length;
-    if (!pbw__room(desk, &chunk->word, &chunk->word_room, end, sizeof(pbw_index))
-        || (values != NULL && !pbw__room(desk, &chunk->value, &chunk->value_room, end, sizeof(double)))) {
+    if (!pbwq__room(scratch, &chunk->word, &chunk->word_room, end, sizeof(pbw_index))
+        || (values != NULL && !pbwq__room(scratch, &chunk->value, &chunk->value_room, end, sizeof(double)))) {
         return NULL;
     }
     queries->first[id + 1] = length;
@@ -712,11 +710,11 @@ static pbw_index *pbw__chunk_add(pbw__queries *queries, pbw__desk *desk, size_t 
     return chunk->word + at;
 }
 
-static void pbw__copy_chunk(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+static void pbwq__copy_chunk(pbwq__queries *queries, pbwq__scratch *scratch, size_t block, size_t from, size_t to)
 {
-    const pbw__chunk *chunk = queries->chunk + block;
+    const pbwq__chunk *chunk = queries->chunk + block;
     size_t at, length;
-    (void)desk;
+    (void)scratch;
     (void)from;
     (void)to;
     for (at = 2; at <= chunk->words; at += length + 2) {
@@ -730,13 +728,13 @@ static void pbw__copy_chunk(pbw__queries *queries, pbw__desk *desk, size_t block
 }
 
 /* Makes `count` lists.  `answer` adds the lists of a block of items, in any order, to the block's chunk. */
-static pbw_status pbw__make_lists(pbw__queries *queries, pbw__answer *answer, size_t items, size_t size, size_t count,
-                                  pbw_lists *lists)
+static pbw_status pbwq__make_lists(pbwq__queries *queries, pbwq__answer *answer, size_t items, size_t size,
+                                   size_t count, pbw_lists *lists)
 {
     const int with_values = queries->with_values;
     pbw_memory *memory = &queries->context.memory;
     const size_t blocks = (items + size - 1) / size;
-    pbw__owned_lists *owned = (pbw__owned_lists *)pbw__allocate(memory, 1, sizeof(pbw__owned_lists));
+    pbwq__owned_lists *owned = (pbwq__owned_lists *)pbw__allocate(memory, 1, sizeof(pbwq__owned_lists));
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i, total = 0;
     if (owned == NULL) {
@@ -747,13 +745,13 @@ static pbw_status pbw__make_lists(pbw__queries *queries, pbw__answer *answer, si
     lists->count = count;
     owned->first = count + 1;
     lists->first = queries->first = (size_t *)pbw__allocate_large(&queries->context, count + 1, sizeof(size_t));
-    queries->chunk = (pbw__chunk *)pbw__allocate(memory, blocks, sizeof(pbw__chunk));
+    queries->chunk = (pbwq__chunk *)pbw__allocate(memory, blocks, sizeof(pbwq__chunk));
     if (queries->chunk != NULL) {
-        memset(queries->chunk, 0, blocks * sizeof(pbw__chunk));
+        memset(queries->chunk, 0, blocks * sizeof(pbwq__chunk));
     }
     if (queries->first != NULL && queries->chunk != NULL) {
         memset(queries->first, 0, (count + 1) * sizeof(size_t));
-        status = pbw__answer_all(queries, answer, items, size);
+        status = pbwq__answer_all(queries, answer, items, size);
     }
     if (status == PBW_OK) {
         for (i = 1; i <= count; i++) {
@@ -765,22 +763,22 @@ static pbw_status pbw__make_lists(pbw__queries *queries, pbw__answer *answer, si
         lists->value = queries->value = with_values
                      ? (double *)pbw__allocate_large(&queries->context, total, sizeof(double)) : NULL;
         status = lists->item == NULL || (with_values && lists->value == NULL) ? PBW_ERROR_MEMORY
-               : pbw__answer_all(queries, pbw__copy_chunk, items, size);
+               : pbwq__answer_all(queries, pbwq__copy_chunk, items, size);
     }
     for (i = 0; i < blocks && queries->chunk != NULL; i++) {
         pbw__release(memory, queries->chunk[i].word, queries->chunk[i].word_room, sizeof(pbw_index));
         pbw__release(memory, queries->chunk[i].value, queries->chunk[i].value_room, sizeof(double));
     }
-    pbw__release(memory, queries->chunk, blocks, sizeof(pbw__chunk));
+    pbw__release(memory, queries->chunk, blocks, sizeof(pbwq__chunk));
     return status;
 }
 
 /* Ends the queries; from then on the lists count their bytes in a memory of their own. */
-static pbw_status pbw__lists_end(pbw__queries *queries, pbw_status status, pbw_lists *lists)
+static pbw_status pbwq__lists_end(pbwq__queries *queries, pbw_status status, pbw_lists *lists)
 {
-    status = pbw__queries_end(queries, status);
+    status = pbwq__queries_end(queries, status);
     if (lists->memory != NULL) {
-        ((pbw__owned_lists *)lists->memory)->memory = queries->context.memory;
+        ((pbwq__owned_lists *)lists->memory)->memory = queries->context.memory;
     }
     if (status != PBW_OK) {
         pbw_lists_free(lists);
@@ -789,26 +787,26 @@ static pbw_status pbw__lists_end(pbw__queries *queries, pbw_status status, pbw_l
 }
 
 /* ---- locate */
-static void pbw__locate_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+static void pbwq__locate_block(pbwq__queries *queries, pbwq__scratch *scratch, size_t block, size_t from, size_t to)
 {
     const pbw_mesh *mesh = queries->mesh;
-    pbw__spot spot = { 0, 0, 0 };
+    pbwq__location location = { 0, 0, 0 };
     size_t i;
     (void)block;
-    for (i = from; i < to && !desk->astray; i++) {
-        const size_t query = pbw__query_index(queries, i);
+    for (i = from; i < to && !scratch->moved; i++) {
+        const size_t query = pbwq__query_of(queries, i);
         double p[4];
         int hull, inside;
         pbw__fetch(&queries->input, query, p);
         if (i == from) {
-            spot.simplex = mesh->incident[pbw__guess(mesh, p)];
+            location.simplex = mesh->incident[pbwq__start_vertex(mesh, p)];
         }
-        pbw__walk_to(mesh, &spot, p, &queries->grid);
-        desk->astray = spot.leave == PBW__ASTRAY;
-        inside = spot.leave == PBW__INSIDE;
-        queries->simplices[query] = inside ? pbw__lowest_with(mesh, spot.simplex, spot.on, &hull) : PBW_NONE;
+        pbwq__walk_to(mesh, &location, p, &queries->grid);
+        scratch->moved = location.leave == PBWQ__MOVED;
+        inside = location.leave == PBWQ__INSIDE;
+        queries->simplices[query] = inside ? pbwq__lowest_with(mesh, location.simplex, location.on, &hull) : PBW_NONE;
         if (queries->facets != NULL) {
-            queries->facets[query] = inside ? PBW_NONE : pbw__facet_left(mesh, &spot);
+            queries->facets[query] = inside ? PBW_NONE : pbwq__facet_left(mesh, &location);
         }
     }
 }
@@ -816,12 +814,12 @@ static void pbw__locate_block(pbw__queries *queries, pbw__desk *desk, size_t blo
 PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t count, const pbw_options *options,
                              pbw_index *simplices, pbw_index *hull_facets)
 {
-    pbw__queries queries;
+    pbwq__queries queries;
     pbw_status status;
     if (simplices == NULL && count != 0) {
         return PBW_ERROR_ARGUMENT;
     }
-    status = pbw__queries_start(&queries, mesh, points, count, options);
+    status = pbwq__queries_start(&queries, mesh, points, count, options);
     if (status == PBW_OK && mesh->simplex_count == 0 && count > 0) {
         memset(simplices, 0xff, count * sizeof(pbw_index));          /* PBW_NONE */
         if (hull_facets != NULL) {
@@ -830,9 +828,9 @@ PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t 
     } else if (status == PBW_OK) {
         queries.simplices = simplices;
         queries.facets = hull_facets;
-        status = pbw__answer_all(&queries, pbw__locate_block, count, PBW__BLOCK_QUERIES);
+        status = pbwq__answer_all(&queries, pbwq__locate_block, count, PBWQ__BLOCK_QUERIES);
     }
-    return pbw__queries_end(&queries, status);
+    return pbwq__queries_end(&queries, status);
 }
 /* ------------------------------------------------------------------------------------------------------
    >>finder       Where walks of single queries start: nested grids.
@@ -840,38 +838,38 @@ PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t 
    vertex nearest to the bin's centre; for a bin with many vertices, a finer grid over them, and so on.
    Holds: a finished finder is never written, so any number of threads may use it at once.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__MANY    64                              /* vertices: a bin with more gets a finer grid */
-#define PBW__DEEPEST 12                              /* levels of nested grids */
+#define PBWQ__MANY    64                              /* vertices: a bin with more gets a finer grid */
+#define PBWQ__DEEPEST 12                              /* levels of nested grids */
 
-typedef struct pbw__bin { pbw_index start, finer; } pbw__bin;        /* a simplex; the finer grid's number, or 0 */
+typedef struct pbwq__bin { pbw_index start, finer; } pbwq__bin;        /* a simplex; the finer grid's number, or 0 */
 
-/* A grid: bins first .. first+count-1, side[k] along axis k; vertices from .. to-1 of pbw__binning. */
-typedef struct pbw__bins {
+/* A grid: bins first .. first+count-1, side[k] along axis k; vertices from .. to-1 of pbwq__binning. */
+typedef struct pbwq__bins {
     double low[3], scale[3];
     size_t side[3], first, count;
     size_t from, to;
     int depth;
-} pbw__bins;
+} pbwq__bins;
 
 struct pbw_finder {
     const pbw_mesh *mesh;
     pbw_memory memory;
-    pbw__bins *grids;
-    pbw__bin *bins;                                  /* of all grids */
+    pbwq__bins *grids;
+    pbwq__bin *bins;                                  /* of all grids */
     size_t grids_capacity, bins_capacity, grid_count, bin_count;
 };
 
-typedef struct pbw__binning {
-    pbw__queries *queries;
+typedef struct pbwq__binning {
+    pbwq__queries *queries;
     pbw_finder *finder;
     pbw_index *vertices, *sorted;                    /* those of a grid are contiguous */
     float *least;                                    /* per bin of a grid: the least squared distance of a vertex from
                                                         the centre, in edges of a bin */
     size_t *counts;                                  /* per bin of a grid: vertices; then where the next goes */
-} pbw__binning;
+} pbwq__binning;
 
 /* Returns the bin of p, or the nearest one.  Adds to *centre the squared distance from its centre, in edges. */
-PBW__INLINE size_t pbw__bin_of(const pbw__bins *grid, int dim, const double *p, double *centre)
+PBW__INLINE size_t pbwq__bin_of(const pbwq__bins *grid, int dim, const double *p, double *centre)
 {
     size_t bin = 0;
     int k;
@@ -887,7 +885,7 @@ PBW__INLINE size_t pbw__bin_of(const pbw__bins *grid, int dim, const double *p, 
 
 /* Chooses the edge of a grid of cubes: starts with the longest side of the box, at most 2 bins along each axis, and
    halves it while the bins stay at most a quarter of the vertices plus 1. */
-static void pbw__bins_measure(const pbw__binning *binning, pbw__bins *grid)
+static void pbwq__bins_measure(const pbwq__binning *binning, pbwq__bins *grid)
 {
     const pbw_mesh *mesh = binning->finder->mesh;
     const int dim = mesh->dim;
@@ -932,10 +930,10 @@ static void pbw__bins_measure(const pbw__binning *binning, pbw__bins *grid)
 }
 
 /* Sets the start of each bin of a grid, and counts its vertices.  An empty bin starts where the bin before does. */
-static void pbw__bins_fill(const pbw__binning *binning, const pbw__bins *grid)
+static void pbwq__bins_fill(const pbwq__binning *binning, const pbwq__bins *grid)
 {
     const pbw_mesh *mesh = binning->finder->mesh;
-    pbw__bin *bins = binning->finder->bins + grid->first;
+    pbwq__bin *bins = binning->finder->bins + grid->first;
     size_t i, at;
     pbw_index last = mesh->incident[binning->vertices[grid->from]];
     memset(binning->counts, 0, grid->count * sizeof(size_t));
@@ -946,14 +944,14 @@ static void pbw__bins_fill(const pbw__binning *binning, const pbw__bins *grid)
     }
     for (i = grid->from; i < grid->to; i++) {
         const size_t v = binning->vertices[i];
-        double far = 0.0;
+        double distance = 0.0;
         if (i % PBW__TICK == 0 && pbw__report(&binning->queries->context, 0.5)) {
             return;
         }
-        at = pbw__bin_of(grid, mesh->dim, mesh->points + v * (size_t)mesh->dim, &far) - grid->first;
+        at = pbwq__bin_of(grid, mesh->dim, mesh->points + v * (size_t)mesh->dim, &distance) - grid->first;
         binning->counts[at]++;
-        if ((float)far < binning->least[at]) {
-            binning->least[at] = (float)far;
+        if ((float)distance < binning->least[at]) {
+            binning->least[at] = (float)distance;
             bins[at].start = mesh->incident[v];
         }
     }
@@ -964,16 +962,16 @@ static void pbw__bins_fill(const pbw__binning *binning, const pbw__bins *grid)
 }
 
 /* Makes finer grids for the bins of a grid that have many vertices. */
-static pbw_status pbw__bins_refine(const pbw__binning *binning, pbw__bins grid)
+static pbw_status pbwq__bins_refine(const pbwq__binning *binning, pbwq__bins grid)
 {
     pbw_finder *finder = binning->finder;
     pbw_memory *memory = &binning->queries->context.memory;
     const pbw_mesh *mesh = finder->mesh;
     size_t i, at, end = grid.from, full = 0;
     for (at = 0; at < grid.count; at++) {
-        full += binning->counts[at] > PBW__MANY;
+        full += binning->counts[at] > PBWQ__MANY;
     }
-    if (full == 0 || grid.count == 1 || grid.depth == PBW__DEEPEST) {
+    if (full == 0 || grid.count == 1 || grid.depth == PBWQ__DEEPEST) {
         return PBW_OK;
     }
     if (finder->grid_count + full > finder->grids_capacity
@@ -981,11 +979,11 @@ static pbw_status pbw__bins_refine(const pbw__binning *binning, pbw__bins grid)
         return PBW_ERROR_MEMORY;
     }
     for (at = 0; at < grid.count; at++) {
-        pbw__bins *finer = finder->grids + finder->grid_count;
+        pbwq__bins *finer = finder->grids + finder->grid_count;
         const size_t count = binning->counts[at];
         binning->counts[at] = end;
         end += count;
-        if (count > PBW__MANY) {
+        if (count > PBWQ__MANY) {
             finder->bins[grid.first + at].finer = (pbw_index)finder->grid_count++;
             finer->from = end - count;
             finer->to = end;
@@ -994,15 +992,15 @@ static pbw_status pbw__bins_refine(const pbw__binning *binning, pbw__bins grid)
     }
     for (i = grid.from; i < grid.to; i++) {
         const size_t v = binning->vertices[i];
-        double far = 0.0;
-        at = pbw__bin_of(&grid, mesh->dim, mesh->points + v * (size_t)mesh->dim, &far) - grid.first;
+        double distance = 0.0;
+        at = pbwq__bin_of(&grid, mesh->dim, mesh->points + v * (size_t)mesh->dim, &distance) - grid.first;
         binning->sorted[binning->counts[at]++] = (pbw_index)v;
     }
     memcpy(binning->vertices + grid.from, binning->sorted + grid.from, (grid.to - grid.from) * sizeof(pbw_index));
     return PBW_OK;
 }
 
-static pbw_status pbw__bins_make(const pbw__binning *binning)
+static pbw_status pbwq__bins_make(const pbwq__binning *binning)
 {
     pbw_finder *finder = binning->finder;
     pbw_memory *memory = &binning->queries->context.memory;
@@ -1010,33 +1008,33 @@ static pbw_status pbw__bins_make(const pbw__binning *binning)
     pbw_status status = PBW_OK;
     size_t v, g;
     finder->grid_count = 1;
-    memset(finder->grids, 0, sizeof(pbw__bins));
+    memset(finder->grids, 0, sizeof(pbwq__bins));
     for (v = 0; v < mesh->point_count; v++) {
         if (mesh->incident[v] != PBW_NONE) {
             binning->vertices[finder->grids->to++] = (pbw_index)v;
         }
     }
     for (g = 0; g < finder->grid_count && status == PBW_OK; g++) {
-        pbw__bins *grid = finder->grids + g;
-        pbw__bins_measure(binning, grid);
+        pbwq__bins *grid = finder->grids + g;
+        pbwq__bins_measure(binning, grid);
         grid->first = finder->bin_count;
         finder->bin_count += grid->count;
         if (finder->bin_count > finder->bins_capacity
             && !PBW__RESIZE(memory, finder, bins, finder->bin_count + finder->bin_count / 2)) {
             return PBW_ERROR_MEMORY;
         }
-        pbw__bins_fill(binning, grid);
-        status = PBW__LOAD(&binning->queries->context.cancelled) ? PBW_CANCELLED : pbw__bins_refine(binning, *grid);
+        pbwq__bins_fill(binning, grid);
+        status = PBW__LOAD(&binning->queries->context.cancelled) ? PBW_CANCELLED : pbwq__bins_refine(binning, *grid);
     }
     return status;
 }
 
-static pbw_status pbw__finder_fill(pbw__queries *queries, pbw_finder *finder)
+static pbw_status pbwq__finder_fill(pbwq__queries *queries, pbw_finder *finder)
 {
     pbw_memory *memory = &queries->context.memory;
-    const size_t count = finder->mesh->point_count, most = count / 4 + 8;    /* bins: see pbw__bins_measure */
+    const size_t count = finder->mesh->point_count, most = count / 4 + 8;    /* bins: see pbwq__bins_measure */
     pbw_status status = PBW_ERROR_MEMORY;
-    pbw__binning binning;
+    pbwq__binning binning;
     binning.queries = queries;
     binning.finder = finder;
     binning.vertices = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
@@ -1045,7 +1043,7 @@ static pbw_status pbw__finder_fill(pbw__queries *queries, pbw_finder *finder)
     binning.counts = (size_t *)pbw__allocate(memory, most, sizeof(size_t));
     if (binning.vertices != NULL && binning.sorted != NULL && binning.least != NULL && binning.counts != NULL
         && PBW__RESIZE(memory, finder, grids, 1)) {
-        status = pbw__bins_make(&binning);
+        status = pbwq__bins_make(&binning);
     }
     pbw__release(memory, binning.vertices, count, sizeof(pbw_index));
     pbw__release(memory, binning.sorted, count, sizeof(pbw_index));
@@ -1056,14 +1054,14 @@ static pbw_status pbw__finder_fill(pbw__queries *queries, pbw_finder *finder)
 
 PBWDEF pbw_status pbw_finder_create(const pbw_mesh *mesh, const pbw_options *options, pbw_finder **finder)
 {
-    pbw__queries queries;
+    pbwq__queries queries;
     pbw_status status;
     pbw_finder *made = NULL;
     if (finder == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
     *finder = NULL;
-    status = pbw__queries_start(&queries, mesh, NULL, 0, options);
+    status = pbwq__queries_start(&queries, mesh, NULL, 0, options);
     if (status == PBW_OK) {
         made = (pbw_finder *)pbw__allocate(&queries.context.memory, 1, sizeof(pbw_finder));
         status = made == NULL ? PBW_ERROR_MEMORY : PBW_OK;
@@ -1071,9 +1069,9 @@ PBWDEF pbw_status pbw_finder_create(const pbw_mesh *mesh, const pbw_options *opt
     if (status == PBW_OK) {
         memset(made, 0, sizeof(*made));
         made->mesh = mesh;
-        status = mesh->simplex_count > 0 ? pbw__finder_fill(&queries, made) : PBW_OK;
+        status = mesh->simplex_count > 0 ? pbwq__finder_fill(&queries, made) : PBW_OK;
     }
-    status = pbw__queries_end(&queries, status);
+    status = pbwq__queries_end(&queries, status);
     if (made != NULL) {
         made->memory = queries.context.memory;
         if (status == PBW_OK) {
@@ -1087,14 +1085,14 @@ PBWDEF pbw_status pbw_finder_create(const pbw_mesh *mesh, const pbw_options *opt
 
 PBWDEF pbw_index pbw_finder_locate(const pbw_finder *finder, const double *point, pbw_index *hull_facet)
 {
-    const pbw__bin *bin;
-    double far = 0.0;
+    const pbwq__bin *bin;
+    double distance = 0.0;
     if (finder == NULL || point == NULL || finder->bins == NULL) {
         return pbw_locate_one(NULL, NULL, 0, hull_facet);
     }
-    bin = finder->bins + pbw__bin_of(finder->grids, finder->mesh->dim, point, &far);
+    bin = finder->bins + pbwq__bin_of(finder->grids, finder->mesh->dim, point, &distance);
     while (bin->finer != 0) {
-        bin = finder->bins + pbw__bin_of(finder->grids + bin->finer, finder->mesh->dim, point, &far);
+        bin = finder->bins + pbwq__bin_of(finder->grids + bin->finer, finder->mesh->dim, point, &distance);
     }
     return pbw_locate_one(finder->mesh, point, bin->start, hull_facet);
 }
@@ -1109,37 +1107,38 @@ PBWDEF void pbw_finder_free(pbw_finder *finder)
     }
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>reach        Power distances of vertices from a query, in exact order.
+   >>distance     Power distances of vertices from a query, in exact order.
    In: a query, vertices.  Out: which is nearer, and distances.
    Holds: rounded distances decide only where they differ by more than their error bounds; elsewhere integers do.
    ------------------------------------------------------------------------------------------------------ */
 /* Returns the power distance of a vertex, |v - q|^2 - w, with an error of at most slack: see >>predicates.  The
    parameter `squared` is |v - q|^2 as computed.  Underflow loses less than 2^-1020 in all.  An overflow makes slack
    infinite or NaN.  q[3] is the relative error of squares, 0 if all are exact. */
-PBW__INLINE pbw__reach pbw__reach_of(const pbw_mesh *mesh, const double *q, double squared, pbw_index vertex)
+PBW__INLINE pbwq__candidate pbwq__candidate_of(const pbw_mesh *mesh, const double *q, double squared,
+                                               pbw_index vertex)
 {
-    pbw__reach reach;
-    reach.squared = squared;
-    reach.slack = q[3] * (squared + 1e-280);
+    pbwq__candidate candidate;
+    candidate.squared = squared;
+    candidate.slack = q[3] * (squared + 1e-280);
     if (mesh->weights != NULL) {
-        reach.squared -= mesh->weights[vertex];
-        reach.slack += q[3] * pbw__abs(mesh->weights[vertex]);
+        candidate.squared -= mesh->weights[vertex];
+        candidate.slack += q[3] * pbw__abs(mesh->weights[vertex]);
     }
-    reach.vertex = vertex;
-    reach.done = 0;
-    return reach;
+    candidate.vertex = vertex;
+    candidate.done = 0;
+    return candidate;
 }
 
-PBW__INLINE pbw__reach pbw__reach_to(const pbw_mesh *mesh, int dim, const double *q, pbw_index vertex)
+PBW__INLINE pbwq__candidate pbwq__candidate_at(const pbw_mesh *mesh, int dim, const double *q, pbw_index vertex)
 {
-    return pbw__reach_of(mesh, q, pbw__squared(mesh->points + vertex * (size_t)dim, q, dim), vertex);
+    return pbwq__candidate_of(mesh, q, pbw__squared(mesh->points + vertex * (size_t)dim, q, dim), vertex);
 }
 
 /* Without weights: returns a square such that a vertex with a larger computed square is certainly farther than a.  It
    exceeds a.squared by d > 2.8 a.slack: 3 a.slack, less the rounding of the sum, an eighth of a.slack.  The slack of
    both together is below 2 a.slack + q[3] d < d.  Likewise, a vertex with a square less than a.squared by as much is
    certainly nearer. */
-PBW__INLINE double pbw__reach_limit(const pbw__reach *a)
+PBW__INLINE double pbwq__square_limit(const pbwq__candidate *a)
 {
     return a->squared + 3.0 * a->slack;
 }
@@ -1147,7 +1146,7 @@ PBW__INLINE double pbw__reach_limit(const pbw__reach *a)
 /* Looks for a unit, a power of two: all coordinates are multiples of it, at most 2^23 units large, as on lattices.
    Squared distances to queries with such coordinates are exact.  Sets queries->large to 3 * 2^51 units if there is
    one. */
-static void pbw__find_unit(pbw__queries *queries)
+static void pbwq__find_unit(pbwq__queries *queries)
 {
     const double *x = queries->mesh->points;
     const size_t count = queries->mesh->point_count * (size_t)queries->mesh->dim;
@@ -1175,7 +1174,7 @@ static void pbw__find_unit(pbw__queries *queries)
 /* Returns whether the squares (a-b)^2 and their sums have no rounding errors in any mode, as on lattices: a and b are
    multiples of a unit, a power of two, and at most 2^51 units; `most`, the largest sum as computed, is at most 2^50
    units squared.  Adding and subtracting 3 * 2^51 units changes a number that is no multiple of the unit. */
-static int pbw__squares_fit(double (*term)[2], int count, double most)
+static int pbwq__squares_fit(double (*term)[2], int count, double most)
 {
     const double unit = pbw__power_of_two((pbw__exponent(most) + 1023) / 2 - 536);       /* most < 2^exponent */
     const double limit = 2251799813685248.0 * unit, large = 3.0 * limit;
@@ -1196,7 +1195,7 @@ static int pbw__squares_fit(double (*term)[2], int count, double most)
 
 /* Returns the exact sign of the sum of the squares (a-b)^2 and of more - less; the first `plus` squares are added,
    the others subtracted.  Sums of 7 products of 37 digits and one of 55 fit a column: see >>exact. */
-static PBW__NOINLINE int pbw__sign_of_squares(double (*term)[2], int plus, int count, double more, double less)
+static PBW__NOINLINE int pbwq__sign_of_squares(double (*term)[2], int plus, int count, double more, double less)
 {
     pbw__digit pool[8 * 120], *top = pool, one_digit = 1;
     pbw__integer difference[8], sum, one = { &one_digit, 0, 1 };
@@ -1207,7 +1206,7 @@ static PBW__NOINLINE int pbw__sign_of_squares(double (*term)[2], int plus, int c
         const double x = term[i][0] - term[i][1];
         total[i >= plus] += x * x;
     }
-    if (more == less && pbw__squares_fit(term, count, pbw__max(total[0], total[1]))) {
+    if (more == less && pbwq__squares_fit(term, count, pbw__max(total[0], total[1]))) {
         return (total[0] > total[1]) - (total[0] < total[1]);
     }
     weight[0] = more;
@@ -1230,8 +1229,8 @@ static PBW__NOINLINE int pbw__sign_of_squares(double (*term)[2], int plus, int c
     return pbw__exact_sign(&sum);
 }
 
-static PBW__NOINLINE int pbw__reach_exact(const pbw_mesh *mesh, const double *q, const pbw__reach *a,
-                                          const pbw__reach *b)
+static PBW__NOINLINE int pbwq__compare_exactly(const pbw_mesh *mesh, const double *q, const pbwq__candidate *a,
+                                               const pbwq__candidate *b)
 {
     const size_t dim = (size_t)mesh->dim;
     double term[6][2];
@@ -1241,27 +1240,29 @@ static PBW__NOINLINE int pbw__reach_exact(const pbw_mesh *mesh, const double *q,
         term[dim + k][0] = mesh->points[b->vertex * dim + k];
         term[k][1] = term[dim + k][1] = q[k];
     }
-    return pbw__sign_of_squares(term, mesh->dim, 2 * mesh->dim,
-                                mesh->weights != NULL ? mesh->weights[b->vertex] : 0.0,
-                                mesh->weights != NULL ? mesh->weights[a->vertex] : 0.0);
+    return pbwq__sign_of_squares(term, mesh->dim, 2 * mesh->dim,
+                                 mesh->weights != NULL ? mesh->weights[b->vertex] : 0.0,
+                                 mesh->weights != NULL ? mesh->weights[a->vertex] : 0.0);
 }
 
 /* Returns -1 if a is nearer to q than b, 0 if both are equally near. */
-PBW__INLINE int pbw__reach_order(const pbw_mesh *mesh, const double *q, const pbw__reach *a, const pbw__reach *b)
+PBW__INLINE int pbwq__compare(const pbw_mesh *mesh, const double *q, const pbwq__candidate *a,
+                              const pbwq__candidate *b)
 {
     const double gap = a->squared - b->squared, slack = a->slack + b->slack;
-    return gap > slack ? 1 : gap < -slack ? -1 : slack == 0.0 ? 0 : pbw__reach_exact(mesh, q, a, b);
+    return gap > slack ? 1 : gap < -slack ? -1 : slack == 0.0 ? 0 : pbwq__compare_exactly(mesh, q, a, b);
 }
 
 /* Returns whether a comes before b, another vertex: it is nearer, or as near and has the lower index. */
-PBW__INLINE int pbw__reach_before(const pbw_mesh *mesh, const double *q, const pbw__reach *a, const pbw__reach *b)
+PBW__INLINE int pbwq__comes_before(const pbw_mesh *mesh, const double *q, const pbwq__candidate *a,
+                                   const pbwq__candidate *b)
 {
-    const int order = pbw__reach_order(mesh, q, a, b);
+    const int order = pbwq__compare(mesh, q, a, b);
     return order != 0 ? order < 0 : a->vertex < b->vertex;
 }
 
 /* Returns whether a is within the radius. */
-PBW__INLINE int pbw__reach_within(const pbw_mesh *mesh, const double *q, const pbw__reach *a, double radius)
+PBW__INLINE int pbwq__is_within(const pbw_mesh *mesh, const double *q, const pbwq__candidate *a, double radius)
 {
     const double squared = radius * radius, gap = a->squared - squared;
     const double slack = a->slack + PBW__REACH_ERROR * DBL_EPSILON * squared;
@@ -1277,12 +1278,12 @@ PBW__INLINE int pbw__reach_within(const pbw_mesh *mesh, const double *q, const p
     }
     term[dim][0] = radius;
     term[dim][1] = 0.0;
-    return pbw__sign_of_squares(term, mesh->dim, mesh->dim + 1, 0.0,
-                                mesh->weights != NULL ? mesh->weights[a->vertex] : 0.0) <= 0;
+    return pbwq__sign_of_squares(term, mesh->dim, mesh->dim + 1, 0.0,
+                                 mesh->weights != NULL ? mesh->weights[a->vertex] : 0.0) <= 0;
 }
 
 /* Returns the distance, or with weights the power distance, as the caller gets it. */
-static double pbw__reach_distance(const pbw_mesh *mesh, const double *q, const pbw__reach *a)
+static double pbwq__distance_of(const pbw_mesh *mesh, const double *q, const pbwq__candidate *a)
 {
     const double *p = mesh->points + a->vertex * (size_t)mesh->dim;
     double scale, sum = 0.0;
@@ -1303,7 +1304,7 @@ static double pbw__reach_distance(const pbw_mesh *mesh, const double *q, const p
 
 /* ------------------------------------------------------------------------------------------------------
    >>nearest      Stars; the k nearest vertices; the vertices in a ball.
-   In: a mesh, its stars.  Out: vertices in the exact order of >>reach, lists.
+   In: a mesh, its stars.  Out: vertices in the exact order of >>distance, lists.
 
    Up to a constant, the power distances from q are the values of a convex function at the vertices, linear on each
    simplex.  At a vertex that is no minimum it decreases within the cone of some simplex, hence along an edge.  So
@@ -1312,87 +1313,87 @@ static double pbw__reach_distance(const pbw_mesh *mesh, const double *q, const p
      - each other vertex has a strictly nearer neighbour, so the next nearest is a neighbour of one of those before;
      - the vertices within a radius are connected.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__NEAR_LIST 64                            /* up to so many are kept in a sorted list, more in a heap */
+#define PBWQ__NEAR_LIST 64                            /* up to so many are kept in a sorted list, more in a heap */
 
 /* ---- stars */
 /* Adds the list of a vertex's neighbours, by a walk round it, breadth first. */
-static void pbw__star_of(pbw__queries *queries, pbw__desk *desk, size_t block, pbw_index vertex)
+static void pbwq__star_of(pbwq__queries *queries, pbwq__scratch *scratch, size_t block, pbw_index vertex)
 {
     const pbw_mesh *mesh = queries->mesh;
     const size_t corners = (size_t)mesh->dim + 1;
     size_t count = 0, met = 1, next, k;
     pbw_index *items;
     int added;
-    if (!pbw__set_clear(desk, &desk->seen) || !pbw__set_clear(desk, &desk->other)
-        || pbw__set_add(desk, &desk->seen, mesh->incident[vertex], 0, &added) == NULL
-        || pbw__set_add(desk, &desk->other, vertex, 0, &added) == NULL
-        || !pbw__room(desk, &desk->list, &desk->list_room, 64, sizeof(pbw_index))) {
+    if (!pbwq__set_clear(scratch, &scratch->seen) || !pbwq__set_clear(scratch, &scratch->other)
+        || pbwq__set_add(scratch, &scratch->seen, mesh->incident[vertex], 0, &added) == NULL
+        || pbwq__set_add(scratch, &scratch->other, vertex, 0, &added) == NULL
+        || !pbwq__room(scratch, &scratch->list, &scratch->list_room, 64, sizeof(pbw_index))) {
         return;
     }
-    desk->list[0] = mesh->incident[vertex];          /* simplices at even places, neighbours at odd ones */
+    scratch->list[0] = mesh->incident[vertex];          /* simplices at even places, neighbours at odd ones */
     for (next = 0; next < met; next++) {
-        const size_t t = desk->list[2 * next];
+        const size_t t = scratch->list[2 * next];
         const pbw_index *v = mesh->simplices + t * corners;
-        if (!pbw__room(desk, &desk->list, &desk->list_room, 2 * (met + count) + 16, sizeof(pbw_index))) {
+        if (!pbwq__room(scratch, &scratch->list, &scratch->list_room, 2 * (met + count) + 16, sizeof(pbw_index))) {
             return;
         }
         for (k = 0; k < corners; k++) {
             const pbw_index s = mesh->neighbors[t * corners + k];
-            if (pbw__set_add(desk, &desk->other, v[k], 0, &added) == NULL) {
+            if (pbwq__set_add(scratch, &scratch->other, v[k], 0, &added) == NULL) {
                 return;
             }
             if (added) {
-                desk->list[2 * count++ + 1] = v[k];
+                scratch->list[2 * count++ + 1] = v[k];
             }
             if (v[k] != vertex && s != PBW_NONE) {
-                if (pbw__set_add(desk, &desk->seen, s, 0, &added) == NULL) {
+                if (pbwq__set_add(scratch, &scratch->seen, s, 0, &added) == NULL) {
                     return;
                 }
                 if (added) {
-                    desk->list[2 * met++] = s;
+                    scratch->list[2 * met++] = s;
                 }
             }
         }
     }
-    items = pbw__chunk_add(queries, desk, block, vertex, count, NULL);
+    items = pbwq__chunk_add(queries, scratch, block, vertex, count, NULL);
     for (k = 0; k < count && items != NULL; k++) {
-        items[k] = desk->list[2 * k + 1];
+        items[k] = scratch->list[2 * k + 1];
     }
 }
 
 /* Makes the stars of the vertices with incident simplices in this range: this follows the curve. */
-static void pbw__stars_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+static void pbwq__stars_block(pbwq__queries *queries, pbwq__scratch *scratch, size_t block, size_t from, size_t to)
 {
     const pbw_mesh *mesh = queries->mesh;
     const size_t corners = (size_t)mesh->dim + 1;
     size_t i;
-    for (i = from * corners; i < to * corners && !desk->failed; i++) {
+    for (i = from * corners; i < to * corners && !scratch->failed; i++) {
         if (mesh->incident[mesh->simplices[i]] == i / corners) {
-            pbw__star_of(queries, desk, block, mesh->simplices[i]);
+            pbwq__star_of(queries, scratch, block, mesh->simplices[i]);
         }
     }
 }
 
 PBWDEF pbw_status pbw_stars(const pbw_mesh *mesh, const pbw_options *options, pbw_lists *stars)
 {
-    pbw__queries queries;
+    pbwq__queries queries;
     pbw_status status;
     if (stars == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
     memset(stars, 0, sizeof(*stars));
-    status = pbw__queries_start(&queries, mesh, NULL, 0, options);
+    status = pbwq__queries_start(&queries, mesh, NULL, 0, options);
     if (status == PBW_OK) {
-        status = pbw__make_lists(&queries, pbw__stars_block, mesh->simplex_count, 4096, mesh->point_count, stars);
+        status = pbwq__make_lists(&queries, pbwq__stars_block, mesh->simplex_count, 4096, mesh->point_count, stars);
     }
-    return pbw__lists_end(&queries, status, stars);
+    return pbwq__lists_end(&queries, status, stars);
 }
 
-/* ---- searches: the result is in desk->reach */
+/* ---- searches: the result is in scratch->found */
 /* Steps from *best to nearer neighbours until it is a nearest vertex.  Returns whether a neighbour is as near.
-   Without weights computed squares mostly decide, see pbw__reach_limit; otherwise all neighbours are compared
+   Without weights computed squares mostly decide, see pbwq__square_limit; otherwise all neighbours are compared
    exactly. */
-PBW__INLINE int pbw__descend_of(const pbw__queries *queries, int dim, const double *q, pbw__reach *best)
+PBW__INLINE int pbwq__descend_of(const pbwq__queries *queries, int dim, const double *q, pbwq__candidate *best)
 {
     const pbw_mesh *mesh = queries->mesh;
     const size_t *first = queries->stars->first;
@@ -1411,11 +1412,11 @@ PBW__INLINE int pbw__descend_of(const pbw__queries *queries, int dim, const doub
                 at = squared < least ? item[j] : at;
                 least = squared < least ? squared : least;
             }
-            if (least > pbw__reach_limit(best) && least < HUGE_VAL) {
+            if (least > pbwq__square_limit(best) && least < HUGE_VAL) {
                 return 0;
             }
             if (least < best->squared - 3.0 * best->slack) {
-                *best = pbw__reach_to(mesh, dim, q, at);
+                *best = pbwq__candidate_at(mesh, dim, q, at);
                 continue;
             }
             if (best->slack == 0.0 && least == best->squared) {
@@ -1423,10 +1424,10 @@ PBW__INLINE int pbw__descend_of(const pbw__queries *queries, int dim, const doub
             }
         }
         for (; i < end; i++) {
-            pbw__reach other = pbw__reach_to(mesh, dim, q, item[i]);
+            pbwq__candidate other = pbwq__candidate_at(mesh, dim, q, item[i]);
             const double gap = other.squared - best->squared, slack = other.slack + best->slack;
             if (PBW__UNLIKELY(!(gap > slack))) {
-                const int order = pbw__reach_order(mesh, q, &other, best);
+                const int order = pbwq__compare(mesh, q, &other, best);
                 equal |= order == 0;
                 *best = order < 0 ? other : *best;
             }
@@ -1437,68 +1438,69 @@ PBW__INLINE int pbw__descend_of(const pbw__queries *queries, int dim, const doub
     }
 }
 
-/* Adds a vertex to desk->seen.  Returns whether it is new there; 0 too if memory is short. */
-PBW__INLINE int pbw__is_new(pbw__desk *desk, pbw_index vertex)
+/* Adds a vertex to scratch->seen.  Returns whether it is new there; 0 too if memory is short. */
+PBW__INLINE int pbwq__is_new(pbwq__scratch *scratch, pbw_index vertex)
 {
     int added = 0;
-    return pbw__set_add(desk, &desk->seen, vertex, 0, &added) != NULL && added;
+    return pbwq__set_add(scratch, &scratch->seen, vertex, 0, &added) != NULL && added;
 }
 
-static void pbw__reach_push(const pbw_mesh *mesh, pbw__desk *desk, const double *q, const pbw__reach *reach)
+static void pbwq__heap_push(const pbw_mesh *mesh, pbwq__scratch *scratch, const double *q,
+                            const pbwq__candidate *candidate)
 {
-    size_t at = desk->reach_count;
-    if (!pbw__room(desk, &desk->reach, &desk->reach_room, at + 1, sizeof(pbw__reach))) {
+    size_t at = scratch->found_count;
+    if (!pbwq__room(scratch, &scratch->found, &scratch->found_room, at + 1, sizeof(pbwq__candidate))) {
         return;
     }
-    for (; at > 0 && pbw__reach_before(mesh, q, reach, desk->reach + (at - 1) / 2); at = (at - 1) / 2) {
-        desk->reach[at] = desk->reach[(at - 1) / 2];
+    for (; at > 0 && pbwq__comes_before(mesh, q, candidate, scratch->found + (at - 1) / 2); at = (at - 1) / 2) {
+        scratch->found[at] = scratch->found[(at - 1) / 2];
     }
-    desk->reach[at] = *reach;
-    desk->reach_count++;
+    scratch->found[at] = *candidate;
+    scratch->found_count++;
 }
 
 /* Removes and returns the nearest of a heap that is not empty. */
-static pbw__reach pbw__reach_pop(const pbw_mesh *mesh, pbw__desk *desk, const double *q)
+static pbwq__candidate pbwq__heap_pop(const pbw_mesh *mesh, pbwq__scratch *scratch, const double *q)
 {
-    const pbw__reach first = desk->reach[0], moving = desk->reach[--desk->reach_count];
+    const pbwq__candidate first = scratch->found[0], moving = scratch->found[--scratch->found_count];
     size_t at = 0, child;
-    while ((child = 2 * at + 1) < desk->reach_count) {
-        child += child + 1 < desk->reach_count
-              && pbw__reach_before(mesh, q, desk->reach + child + 1, desk->reach + child);
-        if (!pbw__reach_before(mesh, q, desk->reach + child, &moving)) {
+    while ((child = 2 * at + 1) < scratch->found_count) {
+        child += child + 1 < scratch->found_count
+              && pbwq__comes_before(mesh, q, scratch->found + child + 1, scratch->found + child);
+        if (!pbwq__comes_before(mesh, q, scratch->found + child, &moving)) {
             break;
         }
-        desk->reach[at] = desk->reach[child];
+        scratch->found[at] = scratch->found[child];
         at = child;
     }
-    desk->reach[at] = moving;
+    scratch->found[at] = moving;
     return first;
 }
 
 /* Puts `start` and the vertices connected to it into the heap: radius < 0: through vertices as near as it; else
    through vertices within the radius. */
-static void pbw__flood(pbw__queries *queries, pbw__desk *desk, const double *q, const pbw__reach *start,
-                       double radius)
+static void pbwq__flood(pbwq__queries *queries, pbwq__scratch *scratch, const double *q, const pbwq__candidate *start,
+                        double radius)
 {
     const pbw_mesh *mesh = queries->mesh;
     const size_t *first = queries->stars->first;
     size_t next, count = 1, i;
-    if (!pbw__set_clear(desk, &desk->seen) || !pbw__is_new(desk, start->vertex)
-        || !pbw__room(desk, &desk->list, &desk->list_room, 1, sizeof(pbw_index))) {
+    if (!pbwq__set_clear(scratch, &scratch->seen) || !pbwq__is_new(scratch, start->vertex)
+        || !pbwq__room(scratch, &scratch->list, &scratch->list_room, 1, sizeof(pbw_index))) {
         return;
     }
-    desk->list[0] = start->vertex;
-    pbw__reach_push(mesh, desk, q, start);
-    for (next = 0; next < count && !desk->failed; next++) {
-        for (i = first[desk->list[next]]; i < first[desk->list[next] + (size_t)1] && !desk->failed; i++) {
+    scratch->list[0] = start->vertex;
+    pbwq__heap_push(mesh, scratch, q, start);
+    for (next = 0; next < count && !scratch->failed; next++) {
+        for (i = first[scratch->list[next]]; i < first[scratch->list[next] + (size_t)1] && !scratch->failed; i++) {
             const pbw_index vertex = queries->stars->item[i];
-            const pbw__reach reach = pbw__reach_to(mesh, mesh->dim, q, vertex);
-            if ((radius < 0.0 ? pbw__reach_order(mesh, q, &reach, start) == 0
-                              : pbw__reach_within(mesh, q, &reach, radius))
-                && pbw__is_new(desk, vertex)
-                && pbw__room(desk, &desk->list, &desk->list_room, count + 1, sizeof(pbw_index))) {
-                desk->list[count++] = vertex;
-                pbw__reach_push(mesh, desk, q, &reach);
+            const pbwq__candidate candidate = pbwq__candidate_at(mesh, mesh->dim, q, vertex);
+            if ((radius < 0.0 ? pbwq__compare(mesh, q, &candidate, start) == 0
+                              : pbwq__is_within(mesh, q, &candidate, radius))
+                && pbwq__is_new(scratch, vertex)
+                && pbwq__room(scratch, &scratch->list, &scratch->list_room, count + 1, sizeof(pbw_index))) {
+                scratch->list[count++] = vertex;
+                pbwq__heap_push(mesh, scratch, q, &candidate);
             }
         }
         if (next % 4096 == 4095 && pbw__report(&queries->context, 0.0)) {
@@ -1509,121 +1511,125 @@ static void pbw__flood(pbw__queries *queries, pbw__desk *desk, const double *q, 
 
 /* Moves the entry at a place of the list past others that are nearly as near, to its place in exact order.  Returns
    that place. */
-static PBW__NOINLINE size_t pbw__near_settle(const pbw_mesh *mesh, pbw__desk *desk, const double *q, size_t at)
+static PBW__NOINLINE size_t pbwq__near_settle(const pbw_mesh *mesh, pbwq__scratch *scratch, const double *q,
+                                              size_t at)
 {
-    pbw__reach *list = desk->reach;
-    const pbw__reach moving = list[at];
-    for (; at > 0 && pbw__reach_before(mesh, q, &moving, list + at - 1); at--) {
+    pbwq__candidate *list = scratch->found;
+    const pbwq__candidate moving = list[at];
+    for (; at > 0 && pbwq__comes_before(mesh, q, &moving, list + at - 1); at--) {
         list[at] = list[at - 1];
     }
-    for (; at < desk->reach_count && pbw__reach_before(mesh, q, list + at + 1, &moving); at++) {
+    for (; at < scratch->found_count && pbwq__comes_before(mesh, q, list + at + 1, &moving); at++) {
         list[at] = list[at + 1];
     }
     list[at] = moving;
     return at;
 }
 
-/* Inserts a vertex that is not in desk->reach into the list there, at most `most` vertices in exact order, with room
-   for one more.  Returns its place, `most` if it is too far.  It is put behind the last square that is not larger.
+/* Inserts a vertex that is not in scratch->found into the list there: `most` vertices at most, in exact order, and
+   room for one more.  Returns its place, `most` if it is too far.  It comes behind the last square not larger.
    If both squares next to it differ from its own by more than the slacks, this place is exact, as all others lie
-   beyond these two; otherwise pbw__near_settle moves it. */
-PBW__INLINE size_t pbw__offer_near(const pbw_mesh *mesh, pbw__desk *desk, const double *q, const pbw__reach *reach,
-                                   size_t most)
+   beyond these two; otherwise pbwq__near_settle moves it. */
+PBW__INLINE size_t pbwq__offer_near(const pbw_mesh *mesh, pbwq__scratch *scratch, const double *q,
+                                    const pbwq__candidate *candidate, size_t most)
 {
-    pbw__reach *list = desk->reach;
-    const size_t count = desk->reach_count;
+    pbwq__candidate *list = scratch->found;
+    const size_t count = scratch->found_count;
     size_t at = count;
-    for (; at > 0 && (list[at - 1].squared > reach->squared
-                      || (list[at - 1].squared == reach->squared && list[at - 1].vertex > reach->vertex)); at--) {
+    for (; at > 0 && (list[at - 1].squared > candidate->squared
+                      || (list[at - 1].squared == candidate->squared
+                          && list[at - 1].vertex > candidate->vertex)); at--) {
         list[at] = list[at - 1];
     }
-    list[at] = *reach;
-    if (PBW__UNLIKELY((at > 0 && !(reach->squared - list[at - 1].squared > reach->slack + list[at - 1].slack))
-                      || (at < count && !(list[at + 1].squared - reach->squared > reach->slack + list[at + 1].slack)))
-        && !(reach->slack == 0.0)) {
-        at = pbw__near_settle(mesh, desk, q, at);
+    list[at] = *candidate;
+    if (PBW__UNLIKELY((at > 0 && !(candidate->squared - list[at - 1].squared > candidate->slack + list[at - 1].slack))
+                      || (at < count
+                          && !(list[at + 1].squared - candidate->squared > candidate->slack + list[at + 1].slack)))
+        && !(candidate->slack == 0.0)) {
+        at = pbwq__near_settle(mesh, scratch, q, at);
     }
-    desk->reach_count += count < most;
+    scratch->found_count += count < most;
     return at;
 }
 
 /* Returns a limit: vertices with larger squares are not among the k nearest.  With weights there is none. */
-PBW__INLINE double pbw__near_limit(const pbw__queries *queries, const pbw__desk *desk)
+PBW__INLINE double pbwq__near_limit(const pbwq__queries *queries, const pbwq__scratch *scratch)
 {
-    return queries->mesh->weights == NULL && desk->reach_count == queries->k
-         ? pbw__reach_limit(desk->reach + queries->k - 1) : HUGE_VAL;
+    return queries->mesh->weights == NULL && scratch->found_count == queries->k
+         ? pbwq__square_limit(scratch->found + queries->k - 1) : HUGE_VAL;
 }
 
-/* Completes the k <= PBW__NEAR_LIST nearest in desk->reach by the neighbours of those that are in it. */
-PBW__INLINE void pbw__near_few(pbw__queries *queries, pbw__desk *desk, const double *q, int dim)
+/* Completes the k <= PBWQ__NEAR_LIST nearest in scratch->found by the neighbours of those that are in it. */
+PBW__INLINE void pbwq__near_few(pbwq__queries *queries, pbwq__scratch *scratch, const double *q, int dim)
 {
     const pbw_mesh *mesh = queries->mesh;
     const size_t *first = queries->stars->first, k = queries->k;
     size_t next = 0, i;
-    while (next < desk->reach_count && next + 1 < k) {
+    while (next < scratch->found_count && next + 1 < k) {
         size_t least = next + 1, j;
-        const pbw_index vertex = desk->reach[next].vertex;
+        const pbw_index vertex = scratch->found[next].vertex;
         double limit;
-        if (desk->reach[next].done) {
+        if (scratch->found[next].done) {
             next++;
             continue;
         }
-        desk->reach[next].done = 1;
-        limit = pbw__near_limit(queries, desk);
+        scratch->found[next].done = 1;
+        limit = pbwq__near_limit(queries, scratch);
         for (i = first[vertex]; i < first[vertex + (size_t)1]; i++) {
             const pbw_index other = queries->stars->item[i];
             const double squared = pbw__squared(mesh->points + other * (size_t)dim, q, dim);
             if (squared > limit) {
                 continue;
             }
-            for (j = 0; j < desk->reach_count && desk->reach[j].vertex != other; j++) {
+            for (j = 0; j < scratch->found_count && scratch->found[j].vertex != other; j++) {
             }
-            if (j == desk->reach_count) {
-                const pbw__reach reach = pbw__reach_of(mesh, q, squared, other);
-                j = pbw__offer_near(mesh, desk, q, &reach, k);
+            if (j == scratch->found_count) {
+                const pbwq__candidate candidate = pbwq__candidate_of(mesh, q, squared, other);
+                j = pbwq__offer_near(mesh, scratch, q, &candidate, k);
                 least = j < least ? j : least;
-                limit = pbw__near_limit(queries, desk);
+                limit = pbwq__near_limit(queries, scratch);
             }
         }
         next = least;
     }
 }
 
-static void pbw__give_near(pbw__queries *queries, const double *q, size_t query, size_t at, const pbw__reach *reach)
+static void pbwq__write_near(pbwq__queries *queries, const double *q, size_t query, size_t at,
+                             const pbwq__candidate *candidate)
 {
     const size_t place = query * queries->k + at;
-    queries->vertices[place] = reach != NULL ? reach->vertex : PBW_NONE;
+    queries->vertices[place] = candidate != NULL ? candidate->vertex : PBW_NONE;
     if (queries->distances != NULL) {
-        queries->distances[place] = reach != NULL ? pbw__reach_distance(queries->mesh, q, reach) : HUGE_VAL;
+        queries->distances[place] = candidate != NULL ? pbwq__distance_of(queries->mesh, q, candidate) : HUGE_VAL;
     }
 }
 
-/* Writes the k <= PBW__NEAR_LIST nearest, which desk->reach has in order, to the caller's arrays. */
-static void pbw__give_list(pbw__queries *queries, const pbw__desk *desk, const double *q, size_t query)
+/* Writes the k <= PBWQ__NEAR_LIST nearest, which scratch->found has in order, to the caller's arrays. */
+static void pbwq__write_list(pbwq__queries *queries, const pbwq__scratch *scratch, const double *q, size_t query)
 {
     size_t at;
     for (at = 0; at < queries->k; at++) {
-        pbw__give_near(queries, q, query, at, at < desk->reach_count ? desk->reach + at : NULL);
+        pbwq__write_near(queries, q, query, at, at < scratch->found_count ? scratch->found + at : NULL);
     }
 }
 
 /* Writes the k nearest, in order: the heap holds the nearest ones at first, and gets the neighbours of each vertex
    that leaves it. */
-static void pbw__near_many(pbw__queries *queries, pbw__desk *desk, const double *q, size_t query)
+static void pbwq__near_many(pbwq__queries *queries, pbwq__scratch *scratch, const double *q, size_t query)
 {
     const pbw_mesh *mesh = queries->mesh;
     const size_t *first = queries->stars->first;
     size_t at, i;
-    for (at = 0; at < queries->k && !desk->failed; at++) {
-        if (desk->reach_count == 0) {
-            pbw__give_near(queries, q, query, at, NULL);
+    for (at = 0; at < queries->k && !scratch->failed; at++) {
+        if (scratch->found_count == 0) {
+            pbwq__write_near(queries, q, query, at, NULL);
         } else {
-            const pbw__reach best = pbw__reach_pop(mesh, desk, q);
-            pbw__give_near(queries, q, query, at, &best);
+            const pbwq__candidate best = pbwq__heap_pop(mesh, scratch, q);
+            pbwq__write_near(queries, q, query, at, &best);
             for (i = first[best.vertex]; i < first[best.vertex + (size_t)1]; i++) {
-                if (pbw__is_new(desk, queries->stars->item[i])) {
-                    const pbw__reach reach = pbw__reach_to(mesh, mesh->dim, q, queries->stars->item[i]);
-                    pbw__reach_push(mesh, desk, q, &reach);
+                if (pbwq__is_new(scratch, queries->stars->item[i])) {
+                    const pbwq__candidate candidate = pbwq__candidate_at(mesh, mesh->dim, q, queries->stars->item[i]);
+                    pbwq__heap_push(mesh, scratch, q, &candidate);
                 }
             }
         }
@@ -1633,35 +1639,35 @@ static void pbw__near_many(pbw__queries *queries, pbw__desk *desk, const double 
     }
 }
 
-/* Sets *start to the lowest of the vertices as near as it.  Returns 0 if these are more than PBW__NEAR_LIST. */
-PBW__INLINE int pbw__lowest_of_few(const pbw__queries *queries, const double *q, pbw__reach *start, int dim)
+/* Sets *start to the lowest of the vertices as near as it.  Returns 0 if these are more than PBWQ__NEAR_LIST. */
+PBW__INLINE int pbwq__lowest_of_few(const pbwq__queries *queries, const double *q, pbwq__candidate *start, int dim)
 {
     const pbw_mesh *mesh = queries->mesh;
     const pbw_lists *stars = queries->stars;
-    const double limit = mesh->weights == NULL ? pbw__reach_limit(start) : HUGE_VAL;
-    pbw_index list[PBW__NEAR_LIST], near_ones[PBW__NEAR_LIST];
+    const double limit = mesh->weights == NULL ? pbwq__square_limit(start) : HUGE_VAL;
+    pbw_index list[PBWQ__NEAR_LIST], near_ones[PBWQ__NEAR_LIST];
     size_t count = 1, next, i, j;
     list[0] = start->vertex;
     for (next = 0; next < count; next++) {
         const size_t end = stars->first[list[next] + (size_t)1];
         for (i = stars->first[list[next]]; i < end; ) {
-            const size_t stop = end - i < PBW__NEAR_LIST ? end : i + PBW__NEAR_LIST;
+            const size_t stop = end - i < PBWQ__NEAR_LIST ? end : i + PBWQ__NEAR_LIST;
             size_t found = 0;
             for (; i < stop; i++) {                  /* branchless: unpredictable */
                 near_ones[found] = stars->item[i];
                 found += pbw__squared(mesh->points + stars->item[i] * (size_t)dim, q, dim) <= limit;
             }
             while (found-- > 0) {
-                const pbw__reach reach = pbw__reach_to(mesh, dim, q, near_ones[found]);
-                for (j = 0; j < count && list[j] != reach.vertex; j++) {
+                const pbwq__candidate candidate = pbwq__candidate_at(mesh, dim, q, near_ones[found]);
+                for (j = 0; j < count && list[j] != candidate.vertex; j++) {
                 }
-                if (j < count || pbw__reach_order(mesh, q, &reach, start) != 0) {
+                if (j < count || pbwq__compare(mesh, q, &candidate, start) != 0) {
                     continue;
                 }
-                if (count == PBW__NEAR_LIST) {
+                if (count == PBWQ__NEAR_LIST) {
                     return 0;
                 }
-                list[count++] = reach.vertex;
+                list[count++] = candidate.vertex;
             }
         }
     }
@@ -1672,56 +1678,56 @@ PBW__INLINE int pbw__lowest_of_few(const pbw__queries *queries, const double *q,
 }
 
 /* Answers one query, given a nearest vertex; equal: others are as near. */
-static void pbw__near_one(pbw__queries *queries, pbw__desk *desk, const double *q, size_t query,
-                          const pbw__reach *best, int equal)
+static void pbwq__near_one(pbwq__queries *queries, pbwq__scratch *scratch, const double *q, size_t query,
+                           const pbwq__candidate *best, int equal)
 {
     const pbw_mesh *mesh = queries->mesh;
-    pbw__reach lowest[PBW__NEAR_LIST];
+    pbwq__candidate lowest[PBWQ__NEAR_LIST];
     size_t count = 1;
     lowest[0] = *best;
     if (equal && queries->k == 1) {
-        equal = !PBW__BY_DIM(mesh->dim, pbw__lowest_of_few, queries, q, lowest);
+        equal = !PBW__BY_DIM(mesh->dim, pbwq__lowest_of_few, queries, q, lowest);
     }
-    if (equal || queries->k > PBW__NEAR_LIST) {
-        pbw__flood(queries, desk, q, best, -1.0);
-        if (queries->k > PBW__NEAR_LIST) {
-            pbw__near_many(queries, desk, q, query);
+    if (equal || queries->k > PBWQ__NEAR_LIST) {
+        pbwq__flood(queries, scratch, q, best, -1.0);
+        if (queries->k > PBWQ__NEAR_LIST) {
+            pbwq__near_many(queries, scratch, q, query);
             return;
         }
-        for (count = 0; count < queries->k && desk->reach_count > 0; count++) {
-            lowest[count] = pbw__reach_pop(mesh, desk, q);
+        for (count = 0; count < queries->k && scratch->found_count > 0; count++) {
+            lowest[count] = pbwq__heap_pop(mesh, scratch, q);
         }
     }
-    if (pbw__room(desk, &desk->reach, &desk->reach_room, PBW__NEAR_LIST + 1, sizeof(pbw__reach))) {
-        memcpy(desk->reach, lowest, count * sizeof(lowest[0]));
-        desk->reach_count = count;
-        PBW__BY_DIM(mesh->dim, pbw__near_few, queries, desk, q);
-        pbw__give_list(queries, desk, q, query);
+    if (pbwq__room(scratch, &scratch->found, &scratch->found_room, PBWQ__NEAR_LIST + 1, sizeof(pbwq__candidate))) {
+        memcpy(scratch->found, lowest, count * sizeof(lowest[0]));
+        scratch->found_count = count;
+        PBW__BY_DIM(mesh->dim, pbwq__near_few, queries, scratch, q);
+        pbwq__write_list(queries, scratch, q, query);
     }
 }
 
 /* Without simplices: puts all canonical points, or those within a radius >= 0, into the heap. */
-static void pbw__push_all(pbw__queries *queries, pbw__desk *desk, const double *q, double radius)
+static void pbwq__push_all(pbwq__queries *queries, pbwq__scratch *scratch, const double *q, double radius)
 {
     const pbw_mesh *mesh = queries->mesh;
     size_t v;
-    for (v = 0; v < mesh->point_count && !desk->failed; v++) {
-        const pbw__reach reach = pbw__reach_to(mesh, mesh->dim, q, (pbw_index)v);
+    for (v = 0; v < mesh->point_count && !scratch->failed; v++) {
+        const pbwq__candidate candidate = pbwq__candidate_at(mesh, mesh->dim, q, (pbw_index)v);
         if (v % PBW__TICK == 0 && pbw__report(&queries->context, 0.0)) {
             return;
         }
-        if (mesh->canonical[v] == v && (radius < 0.0 || pbw__reach_within(mesh, q, &reach, radius))) {
-            pbw__reach_push(mesh, desk, q, &reach);
+        if (mesh->canonical[v] == v && (radius < 0.0 || pbwq__is_within(mesh, q, &candidate, radius))) {
+            pbwq__heap_push(mesh, scratch, q, &candidate);
         }
     }
 }
 
 /* Reads the query at a place along the curve, and sets q[3], the relative error of squares. */
-PBW__INLINE void pbw__query_at(const pbw__queries *queries, size_t place, double *q)
+PBW__INLINE void pbwq__query_at(const pbwq__queries *queries, size_t place, double *q)
 {
     const double large = queries->large, limit = large / 805306368.0;        /* 2^23 units */
     int fits = large > 0.0, k;
-    pbw__fetch(&queries->input, pbw__query_index(queries, place), q);
+    pbw__fetch(&queries->input, pbwq__query_of(queries, place), q);
     for (k = 0; k < 3; k++) {
         fits &= (pbw__abs(q[k]) <= limit) & ((large + q[k]) - large == q[k]);
     }
@@ -1730,76 +1736,76 @@ PBW__INLINE void pbw__query_at(const pbw__queries *queries, size_t place, double
 
 /* Sets *best to a nearest vertex of q, by steps from *best, or at the start of a block from a guess.  Returns whether
    another vertex is as near. */
-static int pbw__query_descend(const pbw__queries *queries, int start, const double *q, pbw__reach *best)
+static int pbwq__query_descend(const pbwq__queries *queries, int start, const double *q, pbwq__candidate *best)
 {
     const pbw_mesh *mesh = queries->mesh;
-    *best = pbw__reach_to(mesh, mesh->dim, q, start ? pbw__guess(mesh, q) : best->vertex);
-    return mesh->dim == 3 ? pbw__descend_of(queries, 3, q, best) : pbw__descend_of(queries, 2, q, best);
+    *best = pbwq__candidate_at(mesh, mesh->dim, q, start ? pbwq__start_vertex(mesh, q) : best->vertex);
+    return mesh->dim == 3 ? pbwq__descend_of(queries, 3, q, best) : pbwq__descend_of(queries, 2, q, best);
 }
 
-static void pbw__nearest_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+static void pbwq__nearest_block(pbwq__queries *queries, pbwq__scratch *scratch, size_t block, size_t from, size_t to)
 {
-    pbw__reach best;
+    pbwq__candidate best;
     double q[4];
     size_t i;
     (void)block;
     memset(&best, 0, sizeof(best));
-    for (i = from; i < to && !desk->failed; i++) {
-        const size_t query = pbw__query_index(queries, i);
-        pbw__query_at(queries, i, q);
-        desk->reach_count = 0;
+    for (i = from; i < to && !scratch->failed; i++) {
+        const size_t query = pbwq__query_of(queries, i);
+        pbwq__query_at(queries, i, q);
+        scratch->found_count = 0;
         if (queries->mesh->simplex_count == 0) {
-            pbw__push_all(queries, desk, q, -1.0);
-            pbw__near_many(queries, desk, q, query);
+            pbwq__push_all(queries, scratch, q, -1.0);
+            pbwq__near_many(queries, scratch, q, query);
         } else {
-            const int equal = pbw__query_descend(queries, i == from, q, &best);
-            pbw__near_one(queries, desk, q, query, &best, equal);
+            const int equal = pbwq__query_descend(queries, i == from, q, &best);
+            pbwq__near_one(queries, scratch, q, query, &best, equal);
         }
     }
 }
 
 /* Returns whether these may be the stars of the mesh.  NULL may: we make them. */
-PBW__INLINE int pbw__fits(const pbw_mesh *mesh, const pbw_lists *stars)
+PBW__INLINE int pbwq__fits(const pbw_mesh *mesh, const pbw_lists *stars)
 {
     return stars == NULL || mesh == NULL || (stars->count == mesh->point_count && stars->first != NULL);
 }
 
 /* Uses the caller's stars, or makes the stars of the mesh. */
-static pbw_status pbw__take_stars(pbw__queries *queries, const pbw_lists *stars)
+static pbw_status pbwq__take_stars(pbwq__queries *queries, const pbw_lists *stars)
 {
     const pbw_mesh *mesh = queries->mesh;
     queries->stars = stars != NULL ? stars : &queries->own_stars;
     return stars != NULL ? PBW_OK
-         : pbw__make_lists(queries, pbw__stars_block, mesh->simplex_count, 4096, mesh->point_count,
-                           &queries->own_stars);
+         : pbwq__make_lists(queries, pbwq__stars_block, mesh->simplex_count, 4096, mesh->point_count,
+                            &queries->own_stars);
 }
 
-static void pbw__within_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+static void pbwq__within_block(pbwq__queries *queries, pbwq__scratch *scratch, size_t block, size_t from, size_t to)
 {
     const pbw_mesh *mesh = queries->mesh;
-    pbw__reach best;
+    pbwq__candidate best;
     double q[4], *values;
     pbw_index *items;
     size_t i, k, count;
     memset(&best, 0, sizeof(best));
-    for (i = from; i < to && !desk->failed; i++) {
-        pbw__query_at(queries, i, q);
-        desk->reach_count = 0;
+    for (i = from; i < to && !scratch->failed; i++) {
+        pbwq__query_at(queries, i, q);
+        scratch->found_count = 0;
         if (mesh->simplex_count == 0) {
-            pbw__push_all(queries, desk, q, queries->radius);
+            pbwq__push_all(queries, scratch, q, queries->radius);
         } else {
-            (void)pbw__query_descend(queries, i == from, q, &best);
-            if (pbw__reach_within(mesh, q, &best, queries->radius)) {
-                pbw__flood(queries, desk, q, &best, queries->radius);
+            (void)pbwq__query_descend(queries, i == from, q, &best);
+            if (pbwq__is_within(mesh, q, &best, queries->radius)) {
+                pbwq__flood(queries, scratch, q, &best, queries->radius);
             }
         }
-        count = desk->reach_count;
-        items = desk->failed ? NULL
-              : pbw__chunk_add(queries, desk, block, pbw__query_index(queries, i), count, &values);
+        count = scratch->found_count;
+        items = scratch->failed ? NULL
+              : pbwq__chunk_add(queries, scratch, block, pbwq__query_of(queries, i), count, &values);
         for (k = 0; k < count && items != NULL; k++) {
-            const pbw__reach reach = pbw__reach_pop(mesh, desk, q);
-            items[k] = reach.vertex;
-            values[k] = pbw__reach_distance(mesh, q, &reach);
+            const pbwq__candidate candidate = pbwq__heap_pop(mesh, scratch, q);
+            items[k] = candidate.vertex;
+            values[k] = pbwq__distance_of(mesh, q, &candidate);
         }
         if (pbw__report(&queries->context, 0.0)) {
             return;
@@ -1810,30 +1816,30 @@ static void pbw__within_block(pbw__queries *queries, pbw__desk *desk, size_t blo
 PBWDEF pbw_status pbw_within(const pbw_mesh *mesh, const pbw_lists *stars, const double *points, size_t count,
                              double radius, const pbw_options *options, pbw_lists *lists)
 {
-    pbw__queries queries;
+    pbwq__queries queries;
     pbw_status status;
     if (lists == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
     memset(lists, 0, sizeof(*lists));
-    if (!(radius >= 0.0 && radius <= DBL_MAX) || !pbw__fits(mesh, stars)) {
+    if (!(radius >= 0.0 && radius <= DBL_MAX) || !pbwq__fits(mesh, stars)) {
         return PBW_ERROR_ARGUMENT;
     }
-    status = pbw__queries_start(&queries, mesh, points, count, options);
-    status = status == PBW_OK ? pbw__take_stars(&queries, stars) : status;
+    status = pbwq__queries_start(&queries, mesh, points, count, options);
+    status = status == PBW_OK ? pbwq__take_stars(&queries, stars) : status;
     if (status == PBW_OK) {
         queries.radius = radius;
         queries.with_values = 1;
-        status = pbw__make_lists(&queries, pbw__within_block, count, PBW__BLOCK_QUERIES, count, lists);
+        status = pbwq__make_lists(&queries, pbwq__within_block, count, PBWQ__BLOCK_QUERIES, count, lists);
     }
-    return pbw__lists_end(&queries, status, lists);
+    return pbwq__lists_end(&queries, status, lists);
 }
 /* ------------------------------------------------------------------------------------------------------
    >>boxes        Many nearest vertices, by a tree of boxes.
    In: a mesh, queries.  Out: for each query the k nearest vertices in exact order.
-   Holds: a box is skipped only if all vertices in it are farther than the k nearest so far: pbw__reach_limit applies
-   to the square of the box's distance too, which is computed by the operations of pbw__squared and exceeds that of no
-   vertex in it.
+   Holds: a box is skipped only if all vertices in it are farther than the k nearest so far: pbwq__square_limit
+   applies to the square of the box's distance too, which is computed by the operations of pbw__squared and exceeds
+   that of no vertex in it.
 
    Eight successive vertices on the curve are a leaf, eight leaves a node, eight nodes a node of the next level.  The
    numbers to compare with a query are contiguous, eight for each axis: no gather, no branch.  The last answer bounds
@@ -1841,78 +1847,79 @@ PBWDEF pbw_status pbw_within(const pbw_mesh *mesh, const pbw_lists *stars, const
    searches the mesh itself, with the same answers.
    ------------------------------------------------------------------------------------------------------ */
 #ifdef PBW__SIMD
-#define PBW__BRANCH 8
-#define PBW__TREE_LEVELS 11                          /* 8^11 leaves: more than there can be */
+#define PBWQ__BRANCH 8
+#define PBWQ__TREE_LEVELS 11                          /* 8^11 leaves: more than there can be */
 
-struct pbw__tree {
+struct pbwq__tree {
     size_t count, groups;                            /* vertices; groups of eight nodes */
     int top;                                         /* the level that is one group; leaves are level 0 */
-    size_t nodes[PBW__TREE_LEVELS], first[PBW__TREE_LEVELS];     /* per level: its nodes, its first group */
+    size_t nodes[PBWQ__TREE_LEVELS], first[PBWQ__TREE_LEVELS];     /* per level: its nodes, its first group */
     pbw_index *vertex;                               /* along the curve */
     double *coordinate;                              /* per leaf and axis, eight */
     double *box;                                     /* per group and axis, eight low ends, then eight high ends */
 };
 
 /* A node, or a leaf at level 0, and the squared distance of its box. */
-typedef struct pbw__branch { double squared; size_t node; int level; } pbw__branch;
+typedef struct pbwq__branch { double squared; size_t node; int level; } pbwq__branch;
 
 /* Returns where the low end of a node's box on the first axis is.  The high end is 8 entries further on, the low end
    on the next axis 16. */
-PBW__INLINE double *pbw__tree_box(const pbw__tree *tree, int dim, int level, size_t node)
+PBW__INLINE double *pbwq__tree_box(const pbwq__tree *tree, int dim, int level, size_t node)
 {
-    return tree->box + (tree->first[level] + node / PBW__BRANCH) * 2 * PBW__BRANCH * (size_t)dim + node % PBW__BRANCH;
+    return tree->box + (tree->first[level] + node / PBWQ__BRANCH) * 2 * PBWQ__BRANCH * (size_t)dim
+         + node % PBWQ__BRANCH;
 }
 
 /* Sets the ends of a box on one axis to the least of `count` low ends and the largest of the high ends. */
-PBW__INLINE void pbw__plant_ends(double *end, const double *low, const double *high, size_t count)
+PBW__INLINE void pbwq__tree_ends(double *end, const double *low, const double *high, size_t count)
 {
     size_t i;
     end[0] = HUGE_VAL;
-    end[PBW__BRANCH] = -HUGE_VAL;
+    end[PBWQ__BRANCH] = -HUGE_VAL;
     for (i = 0; i < count; i++) {
         end[0] = low[i] < end[0] ? low[i] : end[0];
-        end[PBW__BRANCH] = high[i] > end[PBW__BRANCH] ? high[i] : end[PBW__BRANCH];
+        end[PBWQ__BRANCH] = high[i] > end[PBWQ__BRANCH] ? high[i] : end[PBWQ__BRANCH];
     }
 }
 
 /* Fills leaves and their boxes.  The last leaf repeats its last vertex. */
-static pbw_status pbw__plant_leaves(void *arg, size_t from, size_t to)
+static pbw_status pbwq__tree_leaves(void *arg, size_t from, size_t to)
 {
-    const pbw__queries *queries = (const pbw__queries *)arg;
-    const pbw__tree *tree = queries->tree;
+    const pbwq__queries *queries = (const pbwq__queries *)arg;
+    const pbwq__tree *tree = queries->tree;
     const size_t dim = (size_t)queries->mesh->dim;
     size_t leaf, i, k;
     for (leaf = from; leaf < to; leaf++) {
-        double *box = pbw__tree_box(tree, (int)dim, 0, leaf);
+        double *box = pbwq__tree_box(tree, (int)dim, 0, leaf);
         for (k = 0; k < dim; k++) {
-            double *c = tree->coordinate + (leaf * dim + k) * PBW__BRANCH;
-            for (i = 0; i < PBW__BRANCH; i++) {
-                const size_t at = leaf * PBW__BRANCH + i, last = tree->count - 1;
+            double *c = tree->coordinate + (leaf * dim + k) * PBWQ__BRANCH;
+            for (i = 0; i < PBWQ__BRANCH; i++) {
+                const size_t at = leaf * PBWQ__BRANCH + i, last = tree->count - 1;
                 c[i] = queries->mesh->points[tree->vertex[at < last ? at : last] * dim + k];
             }
-            pbw__plant_ends(box + k * 2 * PBW__BRANCH, c, c, PBW__BRANCH);
+            pbwq__tree_ends(box + k * 2 * PBWQ__BRANCH, c, c, PBWQ__BRANCH);
         }
     }
     return PBW_OK;
 }
 
 /* Computes the boxes of a level above the leaves. */
-static void pbw__plant_level(const pbw__tree *tree, int dim, int level)
+static void pbwq__tree_level(const pbwq__tree *tree, int dim, int level)
 {
     size_t node;
     int k;
     for (node = 0; node < tree->nodes[level]; node++) {
-        double *box = pbw__tree_box(tree, dim, level, node);
-        const double *below = pbw__tree_box(tree, dim, level - 1, node * PBW__BRANCH);
-        const size_t rest = tree->nodes[level - 1] - node * PBW__BRANCH;
-        for (k = 0; k < dim * 2 * PBW__BRANCH; k += 2 * PBW__BRANCH) {
-            pbw__plant_ends(box + k, below + k, below + k + PBW__BRANCH, rest < PBW__BRANCH ? rest : PBW__BRANCH);
+        double *box = pbwq__tree_box(tree, dim, level, node);
+        const double *below = pbwq__tree_box(tree, dim, level - 1, node * PBWQ__BRANCH);
+        const size_t rest = tree->nodes[level - 1] - node * PBWQ__BRANCH;
+        for (k = 0; k < dim * 2 * PBWQ__BRANCH; k += 2 * PBWQ__BRANCH) {
+            pbwq__tree_ends(box + k, below + k, below + k + PBWQ__BRANCH, rest < PBWQ__BRANCH ? rest : PBWQ__BRANCH);
         }
     }
 }
 
 /* Lists the vertices, or the canonical points of a degenerate mesh, along the curve. */
-static pbw_status pbw__tree_vertices(pbw__queries *queries, pbw__tree *tree)
+static pbw_status pbwq__tree_vertices(pbwq__queries *queries, pbwq__tree *tree)
 {
     const pbw_mesh *mesh = queries->mesh;
     pbw__input input = pbw__input_of(mesh->dim, 0, mesh->points, NULL, mesh->point_count);
@@ -1922,7 +1929,7 @@ static pbw_status pbw__tree_vertices(pbw__queries *queries, pbw__tree *tree)
     memset(&sorted, 0, sizeof(sorted));
     input.stride = (size_t)mesh->dim * sizeof(double);
     if (mesh->original == NULL) {                    /* else the points are along the curve already */
-        status = pbw__sort_points(&queries->context, &input, &sorted);
+        status = pbwq__sort_points(&queries->context, &input, &sorted);
     }
     for (i = 0; i < mesh->point_count && status == PBW_OK; i++) {
         const size_t v = sorted.id != NULL ? sorted.id[i + 1] : i;
@@ -1935,27 +1942,27 @@ static pbw_status pbw__tree_vertices(pbw__queries *queries, pbw__tree *tree)
 }
 
 /* Allocates leaves and the boxes of all levels.  Returns 0 if memory is short. */
-static int pbw__tree_room(pbw_memory *memory, pbw__tree *tree, int dim)
+static int pbwq__tree_room(pbw_memory *memory, pbwq__tree *tree, int dim)
 {
-    const size_t leaves = (tree->count + PBW__BRANCH - 1) / PBW__BRANCH;
+    const size_t leaves = (tree->count + PBWQ__BRANCH - 1) / PBWQ__BRANCH;
     int level = 0;
     tree->nodes[0] = leaves;
-    for (; tree->nodes[level] > PBW__BRANCH; level++) {
-        tree->nodes[level + 1] = (tree->nodes[level] + PBW__BRANCH - 1) / PBW__BRANCH;
+    for (; tree->nodes[level] > PBWQ__BRANCH; level++) {
+        tree->nodes[level + 1] = (tree->nodes[level] + PBWQ__BRANCH - 1) / PBWQ__BRANCH;
         tree->first[level + 1] = tree->first[level] + tree->nodes[level + 1];
     }
     tree->top = level;
     tree->groups = tree->first[level] + 1;
-    tree->coordinate = (double *)pbw__allocate(memory, leaves * PBW__BRANCH * (size_t)dim, sizeof(double));
-    tree->box = (double *)pbw__allocate(memory, tree->groups * 2 * PBW__BRANCH * (size_t)dim, sizeof(double));
+    tree->coordinate = (double *)pbw__allocate(memory, leaves * PBWQ__BRANCH * (size_t)dim, sizeof(double));
+    tree->box = (double *)pbw__allocate(memory, tree->groups * 2 * PBWQ__BRANCH * (size_t)dim, sizeof(double));
     if (tree->coordinate == NULL || tree->box == NULL) {
         return 0;
     }
-    memset(tree->box, 0, tree->groups * 2 * PBW__BRANCH * (size_t)dim * sizeof(double));
+    memset(tree->box, 0, tree->groups * 2 * PBWQ__BRANCH * (size_t)dim * sizeof(double));
     return 1;
 }
 
-static pbw_status pbw__plant(pbw__queries *queries, pbw__tree *tree)
+static pbw_status pbwq__tree_build(pbwq__queries *queries, pbwq__tree *tree)
 {
     const pbw_mesh *mesh = queries->mesh;
     pbw_memory *memory = &queries->context.memory;
@@ -1965,50 +1972,50 @@ static pbw_status pbw__plant(pbw__queries *queries, pbw__tree *tree)
     if (tree->vertex == NULL) {
         return PBW_ERROR_MEMORY;
     }
-    status = pbw__tree_vertices(queries, tree);
-    if (status == PBW_OK && !pbw__tree_room(memory, tree, mesh->dim)) {
+    status = pbwq__tree_vertices(queries, tree);
+    if (status == PBW_OK && !pbwq__tree_room(memory, tree, mesh->dim)) {
         status = PBW_ERROR_MEMORY;
     }
     if (status == PBW_OK) {
-        status = pbw__for_range(&queries->context, tree->nodes[0], 1024, 0.1, pbw__plant_leaves, queries);
+        status = pbw__for_range(&queries->context, tree->nodes[0], 1024, 0.1, pbwq__tree_leaves, queries);
     }
     for (level = 1; status == PBW_OK && level <= tree->top; level++) {
-        pbw__plant_level(tree, mesh->dim, level);
+        pbwq__tree_level(tree, mesh->dim, level);
     }
     return status;
 }
 
 /* ---- searches */
 /* Offers the vertices of a leaf with squares of at most `most`.  Returns the new `most`. */
-PBW__SIMD_INLINE double pbw__search_leaf(const pbw__queries *queries, int dim, pbw__desk *desk, const double *q,
-                                         double most, size_t leaf)
+PBW__SIMD_INLINE double pbwq__search_leaf(const pbwq__queries *queries, int dim, pbwq__scratch *scratch,
+                                          const double *q, double most, size_t leaf)
 {
-    const pbw__tree *tree = queries->tree;
-    const double *c = tree->coordinate + leaf * (size_t)dim * PBW__BRANCH;
-    const size_t rest = tree->count - leaf * PBW__BRANCH;
+    const pbwq__tree *tree = queries->tree;
+    const double *c = tree->coordinate + leaf * (size_t)dim * PBWQ__BRANCH;
+    const size_t rest = tree->count - leaf * PBWQ__BRANCH;
     const pbw__d4 limit = pbw__splat(most);
-    double squared[PBW__BRANCH];
+    double squared[PBWQ__BRANCH];
     unsigned set = 0, half;
     for (half = 0; half < 2; half++) {
         const double *from = c + half * 4;
         const pbw__d4 x = pbw__load4d(from) - pbw__splat(q[0]);
-        const pbw__d4 y = pbw__load4d(from + PBW__BRANCH) - pbw__splat(q[1]);
+        const pbw__d4 y = pbw__load4d(from + PBWQ__BRANCH) - pbw__splat(q[1]);
         pbw__d4 sum = x * x + y * y;
         if (dim == 3) {
-            const pbw__d4 z = pbw__load4d(from + 2 * PBW__BRANCH) - pbw__splat(q[2]);
+            const pbw__d4 z = pbw__load4d(from + 2 * PBWQ__BRANCH) - pbw__splat(q[2]);
             sum = sum + z * z;
         }
         set |= pbw__signs(pbw__at_least(limit, sum)) << half * 4;
         memcpy(squared + half * 4, &sum, sizeof(sum));
     }
-    set &= rest < PBW__BRANCH ? (1u << rest) - 1 : 255;
+    set &= rest < PBWQ__BRANCH ? (1u << rest) - 1 : 255;
     for (; set != 0; set &= set - 1) {
         const unsigned i = (unsigned)__builtin_ctz(set);
         if (squared[i] <= most) {
-            const pbw_index vertex = tree->vertex[leaf * PBW__BRANCH + i];
-            const pbw__reach reach = pbw__reach_of(queries->mesh, q, squared[i], vertex);
-            (void)pbw__offer_near(queries->mesh, desk, q, &reach, queries->k);
-            most = desk->reach_count == queries->k ? pbw__reach_limit(desk->reach + queries->k - 1) : most;
+            const pbw_index vertex = tree->vertex[leaf * PBWQ__BRANCH + i];
+            const pbwq__candidate candidate = pbwq__candidate_of(queries->mesh, q, squared[i], vertex);
+            (void)pbwq__offer_near(queries->mesh, scratch, q, &candidate, queries->k);
+            most = scratch->found_count == queries->k ? pbwq__square_limit(scratch->found + queries->k - 1) : most;
         }
     }
     return most;
@@ -2016,73 +2023,73 @@ PBW__SIMD_INLINE double pbw__search_leaf(const pbw__queries *queries, int dim, p
 
 /* Replaces the node on top of the stack by those of its eight children that are near enough.  Returns the new
    height. */
-PBW__SIMD_INLINE size_t pbw__search_group(const pbw__tree *tree, int dim, const double *q, double most,
-                                          pbw__branch *stack, size_t height)
+PBW__SIMD_INLINE size_t pbwq__search_group(const pbwq__tree *tree, int dim, const double *q, double most,
+                                           pbwq__branch *stack, size_t height)
 {
-    const pbw__branch at = stack[--height];
-    const double *box = pbw__tree_box(tree, dim, at.level - 1, at.node * PBW__BRANCH);
-    const size_t rest = tree->nodes[at.level - 1] - at.node * PBW__BRANCH;
+    const pbwq__branch at = stack[--height];
+    const double *box = pbwq__tree_box(tree, dim, at.level - 1, at.node * PBWQ__BRANCH);
+    const size_t rest = tree->nodes[at.level - 1] - at.node * PBWQ__BRANCH;
     const pbw__d4 limit = pbw__splat(most), zero = pbw__splat(0.0);
-    double squared[PBW__BRANCH];
+    double squared[PBWQ__BRANCH];
     unsigned set = 0, half;
     int k;
     for (half = 0; half < 2; half++) {
         pbw__d4 sum = zero;
         for (k = 0; k < dim; k++) {
-            const double *from = box + k * 2 * PBW__BRANCH + half * 4;
+            const double *from = box + k * 2 * PBWQ__BRANCH + half * 4;
             const pbw__d4 x = pbw__splat(q[k]);
-            const pbw__d4 below = pbw__load4d(from) - x, above = x - pbw__load4d(from + PBW__BRANCH);
+            const pbw__d4 below = pbw__load4d(from) - x, above = x - pbw__load4d(from + PBWQ__BRANCH);
             const pbw__d4 away = pbw__max4(pbw__max4(below, above), zero);
             sum = sum + away * away;
         }
         set |= pbw__signs(pbw__at_least(limit, sum)) << half * 4;
         memcpy(squared + half * 4, &sum, sizeof(sum));
     }
-    set &= rest < PBW__BRANCH ? (1u << rest) - 1 : 255;
+    set &= rest < PBWQ__BRANCH ? (1u << rest) - 1 : 255;
     for (; set != 0; set &= set - 1) {
         const unsigned i = (unsigned)__builtin_ctz(set);
         stack[height].squared = squared[i];
-        stack[height].node = at.node * PBW__BRANCH + i;
+        stack[height].node = at.node * PBWQ__BRANCH + i;
         stack[height++].level = at.level - 1;
     }
     return height;
 }
 
 /* Returns a bound for the squares of the k nearest, from the farthest vertex of the last answer. */
-PBW__SIMD_INLINE double pbw__search_limit(const pbw__queries *queries, int dim, const pbw__desk *desk,
-                                          const double *q)
+PBW__SIMD_INLINE double pbwq__search_limit(const pbwq__queries *queries, int dim, const pbwq__scratch *scratch,
+                                           const double *q)
 {
-    pbw__reach farthest;
+    pbwq__candidate farthest;
     double most = 0.0;
     size_t i;
-    for (i = 0; i < desk->reach_count; i++) {
-        const pbw_index vertex = desk->reach[i].vertex;
+    for (i = 0; i < scratch->found_count; i++) {
+        const pbw_index vertex = scratch->found[i].vertex;
         most = pbw__max(most, pbw__squared(queries->mesh->points + vertex * (size_t)dim, q, dim));
     }
-    farthest = pbw__reach_of(queries->mesh, q, most, 0);         /* without weights it may be any vertex */
-    return desk->reach_count < queries->k ? HUGE_VAL : pbw__reach_limit(&farthest);
+    farthest = pbwq__candidate_of(queries->mesh, q, most, 0);         /* without weights it may be any vertex */
+    return scratch->found_count < queries->k ? HUGE_VAL : pbwq__square_limit(&farthest);
 }
 
-/* Finds the k nearest of a query; desk->reach still has the last answer. */
-PBW__SIMD_INLINE void pbw__search_of(pbw__queries *queries, pbw__desk *desk, const double *q, int dim)
+/* Finds the k nearest of a query; scratch->found still has the last answer. */
+PBW__SIMD_INLINE void pbwq__search_of(pbwq__queries *queries, pbwq__scratch *scratch, const double *q, int dim)
 {
-    const pbw__tree *tree = queries->tree;
-    double most = pbw__search_limit(queries, dim, desk, q);
+    const pbwq__tree *tree = queries->tree;
+    double most = pbwq__search_limit(queries, dim, scratch, q);
     size_t height = 1, looked = 0;
-    pbw__branch stack[PBW__TREE_LEVELS * PBW__BRANCH];
+    pbwq__branch stack[PBWQ__TREE_LEVELS * PBWQ__BRANCH];
     stack[0].squared = 0.0;
     stack[0].node = 0;
     stack[0].level = tree->top + 1;
-    desk->reach_count = 0;
+    scratch->found_count = 0;
     while (height > 0) {
-        const pbw__branch *at = stack + height - 1;
+        const pbwq__branch *at = stack + height - 1;
         if (at->squared > most) {
             height--;
         } else if (at->level > 0) {
-            height = pbw__search_group(tree, dim, q, most, stack, height);
+            height = pbwq__search_group(tree, dim, q, most, stack, height);
         } else {
             height--;
-            most = pbw__search_leaf(queries, dim, desk, q, most, at->node);
+            most = pbwq__search_leaf(queries, dim, scratch, q, most, at->node);
             if (++looked % 4096 == 0 && pbw__report(&queries->context, 0.0)) {
                 return;
             }
@@ -2090,36 +2097,37 @@ PBW__SIMD_INLINE void pbw__search_of(pbw__queries *queries, pbw__desk *desk, con
     }
 }
 
-PBW__SIMD static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+PBW__SIMD static void pbwq__search_block(pbwq__queries *queries, pbwq__scratch *scratch, size_t block, size_t from,
+                                         size_t to)
 {
     double q[4];
     size_t i;
     (void)block;
-    if (!pbw__room(desk, &desk->reach, &desk->reach_room, PBW__NEAR_LIST + 1, sizeof(pbw__reach))) {
+    if (!pbwq__room(scratch, &scratch->found, &scratch->found_room, PBWQ__NEAR_LIST + 1, sizeof(pbwq__candidate))) {
         return;
     }
     for (i = from; i < to; i++) {
-        pbw__query_at(queries, i, q);
-        PBW__BY_DIM(queries->mesh->dim, pbw__search_of, queries, desk, q);
+        pbwq__query_at(queries, i, q);
+        PBW__BY_DIM(queries->mesh->dim, pbwq__search_of, queries, scratch, q);
 #ifdef PBW__AVX2
         _mm256_zeroupper();                          /* SSE code would stall otherwise */
 #endif
-        pbw__give_list(queries, desk, q, pbw__query_index(queries, i));
+        pbwq__write_list(queries, scratch, q, pbwq__query_of(queries, i));
     }
 }
 
-static pbw_status pbw__search_all(pbw__queries *queries)
+static pbw_status pbwq__search_all(pbwq__queries *queries)
 {
     const pbw_mesh *mesh = queries->mesh;
-    const size_t width = PBW__BRANCH * (size_t)mesh->dim;
+    const size_t width = PBWQ__BRANCH * (size_t)mesh->dim;
     pbw_memory *memory = &queries->context.memory;
-    pbw__tree tree;
+    pbwq__tree tree;
     pbw_status status;
     memset(&tree, 0, sizeof(tree));
     queries->tree = &tree;
-    status = pbw__plant(queries, &tree);
-    status = status == PBW_OK ? pbw__answer_all(queries, pbw__search_block, queries->input.count, PBW__BLOCK_QUERIES)
-                              : status;
+    status = pbwq__tree_build(queries, &tree);
+    status = status != PBW_OK ? status
+           : pbwq__answer_all(queries, pbwq__search_block, queries->input.count, PBWQ__BLOCK_QUERIES);
     pbw__release(memory, tree.vertex, mesh->point_count, sizeof(pbw_index));
     pbw__release(memory, tree.coordinate, tree.nodes[0] * width, sizeof(double));
     pbw__release(memory, tree.box, tree.groups * 2 * width, sizeof(double));
@@ -2127,44 +2135,44 @@ static pbw_status pbw__search_all(pbw__queries *queries)
 }
 #endif
 
-static pbw_status pbw__nearest_all(pbw__queries *queries, const pbw_lists *stars)
+static pbw_status pbwq__nearest_all(pbwq__queries *queries, const pbw_lists *stars)
 {
     pbw_status status;
-    pbw__find_unit(queries);
+    pbwq__find_unit(queries);
 #ifdef PBW__SIMD
-    /* The tree knows no weights and at most PBW__NEAR_LIST neighbours.  With the caller's stars the mesh is faster
+    /* The tree knows no weights and at most PBWQ__NEAR_LIST neighbours.  With the caller's stars the mesh is faster
        for few queries, and for few neighbours: 4 in 0.8 of the time of the tree, 8 in 1.5. */
-    if (pbw__simd_works() && queries->mesh->weights == NULL && queries->k <= PBW__NEAR_LIST
+    if (pbw__simd_works() && queries->mesh->weights == NULL && queries->k <= PBWQ__NEAR_LIST
         && queries->mesh->point_count > 0
         && (stars == NULL || (queries->k > 4 && queries->input.count >= queries->mesh->point_count / 8))) {
-        return pbw__search_all(queries);
+        return pbwq__search_all(queries);
     }
 #endif
-    status = pbw__take_stars(queries, stars);
-    status = status == PBW_OK ? pbw__answer_all(queries, pbw__nearest_block, queries->input.count, PBW__BLOCK_QUERIES)
-                              : status;
+    status = pbwq__take_stars(queries, stars);
+    status = status != PBW_OK ? status
+           : pbwq__answer_all(queries, pbwq__nearest_block, queries->input.count, PBWQ__BLOCK_QUERIES);
     return status;
 }
 
 PBWDEF pbw_status pbw_nearest(const pbw_mesh *mesh, const pbw_lists *stars, const double *points, size_t count,
                               size_t k, const pbw_options *options, pbw_index *vertices, double *distances)
 {
-    pbw__queries queries;
+    pbwq__queries queries;
     pbw_status status;
-    if ((vertices == NULL && count != 0 && k != 0) || !pbw__fits(mesh, stars)) {
+    if ((vertices == NULL && count != 0 && k != 0) || !pbwq__fits(mesh, stars)) {
         return PBW_ERROR_ARGUMENT;
     }
     if (count != 0 && k > (size_t)-1 / sizeof(double) / count) {
         return PBW_ERROR_TOO_LARGE;
     }
-    status = pbw__queries_start(&queries, mesh, points, count, options);
+    status = pbwq__queries_start(&queries, mesh, points, count, options);
     if (status == PBW_OK && count != 0 && k != 0) {
         queries.k = k;
         queries.vertices = vertices;
         queries.distances = distances;
-        status = pbw__nearest_all(&queries, stars);
+        status = pbwq__nearest_all(&queries, stars);
     }
-    return pbw__queries_end(&queries, status);
+    return pbwq__queries_end(&queries, status);
 }
 /* ------------------------------------------------------------------------------------------------------
    >>centres      Vectors of doubles or of pairs of doubles; centres of simplices in both.
@@ -2172,10 +2180,10 @@ PBWDEF pbw_status pbw_nearest(const pbw_mesh *mesh, const pbw_lists *stars, cons
    Holds: with `fine`, and but for underflow, the error of the determinant and of each numerator of a centre is at
    most 2^-98 times the sum of the absolute products, of coordinates relative to the query.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbw__vector { pbw_pair x, y, z; } pbw__vector;
+typedef struct pbwq__vector { pbw_pair x, y, z; } pbwq__vector;
 
 /* ---- arithmetic: on pairs if `fine`, otherwise on their heads only */
-PBW__INLINE pbw_pair pbw__number(double head)
+PBW__INLINE pbw_pair pbwq__number(double head)
 {
     pbw_pair number;
     number.head = head;
@@ -2183,85 +2191,85 @@ PBW__INLINE pbw_pair pbw__number(double head)
     return number;
 }
 
-PBW__INLINE pbw_pair pbw__add(int fine, pbw_pair a, pbw_pair b)
+PBW__INLINE pbw_pair pbwq__add(int fine, pbw_pair a, pbw_pair b)
 {
-    return fine ? pbw__pair_plus(a, b) : pbw__number(a.head + b.head);
+    return fine ? pbw__pair_plus(a, b) : pbwq__number(a.head + b.head);
 }
 
-PBW__INLINE pbw_pair pbw__sub(int fine, pbw_pair a, pbw_pair b)
+PBW__INLINE pbw_pair pbwq__sub(int fine, pbw_pair a, pbw_pair b)
 {
-    return fine ? pbw__pair_minus(a, b) : pbw__number(a.head - b.head);
+    return fine ? pbw__pair_minus(a, b) : pbwq__number(a.head - b.head);
 }
 
-PBW__INLINE pbw_pair pbw__mul(int fine, pbw_pair a, pbw_pair b)
+PBW__INLINE pbw_pair pbwq__mul(int fine, pbw_pair a, pbw_pair b)
 {
-    return fine ? pbw__pair_times(a, b) : pbw__number(a.head * b.head);
+    return fine ? pbw__pair_times(a, b) : pbwq__number(a.head * b.head);
 }
 
 /* Divides.  b is normalised first, |tail| <= u |head|, so that one correction by the remainder is enough. */
-PBW__INLINE pbw_pair pbw__div(int fine, pbw_pair a, pbw_pair b)
+PBW__INLINE pbw_pair pbwq__div(int fine, pbw_pair a, pbw_pair b)
 {
     pbw_pair quotient, rest;
     double head = b.head + b.tail;
     if (!fine) {
-        return pbw__number(a.head / b.head);
+        return pbwq__number(a.head / b.head);
     }
     b.tail = (b.head - head) + b.tail;
     b.head = head;
-    quotient = pbw__number((a.head + a.tail) / head);
+    quotient = pbwq__number((a.head + a.tail) / head);
     rest = pbw__pair_minus(a, pbw__pair_times(quotient, b));
     quotient.tail = (rest.head + rest.tail) / head;
     return quotient;
 }
 
-PBW__INLINE pbw__vector pbw__vector_sub(int fine, pbw__vector a, pbw__vector b)
+PBW__INLINE pbwq__vector pbwq__vector_sub(int fine, pbwq__vector a, pbwq__vector b)
 {
-    a.x = pbw__sub(fine, a.x, b.x);
-    a.y = pbw__sub(fine, a.y, b.y);
-    a.z = pbw__sub(fine, a.z, b.z);
+    a.x = pbwq__sub(fine, a.x, b.x);
+    a.y = pbwq__sub(fine, a.y, b.y);
+    a.z = pbwq__sub(fine, a.z, b.z);
     return a;
 }
 
-PBW__INLINE pbw__vector pbw__vector_add(int fine, pbw__vector a, pbw__vector b)
+PBW__INLINE pbwq__vector pbwq__vector_add(int fine, pbwq__vector a, pbwq__vector b)
 {
-    a.x = pbw__add(fine, a.x, b.x);
-    a.y = pbw__add(fine, a.y, b.y);
-    a.z = pbw__add(fine, a.z, b.z);
+    a.x = pbwq__add(fine, a.x, b.x);
+    a.y = pbwq__add(fine, a.y, b.y);
+    a.z = pbwq__add(fine, a.z, b.z);
     return a;
 }
 
-PBW__INLINE pbw__vector pbw__vector_times(int fine, pbw__vector a, pbw_pair factor)
+PBW__INLINE pbwq__vector pbwq__vector_times(int fine, pbwq__vector a, pbw_pair factor)
 {
-    a.x = pbw__mul(fine, a.x, factor);
-    a.y = pbw__mul(fine, a.y, factor);
-    a.z = pbw__mul(fine, a.z, factor);
+    a.x = pbwq__mul(fine, a.x, factor);
+    a.y = pbwq__mul(fine, a.y, factor);
+    a.z = pbwq__mul(fine, a.z, factor);
     return a;
 }
 
-PBW__INLINE pbw_pair pbw__vector_dot(int fine, pbw__vector a, pbw__vector b)
+PBW__INLINE pbw_pair pbwq__vector_dot(int fine, pbwq__vector a, pbwq__vector b)
 {
-    return pbw__add(fine, pbw__add(fine, pbw__mul(fine, a.x, b.x), pbw__mul(fine, a.y, b.y)),
-                    pbw__mul(fine, a.z, b.z));
+    return pbwq__add(fine, pbwq__add(fine, pbwq__mul(fine, a.x, b.x), pbwq__mul(fine, a.y, b.y)),
+                     pbwq__mul(fine, a.z, b.z));
 }
 
 /* a x b in the plane, and in space. */
-PBW__INLINE pbw_pair pbw__vector_area(int fine, pbw__vector a, pbw__vector b)
+PBW__INLINE pbw_pair pbwq__vector_area(int fine, pbwq__vector a, pbwq__vector b)
 {
-    return pbw__sub(fine, pbw__mul(fine, a.x, b.y), pbw__mul(fine, a.y, b.x));
+    return pbwq__sub(fine, pbwq__mul(fine, a.x, b.y), pbwq__mul(fine, a.y, b.x));
 }
 
-PBW__INLINE pbw__vector pbw__vector_cross(int fine, pbw__vector a, pbw__vector b)
+PBW__INLINE pbwq__vector pbwq__vector_cross(int fine, pbwq__vector a, pbwq__vector b)
 {
-    pbw__vector c;
-    c.x = pbw__sub(fine, pbw__mul(fine, a.y, b.z), pbw__mul(fine, a.z, b.y));
-    c.y = pbw__sub(fine, pbw__mul(fine, a.z, b.x), pbw__mul(fine, a.x, b.z));
-    c.z = pbw__sub(fine, pbw__mul(fine, a.x, b.y), pbw__mul(fine, a.y, b.x));
+    pbwq__vector c;
+    c.x = pbwq__sub(fine, pbwq__mul(fine, a.y, b.z), pbwq__mul(fine, a.z, b.y));
+    c.y = pbwq__sub(fine, pbwq__mul(fine, a.z, b.x), pbwq__mul(fine, a.x, b.z));
+    c.z = pbwq__sub(fine, pbwq__mul(fine, a.x, b.y), pbwq__mul(fine, a.y, b.x));
     return c;
 }
 
 /* ---- exact numbers */
 /* c = a x b */
-static void pbw__exact_cross(const pbw__integer *a, const pbw__integer *b, pbw__integer *c, pbw__digit **top)
+static void pbwq__exact_cross(const pbw__integer *a, const pbw__integer *b, pbw__integer *c, pbw__digit **top)
 {
     pbw__product term[2];
     int k;
@@ -2277,8 +2285,8 @@ static void pbw__exact_cross(const pbw__integer *a, const pbw__integer *b, pbw__
 }
 
 /* Returns the sum of a[i] b[i * step]. */
-static pbw__integer pbw__exact_dot(const pbw__integer *a, const pbw__integer *b, int step, int count,
-                                   pbw__digit **top)
+static pbw__integer pbwq__exact_dot(const pbw__integer *a, const pbw__integer *b, int step, int count,
+                                    pbw__digit **top)
 {
     pbw__product term[4];
     int i;
@@ -2290,7 +2298,7 @@ static pbw__integer pbw__exact_dot(const pbw__integer *a, const pbw__integer *b,
     return pbw__exact_sum(term, count, top);
 }
 
-static pbw__integer pbw__exact_number(int value, pbw__digit **top)
+static pbw__integer pbwq__exact_number(int value, pbw__digit **top)
 {
     pbw__integer number = { NULL, 0, 0 };
     number.digit = (*top)++;
@@ -2301,18 +2309,18 @@ static pbw__integer pbw__exact_number(int value, pbw__digit **top)
 
 /* Stores p - origin.  In the plane z is 0.  If p is NULL the row is (0, 0, 1), which turns determinants of space into
    those of the plane. */
-static void pbw__exact_row(int dim, const double *p, const double *origin, int unit, pbw__integer *row,
-                           pbw__digit **top)
+static void pbwq__exact_row(int dim, const double *p, const double *origin, int unit, pbw__integer *row,
+                            pbw__digit **top)
 {
     int k;
     for (k = 0; k < 3; k++) {
         row[k] = k < dim && p != NULL ? pbw__exact_difference(p[k], origin[k], unit, top)
-                                      : pbw__exact_number(p == NULL && k == 2, top);
+                                      : pbwq__exact_number(p == NULL && k == 2, top);
     }
 }
 
 /* Returns a / radix^length as a pair; digits far below 2^-106 are dropped. */
-static pbw_pair pbw__exact_pair(const pbw__integer *a, int length)
+static pbw_pair pbwq__exact_pair(const pbw__integer *a, int length)
 {
     const double radix = 1.0 / (double)((pbw__column)1 << PBW__DIGIT_BITS);
     const pbw__digit half = (pbw__digit)1 << (PBW__DIGIT_BITS / 2);
@@ -2331,8 +2339,8 @@ static pbw_pair pbw__exact_pair(const pbw__integer *a, int length)
 }
 
 /* ---- orientations */
-/* Computes the orientations of pbw__sides3 and pbw__sides2 from exact integers, all times one common factor. */
-static PBW__NOINLINE void pbw__exact_sides(const pbw_mesh *mesh, const pbw_index *v, const double *p, double *side)
+/* Computes the orientations of pbwq__sides3 and pbwq__sides2 from exact integers, all times one common factor. */
+static PBW__NOINLINE void pbwq__exact_sides(const pbw_mesh *mesh, const pbw_index *v, const double *p, double *side)
 {
     const int dim = mesh->dim;
     pbw__digit pool[PBW__POOL], *top = pool;
@@ -2344,53 +2352,55 @@ static PBW__NOINLINE void pbw__exact_sides(const pbw_mesh *mesh, const pbw_index
         unit = pbw__exact_unit(x[i], dim, unit);
     }
     for (i = 0; i < 4; i++) {
-        pbw__exact_row(dim, x[i], p, unit, row[i], &top);
+        pbwq__exact_row(dim, x[i], p, unit, row[i], &top);
     }
     for (i = 0; i <= dim; i++) {                     /* the rows other than i, in cyclic order */
-        pbw__exact_cross(row[(i + 2) % 4], row[(i + 3) % 4], normal, &top);
-        value[i] = pbw__exact_dot(row[(i + 1) % 4], normal, 1, 3, &top);
+        pbwq__exact_cross(row[(i + 2) % 4], row[(i + 3) % 4], normal, &top);
+        value[i] = pbwq__exact_dot(row[(i + 1) % 4], normal, 1, 3, &top);
         longest = value[i].length > longest ? value[i].length : longest;
     }
     for (i = 0; i <= dim; i++) {
-        const pbw_pair pair = pbw__exact_pair(value + i, longest);
+        const pbw_pair pair = pbwq__exact_pair(value + i, longest);
         side[i] = i % 2 == 0 ? pair.head + pair.tail : -(pair.head + pair.tail);     /* a cycle of 4 rows is odd */
     }
 }
 
 /* Returns the centre c of a simplex, relative to the origin of its rows: 2 c . row = lift for each row.  Rows are at
    most 2 long.  Sets *flat if their determinant is too small for an accurate centre. */
-PBW__INLINE pbw__vector pbw__centre_of(int fine, int dim, const pbw__vector *row, const pbw_pair *lift, int *flat)
+PBW__INLINE pbwq__vector pbwq__centre_of(int fine, int dim, const pbwq__vector *row, const pbw_pair *lift, int *flat)
 {
-    pbw__vector sum;
+    pbwq__vector sum;
     pbw_pair det;
     if (dim == 3) {
-        const pbw__vector yz = pbw__vector_cross(fine, row[1], row[2]);
-        sum = pbw__vector_times(fine, yz, lift[0]);
-        sum = pbw__vector_add(fine, sum, pbw__vector_times(fine, pbw__vector_cross(fine, row[2], row[0]), lift[1]));
-        sum = pbw__vector_add(fine, sum, pbw__vector_times(fine, pbw__vector_cross(fine, row[0], row[1]), lift[2]));
-        det = pbw__vector_dot(fine, row[0], yz);
+        const pbwq__vector yz = pbwq__vector_cross(fine, row[1], row[2]);
+        sum = pbwq__vector_times(fine, yz, lift[0]);
+        sum = pbwq__vector_add(fine, sum,
+                               pbwq__vector_times(fine, pbwq__vector_cross(fine, row[2], row[0]), lift[1]));
+        sum = pbwq__vector_add(fine, sum,
+                               pbwq__vector_times(fine, pbwq__vector_cross(fine, row[0], row[1]), lift[2]));
+        det = pbwq__vector_dot(fine, row[0], yz);
     } else {
-        sum.x = pbw__sub(fine, pbw__mul(fine, lift[0], row[1].y), pbw__mul(fine, lift[1], row[0].y));
-        sum.y = pbw__sub(fine, pbw__mul(fine, lift[1], row[0].x), pbw__mul(fine, lift[0], row[1].x));
-        sum.z = pbw__number(0.0);
-        det = pbw__vector_area(fine, row[0], row[1]);
+        sum.x = pbwq__sub(fine, pbwq__mul(fine, lift[0], row[1].y), pbwq__mul(fine, lift[1], row[0].y));
+        sum.y = pbwq__sub(fine, pbwq__mul(fine, lift[1], row[0].x), pbwq__mul(fine, lift[0], row[1].x));
+        sum.z = pbwq__number(0.0);
+        det = pbwq__vector_area(fine, row[0], row[1]);
     }
     *flat = !(pbw__abs(det.head) > (fine ? 1e-6 : 1e-9));
-    return pbw__vector_times(fine, sum, pbw__div(fine, pbw__number(0.5), det));
+    return pbwq__vector_times(fine, sum, pbwq__div(fine, pbwq__number(0.5), det));
 }
 
 /* The centre of a simplex, relative to q, in units of 2^(unit-1): at / by. */
-typedef struct pbw__exact_point { pbw__integer at[3], by; } pbw__exact_point;
+typedef struct pbwq__exact_point { pbw__integer at[3], by; } pbwq__exact_point;
 
 /* Returns a / (by[0] by[1] ..) * 2^exponent. */
-static pbw_pair pbw__exact_quotient(const pbw__integer *a, const pbw__integer *const *by, int count, int exponent)
+static pbw_pair pbwq__exact_quotient(const pbw__integer *a, const pbw__integer *const *by, int count, int exponent)
 {
-    pbw_pair value = pbw__exact_pair(a, a->length);
+    pbw_pair value = pbwq__exact_pair(a, a->length);
     double some, rest;
     int i;
     exponent += PBW__DIGIT_BITS * a->length;
     for (i = 0; i < count; i++) {
-        value = pbw__div(1, value, pbw__exact_pair(by[i], by[i]->length));
+        value = pbwq__div(1, value, pbwq__exact_pair(by[i], by[i]->length));
         exponent -= PBW__DIGIT_BITS * by[i]->length;
     }
     some = pbw__power_of_two(exponent / 2);
@@ -2423,17 +2433,17 @@ static pbw_pair pbw__exact_quotient(const pbw__integer *a, const pbw__integer *c
    that rounding errors of their products may matter beside the sum, doubles give way to pairs, and pairs to exact
    integers for each contribution.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbw__site { pbw__vector at; pbw_pair weight, gain; pbw_index vertex; } pbw__site;
+typedef struct pbwq__site { pbwq__vector at; pbw_pair weight, gain; pbw_index vertex; } pbwq__site;
 
 /* A simplex of the cavity: the sites at its corners; across from each, a simplex of the cavity or PBW_NONE.  Or a new
    simplex, of a facet of the boundary and q: q is PBW_NONE, the last corner, and across[0] the old simplex inside. */
-typedef struct pbw__cell { pbw__vector centre; pbw_index simplex, corner[4], across[4]; } pbw__cell;
+typedef struct pbwq__cell { pbwq__vector centre; pbw_index simplex, corner[4], across[4]; } pbwq__cell;
 
 /* The cavity of a query. */
-struct pbw__cavity {
+struct pbwq__cavity {
     const pbw_mesh *mesh;
-    pbw__site *site;
-    pbw__cell *old, *face;                           /* face: the new ones */
+    pbwq__site *site;
+    pbwq__cell *old, *face;                           /* face: the new ones */
     size_t old_capacity, site_capacity, face_capacity;
     size_t simplices, sites, faces;
     double query[3];
@@ -2441,39 +2451,39 @@ struct pbw__cavity {
     int unit;                                        /* of exact numbers */
 };
 
-static void pbw__cavity_free(pbw_memory *memory, pbw__cavity *cavity)
+static void pbwq__cavity_free(pbw_memory *memory, pbwq__cavity *cavity)
 {
     if (cavity != NULL) {
         PBW__RELEASE(memory, cavity, old);
         PBW__RELEASE(memory, cavity, site);
         PBW__RELEASE(memory, cavity, face);
-        pbw__release(memory, cavity, 1, sizeof(pbw__cavity));
+        pbw__release(memory, cavity, 1, sizeof(pbwq__cavity));
     }
 }
 
 /* Adds the barycentric coordinates of p in the simplex that contains it; leaves out zeros. */
-static void pbw__barycentric(pbw__queries *queries, pbw__desk *desk, size_t block, size_t query,
-                             const pbw__spot *spot, const double *p)
+static void pbwq__barycentric(pbwq__queries *queries, pbwq__scratch *scratch, size_t block, size_t query,
+                              const pbwq__location *location, const double *p)
 {
     const pbw_mesh *mesh = queries->mesh;
     const size_t corners = (size_t)mesh->dim + 1;
-    const pbw_index *v = mesh->simplices + spot->simplex * corners;
+    const pbw_index *v = mesh->simplices + location->simplex * corners;
     pbw_index *items;
     double side[4], *values, total = 0.0, bound;
     size_t i, at, count = 0;
-    bound = mesh->dim == 3 ? pbw__sides3(mesh->points, v, p, side) : pbw__sides2(mesh->points, v, p, side);
+    bound = mesh->dim == 3 ? pbwq__sides3(mesh->points, v, p, side) : pbwq__sides2(mesh->points, v, p, side);
     for (i = 0; i < corners; i++) {
         total += side[i];
     }
     if (!(bound < 1e-14 * total)) {
-        pbw__exact_sides(mesh, v, p, side);
+        pbwq__exact_sides(mesh, v, p, side);
     }
     for (total = 0.0, i = 0; i < corners; i++) {
-        side[i] = (spot->on >> i & 1) == 0 && side[i] > 0.0 ? side[i] : 0.0;
+        side[i] = (location->on >> i & 1) == 0 && side[i] > 0.0 ? side[i] : 0.0;
         total += side[i];
         count += side[i] > 0.0;
     }
-    items = pbw__chunk_add(queries, desk, block, query, count, &values);
+    items = pbwq__chunk_add(queries, scratch, block, query, count, &values);
     if (items != NULL) {
         for (at = i = 0; i < corners; i++) {
             if (side[i] > 0.0) {
@@ -2481,13 +2491,13 @@ static void pbw__barycentric(pbw__queries *queries, pbw__desk *desk, size_t bloc
                 values[at++] = side[i] / total;
             }
         }
-        pbw__sort_items(items, values, count);
+        pbwq__sort_items(items, values, count);
     }
 }
 
 /* ---- the cavity */
 /* Returns whether p, a record, is in conflict with simplex t: by the tie rule if `tied`, else strictly. */
-PBW__INLINE int pbw__has_conflict(const pbw__queries *queries, int dim, size_t t, const double *p, int tied)
+PBW__INLINE int pbwq__has_conflict(const pbwq__queries *queries, int dim, size_t t, const double *p, int tied)
 {
     const pbw_mesh *mesh = queries->mesh;
     const pbw_index *v = mesh->simplices + t * (size_t)(dim + 1);
@@ -2502,25 +2512,25 @@ PBW__INLINE int pbw__has_conflict(const pbw__queries *queries, int dim, size_t t
     return tied ? pbw__conflict(dim, x, p, &queries->grid) : pbw__power(dim, x, p, &queries->grid) > 0;
 }
 
-static int pbw__cavity_reserve(pbw__desk *desk, pbw__cavity *cavity)
+static int pbwq__cavity_reserve(pbwq__scratch *scratch, pbwq__cavity *cavity)
 {
-    return pbw__room(desk, &cavity->old, &cavity->old_capacity, cavity->simplices + 4, sizeof(pbw__cell))
-        && pbw__room(desk, &cavity->site, &cavity->site_capacity, cavity->sites + 4, sizeof(pbw__site))
-        && pbw__room(desk, &cavity->face, &cavity->face_capacity, cavity->faces + 4, sizeof(pbw__cell));
+    return pbwq__room(scratch, &cavity->old, &cavity->old_capacity, cavity->simplices + 4, sizeof(pbwq__cell))
+        && pbwq__room(scratch, &cavity->site, &cavity->site_capacity, cavity->sites + 4, sizeof(pbwq__site))
+        && pbwq__room(scratch, &cavity->face, &cavity->face_capacity, cavity->faces + 4, sizeof(pbwq__cell));
 }
 
 /* The corners of the facet opposite to each corner, counter-clockwise seen from that corner. */
-static const unsigned char pbw__opposite[2][4][3] = {
+static const unsigned char pbwq__opposite[2][4][3] = {
     { { 1, 2, 0 }, { 2, 0, 0 }, { 0, 1, 0 }, { 0, 0, 0 } }, { { 1, 3, 2 }, { 0, 2, 3 }, { 1, 0, 3 }, { 0, 1, 2 } }
 };
 
 /* Adds to the boundary the facet opposite to corner i of the cavity's simplex s. */
-PBW__INLINE void pbw__cavity_face(pbw__cavity *cavity, int dim, size_t s, size_t i)
+PBW__INLINE void pbwq__cavity_face(pbwq__cavity *cavity, int dim, size_t s, size_t i)
 {
-    pbw__cell *face = cavity->face + cavity->faces++;
+    pbwq__cell *face = cavity->face + cavity->faces++;
     int k;
     for (k = 0; k < 3; k++) {
-        face->corner[k] = cavity->old[s].corner[pbw__opposite[dim - 2][i][k]];
+        face->corner[k] = cavity->old[s].corner[pbwq__opposite[dim - 2][i][k]];
     }
     face->corner[dim] = PBW_NONE;
     face->across[0] = (pbw_index)s;
@@ -2528,30 +2538,31 @@ PBW__INLINE void pbw__cavity_face(pbw__cavity *cavity, int dim, size_t s, size_t
 
 /* Finds the simplices in conflict with q by a flood from t, which is one of them.  Their corners become the sites;
    the facets to simplices without conflict become the boundary.  Returns 0 if memory is short. */
-PBW__INLINE int pbw__cavity_find(const pbw__queries *queries, int dim, pbw__desk *desk, size_t t, const double *q)
+PBW__INLINE int pbwq__cavity_find(const pbwq__queries *queries, int dim, pbwq__scratch *scratch, size_t t,
+                                  const double *q)
 {
     const pbw_mesh *mesh = queries->mesh;
     const size_t corners = (size_t)dim + 1;
-    pbw__cavity *cavity = desk->cavity;
+    pbwq__cavity *cavity = scratch->cavity;
     size_t next, i;
     int added;
     cavity->simplices = 1;
     cavity->sites = cavity->faces = 0;
-    if (!pbw__set_clear(desk, &desk->seen) || !pbw__set_clear(desk, &desk->other)
-        || !pbw__cavity_reserve(desk, cavity) || pbw__set_add(desk, &desk->seen, t, 0, &added) == NULL) {
+    if (!pbwq__set_clear(scratch, &scratch->seen) || !pbwq__set_clear(scratch, &scratch->other)
+        || !pbwq__cavity_reserve(scratch, cavity) || pbwq__set_add(scratch, &scratch->seen, t, 0, &added) == NULL) {
         return 0;
     }
     cavity->old[0].simplex = (pbw_index)t;
     for (next = 0; next < cavity->simplices; next++) {
         const size_t s = cavity->old[next].simplex;
-        pbw__cell *old;
-        if (!pbw__cavity_reserve(desk, cavity)) {
+        pbwq__cell *old;
+        if (!pbwq__cavity_reserve(scratch, cavity)) {
             return 0;
         }
         old = cavity->old + next;
         for (i = 0; i < corners; i++) {
             const pbw_index vertex = mesh->simplices[s * corners + i];
-            const uint32_t *site = pbw__set_add(desk, &desk->other, vertex, (uint32_t)cavity->sites, &added);
+            const uint32_t *site = pbwq__set_add(scratch, &scratch->other, vertex, (uint32_t)cavity->sites, &added);
             if (site == NULL) {
                 return 0;
             }
@@ -2565,18 +2576,18 @@ PBW__INLINE int pbw__cavity_find(const pbw__queries *queries, int dim, pbw__desk
             uint32_t *known = NULL;
             old->across[i] = PBW_NONE;
             if (other != PBW_NONE) {
-                known = pbw__set_add(desk, &desk->seen, other, PBW_NONE, &added);
+                known = pbwq__set_add(scratch, &scratch->seen, other, PBW_NONE, &added);
                 if (known == NULL) {
                     return 0;
                 }
-                if (added && pbw__has_conflict(queries, dim, other, q, 1)) {
+                if (added && pbwq__has_conflict(queries, dim, other, q, 1)) {
                     *known = (uint32_t)cavity->simplices;
                     cavity->old[cavity->simplices++].simplex = other;
                 }
                 old->across[i] = *known;
             }
             if (old->across[i] == PBW_NONE) {
-                pbw__cavity_face(cavity, dim, next, i);
+                pbwq__cavity_face(cavity, dim, next, i);
             }
         }
     }
@@ -2584,7 +2595,7 @@ PBW__INLINE int pbw__cavity_find(const pbw__queries *queries, int dim, pbw__desk
 }
 
 /* Makes the sites relative to q, scaled by a power of two so that the farthest is about 1 away. */
-PBW__INLINE void pbw__cavity_place(const pbw_mesh *mesh, int dim, pbw__cavity *cavity, const double *q)
+PBW__INLINE void pbwq__cavity_place(const pbw_mesh *mesh, int dim, pbwq__cavity *cavity, const double *q)
 {
     double largest = 0.0, scale;
     size_t i;
@@ -2600,23 +2611,23 @@ PBW__INLINE void pbw__cavity_place(const pbw_mesh *mesh, int dim, pbw__cavity *c
     cavity->scale = largest < 1e300 ? -pbw__exponent(largest) : -1000;
     scale = pbw__power_of_two(cavity->scale);
     for (i = 0; i < cavity->sites; i++) {
-        pbw__site *site = cavity->site + i;
+        pbwq__site *site = cavity->site + i;
         const double *p = mesh->points + site->vertex * (size_t)dim;
         pbw_pair *at[3];
         at[0] = &site->at.x;
         at[1] = &site->at.y;
         at[2] = &site->at.z;
-        site->at.z = pbw__number(0.0);
+        site->at.z = pbwq__number(0.0);
         for (k = 0; k < dim; k++) {
             *at[k] = pbw__pair_scaled(pbw__pair_difference(p[k], q[k]), scale);
         }
-        site->weight = pbw__number(mesh->weights != NULL ? mesh->weights[site->vertex] * scale * scale : 0.0);
+        site->weight = pbwq__number(mesh->weights != NULL ? mesh->weights[site->vertex] * scale * scale : 0.0);
     }
 }
 
 /* Stores the centre of a simplex. */
-static void pbw__exact_centre(const pbw__cavity *cavity, const pbw__cell *x, pbw__exact_point *centre,
-                              pbw__digit **top)
+static void pbwq__exact_centre(const pbwq__cavity *cavity, const pbwq__cell *x, pbwq__exact_point *centre,
+                               pbw__digit **top)
 {
     const pbw_mesh *mesh = cavity->mesh;
     const int dim = mesh->dim, unit = cavity->unit;
@@ -2632,20 +2643,20 @@ static void pbw__exact_centre(const pbw__cavity *cavity, const pbw__cell *x, pbw
     }
     origin = point[dim];
     for (i = 0; i < 3; i++) {
-        pbw__exact_row(dim, i < dim ? point[i] : NULL, origin, unit, row[i], top);
+        pbwq__exact_row(dim, i < dim ? point[i] : NULL, origin, unit, row[i], top);
         memcpy(same, row[i], sizeof(row[i]));
-        lift[i] = pbw__exact_number(0, top);
-        same[3] = pbw__exact_number(-1, top);
+        lift[i] = pbwq__exact_number(0, top);
+        same[3] = pbwq__exact_number(-1, top);
         if (i < dim) {                               /* |row|^2 - dw */
             row[i][3] = pbw__exact_difference(weight[i], weight[dim], 2 * unit, top);
-            lift[i] = pbw__exact_dot(row[i], same, 1, 4, top);
+            lift[i] = pbwq__exact_dot(row[i], same, 1, 4, top);
         }
         twice[i] = pbw__exact_difference(i < dim ? origin[i] : 0.0, i < dim ? q[i] : 0.0, unit - 1, top);
     }
     for (i = 0; i < 3; i++) {                        /* the cofactors of lift i */
-        pbw__exact_cross(row[(i + 1) % 3], row[(i + 2) % 3], normal[i], top);
+        pbwq__exact_cross(row[(i + 1) % 3], row[(i + 2) % 3], normal[i], top);
     }
-    centre->by = pbw__exact_dot(row[0], normal[0], 1, 3, top);
+    centre->by = pbwq__exact_dot(row[0], normal[0], 1, 3, top);
     for (k = 0; k < 3; k++) {
         for (i = 0; i < 4; i++) {
             term[i].factor[0] = i < 3 ? lift + i : &centre->by;
@@ -2657,46 +2668,46 @@ static void pbw__exact_centre(const pbw__cavity *cavity, const pbw__cell *x, pbw
 }
 
 /* Returns the centre in pairs; only the quotients are rounded. */
-static PBW__NOINLINE pbw__vector pbw__cavity_flat_centre(const pbw__cavity *cavity, const pbw__cell *x)
+static PBW__NOINLINE pbwq__vector pbwq__cavity_flat_centre(const pbwq__cavity *cavity, const pbwq__cell *x)
 {
     const int exponent = cavity->unit - 1 + cavity->scale;
     pbw__digit pool[2 * PBW__POOL], *top = pool;
-    pbw__exact_point centre;
+    pbwq__exact_point centre;
     const pbw__integer *by = &centre.by;
-    pbw__vector result;
-    pbw__exact_centre(cavity, x, &centre, &top);
-    result.x = pbw__exact_quotient(centre.at, &by, 1, exponent);
-    result.y = pbw__exact_quotient(centre.at + 1, &by, 1, exponent);
-    result.z = pbw__exact_quotient(centre.at + 2, &by, 1, exponent);
+    pbwq__vector result;
+    pbwq__exact_centre(cavity, x, &centre, &top);
+    result.x = pbwq__exact_quotient(centre.at, &by, 1, exponent);
+    result.y = pbwq__exact_quotient(centre.at + 1, &by, 1, exponent);
+    result.z = pbwq__exact_quotient(centre.at + 2, &by, 1, exponent);
     return result;
 }
 
 /* Computes the centre of a simplex.  Returns 0 if it is too flat for doubles; with `fine` it is right even so. */
-PBW__INLINE int pbw__cavity_centre(int fine, int dim, int weighted, const pbw__cavity *cavity, pbw__cell *x)
+PBW__INLINE int pbwq__cavity_centre(int fine, int dim, int weighted, const pbwq__cavity *cavity, pbwq__cell *x)
 {
-    const pbw__site *base = x->corner[dim] != PBW_NONE ? cavity->site + x->corner[dim] : NULL;
-    pbw__vector row[3];
+    const pbwq__site *base = x->corner[dim] != PBW_NONE ? cavity->site + x->corner[dim] : NULL;
+    pbwq__vector row[3];
     pbw_pair lift[3];
     int flat, k;
     for (k = 0; k < dim; k++) {
-        const pbw__site *site = cavity->site + x->corner[k];
+        const pbwq__site *site = cavity->site + x->corner[k];
         pbw_pair weight = site->weight;
         row[k] = site->at;
         if (base != NULL) {
-            row[k] = pbw__vector_sub(fine, site->at, base->at);
-            weight = pbw__sub(fine, weight, base->weight);
+            row[k] = pbwq__vector_sub(fine, site->at, base->at);
+            weight = pbwq__sub(fine, weight, base->weight);
         }
-        lift[k] = pbw__vector_dot(fine, row[k], row[k]);
+        lift[k] = pbwq__vector_dot(fine, row[k], row[k]);
         if (weighted) {
-            lift[k] = pbw__sub(fine, lift[k], weight);
+            lift[k] = pbwq__sub(fine, lift[k], weight);
         }
     }
-    x->centre = pbw__centre_of(fine, dim, row, lift, &flat);
+    x->centre = pbwq__centre_of(fine, dim, row, lift, &flat);
     if (base != NULL) {
-        x->centre = pbw__vector_add(fine, base->at, x->centre);
+        x->centre = pbwq__vector_add(fine, base->at, x->centre);
     }
     if (fine && flat) {
-        x->centre = pbw__cavity_flat_centre(cavity, x);
+        x->centre = pbwq__cavity_flat_centre(cavity, x);
     }
     return !flat;
 }
@@ -2705,53 +2716,53 @@ PBW__INLINE int pbw__cavity_centre(int fine, int dim, int weighted, const pbw__c
    edges of its facet: the volume of the cone from q over the triangle of the edge and a corner of the polygon, the
    first centre met.  In the plane, that of q and the dual edge.  Laplace's weight is that of the polygons dual to
    edges at q, divided by its height, which is the lift of the other end.  Each is rounded once. */
-static PBW__NOINLINE void pbw__cavity_exact(int laplace, pbw__desk *desk, pbw__site *const *x,
-                                            const pbw__cell *const *ends)
+static PBW__NOINLINE void pbwq__cavity_exact(int laplace, pbwq__scratch *scratch, pbwq__site *const *x,
+                                             const pbwq__cell *const *ends)
 {
-    const pbw__cell *n = ends[0];
-    const pbw__cavity *cavity = desk->cavity;
+    const pbwq__cell *n = ends[0];
+    const pbwq__cavity *cavity = scratch->cavity;
     const int dim = cavity->mesh->dim, exponent = dim * (cavity->unit - 1 + cavity->scale);
     const size_t id = n->corner[dim] == PBW_NONE ? cavity->simplices + (size_t)(n - cavity->face)
                                                  : (size_t)(n - cavity->old);
     pbw__digit pool[5 * PBW__POOL], *top = pool, *bottom;
-    pbw__exact_point first, from, to;
+    pbwq__exact_point first, from, to;
     pbw__integer normal[3], volume, row[4], same[4];
     const pbw__integer *by[4] = { &from.by, &to.by, &first.by, &volume };
     int i, k, added;
-    pbw__exact_centre(cavity, n, &from, &top);
-    pbw__exact_centre(cavity, ends[1], &to, &top);
-    pbw__exact_cross(from.at, to.at, normal, &top);
+    pbwq__exact_centre(cavity, n, &from, &top);
+    pbwq__exact_centre(cavity, ends[1], &to, &top);
+    pbwq__exact_cross(from.at, to.at, normal, &top);
     for (i = laplace && dim == 3, bottom = top; i < (dim == 3 ? 3 : 1); i++, top = bottom) {
-        pbw__site *a = x[i], *b = x[i < 2 ? i + 1 : 0], *end = a->vertex != PBW_NONE ? a : b;
+        pbwq__site *a = x[i], *b = x[i < 2 ? i + 1 : 0], *end = a->vertex != PBW_NONE ? a : b;
         const uint64_t low = a->vertex < b->vertex ? a->vertex : b->vertex, high = a->vertex ^ b->vertex ^ low;
         pbw__integer det;
         pbw_pair value;
         if (dim == 3) {
-            const uint32_t *met = pbw__set_add(desk, &desk->other, low << 32 | high, (uint32_t)id, &added);
+            const uint32_t *met = pbwq__set_add(scratch, &scratch->other, low << 32 | high, (uint32_t)id, &added);
             if (met == NULL) {
                 return;
             }
-            pbw__exact_centre(cavity, *met < cavity->simplices ? cavity->old + *met
+            pbwq__exact_centre(cavity, *met < cavity->simplices ? cavity->old + *met
                                      : cavity->face + (*met - cavity->simplices), &first, &top);
         } else {
             for (k = 0; k < 3; k++) {
-                first.at[k] = pbw__exact_number(k == 2, &top);
+                first.at[k] = pbwq__exact_number(k == 2, &top);
             }
             first.by = first.at[2];
         }
-        det = pbw__exact_dot(first.at, normal, 1, 3, &top);
+        det = pbwq__exact_dot(first.at, normal, 1, 3, &top);
         if (laplace) {
-            pbw__exact_row(dim, cavity->mesh->points + end->vertex * (size_t)dim, cavity->query, cavity->unit, row,
-                           &top);
+            pbwq__exact_row(dim, cavity->mesh->points + end->vertex * (size_t)dim, cavity->query, cavity->unit, row,
+                            &top);
             memcpy(same, row, sizeof(row));
             row[3] = pbw__exact_difference(cavity->mesh->weights != NULL ? cavity->mesh->weights[end->vertex] : 0.0,
                                            0.0, 2 * cavity->unit, &top);
-            same[3] = pbw__exact_number(-1, &top);
-            volume = pbw__exact_dot(row, same, 1, 4, &top);
+            same[3] = pbwq__exact_number(-1, &top);
+            volume = pbwq__exact_dot(row, same, 1, 4, &top);
         }
         if (det.length > 0) {
-            value = pbw__exact_quotient(&det, by, laplace ? 4 : 3,
-                                        laplace ? exponent - 2 * (cavity->unit + cavity->scale) : exponent);
+            value = pbwq__exact_quotient(&det, by, laplace ? 4 : 3,
+                                         laplace ? exponent - 2 * (cavity->unit + cavity->scale) : exponent);
             a->gain = pbw__pair_plus(a->gain, value);
             b->gain = pbw__pair_minus(b->gain, value);
         }
@@ -2760,40 +2771,40 @@ static PBW__NOINLINE void pbw__cavity_exact(int laplace, pbw__desk *desk, pbw__s
 
 /* Adds to the gains of a and b the contribution of the dual edge from n to s for the edge ab:
    (b - a) . cross - away . (a x b), where cross = n x s and away = n - s. */
-PBW__INLINE void pbw__cavity_edge(int fine, int weighted, pbw__site *a, pbw__site *b, pbw__vector cross,
-                                  pbw__vector away)
+PBW__INLINE void pbwq__cavity_edge(int fine, int weighted, pbwq__site *a, pbwq__site *b, pbwq__vector cross,
+                                   pbwq__vector away)
 {
-    const pbw__vector along = pbw__vector_sub(fine, b->at, a->at);
-    pbw_pair value = pbw__sub(fine, pbw__vector_dot(fine, along, cross),
-                               pbw__vector_dot(fine, away, pbw__vector_cross(fine, a->at, b->at)));
+    const pbwq__vector along = pbwq__vector_sub(fine, b->at, a->at);
+    pbw_pair value = pbwq__sub(fine, pbwq__vector_dot(fine, along, cross),
+                               pbwq__vector_dot(fine, away, pbwq__vector_cross(fine, a->at, b->at)));
     if (weighted) {
-        pbw_pair more = pbw__div(fine, pbw__mul(fine, value, pbw__sub(fine, a->weight, b->weight)),
-                                  pbw__vector_dot(fine, along, along));
-        b->gain = pbw__sub(fine, b->gain, more);
-        a->gain = pbw__add(fine, a->gain, more);
+        pbw_pair more = pbwq__div(fine, pbwq__mul(fine, value, pbwq__sub(fine, a->weight, b->weight)),
+                                  pbwq__vector_dot(fine, along, along));
+        b->gain = pbwq__sub(fine, b->gain, more);
+        a->gain = pbwq__add(fine, a->gain, more);
     }
-    a->gain = pbw__add(fine, a->gain, value);
-    b->gain = pbw__add(fine, b->gain, value);
+    a->gain = pbwq__add(fine, a->gain, value);
+    b->gain = pbwq__add(fine, b->gain, value);
 }
 
 /* Adds the contributions of the dual edge from n to s for all edges of its facet, counter-clockwise seen from s. */
-PBW__INLINE void pbw__cavity_facet(int fine, int dim, int weighted, pbw__desk *desk, pbw__site *const *x,
-                                   const pbw__cell *const *ends)
+PBW__INLINE void pbwq__cavity_facet(int fine, int dim, int weighted, pbwq__scratch *scratch, pbwq__site *const *x,
+                                    const pbwq__cell *const *ends)
 {
-    const pbw__vector n = ends[0]->centre, s = ends[1]->centre;
+    const pbwq__vector n = ends[0]->centre, s = ends[1]->centre;
     if (fine > 1) {
-        pbw__cavity_exact(0, desk, x, ends);
+        pbwq__cavity_exact(0, scratch, x, ends);
     } else if (dim == 3) {
-        const pbw__vector cross = pbw__vector_cross(fine, n, s), away = pbw__vector_sub(fine, n, s);
-        pbw__cavity_edge(fine, weighted, x[0], x[1], cross, away);
-        pbw__cavity_edge(fine, weighted, x[1], x[2], cross, away);
-        pbw__cavity_edge(fine, weighted, x[2], x[0], cross, away);
+        const pbwq__vector cross = pbwq__vector_cross(fine, n, s), away = pbwq__vector_sub(fine, n, s);
+        pbwq__cavity_edge(fine, weighted, x[0], x[1], cross, away);
+        pbwq__cavity_edge(fine, weighted, x[1], x[2], cross, away);
+        pbwq__cavity_edge(fine, weighted, x[2], x[0], cross, away);
     } else {
-        pbw__site *a = x[0], *b = x[1];
-        a->gain = pbw__add(fine, a->gain, pbw__vector_area(fine, pbw__vector_sub(fine, n, a->at),
-                                                           pbw__vector_sub(fine, s, a->at)));
-        b->gain = pbw__add(fine, b->gain, pbw__vector_area(fine, pbw__vector_sub(fine, s, b->at),
-                                                           pbw__vector_sub(fine, n, b->at)));
+        pbwq__site *a = x[0], *b = x[1];
+        a->gain = pbwq__add(fine, a->gain, pbwq__vector_area(fine, pbwq__vector_sub(fine, n, a->at),
+                                                             pbwq__vector_sub(fine, s, a->at)));
+        b->gain = pbwq__add(fine, b->gain, pbwq__vector_area(fine, pbwq__vector_sub(fine, s, b->at),
+                                                             pbwq__vector_sub(fine, n, b->at)));
     }
 }
 
@@ -2801,59 +2812,59 @@ PBW__INLINE void pbw__cavity_facet(int fine, int dim, int weighted, pbw__desk *d
    x[1], counter-clockwise seen from s, between the new simplices with centres n and s.  scheme: 1 with weights; 2 for
    Laplace's weights: adds the contribution to the facet between the cells of q and x[0], and in space of q and x[1],
    each divided by the distance of the two. */
-PBW__INLINE void pbw__cavity_spoke(int fine, int dim, int scheme, pbw__desk *desk, pbw__site *const *x,
-                                   const pbw__cell *const *ends)
+PBW__INLINE void pbwq__cavity_spoke(int fine, int dim, int scheme, pbwq__scratch *scratch, pbwq__site *const *x,
+                                    const pbwq__cell *const *ends)
 {
-    const pbw__cell *const back[2] = { ends[1], ends[0] };
-    pbw__site origin, *corner[3];
+    const pbwq__cell *const back[2] = { ends[1], ends[0] };
+    pbwq__site origin, *corner[3];
     memset(&origin, 0, sizeof(origin));
     origin.vertex = PBW_NONE;
     corner[0] = x[0];
     corner[1] = dim == 3 ? x[1] : &origin;
     corner[2] = &origin;
     if (scheme < 2) {
-        pbw__cavity_facet(fine, dim, scheme, desk, corner, back);
+        pbwq__cavity_facet(fine, dim, scheme, scratch, corner, back);
     } else if (fine > 1) {
-        pbw__cavity_exact(1, desk, corner, back);
+        pbwq__cavity_exact(1, scratch, corner, back);
     } else {
-        const pbw__vector cross = dim == 3 ? pbw__vector_cross(fine, ends[0]->centre, ends[1]->centre)
-                                           : pbw__vector_sub(fine, ends[0]->centre, ends[1]->centre);
-        x[0]->gain = pbw__add(fine, x[0]->gain,
-                              pbw__div(fine, dim == 3 ? pbw__vector_dot(fine, x[0]->at, cross)
-                                                      : pbw__vector_area(fine, x[0]->at, cross),
-                                       pbw__vector_dot(fine, x[0]->at, x[0]->at)));
+        const pbwq__vector cross = dim == 3 ? pbwq__vector_cross(fine, ends[0]->centre, ends[1]->centre)
+                                           : pbwq__vector_sub(fine, ends[0]->centre, ends[1]->centre);
+        x[0]->gain = pbwq__add(fine, x[0]->gain,
+                               pbwq__div(fine, dim == 3 ? pbwq__vector_dot(fine, x[0]->at, cross)
+                                                      : pbwq__vector_area(fine, x[0]->at, cross),
+                                         pbwq__vector_dot(fine, x[0]->at, x[0]->at)));
         if (dim == 3) {
-            x[1]->gain = pbw__sub(fine, x[1]->gain, pbw__div(fine, pbw__vector_dot(fine, x[1]->at, cross),
-                                                             pbw__vector_dot(fine, x[1]->at, x[1]->at)));
+            x[1]->gain = pbwq__sub(fine, x[1]->gain, pbwq__div(fine, pbwq__vector_dot(fine, x[1]->at, cross),
+                                                               pbwq__vector_dot(fine, x[1]->at, x[1]->at)));
         }
     }
 }
 
 /* Adds the contributions of all facets at q.  Each belongs to a ridge (in the plane, a vertex) where two boundary
    facets meet.  Returns 0 if memory is short. */
-PBW__INLINE int pbw__cavity_spokes(int fine, int dim, int weighted, int laplace, pbw__desk *desk)
+PBW__INLINE int pbwq__cavity_spokes(int fine, int dim, int weighted, int laplace, pbwq__scratch *scratch)
 {
-    pbw__cavity *cavity = desk->cavity;
+    pbwq__cavity *cavity = scratch->cavity;
     size_t f;
     int k, added;
-    if (!pbw__set_clear(desk, &desk->seen)) {
+    if (!pbwq__set_clear(scratch, &scratch->seen)) {
         return 0;
     }
     for (f = 0; f < cavity->faces; f++) {
-        const pbw__cell *face = cavity->face + f;
+        const pbwq__cell *face = cavity->face + f;
         for (k = 0; k < dim; k++) {
             const pbw_index a = face->corner[k], b = dim == 3 ? face->corner[k < 2 ? k + 1 : 0] : a;
             const uint64_t key = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
-            const uint32_t *other = pbw__set_add(desk, &desk->seen, key, (uint32_t)f, &added);
+            const uint32_t *other = pbwq__set_add(scratch, &scratch->seen, key, (uint32_t)f, &added);
             if (other == NULL) {
                 return 0;
             }
             if (!added) {
-                const pbw__cell *first = cavity->face + *other;
+                const pbwq__cell *first = cavity->face + *other;
                 const int turn = dim == 2 && k == 0; /* this edge begins at a: counter-clockwise for the other */
-                const pbw__cell *const ends[2] = { turn ? face : first, turn ? first : face };
-                pbw__site *const x[2] = { cavity->site + b, cavity->site + a };
-                pbw__cavity_spoke(fine, dim, laplace ? 2 : weighted, desk, x, ends);
+                const pbwq__cell *const ends[2] = { turn ? face : first, turn ? first : face };
+                pbwq__site *const x[2] = { cavity->site + b, cavity->site + a };
+                pbwq__cavity_spoke(fine, dim, laplace ? 2 : weighted, scratch, x, ends);
             }
         }
     }
@@ -2862,54 +2873,54 @@ PBW__INLINE int pbw__cavity_spokes(int fine, int dim, int weighted, int laplace,
 
 /* Computes the gain of each site, with fine = 2 by exact integers.  Returns 1 if the weights that they give are
    right, otherwise 0; -1 if memory is short. */
-PBW__INLINE int pbw__cavity_weigh(int fine, int weighted, int laplace, pbw__desk *desk, int dim)
+PBW__INLINE int pbwq__cavity_weigh(int fine, int weighted, int laplace, pbwq__scratch *scratch, int dim)
 {
-    pbw__cavity *cavity = desk->cavity;
-    const pbw__cell *ends[2];
-    pbw__site *x[3];
-    double mean[3] = { 0.0, 0.0, 0.0 }, total = 0.0, far = 1.0, off;
+    pbwq__cavity *cavity = scratch->cavity;
+    const pbwq__cell *ends[2];
+    pbwq__site *x[3];
+    double mean[3] = { 0.0, 0.0, 0.0 }, total = 0.0, size = 1.0, off;
     size_t i, s;
     int k, round = 1;
     for (i = 0; i < cavity->simplices + cavity->faces && fine < 2; i++) {
-        pbw__cell *cell = i < cavity->faces ? cavity->face + i : cavity->old + (i - cavity->faces);
+        pbwq__cell *cell = i < cavity->faces ? cavity->face + i : cavity->old + (i - cavity->faces);
         if (i < cavity->faces || !laplace) {
-            round &= pbw__cavity_centre(fine, dim, weighted, cavity, cell);
-            far = pbw__max(far, pbw__max_abs(cell->centre.x.head, cell->centre.y.head, cell->centre.z.head, 0.0));
+            round &= pbwq__cavity_centre(fine, dim, weighted, cavity, cell);
+            size = pbw__max(size, pbw__max_abs(cell->centre.x.head, cell->centre.y.head, cell->centre.z.head, 0.0));
         }
     }
     if (!fine && !round) {
         return 0;
     }
     for (i = 0; i < cavity->sites; i++) {
-        cavity->site[i].gain = pbw__number(0.0);
+        cavity->site[i].gain = pbwq__number(0.0);
     }
     for (s = 0; s < cavity->simplices && !laplace; s++) {
         for (i = 0; i <= (size_t)dim; i++) {
             const pbw_index n = cavity->old[s].across[i];
             if (n < s) {                             /* a facet inside, once */
                 for (k = 0; k < dim; k++) {
-                    x[k] = cavity->site + cavity->old[s].corner[pbw__opposite[dim - 2][i][k]];
+                    x[k] = cavity->site + cavity->old[s].corner[pbwq__opposite[dim - 2][i][k]];
                 }
                 ends[0] = cavity->old + n;
                 ends[1] = cavity->old + s;
-                pbw__cavity_facet(fine, dim, weighted, desk, x, ends);
+                pbwq__cavity_facet(fine, dim, weighted, scratch, x, ends);
             }
         }
     }
     for (i = 0; i < cavity->faces && !laplace; i++) {
-        const pbw__cell *face = cavity->face + i;
+        const pbwq__cell *face = cavity->face + i;
         for (k = 0; k < dim; k++) {
             x[k] = cavity->site + face->corner[k];
         }
         ends[0] = face;
         ends[1] = cavity->old + face->across[0];
-        pbw__cavity_facet(fine, dim, weighted, desk, x, ends);
+        pbwq__cavity_facet(fine, dim, weighted, scratch, x, ends);
     }
-    if (!pbw__cavity_spokes(fine, dim, weighted, laplace, desk) || desk->failed) {
+    if (!pbwq__cavity_spokes(fine, dim, weighted, laplace, scratch) || scratch->failed) {
         return -1;
     }
     for (i = 0; i < cavity->sites; i++) {
-        const pbw__site *site = cavity->site + i;
+        const pbwq__site *site = cavity->site + i;
         const double gain = pbw__max(site->gain.head + site->gain.tail, 0.0);
         total += gain;
         mean[0] += gain * site->at.x.head;
@@ -2918,11 +2929,11 @@ PBW__INLINE int pbw__cavity_weigh(int fine, int weighted, int laplace, pbw__desk
     }
     off = pbw__max_abs(mean[0], mean[1], mean[2], 0.0);
     return total > 0.0 && total <= DBL_MAX && off <= (fine ? 1e-12 : 1e-14) * total
-        && (fine > 1 || (dim == 3 ? far * far * far : far * far) * (fine ? 1e-11 : 1e-8) <= total);
+        && (fine > 1 || (dim == 3 ? size * size * size : size * size) * (fine ? 1e-11 : 1e-8) <= total);
 }
 
 /* Stores the unit of exact numbers: it divides all coordinates, and its square all weights. */
-static void pbw__cavity_unit(pbw__cavity *cavity)
+static void pbwq__cavity_unit(pbwq__cavity *cavity)
 {
     const pbw_mesh *mesh = cavity->mesh;
     size_t i;
@@ -2936,34 +2947,34 @@ static void pbw__cavity_unit(pbw__cavity *cavity)
     }
 }
 
-static PBW__NOINLINE int pbw__cavity_weigh_fine(int fine, int laplace, pbw__desk *desk)
+static PBW__NOINLINE int pbwq__cavity_weigh_fine(int fine, int laplace, pbwq__scratch *scratch)
 {
-    const int weighted = desk->cavity->mesh->weights != NULL, dim = desk->cavity->mesh->dim;
-    return fine == 1 ? PBW__BY_DIM(dim, pbw__cavity_weigh, 1, weighted, laplace, desk)
-                     : PBW__BY_DIM(dim, pbw__cavity_weigh, 2, weighted, laplace, desk);
+    const int weighted = scratch->cavity->mesh->weights != NULL, dim = scratch->cavity->mesh->dim;
+    return fine == 1 ? PBW__BY_DIM(dim, pbwq__cavity_weigh, 1, weighted, laplace, scratch)
+                     : PBW__BY_DIM(dim, pbwq__cavity_weigh, 2, weighted, laplace, scratch);
 }
 
-static int pbw__cavity_weigh_coarse(int laplace, pbw__desk *desk)
+static int pbwq__cavity_weigh_coarse(int laplace, pbwq__scratch *scratch)
 {
-    const int weighted = desk->cavity->mesh->weights != NULL, dim = desk->cavity->mesh->dim;
-    return weighted || laplace ? PBW__BY_DIM(dim, pbw__cavity_weigh, 0, weighted, laplace, desk)
-                               : PBW__BY_DIM(dim, pbw__cavity_weigh, 0, 0, 0, desk);
+    const int weighted = scratch->cavity->mesh->weights != NULL, dim = scratch->cavity->mesh->dim;
+    return weighted || laplace ? PBW__BY_DIM(dim, pbwq__cavity_weigh, 0, weighted, laplace, scratch)
+                               : PBW__BY_DIM(dim, pbwq__cavity_weigh, 0, 0, 0, scratch);
 }
 
 /* Adds the list of a query: the sites with positive weights, by index. */
-static void pbw__cavity_give(pbw__queries *queries, pbw__desk *desk, size_t block, size_t query)
+static void pbwq__cavity_write(pbwq__queries *queries, pbwq__scratch *scratch, size_t block, size_t query)
 {
-    pbw__cavity *cavity = desk->cavity;
+    pbwq__cavity *cavity = scratch->cavity;
     pbw_index *items;
     double *values, total = 0.0;
     size_t count = 0, i;
     for (i = 0; i < cavity->sites; i++) {
-        const pbw__site site = cavity->site[i];
+        const pbwq__site site = cavity->site[i];
         if (site.gain.head + site.gain.tail > 0.0) {
             cavity->site[count++] = site;
         }
     }
-    items = pbw__chunk_add(queries, desk, block, query, count, &values);
+    items = pbwq__chunk_add(queries, scratch, block, query, count, &values);
     if (items == NULL) {
         return;
     }
@@ -2971,7 +2982,7 @@ static void pbw__cavity_give(pbw__queries *queries, pbw__desk *desk, size_t bloc
         items[i] = cavity->site[i].vertex;
         values[i] = cavity->site[i].gain.head + cavity->site[i].gain.tail;
     }
-    pbw__sort_items(items, values, count);
+    pbwq__sort_items(items, values, count);
     for (i = 0; i < count; i++) {
         total += values[i];
     }
@@ -2981,75 +2992,76 @@ static void pbw__cavity_give(pbw__queries *queries, pbw__desk *desk, size_t bloc
 }
 
 /* Adds Sibson's or Laplace's weights of a query inside simplex t. */
-static void pbw__coordinates_of(pbw__queries *queries, pbw__desk *desk, size_t block, size_t query, size_t t,
-                                const double *p)
+static void pbwq__coordinates_of(pbwq__queries *queries, pbwq__scratch *scratch, size_t block, size_t query, size_t t,
+                                 const double *p)
 {
     const pbw_mesh *mesh = queries->mesh;
     const int dim = mesh->dim, laplace = queries->scheme == PBW_LAPLACE;
     int right;
-    if (desk->cavity == NULL) {
-        desk->cavity = (pbw__cavity *)pbw__allocate(desk->memory, 1, sizeof(pbw__cavity));
-        if (desk->cavity == NULL) {
-            desk->failed = 1;
+    if (scratch->cavity == NULL) {
+        scratch->cavity = (pbwq__cavity *)pbw__allocate(scratch->memory, 1, sizeof(pbwq__cavity));
+        if (scratch->cavity == NULL) {
+            scratch->failed = 1;
             return;
         }
-        memset(desk->cavity, 0, sizeof(pbw__cavity));
+        memset(scratch->cavity, 0, sizeof(pbwq__cavity));
     }
-    if (!(dim == 3 ? pbw__cavity_find(queries, 3, desk, t, p) : pbw__cavity_find(queries, 2, desk, t, p))) {
+    if (!(dim == 3 ? pbwq__cavity_find(queries, 3, scratch, t, p) : pbwq__cavity_find(queries, 2, scratch, t, p))) {
         return;
     }
-    pbw__cavity_place(mesh, dim, desk->cavity, p);
-    right = pbw__cavity_weigh_coarse(laplace, desk);
+    pbwq__cavity_place(mesh, dim, scratch->cavity, p);
+    right = pbwq__cavity_weigh_coarse(laplace, scratch);
     if (right == 0) {
-        pbw__cavity_unit(desk->cavity);
-        right = pbw__cavity_weigh_fine(1, laplace, desk);
+        pbwq__cavity_unit(scratch->cavity);
+        right = pbwq__cavity_weigh_fine(1, laplace, scratch);
     }
     if (right == 0) {
-        right = pbw__set_clear(desk, &desk->other) ? pbw__cavity_weigh_fine(2, laplace, desk) : -1;
+        right = pbwq__set_clear(scratch, &scratch->other) ? pbwq__cavity_weigh_fine(2, laplace, scratch) : -1;
     }
     if (right > 0) {
-        pbw__cavity_give(queries, desk, block, query);
+        pbwq__cavity_write(queries, scratch, block, query);
     } else if (right == 0) {
-        const pbw__spot spot = { t, PBW__INSIDE, 0 };
-        pbw__barycentric(queries, desk, block, query, &spot, p);
+        const pbwq__location location = { t, PBWQ__INSIDE, 0 };
+        pbwq__barycentric(queries, scratch, block, query, &location, p);
     }
 }
 
-static void pbw__coordinates_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+static void pbwq__coordinates_block(pbwq__queries *queries, pbwq__scratch *scratch, size_t block, size_t from,
+                                    size_t to)
 {
     const pbw_mesh *mesh = queries->mesh;
     const size_t dim = (size_t)mesh->dim;
-    pbw__spot end = { 0, 0, 0 };
+    pbwq__location end = { 0, 0, 0 };
     size_t i;
-    for (i = from; i < to && !desk->failed && !desk->astray; i++) {
-        const size_t query = pbw__query_index(queries, i);
-        pbw__spot spot;
+    for (i = from; i < to && !scratch->failed && !scratch->moved; i++) {
+        const size_t query = pbwq__query_of(queries, i);
+        pbwq__location location;
         unsigned spread, facets = 0;
         double p[4];
         int hull;
         pbw__fetch(&queries->input, query, p);
         if (i == from) {
-            end.simplex = mesh->incident[pbw__guess(mesh, p)];
+            end.simplex = mesh->incident[pbwq__start_vertex(mesh, p)];
         }
-        pbw__walk_to(mesh, &end, p, &queries->grid);
-        if (end.leave != PBW__INSIDE) {
-            desk->astray = end.leave == PBW__ASTRAY;
+        pbwq__walk_to(mesh, &end, p, &queries->grid);
+        if (end.leave != PBWQ__INSIDE) {
+            scratch->moved = end.leave == PBWQ__MOVED;
             continue;                                /* outside: an empty list */
         }
-        spot = end;
-        spot.simplex = pbw__lowest_with(mesh, end.simplex, end.on, &hull);
-        if (spot.simplex != end.simplex) {
-            const pbw_index *v = mesh->simplices + spot.simplex * (dim + 1);
-            (void)pbw__side_exact(mesh, v, p, &queries->grid, &spot.on);
+        location = end;
+        location.simplex = pbwq__lowest_with(mesh, end.simplex, end.on, &hull);
+        if (location.simplex != end.simplex) {
+            const pbw_index *v = mesh->simplices + location.simplex * (dim + 1);
+            (void)pbwq__side_exact(mesh, v, p, &queries->grid, &location.on);
         }
-        for (spread = spot.on; spread != 0; spread &= spread - 1) {
+        for (spread = location.on; spread != 0; spread &= spread - 1) {
             facets++;
         }
         if (queries->scheme == PBW_BARYCENTRIC || hull || facets == dim
-            || (mesh->weights != NULL && !pbw__has_conflict(queries, mesh->dim, spot.simplex, p, 0))) {
-            pbw__barycentric(queries, desk, block, query, &spot, p);
+            || (mesh->weights != NULL && !pbwq__has_conflict(queries, mesh->dim, location.simplex, p, 0))) {
+            pbwq__barycentric(queries, scratch, block, query, &location, p);
         } else {
-            pbw__coordinates_of(queries, desk, block, query, spot.simplex, p);
+            pbwq__coordinates_of(queries, scratch, block, query, location.simplex, p);
         }
         if (pbw__report(&queries->context, 0.0)) {
             return;
@@ -3060,7 +3072,7 @@ static void pbw__coordinates_block(pbw__queries *queries, pbw__desk *desk, size_
 PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, size_t count, pbw_scheme scheme,
                                   const pbw_options *options, pbw_lists *lists)
 {
-    pbw__queries queries;
+    pbwq__queries queries;
     pbw_status status;
     if (lists == NULL) {
         return PBW_ERROR_ARGUMENT;
@@ -3069,18 +3081,15 @@ PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, si
     if (scheme != PBW_BARYCENTRIC && scheme != PBW_SIBSON && scheme != PBW_LAPLACE) {
         return PBW_ERROR_ARGUMENT;
     }
-    status = pbw__queries_start(&queries, mesh, points, count, options);
+    status = pbwq__queries_start(&queries, mesh, points, count, options);
     if (status == PBW_OK) {
         queries.scheme = scheme;
         queries.with_values = 1;
-        status = pbw__make_lists(&queries, pbw__coordinates_block, mesh->simplex_count == 0 ? 0 : count,
-                                 PBW__BLOCK_QUERIES, count, lists);
+        status = pbwq__make_lists(&queries, pbwq__coordinates_block, mesh->simplex_count == 0 ? 0 : count,
+                                  PBWQ__BLOCK_QUERIES, count, lists);
     }
-    return pbw__lists_end(&queries, status, lists);
+    return pbwq__lists_end(&queries, status, lists);
 }
-#ifdef _WIN32
-#pragma pop_macro("far")
-#endif
 #if defined(__clang__) && (defined(__x86_64__) || defined(__i386__))
 #pragma float_control(pop)
 #elif defined(__clang__)
