@@ -9795,7 +9795,7 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
 /* ------------------------------------------------------------------------------------------------------
    >>seam         What pbw_query.h and pbw_live.h use of the rooms above.
    In: the private names of this file.  Out: those that these two may use, with their rooms; of a struct, its members.
-   Holds: the list is what they use, tests/seam.sh compares; whoever changes what a name in it means, raises PBW__SEAM.
+   Holds: the list is what they use, tests/seam.sh compares; who changes what a name in it means raises PBW__SEAM.
 
    They are compiled behind this file, in one source file, and refuse another number.
 
