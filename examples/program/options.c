@@ -427,7 +427,6 @@ static void fill(job *j)
     j->build.threads = (int)number_of(j, "--threads", 0);
     j->build.memory_limit = (size_t)number_of(j, "--memory-limit", 0);
     j->build.flags = is_given(j, "--any-order") ? PBW_ANY_ORDER : 0;
-    j->read.build = j->write.build = j->picture.build = &j->build;
     j->write.flags = (is_given(j, "--no-orphans") ? PBWIO_NO_ORPHANS : 0) | (is_given(j, "--text") ? PBWIO_TEXT : 0);
     vector_of(j, "--eye", 3, j->picture.eye);
     vector_of(j, "--up", 3, j->picture.up);

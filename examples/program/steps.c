@@ -247,7 +247,7 @@ int load_surface(job *j)
     }
     model = model_of(surface);
     j->stage = "surface";
-    status = pbwsample_inspect(&model, &j->build, &report);
+    status = pbwsample_inspect(&model, NULL, &report);
     j->stage = NULL;
     if (status != PBW_OK) {
         return fail(j, "%s: %s", path != NULL ? path : j->input, pbwsample_status_string(status));
@@ -307,7 +307,7 @@ int mark_inside(job *j)
         }
     }
     if (centre != NULL && j->inside != NULL) {
-        status = pbwsample_inside(&model, centre, j->mesh.simplex_count, &j->build, j->inside);
+        status = pbwsample_inside(&model, centre, j->mesh.simplex_count, NULL, j->inside);
     }
     if (status == PBW_OK && j->open_surface && winds_around(j, surface, centre, &winds) != PBW_OK) {
         status = PBW_ERROR_MEMORY;

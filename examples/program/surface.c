@@ -246,7 +246,7 @@ int describe_surface(job *j, const pbwio_cloud *cloud, int details)
     memset(&f, 0, sizeof f);
     f.cloud = cloud;
     j->stage = "surface";
-    status = pbwsample_inspect(&model, &j->build, &report);
+    status = pbwsample_inspect(&model, NULL, &report);
     j->stage = NULL;
     found = status == PBW_OK && find_faults(&f);
     if (status != PBW_OK) {
