@@ -516,7 +516,7 @@ PBWDEF void *pbw_memory_resize(pbw_memory *memory, void *ptr, size_t old_count, 
    array is such a struct, an lvalue without side effects.  They return 1, or 0 and leave it as it is.
    PBW_FIT       changes the capacity
    PBW_ZEROS     count = wanted zeros, where there were no items; at is not NULL then, even of none
-   PBW_RESERVE   room for `more` items behind the last; capacities grow by half
+   PBW_RESERVE   room for `more` items behind the last; capacities grow by a quarter
    PBW_PUSH      puts an item behind the last; it is evaluated once, after the array has grown
    PBW_RELEASE   frees it: all zero again */
 #define PBW_ARRAY(type) struct { type *at; size_t count, capacity; }
@@ -1562,7 +1562,7 @@ PBWDEF int pbw_memory_fit(pbw_memory *memory, void *array, size_t *capacity, siz
 
 PBWDEF int pbw_memory_grow(pbw_memory *memory, void *array, size_t *capacity, size_t count, size_t more, size_t size)
 {
-    const size_t need = count + more, larger = *capacity + *capacity / 2 + 16;
+    const size_t need = count + more, larger = *capacity + *capacity / 4 + 16;
     return need >= count
         && (need <= *capacity || pbw_memory_fit(memory, array, capacity, need > larger ? need : larger, size));
 }
@@ -4366,7 +4366,7 @@ typedef struct pbw__kernel {
     char apart_too[128];
 } pbw__kernel;
 
-/* Makes room for `needed` items in the array x, whose size x_capacity is beside it; grows by half. */
+/* Makes room for `needed` items in the array x, beside which its size x_capacity is. */
 #define PBW__GROW(kernel, owner, x, needed) \
     pbw_memory_grow(&(kernel)->context->memory, &(owner)->x, &(owner)->x##_capacity, needed, 0, sizeof(*(owner)->x))
 
