@@ -588,17 +588,6 @@ def apexes():
         local = run('pbw__plane_conflict', dict(plane=plane, row=row + [h], dim=dim), ['det', 'limit'])[1]
         prove('pbw__plane_conflict %d' % dim, local['det'], local['limit'], least * scale, True)
 
-        name, c = 'pbw__candidates4_of', Rows()
-        local = dict(core=Rows(), c=c, pencil=Rows(), origin=plane.origin, i=0, dim=dim)
-        local['core'].rim_at, local['pencil'].normal, local['pencil'].height = plane.origin, normal, h
-        run(name, local, ['weight', 'c.x', 'c.y', 'c.height', 'c.lift'] + ['c.z'] * (dim - 2))
-        scaled(c.lift, c.height)
-        local = run(name, local, ['side', 'h', 'limit'])[1]
-        prove('%s %d' % (name, dim), local['side'], local['limit'], scale, True)
-        name = 'pbw__candidates4_conflict'
-        local = run(name, dict(c=c, plane=plane, dim=dim), ['h', 'det', 'limit'])[1]
-        prove('%s %d' % (name, dim), local['det'], local['limit'], least * scale, True)
-
 
 def ears():
     plane, row, name = Rows(), [None] * 4, 'pbw__ear_spans'
