@@ -21,13 +21,16 @@ for file in man/man1/pbw.1 bash-completion/completions/pbw zsh/site-functions/_p
 done
 check "the program runs" "$prefix/bin/pbw" --generate uniform 100 --quiet -o "$work/p.obj"
 for header in "$prefix"/include/pbw/*.h; do
-    name=$(basename "$header") compiler=$CC
-    if [ "$name" = pbw_mpi.h ]; then
+    name=$(basename "$header") compiler=$CC define=
+    case $name in
+    pbw_mpi.h)
         compiler=mpicc
-        command -v mpicc > /dev/null || { skip "a program includes $name: no mpicc"; continue; }
-    fi
+        command -v mpicc > /dev/null || { skip "a program includes $name: no mpicc"; continue; } ;;
+    pbw_stuffing.h) define=-DPBW_SURFACE_IMPLEMENTATION ;;       # all of its functions are static
+    esac
+    # shellcheck disable=SC2086
     check "a program includes $name" \
-        $compiler -std=c99 -I"$prefix/include" -include "pbw/$name" -x c -fsyntax-only /dev/null
+        $compiler $define -std=c99 -I"$prefix/include" -include "pbw/$name" -x c -fsyntax-only /dev/null
 done
 
 # pkg-config: the shared library, the static one, the header alone.
